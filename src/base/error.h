@@ -1,0 +1,15 @@
+// Errors are values. A function that can fail takes an FfpError and returns bool (or NULL).
+#ifndef FFP_BASE_ERROR_H
+#define FFP_BASE_ERROR_H
+
+#include <stdbool.h>
+
+typedef struct FfpError {
+    char text[768]; // "WHAT (WHERE)", WHERE being a file, "FILE: FIELD", or empty; "" when nothing failed
+} FfpError;
+
+// Writes "WHAT (WHERE)" into err (which may be NULL) and returns false, so that a caller can `return ffp_fail(...)`.
+// `where` may be NULL: then only WHAT is written. Control characters in the text are replaced by '?'.
+bool ffp_fail(FfpError *err, const char *where, const char *what_format, ...) __attribute__((format(printf, 3, 4)));
+
+#endif

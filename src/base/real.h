@@ -1,0 +1,11 @@
+// The number type of the numeric rooms: float, or double when the same sources are built for the gradient tests.
+// Write constants with the F suffix (0.5F) and include <tgmath.h> so that one text serves both.
+#ifndef FFP_BASE_REAL_H
+#define FFP_BASE_REAL_H
+
+#ifndef FFP_REAL
+#define FFP_REAL float
+#endif
+typedef FFP_REAL real;
+
+#endif

@@ -1,0 +1,84 @@
+// A capture: what a projector-camera rig saw of one object. See docs/formats.md for the files.
+#ifndef FFP_CAPTURE_CAPTURE_H
+#define FFP_CAPTURE_CAPTURE_H
+
+#include <stdbool.h>
+#include "base/error.h"
+#include "image/image.h"
+
+#define FFP_NAME_MAX 96
+#define FFP_VIEWS_MAX 512
+#define FFP_PATTERNS_MAX 512
+
+// A pinhole device, camera or projector alike (a projector is a camera whose light runs backwards).
+// Axes are OpenCV's: x right, y down, z forward. Pixel centres at integer + 0.5.
+typedef struct FfpCamera {
+    int width, height;
+    real fx, fy, cx, cy; // pixels; the principal point may lie outside the image
+    real pose[16];       // row-major 4x4, device to world (c2w, p2w), rigid
+} FfpCamera;
+
+typedef struct FfpPattern {
+    char name[FFP_NAME_MAX];
+    FfpImage image; // linear RGB, 3 channels, size of the projector
+} FfpPattern;
+
+typedef struct FfpView {
+    char id[FFP_NAME_MAX];
+    FfpCamera camera, projector;
+    FfpImage *images;  // [n_patterns] linear RGB over black, camera size; .data is NULL where this view has none
+    FfpImage coverage; // 1 channel in [0,1]: the object's share of each pixel (alpha); always there
+    // Truth, where the capture has it (.data NULL otherwise). Same size as the images:
+    FfpImage depth;     // 1 channel, camera z in world units at the pixel's centre, 0 where there is no surface
+    FfpImage normal;    // 3 channels, world, unit
+    FfpImage albedo;    // 3 channels, linear
+    FfpImage roughness; // 1 channel
+    FfpImage direct_white; // 3 channels, linear: direct projector light only, under the white pattern (generator)
+} FfpView;
+
+typedef struct FfpCapture {
+    char name[FFP_NAME_MAX];
+    char folder[1024];
+    int n_patterns, n_views;
+    FfpPattern *patterns;
+    FfpView *views;
+    int black, white;  // indices into patterns
+    real intensity[3]; // projector radiant intensity at pattern value 1, W/sr in world units (I of the light model)
+    bool intensity_known;
+    real centre[3], radius; // the object's bounding sphere, world units (given, or estimated from poses and masks)
+} FfpCapture;
+
+// Reads CAPTURE: a folder (scene.json preferred, else render_poses.json) or a JSON file of either kind. Everything is
+// checked: rigid matrices, positive finite intrinsics, image sizes, files, 1..FFP_VIEWS_MAX views, a black and a white
+// pattern in every view. Errors name file and field.
+bool ffp_capture_read(FfpCapture *capture, const char *path, FfpError *err);
+// As above for a targets file (poses to be predicted): views need not have black and white. Patterns are looked up in
+// the capture that it belongs to and appended to it when they are new there. `reference` gets more patterns, no views.
+bool ffp_capture_read_targets(FfpCapture *targets, const char *path, const FfpCapture *reference, FfpError *err);
+void ffp_capture_free(FfpCapture *capture);
+
+// Writes folder/scene.json, images (8-bit sRGB PNG with alpha), depth (float EXR) and the other truth maps it has,
+// and patterns/ (8-bit sRGB PNG). scene.json is written last: a folder without it is not a capture.
+bool ffp_capture_write(const FfpCapture *capture, const char *folder, FfpError *err);
+
+int ffp_capture_find_pattern(const FfpCapture *capture, const char *name); // index, or -1
+int ffp_capture_find_view(const FfpCapture *capture, const char *id);      // index, or -1
+// The structured-light pattern a reconstruction uses: the named one, or (name NULL) the first that is neither black nor
+// white and that every view has. -1 with an error when there is none.
+int ffp_capture_active_pattern(const FfpCapture *capture, const char *name, FfpError *err);
+
+// The least-squares meeting point of all camera and projector axes, and the radius that the masks reach around it (the
+// largest distance between the centre and a foreground pixel's ray, over all views). Writes centre and radius.
+void ffp_capture_estimate_bounds(FfpCapture *capture);
+
+// World <- (world - centre) / radius for everything in the capture (poses, depth); the intensity is divided by radius^2,
+// which leaves I / d^2 as it was. The result has centre 0 and radius 1. `centre`/`radius` come from the argument capture.
+void ffp_capture_normalise(FfpCapture *capture, const real centre[3], real radius);
+
+// (x, y in pixels, z = camera depth) of a world point; returns z. Behind the device z <= 0 and x, y are meaningless.
+real ffp_project(const FfpCamera *camera, const real point[3], real *x, real *y);
+// Unit world direction of the ray through pixel position (x, y); returns its z component in the camera's frame, so that
+// camera depth z = t * returned value.
+real ffp_pixel_ray(const FfpCamera *camera, real x, real y, real direction[3]);
+
+#endif

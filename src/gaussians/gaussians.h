@@ -1,0 +1,34 @@
+// The relightable Gaussians and their PLY file.
+#ifndef FFP_GAUSSIANS_GAUSSIANS_H
+#define FFP_GAUSSIANS_GAUSSIANS_H
+
+#include <stdbool.h>
+#include <stdint.h>
+#include "base/error.h"
+#include "base/real.h"
+
+#define FFP_GAUSSIANS_MAX 50000000
+
+typedef struct FfpGaussians {
+    int64_t count;
+    real *centre;    // [count,3] world
+    real *scale;     // [count,3] standard deviations along the rotated axes, world units, > 0
+    real *rotation;  // [count,4] unit quaternion w x y z: splat axes to world
+    real *opacity;   // [count]   in [0,1]
+    real *albedo;    // [count,3] linear diffuse albedo
+    real *roughness; // [count]
+    real *ambient;   // [count,3] linear radiance shown when the projector is black
+} FfpGaussians;
+
+FfpGaussians ffp_gaussians_new(int64_t count); // zeroed; also used for gradients, which have the same shape
+void ffp_gaussians_free(FfpGaussians *gaussians);
+// centre <- centre * radius + offset, scale <- scale * radius: from the network's unit sphere back to the world.
+void ffp_gaussians_transform(FfpGaussians *gaussians, const real offset[3], real radius);
+
+// Binary little-endian PLY with the 3DGS property names, plus base_color_0..2 and roughness (see docs/formats.md):
+// opens in splat viewers and reads back exactly in fp32 up to the logit/log encodings. Values are checked when read:
+// counts, sizes, finite numbers. Splats of opacity below `opacity_min` are left out when writing (0 keeps all).
+bool ffp_gaussians_write(const FfpGaussians *gaussians, const char *path, real opacity_min, FfpError *err);
+bool ffp_gaussians_read(FfpGaussians *gaussians, const char *path, FfpError *err);
+
+#endif

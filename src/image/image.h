@@ -1,0 +1,60 @@
+// Float images in memory, and the files they come from.
+#ifndef FFP_IMAGE_IMAGE_H
+#define FFP_IMAGE_IMAGE_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include "base/error.h"
+#include "base/real.h"
+
+#define FFP_IMAGE_SIDE_MAX 16384
+
+typedef struct FfpImage {
+    int width, height, channels;
+    real *data; // [height, width, channels], owned; NULL: no image
+} FfpImage;
+
+FfpImage ffp_image_new(int width, int height, int channels); // zeroed; sizes must be checked by the caller
+void ffp_image_free(FfpImage *image);                        // also clears it; NULL and empty are allowed
+FfpImage ffp_image_copy(const FfpImage *image);
+
+// How the colours of a file are to be understood when it is read.
+typedef enum FfpColour {
+    FFP_COLOUR_ENCODED, // as they stand in the file, scaled to [0,1]
+    FFP_COLOUR_LINEAR,  // sRGB files decoded to linear (EXR is linear already)
+} FfpColour;
+
+// Reads PNG (8/16 bit, grey, RGB, with or without alpha, palette), JPEG or EXR by its content, not its name.
+// Returns 4 channels: RGB and straight alpha (1 where the file has none). Errors: not a file, no image, truncated,
+// a side of 0 or above FFP_IMAGE_SIDE_MAX.
+bool ffp_image_read(FfpImage *image, const char *path, FfpColour colour, FfpError *err);
+// One channel of 16-bit grey PNG as raw integers 0..65535 (or an EXR's first channel): depth maps.
+bool ffp_image_read_raw16(FfpImage *image, const char *path, FfpError *err);
+// Only the size, without decoding: for checks before memory is taken.
+bool ffp_image_read_size(int *width, int *height, const char *path, FfpError *err);
+
+// 8-bit PNG of 1, 3 or 4 channels; values are clamped to [0,1] and rounded; they are written as they are (encoded).
+bool ffp_image_write_png(const FfpImage *image, const char *path, FfpError *err);
+bool ffp_image_write_png16(const FfpImage *image, const char *path, FfpError *err); // values in [0,1] -> 0..65535
+// The same 8-bit PNG into memory (malloc'd): for reports.
+bool ffp_image_encode_png(const FfpImage *image, unsigned char **bytes, size_t *size, FfpError *err);
+// 32-bit float EXR with channels named R G B [A], Y, or Z for one channel called depth.
+bool ffp_image_write_exr(const FfpImage *image, const char *path, FfpError *err);
+
+// sRGB transfer functions (IEC 61966-2-1), scalar. ffp_srgb_encode clamps to [0,1] first.
+real ffp_srgb_encode(real linear);
+real ffp_srgb_decode(real encoded);
+real ffp_srgb_encode_slope(real linear); // derivative of ffp_srgb_encode; 0 outside [0,1]
+void ffp_image_to_srgb(FfpImage *image);   // in place, RGB channels only (a fourth channel stays)
+void ffp_image_to_linear(FfpImage *image); // in place
+
+// RGB times alpha: a 4-channel image to a new 3-channel one over black.
+FfpImage ffp_image_over_black(const FfpImage *rgba);
+FfpImage ffp_image_channel(const FfpImage *image, int channel);
+// Area-averaging (down) or bilinear (up) resize.
+FfpImage ffp_image_resize(const FfpImage *image, int width, int height);
+
+// Bilinear sample at (u,v) in pixels, centres at +0.5, edge clamped, into out[channels].
+void ffp_image_sample(const FfpImage *image, real u, real v, real *out);
+
+#endif

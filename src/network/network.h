@@ -1,0 +1,80 @@
+// The hybrid Mamba2-Transformer network: captures in, Gaussians out (docs/architecture.md, "network").
+#ifndef FFP_NETWORK_NETWORK_H
+#define FFP_NETWORK_NETWORK_H
+
+#include <stdbool.h>
+#include <stdint.h>
+#include "base/arena.h"
+#include "base/error.h"
+#include "base/real.h"
+#include "capture/capture.h"
+#include "gaussians/gaussians.h"
+#include "match/match.h"
+
+#define FFP_MODULES_MAX 128
+
+typedef struct FfpModelConfig {
+    char name[32];                  // "tiny", "small", "paper", ...
+    char modules[FFP_MODULES_MAX];  // one letter a block, first to last: M = Mamba2, T = Transformer ("MTMTMTMT")
+    int dim;                        // token width D
+    int patch;                      // pixels a token side (8)
+    int state, chunk;               // Mamba2: state 64, chunk 64 (expand 2, head_dim 64, conv 4 are fixed)
+    bool residual;                  // heads are residuals around the classical start; else the paper's plain heads
+    bool match_input;               // the start's maps are among the input channels
+    bool pixel_skip;                // a small MLP a pixel joins the token's features and the pixel's own inputs
+    int pixel_features, pixel_hidden; // widths of that MLP: features a pixel takes from its token, hidden units
+    char render[16];                // "ours" or "paper": the render settings that the Gaussians are meant for
+} FfpModelConfig;
+// "tiny" (D 128, MTMT), "small", "paper-small" (small, but the paper's plain form), "paper". False: no such name.
+bool ffp_model_preset(FfpModelConfig *config, const char *name);
+// Checks ranges and letters; error names the field.
+bool ffp_model_config_check(const FfpModelConfig *config, const char *where, FfpError *err);
+
+typedef struct FfpParameter {
+    char name[64];
+    int rank;
+    int64_t shape[2];
+    int64_t offset, count; // into FfpModel.values
+    bool decay;            // weight decay applies (2-D weights; not dt_bias, a_log, d, gains, biases)
+} FfpParameter;
+
+typedef struct FfpModel {
+    FfpModelConfig config;
+    int n_parameters;
+    FfpParameter *parameters;
+    int64_t count;  // all values
+    real *values;   // [count]
+    int metadata_count; // the training story from the file: key, value, ...
+    char **metadata;
+} FfpModel;
+
+FfpModel *ffp_model_new(const FfpModelConfig *config, uint64_t seed, FfpError *err);
+void ffp_model_free(FfpModel *model);
+// Weights file: safetensors, bf16 (or F32 when `exact`), with the configuration and `metadata` (key, value pairs).
+bool ffp_model_write(const FfpModel *model, const char *path, bool exact, const char *const *metadata, int metadata_count,
+                     FfpError *err);
+FfpModel *ffp_model_read(const char *path, FfpError *err);
+
+// One pass over one capture: activations live in the run until the next forward.
+typedef struct FfpRun {
+    FfpArena *arena;
+    FfpGaussians gaussians;  // the output, in the normalised capture's frame
+    int64_t *pixel;          // [gaussians.count] index of each Gaussian's pixel: (view * height + y) * width + x
+    real *t;                 // [gaussians.count] distance along the pixel's ray
+    struct FfpActivations *activations;
+} FfpRun;
+FfpRun *ffp_run_new(void);
+void ffp_run_free(FfpRun *run);
+
+// Normalised capture (image sides multiples of the patch; any number of views), its start, and the active pattern.
+// The first `views` views are the input. Residual form: one Gaussian for each pixel of coverage > 0. Plain form: all.
+bool ffp_model_forward(const FfpModel *model, FfpRun *run, const FfpCapture *capture, const FfpStart *start, int active,
+                       FfpError *err);
+// grad: gradient with respect to run->gaussians; grad_t [count] or NULL: extra gradient with respect to run->t.
+// ADDS to grad_values [model->count].
+void ffp_model_backward(const FfpModel *model, FfpRun *run, const FfpGaussians *grad, const real *grad_t, real *grad_values);
+
+// The classical reconstruction as Gaussians, without a model: what an untrained residual network returns.
+FfpGaussians ffp_start_gaussians(const FfpCapture *capture, const FfpStart *start);
+
+#endif

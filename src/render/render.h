@@ -1,0 +1,84 @@
+// Projector-aware rendering of relightable Gaussians, forward and backward (docs/architecture.md, "light").
+// Rasterise a view once to G-buffers, then shade it under any number of patterns.
+#ifndef FFP_RENDER_RENDER_H
+#define FFP_RENDER_RENDER_H
+
+#include <stdbool.h>
+#include "base/real.h"
+#include "capture/capture.h"
+#include "gaussians/gaussians.h"
+#include "image/image.h"
+#include "image/lookup.h"
+
+typedef struct FfpRenderSettings {
+    real blur;         // px^2 added to the 2D covariance: 0.1 (0.3 in the paper's form)
+    bool compensation; // opacity times sqrt(det / det_blurred)
+    bool footprint;    // pattern averaged over the camera pixel's footprint; else plain bilinear
+    bool shadows;      // visibility from the projector
+    int shadow_side;   // shadow map's longer side in pixels (160)
+    real shadow_bias;  // depth slack as a share of the projector's distance (0.02)
+} FfpRenderSettings;
+FfpRenderSettings ffp_render_defaults(void);
+FfpRenderSettings ffp_render_paper(void); // blur 0.3, no compensation, bilinear, no shadows
+
+// Accumulated attributes of one view; [height,width(,3)] each. Accumulations are raw sums of W_i b_i: shading divides.
+typedef struct FfpGbuffer {
+    int width, height;
+    real *opacity;    // O = sum W
+    real *depth;      // sum W z
+    real *normal;     // sum W n, 3, n facing the camera
+    real *albedo;     // sum W A, 3
+    real *roughness;  // sum W rho
+    real *ambient;    // sum W C_amb, 3
+    real *distortion; // sum_ij W_i W_j |z_i - z_j| over ordered pairs (network.md 4.3)
+} FfpGbuffer;
+FfpGbuffer ffp_gbuffer_new(int width, int height); // zeroed; also used for gradients
+void ffp_gbuffer_clear(FfpGbuffer *gbuffer);
+void ffp_gbuffer_free(FfpGbuffer *gbuffer);
+
+// The binned, sorted splats of one view: what the backward pass needs again.
+typedef struct FfpRaster FfpRaster;
+FfpRaster *ffp_raster_new(void); // reusable between views and steps
+void ffp_raster_free(FfpRaster *raster);
+
+// Projects, bins, sorts and blends (EWA splatting, 3DGS conventions; 16x16 tiles, alpha in [1/255, 0.99], T >= 1e-4).
+// The normal of a splat is its shortest axis turned to the camera.
+void ffp_rasterise(FfpRaster *raster, const FfpGaussians *gaussians, const FfpCamera *camera,
+                   const FfpRenderSettings *settings, FfpGbuffer *out);
+// ADDS to grad (same count as the Gaussians) the gradient of a loss whose gradient with respect to the G-buffer is
+// grad_out. Must follow ffp_rasterise with the same arguments. Deterministic for a fixed thread count.
+void ffp_rasterise_backward(FfpRaster *raster, const FfpGaussians *gaussians, const FfpCamera *camera,
+                            const FfpRenderSettings *settings, const FfpGbuffer *out, const FfpGbuffer *grad_out,
+                            FfpGaussians *grad);
+
+// Where each camera pixel's surface point lies in the projector, and whether light reaches it. Constants in the backward
+// pass: footprint and visibility.
+typedef struct FfpMapping {
+    int width, height;
+    real *uv;         // [.,2] projector pixels
+    real *extent;     // [.,2] footprint in projector pixels, >= 1 (1 when settings->footprint is off)
+    real *visibility; // [0,1], 0 where the point is outside the pattern, behind the projector or has O too small
+} FfpMapping;
+FfpMapping ffp_mapping_new(int width, int height);
+void ffp_mapping_free(FfpMapping *mapping);
+// Rasterises the shadow map with `raster` when shadows are on (so call it before or after, never between, a
+// rasterise/backward pair that shares the raster).
+void ffp_map_to_projector(FfpRaster *raster, const FfpGaussians *gaussians, const FfpGbuffer *gbuffer,
+                          const FfpCamera *camera, const FfpCamera *projector, const FfpRenderSettings *settings,
+                          FfpMapping *out);
+
+// Shades a G-buffer under one pattern: linear radiance, unclamped, [height,width,3]. pattern NULL = black.
+void ffp_shade(const FfpGbuffer *gbuffer, const FfpMapping *mapping, const FfpCamera *camera, const FfpCamera *projector,
+               const real intensity[3], const FfpSummed *pattern, FfpImage *out);
+// ADDS gradients: to the G-buffer (depth included: through point, directions, distance and u_p), and where not NULL to the
+// intensity and to the pattern's summed-area adjoint (see lookup.h).
+void ffp_shade_backward(const FfpGbuffer *gbuffer, const FfpMapping *mapping, const FfpCamera *camera,
+                        const FfpCamera *projector, const real intensity[3], const FfpSummed *pattern,
+                        const FfpImage *grad_image, FfpGbuffer *grad_gbuffer, real grad_intensity[3],
+                        FfpSummed *grad_pattern);
+
+// One view, one pattern, from nothing: rasterise, map, shade, encode to sRGB (clamped). Convenience for eval and cli.
+FfpImage ffp_render_view(const FfpGaussians *gaussians, const FfpCamera *camera, const FfpCamera *projector,
+                         const real intensity[3], const FfpSummed *pattern, const FfpRenderSettings *settings);
+
+#endif
