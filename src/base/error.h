@@ -3,10 +3,7 @@
 #define FFP_BASE_ERROR_H
 
 #include <stdbool.h>
-
-typedef struct FfpError {
-    char text[768]; // "WHAT (WHERE)", WHERE being a file, "FILE: FIELD", or empty; "" when nothing failed
-} FfpError;
+#include "ffprocams.h" // struct FfpError is public
 
 // Writes "WHAT (WHERE)" into err (which may be NULL) and returns false, so that a caller can `return ffp_fail(...)`.
 // `where` may be NULL: then only WHAT is written. Control characters in the text are replaced by '?'.
