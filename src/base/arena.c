@@ -1,0 +1,97 @@
+#include "base/arena.h"
+
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define ALIGNMENT ((size_t)64)
+#define CHUNK_BYTES ((size_t)1 << 20) // the least that is asked of the system at a time
+
+typedef struct Chunk {
+    struct Chunk *next;
+    size_t capacity, used; // bytes, of the memory at `bytes`
+    unsigned char *bytes;
+} Chunk;
+
+struct FfpArena {
+    Chunk *first, *current; // chunks behind `current` are empty
+    size_t in_use, high_water;
+};
+
+static void out_of_memory(size_t count, size_t size) {
+    fprintf(stderr, "ffprocams: error: out of memory (%zu x %zu bytes)\n", count, size);
+    abort();
+}
+
+// count * size rounded up to the alignment, never 0.
+static size_t checked_bytes(size_t count, size_t size) {
+    size_t bytes = 0;
+    if (__builtin_mul_overflow(count, size, &bytes) || bytes > SIZE_MAX - 2 * ALIGNMENT)
+        out_of_memory(count, size);
+    return bytes == 0 ? ALIGNMENT : (bytes + ALIGNMENT - 1) / ALIGNMENT * ALIGNMENT;
+}
+
+static void *aligned_bytes(size_t bytes) {
+    void *block = aligned_alloc(ALIGNMENT, bytes);
+    if (block == NULL) out_of_memory(1, bytes);
+    return block;
+}
+
+FfpArena *ffp_arena_new(void) {
+    return ffp_alloc(1, sizeof(FfpArena));
+}
+
+void ffp_arena_free(FfpArena *arena) {
+    if (arena == NULL) return;
+    for (Chunk *chunk = arena->first, *next = NULL; chunk != NULL; chunk = next) {
+        next = chunk->next;
+        free(chunk->bytes);
+        free(chunk);
+    }
+    free(arena);
+}
+
+// A chunk with at least `bytes` free: the current one, an empty one kept by a reset, or a new one put behind
+// the current.
+static Chunk *chunk_for(FfpArena *arena, size_t bytes) {
+    Chunk *chunk = arena->current;
+    while (chunk != NULL && chunk->capacity - chunk->used < bytes && chunk->next != NULL) chunk = chunk->next;
+    if (chunk == NULL || chunk->capacity - chunk->used < bytes) {
+        Chunk *fresh = ffp_alloc(1, sizeof *fresh);
+        fresh->capacity = bytes > CHUNK_BYTES ? bytes : CHUNK_BYTES;
+        fresh->bytes = aligned_bytes(fresh->capacity);
+        if (chunk == NULL)
+            arena->first = fresh;
+        else
+            chunk->next = fresh;
+        chunk = fresh;
+    }
+    arena->current = chunk;
+    return chunk;
+}
+
+void *ffp_arena_alloc(FfpArena *arena, size_t count, size_t size) {
+    const size_t bytes = checked_bytes(count, size);
+    Chunk *chunk = chunk_for(arena, bytes);
+    void *block = chunk->bytes + chunk->used;
+    chunk->used += bytes;
+    arena->in_use += bytes;
+    if (arena->in_use > arena->high_water) arena->high_water = arena->in_use;
+    return memset(block, 0, bytes);
+}
+
+void ffp_arena_reset(FfpArena *arena) {
+    for (Chunk *chunk = arena->first; chunk != NULL; chunk = chunk->next) chunk->used = 0;
+    arena->current = arena->first;
+    arena->in_use = 0;
+}
+
+size_t ffp_arena_high_water(const FfpArena *arena) {
+    return arena->high_water;
+}
+
+void *ffp_alloc(size_t count, size_t size) {
+    const size_t bytes = checked_bytes(count, size);
+    return memset(aligned_bytes(bytes), 0, bytes);
+}
