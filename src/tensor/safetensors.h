@@ -18,7 +18,7 @@ typedef struct FfpTensor {
     int rank;          // at most 8
     int64_t shape[8];
     int64_t count;     // product of the shape
-    const void *data;  // count elements of dtype
+    const void *data;  // count elements of dtype, unaligned in a file: use memcpy or ffp_tensor_to_real
 } FfpTensor;
 
 // A file read whole. Every offset, size, shape and name is checked against the file before use; overlapping or
