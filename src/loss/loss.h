@@ -1,5 +1,6 @@
 // The paper's loss terms (Sec. 3.6 there), each with its backward; SSIM; perceptual networks.
-// Every *_loss returns the loss's value times `weight` and ADDS weight * gradient to the grad argument.
+// Every *_loss returns the loss's value times `weight` and ADDS weight * gradient to the grad argument, which
+// may be NULL.
 #ifndef FFP_LOSS_LOSS_H
 #define FFP_LOSS_LOSS_H
 
@@ -10,34 +11,48 @@
 
 // mean |prediction - target| over all values; images of equal shape.
 real ffp_l1_loss(const FfpImage *prediction, const FfpImage *target, real weight, FfpImage *grad);
-// 1 - mean SSIM: 11x11 Gaussian, sigma 1.5, C1 = 1e-4, C2 = 9e-4, zero padding (as GS-ProCams), mean over pixels, channels.
+// 1 - mean SSIM: 11x11 Gaussian, sigma 1.5, C1 = 1e-4, C2 = 9e-4, zero padding (as GS-ProCams), mean over
+// pixels, channels.
 real ffp_ssim_loss(const FfpImage *prediction, const FfpImage *target, real weight, FfpImage *grad);
 real ffp_ssim(const FfpImage *a, const FfpImage *b); // the metric of the reports: same window, same padding
 // Gradient of a loss taken on ffp_srgb_encode(linear) back to linear: grad_linear = grad * slope, in place.
 void ffp_srgb_encode_backward(const FfpImage *linear, FfpImage *grad);
 
-// Binary cross-entropy of opacity [pixels] (clamped to [1e-6, 1-1e-6]) against the mask in [0,1]; mean over pixels.
+// Binary cross-entropy of opacity [pixels] (clamped to [1e-6, 1-1e-6]) against the mask in [0,1]; mean over
+// pixels.
 real ffp_mask_loss(const real *opacity, const real *mask, int pixels, real weight, real *grad_opacity);
-// Mean over pixels with truth > 0 and opacity > 0.5 of (depth_sum / opacity - truth)^2; gradients to depth_sum, opacity.
+// Mean over pixels with truth > 0 and opacity > 0.5 of (depth_sum / opacity - truth)^2; gradients to
+// depth_sum, opacity. 0 without such pixels.
 real ffp_depth_loss(const real *depth_sum, const real *opacity, const real *truth, int pixels, real weight,
                     real *grad_depth_sum, real *grad_opacity);
 // Mean over pixels of the rasteriser's distortion map.
 real ffp_distortion_loss(const real *distortion, int pixels, real weight, real *grad_distortion);
-// Mean |grad N|_1 over neighbouring foreground pixels (mask > 0.5 on both), N normalised inside; grad to the raw sums.
-real ffp_normal_smooth_loss(const real *normal_sum, const real *mask, int width, int height, real weight, real *grad);
-// Mean |grad R|_1 exp(-|grad A|_1) with R, A divided by opacity; A is a constant. Foreground pixels only.
-real ffp_roughness_loss(const real *roughness_sum, const real *albedo_sum, const real *opacity, const real *mask, int width,
-                        int height, real weight, real *grad_roughness_sum, real *grad_opacity);
+// Mean |grad N|_1 over neighbouring foreground pixels (mask > 0.5 on both), N normalised inside; grad to the
+// raw sums [height,width,3]. Neighbours: right and below; |.|_1 sums the components. Sums shorter than 0.1
+// are left out.
+real ffp_normal_smooth_loss(const real *normal_sum, const real *mask, int width, int height, real weight,
+                            real *grad);
+// Mean |grad R|_1 exp(-|grad A|_1) with R, A divided by opacity; A [height,width,3] is a constant.
+// Neighbouring foreground pixels as above (|grad A|_1 sums the channels); pixels of opacity up to 0.1 are
+// left out.
+real ffp_roughness_loss(const real *roughness_sum, const real *albedo_sum, const real *opacity,
+                        const real *mask, int width, int height, real weight, real *grad_roughness_sum,
+                        real *grad_opacity);
 
-// Perceptual networks, read from safetensors (docs/formats.md): LPIPS with AlexNet or SqueezeNet, VGG16 up to relu2_2.
+// Perceptual networks, read from safetensors (docs/formats.md): LPIPS with AlexNet or SqueezeNet, VGG16 up to
+// relu2_2.
 typedef struct FfpPerceptual FfpPerceptual;
 // `kind` is told by the file's tensor names. Errors: missing file, missing or misshapen tensor.
 FfpPerceptual *ffp_perceptual_read(const char *path, FfpError *err);
 void ffp_perceptual_free(FfpPerceptual *perceptual);
 bool ffp_perceptual_is_lpips(const FfpPerceptual *perceptual);
-// LPIPS distance of two encoded RGB images in [0,1] (v0.1, inputs scaled to [-1,1]); or for VGG16 the mean squared
-// feature distance at relu1_2 and relu2_2 (sum of the two means). `weight` and grad as above; grad may be NULL.
-real ffp_perceptual_loss(const FfpPerceptual *perceptual, const FfpImage *prediction, const FfpImage *target, real weight,
-                         FfpImage *grad);
+// LPIPS distance of two encoded RGB images in [0,1] (v0.1, inputs scaled to [-1,1]); or for VGG16 the mean
+// squared feature distance at relu1_2 and relu2_2 (sum of the two means). `weight` and grad as above; grad
+// may be NULL. A fourth channel is ignored. A picture with a side below ffp_perceptual_least_side has no
+// distance: 0, and no gradient.
+real ffp_perceptual_loss(const FfpPerceptual *perceptual, const FfpImage *prediction, const FfpImage *target,
+                         real weight, FfpImage *grad);
+int ffp_perceptual_least_side(
+    const FfpPerceptual *perceptual); // in pixels: 31 AlexNet, 17 SqueezeNet, 2 VGG16
 
 #endif

@@ -1,0 +1,38 @@
+// Two-dimensional convolution with ReLU, and max pooling, for the perceptual networks. Planes are
+// [channels,height,width]. The networks are frozen: backward gives the gradient of the input only. Private to
+// this room.
+#ifndef FFP_LOSS_CONV_H
+#define FFP_LOSS_CONV_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include "base/real.h"
+
+typedef struct FfpConv {
+    int in, out;             // channels
+    int kernel, stride, pad; // square
+    int width, height;       // of the input
+} FfpConv;
+
+int ffp_conv_side(int side, int kernel, int stride,
+                  int pad); // of the output; below 1: the input is too small
+
+// y = relu(w * x + bias) for `images` images, their x and y being x_step and y_step values apart.
+// w [out, in, kernel, kernel]; bias [out]. Allocates a strip of unfolded input per thread.
+void ffp_conv2d_forward(real *y, size_t y_step, const real *x, size_t x_step, const real *w, const real *bias,
+                        const FfpConv *conv, int images);
+// One image: ADDS the gradient to dx; dy is masked in place where the ReLU was shut (y == 0).
+void ffp_conv2d_backward(real *dx, real *dy, const real *y, const real *w, const FfpConv *conv);
+
+typedef struct FfpPool {
+    int channels, kernel, stride;
+    bool round_up; // a last, clipped window where the sides do not divide evenly
+    int width, height;
+} FfpPool;
+
+int ffp_pool_side(int side, int kernel, int stride, bool round_up);
+void ffp_maxpool_forward(real *y, const real *x, const FfpPool *pool);
+// ADDS to dx: each window's gradient goes to its first largest value.
+void ffp_maxpool_backward(real *dx, const real *dy, const real *x, const FfpPool *pool);
+
+#endif

@@ -1,0 +1,39 @@
+// Pixel losses: mean absolute difference, and the way back through the sRGB transfer function.
+#include "loss/loss.h"
+
+#include <assert.h>
+#include <tgmath.h>
+
+real ffp_l1_loss(const FfpImage *prediction, const FfpImage *target, real weight, FfpImage *grad) {
+    assert(prediction->width == target->width && prediction->height == target->height &&
+           prediction->channels == target->channels);
+    const size_t row = (size_t)prediction->width * prediction->channels, count = row * prediction->height;
+    if (count == 0) return 0;
+    const real step = weight / (real)count;
+    double total = 0; // row by row in real, rows in double: a picture's sum in fp32 would lose digits
+    for (int y = 0; y < prediction->height; y++) {
+        const real *p = prediction->data + y * row, *t = target->data + y * row;
+        real sum = 0;
+#pragma omp simd reduction(+ : sum)
+        for (size_t i = 0; i < row; i++) sum += fabs(p[i] - t[i]);
+        total += sum;
+        if (!grad) continue;
+        real *g = grad->data + y * row;
+        for (size_t i = 0; i < row; i++) {
+            const real difference = p[i] - t[i];
+            g[i] += difference > 0 ? step : difference < 0 ? -step : 0;
+        }
+    }
+    return weight * (real)(total / (double)count);
+}
+
+void ffp_srgb_encode_backward(const FfpImage *linear, FfpImage *grad) {
+    assert(linear->width == grad->width && linear->height == grad->height &&
+           linear->channels == grad->channels);
+    const int channels = linear->channels, colours = channels == 4 ? 3 : channels;
+    const ptrdiff_t pixels = (ptrdiff_t)linear->width * linear->height;
+#pragma omp parallel for schedule(static)
+    for (ptrdiff_t i = 0; i < pixels; i++)
+        for (int c = 0; c < colours; c++)
+            grad->data[i * channels + c] *= ffp_srgb_encode_slope(linear->data[i * channels + c]);
+}
