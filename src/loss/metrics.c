@@ -1,0 +1,34 @@
+// Peak signal-to-noise ratio, over a whole picture or its foreground.
+#include "loss/metrics.h"
+
+#include <assert.h>
+#include <math.h>
+
+// mask may be NULL: every pixel counts.
+static double psnr(const FfpImage *a, const FfpImage *b, const FfpImage *mask) {
+    assert(a->width == b->width && a->height == b->height && a->channels == b->channels);
+    assert(!mask || (mask->width == a->width && mask->height == a->height && mask->channels == 1));
+    const size_t pixels = (size_t)a->width * a->height, channels = a->channels;
+    size_t count = 0;
+    double sum = 0;
+    for (size_t i = 0; i < pixels; i++) {
+        if (mask && !(mask->data[i] > 0.5F)) continue;
+        for (size_t k = i * channels; k < (i + 1) * channels; k++) {
+            const double difference = (double)a->data[k] - b->data[k];
+            sum += difference * difference;
+        }
+        count += channels;
+    }
+    if (count == 0) return NAN;
+    if (sum == 0) return FFP_PSNR_CAP;
+    const double value = 10 * log10((double)count / sum);
+    return value > FFP_PSNR_CAP ? FFP_PSNR_CAP : value;
+}
+
+double ffp_psnr(const FfpImage *a, const FfpImage *b) {
+    return psnr(a, b, NULL);
+}
+
+double ffp_psnr_masked(const FfpImage *a, const FfpImage *b, const FfpImage *mask) {
+    return psnr(a, b, mask);
+}
