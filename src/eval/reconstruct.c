@@ -1,0 +1,105 @@
+// From a capture to Gaussians in its own units: normalise, match, (network,) back to the world.
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include "base/arena.h"
+#include "base/log.h"
+#include "capture/capture.h"
+#include "eval/reconstruct.h"
+#include "gaussians/gaussians.h"
+#include "match/match.h"
+#include "network/network.h"
+
+FfpCapture ffp_normalised_alias(const FfpCapture *capture) {
+    FfpCapture alias = *capture;
+    alias.views = ffp_alloc(capture->n_views, sizeof *alias.views);
+    for (int v = 0; v < capture->n_views; v++) {
+        alias.views[v] = capture->views[v];
+        if (alias.views[v].depth.data) alias.views[v].depth = ffp_image_copy(&capture->views[v].depth);
+    }
+    ffp_capture_normalise(&alias, capture->centre, capture->radius);
+    return alias;
+}
+
+void ffp_normalised_alias_free(FfpCapture *alias) {
+    for (int v = 0; v < alias->n_views; v++) ffp_image_free(&alias->views[v].depth);
+    free(alias->views);
+    alias->views = NULL;
+}
+
+// Matching lays all views' pixels in one array and the network cuts them into patches: both need one image
+// size.
+static bool check_fit(const FfpCapture *capture, const FfpModel *model, FfpError *err) {
+    const FfpCamera *first = &capture->views[0].camera;
+    for (int v = 1; v < capture->n_views; v++) {
+        const FfpCamera *camera = &capture->views[v].camera;
+        if (camera->width != first->width || camera->height != first->height)
+            return ffp_fail(err, capture->folder,
+                            "views %s and %s differ in size: a reconstruction needs one size",
+                            capture->views[0].id, capture->views[v].id);
+    }
+    if (!model) return true;
+    const int patch = model->config.patch;
+    if (first->width % patch || first->height % patch)
+        return ffp_fail(err, capture->folder,
+                        "the model does not fit: image sides of %d x %d are not multiples of its patch of %d",
+                        first->width, first->height, patch);
+    return true;
+}
+
+static FfpGaussians copy_gaussians(const FfpGaussians *from) {
+    FfpGaussians to = ffp_gaussians_new(from->count);
+    const size_t n = (size_t)from->count;
+    memcpy(to.centre, from->centre, 3 * n * sizeof(real));
+    memcpy(to.scale, from->scale, 3 * n * sizeof(real));
+    memcpy(to.rotation, from->rotation, 4 * n * sizeof(real));
+    memcpy(to.opacity, from->opacity, n * sizeof(real));
+    memcpy(to.albedo, from->albedo, 3 * n * sizeof(real));
+    memcpy(to.roughness, from->roughness, n * sizeof(real));
+    memcpy(to.ambient, from->ambient, 3 * n * sizeof(real));
+    return to;
+}
+
+static bool run_network(FfpGaussians *out, const FfpModel *model, const FfpCapture *capture,
+                        const FfpStart *start, int active, FfpError *err) {
+    FfpRun *run = ffp_run_new();
+    const bool ok = ffp_model_forward(model, run, capture, start, active, err);
+    if (ok) {
+        *out = copy_gaussians(&run->gaussians); // the run's own live only as long as the run
+    }
+    ffp_run_free(run);
+    return ok;
+}
+
+FfpGaussians *ffp_reconstruct(const FfpCapture *capture, const FfpReconstruction *options,
+                              FfpReconstructionStory *story, FfpError *err) {
+    const int active = ffp_capture_active_pattern(capture, options->pattern, err);
+    if (active < 0 || !check_fit(capture, options->model, err)) return NULL;
+    const double begin = ffp_seconds();
+    FfpCapture normalised = ffp_normalised_alias(capture);
+    const FfpMatchSettings settings = ffp_match_defaults();
+    FfpStart start;
+    FfpGaussians *gaussians = NULL;
+    if (ffp_start_new(&start, &normalised, active, &settings, err)) {
+        const double started = ffp_seconds();
+        FfpGaussians result = {0};
+        bool ok = true;
+        if (options->model)
+            ok = run_network(&result, options->model, &normalised, &start, active, err);
+        else
+            result = ffp_start_gaussians(&normalised, &start);
+        if (ok) {
+            ffp_gaussians_transform(&result, capture->centre, capture->radius);
+            gaussians = ffp_alloc(1, sizeof *gaussians);
+            *gaussians = result;
+        }
+        if (ok && story) {
+            *story = (FfpReconstructionStory){.gaussians = result.count, .start_s = started - begin};
+            story->network_s = options->model ? ffp_seconds() - started : 0;
+            snprintf(story->pattern, sizeof story->pattern, "%s", capture->patterns[active].name);
+        }
+        ffp_start_free(&start);
+    }
+    ffp_normalised_alias_free(&normalised);
+    return gaussians;
+}

@@ -1,0 +1,13 @@
+// Parts of the reconstruction that evaluation needs too.
+#ifndef FFP_EVAL_RECONSTRUCT_H
+#define FFP_EVAL_RECONSTRUCT_H
+
+#include "capture/capture.h"
+
+// The capture in its bounding sphere's units, without copying pictures: it borrows everything but poses and
+// depth from `capture`, which must outlive it. Release with ffp_normalised_alias_free, never with
+// ffp_capture_free.
+FfpCapture ffp_normalised_alias(const FfpCapture *capture);
+void ffp_normalised_alias_free(FfpCapture *alias);
+
+#endif

@@ -1,0 +1,58 @@
+// A view rasterised once and shaded under any number of patterns; its maps as pictures. Shared by rendering,
+// evaluation and the report.
+#ifndef FFP_EVAL_RELIGHT_H
+#define FFP_EVAL_RELIGHT_H
+
+#include <stdbool.h>
+#include "ffprocams.h"
+#include "capture/capture.h"
+#include "network/network.h"
+#include "render/render.h"
+
+typedef struct FfpRelight {
+    FfpRenderSettings settings;
+    FfpRaster *raster;
+    FfpGbuffer gbuffer; // of the view rasterised last
+    FfpMapping mapping;
+    FfpImage linear; // [height,width,3], the picture shaded last, before it is encoded
+} FfpRelight;
+
+FfpRelight ffp_relight_new(const FfpRenderSettings *settings);
+void ffp_relight_free(FfpRelight *relight);
+void ffp_relight_view(FfpRelight *relight, const FfpGaussians *gaussians, const FfpView *view);
+// The view given last under a pattern: sRGB-encoded RGB rounded to 8 bits, so that metrics see what the file
+// will hold.
+FfpImage ffp_relight_shade(FfpRelight *relight, const FfpView *view, const real intensity[3],
+                           const FfpSummed *pattern);
+
+void ffp_quantise(FfpImage *encoded); // clamps to [0,1] and rounds to multiples of 1/255, in place
+
+// The settings that Gaussians are drawn with: the model's own when there is one.
+FfpRenderSettings ffp_drawing_settings(FfpDrawing drawing, const FfpModel *model);
+
+typedef enum FfpMap {
+    FFP_MAP_OPACITY,
+    FFP_MAP_DEPTH,
+    FFP_MAP_NORMAL,
+    FFP_MAP_ALBEDO,
+    FFP_MAP_ROUGHNESS,
+    FFP_MAP_AMBIENT,
+    FFP_MAP_COUNT
+} FfpMap;
+const char *ffp_map_name(FfpMap map);
+// A viewable picture in [0,1]: depth near = bright over the view's own range, normals as (n + 1) / 2, colours
+// encoded.
+FfpImage ffp_map_picture(const FfpGbuffer *gbuffer, FfpMap map);
+// Camera z in world units, one channel, 0 where the opacity is below one half.
+FfpImage ffp_map_depth(const FfpGbuffer *gbuffer);
+
+// An image file as a pattern of width x height: linear RGB over black, named after the file. Says so when it
+// is resized.
+bool ffp_pattern_read(FfpPattern *pattern, const char *path, int width, int height, FfpError *err);
+
+// "folder/name" where name is "<view>_<rest>"; names come from files, so those that would leave the folder
+// are refused.
+bool ffp_picture_path(char *out, size_t size, const char *folder, const char *view, const char *rest,
+                      FfpError *err);
+
+#endif

@@ -1,0 +1,224 @@
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <tgmath.h>
+#include "base/arena.h"
+#include "base/file.h"
+#include "eval/relight.h"
+#include "eval/report.h"
+
+#define PICTURE_SIDE_MAX 256 // pixels; larger pictures are averaged down so that a page stays a page
+
+struct FfpReport {
+    FILE *body; // grows in memory until the page is written
+    char *text;
+    size_t size;
+    const char *predictor;
+};
+
+FfpReport *ffp_report_new(const char *predictor) {
+    FfpReport *report = ffp_alloc(1, sizeof *report);
+    report->predictor = predictor;
+    report->body = open_memstream(&report->text, &report->size);
+    if (!report->body) abort();
+    return report;
+}
+
+void ffp_report_free(FfpReport *report) {
+    if (!report) return;
+    if (report->body) fclose(report->body);
+    free(report->text);
+    free(report);
+}
+
+// Names come from files.
+static void put_escaped(FILE *out, const char *text) {
+    for (; *text; text++) {
+        if (*text == '&')
+            fputs("&amp;", out);
+        else if (*text == '<')
+            fputs("&lt;", out);
+        else if (*text == '>')
+            fputs("&gt;", out);
+        else if (*text == '"')
+            fputs("&quot;", out);
+        else
+            fputc(*text, out);
+    }
+}
+
+// RFC 4648
+static void put_base64(FILE *out, const unsigned char *bytes, size_t size) {
+    static const char digits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    for (size_t i = 0; i < size; i += 3) {
+        const unsigned a = bytes[i], b = i + 1 < size ? bytes[i + 1] : 0, c = i + 2 < size ? bytes[i + 2] : 0;
+        fputc(digits[a >> 2], out);
+        fputc(digits[(a & 3) << 4 | b >> 4], out);
+        fputc(i + 1 < size ? digits[(b & 15) << 2 | c >> 6] : '=', out);
+        fputc(i + 2 < size ? digits[c & 63] : '=', out);
+    }
+}
+
+// Pictures are made in memory: the encoder can only fail for lack of it, and then a page without one is still
+// a page.
+static void put_image(FILE *out, const FfpImage *encoded) {
+    unsigned char *bytes = NULL;
+    size_t size = 0;
+    const int side = encoded->width > encoded->height ? encoded->width : encoded->height;
+    FfpImage small = {0};
+    if (side > PICTURE_SIDE_MAX) {
+        const double share = (double)PICTURE_SIDE_MAX / side;
+        const int width = (int)(encoded->width * share), height = (int)(encoded->height * share);
+        small = ffp_image_resize(encoded, width > 0 ? width : 1, height > 0 ? height : 1);
+    }
+    if (ffp_image_encode_png(small.data ? &small : encoded, &bytes, &size, NULL)) {
+        fputs("<img alt=\"\" src=\"data:image/png;base64,", out);
+        put_base64(out, bytes, size);
+        fputs("\">", out);
+    }
+    free(bytes);
+    ffp_image_free(&small);
+}
+
+void ffp_report_picture(FfpReport *report, const FfpImage *encoded, const char *caption) {
+    fputs("<figure>", report->body);
+    put_image(report->body, encoded);
+    fputs("<figcaption>", report->body);
+    put_escaped(report->body, caption);
+    fputs("</figcaption></figure>\n", report->body);
+}
+
+void ffp_report_heading(FfpReport *report, const char *title, const char *explanation) {
+    fputs("<h3>", report->body);
+    put_escaped(report->body, title);
+    fputs("</h3>\n<p>", report->body);
+    put_escaped(report->body, explanation);
+    fputs("</p>\n", report->body);
+}
+
+static void put_input_row(FfpReport *report, const FfpCapture *capture, int pattern) {
+    fputs("<div class=row>", report->body);
+    FfpImage projected = ffp_image_copy(&capture->patterns[pattern].image);
+    ffp_image_to_srgb(&projected);
+    ffp_report_picture(report, &projected, capture->patterns[pattern].name);
+    ffp_image_free(&projected);
+    for (int v = 0; v < capture->n_views && v < 8; v++) {
+        const FfpView *view = &capture->views[v];
+        if (!view->images[pattern].data) continue;
+        FfpImage picture = ffp_image_copy(&view->images[pattern]);
+        ffp_image_to_srgb(&picture);
+        ffp_report_picture(report, &picture, view->id);
+        ffp_image_free(&picture);
+    }
+    fputs("</div>\n", report->body);
+}
+
+void ffp_report_capture(FfpReport *report, const FfpCapture *capture, int active) {
+    fputs("<h2>", report->body);
+    put_escaped(report->body, capture->name);
+    fputs("</h2>\n", report->body);
+    ffp_report_heading(report, "Input",
+                       "All that the predictor was given: each view under black, white and one pattern. "
+                       "On the left, what the projector showed.");
+    put_input_row(report, capture, capture->black);
+    put_input_row(report, capture, capture->white);
+    put_input_row(report, capture, active);
+}
+
+void ffp_report_story(FfpReport *report, const FfpReconstructionStory *story) {
+    fprintf(report->body,
+            "<p>%lld Gaussians in %.2f s: projector matching and the classical estimates %.2f s, network "
+            "%.2f s.</p>\n",
+            (long long)story->gaussians, story->start_s + story->network_s, story->start_s, story->network_s);
+}
+
+void ffp_report_maps(FfpReport *report, const char *view, const FfpGbuffer *gbuffer) {
+    fputs("<div class=row>", report->body);
+    for (int m = 0; m < FFP_MAP_COUNT; m++) {
+        char caption[FFP_NAME_MAX + 32];
+        snprintf(caption, sizeof caption, "%s, %s", view, ffp_map_name((FfpMap)m));
+        FfpImage picture = ffp_map_picture(gbuffer, (FfpMap)m);
+        ffp_report_picture(report, &picture, caption);
+        ffp_image_free(&picture);
+    }
+    fputs("</div>\n", report->body);
+}
+
+void ffp_report_prediction(FfpReport *report, const char *view, const char *pattern, const FfpImage *truth,
+                           const FfpImage *prediction, double psnr) {
+    FfpImage error = ffp_image_copy(prediction);
+    const size_t count = (size_t)error.width * error.height * error.channels;
+    for (size_t i = 0; i < count; i++) error.data[i] = fmin(4 * fabs(error.data[i] - truth->data[i]), 1);
+    char caption[2 * FFP_NAME_MAX + 64];
+    snprintf(caption, sizeof caption, "%s, %s: %.2f dB", view, pattern, psnr);
+    fputs("<figure>", report->body);
+    put_image(report->body, prediction);
+    put_image(report->body, truth);
+    put_image(report->body, &error);
+    fputs("<figcaption>", report->body);
+    put_escaped(report->body, caption);
+    fputs("</figcaption></figure>\n", report->body);
+    ffp_image_free(&error);
+}
+
+static void put_figure(FILE *out, double value, int digits) {
+    if (isfinite(value))
+        fprintf(out, "<td>%.*f</td>", digits, value);
+    else
+        fputs("<td>&ndash;</td>", out);
+}
+
+static void put_scores(FILE *out, const FfpScore *scores, int n_scores) {
+    fputs("<table><tr><th>capture</th><th>protocol</th><th>pictures</th><th>PSNR, dB</th><th>foreground, "
+          "dB</th><th>unseen "
+          "lollipops, dB</th><th>SSIM</th><th>LPIPS</th><th>reconstruct, s</th><th>render, s a "
+          "picture</th></tr>\n",
+          out);
+    for (int i = 0; i < n_scores; i++) {
+        const FfpScore *score = &scores[i];
+        fputs("<tr><td>", out);
+        put_escaped(out, score->capture);
+        fprintf(out, "</td><td>%s</td><td>%d</td>", score->protocol, score->images);
+        put_figure(out, score->psnr, 2);
+        put_figure(out, score->psnr_foreground, 2);
+        put_figure(out, score->psnr_unseen_lollipops, 2);
+        put_figure(out, score->ssim, 4);
+        put_figure(out, score->lpips, 4);
+        put_figure(out, score->reconstruct_s, 2);
+        put_figure(out, score->render_s / score->images, 3);
+        fputs("</tr>\n", out);
+    }
+    fputs("</table>\n<p>PSNR over all pixels and channels of sRGB-encoded pictures over black, mean over "
+          "pictures; foreground: "
+          "only the pixels that the object covers. rendering: black, white and lollipops at the input poses; "
+          "unseen "
+          "lollipops: those of them that the predictor was not given; novel_pattern: every other pattern "
+          "there; novel_pose: "
+          "new camera and projector poses.</p>\n",
+          out);
+}
+
+bool ffp_report_write(FfpReport *report, const FfpScore *scores, int n_scores, const char *path,
+                      FfpError *err) {
+    static const char style[] =
+        "body{font:15px/1.45 system-ui,sans-serif;max-width:1500px;margin:2em auto;padding:0 1em;color:#222}"
+        "h2{border-bottom:1px solid #bbb;margin-top:2em}.row{display:flex;flex-wrap:wrap}"
+        "figure{display:inline-block;margin:4px}img{width:150px;image-rendering:pixelated;margin-right:2px;"
+        "background:#000}"
+        "figcaption{font-size:12px;color:#555}table{border-collapse:collapse}"
+        "td,th{border-bottom:1px solid #ddd;padding:3px 10px;text-align:right}td:first-child,th:first-child,"
+        "td:nth-child(2),th:nth-child(2){text-align:left}";
+    FfpOutput out;
+    if (!ffp_output_open(&out, path, err)) return false;
+    fputs("<!DOCTYPE html>\n<html lang=en><meta charset=utf-8><title>Relit captures</title>\n<style>",
+          out.stream);
+    fputs(style, out.stream);
+    fputs("</style>\n<h1>Relit captures</h1>\n<p>Predicted by: ", out.stream);
+    put_escaped(out.stream, report->predictor);
+    fputs(".</p>\n", out.stream);
+    put_scores(out.stream, scores, n_scores);
+    fflush(report->body);
+    fwrite(report->text, 1, report->size, out.stream);
+    fputs("</html>\n", out.stream);
+    return ffp_output_commit(&out, err);
+}

@@ -1,0 +1,27 @@
+// One self-contained HTML page: what went in, what was built, predictions beside truth, figures and times.
+#ifndef FFP_EVAL_REPORT_H
+#define FFP_EVAL_REPORT_H
+
+#include "ffprocams.h"
+#include "capture/capture.h"
+#include "render/render.h"
+
+typedef struct FfpReport FfpReport;
+
+FfpReport *ffp_report_new(const char *predictor); // what made the predictions, for the heading
+void ffp_report_free(FfpReport *report);
+
+// Sections follow each other in the order of the calls. Pictures are made small enough for a page.
+void ffp_report_capture(FfpReport *report, const FfpCapture *capture, int active);
+void ffp_report_story(FfpReport *report, const FfpReconstructionStory *story);
+void ffp_report_maps(FfpReport *report, const char *view, const FfpGbuffer *gbuffer);
+void ffp_report_heading(FfpReport *report, const char *title, const char *explanation);
+void ffp_report_prediction(FfpReport *report, const char *view, const char *pattern, const FfpImage *truth,
+                           const FfpImage *prediction, double psnr);
+void ffp_report_picture(FfpReport *report, const FfpImage *encoded, const char *caption);
+
+// The page, with the table of scores first.
+bool ffp_report_write(FfpReport *report, const FfpScore *scores, int n_scores, const char *path,
+                      FfpError *err);
+
+#endif
