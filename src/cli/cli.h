@@ -1,0 +1,42 @@
+// The command line: main.c picks a subcommand, each of which has a file with its help and its arguments.
+#ifndef FFP_CLI_CLI_H
+#define FFP_CLI_CLI_H
+
+#include <getopt.h>
+#include <stdbool.h>
+#include <stdint.h>
+#include "ffprocams.h"
+
+enum { FFP_EXIT_OK = 0, FFP_EXIT_FAILURE = 1, FFP_EXIT_USAGE = 2 };
+
+// argv[0] is the subcommand's name; all return one of the exit codes above.
+int ffp_cli_reconstruct(int argc, char **argv);
+int ffp_cli_render(int argc, char **argv);
+int ffp_cli_evaluate(int argc, char **argv);
+int ffp_cli_generate(int argc, char **argv);
+int ffp_cli_train(int argc, char **argv);
+int ffp_cli_info(int argc, char **argv);
+
+// The next option: its value (the struct option's `val`, always positive), -1 at the end, or 0 when it was
+// wrong (said already, with a pointer to --help).
+int ffp_cli_next(int argc, char **argv, const char *short_options, const struct option *options);
+
+int ffp_cli_fail(const FfpError *err); // "ffprocams: error: WHAT (WHERE)"; returns FFP_EXIT_FAILURE
+// "ffprocams: error: WHAT" and where to read more; returns FFP_EXIT_USAGE
+int ffp_cli_usage(const char *command, const char *what_format, ...) __attribute__((format(printf, 2, 3)));
+
+// A whole decimal number in [low, high] out of an option's value; false otherwise.
+bool ffp_cli_number(const char *text, int64_t low, int64_t high, int64_t *out);
+
+// Values of an option that may be given again and again. There cannot be more than arguments.
+typedef struct FfpList {
+    const char **values; // owned; the strings are argv's
+    int count;
+} FfpList;
+void ffp_cli_append(FfpList *list, const char *value);
+void ffp_cli_list_free(FfpList *list);
+
+// "ours" or "paper"; false otherwise.
+bool ffp_cli_drawing(const char *text, FfpDrawing *drawing);
+
+#endif

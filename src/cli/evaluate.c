@@ -1,0 +1,194 @@
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include "cli/cli.h"
+
+static const char help[] =
+    "usage: ffprocams evaluate CAPTURE.. [--model FILE|none | --gaussians FILE | --predictor depth|match]\n"
+    "                          [--targets FILE].. [--pattern NAME] [--save DIR] [--json FILE] [--report "
+    "FILE.html]\n"
+    "\n"
+    "Predicts the pictures of captures and compares. Protocols:\n"
+    "  rendering      black, white and lollipop patterns at the input poses (`unseen`: the lollipops not "
+    "given)\n"
+    "  novel_pattern  every other pattern at the input poses\n"
+    "  novel_pose     all pictures of --targets: new poses of camera and projector\n"
+    "PSNR is over all pixels and channels of 8-bit sRGB predictions against the truth over black, mean over "
+    "the pictures;\n"
+    "`object` over the pixels that the object covers only. Identical pictures count as 100 dB.\n"
+    "\n"
+    "  CAPTURE..              folders or JSON files\n"
+    "  -m, --model FILE       weights; `none` for the classical start. Default: the shipped "
+    "models/small.safetensors\n"
+    "  -g, --gaussians FILE   a PLY to draw instead of reconstructing (one CAPTURE)\n"
+    "      --predictor P      no Gaussians at all: black + (white - black) * the pattern looked up at the "
+    "true depth\n"
+    "                         (depth) or at the depth found by projector matching (match)\n"
+    "  -t, --targets FILE     poses and pictures for novel_pose (targets.json or scene.json): one for all "
+    "captures, or\n"
+    "                         given once for each; a bare name is looked up in each capture's folder first\n"
+    "  -p, --pattern NAME     the structured-light pattern to use. Default: the first one that every view "
+    "has\n"
+    "      --save DIR         every prediction as DIR/<capture>/<view>_<pattern>.png\n"
+    "      --json FILE        the rows as JSON: psnr, psnr_foreground, psnr_unseen_lollipops, ssim, lpips, "
+    "images,\n"
+    "                         reconstruct_s (of the capture), render_s (of all the row's pictures together)\n"
+    "      --report FILE      one HTML page with input, G-buffers, predictions beside truth and error, "
+    "figures, times\n"
+    "      --show-pattern F   image file: the report also shows the views relit by it\n"
+    "      --perceptual FILE  LPIPS weights (safetensors). Default: lpips_alex.safetensors in the folder "
+    "that the\n"
+    "                         environment variable FFPROCAMS_PERCEPTUAL names; without either there is no "
+    "LPIPS\n"
+    "      --drawing D        with --gaussians: ours (default) or paper\n"
+    "\n"
+    "example: ffprocams evaluate data/sample --targets targets.json --report report.html\n";
+
+static void put_cell(double value, int digits) {
+    if (isfinite(value))
+        printf(" %8.*f", digits, value);
+    else
+        printf(" %8s", "-");
+}
+
+static void put_table(const FfpScore *scores, int n_scores) {
+    printf("%-20s %-14s %6s %8s %8s %8s %8s %8s %8s %8s\n", "capture", "protocol", "images", "PSNR", "object",
+           "unseen", "SSIM", "LPIPS", "rec. s", "ms/image");
+    for (int i = 0; i < n_scores; i++) {
+        const FfpScore *score = &scores[i];
+        printf("%-20s %-14s %6d", score->capture, score->protocol, score->images);
+        put_cell(score->psnr, 2);
+        put_cell(score->psnr_foreground, 2);
+        put_cell(score->psnr_unseen_lollipops, 2);
+        put_cell(score->ssim, 4);
+        put_cell(score->lpips, 4);
+        put_cell(score->reconstruct_s, 2);
+        put_cell(1000 * score->render_s / score->images, 1);
+        putchar('\n');
+    }
+}
+
+static int run(FfpEvaluation *evaluation, const char *model_path) {
+    FfpError err = {0};
+    int n_scores = 0;
+    FfpScore *scores = NULL;
+    FfpModel *model = NULL;
+    bool ok = true;
+    const bool none = model_path && strcmp(model_path, "none") == 0;
+    if (evaluation->predictor == FFP_PREDICT_DEPTH)
+        evaluation->model_name = "pattern lookup at the true depth";
+    else if (evaluation->predictor == FFP_PREDICT_MATCH)
+        evaluation->model_name = "pattern lookup at the matched depth";
+    else if (evaluation->gaussians)
+        evaluation->model_name = evaluation->gaussians;
+    else if (none)
+        evaluation->model_name = "the classical start, without weights";
+    else {
+        evaluation->model_name = model_path ? model_path : "the shipped weights";
+        ok = (model = ffp_model_open(model_path, &err)) != NULL;
+    }
+    evaluation->model = model;
+    if (ok) ok = (scores = ffp_evaluate(evaluation, &n_scores, &err)) != NULL;
+    if (ok) put_table(scores, n_scores);
+    free(scores);
+    ffp_model_close(model);
+    return ok ? FFP_EXIT_OK : ffp_cli_fail(&err);
+}
+
+static bool set_predictor(FfpEvaluation *evaluation, const char *name) {
+    evaluation->predictor = strcmp(name, "depth") == 0 ? FFP_PREDICT_DEPTH : FFP_PREDICT_MATCH;
+    return evaluation->predictor == FFP_PREDICT_DEPTH || strcmp(name, "match") == 0;
+}
+
+// -1 to go on, else the exit code.
+static int parse(int argc, char **argv, FfpEvaluation *evaluation, FfpList *targets, const char **model) {
+    enum { PREDICTOR = 256, SAVE, JSON, REPORT, SHOW, PERCEPTUAL, DRAWING };
+    static const struct option options[] = {{"model", required_argument, NULL, 'm'},
+                                            {"gaussians", required_argument, NULL, 'g'},
+                                            {"predictor", required_argument, NULL, PREDICTOR},
+                                            {"targets", required_argument, NULL, 't'},
+                                            {"pattern", required_argument, NULL, 'p'},
+                                            {"save", required_argument, NULL, SAVE},
+                                            {"json", required_argument, NULL, JSON},
+                                            {"report", required_argument, NULL, REPORT},
+                                            {"show-pattern", required_argument, NULL, SHOW},
+                                            {"perceptual", required_argument, NULL, PERCEPTUAL},
+                                            {"drawing", required_argument, NULL, DRAWING},
+                                            {"help", no_argument, NULL, 'h'},
+                                            {0}};
+    for (int option; (option = ffp_cli_next(argc, argv, ":m:g:t:p:h", options)) != -1;) {
+        switch (option) {
+        case 'm':
+            *model = optarg;
+            break;
+        case 'g':
+            evaluation->gaussians = optarg;
+            break;
+        case PREDICTOR:
+            if (set_predictor(evaluation, optarg)) break;
+            return ffp_cli_usage(argv[0], "--predictor is depth or match, not %s", optarg);
+        case 't':
+            ffp_cli_append(targets, optarg);
+            break;
+        case 'p':
+            evaluation->pattern = optarg;
+            break;
+        case SAVE:
+            evaluation->save = optarg;
+            break;
+        case JSON:
+            evaluation->json = optarg;
+            break;
+        case REPORT:
+            evaluation->report = optarg;
+            break;
+        case SHOW:
+            evaluation->show_pattern = optarg;
+            break;
+        case PERCEPTUAL:
+            evaluation->perceptual = optarg;
+            break;
+        case DRAWING:
+            if (ffp_cli_drawing(optarg, &evaluation->drawing)) break;
+            return ffp_cli_usage(argv[0], "--drawing is ours or paper, not %s", optarg);
+        case 'h':
+            fputs(help, stdout);
+            return FFP_EXIT_OK;
+        default:
+            return FFP_EXIT_USAGE;
+        }
+    }
+    return -1;
+}
+
+static int check(const char *command, const FfpEvaluation *evaluation, const FfpList *targets,
+                 const char *model) {
+    const int ways =
+        (model != NULL) + (evaluation->gaussians != NULL) + (evaluation->predictor != FFP_PREDICT_GAUSSIANS);
+    if (evaluation->n_captures < 1) return ffp_cli_usage(command, "give at least one CAPTURE");
+    if (ways > 1) return ffp_cli_usage(command, "give only one of --model, --gaussians and --predictor");
+    if (evaluation->gaussians && evaluation->n_captures > 1)
+        return ffp_cli_usage(command, "--gaussians goes with one CAPTURE");
+    if (targets->count > 1 && targets->count != evaluation->n_captures)
+        return ffp_cli_usage(command, "give --targets once, or once for each CAPTURE");
+    if (evaluation->show_pattern && !evaluation->report)
+        return ffp_cli_usage(command, "--show-pattern needs --report");
+    return -1;
+}
+
+int ffp_cli_evaluate(int argc, char **argv) {
+    FfpEvaluation evaluation = {0};
+    FfpList targets = {0};
+    const char *model = NULL;
+    int status = parse(argc, argv, &evaluation, &targets, &model);
+    if (status < 0) {
+        evaluation.captures = (const char *const *)(argv + optind);
+        evaluation.n_captures = argc - optind;
+        evaluation.targets = targets.values, evaluation.n_targets = targets.count;
+        status = check(argv[0], &evaluation, &targets, model);
+    }
+    if (status < 0) status = run(&evaluation, model);
+    ffp_cli_list_free(&targets);
+    return status;
+}

@@ -1,0 +1,119 @@
+#include <errno.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include "cli/cli.h"
+
+static const char help[] =
+    "usage: ffprocams COMMAND [ARGUMENTS]\n"
+    "\n"
+    "From eight photographed projector-camera views of an object to relightable 3D Gaussians, and pictures "
+    "of the object\n"
+    "under any pattern, camera pose and projector pose.\n"
+    "\n"
+    "  reconstruct  a capture to Gaussians (PLY), in one forward pass\n"
+    "  render       pictures of Gaussians under patterns, from chosen views\n"
+    "  evaluate     predictions against the photographs: tables, pictures, a report\n"
+    "  generate     captures of made-up objects, traced with all their truth\n"
+    "  train        weights from generated scenes\n"
+    "  info         what a capture, a model or a PLY holds\n"
+    "\n"
+    "  --help       this text; ffprocams COMMAND --help for a command's own\n"
+    "  --version    the version\n"
+    "\n"
+    "Exit status: 0 when all went well, 1 on an error (told on stderr; no output is left half-written), 2 "
+    "for wrong usage.\n"
+    "\n"
+    "example: ffprocams reconstruct data/sample -o spot.ply\n"
+    "         ffprocams render spot.ply --capture data/sample --pattern lollipop_3 -o relit\n";
+
+typedef struct Command {
+    const char *name;
+    int (*run)(int argc, char **argv);
+} Command;
+
+static const Command commands[] = {
+    {"reconstruct", ffp_cli_reconstruct}, {"render", ffp_cli_render}, {"evaluate", ffp_cli_evaluate},
+    {"generate", ffp_cli_generate},       {"train", ffp_cli_train},   {"info", ffp_cli_info},
+};
+
+int ffp_cli_fail(const FfpError *err) {
+    fprintf(stderr, "ffprocams: error: %s\n", err->text);
+    return FFP_EXIT_FAILURE;
+}
+
+int ffp_cli_usage(const char *command, const char *what_format, ...) {
+    va_list arguments;
+    fputs("ffprocams: error: ", stderr);
+    va_start(arguments, what_format);
+    vfprintf(stderr, what_format, arguments);
+    va_end(arguments);
+    fprintf(stderr, "\nffprocams: see: ffprocams %s%s--help\n", command ? command : "", command ? " " : "");
+    return FFP_EXIT_USAGE;
+}
+
+int ffp_cli_next(int argc, char **argv, const char *short_options, const struct option *options) {
+    opterr = 0; // the messages are ours
+    const int option = getopt_long(argc, argv, short_options, options, NULL);
+    if (option == ':') {
+        ffp_cli_usage(argv[0], "%s needs a value", argv[optind - 1]);
+        return 0;
+    }
+    if (option == '?') {
+        ffp_cli_usage(argv[0], "unknown option %s", argv[optind - 1]);
+        return 0;
+    }
+    return option;
+}
+
+bool ffp_cli_number(const char *text, int64_t low, int64_t high, int64_t *out) {
+    char *end;
+    errno = 0;
+    const long long value = strtoll(text, &end, 10);
+    if (errno || end == text || *end || value < low || value > high) return false;
+    *out = value;
+    return true;
+}
+
+void ffp_cli_append(FfpList *list, const char *value) {
+    const char **values = realloc(list->values, ((size_t)list->count + 1) * sizeof *values);
+    if (!values) abort();
+    list->values = values;
+    list->values[list->count++] = value;
+}
+
+void ffp_cli_list_free(FfpList *list) {
+    free(list->values);
+    *list = (FfpList){0};
+}
+
+bool ffp_cli_drawing(const char *text, FfpDrawing *drawing) {
+    *drawing = strcmp(text, "paper") == 0 ? FFP_DRAWING_PAPER : FFP_DRAWING_OURS;
+    return *drawing == FFP_DRAWING_PAPER || strcmp(text, "ours") == 0;
+}
+
+// Output that was lost on the way (a full disk behind a pipe) is an error too.
+static int finish(int status) {
+    if (fflush(stdout) == 0 && !ferror(stdout)) return status;
+    fprintf(stderr, "ffprocams: error: cannot write (standard output)\n");
+    return FFP_EXIT_FAILURE;
+}
+
+int main(int argc, char **argv) {
+    if (argc < 2) {
+        fputs(help, stderr);
+        return FFP_EXIT_USAGE;
+    }
+    if (strcmp(argv[1], "--help") == 0 || strcmp(argv[1], "-h") == 0) {
+        fputs(help, stdout);
+        return finish(FFP_EXIT_OK);
+    }
+    if (strcmp(argv[1], "--version") == 0) {
+        printf("ffprocams %s\n", ffp_version());
+        return finish(FFP_EXIT_OK);
+    }
+    for (size_t i = 0; i < sizeof commands / sizeof *commands; i++)
+        if (strcmp(argv[1], commands[i].name) == 0) return finish(commands[i].run(argc - 1, argv + 1));
+    return ffp_cli_usage(NULL, "there is no command %s", argv[1]);
+}

@@ -1,0 +1,67 @@
+#include <stdio.h>
+#include "cli/cli.h"
+
+static const char help[] =
+    "usage: ffprocams train --out DIR [--config FILE] [--steps N] [--resume] [--initial FILE] [--perceptual "
+    "FILE]\n"
+    "\n"
+    "Trains weights on scenes that are generated as training goes. DIR receives checkpoint.safetensors "
+    "(everything needed\n"
+    "to go on bit for bit), weights.safetensors (what `--model` takes) and metrics.jsonl. Ctrl-C writes a "
+    "checkpoint first.\n"
+    "\n"
+    "  -o, --out DIR          folder of the run; made when it is not there\n"
+    "  -c, --config FILE      JSON with the fields that differ from the defaults (docs/formats.md)\n"
+    "  -n, --steps N          stop at step N instead of the configuration's\n"
+    "  -r, --resume           go on from DIR/checkpoint.safetensors\n"
+    "      --initial FILE     start from these weights, with a fresh optimiser\n"
+    "      --perceptual FILE  network of the perceptual term (safetensors); without it that term is off\n"
+    "\n"
+    "example: ffprocams train --out run --steps 20000\n"
+    "         ffprocams train --out run --resume\n";
+
+int ffp_cli_train(int argc, char **argv) {
+    enum { INITIAL = 256, PERCEPTUAL };
+    static const struct option options[] = {{"out", required_argument, NULL, 'o'},
+                                            {"config", required_argument, NULL, 'c'},
+                                            {"steps", required_argument, NULL, 'n'},
+                                            {"resume", no_argument, NULL, 'r'},
+                                            {"initial", required_argument, NULL, INITIAL},
+                                            {"perceptual", required_argument, NULL, PERCEPTUAL},
+                                            {"help", no_argument, NULL, 'h'},
+                                            {0}};
+    FfpTraining training = {.steps = -1};
+    for (int option; (option = ffp_cli_next(argc, argv, ":o:c:n:rh", options)) != -1;) {
+        switch (option) {
+        case 'o':
+            training.out = optarg;
+            break;
+        case 'c':
+            training.config = optarg;
+            break;
+        case 'n':
+            if (ffp_cli_number(optarg, 0, 1000000000, &training.steps)) break;
+            return ffp_cli_usage(argv[0], "--steps is a number from 0 to 1000000000, not %s", optarg);
+        case 'r':
+            training.resume = true;
+            break;
+        case INITIAL:
+            training.initial = optarg;
+            break;
+        case PERCEPTUAL:
+            training.perceptual = optarg;
+            break;
+        case 'h':
+            fputs(help, stdout);
+            return FFP_EXIT_OK;
+        default:
+            return FFP_EXIT_USAGE;
+        }
+    }
+    if (optind != argc) return ffp_cli_usage(argv[0], "%s is one argument too many", argv[optind]);
+    if (!training.out) return ffp_cli_usage(argv[0], "--out DIR is missing");
+    if (training.resume && training.initial)
+        return ffp_cli_usage(argv[0], "give only one of --resume and --initial");
+    FfpError err = {0};
+    return ffp_train_model(&training, &err) ? FFP_EXIT_OK : ffp_cli_fail(&err);
+}
