@@ -1,9 +1,10 @@
-// FF-ProCams in C: from eight photographed views of an object to relightable 3D Gaussians, and pictures of them under any
-// pattern, camera pose and projector pose. This is the one public header.
+// FF-ProCams in C: from eight photographed views of an object to relightable 3D Gaussians, and pictures of
+// them under any pattern, camera pose and projector pose. This is the one public header.
 //
-// Every function that can fail returns false or NULL and leaves "WHAT (WHERE)" in the FfpError it was given (NULL is
-// allowed). Handles are freed with their *_close; NULL is allowed there. Nothing is shared between handles: one handle,
-// one thread at a time. Files are written to a temporary name and renamed, so an old file stays whole until the new one is.
+// Every function that can fail returns false or NULL and leaves "WHAT (WHERE)" in the FfpError it was given
+// (NULL is allowed). Handles are freed with their *_close; NULL is allowed there. Nothing is shared between
+// handles: one handle, one thread at a time. Files are written to a temporary name and renamed, so an old
+// file stays whole until the new one is.
 #ifndef FFPROCAMS_H
 #define FFPROCAMS_H
 
@@ -32,8 +33,8 @@ void ffp_capture_close(FfpCapture *capture);
 
 typedef struct FfpModel FfpModel;
 
-// `path` NULL: the shipped weights, models/small.safetensors, looked up beside the program's folder, then in the current
-// folder. An error says where it was looked for.
+// `path` NULL: the shipped weights, models/small.safetensors, looked up beside the program's folder, then in
+// the current folder. An error says where it was looked for.
 FfpModel *ffp_model_open(const char *path, FfpError *err);
 void ffp_model_close(FfpModel *model);
 
@@ -53,8 +54,8 @@ typedef struct FfpReconstructionStory { // how it went; seconds of wall clock
 } FfpReconstructionStory;
 
 // One forward pass. The Gaussians are in the capture's world units. `story` may be NULL.
-FfpGaussians *ffp_reconstruct(const FfpCapture *capture, const FfpReconstruction *options, FfpReconstructionStory *story,
-                              FfpError *err);
+FfpGaussians *ffp_reconstruct(const FfpCapture *capture, const FfpReconstruction *options,
+                              FfpReconstructionStory *story, FfpError *err);
 
 // Binary PLY with the 3DGS property names, plus base_color_0..2 and roughness (docs/formats.md).
 FfpGaussians *ffp_gaussians_open(const char *path, FfpError *err);
@@ -64,24 +65,26 @@ void ffp_gaussians_close(FfpGaussians *gaussians);
 
 // --- Pictures. ---
 
-// How Gaussians are drawn: as the shipped model means them (narrow blur with compensation, footprint lookup, shadows), or
-// in the paper's plain form (blur 0.3 px, bilinear lookup, no shadows).
+// How Gaussians are drawn: as the shipped model means them (narrow blur with compensation, footprint lookup,
+// shadows), or in the paper's plain form (blur 0.3 px, bilinear lookup, no shadows).
 typedef enum FfpDrawing { FFP_DRAWING_OURS, FFP_DRAWING_PAPER } FfpDrawing;
 
 typedef struct FfpPictures {
-    const char *poses;           // file of camera and projector poses (targets.json or scene.json); NULL: the capture's
-    const char *const *views;    // ids of the views to render; none: all
+    const char *poses; // file of camera and projector poses (targets.json or scene.json); NULL: the capture's
+    const char *const *views; // ids of the views to render; none: all
     int n_views;
     const char *const *patterns; // names of the capture's patterns, or image files; none: the white pattern
     int n_patterns;
     const char *folder; // where <view>_<pattern>.png goes; made when it is not there
-    bool maps;          // also the G-buffers: <view>_depth.exr and .png, _opacity, _normal, _albedo, _roughness, _ambient
+    bool maps; // also the G-buffers: <view>_depth.exr and .png, _opacity, _normal, _albedo, _roughness,
+               // _ambient
     FfpDrawing drawing;
 } FfpPictures;
 
-// Renders views under patterns into 8-bit sRGB files over black. One rasterisation a view serves all its patterns.
-// Returns the number of pictures written, or -1.
-int ffp_render_pictures(const FfpGaussians *gaussians, const FfpCapture *capture, const FfpPictures *options, FfpError *err);
+// Renders views under patterns into 8-bit sRGB files over black. One rasterisation a view serves all its
+// patterns. Returns the number of pictures written, or -1.
+int ffp_render_pictures(const FfpGaussians *gaussians, const FfpCapture *capture, const FfpPictures *options,
+                        FfpError *err);
 
 // --- Evaluation. ---
 
@@ -95,33 +98,37 @@ typedef struct FfpEvaluation {
     const char *const *captures; // folders or JSON files
     int n_captures;
     FfpPredictor predictor;
-    const FfpModel *model;       // NULL: the classical start
-    const char *model_name;      // what the table and the report call it
-    const char *gaussians;       // PLY to evaluate instead of reconstructing; NULL: reconstruct
-    const char *const *targets;  // pose files of novel_pose: none, one a capture, or one name looked up in each capture
+    const FfpModel *model;  // NULL: the classical start
+    const char *model_name; // what the table and the report call it
+    const char *gaussians;  // PLY to evaluate instead of reconstructing; NULL: reconstruct
+    const char *const
+        *targets; // pose files of novel_pose: none, one a capture, or one name looked up in each capture
     int n_targets;
-    const char *pattern;         // as FfpReconstruction.pattern
-    const char *save;            // folder for <capture>/<view>_<pattern>.png of every prediction, or NULL
-    const char *json;            // file for the rows, or NULL
-    const char *report;          // file for a self-contained HTML report, or NULL
-    const char *show_pattern;    // image file: the report also shows views under it (no truth, no figures), or NULL
-    const char *perceptual;      // safetensors with LPIPS weights, or NULL
-    FfpDrawing drawing;          // used when there is no model to say it
+    const char *pattern; // as FfpReconstruction.pattern
+    const char *save;    // folder for <capture>/<view>_<pattern>.png of every prediction, or NULL
+    const char *json;    // file for the rows, or NULL
+    const char *report;  // file for a self-contained HTML report, or NULL
+    const char
+        *show_pattern; // image file: the report also shows views under it (no truth, no figures), or NULL
+    const char *perceptual; // safetensors with LPIPS weights, or NULL
+    FfpDrawing drawing;     // used when there is no model to say it
 } FfpEvaluation;
 
-// One row: a capture under a protocol. `rendering`: black, white and lollipops at the input poses; `novel_pattern`: every
-// other pattern there; `novel_pose`: all pictures of the targets. Measured on the 8-bit prediction against the truth over
-// black, sRGB-encoded. NAN where a figure does not apply. PSNR of identical pictures is 100.
+// One row: a capture under a protocol. `rendering`: black, white and lollipops at the input poses;
+// `novel_pattern`: every other pattern there; `novel_pose`: all pictures of the targets. Measured on the
+// 8-bit prediction against the truth over black, sRGB-encoded. NAN where a figure does not apply. PSNR of
+// identical pictures is 100.
 typedef struct FfpScore {
     char capture[96];
     const char *protocol;
     double psnr, psnr_foreground, ssim, lpips; // means over the images; foreground: pixels the object covers
-    double psnr_unseen_lollipops;              // `rendering` only: the lollipops that the predictor was not given
+    double psnr_unseen_lollipops; // `rendering` only: the lollipops that the predictor was not given
     int images, images_unseen;
     double reconstruct_s, render_s; // seconds: of the reconstruction; of all the row's pictures together
 } FfpScore;
 
-// Returns the rows (release with free) and their number, or NULL. JSON and report are written when all is done.
+// Returns the rows (release with free) and their number, or NULL. JSON and report are written when all is
+// done.
 FfpScore *ffp_evaluate(const FfpEvaluation *options, int *n_scores, FfpError *err);
 
 // --- Training and its data. ---
@@ -137,9 +144,9 @@ typedef struct FfpTraining {
 bool ffp_train_model(const FfpTraining *options, FfpError *err);
 
 typedef struct FfpGeneration {
-    const char *folder; // one capture folder a scene goes here
-    const char *split;  // "train", "validation", "test"; NULL: all
-    const char *preset; // "paper" or "smoke"
+    const char *folder;   // one capture folder a scene goes here
+    const char *split;    // "train", "validation", "test"; NULL: all
+    const char *preset;   // "paper" or "smoke"
     int64_t first, count; // scenes of the split; count -1: to the end
     int resolution;       // image side; 0: as the preset says
     uint64_t seed;
