@@ -20,15 +20,20 @@ FfpImage ffp_image_copy(const FfpImage *image);
 
 // How the colours of a file are to be understood when it is read.
 typedef enum FfpColour {
-    FFP_COLOUR_ENCODED, // as they stand in the file, scaled to [0,1]
+    FFP_COLOUR_ENCODED, // as they stand in the file, scaled to [0,1] (an EXR is sRGB-encoded, so clamped)
     FFP_COLOUR_LINEAR,  // sRGB files decoded to linear (EXR is linear already)
 } FfpColour;
 
 // Reads PNG (8/16 bit, grey, RGB, with or without alpha, palette), JPEG or EXR by its content, not its name.
 // Returns 4 channels: RGB and straight alpha (1 where the file has none). Errors: not a file, no image, truncated,
-// a side of 0 or above FFP_IMAGE_SIDE_MAX.
+// a side of 0 or above FFP_IMAGE_SIDE_MAX, values that are not finite. Gamma and colour profiles in files are ignored.
 bool ffp_image_read(FfpImage *image, const char *path, FfpColour colour, FfpError *err);
-// One channel of 16-bit grey PNG as raw integers 0..65535 (or an EXR's first channel): depth maps.
+// Linear RGB over black. Straight alpha is multiplied in before decoding (as pictures are composited in viewers, and in the
+// metrics of this field); an EXR's colours are premultiplied already. *alpha gets the alpha channel, or stays empty when
+// the file has none; alpha may be NULL.
+bool ffp_image_read_over_black(FfpImage *rgb, FfpImage *alpha, const char *path, FfpError *err);
+// One channel as raw numbers: 0..65535 of a 16-bit grey PNG (0..255 of an 8-bit one), or an EXR's Z, Y or first channel:
+// depth and roughness maps.
 bool ffp_image_read_raw16(FfpImage *image, const char *path, FfpError *err);
 // Only the size, without decoding: for checks before memory is taken.
 bool ffp_image_read_size(int *width, int *height, const char *path, FfpError *err);
@@ -51,7 +56,7 @@ void ffp_image_to_linear(FfpImage *image); // in place
 // RGB times alpha: a 4-channel image to a new 3-channel one over black.
 FfpImage ffp_image_over_black(const FfpImage *rgba);
 FfpImage ffp_image_channel(const FfpImage *image, int channel);
-// Area-averaging (down) or bilinear (up) resize.
+// Area-averaging (down) or bilinear (up) resize, decided for each axis.
 FfpImage ffp_image_resize(const FfpImage *image, int width, int height);
 
 // Bilinear sample at (u,v) in pixels, centres at +0.5, edge clamped, into out[channels].
