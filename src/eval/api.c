@@ -9,7 +9,6 @@
 #include "capture/capture.h"
 #include "gaussians/gaussians.h"
 #include "network/network.h"
-#include "synth/dataset.h"
 #include "train/train.h"
 
 #define SHIPPED_MODEL "models/small.safetensors"
