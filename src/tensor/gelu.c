@@ -1,0 +1,22 @@
+// GELU, exact form: y = x Phi(x) with the normal distribution Phi (Hendrycks & Gimpel 2016).
+#include "tensor/tensor.h"
+
+#include "tensor/fastmath.h"
+
+void ffp_gelu_forward(real *y, const real *x, size_t count) {
+#pragma omp parallel for simd schedule(static)
+    for (size_t i = 0; i < count; i++) {
+        real density;
+        y[i] = x[i] * ffp_normal(x[i], &density);
+    }
+}
+
+// dy/dx = Phi(x) + x phi(x)
+void ffp_gelu_backward(real *dx, const real *dy, const real *x, size_t count) {
+#pragma omp parallel for simd schedule(static)
+    for (size_t i = 0; i < count; i++) {
+        real density;
+        const real below = ffp_normal(x[i], &density);
+        dx[i] = dy[i] * (below + x[i] * density);
+    }
+}
