@@ -1,0 +1,278 @@
+// The training configuration: one table of fields serves reading, checking and writing.
+#include <math.h>
+#include <stddef.h>
+#include <stdlib.h>
+#include <string.h>
+#include <jansson.h>
+#include "base/file.h"
+#include "train/train.h"
+
+typedef enum Kind { INT, INT64, DOUBLE, BOOL, TEXT } Kind;
+typedef struct Field {
+    const char *name;
+    Kind kind;
+    size_t offset;
+    double low, high; // TEXT: high is the size of the char array
+} Field;
+
+#define AT(field) offsetof(FfpTrainConfig, field)
+#define MODEL_AT(field) offsetof(FfpModelConfig, field)
+
+static const Field train_fields[] = {
+    {"seed", INT64, AT(seed), 0, 9e15},
+    {"steps", INT64, AT(steps), 1, 1e9},
+    {"pool", INT, AT(pool), 1, 1024},
+    {"reuse", INT, AT(reuse), 1, 1000000},
+    {"views", INT, AT(views), 1, 64},
+    {"targets", INT, AT(targets), 0, 64},
+    {"lollipops", INT, AT(lollipops), 1, 16},
+    {"resolution", INT, AT(resolution), 8, 1024},
+    {"low_resolution", INT, AT(low_resolution), 8, 1024},
+    {"low_steps", INT, AT(low_steps), 0, 1e9},
+    {"pattern_side", INT, AT(pattern_side), 64, 4096},
+    {"samples", INT, AT(samples), 1, 1024},
+    {"ambient_rays", INT, AT(ambient_rays), 1, 256},
+    {"single_scene", BOOL, AT(single_scene), 0, 1},
+    {"supervised_inputs", INT, AT(supervised_inputs), 0, 64},
+    {"supervised_targets", INT, AT(supervised_targets), 0, 64},
+    {"white_from", INT, AT(white_from), 0, 1e9},
+    {"active_from", INT, AT(active_from), 0, 1e9},
+    {"warmup_geometry", INT, AT(warmup_geometry), 0, 1e9},
+    {"l1", DOUBLE, AT(l1), 0, 1e4},
+    {"ssim", DOUBLE, AT(ssim), 0, 1e4},
+    {"perceptual", DOUBLE, AT(perceptual), 0, 1e4},
+    {"mask", DOUBLE, AT(mask), 0, 1e4},
+    {"depth", DOUBLE, AT(depth), 0, 1e4},
+    {"distortion", DOUBLE, AT(distortion), 0, 1e4},
+    {"normal_smooth", DOUBLE, AT(normal_smooth), 0, 1e4},
+    {"roughness_smooth", DOUBLE, AT(roughness_smooth), 0, 1e4},
+    {"direct_t", DOUBLE, AT(direct_t), 0, 1e4},
+    {"truth_albedo", DOUBLE, AT(truth_albedo), 0, 1e4},
+    {"truth_normal", DOUBLE, AT(truth_normal), 0, 1e4},
+    {"truth_roughness", DOUBLE, AT(truth_roughness), 0, 1e4},
+    {"perceptual_from", INT, AT(perceptual_from), 0, 1e9},
+    {"learning_rate", DOUBLE, AT(learning_rate), 0, 1},
+    {"final_learning_rate", DOUBLE, AT(final_learning_rate), 0, 1},
+    {"beta1", DOUBLE, AT(beta1), 0, 0.99999},
+    {"beta2", DOUBLE, AT(beta2), 0, 0.99999},
+    {"weight_decay", DOUBLE, AT(weight_decay), 0, 10},
+    {"clip", DOUBLE, AT(clip), 1e-6, 1e6},
+    {"skip_above", DOUBLE, AT(skip_above), 1, 1e9},
+    {"ema", DOUBLE, AT(ema), 0, 0.999999},
+    {"warmup_steps", INT, AT(warmup_steps), 0, 1e9},
+    {"validate_every", INT, AT(validate_every), 0, 1e9},
+    {"validation_scenes", INT, AT(validation_scenes), 1, 1000},
+    {"checkpoint_minutes", INT, AT(checkpoint_minutes), 1, 10000},
+    {"log_every", INT, AT(log_every), 1, 1e6},
+};
+
+// Ranges of the model's fields are checked by the network room; here only that they fit their type.
+static const Field model_fields[] = {
+    {"name", TEXT, MODEL_AT(name), 0, sizeof(((FfpModelConfig *)0)->name)},
+    {"modules", TEXT, MODEL_AT(modules), 0, sizeof(((FfpModelConfig *)0)->modules)},
+    {"dim", INT, MODEL_AT(dim), 1, 1e5},
+    {"patch", INT, MODEL_AT(patch), 1, 1e3},
+    {"state", INT, MODEL_AT(state), 1, 1e4},
+    {"chunk", INT, MODEL_AT(chunk), 1, 1e4},
+    {"residual", BOOL, MODEL_AT(residual), 0, 1},
+    {"match_input", BOOL, MODEL_AT(match_input), 0, 1},
+    {"pixel_skip", BOOL, MODEL_AT(pixel_skip), 0, 1},
+    {"pixel_features", INT, MODEL_AT(pixel_features), 0, 1e4},
+    {"pixel_hidden", INT, MODEL_AT(pixel_hidden), 0, 1e4},
+    {"render", TEXT, MODEL_AT(render), 0, sizeof(((FfpModelConfig *)0)->render)},
+};
+
+#define COUNT(table) ((int)(sizeof(table) / sizeof((table)[0])))
+
+FfpTrainConfig ffp_train_defaults(void) {
+    FfpTrainConfig c = {
+        .seed = 1,
+        .steps = 20000,
+        .pool = 8,
+        .reuse = 12,
+        .views = 8,
+        .targets = 4,
+        .lollipops = 4,
+        .resolution = 128,
+        .low_resolution = 64,
+        .low_steps = 0,
+        .pattern_side = 800,
+        .samples = 4,
+        .ambient_rays = 2,
+        .supervised_inputs = 2,
+        .supervised_targets = 2,
+        .white_from = 0,
+        .active_from = 0,
+        .warmup_geometry = 0,
+        .l1 = 0.8,
+        .ssim = 0.2,
+        .perceptual = 0.05,
+        .mask = 0.1,
+        .depth = 0.1,
+        .distortion = 0.05,
+        .normal_smooth = 0.01,
+        .roughness_smooth = 0.002,
+        .direct_t = 0.5,
+        .truth_albedo = 0,
+        .truth_normal = 0,
+        .truth_roughness = 0,
+        .perceptual_from = 5000,
+        .learning_rate = 4e-4,
+        .final_learning_rate = 1e-6,
+        .beta1 = 0.9,
+        .beta2 = 0.95,
+        .weight_decay = 0.05,
+        .clip = 1,
+        .skip_above = 10,
+        .ema = 0.999,
+        .warmup_steps = 500,
+        .validate_every = 1000,
+        .validation_scenes = 6,
+        .checkpoint_minutes = 5,
+        .log_every = 20,
+    };
+    ffp_model_preset(&c.model, "small");
+    return c;
+}
+
+static bool read_number(double *out, const json_t *value, const Field *field, const char *where,
+                        FfpError *err) {
+    const bool whole = field->kind != DOUBLE;
+    if (whole ? !json_is_integer(value) : !json_is_number(value))
+        return ffp_fail(err, where, "expected %s", whole ? "a whole number" : "a number");
+    *out = json_number_value(value);
+    if (!isfinite(*out) || *out < field->low || *out > field->high)
+        return ffp_fail(err, where, "%g is not in [%g, %g]", *out, field->low, field->high);
+    return true;
+}
+
+static bool read_field(void *base, const Field *field, const json_t *value, const char *where,
+                       FfpError *err) {
+    char *at = (char *)base + field->offset;
+    double number = 0;
+    switch (field->kind) {
+    case BOOL:
+        if (!json_is_boolean(value)) return ffp_fail(err, where, "expected true or false");
+        *(bool *)at = json_is_true(value);
+        return true;
+    case TEXT:
+        if (!json_is_string(value)) return ffp_fail(err, where, "expected a string");
+        if (json_string_length(value) >= (size_t)field->high) return ffp_fail(err, where, "text is too long");
+        strcpy(at, json_string_value(value));
+        return true;
+    case INT:
+        if (!read_number(&number, value, field, where, err)) return false;
+        *(int *)at = (int)number;
+        return true;
+    case INT64:
+        if (!read_number(&number, value, field, where, err)) return false;
+        *(int64_t *)at = (int64_t)number;
+        return true;
+    case DOUBLE:
+        return read_number((double *)at, value, field, where, err);
+    }
+    return false;
+}
+
+static bool read_fields(void *base, const Field *fields, int count, const json_t *object, const char *prefix,
+                        const char *skip, const char *where, FfpError *err) {
+    const char *key;
+    json_t *value;
+    json_object_foreach((json_t *)object, key, value) {
+        if (strcmp(key, skip) == 0) continue;
+        char place[FFP_PATH_MAX + 128];
+        snprintf(place, sizeof place, "%s: %s%.64s", where, prefix, key);
+        const Field *found = NULL;
+        for (int i = 0; i < count && !found; i++)
+            if (strcmp(fields[i].name, key) == 0) found = &fields[i];
+        if (!found) return ffp_fail(err, place, "unknown field");
+        if (!read_field(base, found, value, place, err)) return false;
+    }
+    return true;
+}
+
+static bool read_model(FfpModelConfig *model, const json_t *value, const char *where, FfpError *err) {
+    char place[FFP_PATH_MAX + 32];
+    snprintf(place, sizeof place, "%s: model", where);
+    const json_t *preset = json_is_object(value) ? json_object_get(value, "preset") : value;
+    if (preset) {
+        if (!json_is_string(preset)) return ffp_fail(err, place, "expected a preset's name");
+        if (!ffp_model_preset(model, json_string_value(preset)))
+            return ffp_fail(err, place, "no preset '%.40s'", json_string_value(preset));
+    }
+    if (json_is_object(value) &&
+        !read_fields(model, model_fields, COUNT(model_fields), value, "model.", "preset", where, err))
+        return false;
+    return ffp_model_config_check(model, where, err);
+}
+
+// What no single range can say.
+static bool check_together(const FfpTrainConfig *c, const char *where, FfpError *err) {
+    if (c->supervised_inputs + c->supervised_targets < 1)
+        return ffp_fail(err, where, "supervised_inputs and supervised_targets are both 0");
+    if (c->supervised_inputs > c->views) return ffp_fail(err, where, "supervised_inputs is above views");
+    if (c->supervised_targets > c->targets)
+        return ffp_fail(err, where, "supervised_targets is above targets");
+    if (c->resolution % c->model.patch || c->low_resolution % c->model.patch)
+        return ffp_fail(err, where, "resolution and low_resolution must be multiples of the patch, %d",
+                        c->model.patch);
+    return true;
+}
+
+bool ffp_train_config_parse(FfpTrainConfig *config, const char *text, const char *where, FfpError *err) {
+    *config = ffp_train_defaults();
+    json_error_t problem;
+    json_t *root = json_loads(text, JSON_REJECT_DUPLICATES, &problem);
+    if (!root) return ffp_fail(err, where, "broken JSON at line %d: %s", problem.line, problem.text);
+    bool ok = json_is_object(root) || ffp_fail(err, where, "expected an object");
+    const json_t *model = ok ? json_object_get(root, "model") : NULL;
+    ok = ok && (!model || read_model(&config->model, model, where, err)) &&
+         read_fields(config, train_fields, COUNT(train_fields), root, "", "model", where, err) &&
+         check_together(config, where, err);
+    json_decref(root);
+    return ok;
+}
+
+bool ffp_train_config_read(FfpTrainConfig *config, const char *path, FfpError *err) {
+    char *text = NULL;
+    size_t size = 0;
+    if (!ffp_read_file(path, 1 << 20, &text, &size, err)) return false;
+    const bool ok = ffp_train_config_parse(config, text, path, err);
+    free(text);
+    return ok;
+}
+
+static json_t *print_fields(const void *base, const Field *fields, int count) {
+    json_t *object = json_object();
+    for (int i = 0; i < count; i++) {
+        const char *at = (const char *)base + fields[i].offset;
+        json_t *value = NULL;
+        switch (fields[i].kind) {
+        case BOOL:
+            value = json_boolean(*(const bool *)at);
+            break;
+        case TEXT:
+            value = json_string(at);
+            break;
+        case INT:
+            value = json_integer(*(const int *)at);
+            break;
+        case INT64:
+            value = json_integer(*(const int64_t *)at);
+            break;
+        case DOUBLE:
+            value = json_real(*(const double *)at);
+            break;
+        }
+        json_object_set_new(object, fields[i].name, value);
+    }
+    return object;
+}
+
+char *ffp_train_config_print(const FfpTrainConfig *config) {
+    json_t *root = print_fields(config, train_fields, COUNT(train_fields));
+    json_object_set_new(root, "model", print_fields(&config->model, model_fields, COUNT(model_fields)));
+    char *text = json_dumps(root, JSON_INDENT(1) | JSON_PRESERVE_ORDER);
+    json_decref(root);
+    return text;
+}

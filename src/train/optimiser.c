@@ -1,0 +1,91 @@
+// AdamW with decoupled weight decay (Loshchilov & Hutter 2019), warm-up and cosine, clipping, EMA of the
+// weights.
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include "base/arena.h"
+#include "train/train.h"
+
+FfpAdam ffp_adam_new(const FfpModel *model) {
+    const size_t count = (size_t)model->count;
+    FfpAdam adam = {model->count, 0, ffp_alloc(count, sizeof(real)), ffp_alloc(count, sizeof(real)),
+                    ffp_alloc(count, sizeof(real))};
+    memcpy(adam.ema, model->values, count * sizeof(real));
+    return adam;
+}
+
+void ffp_adam_free(FfpAdam *adam) {
+    free(adam->m);
+    free(adam->v);
+    free(adam->ema);
+    *adam = (FfpAdam){0};
+}
+
+double ffp_learning_rate(const FfpTrainConfig *config, int64_t step) {
+    if (step < config->warmup_steps) return config->learning_rate * (double)(step + 1) / config->warmup_steps;
+    const double span = (double)(config->steps - config->warmup_steps);
+    const double done = span > 0 ? fmin((double)(step - config->warmup_steps) / span, 1.0) : 1.0;
+    return config->final_learning_rate + 0.5 * (config->learning_rate - config->final_learning_rate) *
+                                             (1 + cos(3.14159265358979323846 * done));
+}
+
+// Sum of squares in fixed blocks, added in order: the same bits for any thread count.
+static double squared_norm(const real *x, int64_t count) {
+    enum { BLOCK = 1 << 14 };
+    const int64_t blocks = (count + BLOCK - 1) / BLOCK;
+    double *partial = ffp_alloc((size_t)blocks, sizeof *partial);
+#pragma omp parallel for schedule(static)
+    for (int64_t b = 0; b < blocks; b++) {
+        const int64_t end = (b + 1) * BLOCK < count ? (b + 1) * BLOCK : count;
+        double sum = 0;
+        for (int64_t i = b * BLOCK; i < end; i++) sum += (double)x[i] * x[i];
+        partial[b] = sum;
+    }
+    double total = 0;
+    for (int64_t b = 0; b < blocks; b++) total += partial[b];
+    free(partial);
+    return total;
+}
+
+typedef struct UpdateRates {
+    real beta1, beta2, scale, step_size, correction2, decay, ema;
+} UpdateRates;
+
+static void update_range(const UpdateRates *r, real *w, real *m, real *v, real *ema, const real *grad,
+                         int64_t count) {
+#pragma omp parallel for simd schedule(static)
+    for (int64_t i = 0; i < count; i++) {
+        const real g = grad[i] * r->scale;
+        m[i] = r->beta1 * m[i] + (1 - r->beta1) * g;
+        v[i] = r->beta2 * v[i] + (1 - r->beta2) * g * g;
+        w[i] -= r->step_size * m[i] / (sqrtf(v[i] * r->correction2) + 1e-8F) + r->decay * w[i];
+        ema[i] = r->ema * ema[i] + (1 - r->ema) * w[i];
+    }
+}
+
+double ffp_adam_update(FfpAdam *adam, FfpModel *model, const real *grad, const FfpTrainConfig *config,
+                       bool *skipped) {
+    const double norm = sqrt(squared_norm(grad, model->count));
+    const double rate = ffp_learning_rate(config, adam->step);
+    adam->step++;
+    *skipped = !isfinite(norm) || norm > config->skip_above * config->clip;
+    if (*skipped) return norm;
+    const double t = (double)adam->step;
+    UpdateRates rates = {
+        .beta1 = (real)config->beta1,
+        .beta2 = (real)config->beta2,
+        .scale = (real)(norm > config->clip ? config->clip / norm : 1.0),
+        .step_size = (real)(rate / (1 - pow(config->beta1, t))),
+        .correction2 = (real)(1 / (1 - pow(config->beta2, t))),
+        // early on the average follows the weights closely: it would otherwise stay at the initial ones
+        .ema = (real)fmin(config->ema, t / (t + 10)),
+    };
+    for (int p = 0; p < model->n_parameters; p++) {
+        const FfpParameter *parameter = &model->parameters[p];
+        const int64_t o = parameter->offset;
+        rates.decay = parameter->decay ? (real)(rate * config->weight_decay) : 0;
+        update_range(&rates, model->values + o, adam->m + o, adam->v + o, adam->ema + o, grad + o,
+                     parameter->count);
+    }
+    return norm;
+}

@@ -1,0 +1,71 @@
+// Scenes for training: made by the generator, normalised as a user's capture would be, matched once.
+#include <stdlib.h>
+#include <string.h>
+#include "base/rng.h"
+#include "synth/synth.h"
+#include "train/train.h"
+
+// Mesh, material and jitter of scene `number` of a split: independent draws from its own random stream.
+static bool scene_spec(FfpSceneSpec *spec, const FfpTrainConfig *config, const char *split, int64_t number,
+                       int resolution, FfpError *err) {
+    const int capacity = ffp_mesh_count();
+    int *meshes = malloc((size_t)capacity * sizeof *meshes);
+    const int count = meshes ? ffp_split_meshes(split, meshes, capacity) : 0;
+    if (count < 1) {
+        free(meshes);
+        return ffp_fail(err, split, "no meshes in this split");
+    }
+    FfpRng rng = ffp_rng((uint64_t)config->seed * 3 + (split[0] == 'v' ? 1 : 0), (uint64_t)number);
+    *spec = ffp_scene_defaults();
+    spec->mesh = meshes[ffp_rng_below(&rng, (uint32_t)count)];
+    spec->material = (int)ffp_rng_below(&rng, (uint32_t)ffp_material_count());
+    spec->seed = ((uint64_t)ffp_rng_u32(&rng) << 32) | ffp_rng_u32(&rng);
+    spec->resolution = resolution;
+    spec->views = config->views;
+    spec->targets = config->targets;
+    spec->lollipops = config->lollipops;
+    spec->pattern_side = config->pattern_side;
+    spec->samples = config->samples;
+    spec->ambient_rays = config->ambient_rays;
+    spec->jitter = true;
+    free(meshes);
+    return true;
+}
+
+bool ffp_scene_open(FfpScene *scene, const FfpTrainConfig *config, const char *split, int64_t number,
+                    int resolution, FfpError *err) {
+    *scene = (FfpScene){0};
+    FfpSceneSpec spec;
+    if (!scene_spec(&spec, config, split, number, resolution, err)) return false;
+    if (!ffp_scene_make(&scene->capture, &spec, err)) return false;
+
+    FfpCapture *capture = &scene->capture;
+    scene->inputs = *capture;
+    scene->inputs.n_views = config->views;
+    ffp_capture_estimate_bounds(&scene->inputs);
+    const real centre[3] = {scene->inputs.centre[0], scene->inputs.centre[1], scene->inputs.centre[2]};
+    ffp_capture_normalise(capture, centre, scene->inputs.radius);
+    scene->inputs = *capture;
+    scene->inputs.n_views = config->views;
+
+    const FfpMatchSettings settings = ffp_match_defaults();
+    scene->active = ffp_capture_active_pattern(&scene->inputs, NULL, err);
+    if (scene->active < 0 || !ffp_start_new(&scene->start, &scene->inputs, scene->active, &settings, err)) {
+        ffp_scene_close(scene);
+        return false;
+    }
+    scene->patterns = calloc((size_t)capture->n_patterns, sizeof *scene->patterns);
+    if (!scene->patterns) abort();
+    for (int i = 0; i < capture->n_patterns; i++)
+        scene->patterns[i] = ffp_summed_new(&capture->patterns[i].image);
+    return true;
+}
+
+void ffp_scene_close(FfpScene *scene) {
+    for (int i = 0; scene->patterns && i < scene->capture.n_patterns; i++)
+        ffp_summed_free(&scene->patterns[i]);
+    free(scene->patterns);
+    ffp_start_free(&scene->start);
+    ffp_capture_free(&scene->capture);
+    *scene = (FfpScene){0};
+}

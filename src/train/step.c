@@ -1,0 +1,285 @@
+// The loss of one step: network forward, a few views rendered under black, white and an active pattern,
+// everything back.
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include "base/arena.h"
+#include "base/log.h"
+#include "base/rng.h"
+#include "base/vec.h"
+#include "train/train.h"
+
+struct FfpStepper {
+    const FfpTrainConfig *config;
+    const FfpPerceptual *perceptual;
+    FfpRenderSettings settings;
+    FfpRun *run;
+    FfpRaster *raster, *shadow_raster;
+    // of one view, remade when the image size changes:
+    FfpGbuffer gbuffer, grad_gbuffer;
+    FfpMapping mapping;
+    FfpImage linear, encoded, target, grad;
+    FfpGaussians grad_gaussians;
+    real *grad_t;
+};
+
+FfpStepper *ffp_stepper_new(const FfpTrainConfig *config, const FfpPerceptual *perceptual) {
+    FfpStepper *s = ffp_alloc(1, sizeof *s);
+    s->config = config;
+    s->perceptual = perceptual;
+    s->settings = strcmp(config->model.render, "paper") == 0 ? ffp_render_paper() : ffp_render_defaults();
+    s->run = ffp_run_new();
+    s->raster = ffp_raster_new();
+    s->shadow_raster = ffp_raster_new();
+    return s;
+}
+
+static void free_view_buffers(FfpStepper *s) {
+    ffp_gbuffer_free(&s->gbuffer);
+    ffp_gbuffer_free(&s->grad_gbuffer);
+    ffp_mapping_free(&s->mapping);
+    ffp_image_free(&s->linear);
+    ffp_image_free(&s->encoded);
+    ffp_image_free(&s->target);
+    ffp_image_free(&s->grad);
+}
+
+void ffp_stepper_free(FfpStepper *s) {
+    if (!s) return;
+    free_view_buffers(s);
+    ffp_gaussians_free(&s->grad_gaussians);
+    free(s->grad_t);
+    ffp_raster_free(s->raster);
+    ffp_raster_free(s->shadow_raster);
+    ffp_run_free(s->run);
+    free(s);
+}
+
+FfpRun *ffp_stepper_run(FfpStepper *s) {
+    return s->run;
+}
+
+static void fit_view_buffers(FfpStepper *s, int width, int height) {
+    if (s->gbuffer.width == width && s->gbuffer.height == height) return;
+    free_view_buffers(s);
+    s->gbuffer = ffp_gbuffer_new(width, height);
+    s->grad_gbuffer = ffp_gbuffer_new(width, height);
+    s->mapping = ffp_mapping_new(width, height);
+    s->linear = ffp_image_new(width, height, 3);
+    s->encoded = ffp_image_new(width, height, 3);
+    s->target = ffp_image_new(width, height, 3);
+    s->grad = ffp_image_new(width, height, 3);
+}
+
+static void encode_into(FfpImage *out, const FfpImage *linear) {
+    memcpy(out->data, linear->data, sizeof(real) * (size_t)linear->width * linear->height * 3);
+    ffp_image_to_srgb(out);
+}
+
+// Shades the view in the buffers under one pattern, adds the image terms and their gradients to the
+// G-buffer's.
+static void supervise_pattern(FfpStepper *s, const FfpScene *scene, const FfpView *view, int pattern,
+                              bool perceptual, real weight, FfpLosses *losses) {
+    const FfpTrainConfig *c = s->config;
+    const FfpCapture *capture = &scene->capture;
+    const FfpSummed *light = pattern == capture->black ? NULL : &scene->patterns[pattern];
+    double clock = ffp_seconds();
+    ffp_shade(&s->gbuffer, &s->mapping, &view->camera, &view->projector, capture->intensity, light,
+              &s->linear);
+    losses->shade_s += ffp_seconds() - clock, clock = ffp_seconds();
+
+    encode_into(&s->encoded, &s->linear);
+    encode_into(&s->target, &view->images[pattern]);
+    memset(s->grad.data, 0, sizeof(real) * (size_t)s->grad.width * s->grad.height * 3);
+    losses->l1 += ffp_l1_loss(&s->encoded, &s->target, weight * (real)c->l1, &s->grad);
+    losses->ssim += ffp_ssim_loss(&s->encoded, &s->target, weight * (real)c->ssim, &s->grad);
+    if (perceptual)
+        losses->perceptual += ffp_perceptual_loss(s->perceptual, &s->encoded, &s->target,
+                                                  weight * (real)c->perceptual, &s->grad);
+    ffp_srgb_encode_backward(&s->linear, &s->grad);
+    losses->loss_s += ffp_seconds() - clock, clock = ffp_seconds();
+
+    ffp_shade_backward(&s->gbuffer, &s->mapping, &view->camera, &view->projector, capture->intensity, light,
+                       &s->grad, &s->grad_gbuffer, NULL, NULL);
+    losses->shade_backward_s += ffp_seconds() - clock;
+}
+
+// weight * mean over foreground values of |sum - O truth|, O held constant: a G-buffer against the
+// generator's map.
+static double truth_loss(const real *sum, const real *opacity, const FfpImage *truth,
+                         const FfpImage *coverage, real weight, real *grad) {
+    if (!truth->data || weight == 0) return 0;
+    const int pixels = truth->width * truth->height, channels = truth->channels;
+    double total = 0;
+    int64_t count = 0;
+    for (int p = 0; p < pixels; p++) count += coverage->data[p] > 0.5F;
+    const real step = weight / (real)(count > 0 ? count * channels : 1);
+    for (int p = 0; p < pixels; p++) {
+        if (coverage->data[p] <= 0.5F) continue;
+        for (int k = 0; k < channels; k++) {
+            const int i = p * channels + k;
+            const real difference = sum[i] - opacity[p] * truth->data[i];
+            total += fabsf(difference);
+            grad[i] += difference > 0 ? step : difference < 0 ? -step : 0;
+        }
+    }
+    return total * step;
+}
+
+// The terms that look at G-buffers.
+static void supervise_gbuffer(FfpStepper *s, const FfpView *view, real weight, FfpLosses *losses) {
+    const FfpTrainConfig *c = s->config;
+    const FfpGbuffer *g = &s->gbuffer;
+    FfpGbuffer *d = &s->grad_gbuffer;
+    const int pixels = g->width * g->height;
+    const real *mask = view->coverage.data;
+    losses->mask += ffp_mask_loss(g->opacity, mask, pixels, weight * (real)c->mask, d->opacity);
+    losses->depth += ffp_depth_loss(g->depth, g->opacity, view->depth.data, pixels, weight * (real)c->depth,
+                                    d->depth, d->opacity);
+    losses->distortion +=
+        ffp_distortion_loss(g->distortion, pixels, weight * (real)c->distortion, d->distortion);
+    losses->normal_smooth += ffp_normal_smooth_loss(g->normal, mask, g->width, g->height,
+                                                    weight * (real)c->normal_smooth, d->normal);
+    losses->roughness_smooth +=
+        ffp_roughness_loss(g->roughness, g->albedo, g->opacity, mask, g->width, g->height,
+                           weight * (real)c->roughness_smooth, d->roughness, d->opacity);
+    losses->truth_albedo += truth_loss(g->albedo, g->opacity, &view->albedo, &view->coverage,
+                                       weight * (real)c->truth_albedo, d->albedo);
+    losses->truth_normal += truth_loss(g->normal, g->opacity, &view->normal, &view->coverage,
+                                       weight * (real)c->truth_normal, d->normal);
+    losses->truth_roughness += truth_loss(g->roughness, g->opacity, &view->roughness, &view->coverage,
+                                          weight * (real)c->truth_roughness, d->roughness);
+}
+
+// One view: rasterised once, seen under black, white and a random lollipop.
+static void supervise_view(FfpStepper *s, const FfpScene *scene, int index, int64_t step, FfpRng *rng,
+                           real weight, FfpLosses *losses) {
+    const FfpTrainConfig *c = s->config;
+    const FfpCapture *capture = &scene->capture;
+    const FfpView *view = &capture->views[index];
+    const FfpGaussians *gaussians = &s->run->gaussians;
+    fit_view_buffers(s, view->camera.width, view->camera.height);
+    double clock = ffp_seconds();
+    ffp_rasterise(s->raster, gaussians, &view->camera, &s->settings, &s->gbuffer);
+    ffp_map_to_projector(s->shadow_raster, gaussians, &s->gbuffer, &view->camera, &view->projector,
+                         &s->settings, &s->mapping);
+    losses->rasterise_s += ffp_seconds() - clock;
+
+    ffp_gbuffer_clear(&s->grad_gbuffer);
+    int active;
+    do active = (int)ffp_rng_below(rng, (uint32_t)capture->n_patterns);
+    while (active == capture->black || active == capture->white);
+    const bool perceptual = s->perceptual && c->perceptual > 0 && step >= c->perceptual_from;
+    supervise_pattern(s, scene, view, capture->black, false, weight, losses);
+    if (step >= c->white_from) supervise_pattern(s, scene, view, capture->white, false, weight, losses);
+    if (step >= c->active_from) supervise_pattern(s, scene, view, active, perceptual, weight, losses);
+    clock = ffp_seconds();
+    supervise_gbuffer(s, view, weight, losses);
+    losses->loss_s += ffp_seconds() - clock, clock = ffp_seconds();
+
+    ffp_rasterise_backward(s->raster, gaussians, &view->camera, &s->settings, &s->gbuffer, &s->grad_gbuffer,
+                           &s->grad_gaussians);
+    losses->rasterise_backward_s += ffp_seconds() - clock;
+}
+
+// `count` different numbers out of [first, first + total), at random.
+static void draw(FfpRng *rng, int first, int total, int count, int *out) {
+    int all[64];
+    for (int i = 0; i < total; i++) all[i] = first + i;
+    for (int i = 0; i < count; i++) {
+        const int j = i + (int)ffp_rng_below(rng, (uint32_t)(total - i));
+        const int swap = all[i];
+        all[i] = all[j], all[j] = swap;
+        out[i] = all[i];
+    }
+}
+
+// Mean |t - truth| over the foreground Gaussians of the input views whose pixel has a true depth, times the
+// weight. An absolute error, because matching's errors are outliers.
+static double direct_loss(FfpStepper *s, const FfpScene *scene, real weight) {
+    const FfpRun *run = s->run;
+    const FfpView *views = scene->inputs.views;
+    const int width = views[0].camera.width, height = views[0].camera.height;
+    double total = 0;
+    int64_t count = 0;
+    for (int64_t i = 0; i < run->gaussians.count; i++) {
+        const int64_t pixel = run->pixel[i];
+        const FfpView *view = &views[pixel / (width * height)];
+        const int at = (int)(pixel % (width * height));
+        s->grad_t[i] = 0;
+        if (!view->depth.data || view->depth.data[at] <= 0) continue;
+        real direction[3];
+        const real z =
+            ffp_pixel_ray(&view->camera, (real)(at % width) + 0.5F, (real)(at / width) + 0.5F, direction);
+        const real error = run->t[i] - view->depth.data[at] / z;
+        total += fabsf(error);
+        s->grad_t[i] = error > 0 ? 1 : -1;
+        count++;
+    }
+    if (count == 0) return 0;
+    for (int64_t i = 0; i < run->gaussians.count; i++) s->grad_t[i] *= weight / (real)count;
+    return total * weight / (double)count;
+}
+
+// During the geometry warm-up: opacity against the pixel's mask, as cross-entropy, without the rasteriser.
+static double direct_opacity_loss(FfpStepper *s, const FfpScene *scene) {
+    const FfpRun *run = s->run;
+    const int64_t count = run->gaussians.count;
+    const int pixels = scene->start.width * scene->start.height;
+    double total = 0;
+    for (int64_t i = 0; i < count; i++) {
+        const real mask = scene->inputs.views[run->pixel[i] / pixels].coverage.data[run->pixel[i] % pixels];
+        total += ffp_mask_loss(&run->gaussians.opacity[i], &mask, 1, (real)s->config->mask / (real)count,
+                               &s->grad_gaussians.opacity[i]);
+    }
+    return total;
+}
+
+static void clear_gradients(FfpStepper *s) {
+    const int64_t count = s->run->gaussians.count;
+    if (s->grad_gaussians.count != count || !s->grad_t) {
+        ffp_gaussians_free(&s->grad_gaussians);
+        free(s->grad_t);
+        s->grad_gaussians = ffp_gaussians_new(count);
+        s->grad_t = ffp_alloc((size_t)count + 1, sizeof(real));
+        return;
+    }
+    const size_t size = (size_t)count * sizeof(real);
+    memset(s->grad_gaussians.centre, 0, 3 * size);
+    memset(s->grad_gaussians.scale, 0, 3 * size);
+    memset(s->grad_gaussians.rotation, 0, 4 * size);
+    memset(s->grad_gaussians.opacity, 0, size);
+    memset(s->grad_gaussians.albedo, 0, 3 * size);
+    memset(s->grad_gaussians.roughness, 0, size);
+    memset(s->grad_gaussians.ambient, 0, 3 * size);
+}
+
+bool ffp_step_loss(FfpStepper *s, const FfpModel *model, const FfpScene *scene, int64_t step,
+                   FfpLosses *losses, real *grad, FfpError *err) {
+    const FfpTrainConfig *c = s->config;
+    *losses = (FfpLosses){0};
+    double clock = ffp_seconds();
+    if (!ffp_model_forward(model, s->run, &scene->inputs, &scene->start, scene->active, err)) return false;
+    losses->forward_s = ffp_seconds() - clock;
+    clear_gradients(s);
+    losses->direct_t = direct_loss(s, scene, (real)c->direct_t);
+
+    if (step < c->warmup_geometry) {
+        losses->mask = direct_opacity_loss(s, scene);
+    } else {
+        FfpRng rng = ffp_rng((uint64_t)c->seed, (uint64_t)step);
+        int views[128];
+        const int count = c->supervised_inputs + c->supervised_targets;
+        draw(&rng, 0, c->views, c->supervised_inputs, views);
+        draw(&rng, c->views, c->targets, c->supervised_targets, views + c->supervised_inputs);
+        for (int i = 0; i < count; i++)
+            supervise_view(s, scene, views[i], step, &rng, 1 / (real)count, losses);
+    }
+    losses->total = losses->l1 + losses->ssim + losses->perceptual + losses->mask + losses->depth +
+                    losses->distortion + losses->normal_smooth + losses->roughness_smooth + losses->direct_t +
+                    losses->truth_albedo + losses->truth_normal + losses->truth_roughness;
+    clock = ffp_seconds();
+    ffp_model_backward(model, s->run, &s->grad_gaussians, s->grad_t, grad);
+    losses->backward_s = ffp_seconds() - clock;
+    return true;
+}

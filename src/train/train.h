@@ -1,0 +1,130 @@
+// Training: scenes made as it goes, one step, the optimiser, checkpoints, validation. Everything random in a
+// step is a pure function of (seed, step), so a resumed run repeats the bits of one that was never stopped.
+#ifndef FFP_TRAIN_TRAIN_H
+#define FFP_TRAIN_TRAIN_H
+
+#include <stdbool.h>
+#include <stdint.h>
+#include <stdio.h>
+#include "base/error.h"
+#include "capture/capture.h"
+#include "loss/loss.h"
+#include "match/match.h"
+#include "network/network.h"
+#include "render/render.h"
+
+// Every field has the same name in the configuration file (JSON, see docs/formats.md); the ranges are in
+// config.c.
+typedef struct FfpTrainConfig {
+    FfpModelConfig model; // "model": a preset's name, or an object with a "preset" and the fields that differ
+    int64_t seed, steps;
+
+    // Scenes. A slot of the pool keeps its scene for `reuse` uses; the slots are visited in turn.
+    int pool, reuse;
+    int views, targets, lollipops; // input views, new-pose views, patterns besides black and white
+    int resolution, low_resolution, low_steps; // the first low_steps steps run at low_resolution
+    int pattern_side, samples, ambient_rays;
+    bool single_scene; // one scene for the whole run: shows that the pipeline can learn
+
+    // Supervision of a step: views drawn from the input views and from the new-pose views.
+    int supervised_inputs, supervised_targets;
+    int white_from, active_from; // steps from which the white and the active images count (T_w, T_p)
+    int warmup_geometry;         // first steps: only direct supervision of t and opacity, no rasteriser
+
+    // Weights of the terms (0 = off).
+    double l1, ssim, perceptual, mask, depth, distortion, normal_smooth, roughness_smooth, direct_t;
+    double truth_albedo, truth_normal, truth_roughness; // G-buffers against the generator's maps
+    int perceptual_from;                                // step from which the perceptual term counts
+
+    // AdamW.
+    double learning_rate, final_learning_rate, beta1, beta2, weight_decay, clip, skip_above, ema;
+    int warmup_steps;
+
+    // Reports.
+    int validate_every, validation_scenes, checkpoint_minutes, log_every;
+} FfpTrainConfig;
+
+FfpTrainConfig ffp_train_defaults(void);
+// Defaults overlaid with a JSON file. Unknown fields, wrong types and values out of range are errors "(FILE:
+// FIELD)".
+bool ffp_train_config_read(FfpTrainConfig *config, const char *path, FfpError *err);
+// The same from text; `where` names it in errors.
+bool ffp_train_config_parse(FfpTrainConfig *config, const char *text, const char *where, FfpError *err);
+char *ffp_train_config_print(
+    const FfpTrainConfig *config); // JSON text, malloc'd; reads back to the same configuration
+
+typedef struct FfpTrainOptions {
+    const char
+        *out; // folder for checkpoint.safetensors, weights.safetensors, metrics.jsonl, validation pictures
+    const char *config;     // file, or NULL for the defaults
+    const char *initial;    // weights file to start from (fresh optimiser), or NULL
+    const char *perceptual; // safetensors with a perceptual network, or NULL: that term is off and says so
+    int64_t steps;          // overrides the configuration's when >= 0
+    int64_t stop_at;        // stop at this step with a checkpoint, as a signal would; negative: go to the end
+    bool resume;            // go on from out/checkpoint.safetensors, with the configuration that stands in it
+} FfpTrainOptions;
+// Runs to the end, or until SIGINT/SIGTERM, which write a checkpoint first. Returns false with an error.
+bool ffp_train(const FfpTrainOptions *options, FfpError *err);
+
+// --- The parts, in the order of a step; used by ffp_train and by the tests. ---
+
+// A scene ready for training: capture normalised by bounds estimated from the input views alone, as a user's
+// would be.
+typedef struct FfpScene {
+    FfpCapture capture; // input views first, then the new-pose views
+    FfpCapture inputs;  // the same memory seen with only the input views: do not free
+    FfpStart start;
+    FfpSummed *patterns; // [capture.n_patterns]
+    int active;          // input pattern
+} FfpScene;
+// The scene of a number: mesh, material and jitter follow from (config->seed, split, number).
+bool ffp_scene_open(FfpScene *scene, const FfpTrainConfig *config, const char *split, int64_t number,
+                    int resolution, FfpError *err);
+void ffp_scene_close(FfpScene *scene);
+
+typedef struct FfpLosses { // weighted values of a step's terms, and seconds of its parts
+    double l1, ssim, perceptual, mask, depth, distortion, normal_smooth, roughness_smooth, direct_t;
+    double truth_albedo, truth_normal, truth_roughness, total;
+    double forward_s, rasterise_s, shade_s, loss_s, shade_backward_s, rasterise_backward_s, backward_s;
+} FfpLosses;
+// What a step needs besides the model; reused from step to step.
+typedef struct FfpStepper FfpStepper;
+FfpStepper *ffp_stepper_new(const FfpTrainConfig *config, const FfpPerceptual *perceptual);
+void ffp_stepper_free(FfpStepper *stepper);
+FfpRun *ffp_stepper_run(FfpStepper *stepper);
+// Loss of one scene at one step; ADDS the gradient to `grad` [model->count].
+bool ffp_step_loss(FfpStepper *stepper, const FfpModel *model, const FfpScene *scene, int64_t step,
+                   FfpLosses *losses, real *grad, FfpError *err);
+
+typedef struct FfpAdam {
+    int64_t count, step;
+    real *m, *v, *ema;
+} FfpAdam;
+FfpAdam ffp_adam_new(const FfpModel *model);
+void ffp_adam_free(FfpAdam *adam);
+double ffp_learning_rate(const FfpTrainConfig *config,
+                         int64_t step); // linear warm-up, then cosine to the final rate
+// Clips, updates values and EMA; returns the raw gradient norm. A norm that is not finite or above skip_above
+// * clip leaves everything but the step count as it was (*skipped).
+double ffp_adam_update(FfpAdam *adam, FfpModel *model, const real *grad, const FfpTrainConfig *config,
+                       bool *skipped);
+
+// Mean PSNR of the model on fixed scenes of the validation split.
+typedef struct FfpValidation {
+    double rendering,
+        novel_pose; // dB, full frame: lollipops not given at the input poses; all patterns at new poses
+    double start_rendering, start_novel_pose; // the classical start on the same pictures
+    double depth_median; // of |t - truth|, % of the object's radius, foreground pixels of the input views
+} FfpValidation;
+double ffp_scene_psnr(const FfpModel *model, const FfpTrainConfig *config,
+                      const FfpScene *scene); // lollipops not given
+bool ffp_validate(const FfpModel *model, const FfpTrainConfig *config, int resolution, const char *picture,
+                  FfpValidation *result, FfpError *err);
+
+// Checkpoint: values, EMA, both moments (F32), the step and the configuration. Atomic.
+bool ffp_checkpoint_write(const char *path, const FfpModel *model, const FfpAdam *adam,
+                          const FfpTrainConfig *config, FfpError *err);
+// The model (new), and what belongs to it, into the arguments; NULL with an error.
+FfpModel *ffp_checkpoint_read(const char *path, FfpAdam *adam, FfpTrainConfig *config, FfpError *err);
+
+#endif

@@ -1,0 +1,256 @@
+// The training loop.
+#include <math.h>
+#include <signal.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+#include <unistd.h>
+#include <jansson.h>
+#include "base/arena.h"
+#include "base/file.h"
+#include "base/log.h"
+#include "train/train.h"
+
+typedef struct Slot {
+    FfpScene scene;
+    int64_t number; // -1: empty
+    int resolution;
+} Slot;
+
+typedef struct Trainer {
+    FfpTrainConfig config;
+    const char *out;
+    FfpModel *model;
+    FfpAdam adam;
+    FfpPerceptual *perceptual;
+    FfpStepper *stepper;
+    Slot *slots;
+    real *grad;
+    FILE *metrics;
+    double started, saved; // seconds
+} Trainer;
+
+static volatile sig_atomic_t interrupted = 0;
+static void on_signal(int number) {
+    (void)number;
+    interrupted = 1;
+}
+
+static bool out_path(char path[FFP_PATH_MAX], const Trainer *trainer, const char *name, FfpError *err) {
+    return ffp_join_path(path, trainer->out, name) || ffp_fail(err, trainer->out, "path is too long");
+}
+
+static int resolution_at(const FfpTrainConfig *config, int64_t step) {
+    return step < config->low_steps ? config->low_resolution : config->resolution;
+}
+
+// The scene number of a slot at a step: a pure function. The slots' changes are staggered over `reuse`
+// rounds.
+static int64_t scene_number(const FfpTrainConfig *config, int64_t step) {
+    if (config->single_scene) return 0;
+    const int64_t slot = step % config->pool, round = step / config->pool;
+    const int64_t shift = slot * config->reuse / config->pool;
+    return (round + shift) / config->reuse * config->pool + slot;
+}
+
+static FfpScene *scene_at(Trainer *trainer, int64_t step, FfpError *err) {
+    const FfpTrainConfig *config = &trainer->config;
+    Slot *slot = &trainer->slots[config->single_scene ? 0 : step % config->pool];
+    const int64_t number = scene_number(config, step);
+    const int resolution = resolution_at(config, step);
+    if (slot->number == number && slot->resolution == resolution) return &slot->scene;
+    if (slot->number >= 0) ffp_scene_close(&slot->scene);
+    slot->number = -1;
+    if (!ffp_scene_open(&slot->scene, config, "train", number, resolution, err)) return NULL;
+    slot->number = number;
+    slot->resolution = resolution;
+    return &slot->scene;
+}
+
+static void write_metrics(Trainer *trainer, json_t *line) {
+    char *text = json_dumps(line, JSON_COMPACT | JSON_PRESERVE_ORDER | JSON_REAL_PRECISION(6));
+    fprintf(trainer->metrics, "%s\n", text);
+    fflush(trainer->metrics);
+    free(text);
+    json_decref(line);
+}
+
+static void log_step(Trainer *trainer, int64_t step, const FfpLosses *l, double norm, bool skipped,
+                     double scene_s, double step_s) {
+    const double rate = ffp_learning_rate(&trainer->config, step);
+    write_metrics(trainer,
+                  json_pack("{sI sf sf sf sf sf sf sf sf sf sf sf sf sf sf sf sb sf sf sf sf sf sf sf sf sf}",
+                            "step", (json_int_t)step, "loss", l->total, "l1", l->l1, "ssim", l->ssim,
+                            "perceptual", l->perceptual, "mask", l->mask, "depth", l->depth, "distortion",
+                            l->distortion, "normal_smooth", l->normal_smooth, "roughness_smooth",
+                            l->roughness_smooth, "direct_t", l->direct_t, "truth_albedo", l->truth_albedo,
+                            "truth_normal", l->truth_normal, "truth_roughness", l->truth_roughness,
+                            "gradient_norm", norm, "learning_rate", rate, "skipped", (int)skipped, "step_s",
+                            step_s, "scene_s", scene_s, "forward_s", l->forward_s, "rasterise_s",
+                            l->rasterise_s, "shade_s", l->shade_s, "loss_s", l->loss_s, "shade_backward_s",
+                            l->shade_backward_s, "rasterise_backward_s", l->rasterise_backward_s,
+                            "backward_s", l->backward_s));
+    const double elapsed = ffp_seconds() - trainer->started;
+    ffp_note("step %lld/%lld loss %.4f (l1 %.4f ssim %.4f t %.4f mask %.4f) norm %.2f%s rate %.2g, %.2f s a "
+             "step, %.0f s",
+             (long long)step, (long long)trainer->config.steps, l->total, l->l1, l->ssim, l->direct_t,
+             l->mask, norm, skipped ? " skipped" : "", rate, step_s, elapsed);
+}
+
+// The model with the averaged weights in place of the current ones, until called again.
+static void swap_ema(Trainer *trainer) {
+    real *values = trainer->model->values;
+    trainer->model->values = trainer->adam.ema;
+    trainer->adam.ema = values;
+}
+
+static bool validate(Trainer *trainer, int64_t step, FfpError *err) {
+    char name[64], path[FFP_PATH_MAX];
+    snprintf(name, sizeof name, "validation_%06lld.png", (long long)step);
+    if (!out_path(path, trainer, name, err)) return false;
+    FfpValidation v;
+    swap_ema(trainer);
+    const int64_t last = step > 0 ? step - 1 : 0;
+    const bool ok =
+        ffp_validate(trainer->model, &trainer->config, resolution_at(&trainer->config, last), path, &v, err);
+    swap_ema(trainer);
+    if (!ok) return false;
+    write_metrics(trainer, json_pack("{sI sf sf sf sf sf}", "step", (json_int_t)step, "validation_rendering",
+                                     v.rendering, "validation_novel_pose", v.novel_pose, "start_rendering",
+                                     v.start_rendering, "start_novel_pose", v.start_novel_pose,
+                                     "depth_median_percent", v.depth_median));
+    ffp_note("validation at step %lld: rendering %.2f dB (start %.2f), novel pose %.2f dB (start %.2f), "
+             "depth %.2f %%",
+             (long long)step, v.rendering, v.start_rendering, v.novel_pose, v.start_novel_pose,
+             v.depth_median);
+    return true;
+}
+
+static bool save(Trainer *trainer, FfpError *err) {
+    char path[FFP_PATH_MAX], steps[32];
+    if (!out_path(path, trainer, "checkpoint.safetensors", err) ||
+        !ffp_checkpoint_write(path, trainer->model, &trainer->adam, &trainer->config, err) ||
+        !out_path(path, trainer, "weights.safetensors", err))
+        return false;
+    snprintf(steps, sizeof steps, "%lld", (long long)trainer->adam.step);
+    char *config = ffp_train_config_print(&trainer->config);
+    const char *const metadata[] = {"trained_steps", steps,     "training",
+                                    config,          "program", "ffprocams " FFP_VERSION};
+    swap_ema(trainer);
+    const bool ok = ffp_model_write(trainer->model, path, false, metadata, 3, err);
+    swap_ema(trainer);
+    free(config);
+    trainer->saved = ffp_seconds();
+    return ok;
+}
+
+static bool one_step(Trainer *trainer, int64_t step, FfpError *err) {
+    const double begin = ffp_seconds();
+    const FfpScene *scene = scene_at(trainer, step, err);
+    if (!scene) return false;
+    const double made = ffp_seconds();
+    FfpLosses losses;
+    bool skipped = false;
+    memset(trainer->grad, 0, (size_t)trainer->model->count * sizeof(real));
+    if (!ffp_step_loss(trainer->stepper, trainer->model, scene, step, &losses, trainer->grad, err))
+        return false;
+    const double norm =
+        ffp_adam_update(&trainer->adam, trainer->model, trainer->grad, &trainer->config, &skipped);
+    if (skipped) ffp_warning("step %lld skipped: gradient norm %g", (long long)step, norm);
+    if (step % trainer->config.log_every == 0)
+        log_step(trainer, step, &losses, norm, skipped, made - begin, ffp_seconds() - made);
+    return true;
+}
+
+static bool run(Trainer *trainer, int64_t stop_at, FfpError *err) {
+    const FfpTrainConfig *config = &trainer->config;
+    while (trainer->adam.step < config->steps && !interrupted) {
+        if (!one_step(trainer, trainer->adam.step, err)) return false;
+        const int64_t done = trainer->adam.step;
+        const bool last = done == config->steps;
+        if (last || ffp_seconds() - trainer->saved > 60.0 * config->checkpoint_minutes)
+            if (!save(trainer, err)) return false;
+        if (config->validate_every && (last || done % config->validate_every == 0))
+            if (!validate(trainer, done, err)) return false;
+        if (done == stop_at) interrupted = 1;
+    }
+    if (interrupted && trainer->adam.step < config->steps) {
+        ffp_note("stopped at step %lld: writing a checkpoint", (long long)trainer->adam.step);
+        return save(trainer, err);
+    }
+    return true;
+}
+
+// The model and its configuration: from the checkpoint, from given weights, or new.
+static bool open_model(Trainer *trainer, const FfpTrainOptions *options, FfpError *err) {
+    FfpTrainConfig *config = &trainer->config;
+    char path[FFP_PATH_MAX];
+    if (options->resume) {
+        if (options->config || options->initial)
+            return ffp_fail(err, NULL,
+                            "a resumed run takes its configuration and weights from the checkpoint alone");
+        if (!out_path(path, trainer, "checkpoint.safetensors", err)) return false;
+        trainer->model = ffp_checkpoint_read(path, &trainer->adam, config, err);
+        if (options->steps >= 0) config->steps = options->steps;
+        return trainer->model != NULL;
+    }
+    *config = ffp_train_defaults();
+    if (options->config && !ffp_train_config_read(config, options->config, err)) return false;
+    if (options->steps >= 0) config->steps = options->steps;
+    trainer->model = options->initial ? ffp_model_read(options->initial, err)
+                                      : ffp_model_new(&config->model, (uint64_t)config->seed, err);
+    if (!trainer->model) return false;
+    config->model = trainer->model->config;
+    trainer->adam = ffp_adam_new(trainer->model);
+    return true;
+}
+
+static bool open_metrics(Trainer *trainer, bool resume, FfpError *err) {
+    char path[FFP_PATH_MAX];
+    if (!ffp_make_folders(trainer->out, err) || !out_path(path, trainer, "metrics.jsonl", err)) return false;
+    if (!resume && ffp_is_file(path))
+        return ffp_fail(err, path,
+                        "a run is here already: --resume goes on with it, another --out starts afresh");
+    trainer->metrics = fopen(path, "a");
+    return trainer->metrics || ffp_fail(err, path, "cannot write");
+}
+
+static bool open_trainer(Trainer *trainer, const FfpTrainOptions *options, FfpError *err) {
+    trainer->out = options->out;
+    if (!open_model(trainer, options, err) || !open_metrics(trainer, options->resume, err)) return false;
+    if (options->perceptual && !(trainer->perceptual = ffp_perceptual_read(options->perceptual, err)))
+        return false;
+    if (!options->perceptual && trainer->config.perceptual > 0)
+        ffp_note("no perceptual weights given: the perceptual term is off");
+    trainer->stepper = ffp_stepper_new(&trainer->config, trainer->perceptual);
+    trainer->slots = ffp_alloc((size_t)trainer->config.pool, sizeof *trainer->slots);
+    for (int i = 0; i < trainer->config.pool; i++) trainer->slots[i].number = -1;
+    trainer->grad = ffp_alloc((size_t)trainer->model->count, sizeof(real));
+    trainer->started = trainer->saved = ffp_seconds();
+    return true;
+}
+
+static void close_trainer(Trainer *trainer) {
+    for (int i = 0; trainer->slots && i < trainer->config.pool; i++)
+        if (trainer->slots[i].number >= 0) ffp_scene_close(&trainer->slots[i].scene);
+    free(trainer->slots);
+    free(trainer->grad);
+    ffp_stepper_free(trainer->stepper);
+    ffp_perceptual_free(trainer->perceptual);
+    ffp_adam_free(&trainer->adam);
+    ffp_model_free(trainer->model);
+    if (trainer->metrics) fclose(trainer->metrics);
+}
+
+bool ffp_train(const FfpTrainOptions *options, FfpError *err) {
+    struct sigaction action = {.sa_handler = on_signal}, old_int, old_term;
+    interrupted = 0;
+    sigaction(SIGINT, &action, &old_int);
+    sigaction(SIGTERM, &action, &old_term);
+    Trainer trainer = {0};
+    const bool ok = open_trainer(&trainer, options, err) && run(&trainer, options->stop_at, err);
+    close_trainer(&trainer);
+    sigaction(SIGINT, &old_int, NULL);
+    sigaction(SIGTERM, &old_term, NULL);
+    return ok;
+}

@@ -1,0 +1,164 @@
+// Validation on fixed scenes of the validation split, beside the classical start on the same pictures.
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include "loss/metrics.h"
+#include "train/train.h"
+
+typedef struct Tally {
+    double sum;
+    int count;
+} Tally;
+
+static double mean(Tally t) {
+    return t.count ? t.sum / t.count : 0;
+}
+
+typedef struct Viewer { // what rendering needs from picture to picture
+    FfpRenderSettings settings;
+    FfpRaster *raster;
+    FfpGbuffer gbuffer;
+    FfpMapping mapping;
+    FfpImage image;
+} Viewer;
+
+static Viewer viewer_new(const FfpModelConfig *model, int side) {
+    return (Viewer){strcmp(model->render, "paper") == 0 ? ffp_render_paper() : ffp_render_defaults(),
+                    ffp_raster_new(), ffp_gbuffer_new(side, side), ffp_mapping_new(side, side),
+                    ffp_image_new(side, side, 3)};
+}
+
+static void viewer_free(Viewer *viewer) {
+    ffp_raster_free(viewer->raster);
+    ffp_gbuffer_free(&viewer->gbuffer);
+    ffp_mapping_free(&viewer->mapping);
+    ffp_image_free(&viewer->image);
+}
+
+static void aim(Viewer *viewer, const FfpGaussians *gaussians, const FfpView *view) {
+    ffp_rasterise(viewer->raster, gaussians, &view->camera, &viewer->settings, &viewer->gbuffer);
+    ffp_map_to_projector(viewer->raster, gaussians, &viewer->gbuffer, &view->camera, &view->projector,
+                         &viewer->settings, &viewer->mapping);
+}
+
+// The encoded picture under one pattern, left in viewer->image.
+static void show(Viewer *viewer, const FfpScene *scene, const FfpView *view, int pattern) {
+    const FfpSummed *light = pattern == scene->capture.black ? NULL : &scene->patterns[pattern];
+    ffp_shade(&viewer->gbuffer, &viewer->mapping, &view->camera, &view->projector, scene->capture.intensity,
+              light, &viewer->image);
+    ffp_image_to_srgb(&viewer->image);
+}
+
+// Lollipops that were not given at the input poses; every pattern at the new poses.
+static void score(Viewer *viewer, const FfpScene *scene, const FfpGaussians *gaussians, Tally *rendering,
+                  Tally *novel_pose) {
+    const FfpCapture *capture = &scene->capture;
+    for (int v = 0; v < capture->n_views; v++) {
+        const FfpView *view = &capture->views[v];
+        const bool input = v < scene->inputs.n_views;
+        aim(viewer, gaussians, view);
+        for (int p = 0; p < capture->n_patterns; p++) {
+            if (input && (p == capture->black || p == capture->white || p == scene->active)) continue;
+            show(viewer, scene, view, p);
+            FfpImage truth = ffp_image_copy(&view->images[p]);
+            ffp_image_to_srgb(&truth);
+            Tally *tally = input ? rendering : novel_pose;
+            tally->sum += ffp_psnr(&viewer->image, &truth);
+            tally->count++;
+            ffp_image_free(&truth);
+        }
+    }
+}
+
+double ffp_scene_psnr(const FfpModel *model, const FfpTrainConfig *config, const FfpScene *scene) {
+    Viewer viewer = viewer_new(&config->model, scene->start.width);
+    FfpRun *run = ffp_run_new();
+    Tally rendering = {0}, novel_pose = {0};
+    if (ffp_model_forward(model, run, &scene->inputs, &scene->start, scene->active, NULL))
+        score(&viewer, scene, &run->gaussians, &rendering, &novel_pose);
+    ffp_run_free(run);
+    viewer_free(&viewer);
+    return mean(rendering);
+}
+
+static int compare(const void *a, const void *b) {
+    const real x = *(const real *)a, y = *(const real *)b;
+    return (x > y) - (x < y);
+}
+
+static double depth_error_median(const FfpScene *scene, const FfpRun *run) {
+    const int width = scene->start.width, pixels = width * scene->start.height;
+    real *errors = malloc((size_t)run->gaussians.count * sizeof *errors + 1);
+    int64_t count = 0;
+    for (int64_t i = 0; i < run->gaussians.count; i++) {
+        const FfpView *view = &scene->capture.views[run->pixel[i] / pixels];
+        const int at = (int)(run->pixel[i] % pixels);
+        if (!view->depth.data || view->depth.data[at] <= 0) continue;
+        real direction[3];
+        const real z =
+            ffp_pixel_ray(&view->camera, (real)(at % width) + 0.5F, (real)(at / width) + 0.5F, direction);
+        errors[count++] = fabsf(run->t[i] - view->depth.data[at] / z);
+    }
+    qsort(errors, (size_t)count, sizeof *errors, compare);
+    const double median = count ? 100 * errors[count / 2] : 0;
+    free(errors);
+    return median;
+}
+
+static void paste(FfpImage *sheet, const FfpImage *image, int column, int row) {
+    for (int y = 0; y < image->height; y++)
+        memcpy(sheet->data + 3 * ((size_t)(row * image->height + y) * sheet->width + column * image->width),
+               image->data + 3 * (size_t)y * image->width, 3 * (size_t)image->width * sizeof(real));
+}
+
+// A row of the sheet: truth, start, prediction at the first input pose; the same at the first new pose.
+static void draw_row(Viewer *viewer, const FfpScene *scene, const FfpGaussians *start,
+                     const FfpGaussians *prediction, FfpImage *sheet, int row) {
+    const FfpCapture *capture = &scene->capture;
+    const int pattern = capture->n_patterns - 1;
+    for (int half = 0; half < 2; half++) {
+        const int v = half ? scene->inputs.n_views : 0;
+        if (v >= capture->n_views) return;
+        FfpImage truth = ffp_image_copy(&capture->views[v].images[pattern]);
+        ffp_image_to_srgb(&truth);
+        paste(sheet, &truth, 3 * half, row);
+        ffp_image_free(&truth);
+        aim(viewer, start, &capture->views[v]);
+        show(viewer, scene, &capture->views[v], pattern);
+        paste(sheet, &viewer->image, 3 * half + 1, row);
+        aim(viewer, prediction, &capture->views[v]);
+        show(viewer, scene, &capture->views[v], pattern);
+        paste(sheet, &viewer->image, 3 * half + 2, row);
+    }
+}
+
+bool ffp_validate(const FfpModel *model, const FfpTrainConfig *config, int resolution, const char *picture,
+                  FfpValidation *result, FfpError *err) {
+    Tally tallies[4] = {0};
+    double depth = 0;
+    Viewer viewer = viewer_new(&config->model, resolution);
+    FfpImage sheet = ffp_image_new(6 * resolution, config->validation_scenes * resolution, 3);
+    FfpRun *run = ffp_run_new();
+    bool ok = true;
+    for (int i = 0; i < config->validation_scenes && ok; i++) {
+        FfpScene scene;
+        if (!(ok = ffp_scene_open(&scene, config, "validation", i, resolution, err))) break;
+        ok = ffp_model_forward(model, run, &scene.inputs, &scene.start, scene.active, err);
+        if (ok) {
+            FfpGaussians start = ffp_start_gaussians(&scene.inputs, &scene.start);
+            score(&viewer, &scene, &run->gaussians, &tallies[0], &tallies[1]);
+            score(&viewer, &scene, &start, &tallies[2], &tallies[3]);
+            depth += depth_error_median(&scene, run);
+            draw_row(&viewer, &scene, &start, &run->gaussians, &sheet, i);
+            ffp_gaussians_free(&start);
+        }
+        ffp_scene_close(&scene);
+    }
+    *result = (FfpValidation){mean(tallies[0]), mean(tallies[1]), mean(tallies[2]), mean(tallies[3]),
+                              depth / config->validation_scenes};
+    ok = ok && (!picture || ffp_image_write_png(&sheet, picture, err));
+    ffp_run_free(run);
+    ffp_image_free(&sheet);
+    viewer_free(&viewer);
+    return ok;
+}

@@ -1,0 +1,71 @@
+// The training configuration: what is refused, and that writing and reading agree.
+#include "support.h"
+#include "train/train.h"
+
+static void refused(const char *text, const char *place, const char *reason) {
+    FfpTrainConfig config;
+    FfpError err = {""};
+    assert_false(ffp_train_config_parse(&config, text, "c.json", &err));
+    if (!strstr(err.text, place) || !strstr(err.text, reason))
+        fail_msg("'%s' lacks '%s' or '%s'", err.text, place, reason);
+}
+
+static void test_bad_fields(void **state) {
+    (void)state;
+    refused("{", "c.json", "broken JSON");
+    refused("[]", "c.json", "expected an object");
+    refused("{\"stepz\": 3}", "c.json: stepz", "unknown field");
+    refused("{\"steps\": \"3\"}", "c.json: steps", "whole number");
+    refused("{\"steps\": 1.5}", "c.json: steps", "whole number");
+    refused("{\"steps\": 0}", "c.json: steps", "not in");
+    refused("{\"steps\": 1, \"steps\": 2}", "c.json", "broken JSON");
+    refused("{\"learning_rate\": -1}", "c.json: learning_rate", "not in");
+    refused("{\"learning_rate\": 1e999}", "c.json", "broken JSON");
+    refused("{\"learning_rate\": NaN}", "c.json", "broken JSON");
+    refused("{\"single_scene\": 1}", "c.json: single_scene", "true or false");
+    refused("{\"model\": \"huge\"}", "c.json: model", "no preset");
+    refused("{\"model\": {\"dims\": 3}}", "c.json: model.dims", "unknown field");
+    refused("{\"model\": {\"modules\": \"MXT\"}}", "c.json", "modules");
+    refused("{\"supervised_inputs\": 0, \"supervised_targets\": 0}", "c.json", "both 0");
+    refused("{\"supervised_targets\": 5, \"targets\": 4}", "c.json", "above targets");
+    refused("{\"resolution\": 100}", "c.json", "multiples");
+}
+
+static void test_round_trip(void **state) {
+    (void)state;
+    FfpTrainConfig config, again;
+    FfpError err = {""};
+    assert_true(ffp_train_config_parse(
+        &config, "{\"steps\": 77, \"ema\": 0.5, \"model\": {\"preset\": \"tiny\", \"modules\": \"TM\"}}",
+        "c.json", &err));
+    assert_int_equal(config.steps, 77);
+    assert_string_equal(config.model.modules, "TM");
+    assert_int_equal(config.model.dim, 128);
+    char *text = ffp_train_config_print(&config);
+    assert_true(ffp_train_config_parse(&again, text, "again", &err));
+    char *text_again = ffp_train_config_print(&again);
+    assert_string_equal(text, text_again);
+    free(text);
+    free(text_again);
+}
+
+static void test_schedule(void **state) {
+    (void)state;
+    FfpTrainConfig config = ffp_train_defaults();
+    config.steps = 1000, config.warmup_steps = 100, config.learning_rate = 1e-3,
+    config.final_learning_rate = 1e-6;
+    assert_float_equal(ffp_learning_rate(&config, 0), 1e-5, 1e-12);
+    assert_float_equal(ffp_learning_rate(&config, 99), 1e-3, 1e-12);
+    assert_float_equal(ffp_learning_rate(&config, 550), (1e-3 + 1e-6) / 2, 1e-9);
+    assert_float_equal(ffp_learning_rate(&config, 1000), 1e-6, 1e-12);
+    assert_float_equal(ffp_learning_rate(&config, 5000), 1e-6, 1e-12);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_bad_fields),
+        cmocka_unit_test(test_round_trip),
+        cmocka_unit_test(test_schedule),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

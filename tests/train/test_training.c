@@ -1,0 +1,120 @@
+// Training as a whole: it can learn, and a resumed run repeats the bits of one that was never stopped.
+#include <unistd.h>
+#include "base/file.h"
+#include "support.h"
+#include "train/train.h"
+
+static const char tiny_run[] =
+    "{\"model\": \"tiny\", \"resolution\": 64, \"pool\": 2, \"reuse\": 2, \"views\": 4, \"targets\": 1,"
+    " \"lollipops\": 2, \"pattern_side\": 200, \"samples\": 1, \"ambient_rays\": 1,"
+    " \"supervised_inputs\": 1, \"supervised_targets\": 1, \"steps\": 6, \"warmup_steps\": 2,"
+    " \"validate_every\": 0, \"log_every\": 1}";
+
+static void in_folder(char path[FFP_PATH_MAX], const char *folder, const char *name) {
+    assert_true(ffp_join_path(path, folder, name));
+}
+
+static void train(const char *out, const char *config, int64_t stop_at, bool resume) {
+    FfpError err = {""};
+    const FfpTrainOptions options = {
+        .out = out, .config = config, .steps = -1, .stop_at = stop_at, .resume = resume};
+    if (!ffp_train(&options, &err)) fail_msg("%s", err.text);
+}
+
+static void assert_same_files(const char *a, const char *b) {
+    char *left, *right;
+    size_t left_size, right_size;
+    assert_true(ffp_read_file(a, 1 << 28, &left, &left_size, NULL));
+    assert_true(ffp_read_file(b, 1 << 28, &right, &right_size, NULL));
+    assert_int_equal(left_size, right_size);
+    assert_memory_equal(left, right, left_size);
+    free(left);
+    free(right);
+}
+
+static void test_resume(void **state) {
+    (void)state;
+    char root[] = "/tmp/ffp_train_XXXXXX", config[FFP_PATH_MAX], straight[FFP_PATH_MAX],
+         stopped[FFP_PATH_MAX];
+    assert_non_null(mkdtemp(root));
+    in_folder(config, root, "config.json");
+    in_folder(straight, root, "straight");
+    in_folder(stopped, root, "stopped");
+    assert_true(ffp_write_file(config, tiny_run, strlen(tiny_run), NULL));
+
+    train(straight, config, -1, false);
+    train(stopped, config, 3, false);
+    train(stopped, NULL, -1, true);
+    const char *const files[] = {"checkpoint.safetensors", "weights.safetensors"};
+    for (int i = 0; i < 2; i++) {
+        char a[FFP_PATH_MAX], b[FFP_PATH_MAX];
+        in_folder(a, straight, files[i]);
+        in_folder(b, stopped, files[i]);
+        assert_same_files(a, b);
+    }
+}
+
+static void test_refusals(void **state) {
+    (void)state;
+    char root[] = "/tmp/ffp_train_XXXXXX", path[FFP_PATH_MAX];
+    assert_non_null(mkdtemp(root));
+    FfpError err = {""};
+    FfpTrainOptions options = {.out = root, .steps = -1, .stop_at = -1, .resume = true};
+    assert_false(ffp_train(&options, &err));
+    assert_non_null(strstr(err.text, "checkpoint.safetensors"));
+    in_folder(path, root, "checkpoint.safetensors");
+    assert_true(ffp_write_file(path, "\x08\0\0\0\0\0\0\0{}      ", 16, NULL));
+    assert_false(ffp_train(&options, &err));
+    assert_non_null(strstr(err.text, "not a checkpoint"));
+    in_folder(path, root, "metrics.jsonl");
+    assert_true(ffp_write_file(path, "", 0, NULL));
+    options.resume = false;
+    assert_false(ffp_train(&options, &err));
+    assert_non_null(strstr(err.text, "--resume"));
+}
+
+// 34 dB on its own views within 500 steps.
+static void test_overfit(void **state) {
+    (void)state;
+    static const char text[] =
+        "{\"model\": \"tiny\", \"resolution\": 64, \"single_scene\": true, \"views\": 8, \"targets\": 0,"
+        " \"lollipops\": 2, \"pattern_side\": 400, \"samples\": 8, \"supervised_inputs\": 2,"
+        " \"supervised_targets\": 0, \"steps\": 500, \"warmup_steps\": 20, \"learning_rate\": 2e-3,"
+        " \"ssim\": 0.2, \"direct_t\": 0.1, \"ema\": 0.9}";
+    FfpTrainConfig config;
+    FfpError err = {""};
+    assert_true(ffp_train_config_parse(&config, text, "overfit", &err));
+    FfpScene scene;
+    assert_true(ffp_scene_open(&scene, &config, "train", 0, config.resolution, &err));
+    FfpModel *model = ffp_model_new(&config.model, 1, &err);
+    FfpAdam adam = ffp_adam_new(model);
+    FfpStepper *stepper = ffp_stepper_new(&config, NULL);
+    real *grad = calloc((size_t)model->count, sizeof *grad);
+    double psnr = ffp_scene_psnr(model, &config, &scene);
+    const double before = psnr;
+    int step = 0;
+    while (psnr < 34 && step < 500) {
+        FfpLosses losses;
+        bool skipped;
+        memset(grad, 0, (size_t)model->count * sizeof *grad);
+        assert_true(ffp_step_loss(stepper, model, &scene, step, &losses, grad, &err));
+        ffp_adam_update(&adam, model, grad, &config, &skipped);
+        if (++step % 25 == 0) psnr = ffp_scene_psnr(model, &config, &scene);
+    }
+    printf("overfit: %.2f dB before, %.2f dB after %d steps\n", before, psnr, step);
+    assert_true(psnr >= 34);
+    free(grad);
+    ffp_stepper_free(stepper);
+    ffp_adam_free(&adam);
+    ffp_model_free(model);
+    ffp_scene_close(&scene);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_refusals),
+        cmocka_unit_test(test_resume),
+        cmocka_unit_test(test_overfit),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
