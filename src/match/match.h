@@ -36,6 +36,10 @@ bool ffp_start_new(FfpStart *start, const FfpCapture *capture, int active, const
 bool ffp_start_from_depth(FfpStart *start, const FfpCapture *capture, int active, const real *depth, FfpError *err);
 void ffp_start_free(FfpStart *start);
 
+// Unit quaternion (w x y z) that turns the z axis into the unit vector n by the shortest way; a zero vector gives the
+// identity. The splats' frame: their flat third axis lies along the normal.
+void ffp_normal_frame(const real n[3], real quaternion[4]);
+
 // The two predictors of the quality table: picture of `view` under `pattern` as
 // sRGB(black + (white - black) * lookup(pattern, u_p(depth))), encoded RGB. depth: camera z [height,width].
 FfpImage ffp_predict_by_lookup(const FfpCapture *capture, int view, int pattern, const real *depth);

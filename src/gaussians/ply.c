@@ -1,0 +1,119 @@
+// Reading and writing the rows. The file is little-endian whatever the machine is.
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+#include "base/arena.h"
+#include "base/file.h"
+#include "gaussians/gaussians.h"
+#include "gaussians/ply_header.h"
+#include "gaussians/row.h"
+
+enum { BLOCK_ROWS = 1024 };
+
+static float get_float(const unsigned char *bytes) {
+    uint32_t bits = 0;
+    for (int i = 0; i < 4; i++) bits |= (uint32_t)bytes[i] << (8 * i);
+    float value;
+    memcpy(&value, &bits, 4);
+    return value;
+}
+
+static double get_double(const unsigned char *bytes) {
+    uint64_t bits = 0;
+    for (int i = 0; i < 8; i++) bits |= (uint64_t)bytes[i] << (8 * i);
+    double value;
+    memcpy(&value, &bits, 8);
+    return value;
+}
+
+static void put_float(unsigned char *bytes, float value) {
+    uint32_t bits;
+    memcpy(&bits, &value, 4);
+    for (int i = 0; i < 4; i++) bytes[i] = (unsigned char)(bits >> (8 * i));
+}
+
+static bool first_bad_number(const FfpGaussians *gaussians, int64_t index, float row[FFP_ROW_NUMBERS], int *bad) {
+    // The decoder knows what a reader will refuse; a row is decoded into a Gaussian nobody keeps.
+    real centre[3], scale[3], rotation[4], opacity, albedo[3], roughness, ambient[3];
+    FfpGaussians one = {1, centre, scale, rotation, &opacity, albedo, &roughness, ambient};
+    ffp_row_encode(gaussians, index, row);
+    *bad = ffp_row_decode(row, &one, 0);
+    return *bad >= 0;
+}
+
+static bool write_rows(FILE *stream, const FfpGaussians *gaussians, const char *path, real opacity_min, FfpError *err) {
+    for (int64_t i = 0; i < gaussians->count; i++) {
+        if (gaussians->opacity[i] < opacity_min) continue;
+        float row[FFP_ROW_NUMBERS];
+        unsigned char bytes[4 * FFP_ROW_NUMBERS];
+        int bad;
+        if (first_bad_number(gaussians, i, row, &bad))
+            return ffp_fail(err, path, "will not write a Gaussian whose %s is no usable number", ffp_row_names[bad]);
+        for (int c = 0; c < FFP_ROW_NUMBERS; c++) put_float(bytes + 4 * c, row[c]);
+        if (fwrite(bytes, sizeof bytes, 1, stream) != 1) return ffp_fail(err, path, "cannot write");
+    }
+    return true;
+}
+
+bool ffp_gaussians_write(const FfpGaussians *gaussians, const char *path, real opacity_min, FfpError *err) {
+    int64_t kept = 0;
+    for (int64_t i = 0; i < gaussians->count; i++) kept += !(gaussians->opacity[i] < opacity_min);
+    FfpOutput out;
+    if (!ffp_output_open(&out, path, err)) return false;
+    ffp_ply_header_write(out.stream, kept);
+    if (!write_rows(out.stream, gaussians, path, opacity_min, err)) {
+        ffp_output_abort(&out);
+        return false;
+    }
+    return ffp_output_commit(&out, err);
+}
+
+static bool read_rows(FfpGaussians *gaussians, const FfpPlyHeader *header, FILE *stream, const char *path,
+                      FfpError *err) {
+    const size_t stride = (size_t)header->stride;
+    unsigned char *block = ffp_alloc(BLOCK_ROWS, stride);
+    bool ok = true;
+    for (int64_t done = 0; ok && done < header->count;) {
+        const int64_t left = header->count - done, rows = left < BLOCK_ROWS ? left : BLOCK_ROWS;
+        if (fread(block, stride, (size_t)rows, stream) != (size_t)rows) ok = ffp_fail(err, path, "cannot read all rows");
+        for (int64_t r = 0; ok && r < rows; r++) {
+            float row[FFP_ROW_NUMBERS];
+            for (int i = 0; i < FFP_ROW_NUMBERS; i++) {
+                const unsigned char *bytes = block + (size_t)r * stride + header->offset[i];
+                row[i] = header->wide >> i & 1U ? (float)get_double(bytes) : get_float(bytes);
+            }
+            const int bad = ffp_row_decode(row, gaussians, done + r);
+            if (bad >= 0)
+                ok = ffp_fail(err, path, "Gaussian %lld: %s is no usable number", (long long)(done + r), ffp_row_names[bad]);
+        }
+        done += rows;
+    }
+    free(block);
+    return ok;
+}
+
+// The rows must fill the file to its last byte, so that a count can never ask for more memory than the file's size warrants.
+static bool check_size(const FfpPlyHeader *header, FILE *stream, const char *path, FfpError *err) {
+    struct stat info;
+    if (fstat(fileno(stream), &info) != 0 || !S_ISREG(info.st_mode)) return ffp_fail(err, path, "is no regular file");
+    const int64_t rest = (int64_t)info.st_size - (int64_t)ftello(stream), want = header->count * header->stride;
+    if (rest == want) return true;
+    return ffp_fail(err, path, "%lld Gaussians of %d bytes need %lld bytes, the file has %lld", (long long)header->count,
+                    header->stride, (long long)want, (long long)rest);
+}
+
+bool ffp_gaussians_read(FfpGaussians *gaussians, const char *path, FfpError *err) {
+    *gaussians = (FfpGaussians){0};
+    FILE *stream = ffp_is_folder(path) ? NULL : fopen(path, "rb");
+    if (stream == NULL) return ffp_fail(err, path, "cannot open");
+    FfpPlyHeader header;
+    bool ok = ffp_ply_header_read(&header, stream, path, err) && check_size(&header, stream, path, err);
+    if (ok) {
+        *gaussians = ffp_gaussians_new(header.count);
+        ok = read_rows(gaussians, &header, stream, path, err);
+        if (!ok) ffp_gaussians_free(gaussians);
+    }
+    fclose(stream);
+    return ok;
+}
