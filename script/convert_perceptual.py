@@ -23,6 +23,10 @@ import struct
 import sys
 
 
+def fail(what, where):
+    sys.exit(f"convert_perceptual.py: error: {what} ({where})")
+
+
 def conv(name, out_channels, in_channels, kernel):
     """The two tensors of one convolution: (name, shape)."""
     return [
@@ -92,21 +96,28 @@ NETWORKS = {
 
 def load(path):
     """The name -> tensor table of a .pth file. weights_only: a file from the net must not run code here."""
-    import torch
-
-    state = torch.load(path, map_location="cpu", weights_only=True)
+    try:
+        import torch
+    except ImportError:
+        fail("this needs PyTorch: pip install torch", "import torch")
+    try:
+        state = torch.load(path, map_location="cpu", weights_only=True)
+    except OSError as error:
+        fail(error.strerror, path)
+    except Exception:  # torch names no common type for what a damaged file raises
+        fail("not a file of PyTorch weights", path)
     if not isinstance(state, dict):
-        sys.exit(f"convert_perceptual.py: error: not a table of tensors ({path})")
+        fail("not a table of tensors", path)
     return state
 
 
 def take(state, path, stored_name, name, shape):
     """One tensor as (name, shape, little-endian fp32 bytes)."""
     if stored_name not in state:
-        sys.exit(f"convert_perceptual.py: error: no tensor {stored_name} ({path})")
+        fail("no such tensor", f"{path}: {stored_name}")
     tensor = state[stored_name]
     if tuple(tensor.shape) != shape:
-        sys.exit(f"convert_perceptual.py: error: {stored_name} has shape {tuple(tensor.shape)}, not {shape} ({path})")
+        fail(f"shape {tuple(tensor.shape)}, not {shape}", f"{path}: {stored_name}")
     values = array.array("f", tensor.detach().float().flatten().tolist())
     if sys.byteorder == "big":
         values.byteswap()
@@ -119,7 +130,7 @@ def write_safetensors(path, tensors, metadata):
     for name, shape, data in tensors:
         header[name] = {"dtype": "F32", "shape": list(shape), "data_offsets": [offset, offset + len(data)]}
         offset += len(data)
-    text = json.dumps(header, separators=(",", ":")).encode()
+    text = json.dumps(header).encode()
     text += b" " * (-len(text) % 8)
     temporary = f"{path}.{os.getpid()}.tmp"
     try:
@@ -131,7 +142,7 @@ def write_safetensors(path, tensors, metadata):
     except OSError as error:
         if os.path.exists(temporary):
             os.remove(temporary)
-        sys.exit(f"convert_perceptual.py: error: {error.strerror} ({path})")
+        fail(error.strerror, path)
 
 
 def main():
