@@ -14,21 +14,34 @@
 #define FFP_MODULES_MAX 128
 
 typedef struct FfpModelConfig {
-    char name[32];                  // "tiny", "small", "paper", ...
-    char modules[FFP_MODULES_MAX];  // one letter a block, first to last: M = Mamba2, T = Transformer ("MTMTMTMT")
-    int dim;                        // token width D
-    int patch;                      // pixels a token side (8)
-    int state, chunk;               // Mamba2: state 64, chunk 64 (expand 2, head_dim 64, conv 4 are fixed)
-    bool residual;                  // heads are residuals around the classical start; else the paper's plain heads
-    bool match_input;               // the start's maps are among the input channels
-    bool pixel_skip;                // a small MLP a pixel joins the token's features and the pixel's own inputs
-    int pixel_features, pixel_hidden; // widths of that MLP: features a pixel takes from its token, hidden units
-    char render[16];                // "ours" or "paper": the render settings that the Gaussians are meant for
+    char name[32];                 // "tiny", "small", "paper", ...
+    char modules[FFP_MODULES_MAX]; // one letter a block, first to last: M = Mamba2, T = Transformer
+                                   // ("MTMTMTMT")
+    int dim;                       // token width D
+    int patch;                     // pixels a token side (8)
+    int state, chunk;              // Mamba2: state 64, chunk 64 (expand 2, head_dim 64, conv 4 are fixed)
+    bool residual;    // heads are residuals around the classical start; else the paper's plain heads
+    bool match_input; // the start's maps are among the input channels
+    bool pixel_skip;  // a small MLP a pixel joins the token's features and the pixel's own inputs
+    int pixel_features,
+        pixel_hidden; // widths of that MLP: features a pixel takes from its token, hidden units
+    char render[16];  // "ours" or "paper": the render settings that the Gaussians are meant for
 } FfpModelConfig;
-// "tiny" (D 128, MTMT), "small", "paper-small" (small, but the paper's plain form), "paper". False: no such name.
+// "tiny" (D 128, MTMT), "small", "paper-small" (small, but the paper's plain form), "paper". False: no such
+// name.
 bool ffp_model_preset(FfpModelConfig *config, const char *name);
 // Checks ranges and letters; error names the field.
 bool ffp_model_config_check(const FfpModelConfig *config, const char *where, FfpError *err);
+
+// How ffp_model_new fills a parameter.
+typedef enum FfpInit {
+    FFP_INIT_ZERO,
+    FFP_INIT_ONE,
+    FFP_INIT_NORMAL,  // deviation init_scale
+    FFP_INIT_UNIFORM, // +- init_scale
+    FFP_INIT_DT_BIAS, // inverse softplus of a step size, log-uniform in [1e-3, 1e-1] (Mamba2)
+    FFP_INIT_A_LOG,   // log of a rate, uniform in [1, 16] (Mamba2)
+} FfpInit;
 
 typedef struct FfpParameter {
     char name[64];
@@ -36,43 +49,61 @@ typedef struct FfpParameter {
     int64_t shape[2];
     int64_t offset, count; // into FfpModel.values
     bool decay;            // weight decay applies (2-D weights; not dt_bias, a_log, d, gains, biases)
+    FfpInit init;
+    float init_scale;
 } FfpParameter;
 
 typedef struct FfpModel {
     FfpModelConfig config;
     int n_parameters;
     FfpParameter *parameters;
-    int64_t count;  // all values
-    real *values;   // [count]
-    int metadata_count; // the training story from the file: key, value, ...
+    int64_t count;            // all values
+    real *values;             // [count]
+    struct FfpLayout *layout; // where each layer finds its parameters
+    int metadata_count;       // the training story from the file: key, value, ...
     char **metadata;
 } FfpModel;
 
 FfpModel *ffp_model_new(const FfpModelConfig *config, uint64_t seed, FfpError *err);
 void ffp_model_free(FfpModel *model);
-// Weights file: safetensors, bf16 (or F32 when `exact`), with the configuration and `metadata` (key, value pairs).
-bool ffp_model_write(const FfpModel *model, const char *path, bool exact, const char *const *metadata, int metadata_count,
-                     FfpError *err);
+// Weights file: safetensors, bf16 (or F32 when `exact`), with the configuration and `metadata` (key, value
+// pairs).
+bool ffp_model_write(const FfpModel *model, const char *path, bool exact, const char *const *metadata,
+                     int metadata_count, FfpError *err);
 FfpModel *ffp_model_read(const char *path, FfpError *err);
+
+// Seconds of wall clock by kind of work. heads: all behind the last block; products: the blocks' matrix
+// products; other: norms, convolutions, GELU, sums.
+typedef struct FfpProfileTimes {
+    double tokenise, scan, attention, products, other, heads;
+} FfpProfileTimes;
+typedef struct FfpProfile {
+    FfpProfileTimes forward, backward;
+} FfpProfile;
 
 // One pass over one capture: activations live in the run until the next forward.
 typedef struct FfpRun {
     FfpArena *arena;
-    FfpGaussians gaussians;  // the output, in the normalised capture's frame
-    int64_t *pixel;          // [gaussians.count] index of each Gaussian's pixel: (view * height + y) * width + x
-    real *t;                 // [gaussians.count] distance along the pixel's ray
+    FfpProfile *profile;    // NULL, or where every pass ADDS its seconds
+    FfpGaussians gaussians; // the output, in the normalised capture's frame
+    int64_t *pixel; // [gaussians.count] index of each Gaussian's pixel: (view * height + y) * width + x
+    real *t;        // [gaussians.count] distance along the pixel's ray
     struct FfpActivations *activations;
 } FfpRun;
 FfpRun *ffp_run_new(void);
 void ffp_run_free(FfpRun *run);
 
-// Normalised capture (image sides multiples of the patch; any number of views), its start, and the active pattern.
-// The first `views` views are the input. Residual form: one Gaussian for each pixel of coverage > 0. Plain form: all.
-bool ffp_model_forward(const FfpModel *model, FfpRun *run, const FfpCapture *capture, const FfpStart *start, int active,
-                       FfpError *err);
-// grad: gradient with respect to run->gaussians; grad_t [count] or NULL: extra gradient with respect to run->t.
-// ADDS to grad_values [model->count].
-void ffp_model_backward(const FfpModel *model, FfpRun *run, const FfpGaussians *grad, const real *grad_t, real *grad_values);
+// Normalised capture (image sides multiples of the patch; any number of views), its start, and the active
+// pattern. The first start->views views are the input. Residual form: one Gaussian for each pixel of coverage
+// > 0. Plain form: all. Gaussians are in the order of their pixels. start may be NULL when the model neither
+// reads its maps nor builds on them: then all views are the input. Errors name the view: missing images,
+// sizes that do not fit; or numbers that overflow.
+bool ffp_model_forward(const FfpModel *model, FfpRun *run, const FfpCapture *capture, const FfpStart *start,
+                       int active, FfpError *err);
+// grad: gradient with respect to run->gaussians; grad_t [count] or NULL: extra gradient with respect to
+// run->t. ADDS to grad_values [model->count].
+void ffp_model_backward(const FfpModel *model, FfpRun *run, const FfpGaussians *grad, const real *grad_t,
+                        real *grad_values);
 
 // The classical reconstruction as Gaussians, without a model: what an untrained residual network returns.
 FfpGaussians ffp_start_gaussians(const FfpCapture *capture, const FfpStart *start);

@@ -1,0 +1,133 @@
+// The bidirectional Mamba2 block (network.md 1.1, 3.1).
+#include "network/blocks.h"
+
+#include <string.h>
+#include "tensor/tensor.h"
+
+void ffp_add(real *y, const real *x, size_t count) {
+#pragma omp parallel for simd schedule(static)
+    for (size_t i = 0; i < count; i++) y[i] += x[i];
+}
+
+void ffp_add_linear(real *y, const real *residual, const real *x, const real *w, int rows, int in, int out) {
+    if (y != residual) memcpy(y, residual, (size_t)rows * out * sizeof *y);
+    ffp_gemm(false, true, rows, out, in, 1, x, in, w, in, 1, y, out);
+}
+
+void ffp_mamba_allocate(FfpMambaActivations *at, const FfpWidths *widths, int rows, FfpArena *arena) {
+    const size_t t = (size_t)rows;
+    at->norm = ffp_arena_alloc(arena, t * widths->dim, sizeof(real));
+    at->rstd = ffp_arena_alloc(arena, t, sizeof(real));
+    at->projected = ffp_arena_alloc(arena, t * widths->projected, sizeof(real));
+    for (int i = 0; i < 2; i++) {
+        at->direction[i].convolved = ffp_arena_alloc(arena, t * widths->convolved, sizeof(real));
+        at->direction[i].scanned = ffp_arena_alloc(arena, t * widths->inner, sizeof(real));
+        at->direction[i].rstd = ffp_arena_alloc(arena, t, sizeof(real));
+    }
+    at->summed = ffp_arena_alloc(arena, t * widths->inner, sizeof(real));
+}
+
+static FfpScanShape scan_shape(const FfpWidths *widths, int rows, int direction) {
+    return (FfpScanShape){.rows = rows,
+                          .heads = widths->scan_heads,
+                          .head_dim = FFP_HEAD_DIM,
+                          .state = widths->state,
+                          .chunk = widths->chunk,
+                          .reverse = direction == 1};
+}
+
+static FfpScanInput scan_input(const FfpMambaActivations *at, const real *values,
+                               const FfpMambaLayout *layout, const FfpWidths *widths, int i) {
+    const real *convolved = at->direction[i].convolved;
+    return (FfpScanInput){.x = convolved,
+                          .b = convolved + widths->inner,
+                          .c = convolved + widths->inner + widths->state,
+                          .ld = widths->convolved,
+                          .dt_raw = at->projected + widths->inner + widths->convolved,
+                          .lddt = widths->projected,
+                          .dt_bias = values + layout->direction[i].dt_bias,
+                          .a_log = values + layout->direction[i].a_log,
+                          .d = values + layout->direction[i].d};
+}
+
+void ffp_mamba_forward(real *y, FfpMambaActivations *at, const real *x, const real *values,
+                       const FfpMambaLayout *layout, const FfpWidths *widths, int rows,
+                       const FfpScratch *scratch, FfpProfileTimes *times) {
+    const int dim = widths->dim, inner = widths->inner, ld = widths->projected;
+    double last = ffp_seconds();
+    ffp_rmsnorm_forward(at->norm, at->rstd, x, values + layout->norm, rows, dim);
+    ffp_lap(&last, &times->other);
+    ffp_linear_forward(at->projected, at->norm, values + layout->in_proj, NULL, rows, dim, ld);
+    ffp_lap(&last, &times->products);
+    for (int i = 0; i < 2; i++) {
+        ffp_conv_forward(at->direction[i].convolved, at->projected + inner, ld,
+                         values + layout->direction[i].conv, values + layout->direction[i].conv_bias, rows,
+                         widths->convolved, FFP_CONV_TAPS, i == 1);
+        ffp_lap(&last, &times->other);
+        const FfpScanShape shape = scan_shape(widths, rows, i);
+        const FfpScanInput in = scan_input(at, values, layout, widths, i);
+        ffp_scan_forward(at->direction[i].scanned, &shape, &in, scratch->kernel);
+        ffp_lap(&last, &times->scan);
+        ffp_gated_norm_forward(i ? scratch->inner : at->summed, at->direction[i].rstd,
+                               at->direction[i].scanned, at->projected, ld,
+                               values + layout->direction[i].norm, rows, inner);
+    }
+    ffp_add(at->summed, scratch->inner, (size_t)rows * inner);
+    ffp_lap(&last, &times->other);
+    ffp_add_linear(y, x, at->summed, values + layout->out_proj, rows, inner, dim);
+    ffp_lap(&last, &times->products);
+}
+
+// From the gradient of the summed directions to that of the projected row (z, dt and the convolution's input
+// are ADDED).
+static void direction_backward(real *dprojected, const real *dsummed, real *grad,
+                               const FfpMambaActivations *at, int i, const real *values,
+                               const FfpMambaLayout *layout, const FfpWidths *widths, int rows,
+                               const FfpScratch *scratch, FfpProfileTimes *times) {
+    const int inner = widths->inner, ld = widths->projected;
+    real *dscanned = scratch->inner, *dconvolved = scratch->dwide2;
+    double last = ffp_seconds();
+    ffp_gated_norm_backward(dscanned, dprojected, ld, grad + layout->direction[i].norm, dsummed,
+                            at->direction[i].scanned, at->projected, ld, at->direction[i].rstd,
+                            values + layout->direction[i].norm, rows, inner);
+    ffp_lap(&last, &times->other);
+    const FfpScanShape shape = scan_shape(widths, rows, i);
+    const FfpScanInput in = scan_input(at, values, layout, widths, i);
+    const FfpScanGradient out = {.x = dconvolved,
+                                 .b = dconvolved + inner,
+                                 .c = dconvolved + inner + widths->state,
+                                 .dt_raw = dprojected + inner + widths->convolved,
+                                 .dt_bias = grad + layout->direction[i].dt_bias,
+                                 .a_log = grad + layout->direction[i].a_log,
+                                 .d = grad + layout->direction[i].d};
+    ffp_scan_backward(&out, &shape, &in, at->direction[i].scanned, dscanned, scratch->kernel);
+    ffp_lap(&last, &times->scan);
+    ffp_conv_backward(dprojected + inner, ld, grad + layout->direction[i].conv,
+                      grad + layout->direction[i].conv_bias, dconvolved, at->projected + inner, ld,
+                      values + layout->direction[i].conv, values + layout->direction[i].conv_bias, rows,
+                      widths->convolved, FFP_CONV_TAPS, i == 1);
+    ffp_lap(&last, &times->other);
+}
+
+void ffp_mamba_backward(real *dx, real *grad, const FfpMambaActivations *at, const real *x,
+                        const real *values, const FfpMambaLayout *layout, const FfpWidths *widths, int rows,
+                        const FfpScratch *scratch, FfpProfileTimes *times) {
+    const int dim = widths->dim, inner = widths->inner, ld = widths->projected;
+    real *dprojected = scratch->dwide, *dsummed = scratch->dinner;
+    double last = ffp_seconds();
+    ffp_linear_backward(dsummed, grad + layout->out_proj, NULL, dx, at->summed, values + layout->out_proj,
+                        rows, inner, dim);
+    ffp_lap(&last, &times->products);
+    memset(dprojected, 0, (size_t)rows * ld * sizeof *dprojected);
+    ffp_lap(&last, &times->other);
+    for (int i = 0; i < 2; i++)
+        direction_backward(dprojected, dsummed, grad, at, i, values, layout, widths, rows, scratch, times);
+    last = ffp_seconds();
+    ffp_linear_backward(scratch->dnarrow, grad + layout->in_proj, NULL, dprojected, at->norm,
+                        values + layout->in_proj, rows, dim, ld);
+    ffp_lap(&last, &times->products);
+    ffp_rmsnorm_backward(scratch->dnarrow2, grad + layout->norm, scratch->dnarrow, x, at->rstd,
+                         values + layout->norm, rows, dim);
+    ffp_add(dx, scratch->dnarrow2, (size_t)rows * dim);
+    ffp_lap(&last, &times->other);
+}

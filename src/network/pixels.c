@@ -1,0 +1,141 @@
+#include "network/pixels.h"
+
+#include <tgmath.h>
+#include "base/vec.h"
+#include "network/inputs.h"
+
+#define NEAREST_MIN 0.1F // a plain splat's footprint is taken no closer to the camera than this
+
+// The pixels of token rows [first_row, last_row), and where they lie in the token order. Returns the new
+// count.
+static int64_t list_rows(int64_t *pixel, int64_t *place, int64_t count, int64_t first_row, int64_t last_row,
+                         int patch, int across, const real *coverage) {
+    const int64_t width = (int64_t)across * patch;
+    for (int64_t p = first_row * patch * width; p < last_row * patch * width; p++) {
+        if (coverage && !(coverage[p] > 0)) continue;
+        const int64_t x = p % width, y = p / width; // y runs on over the views, and so do token rows
+        const int64_t token = y / patch * across + x / patch;
+        pixel[count] = p;
+        place[count++] = token * patch * patch + y % patch * patch + x % patch;
+    }
+    return count;
+}
+
+static void fill_base(FfpPixelBase *base, const real *ray, const FfpCamera *camera, const FfpStart *start,
+                      int64_t pixel, bool residual) {
+    const real origin[3] = {camera->pose[3], camera->pose[7], camera->pose[11]};
+    for (int i = 0; i < 3; i++) base->direction[i] = ray[i];
+    base->nearest = -ffp_dot3(origin, ray);
+    base->footprint = fmax(base->nearest, NEAREST_MIN) / camera->fx;
+    if (residual) ffp_residual_base(base, start, pixel);
+}
+
+void ffp_pixels_list(FfpPixels *pixels, FfpHead *head, FfpRun *run, const FfpModelConfig *config,
+                     const FfpCapture *capture, const FfpStart *start, int views) {
+    const FfpCamera *camera = &capture->views[0].camera;
+    const int patch = config->patch, across = camera->width / patch, block_rows = ffp_head_block_rows(across);
+    const int64_t area = (int64_t)camera->width * camera->height,
+                  rows = (int64_t)views * (camera->height / patch);
+    const real *coverage = config->residual ? start->coverage : NULL;
+    int64_t most = views * area;
+    if (coverage) {
+        most = 0;
+        for (int64_t i = 0; i < views * area; i++) most += coverage[i] > 0;
+    }
+    int64_t *place = ffp_arena_alloc(run->arena, (size_t)most + 1, sizeof *place);
+    run->pixel = ffp_arena_alloc(run->arena, (size_t)most + 1, sizeof *run->pixel);
+    head->blocks =
+        ffp_arena_alloc(run->arena, (size_t)((rows + block_rows - 1) / block_rows), sizeof *head->blocks);
+    head->n_blocks = 0;
+    int64_t count = 0;
+    for (int64_t row = 0; row < rows; row += block_rows) {
+        const int64_t end = row + block_rows < rows ? row + block_rows : rows, first = count;
+        count = list_rows(run->pixel, place, count, row, end, patch, across, coverage);
+        if (count > first)
+            head->blocks[head->n_blocks++] =
+                (FfpHeadBlock){first, count - first, (int)row * across, (int)(end - row) * across};
+    }
+    head->place = place;
+    pixels->count = count;
+    pixels->base = ffp_arena_alloc(run->arena, (size_t)count + 1, sizeof *pixels->base);
+    pixels->raw = ffp_arena_alloc(run->arena, (size_t)(count + 1) * ffp_head_numbers(config), sizeof(real));
+    const int channels = ffp_input_channels(config);
+#pragma omp parallel for schedule(static)
+    for (int64_t g = 0; g < count; g++)
+        fill_base(&pixels->base[g], head->inputs + place[g] * channels + FFP_RAY_CHANNEL,
+                  &capture->views[run->pixel[g] / area].camera, start, run->pixel[g], config->residual);
+}
+
+static void store(FfpGaussians *out, int64_t g, const FfpSplat *splat, const real *direction,
+                  const real *pose) {
+    for (int i = 0; i < 3; i++) {
+        out->centre[3 * g + i] = pose[4 * i + 3] + splat->t * direction[i];
+        out->scale[3 * g + i] = splat->scale[i];
+        out->albedo[3 * g + i] = splat->albedo[i];
+        out->ambient[3 * g + i] = splat->ambient[i];
+    }
+    for (int i = 0; i < 4; i++) out->rotation[4 * g + i] = splat->rotation[i];
+    out->opacity[g] = splat->opacity;
+    out->roughness[g] = splat->roughness;
+}
+
+static void allocate_gaussians(FfpRun *run, int64_t count) {
+    const size_t n = (size_t)count + 1;
+    run->gaussians = (FfpGaussians){.count = count,
+                                    .centre = ffp_arena_alloc(run->arena, n * 3, sizeof(real)),
+                                    .scale = ffp_arena_alloc(run->arena, n * 3, sizeof(real)),
+                                    .rotation = ffp_arena_alloc(run->arena, n * 4, sizeof(real)),
+                                    .opacity = ffp_arena_alloc(run->arena, n, sizeof(real)),
+                                    .albedo = ffp_arena_alloc(run->arena, n * 3, sizeof(real)),
+                                    .roughness = ffp_arena_alloc(run->arena, n, sizeof(real)),
+                                    .ambient = ffp_arena_alloc(run->arena, n * 3, sizeof(real))};
+    run->t = ffp_arena_alloc(run->arena, n, sizeof(real));
+}
+
+bool ffp_pixels_splat(const FfpPixels *pixels, FfpRun *run, const FfpModelConfig *config,
+                      const FfpCapture *capture) {
+    const FfpCamera *camera = &capture->views[0].camera;
+    const int64_t area = (int64_t)camera->width * camera->height;
+    const int numbers = ffp_head_numbers(config);
+    allocate_gaussians(run, pixels->count);
+    bool bad = false;
+#pragma omp parallel for schedule(static) reduction(|| : bad)
+    for (int64_t g = 0; g < pixels->count; g++) {
+        const real *raw = pixels->raw + g * numbers;
+        real sum = 0;
+        for (int i = 0; i < numbers; i++) sum += raw[i];
+        bad = bad || !isfinite(sum);
+        FfpSplat splat;
+        if (config->residual)
+            ffp_residual_splat(&splat, &pixels->base[g], raw);
+        else
+            ffp_plain_splat(&splat, &pixels->base[g], raw);
+        run->t[g] = splat.t;
+        store(&run->gaussians, g, &splat, pixels->base[g].direction,
+              capture->views[run->pixel[g] / area].camera.pose);
+    }
+    return !bad;
+}
+
+void ffp_pixels_splat_backward(real *draw, const FfpPixels *pixels, const FfpHeadBlock *block,
+                               const FfpModelConfig *config, const FfpGaussians *grad, const real *grad_t) {
+    const int numbers = ffp_head_numbers(config);
+#pragma omp parallel for schedule(static)
+    for (int64_t i = 0; i < block->count; i++) {
+        const int64_t g = block->first + i;
+        const FfpPixelBase *base = &pixels->base[g];
+        FfpSplat d = {.t = ffp_dot3(grad->centre + 3 * g, base->direction) + (grad_t ? grad_t[g] : 0),
+                      .opacity = grad->opacity[g],
+                      .roughness = grad->roughness[g]};
+        for (int k = 0; k < 3; k++) {
+            d.scale[k] = grad->scale[3 * g + k];
+            d.albedo[k] = grad->albedo[3 * g + k];
+            d.ambient[k] = grad->ambient[3 * g + k];
+        }
+        for (int k = 0; k < 4; k++) d.rotation[k] = grad->rotation[4 * g + k];
+        if (config->residual)
+            ffp_residual_splat_backward(draw + i * numbers, &d, base, pixels->raw + g * numbers);
+        else
+            ffp_plain_splat_backward(draw + i * numbers, &d, base, pixels->raw + g * numbers);
+    }
+}

@@ -1,0 +1,190 @@
+// One pass of the network over one capture, forward and backward.
+#include <stdlib.h>
+#include <string.h>
+#include "network/blocks.h"
+#include "network/inputs.h"
+#include "network/pixels.h"
+#include "tensor/tensor.h"
+
+typedef union FfpBlockActivations {
+    FfpMambaActivations mamba;
+    FfpTransformerActivations transformer;
+} FfpBlockActivations;
+
+// Token-wise memory depends on the configuration and the number of tokens alone: it stays from pass to pass,
+// in an arena of its own, while run->arena is emptied for every capture.
+typedef struct FfpActivations {
+    FfpArena *arena;
+    FfpModelConfig config; // what the memory is laid out for; rows 0: nothing yet
+    int rows, across, blocks;
+    FfpWidths widths;
+    real *inputs;                           // [T, patch^2 channels]
+    real *tokens, *token_mean, *token_rstd; // before the tokeniser's norm, [T, dim], [T]
+    real *stream[FFP_MODULES_MAX];          // [T, dim] input of each block, and the last one's output
+    FfpBlockActivations block[FFP_MODULES_MAX];
+    real *final, *final_mean, *final_rstd;
+    FfpScratch scratch;
+    real *dstream, *dfinal; // [T, dim]; NULL before the first backward pass
+    FfpHead head;
+    FfpPixels pixels;
+    FfpProfileTimes unread; // where the times go when nobody asks
+} FfpActivations;
+
+FfpRun *ffp_run_new(void) {
+    FfpRun *run = ffp_alloc(1, sizeof *run);
+    run->arena = ffp_arena_new();
+    run->activations = ffp_alloc(1, sizeof *run->activations);
+    run->activations->arena = ffp_arena_new();
+    return run;
+}
+
+void ffp_run_free(FfpRun *run) {
+    if (!run) return;
+    ffp_arena_free(run->activations->arena);
+    free(run->activations);
+    ffp_arena_free(run->arena);
+    free(run);
+}
+
+static bool same_layout(const FfpModelConfig *a, const FfpModelConfig *b) {
+    return strcmp(a->modules, b->modules) == 0 && a->dim == b->dim && a->patch == b->patch &&
+           a->state == b->state && a->chunk == b->chunk && a->residual == b->residual &&
+           a->match_input == b->match_input && a->pixel_skip == b->pixel_skip &&
+           a->pixel_features == b->pixel_features && a->pixel_hidden == b->pixel_hidden;
+}
+
+static real *take(FfpActivations *at, size_t columns) {
+    return ffp_arena_alloc(at->arena, (size_t)at->rows * columns, sizeof(real));
+}
+
+static void prepare(FfpActivations *at, const FfpModelConfig *config, int rows, int across) {
+    if (at->rows == rows && at->across == across && same_layout(&at->config, config)) return;
+    FfpArena *arena = at->arena;
+    ffp_arena_reset(arena);
+    *at = (FfpActivations){.arena = arena,
+                           .config = *config,
+                           .rows = rows,
+                           .across = across,
+                           .blocks = (int)strlen(config->modules),
+                           .widths = ffp_widths(config)};
+    const size_t dim = (size_t)config->dim;
+    at->inputs = take(at, (size_t)config->patch * config->patch * ffp_input_channels(config));
+    at->tokens = take(at, dim);
+    at->token_mean = take(at, 1);
+    at->token_rstd = take(at, 1);
+    for (int i = 0; i <= at->blocks; i++) at->stream[i] = take(at, dim);
+    for (int i = 0; i < at->blocks; i++) {
+        if (config->modules[i] == 'M')
+            ffp_mamba_allocate(&at->block[i].mamba, &at->widths, rows, arena);
+        else
+            ffp_transformer_allocate(&at->block[i].transformer, &at->widths, rows, arena);
+    }
+    at->final = take(at, dim);
+    at->final_mean = take(at, 1);
+    at->final_rstd = take(at, 1);
+    at->scratch.inner = take(at, (size_t)at->widths.inner);
+    at->scratch.kernel = ffp_arena_alloc(arena, ffp_kernel_scratch(&at->widths, rows), sizeof(real));
+    ffp_head_allocate(&at->head, config, across, arena);
+}
+
+static void prepare_backward(FfpActivations *at) {
+    if (at->dstream) return;
+    const size_t dim = (size_t)at->config.dim, mlp = FFP_MLP_RATIO * dim;
+    const size_t wide = (size_t)at->widths.projected > mlp ? (size_t)at->widths.projected : mlp;
+    at->scratch.dwide = take(at, wide);
+    at->scratch.dwide2 = take(at, wide);
+    at->scratch.dinner = take(at, (size_t)at->widths.inner);
+    at->scratch.dnarrow = take(at, dim);
+    at->scratch.dnarrow2 = take(at, dim);
+    at->dfinal = take(at, dim);
+    at->dstream = take(at, dim);
+    ffp_head_allocate_backward(&at->head, &at->config, at->across, at->arena);
+}
+
+static void encode(FfpActivations *at, const FfpModel *model, FfpProfileTimes *times) {
+    const FfpLayout *layout = model->layout;
+    const int rows = at->rows, dim = at->widths.dim;
+    const int in = at->config.patch * at->config.patch * ffp_input_channels(&at->config);
+    double last = ffp_seconds();
+    ffp_linear_forward(at->tokens, at->inputs, model->values + layout->tokeniser, NULL, rows, in, dim);
+    ffp_layernorm_forward(at->stream[0], at->token_mean, at->token_rstd, at->tokens,
+                          model->values + layout->tokeniser_norm, rows, dim);
+    ffp_lap(&last, &times->tokenise);
+    for (int i = 0; i < at->blocks; i++) {
+        if (at->config.modules[i] == 'M')
+            ffp_mamba_forward(at->stream[i + 1], &at->block[i].mamba, at->stream[i], model->values,
+                              &layout->blocks[i].mamba, &at->widths, rows, &at->scratch, times);
+        else
+            ffp_transformer_forward(at->stream[i + 1], &at->block[i].transformer, at->stream[i],
+                                    model->values, &layout->blocks[i].transformer, &at->widths, rows,
+                                    &at->scratch, times);
+    }
+    last = ffp_seconds();
+    ffp_layernorm_forward(at->final, at->final_mean, at->final_rstd, at->stream[at->blocks],
+                          model->values + layout->final_norm, rows, dim);
+    ffp_lap(&last, &times->heads);
+}
+
+bool ffp_model_forward(const FfpModel *model, FfpRun *run, const FfpCapture *capture, const FfpStart *start,
+                       int active, FfpError *err) {
+    FfpActivations *at = run->activations;
+    const FfpModelConfig *config = &model->config;
+    const int views = start ? start->views : capture->n_views;
+    run->gaussians = (FfpGaussians){0};
+    ffp_arena_reset(run->arena);
+    if (!ffp_inputs_check(config, capture, start, views, active, err)) return false;
+    const FfpCamera *camera = &capture->views[0].camera;
+    const int across = camera->width / config->patch;
+    prepare(at, config, views * across * (camera->height / config->patch), across);
+    FfpProfileTimes *times = run->profile ? &run->profile->forward : &at->unread;
+    double last = ffp_seconds();
+    ffp_inputs(at->inputs, config, capture, start, views, active);
+    ffp_lap(&last, &times->tokenise);
+    encode(at, model, times);
+    last = ffp_seconds();
+    at->head.inputs = at->inputs;
+    ffp_pixels_list(&at->pixels, &at->head, run, config, capture, start, views);
+    for (int i = 0; i < at->head.n_blocks; i++) {
+        const FfpHeadBlock *block = &at->head.blocks[i];
+        ffp_head_forward(at->pixels.raw + block->first * ffp_head_numbers(config), &at->head, block,
+                         at->final, model);
+    }
+    const bool ok = ffp_pixels_splat(&at->pixels, run, config, capture);
+    ffp_lap(&last, &times->heads);
+    return ok || ffp_fail(err, capture->name, "the model's output overflows");
+}
+
+void ffp_model_backward(const FfpModel *model, FfpRun *run, const FfpGaussians *grad, const real *grad_t,
+                        real *grad_values) {
+    FfpActivations *at = run->activations;
+    const FfpLayout *layout = model->layout;
+    const int rows = at->rows, dim = at->widths.dim;
+    prepare_backward(at);
+    FfpProfileTimes *times = run->profile ? &run->profile->backward : &at->unread;
+    double last = ffp_seconds();
+    memset(at->dfinal, 0, (size_t)rows * dim * sizeof(real)); // tokens without a Gaussian get no gradient
+    for (int i = 0; i < at->head.n_blocks; i++) {
+        const FfpHeadBlock *block = &at->head.blocks[i];
+        ffp_pixels_splat_backward(at->head.draw, &at->pixels, block, &at->config, grad, grad_t);
+        ffp_head_backward(at->dfinal, grad_values, &at->head, block, at->head.draw, at->final, model);
+    }
+    ffp_layernorm_backward(at->dstream, grad_values + layout->final_norm, at->dfinal, at->stream[at->blocks],
+                           at->final_mean, at->final_rstd, model->values + layout->final_norm, rows, dim);
+    ffp_lap(&last, &times->heads);
+    for (int i = at->blocks - 1; i >= 0; i--) {
+        if (at->config.modules[i] == 'M')
+            ffp_mamba_backward(at->dstream, grad_values, &at->block[i].mamba, at->stream[i], model->values,
+                               &layout->blocks[i].mamba, &at->widths, rows, &at->scratch, times);
+        else
+            ffp_transformer_backward(at->dstream, grad_values, &at->block[i].transformer, at->stream[i],
+                                     model->values, &layout->blocks[i].transformer, &at->widths, rows,
+                                     &at->scratch, times);
+    }
+    last = ffp_seconds();
+    ffp_layernorm_backward(at->dfinal, grad_values + layout->tokeniser_norm, at->dstream, at->tokens,
+                           at->token_mean, at->token_rstd, model->values + layout->tokeniser_norm, rows, dim);
+    ffp_linear_backward(NULL, grad_values + layout->tokeniser, NULL, at->dfinal, at->inputs,
+                        model->values + layout->tokeniser, rows,
+                        at->config.patch * at->config.patch * ffp_input_channels(&at->config), dim);
+    ffp_lap(&last, &times->tokenise);
+}

@@ -1,0 +1,211 @@
+// The weights file: safetensors, the configuration as strings in its metadata (docs/formats.md).
+#include "network/layout.h"
+
+#include <stddef.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <tgmath.h>
+#include "base/file.h"
+#include "tensor/safetensors.h"
+
+#define FORMAT "ffprocams-model"
+#define VERSION "1"
+#define RESERVED "model." // of the configuration's keys
+
+enum { TEXT, WHOLE, SWITCH };
+typedef struct Field {
+    const char *key;
+    int kind;
+    size_t offset, size;
+} Field;
+
+#define FIELD(name, kind)                                                                                    \
+    { RESERVED #name, kind, offsetof(FfpModelConfig, name), sizeof(((FfpModelConfig *)0)->name) }
+static const Field fields[] = {
+    FIELD(name, TEXT),          FIELD(modules, TEXT),
+    FIELD(dim, WHOLE),          FIELD(patch, WHOLE),
+    FIELD(state, WHOLE),        FIELD(chunk, WHOLE),
+    FIELD(residual, SWITCH),    FIELD(match_input, SWITCH),
+    FIELD(pixel_skip, SWITCH),  FIELD(pixel_features, WHOLE),
+    FIELD(pixel_hidden, WHOLE), FIELD(render, TEXT),
+};
+enum { FIELDS = sizeof fields / sizeof *fields, OWN_KEYS = FIELDS + 2 };
+
+// "file: name", the WHERE of errors.
+typedef struct Place {
+    char text[FFP_PATH_MAX + FFP_TENSOR_NAME_MAX + 4];
+} Place;
+
+static Place place(const char *path, const char *name) {
+    Place p;
+    snprintf(p.text, sizeof p.text, "%.*s: %.*s", FFP_PATH_MAX - 1, path, FFP_TENSOR_NAME_MAX - 1, name);
+    return p;
+}
+
+static bool is_reserved(const char *key) {
+    return strcmp(key, "format") == 0 || strcmp(key, "format_version") == 0 ||
+           strncmp(key, RESERVED, strlen(RESERVED)) == 0;
+}
+
+static void print_field(char out[FFP_MODULES_MAX], const FfpModelConfig *config, const Field *field) {
+    const char *at = (const char *)config + field->offset;
+    if (field->kind == TEXT)
+        snprintf(out, FFP_MODULES_MAX, "%s", at);
+    else if (field->kind == WHOLE)
+        snprintf(out, FFP_MODULES_MAX, "%d", *(const int *)at);
+    else
+        snprintf(out, FFP_MODULES_MAX, "%s", *(const bool *)at ? "true" : "false");
+}
+
+static bool read_field(FfpModelConfig *config, const Field *field, const char *text, const char *where,
+                       FfpError *err) {
+    char *at = (char *)config + field->offset;
+    if (!text) return ffp_fail(err, where, "a model file without this key in its metadata");
+    if (field->kind == TEXT) {
+        if (strlen(text) >= field->size)
+            return ffp_fail(err, where, "longer than %zu bytes", field->size - 1);
+        strcpy(at, text);
+        return true;
+    }
+    if (field->kind == SWITCH) {
+        *(bool *)at = strcmp(text, "true") == 0;
+        return *(bool *)at || strcmp(text, "false") == 0 || ffp_fail(err, where, "neither true nor false");
+    }
+    char *end;
+    const long value = strtol(text, &end, 10);
+    if (end == text || *end || value < 0 || value > 1000000)
+        return ffp_fail(err, where, "not a whole number in range");
+    *(int *)at = (int)value;
+    return true;
+}
+
+// Matrices as bf16 unless exact; vectors (gains, biases, Mamba2's rates) are few and sensitive: always F32.
+static void fill_tensors(FfpTensor *tensors, char *bytes, const FfpModel *model, bool exact) {
+    for (int i = 0; i < model->n_parameters; i++) {
+        const FfpParameter *p = &model->parameters[i];
+        const real *values = model->values + p->offset;
+        FfpTensor *t = &tensors[i];
+        snprintf(t->name, sizeof t->name, "%s", p->name);
+        t->dtype = exact || p->rank == 1 ? FFP_F32 : FFP_BF16;
+        t->rank = p->rank;
+        memcpy(t->shape, p->shape, sizeof p->shape);
+        t->count = p->count;
+        t->data = bytes + p->offset * 4;
+        for (int64_t k = 0; k < p->count; k++) {
+            if (t->dtype == FFP_F32)
+                ((float *)t->data)[k] = (float)values[k];
+            else
+                ((uint16_t *)t->data)[k] = ffp_bf16_from_float((float)values[k]);
+        }
+    }
+}
+
+bool ffp_model_write(const FfpModel *model, const char *path, bool exact, const char *const *metadata,
+                     int metadata_count, FfpError *err) {
+    for (int i = 0; i + 1 < metadata_count; i += 2)
+        if (is_reserved(metadata[i]))
+            return ffp_fail(err, place(path, metadata[i]).text, "a metadata key that is taken");
+    char text[FIELDS][FFP_MODULES_MAX];
+    const char **strings = ffp_alloc(2 * OWN_KEYS + (size_t)metadata_count, sizeof *strings);
+    int count = 0;
+    strings[count++] = "format", strings[count++] = FORMAT;
+    strings[count++] = "format_version", strings[count++] = VERSION;
+    for (int i = 0; i < FIELDS; i++) {
+        print_field(text[i], &model->config, &fields[i]);
+        strings[count++] = fields[i].key;
+        strings[count++] = text[i];
+    }
+    for (int i = 0; i < metadata_count; i++) strings[count++] = metadata[i];
+    FfpTensor *tensors = ffp_alloc((size_t)model->n_parameters, sizeof *tensors);
+    char *bytes = ffp_alloc((size_t)model->count, 4);
+    fill_tensors(tensors, bytes, model, exact);
+    const bool ok = ffp_safetensors_write(path, tensors, model->n_parameters, strings, count, err);
+    free(bytes);
+    free(tensors);
+    free(strings);
+    return ok;
+}
+
+static bool read_config(FfpModelConfig *config, const FfpSafetensors *file, const char *path, FfpError *err) {
+    const char *format = ffp_safetensors_metadata(file, "format");
+    const char *version = ffp_safetensors_metadata(file, "format_version");
+    if (!format || strcmp(format, FORMAT) != 0)
+        return ffp_fail(err, place(path, "format").text, "not a model file");
+    if (!version || strcmp(version, VERSION) != 0)
+        return ffp_fail(err, place(path, "format_version").text,
+                        "this program reads version " VERSION ", not %.16s", version ? version : "none");
+    *config = (FfpModelConfig){0};
+    for (int i = 0; i < FIELDS; i++)
+        if (!read_field(config, &fields[i], ffp_safetensors_metadata(file, fields[i].key),
+                        place(path, fields[i].key).text, err))
+            return false;
+    return true;
+}
+
+// Names and shapes, before memory is taken for what a configuration merely claims.
+static bool check_parameter(const FfpParameter *p, const FfpSafetensors *file, const char *path,
+                            FfpError *err) {
+    const Place where = place(path, p->name);
+    const FfpTensor *t = ffp_safetensors_find(file, p->name);
+    if (!t) return ffp_fail(err, where.text, "a tensor that the configuration asks for is missing");
+    if (t->rank != p->rank || memcmp(t->shape, p->shape, (size_t)p->rank * sizeof *p->shape) != 0)
+        return ffp_fail(err, where.text, "the configuration asks for shape %lld x %lld",
+                        (long long)p->shape[0], (long long)(p->rank == 2 ? p->shape[1] : 1));
+    return true;
+}
+
+static bool check_known(const FfpModel *model, const char *name, const char *path, FfpError *err) {
+    for (int k = 0; k < model->n_parameters; k++)
+        if (strcmp(model->parameters[k].name, name) == 0) return true;
+    return ffp_fail(err, place(path, name).text, "a tensor that the configuration does not have");
+}
+
+static bool read_parameter(const FfpModel *model, const FfpParameter *p, const FfpSafetensors *file,
+                           const char *path, FfpError *err) {
+    const Place where = place(path, p->name);
+    real *values = model->values + p->offset;
+    if (!ffp_tensor_to_real(ffp_safetensors_find(file, p->name), values))
+        return ffp_fail(err, where.text, "integers where numbers belong");
+    for (int64_t i = 0; i < p->count; i++)
+        if (!isfinite(values[i])) return ffp_fail(err, where.text, "value %lld is not finite", (long long)i);
+    return true;
+}
+
+static bool keep_metadata(FfpModel *model, const FfpSafetensors *file, const char *path, FfpError *err) {
+    model->metadata = ffp_alloc((size_t)file->metadata_count + 1, sizeof *model->metadata);
+    for (int i = 0; i + 1 < file->metadata_count; i += 2) {
+        if (is_reserved(file->metadata[i])) continue;
+        for (int k = 0; k < 2; k++) {
+            char *text = strdup(file->metadata[i + k]);
+            if (!text) return ffp_fail(err, path, "out of memory");
+            model->metadata[model->metadata_count++] = text;
+        }
+    }
+    return true;
+}
+
+static FfpModel *read_model(const FfpSafetensors *file, const char *path, FfpError *err) {
+    FfpModelConfig config;
+    if (!read_config(&config, file, path, err)) return NULL;
+    FfpModel *model = ffp_model_table(&config, path, err);
+    if (!model) return NULL;
+    bool ok = true;
+    for (int i = 0; ok && i < model->n_parameters; i++)
+        ok = check_parameter(&model->parameters[i], file, path, err);
+    for (int i = 0; ok && i < file->count; i++) ok = check_known(model, file->tensors[i].name, path, err);
+    if (ok) model->values = ffp_alloc((size_t)model->count, sizeof *model->values);
+    for (int i = 0; ok && i < model->n_parameters; i++)
+        ok = read_parameter(model, &model->parameters[i], file, path, err);
+    if (ok && keep_metadata(model, file, path, err)) return model;
+    ffp_model_free(model);
+    return NULL;
+}
+
+FfpModel *ffp_model_read(const char *path, FfpError *err) {
+    FfpSafetensors file;
+    if (!ffp_safetensors_read(&file, path, err)) return NULL;
+    FfpModel *model = read_model(&file, path, err);
+    ffp_safetensors_free(&file);
+    return model;
+}
