@@ -1,0 +1,46 @@
+// Running the program as a user would.
+#ifndef FFP_TESTS_PROGRAM_H
+#define FFP_TESTS_PROGRAM_H
+
+#include "support.h"
+
+// A fresh folder below the current one.
+static inline void scratch_new(char folder[64]) {
+    strcpy(folder, "scratch-XXXXXX");
+    assert_non_null(mkdtemp(folder));
+}
+
+static inline void scratch_remove(const char *folder) {
+    char command[256];
+    snprintf(command, sizeof command, "rm -rf -- '%s'", folder);
+    assert_int_equal(system(command), 0);
+}
+
+// Runs the program with the arguments (shell syntax) and returns its exit code; standard output and error
+// come back as text.
+typedef struct ProgramRun {
+    int status;
+    char out[65536], err[65536];
+} ProgramRun;
+
+static inline void read_text(const char *path, char *text, size_t size) {
+    FILE *file = fopen(path, "rb");
+    assert_non_null(file);
+    text[fread(text, 1, size - 1, file)] = 0;
+    fclose(file);
+    assert_int_equal(remove(path), 0);
+}
+
+static inline void run_program(ProgramRun *run, const char *scratch, const char *arguments) {
+    char command[4096], out[128], err[128];
+    snprintf(out, sizeof out, "%s.out", scratch);
+    snprintf(err, sizeof err, "%s.err", scratch);
+    assert_true((size_t)snprintf(command, sizeof command, "'%s' %s >%s 2>%s", FFP_PROGRAM, arguments, out,
+                                 err) < sizeof command);
+    const int status = system(command);
+    run->status = status >= 0 && (status & 0x7f) == 0 ? status >> 8 & 0xff : -1;
+    read_text(out, run->out, sizeof run->out);
+    read_text(err, run->err, sizeof run->err);
+}
+
+#endif

@@ -1,0 +1,236 @@
+// From a capture to Gaussians, pictures, figures and a report, through the command line only.
+#include <signal.h>
+#include <sys/wait.h>
+#include <time.h>
+#include <unistd.h>
+#include "cli/program.h"
+#include "cli/tiny.h"
+#include "gaussians/gaussians.h"
+
+#define SIDE 48
+
+static char scratch[64];
+static ProgramRun run;
+
+static void must_run(const char *format, ...) __attribute__((format(printf, 1, 2)));
+static void must_run(const char *format, ...) {
+    char arguments[2048];
+    va_list list;
+    va_start(list, format);
+    vsnprintf(arguments, sizeof arguments, format, list);
+    va_end(list);
+    run_program(&run, scratch, arguments);
+    if (run.status != 0) printf("%s: exit %d\n%s", arguments, run.status, run.err);
+    assert_int_equal(run.status, 0);
+}
+
+static bool is_there(const char *format, ...) __attribute__((format(printf, 1, 2)));
+static bool is_there(const char *format, ...) {
+    char path[1024];
+    va_list list;
+    va_start(list, format);
+    vsnprintf(path, sizeof path, format, list);
+    va_end(list);
+    return ffp_is_file(path);
+}
+
+static json_t *load_json(const char *name) {
+    char path[256];
+    snprintf(path, sizeof path, "%s/%s", scratch, name);
+    json_t *root = json_load_file(path, 0, NULL);
+    assert_non_null(root);
+    return root;
+}
+
+static json_t *find_row(json_t *root, const char *protocol) {
+    size_t i;
+    json_t *row;
+    json_array_foreach(json_object_get(root, "rows"), i, row) {
+        if (strcmp(json_string_value(json_object_get(row, "protocol")), protocol) == 0) return row;
+    }
+    return NULL;
+}
+
+static int group_setup(void **state) {
+    (void)state;
+    scratch_new(scratch);
+    char folder[128];
+    snprintf(folder, sizeof folder, "%s/tiny", scratch);
+    tiny_capture(folder, SIDE);
+    must_run("reconstruct %s/tiny -o %s/tiny.ply --model none", scratch, scratch);
+    assert_true(is_there("%s/tiny.ply", scratch));
+    return 0;
+}
+
+static int group_teardown(void **state) {
+    (void)state;
+    scratch_remove(scratch);
+    return 0;
+}
+
+static void test_info_tells_what_files_hold(void **state) {
+    (void)state;
+    must_run("info %s/tiny", scratch);
+    assert_non_null(strstr(run.out, "views        4"));
+    assert_non_null(strstr(run.out, "reconstructs from lollipop_0"));
+    must_run("info %s/tiny/render_poses.json", scratch);
+    assert_non_null(strstr(run.out, "stripes"));
+    must_run("info %s/tiny.ply", scratch);
+    assert_non_null(strstr(run.out, "Gaussians    "));
+    assert_non_null(strstr(run.out, "opacity"));
+}
+
+static void test_render_writes_the_pictures_and_maps_it_is_asked_for(void **state) {
+    (void)state;
+    must_run("render %s/tiny.ply --capture %s/tiny --view view_1 --pattern stripes --pattern "
+             "%s/tiny/novel_1_stripes.png "
+             "--maps -o %s/some",
+             scratch, scratch, scratch, scratch);
+    static const char *const files[] = {"stripes.png", "novel_1_stripes.png", "depth.exr",
+                                        "depth.png",   "opacity.png",         "normal.png",
+                                        "albedo.png",  "roughness.png",       "ambient.png"};
+    for (size_t i = 0; i < sizeof files / sizeof *files; i++)
+        assert_true(is_there("%s/some/view_1_%s", scratch, files[i]));
+    assert_false(is_there("%s/some/view_0_stripes.png", scratch));
+    must_run("render %s/tiny.ply --capture %s/tiny --poses %s/tiny/targets.json -o %s/poses", scratch,
+             scratch, scratch, scratch);
+    assert_true(is_there("%s/poses/novel_0_all_white.png", scratch));
+    assert_true(is_there("%s/poses/novel_1_all_white.png", scratch));
+}
+
+// The picture's PSNR by its definition, from the files alone.
+static double psnr_of_files(const char *prediction_path, const char *truth_path) {
+    FfpImage prediction, truth;
+    assert_true(ffp_image_read(&prediction, prediction_path, FFP_COLOUR_ENCODED, NULL));
+    assert_true(ffp_image_read(&truth, truth_path, FFP_COLOUR_ENCODED, NULL));
+    assert_int_equal(prediction.width, truth.width);
+    double sum = 0;
+    const int pixels = truth.width * truth.height;
+    for (int i = 0; i < pixels; i++)
+        for (int c = 0; c < 3; c++) {
+            const double e = (double)prediction.data[4 * i + c] -
+                             (double)truth.data[4 * i + c] * (double)truth.data[4 * i + 3];
+            sum += e * e;
+        }
+    ffp_image_free(&prediction);
+    ffp_image_free(&truth);
+    return -10 * log10(sum / (3.0 * pixels));
+}
+
+static double mean_psnr_of_files(const char *saved, const char *prefix, int views, int first, int last) {
+    double sum = 0;
+    for (int v = 0; v < views; v++)
+        for (int p = first; p <= last; p++) {
+            char prediction[512], truth[512];
+            snprintf(prediction, sizeof prediction, "%s/%s/tiny/%s_%d_%s.png", scratch, saved, prefix, v,
+                     tiny_patterns[p]);
+            snprintf(truth, sizeof truth, "%s/tiny/%s_%d_%s.png", scratch, prefix, v, tiny_patterns[p]);
+            sum += psnr_of_files(prediction, truth);
+        }
+    return sum / (views * (last - first + 1));
+}
+
+static void check_row(json_t *root, const char *protocol, int images, double psnr) {
+    json_t *row = find_row(root, protocol);
+    assert_non_null(row);
+    assert_string_equal(json_string_value(json_object_get(row, "capture")), "tiny");
+    assert_int_equal(json_integer_value(json_object_get(row, "images")), images);
+    const double told = json_real_value(json_object_get(row, "psnr"));
+    if (fabs(told - psnr) > 0.02) printf("%s: told %.4f dB, the files say %.4f dB\n", protocol, told, psnr);
+    assert_true(fabs(told - psnr) <= 0.02);
+    assert_true(json_is_null(json_object_get(row, "lpips")));
+    const double ssim = json_real_value(json_object_get(row, "ssim"));
+    assert_true(ssim > 0.3 && ssim <= 1);
+    assert_true(json_real_value(json_object_get(row, "psnr_foreground")) < told); // the background is easy
+    assert_true(json_real_value(json_object_get(row, "render_s")) > 0);
+}
+
+static void test_told_psnr_is_that_of_the_saved_pictures(void **state) {
+    (void)state;
+    must_run("evaluate %s/tiny --model none --targets targets.json --save %s/saved --json %s/scores.json "
+             "--report %s/report.html "
+             "--show-pattern %s/tiny/patterns/stripes.png",
+             scratch, scratch, scratch, scratch, scratch);
+    json_t *root = load_json("scores.json");
+    assert_int_equal(json_array_size(json_object_get(root, "rows")), 3);
+    assert_int_equal(json_array_size(json_object_get(root, "means")), 3);
+    check_row(root, "rendering", 4 * TINY_VIEWS, mean_psnr_of_files("saved", "view", TINY_VIEWS, 0, 3));
+    check_row(root, "novel_pattern", TINY_VIEWS, mean_psnr_of_files("saved", "view", TINY_VIEWS, 4, 4));
+    check_row(root, "novel_pose", 2 * TINY_PATTERNS, mean_psnr_of_files("saved", "novel", 2, 0, 4));
+    const double unseen =
+        json_real_value(json_object_get(find_row(root, "rendering"), "psnr_unseen_lollipops"));
+    assert_true(fabs(unseen - mean_psnr_of_files("saved", "view", TINY_VIEWS, 3, 3)) <= 0.02);
+    assert_true(unseen > 20); // a ball is easy
+    assert_true(json_is_null(json_object_get(find_row(root, "novel_pose"), "psnr_unseen_lollipops")));
+    json_decref(root);
+    assert_non_null(strstr(run.out, "novel_pose"));
+    assert_true(is_there("%s/report.html", scratch));
+}
+
+static void test_gaussians_from_a_file_score_as_those_just_made(void **state) {
+    (void)state;
+    must_run("evaluate %s/tiny --model none --json %s/made.json", scratch, scratch);
+    must_run("evaluate %s/tiny --gaussians %s/tiny.ply --json %s/read.json", scratch, scratch, scratch);
+    json_t *made = load_json("made.json"), *read = load_json("read.json");
+    const double a = json_real_value(json_object_get(find_row(made, "rendering"), "psnr"));
+    const double b = json_real_value(json_object_get(find_row(read, "rendering"), "psnr"));
+    assert_true(fabs(a - b) < 0.02);
+    assert_true(json_is_null(json_object_get(find_row(read, "rendering"), "reconstruct_s")));
+    json_decref(made);
+    json_decref(read);
+}
+
+static void test_the_matching_predictor_leaves_new_poses_out(void **state) {
+    (void)state;
+    must_run("evaluate %s/tiny --predictor match --targets targets.json --json %s/match.json", scratch,
+             scratch);
+    json_t *root = load_json("match.json");
+    assert_int_equal(json_array_size(json_object_get(root, "rows")), 2);
+    assert_true(json_real_value(json_object_get(find_row(root, "rendering"), "psnr_unseen_lollipops")) > 20);
+    json_decref(root);
+}
+
+// Killed at any moment: the file that was there before, or a whole new one.
+static void test_a_killed_run_leaves_a_whole_file(void **state) {
+    (void)state;
+    char capture[128], output[128];
+    snprintf(capture, sizeof capture, "%s/tiny", scratch);
+    snprintf(output, sizeof output, "%s/killed.ply", scratch);
+    for (int i = 0; i < 16; i++) {
+        assert_true(ffp_write_file(output, "old", 3, NULL));
+        const pid_t child = fork();
+        if (child == 0) {
+            if (!freopen("/dev/null", "w", stdout) || !freopen("/dev/null", "w", stderr)) _exit(126);
+            execl(FFP_PROGRAM, FFP_PROGRAM, "reconstruct", capture, "-o", output, "--model", "none",
+                  (char *)NULL);
+            _exit(127);
+        }
+        nanosleep(&(struct timespec){0, 8000000L * i}, NULL);
+        kill(child, SIGKILL);
+        int status;
+        assert_int_equal(waitpid(child, &status, 0), child);
+        assert_false(WIFEXITED(status) && WEXITSTATUS(status) != 0);
+        char *data;
+        size_t size;
+        assert_true(ffp_read_file(output, 1 << 26, &data, &size, NULL));
+        if (size != 3 || memcmp(data, "old", 3) != 0) {
+            FfpGaussians gaussians;
+            FfpError err = {0};
+            assert_true(ffp_gaussians_read(&gaussians, output, &err));
+            ffp_gaussians_free(&gaussians);
+        }
+        free(data);
+    }
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_info_tells_what_files_hold),
+        cmocka_unit_test(test_render_writes_the_pictures_and_maps_it_is_asked_for),
+        cmocka_unit_test(test_told_psnr_is_that_of_the_saved_pictures),
+        cmocka_unit_test(test_gaussians_from_a_file_score_as_those_just_made),
+        cmocka_unit_test(test_the_matching_predictor_leaves_new_poses_out),
+        cmocka_unit_test(test_a_killed_run_leaves_a_whole_file),
+    };
+    return cmocka_run_group_tests(tests, group_setup, group_teardown);
+}

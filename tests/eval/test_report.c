@@ -1,0 +1,149 @@
+// The report is one page that needs nothing else, whatever the names in it; the JSON rows say null where
+// there is no figure.
+#include <math.h>
+#include <jansson.h>
+#include "support.h"
+#include "base/file.h"
+#include "eval/relight.h"
+#include "eval/report.h"
+#include "eval/scores.h"
+
+static const FfpScore scores[] = {
+    {"one", "rendering", 30, 25, 0.9, NAN, 28, 10, 4, 1.5, 2},
+    {"two", "rendering", 20, 15, 0.7, NAN, 18, 10, 4, 0.5, 1},
+    {"two", "novel_pose", 10, NAN, 0.5, NAN, NAN, 6, 0, 0.5, 1},
+};
+
+static char *read_all(const char *path) {
+    char *text;
+    size_t size;
+    assert_true(ffp_read_file(path, 1 << 24, &text, &size, NULL));
+    assert_int_equal(remove(path), 0);
+    return text;
+}
+
+static unsigned base64_value(char c) {
+    static const char digits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    const char *at = strchr(digits, c);
+    assert_non_null(at);
+    return (unsigned)(at - digits);
+}
+
+static size_t decode_base64(const char *text, unsigned char *out) {
+    size_t size = 0;
+    for (; *text != '"'; text += 4) {
+        const unsigned pad = (text[2] == '=') + (text[3] == '=');
+        const unsigned bits = base64_value(text[0]) << 18 | base64_value(text[1]) << 12 |
+                              (pad < 2 ? base64_value(text[2]) << 6 : 0) |
+                              (pad < 1 ? base64_value(text[3]) : 0);
+        out[size++] = (unsigned char)(bits >> 16);
+        if (pad < 2) out[size++] = (unsigned char)(bits >> 8);
+        if (pad < 1) out[size++] = (unsigned char)bits;
+    }
+    return size;
+}
+
+static void test_pictures_in_the_page_are_the_pictures_given(void **state) {
+    (void)state;
+    static const char mark[] = "data:image/png;base64,";
+    for (int width = 1; width < 6; width++) { // all lengths modulo 3 occur
+        FfpReport *report = ffp_report_new("nobody");
+        FfpImage image = ffp_image_new(width, 3, 3);
+        for (int i = 0; i < 9 * width; i++) image.data[i] = (real)(i * 37 % 256) / 255;
+        ffp_report_picture(report, &image, "a picture");
+        assert_true(ffp_report_write(report, scores, 1, "test_report.html", NULL));
+        char *page = read_all("test_report.html");
+        char *at = strstr(page, mark);
+        assert_non_null(at);
+        unsigned char *bytes = malloc(strlen(at));
+        assert_non_null(bytes);
+        const size_t size = decode_base64(at + strlen(mark), bytes);
+        assert_true(ffp_write_file("test_report.png", bytes, size, NULL));
+        FfpImage back;
+        assert_true(ffp_image_read(&back, "test_report.png", FFP_COLOUR_ENCODED, NULL));
+        assert_int_equal(remove("test_report.png"), 0);
+        assert_int_equal(back.width, width);
+        for (int i = 0; i < 3 * width; i++)
+            for (int c = 0; c < 3; c++) assert_float_equal(back.data[4 * i + c], image.data[3 * i + c], 1e-6);
+        ffp_image_free(&back);
+        ffp_image_free(&image);
+        free(bytes);
+        free(page);
+        ffp_report_free(report);
+    }
+}
+
+static void test_names_cannot_break_the_page(void **state) {
+    (void)state;
+    FfpReport *report = ffp_report_new("<script>alert(1)</script>");
+    FfpImage image = ffp_image_new(2, 2, 3);
+    ffp_report_picture(report, &image, "<img src=\"http://elsewhere\"> & more");
+    FfpScore score = scores[0];
+    strcpy(score.capture, "</table><script>");
+    assert_true(ffp_report_write(report, &score, 1, "test_report.html", NULL));
+    char *page = read_all("test_report.html");
+    assert_null(strstr(page, "<script"));
+    assert_null(strstr(page, "src=\"http"));
+    assert_non_null(strstr(page, "&lt;img src=&quot;http://elsewhere&quot;&gt; &amp; more"));
+    assert_non_null(strstr(page, "</html>"));
+    free(page);
+    ffp_image_free(&image);
+    ffp_report_free(report);
+}
+
+static void test_rows_and_means(void **state) {
+    (void)state;
+    const FfpEvaluation options = {.json = "test_scores.json", .model_name = "a \"name\""};
+    assert_true(ffp_scores_write(scores, 3, &options, NULL));
+    char *text = read_all("test_scores.json");
+    json_t *root = json_loads(text, 0, NULL);
+    assert_non_null(root);
+    json_t *rows = json_object_get(root, "rows"), *means = json_object_get(root, "means");
+    assert_int_equal(json_array_size(rows), 3);
+    assert_int_equal(json_array_size(means), 2);
+    json_t *last = json_array_get(rows, 2), *mean = json_array_get(means, 0);
+    assert_true(json_is_null(json_object_get(last, "lpips")));
+    assert_true(json_is_null(json_object_get(last, "psnr_foreground")));
+    assert_string_equal(json_string_value(json_object_get(last, "protocol")), "novel_pose");
+    assert_int_equal(json_integer_value(json_object_get(mean, "images")), 20);
+    assert_float_equal(json_real_value(json_object_get(mean, "psnr")), 25, 1e-9);
+    assert_float_equal(json_real_value(json_object_get(mean, "psnr_unseen_lollipops")), 23, 1e-9);
+    assert_true(json_is_null(json_object_get(mean, "lpips")));
+    json_decref(root);
+    free(text);
+}
+
+static void test_names_that_would_leave_the_folder_are_refused(void **state) {
+    (void)state;
+    static const char *const bad[] = {"", "..", "../up", "/root", ".hidden", "a/b"};
+    char path[64];
+    FfpError err;
+    for (size_t i = 0; i < sizeof bad / sizeof *bad; i++)
+        assert_false(ffp_picture_path(path, sizeof path, "out", bad[i], "white.png", &err));
+    assert_false(ffp_picture_path(path, sizeof path, "out", "view", "../../white.png", &err));
+    assert_false(ffp_picture_path(path, 16, "out", "view", "white.png", &err));
+    assert_true(ffp_picture_path(path, sizeof path, "out", "view", "white.png", &err));
+    assert_string_equal(path, "out/view_white.png");
+}
+
+static void test_quantised_values_are_those_of_a_byte(void **state) {
+    (void)state;
+    FfpImage image = ffp_image_new(7, 1, 1);
+    const real values[] = {-1, 0, 0.5F / 255 - 1e-5F, 0.5F / 255 + 1e-5F, 0.7004F, 1, 3};
+    const int expected[] = {0, 0, 0, 1, 179, 255, 255};
+    memcpy(image.data, values, sizeof values);
+    ffp_quantise(&image);
+    for (int i = 0; i < 7; i++) assert_float_equal(image.data[i] * 255, expected[i], 1e-3);
+    ffp_image_free(&image);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_pictures_in_the_page_are_the_pictures_given),
+        cmocka_unit_test(test_names_cannot_break_the_page),
+        cmocka_unit_test(test_rows_and_means),
+        cmocka_unit_test(test_names_that_would_leave_the_folder_are_refused),
+        cmocka_unit_test(test_quantised_values_are_those_of_a_byte),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
