@@ -22,12 +22,14 @@ typedef struct FfpGaussians {
 
 FfpGaussians ffp_gaussians_new(int64_t count); // zeroed; also used for gradients, which have the same shape
 void ffp_gaussians_free(FfpGaussians *gaussians);
-// centre <- centre * radius + offset, scale <- scale * radius: from the network's unit sphere back to the world.
+// centre <- centre * radius + offset, scale <- scale * radius: from the network's unit sphere back to the
+// world.
 void ffp_gaussians_transform(FfpGaussians *gaussians, const real offset[3], real radius);
 
-// Binary little-endian PLY with the 3DGS property names, plus base_color_0..2 and roughness (see docs/formats.md):
-// opens in splat viewers and reads back exactly in fp32 up to the logit/log encodings. Values are checked when read:
-// counts, sizes, finite numbers. Splats of opacity below `opacity_min` are left out when writing (0 keeps all).
+// Binary little-endian PLY with the 3DGS property names, plus base_color_0..2 and roughness (see
+// docs/formats.md): opens in splat viewers and reads back exactly in fp32 up to the logit/log encodings.
+// Values are checked when read: counts, sizes, finite numbers. Splats of opacity below `opacity_min` are left
+// out when writing (0 keeps all).
 bool ffp_gaussians_write(const FfpGaussians *gaussians, const char *path, real opacity_min, FfpError *err);
 bool ffp_gaussians_read(FfpGaussians *gaussians, const char *path, FfpError *err);
 

@@ -33,7 +33,8 @@ static void put_float(unsigned char *bytes, float value) {
     for (int i = 0; i < 4; i++) bytes[i] = (unsigned char)(bits >> (8 * i));
 }
 
-static bool first_bad_number(const FfpGaussians *gaussians, int64_t index, float row[FFP_ROW_NUMBERS], int *bad) {
+static bool first_bad_number(const FfpGaussians *gaussians, int64_t index, float row[FFP_ROW_NUMBERS],
+                             int *bad) {
     // The decoder knows what a reader will refuse; a row is decoded into a Gaussian nobody keeps.
     real centre[3], scale[3], rotation[4], opacity, albedo[3], roughness, ambient[3];
     FfpGaussians one = {1, centre, scale, rotation, &opacity, albedo, &roughness, ambient};
@@ -42,14 +43,16 @@ static bool first_bad_number(const FfpGaussians *gaussians, int64_t index, float
     return *bad >= 0;
 }
 
-static bool write_rows(FILE *stream, const FfpGaussians *gaussians, const char *path, real opacity_min, FfpError *err) {
+static bool write_rows(FILE *stream, const FfpGaussians *gaussians, const char *path, real opacity_min,
+                       FfpError *err) {
     for (int64_t i = 0; i < gaussians->count; i++) {
         if (gaussians->opacity[i] < opacity_min) continue;
         float row[FFP_ROW_NUMBERS];
         unsigned char bytes[4 * FFP_ROW_NUMBERS];
         int bad;
         if (first_bad_number(gaussians, i, row, &bad))
-            return ffp_fail(err, path, "will not write a Gaussian whose %s is no usable number", ffp_row_names[bad]);
+            return ffp_fail(err, path, "will not write a Gaussian whose %s is no usable number",
+                            ffp_row_names[bad]);
         for (int c = 0; c < FFP_ROW_NUMBERS; c++) put_float(bytes + 4 * c, row[c]);
         if (fwrite(bytes, sizeof bytes, 1, stream) != 1) return ffp_fail(err, path, "cannot write");
     }
@@ -76,7 +79,8 @@ static bool read_rows(FfpGaussians *gaussians, const FfpPlyHeader *header, FILE 
     bool ok = true;
     for (int64_t done = 0; ok && done < header->count;) {
         const int64_t left = header->count - done, rows = left < BLOCK_ROWS ? left : BLOCK_ROWS;
-        if (fread(block, stride, (size_t)rows, stream) != (size_t)rows) ok = ffp_fail(err, path, "cannot read all rows");
+        if (fread(block, stride, (size_t)rows, stream) != (size_t)rows)
+            ok = ffp_fail(err, path, "cannot read all rows");
         for (int64_t r = 0; ok && r < rows; r++) {
             float row[FFP_ROW_NUMBERS];
             for (int i = 0; i < FFP_ROW_NUMBERS; i++) {
@@ -85,7 +89,8 @@ static bool read_rows(FfpGaussians *gaussians, const FfpPlyHeader *header, FILE 
             }
             const int bad = ffp_row_decode(row, gaussians, done + r);
             if (bad >= 0)
-                ok = ffp_fail(err, path, "Gaussian %lld: %s is no usable number", (long long)(done + r), ffp_row_names[bad]);
+                ok = ffp_fail(err, path, "Gaussian %lld: %s is no usable number", (long long)(done + r),
+                              ffp_row_names[bad]);
         }
         done += rows;
     }
@@ -93,14 +98,17 @@ static bool read_rows(FfpGaussians *gaussians, const FfpPlyHeader *header, FILE 
     return ok;
 }
 
-// The rows must fill the file to its last byte, so that a count can never ask for more memory than the file's size warrants.
+// The rows must fill the file to its last byte, so that a count can never ask for more memory than the file's
+// size warrants.
 static bool check_size(const FfpPlyHeader *header, FILE *stream, const char *path, FfpError *err) {
     struct stat info;
-    if (fstat(fileno(stream), &info) != 0 || !S_ISREG(info.st_mode)) return ffp_fail(err, path, "is no regular file");
-    const int64_t rest = (int64_t)info.st_size - (int64_t)ftello(stream), want = header->count * header->stride;
+    if (fstat(fileno(stream), &info) != 0 || !S_ISREG(info.st_mode))
+        return ffp_fail(err, path, "is no regular file");
+    const int64_t rest = (int64_t)info.st_size - (int64_t)ftello(stream),
+                  want = header->count * header->stride;
     if (rest == want) return true;
-    return ffp_fail(err, path, "%lld Gaussians of %d bytes need %lld bytes, the file has %lld", (long long)header->count,
-                    header->stride, (long long)want, (long long)rest);
+    return ffp_fail(err, path, "%lld Gaussians of %d bytes need %lld bytes, the file has %lld",
+                    (long long)header->count, header->stride, (long long)want, (long long)rest);
 }
 
 bool ffp_gaussians_read(FfpGaussians *gaussians, const char *path, FfpError *err) {

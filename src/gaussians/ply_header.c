@@ -22,9 +22,9 @@ static int type_bytes(const char *type) {
     static const struct {
         const char *name;
         int bytes;
-    } types[] = {{"char", 1}, {"uchar", 1}, {"int8", 1}, {"uint8", 1}, {"short", 2}, {"ushort", 2}, {"int16", 2},
-                 {"uint16", 2}, {"int", 4}, {"uint", 4}, {"int32", 4}, {"uint32", 4}, {"float", 4}, {"float32", 4},
-                 {"double", 8}, {"float64", 8}};
+    } types[] = {{"char", 1},  {"uchar", 1},   {"int8", 1},   {"uint8", 1},  {"short", 2}, {"ushort", 2},
+                 {"int16", 2}, {"uint16", 2},  {"int", 4},    {"uint", 4},   {"int32", 4}, {"uint32", 4},
+                 {"float", 4}, {"float32", 4}, {"double", 8}, {"float64", 8}};
     for (size_t i = 0; i < sizeof types / sizeof types[0]; i++)
         if (strcmp(type, types[i].name) == 0) return types[i].bytes;
     return 0;
@@ -72,11 +72,14 @@ static bool check_complete(const FfpPlyHeader *header, const char *path, FfpErro
     if (header->count < 0) return ffp_fail(err, path, "holds no element vertex");
     for (int i = 0; i < FFP_ROW_NUMBERS; i++)
         if (header->offset[i] < 0)
-            return ffp_fail(err, path, "property %s is missing: these Gaussians cannot be relit", ffp_row_names[i]);
+            return ffp_fail(err, path, "property %s is missing: these Gaussians cannot be relit",
+                            ffp_row_names[i]);
     return true;
 }
 
-static bool starts_with(const char *line, const char *word) { return strncmp(line, word, strlen(word)) == 0; }
+static bool starts_with(const char *line, const char *word) {
+    return strncmp(line, word, strlen(word)) == 0;
+}
 
 bool ffp_ply_header_read(FfpPlyHeader *header, FILE *stream, const char *path, FfpError *err) {
     char line[LINE_BYTES];
@@ -100,7 +103,8 @@ bool ffp_ply_header_read(FfpPlyHeader *header, FILE *stream, const char *path, F
 }
 
 void ffp_ply_header_write(FILE *stream, int64_t count) {
-    fprintf(stream, "ply\nformat binary_little_endian 1.0\ncomment relightable Gaussians of ffprocams %s\n", FFP_VERSION);
+    fprintf(stream, "ply\nformat binary_little_endian 1.0\ncomment relightable Gaussians of ffprocams %s\n",
+            FFP_VERSION);
     fprintf(stream, "element vertex %" PRId64 "\n", count);
     for (int i = 0; i < FFP_ROW_NUMBERS; i++) fprintf(stream, "property float %s\n", ffp_row_names[i]);
     fprintf(stream, "end_header\n");

@@ -8,14 +8,15 @@
 
 typedef struct FfpPlyHeader {
     int64_t count;
-    int stride;                       // bytes of a row
-    int offset[FFP_ROW_NUMBERS];      // of each number in a row, or -1
-    unsigned wide;                    // bit i: number i is a double in the file, else a float
+    int stride;                  // bytes of a row
+    int offset[FFP_ROW_NUMBERS]; // of each number in a row, or -1
+    unsigned wide;               // bit i: number i is a double in the file, else a float
 } FfpPlyHeader;
 
-// Reads up to and with the line "end_header". Accepts one element "vertex" with scalar properties in any order; those
-// that we do not know are passed over. Errors: no PLY, not binary little-endian, lists, other elements, a property that
-// is missing, given twice or no float, a count that is no number or above FFP_GAUSSIANS_MAX.
+// Reads up to and with the line "end_header". Accepts one element "vertex" with scalar properties in any
+// order; those that we do not know are passed over. Errors: no PLY, not binary little-endian, lists, other
+// elements, a property that is missing, given twice or no float, a count that is no number or above
+// FFP_GAUSSIANS_MAX.
 bool ffp_ply_header_read(FfpPlyHeader *header, FILE *stream, const char *path, FfpError *err);
 void ffp_ply_header_write(FILE *stream, int64_t count);
 

@@ -7,9 +7,24 @@
 #define SCALE_MIN 1e-30           // smaller ones would not survive the square in a covariance
 #define LOG_SCALE_MAX 80.0        // exp of it fits a float
 
-const char *const ffp_row_names[FFP_ROW_NUMBERS] = {
-    "x",       "y",       "z",     "f_dc_0", "f_dc_1", "f_dc_2",       "opacity",      "scale_0",      "scale_1",
-    "scale_2", "rot_0",   "rot_1", "rot_2",  "rot_3",  "base_color_0", "base_color_1", "base_color_2", "roughness"};
+const char *const ffp_row_names[FFP_ROW_NUMBERS] = {"x",
+                                                    "y",
+                                                    "z",
+                                                    "f_dc_0",
+                                                    "f_dc_1",
+                                                    "f_dc_2",
+                                                    "opacity",
+                                                    "scale_0",
+                                                    "scale_1",
+                                                    "scale_2",
+                                                    "rot_0",
+                                                    "rot_1",
+                                                    "rot_2",
+                                                    "rot_3",
+                                                    "base_color_0",
+                                                    "base_color_1",
+                                                    "base_color_2",
+                                                    "roughness"};
 
 // The sRGB curve (IEC 61966-2-1), going on above 1 and mirrored below 0 so that every radiance reads back.
 static double encode_colour(double c) {
@@ -27,7 +42,9 @@ static double logit(double share) {
     return log(p / (1 - p));
 }
 
-static double sigmoid(double x) { return 1 / (1 + exp(-x)); }
+static double sigmoid(double x) {
+    return 1 / (1 + exp(-x));
+}
 
 void ffp_row_encode(const FfpGaussians *gaussians, int64_t index, float row[FFP_ROW_NUMBERS]) {
     for (int c = 0; c < 3; c++) {
@@ -56,7 +73,8 @@ int ffp_row_decode(const float row[FFP_ROW_NUMBERS], FfpGaussians *gaussians, in
         gaussians->albedo[i] = (real)sigmoid((double)row[FFP_ROW_ALBEDO + c]);
     }
     double length = 0;
-    for (int c = 0; c < 4; c++) length += (double)row[FFP_ROW_ROTATION + c] * (double)row[FFP_ROW_ROTATION + c];
+    for (int c = 0; c < 4; c++)
+        length += (double)row[FFP_ROW_ROTATION + c] * (double)row[FFP_ROW_ROTATION + c];
     length = sqrt(length);
     if (length < 1e-12) return FFP_ROW_ROTATION;
     for (int c = 0; c < 4; c++)

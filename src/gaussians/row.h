@@ -1,4 +1,5 @@
-// One Gaussian as the 18 numbers of a row in the PLY file, in the encodings that 3DGS and GS-ProCams gave them.
+// One Gaussian as the 18 numbers of a row in the PLY file, in the encodings that 3DGS and GS-ProCams gave
+// them.
 #ifndef FFP_GAUSSIANS_ROW_H
 #define FFP_GAUSSIANS_ROW_H
 
@@ -20,8 +21,8 @@ enum {
 extern const char *const ffp_row_names[FFP_ROW_NUMBERS];
 
 void ffp_row_encode(const FfpGaussians *gaussians, int64_t index, float row[FFP_ROW_NUMBERS]);
-// Writes Gaussian `index`. Returns -1, or the number (index into the names) whose value cannot be used: not finite, a
-// scale that overflows, a rotation of length zero.
+// Writes Gaussian `index`. Returns -1, or the number (index into the names) whose value cannot be used: not
+// finite, a scale that overflows, a rotation of length zero.
 int ffp_row_decode(const float row[FFP_ROW_NUMBERS], FfpGaussians *gaussians, int64_t index);
 
 #endif

@@ -3,7 +3,8 @@
 #include "match/match.h"
 
 void ffp_normal_frame(const real n[3], real quaternion[4]) {
-    // Half-way quaternion: (1 + z.n, z x n), normalised. Against z it is no direction at all; then half a turn about x.
+    // Half-way quaternion: (1 + z.n, z x n), normalised. Against z it is no direction at all; then half a
+    // turn about x.
     const real w = 1 + n[2], x = -n[1], y = n[0], square = w * w + x * x + y * y;
     const bool against = square < 1e-10F;
     const real scale = against ? 0 : 1 / sqrt(square);
