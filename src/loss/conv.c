@@ -28,6 +28,7 @@ static Strips plan_strips(const FfpConv *conv) {
                    .height = ffp_conv_side(conv->height, conv->kernel, conv->stride, conv->pad),
                    .depth = conv->in * conv->kernel * conv->kernel,
                    .direct = conv->kernel == 1 && conv->stride == 1 && conv->pad == 0};
+    if (plan.width < 1 || plan.height < 1) return plan; // no strips: nothing to do
     // At least kernel/stride rows: then strips two apart touch different input rows (see the backward pass).
     const int least = (conv->kernel + conv->stride - 1) / conv->stride, fitting = STRIP_PIXELS / plan.width;
     plan.rows = fitting > least ? fitting : least;
