@@ -234,6 +234,12 @@ static void attention(void **state) {
                     1e-3F); // scores in the hundreds: their rounding shows, overflow must not
 }
 
+static float *take(float **next, size_t count) {
+    float *taken = *next;
+    *next += count;
+    return taken;
+}
+
 // One pass of every kernel into `out`; returns how many reals it wrote.
 static size_t run_everything(float *out) {
     enum { ROWS = 203, HEADS = 3, DIM = HEADS * 32, STATE = 16, LD = DIM + 2 * STATE, TAPS = 4 };
@@ -242,43 +248,41 @@ static size_t run_everything(float *out) {
         .rows = ROWS, .heads = HEADS, .head_dim = 32, .state = STATE, .chunk = 64, .reverse = true};
     float *x = random_reals(&rng, ROWS * 3 * DIM, 1, 0), *w = random_reals(&rng, DIM * DIM * 3, 0.1, 0);
     float *gain = random_reals(&rng, LD, 0.1, 1), *dy = random_reals(&rng, ROWS * 3 * DIM, 1, 0);
-    size_t scratch_size = ffp_scan_scratch(&shape), used = 0;
+    size_t scratch_size = ffp_scan_scratch(&shape);
     if (scratch_size < ffp_attention_scratch(ROWS, HEADS, 32))
         scratch_size = ffp_attention_scratch(ROWS, HEADS, 32);
     float *scratch = ffp_alloc(scratch_size, sizeof(float)), *mean = ffp_alloc(ROWS * HEADS, sizeof(float));
     float *rstd = ffp_alloc(ROWS * HEADS, sizeof(float)), *y = ffp_alloc(ROWS * LD, sizeof(float));
     float *next = out, *dgain;
-#define TAKE(count) (used += (count), next = out + used - (count))
-    ffp_linear_forward(TAKE(ROWS * DIM * 3), x, w, NULL, ROWS, DIM, DIM * 3);
-    float *dx = TAKE(ROWS * DIM), *dw = TAKE(DIM * DIM * 3), *dbias = TAKE(DIM * 3);
+    ffp_linear_forward(take(&next, ROWS * DIM * 3), x, w, NULL, ROWS, DIM, DIM * 3);
+    float *dx = take(&next, ROWS * DIM), *dw = take(&next, DIM * DIM * 3), *dbias = take(&next, DIM * 3);
     ffp_linear_backward(dx, dw, dbias, dy, x, w, ROWS, DIM, DIM * 3);
-    ffp_layernorm_forward(TAKE(ROWS * DIM), mean, rstd, x, gain, ROWS, DIM);
-    dx = TAKE(ROWS * DIM), dgain = TAKE(DIM);
+    ffp_layernorm_forward(take(&next, ROWS * DIM), mean, rstd, x, gain, ROWS, DIM);
+    dx = take(&next, ROWS * DIM), dgain = take(&next, DIM);
     ffp_layernorm_backward(dx, dgain, dy, x, mean, rstd, gain, ROWS, DIM);
-    ffp_gated_norm_forward(TAKE(ROWS * DIM), rstd, x, dy, DIM, gain, ROWS, DIM);
-    dx = TAKE(ROWS * DIM), dw = TAKE(ROWS * DIM), dgain = TAKE(DIM);
+    ffp_gated_norm_forward(take(&next, ROWS * DIM), rstd, x, dy, DIM, gain, ROWS, DIM);
+    dx = take(&next, ROWS * DIM), dw = take(&next, ROWS * DIM), dgain = take(&next, DIM);
     ffp_gated_norm_backward(dx, dw, DIM, dgain, dy, x, dy, DIM, rstd, gain, ROWS, DIM);
-    ffp_gelu_forward(TAKE(ROWS * DIM), x, ROWS * DIM);
-    ffp_gelu_backward(TAKE(ROWS * DIM), dy, x, ROWS * DIM);
+    ffp_gelu_forward(take(&next, ROWS * DIM), x, ROWS * DIM);
+    ffp_gelu_backward(take(&next, ROWS * DIM), dy, x, ROWS * DIM);
     ffp_conv_forward(y, x, LD, w, gain, ROWS, LD, TAPS, true);
-    dx = TAKE(ROWS * LD), dw = TAKE(LD * TAPS), dbias = TAKE(LD);
+    dx = take(&next, ROWS * LD), dw = take(&next, LD * TAPS), dbias = take(&next, LD);
     ffp_conv_backward(dx, LD, dw, dbias, dy, x, LD, w, gain, ROWS, LD, TAPS, true);
     const FfpScanInput in = {y, y + DIM, y + DIM + STATE, LD, x, HEADS, gain, gain + HEADS, gain + 2 * HEADS};
-    float *scanned = TAKE(ROWS * DIM), *drow = TAKE(ROWS * LD), *ddt = TAKE(ROWS * HEADS),
-          *dsmall = TAKE(3 * HEADS);
+    float *scanned = take(&next, ROWS * DIM), *drow = take(&next, ROWS * LD),
+          *ddt = take(&next, ROWS * HEADS), *dsmall = take(&next, 3 * HEADS);
     const FfpScanGradient grad = {drow,   drow + DIM,     drow + DIM + STATE, ddt,
                                   dsmall, dsmall + HEADS, dsmall + 2 * HEADS};
     ffp_scan_forward(scanned, &shape, &in, scratch);
     ffp_scan_backward(&grad, &shape, &in, scanned, dy, scratch);
-    float *attended = TAKE(ROWS * DIM), *log_sum = TAKE(ROWS * HEADS), *dqkv = TAKE(3 * ROWS * DIM),
-          *dgains = TAKE(64);
+    float *attended = take(&next, ROWS * DIM), *log_sum = take(&next, ROWS * HEADS),
+          *dqkv = take(&next, 3 * ROWS * DIM), *dgains = take(&next, 64);
     ffp_attention_forward(attended, log_sum, x, gain, gain, ROWS, HEADS, 32, scratch);
     ffp_attention_backward(dqkv, dgains, dgains + 32, dy, attended, log_sum, x, gain, gain, ROWS, HEADS, 32,
                            scratch);
-#undef TAKE
     float *all[] = {x, w, gain, dy, scratch, mean, rstd, y};
     for (size_t i = 0; i < sizeof(all) / sizeof(all[0]); i++) free(all[i]);
-    return used;
+    return (size_t)(next - out);
 }
 
 static void same_bits(void **state) {
