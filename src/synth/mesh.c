@@ -1,0 +1,324 @@
+// Surface nets over a block-wise sampled distance function. Blocks that the surface cannot reach are never sampled, and in
+// the others only the parts that can matter are asked, which is what makes a mesh cost a tenth of a second.
+#include "synth/mesh.h"
+
+#include <math.h>
+#include <stdbool.h>
+#include <stdlib.h>
+#include <string.h>
+#include "base/arena.h"
+
+#define BLOCK 8
+
+typedef struct Grid {
+    const FfpShape *shape;
+    float origin[3], step;
+    int n[3], blocks[3]; // points, blocks of BLOCK^3 points
+    float *value;        // [n[2], n[1], n[0]]
+    uint8_t *inside;     // the same: 1 where value < 0, after repair
+    uint8_t *lists;      // [block, FFP_PARTS_MAX] the parts that matter there
+    int *counts;         // [block]
+} Grid;
+
+static inline size_t point_index(const Grid *g, int x, int y, int z) {
+    return ((size_t)z * (size_t)g->n[1] + (size_t)y) * (size_t)g->n[0] + (size_t)x;
+}
+
+static Grid grid_new(const FfpShape *shape, int resolution) {
+    Grid g = {.shape = shape};
+    float low[3], high[3], longest = 0;
+    ffp_shape_bounds(shape, low, high);
+    for (int a = 0; a < 3; a++) longest = fmaxf(longest, high[a] - low[a]);
+    g.step = longest / (float)resolution;
+    for (int a = 0; a < 3; a++) {
+        g.n[a] = (int)ceilf((high[a] - low[a]) / g.step) + 6; // three cells of air around
+        g.blocks[a] = (g.n[a] + BLOCK - 1) / BLOCK;
+        g.origin[a] = 0.5F * (low[a] + high[a]) - 0.5F * (float)(g.n[a] - 1) * g.step;
+    }
+    const size_t points = (size_t)g.n[0] * (size_t)g.n[1] * (size_t)g.n[2];
+    const size_t blocks = (size_t)g.blocks[0] * (size_t)g.blocks[1] * (size_t)g.blocks[2];
+    g.value = ffp_alloc(points, sizeof *g.value);
+    g.inside = ffp_alloc(points, 1);
+    g.lists = ffp_alloc(blocks, FFP_PARTS_MAX);
+    g.counts = ffp_alloc(blocks, sizeof *g.counts);
+    return g;
+}
+
+static void grid_free(Grid *g) {
+    free(g->value);
+    free(g->inside);
+    free(g->lists);
+    free(g->counts);
+}
+
+// The parts whose surface, blend or cut can reach a ball around p. A part further off than that cannot change a sign.
+static int relevant_parts(const FfpShape *shape, const float p[3], float reach, uint8_t *list) {
+    float q[3] = {p[0], p[1], p[2]};
+    if (shape->twist != 0) {
+        const float c = cosf(shape->twist * p[2]), s = sinf(shape->twist * p[2]);
+        q[0] = c * p[0] - s * p[1], q[1] = s * p[0] + c * p[1];
+    }
+    int count = 0;
+    for (int i = 0; i < shape->n_parts; i++) {
+        const FfpPart *part = &shape->parts[i];
+        const float d = ffp_part_distance(shape, part, q), far = reach + part->blend;
+        if (part->join == FFP_JOIN_KEEP ? d >= -far : d <= far) list[count++] = (uint8_t)i;
+    }
+    return count;
+}
+
+static void fill_block(Grid *g, int bx, int by, int bz) {
+    const FfpShape *shape = g->shape;
+    const int block = (bz * g->blocks[1] + by) * g->blocks[0] + bx, first[3] = {bx * BLOCK, by * BLOCK, bz * BLOCK};
+    float centre[3];
+    for (int a = 0; a < 3; a++) centre[a] = g->origin[a] + ((float)first[a] + 0.5F * (BLOCK - 1)) * g->step;
+    // half the diagonal, and one step more, because cells reach into the next block
+    const float ball = (0.5F * (BLOCK - 1) * 1.7321F + 1.8F) * g->step * shape->lipschitz;
+    const float reach = ball + 1.5F * (shape->bump + shape->rib_depth);
+    uint8_t *list = g->lists + (size_t)block * FFP_PARTS_MAX;
+    const int count = g->counts[block] = relevant_parts(shape, centre, reach, list);
+    const float middle = ffp_shape_distance(shape, list, count, centre);
+    const bool near = fabsf(middle) <= reach;
+    for (int z = first[2]; z < first[2] + BLOCK && z < g->n[2]; z++)
+        for (int y = first[1]; y < first[1] + BLOCK && y < g->n[1]; y++)
+            for (int x = first[0]; x < first[0] + BLOCK && x < g->n[0]; x++) {
+                const float p[3] = {g->origin[0] + (float)x * g->step, g->origin[1] + (float)y * g->step,
+                                    g->origin[2] + (float)z * g->step};
+                float v = near ? ffp_shape_distance(shape, list, count, p) : middle;
+                const bool border = x < 2 || y < 2 || z < 2 || x >= g->n[0] - 2 || y >= g->n[1] - 2 || z >= g->n[2] - 2;
+                if (border && v < 0) v = g->step;
+                const size_t i = point_index(g, x, y, z);
+                g->value[i] = v;
+                g->inside[i] = v < 0;
+            }
+}
+
+static void grid_fill(Grid *g) {
+    const int total = g->blocks[0] * g->blocks[1] * g->blocks[2];
+#pragma omp parallel for schedule(dynamic, 4)
+    for (int b = 0; b < total; b++)
+        fill_block(g, b % g->blocks[0], b / g->blocks[0] % g->blocks[1], b / g->blocks[0] / g->blocks[1]);
+}
+
+// A cell face whose corners alternate inside and outside would give an edge with four triangles. Filling one corner
+// settles it; the inside only grows, so this ends.
+static void repair_faces(Grid *g) {
+    const size_t stride[3] = {1, (size_t)g->n[0], (size_t)g->n[0] * (size_t)g->n[1]};
+    for (bool changed = true; changed;) {
+        changed = false;
+        for (int z = 1; z < g->n[2] - 1; z++)
+            for (int y = 1; y < g->n[1] - 1; y++)
+                for (int x = 1; x < g->n[0] - 1; x++) {
+                    const size_t i = point_index(g, x, y, z);
+                    for (int a = 0; a < 3; a++) {
+                        const size_t s = stride[a], t = stride[(a + 1) % 3];
+                        uint8_t *in = g->inside;
+                        if (in[i] != in[i + s + t] || in[i + s] != in[i + t] || in[i] == in[i + s]) continue;
+                        const size_t fill = in[i] ? i + s : i;
+                        in[fill] = 1;
+                        g->value[fill] = -1e-3F * g->step;
+                        changed = true;
+                    }
+                }
+    }
+}
+
+static int count_quads(const Grid *g) {
+    const size_t stride[3] = {1, (size_t)g->n[0], (size_t)g->n[0] * (size_t)g->n[1]};
+    int quads = 0;
+    for (int z = 0; z < g->n[2] - 1; z++)
+        for (int y = 0; y < g->n[1] - 1; y++) {
+            const uint8_t *row = g->inside + point_index(g, 0, y, z);
+            int in_row = 0;
+            for (int x = 0; x < g->n[0] - 1; x++)
+                in_row += (row[x] ^ row[x + stride[0]]) + (row[x] ^ row[x + stride[1]]) + (row[x] ^ row[x + stride[2]]);
+            quads += in_row;
+        }
+    return quads;
+}
+
+static const int *block_list(const Grid *g, const int cell[3], const uint8_t **list) {
+    const int b = (cell[2] / BLOCK * g->blocks[1] + cell[1] / BLOCK) * g->blocks[0] + cell[0] / BLOCK;
+    *list = g->lists + (size_t)b * FFP_PARTS_MAX;
+    return &g->counts[b];
+}
+
+// Gradient by the four corners of a tetrahedron, half a step wide: as sharp as the mesh can be. Returns the mean value.
+static float gradient(const FfpShape *shape, const uint8_t *list, int count, const float p[3], float e, float out[3]) {
+    static const float corner[4][3] = {{1, -1, -1}, {-1, -1, 1}, {-1, 1, -1}, {1, 1, 1}};
+    float sum = 0;
+    out[0] = out[1] = out[2] = 0;
+    for (int c = 0; c < 4; c++) {
+        const float q[3] = {p[0] + e * corner[c][0], p[1] + e * corner[c][1], p[2] + e * corner[c][2]};
+        const float d = ffp_shape_distance(shape, list, count, q);
+        for (int a = 0; a < 3; a++) out[a] += d * corner[c][a] / (4 * e);
+        sum += 0.25F * d;
+    }
+    return sum;
+}
+
+// The mean of the cell's edge crossings, then moved along the gradient onto the surface, but never out of the cell.
+static void place_vertex(const Grid *g, const int cell[3], float position[3], float normal[3]) {
+    float sum[3] = {0, 0, 0};
+    int crossings = 0;
+    for (int e = 0; e < 12; e++) {
+        const int axis = e / 4, u = (axis + 1) % 3, v = (axis + 2) % 3;
+        int a[3] = {cell[0], cell[1], cell[2]};
+        a[u] += e & 1, a[v] += (e >> 1) & 1;
+        int b[3] = {a[0], a[1], a[2]};
+        b[axis]++;
+        const float va = g->value[point_index(g, a[0], a[1], a[2])], vb = g->value[point_index(g, b[0], b[1], b[2])];
+        if ((va < 0) == (vb < 0)) continue;
+        for (int k = 0; k < 3; k++) sum[k] += (float)a[k];
+        sum[axis] += fmaxf(0, fminf(1, va / (va - vb)));
+        crossings++;
+    }
+    for (int k = 0; k < 3; k++) position[k] = g->origin[k] + sum[k] / (float)crossings * g->step;
+    const uint8_t *list;
+    const int count = *block_list(g, cell, &list);
+    for (int pass = 0; pass < 2; pass++) {
+        float way[3];
+        const float d = gradient(g->shape, list, count, position, 0.35F * g->step, way);
+        const float square = way[0] * way[0] + way[1] * way[1] + way[2] * way[2];
+        const float move = fabsf(d) < 2 * g->step ? d / fmaxf(square, 0.25F) : 0;
+        for (int k = 0; k < 3; k++) {
+            const float low = g->origin[k] + ((float)cell[k] + 0.02F) * g->step;
+            position[k] = fmaxf(low, fminf(low + 0.96F * g->step, position[k] - move * way[k]));
+        }
+        const float length = sqrtf(square);
+        for (int k = 0; k < 3; k++) normal[k] = length > 1e-6F ? way[k] / length : (k == 2 ? 1.0F : 0.0F);
+    }
+}
+
+// Numbers the mixed cells in order, so that the mesh does not depend on the thread count.
+static int32_t *number_cells(const Grid *g, int **cells, int *count) {
+    const size_t points = (size_t)g->n[0] * (size_t)g->n[1] * (size_t)g->n[2];
+    int32_t *number = ffp_alloc(points, sizeof *number);
+    int capacity = 1 << 14;
+    int *found = malloc((size_t)capacity * 3 * sizeof *found);
+    *count = 0;
+    for (int z = 0; z < g->n[2] - 1; z++)
+        for (int y = 0; y < g->n[1] - 1; y++) {
+            const uint8_t *r0 = g->inside + point_index(g, 0, y, z), *r1 = r0 + g->n[0];
+            const uint8_t *r2 = g->inside + point_index(g, 0, y, z + 1), *r3 = r2 + g->n[0];
+            for (int x = 0; x < g->n[0] - 1; x++) {
+                const int in = r0[x] + r0[x + 1] + r1[x] + r1[x + 1] + r2[x] + r2[x + 1] + r3[x] + r3[x + 1];
+                if (in == 0 || in == 8) continue;
+                if (*count == capacity) {
+                    int *more = realloc(found, (size_t)capacity * 6 * sizeof *found);
+                    if (!more) abort();
+                    found = more, capacity *= 2;
+                }
+                found[3 * *count] = x, found[3 * *count + 1] = y, found[3 * *count + 2] = z;
+                number[point_index(g, x, y, z)] = (*count)++;
+            }
+        }
+    *cells = found;
+    return number;
+}
+
+// One quad for each grid edge that the surface crosses: the four cells around it, split along the shorter diagonal.
+static void add_quad(FfpMesh *mesh, const uint32_t q[4], bool flip) {
+    float d02 = 0, d13 = 0;
+    for (int k = 0; k < 3; k++) {
+        const float a = mesh->positions[3 * q[0] + k] - mesh->positions[3 * q[2] + k];
+        const float b = mesh->positions[3 * q[1] + k] - mesh->positions[3 * q[3] + k];
+        d02 += a * a, d13 += b * b;
+    }
+    static const int split[2][6] = {{0, 1, 2, 0, 2, 3}, {1, 2, 3, 1, 3, 0}};
+    const int *order = split[d13 < d02];
+    uint32_t *t = mesh->triangles + (size_t)mesh->n_triangles * 3;
+    for (int half = 0; half < 2; half++, t += 3) {
+        t[0] = q[order[3 * half]];
+        t[1] = q[order[3 * half + (flip ? 2 : 1)]], t[2] = q[order[3 * half + (flip ? 1 : 2)]];
+    }
+    mesh->n_triangles += 2;
+}
+
+static void connect(const Grid *g, const int32_t *number, FfpMesh *mesh) {
+    const size_t stride[3] = {1, (size_t)g->n[0], (size_t)g->n[0] * (size_t)g->n[1]};
+    for (int z = 1; z < g->n[2] - 1; z++)
+        for (int y = 1; y < g->n[1] - 1; y++)
+            for (int x = 1; x < g->n[0] - 1; x++) {
+                const size_t i = point_index(g, x, y, z);
+                for (int a = 0; a < 3; a++) {
+                    if (g->inside[i] == g->inside[i + stride[a]]) continue;
+                    const size_t u = stride[(a + 1) % 3], v = stride[(a + 2) % 3];
+                    const uint32_t q[4] = {(uint32_t)number[i - u - v], (uint32_t)number[i - v], (uint32_t)number[i],
+                                           (uint32_t)number[i - u]};
+                    add_quad(mesh, q, !g->inside[i]); // counter-clockwise around +a when a leads outwards
+                }
+            }
+}
+
+FfpMesh ffp_mesh_from_shape(const FfpShape *shape) {
+    int resolution = 80, quads = 0;
+    Grid g = {0};
+    for (int pass = 0; pass < 4; pass++) { // area decides the number of triangles: adjust once it is known
+        g = grid_new(shape, resolution);
+        grid_fill(&g);
+        repair_faces(&g);
+        quads = count_quads(&g);
+        if (pass == 3 || (quads >= 3000 && quads <= 27000)) break;
+        grid_free(&g);
+        resolution = (int)fmaxf(24, fminf(160, (float)resolution * sqrtf((quads < 3000 ? 5000.0F : 22000.0F) / (float)(quads + 1))));
+    }
+    FfpMesh mesh = {0};
+    int *cells = NULL;
+    int32_t *number = number_cells(&g, &cells, &mesh.n_vertices);
+    mesh.positions = ffp_alloc((size_t)mesh.n_vertices * 3 + 4, sizeof(float));
+    mesh.normals = ffp_alloc((size_t)mesh.n_vertices * 3 + 4, sizeof(float));
+    mesh.triangles = ffp_alloc((size_t)quads * 6, sizeof(uint32_t));
+#pragma omp parallel for schedule(static)
+    for (int i = 0; i < mesh.n_vertices; i++)
+        place_vertex(&g, cells + 3 * (size_t)i, mesh.positions + 3 * (size_t)i, mesh.normals + 3 * (size_t)i);
+    connect(&g, number, &mesh);
+    free(cells);
+    free(number);
+    grid_free(&g);
+    return mesh;
+}
+
+// Smallest enclosing ball by walking towards the furthest point with shrinking steps (Badoiu and Clarkson 2003).
+static void enclosing_ball(const FfpMesh *mesh, float centre[3], float *radius) {
+    double c[3] = {0, 0, 0};
+    for (int i = 0; i < 3 * mesh->n_vertices; i++) c[i % 3] += mesh->positions[i];
+    for (int k = 0; k < 3; k++) c[k] /= mesh->n_vertices;
+    double furthest = 0;
+    for (int step = 1; step <= 64; step++) {
+        int far = 0;
+        furthest = 0;
+        for (int i = 0; i < mesh->n_vertices; i++) {
+            const float *p = mesh->positions + 3 * (size_t)i;
+            const double x = p[0] - c[0], y = p[1] - c[1], z = p[2] - c[2], d = x * x + y * y + z * z;
+            if (d > furthest) furthest = d, far = i;
+        }
+        if (step == 64) break;
+        for (int k = 0; k < 3; k++) c[k] += (mesh->positions[3 * (size_t)far + (size_t)k] - c[k]) / (step + 1);
+    }
+    for (int k = 0; k < 3; k++) centre[k] = (float)c[k];
+    *radius = (float)sqrt(furthest);
+}
+
+void ffp_mesh_place(FfpMesh *mesh, const float rotation[9]) {
+    float centre[3], radius;
+    enclosing_ball(mesh, centre, &radius);
+    const float scale = FFP_MESH_RADIUS / radius * 0.99999F; // rounding must not lead out of the sphere
+    for (int i = 0; i < mesh->n_vertices; i++) {
+        float *p = mesh->positions + 3 * (size_t)i, *n = mesh->normals + 3 * (size_t)i;
+        const float q[3] = {(p[0] - centre[0]) * scale, (p[1] - centre[1]) * scale, (p[2] - centre[2]) * scale};
+        const float m[3] = {n[0], n[1], n[2]};
+        for (int k = 0; k < 3; k++) {
+            const float *r = rotation + 3 * k;
+            p[k] = r[0] * q[0] + r[1] * q[1] + r[2] * q[2];
+            n[k] = r[0] * m[0] + r[1] * m[1] + r[2] * m[2];
+        }
+    }
+}
+
+void ffp_mesh_free(FfpMesh *mesh) {
+    free(mesh->positions);
+    free(mesh->normals);
+    free(mesh->triangles);
+    *mesh = (FfpMesh){0};
+}

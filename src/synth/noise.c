@@ -1,0 +1,73 @@
+#include "synth/noise.h"
+
+#include <math.h>
+
+static inline uint32_t lattice_hash(int x, int y, int z, uint32_t seed) {
+    return ffp_hash32((uint32_t)x * 0x9e3779b1U ^ (uint32_t)y * 0x85ebca77U ^ (uint32_t)z * 0xc2b2ae3dU ^ seed);
+}
+
+static inline float fade(float t) { return t * t * t * (t * (t * 6.0F - 15.0F) + 10.0F); }
+
+float ffp_noise(const float p[3], uint32_t seed) {
+    const float fx = floorf(p[0]), fy = floorf(p[1]), fz = floorf(p[2]);
+    const int x = (int)fx, y = (int)fy, z = (int)fz;
+    const float rx = p[0] - fx, ry = p[1] - fy, rz = p[2] - fz;
+    const float sx = fade(rx), sy = fade(ry), sz = fade(rz);
+    float corner[8];
+    for (int c = 0; c < 8; c++) {
+        const int i = c & 1, j = (c >> 1) & 1, k = c >> 2;
+        const uint32_t h = lattice_hash(x + i, y + j, z + k, seed);
+        // ten bits a component: gradients fill a cube, which no picture tells from a sphere
+        const float gx = (float)(int)(h & 1023) - 511.5F, gy = (float)(int)((h >> 10) & 1023) - 511.5F;
+        const float gz = (float)(int)((h >> 20) & 1023) - 511.5F;
+        const float wx = i ? sx : 1 - sx, wy = j ? sy : 1 - sy, wz = k ? sz : 1 - sz;
+        corner[c] = wx * wy * wz * (gx * (rx - (float)i) + gy * (ry - (float)j) + gz * (rz - (float)k));
+    }
+    float sum = 0;
+    for (int c = 0; c < 8; c++) sum += corner[c];
+    return sum * (1.5F / 511.5F);
+}
+
+float ffp_fbm(const float p[3], uint32_t seed, int octaves) {
+    float sum = 0, weight = 1, total = 0, q[3] = {p[0], p[1], p[2]};
+    for (int i = 0; i < octaves; i++) {
+        sum += weight * ffp_noise(q, seed + 0x632be5abU * (uint32_t)i);
+        total += weight;
+        weight *= 0.5F;
+        for (int a = 0; a < 3; a++) q[a] = 2.0F * q[a] + 0.37F; // the offset keeps lattice zeros apart
+    }
+    return 1.4F * sum / total;
+}
+
+float ffp_ridges(const float p[3], uint32_t seed, int octaves) {
+    float sum = 0, weight = 1, total = 0, q[3] = {p[0], p[1], p[2]};
+    for (int i = 0; i < octaves; i++) {
+        sum += weight * (1 - fminf(fabsf(ffp_noise(q, seed + 0x632be5abU * (uint32_t)i)) * 1.6F, 1));
+        total += weight;
+        weight *= 0.5F;
+        for (int a = 0; a < 3; a++) q[a] = 2.0F * q[a] + 0.37F;
+    }
+    return sum / total;
+}
+
+FfpCells ffp_cells(const float p[3], uint32_t seed) {
+    const float fx = floorf(p[0]), fy = floorf(p[1]), fz = floorf(p[2]);
+    FfpCells found = {1e9F, 1e9F, 0};
+    for (int c = 0; c < 27; c++) {
+        const int i = c % 3 - 1, j = c / 3 % 3 - 1, k = c / 9 - 1;
+        const uint32_t h = lattice_hash((int)fx + i, (int)fy + j, (int)fz + k, seed);
+        const float x = fx + (float)i + (float)(h & 1023) / 1024.0F - p[0];
+        const float y = fy + (float)j + (float)((h >> 10) & 1023) / 1024.0F - p[1];
+        const float z = fz + (float)k + (float)((h >> 20) & 1023) / 1024.0F - p[2];
+        const float d = x * x + y * y + z * z;
+        if (d < found.nearest) {
+            found.second = found.nearest, found.nearest = d;
+            found.id = h;
+        } else if (d < found.second) {
+            found.second = d;
+        }
+    }
+    found.nearest = sqrtf(found.nearest), found.second = sqrtf(found.second);
+    found.id = ffp_hash32(found.id ^ 0x5bd1e995U);
+    return found;
+}

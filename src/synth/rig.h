@@ -1,0 +1,18 @@
+// Where cameras and projectors stand.
+#ifndef FFP_SYNTH_RIG_H
+#define FFP_SYNTH_RIG_H
+
+#include "capture/capture.h"
+#include "synth/synth.h"
+
+typedef struct FfpRig {
+    float intensity[3], ambient;
+} FfpRig;
+
+// Light levels of the spec: the default rig's, or jittered from its seed.
+FfpRig ffp_rig_light(const FfpSceneSpec *spec);
+// Poses, intrinsics and id of input view `index` of spec->views, and of target `index`: a new direction every time.
+void ffp_rig_input(const FfpSceneSpec *spec, int index, FfpView *view);
+void ffp_rig_target(const FfpSceneSpec *spec, int index, FfpView *view);
+
+#endif

@@ -1,0 +1,99 @@
+// A solid as a list of parts joined by smooth set operations: the implicit surface that every mesh is made from.
+// Distances are bounds in the sense of Hart 1996 (sphere tracing): never larger than lipschitz times the true one.
+#ifndef FFP_SYNTH_SHAPE_H
+#define FFP_SYNTH_SHAPE_H
+
+#include <stdbool.h>
+#include <stdint.h>
+#include "base/rng.h"
+
+#define FFP_PARTS_MAX 224
+#define FFP_OUTLINE_MAX 40
+
+typedef struct FfpV3 {
+    float x, y, z;
+} FfpV3;
+static inline FfpV3 ffp_v3(float x, float y, float z) { return (FfpV3){x, y, z}; }
+
+typedef enum FfpPartKind {
+    FFP_PART_ELLIPSOID,    // size: half axes
+    FFP_PART_CONE,         // rounded cone from the centre along +z; size: radius there, radius at the end, length
+    FFP_PART_BOX,          // size: half sides, corner radius
+    FFP_PART_CYLINDER,     // along z; size: radius, half height, edge radius
+    FFP_PART_TORUS,        // around z; size: ring radius, tube radius
+    FFP_PART_LATHE,        // the shape's outline (radius, z) turned around z; size: rounding
+    FFP_PART_COG,          // along z; size: radius, half height, tooth height, edge radius; also teeth and sharpness
+    FFP_PART_SUPERQUADRIC, // size: half axes; also two exponents
+    FFP_PART_LAND,         // box whose top is a height field; size: half sides, height of the hills
+} FfpPartKind;
+
+typedef enum FfpPartJoin { FFP_JOIN_ADD, FFP_JOIN_CUT, FFP_JOIN_KEEP } FfpPartJoin; // union, difference, intersection
+
+typedef struct FfpPart {
+    FfpPartKind kind;
+    FfpPartJoin join;
+    float blend;               // width of the smooth transition
+    float centre[3], axes[9];  // rows of axes: the part's own x, y, z in the shape's frame
+    float size[4], also[2];
+    float reach[3];            // half extents in its own axes, around `middle` in its own frame
+    float middle[3];
+} FfpPart;
+
+typedef struct FfpShape {
+    int n_parts;
+    FfpPart parts[FFP_PARTS_MAX];
+    int n_outline; // closed polygon (radius, z) for FFP_PART_LATHE
+    float outline[FFP_OUTLINE_MAX][2];
+    uint32_t noise_seed;
+    float bump, bump_frequency; // displacement along the normal: height, features a unit length
+    bool ridged;
+    float ribs, rib_depth; // waves around z: how many, how deep
+    float twist;           // radians a unit of z
+    float lipschitz;       // >= 1; how much faster than the distance the function may grow
+    bool upright;          // keep z up: only turned around z when placed
+} FfpShape;
+
+// Starts empty, lipschitz 1.15, upright.
+void ffp_shape_init(FfpShape *shape, uint32_t noise_seed);
+// Each adds one part as a union and returns it, so that join and orientation can be changed.
+FfpPart *ffp_add_ellipsoid(FfpShape *shape, FfpV3 centre, FfpV3 half, float blend);
+FfpPart *ffp_add_cone(FfpShape *shape, FfpV3 a, FfpV3 b, float radius_a, float radius_b, float blend);
+FfpPart *ffp_add_box(FfpShape *shape, FfpV3 centre, FfpV3 half, float corner, float blend);
+FfpPart *ffp_add_cylinder(FfpShape *shape, FfpV3 centre, float radius, float half, float edge, float blend);
+FfpPart *ffp_add_torus(FfpShape *shape, FfpV3 centre, float ring, float tube, float blend);
+FfpPart *ffp_add_lathe(FfpShape *shape, float rounding, float blend); // after the outline is set
+FfpPart *ffp_add_cog(FfpShape *shape, FfpV3 centre, float radius, float half, float tooth, int teeth, float sharpness);
+FfpPart *ffp_add_superquadric(FfpShape *shape, FfpV3 centre, FfpV3 half, float exponent_z, float exponent_xy);
+FfpPart *ffp_add_land(FfpShape *shape, FfpV3 half, float hills);
+// Points the part's z axis along `direction`, or turns it by yaw, pitch, roll (radians, around z, y, x).
+void ffp_part_point(FfpPart *part, FfpV3 direction);
+void ffp_part_turn(FfpPart *part, float yaw, float pitch, float roll);
+
+// Signed distance bound of one part alone, and of the parts whose numbers are in list[count] (ascending), displaced.
+float ffp_part_distance(const FfpShape *shape, const FfpPart *part, const float p[3]);
+float ffp_shape_distance(const FfpShape *shape, const uint8_t *list, int count, const float p[3]);
+// Axis-aligned bounds that surely hold the surface.
+void ffp_shape_bounds(const FfpShape *shape, float low[3], float high[3]);
+
+// The families: each fills a shape from random numbers alone. Variants within a family differ in kind, not only in size.
+typedef struct FfpFamily {
+    const char *name;
+    void (*make)(FfpShape *shape, FfpRng *rng);
+} FfpFamily;
+void ffp_make_stone(FfpShape *shape, FfpRng *rng);
+void ffp_make_blob(FfpShape *shape, FfpRng *rng);
+void ffp_make_fruit(FfpShape *shape, FfpRng *rng);
+void ffp_make_land(FfpShape *shape, FfpRng *rng);
+void ffp_make_shell(FfpShape *shape, FfpRng *rng);
+void ffp_make_animal(FfpShape *shape, FfpRng *rng);
+void ffp_make_figure(FfpShape *shape, FfpRng *rng);
+void ffp_make_bust(FfpShape *shape, FfpRng *rng);
+void ffp_make_vase(FfpShape *shape, FfpRng *rng);
+void ffp_make_teapot(FfpShape *shape, FfpRng *rng);
+void ffp_make_furniture(FfpShape *shape, FfpRng *rng);
+void ffp_make_cog(FfpShape *shape, FfpRng *rng);
+void ffp_make_solid(FfpShape *shape, FfpRng *rng);
+void ffp_make_stack(FfpShape *shape, FfpRng *rng);
+void ffp_make_knot(FfpShape *shape, FfpRng *rng);
+
+#endif

@@ -1,0 +1,467 @@
+#include "synth/simulate.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include "base/arena.h"
+#include "synth/brdf.h"
+#include "synth/noise.h"
+
+enum { CELL = 4, COARSE = 8, LOOKUPS_MAX = 16 };
+static const float OFFSET = 1e-3F;       // secondary rays start this far off the surface
+static const float CAVITY = 0.75F;       // share of the ambient light that reaches a typical secondary hit
+static const float FACING = 0.02F;       // least cosine between shading normal and view
+
+typedef struct Device { // a camera or projector in float
+    float origin[3], axes[9]; // rows: x, y, z axis in the world
+    float fx, fy, cx, cy, width, height;
+} Device;
+
+// Sums of one view before composition; [height, width, .] each.
+typedef struct Sums {
+    float *ambient;        // 3: incoming ambient radiance, cosine-weighted mean
+    float **bounce;        // per pattern 3 (NULL for black ones): the same of the projector's light off other surfaces
+    float *point, *smooth; // 3: mean position and unbumped normal
+    float *hits;           // covered samples
+} Sums;
+
+typedef struct Work {
+    const FfpSimulation *sim;
+    FfpView *view;
+    FfpImage *visibility;
+    Device camera, projector;
+    FfpImage *coarse; // per pattern: box means of COARSE^2 pixels, for light that has bounced (NULL data: black)
+    Sums sums;
+    uint32_t seed;
+} Work;
+
+static Device device_of(const FfpCamera *c) {
+    Device d = {.fx = (float)c->fx, .fy = (float)c->fy, .cx = (float)c->cx, .cy = (float)c->cy,
+                .width = (float)c->width, .height = (float)c->height};
+    for (int a = 0; a < 3; a++) {
+        d.origin[a] = (float)c->pose[4 * a + 3];
+        for (int k = 0; k < 3; k++) d.axes[3 * k + a] = (float)c->pose[4 * a + k];
+    }
+    return d;
+}
+
+static float dot(const float a[3], const float b[3]) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+
+// World direction through pixel position (x, y) with camera z = 1, so that a hit's t is its depth.
+static void camera_ray(const Device *c, float x, float y, float d[3]) {
+    const float a = (x - c->cx) / c->fx, b = (y - c->cy) / c->fy;
+    for (int k = 0; k < 3; k++) d[k] = a * c->axes[k] + b * c->axes[3 + k] + c->axes[6 + k];
+}
+
+// The R2 sequence (Roberts 2018): any run of it covers the unit square evenly; shifted per pixel.
+static void even_pair(uint32_t index, uint32_t shift, float *x, float *y) {
+    const uint32_t a = shift + index * 3242174889U, b = ffp_hash32(shift ^ 0x68bc21ebU) + index * 2447445414U;
+    *x = (float)(a >> 8) * (1.0F / 16777216.0F), *y = (float)(b >> 8) * (1.0F / 16777216.0F);
+}
+
+// Light that leaves the projector towards a point, before the pattern: I / d^2, where its rectangle and shadows allow.
+typedef struct Arrival {
+    float u, v;       // where in the pattern
+    float towards[3]; // unit, to the projector
+    float fall;       // 1 / d^2
+    float local[3];   // the point in the projector's frame
+} Arrival;
+
+static bool arrive(const Work *w, const float point[3], const float facet[3], const float normal[3], Arrival *a) {
+    const Device *p = &w->projector;
+    float way[3], start[3];
+    for (int k = 0; k < 3; k++) way[k] = p->origin[k] - point[k];
+    if (dot(way, normal) <= 0) return false;
+    for (int k = 0; k < 3; k++) a->local[k] = -dot(p->axes + 3 * k, way);
+    if (a->local[2] <= 1e-6F) return false;
+    a->u = p->fx * a->local[0] / a->local[2] + p->cx, a->v = p->fy * a->local[1] / a->local[2] + p->cy;
+    if (!(a->u >= 0 && a->v >= 0 && a->u <= p->width && a->v <= p->height)) return false;
+    const float square = dot(way, way), scale = 1 / sqrtf(square);
+    a->fall = 1 / square;
+    for (int k = 0; k < 3; k++) {
+        start[k] = point[k] + OFFSET * facet[k];
+        a->towards[k] = way[k] * scale;
+        way[k] = p->origin[k] - start[k];
+    }
+    return !ffp_trace_blocked(w->sim->tracer, start, way);
+}
+
+// Bilinear pattern positions that a sample's cell of the pixel covers: the cell's image on the tangent plane, projected,
+// spread evenly over so many lookups that their tents overlap. Converges to one lookup as samples grow.
+typedef struct Spread {
+    int count;
+    float u[LOOKUPS_MAX], v[LOOKUPS_MAX];
+} Spread;
+
+static void pattern_slope(const Work *w, const Arrival *a, const float step[3], float side, float *du, float *dv) {
+    const Device *p = &w->projector;
+    float local[3];
+    for (int k = 0; k < 3; k++) local[k] = dot(p->axes + 3 * k, step);
+    const float z = a->local[2], s = side / (z * z);
+    *du = s * p->fx * (local[0] * z - a->local[0] * local[2]);
+    *dv = s * p->fy * (local[1] * z - a->local[1] * local[2]);
+}
+
+static void spread_lookups(const Work *w, const Arrival *a, const FfpHit *hit, const float ray[3], float side, Spread *out) {
+    const Device *c = &w->camera;
+    const float facing = dot(hit->facet, ray);
+    const float steep = fabsf(facing) < 0.05F ? copysignf(0.05F, facing) : facing;
+    float du[2], dv[2];
+    int n[2];
+    for (int axis = 0; axis < 2; axis++) { // the hit's motion on its tangent plane as the pixel position moves
+        const float *move = c->axes + 3 * axis, f = axis ? c->fy : c->fx;
+        const float along = dot(hit->facet, move) / steep;
+        float step[3];
+        for (int k = 0; k < 3; k++) step[k] = hit->t / f * (move[k] - along * ray[k]);
+        pattern_slope(w, a, step, side, &du[axis], &dv[axis]);
+        n[axis] = (int)fmaxf(1, fminf(4, ceilf(hypotf(du[axis], dv[axis]) / 2.5F)));
+    }
+    out->count = 0;
+    for (int j = 0; j < n[1]; j++)
+        for (int i = 0; i < n[0]; i++) {
+            const float x = ((float)i + 0.5F) / (float)n[0] - 0.5F, y = ((float)j + 0.5F) / (float)n[1] - 0.5F;
+            out->u[out->count] = a->u + x * du[0] + y * du[1];
+            out->v[out->count++] = a->v + x * dv[0] + y * dv[1];
+        }
+}
+
+// Adds weight * bilinear(pattern) to sum; black outside the rectangle, edge texels repeated within it.
+static void add_texel(const FfpImage *image, float u, float v, const float weight[3], real sum[3]) {
+    if (!(u >= 0 && v >= 0 && u <= (float)image->width && v <= (float)image->height)) return;
+    const float x = fmaxf(u - 0.5F, 0), y = fmaxf(v - 0.5F, 0);
+    const int i = (int)fminf(x, (float)(image->width - 1)), j = (int)fminf(y, (float)(image->height - 1));
+    const size_t right = i + 1 < image->width ? 3 : 0, down = j + 1 < image->height ? (size_t)image->width * 3 : 0;
+    const float a = x - (float)i, b = y - (float)j;
+    const real *t = image->data + ((size_t)j * (size_t)image->width + (size_t)i) * 3;
+    for (int c = 0; c < 3; c++, t++)
+        sum[c] += weight[c] * ((1 - b) * ((1 - a) * t[0] + a * t[right]) + b * ((1 - a) * t[down] + a * t[down + right]));
+}
+
+static void direct_light(const Work *w, size_t pixel, const FfpHit *hit, const float ray[3], const float normal[3],
+                         const float albedo[3], float roughness, float side) {
+    Arrival a;
+    if (!arrive(w, hit->point, hit->facet, normal, &a)) return;
+    const float scale = -1 / sqrtf(dot(ray, ray)), to_camera[3] = {ray[0] * scale, ray[1] * scale, ray[2] * scale};
+    const float specular = ffp_brdf_specular(normal, a.towards, to_camera, roughness), cosine = dot(normal, a.towards);
+    float colour[3];
+    for (int c = 0; c < 3; c++) {
+        colour[c] = (albedo[c] / 3.14159265F + specular) * cosine * a.fall * w->sim->intensity[c];
+        w->view->direct_white.data[3 * pixel + (size_t)c] += colour[c];
+    }
+    if (w->visibility) w->visibility->data[pixel] += 1;
+    Spread spread;
+    spread_lookups(w, &a, hit, ray, side, &spread);
+    for (int c = 0; c < 3; c++) colour[c] /= (float)spread.count;
+    for (int p = 0; p < w->sim->n_patterns; p++)
+        for (int i = 0; i < spread.count && w->coarse[p].data; i++)
+            add_texel(&w->sim->patterns[p].image, spread.u[i], spread.v[i], colour, w->view->images[p].data + 3 * pixel);
+}
+
+// A cosine-weighted direction around `normal`, turned above the facet where interpolation leads below it.
+static void ambient_direction(const FfpHit *hit, float x, float y, float d[3]) {
+    const float *n = hit->normal, sign = copysignf(1, n[2]), a = -1 / (sign + n[2]), b = n[0] * n[1] * a;
+    const float t[3] = {1 + sign * n[0] * n[0] * a, sign * b, -sign * n[0]}; // basis of Duff et al. 2017
+    const float s[3] = {b, sign + n[1] * n[1] * a, -n[1]};
+    const float r = sqrtf(x), phi = 6.2831853F * y, up = sqrtf(fmaxf(0, 1 - x)), i = r * cosf(phi), j = r * sinf(phi);
+    for (int k = 0; k < 3; k++) d[k] = i * t[k] + j * s[k] + up * n[k];
+    const float below = dot(d, hit->facet);
+    for (int k = 0; k < 3 && below < 0; k++) d[k] -= 2 * below * hit->facet[k];
+}
+
+// Incoming light other than the projector's own: sky where the ray is free, else what the surface there sends back.
+static void gather(const Work *w, size_t pixel, const FfpHit *hit, uint32_t index, uint32_t shift) {
+    float x, y, d[3], start[3];
+    even_pair(index, shift, &x, &y);
+    ambient_direction(hit, x, y, d);
+    for (int k = 0; k < 3; k++) start[k] = hit->point[k] + OFFSET * hit->facet[k];
+    float *ambient = w->sums.ambient + 3 * pixel;
+    FfpHit far;
+    if (!ffp_trace_hit(w->sim->tracer, start, d, false, &far)) {
+        for (int c = 0; c < 3; c++) ambient[c] += w->sim->ambient;
+        return;
+    }
+    float albedo[3], roughness;
+    ffp_material_look(w->sim->material, far.point, albedo, &roughness);
+    for (int c = 0; c < 3; c++) ambient[c] += albedo[c] * CAVITY * w->sim->ambient;
+    Arrival a;
+    if (dot(far.facet, d) > 0 || !arrive(w, far.point, far.facet, far.normal, &a)) return;
+    float colour[3];
+    const float cosine = dot(far.normal, a.towards);
+    for (int c = 0; c < 3; c++) colour[c] = albedo[c] / 3.14159265F * cosine * a.fall * w->sim->intensity[c];
+    for (int p = 0; p < w->sim->n_patterns; p++)
+        if (w->coarse[p].data)
+            add_texel(&w->coarse[p], a.u / COARSE, a.v / COARSE, colour, w->sums.bounce[p] + 3 * pixel);
+}
+
+static void shade_sample(const Work *w, size_t pixel, const FfpHit *hit, const float ray[3], uint32_t sample, uint32_t shift) {
+    FfpView *view = w->view;
+    float albedo[3], roughness, normal[3];
+    memcpy(normal, hit->normal, sizeof normal);
+    ffp_material_look(w->sim->material, hit->point, albedo, &roughness);
+    ffp_material_bump(w->sim->material, hit->point, normal);
+    const float length = sqrtf(dot(ray, ray)), facing = -dot(normal, ray) / length;
+    if (facing < FACING) { // seen from behind by interpolation or bump: tilt it to the camera
+        float square = 0;
+        for (int k = 0; k < 3; k++) normal[k] -= (FACING - facing) * ray[k] / length, square += normal[k] * normal[k];
+        for (int k = 0; k < 3; k++) normal[k] /= sqrtf(square);
+    }
+    for (int c = 0; c < 3; c++) {
+        const size_t i = 3 * pixel + (size_t)c;
+        view->albedo.data[i] += albedo[c];
+        view->normal.data[i] += normal[c];
+        w->sums.point[i] += hit->point[c];
+        w->sums.smooth[i] += hit->normal[c];
+    }
+    view->roughness.data[pixel] += roughness;
+    direct_light(w, pixel, hit, ray, normal, albedo, roughness, 1 / sqrtf((float)w->sim->samples));
+    for (int i = 0; i < w->sim->ambient_rays; i++)
+        gather(w, pixel, hit, sample * (uint32_t)w->sim->ambient_rays + (uint32_t)i, shift ^ 0x1b56c4e9U);
+}
+
+static void divide(real *data, int count, float by) {
+    for (int i = 0; i < count; i++) data[i] = (real)(data[i] / by);
+}
+static void divide_sums(float *data, int count, float by) {
+    for (int i = 0; i < count; i++) data[i] /= by;
+}
+static void unit(real v[3]) {
+    const float n = sqrtf((float)(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]));
+    if (n > 0) divide(v, 3, n);
+}
+
+// Sums to means over the samples that hit.
+static void finish_pixel(const Work *w, size_t pixel, float hits, int samples) {
+    FfpView *view = w->view;
+    w->sums.hits[pixel] = hits;
+    view->coverage.data[pixel] = (real)(roundf(255 * hits / (float)samples) / 255);
+    divide(view->albedo.data + 3 * pixel, 3, hits);
+    divide(view->direct_white.data + 3 * pixel, 3, hits);
+    divide(view->roughness.data + pixel, 1, hits);
+    if (w->visibility) divide(w->visibility->data + pixel, 1, hits);
+    unit(view->normal.data + 3 * pixel);
+    divide_sums(w->sums.point + 3 * pixel, 3, hits);
+    float *smooth = w->sums.smooth + 3 * pixel;
+    divide_sums(smooth, 3, fmaxf(sqrtf(dot(smooth, smooth)), 1e-6F));
+    const float rays = hits * (float)w->sim->ambient_rays;
+    for (int p = 0; p < w->sim->n_patterns; p++) {
+        divide(view->images[p].data + 3 * pixel, 3, hits);
+        if (w->sums.bounce[p] && rays > 0) divide_sums(w->sums.bounce[p] + 3 * pixel, 3, rays);
+    }
+    if (rays > 0) divide_sums(w->sums.ambient + 3 * pixel, 3, rays);
+    else for (int c = 0; c < 3; c++) w->sums.ambient[3 * pixel + (size_t)c] = w->sim->ambient;
+}
+
+static void trace_pixel(const Work *w, int x, int y) {
+    const size_t pixel = (size_t)y * (size_t)w->view->camera.width + (size_t)x;
+    const uint32_t shift = ffp_hash32(w->seed ^ ffp_hash32((uint32_t)pixel));
+    int limit = w->sim->samples, hits = 0;
+    float ray[3];
+    FfpHit hit;
+    for (int s = 0; s < limit; s++) {
+        float i, j;
+        even_pair((uint32_t)s, shift, &i, &j);
+        camera_ray(&w->camera, (float)x + i, (float)y + j, ray);
+        if (ffp_trace_hit(w->sim->tracer, w->camera.origin, ray, true, &hit) && dot(hit.facet, ray) < 0) {
+            shade_sample(w, pixel, &hit, ray, (uint32_t)s, shift);
+            hits++;
+        }
+        // a silhouette's share is a mean of zeros and ones: it takes more samples than a colour
+        if (s + 1 == w->sim->samples && hits > 0 && hits <= s) limit *= 4;
+    }
+    if (hits == 0) return;
+    finish_pixel(w, pixel, (float)hits, limit);
+    camera_ray(&w->camera, (float)x + 0.5F, (float)y + 0.5F, ray);
+    if (ffp_trace_hit(w->sim->tracer, w->camera.origin, ray, true, &hit)) w->view->depth.data[pixel] = (real)hit.t;
+}
+
+// Which CELL x CELL blocks of pixels any triangle's bounding box touches: most of an image is background.
+static int busy_cells(const Work *w, int **cells) {
+    const FfpMesh *mesh = w->sim->mesh;
+    const int across = (w->view->camera.width + CELL - 1) / CELL, down = (w->view->camera.height + CELL - 1) / CELL;
+    float *xy = ffp_alloc((size_t)mesh->n_vertices * 2, sizeof *xy);
+    uint8_t *busy = ffp_alloc((size_t)across * (size_t)down, 1);
+    const Device *c = &w->camera;
+    bool behind = false;
+    for (int i = 0; i < mesh->n_vertices; i++) {
+        float d[3];
+        for (int k = 0; k < 3; k++) d[k] = mesh->positions[3 * (size_t)i + (size_t)k] - c->origin[k];
+        const float z = dot(c->axes + 6, d);
+        behind |= z < 1e-3F;
+        xy[2 * i] = (c->fx * dot(c->axes, d) / z + c->cx) / CELL;
+        xy[2 * i + 1] = (c->fy * dot(c->axes + 3, d) / z + c->cy) / CELL;
+    }
+    for (int t = 0; t < mesh->n_triangles && !behind; t++) {
+        const uint32_t *v = mesh->triangles + 3 * (size_t)t;
+        int low[2], high[2];
+        for (int a = 0; a < 2; a++) {
+            const float p = xy[2 * v[0] + a], q = xy[2 * v[1] + a], r = xy[2 * v[2] + a];
+            const float last = (float)((a ? down : across) - 1);
+            low[a] = (int)fmaxf(0, fminf(p, fminf(q, r)) - 0.01F), high[a] = (int)fminf(last, fmaxf(p, fmaxf(q, r)) + 0.01F);
+        }
+        for (int j = low[1]; j <= high[1]; j++)
+            for (int i = low[0]; i <= high[0]; i++) busy[j * across + i] = 1;
+    }
+    *cells = ffp_alloc((size_t)across * (size_t)down, sizeof **cells);
+    int count = 0;
+    for (int i = 0; i < across * down; i++)
+        if (busy[i] || behind) (*cells)[count++] = i;
+    free(xy);
+    free(busy);
+    return count;
+}
+
+static void trace_all(const Work *w) {
+    int *cells;
+    const int count = busy_cells(w, &cells), width = w->view->camera.width, height = w->view->camera.height;
+    const int across = (width + CELL - 1) / CELL;
+#pragma omp parallel for schedule(dynamic, 8)
+    for (int i = 0; i < count; i++) {
+        const int left = cells[i] % across * CELL, top = cells[i] / across * CELL;
+        for (int y = top; y < top + CELL && y < height; y++)
+            for (int x = left; x < left + CELL && x < width; x++) trace_pixel(w, x, y);
+    }
+    free(cells);
+}
+
+// Indirect light is smooth over a surface, and a few rays a pixel are noisy: average it over neighbours that lie in the
+// same plane and face the same way. Not done once enough rays make it superfluous.
+static int filter_radius(const FfpSimulation *sim) {
+    const int rays = sim->samples * sim->ambient_rays;
+    return rays == 0 || rays >= 128 ? 0 : rays >= 64 ? 1 : rays >= 24 ? 2 : 3;
+}
+
+static float neighbour_weight(const Sums *s, size_t i, size_t j) {
+    if (s->hits[j] <= 0) return 0;
+    const float *n = s->smooth + 3 * i, *a = s->point + 3 * i, *b = s->point + 3 * j;
+    const float d[3] = {b[0] - a[0], b[1] - a[1], b[2] - a[2]};
+    const float plane = 1 - fabsf(dot(n, d)) / 0.04F, cosine = dot(n, s->smooth + 3 * j);
+    if (plane <= 0 || cosine <= 0.5F) return 0;
+    const float same = cosine * cosine * cosine * cosine;
+    return plane * same * same * fminf(s->hits[j], 4);
+}
+
+static void filter_indirect(const Work *w, int y, float *const *in, float *const *out, int count) {
+    const int width = w->view->camera.width, height = w->view->camera.height, r = filter_radius(w->sim);
+    for (int x = 0; x < width; x++) {
+        const size_t i = (size_t)y * (size_t)width + (size_t)x;
+        if (w->sums.hits[i] <= 0) continue;
+        float total = 0;
+        for (int v = y - r < 0 ? 0 : y - r; v <= y + r && v < height; v++)
+            for (int u = x - r < 0 ? 0 : x - r; u <= x + r && u < width; u++) {
+                const size_t j = (size_t)v * (size_t)width + (size_t)u;
+                const float weight = neighbour_weight(&w->sums, i, j);
+                if (weight <= 0) continue;
+                total += weight;
+                for (int k = 0; k < count; k++)
+                    for (size_t c = 0; c < 3; c++) out[k][3 * i + c] += weight * in[k][3 * j + c];
+            }
+        for (int k = 0; k < count; k++) divide_sums(out[k] + 3 * i, 3, total);
+    }
+}
+
+static void smooth_indirect(Work *w) {
+    if (filter_radius(w->sim) == 0) return;
+    const int n = w->sim->n_patterns, height = w->view->camera.height;
+    const size_t values = (size_t)w->view->camera.width * (size_t)height * 3;
+    float **in = ffp_alloc((size_t)n + 1, sizeof *in), **out = ffp_alloc((size_t)n + 1, sizeof *out);
+    int count = 0;
+    in[count++] = w->sums.ambient;
+    for (int p = 0; p < n; p++)
+        if (w->sums.bounce[p]) in[count++] = w->sums.bounce[p];
+    for (int k = 0; k < count; k++) out[k] = ffp_alloc(values, sizeof(float));
+#pragma omp parallel for schedule(static)
+    for (int y = 0; y < height; y++) filter_indirect(w, y, in, out, count);
+    for (int k = 0; k < count; k++) {
+        memcpy(in[k], out[k], values * sizeof(float));
+        free(out[k]);
+    }
+    free(in);
+    free(out);
+}
+
+// Adds the indirect light and passes the colour through what a PNG would keep of it.
+static void compose_pixel(const Work *w, size_t pixel, int pattern) {
+    real *colour = w->view->images[pattern].data + 3 * pixel;
+    const real *albedo = w->view->albedo.data + 3 * pixel, cover = w->view->coverage.data[pixel];
+    const float *ambient = w->sums.ambient + 3 * pixel, *bounce = w->sums.bounce[pattern];
+    for (size_t c = 0; c < 3; c++) {
+        const float incoming = ambient[c] + (bounce ? bounce[3 * pixel + c] : 0);
+        const real encoded = ffp_srgb_encode(colour[c] + albedo[c] * incoming);
+        colour[c] = ffp_srgb_decode((real)(roundf(255 * (float)encoded) / 255) * cover);
+    }
+}
+
+static void compose(const Work *w) {
+    const int width = w->view->camera.width, height = w->view->camera.height;
+#pragma omp parallel for schedule(static)
+    for (int y = 0; y < height; y++)
+        for (int x = 0; x < width; x++) {
+            const size_t pixel = (size_t)y * (size_t)width + (size_t)x;
+            if (w->sums.hits[pixel] <= 0) continue;
+            for (int p = 0; p < w->sim->n_patterns; p++) compose_pixel(w, pixel, p);
+        }
+}
+
+static FfpImage coarse_pattern(const FfpImage *sharp) {
+    const size_t values = (size_t)sharp->width * (size_t)sharp->height * 3;
+    size_t dark = 0;
+    while (dark < values && sharp->data[dark] == 0) dark++;
+    if (dark == values) return (FfpImage){0};
+    const int width = (sharp->width + COARSE - 1) / COARSE, height = (sharp->height + COARSE - 1) / COARSE;
+    FfpImage out = ffp_image_new(width, height, 3);
+    for (int y = 0; y < sharp->height; y++)
+        for (int x = 0; x < sharp->width; x++)
+            for (int c = 0; c < 3; c++)
+                out.data[((y / COARSE) * width + x / COARSE) * 3 + c] +=
+                    sharp->data[((size_t)y * (size_t)sharp->width + (size_t)x) * 3 + (size_t)c] / (COARSE * COARSE);
+    return out;
+}
+
+static void work_begin(Work *w) {
+    const size_t pixels = (size_t)w->view->camera.width * (size_t)w->view->camera.height;
+    const int n = w->sim->n_patterns;
+    w->coarse = ffp_alloc((size_t)n, sizeof *w->coarse);
+    w->sums.bounce = ffp_alloc((size_t)n, sizeof *w->sums.bounce);
+    for (int p = 0; p < n; p++) {
+        w->coarse[p] = coarse_pattern(&w->sim->patterns[p].image);
+        if (w->coarse[p].data) w->sums.bounce[p] = ffp_alloc(pixels * 3, sizeof(float));
+    }
+    w->sums.ambient = ffp_alloc(pixels * 3, sizeof(float));
+    w->sums.point = ffp_alloc(pixels * 3, sizeof(float));
+    w->sums.smooth = ffp_alloc(pixels * 3, sizeof(float));
+    w->sums.hits = ffp_alloc(pixels, sizeof(float));
+}
+
+static void work_end(Work *w) {
+    for (int p = 0; p < w->sim->n_patterns; p++) {
+        ffp_image_free(&w->coarse[p]);
+        free(w->sums.bounce[p]);
+    }
+    free(w->coarse);
+    free(w->sums.bounce);
+    free(w->sums.ambient);
+    free(w->sums.point);
+    free(w->sums.smooth);
+    free(w->sums.hits);
+}
+
+void ffp_simulate_view(const FfpSimulation *simulation, FfpView *view, uint32_t stream, FfpImage *visibility) {
+    const int width = view->camera.width, height = view->camera.height;
+    view->images = ffp_alloc((size_t)simulation->n_patterns, sizeof *view->images);
+    for (int p = 0; p < simulation->n_patterns; p++) view->images[p] = ffp_image_new(width, height, 3);
+    view->coverage = ffp_image_new(width, height, 1);
+    view->depth = ffp_image_new(width, height, 1);
+    view->normal = ffp_image_new(width, height, 3);
+    view->albedo = ffp_image_new(width, height, 3);
+    view->roughness = ffp_image_new(width, height, 1);
+    view->direct_white = ffp_image_new(width, height, 3);
+    if (visibility) *visibility = ffp_image_new(width, height, 1);
+    Work w = {.sim = simulation, .view = view, .visibility = visibility, .camera = device_of(&view->camera),
+              .projector = device_of(&view->projector),
+              .seed = ffp_hash32((uint32_t)simulation->seed ^ ffp_hash32((uint32_t)(simulation->seed >> 32) ^ ffp_hash32(stream + 1)))};
+    work_begin(&w);
+    trace_all(&w);
+    smooth_indirect(&w);
+    compose(&w);
+    work_end(&w);
+}
