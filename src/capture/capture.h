@@ -21,6 +21,7 @@ typedef struct FfpCamera {
 typedef struct FfpPattern {
     char name[FFP_NAME_MAX];
     FfpImage image; // linear RGB, 3 channels, size of the projector
+    bool novel;     // held back: shown to the object, but never chosen for a reconstruction unless it is named
 } FfpPattern;
 
 typedef struct FfpView {
@@ -53,7 +54,9 @@ typedef struct FfpCapture {
 // pattern in every view. Errors name file and field.
 bool ffp_capture_read(FfpCapture *capture, const char *path, FfpError *err);
 // As above for a targets file (poses to be predicted): views need not have black and white. Patterns are looked up in
-// the capture that it belongs to and appended to it when they are new there. `reference` gets more patterns, no views.
+// the capture that it belongs to: `targets` gets copies of all patterns of `reference`, at the same indices, and then those
+// that are new in the file; centre, radius and intensity are the reference's. A view without any image has coverage 0.
+// `path` is the file, or a folder with targets.json.
 bool ffp_capture_read_targets(FfpCapture *targets, const char *path, const FfpCapture *reference, FfpError *err);
 void ffp_capture_free(FfpCapture *capture);
 
@@ -63,12 +66,13 @@ bool ffp_capture_write(const FfpCapture *capture, const char *folder, FfpError *
 
 int ffp_capture_find_pattern(const FfpCapture *capture, const char *name); // index, or -1
 int ffp_capture_find_view(const FfpCapture *capture, const char *id);      // index, or -1
-// The structured-light pattern a reconstruction uses: the named one, or (name NULL) the first that is neither black nor
-// white and that every view has. -1 with an error when there is none.
+// The structured-light pattern a reconstruction uses: the named one, or (name NULL) the first that is neither black, white
+// nor novel and that every view has. -1 with an error when there is none.
 int ffp_capture_active_pattern(const FfpCapture *capture, const char *name, FfpError *err);
 
 // The least-squares meeting point of all camera and projector axes, and the radius that the masks reach around it (the
-// largest distance between the centre and a foreground pixel's ray, over all views). Writes centre and radius.
+// largest distance between the centre and a foreground pixel's ray, over all views, and 2 % more, so that rays along a
+// silhouette pass through the sphere and do not just touch it). Writes centre and radius.
 void ffp_capture_estimate_bounds(FfpCapture *capture);
 
 // World <- (world - centre) / radius for everything in the capture (poses, depth); the intensity is divided by radius^2,

@@ -1,0 +1,112 @@
+#include "capture/capture.h"
+
+#include <stdlib.h>
+#include <string.h>
+#include <tgmath.h>
+
+#include "base/vec.h"
+
+static void free_view(FfpView *view, int n_patterns) {
+    for (int i = 0; view->images != NULL && i < n_patterns; i++) ffp_image_free(&view->images[i]);
+    free(view->images);
+    ffp_image_free(&view->coverage);
+    ffp_image_free(&view->depth);
+    ffp_image_free(&view->normal);
+    ffp_image_free(&view->albedo);
+    ffp_image_free(&view->roughness);
+    ffp_image_free(&view->direct_white);
+}
+
+void ffp_capture_free(FfpCapture *capture) {
+    if (capture == NULL) return;
+    for (int i = 0; capture->views != NULL && i < capture->n_views; i++) {
+        free_view(&capture->views[i], capture->n_patterns);
+    }
+    for (int i = 0; capture->patterns != NULL && i < capture->n_patterns; i++) {
+        ffp_image_free(&capture->patterns[i].image);
+    }
+    free(capture->views);
+    free(capture->patterns);
+    *capture = (FfpCapture){0};
+}
+
+int ffp_capture_find_pattern(const FfpCapture *capture, const char *name) {
+    for (int i = 0; i < capture->n_patterns; i++) {
+        if (strcmp(capture->patterns[i].name, name) == 0) return i;
+    }
+    return -1;
+}
+
+int ffp_capture_find_view(const FfpCapture *capture, const char *id) {
+    for (int i = 0; i < capture->n_views; i++) {
+        if (strcmp(capture->views[i].id, id) == 0) return i;
+    }
+    return -1;
+}
+
+// The first view without a picture under this pattern, or -1 when all have one.
+static int view_without(const FfpCapture *capture, int pattern) {
+    for (int i = 0; i < capture->n_views; i++) {
+        if (capture->views[i].images[pattern].data == NULL) return i;
+    }
+    return -1;
+}
+
+int ffp_capture_active_pattern(const FfpCapture *capture, const char *name, FfpError *err) {
+    if (name == NULL) {
+        for (int i = 0; i < capture->n_patterns; i++) {
+            const bool usable = i != capture->black && i != capture->white && !capture->patterns[i].novel;
+            if (usable && view_without(capture, i) < 0) return i;
+        }
+        ffp_fail(err, capture->name, "no structured-light pattern that every view was seen under");
+        return -1;
+    }
+    const int found = ffp_capture_find_pattern(capture, name);
+    if (found < 0) {
+        ffp_fail(err, capture->name, "no pattern '%.96s' in this capture", name);
+        return -1;
+    }
+    if (found == capture->black || found == capture->white) {
+        ffp_fail(err, capture->name, "pattern '%.96s' is plain: it tells nothing about depth", name);
+        return -1;
+    }
+    const int view = view_without(capture, found);
+    if (view < 0) return found;
+    ffp_fail(err, capture->name, "view '%s' has no picture under pattern '%.96s'", capture->views[view].id,
+             name);
+    return -1;
+}
+
+void ffp_capture_normalise(FfpCapture *capture, const real centre[3], real radius) {
+    const real origin[3] = {centre[0], centre[1], centre[2]}; // `centre` may be capture->centre
+    for (int v = 0; v < capture->n_views; v++) {
+        FfpView *view = &capture->views[v];
+        for (int i = 0; i < 3; i++) {
+            view->camera.pose[4 * i + 3] = (view->camera.pose[4 * i + 3] - origin[i]) / radius;
+            view->projector.pose[4 * i + 3] = (view->projector.pose[4 * i + 3] - origin[i]) / radius;
+        }
+        const ptrdiff_t pixels =
+            view->depth.data != NULL ? (ptrdiff_t)view->depth.width * view->depth.height : 0;
+        for (ptrdiff_t i = 0; i < pixels; i++) view->depth.data[i] /= radius;
+    }
+    for (int c = 0; c < 3; c++) {
+        capture->intensity[c] /= radius * radius;
+        capture->centre[c] = 0;
+    }
+    capture->radius = 1;
+}
+
+real ffp_project(const FfpCamera *camera, const real point[3], real *x, real *y) {
+    real local[3];
+    ffp_inverse_transform_point(camera->pose, point, local);
+    *x = camera->cx + camera->fx * local[0] / local[2];
+    *y = camera->cy + camera->fy * local[1] / local[2];
+    return local[2];
+}
+
+real ffp_pixel_ray(const FfpCamera *camera, real x, real y, real direction[3]) {
+    real local[3] = {(x - camera->cx) / camera->fx, (y - camera->cy) / camera->fy, 1};
+    ffp_normalise3(local);
+    ffp_rotate(camera->pose, local, direction);
+    return local[2];
+}

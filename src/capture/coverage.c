@@ -1,0 +1,133 @@
+#include "capture/coverage.h"
+
+#include <stdlib.h>
+#include <tgmath.h>
+
+#include "base/arena.h"
+
+#define LIT 0.02F // linear radiance: what white must add to a pixel before it counts as lit
+
+static void clamp_to_unit(FfpImage *image) {
+    const ptrdiff_t pixels = (ptrdiff_t)image->width * image->height;
+    for (ptrdiff_t i = 0; i < pixels; i++) image->data[i] = fmin(fmax(image->data[i], (real)0), (real)1);
+}
+
+// Puts the view's pictures over black with the mask, in encoded values as everywhere.
+static void apply_mask(const FfpCapture *capture, FfpView *view, const FfpImage *mask) {
+    for (int i = 0; i < capture->n_patterns; i++) {
+        FfpImage *image = &view->images[i];
+        const ptrdiff_t pixels = image->data != NULL ? (ptrdiff_t)image->width * image->height : 0;
+        for (ptrdiff_t k = 0; k < pixels; k++) {
+            const real m = mask->data[k];
+            for (int c = 0; c < 3 && m < 1; c++) {
+                real *value = &image->data[3 * k + c];
+                *value = m > 0 ? ffp_srgb_decode(ffp_srgb_encode(*value) * m) : 0;
+            }
+        }
+    }
+}
+
+static bool cover_by_mask(const FfpCapture *capture, FfpView *view, const char *path, FfpError *err) {
+    FfpImage rgba;
+    if (!ffp_image_read(&rgba, path, FFP_COLOUR_ENCODED, err)) return false;
+    view->coverage = ffp_image_new(rgba.width, rgba.height, 1);
+    const ptrdiff_t pixels = (ptrdiff_t)rgba.width * rgba.height;
+    for (ptrdiff_t i = 0; i < pixels; i++) view->coverage.data[i] = rgba.data[4 * i] * rgba.data[4 * i + 3];
+    ffp_image_free(&rgba);
+    clamp_to_unit(&view->coverage);
+    apply_mask(capture, view, &view->coverage);
+    return true;
+}
+
+static const FfpImage *best_alpha(const FfpCapture *capture, const FfpImage *alphas) {
+    if (capture->white >= 0 && alphas[capture->white].data != NULL) return &alphas[capture->white];
+    if (capture->black >= 0 && alphas[capture->black].data != NULL) return &alphas[capture->black];
+    for (int i = 0; i < capture->n_patterns; i++) {
+        if (alphas[i].data != NULL) return &alphas[i];
+    }
+    return NULL;
+}
+
+// 1 where any picture exceeds the black one (or 0, where there is none) in any channel.
+static FfpCoverageSource guess(const FfpCapture *capture, FfpView *view) {
+    view->coverage = ffp_image_new(view->camera.width, view->camera.height, 1);
+    const ptrdiff_t pixels = (ptrdiff_t)view->camera.width * view->camera.height;
+    const real *black = capture->black >= 0 ? view->images[capture->black].data : NULL;
+    bool any = false;
+    for (int i = 0; i < capture->n_patterns; i++) {
+        const real *image = view->images[i].data;
+        any = any || image != NULL;
+        for (ptrdiff_t k = 0; k < pixels && image != NULL && image != black; k++) {
+            real most = 0;
+            for (int c = 0; c < 3; c++)
+                most = fmax(most, image[3 * k + c] - (black != NULL ? black[3 * k + c] : 0));
+            if (most > LIT) view->coverage.data[k] = 1;
+        }
+    }
+    return any ? FFP_COVERAGE_GUESSED : FFP_COVERAGE_NONE;
+}
+
+bool ffp_cover_view(const FfpCapture *capture, FfpView *view, const FfpImage *alphas, const char *mask,
+                    bool mask_first, FfpCoverageSource *source, FfpError *err) {
+    const FfpImage *alpha = best_alpha(capture, alphas);
+    if (mask != NULL && (mask_first || alpha == NULL)) {
+        *source = FFP_COVERAGE_MASK;
+        return cover_by_mask(capture, view, mask, err);
+    }
+    if (alpha == NULL) {
+        *source = guess(capture, view);
+        return true;
+    }
+    *source = FFP_COVERAGE_ALPHA;
+    view->coverage = ffp_image_copy(alpha);
+    clamp_to_unit(&view->coverage);
+    return true;
+}
+
+// --- The projector's strength. ---
+
+static int ascending(const void *a, const void *b) {
+    const float x = *(const float *)a, y = *(const float *)b;
+    return (x > y) - (x < y);
+}
+
+// pi d^2 (white - black) of every `step`-th lit value, up to `room` of them; returns their number.
+static size_t apparent_albedos(const FfpCapture *capture, size_t step, float *out, size_t room) {
+    size_t count = 0;
+    for (int v = 0; v < capture->n_views; v++) {
+        const FfpView *view = &capture->views[v];
+        double square = 0;
+        for (int i = 0; i < 3; i++) {
+            const double to = (double)capture->centre[i] - (double)view->projector.pose[4 * i + 3];
+            square += to * to;
+        }
+        const size_t values = 3 * (size_t)view->camera.width * (size_t)view->camera.height;
+        const real *white = view->images[capture->white].data, *black = view->images[capture->black].data;
+        for (size_t i = 0; i < values && count < room; i += step) {
+            if (view->coverage.data[i / 3] < 0.5F || white[i] - black[i] <= LIT) continue;
+            out[count++] = (float)(4 * atan(1.0) * square * (double)(white[i] - black[i]));
+        }
+    }
+    return count;
+}
+
+bool ffp_estimate_intensity(FfpCapture *capture, const char *file, FfpError *err) {
+    const size_t room = 1000000; // plenty for a percentile
+    size_t values = 0;
+    for (int v = 0; v < capture->n_views; v++) {
+        values += 3 * (size_t)capture->views[v].camera.width * (size_t)capture->views[v].camera.height;
+    }
+    // 7 is prime to 3: a coarse step still meets all channels; up to the limit every value counts.
+    size_t step = 1;
+    while (values / step > room) step *= 7;
+    float *albedos = ffp_alloc(room, sizeof *albedos);
+    const size_t count = apparent_albedos(capture, step, albedos, room);
+    if (count > 0) {
+        qsort(albedos, count, sizeof *albedos, ascending);
+        const double intensity = (double)albedos[(size_t)(0.95 * (double)(count - 1))] / 0.8;
+        for (int c = 0; c < 3; c++) capture->intensity[c] = (real)intensity;
+    }
+    free(albedos);
+    return count > 0 ||
+           ffp_fail(err, file, "no pixel is brighter under the white pattern than under the black one");
+}

@@ -1,0 +1,26 @@
+// What follows from a capture's pictures alone: the object's share of each pixel, and the projector's
+// strength.
+#ifndef FFP_CAPTURE_COVERAGE_H
+#define FFP_CAPTURE_COVERAGE_H
+
+#include "capture/capture.h"
+
+typedef enum FfpCoverageSource {
+    FFP_COVERAGE_MASK,    // a mask file; the pictures are multiplied by it, as if it were their alpha
+    FFP_COVERAGE_ALPHA,   // the alpha channel of the white picture, else of the black one, else of any
+    FFP_COVERAGE_GUESSED, // what some picture shows brighter than the black one; the pictures stay as they
+                          // are
+    FFP_COVERAGE_NONE,    // no pictures: 0 everywhere
+} FfpCoverageSource;
+
+// Fills view->coverage. `alphas` [n_patterns]: alpha of each picture, .data NULL where it has none. `mask`: a
+// file or NULL; it outranks alpha when `mask_first`.
+bool ffp_cover_view(const FfpCapture *capture, FfpView *view, const FfpImage *alphas, const char *mask,
+                    bool mask_first, FfpCoverageSource *source, FfpError *err);
+
+// For a projector of unknown strength: the one scalar I that puts the 95th percentile of the apparent albedo
+// pi d^2 (white - black) / I of lit pixels at 0.8, d being the projector's distance to the object's centre.
+// Errors when white brightens nothing.
+bool ffp_estimate_intensity(FfpCapture *capture, const char *file, FfpError *err);
+
+#endif

@@ -1,0 +1,218 @@
+// The pixels of a capture: patterns, pictures, truth. Files are read side by side; of several errors the
+// first is told.
+#include <stdlib.h>
+#include <string.h>
+#include <tgmath.h>
+#include <unistd.h>
+
+#include "base/file.h"
+#include "base/log.h"
+#include "capture/coverage.h"
+#include "capture/manifest.h"
+
+static bool check_size(const FfpManifest *manifest, const char *path, int width, int height,
+                       const char *whose, FfpError *err) {
+    int w = 0, h = 0;
+    if (!ffp_image_read_size(&w, &h, path, err)) return false;
+    if (w == width && h == height) return true;
+    return ffp_fail(err, path, "image is %d x %d, but the %s in %s has %d x %d", w, h, whose,
+                    ffp_basename(manifest->file), width, height);
+}
+
+// --- Patterns. ---
+
+// The projector's size: as the JSON says, else as the reference's patterns or the first pattern file have it.
+static bool settle_pattern_size(FfpManifest *manifest, FfpError *err) {
+    FfpCapture *capture = manifest->capture;
+    int width = manifest->pattern_width, height = manifest->pattern_height;
+    if (manifest->known_patterns > 0) {
+        const FfpImage *known = &capture->patterns[0].image;
+        if (width > 0 && (width != known->width || height != known->height)) {
+            return ffp_fail(err, manifest->file, "projector of %d x %d, but the capture's has %d x %d", width,
+                            height, known->width, known->height);
+        }
+        width = known->width, height = known->height;
+    }
+    for (int i = 0; i < capture->n_patterns && width == 0; i++) {
+        if (manifest->patterns[i] == NULL) continue;
+        if (!ffp_image_read_size(&width, &height, manifest->patterns[i], err)) return false;
+        if (width < FFP_PATTERN_SIDE_MIN || height < FFP_PATTERN_SIDE_MIN) {
+            return ffp_fail(err, manifest->patterns[i], "a pattern of %d x %d pixels is too small", width,
+                            height);
+        }
+    }
+    if (width == 0)
+        return ffp_fail(err, manifest->file, "neither a projector size nor a pattern image to take it from");
+    for (int v = 0; v < capture->n_views; v++) {
+        capture->views[v].projector.width = width;
+        capture->views[v].projector.height = height;
+    }
+    manifest->pattern_width = width, manifest->pattern_height = height;
+    return true;
+}
+
+static bool load_pattern(FfpManifest *manifest, int index, FfpError *err) {
+    FfpPattern *pattern = &manifest->capture->patterns[index];
+    const int width = manifest->pattern_width, height = manifest->pattern_height;
+    const char *path = manifest->patterns[index];
+    if (path != NULL) {
+        return check_size(manifest, path, width, height, "projector", err) &&
+               ffp_image_read_over_black(&pattern->image, NULL, path, err);
+    }
+    pattern->image = ffp_image_new(width, height, 3);
+    const ptrdiff_t count = (ptrdiff_t)width * height * 3;
+    for (ptrdiff_t i = 0; i < count; i++) pattern->image.data[i] = index == manifest->capture->white;
+    return true;
+}
+
+// --- Views. ---
+
+// Depth: 0, negative and 65535 and above are "no surface" in every kind of file.
+static bool load_depth(FfpManifest *manifest, FfpImage *depth, const char *path, FfpError *err) {
+    if (!ffp_image_read_raw16(depth, path, err)) return false;
+    const ptrdiff_t pixels = (ptrdiff_t)depth->width * depth->height;
+    for (ptrdiff_t i = 0; i < pixels; i++) {
+        const real raw = depth->data[i];
+        depth->data[i] = raw > 0 && raw < 65535 ? raw * manifest->depth_scale : 0;
+    }
+    return true;
+}
+
+// Normals are signed, so only an EXR can hold them; an 8-bit file shows itself by lengths that are not 1.
+static bool check_normals(const FfpImage *normal, const char *path, FfpError *err) {
+    const ptrdiff_t pixels = (ptrdiff_t)normal->width * normal->height;
+    for (ptrdiff_t i = 0; i < pixels; i++) {
+        const real *n = normal->data + 3 * i, square = n[0] * n[0] + n[1] * n[1] + n[2] * n[2];
+        if (square > 0 && !(fabs(square - 1) < 0.05F)) {
+            return ffp_fail(err, path,
+                            "normals are not unit vectors (float EXR in world axes, 0 0 0 for none)");
+        }
+    }
+    return true;
+}
+
+static bool load_truth(FfpManifest *manifest, int index, FfpError *err) {
+    const FfpViewFiles *files = &manifest->views[index];
+    FfpView *view = &manifest->capture->views[index];
+    const char *const paths[5] = {files->depth, files->normal, files->albedo, files->roughness,
+                                  files->direct_white};
+    FfpImage *const images[5] = {&view->depth, &view->normal, &view->albedo, &view->roughness,
+                                 &view->direct_white};
+    for (int i = 0; i < 5; i++) {
+        if (paths[i] == NULL) continue;
+        if (!check_size(manifest, paths[i], view->camera.width, view->camera.height, "camera", err))
+            return false;
+        bool ok = false;
+        if (i == 0)
+            ok = load_depth(manifest, images[i], paths[i], err);
+        else if (i == 3)
+            ok = ffp_image_read_raw16(images[i], paths[i], err);
+        else
+            ok = ffp_image_read_over_black(images[i], NULL, paths[i], err);
+        if (!ok) return false;
+    }
+    return view->normal.data == NULL || check_normals(&view->normal, files->normal, err);
+}
+
+static bool load_view(FfpManifest *manifest, int index, FfpCoverageSource *source, FfpError *err) {
+    const FfpCapture *capture = manifest->capture;
+    const FfpViewFiles *files = &manifest->views[index];
+    FfpView *view = &manifest->capture->views[index];
+    FfpImage *alphas = ffp_alloc((size_t)capture->n_patterns, sizeof *alphas);
+    bool ok = true;
+    for (int i = 0; i < capture->n_patterns && ok; i++) {
+        const char *path = files->images[i];
+        if (path == NULL) continue;
+        ok = check_size(manifest, path, view->camera.width, view->camera.height, "camera", err) &&
+             ffp_image_read_over_black(&view->images[i], &alphas[i], path, err);
+    }
+    if (ok && files->coverage != NULL) {
+        ok = check_size(manifest, files->coverage, view->camera.width, view->camera.height, "camera", err);
+    }
+    ok = ok && ffp_cover_view(capture, view, alphas, files->coverage, manifest->mask_is_given, source, err);
+    for (int i = 0; i < capture->n_patterns; i++) ffp_image_free(&alphas[i]);
+    free(alphas);
+    return ok && load_truth(manifest, index, err);
+}
+
+// --- All of it. ---
+
+// Refuses what would not fit this machine's memory before any of it is taken.
+static bool check_memory(const FfpManifest *manifest, FfpError *err) {
+    const FfpCapture *capture = manifest->capture;
+    double values = 3.0 * manifest->pattern_width * manifest->pattern_height * capture->n_patterns;
+    for (int v = 0; v < capture->n_views; v++) {
+        double channels = 12;
+        for (int i = 0; i < capture->n_patterns; i++)
+            channels += manifest->views[v].images[i] != NULL ? 4 : 0;
+        values += channels * capture->views[v].camera.width * capture->views[v].camera.height;
+    }
+    const double needed = values * sizeof(real),
+                 there = (double)sysconf(_SC_PHYS_PAGES) * (double)sysconf(_SC_PAGESIZE);
+    if (needed < there) return true;
+    return ffp_fail(err, manifest->file, "the images need %.0f GB of memory; this machine has %.0f",
+                    needed / 1e9, there / 1e9);
+}
+
+static bool check_pictures(const FfpManifest *manifest, FfpError *err) {
+    const FfpCapture *capture = manifest->capture;
+    const int plain[2] = {capture->black, capture->white};
+    for (int v = 0; v < capture->n_views && !manifest->targets; v++) {
+        for (int k = 0; k < 2; k++) {
+            if (manifest->views[v].images[plain[k]] != NULL) continue;
+            char where[FFP_PATH_MAX + 64];
+            snprintf(where, sizeof where, "%s: views[%d]", manifest->file, v);
+            return ffp_fail(err, where, "view '%s' has no picture under the %s pattern '%s'",
+                            capture->views[v].id, k == 0 ? "black" : "white",
+                            capture->patterns[plain[k]].name);
+        }
+    }
+    return true;
+}
+
+// The first error of n, in the order of the list.
+static bool first_error(const FfpError *errors, const bool *ok, int n, FfpError *err) {
+    for (int i = 0; i < n; i++) {
+        if (!ok[i]) return ffp_fail(err, NULL, "%s", errors[i].text);
+    }
+    return true;
+}
+
+static bool load_pixels(FfpManifest *manifest, FfpCoverageSource *sources, FfpError *err) {
+    FfpCapture *capture = manifest->capture;
+    const int first = manifest->known_patterns, n = capture->n_patterns + capture->n_views;
+    FfpError *errors = ffp_arena_alloc(manifest->arena, (size_t)n, sizeof *errors);
+    bool *ok = ffp_arena_alloc(manifest->arena, (size_t)n, sizeof *ok);
+    for (int v = 0; v < capture->n_views; v++) {
+        capture->views[v].images = ffp_alloc((size_t)capture->n_patterns, sizeof(FfpImage));
+    }
+#pragma omp parallel for schedule(dynamic)
+    for (int i = 0; i < n; i++) {
+        const int v = i - capture->n_patterns;
+        if (i < first)
+            ok[i] = true;
+        else if (v < 0)
+            ok[i] = load_pattern(manifest, i, &errors[i]);
+        else
+            ok[i] = load_view(manifest, v, &sources[v], &errors[i]);
+    }
+    return first_error(errors, ok, n, err);
+}
+
+bool ffp_manifest_load(FfpManifest *manifest, FfpError *err) {
+    FfpCapture *capture = manifest->capture;
+    if (!settle_pattern_size(manifest, err) || !check_memory(manifest, err) || !check_pictures(manifest, err))
+        return false;
+    FfpCoverageSource *sources = ffp_arena_alloc(manifest->arena, (size_t)capture->n_views, sizeof *sources);
+    if (!load_pixels(manifest, sources, err)) return false;
+    if (manifest->targets) return true; // bounds and intensity are the reference's
+    int guessed = 0;
+    for (int v = 0; v < capture->n_views; v++) guessed += sources[v] == FFP_COVERAGE_GUESSED;
+    if (guessed > 0) {
+        ffp_note(
+            "%s: %d of %d views have neither alpha nor a mask; what white brightens is taken for the object",
+            capture->name, guessed, capture->n_views);
+    }
+    if (!manifest->has_bounds) ffp_capture_estimate_bounds(capture);
+    return capture->intensity_known || ffp_estimate_intensity(capture, manifest->file, err);
+}

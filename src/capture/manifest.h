@@ -1,0 +1,52 @@
+// What a capture's JSON says, whichever of the two kinds it is: the capture with everything but its pixels,
+// and the files that hold them. The readers of the JSON fill it in, load.c reads the pixels.
+#ifndef FFP_CAPTURE_MANIFEST_H
+#define FFP_CAPTURE_MANIFEST_H
+
+#include "base/arena.h"
+#include "capture/capture.h"
+#include "capture/fields.h"
+
+// Paths ready to be opened; NULL: there is none.
+typedef struct FfpViewFiles {
+    const char **images; // [FFP_PATTERNS_MAX]
+    const char *coverage, *depth, *normal, *albedo, *roughness, *direct_white;
+} FfpViewFiles;
+
+typedef struct FfpManifest {
+    FfpCapture *capture;
+    bool targets;          // poses to predict: views may lack black and white, or any image
+    int known_patterns;    // the first patterns have their images already (copied from the reference)
+    const char *file;      // the JSON, for messages
+    const char *folder;    // where it lies
+    FfpArena *arena;       // owns all paths
+    const char **patterns; // [FFP_PATTERNS_MAX] files; NULL: black or white without a file
+    FfpViewFiles *views;   // [n_views]
+    int pattern_width, pattern_height; // 0: as the pattern files are
+    bool mask_is_given; // views[].coverage was named in the JSON, so it outranks an alpha channel
+    real depth_scale;   // world units per unit of the depth files
+    bool has_bounds;    // centre and radius were given
+} FfpManifest;
+
+// Both take the parsed root; sizes, numbers, names and poses are checked, and files are known to exist
+// afterwards.
+bool ffp_manifest_from_scene(FfpManifest *manifest, const FfpField *root, FfpError *err);
+bool ffp_manifest_from_render_poses(FfpManifest *manifest, const FfpField *root, FfpError *err);
+
+// Shared by the two: room for n views; the index of a pattern, added when new (-1 with an error when there
+// are too many); a camera's numbers from the keys of either kind; a second view with one name is refused.
+void ffp_manifest_start_views(FfpManifest *manifest, int n);
+int ffp_manifest_pattern(FfpManifest *manifest, const char *name, const FfpField *field, FfpError *err);
+bool ffp_manifest_view_id(FfpManifest *manifest, int view, const FfpField *field, FfpError *err);
+// "folder/name" in the manifest's memory, or NULL when no such file exists.
+const char *ffp_manifest_path(FfpManifest *manifest, const char *folder, const char *name);
+
+#define FFP_FOCAL_MAX 1e7  // pixels
+#define FFP_CENTRE_MAX 1e7 // pixels: principal points may lie far outside the image
+#define FFP_CAMERA_SIDE_MIN 8
+#define FFP_PATTERN_SIDE_MIN 2
+
+// Reads all pixels, checks sizes, and completes the capture: coverage, bounds, intensity.
+bool ffp_manifest_load(FfpManifest *manifest, FfpError *err);
+
+#endif

@@ -1,0 +1,76 @@
+// Poses out of JSON: four rows of four numbers, checked to be rigid and then made so to the last bit.
+#include <math.h>
+
+#include "capture/fields.h"
+
+#define LENGTH_MAX 1e9       // world units; squares of it still fit a float
+#define RIGID_TOLERANCE 2e-3 // of R^T R - 1: exporters write single precision, people write four digits
+
+static double determinant(const double r[9]) {
+    return r[0] * (r[4] * r[8] - r[5] * r[7]) - r[1] * (r[3] * r[8] - r[5] * r[6]) +
+           r[2] * (r[3] * r[7] - r[4] * r[6]);
+}
+
+// g = R^T R; returns the largest |g - 1|.
+static double gram(const double r[9], double g[9]) {
+    double worst = 0;
+    for (int i = 0; i < 3; i++) {
+        for (int j = 0; j < 3; j++) {
+            g[3 * i + j] = r[i] * r[j] + r[3 + i] * r[3 + j] + r[6 + i] * r[6 + j];
+            worst = fmax(worst, fabs(g[3 * i + j] - (i == j)));
+        }
+    }
+    return worst;
+}
+
+// The nearest rotation, by Newton's iteration for the polar factor, R <- R (3 - R^T R) / 2; three steps take
+// an error of the tolerance's size below double precision.
+static void orthonormalise(double r[9]) {
+    for (int step = 0; step < 3; step++) {
+        double g[9], next[9];
+        gram(r, g);
+        for (int i = 0; i < 3; i++) {
+            for (int j = 0; j < 3; j++) {
+                double sum = 3 * r[3 * i + j];
+                for (int k = 0; k < 3; k++) sum -= r[3 * i + k] * g[3 * k + j];
+                next[3 * i + j] = sum / 2;
+            }
+        }
+        for (int i = 0; i < 9; i++) r[i] = next[i];
+    }
+}
+
+static bool check_rigid(const FfpField *field, const double r[9], const real last_row[4], FfpError *err) {
+    double g[9];
+    for (int i = 0; i < 4; i++) {
+        if (fabs((double)last_row[i] - (i == 3)) > 1e-6)
+            return ffp_field_fail(field, err, "last row is not 0 0 0 1");
+    }
+    const double error = gram(r, g), det = determinant(r);
+    if (fabs(det) < 1e-9) return ffp_field_fail(field, err, "matrix is singular");
+    if (error > RIGID_TOLERANCE) {
+        return ffp_field_fail(field, err, "matrix is not rigid: its axes have lengths %.4g, %.4g, %.4g",
+                              sqrt(g[0]), sqrt(g[4]), sqrt(g[8]));
+    }
+    return det > 0 || ffp_field_fail(field, err, "matrix mirrors: its axes are left-handed");
+}
+
+bool ffp_field_pose(const FfpField *field, bool blender, real pose[16], FfpError *err) {
+    int rows = 0;
+    if (!ffp_field_count(field, 4, 4, &rows, err)) return false;
+    for (int i = 0; i < rows; i++) {
+        FfpField row;
+        if (!ffp_field_item(field, i, &row, err)) return false;
+        if (!ffp_field_numbers(&row, 4, -LENGTH_MAX, LENGTH_MAX, pose + 4 * i, err)) return false;
+    }
+    double r[9];
+    for (int i = 0; i < 9; i++) r[i] = (double)pose[4 * (i / 3) + i % 3];
+    if (!check_rigid(field, r, pose + 12, err)) return false;
+    orthonormalise(r);
+    for (int i = 0; i < 9; i++) {
+        const double sign = blender && i % 3 > 0 ? -1 : 1; // M diag(1, -1, -1)
+        pose[4 * (i / 3) + i % 3] = (real)(sign * r[i]);
+    }
+    for (int i = 0; i < 4; i++) pose[12 + i] = i == 3;
+    return true;
+}

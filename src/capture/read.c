@@ -1,0 +1,136 @@
+// The way in: finds the JSON, sees which kind it is, and turns it into a capture.
+#define _XOPEN_SOURCE 700 // realpath
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/file.h"
+#include "capture/manifest.h"
+
+const char *ffp_manifest_path(FfpManifest *manifest, const char *folder, const char *name) {
+    char path[FFP_PATH_MAX];
+    if (!ffp_join_path(path, folder, name) || !ffp_is_file(path)) return NULL;
+    char *kept = ffp_arena_alloc(manifest->arena, strlen(path) + 1, 1);
+    return strcpy(kept, path);
+}
+
+int ffp_manifest_pattern(FfpManifest *manifest, const char *name, const FfpField *field, FfpError *err) {
+    FfpCapture *capture = manifest->capture;
+    const int found = ffp_capture_find_pattern(capture, name);
+    if (found >= 0) return found;
+    if (capture->n_patterns == FFP_PATTERNS_MAX) {
+        ffp_field_fail(field, err, "more than %d patterns", FFP_PATTERNS_MAX);
+        return -1;
+    }
+    strcpy(capture->patterns[capture->n_patterns].name, name);
+    return capture->n_patterns++;
+}
+
+void ffp_manifest_start_views(FfpManifest *manifest, int n) {
+    manifest->capture->n_views = n;
+    manifest->capture->views = ffp_alloc((size_t)n, sizeof(FfpView));
+    manifest->views = ffp_arena_alloc(manifest->arena, (size_t)n, sizeof *manifest->views);
+    for (int i = 0; i < n; i++) {
+        manifest->views[i].images = ffp_arena_alloc(manifest->arena, FFP_PATTERNS_MAX, sizeof(char *));
+    }
+}
+
+bool ffp_manifest_view_id(FfpManifest *manifest, int view, const FfpField *field, FfpError *err) {
+    FfpView *views = manifest->capture->views;
+    if (!ffp_field_name(field, views[view].id, err)) return false;
+    for (int i = 0; i < view; i++) {
+        if (strcmp(views[i].id, views[view].id) == 0) {
+            return ffp_field_fail(field, err, "view '%s' comes twice", views[view].id);
+        }
+    }
+    return true;
+}
+
+// The JSON's own path when `path` is one; in a folder the first of the names that is there.
+static bool find_json(char json[FFP_PATH_MAX], const char *path, const char *const *names, int n,
+                      FfpError *err) {
+    if (strlen(path) >= FFP_PATH_MAX) return ffp_fail(err, NULL, "path is too long");
+    if (!ffp_is_folder(path)) {
+        strcpy(json, path);
+        return ffp_is_file(path) || ffp_fail(err, path, "there is no such file or folder");
+    }
+    for (int i = 0; i < n; i++) {
+        if (ffp_join_path(json, path, names[i]) && ffp_is_file(json)) return true;
+    }
+    return ffp_fail(err, path, n == 1 ? "the folder has no %s" : "the folder has neither %s nor %s", names[0],
+                    names[n - 1]);
+}
+
+static void folder_of(char folder[FFP_PATH_MAX], const char *file) {
+    strcpy(folder, file);
+    char *slash = strrchr(folder, '/');
+    if (slash == NULL)
+        strcpy(folder, ".");
+    else if (slash == folder)
+        folder[1] = 0;
+    else
+        *slash = 0;
+}
+
+// A capture without a name is called as its folder is.
+static void name_after_folder(FfpCapture *capture) {
+    char *full = realpath(capture->folder, NULL);
+    const char *name = full != NULL ? ffp_basename(full) : "";
+    strcpy(capture->name, ffp_is_name(name) ? name : "capture");
+    free(full);
+}
+
+static bool read_manifest(FfpManifest *manifest, FfpError *err) {
+    FfpField root, format;
+    if (!ffp_field_open(&root, manifest->file, err)) return false;
+    const bool ours = ffp_field_find(&root, "format", &format);
+    const bool ok = ours ? ffp_manifest_from_scene(manifest, &root, err)
+                         : ffp_manifest_from_render_poses(manifest, &root, err);
+    json_decref(root.value);
+    if (ok && manifest->capture->name[0] == 0) name_after_folder(manifest->capture);
+    return ok && ffp_manifest_load(manifest, err);
+}
+
+// Reads `json` into *capture, which holds the reference's patterns already when `targets`.
+static bool read_capture(FfpCapture *capture, const char *json, bool targets, FfpError *err) {
+    folder_of(capture->folder, json);
+    FfpManifest manifest = {.capture = capture,
+                            .targets = targets,
+                            .known_patterns = capture->n_patterns,
+                            .file = json,
+                            .folder = capture->folder,
+                            .arena = ffp_arena_new()};
+    manifest.patterns = ffp_arena_alloc(manifest.arena, FFP_PATTERNS_MAX, sizeof(char *));
+    const bool ok = read_manifest(&manifest, err);
+    ffp_arena_free(manifest.arena);
+    if (!ok) ffp_capture_free(capture);
+    return ok;
+}
+
+bool ffp_capture_read(FfpCapture *capture, const char *path, FfpError *err) {
+    static const char *const names[2] = {"scene.json", "render_poses.json"};
+    char json[FFP_PATH_MAX];
+    *capture = (FfpCapture){.black = -1, .white = -1};
+    if (!find_json(json, path, names, 2, err)) return false;
+    capture->patterns = ffp_alloc(FFP_PATTERNS_MAX, sizeof(FfpPattern));
+    return read_capture(capture, json, false, err);
+}
+
+bool ffp_capture_read_targets(FfpCapture *targets, const char *path, const FfpCapture *reference,
+                              FfpError *err) {
+    static const char *const names[1] = {"targets.json"};
+    char json[FFP_PATH_MAX];
+    *targets = (FfpCapture){
+        .black = reference->black, .white = reference->white, .n_patterns = reference->n_patterns};
+    if (!find_json(json, path, names, 1, err)) return false;
+    targets->patterns = ffp_alloc(FFP_PATTERNS_MAX, sizeof(FfpPattern));
+    for (int i = 0; i < reference->n_patterns; i++) {
+        targets->patterns[i] = reference->patterns[i];
+        targets->patterns[i].image = ffp_image_copy(&reference->patterns[i].image);
+    }
+    if (!read_capture(targets, json, true, err)) return false;
+    memcpy(targets->centre, reference->centre, sizeof targets->centre);
+    memcpy(targets->intensity, reference->intensity, sizeof targets->intensity);
+    targets->radius = reference->radius;
+    targets->intensity_known = reference->intensity_known;
+    return true;
+}
