@@ -173,7 +173,7 @@ FfpModel *ffp_model_new(const FfpModelConfig *config, uint64_t seed, FfpError *e
 
 void ffp_model_free(FfpModel *model) {
     if (!model) return;
-    for (int i = 0; i < model->metadata_count; i++) free(model->metadata[i]);
+    for (int i = 0; i < 2 * model->metadata_count; i++) free(model->metadata[i]);
     free(model->metadata);
     free(model->parameters);
     free(model->layout);

@@ -103,11 +103,11 @@ static void fill_tensors(FfpTensor *tensors, char *bytes, const FfpModel *model,
 
 bool ffp_model_write(const FfpModel *model, const char *path, bool exact, const char *const *metadata,
                      int metadata_count, FfpError *err) {
-    for (int i = 0; i + 1 < metadata_count; i += 2)
+    for (int i = 0; i < 2 * metadata_count; i += 2)
         if (is_reserved(metadata[i]))
             return ffp_fail(err, place(path, metadata[i]).text, "a metadata key that is taken");
     char text[FIELDS][FFP_MODULES_MAX];
-    const char **strings = ffp_alloc(2 * OWN_KEYS + (size_t)metadata_count, sizeof *strings);
+    const char **strings = ffp_alloc(2 * (OWN_KEYS + (size_t)metadata_count), sizeof *strings);
     int count = 0;
     strings[count++] = "format", strings[count++] = FORMAT;
     strings[count++] = "format_version", strings[count++] = VERSION;
@@ -116,11 +116,11 @@ bool ffp_model_write(const FfpModel *model, const char *path, bool exact, const 
         strings[count++] = fields[i].key;
         strings[count++] = text[i];
     }
-    for (int i = 0; i < metadata_count; i++) strings[count++] = metadata[i];
+    for (int i = 0; i < 2 * metadata_count; i++) strings[count++] = metadata[i];
     FfpTensor *tensors = ffp_alloc((size_t)model->n_parameters, sizeof *tensors);
     char *bytes = ffp_alloc((size_t)model->count, 4);
     fill_tensors(tensors, bytes, model, exact);
-    const bool ok = ffp_safetensors_write(path, tensors, model->n_parameters, strings, count, err);
+    const bool ok = ffp_safetensors_write(path, tensors, model->n_parameters, strings, count / 2, err);
     free(bytes);
     free(tensors);
     free(strings);
@@ -173,13 +173,13 @@ static bool read_parameter(const FfpModel *model, const FfpParameter *p, const F
 }
 
 static bool keep_metadata(FfpModel *model, const FfpSafetensors *file, const char *path, FfpError *err) {
-    model->metadata = ffp_alloc((size_t)file->metadata_count + 1, sizeof *model->metadata);
-    for (int i = 0; i + 1 < file->metadata_count; i += 2) {
-        if (is_reserved(file->metadata[i])) continue;
+    model->metadata = ffp_alloc(2 * (size_t)file->metadata_count + 1, sizeof *model->metadata);
+    for (int i = 0; i < file->metadata_count; i++) {
+        if (is_reserved(file->metadata[2 * i])) continue;
+        char **pair = model->metadata + 2 * model->metadata_count++;
         for (int k = 0; k < 2; k++) {
-            char *text = strdup(file->metadata[i + k]);
-            if (!text) return ffp_fail(err, path, "out of memory");
-            model->metadata[model->metadata_count++] = text;
+            pair[k] = strdup(file->metadata[2 * i + k]);
+            if (!pair[k]) return ffp_fail(err, path, "out of memory");
         }
     }
     return true;

@@ -88,8 +88,8 @@ static bool read_metadata(FfpSafetensors *file, const json_t *object, const char
         if (!json_is_string(value))
             return ffp_fail(err, place(path, key).text, "a metadata value that is no string");
         char *k = strdup(key), *v = strdup(json_string_value(value));
-        file->metadata[file->metadata_count++] = k;
-        file->metadata[file->metadata_count++] = v;
+        file->metadata[2 * file->metadata_count] = k;
+        file->metadata[2 * file->metadata_count++ + 1] = v;
         if (!k || !v) return ffp_fail(err, path, "out of memory");
     }
     return true;
@@ -179,7 +179,7 @@ bool ffp_safetensors_read(FfpSafetensors *file, const char *path, FfpError *err)
 }
 
 void ffp_safetensors_free(FfpSafetensors *file) {
-    for (int i = 0; i < file->metadata_count; i++) free(file->metadata[i]);
+    for (int i = 0; i < 2 * file->metadata_count; i++) free(file->metadata[i]);
     free(file->metadata);
     free(file->tensors);
     free(file->bytes);
@@ -193,8 +193,8 @@ const FfpTensor *ffp_safetensors_find(const FfpSafetensors *file, const char *na
 }
 
 const char *ffp_safetensors_metadata(const FfpSafetensors *file, const char *key) {
-    for (int i = 0; i + 1 < file->metadata_count; i += 2)
-        if (strcmp(file->metadata[i], key) == 0) return file->metadata[i + 1];
+    for (int i = 0; i < file->metadata_count; i++)
+        if (strcmp(file->metadata[2 * i], key) == 0) return file->metadata[2 * i + 1];
     return NULL;
 }
 
@@ -254,7 +254,7 @@ static char *print_header(const FfpTensor *tensors, int count, const char *const
                           int metadata_count, const char *path, FfpError *err) {
     json_t *header = json_object(), *strings = json_object();
     bool ok = header && strings ? true : ffp_fail(err, path, "out of memory");
-    for (int i = 0; ok && i + 1 < metadata_count; i += 2)
+    for (int i = 0; ok && i < 2 * metadata_count; i += 2)
         if (json_object_set_new(strings, metadata[i], json_string(metadata[i + 1])) != 0)
             ok = ffp_fail(err, place(path, metadata[i]).text, "metadata that is not UTF-8");
     if (ok) json_object_set(header, METADATA_KEY, strings);

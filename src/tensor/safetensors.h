@@ -26,8 +26,8 @@ typedef struct FfpTensor {
 typedef struct FfpSafetensors {
     int count;
     FfpTensor *tensors;
-    int metadata_count;
-    char **metadata; // key, value, key, value, ...
+    int metadata_count; // pairs
+    char **metadata;    // key, value, key, value, ...
     char *bytes;     // owned
 } FfpSafetensors;
 
@@ -38,7 +38,7 @@ const char *ffp_safetensors_metadata(const FfpSafetensors *file, const char *key
 // Converts F32, BF16, F16 or F64 data to real; false when the dtype is an integer.
 bool ffp_tensor_to_real(const FfpTensor *tensor, real *out);
 
-// Writing: tensors with F32, F64, I64, U8 or BF16 data as given (BF16 data are uint16_t); atomic.
+// Writing, metadata_count pairs of metadata (NULL when 0): tensors with F32, F64, I64, U8 or BF16 data as given (BF16 data are uint16_t); atomic.
 bool ffp_safetensors_write(const char *path, const FfpTensor *tensors, int count, const char *const *metadata,
                            int metadata_count, FfpError *err);
 uint16_t ffp_bf16_from_float(float value); // round to nearest even; NaN stays NaN

@@ -135,7 +135,7 @@ static void test_round_trip(void **state) {
     const char *metadata[] = {"steps", "1200", "commit", "abc"};
     FfpError err;
     for (int exact = 0; exact < 2; exact++) {
-        assert_true(ffp_model_write(model, FILE_NAME, exact, metadata, 4, &err));
+        assert_true(ffp_model_write(model, FILE_NAME, exact, metadata, 2, &err));
         FfpModel *read = ffp_model_read(FILE_NAME, &err);
         if (!read) print_error("%s\n", err.text);
         assert_non_null(read);
@@ -146,7 +146,7 @@ static void test_round_trip(void **state) {
         assert_int_equal(read->config.pixel_hidden, model->config.pixel_hidden);
         assert_true(read->config.residual && read->config.match_input && read->config.pixel_skip);
         assert_int_equal(read->count, model->count);
-        assert_int_equal(read->metadata_count, 4);
+        assert_int_equal(read->metadata_count, 2);
         for (int i = 0; i < 4; i++) assert_string_equal(read->metadata[i], metadata[i]);
         for (int i = 0; i < model->n_parameters; i++) {
             const FfpParameter *p = &model->parameters[i];
@@ -158,7 +158,7 @@ static void test_round_trip(void **state) {
         ffp_model_free(read);
     }
     const char *taken[] = {"model.dim", "128"};
-    assert_false(ffp_model_write(model, FILE_NAME, false, taken, 2, &err));
+    assert_false(ffp_model_write(model, FILE_NAME, false, taken, 1, &err));
     expect(&err, "model.dim");
     ffp_model_free(model);
     unlink(FILE_NAME);
@@ -187,10 +187,10 @@ static void check_spoilt(Spoil *spoil, const char *part) {
 }
 
 static void set_metadata(FfpSafetensors *file, const char *key, const char *value) {
-    for (int i = 0; i < file->metadata_count; i += 2)
-        if (strcmp(file->metadata[i], key) == 0) {
-            free(file->metadata[i + 1]);
-            file->metadata[i + 1] = strdup(value);
+    for (int i = 0; i < file->metadata_count; i++)
+        if (strcmp(file->metadata[2 * i], key) == 0) {
+            free(file->metadata[2 * i + 1]);
+            file->metadata[2 * i + 1] = strdup(value);
             return;
         }
     fail();
@@ -260,7 +260,7 @@ static void claim_version(FfpSafetensors *file) {
     set_metadata(file, "format_version", "2");
 }
 static void drop_metadata(FfpSafetensors *file) {
-    for (int i = 0; i < file->metadata_count; i++) free(file->metadata[i]);
+    for (int i = 0; i < 2 * file->metadata_count; i++) free(file->metadata[i]);
     file->metadata_count = 0;
 }
 
