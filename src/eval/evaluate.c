@@ -53,8 +53,9 @@ typedef struct Means {
 
 // --- Which pictures a protocol asks for. ---
 
-static bool is_lollipop(const FfpCapture *capture, int pattern) {
-    return strncmp(capture->patterns[pattern].name, "lollipop", 8) == 0;
+// Black, white, lollipops, and whatever else the capture does not hold back.
+static bool is_input(const Subject *subject, const FfpCapture *views, int pattern) {
+    return pattern == subject->active || !views->patterns[pattern].novel;
 }
 
 static Protocol protocol_new(const char *name, const Subject *subject) {
@@ -64,8 +65,7 @@ static Protocol protocol_new(const char *name, const Subject *subject) {
     const FfpCapture *views = protocol.views;
     protocol.wanted = ffp_alloc(views->n_patterns, sizeof *protocol.wanted);
     for (int p = 0; p < views->n_patterns; p++) {
-        const bool input =
-            p == views->black || p == views->white || p == subject->active || is_lollipop(views, p);
+        const bool input = is_input(subject, views, p);
         protocol.wanted[p] = poses || input == rendering;
         for (int v = 0; protocol.wanted[p] && v < views->n_views; v++)
             protocol.total += views->views[v].images[p].data != NULL;
@@ -145,9 +145,9 @@ static double score_picture(Subject *subject, const Protocol *protocol, int view
     if (isfinite(foreground)) means->foreground += foreground, means->images_foreground++;
     if (subject->shared->lpips)
         means->lpips += ffp_perceptual_loss(subject->shared->lpips, prediction, truth, 1, NULL);
-    if (strcmp(protocol->name, "rendering") == 0 && pattern != subject->active &&
-        is_lollipop(protocol->views, pattern))
-        means->unseen += psnr, means->images_unseen++;
+    const FfpCapture *views = protocol->views;
+    const bool given = pattern == subject->active || pattern == views->black || pattern == views->white;
+    if (strcmp(protocol->name, "rendering") == 0 && !given) means->unseen += psnr, means->images_unseen++;
     return psnr;
 }
 

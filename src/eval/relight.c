@@ -123,10 +123,8 @@ FfpImage ffp_map_picture(const FfpGbuffer *gbuffer, FfpMap map) {
 }
 
 bool ffp_pattern_read(FfpPattern *pattern, const char *path, int width, int height, FfpError *err) {
-    FfpImage rgba;
-    if (!ffp_image_read(&rgba, path, FFP_COLOUR_LINEAR, err)) return false;
-    pattern->image = ffp_image_over_black(&rgba);
-    ffp_image_free(&rgba);
+    *pattern = (FfpPattern){.novel = true};
+    if (!ffp_image_read_over_black(&pattern->image, NULL, path, err)) return false;
     if (pattern->image.width != width || pattern->image.height != height) {
         ffp_note("pattern %s: resized from %d x %d to the projector's %d x %d", path, pattern->image.width,
                  pattern->image.height, width, height);
