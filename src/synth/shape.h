@@ -15,6 +15,17 @@ typedef struct FfpV3 {
 } FfpV3;
 static inline FfpV3 ffp_v3(float x, float y, float z) { return (FfpV3){x, y, z}; }
 
+// Random numbers for the families. Draws never stand side by side in one argument list: C leaves their order open, and the
+// meshes must not depend on the compiler.
+static inline float ffp_draw(FfpRng *rng, float low, float high) { return ffp_rng_range(rng, low, high); }
+static inline int ffp_pick(FfpRng *rng, int low, int high) {
+    return low + (int)ffp_rng_below(rng, (uint32_t)(high - low + 1));
+}
+static inline FfpV3 ffp_draw3(FfpRng *rng, FfpV3 low, FfpV3 high) {
+    const float x = ffp_draw(rng, low.x, high.x), y = ffp_draw(rng, low.y, high.y);
+    return ffp_v3(x, y, ffp_draw(rng, low.z, high.z));
+}
+
 typedef enum FfpPartKind {
     FFP_PART_ELLIPSOID,    // size: half axes
     FFP_PART_CONE,         // rounded cone from the centre along +z; size: radius there, radius at the end, length
