@@ -60,14 +60,15 @@ typedef struct FfpModel {
     int64_t count;            // all values
     real *values;             // [count]
     struct FfpLayout *layout; // where each layer finds its parameters
-    int metadata_count;       // the training story from the file: key, value, ...
-    char **metadata;
+    int metadata_count;       // pairs: the training story from the file
+    char **metadata;          // key, value, key, value, ...
 } FfpModel;
 
 FfpModel *ffp_model_new(const FfpModelConfig *config, uint64_t seed, FfpError *err);
 void ffp_model_free(FfpModel *model);
-// Weights file: safetensors, bf16 (or F32 when `exact`), with the configuration and `metadata` (key, value
-// pairs).
+// Weights file: safetensors with the configuration and metadata_count pairs of `metadata` (key, value, key,
+// value, ...). Matrices are bf16, or F32 when `exact`; vectors (gains, biases, Mamba2's rates) F32 always.
+// Keys "format", "format_version" and "model.*" are taken.
 bool ffp_model_write(const FfpModel *model, const char *path, bool exact, const char *const *metadata,
                      int metadata_count, FfpError *err);
 FfpModel *ffp_model_read(const char *path, FfpError *err);
