@@ -88,6 +88,15 @@ static void edit(json_t *at, const char *path, const char *text) {
         assert_int_equal(json_object_del(at, part), 0);
 }
 
+// Every refusal below is of this capture with one thing changed.
+static void test_the_sound_capture_is_taken(void **state) {
+    (void)state;
+    char arguments[256];
+    snprintf(arguments, sizeof arguments, "info %s", capture);
+    run_program(&run, scratch, arguments);
+    assert_int_equal(run.status, 0);
+}
+
 typedef struct Edit {
     const char *path, *text, *where;
 } Edit;
@@ -470,6 +479,7 @@ static int group_teardown(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_the_sound_capture_is_taken),
         cmocka_unit_test(test_fields_that_are_missing_or_wrong),
         cmocka_unit_test(test_json_that_is_no_capture),
         cmocka_unit_test(test_a_number_that_is_no_number),
