@@ -13,10 +13,12 @@ typedef struct Backward {
     FfpScanLayout layout;
 } Backward;
 
-static real dot(const real *a, const real *b, size_t count) {
-    real sum = 0;
+// In double also where real is float: the terms of dcs cancel, and a_log's gradient sums what is left of
+// them.
+static double dot(const real *a, const real *b, size_t count) {
+    double sum = 0;
 #pragma omp simd reduction(+ : sum)
-    for (size_t i = 0; i < count; i++) sum += a[i] * b[i];
+    for (size_t i = 0; i < count; i++) sum += (double)a[i] * (double)b[i];
     return sum;
 }
 
@@ -112,18 +114,19 @@ static void finish_head(const Backward *pass, const FfpScanChunk *chunk, int hea
         const size_t out = (size_t)(chunk->row + t) * layout->width + (size_t)head * width;
         const real *x = in->x + row, *dy_row = pass->dy + out, dt = layout->dt[at];
         real *dx = pass->grad->x + row;
-        const real x_grad = dot(x, dx, width), x_dy = dot(x, dy_row, width);
-        layout->x_grad_dot[at] = x_grad;
-        layout->x_dy_dot[at] = x_dy;
-        layout->dcs[at] = dot(pass->y + out, dy_row, width) - skip * x_dy - dt * x_grad;
+        const double x_grad = dot(x, dx, width), x_dy = dot(x, dy_row, width);
+        layout->x_grad_dot[at] = (real)x_grad;
+        layout->x_dy_dot[at] = (real)x_dy;
+        layout->dcs[at] =
+            (real)(dot(pass->y + out, dy_row, width) - (double)skip * x_dy - (double)dt * x_grad);
         for (int p = 0; p < shape->head_dim; p++) dx[p] = dt * dx[p] + skip * dy_row[p];
     }
     const int next = chunk->index + (shape->reverse ? -1 : 1);
     if (next < 0 || next >= layout->chunks) return; // nothing reads the last state
     const size_t offset = (size_t)head * per_head;
     layout->dcs[(size_t)head * shape->rows + chunk->row + chunk->end] +=
-        dot(layout->state_grads + (size_t)chunk->index * layout->state_size + offset,
-            layout->states + (size_t)next * layout->state_size + offset, per_head);
+        (real)dot(layout->state_grads + (size_t)chunk->index * layout->state_size + offset,
+                  layout->states + (size_t)next * layout->state_size + offset, per_head);
 }
 
 static void chunk_backward(const Backward *pass, const FfpScanChunk *chunk) {
