@@ -49,6 +49,7 @@ static bool tell_capture(FILE *out, const char *path, FfpError *err) {
     for (int p = 0; p < capture.n_patterns; p++) {
         fputc(' ', out);
         put_text(out, capture.patterns[p].name);
+        if (capture.patterns[p].novel) fputs(" (held back)", out);
     }
     const int active = ffp_capture_active_pattern(&capture, NULL, NULL);
     fputs("\nreconstructs from ", out);
