@@ -63,10 +63,20 @@ static void start_transmittance(const Tile *tile, real *transmittance) {
             transmittance[y * FFP_TILE + x] = x < tile->width && y < tile->height ? 1 : 0;
 }
 
-static bool tile_is_full(const real *transmittance) {
-    real most = 0;
-    for (int p = 0; p < PIXELS; p++) most = most > transmittance[p] ? most : transmittance[p];
-    return most == 0;
+// Which of a tile's rows have a pixel that is not at its end; false when none has.
+static bool find_open_rows(const real *transmittance, bool open[FFP_TILE]) {
+    bool any = false;
+    for (int y = 0; y < FFP_TILE; y++) {
+        real most = 0;
+#pragma omp simd reduction(max : most)
+        for (int x = 0; x < FFP_TILE; x++) {
+            const real T = transmittance[y * FFP_TILE + x];
+            most = most > T ? most : T;
+        }
+        open[y] = most > 0;
+        any |= open[y];
+    }
+    return any;
 }
 
 // One splat over a row: its density o exp(-sigma), and alpha, 0 where below 1/255 or where the pixel has come
@@ -100,26 +110,38 @@ static Rows splat_rows(const FfpSplat *s, const Tile *tile) {
     return (Rows){first > 0 ? first : 0, end < tile->height ? end : tile->height};
 }
 
-static void blend_tile(const FfpRaster *raster, const Tile *tile, int channels,
-                       real sum[FFP_CHANNELS][PIXELS], real *distortion) {
-    real transmittance[PIXELS], density[FFP_TILE], alpha[FFP_TILE], before[FFP_TILE], weight[FFP_TILE];
-    start_transmittance(tile, transmittance);
+// A tile's pixels while they are blended.
+typedef struct Sums {
+    real value[FFP_CHANNELS][PIXELS], distortion[PIXELS], transmittance[PIXELS];
+} Sums;
+
+static void blend_row(const FfpSplat *s, const Tile *tile, int y, int channels, Sums *restrict sums) {
+    const int row = y * FFP_TILE;
+    const real dy = s->y - ((real)(tile->y0 + y) + 0.5F), z = s->value[FFP_CHANNEL_DEPTH];
+    real density[FFP_TILE], alpha[FFP_TILE], before[FFP_TILE], weight[FFP_TILE];
+    cover_row(s, (real)tile->x0 + 0.5F, dy, sums->transmittance + row, density, alpha, before);
+    // Distortion, each pair with those in front of it, twice: 2 w (z sum w_j - sum w_j z_j).
+#pragma omp simd
+    for (int x = 0; x < FFP_TILE; x++) {
+        weight[x] = alpha[x] * before[x];
+        sums->distortion[row + x] += 2 * weight[x] * (z * sums->value[0][row + x] - sums->value[1][row + x]);
+    }
+    for (int k = 0; k < channels; k++) {
+        const real value = s->value[k];
+#pragma omp simd
+        for (int x = 0; x < FFP_TILE; x++) sums->value[k][row + x] += weight[x] * value;
+    }
+}
+
+static void blend_tile(const FfpRaster *raster, const Tile *tile, int channels, Sums *sums) {
+    bool open[FFP_TILE];
+    start_transmittance(tile, sums->transmittance);
     for (int64_t i = 0; i < tile->count; i++) {
-        if (i % FFP_TILE == 0 && tile_is_full(transmittance)) break;
+        if (i % FFP_TILE == 0 && !find_open_rows(sums->transmittance, open)) break;
         const FfpSplat *s = &raster->splats[tile->order[i]];
         const Rows rows = splat_rows(s, tile);
-        for (int y = rows.first; y < rows.end; y++) {
-            const int row = y * FFP_TILE;
-            const real dy = s->y - ((real)(tile->y0 + y) + 0.5F), z = s->value[FFP_CHANNEL_DEPTH];
-            cover_row(s, (real)tile->x0 + 0.5F, dy, transmittance + row, density, alpha, before);
-            // Distortion, each pair with those in front of it, twice: 2 w (z sum w_j - sum w_j z_j).
-            for (int x = 0; x < FFP_TILE; x++) {
-                weight[x] = alpha[x] * before[x];
-                distortion[row + x] += 2 * weight[x] * (z * sum[0][row + x] - sum[1][row + x]);
-            }
-            for (int k = 0; k < channels; k++)
-                for (int x = 0; x < FFP_TILE; x++) sum[k][row + x] += weight[x] * s->value[k];
-        }
+        for (int y = rows.first; y < rows.end; y++)
+            if (open[y]) blend_row(s, tile, y, channels, sums);
     }
 }
 
@@ -129,14 +151,16 @@ void ffp_blend(const FfpRaster *raster, int channels, FfpGbuffer *out) {
 #pragma omp parallel for schedule(dynamic)
     for (int t = 0; t < tiles; t++) {
         const Tile tile = find_tile(raster, t);
-        real sum[FFP_CHANNELS][PIXELS] = {0}, distortion[PIXELS] = {0};
-        blend_tile(raster, &tile, channels, sum, distortion);
+        Sums sums;
+        memset(&sums, 0, sizeof sums);
+        blend_tile(raster, &tile, channels, &sums);
         for (int y = 0; y < tile.height; y++)
             for (int x = 0; x < tile.width; x++) {
                 const size_t pixel = (size_t)(tile.y0 + y) * (size_t)raster->width + (size_t)(tile.x0 + x);
+                const int i = y * FFP_TILE + x;
                 for (int k = 0; k < channels; k++)
-                    planes.plane[k][pixel * (size_t)planes.stride[k]] = sum[k][y * FFP_TILE + x];
-                if (out->distortion) out->distortion[pixel] = distortion[y * FFP_TILE + x];
+                    planes.plane[k][pixel * (size_t)planes.stride[k]] = sums.value[k][i];
+                if (out->distortion) out->distortion[pixel] = sums.distortion[i];
             }
     }
 }
@@ -185,18 +209,18 @@ static void blend_row_backward(const FfpSplat *s, const Tile *tile, int y, Pixel
                                Lanes *restrict lanes) {
     const int row = y * FFP_TILE;
     const real dy = s->y - ((real)(tile->y0 + y) + 0.5F), z = s->value[FFP_CHANNEL_DEPTH];
-    real density[FFP_TILE], alpha[FFP_TILE], before[FFP_TILE], weight[FFP_TILE], slope[FFP_TILE] = {0};
+    real density[FFP_TILE], alpha[FFP_TILE], before[FFP_TILE], weight[FFP_TILE];
     cover_row(s, (real)tile->x0 + 0.5F, dy, p->transmittance + row, density, alpha, before);
-    for (int k = 0; k < FFP_CHANNELS; k++)
-        for (int x = 0; x < FFP_TILE; x++) slope[x] += p->grad[k][row + x] * s->value[k];
 #pragma omp simd
     for (int x = 0; x < FFP_TILE; x++) {
         const int i = row + x;
+        real slope = 0;
+        for (int k = 0; k < FFP_CHANNELS; k++) slope += p->grad[k][i] * s->value[k];
         const real w = weight[x] = alpha[x] * before[x];
-        const real balance =
-            2 * p->opacity_so_far[i] + w - p->opacity[i]; // weight in front less weight behind
+        // weight in front less weight behind
+        const real balance = 2 * p->opacity_so_far[i] + w - p->opacity[i];
         const real spread = 2 * p->grad_distortion[i];
-        const real dw = slope[x] + spread * (z * balance + p->depth[i] - 2 * p->depth_so_far[i] - w * z);
+        const real dw = slope + spread * (z * balance + p->depth[i] - 2 * p->depth_so_far[i] - w * z);
         p->rest[i] -= w * dw;
         p->opacity_so_far[i] += w;
         p->depth_so_far[i] += w * z;
@@ -209,6 +233,7 @@ static void blend_row_backward(const FfpSplat *s, const Tile *tile, int y, Pixel
         lanes->value[FFP_CHANNEL_DEPTH][x] += w * spread * balance;
     }
     for (int k = 1; k < FFP_CHANNELS; k++)
+#pragma omp simd
         for (int x = 0; x < FFP_TILE; x++) lanes->value[k][x] += weight[x] * p->grad[k][row + x];
 }
 
@@ -243,18 +268,20 @@ static FfpSplatGrad *slot_of(const FfpRaster *raster, int32_t s, const Tile *til
 }
 
 static void blend_tile_backward(const FfpRaster *raster, const Tile *tile, Pixels *pixels) {
-    bool full = false;
+    bool open[FFP_TILE], any = true;
     for (int64_t i = 0; i < tile->count; i++) {
         const FfpSplat *s = &raster->splats[tile->order[i]];
         FfpSplatGrad *slot = slot_of(raster, tile->order[i], tile);
-        if (i % FFP_TILE == 0 && !full) full = tile_is_full(pixels->transmittance);
-        if (full) {
+        if (i % FFP_TILE == 0 && any) any = find_open_rows(pixels->transmittance, open);
+        if (!any) {
             memset(slot, 0, sizeof *slot);
             continue;
         }
-        Lanes lanes = {0};
+        Lanes lanes;
+        memset(&lanes, 0, sizeof lanes);
         const Rows rows = splat_rows(s, tile);
-        for (int y = rows.first; y < rows.end; y++) blend_row_backward(s, tile, y, pixels, &lanes);
+        for (int y = rows.first; y < rows.end; y++)
+            if (open[y]) blend_row_backward(s, tile, y, pixels, &lanes);
         gather_lanes(s, tile, &lanes, slot);
     }
 }

@@ -27,9 +27,9 @@ static real length2(const real v[2]) {
     return v[0] * v[0] + v[1] * v[1];
 }
 
-// Change of the pattern position over one pixel step along an image axis: the smaller of the two one-sided
-// differences (the larger may reach over a depth jump), no more than TILT_MAX times that at constant depth,
-// which also stands in where neither neighbour has a surface.
+// Change of the pattern position over one pixel step along an image axis: the one-sided difference to the
+// neighbour nearest in depth (the other may lie beyond a depth jump), no more than TILT_MAX times that at
+// constant depth, which also stands in where neither neighbour has a surface.
 static void pattern_step(const Mapper *m, int x, int y, int along_x, int along_y, const real here[2], real z,
                          real step[2]) {
     const FfpGbuffer *g = m->gbuffer;
@@ -45,12 +45,11 @@ static void pattern_step(const Mapper *m, int x, int y, int along_x, int along_y
         if (nx < 0 || ny < 0 || nx >= g->width || ny >= g->height) continue;
         const int n = ny * g->width + nx;
         if (!(g->opacity[n] > FFP_OPACITY_MIN)) continue;
+        const real depth = g->depth[n] / g->opacity[n], jump = fabs(depth - z);
         real there[2];
-        if (!(pattern_position(m, nx, ny, g->depth[n] / g->opacity[n], there) > 0)) continue;
-        const real difference[2] = {there[0] - here[0], there[1] - here[1]};
-        if (length2(difference) >= least) continue;
-        least = length2(difference);
-        step[0] = difference[0], step[1] = difference[1];
+        if (!(jump < least) || !(pattern_position(m, nx, ny, depth, there) > 0)) continue;
+        least = jump;
+        step[0] = there[0] - here[0], step[1] = there[1] - here[1];
     }
     const real most = TILT_MAX * TILT_MAX * length2(flat);
     if (length2(step) <= most) return;

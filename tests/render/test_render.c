@@ -1,0 +1,532 @@
+// The renderer against a brute-force one in double, against physics, and against itself. `--bench` times it
+// instead.
+#include <math.h>
+#include <omp.h>
+#include "support.h"
+#include "base/arena.h"
+#include "base/log.h"
+#include "render/scenes.h"
+
+static const real eye[3] = {2.1F, -1.7F, 1.1F}, origin[3] = {0, 0, 0};
+#define PI 3.14159265358979324
+
+// A splat as the reference sees it, worked out by itself from the textbook formulas.
+typedef struct Reference {
+    double x, y, z, inverse[3], opacity, value[12];
+} Reference;
+
+static void reference_rotation(const real given[4], double R[3][3]) {
+    double q[4], length = 0;
+    for (int k = 0; k < 4; k++) length += (double)given[k] * (double)given[k];
+    for (int k = 0; k < 4; k++) q[k] = (double)given[k] / sqrt(length);
+    const double w = q[0], x = q[1], y = q[2], z = q[3];
+    const double m[3][3] = {{1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)},
+                            {2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)},
+                            {2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)}};
+    memcpy(R, m, sizeof m);
+}
+
+// Sigma = R S S R^T taken to the camera, then through the perspective's derivative; all splats well inside
+// the image.
+static void reference_covariance(const FfpCamera *c, double R[3][3], const real *scale, const double t[3],
+                                 double out[3]) {
+    double world[3][3] = {{0}}, view[3][3] = {{0}};
+    for (int i = 0; i < 9; i++)
+        for (int k = 0; k < 3; k++)
+            world[i / 3][i % 3] += R[i / 3][k] * R[i % 3][k] * (double)scale[k] * (double)scale[k];
+    for (int i = 0; i < 9; i++)
+        for (int k = 0; k < 9; k++)
+            view[i / 3][i % 3] += (double)c->pose[4 * (k / 3) + i / 3] * world[k / 3][k % 3] *
+                                  (double)c->pose[4 * (k % 3) + i % 3];
+    const double fx = (double)c->fx, fy = (double)c->fy, z = t[2];
+    const double J[2][3] = {{fx / z, 0, -fx * t[0] / (z * z)}, {0, fy / z, -fy * t[1] / (z * z)}};
+    out[0] = out[1] = out[2] = 0;
+    for (int k = 0; k < 9; k++) {
+        out[0] += J[0][k / 3] * view[k / 3][k % 3] * J[0][k % 3];
+        out[1] += J[0][k / 3] * view[k / 3][k % 3] * J[1][k % 3];
+        out[2] += J[1][k / 3] * view[k / 3][k % 3] * J[1][k % 3];
+    }
+}
+
+static Reference reference_splat(const FfpGaussians *g, int64_t i, const FfpCamera *c,
+                                 const FfpRenderSettings *settings) {
+    Reference r = {0};
+    double R[3][3], t[3] = {0}, cov[3], along = 0;
+    const real *s = g->scale + 3 * i;
+    reference_rotation(g->rotation + 4 * i, R);
+    for (int k = 0; k < 9; k++)
+        t[k / 3] += (double)c->pose[4 * (k % 3) + k / 3] *
+                    ((double)g->centre[3 * i + k % 3] - (double)c->pose[4 * (k % 3) + 3]);
+    reference_covariance(c, R, s, t, cov);
+    r.x = (double)c->fx * t[0] / t[2] + (double)c->cx, r.y = (double)c->fy * t[1] / t[2] + (double)c->cy,
+    r.z = t[2];
+    const double b = (double)settings->blur, before = cov[0] * cov[2] - cov[1] * cov[1];
+    const double det = (cov[0] + b) * (cov[2] + b) - cov[1] * cov[1];
+    r.inverse[0] = (cov[2] + b) / det, r.inverse[1] = -cov[1] / det, r.inverse[2] = (cov[0] + b) / det;
+    r.opacity = (double)g->opacity[i] * (settings->compensation ? sqrt(fmax(before / det, 2.5e-5)) : 1);
+    int axis = 0;
+    for (int k = 1; k < 3; k++)
+        if (s[k] < s[axis]) axis = k;
+    for (int k = 0; k < 3; k++)
+        along += R[k][axis] * ((double)g->centre[3 * i + k] - (double)c->pose[4 * k + 3]);
+    r.value[0] = 1, r.value[1] = t[2], r.value[8] = (double)g->roughness[i];
+    for (int k = 0; k < 3; k++) {
+        r.value[2 + k] = along > 0 ? -R[k][axis] : R[k][axis];
+        r.value[5 + k] = (double)g->albedo[3 * i + k];
+        r.value[9 + k] = (double)g->ambient[3 * i + k];
+    }
+    return r;
+}
+
+static int nearer(const void *a, const void *b) {
+    const double x = ((const Reference *)a)->z, y = ((const Reference *)b)->z;
+    return (x > y) - (x < y);
+}
+
+// All splats at one pixel, near to far: 12 sums and the distortion by its definition, over all ordered pairs.
+// Returns whether any decision (1/255, the end of the transmittance) was so near that rounding may turn it.
+static bool reference_pixel(const Reference *splats, int count, int x, int y, double out[13]) {
+    double T = 1, *w = calloc((size_t)count, sizeof *w);
+    bool near = false;
+    memset(out, 0, 13 * sizeof *out);
+    for (int i = 0; i < count; i++) {
+        const Reference *s = &splats[i];
+        const double dx = s->x - (x + 0.5), dy = s->y - (y + 0.5);
+        const double sigma =
+            0.5 * (s->inverse[0] * dx * dx + s->inverse[2] * dy * dy) + s->inverse[1] * dx * dy;
+        const double alpha = fmin(0.99, s->opacity * exp(-sigma));
+        near |= fabs(alpha * 255 - 1) < 1e-3;
+        if (alpha < 1. / 255) continue;
+        near |= fabs(T * (1 - alpha) * 1e4 - 1) < 1e-3;
+        if (T * (1 - alpha) <= 1e-4) break;
+        w[i] = alpha * T;
+        T *= 1 - alpha;
+        for (int k = 0; k < 12; k++) out[k] += w[i] * s->value[k];
+    }
+    for (int i = 0; i < count; i++)
+        for (int j = 0; j < count; j++) out[12] += w[i] * w[j] * fabs(splats[i].z - splats[j].z);
+    free(w);
+    return near;
+}
+
+static void check_against_brute_force(const FfpGaussians *g, FfpCamera camera, FfpRenderSettings settings) {
+    FfpRaster *raster = ffp_raster_new();
+    FfpGbuffer out = ffp_gbuffer_new(camera.width, camera.height);
+    Reference *splats = calloc((size_t)g->count, sizeof *splats);
+    ffp_rasterise(raster, g, &camera, &settings, &out);
+    for (int64_t i = 0; i < g->count; i++) splats[i] = reference_splat(g, i, &camera, &settings);
+    qsort(splats, (size_t)g->count, sizeof *splats, nearer);
+    int skipped = 0, pixels = camera.width * camera.height;
+    for (int p = 0; p < pixels; p++) {
+        double want[13];
+        const double got[13] = {out.opacity[p],        out.depth[p],           out.normal[3 * p],
+                                out.normal[3 * p + 1], out.normal[3 * p + 2],  out.albedo[3 * p],
+                                out.albedo[3 * p + 1], out.albedo[3 * p + 2],  out.roughness[p],
+                                out.ambient[3 * p],    out.ambient[3 * p + 1], out.ambient[3 * p + 2],
+                                out.distortion[p]};
+        const bool near = reference_pixel(splats, (int)g->count, p % camera.width, p / camera.width, want);
+        skipped += near;
+        for (int k = 0; k < 13; k++)
+            if (fabs(got[k] - want[k]) > (near ? 0.03 : 5e-5))
+                fail_msg("pixel %d channel %d: %g, brute force %g", p, k, got[k], want[k]);
+    }
+    assert_true(skipped < pixels / 4);
+    free(splats);
+    ffp_gbuffer_free(&out);
+    ffp_raster_free(raster);
+}
+
+static void test_brute_force(void **state) {
+    (void)state;
+    for (int n = 0; n < 4; n++) {
+        // small and opaque; wide and faint; flat; all kinds
+        const double low[] = {0.01, 0.05, 0.02, 0.005}, high[] = {0.04, 0.3, 0.1, 0.2};
+        const double faint[] = {0.9, 0.05, 0.5, 0.001}, opaque[] = {1, 0.3, 0.99, 1};
+        FfpGaussians g =
+            random_gaussians(n == 0 ? 900 : 300, 20 + (uint64_t)n, 0.5, low[n], high[n], faint[n], opaque[n]);
+        for (int64_t i = 0; n == 2 && i < g.count; i++) g.scale[3 * i + i % 3] *= 0.05F;
+        check_against_brute_force(&g, look_at(67, 45, 70, eye, origin),
+                                  n % 2 ? ffp_render_paper() : ffp_render_defaults());
+        ffp_gaussians_free(&g);
+    }
+}
+
+// A camera whose principal point lies outside sees the same as that part of a larger image.
+static void test_principal_point_outside(void **state) {
+    (void)state;
+    FfpGaussians g = random_gaussians(800, 31, 0.8, 0.01, 0.04, 0.2, 1);
+    const FfpCamera whole = look_at(160, 96, 110, eye, origin);
+    FfpCamera part = whole;
+    part.width = 41, part.height = 33;
+    part.cx -= 86, part.cy -= 51;
+    assert_true(part.cx < 0 && part.cy < 0);
+    FfpRaster *raster = ffp_raster_new();
+    const FfpRenderSettings settings = ffp_render_defaults();
+    FfpGbuffer a = ffp_gbuffer_new(160, 96), b = ffp_gbuffer_new(41, 33);
+    ffp_rasterise(raster, &g, &whole, &settings, &a);
+    ffp_rasterise(raster, &g, &part, &settings, &b);
+    double seen = 0, different = 0;
+    for (int y = 0; y < 33; y++)
+        for (int x = 0; x < 41; x++) {
+            const int p = y * 41 + x, q = (y + 51) * 160 + x + 86;
+            seen += b.opacity[p];
+            different += fabsf(a.opacity[q] - b.opacity[p]) + fabsf(a.depth[q] - b.depth[p]);
+            for (int k = 0; k < 3; k++) different += fabsf(a.albedo[3 * q + k] - b.albedo[3 * p + k]);
+        }
+    assert_true(seen > 100);
+    assert_true(different < 1e-3 * seen);
+    ffp_gbuffer_free(&a);
+    ffp_gbuffer_free(&b);
+    ffp_gaussians_free(&g);
+    ffp_raster_free(raster);
+}
+
+// Everything that one view gives, forward and backward, as one block of numbers.
+static real *everything(const FfpGaussians *g, const FfpCamera *camera, int64_t *count) {
+    FfpRaster *raster = ffp_raster_new();
+    const FfpRenderSettings settings = ffp_render_defaults();
+    FfpGbuffer out = ffp_gbuffer_new(camera->width, camera->height),
+               weights = ffp_gbuffer_new(camera->width, camera->height);
+    FfpGaussians grad = ffp_gaussians_new(g->count);
+    randomise_gbuffer(&weights, 3);
+    ffp_rasterise(raster, g, camera, &settings, &out);
+    ffp_rasterise_backward(raster, g, camera, &settings, &out, &weights, &grad);
+    Field f[14];
+    gbuffer_fields(&out, f);
+    gaussian_fields(&grad, f + 7);
+    *count = 0;
+    for (int k = 0; k < 14; k++) *count += f[k].count;
+    real *all = ffp_alloc((size_t)*count, sizeof(real)), *end = all;
+    for (int k = 0; k < 14; k++) {
+        memcpy(end, f[k].data, (size_t)f[k].count * sizeof(real));
+        end += f[k].count;
+    }
+    ffp_gbuffer_free(&out);
+    ffp_gbuffer_free(&weights);
+    ffp_gaussians_free(&grad);
+    ffp_raster_free(raster);
+    return all;
+}
+
+static void test_same_bits(void **state) {
+    (void)state;
+    FfpGaussians g = random_gaussians(3000, 41, 0.6, 0.005, 0.1, 0.05, 1);
+    const FfpCamera camera = look_at(71, 53, 75, eye, origin);
+    const int threads = omp_get_max_threads();
+    int64_t count;
+    real *first = everything(&g, &camera, &count);
+    for (int n = 1; n <= 4; n++) {
+        omp_set_num_threads(n);
+        real *again = everything(&g, &camera, &count);
+        assert_memory_equal(first, again, (size_t)count * sizeof(real));
+        free(again);
+    }
+    omp_set_num_threads(threads);
+    free(first);
+    ffp_gaussians_free(&g);
+}
+
+// Splats that no camera should see, and ones at the edge of what numbers can hold: nothing may become
+// infinite.
+static void test_hostile_gaussians(void **state) {
+    (void)state;
+    FfpGaussians g = random_gaussians(64, 51, 0.5, 0.01, 0.1, 0.3, 1);
+    const FfpCamera camera = look_at(35, 27, 40, eye, origin);
+    for (int64_t i = 0; i < g.count; i++) {
+        real *centre = g.centre + 3 * i, *scale = g.scale + 3 * i;
+        for (int k = 0; k < 3; k++) {
+            if (i % 8 == 0) centre[k] = eye[k] * 2;              // behind the camera
+            if (i % 8 == 1) centre[k] = eye[k];                  // in it
+            if (i % 8 == 2) scale[k] = i % 16 == 2 ? 0 : 1e-20F; // no size
+            if (i % 8 == 3) scale[k] = i % 16 == 3 ? 1e30F : 50; // all the world
+            if (i % 8 == 4) centre[k] = k == 0 ? 1e20F : -1e30F; // nowhere near
+        }
+        for (int k = 0; k < 4; k++)
+            if (i % 8 == 5) g.rotation[4 * i + k] = 0;
+        if (i % 8 == 6) g.opacity[i] = 0;
+        if (i % 8 == 7) scale[i / 8 % 3] = 0; // a flat disk, its edge to the camera now and then
+    }
+    int64_t count;
+    real *all = everything(&g, &camera, &count);
+    for (int64_t i = 0; i < count; i++) assert_true(isfinite(all[i]));
+    free(all);
+    FfpGaussians none = ffp_gaussians_new(0);
+    all = everything(&none, &camera, &count);
+    for (int64_t i = 0; i < count; i++) assert_true(all[i] == 0);
+    free(all);
+    ffp_gaussians_free(&none);
+    ffp_gaussians_free(&g);
+}
+
+// A wall through the origin as a G-buffer, seen by a camera; normal n.
+static FfpGbuffer wall(const FfpCamera *camera, const real n[3], real albedo, real roughness) {
+    FfpGbuffer g = ffp_gbuffer_new(camera->width, camera->height);
+    for (int p = 0; p < camera->width * camera->height; p++) {
+        const real ray[3] = {((real)(p % camera->width) + 0.5F - camera->cx) / camera->fx,
+                             ((real)(p / camera->width) + 0.5F - camera->cy) / camera->fy, 1};
+        real d[3];
+        const real at[3] = {camera->pose[3], camera->pose[7], camera->pose[11]};
+        ffp_rotate(camera->pose, ray, d);
+        g.opacity[p] = 1;
+        g.depth[p] = -ffp_dot3(at, n) / ffp_dot3(d, n);
+        g.roughness[p] = roughness;
+        for (int k = 0; k < 3; k++) g.normal[3 * p + k] = n[k], g.albedo[3 * p + k] = albedo;
+    }
+    return g;
+}
+
+static FfpImage plain_pattern(int width, int height) {
+    FfpImage white = ffp_image_new(width, height, 3);
+    for (int i = 0; i < 3 * width * height; i++) white.data[i] = 1;
+    return white;
+}
+
+// The wall's own light: A/pi I/d^2 cos, by the difference between two albedos; the highlight by its formula
+// in double.
+static void test_wall_energy(void **state) {
+    (void)state;
+    const real at[3] = {0, -3, 0}, lamp[3] = {0.9F, -1.9F, 0.4F}, n[3] = {0, -1, 0}, intensity[3] = {3, 5, 8};
+    const FfpCamera camera = look_at(21, 15, 30, at, origin), projector = look_at(200, 200, 90, lamp, origin);
+    FfpGbuffer light = wall(&camera, n, 0.6F, 0.4F), dark = wall(&camera, n, 0, 0.4F);
+    FfpMapping mapping = ffp_mapping_new(21, 15);
+    FfpRenderSettings settings = ffp_render_defaults();
+    settings.shadows = false;
+    FfpImage white = plain_pattern(200, 200), a = ffp_image_new(21, 15, 3), b = ffp_image_new(21, 15, 3);
+    FfpSummed pattern = ffp_summed_new(&white);
+    FfpGaussians none = ffp_gaussians_new(0);
+    ffp_map_to_projector(NULL, &none, &light, &camera, &projector, &settings, &mapping);
+    ffp_shade(&light, &mapping, &camera, &projector, intensity, &pattern, &a);
+    ffp_shade(&dark, &mapping, &camera, &projector, intensity, &pattern, &b);
+    for (int p = 0; p < 21 * 15; p++) {
+        const double z = 3, X = (p % 21 + 0.5 - 10.5) / 30 * z, Z = -(p / 21 + 0.5 - 7.5) / 30 * z;
+        double l[3] = {(double)lamp[0] - X, (double)lamp[1], (double)lamp[2] - Z}, v[3] = {-X, -3, -Z}, h[3];
+        const double dd = l[0] * l[0] + l[1] * l[1] + l[2] * l[2], d = sqrt(dd), e = sqrt(X * X + 9 + Z * Z);
+        for (int k = 0; k < 3; k++) l[k] /= d, v[k] /= e, h[k] = l[k] + v[k];
+        const double hl = sqrt(h[0] * h[0] + h[1] * h[1] + h[2] * h[2]);
+        const double nl = -l[1], nv = -v[1], nh = -h[1] / hl,
+                     vh = (v[0] * h[0] + v[1] * h[1] + v[2] * h[2]) / hl;
+        const double a2 = pow(0.4, 4), k2 = 1.4 * 1.4 / 8, q = nh * nh * (a2 - 1) + 1;
+        const double D = a2 / (PI * q * q), F = 0.04 + 0.96 * pow(2, (-5.55473 * vh - 6.98316) * vh);
+        const double V = 1 / (4 * (nv * (1 - k2) + k2) * (nl * (1 - k2) + k2));
+        for (int k = 0; k < 3; k++) {
+            const double reaching = (double)intensity[k] / dd * nl;
+            assert_float_equal(a.data[3 * p + k] - b.data[3 * p + k], 0.6 / PI * reaching, 2e-5 * reaching);
+            assert_float_equal(b.data[3 * p + k], D * F * V * reaching, 2e-4 * D * F * V * reaching);
+        }
+    }
+    ffp_gaussians_free(&none);
+    ffp_summed_free(&pattern);
+    ffp_image_free(&white);
+    ffp_image_free(&a);
+    ffp_image_free(&b);
+    ffp_mapping_free(&mapping);
+    ffp_gbuffer_free(&light);
+    ffp_gbuffer_free(&dark);
+}
+
+// Camera and projector in one place, the projector four times as fine: pixel (x, y) is pattern pixel (4x, 4y)
+// and covers 4 by 4 of them. A jump of depth halfway changes nothing, for the pixels beside it have
+// neighbours on their own side.
+static void test_mapping_footprint(void **state) {
+    (void)state;
+    const real at[3] = {0, -3, 0}, lamp[3] = {0.5F, -3, 0}, n[3] = {0, -1, 0};
+    const FfpCamera camera = look_at(20, 12, 30, at, origin), same = look_at(80, 48, 120, at, origin);
+    FfpCamera beside = look_at(80, 48, 120, lamp, (const real[3]){0.5F, 0, 0});
+    FfpGbuffer g = wall(&camera, n, 0.5F, 0.5F);
+    FfpMapping mapping = ffp_mapping_new(20, 12);
+    FfpGaussians none = ffp_gaussians_new(0);
+    FfpRenderSettings settings = ffp_render_defaults();
+    settings.shadows = false;
+    for (int p = 0; p < 240; p++)
+        if (p % 20 >= 10) g.depth[p] = 2.5F;
+    ffp_map_to_projector(NULL, &none, &g, &camera, &same, &settings, &mapping);
+    for (int p = 0; p < 240; p++) {
+        assert_float_equal(mapping.uv[2 * p], 4 * (p % 20 + 0.5), 1e-3);
+        assert_float_equal(mapping.uv[2 * p + 1], 4 * (p / 20 + 0.5), 1e-3);
+        assert_float_equal(mapping.extent[2 * p], 4, 1e-3);
+        assert_float_equal(mapping.extent[2 * p + 1], 4, 1e-3);
+        assert_true(mapping.visibility[p] == 1);
+    }
+    ffp_map_to_projector(NULL, &none, &g, &camera, &beside, &settings, &mapping);
+    int outside = 0;
+    for (int p = 0; p < 240; p++) {
+        outside += mapping.visibility[p] == 0;
+        if (mapping.visibility[p] > 0) assert_float_equal(mapping.extent[2 * p], 4, 1e-3);
+    }
+    assert_true(outside > 20 &&
+                outside < 200); // half a unit aside: a part of the wall lies beyond the pattern
+    settings.footprint = false;
+    ffp_map_to_projector(NULL, &none, &g, &camera, &same, &settings, &mapping);
+    for (int i = 0; i < 480; i++) assert_true(mapping.extent[i] == 1);
+    ffp_gaussians_free(&none);
+    ffp_mapping_free(&mapping);
+    ffp_gbuffer_free(&g);
+}
+
+// A square patch of flat splats around `centre`, in the plane y = const.
+static void lay_patch(FfpGaussians *g, int64_t first, int side, real half, const real centre[3]) {
+    for (int i = 0; i < side * side; i++) {
+        const int64_t s = first + i;
+        const real step = 2 * half / (real)side;
+        g->centre[3 * s] = centre[0] - half + step * ((real)(i % side) + 0.5F);
+        g->centre[3 * s + 1] = centre[1];
+        g->centre[3 * s + 2] = centre[2] - half + step * ((real)(i / side) + 0.5F);
+        g->scale[3 * s] = g->scale[3 * s + 2] = step * 0.7F, g->scale[3 * s + 1] = step * 0.07F;
+        g->rotation[4 * s] = 1, g->opacity[s] = 0.95F, g->roughness[s] = 0.5F;
+        for (int k = 0; k < 3; k++) g->albedo[3 * s + k] = 0.5F;
+    }
+}
+
+// A small patch floats before a wall, out of the camera's line but in the projector's: its shadow falls where
+// it must.
+static void test_shadow(void **state) {
+    (void)state;
+    const real at[3] = {0, -3, 0}, lamp[3] = {-2, -2, 0}, half_way[3] = {-1, -1, 0};
+    const FfpCamera camera = look_at(64, 64, 90, at, origin),
+                    projector = look_at(300, 200, 200, lamp, origin);
+    FfpGaussians g = ffp_gaussians_new(80 * 80 + 100);
+    lay_patch(&g, 0, 80, 1.2F, origin);
+    lay_patch(&g, 80 * 80, 10, 0.1F,
+              half_way); // seen from the lamp twice as large at the wall: 0.4 wide, at the origin
+    FfpRaster *raster = ffp_raster_new();
+    FfpGbuffer out = ffp_gbuffer_new(64, 64);
+    FfpMapping mapping = ffp_mapping_new(64, 64);
+    FfpRenderSettings settings = ffp_render_defaults();
+    ffp_rasterise(raster, &g, &camera, &settings, &out);
+    ffp_map_to_projector(raster, &g, &out, &camera, &projector, &settings, &mapping);
+    int dark = 0, lit = 0;
+    for (int p = 0; p < 64 * 64; p++) {
+        const real x = ((real)(p % 64) - 31.5F) / 30, z = ((real)(p / 64) - 31.5F) / 30;
+        if (x < -0.7F) continue; // the patch itself is there in the picture
+        if (fabsf(x) < 0.12F && fabsf(z) < 0.12F) {
+            dark++;
+            assert_true(mapping.visibility[p] < 0.15F);
+        }
+        if ((fabsf(x) > 0.35F || fabsf(z) > 0.35F) && fabsf(z) < 0.8F && x < 0.8F) {
+            lit++;
+            assert_true(mapping.visibility[p] > 0.98F);
+        }
+    }
+    assert_true(dark > 30 && lit > 500);
+    settings.shadows = false;
+    ffp_map_to_projector(raster, &g, &out, &camera, &projector, &settings, &mapping);
+    assert_true(mapping.visibility[32 * 64 + 32] == 1);
+    ffp_gbuffer_free(&out);
+    ffp_mapping_free(&mapping);
+    ffp_gaussians_free(&g);
+    ffp_raster_free(raster);
+}
+
+// A patch of splats, relit: linear radiance as the wall's formula says, encoded; black outside it.
+static void test_render_view(void **state) {
+    (void)state;
+    const real at[3] = {0, -3, 0}, lamp[3] = {0.3F, -2, 0.2F}, intensity[3] = {4, 4, 4};
+    const FfpCamera camera = look_at(48, 40, 50, at, origin), projector = look_at(100, 100, 60, lamp, origin);
+    FfpGaussians g = ffp_gaussians_new(60 * 60);
+    lay_patch(&g, 0, 60, 0.9F, origin);
+    FfpImage white = plain_pattern(100, 100);
+    FfpSummed pattern = ffp_summed_new(&white);
+    const FfpRenderSettings settings = ffp_render_defaults();
+    FfpImage lit = ffp_render_view(&g, &camera, &projector, intensity, &pattern, &settings);
+    FfpImage black = ffp_render_view(&g, &camera, &projector, intensity, NULL, &settings);
+    const double dd = 0.3 * 0.3 + 4 + 0.2 * 0.2, diffuse = 0.5 / PI * 4 / dd * 2 / sqrt(dd);
+    const double seen = (double)ffp_srgb_decode(lit.data[3 * (20 * 48 + 24)]);
+    assert_true(seen > 0.98 * diffuse && seen < 1.25 * diffuse); // the highlight adds a little
+    assert_true(lit.data[0] == 0 && lit.data[3 * (40 * 48 - 1)] == 0);
+    for (int i = 0; i < 3 * 48 * 40; i++) assert_true(black.data[i] == 0);
+    ffp_image_free(&lit);
+    ffp_image_free(&black);
+    ffp_image_free(&white);
+    ffp_summed_free(&pattern);
+    ffp_gaussians_free(&g);
+}
+
+static double median_ms(double *seconds, int count) {
+    for (int i = 0; i < count; i++)
+        for (int j = i + 1; j < count; j++)
+            if (seconds[j] < seconds[i]) {
+                const double swap = seconds[i];
+                seconds[i] = seconds[j], seconds[j] = swap;
+            }
+    return 1e3 * seconds[count / 2];
+}
+
+// A sphere as eight 128x128 views see it: about 40,000 splats of half a pixel out of 131,072, the others
+// transparent.
+static FfpGaussians sphere_gaussians(double size, double opacity) {
+    const int64_t count = 8 * 128 * 128;
+    FfpGaussians g = random_gaussians(count, 61, 0.9, 0.9, 1.1, opacity, opacity);
+    FfpRng rng = ffp_rng(62, 1);
+    for (int64_t i = 0; i < count; i++) {
+        real *centre = g.centre + 3 * i;
+        ffp_normalise3(centre);
+        for (int k = 0; k < 3; k++) {
+            centre[k] = centre[k] * 0.9F * (1 + between(&rng, -0.005, 0.005));
+            g.scale[3 * i + k] *= (real)(size * 3.0 / 176);
+        }
+        if (ffp_rng_uniform(&rng) > 0.3F) g.opacity[i] = 0;
+    }
+    return g;
+}
+
+static void bench_case(const char *name, double size, double opacity) {
+    enum { RUNS = 15 };
+    FfpGaussians g = sphere_gaussians(size, opacity), grad = ffp_gaussians_new(g.count);
+    const FfpCamera camera = look_at(128, 128, 176, (const real[3]){3, 0, 0}, origin);
+    const FfpCamera projector = look_at(800, 800, 768, (const real[3]){1.7F, 0, 1}, origin);
+    const FfpRenderSettings settings = ffp_render_defaults();
+    const real intensity[3] = {8, 8, 8};
+    FfpRaster *raster = ffp_raster_new(), *shadows = ffp_raster_new();
+    FfpGbuffer out = ffp_gbuffer_new(128, 128), weights = ffp_gbuffer_new(128, 128);
+    FfpMapping mapping = ffp_mapping_new(128, 128);
+    FfpImage white = plain_pattern(800, 800), image = ffp_image_new(128, 128, 3);
+    FfpSummed pattern = ffp_summed_new(&white);
+    double times[5][RUNS];
+    randomise_gbuffer(&weights, 3);
+    for (int r = 0; r < RUNS; r++) {
+        double clock[6] = {ffp_seconds()};
+        ffp_rasterise(raster, &g, &camera, &settings, &out), clock[1] = ffp_seconds();
+        ffp_map_to_projector(shadows, &g, &out, &camera, &projector, &settings, &mapping),
+            clock[2] = ffp_seconds();
+        ffp_shade(&out, &mapping, &camera, &projector, intensity, &pattern, &image), clock[3] = ffp_seconds();
+        ffp_shade_backward(&out, &mapping, &camera, &projector, intensity, &pattern, &image, &weights, NULL,
+                           NULL);
+        clock[4] = ffp_seconds();
+        ffp_rasterise_backward(raster, &g, &camera, &settings, &out, &weights, &grad),
+            clock[5] = ffp_seconds();
+        for (int k = 0; k < 5; k++) times[k][r] = clock[k + 1] - clock[k];
+    }
+    printf("%-28s rasterise %6.2f  map %6.2f  shade %5.2f  shade backward %5.2f  rasterise backward %6.2f\n",
+           name, median_ms(times[0], RUNS), median_ms(times[1], RUNS), median_ms(times[2], RUNS),
+           median_ms(times[3], RUNS), median_ms(times[4], RUNS));
+    ffp_gaussians_free(&g);
+    ffp_gaussians_free(&grad);
+    ffp_gbuffer_free(&out);
+    ffp_gbuffer_free(&weights);
+    ffp_mapping_free(&mapping);
+    ffp_image_free(&white);
+    ffp_image_free(&image);
+    ffp_summed_free(&pattern);
+    ffp_raster_free(raster);
+    ffp_raster_free(shadows);
+}
+
+static int bench(void) {
+    printf("ms for one 128x128 view, %d threads, median of 15; splats of eight views, 30 %% of them opaque\n",
+           omp_get_max_threads());
+    bench_case("0.5 px, opacity 0.95", 0.5, 0.95);
+    bench_case("1 px, opacity 0.12", 1, 0.12);
+    bench_case("4 px, opacity 0.12", 4, 0.12);
+    return 0;
+}
+
+int main(int argc, char **argv) {
+    if (argc > 1 && strcmp(argv[1], "--bench") == 0) return bench();
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_brute_force), cmocka_unit_test(test_principal_point_outside),
+        cmocka_unit_test(test_same_bits),   cmocka_unit_test(test_hostile_gaussians),
+        cmocka_unit_test(test_wall_energy), cmocka_unit_test(test_mapping_footprint),
+        cmocka_unit_test(test_shadow),      cmocka_unit_test(test_render_view),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
