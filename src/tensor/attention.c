@@ -163,8 +163,8 @@ static void dot_outputs(const Layout *layout, const Shape *shape, const real *do
     }
 }
 
-// scores become the probabilities P = exp(score - log_sum), dprobabilities become P (dP - delta), the scores'
-// gradient.
+// scores become the probabilities P = exp(score - log_sum),
+// dprobabilities become P (dP - delta), the scores' gradient.
 static void score_gradients(real *scores, real *dprobabilities, const real *log_sum, const real *delta,
                             int queries, int keys) {
     for (int i = 0; i < queries; i++) {
@@ -211,9 +211,9 @@ static void attend_segment_backward(real *dqkv, const Layout *layout, const Shap
     }
 }
 
-// Through the RMS norm of q (which = 0) or k (1) of one head: dx = r (g - n mean(g n)) with n = x r, g = dy
-// gain scale; the gain's gradient is summed over the head's rows. dy is summed over `parts` arrays that lie
-// part_size apart.
+// Through the RMS norm of q (which = 0) or k (1) of one head: dx = r (g - n
+// mean(g n)) with n = x r, g = dy gain scale; the gain's gradient is summed over
+// the head's rows. dy is summed over `parts` arrays that lie part_size apart.
 static void norm_backward(real *dqkv, const Layout *layout, const Shape *shape, const real *qkv,
                           const real *gain, real *dy, int parts, real scale, int head, int which) {
     const int dim = shape->head_dim, width = shape->heads * dim;

@@ -1,5 +1,5 @@
-// Exponentials that gcc vectorises: libm's expf is a call per element. The double build (gradient tests) uses
-// libm.
+// Exponentials that gcc vectorises: libm's expf is a call per
+// element. The double build (gradient tests) uses libm.
 #ifndef FFP_TENSOR_FASTMATH_H
 #define FFP_TENSOR_FASTMATH_H
 
@@ -41,9 +41,9 @@ static inline real ffp_sigmoid(real x) {
     return 1.0F / (1.0F + ffp_exp(-x));
 }
 
-// Standard normal distribution Phi(x), and its density in *density. erfc by Abramowitz & Stegun 7.1.26: with
-// the rounding of fp32 the absolute error stays below 3e-7. The small tail is computed as such, so that
-// nothing cancels for x < 0.
+// Standard normal distribution Phi(x), and its density in *density. erfc by
+// Abramowitz & Stegun 7.1.26: with the rounding of fp32 the absolute error stays
+// below 3e-7. The small tail is computed as such, so that nothing cancels for x < 0.
 static inline float ffp_normal_f32(float x, float *density) {
     const float e = ffp_exp_f32(-0.5F * x * x);
     const float t = 1.0F / (1.0F + 0.3275911F * 0.707106781F * fabsf(x));

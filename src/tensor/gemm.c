@@ -27,9 +27,9 @@ static void product(bool transpose_a, bool transpose_b, int m, int n, int k, rea
                             ldc);
 }
 
-// Outside a parallel region C is cut into one rectangle a thread, each a single-threaded product: with few
-// threads that is up to a quarter faster than OpenBLAS's own threading. Inside one, the caller's thread does
-// it all.
+// Outside a parallel region C is cut into one rectangle a thread, each a
+// single-threaded product: with few threads that is up to a quarter faster
+// than OpenBLAS's own threading. Inside one, the caller's thread does it all.
 void ffp_gemm(bool transpose_a, bool transpose_b, int m, int n, int k, real alpha, const real *a, int lda,
               const real *b, int ldb, real beta, real *c, int ldc) {
     if (m <= 0 || n <= 0) return;

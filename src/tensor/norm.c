@@ -1,5 +1,5 @@
-// LayerNorm (Ba et al. 2016), RMSNorm (Zhang & Sennrich 2019) and Mamba2's gated RMSNorm, over the rows of a
-// matrix.
+// LayerNorm (Ba et al. 2016), RMSNorm (Zhang & Sennrich 2019)
+// and Mamba2's gated RMSNorm, over the rows of a matrix.
 #include "tensor/tensor.h"
 
 #include <tgmath.h>

@@ -13,8 +13,8 @@ typedef struct Backward {
     FfpScanLayout layout;
 } Backward;
 
-// In double also where real is float: the terms of dcs cancel, and a_log's gradient sums what is left of
-// them.
+// In double also where real is float: the terms of dcs cancel,
+// and a_log's gradient sums what is left of them.
 static double dot(const real *a, const real *b, size_t count) {
     double sum = 0;
 #pragma omp simd reduction(+ : sum)
@@ -22,8 +22,8 @@ static double dot(const real *a, const real *b, size_t count) {
     return sum;
 }
 
-// state_grads[chunk] = sum_t exp(cs_t) dy_t (outer) C_t, the chunk's own part of the gradient of the state
-// entering it.
+// state_grads[chunk] = sum_t exp(cs_t) dy_t (outer) C_t, the
+// chunk's own part of the gradient of the state entering it.
 static void chunk_state_grad(const Backward *pass, const FfpScanChunk *chunk) {
     const FfpScanShape *shape = pass->shape;
     const FfpScanLayout *layout = &pass->layout;
@@ -158,8 +158,8 @@ static void chunk_backward(const Backward *pass, const FfpScanChunk *chunk) {
              pass->grad->b + start, in->ld);
 }
 
-// da = reverse cumulative sum of dcs in each chunk; d(dt) = A da + x.dX; dA = sum dt da; then through exp and
-// softplus.
+// da = reverse cumulative sum of dcs in each chunk; d(dt) = A
+// da + x.dX; dA = sum dt da; then through exp and softplus.
 static void head_parameters(const Backward *pass, int head) {
     const FfpScanShape *shape = pass->shape;
     const FfpScanLayout *layout = &pass->layout;
@@ -186,8 +186,8 @@ static void head_parameters(const Backward *pass, int head) {
     pass->grad->d[head] += skip_sum;
 }
 
-// The forward's states are computed anew; then every chunk by itself, the heads in order, so that dB and dC
-// have one owner.
+// The forward's states are computed anew; then every chunk by
+// itself, the heads in order, so that dB and dC have one owner.
 void ffp_scan_backward(const FfpScanGradient *grad, const FfpScanShape *shape, const FfpScanInput *in,
                        const real *y, const real *dy, real *scratch) {
     const Backward pass = {grad, shape, in, y, dy, ffp_scan_layout(shape, scratch)};

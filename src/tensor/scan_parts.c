@@ -72,8 +72,8 @@ static void chunk_decays(const FfpScanLayout *layout, const FfpScanShape *shape,
         sum += dt[t] * rate;
         cs[t] = sum;
     }
-    // Rounding can make a difference of sums positive, and its exponential infinite: hence the minimum
-    // (network.md 3.6).
+    // Rounding can make a difference of sums positive, and its
+    // exponential infinite: hence the minimum (network.md 3.6).
 #pragma omp simd
     for (int t = 0; t < chunk->rows; t++) {
         grow[t] = ffp_exp(cs[t] < 0 ? cs[t] : 0);

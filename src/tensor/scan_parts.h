@@ -1,5 +1,5 @@
-// What the scan's two passes share: the layout of the scratch, decays, chunk states. Inside the tensor room
-// only.
+// What the scan's two passes share: the layout of the scratch,
+// decays, chunk states. Inside the tensor room only.
 //
 // Within a chunk everything keeps the rows' order in memory; a reversed scan only turns the cumulative sums,
 // the mask and the order of the chunks. "Begin" and "end" of a chunk are meant along the scan.
@@ -36,8 +36,8 @@ int ffp_scan_nth_chunk(const FfpScanShape *shape, const FfpScanLayout *layout, i
 // dt, cs, grow, fade of all heads and rows.
 void ffp_scan_decays(const FfpScanLayout *layout, const FfpScanShape *shape, const FfpScanInput *in);
 
-// states[chunk] = what the chunk's own rows leave in the state, sum_s fade_s dt_s x_s (outer) B_s; fills
-// scaled_x.
+// states[chunk] = what the chunk's own rows leave in the
+// state, sum_s fade_s dt_s x_s (outer) B_s; fills scaled_x.
 void ffp_scan_chunk_state(const FfpScanLayout *layout, const FfpScanShape *shape, const FfpScanInput *in,
                           const FfpScanChunk *chunk);
 

@@ -1,5 +1,5 @@
-// Gradient checks for the double build: a kernel's backward against central differences of sum(weights *
-// output).
+// Gradient checks for the double build: a kernel's backward
+// against central differences of sum(weights * output).
 #ifndef FFP_TESTS_TENSOR_GRADIENT_H
 #define FFP_TESTS_TENSOR_GRADIENT_H
 
@@ -13,9 +13,9 @@ static inline double dot_reals(const real *a, const real *b, size_t count) {
     return sum;
 }
 
-// Compares analytic[count] - before (what was there before the kernel added to it) with the derivative of
-// loss(context) by each of values[count], which lie `stride` apart by rows of `width` (dense: width = stride
-// = count).
+// Compares analytic[count] - before (what was there before the kernel added
+// to it) with the derivative of loss(context) by each of values[count], which
+// lie `stride` apart by rows of `width` (dense: width = stride = count).
 static inline void check_gradient(const char *name, double (*loss)(void *), void *context, real *values,
                                   const real *analytic, double before, size_t rows, size_t width,
                                   size_t stride) {

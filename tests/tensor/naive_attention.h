@@ -1,5 +1,5 @@
-// Attention as it is written in a book, for the tests: one query after another, all scores in a row, sums in
-// double.
+// Attention as it is written in a book, for the tests: one
+// query after another, all scores in a row, sums in double.
 #ifndef FFP_TESTS_TENSOR_NAIVE_ATTENTION_H
 #define FFP_TESTS_TENSOR_NAIVE_ATTENTION_H
 

@@ -1,5 +1,5 @@
-// The SSD scan's plain recurrence and its backward pass in double, for one head after another: what fp32 is
-// held against.
+// The SSD scan's plain recurrence and its backward pass in
+// double, for one head after another: what fp32 is held against.
 #ifndef FFP_TESTS_TENSOR_NAIVE_SCAN_H
 #define FFP_TESTS_TENSOR_NAIVE_SCAN_H
 
@@ -30,8 +30,8 @@ static inline void free_naive_scan(NaiveScan *n) {
     for (size_t i = 0; i < sizeof(all) / sizeof(all[0]); i++) free(all[i]);
 }
 
-// One step of the recurrence, forward (into n->y and states[i+1]) or backward (from g, the gradient of
-// states[i+1]).
+// One step of the recurrence, forward (into n->y and states[i+1])
+// or backward (from g, the gradient of states[i+1]).
 static inline void naive_scan_step(NaiveScan *n, const FfpScanShape *s, const FfpScanInput *in,
                                    const real *dy, double *states, double *g, int head, int i, int backward) {
     const int t = s->reverse ? s->rows - 1 - i : i, size = s->head_dim * s->state,

@@ -35,8 +35,8 @@ static void free_attention(Attention *a) {
     for (size_t i = 0; i < sizeof(all) / sizeof(all[0]); i++) free(all[i]);
 }
 
-// Everything is perturbed and compared when `every` is 1; large cases take each every-th row of q, k and v
-// only.
+// Everything is perturbed and compared when `every` is 1;
+// large cases take each every-th row of q, k and v only.
 static void check_attention(int rows, int heads, int dim, size_t every) {
     Attention a = make_attention(rows, heads, dim);
     FfpRng rng = ffp_rng(8, 0);

@@ -55,8 +55,8 @@ typedef struct Product {
     float alpha, beta;
 } Product;
 
-// |error| <= 2^-24 (k + 2) sum |a b| in any order of summation (Higham 2002, 3.5), with some room for alpha
-// and beta.
+// |error| <= 2^-24 (k + 2) sum |a b| in any order of summation
+// (Higham 2002, 3.5), with some room for alpha and beta.
 static void check_product(const Product *p, FfpRng *rng, bool inside) {
     const size_t na = (size_t)p->lda * (size_t)(p->transpose_a ? p->k : p->m);
     const size_t nb = (size_t)p->ldb * (size_t)(p->transpose_b ? p->n : p->k),

@@ -1,5 +1,5 @@
-// SSD scan in double: chunked against the plain recurrence, and gradients of every input and parameter, both
-// directions.
+// SSD scan in double: chunked against the plain recurrence,
+// and gradients of every input and parameter, both directions.
 #include "tensor/gradient.h"
 #include "tensor/tensor.h"
 
