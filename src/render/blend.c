@@ -12,9 +12,9 @@ typedef struct Planes {
     int stride[FFP_CHANNELS];
 } Planes;
 
-static Planes gbuffer_planes(const FfpGbuffer *g) {
+static Planes gbuffer_planes(const FfpGbuffer *g, int channels) {
     Planes p = {.plane = {g->opacity, g->depth}, .stride = {1, 1, 3, 3, 3, 3, 3, 3, 1, 3, 3, 3}};
-    if (!g->normal) return p;
+    if (channels <= FFP_SHADOW_CHANNELS) return p;
     for (int k = 0; k < 3; k++) {
         p.plane[FFP_CHANNEL_NORMAL + k] = g->normal + k;
         p.plane[FFP_CHANNEL_ALBEDO + k] = g->albedo + k;
@@ -146,7 +146,7 @@ static void blend_tile(const FfpRaster *raster, const Tile *tile, int channels, 
 }
 
 void ffp_blend(const FfpRaster *raster, int channels, FfpGbuffer *out) {
-    const Planes planes = gbuffer_planes(out);
+    const Planes planes = gbuffer_planes(out, channels);
     const int tiles = raster->tiles_x * raster->tiles_y;
 #pragma omp parallel for schedule(dynamic)
     for (int t = 0; t < tiles; t++) {
@@ -183,7 +183,7 @@ typedef struct Lanes {
 
 static void load_pixels(const FfpRaster *raster, const Tile *tile, const FfpGbuffer *out,
                         const FfpGbuffer *grad, Pixels *p) {
-    const Planes values = gbuffer_planes(out), grads = gbuffer_planes(grad);
+    const Planes values = gbuffer_planes(out, FFP_CHANNELS), grads = gbuffer_planes(grad, FFP_CHANNELS);
     memset(p, 0, sizeof *p);
     for (int y = 0; y < tile->height; y++)
         for (int x = 0; x < tile->width; x++) {

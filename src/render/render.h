@@ -21,7 +21,8 @@ typedef struct FfpRenderSettings {
 FfpRenderSettings ffp_render_defaults(void);
 FfpRenderSettings ffp_render_paper(void); // blur 0.3, no compensation, bilinear, no shadows
 
-// Accumulated attributes of one view; [height,width(,3)] each. Accumulations are raw sums of W_i b_i: shading divides.
+// Accumulated attributes of one view; [height,width(,3)] each. Accumulations are raw sums of W_i b_i: shading
+// divides.
 typedef struct FfpGbuffer {
     int width, height;
     real *opacity;    // O = sum W
@@ -41,44 +42,50 @@ typedef struct FfpRaster FfpRaster;
 FfpRaster *ffp_raster_new(void); // reusable between views and steps
 void ffp_raster_free(FfpRaster *raster);
 
-// Projects, bins, sorts and blends (EWA splatting, 3DGS conventions; 16x16 tiles, alpha in [1/255, 0.99], T >= 1e-4).
-// The normal of a splat is its shortest axis turned to the camera.
+// Projects, bins, sorts and blends (EWA splatting, 3DGS conventions; 16x16 tiles, alpha in [1/255, 0.99], T
+// >= 1e-4). The normal of a splat is its shortest axis turned to the camera.
 void ffp_rasterise(FfpRaster *raster, const FfpGaussians *gaussians, const FfpCamera *camera,
                    const FfpRenderSettings *settings, FfpGbuffer *out);
-// ADDS to grad (same count as the Gaussians) the gradient of a loss whose gradient with respect to the G-buffer is
-// grad_out. Must follow ffp_rasterise with the same arguments. Deterministic for a fixed thread count.
+// ADDS to grad (same count as the Gaussians) the gradient of a loss whose gradient with respect to the
+// G-buffer is grad_out. Must follow ffp_rasterise with the same arguments. The same bits for any number of
+// threads.
 void ffp_rasterise_backward(FfpRaster *raster, const FfpGaussians *gaussians, const FfpCamera *camera,
-                            const FfpRenderSettings *settings, const FfpGbuffer *out, const FfpGbuffer *grad_out,
-                            FfpGaussians *grad);
+                            const FfpRenderSettings *settings, const FfpGbuffer *out,
+                            const FfpGbuffer *grad_out, FfpGaussians *grad);
 
-// Where each camera pixel's surface point lies in the projector, and whether light reaches it. Constants in the backward
-// pass: footprint and visibility.
+// Where each camera pixel's surface point lies in the projector, and whether light reaches it. Constants in
+// the backward pass: footprint and visibility.
 typedef struct FfpMapping {
     int width, height;
-    real *uv;         // [.,2] projector pixels
+    real
+        *uv; // [.,2] projector pixels (shading works its own out from the depth, so that it has its gradient)
     real *extent;     // [.,2] footprint in projector pixels, >= 1 (1 when settings->footprint is off)
-    real *visibility; // [0,1], 0 where the point is outside the pattern, behind the projector or has O too small
+    real *visibility; // [0,1], 0 where the point is outside the pattern, behind the projector or has O too
+                      // small
 } FfpMapping;
 FfpMapping ffp_mapping_new(int width, int height);
 void ffp_mapping_free(FfpMapping *mapping);
 // Rasterises the shadow map with `raster` when shadows are on (so call it before or after, never between, a
 // rasterise/backward pair that shares the raster).
 void ffp_map_to_projector(FfpRaster *raster, const FfpGaussians *gaussians, const FfpGbuffer *gbuffer,
-                          const FfpCamera *camera, const FfpCamera *projector, const FfpRenderSettings *settings,
-                          FfpMapping *out);
+                          const FfpCamera *camera, const FfpCamera *projector,
+                          const FfpRenderSettings *settings, FfpMapping *out);
 
 // Shades a G-buffer under one pattern: linear radiance, unclamped, [height,width,3]. pattern NULL = black.
-void ffp_shade(const FfpGbuffer *gbuffer, const FfpMapping *mapping, const FfpCamera *camera, const FfpCamera *projector,
-               const real intensity[3], const FfpSummed *pattern, FfpImage *out);
-// ADDS gradients: to the G-buffer (depth included: through point, directions, distance and u_p), and where not NULL to the
-// intensity and to the pattern's summed-area adjoint (see lookup.h).
+// Pixels with O <= 0.001 show their ambient colour only; roughness counts as at least 0.02.
+void ffp_shade(const FfpGbuffer *gbuffer, const FfpMapping *mapping, const FfpCamera *camera,
+               const FfpCamera *projector, const real intensity[3], const FfpSummed *pattern, FfpImage *out);
+// ADDS gradients: to the G-buffer (depth included: through point, directions, distance and u_p), and where
+// not NULL to the intensity and to the pattern's summed-area adjoint (see lookup.h).
 void ffp_shade_backward(const FfpGbuffer *gbuffer, const FfpMapping *mapping, const FfpCamera *camera,
                         const FfpCamera *projector, const real intensity[3], const FfpSummed *pattern,
                         const FfpImage *grad_image, FfpGbuffer *grad_gbuffer, real grad_intensity[3],
                         FfpSummed *grad_pattern);
 
-// One view, one pattern, from nothing: rasterise, map, shade, encode to sRGB (clamped). Convenience for eval and cli.
+// One view, one pattern, from nothing: rasterise, map, shade, encode to sRGB (clamped). Convenience for eval
+// and cli.
 FfpImage ffp_render_view(const FfpGaussians *gaussians, const FfpCamera *camera, const FfpCamera *projector,
-                         const real intensity[3], const FfpSummed *pattern, const FfpRenderSettings *settings);
+                         const real intensity[3], const FfpSummed *pattern,
+                         const FfpRenderSettings *settings);
 
 #endif

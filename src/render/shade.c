@@ -8,9 +8,9 @@
 
 #define PI 3.14159265358979324F
 #define LN2 0.693147180559945309F
-#define F0 0.04F            // Fresnel reflectance at normal incidence
-#define FRESNEL_2 -5.55473F // Schlick's power as 2^((FRESNEL_2 v.h + FRESNEL_1) v.h)
-#define FRESNEL_1 -6.98316F
+#define F0 0.04F              // Fresnel reflectance at normal incidence
+#define FRESNEL_2 (-5.55473F) // Schlick's power as 2^((FRESNEL_2 v.h + FRESNEL_1) v.h)
+#define FRESNEL_1 (-6.98316F)
 #define ROUGHNESS_MIN 0.02F // below it the highlight's D is 0 / 0
 // A summed normal shorter than this share of the opacity has cancelled out and tells no direction: it is not
 // stretched to 1.

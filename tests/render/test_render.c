@@ -262,8 +262,9 @@ static void test_hostile_gaussians(void **state) {
 static FfpGbuffer wall(const FfpCamera *camera, const real n[3], real albedo, real roughness) {
     FfpGbuffer g = ffp_gbuffer_new(camera->width, camera->height);
     for (int p = 0; p < camera->width * camera->height; p++) {
-        const real ray[3] = {((real)(p % camera->width) + 0.5F - camera->cx) / camera->fx,
-                             ((real)(p / camera->width) + 0.5F - camera->cy) / camera->fy, 1};
+        const int x = p % camera->width, y = p / camera->width;
+        const real ray[3] = {((real)x + 0.5F - camera->cx) / camera->fx,
+                             ((real)y + 0.5F - camera->cy) / camera->fy, 1};
         real d[3];
         const real at[3] = {camera->pose[3], camera->pose[7], camera->pose[11]};
         ffp_rotate(camera->pose, ray, d);
@@ -298,7 +299,8 @@ static void test_wall_energy(void **state) {
     ffp_shade(&light, &mapping, &camera, &projector, intensity, &pattern, &a);
     ffp_shade(&dark, &mapping, &camera, &projector, intensity, &pattern, &b);
     for (int p = 0; p < 21 * 15; p++) {
-        const double z = 3, X = (p % 21 + 0.5 - 10.5) / 30 * z, Z = -(p / 21 + 0.5 - 7.5) / 30 * z;
+        const int x = p % 21, y = p / 21;
+        const double z = 3, X = (x + 0.5 - 10.5) / 30 * z, Z = -(y + 0.5 - 7.5) / 30 * z;
         double l[3] = {(double)lamp[0] - X, (double)lamp[1], (double)lamp[2] - Z}, v[3] = {-X, -3, -Z}, h[3];
         const double dd = l[0] * l[0] + l[1] * l[1] + l[2] * l[2], d = sqrt(dd), e = sqrt(X * X + 9 + Z * Z);
         for (int k = 0; k < 3; k++) l[k] /= d, v[k] /= e, h[k] = l[k] + v[k];
@@ -341,8 +343,9 @@ static void test_mapping_footprint(void **state) {
         if (p % 20 >= 10) g.depth[p] = 2.5F;
     ffp_map_to_projector(NULL, &none, &g, &camera, &same, &settings, &mapping);
     for (int p = 0; p < 240; p++) {
-        assert_float_equal(mapping.uv[2 * p], 4 * (p % 20 + 0.5), 1e-3);
-        assert_float_equal(mapping.uv[2 * p + 1], 4 * (p / 20 + 0.5), 1e-3);
+        const int x = p % 20, y = p / 20;
+        assert_float_equal(mapping.uv[2 * p], 4 * (x + 0.5), 1e-3);
+        assert_float_equal(mapping.uv[2 * p + 1], 4 * (y + 0.5), 1e-3);
         assert_float_equal(mapping.extent[2 * p], 4, 1e-3);
         assert_float_equal(mapping.extent[2 * p + 1], 4, 1e-3);
         assert_true(mapping.visibility[p] == 1);
@@ -353,8 +356,8 @@ static void test_mapping_footprint(void **state) {
         outside += mapping.visibility[p] == 0;
         if (mapping.visibility[p] > 0) assert_float_equal(mapping.extent[2 * p], 4, 1e-3);
     }
-    assert_true(outside > 20 &&
-                outside < 200); // half a unit aside: a part of the wall lies beyond the pattern
+    // Half a unit aside: a part of the wall lies beyond the pattern.
+    assert_true(outside > 20 && outside < 200);
     settings.footprint = false;
     ffp_map_to_projector(NULL, &none, &g, &camera, &same, &settings, &mapping);
     for (int i = 0; i < 480; i++) assert_true(mapping.extent[i] == 1);
@@ -367,10 +370,11 @@ static void test_mapping_footprint(void **state) {
 static void lay_patch(FfpGaussians *g, int64_t first, int side, real half, const real centre[3]) {
     for (int i = 0; i < side * side; i++) {
         const int64_t s = first + i;
+        const int column = i % side, row = i / side;
         const real step = 2 * half / (real)side;
-        g->centre[3 * s] = centre[0] - half + step * ((real)(i % side) + 0.5F);
+        g->centre[3 * s] = centre[0] - half + step * ((real)column + 0.5F);
         g->centre[3 * s + 1] = centre[1];
-        g->centre[3 * s + 2] = centre[2] - half + step * ((real)(i / side) + 0.5F);
+        g->centre[3 * s + 2] = centre[2] - half + step * ((real)row + 0.5F);
         g->scale[3 * s] = g->scale[3 * s + 2] = step * 0.7F, g->scale[3 * s + 1] = step * 0.07F;
         g->rotation[4 * s] = 1, g->opacity[s] = 0.95F, g->roughness[s] = 0.5F;
         for (int k = 0; k < 3; k++) g->albedo[3 * s + k] = 0.5F;
@@ -396,7 +400,8 @@ static void test_shadow(void **state) {
     ffp_map_to_projector(raster, &g, &out, &camera, &projector, &settings, &mapping);
     int dark = 0, lit = 0;
     for (int p = 0; p < 64 * 64; p++) {
-        const real x = ((real)(p % 64) - 31.5F) / 30, z = ((real)(p / 64) - 31.5F) / 30;
+        const int column = p % 64, row = p / 64;
+        const real x = ((real)column - 31.5F) / 30, z = ((real)row - 31.5F) / 30;
         if (x < -0.7F) continue; // the patch itself is there in the picture
         if (fabsf(x) < 0.12F && fabsf(z) < 0.12F) {
             dark++;
