@@ -79,14 +79,20 @@ static bool load_depth(FfpManifest *manifest, FfpImage *depth, const char *path,
 }
 
 // Normals are signed, so only an EXR can hold them; an 8-bit file shows itself by lengths that are not 1.
-static bool check_normals(const FfpImage *normal, const char *path, FfpError *err) {
-    const ptrdiff_t pixels = (ptrdiff_t)normal->width * normal->height;
-    for (ptrdiff_t i = 0; i < pixels; i++) {
-        const real *n = normal->data + 3 * i, square = n[0] * n[0] + n[1] * n[1] + n[2] * n[2];
+// Roughness from a file of integers shows itself by values above 1.
+static bool check_truth(const FfpView *view, const FfpViewFiles *files, FfpError *err) {
+    const ptrdiff_t pixels = (ptrdiff_t)view->camera.width * view->camera.height;
+    for (ptrdiff_t i = 0; i < pixels && view->normal.data != NULL; i++) {
+        const real *n = view->normal.data + 3 * i, square = n[0] * n[0] + n[1] * n[1] + n[2] * n[2];
         if (square > 0 && !(fabs(square - 1) < 0.05F)) {
-            return ffp_fail(err, path,
+            return ffp_fail(err, files->normal,
                             "normals are not unit vectors (float EXR in world axes, 0 0 0 for none)");
         }
+    }
+    for (ptrdiff_t i = 0; i < pixels && view->roughness.data != NULL; i++) {
+        const real value = view->roughness.data[i];
+        if (!(value >= 0 && value <= 1))
+            return ffp_fail(err, files->roughness, "roughness is outside 0 to 1");
     }
     return true;
 }
@@ -111,7 +117,7 @@ static bool load_truth(FfpManifest *manifest, int index, FfpError *err) {
             ok = ffp_image_read_over_black(images[i], NULL, paths[i], err);
         if (!ok) return false;
     }
-    return view->normal.data == NULL || check_normals(&view->normal, files->normal, err);
+    return check_truth(view, files, err);
 }
 
 static bool load_view(FfpManifest *manifest, int index, FfpCoverageSource *source, FfpError *err) {
