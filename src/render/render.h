@@ -42,8 +42,9 @@ typedef struct FfpRaster FfpRaster;
 FfpRaster *ffp_raster_new(void); // reusable between views and steps
 void ffp_raster_free(FfpRaster *raster);
 
-// Projects, bins, sorts and blends (EWA splatting, 3DGS conventions; 16x16 tiles, alpha in [1/255, 0.99], T
-// >= 1e-4). The normal of a splat is its shortest axis turned to the camera.
+// Projects, bins, sorts and blends (EWA splatting, 3DGS conventions; 16x16 tiles, alpha in [1/255, 0.99],
+// T >= 1e-4). The normal of a splat is its shortest axis turned to the camera. Not drawn: opacity below
+// 1/255, and splats nearer to the camera's plane than their own largest deviation. out has the camera's size.
 void ffp_rasterise(FfpRaster *raster, const FfpGaussians *gaussians, const FfpCamera *camera,
                    const FfpRenderSettings *settings, FfpGbuffer *out);
 // ADDS to grad (same count as the Gaussians) the gradient of a loss whose gradient with respect to the
@@ -57,11 +58,9 @@ void ffp_rasterise_backward(FfpRaster *raster, const FfpGaussians *gaussians, co
 // the backward pass: footprint and visibility.
 typedef struct FfpMapping {
     int width, height;
-    real
-        *uv; // [.,2] projector pixels (shading works its own out from the depth, so that it has its gradient)
-    real *extent;     // [.,2] footprint in projector pixels, >= 1 (1 when settings->footprint is off)
-    real *visibility; // [0,1], 0 where the point is outside the pattern, behind the projector or has O too
-                      // small
+    real *uv;     // [.,2] projector pixels (shading takes its own from the depth, for the gradient's sake)
+    real *extent; // [.,2] footprint in projector pixels, >= 1 (1 when settings->footprint is off)
+    real *visibility; // [0,1], 0 where the point is outside the pattern, behind the projector or O too small
 } FfpMapping;
 FfpMapping ffp_mapping_new(int width, int height);
 void ffp_mapping_free(FfpMapping *mapping);
