@@ -1,4 +1,5 @@
-// Projector matching and the classical start: what can be said per pixel without a network (docs/architecture.md).
+// Projector matching and the classical start: what can be said per pixel without a network
+// (docs/architecture.md).
 #ifndef FFP_MATCH_MATCH_H
 #define FFP_MATCH_MATCH_H
 
@@ -8,20 +9,22 @@
 #include "capture/capture.h"
 #include "image/lookup.h"
 
-// Per-pixel maps of all views, each [views, height, width(, 3)], background pixels zero. The capture is normalised
-// (object in the unit sphere), so all lengths are in that unit.
+// Per-pixel maps of all views, each [views, height, width(, 3)], background pixels zero. The capture is
+// normalised (object in the unit sphere), so all lengths are in that unit.
 typedef struct FfpStart {
     int views, width, height;
-    real *t;          // distance along the unit camera ray to the surface: matched where lit, filled elsewhere
-    real *confidence; // [0,1]: 1 - best cost / second-best minimum's cost, times lit; 0 where the depth was filled
-    real *lit;        // [0,1]: weight of the projector's light there, (white - black) against the view's typical
-    real *coverage;   // [0,1]: silhouette-carved coverage: least coverage that any view shows at the point
-    real *agreement;  // [0,1]: of the other views that could see the point, the share whose own depth agrees
-    real *violation;  // [0,1]: share of the other views that see past the point (their surface lies well behind it)
-    real *footprint;  // world width of one camera pixel at the point, t_z / fx
-    real *normal;     // 3, unit, world, facing the camera
-    real *albedo;     // 3, linear
-    real *ambient;    // 3, linear: the black image divided by coverage
+    real *t; // distance along the unit camera ray to the surface: matched where lit, filled elsewhere
+    real *confidence; // [0,1]: 1 - best cost / second-best minimum's cost, times lit; 0 where the depth was
+                      // filled
+    real *lit; // [0,1]: weight of the projector's light there, (white - black) against the view's typical
+    real *coverage;  // [0,1]: silhouette-carved coverage: least coverage that any view shows at the point
+    real *agreement; // [0,1]: of the other views that could see the point, the share whose own depth agrees
+    real *violation; // [0,1]: share of the other views that see past the point (their surface lies well
+                     // behind it)
+    real *footprint; // world width of one camera pixel at the point, t_z / fx
+    real *normal;    // 3, unit, world, facing the camera
+    real *albedo;    // 3, linear
+    real *ambient;   // 3, linear: the black image divided by coverage
 } FfpStart;
 
 typedef struct FfpMatchSettings {
@@ -31,19 +34,24 @@ typedef struct FfpMatchSettings {
 FfpMatchSettings ffp_match_defaults(void);
 
 // Runs matching with pattern `active` on every view and derives all maps. The capture must be normalised.
-bool ffp_start_new(FfpStart *start, const FfpCapture *capture, int active, const FfpMatchSettings *settings, FfpError *err);
-// As above, with the depth given ([views,height,width] camera z, 0 = none) instead of matched: the "true depth" row.
-bool ffp_start_from_depth(FfpStart *start, const FfpCapture *capture, int active, const real *depth, FfpError *err);
+bool ffp_start_new(FfpStart *start, const FfpCapture *capture, int active, const FfpMatchSettings *settings,
+                   FfpError *err);
+// As above, with the depth given ([views,height,width] camera z, 0 = none) instead of matched: the "true
+// depth" row.
+bool ffp_start_from_depth(FfpStart *start, const FfpCapture *capture, int active, const real *depth,
+                          FfpError *err);
 void ffp_start_free(FfpStart *start);
 
-// Unit quaternion (w x y z) that turns the z axis into the unit vector n by the shortest way; a zero vector gives the
-// identity. The splats' frame: their flat third axis lies along the normal.
+// Unit quaternion (w x y z) that turns the z axis into the unit vector n by the shortest way; a zero vector
+// gives the identity. The splats' frame: their flat third axis lies along the normal.
 void ffp_normal_frame(const real n[3], real quaternion[4]);
 
 // The two predictors of the quality table: picture of `view` under `pattern` as
 // sRGB(black + (white - black) * lookup(pattern, u_p(depth))), encoded RGB. depth: camera z [height,width].
 FfpImage ffp_predict_by_lookup(const FfpCapture *capture, int view, int pattern, const real *depth);
-// Matched depth (camera z) of one view, as the reference predictor has it (fills by the nearest hypothesis everywhere).
-void ffp_match_depth(const FfpCapture *capture, int view, int active, const FfpMatchSettings *settings, real *depth);
+// Matched depth (camera z) of one view, as the reference predictor has it (fills by the nearest hypothesis
+// everywhere).
+void ffp_match_depth(const FfpCapture *capture, int view, int active, const FfpMatchSettings *settings,
+                     real *depth);
 
 #endif

@@ -1,0 +1,29 @@
+// What the other views say about a point that one view believes in.
+#ifndef FFP_MATCH_CONSISTENCY_H
+#define FFP_MATCH_CONSISTENCY_H
+
+#include "capture/capture.h"
+
+// Depth maps of all views, [views, h, w] each: camera z (0: none), and how far it is trusted.
+typedef struct FfpDepths {
+    const FfpCapture *capture;
+    int width, height;
+    real *depth, *trust;
+} FfpDepths;
+
+typedef struct FfpWitness {
+    real coverage; // least coverage of any view at the point's projection, the widest of a pixel's
+                   // neighbourhood
+    int views;     // other views with the point in their picture
+    int agree,
+        past; // of these: own surface at the point; own surface well behind it, so the point is in the way
+    real trust_agree, trust_past; // sums of their trust
+} FfpWitness;
+
+// Asks the views other than `view` about a world point.
+FfpWitness ffp_consult(const FfpDepths *depths, int view, const real point[3]);
+
+// Takes the trust from depths that more trusted views see past than agree with.
+void ffp_reject_inconsistent(FfpDepths *depths);
+
+#endif

@@ -1,0 +1,16 @@
+// Depth where a pixel's own view says nothing.
+#ifndef FFP_MATCH_FILL_H
+#define FFP_MATCH_FILL_H
+
+#include "match/consistency.h"
+
+// Fills the pixels of depth 0 inside `mask` (NULL: everywhere) with the smoothest continuation of the others
+// (harmonic). Pixels that no known one is connected to within the mask stay 0.
+void ffp_fill_smoothly(real *depth, const real *mask, int width, int height);
+
+// Depth [h,w] of `view` where it has no trusted one, from the trusted points of the other views that project
+// there, the nearest first; points whose surface faces away do not count. normals [views,h,w,3]: world, of
+// the trusted points. The view's own untrusted depths are dropped: 0 where no point came.
+void ffp_fill_from_others(real *out, const FfpDepths *depths, const real *normals, int view);
+
+#endif

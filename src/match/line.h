@@ -1,0 +1,41 @@
+// A camera pixel's ray as another device sees it: both image coordinates are ratios of functions linear in
+// camera depth.
+#ifndef FFP_MATCH_LINE_H
+#define FFP_MATCH_LINE_H
+
+#include "base/vec.h"
+#include "capture/capture.h"
+
+// u = (u[0] + u[1] z) / (w[0] + w[1] z), v likewise; w[0] + w[1] z is the depth in front of the device.
+typedef struct FfpLine {
+    real u[2], v[2], w[2];
+} FfpLine;
+
+// The ray through pixel position (x, y) of `camera`, at camera depth z, seen from `device`.
+static inline FfpLine ffp_line(const FfpCamera *camera, real x, real y, const FfpCamera *device) {
+    const real local[3] = {(x - camera->cx) / camera->fx, (y - camera->cy) / camera->fy, 1};
+    const real eye[3] = {camera->pose[3], camera->pose[7], camera->pose[11]};
+    real direction[3], a[3], b[3];
+    ffp_rotate(camera->pose, local, direction);
+    ffp_inverse_transform_point(device->pose, eye, a);
+    ffp_inverse_rotate(device->pose, direction, b);
+    return (FfpLine){{device->fx * a[0] + device->cx * a[2], device->fx * b[0] + device->cx * b[2]},
+                     {device->fy * a[1] + device->cy * a[2], device->fy * b[1] + device->cy * b[2]},
+                     {a[2], b[2]}};
+}
+
+// Position in the device's image; returns the depth in front of it, and leaves u, v alone where that is not
+// positive.
+static inline real ffp_line_at(const FfpLine *line, real z, real *u, real *v) {
+    const real w = line->w[0] + line->w[1] * z;
+    if (w > 1e-6F) *u = (line->u[0] + line->u[1] * z) / w, *v = (line->v[0] + line->v[1] * z) / w;
+    return w;
+}
+
+// World point of pixel position (x, y) at camera depth z.
+static inline void ffp_point_at(const FfpCamera *camera, real x, real y, real z, real point[3]) {
+    const real local[3] = {(x - camera->cx) / camera->fx * z, (y - camera->cy) / camera->fy * z, z};
+    ffp_transform_point(camera->pose, local, point);
+}
+
+#endif

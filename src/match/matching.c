@@ -1,0 +1,99 @@
+#include "match/matching.h"
+
+#include <stdlib.h>
+#include <string.h>
+#include <tgmath.h>
+
+#include "base/arena.h"
+#include "match/line.h"
+#include "match/refine.h"
+#include "match/sweep.h"
+
+#define SMALL_STEP 0.03F // smoothness: cost of a step of one plane between neighbours
+#define LARGE_STEP 0.3F  // and of any longer one
+#define LIT_MIN 0.06F    // share of the typical light below which a pixel counts as not lit
+#define COST_MAX 0.1F    // mean squared difference above which no hypothesis fits
+#define APART 3          // planes between two separate minima
+#define ROUNDS 2         // of the fine search
+
+FfpMatchSettings ffp_match_defaults(void) {
+    return (FfpMatchSettings){128, 32, 1.05F};
+}
+
+// Cost of a pixel's hypotheses summed over 3 x 3 pixels, and the sum of their weights.
+static real sum_window(real *sum, const real *cost, const FfpObservation *seen, int x, int y, int count) {
+    real weight = 0;
+    memset(sum, 0, (size_t)count * sizeof(real));
+    for (int j = y > 0 ? y - 1 : y; j <= y + 1 && j < seen->height; j++) {
+        for (int i = x > 0 ? x - 1 : x; i <= x + 1 && i < seen->width; i++) {
+            const size_t pixel = (size_t)j * (size_t)seen->width + (size_t)i;
+            const real *row = cost + pixel * (size_t)count;
+            for (int k = 0; k < count; k++) sum[k] += row[k];
+            weight += 3 * seen->lit[pixel];
+        }
+    }
+    return weight;
+}
+
+// Least value at a minimum at least APART from `chosen`; the greatest value when there is none.
+static real rival(const real *sum, int count, int chosen) {
+    real least = 0, greatest = 0;
+    bool found = false;
+    for (int k = 0; k < count; k++) {
+        greatest = fmax(greatest, sum[k]);
+        if (abs(k - chosen) < APART || (k > 0 && sum[k - 1] < sum[k]) ||
+            (k + 1 < count && sum[k + 1] < sum[k]))
+            continue;
+        least = found ? fmin(least, sum[k]) : sum[k];
+        found = true;
+    }
+    return found ? least : greatest;
+}
+
+static int least_index(const real *values, int count) {
+    int best = 0;
+    for (int k = 1; k < count; k++)
+        if (values[k] < values[best]) best = k;
+    return best;
+}
+
+// Reads depth and confidence off the aggregated costs of a view.
+static void choose(real *depth, real *confidence, const real *total, const real *cost, const real *mask,
+                   const FfpObservation *seen, const FfpPlanes *planes) {
+    const int count = planes->count;
+    real *sum = ffp_alloc((size_t)count, sizeof(real));
+    for (int y = 0; y < seen->height; y++) {
+        for (int x = 0; x < seen->width; x++) {
+            const size_t i = (size_t)y * (size_t)seen->width + (size_t)x;
+            depth[i] = confidence[i] = 0;
+            if (mask[i] <= 0) continue;
+            const int best = least_index(total + i * (size_t)count, count);
+            depth[i] = planes->first + (real)best * planes->step;
+            const real weight = sum_window(sum, cost, seen, x, y, count);
+            if (seen->lit[i] < LIT_MIN || sum[best] > COST_MAX * weight) continue;
+            const real second = rival(sum, count, best);
+            confidence[i] = second > 0 ? fmax(1 - sum[best] / second, 0) * seen->lit[i] : 0;
+        }
+    }
+    free(sum);
+}
+
+void ffp_match_view(real *depth, real *confidence, const FfpCapture *capture, int view,
+                    const FfpObservation *seen, const FfpBlurred *pattern, const FfpMatchSettings *settings) {
+    const FfpView *self = &capture->views[view];
+    const FfpPlanes planes = ffp_planes(capture, view, settings);
+    const size_t pixels = (size_t)seen->width * (size_t)seen->height, cells = pixels * (size_t)planes.count;
+    real *cost = ffp_alloc(cells, sizeof(real)), *total = ffp_alloc(cells, sizeof(real));
+    ffp_sweep(cost, capture, view, seen, pattern, &planes, true);
+    ffp_semi_global(total, cost, self->coverage.data, seen->width, seen->height, planes.count, SMALL_STEP,
+                    LARGE_STEP);
+    choose(depth, confidence, total, cost, self->coverage.data, seen, &planes);
+    free(total);
+    free(cost);
+    real *finer = ffp_alloc(pixels, sizeof(real)), range = 2 * planes.step;
+    for (int round = 0; round < ROUNDS; round++, range /= 2) {
+        ffp_refine(finer, depth, confidence, self, seen, pattern, settings->fine_steps, range);
+        memcpy(depth, finer, pixels * sizeof(real));
+    }
+    free(finer);
+}

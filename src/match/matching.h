@@ -1,0 +1,13 @@
+// Projector matching of one view: depth along each camera ray from the active image.
+#ifndef FFP_MATCH_MATCHING_H
+#define FFP_MATCH_MATCHING_H
+
+#include "match/match.h"
+#include "match/observe.h"
+
+// depth [h,w]: camera z, 0 off the object. confidence [h,w]: 1 - best / second-best minimum's cost, times
+// lit; 0 where the pixel is not lit, or fits no hypothesis.
+void ffp_match_view(real *depth, real *confidence, const FfpCapture *capture, int view,
+                    const FfpObservation *seen, const FfpBlurred *pattern, const FfpMatchSettings *settings);
+
+#endif

@@ -1,0 +1,89 @@
+#include "match/material.h"
+
+#include <stdlib.h>
+#include <tgmath.h>
+
+#include "base/arena.h"
+#include "match/line.h"
+
+#define PI 3.14159265F
+#define COSINE_MIN 0.15F   // n.l below this is not believed
+#define COVERAGE_MIN 0.05F // a silhouette's colours are divided by no less
+#define LIT_MIN 0.06F      // share of the typical light at which the lit estimate begins to count,
+#define LIT_FULL 0.25F     // and at which it counts alone
+#define ALBEDO_MAX 1.0F
+
+// How much of the estimate comes from the projector's light, [0,1].
+static real light_share(real lit) {
+    return fmin(fmax((lit - LIT_MIN) / (LIT_FULL - LIT_MIN), 0), 1);
+}
+
+static void lit_albedo(real albedo[3], const FfpStart *start, const FfpCapture *capture, const FfpView *view,
+                       size_t i, const real point[3], const real light[3]) {
+    const real *eye = view->projector.pose;
+    real to_light[3] = {eye[3] - point[0], eye[7] - point[1], eye[11] - point[2]};
+    const real d = ffp_normalise3(to_light),
+               cosine = fmax(ffp_dot3(start->normal + 3 * i, to_light), COSINE_MIN);
+    for (int c = 0; c < 3; c++)
+        albedo[c] =
+            fmin(fmax(PI * d * d * light[c] / (fmax(capture->intensity[c], 1e-6F) * cosine), 0), ALBEDO_MAX);
+}
+
+static void view_colours(FfpStart *start, const FfpCapture *capture, int v) {
+    const FfpView *view = &capture->views[v];
+    const real *black = view->images[capture->black].data, *white = view->images[capture->white].data;
+    for (int y = 0; y < start->height; y++) {
+        for (int x = 0; x < start->width; x++) {
+            const size_t p = (size_t)y * (size_t)start->width + (size_t)x;
+            const size_t i = (size_t)v * (size_t)start->width * (size_t)start->height + p;
+            if (start->t[i] <= 0) continue;
+            const real share = fmax(view->coverage.data[p], COVERAGE_MIN);
+            real direction[3], point[3], light[3];
+            ffp_pixel_ray(&view->camera, (real)x + 0.5F, (real)y + 0.5F, direction);
+            for (int c = 0; c < 3; c++) {
+                point[c] = view->camera.pose[4 * c + 3] + start->t[i] * direction[c];
+                start->ambient[3 * i + (size_t)c] = black[3 * p + (size_t)c] / share;
+                light[c] = (white[3 * p + (size_t)c] - black[3 * p + (size_t)c]) / share;
+            }
+            lit_albedo(start->albedo + 3 * i, start, capture, view, i, point, light);
+        }
+    }
+}
+
+static int by_size(const void *a, const void *b) {
+    const real x = *(const real *)a, y = *(const real *)b;
+    return (x > y) - (x < y);
+}
+
+// The capture's median of ambient / albedo over fully lit pixels: the ambient light that albedo reflects. 0:
+// none is lit.
+static real ambient_light(const FfpStart *start, size_t channel) {
+    const size_t pixels = (size_t)start->views * (size_t)start->width * (size_t)start->height;
+    real *ratio = ffp_alloc(pixels, sizeof(real));
+    size_t count = 0;
+    for (size_t i = 0; i < pixels; i++) {
+        const real albedo = start->albedo[3 * i + channel];
+        if (start->t[i] > 0 && start->lit[i] >= LIT_FULL && albedo > 1e-3F)
+            ratio[count++] = start->ambient[3 * i + channel] / albedo;
+    }
+    qsort(ratio, count, sizeof(real), by_size);
+    const real median = count > 0 ? ratio[count / 2] : 0;
+    free(ratio);
+    return median;
+}
+
+void ffp_start_materials(FfpStart *start, const FfpCapture *capture) {
+#pragma omp parallel for schedule(static)
+    for (int v = 0; v < start->views; v++) view_colours(start, capture, v);
+    const size_t pixels = (size_t)start->views * (size_t)start->width * (size_t)start->height;
+    for (size_t c = 0; c < 3; c++) {
+        const real ambient = ambient_light(start, c);
+        if (ambient <= 0) continue;
+        for (size_t i = 0; i < pixels; i++) {
+            const real share = light_share(start->lit[i]),
+                       unlit = fmin(start->ambient[3 * i + c] / ambient, ALBEDO_MAX);
+            if (start->t[i] > 0)
+                start->albedo[3 * i + c] = share * start->albedo[3 * i + c] + (1 - share) * unlit;
+        }
+    }
+}

@@ -1,0 +1,79 @@
+#include "match/observe.h"
+
+#include <stdlib.h>
+#include <tgmath.h>
+
+#include "base/arena.h"
+#include "base/vec.h"
+#include "image/lookup.h"
+
+#define LIGHT_MIN 1e-3F // linear radiance below which a ratio says nothing
+#define RATIO_MAX 1.2F  // noise and gloss may lift a ratio above 1, not far
+#define SLANT 1.35F     // mean of 1 / cos over the slants at which surfaces are seen
+#define CELLS_A_BOX 4   // grid cells across the box that the pattern is averaged over
+
+// Mean of (white - black) over the object's pixels and channels.
+static real typical_light(const FfpView *view, const real *black, const real *white, size_t pixels) {
+    double sum = 0, count = 0;
+    for (size_t i = 0; i < pixels; i++) {
+        if (view->coverage.data[i] <= 0) continue;
+        for (size_t c = 0; c < 3; c++) sum += fmax((double)(white[3 * i + c] - black[3 * i + c]), 0.0);
+        count += 3;
+    }
+    return (real)fmax(sum / fmax(count, 1.0), (double)LIGHT_MIN);
+}
+
+FfpObservation ffp_observe(const FfpCapture *capture, int view_index, int active) {
+    const FfpView *view = &capture->views[view_index];
+    const real *black = view->images[capture->black].data, *white = view->images[capture->white].data;
+    const real *shown = view->images[active].data;
+    const size_t pixels = (size_t)view->camera.width * (size_t)view->camera.height;
+    FfpObservation out = {view->camera.width, view->camera.height, ffp_alloc(3 * pixels, sizeof(real)),
+                          ffp_alloc(3 * pixels, sizeof(real)), ffp_alloc(pixels, sizeof(real))};
+    const real typical = typical_light(view, black, white, pixels);
+    for (size_t i = 0; i < pixels; i++) {
+        if (view->coverage.data[i] <= 0) continue;
+        for (size_t c = 3 * i; c < 3 * i + 3; c++) {
+            const real light = white[c] - black[c];
+            out.ratio[c] = fmin(fmax((shown[c] - black[c]) / fmax(light, LIGHT_MIN), 0), RATIO_MAX);
+            out.weight[c] = fmin(fmax(light / typical, 0), 1);
+            out.lit[i] += out.weight[c] / 3;
+        }
+    }
+    return out;
+}
+
+void ffp_observation_free(FfpObservation *observation) {
+    free(observation->ratio);
+    free(observation->weight);
+    free(observation->lit);
+    *observation = (FfpObservation){0};
+}
+
+FfpBlurred ffp_blurred_new(const FfpImage *pattern, real box) {
+    const real scale = fmin(CELLS_A_BOX / fmax(box, 1), 1);
+    const int width = (int)fmax(ceil(pattern->width * scale), 2),
+              height = (int)fmax(ceil(pattern->height * scale), 2);
+    FfpBlurred out = {ffp_image_new(width, height, 3), scale, (real)pattern->width, (real)pattern->height};
+    FfpSummed summed = ffp_summed_new(pattern);
+#pragma omp parallel for schedule(static)
+    for (int y = 0; y < height; y++)
+        for (int x = 0; x < width; x++)
+            ffp_lookup(&summed, (x + 0.5F) / scale, (y + 0.5F) / scale, box, box,
+                       out.image.data + 3 * ((size_t)y * (size_t)width + (size_t)x));
+    ffp_summed_free(&summed);
+    return out;
+}
+
+void ffp_blurred_free(FfpBlurred *blurred) {
+    ffp_image_free(&blurred->image);
+}
+
+real ffp_typical_footprint(const FfpCapture *capture, int view) {
+    const FfpCamera *camera = &capture->views[view].camera, *projector = &capture->views[view].projector;
+    real x, y;
+    const real near = 0.1F * capture->radius; // a device inside the object would make the ratio meaningless
+    const real pixel = fmax(ffp_project(camera, capture->centre, &x, &y), near) / camera->fx;
+    return fmax(SLANT * pixel * projector->fx / fmax(ffp_project(projector, capture->centre, &x, &y), near),
+                1);
+}

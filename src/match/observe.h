@@ -1,0 +1,33 @@
+// What one view says about the projector's light: the pattern's colour at each pixel, whatever the albedo.
+#ifndef FFP_MATCH_OBSERVE_H
+#define FFP_MATCH_OBSERVE_H
+
+#include "base/real.h"
+#include "capture/capture.h"
+
+typedef struct FfpObservation {
+    int width, height;
+    real *ratio; // [h,w,3] (active - black) / (white - black): the pattern's linear colour there, in [0,1.2]
+    real *
+        weight; // [h,w,3] (white - black) against the view's mean over the object, in [0,1]; 0 off the object
+    real *lit;  // [h,w] mean of the three weights
+} FfpObservation;
+
+FfpObservation ffp_observe(const FfpCapture *capture, int view, int active);
+void ffp_observation_free(FfpObservation *observation);
+
+// A pattern averaged over boxes of one size, on a grid no finer than that needs: cheap to sample at many
+// hypotheses.
+typedef struct FfpBlurred {
+    FfpImage image;
+    real scale;         // grid cells a pattern pixel
+    real width, height; // of the pattern, pixels
+} FfpBlurred;
+FfpBlurred ffp_blurred_new(const FfpImage *pattern, real box);
+void ffp_blurred_free(FfpBlurred *blurred);
+
+// Pattern pixels that a camera pixel of this view covers at the object's centre, seen at a middling slant; at
+// least 1.
+real ffp_typical_footprint(const FfpCapture *capture, int view);
+
+#endif

@@ -1,0 +1,14 @@
+// The fine search: depth of lit pixels along the local plane, to a fraction of a step.
+#ifndef FFP_MATCH_REFINE_H
+#define FFP_MATCH_REFINE_H
+
+#include "match/observe.h"
+#include "match/surface.h"
+
+// Searches `steps` hypotheses within +-range (camera depth) of each pixel's local plane; the pixels around it
+// move along with that plane. Reads `depth` and writes `out` [h,w]; pixels without depth or with lit below
+// lit_min keep theirs.
+void ffp_refine(real *out, const real *depth, const real *weight, const FfpView *view,
+                const FfpObservation *seen, const FfpBlurred *pattern, int steps, real range);
+
+#endif

@@ -1,0 +1,197 @@
+// The classical start: matching in every view, the views' say on each other, filling, and the maps that
+// follow.
+#include <stdlib.h>
+#include <string.h>
+#include <tgmath.h>
+
+#include "base/arena.h"
+#include "match/consistency.h"
+#include "match/fill.h"
+#include "match/line.h"
+#include "match/match.h"
+#include "match/matching.h"
+#include "match/material.h"
+#include "match/observe.h"
+#include "match/surface.h"
+
+#define FILLED_WEIGHT 0.05F // of a filled depth in a normal's fit, against a matched one's confidence
+#define NORMAL_REACH 2      // pixels
+
+static bool check_picture(const FfpImage *image, const FfpCamera *camera, int channels, const char *what,
+                          const FfpView *view, FfpError *err) {
+    if (image->data == NULL) return ffp_fail(err, view->id, "the view has no %s image", what);
+    if (image->width != camera->width || image->height != camera->height || image->channels != channels)
+        return ffp_fail(err, view->id, "the %s image does not have the camera's size", what);
+    return true;
+}
+
+static bool check(const FfpCapture *capture, int active, FfpError *err) {
+    if (capture->n_views < 1) return ffp_fail(err, capture->name, "no views");
+    if (active < 0 || active >= capture->n_patterns)
+        return ffp_fail(err, capture->name, "no such active pattern");
+    const FfpCamera *first = &capture->views[0].camera;
+    for (int v = 0; v < capture->n_views; v++) {
+        const FfpView *view = &capture->views[v];
+        if (view->camera.width != first->width || view->camera.height != first->height)
+            return ffp_fail(err, view->id, "the view's size is not that of the others");
+        if (!check_picture(&view->images[capture->black], first, 3, "black", view, err) ||
+            !check_picture(&view->images[capture->white], first, 3, "white", view, err) ||
+            !check_picture(&view->images[active], first, 3, capture->patterns[active].name, view, err) ||
+            !check_picture(&view->coverage, first, 1, "coverage", view, err))
+            return false;
+    }
+    return true;
+}
+
+static FfpStart allocate(const FfpCapture *capture) {
+    const int width = capture->views[0].camera.width, height = capture->views[0].camera.height;
+    const size_t n = (size_t)capture->n_views * (size_t)width * (size_t)height;
+    FfpStart start = {.views = capture->n_views, .width = width, .height = height};
+    real **maps[] = {&start.t,         &start.confidence, &start.lit,      &start.coverage,
+                     &start.agreement, &start.violation,  &start.footprint};
+    for (size_t i = 0; i < sizeof maps / sizeof maps[0]; i++) *maps[i] = ffp_alloc(n, sizeof(real));
+    start.normal = ffp_alloc(n, 3 * sizeof(real));
+    start.albedo = ffp_alloc(n, 3 * sizeof(real));
+    start.ambient = ffp_alloc(n, 3 * sizeof(real));
+    return start;
+}
+
+void ffp_start_free(FfpStart *start) {
+    if (start == NULL) return;
+    free(start->t), free(start->confidence), free(start->lit), free(start->coverage), free(start->agreement);
+    free(start->violation), free(start->footprint), free(start->normal), free(start->albedo),
+        free(start->ambient);
+    *start = (FfpStart){0};
+}
+
+// Normals of all pixels with depth, neighbours counted by their trust.
+static void find_normals(real *normals, const FfpDepths *depths) {
+#pragma omp parallel for schedule(static)
+    for (int row = 0; row < depths->capture->n_views * depths->height; row++) {
+        const int view = row / depths->height, y = row % depths->height;
+        const FfpCamera *camera = &depths->capture->views[view].camera;
+        const size_t first = (size_t)view * (size_t)depths->height * (size_t)depths->width;
+        for (int x = 0; x < depths->width; x++) {
+            FfpPlane plane;
+            real *normal = normals + 3 * ((size_t)row * (size_t)depths->width + (size_t)x);
+            normal[0] = normal[1] = normal[2] = 0;
+            if (ffp_fit_plane(&plane, depths->depth + first, depths->trust + first, camera, x, y,
+                              NORMAL_REACH))
+                ffp_plane_normal(&plane, camera, (real)x + 0.5F, (real)y + 0.5F, normal);
+        }
+    }
+}
+
+// Gives every pixel on the object a depth: from the other views' trusted points, then smoothly.
+static void fill(FfpDepths *depths) {
+    const FfpCapture *capture = depths->capture;
+    const size_t area = (size_t)depths->width * (size_t)depths->height;
+    real *normals = ffp_alloc(area * (size_t)capture->n_views, 3 * sizeof(real));
+    real *filled = ffp_alloc(area * (size_t)capture->n_views, sizeof(real));
+    find_normals(normals, depths);
+#pragma omp parallel for schedule(dynamic)
+    for (int v = 0; v < capture->n_views; v++) {
+        real *out = filled + (size_t)v * area;
+        const FfpCamera *camera = &capture->views[v].camera;
+        ffp_fill_from_others(out, depths, normals, v);
+        ffp_fill_smoothly(out, capture->views[v].coverage.data, depths->width, depths->height);
+        real x, y;
+        const real middle = fmax(ffp_project(camera, capture->centre, &x, &y), 0.1F * capture->radius);
+        for (size_t i = 0; i < area; i++) {
+            if (capture->views[v].coverage.data[i] <= 0)
+                out[i] = 0;
+            else if (out[i] <= 0)
+                out[i] = middle; // a part of the object about which nothing at all is known
+        }
+    }
+    memcpy(depths->depth, filled, area * (size_t)capture->n_views * sizeof(real));
+    free(filled), free(normals);
+}
+
+// What the other views say of each pixel's point, and where it lies along its ray.
+static void judge(FfpStart *start, const FfpDepths *depths) {
+#pragma omp parallel for schedule(static)
+    for (int row = 0; row < start->views * start->height; row++) {
+        const int v = row / start->height, y = row % start->height;
+        const FfpView *view = &depths->capture->views[v];
+        for (int x = 0; x < start->width; x++) {
+            const size_t i = (size_t)row * (size_t)start->width + (size_t)x;
+            const real z = depths->depth[i];
+            if (z <= 0) continue;
+            real direction[3], point[3];
+            start->t[i] = z / ffp_pixel_ray(&view->camera, (real)x + 0.5F, (real)y + 0.5F, direction);
+            start->footprint[i] = z / view->camera.fx;
+            ffp_point_at(&view->camera, (real)x + 0.5F, (real)y + 0.5F, z, point);
+            const FfpWitness witness = ffp_consult(depths, v, point);
+            const int said = witness.agree + witness.past;
+            start->coverage[i] =
+                fmin(view->coverage.data[(size_t)y * (size_t)start->width + (size_t)x], witness.coverage);
+            start->agreement[i] = said > 0 ? (real)witness.agree / (real)said : 0;
+            start->violation[i] = witness.views > 0 ? (real)witness.past / (real)witness.views : 0;
+        }
+    }
+}
+
+// Everything that follows from trusted depths. Takes depths->depth and ->trust over: trust becomes the
+// confidence.
+static void derive(FfpStart *start, FfpDepths *depths) {
+    const size_t n = (size_t)start->views * (size_t)start->width * (size_t)start->height;
+    fill(depths);
+    memcpy(start->confidence, depths->trust, n * sizeof(real));
+    for (size_t i = 0; i < n; i++)
+        if (depths->depth[i] > 0) depths->trust[i] += FILLED_WEIGHT;
+    find_normals(start->normal, depths);
+    judge(start, depths);
+    ffp_start_materials(start, depths->capture);
+}
+
+static FfpDepths depths_new(const FfpCapture *capture, const FfpStart *start) {
+    const size_t n = (size_t)start->views * (size_t)start->width * (size_t)start->height;
+    return (FfpDepths){capture, start->width, start->height, ffp_alloc(n, sizeof(real)),
+                       ffp_alloc(n, sizeof(real))};
+}
+
+bool ffp_start_new(FfpStart *start, const FfpCapture *capture, int active, const FfpMatchSettings *settings,
+                   FfpError *err) {
+    *start = (FfpStart){0};
+    if (!check(capture, active, err)) return false;
+    *start = allocate(capture);
+    FfpDepths depths = depths_new(capture, start);
+    FfpBlurred pattern = ffp_blurred_new(&capture->patterns[active].image, ffp_typical_footprint(capture, 0));
+    const size_t area = (size_t)start->width * (size_t)start->height;
+#pragma omp parallel for schedule(dynamic)
+    for (int v = 0; v < capture->n_views; v++) {
+        FfpObservation seen = ffp_observe(capture, v, active);
+        memcpy(start->lit + (size_t)v * area, seen.lit, area * sizeof(real));
+        ffp_match_view(depths.depth + (size_t)v * area, depths.trust + (size_t)v * area, capture, v, &seen,
+                       &pattern, settings);
+        ffp_observation_free(&seen);
+    }
+    ffp_blurred_free(&pattern);
+    ffp_reject_inconsistent(&depths);
+    derive(start, &depths);
+    free(depths.depth), free(depths.trust);
+    return true;
+}
+
+bool ffp_start_from_depth(FfpStart *start, const FfpCapture *capture, int active, const real *depth,
+                          FfpError *err) {
+    *start = (FfpStart){0};
+    if (!check(capture, active, err)) return false;
+    *start = allocate(capture);
+    FfpDepths depths = depths_new(capture, start);
+    const size_t area = (size_t)start->width * (size_t)start->height;
+    for (int v = 0; v < capture->n_views; v++) {
+        FfpObservation seen = ffp_observe(capture, v, active);
+        memcpy(start->lit + (size_t)v * area, seen.lit, area * sizeof(real));
+        ffp_observation_free(&seen);
+    }
+    for (size_t i = 0; i < (size_t)start->views * area; i++) {
+        const bool known = depth[i] > 0 && capture->views[i / area].coverage.data[i % area] > 0;
+        depths.depth[i] = known ? depth[i] : 0;
+        depths.trust[i] = known ? 1 : 0;
+    }
+    derive(start, &depths);
+    free(depths.depth), free(depths.trust);
+    return true;
+}
