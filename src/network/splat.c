@@ -13,7 +13,11 @@
 #define PLAIN_LOG_SCALE_MAX 2.0794415F // ln 8
 #define START_OPACITY 3.0F             // logits
 #define PLAIN_OPACITY (-2.0F)
-#define COLOUR_MARGIN 0.01F // the start's colours stay this far off 0 and 1, where a logit has no end
+// The start's colours stay this far off 0 and 1, where a logit has no end. The ambient colour is seen, not
+// inferred, and dark objects go below a hundredth; an albedo that low is a failed estimate, which the network
+// must be able to lift.
+#define ALBEDO_MARGIN 0.01F
+#define AMBIENT_MARGIN 0.001F
 #define ROUGHNESS_MIN 0.05F
 
 static real sigmoid(real x) {
@@ -28,8 +32,8 @@ static real clamped(real x, real low, real high) {
     return fmin(fmax(x, low), high);
 }
 
-static real logit_of_colour(real colour) {
-    const real c = clamped(colour, COLOUR_MARGIN, 1 - COLOUR_MARGIN);
+static real logit_of_colour(real colour, real margin) {
+    const real c = clamped(colour, margin, 1 - margin);
     return log(c / (1 - c));
 }
 
@@ -41,8 +45,8 @@ void ffp_residual_base(FfpPixelBase *base, const FfpStart *start, int64_t pixel)
     base->coverage = start->coverage[pixel];
     ffp_normal_frame(start->normal + 3 * pixel, base->frame);
     for (int i = 0; i < 3; i++) {
-        base->albedo_logit[i] = logit_of_colour(start->albedo[3 * pixel + i]);
-        base->ambient_logit[i] = logit_of_colour(start->ambient[3 * pixel + i]);
+        base->albedo_logit[i] = logit_of_colour(start->albedo[3 * pixel + i], ALBEDO_MARGIN);
+        base->ambient_logit[i] = logit_of_colour(start->ambient[3 * pixel + i], AMBIENT_MARGIN);
     }
 }
 

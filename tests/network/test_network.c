@@ -1,0 +1,243 @@
+// The network as a whole: what an untrained one returns, that passes repeat their bits and take no new
+// memory, what it refuses.
+#include "scene.h"
+
+static void expect(const FfpError *err, const char *part) {
+    if (strstr(err->text, part)) return;
+    print_error("expected '%s' in '%s'\n", part, err->text);
+    fail();
+}
+
+static FfpModel *new_model(const char *preset) {
+    FfpModelConfig config;
+    FfpError err;
+    assert_true(ffp_model_preset(&config, preset));
+    FfpModel *model = ffp_model_new(&config, 4, &err);
+    assert_non_null(model);
+    return model;
+}
+
+static void assert_near(const real *a, const real *b, int64_t count, real tolerance, const char *what) {
+    for (int64_t i = 0; i < count; i++)
+        if (!(fabs(a[i] - b[i]) <= tolerance)) {
+            print_error("%s[%lld]: %g, expected %g\n", what, (long long)i, (double)a[i], (double)b[i]);
+            fail();
+        }
+}
+
+// One Gaussian of the classical start by DESIGN's words, from the maps alone.
+static void check_classical(const FfpGaussians *g, int64_t i, const FfpRun *run, const Scene *s) {
+    const FfpStart *start = &s->start;
+    const int64_t p = run->pixel[i], area = (int64_t)start->width * start->height;
+    const FfpCamera *camera = &s->capture.views[p / area].camera;
+    real d[3], x, y;
+    ffp_pixel_ray(camera, p % start->width + 0.5F, p % area / start->width + 0.5F, d);
+    ffp_project(camera, g->centre + 3 * i, &x, &y);
+    assert_true(fabs(x - (p % start->width + 0.5F)) < 1e-3F &&
+                fabs(y - (p % area / start->width + 0.5F)) < 1e-3F);
+    const real *q = g->rotation + 4 * i; // the third axis, column 2 of the rotation, is the normal
+    const real axis[3] = {2 * (q[1] * q[3] + q[0] * q[2]), 2 * (q[2] * q[3] - q[0] * q[1]),
+                          1 - 2 * (q[1] * q[1] + q[2] * q[2])};
+    const real width = 0.5F * start->footprint[p], scale[3] = {width, width, 0.1F * width};
+    const real opacity = start->coverage[p] * 0.952574F, roughness = 0.525F; // sigmoid(3)
+    assert_near(axis, start->normal + 3 * p, 3, 1e-4F, "axis");
+    assert_near(g->scale + 3 * i, scale, 3, 1e-7F, "scale");
+    assert_near(g->opacity + i, &opacity, 1, 1e-5F, "opacity");
+    assert_near(g->roughness + i, &roughness, 1, 1e-6F, "roughness");
+    assert_near(g->albedo + 3 * i, start->albedo + 3 * p, 3, 1e-5F, "albedo");
+    assert_near(g->ambient + 3 * i, start->ambient + 3 * p, 3, 1e-5F, "ambient");
+}
+
+// Last layers start at zero: the classical start comes out, Gaussian for Gaussian.
+static void check_untrained(bool pixel_skip) {
+    Scene s;
+    scene_new(&s, 3, 24, 16, 9);
+    FfpModel *model = new_model("tiny");
+    FfpError err;
+    if (!pixel_skip) {
+        FfpModelConfig config = model->config;
+        config.pixel_skip = false;
+        ffp_model_free(model);
+        assert_non_null(model = ffp_model_new(&config, 4, &err));
+    }
+    FfpRun *run = ffp_run_new();
+    assert_true(ffp_model_forward(model, run, &s.capture, &s.start, SCENE_ACTIVE, &err));
+    FfpGaussians start = ffp_start_gaussians(&s.capture, &s.start);
+    const FfpGaussians *g = &run->gaussians;
+    assert_int_equal(g->count, start.count);
+    assert_true(g->count > 100 && g->count < 3 * 24 * 16);
+    for (int64_t i = 0; i < g->count; i++) {
+        assert_true(s.start.coverage[run->pixel[i]] > 0);
+        assert_true(run->t[i] == s.start.t[run->pixel[i]]);
+        check_classical(g, i, run, &s);
+    }
+    assert_near(g->centre, start.centre, 3 * g->count, 1e-6F, "centre");
+    assert_near(g->scale, start.scale, 3 * g->count, 1e-7F, "scale");
+    assert_near(g->rotation, start.rotation, 4 * g->count, 1e-6F, "rotation");
+    assert_near(g->opacity, start.opacity, g->count, 1e-6F, "opacity");
+    assert_near(g->albedo, start.albedo, 3 * g->count, 1e-6F, "albedo");
+    assert_near(g->roughness, start.roughness, g->count, 1e-6F, "roughness");
+    assert_near(g->ambient, start.ambient, 3 * g->count, 1e-6F, "ambient");
+    ffp_gaussians_free(&start);
+    ffp_run_free(run);
+    ffp_model_free(model);
+    scene_free(&s);
+}
+
+static void test_untrained_pixel_skip(void **state) {
+    (void)state;
+    check_untrained(true);
+}
+static void test_untrained_token_head(void **state) {
+    (void)state;
+    check_untrained(false);
+}
+
+// The paper's form: every pixel, near the ray's nearest point, a footprint wide, opacity 0.12; no start
+// needed.
+static void test_plain_start(void **state) {
+    (void)state;
+    Scene s;
+    scene_new(&s, 2, 16, 24, 2);
+    FfpModel *model = new_model("paper-small");
+    FfpRun *run = ffp_run_new();
+    FfpError err;
+    assert_true(ffp_model_forward(model, run, &s.capture, NULL, SCENE_ACTIVE, &err));
+    const FfpGaussians *g = &run->gaussians;
+    assert_int_equal(g->count, 2 * 16 * 24);
+    for (int64_t i = 0; i < g->count; i++) {
+        assert_int_equal(run->pixel[i], i);
+        const FfpCamera *camera = &s.capture.views[i / (16 * 24)].camera;
+        const real *c = g->centre + 3 * i, *q = g->rotation + 4 * i;
+        real d[3];
+        ffp_pixel_ray(camera, i % 16 + 0.5F, i / 16 % 24 + 0.5F, d);
+        assert_true(fabs(ffp_dot3(c, d)) < 0.2F); // the nearest point is where the ray is square to it
+        assert_true(fabs(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3] - 1) < 1e-5F);
+        assert_true(g->opacity[i] > 0.08F && g->opacity[i] < 0.17F);
+        const real footprint = (run->t[i] - ffp_dot3(c, d)) / camera->fx;
+        assert_true(g->scale[3 * i] > 0.8F * footprint && g->scale[3 * i] < 1.25F * footprint);
+        assert_true(g->roughness[i] > 0.4F && g->roughness[i] < 0.65F);
+    }
+    ffp_run_free(run);
+    ffp_model_free(model);
+    scene_free(&s);
+}
+
+// The same capture again, after another one in between: the same bits, no more memory, every part of the
+// profile filled.
+static void test_repeats(void **state) {
+    (void)state;
+    Scene s, other;
+    scene_new(&s, 3, 24, 16, 9);
+    scene_new(&other, 3, 24, 16, 10);
+    FfpModel *model = new_model("tiny");
+    shake(model, 1);
+    FfpRun *run = ffp_run_new();
+    FfpProfile profile = {0};
+    run->profile = &profile;
+    real *grad[2], *centre[2];
+    size_t memory[2];
+    FfpError err;
+    for (int i = 0; i < 2; i++) {
+        grad[i] = calloc((size_t)model->count, sizeof(real));
+        assert_true(ffp_model_forward(model, run, &s.capture, &s.start, SCENE_ACTIVE, &err));
+        const size_t bytes = (size_t)run->gaussians.count * 3 * sizeof(real);
+        centre[i] = malloc(bytes);
+        memcpy(centre[i], run->gaussians.centre, bytes);
+        const FfpGaussians weights = run->gaussians;
+        ffp_model_backward(model, run, &weights, run->t, grad[i]);
+        if (i) assert_memory_equal(centre[0], centre[1], bytes);
+        assert_true(ffp_model_forward(model, run, &other.capture, &other.start, SCENE_ACTIVE, &err));
+        memory[i] = ffp_arena_high_water(run->arena);
+    }
+    assert_memory_equal(grad[0], grad[1], (size_t)model->count * sizeof(real));
+    assert_int_equal(memory[0], memory[1]);
+    const FfpProfileTimes *passes[] = {&profile.forward, &profile.backward};
+    for (int i = 0; i < 2; i++) {
+        assert_true(passes[i]->tokenise > 0 && passes[i]->scan > 0 && passes[i]->attention > 0);
+        assert_true(passes[i]->products > 0 && passes[i]->other > 0 && passes[i]->heads > 0);
+        free(grad[i]);
+        free(centre[i]);
+    }
+    ffp_run_free(run);
+    ffp_model_free(model);
+    scene_free(&s);
+    scene_free(&other);
+}
+
+// No positional embedding and no fixed view count: one model takes any capture whose sides the patch divides.
+static void test_other_sizes(void **state) {
+    (void)state;
+    FfpModel *model = new_model("tiny");
+    FfpRun *run = ffp_run_new();
+    const int sizes[][3] = {{1, 8, 8}, {5, 16, 8}, {2, 8, 48}, {1, 8, 8}};
+    for (int i = 0; i < 4; i++) {
+        Scene s;
+        FfpError err;
+        scene_new(&s, sizes[i][0], sizes[i][1], sizes[i][2], 1);
+        assert_true(ffp_model_forward(model, run, &s.capture, &s.start, SCENE_ACTIVE, &err));
+        real *grad = calloc((size_t)model->count, sizeof *grad);
+        const FfpGaussians weights = run->gaussians;
+        ffp_model_backward(model, run, &weights, NULL, grad);
+        for (int64_t k = 0; k < model->count; k++) assert_true(isfinite(grad[k]));
+        free(grad);
+        memset(s.start.coverage, 0, sizeof(real) * (size_t)sizes[i][0] * sizes[i][1] * sizes[i][2]);
+        assert_true(
+            ffp_model_forward(model, run, &s.capture, &s.start, SCENE_ACTIVE, &err)); // nothing to see
+        assert_int_equal(run->gaussians.count, 0);
+        scene_free(&s);
+    }
+    ffp_run_free(run);
+    ffp_model_free(model);
+}
+
+static void test_refusals(void **state) {
+    (void)state;
+    FfpModel *model = new_model("tiny");
+    FfpRun *run = ffp_run_new();
+    FfpError err;
+    Scene s;
+    scene_new(&s, 2, 12, 16, 1); // 12 is no multiple of 8
+    assert_false(ffp_model_forward(model, run, &s.capture, &s.start, SCENE_ACTIVE, &err));
+    expect(&err, "12 x 16");
+    scene_free(&s);
+    scene_new(&s, 2, 16, 16, 1);
+    assert_false(ffp_model_forward(model, run, &s.capture, NULL, SCENE_ACTIVE, &err));
+    expect(&err, "start");
+    assert_false(ffp_model_forward(model, run, &s.capture, &s.start, 3, &err));
+    expect(&err, "pattern");
+    FfpImage *image = &s.capture.views[1].images[SCENE_ACTIVE];
+    const FfpImage whole = *image;
+    image->data = NULL;
+    assert_false(ffp_model_forward(model, run, &s.capture, &s.start, SCENE_ACTIVE, &err));
+    expect(&err, "view_1");
+    *image = whole;
+    image->width = 8;
+    assert_false(ffp_model_forward(model, run, &s.capture, &s.start, SCENE_ACTIVE, &err));
+    expect(&err, "view_1");
+    *image = whole;
+    s.start.views = 3;
+    assert_false(ffp_model_forward(model, run, &s.capture, &s.start, SCENE_ACTIVE, &err));
+    expect(&err, "views");
+    s.start.views = 2;
+    s.start.height = 8;
+    assert_false(ffp_model_forward(model, run, &s.capture, &s.start, SCENE_ACTIVE, &err));
+    expect(&err, "size");
+    s.start.height = 16;
+    assert_true(ffp_model_forward(model, run, &s.capture, &s.start, SCENE_ACTIVE, &err));
+    for (int64_t i = 0; i < model->count; i++) model->values[i] = 1e30F;
+    assert_false(ffp_model_forward(model, run, &s.capture, &s.start, SCENE_ACTIVE, &err));
+    expect(&err, "overflows");
+    scene_free(&s);
+    ffp_run_free(run);
+    ffp_model_free(model);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_untrained_pixel_skip), cmocka_unit_test(test_untrained_token_head),
+        cmocka_unit_test(test_plain_start),          cmocka_unit_test(test_repeats),
+        cmocka_unit_test(test_other_sizes),          cmocka_unit_test(test_refusals),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
