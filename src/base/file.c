@@ -46,7 +46,7 @@ bool ffp_read_file(const char *path, size_t max_bytes, char **data, size_t *size
 bool ffp_output_open(FfpOutput *out, const char *path, FfpError *err) {
     memset(out, 0, sizeof *out);
     if (strlen(path) >= sizeof out->path) return ffp_fail(err, path, "path is too long");
-    strcpy(out->path, path);
+    memcpy(out->path, path, strlen(path) + 1);
     snprintf(out->temporary, sizeof out->temporary, "%s.%ld.tmp", path, (long)getpid());
     if (ffp_is_folder(path)) return ffp_fail(err, path, "cannot write: a folder has this name");
     out->stream = fopen(out->temporary, "wb");
@@ -87,7 +87,7 @@ bool ffp_make_folders(const char *path, FfpError *err) {
     char part[FFP_PATH_MAX];
     const size_t length = strlen(path);
     if (length == 0 || length >= sizeof part) return ffp_fail(err, path, "not a path for a folder");
-    strcpy(part, path);
+    memcpy(part, path, length + 1);
     for (size_t i = 1; i <= length; i++) {
         if (part[i] != '/' && part[i] != 0) continue;
         part[i] = 0;

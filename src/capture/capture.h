@@ -21,20 +21,22 @@ typedef struct FfpCamera {
 typedef struct FfpPattern {
     char name[FFP_NAME_MAX];
     FfpImage image; // linear RGB, 3 channels, size of the projector
-    bool novel;     // held back: shown to the object, but never chosen for a reconstruction unless it is named
+    bool novel; // held back: shown to the object, but never chosen for a reconstruction unless it is named
 } FfpPattern;
 
 typedef struct FfpView {
     char id[FFP_NAME_MAX];
     FfpCamera camera, projector;
-    FfpImage *images;  // [n_patterns] linear RGB over black, camera size; .data is NULL where this view has none
+    FfpImage
+        *images; // [n_patterns] linear RGB over black, camera size; .data is NULL where this view has none
     FfpImage coverage; // 1 channel in [0,1]: the object's share of each pixel (alpha); always there
     // Truth, where the capture has it (.data NULL otherwise). Same size as the images:
-    FfpImage depth;     // 1 channel, camera z in world units at the pixel's centre, 0 where there is no surface
-    FfpImage normal;    // 3 channels, world, unit
-    FfpImage albedo;    // 3 channels, linear
+    FfpImage depth;  // 1 channel, camera z in world units at the pixel's centre, 0 where there is no surface
+    FfpImage normal; // 3 channels, world, unit
+    FfpImage albedo; // 3 channels, linear
     FfpImage roughness; // 1 channel
-    FfpImage direct_white; // 3 channels, linear: direct projector light only, under the white pattern (generator)
+    FfpImage
+        direct_white; // 3 channels, linear: direct projector light only, under the white pattern (generator)
 } FfpView;
 
 typedef struct FfpCapture {
@@ -44,45 +46,51 @@ typedef struct FfpCapture {
     FfpPattern *patterns;
     FfpView *views;
     int black, white;  // indices into patterns
-    real intensity[3]; // projector radiant intensity at pattern value 1, W/sr in world units (I of the light model)
+    real intensity[3]; // projector radiant intensity at pattern value 1, W/sr in world units (I of the light
+                       // model)
     bool intensity_known;
-    real centre[3], radius; // the object's bounding sphere, world units (given, or estimated from poses and masks)
+    real centre[3],
+        radius; // the object's bounding sphere, world units (given, or estimated from poses and masks)
 } FfpCapture;
 
-// Reads CAPTURE: a folder (scene.json preferred, else render_poses.json) or a JSON file of either kind. Everything is
-// checked: rigid matrices, positive finite intrinsics, image sizes, files, 1..FFP_VIEWS_MAX views, a black and a white
-// pattern in every view. Errors name file and field.
+// Reads CAPTURE: a folder (scene.json preferred, else render_poses.json) or a JSON file of either kind.
+// Everything is checked: rigid matrices, positive finite intrinsics, image sizes, files, 1..FFP_VIEWS_MAX
+// views, a black and a white pattern in every view. Errors name file and field.
 bool ffp_capture_read(FfpCapture *capture, const char *path, FfpError *err);
-// As above for a targets file (poses to be predicted): views need not have black and white. Patterns are looked up in
-// the capture that it belongs to: `targets` gets copies of all patterns of `reference`, at the same indices, and then those
-// that are new in the file; centre, radius and intensity are the reference's. A view without any image has coverage 0.
-// `path` is the file, or a folder with targets.json.
-bool ffp_capture_read_targets(FfpCapture *targets, const char *path, const FfpCapture *reference, FfpError *err);
+// As above for a targets file (poses to be predicted): views need not have black and white. Patterns are
+// looked up in the capture that it belongs to: `targets` gets copies of all patterns of `reference`, at the
+// same indices, and then those that are new in the file; centre, radius and intensity are the reference's. A
+// view without any image has coverage 0. `path` is the file, or a folder with targets.json.
+bool ffp_capture_read_targets(FfpCapture *targets, const char *path, const FfpCapture *reference,
+                              FfpError *err);
 void ffp_capture_free(FfpCapture *capture);
 
-// Writes folder/scene.json, images (8-bit sRGB PNG with alpha), depth (float EXR) and the other truth maps it has,
-// and patterns/ (8-bit sRGB PNG). scene.json is written last: a folder without it is not a capture.
+// Writes folder/scene.json, images (8-bit sRGB PNG with alpha), depth (float EXR) and the other truth maps it
+// has, and patterns/ (8-bit sRGB PNG). scene.json is written last: a folder without it is not a capture.
 bool ffp_capture_write(const FfpCapture *capture, const char *folder, FfpError *err);
 
 int ffp_capture_find_pattern(const FfpCapture *capture, const char *name); // index, or -1
 int ffp_capture_find_view(const FfpCapture *capture, const char *id);      // index, or -1
-// The structured-light pattern a reconstruction uses: the named one, or (name NULL) the first that is neither black, white
-// nor novel and that every view has. -1 with an error when there is none.
+// The structured-light pattern a reconstruction uses: the named one, or (name NULL) the first that is neither
+// black, white nor novel and that every view has. -1 with an error when there is none.
 int ffp_capture_active_pattern(const FfpCapture *capture, const char *name, FfpError *err);
 
-// The least-squares meeting point of all camera and projector axes, and the radius that the masks reach around it (the
-// largest distance between the centre and a foreground pixel's ray, over all views, and 2 % more, so that rays along a
-// silhouette pass through the sphere and do not just touch it). Writes centre and radius.
+// The least-squares meeting point of all camera and projector axes, and the radius that the masks reach
+// around it (the largest distance between the centre and a foreground pixel's ray, over all views, and 2 %
+// more, so that rays along a silhouette pass through the sphere and do not just touch it). Writes centre and
+// radius.
 void ffp_capture_estimate_bounds(FfpCapture *capture);
 
-// World <- (world - centre) / radius for everything in the capture (poses, depth); the intensity is divided by radius^2,
-// which leaves I / d^2 as it was. The result has centre 0 and radius 1. `centre`/`radius` come from the argument capture.
+// World <- (world - centre) / radius for everything in the capture (poses, depth); the intensity is divided
+// by radius^2, which leaves I / d^2 as it was. The result has centre 0 and radius 1. `centre`/`radius` come
+// from the argument capture.
 void ffp_capture_normalise(FfpCapture *capture, const real centre[3], real radius);
 
-// (x, y in pixels, z = camera depth) of a world point; returns z. Behind the device z <= 0 and x, y are meaningless.
+// (x, y in pixels, z = camera depth) of a world point; returns z. Behind the device z <= 0 and x, y are
+// meaningless.
 real ffp_project(const FfpCamera *camera, const real point[3], real *x, real *y);
-// Unit world direction of the ray through pixel position (x, y); returns its z component in the camera's frame, so that
-// camera depth z = t * returned value.
+// Unit world direction of the ray through pixel position (x, y); returns its z component in the camera's
+// frame, so that camera depth z = t * returned value.
 real ffp_pixel_ray(const FfpCamera *camera, real x, real y, real direction[3]);
 
 #endif

@@ -43,7 +43,7 @@ static FfpField child(const FfpField *parent, const char *key, json_t *value) {
     FfpField out = {.file = parent->file, .value = value};
     const char *dot = parent->place[0] != 0 ? "." : "";
     const int length = snprintf(out.place, sizeof out.place, "%s%s%s", parent->place, dot, key);
-    if (length >= (int)sizeof out.place) strcpy(out.place + sizeof out.place - 4, "...");
+    if (length >= (int)sizeof out.place) memcpy(out.place + sizeof out.place - 4, "...", 4);
     return out;
 }
 
@@ -54,6 +54,7 @@ bool ffp_field_find(const FfpField *parent, const char *key, FfpField *out) {
 }
 
 bool ffp_field_get(const FfpField *parent, const char *key, FfpField *out, FfpError *err) {
+    *out = child(parent, key, NULL);
     if (!json_is_object(parent->value)) return ffp_field_fail(parent, err, "must be an object");
     return ffp_field_find(parent, key, out) || ffp_field_fail(out, err, "missing field");
 }
@@ -62,7 +63,7 @@ bool ffp_field_item(const FfpField *array, int index, FfpField *out, FfpError *e
     json_t *value = json_array_get(array->value, (size_t)index);
     *out = (FfpField){.file = array->file, .value = value};
     const int length = snprintf(out->place, sizeof out->place, "%s[%d]", array->place, index);
-    if (length >= (int)sizeof out->place) strcpy(out->place + sizeof out->place - 4, "...");
+    if (length >= (int)sizeof out->place) memcpy(out->place + sizeof out->place - 4, "...", 4);
     return value != NULL || ffp_field_fail(out, err, "missing item");
 }
 
@@ -107,6 +108,7 @@ bool ffp_field_numbers(const FfpField *field, int n, double low, double high, re
 }
 
 bool ffp_field_text(const FfpField *field, const char **out, FfpError *err) {
+    *out = "";
     if (!json_is_string(field->value)) return ffp_field_fail(field, err, "must be a text");
     *out = json_string_value(field->value);
     // jansson refuses \u0000 by default, so the text ends where C says it does.
@@ -131,7 +133,7 @@ bool ffp_field_name(const FfpField *field, char out[FFP_NAME_MAX], FfpError *err
                               "'%.100s' is no name: 1 to %d bytes without '/', '\\' and control characters",
                               text, FFP_NAME_MAX - 1);
     }
-    strcpy(out, text);
+    memcpy(out, text, strlen(text) + 1);
     return true;
 }
 

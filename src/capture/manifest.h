@@ -41,8 +41,7 @@ bool ffp_manifest_view_id(FfpManifest *manifest, int view, const FfpField *field
 // "folder/name" in the manifest's memory, or NULL when no such file exists.
 const char *ffp_manifest_path(FfpManifest *manifest, const char *folder, const char *name);
 
-#define FFP_FOCAL_MAX 1e7  // pixels
-#define FFP_CENTRE_MAX 1e7 // pixels: principal points may lie far outside the image
+#define FFP_PIXELS_MAX 1e7 // of focal lengths and principal points, which may lie far outside the image
 #define FFP_CAMERA_SIDE_MIN 8
 #define FFP_PATTERN_SIDE_MIN 2
 

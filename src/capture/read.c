@@ -9,8 +9,8 @@
 const char *ffp_manifest_path(FfpManifest *manifest, const char *folder, const char *name) {
     char path[FFP_PATH_MAX];
     if (!ffp_join_path(path, folder, name) || !ffp_is_file(path)) return NULL;
-    char *kept = ffp_arena_alloc(manifest->arena, strlen(path) + 1, 1);
-    return strcpy(kept, path);
+    const size_t size = strlen(path) + 1;
+    return memcpy(ffp_arena_alloc(manifest->arena, size, 1), path, size);
 }
 
 int ffp_manifest_pattern(FfpManifest *manifest, const char *name, const FfpField *field, FfpError *err) {
@@ -21,7 +21,7 @@ int ffp_manifest_pattern(FfpManifest *manifest, const char *name, const FfpField
         ffp_field_fail(field, err, "more than %d patterns", FFP_PATTERNS_MAX);
         return -1;
     }
-    strcpy(capture->patterns[capture->n_patterns].name, name);
+    snprintf(capture->patterns[capture->n_patterns].name, FFP_NAME_MAX, "%s", name);
     return capture->n_patterns++;
 }
 
@@ -50,7 +50,7 @@ static bool find_json(char json[FFP_PATH_MAX], const char *path, const char *con
                       FfpError *err) {
     if (strlen(path) >= FFP_PATH_MAX) return ffp_fail(err, NULL, "path is too long");
     if (!ffp_is_folder(path)) {
-        strcpy(json, path);
+        memcpy(json, path, strlen(path) + 1);
         return ffp_is_file(path) || ffp_fail(err, path, "there is no such file or folder");
     }
     for (int i = 0; i < n; i++) {
@@ -61,10 +61,10 @@ static bool find_json(char json[FFP_PATH_MAX], const char *path, const char *con
 }
 
 static void folder_of(char folder[FFP_PATH_MAX], const char *file) {
-    strcpy(folder, file);
+    memcpy(folder, file, strlen(file) + 1);
     char *slash = strrchr(folder, '/');
     if (slash == NULL)
-        strcpy(folder, ".");
+        memcpy(folder, ".", 2);
     else if (slash == folder)
         folder[1] = 0;
     else
@@ -75,7 +75,7 @@ static void folder_of(char folder[FFP_PATH_MAX], const char *file) {
 static void name_after_folder(FfpCapture *capture) {
     char *full = realpath(capture->folder, NULL);
     const char *name = full != NULL ? ffp_basename(full) : "";
-    strcpy(capture->name, ffp_is_name(name) ? name : "capture");
+    snprintf(capture->name, FFP_NAME_MAX, "%s", ffp_is_name(name) ? name : "capture");
     free(full);
 }
 

@@ -11,10 +11,10 @@ static bool read_camera(const FfpField *root, FfpCamera *camera, FfpError *err) 
     return ffp_field_get(root, "camera", &field, err) &&
            ffp_get_whole(&field, "w", FFP_CAMERA_SIDE_MIN, FFP_IMAGE_SIDE_MAX, &camera->width, err) &&
            ffp_get_whole(&field, "h", FFP_CAMERA_SIDE_MIN, FFP_IMAGE_SIDE_MAX, &camera->height, err) &&
-           ffp_get_number(&field, "fx", 1e-3, FFP_FOCAL_MAX, &camera->fx, err) &&
-           ffp_get_number(&field, "fy", 1e-3, FFP_FOCAL_MAX, &camera->fy, err) &&
-           ffp_get_number(&field, "cx", -FFP_CENTRE_MAX, FFP_CENTRE_MAX, &camera->cx, err) &&
-           ffp_get_number(&field, "cy", -FFP_CENTRE_MAX, FFP_CENTRE_MAX, &camera->cy, err);
+           ffp_get_number(&field, "fx", 1e-3, FFP_PIXELS_MAX, &camera->fx, err) &&
+           ffp_get_number(&field, "fy", 1e-3, FFP_PIXELS_MAX, &camera->fy, err) &&
+           ffp_get_number(&field, "cx", -FFP_PIXELS_MAX, FFP_PIXELS_MAX, &camera->cx, err) &&
+           ffp_get_number(&field, "cy", -FFP_PIXELS_MAX, FFP_PIXELS_MAX, &camera->cy, err);
 }
 
 // The projector's size and power, each of which may be missing. A spot light of E watts has I = E / (4 pi)
@@ -90,10 +90,10 @@ static bool read_view(FfpManifest *manifest, const FfpField *field, int index, c
     if (!ffp_field_get(field, "p2w", &part, err) || !ffp_field_pose(&part, true, view->projector.pose, err))
         return false;
     FfpCamera *projector = &view->projector;
-    if (!ffp_get_number(field, "proj_fx", 1e-3, FFP_FOCAL_MAX, &projector->fx, err) ||
-        !ffp_get_number(field, "proj_fy", 1e-3, FFP_FOCAL_MAX, &projector->fy, err) ||
-        !ffp_get_number(field, "proj_cx", -FFP_CENTRE_MAX, FFP_CENTRE_MAX, &projector->cx, err) ||
-        !ffp_get_number(field, "proj_cy", -FFP_CENTRE_MAX, FFP_CENTRE_MAX, &projector->cy, err)) {
+    if (!ffp_get_number(field, "proj_fx", 1e-3, FFP_PIXELS_MAX, &projector->fx, err) ||
+        !ffp_get_number(field, "proj_fy", 1e-3, FFP_PIXELS_MAX, &projector->fy, err) ||
+        !ffp_get_number(field, "proj_cx", -FFP_PIXELS_MAX, FFP_PIXELS_MAX, &projector->cx, err) ||
+        !ffp_get_number(field, "proj_cy", -FFP_PIXELS_MAX, FFP_PIXELS_MAX, &projector->cy, err)) {
         return false;
     }
     char name[FFP_NAME_MAX + 16];

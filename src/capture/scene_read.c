@@ -24,8 +24,8 @@ static bool read_device(const FfpField *field, bool complete, int least_side, Ff
     }
     for (int i = 0; i < 4; i++) {
         if (!complete && !ffp_field_find(field, keys[i], &part)) continue;
-        const double low = i < 2 ? 1e-3 : -FFP_CENTRE_MAX, high = i < 2 ? FFP_FOCAL_MAX : FFP_CENTRE_MAX;
-        if (!ffp_get_number(field, keys[i], low, high, numbers[i], err)) return false;
+        const double low = i < 2 ? 1e-3 : -FFP_PIXELS_MAX;
+        if (!ffp_get_number(field, keys[i], low, FFP_PIXELS_MAX, numbers[i], err)) return false;
     }
     return true;
 }

@@ -113,10 +113,12 @@ static bool read_png(Reading *r, const FfpBytes *file, bool raw, FfpError *err) 
     if (!ffp_png_size(file, &r->width, &r->height, err)) return false;
     const bool ok = read_pixels(r, raw);
     png_destroy_read_struct(&r->png, &r->info, NULL);
-    if (ok) return true;
-    free(r->pixels);
-    if (r->truncated) return ffp_fail(err, file->path, "truncated PNG");
-    return ffp_fail(err, file->path, "broken PNG: %s", r->message);
+    if (!ok) {
+        free(r->pixels);
+        ffp_fail(err, file->path, "%s%s",
+                 r->truncated ? "truncated PNG" : "broken PNG: ", r->truncated ? "" : r->message);
+    }
+    return ok;
 }
 
 static unsigned value_at(const Reading *r, size_t index) {

@@ -19,7 +19,8 @@ static bool read_bytes(FfpBytes *file, const char *path, FfpError *err) {
     file->data = (const unsigned char *)data;
     if (file->size > 0) return true;
     free(data);
-    return ffp_fail(err, path, "file is empty");
+    ffp_fail(err, path, "file is empty");
+    return false;
 }
 
 static void free_bytes(FfpBytes *file) {
