@@ -1,0 +1,162 @@
+// All meshes: closed, wound outwards, in their sphere, the right size, the same each time; and the splits.
+#include <math.h>
+#include <omp.h>
+#include "support.h"
+#include "synth/dataset.h"
+#include "synth/mesh.h"
+#include "synth/synth.h"
+
+typedef struct Edge {
+    uint32_t low, high;
+    int way; // +1 from low to high
+} Edge;
+
+static int compare_edges(const void *a, const void *b) {
+    const Edge *x = a, *y = b;
+    if (x->low != y->low) return x->low < y->low ? -1 : 1;
+    return x->high < y->high ? -1 : x->high > y->high;
+}
+
+// Every edge belongs to exactly two triangles, which run through it in opposite directions.
+static void assert_closed(const FfpMesh *mesh) {
+    const size_t count = (size_t)mesh->n_triangles * 3;
+    Edge *edges = malloc(count * sizeof *edges);
+    assert_non_null(edges);
+    for (size_t i = 0; i < count; i++) {
+        const uint32_t a = mesh->triangles[i], b = mesh->triangles[i % 3 == 2 ? i - 2 : i + 1];
+        assert_true(a < (uint32_t)mesh->n_vertices && a != b);
+        edges[i] = a < b ? (Edge){a, b, 1} : (Edge){b, a, -1};
+    }
+    qsort(edges, count, sizeof *edges, compare_edges);
+    assert_true(count % 2 == 0);
+    for (size_t i = 0; i < count; i += 2) {
+        assert_int_equal(compare_edges(&edges[i], &edges[i + 1]), 0);
+        assert_int_equal(edges[i].way + edges[i + 1].way, 0);
+        assert_true(i + 2 == count || compare_edges(&edges[i + 1], &edges[i + 2]) != 0);
+    }
+    free(edges);
+}
+
+static double volume(const FfpMesh *mesh) {
+    double sum = 0;
+    for (int t = 0; t < mesh->n_triangles; t++) {
+        const float *a = mesh->positions + 3 * mesh->triangles[3 * t], *b = mesh->positions + 3 * mesh->triangles[3 * t + 1];
+        const float *c = mesh->positions + 3 * mesh->triangles[3 * t + 2];
+        sum += a[0] * (b[1] * c[2] - b[2] * c[1]) + a[1] * (b[2] * c[0] - b[0] * c[2]) + a[2] * (b[0] * c[1] - b[1] * c[0]);
+    }
+    return sum / 6;
+}
+
+static void assert_shape(const FfpMesh *mesh) {
+    double furthest = 0;
+    for (int i = 0; i < mesh->n_vertices; i++) {
+        const float *p = mesh->positions + 3 * i, *n = mesh->normals + 3 * i;
+        furthest = fmax(furthest, sqrt((double)p[0] * p[0] + (double)p[1] * p[1] + (double)p[2] * p[2]));
+        assert_float_equal(n[0] * n[0] + n[1] * n[1] + n[2] * n[2], 1, 1e-4);
+    }
+    assert_true(furthest <= FFP_MESH_RADIUS && furthest > 0.999 * FFP_MESH_RADIUS);
+    assert_in_range(mesh->n_triangles, 3000, 60000);
+}
+
+// The share of triangles whose smooth normals look the other way than their winding: only slivers at sharp edges may.
+static double contrary(const FfpMesh *mesh) {
+    int against = 0;
+    for (int t = 0; t < mesh->n_triangles; t++) {
+        const uint32_t *v = mesh->triangles + 3 * t;
+        double e[2][3], n[3], dot = 0;
+        for (int k = 0; k < 3; k++) {
+            e[0][k] = mesh->positions[3 * v[1] + k] - mesh->positions[3 * v[0] + k];
+            e[1][k] = mesh->positions[3 * v[2] + k] - mesh->positions[3 * v[0] + k];
+        }
+        for (int k = 0; k < 3; k++) {
+            n[k] = e[0][(k + 1) % 3] * e[1][(k + 2) % 3] - e[0][(k + 2) % 3] * e[1][(k + 1) % 3];
+            for (int c = 0; c < 3; c++) dot += n[k] * mesh->normals[3 * v[c] + k];
+        }
+        against += dot < 0;
+    }
+    return (double)against / mesh->n_triangles;
+}
+
+static void meshes_are_closed_and_face_outwards(void **state) {
+    (void)state;
+    assert_int_equal(ffp_mesh_count(), 150);
+    for (int i = 0; i < ffp_mesh_count(); i++) {
+        FfpMesh mesh = ffp_mesh_make(i);
+        assert_closed(&mesh);
+        assert_shape(&mesh);
+        const double inside = volume(&mesh), bent = contrary(&mesh);
+        if (inside < 0.02 || bent > 0.03) print_message("%s: volume %g, %g contrary\n", ffp_mesh_name(i), inside, bent);
+        assert_true(inside > 0.02);
+        assert_true(bent <= 0.03);
+        ffp_mesh_free(&mesh);
+    }
+}
+
+static void a_mesh_depends_on_its_number_alone(void **state) {
+    (void)state;
+    const int threads = omp_get_max_threads();
+    for (int i = 3; i < ffp_mesh_count(); i += 29) {
+        omp_set_num_threads(1);
+        FfpMesh a = ffp_mesh_make(i);
+        omp_set_num_threads(2);
+        FfpMesh b = ffp_mesh_make(i), c = ffp_mesh_make((i + 15) % ffp_mesh_count());
+        assert_int_equal(a.n_vertices, b.n_vertices);
+        assert_int_equal(a.n_triangles, b.n_triangles);
+        assert_memory_equal(a.positions, b.positions, (size_t)a.n_vertices * 12);
+        assert_memory_equal(a.normals, b.normals, (size_t)a.n_vertices * 12);
+        assert_memory_equal(a.triangles, b.triangles, (size_t)a.n_triangles * 12);
+        // the next of the same family is another shape
+        assert_true(a.n_vertices != c.n_vertices || memcmp(a.positions, c.positions, (size_t)a.n_vertices * 12));
+        ffp_mesh_free(&a);
+        ffp_mesh_free(&b);
+        ffp_mesh_free(&c);
+    }
+    omp_set_num_threads(threads);
+}
+
+static void splits_are_disjoint_and_balanced(void **state) {
+    (void)state;
+    static const char *const names[3] = {"train", "validation", "test"};
+    static const int sizes[3] = {105, 15, 30};
+    int seen[150] = {0};
+    for (int s = 0; s < 3; s++) {
+        int meshes[150], per_family[15] = {0};
+        assert_int_equal(ffp_split_meshes(names[s], meshes, 150), sizes[s]);
+        for (int i = 0; i < sizes[s]; i++) {
+            assert_in_range(meshes[i], 0, 149);
+            seen[meshes[i]]++;
+            per_family[meshes[i] % 15]++;
+        }
+        for (int f = 0; f < 15; f++) assert_int_equal(per_family[f], sizes[s] / 15);
+    }
+    for (int i = 0; i < 150; i++) assert_int_equal(seen[i], 1);
+    assert_int_equal(ffp_split_meshes("training", NULL, 0), 0);
+}
+
+static void every_pair_is_one_scene(void **state) {
+    (void)state;
+    const int64_t size = ffp_dataset_size("test");
+    assert_int_equal(size, 30 * ffp_material_count());
+    assert_int_equal(ffp_dataset_size(NULL), 150 * ffp_material_count());
+    assert_int_equal(ffp_dataset_size("nothing"), 0);
+    char *seen = calloc(150 * (size_t)ffp_material_count(), 1);
+    assert_non_null(seen);
+    for (int64_t i = 0; i < size; i++) {
+        FfpSceneSpec spec = ffp_scene_defaults();
+        ffp_dataset_scene("test", i, 5, &spec);
+        char *pair = &seen[spec.mesh * ffp_material_count() + spec.material];
+        assert_false(*pair);
+        *pair = 1;
+    }
+    free(seen);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(meshes_are_closed_and_face_outwards),
+        cmocka_unit_test(a_mesh_depends_on_its_number_alone),
+        cmocka_unit_test(splits_are_disjoint_and_balanced),
+        cmocka_unit_test(every_pair_is_one_scene),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
