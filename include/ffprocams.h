@@ -102,7 +102,7 @@ typedef struct FfpEvaluation {
     const char *model_name; // what the table and the report call it
     const char *gaussians;  // PLY to evaluate instead of reconstructing; NULL: reconstruct
     const char *const
-        *targets; // pose files of novel_pose: none, one a capture, or one name looked up in each capture
+        *targets; // pose files of novel_pose: none, one a capture, or one path looked up in each capture
     int n_targets;
     const char *pattern; // as FfpReconstruction.pattern
     const char *save;    // folder for <capture>/<view>_<pattern>.png of every prediction, or NULL

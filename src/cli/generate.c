@@ -3,23 +3,28 @@
 #include "cli/cli.h"
 
 static const char help[] =
-    "usage: ffprocams generate DIR [--split S] [--first A --count N] [--preset paper|smoke] [--resolution R] "
-    "[--seed S]\n"
+    "usage: ffprocams generate DIR [--split S] [--first A --count N] [--preset paper|smoke]\n"
+    "                          [--resolution R] [--seed S]\n"
     "\n"
-    "Makes captures of procedural objects with a ray-traced light simulator: DIR/<scene>/ in the project's "
-    "own capture format,\n"
-    "with depth, normal, albedo, roughness and mask besides. A scene depends only on its number, the seed "
-    "and the preset.\n"
+    "Makes captures of procedural objects with a ray-traced light simulator: DIR/<scene>/ in the\n"
+    "project's own capture format, with depth, normal, albedo, roughness and mask besides, and new\n"
+    "poses in DIR/<scene>/targets/. A scene depends only on its number, the seed and the preset;\n"
+    "scenes that are there already are kept.\n"
     "\n"
     "  DIR                   folder for the captures\n"
-    "  -s, --split S         train, validation or test: which objects. Default: train\n"
+    "  -s, --split S         train, validation or test: which objects. Default: all of them\n"
     "  -a, --first A         number of the first scene. Default: 0\n"
     "  -n, --count N         how many scenes. Default: all of the split\n"
-    "      --preset P        paper: 8 views at 128 x 128 with 6 lollipops (default); smoke: small and quick\n"
+    "      --preset P        paper: 8 views at 128 x 128, 6 lollipops (default); smoke: small, quick\n"
     "  -r, --resolution R    image side, instead of the preset's\n"
     "      --seed S          another seed, other scenes. Default: 0\n"
     "\n"
     "example: ffprocams generate scenes --preset smoke --count 2\n";
+
+static bool is_one_of(const char *text, const char *const *words) {
+    while (*words && strcmp(*words, text) != 0) words++;
+    return *words != NULL;
+}
 
 int ffp_cli_generate(int argc, char **argv) {
     enum { PRESET = 256, SEED };
@@ -31,7 +36,7 @@ int ffp_cli_generate(int argc, char **argv) {
                                             {"seed", required_argument, NULL, SEED},
                                             {"help", no_argument, NULL, 'h'},
                                             {0}};
-    FfpGeneration generation = {.split = "train", .preset = "paper", .count = -1};
+    FfpGeneration generation = {.preset = "paper", .count = -1};
     int64_t resolution = 0, seed = 0;
     bool number_ok = true;
     for (int option; number_ok && (option = ffp_cli_next(argc, argv, ":s:a:n:r:h", options)) != -1;) {
@@ -63,6 +68,12 @@ int ffp_cli_generate(int argc, char **argv) {
     }
     if (!number_ok) return ffp_cli_usage(argv[0], "%s is no number in its option's range", optarg);
     if (optind + 1 != argc) return ffp_cli_usage(argv[0], "give exactly one DIR");
+    static const char *const splits[] = {"train", "validation", "test", NULL}, *const presets[] = {
+                                                                                   "paper", "smoke", NULL};
+    if (generation.split && !is_one_of(generation.split, splits))
+        return ffp_cli_usage(argv[0], "--split is train, validation or test, not %s", generation.split);
+    if (!is_one_of(generation.preset, presets))
+        return ffp_cli_usage(argv[0], "--preset is paper or smoke, not %s", generation.preset);
     generation.folder = argv[optind];
     generation.resolution = (int)resolution;
     generation.seed = (uint64_t)seed;

@@ -2,17 +2,16 @@
 #include <stdlib.h>
 #include "cli/cli.h"
 
-static const char help[] = "usage: ffprocams info FILE\n"
-                           "\n"
-                           "Tells what a file holds: a capture (views, patterns, sizes, bounds, intensity "
-                           "and whether it was known), a model\n"
-                           "(configuration, parameters, how it was trained), or Gaussians (count, bounds, "
-                           "how opaque they are). The file is checked\n"
-                           "as every other command checks it.\n"
-                           "\n"
-                           "  FILE  a capture's folder or JSON file, a safetensors model, or a PLY\n"
-                           "\n"
-                           "example: ffprocams info data/sample\n";
+static const char help[] =
+    "usage: ffprocams info FILE\n"
+    "\n"
+    "Tells what a file holds: a capture (views, patterns, sizes, bounds, intensity and whether it was\n"
+    "known), a model (configuration, parameters, how it was trained), or Gaussians (count, bounds, how\n"
+    "opaque they are). The file is checked as every other command checks it.\n"
+    "\n"
+    "  FILE  a capture's folder or JSON file, a safetensors model, or a PLY\n"
+    "\n"
+    "example: ffprocams info data/sample\n";
 
 int ffp_cli_info(int argc, char **argv) {
     static const struct option options[] = {{"help", no_argument, NULL, 'h'}, {0}};

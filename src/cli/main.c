@@ -8,9 +8,8 @@
 static const char help[] =
     "usage: ffprocams COMMAND [ARGUMENTS]\n"
     "\n"
-    "From eight photographed projector-camera views of an object to relightable 3D Gaussians, and pictures "
-    "of the object\n"
-    "under any pattern, camera pose and projector pose.\n"
+    "From eight photographed projector-camera views of an object to relightable 3D Gaussians, and\n"
+    "pictures of the object under any pattern, camera pose and projector pose.\n"
     "\n"
     "  reconstruct  a capture to Gaussians (PLY), in one forward pass\n"
     "  render       pictures of Gaussians under patterns, from chosen views\n"
@@ -22,8 +21,8 @@ static const char help[] =
     "  --help       this text; ffprocams COMMAND --help for a command's own\n"
     "  --version    the version\n"
     "\n"
-    "Exit status: 0 when all went well, 1 on an error (told on stderr; no output is left half-written), 2 "
-    "for wrong usage.\n"
+    "Exit status: 0 when all went well, 1 on an error (told on stderr; no output is left\n"
+    "half-written), 2 for wrong usage.\n"
     "\n"
     "example: ffprocams reconstruct data/sample -o spot.ply\n"
     "         ffprocams render spot.ply --capture data/sample --pattern lollipop_3 -o relit\n";

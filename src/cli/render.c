@@ -2,27 +2,25 @@
 #include "cli/cli.h"
 
 static const char help[] =
-    "usage: ffprocams render FILE.ply --capture CAPTURE [--poses FILE] [--view ID].. [--pattern NAME|FILE].. "
-    "-o DIR [--maps]\n"
+    "usage: ffprocams render FILE.ply --capture CAPTURE [--poses FILE] [--view ID]..\n"
+    "                        [--pattern NAME|FILE].. -o DIR [--maps]\n"
     "\n"
-    "Draws Gaussians as the camera would see them under projected patterns: DIR/<view>_<pattern>.png, 8-bit "
-    "sRGB over\n"
-    "black. One rasterisation a view serves all its patterns.\n"
+    "Draws Gaussians as the camera would see them under projected patterns:\n"
+    "DIR/<view>_<pattern>.png, 8-bit sRGB over black. One rasterisation a view serves all patterns.\n"
     "\n"
     "  FILE.ply               Gaussians that `ffprocams reconstruct` wrote\n"
-    "  -c, --capture CAPTURE  the capture they come from: poses, patterns and the projector's intensity\n"
+    "  -c, --capture CAPTURE  the capture they come from: poses, patterns, the projector's intensity\n"
     "      --poses FILE       other poses of camera and projector (targets.json or scene.json)\n"
     "  -v, --view ID          a view to draw, again for more. Default: every view of the poses\n"
-    "  -p, --pattern P        a pattern of the capture by name, or an image file; again for more. Default: "
-    "white\n"
+    "  -p, --pattern P        a pattern of the capture by name, or an image file; again for more.\n"
+    "                         Default: white\n"
     "  -o, --output DIR       folder for the pictures\n"
-    "      --maps             also the G-buffers: <view>_depth.exr (camera z) and viewable PNGs of opacity, "
-    "depth,\n"
-    "                         normal, albedo, roughness and ambient\n"
-    "      --drawing D        ours (default), or paper for Gaussians of a model in the paper's plain form\n"
+    "      --maps             also the G-buffers: <view>_depth.exr (camera z) and viewable PNGs of\n"
+    "                         opacity, depth, normal, albedo, roughness and ambient\n"
+    "      --drawing D        ours (default), or paper for Gaussians of a model in the paper's form\n"
     "\n"
-    "example: ffprocams render spot.ply --capture data/sample --poses data/sample/targets.json --pattern "
-    "sun.png -o relit\n";
+    "example: ffprocams render spot.ply --capture data/sample --pattern sun.png -o relit\n"
+    "         ffprocams render spot.ply --capture data/sample --poses data/sample/targets.json -o new\n";
 
 typedef struct Arguments {
     const char *gaussians, *capture;

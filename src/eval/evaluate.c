@@ -313,13 +313,13 @@ static void free_subject(Subject *subject) {
     ffp_capture_close(subject->capture);
 }
 
-// A bare file name is looked up in the capture's own folder first, so that one name serves many captures.
+// A relative path is looked up in the capture's own folder first, so that one serves many captures.
 static bool open_targets(Subject *subject, int index, FfpError *err) {
     const FfpEvaluation *options = subject->shared->options;
     if (!options->n_targets) return true;
     const char *path = options->targets[options->n_targets == 1 ? 0 : index];
     char beside[FFP_PATH_MAX];
-    if (!strchr(path, '/') && ffp_join_path(beside, subject->capture->folder, path) && ffp_is_file(beside))
+    if (path[0] != '/' && ffp_join_path(beside, subject->capture->folder, path) && ffp_is_file(beside))
         path = beside;
     if (!ffp_capture_read_targets(&subject->targets, path, subject->capture, err)) return false;
     subject->has_targets = true;

@@ -7,7 +7,7 @@
 
 #define SIDE 16
 
-static char scratch[64], capture[128], output[128];
+static char scratch[64], capture[80], output[80];
 static ProgramRun run;
 
 // --- What every failure must look like. ---
@@ -41,7 +41,7 @@ static void must_fail(const char *what, const char *where, const char *arguments
 
 // The output folder is there and empty, so that anything left behind shows, temporary files included.
 static void reconstruct_must_fail(const char *what, const char *where) {
-    char arguments[512];
+    char arguments[1024];
     snprintf(arguments, sizeof arguments, "reconstruct %s -o %s/out.ply --model none", capture, output);
     must_fail(what, where, arguments);
 }
@@ -289,7 +289,7 @@ static void test_a_photograph_of_another_size(void **state) {
 // A capture whose JSON agrees that its pictures are a single pixel: there is no object in it.
 static void test_a_capture_of_single_pixels(void **state) {
     (void)state;
-    char folder[128], arguments[512];
+    char folder[128], arguments[1024];
     snprintf(folder, sizeof folder, "%s/pixel", scratch);
     assert_true(ffp_make_folders(folder, NULL));
     tiny_capture(folder, 1);
@@ -366,7 +366,7 @@ static void test_gaussians_that_are_broken(void **state) {
          "end_header\n"},
         {"a header without end", "ply\nformat binary_little_endian 1.0\nelement vertex 1\n" PLY_PROPERTIES},
     };
-    char path[256], arguments[512];
+    char path[256], arguments[1024];
     snprintf(path, sizeof path, "%s/bad.ply", scratch);
     for (size_t i = 0; i < sizeof blobs / sizeof *blobs; i++) {
         assert_true(ffp_write_file(path, blobs[i].text, strlen(blobs[i].text), NULL));
@@ -409,7 +409,7 @@ static void test_weights_that_are_broken(void **state) {
         {"an unknown type", "{\"a\":{\"dtype\":\"F7\",\"shape\":[2],\"data_offsets\":[0,8]}}", 0, 8},
         {"no JSON", "{\"a\":", 0, 0},
     };
-    char path[256], arguments[512];
+    char path[256], arguments[1024];
     snprintf(path, sizeof path, "%s/bad.safetensors", scratch);
     for (size_t i = 0; i < sizeof files / sizeof *files; i++) {
         write_safetensors(path, files[i].length ? files[i].length : strlen(files[i].header), files[i].header,

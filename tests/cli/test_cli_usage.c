@@ -58,6 +58,8 @@ static void test_wrong_usage_exits_2_and_says_where_to_read(void **state) {
         "generate a b",
         "generate a --count many",
         "generate a --count 0",
+        "generate a --split some",
+        "generate a --preset large",
         "generate a --resolution 99999999999999999999",
         "train",
         "train --out a b",
