@@ -81,7 +81,7 @@ static void put_image(FILE *out, const FfpImage *encoded) {
 }
 
 void ffp_report_picture(FfpReport *report, const FfpImage *encoded, const char *caption) {
-    fputs("<figure>", report->body);
+    fputs("<figure class=one>", report->body);
     put_image(report->body, encoded);
     fputs("<figcaption>", report->body);
     put_escaped(report->body, caption);
@@ -151,7 +151,7 @@ void ffp_report_prediction(FfpReport *report, const char *view, const char *patt
     for (size_t i = 0; i < count; i++) error.data[i] = fmin(4 * fabs(error.data[i] - truth->data[i]), 1);
     char caption[2 * FFP_NAME_MAX + 64];
     snprintf(caption, sizeof caption, "%s, %s: %.2f dB", view, pattern, psnr);
-    fputs("<figure>", report->body);
+    fputs("<figure class=three>", report->body);
     put_image(report->body, prediction);
     put_image(report->body, truth);
     put_image(report->body, &error);
@@ -202,10 +202,12 @@ bool ffp_report_write(FfpReport *report, const FfpScore *scores, int n_scores, c
                       FfpError *err) {
     static const char style[] =
         "body{font:15px/1.45 system-ui,sans-serif;max-width:1500px;margin:2em auto;padding:0 1em;color:#222}"
-        "h2{border-bottom:1px solid #bbb;margin-top:2em}.row{display:flex;flex-wrap:wrap}"
-        "figure{display:inline-block;margin:4px}img{width:150px;image-rendering:pixelated;margin-right:2px;"
-        "background:#000}"
-        "figcaption{font-size:12px;color:#555}table{border-collapse:collapse}"
+        "h2{border-bottom:1px solid #bbb;margin-top:2em}figure{display:inline-block;margin:0 6px 6px 0;"
+        "vertical-align:top}figcaption{font-size:12px;color:#555;overflow-wrap:anywhere}"
+        "img{width:100%;image-rendering:pixelated;background:#000;vertical-align:top}"
+        ".row{display:grid;grid-template-columns:repeat(9,1fr)}figure.one{width:calc(11.1% - 12px)}"
+        ".row figure.one{width:auto}figure.three{width:calc(33.3% - 12px)}"
+        "figure.three img{width:33.3%}table{border-collapse:collapse}"
         "td,th{border-bottom:1px solid #ddd;padding:3px 10px;text-align:right}td:first-child,th:first-child,"
         "td:nth-child(2),th:nth-child(2){text-align:left}";
     FfpOutput out;
