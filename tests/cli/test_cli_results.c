@@ -8,6 +8,7 @@
 #include "gaussians/gaussians.h"
 
 #define SIDE 48
+#define KILLS 16
 
 static char scratch[64];
 static ProgramRun run;
@@ -190,13 +191,22 @@ static void test_the_matching_predictor_leaves_new_poses_out(void **state) {
     json_decref(root);
 }
 
-// Killed at any moment: the file that was there before, or a whole new one.
+static double now(void) {
+    struct timespec at;
+    clock_gettime(CLOCK_MONOTONIC, &at);
+    return (double)at.tv_sec + 1e-9 * (double)at.tv_nsec;
+}
+
+// Killed at any moment of a run's length: the file that was there before, or a whole new one.
 static void test_a_killed_run_leaves_a_whole_file(void **state) {
     (void)state;
     char capture[128], output[128];
     snprintf(capture, sizeof capture, "%s/tiny", scratch);
     snprintf(output, sizeof output, "%s/killed.ply", scratch);
-    for (int i = 0; i < 16; i++) {
+    const double begin = now();
+    must_run("reconstruct %s -o %s --model none", capture, output);
+    const double length = now() - begin;
+    for (int i = 0; i < KILLS; i++) {
         assert_true(ffp_write_file(output, "old", 3, NULL));
         const pid_t child = fork();
         if (child == 0) {
@@ -205,7 +215,8 @@ static void test_a_killed_run_leaves_a_whole_file(void **state) {
                   (char *)NULL);
             _exit(127);
         }
-        nanosleep(&(struct timespec){0, 8000000L * i}, NULL);
+        const double wait = length * 1.2 * i / KILLS;
+        nanosleep(&(struct timespec){(time_t)wait, (long)(1e9 * (wait - (double)(time_t)wait))}, NULL);
         kill(child, SIGKILL);
         int status;
         assert_int_equal(waitpid(child, &status, 0), child);
