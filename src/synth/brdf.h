@@ -4,11 +4,12 @@
 #define FFP_SYNTH_BRDF_H
 
 #include <math.h>
+#include "synth/scalar.h"
 
 // The specular term D F V; all directions unit, away from the surface, n.l and n.v positive.
 static inline float ffp_brdf_specular(const float n[3], const float l[3], const float v[3], float roughness) {
     float h[3] = {l[0] + v[0], l[1] + v[1], l[2] + v[2]};
-    const float scale = 1 / sqrtf(fmaxf(h[0] * h[0] + h[1] * h[1] + h[2] * h[2], 1e-12F));
+    const float scale = 1 / sqrtf(ffp_max(h[0] * h[0] + h[1] * h[1] + h[2] * h[2], 1e-12F));
     float nh = 0, vh = 0, nl = 0, nv = 0;
     for (int i = 0; i < 3; i++) {
         h[i] *= scale;

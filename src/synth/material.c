@@ -7,6 +7,7 @@
 #include "base/rng.h"
 #include "synth/noise.h"
 #include "synth/synth.h"
+#include "synth/scalar.h"
 
 typedef struct Look {
     float mix[FFP_PALETTE]; // weights of the palette's colours; they need not sum to 1
@@ -25,7 +26,7 @@ typedef struct Kind {
     float scale; // features a unit length
 } Kind;
 
-static float clamp01(float x) { return fminf(1, fmaxf(0, x)); }
+static float clamp01(float x) { return ffp_min(1, ffp_max(0, x)); }
 static float step_between(float low, float high, float x) {
     const float t = clamp01((x - low) / (high - low));
     return t * t * (3 - 2 * t);
@@ -34,7 +35,7 @@ static void two(Look *out, float t) { out->mix[0] = 1 - t, out->mix[1] = t; }
 // A value in [0, 1] spread over all colours in turn.
 static void ramp(Look *out, float t) {
     const float x = clamp01(t) * (FFP_PALETTE - 1);
-    const int i = (int)fminf(x, FFP_PALETTE - 2);
+    const int i = (int)ffp_min(x, FFP_PALETTE - 2);
     out->mix[i] = 1 - (x - (float)i), out->mix[i + 1] = x - (float)i;
 }
 
@@ -96,7 +97,7 @@ static void checks(const FfpMaterial *m, const float q[3], Look *out) {
     for (int a = 0; a < 3; a++) {
         const float x = q[a] + 0.31F * (float)(a + 1), f = x - floorf(x);
         odd += (int)floorf(x);
-        joint = fminf(joint, fminf(f, 1 - f));
+        joint = ffp_min(joint, ffp_min(f, 1 - f));
     }
     const uint32_t tile = ffp_hash32((uint32_t)(int)floorf(q[0] + 0.31F) * 73856093U ^ (uint32_t)(int)floorf(q[1] + 0.62F) * 19349663U ^
                                      (uint32_t)(int)floorf(q[2] + 0.93F) * 83492791U ^ m->seed);
@@ -109,7 +110,7 @@ static void checks(const FfpMaterial *m, const float q[3], Look *out) {
 static void fabric(const FfpMaterial *m, const float q[3], Look *out) {
     const float warp = sinf(6.2832F * q[0]), weft = sinf(6.2832F * q[1] + 0.5F * q[2]), deep = sinf(6.2832F * q[2]);
     const float check = step_between(-0.15F, 0.15F, sinf(1.1F * q[0]) + (m->vary[0] - 0.5F)) + step_between(-0.15F, 0.15F, sinf(1.3F * q[1]));
-    const float thread = 0.5F + 0.5F * fmaxf(warp * weft, weft * deep);
+    const float thread = 0.5F + 0.5F * ffp_max(warp * weft, weft * deep);
     ramp(out, check / 2 * 0.75F);
     for (int i = 0; i < FFP_PALETTE; i++) out->mix[i] *= 0.7F + 0.3F * thread;
     out->rough = 0.5F + 0.5F * thread;
@@ -175,7 +176,7 @@ static void mosaic(const FfpMaterial *m, const float q[3], Look *out) {
     const float shade = (1 - joint) * (0.6F + 0.4F * ffp_hash_unit(c.id + 2));
     for (int i = 0; i < FFP_PALETTE; i++) out->mix[i] *= shade;
     out->mix[4] += 0.4F * joint;
-    out->rough = fmaxf(joint, ffp_hash_unit(c.id + 3));
+    out->rough = ffp_max(joint, ffp_hash_unit(c.id + 3));
 }
 static float cell_relief(const FfpMaterial *m, const float q[3]) {
     const FfpCells c = ffp_cells(q, m->seed);
@@ -196,7 +197,7 @@ static float brick_joint(const float q[3], uint32_t *id) {
     const float row = floorf(1.8F * q[2]), shift = fmodf(row, 2) == 0 ? 0 : 0.5F;
     const float x = q[0] + shift, y = q[1] + shift, fx = x - floorf(x), fy = y - floorf(y), fz = 1.8F * q[2] - row;
     *id = ffp_hash32((uint32_t)(int)floorf(x) * 73856093U ^ (uint32_t)(int)floorf(y) * 19349663U ^ (uint32_t)(int)row * 83492791U);
-    return fminf(fminf(fx, 1 - fx), fminf(fminf(fy, 1 - fy), 0.55F * fminf(fz, 1 - fz)));
+    return ffp_min(ffp_min(fx, 1 - fx), ffp_min(ffp_min(fy, 1 - fy), 0.55F * ffp_min(fz, 1 - fz)));
 }
 static void brick(const FfpMaterial *m, const float q[3], Look *out) {
     uint32_t id;
@@ -248,7 +249,7 @@ const char *ffp_material_name(int material) { return material >= 0 && material <
 static void hsv_to_linear(float hue, float saturation, float value, float out[3]) {
     for (int c = 0; c < 3; c++) {
         const float k = fmodf(6 * (hue - floorf(hue)) + (c == 0 ? 5.0F : c == 1 ? 3.0F : 1.0F), 6);
-        const float v = value * (1 - saturation * clamp01(fminf(k, 4 - k)));
+        const float v = value * (1 - saturation * clamp01(ffp_min(k, 4 - k)));
         out[c] = v <= 0.04045F ? v / 12.92F : powf((v + 0.055F) / 1.055F, 2.4F);
     }
 }
@@ -298,9 +299,9 @@ void ffp_material_look(const FfpMaterial *m, const float p[3], float albedo[3], 
     for (int c = 0; c < 3; c++) {
         float sum = 0;
         for (int i = 0; i < FFP_PALETTE; i++) sum += look.mix[i] * m->colour[i][c];
-        albedo[c] = fminf(0.95F, fmaxf(0.02F, sum));
+        albedo[c] = ffp_min(0.95F, ffp_max(0.02F, sum));
     }
-    *roughness = fminf(0.95F, fmaxf(0.15F, m->rough[0] + (m->rough[1] - m->rough[0]) * clamp01(look.rough)));
+    *roughness = ffp_min(0.95F, ffp_max(0.15F, m->rough[0] + (m->rough[1] - m->rough[0]) * clamp01(look.rough)));
 }
 
 void ffp_material_bump(const FfpMaterial *m, const float p[3], float normal[3]) {

@@ -7,6 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include "base/arena.h"
+#include "synth/scalar.h"
 
 #define BLOCK 8
 
@@ -28,7 +29,7 @@ static Grid grid_new(const FfpShape *shape, int resolution) {
     Grid g = {.shape = shape};
     float low[3], high[3], longest = 0;
     ffp_shape_bounds(shape, low, high);
-    for (int a = 0; a < 3; a++) longest = fmaxf(longest, high[a] - low[a]);
+    for (int a = 0; a < 3; a++) longest = ffp_max(longest, high[a] - low[a]);
     g.step = longest / (float)resolution;
     for (int a = 0; a < 3; a++) {
         g.n[a] = (int)ceilf((high[a] - low[a]) / g.step) + 6; // three cells of air around
@@ -170,7 +171,7 @@ static void place_vertex(const Grid *g, const int cell[3], float position[3], fl
         const float va = g->value[point_index(g, a[0], a[1], a[2])], vb = g->value[point_index(g, b[0], b[1], b[2])];
         if ((va < 0) == (vb < 0)) continue;
         for (int k = 0; k < 3; k++) sum[k] += (float)a[k];
-        sum[axis] += fmaxf(0, fminf(1, va / (va - vb)));
+        sum[axis] += ffp_max(0, ffp_min(1, va / (va - vb)));
         crossings++;
     }
     for (int k = 0; k < 3; k++) position[k] = g->origin[k] + sum[k] / (float)crossings * g->step;
@@ -180,10 +181,10 @@ static void place_vertex(const Grid *g, const int cell[3], float position[3], fl
         float way[3];
         const float d = gradient(g->shape, list, count, position, 0.35F * g->step, way);
         const float square = way[0] * way[0] + way[1] * way[1] + way[2] * way[2];
-        const float move = fabsf(d) < 2 * g->step ? d / fmaxf(square, 0.25F) : 0;
+        const float move = fabsf(d) < 2 * g->step ? d / ffp_max(square, 0.25F) : 0;
         for (int k = 0; k < 3; k++) {
             const float low = g->origin[k] + ((float)cell[k] + 0.02F) * g->step;
-            position[k] = fmaxf(low, fminf(low + 0.96F * g->step, position[k] - move * way[k]));
+            position[k] = ffp_max(low, ffp_min(low + 0.96F * g->step, position[k] - move * way[k]));
         }
         const float length = sqrtf(square);
         for (int k = 0; k < 3; k++) normal[k] = length > 1e-6F ? way[k] / length : (k == 2 ? 1.0F : 0.0F);
@@ -261,7 +262,7 @@ FfpMesh ffp_mesh_from_shape(const FfpShape *shape) {
         quads = count_quads(&g);
         if (pass == 3 || (quads >= 3000 && quads <= 27000)) break;
         grid_free(&g);
-        resolution = (int)fmaxf(24, fminf(160, (float)resolution * sqrtf((quads < 3000 ? 5000.0F : 22000.0F) / (float)(quads + 1))));
+        resolution = (int)ffp_max(24, ffp_min(160, (float)resolution * sqrtf((quads < 3000 ? 5000.0F : 22000.0F) / (float)(quads + 1))));
     }
     FfpMesh mesh = {0};
     int *cells = NULL;

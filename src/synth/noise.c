@@ -1,6 +1,7 @@
 #include "synth/noise.h"
 
 #include <math.h>
+#include "synth/scalar.h"
 
 static inline uint32_t lattice_hash(int x, int y, int z, uint32_t seed) {
     return ffp_hash32((uint32_t)x * 0x9e3779b1U ^ (uint32_t)y * 0x85ebca77U ^ (uint32_t)z * 0xc2b2ae3dU ^ seed);
@@ -42,7 +43,7 @@ float ffp_fbm(const float p[3], uint32_t seed, int octaves) {
 float ffp_ridges(const float p[3], uint32_t seed, int octaves) {
     float sum = 0, weight = 1, total = 0, q[3] = {p[0], p[1], p[2]};
     for (int i = 0; i < octaves; i++) {
-        sum += weight * (1 - fminf(fabsf(ffp_noise(q, seed + 0x632be5abU * (uint32_t)i)) * 1.6F, 1));
+        sum += weight * (1 - ffp_min(fabsf(ffp_noise(q, seed + 0x632be5abU * (uint32_t)i)) * 1.6F, 1));
         total += weight;
         weight *= 0.5F;
         for (int a = 0; a < 3; a++) q[a] = 2.0F * q[a] + 0.37F;

@@ -45,33 +45,43 @@ static void make_patterns(FfpCapture *capture, const FfpSceneSpec *spec) {
     free(map);
 }
 
+// Poses and pictures of all views.
+static void make_views(FfpCapture *capture, const FfpSceneSpec *spec, FfpSimulation *simulation, FfpImage *visibility) {
+    FfpLightPattern *patterns = ffp_alloc((size_t)capture->n_patterns, sizeof *patterns);
+    for (int p = 0; p < capture->n_patterns; p++) patterns[p] = ffp_light_pattern_new(&capture->patterns[p].image);
+    simulation->patterns = patterns;
+    simulation->n_patterns = capture->n_patterns;
+    capture->n_views = spec->views + spec->targets;
+    capture->views = ffp_alloc((size_t)capture->n_views, sizeof *capture->views);
+    for (int i = 0; i < capture->n_views; i++) {
+        if (i < spec->views) ffp_rig_input(spec, i, &capture->views[i]);
+        else ffp_rig_target(spec, i - spec->views, &capture->views[i]);
+        ffp_simulate_view(simulation, &capture->views[i], (uint32_t)i, visibility ? &visibility[i] : NULL);
+    }
+    for (int p = 0; p < capture->n_patterns; p++) ffp_light_pattern_free(&patterns[p]);
+    free(patterns);
+}
+
 bool ffp_scene_make_lit(FfpCapture *capture, const FfpSceneSpec *spec, FfpImage *visibility, FfpError *err) {
     *capture = (FfpCapture){0};
     if (!check_spec(spec, err)) return false;
     FfpMesh mesh = ffp_mesh_make(spec->mesh);
-    const FfpMaterial material = ffp_material_make(spec->material, spec->seed);
     FfpTracer *tracer = ffp_tracer_new(&mesh, err);
     if (!tracer) {
         ffp_mesh_free(&mesh);
         return false;
     }
-    make_patterns(capture, spec);
+    const FfpMaterial material = ffp_material_make(spec->material, spec->seed);
     const FfpRig rig = ffp_rig_light(spec);
+    FfpSimulation simulation = {.tracer = tracer, .mesh = &mesh, .material = &material, .ambient = rig.ambient,
+                                .intensity = {rig.intensity[0], rig.intensity[1], rig.intensity[2]},
+                                .samples = spec->samples, .ambient_rays = spec->ambient_rays, .seed = spec->seed};
     snprintf(capture->name, sizeof capture->name, "%s_%s", ffp_mesh_name(spec->mesh), ffp_material_name(spec->material));
     for (int c = 0; c < 3; c++) capture->intensity[c] = rig.intensity[c];
     capture->intensity_known = true;
     capture->radius = FFP_MESH_RADIUS;
-    capture->n_views = spec->views + spec->targets;
-    capture->views = ffp_alloc((size_t)capture->n_views, sizeof *capture->views);
-    const FfpSimulation simulation = {.tracer = tracer, .mesh = &mesh, .material = &material, .patterns = capture->patterns,
-                                      .n_patterns = capture->n_patterns, .ambient = rig.ambient,
-                                      .intensity = {rig.intensity[0], rig.intensity[1], rig.intensity[2]},
-                                      .samples = spec->samples, .ambient_rays = spec->ambient_rays, .seed = spec->seed};
-    for (int i = 0; i < capture->n_views; i++) {
-        if (i < spec->views) ffp_rig_input(spec, i, &capture->views[i]);
-        else ffp_rig_target(spec, i - spec->views, &capture->views[i]);
-        ffp_simulate_view(&simulation, &capture->views[i], (uint32_t)i, visibility ? &visibility[i] : NULL);
-    }
+    make_patterns(capture, spec);
+    make_views(capture, spec, &simulation, visibility);
     ffp_tracer_free(tracer);
     ffp_mesh_free(&mesh);
     return true;

@@ -6,6 +6,7 @@
 #include <math.h>
 #include <string.h>
 #include "synth/noise.h"
+#include "synth/scalar.h"
 
 void ffp_shape_init(FfpShape *shape, uint32_t noise_seed) {
     memset(shape, 0, sizeof *shape);
@@ -35,8 +36,8 @@ FfpPart *ffp_add_ellipsoid(FfpShape *shape, FfpV3 centre, FfpV3 half, float blen
 FfpPart *ffp_add_cone(FfpShape *shape, FfpV3 a, FfpV3 b, float radius_a, float radius_b, float blend) {
     FfpPart *part = add(shape, FFP_PART_CONE, a, blend);
     const FfpV3 way = {b.x - a.x, b.y - a.y, b.z - a.z};
-    const float length = fmaxf(sqrtf(way.x * way.x + way.y * way.y + way.z * way.z), 1e-4F);
-    const float radius = fmaxf(radius_a, radius_b);
+    const float length = ffp_max(sqrtf(way.x * way.x + way.y * way.y + way.z * way.z), 1e-4F);
+    const float radius = ffp_max(radius_a, radius_b);
     set3(part->size, radius_a, radius_b, length);
     set3(part->reach, radius, radius, 0.5F * length + radius);
     part->middle[2] = 0.5F * length;
@@ -47,14 +48,14 @@ FfpPart *ffp_add_cone(FfpShape *shape, FfpV3 a, FfpV3 b, float radius_a, float r
 FfpPart *ffp_add_box(FfpShape *shape, FfpV3 centre, FfpV3 half, float corner, float blend) {
     FfpPart *part = add(shape, FFP_PART_BOX, centre, blend);
     set3(part->size, half.x, half.y, half.z);
-    part->size[3] = fminf(corner, fminf(half.x, fminf(half.y, half.z)));
+    part->size[3] = ffp_min(corner, ffp_min(half.x, ffp_min(half.y, half.z)));
     set3(part->reach, half.x, half.y, half.z);
     return part;
 }
 
 FfpPart *ffp_add_cylinder(FfpShape *shape, FfpV3 centre, float radius, float half, float edge, float blend) {
     FfpPart *part = add(shape, FFP_PART_CYLINDER, centre, blend);
-    set3(part->size, radius, half, fminf(edge, fminf(radius, half)));
+    set3(part->size, radius, half, ffp_min(edge, ffp_min(radius, half)));
     set3(part->reach, radius, radius, half);
     return part;
 }
@@ -70,9 +71,9 @@ FfpPart *ffp_add_lathe(FfpShape *shape, float rounding, float blend) {
     FfpPart *part = add(shape, FFP_PART_LATHE, ffp_v3(0, 0, 0), blend);
     float radius = 0, low = 1e9F, high = -1e9F;
     for (int i = 0; i < shape->n_outline; i++) {
-        radius = fmaxf(radius, shape->outline[i][0]);
-        low = fminf(low, shape->outline[i][1]);
-        high = fmaxf(high, shape->outline[i][1]);
+        radius = ffp_max(radius, shape->outline[i][0]);
+        low = ffp_min(low, shape->outline[i][1]);
+        high = ffp_max(high, shape->outline[i][1]);
     }
     part->size[0] = rounding;
     set3(part->reach, radius + rounding, radius + rounding, 0.5F * (high - low) + rounding);
@@ -133,13 +134,13 @@ static float ellipsoid(const float q[3], const float r[3]) {
         k0 += a * a, k1 += b * b;
     }
     k0 = sqrtf(k0), k1 = sqrtf(k1);
-    if (k1 < 1e-6F) return -fminf(r[0], fminf(r[1], r[2]));
+    if (k1 < 1e-6F) return -ffp_min(r[0], ffp_min(r[1], r[2]));
     return k0 * (k0 - 1) / k1; // first-order distance
 }
 
 static float cone(const float q[3], const float size[4]) {
     const float ra = size[0], rb = size[1], length = size[2];
-    const float slope = fmaxf(fminf((ra - rb) / length, 0.99F), -0.99F), across = sqrtf(1 - slope * slope);
+    const float slope = ffp_max(ffp_min((ra - rb) / length, 0.99F), -0.99F), across = sqrtf(1 - slope * slope);
     const float r = sqrtf(q[0] * q[0] + q[1] * q[1]), along = across * q[2] - slope * r;
     if (along < 0) return sqrtf(r * r + q[2] * q[2]) - ra;
     const float z = q[2] - length;
@@ -148,18 +149,18 @@ static float cone(const float q[3], const float size[4]) {
 }
 
 static float slab2(float dx, float dy) {
-    const float ox = fmaxf(dx, 0), oy = fmaxf(dy, 0);
-    return fminf(fmaxf(dx, dy), 0) + sqrtf(ox * ox + oy * oy);
+    const float ox = ffp_max(dx, 0), oy = ffp_max(dy, 0);
+    return ffp_min(ffp_max(dx, dy), 0) + sqrtf(ox * ox + oy * oy);
 }
 
 static float box(const float q[3], const float size[4]) {
     float outside = 0, inside = -1e9F;
     for (int i = 0; i < 3; i++) {
-        const float d = fabsf(q[i]) - size[i] + size[3], o = fmaxf(d, 0);
+        const float d = fabsf(q[i]) - size[i] + size[3], o = ffp_max(d, 0);
         outside += o * o;
-        inside = fmaxf(inside, d);
+        inside = ffp_max(inside, d);
     }
-    return fminf(inside, 0) + sqrtf(outside) - size[3];
+    return ffp_min(inside, 0) + sqrtf(outside) - size[3];
 }
 
 // Distance to the outline polygon in the (radius, z) half plane; crossing number for the sign.
@@ -172,9 +173,9 @@ static float lathe(const FfpShape *shape, const float q[3], float rounding) {
         const float ex = b[0] - a[0], ey = b[1] - a[1], wx = x - a[0], wy = y - a[1];
         // the closing edge on the axis is no surface
         if (!(a[0] <= 0 && b[0] <= 0)) {
-            const float t = fmaxf(0, fminf(1, (wx * ex + wy * ey) / fmaxf(ex * ex + ey * ey, 1e-12F)));
+            const float t = ffp_max(0, ffp_min(1, (wx * ex + wy * ey) / ffp_max(ex * ex + ey * ey, 1e-12F)));
             const float dx = wx - t * ex, dy = wy - t * ey;
-            best = fminf(best, dx * dx + dy * dy);
+            best = ffp_min(best, dx * dx + dy * dy);
         }
         if ((a[1] > y) != (b[1] > y) && wx < ex * wy / ey) inside = !inside;
     }
@@ -185,9 +186,9 @@ static float cog(const FfpPart *part, const float q[3]) {
     const float radius = part->size[0], tooth = part->size[2], edge = part->size[3];
     const float teeth = part->also[0], sharp = part->also[1];
     const float r = sqrtf(q[0] * q[0] + q[1] * q[1]);
-    const float wave = fmaxf(-1, fminf(1, sharp * cosf(teeth * atan2f(q[1], q[0]))));
+    const float wave = ffp_max(-1, ffp_min(1, sharp * cosf(teeth * atan2f(q[1], q[0]))));
     // the outline's steepest rise bounds how much the radial difference overstates the distance
-    const float slope = tooth * teeth * sharp / fmaxf(r, 0.5F * radius);
+    const float slope = tooth * teeth * sharp / ffp_max(r, 0.5F * radius);
     const float side = (r - radius - tooth * 0.5F * (1 + wave)) / sqrtf(1 + 0.25F * slope * slope);
     return slab2(side + edge, fabsf(q[2]) - part->size[1] + edge) - edge;
 }
@@ -198,7 +199,7 @@ static float superquadric(const FfpPart *part, const float q[3]) {
     const float flat = powf(powf(x, 2 / exy) + powf(y, 2 / exy), exy / ez);
     const float f = powf(flat + powf(z, 2 / ez), 0.5F * ez); // homogeneous of degree 1: 1 on the surface
     const float r = sqrtf(q[0] * q[0] + q[1] * q[1] + q[2] * q[2]);
-    const float least = fminf(part->size[0], fminf(part->size[1], part->size[2]));
+    const float least = ffp_min(part->size[0], ffp_min(part->size[1], part->size[2]));
     return f < 1e-4F ? -least : 0.6F * (r - r / f);
 }
 
@@ -207,8 +208,8 @@ static float land(const FfpShape *shape, const FfpPart *part, const float q[3]) 
     const float hull = box(q, sides);
     const float flat[3] = {1.6F * q[0], 1.6F * q[1], 0};
     const float h = shape->ridged ? 2 * ffp_ridges(flat, shape->noise_seed, 4) - 1 : ffp_fbm(flat, shape->noise_seed, 4);
-    const float top = 0.5F * (q[2] - part->size[2] * 0.2F - part->size[3] * fmaxf(-1, fminf(1, h)));
-    return fmaxf(hull, top);
+    const float top = 0.5F * (q[2] - part->size[2] * 0.2F - part->size[3] * ffp_max(-1, ffp_min(1, h)));
+    return ffp_max(hull, top);
 }
 
 float ffp_part_distance(const FfpShape *shape, const FfpPart *part, const float p[3]) {
@@ -233,8 +234,8 @@ float ffp_part_distance(const FfpShape *shape, const FfpPart *part, const float 
 
 // max for sign -1, min for +1, rounded where the two are within k of each other.
 static float smooth_min(float a, float b, float k) {
-    const float h = k > 0 ? fmaxf(k - fabsf(a - b), 0) : 0;
-    return fminf(a, b) - (k > 0 ? h * h / (4 * k) : 0);
+    const float h = k > 0 ? ffp_max(k - fabsf(a - b), 0) : 0;
+    return ffp_min(a, b) - (k > 0 ? h * h / (4 * k) : 0);
 }
 
 static float displacement(const FfpShape *shape, const float p[3]) {
@@ -271,18 +272,18 @@ void ffp_shape_bounds(const FfpShape *shape, float low[3], float high[3]) {
     for (int i = 0; i < shape->n_parts; i++) {
         const FfpPart *part = &shape->parts[i];
         if (part->join != FFP_JOIN_ADD) continue;
-        margin = fmaxf(margin, 1.5F * shape->bump + 0.25F * part->blend);
+        margin = ffp_max(margin, 1.5F * shape->bump + 0.25F * part->blend);
         for (int a = 0; a < 3; a++) {
             float middle = part->centre[a], reach = 0;
             for (int k = 0; k < 3; k++) {
                 middle += part->axes[3 * k + a] * part->middle[k];
                 reach += fabsf(part->axes[3 * k + a]) * part->reach[k];
             }
-            low[a] = fminf(low[a], middle - reach), high[a] = fmaxf(high[a], middle + reach);
+            low[a] = ffp_min(low[a], middle - reach), high[a] = ffp_max(high[a], middle + reach);
         }
     }
     if (shape->twist != 0) { // a turning section sweeps a disc
-        const float r = hypotf(fmaxf(-low[0], high[0]), fmaxf(-low[1], high[1]));
+        const float r = hypotf(ffp_max(-low[0], high[0]), ffp_max(-low[1], high[1]));
         for (int a = 0; a < 2; a++) low[a] = -r, high[a] = r;
     }
     for (int a = 0; a < 3; a++) low[a] -= margin, high[a] += margin;

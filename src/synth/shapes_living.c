@@ -1,6 +1,7 @@
 // Families with bodies: animals, figures, busts.
 #include <math.h>
 #include "synth/shape.h"
+#include "synth/scalar.h"
 
 #define PI 3.14159265F
 
@@ -167,7 +168,7 @@ void ffp_make_bust(FfpShape *shape, FfpRng *rng) {
         ffp_add_cylinder(shape, ffp_v3(-0.02F, 0, 0.95F), 0.36F, ffp_draw(rng, 0.15F, 0.35F), 0.06F, 0.03F);
     }
     for (int i = 0; hair == 3 && i < 22; i++) { // curls
-        const float a = ffp_draw(rng, 0.9F, 2 * PI - 0.9F), z = ffp_draw(rng, 0.1F, 0.95F), r = 0.42F * sqrtf(fmaxf(0.1F, 1 - z * z));
+        const float a = ffp_draw(rng, 0.9F, 2 * PI - 0.9F), z = ffp_draw(rng, 0.1F, 0.95F), r = 0.42F * sqrtf(ffp_max(0.1F, 1 - z * z));
         const float q = ffp_draw(rng, 0.09F, 0.15F);
         ffp_add_ellipsoid(shape, ffp_v3(-0.06F + r * cosf(a), r * sinf(a), 0.52F + 0.42F * z), ffp_v3(q, q, q), 0.03F);
     }

@@ -1,6 +1,7 @@
 // Families made by hand or machine: vases, teapots, furniture, cogs, solids, stacks, knots.
 #include <math.h>
 #include "synth/shape.h"
+#include "synth/scalar.h"
 
 #define PI 3.14159265F
 
@@ -8,11 +9,11 @@
 static void profile(const float *knot, int knots, int n, float *r, float *z) {
     for (int i = 0; i <= n; i++) {
         const float t = (float)i / (float)n * (float)(knots - 1);
-        const int k = (int)fminf(t, (float)(knots - 2));
+        const int k = (int)ffp_min(t, (float)(knots - 2));
         const float u = t - (float)k, a = knot[k > 0 ? k - 1 : 0], b = knot[k], c = knot[k + 1];
         const float d = knot[k + 2 < knots ? k + 2 : knots - 1];
         r[i] = b + 0.5F * u * (c - a + u * (2 * a - 5 * b + 4 * c - d + u * (3 * (b - c) + d - a)));
-        r[i] = fmaxf(r[i], 0.06F);
+        r[i] = ffp_max(r[i], 0.06F);
         z[i] = -1 + 2 * (float)i / (float)n;
     }
 }
@@ -23,7 +24,7 @@ static void vessel(FfpShape *shape, const float *r, const float *z, int n, bool 
     shape->outline[k][0] = 0, shape->outline[k++][1] = z[0] * scale_z;
     for (int i = 0; i <= n; i++) shape->outline[k][0] = r[i], shape->outline[k++][1] = z[i] * scale_z;
     for (int i = n; hollow && i >= 2; i -= 2)
-        shape->outline[k][0] = fmaxf(r[i] - wall, 0.01F), shape->outline[k++][1] = z[i] * scale_z + (i == n ? 0 : 0.02F);
+        shape->outline[k][0] = ffp_max(r[i] - wall, 0.01F), shape->outline[k++][1] = z[i] * scale_z + (i == n ? 0 : 0.02F);
     shape->outline[k][0] = 0, shape->outline[k][1] = shape->outline[k - 1][1];
     shape->n_outline = k + 1;
 }
@@ -40,13 +41,13 @@ void ffp_make_vase(FfpShape *shape, FfpRng *rng) {
     ffp_add_lathe(shape, 0.02F, 0);
     const int handles = ffp_pick(rng, 0, 3);
     for (int i = 0; i < handles && handles < 3; i++) {
-        const float side = i ? -1 : 1, at = fmaxf(r[9], r[12]);
+        const float side = i ? -1 : 1, at = ffp_max(r[9], r[12]);
         FfpPart *ring = ffp_add_torus(shape, ffp_v3(side * (at + 0.05F), 0, 0.15F), ffp_draw(rng, 0.22F, 0.32F), 0.065F, 0.05F);
         ffp_part_turn(ring, 0, 0, 0.5F * PI);
     }
     if (!bottle && (handles == 1 || handles == 2)) { // a handle must not show inside the vessel: cut the bore again
         float bore = 1;
-        for (int i = 8; i <= 18; i++) bore = fminf(bore, r[i] - 1.2F * wall);
+        for (int i = 8; i <= 18; i++) bore = ffp_min(bore, r[i] - 1.2F * wall);
         if (bore > 0.05F) ffp_add_cylinder(shape, ffp_v3(0, 0, 0.9F), bore, 0.9F, 0.04F, 0)->join = FFP_JOIN_CUT;
     }
     if (ffp_pick(rng, 0, 3) == 0) {
@@ -83,7 +84,7 @@ void ffp_make_teapot(FfpShape *shape, FfpRng *rng) {
         ffp_add_ellipsoid(shape, ffp_v3(0, 0, 0.8F), ffp_v3(0.11F, 0.11F, 0.11F), 0.05F);
         spout(shape, rng, side);
     } else {
-        const float bore = fmaxf(0.2F, fminf(r[4], fminf(r[6], r[8])) - 0.12F);
+        const float bore = ffp_max(0.2F, ffp_min(r[4], ffp_min(r[6], r[8])) - 0.12F);
         ffp_add_cylinder(shape, ffp_v3(0, 0, 0.4F), bore, 0.75F, 0.08F, 0.03F)->join = FFP_JOIN_CUT;
     }
     shape->lipschitz = 1.4F;
@@ -246,7 +247,7 @@ void ffp_make_stack(FfpShape *shape, FfpRng *rng) {
         switch (ffp_pick(rng, 0, 4)) {
         case 0: part = ffp_add_ellipsoid(shape, at, ffp_v3(s, s, tall), 0.02F); break;
         case 1: part = ffp_add_cylinder(shape, at, s, tall, 0.03F, 0.02F); break;
-        case 2: part = ffp_add_torus(shape, at, s, fminf(0.5F * tall, 0.6F * s), 0.02F); break;
+        case 2: part = ffp_add_torus(shape, at, s, ffp_min(0.5F * tall, 0.6F * s), 0.02F); break;
         case 3: part = ffp_add_cog(shape, at, 0.75F * s, tall, 0.3F * s, ffp_pick(rng, 3, 8), 1.2F); break;
         default: part = ffp_add_box(shape, at, ffp_v3(s, 0.85F * s, tall), 0.03F, 0.02F); break;
         }

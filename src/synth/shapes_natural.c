@@ -1,6 +1,7 @@
 // Families that grow or erode: stones, blobs, fruit, land, shells.
 #include <math.h>
 #include "synth/shape.h"
+#include "synth/scalar.h"
 
 #define PI 3.14159265F
 
@@ -163,7 +164,7 @@ void ffp_make_shell(FfpShape *shape, FfpRng *rng) {
     for (int i = 0; i <= n; i++) {
         const float t = (float)i / (float)n, size = powf(growth, turns * (t - 1)), a = 2 * PI * turns * t;
         const FfpV3 at = ffp_v3(size * cosf(a), size * sinf(a), climb * (1 - size) * 1.4F);
-        const float radius = fmaxf(thick * size * (1 + 0.06F * sinf(40 * t * turns)), 0.02F);
+        const float radius = ffp_max(thick * size * (1 + 0.06F * sinf(40 * t * turns)), 0.02F);
         if (i > 0) ffp_add_cone(shape, last, at, last_radius, radius, 0.02F);
         last = at, last_radius = radius;
     }

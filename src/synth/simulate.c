@@ -6,8 +6,9 @@
 #include "base/arena.h"
 #include "synth/brdf.h"
 #include "synth/noise.h"
+#include "synth/scalar.h"
 
-enum { CELL = 4, COARSE = 8, LOOKUPS_MAX = 16 };
+enum { CELL = 4, LOOKUPS_MAX = 16 };
 static const float OFFSET = 1e-3F;       // secondary rays start this far off the surface
 static const float CAVITY = 0.75F;       // share of the ambient light that reaches a typical secondary hit
 static const float FACING = 0.02F;       // least cosine between shading normal and view
@@ -30,7 +31,6 @@ typedef struct Work {
     FfpView *view;
     FfpImage *visibility;
     Device camera, projector;
-    FfpImage *coarse; // per pattern: box means of COARSE^2 pixels, for light that has bounced (NULL data: black)
     Sums sums;
     uint32_t seed;
 } Work;
@@ -86,11 +86,36 @@ static bool arrive(const Work *w, const float point[3], const float facet[3], co
     return !ffp_trace_blocked(w->sim->tracer, start, way);
 }
 
-// Bilinear pattern positions that a sample's cell of the pixel covers: the cell's image on the tangent plane, projected,
-// spread evenly over so many lookups that their tents overlap. Converges to one lookup as samples grow.
+// A bilinear lookup, the same for all patterns: four texels' offsets and weights. Weightless outside the rectangle.
+typedef struct Texel {
+    size_t at, right, down;
+    float weight[4];
+} Texel;
+
+static Texel texel_at(int width, int height, float u, float v) {
+    if (!(u >= 0 && v >= 0 && u <= (float)width && v <= (float)height)) return (Texel){0, 0, 0, {0, 0, 0, 0}};
+    const float x = ffp_max(u - 0.5F, 0), y = ffp_max(v - 0.5F, 0);
+    const int i = (int)ffp_min(x, (float)(width - 1)), j = (int)ffp_min(y, (float)(height - 1));
+    const float a = x - (float)i, b = y - (float)j;
+    return (Texel){((size_t)j * (size_t)width + (size_t)i) * 3,
+                   i + 1 < width ? 3 : 0,
+                   j + 1 < height ? (size_t)width * 3 : 0,
+                   {(1 - a) * (1 - b), a * (1 - b), (1 - a) * b, a * b}};
+}
+
+static void add_texel(const FfpImage *image, const Texel *t, float sum[3]) {
+    const real *p = image->data + t->at;
+    for (size_t c = 0; c < 3; c++)
+        sum[c] += t->weight[0] * p[c] + t->weight[1] * p[c + t->right] + t->weight[2] * p[c + t->down] +
+                  t->weight[3] * p[c + t->right + t->down];
+}
+
+// The lookups that a sample's cell of the pixel asks for: the cell's image on the tangent plane, projected, spread evenly
+// over so many that their tents overlap. Converges to one lookup as samples grow.
 typedef struct Spread {
     int count;
-    float u[LOOKUPS_MAX], v[LOOKUPS_MAX];
+    float inside; // how many of them lie in the rectangle
+    Texel texel[LOOKUPS_MAX];
 } Spread;
 
 static void pattern_slope(const Work *w, const Arrival *a, const float step[3], float side, float *du, float *dv) {
@@ -114,27 +139,17 @@ static void spread_lookups(const Work *w, const Arrival *a, const FfpHit *hit, c
         float step[3];
         for (int k = 0; k < 3; k++) step[k] = hit->t / f * (move[k] - along * ray[k]);
         pattern_slope(w, a, step, side, &du[axis], &dv[axis]);
-        n[axis] = (int)fmaxf(1, fminf(4, ceilf(hypotf(du[axis], dv[axis]) / 2.5F)));
+        n[axis] = (int)ffp_max(1, ffp_min(4, ceilf(hypotf(du[axis], dv[axis]) / 2.5F)));
     }
-    out->count = 0;
+    out->count = 0, out->inside = 0;
     for (int j = 0; j < n[1]; j++)
         for (int i = 0; i < n[0]; i++) {
             const float x = ((float)i + 0.5F) / (float)n[0] - 0.5F, y = ((float)j + 0.5F) / (float)n[1] - 0.5F;
-            out->u[out->count] = a->u + x * du[0] + y * du[1];
-            out->v[out->count++] = a->v + x * dv[0] + y * dv[1];
+            Texel *t = &out->texel[out->count++];
+            *t = texel_at((int)w->projector.width, (int)w->projector.height, a->u + x * du[0] + y * du[1],
+                          a->v + x * dv[0] + y * dv[1]);
+            out->inside += t->weight[0] + t->weight[1] + t->weight[2] + t->weight[3];
         }
-}
-
-// Adds weight * bilinear(pattern) to sum; black outside the rectangle, edge texels repeated within it.
-static void add_texel(const FfpImage *image, float u, float v, const float weight[3], real sum[3]) {
-    if (!(u >= 0 && v >= 0 && u <= (float)image->width && v <= (float)image->height)) return;
-    const float x = fmaxf(u - 0.5F, 0), y = fmaxf(v - 0.5F, 0);
-    const int i = (int)fminf(x, (float)(image->width - 1)), j = (int)fminf(y, (float)(image->height - 1));
-    const size_t right = i + 1 < image->width ? 3 : 0, down = j + 1 < image->height ? (size_t)image->width * 3 : 0;
-    const float a = x - (float)i, b = y - (float)j;
-    const real *t = image->data + ((size_t)j * (size_t)image->width + (size_t)i) * 3;
-    for (int c = 0; c < 3; c++, t++)
-        sum[c] += weight[c] * ((1 - b) * ((1 - a) * t[0] + a * t[right]) + b * ((1 - a) * t[down] + a * t[down + right]));
 }
 
 static void direct_light(const Work *w, size_t pixel, const FfpHit *hit, const float ray[3], const float normal[3],
@@ -151,10 +166,14 @@ static void direct_light(const Work *w, size_t pixel, const FfpHit *hit, const f
     if (w->visibility) w->visibility->data[pixel] += 1;
     Spread spread;
     spread_lookups(w, &a, hit, ray, side, &spread);
-    for (int c = 0; c < 3; c++) colour[c] /= (float)spread.count;
-    for (int p = 0; p < w->sim->n_patterns; p++)
-        for (int i = 0; i < spread.count && w->coarse[p].data; i++)
-            add_texel(&w->sim->patterns[p].image, spread.u[i], spread.v[i], colour, w->view->images[p].data + 3 * pixel);
+    for (int p = 0; p < w->sim->n_patterns; p++) {
+        const FfpLightPattern *pattern = &w->sim->patterns[p];
+        if (pattern->black) continue;
+        float sum[3] = {0, 0, 0};
+        for (int i = 0; i < spread.count && !pattern->flat; i++) add_texel(pattern->sharp, &spread.texel[i], sum);
+        for (int c = 0; c < 3 && pattern->flat; c++) sum[c] = spread.inside * (float)pattern->sharp->data[c];
+        for (size_t c = 0; c < 3; c++) w->view->images[p].data[3 * pixel + c] += colour[c] * sum[c] / (float)spread.count;
+    }
 }
 
 // A cosine-weighted direction around `normal`, turned above the facet where interpolation leads below it.
@@ -162,7 +181,7 @@ static void ambient_direction(const FfpHit *hit, float x, float y, float d[3]) {
     const float *n = hit->normal, sign = copysignf(1, n[2]), a = -1 / (sign + n[2]), b = n[0] * n[1] * a;
     const float t[3] = {1 + sign * n[0] * n[0] * a, sign * b, -sign * n[0]}; // basis of Duff et al. 2017
     const float s[3] = {b, sign + n[1] * n[1] * a, -n[1]};
-    const float r = sqrtf(x), phi = 6.2831853F * y, up = sqrtf(fmaxf(0, 1 - x)), i = r * cosf(phi), j = r * sinf(phi);
+    const float r = sqrtf(x), phi = 6.2831853F * y, up = sqrtf(ffp_max(0, 1 - x)), i = r * cosf(phi), j = r * sinf(phi);
     for (int k = 0; k < 3; k++) d[k] = i * t[k] + j * s[k] + up * n[k];
     const float below = dot(d, hit->facet);
     for (int k = 0; k < 3 && below < 0; k++) d[k] -= 2 * below * hit->facet[k];
@@ -188,9 +207,14 @@ static void gather(const Work *w, size_t pixel, const FfpHit *hit, uint32_t inde
     float colour[3];
     const float cosine = dot(far.normal, a.towards);
     for (int c = 0; c < 3; c++) colour[c] = albedo[c] / 3.14159265F * cosine * a.fall * w->sim->intensity[c];
-    for (int p = 0; p < w->sim->n_patterns; p++)
-        if (w->coarse[p].data)
-            add_texel(&w->coarse[p], a.u / COARSE, a.v / COARSE, colour, w->sums.bounce[p] + 3 * pixel);
+    const Device *projector = &w->projector;
+    const Texel texel = texel_at((int)ceilf(projector->width / FFP_COARSE), (int)ceilf(projector->height / FFP_COARSE), a.u / FFP_COARSE, a.v / FFP_COARSE);
+    for (int p = 0; p < w->sim->n_patterns; p++) {
+        if (w->sim->patterns[p].black) continue;
+        float sum[3] = {0, 0, 0};
+        add_texel(&w->sim->patterns[p].coarse, &texel, sum);
+        for (size_t c = 0; c < 3; c++) w->sums.bounce[p][3 * pixel + c] += colour[c] * sum[c];
+    }
 }
 
 static void shade_sample(const Work *w, size_t pixel, const FfpHit *hit, const float ray[3], uint32_t sample, uint32_t shift) {
@@ -241,7 +265,7 @@ static void finish_pixel(const Work *w, size_t pixel, float hits, int samples) {
     unit(view->normal.data + 3 * pixel);
     divide_sums(w->sums.point + 3 * pixel, 3, hits);
     float *smooth = w->sums.smooth + 3 * pixel;
-    divide_sums(smooth, 3, fmaxf(sqrtf(dot(smooth, smooth)), 1e-6F));
+    divide_sums(smooth, 3, ffp_max(sqrtf(dot(smooth, smooth)), 1e-6F));
     const float rays = hits * (float)w->sim->ambient_rays;
     for (int p = 0; p < w->sim->n_patterns; p++) {
         divide(view->images[p].data + 3 * pixel, 3, hits);
@@ -296,7 +320,7 @@ static int busy_cells(const Work *w, int **cells) {
         for (int a = 0; a < 2; a++) {
             const float p = xy[2 * v[0] + a], q = xy[2 * v[1] + a], r = xy[2 * v[2] + a];
             const float last = (float)((a ? down : across) - 1);
-            low[a] = (int)fmaxf(0, fminf(p, fminf(q, r)) - 0.01F), high[a] = (int)fminf(last, fmaxf(p, fmaxf(q, r)) + 0.01F);
+            low[a] = (int)ffp_max(0, ffp_min(p, ffp_min(q, r)) - 0.01F), high[a] = (int)ffp_min(last, ffp_max(p, ffp_max(q, r)) + 0.01F);
         }
         for (int j = low[1]; j <= high[1]; j++)
             for (int i = low[0]; i <= high[0]; i++) busy[j * across + i] = 1;
@@ -337,7 +361,7 @@ static float neighbour_weight(const Sums *s, size_t i, size_t j) {
     const float plane = 1 - fabsf(dot(n, d)) / 0.04F, cosine = dot(n, s->smooth + 3 * j);
     if (plane <= 0 || cosine <= 0.5F) return 0;
     const float same = cosine * cosine * cosine * cosine;
-    return plane * same * same * fminf(s->hits[j], 4);
+    return plane * same * same * ffp_min(s->hits[j], 4);
 }
 
 static void filter_indirect(const Work *w, int y, float *const *in, float *const *out, int count) {
@@ -402,30 +426,30 @@ static void compose(const Work *w) {
         }
 }
 
-static FfpImage coarse_pattern(const FfpImage *sharp) {
-    const size_t values = (size_t)sharp->width * (size_t)sharp->height * 3;
-    size_t dark = 0;
-    while (dark < values && sharp->data[dark] == 0) dark++;
-    if (dark == values) return (FfpImage){0};
-    const int width = (sharp->width + COARSE - 1) / COARSE, height = (sharp->height + COARSE - 1) / COARSE;
-    FfpImage out = ffp_image_new(width, height, 3);
-    for (int y = 0; y < sharp->height; y++)
-        for (int x = 0; x < sharp->width; x++)
-            for (int c = 0; c < 3; c++)
-                out.data[((y / COARSE) * width + x / COARSE) * 3 + c] +=
-                    sharp->data[((size_t)y * (size_t)sharp->width + (size_t)x) * 3 + (size_t)c] / (COARSE * COARSE);
+FfpLightPattern ffp_light_pattern_new(const FfpImage *sharp) {
+    const size_t row = (size_t)sharp->width * 3, values = row * (size_t)sharp->height;
+    const int width = (sharp->width + FFP_COARSE - 1) / FFP_COARSE, height = (sharp->height + FFP_COARSE - 1) / FFP_COARSE;
+    FfpLightPattern out = {.sharp = sharp, .coarse = ffp_image_new(width, height, 3)};
+    size_t same = 3;
+    while (same < values && sharp->data[same] == sharp->data[same - 3]) same++;
+    out.flat = same == values;
+    out.black = out.flat && sharp->data[0] == 0 && sharp->data[1] == 0 && sharp->data[2] == 0;
+    for (int y = 0; y < sharp->height && !out.black; y++)
+        for (int x = 0; x < sharp->width; x++) {
+            real *box = out.coarse.data + ((size_t)(y / FFP_COARSE) * (size_t)width + (size_t)(x / FFP_COARSE)) * 3;
+            for (size_t c = 0; c < 3; c++) box[c] += sharp->data[(size_t)y * row + (size_t)x * 3 + c] / (FFP_COARSE * FFP_COARSE);
+        }
     return out;
 }
+
+void ffp_light_pattern_free(FfpLightPattern *pattern) { ffp_image_free(&pattern->coarse); }
 
 static void work_begin(Work *w) {
     const size_t pixels = (size_t)w->view->camera.width * (size_t)w->view->camera.height;
     const int n = w->sim->n_patterns;
-    w->coarse = ffp_alloc((size_t)n, sizeof *w->coarse);
     w->sums.bounce = ffp_alloc((size_t)n, sizeof *w->sums.bounce);
-    for (int p = 0; p < n; p++) {
-        w->coarse[p] = coarse_pattern(&w->sim->patterns[p].image);
-        if (w->coarse[p].data) w->sums.bounce[p] = ffp_alloc(pixels * 3, sizeof(float));
-    }
+    for (int p = 0; p < n; p++)
+        if (!w->sim->patterns[p].black) w->sums.bounce[p] = ffp_alloc(pixels * 3, sizeof(float));
     w->sums.ambient = ffp_alloc(pixels * 3, sizeof(float));
     w->sums.point = ffp_alloc(pixels * 3, sizeof(float));
     w->sums.smooth = ffp_alloc(pixels * 3, sizeof(float));
@@ -433,11 +457,7 @@ static void work_begin(Work *w) {
 }
 
 static void work_end(Work *w) {
-    for (int p = 0; p < w->sim->n_patterns; p++) {
-        ffp_image_free(&w->coarse[p]);
-        free(w->sums.bounce[p]);
-    }
-    free(w->coarse);
+    for (int p = 0; p < w->sim->n_patterns; p++) free(w->sums.bounce[p]);
     free(w->sums.bounce);
     free(w->sums.ambient);
     free(w->sums.point);

@@ -8,11 +8,21 @@
 #include "synth/material.h"
 #include "synth/trace.h"
 
+// A pattern as the simulator needs it.
+typedef struct FfpLightPattern {
+    const FfpImage *sharp;
+    FfpImage coarse;  // box means of FFP_COARSE^2 pixels: for light that has bounced
+    bool black, flat; // nothing but 0; the first pixel's colour everywhere
+} FfpLightPattern;
+enum { FFP_COARSE = 8 };
+FfpLightPattern ffp_light_pattern_new(const FfpImage *sharp);
+void ffp_light_pattern_free(FfpLightPattern *pattern);
+
 typedef struct FfpSimulation {
     const FfpTracer *tracer;
     const FfpMesh *mesh;
     const FfpMaterial *material;
-    const FfpPattern *patterns;
+    const FfpLightPattern *patterns;
     int n_patterns;
     float intensity[3], ambient;  // projector W/sr at pattern value 1; ambient radiance
     int samples, ambient_rays;    // primary rays a pixel (four times as many on silhouettes); ambient rays a hit

@@ -8,6 +8,7 @@
 #include <embree4/rtcore.h>
 #else
 #include <embree3/rtcore.h>
+#include "synth/scalar.h"
 #endif
 
 struct FfpTracer {
@@ -86,7 +87,7 @@ bool ffp_trace_hit(const FfpTracer *tracer, const float origin[3], const float d
         square += hit->normal[a] * hit->normal[a];
         facet_square += facet[a] * facet[a];
     }
-    const float scale = 1 / sqrtf(fmaxf(square, 1e-20F)), facet_scale = 1 / sqrtf(fmaxf(facet_square, 1e-30F));
+    const float scale = 1 / sqrtf(ffp_max(square, 1e-20F)), facet_scale = 1 / sqrtf(ffp_max(facet_square, 1e-30F));
     for (int a = 0; a < 3; a++) hit->normal[a] *= scale, hit->facet[a] = facet[a] * facet_scale;
     return true;
 }
