@@ -260,14 +260,14 @@ FfpMaterial ffp_material_make(int material, uint64_t seed) {
     FfpMaterial m = {.kind = material, .seed = ffp_rng_u32(&rng)};
     const float hue = ffp_rng_range(&rng, kind->hue[0], kind->hue[1]);
     const float grey = ffp_rng_uniform(&rng) < 0.12F ? 0.1F : 1; // now and then the whole palette is nearly grey
-    const float dark = ffp_rng_uniform(&rng) < 0.15F ? 0.55F : 1; // or dark
+    const float dark = ffp_rng_uniform(&rng) < 0.12F ? 0.55F : 1; // or dark
     for (int i = 0; i < FFP_PALETTE; i++) {
         const float stray = kind->spread * ffp_rng_range(&rng, -0.5F, 0.5F), h = hue + (i ? stray : 0);
         const float s = grey * clamp01(ffp_rng_range(&rng, kind->saturation[0], kind->saturation[1]));
         const float base = ffp_rng_range(&rng, kind->value[0], kind->value[1]);
         const float darker = kind->contrast * ffp_rng_uniform(&rng), lift = 0.1F * ffp_rng_uniform(&rng);
         const float v = i ? base * (1 - darker) + lift : base;
-        hsv_to_linear(h, s, dark * clamp01(v), m.colour[i]);
+        hsv_to_linear(h, s, dark * powf(clamp01(v), 0.45F), m.colour[i]); // the power evens out linear albedo
     }
     const float middle = 0.5F * (kind->rough[0] + kind->rough[1]);
     m.rough[0] = kind->rough[0] + (middle - kind->rough[0]) * 0.7F * ffp_rng_uniform(&rng);
