@@ -22,8 +22,8 @@ static const char help[] =
     "example: ffprocams generate scenes --preset smoke --count 2\n";
 
 static bool is_one_of(const char *text, const char *const *words) {
-    while (*words && strcmp(*words, text) != 0) words++;
-    return *words != NULL;
+    while (text && *words && strcmp(*words, text) != 0) words++;
+    return text && *words;
 }
 
 int ffp_cli_generate(int argc, char **argv) {

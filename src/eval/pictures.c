@@ -13,11 +13,16 @@ typedef struct Job {
     FfpCapture poses; // only when the options name a file
     bool has_poses;
     int n_views, n_patterns;
-    const FfpView **views;
-    FfpPattern *patterns; // images are owned when `owned`
+    const FfpCapture *source; // of the views: the capture or the poses
+    int *views;               // [n_views] which of them
+    FfpPattern *patterns;     // images are owned when `owned`
     bool *owned;
     int written;
 } Job;
+
+static const FfpView *view_of(const Job *job, int v) {
+    return &job->source->views[job->views[v]];
+}
 
 static void free_job(Job *job) {
     for (int p = 0; p < job->n_patterns; p++)
@@ -30,27 +35,27 @@ static void free_job(Job *job) {
 
 static bool choose_views(Job *job, const FfpCapture *capture, FfpError *err) {
     const FfpPictures *options = job->options;
-    const FfpCapture *source = capture;
+    job->source = capture;
     if (options->poses) {
         if (!ffp_capture_read_targets(&job->poses, options->poses, capture, err)) return false;
         job->has_poses = true;
-        source = &job->poses;
+        job->source = &job->poses;
     }
-    job->n_views = options->n_views ? options->n_views : source->n_views;
+    job->n_views = options->n_views ? options->n_views : job->source->n_views;
     job->views = ffp_alloc(job->n_views, sizeof *job->views);
     for (int v = 0; v < job->n_views; v++) {
-        const int found = options->n_views ? ffp_capture_find_view(source, options->views[v]) : v;
+        const int found = options->n_views ? ffp_capture_find_view(job->source, options->views[v]) : v;
         if (found < 0)
             return ffp_fail(err, options->poses ? options->poses : capture->folder, "there is no view %s",
                             options->views[v]);
-        job->views[v] = &source->views[found];
+        job->views[v] = found;
     }
     return true;
 }
 
 static bool add_pattern(Job *job, const FfpCapture *capture, const char *name, FfpError *err) {
     FfpPattern *pattern = &job->patterns[job->n_patterns];
-    const FfpCamera *projector = &job->views[0]->projector;
+    const FfpCamera *projector = &view_of(job, 0)->projector;
     const int known = ffp_capture_find_pattern(capture, name);
     const bool from_file = known < 0;
     if (!from_file)
@@ -83,11 +88,11 @@ static bool check_projectors(const Job *job, FfpError *err) {
     for (int v = 0; v < job->n_views; v++)
         for (int p = 0; p < job->n_patterns; p++) {
             const FfpImage *image = &job->patterns[p].image;
-            const FfpCamera *projector = &job->views[v]->projector;
+            const FfpCamera *projector = &view_of(job, v)->projector;
             if (image->width != projector->width || image->height != projector->height)
                 return ffp_fail(err, job->patterns[p].name,
                                 "a pattern of %d x %d does not fit view %s's projector of %d x %d",
-                                image->width, image->height, job->views[v]->id, projector->width,
+                                image->width, image->height, view_of(job, v)->id, projector->width,
                                 projector->height);
         }
     return true;
@@ -142,7 +147,7 @@ int ffp_render_pictures(const FfpGaussians *gaussians, const FfpCapture *capture
         FfpRelight relight = ffp_relight_new(&settings);
         FfpProgress progress = ffp_progress("rendering", job.n_views);
         for (int v = 0; ok && v < job.n_views; v++) {
-            ok = write_view(&job, &relight, gaussians, capture, job.views[v], err);
+            ok = write_view(&job, &relight, gaussians, capture, view_of(&job, v), err);
             ffp_progress_step(&progress, v + 1, NULL);
         }
         ffp_progress_end(&progress);
