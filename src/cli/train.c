@@ -12,7 +12,7 @@ static const char help[] =
     "  -o, --out DIR          folder of the run; made when it is not there\n"
     "  -c, --config FILE      JSON with the fields that differ from the defaults (docs/formats.md)\n"
     "  -n, --steps N          stop at step N instead of the configuration's\n"
-    "  -r, --resume           go on from DIR/checkpoint.safetensors\n"
+    "  -r, --resume           go on from DIR/checkpoint.safetensors, which holds the configuration too\n"
     "      --initial FILE     start from these weights, with a fresh optimiser\n"
     "      --perceptual FILE  network of the perceptual term (safetensors); without it that term is\n"
     "                         off\n"
@@ -60,8 +60,8 @@ int ffp_cli_train(int argc, char **argv) {
     }
     if (optind != argc) return ffp_cli_usage(argv[0], "%s is one argument too many", argv[optind]);
     if (!training.out) return ffp_cli_usage(argv[0], "--out DIR is missing");
-    if (training.resume && training.initial)
-        return ffp_cli_usage(argv[0], "give only one of --resume and --initial");
+    if (training.resume && (training.initial || training.config))
+        return ffp_cli_usage(argv[0], "--resume takes configuration and weights from the checkpoint alone");
     FfpError err = {0};
     return ffp_train_model(&training, &err) ? FFP_EXIT_OK : ffp_cli_fail(&err);
 }

@@ -191,6 +191,37 @@ static void test_the_matching_predictor_leaves_new_poses_out(void **state) {
     json_decref(root);
 }
 
+// A scene made, weights trained on others for three steps with a stop in between, the scene reconstructed
+// with them.
+static void test_generate_train_evaluate(void **state) {
+    (void)state;
+    static const char config[] =
+        "{\"model\": \"tiny\", \"steps\": 3, \"resolution\": 16, \"low_resolution\": 16, "
+        "\"views\": 2, \"targets\": 1, \"supervised_inputs\": 1, \"supervised_targets\": 1, "
+        "\"lollipops\": 1, \"pool\": 1, \"pattern_side\": 64, \"samples\": 1, "
+        "\"ambient_rays\": 1, \"validate_every\": 0, \"validation_scenes\": 1}";
+    char path[256];
+    snprintf(path, sizeof path, "%s/config.json", scratch);
+    assert_true(ffp_write_file(path, config, strlen(config), NULL));
+    must_run("train --out %s/run --config %s --steps 2", scratch, path);
+    must_run("train --out %s/run --resume --steps 3", scratch);
+    must_run("info %s/run/weights.safetensors", scratch);
+    assert_non_null(strstr(run.out, "model        tiny"));
+    must_run("generate %s/scenes --split test --preset smoke --resolution 32 --count 1 --seed 5", scratch);
+    must_run("evaluate %s/scenes/test_00000 --model %s/run/weights.safetensors --targets targets/scene.json "
+             "--json "
+             "%s/trained.json",
+             scratch, scratch, scratch);
+    must_run("evaluate %s/scenes/test_00000 --model none --json %s/start.json", scratch, scratch);
+    json_t *trained = load_json("trained.json"), *start = load_json("start.json");
+    assert_non_null(find_row(trained, "novel_pose"));
+    const double a = json_real_value(json_object_get(find_row(trained, "rendering"), "psnr"));
+    const double b = json_real_value(json_object_get(find_row(start, "rendering"), "psnr"));
+    assert_true(fabs(a - b) < 1); // three steps from the classical start are not far from it
+    json_decref(trained);
+    json_decref(start);
+}
+
 static double now(void) {
     struct timespec at;
     clock_gettime(CLOCK_MONOTONIC, &at);
@@ -241,6 +272,7 @@ int main(void) {
         cmocka_unit_test(test_told_psnr_is_that_of_the_saved_pictures),
         cmocka_unit_test(test_gaussians_from_a_file_score_as_those_just_made),
         cmocka_unit_test(test_the_matching_predictor_leaves_new_poses_out),
+        cmocka_unit_test(test_generate_train_evaluate),
         cmocka_unit_test(test_a_killed_run_leaves_a_whole_file),
     };
     return cmocka_run_group_tests(tests, group_setup, group_teardown);

@@ -66,6 +66,7 @@ static void test_wrong_usage_exits_2_and_says_where_to_read(void **state) {
         "train --out a --steps -3",
         "train --out a --steps 10x",
         "train --out a --resume --initial b",
+        "train --out a --resume --config b",
         "info",
         "info a b",
     };
