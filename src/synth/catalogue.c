@@ -11,19 +11,23 @@
 enum { FAMILIES = 15, VARIANTS = 10, MESHES = FAMILIES * VARIANTS };
 
 static const FfpFamily family_table[FAMILIES] = {
-    {"stone", ffp_make_stone},   {"blob", ffp_make_blob},     {"fruit", ffp_make_fruit},         {"land", ffp_make_land},
-    {"shell", ffp_make_shell},   {"animal", ffp_make_animal}, {"figure", ffp_make_figure},       {"bust", ffp_make_bust},
-    {"vase", ffp_make_vase},     {"teapot", ffp_make_teapot}, {"furniture", ffp_make_furniture}, {"cog", ffp_make_cog},
-    {"solid", ffp_make_solid},   {"stack", ffp_make_stack},   {"knot", ffp_make_knot},
+    {"stone", ffp_make_stone},   {"blob", ffp_make_blob},           {"fruit", ffp_make_fruit},
+    {"land", ffp_make_land},     {"shell", ffp_make_shell},         {"animal", ffp_make_animal},
+    {"figure", ffp_make_figure}, {"bust", ffp_make_bust},           {"vase", ffp_make_vase},
+    {"teapot", ffp_make_teapot}, {"furniture", ffp_make_furniture}, {"cog", ffp_make_cog},
+    {"solid", ffp_make_solid},   {"stack", ffp_make_stack},         {"knot", ffp_make_knot},
 };
 
-int ffp_mesh_count(void) { return MESHES; }
+int ffp_mesh_count(void) {
+    return MESHES;
+}
 
 // Written out once, so that a name can be handed out without memory of its own.
 #define TEN(f) f "_0", f "_1", f "_2", f "_3", f "_4", f "_5", f "_6", f "_7", f "_8", f "_9"
 static const char *const name_table[FAMILIES][VARIANTS] = {
-    {TEN("stone")},  {TEN("blob")}, {TEN("fruit")},  {TEN("land")},      {TEN("shell")}, {TEN("animal")}, {TEN("figure")}, {TEN("bust")},
-    {TEN("vase")},   {TEN("teapot")}, {TEN("furniture")}, {TEN("cog")},  {TEN("solid")}, {TEN("stack")},  {TEN("knot")},
+    {TEN("stone")},     {TEN("blob")},   {TEN("fruit")}, {TEN("land")},  {TEN("shell")},
+    {TEN("animal")},    {TEN("figure")}, {TEN("bust")},  {TEN("vase")},  {TEN("teapot")},
+    {TEN("furniture")}, {TEN("cog")},    {TEN("solid")}, {TEN("stack")}, {TEN("knot")},
 };
 
 const char *ffp_mesh_name(int mesh) {
@@ -32,7 +36,8 @@ const char *ffp_mesh_name(int mesh) {
 
 // Uniform rotation from a random quaternion (Shoemake 1992), or only a turn around z.
 static void random_rotation(FfpRng *rng, bool upright, float r[9]) {
-    const float a = ffp_rng_uniform(rng), b = 6.2831853F * ffp_rng_uniform(rng), c = 6.2831853F * ffp_rng_uniform(rng);
+    const float a = ffp_rng_uniform(rng), b = 6.2831853F * ffp_rng_uniform(rng),
+                c = 6.2831853F * ffp_rng_uniform(rng);
     const float s = sqrtf(1 - a), t = sqrtf(a);
     const float x = upright ? 0 : s * sinf(b), y = upright ? 0 : s * cosf(b);
     const float z = upright ? sinf(0.5F * b) : t * sinf(c), w = upright ? cosf(0.5F * b) : t * cosf(c);
@@ -57,7 +62,10 @@ FfpMesh ffp_mesh_make(int mesh) {
 
 // Each family's ten variants go 7 : 1 : 2 to train, validation and test; a per-family shuffle decides which.
 int ffp_split_meshes(const char *split, int *out, int capacity) {
-    const int first = !strcmp(split, "train") ? 0 : !strcmp(split, "validation") ? 7 : !strcmp(split, "test") ? 8 : 10;
+    const int first = !strcmp(split, "train")        ? 0
+                      : !strcmp(split, "validation") ? 7
+                      : !strcmp(split, "test")       ? 8
+                                                     : 10;
     const int end = first == 0 ? 7 : first == 7 ? 8 : 10;
     int count = 0;
     for (int rank = first; rank < end; rank++)

@@ -56,7 +56,8 @@ static bool write_part(const FfpCapture *whole, int first, int count, const char
 
 static bool is_complete(const char *folder, const char *targets, bool with_targets) {
     char scene[FFP_PATH_MAX], poses[FFP_PATH_MAX];
-    if (!ffp_join_path(scene, folder, "scene.json") || !ffp_join_path(poses, targets, "scene.json")) return false;
+    if (!ffp_join_path(scene, folder, "scene.json") || !ffp_join_path(poses, targets, "scene.json"))
+        return false;
     return ffp_is_file(scene) && (!with_targets || ffp_is_file(poses));
 }
 
@@ -81,17 +82,21 @@ bool ffp_generate(const FfpGeneration *options, FfpError *err) {
     const int64_t size = ffp_dataset_size(options->split);
     if (size == 0) return ffp_fail(err, "--split", "'%s' is not train, validation or test", options->split);
     if (options->first < 0 || options->first >= size)
-        return ffp_fail(err, "--first", "scene %lld is not in 0..%lld", (long long)options->first, (long long)size - 1);
+        return ffp_fail(err, "--first", "scene %lld is not in 0..%lld", (long long)options->first,
+                        (long long)size - 1);
     const int64_t left = size - options->first, count = options->count < 0 ? left : options->count;
     if (count < 1 || count > left)
-        return ffp_fail(err, "--count", "%lld scenes from %lld on are not in 1..%lld", (long long)count, (long long)options->first, (long long)left);
+        return ffp_fail(err, "--count", "%lld scenes from %lld on are not in 1..%lld", (long long)count,
+                        (long long)options->first, (long long)left);
     if (!ffp_make_folders(options->folder, err)) return false;
     FfpProgress progress = ffp_progress("generating", count);
     int64_t kept = 0;
     for (int64_t i = 0; i < count; i++) {
         char name[FFP_NAME_MAX], folder[FFP_PATH_MAX];
-        snprintf(name, sizeof name, "%s_%05lld", options->split ? options->split : "all", (long long)(options->first + i));
-        if (!ffp_join_path(folder, options->folder, name)) return ffp_fail(err, options->folder, "the path is too long");
+        snprintf(name, sizeof name, "%s_%05lld", options->split ? options->split : "all",
+                 (long long)(options->first + i));
+        if (!ffp_join_path(folder, options->folder, name))
+            return ffp_fail(err, options->folder, "the path is too long");
         ffp_dataset_scene(options->split, options->first + i, options->seed, &spec);
         bool made = false;
         if (!generate_scene(&spec, folder, &made, err)) return false;

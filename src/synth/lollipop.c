@@ -1,6 +1,6 @@
-// The lollipop of Nepmap's generator, which FF-ProCams uses: 30 nested ellipses, each cut into 8 sectors of 45 degrees from
-// the x axis clockwise on the screen, every field its own colour. Ellipse i has the half axes w/2 - i sx and h/2 - i sy with
-// sx = w / 60 and sy = h / 60 rounded down.
+// The lollipop of Nepmap's generator, which FF-ProCams uses: 30 nested ellipses, each cut into 8 sectors of
+// 45 degrees from the x axis clockwise on the screen, every field its own colour. Ellipse i has the half axes
+// w/2 - i sx and h/2 - i sy with sx = w / 60 and sy = h / 60 rounded down.
 #include "synth/lollipop.h"
 
 #include <math.h>
@@ -16,11 +16,14 @@ static bool inside(double x, double y, double half_x, double half_y) {
 
 static int ring_of(double x, double y, int width, int height) {
     const int sx = width / (2 * FFP_LOLLIPOP_RINGS), sy = height / (2 * FFP_LOLLIPOP_RINGS);
-    int low = -1, high = FFP_LOLLIPOP_RINGS; // inside all up to low, outside all from high: the ellipses are nested
+    int low = -1,
+        high = FFP_LOLLIPOP_RINGS; // inside all up to low, outside all from high: the ellipses are nested
     while (high - low > 1) {
         const int middle = (low + high) / 2;
-        if (inside(x, y, 0.5 * width - sx * middle, 0.5 * height - sy * middle)) low = middle;
-        else high = middle;
+        if (inside(x, y, 0.5 * width - sx * middle, 0.5 * height - sy * middle))
+            low = middle;
+        else
+            high = middle;
     }
     return low;
 }

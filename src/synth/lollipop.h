@@ -4,9 +4,14 @@
 #include <stdint.h>
 #include "image/image.h"
 
-enum { FFP_LOLLIPOP_SECTORS = 8, FFP_LOLLIPOP_RINGS = 30, FFP_LOLLIPOP_FIELDS = FFP_LOLLIPOP_SECTORS * FFP_LOLLIPOP_RINGS };
+enum {
+    FFP_LOLLIPOP_SECTORS = 8,
+    FFP_LOLLIPOP_RINGS = 30,
+    FFP_LOLLIPOP_FIELDS = FFP_LOLLIPOP_SECTORS * FFP_LOLLIPOP_RINGS
+};
 
-// The field (ring * 8 + sector) of each pixel, FFP_LOLLIPOP_FIELDS for the black outside; width*height, to be free()d.
+// The field (ring * 8 + sector) of each pixel, FFP_LOLLIPOP_FIELDS for the black outside; width*height, to be
+// free()d.
 uint8_t *ffp_lollipop_map(int width, int height);
 // Fills the map's fields with random 8-bit colours.
 FfpImage ffp_lollipop_paint(const uint8_t *map, int width, int height, uint64_t seed);

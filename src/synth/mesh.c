@@ -1,5 +1,6 @@
-// Surface nets over a block-wise sampled distance function. Blocks that the surface cannot reach are never sampled, and in
-// the others only the parts that can matter are asked, which is what makes a mesh cost a tenth of a second.
+// Surface nets over a block-wise sampled distance function. Blocks that the surface cannot reach are never
+// sampled, and in the others only the parts that can matter are asked, which is what makes a mesh cost a
+// tenth of a second.
 #include "synth/mesh.h"
 
 #include <math.h>
@@ -52,7 +53,8 @@ static void grid_free(Grid *g) {
     free(g->counts);
 }
 
-// The parts whose surface, blend or cut can reach a ball around p. A part further off than that cannot change a sign.
+// The parts whose surface, blend or cut can reach a ball around p. A part further off than that cannot change
+// a sign.
 static int relevant_parts(const FfpShape *shape, const float p[3], float reach, uint8_t *list) {
     float q[3] = {p[0], p[1], p[2]};
     if (shape->twist != 0) {
@@ -70,7 +72,8 @@ static int relevant_parts(const FfpShape *shape, const float p[3], float reach, 
 
 static void fill_block(Grid *g, int bx, int by, int bz) {
     const FfpShape *shape = g->shape;
-    const int block = (bz * g->blocks[1] + by) * g->blocks[0] + bx, first[3] = {bx * BLOCK, by * BLOCK, bz * BLOCK};
+    const int block = (bz * g->blocks[1] + by) * g->blocks[0] + bx,
+              first[3] = {bx * BLOCK, by * BLOCK, bz * BLOCK};
     float centre[3];
     for (int a = 0; a < 3; a++) centre[a] = g->origin[a] + ((float)first[a] + 0.5F * (BLOCK - 1)) * g->step;
     // half the diagonal, and one step more, because cells reach into the next block
@@ -86,7 +89,8 @@ static void fill_block(Grid *g, int bx, int by, int bz) {
                 const float p[3] = {g->origin[0] + (float)x * g->step, g->origin[1] + (float)y * g->step,
                                     g->origin[2] + (float)z * g->step};
                 float v = near ? ffp_shape_distance(shape, list, count, p) : middle;
-                const bool border = x < 2 || y < 2 || z < 2 || x >= g->n[0] - 2 || y >= g->n[1] - 2 || z >= g->n[2] - 2;
+                const bool border =
+                    x < 2 || y < 2 || z < 2 || x >= g->n[0] - 2 || y >= g->n[1] - 2 || z >= g->n[2] - 2;
                 if (border && v < 0) v = g->step;
                 const size_t i = point_index(g, x, y, z);
                 g->value[i] = v;
@@ -101,8 +105,8 @@ static void grid_fill(Grid *g) {
         fill_block(g, b % g->blocks[0], b / g->blocks[0] % g->blocks[1], b / g->blocks[0] / g->blocks[1]);
 }
 
-// A cell face whose corners alternate inside and outside would give an edge with four triangles. Filling one corner
-// settles it; the inside only grows, so this ends.
+// A cell face whose corners alternate inside and outside would give an edge with four triangles. Filling one
+// corner settles it; the inside only grows, so this ends.
 static void repair_faces(Grid *g) {
     const size_t stride[3] = {1, (size_t)g->n[0], (size_t)g->n[0] * (size_t)g->n[1]};
     for (bool changed = true; changed;) {
@@ -132,7 +136,8 @@ static int count_quads(const Grid *g) {
             const uint8_t *row = g->inside + point_index(g, 0, y, z);
             int in_row = 0;
             for (int x = 0; x < g->n[0] - 1; x++)
-                in_row += (row[x] ^ row[x + stride[0]]) + (row[x] ^ row[x + stride[1]]) + (row[x] ^ row[x + stride[2]]);
+                in_row += (row[x] ^ row[x + stride[0]]) + (row[x] ^ row[x + stride[1]]) +
+                          (row[x] ^ row[x + stride[2]]);
             quads += in_row;
         }
     return quads;
@@ -144,8 +149,10 @@ static const int *block_list(const Grid *g, const int cell[3], const uint8_t **l
     return &g->counts[b];
 }
 
-// Gradient by the four corners of a tetrahedron, half a step wide: as sharp as the mesh can be. Returns the mean value.
-static float gradient(const FfpShape *shape, const uint8_t *list, int count, const float p[3], float e, float out[3]) {
+// Gradient by the four corners of a tetrahedron, half a step wide: as sharp as the mesh can be. Returns the
+// mean value.
+static float gradient(const FfpShape *shape, const uint8_t *list, int count, const float p[3], float e,
+                      float out[3]) {
     static const float corner[4][3] = {{1, -1, -1}, {-1, -1, 1}, {-1, 1, -1}, {1, 1, 1}};
     float sum = 0;
     out[0] = out[1] = out[2] = 0;
@@ -158,7 +165,8 @@ static float gradient(const FfpShape *shape, const uint8_t *list, int count, con
     return sum;
 }
 
-// The mean of the cell's edge crossings, then moved along the gradient onto the surface, but never out of the cell.
+// The mean of the cell's edge crossings, then moved along the gradient onto the surface, but never out of the
+// cell.
 static void place_vertex(const Grid *g, const int cell[3], float position[3], float normal[3]) {
     float sum[3] = {0, 0, 0};
     int crossings = 0;
@@ -168,7 +176,8 @@ static void place_vertex(const Grid *g, const int cell[3], float position[3], fl
         a[u] += e & 1, a[v] += (e >> 1) & 1;
         int b[3] = {a[0], a[1], a[2]};
         b[axis]++;
-        const float va = g->value[point_index(g, a[0], a[1], a[2])], vb = g->value[point_index(g, b[0], b[1], b[2])];
+        const float va = g->value[point_index(g, a[0], a[1], a[2])],
+                    vb = g->value[point_index(g, b[0], b[1], b[2])];
         if ((va < 0) == (vb < 0)) continue;
         for (int k = 0; k < 3; k++) sum[k] += (float)a[k];
         sum[axis] += ffp_max(0, ffp_min(1, va / (va - vb)));
@@ -218,7 +227,8 @@ static int32_t *number_cells(const Grid *g, int **cells, int *count) {
     return number;
 }
 
-// One quad for each grid edge that the surface crosses: the four cells around it, split along the shorter diagonal.
+// One quad for each grid edge that the surface crosses: the four cells around it, split along the shorter
+// diagonal.
 static void add_quad(FfpMesh *mesh, const uint32_t q[4], bool flip) {
     float d02 = 0, d13 = 0;
     for (int k = 0; k < 3; k++) {
@@ -245,8 +255,8 @@ static void connect(const Grid *g, const int32_t *number, FfpMesh *mesh) {
                 for (int a = 0; a < 3; a++) {
                     if (g->inside[i] == g->inside[i + stride[a]]) continue;
                     const size_t u = stride[(a + 1) % 3], v = stride[(a + 2) % 3];
-                    const uint32_t q[4] = {(uint32_t)number[i - u - v], (uint32_t)number[i - v], (uint32_t)number[i],
-                                           (uint32_t)number[i - u]};
+                    const uint32_t q[4] = {(uint32_t)number[i - u - v], (uint32_t)number[i - v],
+                                           (uint32_t)number[i], (uint32_t)number[i - u]};
                     add_quad(mesh, q, !g->inside[i]); // counter-clockwise around +a when a leads outwards
                 }
             }
@@ -262,7 +272,9 @@ FfpMesh ffp_mesh_from_shape(const FfpShape *shape) {
         quads = count_quads(&g);
         if (pass == 3 || (quads >= 3000 && quads <= 27000)) break;
         grid_free(&g);
-        resolution = (int)ffp_max(24, ffp_min(160, (float)resolution * sqrtf((quads < 3000 ? 5000.0F : 22000.0F) / (float)(quads + 1))));
+        resolution =
+            (int)ffp_max(24, ffp_min(160, (float)resolution * sqrtf((quads < 3000 ? 5000.0F : 22000.0F) /
+                                                                    (float)(quads + 1))));
     }
     FfpMesh mesh = {0};
     int *cells = NULL;
@@ -280,7 +292,8 @@ FfpMesh ffp_mesh_from_shape(const FfpShape *shape) {
     return mesh;
 }
 
-// Smallest enclosing ball by walking towards the furthest point with shrinking steps (Badoiu and Clarkson 2003).
+// Smallest enclosing ball by walking towards the furthest point with shrinking steps (Badoiu and Clarkson
+// 2003).
 static void enclosing_ball(const FfpMesh *mesh, float centre[3], float *radius) {
     double c[3] = {0, 0, 0};
     for (int i = 0; i < 3 * mesh->n_vertices; i++) c[i % 3] += mesh->positions[i];
@@ -295,7 +308,8 @@ static void enclosing_ball(const FfpMesh *mesh, float centre[3], float *radius) 
             if (d > furthest) furthest = d, far = i;
         }
         if (step == 64) break;
-        for (int k = 0; k < 3; k++) c[k] += (mesh->positions[3 * (size_t)far + (size_t)k] - c[k]) / (step + 1);
+        for (int k = 0; k < 3; k++)
+            c[k] += (mesh->positions[3 * (size_t)far + (size_t)k] - c[k]) / (step + 1);
     }
     for (int k = 0; k < 3; k++) centre[k] = (float)c[k];
     *radius = (float)sqrt(furthest);
@@ -307,7 +321,8 @@ void ffp_mesh_place(FfpMesh *mesh, const float rotation[9]) {
     const float scale = FFP_MESH_RADIUS / radius * 0.99999F; // rounding must not lead out of the sphere
     for (int i = 0; i < mesh->n_vertices; i++) {
         float *p = mesh->positions + 3 * (size_t)i, *n = mesh->normals + 3 * (size_t)i;
-        const float q[3] = {(p[0] - centre[0]) * scale, (p[1] - centre[1]) * scale, (p[2] - centre[2]) * scale};
+        const float q[3] = {(p[0] - centre[0]) * scale, (p[1] - centre[1]) * scale,
+                            (p[2] - centre[2]) * scale};
         const float m[3] = {n[0], n[1], n[2]};
         for (int k = 0; k < 3; k++) {
             const float *r = rotation + 3 * k;

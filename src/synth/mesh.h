@@ -9,15 +9,16 @@
 
 typedef struct FfpMesh {
     int n_vertices, n_triangles;
-    float *positions;     // [n_vertices, 3] and one float of padding, which Embree asks for
-    float *normals;       // [n_vertices, 3] unit, outward, smooth
-    uint32_t *triangles;  // [n_triangles, 3] counter-clockwise seen from outside
+    float *positions;    // [n_vertices, 3] and one float of padding, which Embree asks for
+    float *normals;      // [n_vertices, 3] unit, outward, smooth
+    uint32_t *triangles; // [n_triangles, 3] counter-clockwise seen from outside
 } FfpMesh;
 
-// Surface nets (Gibson 1998) on a grid over the shape's bounds; every edge has exactly two triangles. 3,000 to 60,000
-// triangles: the grid is chosen so. Not yet placed.
+// Surface nets (Gibson 1998) on a grid over the shape's bounds; every edge has exactly two triangles. 3,000
+// to 60,000 triangles: the grid is chosen so. Not yet placed.
 FfpMesh ffp_mesh_from_shape(const FfpShape *shape);
-// Rotates by a row-major 3x3 matrix, then moves and scales into the bounding sphere of FFP_MESH_RADIUS at the origin.
+// Rotates by a row-major 3x3 matrix, then moves and scales into the bounding sphere of FFP_MESH_RADIUS at the
+// origin.
 void ffp_mesh_place(FfpMesh *mesh, const float rotation[9]);
 // Mesh number `mesh` of ffp_mesh_count(): a pure function of the number.
 FfpMesh ffp_mesh_make(int mesh);

@@ -4,10 +4,13 @@
 #include "synth/scalar.h"
 
 static inline uint32_t lattice_hash(int x, int y, int z, uint32_t seed) {
-    return ffp_hash32((uint32_t)x * 0x9e3779b1U ^ (uint32_t)y * 0x85ebca77U ^ (uint32_t)z * 0xc2b2ae3dU ^ seed);
+    return ffp_hash32((uint32_t)x * 0x9e3779b1U ^ (uint32_t)y * 0x85ebca77U ^ (uint32_t)z * 0xc2b2ae3dU ^
+                      seed);
 }
 
-static inline float fade(float t) { return t * t * t * (t * (t * 6.0F - 15.0F) + 10.0F); }
+static inline float fade(float t) {
+    return t * t * t * (t * (t * 6.0F - 15.0F) + 10.0F);
+}
 
 float ffp_noise(const float p[3], uint32_t seed) {
     const float fx = floorf(p[0]), fy = floorf(p[1]), fz = floorf(p[2]);

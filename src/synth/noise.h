@@ -10,7 +10,9 @@ static inline uint32_t ffp_hash32(uint32_t h) {
     h ^= h >> 12, h *= 0x297a2d39U;
     return h ^ (h >> 15);
 }
-static inline float ffp_hash_unit(uint32_t h) { return (float)(h >> 8) * (1.0F / 16777216.0F); }
+static inline float ffp_hash_unit(uint32_t h) {
+    return (float)(h >> 8) * (1.0F / 16777216.0F);
+}
 
 // Gradient noise (Perlin 2002, quintic fade): about [-1, 1], mean 0, one feature a unit.
 float ffp_noise(const float p[3], uint32_t seed);

@@ -1,6 +1,7 @@
-// The default rig: a turntable's eight stops with camera and projector fixed (docs/architecture.md, "rig"), and the new
-// poses, whose distribution is that of the held-back poses of the reference captures: camera 2.85 to 3.25 away, 63 to 106
-// degrees from the pole; projector 1.9 to 2.3 away, 18 to 45 degrees to a side, 20 below to 45 above the camera.
+// The default rig: a turntable's eight stops with camera and projector fixed (docs/architecture.md, "rig"),
+// and the new poses, whose distribution is that of the held-back poses of the reference captures: camera 2.85
+// to 3.25 away, 63 to 106 degrees from the pole; projector 1.9 to 2.3 away, 18 to 45 degrees to a side, 20
+// below to 45 above the camera.
 #include "synth/rig.h"
 
 #include <math.h>
@@ -33,7 +34,8 @@ static void place(FfpCamera *camera, double radius, double polar, double azimuth
     const double y[3] = {z[1] * x[2] - z[2] * x[1], z[2] * x[0] - z[0] * x[2], z[0] * x[1] - z[1] * x[0]};
     memset(camera->pose, 0, sizeof camera->pose);
     for (int k = 0; k < 3; k++) {
-        camera->pose[4 * k] = (real)x[k], camera->pose[4 * k + 1] = (real)y[k], camera->pose[4 * k + 2] = (real)z[k];
+        camera->pose[4 * k] = (real)x[k], camera->pose[4 * k + 1] = (real)y[k],
+                         camera->pose[4 * k + 2] = (real)z[k];
         camera->pose[4 * k + 3] = (real)at[k];
     }
     camera->pose[15] = 1;
@@ -79,7 +81,8 @@ void ffp_rig_target(const FfpSceneSpec *spec, int index, FfpView *view) {
     snprintf(view->id, sizeof view->id, "novel_%02d", index);
     FfpRng rng = ffp_rng(spec->seed, (uint64_t)(STREAM_TARGET + index));
     const double origin[3] = {0, 0, 0};
-    const double azimuth = ffp_rng_range(&rng, 0, 360), polar = ffp_rng_range(&rng, spec->jitter ? 52 : 63, 106);
+    const double azimuth = ffp_rng_range(&rng, 0, 360),
+                 polar = ffp_rng_range(&rng, spec->jitter ? 52 : 63, 106);
     const double radius = ffp_rng_range(&rng, 2.85F, 3.25F), side = ffp_rng_range(&rng, 18, 45);
     const double sign = ffp_rng_uniform(&rng) < 0.5F ? -1 : 1, above = ffp_rng_range(&rng, -20, 45);
     place(&view->camera, radius, polar, azimuth, origin);

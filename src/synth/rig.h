@@ -11,7 +11,8 @@ typedef struct FfpRig {
 
 // Light levels of the spec: the default rig's, or jittered from its seed.
 FfpRig ffp_rig_light(const FfpSceneSpec *spec);
-// Poses, intrinsics and id of input view `index` of spec->views, and of target `index`: a new direction every time.
+// Poses, intrinsics and id of input view `index` of spec->views, and of target `index`: a new direction every
+// time.
 void ffp_rig_input(const FfpSceneSpec *spec, int index, FfpView *view);
 void ffp_rig_target(const FfpSceneSpec *spec, int index, FfpView *view);
 

@@ -2,7 +2,11 @@
 #ifndef FFP_SYNTH_SCALAR_H
 #define FFP_SYNTH_SCALAR_H
 
-static inline float ffp_min(float a, float b) { return a < b ? a : b; }
-static inline float ffp_max(float a, float b) { return a > b ? a : b; }
+static inline float ffp_min(float a, float b) {
+    return a < b ? a : b;
+}
+static inline float ffp_max(float a, float b) {
+    return a > b ? a : b;
+}
 
 #endif

@@ -8,20 +8,32 @@
 #include "synth/simulate.h"
 
 FfpSceneSpec ffp_scene_defaults(void) {
-    return (FfpSceneSpec){.resolution = 128, .views = 8, .targets = 4, .lollipops = 4, .pattern_side = 800, .samples = 4,
+    return (FfpSceneSpec){.resolution = 128,
+                          .views = 8,
+                          .targets = 4,
+                          .lollipops = 4,
+                          .pattern_side = 800,
+                          .samples = 4,
                           .ambient_rays = 2};
 }
 
 static bool check_spec(const FfpSceneSpec *s, FfpError *err) {
-    if (s->mesh < 0 || s->mesh >= ffp_mesh_count()) return ffp_fail(err, NULL, "there is no mesh %d", s->mesh);
-    if (s->material < 0 || s->material >= ffp_material_count()) return ffp_fail(err, NULL, "there is no material %d", s->material);
-    if (s->resolution < 8 || s->resolution > 4096) return ffp_fail(err, NULL, "resolution %d is not in 8..4096", s->resolution);
-    if (s->pattern_side < 60 || s->pattern_side > 8192) return ffp_fail(err, NULL, "pattern side %d is not in 60..8192", s->pattern_side);
+    if (s->mesh < 0 || s->mesh >= ffp_mesh_count())
+        return ffp_fail(err, NULL, "there is no mesh %d", s->mesh);
+    if (s->material < 0 || s->material >= ffp_material_count())
+        return ffp_fail(err, NULL, "there is no material %d", s->material);
+    if (s->resolution < 8 || s->resolution > 4096)
+        return ffp_fail(err, NULL, "resolution %d is not in 8..4096", s->resolution);
+    if (s->pattern_side < 60 || s->pattern_side > 8192)
+        return ffp_fail(err, NULL, "pattern side %d is not in 60..8192", s->pattern_side);
     if (s->views < 1 || s->targets < 0 || s->views > 360 || s->targets > FFP_VIEWS_MAX - s->views)
-        return ffp_fail(err, NULL, "%d views and %d targets are not in 1..360 and up to %d in all", s->views, s->targets, FFP_VIEWS_MAX);
-    if (s->lollipops < 0 || s->lollipops > FFP_PATTERNS_MAX - 2) return ffp_fail(err, NULL, "%d lollipops are too many or negative", s->lollipops);
+        return ffp_fail(err, NULL, "%d views and %d targets are not in 1..360 and up to %d in all", s->views,
+                        s->targets, FFP_VIEWS_MAX);
+    if (s->lollipops < 0 || s->lollipops > FFP_PATTERNS_MAX - 2)
+        return ffp_fail(err, NULL, "%d lollipops are too many or negative", s->lollipops);
     if (s->samples < 1 || s->samples > 65536 || s->ambient_rays < 0 || s->ambient_rays > 4096)
-        return ffp_fail(err, NULL, "%d samples or %d ambient rays are out of range", s->samples, s->ambient_rays);
+        return ffp_fail(err, NULL, "%d samples or %d ambient rays are out of range", s->samples,
+                        s->ambient_rays);
     return true;
 }
 
@@ -46,16 +58,20 @@ static void make_patterns(FfpCapture *capture, const FfpSceneSpec *spec) {
 }
 
 // Poses and pictures of all views.
-static void make_views(FfpCapture *capture, const FfpSceneSpec *spec, FfpSimulation *simulation, FfpImage *visibility) {
+static void make_views(FfpCapture *capture, const FfpSceneSpec *spec, FfpSimulation *simulation,
+                       FfpImage *visibility) {
     FfpLightPattern *patterns = ffp_alloc((size_t)capture->n_patterns, sizeof *patterns);
-    for (int p = 0; p < capture->n_patterns; p++) patterns[p] = ffp_light_pattern_new(&capture->patterns[p].image);
+    for (int p = 0; p < capture->n_patterns; p++)
+        patterns[p] = ffp_light_pattern_new(&capture->patterns[p].image);
     simulation->patterns = patterns;
     simulation->n_patterns = capture->n_patterns;
     capture->n_views = spec->views + spec->targets;
     capture->views = ffp_alloc((size_t)capture->n_views, sizeof *capture->views);
     for (int i = 0; i < capture->n_views; i++) {
-        if (i < spec->views) ffp_rig_input(spec, i, &capture->views[i]);
-        else ffp_rig_target(spec, i - spec->views, &capture->views[i]);
+        if (i < spec->views)
+            ffp_rig_input(spec, i, &capture->views[i]);
+        else
+            ffp_rig_target(spec, i - spec->views, &capture->views[i]);
         ffp_simulate_view(simulation, &capture->views[i], (uint32_t)i, visibility ? &visibility[i] : NULL);
     }
     for (int p = 0; p < capture->n_patterns; p++) ffp_light_pattern_free(&patterns[p]);
@@ -73,10 +89,16 @@ bool ffp_scene_make_lit(FfpCapture *capture, const FfpSceneSpec *spec, FfpImage 
     }
     const FfpMaterial material = ffp_material_make(spec->material, spec->seed);
     const FfpRig rig = ffp_rig_light(spec);
-    FfpSimulation simulation = {.tracer = tracer, .mesh = &mesh, .material = &material, .ambient = rig.ambient,
+    FfpSimulation simulation = {.tracer = tracer,
+                                .mesh = &mesh,
+                                .material = &material,
+                                .ambient = rig.ambient,
                                 .intensity = {rig.intensity[0], rig.intensity[1], rig.intensity[2]},
-                                .samples = spec->samples, .ambient_rays = spec->ambient_rays, .seed = spec->seed};
-    snprintf(capture->name, sizeof capture->name, "%s_%s", ffp_mesh_name(spec->mesh), ffp_material_name(spec->material));
+                                .samples = spec->samples,
+                                .ambient_rays = spec->ambient_rays,
+                                .seed = spec->seed};
+    snprintf(capture->name, sizeof capture->name, "%s_%s", ffp_mesh_name(spec->mesh),
+             ffp_material_name(spec->material));
     for (int c = 0; c < 3; c++) capture->intensity[c] = rig.intensity[c];
     capture->intensity_known = true;
     capture->radius = FFP_MESH_RADIUS;

@@ -1,5 +1,5 @@
-// Distance bounds of the parts and their joining. The formulas for box, torus, capped and rounded cone are elementary
-// geometry; the smooth minimum is the quadratic one.
+// Distance bounds of the parts and their joining. The formulas for box, torus, capped and rounded cone are
+// elementary geometry; the smooth minimum is the quadratic one.
 #include "synth/shape.h"
 
 #include <assert.h>
@@ -24,7 +24,9 @@ static FfpPart *add(FfpShape *shape, FfpPartKind kind, FfpV3 centre, float blend
     return part;
 }
 
-static void set3(float out[3], float x, float y, float z) { out[0] = x, out[1] = y, out[2] = z; }
+static void set3(float out[3], float x, float y, float z) {
+    out[0] = x, out[1] = y, out[2] = z;
+}
 
 FfpPart *ffp_add_ellipsoid(FfpShape *shape, FfpV3 centre, FfpV3 half, float blend) {
     FfpPart *part = add(shape, FFP_PART_ELLIPSOID, centre, blend);
@@ -75,13 +77,20 @@ FfpPart *ffp_add_lathe(FfpShape *shape, float rounding, float blend) {
         low = ffp_min(low, shape->outline[i][1]);
         high = ffp_max(high, shape->outline[i][1]);
     }
+    for (int i = 0; i < shape->n_outline; i++) {
+        const float *a = shape->outline[i ? i - 1 : shape->n_outline - 1], *b = shape->outline[i];
+        float *e = shape->edge[i];
+        e[0] = b[0] - a[0], e[1] = b[1] - a[1];
+        e[2] = 1 / ffp_max(e[0] * e[0] + e[1] * e[1], 1e-12F);
+    }
     part->size[0] = rounding;
     set3(part->reach, radius + rounding, radius + rounding, 0.5F * (high - low) + rounding);
     part->middle[2] = 0.5F * (low + high);
     return part;
 }
 
-FfpPart *ffp_add_cog(FfpShape *shape, FfpV3 centre, float radius, float half, float tooth, int teeth, float sharpness) {
+FfpPart *ffp_add_cog(FfpShape *shape, FfpV3 centre, float radius, float half, float tooth, int teeth,
+                     float sharpness) {
     FfpPart *part = add(shape, FFP_PART_COG, centre, 0);
     set3(part->size, radius, half, tooth);
     part->size[3] = 0.03F;
@@ -90,7 +99,8 @@ FfpPart *ffp_add_cog(FfpShape *shape, FfpV3 centre, float radius, float half, fl
     return part;
 }
 
-FfpPart *ffp_add_superquadric(FfpShape *shape, FfpV3 centre, FfpV3 half, float exponent_z, float exponent_xy) {
+FfpPart *ffp_add_superquadric(FfpShape *shape, FfpV3 centre, FfpV3 half, float exponent_z,
+                              float exponent_xy) {
     FfpPart *part = add(shape, FFP_PART_SUPERQUADRIC, centre, 0);
     set3(part->size, half.x, half.y, half.z);
     part->also[0] = exponent_z, part->also[1] = exponent_xy;
@@ -111,19 +121,29 @@ void ffp_part_point(FfpPart *part, FfpV3 d) {
     if (length < 1e-6F) return;
     const float z[3] = {d.x / length, d.y / length, d.z / length};
     // the helper axis is the one least along z
-    const int a = fabsf(z[0]) < fabsf(z[1]) ? (fabsf(z[0]) < fabsf(z[2]) ? 0 : 2) : (fabsf(z[1]) < fabsf(z[2]) ? 1 : 2);
+    const int a =
+        fabsf(z[0]) < fabsf(z[1]) ? (fabsf(z[0]) < fabsf(z[2]) ? 0 : 2) : (fabsf(z[1]) < fabsf(z[2]) ? 1 : 2);
     float x[3] = {-z[a] * z[0], -z[a] * z[1], -z[a] * z[2]};
     x[a] += 1;
     const float n = 1 / sqrtf(x[0] * x[0] + x[1] * x[1] + x[2] * x[2]);
     for (int i = 0; i < 3; i++) part->axes[i] = x[i] *= n, part->axes[6 + i] = z[i];
-    for (int i = 0; i < 3; i++) part->axes[3 + i] = z[(i + 1) % 3] * x[(i + 2) % 3] - z[(i + 2) % 3] * x[(i + 1) % 3];
+    for (int i = 0; i < 3; i++)
+        part->axes[3 + i] = z[(i + 1) % 3] * x[(i + 2) % 3] - z[(i + 2) % 3] * x[(i + 1) % 3];
 }
 
 void ffp_part_turn(FfpPart *part, float yaw, float pitch, float roll) {
-    const float cy = cosf(yaw), sy = sinf(yaw), cp = cosf(pitch), sp = sinf(pitch), cr = cosf(roll), sr = sinf(roll);
+    const float cy = cosf(yaw), sy = sinf(yaw), cp = cosf(pitch), sp = sinf(pitch), cr = cosf(roll),
+                sr = sinf(roll);
     // columns of Rz(yaw) Ry(pitch) Rx(roll) are the part's axes
-    const float r[9] = {cy * cp, sy * cp, -sp, cy * sp * sr - sy * cr, sy * sp * sr + cy * cr, cp * sr,
-                        cy * sp * cr + sy * sr, sy * sp * cr - cy * sr, cp * cr};
+    const float r[9] = {cy * cp,
+                        sy * cp,
+                        -sp,
+                        cy * sp * sr - sy * cr,
+                        sy * sp * sr + cy * cr,
+                        cp * sr,
+                        cy * sp * cr + sy * sr,
+                        sy * sp * cr - cy * sr,
+                        cp * cr};
     memcpy(part->axes, r, sizeof r);
 }
 
@@ -140,7 +160,8 @@ static float ellipsoid(const float q[3], const float r[3]) {
 
 static float cone(const float q[3], const float size[4]) {
     const float ra = size[0], rb = size[1], length = size[2];
-    const float slope = ffp_max(ffp_min((ra - rb) / length, 0.99F), -0.99F), across = sqrtf(1 - slope * slope);
+    const float slope = ffp_max(ffp_min((ra - rb) / length, 0.99F), -0.99F),
+                across = sqrtf(1 - slope * slope);
     const float r = sqrtf(q[0] * q[0] + q[1] * q[1]), along = across * q[2] - slope * r;
     if (along < 0) return sqrtf(r * r + q[2] * q[2]) - ra;
     const float z = q[2] - length;
@@ -169,15 +190,13 @@ static float lathe(const FfpShape *shape, const float q[3], float rounding) {
     float best = 1e18F;
     bool inside = false;
     for (int i = 0, j = shape->n_outline - 1; i < shape->n_outline; j = i++) {
-        const float *a = shape->outline[j], *b = shape->outline[i];
-        const float ex = b[0] - a[0], ey = b[1] - a[1], wx = x - a[0], wy = y - a[1];
-        // the closing edge on the axis is no surface
-        if (!(a[0] <= 0 && b[0] <= 0)) {
-            const float t = ffp_max(0, ffp_min(1, (wx * ex + wy * ey) / ffp_max(ex * ex + ey * ey, 1e-12F)));
-            const float dx = wx - t * ex, dy = wy - t * ey;
-            best = ffp_min(best, dx * dx + dy * dy);
-        }
-        if ((a[1] > y) != (b[1] > y) && wx < ex * wy / ey) inside = !inside;
+        const float *a = shape->outline[j], *b = shape->outline[i], *e = shape->edge[i];
+        const float wx = x - a[0], wy = y - a[1];
+        const float t = ffp_max(0, ffp_min(1, (wx * e[0] + wy * e[1]) * e[2]));
+        const float dx = wx - t * e[0], dy = wy - t * e[1];
+        if (a[0] > 0 || b[0] > 0)
+            best = ffp_min(best, dx * dx + dy * dy); // the edge on the axis is no surface
+        if ((a[1] > y) != (b[1] > y) && wx < e[0] * wy / e[1]) inside = !inside;
     }
     return (inside ? -sqrtf(best) : sqrtf(best)) - rounding;
 }
@@ -195,7 +214,8 @@ static float cog(const FfpPart *part, const float q[3]) {
 
 static float superquadric(const FfpPart *part, const float q[3]) {
     const float ez = part->also[0], exy = part->also[1];
-    const float x = fabsf(q[0] / part->size[0]), y = fabsf(q[1] / part->size[1]), z = fabsf(q[2] / part->size[2]);
+    const float x = fabsf(q[0] / part->size[0]), y = fabsf(q[1] / part->size[1]),
+                z = fabsf(q[2] / part->size[2]);
     const float flat = powf(powf(x, 2 / exy) + powf(y, 2 / exy), exy / ez);
     const float f = powf(flat + powf(z, 2 / ez), 0.5F * ez); // homogeneous of degree 1: 1 on the surface
     const float r = sqrtf(q[0] * q[0] + q[1] * q[1] + q[2] * q[2]);
@@ -207,7 +227,8 @@ static float land(const FfpShape *shape, const FfpPart *part, const float q[3]) 
     const float sides[4] = {part->size[0], part->size[1], part->size[2] + part->size[3], 0.02F};
     const float hull = box(q, sides);
     const float flat[3] = {1.6F * q[0], 1.6F * q[1], 0};
-    const float h = shape->ridged ? 2 * ffp_ridges(flat, shape->noise_seed, 4) - 1 : ffp_fbm(flat, shape->noise_seed, 4);
+    const float h =
+        shape->ridged ? 2 * ffp_ridges(flat, shape->noise_seed, 4) - 1 : ffp_fbm(flat, shape->noise_seed, 4);
     const float top = 0.5F * (q[2] - part->size[2] * 0.2F - part->size[3] * ffp_max(-1, ffp_min(1, h)));
     return ffp_max(hull, top);
 }
@@ -215,19 +236,29 @@ static float land(const FfpShape *shape, const FfpPart *part, const float q[3]) 
 float ffp_part_distance(const FfpShape *shape, const FfpPart *part, const float p[3]) {
     const float d[3] = {p[0] - part->centre[0], p[1] - part->centre[1], p[2] - part->centre[2]};
     float q[3];
-    for (int i = 0; i < 3; i++) q[i] = part->axes[3 * i] * d[0] + part->axes[3 * i + 1] * d[1] + part->axes[3 * i + 2] * d[2];
+    for (int i = 0; i < 3; i++)
+        q[i] = part->axes[3 * i] * d[0] + part->axes[3 * i + 1] * d[1] + part->axes[3 * i + 2] * d[2];
     const float r = sqrtf(q[0] * q[0] + q[1] * q[1]);
     switch (part->kind) {
-    case FFP_PART_ELLIPSOID: return ellipsoid(q, part->size);
-    case FFP_PART_CONE: return cone(q, part->size);
-    case FFP_PART_BOX: return box(q, part->size);
+    case FFP_PART_ELLIPSOID:
+        return ellipsoid(q, part->size);
+    case FFP_PART_CONE:
+        return cone(q, part->size);
+    case FFP_PART_BOX:
+        return box(q, part->size);
     case FFP_PART_CYLINDER:
-        return slab2(r - part->size[0] + part->size[2], fabsf(q[2]) - part->size[1] + part->size[2]) - part->size[2];
-    case FFP_PART_TORUS: return sqrtf((r - part->size[0]) * (r - part->size[0]) + q[2] * q[2]) - part->size[1];
-    case FFP_PART_LATHE: return lathe(shape, q, part->size[0]);
-    case FFP_PART_COG: return cog(part, q);
-    case FFP_PART_SUPERQUADRIC: return superquadric(part, q);
-    case FFP_PART_LAND: return land(shape, part, q);
+        return slab2(r - part->size[0] + part->size[2], fabsf(q[2]) - part->size[1] + part->size[2]) -
+               part->size[2];
+    case FFP_PART_TORUS:
+        return sqrtf((r - part->size[0]) * (r - part->size[0]) + q[2] * q[2]) - part->size[1];
+    case FFP_PART_LATHE:
+        return lathe(shape, q, part->size[0]);
+    case FFP_PART_COG:
+        return cog(part, q);
+    case FFP_PART_SUPERQUADRIC:
+        return superquadric(part, q);
+    case FFP_PART_LAND:
+        return land(shape, part, q);
     }
     return 1e3F;
 }
@@ -258,9 +289,12 @@ float ffp_shape_distance(const FfpShape *shape, const uint8_t *list, int count, 
     for (int i = 0; i < count; i++) {
         const FfpPart *part = &shape->parts[list[i]];
         const float e = ffp_part_distance(shape, part, q);
-        if (part->join == FFP_JOIN_ADD) d = smooth_min(d, e, part->blend);
-        else if (part->join == FFP_JOIN_CUT) d = -smooth_min(-d, e, part->blend);
-        else d = -smooth_min(-d, -e, part->blend);
+        if (part->join == FFP_JOIN_ADD)
+            d = smooth_min(d, e, part->blend);
+        else if (part->join == FFP_JOIN_CUT)
+            d = -smooth_min(-d, e, part->blend);
+        else
+            d = -smooth_min(-d, -e, part->blend);
     }
     const float reach = 1.5F * (shape->bump + shape->rib_depth);
     return fabsf(d) < 2 * reach ? d - displacement(shape, p) : d; // far away the sign is settled

@@ -1,5 +1,6 @@
-// A solid as a list of parts joined by smooth set operations: the implicit surface that every mesh is made from.
-// Distances are bounds in the sense of Hart 1996 (sphere tracing): never larger than lipschitz times the true one.
+// A solid as a list of parts joined by smooth set operations: the implicit surface that every mesh is made
+// from. Distances are bounds in the sense of Hart 1996 (sphere tracing): never larger than lipschitz times
+// the true one.
 #ifndef FFP_SYNTH_SHAPE_H
 #define FFP_SYNTH_SHAPE_H
 
@@ -13,11 +14,15 @@
 typedef struct FfpV3 {
     float x, y, z;
 } FfpV3;
-static inline FfpV3 ffp_v3(float x, float y, float z) { return (FfpV3){x, y, z}; }
+static inline FfpV3 ffp_v3(float x, float y, float z) {
+    return (FfpV3){x, y, z};
+}
 
-// Random numbers for the families. Draws never stand side by side in one argument list: C leaves their order open, and the
-// meshes must not depend on the compiler.
-static inline float ffp_draw(FfpRng *rng, float low, float high) { return ffp_rng_range(rng, low, high); }
+// Random numbers for the families. Draws never stand side by side in one argument list: C leaves their order
+// open, and the meshes must not depend on the compiler.
+static inline float ffp_draw(FfpRng *rng, float low, float high) {
+    return ffp_rng_range(rng, low, high);
+}
 static inline int ffp_pick(FfpRng *rng, int low, int high) {
     return low + (int)ffp_rng_below(rng, (uint32_t)(high - low + 1));
 }
@@ -27,26 +32,30 @@ static inline FfpV3 ffp_draw3(FfpRng *rng, FfpV3 low, FfpV3 high) {
 }
 
 typedef enum FfpPartKind {
-    FFP_PART_ELLIPSOID,    // size: half axes
-    FFP_PART_CONE,         // rounded cone from the centre along +z; size: radius there, radius at the end, length
-    FFP_PART_BOX,          // size: half sides, corner radius
-    FFP_PART_CYLINDER,     // along z; size: radius, half height, edge radius
-    FFP_PART_TORUS,        // around z; size: ring radius, tube radius
-    FFP_PART_LATHE,        // the shape's outline (radius, z) turned around z; size: rounding
-    FFP_PART_COG,          // along z; size: radius, half height, tooth height, edge radius; also teeth and sharpness
+    FFP_PART_ELLIPSOID, // size: half axes
+    FFP_PART_CONE,     // rounded cone from the centre along +z; size: radius there, radius at the end, length
+    FFP_PART_BOX,      // size: half sides, corner radius
+    FFP_PART_CYLINDER, // along z; size: radius, half height, edge radius
+    FFP_PART_TORUS,    // around z; size: ring radius, tube radius
+    FFP_PART_LATHE,    // the shape's outline (radius, z) turned around z; size: rounding
+    FFP_PART_COG, // along z; size: radius, half height, tooth height, edge radius; also teeth and sharpness
     FFP_PART_SUPERQUADRIC, // size: half axes; also two exponents
     FFP_PART_LAND,         // box whose top is a height field; size: half sides, height of the hills
 } FfpPartKind;
 
-typedef enum FfpPartJoin { FFP_JOIN_ADD, FFP_JOIN_CUT, FFP_JOIN_KEEP } FfpPartJoin; // union, difference, intersection
+typedef enum FfpPartJoin {
+    FFP_JOIN_ADD,
+    FFP_JOIN_CUT,
+    FFP_JOIN_KEEP
+} FfpPartJoin; // union, difference, intersection
 
 typedef struct FfpPart {
     FfpPartKind kind;
     FfpPartJoin join;
-    float blend;               // width of the smooth transition
-    float centre[3], axes[9];  // rows of axes: the part's own x, y, z in the shape's frame
+    float blend;              // width of the smooth transition
+    float centre[3], axes[9]; // rows of axes: the part's own x, y, z in the shape's frame
     float size[4], also[2];
-    float reach[3];            // half extents in its own axes, around `middle` in its own frame
+    float reach[3]; // half extents in its own axes, around `middle` in its own frame
     float middle[3];
 } FfpPart;
 
@@ -55,6 +64,8 @@ typedef struct FfpShape {
     FfpPart parts[FFP_PARTS_MAX];
     int n_outline; // closed polygon (radius, z) for FFP_PART_LATHE
     float outline[FFP_OUTLINE_MAX][2];
+    float edge[FFP_OUTLINE_MAX]
+              [3]; // from the point before: radius and z difference, 1 / length^2; by ffp_add_lathe
     uint32_t noise_seed;
     float bump, bump_frequency; // displacement along the normal: height, features a unit length
     bool ridged;
@@ -73,20 +84,23 @@ FfpPart *ffp_add_box(FfpShape *shape, FfpV3 centre, FfpV3 half, float corner, fl
 FfpPart *ffp_add_cylinder(FfpShape *shape, FfpV3 centre, float radius, float half, float edge, float blend);
 FfpPart *ffp_add_torus(FfpShape *shape, FfpV3 centre, float ring, float tube, float blend);
 FfpPart *ffp_add_lathe(FfpShape *shape, float rounding, float blend); // after the outline is set
-FfpPart *ffp_add_cog(FfpShape *shape, FfpV3 centre, float radius, float half, float tooth, int teeth, float sharpness);
+FfpPart *ffp_add_cog(FfpShape *shape, FfpV3 centre, float radius, float half, float tooth, int teeth,
+                     float sharpness);
 FfpPart *ffp_add_superquadric(FfpShape *shape, FfpV3 centre, FfpV3 half, float exponent_z, float exponent_xy);
 FfpPart *ffp_add_land(FfpShape *shape, FfpV3 half, float hills);
 // Points the part's z axis along `direction`, or turns it by yaw, pitch, roll (radians, around z, y, x).
 void ffp_part_point(FfpPart *part, FfpV3 direction);
 void ffp_part_turn(FfpPart *part, float yaw, float pitch, float roll);
 
-// Signed distance bound of one part alone, and of the parts whose numbers are in list[count] (ascending), displaced.
+// Signed distance bound of one part alone, and of the parts whose numbers are in list[count] (ascending),
+// displaced.
 float ffp_part_distance(const FfpShape *shape, const FfpPart *part, const float p[3]);
 float ffp_shape_distance(const FfpShape *shape, const uint8_t *list, int count, const float p[3]);
 // Axis-aligned bounds that surely hold the surface.
 void ffp_shape_bounds(const FfpShape *shape, float low[3], float high[3]);
 
-// The families: each fills a shape from random numbers alone. Variants within a family differ in kind, not only in size.
+// The families: each fills a shape from random numbers alone. Variants within a family differ in kind, not
+// only in size.
 typedef struct FfpFamily {
     const char *name;
     void (*make)(FfpShape *shape, FfpRng *rng);

@@ -39,7 +39,8 @@ void ffp_make_blob(FfpShape *shape, FfpRng *rng) {
     for (int i = 0; i < balls; i++) {
         const float r = ffp_draw(rng, 0.22F, 0.5F);
         const bool oval = ffp_pick(rng, 0, 1);
-        const FfpV3 stretch = oval ? ffp_draw3(rng, ffp_v3(1, 0.6F, 0.6F), ffp_v3(1, 1.3F, 1.3F)) : ffp_v3(1, 1, 1);
+        const FfpV3 stretch =
+            oval ? ffp_draw3(rng, ffp_v3(1, 0.6F, 0.6F), ffp_v3(1, 1.3F, 1.3F)) : ffp_v3(1, 1, 1);
         const FfpV3 turn = ffp_draw3(rng, ffp_v3(0, 0, 0), ffp_v3(PI, PI, 0));
         FfpPart *ball = ffp_add_ellipsoid(shape, at, ffp_v3(r, r * stretch.y, r * stretch.z), blend);
         ffp_part_turn(ball, turn.x, turn.y, 0);
@@ -48,7 +49,8 @@ void ffp_make_blob(FfpShape *shape, FfpRng *rng) {
         at = ffp_v3(home * at.x + step * d.x, home * at.y + step * d.y, home * at.z + step * d.z);
     }
     if (ffp_pick(rng, 0, 2) == 0) {
-        FfpPart *hole = ffp_add_ellipsoid(shape, ffp_v3(ffp_draw(rng, -0.2F, 0.2F), 0.3F, 0.2F), ffp_v3(0.3F, 0.3F, 0.3F), 0.1F);
+        FfpPart *hole = ffp_add_ellipsoid(shape, ffp_v3(ffp_draw(rng, -0.2F, 0.2F), 0.3F, 0.2F),
+                                          ffp_v3(0.3F, 0.3F, 0.3F), 0.1F);
         hole->join = FFP_JOIN_CUT;
     }
     shape->bump = ffp_pick(rng, 0, 1) ? ffp_draw(rng, 0.01F, 0.05F) : 0;
@@ -60,13 +62,16 @@ void ffp_make_blob(FfpShape *shape, FfpRng *rng) {
 static void stalk(FfpShape *shape, FfpRng *rng, float base, float thick) {
     const FfpV3 a = ffp_v3(0, 0, base);
     const FfpV3 b = ffp_draw3(rng, ffp_v3(-0.1F, -0.1F, base + 0.15F), ffp_v3(0.1F, 0.1F, base + 0.3F));
-    const FfpV3 c = ffp_draw3(rng, ffp_v3(b.x - 0.15F, b.y - 0.1F, b.z + 0.05F), ffp_v3(b.x + 0.15F, b.y + 0.1F, b.z + 0.2F));
+    const FfpV3 c = ffp_draw3(rng, ffp_v3(b.x - 0.15F, b.y - 0.1F, b.z + 0.05F),
+                              ffp_v3(b.x + 0.15F, b.y + 0.1F, b.z + 0.2F));
     ffp_add_cone(shape, a, b, thick * 1.2F, thick, 0.08F);
     ffp_add_cone(shape, b, c, thick, thick * 1.1F, 0.03F);
     if (ffp_pick(rng, 0, 1)) {
-        const float yaw = ffp_draw(rng, 0, 2 * PI), droop = ffp_draw(rng, -0.5F, 0.1F), tilt = ffp_draw(rng, -0.4F, 0.4F);
-        FfpPart *leaf = ffp_add_ellipsoid(shape, ffp_v3(b.x + 0.26F * cosf(yaw), b.y + 0.26F * sinf(yaw), b.z + 0.05F),
-                                          ffp_v3(0.28F, 0.13F, 0.04F), 0.03F);
+        const float yaw = ffp_draw(rng, 0, 2 * PI), droop = ffp_draw(rng, -0.5F, 0.1F),
+                    tilt = ffp_draw(rng, -0.4F, 0.4F);
+        FfpPart *leaf =
+            ffp_add_ellipsoid(shape, ffp_v3(b.x + 0.26F * cosf(yaw), b.y + 0.26F * sinf(yaw), b.z + 0.05F),
+                              ffp_v3(0.28F, 0.13F, 0.04F), 0.03F);
         ffp_part_turn(leaf, yaw, droop, tilt);
     }
 }
@@ -76,7 +81,8 @@ static void pumpkin(FfpShape *shape, FfpRng *rng) {
     const float height = ffp_draw(rng, 0.4F, 0.75F);
     for (int i = 0; i < lobes; i++) {
         const float a = 2 * PI * (float)i / (float)lobes, w = 2.4F / (float)lobes;
-        FfpPart *lobe = ffp_add_ellipsoid(shape, ffp_v3(0.42F * cosf(a), 0.42F * sinf(a), 0), ffp_v3(0.42F, w, height), 0.05F);
+        FfpPart *lobe = ffp_add_ellipsoid(shape, ffp_v3(0.42F * cosf(a), 0.42F * sinf(a), 0),
+                                          ffp_v3(0.42F, w, height), 0.05F);
         ffp_part_turn(lobe, a, 0, 0);
     }
     stalk(shape, rng, 0.75F * height, 0.08F);
@@ -100,7 +106,8 @@ static void cactus(FfpShape *shape, FfpRng *rng) {
     ffp_add_cone(shape, ffp_v3(0, 0, -0.7F), ffp_v3(0, 0, 0.8F), 0.26F, 0.22F, 0);
     const int arms = ffp_pick(rng, 2, 4);
     for (int i = 0; i < arms; i++) {
-        const float a = 2 * PI * (float)i / (float)arms + ffp_draw(rng, -0.4F, 0.4F), z = ffp_draw(rng, -0.3F, 0.3F);
+        const float a = 2 * PI * (float)i / (float)arms + ffp_draw(rng, -0.4F, 0.4F),
+                    z = ffp_draw(rng, -0.3F, 0.3F);
         const float out = ffp_draw(rng, 0.4F, 0.55F), up = ffp_draw(rng, 0.3F, 0.6F);
         const FfpV3 elbow = ffp_v3(out * cosf(a), out * sinf(a), z);
         ffp_add_cone(shape, ffp_v3(0, 0, z - 0.05F), elbow, 0.13F, 0.14F, 0.08F);
@@ -112,12 +119,15 @@ static void cactus(FfpShape *shape, FfpRng *rng) {
 static void mushrooms(FfpShape *shape, FfpRng *rng) {
     const int count = ffp_pick(rng, 1, 4);
     for (int i = 0; i < count; i++) {
-        const float a = ffp_draw(rng, 0, 2 * PI), off = count == 1 ? 0 : ffp_draw(rng, 0.3F, 0.6F), tall = ffp_draw(rng, 0.5F, 1.1F);
-        const FfpV3 foot = ffp_v3(off * cosf(a), off * sinf(a), 0), head = ffp_v3(1.3F * foot.x, 1.3F * foot.y, tall);
+        const float a = ffp_draw(rng, 0, 2 * PI), off = count == 1 ? 0 : ffp_draw(rng, 0.3F, 0.6F),
+                    tall = ffp_draw(rng, 0.5F, 1.1F);
+        const FfpV3 foot = ffp_v3(off * cosf(a), off * sinf(a), 0),
+                    head = ffp_v3(1.3F * foot.x, 1.3F * foot.y, tall);
         const float cap = ffp_draw(rng, 0.3F, 0.5F);
         ffp_add_cone(shape, foot, head, 0.16F, 0.1F, 0.05F);
         ffp_add_ellipsoid(shape, head, ffp_v3(cap, cap, cap * ffp_draw(rng, 0.4F, 0.8F)), 0.03F);
-        FfpPart *under = ffp_add_ellipsoid(shape, ffp_v3(head.x, head.y, head.z - 0.3F), ffp_v3(cap * 0.85F, cap * 0.85F, 0.26F), 0.03F);
+        FfpPart *under = ffp_add_ellipsoid(shape, ffp_v3(head.x, head.y, head.z - 0.3F),
+                                           ffp_v3(cap * 0.85F, cap * 0.85F, 0.26F), 0.03F);
         under->join = FFP_JOIN_CUT;
         ffp_add_cone(shape, foot, head, 0.13F, 0.09F, 0.02F);
     }
@@ -157,7 +167,8 @@ void ffp_make_land(FfpShape *shape, FfpRng *rng) {
 // Snail shells: cones that grow along a spiral. Flat ones, steep ones, horns.
 void ffp_make_shell(FfpShape *shape, FfpRng *rng) {
     const int n = 84;
-    const float turns = ffp_draw(rng, 1.2F, 3.4F), growth = ffp_draw(rng, 1.2F, 2.1F), climb = ffp_draw(rng, 0, 1.5F);
+    const float turns = ffp_draw(rng, 1.2F, 3.4F), growth = ffp_draw(rng, 1.2F, 2.1F),
+                climb = ffp_draw(rng, 0, 1.5F);
     const float thick = ffp_draw(rng, 0.38F, 0.52F);
     FfpV3 last = {0};
     float last_radius = 0;
@@ -170,7 +181,8 @@ void ffp_make_shell(FfpShape *shape, FfpRng *rng) {
     }
     if (ffp_pick(rng, 0, 1)) { // an open mouth
         const float a = 2 * PI * turns;
-        const FfpV3 mouth = ffp_v3(last.x - 0.6F * last_radius * sinf(a), last.y + 0.6F * last_radius * cosf(a), last.z);
+        const FfpV3 mouth =
+            ffp_v3(last.x - 0.6F * last_radius * sinf(a), last.y + 0.6F * last_radius * cosf(a), last.z);
         const float r = 0.8F * last_radius;
         ffp_add_ellipsoid(shape, mouth, ffp_v3(r, r, r), 0.03F)->join = FFP_JOIN_CUT;
     }

@@ -9,19 +9,20 @@
 #include "synth/scalar.h"
 
 enum { CELL = 4, LOOKUPS_MAX = 16 };
-static const float OFFSET = 1e-3F;       // secondary rays start this far off the surface
-static const float CAVITY = 0.75F;       // share of the ambient light that reaches a typical secondary hit
-static const float FACING = 0.02F;       // least cosine between shading normal and view
+static const float OFFSET = 1e-3F; // secondary rays start this far off the surface
+static const float CAVITY = 0.75F; // share of the ambient light that reaches a typical secondary hit
+static const float FACING = 0.02F; // least cosine between shading normal and view
 
-typedef struct Device { // a camera or projector in float
+typedef struct Device {       // a camera or projector in float
     float origin[3], axes[9]; // rows: x, y, z axis in the world
     float fx, fy, cx, cy, width, height;
 } Device;
 
 // Sums of one view before composition; [height, width, .] each.
 typedef struct Sums {
-    float *ambient;        // 3: incoming ambient radiance, cosine-weighted mean
-    float **bounce;        // per pattern 3 (NULL for black ones): the same of the projector's light off other surfaces
+    float *ambient; // 3: incoming ambient radiance, cosine-weighted mean
+    float *
+        *bounce; // per pattern 3 (NULL for black ones): the same of the projector's light off other surfaces
     float *point, *smooth; // 3: mean position and unbumped normal
     float *hits;           // covered samples
 } Sums;
@@ -36,8 +37,12 @@ typedef struct Work {
 } Work;
 
 static Device device_of(const FfpCamera *c) {
-    Device d = {.fx = (float)c->fx, .fy = (float)c->fy, .cx = (float)c->cx, .cy = (float)c->cy,
-                .width = (float)c->width, .height = (float)c->height};
+    Device d = {.fx = (float)c->fx,
+                .fy = (float)c->fy,
+                .cx = (float)c->cx,
+                .cy = (float)c->cy,
+                .width = (float)c->width,
+                .height = (float)c->height};
     for (int a = 0; a < 3; a++) {
         d.origin[a] = (float)c->pose[4 * a + 3];
         for (int k = 0; k < 3; k++) d.axes[3 * k + a] = (float)c->pose[4 * a + k];
@@ -45,7 +50,9 @@ static Device device_of(const FfpCamera *c) {
     return d;
 }
 
-static float dot(const float a[3], const float b[3]) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+static float dot(const float a[3], const float b[3]) {
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
 
 // World direction through pixel position (x, y) with camera z = 1, so that a hit's t is its depth.
 static void camera_ray(const Device *c, float x, float y, float d[3]) {
@@ -59,7 +66,8 @@ static void even_pair(uint32_t index, uint32_t shift, float *x, float *y) {
     *x = (float)(a >> 8) * (1.0F / 16777216.0F), *y = (float)(b >> 8) * (1.0F / 16777216.0F);
 }
 
-// Light that leaves the projector towards a point, before the pattern: I / d^2, where its rectangle and shadows allow.
+// Light that leaves the projector towards a point, before the pattern: I / d^2, where its rectangle and
+// shadows allow.
 typedef struct Arrival {
     float u, v;       // where in the pattern
     float towards[3]; // unit, to the projector
@@ -67,7 +75,8 @@ typedef struct Arrival {
     float local[3];   // the point in the projector's frame
 } Arrival;
 
-static bool arrive(const Work *w, const float point[3], const float facet[3], const float normal[3], Arrival *a) {
+static bool arrive(const Work *w, const float point[3], const float facet[3], const float normal[3],
+                   Arrival *a) {
     const Device *p = &w->projector;
     float way[3], start[3];
     for (int k = 0; k < 3; k++) way[k] = p->origin[k] - point[k];
@@ -86,7 +95,8 @@ static bool arrive(const Work *w, const float point[3], const float facet[3], co
     return !ffp_trace_blocked(w->sim->tracer, start, way);
 }
 
-// A bilinear lookup, the same for all patterns: four texels' offsets and weights. Weightless outside the rectangle.
+// A bilinear lookup, the same for all patterns: four texels' offsets and weights. Weightless outside the
+// rectangle.
 typedef struct Texel {
     size_t at, right, down;
     float weight[4];
@@ -110,15 +120,16 @@ static void add_texel(const FfpImage *image, const Texel *t, float sum[3]) {
                   t->weight[3] * p[c + t->right + t->down];
 }
 
-// The lookups that a sample's cell of the pixel asks for: the cell's image on the tangent plane, projected, spread evenly
-// over so many that their tents overlap. Converges to one lookup as samples grow.
+// The lookups that a sample's cell of the pixel asks for: the cell's image on the tangent plane, projected,
+// spread evenly over so many that their tents overlap. Converges to one lookup as samples grow.
 typedef struct Spread {
     int count;
     float inside; // how many of them lie in the rectangle
     Texel texel[LOOKUPS_MAX];
 } Spread;
 
-static void pattern_slope(const Work *w, const Arrival *a, const float step[3], float side, float *du, float *dv) {
+static void pattern_slope(const Work *w, const Arrival *a, const float step[3], float side, float *du,
+                          float *dv) {
     const Device *p = &w->projector;
     float local[3];
     for (int k = 0; k < 3; k++) local[k] = dot(p->axes + 3 * k, step);
@@ -127,13 +138,15 @@ static void pattern_slope(const Work *w, const Arrival *a, const float step[3], 
     *dv = s * p->fy * (local[1] * z - a->local[1] * local[2]);
 }
 
-static void spread_lookups(const Work *w, const Arrival *a, const FfpHit *hit, const float ray[3], float side, Spread *out) {
+static void spread_lookups(const Work *w, const Arrival *a, const FfpHit *hit, const float ray[3], float side,
+                           Spread *out) {
     const Device *c = &w->camera;
     const float facing = dot(hit->facet, ray);
     const float steep = fabsf(facing) < 0.05F ? copysignf(0.05F, facing) : facing;
     float du[2], dv[2];
     int n[2];
-    for (int axis = 0; axis < 2; axis++) { // the hit's motion on its tangent plane as the pixel position moves
+    for (int axis = 0; axis < 2;
+         axis++) { // the hit's motion on its tangent plane as the pixel position moves
         const float *move = c->axes + 3 * axis, f = axis ? c->fy : c->fx;
         const float along = dot(hit->facet, move) / steep;
         float step[3];
@@ -144,7 +157,8 @@ static void spread_lookups(const Work *w, const Arrival *a, const FfpHit *hit, c
     out->count = 0, out->inside = 0;
     for (int j = 0; j < n[1]; j++)
         for (int i = 0; i < n[0]; i++) {
-            const float x = ((float)i + 0.5F) / (float)n[0] - 0.5F, y = ((float)j + 0.5F) / (float)n[1] - 0.5F;
+            const float x = ((float)i + 0.5F) / (float)n[0] - 0.5F,
+                        y = ((float)j + 0.5F) / (float)n[1] - 0.5F;
             Texel *t = &out->texel[out->count++];
             *t = texel_at((int)w->projector.width, (int)w->projector.height, a->u + x * du[0] + y * du[1],
                           a->v + x * dv[0] + y * dv[1]);
@@ -152,12 +166,20 @@ static void spread_lookups(const Work *w, const Arrival *a, const FfpHit *hit, c
         }
 }
 
-static void direct_light(const Work *w, size_t pixel, const FfpHit *hit, const float ray[3], const float normal[3],
-                         const float albedo[3], float roughness, float side) {
+static void direct_light(const Work *w, size_t pixel, const FfpHit *hit, const float ray[3],
+                         const float normal[3], const float albedo[3], float roughness, float side) {
+    float way[3];
+    for (int k = 0; k < 3; k++) way[k] = w->projector.origin[k] - hit->point[k];
+    if (dot(way, normal) <= 0) { // its cosine makes it dark, not a shadow
+        if (w->visibility) w->visibility->data[pixel] += 1;
+        return;
+    }
     Arrival a;
     if (!arrive(w, hit->point, hit->facet, normal, &a)) return;
-    const float scale = -1 / sqrtf(dot(ray, ray)), to_camera[3] = {ray[0] * scale, ray[1] * scale, ray[2] * scale};
-    const float specular = ffp_brdf_specular(normal, a.towards, to_camera, roughness), cosine = dot(normal, a.towards);
+    const float scale = -1 / sqrtf(dot(ray, ray)),
+                to_camera[3] = {ray[0] * scale, ray[1] * scale, ray[2] * scale};
+    const float specular = ffp_brdf_specular(normal, a.towards, to_camera, roughness),
+                cosine = dot(normal, a.towards);
     float colour[3];
     for (int c = 0; c < 3; c++) {
         colour[c] = (albedo[c] / 3.14159265F + specular) * cosine * a.fall * w->sim->intensity[c];
@@ -170,9 +192,11 @@ static void direct_light(const Work *w, size_t pixel, const FfpHit *hit, const f
         const FfpLightPattern *pattern = &w->sim->patterns[p];
         if (pattern->black) continue;
         float sum[3] = {0, 0, 0};
-        for (int i = 0; i < spread.count && !pattern->flat; i++) add_texel(pattern->sharp, &spread.texel[i], sum);
+        for (int i = 0; i < spread.count && !pattern->flat; i++)
+            add_texel(pattern->sharp, &spread.texel[i], sum);
         for (int c = 0; c < 3 && pattern->flat; c++) sum[c] = spread.inside * (float)pattern->sharp->data[c];
-        for (size_t c = 0; c < 3; c++) w->view->images[p].data[3 * pixel + c] += colour[c] * sum[c] / (float)spread.count;
+        for (size_t c = 0; c < 3; c++)
+            w->view->images[p].data[3 * pixel + c] += colour[c] * sum[c] / (float)spread.count;
     }
 }
 
@@ -181,13 +205,15 @@ static void ambient_direction(const FfpHit *hit, float x, float y, float d[3]) {
     const float *n = hit->normal, sign = copysignf(1, n[2]), a = -1 / (sign + n[2]), b = n[0] * n[1] * a;
     const float t[3] = {1 + sign * n[0] * n[0] * a, sign * b, -sign * n[0]}; // basis of Duff et al. 2017
     const float s[3] = {b, sign + n[1] * n[1] * a, -n[1]};
-    const float r = sqrtf(x), phi = 6.2831853F * y, up = sqrtf(ffp_max(0, 1 - x)), i = r * cosf(phi), j = r * sinf(phi);
+    const float r = sqrtf(x), phi = 6.2831853F * y, up = sqrtf(ffp_max(0, 1 - x)), i = r * cosf(phi),
+                j = r * sinf(phi);
     for (int k = 0; k < 3; k++) d[k] = i * t[k] + j * s[k] + up * n[k];
     const float below = dot(d, hit->facet);
     for (int k = 0; k < 3 && below < 0; k++) d[k] -= 2 * below * hit->facet[k];
 }
 
-// Incoming light other than the projector's own: sky where the ray is free, else what the surface there sends back.
+// Incoming light other than the projector's own: sky where the ray is free, else what the surface there sends
+// back.
 static void gather(const Work *w, size_t pixel, const FfpHit *hit, uint32_t index, uint32_t shift) {
     float x, y, d[3], start[3];
     even_pair(index, shift, &x, &y);
@@ -208,7 +234,9 @@ static void gather(const Work *w, size_t pixel, const FfpHit *hit, uint32_t inde
     const float cosine = dot(far.normal, a.towards);
     for (int c = 0; c < 3; c++) colour[c] = albedo[c] / 3.14159265F * cosine * a.fall * w->sim->intensity[c];
     const Device *projector = &w->projector;
-    const Texel texel = texel_at((int)ceilf(projector->width / FFP_COARSE), (int)ceilf(projector->height / FFP_COARSE), a.u / FFP_COARSE, a.v / FFP_COARSE);
+    const Texel texel =
+        texel_at((int)ceilf(projector->width / FFP_COARSE), (int)ceilf(projector->height / FFP_COARSE),
+                 a.u / FFP_COARSE, a.v / FFP_COARSE);
     for (int p = 0; p < w->sim->n_patterns; p++) {
         if (w->sim->patterns[p].black) continue;
         float sum[3] = {0, 0, 0};
@@ -217,7 +245,8 @@ static void gather(const Work *w, size_t pixel, const FfpHit *hit, uint32_t inde
     }
 }
 
-static void shade_sample(const Work *w, size_t pixel, const FfpHit *hit, const float ray[3], uint32_t sample, uint32_t shift) {
+static void shade_sample(const Work *w, size_t pixel, const FfpHit *hit, const float ray[3], uint32_t sample,
+                         uint32_t shift) {
     FfpView *view = w->view;
     float albedo[3], roughness, normal[3];
     memcpy(normal, hit->normal, sizeof normal);
@@ -226,7 +255,8 @@ static void shade_sample(const Work *w, size_t pixel, const FfpHit *hit, const f
     const float length = sqrtf(dot(ray, ray)), facing = -dot(normal, ray) / length;
     if (facing < FACING) { // seen from behind by interpolation or bump: tilt it to the camera
         float square = 0;
-        for (int k = 0; k < 3; k++) normal[k] -= (FACING - facing) * ray[k] / length, square += normal[k] * normal[k];
+        for (int k = 0; k < 3; k++)
+            normal[k] -= (FACING - facing) * ray[k] / length, square += normal[k] * normal[k];
         for (int k = 0; k < 3; k++) normal[k] /= sqrtf(square);
     }
     for (int c = 0; c < 3; c++) {
@@ -271,8 +301,10 @@ static void finish_pixel(const Work *w, size_t pixel, float hits, int samples) {
         divide(view->images[p].data + 3 * pixel, 3, hits);
         if (w->sums.bounce[p] && rays > 0) divide_sums(w->sums.bounce[p] + 3 * pixel, 3, rays);
     }
-    if (rays > 0) divide_sums(w->sums.ambient + 3 * pixel, 3, rays);
-    else for (int c = 0; c < 3; c++) w->sums.ambient[3 * pixel + (size_t)c] = w->sim->ambient;
+    if (rays > 0)
+        divide_sums(w->sums.ambient + 3 * pixel, 3, rays);
+    else
+        for (int c = 0; c < 3; c++) w->sums.ambient[3 * pixel + (size_t)c] = w->sim->ambient;
 }
 
 static void trace_pixel(const Work *w, int x, int y) {
@@ -295,13 +327,15 @@ static void trace_pixel(const Work *w, int x, int y) {
     if (hits == 0) return;
     finish_pixel(w, pixel, (float)hits, limit);
     camera_ray(&w->camera, (float)x + 0.5F, (float)y + 0.5F, ray);
-    if (ffp_trace_hit(w->sim->tracer, w->camera.origin, ray, true, &hit)) w->view->depth.data[pixel] = (real)hit.t;
+    if (ffp_trace_hit(w->sim->tracer, w->camera.origin, ray, true, &hit))
+        w->view->depth.data[pixel] = (real)hit.t;
 }
 
 // Which CELL x CELL blocks of pixels any triangle's bounding box touches: most of an image is background.
 static int busy_cells(const Work *w, int **cells) {
     const FfpMesh *mesh = w->sim->mesh;
-    const int across = (w->view->camera.width + CELL - 1) / CELL, down = (w->view->camera.height + CELL - 1) / CELL;
+    const int across = (w->view->camera.width + CELL - 1) / CELL,
+              down = (w->view->camera.height + CELL - 1) / CELL;
     float *xy = ffp_alloc((size_t)mesh->n_vertices * 2, sizeof *xy);
     uint8_t *busy = ffp_alloc((size_t)across * (size_t)down, 1);
     const Device *c = &w->camera;
@@ -320,7 +354,8 @@ static int busy_cells(const Work *w, int **cells) {
         for (int a = 0; a < 2; a++) {
             const float p = xy[2 * v[0] + a], q = xy[2 * v[1] + a], r = xy[2 * v[2] + a];
             const float last = (float)((a ? down : across) - 1);
-            low[a] = (int)ffp_max(0, ffp_min(p, ffp_min(q, r)) - 0.01F), high[a] = (int)ffp_min(last, ffp_max(p, ffp_max(q, r)) + 0.01F);
+            low[a] = (int)ffp_max(0, ffp_min(p, ffp_min(q, r)) - 0.01F),
+            high[a] = (int)ffp_min(last, ffp_max(p, ffp_max(q, r)) + 0.01F);
         }
         for (int j = low[1]; j <= high[1]; j++)
             for (int i = low[0]; i <= high[0]; i++) busy[j * across + i] = 1;
@@ -347,8 +382,8 @@ static void trace_all(const Work *w) {
     free(cells);
 }
 
-// Indirect light is smooth over a surface, and a few rays a pixel are noisy: average it over neighbours that lie in the
-// same plane and face the same way. Not done once enough rays make it superfluous.
+// Indirect light is smooth over a surface, and a few rays a pixel are noisy: average it over neighbours that
+// lie in the same plane and face the same way. Not done once enough rays make it superfluous.
 static int filter_radius(const FfpSimulation *sim) {
     const int rays = sim->samples * sim->ambient_rays;
     return rays == 0 || rays >= 128 ? 0 : rays >= 64 ? 1 : rays >= 24 ? 2 : 3;
@@ -428,7 +463,8 @@ static void compose(const Work *w) {
 
 FfpLightPattern ffp_light_pattern_new(const FfpImage *sharp) {
     const size_t row = (size_t)sharp->width * 3, values = row * (size_t)sharp->height;
-    const int width = (sharp->width + FFP_COARSE - 1) / FFP_COARSE, height = (sharp->height + FFP_COARSE - 1) / FFP_COARSE;
+    const int width = (sharp->width + FFP_COARSE - 1) / FFP_COARSE,
+              height = (sharp->height + FFP_COARSE - 1) / FFP_COARSE;
     FfpLightPattern out = {.sharp = sharp, .coarse = ffp_image_new(width, height, 3)};
     size_t same = 3;
     while (same < values && sharp->data[same] == sharp->data[same - 3]) same++;
@@ -436,13 +472,17 @@ FfpLightPattern ffp_light_pattern_new(const FfpImage *sharp) {
     out.black = out.flat && sharp->data[0] == 0 && sharp->data[1] == 0 && sharp->data[2] == 0;
     for (int y = 0; y < sharp->height && !out.black; y++)
         for (int x = 0; x < sharp->width; x++) {
-            real *box = out.coarse.data + ((size_t)(y / FFP_COARSE) * (size_t)width + (size_t)(x / FFP_COARSE)) * 3;
-            for (size_t c = 0; c < 3; c++) box[c] += sharp->data[(size_t)y * row + (size_t)x * 3 + c] / (FFP_COARSE * FFP_COARSE);
+            real *box =
+                out.coarse.data + ((size_t)(y / FFP_COARSE) * (size_t)width + (size_t)(x / FFP_COARSE)) * 3;
+            for (size_t c = 0; c < 3; c++)
+                box[c] += sharp->data[(size_t)y * row + (size_t)x * 3 + c] / (FFP_COARSE * FFP_COARSE);
         }
     return out;
 }
 
-void ffp_light_pattern_free(FfpLightPattern *pattern) { ffp_image_free(&pattern->coarse); }
+void ffp_light_pattern_free(FfpLightPattern *pattern) {
+    ffp_image_free(&pattern->coarse);
+}
 
 static void work_begin(Work *w) {
     const size_t pixels = (size_t)w->view->camera.width * (size_t)w->view->camera.height;
@@ -465,7 +505,8 @@ static void work_end(Work *w) {
     free(w->sums.hits);
 }
 
-void ffp_simulate_view(const FfpSimulation *simulation, FfpView *view, uint32_t stream, FfpImage *visibility) {
+void ffp_simulate_view(const FfpSimulation *simulation, FfpView *view, uint32_t stream,
+                       FfpImage *visibility) {
     const int width = view->camera.width, height = view->camera.height;
     view->images = ffp_alloc((size_t)simulation->n_patterns, sizeof *view->images);
     for (int p = 0; p < simulation->n_patterns; p++) view->images[p] = ffp_image_new(width, height, 3);
@@ -476,9 +517,13 @@ void ffp_simulate_view(const FfpSimulation *simulation, FfpView *view, uint32_t 
     view->roughness = ffp_image_new(width, height, 1);
     view->direct_white = ffp_image_new(width, height, 3);
     if (visibility) *visibility = ffp_image_new(width, height, 1);
-    Work w = {.sim = simulation, .view = view, .visibility = visibility, .camera = device_of(&view->camera),
+    Work w = {.sim = simulation,
+              .view = view,
+              .visibility = visibility,
+              .camera = device_of(&view->camera),
               .projector = device_of(&view->projector),
-              .seed = ffp_hash32((uint32_t)simulation->seed ^ ffp_hash32((uint32_t)(simulation->seed >> 32) ^ ffp_hash32(stream + 1)))};
+              .seed = ffp_hash32((uint32_t)simulation->seed ^
+                                 ffp_hash32((uint32_t)(simulation->seed >> 32) ^ ffp_hash32(stream + 1)))};
     work_begin(&w);
     trace_all(&w);
     smooth_indirect(&w);

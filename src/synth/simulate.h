@@ -1,5 +1,5 @@
-// What the camera of one view sees: direct projector light with hard shadows, uniform ambient light with occlusion, one
-// diffuse interreflection of both. One set of rays serves every pattern.
+// What the camera of one view sees: direct projector light with hard shadows, uniform ambient light with
+// occlusion, one diffuse interreflection of both. One set of rays serves every pattern.
 #ifndef FFP_SYNTH_SIMULATE_H
 #define FFP_SYNTH_SIMULATE_H
 
@@ -24,16 +24,17 @@ typedef struct FfpSimulation {
     const FfpMaterial *material;
     const FfpLightPattern *patterns;
     int n_patterns;
-    float intensity[3], ambient;  // projector W/sr at pattern value 1; ambient radiance
-    int samples, ambient_rays;    // primary rays a pixel (four times as many on silhouettes); ambient rays a hit
+    float intensity[3], ambient; // projector W/sr at pattern value 1; ambient radiance
+    int samples, ambient_rays; // primary rays a pixel (four times as many on silhouettes); ambient rays a hit
     uint64_t seed;
 } FfpSimulation;
 
-// Fills images (all patterns), coverage and the truth maps of a view whose cameras are set. Colours and truth maps are
-// means over the samples that hit, depth belongs to the pixel's centre. The images pass through 8-bit sRGB with straight
-// 8-bit alpha, as a file would carry them, so that a scene in memory equals the same scene read back from disk.
-// visibility (may be NULL) receives the share of covered samples that the projector's rectangle lights.
-// The result depends on the seed, `stream` and the arguments alone, not on the number of threads.
+// Fills images (all patterns), coverage and the truth maps of a view whose cameras are set. Colours and truth
+// maps are means over the samples that hit, depth belongs to the pixel's centre. The images pass through
+// 8-bit sRGB with straight 8-bit alpha, as a file would carry them, so that a scene in memory equals the same
+// scene read back from disk. visibility (may be NULL) receives the share of covered samples that lie
+// in the projector's rectangle and in nobody's shadow; one that faces away from it counts, its cosine being
+// 0. The result depends on the seed, `stream` and the arguments alone, not on the number of threads.
 void ffp_simulate_view(const FfpSimulation *simulation, FfpView *view, uint32_t stream, FfpImage *visibility);
 
 #endif

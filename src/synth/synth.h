@@ -1,5 +1,6 @@
-// The training world: shapes, materials, patterns, the rig and the Embree light simulator. A scene is a pure function of
-// (mesh, material, seed): the same numbers give the same pixels on every machine and thread count.
+// The training world: shapes, materials, patterns, the rig and the Embree light simulator. A scene is a pure
+// function of (mesh, material, seed): the same numbers give the same pixels on every machine and thread
+// count.
 #ifndef FFP_SYNTH_SYNTH_H
 #define FFP_SYNTH_SYNTH_H
 
@@ -11,18 +12,19 @@
 typedef struct FfpSceneSpec {
     int mesh, material; // 0 .. ffp_mesh_count()-1, 0 .. ffp_material_count()-1
     uint64_t seed;
-    int resolution;      // camera image side
-    int views;           // input views around the turntable (8)
-    int targets;         // further views with new camera and projector poses
-    int lollipops;       // patterns besides black and white
-    int pattern_side;    // 800
+    int resolution;            // camera image side
+    int views;                 // input views around the turntable (8)
+    int targets;               // further views with new camera and projector poses
+    int lollipops;             // patterns besides black and white
+    int pattern_side;          // 800
     int samples, ambient_rays; // primary samples a pixel; ambient rays a sample
-    bool jitter;         // training: vary ambient, intensity, radius, poses; false: the default rig exactly
+    bool jitter; // training: vary ambient, intensity, radius, poses; false: the default rig exactly
 } FfpSceneSpec;
 FfpSceneSpec ffp_scene_defaults(void);
 
-// Input views first, then targets, in one capture (targets are views with ids "novel_NN"). Every view has black, white
-// and all lollipops, coverage, depth, normal, albedo, roughness and direct_white. Bounds are exact, intensity known.
+// Input views first, then targets, in one capture (targets are views with ids "novel_NN"). Every view has
+// black, white and all lollipops, coverage, depth, normal, albedo, roughness and direct_white. Bounds are
+// exact, intensity known.
 bool ffp_scene_make(FfpCapture *capture, const FfpSceneSpec *spec, FfpError *err);
 
 int ffp_mesh_count(void);
@@ -30,11 +32,12 @@ const char *ffp_mesh_name(int mesh);
 int ffp_material_count(void);
 const char *ffp_material_name(int material);
 
-// The meshes of a split ("train", "validation", "test"), disjoint and together all. Returns the count, ids into out.
+// The meshes of a split ("train", "validation", "test"), disjoint and together all. Returns the count, ids
+// into out.
 int ffp_split_meshes(const char *split, int *out, int capacity);
 
-// A lollipop pattern (reference form: 8 sectors x 30 rings of random colours, black outside): encoded 8-bit values / 255
-// decoded to linear. [side, side, 3]
+// A lollipop pattern (reference form: 8 sectors x 30 rings of random colours, black outside): encoded 8-bit
+// values / 255 decoded to linear. [side, side, 3]
 FfpImage ffp_lollipop_pattern(int width, int height, uint64_t seed);
 
 #endif

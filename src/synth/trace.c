@@ -65,12 +65,19 @@ static void intersect(const FfpTracer *tracer, bool coherent, struct RTCRayHit *
 }
 
 static struct RTCRay ray_of(const float origin[3], const float direction[3], float far) {
-    return (struct RTCRay){.org_x = origin[0], .org_y = origin[1], .org_z = origin[2],
-                           .dir_x = direction[0], .dir_y = direction[1], .dir_z = direction[2],
-                           .tnear = 0, .tfar = far, .mask = 0xffffffffU};
+    return (struct RTCRay){.org_x = origin[0],
+                           .org_y = origin[1],
+                           .org_z = origin[2],
+                           .dir_x = direction[0],
+                           .dir_y = direction[1],
+                           .dir_z = direction[2],
+                           .tnear = 0,
+                           .tfar = far,
+                           .mask = 0xffffffffU};
 }
 
-bool ffp_trace_hit(const FfpTracer *tracer, const float origin[3], const float direction[3], bool coherent, FfpHit *hit) {
+bool ffp_trace_hit(const FfpTracer *tracer, const float origin[3], const float direction[3], bool coherent,
+                   FfpHit *hit) {
     struct RTCRayHit ray = {.ray = ray_of(origin, direction, INFINITY)};
     ray.hit.geomID = ray.hit.primID = RTC_INVALID_GEOMETRY_ID;
     intersect(tracer, coherent, &ray);
@@ -87,7 +94,8 @@ bool ffp_trace_hit(const FfpTracer *tracer, const float origin[3], const float d
         square += hit->normal[a] * hit->normal[a];
         facet_square += facet[a] * facet[a];
     }
-    const float scale = 1 / sqrtf(ffp_max(square, 1e-20F)), facet_scale = 1 / sqrtf(ffp_max(facet_square, 1e-30F));
+    const float scale = 1 / sqrtf(ffp_max(square, 1e-20F)),
+                facet_scale = 1 / sqrtf(ffp_max(facet_square, 1e-30F));
     for (int a = 0; a < 3; a++) hit->normal[a] *= scale, hit->facet[a] = facet[a] * facet_scale;
     return true;
 }

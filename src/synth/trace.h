@@ -15,11 +15,13 @@ typedef struct FfpHit {
     float normal[3]; // unit interpolated normal, outward
 } FfpHit;
 
-// The mesh must live as long as the tracer. One build thread, so that the same mesh always gives the same tree.
+// The mesh must live as long as the tracer. One build thread, so that the same mesh always gives the same
+// tree.
 FfpTracer *ffp_tracer_new(const FfpMesh *mesh, FfpError *err);
 void ffp_tracer_free(FfpTracer *tracer); // NULL is allowed
 // Nearest hit along origin + t direction, t > 0. Thread safe, as is the next one.
-bool ffp_trace_hit(const FfpTracer *tracer, const float origin[3], const float direction[3], bool coherent, FfpHit *hit);
+bool ffp_trace_hit(const FfpTracer *tracer, const float origin[3], const float direction[3], bool coherent,
+                   FfpHit *hit);
 // Whether anything lies between t = 0 and t = 1.
 bool ffp_trace_blocked(const FfpTracer *tracer, const float origin[3], const float direction[3]);
 

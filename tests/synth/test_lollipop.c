@@ -5,7 +5,9 @@
 #include "synth/lollipop.h"
 #include "synth/synth.h"
 
-static const real *at(const FfpImage *image, int x, int y) { return image->data + 3 * ((size_t)y * (size_t)image->width + (size_t)x); }
+static const real *at(const FfpImage *image, int x, int y) {
+    return image->data + 3 * ((size_t)y * (size_t)image->width + (size_t)x);
+}
 
 static void fields_lie_where_the_reference_draws_them(void **state) {
     (void)state;
@@ -15,7 +17,8 @@ static void fields_lie_where_the_reference_draws_them(void **state) {
             const double dx = x + 0.5 - 400, dy = y + 0.5 - 400, r = hypot(dx, dy);
             double angle = atan2(dy, dx) * 180 / 3.14159265358979;
             if (angle < 0) angle += 360;
-            if (fabs(remainder(angle, 45)) < 1e-6 || fabs(remainder(400 - r, 13)) < 1e-6) continue; // on a border
+            if (fabs(remainder(angle, 45)) < 1e-6 || fabs(remainder(400 - r, 13)) < 1e-6)
+                continue; // on a border
             const int ring = r > 400 ? -1 : (int)fmin(29, floor((400 - r) / 13));
             const int expected = ring < 0 ? FFP_LOLLIPOP_FIELDS : ring * 8 + (int)(angle / 45);
             assert_int_equal(map[y * 800 + x], expected);
@@ -27,16 +30,17 @@ static void wide_patterns_have_ellipses(void **state) {
     (void)state;
     uint8_t *map = ffp_lollipop_map(1920, 1080);
     assert_int_equal(map[0], FFP_LOLLIPOP_FIELDS);
-    assert_int_equal(map[1080 / 2 * 1920 + 1919] / 8, 0);   // right end of the outermost ellipse
-    assert_int_equal(map[1079 * 1920 + 970] / 8, 0);        // and its lower end
-    assert_int_equal(map[1080 / 2 * 1920 + 965], 29 * 8);   // the middle
+    assert_int_equal(map[1080 / 2 * 1920 + 1919] / 8, 0); // right end of the outermost ellipse
+    assert_int_equal(map[1079 * 1920 + 970] / 8, 0);      // and its lower end
+    assert_int_equal(map[1080 / 2 * 1920 + 965], 29 * 8); // the middle
     assert_int_equal(map[545 * 1920 + 960 + 928 - 3] / 8, 1);
     free(map);
 }
 
 static void colours_are_eight_bit_and_fresh(void **state) {
     (void)state;
-    FfpImage a = ffp_lollipop_pattern(100, 100, 1), b = ffp_lollipop_pattern(100, 100, 1), c = ffp_lollipop_pattern(100, 100, 2);
+    FfpImage a = ffp_lollipop_pattern(100, 100, 1), b = ffp_lollipop_pattern(100, 100, 1),
+             c = ffp_lollipop_pattern(100, 100, 2);
     assert_memory_equal(a.data, b.data, 100 * 100 * 3 * sizeof(real));
     assert_memory_not_equal(a.data, c.data, 100 * 100 * 3 * sizeof(real));
     for (int i = 0; i < 100 * 100 * 3; i++) {
@@ -48,7 +52,8 @@ static void colours_are_eight_bit_and_fresh(void **state) {
     ffp_image_free(&c);
 }
 
-// Each field of a pattern that was drawn elsewhere must have one colour nearly everywhere: borders may differ by a pixel.
+// Each field of a pattern that was drawn elsewhere must have one colour nearly everywhere: borders may differ
+// by a pixel.
 static void a_foreign_lollipop_has_the_same_fields(void **state) {
     (void)state;
     char path[1024];

@@ -40,9 +40,11 @@ static void assert_closed(const FfpMesh *mesh) {
 static double volume(const FfpMesh *mesh) {
     double sum = 0;
     for (int t = 0; t < mesh->n_triangles; t++) {
-        const float *a = mesh->positions + 3 * mesh->triangles[3 * t], *b = mesh->positions + 3 * mesh->triangles[3 * t + 1];
+        const float *a = mesh->positions + 3 * mesh->triangles[3 * t],
+                    *b = mesh->positions + 3 * mesh->triangles[3 * t + 1];
         const float *c = mesh->positions + 3 * mesh->triangles[3 * t + 2];
-        sum += a[0] * (b[1] * c[2] - b[2] * c[1]) + a[1] * (b[2] * c[0] - b[0] * c[2]) + a[2] * (b[0] * c[1] - b[1] * c[0]);
+        sum += a[0] * (b[1] * c[2] - b[2] * c[1]) + a[1] * (b[2] * c[0] - b[0] * c[2]) +
+               a[2] * (b[0] * c[1] - b[1] * c[0]);
     }
     return sum / 6;
 }
@@ -58,7 +60,8 @@ static void assert_shape(const FfpMesh *mesh) {
     assert_in_range(mesh->n_triangles, 3000, 60000);
 }
 
-// The share of triangles whose smooth normals look the other way than their winding: only slivers at sharp edges may.
+// The share of triangles whose smooth normals look the other way than their winding: only slivers at sharp
+// edges may.
 static double contrary(const FfpMesh *mesh) {
     int against = 0;
     for (int t = 0; t < mesh->n_triangles; t++) {
@@ -85,7 +88,8 @@ static void meshes_are_closed_and_face_outwards(void **state) {
         assert_closed(&mesh);
         assert_shape(&mesh);
         const double inside = volume(&mesh), bent = contrary(&mesh);
-        if (inside < 0.02 || bent > 0.03) print_message("%s: volume %g, %g contrary\n", ffp_mesh_name(i), inside, bent);
+        if (inside < 0.02 || bent > 0.03)
+            print_message("%s: volume %g, %g contrary\n", ffp_mesh_name(i), inside, bent);
         assert_true(inside > 0.02);
         assert_true(bent <= 0.03);
         ffp_mesh_free(&mesh);
@@ -106,7 +110,8 @@ static void a_mesh_depends_on_its_number_alone(void **state) {
         assert_memory_equal(a.normals, b.normals, (size_t)a.n_vertices * 12);
         assert_memory_equal(a.triangles, b.triangles, (size_t)a.n_triangles * 12);
         // the next of the same family is another shape
-        assert_true(a.n_vertices != c.n_vertices || memcmp(a.positions, c.positions, (size_t)a.n_vertices * 12));
+        assert_true(a.n_vertices != c.n_vertices ||
+                    memcmp(a.positions, c.positions, (size_t)a.n_vertices * 12));
         ffp_mesh_free(&a);
         ffp_mesh_free(&b);
         ffp_mesh_free(&c);

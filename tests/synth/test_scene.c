@@ -18,7 +18,8 @@ static FfpSceneSpec small_spec(int mesh, int material) {
 
 static bool same_image(const FfpImage *a, const FfpImage *b) {
     return a->width == b->width && a->height == b->height && a->channels == b->channels &&
-           !memcmp(a->data, b->data, (size_t)a->width * (size_t)a->height * (size_t)a->channels * sizeof(real));
+           !memcmp(a->data, b->data,
+                   (size_t)a->width * (size_t)a->height * (size_t)a->channels * sizeof(real));
 }
 
 static void threads_do_not_change_a_bit(void **state) {
@@ -59,7 +60,8 @@ static void another_seed_is_another_picture(void **state) {
     spec.seed++;
     assert_true(ffp_scene_make(&b, &spec, &err));
     assert_false(same_image(&a.views[0].images[1], &b.views[0].images[1]));
-    assert_memory_equal(a.views[0].camera.pose, b.views[0].camera.pose, sizeof a.views[0].camera.pose); // the rig stays
+    assert_memory_equal(a.views[0].camera.pose, b.views[0].camera.pose,
+                        sizeof a.views[0].camera.pose); // the rig stays
     ffp_capture_free(&a);
     ffp_capture_free(&b);
 }
@@ -69,14 +71,16 @@ static void the_default_rig_is_the_reference_rig(void **state) {
     char path[1024];
     if (!shared_path(path, "captures/spot/render_poses.json")) skip();
     FfpSceneSpec spec = small_spec(0, 0);
-    spec.resolution = 128, spec.views = 8, spec.targets = 0, spec.lollipops = 0, spec.pattern_side = 800, spec.samples = 1;
+    spec.resolution = 128, spec.views = 8, spec.targets = 0, spec.lollipops = 0, spec.pattern_side = 800,
+    spec.samples = 1;
     FfpCapture made, read;
     FfpError err;
     assert_true(ffp_capture_read(&read, path, &err));
     assert_true(ffp_scene_make(&made, &spec, &err));
     for (int v = 0; v < 8; v++) {
         assert_string_equal(made.views[v].id, read.views[v].id);
-        const FfpCamera *pairs[2][2] = {{&made.views[v].camera, &read.views[v].camera}, {&made.views[v].projector, &read.views[v].projector}};
+        const FfpCamera *pairs[2][2] = {{&made.views[v].camera, &read.views[v].camera},
+                                        {&made.views[v].projector, &read.views[v].projector}};
         for (int d = 0; d < 2; d++) {
             assert_float_equal(pairs[d][0]->fx, pairs[d][1]->fx, 1e-2);
             assert_float_equal(pairs[d][0]->cx, pairs[d][1]->cx, 1e-4);
@@ -139,8 +143,9 @@ static void light_only_adds(void **state) {
     ffp_capture_free(&a);
 }
 
-// pixel = black + (white - black) * pattern at the projection of the true depth, as tools of the reference captures do it:
-// it holds for any material, so it checks poses, depth, pattern lookup and the order of colours at once.
+// pixel = black + (white - black) * pattern at the projection of the true depth, as tools of the reference
+// captures do it: it holds for any material, so it checks poses, depth, pattern lookup and the order of
+// colours at once.
 static double predicted_psnr(const FfpCapture *a, const FfpView *view, const FfpSummed *pattern, int p) {
     double square = 0;
     const int side = view->camera.width;
@@ -148,10 +153,12 @@ static double predicted_psnr(const FfpCapture *a, const FfpView *view, const Ffp
         for (int x = 0; x < side; x++) {
             const int i = y * side + x;
             real d[3], point[3], u, v, colour[3] = {0, 0, 0};
-            const real z = view->depth.data[i], slope = ffp_pixel_ray(&view->camera, (real)x + 0.5F, (real)y + 0.5F, d);
+            const real z = view->depth.data[i],
+                       slope = ffp_pixel_ray(&view->camera, (real)x + 0.5F, (real)y + 0.5F, d);
             for (int k = 0; k < 3; k++) point[k] = view->camera.pose[4 * k + 3] + z / slope * d[k];
             const real extent = 9 * (real)view->projector.width / 800;
-            if (z > 0 && ffp_project(&view->projector, point, &u, &v) > 0) ffp_lookup(pattern, u, v, extent, extent, colour);
+            if (z > 0 && ffp_project(&view->projector, point, &u, &v) > 0)
+                ffp_lookup(pattern, u, v, extent, extent, colour);
             for (int c = 0; c < 3; c++) {
                 const real black = view->images[0].data[3 * i + c], white = view->images[1].data[3 * i + c];
                 const real guess = ffp_srgb_encode(black + (white - black) * colour[c]);
@@ -185,7 +192,8 @@ static void disk_and_memory_agree(void **state) {
     (void)state;
     char root[] = "/tmp/ffp_synth_XXXXXX", folder[FFP_PATH_MAX], command[FFP_PATH_MAX + 16];
     assert_non_null(mkdtemp(root));
-    const FfpGeneration options = {.folder = root, .split = "test", .preset = "smoke", .first = 4, .count = 1, .resolution = 32};
+    const FfpGeneration options = {
+        .folder = root, .split = "test", .preset = "smoke", .first = 4, .count = 1, .resolution = 32};
     FfpError err;
     if (!ffp_generate(&options, &err)) fail_msg("%s", err.text);
     snprintf(folder, sizeof folder, "%s/test_00004", root);
@@ -199,8 +207,10 @@ static void disk_and_memory_agree(void **state) {
     if (!ffp_capture_read_targets(&targets, folder, &read, &err)) fail_msg("%s", err.text);
     assert_int_equal(targets.n_views, 2);
     assert_true(ffp_generate(&options, &err)); // a second run finds it done
-    const FfpGeneration wrong[4] = {{.folder = root, .split = "tests", .count = 1}, {.folder = root, .preset = "big", .count = 1},
-                                    {.folder = root, .first = 1000000, .count = 1}, {.folder = NULL, .count = 1}};
+    const FfpGeneration wrong[4] = {{.folder = root, .split = "tests", .count = 1},
+                                    {.folder = root, .preset = "big", .count = 1},
+                                    {.folder = root, .first = 1000000, .count = 1},
+                                    {.folder = NULL, .count = 1}};
     for (int i = 0; i < 4; i++) assert_false(ffp_generate(&wrong[i], &err));
     ffp_capture_free(&targets);
     ffp_capture_free(&read);
@@ -217,14 +227,16 @@ static void written_colours_come_back_exactly(void **state) {
     FfpCapture made, read;
     FfpError err;
     assert_true(ffp_scene_make(&made, &spec, &err));
-    if (!ffp_capture_write(&made, root, &err) || !ffp_capture_read(&read, root, &err)) fail_msg("%s", err.text);
+    if (!ffp_capture_write(&made, root, &err) || !ffp_capture_read(&read, root, &err))
+        fail_msg("%s", err.text);
     for (int v = 0; v < made.n_views; v++)
         for (int i = 0; i < 48 * 48; i++) {
             assert_float_equal(made.views[v].coverage.data[i], read.views[v].coverage.data[i], 1e-6);
             assert_float_equal(made.views[v].depth.data[i], read.views[v].depth.data[i], 1e-6);
             for (int p = 0; p < 3; p++)
                 for (int c = 0; c < 3; c++)
-                    assert_float_equal(made.views[v].images[p].data[3 * i + c], read.views[v].images[p].data[3 * i + c], 1e-5);
+                    assert_float_equal(made.views[v].images[p].data[3 * i + c],
+                                       read.views[v].images[p].data[3 * i + c], 1e-5);
         }
     ffp_capture_free(&made);
     ffp_capture_free(&read);
@@ -241,7 +253,8 @@ static void materials_vary_within_their_limits(void **state) {
             const FfpMaterial material = ffp_material_make(m, seed);
             double mean = 0;
             for (int i = 0; i < 500; i++) {
-                const float p[3] = {0.9F * sinf((float)i), 0.9F * sinf(1.7F * (float)i), 0.9F * cosf(2.3F * (float)i)};
+                const float p[3] = {0.9F * sinf((float)i), 0.9F * sinf(1.7F * (float)i),
+                                    0.9F * cosf(2.3F * (float)i)};
                 float albedo[3], roughness, normal[3] = {0.6F, 0, 0.8F};
                 ffp_material_look(&material, p, albedo, &roughness);
                 ffp_material_bump(&material, p, normal);
@@ -250,7 +263,8 @@ static void materials_vary_within_their_limits(void **state) {
                     mean += albedo[c] / 1500;
                 }
                 assert_true(roughness >= 0.15F && roughness <= 0.95F);
-                assert_float_equal(normal[0] * normal[0] + normal[1] * normal[1] + normal[2] * normal[2], 1, 1e-4);
+                assert_float_equal(normal[0] * normal[0] + normal[1] * normal[1] + normal[2] * normal[2], 1,
+                                   1e-4);
                 assert_true(0.6F * normal[0] + 0.8F * normal[2] > 0.5F);
             }
             darkest = fmin(darkest, mean), brightest = fmax(brightest, mean);
@@ -275,11 +289,16 @@ static void bad_specs_are_refused(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(threads_do_not_change_a_bit),      cmocka_unit_test(another_seed_is_another_picture),
-        cmocka_unit_test(the_default_rig_is_the_reference_rig), cmocka_unit_test(jitter_moves_rig_and_light),
-        cmocka_unit_test(light_only_adds),                  cmocka_unit_test(the_true_depth_predictor_holds),
-        cmocka_unit_test(disk_and_memory_agree),            cmocka_unit_test(written_colours_come_back_exactly),
-        cmocka_unit_test(materials_vary_within_their_limits), cmocka_unit_test(bad_specs_are_refused),
+        cmocka_unit_test(threads_do_not_change_a_bit),
+        cmocka_unit_test(another_seed_is_another_picture),
+        cmocka_unit_test(the_default_rig_is_the_reference_rig),
+        cmocka_unit_test(jitter_moves_rig_and_light),
+        cmocka_unit_test(light_only_adds),
+        cmocka_unit_test(the_true_depth_predictor_holds),
+        cmocka_unit_test(disk_and_memory_agree),
+        cmocka_unit_test(written_colours_come_back_exactly),
+        cmocka_unit_test(materials_vary_within_their_limits),
+        cmocka_unit_test(bad_specs_are_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,5 +1,5 @@
-// The simulator and the renderer must mean the same light: the generator's own depth, normal, albedo, roughness and shadows,
-// put through our shading, give back its direct-light picture.
+// The simulator and the renderer must mean the same light: the generator's own depth, normal, albedo,
+// roughness and shadows, put through our shading, give back its direct-light picture.
 #include <math.h>
 #include "render/render.h"
 #include "support.h"
@@ -20,8 +20,8 @@ static FfpGbuffer truth_gbuffer(const FfpView *view) {
     return g;
 }
 
-// A pixel whose neighbourhood is one surface: where a nearer part ends, samples of two surfaces share a pixel, and no mean
-// normal can stand for both.
+// A pixel whose neighbourhood is one surface: where a nearer part ends, samples of two surfaces share a
+// pixel, and no mean normal can stand for both.
 static int is_interior(const FfpView *view, int x, int y) {
     const int width = view->camera.width, height = view->camera.height;
     if (x < 1 || y < 1 || x >= width - 1 || y >= height - 1) return 0;
@@ -34,7 +34,8 @@ static int is_interior(const FfpView *view, int x, int y) {
 }
 
 typedef struct Agreement {
-    double interior, frame; // sRGB PSNR over interior pixels, and over the whole frame's fully covered ones and background
+    double interior,
+        frame; // sRGB PSNR over interior pixels, and over the whole frame's fully covered ones and background
 } Agreement;
 
 static Agreement compare(const FfpView *view, const FfpGbuffer *g, const FfpImage *out) {
@@ -73,7 +74,7 @@ static Agreement truth_agreement(const FfpCapture *capture, const FfpView *view,
 static void true_maps_give_back_the_direct_light(void **state) {
     (void)state;
     static const char *const scenes[3] = {"smooth", "bumpy", "glossy"};
-    static const int meshes[3] = {1, 2, 9}, materials[3] = {15, 11, 5};
+    static const int meshes[3] = {1, 7, 9}, materials[3] = {15, 11, 5};
     for (int s = 0; s < 3; s++) {
         FfpSceneSpec spec = ffp_scene_defaults();
         spec.mesh = meshes[s], spec.material = materials[s], spec.seed = 4;
@@ -86,8 +87,10 @@ static void true_maps_give_back_the_direct_light(void **state) {
         double interior = 0, frame = 0;
         for (int v = 0; v < 4; v++) {
             const Agreement a = truth_agreement(&capture, &capture.views[v], &visibility[v], &white);
-            print_message("%s, %s: interior %.2f dB, frame %.2f dB\n", scenes[s], capture.views[v].id, a.interior, a.frame);
-            interior += a.interior / 4, frame += a.frame / 4; // a single view may have a highlight narrower than a pixel
+            print_message("%s, %s: interior %.2f dB, frame %.2f dB\n", scenes[s], capture.views[v].id,
+                          a.interior, a.frame);
+            interior += a.interior / 4,
+                frame += a.frame / 4; // a single view may have a highlight narrower than a pixel
             ffp_image_free(&visibility[v]);
         }
         assert_true(interior >= 40);
