@@ -1,6 +1,6 @@
 // The training world: shapes, materials, patterns, the rig and the Embree light simulator. A scene is a pure
-// function of (mesh, material, seed): the same numbers give the same pixels on every machine and thread
-// count.
+// function of (mesh, material, seed): the same numbers give the same pixels whatever the thread count, and up
+// to floating-point rounding on every machine and compiler.
 #ifndef FFP_SYNTH_SYNTH_H
 #define FFP_SYNTH_SYNTH_H
 
@@ -24,7 +24,8 @@ FfpSceneSpec ffp_scene_defaults(void);
 
 // Input views first, then targets, in one capture (targets are views with ids "novel_NN"). Every view has
 // black, white and all lollipops, coverage, depth, normal, albedo, roughness and direct_white. Bounds are
-// exact, intensity known.
+// exact, intensity known. Images are what a reader gets from 8-bit PNG with straight alpha; truth maps are
+// means over the samples that hit (not multiplied by coverage), depth is that of the pixel's centre ray.
 bool ffp_scene_make(FfpCapture *capture, const FfpSceneSpec *spec, FfpError *err);
 
 int ffp_mesh_count(void);
