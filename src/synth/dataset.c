@@ -94,7 +94,7 @@ bool ffp_generate(const FfpGeneration *options, FfpError *err) {
     for (int64_t i = 0; i < count; i++) {
         char name[FFP_NAME_MAX], folder[FFP_PATH_MAX];
         snprintf(name, sizeof name, "%s_%05lld", options->split ? options->split : "all",
-                 (long long)(options->first + i));
+                 (long long)options->first + (long long)i);
         if (!ffp_join_path(folder, options->folder, name))
             return ffp_fail(err, options->folder, "the path is too long");
         ffp_dataset_scene(options->split, options->first + i, options->seed, &spec);

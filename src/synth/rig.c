@@ -66,7 +66,7 @@ void ffp_rig_input(const FfpSceneSpec *spec, int index, FfpView *view) {
         throw_radius *= ffp_rng_range(&rig, 0.9F, 1.1F);
         throw_polar += ffp_rng_range(&rig, -5, 5);
         throw_side = ffp_rng_range(&rig, -5, 5);
-        FfpRng stop = ffp_rng(spec->seed, (uint64_t)(STREAM_INPUT + index));
+        FfpRng stop = ffp_rng(spec->seed, STREAM_INPUT + (uint64_t)index);
         aim_near(&stop, 0.02, aim);
         aim_near(&stop, 0.05, throw_aim);
         wobble = ffp_rng_range(&stop, -2, 2);
@@ -79,7 +79,7 @@ void ffp_rig_target(const FfpSceneSpec *spec, int index, FfpView *view) {
     optics(&view->camera, spec->resolution, 40);
     optics(&view->projector, spec->pattern_side, 55);
     snprintf(view->id, sizeof view->id, "novel_%02d", index);
-    FfpRng rng = ffp_rng(spec->seed, (uint64_t)(STREAM_TARGET + index));
+    FfpRng rng = ffp_rng(spec->seed, STREAM_TARGET + (uint64_t)index);
     const double origin[3] = {0, 0, 0};
     const double azimuth = ffp_rng_range(&rng, 0, 360),
                  polar = ffp_rng_range(&rng, spec->jitter ? 52 : 63, 106);

@@ -32,7 +32,7 @@ static void vessel(FfpShape *shape, const float *r, const float *z, int n, bool 
 }
 
 void ffp_make_vase(FfpShape *shape, FfpRng *rng) {
-    float knot[7], r[19], z[19];
+    float knot[7] = {0}, r[19], z[19];
     const int knots = ffp_pick(rng, 4, 7);
     for (int i = 0; i < knots; i++) knot[i] = ffp_draw(rng, 0.22F, 0.72F);
     const bool bottle = ffp_pick(rng, 0, 2) == 0;

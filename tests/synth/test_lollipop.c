@@ -69,7 +69,9 @@ static void a_foreign_lollipop_has_the_same_fields(void **state) {
             const int here = map[y * rgb.width + x];
             if (here != map[y * rgb.width + x + 1] || here != map[(y + 1) * rgb.width + x]) continue;
             const real *p = at(&rgb, x, y), *right = at(&rgb, x + 1, y), *below = at(&rgb, x, y + 1);
-            same += !memcmp(p, right, 3 * sizeof(real)) && !memcmp(p, below, 3 * sizeof(real));
+            int equal = 1;
+            for (int c = 0; c < 3; c++) equal &= p[c] == right[c] && p[c] == below[c];
+            same += equal;
             all++;
         }
     assert_true(same > 0.995 * all);

@@ -111,7 +111,7 @@ static void a_mesh_depends_on_its_number_alone(void **state) {
         assert_memory_equal(a.triangles, b.triangles, (size_t)a.n_triangles * 12);
         // the next of the same family is another shape
         assert_true(a.n_vertices != c.n_vertices ||
-                    memcmp(a.positions, c.positions, (size_t)a.n_vertices * 12));
+                    memcmp(a.positions, c.positions, (size_t)a.n_vertices * 12) != 0);
         ffp_mesh_free(&a);
         ffp_mesh_free(&b);
         ffp_mesh_free(&c);

@@ -28,7 +28,7 @@ static int is_interior(const FfpView *view, int x, int y) {
     const real here = view->depth.data[y * width + x];
     for (int k = 0; k < 9; k++) {
         const int i = (y + k / 3 - 1) * width + x + k % 3 - 1;
-        if (view->coverage.data[i] < 1 || fabs(view->depth.data[i] - here) > 0.1F) return 0;
+        if (view->coverage.data[i] < 1 || fabsf(view->depth.data[i] - here) > 0.1F) return 0;
     }
     return 1;
 }
