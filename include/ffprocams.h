@@ -134,13 +134,15 @@ FfpScore *ffp_evaluate(const FfpEvaluation *options, int *n_scores, FfpError *er
 // --- Training and its data. ---
 
 typedef struct FfpTraining {
-    const char *out;        // folder for checkpoint, weights, metrics
+    const char *out;        // folder for checkpoint.safetensors, weights.safetensors, metrics.jsonl, pictures
     const char *config;     // JSON file, or NULL for the defaults
-    const char *initial;    // weights to start from, or NULL
+    const char *initial;    // weights to start from with a fresh optimiser, or NULL
     const char *perceptual; // safetensors of the perceptual term, or NULL: off
     int64_t steps;          // -1: as the configuration says
-    bool resume;            // go on from the checkpoint in `out`
+    int64_t stop_at;        // stop at this step with a checkpoint, as a signal would; 0: go to the end
+    bool resume;            // go on from the checkpoint in `out`, with the configuration that stands in it
 } FfpTraining;
+// Runs to the end, or until SIGINT or SIGTERM, which write a checkpoint first.
 bool ffp_train_model(const FfpTraining *options, FfpError *err);
 
 typedef struct FfpGeneration {

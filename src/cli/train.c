@@ -3,7 +3,7 @@
 
 static const char help[] =
     "usage: ffprocams train --out DIR [--config FILE] [--steps N] [--resume] [--initial FILE]\n"
-    "                       [--perceptual FILE]\n"
+    "                       [--perceptual FILE] [--stop-at N]\n"
     "\n"
     "Trains weights on scenes that are generated as training goes. DIR receives\n"
     "checkpoint.safetensors (everything needed to go on bit for bit), weights.safetensors (what\n"
@@ -11,7 +11,8 @@ static const char help[] =
     "\n"
     "  -o, --out DIR          folder of the run; made when it is not there\n"
     "  -c, --config FILE      JSON with the fields that differ from the defaults (docs/formats.md)\n"
-    "  -n, --steps N          stop at step N instead of the configuration's\n"
+    "  -n, --steps N          length of the run (and of its schedule) instead of the configuration's\n"
+    "      --stop-at N        stop at step N with a checkpoint, to go on later with --resume\n"
     "  -r, --resume           go on from DIR/checkpoint.safetensors, which holds the configuration too\n"
     "      --initial FILE     start from these weights, with a fresh optimiser\n"
     "      --perceptual FILE  network of the perceptual term (safetensors); without it that term is\n"
@@ -21,13 +22,14 @@ static const char help[] =
     "         ffprocams train --out run --resume\n";
 
 int ffp_cli_train(int argc, char **argv) {
-    enum { INITIAL = 256, PERCEPTUAL };
+    enum { INITIAL = 256, PERCEPTUAL, STOP_AT };
     static const struct option options[] = {{"out", required_argument, NULL, 'o'},
                                             {"config", required_argument, NULL, 'c'},
                                             {"steps", required_argument, NULL, 'n'},
                                             {"resume", no_argument, NULL, 'r'},
                                             {"initial", required_argument, NULL, INITIAL},
                                             {"perceptual", required_argument, NULL, PERCEPTUAL},
+                                            {"stop-at", required_argument, NULL, STOP_AT},
                                             {"help", no_argument, NULL, 'h'},
                                             {0}};
     FfpTraining training = {.steps = -1};
@@ -45,6 +47,9 @@ int ffp_cli_train(int argc, char **argv) {
         case 'r':
             training.resume = true;
             break;
+        case STOP_AT:
+            if (ffp_cli_number(optarg, 1, 1000000000, &training.stop_at)) break;
+            return ffp_cli_usage(argv[0], "--stop-at is a number from 1 to 1000000000, not %s", optarg);
         case INITIAL:
             training.initial = optarg;
             break;

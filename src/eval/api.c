@@ -77,13 +77,3 @@ void ffp_gaussians_close(FfpGaussians *gaussians) {
     ffp_gaussians_free(gaussians);
     free(gaussians);
 }
-
-bool ffp_train_model(const FfpTraining *options, FfpError *err) {
-    const FfpTrainOptions train = {.out = options->out,
-                                   .config = options->config,
-                                   .initial = options->initial,
-                                   .perceptual = options->perceptual,
-                                   .steps = options->steps,
-                                   .resume = options->resume};
-    return ffp_train(&train, err);
-}

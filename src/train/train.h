@@ -1,5 +1,6 @@
-// Training: scenes made as it goes, one step, the optimiser, checkpoints, validation. Everything random in a
-// step is a pure function of (seed, step), so a resumed run repeats the bits of one that was never stopped.
+// Training (ffp_train_model of the public header): scenes made as it goes, one step, the optimiser,
+// checkpoints, validation. Everything random in a step is a pure function of (seed, step), so a resumed run
+// repeats the bits of one that was never stopped.
 #ifndef FFP_TRAIN_TRAIN_H
 #define FFP_TRAIN_TRAIN_H
 
@@ -52,19 +53,6 @@ bool ffp_train_config_read(FfpTrainConfig *config, const char *path, FfpError *e
 bool ffp_train_config_parse(FfpTrainConfig *config, const char *text, const char *where, FfpError *err);
 char *ffp_train_config_print(
     const FfpTrainConfig *config); // JSON text, malloc'd; reads back to the same configuration
-
-typedef struct FfpTrainOptions {
-    const char
-        *out; // folder for checkpoint.safetensors, weights.safetensors, metrics.jsonl, validation pictures
-    const char *config;     // file, or NULL for the defaults
-    const char *initial;    // weights file to start from (fresh optimiser), or NULL
-    const char *perceptual; // safetensors with a perceptual network, or NULL: that term is off and says so
-    int64_t steps;          // overrides the configuration's when >= 0
-    int64_t stop_at;        // stop at this step with a checkpoint, as a signal would; negative: go to the end
-    bool resume;            // go on from out/checkpoint.safetensors, with the configuration that stands in it
-} FfpTrainOptions;
-// Runs to the end, or until SIGINT/SIGTERM, which write a checkpoint first. Returns false with an error.
-bool ffp_train(const FfpTrainOptions *options, FfpError *err);
 
 // --- The parts, in the order of a step; used by ffp_train and by the tests. ---
 

@@ -6,6 +6,7 @@
 #include <time.h>
 #include <unistd.h>
 #include <jansson.h>
+#include "ffprocams.h"
 #include "base/arena.h"
 #include "base/file.h"
 #include "base/log.h"
@@ -182,7 +183,7 @@ static bool run(Trainer *trainer, int64_t stop_at, FfpError *err) {
 }
 
 // The model and its configuration: from the checkpoint, from given weights, or new.
-static bool open_model(Trainer *trainer, const FfpTrainOptions *options, FfpError *err) {
+static bool open_model(Trainer *trainer, const FfpTraining *options, FfpError *err) {
     FfpTrainConfig *config = &trainer->config;
     char path[FFP_PATH_MAX];
     if (options->resume) {
@@ -215,7 +216,7 @@ static bool open_metrics(Trainer *trainer, bool resume, FfpError *err) {
     return trainer->metrics || ffp_fail(err, path, "cannot write");
 }
 
-static bool open_trainer(Trainer *trainer, const FfpTrainOptions *options, FfpError *err) {
+static bool open_trainer(Trainer *trainer, const FfpTraining *options, FfpError *err) {
     trainer->out = options->out;
     if (!open_model(trainer, options, err) || !open_metrics(trainer, options->resume, err)) return false;
     if (options->perceptual && !(trainer->perceptual = ffp_perceptual_read(options->perceptual, err)))
@@ -242,7 +243,7 @@ static void close_trainer(Trainer *trainer) {
     if (trainer->metrics) fclose(trainer->metrics);
 }
 
-bool ffp_train(const FfpTrainOptions *options, FfpError *err) {
+bool ffp_train_model(const FfpTraining *options, FfpError *err) {
     struct sigaction action = {.sa_handler = on_signal}, old_int, old_term;
     interrupted = 0;
     sigaction(SIGINT, &action, &old_int);

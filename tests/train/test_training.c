@@ -1,5 +1,6 @@
 // Training as a whole: it can learn, and a resumed run repeats the bits of one that was never stopped.
 #include <unistd.h>
+#include "ffprocams.h"
 #include "base/file.h"
 #include "support.h"
 #include "train/train.h"
@@ -16,9 +17,9 @@ static void in_folder(char path[FFP_PATH_MAX], const char *folder, const char *n
 
 static void train(const char *out, const char *config, int64_t stop_at, bool resume) {
     FfpError err = {""};
-    const FfpTrainOptions options = {
+    const FfpTraining options = {
         .out = out, .config = config, .steps = -1, .stop_at = stop_at, .resume = resume};
-    if (!ffp_train(&options, &err)) fail_msg("%s", err.text);
+    if (!ffp_train_model(&options, &err)) fail_msg("%s", err.text);
 }
 
 static void assert_same_files(const char *a, const char *b) {
@@ -42,9 +43,9 @@ static void test_resume(void **state) {
     in_folder(stopped, root, "stopped");
     assert_true(ffp_write_file(config, tiny_run, strlen(tiny_run), NULL));
 
-    train(straight, config, -1, false);
+    train(straight, config, 0, false);
     train(stopped, config, 3, false);
-    train(stopped, NULL, -1, true);
+    train(stopped, NULL, 0, true);
     const char *const files[] = {"checkpoint.safetensors", "weights.safetensors"};
     for (int i = 0; i < 2; i++) {
         char a[FFP_PATH_MAX], b[FFP_PATH_MAX];
@@ -59,17 +60,17 @@ static void test_refusals(void **state) {
     char root[] = "/tmp/ffp_train_XXXXXX", path[FFP_PATH_MAX];
     assert_non_null(mkdtemp(root));
     FfpError err = {""};
-    FfpTrainOptions options = {.out = root, .steps = -1, .stop_at = -1, .resume = true};
-    assert_false(ffp_train(&options, &err));
+    FfpTraining options = {.out = root, .steps = -1, .resume = true};
+    assert_false(ffp_train_model(&options, &err));
     assert_non_null(strstr(err.text, "checkpoint.safetensors"));
     in_folder(path, root, "checkpoint.safetensors");
     assert_true(ffp_write_file(path, "\x08\0\0\0\0\0\0\0{}      ", 16, NULL));
-    assert_false(ffp_train(&options, &err));
+    assert_false(ffp_train_model(&options, &err));
     assert_non_null(strstr(err.text, "not a checkpoint"));
     in_folder(path, root, "metrics.jsonl");
     assert_true(ffp_write_file(path, "", 0, NULL));
     options.resume = false;
-    assert_false(ffp_train(&options, &err));
+    assert_false(ffp_train_model(&options, &err));
     assert_non_null(strstr(err.text, "--resume"));
 }
 
