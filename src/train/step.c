@@ -14,6 +14,7 @@ struct FfpStepper {
     const FfpPerceptual *perceptual;
     FfpRenderSettings settings;
     FfpRun *run;
+    FfpProfile profile; // of the run, this step
     FfpRaster *raster, *shadow_raster;
     // of one view, remade when the image size changes:
     FfpGbuffer gbuffer, grad_gbuffer;
@@ -29,6 +30,7 @@ FfpStepper *ffp_stepper_new(const FfpTrainConfig *config, const FfpPerceptual *p
     s->perceptual = perceptual;
     s->settings = strcmp(config->model.render, "paper") == 0 ? ffp_render_paper() : ffp_render_defaults();
     s->run = ffp_run_new();
+    s->run->profile = &s->profile;
     s->raster = ffp_raster_new();
     s->shadow_raster = ffp_raster_new();
     return s;
@@ -258,6 +260,7 @@ bool ffp_step_loss(FfpStepper *s, const FfpModel *model, const FfpScene *scene, 
                    FfpLosses *losses, real *grad, FfpError *err) {
     const FfpTrainConfig *c = s->config;
     *losses = (FfpLosses){0};
+    s->profile = (FfpProfile){0};
     double clock = ffp_seconds();
     if (!ffp_model_forward(model, s->run, &scene->inputs, &scene->start, scene->active, err)) return false;
     losses->forward_s = ffp_seconds() - clock;
@@ -281,5 +284,6 @@ bool ffp_step_loss(FfpStepper *s, const FfpModel *model, const FfpScene *scene, 
     clock = ffp_seconds();
     ffp_model_backward(model, s->run, &s->grad_gaussians, s->grad_t, grad);
     losses->backward_s = ffp_seconds() - clock;
+    losses->network = s->profile;
     return true;
 }

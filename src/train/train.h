@@ -74,6 +74,7 @@ typedef struct FfpLosses { // weighted values of a step's terms, and seconds of 
     double l1, ssim, perceptual, mask, depth, distortion, normal_smooth, roughness_smooth, direct_t;
     double truth_albedo, truth_normal, truth_roughness, total;
     double forward_s, rasterise_s, shade_s, loss_s, shade_backward_s, rasterise_backward_s, backward_s;
+    FfpProfile network; // parts of forward_s and backward_s
 } FfpLosses;
 // What a step needs besides the model; reused from step to step.
 typedef struct FfpStepper FfpStepper;

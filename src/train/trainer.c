@@ -76,21 +76,33 @@ static void write_metrics(Trainer *trainer, json_t *line) {
     json_decref(line);
 }
 
+static json_t *terms_of(const FfpLosses *l) {
+    return json_pack("{sf sf sf sf sf sf sf sf sf sf sf sf}", "l1", l->l1, "ssim", l->ssim, "perceptual",
+                     l->perceptual, "mask", l->mask, "depth", l->depth, "distortion", l->distortion,
+                     "normal_smooth", l->normal_smooth, "roughness_smooth", l->roughness_smooth, "direct_t",
+                     l->direct_t, "truth_albedo", l->truth_albedo, "truth_normal", l->truth_normal,
+                     "truth_roughness", l->truth_roughness);
+}
+
+static json_t *network_seconds(const FfpProfileTimes *t) {
+    return json_pack("{sf sf sf sf sf sf}", "tokenise", t->tokenise, "scan", t->scan, "attention",
+                     t->attention, "products", t->products, "other", t->other, "heads", t->heads);
+}
+
+static json_t *seconds_of(const FfpLosses *l, double scene_s, double step_s) {
+    return json_pack("{sf sf sf so sf sf sf sf sf sf so}", "step", step_s, "scene", scene_s, "forward",
+                     l->forward_s, "network_forward", network_seconds(&l->network.forward), "rasterise",
+                     l->rasterise_s, "shade", l->shade_s, "loss", l->loss_s, "shade_backward",
+                     l->shade_backward_s, "rasterise_backward", l->rasterise_backward_s, "backward",
+                     l->backward_s, "network_backward", network_seconds(&l->network.backward));
+}
+
 static void log_step(Trainer *trainer, int64_t step, const FfpLosses *l, double norm, bool skipped,
                      double scene_s, double step_s) {
     const double rate = ffp_learning_rate(&trainer->config, step);
-    write_metrics(trainer,
-                  json_pack("{sI sf sf sf sf sf sf sf sf sf sf sf sf sf sf sf sb sf sf sf sf sf sf sf sf sf}",
-                            "step", (json_int_t)step, "loss", l->total, "l1", l->l1, "ssim", l->ssim,
-                            "perceptual", l->perceptual, "mask", l->mask, "depth", l->depth, "distortion",
-                            l->distortion, "normal_smooth", l->normal_smooth, "roughness_smooth",
-                            l->roughness_smooth, "direct_t", l->direct_t, "truth_albedo", l->truth_albedo,
-                            "truth_normal", l->truth_normal, "truth_roughness", l->truth_roughness,
-                            "gradient_norm", norm, "learning_rate", rate, "skipped", (int)skipped, "step_s",
-                            step_s, "scene_s", scene_s, "forward_s", l->forward_s, "rasterise_s",
-                            l->rasterise_s, "shade_s", l->shade_s, "loss_s", l->loss_s, "shade_backward_s",
-                            l->shade_backward_s, "rasterise_backward_s", l->rasterise_backward_s,
-                            "backward_s", l->backward_s));
+    write_metrics(trainer, json_pack("{sI sf so sf sf sb so}", "step", (json_int_t)step, "loss", l->total,
+                                     "terms", terms_of(l), "gradient_norm", norm, "learning_rate", rate,
+                                     "skipped", (int)skipped, "seconds", seconds_of(l, scene_s, step_s)));
     const double elapsed = ffp_seconds() - trainer->started;
     ffp_note("step %lld/%lld loss %.4f (l1 %.4f ssim %.4f t %.4f mask %.4f) norm %.2f%s rate %.2g, %.2f s a "
              "step, %.0f s",
