@@ -7,13 +7,20 @@
 #include "base/arena.h"
 #include "match/line.h"
 
-#define SLACK 2.0F // footprints
+#define SLACK 2.0F      // footprints
+#define FREE_STEPS 256  // pixel footprints that are tried along a ray
+#define FREE_TRUST 0.3F // trust, beyond that of views that agree, that it takes to call a point seen through
+#define OUTSIDE 0.2F    // coverage at another view's outline up to which a point counts as outside it,
+#define INSIDE 0.6F     // and from which as inside: a surface point on the very outline shows about one half
 
-// Greatest of the four bilinear neighbours: a surface point on another view's outline lies between object and
-// background pixels, and must not be cut away by half.
-static real widest_coverage(const FfpImage *coverage, int x, int y) {
-    const real *row = coverage->data + (size_t)y * (size_t)coverage->width + (size_t)x;
-    return fmax(fmax(row[0], row[1]), fmax(row[coverage->width], row[coverage->width + 1]));
+#include <stdlib.h>
+static real share_inside(const FfpImage *coverage, real u, real v) {
+    const int x = (int)(u - 0.5F), y = (int)(v - 0.5F);
+    const real a = u - 0.5F - (real)x, b = v - 0.5F - (real)y;
+    const real *p = coverage->data + (size_t)y * (size_t)coverage->width + (size_t)x,
+               *q = p + coverage->width;
+    const real shown = (p[0] * (1 - a) + p[1] * a) * (1 - b) + (q[0] * (1 - a) + q[1] * a) * b;
+    return fmin(fmax((shown - OUTSIDE) / (INSIDE - OUTSIDE), 0), 1);
 }
 
 static void consult_depth(FfpWitness *out, const FfpDepths *depths, int view, int x, int y, real z) {
@@ -48,7 +55,7 @@ FfpWitness ffp_consult(const FfpDepths *depths, int view, const real point[3]) {
         const int x = (int)(u - 0.5F), y = (int)(v - 0.5F);
         if (x + 1 >= depths->width || y + 1 >= depths->height) continue;
         out.views++;
-        out.coverage = fmin(out.coverage, widest_coverage(&seer->coverage, x, y));
+        out.coverage = fmin(out.coverage, share_inside(&seer->coverage, u, v));
         consult_depth(&out, depths, other, x, y, z);
     }
     return out;
@@ -75,4 +82,27 @@ void ffp_reject_inconsistent(FfpDepths *depths) {
     }
     memcpy(depths->trust, kept, area * (size_t)depths->capture->n_views * sizeof(real));
     free(kept);
+}
+
+void ffp_free_space(real *range, const FfpDepths *depths) {
+#pragma omp parallel for schedule(static)
+    for (int row = 0; row < depths->capture->n_views * depths->height; row++) {
+        const int view = row / depths->height, y = row % depths->height;
+        const FfpView *self = &depths->capture->views[view];
+        for (int x = 0; x < depths->width; x++) {
+            const size_t i = (size_t)row * (size_t)depths->width + (size_t)x;
+            if (depths->trust[i] > 0 ||
+                self->coverage.data[(size_t)y * (size_t)depths->width + (size_t)x] <= 0)
+                continue;
+            real z = range[2 * i];
+            for (int step = 0; step < FREE_STEPS && z < range[2 * i + 1]; step++) {
+                real point[3];
+                ffp_point_at(&self->camera, (real)x + 0.5F, (real)y + 0.5F, z, point);
+                const FfpWitness witness = ffp_consult(depths, view, point);
+                if (witness.trust_past <= FREE_TRUST + witness.trust_agree) break;
+                z += z / self->camera.fx;
+            }
+            range[2 * i] = fmin(z, range[2 * i + 1]);
+        }
+    }
 }

@@ -26,4 +26,8 @@ FfpWitness ffp_consult(const FfpDepths *depths, int view, const real point[3]);
 // Takes the trust from depths that more trusted views see past than agree with.
 void ffp_reject_inconsistent(FfpDepths *depths);
 
+// Moves the near end of the range [views,h,w,2] of pixels without trusted depth to where no view's trusted
+// surface lies behind it any more: what is seen through is empty.
+void ffp_free_space(real *range, const FfpDepths *depths);
+
 #endif

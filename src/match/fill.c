@@ -1,57 +1,70 @@
 #include "match/fill.h"
 
 #include <stdlib.h>
+#include <tgmath.h>
 
 #include "base/arena.h"
 
 #define ITERATIONS 80
 #define OVER 1.85F // over-relaxation; holes are some tens of pixels wide
 
-// Sum of the known values among the four neighbours; `known` false where 0 stands.
-static int neighbours(const real *depth, int width, int height, int x, int y, real *sum) {
-    const size_t i = (size_t)y * (size_t)width + (size_t)x;
+typedef struct Sheet { // a function on the picture, known in places
+    int width, height;
+    real *value;
+    unsigned char *known;
+} Sheet;
+
+// Mean of the known values among the four neighbours; false when there is none.
+static bool neighbours_mean(const Sheet *sheet, size_t i, real *mean) {
+    const size_t width = (size_t)sheet->width, x = i % width, y = i / width;
+    const size_t around[4] = {i - 1, i + 1, i - width, i + width};
+    const bool there[4] = {x > 0, x + 1 < width, y > 0, y + 1 < (size_t)sheet->height};
     int count = 0;
-    *sum = 0;
-    if (x > 0 && depth[i - 1] > 0) *sum += depth[i - 1], count++;
-    if (x + 1 < width && depth[i + 1] > 0) *sum += depth[i + 1], count++;
-    if (y > 0 && depth[i - (size_t)width] > 0) *sum += depth[i - (size_t)width], count++;
-    if (y + 1 < height && depth[i + (size_t)width] > 0) *sum += depth[i + (size_t)width], count++;
-    return count;
+    real sum = 0;
+    for (int n = 0; n < 4; n++)
+        if (there[n] && sheet->known[around[n]]) sum += sheet->value[around[n]], count++;
+    *mean = count > 0 ? sum / (real)count : 0;
+    return count > 0;
 }
 
-// Grows the known region by a ring at a time; lists the pixels that it gained, in the order of their rings.
-static size_t grow(real *depth, const real *mask, int width, int height, size_t *gained) {
-    const size_t pixels = (size_t)width * (size_t)height;
-    real *value = ffp_alloc(pixels, sizeof(real));
+// Grows the known region within the mask by a ring at a time; lists the pixels that it gained, in the order
+// of their rings.
+static size_t grow(Sheet *sheet, const real *mask, size_t *gained) {
     size_t total = 0, start;
     do {
         start = total;
-        for (size_t i = 0; i < pixels; i++) {
-            real sum;
-            if (depth[i] > 0 || (mask != NULL && mask[i] <= 0)) continue;
-            const int count =
-                neighbours(depth, width, height, (int)(i % (size_t)width), (int)(i / (size_t)width), &sum);
-            if (count > 0) gained[total] = i, value[total++] = sum / (real)count;
+        for (size_t i = 0; i < (size_t)sheet->width * (size_t)sheet->height; i++) {
+            real mean;
+            if (sheet->known[i] || (mask != NULL && mask[i] <= 0) || !neighbours_mean(sheet, i, &mean))
+                continue;
+            sheet->value[i] = mean;
+            gained[total++] = i;
         }
-        for (size_t k = start; k < total; k++) depth[gained[k]] = value[k];
+        for (size_t k = start; k < total; k++) sheet->known[gained[k]] = 1;
     } while (total > start);
-    free(value);
     return total;
 }
 
-void ffp_fill_smoothly(real *depth, const real *mask, int width, int height) {
-    size_t *gained = ffp_alloc((size_t)width * (size_t)height, sizeof *gained);
-    const size_t total = grow(depth, mask, width, height, gained);
+void ffp_fill_smoothly(real *depth, const real *mask, const real *range, int width, int height) {
+    const size_t pixels = (size_t)width * (size_t)height;
+    Sheet sheet = {width, height, ffp_alloc(pixels, sizeof(real)), ffp_alloc(pixels, 1)};
+    size_t *gained = ffp_alloc(pixels, sizeof *gained);
+    for (size_t i = 0; i < pixels; i++) {
+        sheet.known[i] = depth[i] > 0;
+        sheet.value[i] = depth[i] - (range != NULL ? range[2 * i] : 0);
+    }
+    const size_t total = grow(&sheet, mask, gained);
     for (int round = 0; round < ITERATIONS; round++) {
         for (size_t k = 0; k < total; k++) {
-            const size_t i = gained[k];
-            real sum;
-            const int count =
-                neighbours(depth, width, height, (int)(i % (size_t)width), (int)(i / (size_t)width), &sum);
-            if (count == 0) continue;
-            const real moved = depth[i] + OVER * (sum / (real)count - depth[i]);
-            depth[i] = moved > 0 ? moved : sum / (real)count;
+            real mean;
+            if (neighbours_mean(&sheet, gained[k], &mean))
+                sheet.value[gained[k]] += OVER * (mean - sheet.value[gained[k]]);
         }
     }
-    free(gained);
+    for (size_t k = 0; k < total; k++) {
+        const size_t i = gained[k];
+        depth[i] = sheet.value[i];
+        if (range != NULL) depth[i] = fmin(fmax(depth[i], 0) + range[2 * i], range[2 * i + 1]);
+    }
+    free(gained), free(sheet.value), free(sheet.known);
 }

@@ -78,21 +78,26 @@ static void choose(real *depth, real *confidence, const real *total, const real 
     free(sum);
 }
 
-void ffp_match_view(real *depth, real *confidence, const FfpCapture *capture, int view,
+void ffp_match_view(real *depth, real *confidence, real *range, const FfpCapture *capture, int view,
                     const FfpObservation *seen, const FfpBlurred *pattern, const FfpMatchSettings *settings) {
     const FfpView *self = &capture->views[view];
     const FfpPlanes planes = ffp_planes(capture, view, settings);
     const size_t pixels = (size_t)seen->width * (size_t)seen->height, cells = pixels * (size_t)planes.count;
     real *cost = ffp_alloc(cells, sizeof(real)), *total = ffp_alloc(cells, sizeof(real));
-    ffp_sweep(cost, capture, view, seen, pattern, &planes, true);
+    unsigned char *inside = ffp_alloc(cells, 1);
+    ffp_hull(inside, capture, view, &planes);
+    for (size_t i = 0; range != NULL && i < pixels; i++)
+        ffp_hull_range(range + 2 * i, inside + i * (size_t)planes.count, &planes);
+    ffp_sweep(cost, self, seen, pattern, &planes, inside);
+    free(inside);
     ffp_semi_global(total, cost, self->coverage.data, seen->width, seen->height, planes.count, SMALL_STEP,
                     LARGE_STEP);
     choose(depth, confidence, total, cost, self->coverage.data, seen, &planes);
     free(total);
     free(cost);
-    real *finer = ffp_alloc(pixels, sizeof(real)), range = 2 * planes.step;
-    for (int round = 0; round < ROUNDS; round++, range /= 2) {
-        ffp_refine(finer, depth, confidence, self, seen, pattern, settings->fine_steps, range);
+    real *finer = ffp_alloc(pixels, sizeof(real)), span = 2 * planes.step;
+    for (int round = 0; round < ROUNDS; round++, span /= 2) {
+        ffp_refine(finer, depth, confidence, self, seen, pattern, settings->fine_steps, span);
         memcpy(depth, finer, pixels * sizeof(real));
     }
     free(finer);

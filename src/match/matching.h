@@ -7,7 +7,8 @@
 
 // depth [h,w]: camera z, 0 off the object. confidence [h,w]: 1 - best / second-best minimum's cost, times
 // lit; 0 where the pixel is not lit, or fits no hypothesis.
-void ffp_match_view(real *depth, real *confidence, const FfpCapture *capture, int view,
+// range [h,w,2], or NULL: the camera depths that the other views' silhouettes leave.
+void ffp_match_view(real *depth, real *confidence, real *range, const FfpCapture *capture, int view,
                     const FfpObservation *seen, const FfpBlurred *pattern, const FfpMatchSettings *settings);
 
 #endif

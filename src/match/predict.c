@@ -47,7 +47,7 @@ FfpImage ffp_predict_by_lookup(const FfpCapture *capture, int view_index, int pa
     FfpSummed summed = ffp_summed_new(&capture->patterns[pattern].image);
     real *whole = ffp_alloc(pixels, sizeof(real)), *even = ffp_alloc(pixels, sizeof(real));
     for (size_t i = 0; i < pixels; i++) whole[i] = depth[i], even[i] = 1;
-    ffp_fill_smoothly(whole, NULL, width, height);
+    ffp_fill_smoothly(whole, NULL, NULL, width, height);
 #pragma omp parallel for schedule(static)
     for (int y = 0; y < height; y++) {
         for (int x = 0; x < width; x++) {
@@ -76,8 +76,8 @@ void ffp_match_depth(const FfpCapture *capture, int view, int active, const FfpM
     FfpBlurred pattern =
         ffp_blurred_new(&capture->patterns[active].image, ffp_typical_footprint(capture, view));
     real *confidence = ffp_alloc((size_t)camera->width * (size_t)camera->height, sizeof(real));
-    ffp_match_view(depth, confidence, capture, view, &seen, &pattern, settings);
-    ffp_fill_smoothly(depth, NULL, camera->width, camera->height);
+    ffp_match_view(depth, confidence, NULL, capture, view, &seen, &pattern, settings);
+    ffp_fill_smoothly(depth, NULL, NULL, camera->width, camera->height);
     free(confidence);
     ffp_blurred_free(&pattern);
     ffp_observation_free(&seen);

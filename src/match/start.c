@@ -13,9 +13,9 @@
 #include "match/material.h"
 #include "match/observe.h"
 #include "match/surface.h"
+#include "match/sweep.h"
 
-#define FILLED_WEIGHT 0.05F // of a filled depth in a normal's fit, against a matched one's confidence
-#define NORMAL_REACH 2      // pixels
+#define NORMAL_REACH 2 // pixels
 
 static bool check_picture(const FfpImage *image, const FfpCamera *camera, int channels, const char *what,
                           const FfpView *view, FfpError *err) {
@@ -83,18 +83,20 @@ static void find_normals(real *normals, const FfpDepths *depths) {
 }
 
 // Gives every pixel on the object a depth: from the other views' trusted points, then smoothly.
-static void fill(FfpDepths *depths) {
+static void fill(FfpDepths *depths, real *range) {
     const FfpCapture *capture = depths->capture;
     const size_t area = (size_t)depths->width * (size_t)depths->height;
     real *normals = ffp_alloc(area * (size_t)capture->n_views, 3 * sizeof(real));
     real *filled = ffp_alloc(area * (size_t)capture->n_views, sizeof(real));
     find_normals(normals, depths);
+    ffp_free_space(range, depths);
 #pragma omp parallel for schedule(dynamic)
     for (int v = 0; v < capture->n_views; v++) {
         real *out = filled + (size_t)v * area;
         const FfpCamera *camera = &capture->views[v].camera;
         ffp_fill_from_others(out, depths, normals, v);
-        ffp_fill_smoothly(out, capture->views[v].coverage.data, depths->width, depths->height);
+        ffp_fill_smoothly(out, capture->views[v].coverage.data, range + 2 * (size_t)v * area, depths->width,
+                          depths->height);
         real x, y;
         const real middle = fmax(ffp_project(camera, capture->centre, &x, &y), 0.1F * capture->radius);
         for (size_t i = 0; i < area; i++) {
@@ -106,6 +108,13 @@ static void fill(FfpDepths *depths) {
     }
     memcpy(depths->depth, filled, area * (size_t)capture->n_views * sizeof(real));
     free(filled), free(normals);
+}
+
+// Opacity of a pixel's own splat. Splats of several views overlap at an outline, so that each must show less
+// than the pixel's coverage for all of them together to show it; half-covered pixels leave the outline to the
+// splats of their neighbours.
+static real own_share(real coverage) {
+    return fmax((coverage - 0.5F) / 0.5F, 0);
 }
 
 // What the other views say of each pixel's point, and where it lies along its ray.
@@ -125,7 +134,8 @@ static void judge(FfpStart *start, const FfpDepths *depths) {
             const FfpWitness witness = ffp_consult(depths, v, point);
             const int said = witness.agree + witness.past;
             start->coverage[i] =
-                fmin(view->coverage.data[(size_t)y * (size_t)start->width + (size_t)x], witness.coverage);
+                fmin(own_share(view->coverage.data[(size_t)y * (size_t)start->width + (size_t)x]),
+                     witness.coverage);
             start->agreement[i] = said > 0 ? (real)witness.agree / (real)said : 0;
             start->violation[i] = witness.views > 0 ? (real)witness.past / (real)witness.views : 0;
         }
@@ -134,12 +144,12 @@ static void judge(FfpStart *start, const FfpDepths *depths) {
 
 // Everything that follows from trusted depths. Takes depths->depth and ->trust over: trust becomes the
 // confidence.
-static void derive(FfpStart *start, FfpDepths *depths) {
+static void derive(FfpStart *start, FfpDepths *depths, real *range) {
     const size_t n = (size_t)start->views * (size_t)start->width * (size_t)start->height;
-    fill(depths);
+    fill(depths, range);
     memcpy(start->confidence, depths->trust, n * sizeof(real));
     for (size_t i = 0; i < n; i++)
-        if (depths->depth[i] > 0) depths->trust[i] += FILLED_WEIGHT;
+        if (depths->depth[i] > 0) depths->trust[i] = 1; // a fit's robust weights serve better than these
     find_normals(start->normal, depths);
     judge(start, depths);
     ffp_start_materials(start, depths->capture);
@@ -159,18 +169,19 @@ bool ffp_start_new(FfpStart *start, const FfpCapture *capture, int active, const
     FfpDepths depths = depths_new(capture, start);
     FfpBlurred pattern = ffp_blurred_new(&capture->patterns[active].image, ffp_typical_footprint(capture, 0));
     const size_t area = (size_t)start->width * (size_t)start->height;
+    real *range = ffp_alloc((size_t)start->views * area, 2 * sizeof(real));
 #pragma omp parallel for schedule(dynamic)
     for (int v = 0; v < capture->n_views; v++) {
         FfpObservation seen = ffp_observe(capture, v, active);
         memcpy(start->lit + (size_t)v * area, seen.lit, area * sizeof(real));
-        ffp_match_view(depths.depth + (size_t)v * area, depths.trust + (size_t)v * area, capture, v, &seen,
-                       &pattern, settings);
+        ffp_match_view(depths.depth + (size_t)v * area, depths.trust + (size_t)v * area,
+                       range + 2 * (size_t)v * area, capture, v, &seen, &pattern, settings);
         ffp_observation_free(&seen);
     }
     ffp_blurred_free(&pattern);
     ffp_reject_inconsistent(&depths);
-    derive(start, &depths);
-    free(depths.depth), free(depths.trust);
+    derive(start, &depths, range);
+    free(depths.depth), free(depths.trust), free(range);
     return true;
 }
 
@@ -181,7 +192,10 @@ bool ffp_start_from_depth(FfpStart *start, const FfpCapture *capture, int active
     *start = allocate(capture);
     FfpDepths depths = depths_new(capture, start);
     const size_t area = (size_t)start->width * (size_t)start->height;
+    real *range = ffp_alloc((size_t)start->views * area, 2 * sizeof(real));
+#pragma omp parallel for schedule(dynamic)
     for (int v = 0; v < capture->n_views; v++) {
+        ffp_hull_ranges(range + 2 * (size_t)v * area, capture, v);
         FfpObservation seen = ffp_observe(capture, v, active);
         memcpy(start->lit + (size_t)v * area, seen.lit, area * sizeof(real));
         ffp_observation_free(&seen);
@@ -191,7 +205,7 @@ bool ffp_start_from_depth(FfpStart *start, const FfpCapture *capture, int active
         depths.depth[i] = known ? depth[i] : 0;
         depths.trust[i] = known ? 1 : 0;
     }
-    derive(start, &depths);
-    free(depths.depth), free(depths.trust);
+    derive(start, &depths, range);
+    free(depths.depth), free(depths.trust), free(range);
     return true;
 }

@@ -13,11 +13,19 @@ typedef struct FfpPlanes {
 } FfpPlanes;
 FfpPlanes ffp_planes(const FfpCapture *capture, int view, const FfpMatchSettings *settings);
 
+// inside [h,w,count]: 1 where a hypothesis lies within the silhouettes of all other views, widened by a
+// pixel; what is outside a picture is not known to be empty. 0 off the object.
+void ffp_hull(unsigned char *inside, const FfpCapture *capture, int view, const FfpPlanes *planes);
+// The camera depths between which a pixel's ray is within the hull; the whole sphere where it never is.
+void ffp_hull_range(real range[2], const unsigned char *inside, const FfpPlanes *planes);
+// The same for all pixels of a view, [h,w,2].
+void ffp_hull_ranges(real *range, const FfpCapture *capture, int view);
+
 // cost [h,w,count] of a view's pixels: squared difference between the observed ratio and the pattern where
-// the hypothesis puts it, summed over channels with their weights. Zero off the object. `hull`: hypotheses
-// that lie outside the silhouette of any other view, widened by a pixel, cost as much as a wrong colour.
-void ffp_sweep(real *cost, const FfpCapture *capture, int view, const FfpObservation *seen,
-               const FfpBlurred *pattern, const FfpPlanes *planes, bool hull);
+// the hypothesis puts it, summed over channels with their weights; hypotheses outside the hull cost as much
+// as a wrong colour. Zero off the object.
+void ffp_sweep(real *cost, const FfpView *view, const FfpObservation *seen, const FfpBlurred *pattern,
+               const FfpPlanes *planes, const unsigned char *inside);
 
 // Semi-global aggregation (Hirschmueller 2008) over eight directions within the mask: total [h,w,count],
 // zeroed by the caller. Steps of one plane between neighbours cost `small`, longer ones `large`.
