@@ -1,28 +1,11 @@
 // Memory, random numbers, files, error text.
 #include <math.h>
-#include <unistd.h>
 
-#include "support.h"
+#include "scratch.h"
 #include "base/arena.h"
-#include "base/file.h"
 #include "base/log.h"
 #include "base/rng.h"
 #include "base/vec.h"
-
-static char folder[64];
-
-static int make_folder(void **state) {
-    (void)state;
-    strcpy(folder, "/tmp/ffp_base_XXXXXX");
-    return mkdtemp(folder) == NULL;
-}
-
-static int remove_folder(void **state) {
-    (void)state;
-    char command[128];
-    snprintf(command, sizeof command, "rm -r %s", folder);
-    return system(command);
-}
 
 static void arena_gives_aligned_zeroed_memory(void **state) {
     (void)state;
@@ -102,7 +85,7 @@ static void files_come_back_whole(void **state) {
     size_t size = 0;
     FfpError err = {0};
     for (size_t i = 0; i < sizeof bytes; i++) bytes[i] = (char)(i * 7);
-    assert_true(ffp_join_path(path, folder, "a"));
+    assert_true(ffp_join_path(path, scratch, "a"));
     assert_true(ffp_write_file(path, bytes, sizeof bytes, &err));
     assert_true(ffp_read_file(path, sizeof bytes, &data, &size, &err));
     assert_int_equal(size, sizeof bytes);
@@ -112,7 +95,7 @@ static void files_come_back_whole(void **state) {
     assert_false(ffp_read_file(path, sizeof bytes - 1, &data, &size, &err));
     assert_non_null(strstr(err.text, "larger than 199999 bytes"));
     assert_null(data);
-    assert_false(ffp_read_file(folder, 100, &data, &size, &err));
+    assert_false(ffp_read_file(scratch, 100, &data, &size, &err));
     assert_non_null(strstr(err.text, "is a folder"));
     assert_true(ffp_write_file(path, "", 0, &err));
     assert_true(ffp_read_file(path, 0, &data, &size, &err));
@@ -120,10 +103,10 @@ static void files_come_back_whole(void **state) {
     free(data);
 }
 
-static int files_in_folder(void) {
+static int files_there(void) {
     char command[128];
     int count = -1;
-    snprintf(command, sizeof command, "ls -A %s | wc -l", folder);
+    snprintf(command, sizeof command, "ls -A %s | wc -l", scratch);
     FILE *pipe = popen(command, "r");
     assert_non_null(pipe);
     assert_int_equal(fscanf(pipe, "%d", &count), 1);
@@ -136,9 +119,9 @@ static void an_aborted_file_changes_nothing(void **state) {
     (void)state;
     char path[FFP_PATH_MAX], *data = NULL;
     size_t size = 0;
-    assert_true(ffp_join_path(path, folder, "old"));
+    assert_true(ffp_join_path(path, scratch, "old"));
     assert_true(ffp_write_file(path, "old", 3, NULL));
-    const int before = files_in_folder();
+    const int before = files_there();
     FfpOutput out;
     assert_true(ffp_output_open(&out, path, NULL));
     fputs("half", out.stream);
@@ -148,7 +131,7 @@ static void an_aborted_file_changes_nothing(void **state) {
     free(data);
     ffp_output_abort(&out);
     ffp_output_abort(&out); // a second time does nothing
-    assert_int_equal(files_in_folder(), before);
+    assert_int_equal(files_there(), before);
     assert_true(ffp_output_open(&out, path, NULL));
     fputs("new", out.stream);
     assert_true(ffp_output_commit(&out, NULL));
@@ -156,7 +139,7 @@ static void an_aborted_file_changes_nothing(void **state) {
     assert_true(ffp_read_file(path, 100, &data, &size, NULL));
     assert_string_equal(data, "new");
     free(data);
-    assert_int_equal(files_in_folder(), before);
+    assert_int_equal(files_there(), before);
 }
 
 static void impossible_files_are_errors(void **state) {
@@ -164,24 +147,24 @@ static void impossible_files_are_errors(void **state) {
     char path[FFP_PATH_MAX], deep[FFP_PATH_MAX], long_name[2000];
     FfpError err = {0};
     FfpOutput out;
-    assert_true(ffp_join_path(path, folder, "no/such/place"));
+    assert_true(ffp_join_path(path, scratch, "no/such/place"));
     assert_false(ffp_write_file(path, "x", 1, &err));
     assert_non_null(strstr(err.text, path));
-    assert_false(ffp_output_open(&out, folder, &err));
+    assert_false(ffp_output_open(&out, scratch, &err));
     ffp_output_abort(&out);
     memset(long_name, 'n', sizeof long_name);
     long_name[sizeof long_name - 1] = 0;
     assert_false(ffp_output_open(&out, long_name, &err));
-    assert_false(ffp_join_path(path, folder, long_name));
+    assert_false(ffp_join_path(path, scratch, long_name));
     assert_false(ffp_make_folders(long_name, &err));
     assert_false(ffp_make_folders("", &err));
-    assert_true(ffp_join_path(deep, folder, "d1/d2/d3/"));
+    assert_true(ffp_join_path(deep, scratch, "d1/d2/d3/"));
     assert_true(ffp_make_folders(deep, &err));
     assert_true(ffp_make_folders(deep, &err));
     assert_true(ffp_is_folder(deep));
-    assert_true(ffp_join_path(path, folder, "plain"));
+    assert_true(ffp_join_path(path, scratch, "plain"));
     assert_true(ffp_write_file(path, "x", 1, &err));
-    assert_true(ffp_is_file(path) && !ffp_is_file(folder));
+    assert_true(ffp_is_file(path) && !ffp_is_file(scratch));
     assert_true(ffp_join_path(deep, path, "below"));
     assert_false(ffp_make_folders(deep, &err)); // a file is in the way
 }
@@ -237,5 +220,5 @@ int main(void) {
         cmocka_unit_test(poses_undo_themselves),
         cmocka_unit_test(progress_counts_and_time_runs),
     };
-    return cmocka_run_group_tests(tests, make_folder, remove_folder);
+    return cmocka_run_group_tests(tests, scratch_setup, scratch_teardown);
 }

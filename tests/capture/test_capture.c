@@ -1,7 +1,7 @@
 // Captures that are right: both layouts, coverage, bounds, intensity, normalising, writing and reading back.
 #include <math.h>
 
-#include "folder.h"
+#include "tiny_capture.h"
 #include "base/vec.h"
 
 static void assert_near(double got, double want, double tolerance) {
@@ -12,7 +12,7 @@ static void scene_is_read(void **state) {
     (void)state;
     FfpCapture capture;
     FfpError err = {0};
-    if (!ffp_capture_read(&capture, folder, &err)) fail_msg("%s", err.text);
+    if (!ffp_capture_read(&capture, scratch, &err)) fail_msg("%s", err.text);
     assert_string_equal(capture.name, "tiny");
     assert_int_equal(capture.n_views, 2);
     assert_int_equal(capture.n_patterns, 4);
@@ -38,7 +38,7 @@ static void scene_is_read(void **state) {
     assert_int_equal(ffp_capture_find_view(&capture, "c"), -1);
     ffp_capture_free(&capture);
     ffp_capture_free(&capture);
-    assert_true(ffp_capture_read(&capture, in_folder("scene.json"), &err)); // a file as well as a folder
+    assert_true(ffp_capture_read(&capture, in_scratch("scene.json"), &err)); // a file as well as a folder
     ffp_capture_free(&capture);
 }
 
@@ -46,7 +46,7 @@ static void active_pattern_is_found(void **state) {
     (void)state;
     FfpCapture capture;
     FfpError err = {0};
-    assert_true(ffp_capture_read(&capture, folder, &err));
+    assert_true(ffp_capture_read(&capture, scratch, &err));
     assert_int_equal(ffp_capture_active_pattern(&capture, NULL, &err), 3);
     assert_int_equal(ffp_capture_active_pattern(&capture, "dots", &err), 3);
     assert_int_equal(ffp_capture_active_pattern(&capture, "earth", &err), -1);
@@ -67,9 +67,9 @@ static void render_poses_are_read(void **state) {
     write_text("render_poses.json", poses_text);
     FfpImage depth = ffp_image_new(12, 10, 1);
     for (int i = 0; i < 120; i++) depth.data[i] = i == 7 ? 1 : 2500.F / 65535;
-    assert_true(ffp_image_write_png16(&depth, in_folder("a_depth.png"), NULL));
+    assert_true(ffp_image_write_png16(&depth, in_scratch("a_depth.png"), NULL));
     ffp_image_free(&depth);
-    if (!ffp_capture_read(&capture, in_folder("render_poses.json"), &err)) fail_msg("%s", err.text);
+    if (!ffp_capture_read(&capture, in_scratch("render_poses.json"), &err)) fail_msg("%s", err.text);
     assert_true(capture.black == 0 && capture.white == 1);
     assert_true(capture.patterns[2].novel && !capture.patterns[3].novel);
     assert_near(capture.intensity[0], 7.9577472, 1e-5);
@@ -81,7 +81,7 @@ static void render_poses_are_read(void **state) {
     assert_near(view->depth.data[7], 0, 0);
     assert_true(view->projector.width == 16 && view->projector.height == 9); // from the patterns
     ffp_capture_free(&capture);
-    assert_int_equal(unlink(in_folder("a_depth.png")), 0);
+    assert_int_equal(unlink(in_scratch("a_depth.png")), 0);
 }
 
 static void unknown_intensity_is_estimated(void **state) {
@@ -90,7 +90,7 @@ static void unknown_intensity_is_estimated(void **state) {
     char *text = replaced(scene_text, "\"intensity\": [7, 8, 9]", "\"intensity\": null");
     write_text("unknown.json", text);
     free(text);
-    assert_true(ffp_capture_read(&capture, in_folder("unknown.json"), NULL));
+    assert_true(ffp_capture_read(&capture, in_scratch("unknown.json"), NULL));
     assert_false(capture.intensity_known);
     // All lit pixels are alike, so the percentile is that of the three channels: the brightest, d^2 = 5.
     const double brightest = 1 - (double)ffp_srgb_decode(51.F / 255);
@@ -108,9 +108,9 @@ static void coverage_has_other_sources(void **state) {
             for (int c = 0; c < 3; c++) image.data[3 * i + c] = k == 1 && i % 12 < 6 ? 0.8F : 0.4F;
             mask.data[i] = i % 12 < 3 ? 1 : 0;
         }
-        assert_true(ffp_image_write_png(&image, in_folder(k == 0 ? "o0.png" : "o1.png"), NULL));
+        assert_true(ffp_image_write_png(&image, in_scratch(k == 0 ? "o0.png" : "o1.png"), NULL));
     }
-    assert_true(ffp_image_write_png(&mask, in_folder("a_mask.png"), NULL));
+    assert_true(ffp_image_write_png(&mask, in_scratch("a_mask.png"), NULL));
     char *text = replaced(poses_text, "/far/away/a0.png", "o0.png"),
          *opaque = replaced(text, "a1.png", "o1.png");
     free(text);
@@ -121,21 +121,21 @@ static void coverage_has_other_sources(void **state) {
     write_text("opaque.json", opaque);
     free(opaque);
     FfpCapture capture;
-    assert_true(ffp_capture_read(&capture, in_folder("opaque.json"), NULL));
+    assert_true(ffp_capture_read(&capture, in_scratch("opaque.json"), NULL));
     for (int i = 0; i < 120; i++) {
         assert_near(capture.views[0].coverage.data[i], i % 12 < 3, 0);
         assert_near(capture.views[0].images[0].data[3 * i], i % 12 < 3 ? ffp_srgb_decode(0.4F) : 0, 1e-6);
     }
     ffp_capture_free(&capture);
-    assert_int_equal(unlink(in_folder("a_mask.png")), 0);
-    assert_true(ffp_capture_read(&capture, in_folder("opaque.json"), NULL));
+    assert_int_equal(unlink(in_scratch("a_mask.png")), 0);
+    assert_true(ffp_capture_read(&capture, in_scratch("opaque.json"), NULL));
     for (int i = 0; i < 120; i++) {
         assert_near(capture.views[0].coverage.data[i], i % 12 < 6, 0);
         assert_near(capture.views[0].images[0].data[3 * i], ffp_srgb_decode(0.4F), 1e-6);
     }
-    assert_true(ffp_capture_write(&capture, in_folder("opaque"), NULL)); // the background must survive
+    assert_true(ffp_capture_write(&capture, in_scratch("opaque"), NULL)); // the background must survive
     ffp_capture_free(&capture);
-    assert_true(ffp_capture_read(&capture, in_folder("opaque"), NULL));
+    assert_true(ffp_capture_read(&capture, in_scratch("opaque"), NULL));
     assert_near(capture.views[0].images[0].data[3 * 11], ffp_srgb_decode(0.4F), 1e-6);
     assert_near(capture.views[0].coverage.data[11], 0, 0);
     ffp_capture_free(&capture);
@@ -170,11 +170,11 @@ static void written_capture_comes_back(void **state) {
     (void)state;
     FfpCapture capture, back;
     FfpError err = {0};
-    assert_true(ffp_capture_read(&capture, folder, &err));
+    assert_true(ffp_capture_read(&capture, scratch, &err));
     add_truth(&capture.views[1], 5);
     write_text("stale.txt", "x");
-    if (!ffp_capture_write(&capture, in_folder("copy/of it"), &err)) fail_msg("%s", err.text);
-    if (!ffp_capture_read(&back, in_folder("copy/of it"), &err)) fail_msg("%s", err.text);
+    if (!ffp_capture_write(&capture, in_scratch("copy/of it"), &err)) fail_msg("%s", err.text);
+    if (!ffp_capture_read(&back, in_scratch("copy/of it"), &err)) fail_msg("%s", err.text);
     assert_string_equal(back.name, capture.name);
     assert_true(back.n_views == 2 && back.n_patterns == 4 && back.black == 0 && back.white == 1);
     assert_true(back.patterns[2].novel && !back.patterns[3].novel);
@@ -201,9 +201,9 @@ static void written_capture_comes_back(void **state) {
     strcpy(capture.patterns[3].name, "x_earth"); // "a" + "x_earth" and "a_x" + "earth" would be one file
     strcpy(capture.views[1].id, "a_x");
     capture.views[1].images[2] = ffp_image_copy(&capture.views[1].images[1]);
-    assert_false(ffp_capture_write(&capture, in_folder("copy/of it"), &err));
+    assert_false(ffp_capture_write(&capture, in_scratch("copy/of it"), &err));
     assert_non_null(strstr(err.text, "two images would have this name"));
-    assert_false(ffp_is_file(in_folder("copy/of it/scene.json"))); // half of a capture is none
+    assert_false(ffp_is_file(in_scratch("copy/of it/scene.json"))); // half of a capture is none
     ffp_capture_free(&capture);
 }
 
@@ -211,10 +211,10 @@ static void targets_share_patterns(void **state) {
     (void)state;
     FfpCapture capture, targets;
     FfpError err = {0};
-    assert_true(ffp_capture_read(&capture, folder, &err));
+    assert_true(ffp_capture_read(&capture, scratch, &err));
     char *text = replaced(poses_text, "all_black", "dark"), *poses = replaced(text, "all_white", "bright");
     write_text("targets.json", poses);
-    if (!ffp_capture_read_targets(&targets, folder, &capture, &err)) fail_msg("%s", err.text);
+    if (!ffp_capture_read_targets(&targets, scratch, &capture, &err)) fail_msg("%s", err.text);
     assert_int_equal(targets.n_patterns, 6); // the capture's four, nature, lollipop_0
     for (int i = 0; i < 4; i++) assert_string_equal(targets.patterns[i].name, capture.patterns[i].name);
     assert_true(targets.black == 0 && targets.white == 1 && targets.n_views == 1);
@@ -226,7 +226,8 @@ static void targets_share_patterns(void **state) {
     // Poses without any picture.
     char *end = replaced(poses_text, "\"patterns\": [", "\"other\": [");
     write_text("bare.json", end);
-    if (!ffp_capture_read_targets(&targets, in_folder("bare.json"), &capture, &err)) fail_msg("%s", err.text);
+    if (!ffp_capture_read_targets(&targets, in_scratch("bare.json"), &capture, &err))
+        fail_msg("%s", err.text);
     assert_true(targets.n_patterns == 4 && targets.views[0].coverage.data != NULL);
     for (int i = 0; i < 120; i++) assert_near(targets.views[0].coverage.data[i], 0, 0);
     ffp_capture_free(&targets);
@@ -237,7 +238,7 @@ static void targets_share_patterns(void **state) {
 static void normalising_keeps_the_light(void **state) {
     (void)state;
     FfpCapture capture;
-    assert_true(ffp_capture_read(&capture, folder, NULL));
+    assert_true(ffp_capture_read(&capture, scratch, NULL));
     add_truth(&capture.views[0], 1);
     const real depth = capture.views[0].depth.data[3], centre[3] = {0.1F, -0.2F, 0.3F};
     const real point[3] = {0.2F, 0.1F, 0};
@@ -260,7 +261,7 @@ static void normalising_keeps_the_light(void **state) {
 static void bounds_meet_the_axes(void **state) {
     (void)state;
     FfpCapture capture;
-    assert_true(ffp_capture_read(&capture, folder, NULL));
+    assert_true(ffp_capture_read(&capture, scratch, NULL));
     ffp_capture_estimate_bounds(&capture);
     // Cameras look along -x and -y at height 0, projectors likewise at height 1: the nearest point is (0, 0,
     // 1/2).
@@ -284,7 +285,7 @@ static void bounds_meet_the_axes(void **state) {
 static void pixels_and_points_agree(void **state) {
     (void)state;
     FfpCapture capture;
-    assert_true(ffp_capture_read(&capture, folder, NULL));
+    assert_true(ffp_capture_read(&capture, scratch, NULL));
     const FfpCamera *camera = &capture.views[1].camera;
     FfpRng rng = ffp_rng(3, 0);
     for (int k = 0; k < 100; k++) {
@@ -353,5 +354,5 @@ int main(void) {
         cmocka_unit_test(pixels_and_points_agree),
         cmocka_unit_test(sample_is_consistent),
     };
-    return cmocka_run_group_tests(tests, make_capture_folder, remove_capture_folder);
+    return cmocka_run_group_tests(tests, make_capture_files, scratch_teardown);
 }

@@ -1,7 +1,7 @@
 // Captures that are wrong: each is refused with WHAT (FILE: FIELD), and nothing is returned.
 #include <math.h>
 
-#include "folder.h"
+#include "tiny_capture.h"
 
 // One change to a good file, and what must be said about it.
 typedef struct Damage {
@@ -23,7 +23,7 @@ static void expect_damage_refused(const char *text, const Damage *damage, const 
     char field[256];
     snprintf(field, sizeof field, "%s%s%s)", name, damage->field[0] != 0 ? ": " : "", damage->field);
     write_text(name, broken);
-    expect_refusal(in_folder(name), damage->words, field);
+    expect_refusal(in_scratch(name), damage->words, field);
     free(broken);
 }
 
@@ -146,19 +146,19 @@ static void json_itself_is_checked(void **state) {
     for (size_t cut = 0; cut < strlen(scene_text) - 2; cut += 61) {
         char *text = strndup(scene_text, cut);
         write_text("cut.json", text);
-        expect_refusal(in_folder("cut.json"), "broken JSON", "cut.json: line");
+        expect_refusal(in_scratch("cut.json"), "broken JSON", "cut.json: line");
         free(text);
     }
     write_text("cut.json", "[1, 2]");
-    expect_refusal(in_folder("cut.json"), "JSON is not an object", "cut.json)");
+    expect_refusal(in_scratch("cut.json"), "JSON is not an object", "cut.json)");
     write_text("cut.json", "{}");
-    expect_refusal(in_folder("cut.json"), "missing field", "cut.json: camera)");
-    expect_refusal(in_folder("absent.json"), "there is no such file", "absent.json)");
-    expect_refusal(in_folder("p"), "the folder has neither scene.json nor render_poses.json", "/p)");
+    expect_refusal(in_scratch("cut.json"), "missing field", "cut.json: camera)");
+    expect_refusal(in_scratch("absent.json"), "there is no such file", "absent.json)");
+    expect_refusal(in_scratch("p"), "the folder has neither scene.json nor render_poses.json", "/p)");
     char *deep = calloc(1, 200001);
     memset(deep, '[', 200000);
     write_text("cut.json", deep);
-    expect_refusal(in_folder("cut.json"), "broken JSON", "cut.json");
+    expect_refusal(in_scratch("cut.json"), "broken JSON", "cut.json");
     free(deep);
 }
 
@@ -170,7 +170,7 @@ static void a_million_views_are_refused(void **state) {
     strcpy(end, "], \"x\": [");
     char *text = replaced(scene_text, "\"views\": [", list);
     write_text("many.json", text);
-    expect_refusal(in_folder("many.json"), "has 1000000 entries; 1 to 512", "many.json: views)");
+    expect_refusal(in_scratch("many.json"), "has 1000000 entries; 1 to 512", "many.json: views)");
     free(text);
     free(list);
 }
@@ -179,10 +179,10 @@ static void a_million_views_are_refused(void **state) {
 static void with_file(const char *name, const void *bytes, size_t size, const char *words) {
     char *good;
     size_t good_size;
-    assert_true(ffp_read_file(in_folder(name), 1 << 20, &good, &good_size, NULL));
-    assert_true(ffp_write_file(in_folder(name), bytes, size, NULL));
-    expect_refusal(folder, words, ffp_basename(name));
-    assert_true(ffp_write_file(in_folder(name), good, good_size, NULL));
+    assert_true(ffp_read_file(in_scratch(name), 1 << 20, &good, &good_size, NULL));
+    assert_true(ffp_write_file(in_scratch(name), bytes, size, NULL));
+    expect_refusal(scratch, words, ffp_basename(name));
+    assert_true(ffp_write_file(in_scratch(name), good, good_size, NULL));
     free(good);
 }
 
@@ -192,7 +192,7 @@ static void bad_image_files_are_refused(void **state) {
     for (int i = 0; i < 3; i++) {
         char *bytes;
         size_t size;
-        assert_true(ffp_read_file(in_folder(names[i]), 1 << 20, &bytes, &size, NULL));
+        assert_true(ffp_read_file(in_scratch(names[i]), 1 << 20, &bytes, &size, NULL));
         with_file(names[i], bytes, size / 2, "PNG");
         with_file(names[i], bytes, 20, "truncated PNG");
         with_file(names[i], "", 0, "file is empty");
@@ -215,15 +215,15 @@ static void bad_truth_is_refused(void **state) {
     (void)state;
     FfpImage map = ffp_image_new(12, 10, 3), small = ffp_image_new(9, 10, 1);
     for (int i = 0; i < 360; i++) map.data[i] = 2;
-    assert_true(ffp_image_write_exr(&map, in_folder("two.exr"), NULL));
-    assert_true(ffp_image_write_exr(&small, in_folder("small.exr"), NULL));
+    assert_true(ffp_image_write_exr(&map, in_scratch("two.exr"), NULL));
+    assert_true(ffp_image_write_exr(&small, in_scratch("small.exr"), NULL));
     static const char *const keys[6] = {"coverage", "depth", "normal", "albedo", "roughness", "direct_white"};
     for (int i = 0; i < 6; i++) {
         char entry[100];
         snprintf(entry, sizeof entry, "\"id\": \"b\", \"%s\": \"small.exr\"", keys[i]);
         char *text = replaced(scene_text, "\"id\": \"b\"", entry);
         write_text("truth.json", text);
-        expect_refusal(in_folder("truth.json"), "image is 9 x 10, but the camera in truth.json has 12 x 10",
+        expect_refusal(in_scratch("truth.json"), "image is 9 x 10, but the camera in truth.json has 12 x 10",
                        "small.exr)");
         free(text);
     }
@@ -239,7 +239,7 @@ static void bad_truth_is_refused(void **state) {
     for (int i = 0; i < 4; i++) {
         char *text = replaced(scene_text, damages[i].old, damages[i].fresh);
         write_text("truth.json", text);
-        expect_refusal(in_folder("truth.json"), damages[i].words, damages[i].field);
+        expect_refusal(in_scratch("truth.json"), damages[i].words, damages[i].field);
         free(text);
     }
     ffp_image_free(&map);
@@ -259,7 +259,7 @@ static void images_beyond_memory_are_refused(void **state) {
     }
     strcpy(end, next);
     write_text("huge.json", many);
-    expect_refusal(in_folder("huge.json"), "GB of memory; this machine has", "huge.json)");
+    expect_refusal(in_scratch("huge.json"), "GB of memory; this machine has", "huge.json)");
     free(many);
     free(text);
 }
@@ -270,7 +270,7 @@ static void equal_black_and_white_are_refused(void **state) {
     char *first = replaced(text, "\"bright\": \"a1.png\"", "\"bright\": \"a0.png\"");
     char *second = replaced(first, "\"bright\": \"b1.png\"", "\"bright\": \"b0.png\"");
     write_text("dark.json", second);
-    expect_refusal(in_folder("dark.json"), "no pixel is brighter under the white pattern", "dark.json)");
+    expect_refusal(in_scratch("dark.json"), "no pixel is brighter under the white pattern", "dark.json)");
     free(second);
     free(first);
     free(text);
@@ -280,23 +280,23 @@ static void bad_targets_are_refused(void **state) {
     (void)state;
     FfpCapture capture, targets;
     FfpError err = {0};
-    assert_true(ffp_capture_read(&capture, folder, &err));
-    assert_false(ffp_capture_read_targets(&targets, in_folder("gone.json"), &capture, &err));
+    assert_true(ffp_capture_read(&capture, scratch, &err));
+    assert_false(ffp_capture_read_targets(&targets, in_scratch("gone.json"), &capture, &err));
     assert_null(targets.patterns);
     write_text("targets.json", poses_text); // its all_black is unknown to this capture, and has no file
-    assert_false(ffp_capture_read_targets(&targets, folder, &capture, &err));
+    assert_false(ffp_capture_read_targets(&targets, scratch, &capture, &err));
     assert_non_null(strstr(err.text, "there is no pattern image all_black.png"));
     char *text = replaced(poses_text, "\"projector_energy\": 100", "\"pattern_w\": 17, \"pattern_h\": 9");
     char *dark = replaced(text, "all_black", "dark"), *bright = replaced(dark, "all_white", "bright");
     write_text("targets.json", bright);
-    assert_false(ffp_capture_read_targets(&targets, folder, &capture, &err));
+    assert_false(ffp_capture_read_targets(&targets, scratch, &capture, &err));
     assert_non_null(strstr(err.text, "projector of 17 x 9, but the capture's has 16 x 9"));
     assert_null(targets.patterns);
     free(bright);
     free(dark);
     free(text);
     write_text("targets.json", "{\"views\": ");
-    assert_false(ffp_capture_read_targets(&targets, folder, &capture, &err));
+    assert_false(ffp_capture_read_targets(&targets, scratch, &capture, &err));
     assert_non_null(strstr(err.text, "broken JSON"));
     ffp_capture_free(&capture);
 }
@@ -305,14 +305,14 @@ static void unwritable_captures_are_refused(void **state) {
     (void)state;
     FfpCapture capture;
     FfpError err = {0};
-    assert_true(ffp_capture_read(&capture, folder, &err));
-    assert_false(ffp_capture_write(&capture, in_folder("a0.png"), &err)); // a file, not a folder
+    assert_true(ffp_capture_read(&capture, scratch, &err));
+    assert_false(ffp_capture_write(&capture, in_scratch("a0.png"), &err)); // a file, not a folder
     capture.views[1].camera.pose[3] = (real)NAN;
-    assert_false(ffp_capture_write(&capture, in_folder("nan"), &err));
+    assert_false(ffp_capture_write(&capture, in_scratch("nan"), &err));
     assert_non_null(strstr(err.text, "not finite"));
-    assert_false(ffp_is_folder(in_folder("nan")));
+    assert_false(ffp_is_folder(in_scratch("nan")));
     ffp_capture_free(&capture);
-    assert_false(ffp_capture_write(&capture, in_folder("none"), &err));
+    assert_false(ffp_capture_write(&capture, in_scratch("none"), &err));
 }
 
 int main(void) {
@@ -328,5 +328,5 @@ int main(void) {
         cmocka_unit_test(bad_targets_are_refused),
         cmocka_unit_test(unwritable_captures_are_refused),
     };
-    return cmocka_run_group_tests(tests, make_capture_folder, remove_capture_folder);
+    return cmocka_run_group_tests(tests, make_capture_files, scratch_teardown);
 }

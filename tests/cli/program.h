@@ -2,19 +2,7 @@
 #ifndef FFP_TESTS_PROGRAM_H
 #define FFP_TESTS_PROGRAM_H
 
-#include "support.h"
-
-// A fresh folder below the current one.
-static inline void scratch_new(char folder[64]) {
-    strcpy(folder, "scratch-XXXXXX");
-    assert_non_null(mkdtemp(folder));
-}
-
-static inline void scratch_remove(const char *folder) {
-    char command[256];
-    snprintf(command, sizeof command, "rm -rf -- '%s'", folder);
-    assert_int_equal(system(command), 0);
-}
+#include "scratch.h"
 
 // Runs the program with the arguments (shell syntax) and returns its exit code; standard output and error
 // come back as text.
@@ -31,7 +19,7 @@ static inline void read_text(const char *path, char *text, size_t size) {
     assert_int_equal(remove(path), 0);
 }
 
-static inline void run_program(ProgramRun *run, const char *scratch, const char *arguments) {
+static inline void run_program(ProgramRun *run, const char *arguments) {
     char command[4096], out[128], err[128];
     snprintf(out, sizeof out, "%s.out", scratch);
     snprintf(err, sizeof err, "%s.err", scratch);

@@ -7,7 +7,7 @@
 
 #define SIDE 16
 
-static char scratch[64], capture[80], output[80];
+static char capture[80], output[80];
 static ProgramRun run;
 
 // --- What every failure must look like. ---
@@ -29,7 +29,7 @@ static bool holds_anything(const char *folder) {
 }
 
 static void must_fail(const char *what, const char *where, const char *arguments) {
-    run_program(&run, scratch, arguments);
+    run_program(&run, arguments);
     const char *line = last_line(run.err);
     const size_t length = strlen(line);
     const bool ok = run.status == 1 && strncmp(line, "ffprocams: error: ", 18) == 0 && length > 20 &&
@@ -93,7 +93,7 @@ static void test_the_sound_capture_is_taken(void **state) {
     (void)state;
     char arguments[256];
     snprintf(arguments, sizeof arguments, "info %s", capture);
-    run_program(&run, scratch, arguments);
+    run_program(&run, arguments);
     assert_int_equal(run.status, 0);
 }
 
@@ -462,18 +462,11 @@ static void test_targets_of_another_capture(void **state) {
 }
 
 static int group_setup(void **state) {
-    (void)state;
-    scratch_new(scratch);
+    if (scratch_setup(state) != 0) return -1;
     snprintf(capture, sizeof capture, "%s/tiny", scratch);
     snprintf(output, sizeof output, "%s/out", scratch);
     assert_true(ffp_make_folders(output, NULL));
     tiny_capture(capture, SIDE);
-    return 0;
-}
-
-static int group_teardown(void **state) {
-    (void)state;
-    scratch_remove(scratch);
     return 0;
 }
 
@@ -493,5 +486,5 @@ int main(void) {
         cmocka_unit_test(test_a_model_that_does_not_fit),
         cmocka_unit_test(test_targets_of_another_capture),
     };
-    return cmocka_run_group_tests(tests, group_setup, group_teardown);
+    return cmocka_run_group_tests(tests, group_setup, scratch_teardown);
 }

@@ -10,7 +10,6 @@
 #define SIDE 48
 #define KILLS 16
 
-static char scratch[64];
 static ProgramRun run;
 
 static void must_run(const char *format, ...) __attribute__((format(printf, 1, 2)));
@@ -20,7 +19,7 @@ static void must_run(const char *format, ...) {
     va_start(list, format);
     vsnprintf(arguments, sizeof arguments, format, list);
     va_end(list);
-    run_program(&run, scratch, arguments);
+    run_program(&run, arguments);
     if (run.status != 0) printf("%s: exit %d\n%s", arguments, run.status, run.err);
     assert_int_equal(run.status, 0);
 }
@@ -53,19 +52,12 @@ static json_t *find_row(json_t *root, const char *protocol) {
 }
 
 static int group_setup(void **state) {
-    (void)state;
-    scratch_new(scratch);
+    if (scratch_setup(state) != 0) return -1;
     char folder[128];
     snprintf(folder, sizeof folder, "%s/tiny", scratch);
     tiny_capture(folder, SIDE);
     must_run("reconstruct %s/tiny -o %s/tiny.ply --model none", scratch, scratch);
     assert_true(is_there("%s/tiny.ply", scratch));
-    return 0;
-}
-
-static int group_teardown(void **state) {
-    (void)state;
-    scratch_remove(scratch);
     return 0;
 }
 
@@ -275,5 +267,5 @@ int main(void) {
         cmocka_unit_test(test_generate_train_evaluate),
         cmocka_unit_test(test_a_killed_run_leaves_a_whole_file),
     };
-    return cmocka_run_group_tests(tests, group_setup, group_teardown);
+    return cmocka_run_group_tests(tests, group_setup, scratch_teardown);
 }

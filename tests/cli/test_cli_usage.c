@@ -2,12 +2,11 @@
 #include "cli/program.h"
 
 static const char *const commands[] = {"reconstruct", "render", "evaluate", "generate", "train", "info"};
-static char scratch[64];
 static ProgramRun run;
 
 static void test_help_of_the_program_names_every_command(void **state) {
     (void)state;
-    run_program(&run, scratch, "--help");
+    run_program(&run, "--help");
     assert_int_equal(run.status, 0);
     assert_string_equal(run.err, "");
     for (size_t i = 0; i < sizeof commands / sizeof *commands; i++)
@@ -20,7 +19,7 @@ static void test_every_command_has_help_with_an_example(void **state) {
         char arguments[64], usage[64];
         snprintf(arguments, sizeof arguments, "%s --help", commands[i]);
         snprintf(usage, sizeof usage, "usage: ffprocams %s ", commands[i]);
-        run_program(&run, scratch, arguments);
+        run_program(&run, arguments);
         assert_int_equal(run.status, 0);
         assert_string_equal(run.err, "");
         assert_int_equal(strncmp(run.out, usage, strlen(usage)), 0);
@@ -30,7 +29,7 @@ static void test_every_command_has_help_with_an_example(void **state) {
 
 static void test_version(void **state) {
     (void)state;
-    run_program(&run, scratch, "--version");
+    run_program(&run, "--version");
     assert_int_equal(run.status, 0);
     assert_string_equal(run.out, "ffprocams " FFP_VERSION "\n");
 }
@@ -71,14 +70,14 @@ static void test_wrong_usage_exits_2_and_says_where_to_read(void **state) {
         "info a b",
     };
     for (size_t i = 0; i < sizeof wrong / sizeof *wrong; i++) {
-        run_program(&run, scratch, wrong[i]);
+        run_program(&run, wrong[i]);
         if (run.status != 2) printf("%s: exit %d\n%s", wrong[i], run.status, run.err);
         assert_int_equal(run.status, 2);
         assert_int_equal(strncmp(run.err, "ffprocams: error: ", 18), 0);
         assert_non_null(strstr(run.err, "--help"));
         assert_string_equal(run.out, "");
     }
-    run_program(&run, scratch, "");
+    run_program(&run, "");
     assert_int_equal(run.status, 2);
 }
 
@@ -101,8 +100,5 @@ int main(void) {
         cmocka_unit_test(test_wrong_usage_exits_2_and_says_where_to_read),
         cmocka_unit_test(test_output_that_cannot_be_written_is_an_error),
     };
-    scratch_new(scratch);
-    const int failures = cmocka_run_group_tests(tests, NULL, NULL);
-    scratch_remove(scratch);
-    return failures;
+    return cmocka_run_group_tests(tests, scratch_setup, scratch_teardown);
 }

@@ -6,31 +6,9 @@
 
 #include <jpeglib.h>
 
-#include "support.h"
-#include "base/file.h"
+#include "scratch.h"
 #include "base/rng.h"
 #include "image/image.h"
-
-static char folder[64];
-
-static int make_folder(void **state) {
-    (void)state;
-    strcpy(folder, "/tmp/ffp_image_XXXXXX");
-    return mkdtemp(folder) == NULL;
-}
-
-static int remove_folder(void **state) {
-    (void)state;
-    char command[128];
-    snprintf(command, sizeof command, "rm -r %s", folder);
-    return system(command);
-}
-
-static const char *in_folder(const char *name) {
-    static char path[FFP_PATH_MAX];
-    assert_true(ffp_join_path(path, folder, name));
-    return path;
-}
 
 // Values on the grid of `steps` (255 or 65535), so that they survive a file of that depth; or any values when
 // steps is 0.
@@ -67,7 +45,7 @@ static void png_comes_back(void **state) {
         const int depth = k < 3 ? 255 : 65535;
         FfpImage image = random_image(37, 5 + k, channels[k % 3], depth, (uint64_t)k), back;
         FfpError err = {0};
-        const char *path = in_folder("a.png");
+        const char *path = in_scratch("a.png");
         assert_true(depth == 255 ? ffp_image_write_png(&image, path, &err)
                                  : ffp_image_write_png16(&image, path, &err));
         int width, height;
@@ -86,8 +64,8 @@ static void png_clamps_and_rounds(void **state) {
     FfpImage image = ffp_image_new(5, 1, 1), back;
     const real values[5] = {-3, 1.5F, (real)NAN, 100.4F / 255, 100.6F / 255};
     memcpy(image.data, values, sizeof values);
-    assert_true(ffp_image_write_png(&image, in_folder("clamp.png"), NULL));
-    assert_true(ffp_image_read_raw16(&back, in_folder("clamp.png"), NULL));
+    assert_true(ffp_image_write_png(&image, in_scratch("clamp.png"), NULL));
+    assert_true(ffp_image_read_raw16(&back, in_scratch("clamp.png"), NULL));
     const int want[5] = {0, 255, 0, 100, 101};
     for (int i = 0; i < 5; i++) assert_int_equal((int)back.data[i], want[i]);
     ffp_image_free(&back);
@@ -97,15 +75,15 @@ static void png_clamps_and_rounds(void **state) {
 static void raw_depth_comes_back(void **state) {
     (void)state;
     FfpImage image = random_image(13, 9, 1, 65535, 3), back;
-    assert_true(ffp_image_write_png16(&image, in_folder("d.png"), NULL));
-    assert_true(ffp_image_read_raw16(&back, in_folder("d.png"), NULL));
+    assert_true(ffp_image_write_png16(&image, in_scratch("d.png"), NULL));
+    assert_true(ffp_image_read_raw16(&back, in_scratch("d.png"), NULL));
     for (int i = 0; i < 13 * 9; i++)
         assert_int_equal((int)back.data[i], (int)lround((double)image.data[i] * 65535));
     ffp_image_free(&back);
     FfpImage colour = random_image(4, 4, 3, 255, 4);
     FfpError err = {0};
-    assert_true(ffp_image_write_png(&colour, in_folder("rgb.png"), NULL));
-    assert_false(ffp_image_read_raw16(&back, in_folder("rgb.png"), &err));
+    assert_true(ffp_image_write_png(&colour, in_scratch("rgb.png"), NULL));
+    assert_false(ffp_image_read_raw16(&back, in_scratch("rgb.png"), &err));
     assert_non_null(strstr(err.text, "is not a grey image"));
     ffp_image_free(&colour);
     ffp_image_free(&image);
@@ -119,12 +97,12 @@ static void exr_comes_back(void **state) {
         for (int i = 0; channels[k] == 4 && i < 35 * 41; i++)
             image.data[4 * i + 3] = 1; // premultiplied equals straight
         FfpError err = {0};
-        assert_true(ffp_image_write_exr(&image, in_folder("a.exr"), &err));
+        assert_true(ffp_image_write_exr(&image, in_scratch("a.exr"), &err));
         if (channels[k] == 1) {
-            assert_true(ffp_image_read_raw16(&back, in_folder("a.exr"), &err));
+            assert_true(ffp_image_read_raw16(&back, in_scratch("a.exr"), &err));
             assert_memory_equal(back.data, image.data, sizeof(real) * 35 * 41);
         } else {
-            assert_true(ffp_image_read(&back, in_folder("a.exr"), FFP_COLOUR_LINEAR, &err));
+            assert_true(ffp_image_read(&back, in_scratch("a.exr"), FFP_COLOUR_LINEAR, &err));
             assert_true(rgba_difference(&back, &image) == 0);
         }
         ffp_image_free(&back);
@@ -159,10 +137,10 @@ static void write_jpeg(const char *path, int width, int height, unsigned char gr
 
 static void jpeg_is_read(void **state) {
     (void)state;
-    write_jpeg(in_folder("a.dat"), 33, 17, 128); // the name says nothing: content decides
+    write_jpeg(in_scratch("a.dat"), 33, 17, 128); // the name says nothing: content decides
     FfpImage image;
     FfpError err = {0};
-    assert_true(ffp_image_read(&image, in_folder("a.dat"), FFP_COLOUR_LINEAR, &err));
+    assert_true(ffp_image_read(&image, in_scratch("a.dat"), FFP_COLOUR_LINEAR, &err));
     assert_int_equal(image.width, 33);
     assert_int_equal(image.height, 17);
     for (int i = 0; i < 33 * 17; i++) assert_true(fabs((double)image.data[4 * i] - 0.2158605) < 0.004);
@@ -175,14 +153,14 @@ static void alpha_goes_over_black_encoded(void **state) {
     FfpImage image = ffp_image_new(1, 1, 4), rgb, alpha;
     const real pixel[4] = {204.F / 255, 102.F / 255, 0, 51.F / 255};
     memcpy(image.data, pixel, sizeof pixel);
-    assert_true(ffp_image_write_png(&image, in_folder("alpha.png"), NULL));
-    assert_true(ffp_image_read_over_black(&rgb, &alpha, in_folder("alpha.png"), NULL));
+    assert_true(ffp_image_write_png(&image, in_scratch("alpha.png"), NULL));
+    assert_true(ffp_image_read_over_black(&rgb, &alpha, in_scratch("alpha.png"), NULL));
     assert_true(fabs((double)alpha.data[0] - 0.2) < 1e-6);
     assert_true(fabs((double)rgb.data[0] - (double)ffp_srgb_decode(0.16F)) < 1e-6);
     ffp_image_free(&rgb);
     ffp_image_free(&alpha);
-    assert_true(ffp_image_write_exr(&image, in_folder("alpha.exr"), NULL)); // premultiplied by convention
-    assert_true(ffp_image_read_over_black(&rgb, &alpha, in_folder("alpha.exr"), NULL));
+    assert_true(ffp_image_write_exr(&image, in_scratch("alpha.exr"), NULL)); // premultiplied by convention
+    assert_true(ffp_image_read_over_black(&rgb, &alpha, in_scratch("alpha.exr"), NULL));
     assert_true(fabs((double)rgb.data[0] - 0.8) < 1e-6);
     ffp_image_free(&rgb);
     ffp_image_free(&alpha);
@@ -193,19 +171,19 @@ static void alpha_goes_over_black_encoded(void **state) {
 static void damage_is_refused(void **state) {
     (void)state;
     FfpImage image = random_image(40, 30, 3, 255, 11), back;
-    assert_true(ffp_image_write_png(&image, in_folder("whole.png"), NULL));
-    assert_true(ffp_image_write_exr(&image, in_folder("whole.exr"), NULL));
-    write_jpeg(in_folder("whole.jpg"), 40, 30, 90);
+    assert_true(ffp_image_write_png(&image, in_scratch("whole.png"), NULL));
+    assert_true(ffp_image_write_exr(&image, in_scratch("whole.exr"), NULL));
+    write_jpeg(in_scratch("whole.jpg"), 40, 30, 90);
     ffp_image_free(&image);
     static const char *const names[3] = {"whole.png", "whole.exr", "whole.jpg"};
     for (int k = 0; k < 3; k++) {
         char *bytes;
         size_t size;
-        assert_true(ffp_read_file(in_folder(names[k]), 1 << 20, &bytes, &size, NULL));
+        assert_true(ffp_read_file(in_scratch(names[k]), 1 << 20, &bytes, &size, NULL));
         for (int cut = 0; cut < 40; cut++) {
             FfpError err = {0};
-            assert_true(ffp_write_file(in_folder("cut"), bytes, size * (size_t)cut / 40, NULL));
-            assert_false(ffp_image_read(&back, in_folder("cut"), FFP_COLOUR_LINEAR, &err));
+            assert_true(ffp_write_file(in_scratch("cut"), bytes, size * (size_t)cut / 40, NULL));
+            assert_false(ffp_image_read(&back, in_scratch("cut"), FFP_COLOUR_LINEAR, &err));
             assert_null(back.data);
             assert_non_null(strstr(err.text, "(/tmp/ffp_image_"));
         }
@@ -214,8 +192,8 @@ static void damage_is_refused(void **state) {
             const size_t where = ffp_rng_below(&rng, (uint32_t)size);
             const char old = bytes[where];
             bytes[where] = (char)ffp_rng_u32(&rng);
-            assert_true(ffp_write_file(in_folder("hit"), bytes, size, NULL));
-            if (ffp_image_read(&back, in_folder("hit"), FFP_COLOUR_LINEAR, NULL)) ffp_image_free(&back);
+            assert_true(ffp_write_file(in_scratch("hit"), bytes, size, NULL));
+            if (ffp_image_read(&back, in_scratch("hit"), FFP_COLOUR_LINEAR, NULL)) ffp_image_free(&back);
             bytes[where] = old;
         }
         free(bytes);
@@ -250,22 +228,22 @@ static void write_png_header(const char *path, uint32_t width, uint32_t height) 
 
 static void bad_files_are_refused(void **state) {
     (void)state;
-    expect_refusal(in_folder("absent.png"), "cannot open");
-    expect_refusal(folder, "is a folder");
-    assert_true(ffp_write_file(in_folder("empty.png"), "", 0, NULL));
-    expect_refusal(in_folder("empty.png"), "file is empty");
-    assert_true(ffp_write_file(in_folder("text.png"), "hello, world", 12, NULL));
-    expect_refusal(in_folder("text.png"), "is not a PNG, JPEG or EXR image");
-    write_png_header(in_folder("large.png"), 20000, 20000);
-    expect_refusal(in_folder("large.png"), "image size 20000 x 20000");
-    write_png_header(in_folder("zero.png"), 0, 5);
-    expect_refusal(in_folder("zero.png"), "image size 0 x 5");
-    write_png_header(in_folder("hollow.png"), 16000, 16000); // allowed size, but 33 bytes cannot hold it
-    expect_refusal(in_folder("hollow.png"), "truncated PNG");
+    expect_refusal(in_scratch("absent.png"), "cannot open");
+    expect_refusal(scratch, "is a folder");
+    assert_true(ffp_write_file(in_scratch("empty.png"), "", 0, NULL));
+    expect_refusal(in_scratch("empty.png"), "file is empty");
+    assert_true(ffp_write_file(in_scratch("text.png"), "hello, world", 12, NULL));
+    expect_refusal(in_scratch("text.png"), "is not a PNG, JPEG or EXR image");
+    write_png_header(in_scratch("large.png"), 20000, 20000);
+    expect_refusal(in_scratch("large.png"), "image size 20000 x 20000");
+    write_png_header(in_scratch("zero.png"), 0, 5);
+    expect_refusal(in_scratch("zero.png"), "image size 0 x 5");
+    write_png_header(in_scratch("hollow.png"), 16000, 16000); // allowed size, but 33 bytes cannot hold it
+    expect_refusal(in_scratch("hollow.png"), "truncated PNG");
     FfpImage image = ffp_image_new(9, 9, 3);
     image.data[5] = (real)INFINITY;
-    assert_true(ffp_image_write_exr(&image, in_folder("infinite.exr"), NULL));
-    expect_refusal(in_folder("infinite.exr"), "not finite");
+    assert_true(ffp_image_write_exr(&image, in_scratch("infinite.exr"), NULL));
+    expect_refusal(in_scratch("infinite.exr"), "not finite");
     ffp_image_free(&image);
 }
 
@@ -273,11 +251,11 @@ static void nothing_is_left_half_written(void **state) {
     (void)state;
     FfpImage image = ffp_image_new(3, 3, 2);
     FfpError err = {0};
-    assert_false(ffp_image_write_exr(&image, in_folder("two.exr"), &err));
-    assert_false(ffp_image_write_exr(&image, in_folder("no/such/folder.exr"), &err));
-    assert_false(ffp_is_file(in_folder("two.exr")));
+    assert_false(ffp_image_write_exr(&image, in_scratch("two.exr"), &err));
+    assert_false(ffp_image_write_exr(&image, in_scratch("no/such/folder.exr"), &err));
+    assert_false(ffp_is_file(in_scratch("two.exr")));
     image.channels = 1;
-    assert_false(ffp_image_write_png(&image, in_folder("no/such/folder.png"), &err));
+    assert_false(ffp_image_write_png(&image, in_scratch("no/such/folder.png"), &err));
     ffp_image_free(&image);
 }
 
@@ -341,5 +319,5 @@ int main(void) {
         cmocka_unit_test(resizing_keeps_means_and_ramps),
         cmocka_unit_test(sampling_is_bilinear_and_clamped),
     };
-    return cmocka_run_group_tests(tests, make_folder, remove_folder);
+    return cmocka_run_group_tests(tests, scratch_setup, scratch_teardown);
 }

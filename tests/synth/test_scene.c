@@ -1,11 +1,9 @@
 // Generated scenes: the same bits on any number of threads, the rig, the light, and the way to disk and back.
 #include <math.h>
 #include <omp.h>
-#include <unistd.h>
-#include "base/file.h"
 #include "ffprocams.h"
 #include "image/lookup.h"
-#include "support.h"
+#include "scratch.h"
 #include "synth/material.h"
 #include "synth/scene.h"
 
@@ -190,21 +188,19 @@ static void the_true_depth_predictor_holds(void **state) {
 // Files keep what a scene in memory holds: colours to the bit of their 8-bit form.
 static void disk_and_memory_agree(void **state) {
     (void)state;
-    char root[] = "ffp_synth_XXXXXX", folder[FFP_PATH_MAX], command[FFP_PATH_MAX + 16];
-    assert_non_null(mkdtemp(root));
+    const char *root = in_scratch("scenes");
     const FfpGeneration options = {
         .folder = root, .split = "test", .preset = "smoke", .first = 4, .count = 1, .resolution = 32};
     FfpError err;
     if (!ffp_generate(&options, &err)) fail_msg("%s", err.text);
-    snprintf(folder, sizeof folder, "%s/test_00004", root);
     FfpCapture read, targets;
-    if (!ffp_capture_read(&read, folder, &err)) fail_msg("%s", err.text);
+    if (!ffp_capture_read(&read, in_scratch("scenes/test_00004"), &err)) fail_msg("%s", err.text);
     assert_int_equal(read.n_views, 8);
     assert_int_equal(read.n_patterns, 4);
     assert_true(read.intensity_known);
     assert_float_equal(read.radius, 0.95, 1e-6);
-    snprintf(folder, sizeof folder, "%s/test_00004/targets/scene.json", root);
-    if (!ffp_capture_read_targets(&targets, folder, &read, &err)) fail_msg("%s", err.text);
+    if (!ffp_capture_read_targets(&targets, in_scratch("scenes/test_00004/targets/scene.json"), &read, &err))
+        fail_msg("%s", err.text);
     assert_int_equal(targets.n_views, 2);
     assert_true(ffp_generate(&options, &err)); // a second run finds it done
     const FfpGeneration wrong[4] = {{.folder = root, .split = "tests", .count = 1},
@@ -214,14 +210,11 @@ static void disk_and_memory_agree(void **state) {
     for (int i = 0; i < 4; i++) assert_false(ffp_generate(&wrong[i], &err));
     ffp_capture_free(&targets);
     ffp_capture_free(&read);
-    snprintf(command, sizeof command, "rm -r %s", root);
-    assert_int_equal(system(command), 0);
 }
 
 static void written_colours_come_back_exactly(void **state) {
     (void)state;
-    char root[] = "ffp_synth_XXXXXX", command[64];
-    assert_non_null(mkdtemp(root));
+    const char *root = in_scratch("written");
     FfpSceneSpec spec = small_spec(2, 8);
     spec.targets = 0;
     FfpCapture made = {0}, read = {0};
@@ -241,8 +234,6 @@ static void written_colours_come_back_exactly(void **state) {
         }
     ffp_capture_free(&made);
     ffp_capture_free(&read);
-    snprintf(command, sizeof command, "rm -r %s", root);
-    assert_int_equal(system(command), 0);
 }
 
 static void materials_vary_within_their_limits(void **state) {
@@ -301,5 +292,5 @@ int main(void) {
         cmocka_unit_test(materials_vary_within_their_limits),
         cmocka_unit_test(bad_specs_are_refused),
     };
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    return cmocka_run_group_tests(tests, scratch_setup, scratch_teardown);
 }

@@ -1,8 +1,6 @@
 // Training as a whole: it can learn, and a resumed run repeats the bits of one that was never stopped.
-#include <unistd.h>
 #include "ffprocams.h"
-#include "base/file.h"
-#include "support.h"
+#include "scratch.h"
 #include "train/train.h"
 
 static const char tiny_run[] =
@@ -10,10 +8,6 @@ static const char tiny_run[] =
     " \"lollipops\": 2, \"pattern_side\": 200, \"samples\": 1, \"ambient_rays\": 1,"
     " \"supervised_inputs\": 1, \"supervised_targets\": 1, \"steps\": 6, \"warmup_steps\": 2,"
     " \"validate_every\": 0, \"log_every\": 1}";
-
-static void in_folder(char path[FFP_PATH_MAX], const char *folder, const char *name) {
-    assert_true(ffp_join_path(path, folder, name));
-}
 
 static void train(const char *out, const char *config, int64_t stop_at, bool resume) {
     FfpError err = {""};
@@ -35,40 +29,25 @@ static void assert_same_files(const char *a, const char *b) {
 
 static void test_resume(void **state) {
     (void)state;
-    char root[] = "/tmp/ffp_train_XXXXXX", config[FFP_PATH_MAX], straight[FFP_PATH_MAX],
-         stopped[FFP_PATH_MAX];
-    assert_non_null(mkdtemp(root));
-    in_folder(config, root, "config.json");
-    in_folder(straight, root, "straight");
-    in_folder(stopped, root, "stopped");
-    assert_true(ffp_write_file(config, tiny_run, strlen(tiny_run), NULL));
-
-    train(straight, config, 0, false);
-    train(stopped, config, 3, false);
-    train(stopped, NULL, 0, true);
-    const char *const files[] = {"checkpoint.safetensors", "weights.safetensors"};
-    for (int i = 0; i < 2; i++) {
-        char a[FFP_PATH_MAX], b[FFP_PATH_MAX];
-        in_folder(a, straight, files[i]);
-        in_folder(b, stopped, files[i]);
-        assert_same_files(a, b);
-    }
+    assert_true(ffp_write_file(in_scratch("config.json"), tiny_run, strlen(tiny_run), NULL));
+    train(in_scratch("straight"), in_scratch("config.json"), 0, false);
+    train(in_scratch("stopped"), in_scratch("config.json"), 3, false);
+    train(in_scratch("stopped"), NULL, 0, true);
+    assert_same_files(in_scratch("straight/checkpoint.safetensors"),
+                      in_scratch("stopped/checkpoint.safetensors"));
+    assert_same_files(in_scratch("straight/weights.safetensors"), in_scratch("stopped/weights.safetensors"));
 }
 
 static void test_refusals(void **state) {
     (void)state;
-    char root[] = "/tmp/ffp_train_XXXXXX", path[FFP_PATH_MAX];
-    assert_non_null(mkdtemp(root));
     FfpError err = {""};
-    FfpTraining options = {.out = root, .steps = -1, .resume = true};
+    FfpTraining options = {.out = scratch, .steps = -1, .resume = true};
     assert_false(ffp_train_model(&options, &err));
     assert_non_null(strstr(err.text, "checkpoint.safetensors"));
-    in_folder(path, root, "checkpoint.safetensors");
-    assert_true(ffp_write_file(path, "\x08\0\0\0\0\0\0\0{}      ", 16, NULL));
+    assert_true(ffp_write_file(in_scratch("checkpoint.safetensors"), "\x08\0\0\0\0\0\0\0{}      ", 16, NULL));
     assert_false(ffp_train_model(&options, &err));
     assert_non_null(strstr(err.text, "not a checkpoint"));
-    in_folder(path, root, "metrics.jsonl");
-    assert_true(ffp_write_file(path, "", 0, NULL));
+    assert_true(ffp_write_file(in_scratch("metrics.jsonl"), "", 0, NULL));
     options.resume = false;
     assert_false(ffp_train_model(&options, &err));
     assert_non_null(strstr(err.text, "--resume"));
@@ -123,5 +102,5 @@ int main(void) {
         cmocka_unit_test(test_resume),
         cmocka_unit_test(test_overfit),
     };
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    return cmocka_run_group_tests(tests, scratch_setup, scratch_teardown);
 }

@@ -1,26 +1,13 @@
-// A folder of its own for a capture test, and the smallest capture in both layouts, as text to be damaged.
-#ifndef FFP_TESTS_CAPTURE_FOLDER_H
-#define FFP_TESTS_CAPTURE_FOLDER_H
+// The smallest capture in both layouts, as text to be damaged, with its files in a folder of its own.
+#ifndef FFP_TESTS_TINY_CAPTURE_H
+#define FFP_TESTS_TINY_CAPTURE_H
 
-#include <unistd.h>
-
-#include "support.h"
-#include "base/file.h"
+#include "scratch.h"
 #include "base/rng.h"
 #include "capture/capture.h"
 
-static char folder[64];
-
-static inline const char *in_folder(const char *name) {
-    static char paths[4][FFP_PATH_MAX]; // a few at a time
-    static int turn = 0;
-    turn = (turn + 1) % 4;
-    assert_true(ffp_join_path(paths[turn], folder, name));
-    return paths[turn];
-}
-
 static inline void write_text(const char *name, const char *text) {
-    assert_true(ffp_write_file(in_folder(name), text, strlen(text), NULL));
+    assert_true(ffp_write_file(in_scratch(name), text, strlen(text), NULL));
 }
 
 // A grey picture with a disc of alpha 1 around its middle.
@@ -31,7 +18,7 @@ static inline void write_disc(const char *name, int width, int height, real valu
         for (int c = 0; c < 3; c++) image.data[4 * i + c] = value * (real)(c + 1) / 3;
         image.data[4 * i + 3] = x * x + y * y < width * width / 2;
     }
-    assert_true(ffp_image_write_png(&image, in_folder(name), NULL));
+    assert_true(ffp_image_write_png(&image, in_scratch(name), NULL));
     ffp_image_free(&image);
 }
 
@@ -39,7 +26,7 @@ static inline void write_pattern(const char *name, int width, int height, uint64
     FfpRng rng = ffp_rng(seed, 0);
     FfpImage image = ffp_image_new(width, height, 3);
     for (int i = 0; i < width * height * 3; i++) image.data[i] = ffp_rng_uniform(&rng);
-    assert_true(ffp_image_write_png(&image, in_folder(name), NULL));
+    assert_true(ffp_image_write_png(&image, in_scratch(name), NULL));
     ffp_image_free(&image);
 }
 
@@ -74,13 +61,11 @@ static const char poses_text[] =
     "  {\"file_path\": \"../a2.png\", \"projector_image\": \"nature\"},\n"
     "  {\"file_path\": \"a2.png\", \"projector_image\": \"lollipop_0\"}]}]}\n";
 
-static inline int make_capture_folder(void **state) {
-    (void)state;
-    strcpy(folder, "/tmp/ffp_capture_XXXXXX");
-    if (mkdtemp(folder) == NULL) return -1;
+static inline int make_capture_files(void **state) {
+    if (scratch_setup(state) != 0) return -1;
     write_text("scene.json", scene_text);
-    assert_true(ffp_make_folders(in_folder("p"), NULL));
-    assert_true(ffp_make_folders(in_folder("patterns"), NULL));
+    assert_true(ffp_make_folders(in_scratch("p"), NULL));
+    assert_true(ffp_make_folders(in_scratch("patterns"), NULL));
     write_pattern("p/earth.png", 16, 9, 1);
     write_pattern("p/dots.png", 16, 9, 2);
     write_pattern("patterns/nature.png", 16, 9, 1);
@@ -88,13 +73,6 @@ static inline int make_capture_folder(void **state) {
     static const char *const names[6] = {"a0.png", "a1.png", "a2.png", "b0.png", "b1.png", "b2.png"};
     for (int i = 0; i < 6; i++) write_disc(names[i], 12, 10, (real)(i % 3 == 0 ? 0.2 : 1.0 / (i % 3)));
     return 0;
-}
-
-static inline int remove_capture_folder(void **state) {
-    (void)state;
-    char command[128];
-    snprintf(command, sizeof command, "rm -r %s", folder);
-    return system(command);
 }
 
 // `text` with the first `old` replaced by `fresh`; malloc'd.

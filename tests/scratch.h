@@ -1,0 +1,34 @@
+// A folder of its own for a test program's files, below the current one. For cmocka_run_group_tests:
+// scratch_setup and scratch_teardown.
+#ifndef FFP_TESTS_SCRATCH_H
+#define FFP_TESTS_SCRATCH_H
+
+#include <unistd.h>
+#include "support.h"
+#include "base/file.h"
+
+static char scratch[64];
+
+static inline int scratch_setup(void **state) {
+    (void)state;
+    strcpy(scratch, "scratch-XXXXXX");
+    return mkdtemp(scratch) == NULL;
+}
+
+static inline int scratch_teardown(void **state) {
+    (void)state;
+    char command[128];
+    snprintf(command, sizeof command, "rm -rf -- '%s'", scratch);
+    return system(command);
+}
+
+// The path of a file there; good until three more are asked for.
+static inline const char *in_scratch(const char *name) {
+    static char paths[4][FFP_PATH_MAX];
+    static int turn = 0;
+    turn = (turn + 1) % 4;
+    assert_true(ffp_join_path(paths[turn], scratch, name));
+    return paths[turn];
+}
+
+#endif
