@@ -185,7 +185,7 @@ static void damage_is_refused(void **state) {
             assert_true(ffp_write_file(in_scratch("cut"), bytes, size * (size_t)cut / 40, NULL));
             assert_false(ffp_image_read(&back, in_scratch("cut"), FFP_COLOUR_LINEAR, &err));
             assert_null(back.data);
-            assert_non_null(strstr(err.text, "(/tmp/ffp_image_"));
+            assert_non_null(strstr(err.text, in_scratch("cut")));
         }
         FfpRng rng = ffp_rng(5, (uint64_t)k);
         for (int hit = 0; hit < 100; hit++) { // may be readable or not, but must not crash
