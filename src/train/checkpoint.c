@@ -13,7 +13,7 @@ static real *array_of(int i, const FfpModel *model, const FfpAdam *adam) {
 }
 
 bool ffp_checkpoint_write(const char *path, const FfpModel *model, const FfpAdam *adam,
-                          const FfpTrainConfig *config, FfpError *err) {
+                          const FfpTrainConfig *config, const char *origin, FfpError *err) {
     FfpTensor tensors[4] = {0};
     for (int i = 0; i < 4; i++) {
         strcpy(tensors[i].name, names[i]);
@@ -25,8 +25,9 @@ bool ffp_checkpoint_write(const char *path, const FfpModel *model, const FfpAdam
     char step[32];
     snprintf(step, sizeof step, "%lld", (long long)adam->step);
     char *text = ffp_train_config_print(config);
-    const char *const metadata[] = {"format", "ffprocams-checkpoint-1", "step", step, "config", text};
-    const bool ok = ffp_safetensors_write(path, tensors, 4, metadata, 3, err);
+    const char *const metadata[] = {
+        "format", "ffprocams-checkpoint-1", "step", step, "config", text, "origin", origin};
+    const bool ok = ffp_safetensors_write(path, tensors, 4, metadata, 4, err);
     free(text);
     return ok;
 }
@@ -67,7 +68,8 @@ static bool read_metadata(const FfpSafetensors *file, const char *path, FfpTrain
     return ffp_train_config_parse(config, text, path, err);
 }
 
-FfpModel *ffp_checkpoint_read(const char *path, FfpAdam *adam, FfpTrainConfig *config, FfpError *err) {
+FfpModel *ffp_checkpoint_read(const char *path, FfpAdam *adam, FfpTrainConfig *config,
+                              char origin[FFP_ORIGIN_MAX], FfpError *err) {
     FfpSafetensors file;
     if (!ffp_safetensors_read(&file, path, err)) return NULL;
     int64_t step = 0;
@@ -76,6 +78,8 @@ FfpModel *ffp_checkpoint_read(const char *path, FfpAdam *adam, FfpTrainConfig *c
     if (model) {
         *adam = ffp_adam_new(model);
         adam->step = step;
+        const char *told = ffp_safetensors_metadata(&file, "origin");
+        snprintf(origin, FFP_ORIGIN_MAX, "%s", told ? told : "unknown");
         if (!read_arrays(&file, path, model, adam, err)) {
             ffp_adam_free(adam);
             ffp_model_free(model);

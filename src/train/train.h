@@ -110,10 +110,13 @@ double ffp_scene_psnr(const FfpModel *model, const FfpTrainConfig *config,
 bool ffp_validate(const FfpModel *model, const FfpTrainConfig *config, int resolution, const char *picture,
                   FfpValidation *result, FfpError *err);
 
-// Checkpoint: values, EMA, both moments (F32), the step and the configuration. Atomic.
+// Checkpoint: values, EMA, both moments (F32), the step, the configuration and the origin, which says in
+// words what weights the run began with. Atomic.
+#define FFP_ORIGIN_MAX 256
 bool ffp_checkpoint_write(const char *path, const FfpModel *model, const FfpAdam *adam,
-                          const FfpTrainConfig *config, FfpError *err);
+                          const FfpTrainConfig *config, const char *origin, FfpError *err);
 // The model (new), and what belongs to it, into the arguments; NULL with an error.
-FfpModel *ffp_checkpoint_read(const char *path, FfpAdam *adam, FfpTrainConfig *config, FfpError *err);
+FfpModel *ffp_checkpoint_read(const char *path, FfpAdam *adam, FfpTrainConfig *config,
+                              char origin[FFP_ORIGIN_MAX], FfpError *err);
 
 #endif

@@ -21,6 +21,7 @@ typedef struct Slot {
 typedef struct Trainer {
     FfpTrainConfig config;
     const char *out;
+    char origin[FFP_ORIGIN_MAX]; // what the run began with
     FfpModel *model;
     FfpAdam adam;
     FfpPerceptual *perceptual;
@@ -142,15 +143,17 @@ static bool validate(Trainer *trainer, int64_t step, FfpError *err) {
 static bool save(Trainer *trainer, FfpError *err) {
     char path[FFP_PATH_MAX], steps[32];
     if (!out_path(path, trainer, "checkpoint.safetensors", err) ||
-        !ffp_checkpoint_write(path, trainer->model, &trainer->adam, &trainer->config, err) ||
+        !ffp_checkpoint_write(path, trainer->model, &trainer->adam, &trainer->config, trainer->origin, err) ||
         !out_path(path, trainer, "weights.safetensors", err))
         return false;
     snprintf(steps, sizeof steps, "%lld", (long long)trainer->adam.step);
     char *config = ffp_train_config_print(&trainer->config);
-    const char *const metadata[] = {"trained_steps", steps,     "training",
-                                    config,          "program", "ffprocams " FFP_VERSION};
+    const char *const metadata[] = {"trained_steps", steps,
+                                    "training",      config,
+                                    "program",       "ffprocams " FFP_VERSION ", commit " FFP_COMMIT,
+                                    "origin",        trainer->origin};
     swap_ema(trainer);
-    const bool ok = ffp_model_write(trainer->model, path, false, metadata, 3, err);
+    const bool ok = ffp_model_write(trainer->model, path, false, metadata, 4, err);
     swap_ema(trainer);
     free(config);
     trainer->saved = ffp_seconds();
@@ -194,6 +197,21 @@ static bool run(Trainer *trainer, int64_t stop_at, FfpError *err) {
     return true;
 }
 
+// "random", or the steps and the program of the weights that the run starts from.
+static void tell_origin(Trainer *trainer, const char *path) {
+    const char *steps = "?", *program = "?";
+    for (int i = 0; i < trainer->model->metadata_count; i++) {
+        const char *key = trainer->model->metadata[2 * i], *value = trainer->model->metadata[2 * i + 1];
+        if (strcmp(key, "trained_steps") == 0) steps = value;
+        if (strcmp(key, "program") == 0) program = value;
+    }
+    if (path)
+        snprintf(trainer->origin, sizeof trainer->origin, "%.60s: %.20s steps by %.100s", ffp_basename(path),
+                 steps, program);
+    else
+        snprintf(trainer->origin, sizeof trainer->origin, "random, from the seed");
+}
+
 // The model and its configuration: from the checkpoint, from given weights, or new.
 static bool open_model(Trainer *trainer, const FfpTraining *options, FfpError *err) {
     FfpTrainConfig *config = &trainer->config;
@@ -203,7 +221,7 @@ static bool open_model(Trainer *trainer, const FfpTraining *options, FfpError *e
             return ffp_fail(err, NULL,
                             "a resumed run takes its configuration and weights from the checkpoint alone");
         if (!out_path(path, trainer, "checkpoint.safetensors", err)) return false;
-        trainer->model = ffp_checkpoint_read(path, &trainer->adam, config, err);
+        trainer->model = ffp_checkpoint_read(path, &trainer->adam, config, trainer->origin, err);
         if (options->steps >= 0) config->steps = options->steps;
         return trainer->model != NULL;
     }
@@ -214,6 +232,7 @@ static bool open_model(Trainer *trainer, const FfpTraining *options, FfpError *e
                                       : ffp_model_new(&config->model, (uint64_t)config->seed, err);
     if (!trainer->model) return false;
     config->model = trainer->model->config;
+    tell_origin(trainer, options->initial);
     trainer->adam = ffp_adam_new(trainer->model);
     return true;
 }
