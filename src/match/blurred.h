@@ -1,24 +1,35 @@
-// Sampling of a blurred pattern in the inner loops.
+// Squared difference to a blurred pattern: the innermost loop of matching.
 #ifndef FFP_MATCH_BLURRED_H
 #define FFP_MATCH_BLURRED_H
 
 #include "match/observe.h"
 
-// Bilinear, edge clamped; (u, v) in pattern pixels, inside the pattern.
-static inline void ffp_blurred_sample(const FfpBlurred *blurred, real u, real v, real out[3]) {
-    const int w = blurred->image.width, h = blurred->image.height;
-    const real x = u * blurred->scale - 0.5F, y = v * blurred->scale - 0.5F;
-    const real xc = x < 0               ? 0
-                    : x > (real)(w - 1) ? (real)(w - 1)
-                                        : x,
-               yc = y < 0               ? 0
-                    : y > (real)(h - 1) ? (real)(h - 1)
-                                        : y;
-    const int i = xc >= (real)(w - 1) ? w - 2 : (int)xc, j = yc >= (real)(h - 1) ? h - 2 : (int)yc;
-    const real a = xc - (real)i, b = yc - (real)j;
-    const real *p = blurred->image.data + 3 * ((size_t)j * (size_t)w + (size_t)i), *q = p + 3 * (size_t)w;
-    for (int c = 0; c < 3; c++)
-        out[c] = (p[c] * (1 - a) + p[3 + c] * a) * (1 - b) + (q[c] * (1 - a) + q[3 + c] * a) * b;
+// What a pixel saw, padded to four channels as the cells are.
+typedef struct FfpSeen {
+    real ratio[4], weight[4];
+} FfpSeen;
+
+static inline FfpSeen ffp_seen(const FfpObservation *seen, size_t pixel) {
+    const real *r = seen->ratio + 3 * pixel, *w = seen->weight + 3 * pixel;
+    return (FfpSeen){{r[0], r[1], r[2], 0}, {w[0], w[1], w[2], 0}};
+}
+
+// Sum over channels of weight (ratio - pattern)^2 at (u, v), bilinear; `outside` off the pattern.
+static inline real ffp_blurred_cost(const FfpBlurred *blurred, real u, real v, const FfpSeen *seen,
+                                    real outside) {
+    if (!(u >= 0 && v >= 0 && u <= blurred->width && v <= blurred->height)) return outside;
+    const real x = u * blurred->scale + 0.5F, y = v * blurred->scale + 0.5F; // the border shifts by one cell
+    const int i = (int)x, j = (int)y;
+    const real a = x - (real)i, b = y - (real)j, aa = 1 - a, bb = 1 - b;
+    const real *p = blurred->cells + 4 * ((size_t)j * (size_t)blurred->stride + (size_t)i);
+    const real *q = p + 4 * (size_t)blurred->stride;
+    real term[4];
+    for (int c = 0; c < 4; c++) {
+        const real shown = (p[c] * aa + p[4 + c] * a) * bb + (q[c] * aa + q[4 + c] * a) * b;
+        const real off = seen->ratio[c] - shown;
+        term[c] = seen->weight[c] * off * off;
+    }
+    return (term[0] + term[1]) + (term[2] + term[3]);
 }
 
 #endif

@@ -17,7 +17,7 @@
 #define ROUNDS 2         // of the fine search
 
 FfpMatchSettings ffp_match_defaults(void) {
-    return (FfpMatchSettings){128, 32, 1.05F};
+    return (FfpMatchSettings){128, 16, 1.05F};
 }
 
 // Cost of a pixel's hypotheses summed over 3 x 3 pixels, and the sum of their weights.

@@ -52,21 +52,27 @@ void ffp_observation_free(FfpObservation *observation) {
 
 FfpBlurred ffp_blurred_new(const FfpImage *pattern, real box) {
     const real scale = fmin(CELLS_A_BOX / fmax(box, 1), 1);
-    const int width = (int)fmax(ceil(pattern->width * scale), 2),
-              height = (int)fmax(ceil(pattern->height * scale), 2);
-    FfpBlurred out = {ffp_image_new(width, height, 3), scale, (real)pattern->width, (real)pattern->height};
+    const int width = (int)ceil((real)pattern->width * scale),
+              height = (int)ceil((real)pattern->height * scale);
+    const size_t cells = ((size_t)width + 2) * ((size_t)height + 2);
+    FfpBlurred out = {width + 2, ffp_alloc(cells, 4 * sizeof(real)), scale, (real)pattern->width,
+                      (real)pattern->height};
     FfpSummed summed = ffp_summed_new(pattern);
 #pragma omp parallel for schedule(static)
-    for (int y = 0; y < height; y++)
-        for (int x = 0; x < width; x++)
-            ffp_lookup(&summed, (x + 0.5F) / scale, (y + 0.5F) / scale, box, box,
-                       out.image.data + 3 * ((size_t)y * (size_t)width + (size_t)x));
+    for (int y = 0; y < height + 2; y++) {
+        const real v = fmin(fmax((real)y - 0.5F, 0.5F), (real)height - 0.5F) / scale;
+        for (int x = 0; x < width + 2; x++) {
+            const real u = fmin(fmax((real)x - 0.5F, 0.5F), (real)width - 0.5F) / scale;
+            ffp_lookup(&summed, u, v, box, box, out.cells + 4 * ((size_t)y * (size_t)out.stride + (size_t)x));
+        }
+    }
     ffp_summed_free(&summed);
     return out;
 }
 
 void ffp_blurred_free(FfpBlurred *blurred) {
-    ffp_image_free(&blurred->image);
+    free(blurred->cells);
+    *blurred = (FfpBlurred){0};
 }
 
 real ffp_typical_footprint(const FfpCapture *capture, int view) {

@@ -17,9 +17,11 @@ FfpObservation ffp_observe(const FfpCapture *capture, int view, int active);
 void ffp_observation_free(FfpObservation *observation);
 
 // A pattern averaged over boxes of one size, on a grid no finer than that needs: cheap to sample at many
-// hypotheses.
+// hypotheses. The grid has a border of one repeated cell, and a cell four numbers, of which the last is 0: a
+// sample is four vector loads.
 typedef struct FfpBlurred {
-    FfpImage image;
+    int stride;         // cells a row, border included
+    real *cells;        // [.,stride,4]
     real scale;         // grid cells a pattern pixel
     real width, height; // of the pattern, pixels
 } FfpBlurred;

@@ -5,33 +5,31 @@
 #include "match/blurred.h"
 #include "match/line.h"
 
-#define WINDOW 2 // the cost is summed over 5 x 5 pixels
+#define WINDOW 2 // the cost is summed over 5 x 5 pixels, less the corners
 #define STEPS_MAX 256
 #define PRIOR 0.02F      // cost of lying a whole range off the plane, a unit of weight
 #define OFF_PATTERN 0.5F // cost of a hypothesis that leaves the pattern, a unit of weight
+
+// Weight of a neighbour by its squared distance: exp(-0.35 d^2).
+static const real nearness[WINDOW * WINDOW + 2] = {1, 0.7047F, 0.4966F, 0.3499F, 0.2466F, 0.1738F};
 
 // Adds a neighbour's costs along the plane for all hypotheses. Returns its weight.
 static real add_neighbour(real *cost, const FfpView *view, const FfpObservation *seen,
                           const FfpBlurred *pattern, const FfpPlane *plane, int x, int y, int dx, int dy,
                           int steps, real step) {
     const size_t i = (size_t)(y + dy) * (size_t)seen->width + (size_t)(x + dx);
-    const real near = exp(-0.35F * (real)(dx * dx + dy * dy));
-    const real *ratio = seen->ratio + 3 * i, *weight = seen->weight + 3 * i;
+    const FfpSeen here = ffp_seen(seen, i);
     const FfpLine line =
         ffp_line(&view->camera, (real)(x + dx) + 0.5F, (real)(y + dy) + 0.5F, &view->projector);
-    const real base = plane->q0 + plane->qx * dx + plane->qy * dy;
+    const real base = plane->q0 + plane->qx * (real)dx + plane->qy * (real)dy,
+               near = nearness[dx * dx + dy * dy];
     for (int k = 0; k < steps; k++) {
-        real u = -1, v = -1, rgb[3];
-        const real q = base + (real)(k - steps / 2) * step;
-        if (q > 0) ffp_line_at(&line, 1 / q, &u, &v);
-        if (u < 0 || v < 0 || u > pattern->width || v > pattern->height) {
-            cost[k] += near * OFF_PATTERN;
-            continue;
-        }
-        ffp_blurred_sample(pattern, u, v, rgb);
-        real sum = 0;
-        for (int c = 0; c < 3; c++) sum += weight[c] * (ratio[c] - rgb[c]) * (ratio[c] - rgb[c]);
-        cost[k] += near * sum;
+        // The line in inverse depth: both its numbers divided by depth.
+        const real q = base + (real)(k - steps / 2) * step, w = line.w[0] * q + line.w[1];
+        const real inverse = q > 0 && w > 0 ? 1 / w : 0;
+        const real u = inverse > 0 ? (line.u[0] * q + line.u[1]) * inverse : -1,
+                   v = (line.v[0] * q + line.v[1]) * inverse;
+        cost[k] += near * ffp_blurred_cost(pattern, u, v, &here, OFF_PATTERN);
     }
     return near * seen->lit[i];
 }
@@ -51,6 +49,7 @@ static real refine_pixel(const FfpView *view, const FfpObservation *seen, const 
     real cost[STEPS_MAX] = {0}, total = 0;
     for (int dy = -WINDOW; dy <= WINDOW; dy++) {
         for (int dx = -WINDOW; dx <= WINDOW; dx++) {
+            if (dx * dx + dy * dy > WINDOW * WINDOW + 1) continue;
             if (x + dx < 0 || x + dx >= seen->width || y + dy < 0 || y + dy >= seen->height) continue;
             if (seen->lit[(size_t)(y + dy) * (size_t)seen->width + (size_t)(x + dx)] <= 0) continue;
             total += add_neighbour(cost, view, seen, pattern, plane, x, y, dx, dy, steps, step);

@@ -9,16 +9,17 @@
 
 // One pixel of one path: L(k) = C(k) + min(L'(k), L'(k -+ 1) + small, min L' + large) - min L', added to
 // total. The paths' rows have a cell of FAR_COST before and behind. Returns min L.
-static real path_step(real *path, const real *before, real least_before, const real *cost, real *total,
-                      int count, real small, real large) {
+static real path_step(real *restrict path, const real *restrict before, real least_before,
+                      const real *restrict cost, real *restrict total, int count, real small, real large) {
     real least = FAR_COST;
-    for (int k = 0; k < count; k++) {
-        const real beside = fmin(before[k], before[k + 2]) + small;
-        const real best = fmin(fmin(before[k + 1], beside), least_before + large);
+    for (int k = 0; k < count; k++) { // comparisons, not fmin: they are one vector instruction
+        const real beside = (before[k] < before[k + 2] ? before[k] : before[k + 2]) + small,
+                   jump = least_before + large;
+        const real near = before[k + 1] < beside ? before[k + 1] : beside, best = near < jump ? near : jump;
         const real value = cost[k] + best - least_before;
         path[k + 1] = value;
         total[k] += value;
-        least = fmin(least, value);
+        least = value < least ? value : least;
     }
     return least;
 }

@@ -5,8 +5,7 @@
 #include "match/blurred.h"
 #include "match/line.h"
 
-#define OUTSIDE_COST                                                                                         \
-    1.0F // of a hypothesis off the pattern or off a silhouette: as much as a clearly wrong colour
+#define OUTSIDE_COST 1.0F // a channel, off the pattern or off a silhouette: as much as a clearly wrong colour
 
 FfpPlanes ffp_planes(const FfpCapture *capture, int view, const FfpMatchSettings *settings) {
     const FfpCamera *camera = &capture->views[view].camera;
@@ -16,20 +15,13 @@ FfpPlanes ffp_planes(const FfpCapture *capture, int view, const FfpMatchSettings
     return (FfpPlanes){settings->coarse_steps, first, (last - first) / (real)(settings->coarse_steps - 1)};
 }
 
-static void add_colour(real *cost, const FfpBlurred *pattern, const FfpLine *line, const real ratio[3],
-                       const real weight[3], const FfpPlanes *planes) {
-    const real total = weight[0] + weight[1] + weight[2];
+static void add_colour(real *cost, const FfpBlurred *pattern, const FfpLine *line, const FfpSeen *seen,
+                       const FfpPlanes *planes) {
+    const real outside = OUTSIDE_COST * (seen->weight[0] + seen->weight[1] + seen->weight[2]);
     for (int k = 0; k < planes->count; k++) {
-        real u = -1, v = -1, rgb[3];
+        real u = -1, v = -1;
         ffp_line_at(line, planes->first + (real)k * planes->step, &u, &v);
-        if (u < 0 || v < 0 || u > pattern->width || v > pattern->height) {
-            cost[k] = OUTSIDE_COST * total;
-            continue;
-        }
-        ffp_blurred_sample(pattern, u, v, rgb);
-        real sum = 0;
-        for (int c = 0; c < 3; c++) sum += weight[c] * (ratio[c] - rgb[c]) * (ratio[c] - rgb[c]);
-        cost[k] = sum;
+        cost[k] = ffp_blurred_cost(pattern, u, v, seen, outside);
     }
 }
 
@@ -40,7 +32,8 @@ void ffp_sweep(real *cost, const FfpView *view, const FfpObservation *seen, cons
             const size_t i = (size_t)y * (size_t)seen->width + (size_t)x, first = i * (size_t)planes->count;
             if (view->coverage.data[i] <= 0) continue;
             const FfpLine line = ffp_line(&view->camera, (real)x + 0.5F, (real)y + 0.5F, &view->projector);
-            add_colour(cost + first, pattern, &line, seen->ratio + 3 * i, seen->weight + 3 * i, planes);
+            const FfpSeen here = ffp_seen(seen, i);
+            add_colour(cost + first, pattern, &line, &here, planes);
             for (int k = 0; k < planes->count; k++)
                 if (!inside[first + (size_t)k]) cost[first + (size_t)k] = OUTSIDE_COST;
         }
