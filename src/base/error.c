@@ -23,3 +23,9 @@ bool ffp_fail(FfpError *err, const char *where, const char *what_format, ...) {
     memcpy(err->text, text, sizeof text);
     return false;
 }
+
+FfpPlace ffp_place(const char *file, const char *field) {
+    FfpPlace place;
+    snprintf(place.text, sizeof place.text, "%.1023s: %.160s", file, field);
+    return place;
+}

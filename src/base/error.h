@@ -9,4 +9,10 @@
 // `where` may be NULL: then only WHAT is written. Control characters in the text are replaced by '?'.
 bool ffp_fail(FfpError *err, const char *where, const char *what_format, ...) __attribute__((format(printf, 3, 4)));
 
+// "FILE: FIELD" for an error's WHERE, as ffp_place(file, field).text; very long names are cut.
+typedef struct FfpPlace {
+    char text[1200];
+} FfpPlace;
+FfpPlace ffp_place(const char *file, const char *field);
+
 #endif

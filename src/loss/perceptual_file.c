@@ -3,7 +3,6 @@
 
 #include <stdio.h>
 #include <tgmath.h>
-#include "base/file.h"
 #include "loss/perceptual_net.h"
 #include "tensor/safetensors.h"
 
@@ -24,16 +23,15 @@ static bool recognise(FfpPerceptualKind *kind, const FfpSafetensors *file) {
 // Copies tensor `name` of exactly this shape into `out`.
 static bool fill(real *out, const FfpSafetensors *file, const char *path, const char *name,
                  const int64_t *shape, int rank, FfpError *err) {
-    char where[FFP_PATH_MAX + FFP_TENSOR_NAME_MAX];
-    snprintf(where, sizeof where, "%s: %s", path, name);
+    const FfpPlace where = ffp_place(path, name);
     const FfpTensor *tensor = ffp_safetensors_find(file, name);
-    if (!tensor) return ffp_fail(err, where, "no such tensor");
+    if (!tensor) return ffp_fail(err, where.text, "no such tensor");
     bool same = tensor->rank == rank;
     for (int i = 0; same && i < rank; i++) same = tensor->shape[i] == shape[i];
-    if (!same) return ffp_fail(err, where, "tensor of the wrong shape");
-    if (!ffp_tensor_to_real(tensor, out)) return ffp_fail(err, where, "tensor of the wrong type");
+    if (!same) return ffp_fail(err, where.text, "tensor of the wrong shape");
+    if (!ffp_tensor_to_real(tensor, out)) return ffp_fail(err, where.text, "tensor of the wrong type");
     for (int64_t i = 0; i < tensor->count; i++)
-        if (!isfinite(out[i])) return ffp_fail(err, where, "a weight is not a finite number");
+        if (!isfinite(out[i])) return ffp_fail(err, where.text, "a weight is not a finite number");
     return true;
 }
 

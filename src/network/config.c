@@ -5,60 +5,43 @@
 #include <stdio.h>
 #include <string.h>
 
-static const FfpModelConfig presets[] = {
-    {.name = "tiny",
-     .modules = "MTMT",
-     .dim = 128,
-     .patch = 8,
-     .state = 64,
-     .chunk = 64,
-     .residual = true,
-     .match_input = true,
-     .pixel_skip = true,
-     .pixel_features = 8,
-     .pixel_hidden = 32,
-     .render = "ours"},
-    {.name = "small",
-     .modules = "MTMTMTMT",
-     .dim = 256,
-     .patch = 8,
-     .state = 64,
-     .chunk = 64,
-     .residual = true,
-     .match_input = true,
-     .pixel_skip = true,
-     .pixel_features = 24,
-     .pixel_hidden = 96,
-     .render = "ours"},
-    {.name = "paper-small",
-     .modules = "MTMTMTMT",
-     .dim = 256,
-     .patch = 8,
-     .state = 64,
-     .chunk = 64,
-     .render = "paper"},
-    {.name = "paper",
-     .modules = "MTMTMTMTMTMTMTMTMTMTMTMT",
-     .dim = 1024,
-     .patch = 8,
-     .state = 64,
-     .chunk = 64,
-     .render = "paper"},
+// What the presets differ in; `paper` and `paper-small` have the paper's plain heads, without a start.
+static const struct {
+    const char *name, *modules;
+    int dim;
+    bool ours;
+    int pixel_features, pixel_hidden;
+} presets[] = {
+    {"tiny", "MTMT", 128, true, 8, 32},
+    {"small", "MTMTMTMT", 256, true, 24, 96},
+    {"paper-small", "MTMTMTMT", 256, false, 0, 0},
+    {"paper", "MTMTMTMTMTMTMTMTMTMTMTMT", 1024, false, 0, 0},
 };
 
 bool ffp_model_preset(FfpModelConfig *config, const char *name) {
-    for (size_t i = 0; i < sizeof presets / sizeof *presets; i++)
-        if (strcmp(presets[i].name, name) == 0) {
-            *config = presets[i];
-            return true;
-        }
-    return false;
+    size_t i = 0;
+    while (i < sizeof presets / sizeof *presets && strcmp(presets[i].name, name) != 0) i++;
+    if (i == sizeof presets / sizeof *presets) return false;
+    const bool ours = presets[i].ours;
+    *config = (FfpModelConfig){.dim = presets[i].dim,
+                               .patch = 8,
+                               .state = 64,
+                               .chunk = 64,
+                               .residual = ours,
+                               .match_input = ours,
+                               .pixel_skip = ours,
+                               .pixel_features = presets[i].pixel_features,
+                               .pixel_hidden = presets[i].pixel_hidden};
+    snprintf(config->name, sizeof config->name, "%s", presets[i].name);
+    snprintf(config->modules, sizeof config->modules, "%s", presets[i].modules);
+    snprintf(config->render, sizeof config->render, "%s", ours ? "ours" : "paper");
+    return true;
 }
 
 static bool refuse(FfpError *err, const char *where, const char *field, const char *what) {
-    char place[1200];
-    snprintf(place, sizeof place, "%s%smodel.%s", where ? where : "", where ? ": " : "", field);
-    return ffp_fail(err, place, "%s", what);
+    char name[64];
+    snprintf(name, sizeof name, "model.%s", field);
+    return ffp_fail(err, where ? ffp_place(where, name).text : name, "%s", what);
 }
 
 static bool check_range(int value, int low, int high, int step, const char *field, const char *where,

@@ -45,8 +45,4 @@ int ffp_input_channels(const FfpModelConfig *config); // numbers a pixel: see in
 int ffp_head_numbers(
     const FfpModelConfig *config); // numbers a Gaussian before the heads' formulas: see splat.h
 
-// The table and its layout without values (count is set): what a file is checked against before memory is
-// taken.
-FfpModel *ffp_model_table(const FfpModelConfig *config, const char *where, FfpError *err);
-
 #endif

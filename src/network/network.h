@@ -65,6 +65,9 @@ typedef struct FfpModel {
 } FfpModel;
 
 FfpModel *ffp_model_new(const FfpModelConfig *config, uint64_t seed, FfpError *err);
+// The same without values (NULL; count is set): what a file is checked against before memory is taken.
+// `where` names the configuration's file in errors.
+FfpModel *ffp_model_table(const FfpModelConfig *config, const char *where, FfpError *err);
 void ffp_model_free(FfpModel *model);
 // Weights file: safetensors with the configuration and metadata_count pairs of `metadata` (key, value, key,
 // value, ...). Matrices are bf16, or F32 when `exact`; vectors (gains, biases, Mamba2's rates) F32 always.

@@ -32,17 +32,6 @@ static const Field fields[] = {
 };
 enum { FIELDS = sizeof fields / sizeof *fields, OWN_KEYS = FIELDS + 2 };
 
-// "file: name", the WHERE of errors.
-typedef struct Place {
-    char text[FFP_PATH_MAX + FFP_TENSOR_NAME_MAX + 4];
-} Place;
-
-static Place place(const char *path, const char *name) {
-    Place p;
-    snprintf(p.text, sizeof p.text, "%.*s: %.*s", FFP_PATH_MAX - 1, path, FFP_TENSOR_NAME_MAX - 1, name);
-    return p;
-}
-
 static bool is_reserved(const char *key) {
     return strcmp(key, "format") == 0 || strcmp(key, "format_version") == 0 ||
            strncmp(key, RESERVED, strlen(RESERVED)) == 0;
@@ -105,7 +94,7 @@ bool ffp_model_write(const FfpModel *model, const char *path, bool exact, const 
                      int metadata_count, FfpError *err) {
     for (int i = 0; i < 2 * metadata_count; i += 2)
         if (is_reserved(metadata[i]))
-            return ffp_fail(err, place(path, metadata[i]).text, "a metadata key that is taken");
+            return ffp_fail(err, ffp_place(path, metadata[i]).text, "a metadata key that is taken");
     char text[FIELDS][FFP_MODULES_MAX];
     const char **strings = ffp_alloc(2 * (OWN_KEYS + (size_t)metadata_count), sizeof *strings);
     int count = 0;
@@ -131,14 +120,14 @@ static bool read_config(FfpModelConfig *config, const FfpSafetensors *file, cons
     const char *format = ffp_safetensors_metadata(file, "format");
     const char *version = ffp_safetensors_metadata(file, "format_version");
     if (!format || strcmp(format, FORMAT) != 0)
-        return ffp_fail(err, place(path, "format").text, "not a model file");
+        return ffp_fail(err, ffp_place(path, "format").text, "not a model file");
     if (!version || strcmp(version, VERSION) != 0)
-        return ffp_fail(err, place(path, "format_version").text,
+        return ffp_fail(err, ffp_place(path, "format_version").text,
                         "this program reads version " VERSION ", not %.16s", version ? version : "none");
     *config = (FfpModelConfig){0};
     for (int i = 0; i < FIELDS; i++)
         if (!read_field(config, &fields[i], ffp_safetensors_metadata(file, fields[i].key),
-                        place(path, fields[i].key).text, err))
+                        ffp_place(path, fields[i].key).text, err))
             return false;
     return true;
 }
@@ -146,7 +135,7 @@ static bool read_config(FfpModelConfig *config, const FfpSafetensors *file, cons
 // Names and shapes, before memory is taken for what a configuration merely claims.
 static bool check_parameter(const FfpParameter *p, const FfpSafetensors *file, const char *path,
                             FfpError *err) {
-    const Place where = place(path, p->name);
+    const FfpPlace where = ffp_place(path, p->name);
     const FfpTensor *t = ffp_safetensors_find(file, p->name);
     if (!t) return ffp_fail(err, where.text, "a tensor that the configuration asks for is missing");
     if (t->rank != p->rank || memcmp(t->shape, p->shape, (size_t)p->rank * sizeof *p->shape) != 0)
@@ -158,12 +147,12 @@ static bool check_parameter(const FfpParameter *p, const FfpSafetensors *file, c
 static bool check_known(const FfpModel *model, const char *name, const char *path, FfpError *err) {
     for (int k = 0; k < model->n_parameters; k++)
         if (strcmp(model->parameters[k].name, name) == 0) return true;
-    return ffp_fail(err, place(path, name).text, "a tensor that the configuration does not have");
+    return ffp_fail(err, ffp_place(path, name).text, "a tensor that the configuration does not have");
 }
 
 static bool read_parameter(const FfpModel *model, const FfpParameter *p, const FfpSafetensors *file,
                            const char *path, FfpError *err) {
-    const Place where = place(path, p->name);
+    const FfpPlace where = ffp_place(path, p->name);
     real *values = model->values + p->offset;
     if (!ffp_tensor_to_real(ffp_safetensors_find(file, p->name), values))
         return ffp_fail(err, where.text, "integers where numbers belong");

@@ -20,17 +20,6 @@ static const struct {
 };
 enum { DTYPES = sizeof dtypes / sizeof *dtypes };
 
-// The error text's WHERE: "file: tensor".
-typedef struct Place {
-    char text[FFP_PATH_MAX + FFP_TENSOR_NAME_MAX + 4];
-} Place;
-
-static Place place(const char *path, const char *name) {
-    Place p;
-    snprintf(p.text, sizeof p.text, "%.*s: %.*s", FFP_PATH_MAX - 1, path, FFP_TENSOR_NAME_MAX - 1, name);
-    return p;
-}
-
 static bool read_dtype(FfpTensor *tensor, const json_t *entry, const char *where, FfpError *err) {
     const char *name = json_string_value(json_object_get(entry, "dtype"));
     if (!name) return ffp_fail(err, where, "a tensor without dtype");
@@ -86,7 +75,7 @@ static bool read_metadata(FfpSafetensors *file, const json_t *object, const char
     json_t *value;
     json_object_foreach((json_t *)object, key, value) {
         if (!json_is_string(value))
-            return ffp_fail(err, place(path, key).text, "a metadata value that is no string");
+            return ffp_fail(err, ffp_place(path, key).text, "a metadata value that is no string");
         char *k = strdup(key), *v = strdup(json_string_value(value));
         file->metadata[2 * file->metadata_count] = k;
         file->metadata[2 * file->metadata_count++ + 1] = v;
@@ -113,7 +102,7 @@ static bool check_cover(const FfpSafetensors *file, const char *data, size_t dat
     for (int i = 0; i < file->count && ok; i++) {
         const char *begin = order[i]->data;
         if (begin != end)
-            ok = ffp_fail(err, place(path, order[i]->name).text,
+            ok = ffp_fail(err, ffp_place(path, order[i]->name).text,
                           begin < end ? "its data overlap another tensor's" : "a gap lies before its data");
         end = begin + (size_t)order[i]->count * dtypes[order[i]->dtype].size;
     }
@@ -133,7 +122,7 @@ static bool read_entries(FfpSafetensors *file, json_t *header, const char *data,
             if (!read_metadata(file, entry, path, err)) return false;
             continue;
         }
-        const Place where = place(path, name);
+        const FfpPlace where = ffp_place(path, name);
         FfpTensor *tensor = &file->tensors[file->count];
         if (!*name || strlen(name) >= FFP_TENSOR_NAME_MAX)
             return ffp_fail(err, where.text, "a tensor's name must have 1 to %d bytes",
@@ -256,7 +245,7 @@ static char *print_header(const FfpTensor *tensors, int count, const char *const
     bool ok = header && strings ? true : ffp_fail(err, path, "out of memory");
     for (int i = 0; ok && i < 2 * metadata_count; i += 2)
         if (json_object_set_new(strings, metadata[i], json_string(metadata[i + 1])) != 0)
-            ok = ffp_fail(err, place(path, metadata[i]).text, "metadata that is not UTF-8");
+            ok = ffp_fail(err, ffp_place(path, metadata[i]).text, "metadata that is not UTF-8");
     if (ok) json_object_set(header, METADATA_KEY, strings);
     json_decref(strings);
     int64_t begin = 0;
@@ -268,7 +257,7 @@ static char *print_header(const FfpTensor *tensors, int count, const char *const
         json_t *entry = json_pack("{s:s, s:o, s:[I,I]}", "dtype", dtypes[t->dtype].name, "shape", shape,
                                   "data_offsets", (json_int_t)begin, (json_int_t)end);
         if (json_object_get(header, t->name) || json_object_set(header, t->name, entry) != 0)
-            ok = ffp_fail(err, place(path, t->name).text, "a tensor's name that is taken or not UTF-8");
+            ok = ffp_fail(err, ffp_place(path, t->name).text, "a tensor's name that is taken or not UTF-8");
         json_decref(entry);
         begin = end;
     }

@@ -180,25 +180,25 @@ static bool read_fields(void *base, const Field *fields, int count, const json_t
     json_t *value;
     json_object_foreach((json_t *)object, key, value) {
         if (strcmp(key, skip) == 0) continue;
-        char place[FFP_PATH_MAX + 128];
-        snprintf(place, sizeof place, "%s: %s%.64s", where, prefix, key);
+        char name[128];
+        snprintf(name, sizeof name, "%s%.64s", prefix, key);
+        const FfpPlace place = ffp_place(where, name);
         const Field *found = NULL;
         for (int i = 0; i < count && !found; i++)
             if (strcmp(fields[i].name, key) == 0) found = &fields[i];
-        if (!found) return ffp_fail(err, place, "unknown field");
-        if (!read_field(base, found, value, place, err)) return false;
+        if (!found) return ffp_fail(err, place.text, "unknown field");
+        if (!read_field(base, found, value, place.text, err)) return false;
     }
     return true;
 }
 
 static bool read_model(FfpModelConfig *model, const json_t *value, const char *where, FfpError *err) {
-    char place[FFP_PATH_MAX + 32];
-    snprintf(place, sizeof place, "%s: model", where);
+    const FfpPlace place = ffp_place(where, "model");
     const json_t *preset = json_is_object(value) ? json_object_get(value, "preset") : value;
     if (preset) {
-        if (!json_is_string(preset)) return ffp_fail(err, place, "expected a preset's name");
+        if (!json_is_string(preset)) return ffp_fail(err, place.text, "expected a preset's name");
         if (!ffp_model_preset(model, json_string_value(preset)))
-            return ffp_fail(err, place, "no preset '%.40s'", json_string_value(preset));
+            return ffp_fail(err, place.text, "no preset '%.40s'", json_string_value(preset));
     }
     if (json_is_object(value) &&
         !read_fields(model, model_fields, COUNT(model_fields), value, "model.", "preset", where, err))
@@ -209,13 +209,15 @@ static bool read_model(FfpModelConfig *model, const json_t *value, const char *w
 // What no single range can say.
 static bool check_together(const FfpTrainConfig *c, const char *where, FfpError *err) {
     if (c->supervised_inputs + c->supervised_targets < 1)
-        return ffp_fail(err, where, "supervised_inputs and supervised_targets are both 0");
-    if (c->supervised_inputs > c->views) return ffp_fail(err, where, "supervised_inputs is above views");
+        return ffp_fail(err, ffp_place(where, "supervised_inputs").text,
+                        "supervised_inputs and supervised_targets are both 0");
+    if (c->supervised_inputs > c->views)
+        return ffp_fail(err, ffp_place(where, "supervised_inputs").text, "is above views");
     if (c->supervised_targets > c->targets)
-        return ffp_fail(err, where, "supervised_targets is above targets");
+        return ffp_fail(err, ffp_place(where, "supervised_targets").text, "is above targets");
     if (c->resolution % c->model.patch || c->low_resolution % c->model.patch)
-        return ffp_fail(err, where, "resolution and low_resolution must be multiples of the patch, %d",
-                        c->model.patch);
+        return ffp_fail(err, ffp_place(where, "resolution").text,
+                        "resolution and low_resolution must be multiples of the patch, %d", c->model.patch);
     return true;
 }
 
@@ -237,7 +239,8 @@ bool ffp_train_config_read(FfpTrainConfig *config, const char *path, FfpError *e
     char *text = NULL;
     size_t size = 0;
     if (!ffp_read_file(path, 1 << 20, &text, &size, err)) return false;
-    const bool ok = ffp_train_config_parse(config, text, path, err);
+    const bool ok = strlen(text) == size ? ffp_train_config_parse(config, text, path, err)
+                                         : ffp_fail(err, path, "broken JSON: a zero byte in the text");
     free(text);
     return ok;
 }

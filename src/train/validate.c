@@ -2,6 +2,7 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include "base/arena.h"
 #include "loss/metrics.h"
 #include "train/train.h"
 
@@ -88,7 +89,7 @@ static int compare(const void *a, const void *b) {
 
 static double depth_error_median(const FfpScene *scene, const FfpRun *run) {
     const int width = scene->start.width, pixels = width * scene->start.height;
-    real *errors = malloc((size_t)run->gaussians.count * sizeof *errors + 1);
+    real *errors = ffp_alloc((size_t)run->gaussians.count, sizeof *errors);
     int64_t count = 0;
     for (int64_t i = 0; i < run->gaussians.count; i++) {
         const FfpView *view = &scene->capture.views[run->pixel[i] / pixels];
