@@ -1,0 +1,270 @@
+// The classical start against the truth of the sample capture, and what it does with odd captures.
+#include "support.h"
+
+#include <math.h>
+#include <omp.h>
+#include "base/arena.h"
+#include "base/vec.h"
+#include "match/match.h"
+
+#define SAMPLE FFP_SOURCE_DIR "/data/sample"
+
+static FfpCapture open_capture(const char *path, int *active) {
+    FfpError err = {0};
+    FfpCapture capture;
+    if (!ffp_capture_read(&capture, path, &err)) fail_msg("%s", err.text);
+    const real centre[3] = {capture.centre[0], capture.centre[1], capture.centre[2]};
+    ffp_capture_normalise(&capture, centre, capture.radius);
+    *active = ffp_capture_active_pattern(&capture, "lollipop_0", &err);
+    if (*active < 0) fail_msg("%s", err.text);
+    return capture;
+}
+
+static FfpStart start_of(const FfpCapture *capture, int active) {
+    FfpError err = {0};
+    FfpStart start;
+    const FfpMatchSettings settings = ffp_match_defaults();
+    if (!ffp_start_new(&start, capture, active, &settings, &err)) fail_msg("%s", err.text);
+    return start;
+}
+
+static size_t count_of(const FfpStart *start) {
+    return (size_t)start->views * (size_t)start->width * (size_t)start->height;
+}
+
+static const FfpView *view_of(const FfpCapture *capture, const FfpStart *start, size_t i, size_t *pixel) {
+    const size_t area = (size_t)start->width * (size_t)start->height;
+    *pixel = i % area;
+    return &capture->views[i / area];
+}
+
+static int by_size(const void *a, const void *b) {
+    const real x = *(const real *)a, y = *(const real *)b;
+    return (x > y) - (x < y);
+}
+
+// Median and 90th percentile of |camera z - truth| in % of the radius, over whole pixels, matched or filled
+// ones.
+static void depth_errors(const FfpCapture *capture, const FfpStart *start, bool matched, double figures[2]) {
+    real *errors = ffp_alloc(count_of(start), sizeof *errors);
+    size_t count = 0;
+    for (size_t i = 0; i < count_of(start); i++) {
+        size_t p;
+        const FfpView *view = view_of(capture, start, i, &p);
+        if (view->coverage.data[p] < 1 || view->depth.data[p] <= 0 || (start->confidence[i] > 0) != matched)
+            continue;
+        errors[count++] = fabsf(start->footprint[i] * view->camera.fx - view->depth.data[p]) * 100;
+    }
+    assert_true(count > 0);
+    qsort(errors, count, sizeof *errors, by_size);
+    figures[0] = (double)errors[count / 2], figures[1] = (double)errors[count * 9 / 10];
+    printf("%s, %s: median %.3f %%, nine in ten within %.2f %% of the radius (%zu pixels)\n", capture->name,
+           matched ? "matched" : "filled", figures[0], figures[1], count);
+    free(errors);
+}
+
+static void test_depth_of_the_sample(void **state) {
+    (void)state;
+    int active;
+    FfpCapture capture = open_capture(SAMPLE, &active);
+    FfpStart start = start_of(&capture, active);
+    double matched[2], filled[2];
+    depth_errors(&capture, &start, true, matched);
+    depth_errors(&capture, &start, false, filled);
+    assert_true(matched[0] < 0.3 && matched[1] < 1);
+    assert_true(filled[0] < 1.5);
+    ffp_start_free(&start);
+    ffp_capture_free(&capture);
+}
+
+static void test_depth_of_shared_captures(void **state) {
+    (void)state;
+    static const char *names[] = {"captures/teapot", "captures/suzanne", "captures/cow"};
+    for (int i = 0; i < 3; i++) {
+        char path[1024];
+        if (!shared_path(path, names[i])) skip();
+        int active;
+        FfpCapture capture = open_capture(path, &active);
+        FfpStart start = start_of(&capture, active);
+        double matched[2];
+        depth_errors(&capture, &start, true, matched);
+        assert_true(matched[0] < 0.5 && matched[1] < 2);
+        ffp_start_free(&start);
+        ffp_capture_free(&capture);
+    }
+}
+
+static void assert_share(real value) {
+    assert_true(value >= 0 && value <= 1);
+}
+
+// What match.h promises of every pixel.
+static void check_maps(const FfpCapture *capture, const FfpStart *start) {
+    size_t shown = 0;
+    for (size_t i = 0; i < count_of(start); i++) {
+        size_t p;
+        const FfpView *view = view_of(capture, start, i, &p);
+        const real *normal = start->normal + 3 * i;
+        assert_share(start->confidence[i]), assert_share(start->lit[i]), assert_share(start->coverage[i]);
+        assert_share(start->agreement[i]), assert_share(start->violation[i]);
+        assert_true(start->coverage[i] <= view->coverage.data[p]);
+        for (int c = 0; c < 3; c++)
+            assert_true(isfinite(start->ambient[3 * i + (size_t)c]) &&
+                        start->ambient[3 * i + (size_t)c] >= 0),
+                assert_share(start->albedo[3 * i + (size_t)c]);
+        if (view->coverage.data[p] <= 0) {
+            assert_true(start->t[i] == 0 && start->footprint[i] == 0 && ffp_dot3(normal, normal) == 0);
+            continue;
+        }
+        real ray[3];
+        const real along = ffp_pixel_ray(&view->camera, (real)(p % (size_t)start->width) + 0.5F,
+                                         (real)(p / (size_t)start->width) + 0.5F, ray);
+        assert_true(start->t[i] > 0 && isfinite(start->t[i]));
+        assert_true(fabsf(start->footprint[i] * view->camera.fx - start->t[i] * along) < 1e-4F * start->t[i]);
+        assert_true(fabsf(ffp_dot3(normal, normal) - 1) < 1e-4F && ffp_dot3(normal, ray) < 0);
+        shown += start->coverage[i] > 0;
+    }
+    assert_true(shown > 0);
+}
+
+static void test_maps(void **state) {
+    (void)state;
+    int active;
+    FfpCapture capture = open_capture(SAMPLE, &active);
+    FfpStart start = start_of(&capture, active);
+    check_maps(&capture, &start);
+    ffp_start_free(&start);
+    ffp_capture_free(&capture);
+}
+
+static void test_same_bits_for_any_thread_count(void **state) {
+    (void)state;
+    int active;
+    FfpCapture capture = open_capture(SAMPLE, &active);
+    const int threads = omp_get_max_threads();
+    omp_set_num_threads(1);
+    FfpStart one = start_of(&capture, active);
+    omp_set_num_threads(3);
+    FfpStart three = start_of(&capture, active);
+    omp_set_num_threads(threads);
+    assert_memory_equal(one.t, three.t, count_of(&one) * sizeof(real));
+    assert_memory_equal(one.confidence, three.confidence, count_of(&one) * sizeof(real));
+    assert_memory_equal(one.albedo, three.albedo, 3 * count_of(&one) * sizeof(real));
+    ffp_start_free(&one), ffp_start_free(&three);
+    ffp_capture_free(&capture);
+}
+
+static void test_from_depth(void **state) {
+    (void)state;
+    FfpError err = {0};
+    int active;
+    FfpCapture capture = open_capture(SAMPLE, &active);
+    const size_t area = (size_t)capture.views[0].camera.width * (size_t)capture.views[0].camera.height;
+    real *depth = ffp_alloc(area * (size_t)capture.n_views, sizeof *depth);
+    for (int v = 0; v < capture.n_views; v++)
+        memcpy(depth + (size_t)v * area, capture.views[v].depth.data, area * sizeof *depth);
+    FfpStart start;
+    assert_true(ffp_start_from_depth(&start, &capture, active, depth, &err));
+    check_maps(&capture, &start);
+    double violated = 0, seen = 0;
+    for (size_t i = 0; i < count_of(&start); i++) {
+        size_t p;
+        const FfpView *view = view_of(&capture, &start, i, &p);
+        if (depth[i] <= 0 || view->coverage.data[p] <= 0) continue;
+        assert_true(fabsf(start.footprint[i] * view->camera.fx - depth[i]) < 1e-4F);
+        if (view->coverage.data[p] == 1) violated += start.violation[i] > 0, seen++;
+    }
+    assert_true(violated < 0.02 * seen); // the truth does not contradict itself
+    free(depth);
+    ffp_start_free(&start);
+    ffp_capture_free(&capture);
+}
+
+static void flat_image(FfpImage *image, int width, int height, int channels, real value) {
+    *image = ffp_image_new(width, height, channels);
+    for (size_t i = 0; i < (size_t)width * (size_t)height * (size_t)channels; i++) image->data[i] = value;
+}
+
+// A capture of `n_views` alike views made of flat pictures.
+static FfpCapture flat_capture(int n_views, int width, int height, real light, real coverage) {
+    FfpCapture capture = {
+        .n_patterns = 3, .n_views = n_views, .black = 0, .white = 1, .intensity = {8, 8, 8}, .radius = 1};
+    capture.patterns = calloc(3, sizeof *capture.patterns);
+    capture.views = calloc((size_t)n_views, sizeof *capture.views);
+    for (int p = 0; p < 3; p++) flat_image(&capture.patterns[p].image, 16, 16, 3, p == 1 ? 1 : 0);
+    for (int v = 0; v < n_views; v++) {
+        FfpView *view = &capture.views[v];
+        const FfpCamera camera = {width,
+                                  height,
+                                  20,
+                                  20,
+                                  (real)width / 2,
+                                  (real)height / 2,
+                                  {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, -3, 0, 0, 0, 1}};
+        view->camera = view->projector = camera;
+        view->projector.width = view->projector.height = 16;
+        view->projector.pose[3] = 0.5F;
+        view->images = calloc(3, sizeof *view->images);
+        for (int p = 0; p < 3; p++)
+            flat_image(&view->images[p], width, height, 3, p == 1 ? 0.2F + light : 0.2F);
+        flat_image(&view->coverage, width, height, 1, coverage);
+    }
+    return capture;
+}
+
+static void test_odd_captures(void **state) {
+    (void)state;
+    static const struct {
+        int views, width, height;
+        real light;
+    } cases[] = {{1, 1, 1, 0.3F}, {2, 1, 7, 0}, {3, 9, 2, 0.3F}, {1, 13, 11, 0}, {2, 5, 5, -0.1F}};
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        FfpCapture capture = flat_capture(cases[i].views, cases[i].width, cases[i].height, cases[i].light, 1);
+        FfpStart start = start_of(&capture, 2);
+        check_maps(&capture, &start);
+        ffp_start_free(&start);
+        ffp_capture_free(&capture);
+    }
+    FfpCapture empty = flat_capture(2, 6, 5, 0.3F, 0); // no object at all
+    FfpStart start = start_of(&empty, 2);
+    for (size_t i = 0; i < count_of(&start); i++) assert_true(start.t[i] == 0 && start.coverage[i] == 0);
+    ffp_start_free(&start);
+    ffp_capture_free(&empty);
+}
+
+static void expect_refused(FfpCapture *capture, int active, const char *word) {
+    FfpError err = {0};
+    FfpStart start;
+    const FfpMatchSettings settings = ffp_match_defaults();
+    assert_false(ffp_start_new(&start, capture, active, &settings, &err));
+    if (strstr(err.text, word) == NULL) fail_msg("no \"%s\" in: %s", word, err.text);
+    assert_null(start.t);
+    ffp_capture_free(capture);
+}
+
+static void test_refusals(void **state) {
+    (void)state;
+    FfpCapture capture = flat_capture(2, 6, 5, 0.3F, 1);
+    capture.views[1].camera.width = 7;
+    expect_refused(&capture, 2, "size");
+    capture = flat_capture(2, 6, 5, 0.3F, 1);
+    ffp_image_free(&capture.views[1].images[capture.white]);
+    expect_refused(&capture, 2, "white");
+    capture = flat_capture(2, 6, 5, 0.3F, 1);
+    ffp_image_free(&capture.views[0].images[2]);
+    strcpy(capture.patterns[2].name, "stripes");
+    expect_refused(&capture, 2, "stripes");
+    capture = flat_capture(1, 6, 5, 0.3F, 1);
+    expect_refused(&capture, 3, "pattern");
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_depth_of_the_sample),
+                                       cmocka_unit_test(test_depth_of_shared_captures),
+                                       cmocka_unit_test(test_maps),
+                                       cmocka_unit_test(test_same_bits_for_any_thread_count),
+                                       cmocka_unit_test(test_from_depth),
+                                       cmocka_unit_test(test_odd_captures),
+                                       cmocka_unit_test(test_refusals)};
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
