@@ -12,7 +12,8 @@
 #include <sys/stat.h>
 #include <cmocka.h>
 
-// Path of a file below ../shared (or $FFP_SHARED) into out; 0 with a printed line when it is absent: the test should skip().
+// Path of a file below ../shared (or $FFP_SHARED) into out; 0 with a printed line when it is absent: the test
+// should skip().
 static inline int shared_path(char out[1024], const char *name) {
     const char *root = getenv("FFP_SHARED");
     snprintf(out, 1024, "%s/%s", root ? root : FFP_SOURCE_DIR "/../shared", name);

@@ -8,10 +8,10 @@ typedef struct FfpArena FfpArena;
 
 FfpArena *ffp_arena_new(void);
 void ffp_arena_free(FfpArena *arena); // NULL is allowed
-// count * size bytes, 64-byte aligned, zeroed. Aborts with a message when the product overflows or memory is out:
-// sizes from outside are checked by the readers long before they come here.
+// count * size bytes, 64-byte aligned, zeroed. Aborts with a message when the product overflows or memory is
+// out: sizes from outside are checked by the readers long before they come here.
 void *ffp_arena_alloc(FfpArena *arena, size_t count, size_t size);
-void ffp_arena_reset(FfpArena *arena);            // keeps the memory for the next step
+void ffp_arena_reset(FfpArena *arena);              // keeps the memory for the next step
 size_t ffp_arena_high_water(const FfpArena *arena); // bytes, the most ever in use
 
 // The same for a single block that lives by itself: zeroed, 64-byte aligned, released with free().

@@ -1,5 +1,5 @@
-// The number type of the numeric rooms: float, or double when the same sources are built for the gradient tests.
-// Write constants with the F suffix (0.5F) and include <tgmath.h> so that one text serves both.
+// The number type of the numeric rooms: float, or double when the same sources are built for the gradient
+// tests. Write constants with the F suffix (0.5F) and include <tgmath.h> so that one text serves both.
 #ifndef FFP_BASE_REAL_H
 #define FFP_BASE_REAL_H
 

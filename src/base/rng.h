@@ -13,6 +13,6 @@ uint32_t ffp_rng_u32(FfpRng *rng);
 uint32_t ffp_rng_below(FfpRng *rng, uint32_t bound); // uniform in [0, bound), bound > 0, no modulo bias
 float ffp_rng_uniform(FfpRng *rng);                  // [0, 1)
 float ffp_rng_range(FfpRng *rng, float low, float high);
-float ffp_rng_normal(FfpRng *rng);                   // mean 0, deviation 1
+float ffp_rng_normal(FfpRng *rng); // mean 0, deviation 1
 
 #endif

@@ -5,7 +5,9 @@
 #include <tgmath.h>
 #include "base/real.h"
 
-static inline real ffp_dot3(const real a[3], const real b[3]) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+static inline real ffp_dot3(const real a[3], const real b[3]) {
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
 
 static inline void ffp_cross3(const real a[3], const real b[3], real out[3]) {
     const real x = a[1] * b[2] - a[2] * b[1], y = a[2] * b[0] - a[0] * b[2], z = a[0] * b[1] - a[1] * b[0];
@@ -22,7 +24,8 @@ static inline real ffp_normalise3(real a[3]) {
 // out = R p + t for a row-major 4x4 pose (x_to_world).
 static inline void ffp_transform_point(const real pose[16], const real p[3], real out[3]) {
     const real x = p[0], y = p[1], z = p[2];
-    for (int i = 0; i < 3; i++) out[i] = pose[4 * i] * x + pose[4 * i + 1] * y + pose[4 * i + 2] * z + pose[4 * i + 3];
+    for (int i = 0; i < 3; i++)
+        out[i] = pose[4 * i] * x + pose[4 * i + 1] * y + pose[4 * i + 2] * z + pose[4 * i + 3];
 }
 
 static inline void ffp_rotate(const real pose[16], const real p[3], real out[3]) {

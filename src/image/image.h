@@ -25,22 +25,25 @@ typedef enum FfpColour {
 } FfpColour;
 
 // Reads PNG (8/16 bit, grey, RGB, with or without alpha, palette), JPEG or EXR by its content, not its name.
-// Returns 4 channels: RGB and straight alpha (1 where the file has none). Errors: not a file, no image, truncated,
-// a side of 0 or above FFP_IMAGE_SIDE_MAX, values that are not finite. Gamma and colour profiles in files are ignored.
+// Returns 4 channels: RGB and straight alpha (1 where the file has none). Errors: not a file, no image,
+// truncated, a side of 0 or above FFP_IMAGE_SIDE_MAX, values that are not finite. Gamma and colour profiles
+// in files are ignored.
 bool ffp_image_read(FfpImage *image, const char *path, FfpColour colour, FfpError *err);
-// Linear RGB over black. Straight alpha is multiplied in before decoding (as pictures are composited in viewers, and in the
-// metrics of this field); an EXR's colours are premultiplied already. *alpha gets the alpha channel, or stays empty when
-// the file has none; alpha may be NULL.
+// Linear RGB over black. Straight alpha is multiplied in before decoding (as pictures are composited in
+// viewers, and in the metrics of this field); an EXR's colours are premultiplied already. *alpha gets the
+// alpha channel, or stays empty when the file has none; alpha may be NULL.
 bool ffp_image_read_over_black(FfpImage *rgb, FfpImage *alpha, const char *path, FfpError *err);
-// One channel as raw numbers: 0..65535 of a 16-bit grey PNG (0..255 of an 8-bit one), or an EXR's Z, Y or first channel:
-// depth and roughness maps.
+// One channel as raw numbers: 0..65535 of a 16-bit grey PNG (0..255 of an 8-bit one), or an EXR's Z, Y or
+// first channel: depth and roughness maps.
 bool ffp_image_read_raw16(FfpImage *image, const char *path, FfpError *err);
 // Only the size, without decoding: for checks before memory is taken.
 bool ffp_image_read_size(int *width, int *height, const char *path, FfpError *err);
 
-// 8-bit PNG of 1, 3 or 4 channels; values are clamped to [0,1] and rounded; they are written as they are (encoded).
+// 8-bit PNG of 1, 3 or 4 channels; values are clamped to [0,1] and rounded; they are written as they are
+// (encoded).
 bool ffp_image_write_png(const FfpImage *image, const char *path, FfpError *err);
-bool ffp_image_write_png16(const FfpImage *image, const char *path, FfpError *err); // values in [0,1] -> 0..65535
+bool ffp_image_write_png16(const FfpImage *image, const char *path,
+                           FfpError *err); // values in [0,1] -> 0..65535
 // The same 8-bit PNG into memory (malloc'd): for reports.
 bool ffp_image_encode_png(const FfpImage *image, unsigned char **bytes, size_t *size, FfpError *err);
 // 32-bit float EXR with channels named R G B [A], Y, or Z for one channel called depth.
@@ -49,7 +52,7 @@ bool ffp_image_write_exr(const FfpImage *image, const char *path, FfpError *err)
 // sRGB transfer functions (IEC 61966-2-1), scalar. ffp_srgb_encode clamps to [0,1] first.
 real ffp_srgb_encode(real linear);
 real ffp_srgb_decode(real encoded);
-real ffp_srgb_encode_slope(real linear); // derivative of ffp_srgb_encode; 0 outside [0,1]
+real ffp_srgb_encode_slope(real linear);   // derivative of ffp_srgb_encode; 0 outside [0,1]
 void ffp_image_to_srgb(FfpImage *image);   // in place, RGB channels only (a fourth channel stays)
 void ffp_image_to_linear(FfpImage *image); // in place
 

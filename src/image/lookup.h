@@ -1,4 +1,5 @@
-// Averages of a pattern over axis-aligned boxes, from a summed-area table (Crow 1984), and the gradients of it.
+// Averages of a pattern over axis-aligned boxes, from a summed-area table (Crow 1984), and the gradients of
+// it.
 #ifndef FFP_IMAGE_LOOKUP_H
 #define FFP_IMAGE_LOOKUP_H
 
@@ -13,14 +14,14 @@ typedef struct FfpSummed {
 FfpSummed ffp_summed_new(const FfpImage *rgb); // 3 channels
 void ffp_summed_free(FfpSummed *summed);
 
-// Mean colour of the pattern (constant within a pixel, black outside) over the box centred at (u,v) of size (du,dv)
-// pixels, each at least 1. At du = dv = 1 this is bilinear interpolation.
+// Mean colour of the pattern (constant within a pixel, black outside) over the box centred at (u,v) of size
+// (du,dv) pixels, each at least 1. At du = dv = 1 this is bilinear interpolation.
 void ffp_lookup(const FfpSummed *summed, real u, real v, real du, real dv, real out[3]);
 // Adds d out / d u and / d v, contracted with grad[3], to *grad_u, *grad_v (du, dv are constants).
-void ffp_lookup_backward_position(const FfpSummed *summed, real u, real v, real du, real dv, const real grad[3],
-                                  real *grad_u, real *grad_v);
-// Adjoint with respect to the pattern: scatters into grad_sum (same shape as summed->sum); when all pixels are done,
-// ffp_lookup_gather_pattern turns it into the gradient image [height,width,3].
+void ffp_lookup_backward_position(const FfpSummed *summed, real u, real v, real du, real dv,
+                                  const real grad[3], real *grad_u, real *grad_v);
+// Adjoint with respect to the pattern: scatters into grad_sum (same shape as summed->sum); when all pixels
+// are done, ffp_lookup_gather_pattern turns it into the gradient image [height,width,3].
 void ffp_lookup_backward_pattern(FfpSummed *grad_sum, real u, real v, real du, real dv, const real grad[3]);
 void ffp_lookup_gather_pattern(const FfpSummed *grad_sum, FfpImage *grad_pattern);
 
