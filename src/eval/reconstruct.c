@@ -27,9 +27,8 @@ void ffp_normalised_alias_free(FfpCapture *alias) {
     alias->views = NULL;
 }
 
-// Matching lays all views' pixels in one array and the network cuts them into patches: both need one image
-// size.
-static bool check_fit(const FfpCapture *capture, const FfpModel *model, FfpError *err) {
+// Matching lays all views' pixels in one array, and the network cuts them into patches.
+bool ffp_check_fit(const FfpCapture *capture, const FfpModel *model, FfpError *err) {
     const FfpCamera *first = &capture->views[0].camera;
     for (int v = 1; v < capture->n_views; v++) {
         const FfpCamera *camera = &capture->views[v].camera;
@@ -64,9 +63,7 @@ static bool run_network(FfpGaussians *out, const FfpModel *model, const FfpCaptu
                         const FfpStart *start, int active, FfpError *err) {
     FfpRun *run = ffp_run_new();
     const bool ok = ffp_model_forward(model, run, capture, start, active, err);
-    if (ok) {
-        *out = copy_gaussians(&run->gaussians); // the run's own live only as long as the run
-    }
+    if (ok) *out = copy_gaussians(&run->gaussians); // the run's own live only as long as the run
     ffp_run_free(run);
     return ok;
 }
@@ -74,7 +71,7 @@ static bool run_network(FfpGaussians *out, const FfpModel *model, const FfpCaptu
 FfpGaussians *ffp_reconstruct(const FfpCapture *capture, const FfpReconstruction *options,
                               FfpReconstructionStory *story, FfpError *err) {
     const int active = ffp_capture_active_pattern(capture, options->pattern, err);
-    if (active < 0 || !check_fit(capture, options->model, err)) return NULL;
+    if (active < 0 || !ffp_check_fit(capture, options->model, err)) return NULL;
     const double begin = ffp_seconds();
     FfpCapture normalised = ffp_normalised_alias(capture);
     const FfpMatchSettings settings = ffp_match_defaults();

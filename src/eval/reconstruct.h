@@ -3,11 +3,16 @@
 #define FFP_EVAL_RECONSTRUCT_H
 
 #include "capture/capture.h"
+#include "network/network.h"
 
 // The capture in its bounding sphere's units, without copying pictures: it borrows everything but poses and
 // depth from `capture`, which must outlive it. Release with ffp_normalised_alias_free, never with
 // ffp_capture_free.
 FfpCapture ffp_normalised_alias(const FfpCapture *capture);
 void ffp_normalised_alias_free(FfpCapture *alias);
+
+// Whether the capture can be reconstructed: one image size for all views, whole patches of the model (NULL:
+// the classical start, which has none).
+bool ffp_check_fit(const FfpCapture *capture, const FfpModel *model, FfpError *err);
 
 #endif

@@ -219,7 +219,10 @@ bool ffp_report_write(FfpReport *report, const FfpScore *scores, int n_scores, c
     put_escaped(out.stream, report->predictor);
     fputs(".</p>\n", out.stream);
     put_scores(out.stream, scores, n_scores);
-    fflush(report->body);
+    if (fflush(report->body) != 0) {
+        ffp_output_abort(&out);
+        return ffp_fail(err, path, "out of memory");
+    }
     fwrite(report->text, 1, report->size, out.stream);
     fputs("</html>\n", out.stream);
     return ffp_output_commit(&out, err);

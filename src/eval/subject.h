@@ -1,0 +1,36 @@
+// One capture under evaluation, and the protocols that are run on it.
+#ifndef FFP_EVAL_SUBJECT_H
+#define FFP_EVAL_SUBJECT_H
+
+#include "base/file.h"
+#include "eval/relight.h"
+#include "eval/report.h"
+#include "loss/loss.h"
+
+typedef struct FfpEvaluating { // what all captures share
+    const FfpEvaluation *options;
+    FfpPerceptual *lpips;
+    FfpReport *report;
+    FfpScore *scores;
+    int n_scores;
+} FfpEvaluating;
+
+typedef struct FfpSubject { // one capture under evaluation
+    FfpEvaluating *shared;
+    FfpCapture *capture;
+    FfpCapture normalised; // lookup predictors only
+    FfpCapture targets;
+    bool has_targets;
+    int active;
+    FfpGaussians *gaussians; // NULL for the lookup predictors
+    FfpRelight relight;
+    real **depth; // lookup predictors: [n_views] camera z in the normalised capture
+    double reconstruct_s;
+    char folder[FFP_PATH_MAX]; // where predictions are saved
+} FfpSubject;
+
+// Predicts, measures, reports and saves the pictures of "rendering", "novel_pattern" or "novel_pose"
+// (ffprocams.h), and adds a row to the scores when there are any. The explanation is for the report.
+bool ffp_run_protocol(FfpSubject *subject, const char *name, const char *explanation, FfpError *err);
+
+#endif
