@@ -461,6 +461,96 @@ static void test_targets_of_another_capture(void **state) {
     must_fail("targets of another capture", "other.json", arguments);
 }
 
+// --- Evaluation: whatever is wrong, and wherever, shows before the first picture is saved. ---
+
+static void test_nothing_is_saved_when_a_later_file_is_bad(void **state) {
+    (void)state;
+    char arguments[1024];
+    snprintf(arguments, sizeof arguments, "evaluate %s %s/none --model none --save %s/saved", capture,
+             scratch, output);
+    must_fail("the second capture is missing", "none", arguments);
+    snprintf(arguments, sizeof arguments, "evaluate %s %s --model none --save %s/saved", capture, capture,
+             output);
+    must_fail("two captures of one name", "saved", arguments);
+    assert_true(ffp_write_file(in_scratch("cut.png"), "\x89PNG\r\n\x1a\n", 8, NULL));
+    snprintf(arguments, sizeof arguments,
+             "evaluate %s --model none --save %s/saved --report %s/out.html --show-pattern %s", capture,
+             output, output, in_scratch("cut.png"));
+    must_fail("a truncated pattern to show", "cut.png", arguments);
+    static const char *const texts[] = {"", "{", "{\"views\": NaN}", "{\"views\": []}"};
+    for (size_t i = 0; i < sizeof texts / sizeof *texts; i++) {
+        save_text("bad_targets.json", texts[i], strlen(texts[i]));
+        snprintf(arguments, sizeof arguments,
+                 "evaluate %s --model none --targets bad_targets.json --save %s/saved", capture, output);
+        must_fail("broken targets", "bad_targets.json", arguments);
+    }
+}
+
+// --- Training. ---
+
+static void test_training_files_that_are_broken(void **state) {
+    (void)state;
+    static const struct {
+        const char *text, *where;
+    } configs[] = {
+        {"", "bad.json"},
+        {"{\"steps\": \"3\"}", "bad.json: steps"},
+        {"{\"steps\": NaN}", "bad.json"},
+        {"{\"views\": 0}", "bad.json: views"},
+        {"{\"views\": 1000000}", "bad.json: views"},
+        {"{\"resolution\": 20000}", "bad.json: resolution"},
+        {"{\"model\": {\"dim\": 1e9}}", "bad.json: model.dim"},
+        {"{\"model\": {\"modules\": \"MXT\"}}", "bad.json: model.modules"},
+        {"{\"resolution\": 100}", "bad.json: resolution"},
+    };
+    char path[256], arguments[1024];
+    snprintf(path, sizeof path, "%s/bad.json", scratch);
+    for (size_t i = 0; i < sizeof configs / sizeof *configs; i++) {
+        assert_true(ffp_write_file(path, configs[i].text, strlen(configs[i].text), NULL));
+        snprintf(arguments, sizeof arguments, "train --out %s/run --config %s", output, path);
+        must_fail(configs[i].text, configs[i].where, arguments);
+    }
+    snprintf(arguments, sizeof arguments, "train --out %s/run --initial %s", output, path);
+    must_fail("initial weights that are none", "bad.json", arguments);
+    snprintf(arguments, sizeof arguments, "train --out %s --steps 1", path);
+    must_fail("a file where the run's folder belongs", "bad.json", arguments);
+    snprintf(arguments, sizeof arguments, "generate %s --preset smoke --count 1", path);
+    must_fail("a file where the scenes' folder belongs", "bad.json", arguments);
+}
+
+static void test_checkpoints_that_are_broken(void **state) {
+    (void)state;
+    static const struct {
+        const char *what, *header, *where;
+    } files[] = {
+        {"no metadata", "{}", "checkpoint.safetensors: format"},
+        {"another format", "{\"__metadata__\":{\"format\":\"x\"}}", "checkpoint.safetensors: format"},
+        {"no step", "{\"__metadata__\":{\"format\":\"ffprocams-checkpoint-1\"}}",
+         "checkpoint.safetensors: step"},
+        {"a step that is none", "{\"__metadata__\":{\"format\":\"ffprocams-checkpoint-1\",\"step\":\"-4\"}}",
+         "checkpoint.safetensors: step"},
+        {"no configuration", "{\"__metadata__\":{\"format\":\"ffprocams-checkpoint-1\",\"step\":\"4\"}}",
+         "checkpoint.safetensors: config"},
+        {"a large model of which nothing is there",
+         "{\"__metadata__\":{\"format\":\"ffprocams-checkpoint-1\",\"step\":\"4\",\"config\":\"{"
+         "\\\"model\\\": "
+         "\\\"paper\\\"}\"}}",
+         "checkpoint.safetensors: values"},
+    };
+    char folder[128], path[256], arguments[1024];
+    snprintf(folder, sizeof folder, "%s/run", scratch);
+    snprintf(path, sizeof path, "%s/checkpoint.safetensors", folder);
+    snprintf(arguments, sizeof arguments, "train --out %s --resume", folder);
+    assert_true(ffp_make_folders(folder, NULL));
+    must_fail("no checkpoint", "checkpoint.safetensors", arguments);
+    for (size_t i = 0; i < sizeof files / sizeof *files; i++) {
+        write_safetensors(path, strlen(files[i].header), files[i].header, 0);
+        must_fail(files[i].what, files[i].where, arguments);
+    }
+    write_safetensors(path, 1000, "{}", 0);
+    must_fail("a truncated checkpoint", "checkpoint.safetensors", arguments);
+}
+
 static int group_setup(void **state) {
     if (scratch_setup(state) != 0) return -1;
     snprintf(capture, sizeof capture, "%s/tiny", scratch);
@@ -485,6 +575,9 @@ int main(void) {
         cmocka_unit_test(test_weights_that_are_broken),
         cmocka_unit_test(test_a_model_that_does_not_fit),
         cmocka_unit_test(test_targets_of_another_capture),
+        cmocka_unit_test(test_nothing_is_saved_when_a_later_file_is_bad),
+        cmocka_unit_test(test_training_files_that_are_broken),
+        cmocka_unit_test(test_checkpoints_that_are_broken),
     };
     return cmocka_run_group_tests(tests, group_setup, scratch_teardown);
 }

@@ -6,6 +6,7 @@
 #include "cli/program.h"
 #include "cli/tiny.h"
 #include "gaussians/gaussians.h"
+#include "train/train.h"
 
 #define SIDE 48
 #define KILLS 16
@@ -220,30 +221,35 @@ static double now(void) {
     return (double)at.tv_sec + 1e-9 * (double)at.tv_nsec;
 }
 
+// Runs the program and kills it after so many seconds, if it has not ended by then.
+static void run_and_kill(const char *const arguments[], double seconds) {
+    const pid_t child = fork();
+    if (child == 0) {
+        if (!freopen("/dev/null", "w", stdout) || !freopen("/dev/null", "w", stderr)) _exit(126);
+        execv(FFP_PROGRAM, (char *const *)arguments);
+        _exit(127);
+    }
+    nanosleep(&(struct timespec){(time_t)seconds, (long)(1e9 * (seconds - (double)(time_t)seconds))}, NULL);
+    kill(child, SIGKILL);
+    int status;
+    assert_int_equal(waitpid(child, &status, 0), child);
+    assert_false(WIFEXITED(status) && WEXITSTATUS(status) != 0);
+}
+
 // Killed at any moment of a run's length: the file that was there before, or a whole new one.
 static void test_a_killed_run_leaves_a_whole_file(void **state) {
     (void)state;
     char capture[128], output[128];
     snprintf(capture, sizeof capture, "%s/tiny", scratch);
     snprintf(output, sizeof output, "%s/killed.ply", scratch);
+    const char *const arguments[] = {FFP_PROGRAM, "reconstruct", capture, "-o",
+                                     output,      "--model",     "none",  NULL};
     const double begin = now();
     must_run("reconstruct %s -o %s --model none", capture, output);
     const double length = now() - begin;
     for (int i = 0; i < KILLS; i++) {
         assert_true(ffp_write_file(output, "old", 3, NULL));
-        const pid_t child = fork();
-        if (child == 0) {
-            if (!freopen("/dev/null", "w", stdout) || !freopen("/dev/null", "w", stderr)) _exit(126);
-            execl(FFP_PROGRAM, FFP_PROGRAM, "reconstruct", capture, "-o", output, "--model", "none",
-                  (char *)NULL);
-            _exit(127);
-        }
-        const double wait = length * 1.2 * i / KILLS;
-        nanosleep(&(struct timespec){(time_t)wait, (long)(1e9 * (wait - (double)(time_t)wait))}, NULL);
-        kill(child, SIGKILL);
-        int status;
-        assert_int_equal(waitpid(child, &status, 0), child);
-        assert_false(WIFEXITED(status) && WEXITSTATUS(status) != 0);
+        run_and_kill(arguments, length * 1.2 * i / KILLS);
         char *data;
         size_t size;
         assert_true(ffp_read_file(output, 1 << 26, &data, &size, NULL));
@@ -257,6 +263,34 @@ static void test_a_killed_run_leaves_a_whole_file(void **state) {
     }
 }
 
+// A training run ends by writing its checkpoint. Killed around that moment, the last checkpoint is whole, and
+// the next run goes on from it.
+static void test_a_killed_training_run_leaves_a_whole_checkpoint(void **state) {
+    (void)state;
+    char folder[128], path[256], last[32];
+    snprintf(folder, sizeof folder, "%s/run", scratch); // test_generate_train_evaluate left it, at step 3
+    snprintf(path, sizeof path, "%s/checkpoint.safetensors", folder);
+    double begin = now();
+    must_run("train --out %s --resume --steps 4", folder);
+    const double length = now() - begin;
+    for (int i = 0, step = 4; i < KILLS / 2; i++) {
+        snprintf(last, sizeof last, "%d", step + 1);
+        const char *const arguments[] = {FFP_PROGRAM, "train",   "--out", folder,
+                                         "--resume",  "--steps", last,    NULL};
+        run_and_kill(arguments, length * (0.4 + 0.8 * i / (KILLS / 2)));
+        FfpAdam adam;
+        FfpTrainConfig config;
+        FfpError err = {0};
+        char origin[FFP_ORIGIN_MAX];
+        FfpModel *model = ffp_checkpoint_read(path, &adam, &config, origin, &err);
+        if (!model) fail_msg("%s", err.text);
+        assert_true(adam.step == step || adam.step == step + 1);
+        step = (int)adam.step;
+        ffp_adam_free(&adam);
+        ffp_model_free(model);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_info_tells_what_files_hold),
@@ -266,6 +300,7 @@ int main(void) {
         cmocka_unit_test(test_the_matching_predictor_leaves_new_poses_out),
         cmocka_unit_test(test_generate_train_evaluate),
         cmocka_unit_test(test_a_killed_run_leaves_a_whole_file),
+        cmocka_unit_test(test_a_killed_training_run_leaves_a_whole_checkpoint),
     };
     return cmocka_run_group_tests(tests, group_setup, scratch_teardown);
 }
