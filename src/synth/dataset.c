@@ -5,6 +5,7 @@
 #include <string.h>
 #include "base/file.h"
 #include "base/log.h"
+#include "synth/natural.h"
 #include "ffprocams.h"
 
 enum { MESHES_MAX = 1024 };
@@ -42,6 +43,7 @@ static bool preset_spec(const FfpGeneration *options, FfpSceneSpec *spec, FfpErr
     } else {
         return ffp_fail(err, "--preset", "'%s' is not paper or smoke", preset);
     }
+    if (options->split && !strcmp(options->split, "test")) spec->naturals = FFP_NATURAL_KINDS;
     if (options->resolution > 0) spec->resolution = options->resolution;
     return true;
 }

@@ -1,10 +1,13 @@
 #include "synth/scene.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include "base/arena.h"
 #include "synth/lollipop.h"
+#include "synth/natural.h"
 #include "synth/rig.h"
+#include "synth/sensor.h"
 #include "synth/simulate.h"
 
 FfpSceneSpec ffp_scene_defaults(void) {
@@ -29,40 +32,74 @@ static bool check_spec(const FfpSceneSpec *s, FfpError *err) {
     if (s->views < 1 || s->targets < 0 || s->views > 360 || s->targets > FFP_VIEWS_MAX - s->views)
         return ffp_fail(err, NULL, "%d views and %d targets are not in 1..360 and up to %d in all", s->views,
                         s->targets, FFP_VIEWS_MAX);
-    if (s->lollipops < 0 || s->lollipops > FFP_PATTERNS_MAX - 2)
-        return ffp_fail(err, NULL, "%d lollipops are too many or negative", s->lollipops);
+    if (s->lollipops < 0 || s->naturals < 0 || s->lollipops > FFP_PATTERNS_MAX - 2 ||
+        s->naturals > FFP_PATTERNS_MAX - 2 - s->lollipops)
+        return ffp_fail(err, NULL, "%d lollipops and %d natural patterns are too many or negative",
+                        s->lollipops, s->naturals);
     if (s->samples < 1 || s->samples > 65536 || s->ambient_rays < 0 || s->ambient_rays > 4096)
         return ffp_fail(err, NULL, "%d samples or %d ambient rays are out of range", s->samples,
                         s->ambient_rays);
-    return true;
+    return ffp_sensor_check(&s->sensor, err);
 }
 
+static FfpImage flat_pattern(int side, real value) {
+    FfpImage image = ffp_image_new(side, side, 3);
+    for (size_t i = 0; i < (size_t)side * (size_t)side * 3; i++) image.data[i] = value;
+    return image;
+}
+
+// Black, white, the lollipops, the natural ones.
 static void make_patterns(FfpCapture *capture, const FfpSceneSpec *spec) {
     const int side = spec->pattern_side;
-    capture->n_patterns = 2 + spec->lollipops;
+    capture->n_patterns = 2 + spec->lollipops + spec->naturals;
     capture->patterns = ffp_alloc((size_t)capture->n_patterns, sizeof *capture->patterns);
     capture->black = 0, capture->white = 1;
     uint8_t *map = ffp_lollipop_map(side, side);
     for (int p = 0; p < capture->n_patterns; p++) {
         FfpPattern *pattern = &capture->patterns[p];
-        if (p >= 2) {
+        const int natural = p - 2 - spec->lollipops;
+        pattern->novel = natural >= 0;
+        if (p < 2) {
+            snprintf(pattern->name, sizeof pattern->name, p == 0 ? "all_black" : "all_white");
+            pattern->image = flat_pattern(side, (real)p);
+        } else if (natural < 0) {
             snprintf(pattern->name, sizeof pattern->name, "lollipop_%d", p - 2);
             pattern->image = ffp_lollipop_paint(map, side, side, spec->seed * 1000003ULL + (uint64_t)p);
-            continue;
+        } else {
+            snprintf(pattern->name, sizeof pattern->name, "%s_%d", ffp_natural_name(natural), natural);
+            pattern->image = ffp_natural_pattern(side, side, natural, spec->seed);
         }
-        snprintf(pattern->name, sizeof pattern->name, p == 0 ? "all_black" : "all_white");
-        pattern->image = ffp_image_new(side, side, 3);
-        for (size_t i = 0; i < (size_t)side * (size_t)side * 3; i++) pattern->image.data[i] = (real)p;
     }
     free(map);
+}
+
+// What the projector sends out for each pattern. `emitted` keeps the images that differ from the patterns.
+static FfpLightPattern *make_light(const FfpCapture *capture, const FfpSensor *sensor, FfpImage *emitted) {
+    FfpLightPattern *light = ffp_alloc((size_t)capture->n_patterns, sizeof *light);
+    for (int p = 0; p < capture->n_patterns; p++) {
+        const FfpImage *image = &capture->patterns[p].image;
+        if (ffp_sensor_changes_light(sensor)) {
+            emitted[p] = ffp_sensor_emit(image, sensor);
+            image = &emitted[p];
+        }
+        light[p] = ffp_light_pattern_new(image);
+    }
+    return light;
+}
+
+static void misplace(FfpView *view, const FfpSceneSpec *spec, int index) {
+    const FfpSensor *s = &spec->sensor;
+    if (s->turn_error <= 0 && s->shift_error <= 0) return;
+    FfpRng rng = ffp_rng(spec->seed, 0x5e4501ULL + (uint64_t)index);
+    ffp_sensor_misplace(&view->camera, s->turn_error, s->shift_error, &rng);
+    ffp_sensor_misplace(&view->projector, s->turn_error, s->shift_error, &rng);
 }
 
 // Poses and pictures of all views.
 static void make_views(FfpCapture *capture, const FfpSceneSpec *spec, FfpSimulation *simulation,
                        FfpImage *visibility) {
-    FfpLightPattern *patterns = ffp_alloc((size_t)capture->n_patterns, sizeof *patterns);
-    for (int p = 0; p < capture->n_patterns; p++)
-        patterns[p] = ffp_light_pattern_new(&capture->patterns[p].image);
+    FfpImage *emitted = ffp_alloc((size_t)capture->n_patterns, sizeof *emitted);
+    FfpLightPattern *patterns = make_light(capture, &spec->sensor, emitted);
     simulation->patterns = patterns;
     simulation->n_patterns = capture->n_patterns;
     capture->n_views = spec->views + spec->targets;
@@ -73,9 +110,14 @@ static void make_views(FfpCapture *capture, const FfpSceneSpec *spec, FfpSimulat
         else
             ffp_rig_target(spec, i - spec->views, &capture->views[i]);
         ffp_simulate_view(simulation, &capture->views[i], (uint32_t)i, visibility ? &visibility[i] : NULL);
+        misplace(&capture->views[i], spec, i);
     }
-    for (int p = 0; p < capture->n_patterns; p++) ffp_light_pattern_free(&patterns[p]);
+    for (int p = 0; p < capture->n_patterns; p++) {
+        ffp_light_pattern_free(&patterns[p]);
+        ffp_image_free(&emitted[p]);
+    }
     free(patterns);
+    free(emitted);
 }
 
 bool ffp_scene_make_lit(FfpCapture *capture, const FfpSceneSpec *spec, FfpImage *visibility, FfpError *err) {
@@ -88,7 +130,11 @@ bool ffp_scene_make_lit(FfpCapture *capture, const FfpSceneSpec *spec, FfpImage 
         return false;
     }
     const FfpMaterial material = ffp_material_make(spec->material, spec->seed);
-    const FfpRig rig = ffp_rig_light(spec);
+    FfpRig rig = ffp_rig_light(spec);
+    const float gain =
+        exp2f(spec->sensor.exposure); // of all light alike, so that every map agrees with the images
+    for (int c = 0; c < 3; c++) rig.intensity[c] *= gain;
+    rig.ambient *= gain;
     FfpSimulation simulation = {.tracer = tracer,
                                 .mesh = &mesh,
                                 .material = &material,
@@ -96,6 +142,8 @@ bool ffp_scene_make_lit(FfpCapture *capture, const FfpSceneSpec *spec, FfpImage 
                                 .intensity = {rig.intensity[0], rig.intensity[1], rig.intensity[2]},
                                 .samples = spec->samples,
                                 .ambient_rays = spec->ambient_rays,
+                                .shot = spec->sensor.shot,
+                                .read = spec->sensor.read,
                                 .seed = spec->seed};
     snprintf(capture->name, sizeof capture->name, "%s_%s", ffp_mesh_name(spec->mesh),
              ffp_material_name(spec->material));

@@ -7,6 +7,7 @@
 #include "synth/brdf.h"
 #include "synth/noise.h"
 #include "synth/scalar.h"
+#include "synth/sensor.h"
 
 enum { CELL = 4, LOOKUPS_MAX = 16 };
 static const float OFFSET = 1e-3F; // secondary rays start this far off the surface
@@ -438,14 +439,17 @@ static void smooth_indirect(Work *w) {
     free(out);
 }
 
-// Adds the indirect light and passes the colour through what a PNG would keep of it.
+// Adds the indirect light and the noise, and passes the colour through what a PNG would keep of it.
 static void compose_pixel(const Work *w, size_t pixel, int pattern) {
     real *colour = w->view->images[pattern].data + 3 * pixel;
     const real *albedo = w->view->albedo.data + 3 * pixel, cover = w->view->coverage.data[pixel];
     const float *ambient = w->sums.ambient + 3 * pixel, *bounce = w->sums.bounce[pattern];
     for (size_t c = 0; c < 3; c++) {
         const float incoming = ambient[c] + (bounce ? bounce[3 * pixel + c] : 0);
-        const real encoded = ffp_srgb_encode(colour[c] + albedo[c] * incoming);
+        const float seen =
+            ffp_sensor_noise((float)(colour[c] + albedo[c] * incoming), w->sim->shot, w->sim->read,
+                             (uint32_t)(3 * pixel + c), w->seed + 0x3c6ef372U * ((uint32_t)pattern + 1));
+        const real encoded = ffp_srgb_encode((real)seen);
         colour[c] = ffp_srgb_decode((real)(roundf(255 * (float)encoded) / 255) * cover);
     }
 }

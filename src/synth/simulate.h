@@ -26,6 +26,7 @@ typedef struct FfpSimulation {
     int n_patterns;
     float intensity[3], ambient; // projector W/sr at pattern value 1; ambient radiance
     int samples, ambient_rays; // primary rays a pixel (four times as many on silhouettes); ambient rays a hit
+    float shot, read;          // noise of the images (ffp_sensor_noise)
     uint64_t seed;
 } FfpSimulation;
 

@@ -9,6 +9,17 @@
 #include "base/error.h"
 #include "capture/capture.h"
 
+// What real devices add to the ideal ones. All 0: nothing, bit for bit.
+typedef struct FfpSensor {
+    float exposure; // of the camera, in stops; lamp and ambient (and the capture's intensity) scale with it
+    float shot,
+        read;      // noise of a linear pixel value v: variance shot * v + read^2. 1/shot: electrons at v = 1
+    float defocus; // of the projector: deviation of a Gaussian, in its pixels
+    float gamma;   // the projector sends value^(1 + gamma) ...
+    float black_level;             // ... and this share of white where a pattern is black
+    float turn_error, shift_error; // of all written poses: deviation, radians and world units on each axis
+} FfpSensor;
+
 typedef struct FfpSceneSpec {
     int mesh, material; // 0 .. ffp_mesh_count()-1, 0 .. ffp_material_count()-1
     uint64_t seed;
@@ -16,16 +27,20 @@ typedef struct FfpSceneSpec {
     int views;                 // input views around the turntable (8)
     int targets;               // further views with new camera and projector poses
     int lollipops;             // patterns besides black and white
+    int naturals;              // and natural-looking ones, marked novel: for test scenes only
     int pattern_side;          // 800
     int samples, ambient_rays; // primary samples a pixel; ambient rays a sample
     bool jitter; // training: vary ambient, intensity, radius, poses; false: the default rig exactly
+    FfpSensor sensor;
 } FfpSceneSpec;
 FfpSceneSpec ffp_scene_defaults(void);
 
 // Input views first, then targets, in one capture (targets are views with ids "novel_NN"). Every view has
-// black, white and all lollipops, coverage, depth, normal, albedo, roughness and direct_white. Bounds are
-// exact, intensity known. Images are what a reader gets from 8-bit PNG with straight alpha; truth maps are
-// means over the samples that hit (not multiplied by coverage), depth is that of the pixel's centre ray.
+// black, white, all lollipops and all natural patterns (natural.h), coverage, depth, normal, albedo,
+// roughness and direct_white. Bounds are exact, intensity known. Images are what a reader gets from 8-bit PNG
+// with straight alpha; truth maps are means over the samples that hit (not multiplied by coverage), depth is
+// that of the pixel's centre ray. With pose errors the written poses differ from those that images and truth
+// maps were made with.
 bool ffp_scene_make(FfpCapture *capture, const FfpSceneSpec *spec, FfpError *err);
 
 int ffp_mesh_count(void);

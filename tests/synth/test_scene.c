@@ -4,7 +4,7 @@
 #include "ffprocams.h"
 #include "image/lookup.h"
 #include "scratch.h"
-#include "synth/material.h"
+#include "synth/natural.h"
 #include "synth/scene.h"
 
 static FfpSceneSpec small_spec(int mesh, int material) {
@@ -196,12 +196,15 @@ static void disk_and_memory_agree(void **state) {
     FfpCapture read, targets;
     if (!ffp_capture_read(&read, in_scratch("scenes/test_00004"), &err)) fail_msg("%s", err.text);
     assert_int_equal(read.n_views, 8);
-    assert_int_equal(read.n_patterns, 4);
+    assert_int_equal(read.n_patterns, 4 + FFP_NATURAL_KINDS);
+    for (int p = 0; p < read.n_patterns; p++) assert_int_equal(read.patterns[p].novel, p >= 4);
+    assert_int_equal(ffp_capture_active_pattern(&read, NULL, &err), 2);
     assert_true(read.intensity_known);
     assert_float_equal(read.radius, 0.95, 1e-6);
     if (!ffp_capture_read_targets(&targets, in_scratch("scenes/test_00004/targets/scene.json"), &read, &err))
         fail_msg("%s", err.text);
     assert_int_equal(targets.n_views, 2);
+    assert_int_equal(targets.n_patterns, read.n_patterns);
     assert_true(ffp_generate(&options, &err)); // a second run finds it done
     const FfpGeneration wrong[4] = {{.folder = root, .split = "tests", .count = 1},
                                     {.folder = root, .preset = "big", .count = 1},
@@ -236,32 +239,18 @@ static void written_colours_come_back_exactly(void **state) {
     ffp_capture_free(&read);
 }
 
-static void materials_vary_within_their_limits(void **state) {
+// Only the test split has natural patterns: training and validation must not see one.
+static void other_splits_have_lollipops_alone(void **state) {
     (void)state;
-    assert_true(ffp_material_count() >= 14);
-    double darkest = 1, brightest = 0;
-    for (int m = 0; m < ffp_material_count(); m++)
-        for (uint64_t seed = 0; seed < 6; seed++) {
-            const FfpMaterial material = ffp_material_make(m, seed);
-            double mean = 0;
-            for (int i = 0; i < 500; i++) {
-                const float p[3] = {0.9F * sinf((float)i), 0.9F * sinf(1.7F * (float)i),
-                                    0.9F * cosf(2.3F * (float)i)};
-                float albedo[3], roughness, normal[3] = {0.6F, 0, 0.8F};
-                ffp_material_look(&material, p, albedo, &roughness);
-                ffp_material_bump(&material, p, normal);
-                for (int c = 0; c < 3; c++) {
-                    assert_true(albedo[c] >= 0.02F && albedo[c] <= 0.95F);
-                    mean += albedo[c] / 1500;
-                }
-                assert_true(roughness >= 0.15F && roughness <= 0.95F);
-                assert_float_equal(normal[0] * normal[0] + normal[1] * normal[1] + normal[2] * normal[2], 1,
-                                   1e-4);
-                assert_true(0.6F * normal[0] + 0.8F * normal[2] > 0.5F);
-            }
-            darkest = fmin(darkest, mean), brightest = fmax(brightest, mean);
-        }
-    assert_true(darkest < 0.15 && brightest > 0.6);
+    const FfpGeneration options = {
+        .folder = in_scratch("training"), .split = "train", .preset = "smoke", .count = 1, .resolution = 8};
+    FfpError err;
+    if (!ffp_generate(&options, &err)) fail_msg("%s", err.text);
+    FfpCapture read;
+    if (!ffp_capture_read(&read, in_scratch("training/train_00000"), &err)) fail_msg("%s", err.text);
+    assert_int_equal(read.n_patterns, 4);
+    assert_int_equal(ffp_scene_defaults().naturals, 0);
+    ffp_capture_free(&read);
 }
 
 static void bad_specs_are_refused(void **state) {
@@ -276,6 +265,12 @@ static void bad_specs_are_refused(void **state) {
     assert_false(ffp_scene_make(&capture, &spec, &err));
     spec = small_spec(0, 0), spec.samples = 0;
     assert_false(ffp_scene_make(&capture, &spec, &err));
+    spec = small_spec(0, 0), spec.naturals = -1;
+    assert_false(ffp_scene_make(&capture, &spec, &err));
+    spec = small_spec(0, 0), spec.sensor.shot = NAN;
+    assert_false(ffp_scene_make(&capture, &spec, &err));
+    spec = small_spec(0, 0), spec.sensor.defocus = 1e9F;
+    assert_false(ffp_scene_make(&capture, &spec, &err));
     assert_true(strlen(err.text) > 0);
 }
 
@@ -289,7 +284,7 @@ int main(void) {
         cmocka_unit_test(the_true_depth_predictor_holds),
         cmocka_unit_test(disk_and_memory_agree),
         cmocka_unit_test(written_colours_come_back_exactly),
-        cmocka_unit_test(materials_vary_within_their_limits),
+        cmocka_unit_test(other_splits_have_lollipops_alone),
         cmocka_unit_test(bad_specs_are_refused),
     };
     return cmocka_run_group_tests(tests, scratch_setup, scratch_teardown);

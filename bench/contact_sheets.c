@@ -1,0 +1,187 @@
+// Pictures and figures of the generator's meshes and materials, for docs/:
+//   contact_sheets meshes FILE.png      every mesh, grey, under the default rig's lamp
+//   contact_sheets materials FILE.png   every material on a ball, in the colours of two seeds
+//   contact_sheets patterns FILE.png    the natural patterns of the test scenes
+//   contact_sheets tables               the histograms of docs/data.md, as Markdown
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include "bench/diversity.h"
+#include "synth/material.h"
+#include "synth/mesh.h"
+#include "synth/natural.h"
+#include "synth/rig.h"
+#include "synth/simulate.h"
+#include "synth/stroke.h"
+#include "synth/synth.h"
+
+enum { LABEL = 12 };
+
+typedef struct Sheet {
+    FfpImage image; // sRGB-encoded
+    int columns, cell_width, cell_height, next;
+} Sheet;
+
+static Sheet sheet_new(int columns, int rows, int width, int height, int channels) {
+    const FfpImage image = ffp_image_new(columns * width, rows * (height + LABEL), channels);
+    return (Sheet){image, columns, width, height + LABEL, 0};
+}
+
+static void corner(const Sheet *s, int index, int *x, int *y) {
+    *x = index % s->columns * s->cell_width, *y = index / s->columns * s->cell_height;
+}
+
+// A picture (linear) into the current cell, `left` pixels from its edge, on a dark ground.
+static void paste(Sheet *s, const FfpImage *picture, const FfpImage *coverage, int left) {
+    int x, y;
+    corner(s, s->next, &x, &y);
+    const int channels = s->image.channels;
+    for (int j = 0; j < picture->height; j++)
+        for (int i = 0; i < picture->width; i++)
+            for (int c = 0; c < channels; c++) {
+                const size_t from = (size_t)(j * picture->width + i);
+                const real ground = coverage ? (1 - coverage->data[from]) * (real)0.02 : 0;
+                s->image.data[(((size_t)(y + j)) * (size_t)s->image.width + (size_t)(x + left + i)) *
+                                  (size_t)channels +
+                              (size_t)c] = ffp_srgb_encode(picture->data[3 * from + (size_t)c] + ground);
+            }
+}
+
+static void label(Sheet *s, const char *text) {
+    int x, y;
+    corner(s, s->next++, &x, &y);
+    const FfpPen pen = {&s->image, 1, {1, 1, 1}};
+    const float at[2] = {(float)x + 3.5F, (float)(y + s->cell_height - LABEL) + 2.5F};
+    ffp_stroke_text(&pen, at, 6, 0, text);
+}
+
+static bool finish(Sheet *s, const char *path, FfpError *err) {
+    const bool ok = ffp_image_write_png(&s->image, path, err);
+    ffp_image_free(&s->image);
+    return ok;
+}
+
+// Seen a little from above and lit from a side, so that reliefs and openings show: a new pose of the default
+// rig.
+static bool picture(const FfpMesh *mesh, const FfpMaterial *material, int side, FfpView *view,
+                    FfpError *err) {
+    FfpTracer *tracer = ffp_tracer_new(mesh, err);
+    if (!tracer) return false;
+    FfpSceneSpec spec = ffp_scene_defaults();
+    spec.resolution = side;
+    spec.seed = 58; // camera 64 degrees from the pole, projector 55, and 35 to a side
+    FfpImage white = ffp_image_new(spec.pattern_side, spec.pattern_side, 3);
+    for (size_t i = 0; i < (size_t)white.width * (size_t)white.height * 3; i++) white.data[i] = 1;
+    FfpLightPattern light = ffp_light_pattern_new(&white);
+    const FfpRig rig = ffp_rig_light(&spec);
+    const FfpSimulation simulation = {.tracer = tracer,
+                                      .mesh = mesh,
+                                      .material = material,
+                                      .patterns = &light,
+                                      .n_patterns = 1,
+                                      .intensity = {rig.intensity[0], rig.intensity[1], rig.intensity[2]},
+                                      .ambient = rig.ambient,
+                                      .samples = 9,
+                                      .ambient_rays = 2};
+    *view = (FfpView){0};
+    ffp_rig_target(&spec, 0, view);
+    ffp_simulate_view(&simulation, view, 0, NULL);
+    ffp_light_pattern_free(&light);
+    ffp_image_free(&white);
+    ffp_tracer_free(tracer);
+    return true;
+}
+
+static void free_view(FfpView *view) {
+    FfpImage *const images[] = {&view->images[0], &view->coverage,  &view->depth,       &view->normal,
+                                &view->albedo,    &view->roughness, &view->direct_white};
+    for (size_t i = 0; i < sizeof images / sizeof images[0]; i++) ffp_image_free(images[i]);
+    free(view->images);
+}
+
+static bool mesh_sheet(const char *path, FfpError *err) {
+    enum { SIDE = 112, COLUMNS = 15 };
+    Sheet s = sheet_new(COLUMNS, (ffp_mesh_count() + COLUMNS - 1) / COLUMNS, SIDE, SIDE, 1);
+    FfpMaterial grey = {.rough = {0.8F, 0.8F}, .scale = 1, .axes = {1, 0, 0, 0, 1, 0, 0, 0, 1}};
+    for (int i = 0; i < FFP_PALETTE; i++)
+        for (int c = 0; c < 3; c++) grey.colour[i][c] = 0.6F;
+    for (int m = 0; m < ffp_mesh_count(); m++) {
+        FfpMesh mesh = ffp_mesh_make(m);
+        FfpView view;
+        const bool ok = picture(&mesh, &grey, SIDE, &view, err);
+        ffp_mesh_free(&mesh);
+        if (!ok) return false;
+        paste(&s, &view.images[0], &view.coverage, 0);
+        label(&s, ffp_mesh_name(m));
+        free_view(&view);
+    }
+    return finish(&s, path, err);
+}
+
+static FfpMesh ball(void) {
+    FfpShape *shape = malloc(sizeof *shape);
+    if (!shape) abort();
+    ffp_shape_init(shape, 1);
+    ffp_add_ellipsoid(shape, ffp_v3(0, 0, 0), ffp_v3(1, 1, 1), 0);
+    FfpMesh mesh = ffp_mesh_from_shape(shape);
+    free(shape);
+    const float upright[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
+    ffp_mesh_place(&mesh, upright);
+    return mesh;
+}
+
+static bool material_sheet(const char *path, FfpError *err) {
+    enum { SIDE = 104, COLUMNS = 9, SEEDS = 2 };
+    Sheet s = sheet_new(COLUMNS, (ffp_material_count() + COLUMNS - 1) / COLUMNS, SEEDS * SIDE, SIDE, 3);
+    FfpMesh mesh = ball();
+    bool ok = true;
+    for (int m = 0; m < ffp_material_count() && ok; m++) {
+        for (int seed = 0; seed < SEEDS && ok; seed++) {
+            const FfpMaterial material = ffp_material_make(m, (uint64_t)seed + 1);
+            FfpView view;
+            ok = picture(&mesh, &material, SIDE, &view, err);
+            if (!ok) break;
+            paste(&s, &view.images[0], &view.coverage, seed * SIDE);
+            free_view(&view);
+        }
+        label(&s, ffp_material_name(m));
+    }
+    ffp_mesh_free(&mesh);
+    if (ok) return finish(&s, path, err);
+    ffp_image_free(&s.image);
+    return false;
+}
+
+static bool pattern_sheet(const char *path, FfpError *err) {
+    enum { SIDE = 240 };
+    Sheet s = sheet_new(FFP_NATURAL_KINDS, 2, SIDE, SIDE, 3);
+    for (int i = 0; i < 2 * FFP_NATURAL_KINDS; i++) {
+        FfpImage large = ffp_natural_pattern(800, 800, i, 5), small = ffp_image_resize(&large, SIDE, SIDE);
+        paste(&s, &small, NULL, 0);
+        label(&s, ffp_natural_name(i));
+        ffp_image_free(&large);
+        ffp_image_free(&small);
+    }
+    return finish(&s, path, err);
+}
+
+int main(int argc, char **argv) {
+    FfpError err = {0};
+    bool ok = false;
+    if (argc == 2 && !strcmp(argv[1], "tables"))
+        ok = ffp_print_diversity(&err);
+    else if (argc == 3 && !strcmp(argv[1], "meshes"))
+        ok = mesh_sheet(argv[2], &err);
+    else if (argc == 3 && !strcmp(argv[1], "materials"))
+        ok = material_sheet(argv[2], &err);
+    else if (argc == 3 && !strcmp(argv[1], "patterns"))
+        ok = pattern_sheet(argv[2], &err);
+    else {
+        fputs("usage: contact_sheets meshes|materials|patterns FILE.png\n       contact_sheets tables\n",
+              stderr);
+        return 2;
+    }
+    if (!ok) fprintf(stderr, "contact_sheets: error: %s\n", err.text);
+    return ok ? 0 : 1;
+}
