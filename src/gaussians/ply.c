@@ -87,9 +87,10 @@ static bool read_rows(FfpGaussians *gaussians, const FfpPlyHeader *header, FILE 
                 const unsigned char *bytes = block + (size_t)r * stride + header->offset[i];
                 row[i] = header->wide >> i & 1U ? (float)get_double(bytes) : get_float(bytes);
             }
-            const int bad = ffp_row_decode(row, gaussians, done + r);
+            const int64_t index = done + r;
+            const int bad = ffp_row_decode(row, gaussians, index);
             if (bad >= 0)
-                ok = ffp_fail(err, path, "Gaussian %lld: %s is no usable number", (long long)(done + r),
+                ok = ffp_fail(err, path, "Gaussian %lld: %s is no usable number", (long long)index,
                               ffp_row_names[bad]);
         }
         done += rows;

@@ -13,7 +13,7 @@
 #define OUTSIDE 0.2F    // coverage at another view's outline up to which a point counts as outside it,
 #define INSIDE 0.6F     // and from which as inside: a surface point on the very outline shows about one half
 
-#include <stdlib.h>
+// How much of a point at (u, v) the silhouette leaves: interpolated coverage, with a soft threshold.
 static real share_inside(const FfpImage *coverage, real u, real v) {
     const int x = (int)(u - 0.5F), y = (int)(v - 0.5F);
     const real a = u - 0.5F - (real)x, b = v - 0.5F - (real)y;

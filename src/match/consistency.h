@@ -12,8 +12,7 @@ typedef struct FfpDepths {
 } FfpDepths;
 
 typedef struct FfpWitness {
-    real coverage; // least coverage of any view at the point's projection, the widest of a pixel's
-                   // neighbourhood
+    real coverage; // least share that the silhouette of any other view leaves of the point
     int views;     // other views with the point in their picture
     int agree,
         past; // of these: own surface at the point; own surface well behind it, so the point is in the way

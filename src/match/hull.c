@@ -44,8 +44,8 @@ void ffp_hull(unsigned char *inside, const FfpCapture *capture, int view, const 
         unsigned char *wide = widen(&seer->coverage);
         for (size_t i = 0; i < pixels; i++) {
             if (self->coverage.data[i] <= 0) continue;
-            const real x = (real)(i % (size_t)self->camera.width) + 0.5F,
-                       y = (real)(i / (size_t)self->camera.width) + 0.5F;
+            const size_t column = i % (size_t)self->camera.width, row = i / (size_t)self->camera.width;
+            const real x = (real)column + 0.5F, y = (real)row + 0.5F;
             const FfpLine line = ffp_line(&self->camera, x, y, &seer->camera);
             cut(inside + i * count, wide, &seer->camera, &line, planes);
         }

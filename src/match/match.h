@@ -17,13 +17,14 @@ typedef struct FfpStart {
     real *confidence; // [0,1]: 1 - best cost / second-best minimum's cost, times lit; 0 where the depth was
                       // filled
     real *lit; // [0,1]: weight of the projector's light there, (white - black) against the view's typical
-    real *coverage;  // [0,1]: silhouette-carved coverage: least coverage that any view shows at the point
+    real *coverage; // [0,1]: silhouette-carved coverage: the pixel's own beyond one half, scaled to [0,1], or
+                    // what another view's silhouette leaves of the point, whichever is less
     real *agreement; // [0,1]: of the other views that could see the point, the share whose own depth agrees
     real *violation; // [0,1]: share of the other views that see past the point (their surface lies well
                      // behind it)
     real *footprint; // world width of one camera pixel at the point, t_z / fx
     real *normal;    // 3, unit, world, facing the camera
-    real *albedo;    // 3, linear
+    real *albedo;    // 3, linear, in [0,1]; the gloss that the classical splats have is taken off
     real *ambient;   // 3, linear: the black image divided by coverage
 } FfpStart;
 
@@ -34,6 +35,8 @@ typedef struct FfpMatchSettings {
 FfpMatchSettings ffp_match_defaults(void);
 
 // Runs matching with pattern `active` on every view and derives all maps. The capture must be normalised.
+// Errors: a view without its black, white or active image, views of different sizes, or too large for the
+// hypotheses to fit memory.
 bool ffp_start_new(FfpStart *start, const FfpCapture *capture, int active, const FfpMatchSettings *settings,
                    FfpError *err);
 // As above, with the depth given ([views,height,width] camera z, 0 = none) instead of matched: the "true

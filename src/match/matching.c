@@ -78,6 +78,11 @@ static void choose(real *depth, real *confidence, const real *total, const real 
     free(sum);
 }
 
+size_t ffp_match_bytes(const FfpCamera *camera, const FfpMatchSettings *settings) {
+    const size_t cells = (size_t)camera->width * (size_t)camera->height * (size_t)settings->coarse_steps;
+    return cells * (2 * sizeof(real) + 1); // costs, their totals, the hull
+}
+
 void ffp_match_view(real *depth, real *confidence, real *range, const FfpCapture *capture, int view,
                     const FfpObservation *seen, const FfpBlurred *pattern, const FfpMatchSettings *settings) {
     const FfpView *self = &capture->views[view];

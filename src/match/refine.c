@@ -23,9 +23,10 @@ static real add_neighbour(real *cost, const FfpView *view, const FfpObservation 
         ffp_line(&view->camera, (real)(x + dx) + 0.5F, (real)(y + dy) + 0.5F, &view->projector);
     const real base = plane->q0 + plane->qx * (real)dx + plane->qy * (real)dy,
                near = nearness[dx * dx + dy * dy];
+    const int middle = steps / 2;
     for (int k = 0; k < steps; k++) {
         // The line in inverse depth: both its numbers divided by depth.
-        const real q = base + (real)(k - steps / 2) * step, w = line.w[0] * q + line.w[1];
+        const real q = base + (real)(k - middle) * step, w = line.w[0] * q + line.w[1];
         const real inverse = q > 0 && w > 0 ? 1 / w : 0;
         const real u = inverse > 0 ? (line.u[0] * q + line.u[1]) * inverse : -1,
                    v = (line.v[0] * q + line.v[1]) * inverse;
@@ -55,7 +56,8 @@ static real refine_pixel(const FfpView *view, const FfpObservation *seen, const 
             total += add_neighbour(cost, view, seen, pattern, plane, x, y, dx, dy, steps, step);
         }
     }
-    const real middle = (real)(steps / 2);
+    const int half = steps / 2;
+    const real middle = (real)half;
     for (int k = 0; k < steps; k++) {
         const real off = ((real)k - middle) / middle;
         cost[k] += PRIOR * total * off * off;
@@ -66,13 +68,14 @@ static real refine_pixel(const FfpView *view, const FfpObservation *seen, const 
 void ffp_refine(real *out, const real *depth, const real *weight, const FfpView *view,
                 const FfpObservation *seen, const FfpBlurred *pattern, int steps, real range) {
     if (steps > STEPS_MAX) steps = STEPS_MAX;
+    const int half = steps / 2;
     for (int y = 0; y < seen->height; y++) {
         for (int x = 0; x < seen->width; x++) {
             const size_t i = (size_t)y * (size_t)seen->width + (size_t)x;
             FfpPlane plane;
             out[i] = depth[i];
             if (weight[i] <= 0 || !ffp_fit_plane(&plane, depth, weight, &view->camera, x, y, 2)) continue;
-            const real step = range * plane.q0 * plane.q0 / (real)(steps / 2);
+            const real step = range * plane.q0 * plane.q0 / (real)half;
             const real q = refine_pixel(view, seen, pattern, &plane, x, y, steps, step);
             if (q > 0) out[i] = 1 / q;
         }

@@ -1,5 +1,6 @@
 // The classical start: matching in every view, the views' say on each other, filling, and the maps that
 // follow.
+#include <omp.h>
 #include <stdlib.h>
 #include <string.h>
 #include <tgmath.h>
@@ -15,7 +16,8 @@
 #include "match/surface.h"
 #include "match/sweep.h"
 
-#define NORMAL_REACH 2 // pixels
+#define NORMAL_REACH 2                // pixels
+#define MATCH_BYTES ((size_t)2 << 30) // of working memory for the hypotheses of all views matched at a time
 
 static bool check_picture(const FfpImage *image, const FfpCamera *camera, int channels, const char *what,
                           const FfpView *view, FfpError *err) {
@@ -161,16 +163,30 @@ static FfpDepths depths_new(const FfpCapture *capture, const FfpStart *start) {
                        ffp_alloc(n, sizeof(real))};
 }
 
+// How many views may be matched at a time; 0 with an error when not even one.
+static int views_at_a_time(const FfpCapture *capture, const FfpMatchSettings *settings, FfpError *err) {
+    const FfpCamera *camera = &capture->views[0].camera;
+    const size_t fit = MATCH_BYTES / ffp_match_bytes(camera, settings),
+                 threads = (size_t)omp_get_max_threads();
+    if (fit == 0)
+        ffp_fail(err, capture->name,
+                 "views of %d x %d pixels are too large to match: scale the pictures down", camera->width,
+                 camera->height);
+    return (int)(fit < threads ? fit : threads);
+}
+
 bool ffp_start_new(FfpStart *start, const FfpCapture *capture, int active, const FfpMatchSettings *settings,
                    FfpError *err) {
     *start = (FfpStart){0};
     if (!check(capture, active, err)) return false;
+    const int threads = views_at_a_time(capture, settings, err);
+    if (threads == 0) return false;
     *start = allocate(capture);
     FfpDepths depths = depths_new(capture, start);
     FfpBlurred pattern = ffp_blurred_new(&capture->patterns[active].image, ffp_typical_footprint(capture, 0));
     const size_t area = (size_t)start->width * (size_t)start->height;
     real *range = ffp_alloc((size_t)start->views * area, 2 * sizeof(real));
-#pragma omp parallel for schedule(dynamic)
+#pragma omp parallel for schedule(dynamic) num_threads(threads)
     for (int v = 0; v < capture->n_views; v++) {
         FfpObservation seen = ffp_observe(capture, v, active);
         memcpy(start->lit + (size_t)v * area, seen.lit, area * sizeof(real));
