@@ -152,7 +152,11 @@ typedef struct FfpGeneration {
     int64_t first, count; // scenes of the split; count -1: to the end
     int resolution;       // image side; 0: as the preset says
     uint64_t seed;
+    const char *mesh;     // a user's OBJ, PLY, STL or glTF file instead of the generated meshes; NULL: none
+    const char *material; // a user's folder of basecolor, roughness and normal maps; NULL: none
 } FfpGeneration;
+// Scenes that are there already are kept; one appears under its name only when it is whole. Any number of
+// processes may share a job, each with its own range of scenes.
 bool ffp_generate(const FfpGeneration *options, FfpError *err);
 
 // What a capture, a weights file or a PLY holds, as text for people (release with free); NULL on failure.

@@ -4,22 +4,28 @@
 
 static const char help[] =
     "usage: ffprocams generate DIR [--split S] [--first A --count N] [--preset paper|smoke]\n"
-    "                          [--resolution R] [--seed S]\n"
+    "                          [--resolution R] [--seed S] [--mesh FILE] [--material FOLDER]\n"
     "\n"
     "Makes captures of procedural objects with a ray-traced light simulator: DIR/<scene>/ in the\n"
     "project's own capture format, with depth, normal, albedo, roughness and mask besides, and new\n"
-    "poses in DIR/<scene>/targets/. A scene depends only on its number, the seed and the preset;\n"
-    "scenes that are there already are kept.\n"
+    "poses of the test split's objects in DIR/<scene>/targets/. A scene depends only on its number,\n"
+    "the seed and the preset; scenes that are there already are kept, so that a stopped run goes on\n"
+    "where it was, and several runs can share a job, each with its own --first and --count.\n"
     "\n"
     "  DIR                   folder for the captures\n"
     "  -s, --split S         train, validation or test: which objects. Default: all of them\n"
     "  -a, --first A         number of the first scene. Default: 0\n"
     "  -n, --count N         how many scenes. Default: all of the split\n"
     "      --preset P        paper: 8 views at 128 x 128, 6 lollipops (default); smoke: small, quick\n"
+    "  -m, --mesh FILE       an OBJ, PLY, STL or glTF file instead of the generated objects, centred and\n"
+    "                        scaled into a ball of radius 0.95; one scene unless --count says more\n"
+    "      --material FOLDER maps called basecolor (or albedo, diffuse, color), roughness, normal,\n"
+    "                        instead of the generated materials; metallic maps are not used\n"
     "  -r, --resolution R    image side, instead of the preset's\n"
     "      --seed S          another seed, other scenes. Default: 0\n"
     "\n"
-    "example: ffprocams generate scenes --preset smoke --count 2\n";
+    "example: ffprocams generate scenes --preset smoke --count 2\n"
+    "         ffprocams generate mine --mesh vase.obj --material glazed_clay\n";
 
 static bool is_one_of(const char *text, const char *const *words) {
     while (text && *words && strcmp(*words, text) != 0) words++;
@@ -27,19 +33,21 @@ static bool is_one_of(const char *text, const char *const *words) {
 }
 
 int ffp_cli_generate(int argc, char **argv) {
-    enum { PRESET = 256, SEED };
+    enum { PRESET = 256, SEED, MATERIAL };
     static const struct option options[] = {{"split", required_argument, NULL, 's'},
                                             {"first", required_argument, NULL, 'a'},
                                             {"count", required_argument, NULL, 'n'},
                                             {"preset", required_argument, NULL, PRESET},
                                             {"resolution", required_argument, NULL, 'r'},
+                                            {"mesh", required_argument, NULL, 'm'},
+                                            {"material", required_argument, NULL, MATERIAL},
                                             {"seed", required_argument, NULL, SEED},
                                             {"help", no_argument, NULL, 'h'},
                                             {0}};
     FfpGeneration generation = {.preset = "paper", .count = -1};
     int64_t resolution = 0, seed = 0;
     bool number_ok = true;
-    for (int option; number_ok && (option = ffp_cli_next(argc, argv, ":s:a:n:r:h", options)) != -1;) {
+    for (int option; number_ok && (option = ffp_cli_next(argc, argv, ":s:a:n:r:m:h", options)) != -1;) {
         switch (option) {
         case 's':
             generation.split = optarg;
@@ -59,6 +67,12 @@ int ffp_cli_generate(int argc, char **argv) {
         case SEED:
             number_ok = ffp_cli_number(optarg, 0, INT64_MAX, &seed);
             break;
+        case 'm':
+            generation.mesh = optarg;
+            break;
+        case MATERIAL:
+            generation.material = optarg;
+            break;
         case 'h':
             fputs(help, stdout);
             return FFP_EXIT_OK;
@@ -74,6 +88,8 @@ int ffp_cli_generate(int argc, char **argv) {
         return ffp_cli_usage(argv[0], "--split is train, validation or test, not %s", generation.split);
     if (!is_one_of(generation.preset, presets))
         return ffp_cli_usage(argv[0], "--preset is paper or smoke, not %s", generation.preset);
+    if (generation.split && generation.mesh)
+        return ffp_cli_usage(argv[0], "--split is of the generated objects: not with --mesh");
     generation.folder = argv[optind];
     generation.resolution = (int)resolution;
     generation.seed = (uint64_t)seed;

@@ -1,5 +1,12 @@
+// Scenes on disk. A scene is written under a hidden name and renamed when it is whole, so that a folder with
+// a scene's own name is always complete, whatever happened to the process that made it.
+#define _XOPEN_SOURCE 700 // nftw
 #include "synth/dataset.h"
 
+#include <ctype.h>
+#include <errno.h>
+#include <ftw.h>
+#include <omp.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -7,8 +14,24 @@
 #include "base/log.h"
 #include "synth/natural.h"
 #include "ffprocams.h"
+#include "synth/mesh.h"
+#include "synth/texture.h"
 
-enum { MESHES_MAX = 1024 };
+enum { MESHES_MAX = 1024, PAPER_TARGETS = 6 };
+static const int64_t ASSET_SCENES = 100000; // of one mesh: names stay five digits
+
+// One call of ffp_generate, shared by its workers.
+typedef struct Job {
+    const FfpGeneration *options;
+    FfpSceneSpec spec; // what all scenes have in common
+    FfpMesh mesh;      // the user's, where one is given
+    FfpTextures *textures;
+    char asset[FFP_NAME_MAX]; // the user's mesh's name; empty: none
+    int64_t done, kept;
+    bool failed;
+    FfpProgress progress;
+    FfpError *err; // of the first scene that failed
+} Job;
 
 static int meshes_of(const char *split, int meshes[MESHES_MAX]) {
     if (split) return ffp_split_meshes(split, meshes, MESHES_MAX);
@@ -31,12 +54,35 @@ void ffp_dataset_scene(const char *split, int64_t index, uint64_t seed, FfpScene
     spec->seed = seed * 0x9e3779b97f4a7c15ULL + (uint64_t)spec->mesh * 1000U + (uint64_t)spec->material;
 }
 
+static bool is_test_mesh(int mesh) {
+    int meshes[MESHES_MAX];
+    const int count = ffp_split_meshes("test", meshes, MESHES_MAX);
+    for (int i = 0; i < count; i++)
+        if (meshes[i] == mesh) return true;
+    return false;
+}
+
+// Scene `number` of a user's mesh: the materials in turn (none of which shows where the user gives one too).
+static void asset_scene(int64_t number, uint64_t seed, FfpSceneSpec *spec) {
+    spec->material = (int)(number % ffp_material_count());
+    spec->seed = seed * 0x9e3779b97f4a7c15ULL + (uint64_t)number;
+}
+
+// The file's name without folder and ending, with nothing in it that a folder's name had better not have.
+static void asset_name(const char *path, char name[FFP_NAME_MAX]) {
+    snprintf(name, FFP_NAME_MAX, "%s", ffp_basename(path));
+    char *dot = strrchr(name, '.');
+    if (dot && dot != name) *dot = 0;
+    for (char *c = name; *c; c++)
+        if (!isalnum((unsigned char)*c) && *c != '-') *c = '_';
+}
+
 static bool preset_spec(const FfpGeneration *options, FfpSceneSpec *spec, FfpError *err) {
     const char *preset = options->preset ? options->preset : "paper";
     *spec = ffp_scene_defaults();
     if (!strcmp(preset, "paper")) {
-        spec->lollipops = 6, spec->targets = 6;
-        spec->samples = 64, spec->ambient_rays = 2;
+        spec->lollipops = 6, spec->targets = -1; // the test split alone has some
+        spec->samples = 16, spec->ambient_rays = 4;
     } else if (!strcmp(preset, "smoke")) {
         spec->lollipops = 2, spec->targets = 2;
         spec->resolution = 64, spec->pattern_side = 400;
@@ -56,56 +102,132 @@ static bool write_part(const FfpCapture *whole, int first, int count, const char
     return ffp_make_folders(folder, err) && ffp_capture_write(&part, folder, err);
 }
 
-static bool is_complete(const char *folder, const char *targets, bool with_targets) {
+static int remove_entry(const char *path, const struct stat *about, int kind, struct FTW *where) {
+    (void)about, (void)kind, (void)where;
+    return remove(path);
+}
+static void remove_tree(const char *folder) {
+    nftw(folder, remove_entry, 16, FTW_DEPTH | FTW_PHYS);
+}
+
+static bool is_complete(const char *folder, bool with_targets) {
     char scene[FFP_PATH_MAX], poses[FFP_PATH_MAX];
-    if (!ffp_join_path(scene, folder, "scene.json") || !ffp_join_path(poses, targets, "scene.json"))
+    if (!ffp_join_path(scene, folder, "scene.json") || !ffp_join_path(poses, folder, "targets/scene.json"))
         return false;
     return ffp_is_file(scene) && (!with_targets || ffp_is_file(poses));
 }
 
-// Targets first: the input views' scene.json is the last file, so that a scene which has it is whole.
-static bool generate_scene(const FfpSceneSpec *spec, const char *folder, bool *made, FfpError *err) {
+static bool write_scene(const FfpCapture *capture, const FfpSceneSpec *spec, const char *part,
+                        const char *folder, FfpError *err) {
     char targets[FFP_PATH_MAX];
-    if (!ffp_join_path(targets, folder, "targets")) return ffp_fail(err, folder, "the path is too long");
-    *made = !is_complete(folder, targets, spec->targets > 0);
+    if (!ffp_join_path(targets, part, "targets")) return ffp_fail(err, folder, "the path is too long");
+    remove_tree(part); // what a killed process left
+    bool ok = (spec->targets == 0 || write_part(capture, spec->views, spec->targets, targets, err)) &&
+              write_part(capture, 0, spec->views, part, err);
+    if (ok && rename(part, folder) != 0) {
+        const bool there = errno == ENOTEMPTY || errno == EEXIST || errno == ENOTDIR;
+        ok = there ? ffp_fail(err, folder, "is there already, but is not a whole scene: remove it")
+                   : ffp_fail(err, folder, "cannot name the scene: %s", strerror(errno));
+    }
+    if (!ok) remove_tree(part);
+    return ok;
+}
+
+// Scene `number` under `name` in the job's folder; *made tells whether it was not there yet.
+static bool generate_scene(const Job *job, int64_t number, const char *name, bool *made, FfpError *err) {
+    char folder[FFP_PATH_MAX], part[FFP_PATH_MAX], hidden[FFP_NAME_MAX + 64];
+    snprintf(hidden, sizeof hidden, ".%s.part", name);
+    if (!ffp_join_path(folder, job->options->folder, name) ||
+        !ffp_join_path(part, job->options->folder, hidden))
+        return ffp_fail(err, job->options->folder, "the path is too long");
+    FfpSceneSpec spec = job->spec;
+    if (job->asset[0])
+        asset_scene(number, job->options->seed, &spec);
+    else
+        ffp_dataset_scene(job->options->split, number, job->options->seed, &spec);
+    if (spec.targets < 0) spec.targets = job->asset[0] || is_test_mesh(spec.mesh) ? PAPER_TARGETS : 0;
+    *made = !is_complete(folder, spec.targets > 0);
     if (!*made) return true;
     FfpCapture capture;
-    if (!ffp_scene_make(&capture, spec, err)) return false;
-    const bool ok = (spec->targets == 0 || write_part(&capture, spec->views, spec->targets, targets, err)) &&
-                    write_part(&capture, 0, spec->views, folder, err);
+    if (!ffp_scene_make(&capture, &spec, err)) return false;
+    const bool ok = write_scene(&capture, &spec, part, folder, err);
     ffp_capture_free(&capture);
     return ok;
 }
 
-bool ffp_generate(const FfpGeneration *options, FfpError *err) {
-    FfpSceneSpec spec;
-    if (!options->folder) return ffp_fail(err, NULL, "no folder to write to is given");
-    if (!preset_spec(options, &spec, err)) return false;
-    const int64_t size = ffp_dataset_size(options->split);
+// One scene and the books. The books are short, so the workers take turns at them.
+static void work_on(Job *job, int64_t number) {
+    bool stop, made = false;
+#pragma omp atomic read
+    stop = job->failed;
+    if (stop) return;
+    char name[FFP_NAME_MAX + 32];
+    const char *kind = job->asset[0] ? job->asset : job->options->split ? job->options->split : "all";
+    snprintf(name, sizeof name, "%s_%05lld", kind, (long long)number);
+    FfpError error = {0};
+    const bool ok = generate_scene(job, number, name, &made, &error);
+#pragma omp critical(ffp_generate_books)
+    {
+        if (!ok && !job->failed && job->err) *job->err = error;
+        job->kept += ok && !made;
+        if (ok) ffp_progress_step(&job->progress, ++job->done, name);
+    }
+    if (!ok) {
+#pragma omp atomic write
+        job->failed = true;
+    }
+}
+
+// Whole scenes in parallel, each on one thread: no part of a scene is left to one core alone. A worker more
+// than cores fills the time in which a scene waits for the disk.
+static bool generate_all(Job *job, int64_t count) {
+    const int cores = omp_get_max_threads();
+    const int workers = count <= cores ? (int)count : cores + 1;
+    job->progress = ffp_progress("generating", count);
+#pragma omp parallel for schedule(dynamic, 1) num_threads(workers)
+    for (int64_t i = 0; i < count; i++) work_on(job, job->options->first + i);
+    ffp_progress_end(&job->progress);
+    if (job->kept > 0) ffp_note("%lld scenes were there already and were kept", (long long)job->kept);
+    return !job->failed;
+}
+
+// The scenes there are, and how many of them are asked for.
+static bool choose_scenes(const FfpGeneration *options, int64_t *count, FfpError *err) {
+    const int64_t size = options->mesh ? ASSET_SCENES : ffp_dataset_size(options->split);
     if (size == 0) return ffp_fail(err, "--split", "'%s' is not train, validation or test", options->split);
     if (options->first < 0 || options->first >= size)
         return ffp_fail(err, "--first", "scene %lld is not in 0..%lld", (long long)options->first,
                         (long long)size - 1);
-    const int64_t left = size - options->first, count = options->count < 0 ? left : options->count;
-    if (count < 1 || count > left)
-        return ffp_fail(err, "--count", "%lld scenes from %lld on are not in 1..%lld", (long long)count,
+    const int64_t left = size - options->first;
+    *count = options->count >= 0 ? options->count : options->mesh ? 1 : left;
+    if (*count < 1 || *count > left)
+        return ffp_fail(err, "--count", "%lld scenes from %lld on are not in 1..%lld", (long long)*count,
                         (long long)options->first, (long long)left);
-    if (!ffp_make_folders(options->folder, err)) return false;
-    FfpProgress progress = ffp_progress("generating", count);
-    int64_t kept = 0;
-    for (int64_t i = 0; i < count; i++) {
-        char name[FFP_NAME_MAX], folder[FFP_PATH_MAX];
-        snprintf(name, sizeof name, "%s_%05lld", options->split ? options->split : "all",
-                 (long long)options->first + (long long)i);
-        if (!ffp_join_path(folder, options->folder, name))
-            return ffp_fail(err, options->folder, "the path is too long");
-        ffp_dataset_scene(options->split, options->first + i, options->seed, &spec);
-        bool made = false;
-        if (!generate_scene(&spec, folder, &made, err)) return false;
-        kept += !made;
-        ffp_progress_step(&progress, i + 1, name);
-    }
-    ffp_progress_end(&progress);
-    if (kept > 0) ffp_note("%lld scenes were there already and were kept", (long long)kept);
     return true;
+}
+
+static bool open_assets(Job *job, FfpError *err) {
+    const FfpGeneration *options = job->options;
+    if (options->mesh) {
+        if (!ffp_mesh_read(&job->mesh, options->mesh, err)) return false;
+        asset_name(options->mesh, job->asset);
+        job->spec.own_mesh = &job->mesh;
+        job->spec.own_name = job->asset;
+    }
+    if (!options->material) return true;
+    job->textures = ffp_textures_read(options->material, err);
+    job->spec.own_textures = job->textures;
+    return job->textures != NULL;
+}
+
+bool ffp_generate(const FfpGeneration *options, FfpError *err) {
+    Job job = {.options = options, .err = err};
+    int64_t count = 0;
+    if (!options->folder) return ffp_fail(err, NULL, "no folder to write to is given");
+    if (!preset_spec(options, &job.spec, err) || !choose_scenes(options, &count, err)) return false;
+    const bool ok =
+        open_assets(&job, err) && ffp_make_folders(options->folder, err) && generate_all(&job, count);
+    ffp_mesh_free(&job.mesh);
+    ffp_textures_free(job.textures);
+    return ok;
 }

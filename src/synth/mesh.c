@@ -336,5 +336,6 @@ void ffp_mesh_free(FfpMesh *mesh) {
     free(mesh->positions);
     free(mesh->normals);
     free(mesh->triangles);
+    free(mesh->uv);
     *mesh = (FfpMesh){0};
 }

@@ -123,10 +123,12 @@ static void make_views(FfpCapture *capture, const FfpSceneSpec *spec, FfpSimulat
 bool ffp_scene_make_lit(FfpCapture *capture, const FfpSceneSpec *spec, FfpImage *visibility, FfpError *err) {
     *capture = (FfpCapture){0};
     if (!check_spec(spec, err)) return false;
-    FfpMesh mesh = ffp_mesh_make(spec->mesh);
-    FfpTracer *tracer = ffp_tracer_new(&mesh, err);
+    FfpMesh made = {0};
+    if (!spec->own_mesh) made = ffp_mesh_make(spec->mesh);
+    const FfpMesh *mesh = spec->own_mesh ? spec->own_mesh : &made;
+    FfpTracer *tracer = ffp_tracer_new(mesh, err);
     if (!tracer) {
-        ffp_mesh_free(&mesh);
+        ffp_mesh_free(&made);
         return false;
     }
     const FfpMaterial material = ffp_material_make(spec->material, spec->seed);
@@ -136,8 +138,9 @@ bool ffp_scene_make_lit(FfpCapture *capture, const FfpSceneSpec *spec, FfpImage 
     for (int c = 0; c < 3; c++) rig.intensity[c] *= gain;
     rig.ambient *= gain;
     FfpSimulation simulation = {.tracer = tracer,
-                                .mesh = &mesh,
+                                .mesh = mesh,
                                 .material = &material,
+                                .textures = spec->own_textures,
                                 .ambient = rig.ambient,
                                 .intensity = {rig.intensity[0], rig.intensity[1], rig.intensity[2]},
                                 .samples = spec->samples,
@@ -145,15 +148,16 @@ bool ffp_scene_make_lit(FfpCapture *capture, const FfpSceneSpec *spec, FfpImage 
                                 .shot = spec->sensor.shot,
                                 .read = spec->sensor.read,
                                 .seed = spec->seed};
-    snprintf(capture->name, sizeof capture->name, "%s_%s", ffp_mesh_name(spec->mesh),
-             ffp_material_name(spec->material));
+    snprintf(capture->name, sizeof capture->name, "%.40s_%.40s",
+             spec->own_mesh ? spec->own_name : ffp_mesh_name(spec->mesh),
+             spec->own_textures ? "own" : ffp_material_name(spec->material));
     for (int c = 0; c < 3; c++) capture->intensity[c] = rig.intensity[c];
     capture->intensity_known = true;
     capture->radius = FFP_MESH_RADIUS;
     make_patterns(capture, spec);
     make_views(capture, spec, &simulation, visibility);
     ffp_tracer_free(tracer);
-    ffp_mesh_free(&mesh);
+    ffp_mesh_free(&made);
     return true;
 }
 

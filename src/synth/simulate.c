@@ -12,6 +12,7 @@
 enum { CELL = 4, LOOKUPS_MAX = 16 };
 static const float OFFSET = 1e-3F; // secondary rays start this far off the surface
 static const float CAVITY = 0.75F; // share of the ambient light that reaches a typical secondary hit
+static const float BLUR = 0.03F;   // of a texture that is seen by way of another surface
 static const float FACING = 0.02F; // least cosine between shading normal and view
 
 typedef struct Device {       // a camera or projector in float
@@ -59,6 +60,21 @@ static float dot(const float a[3], const float b[3]) {
 static void camera_ray(const Device *c, float x, float y, float d[3]) {
     const float a = (x - c->cx) / c->fx, b = (y - c->cy) / c->fy;
     for (int k = 0; k < 3; k++) d[k] = a * c->axes[k] + b * c->axes[3 + k] + c->axes[6 + k];
+}
+
+// Albedo and roughness of what lies at a hit, over about `footprint` world units.
+static void surface_look(const FfpSimulation *sim, const FfpHit *hit, float footprint, float albedo[3],
+                         float *roughness) {
+    if (sim->textures)
+        ffp_textures_look(sim->textures, sim->mesh, hit, footprint, albedo, roughness);
+    else
+        ffp_material_look(sim->material, hit->point, albedo, roughness);
+}
+static void surface_bump(const FfpSimulation *sim, const FfpHit *hit, float footprint, float normal[3]) {
+    if (sim->textures)
+        ffp_textures_bump(sim->textures, sim->mesh, hit, footprint, normal);
+    else
+        ffp_material_bump(sim->material, hit->point, normal);
 }
 
 // The R2 sequence (Roberts 2018): any run of it covers the unit square evenly; shifted per pixel.
@@ -227,7 +243,7 @@ static void gather(const Work *w, size_t pixel, const FfpHit *hit, uint32_t inde
         return;
     }
     float albedo[3], roughness;
-    ffp_material_look(w->sim->material, far.point, albedo, &roughness);
+    surface_look(w->sim, &far, BLUR, albedo, &roughness);
     for (int c = 0; c < 3; c++) ambient[c] += albedo[c] * CAVITY * w->sim->ambient;
     Arrival a;
     if (dot(far.facet, d) > 0 || !arrive(w, far.point, far.facet, far.normal, &a)) return;
@@ -251,8 +267,9 @@ static void shade_sample(const Work *w, size_t pixel, const FfpHit *hit, const f
     FfpView *view = w->view;
     float albedo[3], roughness, normal[3];
     memcpy(normal, hit->normal, sizeof normal);
-    ffp_material_look(w->sim->material, hit->point, albedo, &roughness);
-    ffp_material_bump(w->sim->material, hit->point, normal);
+    const float side = 1 / sqrtf((float)w->sim->samples), cell = side * hit->t / w->camera.fx;
+    surface_look(w->sim, hit, cell, albedo, &roughness);
+    surface_bump(w->sim, hit, cell, normal);
     const float length = sqrtf(dot(ray, ray)), facing = -dot(normal, ray) / length;
     if (facing < FACING) { // seen from behind by interpolation or bump: tilt it to the camera
         float square = 0;
@@ -268,7 +285,7 @@ static void shade_sample(const Work *w, size_t pixel, const FfpHit *hit, const f
         w->sums.smooth[i] += hit->normal[c];
     }
     view->roughness.data[pixel] += roughness;
-    direct_light(w, pixel, hit, ray, normal, albedo, roughness, 1 / sqrtf((float)w->sim->samples));
+    direct_light(w, pixel, hit, ray, normal, albedo, roughness, side);
     for (int i = 0; i < w->sim->ambient_rays; i++)
         gather(w, pixel, hit, sample * (uint32_t)w->sim->ambient_rays + (uint32_t)i, shift ^ 0x1b56c4e9U);
 }

@@ -6,6 +6,7 @@
 #include <stdint.h>
 #include "capture/capture.h"
 #include "synth/material.h"
+#include "synth/texture.h"
 #include "synth/trace.h"
 
 // A pattern as the simulator needs it.
@@ -22,6 +23,7 @@ typedef struct FfpSimulation {
     const FfpTracer *tracer;
     const FfpMesh *mesh;
     const FfpMaterial *material;
+    const FfpTextures *textures; // instead of the material; NULL: none
     const FfpLightPattern *patterns;
     int n_patterns;
     float intensity[3], ambient; // projector W/sr at pattern value 1; ambient radiance

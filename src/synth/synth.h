@@ -32,6 +32,9 @@ typedef struct FfpSceneSpec {
     int samples, ambient_rays; // primary samples a pixel; ambient rays a sample
     bool jitter; // training: vary ambient, intensity, radius, poses; false: the default rig exactly
     FfpSensor sensor;
+    const struct FfpMesh *own_mesh; // instead of a numbered mesh or material; NULL: none
+    const struct FfpTextures *own_textures;
+    const char *own_name; // of the capture, where there is an own mesh
 } FfpSceneSpec;
 FfpSceneSpec ffp_scene_defaults(void);
 

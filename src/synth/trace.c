@@ -76,6 +76,15 @@ static struct RTCRay ray_of(const float origin[3], const float direction[3], flo
                            .mask = 0xffffffffU};
 }
 
+// Turns facet and normal to the side that the ray came from.
+static void face(const float direction[3], FfpHit *hit) {
+    float along = 0, agree = 0;
+    for (int a = 0; a < 3; a++) along += hit->facet[a] * direction[a];
+    for (int a = 0; a < 3 && along > 0; a++) hit->facet[a] = -hit->facet[a];
+    for (int a = 0; a < 3; a++) agree += hit->facet[a] * hit->normal[a];
+    for (int a = 0; a < 3 && agree < 0; a++) hit->normal[a] = -hit->normal[a];
+}
+
 bool ffp_trace_hit(const FfpTracer *tracer, const float origin[3], const float direction[3], bool coherent,
                    FfpHit *hit) {
     struct RTCRayHit ray = {.ray = ray_of(origin, direction, INFINITY)};
@@ -83,6 +92,7 @@ bool ffp_trace_hit(const FfpTracer *tracer, const float origin[3], const float d
     intersect(tracer, coherent, &ray);
     if (ray.hit.geomID == RTC_INVALID_GEOMETRY_ID) return false;
     hit->t = ray.ray.tfar;
+    hit->triangle = ray.hit.primID, hit->u = ray.hit.u, hit->v = ray.hit.v;
     const uint32_t *corner = tracer->mesh->triangles + 3 * (size_t)ray.hit.primID;
     const float u = ray.hit.u, v = ray.hit.v, w = 1 - u - v;
     const float facet[3] = {ray.hit.Ng_x, ray.hit.Ng_y, ray.hit.Ng_z};
@@ -97,6 +107,7 @@ bool ffp_trace_hit(const FfpTracer *tracer, const float origin[3], const float d
     const float scale = 1 / sqrtf(ffp_max(square, 1e-20F)),
                 facet_scale = 1 / sqrtf(ffp_max(facet_square, 1e-30F));
     for (int a = 0; a < 3; a++) hit->normal[a] *= scale, hit->facet[a] = facet[a] * facet_scale;
+    if (tracer->mesh->two_sided) face(direction, hit);
     return true;
 }
 

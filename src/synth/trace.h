@@ -13,6 +13,8 @@ typedef struct FfpHit {
     float point[3];  // where
     float facet[3];  // unit normal of the triangle, outward
     float normal[3]; // unit interpolated normal, outward
+    uint32_t triangle;
+    float u, v; // barycentric: the weights of the triangle's second and third corner
 } FfpHit;
 
 // The mesh must live as long as the tracer. One build thread, so that the same mesh always gives the same
