@@ -36,16 +36,15 @@ static void corner(const Sheet *s, int index, int *x, int *y) {
 static void paste(Sheet *s, const FfpImage *picture, const FfpImage *coverage, int left) {
     int x, y;
     corner(s, s->next, &x, &y);
-    const int channels = s->image.channels;
+    const size_t channels = (size_t)s->image.channels, row = (size_t)s->image.width;
     for (int j = 0; j < picture->height; j++)
-        for (int i = 0; i < picture->width; i++)
-            for (int c = 0; c < channels; c++) {
-                const size_t from = (size_t)(j * picture->width + i);
-                const real ground = coverage ? (1 - coverage->data[from]) * (real)0.02 : 0;
-                s->image.data[(((size_t)(y + j)) * (size_t)s->image.width + (size_t)(x + left + i)) *
-                                  (size_t)channels +
-                              (size_t)c] = ffp_srgb_encode(picture->data[3 * from + (size_t)c] + ground);
-            }
+        for (int i = 0; i < picture->width; i++) {
+            const size_t from = (size_t)j * (size_t)picture->width + (size_t)i;
+            const size_t to = (size_t)(y + j) * row + (size_t)(x + left + i);
+            const real ground = coverage ? (1 - coverage->data[from]) * (real)0.02 : 0;
+            for (size_t c = 0; c < channels; c++)
+                s->image.data[channels * to + c] = ffp_srgb_encode(picture->data[3 * from + c] + ground);
+        }
 }
 
 static void label(Sheet *s, const char *text) {

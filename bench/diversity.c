@@ -17,17 +17,50 @@ static uint32_t root_of(uint32_t *parent, uint32_t i) {
     return i;
 }
 
-// Handles of a closed surface, all its components together: V - E + F = 2 (components - genus), E = 3/2 F.
+typedef struct HalfEdge {
+    uint32_t low, high;               // vertices
+    uint32_t low_corner, high_corner; // of the triangle that it bounds, 3 * triangle + place
+} HalfEdge;
+
+static int compare_edges(const void *a, const void *b) {
+    const HalfEdge *x = a, *y = b;
+    if (x->low != y->low) return x->low < y->low ? -1 : 1;
+    return x->high < y->high ? -1 : x->high > y->high;
+}
+
+static void join(uint32_t *parent, uint32_t a, uint32_t b) {
+    parent[root_of(parent, a)] = root_of(parent, b);
+}
+
+static int count_roots(const uint32_t *parent, uint32_t count) {
+    int roots = 0;
+    for (uint32_t i = 0; i < count; i++) roots += parent[i] == i;
+    return roots;
+}
+
+// Handles of a closed surface, all its components together: V - E + F = 2 (components - genus), E = 3/2 F. V
+// counts the fans of triangles around vertices, so that two sheets that touch in a vertex do not count as
+// joined there.
 static int genus(const FfpMesh *mesh) {
-    uint32_t *parent = ffp_alloc((size_t)mesh->n_vertices, sizeof *parent);
-    for (int i = 0; i < mesh->n_vertices; i++) parent[i] = (uint32_t)i;
-    for (int t = 0; t < mesh->n_triangles; t++)
-        for (int k = 1; k < 3; k++)
-            parent[root_of(parent, mesh->triangles[3 * t + k])] = root_of(parent, mesh->triangles[3 * t]);
-    int components = 0;
-    for (int i = 0; i < mesh->n_vertices; i++) components += parent[i] == (uint32_t)i;
-    free(parent);
-    return components - (mesh->n_vertices - mesh->n_triangles / 2) / 2;
+    const uint32_t corners = 3 * (uint32_t)mesh->n_triangles;
+    HalfEdge *edges = ffp_alloc(corners, sizeof *edges);
+    uint32_t *fans = ffp_alloc(corners, sizeof *fans), *pieces = ffp_alloc(corners, sizeof *pieces);
+    for (uint32_t i = 0; i < corners; i++) {
+        const uint32_t j = i % 3 == 2 ? i - 2 : i + 1, a = mesh->triangles[i], b = mesh->triangles[j];
+        edges[i] = a < b ? (HalfEdge){a, b, i, j} : (HalfEdge){b, a, j, i};
+        fans[i] = i, pieces[i] = i - i % 3; // a piece is named by a triangle's first corner
+    }
+    qsort(edges, corners, sizeof *edges, compare_edges);
+    for (uint32_t i = 0; i + 1 < corners; i += 2) {
+        join(fans, edges[i].low_corner, edges[i + 1].low_corner);
+        join(fans, edges[i].high_corner, edges[i + 1].high_corner);
+        join(pieces, edges[i].low_corner, edges[i + 1].low_corner);
+    }
+    const int components = count_roots(pieces, corners), vertices = count_roots(fans, corners);
+    free(edges);
+    free(fans);
+    free(pieces);
+    return components - (vertices - mesh->n_triangles / 2) / 2;
 }
 
 // Three corners and the normal of a triangle; returns twice its area.
@@ -88,6 +121,7 @@ static void count(Histogram *h, double value) {
 }
 
 static void print(const Histogram *h, bool whole) {
+    if (h->total == 0) return;
     printf("**%s**: mean %.2f, from %.2f to %.2f over %d\n\n| from | count | |\n|---|---|---|\n", h->title,
            h->sum / h->total, h->least, h->most, h->total);
     for (int i = 0; i < h->bins; i++) {

@@ -31,6 +31,16 @@ static void vessel(FfpShape *shape, const float *r, const float *z, int n, bool 
     shape->n_outline = k + 1;
 }
 
+// The least thickness of a vessel's wall, measured across it: `wall` is measured along r.
+static float thinnest(const float *r, const float *z, int n, float wall, float scale_z) {
+    float least = wall;
+    for (int i = 1; i <= n; i++) {
+        const float slope = (r[i] - r[i - 1]) / (scale_z * (z[i] - z[i - 1]));
+        least = ffp_min(least, ffp_min(wall, r[i] - 0.01F) / sqrtf(1 + slope * slope));
+    }
+    return least;
+}
+
 void ffp_make_vase(FfpShape *shape, FfpRng *rng) {
     float knot[7] = {0}, r[19], z[19];
     const int knots = ffp_pick(rng, 4, 7);
@@ -57,7 +67,7 @@ void ffp_make_vase(FfpShape *shape, FfpRng *rng) {
     }
     if (ffp_pick(rng, 0, 3) == 0) {
         shape->ribs = (float)ffp_pick(rng, 8, 20);
-        shape->rib_depth = 0.045F;
+        shape->rib_depth = 0.3F * thinnest(r, z, 18, wall, tall); // carved from both sides
         shape->twist = ffp_pick(rng, 0, 1) ? ffp_draw(rng, 0.5F, 1.2F) : 0;
     }
     shape->lipschitz = 1.5F;
