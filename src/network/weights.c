@@ -54,7 +54,7 @@ static bool read_field(FfpModelConfig *config, const Field *field, const char *t
     if (field->kind == TEXT) {
         if (strlen(text) >= field->size)
             return ffp_fail(err, where, "longer than %zu bytes", field->size - 1);
-        strcpy(at, text);
+        snprintf(at, field->size, "%s", text);
         return true;
     }
     if (field->kind == SWITCH) {

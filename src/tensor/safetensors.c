@@ -93,10 +93,10 @@ static int compare_begin(const void *a, const void *b) {
 // The format wants the data covered exactly once: no overlap, no gap, nothing behind the last tensor.
 static bool check_cover(const FfpSafetensors *file, const char *data, size_t data_size, const char *path,
                         FfpError *err) {
-    const FfpTensor **order = malloc(((size_t)file->count + 1) * sizeof *order);
+    const FfpTensor **order = malloc(((size_t)file->count + 1) * sizeof(const FfpTensor *));
     if (!order) return ffp_fail(err, path, "out of memory");
     for (int i = 0; i < file->count; i++) order[i] = &file->tensors[i];
-    qsort(order, (size_t)file->count, sizeof *order, compare_begin);
+    qsort(order, (size_t)file->count, sizeof(const FfpTensor *), compare_begin);
     const char *end = data;
     bool ok = true;
     for (int i = 0; i < file->count && ok; i++) {
@@ -127,7 +127,7 @@ static bool read_entries(FfpSafetensors *file, json_t *header, const char *data,
         if (!*name || strlen(name) >= FFP_TENSOR_NAME_MAX)
             return ffp_fail(err, where.text, "a tensor's name must have 1 to %d bytes",
                             FFP_TENSOR_NAME_MAX - 1);
-        strcpy(tensor->name, name);
+        snprintf(tensor->name, sizeof tensor->name, "%s", name);
         if (!json_is_object(entry)) return ffp_fail(err, where.text, "a tensor's entry is not an object");
         if (!read_dtype(tensor, entry, where.text, err) || !read_shape(tensor, entry, where.text, err) ||
             !read_offsets(tensor, entry, data, data_size, where.text, err))

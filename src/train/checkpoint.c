@@ -21,7 +21,7 @@ bool ffp_checkpoint_write(const char *path, const FfpModel *model, const FfpAdam
                           const FfpTrainConfig *config, const char *origin, FfpError *err) {
     FfpTensor tensors[ARRAYS] = {0};
     for (int i = 0; i < ARRAYS; i++) {
-        strcpy(tensors[i].name, names[i]);
+        snprintf(tensors[i].name, sizeof tensors[i].name, "%s", names[i]);
         tensors[i].dtype = FFP_F32;
         tensors[i].rank = 1;
         tensors[i].shape[0] = tensors[i].count = model->count;

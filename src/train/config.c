@@ -158,7 +158,7 @@ static bool read_field(void *base, const Field *field, const json_t *value, cons
     case TEXT:
         if (!json_is_string(value)) return ffp_fail(err, where, "expected a string");
         if (json_string_length(value) >= (size_t)field->high) return ffp_fail(err, where, "text is too long");
-        strcpy(at, json_string_value(value));
+        snprintf(at, (size_t)field->high, "%s", json_string_value(value));
         return true;
     case INT:
         if (!read_number(&number, value, field, where, err)) return false;
