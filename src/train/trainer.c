@@ -247,13 +247,15 @@ static bool open_metrics(Trainer *trainer, bool resume, FfpError *err) {
     return trainer->metrics || ffp_fail(err, path, "cannot write");
 }
 
+// The metrics file is opened last: a folder that holds one counts as a run.
 static bool open_trainer(Trainer *trainer, const FfpTraining *options, FfpError *err) {
     trainer->out = options->out;
-    if (!open_model(trainer, options, err) || !open_metrics(trainer, options->resume, err)) return false;
+    if (!open_model(trainer, options, err)) return false;
     if (options->perceptual && !(trainer->perceptual = ffp_perceptual_read(options->perceptual, err)))
         return false;
     if (!options->perceptual && trainer->config.perceptual > 0)
         ffp_note("no perceptual weights given: the perceptual term is off");
+    if (!open_metrics(trainer, options->resume, err)) return false;
     trainer->stepper = ffp_stepper_new(&trainer->config, trainer->perceptual);
     trainer->slots = ffp_alloc((size_t)trainer->config.pool, sizeof *trainer->slots);
     for (int i = 0; i < trainer->config.pool; i++) trainer->slots[i].number = -1;
