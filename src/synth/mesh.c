@@ -294,12 +294,12 @@ FfpMesh ffp_mesh_from_shape(const FfpShape *shape) {
 
 // Smallest enclosing ball by walking towards the furthest point with shrinking steps (Badoiu and Clarkson
 // 2003).
-static void enclosing_ball(const FfpMesh *mesh, float centre[3], float *radius) {
+static void enclosing_ball(const FfpMesh *mesh, int steps, float centre[3], float *radius) {
     double c[3] = {0, 0, 0};
     for (int i = 0; i < 3 * mesh->n_vertices; i++) c[i % 3] += mesh->positions[i];
     for (int k = 0; k < 3; k++) c[k] /= mesh->n_vertices;
     double furthest = 0;
-    for (int step = 1; step <= 64; step++) {
+    for (int step = 1; step <= steps; step++) {
         int far = 0;
         furthest = 0;
         for (int i = 0; i < mesh->n_vertices; i++) {
@@ -307,7 +307,7 @@ static void enclosing_ball(const FfpMesh *mesh, float centre[3], float *radius) 
             const double x = p[0] - c[0], y = p[1] - c[1], z = p[2] - c[2], d = x * x + y * y + z * z;
             if (d > furthest) furthest = d, far = i;
         }
-        if (step == 64) break;
+        if (step == steps) break;
         for (int k = 0; k < 3; k++)
             c[k] += (mesh->positions[3 * (size_t)far + (size_t)k] - c[k]) / (step + 1);
     }
@@ -317,7 +317,9 @@ static void enclosing_ball(const FfpMesh *mesh, float centre[3], float *radius) 
 
 void ffp_mesh_place(FfpMesh *mesh, const float rotation[9]) {
     float centre[3], radius;
-    enclosing_ball(mesh, centre, &radius);
+    // The ball is right to one part in the number of steps. A user's mesh is placed to a thousandth.
+    const int steps = mesh->two_sided && mesh->n_vertices < 1000000 ? 1024 : 64;
+    enclosing_ball(mesh, steps, centre, &radius);
     const float scale = FFP_MESH_RADIUS / radius * 0.99999F; // rounding must not lead out of the sphere
     for (int i = 0; i < mesh->n_vertices; i++) {
         float *p = mesh->positions + 3 * (size_t)i, *n = mesh->normals + 3 * (size_t)i;
