@@ -181,10 +181,8 @@ static void work_on(Job *job, int64_t number) {
 // Whole scenes in parallel, each on one thread: no part of a scene is left to one core alone. A worker more
 // than cores fills the time in which a scene waits for the disk.
 static bool generate_all(Job *job, int64_t count) {
-    const int cores = omp_get_max_threads();
-    const int workers = count <= cores ? (int)count : cores + 1;
     job->progress = ffp_progress("generating", count);
-#pragma omp parallel for schedule(dynamic, 1) num_threads(workers)
+#pragma omp parallel for schedule(dynamic, 1) num_threads(omp_get_max_threads() + 1)
     for (int64_t i = 0; i < count; i++) work_on(job, job->options->first + i);
     ffp_progress_end(&job->progress);
     if (job->kept > 0) ffp_note("%lld scenes were there already and were kept", (long long)job->kept);

@@ -139,7 +139,7 @@ static bool read_map(Map *map, const char *folder, const char *name, Role role, 
 }
 
 FfpTextures *ffp_textures_read(const char *folder, FfpError *err) {
-    Found found;
+    Found found = {0};
     if (!find_maps(folder, &found, err)) return NULL;
     if (!found.name[ROLE_COLOUR][0]) {
         ffp_fail(err, folder, "no map is called basecolor, albedo, diffuse or color");

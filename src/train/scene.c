@@ -69,3 +69,10 @@ void ffp_scene_close(FfpScene *scene) {
     ffp_capture_free(&scene->capture);
     *scene = (FfpScene){0};
 }
+
+real ffp_true_t(const FfpView *view, int pixel) {
+    if (!view->depth.data || view->depth.data[pixel] <= 0) return 0;
+    const int x = pixel % view->depth.width, y = pixel / view->depth.width;
+    real direction[3];
+    return view->depth.data[pixel] / ffp_pixel_ray(&view->camera, (real)x + 0.5F, (real)y + 0.5F, direction);
+}

@@ -186,7 +186,7 @@ static void supervise_view(FfpStepper *s, const FfpScene *scene, int index, int6
 
 // `count` different numbers out of [first, first + total), at random.
 static void draw(FfpRng *rng, int first, int total, int count, int *out) {
-    int all[64];
+    int all[64] = {0};
     for (int i = 0; i < total; i++) all[i] = first + i;
     for (int i = 0; i < count; i++) {
         const int j = i + (int)ffp_rng_below(rng, (uint32_t)(total - i));
@@ -209,11 +209,9 @@ static double direct_loss(FfpStepper *s, const FfpScene *scene, real weight) {
         const FfpView *view = &views[pixel / (width * height)];
         const int at = (int)(pixel % (width * height));
         s->grad_t[i] = 0;
-        if (!view->depth.data || view->depth.data[at] <= 0) continue;
-        real direction[3];
-        const real z =
-            ffp_pixel_ray(&view->camera, (real)(at % width) + 0.5F, (real)(at / width) + 0.5F, direction);
-        const real error = run->t[i] - view->depth.data[at] / z;
+        const real truth = ffp_true_t(view, at);
+        if (truth <= 0) continue;
+        const real error = run->t[i] - truth;
         total += fabsf(error);
         s->grad_t[i] = error > 0 ? 1 : -1;
         count++;
@@ -271,7 +269,7 @@ bool ffp_step_loss(FfpStepper *s, const FfpModel *model, const FfpScene *scene, 
         losses->mask = direct_opacity_loss(s, scene);
     } else {
         FfpRng rng = ffp_rng((uint64_t)c->seed, (uint64_t)step);
-        int views[128];
+        int views[128] = {0};
         const int count = c->supervised_inputs + c->supervised_targets;
         draw(&rng, 0, c->views, c->supervised_inputs, views);
         draw(&rng, c->views, c->targets, c->supervised_targets, views + c->supervised_inputs);

@@ -69,6 +69,9 @@ typedef struct FfpScene {
 bool ffp_scene_open(FfpScene *scene, const FfpTrainConfig *config, const char *split, int64_t number,
                     int resolution, FfpError *err);
 void ffp_scene_close(FfpScene *scene);
+// True distance along the unit ray of a pixel (index into the view's images); 0 where there is no surface or
+// no truth.
+real ffp_true_t(const FfpView *view, int pixel);
 
 typedef struct FfpLosses { // weighted values of a step's terms, and seconds of its parts
     double l1, ssim, perceptual, mask, depth, distortion, normal_smooth, roughness_smooth, direct_t;

@@ -32,6 +32,8 @@ typedef struct Trainer {
     double started, saved; // seconds
 } Trainer;
 
+static const char program[] = "ffprocams " FFP_VERSION ", commit " FFP_COMMIT;
+
 static volatile sig_atomic_t interrupted = 0;
 static void on_signal(int number) {
     (void)number;
@@ -148,10 +150,8 @@ static bool save(Trainer *trainer, FfpError *err) {
         return false;
     snprintf(steps, sizeof steps, "%lld", (long long)trainer->adam.step);
     char *config = ffp_train_config_print(&trainer->config);
-    const char *const metadata[] = {"trained_steps", steps,
-                                    "training",      config,
-                                    "program",       "ffprocams " FFP_VERSION ", commit " FFP_COMMIT,
-                                    "origin",        trainer->origin};
+    const char *const metadata[] = {"trained_steps", steps,   "training", config,
+                                    "program",       program, "origin",   trainer->origin};
     swap_ema(trainer);
     const bool ok = ffp_model_write(trainer->model, path, false, metadata, 4, err);
     swap_ema(trainer);
@@ -199,15 +199,15 @@ static bool run(Trainer *trainer, int64_t stop_at, FfpError *err) {
 
 // "random", or the steps and the program of the weights that the run starts from.
 static void tell_origin(Trainer *trainer, const char *path) {
-    const char *steps = "?", *program = "?";
+    const char *steps = "?", *by = "?";
     for (int i = 0; i < trainer->model->metadata_count; i++) {
         const char *key = trainer->model->metadata[2 * i], *value = trainer->model->metadata[2 * i + 1];
         if (strcmp(key, "trained_steps") == 0) steps = value;
-        if (strcmp(key, "program") == 0) program = value;
+        if (strcmp(key, "program") == 0) by = value;
     }
     if (path)
         snprintf(trainer->origin, sizeof trainer->origin, "%.60s: %.20s steps by %.100s", ffp_basename(path),
-                 steps, program);
+                 steps, by);
     else
         snprintf(trainer->origin, sizeof trainer->origin, "random, from the seed");
 }
@@ -217,9 +217,11 @@ static bool open_model(Trainer *trainer, const FfpTraining *options, FfpError *e
     FfpTrainConfig *config = &trainer->config;
     char path[FFP_PATH_MAX];
     if (options->resume) {
-        if (options->config || options->initial)
-            return ffp_fail(err, NULL,
-                            "a resumed run takes its configuration and weights from the checkpoint alone");
+        if (options->config || options->initial) {
+            ffp_fail(err, NULL,
+                     "a resumed run takes its configuration and weights from the checkpoint alone");
+            return false;
+        }
         if (!out_path(path, trainer, "checkpoint.safetensors", err)) return false;
         trainer->model = ffp_checkpoint_read(path, &trainer->adam, config, trainer->origin, err);
         if (options->steps >= 0) config->steps = options->steps;

@@ -94,11 +94,8 @@ static double depth_error_median(const FfpScene *scene, const FfpRun *run) {
     for (int64_t i = 0; i < run->gaussians.count; i++) {
         const FfpView *view = &scene->capture.views[run->pixel[i] / pixels];
         const int at = (int)(run->pixel[i] % pixels);
-        if (!view->depth.data || view->depth.data[at] <= 0) continue;
-        real direction[3];
-        const real z =
-            ffp_pixel_ray(&view->camera, (real)(at % width) + 0.5F, (real)(at / width) + 0.5F, direction);
-        errors[count++] = fabsf(run->t[i] - view->depth.data[at] / z);
+        const real truth = ffp_true_t(view, at);
+        if (truth > 0) errors[count++] = fabsf(run->t[i] - truth);
     }
     qsort(errors, (size_t)count, sizeof *errors, compare);
     const double median = count ? 100 * errors[count / 2] : 0;
