@@ -21,6 +21,10 @@ typedef struct FfpError {
 
 const char *ffp_version(void); // "0.1.0"
 
+// Whether the environment variable FFPROCAMS_CPU (portable, avx2, avx512, avx512bf16 or amx; unset: the best
+// that runs here) names kernels that this processor can run. Without the check the best are used.
+bool ffp_cpu_check(FfpError *err);
+
 // --- What a rig saw: views of one object, each under a black, a white and further patterns. ---
 
 typedef struct FfpCapture FfpCapture;

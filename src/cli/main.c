@@ -21,6 +21,9 @@ static const char help[] =
     "  --help       this text; ffprocams COMMAND --help for a command's own\n"
     "  --version    the version\n"
     "\n"
+    "The environment variable FFPROCAMS_CPU (portable, avx2, avx512, avx512bf16, amx) chooses the\n"
+    "kernels in place of the best ones that the processor can run.\n"
+    "\n"
     "Exit status: 0 when all went well, 1 on an error (told on stderr; no output is left\n"
     "half-written), 2 for wrong usage.\n"
     "\n"
@@ -112,6 +115,8 @@ int main(int argc, char **argv) {
         printf("ffprocams %s\n", ffp_version());
         return finish(FFP_EXIT_OK);
     }
+    FfpError err;
+    if (!ffp_cpu_check(&err)) return ffp_cli_fail(&err);
     for (size_t i = 0; i < sizeof commands / sizeof *commands; i++)
         if (strcmp(argv[1], commands[i].name) == 0) return finish(commands[i].run(argc - 1, argv + 1));
     return ffp_cli_usage(NULL, "there is no command %s", argv[1]);

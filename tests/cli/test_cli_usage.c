@@ -1,4 +1,5 @@
 // Help, version, and wrong usage.
+#include "base/cpu.h"
 #include "cli/program.h"
 
 static const char *const commands[] = {"reconstruct", "render", "evaluate", "generate", "train", "info"};
@@ -92,6 +93,22 @@ static void test_output_that_cannot_be_written_is_an_error(void **state) {
     assert_string_equal(run.err, "ffprocams: error: cannot write (standard output)\n");
 }
 
+static void test_kernels_that_cannot_run_here_are_an_error(void **state) {
+    (void)state;
+    setenv("FFPROCAMS_CPU", "sse9", 1);
+    run_program(&run, "info nothing");
+    unsetenv("FFPROCAMS_CPU");
+    assert_int_equal(run.status, 1);
+    assert_string_equal(run.err, "ffprocams: error: sse9 is none of portable, avx2, avx512, avx512bf16, amx "
+                                 "(FFPROCAMS_CPU)\n");
+    if (ffp_cpu_best() == FFP_CPU_AMX) return;
+    setenv("FFPROCAMS_CPU", "amx", 1);
+    run_program(&run, "info nothing");
+    unsetenv("FFPROCAMS_CPU");
+    assert_int_equal(run.status, 1);
+    assert_non_null(strstr(run.err, "cannot run amx"));
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_help_of_the_program_names_every_command),
@@ -99,6 +116,7 @@ int main(void) {
         cmocka_unit_test(test_version),
         cmocka_unit_test(test_wrong_usage_exits_2_and_says_where_to_read),
         cmocka_unit_test(test_output_that_cannot_be_written_is_an_error),
+        cmocka_unit_test(test_kernels_that_cannot_run_here_are_an_error),
     };
     return cmocka_run_group_tests(tests, scratch_setup, scratch_teardown);
 }

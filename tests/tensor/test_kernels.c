@@ -3,7 +3,7 @@
 #include <omp.h>
 #include "support.h"
 #include "tensor/bench_kernels.h"
-#include "tensor/fastmath.h"
+#include "tensor/kernels/fastmath.h"
 #include "tensor/naive_attention.h"
 #include "tensor/naive_scan.h"
 #include "tensor/random.h"

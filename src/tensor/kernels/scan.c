@@ -1,32 +1,9 @@
-// State-space duality scan, forward: the chunked form (network.md 3.2) and the plain recurrence.
-#include "tensor/tensor.h"
+// State-space duality scan, forward: the chunked form (network.md 3.2).
+#include "tensor/kernels/kernels.h"
 
 #include <tgmath.h>
-#include "tensor/fastmath.h"
-#include "tensor/scan_parts.h"
-
-// One state entry at a time: slow, needs no memory, and follows the definition word by word.
-void ffp_scan_forward_reference(real *y, const FfpScanShape *shape, const FfpScanInput *in) {
-    const int width = shape->heads * shape->head_dim;
-#pragma omp parallel for schedule(static)
-    for (int column = 0; column < width; column++) {
-        const int head = column / shape->head_dim;
-        const real rate = -exp(in->a_log[head]);
-        for (int t = 0; t < shape->rows; t++)
-            y[(size_t)t * width + column] = in->d[head] * in->x[(size_t)t * in->ld + column];
-        for (int n = 0; n < shape->state; n++) {
-            real state = 0;
-            for (int i = 0; i < shape->rows; i++) {
-                const int t = shape->reverse ? shape->rows - 1 - i : i;
-                const size_t row = (size_t)t * in->ld;
-                const real raw = in->dt_raw[(size_t)t * in->lddt + head] + in->dt_bias[head];
-                const real dt = raw > 20 ? raw : log1p(exp(raw));
-                state = exp(dt * rate) * state + dt * in->x[row + column] * in->b[row + n];
-                y[(size_t)t * width + column] += state * in->c[row + n];
-            }
-        }
-    }
-}
+#include "tensor/kernels/fastmath.h"
+#include "tensor/kernels/scan_parts.h"
 
 // mixed[t,s] = (C_t . B_s) exp(cs_t - cs_s) dt_s for the rows s that t sees, 0 elsewhere
 static void mix_chunk(const FfpScanLayout *layout, const FfpScanShape *shape, const FfpScanChunk *chunk,
@@ -62,7 +39,7 @@ static void chunk_output(real *y, const FfpScanLayout *layout, const FfpScanShap
     const size_t start = (size_t)chunk->row * in->ld;
     const real *mixed = layout->mixed + (size_t)chunk->row * shape->chunk;
     y += (size_t)chunk->row * layout->width;
-    ffp_scan_products(layout, shape, in, chunk);
+    FFP_K(scan_products)(layout, shape, in, chunk);
     ffp_gemm(false, true, chunk->rows, layout->width, shape->state, 1, in->c + start, in->ld,
              layout->states + (size_t)chunk->index * layout->state_size, shape->state, 0, y, layout->width);
     for (int head = 0; head < shape->heads; head++) {
@@ -76,18 +53,18 @@ static void chunk_output(real *y, const FfpScanLayout *layout, const FfpScanShap
 
 // Three sweeps: the state each chunk adds, its carry from chunk to chunk, and the outputs. Chunks are
 // independent but for the carry, so the products run one chunk a thread.
-void ffp_scan_forward(real *y, const FfpScanShape *shape, const FfpScanInput *in, real *scratch) {
-    const FfpScanLayout layout = ffp_scan_layout(shape, scratch);
-    ffp_scan_decays(&layout, shape, in);
+void FFP_K(scan_forward)(real *y, const FfpScanShape *shape, const FfpScanInput *in, real *scratch) {
+    const FfpScanLayout layout = FFP_K(scan_layout)(shape, scratch);
+    FFP_K(scan_decays)(&layout, shape, in);
 #pragma omp parallel for schedule(static)
     for (int index = 0; index < layout.chunks; index++) {
-        const FfpScanChunk chunk = ffp_scan_chunk(shape, index);
-        ffp_scan_chunk_state(&layout, shape, in, &chunk);
+        const FfpScanChunk chunk = FFP_K(scan_chunk)(shape, index);
+        FFP_K(scan_chunk_state)(&layout, shape, in, &chunk);
     }
-    ffp_scan_carry(layout.states, &layout, shape, false);
+    FFP_K(scan_carry)(layout.states, &layout, shape, false);
 #pragma omp parallel for schedule(static)
     for (int index = 0; index < layout.chunks; index++) {
-        const FfpScanChunk chunk = ffp_scan_chunk(shape, index);
+        const FfpScanChunk chunk = FFP_K(scan_chunk)(shape, index);
         chunk_output(y, &layout, shape, in, &chunk);
     }
 }

@@ -1,7 +1,7 @@
-#include "tensor/scan_parts.h"
+#include "tensor/kernels/scan_parts.h"
 
 #include <tgmath.h>
-#include "tensor/fastmath.h"
+#include "tensor/kernels/fastmath.h"
 
 static int chunk_count(const FfpScanShape *shape) {
     return (shape->rows + shape->chunk - 1) / shape->chunk;
@@ -19,14 +19,14 @@ static void part_sizes(size_t sizes[PARTS], const FfpScanShape *shape) {
     for (int i = 0; i < PARTS; i++) sizes[i] = (parts[i] + 15) / 16 * 16; // every part starts a cache line
 }
 
-size_t ffp_scan_scratch(const FfpScanShape *shape) {
+size_t FFP_K(scan_scratch)(const FfpScanShape *shape) {
     size_t sizes[PARTS], sum = 0;
     part_sizes(sizes, shape);
     for (int i = 0; i < PARTS; i++) sum += sizes[i];
     return sum;
 }
 
-FfpScanLayout ffp_scan_layout(const FfpScanShape *shape, real *scratch) {
+FfpScanLayout FFP_K(scan_layout)(const FfpScanShape *shape, real *scratch) {
     FfpScanLayout layout = {.chunks = chunk_count(shape), .width = shape->heads * shape->head_dim};
     layout.state_size = (size_t)layout.width * (size_t)shape->state;
     real **parts[PARTS] = {&layout.dt,          &layout.cs,         &layout.grow,     &layout.fade,
@@ -42,7 +42,7 @@ FfpScanLayout ffp_scan_layout(const FfpScanShape *shape, real *scratch) {
     return layout;
 }
 
-FfpScanChunk ffp_scan_chunk(const FfpScanShape *shape, int index) {
+FfpScanChunk FFP_K(scan_chunk)(const FfpScanShape *shape, int index) {
     FfpScanChunk chunk = {.index = index, .row = index * shape->chunk};
     const int left = shape->rows - chunk.row;
     chunk.rows = left < shape->chunk ? left : shape->chunk;
@@ -50,7 +50,7 @@ FfpScanChunk ffp_scan_chunk(const FfpScanShape *shape, int index) {
     return chunk;
 }
 
-int ffp_scan_nth_chunk(const FfpScanShape *shape, const FfpScanLayout *layout, int step) {
+int FFP_K(scan_nth_chunk)(const FfpScanShape *shape, const FfpScanLayout *layout, int step) {
     return shape->reverse ? layout->chunks - 1 - step : step;
 }
 
@@ -81,18 +81,18 @@ static void chunk_decays(const FfpScanLayout *layout, const FfpScanShape *shape,
     }
 }
 
-void ffp_scan_decays(const FfpScanLayout *layout, const FfpScanShape *shape, const FfpScanInput *in) {
+void FFP_K(scan_decays)(const FfpScanLayout *layout, const FfpScanShape *shape, const FfpScanInput *in) {
 #pragma omp parallel for collapse(2) schedule(static)
     for (int index = 0; index < layout->chunks; index++) {
         for (int head = 0; head < shape->heads; head++) {
-            const FfpScanChunk chunk = ffp_scan_chunk(shape, index);
+            const FfpScanChunk chunk = FFP_K(scan_chunk)(shape, index);
             chunk_decays(layout, shape, in, &chunk, head);
         }
     }
 }
 
-void ffp_scan_chunk_state(const FfpScanLayout *layout, const FfpScanShape *shape, const FfpScanInput *in,
-                          const FfpScanChunk *chunk) {
+void FFP_K(scan_chunk_state)(const FfpScanLayout *layout, const FfpScanShape *shape, const FfpScanInput *in,
+                             const FfpScanChunk *chunk) {
     real *scaled = layout->scaled_x + (size_t)chunk->row * layout->width;
     for (int t = 0; t < chunk->rows; t++) {
         const real *x = in->x + (size_t)(chunk->row + t) * in->ld;
@@ -116,8 +116,8 @@ static void carry_block(real *states, const FfpScanLayout *layout, const FfpScan
     real carried[STATE_BLOCK] = {0};
     const size_t offset = (size_t)head * shape->head_dim * shape->state + first;
     for (int step = 0; step < layout->chunks; step++) {
-        const int index = ffp_scan_nth_chunk(shape, layout, backward ? layout->chunks - 1 - step : step);
-        const FfpScanChunk chunk = ffp_scan_chunk(shape, index);
+        const int index = FFP_K(scan_nth_chunk)(shape, layout, backward ? layout->chunks - 1 - step : step);
+        const FfpScanChunk chunk = FFP_K(scan_chunk)(shape, index);
         const real decay = layout->grow[(size_t)head * shape->rows + chunk.row + chunk.end];
         real *state = states + (size_t)index * layout->state_size + offset;
 #pragma omp simd
@@ -129,7 +129,7 @@ static void carry_block(real *states, const FfpScanLayout *layout, const FfpScan
     }
 }
 
-void ffp_scan_carry(real *states, const FfpScanLayout *layout, const FfpScanShape *shape, bool backward) {
+void FFP_K(scan_carry)(real *states, const FfpScanLayout *layout, const FfpScanShape *shape, bool backward) {
     const int size = shape->head_dim * shape->state;
 #pragma omp parallel for collapse(2) schedule(static)
     for (int head = 0; head < shape->heads; head++) {
@@ -139,8 +139,8 @@ void ffp_scan_carry(real *states, const FfpScanLayout *layout, const FfpScanShap
     }
 }
 
-void ffp_scan_products(const FfpScanLayout *layout, const FfpScanShape *shape, const FfpScanInput *in,
-                       const FfpScanChunk *chunk) {
+void FFP_K(scan_products)(const FfpScanLayout *layout, const FfpScanShape *shape, const FfpScanInput *in,
+                          const FfpScanChunk *chunk) {
     const size_t start = (size_t)chunk->row * in->ld;
     ffp_gemm(false, true, chunk->rows, chunk->rows, shape->state, 1, in->c + start, in->ld, in->b + start,
              in->ld, 0, layout->products + (size_t)chunk->row * shape->chunk, shape->chunk);

@@ -1,10 +1,10 @@
 // Softmax attention with RMS QK-norm, in blocks of queries and keys (the online softmax of Dao et al. 2022):
 // no matrix of T x T is ever in memory, and the backward pass makes the probabilities anew from log_sum.
-#include "tensor/tensor.h"
+#include "tensor/kernels/kernels.h"
 
 #include <string.h>
 #include <tgmath.h>
-#include "tensor/fastmath.h"
+#include "tensor/kernels/fastmath.h"
 
 #define EPSILON 1e-5F
 
@@ -56,7 +56,7 @@ static size_t make_layout(Layout *layout, real *base, const Shape *shape) {
     return used;
 }
 
-size_t ffp_attention_scratch(int rows, int heads, int head_dim) {
+size_t FFP_K(attention_scratch)(int rows, int heads, int head_dim) {
     const Shape shape = {rows, heads, head_dim};
     Layout layout;
     return make_layout(&layout, NULL, &shape);
@@ -136,8 +136,8 @@ static void attend_block(real *out, real *log_sum, const Layout *layout, const S
     }
 }
 
-void ffp_attention_forward(real *out, real *log_sum, const real *qkv, const real *q_gain, const real *k_gain,
-                           int rows, int heads, int head_dim, real *scratch) {
+void FFP_K(attention_forward)(real *out, real *log_sum, const real *qkv, const real *q_gain,
+                              const real *k_gain, int rows, int heads, int head_dim, real *scratch) {
     const Shape shape = {rows, heads, head_dim};
     Layout layout;
     make_layout(&layout, scratch, &shape);
@@ -241,9 +241,9 @@ static void add_heads(real *dgain, const real *gain_sum, const Shape *shape) {
         for (int d = 0; d < shape->head_dim; d++) dgain[d] += gain_sum[(size_t)head * shape->head_dim + d];
 }
 
-void ffp_attention_backward(real *dqkv, real *dq_gain, real *dk_gain, const real *dout, const real *out,
-                            const real *log_sum, const real *qkv, const real *q_gain, const real *k_gain,
-                            int rows, int heads, int head_dim, real *scratch) {
+void FFP_K(attention_backward)(real *dqkv, real *dq_gain, real *dk_gain, const real *dout, const real *out,
+                               const real *log_sum, const real *qkv, const real *q_gain, const real *k_gain,
+                               int rows, int heads, int head_dim, real *scratch) {
     const Shape shape = {rows, heads, head_dim};
     const int segments = smaller(SEGMENTS, rows);
     const real scale = 1 / sqrt((real)head_dim);

@@ -1,9 +1,9 @@
 // State-space duality scan, backward (network.md 3.3). X = dt x; g = gradient of the state leaving a chunk.
-#include "tensor/tensor.h"
+#include "tensor/kernels/kernels.h"
 
 #include <tgmath.h>
-#include "tensor/fastmath.h"
-#include "tensor/scan_parts.h"
+#include "tensor/kernels/fastmath.h"
+#include "tensor/kernels/scan_parts.h"
 
 typedef struct Backward {
     const FfpScanGradient *grad;
@@ -138,7 +138,7 @@ static void chunk_backward(const Backward *pass, const FfpScanChunk *chunk) {
     const real *leaving_grad = layout->state_grads + (size_t)chunk->index * layout->state_size;
     const real *entering = layout->states + (size_t)chunk->index * layout->state_size;
     const real *pairs = layout->pairs + (size_t)chunk->row * shape->chunk;
-    ffp_scan_products(layout, shape, in, chunk);
+    FFP_K(scan_products)(layout, shape, in, chunk);
     ffp_gemm(false, true, rows, width, state, 1, in->b + start, in->ld, leaving_grad, state, 0,
              pass->grad->x + start, in->ld);
     for (int head = 0; head < shape->heads; head++) {
@@ -167,7 +167,7 @@ static void head_parameters(const Backward *pass, int head) {
     const real rate = -exp(in->a_log[head]);
     real da_sum = 0, bias_sum = 0, skip_sum = 0;
     for (int index = 0; index < layout->chunks; index++) {
-        const FfpScanChunk chunk = ffp_scan_chunk(shape, index);
+        const FfpScanChunk chunk = FFP_K(scan_chunk)(shape, index);
         real da = 0;
         for (int i = 0; i < chunk.rows; i++) {
             const int row = chunk.row + (shape->reverse ? i : chunk.rows - 1 - i);
@@ -188,22 +188,22 @@ static void head_parameters(const Backward *pass, int head) {
 
 // The forward's states are computed anew; then every chunk by
 // itself, the heads in order, so that dB and dC have one owner.
-void ffp_scan_backward(const FfpScanGradient *grad, const FfpScanShape *shape, const FfpScanInput *in,
-                       const real *y, const real *dy, real *scratch) {
-    const Backward pass = {grad, shape, in, y, dy, ffp_scan_layout(shape, scratch)};
+void FFP_K(scan_backward)(const FfpScanGradient *grad, const FfpScanShape *shape, const FfpScanInput *in,
+                          const real *y, const real *dy, real *scratch) {
+    const Backward pass = {grad, shape, in, y, dy, FFP_K(scan_layout)(shape, scratch)};
     const FfpScanLayout *layout = &pass.layout;
-    ffp_scan_decays(layout, shape, in);
+    FFP_K(scan_decays)(layout, shape, in);
 #pragma omp parallel for schedule(static)
     for (int index = 0; index < layout->chunks; index++) {
-        const FfpScanChunk chunk = ffp_scan_chunk(shape, index);
-        ffp_scan_chunk_state(layout, shape, in, &chunk);
+        const FfpScanChunk chunk = FFP_K(scan_chunk)(shape, index);
+        FFP_K(scan_chunk_state)(layout, shape, in, &chunk);
         chunk_state_grad(&pass, &chunk);
     }
-    ffp_scan_carry(layout->states, layout, shape, false);
-    ffp_scan_carry(layout->state_grads, layout, shape, true);
+    FFP_K(scan_carry)(layout->states, layout, shape, false);
+    FFP_K(scan_carry)(layout->state_grads, layout, shape, true);
 #pragma omp parallel for schedule(static)
     for (int index = 0; index < layout->chunks; index++) {
-        const FfpScanChunk chunk = ffp_scan_chunk(shape, index);
+        const FfpScanChunk chunk = FFP_K(scan_chunk)(shape, index);
         chunk_backward(&pass, &chunk);
     }
 #pragma omp parallel for schedule(static)

@@ -1,9 +1,9 @@
-#include "tensor/columns.h"
+#include "tensor/kernels/columns.h"
 
 enum { COLUMNS = 32 }; // two cache lines of a row
 
-void ffp_add_column_sums(real *sum, const real *dy, const real *x, const real *mean, const real *rstd,
-                         int rows, int dim) {
+void FFP_K(add_column_sums)(real *sum, const real *dy, const real *x, const real *mean, const real *rstd,
+                            int rows, int dim) {
 #pragma omp parallel for schedule(static)
     for (int first = 0; first < dim; first += COLUMNS) {
         const int count = dim - first < COLUMNS ? dim - first : COLUMNS;

@@ -1,9 +1,9 @@
 // GELU, exact form: y = x Phi(x) with the normal distribution Phi (Hendrycks & Gimpel 2016).
-#include "tensor/tensor.h"
+#include "tensor/kernels/kernels.h"
 
-#include "tensor/fastmath.h"
+#include "tensor/kernels/fastmath.h"
 
-void ffp_gelu_forward(real *y, const real *x, size_t count) {
+void FFP_K(gelu_forward)(real *y, const real *x, size_t count) {
 #pragma omp parallel for simd schedule(static)
     for (size_t i = 0; i < count; i++) {
         real density;
@@ -12,7 +12,7 @@ void ffp_gelu_forward(real *y, const real *x, size_t count) {
 }
 
 // dy/dx = Phi(x) + x phi(x)
-void ffp_gelu_backward(real *dx, const real *dy, const real *x, size_t count) {
+void FFP_K(gelu_backward)(real *dx, const real *dy, const real *x, size_t count) {
 #pragma omp parallel for simd schedule(static)
     for (size_t i = 0; i < count; i++) {
         real density;

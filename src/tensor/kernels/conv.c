@@ -1,7 +1,7 @@
 // Depthwise causal convolution with SiLU (Mamba2; network.md 3.1), forwards or backwards along the tokens.
-#include "tensor/tensor.h"
+#include "tensor/kernels/kernels.h"
 
-#include "tensor/fastmath.h"
+#include "tensor/kernels/fastmath.h"
 
 enum { ROWS = 32, CHANNELS = 64 }; // a block of rows and channels lives on the stack: 8 KB in fp32
 
@@ -48,8 +48,8 @@ static void convolve(real pre[ROWS][CHANNELS], const Conv *conv, const Block *bl
     }
 }
 
-void ffp_conv_forward(real *y, const real *x, int ldx, const real *w, const real *bias, int rows,
-                      int channels, int taps, bool reverse) {
+void FFP_K(conv_forward)(real *y, const real *x, int ldx, const real *w, const real *bias, int rows,
+                         int channels, int taps, bool reverse) {
     const Conv conv = {x, w, bias, ldx, rows, channels, taps, reverse};
 #pragma omp parallel for collapse(2) schedule(static)
     for (int row = 0; row < rows; row += ROWS) {
@@ -98,8 +98,8 @@ static void tap_backward(real *dx, int lddx, real *dw, const real dpre[ROWS][CHA
 }
 
 // Neighbouring rows share rows of dx, so a thread owns whole columns: no two write the same place.
-void ffp_conv_backward(real *dx, int lddx, real *dw, real *dbias, const real *dy, const real *x, int ldx,
-                       const real *w, const real *bias, int rows, int channels, int taps, bool reverse) {
+void FFP_K(conv_backward)(real *dx, int lddx, real *dw, real *dbias, const real *dy, const real *x, int ldx,
+                          const real *w, const real *bias, int rows, int channels, int taps, bool reverse) {
     const Conv conv = {x, w, bias, ldx, rows, channels, taps, reverse};
 #pragma omp parallel for schedule(static)
     for (int channel = 0; channel < channels; channel += CHANNELS) {

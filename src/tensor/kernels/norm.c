@@ -1,10 +1,10 @@
 // LayerNorm (Ba et al. 2016), RMSNorm (Zhang & Sennrich 2019)
 // and Mamba2's gated RMSNorm, over the rows of a matrix.
-#include "tensor/tensor.h"
+#include "tensor/kernels/kernels.h"
 
 #include <tgmath.h>
-#include "tensor/columns.h"
-#include "tensor/fastmath.h"
+#include "tensor/kernels/columns.h"
+#include "tensor/kernels/fastmath.h"
 
 #define EPSILON 1e-5F
 
@@ -22,8 +22,8 @@ static real mean_square(const real *x, real centre, int dim) {
     return sum / (real)dim;
 }
 
-void ffp_layernorm_forward(real *y, real *mean, real *rstd, const real *x, const real *gain, int rows,
-                           int dim) {
+void FFP_K(layernorm_forward)(real *y, real *mean, real *rstd, const real *x, const real *gain, int rows,
+                              int dim) {
 #pragma omp parallel for schedule(static)
     for (int t = 0; t < rows; t++) {
         const real *x_row = x + (size_t)t * dim;
@@ -36,8 +36,8 @@ void ffp_layernorm_forward(real *y, real *mean, real *rstd, const real *x, const
 }
 
 // With n = (x - mean) rstd and g = dy gain: dx = rstd (g - mean(g) - n mean(g n)); dgain += sum of dy n.
-void ffp_layernorm_backward(real *dx, real *dgain, const real *dy, const real *x, const real *mean,
-                            const real *rstd, const real *gain, int rows, int dim) {
+void FFP_K(layernorm_backward)(real *dx, real *dgain, const real *dy, const real *x, const real *mean,
+                               const real *rstd, const real *gain, int rows, int dim) {
 #pragma omp parallel for schedule(static)
     for (int t = 0; t < rows; t++) {
         const real *x_row = x + (size_t)t * dim, *dy_row = dy + (size_t)t * dim;
@@ -54,10 +54,10 @@ void ffp_layernorm_backward(real *dx, real *dgain, const real *dy, const real *x
         for (int i = 0; i < dim; i++)
             dx_row[i] = scale * (dy_row[i] * gain[i] - along_one - (x_row[i] - centre) * along_n);
     }
-    ffp_add_column_sums(dgain, dy, x, mean, rstd, rows, dim);
+    FFP_K(add_column_sums)(dgain, dy, x, mean, rstd, rows, dim);
 }
 
-void ffp_rmsnorm_forward(real *y, real *rstd, const real *x, const real *gain, int rows, int dim) {
+void FFP_K(rmsnorm_forward)(real *y, real *rstd, const real *x, const real *gain, int rows, int dim) {
 #pragma omp parallel for schedule(static)
     for (int t = 0; t < rows; t++) {
         const real *x_row = x + (size_t)t * dim;
@@ -69,8 +69,8 @@ void ffp_rmsnorm_forward(real *y, real *rstd, const real *x, const real *gain, i
 }
 
 // As LayerNorm's without the mean: dx = rstd (g - n mean(g n)).
-void ffp_rmsnorm_backward(real *dx, real *dgain, const real *dy, const real *x, const real *rstd,
-                          const real *gain, int rows, int dim) {
+void FFP_K(rmsnorm_backward)(real *dx, real *dgain, const real *dy, const real *x, const real *rstd,
+                             const real *gain, int rows, int dim) {
 #pragma omp parallel for schedule(static)
     for (int t = 0; t < rows; t++) {
         const real *x_row = x + (size_t)t * dim, *dy_row = dy + (size_t)t * dim;
@@ -82,7 +82,7 @@ void ffp_rmsnorm_backward(real *dx, real *dgain, const real *dy, const real *x, 
         const real along = sum * scale * scale / (real)dim;
         for (int i = 0; i < dim; i++) dx_row[i] = scale * (dy_row[i] * gain[i] - x_row[i] * along);
     }
-    ffp_add_column_sums(dgain, dy, x, NULL, rstd, rows, dim);
+    FFP_K(add_column_sums)(dgain, dy, x, NULL, rstd, rows, dim);
 }
 
 static void gate_row(real *out, const real *x, const real *z, int dim) {
@@ -90,8 +90,8 @@ static void gate_row(real *out, const real *x, const real *z, int dim) {
     for (int i = 0; i < dim; i++) out[i] = x[i] * z[i] * ffp_sigmoid(z[i]);
 }
 
-void ffp_gated_norm_forward(real *y, real *rstd, const real *x, const real *z, int ldz, const real *gain,
-                            int rows, int dim) {
+void FFP_K(gated_norm_forward)(real *y, real *rstd, const real *x, const real *z, int ldz, const real *gain,
+                               int rows, int dim) {
 #pragma omp parallel for schedule(static)
     for (int t = 0; t < rows; t++) {
         real *y_row = y + (size_t)t * dim;
@@ -118,12 +118,13 @@ static void gated_row_backward(real *dx, real *dz, const real *dy, const real *x
     }
 }
 
-void ffp_gated_norm_backward(real *dx, real *dz, int lddz, real *dgain, const real *dy, const real *x,
-                             const real *z, int ldz, const real *rstd, const real *gain, int rows, int dim) {
+void FFP_K(gated_norm_backward)(real *dx, real *dz, int lddz, real *dgain, const real *dy, const real *x,
+                                const real *z, int ldz, const real *rstd, const real *gain, int rows,
+                                int dim) {
 #pragma omp parallel for schedule(static)
     for (int t = 0; t < rows; t++)
         gate_row(dx + (size_t)t * dim, x + (size_t)t * dim, z + (size_t)t * ldz, dim);
-    ffp_add_column_sums(dgain, dy, dx, NULL, rstd, rows, dim);
+    FFP_K(add_column_sums)(dgain, dy, dx, NULL, rstd, rows, dim);
 #pragma omp parallel for schedule(static)
     for (int t = 0; t < rows; t++) {
         const size_t row = (size_t)t * dim;

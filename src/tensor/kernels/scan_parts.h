@@ -6,7 +6,7 @@
 #ifndef FFP_TENSOR_SCAN_PARTS_H
 #define FFP_TENSOR_SCAN_PARTS_H
 
-#include "tensor/tensor.h"
+#include "tensor/kernels/kernels.h"
 
 typedef struct FfpScanLayout {
     int chunks, width; // width = heads * head_dim
@@ -28,26 +28,26 @@ typedef struct FfpScanChunk {
     int end;              // the last row along the scan, counted from `row`
 } FfpScanChunk;
 
-FfpScanLayout ffp_scan_layout(const FfpScanShape *shape, real *scratch);
-FfpScanChunk ffp_scan_chunk(const FfpScanShape *shape, int index);
+FfpScanLayout FFP_K(scan_layout)(const FfpScanShape *shape, real *scratch);
+FfpScanChunk FFP_K(scan_chunk)(const FfpScanShape *shape, int index);
 // The chunk that comes `step`-th along the scan.
-int ffp_scan_nth_chunk(const FfpScanShape *shape, const FfpScanLayout *layout, int step);
+int FFP_K(scan_nth_chunk)(const FfpScanShape *shape, const FfpScanLayout *layout, int step);
 
 // dt, cs, grow, fade of all heads and rows.
-void ffp_scan_decays(const FfpScanLayout *layout, const FfpScanShape *shape, const FfpScanInput *in);
+void FFP_K(scan_decays)(const FfpScanLayout *layout, const FfpScanShape *shape, const FfpScanInput *in);
 
 // states[chunk] = what the chunk's own rows leave in the
 // state, sum_s fade_s dt_s x_s (outer) B_s; fills scaled_x.
-void ffp_scan_chunk_state(const FfpScanLayout *layout, const FfpScanShape *shape, const FfpScanInput *in,
-                          const FfpScanChunk *chunk);
+void FFP_K(scan_chunk_state)(const FfpScanLayout *layout, const FfpScanShape *shape, const FfpScanInput *in,
+                             const FfpScanChunk *chunk);
 
 // Turns each chunk's own state into the sum of all states before it along the scan (behind it when
 // `backward`), decayed: out[next] = decay(chunk) out[chunk] + own[chunk], in place.
-void ffp_scan_carry(real *states, const FfpScanLayout *layout, const FfpScanShape *shape, bool backward);
+void FFP_K(scan_carry)(real *states, const FfpScanLayout *layout, const FfpScanShape *shape, bool backward);
 
 // products[t,s] = C_t . B_s within the chunk
-void ffp_scan_products(const FfpScanLayout *layout, const FfpScanShape *shape, const FfpScanInput *in,
-                       const FfpScanChunk *chunk);
+void FFP_K(scan_products)(const FfpScanLayout *layout, const FfpScanShape *shape, const FfpScanInput *in,
+                          const FfpScanChunk *chunk);
 
 // Columns that row t of a chunk sees: itself and those before it along the scan.
 static inline int ffp_scan_first_seen(const FfpScanShape *shape, int t) {
