@@ -21,14 +21,26 @@ real ffp_srgb_encode_slope(real linear) {
     return (real)(1.055 / 2.4) * pow(linear, (real)(1 / 2.4 - 1));
 }
 
-static void map_colours(FfpImage *image, real (*curve)(real)) {
-    const int channels = image->channels, colours = channels == 4 ? 3 : channels;
-    const ptrdiff_t pixels = (ptrdiff_t)image->width * image->height;
-#pragma omp parallel for schedule(static)
-    for (ptrdiff_t i = 0; i < pixels; i++) {
-        for (int c = 0; c < colours; c++)
-            image->data[i * channels + c] = curve(image->data[i * channels + c]);
+// A row through the curve. Patterns are even over long stretches: a value that repeats its left neighbour's
+// takes over the result.
+static void map_row(real *row, int width, int channels, real (*curve)(real)) {
+    const int colours = channels == 4 ? 3 : channels;
+    real from[4] = {0}, to[4];
+    for (int c = 0; c < colours; c++) to[c] = curve(0);
+    for (int x = 0; x < width; x++) {
+        for (int c = 0; c < colours; c++) {
+            real *value = row + (ptrdiff_t)x * channels + c;
+            if (*value != from[c]) from[c] = *value, to[c] = curve(*value);
+            *value = to[c];
+        }
     }
+}
+
+static void map_colours(FfpImage *image, real (*curve)(real)) {
+    const ptrdiff_t row = (ptrdiff_t)image->width * image->channels;
+#pragma omp parallel for schedule(static)
+    for (int y = 0; y < image->height; y++)
+        map_row(image->data + y * row, image->width, image->channels, curve);
 }
 
 void ffp_image_to_srgb(FfpImage *image) {

@@ -72,6 +72,39 @@ static void png_clamps_and_rounds(void **state) {
     ffp_image_free(&image);
 }
 
+// Stripes of eight pixels, row by row in other colours: what a projector's pattern looks like to deflate.
+static FfpImage striped_image(int side) {
+    FfpImage image = ffp_image_new(side, side, 3);
+    for (int i = 0; i < side * side * 3; i++) {
+        const int x = i / 3 % side / 8, y = i / 3 / side / 8;
+        image.data[i] = (real)((37 * x + 101 * y + 53 * (i % 3)) % 256) / 255;
+    }
+    return image;
+}
+
+static void png_is_compact(void **state) {
+    (void)state;
+    FfpImage even = striped_image(256), ramp = ffp_image_new(256, 256, 3), back;
+    for (int i = 0; i < 256 * 256 * 3; i++) ramp.data[i] = (real)(i / 3 % 256) / 255;
+    const struct {
+        const FfpImage *image;
+        size_t most;
+    } cases[2] = {{&even, 8000}, {&ramp, 2000}}; // of 196608
+    for (int k = 0; k < 2; k++) {
+        unsigned char *bytes;
+        size_t size;
+        assert_true(ffp_image_encode_png(cases[k].image, &bytes, &size, NULL));
+        assert_true(size < cases[k].most);
+        assert_true(ffp_write_file(in_scratch("compact.png"), bytes, size, NULL));
+        assert_true(ffp_image_read(&back, in_scratch("compact.png"), FFP_COLOUR_ENCODED, NULL));
+        assert_true(rgba_difference(&back, cases[k].image) < 1e-6);
+        ffp_image_free(&back);
+        free(bytes);
+    }
+    ffp_image_free(&ramp);
+    ffp_image_free(&even);
+}
+
 static void raw_depth_comes_back(void **state) {
     (void)state;
     FfpImage image = random_image(13, 9, 1, 65535, 3), back;
@@ -270,6 +303,25 @@ static void srgb_curves_agree(void **state) {
     assert_true(ffp_srgb_encode_slope(-0.1F) == 0 && ffp_srgb_encode_slope(1.1F) == 0);
 }
 
+// Rows in which values repeat, return and are no numbers go through the curve value by value.
+static void images_go_through_the_curve(void **state) {
+    (void)state;
+    const real values[8] = {0.5F, 0.5F, 0, -1, 0.5F, 0.25F, 2, 2};
+    for (int channels = 1; channels <= 4; channels++) {
+        FfpImage image = ffp_image_new(8, 3, channels), before;
+        for (int i = 0; i < 24 * channels; i++) image.data[i] = values[(i / channels + i % channels) % 8];
+        before = ffp_image_copy(&image);
+        ffp_image_to_srgb(&image);
+        for (int i = 0; i < 24 * channels; i++) {
+            const bool alpha = channels == 4 && i % 4 == 3;
+            const real want = alpha ? before.data[i] : ffp_srgb_encode(before.data[i]);
+            assert_true(image.data[i] == want);
+        }
+        ffp_image_free(&before);
+        ffp_image_free(&image);
+    }
+}
+
 static void resizing_keeps_means_and_ramps(void **state) {
     (void)state;
     FfpImage image = random_image(20, 12, 3, 255, 9);
@@ -308,6 +360,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(png_comes_back),
         cmocka_unit_test(png_clamps_and_rounds),
+        cmocka_unit_test(png_is_compact),
         cmocka_unit_test(raw_depth_comes_back),
         cmocka_unit_test(exr_comes_back),
         cmocka_unit_test(jpeg_is_read),
@@ -316,6 +369,7 @@ int main(void) {
         cmocka_unit_test(bad_files_are_refused),
         cmocka_unit_test(nothing_is_left_half_written),
         cmocka_unit_test(srgb_curves_agree),
+        cmocka_unit_test(images_go_through_the_curve),
         cmocka_unit_test(resizing_keeps_means_and_ramps),
         cmocka_unit_test(sampling_is_bilinear_and_clamped),
     };
