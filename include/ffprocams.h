@@ -152,7 +152,7 @@ bool ffp_train_model(const FfpTraining *options, FfpError *err);
 typedef struct FfpGeneration {
     const char *folder;   // one capture folder a scene goes here
     const char *split;    // "train", "validation", "test"; NULL: all
-    const char *preset;   // "paper" or "smoke"
+    const char *preset;   // "paper", "smoke" or "training"
     int64_t first, count; // scenes of the split; count -1: to the end
     int resolution;       // image side; 0: as the preset says
     uint64_t seed;

@@ -1,10 +1,12 @@
-// Poses out of JSON: four rows of four numbers, checked to be rigid and then made so to the last bit.
+// Poses out of JSON: four rows of four numbers, checked to be rigid and then made so to the last bit. A pose
+// that is rigid as far as a float can say stays as it is, so that one that was written comes back the same.
 #include <math.h>
 
 #include "capture/fields.h"
 
-#define LENGTH_MAX 1e9       // world units; squares of it still fit a float
-#define RIGID_TOLERANCE 2e-3 // of R^T R - 1: exporters write single precision, people write four digits
+#define LENGTH_MAX 1e9        // world units; squares of it still fit a float
+#define RIGID_TOLERANCE 2e-3  // of R^T R - 1: exporters write single precision, people write four digits
+#define FLOAT_ROUNDING 2.1e-7 // of R^T R - 1 when R's numbers were rounded to float twice: 4 sqrt(3) 2^-25
 
 static double determinant(const double r[9]) {
     return r[0] * (r[4] * r[8] - r[5] * r[7]) - r[1] * (r[3] * r[8] - r[5] * r[6]) +
@@ -66,7 +68,8 @@ bool ffp_field_pose(const FfpField *field, bool blender, real pose[16], FfpError
     double r[9];
     for (int i = 0; i < 9; i++) r[i] = (double)pose[4 * (i / 3) + i % 3];
     if (!check_rigid(field, r, pose + 12, err)) return false;
-    orthonormalise(r);
+    double g[9];
+    if (gram(r, g) > FLOAT_ROUNDING) orthonormalise(r);
     for (int i = 0; i < 9; i++) {
         const double sign = blender && i % 3 > 0 ? -1 : 1; // M diag(1, -1, -1)
         pose[4 * (i / 3) + i % 3] = (real)(sign * r[i]);

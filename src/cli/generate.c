@@ -3,7 +3,7 @@
 #include "cli/cli.h"
 
 static const char help[] =
-    "usage: ffprocams generate DIR [--split S] [--first A --count N] [--preset paper|smoke]\n"
+    "usage: ffprocams generate DIR [--split S] [--first A --count N] [--preset P]\n"
     "                          [--resolution R] [--seed S] [--mesh FILE] [--material FOLDER]\n"
     "\n"
     "Makes captures of procedural objects with a ray-traced light simulator: DIR/<scene>/ in the\n"
@@ -16,7 +16,9 @@ static const char help[] =
     "  -s, --split S         train, validation or test: which objects. Default: all of them\n"
     "  -a, --first A         number of the first scene. Default: 0\n"
     "  -n, --count N         how many scenes. Default: all of the split\n"
-    "      --preset P        paper: 8 views at 128 x 128, 6 lollipops (default); smoke: small, quick\n"
+    "      --preset P        paper: 8 views at 128 x 128, 6 lollipops (default); smoke: small, quick;\n"
+    "                        training: what `train` makes for itself, new poses and a rig of its own for\n"
+    "                        each scene, to be read with the configuration's `scenes`\n"
     "  -m, --mesh FILE       an OBJ, PLY, STL or glTF file instead of the generated objects, centred and\n"
     "                        scaled into a ball of radius 0.95; one scene unless --count says more\n"
     "      --material FOLDER maps called basecolor (or albedo, diffuse, color), roughness, normal,\n"
@@ -82,12 +84,12 @@ int ffp_cli_generate(int argc, char **argv) {
     }
     if (!number_ok) return ffp_cli_usage(argv[0], "%s is no number in its option's range", optarg);
     if (optind + 1 != argc) return ffp_cli_usage(argv[0], "give exactly one DIR");
-    static const char *const splits[] = {"train", "validation", "test", NULL}, *const presets[] = {
-                                                                                   "paper", "smoke", NULL};
+    static const char *const splits[] = {"train", "validation", "test", NULL};
+    static const char *const presets[] = {"paper", "smoke", "training", NULL};
     if (generation.split && !is_one_of(generation.split, splits))
         return ffp_cli_usage(argv[0], "--split is train, validation or test, not %s", generation.split);
     if (!is_one_of(generation.preset, presets))
-        return ffp_cli_usage(argv[0], "--preset is paper or smoke, not %s", generation.preset);
+        return ffp_cli_usage(argv[0], "--preset is paper, smoke or training, not %s", generation.preset);
     if (generation.split && generation.mesh)
         return ffp_cli_usage(argv[0], "--split is of the generated objects: not with --mesh");
     generation.folder = argv[optind];

@@ -86,8 +86,10 @@ static bool preset_spec(const FfpGeneration *options, FfpSceneSpec *spec, FfpErr
     } else if (!strcmp(preset, "smoke")) {
         spec->lollipops = 2, spec->targets = 2;
         spec->resolution = 64, spec->pattern_side = 400;
+    } else if (!strcmp(preset, "training")) {
+        spec->jitter = true; // and the rest as it is: what the trainer makes by default
     } else {
-        return ffp_fail(err, "--preset", "'%s' is not paper or smoke", preset);
+        return ffp_fail(err, "--preset", "'%s' is not paper, smoke or training", preset);
     }
     if (options->split && !strcmp(options->split, "test")) spec->naturals = FFP_NATURAL_KINDS;
     if (options->resolution > 0) spec->resolution = options->resolution;
