@@ -33,6 +33,9 @@ static const Field train_fields[] = {
     {"samples", INT, AT(samples), 1, 1024},
     {"ambient_rays", INT, AT(ambient_rays), 1, 256},
     {"single_scene", BOOL, AT(single_scene), 0, 1},
+    {"scenes", TEXT, AT(scenes), 0, sizeof(((FfpTrainConfig *)0)->scenes)},
+    {"generators", INT, AT(generators), 0, 64},
+    {"queue", INT, AT(queue), 1, 1024},
     {"supervised_inputs", INT, AT(supervised_inputs), 0, 64},
     {"supervised_targets", INT, AT(supervised_targets), 0, 64},
     {"white_from", INT, AT(white_from), 0, 1e9},
@@ -99,6 +102,8 @@ FfpTrainConfig ffp_train_defaults(void) {
         .pattern_side = 800,
         .samples = 4,
         .ambient_rays = 2,
+        .generators = 0,
+        .queue = 2,
         .supervised_inputs = 2,
         .supervised_targets = 2,
         .white_from = 0,
@@ -215,6 +220,10 @@ static bool check_together(const FfpTrainConfig *c, const char *where, FfpError 
         return ffp_fail(err, ffp_place(where, "supervised_inputs").text, "is above views");
     if (c->supervised_targets > c->targets)
         return ffp_fail(err, ffp_place(where, "supervised_targets").text, "is above targets");
+    if (c->scenes[0] && c->low_steps > 0 && c->low_resolution != c->resolution)
+        return ffp_fail(
+            err, ffp_place(where, "low_steps").text,
+            "the scenes of a folder have one resolution: use two runs, the second with --initial");
     if (c->resolution % c->model.patch || c->low_resolution % c->model.patch)
         return ffp_fail(err, ffp_place(where, "resolution").text,
                         "resolution and low_resolution must be multiples of the patch, %d", c->model.patch);

@@ -1,6 +1,8 @@
-// Scenes for training: made by the generator, normalised as a user's capture would be, matched once.
+// Scenes for training: made by the generator or read from a folder, normalised as a user's capture would be,
+// matched once.
+#include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
+#include "base/arena.h"
 #include "base/rng.h"
 #include "synth/synth.h"
 #include "train/train.h"
@@ -32,13 +34,9 @@ static bool scene_spec(FfpSceneSpec *spec, const FfpTrainConfig *config, const c
     return true;
 }
 
-bool ffp_scene_open(FfpScene *scene, const FfpTrainConfig *config, const char *split, int64_t number,
-                    int resolution, FfpError *err) {
-    *scene = (FfpScene){0};
-    FfpSceneSpec spec;
-    if (!scene_spec(&spec, config, split, number, resolution, err)) return false;
-    if (!ffp_scene_make(&scene->capture, &spec, err)) return false;
-
+// Completes a scene whose capture is there: normalised by its input views, matched. Takes the capture away on
+// failure.
+static bool prepare(FfpScene *scene, const FfpTrainConfig *config, FfpError *err) {
     FfpCapture *capture = &scene->capture;
     scene->inputs = *capture;
     scene->inputs.n_views = config->views;
@@ -54,11 +52,31 @@ bool ffp_scene_open(FfpScene *scene, const FfpTrainConfig *config, const char *s
         ffp_scene_close(scene);
         return false;
     }
-    scene->patterns = calloc((size_t)capture->n_patterns, sizeof *scene->patterns);
-    if (!scene->patterns) abort();
+    scene->patterns = ffp_alloc((size_t)capture->n_patterns, sizeof *scene->patterns);
     for (int i = 0; i < capture->n_patterns; i++)
         scene->patterns[i] = ffp_summed_new(&capture->patterns[i].image);
     return true;
+}
+
+bool ffp_scene_open(FfpScene *scene, const FfpTrainConfig *config, const char *split, int64_t number,
+                    int resolution, FfpError *err) {
+    FfpSceneSpec spec;
+    FfpError why = {""};
+    *scene = (FfpScene){0};
+    if (scene_spec(&spec, config, split, number, resolution, &why) &&
+        ffp_scene_make(&scene->capture, &spec, &why) && prepare(scene, config, &why))
+        return true;
+    char where[64];
+    snprintf(where, sizeof where, "scene %lld of the %.16s split", (long long)number, split);
+    return ffp_fail(err, where, "%s", why.text);
+}
+
+bool ffp_scene_read(FfpScene *scene, const FfpTrainConfig *config, const FfpSceneFolder *folder,
+                    int64_t number, int resolution, FfpError *err) {
+    *scene = (FfpScene){0};
+    const char *name = ffp_scene_folder_name(folder, config->seed, number);
+    return ffp_scene_folder_read(&scene->capture, folder, name, config, resolution, err) &&
+           prepare(scene, config, err);
 }
 
 void ffp_scene_close(FfpScene *scene) {

@@ -4,10 +4,12 @@
 #ifndef FFP_TRAIN_TRAIN_H
 #define FFP_TRAIN_TRAIN_H
 
+#include <stdatomic.h>
 #include <stdbool.h>
 #include <stdint.h>
 #include <stdio.h>
 #include "base/error.h"
+#include "base/file.h"
 #include "capture/capture.h"
 #include "loss/loss.h"
 #include "match/match.h"
@@ -25,7 +27,10 @@ typedef struct FfpTrainConfig {
     int views, targets, lollipops; // input views, new-pose views, patterns besides black and white
     int resolution, low_resolution, low_steps; // the first low_steps steps run at low_resolution
     int pattern_side, samples, ambient_rays;
-    bool single_scene; // one scene for the whole run: shows that the pipeline can learn
+    bool single_scene;         // one scene for the whole run: shows that the pipeline can learn
+    char scenes[FFP_PATH_MAX]; // folder made by `ffprocams generate` to take scenes from; empty: made here
+    int generators; // threads that make scenes ahead; 0: the training thread makes each when it is needed
+    int queue;      // how many scenes ahead
 
     // Supervision of a step: views drawn from the input views and from the new-pose views.
     int supervised_inputs, supervised_targets;
@@ -65,10 +70,50 @@ typedef struct FfpScene {
     FfpSummed *patterns; // [capture.n_patterns]
     int active;          // input pattern
 } FfpScene;
-// The scene of a number: mesh, material and jitter follow from (config->seed, split, number).
+// The scene of a number: mesh, material and jitter follow from (config->seed, split, number). Errors name the
+// scene.
 bool ffp_scene_open(FfpScene *scene, const FfpTrainConfig *config, const char *split, int64_t number,
                     int resolution, FfpError *err);
 void ffp_scene_close(FfpScene *scene);
+
+// The training scenes of a folder made by `ffprocams generate`: its captures called train_<number>.
+#define FFP_SCENE_NAME_MAX 32
+typedef struct FfpSceneFolder {
+    char path[FFP_PATH_MAX];
+    int64_t count;
+    char (*names)[FFP_SCENE_NAME_MAX]; // [count], sorted
+} FfpSceneFolder;
+// The list; a folder without any such scene is an error.
+bool ffp_scene_folder_open(FfpSceneFolder *folder, const char *path, FfpError *err);
+void ffp_scene_folder_close(FfpSceneFolder *folder); // safe on {0}
+// The name of the `number`-th scene drawn: all of them once in an order of (seed, round), then the next
+// round.
+const char *ffp_scene_folder_name(const FfpSceneFolder *folder, int64_t seed, int64_t number);
+// The capture of a name, as the generator would make it with the configuration's views, targets and
+// lollipops: input views, new poses; black, white, lollipops. More than that in the folder is left out (the
+// first are kept); less, another resolution, or a missing true map that a term needs is an error with file
+// and field.
+bool ffp_scene_folder_read(FfpCapture *capture, const FfpSceneFolder *folder, const char *name,
+                           const FfpTrainConfig *config, int resolution, FfpError *err);
+// As ffp_scene_open, for the `number`-th scene drawn from the folder.
+bool ffp_scene_read(FfpScene *scene, const FfpTrainConfig *config, const FfpSceneFolder *folder,
+                    int64_t number, int resolution, FfpError *err);
+
+// The scenes of a run, step by step. What a step gets is a pure function of the configuration, the folder and
+// the step, whatever config->generators and config->queue are.
+int ffp_resolution_at(const FfpTrainConfig *config, int64_t step);
+int64_t ffp_scene_number(const FfpTrainConfig *config, int64_t step); // a slot's scene changes in turn
+typedef struct FfpStream FfpStream;
+// For the steps first..end-1, which must be asked for in turn. `folder` NULL: scenes are generated. Nothing
+// is begun any more once *stop is true. All arguments must outlive the stream. NULL with an error when
+// threads cannot be started.
+FfpStream *ffp_stream_new(const FfpTrainConfig *config, const FfpSceneFolder *folder, int64_t first,
+                          int64_t end, const atomic_bool *stop, FfpError *err);
+// The step's scene, the stream's own, good until the next call; *scene is NULL when *stop came before it was
+// ready.
+bool ffp_stream_scene(FfpStream *stream, int64_t step, const FfpScene **scene, FfpError *err);
+void ffp_stream_free(FfpStream *stream); // waits for scenes in the making, one a thread; NULL is allowed
+
 // True distance along the unit ray of a pixel (index into the view's images); 0 where there is no surface or
 // no truth.
 real ffp_true_t(const FfpView *view, int pixel);

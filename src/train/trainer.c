@@ -12,12 +12,6 @@
 #include "base/log.h"
 #include "train/train.h"
 
-typedef struct Slot {
-    FfpScene scene;
-    int64_t number; // -1: empty
-    int resolution;
-} Slot;
-
 typedef struct Trainer {
     FfpTrainConfig config;
     const char *out;
@@ -26,7 +20,8 @@ typedef struct Trainer {
     FfpAdam adam;
     FfpPerceptual *perceptual;
     FfpStepper *stepper;
-    Slot *slots;
+    FfpSceneFolder folder;
+    FfpStream *scenes;
     real *grad;
     FILE *metrics;
     double started, saved; // seconds
@@ -34,41 +29,14 @@ typedef struct Trainer {
 
 static const char program[] = "ffprocams " FFP_VERSION ", commit " FFP_COMMIT;
 
-static volatile sig_atomic_t interrupted = 0;
+static atomic_bool interrupted;
 static void on_signal(int number) {
     (void)number;
-    interrupted = 1;
+    interrupted = true;
 }
 
 static bool out_path(char path[FFP_PATH_MAX], const Trainer *trainer, const char *name, FfpError *err) {
     return ffp_join_path(path, trainer->out, name) || ffp_fail(err, trainer->out, "path is too long");
-}
-
-static int resolution_at(const FfpTrainConfig *config, int64_t step) {
-    return step < config->low_steps ? config->low_resolution : config->resolution;
-}
-
-// The scene number of a slot at a step: a pure function. The slots' changes are staggered over `reuse`
-// rounds.
-static int64_t scene_number(const FfpTrainConfig *config, int64_t step) {
-    if (config->single_scene) return 0;
-    const int64_t slot = step % config->pool, round = step / config->pool;
-    const int64_t shift = slot * config->reuse / config->pool;
-    return (round + shift) / config->reuse * config->pool + slot;
-}
-
-static FfpScene *scene_at(Trainer *trainer, int64_t step, FfpError *err) {
-    const FfpTrainConfig *config = &trainer->config;
-    Slot *slot = &trainer->slots[config->single_scene ? 0 : step % config->pool];
-    const int64_t number = scene_number(config, step);
-    const int resolution = resolution_at(config, step);
-    if (slot->number == number && slot->resolution == resolution) return &slot->scene;
-    if (slot->number >= 0) ffp_scene_close(&slot->scene);
-    slot->number = -1;
-    if (!ffp_scene_open(&slot->scene, config, "train", number, resolution, err)) return NULL;
-    slot->number = number;
-    slot->resolution = resolution;
-    return &slot->scene;
 }
 
 static void write_metrics(Trainer *trainer, json_t *line) {
@@ -127,8 +95,8 @@ static bool validate(Trainer *trainer, int64_t step, FfpError *err) {
     FfpValidation v;
     swap_ema(trainer);
     const int64_t last = step > 0 ? step - 1 : 0;
-    const bool ok =
-        ffp_validate(trainer->model, &trainer->config, resolution_at(&trainer->config, last), path, &v, err);
+    const bool ok = ffp_validate(trainer->model, &trainer->config, ffp_resolution_at(&trainer->config, last),
+                                 path, &v, err);
     swap_ema(trainer);
     if (!ok) return false;
     write_metrics(trainer, json_pack("{sI sf sf sf sf sf}", "step", (json_int_t)step, "validation_rendering",
@@ -160,10 +128,12 @@ static bool save(Trainer *trainer, FfpError *err) {
     return ok;
 }
 
+// Does nothing when the run is interrupted while it waits for a scene.
 static bool one_step(Trainer *trainer, int64_t step, FfpError *err) {
     const double begin = ffp_seconds();
-    const FfpScene *scene = scene_at(trainer, step, err);
-    if (!scene) return false;
+    const FfpScene *scene = NULL;
+    if (!ffp_stream_scene(trainer->scenes, step, &scene, err)) return false;
+    if (!scene) return true;
     const double made = ffp_seconds();
     FfpLosses losses;
     bool skipped = false;
@@ -181,14 +151,16 @@ static bool one_step(Trainer *trainer, int64_t step, FfpError *err) {
 static bool run(Trainer *trainer, int64_t stop_at, FfpError *err) {
     const FfpTrainConfig *config = &trainer->config;
     while (trainer->adam.step < config->steps && !interrupted) {
-        if (!one_step(trainer, trainer->adam.step, err)) return false;
+        const int64_t step = trainer->adam.step;
+        if (!one_step(trainer, step, err)) return false;
         const int64_t done = trainer->adam.step;
+        if (done == step) break;
         const bool last = done == config->steps;
         if (last || ffp_seconds() - trainer->saved > 60.0 * config->checkpoint_minutes)
             if (!save(trainer, err)) return false;
         if (config->validate_every && (last || done % config->validate_every == 0))
             if (!validate(trainer, done, err)) return false;
-        if (done == stop_at) interrupted = 1;
+        if (done == stop_at) interrupted = true;
     }
     if (interrupted && trainer->adam.step < config->steps) {
         ffp_note("stopped at step %lld: writing a checkpoint", (long long)trainer->adam.step);
@@ -249,7 +221,16 @@ static bool open_metrics(Trainer *trainer, bool resume, FfpError *err) {
     return trainer->metrics || ffp_fail(err, path, "cannot write");
 }
 
-// The metrics file is opened last: a folder that holds one counts as a run.
+static bool open_scenes(Trainer *trainer, int64_t stop_at, FfpError *err) {
+    const FfpTrainConfig *config = &trainer->config;
+    const int64_t first = trainer->adam.step;
+    const int64_t end = stop_at > first && stop_at < config->steps ? stop_at : config->steps;
+    trainer->scenes =
+        ffp_stream_new(config, config->scenes[0] ? &trainer->folder : NULL, first, end, &interrupted, err);
+    return trainer->scenes != NULL;
+}
+
+// The metrics file is opened after all that can be wrong: a folder that holds one counts as a run.
 static bool open_trainer(Trainer *trainer, const FfpTraining *options, FfpError *err) {
     trainer->out = options->out;
     if (!open_model(trainer, options, err)) return false;
@@ -257,19 +238,18 @@ static bool open_trainer(Trainer *trainer, const FfpTraining *options, FfpError 
         return false;
     if (!options->perceptual && trainer->config.perceptual > 0)
         ffp_note("no perceptual weights given: the perceptual term is off");
+    const char *scenes = trainer->config.scenes;
+    if (scenes[0] && !ffp_scene_folder_open(&trainer->folder, scenes, err)) return false;
     if (!open_metrics(trainer, options->resume, err)) return false;
     trainer->stepper = ffp_stepper_new(&trainer->config, trainer->perceptual);
-    trainer->slots = ffp_alloc((size_t)trainer->config.pool, sizeof *trainer->slots);
-    for (int i = 0; i < trainer->config.pool; i++) trainer->slots[i].number = -1;
     trainer->grad = ffp_alloc((size_t)trainer->model->count, sizeof(real));
     trainer->started = trainer->saved = ffp_seconds();
-    return true;
+    return open_scenes(trainer, options->stop_at, err);
 }
 
 static void close_trainer(Trainer *trainer) {
-    for (int i = 0; trainer->slots && i < trainer->config.pool; i++)
-        if (trainer->slots[i].number >= 0) ffp_scene_close(&trainer->slots[i].scene);
-    free(trainer->slots);
+    ffp_stream_free(trainer->scenes);
+    ffp_scene_folder_close(&trainer->folder);
     free(trainer->grad);
     ffp_stepper_free(trainer->stepper);
     ffp_perceptual_free(trainer->perceptual);
@@ -280,7 +260,7 @@ static void close_trainer(Trainer *trainer) {
 
 bool ffp_train_model(const FfpTraining *options, FfpError *err) {
     struct sigaction action = {.sa_handler = on_signal}, old_int, old_term;
-    interrupted = 0;
+    interrupted = false;
     sigaction(SIGINT, &action, &old_int);
     sigaction(SIGTERM, &action, &old_term);
     Trainer trainer = {0};
