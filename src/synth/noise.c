@@ -1,6 +1,7 @@
 #include "synth/noise.h"
 
 #include <math.h>
+#include <string.h>
 #include "synth/scalar.h"
 
 static inline uint32_t lattice_hash(int x, int y, int z, uint32_t seed) {
@@ -54,24 +55,51 @@ float ffp_ridges(const float p[3], uint32_t seed, int octaves) {
     return sum / total;
 }
 
-FfpCells ffp_cells(const float p[3], uint32_t seed) {
+// The 27 cubes around a point's own. What fills the vectors up lies too far off to be the nearest.
+enum { CUBES = 32, FAR = 1024 };
+static const int32_t cube_offset[3][CUBES] = {
+    {-1, 0, 1,  -1, 0, 1,  -1, 0, 1,  -1, 0, 1,   -1,  0,   1,   -1,
+     0,  1, -1, 0,  1, -1, 0,  1, -1, 0,  1, FAR, FAR, FAR, FAR, FAR},
+    {-1, -1, -1, 0,  0,  0, 1, 1, 1, -1, -1, -1,  0,   0,   0,   1,
+     1,  1,  -1, -1, -1, 0, 0, 0, 1, 1,  1,  FAR, FAR, FAR, FAR, FAR},
+    {-1, -1, -1, -1, -1, -1, -1, -1, -1, 0, 0, 0,   0,   0,   0,   0,
+     0,  0,  1,  1,  1,  1,  1,  1,  1,  1, 1, FAR, FAR, FAR, FAR, FAR}};
+
+// Squared distances from p to the points of all cubes, as bits: those of floats from 0 on have their order.
+static inline void cube_distances(const float p[3], uint32_t seed, uint32_t hash[CUBES],
+                                  uint32_t bits[CUBES]) {
     const float fx = floorf(p[0]), fy = floorf(p[1]), fz = floorf(p[2]);
-    FfpCells found = {1e9F, 1e9F, 0};
-    for (int c = 0; c < 27; c++) {
-        const int i = c % 3 - 1, j = c / 3 % 3 - 1, k = c / 9 - 1;
+    float square[CUBES];
+    for (int c = 0; c < CUBES; c++) {
+        const int i = cube_offset[0][c], j = cube_offset[1][c], k = cube_offset[2][c];
         const uint32_t h = lattice_hash((int)fx + i, (int)fy + j, (int)fz + k, seed);
-        const float x = fx + (float)i + (float)(h & 1023) / 1024.0F - p[0];
-        const float y = fy + (float)j + (float)((h >> 10) & 1023) / 1024.0F - p[1];
-        const float z = fz + (float)k + (float)((h >> 20) & 1023) / 1024.0F - p[2];
-        const float d = x * x + y * y + z * z;
-        if (d < found.nearest) {
-            found.second = found.nearest, found.nearest = d;
-            found.id = h;
-        } else if (d < found.second) {
-            found.second = d;
-        }
+        const float x = fx + (float)i + (float)(int)(h & 1023) / 1024.0F - p[0];
+        const float y = fy + (float)j + (float)(int)((h >> 10) & 1023) / 1024.0F - p[1];
+        const float z = fz + (float)k + (float)(int)((h >> 20) & 1023) / 1024.0F - p[2];
+        square[c] = x * x + y * y + z * z;
+        hash[c] = h;
     }
-    found.nearest = sqrtf(found.nearest), found.second = sqrtf(found.second);
-    found.id = ffp_hash32(found.id ^ 0x5bd1e995U);
-    return found;
+    memcpy(bits, square, sizeof square);
+}
+
+static inline float float_of(uint32_t bits) {
+    float value;
+    memcpy(&value, &bits, sizeof value);
+    return value;
+}
+
+FfpCells ffp_cells(const float p[3], uint32_t seed) {
+    uint32_t hash[CUBES], bits[CUBES], nearest = UINT32_MAX, second = UINT32_MAX, id = 0, at_nearest = 0;
+    cube_distances(p, seed, hash, bits);
+    for (int c = 0; c < CUBES; c++) nearest = bits[c] < nearest ? bits[c] : nearest;
+    for (int c = 0; c < CUBES; c++) {
+        const uint32_t own = bits[c] == nearest ? hash[c] : 0,
+                       other = bits[c] == nearest ? UINT32_MAX : bits[c];
+        id = own > id ? own : id;
+        second = other < second ? other : second;
+        at_nearest += bits[c] == nearest;
+    }
+    return (FfpCells){.nearest = sqrtf(float_of(nearest)),
+                      .second = sqrtf(float_of(at_nearest > 1 ? nearest : second)),
+                      .id = ffp_hash32(id ^ 0x5bd1e995U)};
 }
