@@ -163,6 +163,41 @@ typedef struct FfpGeneration {
 // processes may share a job, each with its own range of scenes.
 bool ffp_generate(const FfpGeneration *options, FfpError *err);
 
+// --- Photographs and calibrations of other tools. ---
+
+// How pictures came from the size that a device was calibrated at.
+typedef enum FfpFit { FFP_FIT_EXACT, FFP_FIT_SCALED, FFP_FIT_CROPPED } FfpFit;
+
+typedef struct FfpCalibratedAt {
+    int width, height; // pixels at calibration, where its files do not say them; 0: they do
+    FfpFit fit;
+    int left, top; // FFP_FIT_CROPPED: pixels cut off
+} FfpCalibratedAt;
+
+typedef struct FfpImport {
+    const char *const *calibrations; // files (and folders) of one calibration
+    int n_calibrations;
+    const char *projector_image; // COLMAP: the image that is the projector; NULL: "calib"
+    const char *turntable; // "AX,AY,AZ,PX,PY,PZ,ANGLES" in camera coordinates, or a JSON file; NULL: none
+    const char *const
+        *images; // "NAME[,NAME..]=FILES" (ffprocams import --help); none: as the calibration says
+    int n_images;
+    const char *const *patterns, *const
+                                     *held_out; // "NAME=FILE": what was projected; held_out: only to predict
+    int n_patterns, n_held_out;
+    const char *mask;         // files, like `images` without names; "otsu"; NULL: alpha channels, else Otsu
+    const char *const *views; // ids to import; none: all
+    int n_views;
+    FfpCalibratedAt camera, projector;
+    int width;          // of the imported pictures; 0: as they are
+    double object[4];   // centre and radius of a sphere around the object; radius 0: estimated
+    const char *name;   // of the capture; NULL: the folder's
+    const char *folder; // the capture goes here; it must not hold anything yet
+} FfpImport;
+// Writes a capture folder, whole or not at all: poses in the object's frame, pictures and patterns without
+// lens distortion, masks applied.
+bool ffp_import_capture(const FfpImport *options, FfpError *err);
+
 // What a capture, a weights file or a PLY holds, as text for people (release with free); NULL on failure.
 char *ffp_info(const char *path, FfpError *err);
 

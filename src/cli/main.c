@@ -11,6 +11,7 @@ static const char help[] =
     "From eight photographed projector-camera views of an object to relightable 3D Gaussians, and\n"
     "pictures of the object under any pattern, camera pose and projector pose.\n"
     "\n"
+    "  import       photographs and a calibration file to a capture\n"
     "  reconstruct  a capture to Gaussians (PLY), in one forward pass\n"
     "  render       pictures of Gaussians under patterns, from chosen views\n"
     "  evaluate     predictions against the photographs: tables, pictures, a report\n"
@@ -36,8 +37,13 @@ typedef struct Command {
 } Command;
 
 static const Command commands[] = {
-    {"reconstruct", ffp_cli_reconstruct}, {"render", ffp_cli_render}, {"evaluate", ffp_cli_evaluate},
-    {"generate", ffp_cli_generate},       {"train", ffp_cli_train},   {"info", ffp_cli_info},
+    {"reconstruct", ffp_cli_reconstruct},
+    {"render", ffp_cli_render},
+    {"evaluate", ffp_cli_evaluate},
+    {"import", ffp_cli_import},
+    {"generate", ffp_cli_generate},
+    {"train", ffp_cli_train},
+    {"info", ffp_cli_info},
 };
 
 int ffp_cli_fail(const FfpError *err) {

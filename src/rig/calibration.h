@@ -1,0 +1,81 @@
+// What a calibration tool found out about camera and projector, in our conventions (docs/formats.md,
+// "Import").
+#ifndef FFP_RIG_CALIBRATION_H
+#define FFP_RIG_CALIBRATION_H
+
+#include "capture/capture.h"
+#include "capture/fields.h"
+
+// One device's optics. A ray (x, y, 1) in its frame meets pixel (cx + fx x', cy + fy y'), where x', y' are x,
+// y moved by the lens (ffp_lens_distort).
+typedef struct FfpOptics {
+    int width, height;     // pixels at which it was calibrated; 0: the files do not say
+    double fx, fy, cx, cy; // pixels, centres at integer + 0.5
+    double lens[5];        // k1 k2 p1 p2 k3 of OpenCV's Brown-Conrady model; all 0: none
+} FfpOptics;
+
+typedef struct FfpStop { // a camera and a projector around the object, at one stop
+    char id[FFP_NAME_MAX];
+    FfpOptics camera;
+    double c2w[16], p2w[16]; // row-major, OpenCV axes
+} FfpStop;
+
+// A picture that the calibration itself names (nepmap).
+typedef struct FfpNamedPicture {
+    int stop;
+    char pattern[FFP_NAME_MAX];
+    char path[1024];
+} FfpNamedPicture;
+
+typedef struct FfpCalibration {
+    bool has_camera, has_projector; // intrinsics are known
+    FfpOptics camera, projector;
+    bool has_motion;
+    double p2c[16]; // projector to camera of a fixed rig; with stops, projector to world
+    int n_stops;    // 0: a fixed rig, which a turntable multiplies
+    FfpStop *stops; // owned
+    int n_pictures;
+    FfpNamedPicture *pictures; // owned
+    char pattern_folder[1024]; // where the calibration keeps patterns; "" when it names none
+} FfpCalibration;
+
+// Reads all files (COLMAP: also a folder), each of which tells a part; nothing may be told twice and
+// differently. `projector_image`: the name, without folder and ending, of the COLMAP image that is the
+// projector. Errors name file and field; what is missing when all are read names the files.
+bool ffp_calibration_read(FfpCalibration *calibration, const char *const *files, int n_files,
+                          const char *projector_image, FfpError *err);
+void ffp_calibration_free(FfpCalibration *calibration);
+
+// --- The formats; each adds to the calibration. ---
+
+// OpenCV FileStorage (YAML, XML or JSON) of kamino410/procam-calibration, single-shot-pro-cam-calib,
+// Moreno-Taubin and Calibrator, OpenCV's structured-light samples; DeProCams' params.yml.
+bool ffp_read_opencv(FfpCalibration *calibration, const FfpField *root, FfpError *err);
+// nepmap's transforms.json.
+bool ffp_read_nepmap(FfpCalibration *calibration, const FfpField *root, FfpError *err);
+// GS-ProCams' cameras.json and projector.json.
+bool ffp_read_procams_cameras(FfpCalibration *calibration, const FfpField *root, FfpError *err);
+bool ffp_read_procams_projector(FfpCalibration *calibration, const FfpField *root, FfpError *err);
+// cameras.txt and images.txt of COLMAP in a folder.
+bool ffp_read_colmap(FfpCalibration *calibration, const char *folder, const char *projector_image,
+                     FfpError *err);
+
+// --- Shared by them. ---
+
+// fx, fy, cx, cy out of a 3x3 matrix; `shift` is added to the principal point (0.5 where the tool puts pixel
+// centres at integers). Errors: skew, a last row other than 0 0 1, focal lengths that are not positive.
+bool ffp_field_intrinsics(const FfpField *field, double shift, FfpOptics *optics, FfpError *err);
+// 4 or 5 coefficients, or more when the further ones are 0.
+bool ffp_field_lens(const FfpField *field, FfpOptics *optics, FfpError *err);
+// Sets a size; one that is known already and differs is refused.
+bool ffp_settle_size(FfpOptics *optics, const FfpField *field, int width, int height, FfpError *err);
+// Room for n stops; an error when there are some already, or more than FFP_VIEWS_MAX.
+bool ffp_start_stops(FfpCalibration *calibration, const FfpField *field, int n, FfpError *err);
+// The file's name without folder and ending as a stop's id; refuses what is no name, and a second of the
+// same.
+bool ffp_name_stop(FfpCalibration *calibration, int stop, const FfpField *field, const char *path,
+                   FfpError *err);
+// The projector of a calibration with stops: it stands still in the world.
+void ffp_place_projector(FfpCalibration *calibration, const double p2w[16]);
+
+#endif

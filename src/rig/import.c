@@ -1,0 +1,358 @@
+// From calibration files and photographs to a capture folder.
+#define _XOPEN_SOURCE 700 // nftw
+#include <errno.h>
+#include <ftw.h>
+#include <stdlib.h>
+#include <string.h>
+#include <tgmath.h>
+#include <unistd.h>
+
+#include "base/file.h"
+#include "base/log.h"
+#include "capture/manifest.h"
+#include "rig/lens.h"
+#include "rig/mask.h"
+#include "rig/pictures.h"
+#include "rig/turntable.h"
+
+typedef struct Import {
+    const FfpImport *options;
+    FfpCalibration calibration;
+    FfpShots shots;
+    FfpCapture capture;
+    int masks_made; // by Otsu's method
+} Import;
+
+// --- What is asked for. ---
+
+static bool keep_chosen_stops(Import *import, FfpError *err) {
+    const FfpImport *options = import->options;
+    FfpCalibration *calibration = &import->calibration;
+    if (options->n_views == 0) return true;
+    if (calibration->n_pictures > 0 && options->n_images == 0)
+        return ffp_fail(err, "--view",
+                        "the calibration names the pictures itself: give --images to choose among its views");
+    FfpStop *chosen = ffp_alloc((size_t)options->n_views, sizeof *chosen);
+    for (int i = 0; i < options->n_views; i++) {
+        int k = 0;
+        while (k < calibration->n_stops && strcmp(calibration->stops[k].id, options->views[i]) != 0) k++;
+        if (k == calibration->n_stops) {
+            free(chosen);
+            return ffp_fail(err, "--view", "the calibration has no view '%.96s'", options->views[i]);
+        }
+        chosen[i] = calibration->stops[k];
+    }
+    free(calibration->stops);
+    calibration->stops = chosen;
+    calibration->n_stops = options->n_views;
+    return true;
+}
+
+static bool read_rig(Import *import, FfpError *err) {
+    const FfpImport *options = import->options;
+    FfpCalibration *calibration = &import->calibration;
+    const char *projector = options->projector_image != NULL ? options->projector_image : "calib";
+    if (options->n_views > FFP_VIEWS_MAX) return ffp_fail(err, "--view", "more than %d views", FFP_VIEWS_MAX);
+    if (!ffp_calibration_read(calibration, options->calibrations, options->n_calibrations, projector, err))
+        return false;
+    if (options->turntable != NULL) {
+        FfpTurntable *turntable = ffp_alloc(1, sizeof *turntable);
+        const bool ok = ffp_turntable_read(turntable, options->turntable, err) &&
+                        ffp_turntable_apply(turntable, calibration, err);
+        free(turntable);
+        if (!ok) return false;
+    } else if (calibration->n_stops == 0 && !ffp_single_stop(calibration, err)) {
+        return false;
+    }
+    return keep_chosen_stops(import, err);
+}
+
+// --- Sizes. ---
+
+static bool settle_projector(Import *import, FfpCamera *pinhole, FfpError *err) {
+    FfpOptics *optics = &import->calibration.projector;
+    const FfpCalibratedAt *at = &import->options->projector;
+    int width = 0, height = 0;
+    const char *path = NULL;
+    for (int i = 0; i < import->shots.n_patterns && path == NULL; i++) path = import->shots.patterns[i].file;
+    if (path == NULL)
+        return ffp_fail(err, "--pattern", "no pattern besides black and white: nothing could be matched");
+    if (!ffp_image_read_size(&width, &height, path, err)) return false;
+    if (width < FFP_PATTERN_SIDE_MIN || height < FFP_PATTERN_SIDE_MIN)
+        return ffp_fail(err, path, "a pattern of %d x %d pixels is too small", width, height);
+    // nepmap's matrices are those of the pictures that lie with them.
+    if (import->calibration.n_pictures > 0 && optics->width == 0 && at->width == 0)
+        optics->width = width, optics->height = height;
+    if (!ffp_optics_settle(optics, at, width, height, "projector", path, err) ||
+        !ffp_optics_check(optics, "projector", err)) {
+        return false;
+    }
+    ffp_optics_pinhole(optics, 0, pinhole);
+    return true;
+}
+
+static bool settle_camera(Import *import, int stop, FfpError *err) {
+    FfpOptics *optics = &import->calibration.stops[stop].camera;
+    const FfpCalibratedAt *at = &import->options->camera;
+    const char *path = import->shots.pictures[stop * FFP_PATTERNS_MAX + import->shots.white];
+    int width = 0, height = 0;
+    if (!ffp_image_read_size(&width, &height, path, err)) return false;
+    if (import->calibration.n_pictures > 0 && optics->width == 0 && at->width == 0)
+        optics->width = width, optics->height = height;
+    if (!ffp_optics_settle(optics, at, width, height, "camera", path, err) ||
+        !ffp_optics_check(optics, "camera", err)) {
+        return false;
+    }
+    ffp_optics_pinhole(optics, import->options->width, &import->capture.views[stop].camera);
+    const FfpCamera *camera = &import->capture.views[stop].camera;
+    return (camera->width >= FFP_CAMERA_SIDE_MIN && camera->height >= FFP_CAMERA_SIDE_MIN &&
+            camera->height <= FFP_IMAGE_SIDE_MAX) ||
+           ffp_fail(err, "--width", "pictures of %d x %d pixels", camera->width, camera->height);
+}
+
+static bool settle_views(Import *import, FfpError *err) {
+    FfpCapture *capture = &import->capture;
+    FfpCamera projector;
+    if (!settle_projector(import, &projector, err)) return false;
+    capture->n_views = import->calibration.n_stops;
+    capture->views = ffp_alloc((size_t)capture->n_views, sizeof *capture->views);
+    for (int v = 0; v < capture->n_views; v++) {
+        FfpView *view = &capture->views[v];
+        const FfpStop *stop = &import->calibration.stops[v];
+        if (!settle_camera(import, v, err)) return false;
+        memcpy(view->id, stop->id, sizeof view->id);
+        view->projector = projector;
+        for (int i = 0; i < 16; i++) {
+            view->camera.pose[i] = (real)stop->c2w[i];
+            view->projector.pose[i] = (real)stop->p2w[i];
+        }
+    }
+    return true;
+}
+
+// Refuses what would not fit the machine's memory before any of it is taken: the result, and one source.
+static bool check_memory(const Import *import, FfpError *err) {
+    const FfpCapture *capture = &import->capture;
+    double values = 3.0 * capture->views[0].projector.width * capture->views[0].projector.height *
+                    import->shots.n_patterns;
+    for (int v = 0; v < capture->n_views; v++) {
+        const FfpCamera *camera = &capture->views[v].camera;
+        const FfpOptics *optics = &import->calibration.stops[v].camera;
+        values += (3.0 * import->shots.n_patterns + 8) * camera->width * camera->height;
+        if (v == 0) values += 8.0 * optics->width * optics->height;
+    }
+    const double needed = values * sizeof(real),
+                 there = (double)sysconf(_SC_PHYS_PAGES) * (double)sysconf(_SC_PAGESIZE);
+    return needed < there || ffp_fail(err, "--width",
+                                      "the pictures need %.0f GB of memory; this machine has %.0f: make "
+                                      "them narrower",
+                                      needed / 1e9, there / 1e9);
+}
+
+// --- Pixels. ---
+
+static bool check_size(const char *path, const FfpOptics *optics, FfpError *err) {
+    int width = 0, height = 0;
+    if (!ffp_image_read_size(&width, &height, path, err)) return false;
+    return (width == optics->width && height == optics->height) ||
+           ffp_fail(err, path, "image is %d x %d, the others have %d x %d", width, height, optics->width,
+                    optics->height);
+}
+
+static bool load_pattern(Import *import, int index, FfpError *err) {
+    FfpPattern *pattern = &import->capture.patterns[index];
+    const FfpShotPattern *shot = &import->shots.patterns[index];
+    const FfpOptics *optics = &import->calibration.projector;
+    const FfpCamera *pinhole = &import->capture.views[0].projector;
+    FfpImage raw = {0};
+    memcpy(pattern->name, shot->name, sizeof pattern->name);
+    pattern->novel = shot->novel;
+    if (shot->file != NULL) {
+        if (!check_size(shot->file, optics, err) || !ffp_image_read_over_black(&raw, NULL, shot->file, err))
+            return false;
+    } else {
+        raw = ffp_image_new(optics->width, optics->height, 3);
+        const ptrdiff_t count = (ptrdiff_t)raw.width * raw.height * 3;
+        for (ptrdiff_t i = 0; i < count; i++) raw.data[i] = index == import->shots.white;
+    }
+    pattern->image = ffp_optics_rectify(optics, pinhole, &raw);
+    ffp_image_free(&raw);
+    return true;
+}
+
+static bool load_picture(Import *import, int stop, int pattern, FfpImage *alpha, FfpError *err) {
+    const char *path = import->shots.pictures[stop * FFP_PATTERNS_MAX + pattern];
+    const FfpOptics *optics = &import->calibration.stops[stop].camera;
+    FfpView *view = &import->capture.views[stop];
+    FfpImage raw = {0}, raw_alpha = {0};
+    if (!check_size(path, optics, err) ||
+        !ffp_image_read_over_black(&raw, alpha != NULL ? &raw_alpha : NULL, path, err)) {
+        return false;
+    }
+    view->images[pattern] = ffp_optics_rectify(optics, &view->camera, &raw);
+    if (raw_alpha.data != NULL) *alpha = ffp_optics_rectify(optics, &view->camera, &raw_alpha);
+    ffp_image_free(&raw);
+    ffp_image_free(&raw_alpha);
+    return true;
+}
+
+static bool load_mask(Import *import, int stop, FfpError *err) {
+    const char *path = import->shots.masks[stop];
+    const FfpOptics *optics = &import->calibration.stops[stop].camera;
+    FfpView *view = &import->capture.views[stop];
+    FfpImage rgba = {0};
+    if (!check_size(path, optics, err) || !ffp_image_read(&rgba, path, FFP_COLOUR_ENCODED, err)) return false;
+    FfpImage mask = ffp_image_new(rgba.width, rgba.height, 1);
+    const ptrdiff_t pixels = (ptrdiff_t)mask.width * mask.height;
+    for (ptrdiff_t i = 0; i < pixels; i++) mask.data[i] = rgba.data[4 * i] * rgba.data[4 * i + 3];
+    view->coverage = ffp_optics_rectify(optics, &view->camera, &mask);
+    ffp_image_free(&mask);
+    ffp_image_free(&rgba);
+    return true;
+}
+
+// Over black by the mask, in encoded values, as the capture's reader does it.
+static void apply_mask(FfpView *view, int n_patterns) {
+    for (int p = 0; p < n_patterns; p++) {
+        FfpImage *image = &view->images[p];
+        const ptrdiff_t pixels = image->data != NULL ? (ptrdiff_t)image->width * image->height : 0;
+        for (ptrdiff_t i = 0; i < 3 * pixels; i++) {
+            const real m = view->coverage.data[i / 3];
+            if (m < 1) image->data[i] = m > 0 ? ffp_srgb_decode(ffp_srgb_encode(image->data[i]) * m) : 0;
+        }
+    }
+}
+
+// The mask as it was asked for: a file; else the white picture's alpha channel, unless Otsu's was named; else
+// Otsu's.
+static bool cover(Import *import, int stop, FfpImage *alpha, FfpError *err) {
+    FfpView *view = &import->capture.views[stop];
+    if (import->shots.masks != NULL) {
+        if (!load_mask(import, stop, err)) return false;
+    } else if (alpha->data != NULL && import->options->mask == NULL) {
+        view->coverage = ffp_image_copy(alpha); // the pictures are over black by it already
+        return true;
+    } else {
+        if (!ffp_mask_otsu(&view->coverage, &view->images[import->shots.black],
+                           &view->images[import->shots.white], NULL,
+                           import->shots.pictures[stop * FFP_PATTERNS_MAX + import->shots.white], err)) {
+            return false;
+        }
+        import->masks_made++;
+    }
+    apply_mask(view, import->shots.n_patterns);
+    return true;
+}
+
+static bool load_view(Import *import, int stop, FfpError *err) {
+    FfpView *view = &import->capture.views[stop];
+    FfpImage alpha = {0};
+    bool ok = true;
+    view->images = ffp_alloc((size_t)import->shots.n_patterns, sizeof *view->images);
+    for (int p = 0; p < import->shots.n_patterns && ok; p++) {
+        if (import->shots.pictures[stop * FFP_PATTERNS_MAX + p] == NULL) continue;
+        ok = load_picture(import, stop, p, p == import->shots.white ? &alpha : NULL, err);
+    }
+    ok = ok && cover(import, stop, &alpha, err);
+    ffp_image_free(&alpha);
+    return ok;
+}
+
+static bool load_pixels(Import *import, FfpError *err) {
+    FfpCapture *capture = &import->capture;
+    capture->n_patterns = import->shots.n_patterns;
+    capture->patterns = ffp_alloc((size_t)capture->n_patterns, sizeof *capture->patterns);
+    capture->black = import->shots.black, capture->white = import->shots.white;
+    for (int p = 0; p < capture->n_patterns; p++) {
+        if (!load_pattern(import, p, err)) return false;
+    }
+    FfpProgress progress = ffp_progress("importing", capture->n_views);
+    bool ok = true;
+    for (int v = 0; v < capture->n_views && ok; v++) {
+        ok = load_view(import, v, err);
+        if (ok) ffp_progress_step(&progress, v + 1, capture->views[v].id);
+    }
+    ffp_progress_end(&progress);
+    if (ok && import->masks_made > 0)
+        ffp_note(
+            "%d masks were made from white minus black (Otsu): what the projector does not reach is left "
+            "out; look at them, and give --mask FILES if they are wrong",
+            import->masks_made);
+    return ok;
+}
+
+// --- The folder. ---
+
+static int remove_entry(const char *path, const struct stat *about, int kind, struct FTW *where) {
+    (void)about, (void)kind, (void)where;
+    return remove(path);
+}
+
+// Reads what was written as every other command will: an import that could not be used must not appear.
+static bool verify(const char *folder, FfpError *err) {
+    FfpCapture capture;
+    if (!ffp_capture_read(&capture, folder, err)) return false;
+    ffp_capture_free(&capture);
+    return true;
+}
+
+static bool write_folder(const FfpCapture *capture, const char *folder, FfpError *err) {
+    char part[FFP_PATH_MAX];
+    size_t length = strlen(folder);
+    while (length > 1 && folder[length - 1] == '/') length--;
+    if ((size_t)snprintf(part, sizeof part, "%.*s.%ld.tmp", (int)length, folder, (long)getpid()) >=
+        sizeof part)
+        return ffp_fail(err, folder, "the path is too long");
+    bool ok = ffp_capture_write(capture, part, err) && verify(part, err);
+    if (ok && rename(part, folder) != 0) {
+        const bool there = errno == ENOTEMPTY || errno == EEXIST || errno == ENOTDIR;
+        ok = there ? ffp_fail(err, folder, "is there already and not empty: choose another, or remove it")
+                   : ffp_fail(err, folder, "cannot name the folder: %s", strerror(errno));
+    }
+    if (!ok) nftw(part, remove_entry, 16, FTW_DEPTH | FTW_PHYS);
+    return ok;
+}
+
+static bool settle_object(Import *import, FfpError *err) {
+    FfpCapture *capture = &import->capture;
+    const double *object = import->options->object;
+    ffp_capture_estimate_bounds(capture);
+    if (!(object[3] > 0)) return true;
+    for (int i = 0; i < 4; i++) {
+        if (!(fabs(object[i]) < 1e9)) return ffp_fail(err, "--object", "%g is too large", object[i]);
+    }
+    for (int i = 0; i < 3; i++) capture->centre[i] = (real)object[i];
+    capture->radius = (real)object[3];
+    return true;
+}
+
+static bool name_capture(Import *import, FfpError *err) {
+    char folder[FFP_PATH_MAX];
+    const char *name = import->options->name;
+    size_t length = strlen(import->options->folder);
+    if (length == 0 || length >= sizeof folder) return ffp_fail(err, "--output", "not a path for a folder");
+    memcpy(folder, import->options->folder, length + 1);
+    while (length > 1 && folder[length - 1] == '/') folder[--length] = 0;
+    if (name != NULL && !ffp_is_name(name)) return ffp_fail(err, "--name", "'%.100s' is no name", name);
+    if (name == NULL) name = ffp_is_name(ffp_basename(folder)) ? ffp_basename(folder) : "capture";
+    snprintf(import->capture.name, sizeof import->capture.name, "%s", name);
+    return true;
+}
+
+static bool run(Import *import, FfpError *err) {
+    return name_capture(import, err) && read_rig(import, err) &&
+           ffp_shots_find(&import->shots, import->options, &import->calibration, err) &&
+           settle_views(import, err) && check_memory(import, err) && load_pixels(import, err) &&
+           settle_object(import, err) && write_folder(&import->capture, import->options->folder, err);
+}
+
+bool ffp_import_capture(const FfpImport *options, FfpError *err) {
+    Import *import = ffp_alloc(1, sizeof *import);
+    import->options = options;
+    const bool ok = run(import, err);
+    ffp_capture_free(&import->capture);
+    ffp_shots_free(&import->shots);
+    ffp_calibration_free(&import->calibration);
+    free(import);
+    return ok;
+}

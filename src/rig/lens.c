@@ -1,0 +1,160 @@
+#include "rig/lens.h"
+
+#include <math.h>
+#include <string.h>
+
+#define GRID 32                // cells a side on which a lens is looked at
+#define ASPECT_TOLERANCE 0.005 // of a rescaled picture: sides are whole pixels
+#define SAMPLES_MAX 64         // a side; beyond that pictures are shrunk in a coarser way
+
+void ffp_lens_distort(const double lens[5], double x, double y, double *distorted_x, double *distorted_y) {
+    const double r2 = x * x + y * y, p1 = lens[2], p2 = lens[3];
+    const double radial = 1 + r2 * (lens[0] + r2 * (lens[1] + r2 * lens[4]));
+    *distorted_x = x * radial + 2 * p1 * x * y + p2 * (r2 + 2 * x * x);
+    *distorted_y = y * radial + p1 * (r2 + 2 * y * y) + 2 * p2 * x * y;
+}
+
+bool ffp_lens_is_ideal(const double lens[5]) {
+    for (int i = 0; i < 5; i++) {
+        if (lens[i] != 0) return false;
+    }
+    return true;
+}
+
+// --- Sizes. ---
+
+static bool settle_scaled(FfpOptics *optics, int width, int height, const char *what, const char *path,
+                          FfpError *err) {
+    const double x = (double)width / optics->width, y = (double)height / optics->height;
+    if (fabs(x / y - 1) > ASPECT_TOLERANCE) {
+        return ffp_fail(err, path,
+                        "%d x %d pixels are no scaled picture of the %d x %d that the %s was "
+                        "calibrated at: the sides' ratio differs",
+                        width, height, optics->width, optics->height, what);
+    }
+    optics->fx *= x, optics->cx *= x, optics->fy *= y, optics->cy *= y;
+    return true;
+}
+
+static bool settle_cropped(FfpOptics *optics, const FfpCalibratedAt *at, int width, int height,
+                           const char *what, const char *path, FfpError *err) {
+    if (at->left < 0 || at->top < 0 || at->left > optics->width - width ||
+        at->top > optics->height - height) {
+        return ffp_fail(err, path,
+                        "%d x %d pixels from %d,%d on do not lie within the %d x %d that the %s was "
+                        "calibrated at",
+                        width, height, at->left, at->top, optics->width, optics->height, what);
+    }
+    optics->cx -= at->left, optics->cy -= at->top;
+    return true;
+}
+
+bool ffp_optics_settle(FfpOptics *optics, const FfpCalibratedAt *at, int width, int height, const char *what,
+                       const char *path, FfpError *err) {
+    char option[32];
+    snprintf(option, sizeof option, "--%s-size", what);
+    const FfpField place = {.file = option};
+    if (at->width > 0 && !ffp_settle_size(optics, &place, at->width, at->height, err)) return false;
+    if (optics->width == 0) {
+        return ffp_fail(err, option,
+                        "the calibration does not say at how many pixels its %s was calibrated: "
+                        "say it with --%s-size WxH",
+                        what, what);
+    }
+    if (at->fit == FFP_FIT_SCALED) {
+        if (!settle_scaled(optics, width, height, what, path, err)) return false;
+    } else if (at->fit == FFP_FIT_CROPPED) {
+        if (!settle_cropped(optics, at, width, height, what, path, err)) return false;
+    } else if (width != optics->width || height != optics->height) {
+        return ffp_fail(err, path,
+                        "%d x %d pixels, but the %s was calibrated at %d x %d: if pictures were scaled "
+                        "or cut since, say so with --%s-fit",
+                        width, height, what, optics->width, optics->height, what);
+    }
+    optics->width = width, optics->height = height;
+    return true;
+}
+
+// Whether the lens keeps left and right, above and below at this point: the derivative's determinant, by
+// central differences.
+static bool keeps_order(const double lens[5], double x, double y) {
+    const double h = 1e-5;
+    double a[2], b[2], c[2], d[2];
+    ffp_lens_distort(lens, x + h, y, &a[0], &a[1]);
+    ffp_lens_distort(lens, x - h, y, &b[0], &b[1]);
+    ffp_lens_distort(lens, x, y + h, &c[0], &c[1]);
+    ffp_lens_distort(lens, x, y - h, &d[0], &d[1]);
+    const double xx = a[0] - b[0], yx = a[1] - b[1], xy = c[0] - d[0], yy = c[1] - d[1];
+    return xx * yy - xy * yx > 0 && xx > 0 && yy > 0;
+}
+
+bool ffp_optics_check(const FfpOptics *optics, const char *what, FfpError *err) {
+    for (int i = 0; i <= GRID; i++) {
+        for (int j = 0; j <= GRID; j++) {
+            const double x = ((double)optics->width * j / GRID - optics->cx) / optics->fx;
+            const double y = ((double)optics->height * i / GRID - optics->cy) / optics->fy;
+            if (!keeps_order(optics->lens, x, y)) {
+                return ffp_fail(err, what,
+                                "the lens distortion folds the picture over itself at pixel %.0f, %.0f: "
+                                "its coefficients do not hold there; calibrate with points up to "
+                                "the corners, or with fewer coefficients",
+                                (double)optics->width * j / GRID, (double)optics->height * i / GRID);
+            }
+        }
+    }
+    return true;
+}
+
+// --- Pictures. ---
+
+void ffp_optics_pinhole(const FfpOptics *optics, int width, FfpCamera *pinhole) {
+    pinhole->width = width > 0 ? width : optics->width;
+    pinhole->height = optics->height;
+    if (pinhole->width != optics->width) {
+        pinhole->height = (int)lround((double)optics->height * pinhole->width / optics->width);
+        if (pinhole->height < 1) pinhole->height = 1;
+    }
+    const double x = (double)pinhole->width / optics->width, y = (double)pinhole->height / optics->height;
+    pinhole->fx = (real)(optics->fx * x), pinhole->cx = (real)(optics->cx * x);
+    pinhole->fy = (real)(optics->fy * y), pinhole->cy = (real)(optics->cy * y);
+}
+
+static int samples_across(double old_focal, double new_focal) {
+    const double span = ceil(old_focal / new_focal - 1e-6);
+    return span < 1 ? 1 : span > SAMPLES_MAX ? SAMPLES_MAX : (int)span;
+}
+
+// Adds the old picture's value where the pinhole's (u, v) lies in it.
+static void add_sample(const FfpOptics *optics, const FfpCamera *pinhole, const FfpImage *image, double u,
+                       double v, double *sum) {
+    const double x = (u - (double)pinhole->cx) / (double)pinhole->fx;
+    const double y = (v - (double)pinhole->cy) / (double)pinhole->fy;
+    double at_x = 0, at_y = 0;
+    real value[4];
+    ffp_lens_distort(optics->lens, x, y, &at_x, &at_y);
+    at_x = optics->cx + optics->fx * at_x, at_y = optics->cy + optics->fy * at_y;
+    if (!(at_x >= 0 && at_y >= 0 && at_x <= image->width && at_y <= image->height)) return;
+    ffp_image_sample(image, (real)at_x, (real)at_y, value);
+    for (int c = 0; c < image->channels; c++) sum[c] += (double)value[c];
+}
+
+FfpImage ffp_optics_rectify(const FfpOptics *optics, const FfpCamera *pinhole, const FfpImage *image) {
+    if (ffp_lens_is_ideal(optics->lens) && pinhole->width == image->width && pinhole->height == image->height)
+        return ffp_image_copy(image);
+    FfpImage out = ffp_image_new(pinhole->width, pinhole->height, image->channels);
+    const int across = samples_across(optics->fx, (double)pinhole->fx);
+    const int down = samples_across(optics->fy, (double)pinhole->fy);
+#pragma omp parallel for schedule(static)
+    for (int row = 0; row < out.height; row++) {
+        for (int column = 0; column < out.width; column++) {
+            double sum[4] = {0};
+            for (int k = 0; k < across * down; k++) {
+                const double u = column + (k % across + 0.5) / across, v = row + (k / across + 0.5) / down;
+                add_sample(optics, pinhole, image, u, v, sum);
+            }
+            real *to = out.data + ((size_t)row * (size_t)out.width + (size_t)column) * (size_t)out.channels;
+            for (int c = 0; c < out.channels; c++) to[c] = (real)(sum[c] / (across * down));
+        }
+    }
+    return out;
+}

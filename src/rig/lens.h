@@ -1,0 +1,30 @@
+// Lens distortion, and pictures without it.
+#ifndef FFP_RIG_LENS_H
+#define FFP_RIG_LENS_H
+
+#include "rig/calibration.h"
+
+// Where the lens moves the ray (x, y, 1): OpenCV's Brown-Conrady model ("Camera Calibration and 3D
+// Reconstruction" in its documentation; Brown 1966), with r^2 = x^2 + y^2:
+//   x' = x (1 + k1 r^2 + k2 r^4 + k3 r^6) + 2 p1 x y + p2 (r^2 + 2 x^2), likewise y' with p1 (r^2 + 2 y^2) +
+//   2 p2 x y.
+void ffp_lens_distort(const double lens[5], double x, double y, double *distorted_x, double *distorted_y);
+bool ffp_lens_is_ideal(const double lens[5]);
+
+// The device's pixels at the size its pictures have. `at` says how they came from the calibrated size: the
+// same, scaled, or cut out; `at`'s width and height stand in where the calibration tells none. `what`
+// ("camera", "projector") and `option` are for errors; `path` is a picture of that size.
+bool ffp_optics_settle(FfpOptics *optics, const FfpCalibratedAt *at, int width, int height, const char *what,
+                       const char *path, FfpError *err);
+// Refuses a lens that folds the picture over itself anywhere inside it (coefficients that were fitted to its
+// middle only, or are wrong).
+bool ffp_optics_check(const FfpOptics *optics, const char *what, FfpError *err);
+
+// The pinhole camera that shows the same field at `width` pixels (0: as many as before). Pose not touched.
+void ffp_optics_pinhole(const FfpOptics *optics, int width, FfpCamera *pinhole);
+// The picture as the pinhole would have seen it: for each of its pixels the mean of n x n bilinear samples,
+// n being how many old pixels a new one spans. Taken on the values given, which should be linear radiance:
+// what a pixel's area receives adds up. Black beyond the old picture. A pinhole that changes nothing copies.
+FfpImage ffp_optics_rectify(const FfpOptics *optics, const FfpCamera *pinhole, const FfpImage *image);
+
+#endif

@@ -1,0 +1,140 @@
+// OpenCV FileStorage calibrations and DeProCams' params.yml: the same matrices under the names of many tools.
+// Their motion takes camera coordinates to projector coordinates, X_p = R X_c + T, and their pixel centres
+// lie at integers.
+#include <string.h>
+
+#include "rig/calibration.h"
+#include "rig/matrix.h"
+
+#define CENTRE 0.5
+
+static const char *const camera_keys[] = {"cam_int",         "camK", "cam_K", "camIntrinsics",
+                                          "cam1_intrinsics", NULL};
+static const char *const camera_lens_keys[] = {
+    "cam_dist", "camKc", "cam_kc", "camDistCoeffs", "cam1_distorsion", "cam1_distortion", NULL};
+static const char *const projector_keys[] = {"proj_int",        "prjK", "proj_K", "projIntrinsics",
+                                             "cam2_intrinsics", NULL};
+static const char *const projector_lens_keys[] = {
+    "proj_dist", "prjKc", "proj_kc", "projDistCoeffs", "cam2_distorsion", "cam2_distortion", NULL};
+// "roration" is what kamino410/procam-calibration writes.
+static const char *const rotation_keys[] = {"rotation", "roration", "R", NULL};
+static const char *const translation_keys[] = {"translation", "T", NULL};
+
+// The first of the keys that is there. A second one is an error: which is meant?
+static bool find_one(const FfpField *root, const char *const *keys, FfpField *out, bool *found,
+                     FfpError *err) {
+    *found = false;
+    for (int i = 0; keys[i] != NULL; i++) {
+        FfpField field;
+        if (!ffp_field_find(root, keys[i], &field)) continue;
+        if (*found) return ffp_field_fail(&field, err, "stands for the same as %s: keep one", out->place);
+        *out = field;
+        *found = true;
+    }
+    return true;
+}
+
+static bool read_device(const FfpField *root, const char *const *keys, const char *const *lens_keys,
+                        FfpOptics *optics, bool *has, FfpError *err) {
+    FfpField matrix, lens;
+    bool found = false, distorted = false;
+    if (!find_one(root, keys, &matrix, &found, err) || !find_one(root, lens_keys, &lens, &distorted, err))
+        return false;
+    if (!found) return !distorted || ffp_field_fail(&lens, err, "lens coefficients without a camera matrix");
+    if (*has) return ffp_field_fail(&matrix, err, "was given by another file already");
+    *has = true;
+    return ffp_field_intrinsics(&matrix, CENTRE, optics, err) &&
+           (!distorted || ffp_field_lens(&lens, optics, err));
+}
+
+// DeProCams' camRT and prjRT: rows of [R | T], world to device, with or without a fourth row.
+static bool read_rows(const FfpField *field, double pose[16], FfpError *err) {
+    FfpMatrix m;
+    if (!ffp_field_matrix(field, &m, err)) return false;
+    if (m.cols != 4 || (m.rows != 3 && m.rows != 4))
+        return ffp_field_fail(field, err, "matrix has %d x %d numbers, 3 x 4 or 4 x 4 are needed", m.rows,
+                              m.cols);
+    double r[9], t[3];
+    for (int i = 0; i < 12; i++) *(i % 4 < 3 ? &r[3 * (i / 4) + i % 4] : &t[i / 4]) = m.values[i];
+    return ffp_rigid(field, r, t, pose, err);
+}
+
+static bool read_motion(FfpCalibration *calibration, const FfpField *root, FfpError *err) {
+    FfpField rotation, translation, camera, projector;
+    bool turns = false, moves = false;
+    double c2p[16];
+    if (!find_one(root, rotation_keys, &rotation, &turns, err) ||
+        !find_one(root, translation_keys, &translation, &moves, err)) {
+        return false;
+    }
+    if (ffp_field_find(root, "prjRT", &projector)) {
+        double world_to_camera[16], world_to_projector[16], c2w[16];
+        if (!ffp_field_get(root, "camRT", &camera, err) || !read_rows(&camera, world_to_camera, err) ||
+            !read_rows(&projector, world_to_projector, err)) {
+            return false;
+        }
+        ffp_pose_inverse(world_to_camera, c2w);
+        ffp_pose_product(world_to_projector, c2w, c2p);
+        rotation = projector;
+    } else {
+        double r[9], t[3];
+        if (!turns && !moves) return true;
+        if (!turns) return ffp_field_fail(&translation, err, "a translation without a rotation");
+        if (!moves) return ffp_field_fail(&rotation, err, "a rotation without a translation");
+        if (!ffp_field_matrix_of(&rotation, 3, 3, r, err) ||
+            !ffp_field_matrix_of(&translation, 3, 1, t, err) || !ffp_rigid(&rotation, r, t, c2p, err)) {
+            return false;
+        }
+    }
+    if (calibration->has_motion) return ffp_field_fail(&rotation, err, "was given by another file already");
+    calibration->has_motion = true;
+    ffp_pose_inverse(c2p, calibration->p2c);
+    return true;
+}
+
+// kamino410's img_shape: the camera's height and width.
+static bool read_shape(FfpCalibration *calibration, const FfpField *root, FfpError *err) {
+    FfpField field;
+    double shape[2];
+    if (!ffp_field_find(root, "img_shape", &field)) return true;
+    if (!ffp_field_matrix_of(&field, 2, 1, shape, err)) return false;
+    for (int i = 0; i < 2; i++) {
+        if (!(shape[i] >= 1 && shape[i] <= FFP_IMAGE_SIDE_MAX) || shape[i] != (int)shape[i])
+            return ffp_field_fail(&field, err, "%g is no number of pixels from 1 to %d", shape[i],
+                                  FFP_IMAGE_SIDE_MAX);
+    }
+    return ffp_settle_size(&calibration->camera, &field, (int)shape[1], (int)shape[0], err);
+}
+
+// kamino410's camera_config.json: {"camera": {P, distortion, width, height}}.
+static bool read_camera_config(FfpCalibration *calibration, const FfpField *camera, FfpError *err) {
+    FfpField field;
+    int width = 0, height = 0;
+    if (!ffp_field_get(camera, "P", &field, err)) return false;
+    if (calibration->has_camera) return ffp_field_fail(&field, err, "was given by another file already");
+    calibration->has_camera = true;
+    return ffp_field_intrinsics(&field, CENTRE, &calibration->camera, err) &&
+           ffp_field_get(camera, "distortion", &field, err) &&
+           ffp_field_lens(&field, &calibration->camera, err) &&
+           ffp_get_whole(camera, "width", 1, FFP_IMAGE_SIDE_MAX, &width, err) &&
+           ffp_get_whole(camera, "height", 1, FFP_IMAGE_SIDE_MAX, &height, err) &&
+           ffp_settle_size(&calibration->camera, camera, width, height, err);
+}
+
+bool ffp_read_opencv(FfpCalibration *calibration, const FfpField *root, FfpError *err) {
+    FfpField camera;
+    const bool before[3] = {calibration->has_camera, calibration->has_projector, calibration->has_motion};
+    if (ffp_field_find(root, "camera", &camera)) return read_camera_config(calibration, &camera, err);
+    if (!read_device(root, camera_keys, camera_lens_keys, &calibration->camera, &calibration->has_camera,
+                     err) ||
+        !read_device(root, projector_keys, projector_lens_keys, &calibration->projector,
+                     &calibration->has_projector, err) ||
+        !read_motion(calibration, root, err) || !read_shape(calibration, root, err)) {
+        return false;
+    }
+    const bool told = before[0] != calibration->has_camera || before[1] != calibration->has_projector ||
+                      before[2] != calibration->has_motion;
+    return told || ffp_field_fail(root, err,
+                                  "none of the keys of a known calibration tool (camK, cam_int, cam_K, "
+                                  "camIntrinsics, cam1_intrinsics, camera, frames, ...)");
+}

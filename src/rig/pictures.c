@@ -1,0 +1,308 @@
+#include "rig/pictures.h"
+
+#include <ctype.h>
+#include <glob.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/file.h"
+
+#define IMAGES "--images"
+
+// --- Names in order. ---
+
+int ffp_natural_order(const char *a, const char *b) {
+    while (*a != 0 && *b != 0) {
+        if (isdigit((unsigned char)*a) && isdigit((unsigned char)*b)) {
+            a += strspn(a, "0"), b += strspn(b, "0");
+            const size_t m = strspn(a, "0123456789"), n = strspn(b, "0123456789");
+            if (m != n) return m < n ? -1 : 1;
+            const int order = strncmp(a, b, m);
+            if (order != 0) return order;
+            a += m, b += n;
+        } else {
+            if (*a != *b) return (unsigned char)*a < (unsigned char)*b ? -1 : 1;
+            a++, b++;
+        }
+    }
+    return (*a != 0) - (*b != 0);
+}
+
+static int compare_paths(const void *a, const void *b) {
+    const char *x = *(char *const *)a, *y = *(char *const *)b;
+    const int order = ffp_natural_order(x, y);
+    return order != 0 ? order : strcmp(x, y); // "1.png" and "01.png"
+}
+
+static const char *keep(FfpArena *arena, const char *text) {
+    const size_t size = strlen(text) + 1;
+    return memcpy(ffp_arena_alloc(arena, size, 1), text, size);
+}
+
+// --- Templates: {view}, {pattern}, {index}, {number}, the last two also as {number:3}. ---
+
+typedef struct Blanks {
+    const char *view, *pattern;
+    int index;
+} Blanks;
+
+// The text of one placeholder, "view" or "number:3"; false when there is no such.
+static bool fill_blank(const Blanks *blanks, const char *blank, size_t length, char out[FFP_NAME_MAX + 16]) {
+    static const char *const words[2] = {"view", "pattern"}, *const counters[2] = {"index", "number"};
+    const char *const texts[2] = {blanks->view, blanks->pattern};
+    for (size_t i = 0; i < 2; i++) {
+        const size_t n = strlen(words[i]);
+        if (length != n || strncmp(blank, words[i], n) != 0 || texts[i] == NULL) continue;
+        snprintf(out, FFP_NAME_MAX + 16, "%s", texts[i]);
+        return true;
+    }
+    for (int i = 0; i < 2; i++) {
+        const size_t n = strlen(counters[i]);
+        if (length < n || strncmp(blank, counters[i], n) != 0) continue;
+        const bool wide = length == n + 2 && blank[n] == ':' && blank[n + 1] >= '1' && blank[n + 1] <= '9';
+        if (length != n && !wide) continue;
+        snprintf(out, FFP_NAME_MAX + 16, "%0*d", wide ? blank[n + 1] - '0' : 1, blanks->index + i);
+        return true;
+    }
+    return false;
+}
+
+static bool expand(const char *template, const Blanks *blanks, char path[FFP_PATH_MAX], FfpError *err) {
+    size_t length = 0;
+    for (const char *at = template; *at != 0;) {
+        char text[FFP_NAME_MAX + 16] = {*at, 0};
+        const char *end = *at == '{' ? strchr(at, '}') : NULL;
+        if (*at == '{' && (end == NULL || !fill_blank(blanks, at + 1, (size_t)(end - at - 1), text))) {
+            return ffp_fail(err, template,
+                            "%.20s: the placeholders are {view}, {pattern}, {index}, {number}, {number:3}",
+                            at);
+        }
+        const size_t n = strlen(text);
+        if (length + n >= FFP_PATH_MAX) return ffp_fail(err, template, "the path is too long");
+        memcpy(path + length, text, n);
+        length += n;
+        at = end != NULL ? end + 1 : at + 1;
+    }
+    path[length] = 0;
+    return true;
+}
+
+static bool is_glob(const char *text) {
+    return strpbrk(text, "*?[") != NULL;
+}
+
+// --- One --images option: "NAME[,NAME..]=TEMPLATE". ---
+
+typedef struct Group {
+    int patterns[FFP_PATTERNS_MAX], count;
+    const char *template;
+} Group;
+
+static int pattern_index(FfpShots *shots, const char *name, FfpError *err) {
+    for (int i = 0; i < shots->n_patterns; i++) {
+        if (strcmp(shots->patterns[i].name, name) == 0) return i;
+    }
+    if (!ffp_is_name(name) || shots->n_patterns == FFP_PATTERNS_MAX) {
+        ffp_fail(err, IMAGES, "'%.100s' is no name for a pattern, or there are too many", name);
+        return -1;
+    }
+    snprintf(shots->patterns[shots->n_patterns].name, FFP_NAME_MAX, "%s", name);
+    const bool black = strcmp(name, "black") == 0 || strcmp(name, "all_black") == 0;
+    const bool white = strcmp(name, "white") == 0 || strcmp(name, "all_white") == 0;
+    if ((black && shots->black >= 0) || (white && shots->white >= 0)) {
+        ffp_fail(err, IMAGES, "'%s' is a second %s pattern", name, black ? "black" : "white");
+        return -1;
+    }
+    if (black) shots->black = shots->n_patterns;
+    if (white) shots->white = shots->n_patterns;
+    return shots->n_patterns++;
+}
+
+static bool read_group(FfpShots *shots, const char *text, Group *group, FfpError *err) {
+    const char *equals = strchr(text, '=');
+    if (equals == NULL || equals == text || equals[1] == 0)
+        return ffp_fail(err, IMAGES, "'%.100s' is not NAME=FILES", text);
+    group->template = equals + 1;
+    group->count = 0;
+    for (const char *at = text; at < equals;) {
+        char name[FFP_NAME_MAX];
+        const size_t length = strcspn(at, ",=");
+        if (length >= sizeof name || group->count == FFP_PATTERNS_MAX)
+            return ffp_fail(err, IMAGES, "'%.100s' is no list of names", text);
+        memcpy(name, at, length);
+        name[length] = 0;
+        const int index = pattern_index(shots, name, err);
+        if (index < 0) return false;
+        group->patterns[group->count++] = index;
+        at += length + 1;
+    }
+    return true;
+}
+
+static bool set_picture(FfpShots *shots, const FfpCalibration *calibration, int stop, int pattern,
+                        const char *path, FfpError *err) {
+    const char **place = &shots->pictures[stop * FFP_PATTERNS_MAX + pattern];
+    if (*place != NULL)
+        return ffp_fail(err, IMAGES, "view '%s' has two pictures under '%s'", calibration->stops[stop].id,
+                        shots->patterns[pattern].name);
+    if (!ffp_is_file(path))
+        return ffp_fail(err, path, "there is no such file: view '%s' under pattern '%s' of --images",
+                        calibration->stops[stop].id, shots->patterns[pattern].name);
+    *place = keep(shots->arena, path);
+    return true;
+}
+
+// Files in natural order: all of the first view, all of the second, and so on.
+static bool match_files(FfpShots *shots, const Group *group, const FfpCalibration *calibration,
+                        FfpError *err) {
+    glob_t found;
+    const int status = glob(group->template, GLOB_NOSORT, NULL, &found);
+    if (status != 0) return ffp_fail(err, group->template, "no file matches, or the folder cannot be read");
+    qsort(found.gl_pathv, found.gl_pathc, sizeof *found.gl_pathv, compare_paths);
+    const int n = calibration->n_stops * group->count;
+    bool ok = found.gl_pathc == (size_t)n;
+    if (!ok) {
+        ffp_fail(err, group->template, "%zu files match, but %d views under %d pattern%s need %d",
+                 found.gl_pathc, calibration->n_stops, group->count, group->count > 1 ? "s each" : "", n);
+    }
+    for (int i = 0; i < n && ok; i++) {
+        ok = set_picture(shots, calibration, i / group->count, group->patterns[i % group->count],
+                         found.gl_pathv[i], err);
+    }
+    globfree(&found);
+    return ok;
+}
+
+static bool fill_in_files(FfpShots *shots, const Group *group, const FfpCalibration *calibration,
+                          FfpError *err) {
+    const char *text = group->template;
+    const bool tells_view =
+        strstr(text, "{view}") != NULL || strstr(text, "{index") != NULL || strstr(text, "{number") != NULL;
+    if (calibration->n_stops > 1 && !tells_view)
+        return ffp_fail(err, text, "names one file for %d views: use {view}, {index}, {number} or *",
+                        calibration->n_stops);
+    if (group->count > 1 && strstr(text, "{pattern}") == NULL)
+        return ffp_fail(err, text, "names one file for %d patterns: use {pattern} or *", group->count);
+    for (int i = 0; i < calibration->n_stops * group->count; i++) {
+        const int stop = i / group->count, pattern = group->patterns[i % group->count];
+        const Blanks blanks = {calibration->stops[stop].id, shots->patterns[pattern].name, stop};
+        char path[FFP_PATH_MAX];
+        if (!expand(text, &blanks, path, err) || !set_picture(shots, calibration, stop, pattern, path, err))
+            return false;
+    }
+    return true;
+}
+
+// --- Patterns and masks. ---
+
+static bool read_projected(FfpShots *shots, const char *text, bool novel, FfpError *err) {
+    const char *option = novel ? "--held-out" : "--pattern", *equals = strchr(text, '=');
+    char name[FFP_NAME_MAX];
+    if (equals == NULL || equals == text || equals[1] == 0 || equals - text >= FFP_NAME_MAX)
+        return ffp_fail(err, option, "'%.100s' is not NAME=FILE", text);
+    memcpy(name, text, (size_t)(equals - text));
+    name[equals - text] = 0;
+    for (int i = 0; i < shots->n_patterns; i++) {
+        FfpShotPattern *pattern = &shots->patterns[i];
+        if (strcmp(pattern->name, name) != 0) continue;
+        if (pattern->file != NULL) return ffp_fail(err, option, "pattern '%s' comes twice", name);
+        if (!ffp_is_file(equals + 1))
+            return ffp_fail(err, equals + 1, "there is no such file: pattern '%s'", name);
+        pattern->file = keep(shots->arena, equals + 1);
+        pattern->novel = novel;
+        return true;
+    }
+    return ffp_fail(err, option, "no picture was taken under pattern '%s': name it in --images", name);
+}
+
+// Pictures that the calibration names itself, where the command line names none.
+static bool take_named(FfpShots *shots, const FfpCalibration *calibration, FfpError *err) {
+    for (int i = 0; i < calibration->n_pictures; i++) {
+        const FfpNamedPicture *picture = &calibration->pictures[i];
+        const int pattern = pattern_index(shots, picture->pattern, err);
+        if (pattern < 0 || !set_picture(shots, calibration, picture->stop, pattern, picture->path, err))
+            return false;
+    }
+    return true;
+}
+
+// Patterns that lie where the calibration keeps them.
+static void take_kept_patterns(FfpShots *shots, const char *folder) {
+    for (int i = 0; i < shots->n_patterns && folder[0] != 0; i++) {
+        char name[FFP_NAME_MAX + 8], path[FFP_PATH_MAX];
+        snprintf(name, sizeof name, "%s.png", shots->patterns[i].name);
+        const bool plain = i == shots->black || i == shots->white;
+        if (!plain && shots->patterns[i].file == NULL && ffp_join_path(path, folder, name) &&
+            ffp_is_file(path))
+            shots->patterns[i].file = keep(shots->arena, path);
+    }
+}
+
+static bool find_masks(FfpShots *shots, const char *template, const FfpCalibration *calibration,
+                       FfpError *err) {
+    if (template == NULL || strcmp(template, "otsu") == 0) return true;
+    shots->masks = ffp_arena_alloc(shots->arena, (size_t)calibration->n_stops, sizeof *shots->masks);
+    for (int i = 0; i < calibration->n_stops; i++) {
+        const Blanks blanks = {calibration->stops[i].id, NULL, i};
+        char path[FFP_PATH_MAX];
+        if (!expand(template, &blanks, path, err)) return false;
+        if (!ffp_is_file(path))
+            return ffp_fail(err, path, "there is no such file: mask of view '%s'", calibration->stops[i].id);
+        shots->masks[i] = keep(shots->arena, path);
+    }
+    return true;
+}
+
+// --- All of it. ---
+
+static bool check_complete(const FfpShots *shots, const FfpCalibration *calibration, FfpError *err) {
+    if (shots->black < 0) return ffp_fail(err, IMAGES, "no pictures under black: --images black=FILES");
+    if (shots->white < 0) return ffp_fail(err, IMAGES, "no pictures under white: --images white=FILES");
+    const int plain[2] = {shots->black, shots->white};
+    for (int i = 0; i < 2 * calibration->n_stops; i++) {
+        if (shots->pictures[i / 2 * FFP_PATTERNS_MAX + plain[i % 2]] != NULL) continue;
+        return ffp_fail(err, IMAGES,
+                        "view '%s' has no picture under %s: every pose must be photographed under "
+                        "black, white and a pattern",
+                        calibration->stops[i / 2].id, i % 2 == 0 ? "black" : "white");
+    }
+    for (int i = 0; i < shots->n_patterns; i++) {
+        if (shots->patterns[i].file == NULL && i != shots->black && i != shots->white)
+            return ffp_fail(err, "--pattern", "what was projected as '%s'? say it with --pattern %s=FILE",
+                            shots->patterns[i].name, shots->patterns[i].name);
+    }
+    return true;
+}
+
+static bool find_all(FfpShots *shots, const FfpImport *options, const FfpCalibration *calibration,
+                     FfpError *err) {
+    Group *group = ffp_arena_alloc(shots->arena, 1, sizeof *group);
+    if (options->n_images == 0 && !take_named(shots, calibration, err)) return false;
+    for (int i = 0; i < options->n_images; i++) {
+        if (!read_group(shots, options->images[i], group, err)) return false;
+        const bool ok = is_glob(group->template) ? match_files(shots, group, calibration, err)
+                                                 : fill_in_files(shots, group, calibration, err);
+        if (!ok) return false;
+    }
+    for (int i = 0; i < options->n_patterns + options->n_held_out; i++) {
+        const bool novel = i >= options->n_patterns;
+        const char *text = novel ? options->held_out[i - options->n_patterns] : options->patterns[i];
+        if (!read_projected(shots, text, novel, err)) return false;
+    }
+    take_kept_patterns(shots, calibration->pattern_folder);
+    return find_masks(shots, options->mask, calibration, err) && check_complete(shots, calibration, err);
+}
+
+bool ffp_shots_find(FfpShots *shots, const FfpImport *options, const FfpCalibration *calibration,
+                    FfpError *err) {
+    *shots = (FfpShots){.arena = ffp_arena_new(), .black = -1, .white = -1};
+    shots->patterns = ffp_arena_alloc(shots->arena, FFP_PATTERNS_MAX, sizeof *shots->patterns);
+    shots->pictures = ffp_arena_alloc(shots->arena, (size_t)calibration->n_stops * FFP_PATTERNS_MAX,
+                                      sizeof *shots->pictures);
+    return find_all(shots, options, calibration, err);
+}
+
+void ffp_shots_free(FfpShots *shots) {
+    if (shots->arena != NULL) ffp_arena_free(shots->arena);
+    *shots = (FfpShots){0};
+}

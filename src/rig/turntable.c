@@ -1,0 +1,208 @@
+#include "rig/turntable.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/file.h"
+#include "rig/document.h"
+#include "rig/matrix.h"
+
+#define PLACE "--turntable"
+#define ANGLE_MAX 36000.0
+
+static bool add_angle(FfpTurntable *turntable, double angle, const char *where, FfpError *err) {
+    if (!(fabs(angle) <= ANGLE_MAX)) return ffp_fail(err, where, "%g is no angle in degrees", angle);
+    if (turntable->count == FFP_VIEWS_MAX) return ffp_fail(err, where, "more than %d angles", FFP_VIEWS_MAX);
+    turntable->angles[turntable->count++] = angle;
+    return true;
+}
+
+static bool add_steps(FfpTurntable *turntable, double count, double step, const char *where, FfpError *err) {
+    if (!(count >= 1 && count <= FFP_VIEWS_MAX) || count != floor(count))
+        return ffp_fail(err, where, "%g is no number of stops from 1 to %d", count, FFP_VIEWS_MAX);
+    for (int i = 0; i < (int)count; i++) {
+        if (!add_angle(turntable, i * step, where, err)) return false;
+    }
+    return true;
+}
+
+static bool check_axis(FfpTurntable *turntable, const char *where, FfpError *err) {
+    const double *a = turntable->axis, length = sqrt(a[0] * a[0] + a[1] * a[1] + a[2] * a[2]);
+    if (!(length > 1e-6 && length < 1e9)) return ffp_fail(err, where, "the axis has no direction");
+    for (int i = 0; i < 3; i++) turntable->axis[i] /= length;
+    for (int i = 0; i < 3; i++) {
+        if (!(fabs(turntable->point[i]) < 1e9))
+            return ffp_fail(err, where, "%g is no coordinate of the axis' point", turntable->point[i]);
+    }
+    return true;
+}
+
+// --- "ax,ay,az,px,py,pz,0,45,90" or "...,8x45". ---
+
+static bool read_numbers(FfpTurntable *turntable, const char *text, FfpError *err) {
+    const char *at = text;
+    for (int i = 0; *at != 0; i++) {
+        char *end = NULL;
+        const double value = strtod(at, &end);
+        bool ok = end != at && isfinite(value);
+        if (ok && i >= 6 && *end == 'x') {
+            const char *second = end + 1;
+            const double step = strtod(second, &end);
+            ok = end != second && isfinite(step);
+            if (ok && !add_steps(turntable, value, step, PLACE, err)) return false;
+        } else if (ok && i >= 6) {
+            if (!add_angle(turntable, value, PLACE, err)) return false;
+        } else if (ok) {
+            *(i < 3 ? &turntable->axis[i] : &turntable->point[i - 3]) = value;
+        }
+        if (!ok || (*end != 0 && *end != ',') || (*end == ',' && end[1] == 0))
+            return ffp_fail(err, PLACE, "'%.40s' is no number: AX,AY,AZ,PX,PY,PZ,ANGLES are needed", at);
+        at = *end == ',' ? end + 1 : end;
+    }
+    return turntable->count > 0 ||
+           ffp_fail(err, PLACE,
+                    "no angle: three numbers of the axis, three of its point and the angles are "
+                    "needed, or the name of a file");
+}
+
+// --- A file. ---
+
+static bool read_angles(FfpTurntable *turntable, const FfpField *root, FfpError *err) {
+    FfpField list, item;
+    int n = 0;
+    if (!ffp_field_find(root, "angles", &list)) {
+        int count = 0;
+        real step = 0;
+        return ffp_get_whole(root, "count", 1, FFP_VIEWS_MAX, &count, err) &&
+               ffp_get_number(root, "step", -ANGLE_MAX, ANGLE_MAX, &step, err) &&
+               add_steps(turntable, count, (double)step, root->file, err);
+    }
+    if (!ffp_field_count(&list, 1, FFP_VIEWS_MAX, &n, err)) return false;
+    for (int i = 0; i < n; i++) {
+        real angle = 0;
+        if (!ffp_field_item(&list, i, &item, err) ||
+            !ffp_field_number(&item, -ANGLE_MAX, ANGLE_MAX, &angle, err) ||
+            !add_angle(turntable, (double)angle, root->file, err)) {
+            return false;
+        }
+    }
+    return true;
+}
+
+static bool read_file(FfpTurntable *turntable, const char *path, FfpError *err) {
+    FfpField root, axis, point;
+    if (!ffp_document_open(&root, path, err)) return false;
+    const bool ok =
+        ffp_field_get(&root, "axis", &axis, err) && ffp_field_matrix_of(&axis, 3, 1, turntable->axis, err) &&
+        ffp_field_get(&root, "point", &point, err) &&
+        ffp_field_matrix_of(&point, 3, 1, turntable->point, err) && read_angles(turntable, &root, err);
+    json_decref(root.value);
+    return ok;
+}
+
+bool ffp_turntable_read(FfpTurntable *turntable, const char *text, FfpError *err) {
+    *turntable = (FfpTurntable){0};
+    const bool numbers = text[strspn(text, "0123456789+-.,eEx")] == 0 && !ffp_is_file(text);
+    const bool ok = numbers ? read_numbers(turntable, text, err) : read_file(turntable, text, err);
+    return ok && check_axis(turntable, numbers ? PLACE : text, err);
+}
+
+// --- Stops. ---
+
+static void cross(const double a[3], const double b[3], double out[3]) {
+    for (int i = 0; i < 3; i++) {
+        const int j = (i + 1) % 3, k = (i + 2) % 3;
+        out[i] = a[j] * b[k] - a[k] * b[j];
+    }
+}
+
+// The part of v across the unit axis, made a unit vector; false when v lies along the axis.
+static bool across(const double axis[3], const double v[3], double out[3]) {
+    const double along = v[0] * axis[0] + v[1] * axis[1] + v[2] * axis[2];
+    double square = 0, whole = 0;
+    for (int i = 0; i < 3; i++) {
+        out[i] = v[i] - along * axis[i];
+        square += out[i] * out[i];
+        whole += v[i] * v[i];
+    }
+    for (int i = 0; i < 3 && square > 0; i++) out[i] /= sqrt(square);
+    return square > 1e-12 * whole && square > 0;
+}
+
+// World axes in camera coordinates: rows x, y, z. x points from the axis to the camera; where that has no
+// direction, any will do.
+static void world_axes(const FfpTurntable *turntable, double rows[9]) {
+    double to_camera[3];
+    for (int i = 0; i < 3; i++) to_camera[i] = -turntable->point[i];
+    memcpy(rows + 6, turntable->axis, 3 * sizeof *rows);
+    if (!across(turntable->axis, to_camera, rows)) {
+        const bool steep = fabs(turntable->axis[0]) > 0.9;
+        const double any[3] = {!steep, steep, 0};
+        across(turntable->axis, any, rows);
+    }
+    cross(rows + 6, rows, rows + 3);
+}
+
+// Rodrigues: R(u,a) v = v cos a + (u x v) sin a + u (u.v) (1 - cos a), as a row-major 3x3.
+static void rotation_about(const double u[3], double angle, double r[9]) {
+    const double c = cos(angle), s = sin(angle);
+    const double skew[9] = {0, -u[2], u[1], u[2], 0, -u[0], -u[1], u[0], 0};
+    for (int i = 0; i < 9; i++) r[i] = c * (i % 4 == 0) + s * skew[i] + (1 - c) * u[i / 3] * u[i % 3];
+}
+
+static void place(const FfpTurntable *turntable, double degrees, const FfpCalibration *calibration,
+                  FfpStop *stop) {
+    double rows[9], turn[9];
+    world_axes(turntable, rows);
+    rotation_about(turntable->axis, -degrees * acos(-1.0) / 180, turn);
+    for (int i = 0; i < 3; i++) {
+        stop->c2w[4 * i + 3] = 0;
+        for (int j = 0; j < 3; j++) {
+            double sum = 0;
+            for (int k = 0; k < 3; k++) sum += rows[3 * i + k] * turn[3 * k + j];
+            stop->c2w[4 * i + j] = sum;
+            stop->c2w[4 * i + 3] -= sum * turntable->point[j];
+        }
+        stop->c2w[12 + i] = 0;
+    }
+    stop->c2w[15] = 1;
+    ffp_pose_product(stop->c2w, calibration->p2c, stop->p2w);
+}
+
+static bool check_fixed(const FfpCalibration *calibration, FfpError *err) {
+    if (calibration->n_stops > 0)
+        return ffp_fail(err, PLACE,
+                        "the calibration has poses for all views itself: leave the turntable away");
+    return true;
+}
+
+bool ffp_turntable_apply(const FfpTurntable *turntable, FfpCalibration *calibration, FfpError *err) {
+    const FfpField place_field = {.file = PLACE};
+    if (!check_fixed(calibration, err) || !ffp_start_stops(calibration, &place_field, turntable->count, err))
+        return false;
+    bool used[360] = {false}, twice = false;
+    for (int i = 0; i < turntable->count; i++) {
+        FfpStop *stop = &calibration->stops[i];
+        const int degree = (int)((lround(turntable->angles[i]) % 360 + 360) % 360);
+        twice = twice || used[degree];
+        used[degree] = true;
+        snprintf(stop->id, sizeof stop->id, "%03d", degree);
+        stop->camera = calibration->camera;
+        place(turntable, turntable->angles[i], calibration, stop);
+    }
+    for (int i = 0; i < turntable->count && twice; i++)
+        snprintf(calibration->stops[i].id, sizeof calibration->stops[i].id, "stop_%03d", i);
+    return true;
+}
+
+bool ffp_single_stop(FfpCalibration *calibration, FfpError *err) {
+    const FfpField place_field = {.file = PLACE};
+    if (!check_fixed(calibration, err) || !ffp_start_stops(calibration, &place_field, 1, err)) return false;
+    FfpStop *stop = &calibration->stops[0];
+    snprintf(stop->id, sizeof stop->id, "000");
+    stop->camera = calibration->camera;
+    for (int i = 0; i < 16; i++) stop->c2w[i] = i % 5 == 0;
+    memcpy(stop->p2w, calibration->p2c, sizeof stop->p2w);
+    return true;
+}
