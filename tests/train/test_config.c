@@ -28,6 +28,10 @@ static void test_bad_fields(void **state) {
     refused("{\"model\": {\"modules\": \"MXT\"}}", "c.json", "modules");
     refused("{\"supervised_inputs\": 0, \"supervised_targets\": 0}", "c.json", "both 0");
     refused("{\"supervised_targets\": 5, \"targets\": 4}", "c.json", "above targets");
+    refused("{\"generators\": -1}", "c.json: generators", "not in");
+    refused("{\"queue\": 0}", "c.json: queue", "not in");
+    refused("{\"scenes\": 3}", "c.json: scenes", "a string");
+    refused("{\"scenes\": \"made\", \"low_steps\": 9}", "c.json: low_steps", "one resolution");
     refused("{\"resolution\": 100}", "c.json", "multiples");
 }
 
@@ -35,11 +39,14 @@ static void test_round_trip(void **state) {
     (void)state;
     FfpTrainConfig config, again;
     FfpError err = {""};
-    assert_true(ffp_train_config_parse(
-        &config, "{\"steps\": 77, \"ema\": 0.5, \"model\": {\"preset\": \"tiny\", \"modules\": \"TM\"}}",
-        "c.json", &err));
+    assert_true(ffp_train_config_parse(&config,
+                                       "{\"steps\": 77, \"scenes\": \"a/b\", \"generators\": 2, \"ema\": "
+                                       "0.5, \"model\": {\"preset\": \"tiny\", \"modules\": \"TM\"}}",
+                                       "c.json", &err));
     assert_int_equal(config.steps, 77);
     assert_string_equal(config.model.modules, "TM");
+    assert_string_equal(config.scenes, "a/b");
+    assert_int_equal(config.generators, 2);
     assert_int_equal(config.model.dim, 128);
     char *text = ffp_train_config_print(&config);
     assert_true(ffp_train_config_parse(&again, text, "again", &err));

@@ -98,9 +98,139 @@ static void folder_equals_memory(void **state) {
     ffp_scene_folder_close(&folder);
 }
 
+// Every scene once a round, in another order each round, another for another seed; the same when asked again.
+static void order_is_of_seed_and_number(void **state) {
+    (void)state;
+    static char names[5][FFP_SCENE_NAME_MAX] = {"a", "b", "c", "d", "e"};
+    const FfpSceneFolder folder = {.count = 5, .names = names};
+    int same_as_before = 0, same_seed = 0;
+    for (int round = 0; round < 20; round++) {
+        int seen[5] = {0};
+        for (int i = 0; i < 5; i++) {
+            const char *name = ffp_scene_folder_name(&folder, 7, 5 * round + i);
+            seen[name[0] - 'a']++;
+            assert_ptr_equal(name, ffp_scene_folder_name(&folder, 7, 5 * round + i));
+            same_as_before += round > 0 && name == ffp_scene_folder_name(&folder, 7, 5 * (round - 1) + i);
+            same_seed += name == ffp_scene_folder_name(&folder, 8, 5 * round + i);
+        }
+        for (int i = 0; i < 5; i++) assert_int_equal(seen[i], 1);
+    }
+    assert_true(same_as_before < 50 && same_seed < 50); // 19 and 20 by chance
+}
+
+static void only_training_scenes_count(void **state) {
+    (void)state;
+    FfpError err = {""};
+    FfpSceneFolder folder;
+    static const char *const others[] = {"mixed/test_00001", "mixed/all_00002", "mixed/.train_00003.part",
+                                         "mixed/train_", "mixed/train_12x"};
+    for (size_t i = 0; i < sizeof others / sizeof *others; i++)
+        assert_true(ffp_make_folders(in_scratch(others[i]), &err));
+    assert_false(ffp_scene_folder_open(&folder, in_scratch("mixed"), &err));
+    assert_non_null(strstr(err.text, "holds no scene of the training split"));
+    ffp_scene_folder_close(&folder);
+    assert_true(ffp_make_folders(in_scratch("mixed/train_00004"), &err));
+    assert_true(ffp_scene_folder_open(&folder, in_scratch("mixed"), &err));
+    assert_int_equal(folder.count, 1);
+    assert_string_equal(folder.names[0], "train_00004");
+    ffp_scene_folder_close(&folder);
+    assert_false(ffp_scene_folder_open(&folder, in_scratch("nowhere"), &err));
+    assert_non_null(strstr(err.text, "cannot read the folder of scenes"));
+    ffp_scene_folder_close(&folder);
+}
+
+static void refused(const FfpTrainConfig *config, const char *reason, const char *place) {
+    FfpError err = {""};
+    FfpSceneFolder folder;
+    FfpCapture capture;
+    assert_true(ffp_scene_folder_open(&folder, in_scratch("made"), &err));
+    assert_false(ffp_scene_folder_read(&capture, &folder, "train_00005", config, config->resolution, &err));
+    if (!strstr(err.text, reason) || !strstr(err.text, place))
+        fail_msg("'%s' lacks '%s' or '%s'", err.text, reason, place);
+    ffp_scene_folder_close(&folder);
+}
+
+static void what_is_asked_for_must_be_there(void **state) {
+    (void)state;
+    FfpTrainConfig config = configuration();
+    config.views = 9;
+    refused(&config, "holds 8 views; the configuration's views asks for 9", "train_00005/scene.json: views");
+    config = configuration(), config.targets = 5;
+    refused(&config, "holds 4 views; the configuration's targets asks for 5",
+            "train_00005/targets/scene.json: views");
+    config = configuration(), config.lollipops = 5;
+    refused(&config, "4 patterns besides black and white; the configuration's lollipops asks for 5",
+            "train_00005/scene.json: patterns");
+    config = configuration(), config.resolution = 64;
+    refused(&config, "pictures of 32 x 32; the configuration's resolution asks for 64",
+            "train_00005/scene.json: view 'path_0_theta000', camera");
+}
+
+static void edit(const char *command) {
+    char line[4096];
+    snprintf(line, sizeof line, "cd %s/made/train_00005 && %s", scratch, command);
+    assert_int_equal(system(line), 0);
+}
+
+// The last test: it takes the scene apart.
+static void files_must_be_there(void **state) {
+    (void)state;
+    FfpTrainConfig config = configuration();
+    config.truth_albedo = 1;
+    edit("sed -i 's/\"albedo\"/\"no\"/' targets/scene.json");
+    refused(&config, "a true map that the configuration uses is missing",
+            "train_00005/targets/scene.json: view 'novel_00', albedo");
+    config.truth_albedo = 0;
+    edit("sed -i 's/\"lollipop_2\": \"novel/\"lollipop_1\": \"novel/' targets/scene.json");
+    refused(&config, "broken JSON", "targets/scene.json"); // now twice in one object
+    edit("sed -i '/\"lollipop_1\": /d' targets/scene.json");
+    refused(&config, "a picture under a pattern is missing", "novel_00', images");
+    edit("rm targets/novel_01_all_white.png");
+    refused(&config, "no file 'novel_01_all_white.png'", "targets/scene.json: views[1].images.all_white");
+    edit("rm targets/scene.json");
+    refused(&config, "the scene has no new poses; the configuration's targets asks for 4",
+            "targets/scene.json");
+    edit("rm scene.json");
+    refused(&config, "no such file", "train_00005/scene.json");
+}
+
+// A run that takes its scenes from the folder: with threads and without, the same; a bad scene ends it.
+static void training_reads_the_folder(void **state) {
+    (void)state;
+    static const char form[] = "{\"model\": \"tiny\", \"resolution\": %d, \"pool\": 2, \"reuse\": 1, "
+                               "\"lollipops\": 2, \"scenes\": \"%s\","
+                               " \"generators\": %d, \"steps\": 4, \"validate_every\": 0, \"log_every\": 1}";
+    FfpModel *models[2];
+    for (int i = 0; i < 3; i++) {
+        char text[sizeof form + FFP_PATH_MAX], origin[FFP_ORIGIN_MAX], out[FFP_PATH_MAX], path[FFP_PATH_MAX];
+        snprintf(text, sizeof text, form, i == 2 ? 64 : SIDE, in_scratch("made"), i);
+        snprintf(out, sizeof out, "%s/run%d", scratch, i);
+        assert_true(ffp_write_file(in_scratch("config.json"), text, strlen(text), NULL));
+        const FfpTraining options = {.out = out, .config = in_scratch("config.json"), .steps = -1};
+        FfpError err = {""};
+        const bool ok = ffp_train_model(&options, &err);
+        if (i == 2) {
+            assert_false(ok);
+            assert_non_null(strstr(err.text, "pictures of 32 x 32"));
+            break;
+        }
+        if (!ok) fail_msg("%s", err.text);
+        FfpAdam adam;
+        FfpTrainConfig config;
+        assert_true(ffp_join_path(path, out, "checkpoint.safetensors"));
+        assert_non_null(models[i] = ffp_checkpoint_read(path, &adam, &config, origin, &err));
+        ffp_adam_free(&adam);
+    }
+    assert_memory_equal(models[0]->values, models[1]->values, (size_t)models[0]->count * sizeof(real));
+    ffp_model_free(models[0]);
+    ffp_model_free(models[1]);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(folder_equals_memory),
+        cmocka_unit_test(folder_equals_memory),       cmocka_unit_test(order_is_of_seed_and_number),
+        cmocka_unit_test(only_training_scenes_count), cmocka_unit_test(what_is_asked_for_must_be_there),
+        cmocka_unit_test(training_reads_the_folder),  cmocka_unit_test(files_must_be_there),
     };
     return cmocka_run_group_tests(tests, setup, scratch_teardown);
 }

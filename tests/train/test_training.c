@@ -38,6 +38,38 @@ static void test_resume(void **state) {
     assert_same_files(in_scratch("straight/weights.safetensors"), in_scratch("stopped/weights.safetensors"));
 }
 
+// Whoever makes the scenes, and wherever the run was stopped: the same weights and moments.
+static void test_generators(void **state) {
+    (void)state;
+    static const char *const names[2] = {"alone", "helped"};
+    static const int generators[2] = {0, 3};
+    FfpModel *models[2];
+    FfpAdam adams[2];
+    for (int i = 0; i < 2; i++) {
+        char text[sizeof tiny_run + 64], origin[FFP_ORIGIN_MAX], path[FFP_PATH_MAX];
+        snprintf(text, sizeof text, "{\"generators\": %d, \"queue\": 3, %s", generators[i], tiny_run + 1);
+        assert_true(ffp_write_file(in_scratch("config.json"), text, strlen(text), NULL));
+        train(in_scratch(names[i]), in_scratch("config.json"), i ? 3 : 0, false);
+        if (i) train(in_scratch(names[i]), NULL, 0, true);
+        FfpTrainConfig config;
+        FfpError err = {""};
+        assert_true(ffp_join_path(path, in_scratch(names[i]), "checkpoint.safetensors"));
+        models[i] = ffp_checkpoint_read(path, &adams[i], &config, origin, &err);
+        if (!models[i]) fail_msg("%s", err.text);
+        assert_int_equal(adams[i].step, 6);
+        assert_int_equal(config.generators, generators[i]);
+    }
+    const size_t size = (size_t)models[0]->count * sizeof(real);
+    assert_memory_equal(models[0]->values, models[1]->values, size);
+    assert_memory_equal(adams[0].ema, adams[1].ema, size);
+    assert_memory_equal(adams[0].m, adams[1].m, size);
+    assert_memory_equal(adams[0].v, adams[1].v, size);
+    for (int i = 0; i < 2; i++) {
+        ffp_model_free(models[i]);
+        ffp_adam_free(&adams[i]);
+    }
+}
+
 static void test_refusals(void **state) {
     (void)state;
     FfpError err = {""};
@@ -100,6 +132,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_refusals),
         cmocka_unit_test(test_resume),
+        cmocka_unit_test(test_generators),
         cmocka_unit_test(test_overfit),
     };
     return cmocka_run_group_tests(tests, scratch_setup, scratch_teardown);

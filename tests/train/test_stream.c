@@ -1,0 +1,134 @@
+// Which scene a step gets does not depend on who makes it, nor on where the run began.
+#include "scratch.h"
+#include "train/train.h"
+
+enum { STEPS = 12 };
+static atomic_bool stop;
+
+static FfpTrainConfig configuration(const char *fields) {
+    static const char form[] =
+        "{\"views\": 2, \"targets\": 1, \"supervised_inputs\": 1, \"supervised_targets\": 1,"
+        " \"lollipops\": 1, \"pattern_side\": 64, \"samples\": 1, \"ambient_rays\": 1, %s}";
+    char text[1024];
+    FfpTrainConfig config;
+    FfpError err = {""};
+    snprintf(text, sizeof text, form, fields);
+    if (!ffp_train_config_parse(&config, text, "test", &err)) fail_msg("%s", err.text);
+    return config;
+}
+
+// FNV-1a of bytes.
+static uint64_t hash(uint64_t sum, const void *data, size_t size) {
+    const unsigned char *bytes = data;
+    for (size_t i = 0; i < size; i++) sum = (sum ^ bytes[i]) * 0x100000001b3ULL;
+    return sum;
+}
+
+static uint64_t hash_image(uint64_t sum, const FfpImage *image) {
+    return hash(sum, image->data,
+                sizeof(real) * (size_t)image->width * (size_t)image->height * (size_t)image->channels);
+}
+
+// Of all that a step reads: poses, pictures, truth, the start's maps.
+static uint64_t hash_scene(const FfpScene *scene) {
+    const FfpCapture *capture = &scene->capture;
+    uint64_t sum = hash(0xcbf29ce484222325ULL, capture->intensity, sizeof capture->intensity);
+    for (int v = 0; v < capture->n_views; v++) {
+        const FfpView *view = &capture->views[v];
+        sum = hash(sum, &view->camera, sizeof view->camera);
+        sum = hash(sum, &view->projector, sizeof view->projector);
+        for (int p = 0; p < capture->n_patterns; p++) sum = hash_image(sum, &view->images[p]);
+        const FfpImage *const maps[] = {&view->coverage, &view->depth, &view->normal, &view->albedo,
+                                        &view->roughness};
+        for (size_t i = 0; i < sizeof maps / sizeof *maps; i++) sum = hash_image(sum, maps[i]);
+    }
+    const size_t pixels =
+        (size_t)scene->inputs.n_views * (size_t)scene->start.width * (size_t)scene->start.height;
+    const FfpStart *s = &scene->start;
+    sum = hash(sum, s->t, pixels * sizeof(real));
+    return hash(sum, s->albedo, 3 * pixels * sizeof(real));
+}
+
+// The hash of every step's scene, in steps [first, STEPS).
+static void walk(const FfpTrainConfig *config, int first, uint64_t sums[STEPS]) {
+    FfpError err = {""};
+    stop = false;
+    FfpStream *stream = ffp_stream_new(config, NULL, first, STEPS, &stop, &err);
+    if (!stream) fail_msg("%s", err.text);
+    for (int step = first; step < STEPS; step++) {
+        const FfpScene *scene;
+        if (!ffp_stream_scene(stream, step, &scene, &err)) fail_msg("%s", err.text);
+        assert_non_null(scene);
+        sums[step] = hash_scene(scene);
+    }
+    ffp_stream_free(stream);
+}
+
+// The same by opening the scene of every step by itself; only steps that share number and size share a scene.
+static void walk_plainly(const FfpTrainConfig *config, uint64_t sums[STEPS]) {
+    FfpError err = {""};
+    for (int step = 0; step < STEPS; step++) {
+        const int64_t number = ffp_scene_number(config, step);
+        const int side = ffp_resolution_at(config, step);
+        int known = 0;
+        while (known < step &&
+               (ffp_scene_number(config, known) != number || ffp_resolution_at(config, known) != side))
+            known++;
+        if (known < step) {
+            sums[step] = sums[known];
+            continue;
+        }
+        FfpScene scene;
+        if (!ffp_scene_open(&scene, config, "train", number, side, &err)) fail_msg("%s", err.text);
+        sums[step] = hash_scene(&scene);
+        ffp_scene_close(&scene);
+    }
+}
+
+static void compare(const char *fields) {
+    static const int walks[][2] = {{0, 0}, {1, 4}, {3, 0}, {3, 7}}; // generators, first step
+    FfpTrainConfig config = configuration(fields);
+    uint64_t plain[STEPS], sums[STEPS];
+    walk_plainly(&config, plain);
+    assert_true(plain[0] != plain[STEPS - 1]);
+    for (size_t i = 0; i < sizeof walks / sizeof *walks; i++) {
+        config.generators = walks[i][0];
+        walk(&config, walks[i][1], sums);
+        for (int step = walks[i][1]; step < STEPS; step++)
+            if (sums[step] != plain[step])
+                fail_msg("%d generators, from step %d: step %d differs (%s)", walks[i][0], walks[i][1], step,
+                         fields);
+    }
+}
+
+static void threads_and_beginnings_do_not_matter(void **state) {
+    (void)state;
+    compare("\"pool\": 2, \"reuse\": 3, \"resolution\": 16, \"low_resolution\": 8, \"low_steps\": 5");
+    compare("\"pool\": 3, \"reuse\": 2, \"resolution\": 8, \"low_resolution\": 8, \"queue\": 1");
+    compare("\"single_scene\": true, \"resolution\": 16, \"low_resolution\": 8, \"low_steps\": 9");
+}
+
+// The generator's own check fails, in a thread of the stream; the trainer's thread hears which scene it was.
+static void an_error_names_the_scene(void **state) {
+    (void)state;
+    FfpTrainConfig config = configuration("\"pool\": 2, \"resolution\": 8, \"seed\": 3");
+    config.samples = 0; // as no file can say it
+    for (config.generators = 0; config.generators <= 2; config.generators++) {
+        FfpError err = {""};
+        const FfpScene *scene;
+        FfpStream *stream = ffp_stream_new(&config, NULL, 1, STEPS, &stop, &err);
+        assert_false(ffp_stream_scene(stream, 1, &scene, &err));
+        assert_null(scene);
+        if (!strstr(err.text, "scene 1 of the train split") || !strstr(err.text, "0 samples"))
+            fail_msg("%s", err.text);
+        ffp_stream_free(stream);
+    }
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(threads_and_beginnings_do_not_matter),
+        cmocka_unit_test(an_error_names_the_scene),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
