@@ -96,7 +96,9 @@ static double concavity(const FfpMesh *mesh, const FfpTracer *tracer) {
             }
             if (along <= 0) continue;
             facing += (double)area;
-            if (ffp_trace_blocked(tracer, start, way)) shadowed += (double)area;
+            FfpRays ray = {.count = 0};
+            ffp_rays_add(&ray, start, way);
+            if (ffp_trace_blocked(tracer, &ray)) shadowed += (double)area;
         }
     }
     return facing > 0 ? shadowed / facing : 0;

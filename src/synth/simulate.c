@@ -38,6 +38,14 @@ typedef struct Work {
     uint32_t seed;
 } Work;
 
+// Where a ray of the camera met the surface, and what lies there.
+typedef struct Sample {
+    uint32_t index; // of the pixel's samples
+    float ray[3];
+    FfpHit hit;
+    float albedo[3], roughness, normal[3]; // the normal with its relief
+} Sample;
+
 static Device device_of(const FfpCamera *c) {
     Device d = {.fx = (float)c->fx,
                 .fy = (float)c->fy,
@@ -83,8 +91,8 @@ static void even_pair(uint32_t index, uint32_t shift, float *x, float *y) {
     *x = (float)(a >> 8) * (1.0F / 16777216.0F), *y = (float)(b >> 8) * (1.0F / 16777216.0F);
 }
 
-// Light that leaves the projector towards a point, before the pattern: I / d^2, where its rectangle and
-// shadows allow.
+// Light that leaves the projector towards a point, before the pattern and shadows: I / d^2 within its
+// rectangle.
 typedef struct Arrival {
     float u, v;       // where in the pattern
     float towards[3]; // unit, to the projector
@@ -92,11 +100,11 @@ typedef struct Arrival {
     float local[3];   // the point in the projector's frame
 } Arrival;
 
-static bool arrive(const Work *w, const float point[3], const float facet[3], const float normal[3],
-                   Arrival *a) {
+// False where none does. Else the ray along which something may stand in the way is added to `shadow`.
+static bool arrive(const Work *w, const FfpHit *hit, const float normal[3], Arrival *a, FfpRays *shadow) {
     const Device *p = &w->projector;
     float way[3], start[3];
-    for (int k = 0; k < 3; k++) way[k] = p->origin[k] - point[k];
+    for (int k = 0; k < 3; k++) way[k] = p->origin[k] - hit->point[k];
     if (dot(way, normal) <= 0) return false;
     for (int k = 0; k < 3; k++) a->local[k] = -dot(p->axes + 3 * k, way);
     if (a->local[2] <= 1e-6F) return false;
@@ -105,11 +113,12 @@ static bool arrive(const Work *w, const float point[3], const float facet[3], co
     const float square = dot(way, way), scale = 1 / sqrtf(square);
     a->fall = 1 / square;
     for (int k = 0; k < 3; k++) {
-        start[k] = point[k] + OFFSET * facet[k];
+        start[k] = hit->point[k] + OFFSET * hit->facet[k];
         a->towards[k] = way[k] * scale;
         way[k] = p->origin[k] - start[k];
     }
-    return !ffp_trace_blocked(w->sim->tracer, start, way);
+    ffp_rays_add(shadow, start, way);
+    return true;
 }
 
 // A bilinear lookup, the same for all patterns: four texels' offsets and weights. Weightless outside the
@@ -155,9 +164,10 @@ static void pattern_slope(const Work *w, const Arrival *a, const float step[3], 
     *dv = s * p->fy * (local[1] * z - a->local[1] * local[2]);
 }
 
-static void spread_lookups(const Work *w, const Arrival *a, const FfpHit *hit, const float ray[3], float side,
+static void spread_lookups(const Work *w, const Arrival *a, const FfpHit *hit, const float ray[3],
                            Spread *out) {
     const Device *c = &w->camera;
+    const float side = 1 / sqrtf((float)w->sim->samples);
     const float facing = dot(hit->facet, ray);
     const float steep = fabsf(facing) < 0.05F ? copysignf(0.05F, facing) : facing;
     float du[2], dv[2];
@@ -183,28 +193,19 @@ static void spread_lookups(const Work *w, const Arrival *a, const FfpHit *hit, c
         }
 }
 
-static void direct_light(const Work *w, size_t pixel, const FfpHit *hit, const float ray[3],
-                         const float normal[3], const float albedo[3], float roughness, float side) {
-    float way[3];
-    for (int k = 0; k < 3; k++) way[k] = w->projector.origin[k] - hit->point[k];
-    if (dot(way, normal) <= 0) { // its cosine makes it dark, not a shadow
-        if (w->visibility) w->visibility->data[pixel] += 1;
-        return;
-    }
-    Arrival a;
-    if (!arrive(w, hit->point, hit->facet, normal, &a)) return;
-    const float scale = -1 / sqrtf(dot(ray, ray)),
-                to_camera[3] = {ray[0] * scale, ray[1] * scale, ray[2] * scale};
-    const float specular = ffp_brdf_specular(normal, a.towards, to_camera, roughness),
-                cosine = dot(normal, a.towards);
+// Light of the projector that reaches a sample and goes on to the camera.
+static void light_sample(const Work *w, size_t pixel, const Sample *s, const Arrival *a) {
+    const float scale = -1 / sqrtf(dot(s->ray, s->ray)),
+                to_camera[3] = {s->ray[0] * scale, s->ray[1] * scale, s->ray[2] * scale};
+    const float specular = ffp_brdf_specular(s->normal, a->towards, to_camera, s->roughness),
+                cosine = dot(s->normal, a->towards);
     float colour[3];
     for (int c = 0; c < 3; c++) {
-        colour[c] = (albedo[c] / 3.14159265F + specular) * cosine * a.fall * w->sim->intensity[c];
+        colour[c] = (s->albedo[c] / 3.14159265F + specular) * cosine * a->fall * w->sim->intensity[c];
         w->view->direct_white.data[3 * pixel + (size_t)c] += colour[c];
     }
-    if (w->visibility) w->visibility->data[pixel] += 1;
     Spread spread;
-    spread_lookups(w, &a, hit, ray, side, &spread);
+    spread_lookups(w, a, &s->hit, s->ray, &spread);
     for (int p = 0; p < w->sim->n_patterns; p++) {
         const FfpLightPattern *pattern = &w->sim->patterns[p];
         if (pattern->black) continue;
@@ -215,6 +216,31 @@ static void direct_light(const Work *w, size_t pixel, const FfpHit *hit, const f
         for (size_t c = 0; c < 3; c++)
             w->view->images[p].data[3 * pixel + c] += colour[c] * sum[c] / (float)spread.count;
     }
+}
+
+static void direct_light(const Work *w, size_t pixel, const Sample *samples, int count) {
+    FfpRays shadow = {.count = 0};
+    Arrival arrivals[FFP_RAYS];
+    const Sample *lit[FFP_RAYS];
+    int dark = 0; // by their cosine, not by a shadow
+    for (int i = 0; i < count; i++) {
+        const Sample *s = &samples[i];
+        float way[3];
+        for (int k = 0; k < 3; k++) way[k] = w->projector.origin[k] - s->hit.point[k];
+        const int n = shadow.count;
+        if (dot(way, s->normal) <= 0)
+            dark++;
+        else if (arrive(w, &s->hit, s->normal, &arrivals[n], &shadow))
+            lit[n] = s;
+    }
+    const unsigned blocked = ffp_trace_blocked(w->sim->tracer, &shadow);
+    int reached = 0;
+    for (int i = 0; i < shadow.count; i++) {
+        if (blocked >> i & 1) continue;
+        light_sample(w, pixel, lit[i], &arrivals[i]);
+        reached++;
+    }
+    if (w->visibility) w->visibility->data[pixel] += (real)(dark + reached);
 }
 
 // A cosine-weighted direction around `normal`, turned above the facet where interpolation leads below it.
@@ -229,31 +255,16 @@ static void ambient_direction(const FfpHit *hit, float x, float y, float d[3]) {
     for (int k = 0; k < 3 && below < 0; k++) d[k] -= 2 * below * hit->facet[k];
 }
 
-// Incoming light other than the projector's own: sky where the ray is free, else what the surface there sends
-// back.
-static void gather(const Work *w, size_t pixel, const FfpHit *hit, uint32_t index, uint32_t shift) {
-    float x, y, d[3], start[3];
-    even_pair(index, shift, &x, &y);
-    ambient_direction(hit, x, y, d);
-    for (int k = 0; k < 3; k++) start[k] = hit->point[k] + OFFSET * hit->facet[k];
-    float *ambient = w->sums.ambient + 3 * pixel;
-    FfpHit far;
-    if (!ffp_trace_hit(w->sim->tracer, start, d, false, &far)) {
-        for (int c = 0; c < 3; c++) ambient[c] += w->sim->ambient;
-        return;
-    }
-    float albedo[3], roughness;
-    surface_look(w->sim, &far, BLUR, albedo, &roughness);
-    for (int c = 0; c < 3; c++) ambient[c] += albedo[c] * CAVITY * w->sim->ambient;
-    Arrival a;
-    if (dot(far.facet, d) > 0 || !arrive(w, far.point, far.facet, far.normal, &a)) return;
+// The projector's light that a surface met by a secondary ray sends back.
+static void add_bounce(const Work *w, size_t pixel, const FfpHit *far, const float albedo[3],
+                       const Arrival *a) {
     float colour[3];
-    const float cosine = dot(far.normal, a.towards);
-    for (int c = 0; c < 3; c++) colour[c] = albedo[c] / 3.14159265F * cosine * a.fall * w->sim->intensity[c];
+    const float cosine = dot(far->normal, a->towards);
+    for (int c = 0; c < 3; c++) colour[c] = albedo[c] / 3.14159265F * cosine * a->fall * w->sim->intensity[c];
     const Device *projector = &w->projector;
     const Texel texel =
         texel_at((int)ceilf(projector->width / FFP_COARSE), (int)ceilf(projector->height / FFP_COARSE),
-                 a.u / FFP_COARSE, a.v / FFP_COARSE);
+                 a->u / FFP_COARSE, a->v / FFP_COARSE);
     for (int p = 0; p < w->sim->n_patterns; p++) {
         if (w->sim->patterns[p].black) continue;
         float sum[3] = {0, 0, 0};
@@ -262,32 +273,72 @@ static void gather(const Work *w, size_t pixel, const FfpHit *hit, uint32_t inde
     }
 }
 
-static void shade_sample(const Work *w, size_t pixel, const FfpHit *hit, const float ray[3], uint32_t sample,
-                         uint32_t shift) {
+// Incoming light other than the projector's own, along some rays: sky where a ray is free, else what the
+// surface there sends back.
+static void gather(const Work *w, size_t pixel, const FfpRays *rays) {
+    FfpHit far[FFP_RAYS];
+    FfpRays shadow = {.count = 0};
+    Arrival arrivals[FFP_RAYS];
+    float albedos[FFP_RAYS][3];
+    int lit[FFP_RAYS];
+    const unsigned hits = ffp_trace_hits(w->sim->tracer, rays, false, far);
+    float *ambient = w->sums.ambient + 3 * pixel;
+    for (int i = 0; i < rays->count; i++) {
+        if (!(hits >> i & 1)) {
+            for (int c = 0; c < 3; c++) ambient[c] += w->sim->ambient;
+            continue;
+        }
+        const float d[3] = {rays->direction[0][i], rays->direction[1][i], rays->direction[2][i]};
+        const int n = shadow.count;
+        float roughness;
+        surface_look(w->sim, &far[i], BLUR, albedos[n], &roughness);
+        for (int c = 0; c < 3; c++) ambient[c] += albedos[n][c] * CAVITY * w->sim->ambient;
+        if (dot(far[i].facet, d) <= 0 && arrive(w, &far[i], far[i].normal, &arrivals[n], &shadow)) lit[n] = i;
+    }
+    if (shadow.count == 0) return;
+    const unsigned blocked = ffp_trace_blocked(w->sim->tracer, &shadow);
+    for (int n = 0; n < shadow.count; n++)
+        if (!(blocked >> n & 1)) add_bounce(w, pixel, &far[lit[n]], albedos[n], &arrivals[n]);
+}
+
+static void indirect_light(const Work *w, size_t pixel, const Sample *samples, int count, uint32_t shift) {
+    const int each = w->sim->ambient_rays;
+    FfpRays rays = {.count = 0};
+    for (int i = 0; i < count * each; i++) {
+        const Sample *s = &samples[i / each];
+        float x, y, d[3], start[3];
+        even_pair(s->index * (uint32_t)each + (uint32_t)(i % each), shift ^ 0x1b56c4e9U, &x, &y);
+        ambient_direction(&s->hit, x, y, d);
+        for (int k = 0; k < 3; k++) start[k] = s->hit.point[k] + OFFSET * s->hit.facet[k];
+        ffp_rays_add(&rays, start, d);
+        if (rays.count < FFP_RAYS && i + 1 < count * each) continue;
+        gather(w, pixel, &rays);
+        rays.count = 0;
+    }
+}
+
+// Looks up what lies at a sample's hit, and adds it to the truth maps.
+static void look_at_sample(const Work *w, size_t pixel, Sample *s) {
     FfpView *view = w->view;
-    float albedo[3], roughness, normal[3];
-    memcpy(normal, hit->normal, sizeof normal);
-    const float side = 1 / sqrtf((float)w->sim->samples), cell = side * hit->t / w->camera.fx;
-    surface_look(w->sim, hit, cell, albedo, &roughness);
-    surface_bump(w->sim, hit, cell, normal);
-    const float length = sqrtf(dot(ray, ray)), facing = -dot(normal, ray) / length;
+    const float cell = s->hit.t / (w->camera.fx * sqrtf((float)w->sim->samples));
+    memcpy(s->normal, s->hit.normal, sizeof s->normal);
+    surface_look(w->sim, &s->hit, cell, s->albedo, &s->roughness);
+    surface_bump(w->sim, &s->hit, cell, s->normal);
+    const float length = sqrtf(dot(s->ray, s->ray)), facing = -dot(s->normal, s->ray) / length;
     if (facing < FACING) { // seen from behind by interpolation or bump: tilt it to the camera
         float square = 0;
         for (int k = 0; k < 3; k++)
-            normal[k] -= (FACING - facing) * ray[k] / length, square += normal[k] * normal[k];
-        for (int k = 0; k < 3; k++) normal[k] /= sqrtf(square);
+            s->normal[k] -= (FACING - facing) * s->ray[k] / length, square += s->normal[k] * s->normal[k];
+        for (int k = 0; k < 3; k++) s->normal[k] /= sqrtf(square);
     }
     for (int c = 0; c < 3; c++) {
         const size_t i = 3 * pixel + (size_t)c;
-        view->albedo.data[i] += albedo[c];
-        view->normal.data[i] += normal[c];
-        w->sums.point[i] += hit->point[c];
-        w->sums.smooth[i] += hit->normal[c];
+        view->albedo.data[i] += s->albedo[c];
+        view->normal.data[i] += s->normal[c];
+        w->sums.point[i] += s->hit.point[c];
+        w->sums.smooth[i] += s->hit.normal[c];
     }
-    view->roughness.data[pixel] += roughness;
-    direct_light(w, pixel, hit, ray, normal, albedo, roughness, side);
-    for (int i = 0; i < w->sim->ambient_rays; i++)
-        gather(w, pixel, hit, sample * (uint32_t)w->sim->ambient_rays + (uint32_t)i, shift ^ 0x1b56c4e9U);
+    view->roughness.data[pixel] += s->roughness;
 }
 
 static void divide(real *data, int count, float by) {
@@ -325,28 +376,54 @@ static void finish_pixel(const Work *w, size_t pixel, float hits, int samples) {
         for (int c = 0; c < 3; c++) w->sums.ambient[3 * pixel + (size_t)c] = w->sim->ambient;
 }
 
+// Samples first..last - 1 of a pixel, side by side. How many of them hit.
+static int trace_samples(const Work *w, int x, int y, int first, int last, uint32_t shift) {
+    const size_t pixel = (size_t)y * (size_t)w->view->camera.width + (size_t)x;
+    FfpRays rays = {.count = 0};
+    FfpHit hits[FFP_RAYS];
+    Sample samples[FFP_RAYS];
+    for (int s = first; s < last; s++) {
+        float i, j, ray[3];
+        even_pair((uint32_t)s, shift, &i, &j);
+        camera_ray(&w->camera, (float)x + i, (float)y + j, ray);
+        ffp_rays_add(&rays, w->camera.origin, ray);
+    }
+    const unsigned found = ffp_trace_hits(w->sim->tracer, &rays, true, hits);
+    int count = 0;
+    for (int i = 0; i < rays.count; i++) {
+        Sample *s = &samples[count];
+        for (int k = 0; k < 3; k++) s->ray[k] = rays.direction[k][i];
+        if (!(found >> i & 1) || dot(hits[i].facet, s->ray) >= 0) continue;
+        s->hit = hits[i], s->index = (uint32_t)(first + i);
+        look_at_sample(w, pixel, s);
+        count++;
+    }
+    if (count == 0) return 0;
+    direct_light(w, pixel, samples, count);
+    indirect_light(w, pixel, samples, count, shift);
+    return count;
+}
+
 static void trace_pixel(const Work *w, int x, int y) {
     const size_t pixel = (size_t)y * (size_t)w->view->camera.width + (size_t)x;
     const uint32_t shift = ffp_hash32(w->seed ^ ffp_hash32((uint32_t)pixel));
-    int limit = w->sim->samples, hits = 0;
-    float ray[3];
-    FfpHit hit;
-    for (int s = 0; s < limit; s++) {
-        float i, j;
-        even_pair((uint32_t)s, shift, &i, &j);
-        camera_ray(&w->camera, (float)x + i, (float)y + j, ray);
-        if (ffp_trace_hit(w->sim->tracer, w->camera.origin, ray, true, &hit) && dot(hit.facet, ray) < 0) {
-            shade_sample(w, pixel, &hit, ray, (uint32_t)s, shift);
-            hits++;
-        }
+    const int samples = w->sim->samples;
+    int limit = samples, hits = 0;
+    for (int s = 0; s < limit;) {
+        const int end = s < samples ? samples : limit, last = s + FFP_RAYS < end ? s + FFP_RAYS : end;
+        hits += trace_samples(w, x, y, s, last, shift);
+        s = last;
         // a silhouette's share is a mean of zeros and ones: it takes more samples than a colour
-        if (s + 1 == w->sim->samples && hits > 0 && hits <= s) limit *= 4;
+        if (s == samples && hits > 0 && hits < s) limit *= 4;
     }
     if (hits == 0) return;
     finish_pixel(w, pixel, (float)hits, limit);
+    FfpRays centre = {.count = 0};
+    FfpHit hit[FFP_RAYS];
+    float ray[3];
     camera_ray(&w->camera, (float)x + 0.5F, (float)y + 0.5F, ray);
-    if (ffp_trace_hit(w->sim->tracer, w->camera.origin, ray, true, &hit))
-        w->view->depth.data[pixel] = (real)hit.t;
+    ffp_rays_add(&centre, w->camera.origin, ray);
+    if (ffp_trace_hits(w->sim->tracer, &centre, true, hit)) w->view->depth.data[pixel] = (real)hit->t;
 }
 
 // Which CELL x CELL blocks of pixels any triangle's bounding box touches: most of an image is background.

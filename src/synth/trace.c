@@ -3,12 +3,12 @@
 #include <math.h>
 #include <stdlib.h>
 #include "base/arena.h"
+#include "synth/scalar.h"
 
 #if __has_include(<embree4/rtcore.h>)
 #include <embree4/rtcore.h>
 #else
 #include <embree3/rtcore.h>
-#include "synth/scalar.h"
 #endif
 
 struct FfpTracer {
@@ -18,7 +18,8 @@ struct FfpTracer {
 };
 
 FfpTracer *ffp_tracer_new(const FfpMesh *mesh, FfpError *err) {
-    RTCDevice device = rtcNewDevice("threads=1,set_affinity=0");
+    // Scattered rays are a little slower with AVX-512, and without it more processors make the same pixels.
+    RTCDevice device = rtcNewDevice("threads=1,set_affinity=0,max_isa=avx2");
     if (!device) {
         ffp_fail(err, NULL, "Embree cannot start (error %d)", (int)rtcGetDeviceError(NULL));
         return NULL;
@@ -50,30 +51,38 @@ void ffp_tracer_free(FfpTracer *tracer) {
     free(tracer);
 }
 
-static void intersect(const FfpTracer *tracer, bool coherent, struct RTCRayHit *ray) {
+void ffp_rays_add(FfpRays *rays, const float origin[3], const float direction[3]) {
+    const int k = rays->count++;
+    for (int a = 0; a < 3; a++) rays->origin[a][k] = origin[a], rays->direction[a][k] = direction[a];
+}
+
+// Which of the FFP_RAYS lanes hold a ray, as Embree wants to know it.
+static void set_valid(const FfpRays *rays, int valid[FFP_RAYS]) {
+    for (int k = 0; k < FFP_RAYS; k++) valid[k] = k < rays->count ? -1 : 0;
+}
+
+static void set_rays(const FfpRays *rays, float far, struct RTCRay8 *out) {
+    for (int k = 0; k < FFP_RAYS; k++) {
+        out->org_x[k] = rays->origin[0][k], out->dir_x[k] = rays->direction[0][k];
+        out->org_y[k] = rays->origin[1][k], out->dir_y[k] = rays->direction[1][k];
+        out->org_z[k] = rays->origin[2][k], out->dir_z[k] = rays->direction[2][k];
+        out->tnear[k] = 0, out->tfar[k] = far, out->time[k] = 0;
+        out->mask[k] = 0xffffffffU, out->id[k] = (unsigned)k, out->flags[k] = 0;
+    }
+}
+
+static void intersect(const FfpTracer *tracer, const int *valid, bool coherent, struct RTCRayHit8 *rays) {
 #if RTC_VERSION_MAJOR >= 4
     struct RTCIntersectArguments arguments;
     rtcInitIntersectArguments(&arguments);
     arguments.flags = coherent ? RTC_RAY_QUERY_FLAG_COHERENT : RTC_RAY_QUERY_FLAG_INCOHERENT;
-    rtcIntersect1(tracer->scene, ray, &arguments);
+    rtcIntersect8(valid, tracer->scene, rays, &arguments);
 #else
     struct RTCIntersectContext context;
     rtcInitIntersectContext(&context);
     context.flags = coherent ? RTC_INTERSECT_CONTEXT_FLAG_COHERENT : RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
-    rtcIntersect1(tracer->scene, &context, ray);
+    rtcIntersect8(valid, tracer->scene, &context, rays);
 #endif
-}
-
-static struct RTCRay ray_of(const float origin[3], const float direction[3], float far) {
-    return (struct RTCRay){.org_x = origin[0],
-                           .org_y = origin[1],
-                           .org_z = origin[2],
-                           .dir_x = direction[0],
-                           .dir_y = direction[1],
-                           .dir_z = direction[2],
-                           .tnear = 0,
-                           .tfar = far,
-                           .mask = 0xffffffffU};
 }
 
 // Turns facet and normal to the side that the ray came from.
@@ -85,21 +94,19 @@ static void face(const float direction[3], FfpHit *hit) {
     for (int a = 0; a < 3 && agree < 0; a++) hit->normal[a] = -hit->normal[a];
 }
 
-bool ffp_trace_hit(const FfpTracer *tracer, const float origin[3], const float direction[3], bool coherent,
-                   FfpHit *hit) {
-    struct RTCRayHit ray = {.ray = ray_of(origin, direction, INFINITY)};
-    ray.hit.geomID = ray.hit.primID = RTC_INVALID_GEOMETRY_ID;
-    intersect(tracer, coherent, &ray);
-    if (ray.hit.geomID == RTC_INVALID_GEOMETRY_ID) return false;
-    hit->t = ray.ray.tfar;
-    hit->triangle = ray.hit.primID, hit->u = ray.hit.u, hit->v = ray.hit.v;
-    const uint32_t *corner = tracer->mesh->triangles + 3 * (size_t)ray.hit.primID;
-    const float u = ray.hit.u, v = ray.hit.v, w = 1 - u - v;
-    const float facet[3] = {ray.hit.Ng_x, ray.hit.Ng_y, ray.hit.Ng_z};
-    float facet_square = 0, square = 0;
+// What lies where ray k met the mesh.
+static void describe(const FfpTracer *tracer, const FfpRays *rays, const struct RTCRayHit8 *found, int k,
+                     FfpHit *hit) {
+    hit->t = found->ray.tfar[k];
+    hit->triangle = found->hit.primID[k], hit->u = found->hit.u[k], hit->v = found->hit.v[k];
+    const uint32_t *corner = tracer->mesh->triangles + 3 * (size_t)hit->triangle;
+    const float u = hit->u, v = hit->v, w = 1 - u - v;
+    const float facet[3] = {found->hit.Ng_x[k], found->hit.Ng_y[k], found->hit.Ng_z[k]};
+    float direction[3], facet_square = 0, square = 0;
     for (int a = 0; a < 3; a++) {
         const float *n = tracer->mesh->normals + a;
-        hit->point[a] = origin[a] + hit->t * direction[a];
+        direction[a] = rays->direction[a][k];
+        hit->point[a] = rays->origin[a][k] + hit->t * direction[a];
         hit->normal[a] = w * n[3 * corner[0]] + u * n[3 * corner[1]] + v * n[3 * corner[2]];
         square += hit->normal[a] * hit->normal[a];
         facet_square += facet[a] * facet[a];
@@ -108,19 +115,40 @@ bool ffp_trace_hit(const FfpTracer *tracer, const float origin[3], const float d
                 facet_scale = 1 / sqrtf(ffp_max(facet_square, 1e-30F));
     for (int a = 0; a < 3; a++) hit->normal[a] *= scale, hit->facet[a] = facet[a] * facet_scale;
     if (tracer->mesh->two_sided) face(direction, hit);
-    return true;
 }
 
-bool ffp_trace_blocked(const FfpTracer *tracer, const float origin[3], const float direction[3]) {
-    struct RTCRay ray = ray_of(origin, direction, 1);
+unsigned ffp_trace_hits(const FfpTracer *tracer, const FfpRays *rays, bool coherent, FfpHit hits[FFP_RAYS]) {
+    _Alignas(32) int valid[FFP_RAYS];
+    struct RTCRayHit8 found;
+    set_valid(rays, valid);
+    set_rays(rays, INFINITY, &found.ray);
+    for (int k = 0; k < FFP_RAYS; k++)
+        found.hit.geomID[k] = found.hit.primID[k] = found.hit.instID[0][k] = RTC_INVALID_GEOMETRY_ID;
+    intersect(tracer, valid, coherent, &found);
+    unsigned mask = 0;
+    for (int k = 0; k < rays->count; k++) {
+        if (found.hit.geomID[k] == RTC_INVALID_GEOMETRY_ID) continue;
+        mask |= 1U << k;
+        describe(tracer, rays, &found, k, &hits[k]);
+    }
+    return mask;
+}
+
+unsigned ffp_trace_blocked(const FfpTracer *tracer, const FfpRays *rays) {
+    _Alignas(32) int valid[FFP_RAYS];
+    struct RTCRay8 shadow;
+    set_valid(rays, valid);
+    set_rays(rays, 1, &shadow);
 #if RTC_VERSION_MAJOR >= 4
     struct RTCOccludedArguments arguments;
     rtcInitOccludedArguments(&arguments);
-    rtcOccluded1(tracer->scene, &ray, &arguments);
+    rtcOccluded8(valid, tracer->scene, &shadow, &arguments);
 #else
     struct RTCIntersectContext context;
     rtcInitIntersectContext(&context);
-    rtcOccluded1(tracer->scene, &context, &ray);
+    rtcOccluded8(valid, tracer->scene, &context, &shadow);
 #endif
-    return ray.tfar < 0;
+    unsigned mask = 0;
+    for (int k = 0; k < rays->count; k++) mask |= (shadow.tfar[k] < 0 ? 1U : 0U) << k;
+    return mask;
 }

@@ -21,10 +21,21 @@ typedef struct FfpHit {
 // tree.
 FfpTracer *ffp_tracer_new(const FfpMesh *mesh, FfpError *err);
 void ffp_tracer_free(FfpTracer *tracer); // NULL is allowed
-// Nearest hit along origin + t direction, t > 0. Thread safe, as is the next one.
-bool ffp_trace_hit(const FfpTracer *tracer, const float origin[3], const float direction[3], bool coherent,
-                   FfpHit *hit);
-// Whether anything lies between t = 0 and t = 1.
-bool ffp_trace_blocked(const FfpTracer *tracer, const float origin[3], const float direction[3]);
+
+// Up to FFP_RAYS rays that are traced side by side. Directions need no unit length.
+enum { FFP_RAYS = 8 };
+typedef struct FfpRays {
+    int count;
+    float origin[3][FFP_RAYS], direction[3][FFP_RAYS];
+} FfpRays;
+// Appends a ray; there must be room.
+void ffp_rays_add(FfpRays *rays, const float origin[3], const float direction[3]);
+
+// Nearest hit of each ray along origin + t direction, t > 0. Bit k of the result tells whether ray k hits;
+// hits[k] is set where it does. `coherent`: the rays lie close to each other. Thread safe, as is the next
+// one.
+unsigned ffp_trace_hits(const FfpTracer *tracer, const FfpRays *rays, bool coherent, FfpHit hits[FFP_RAYS]);
+// Bit k of the result tells whether anything lies between t = 0 and t = 1 on ray k.
+unsigned ffp_trace_blocked(const FfpTracer *tracer, const FfpRays *rays);
 
 #endif
