@@ -41,15 +41,16 @@ static void check_attention(int rows, int heads, int dim, size_t every) {
     Attention a = make_attention(rows, heads, dim);
     FfpRng rng = ffp_rng(8, 0);
     const size_t count = (size_t)rows * (size_t)heads * (size_t)dim, width = 3 * (size_t)heads * (size_t)dim;
-    real *dqkv = random_reals(&rng, 3 * count, 1, 0), *expected = random_reals(&rng, count, 1, 0);
+    real *dqkv = random_reals(&rng, 3 * count, 1, 0);
     real *dq_gain = random_reals(&rng, (size_t)dim, 0, 2), *dk_gain = random_reals(&rng, (size_t)dim, 0, 2);
     printf("rows %d heads %d of %d\n", rows, heads, dim);
     attention_loss(&a);
-    naive_attention(expected, a.qkv, a.q_gain, a.k_gain, rows, heads, dim);
-    for (size_t i = 0; i < count; i++) assert_true(fabs(expected[i] - a.out[i]) < 1e-11);
+    NaiveAttention naive = naive_attention(a.weights, a.qkv, a.q_gain, a.k_gain, rows, heads, dim);
+    for (size_t i = 0; i < count; i++) assert_true(fabs(naive.out[i] - a.out[i]) < 1e-11);
     for (size_t i = 0, n = ffp_attention_scratch(rows, heads, dim); i < n; i++) a.scratch[i] = NAN;
     ffp_attention_backward(dqkv, dq_gain, dk_gain, a.weights, a.out, a.log_sum, a.qkv, a.q_gain, a.k_gain,
                            rows, heads, dim, a.scratch);
+    for (size_t i = 0; i < 3 * count; i++) assert_true(fabs(naive.dqkv[i] - dqkv[i]) < 1e-11);
     const size_t checked = ((size_t)rows + every - 1) / every;
     check_gradient("attention q, k, v", attention_loss, &a, a.qkv, dqkv, 0, checked, width, every * width);
     if (rows > 1) {
@@ -58,7 +59,8 @@ static void check_attention(int rows, int heads, int dim, size_t every) {
         check_gradient("attention k gain", attention_loss, &a, a.k_gain, dk_gain, 2, 1, (size_t)dim,
                        (size_t)dim);
     }
-    free(dqkv), free(expected), free(dq_gain), free(dk_gain);
+    free(dqkv), free(dq_gain), free(dk_gain);
+    free_naive_attention(&naive);
     free_attention(&a);
 }
 

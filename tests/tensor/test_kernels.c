@@ -4,7 +4,6 @@
 #include "support.h"
 #include "tensor/bench_kernels.h"
 #include "tensor/kernels/fastmath.h"
-#include "tensor/naive_attention.h"
 #include "tensor/naive_scan.h"
 #include "tensor/random.h"
 #include "tensor/tensor.h"
@@ -209,31 +208,6 @@ static void scan_extremes(void **state) {
     free(row), free(drow), free(dy), free(scratch);
 }
 
-static void check_attention(int rows, int heads, int dim, double gain, float bound) {
-    FfpRng rng = ffp_rng(14, (uint64_t)rows);
-    const size_t count = (size_t)rows * (size_t)heads * (size_t)dim;
-    float *qkv = random_reals(&rng, 3 * count, 1, 0), *q_gain = random_reals(&rng, (size_t)dim, 0.1, gain);
-    float *k_gain = random_reals(&rng, (size_t)dim, 0.1, 1), *out = ffp_alloc(count, sizeof(float));
-    float *expected = ffp_alloc(count, sizeof(float)),
-          *log_sum = ffp_alloc((size_t)rows * (size_t)heads, sizeof(float));
-    float *scratch = ffp_alloc(ffp_attention_scratch(rows, heads, dim), sizeof(float)), worst = 0;
-    ffp_attention_forward(out, log_sum, qkv, q_gain, k_gain, rows, heads, dim, scratch);
-    naive_attention(expected, qkv, q_gain, k_gain, rows, heads, dim);
-    for (size_t i = 0; i < count; i++) worst = fmaxf(worst, fabsf(out[i] - expected[i]));
-    printf("attention, %d rows, gain %g: worst error %.2g\n", rows, gain, (double)worst);
-    assert_true(worst < bound); // false for NaN too
-    float *all[] = {qkv, q_gain, k_gain, out, expected, log_sum, scratch};
-    for (size_t i = 0; i < sizeof(all) / sizeof(all[0]); i++) free(all[i]);
-}
-
-static void attention(void **state) {
-    (void)state;
-    check_attention(700, 3, 64, 1, 2e-6F);
-    check_attention(129, 1, 31, 1, 2e-6F);
-    check_attention(300, 2, 64, 100,
-                    1e-3F); // scores in the hundreds: their rounding shows, overflow must not
-}
-
 static float *take(float **next, size_t count) {
     float *taken = *next;
     *next += count;
@@ -307,7 +281,6 @@ int main(int argc, char **argv) {
     if (argc > 1 && strcmp(argv[1], "--bench") == 0) return bench_kernels();
     const struct CMUnitTest tests[] = {cmocka_unit_test(exponential),   cmocka_unit_test(normal_distribution),
                                        cmocka_unit_test(products),      cmocka_unit_test(scan),
-                                       cmocka_unit_test(scan_extremes), cmocka_unit_test(attention),
-                                       cmocka_unit_test(same_bits)};
+                                       cmocka_unit_test(scan_extremes), cmocka_unit_test(same_bits)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
