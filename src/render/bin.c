@@ -1,74 +1,115 @@
-// Which splats each tile has to draw, near to far: a radix sort by depth, then a counting sort by tile that
-// keeps it.
+// Which splats each tile has to draw, near to far: a counting sort by tile that keeps the set's order, then a
+// radix sort of each tile's splats by depth. The chunks write to places that are counted beforehand.
 #include <string.h>
 #include "render/raster.h"
 
-enum { DIGIT_BITS = 11, DIGITS = 1 << DIGIT_BITS, PASSES = (8 * sizeof(real) + DIGIT_BITS - 1) / DIGIT_BITS };
+enum { DIGIT_BITS = 8, DIGITS = 1 << DIGIT_BITS };
 
-static uint64_t depth_bits(real depth) {
-    uint64_t bits = 0;
-    memcpy(&bits, &depth, sizeof depth); // little-endian: a float fills the low half
+static uint32_t depth_bits(real depth) {
+    const float narrow = (float)depth;
+    uint32_t bits;
+    memcpy(&bits, &narrow, sizeof bits);
     return bits;
 }
 
-// Least significant digit first; equal depths stay in the set's order. Returns the sorted array of the two.
-static const FfpDepthKey *sort_by_depth(FfpDepthKey *from, FfpDepthKey *to, int32_t count) {
-    for (int pass = 0; pass < PASSES; pass++) {
-        int32_t start[DIGITS] = {0}, total = 0;
-        const int shift = pass * DIGIT_BITS;
-        for (int32_t i = 0; i < count; i++) start[(from[i].key >> shift) & (DIGITS - 1)]++;
+// Counts the pairs of each tile and, returned, of the whole chunk.
+static int64_t count_chunk(const FfpRaster *raster, const FfpChunk *chunk, int64_t *counts) {
+    int64_t pairs = 0;
+    memset(counts, 0, (size_t)raster->tiles_x * (size_t)raster->tiles_y * sizeof *counts);
+    for (int32_t s = chunk->first; s < chunk->first + chunk->drawn; s++) {
+        const FfpTiles t = ffp_splat_tiles(&raster->splats[s]);
+        raster->first[s] = pairs;
+        pairs += (int64_t)(t.x1 - t.x0) * (t.y1 - t.y0);
+        for (int y = t.y0; y < t.y1; y++)
+            for (int x = t.x0; x < t.x1; x++) counts[y * raster->tiles_x + x]++;
+    }
+    return pairs;
+}
+
+// Turns the counts into places: tile by tile, in a tile chunk by chunk.
+static void place_chunks(FfpRaster *raster) {
+    const int tiles = raster->tiles_x * raster->tiles_y;
+    int64_t place = 0;
+    for (int t = 0; t < tiles; t++) {
+        raster->tile_first[t] = place;
+        for (int c = 0; c < FFP_CHUNKS; c++) {
+            int64_t *count = &raster->counts[(int64_t)c * tiles + t];
+            const int64_t here = *count;
+            *count = place;
+            place += here;
+        }
+    }
+    raster->tile_first[tiles] = place;
+}
+
+static void fill_chunk(FfpRaster *raster, const FfpChunk *chunk, int64_t before, int64_t *places) {
+    for (int32_t s = chunk->first; s < chunk->first + chunk->drawn; s++) {
+        const FfpTiles t = ffp_splat_tiles(&raster->splats[s]);
+        const FfpDepthKey key = {depth_bits(raster->splats[s].value[FFP_CHANNEL_DEPTH]), s};
+        raster->first[s] += before;
+        for (int y = t.y0; y < t.y1; y++)
+            for (int x = t.x0; x < t.x1; x++) raster->keys[places[y * raster->tiles_x + x]++] = key;
+    }
+}
+
+// Least significant digit first, over the bits in which the keys differ from the least; equal depths stay in
+// the set's order.
+static void sort_tile(FfpDepthKey *from, FfpDepthKey *to, int64_t count, int32_t *order) {
+    uint32_t least = UINT32_MAX, most = 0;
+    for (int64_t i = 0; i < count; i++) {
+        least = from[i].key < least ? from[i].key : least;
+        most = from[i].key > most ? from[i].key : most;
+    }
+    for (int shift = 0; count && shift < 32 && (most - least) >> shift; shift += DIGIT_BITS) {
+        int64_t start[DIGITS] = {0}, total = 0;
+        for (int64_t i = 0; i < count; i++) start[((from[i].key - least) >> shift) & (DIGITS - 1)]++;
         for (int d = 0; d < DIGITS; d++) {
-            const int32_t here = start[d];
+            const int64_t here = start[d];
             start[d] = total;
             total += here;
         }
-        for (int32_t i = 0; i < count; i++) to[start[(from[i].key >> shift) & (DIGITS - 1)]++] = from[i];
+        for (int64_t i = 0; i < count; i++)
+            to[start[((from[i].key - least) >> shift) & (DIGITS - 1)]++] = from[i];
         FfpDepthKey *swap = from;
         from = to, to = swap;
     }
-    return from;
+    for (int64_t i = 0; i < count; i++) order[i] = from[i].splat;
 }
 
-// Counts the tiles of every splat and the splats of every tile; lists the drawn splats' depths.
-static int32_t count_instances(FfpRaster *raster) {
-    int64_t *tile_count = raster->tile_first + 1;
-    int32_t drawn = 0;
-    raster->first[0] = 0;
-    for (int32_t s = 0; s < raster->n_splats; s++) {
-        const FfpSplat *splat = &raster->splats[s];
-        raster->first[s + 1] = raster->first[s];
-        if (splat->opacity == 0) continue;
-        raster->first[s + 1] +=
-            (int64_t)(splat->tile_x1 - splat->tile_x0) * (splat->tile_y1 - splat->tile_y0);
-        for (int ty = splat->tile_y0; ty < splat->tile_y1; ty++)
-            for (int tx = splat->tile_x0; tx < splat->tile_x1; tx++) tile_count[ty * raster->tiles_x + tx]++;
-        raster->keys[drawn++] = (FfpDepthKey){depth_bits(splat->value[FFP_CHANNEL_DEPTH]), s};
-    }
-    return drawn;
+static void reserve_pairs(FfpRaster *raster) {
+    const size_t pairs = (size_t)raster->instances + 1;
+    ffp_raster_reserve((void **)&raster->keys, &raster->keys_size, pairs, sizeof(FfpDepthKey));
+    ffp_raster_reserve((void **)&raster->swap, &raster->swap_size, pairs, sizeof(FfpDepthKey));
+    ffp_raster_reserve((void **)&raster->order, &raster->order_size, pairs, sizeof(int32_t));
 }
 
 void ffp_bin_splats(FfpRaster *raster) {
-    const size_t tiles = (size_t)raster->tiles_x * (size_t)raster->tiles_y, splats = (size_t)raster->n_splats;
-    ffp_raster_reserve((void **)&raster->keys, &raster->keys_size, splats + 1, sizeof(FfpDepthKey));
-    ffp_raster_reserve((void **)&raster->keys_swap, &raster->keys_swap_size, splats + 1, sizeof(FfpDepthKey));
-    ffp_raster_reserve((void **)&raster->first, &raster->first_size, splats + 1, sizeof(int64_t));
-    ffp_raster_reserve((void **)&raster->tile_first, &raster->tile_first_size, tiles + 2, sizeof(int64_t));
-    memset(raster->tile_first, 0, (tiles + 2) * sizeof(int64_t));
-    const int32_t drawn = count_instances(raster);
-    const FfpDepthKey *sorted = sort_by_depth(raster->keys, raster->keys_swap, drawn);
-
-    ffp_raster_reserve((void **)&raster->order, &raster->order_size, (size_t)raster->first[splats] + 1,
-                       sizeof(int32_t));
-    for (size_t t = 0; t < tiles; t++) raster->tile_first[t + 1] += raster->tile_first[t];
-    // The counts' sums are now the tiles' ends. Filled far to near they come down to the tiles' beginnings,
-    // one place up.
-    int64_t *end = raster->tile_first + 1;
-    for (int32_t i = drawn - 1; i >= 0; i--) {
-        const FfpSplat *splat = &raster->splats[sorted[i].splat];
-        for (int ty = splat->tile_y0; ty < splat->tile_y1; ty++)
-            for (int tx = splat->tile_x0; tx < splat->tile_x1; tx++)
-                raster->order[--end[ty * raster->tiles_x + tx]] = sorted[i].splat;
+    const int tiles = raster->tiles_x * raster->tiles_y;
+    int64_t before[FFP_CHUNKS];
+    ffp_raster_reserve((void **)&raster->first, &raster->first_size, (size_t)raster->n_splats + 1,
+                       sizeof(int64_t));
+    ffp_raster_reserve((void **)&raster->counts, &raster->counts_size, (size_t)tiles * FFP_CHUNKS + 1,
+                       sizeof(int64_t));
+    ffp_raster_reserve((void **)&raster->tile_first, &raster->tile_first_size, (size_t)tiles + 1,
+                       sizeof(int64_t));
+#pragma omp parallel for schedule(static)
+    for (int c = 0; c < FFP_CHUNKS; c++)
+        before[c] = count_chunk(raster, &raster->chunks[c], raster->counts + (int64_t)c * tiles);
+    raster->instances = 0;
+    for (int c = 0; c < FFP_CHUNKS; c++) {
+        const int64_t here = before[c];
+        before[c] = raster->instances;
+        raster->instances += here;
     }
-    memmove(raster->tile_first, end, tiles * sizeof(int64_t));
-    raster->tile_first[tiles] = raster->first[splats];
+    place_chunks(raster);
+    reserve_pairs(raster);
+#pragma omp parallel for schedule(static)
+    for (int c = 0; c < FFP_CHUNKS; c++)
+        fill_chunk(raster, &raster->chunks[c], before[c], raster->counts + (int64_t)c * tiles);
+#pragma omp parallel for schedule(dynamic)
+    for (int t = 0; t < tiles; t++) {
+        const int64_t first = raster->tile_first[t];
+        sort_tile(raster->keys + first, raster->swap + first, raster->tile_first[t + 1] - first,
+                  raster->order + first);
+    }
 }

@@ -9,6 +9,7 @@
 
 enum {
     FFP_TILE = 16,           // pixels a side
+    FFP_CHUNKS = 64,         // parts of a Gaussian set that are worked on apart, whatever the threads
     FFP_CHANNELS = 12,       // what is blended: 1, depth, normal 3, albedo 3, roughness, ambient 3
     FFP_SHADOW_CHANNELS = 2, // opacity and depth are enough for a shadow map
     FFP_CHANNEL_DEPTH = 1,
@@ -26,44 +27,65 @@ enum {
 
 // A Gaussian as one view sees it.
 typedef struct FfpSplat {
-    real x, y;                                  // centre in pixels
-    real conic[3];                              // A, B, C: sigma = (A dx^2 + C dy^2) / 2 + B dx dy
-    real opacity;                               // compensated; 0: not drawn
-    real value[FFP_CHANNELS];                   // blended attributes, in the order of the enum
-    int32_t gaussian;                           // which Gaussian it is
-    int32_t tile_x0, tile_y0, tile_x1, tile_y1; // tiles it may touch, end exclusive
-    int32_t y0, y1;                             // image rows it may touch, end exclusive
+    real x, y;                // centre in pixels
+    real power[3];            // density = opacity 2^(p0 dx^2 + p1 dx dy + p2 dy^2)
+    real opacity;             // compensated
+    real value[FFP_CHANNELS]; // blended attributes, in the order of the enum
+    int32_t gaussian;         // which Gaussian it is
+    int32_t x0, y0, x1, y1;   // pixels it may touch, end exclusive
 } FfpSplat;
 
-// Gradient of the loss with respect to one splat's fields (or one tile's part of it); channel 0 is constant.
+// What one tile gives to a splat's gradient. With dL/dsigma = g at each pixel, sigma = -log(density /
+// opacity): the sums of g, g dx, g dy, g dx^2, g dx dy, g dy^2; and of w dL/d(channel). Channel 0 is
+// constant.
 typedef struct FfpSplatGrad {
-    real x, y, conic[3], opacity, value[FFP_CHANNELS];
+    real g, gx, gy, gxx, gxy, gyy, value[FFP_CHANNELS];
 } FfpSplatGrad;
 
 typedef struct FfpDepthKey {
-    uint64_t key; // bits of the depth: for positive numbers they sort as the numbers do
+    uint32_t key; // bits of the depth as a float: for positive numbers they sort as the numbers do
     int32_t splat;
 } FfpDepthKey;
 
+// Gaussians [begin, end) of the set and their splats: `drawn` of them from `first` on, in the set's order.
+typedef struct FfpChunk {
+    int64_t begin, end;
+    int32_t first, drawn;
+} FfpChunk;
+
 struct FfpRaster {
     int width, height, tiles_x, tiles_y;
-    int32_t n_splats;
-    FfpSplat *splats; // Gaussians opaque enough to be seen, in the set's order (some still not drawn)
-    FfpDepthKey *keys, *keys_swap;
-    int64_t *first;      // [n_splats + 1] where a splat's tiles begin among the instances, splat-major
-    int64_t *tile_first; // [tiles + 1] where a tile's splats begin in `order`
-    int32_t *order;      // splats of every tile, near to far
-    FfpSplatGrad *slots; // gradients of every (splat, tile) instance, splat-major
-    size_t splats_size, keys_size, keys_swap_size, first_size, tile_first_size, order_size,
-        slots_size;    // bytes
-    FfpGbuffer shadow; // of these only opacity and depth
+    int32_t n_splats; // Gaussians of opacity 1/255 and more: room for as many splats
+    FfpChunk chunks[FFP_CHUNKS];
+    FfpSplat *splats;
+    int64_t instances;        // (splat, tile) pairs
+    int64_t *first;           // [n_splats] where a drawn splat's pairs begin, row by row of its tiles
+    int64_t *counts;          // [chunks, tiles] where a chunk's splats go in a tile's part of `keys`
+    int64_t *tile_first;      // [tiles + 1] where a tile's splats begin in `keys` and `order`
+    FfpDepthKey *keys, *swap; // [instances]
+    int32_t *order;           // [instances] splats of every tile, near to far
+    FfpSplatGrad *slots;      // [instances] gradients of every pair, splat by splat
+    uint8_t *touched;         // [instances] whether the pair's slot holds anything
+    size_t splats_size, first_size, counts_size, tile_first_size, keys_size, swap_size, order_size,
+        slots_size, touched_size; // bytes
+    FfpGbuffer shadow;            // of these only opacity and depth
 };
 
 // Makes *block hold at least `count` elements of `size` bytes; its contents are lost when it has to grow.
 void ffp_raster_reserve(void **block, size_t *held, size_t count, size_t size);
 
-// project.c: fills raster->splats from the Gaussians of opacity >= 1/255. raster->width and ->height must be
-// set.
+// The tiles that a splat may touch, end exclusive.
+typedef struct FfpTiles {
+    int x0, y0, x1, y1;
+} FfpTiles;
+
+static inline FfpTiles ffp_splat_tiles(const FfpSplat *s) {
+    return (FfpTiles){s->x0 / FFP_TILE, s->y0 / FFP_TILE, (s->x1 + FFP_TILE - 1) / FFP_TILE,
+                      (s->y1 + FFP_TILE - 1) / FFP_TILE};
+}
+
+// project.c: fills chunks and splats from the Gaussians of opacity >= 1/255. raster->width and ->height must
+// be set.
 void ffp_project_splats(FfpRaster *raster, const FfpGaussians *gaussians, const FfpCamera *camera,
                         const FfpRenderSettings *settings);
 // Sums each splat's slots in order and adds what follows for the Gaussian's attributes to grad.

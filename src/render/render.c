@@ -76,12 +76,14 @@ FfpRaster *ffp_raster_new(void) {
 void ffp_raster_free(FfpRaster *raster) {
     if (!raster) return;
     free(raster->splats);
-    free(raster->keys);
-    free(raster->keys_swap);
     free(raster->first);
+    free(raster->counts);
     free(raster->tile_first);
+    free(raster->keys);
+    free(raster->swap);
     free(raster->order);
     free(raster->slots);
+    free(raster->touched);
     ffp_gbuffer_free(&raster->shadow);
     free(raster);
 }

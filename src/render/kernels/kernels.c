@@ -1,0 +1,9 @@
+// The table of one CPU level.
+#include "render/kernels/kernels.h"
+
+const FfpRenderKernels FFP_K(render) = {
+    .project_chunk = FFP_K(project_chunk),
+    .project_chunk_backward = FFP_K(project_chunk_backward),
+    .blend_tile = FFP_K(blend_tile),
+    .blend_tile_backward = FFP_K(blend_tile_backward),
+};

@@ -1,0 +1,81 @@
+// Vectors of as many numbers as the CPU level's registers hold, in the vector extension that gcc and clang
+// share: operators work lane by lane, and a comparison gives lanes of all or no bits.
+#ifndef FFP_RENDER_KERNELS_LANES_H
+#define FFP_RENDER_KERNELS_LANES_H
+
+#include <math.h>
+#include <stdbool.h>
+#include <stdint.h>
+#include "base/real.h"
+#if defined(__AVX2__)
+#include <immintrin.h>
+#endif
+
+#if defined(__AVX512F__)
+enum { LANES = 16 };
+#elif defined(__AVX2__)
+enum { LANES = 8 };
+#else
+enum { LANES = 4 };
+#endif
+
+// No vector ever crosses a call, so how one would be passed does not matter.
+#pragma GCC diagnostic ignored "-Wpsabi"
+#define ALWAYS_INLINE static inline __attribute__((always_inline))
+
+typedef real Lanes __attribute__((vector_size(LANES * sizeof(real))));
+typedef __typeof__((Lanes){0} < (Lanes){0}) Where; // signed integers of the width of a real
+
+ALWAYS_INLINE Lanes lanes_all(real v) {
+    return v - (Lanes){0};
+}
+
+// v where it is so, else 0.
+ALWAYS_INLINE Lanes lanes_keep(Lanes v, Where so) {
+    return (Lanes)((Where)v & so);
+}
+
+ALWAYS_INLINE Lanes lanes_min(Lanes a, Lanes b) {
+    const Where less = a < b;
+    return (Lanes)(((Where)a & less) | ((Where)b & ~less));
+}
+
+ALWAYS_INLINE Lanes lanes_max(Lanes a, Lanes b) {
+    const Where more = a > b;
+    return (Lanes)(((Where)a & more) | ((Where)b & ~more));
+}
+
+// Bit l is set where lane l is so.
+ALWAYS_INLINE unsigned lanes_bits(Where so) {
+#if defined(__AVX512F__)
+    return _mm512_movepi32_mask((__m512i)so);
+#elif defined(__AVX2__)
+    return (unsigned)_mm256_movemask_ps((__m256)so);
+#else
+    unsigned bits = 0;
+    for (int l = 0; l < LANES; l++) bits |= (unsigned)(so[l] & 1) << l;
+    return bits;
+#endif
+}
+
+// 2^t for -126 < t <= 0. In fp32 2^n from the exponent's bits and 2^f from its series, |f| <= 1/2: relative
+// error below 2e-7.
+ALWAYS_INLINE Lanes lanes_exp2(Lanes t) {
+#ifdef FFP_REAL_DOUBLE
+    for (int l = 0; l < LANES; l++) t[l] = exp2(t[l]);
+    return t;
+#else
+    typedef uint32_t Bits __attribute__((vector_size(LANES * sizeof(uint32_t))));
+    const Lanes magic = lanes_all(12582912.0F); // 1.5 * 2^23: the sum's low bits hold n
+    const Lanes shifted = t + magic, f = t - (shifted - magic);
+    Lanes p = 1.54035304e-4F * f + 0.00133335581F;
+    p = p * f + 0.00961812911F;
+    p = p * f + 0.0555041087F;
+    p = p * f + 0.240226507F;
+    p = p * f + 0.693147181F;
+    p = p * f + 1.0F;
+    return p * (Lanes)(((Bits)shifted << 23) + 0x3F800000U); // all but n leaves at the top
+#endif
+}
+
+#endif
