@@ -8,30 +8,22 @@
 #include "synth/noise.h"
 #include "synth/synth.h"
 
-enum { FAMILIES = 15, VARIANTS = 10, MESHES = FAMILIES * VARIANTS };
+enum { MESHES = FFP_FAMILIES * FFP_KINDS };
 
-static const FfpFamily family_table[FAMILIES] = {
-    {"stone", ffp_make_stone},   {"blob", ffp_make_blob},           {"fruit", ffp_make_fruit},
-    {"land", ffp_make_land},     {"shell", ffp_make_shell},         {"animal", ffp_make_animal},
-    {"figure", ffp_make_figure}, {"bust", ffp_make_bust},           {"vase", ffp_make_vase},
-    {"teapot", ffp_make_teapot}, {"furniture", ffp_make_furniture}, {"cog", ffp_make_cog},
-    {"solid", ffp_make_solid},   {"stack", ffp_make_stack},         {"knot", ffp_make_knot},
+// Mesh m is kind m / FFP_FAMILIES of family m % FFP_FAMILIES.
+static const FfpFamily *const family_table[FFP_FAMILIES] = {
+    &ffp_family_stone,     &ffp_family_blob,    &ffp_family_fruit, &ffp_family_land,  &ffp_family_shell,
+    &ffp_family_animal,    &ffp_family_figure,  &ffp_family_bust,  &ffp_family_vase,  &ffp_family_kitchen,
+    &ffp_family_furniture, &ffp_family_machine, &ffp_family_solid, &ffp_family_stack, &ffp_family_knot,
 };
 
 int ffp_mesh_count(void) {
     return MESHES;
 }
 
-// Written out once, so that a name can be handed out without memory of its own.
-#define TEN(f) f "_0", f "_1", f "_2", f "_3", f "_4", f "_5", f "_6", f "_7", f "_8", f "_9"
-static const char *const name_table[FAMILIES][VARIANTS] = {
-    {TEN("stone")},     {TEN("blob")},   {TEN("fruit")}, {TEN("land")},  {TEN("shell")},
-    {TEN("animal")},    {TEN("figure")}, {TEN("bust")},  {TEN("vase")},  {TEN("teapot")},
-    {TEN("furniture")}, {TEN("cog")},    {TEN("solid")}, {TEN("stack")}, {TEN("knot")},
-};
-
 const char *ffp_mesh_name(int mesh) {
-    return mesh >= 0 && mesh < MESHES ? name_table[mesh % FAMILIES][mesh / FAMILIES] : "unknown";
+    if (mesh < 0 || mesh >= MESHES) return "unknown";
+    return family_table[mesh % FFP_FAMILIES]->kinds[mesh / FFP_FAMILIES].name;
 }
 
 // Uniform rotation from a random quaternion (Shoemake 1992), or only a turn around z.
@@ -51,7 +43,7 @@ FfpMesh ffp_mesh_make(int mesh) {
     FfpRng rng = ffp_rng(0x5eedf0ca75ULL, (uint64_t)mesh);
     FfpShape *shape = ffp_alloc(1, sizeof *shape);
     ffp_shape_init(shape, ffp_rng_u32(&rng));
-    family_table[mesh % FAMILIES].make(shape, &rng);
+    family_table[mesh % FFP_FAMILIES]->kinds[mesh / FFP_FAMILIES].make(shape);
     FfpMesh out = ffp_mesh_from_shape(shape);
     float rotation[9];
     random_rotation(&rng, shape->upright, rotation);
@@ -60,7 +52,7 @@ FfpMesh ffp_mesh_make(int mesh) {
     return out;
 }
 
-// Each family's ten variants go 7 : 1 : 2 to train, validation and test; a per-family shuffle decides which.
+// Each family's ten kinds go 7 : 1 : 2 to train, validation and test; a per-family shuffle decides which.
 int ffp_split_meshes(const char *split, int *out, int capacity) {
     const int first = !strcmp(split, "train")        ? 0
                       : !strcmp(split, "validation") ? 7
@@ -69,15 +61,15 @@ int ffp_split_meshes(const char *split, int *out, int capacity) {
     const int end = first == 0 ? 7 : first == 7 ? 8 : 10;
     int count = 0;
     for (int rank = first; rank < end; rank++)
-        for (int family = 0; family < FAMILIES; family++) {
-            int order[VARIANTS];
+        for (int family = 0; family < FFP_FAMILIES; family++) {
+            int order[FFP_KINDS];
             FfpRng rng = ffp_rng(0x5911dULL, (uint64_t)family);
-            for (int i = 0; i < VARIANTS; i++) order[i] = i;
-            for (int i = VARIANTS - 1; i > 0; i--) {
+            for (int i = 0; i < FFP_KINDS; i++) order[i] = i;
+            for (int i = FFP_KINDS - 1; i > 0; i--) {
                 const int j = (int)ffp_rng_below(&rng, (uint32_t)i + 1), keep = order[i];
                 order[i] = order[j], order[j] = keep;
             }
-            if (count < capacity) out[count] = order[rank] * FAMILIES + family;
+            if (count < capacity) out[count] = order[rank] * FFP_FAMILIES + family;
             count++;
         }
     return count;

@@ -128,6 +128,48 @@ static void repair_faces(Grid *g) {
     }
 }
 
+// Visits all points joined to `start` by steps along the axes that lie on its side of the surface. Their
+// indices stand in queue[0 .. result).
+static size_t flood(const Grid *g, size_t start, bool *seen, size_t *queue) {
+    const size_t n[3] = {(size_t)g->n[0], (size_t)g->n[1], (size_t)g->n[2]};
+    const size_t stride[3] = {1, n[0], n[0] * n[1]};
+    size_t count = 1;
+    queue[0] = start, seen[start] = true;
+    for (size_t next = 0; next < count; next++) {
+        const size_t i = queue[next], at[3] = {i % n[0], i / n[0] % n[1], i / stride[2]};
+        for (int side = 0; side < 6; side++) {
+            const int a = side / 2;
+            if (side % 2 ? at[a] + 1 == n[a] : at[a] == 0) continue;
+            const size_t j = side % 2 ? i + stride[a] : i - stride[a];
+            if (seen[j] || g->inside[j] != g->inside[i]) continue;
+            seen[j] = true;
+            queue[count++] = j;
+        }
+    }
+    return count;
+}
+
+// Leaves only what belongs to the object: fills bubbles that the air outside does not reach, and sweeps away
+// crumbs of less than a five-hundredth of the solid.
+static void sweep(Grid *g) {
+    const size_t points = (size_t)g->n[0] * (size_t)g->n[1] * (size_t)g->n[2];
+    bool *seen = ffp_alloc(points, sizeof *seen);
+    size_t *queue = ffp_alloc(points, sizeof *queue), solid = 0;
+    flood(g, 0, seen, queue); // the corner is air
+    for (size_t i = 0; i < points; i++) {
+        if (!seen[i] && !g->inside[i]) g->inside[i] = 1, g->value[i] = -g->step;
+        solid += g->inside[i];
+    }
+    for (size_t i = 0; i < points; i++) {
+        if (seen[i]) continue;
+        const size_t count = flood(g, i, seen, queue);
+        for (size_t k = 0; k < count && 500 * count < solid; k++)
+            g->inside[queue[k]] = 0, g->value[queue[k]] = g->step;
+    }
+    free(seen);
+    free(queue);
+}
+
 static int count_quads(const Grid *g) {
     const size_t stride[3] = {1, (size_t)g->n[0], (size_t)g->n[0] * (size_t)g->n[1]};
     int quads = 0;
@@ -269,6 +311,7 @@ FfpMesh ffp_mesh_from_shape(const FfpShape *shape) {
         g = grid_new(shape, resolution);
         grid_fill(&g);
         repair_faces(&g);
+        sweep(&g);
         quads = count_quads(&g);
         if (pass == 3 || (quads >= 3000 && quads <= 27000)) break;
         grid_free(&g);

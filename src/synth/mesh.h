@@ -19,7 +19,7 @@ typedef struct FfpMesh {
 } FfpMesh;
 
 // Surface nets (Gibson 1998) on a grid over the shape's bounds; every edge has exactly two triangles. 3,000
-// to 60,000 triangles: the grid is chosen so. Not yet placed.
+// to 60,000 triangles: the grid is chosen so. Closed-in bubbles and crumbs are left out. Not yet placed.
 FfpMesh ffp_mesh_from_shape(const FfpShape *shape);
 // Rotates by a row-major 3x3 matrix, then moves and scales into the bounding sphere of FFP_MESH_RADIUS at the
 // origin.

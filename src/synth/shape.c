@@ -12,8 +12,12 @@ void ffp_shape_init(FfpShape *shape, uint32_t noise_seed) {
     memset(shape, 0, sizeof *shape);
     shape->noise_seed = noise_seed;
     shape->bump_frequency = 1;
-    shape->lipschitz = 1.15F;
+    shape->lipschitz = 1.5F;
     shape->upright = true;
+}
+
+FfpRng ffp_shape_rng(const FfpShape *shape) {
+    return ffp_rng(0x5a4fe5, shape->noise_seed);
 }
 
 static FfpPart *add(FfpShape *shape, FfpPartKind kind, FfpV3 centre, float blend) {
@@ -99,6 +103,16 @@ FfpPart *ffp_add_cog(FfpShape *shape, FfpV3 centre, float radius, float half, fl
     return part;
 }
 
+FfpPart *ffp_add_prism(FfpShape *shape, FfpV3 centre, int sides, float radius_low, float radius_high,
+                       float half, float blend) {
+    FfpPart *part = add(shape, FFP_PART_PRISM, centre, blend);
+    const float radius = ffp_max(radius_low, radius_high);
+    set3(part->size, radius_low, radius_high, half);
+    part->also[0] = (float)sides;
+    set3(part->reach, radius, radius, half);
+    return part;
+}
+
 FfpPart *ffp_add_superquadric(FfpShape *shape, FfpV3 centre, FfpV3 half, float exponent_z,
                               float exponent_xy) {
     FfpPart *part = add(shape, FFP_PART_SUPERQUADRIC, centre, 0);
@@ -113,6 +127,34 @@ FfpPart *ffp_add_land(FfpShape *shape, FfpV3 half, float hills) {
     set3(part->size, half.x, half.y, half.z);
     part->size[3] = hills;
     set3(part->reach, half.x, half.y, half.z + hills);
+    return part;
+}
+
+// Catmull-Rom between b and c.
+static float curve(float a, float b, float c, float d, float t) {
+    return b + 0.5F * t * (c - a + t * (2 * a - 5 * b + 4 * c - d + t * (3 * (b - c) + d - a)));
+}
+
+void ffp_add_tube(FfpShape *shape, const float (*point)[4], int n, float side, float yaw, float blend) {
+    enum { STEPS = 6 };
+    const float cosine = cosf(yaw), sine = sinf(yaw);
+    FfpV3 last = {0};
+    float last_radius = 0;
+    for (int i = 0; i <= STEPS * (n - 1); i++) {
+        const int k = i < STEPS * (n - 1) ? i / STEPS : n - 2;
+        const float t = (float)(i - STEPS * k) / STEPS;
+        const float *a = point[k > 0 ? k - 1 : 0], *d = point[k + 2 < n ? k + 2 : n - 1];
+        float at[4];
+        for (int c = 0; c < 4; c++) at[c] = curve(a[c], point[k][c], point[k + 1][c], d[c], t);
+        at[1] *= side;
+        const FfpV3 next = {cosine * at[0] - sine * at[1], sine * at[0] + cosine * at[1], at[2]};
+        if (i > 0) ffp_add_cone(shape, last, next, last_radius, at[3], i == 1 ? blend : 0);
+        last = next, last_radius = at[3];
+    }
+}
+
+FfpPart *ffp_cut(FfpPart *part) {
+    part->join = FFP_JOIN_CUT;
     return part;
 }
 
@@ -212,6 +254,19 @@ static float cog(const FfpPart *part, const float q[3]) {
     return slab2(side + edge, fabsf(q[2]) - part->size[1] + edge) - edge;
 }
 
+// The largest of the distances to the planes of the faces: right where one face is nearest, less elsewhere.
+static float prism(const FfpPart *part, const float q[3]) {
+    const float low = part->size[0], high = part->size[1], half = part->size[2];
+    const float sector = 6.2831853F / part->also[0], angle = atan2f(q[1], q[0]);
+    const float fold =
+        angle - sector * (floorf(angle / sector) + 0.5F); // from the middle of the nearest face
+    const float across = sqrtf(q[0] * q[0] + q[1] * q[1]) * cosf(fold);
+    const float lean = 0.5F * (high - low) / half, middle = cosf(0.5F * sector);
+    const float apothem = middle * (0.5F * (low + high) + lean * q[2]);
+    const float side = (across - apothem) / sqrtf(1 + lean * lean * middle * middle);
+    return ffp_max(side, fabsf(q[2]) - half);
+}
+
 static float superquadric(const FfpPart *part, const float q[3]) {
     const float ez = part->also[0], exy = part->also[1];
     const float x = fabsf(q[0] / part->size[0]), y = fabsf(q[1] / part->size[1]),
@@ -255,6 +310,8 @@ float ffp_part_distance(const FfpShape *shape, const FfpPart *part, const float 
         return lathe(shape, q, part->size[0]);
     case FFP_PART_COG:
         return cog(part, q);
+    case FFP_PART_PRISM:
+        return prism(part, q);
     case FFP_PART_SUPERQUADRIC:
         return superquadric(part, q);
     case FFP_PART_LAND:

@@ -9,7 +9,7 @@
 #include "base/rng.h"
 
 #define FFP_PARTS_MAX 224
-#define FFP_OUTLINE_MAX 40
+#define FFP_OUTLINE_MAX 80
 
 typedef struct FfpV3 {
     float x, y, z;
@@ -40,7 +40,9 @@ typedef enum FfpPartKind {
     FFP_PART_LATHE,    // the shape's outline (radius, z) turned around z; size: rounding
     FFP_PART_COG, // along z; size: radius, half height, tooth height, edge radius; also teeth and sharpness
     FFP_PART_SUPERQUADRIC, // size: half axes; also two exponents
-    FFP_PART_LAND,         // box whose top is a height field; size: half sides, height of the hills
+    FFP_PART_PRISM, // along z, regular polygon; size: its circle's radius below, above, half height; also
+                    // sides
+    FFP_PART_LAND,  // box whose top is a height field; size: half sides, height of the hills
 } FfpPartKind;
 
 typedef enum FfpPartJoin {
@@ -75,8 +77,9 @@ typedef struct FfpShape {
     bool upright;          // keep z up: only turned around z when placed
 } FfpShape;
 
-// Starts empty, lipschitz 1.15, upright.
+// Starts empty, lipschitz 1.5, upright.
 void ffp_shape_init(FfpShape *shape, uint32_t noise_seed);
+FfpRng ffp_shape_rng(const FfpShape *shape); // a stream that depends on noise_seed alone
 // Each adds one part as a union and returns it, so that join and orientation can be changed.
 FfpPart *ffp_add_ellipsoid(FfpShape *shape, FfpV3 centre, FfpV3 half, float blend);
 FfpPart *ffp_add_cone(FfpShape *shape, FfpV3 a, FfpV3 b, float radius_a, float radius_b, float blend);
@@ -86,8 +89,17 @@ FfpPart *ffp_add_torus(FfpShape *shape, FfpV3 centre, float ring, float tube, fl
 FfpPart *ffp_add_lathe(FfpShape *shape, float rounding, float blend); // after the outline is set
 FfpPart *ffp_add_cog(FfpShape *shape, FfpV3 centre, float radius, float half, float tooth, int teeth,
                      float sharpness);
+// A prism of `sides` sides, a corner towards +x: a frustum where the radii differ, a pyramid where one is
+// small.
+FfpPart *ffp_add_prism(FfpShape *shape, FfpV3 centre, int sides, float radius_low, float radius_high,
+                       float half, float blend);
 FfpPart *ffp_add_superquadric(FfpShape *shape, FfpV3 centre, FfpV3 half, float exponent_z, float exponent_xy);
 FfpPart *ffp_add_land(FfpShape *shape, FfpV3 half, float hills);
+// A tube through n >= 2 points (x, y, z, radius) along a Catmull-Rom curve, six rounded cones a piece; the
+// first joins with `blend`. `side` -1 mirrors y, then `yaw` (radians) turns it around z.
+void ffp_add_tube(FfpShape *shape, const float (*point)[4], int n, float side, float yaw, float blend);
+// Makes a part a cut; returns it.
+FfpPart *ffp_cut(FfpPart *part);
 // Points the part's z axis along `direction`, or turns it by yaw, pitch, roll (radians, around z, y, x).
 void ffp_part_point(FfpPart *part, FfpV3 direction);
 void ffp_part_turn(FfpPart *part, float yaw, float pitch, float roll);
@@ -99,26 +111,16 @@ float ffp_shape_distance(const FfpShape *shape, const uint8_t *list, int count, 
 // Axis-aligned bounds that surely hold the surface.
 void ffp_shape_bounds(const FfpShape *shape, float low[3], float high[3]);
 
-// The families: each fills a shape from random numbers alone. Variants within a family differ in kind, not
-// only in size.
+// The families: ten kinds of object each, every one a shape of its own.
+enum { FFP_FAMILIES = 15, FFP_KINDS = 10 };
 typedef struct FfpFamily {
-    const char *name;
-    void (*make)(FfpShape *shape, FfpRng *rng);
+    struct {
+        const char *name;
+        void (*make)(FfpShape *shape); // fills an empty shape; what is random in it comes from ffp_shape_rng
+    } kinds[FFP_KINDS];
 } FfpFamily;
-void ffp_make_stone(FfpShape *shape, FfpRng *rng);
-void ffp_make_blob(FfpShape *shape, FfpRng *rng);
-void ffp_make_fruit(FfpShape *shape, FfpRng *rng);
-void ffp_make_land(FfpShape *shape, FfpRng *rng);
-void ffp_make_shell(FfpShape *shape, FfpRng *rng);
-void ffp_make_animal(FfpShape *shape, FfpRng *rng);
-void ffp_make_figure(FfpShape *shape, FfpRng *rng);
-void ffp_make_bust(FfpShape *shape, FfpRng *rng);
-void ffp_make_vase(FfpShape *shape, FfpRng *rng);
-void ffp_make_teapot(FfpShape *shape, FfpRng *rng);
-void ffp_make_furniture(FfpShape *shape, FfpRng *rng);
-void ffp_make_cog(FfpShape *shape, FfpRng *rng);
-void ffp_make_solid(FfpShape *shape, FfpRng *rng);
-void ffp_make_stack(FfpShape *shape, FfpRng *rng);
-void ffp_make_knot(FfpShape *shape, FfpRng *rng);
+extern const FfpFamily ffp_family_stone, ffp_family_blob, ffp_family_fruit, ffp_family_land, ffp_family_shell,
+    ffp_family_animal, ffp_family_figure, ffp_family_bust, ffp_family_vase, ffp_family_kitchen,
+    ffp_family_furniture, ffp_family_machine, ffp_family_solid, ffp_family_stack, ffp_family_knot;
 
 #endif

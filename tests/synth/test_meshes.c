@@ -1,10 +1,28 @@
-// All meshes: closed, wound outwards, in their sphere, the right size, the same each time; and the splits.
+// All meshes: closed, wound outwards, in one piece, in their sphere, the right size, no two alike, of every
+// genus up to 5, the same each time; and the splits.
 #include <math.h>
 #include <omp.h>
 #include "support.h"
 #include "synth/dataset.h"
 #include "synth/mesh.h"
+#include "synth/mesh_measure.h"
 #include "synth/synth.h"
+
+enum { MESHES = 150 };
+
+static FfpMesh meshes[MESHES];
+
+static int make_meshes(void **state) {
+    (void)state;
+    for (int i = 0; i < MESHES; i++) meshes[i] = ffp_mesh_make(i);
+    return 0;
+}
+
+static int free_meshes(void **state) {
+    (void)state;
+    for (int i = 0; i < MESHES; i++) ffp_mesh_free(&meshes[i]);
+    return 0;
+}
 
 typedef struct Edge {
     uint32_t low, high;
@@ -82,28 +100,129 @@ static double contrary(const FfpMesh *mesh) {
 
 static void meshes_are_closed_and_face_outwards(void **state) {
     (void)state;
-    assert_int_equal(ffp_mesh_count(), 150);
-    for (int i = 0; i < ffp_mesh_count(); i++) {
-        FfpMesh mesh = ffp_mesh_make(i);
-        assert_closed(&mesh);
-        assert_shape(&mesh);
-        const double inside = volume(&mesh), bent = contrary(&mesh);
+    assert_int_equal(ffp_mesh_count(), MESHES);
+    for (int i = 0; i < MESHES; i++) {
+        assert_closed(&meshes[i]);
+        assert_shape(&meshes[i]);
+        const double inside = volume(&meshes[i]), bent = contrary(&meshes[i]);
         if (inside < 0.02 || bent > 0.03)
             print_message("%s: volume %g, %g contrary\n", ffp_mesh_name(i), inside, bent);
         assert_true(inside > 0.02);
         assert_true(bent <= 0.03);
+    }
+}
+
+static void names_are_unique(void **state) {
+    (void)state;
+    for (int i = 0; i < MESHES; i++)
+        for (int j = 0; j < i; j++) assert_string_not_equal(ffp_mesh_name(i), ffp_mesh_name(j));
+    assert_string_equal(ffp_mesh_name(-1), "unknown");
+    assert_string_equal(ffp_mesh_name(MESHES), "unknown");
+}
+
+static FfpMesh mesh_of(void (*make)(FfpShape *)) {
+    FfpShape *shape = malloc(sizeof *shape);
+    assert_non_null(shape);
+    ffp_shape_init(shape, 7);
+    make(shape);
+    FfpMesh mesh = ffp_mesh_from_shape(shape);
+    free(shape);
+    const float upright[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
+    ffp_mesh_place(&mesh, upright);
+    return mesh;
+}
+
+static void two_rings(FfpShape *shape) {
+    ffp_add_torus(shape, ffp_v3(0, 0, 0), 0.5F, 0.1F, 0);
+    ffp_add_torus(shape, ffp_v3(2, 0, 0), 0.5F, 0.1F, 0);
+}
+
+// A ball with a bubble inside and a crumb beside it.
+static void littered_ball(FfpShape *shape) {
+    ffp_add_ellipsoid(shape, ffp_v3(0, 0, 0), ffp_v3(1, 1, 1), 0);
+    ffp_cut(ffp_add_ellipsoid(shape, ffp_v3(0, 0, 0), ffp_v3(0.5F, 0.5F, 0.5F), 0));
+    ffp_add_ellipsoid(shape, ffp_v3(1.2F, 0, 0), ffp_v3(0.1F, 0.1F, 0.1F), 0);
+}
+
+static void plain_ball(FfpShape *shape) {
+    ffp_add_ellipsoid(shape, ffp_v3(0, 0, 0), ffp_v3(1, 1, 1), 0);
+}
+
+static void genus_counts_handles(void **state) {
+    (void)state;
+    FfpMesh rings = mesh_of(two_rings), ball = mesh_of(littered_ball);
+    int components = 0;
+    assert_int_equal(ffp_mesh_genus(&rings, &components), 2);
+    assert_int_equal(components, 2);
+    assert_int_equal(ffp_mesh_genus(&ball, &components), 0);
+    assert_int_equal(components, 1); // bubble and crumb are gone
+    ffp_mesh_free(&rings);
+    ffp_mesh_free(&ball);
+}
+
+static void meshes_are_in_one_piece_and_of_every_genus(void **state) {
+    (void)state;
+    int seen[6] = {0};
+    for (int i = 0; i < MESHES; i++) {
+        int components = 0;
+        const int genus = ffp_mesh_genus(&meshes[i], &components);
+        if (components != 1 || genus < 0 || genus > 9)
+            print_message("%s: %d pieces, genus %d\n", ffp_mesh_name(i), components, genus);
+        assert_int_equal(components, 1);
+        assert_in_range(genus, 0, 9);
+        if (genus < 6) seen[genus]++;
+    }
+    for (int genus = 0; genus < 6; genus++) assert_true(seen[genus] >= 3);
+}
+
+static void signature_knows_a_turned_object(void **state) {
+    (void)state;
+    const float turn[9] = {0, 0, 1, 0.6F, 0.8F, 0, -0.8F, 0.6F, 0};
+    static float a[FFP_SIGNATURE], b[FFP_SIGNATURE];
+    for (int i = 20; i < MESHES; i += 31) {
+        FfpMesh mesh = ffp_mesh_make(i);
+        ffp_mesh_signature(&mesh, a);
+        ffp_mesh_place(&mesh, turn);
+        ffp_mesh_signature(&mesh, b);
+        double sum = 0;
+        for (int k = 0; k < FFP_SIGNATURE; k++) sum += a[k];
+        assert_float_equal(sum, 1, 1e-3);
+        assert_true(ffp_signature_distance(a, b) < 0.01F);
         ffp_mesh_free(&mesh);
     }
+    FfpMesh rings = mesh_of(two_rings), ball = mesh_of(plain_ball);
+    ffp_mesh_signature(&rings, a);
+    ffp_mesh_signature(&ball, b);
+    assert_true(ffp_signature_distance(a, b) > 0.3F);
+    ffp_mesh_free(&rings);
+    ffp_mesh_free(&ball);
+}
+
+// 0.06: two loaves of one form that differ in their bumps lie 0.01 to 0.03 apart, a chair with and one
+// without arms 0.05, two cacti with other arms 0.054.
+static void no_two_meshes_are_alike(void **state) {
+    (void)state;
+    static float signature[MESHES][FFP_SIGNATURE];
+    float least = 1;
+    for (int i = 0; i < MESHES; i++) ffp_mesh_signature(&meshes[i], signature[i]);
+    for (int i = 0; i < MESHES; i++)
+        for (int j = 0; j < i; j++) {
+            const float distance = ffp_signature_distance(signature[i], signature[j]);
+            if (distance < 0.06F)
+                print_message("%s and %s: %g\n", ffp_mesh_name(i), ffp_mesh_name(j), (double)distance);
+            least = fminf(least, distance);
+        }
+    assert_true(least >= 0.06F);
 }
 
 static void a_mesh_depends_on_its_number_alone(void **state) {
     (void)state;
     const int threads = omp_get_max_threads();
-    for (int i = 3; i < ffp_mesh_count(); i += 29) {
+    for (int i = 3; i < MESHES; i += 29) {
         omp_set_num_threads(1);
         FfpMesh a = ffp_mesh_make(i);
         omp_set_num_threads(2);
-        FfpMesh b = ffp_mesh_make(i), c = ffp_mesh_make((i + 15) % ffp_mesh_count());
+        FfpMesh b = ffp_mesh_make(i), c = ffp_mesh_make((i + 15) % MESHES);
         assert_int_equal(a.n_vertices, b.n_vertices);
         assert_int_equal(a.n_triangles, b.n_triangles);
         assert_memory_equal(a.positions, b.positions, (size_t)a.n_vertices * 12);
@@ -123,18 +242,18 @@ static void splits_are_disjoint_and_balanced(void **state) {
     (void)state;
     static const char *const names[3] = {"train", "validation", "test"};
     static const int sizes[3] = {105, 15, 30};
-    int seen[150] = {0};
+    int seen[MESHES] = {0};
     for (int s = 0; s < 3; s++) {
-        int meshes[150], per_family[15] = {0};
-        assert_int_equal(ffp_split_meshes(names[s], meshes, 150), sizes[s]);
+        int numbers[MESHES], per_family[15] = {0};
+        assert_int_equal(ffp_split_meshes(names[s], numbers, MESHES), sizes[s]);
         for (int i = 0; i < sizes[s]; i++) {
-            assert_in_range(meshes[i], 0, 149);
-            seen[meshes[i]]++;
-            per_family[meshes[i] % 15]++;
+            assert_in_range(numbers[i], 0, MESHES - 1);
+            seen[numbers[i]]++;
+            per_family[numbers[i] % 15]++;
         }
         for (int f = 0; f < 15; f++) assert_int_equal(per_family[f], sizes[s] / 15);
     }
-    for (int i = 0; i < 150; i++) assert_int_equal(seen[i], 1);
+    for (int i = 0; i < MESHES; i++) assert_int_equal(seen[i], 1);
     assert_int_equal(ffp_split_meshes("training", NULL, 0), 0);
 }
 
@@ -159,9 +278,14 @@ static void every_pair_is_one_scene(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(meshes_are_closed_and_face_outwards),
+        cmocka_unit_test(names_are_unique),
+        cmocka_unit_test(genus_counts_handles),
+        cmocka_unit_test(meshes_are_in_one_piece_and_of_every_genus),
+        cmocka_unit_test(signature_knows_a_turned_object),
+        cmocka_unit_test(no_two_meshes_are_alike),
         cmocka_unit_test(a_mesh_depends_on_its_number_alone),
         cmocka_unit_test(splits_are_disjoint_and_balanced),
         cmocka_unit_test(every_pair_is_one_scene),
     };
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    return cmocka_run_group_tests(tests, make_meshes, free_meshes);
 }
