@@ -72,13 +72,12 @@ static bool picture(const FfpMesh *mesh, const FfpMaterial *material, int side, 
     spec.seed = 58; // camera 64 degrees from the pole, projector 55, and 35 to a side
     FfpImage white = ffp_image_new(spec.pattern_side, spec.pattern_side, 3);
     for (size_t i = 0; i < (size_t)white.width * (size_t)white.height * 3; i++) white.data[i] = 1;
-    FfpLightPattern light = ffp_light_pattern_new(&white);
+    FfpLight light = ffp_light_new((const FfpImage *[]){&white}, 1);
     const FfpRig rig = ffp_rig_light(&spec);
     const FfpSimulation simulation = {.tracer = tracer,
                                       .mesh = mesh,
                                       .material = material,
-                                      .patterns = &light,
-                                      .n_patterns = 1,
+                                      .light = &light,
                                       .intensity = {rig.intensity[0], rig.intensity[1], rig.intensity[2]},
                                       .ambient = rig.ambient,
                                       .samples = 9,
@@ -86,7 +85,7 @@ static bool picture(const FfpMesh *mesh, const FfpMaterial *material, int side, 
     *view = (FfpView){0};
     ffp_rig_target(&spec, 0, view);
     ffp_simulate_view(&simulation, view, 0, NULL);
-    ffp_light_pattern_free(&light);
+    ffp_light_free(&light);
     ffp_image_free(&white);
     ffp_tracer_free(tracer);
     return true;

@@ -74,16 +74,16 @@ static void make_patterns(FfpCapture *capture, const FfpSceneSpec *spec) {
 }
 
 // What the projector sends out for each pattern. `emitted` keeps the images that differ from the patterns.
-static FfpLightPattern *make_light(const FfpCapture *capture, const FfpSensor *sensor, FfpImage *emitted) {
-    FfpLightPattern *light = ffp_alloc((size_t)capture->n_patterns, sizeof *light);
+static FfpLight make_light(const FfpCapture *capture, const FfpSensor *sensor, FfpImage *emitted) {
+    const FfpImage **images = ffp_alloc((size_t)capture->n_patterns, sizeof *images);
     for (int p = 0; p < capture->n_patterns; p++) {
-        const FfpImage *image = &capture->patterns[p].image;
-        if (ffp_sensor_changes_light(sensor)) {
-            emitted[p] = ffp_sensor_emit(image, sensor);
-            image = &emitted[p];
-        }
-        light[p] = ffp_light_pattern_new(image);
+        images[p] = &capture->patterns[p].image;
+        if (!ffp_sensor_changes_light(sensor)) continue;
+        emitted[p] = ffp_sensor_emit(images[p], sensor);
+        images[p] = &emitted[p];
     }
+    const FfpLight light = ffp_light_new(images, capture->n_patterns);
+    free((void *)images);
     return light;
 }
 
@@ -99,9 +99,8 @@ static void misplace(FfpView *view, const FfpSceneSpec *spec, int index) {
 static void make_views(FfpCapture *capture, const FfpSceneSpec *spec, FfpSimulation *simulation,
                        FfpImage *visibility) {
     FfpImage *emitted = ffp_alloc((size_t)capture->n_patterns, sizeof *emitted);
-    FfpLightPattern *patterns = make_light(capture, &spec->sensor, emitted);
-    simulation->patterns = patterns;
-    simulation->n_patterns = capture->n_patterns;
+    FfpLight light = make_light(capture, &spec->sensor, emitted);
+    simulation->light = &light;
     capture->n_views = spec->views + spec->targets;
     capture->views = ffp_alloc((size_t)capture->n_views, sizeof *capture->views);
     for (int i = 0; i < capture->n_views; i++) {
@@ -112,11 +111,8 @@ static void make_views(FfpCapture *capture, const FfpSceneSpec *spec, FfpSimulat
         ffp_simulate_view(simulation, &capture->views[i], (uint32_t)i, visibility ? &visibility[i] : NULL);
         misplace(&capture->views[i], spec, i);
     }
-    for (int p = 0; p < capture->n_patterns; p++) {
-        ffp_light_pattern_free(&patterns[p]);
-        ffp_image_free(&emitted[p]);
-    }
-    free(patterns);
+    ffp_light_free(&light);
+    for (int p = 0; p < capture->n_patterns; p++) ffp_image_free(&emitted[p]);
     free(emitted);
 }
 

@@ -22,9 +22,9 @@ typedef struct Device {       // a camera or projector in float
 
 // Sums of one view before composition; [height, width, .] each.
 typedef struct Sums {
-    float *ambient; // 3: incoming ambient radiance, cosine-weighted mean
-    float *
-        *bounce; // per pattern 3 (NULL for black ones): the same of the projector's light off other surfaces
+    float *ambient;        // 3: incoming ambient radiance, cosine-weighted mean
+    float *bounce;         // 3 x lanes: the same of the projector's light off other surfaces, every pattern's
+    float *direct;         // 3 x lanes: what the samples send back of the projector's own light
     float *point, *smooth; // 3: mean position and unbumped normal
     float *hits;           // covered samples
 } Sums;
@@ -68,6 +68,11 @@ static float dot(const float a[3], const float b[3]) {
 static void camera_ray(const Device *c, float x, float y, float d[3]) {
     const float a = (x - c->cx) / c->fx, b = (y - c->cy) / c->fy;
     for (int k = 0; k < 3; k++) d[k] = a * c->axes[k] + b * c->axes[3 + k] + c->axes[6 + k];
+}
+
+// A pixel's values in an array of [height, width, 3, lanes].
+static float *lanes_of(const Work *w, float *values, size_t pixel) {
+    return values + pixel * 3 * (size_t)w->sim->light->lanes;
 }
 
 // Albedo and roughness of what lies at a hit, over about `footprint` world units.
@@ -121,37 +126,11 @@ static bool arrive(const Work *w, const FfpHit *hit, const float normal[3], Arri
     return true;
 }
 
-// A bilinear lookup, the same for all patterns: four texels' offsets and weights. Weightless outside the
-// rectangle.
-typedef struct Texel {
-    size_t at, right, down;
-    float weight[4];
-} Texel;
-
-static Texel texel_at(int width, int height, float u, float v) {
-    if (!(u >= 0 && v >= 0 && u <= (float)width && v <= (float)height)) return (Texel){0, 0, 0, {0, 0, 0, 0}};
-    const float x = ffp_max(u - 0.5F, 0), y = ffp_max(v - 0.5F, 0);
-    const int i = (int)ffp_min(x, (float)(width - 1)), j = (int)ffp_min(y, (float)(height - 1));
-    const float a = x - (float)i, b = y - (float)j;
-    return (Texel){((size_t)j * (size_t)width + (size_t)i) * 3,
-                   i + 1 < width ? 3 : 0,
-                   j + 1 < height ? (size_t)width * 3 : 0,
-                   {(1 - a) * (1 - b), a * (1 - b), (1 - a) * b, a * b}};
-}
-
-static void add_texel(const FfpImage *image, const Texel *t, float sum[3]) {
-    const real *p = image->data + t->at;
-    for (size_t c = 0; c < 3; c++)
-        sum[c] += t->weight[0] * p[c] + t->weight[1] * p[c + t->right] + t->weight[2] * p[c + t->down] +
-                  t->weight[3] * p[c + t->right + t->down];
-}
-
 // The lookups that a sample's cell of the pixel asks for: the cell's image on the tangent plane, projected,
 // spread evenly over so many that their tents overlap. Converges to one lookup as samples grow.
 typedef struct Spread {
-    int count;
-    float inside; // how many of them lie in the rectangle
-    Texel texel[LOOKUPS_MAX];
+    int count, inside; // inside: how many of them lie in the rectangle
+    FfpTexel texel[LOOKUPS_MAX];
 } Spread;
 
 static void pattern_slope(const Work *w, const Arrival *a, const float step[3], float side, float *du,
@@ -181,15 +160,14 @@ static void spread_lookups(const Work *w, const Arrival *a, const FfpHit *hit, c
         pattern_slope(w, a, step, side, &du[axis], &dv[axis]);
         n[axis] = (int)ffp_max(1, ffp_min(4, ceilf(hypotf(du[axis], dv[axis]) / 2.5F)));
     }
-    out->count = 0, out->inside = 0;
+    out->count = n[0] * n[1], out->inside = 0;
     for (int j = 0; j < n[1]; j++)
         for (int i = 0; i < n[0]; i++) {
             const float x = ((float)i + 0.5F) / (float)n[0] - 0.5F,
                         y = ((float)j + 0.5F) / (float)n[1] - 0.5F;
-            Texel *t = &out->texel[out->count++];
-            *t = texel_at((int)w->projector.width, (int)w->projector.height, a->u + x * du[0] + y * du[1],
-                          a->v + x * dv[0] + y * dv[1]);
-            out->inside += t->weight[0] + t->weight[1] + t->weight[2] + t->weight[3];
+            out->inside +=
+                ffp_light_texel(w->sim->light->width, w->sim->light->height, a->u + x * du[0] + y * du[1],
+                                a->v + x * dv[0] + y * dv[1], &out->texel[out->inside]);
         }
 }
 
@@ -206,16 +184,9 @@ static void light_sample(const Work *w, size_t pixel, const Sample *s, const Arr
     }
     Spread spread;
     spread_lookups(w, a, &s->hit, s->ray, &spread);
-    for (int p = 0; p < w->sim->n_patterns; p++) {
-        const FfpLightPattern *pattern = &w->sim->patterns[p];
-        if (pattern->black) continue;
-        float sum[3] = {0, 0, 0};
-        for (int i = 0; i < spread.count && !pattern->flat; i++)
-            add_texel(pattern->sharp, &spread.texel[i], sum);
-        for (int c = 0; c < 3 && pattern->flat; c++) sum[c] = spread.inside * (float)pattern->sharp->data[c];
-        for (size_t c = 0; c < 3; c++)
-            w->view->images[p].data[3 * pixel + c] += colour[c] * sum[c] / (float)spread.count;
-    }
+    for (int c = 0; c < 3; c++) colour[c] /= (float)spread.count;
+    for (int i = 0; i < spread.inside; i++)
+        ffp_light_add(w->sim->light, &spread.texel[i], colour, lanes_of(w, w->sums.direct, pixel));
 }
 
 static void direct_light(const Work *w, size_t pixel, const Sample *samples, int count) {
@@ -261,16 +232,11 @@ static void add_bounce(const Work *w, size_t pixel, const FfpHit *far, const flo
     float colour[3];
     const float cosine = dot(far->normal, a->towards);
     for (int c = 0; c < 3; c++) colour[c] = albedo[c] / 3.14159265F * cosine * a->fall * w->sim->intensity[c];
-    const Device *projector = &w->projector;
-    const Texel texel =
-        texel_at((int)ceilf(projector->width / FFP_COARSE), (int)ceilf(projector->height / FFP_COARSE),
-                 a->u / FFP_COARSE, a->v / FFP_COARSE);
-    for (int p = 0; p < w->sim->n_patterns; p++) {
-        if (w->sim->patterns[p].black) continue;
-        float sum[3] = {0, 0, 0};
-        add_texel(&w->sim->patterns[p].coarse, &texel, sum);
-        for (size_t c = 0; c < 3; c++) w->sums.bounce[p][3 * pixel + c] += colour[c] * sum[c];
-    }
+    const FfpLight *light = w->sim->light;
+    FfpTexel texel;
+    if (ffp_light_texel(light->coarse_width, light->coarse_height, a->u / FFP_COARSE, a->v / FFP_COARSE,
+                        &texel))
+        ffp_light_add_coarse(light, &texel, colour, lanes_of(w, w->sums.bounce, pixel));
 }
 
 // Incoming light other than the projector's own, along some rays: sky where a ray is free, else what the
@@ -366,10 +332,9 @@ static void finish_pixel(const Work *w, size_t pixel, float hits, int samples) {
     float *smooth = w->sums.smooth + 3 * pixel;
     divide_sums(smooth, 3, ffp_max(sqrtf(dot(smooth, smooth)), 1e-6F));
     const float rays = hits * (float)w->sim->ambient_rays;
-    for (int p = 0; p < w->sim->n_patterns; p++) {
-        divide(view->images[p].data + 3 * pixel, 3, hits);
-        if (w->sums.bounce[p] && rays > 0) divide_sums(w->sums.bounce[p] + 3 * pixel, 3, rays);
-    }
+    const int lanes = 3 * w->sim->light->lanes;
+    divide_sums(lanes_of(w, w->sums.direct, pixel), lanes, hits);
+    if (rays > 0) divide_sums(lanes_of(w, w->sums.bounce, pixel), lanes, rays);
     if (rays > 0)
         divide_sums(w->sums.ambient + 3 * pixel, 3, rays);
     else
@@ -494,55 +459,59 @@ static float neighbour_weight(const Sums *s, size_t i, size_t j) {
     return plane * same * same * ffp_min(s->hits[j], 4);
 }
 
-static void filter_indirect(const Work *w, int y, float *const *in, float *const *out, int count) {
-    const int width = w->view->camera.width, height = w->view->camera.height, r = filter_radius(w->sim);
+static void add_weighted(float *to, const float *from, float weight, int count) {
+    for (int k = 0; k < count; k++) to[k] += weight * from[k];
+}
+
+// One row of the filtered ambient and bounced light.
+static void filter_row(const Work *w, int y, float *ambient, float *bounce) {
+    const int width = w->view->camera.width, height = w->view->camera.height, r = filter_radius(w->sim),
+              lanes = 3 * w->sim->light->lanes;
     for (int x = 0; x < width; x++) {
         const size_t i = (size_t)y * (size_t)width + (size_t)x;
         if (w->sums.hits[i] <= 0) continue;
-        float total = 0;
+        float total = 0, *bounce_here = lanes_of(w, bounce, i);
         for (int v = y - r < 0 ? 0 : y - r; v <= y + r && v < height; v++)
             for (int u = x - r < 0 ? 0 : x - r; u <= x + r && u < width; u++) {
                 const size_t j = (size_t)v * (size_t)width + (size_t)u;
                 const float weight = neighbour_weight(&w->sums, i, j);
                 if (weight <= 0) continue;
                 total += weight;
-                for (int k = 0; k < count; k++)
-                    for (size_t c = 0; c < 3; c++) out[k][3 * i + c] += weight * in[k][3 * j + c];
+                add_weighted(ambient + 3 * i, w->sums.ambient + 3 * j, weight, 3);
+                add_weighted(bounce_here, lanes_of(w, w->sums.bounce, j), weight, lanes);
             }
-        for (int k = 0; k < count; k++) divide_sums(out[k] + 3 * i, 3, total);
+        divide_sums(ambient + 3 * i, 3, total);
+        divide_sums(bounce_here, lanes, total);
     }
 }
 
 static void smooth_indirect(Work *w) {
     if (filter_radius(w->sim) == 0) return;
-    const int n = w->sim->n_patterns, height = w->view->camera.height;
-    const size_t values = (size_t)w->view->camera.width * (size_t)height * 3;
-    float **in = ffp_alloc((size_t)n + 1, sizeof *in), **out = ffp_alloc((size_t)n + 1, sizeof *out);
-    int count = 0;
-    in[count++] = w->sums.ambient;
-    for (int p = 0; p < n; p++)
-        if (w->sums.bounce[p]) in[count++] = w->sums.bounce[p];
-    for (int k = 0; k < count; k++) out[k] = ffp_alloc(values, sizeof(float));
+    const int height = w->view->camera.height;
+    const size_t pixels = (size_t)w->view->camera.width * (size_t)height;
+    float *ambient = ffp_alloc(pixels * 3, sizeof(float));
+    float *bounce = ffp_alloc(pixels * 3 * (size_t)w->sim->light->lanes, sizeof(float));
 #pragma omp parallel for schedule(static)
-    for (int y = 0; y < height; y++) filter_indirect(w, y, in, out, count);
-    for (int k = 0; k < count; k++) {
-        memcpy(in[k], out[k], values * sizeof(float));
-        free(out[k]);
-    }
-    free(in);
-    free(out);
+    for (int y = 0; y < height; y++) filter_row(w, y, ambient, bounce);
+    free(w->sums.ambient);
+    free(w->sums.bounce);
+    w->sums.ambient = ambient;
+    w->sums.bounce = bounce;
 }
 
 // Adds the indirect light and the noise, and passes the colour through what a PNG would keep of it.
 static void compose_pixel(const Work *w, size_t pixel, int pattern) {
     real *colour = w->view->images[pattern].data + 3 * pixel;
     const real *albedo = w->view->albedo.data + 3 * pixel, cover = w->view->coverage.data[pixel];
-    const float *ambient = w->sums.ambient + 3 * pixel, *bounce = w->sums.bounce[pattern];
-    for (size_t c = 0; c < 3; c++) {
-        const float incoming = ambient[c] + (bounce ? bounce[3 * pixel + c] : 0);
-        const float seen =
-            ffp_sensor_noise((float)(colour[c] + albedo[c] * incoming), w->sim->shot, w->sim->read,
-                             (uint32_t)(3 * pixel + c), w->seed + 0x3c6ef372U * ((uint32_t)pattern + 1));
+    const int lanes = w->sim->light->lanes, lane = w->sim->light->lane[pattern];
+    const float *ambient = w->sums.ambient + 3 * pixel;
+    const float *direct = lanes_of(w, w->sums.direct, pixel), *bounce = lanes_of(w, w->sums.bounce, pixel);
+    for (int c = 0; c < 3; c++) {
+        const int own = c * lanes + lane;
+        const float lit = lane < 0 ? 0 : direct[own], incoming = ambient[c] + (lane < 0 ? 0 : bounce[own]);
+        const float seen = ffp_sensor_noise((float)(lit + albedo[c] * incoming), w->sim->shot, w->sim->read,
+                                            (uint32_t)(3 * pixel) + (uint32_t)c,
+                                            w->seed + 0x3c6ef372U * ((uint32_t)pattern + 1));
         const real encoded = ffp_srgb_encode((real)seen);
         colour[c] = ffp_srgb_decode((real)(roundf(255 * (float)encoded) / 255) * cover);
     }
@@ -555,39 +524,15 @@ static void compose(const Work *w) {
         for (int x = 0; x < width; x++) {
             const size_t pixel = (size_t)y * (size_t)width + (size_t)x;
             if (w->sums.hits[pixel] <= 0) continue;
-            for (int p = 0; p < w->sim->n_patterns; p++) compose_pixel(w, pixel, p);
+            for (int p = 0; p < w->sim->light->n_patterns; p++) compose_pixel(w, pixel, p);
         }
-}
-
-FfpLightPattern ffp_light_pattern_new(const FfpImage *sharp) {
-    const size_t row = (size_t)sharp->width * 3, values = row * (size_t)sharp->height;
-    const int width = (sharp->width + FFP_COARSE - 1) / FFP_COARSE,
-              height = (sharp->height + FFP_COARSE - 1) / FFP_COARSE;
-    FfpLightPattern out = {.sharp = sharp, .coarse = ffp_image_new(width, height, 3)};
-    size_t same = 3;
-    while (same < values && sharp->data[same] == sharp->data[same - 3]) same++;
-    out.flat = same == values;
-    out.black = out.flat && sharp->data[0] == 0 && sharp->data[1] == 0 && sharp->data[2] == 0;
-    for (int y = 0; y < sharp->height && !out.black; y++)
-        for (int x = 0; x < sharp->width; x++) {
-            real *box =
-                out.coarse.data + ((size_t)(y / FFP_COARSE) * (size_t)width + (size_t)(x / FFP_COARSE)) * 3;
-            for (size_t c = 0; c < 3; c++)
-                box[c] += sharp->data[(size_t)y * row + (size_t)x * 3 + c] / (FFP_COARSE * FFP_COARSE);
-        }
-    return out;
-}
-
-void ffp_light_pattern_free(FfpLightPattern *pattern) {
-    ffp_image_free(&pattern->coarse);
 }
 
 static void work_begin(Work *w) {
-    const size_t pixels = (size_t)w->view->camera.width * (size_t)w->view->camera.height;
-    const int n = w->sim->n_patterns;
-    w->sums.bounce = ffp_alloc((size_t)n, sizeof *w->sums.bounce);
-    for (int p = 0; p < n; p++)
-        if (!w->sim->patterns[p].black) w->sums.bounce[p] = ffp_alloc(pixels * 3, sizeof(float));
+    const size_t pixels = (size_t)w->view->camera.width * (size_t)w->view->camera.height,
+                 lanes = (size_t)w->sim->light->lanes;
+    w->sums.direct = ffp_alloc(pixels * 3 * lanes, sizeof(float));
+    w->sums.bounce = ffp_alloc(pixels * 3 * lanes, sizeof(float));
     w->sums.ambient = ffp_alloc(pixels * 3, sizeof(float));
     w->sums.point = ffp_alloc(pixels * 3, sizeof(float));
     w->sums.smooth = ffp_alloc(pixels * 3, sizeof(float));
@@ -595,7 +540,7 @@ static void work_begin(Work *w) {
 }
 
 static void work_end(Work *w) {
-    for (int p = 0; p < w->sim->n_patterns; p++) free(w->sums.bounce[p]);
+    free(w->sums.direct);
     free(w->sums.bounce);
     free(w->sums.ambient);
     free(w->sums.point);
@@ -606,8 +551,9 @@ static void work_end(Work *w) {
 void ffp_simulate_view(const FfpSimulation *simulation, FfpView *view, uint32_t stream,
                        FfpImage *visibility) {
     const int width = view->camera.width, height = view->camera.height;
-    view->images = ffp_alloc((size_t)simulation->n_patterns, sizeof *view->images);
-    for (int p = 0; p < simulation->n_patterns; p++) view->images[p] = ffp_image_new(width, height, 3);
+    const int n_patterns = simulation->light->n_patterns;
+    view->images = ffp_alloc((size_t)n_patterns, sizeof *view->images);
+    for (int p = 0; p < n_patterns; p++) view->images[p] = ffp_image_new(width, height, 3);
     view->coverage = ffp_image_new(width, height, 1);
     view->depth = ffp_image_new(width, height, 1);
     view->normal = ffp_image_new(width, height, 3);

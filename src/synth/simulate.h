@@ -5,27 +5,17 @@
 
 #include <stdint.h>
 #include "capture/capture.h"
+#include "synth/light.h"
 #include "synth/material.h"
 #include "synth/texture.h"
 #include "synth/trace.h"
-
-// A pattern as the simulator needs it.
-typedef struct FfpLightPattern {
-    const FfpImage *sharp;
-    FfpImage coarse;  // box means of FFP_COARSE^2 pixels: for light that has bounced
-    bool black, flat; // nothing but 0; the first pixel's colour everywhere
-} FfpLightPattern;
-enum { FFP_COARSE = 8 };
-FfpLightPattern ffp_light_pattern_new(const FfpImage *sharp);
-void ffp_light_pattern_free(FfpLightPattern *pattern);
 
 typedef struct FfpSimulation {
     const FfpTracer *tracer;
     const FfpMesh *mesh;
     const FfpMaterial *material;
     const FfpTextures *textures; // instead of the material; NULL: none
-    const FfpLightPattern *patterns;
-    int n_patterns;
+    const FfpLight *light;       // every pattern, of the projectors' size
     float intensity[3], ambient; // projector W/sr at pattern value 1; ambient radiance
     int samples, ambient_rays; // primary rays a pixel (four times as many on silhouettes); ambient rays a hit
     float shot, read;          // noise of the images (ffp_sensor_noise)

@@ -17,8 +17,7 @@ static double psnr_of_two_seeds(int mesh_number, int material_number) {
     assert_non_null(tracer);
     FfpImage image[PATTERNS] = {ffp_image_new(800, 800, 3), ffp_lollipop_pattern(800, 800, 5)};
     for (int i = 0; i < 800 * 800 * 3; i++) image[0].data[i] = 1;
-    FfpLightPattern patterns[PATTERNS];
-    for (int p = 0; p < PATTERNS; p++) patterns[p] = ffp_light_pattern_new(&image[p]);
+    FfpLight light = ffp_light_new((const FfpImage *[]){&image[0], &image[1]}, PATTERNS);
     FfpCapture captures[2];
     for (int s = 0; s < 2; s++) {
         captures[s] = (FfpCapture){.n_patterns = PATTERNS, .n_views = 1, .views = calloc(1, sizeof(FfpView))};
@@ -26,8 +25,7 @@ static double psnr_of_two_seeds(int mesh_number, int material_number) {
         const FfpSimulation simulation = {.tracer = tracer,
                                           .mesh = &mesh,
                                           .material = &material,
-                                          .patterns = patterns,
-                                          .n_patterns = PATTERNS,
+                                          .light = &light,
                                           .intensity = {7.96F, 7.96F, 7.96F},
                                           .ambient = 0.3F,
                                           .samples = 16,
@@ -43,10 +41,8 @@ static double psnr_of_two_seeds(int mesh_number, int material_number) {
                                       ffp_srgb_encode(captures[1].views[0].images[p].data[i]));
             square += d * d / (3.0 * SIDE * SIDE * PATTERNS);
         }
-    for (int p = 0; p < PATTERNS; p++) {
-        ffp_light_pattern_free(&patterns[p]);
-        ffp_image_free(&image[p]);
-    }
+    ffp_light_free(&light);
+    for (int p = 0; p < PATTERNS; p++) ffp_image_free(&image[p]);
     ffp_tracer_free(tracer);
     ffp_mesh_free(&mesh);
     for (int s = 0; s < 2; s++) {
