@@ -179,12 +179,13 @@ typedef struct FfpImport {
     int n_calibrations;
     const char *projector_image; // COLMAP: the image that is the projector; NULL: "calib"
     const char *turntable; // "AX,AY,AZ,PX,PY,PZ,ANGLES" in camera coordinates, or a JSON file; NULL: none
-    const char *const
-        *images; // "NAME[,NAME..]=FILES" (ffprocams import --help); none: as the calibration says
+    // "NAME[,NAME..]=FILES", see ffprocams import --help; none: the pictures that the calibration names
+    const char *const *images;
     int n_images;
-    const char *const *patterns, *const
-                                     *held_out; // "NAME=FILE": what was projected; held_out: only to predict
-    int n_patterns, n_held_out;
+    const char *const *patterns; // "NAME=FILE": what was projected
+    int n_patterns;
+    const char *const *held_out; // likewise, only ever to be predicted
+    int n_held_out;
     const char *mask;         // files, like `images` without names; "otsu"; NULL: alpha channels, else Otsu
     const char *const *views; // ids to import; none: all
     int n_views;

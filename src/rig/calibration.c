@@ -97,30 +97,10 @@ void ffp_place_projector(FfpCalibration *calibration, const double p2w[16]) {
 
 // --- Which format a file has. ---
 
-// single-shot's calib-info.yml, or any file with these keys.
-static bool read_sizes(FfpCalibration *calibration, const FfpField *root, bool *found, FfpError *err) {
-    static const char *const keys[2][2] = {{"camW", "camH"}, {"prjW", "prjH"}};
-    FfpOptics *const devices[2] = {&calibration->camera, &calibration->projector};
-    for (int i = 0; i < 2; i++) {
-        FfpField field;
-        int width = 0, height = 0;
-        if (!ffp_field_find(root, keys[i][0], &field)) continue;
-        *found = true;
-        if (!ffp_get_whole(root, keys[i][0], 1, FFP_IMAGE_SIDE_MAX, &width, err) ||
-            !ffp_get_whole(root, keys[i][1], 1, FFP_IMAGE_SIDE_MAX, &height, err) ||
-            !ffp_settle_size(devices[i], &field, width, height, err)) {
-            return false;
-        }
-    }
-    return true;
-}
-
 static bool read_object(FfpCalibration *calibration, const FfpField *root, FfpError *err) {
     FfpField field;
-    bool sizes = false;
-    if (ffp_field_find(root, "frames", &field)) return ffp_read_nepmap(calibration, root, err);
-    if (!read_sizes(calibration, root, &sizes, err)) return false;
-    return sizes || ffp_read_opencv(calibration, root, err);
+    return ffp_field_find(root, "frames", &field) ? ffp_read_nepmap(calibration, root, err)
+                                                  : ffp_read_opencv(calibration, root, err);
 }
 
 // GS-ProCams writes two lists; the projector's entries have no "rotation".

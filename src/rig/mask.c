@@ -40,20 +40,35 @@ static FfpImage smooth(const FfpImage *image) {
     return out;
 }
 
-// The first bin of the brighter class: maximises w0 w1 (m0 - m1)^2. 0 when all values share a bin.
+// Weight and moment of the bins before each, for sums over any range.
+typedef struct Sums {
+    double weight[BINS + 1], moment[BINS + 1];
+} Sums;
+
+// w m^2 of bins [from, to): the between-class variance is the sum of this over classes, less a constant.
+static double class_term(const Sums *sums, int from, int to) {
+    const double w = sums->weight[to] - sums->weight[from], m = sums->moment[to] - sums->moment[from];
+    return w > 0 ? m * m / w : 0;
+}
+
+// The first bin that is not background, of three classes: nothing, dim, bright. With two, the dim side of a
+// curved object falls to the background. 0 when all values share a bin.
 static int otsu(const FfpImage *image) {
-    double counts[BINS] = {0}, total = 0, moment = 0;
+    Sums sums = {{0}, {0}};
     const ptrdiff_t pixels = (ptrdiff_t)image->width * image->height;
-    for (ptrdiff_t i = 0; i < pixels; i++) counts[(int)(image->data[i] * (BINS - 1) + 0.5F)]++;
-    for (int b = 0; b < BINS; b++) total += counts[b], moment += b * counts[b];
-    double below = 0, moment_below = 0, most = 0;
+    for (ptrdiff_t i = 0; i < pixels; i++) sums.weight[(int)(image->data[i] * (BINS - 1) + 0.5F) + 1]++;
+    for (int b = 0; b < BINS; b++) {
+        sums.moment[b + 1] = sums.moment[b] + b * sums.weight[b + 1];
+        sums.weight[b + 1] += sums.weight[b];
+    }
+    double most = class_term(&sums, 0, BINS) * (1 + 1e-9);
     int best = 0;
-    for (int b = 0; b + 1 < BINS; b++) {
-        below += counts[b], moment_below += b * counts[b];
-        if (below == 0 || below == total) continue;
-        const double gap = moment_below / below - (moment - moment_below) / (total - below);
-        const double variance = below * (total - below) * gap * gap;
-        if (variance > most) most = variance, best = b + 1;
+    for (int low = 1; low < BINS; low++) {
+        for (int high = low; high < BINS; high++) {
+            const double sum =
+                class_term(&sums, 0, low) + class_term(&sums, low, high) + class_term(&sums, high, BINS);
+            if (sum > most) most = sum, best = low;
+        }
     }
     return best;
 }

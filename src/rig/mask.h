@@ -5,9 +5,10 @@
 #include "image/image.h"
 
 // 1 where the projector's light reaches something, else 0, from linear pictures of one size: sRGB-encoded
-// luminance (Rec. 709) of white - black, smoothed by 1 2 1, split where Otsu's between-class variance is
-// greatest (Otsu 1979, 256 bins). Then holes are filled, and pieces below a twentieth of the largest dropped.
-// *threshold, when not NULL, gets the encoded value in [0,1]. Fails when white adds nothing anywhere.
+// luminance (Rec. 709) of white - black, smoothed by 1 2 1, in three classes between which the variance is
+// greatest (Otsu 1979, 256 bins), the darkest being background. Then holes are filled, and pieces below a
+// twentieth of the largest dropped. *threshold, when not NULL, gets the encoded value in [0,1]. Fails when
+// white adds nothing anywhere.
 bool ffp_mask_otsu(FfpImage *mask, const FfpImage *black, const FfpImage *white, double *threshold,
                    const char *where, FfpError *err);
 

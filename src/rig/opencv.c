@@ -121,19 +121,39 @@ static bool read_camera_config(FfpCalibration *calibration, const FfpField *came
            ffp_settle_size(&calibration->camera, camera, width, height, err);
 }
 
+// single-shot's calib-info.yml, or any file with these keys.
+static bool read_sizes(FfpCalibration *calibration, const FfpField *root, bool *found, FfpError *err) {
+    static const char *const keys[2][2] = {{"camW", "camH"}, {"prjW", "prjH"}};
+    FfpOptics *const devices[2] = {&calibration->camera, &calibration->projector};
+    for (int i = 0; i < 2; i++) {
+        FfpField field;
+        int width = 0, height = 0;
+        if (!ffp_field_find(root, keys[i][0], &field)) continue;
+        *found = true;
+        if (!ffp_get_whole(root, keys[i][0], 1, FFP_IMAGE_SIDE_MAX, &width, err) ||
+            !ffp_get_whole(root, keys[i][1], 1, FFP_IMAGE_SIDE_MAX, &height, err) ||
+            !ffp_settle_size(devices[i], &field, width, height, err)) {
+            return false;
+        }
+    }
+    return true;
+}
+
 bool ffp_read_opencv(FfpCalibration *calibration, const FfpField *root, FfpError *err) {
     FfpField camera;
     const bool before[3] = {calibration->has_camera, calibration->has_projector, calibration->has_motion};
+    bool told = false;
     if (ffp_field_find(root, "camera", &camera)) return read_camera_config(calibration, &camera, err);
-    if (!read_device(root, camera_keys, camera_lens_keys, &calibration->camera, &calibration->has_camera,
+    if (!read_sizes(calibration, root, &told, err) ||
+        !read_device(root, camera_keys, camera_lens_keys, &calibration->camera, &calibration->has_camera,
                      err) ||
         !read_device(root, projector_keys, projector_lens_keys, &calibration->projector,
                      &calibration->has_projector, err) ||
         !read_motion(calibration, root, err) || !read_shape(calibration, root, err)) {
         return false;
     }
-    const bool told = before[0] != calibration->has_camera || before[1] != calibration->has_projector ||
-                      before[2] != calibration->has_motion;
+    told = told || before[0] != calibration->has_camera || before[1] != calibration->has_projector ||
+           before[2] != calibration->has_motion;
     return told || ffp_field_fail(root, err,
                                   "none of the keys of a known calibration tool (camK, cam_int, cam_K, "
                                   "camIntrinsics, cam1_intrinsics, camera, frames, ...)");

@@ -178,18 +178,181 @@ static void check_import(const char *name, double tolerance_db) {
 static const double no_lens[5] = {0};
 static const Keys single_shot = {"camK", "camKc", "prjK", "prjKc", "R", "T"};
 
+static void import_rig(const char *name, const char *calibration, const char *more) {
+    char arguments[3000];
+    snprintf(arguments, sizeof arguments, "-c %s/%s %s", scratch, calibration, more);
+    import(name, arguments);
+    check_import(name, 0.1);
+}
+
 static void test_single_shot(void **state) {
     (void)state;
-    char arguments[2000];
     write_opencv("cal.yml", &single_shot, false, no_lens, no_lens);
-    snprintf(arguments, sizeof arguments, "-c %s/cal.yml " SIZES TURNTABLE SHOTS PATTERN, scratch);
-    import("single_shot", arguments);
-    check_import("single_shot", 0.1);
+    import_rig("single_shot", "cal.yml", SIZES TURNTABLE SHOTS PATTERN);
+    // The sizes from the file that this tool writes beside it, which is found where it is not named.
+    FILE *out = create("calib-info.yml");
+    fputs("%YAML:1.0\ncamW: 128\ncamH: 128\nprjW: 800\nprjH: 800\nboardSize: [7, 10]\nsqSize: 24\n", out);
+    fclose(out);
+    import_rig("single_shot_info", "cal.yml", TURNTABLE SHOTS PATTERN);
+    assert_int_equal(remove(in_scratch("calib-info.yml")), 0);
+}
+
+static void test_procam_calibration(void **state) {
+    (void)state;
+    const Keys keys = {"cam_int", "cam_dist", "proj_int", "proj_dist", "roration", "translation"};
+    write_opencv("cal.xml", &keys, true, no_lens, no_lens);
+    import_rig("procam", "cal.xml", "--projector-size 800x800 " TURNTABLE SHOTS PATTERN);
+    const Keys mended = {"cam_int", "cam_dist", "proj_int", "proj_dist", "rotation", "translation"};
+    write_opencv("cal.xml", &mended, true, no_lens, no_lens);
+    import_rig("procam_mended", "cal.xml", "--projector-size 800x800 " TURNTABLE SHOTS PATTERN);
+}
+
+static void test_calibrator(void **state) {
+    (void)state;
+    const Keys keys = {"cam_K", "cam_kc", "proj_K", "proj_kc", "R", "T"};
+    write_opencv("cal.yml", &keys, false, no_lens, no_lens);
+    // The same turntable the other way up: the object turns by -45 degrees about the axis that points up.
+    import_rig("calibrator", "cal.yml",
+               SIZES "-t 0,-1,0,0,0,3,0,-45,-90,-135,-180,-225,-270,-315 " PATTERN "-i 'all_black=" SAMPLE
+                     "/path_0_theta*_all_black.png' -i 'all_white=" SAMPLE
+                     "/path_0_theta*_all_white.png' -i 'lollipop_0=" SAMPLE
+                     "/path_0_theta*_lollipop_0.png' ");
+}
+
+static void test_opencv_samples(void **state) {
+    (void)state;
+    const Keys keys = {"cam1_intrinsics", "cam1_distorsion", "cam2_intrinsics", "cam2_distorsion", "R", "T"};
+    write_opencv("cal.yml", &keys, false, no_lens, no_lens);
+    FILE *out = create("table.json");
+    fputs("{\"axis\": [0, 2, 0], \"point\": [0, -0.25, 3], \"count\": 8, \"step\": 45}", out);
+    fclose(out);
+    char plain[3000];
+    snprintf(plain, sizeof plain, SIZES "-t %s/table.json " SHOTS PATTERN, scratch);
+    import_rig("samples", "cal.yml", plain);
+}
+
+// DeProCams has one view, and rows of text.
+static void test_deprocams(void **state) {
+    (void)state;
+    double c2p[16], k[9], p[9];
+    motion(c2p);
+    intrinsics(&sample.views[0].camera, 0.5, k);
+    intrinsics(&sample.views[0].projector, 0.5, p);
+    FILE *out = create("params.yml");
+    const double *const matrices[2] = {k, p};
+    static const char *const names[2] = {"camK", "prjK"}, *const lenses[2] = {"camKc", "prjKc"};
+    for (int d = 0; d < 2; d++) {
+        fprintf(out, "%s:\n", names[d]);
+        for (int i = 0; i < 3; i++)
+            fprintf(out, "  - \"%.9f, %.9f, %.9f\"\n", matrices[d][3 * i], matrices[d][3 * i + 1],
+                    matrices[d][3 * i + 2]);
+        fprintf(out, "%s:\n  - \"0, 0, 0, 0\"\n", lenses[d]);
+    }
+    fputs("camRT:\n  - \"1, 0, 0, 0\"\n  - \"0, 1, 0, 0\"\n  - \"0, 0, 1, 0\"\nprjRT:\n", out);
+    for (int i = 0; i < 3; i++)
+        fprintf(out, "  - \"%.9f, %.9f, %.9f, %.9f\"\n", c2p[4 * i], c2p[4 * i + 1], c2p[4 * i + 2],
+                c2p[4 * i + 3]);
+    fclose(out);
+    char arguments[2500];
+    snprintf(arguments, sizeof arguments, "-c %s/params.yml " SIZES SHOTS PATTERN, scratch);
+    import("deprocams", arguments);
+    FfpCapture capture;
+    assert_true(ffp_capture_read(&capture, in_scratch("deprocams"), NULL));
+    assert_int_equal(capture.n_views, 1);
+    assert_string_equal(capture.views[0].id, "000");
+    check_poses(&capture);
+    assert_true(explained(&capture, 0, sample.views[0].depth.data) >
+                explained(&sample, 0, sample.views[0].depth.data) - 0.1);
+    ffp_capture_free(&capture);
+}
+
+// --- Wrong usage and wrong files, as a user meets them. ---
+
+static void test_usage(void **state) {
+    (void)state;
+    static const char *const wrong[] = {"import",
+                                        "import -c cal.yml",
+                                        "import -o out",
+                                        "import -c cal.yml -o out --camera-size 640",
+                                        "import -c cal.yml -o out --camera-fit crop=1",
+                                        "import -c cal.yml -o out --projector-fit squeezed",
+                                        "import -c cal.yml -o out --width 3",
+                                        "import -c cal.yml -o out --object 0,0,0",
+                                        "import -c cal.yml -o out --object 0,0,0,-1",
+                                        "import -c cal.yml -o out photographs.png",
+                                        "import -c cal.yml -o out --fit"};
+    for (size_t i = 0; i < sizeof wrong / sizeof *wrong; i++) {
+        run_program(&run, wrong[i]);
+        if (run.status != 2) printf("%s: exit %d\n", wrong[i], run.status);
+        assert_int_equal(run.status, 2);
+        assert_non_null(strstr(run.err, "see: ffprocams import --help"));
+    }
+    run_program(&run, "import --help");
+    assert_int_equal(run.status, 0);
+    assert_non_null(strstr(run.out, "calibration_result.xml"));
+}
+
+static void must_fail(const char *arguments, const char *what) {
+    char line[3500], folder[128];
+    snprintf(folder, sizeof folder, "%s/refused", scratch);
+    snprintf(line, sizeof line, "import %s -o %s/new", arguments, folder);
+    assert_true(ffp_make_folders(folder, NULL));
+    run_program(&run, line);
+    if (run.status != 1 || !strstr(run.err, what))
+        printf("expected \"%s\", got %d: %s", what, run.status, run.err);
+    assert_int_equal(run.status, 1);
+    assert_non_null(strstr(run.err, what));
+    assert_int_equal(rmdir(folder), 0); // nothing was left in it
+}
+
+static void test_refusals(void **state) {
+    (void)state;
+    char arguments[3000];
+    write_opencv("cal.yml", &single_shot, false, no_lens, no_lens);
+    static const struct {
+        const char *more, *what;
+    } cases[] = {
+        {TURNTABLE SHOTS PATTERN, "--projector-size WxH"},
+        {"--projector-size 800x800 " TURNTABLE SHOTS PATTERN, "--camera-size WxH"},
+        {"--camera-size 64x64 --projector-size 800x800 " TURNTABLE SHOTS PATTERN, "calibrated at 64 x 64"},
+        {"--camera-size 128x128 --projector-size 1024x768 " TURNTABLE SHOTS PATTERN, "--projector-fit"},
+        {"--camera-size 128x128 --projector-size 1024x768 --projector-fit scaled " TURNTABLE SHOTS PATTERN,
+         "ratio differs"},
+        {"--camera-size 130x128 --camera-fit crop=3,0 --projector-size 800x800 " TURNTABLE SHOTS PATTERN,
+         "do not lie within"},
+        {SIZES "-t 0,0,0,0,0,3,8x45 " SHOTS PATTERN, "axis has no direction"},
+        {SIZES "-t 0,1,0,0,0,3 " SHOTS PATTERN, "no angle"},
+        {SIZES "-t 0,1,0,0,0,3,1e9 " SHOTS PATTERN, "no angle in degrees"},
+        {SIZES "-t 0,1,0,0,0,3,999x1 " SHOTS PATTERN, "no number of stops"},
+        {SIZES "-t 0,1,zero,0,0,3,8x45 " SHOTS PATTERN, "zero"},
+        {SIZES TURNTABLE SHOTS, "--pattern lollipop_0=FILE"},
+        {SIZES TURNTABLE PATTERN, "--images"},
+        {SIZES TURNTABLE SHOTS "-p other=" SAMPLE "/patterns/lollipop_0.png", "name it in --images"},
+        {SIZES TURNTABLE SHOTS PATTERN "-m 'masks/{view}.png'", "masks/000.png"},
+        {SIZES TURNTABLE SHOTS PATTERN "-v 17", "no view '17'"},
+        {SIZES "-t 0,1,0,0,0,3,7x45 " PATTERN "-i 'black=" SAMPLE "/path*_all_black.png'", "8 files match"},
+        {SIZES TURNTABLE PATTERN "-i 'black=" SAMPLE "/{angle}.png'", "placeholders"},
+        {SIZES TURNTABLE PATTERN "-i 'black=" SAMPLE "/none_*.png'", "no file matches"},
+        {SIZES TURNTABLE PATTERN "-i 'black=" SAMPLE "/patterns/lollipop_0.png'", "one file for 8 views"},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        snprintf(arguments, sizeof arguments, "-c %s/cal.yml %s", scratch, cases[i].more);
+        must_fail(arguments, cases[i].what);
+    }
+    // A folder that holds something is not written over.
+    snprintf(arguments, sizeof arguments, "import -c %s/cal.yml " SIZES TURNTABLE SHOTS PATTERN "-o %s",
+             scratch, scratch);
+    run_program(&run, arguments);
+    assert_int_equal(run.status, 1);
+    assert_non_null(strstr(run.err, "not empty"));
 }
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_single_shot),
+        cmocka_unit_test(test_single_shot), cmocka_unit_test(test_procam_calibration),
+        cmocka_unit_test(test_calibrator),  cmocka_unit_test(test_opencv_samples),
+        cmocka_unit_test(test_deprocams),   cmocka_unit_test(test_usage),
+        cmocka_unit_test(test_refusals),
     };
     return cmocka_run_group_tests(tests, setup, teardown);
 }
