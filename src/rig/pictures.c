@@ -178,6 +178,9 @@ static bool fill_in_files(FfpShots *shots, const Group *group, const FfpCalibrat
     const char *text = group->template;
     const bool tells_view =
         strstr(text, "{view}") != NULL || strstr(text, "{index") != NULL || strstr(text, "{number") != NULL;
+    const Blanks first = {calibration->stops[0].id, shots->patterns[group->patterns[0]].name, 0};
+    char path[FFP_PATH_MAX];
+    if (!expand(text, &first, path, err)) return false; // an unknown placeholder is told before a missing one
     if (calibration->n_stops > 1 && !tells_view)
         return ffp_fail(err, text, "names one file for %d views: use {view}, {index}, {number} or *",
                         calibration->n_stops);
@@ -186,7 +189,6 @@ static bool fill_in_files(FfpShots *shots, const Group *group, const FfpCalibrat
     for (int i = 0; i < calibration->n_stops * group->count; i++) {
         const int stop = i / group->count, pattern = group->patterns[i % group->count];
         const Blanks blanks = {calibration->stops[stop].id, shots->patterns[pattern].name, stop};
-        char path[FFP_PATH_MAX];
         if (!expand(text, &blanks, path, err) || !set_picture(shots, calibration, stop, pattern, path, err))
             return false;
     }
