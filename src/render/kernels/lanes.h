@@ -3,7 +3,7 @@
 #ifndef FFP_RENDER_KERNELS_LANES_H
 #define FFP_RENDER_KERNELS_LANES_H
 
-#include <math.h>
+#include <tgmath.h>
 #include <stdbool.h>
 #include <stdint.h>
 #include "base/real.h"
@@ -26,6 +26,9 @@ enum { LANES = 4 };
 typedef real Lanes __attribute__((vector_size(LANES * sizeof(real))));
 typedef __typeof__((Lanes){0} < (Lanes){0}) Where; // signed integers of the width of a real
 
+typedef uint32_t LaneBits __attribute__((vector_size(LANES * sizeof(uint32_t)))); // of a vector of floats
+#define LOG2_E 1.4426950408889634074
+
 ALWAYS_INLINE Lanes lanes_all(real v) {
     return v - (Lanes){0};
 }
@@ -35,14 +38,28 @@ ALWAYS_INLINE Lanes lanes_keep(Lanes v, Where so) {
     return (Lanes)((Where)v & so);
 }
 
+// a where it is so, else b.
+ALWAYS_INLINE Lanes lanes_pick(Where so, Lanes a, Lanes b) {
+    return (Lanes)(((Where)a & so) | ((Where)b & ~so));
+}
+
 ALWAYS_INLINE Lanes lanes_min(Lanes a, Lanes b) {
-    const Where less = a < b;
-    return (Lanes)(((Where)a & less) | ((Where)b & ~less));
+    return lanes_pick(a < b, a, b);
 }
 
 ALWAYS_INLINE Lanes lanes_max(Lanes a, Lanes b) {
-    const Where more = a > b;
-    return (Lanes)(((Where)a & more) | ((Where)b & ~more));
+    return lanes_pick(a > b, a, b);
+}
+
+ALWAYS_INLINE Lanes lanes_sqrt(Lanes v) {
+#if defined(__AVX512F__)
+    return (Lanes)_mm512_sqrt_ps((__m512)v);
+#elif defined(__AVX2__)
+    return (Lanes)_mm256_sqrt_ps((__m256)v);
+#else
+    for (int l = 0; l < LANES; l++) v[l] = sqrt(v[l]);
+    return v;
+#endif
 }
 
 // Bit l is set where lane l is so.
@@ -65,7 +82,6 @@ ALWAYS_INLINE Lanes lanes_exp2(Lanes t) {
     for (int l = 0; l < LANES; l++) t[l] = exp2(t[l]);
     return t;
 #else
-    typedef uint32_t Bits __attribute__((vector_size(LANES * sizeof(uint32_t))));
     const Lanes magic = lanes_all(12582912.0F); // 1.5 * 2^23: the sum's low bits hold n
     const Lanes shifted = t + magic, f = t - (shifted - magic);
     Lanes p = 1.54035304e-4F * f + 0.00133335581F;
@@ -74,7 +90,7 @@ ALWAYS_INLINE Lanes lanes_exp2(Lanes t) {
     p = p * f + 0.240226507F;
     p = p * f + 0.693147181F;
     p = p * f + 1.0F;
-    return p * (Lanes)(((Bits)shifted << 23) + 0x3F800000U); // all but n leaves at the top
+    return p * (Lanes)(((LaneBits)shifted << 23) + 0x3F800000U); // all but n leaves at the top
 #endif
 }
 
