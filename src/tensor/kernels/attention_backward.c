@@ -1,8 +1,9 @@
 // Softmax attention with RMS QK-norm, backward. The probabilities P are made anew from log_sum, transposed: a
 // block has a row for each of its keys. With dS = P (dP - delta), dP = dO V^T:
 //   dV = P^T dO,  dK = dS^T Q,  dQ^T = K^T dS^T.
-// Segments of keys and segments of queries meet in rounds. In a round no two pairs share a segment, so dk, dv
-// and dq are added to without copies, always in the same order: the same bits for any number of threads.
+// A thread takes a segment of keys and passes all queries; it follows the thread that has the segment before,
+// so that dq is added to without copies and always in the same order: the same bits for any number of
+// threads.
 #include "tensor/kernels/attention_parts.h"
 
 #include <string.h>
@@ -94,7 +95,7 @@ static void spread_columns(Block *block, int first, size_t depth) {
 }
 
 // Keys [first, first + block->keys) of segment `to` against the queries of segment `from`: adds to their dv
-// and dk, which the first round overwrites.
+// and dk, which the first queries overwrite (fresh 0).
 static void attend_keys(const Backward *pass, Block *block, const FfpSegment *to, const FfpSegment *from,
                         int first, real fresh) {
     const FfpAttention *a = &pass->a;
@@ -118,12 +119,11 @@ static void attend_keys(const Backward *pass, Block *block, const FfpSegment *to
 }
 
 // All keys of segment `to` against the queries of segment `from`; the latter's dq^T is added to.
-static void attend_pair(const Backward *pass, int head, int key_segment, int round) {
+static void attend_pair(const Backward *pass, int head, int key_segment, int query_segment) {
     const FfpAttention *a = &pass->a;
     const FfpSegment to = FFP_K(attention_segment)(a, head, key_segment);
-    const FfpSegment from = FFP_K(attention_segment)(a, head, (key_segment + round) % a->segments);
+    const FfpSegment from = FFP_K(attention_segment)(a, head, query_segment);
     const size_t depth = ffp_packed_depth(to.rows), row = (size_t)head * a->rows + from.first;
-    const real fresh = round > 0 ? 1 : 0;
     Block block;
     block.queries = from.rows, block.depth = ffp_packed_depth(from.rows);
     for (int j = 0; j < from.rows; j++) {
@@ -132,12 +132,12 @@ static void attend_pair(const Backward *pass, int head, int key_segment, int rou
     }
     for (int first = 0; first < to.rows; first += KEYS) {
         block.keys = ffp_smaller(KEYS, to.rows - first);
-        attend_keys(pass, &block, &to, &from, first, fresh);
+        attend_keys(pass, &block, &to, &from, first, query_segment > 0 ? 1 : 0);
         spread_columns(&block, first, depth);
     }
     FFP_K(product)
     (a->dim, from.rows, to.rows, 1, ffp_attention_part(a, &to, FFP_K_DEEP), depth, block.columns, depth,
-     fresh, a->q + ffp_attention_stage(a, &from), FFP_SEGMENT);
+     key_segment > 0 ? 1 : 0, a->q + ffp_attention_stage(a, &from), FFP_SEGMENT);
 }
 
 // Through the RMS norm of one row: dx = r (g - n mean(g n)) with n = x r, g = dy gain scale; adds to the
@@ -204,11 +204,13 @@ void FFP_K(attention_backward)(real *dqkv, real *dq_gain, real *dk_gain, const r
                            qkv,  q_gain, k_gain, FFP_K(attention_layout)(rows, heads, head_dim, scratch)};
     const int segments = pass.a.segments;
     for_segments(&pass, pack_segment);
-#pragma omp parallel
-    for (int round = 0; round < segments; round++) {
-#pragma omp for collapse(2) schedule(static)
-        for (int head = 0; head < heads; head++)
-            for (int segment = 0; segment < segments; segment++) attend_pair(&pass, head, segment, round);
+#pragma omp parallel for ordered(2) schedule(static, 1)
+    for (int keys = 0; keys < heads * segments; keys++) {
+        for (int queries = 0; queries < segments; queries++) {
+#pragma omp ordered depend(sink : keys - 1, queries)
+            attend_pair(&pass, keys / segments, keys % segments, queries);
+#pragma omp ordered depend(source)
+        }
     }
     for_segments(&pass, norm_segment_backward);
     add_sums(dq_gain, pass.a.gain_sum[0], &pass.a);
