@@ -1,6 +1,7 @@
 #include "synth/simulate.h"
 
 #include <math.h>
+#include <omp.h>
 #include <stdlib.h>
 #include <string.h>
 #include "base/arena.h"
@@ -429,15 +430,30 @@ static int busy_cells(const Work *w, int **cells) {
     return count;
 }
 
+static void trace_cell(const Work *w, int cell) {
+    const int width = w->view->camera.width, height = w->view->camera.height,
+              across = (width + CELL - 1) / CELL, left = cell % across * CELL, top = cell / across * CELL;
+    for (int y = top; y < top + CELL && y < height; y++)
+        for (int x = left; x < left + CELL && x < width; x++) trace_pixel(w, x, y);
+}
+
+// As tasks, which any thread of the team takes that has nothing else to do.
+static void trace_cells(const Work *w, const int *cells, int count) {
+#pragma omp taskloop grainsize(8)
+    for (int i = 0; i < count; i++) trace_cell(w, cells[i]);
+}
+
+// A team that makes a scene a thread shares the last scenes' views; without a team there is one for this
+// view.
 static void trace_all(const Work *w) {
     int *cells;
-    const int count = busy_cells(w, &cells), width = w->view->camera.width, height = w->view->camera.height;
-    const int across = (width + CELL - 1) / CELL;
-#pragma omp parallel for schedule(dynamic, 8)
-    for (int i = 0; i < count; i++) {
-        const int left = cells[i] % across * CELL, top = cells[i] / across * CELL;
-        for (int y = top; y < top + CELL && y < height; y++)
-            for (int x = left; x < left + CELL && x < width; x++) trace_pixel(w, x, y);
+    const int count = busy_cells(w, &cells);
+    if (omp_in_parallel()) {
+        trace_cells(w, cells, count);
+    } else {
+#pragma omp parallel
+#pragma omp single
+        trace_cells(w, cells, count);
     }
     free(cells);
 }
@@ -500,7 +516,8 @@ static void smooth_indirect(Work *w) {
 }
 
 // Adds the indirect light and the noise, and passes the colour through what a PNG would keep of it.
-static void compose_pixel(const Work *w, size_t pixel, int pattern) {
+// `decoded`: the linear values of the 256 there are.
+static void compose_pixel(const Work *w, size_t pixel, int pattern, const real decoded[256]) {
     real *colour = w->view->images[pattern].data + 3 * pixel;
     const real *albedo = w->view->albedo.data + 3 * pixel, cover = w->view->coverage.data[pixel];
     const int lanes = w->sim->light->lanes, lane = w->sim->light->lane[pattern];
@@ -512,19 +529,21 @@ static void compose_pixel(const Work *w, size_t pixel, int pattern) {
         const float seen = ffp_sensor_noise((float)(lit + albedo[c] * incoming), w->sim->shot, w->sim->read,
                                             (uint32_t)(3 * pixel) + (uint32_t)c,
                                             w->seed + 0x3c6ef372U * ((uint32_t)pattern + 1));
-        const real encoded = ffp_srgb_encode((real)seen);
-        colour[c] = ffp_srgb_decode((real)(roundf(255 * (float)encoded) / 255) * cover);
+        const float encoded = roundf(255 * (float)ffp_srgb_encode((real)seen));
+        colour[c] = cover == 1 ? decoded[(int)encoded] : ffp_srgb_decode((real)(encoded / 255) * cover);
     }
 }
 
 static void compose(const Work *w) {
     const int width = w->view->camera.width, height = w->view->camera.height;
+    real decoded[256];
+    for (int i = 0; i < 256; i++) decoded[i] = ffp_srgb_decode((real)i / 255);
 #pragma omp parallel for schedule(static)
     for (int y = 0; y < height; y++)
         for (int x = 0; x < width; x++) {
             const size_t pixel = (size_t)y * (size_t)width + (size_t)x;
             if (w->sums.hits[pixel] <= 0) continue;
-            for (int p = 0; p < w->sim->light->n_patterns; p++) compose_pixel(w, pixel, p);
+            for (int p = 0; p < w->sim->light->n_patterns; p++) compose_pixel(w, pixel, p, decoded);
         }
 }
 
