@@ -142,7 +142,7 @@ static bool check_view(const FfpView *view, const FfpTrainConfig *c, const int *
         const char *name;
         const FfpImage *map;
         bool wanted;
-    } maps[] = {{"depth", &view->depth, c->depth > 0 || c->direct_t > 0},
+    } maps[] = {{"depth", &view->depth, true},
                 {"normal", &view->normal, c->truth_normal > 0},
                 {"albedo", &view->albedo, c->truth_albedo > 0},
                 {"roughness", &view->roughness, c->truth_roughness > 0}};

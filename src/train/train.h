@@ -91,8 +91,8 @@ void ffp_scene_folder_close(FfpSceneFolder *folder); // safe on {0}
 const char *ffp_scene_folder_name(const FfpSceneFolder *folder, int64_t seed, int64_t number);
 // The capture of a name, as the generator would make it with the configuration's views, targets and
 // lollipops: input views, new poses; black, white, lollipops. More than that in the folder is left out (the
-// first are kept); less, another resolution, or a missing true map that a term needs is an error with file
-// and field.
+// first are kept); less, another resolution, no depth, or a missing true map that a term needs is an error
+// with file and field.
 bool ffp_scene_folder_read(FfpCapture *capture, const FfpSceneFolder *folder, const char *name,
                            const FfpTrainConfig *config, int resolution, FfpError *err);
 // As ffp_scene_open, for the `number`-th scene drawn from the folder.

@@ -148,11 +148,22 @@ static bool one_step(Trainer *trainer, int64_t step, FfpError *err) {
     return true;
 }
 
+// A step that failed has changed nothing: what was learnt before it is kept.
+static void save_what_there_is(Trainer *trainer) {
+    FfpError why = {""};
+    ffp_note("failed at step %lld: writing a checkpoint", (long long)trainer->adam.step);
+    if (!save(trainer, &why)) ffp_warning("%s", why.text);
+}
+
 static bool run(Trainer *trainer, int64_t stop_at, FfpError *err) {
     const FfpTrainConfig *config = &trainer->config;
+    const int64_t first = trainer->adam.step;
     while (trainer->adam.step < config->steps && !interrupted) {
         const int64_t step = trainer->adam.step;
-        if (!one_step(trainer, step, err)) return false;
+        if (!one_step(trainer, step, err)) {
+            if (step > first) save_what_there_is(trainer);
+            return false;
+        }
         const int64_t done = trainer->adam.step;
         if (done == step) break;
         const bool last = done == config->steps;

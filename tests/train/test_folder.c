@@ -194,43 +194,72 @@ static void files_must_be_there(void **state) {
     refused(&config, "no such file", "train_00005/scene.json");
 }
 
-// A run that takes its scenes from the folder: with threads and without, the same; a bad scene ends it.
+// Trains for as many steps as there are scenes, each on its own.
+static bool train_on_folder(const char *out, int side, int generators, FfpError *err) {
+    static const char form[] = "{\"model\": \"tiny\", \"resolution\": %d, \"pool\": 1, \"reuse\": 1, "
+                               "\"lollipops\": 2, \"scenes\": \"%s\","
+                               " \"generators\": %d, \"steps\": %d, \"validate_every\": 0, \"log_every\": 1}";
+    char text[sizeof form + FFP_PATH_MAX];
+    snprintf(text, sizeof text, form, side, in_scratch("made"), generators, SCENES);
+    assert_true(ffp_write_file(in_scratch("config.json"), text, strlen(text), NULL));
+    const FfpTraining options = {.out = out, .config = in_scratch("config.json"), .steps = -1};
+    return ffp_train_model(&options, err);
+}
+
+static FfpModel *trained(const char *out, int64_t steps) {
+    char path[FFP_PATH_MAX], origin[FFP_ORIGIN_MAX];
+    FfpAdam adam;
+    FfpTrainConfig config;
+    FfpError err = {""};
+    assert_true(ffp_join_path(path, out, "checkpoint.safetensors"));
+    FfpModel *model = ffp_checkpoint_read(path, &adam, &config, origin, &err);
+    if (!model) fail_msg("%s", err.text);
+    assert_int_equal(adam.step, steps);
+    ffp_adam_free(&adam);
+    return model;
+}
+
 static void training_reads_the_folder(void **state) {
     (void)state;
-    static const char form[] = "{\"model\": \"tiny\", \"resolution\": %d, \"pool\": 2, \"reuse\": 1, "
-                               "\"lollipops\": 2, \"scenes\": \"%s\","
-                               " \"generators\": %d, \"steps\": 4, \"validate_every\": 0, \"log_every\": 1}";
-    FfpModel *models[2];
-    for (int i = 0; i < 3; i++) {
-        char text[sizeof form + FFP_PATH_MAX], origin[FFP_ORIGIN_MAX], out[FFP_PATH_MAX], path[FFP_PATH_MAX];
-        snprintf(text, sizeof text, form, i == 2 ? 64 : SIDE, in_scratch("made"), i);
-        snprintf(out, sizeof out, "%s/run%d", scratch, i);
-        assert_true(ffp_write_file(in_scratch("config.json"), text, strlen(text), NULL));
-        const FfpTraining options = {.out = out, .config = in_scratch("config.json"), .steps = -1};
-        FfpError err = {""};
-        const bool ok = ffp_train_model(&options, &err);
-        if (i == 2) {
-            assert_false(ok);
-            assert_non_null(strstr(err.text, "pictures of 32 x 32"));
-            break;
-        }
-        if (!ok) fail_msg("%s", err.text);
-        FfpAdam adam;
-        FfpTrainConfig config;
-        assert_true(ffp_join_path(path, out, "checkpoint.safetensors"));
-        assert_non_null(models[i] = ffp_checkpoint_read(path, &adam, &config, origin, &err));
-        ffp_adam_free(&adam);
+    FfpError err = {""};
+    if (!train_on_folder(in_scratch("alone"), SIDE, 0, &err)) fail_msg("%s", err.text);
+    if (!train_on_folder(in_scratch("helped"), SIDE, 2, &err)) fail_msg("%s", err.text);
+    FfpModel *alone = trained(in_scratch("alone"), SCENES), *helped = trained(in_scratch("helped"), SCENES);
+    assert_memory_equal(alone->values, helped->values, (size_t)alone->count * sizeof(real));
+    ffp_model_free(alone);
+    ffp_model_free(helped);
+    assert_false(train_on_folder(in_scratch("larger"), 64, 1, &err));
+    assert_non_null(strstr(err.text, "pictures of 32 x 32"));
+    assert_false(ffp_is_file(in_scratch("larger/checkpoint.safetensors")));
+}
+
+// The scene of the last step is broken: the error names it, and the steps before are not lost.
+static void a_bad_scene_ends_a_run(void **state) {
+    (void)state;
+    FfpError err = {""};
+    FfpSceneFolder folder;
+    char away[FFP_PATH_MAX], command[3 * FFP_PATH_MAX];
+    assert_true(ffp_scene_folder_open(&folder, in_scratch("made"), &err));
+    snprintf(away, sizeof away, "%s/made/%s", scratch, ffp_scene_folder_name(&folder, 1, SCENES - 1));
+    ffp_scene_folder_close(&folder);
+    snprintf(command, sizeof command, "mv %s/scene.json %s/away.json", away, away);
+    assert_int_equal(system(command), 0);
+    for (int generators = 0; generators < 3; generators += 2) {
+        snprintf(command, sizeof command, "%s/bad%d", scratch, generators);
+        assert_false(train_on_folder(command, SIDE, generators, &err));
+        assert_non_null(strstr(err.text, away));
+        ffp_model_free(trained(command, SCENES - 1));
     }
-    assert_memory_equal(models[0]->values, models[1]->values, (size_t)models[0]->count * sizeof(real));
-    ffp_model_free(models[0]);
-    ffp_model_free(models[1]);
+    snprintf(command, sizeof command, "mv %s/away.json %s/scene.json", away, away);
+    assert_int_equal(system(command), 0);
 }
 
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(folder_equals_memory),       cmocka_unit_test(order_is_of_seed_and_number),
         cmocka_unit_test(only_training_scenes_count), cmocka_unit_test(what_is_asked_for_must_be_there),
-        cmocka_unit_test(training_reads_the_folder),  cmocka_unit_test(files_must_be_there),
+        cmocka_unit_test(training_reads_the_folder),  cmocka_unit_test(a_bad_scene_ends_a_run),
+        cmocka_unit_test(files_must_be_there),
     };
     return cmocka_run_group_tests(tests, setup, scratch_teardown);
 }
