@@ -4,7 +4,7 @@
 
 #include <tgmath.h>
 #include "tensor/kernels/exp2.h"
-#include "tensor/kernels/narrow.h"
+#include "tensor/kernels/softmax.h"
 
 enum { QUERIES = 64 }; // a block of scores and weights, QUERIES x FFP_SEGMENT, lives on the thread's stack
 
@@ -43,23 +43,10 @@ static bool scores_are_safe(const real *q_gain, const real *k_gain, int dim) {
     return sqrt((real)dim) * greatest <= SAFE_SCORE;
 }
 
-// weights = 2^(scores - top); returns their sum.
-static inline real weigh_row(FfpPacked *weights, const real *scores, real top, int keys, size_t depth) {
-    real sum = 0;
-#pragma omp simd reduction(+ : sum)
-    for (int j = 0; j < keys; j++) {
-        const real weight = ffp_exp2(scores[j] - top);
-        weights[j] = ffp_narrow(weight);
-        sum += weight;
-    }
-    for (size_t j = (size_t)keys; j < depth; j++) weights[j] = 0;
-    return sum;
-}
-
 static void weigh_safe(Block *block) {
     for (int i = 0; i < block->queries; i++)
-        block->sum[i] += weigh_row(block->weights + (size_t)i * block->depth,
-                                   block->scores + (size_t)i * FFP_SEGMENT, 0, block->keys, block->depth);
+        block->sum[i] += FFP_K(softmax_row)(block->weights + (size_t)i * block->depth,
+                                            block->scores + (size_t)i * FFP_SEGMENT, 0, block->keys);
 }
 
 // Keeps each row's greatest score in `top`; what was gathered with an older one is scaled down to it.
@@ -76,14 +63,14 @@ static void weigh_online(Block *block, real *out, const FfpAttention *a) {
         }
         block->top[i] = greatest;
         block->sum[i] +=
-            weigh_row(block->weights + (size_t)i * block->depth, scores, greatest, block->keys, block->depth);
+            FFP_K(softmax_row)(block->weights + (size_t)i * block->depth, scores, greatest, block->keys);
     }
 }
 
 // `queries` rows from the segment's `first` on against all keys of the head.
 static void attend_block(real *out, real *log_sum, const FfpAttention *a, const FfpSegment *from, int first,
                          int queries, bool safe) {
-    const FfpPacked *q = ffp_packed_row(ffp_attention_part(a, from, FFP_Q_ROWS), first, 0, a->depth);
+    const FfpOperand q = ffp_flat_rows(a, from, FFP_Q_ROWS, first);
     Block block;
     block.queries = queries;
     out += (size_t)(from->first + first) * a->width + (size_t)from->head * a->dim;
@@ -92,16 +79,14 @@ static void attend_block(real *out, real *log_sum, const FfpAttention *a, const 
     for (int index = 0; index < a->segments; index++) {
         const FfpSegment to = FFP_K(attention_segment)(a, from->head, index);
         block.keys = to.rows, block.depth = ffp_packed_depth(to.rows);
-        FFP_K(product)
-        (queries, to.rows, a->dim, 1, q, a->depth, ffp_attention_part(a, &to, FFP_K_COLUMNS), a->depth, 0,
-         block.scores, FFP_SEGMENT);
+        ffp_multiply(queries, to.rows, a->dim, 1, q, ffp_flat_columns(a, &to, FFP_K_COLUMNS, 0), 0,
+                     block.scores, FFP_SEGMENT);
         if (safe)
             weigh_safe(&block);
         else
             weigh_online(&block, out, a);
-        FFP_K(product)
-        (queries, a->dim, to.rows, 1, block.weights, block.depth, ffp_attention_part(a, &to, FFP_V_DEEP),
-         block.depth, index > 0 ? 1 : 0, out, a->width);
+        ffp_multiply(queries, a->dim, to.rows, 1, (FfpOperand){block.weights, block.depth},
+                     ffp_deep_columns(a, &to, FFP_V_DEEP, 0), index > 0 ? 1 : 0, out, a->width);
     }
     for (int i = 0; i < queries; i++) {
         const real inverse = 1 / block.sum[i];

@@ -9,9 +9,9 @@
 #include <string.h>
 #include <tgmath.h>
 #include "tensor/kernels/exp2.h"
-#include "tensor/kernels/narrow.h"
+#include "tensor/kernels/softmax.h"
 
-enum { KEYS = 64 }; // a block of scores, KEYS x FFP_SEGMENT, lives on the thread's stack
+enum { KEYS = 64, QUERIES = 128 }; // a block of scores, KEYS x QUERIES, lives on the thread's stack
 
 typedef struct Backward {
     real *dqkv;
@@ -19,17 +19,20 @@ typedef struct Backward {
     FfpAttention a;
 } Backward;
 
-// Some keys of one segment against a segment of queries.
 typedef struct Block {
-    int keys, queries;
-    size_t depth; // packed depth of queries
-    real scores[KEYS * FFP_SEGMENT], dscores[KEYS * FFP_SEGMENT];
-    FfpPacked weights[KEYS * FFP_SEGMENT], dweights[KEYS * FFP_SEGMENT]; // P^T and dS^T as rows of A
-    FfpPacked columns[FFP_SEGMENT * FFP_SEGMENT]; // dS^T of all the segment's keys as columns of B
-    real base[FFP_SEGMENT], delta[FFP_SEGMENT];   // of the queries: log_sum to base 2; dout . out
+    real scores[KEYS * QUERIES], dscores[KEYS * QUERIES];
+    FfpPacked weights[KEYS * QUERIES], dweights[KEYS * QUERIES]; // P^T and dS^T as rows of A
+    FfpPacked columns[QUERIES * FFP_SEGMENT]; // dS^T of all keys of the segment as columns of B
 } Block;
 
-static void dot_outputs(const Backward *pass, const FfpSegment *segment) {
+// Queries of one segment.
+typedef struct Queries {
+    FfpSegment segment;
+    int first, count; // from the segment's row `first` on
+} Queries;
+
+// base and delta of a segment.
+static void query_sums(const Backward *pass, const FfpSegment *segment) {
     const FfpAttention *a = &pass->a;
     for (int i = 0; i < segment->rows; i++) {
         const int row = segment->first + i;
@@ -37,7 +40,9 @@ static void dot_outputs(const Backward *pass, const FfpSegment *segment) {
         real sum = 0;
 #pragma omp simd reduction(+ : sum)
         for (int d = 0; d < a->dim; d++) sum += pass->dout[first + d] * pass->out[first + d];
-        a->delta[(size_t)segment->head * a->rows + row] = sum;
+        const size_t at = (size_t)segment->head * a->rows + row;
+        a->base[at] = pass->log_sum[at] * (real)FFP_LOG2_E;
+        a->delta[at] = sum;
     }
 }
 
@@ -48,7 +53,7 @@ static void pack_segment(const Backward *pass, const FfpSegment *segment) {
     const real *v = pass->qkv + ((size_t)segment->first * 3 + 2) * width + column, *q = a->q + stage,
                *k = a->k + stage, *dout = pass->dout + (size_t)segment->first * width + column;
     FFP_K(attention_normalise)(a, segment, pass->qkv, pass->q_gain, pass->k_gain);
-    dot_outputs(pass, segment);
+    query_sums(pass, segment);
     FFP_K(pack_rows)(ffp_attention_part(a, segment, FFP_K_ROWS), false, rows, dim, k, dim);
     FFP_K(pack_rows)(ffp_attention_part(a, segment, FFP_V_ROWS), false, rows, dim, v, 3 * width);
     FFP_K(pack_rows)(ffp_attention_part(a, segment, FFP_K_DEEP), true, dim, rows, k, dim);
@@ -58,86 +63,52 @@ static void pack_segment(const Backward *pass, const FfpSegment *segment) {
     FFP_K(pack_columns)(ffp_attention_part(a, segment, FFP_DOUT_DEEP), false, rows, dim, dout, width);
 }
 
-// From scores and dP: P = 2^(score - log_sum) and dS = P (dP - delta), rounded.
-static void score_gradients(Block *block) {
-    const int queries = block->queries;
-    for (int i = 0; i < block->keys; i++) {
-        const real *scores = block->scores + (size_t)i * FFP_SEGMENT;
-        const real *dscores = block->dscores + (size_t)i * FFP_SEGMENT;
-        FfpPacked *weights = block->weights + (size_t)i * block->depth;
-        FfpPacked *dweights = block->dweights + (size_t)i * block->depth;
-#pragma omp simd
-        for (int j = 0; j < queries; j++) {
-            const real weight = ffp_exp2(scores[j] - block->base[j]);
-            weights[j] = ffp_narrow(weight);
-            dweights[j] = ffp_narrow(weight * (dscores[j] - block->delta[j]));
-        }
-        for (size_t j = (size_t)queries; j < block->depth; j++) weights[j] = dweights[j] = 0;
-    }
-}
-
-// The block's dS^T, whose keys are those from `first` on, into the columns, whose k are the segment's keys.
-// first is a multiple of FFP_PACK_DEPTH; zeros fill the last keys up to one.
-static void spread_columns(Block *block, int first, size_t depth) {
-    const int end = (int)ffp_packed_depth(block->keys);
-    memset(block->dweights + (size_t)block->keys * block->depth, 0,
-           (size_t)(end - block->keys) * block->depth * sizeof(FfpPacked));
-    for (int column = 0; column < block->queries; column += FFP_PACK_LINES) {
-        FfpPacked *out = block->columns + (size_t)column * depth + (size_t)first * FFP_PACK_LINES;
-        for (int i = 0; i < end; i += FFP_PACK_GROUP) {
-            const FfpPacked *rows = block->dweights + (size_t)i * block->depth + column;
-            for (int j = 0; j < FFP_PACK_LINES; j++)
-                for (int g = 0; g < FFP_PACK_GROUP; g++)
-                    out[j * FFP_PACK_GROUP + g] = rows[(size_t)g * block->depth + j];
-            out += FFP_PACK_LINES * FFP_PACK_GROUP;
-        }
-    }
-}
-
-// Keys [first, first + block->keys) of segment `to` against the queries of segment `from`: adds to their dv
-// and dk, which the first queries overwrite (fresh 0).
-static void attend_keys(const Backward *pass, Block *block, const FfpSegment *to, const FfpSegment *from,
-                        int first, real fresh) {
+// The segment's keys from `first` on against the queries: adds to the keys' dv and dk, which the head's first
+// queries overwrite, and fills these keys' part of the columns.
+static void attend_keys(const Backward *pass, Block *block, const FfpSegment *keys, int first,
+                        const Queries *queries) {
     const FfpAttention *a = &pass->a;
-    const size_t depth = a->depth;
-    const int dim = a->dim, keys = block->keys, queries = block->queries;
-    real *dv = pass->dqkv + ((size_t)(to->first + first) * 3 + 2) * a->width + (size_t)to->head * dim;
-    real *dk = a->k + ffp_attention_stage(a, to) + (size_t)first * dim;
-    FFP_K(product)
-    (keys, queries, dim, 1, ffp_packed_row(ffp_attention_part(a, to, FFP_K_ROWS), first, 0, depth), depth,
-     ffp_attention_part(a, from, FFP_Q_COLUMNS), depth, 0, block->scores, FFP_SEGMENT);
-    FFP_K(product)
-    (keys, queries, dim, 1, ffp_packed_row(ffp_attention_part(a, to, FFP_V_ROWS), first, 0, depth), depth,
-     ffp_attention_part(a, from, FFP_DOUT_COLUMNS), depth, 0, block->dscores, FFP_SEGMENT);
-    score_gradients(block);
-    FFP_K(product)
-    (keys, dim, queries, 1, block->weights, block->depth, ffp_attention_part(a, from, FFP_DOUT_DEEP),
-     block->depth, fresh, dv, 3 * a->width);
-    FFP_K(product)
-    (keys, dim, queries, (real)FFP_LN_2, block->dweights, block->depth,
-     ffp_attention_part(a, from, FFP_Q_DEEP), block->depth, fresh, dk, dim);
+    const FfpSegment *from = &queries->segment;
+    const int dim = a->dim, width = a->width, count = ffp_smaller(KEYS, keys->rows - first),
+              n = queries->count;
+    const size_t row = (size_t)from->head * a->rows + from->first + queries->first;
+    const size_t depth = ffp_packed_depth(n), key_depth = ffp_packed_depth(keys->rows);
+    const FfpSoftmaxBlock softmax = {count,           n,
+                                     QUERIES,         block->scores,
+                                     block->dscores,  a->base + row,
+                                     a->delta + row,  block->weights,
+                                     block->dweights, block->columns + (size_t)first * FFP_PACK_LINES,
+                                     key_depth};
+    const real fresh = from->first + queries->first > 0 ? 1 : 0;
+    real *dv = pass->dqkv + ((size_t)(keys->first + first) * 3 + 2) * width + (size_t)keys->head * dim;
+    real *dk = a->k + ffp_attention_stage(a, keys) + (size_t)first * dim;
+    ffp_multiply(count, n, dim, 1, ffp_flat_rows(a, keys, FFP_K_ROWS, first),
+                 ffp_flat_columns(a, from, FFP_Q_COLUMNS, queries->first), 0, block->scores, QUERIES);
+    ffp_multiply(count, n, dim, 1, ffp_flat_rows(a, keys, FFP_V_ROWS, first),
+                 ffp_flat_columns(a, from, FFP_DOUT_COLUMNS, queries->first), 0, block->dscores, QUERIES);
+    FFP_K(softmax_gradients)(&softmax);
+    ffp_multiply(count, dim, n, 1, (FfpOperand){block->weights, depth},
+                 ffp_deep_columns(a, from, FFP_DOUT_DEEP, queries->first), fresh, dv, 3 * width);
+    ffp_multiply(count, dim, n, (real)FFP_LN_2, (FfpOperand){block->dweights, depth},
+                 ffp_deep_columns(a, from, FFP_Q_DEEP, queries->first), fresh, dk, dim);
 }
 
-// All keys of segment `to` against the queries of segment `from`; the latter's dq^T is added to.
+// All keys of a segment against all queries of another; the latter's dq^T is added to.
 static void attend_pair(const Backward *pass, int head, int key_segment, int query_segment) {
     const FfpAttention *a = &pass->a;
-    const FfpSegment to = FFP_K(attention_segment)(a, head, key_segment);
-    const FfpSegment from = FFP_K(attention_segment)(a, head, query_segment);
-    const size_t depth = ffp_packed_depth(to.rows), row = (size_t)head * a->rows + from.first;
+    const FfpSegment keys = FFP_K(attention_segment)(a, head, key_segment);
+    Queries queries = {.segment = FFP_K(attention_segment)(a, head, query_segment)};
+    const size_t depth = ffp_packed_depth(keys.rows);
+    const FfpOperand k = {ffp_attention_part(a, &keys, FFP_K_DEEP), depth};
+    real *dq = a->q + ffp_attention_stage(a, &queries.segment);
     Block block;
-    block.queries = from.rows, block.depth = ffp_packed_depth(from.rows);
-    for (int j = 0; j < from.rows; j++) {
-        block.base[j] = pass->log_sum[row + j] * (real)FFP_LOG2_E;
-        block.delta[j] = a->delta[row + j];
+    for (; queries.first < queries.segment.rows; queries.first += QUERIES) {
+        queries.count = ffp_smaller(QUERIES, queries.segment.rows - queries.first);
+        for (int first = 0; first < keys.rows; first += KEYS)
+            attend_keys(pass, &block, &keys, first, &queries);
+        ffp_multiply(a->dim, queries.count, keys.rows, 1, k, (FfpOperand){block.columns, depth},
+                     key_segment > 0 ? 1 : 0, dq + queries.first, FFP_SEGMENT);
     }
-    for (int first = 0; first < to.rows; first += KEYS) {
-        block.keys = ffp_smaller(KEYS, to.rows - first);
-        attend_keys(pass, &block, &to, &from, first, query_segment > 0 ? 1 : 0);
-        spread_columns(&block, first, depth);
-    }
-    FFP_K(product)
-    (a->dim, from.rows, to.rows, 1, ffp_attention_part(a, &to, FFP_K_DEEP), depth, block.columns, depth,
-     key_segment > 0 ? 1 : 0, a->q + ffp_attention_stage(a, &from), FFP_SEGMENT);
 }
 
 // Through the RMS norm of one row: dx = r (g - n mean(g n)) with n = x r, g = dy gain scale; adds to the

@@ -16,13 +16,13 @@ static FfpAttention make_shape(int rows, int heads, int dim) {
 }
 
 // Sizes in reals, in the order of FfpAttention.
-enum { PARTS = 8 };
+enum { PARTS = 9 };
 static void part_sizes(size_t sizes[PARTS], const FfpAttention *a) {
     const size_t heads = (size_t)a->heads, segments = heads * (size_t)a->segments;
     const size_t per_row = heads * (size_t)a->rows, dim = (size_t)a->dim,
                  stage = segments * FFP_SEGMENT * dim;
     const size_t packed = segments * FFP_ATTENTION_PARTS * a->part_size * sizeof(FfpPacked) / sizeof(real);
-    const size_t parts[PARTS] = {stage,   stage,          per_row,        per_row,
+    const size_t parts[PARTS] = {stage,   stage,          per_row,        per_row, per_row,
                                  per_row, segments * dim, segments * dim, packed};
     for (int i = 0; i < PARTS; i++) sizes[i] = (parts[i] + 15) / 16 * 16; // every part starts a cache line
 }
@@ -39,8 +39,8 @@ FfpAttention FFP_K(attention_layout)(int rows, int heads, int dim, real *scratch
     FfpAttention a = make_shape(rows, heads, dim);
     size_t sizes[PARTS];
     part_sizes(sizes, &a);
-    real **parts[PARTS - 1] = {&a.q,     &a.k,           &a.inverse[0], &a.inverse[1],
-                               &a.delta, &a.gain_sum[0], &a.gain_sum[1]};
+    real **parts[PARTS - 1] = {&a.q,    &a.k,     &a.inverse[0],  &a.inverse[1],
+                               &a.base, &a.delta, &a.gain_sum[0], &a.gain_sum[1]};
     for (int i = 0; i < PARTS - 1; i++) {
         *parts[i] = scratch;
         scratch += sizes[i];

@@ -41,10 +41,10 @@ typedef struct FfpAttention {
     int rows, heads, dim, width, segments; // width = heads * dim; segments of one head
     size_t depth, part_size;               // packed depth of dim; numbers of one packed part
     real *q, *k; // [heads, segments, FFP_SEGMENT, dim]: normalised; the backward's dq^T and dk afterwards
-    real *inverse[2];  // [heads, T] for q and for k: 1 / root mean square
-    real *delta;       // [heads, T]: dout . out
-    real *gain_sum[2]; // [heads, segments, dim] for q and for k
-    FfpPacked *packed; // [heads, segments, FFP_ATTENTION_PARTS, part_size]
+    real *inverse[2];   // [heads, T] for q and for k: 1 / root mean square
+    real *base, *delta; // [heads, T]: log_sum to base 2; dout . out
+    real *gain_sum[2];  // [heads, segments, dim] for q and for k
+    FfpPacked *packed;  // [heads, segments, FFP_ATTENTION_PARTS, part_size]
 } FfpAttention;
 
 FfpAttention FFP_K(attention_layout)(int rows, int heads, int dim, real *scratch);
@@ -62,6 +62,32 @@ static inline size_t ffp_attention_stage(const FfpAttention *a, const FfpSegment
 static inline FfpPacked *ffp_attention_part(const FfpAttention *a, const FfpSegment *segment,
                                             FfpAttentionPart part) {
     return a->packed + (segment->order * FFP_ATTENTION_PARTS + part) * a->part_size;
+}
+// A packed operand, or the part of it from some line and number on.
+typedef struct FfpOperand {
+    const FfpPacked *from;
+    size_t depth;
+} FfpOperand;
+
+static inline void ffp_multiply(int m, int n, int k, real alpha, FfpOperand a, FfpOperand b, real beta,
+                                real *c, int ldc) {
+    FFP_K(product)(m, n, k, alpha, a.from, a.depth, b.from, b.depth, beta, c, ldc);
+}
+
+// A part whose lines are the segment's rows, from `row` on; and one whose lines are the head's columns and
+// that has the segment's rows along k, from `row` on (a multiple of FFP_PACK_DEPTH), as B.
+static inline FfpOperand ffp_flat_rows(const FfpAttention *a, const FfpSegment *segment,
+                                       FfpAttentionPart part, int row) {
+    return (FfpOperand){ffp_packed_row(ffp_attention_part(a, segment, part), row, 0, a->depth), a->depth};
+}
+static inline FfpOperand ffp_flat_columns(const FfpAttention *a, const FfpSegment *segment,
+                                          FfpAttentionPart part, int row) {
+    return (FfpOperand){ffp_packed_column(ffp_attention_part(a, segment, part), row, 0, a->depth), a->depth};
+}
+static inline FfpOperand ffp_deep_columns(const FfpAttention *a, const FfpSegment *segment,
+                                          FfpAttentionPart part, int row) {
+    const size_t depth = ffp_packed_depth(segment->rows);
+    return (FfpOperand){ffp_packed_column(ffp_attention_part(a, segment, part), 0, row, depth), depth};
 }
 static inline int ffp_smaller(int a, int b) {
     return a < b ? a : b;
