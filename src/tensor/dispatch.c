@@ -17,8 +17,18 @@ static const FfpKernels *kernels(void) {
     return table ? table : tables[FFP_CPU_PORTABLE];
 }
 
+void ffp_gemm_mixed(bool transpose_a, bool transpose_b, int m, int n, int k, real alpha, const real *a,
+                    int lda, const real *b, int ldb, real beta, real *c, int ldc) {
+    kernels()->gemm_mixed(transpose_a, transpose_b, m, n, k, alpha, a, lda, b, ldb, beta, c, ldc);
+}
+
 void ffp_linear_forward(real *y, const real *x, const real *w, const real *bias, int rows, int in, int out) {
     kernels()->linear_forward(y, x, w, bias, rows, in, out);
+}
+
+void ffp_linear_residual_forward(real *y, const real *residual, const real *x, const real *w, int rows,
+                                 int in, int out) {
+    kernels()->linear_residual_forward(y, residual, x, w, rows, in, out);
 }
 
 void ffp_linear_backward(real *dx, real *dw, real *dbias, const real *dy, const real *x, const real *w,

@@ -14,8 +14,18 @@
 void ffp_gemm(bool transpose_a, bool transpose_b, int m, int n, int k, real alpha, const real *a, int lda,
               const real *b, int ldb, real beta, real *c, int ldc);
 
+// The same with operands rounded to bf16 at the CPU levels that multiply those (base/cpu.h), sums in real.
+// Packs them in memory of the calling thread's that is kept: allocates only for larger operands than ever
+// before. C must not overlap A or B.
+void ffp_gemm_mixed(bool transpose_a, bool transpose_b, int m, int n, int k, real alpha, const real *a,
+                    int lda, const real *b, int ldb, real beta, real *c, int ldc);
+
+// Products of linear layers are ffp_gemm_mixed's.
 // y[T,out] = x[T,in] w^T (+ bias[out] if not NULL); w is [out,in].
 void ffp_linear_forward(real *y, const real *x, const real *w, const real *bias, int rows, int in, int out);
+// y[T,out] = residual[T,out] + x[T,in] w^T; y may be the residual itself.
+void ffp_linear_residual_forward(real *y, const real *residual, const real *x, const real *w, int rows,
+                                 int in, int out);
 // dx may be NULL (first layer); dbias may be NULL.
 void ffp_linear_backward(real *dx, real *dw, real *dbias, const real *dy, const real *x, const real *w,
                          int rows, int in, int out);

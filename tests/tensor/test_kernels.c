@@ -48,68 +48,6 @@ static void normal_distribution(void **state) {
     free(x), free(y), free(one), free(slope);
 }
 
-typedef struct Product {
-    bool transpose_a, transpose_b;
-    int m, n, k, lda, ldb, ldc;
-    float alpha, beta;
-} Product;
-
-// |error| <= 2^-24 (k + 2) sum |a b| in any order of summation
-// (Higham 2002, 3.5), with some room for alpha and beta.
-static void check_product(const Product *p, FfpRng *rng, bool inside) {
-    const size_t na = (size_t)p->lda * (size_t)(p->transpose_a ? p->k : p->m);
-    const size_t nb = (size_t)p->ldb * (size_t)(p->transpose_b ? p->n : p->k),
-                 nc = (size_t)p->ldc * (size_t)p->m;
-    float *a = random_reals(rng, na, 1, 0), *b = random_reals(rng, nb, 1, 0),
-          *c = random_reals(rng, nc, 1, 0);
-    float *before = ffp_alloc(nc, sizeof(float));
-    memcpy(before, c, nc * sizeof(float));
-    if (inside) {
-#pragma omp parallel
-#pragma omp single
-        ffp_gemm(p->transpose_a, p->transpose_b, p->m, p->n, p->k, p->alpha, a, p->lda, b, p->ldb, p->beta, c,
-                 p->ldc);
-    } else {
-        ffp_gemm(p->transpose_a, p->transpose_b, p->m, p->n, p->k, p->alpha, a, p->lda, b, p->ldb, p->beta, c,
-                 p->ldc);
-    }
-    for (int i = 0; i < p->m; i++) {
-        for (int j = 0; j < p->ldc; j++) {
-            const size_t at = (size_t)i * (size_t)p->ldc + (size_t)j;
-            if (j >= p->n) {
-                assert_true(c[at] == before[at]); // between the rows nothing is written
-                continue;
-            }
-            double sum = 0, size = 0;
-            for (int l = 0; l < p->k; l++) {
-                const double x = (double)(p->transpose_a ? a[l * p->lda + i] : a[i * p->lda + l]);
-                const double y = (double)(p->transpose_b ? b[j * p->ldb + l] : b[l * p->ldb + j]);
-                sum += x * y, size += fabs(x * y);
-            }
-            const double kept = p->beta == 0 ? 0 : (double)p->beta * (double)before[at];
-            const double bound = 0x1p-24 * (p->k + 4) * (fabs((double)p->alpha) * size + fabs(kept)) + 1e-30;
-            assert_true(fabs((double)c[at] - (double)p->alpha * sum - kept) <= bound);
-        }
-    }
-    free(a), free(b), free(c), free(before);
-}
-
-static void products(void **state) {
-    (void)state;
-    FfpRng rng = ffp_rng(11, 0);
-    for (int trial = 0; trial < 160; trial++) {
-        const uint32_t most = trial % 8 == 0 ? 300 : 70;
-        Product p = {
-            .transpose_a = trial & 1, .transpose_b = trial & 2, .m = 1 + (int)ffp_rng_below(&rng, most)};
-        p.n = 1 + (int)ffp_rng_below(&rng, most), p.k = 1 + (int)ffp_rng_below(&rng, most);
-        p.lda = (p.transpose_a ? p.m : p.k) + (int)ffp_rng_below(&rng, 5);
-        p.ldb = (p.transpose_b ? p.k : p.n) + (int)ffp_rng_below(&rng, 5),
-        p.ldc = p.n + (int)ffp_rng_below(&rng, 5);
-        p.alpha = trial % 3 ? 1 : -0.7F, p.beta = trial % 4 ? 0.5F * (float)(trial % 4 - 1) : 0;
-        check_product(&p, &rng, trial & 4);
-    }
-}
-
 static double relative_error(const float *found, size_t ld, const double *expected, size_t rows,
                              size_t width) {
     double error = 0, size = 0;
@@ -279,8 +217,8 @@ static void same_bits(void **state) {
 
 int main(int argc, char **argv) {
     if (argc > 1 && strcmp(argv[1], "--bench") == 0) return bench_kernels();
-    const struct CMUnitTest tests[] = {cmocka_unit_test(exponential),   cmocka_unit_test(normal_distribution),
-                                       cmocka_unit_test(products),      cmocka_unit_test(scan),
-                                       cmocka_unit_test(scan_extremes), cmocka_unit_test(same_bits)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(exponential), cmocka_unit_test(normal_distribution),
+                                       cmocka_unit_test(scan), cmocka_unit_test(scan_extremes),
+                                       cmocka_unit_test(same_bits)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -2,7 +2,9 @@
 #include "tensor/kernels/kernels.h"
 
 const FfpKernels FFP_K(kernels) = {
+    .gemm_mixed = FFP_K(gemm_mixed),
     .linear_forward = FFP_K(linear_forward),
+    .linear_residual_forward = FFP_K(linear_residual_forward),
     .linear_backward = FFP_K(linear_backward),
     .layernorm_forward = FFP_K(layernorm_forward),
     .layernorm_backward = FFP_K(layernorm_backward),

@@ -9,7 +9,9 @@
 
 // Signatures are those of the functions in tensor/tensor.h.
 typedef struct FfpKernels {
+    __typeof__(ffp_gemm_mixed) *gemm_mixed;
     __typeof__(ffp_linear_forward) *linear_forward;
+    __typeof__(ffp_linear_residual_forward) *linear_residual_forward;
     __typeof__(ffp_linear_backward) *linear_backward;
     __typeof__(ffp_layernorm_forward) *layernorm_forward;
     __typeof__(ffp_layernorm_backward) *layernorm_backward;
@@ -33,7 +35,9 @@ extern const FfpKernels ffp_portable_kernels, ffp_avx2_kernels, ffp_avx512_kerne
     ffp_amx_kernels;
 
 #ifdef FFP_LEVEL
+__typeof__(ffp_gemm_mixed) FFP_K(gemm_mixed);
 __typeof__(ffp_linear_forward) FFP_K(linear_forward);
+__typeof__(ffp_linear_residual_forward) FFP_K(linear_residual_forward);
 __typeof__(ffp_linear_backward) FFP_K(linear_backward);
 __typeof__(ffp_layernorm_forward) FFP_K(layernorm_forward);
 __typeof__(ffp_layernorm_backward) FFP_K(layernorm_backward);

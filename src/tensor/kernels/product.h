@@ -15,6 +15,11 @@
 #include "base/level.h"
 #include "base/real.h"
 
+// Tiles: Intel's AMX, or the emulation of it that a test compiles.
+#if defined(__AMX_BF16__) || defined(__AMXBF16__) || defined(FFP_EMULATED_TILES)
+#define FFP_TILES
+#endif
+
 #ifdef FFP_BF16
 typedef uint16_t FfpPacked;
 enum { FFP_PACK_GROUP = 2 };
@@ -23,6 +28,17 @@ typedef real FfpPacked;
 enum { FFP_PACK_GROUP = 1 };
 #endif
 enum { FFP_PACK_DEPTH = 32, FFP_PACK_LINES = 16 };
+
+// Rows of C that ffp_product works on at once: fewer at the end of a call are less efficient.
+#if defined(FFP_TILES)
+enum { FFP_PRODUCT_ROWS = 32 };
+#elif defined(__AVX512F__)
+enum { FFP_PRODUCT_ROWS = 14 };
+#elif defined(__AVX2__) || defined(__aarch64__)
+enum { FFP_PRODUCT_ROWS = 6 };
+#else
+enum { FFP_PRODUCT_ROWS = 3 };
+#endif
 
 static inline size_t ffp_packed_depth(int k) {
     return ((size_t)k + FFP_PACK_DEPTH - 1) / FFP_PACK_DEPTH * FFP_PACK_DEPTH;
@@ -48,7 +64,8 @@ void FFP_K(pack_rows)(FfpPacked *out, bool transpose, int m, int k, const real *
 void FFP_K(pack_columns)(FfpPacked *out, bool transpose, int k, int n, const real *b, int ldb);
 
 // C[m,n] = alpha A B + beta C on the caller's thread, C with row stride ldc; accumulated in real. a_depth and
-// b_depth are the packed depths of the whole operands that a and b are parts of. With beta 0, C is not read.
+// b_depth are the packed depths of the whole operands that a and b are parts of. A part that does not reach
+// the end of k has a multiple of FFP_PACK_DEPTH as its k. With beta 0, C is not read.
 void FFP_K(product)(int m, int n, int k, real alpha, const FfpPacked *a, size_t a_depth, const FfpPacked *b,
                     size_t b_depth, real beta, real *c, int ldc);
 
