@@ -27,7 +27,7 @@ enum {
 
 // A Gaussian as one view sees it.
 typedef struct FfpSplat {
-    real x, y;                // centre in pixels
+    _Alignas(32) real x, y;   // centre in pixels
     real power[3];            // density = opacity 2^(p0 dx^2 + p1 dx dy + p2 dy^2)
     real opacity;             // compensated
     real value[FFP_CHANNELS]; // blended attributes, in the order of the enum

@@ -15,11 +15,12 @@ typedef struct Lists {
     uint8_t place[BLOCKS][BATCH];
 } Lists;
 
-static void list_batch(const FfpSplat *splats, const Tile *tile, const int32_t *batch, int count,
-                       uint64_t open, Lists *lists) {
+static void list_batch(const FfpRaster *raster, const Tile *tile, int64_t first, int count, uint64_t open,
+                       Lists *lists) {
     memset(lists->count, 0, sizeof lists->count);
     for (int i = 0; i < count; i++) {
-        uint64_t blocks = splat_blocks(&splats[batch[i]], tile) & open;
+        fetch_splat(raster, tile, first + i + FETCH_AHEAD);
+        uint64_t blocks = splat_blocks(&raster->splats[tile->order[first + i]], tile) & open;
         for (; blocks; blocks &= blocks - 1) {
             const int b = __builtin_ctzll(blocks);
             lists->place[b][lists->count[b]++] = (uint8_t)i;
@@ -62,7 +63,7 @@ ALWAYS_INLINE void blend_blocks(const FfpRaster *raster, const Tile *tile, const
     for (int64_t first = 0; first < tile->count && open; first += BATCH) {
         const int32_t *batch = tile->order + first;
         const int count = tile->count - first < BATCH ? (int)(tile->count - first) : BATCH;
-        list_batch(raster->splats, tile, batch, count, open, &lists);
+        list_batch(raster, tile, first, count, open, &lists);
         for (int b = 0; b < BLOCKS; b++) {
             if (!lists.count[b]) continue;
             blend_block(raster->splats, batch, lists.place[b], lists.count[b], block_columns(tile, b),

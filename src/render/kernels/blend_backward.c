@@ -20,7 +20,6 @@ typedef struct Pixels {
 // A splat's gradient at a block's pixels: dL/dsigma, weight, and the distortion's share of w dL/dz.
 typedef struct Local {
     Lanes g, weight, depth;
-    unsigned touched; // lanes of weight > 0
 } Local;
 
 // 1, x, y, x^2, x y, y^2 of every lane, from the block's middle.
@@ -54,18 +53,18 @@ static void load_pixel(const FfpGbuffer *out, const FfpGbuffer *grad, int64_t pi
     p->rest[l] = total;
 }
 
+// Returns the lanes of weight > 0; where there are none, d is not set.
 // dL/dalpha_i = T_i dL/dw_i - sum_{j>i} w_j dL/dw_j / (1 - alpha_i).
-ALWAYS_INLINE Local block_backward(const FfpSplat *s, Lanes columns, Lanes rows, Pixels *p) {
-    Local d = {.touched = 0};
+ALWAYS_INLINE unsigned block_backward(const FfpSplat *s, Lanes columns, Lanes rows, Pixels *p, Local *d) {
     const Cover c = cover_block(s, columns, rows, &p->transmittance);
     const Lanes none = {0};
-    d.touched = lanes_bits(c.alpha > none);
-    if (!d.touched) return d;
+    const unsigned touched = lanes_bits(c.alpha > none);
+    if (!touched) return 0;
     const real z = s->value[FFP_CHANNEL_DEPTH];
     Lanes slope = p->grad[0];
 #pragma GCC unroll 12
     for (int k = 1; k < FFP_CHANNELS; k++) slope += s->value[k] * p->grad[k];
-    const Lanes w = d.weight = c.alpha * c.before;
+    const Lanes w = d->weight = c.alpha * c.before;
     // weight in front less weight behind
     const Lanes balance = 2 * p->opacity_so_far + w - p->opacity;
     const Lanes dw = slope + p->spread * (z * (balance - w) + p->depth - 2 * p->depth_so_far);
@@ -75,20 +74,26 @@ ALWAYS_INLINE Local block_backward(const FfpSplat *s, Lanes columns, Lanes rows,
     p->depth_so_far += z * w;
     const Lanes d_alpha = c.before * dw - rest / (1 - c.alpha);
     const Where moves = (c.alpha > none) & (c.density <= lanes_all(FFP_ALPHA_MAX));
-    d.g = lanes_keep(-c.density * d_alpha, moves);
-    d.depth = w * p->spread * balance;
-    return d;
+    d->g = lanes_keep(-c.density * d_alpha, moves);
+    d->depth = w * p->spread * balance;
+    return touched;
 }
 
-// Adds a block's part to the splat's sums; (x, y) leads from the block's middle to the splat.
-ALWAYS_INLINE void gather_block(const Local *d, const Row *channels, const Monomials *monomials, real x,
-                                real y, Row *value, real *depth, FfpSplatGrad *sum) {
+// A splat's sums over the blocks, as in FfpSplatGrad; depth: the distortion's share of that channel.
+typedef struct Gathered {
+    real g, gx, gy, gxx, gxy, gyy, depth;
+    Row value;
+} Gathered;
+
+// Adds a block's part; (x, y) leads from the block's middle to the splat.
+ALWAYS_INLINE void gather_block(const Local *d, unsigned touched, const Row *channels,
+                                const Monomials *monomials, real x, real y, Gathered *sum) {
     Moments m = {0};
-    for (unsigned lanes = d->touched; lanes; lanes &= lanes - 1) {
+    for (unsigned lanes = touched; lanes; lanes &= lanes - 1) {
         const int l = __builtin_ctz(lanes);
-        *value += d->weight[l] * channels[l];
+        sum->value += d->weight[l] * channels[l];
         m += d->g[l] * monomials->lane[l];
-        *depth += d->depth[l];
+        sum->depth += d->depth[l];
     }
     sum->g += m[0];
     sum->gx += x * m[0] - m[1];
@@ -105,24 +110,27 @@ static int64_t slot_of(const FfpRaster *raster, int32_t s, const Tile *tile) {
     return raster->first[s] + (int64_t)row * (tiles.x1 - tiles.x0) + column;
 }
 
+// One splat in one tile: fills the slot, or returns false and leaves it where no pixel saw the splat.
 static bool splat_backward(const FfpSplat *s, const Tile *tile, uint64_t blocks, const Monomials *monomials,
-                           Pixels *pixels, FfpSplatGrad *sum) {
+                           Pixels *pixels, FfpSplatGrad *slot) {
     bool touched = false;
-    Row value = {0};
-    real depth = 0;
-    memset(sum, 0, sizeof *sum);
+    Gathered sum = {.depth = 0};
     for (; blocks; blocks &= blocks - 1) {
         const int b = __builtin_ctzll(blocks);
-        const Local d = block_backward(s, block_columns(tile, b), block_rows(tile, b), &pixels[b]);
-        if (!d.touched) continue;
+        Local d;
+        const unsigned lanes = block_backward(s, block_columns(tile, b), block_rows(tile, b), &pixels[b], &d);
+        if (!lanes) continue;
         touched = true;
         const real x = s->x - ((real)(tile->x0 + lane_x(b, 0)) + (0.5F + MIDDLE_X));
         const real y = s->y - ((real)(tile->y0 + lane_y(b, 0)) + (0.5F + MIDDLE_Y));
-        gather_block(&d, pixels[b].channels, monomials, x, y, &value, &depth, sum);
+        gather_block(&d, lanes, pixels[b].channels, monomials, x, y, &sum);
     }
-    for (int k = 1; k < FFP_CHANNELS; k++) sum->value[k] = value[k];
-    sum->value[FFP_CHANNEL_DEPTH] += depth;
-    return touched;
+    if (!touched) return false;
+    slot->g = sum.g, slot->gx = sum.gx, slot->gy = sum.gy;
+    slot->gxx = sum.gxx, slot->gxy = sum.gxy, slot->gyy = sum.gyy;
+    for (int k = 1; k < FFP_CHANNELS; k++) slot->value[k] = sum.value[k];
+    slot->value[FFP_CHANNEL_DEPTH] = sum.value[FFP_CHANNEL_DEPTH] + sum.depth;
+    return true;
 }
 
 static uint64_t find_open(const Pixels *pixels) {
@@ -149,12 +157,11 @@ void FFP_K(blend_tile_backward)(FfpRaster *raster, int t, const FfpGbuffer *out,
     for (int64_t i = 0; i < tile.count; i++) {
         if (i % 32 == 0) open = find_open(pixels);
         if (!open) break;
+        fetch_splat(raster, &tile, i + FETCH_AHEAD);
         const int32_t splat = tile.order[i];
         const FfpSplat *s = &raster->splats[splat];
-        FfpSplatGrad sum;
-        if (!splat_backward(s, &tile, splat_blocks(s, &tile) & open, &monomials, pixels, &sum)) continue;
         const int64_t slot = slot_of(raster, splat, &tile);
-        raster->slots[slot] = sum;
-        raster->touched[slot] = 1;
+        raster->touched[slot] =
+            splat_backward(s, &tile, splat_blocks(s, &tile) & open, &monomials, pixels, &raster->slots[slot]);
     }
 }

@@ -11,7 +11,8 @@ enum {
     BLOCK_HEIGHT = LANES / BLOCK_WIDTH,
     BLOCKS_ACROSS = FFP_TILE / BLOCK_WIDTH,
     BLOCKS_DOWN = FFP_TILE / BLOCK_HEIGHT,
-    BLOCKS = BLOCKS_ACROSS * BLOCKS_DOWN // 64 at most: a set of them is one uint64_t
+    BLOCKS = BLOCKS_ACROSS * BLOCKS_DOWN, // 64 at most: a set of them is one uint64_t
+    FETCH_AHEAD = 12
 };
 
 // The planes of a G-buffer in channel order; each value is plane[k][pixel * stride[k]].
@@ -65,16 +66,19 @@ static inline int64_t lane_pixel(const FfpRaster *raster, const Tile *tile, int 
     return (int64_t)(tile->y0 + y) * raster->width + tile->x0 + x;
 }
 
-static inline Lanes block_columns(const Tile *tile, int b) {
+// The lanes' pixel centres.
+ALWAYS_INLINE Lanes block_columns(const Tile *tile, int b) {
+    static const real offsets[] = {0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3};
     Lanes x;
-    for (int l = 0; l < LANES; l++) x[l] = (real)(tile->x0 + lane_x(b, l)) + 0.5F;
-    return x;
+    memcpy(&x, offsets, sizeof x);
+    return x + ((real)(tile->x0 + lane_x(b, 0)) + 0.5F);
 }
 
-static inline Lanes block_rows(const Tile *tile, int b) {
+ALWAYS_INLINE Lanes block_rows(const Tile *tile, int b) {
+    static const real offsets[] = {0, 0, 0, 0, 1, 1, 1, 1, 2, 2, 2, 2, 3, 3, 3, 3};
     Lanes y;
-    for (int l = 0; l < LANES; l++) y[l] = (real)(tile->y0 + lane_y(b, l)) + 0.5F;
-    return y;
+    memcpy(&y, offsets, sizeof y);
+    return y + ((real)(tile->y0 + lane_y(b, 0)) + 0.5F);
 }
 
 // 1 inside the image, 0 (nothing can be added) outside.
@@ -82,6 +86,14 @@ static inline Lanes start_transmittance(const FfpRaster *raster, const Tile *til
     Lanes T;
     for (int l = 0; l < LANES; l++) T[l] = lane_pixel(raster, tile, b, l) < 0 ? 0 : 1;
     return T;
+}
+
+// Splats come in no order of memory: called some splats ahead of their use.
+static inline void fetch_splat(const FfpRaster *raster, const Tile *tile, int64_t i) {
+    if (i >= tile->count) return;
+    const FfpSplat *s = &raster->splats[tile->order[i]];
+    __builtin_prefetch(s);
+    __builtin_prefetch((const char *)s + 64);
 }
 
 // The blocks that a splat's box touches; its tiles include this one.
