@@ -6,6 +6,7 @@
 // threads.
 #include "tensor/kernels/attention_parts.h"
 
+#include <omp.h>
 #include <string.h>
 #include <tgmath.h>
 #include "tensor/kernels/exp2.h"
@@ -152,6 +153,31 @@ static void norm_segment_backward(const Backward *pass, const FfpSegment *segmen
     }
 }
 
+// `span` segments of keys from `keys` on against `span` segments of queries, keys outside: what belongs to
+// them stays in the cache.
+static void attend_square(const Backward *pass, int head, int keys, int queries, int span) {
+    const int key_end = ffp_smaller(keys + span, pass->a.segments),
+              query_end = ffp_smaller(queries + span, pass->a.segments);
+    for (int k = keys; k < key_end; k++)
+        for (int q = queries; q < query_end; q++) attend_pair(pass, head, k, q);
+}
+
+// Squares of the grid of keys and queries. Those on one diagonal share neither and run side by side; each
+// waits for the diagonal before. With one square a head, heads run side by side.
+static void attend_all(const Backward *pass, int span) {
+    const int squares = (pass->a.segments + span - 1) / span;
+#pragma omp parallel
+    for (int diagonal = 0; diagonal < 2 * squares - 1; diagonal++) {
+        const int first = diagonal < squares ? 0 : diagonal - squares + 1;
+        const int count = ffp_smaller(diagonal, squares - 1) - first + 1;
+#pragma omp for schedule(static)
+        for (int task = 0; task < pass->a.heads * count; task++) {
+            const int keys = first + task % count;
+            attend_square(pass, task / count, keys * span, (diagonal - keys) * span, span);
+        }
+    }
+}
+
 static void add_sums(real *dgain, const real *gain_sum, const FfpAttention *a) {
     for (int i = 0; i < a->heads * a->segments; i++)
         for (int d = 0; d < a->dim; d++) dgain[d] += gain_sum[(size_t)i * a->dim + d];
@@ -173,16 +199,8 @@ void FFP_K(attention_backward)(real *dqkv, real *dq_gain, real *dk_gain, const r
                                int rows, int heads, int head_dim, real *scratch) {
     const Backward pass = {dqkv, dout,   out,    log_sum,
                            qkv,  q_gain, k_gain, FFP_K(attention_layout)(rows, heads, head_dim, scratch)};
-    const int segments = pass.a.segments;
     for_segments(&pass, pack_segment);
-#pragma omp parallel for ordered(2) schedule(static, 1)
-    for (int keys = 0; keys < heads * segments; keys++) {
-        for (int queries = 0; queries < segments; queries++) {
-#pragma omp ordered depend(sink : keys - 1, queries)
-            attend_pair(&pass, keys / segments, keys % segments, queries);
-#pragma omp ordered depend(source)
-        }
-    }
+    attend_all(&pass, heads % omp_get_max_threads() == 0 ? pass.a.segments : 1);
     for_segments(&pass, norm_segment_backward);
     add_sums(dq_gain, pass.a.gain_sum[0], &pass.a);
     add_sums(dk_gain, pass.a.gain_sum[1], &pass.a);
