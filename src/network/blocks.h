@@ -61,8 +61,6 @@ static inline void ffp_lap(double *last, double *part) {
     *last = now;
 }
 
-// y [rows, out] = residual + x [rows, in] w^T; y may be the residual itself.
-void ffp_add_linear(real *y, const real *residual, const real *x, const real *w, int rows, int in, int out);
 void ffp_add(real *y, const real *x, size_t count); // y += x
 
 #endif

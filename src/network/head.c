@@ -141,8 +141,8 @@ static void pixel_backward(real *grad, FfpHead *head, const FfpHeadBlock *block,
                             head->dhidden, i ? head->activated[i - 1] : head->joined, values + at->hidden[i],
                             pixels, i ? w->hidden : w->joined, w->hidden);
     }
-    ffp_gemm(false, false, pixels, w->features, w->hidden, 1, head->dhidden, w->hidden,
-             values + at->hidden[0], w->joined, 0, head->djoined, w->features);
+    ffp_gemm_mixed(false, false, pixels, w->features, w->hidden, 1, head->dhidden, w->hidden,
+                   values + at->hidden[0], w->joined, 0, head->djoined, w->features);
 }
 
 void ffp_head_backward(real *dtokens, real *grad, FfpHead *head, const FfpHeadBlock *block, const real *draw,

@@ -9,11 +9,6 @@ void ffp_add(real *y, const real *x, size_t count) {
     for (size_t i = 0; i < count; i++) y[i] += x[i];
 }
 
-void ffp_add_linear(real *y, const real *residual, const real *x, const real *w, int rows, int in, int out) {
-    if (y != residual) memcpy(y, residual, (size_t)rows * out * sizeof *y);
-    ffp_gemm(false, true, rows, out, in, 1, x, in, w, in, 1, y, out);
-}
-
 void ffp_mamba_allocate(FfpMambaActivations *at, const FfpWidths *widths, int rows, FfpArena *arena) {
     const size_t t = (size_t)rows;
     at->norm = ffp_arena_alloc(arena, t * widths->dim, sizeof(real));
@@ -74,7 +69,7 @@ void ffp_mamba_forward(real *y, FfpMambaActivations *at, const real *x, const re
     }
     ffp_add(at->summed, scratch->inner, (size_t)rows * inner);
     ffp_lap(&last, &times->other);
-    ffp_add_linear(y, x, at->summed, values + layout->out_proj, rows, inner, dim);
+    ffp_linear_residual_forward(y, x, at->summed, values + layout->out_proj, rows, inner, dim);
     ffp_lap(&last, &times->products);
 }
 

@@ -42,7 +42,7 @@ void ffp_transformer_forward(real *y, FfpTransformerActivations *at, const real 
                           values + layout->k_gain, rows, widths->attention_heads, FFP_HEAD_DIM,
                           scratch->kernel);
     ffp_lap(&last, &times->attention);
-    ffp_add_linear(at->middle, x, at->attended, values + layout->proj, rows, dim, dim);
+    ffp_linear_residual_forward(at->middle, x, at->attended, values + layout->proj, rows, dim, dim);
     ffp_lap(&last, &times->products);
     ffp_layernorm_forward(at->norm2, at->mean2, at->rstd2, at->middle, values + layout->norm2, rows, dim);
     ffp_lap(&last, &times->other);
@@ -50,7 +50,7 @@ void ffp_transformer_forward(real *y, FfpTransformerActivations *at, const real 
     ffp_lap(&last, &times->products);
     ffp_gelu_forward(at->activated, at->hidden, (size_t)rows * wide);
     ffp_lap(&last, &times->other);
-    ffp_add_linear(y, at->middle, at->activated, values + layout->fc2, rows, wide, dim);
+    ffp_linear_residual_forward(y, at->middle, at->activated, values + layout->fc2, rows, wide, dim);
     ffp_lap(&last, &times->products);
 }
 

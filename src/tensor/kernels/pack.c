@@ -19,7 +19,7 @@ typedef struct Source {
     int lines, k;
 } Source;
 
-#if defined(FFP_BF16) && defined(__AVX512BF16__)
+#if defined(FFP_BF16) && defined(__AVX512BF16__) && !defined(FFP_EMULATED_TILES)
 // low, then high, as consecutive numbers
 static inline Cells narrow_run(FfpVector low, FfpVector high) {
     return (Cells)_mm512_cvtne2ps_pbh((__m512)high, (__m512)low);

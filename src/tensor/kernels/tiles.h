@@ -18,7 +18,11 @@ typedef struct FfpTileShapes {
 
 #ifndef FFP_EMULATED_TILES
 #include <immintrin.h>
-#define ffp_tile_configure(shapes) _tile_loadconfig(shapes)
+// gcc's intrinsic declares only the first 8 bytes as read: the empty statement keeps the others alive.
+static inline void ffp_tile_configure(const FfpTileShapes *shapes) {
+    __asm__ volatile("" : : "r"(shapes) : "memory");
+    _tile_loadconfig(shapes);
+}
 #define ffp_tile_release() _tile_release()
 #define ffp_tile_zero(tile) _tile_zero(tile)
 #define ffp_tile_load(tile, from, row_bytes) _tile_loadd(tile, from, row_bytes)
