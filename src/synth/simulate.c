@@ -393,7 +393,7 @@ static void trace_pixel(const Work *w, int x, int y) {
 }
 
 // Which CELL x CELL blocks of pixels any triangle's bounding box touches: most of an image is background.
-static int busy_cells(const Work *w, int **cells) {
+static size_t busy_cells(const Work *w, int **cells) {
     const FfpMesh *mesh = w->sim->mesh;
     const int across = (w->view->camera.width + CELL - 1) / CELL,
               down = (w->view->camera.height + CELL - 1) / CELL;
@@ -422,7 +422,7 @@ static int busy_cells(const Work *w, int **cells) {
             for (int i = low[0]; i <= high[0]; i++) busy[j * across + i] = 1;
     }
     *cells = ffp_alloc((size_t)across * (size_t)down, sizeof **cells);
-    int count = 0;
+    size_t count = 0;
     for (int i = 0; i < across * down; i++)
         if (busy[i] || behind) (*cells)[count++] = i;
     free(xy);
@@ -438,16 +438,16 @@ static void trace_cell(const Work *w, int cell) {
 }
 
 // As tasks, which any thread of the team takes that has nothing else to do.
-static void trace_cells(const Work *w, const int *cells, int count) {
+static void trace_cells(const Work *w, const int *cells, size_t count) {
 #pragma omp taskloop grainsize(8)
-    for (int i = 0; i < count; i++) trace_cell(w, cells[i]);
+    for (size_t i = 0; i < count; i++) trace_cell(w, cells[i]);
 }
 
 // A team that makes a scene a thread shares the last scenes' views; without a team there is one for this
 // view.
 static void trace_all(const Work *w) {
     int *cells;
-    const int count = busy_cells(w, &cells);
+    const size_t count = busy_cells(w, &cells);
     if (omp_in_parallel()) {
         trace_cells(w, cells, count);
     } else {
