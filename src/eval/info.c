@@ -10,6 +10,7 @@
 #include "capture/capture.h"
 #include "gaussians/gaussians.h"
 #include "network/network.h"
+#include "rig/checks.h"
 
 #define HISTOGRAM_BINS 10
 #define HISTOGRAM_WIDTH 50 // characters of the longest bar
@@ -62,6 +63,7 @@ static bool tell_capture(FILE *out, const char *path, FfpError *err) {
             capture.intensity_known ? "given" : "unknown: estimated or assumed");
     tell_truth(out, &capture);
     tell_views(out, &capture);
+    ffp_rig_checks(&capture, out);
     ffp_capture_free(&capture);
     return true;
 }
