@@ -73,6 +73,18 @@ FfpPart *ffp_add_torus(FfpShape *shape, FfpV3 centre, float ring, float tube, fl
     return part;
 }
 
+// Lets the outline run on smoothly, halfway between the directions of two edges, where they meet at less than
+// 0.4 radians; other corners stay sharp.
+static void smooth_outline(FfpShape *shape) {
+    for (int i = 0; i < shape->n_outline; i++) {
+        float *e = shape->edge[i], *next = shape->edge[(i + 1) % shape->n_outline];
+        const float turn = atan2f(e[0] * next[1] - e[1] * next[0], e[0] * next[0] + e[1] * next[1]);
+        const float slope = fabsf(turn) < 0.4F ? tanf(0.5F * turn) : 0;
+        e[4] = slope / sqrtf(e[2]);
+        next[3] = -slope / sqrtf(next[2]);
+    }
+}
+
 FfpPart *ffp_add_lathe(FfpShape *shape, float rounding, float blend) {
     FfpPart *part = add(shape, FFP_PART_LATHE, ffp_v3(0, 0, 0), blend);
     float radius = 0, low = 1e9F, high = -1e9F;
@@ -87,6 +99,7 @@ FfpPart *ffp_add_lathe(FfpShape *shape, float rounding, float blend) {
         e[0] = b[0] - a[0], e[1] = b[1] - a[1];
         e[2] = 1 / ffp_max(e[0] * e[0] + e[1] * e[1], 1e-12F);
     }
+    smooth_outline(shape);
     part->size[0] = rounding;
     set3(part->reach, radius + rounding, radius + rounding, 0.5F * (high - low) + rounding);
     part->middle[2] = 0.5F * (low + high);
@@ -226,21 +239,23 @@ static float box(const float q[3], const float size[4]) {
     return ffp_min(inside, 0) + sqrtf(outside) - size[3];
 }
 
-// Distance to the outline polygon in the (radius, z) half plane; crossing number for the sign.
+// Distance to the outline in the (radius, z) half plane: to the polygon, crossing number for the sign, less
+// the height of the cubic Hermite curve above its nearest edge.
 static float lathe(const FfpShape *shape, const float q[3], float rounding) {
     const float x = sqrtf(q[0] * q[0] + q[1] * q[1]), y = q[2];
-    float best = 1e18F;
+    float best = 1e18F, height = 0;
     bool inside = false;
     for (int i = 0, j = shape->n_outline - 1; i < shape->n_outline; j = i++) {
         const float *a = shape->outline[j], *b = shape->outline[i], *e = shape->edge[i];
         const float wx = x - a[0], wy = y - a[1];
         const float t = ffp_max(0, ffp_min(1, (wx * e[0] + wy * e[1]) * e[2]));
         const float dx = wx - t * e[0], dy = wy - t * e[1];
-        if (a[0] > 0 || b[0] > 0)
-            best = ffp_min(best, dx * dx + dy * dy); // the edge on the axis is no surface
+        const float square = dx * dx + dy * dy;
+        if (square < best && (a[0] > 0 || b[0] > 0)) // the edge on the axis is no surface
+            best = square, height = t * (1 - t) * (e[3] * (1 - t) - e[4] * t);
         if ((a[1] > y) != (b[1] > y) && wx < e[0] * wy / e[1]) inside = !inside;
     }
-    return (inside ? -sqrtf(best) : sqrtf(best)) - rounding;
+    return (inside ? -sqrtf(best) : sqrtf(best)) + height - rounding;
 }
 
 static float cog(const FfpPart *part, const float q[3]) {

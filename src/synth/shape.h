@@ -66,8 +66,9 @@ typedef struct FfpShape {
     FfpPart parts[FFP_PARTS_MAX];
     int n_outline; // closed polygon (radius, z) for FFP_PART_LATHE
     float outline[FFP_OUTLINE_MAX][2];
-    float edge[FFP_OUTLINE_MAX]
-              [3]; // from the point before: radius and z difference, 1 / length^2; by ffp_add_lathe
+    // by ffp_add_lathe, from the point before: radius and z difference, 1 / length^2, and the rise of the
+    // smooth curve over the edge at its two ends, times length
+    float edge[FFP_OUTLINE_MAX][5];
     uint32_t noise_seed;
     float bump, bump_frequency; // displacement along the normal: height, features a unit length
     bool ridged;

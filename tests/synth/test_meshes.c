@@ -198,7 +198,7 @@ static void signature_knows_a_turned_object(void **state) {
     ffp_mesh_free(&ball);
 }
 
-// 0.06: two loaves of one form that differ in their bumps lie 0.01 to 0.03 apart, a chair with and one
+// 0.06: two apples that differ in their bumps lie 0.01 to 0.02 apart, a chair with and one
 // without arms 0.05, two cacti with other arms 0.054.
 static void no_two_meshes_are_alike(void **state) {
     (void)state;
