@@ -191,6 +191,7 @@ typedef struct FfpImport {
     int n_views;
     FfpCalibratedAt camera, projector;
     int width;          // of the imported pictures; 0: as they are
+    double exposure;    // stops by which linear values are brightened; 0: as they are
     double object[4];   // centre and radius of a sphere around the object; radius 0: estimated
     const char *name;   // of the capture; NULL: the folder's
     const char *folder; // the capture goes here; it must not hold anything yet
@@ -198,6 +199,10 @@ typedef struct FfpImport {
 // Writes a capture folder, whole or not at all: poses in the object's frame, pictures and patterns without
 // lens distortion, masks applied.
 bool ffp_import_capture(const FfpImport *options, FfpError *err);
+
+// Measures kernels and whole steps against this machine's own limits, prints tables, and writes them as JSON
+// too unless `json` is NULL. Takes about a minute.
+bool ffp_benchmark(const char *json, FfpError *err);
 
 // What a capture, a weights file or a PLY holds, as text for people (release with free); NULL on failure.
 char *ffp_info(const char *path, FfpError *err);

@@ -16,6 +16,7 @@ int ffp_cli_render(int argc, char **argv);
 int ffp_cli_evaluate(int argc, char **argv);
 int ffp_cli_generate(int argc, char **argv);
 int ffp_cli_train(int argc, char **argv);
+int ffp_cli_bench(int argc, char **argv);
 int ffp_cli_info(int argc, char **argv);
 
 // The next option: its value (the struct option's `val`, always positive), -1 at the end, or 0 when it was

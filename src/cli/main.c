@@ -17,6 +17,7 @@ static const char help[] =
     "  evaluate     predictions against the photographs: tables, pictures, a report\n"
     "  generate     captures of made-up objects, traced with all their truth\n"
     "  train        weights from generated scenes\n"
+    "  bench        what this machine can do, and how near the program comes to it\n"
     "  info         what a capture, a model or a PLY holds\n"
     "\n"
     "  --help       this text; ffprocams COMMAND --help for a command's own\n"
@@ -43,6 +44,7 @@ static const Command commands[] = {
     {"import", ffp_cli_import},
     {"generate", ffp_cli_generate},
     {"train", ffp_cli_train},
+    {"bench", ffp_cli_bench},
     {"info", ffp_cli_info},
 };
 
