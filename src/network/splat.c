@@ -6,12 +6,12 @@
 #define REACH_MARGIN 0.999F  // of r, where the start's distance lies on the sphere's edge or outside
 #define CORRECTION_MAX 0.05F // of the matched distance
 #define FLATNESS 0.1F        // third axis, the normal's, against the others (DESIGN 5)
-#define START_WIDTH 0.5F     // of a footprint
+#define START_WIDTH 0.425F   // of a footprint
 #define LOG_SCALE_MIN (-4.0F) // residual form: x in [-4, ln 16]
 #define LOG_SCALE_MAX 2.7725887F
 #define PLAIN_LOG_SCALE_MIN (-8.0F)    // keeps exp off zero
 #define PLAIN_LOG_SCALE_MAX 2.0794415F // ln 8
-#define START_OPACITY 3.0F             // logits
+#define START_OPACITY 2.5F             // logits
 #define PLAIN_OPACITY (-2.0F)
 // The start's colours stay this far off 0 and 1, where a logit has no end. The ambient colour is seen, not
 // inferred, and dark objects go below a hundredth; an albedo that low is a failed estimate, which the network

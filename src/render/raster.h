@@ -55,6 +55,7 @@ typedef struct FfpChunk {
 
 struct FfpRaster {
     int width, height, tiles_x, tiles_y;
+    real firmness;    // of the settings
     int32_t n_splats; // Gaussians of opacity 1/255 and more: room for as many splats
     FfpChunk chunks[FFP_CHUNKS];
     FfpSplat *splats;

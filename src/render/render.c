@@ -6,12 +6,12 @@
 #include "render/raster.h"
 
 FfpRenderSettings ffp_render_defaults(void) {
-    return (FfpRenderSettings){.blur = 0.1F,
-                               .compensation = true,
+    return (FfpRenderSettings){.blur = 0.002F,
+                               .firmness = 1,
                                .footprint = true,
                                .shadows = true,
                                .shadow_side = 160,
-                               .shadow_bias = 0.02F};
+                               .shadow_bias = 0.05F};
 }
 
 FfpRenderSettings ffp_render_paper(void) {
@@ -96,15 +96,16 @@ void ffp_raster_reserve(void **block, size_t *held, size_t count, size_t size) {
     *held = roomy * size;
 }
 
-static void fit_to(FfpRaster *raster, const FfpCamera *camera) {
+static void fit_to(FfpRaster *raster, const FfpCamera *camera, const FfpRenderSettings *settings) {
     raster->width = camera->width, raster->height = camera->height;
+    raster->firmness = settings->firmness;
     raster->tiles_x = (camera->width + FFP_TILE - 1) / FFP_TILE;
     raster->tiles_y = (camera->height + FFP_TILE - 1) / FFP_TILE;
 }
 
 void ffp_rasterise(FfpRaster *raster, const FfpGaussians *gaussians, const FfpCamera *camera,
                    const FfpRenderSettings *settings, FfpGbuffer *out) {
-    fit_to(raster, camera);
+    fit_to(raster, camera, settings);
     ffp_project_splats(raster, gaussians, camera, settings);
     ffp_bin_splats(raster);
     ffp_blend(raster, out->normal ? FFP_CHANNELS : FFP_SHADOW_CHANNELS, out);

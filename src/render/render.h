@@ -13,6 +13,8 @@
 typedef struct FfpRenderSettings {
     real blur;         // px^2 added to the 2D covariance: 0.1 (0.3 in the paper's form)
     bool compensation; // opacity times sqrt(det / det_blurred)
+    real firmness;     // k: with d = opacity exp(-sigma), alpha = d (1 + k (1 - d)); 0: d itself, 1: as two
+                       // splats that coincide, steeper towards the rim
     bool footprint;    // pattern averaged over the camera pixel's footprint; else plain bilinear
     bool shadows;      // visibility from the projector
     int shadow_side;   // shadow map's longer side in pixels (160)

@@ -537,7 +537,7 @@ static void test_render_view(void **state) {
     FfpImage black = ffp_render_view(&g, &camera, &projector, intensity, NULL, &settings);
     const double dd = 0.3 * 0.3 + 4 + 0.2 * 0.2, diffuse = 0.5 / PI * 4 / dd * 2 / sqrt(dd);
     const double seen = (double)ffp_srgb_decode(lit.data[3 * (20 * 48 + 24)]);
-    assert_true(seen > 0.98 * diffuse && seen < 1.25 * diffuse); // the highlight adds a little
+    assert_true(seen > 0.98 * diffuse && seen < 1.3 * diffuse); // the highlight adds a quarter
     assert_true(lit.data[0] == 0 && lit.data[3 * (40 * 48 - 1)] == 0);
     for (int i = 0; i < 3 * 48 * 40; i++) assert_true(black.data[i] == 0);
     ffp_image_free(&lit);

@@ -88,7 +88,11 @@ static const real eye[3] = {2.1, -1.7, 1.1}, origin[3] = {0, 0, 0};
 
 static void test_rasterise_gradients(void **state) {
     (void)state;
+    FfpRenderSettings compensated = ffp_render_defaults();
+    compensated.blur = 0.1, compensated.compensation = true, compensated.firmness = 0;
     check_rasterise("compensated", random_gaussians(24, 1, 0.7, 0.02, 0.2, 0.1, 0.9),
+                    look_at(37, 23, 40, eye, origin), compensated);
+    check_rasterise("firm", random_gaussians(24, 1, 0.7, 0.02, 0.2, 0.1, 0.9),
                     look_at(37, 23, 40, eye, origin), ffp_render_defaults());
     check_rasterise("paper", random_gaussians(24, 2, 0.7, 0.02, 0.2, 0.1, 0.9),
                     look_at(19, 35, 40, eye, origin), ffp_render_paper());
@@ -101,7 +105,7 @@ static void test_flat_and_opaque_gradients(void **state) {
     for (int64_t i = 0; i < flat.count; i++) flat.scale[3 * i + i % 3] *= 0.1;
     check_rasterise("flat", flat, look_at(33, 17, 35, eye, origin), ffp_render_defaults());
     // One behind the other, so that the transmittance ends
-    check_rasterise("stacked", random_gaussians(40, 4, 0.15, 0.1, 0.2, 0.7, 0.95),
+    check_rasterise("stacked", random_gaussians(40, 5, 0.15, 0.1, 0.2, 0.7, 0.95),
                     look_at(17, 33, 40, eye, origin), ffp_render_defaults());
 }
 

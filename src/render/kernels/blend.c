@@ -30,11 +30,11 @@ static void list_batch(const FfpRaster *raster, const Tile *tile, int64_t first,
 
 // Distortion: each splat's pairs with those in front of it, twice: 2 w (z sum w_j - sum w_j z_j).
 ALWAYS_INLINE void blend_block(const FfpSplat *splats, const int32_t *batch, const uint8_t *places, int count,
-                               Lanes columns, Lanes rows, const int channels, Sums *sums) {
+                               Lanes columns, Lanes rows, real firmness, const int channels, Sums *sums) {
     Sums s = *sums;
     for (int i = 0; i < count; i++) {
         const FfpSplat *splat = &splats[batch[places[i]]];
-        const Cover c = cover_block(splat, columns, rows, &s.transmittance);
+        const Cover c = cover_block(splat, columns, rows, firmness, &s.transmittance);
         const Lanes w = c.alpha * c.before;
         if (channels > FFP_SHADOW_CHANNELS)
             s.distortion += 2 * w * (splat->value[FFP_CHANNEL_DEPTH] * s.value[0] - s.value[1]);
@@ -67,7 +67,7 @@ ALWAYS_INLINE void blend_blocks(const FfpRaster *raster, const Tile *tile, const
         for (int b = 0; b < BLOCKS; b++) {
             if (!lists.count[b]) continue;
             blend_block(raster->splats, batch, lists.place[b], lists.count[b], block_columns(tile, b),
-                        block_rows(tile, b), channels, &sums[b]);
+                        block_rows(tile, b), tile->firmness, channels, &sums[b]);
             if (!lanes_bits(sums[b].transmittance > (Lanes){0})) open &= ~((uint64_t)1 << b);
         }
     }

@@ -55,8 +55,9 @@ static void load_pixel(const FfpGbuffer *out, const FfpGbuffer *grad, int64_t pi
 
 // Returns the lanes of weight > 0; where there are none, d is not set.
 // dL/dalpha_i = T_i dL/dw_i - sum_{j>i} w_j dL/dw_j / (1 - alpha_i).
-ALWAYS_INLINE unsigned block_backward(const FfpSplat *s, Lanes columns, Lanes rows, Pixels *p, Local *d) {
-    const Cover c = cover_block(s, columns, rows, &p->transmittance);
+ALWAYS_INLINE unsigned block_backward(const FfpSplat *s, Lanes columns, Lanes rows, real firmness, Pixels *p,
+                                      Local *d) {
+    const Cover c = cover_block(s, columns, rows, firmness, &p->transmittance);
     const Lanes none = {0};
     const unsigned touched = lanes_bits(c.alpha > none);
     if (!touched) return 0;
@@ -73,8 +74,9 @@ ALWAYS_INLINE unsigned block_backward(const FfpSplat *s, Lanes columns, Lanes ro
     p->opacity_so_far += w;
     p->depth_so_far += z * w;
     const Lanes d_alpha = c.before * dw - rest / (1 - c.alpha);
-    const Where moves = (c.alpha > none) & (c.density <= lanes_all(FFP_ALPHA_MAX));
-    d->g = lanes_keep(-c.density * d_alpha, moves);
+    const Where moves = (c.alpha > none) & (c.covered <= lanes_all(FFP_ALPHA_MAX));
+    const Lanes steepness = 1.0F + firmness * (1.0F - 2 * c.density);
+    d->g = lanes_keep(-c.density * steepness * d_alpha, moves);
     d->depth = w * p->spread * balance;
     return touched;
 }
@@ -118,7 +120,8 @@ static bool splat_backward(const FfpSplat *s, const Tile *tile, uint64_t blocks,
     for (; blocks; blocks &= blocks - 1) {
         const int b = __builtin_ctzll(blocks);
         Local d;
-        const unsigned lanes = block_backward(s, block_columns(tile, b), block_rows(tile, b), &pixels[b], &d);
+        const unsigned lanes =
+            block_backward(s, block_columns(tile, b), block_rows(tile, b), tile->firmness, &pixels[b], &d);
         if (!lanes) continue;
         touched = true;
         const real x = s->x - ((real)(tile->x0 + lane_x(b, 0)) + (0.5F + MIDDLE_X));

@@ -37,6 +37,7 @@ typedef struct Tile {
     int x0, y0, width, height; // pixels; width and height below FFP_TILE at the image's right and bottom
     const int32_t *order;
     int64_t count;
+    real firmness; // of the settings
 } Tile;
 
 static inline Tile find_tile(const FfpRaster *raster, int t) {
@@ -47,7 +48,8 @@ static inline Tile find_tile(const FfpRaster *raster, int t) {
                   width < FFP_TILE ? width : FFP_TILE,
                   height < FFP_TILE ? height : FFP_TILE,
                   raster->order + raster->tile_first[t],
-                  raster->tile_first[t + 1] - raster->tile_first[t]};
+                  raster->tile_first[t + 1] - raster->tile_first[t],
+                  raster->firmness};
 }
 
 // Where lane l of block b lies in the tile.
@@ -108,20 +110,23 @@ static inline uint64_t splat_blocks(const FfpSplat *s, const Tile *tile) {
     return blocks;
 }
 
-// A splat over a block: its density, and alpha, 0 where below 1/255 or where the pixel has come to its end.
+// A splat over a block: its density d, what that covers, and alpha, which is 0 where below 1/255 or where the
+// pixel has come to its end.
 typedef struct Cover {
-    Lanes density, alpha, before; // before: the transmittance in front of the splat
+    Lanes density, covered, alpha, before; // before: the transmittance in front of the splat
 } Cover;
 
 // Moves the transmittance on. A pixel whose transmittance would fall to 1e-4 stops, without this splat, and
 // is marked by 0.
-ALWAYS_INLINE Cover cover_block(const FfpSplat *s, Lanes columns, Lanes rows, Lanes *transmittance) {
+ALWAYS_INLINE Cover cover_block(const FfpSplat *s, Lanes columns, Lanes rows, real firmness,
+                                Lanes *transmittance) {
     const Lanes dx = s->x - columns, dy = s->y - rows, none = {0};
     Lanes t = (s->power[0] * dx + s->power[1] * dy) * dx + s->power[2] * dy * dy;
     t = lanes_max(lanes_min(t, none), lanes_all(-100)); // 2^-100 is far below 1/255 as well
     Cover c = {.before = *transmittance};
     c.density = s->opacity * lanes_exp2(t);
-    const Lanes kept = lanes_keep(c.density, c.density >= lanes_all(FFP_ALPHA_MIN));
+    c.covered = c.density * (1.0F + firmness * (1.0F - c.density));
+    const Lanes kept = lanes_keep(c.covered, c.covered >= lanes_all(FFP_ALPHA_MIN));
     const Lanes alpha = lanes_min(kept, lanes_all(FFP_ALPHA_MAX)), next = c.before * (1.0F - alpha);
     const Where open = next > lanes_all(FFP_TRANSMITTANCE_MIN);
     c.alpha = lanes_keep(alpha, open);

@@ -47,6 +47,7 @@ typedef struct View {
     FfpCamera camera;
     real blur;
     bool compensation;
+    real firmness;
 } View;
 
 ALWAYS_INLINE void rotation_matrix(const Lanes q[4], Lanes R[9]) {

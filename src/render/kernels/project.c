@@ -29,8 +29,10 @@ ALWAYS_INLINE Lanes clamp_index(Lanes value, int limit) {
 }
 
 // The pixels where alpha can reach 1/255: those with their centre in the box around that ellipse.
-ALWAYS_INLINE void bound_splats(const Frame *f, const FfpCamera *camera, int group, Seen *seen) {
-    const Lanes opacity = seen->opacity.group[group], x = seen->x.group[group], y = seen->y.group[group];
+ALWAYS_INLINE void bound_splats(const Frame *f, const View *view, int group, Seen *seen) {
+    const FfpCamera *camera = &view->camera;
+    const Lanes opacity = seen->opacity.group[group] * (1 + view->firmness), // alpha is below that, times exp
+        x = seen->x.group[group], y = seen->y.group[group];
     const Where drawn = f->drawn & (opacity > lanes_all(FFP_ALPHA_MIN));
     const Lanes squared = (real)(2 / LOG2_E) * log2_above(lanes_pick(drawn, 255 * opacity, lanes_all(1)));
     const Lanes rx = lanes_sqrt(squared * f->a), ry = lanes_sqrt(squared * f->c);
@@ -53,7 +55,7 @@ static void see_group(const Batch *in, int group, const View *view, Seen *seen) 
     seen->power[1].group[group] = -2 * scale * f.b;
     seen->power[2].group[group] = scale * f.a;
     for (int k = 0; k < 3; k++) seen->normal[k].group[group] = f.normal[k];
-    bound_splats(&f, camera, group, seen);
+    bound_splats(&f, view, group, seen);
 }
 
 static FfpSplat make_splat(const Seen *seen, int l, const FfpGaussians *g, int64_t i) {
@@ -85,7 +87,7 @@ static void draw_batch(Batch *batch, const FfpGaussians *g, const View *view, Ff
 
 void FFP_K(project_chunk)(FfpRaster *raster, const FfpGaussians *g, const FfpCamera *camera,
                           const FfpRenderSettings *settings, FfpChunk *chunk) {
-    const View view = {*camera, settings->blur, settings->compensation};
+    const View view = {*camera, settings->blur, settings->compensation, settings->firmness};
     FfpSplat *splats = raster->splats + chunk->first;
     Batch batch = {0};
     chunk->drawn = 0;

@@ -166,7 +166,7 @@ static void batch_backward(Batch *batch, const View *view, BatchGrad *d, FfpGaus
 void FFP_K(project_chunk_backward)(const FfpRaster *raster, const FfpGaussians *g, const FfpCamera *camera,
                                    const FfpRenderSettings *settings, const FfpChunk *chunk,
                                    FfpGaussians *grad) {
-    const View view = {*camera, settings->blur, settings->compensation};
+    const View view = {*camera, settings->blur, settings->compensation, settings->firmness};
     Batch batch = {0};
     BatchGrad d = {0};
     for (int32_t s = chunk->first; s < chunk->first + chunk->drawn; s++) {
