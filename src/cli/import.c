@@ -44,6 +44,8 @@ static const char help[] =
     "                           their first pixel being X,Y of the calibrated picture)\n"
     "      --projector-fit F    likewise for the patterns\n"
     "  -w, --width W            make the pictures W pixels wide (the shipped model was trained at 128)\n"
+    "      --exposure STOPS     brighten the pictures (linear light): EXR files may leave the range 0 to 1,\n"
+    "                           which the capture's 8-bit pictures do not. Default: 0\n"
     "      --object X,Y,Z,R     a sphere around the object, in its frame. Default: from poses and masks\n"
     "      --name NAME          of the capture. Default: that of DIR\n"
     "  -o, --output DIR         the capture's folder; it must be new or empty\n"
@@ -103,6 +105,12 @@ static bool read_fit(const char *text, FfpCalibratedAt *at) {
     return strncmp(text, "crop=", 5) == 0 && read_pair(text + 5, ',', 0, &at->left, &at->top);
 }
 
+static bool read_stops(const char *text, double *stops) {
+    char *end;
+    *stops = strtod(text, &end);
+    return end != text && *end == 0 && fabs(*stops) <= 32;
+}
+
 // X,Y,Z,R
 static bool read_sphere(const char *text, double sphere[4]) {
     const char *at = text;
@@ -122,6 +130,7 @@ enum {
     PROJECTOR_SIZE,
     CAMERA_FIT,
     PROJECTOR_FIT,
+    EXPOSURE,
     OBJECT,
     NAME
 };
@@ -138,6 +147,8 @@ static bool take_checked(int option, const char *text, FfpImport *import) {
         return read_fit(text, &import->camera);
     case PROJECTOR_FIT:
         return read_fit(text, &import->projector);
+    case EXPOSURE:
+        return read_stops(text, &import->exposure);
     case OBJECT:
         return read_sphere(text, import->object);
     default:
@@ -186,6 +197,7 @@ static int parse(int argc, char **argv, FfpImport *import, Lists *lists) {
                                             {"camera-fit", required_argument, NULL, CAMERA_FIT},
                                             {"projector-fit", required_argument, NULL, PROJECTOR_FIT},
                                             {"width", required_argument, NULL, 'w'},
+                                            {"exposure", required_argument, NULL, EXPOSURE},
                                             {"object", required_argument, NULL, OBJECT},
                                             {"name", required_argument, NULL, NAME},
                                             {"output", required_argument, NULL, 'o'},

@@ -8,7 +8,7 @@
 #include "image/lookup.h"
 #include "rig/checks.h"
 
-#define PIXELS_A_VIEW 500
+#define PIXELS_A_VIEW 300
 #define DEPTHS 128
 #define LIT 0.04F      // linear radiance that white must add in every channel
 #define ERROR_MAX 0.25 // of a pixel's mean square: highlights and shadow edges must not decide

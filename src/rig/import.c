@@ -21,7 +21,8 @@ typedef struct Import {
     FfpCalibration calibration;
     FfpShots shots;
     FfpCapture capture;
-    int masks_made; // by Otsu's method
+    int masks_made;     // by Otsu's method
+    int64_t too_bright; // values of pictures
 } Import;
 
 // --- What is asked for. ---
@@ -33,6 +34,7 @@ static bool keep_chosen_stops(Import *import, FfpError *err) {
     if (calibration->n_pictures > 0 && options->n_images == 0)
         return ffp_fail(err, "--view",
                         "the calibration names the pictures itself: give --images to choose among its views");
+    bool twice = false;
     FfpStop *chosen = ffp_alloc((size_t)options->n_views, sizeof *chosen);
     for (int i = 0; i < options->n_views; i++) {
         int k = 0;
@@ -42,6 +44,11 @@ static bool keep_chosen_stops(Import *import, FfpError *err) {
             return ffp_fail(err, "--view", "the calibration has no view '%.96s'", options->views[i]);
         }
         chosen[i] = calibration->stops[k];
+        for (int j = 0; j < i; j++) twice = twice || strcmp(chosen[j].id, chosen[i].id) == 0;
+    }
+    if (twice) {
+        free(chosen);
+        return ffp_fail(err, "--view", "a view is asked for twice");
     }
     free(calibration->stops);
     calibration->stops = chosen;
@@ -181,17 +188,36 @@ static bool load_pattern(Import *import, int index, FfpError *err) {
     return true;
 }
 
+// Exposure of linear values; what then exceeds 1 is cut off when the capture is written, and counted.
+static void expose(Import *import, FfpImage *image) {
+    const real factor = (real)exp2(import->options->exposure);
+    const ptrdiff_t count = (ptrdiff_t)image->width * image->height * 3;
+    for (ptrdiff_t i = 0; i < count; i++) {
+        image->data[i] *= factor;
+        import->too_bright += image->data[i] > 1.002F;
+    }
+}
+
+// An alpha channel that is 1 everywhere tells nothing: programs add such to any picture.
+static bool tells_shape(const FfpImage *alpha) {
+    const ptrdiff_t pixels = alpha->data != NULL ? (ptrdiff_t)alpha->width * alpha->height : 0;
+    for (ptrdiff_t i = 0; i < pixels; i++) {
+        if (alpha->data[i] < 1) return true;
+    }
+    return false;
+}
+
+// *alpha stays empty when the file has none.
 static bool load_picture(Import *import, int stop, int pattern, FfpImage *alpha, FfpError *err) {
     const char *path = import->shots.pictures[stop * FFP_PATTERNS_MAX + pattern];
     const FfpOptics *optics = &import->calibration.stops[stop].camera;
     FfpView *view = &import->capture.views[stop];
     FfpImage raw = {0}, raw_alpha = {0};
-    if (!check_size(path, optics, err) ||
-        !ffp_image_read_over_black(&raw, alpha != NULL ? &raw_alpha : NULL, path, err)) {
+    if (!check_size(path, optics, err) || !ffp_image_read_over_black(&raw, &raw_alpha, path, err))
         return false;
-    }
+    expose(import, &raw);
     view->images[pattern] = ffp_optics_rectify(optics, &view->camera, &raw);
-    if (raw_alpha.data != NULL) *alpha = ffp_optics_rectify(optics, &view->camera, &raw_alpha);
+    if (tells_shape(&raw_alpha)) *alpha = ffp_optics_rectify(optics, &view->camera, &raw_alpha);
     ffp_image_free(&raw);
     ffp_image_free(&raw_alpha);
     return true;
@@ -212,50 +238,53 @@ static bool load_mask(Import *import, int stop, FfpError *err) {
     return true;
 }
 
-// Over black by the mask, in encoded values, as the capture's reader does it.
-static void apply_mask(FfpView *view, int n_patterns) {
-    for (int p = 0; p < n_patterns; p++) {
-        FfpImage *image = &view->images[p];
-        const ptrdiff_t pixels = image->data != NULL ? (ptrdiff_t)image->width * image->height : 0;
-        for (ptrdiff_t i = 0; i < 3 * pixels; i++) {
-            const real m = view->coverage.data[i / 3];
-            if (m < 1) image->data[i] = m > 0 ? ffp_srgb_decode(ffp_srgb_encode(image->data[i]) * m) : 0;
-        }
+// A picture over black by the mask, in encoded values, as the capture's reader does it.
+static void apply_mask(const FfpImage *mask, FfpImage *image) {
+    const ptrdiff_t values = image->data != NULL ? (ptrdiff_t)image->width * image->height * 3 : 0;
+    for (ptrdiff_t i = 0; i < values; i++) {
+        const real m = mask->data[i / 3];
+        if (m < 1) image->data[i] = m > 0 ? ffp_srgb_decode(ffp_srgb_encode(image->data[i]) * m) : 0;
     }
 }
 
 // The mask as it was asked for: a file; else the white picture's alpha channel, unless Otsu's was named; else
-// Otsu's.
-static bool cover(Import *import, int stop, FfpImage *alpha, FfpError *err) {
+// Otsu's. Pictures that are over black by an alpha channel of their own are left alone in the second case.
+static bool cover(Import *import, int stop, const FfpImage *alphas, FfpError *err) {
+    const FfpShots *shots = &import->shots;
     FfpView *view = &import->capture.views[stop];
-    if (import->shots.masks != NULL) {
+    const bool by_alpha =
+        shots->masks == NULL && import->options->mask == NULL && alphas[shots->white].data != NULL;
+    if (shots->masks != NULL) {
         if (!load_mask(import, stop, err)) return false;
-    } else if (alpha->data != NULL && import->options->mask == NULL) {
-        view->coverage = ffp_image_copy(alpha); // the pictures are over black by it already
-        return true;
+    } else if (by_alpha) {
+        view->coverage = ffp_image_copy(&alphas[shots->white]);
     } else {
-        if (!ffp_mask_otsu(&view->coverage, &view->images[import->shots.black],
-                           &view->images[import->shots.white], NULL,
-                           import->shots.pictures[stop * FFP_PATTERNS_MAX + import->shots.white], err)) {
+        const char *path = shots->pictures[stop * FFP_PATTERNS_MAX + shots->white];
+        if (!ffp_mask_otsu(&view->coverage, &view->images[shots->black], &view->images[shots->white], NULL,
+                           path, err)) {
             return false;
         }
         import->masks_made++;
     }
-    apply_mask(view, import->shots.n_patterns);
+    for (int p = 0; p < shots->n_patterns; p++) {
+        if (!by_alpha || alphas[p].data == NULL) apply_mask(&view->coverage, &view->images[p]);
+    }
     return true;
 }
 
 static bool load_view(Import *import, int stop, FfpError *err) {
+    const int n = import->shots.n_patterns;
     FfpView *view = &import->capture.views[stop];
-    FfpImage alpha = {0};
+    FfpImage *alphas = ffp_alloc((size_t)n, sizeof *alphas);
     bool ok = true;
-    view->images = ffp_alloc((size_t)import->shots.n_patterns, sizeof *view->images);
-    for (int p = 0; p < import->shots.n_patterns && ok; p++) {
-        if (import->shots.pictures[stop * FFP_PATTERNS_MAX + p] == NULL) continue;
-        ok = load_picture(import, stop, p, p == import->shots.white ? &alpha : NULL, err);
+    view->images = ffp_alloc((size_t)n, sizeof *view->images);
+    for (int p = 0; p < n && ok; p++) {
+        if (import->shots.pictures[stop * FFP_PATTERNS_MAX + p] != NULL)
+            ok = load_picture(import, stop, p, &alphas[p], err);
     }
-    ok = ok && cover(import, stop, &alpha, err);
-    ffp_image_free(&alpha);
+    ok = ok && cover(import, stop, alphas, err);
+    for (int p = 0; p < n; p++) ffp_image_free(&alphas[p]);
+    free(alphas);
     return ok;
 }
 
@@ -292,7 +321,9 @@ static int remove_entry(const char *path, const struct stat *about, int kind, st
 // Reads what was written as every other command will: an import that could not be used must not appear.
 static bool verify(const char *folder, FfpError *err) {
     FfpCapture capture;
-    if (!ffp_capture_read(&capture, folder, err)) return false;
+    FfpError why = {0};
+    if (!ffp_capture_read(&capture, folder, &why))
+        return ffp_fail(err, NULL, "the import cannot be used: %s", why.text);
     ffp_capture_free(&capture);
     return true;
 }

@@ -6,7 +6,7 @@
 #include "base/arena.h"
 #include "rig/checks.h"
 
-#define PIXELS_A_VIEW 800
+#define PIXELS_A_VIEW 400
 #define DEPTHS 160
 
 // Background in the pixel and all around it.

@@ -93,7 +93,20 @@ static json_t *read_node(Reader *reader, const yaml_event_t *event, int depth) {
     return NULL;
 }
 
-// Stream start, document start, one node.
+// Reads on to the end, which must come now.
+static bool read_end(Reader *reader) {
+    for (;;) {
+        yaml_event_t event;
+        if (!next(reader, &event)) return false;
+        const yaml_event_type_t type = event.type;
+        const yaml_mark_t mark = event.start_mark;
+        yaml_event_delete(&event);
+        if (type == YAML_STREAM_END_EVENT) return true;
+        if (type != YAML_DOCUMENT_END_EVENT) return fail_at(reader, &mark, "a second document in the file");
+    }
+}
+
+// Stream start, document start, one node, the end.
 static json_t *read_document(Reader *reader) {
     for (;;) {
         yaml_event_t event;
@@ -105,7 +118,10 @@ static json_t *read_document(Reader *reader) {
         else if (!before)
             value = read_node(reader, &event, 0);
         yaml_event_delete(&event);
-        if (!before) return value;
+        if (before) continue;
+        if (value == NULL || read_end(reader)) return value;
+        json_decref(value);
+        return NULL;
     }
 }
 

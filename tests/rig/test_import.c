@@ -3,6 +3,8 @@
 // the capture's pictures.
 #include <dirent.h>
 #include <math.h>
+#include <stdio.h>
+#include <jpeglib.h>
 #include <tgmath.h>
 #include "scratch.h"
 #include "base/rng.h"
@@ -151,10 +153,39 @@ static FfpImage photograph(const Rig *rig, const FfpStop *stop, const FfpImage *
     return out;
 }
 
-typedef enum Kind { PNG8, PNG16, EXR } Kind;
+typedef enum Kind { PNG8, PNG16, EXR, JPEG } Kind;
+
+static void write_jpeg(const FfpImage *encoded, const char *path) {
+    struct jpeg_compress_struct jpeg = {0};
+    struct jpeg_error_mgr errors;
+    FILE *stream = fopen(path, "wb");
+    JSAMPLE *row = malloc((size_t)encoded->width * 3);
+    assert_non_null(stream);
+    jpeg.err = jpeg_std_error(&errors);
+    jpeg_create_compress(&jpeg);
+    jpeg_stdio_dest(&jpeg, stream);
+    jpeg.image_width = (JDIMENSION)encoded->width, jpeg.image_height = (JDIMENSION)encoded->height;
+    jpeg.input_components = 3, jpeg.in_color_space = JCS_RGB;
+    jpeg_set_defaults(&jpeg);
+    jpeg_set_quality(&jpeg, 98, TRUE);
+    jpeg_start_compress(&jpeg, TRUE);
+    while (jpeg.next_scanline < jpeg.image_height) {
+        const real *from = encoded->data + (size_t)jpeg.next_scanline * (size_t)encoded->width * 3;
+        for (int i = 0; i < 3 * encoded->width; i++) row[i] = (JSAMPLE)(from[i] * 255 + 0.5F);
+        jpeg_write_scanlines(&jpeg, &row, 1);
+    }
+    jpeg_finish_compress(&jpeg);
+    jpeg_destroy_compress(&jpeg);
+    free(row);
+    fclose(stream);
+}
 
 static void save(FfpImage *linear, const char *path, Kind kind) {
     if (kind != EXR) ffp_image_to_srgb(linear);
+    if (kind == JPEG) {
+        write_jpeg(linear, path);
+        return;
+    }
     assert_true(kind == EXR     ? ffp_image_write_exr(linear, path, NULL)
                 : kind == PNG16 ? ffp_image_write_png16(linear, path, NULL)
                                 : ffp_image_write_png(linear, path, NULL));
@@ -600,6 +631,80 @@ static void test_masks(void **state) {
     check(call, &rig, 50);
 }
 
+// JPEG; and EXR pictures four times as bright as the range allows, brought back by two stops.
+static void test_kinds_of_files(void **state) {
+    (void)state;
+    Rig rig = orbit(false);
+    waves = true;
+    write_colmap(&rig, "model");
+    take_photographs(&rig, JPEG);
+    check(call_of("from_jpeg", "model", NULL), &rig, 35);
+    take_photographs(&rig, EXR);
+    for (int v = 0; v < VIEWS; v++)
+        for (int p = 0; p < 3; p++) {
+            char name[64];
+            snprintf(name, sizeof name, "photos/%s_%s.png", rig.stops[v].id, names[p]);
+            FfpImage picture = {0};
+            assert_true(ffp_image_read_over_black(&picture, NULL, in_scratch(name), NULL));
+            for (int i = 0; i < 3 * WIDTH * HEIGHT; i++) picture.data[i] *= 4;
+            assert_true(ffp_image_write_exr(&picture, in_scratch(name), NULL));
+            ffp_image_free(&picture);
+        }
+    Call *call = call_of("from_bright_exr", "model", NULL);
+    call->options.exposure = -2;
+    check(call, &rig, 55);
+    waves = false;
+}
+
+// The white picture's alpha channel masks the others, unless it is 1 everywhere.
+static void test_alpha(void **state) {
+    (void)state;
+    const Rig rig = orbit(false);
+    take_photographs(&rig, PNG8);
+    write_colmap(&rig, "model");
+    for (int opaque = 0; opaque < 2; opaque++) {
+        for (int v = 0; v < VIEWS; v++) {
+            char name[64];
+            snprintf(name, sizeof name, "photos/%s_white.png", rig.stops[v].id);
+            FfpImage picture = {0}, rgba = ffp_image_new(WIDTH, HEIGHT, 4);
+            assert_true(ffp_image_read(&picture, in_scratch(name), FFP_COLOUR_ENCODED, NULL));
+            for (int i = 0; i < 4 * WIDTH * HEIGHT; i++)
+                rgba.data[i] = i % 4 < 3 ? picture.data[i] : opaque || i / 4 % WIDTH > 20;
+            assert_true(ffp_image_write_png(&rgba, in_scratch(name), NULL));
+            ffp_image_free(&picture);
+            ffp_image_free(&rgba);
+        }
+        FfpCapture capture;
+        import(&capture, call_of(opaque ? "opaque" : "alpha", "model", NULL));
+        int right = 0;
+        for (int i = 0; i < WIDTH * HEIGHT; i++) {
+            right += capture.views[1].coverage.data[i] == (real)(i % WIDTH > 20);
+            if (!opaque && i % WIDTH <= 20)
+                assert_true(capture.views[1].images[capture.black].data[3 * i] == 0);
+        }
+        assert_true(opaque ? right < WIDTH * HEIGHT / 2 : right == WIDTH * HEIGHT);
+        ffp_capture_free(&capture);
+    }
+}
+
+static void test_some_views(void **state) {
+    (void)state;
+    const Rig rig = orbit(false);
+    take_photographs(&rig, PNG8);
+    write_colmap(&rig, "model");
+    Call *call = call_of("some", "model", NULL);
+    const char *const views[3] = {"04", "02", "04"};
+    call->options.views = views, call->options.n_views = 3;
+    must_fail(call, "asked for twice");
+    call->options.n_views = 2;
+    FfpCapture capture;
+    import(&capture, call);
+    assert_int_equal(capture.n_views, 2);
+    assert_string_equal(capture.views[0].id, "04");
+    assert_true(explained(&capture, rig) > 50);
+    ffp_capture_free(&capture);
+}
+
 // --- What goes wrong. ---
 
 static void test_bad_pictures(void **state) {
@@ -669,10 +774,17 @@ static void test_real_calibration(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_poses_of_all_views), cmocka_unit_test(test_lenses),
-        cmocka_unit_test(test_colmap_lens),        cmocka_unit_test(test_other_sizes),
-        cmocka_unit_test(test_narrower),           cmocka_unit_test(test_masks),
-        cmocka_unit_test(test_bad_pictures),       cmocka_unit_test(test_real_calibration),
+        cmocka_unit_test(test_poses_of_all_views),
+        cmocka_unit_test(test_lenses),
+        cmocka_unit_test(test_colmap_lens),
+        cmocka_unit_test(test_other_sizes),
+        cmocka_unit_test(test_narrower),
+        cmocka_unit_test(test_masks),
+        cmocka_unit_test(test_bad_pictures),
+        cmocka_unit_test(test_kinds_of_files),
+        cmocka_unit_test(test_alpha),
+        cmocka_unit_test(test_some_views),
+        cmocka_unit_test(test_real_calibration),
     };
     return cmocka_run_group_tests(tests, scratch_setup, scratch_teardown);
 }
