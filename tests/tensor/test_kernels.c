@@ -4,7 +4,6 @@
 #include "support.h"
 #include "tensor/bench_kernels.h"
 #include "tensor/kernels/fastmath.h"
-#include "tensor/naive_scan.h"
 #include "tensor/random.h"
 #include "tensor/tensor.h"
 
@@ -46,104 +45,6 @@ static void normal_distribution(void **state) {
     assert_true(worst < 3e-7 && worst_density < 1e-7 && worst_gelu < 3e-7 && worst_slope < 5e-7);
     assert_true(isnan(ffp_normal(NAN, &density)));
     free(x), free(y), free(one), free(slope);
-}
-
-static double relative_error(const float *found, size_t ld, const double *expected, size_t rows,
-                             size_t width) {
-    double error = 0, size = 0;
-    for (size_t t = 0; t < rows; t++) {
-        for (size_t i = 0; i < width; i++) {
-            const double e = expected[t * width + i], difference = (double)found[t * ld + i] - e;
-            error += difference * difference, size += e * e;
-        }
-    }
-    return sqrt(error / size);
-}
-
-// A sum over all rows whose terms have both signs may come out near zero: its error is measured by the terms.
-static double sum_error(const float *found, const double *expected, const double *size, size_t count) {
-    double worst = 0;
-    for (size_t i = 0; i < count; i++) worst = fmax(worst, fabs((double)found[i] - expected[i]) / size[i]);
-    return worst;
-}
-
-static void check_small(const char *name, double error, double bound) {
-    printf("  %-10s relative error %.2g\n", name, error);
-    assert_true(error < bound);
-}
-
-// A, dt and the sizes as a network has them: A in 1..16, dt in 1e-3..1e-1 and beyond.
-static void check_scan(FfpScanShape shape) {
-    FfpRng rng = ffp_rng(12, (uint64_t)shape.rows);
-    const size_t rows = (size_t)shape.rows, heads = (size_t)shape.heads, state = (size_t)shape.state;
-    const size_t width = heads * (size_t)shape.head_dim, ld = width + 2 * state, count = rows * width;
-    float *row = random_reals(&rng, rows * ld, 0.5, 0), *drow = ffp_alloc(rows * ld, sizeof(float));
-    float *dt = random_reals(&rng, rows * heads, 1, 0), *ddt = ffp_alloc(rows * heads, sizeof(float));
-    float *bias = random_reals(&rng, heads, 1, -3), *a_log = ffp_alloc(heads, sizeof(float)),
-          *d = random_reals(&rng, heads, 0, 1);
-    float *y = ffp_alloc(count, sizeof(float)), *plain = ffp_alloc(count, sizeof(float)),
-          *dy = random_reals(&rng, count, 1, 0);
-    float *scratch = ffp_alloc(ffp_scan_scratch(&shape), sizeof(float)),
-          *parameters = ffp_alloc(3 * heads, sizeof(float));
-    for (size_t h = 0; h < heads; h++) a_log[h] = logf(1 + 15 * (float)h / (float)heads);
-    const FfpScanInput in = {row, row + width, row + width + state, (int)ld, dt, (int)heads, bias, a_log, d};
-    const FfpScanGradient grad = {drow,       drow + width,       drow + width + state,  ddt,
-                                  parameters, parameters + heads, parameters + 2 * heads};
-    NaiveScan naive = new_naive_scan(&shape);
-    naive_scan(&naive, &shape, &in, dy);
-    ffp_scan_forward(y, &shape, &in, scratch);
-    ffp_scan_forward_reference(plain, &shape, &in);
-    ffp_scan_backward(&grad, &shape, &in, y, dy, scratch);
-    printf("scan, %d rows%s\n", shape.rows, shape.reverse ? ", reversed" : "");
-    check_small("y", relative_error(y, width, naive.y, rows, width), 2e-6);
-    check_small("recurrence", relative_error(plain, width, naive.y, rows, width), 2e-6);
-    check_small("dx", relative_error(drow, ld, naive.x, rows, width), 2e-6);
-    check_small("dB", relative_error(grad.b, ld, naive.b, rows, state), 2e-6);
-    check_small("dC", relative_error(grad.c, ld, naive.c, rows, state), 2e-6);
-    check_small("ddt", relative_error(ddt, heads, naive.dt_raw, rows, heads), 1e-5);
-    check_small("ddt_bias", sum_error(grad.dt_bias, naive.dt_bias, naive.bias_size, heads), 1e-5);
-    check_small("da_log", sum_error(grad.a_log, naive.a_log, naive.a_log_size, heads), 1e-5);
-    check_small("dD", relative_error(grad.d, heads, naive.d, 1, heads), 1e-5);
-    free_naive_scan(&naive);
-    float *all[] = {row, drow, dt, ddt, bias, a_log, d, y, plain, dy, scratch, parameters};
-    for (size_t i = 0; i < sizeof(all) / sizeof(all[0]); i++) free(all[i]);
-}
-
-static void scan(void **state) {
-    (void)state;
-    for (int reverse = 0; reverse < 2; reverse++) {
-        check_scan((FfpScanShape){
-            .rows = 500, .heads = 3, .head_dim = 64, .state = 64, .chunk = 64, .reverse = reverse});
-        check_scan((FfpScanShape){
-            .rows = 129, .heads = 1, .head_dim = 33, .state = 17, .chunk = 64, .reverse = reverse});
-    }
-}
-
-// Decays of e^-1000 a step and of none at all must neither overflow nor become NaN.
-static void scan_extremes(void **state) {
-    (void)state;
-    enum { ROWS = 70, P = 8, N = 8, LD = P + 2 * N };
-    const FfpScanShape shape = {
-        .rows = ROWS, .heads = 1, .head_dim = P, .state = N, .chunk = 32, .reverse = false};
-    FfpRng rng = ffp_rng(13, 0);
-    float *row = random_reals(&rng, ROWS * LD, 1, 0), *drow = ffp_alloc(ROWS * LD, sizeof(float)), dt[ROWS],
-          ddt[ROWS];
-    float *dy = random_reals(&rng, ROWS * P, 1, 0), y[ROWS * P], plain[ROWS * P];
-    float *scratch = ffp_alloc(ffp_scan_scratch(&shape), sizeof(float));
-    const float bias = 0, a_log = logf(16), d = 1;
-    for (int t = 0; t < ROWS; t++) dt[t] = t % 3 == 0 ? 60.0F : -120.0F, ddt[t] = 0;
-    float parameters[3] = {0};
-    const FfpScanInput in = {row, row + P, row + P + N, LD, dt, 1, &bias, &a_log, &d};
-    const FfpScanGradient grad = {drow,       drow + P,       drow + P + N,  ddt,
-                                  parameters, parameters + 1, parameters + 2};
-    ffp_scan_forward(y, &shape, &in, scratch);
-    ffp_scan_forward_reference(plain, &shape, &in);
-    ffp_scan_backward(&grad, &shape, &in, y, dy, scratch);
-    for (int i = 0; i < ROWS * P; i++) assert_true(fabsf(y[i] - plain[i]) <= 1e-4F * (1 + fabsf(plain[i])));
-    for (int i = 0; i < ROWS * LD; i++) assert_true(isfinite(drow[i]));
-    for (int t = 0; t < ROWS; t++) assert_true(isfinite(ddt[t]));
-    for (int i = 0; i < 3; i++) assert_true(isfinite(parameters[i]));
-    free(row), free(drow), free(dy), free(scratch);
 }
 
 static float *take(float **next, size_t count) {
@@ -218,7 +119,6 @@ static void same_bits(void **state) {
 int main(int argc, char **argv) {
     if (argc > 1 && strcmp(argv[1], "--bench") == 0) return bench_kernels();
     const struct CMUnitTest tests[] = {cmocka_unit_test(exponential), cmocka_unit_test(normal_distribution),
-                                       cmocka_unit_test(scan), cmocka_unit_test(scan_extremes),
                                        cmocka_unit_test(same_bits)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

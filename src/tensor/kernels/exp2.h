@@ -50,12 +50,16 @@ static inline float ffp_exp2_short(float x) {
     return ffp_raise(p, shifted);
 }
 
-// As exact as the packed products that the result goes into.
 static inline real ffp_exp2(real x) {
+    return _Generic(x, float : ffp_exp2_f32, double : exp2)(x);
+}
+
+// As exact as the packed operand that the result goes into.
+static inline real ffp_exp2_packed(real x) {
 #ifdef FFP_BF16
     return ffp_exp2_short(x);
 #else
-    return _Generic(x, float : ffp_exp2_f32, double : exp2)(x);
+    return ffp_exp2(x);
 #endif
 }
 

@@ -1,44 +1,73 @@
 #include "tensor/kernels/scan_parts.h"
 
+#include <omp.h>
 #include <tgmath.h>
-#include "tensor/kernels/fastmath.h"
+#include "tensor/kernels/exp2.h"
 
-static int chunk_count(const FfpScanShape *shape) {
-    return (shape->rows + shape->chunk - 1) / shape->chunk;
+// Everything but the pointers into the scratch. A chunk needs most packed operands in the second half of the
+// backward pass (scan_backward.c).
+static FfpScanLayout make_layout(const FfpScanShape *shape) {
+    FfpScanLayout layout = {.width = shape->heads * shape->head_dim};
+    const int chunk = shape->chunk, state = shape->state, dim = shape->head_dim;
+    layout.chunks = (shape->rows + chunk - 1) / chunk;
+    layout.state_size = (size_t)layout.width * (size_t)state;
+    layout.pack_size = 2 * ffp_packed_size(chunk, state) + 2 * ffp_packed_size(state, chunk) +
+                       2 * ffp_packed_size(layout.width, state) + ffp_packed_size(layout.width, chunk) +
+                       3 * ffp_packed_size(chunk, dim) + ffp_packed_size(dim, chunk) +
+                       2 * ffp_packed_size(state, dim) + 3 * ffp_packed_size(chunk, chunk);
+    return layout;
 }
 
-// Sizes in reals, in the order of FfpScanLayout.
-enum { PARTS = 15 };
-static void part_sizes(size_t sizes[PARTS], const FfpScanShape *shape) {
-    const size_t rows = (size_t)shape->rows, per_head = rows * (size_t)shape->heads;
-    const size_t wide = per_head * (size_t)shape->head_dim, square = rows * (size_t)shape->chunk;
-    const size_t states =
-        (size_t)chunk_count(shape) * (size_t)shape->heads * (size_t)shape->head_dim * (size_t)shape->state;
-    const size_t parts[PARTS] = {per_head, per_head, per_head, per_head, states,   wide,     square,  square,
-                                 states,   wide,     square,   square,   per_head, per_head, per_head};
+// Sizes in reals, in the order of FfpScanLayout; the packed operands, whose numbers are no reals, come last.
+enum { PARTS = 18 };
+static void part_sizes(size_t sizes[PARTS], const FfpScanLayout *layout, const FfpScanShape *shape) {
+    const size_t per_head = (size_t)shape->rows * (size_t)shape->heads, chunk = (size_t)shape->chunk;
+    const size_t chunks = (size_t)layout->chunks, states = chunks * layout->state_size,
+                 square = chunks * chunk * chunk;
+    const size_t packed = (chunks * layout->pack_size * sizeof(FfpPacked) + sizeof(real) - 1) / sizeof(real);
+    const size_t parts[PARTS] = {per_head,
+                                 per_head,
+                                 per_head,
+                                 per_head,
+                                 per_head,
+                                 states,
+                                 layout->state_size,
+                                 chunks * chunk * (size_t)layout->width,
+                                 square,
+                                 square,
+                                 square,
+                                 5 * chunks * (size_t)shape->state * chunk,
+                                 states,
+                                 per_head,
+                                 per_head,
+                                 per_head,
+                                 per_head,
+                                 packed};
     for (int i = 0; i < PARTS; i++) sizes[i] = (parts[i] + 15) / 16 * 16; // every part starts a cache line
 }
 
 size_t FFP_K(scan_scratch)(const FfpScanShape *shape) {
+    const FfpScanLayout layout = make_layout(shape);
     size_t sizes[PARTS], sum = 0;
-    part_sizes(sizes, shape);
+    part_sizes(sizes, &layout, shape);
     for (int i = 0; i < PARTS; i++) sum += sizes[i];
     return sum;
 }
 
 FfpScanLayout FFP_K(scan_layout)(const FfpScanShape *shape, real *scratch) {
-    FfpScanLayout layout = {.chunks = chunk_count(shape), .width = shape->heads * shape->head_dim};
-    layout.state_size = (size_t)layout.width * (size_t)shape->state;
-    real **parts[PARTS] = {&layout.dt,          &layout.cs,         &layout.grow,     &layout.fade,
-                           &layout.states,      &layout.scaled_x,   &layout.products, &layout.mixed,
-                           &layout.state_grads, &layout.scaled_dy,  &layout.decays,   &layout.pairs,
-                           &layout.dcs,         &layout.x_grad_dot, &layout.x_dy_dot};
+    FfpScanLayout layout = make_layout(shape);
+    real **parts[PARTS - 1] = {&layout.dt,          &layout.cs,     &layout.grow,       &layout.fade,
+                               &layout.feed,        &layout.states, &layout.carried,    &layout.scaled,
+                               &layout.products,    &layout.dots,   &layout.pairs,      &layout.turned,
+                               &layout.state_grads, &layout.da,     &layout.x_grad_dot, &layout.inflow,
+                               &layout.x_dy_dot};
     size_t sizes[PARTS];
-    part_sizes(sizes, shape);
-    for (int i = 0; i < PARTS; i++) {
+    part_sizes(sizes, &layout, shape);
+    for (int i = 0; i < PARTS - 1; i++) {
         *parts[i] = scratch;
         scratch += sizes[i];
     }
+    layout.packed = (FfpPacked *)scratch;
     return layout;
 }
 
@@ -47,11 +76,8 @@ FfpScanChunk FFP_K(scan_chunk)(const FfpScanShape *shape, int index) {
     const int left = shape->rows - chunk.row;
     chunk.rows = left < shape->chunk ? left : shape->chunk;
     chunk.end = shape->reverse ? 0 : chunk.rows - 1;
+    chunk.desk = omp_get_thread_num();
     return chunk;
-}
-
-int FFP_K(scan_nth_chunk)(const FfpScanShape *shape, const FfpScanLayout *layout, int step) {
-    return shape->reverse ? layout->chunks - 1 - step : step;
 }
 
 // log(1 + e^x), as x itself where they agree to the last bit
@@ -59,12 +85,12 @@ static real softplus(real x) {
     return x > 20 ? x : log1p(exp(x));
 }
 
-static void chunk_decays(const FfpScanLayout *layout, const FfpScanShape *shape, const FfpScanInput *in,
-                         const FfpScanChunk *chunk, int head) {
+static void head_decays(const FfpScanLayout *layout, const FfpScanShape *shape, const FfpScanInput *in,
+                        const FfpScanChunk *chunk, int head) {
     const size_t start = (size_t)head * shape->rows + chunk->row;
     real *dt = layout->dt + start, *cs = layout->cs + start, *grow = layout->grow + start,
-         *fade = layout->fade + start;
-    const real rate = -exp(in->a_log[head]);
+         *fade = layout->fade + start, *feed = layout->feed + start;
+    const real rate = -exp(in->a_log[head]) * (real)FFP_LOG2_E;
     real sum = 0;
     for (int i = 0; i < chunk->rows; i++) {
         const int t = shape->reverse ? chunk->rows - 1 - i : i;
@@ -72,76 +98,69 @@ static void chunk_decays(const FfpScanLayout *layout, const FfpScanShape *shape,
         sum += dt[t] * rate;
         cs[t] = sum;
     }
-    // Rounding can make a difference of sums positive, and its
-    // exponential infinite: hence the minimum (network.md 3.6).
+    // Rounding can make a difference of sums positive, and its power infinite: hence the minimum (network.md
+    // 3.6).
 #pragma omp simd
     for (int t = 0; t < chunk->rows; t++) {
-        grow[t] = ffp_exp(cs[t] < 0 ? cs[t] : 0);
-        fade[t] = ffp_exp(sum - cs[t] < 0 ? sum - cs[t] : 0);
+        grow[t] = ffp_exp2(cs[t] < 0 ? cs[t] : 0);
+        fade[t] = ffp_exp2(sum - cs[t] < 0 ? sum - cs[t] : 0);
+        feed[t] = fade[t] * dt[t];
     }
 }
 
-void FFP_K(scan_decays)(const FfpScanLayout *layout, const FfpScanShape *shape, const FfpScanInput *in) {
-#pragma omp parallel for collapse(2) schedule(static)
-    for (int index = 0; index < layout->chunks; index++) {
-        for (int head = 0; head < shape->heads; head++) {
-            const FfpScanChunk chunk = FFP_K(scan_chunk)(shape, index);
-            chunk_decays(layout, shape, in, &chunk, head);
-        }
-    }
+void FFP_K(scan_decays)(const FfpScanLayout *layout, const FfpScanShape *shape, const FfpScanInput *in,
+                        const FfpScanChunk *chunk) {
+    for (int head = 0; head < shape->heads; head++) head_decays(layout, shape, in, chunk, head);
 }
 
-void FFP_K(scan_chunk_state)(const FfpScanLayout *layout, const FfpScanShape *shape, const FfpScanInput *in,
-                             const FfpScanChunk *chunk) {
-    real *scaled = layout->scaled_x + (size_t)chunk->row * layout->width;
+void FFP_K(scan_scale_x)(const FfpScanLayout *layout, const FfpScanShape *shape, const FfpScanInput *in,
+                         const FfpScanChunk *chunk) {
+    real *scaled = ffp_scan_scaled(layout, shape, chunk);
     for (int t = 0; t < chunk->rows; t++) {
         const real *x = in->x + (size_t)(chunk->row + t) * in->ld;
+        real *out = scaled + (size_t)t * layout->width;
         for (int head = 0; head < shape->heads; head++) {
-            const size_t at = (size_t)head * shape->rows + chunk->row + t;
-            const real weight = layout->fade[at] * layout->dt[at];
-            const int first = head * shape->head_dim;
-            real *out = scaled + (size_t)t * layout->width + first;
-            for (int p = 0; p < shape->head_dim; p++) out[p] = weight * x[first + p];
+            const real feed = layout->feed[(size_t)head * shape->rows + chunk->row + t];
+            for (int p = head * shape->head_dim; p < (head + 1) * shape->head_dim; p++) out[p] = feed * x[p];
         }
     }
-    ffp_gemm(true, false, layout->width, shape->state, chunk->rows, 1, scaled, layout->width,
-             in->b + (size_t)chunk->row * in->ld, in->ld, 0,
-             layout->states + (size_t)chunk->index * layout->state_size, shape->state);
 }
 
-enum { STATE_BLOCK = 256 }; // elements of a state carried at once on the stack
+void FFP_K(scan_outer)(real *state, const FfpScanLayout *layout, const FfpScanShape *shape, const real *b,
+                       int ld, const FfpScanChunk *chunk) {
+    const size_t depth = ffp_packed_depth(chunk->rows);
+    FfpPacked *next = layout->packed + (size_t)chunk->desk * layout->pack_size;
+    FfpPacked *rows = ffp_scan_take(&next, shape->state, chunk->rows);
+    FfpPacked *columns = ffp_scan_take(&next, layout->width, chunk->rows);
+    FFP_K(pack_rows)(rows, true, shape->state, chunk->rows, b + (size_t)chunk->row * ld, ld);
+    FFP_K(pack_columns)
+    (columns, false, chunk->rows, layout->width, ffp_scan_scaled(layout, shape, chunk), layout->width);
+    FFP_K(product)
+    (shape->state, layout->width, chunk->rows, 1, rows, depth, columns, depth, 0, state, layout->width);
+}
 
-static void carry_block(real *states, const FfpScanLayout *layout, const FfpScanShape *shape, int head,
-                        int first, int count, bool backward) {
-    real carried[STATE_BLOCK] = {0};
-    const size_t offset = (size_t)head * shape->head_dim * shape->state + first;
+// One row of all states, one chunk after another along the scan (against it when `backward`).
+static void carry_row(real *states, const FfpScanLayout *layout, const FfpScanShape *shape, int row,
+                      bool backward) {
+    real *carried = layout->carried + (size_t)row * layout->width;
+    for (int i = 0; i < layout->width; i++) carried[i] = 0;
     for (int step = 0; step < layout->chunks; step++) {
-        const int index = FFP_K(scan_nth_chunk)(shape, layout, backward ? layout->chunks - 1 - step : step);
+        const int index = shape->reverse != backward ? layout->chunks - 1 - step : step;
         const FfpScanChunk chunk = FFP_K(scan_chunk)(shape, index);
-        const real decay = layout->grow[(size_t)head * shape->rows + chunk.row + chunk.end];
-        real *state = states + (size_t)index * layout->state_size + offset;
+        real *state = states + (size_t)index * layout->state_size + (size_t)row * layout->width;
+        for (int head = 0; head < shape->heads; head++) {
+            const real decay = layout->grow[(size_t)head * shape->rows + chunk.row + chunk.end];
 #pragma omp simd
-        for (int i = 0; i < count; i++) {
-            const real own = state[i];
-            state[i] = carried[i];
-            carried[i] = decay * carried[i] + own;
+            for (int i = head * shape->head_dim; i < (head + 1) * shape->head_dim; i++) {
+                const real own = state[i];
+                state[i] = carried[i];
+                carried[i] = decay * carried[i] + own;
+            }
         }
     }
 }
 
 void FFP_K(scan_carry)(real *states, const FfpScanLayout *layout, const FfpScanShape *shape, bool backward) {
-    const int size = shape->head_dim * shape->state;
-#pragma omp parallel for collapse(2) schedule(static)
-    for (int head = 0; head < shape->heads; head++) {
-        for (int first = 0; first < size; first += STATE_BLOCK)
-            carry_block(states, layout, shape, head, first,
-                        size - first < STATE_BLOCK ? size - first : STATE_BLOCK, backward);
-    }
-}
-
-void FFP_K(scan_products)(const FfpScanLayout *layout, const FfpScanShape *shape, const FfpScanInput *in,
-                          const FfpScanChunk *chunk) {
-    const size_t start = (size_t)chunk->row * in->ld;
-    ffp_gemm(false, true, chunk->rows, chunk->rows, shape->state, 1, in->c + start, in->ld, in->b + start,
-             in->ld, 0, layout->products + (size_t)chunk->row * shape->chunk, shape->chunk);
+#pragma omp parallel for schedule(static)
+    for (int row = 0; row < shape->state; row++) carry_row(states, layout, shape, row, backward);
 }

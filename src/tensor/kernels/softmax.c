@@ -85,7 +85,7 @@ real FFP_K(softmax_row)(FfpPacked *weights, const real *scores, real top, int co
     real sum = 0;
 #pragma omp simd reduction(+ : sum)
     for (int j = 0; j < count; j++) {
-        const real weight = ffp_exp2(scores[j] - top);
+        const real weight = ffp_exp2_packed(scores[j] - top);
         weights[j] = ffp_narrow(weight);
         sum += weight;
     }
@@ -115,7 +115,7 @@ void FFP_K(softmax_gradients)(const FfpSoftmaxBlock *block) {
         FfpPacked *dweights = block->dweights + (size_t)i * depth;
 #pragma omp simd
         for (int j = 0; j < block->queries; j++) {
-            const real weight = ffp_exp2(scores[j] - block->base[j]);
+            const real weight = ffp_exp2_packed(scores[j] - block->base[j]);
             weights[j] = ffp_narrow(weight);
             dweights[j] = ffp_narrow(weight * (dscores[j] - block->delta[j]));
         }
