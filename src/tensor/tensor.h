@@ -55,7 +55,8 @@ void ffp_gelu_backward(real *dx, const real *dy, const real *x, size_t count);
 
 // Depthwise causal convolution of width `taps` with bias, then SiLU: y_t = silu(b + sum_k w[c,k]
 // x_{t-taps+1+k}). reverse: runs from the last token to the first (taps look at later tokens). x has row
-// stride ldx, y is [T,channels].
+// stride ldx, y is [T,channels]. At most FFP_CONV_TAPS_MAX taps.
+enum { FFP_CONV_TAPS_MAX = 8 };
 void ffp_conv_forward(real *y, const real *x, int ldx, const real *w, const real *bias, int rows,
                       int channels, int taps, bool reverse);
 // dx (row stride lddx) is ADDED to; dw, dbias too.

@@ -2,8 +2,13 @@
 #include "tensor/kernels/kernels.h"
 
 #include "tensor/kernels/fastmath.h"
+#include "tensor/kernels/vector.h"
 
-enum { ROWS = 32, CHANNELS = 64 }; // a block of rows and channels lives on the stack: 8 KB in fp32
+enum {
+    ROWS = 16,     // of a block: 4 KB of the stack in fp32, channels that do not exist are 0 in it
+    CHANNELS = 64, // of a strip
+    TAPS = 4       // the network's: loops over so many are unrolled
+};
 
 typedef struct Conv {
     const real *x, *w, *bias;
@@ -11,90 +16,132 @@ typedef struct Conv {
     bool reverse;
 } Conv;
 
+// Some channels, their weights tap by tap.
+typedef struct Strip {
+    int channel, channels; // first and count
+    real weights[FFP_CONV_TAPS_MAX][CHANNELS], bias[CHANNELS];
+} Strip;
+
+// Some rows of a strip.
 typedef struct Block {
-    int row, rows, channel, channels; // first and count
+    const Strip *strip;
+    int row, rows; // first and count
 } Block;
 
-static Block block_at(const Conv *conv, int row, int channel) {
-    const int rows = conv->rows - row, channels = conv->channels - channel;
-    return (Block){row, rows < ROWS ? rows : ROWS, channel, channels < CHANNELS ? channels : CHANNELS};
+static int smaller(int a, int b) {
+    return a < b ? a : b;
+}
+
+static Strip strip_at(const Conv *conv, int channel) {
+    Strip strip = {.channel = channel, .channels = smaller(CHANNELS, conv->channels - channel)};
+    for (int c = 0; c < strip.channels; c++) {
+        strip.bias[c] = conv->bias[channel + c];
+        for (int k = 0; k < conv->taps; k++)
+            strip.weights[k][c] = conv->w[(size_t)(channel + c) * conv->taps + k];
+    }
+    return strip;
+}
+
+static Block block_at(const Conv *conv, const Strip *strip, int row) {
+    return (Block){.strip = strip, .row = row, .rows = smaller(ROWS, conv->rows - row)};
 }
 
 // The row of x that tap k of output row t reads, or -1 before the start (behind the end when reversed).
-static int source_row(const Conv *conv, int t, int k) {
+static inline int source_row(const Conv *conv, int t, int k) {
     const int back = conv->taps - 1 - k;
     const int row = conv->reverse ? t + back : t - back;
     return row < conv->rows ? row : -1;
 }
 
-static void tap_weights(real weights[CHANNELS], const Conv *conv, const Block *block, int k) {
-    for (int c = 0; c < block->channels; c++)
-        weights[c] = conv->w[(size_t)(block->channel + c) * conv->taps + k];
+// What it reads of a strip; zeros where there is no row.
+static inline const real *source(const Conv *conv, const Strip *strip, int t, int k) {
+    static const real zeros[CHANNELS];
+    const int row = source_row(conv, t, k);
+    return row < 0 ? zeros : conv->x + (size_t)row * conv->ldx + strip->channel;
 }
 
-// pre = bias + sum over taps, before the SiLU
-static void convolve(real pre[ROWS][CHANNELS], const Conv *conv, const Block *block) {
-    for (int r = 0; r < block->rows; r++)
-        for (int c = 0; c < block->channels; c++) pre[r][c] = conv->bias[block->channel + c];
-    for (int k = 0; k < conv->taps; k++) {
-        real weights[CHANNELS];
-        tap_weights(weights, conv, block, k);
-        for (int r = 0; r < block->rows; r++) {
-            const int source = source_row(conv, block->row + r, k);
-            if (source < 0) continue;
-            const real *x = conv->x + (size_t)source * conv->ldx + block->channel;
-            for (int c = 0; c < block->channels; c++) pre[r][c] += weights[c] * x[c];
+// pre = bias + sum over taps, before the SiLU. `taps` are conv's: a constant where the caller has one.
+static inline __attribute__((always_inline)) void convolve_taps(real pre[ROWS * CHANNELS], const Conv *conv,
+                                                                const Block *block, int taps) {
+    const Strip *strip = block->strip;
+    for (int r = 0; r < block->rows; r++) {
+        const real *x[FFP_CONV_TAPS_MAX];
+        for (int k = 0; k < taps; k++) x[k] = source(conv, strip, block->row + r, k);
+        for (int c = 0; c < CHANNELS; c += FFP_LANES) {
+            FfpVector sum = ffp_load(strip->bias + c);
+            for (int k = 0; k < taps; k++)
+                sum += ffp_load(strip->weights[k] + c) * ffp_load_part(x[k] + c, strip->channels - c);
+            ffp_store(pre + r * CHANNELS + c, sum);
         }
+    }
+}
+
+static void convolve(real pre[ROWS * CHANNELS], const Conv *conv, const Block *block) {
+    if (conv->taps == TAPS)
+        convolve_taps(pre, conv, block, TAPS);
+    else
+        convolve_taps(pre, conv, block, conv->taps);
+}
+
+static void forward_block(real *y, const Conv *conv, const Block *block) {
+    real pre[ROWS * CHANNELS];
+    convolve(pre, conv, block);
+#pragma omp simd
+    for (int i = 0; i < block->rows * CHANNELS; i++) pre[i] *= ffp_sigmoid(pre[i]);
+    for (int r = 0; r < block->rows; r++) {
+        real *y_row = y + (size_t)(block->row + r) * conv->channels + block->strip->channel;
+        memcpy(y_row, pre + r * CHANNELS, sizeof *y * (size_t)block->strip->channels);
     }
 }
 
 void FFP_K(conv_forward)(real *y, const real *x, int ldx, const real *w, const real *bias, int rows,
                          int channels, int taps, bool reverse) {
     const Conv conv = {x, w, bias, ldx, rows, channels, taps, reverse};
-#pragma omp parallel for collapse(2) schedule(static)
-    for (int row = 0; row < rows; row += ROWS) {
-        for (int channel = 0; channel < channels; channel += CHANNELS) {
-            const Block block = block_at(&conv, row, channel);
-            real pre[ROWS][CHANNELS];
-            convolve(pre, &conv, &block);
-            for (int r = 0; r < block.rows; r++) {
-                real *y_row = y + (size_t)(row + r) * channels + channel;
-#pragma omp simd
-                for (int c = 0; c < block.channels; c++) y_row[c] = pre[r][c] * ffp_sigmoid(pre[r][c]);
-            }
+#pragma omp parallel for schedule(static)
+    for (int channel = 0; channel < channels; channel += CHANNELS) {
+        const Strip strip = strip_at(&conv, channel);
+        for (int row = 0; row < rows; row += ROWS) {
+            const Block block = block_at(&conv, &strip, row);
+            forward_block(y, &conv, &block);
         }
     }
 }
 
-// pre becomes the gradient before the SiLU: dpre = dy s (1 + pre (1 - s)), s = sigmoid(pre)
-static void silu_backward(real pre[ROWS][CHANNELS], const real *dy, const Conv *conv, const Block *block) {
-    for (int r = 0; r < block->rows; r++) {
-        const real *dy_row = dy + (size_t)(block->row + r) * conv->channels + block->channel;
+typedef struct Sums {
+    real weights[FFP_CONV_TAPS_MAX][CHANNELS], bias[CHANNELS];
+} Sums;
+
+// Row t of a strip, all in one loop. With s = sigmoid(pre), the gradient before the SiLU is dpre = dy s (1 +
+// pre (1 - s)). `taps` are conv's, as above.
+static inline __attribute__((always_inline)) void backward_row(real *dx, int lddx, Sums *sums, const real *dy,
+                                                               const Conv *conv, const Strip *strip, int t,
+                                                               int taps) {
+    const real *dy_row = dy + (size_t)t * conv->channels + strip->channel, *x[FFP_CONV_TAPS_MAX];
+    real *dx_row[FFP_CONV_TAPS_MAX], nowhere[CHANNELS] = {0};
+    for (int k = 0; k < taps; k++) {
+        const int row = source_row(conv, t, k);
+        x[k] = source(conv, strip, t, k);
+        dx_row[k] = row < 0 ? nowhere : dx + (size_t)row * lddx + strip->channel;
+    }
 #pragma omp simd
-        for (int c = 0; c < block->channels; c++) {
-            const real s = ffp_sigmoid(pre[r][c]);
-            pre[r][c] = dy_row[c] * s * (1 + pre[r][c] * (1 - s));
+    for (int c = 0; c < strip->channels; c++) {
+        real pre = strip->bias[c];
+        for (int k = 0; k < taps; k++) pre += strip->weights[k][c] * x[k][c];
+        const real s = ffp_sigmoid(pre), dpre = dy_row[c] * s * (1 + pre * (1 - s));
+        sums->bias[c] += dpre;
+        for (int k = 0; k < taps; k++) {
+            sums->weights[k][c] += dpre * x[k][c];
+            dx_row[k][c] += strip->weights[k][c] * dpre;
         }
     }
 }
 
-// What one tap of a block gives to dx and dw.
-static void tap_backward(real *dx, int lddx, real *dw, const real dpre[ROWS][CHANNELS], const Conv *conv,
-                         const Block *block, int k) {
-    real weights[CHANNELS], sum[CHANNELS] = {0};
-    tap_weights(weights, conv, block, k);
-    for (int r = 0; r < block->rows; r++) {
-        const int source = source_row(conv, block->row + r, k);
-        if (source < 0) continue;
-        const real *x = conv->x + (size_t)source * conv->ldx + block->channel;
-        real *dx_row = dx + (size_t)source * lddx + block->channel;
-#pragma omp simd
-        for (int c = 0; c < block->channels; c++) {
-            dx_row[c] += weights[c] * dpre[r][c];
-            sum[c] += dpre[r][c] * x[c];
-        }
+static void add_sums(real *dw, real *dbias, const Sums *sums, const Conv *conv, const Strip *strip) {
+    for (int c = 0; c < strip->channels; c++) {
+        dbias[strip->channel + c] += sums->bias[c];
+        for (int k = 0; k < conv->taps; k++)
+            dw[(size_t)(strip->channel + c) * conv->taps + k] += sums->weights[k][c];
     }
-    for (int c = 0; c < block->channels; c++) dw[(size_t)(block->channel + c) * conv->taps + k] += sum[c];
 }
 
 // Neighbouring rows share rows of dx, so a thread owns whole columns: no two write the same place.
@@ -103,14 +150,14 @@ void FFP_K(conv_backward)(real *dx, int lddx, real *dw, real *dbias, const real 
     const Conv conv = {x, w, bias, ldx, rows, channels, taps, reverse};
 #pragma omp parallel for schedule(static)
     for (int channel = 0; channel < channels; channel += CHANNELS) {
-        for (int row = 0; row < rows; row += ROWS) {
-            const Block block = block_at(&conv, row, channel);
-            real dpre[ROWS][CHANNELS];
-            convolve(dpre, &conv, &block);
-            silu_backward(dpre, dy, &conv, &block);
-            for (int k = 0; k < taps; k++) tap_backward(dx, lddx, dw, dpre, &conv, &block, k);
-            for (int r = 0; r < block.rows; r++)
-                for (int c = 0; c < block.channels; c++) dbias[channel + c] += dpre[r][c];
+        const Strip strip = strip_at(&conv, channel);
+        Sums sums = {0};
+        for (int t = 0; t < rows; t++) {
+            if (taps == TAPS)
+                backward_row(dx, lddx, &sums, dy, &conv, &strip, t, TAPS);
+            else
+                backward_row(dx, lddx, &sums, dy, &conv, &strip, t, taps);
         }
+        add_sums(dw, dbias, &sums, &conv, &strip);
     }
 }
