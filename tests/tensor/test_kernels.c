@@ -1,6 +1,7 @@
 // The fp32 kernels against plain double ones, at the sizes the network has; `--bench` times them instead.
 #include <math.h>
 #include <omp.h>
+#include "base/cpu.h"
 #include "support.h"
 #include "tensor/bench_kernels.h"
 #include "tensor/kernels/fastmath.h"
@@ -23,8 +24,7 @@ static void exponential(void **state) {
     assert_true(ffp_sigmoid(-200) < 1e-37F && ffp_sigmoid(200) == 1);
 }
 
-static void normal_distribution(void **state) {
-    (void)state;
+static void check_normal(void) {
     enum { COUNT = 240001 }; // -12 to 12
     float *x = ffp_alloc(COUNT, sizeof(float)), *y = ffp_alloc(COUNT, sizeof(float));
     float *one = ffp_alloc(COUNT, sizeof(float)), *slope = ffp_alloc(COUNT, sizeof(float)), density;
@@ -40,11 +40,19 @@ static void normal_distribution(void **state) {
         worst_gelu = fmax(worst_gelu, fabs((double)y[i] - at * expected) / fmax(1, fabs(at)));
         worst_slope = fmax(worst_slope, fabs((double)slope[i] - expected - at * peak));
     }
-    printf("normal: worst error %.2g, density %.2g, gelu %.2g, its slope %.2g\n", worst, worst_density,
-           worst_gelu, worst_slope);
+    printf("%s: normal: worst error %.2g, density %.2g, gelu %.2g, its slope %.2g\n",
+           ffp_cpu_name(ffp_cpu_level()), worst, worst_density, worst_gelu, worst_slope);
     assert_true(worst < 3e-7 && worst_density < 1e-7 && worst_gelu < 3e-7 && worst_slope < 5e-7);
     assert_true(isnan(ffp_normal(NAN, &density)));
     free(x), free(y), free(one), free(slope);
+}
+
+static void normal_distribution(void **state) {
+    (void)state;
+    for (int level = 0; level <= (int)ffp_cpu_best(); level++) {
+        assert_true(ffp_cpu_set_level((FfpCpuLevel)level));
+        check_normal();
+    }
 }
 
 static float *take(float **next, size_t count) {
@@ -98,19 +106,26 @@ static size_t run_everything(float *out) {
     return (size_t)(next - out);
 }
 
+static void check_same_bits(float *first, float *second, size_t most) {
+    memset(first, 0, most * sizeof(float));
+    memset(second, 0, most * sizeof(float));
+    const size_t used = run_everything(first);
+    assert_true(used <= most && run_everything(second) == used);
+    for (size_t i = 0; i < used; i++) assert_true(isfinite(first[i]));
+    assert_memory_equal(first, second, used * sizeof(float));
+}
+
 static void same_bits(void **state) {
     (void)state;
     enum { MOST = 1 << 20 };
     const int threads = omp_get_max_threads();
     float *first = ffp_alloc(MOST, sizeof(float)), *second = ffp_alloc(MOST, sizeof(float));
-    for (int count = 1; count <= 3; count++) {
-        omp_set_num_threads(count);
-        memset(first, 0, MOST * sizeof(float));
-        memset(second, 0, MOST * sizeof(float));
-        const size_t used = run_everything(first);
-        assert_true(used <= MOST && run_everything(second) == used);
-        for (size_t i = 0; i < used; i++) assert_true(isfinite(first[i]));
-        assert_memory_equal(first, second, used * sizeof(float));
+    for (int level = 0; level <= (int)ffp_cpu_best(); level++) {
+        assert_true(ffp_cpu_set_level((FfpCpuLevel)level));
+        for (int count = 1; count <= 3; count++) {
+            omp_set_num_threads(count);
+            check_same_bits(first, second, MOST);
+        }
     }
     omp_set_num_threads(threads);
     free(first), free(second);
