@@ -37,13 +37,16 @@ static void mix_chunk(FfpPacked *mixed, const FfpScanLayout *layout, const FfpSc
         const real *products = ffp_scan_square(layout->products, shape, chunk) + (size_t)t * shape->chunk,
                    here = cs[t];
         const int first = ffp_scan_first_seen(shape, t), last = ffp_scan_last_seen(shape, chunk, t);
+        const int begin = first / FFP_PACK_LINES * FFP_PACK_LINES;
+        const int end = ffp_scan_line_end(last + 1, chunk->rows);
         FfpPacked *row = mixed + (size_t)t * depth;
+        for (int s = 0; s < begin; s++) row[s] = 0;
 #pragma omp simd
-        for (int s = 0; s < chunk->rows; s++) {
+        for (int s = begin; s < end; s++) {
             const real decay = ffp_exp2_packed(here - cs[s] < 0 ? here - cs[s] : 0);
             row[s] = ffp_narrow(s >= first && s <= last ? products[s] * dt[s] * decay : 0);
         }
-        for (size_t s = (size_t)chunk->rows; s < depth; s++) row[s] = 0;
+        for (size_t s = (size_t)end; s < depth; s++) row[s] = 0;
     }
 }
 

@@ -89,8 +89,10 @@ static real pair_row(const Backward *pass, const Work *w, int head, int s) {
     real *pairs = w->pairs + row, *da = pass->layout.da + start, sum = 0;
     FfpPacked *mixed = w->mixed + (size_t)s * ffp_packed_depth(rows);
     const real here = cs[s], dt = pass->layout.dt[start + s];
+    const int begin = first / FFP_PACK_LINES * FFP_PACK_LINES, end = ffp_scan_line_end(last + 1, rows);
+    for (int t = 0; t < begin; t++) mixed[t] = 0;
 #pragma omp simd reduction(+ : sum)
-    for (int t = 0; t < rows; t++) {
+    for (int t = begin; t < end; t++) {
         const real power = ffp_exp2_packed(cs[t] - here < 0 ? cs[t] - here : 0);
         const real decay = t >= first && t <= last ? power : 0, m = dots[t] * decay;
         mixed[t] = ffp_narrow(products[t] * decay * dt);
@@ -98,7 +100,7 @@ static real pair_row(const Backward *pass, const Work *w, int head, int s) {
         da[t] += m * dt * products[t];
         sum += m * products[t];
     }
-    for (size_t t = (size_t)rows; t < ffp_packed_depth(rows); t++) mixed[t] = 0;
+    for (size_t t = (size_t)end; t < ffp_packed_depth(rows); t++) mixed[t] = 0;
     return sum;
 }
 

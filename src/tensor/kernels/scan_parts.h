@@ -72,6 +72,12 @@ static inline real *ffp_scan_square(real *squares, const FfpScanShape *shape, co
     return squares + (size_t)chunk->desk * shape->chunk * shape->chunk;
 }
 
+// `end` rounded up to a whole vector's worth, within `rows`: loops over what a row sees run in whole vectors.
+static inline int ffp_scan_line_end(int end, int rows) {
+    const int whole = (end + FFP_PACK_LINES - 1) / FFP_PACK_LINES * FFP_PACK_LINES;
+    return whole < rows ? whole : rows;
+}
+
 // Columns that row t of a chunk sees: itself and those before it along the scan.
 static inline int ffp_scan_first_seen(const FfpScanShape *shape, int t) {
     return shape->reverse ? t : 0;
