@@ -2,11 +2,15 @@
 #ifndef FFP_MATCH_BLURRED_H
 #define FFP_MATCH_BLURRED_H
 
+#include <stdbool.h>
+#include "match/line.h"
 #include "match/observe.h"
 
-// What a pixel saw, padded to four channels as the cells are.
+// A cell, or what a pixel saw: three channels and a zero, one vector.
+typedef real FfpFour __attribute__((vector_size(4 * sizeof(real))));
+
 typedef struct FfpSeen {
-    real ratio[4], weight[4];
+    FfpFour ratio, weight;
 } FfpSeen;
 
 static inline FfpSeen ffp_seen(const FfpObservation *seen, size_t pixel) {
@@ -14,22 +18,37 @@ static inline FfpSeen ffp_seen(const FfpObservation *seen, size_t pixel) {
     return (FfpSeen){{r[0], r[1], r[2], 0}, {w[0], w[1], w[2], 0}};
 }
 
-// Sum over channels of weight (ratio - pattern)^2 at (u, v), bilinear; `outside` off the pattern.
-static inline real ffp_blurred_cost(const FfpBlurred *blurred, real u, real v, const FfpSeen *seen,
-                                    real outside) {
-    if (!(u >= 0 && v >= 0 && u <= blurred->width && v <= blurred->height)) return outside;
-    const real x = u * blurred->scale + 0.5F, y = v * blurred->scale + 0.5F; // the border shifts by one cell
-    const int i = (int)x, j = (int)y;
-    const real a = x - (real)i, b = y - (real)j, aa = 1 - a, bb = 1 - b;
-    const real *p = blurred->cells + 4 * ((size_t)j * (size_t)blurred->stride + (size_t)i);
-    const real *q = p + 4 * (size_t)blurred->stride;
-    real term[4];
-    for (int c = 0; c < 4; c++) {
-        const real shown = (p[c] * aa + p[4 + c] * a) * bb + (q[c] * aa + q[4 + c] * a) * b;
-        const real off = seen->ratio[c] - shown;
-        term[c] = seen->weight[c] * off * off;
+// Where FFP_LANES positions lie on the grid.
+typedef struct FfpCells {
+    int first[FFP_LANES];                  // number of the upper left of four cells
+    real right[FFP_LANES], low[FFP_LANES]; // weights of the right two and of the lower two
+    bool on[FFP_LANES];                    // on the pattern at all
+} FfpCells;
+
+static inline void ffp_find_cells(FfpCells *out, const FfpBlurred *blurred, const real u[FFP_LANES],
+                                  const real v[FFP_LANES]) {
+    for (int n = 0; n < FFP_LANES; n++) {
+        const bool on = (u[n] >= 0) & (v[n] >= 0) & (u[n] <= blurred->width) & (v[n] <= blurred->height);
+        // The border shifts by one cell.
+        const real x = (on ? u[n] : 0) * blurred->scale + 0.5F, y = (on ? v[n] : 0) * blurred->scale + 0.5F;
+        const int i = (int)x, j = (int)y;
+        out->right[n] = x - (real)i, out->low[n] = y - (real)j;
+        out->first[n] = j * blurred->stride + i;
+        out->on[n] = on;
     }
-    return (term[0] + term[1]) + (term[2] + term[3]);
+}
+
+// weight (ratio - pattern)^2 of each channel at position n of the cells, which is on the pattern; bilinear.
+static inline FfpFour ffp_blurred_cost(const FfpBlurred *blurred, const FfpCells *cells, int n,
+                                       const FfpSeen *seen) {
+    const FfpFour *p = (const FfpFour *)blurred->cells + cells->first[n], *q = p + blurred->stride;
+    const FfpFour left = p[0] + cells->low[n] * (q[0] - p[0]), right = p[1] + cells->low[n] * (q[1] - p[1]);
+    const FfpFour off = seen->ratio - (left + cells->right[n] * (right - left));
+    return seen->weight * off * off;
+}
+
+static inline real ffp_sum_channels(FfpFour four) {
+    return (four[0] + four[1]) + (four[2] + four[3]);
 }
 
 #endif

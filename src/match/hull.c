@@ -7,70 +7,91 @@
 #include "match/line.h"
 #include "match/sweep.h"
 
-// 1 where any coverage is within a pixel, and around the picture's edge: [h,w].
+// 1 where any coverage is within a pixel, and around the picture's edge: [h,w], and one more 1 for what is
+// outside the picture.
 static unsigned char *widen(const FfpImage *coverage) {
-    const int width = coverage->width, height = coverage->height;
-    unsigned char *wide = ffp_alloc((size_t)width * (size_t)height, 1);
-    for (int y = 0; y < height; y++) {
-        for (int x = 0; x < width; x++) {
-            bool any = x == 0 || y == 0 || x == width - 1 || y == height - 1;
-            for (int j = y - 1; !any && j <= y + 1; j++)
-                for (int i = x - 1; i <= x + 1; i++)
-                    any = any || coverage->data[(size_t)j * (size_t)width + (size_t)i] > 0;
-            wide[(size_t)y * (size_t)width + (size_t)x] = any;
-        }
+    const size_t width = (size_t)coverage->width, height = (size_t)coverage->height, area = width * height;
+    unsigned char *tall = ffp_alloc(area, 1), *wide = ffp_alloc(area + 1, 1);
+    for (size_t y = 0; y < height; y++) {
+        const real *row = coverage->data + y * width, *above = y > 0 ? row - width : row,
+                   *below = y + 1 < height ? row + width : row;
+        for (size_t x = 0; x < width; x++)
+            tall[y * width + x] = (row[x] > 0) | (above[x] > 0) | (below[x] > 0);
     }
+    for (size_t i = 1; i + 1 < area; i++) wide[i] = tall[i - 1] | tall[i] | tall[i + 1];
+    for (size_t y = 0; y < height; y++) wide[y * width] = wide[y * width + width - 1] = 1;
+    memset(wide, 1, width);
+    memset(wide + area - width, 1, width + 1);
+    free(tall);
     return wide;
 }
 
+// Takes away the hypotheses of a pixel, of which `seer` shows none at 0 of `wide`.
 static void cut(unsigned char *inside, const unsigned char *wide, const FfpCamera *seer, const FfpLine *line,
                 const FfpPlanes *planes) {
-    for (int k = 0; k < planes->count; k++) {
-        real u = -1, v = -1;
-        ffp_line_at(line, planes->first + (real)k * planes->step, &u, &v);
-        if (u < 0 || v < 0 || u >= (real)seer->width || v >= (real)seer->height) continue;
-        inside[k] &= wide[(size_t)v * (size_t)seer->width + (size_t)u];
+    const int outside = seer->width * seer->height;
+    for (int k = 0; k < planes->count; k += FFP_LANES) {
+        const int lanes = planes->count - k < FFP_LANES ? planes->count - k : FFP_LANES;
+        if (memchr(inside + k, 1, (size_t)lanes) == NULL) continue;
+        real u[FFP_LANES], v[FFP_LANES];
+        int cell[FFP_LANES];
+        ffp_line_positions(line, planes->first, planes->step, k, u, v);
+        for (int n = 0; n < FFP_LANES; n++) {
+            const bool in =
+                (u[n] >= 0) & (v[n] >= 0) & (u[n] < (real)seer->width) & (v[n] < (real)seer->height);
+            const int x = (int)(in ? u[n] : 0), y = (int)(in ? v[n] : 0);
+            cell[n] = in ? y * seer->width + x : outside;
+        }
+        for (int n = 0; n < lanes; n++) inside[k + n] &= wide[cell[n]];
     }
 }
 
-void ffp_hull(unsigned char *inside, const FfpCapture *capture, int view, const FfpPlanes *planes) {
-    const FfpView *self = &capture->views[view];
-    const size_t pixels = (size_t)self->camera.width * (size_t)self->camera.height,
-                 count = (size_t)planes->count;
-    for (size_t i = 0; i < pixels; i++) memset(inside + i * count, self->coverage.data[i] > 0, count);
+void ffp_hull(unsigned char *inside, const FfpCapture *capture, int view, const FfpForeground *foreground,
+              const FfpPlanes *planes) {
+    const FfpCamera *camera = &capture->views[view].camera;
+    const size_t width = (size_t)foreground->width, count = (size_t)planes->count;
+    memset(inside, 1, foreground->count * count);
     for (int other = 0; other < capture->n_views; other++) {
         if (other == view) continue;
         const FfpView *seer = &capture->views[other];
         unsigned char *wide = widen(&seer->coverage);
-        for (size_t i = 0; i < pixels; i++) {
-            if (self->coverage.data[i] <= 0) continue;
-            const size_t column = i % (size_t)self->camera.width, row = i / (size_t)self->camera.width;
-            const real x = (real)column + 0.5F, y = (real)row + 0.5F;
-            const FfpLine line = ffp_line(&self->camera, x, y, &seer->camera);
-            cut(inside + i * count, wide, &seer->camera, &line, planes);
+        for (size_t slot = 0; slot < foreground->count; slot++) {
+            const real x = (real)(foreground->pixel[slot] % width) + 0.5F,
+                       y = (real)(foreground->pixel[slot] / width) + 0.5F;
+            const FfpLine line = ffp_line(camera, x, y, &seer->camera);
+            cut(inside + slot * count, wide, &seer->camera, &line, planes);
         }
         free(wide);
     }
 }
 
-void ffp_hull_range(real range[2], const unsigned char *inside, const FfpPlanes *planes) {
+static void pixel_range(real range[2], const unsigned char *inside, const FfpPlanes *planes) {
+    const unsigned char *near = memchr(inside, 1, (size_t)planes->count);
     int first = 0, last = planes->count - 1;
-    while (first < planes->count && !inside[first]) first++;
-    if (first == planes->count)
-        first = 0;
-    else
+    if (near != NULL) {
+        first = (int)(near - inside);
         while (!inside[last]) last--;
+    }
     range[0] = planes->first + (real)first * planes->step;
     range[1] = planes->first + (real)last * planes->step;
+}
+
+void ffp_hull_range(real *range, const unsigned char *inside, const FfpForeground *foreground,
+                    const FfpPlanes *planes) {
+    const size_t area = (size_t)foreground->width * (size_t)foreground->height;
+    const real first = planes->first, last = first + (real)(planes->count - 1) * planes->step;
+    for (size_t i = 0; i < area; i++) range[2 * i] = first, range[2 * i + 1] = last;
+    for (size_t slot = 0; slot < foreground->count; slot++)
+        pixel_range(range + 2 * foreground->pixel[slot], inside + slot * (size_t)planes->count, planes);
 }
 
 void ffp_hull_ranges(real *range, const FfpCapture *capture, int view) {
     const FfpMatchSettings settings = ffp_match_defaults();
     const FfpPlanes planes = ffp_planes(capture, view, &settings);
-    const FfpCamera *camera = &capture->views[view].camera;
-    const size_t pixels = (size_t)camera->width * (size_t)camera->height, count = (size_t)planes.count;
-    unsigned char *inside = ffp_alloc(pixels * count, 1);
-    ffp_hull(inside, capture, view, &planes);
-    for (size_t i = 0; i < pixels; i++) ffp_hull_range(range + 2 * i, inside + i * count, &planes);
+    FfpForeground foreground = ffp_foreground_new(&capture->views[view].coverage);
+    unsigned char *inside = ffp_alloc(foreground.count * (size_t)planes.count, 1);
+    ffp_hull(inside, capture, view, &foreground, &planes);
+    ffp_hull_range(range, inside, &foreground, &planes);
     free(inside);
+    ffp_foreground_free(&foreground);
 }

@@ -32,6 +32,21 @@ static inline real ffp_line_at(const FfpLine *line, real z, real *u, real *v) {
     return w;
 }
 
+#define FFP_LANES 16 // hypotheses, or pixels of a row, that the inner loops take at a time
+
+// Positions at the depths first + (from + n) step, n < FFP_LANES; -1 where they are behind either device.
+// With u, v, w turned round in the line, and inverse depths, it is the same line.
+static inline void ffp_line_positions(const FfpLine *line, real first, real step, int from, real u[FFP_LANES],
+                                      real v[FFP_LANES]) {
+    for (int n = 0; n < FFP_LANES; n++) {
+        const real z = first + (real)(from + n) * step, w = line->w[0] + line->w[1] * z;
+        const bool front = (z > 0) & (w > 1e-6F);
+        const real inverse = 1 / w;
+        u[n] = front ? (line->u[0] + line->u[1] * z) * inverse : -1;
+        v[n] = front ? (line->v[0] + line->v[1] * z) * inverse : -1;
+    }
+}
+
 // World point of pixel position (x, y) at camera depth z.
 static inline void ffp_point_at(const FfpCamera *camera, real x, real y, real z, real point[3]) {
     const real local[3] = {(x - camera->cx) / camera->fx * z, (y - camera->cy) / camera->fy * z, z};

@@ -21,13 +21,15 @@ FfpMatchSettings ffp_match_defaults(void) {
 }
 
 // Cost of a pixel's hypotheses summed over 3 x 3 pixels, and the sum of their weights.
-static real sum_window(real *sum, const real *cost, const FfpObservation *seen, int x, int y, int count) {
+static real sum_window(real *restrict sum, const real *cost, const FfpForeground *foreground,
+                       const FfpObservation *seen, int x, int y, int count) {
     real weight = 0;
     memset(sum, 0, (size_t)count * sizeof(real));
     for (int j = y > 0 ? y - 1 : y; j <= y + 1 && j < seen->height; j++) {
         for (int i = x > 0 ? x - 1 : x; i <= x + 1 && i < seen->width; i++) {
-            const size_t pixel = (size_t)j * (size_t)seen->width + (size_t)i;
-            const real *row = cost + pixel * (size_t)count;
+            const size_t pixel = (size_t)j * (size_t)seen->width + (size_t)i, slot = foreground->slot[pixel];
+            if (slot == FFP_OFF) continue;
+            const real *restrict row = cost + slot * (size_t)count;
             for (int k = 0; k < count; k++) sum[k] += row[k];
             weight += 3 * seen->lit[pixel];
         }
@@ -51,29 +53,29 @@ static real rival(const real *sum, int count, int chosen) {
 }
 
 static int least_index(const real *values, int count) {
+    real least = values[0];
+#pragma omp simd reduction(min : least)
+    for (int k = 1; k < count; k++) least = values[k] < least ? values[k] : least;
     int best = 0;
-    for (int k = 1; k < count; k++)
-        if (values[k] < values[best]) best = k;
+    while (best + 1 < count && values[best] != least) best++;
     return best;
 }
 
 // Reads depth and confidence off the aggregated costs of a view.
-static void choose(real *depth, real *confidence, const real *total, const real *cost, const real *mask,
-                   const FfpObservation *seen, const FfpPlanes *planes) {
+static void choose(real *depth, real *confidence, const real *total, const real *cost,
+                   const FfpForeground *foreground, const FfpObservation *seen, const FfpPlanes *planes) {
     const int count = planes->count;
     real *sum = ffp_alloc((size_t)count, sizeof(real));
-    for (int y = 0; y < seen->height; y++) {
-        for (int x = 0; x < seen->width; x++) {
-            const size_t i = (size_t)y * (size_t)seen->width + (size_t)x;
-            depth[i] = confidence[i] = 0;
-            if (mask[i] <= 0) continue;
-            const int best = least_index(total + i * (size_t)count, count);
-            depth[i] = planes->first + (real)best * planes->step;
-            const real weight = sum_window(sum, cost, seen, x, y, count);
-            if (seen->lit[i] < LIT_MIN || sum[best] > COST_MAX * weight) continue;
-            const real second = rival(sum, count, best);
-            confidence[i] = second > 0 ? fmax(1 - sum[best] / second, 0) * seen->lit[i] : 0;
-        }
+    for (size_t slot = 0; slot < foreground->count; slot++) {
+        const size_t i = foreground->pixel[slot];
+        const int x = (int)(i % (size_t)seen->width), y = (int)(i / (size_t)seen->width);
+        const int best = least_index(total + slot * (size_t)count, count);
+        depth[i] = planes->first + (real)best * planes->step;
+        if (seen->lit[i] < LIT_MIN) continue;
+        const real weight = sum_window(sum, cost, foreground, seen, x, y, count);
+        if (sum[best] > COST_MAX * weight) continue;
+        const real second = rival(sum, count, best);
+        confidence[i] = second > 0 ? fmax(1 - sum[best] / second, 0) * seen->lit[i] : 0;
     }
     free(sum);
 }
@@ -83,26 +85,34 @@ size_t ffp_match_bytes(const FfpCamera *camera, const FfpMatchSettings *settings
     return cells * (2 * sizeof(real) + 1); // costs, their totals, the hull
 }
 
-void ffp_match_view(real *depth, real *confidence, real *range, const FfpCapture *capture, int view,
-                    const FfpObservation *seen, const FfpBlurred *pattern, const FfpMatchSettings *settings) {
+// The plane of least cost and its confidence, of every pixel on the object.
+static void search(real *depth, real *confidence, real *range, const FfpCapture *capture, int view,
+                   const FfpObservation *seen, const FfpBlurred *pattern, const FfpPlanes *planes) {
     const FfpView *self = &capture->views[view];
-    const FfpPlanes planes = ffp_planes(capture, view, settings);
-    const size_t pixels = (size_t)seen->width * (size_t)seen->height, cells = pixels * (size_t)planes.count;
+    FfpForeground foreground = ffp_foreground_new(&self->coverage);
+    const size_t cells = foreground.count * (size_t)planes->count;
     real *cost = ffp_alloc(cells, sizeof(real)), *total = ffp_alloc(cells, sizeof(real));
     unsigned char *inside = ffp_alloc(cells, 1);
-    ffp_hull(inside, capture, view, &planes);
-    for (size_t i = 0; range != NULL && i < pixels; i++)
-        ffp_hull_range(range + 2 * i, inside + i * (size_t)planes.count, &planes);
-    ffp_sweep(cost, self, seen, pattern, &planes, inside);
-    free(inside);
-    ffp_semi_global(total, cost, self->coverage.data, seen->width, seen->height, planes.count, SMALL_STEP,
-                    LARGE_STEP);
-    choose(depth, confidence, total, cost, self->coverage.data, seen, &planes);
-    free(total);
-    free(cost);
+    ffp_hull(inside, capture, view, &foreground, planes);
+    if (range != NULL) ffp_hull_range(range, inside, &foreground, planes);
+    ffp_sweep(cost, self, &foreground, seen, pattern, planes, inside);
+    ffp_semi_global(total, cost, &foreground, planes->count, SMALL_STEP, LARGE_STEP);
+    choose(depth, confidence, total, cost, &foreground, seen, planes);
+    free(inside), free(total), free(cost);
+    ffp_foreground_free(&foreground);
+}
+
+void ffp_match_view(real *depth, real *confidence, real *range, const FfpCapture *capture, int view,
+                    const FfpObservation *seen, const FfpBlurred *pattern, const FfpMatchSettings *settings) {
+    const FfpPlanes planes = ffp_planes(capture, view, settings);
+    const size_t pixels = (size_t)seen->width * (size_t)seen->height;
+    memset(depth, 0, pixels * sizeof(real));
+    memset(confidence, 0, pixels * sizeof(real));
+    search(depth, confidence, range, capture, view, seen, pattern, &planes);
     real *finer = ffp_alloc(pixels, sizeof(real)), span = 2 * planes.step;
     for (int round = 0; round < ROUNDS; round++, span /= 2) {
-        ffp_refine(finer, depth, confidence, self, seen, pattern, settings->fine_steps, span);
+        ffp_refine(finer, depth, confidence, &capture->views[view], seen, pattern, settings->fine_steps,
+                   span);
         memcpy(depth, finer, pixels * sizeof(real));
     }
     free(finer);

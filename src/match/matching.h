@@ -11,7 +11,7 @@
 void ffp_match_view(real *depth, real *confidence, real *range, const FfpCapture *capture, int view,
                     const FfpObservation *seen, const FfpBlurred *pattern, const FfpMatchSettings *settings);
 
-// Bytes of working memory that one view takes while it is matched.
+// Bytes of working memory that one view takes at most while it is matched.
 size_t ffp_match_bytes(const FfpCamera *camera, const FfpMatchSettings *settings);
 
 #endif

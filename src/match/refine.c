@@ -13,24 +13,31 @@
 // Weight of a neighbour by its squared distance: exp(-0.35 d^2).
 static const real nearness[WINDOW * WINDOW + 2] = {1, 0.7047F, 0.4966F, 0.3499F, 0.2466F, 0.1738F};
 
-// Adds a neighbour's costs along the plane for all hypotheses. Returns its weight.
-static real add_neighbour(real *cost, const FfpView *view, const FfpObservation *seen,
+// Adds a neighbour's costs along the plane for all hypotheses, `outside` for those off the pattern. Returns
+// its weight.
+static real add_neighbour(FfpFour *cost, real *outside, const FfpView *view, const FfpObservation *seen,
                           const FfpBlurred *pattern, const FfpPlane *plane, int x, int y, int dx, int dy,
                           int steps, real step) {
     const size_t i = (size_t)(y + dy) * (size_t)seen->width + (size_t)(x + dx);
-    const FfpSeen here = ffp_seen(seen, i);
+    const real near = nearness[dx * dx + dy * dy];
+    FfpSeen here = ffp_seen(seen, i);
+    here.weight *= near;
     const FfpLine line =
         ffp_line(&view->camera, (real)(x + dx) + 0.5F, (real)(y + dy) + 0.5F, &view->projector);
-    const real base = plane->q0 + plane->qx * (real)dx + plane->qy * (real)dy,
-               near = nearness[dx * dx + dy * dy];
-    const int middle = steps / 2;
-    for (int k = 0; k < steps; k++) {
-        // The line in inverse depth: both its numbers divided by depth.
-        const real q = base + (real)(k - middle) * step, w = line.w[0] * q + line.w[1];
-        const real inverse = q > 0 && w > 0 ? 1 / w : 0;
-        const real u = inverse > 0 ? (line.u[0] * q + line.u[1]) * inverse : -1,
-                   v = (line.v[0] * q + line.v[1]) * inverse;
-        cost[k] += near * ffp_blurred_cost(pattern, u, v, &here, OFF_PATTERN);
+    // The line in inverse depth: both its numbers divided by depth.
+    const FfpLine inverse = {{line.u[1], line.u[0]}, {line.v[1], line.v[0]}, {line.w[1], line.w[0]}};
+    const real base = plane->q0 + plane->qx * (real)dx + plane->qy * (real)dy;
+    for (int k = 0; k < steps; k += FFP_LANES) {
+        real u[FFP_LANES], v[FFP_LANES];
+        FfpCells cells;
+        ffp_line_positions(&inverse, base, step, k - steps / 2, u, v);
+        ffp_find_cells(&cells, pattern, u, v);
+        for (int n = 0; n < FFP_LANES && k + n < steps; n++) {
+            if (cells.on[n])
+                cost[k + n] += ffp_blurred_cost(pattern, &cells, n, &here);
+            else
+                outside[k + n] += near * OFF_PATTERN;
+        }
     }
     return near * seen->lit[i];
 }
@@ -47,20 +54,22 @@ static real least_at(const real *cost, int steps) {
 
 static real refine_pixel(const FfpView *view, const FfpObservation *seen, const FfpBlurred *pattern,
                          const FfpPlane *plane, int x, int y, int steps, real step) {
-    real cost[STEPS_MAX] = {0}, total = 0;
+    FfpFour channels[STEPS_MAX];
+    real cost[STEPS_MAX], total = 0;
+    for (int k = 0; k < steps; k++) channels[k] = (FfpFour){0}, cost[k] = 0;
     for (int dy = -WINDOW; dy <= WINDOW; dy++) {
         for (int dx = -WINDOW; dx <= WINDOW; dx++) {
             if (dx * dx + dy * dy > WINDOW * WINDOW + 1) continue;
             if (x + dx < 0 || x + dx >= seen->width || y + dy < 0 || y + dy >= seen->height) continue;
             if (seen->lit[(size_t)(y + dy) * (size_t)seen->width + (size_t)(x + dx)] <= 0) continue;
-            total += add_neighbour(cost, view, seen, pattern, plane, x, y, dx, dy, steps, step);
+            total += add_neighbour(channels, cost, view, seen, pattern, plane, x, y, dx, dy, steps, step);
         }
     }
     const int half = steps / 2;
     const real middle = (real)half;
     for (int k = 0; k < steps; k++) {
         const real off = ((real)k - middle) / middle;
-        cost[k] += PRIOR * total * off * off;
+        cost[k] += ffp_sum_channels(channels[k]) + PRIOR * total * off * off;
     }
     return plane->q0 + (least_at(cost, steps) - middle) * step;
 }

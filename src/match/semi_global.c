@@ -6,72 +6,100 @@
 #include "match/sweep.h"
 
 #define FAR_COST 1e6F
+#define WAYS 4 // directions that one walk over the picture serves
 
-// One pixel of one path: L(k) = C(k) + min(L'(k), L'(k -+ 1) + small, min L' + large) - min L', added to
-// total. The paths' rows have a cell of FAR_COST before and behind. Returns min L.
+// One pixel of one path: L(k) = C(k) + min(L'(k), L'(k -+ 1) + small, min L' + large) - min L'. The paths'
+// rows have a cell of FAR_COST before and behind. Returns min L.
 static real path_step(real *restrict path, const real *restrict before, real least_before,
-                      const real *restrict cost, real *restrict total, int count, real small, real large) {
+                      const real *restrict cost, int count, real small, real large) {
     real least = FAR_COST;
+    const real jump = least_before + large;
+#pragma omp simd reduction(min : least)
     for (int k = 0; k < count; k++) { // comparisons, not fmin: they are one vector instruction
-        const real beside = (before[k] < before[k + 2] ? before[k] : before[k + 2]) + small,
-                   jump = least_before + large;
+        const real beside = (before[k] < before[k + 2] ? before[k] : before[k + 2]) + small;
         const real near = before[k + 1] < beside ? before[k + 1] : beside, best = near < jump ? near : jump;
         const real value = cost[k] + best - least_before;
         path[k + 1] = value;
-        total[k] += value;
         least = value < least ? value : least;
     }
     return least;
 }
 
+// The paths of four directions at the pixels of the row before and of this one.
 typedef struct Paths {
-    real *rows[2]; // [width, count + 2] of the row before and of this one
-    real *least[2];
+    const FfpForeground *foreground;
+    int count;
+    real small, large;
+    size_t stride;  // of a path: count + 2
+    real *rows[2];  // [width, WAYS, stride]
+    real *least[2]; // [width, WAYS]
+    real *fresh;    // [stride] a path that starts anew: zero, so that L = C
 } Paths;
 
-// All paths of one direction (dx, dy). Pixels are visited so that the one before on the path is done; a path
-// that comes from off the mask starts anew.
-static void scan(Paths *paths, real *total, const real *cost, const real *mask, int width, int height,
-                 int count, int dx, int dy, real small, real large) {
-    const size_t stride = (size_t)count + 2;
-    const bool up = dy < 0, left = dx < 0;
-    for (int j = 0; j < height; j++) {
-        const int y = up ? height - 1 - j : j, now = j & 1;
-        for (int i = 0; i < width; i++) {
-            const int x = left ? width - 1 - i : i, px = x - dx, py = y - dy;
-            const size_t pixel = (size_t)y * (size_t)width + (size_t)x;
-            if (mask[pixel] <= 0) continue;
-            real *path = paths->rows[now] + stride * (size_t)x;
-            const real *from = cost + pixel * (size_t)count;
-            real *to = total + pixel * (size_t)count;
-            const bool inside = px >= 0 && px < width && py >= 0 && py < height;
-            if (inside && mask[(size_t)py * (size_t)width + (size_t)px] > 0) {
-                const int source = dy == 0 ? now : 1 - now;
-                paths->least[now][x] = path_step(path, paths->rows[source] + stride * (size_t)px,
-                                                 paths->least[source][px], from, to, count, small, large);
-            } else {
-                real least = FAR_COST;
-                for (int k = 0; k < count; k++)
-                    path[k + 1] = from[k], to[k] += from[k], least = fmin(least, from[k]);
-                paths->least[now][x] = least;
-            }
-        }
+static Paths paths_new(const FfpForeground *foreground, int count, real small, real large) {
+    Paths out = {foreground, count, small, large, (size_t)count + 2, {NULL, NULL}, {NULL, NULL}, NULL};
+    const size_t width = (size_t)foreground->width, cells = width * WAYS * out.stride;
+    for (int r = 0; r < 2; r++) {
+        out.rows[r] = ffp_alloc(cells, sizeof(real));
+        out.least[r] = ffp_alloc(width * WAYS, sizeof(real));
+        for (size_t i = 0; i < cells; i += out.stride)
+            out.rows[r][i] = out.rows[r][i + out.stride - 1] = FAR_COST;
+    }
+    out.fresh = ffp_alloc(out.stride, sizeof(real));
+    out.fresh[0] = out.fresh[out.stride - 1] = FAR_COST;
+    return out;
+}
+
+static void paths_free(Paths *paths) {
+    for (int r = 0; r < 2; r++) free(paths->rows[r]), free(paths->least[r]);
+    free(paths->fresh);
+}
+
+// Steps the path of direction `way` (dx, dy) to pixel (x, y). A path that comes from off the object starts
+// anew.
+static const real *step_to(Paths *paths, const real *cost, int x, int y, int way, int dx, int dy) {
+    const FfpForeground *on = paths->foreground;
+    const int px = x - dx, py = y - dy, now = y & 1;
+    const size_t here = (size_t)x * WAYS + (size_t)way;
+    const real *before = paths->fresh;
+    real least = 0, *path = paths->rows[now] + here * paths->stride;
+    if (px >= 0 && px < on->width && py >= 0 && py < on->height &&
+        on->slot[(size_t)py * (size_t)on->width + (size_t)px] != FFP_OFF) {
+        const size_t there = (size_t)px * WAYS + (size_t)way;
+        before = paths->rows[py & 1] + there * paths->stride;
+        least = paths->least[py & 1][there];
+    }
+    paths->least[now][here] = path_step(path, before, least, cost, paths->count, paths->small, paths->large);
+    return path + 1;
+}
+
+// Adds the four paths at a pixel to its total.
+static void add_paths(real *restrict total, const real *const path[WAYS], int count) {
+    const real *restrict a = path[0], *restrict b = path[1], *restrict c = path[2], *restrict d = path[3];
+    for (int k = 0; k < count; k++) total[k] += (a[k] + b[k]) + (c[k] + d[k]);
+}
+
+// Walks over the object's pixels, forwards for the paths that come from the left and from above, backwards
+// (sign -1) for those against them.
+static void walk(Paths *paths, real *total, const real *cost, int sign) {
+    static const int ways[WAYS][2] = {{1, 0}, {0, 1}, {1, 1}, {-1, 1}};
+    const FfpForeground *on = paths->foreground;
+    for (size_t n = 0; n < on->count; n++) {
+        const size_t slot = sign > 0 ? n : on->count - 1 - n, first = slot * (size_t)paths->count;
+        const int x = (int)(on->pixel[slot] % (size_t)on->width),
+                  y = (int)(on->pixel[slot] / (size_t)on->width);
+        const real *path[WAYS];
+        for (int w = 0; w < WAYS; w++)
+            path[w] = step_to(paths, cost + first, x, y, w, sign * ways[w][0], sign * ways[w][1]);
+        add_paths(total + first, path, paths->count);
     }
 }
 
-void ffp_semi_global(real *total, const real *cost, const real *mask, int width, int height, int count,
-                     real small, real large) {
-    static const int directions[8][2] = {{1, 0}, {-1, 0}, {0, 1},  {0, -1},
-                                         {1, 1}, {-1, 1}, {1, -1}, {-1, -1}};
-    Paths paths;
-    for (int r = 0; r < 2; r++) {
-        const size_t cells = (size_t)width * ((size_t)count + 2);
-        paths.rows[r] = ffp_alloc(cells, sizeof(real));
-        paths.least[r] = ffp_alloc((size_t)width, sizeof(real));
-        for (size_t i = 0; i < cells; i++) paths.rows[r][i] = FAR_COST;
-    }
-    for (int d = 0; d < 8; d++)
-        scan(&paths, total, cost, mask, width, height, count, directions[d][0], directions[d][1], small,
-             large);
-    for (int r = 0; r < 2; r++) free(paths.rows[r]), free(paths.least[r]);
+void ffp_semi_global(real *total, const real *cost, const FfpForeground *foreground, int count, real small,
+                     real large) {
+    Paths paths = paths_new(foreground, count, small, large);
+    memset(total, 0, foreground->count * (size_t)count * sizeof(real));
+    walk(&paths, total, cost, 1);
+    walk(&paths, total, cost, -1);
+    paths_free(&paths);
 }

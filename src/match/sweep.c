@@ -1,5 +1,6 @@
 #include "match/sweep.h"
 
+#include <string.h>
 #include <tgmath.h>
 
 #include "match/blurred.h"
@@ -15,27 +16,34 @@ FfpPlanes ffp_planes(const FfpCapture *capture, int view, const FfpMatchSettings
     return (FfpPlanes){settings->coarse_steps, first, (last - first) / (real)(settings->coarse_steps - 1)};
 }
 
+// Costs of a pixel's hypotheses that are inside the hull.
 static void add_colour(real *cost, const FfpBlurred *pattern, const FfpLine *line, const FfpSeen *seen,
-                       const FfpPlanes *planes) {
-    const real outside = OUTSIDE_COST * (seen->weight[0] + seen->weight[1] + seen->weight[2]);
-    for (int k = 0; k < planes->count; k++) {
-        real u = -1, v = -1;
-        ffp_line_at(line, planes->first + (real)k * planes->step, &u, &v);
-        cost[k] = ffp_blurred_cost(pattern, u, v, seen, outside);
+                       const FfpPlanes *planes, const unsigned char *inside) {
+    const real outside = OUTSIDE_COST * ffp_sum_channels(seen->weight);
+    for (int k = 0; k < planes->count; k += FFP_LANES) {
+        const int lanes = planes->count - k < FFP_LANES ? planes->count - k : FFP_LANES;
+        if (memchr(inside + k, 1, (size_t)lanes) == NULL) continue;
+        real u[FFP_LANES], v[FFP_LANES];
+        FfpCells cells;
+        ffp_line_positions(line, planes->first, planes->step, k, u, v);
+        ffp_find_cells(&cells, pattern, u, v);
+        for (int n = 0; n < lanes; n++) {
+            if (!inside[k + n]) continue;
+            cost[k + n] =
+                cells.on[n] ? ffp_sum_channels(ffp_blurred_cost(pattern, &cells, n, seen)) : outside;
+        }
     }
 }
 
-void ffp_sweep(real *cost, const FfpView *view, const FfpObservation *seen, const FfpBlurred *pattern,
-               const FfpPlanes *planes, const unsigned char *inside) {
-    for (int y = 0; y < seen->height; y++) {
-        for (int x = 0; x < seen->width; x++) {
-            const size_t i = (size_t)y * (size_t)seen->width + (size_t)x, first = i * (size_t)planes->count;
-            if (view->coverage.data[i] <= 0) continue;
-            const FfpLine line = ffp_line(&view->camera, (real)x + 0.5F, (real)y + 0.5F, &view->projector);
-            const FfpSeen here = ffp_seen(seen, i);
-            add_colour(cost + first, pattern, &line, &here, planes);
-            for (int k = 0; k < planes->count; k++)
-                if (!inside[first + (size_t)k]) cost[first + (size_t)k] = OUTSIDE_COST;
-        }
+void ffp_sweep(real *cost, const FfpView *view, const FfpForeground *foreground, const FfpObservation *seen,
+               const FfpBlurred *pattern, const FfpPlanes *planes, const unsigned char *inside) {
+    const size_t count = (size_t)planes->count, width = (size_t)foreground->width;
+    for (size_t slot = 0; slot < foreground->count; slot++) {
+        const size_t i = foreground->pixel[slot], first = slot * count;
+        const real x = (real)(i % width) + 0.5F, y = (real)(i / width) + 0.5F;
+        const FfpLine line = ffp_line(&view->camera, x, y, &view->projector);
+        const FfpSeen here = ffp_seen(seen, i);
+        for (size_t k = 0; k < count; k++) cost[first + k] = OUTSIDE_COST;
+        add_colour(cost + first, pattern, &line, &here, planes, inside + first);
     }
 }

@@ -3,6 +3,7 @@
 #ifndef FFP_MATCH_SWEEP_H
 #define FFP_MATCH_SWEEP_H
 
+#include "match/foreground.h"
 #include "match/match.h"
 #include "match/observe.h"
 
@@ -13,23 +14,26 @@ typedef struct FfpPlanes {
 } FfpPlanes;
 FfpPlanes ffp_planes(const FfpCapture *capture, int view, const FfpMatchSettings *settings);
 
-// inside [h,w,count]: 1 where a hypothesis lies within the silhouettes of all other views, widened by a
-// pixel; what is outside a picture is not known to be empty. 0 off the object.
-void ffp_hull(unsigned char *inside, const FfpCapture *capture, int view, const FfpPlanes *planes);
-// The camera depths between which a pixel's ray is within the hull; the whole sphere where it never is.
-void ffp_hull_range(real range[2], const unsigned char *inside, const FfpPlanes *planes);
-// The same for all pixels of a view, [h,w,2].
+// inside [foreground, count]: 1 where a hypothesis lies within the silhouettes of all other views, widened by
+// a pixel; what is outside a picture is not known to be empty.
+void ffp_hull(unsigned char *inside, const FfpCapture *capture, int view, const FfpForeground *foreground,
+              const FfpPlanes *planes);
+// The camera depths between which each pixel's ray is within the hull, [h,w,2]; the whole sphere where it
+// never is, or off the object.
+void ffp_hull_range(real *range, const unsigned char *inside, const FfpForeground *foreground,
+                    const FfpPlanes *planes);
+// The same of a view by itself.
 void ffp_hull_ranges(real *range, const FfpCapture *capture, int view);
 
-// cost [h,w,count] of a view's pixels: squared difference between the observed ratio and the pattern where
-// the hypothesis puts it, summed over channels with their weights; hypotheses outside the hull cost as much
-// as a wrong colour. Zero off the object.
-void ffp_sweep(real *cost, const FfpView *view, const FfpObservation *seen, const FfpBlurred *pattern,
-               const FfpPlanes *planes, const unsigned char *inside);
+// cost [foreground, count] of a view's pixels: squared difference between the observed ratio and the pattern
+// where the hypothesis puts it, summed over channels with their weights; hypotheses outside the hull cost as
+// much as a wrong colour.
+void ffp_sweep(real *cost, const FfpView *view, const FfpForeground *foreground, const FfpObservation *seen,
+               const FfpBlurred *pattern, const FfpPlanes *planes, const unsigned char *inside);
 
-// Semi-global aggregation (Hirschmueller 2008) over eight directions within the mask: total [h,w,count],
-// zeroed by the caller. Steps of one plane between neighbours cost `small`, longer ones `large`.
-void ffp_semi_global(real *total, const real *cost, const real *mask, int width, int height, int count,
-                     real small, real large);
+// Semi-global aggregation (Hirschmueller 2008) over eight directions within the foreground: total
+// [foreground, count]. Steps of one plane between neighbours cost `small`, longer ones `large`.
+void ffp_semi_global(real *total, const real *cost, const FfpForeground *foreground, int count, real small,
+                     real large);
 
 #endif

@@ -138,21 +138,29 @@ static void test_semi_global(void **state) {
     (void)state;
     enum { W = 5, H = 4, N = 4 };
     static const int ways[8][2] = {{1, 0}, {-1, 0}, {0, 1}, {0, -1}, {1, 1}, {-1, 1}, {1, -1}, {-1, -1}};
-    real cost[W * H * N] = {0}, total[W * H * N] = {0}, mask[W * H];
+    real cost[W * H * N] = {0}, mask[W * H], shown_cost[W * H * N], total[W * H * N];
     FfpRng rng = ffp_rng(11, 0);
     for (int i = 0; i < W * H; i++) {
         mask[i] = i == 7 || i == 13 ? 0 : 1;
         for (int k = 0; k < N; k++) cost[i * N + k] = mask[i] > 0 ? ffp_rng_uniform(&rng) : 0;
     }
-    ffp_semi_global(total, cost, mask, W, H, N, 0.1F, 0.4F);
+    const FfpImage coverage = {.width = W, .height = H, .channels = 1, .data = mask};
+    FfpForeground foreground = ffp_foreground_new(&coverage);
+    assert_int_equal(foreground.count, W * H - 2);
+    for (size_t slot = 0; slot < foreground.count; slot++)
+        for (size_t k = 0; k < N; k++) shown_cost[slot * N + k] = cost[foreground.pixel[slot] * N + k];
+    ffp_semi_global(total, shown_cost, &foreground, N, 0.1F, 0.4F);
     for (int i = 0; i < W * H; i++) {
-        for (int k = 0; k < N; k++) {
+        const size_t slot = foreground.slot[i];
+        assert_true((slot == FFP_OFF) == (mask[i] <= 0));
+        for (int k = 0; slot != FFP_OFF && k < N; k++) {
             real sum = 0;
-            for (int d = 0; mask[i] > 0 && d < 8; d++)
+            for (int d = 0; d < 8; d++)
                 sum += brute_path(cost, mask, W, H, N, i % W, i / W, k, ways[d][0], ways[d][1], 0.1F, 0.4F);
-            assert_true(fabsf(sum - total[i * N + k]) < 1e-5F);
+            assert_true(fabsf(sum - total[slot * N + (size_t)k]) < 1e-5F);
         }
     }
+    ffp_foreground_free(&foreground);
 }
 
 int main(void) {
