@@ -38,32 +38,38 @@ static void look_up(const FfpSummed *pattern, const FfpView *view, const FfpPlan
     ffp_lookup(pattern, at[0], at[1], extent[0], extent[1], rgb);
 }
 
+// A row of the picture, encoded.
+static void predict_row(real *out, const FfpSummed *pattern, const FfpCapture *capture, const FfpView *view,
+                        const FfpSheet *sheet, int y) {
+    const size_t first = (size_t)y * (size_t)sheet->width * 3;
+    const real *black = view->images[capture->black].data + first,
+               *white = view->images[capture->white].data + first;
+    const real *inverse = sheet->inverse + (size_t)(y + sheet->reach) * (size_t)sheet->stride + sheet->reach;
+    FfpPlane planes[FFP_LANES] = {{0}};
+    for (int x = 0; x < sheet->width; x++) {
+        FfpPlane *plane = &planes[x % FFP_LANES];
+        real rgb[3] = {0, 0, 0};
+        if (x % FFP_LANES == 0) ffp_fit_planes(planes, sheet, x, y);
+        plane->q0 = inverse[x]; // only the slant is the neighbours'
+        if (inverse[x] > 0) look_up(pattern, view, plane, x, y, rgb);
+        for (int i = 3 * x; i < 3 * x + 3; i++)
+            out[first + (size_t)i] = ffp_srgb_encode(black[i] + (white[i] - black[i]) * rgb[i - 3 * x]);
+    }
+}
+
 FfpImage ffp_predict_by_lookup(const FfpCapture *capture, int view_index, int pattern, const real *depth) {
     const FfpView *view = &capture->views[view_index];
     const int width = view->camera.width, height = view->camera.height;
     const size_t pixels = (size_t)width * (size_t)height;
-    const real *black = view->images[capture->black].data, *white = view->images[capture->white].data;
     FfpImage out = ffp_image_new(width, height, 3);
     FfpSummed summed = ffp_summed_new(&capture->patterns[pattern].image);
     real *whole = ffp_alloc(pixels, sizeof(real)), *even = ffp_alloc(pixels, sizeof(real));
     for (size_t i = 0; i < pixels; i++) whole[i] = depth[i], even[i] = 1;
     ffp_fill_smoothly(whole, NULL, NULL, width, height);
+    FfpSheet sheet = ffp_sheet_new(whole, even, &view->camera, 1);
 #pragma omp parallel for schedule(static)
-    for (int y = 0; y < height; y++) {
-        for (int x = 0; x < width; x++) {
-            FfpPlane plane;
-            real rgb[3] = {0, 0, 0};
-            if (ffp_fit_plane(&plane, whole, even, &view->camera, x, y, 1)) {
-                const real z = whole[(size_t)y * (size_t)width + (size_t)x];
-                plane.q0 = 1 / z; // only the slant is the neighbours'
-                look_up(&summed, view, &plane, x, y, rgb);
-            }
-            for (int c = 0; c < 3; c++) {
-                const size_t i = 3 * ((size_t)y * (size_t)width + (size_t)x) + (size_t)c;
-                out.data[i] = ffp_srgb_encode(black[i] + (white[i] - black[i]) * rgb[c]);
-            }
-        }
-    }
+    for (int y = 0; y < height; y++) predict_row(out.data, &summed, capture, view, &sheet, y);
+    ffp_sheet_free(&sheet);
     free(whole), free(even);
     ffp_summed_free(&summed);
     return out;

@@ -1,11 +1,13 @@
 #include "match/refine.h"
 
+#include <string.h>
 #include <tgmath.h>
 
 #include "match/blurred.h"
 #include "match/line.h"
 
-#define WINDOW 2 // the cost is summed over 5 x 5 pixels, less the corners
+#define WINDOW 2      // the cost is summed over 5 x 5 pixels, less the corners
+#define PLANE_REACH 2 // the local plane is fitted to as many pixels
 #define STEPS_MAX 256
 #define PRIOR 0.02F      // cost of lying a whole range off the plane, a unit of weight
 #define OFF_PATTERN 0.5F // cost of a hypothesis that leaves the pattern, a unit of weight
@@ -74,19 +76,33 @@ static real refine_pixel(const FfpView *view, const FfpObservation *seen, const 
     return plane->q0 + (least_at(cost, steps) - middle) * step;
 }
 
+// A row's pixels from x on, as many as are fitted at a time.
+static void refine_strip(real *out, const real *weight, const FfpSheet *sheet, const FfpView *view,
+                         const FfpObservation *seen, const FfpBlurred *pattern, int x, int y, int steps,
+                         real range) {
+    const size_t first = (size_t)y * (size_t)seen->width + (size_t)x;
+    const int lanes = seen->width - x < FFP_LANES ? seen->width - x : FFP_LANES, half = steps / 2;
+    bool any = false;
+    for (int n = 0; n < lanes; n++) any |= weight[first + (size_t)n] > 0;
+    if (!any) return;
+    FfpPlane planes[FFP_LANES];
+    ffp_fit_planes(planes, sheet, x, y);
+    for (int n = 0; n < lanes; n++) {
+        const FfpPlane *plane = &planes[n];
+        if (weight[first + (size_t)n] <= 0 || plane->q0 <= 0) continue;
+        const real step = range * plane->q0 * plane->q0 / (real)half;
+        const real q = refine_pixel(view, seen, pattern, plane, x + n, y, steps, step);
+        if (q > 0) out[first + (size_t)n] = 1 / q;
+    }
+}
+
 void ffp_refine(real *out, const real *depth, const real *weight, const FfpView *view,
                 const FfpObservation *seen, const FfpBlurred *pattern, int steps, real range) {
     if (steps > STEPS_MAX) steps = STEPS_MAX;
-    const int half = steps / 2;
-    for (int y = 0; y < seen->height; y++) {
-        for (int x = 0; x < seen->width; x++) {
-            const size_t i = (size_t)y * (size_t)seen->width + (size_t)x;
-            FfpPlane plane;
-            out[i] = depth[i];
-            if (weight[i] <= 0 || !ffp_fit_plane(&plane, depth, weight, &view->camera, x, y, 2)) continue;
-            const real step = range * plane.q0 * plane.q0 / (real)half;
-            const real q = refine_pixel(view, seen, pattern, &plane, x, y, steps, step);
-            if (q > 0) out[i] = 1 / q;
-        }
-    }
+    memcpy(out, depth, (size_t)seen->width * (size_t)seen->height * sizeof(real));
+    FfpSheet sheet = ffp_sheet_new(depth, weight, &view->camera, PLANE_REACH);
+    for (int y = 0; y < seen->height; y++)
+        for (int x = 0; x < seen->width; x += FFP_LANES)
+            refine_strip(out, weight, &sheet, view, seen, pattern, x, y, steps, range);
+    ffp_sheet_free(&sheet);
 }

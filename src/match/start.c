@@ -66,21 +66,34 @@ void ffp_start_free(FfpStart *start) {
     *start = (FfpStart){0};
 }
 
+// Normals of a view's row, [w,3]; zero where there is no depth.
+static void row_normals(real *normals, const FfpSheet *sheet, const FfpCamera *camera, int y) {
+    memset(normals, 0, 3 * (size_t)sheet->width * sizeof(real));
+    const real *depth = sheet->depth + (size_t)(y + sheet->reach) * (size_t)sheet->stride + sheet->reach;
+    for (int x = 0; x < sheet->width; x += FFP_LANES) {
+        FfpPlane planes[FFP_LANES];
+        bool any = false;
+        for (int n = 0; n < FFP_LANES; n++) any |= depth[x + n] > 0;
+        if (!any) continue;
+        ffp_fit_planes(planes, sheet, x, y);
+        for (int n = 0; n < FFP_LANES && x + n < sheet->width; n++)
+            if (planes[n].q0 > 0)
+                ffp_plane_normal(&planes[n], camera, (real)(x + n) + 0.5F, (real)y + 0.5F,
+                                 normals + 3 * (size_t)(x + n));
+    }
+}
+
 // Normals of all pixels with depth, neighbours counted by their trust.
 static void find_normals(real *normals, const FfpDepths *depths) {
-#pragma omp parallel for schedule(static)
-    for (int row = 0; row < depths->capture->n_views * depths->height; row++) {
-        const int view = row / depths->height, y = row % depths->height;
+    const size_t width = (size_t)depths->width, area = (size_t)depths->height * width;
+#pragma omp parallel for schedule(dynamic)
+    for (int view = 0; view < depths->capture->n_views; view++) {
         const FfpCamera *camera = &depths->capture->views[view].camera;
-        const size_t first = (size_t)view * (size_t)depths->height * (size_t)depths->width;
-        for (int x = 0; x < depths->width; x++) {
-            FfpPlane plane;
-            real *normal = normals + 3 * ((size_t)row * (size_t)depths->width + (size_t)x);
-            normal[0] = normal[1] = normal[2] = 0;
-            if (ffp_fit_plane(&plane, depths->depth + first, depths->trust + first, camera, x, y,
-                              NORMAL_REACH))
-                ffp_plane_normal(&plane, camera, (real)x + 0.5F, (real)y + 0.5F, normal);
-        }
+        const size_t first = (size_t)view * area;
+        FfpSheet sheet = ffp_sheet_new(depths->depth + first, depths->trust + first, camera, NORMAL_REACH);
+        for (int y = 0; y < depths->height; y++)
+            row_normals(normals + 3 * (first + (size_t)y * width), &sheet, camera, y);
+        ffp_sheet_free(&sheet);
     }
 }
 

@@ -1,68 +1,125 @@
 #include "match/surface.h"
 
-#include <string.h>
+#include <stdbool.h>
+#include <stdlib.h>
 #include <tgmath.h>
 
+#include "base/arena.h"
 #include "base/vec.h"
 
+#define ROUNDS 3       // of weighing and fitting
 #define JUMP 3.0F      // a step of more footprints a pixel is a jump (a slant of 72 degrees)
 #define RESIDUAL 0.35F // footprints off the plane at which a neighbour counts half
 #define SPREAD 0.35F   // neighbours' weight falls as exp(-SPREAD * distance^2 / reach)
 #define REGULAR 1e-3F  // share of the weights that holds the slopes at zero where neighbours say nothing
 
-// Normal equations of weighted least squares in (1, dx, dy): upper triangle and right side.
-typedef struct Normal {
-    double m[6], r[3];
-} Normal;
-
-static void add_sample(Normal *n, double w, double dx, double dy, double q) {
-    n->m[0] += w, n->m[1] += w * dx, n->m[2] += w * dy;
-    n->m[3] += w * dx * dx, n->m[4] += w * dx * dy, n->m[5] += w * dy * dy;
-    n->r[0] += w * q, n->r[1] += w * dx * q, n->r[2] += w * dy * q;
-}
-
-static void solve(Normal *n, FfpPlane *plane) {
-    // q relative to the mean keeps the elimination well-conditioned; the slopes are held towards zero a
-    // little.
-    const double w = n->m[0], mx = n->m[1] / w, my = n->m[2] / w, mq = n->r[0] / w,
-                 hold = (double)REGULAR * w;
-    const double a = n->m[3] - w * mx * mx + hold, b = n->m[4] - w * mx * my,
-                 c = n->m[5] - w * my * my + hold;
-    const double p = n->r[1] - w * mx * mq, q = n->r[2] - w * my * mq, det = a * c - b * b;
-    const double sx = (c * p - b * q) / det, sy = (a * q - b * p) / det;
-    *plane = (FfpPlane){(real)(mq - sx * mx - sy * my), (real)sx, (real)sy};
-}
-
-bool ffp_fit_plane(FfpPlane *plane, const real *depth, const real *weight, const FfpCamera *camera, int x,
-                   int y, int reach) {
-    const int width = camera->width, height = camera->height;
-    const real z0 = depth[(size_t)y * (size_t)width + (size_t)x];
-    *plane = (FfpPlane){0, 0, 0};
-    if (z0 <= 0) return false;
-    *plane = (FfpPlane){1 / z0, 0, 0};
-    const real footprint = z0 / camera->fx, unit = footprint / (z0 * z0); // in depth, and in inverse depth
-    for (int round = 0; round < 3; round++) {
-        Normal normal = {{0}, {0}};
-        for (int dy = -reach; dy <= reach; dy++) {
-            for (int dx = -reach; dx <= reach; dx++) {
-                if (x + dx < 0 || x + dx >= width || y + dy < 0 || y + dy >= height) continue;
-                const size_t i = (size_t)(y + dy) * (size_t)width + (size_t)(x + dx);
-                if (depth[i] <= 0 || weight[i] <= 0) continue;
-                const real distance = (real)(dx * dx + dy * dy);
-                if (fabs(depth[i] - z0) > JUMP * footprint * fmax(sqrt(distance), 1)) continue;
-                real w = weight[i] * exp(-SPREAD * distance / (real)reach);
-                if (round > 0) {
-                    const real off =
-                        (1 / depth[i] - plane->q0 - plane->qx * dx - plane->qy * dy) / (RESIDUAL * unit);
-                    w /= 1 + off * off;
-                }
-                add_sample(&normal, (double)w, dx, dy, 1 / (double)depth[i]);
-            }
+FfpSheet ffp_sheet_new(const real *depth, const real *weight, const FfpCamera *camera, int reach) {
+    FfpSheet out = {.width = camera->width, .height = camera->height, .reach = reach, .focal = camera->fx};
+    out.stride = camera->width + 2 * reach + FFP_LANES; // the last lanes may begin at the last pixel
+    const size_t cells = (size_t)out.stride * (size_t)(camera->height + 2 * reach);
+    out.depth = ffp_alloc(cells, sizeof(real));
+    out.inverse = ffp_alloc(cells, sizeof(real));
+    out.weight = ffp_alloc(cells, sizeof(real));
+    for (int y = 0; y < camera->height; y++) {
+        const size_t from = (size_t)y * (size_t)camera->width,
+                     to = (size_t)(y + reach) * (size_t)out.stride + (size_t)reach;
+        for (size_t x = 0; x < (size_t)camera->width; x++) {
+            const real z = depth[from + x] > 0 ? depth[from + x] : 0;
+            out.depth[to + x] = z;
+            out.inverse[to + x] = z > 0 ? 1 / z : 0;
+            out.weight[to + x] = z > 0 && weight[from + x] > 0 ? weight[from + x] : 0;
         }
-        if (normal.m[0] <= 0) return true;
-        solve(&normal, plane);
     }
-    return true;
+    const int side = 2 * reach + 1;
+    out.nearness = ffp_alloc((size_t)side * (size_t)side, sizeof(real));
+    for (int n = 0; n < side * side; n++) {
+        const int dx = n % side - reach, dy = n / side - reach;
+        out.nearness[n] = exp(-SPREAD * (real)(dx * dx + dy * dy) / (real)reach);
+    }
+    return out;
+}
+
+void ffp_sheet_free(FfpSheet *sheet) {
+    free(sheet->depth), free(sheet->inverse), free(sheet->weight), free(sheet->nearness);
+    *sheet = (FfpSheet){0};
+}
+
+typedef real Lanes[FFP_LANES];
+
+// Weighted sums over the neighbours in (1, dx, dy) and the inverse depth q, which is taken relative to the
+// pixel's own: fp32 serves.
+typedef struct Sums {
+    Lanes w, x, y, xx, xy, yy, q, xq, yq;
+} Sums;
+
+// The pixels in work: their depths, and the planes so far, relative to the pixel's own inverse depth.
+typedef struct Fit {
+    Lanes z, inverse, footprint, per_unit; // per_unit: of residuals in inverse depth
+    Lanes q0, qx, qy;
+} Fit;
+
+// Adds the neighbours of one row. `refit`: weighs them down by their distance from the plane.
+static void add_row(Sums *sums, const FfpSheet *sheet, const Fit *fit, size_t first, int dy, bool refit) {
+    Lanes w0 = {0}, w1 = {0}, w2 = {0}, r0 = {0}, r1 = {0};
+    const int reach = sheet->reach, side = 2 * reach + 1;
+    for (int dx = -reach; dx <= reach; dx++) {
+        const size_t at = first + (size_t)(dy + reach) * (size_t)sheet->stride + (size_t)(dx + reach);
+        const real *depth = sheet->depth + at, *inverse = sheet->inverse + at, *weight = sheet->weight + at;
+        const real nearness = sheet->nearness[(dy + reach) * side + dx + reach], x = (real)dx, y = (real)dy,
+                   jump = JUMP * fmax(sqrt(x * x + y * y), 1);
+        for (int n = 0; n < FFP_LANES; n++) {
+            const real step = depth[n] - fit->z[n], limit = jump * fit->footprint[n];
+            const real q = inverse[n] - fit->inverse[n];
+            const real off = (q - fit->q0[n] - fit->qx[n] * x - fit->qy[n] * y) * fit->per_unit[n];
+            const real share = refit ? nearness / (1 + off * off) : nearness;
+            const real w = (step <= limit) & (-step <= limit) ? weight[n] * share : 0;
+            w0[n] += w, w1[n] += w * x, w2[n] += w * x * x;
+            r0[n] += w * q, r1[n] += w * x * q;
+        }
+    }
+    const real y = (real)dy;
+    for (int n = 0; n < FFP_LANES; n++) {
+        sums->w[n] += w0[n], sums->x[n] += w1[n], sums->y[n] += y * w0[n];
+        sums->xx[n] += w2[n], sums->xy[n] += y * w1[n], sums->yy[n] += y * y * w0[n];
+        sums->q[n] += r0[n], sums->xq[n] += r1[n], sums->yq[n] += y * r0[n];
+    }
+}
+
+// The planes of least squares, where there are neighbours. Sums about the means keep the elimination
+// well-conditioned; the slopes are held towards zero a little.
+static void solve(Fit *fit, const Sums *s) {
+    for (int n = 0; n < FFP_LANES; n++) {
+        const bool known = s->w[n] > 0;
+        const real w = known ? s->w[n] : 1, mx = s->x[n] / w, my = s->y[n] / w, mq = s->q[n] / w;
+        const real hold = REGULAR * w, a = s->xx[n] - w * mx * mx + hold, b = s->xy[n] - w * mx * my,
+                   c = s->yy[n] - w * my * my + hold;
+        const real p = s->xq[n] - w * mx * mq, q = s->yq[n] - w * my * mq, det = a * c - b * b;
+        const real sx = (c * p - b * q) / det, sy = (a * q - b * p) / det;
+        fit->q0[n] = known ? mq - sx * mx - sy * my : fit->q0[n];
+        fit->qx[n] = known ? sx : fit->qx[n];
+        fit->qy[n] = known ? sy : fit->qy[n];
+    }
+}
+
+void ffp_fit_planes(FfpPlane planes[FFP_LANES], const FfpSheet *sheet, int x, int y) {
+    const size_t first = (size_t)y * (size_t)sheet->stride + (size_t)x,
+                 own = first + (size_t)sheet->reach * ((size_t)sheet->stride + 1);
+    Fit fit = {.q0 = {0}};
+    for (int n = 0; n < FFP_LANES; n++) {
+        fit.z[n] = sheet->depth[own + (size_t)n], fit.inverse[n] = sheet->inverse[own + (size_t)n];
+        fit.footprint[n] = fit.z[n] / sheet->focal;
+        fit.per_unit[n] = fit.z[n] > 0 ? fit.z[n] * sheet->focal / RESIDUAL : 0;
+    }
+    for (int round = 0; round < ROUNDS; round++) {
+        Sums sums = {.w = {0}};
+        for (int dy = -sheet->reach; dy <= sheet->reach; dy++)
+            add_row(&sums, sheet, &fit, first, dy, round > 0);
+        solve(&fit, &sums);
+    }
+    for (int n = 0; n < FFP_LANES; n++) {
+        const bool there = fit.z[n] > 0 && x + n < sheet->width;
+        planes[n] = there ? (FfpPlane){fit.inverse[n] + fit.q0[n], fit.qx[n], fit.qy[n]} : (FfpPlane){0};
+    }
 }
 
 void ffp_plane_normal(const FfpPlane *plane, const FfpCamera *camera, real x, real y, real normal[3]) {

@@ -69,10 +69,12 @@ static void test_planes_keep_apart(void **state) {
             weight[y * 17 + x] = 1;
         }
     }
+    FfpSheet sheet = ffp_sheet_new(depth, weight, &camera, 2);
+    FfpPlane planes[FFP_LANES];
+    ffp_fit_planes(planes, &sheet, 1, 6);
     for (int x = 7; x < 11; x++) {
-        FfpPlane fit;
+        const FfpPlane fit = planes[x - 1];
         const FfpPlane *p = x < 9 ? &left : &right;
-        assert_true(ffp_fit_plane(&fit, depth, weight, &camera, x, 6, 2));
         assert_true(fabsf(fit.qx - p->qx) < 2e-4F && fabsf(fit.qy - p->qy) < 2e-4F);
         assert_true(fabsf(fit.q0 * depth[6 * 17 + x] - 1) < 1e-3F);
         real normal[3], at[3], beside[3];
@@ -84,9 +86,16 @@ static void test_planes_keep_apart(void **state) {
         assert_true(ffp_dot3(normal, at) < 0); // faces the camera, which is at the origin
         assert_true(fabsf(ffp_dot3(normal, way)) < 0.03F * sqrtf(ffp_dot3(way, way)));
     }
-    FfpPlane none;
+    ffp_sheet_free(&sheet);
     depth[0] = 0;
-    assert_false(ffp_fit_plane(&none, depth, weight, &camera, 0, 0, 2));
+    memset(weight, 0, sizeof weight); // nobody says anything about his neighbours
+    sheet = ffp_sheet_new(depth, weight, &camera, 2);
+    ffp_fit_planes(planes, &sheet, 0, 0);
+    assert_true(planes[0].q0 == 0);
+    assert_true(planes[15].q0 == 1 / depth[15] && planes[15].qx == 0 && planes[15].qy == 0);
+    ffp_fit_planes(planes, &sheet, 16, 0);
+    assert_true(planes[0].q0 == 1 / depth[16] && planes[1].q0 == 0); // off the picture
+    ffp_sheet_free(&sheet);
 }
 
 static void test_fill_is_harmonic(void **state) {
