@@ -17,6 +17,10 @@ static const FfpKernels *kernels(void) {
     return table ? table : tables[FFP_CPU_PORTABLE];
 }
 
+double ffp_multiply_registers(long repeats) {
+    return kernels()->multiply_registers(repeats);
+}
+
 void ffp_gemm_mixed(bool transpose_a, bool transpose_b, int m, int n, int k, real alpha, const real *a,
                     int lda, const real *b, int ldb, real beta, real *c, int ldc) {
     kernels()->gemm_mixed(transpose_a, transpose_b, m, n, k, alpha, a, lda, b, ldb, beta, c, ldc);

@@ -20,6 +20,10 @@ void ffp_gemm(bool transpose_a, bool transpose_b, int m, int n, int k, real alph
 void ffp_gemm_mixed(bool transpose_a, bool transpose_b, int m, int n, int k, real alpha, const real *a,
                     int lda, const real *b, int ldb, real beta, real *c, int ldc);
 
+// Multiplies and adds what registers hold, on the caller's thread alone, by the instruction that
+// ffp_gemm_mixed is built on; returns the number of operations. For benchmarks: the most that can be reached.
+double ffp_multiply_registers(long repeats);
+
 // Products of linear layers are ffp_gemm_mixed's.
 // y[T,out] = x[T,in] w^T (+ bias[out] if not NULL); w is [out,in].
 void ffp_linear_forward(real *y, const real *x, const real *w, const real *bias, int rows, int in, int out);

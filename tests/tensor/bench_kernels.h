@@ -4,6 +4,7 @@
 
 #include <omp.h>
 #include <stdio.h>
+#include "base/cpu.h"
 #include "tensor/random.h"
 #include "tensor/tensor.h"
 
@@ -142,6 +143,59 @@ static void bench_size(Bench *b) {
     bench_kernel(b, "attention_backward", bench_attention_backward, 5 * pairs, word * 8 * dim);
 }
 
+// Operations a second in units of 1e9, of all threads together: the best of some repeats.
+static double bench_peak(void) {
+    double best = 0;
+    for (int repeat = 0; repeat < 40; repeat++) {
+        double operations = 0;
+        const double begin = omp_get_wtime();
+#pragma omp parallel reduction(+ : operations)
+        operations += ffp_multiply_registers(32);
+        const double rate = operations * 1e-9 / (omp_get_wtime() - begin);
+        if (rate > best) best = rate;
+    }
+    return best;
+}
+
+// The three products of a linear layer: forward, to the input's gradient, to the weights'.
+static void run_product(const Bench *b, int form, int in, int out) {
+    const int rows = BENCH_ROWS;
+    if (form == 0) ffp_gemm_mixed(false, true, rows, out, in, 1, b->a, in, b->w, in, 0, b->c, out);
+    if (form == 1) ffp_gemm_mixed(false, false, rows, in, out, 1, b->b, out, b->w, in, 0, b->c, in);
+    if (form == 2) ffp_gemm_mixed(true, false, out, in, rows, 1, b->b, out, b->a, in, 1, b->dw, in);
+}
+
+static double bench_product(const Bench *b, int form, int in, int out) {
+    double best = 1e9;
+    for (int repeat = 0; repeat < 30; repeat++) {
+        const double begin = omp_get_wtime();
+        run_product(b, form, in, out);
+        const double took = omp_get_wtime() - begin;
+        if (took < best) best = took;
+    }
+    return 2e-9 * BENCH_ROWS * in * out / best;
+}
+
+static void bench_products(const Bench *b) {
+    const int in[] = {384, 256}, out[] = {1536, 1024};
+    const FfpCpuLevel used = ffp_cpu_level();
+    for (int level = 0; level <= (int)ffp_cpu_best(); level++) {
+        ffp_cpu_set_level((FfpCpuLevel)level);
+        const double peak = bench_peak();
+        for (int size = 0; size < 2; size++) {
+            printf("%-11s peak %6.1f GFLOP/s  %dx%dx%d", ffp_cpu_name((FfpCpuLevel)level), peak, BENCH_ROWS,
+                   in[size], out[size]);
+            for (int form = 0; form < 3; form++) {
+                const double rate = bench_product(b, form, in[size], out[size]);
+                printf("  %s %6.1f (%.0f %%)", (const char *[]){"y", "dx", "dw"}[form], rate,
+                       100 * rate / peak);
+            }
+            printf("\n");
+        }
+    }
+    ffp_cpu_set_level(used);
+}
+
 static int bench_kernels(void) {
     FfpRng rng = ffp_rng(1, 0);
     Bench b = {random_reals(&rng, BENCH_MOST, 0.5, 0),
@@ -161,6 +215,7 @@ static int bench_kernels(void) {
     const size_t scan = ffp_scan_scratch(&shape), attention = ffp_attention_scratch(BENCH_ROWS, b.heads, 64);
     b.scratch = ffp_alloc(scan > attention ? scan : attention, sizeof(float));
     printf("%d rows, %d threads\n", BENCH_ROWS, omp_get_max_threads());
+    bench_products(&b);
     bench_size(&b);
     b.dim = 256, b.heads = 4;
     bench_size(&b);

@@ -2,6 +2,7 @@
 #include "tensor/kernels/kernels.h"
 
 const FfpKernels FFP_K(kernels) = {
+    .multiply_registers = FFP_K(multiply_registers),
     .gemm_mixed = FFP_K(gemm_mixed),
     .linear_forward = FFP_K(linear_forward),
     .linear_residual_forward = FFP_K(linear_residual_forward),

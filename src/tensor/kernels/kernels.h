@@ -9,6 +9,7 @@
 
 // Signatures are those of the functions in tensor/tensor.h.
 typedef struct FfpKernels {
+    __typeof__(ffp_multiply_registers) *multiply_registers;
     __typeof__(ffp_gemm_mixed) *gemm_mixed;
     __typeof__(ffp_linear_forward) *linear_forward;
     __typeof__(ffp_linear_residual_forward) *linear_residual_forward;
@@ -35,6 +36,7 @@ extern const FfpKernels ffp_portable_kernels, ffp_avx2_kernels, ffp_avx512_kerne
     ffp_amx_kernels;
 
 #ifdef FFP_LEVEL
+__typeof__(ffp_multiply_registers) FFP_K(multiply_registers);
 __typeof__(ffp_gemm_mixed) FFP_K(gemm_mixed);
 __typeof__(ffp_linear_forward) FFP_K(linear_forward);
 __typeof__(ffp_linear_residual_forward) FFP_K(linear_residual_forward);
