@@ -6,13 +6,13 @@
 #include <string.h>
 
 #include "base/arena.h"
-#include "base/vec.h"
+#include "rig/chord.h"
 
 #define LIT 0.02F
 #define CLIPPED (254.5 / 255) // encoded
 #define CLIPPED_SHARE 0.05    // of the object's pixels: highlights; training has as many
 #define SPHERE_POINTS 200
-#define CHORD 24 // points along a ray through the object's sphere
+#define CHORD_PARTS 24
 
 typedef struct Page {
     FILE *out;
@@ -97,20 +97,11 @@ static double share_inside(const FfpCapture *capture, const FfpCamera *device) {
 
 // Whether any point of the pixel's ray within the object's sphere lies in the projector's frustum.
 static bool can_be_lit(const FfpCapture *capture, const FfpView *view, size_t pixel) {
-    const int width = view->camera.width;
-    real direction[3];
-    ffp_pixel_ray(&view->camera, (real)((int)pixel % width) + 0.5F, (real)((int)pixel / width) + 0.5F,
-                  direction);
-    double along = 0, square = 0;
-    for (int i = 0; i < 3; i++) {
-        const double to = (double)capture->centre[i] - (double)view->camera.pose[4 * i + 3];
-        along += to * (double)direction[i], square += to * to;
-    }
-    const double radius = (double)capture->radius, inside = radius * radius - (square - along * along);
-    for (int k = 0; k < CHORD && inside > 0; k++) {
-        const double t = along + sqrt(inside) * (2 * (k + 0.5) / CHORD - 1);
+    FfpChord chord;
+    const int parts = ffp_chord(capture, &view->camera, pixel, &chord) ? CHORD_PARTS : 0;
+    for (int k = 0; k < parts; k++) {
         real point[3];
-        for (int i = 0; i < 3; i++) point[i] = view->camera.pose[4 * i + 3] + (real)t * direction[i];
+        ffp_chord_point(&chord, k, parts, point);
         if (falls_into(&view->projector, point)) return true;
     }
     return false;

@@ -4,9 +4,9 @@
 #include <stdlib.h>
 
 #include "base/arena.h"
-#include "base/vec.h"
 #include "image/lookup.h"
 #include "rig/checks.h"
+#include "rig/chord.h"
 
 #define PIXELS_A_VIEW 300
 #define DEPTHS 128
@@ -18,13 +18,14 @@
 enum { VARIANTS = MIRRORS + SHIFTS + FAR };
 
 typedef struct Variant {
-    int mirror;    // bit 0: left to right, bit 1: upside down
     double across; // pattern pixels
+    int mirror;    // bit 0: left to right, bit 1: upside down
     int far;       // 1 .. FAR: which third; 0: none
 } Variant;
 
-typedef struct Sample {                                 // a lit pixel
-    real colour[3], origin[3], direction[3], near, far; // distances along the ray within the sphere
+typedef struct Sample { // a lit pixel
+    real colour[3];
+    FfpChord chord;
 } Sample;
 
 static void make_variants(int width, Variant variants[VARIANTS]) {
@@ -37,19 +38,6 @@ static void make_variants(int width, Variant variants[VARIANTS]) {
     for (int i = 0; i < FAR; i++) variants[MIRRORS + SHIFTS + i] = (Variant){.far = i + 1};
 }
 
-// Where a ray passes the object's sphere; false when it does not, or behind its origin.
-static bool cross_sphere(const FfpCapture *capture, Sample *sample) {
-    real to[3], along = 0, square = 0;
-    for (int i = 0; i < 3; i++) {
-        to[i] = capture->centre[i] - sample->origin[i];
-        along += to[i] * sample->direction[i], square += to[i] * to[i];
-    }
-    const real inside = capture->radius * capture->radius - (square - along * along);
-    if (!(inside > 0)) return false;
-    sample->near = along - sqrt(inside), sample->far = along + sqrt(inside);
-    return sample->near > 0;
-}
-
 static bool make_sample(const FfpCapture *capture, const FfpView *view, int pattern, size_t i,
                         Sample *sample) {
     const real *black = view->images[capture->black].data + 3 * i,
@@ -59,12 +47,8 @@ static bool make_sample(const FfpCapture *capture, const FfpView *view, int patt
     for (int c = 0; c < 3; c++) {
         if (!(white[c] - black[c] > LIT) || white[c] > 0.98F) return false; // a clipped pixel tells no ratio
         sample->colour[c] = (seen[c] - black[c]) / (white[c] - black[c]);
-        sample->origin[c] = view->camera.pose[4 * c + 3];
     }
-    const int width = view->camera.width;
-    ffp_pixel_ray(&view->camera, (real)((int)i % width) + 0.5F, (real)((int)i / width) + 0.5F,
-                  sample->direction);
-    return cross_sphere(capture, sample);
+    return ffp_chord(capture, &view->camera, i, &sample->chord);
 }
 
 // Evenly strided lit pixels of a view, up to PIXELS_A_VIEW.
@@ -126,9 +110,8 @@ static void judge(const FfpView *view, const FfpSummed *pattern, const Sample *s
                   const Variant *variants, const double across[2], real side, double best[VARIANTS]) {
     for (int k = 0; k < VARIANTS; k++) best[k] = ERROR_MAX;
     for (int d = 0; d < DEPTHS; d++) {
-        const real t = sample->near + (sample->far - sample->near) * ((real)d + 0.5F) / DEPTHS;
         real point[3], u, v;
-        for (int i = 0; i < 3; i++) point[i] = sample->origin[i] + t * sample->direction[i];
+        ffp_chord_point(&sample->chord, d, DEPTHS, point);
         if (!(ffp_project(&view->projector, point, &u, &v) > 0)) continue;
         for (int k = 0; k < VARIANTS; k++) {
             real colour[3], x = u, y = v;

@@ -149,8 +149,8 @@ FfpImage ffp_optics_rectify(const FfpOptics *optics, const FfpCamera *pinhole, c
         for (int column = 0; column < out.width; column++) {
             double sum[4] = {0};
             for (int k = 0; k < across * down; k++) {
-                const double u = column + (k % across + 0.5) / across, v = row + (k / across + 0.5) / down;
-                add_sample(optics, pinhole, image, u, v, sum);
+                const int x = k % across, y = k / across;
+                add_sample(optics, pinhole, image, column + (x + 0.5) / across, row + (y + 0.5) / down, sum);
             }
             real *to = out.data + ((size_t)row * (size_t)out.width + (size_t)column) * (size_t)out.channels;
             for (int c = 0; c < out.channels; c++) to[c] = (real)(sum[c] / (across * down));

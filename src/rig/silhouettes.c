@@ -5,6 +5,7 @@
 
 #include "base/arena.h"
 #include "rig/checks.h"
+#include "rig/chord.h"
 
 #define PIXELS_A_VIEW 400
 #define DEPTHS 160
@@ -32,19 +33,12 @@ static bool is_possible(const FfpCapture *capture, const real point[3]) {
     return true;
 }
 
-static bool has_point(const FfpCapture *capture, const FfpView *view, int column, int row) {
-    real direction[3];
-    ffp_pixel_ray(&view->camera, (real)column + 0.5F, (real)row + 0.5F, direction);
-    double along = 0, square = 0;
-    for (int i = 0; i < 3; i++) {
-        const double to = (double)capture->centre[i] - (double)view->camera.pose[4 * i + 3];
-        along += to * (double)direction[i], square += to * to;
-    }
-    const double radius = (double)capture->radius, inside = radius * radius - (square - along * along);
-    for (int k = 0; k < DEPTHS && inside > 0; k++) {
-        const double t = along + sqrt(inside) * (2 * (k + 0.5) / DEPTHS - 1);
+static bool has_point(const FfpCapture *capture, const FfpView *view, size_t pixel) {
+    FfpChord chord;
+    const int parts = ffp_chord(capture, &view->camera, pixel, &chord) ? DEPTHS : 0;
+    for (int k = 0; k < parts; k++) {
         real point[3];
-        for (int i = 0; i < 3; i++) point[i] = view->camera.pose[4 * i + 3] + (real)t * direction[i];
+        ffp_chord_point(&chord, k, parts, point);
         if (is_possible(capture, point)) return true;
     }
     return false;
@@ -69,11 +63,9 @@ double ffp_rig_silhouette_misfit(const FfpCapture *capture) {
         const FfpView *view = &capture->views[v];
         ptrdiff_t *chosen = NULL;
         const ptrdiff_t count = choose_pixels(view, &chosen);
-        const int width = view->camera.width;
         int without = 0;
 #pragma omp parallel for schedule(static) reduction(+ : without)
-        for (ptrdiff_t k = 0; k < count; k++)
-            without += !has_point(capture, view, (int)(chosen[k] % width), (int)(chosen[k] / width));
+        for (ptrdiff_t k = 0; k < count; k++) without += !has_point(capture, view, (size_t)chosen[k]);
         free(chosen);
         looked += (int)count, bad += without;
     }
