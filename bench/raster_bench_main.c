@@ -2,6 +2,7 @@
 //   raster_bench [FILE.ply ...]    the synthetic sets, then the Gaussians of each file
 #include <omp.h>
 #include <stdio.h>
+#include "base/cpu.h"
 #include "bench/raster_bench.h"
 
 enum { SIDE = 128, REPEATS = 25 };
@@ -29,13 +30,14 @@ static bool print_file(const char *path) {
 int main(int argc, char **argv) {
     static const real opacity[] = {0.95F, 0.9F, 0.5F, 0.2F, 0.05F, 0.2F, 0.05F},
                       size[] = {1, 1, 1, 1, 1, 4, 4};
-    printf("%dx%d view, %d threads, least of %d, ms\n\n", SIDE, SIDE, omp_get_max_threads(), REPEATS);
+    printf("%dx%d view, %d threads, %s, least of %d, ms\n\n", SIDE, SIDE, omp_get_max_threads(),
+           ffp_cpu_name(ffp_cpu_level()), REPEATS);
     printf("| splats | drawn | pairs | rasterise (project + bin + blend) | shade | map | backward (blend + "
            "project) | shade backward |\n|---|---|---|---|---|---|---|---|\n");
     for (size_t i = 0; i < sizeof opacity / sizeof *opacity; i++) {
         char name[80];
         FfpGaussians g = ffp_bench_splats(SIDE, opacity[i], size[i]);
-        snprintf(name, sizeof name, "%g px wide, opacity %g", 0.5 * (double)size[i], (double)opacity[i]);
+        snprintf(name, sizeof name, "deviation %g px, opacity %g", 0.5 * (double)size[i], (double)opacity[i]);
         print_times(name, &g);
         ffp_gaussians_free(&g);
     }

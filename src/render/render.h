@@ -11,7 +11,7 @@
 #include "image/lookup.h"
 
 typedef struct FfpRenderSettings {
-    real blur;         // px^2 added to the 2D covariance: 0.1 (0.3 in the paper's form)
+    real blur;         // px^2 added to the 2D covariance: 0.002 (0.3 in the paper's form)
     bool compensation; // opacity times sqrt(det / det_blurred)
     real firmness;     // k: with d = opacity exp(-sigma), alpha = d (1 + k (1 - d)); 0: d itself, 1: as two
                        // splats that coincide, steeper towards the rim
