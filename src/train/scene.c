@@ -7,6 +7,21 @@
 #include "synth/synth.h"
 #include "train/train.h"
 
+// The devices of a careful rig that is not ideal: each strength anywhere up to the given.
+#define NOISE_MAX 0.015F // deviation at a value of 1, and of reading
+#define DEFOCUS_MAX 1.0F // projector pixels
+#define TURN_MAX 0.0035F // radians: 0.2 degrees
+#define SHIFT_MAX 0.004F // world units, of a distance of 3 to 4
+
+static FfpSensor random_sensor(FfpRng *rng) {
+    const float shot = ffp_rng_range(rng, 0, NOISE_MAX);
+    return (FfpSensor){.shot = shot * shot,
+                       .read = ffp_rng_range(rng, 0, NOISE_MAX),
+                       .defocus = ffp_rng_range(rng, 0, DEFOCUS_MAX),
+                       .turn_error = ffp_rng_range(rng, 0, TURN_MAX),
+                       .shift_error = ffp_rng_range(rng, 0, SHIFT_MAX)};
+}
+
 // Mesh, material and jitter of scene `number` of a split: independent draws from its own random stream.
 static bool scene_spec(FfpSceneSpec *spec, const FfpTrainConfig *config, const char *split, int64_t number,
                        int resolution, FfpError *err) {
@@ -30,6 +45,7 @@ static bool scene_spec(FfpSceneSpec *spec, const FfpTrainConfig *config, const c
     spec->samples = config->samples;
     spec->ambient_rays = config->ambient_rays;
     spec->jitter = true;
+    if (split[0] == 't' && ffp_rng_uniform(&rng) < config->sensor_share) spec->sensor = random_sensor(&rng);
     free(meshes);
     return true;
 }

@@ -27,6 +27,7 @@ typedef struct FfpTrainConfig {
     int views, targets, lollipops; // input views, new-pose views, patterns besides black and white
     int resolution, low_resolution, low_steps; // the first low_steps steps run at low_resolution
     int pattern_side, samples, ambient_rays;
+    double sensor_share;       // of the training scenes: seen through a sensor model of random strength
     bool single_scene;         // one scene for the whole run: shows that the pipeline can learn
     char scenes[FFP_PATH_MAX]; // folder made by `ffprocams generate` to take scenes from; empty: made here
     int generators; // threads that make scenes ahead; 0: the training thread makes each when it is needed
