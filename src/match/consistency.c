@@ -1,8 +1,7 @@
 #include "match/consistency.h"
 
+#include <stdbool.h>
 #include <stdlib.h>
-#include <string.h>
-#include <tgmath.h>
 
 #include "base/arena.h"
 #include "match/line.h"
@@ -13,96 +12,152 @@
 #define OUTSIDE 0.2F    // coverage at another view's outline up to which a point counts as outside it,
 #define INSIDE 0.6F     // and from which as inside: a surface point on the very outline shows about one half
 
-// How much of a point at (u, v) the silhouette leaves: interpolated coverage, with a soft threshold.
-static real share_inside(const FfpImage *coverage, real u, real v) {
-    const int x = (int)(u - 0.5F), y = (int)(v - 0.5F);
-    const real a = u - 0.5F - (real)x, b = v - 0.5F - (real)y;
-    const real *p = coverage->data + (size_t)y * (size_t)coverage->width + (size_t)x,
-               *q = p + coverage->width;
-    const real shown = (p[0] * (1 - a) + p[1] * a) * (1 - b) + (q[0] * (1 - a) + q[1] * a) * b;
-    return fmin(fmax((shown - OUTSIDE) / (INSIDE - OUTSIDE), 0), 1);
-}
-
-static void consult_depth(FfpWitness *out, const FfpDepths *depths, int view, int x, int y, real z) {
-    const FfpCamera *camera = &depths->capture->views[view].camera;
-    const size_t first = (size_t)view * (size_t)depths->height * (size_t)depths->width;
-    real low = 0, high = 0, trust = 0;
+static FfpHeard hear(const real *depth, const real *trust, size_t width) {
+    const size_t around[4] = {0, 1, width, width + 1};
+    FfpHeard out = {0, 0, 0};
     for (int n = 0; n < 4; n++) {
-        const size_t i = first + (size_t)(y + n / 2) * (size_t)depths->width + (size_t)(x + n % 2);
-        if (depths->depth[i] <= 0 || depths->trust[i] <= 0) continue;
-        low = low > 0 ? fmin(low, depths->depth[i]) : depths->depth[i];
-        high = fmax(high, depths->depth[i]);
-        trust = fmax(trust, depths->trust[i]);
+        const real z = depth[around[n]], t = trust[around[n]];
+        if (z <= 0 || t <= 0) continue;
+        out.low = out.low > 0 && out.low < z ? out.low : z;
+        out.high = out.high > z ? out.high : z;
+        out.trust = out.trust > t ? out.trust : t;
     }
-    if (high <= 0) return;
-    const real slack = SLACK * z / camera->fx;
-    if (z < low - slack)
-        out->past++, out->trust_past += trust;
-    else if (z <= high + slack)
-        out->agree++, out->trust_agree += trust;
+    return out;
 }
 
-FfpWitness ffp_consult(const FfpDepths *depths, int view, const real point[3]) {
+FfpWitnesses ffp_witnesses_new(const FfpDepths *depths) {
+    const size_t width = (size_t)depths->width, views = (size_t)depths->capture->n_views;
+    const int rows = depths->capture->n_views * depths->height;
+    FfpWitnesses out = {depths, ffp_alloc(views * (size_t)depths->height * width, sizeof(FfpHeard))};
+#pragma omp parallel for schedule(static)
+    for (int row = 0; row < rows; row++) {
+        if (row % depths->height == depths->height - 1) continue; // nothing lies below
+        const size_t first = (size_t)row * width;
+        for (size_t i = first; i + 1 < first + width; i++)
+            out.heard[i] = hear(depths->depth + i, depths->trust + i, width);
+    }
+    return out;
+}
+
+void ffp_witnesses_free(FfpWitnesses *witnesses) {
+    free(witnesses->heard);
+    *witnesses = (FfpWitnesses){0};
+}
+
+typedef struct Place { // where another view has a point
+    real z, a, b;      // depth, and the share of the way to the next pixel's centre, right and down
+    size_t first;      // the upper left of the four pixels around
+} Place;
+
+// False when it is not within the picture.
+static bool find_place(Place *out, const FfpLine *line, real z, int width, int height) {
+    real u = -1, v = -1;
+    out->z = ffp_line_at(line, z, &u, &v);
+    u -= 0.5F, v -= 0.5F;
+    if (!(u >= 0 && v >= 0 && u < (real)(width - 1) && v < (real)(height - 1))) return false;
+    const int x = (int)u, y = (int)v;
+    out->a = u - (real)x, out->b = v - (real)y;
+    out->first = (size_t)y * (size_t)width + (size_t)x;
+    return true;
+}
+
+// How much of a point the silhouette leaves: interpolated coverage, with a soft threshold.
+static real share_inside(const FfpImage *coverage, const Place *at) {
+    const real *p = coverage->data + at->first, *q = p + coverage->width, a = at->a, b = at->b;
+    const real shown = (p[0] * (1 - a) + p[1] * a) * (1 - b) + (q[0] * (1 - a) + q[1] * a) * b;
+    const real share = (shown - OUTSIDE) / (INSIDE - OUTSIDE);
+    return share < 0 ? 0 : share > 1 ? 1 : share;
+}
+
+static void hear_depth(FfpWitness *out, const FfpHeard *heard, real z, real focal) {
+    if (heard->high <= 0) return;
+    const real slack = SLACK * z / focal;
+    if (z < heard->low - slack)
+        out->past++, out->trust_past += heard->trust;
+    else if (z <= heard->high + slack)
+        out->agree++, out->trust_agree += heard->trust;
+}
+
+// What view `other` adds about the point at depth z of the pixel whose ray it sees as `line`.
+static void ask(FfpWitness *out, const FfpWitnesses *witnesses, int other, const FfpLine *line, real z) {
+    const FfpDepths *depths = witnesses->depths;
+    const FfpView *seer = &depths->capture->views[other];
+    Place at;
+    if (!find_place(&at, line, z, depths->width, depths->height)) return;
+    const real share = share_inside(&seer->coverage, &at);
+    const size_t first = (size_t)other * (size_t)depths->height * (size_t)depths->width;
+    out->views++;
+    out->coverage = share < out->coverage ? share : out->coverage;
+    hear_depth(out, &witnesses->heard[first + at.first], at.z, seer->camera.fx);
+}
+
+static FfpLine line_to(const FfpCapture *capture, int view, int x, int y, int other) {
+    return ffp_line(&capture->views[view].camera, (real)x + 0.5F, (real)y + 0.5F,
+                    &capture->views[other].camera);
+}
+
+FfpWitness ffp_consult(const FfpWitnesses *witnesses, int view, int x, int y, real z) {
+    const FfpCapture *capture = witnesses->depths->capture;
     FfpWitness out = {.coverage = 1};
-    for (int other = 0; other < depths->capture->n_views; other++) {
+    for (int other = 0; other < capture->n_views; other++) {
         if (other == view) continue;
-        const FfpView *seer = &depths->capture->views[other];
-        real u, v;
-        const real z = ffp_project(&seer->camera, point, &u, &v);
-        if (z <= 0 || u < 0.5F || v < 0.5F || u >= (real)depths->width - 0.5F ||
-            v >= (real)depths->height - 0.5F)
-            continue;
-        const int x = (int)(u - 0.5F), y = (int)(v - 0.5F);
-        if (x + 1 >= depths->width || y + 1 >= depths->height) continue;
-        out.views++;
-        out.coverage = fmin(out.coverage, share_inside(&seer->coverage, u, v));
-        consult_depth(&out, depths, other, x, y, z);
+        const FfpLine line = line_to(capture, view, x, y, other);
+        ask(&out, witnesses, other, &line, z);
     }
     return out;
 }
 
 void ffp_reject_inconsistent(FfpDepths *depths) {
-    const size_t area = (size_t)depths->width * (size_t)depths->height;
     const int rows = depths->capture->n_views * depths->height;
-    real *kept = ffp_alloc(area * (size_t)depths->capture->n_views, sizeof(real));
+    FfpWitnesses witnesses = ffp_witnesses_new(depths);
 #pragma omp parallel for schedule(static)
     for (int row = 0; row < rows; row++) {
-        const int view = row / depths->height, y = row % depths->height;
         for (int x = 0; x < depths->width; x++) {
             const size_t i = (size_t)row * (size_t)depths->width + (size_t)x;
             if (depths->trust[i] <= 0) continue;
-            real point[3];
-            ffp_point_at(&depths->capture->views[view].camera, (real)x + 0.5F, (real)y + 0.5F,
-                         depths->depth[i], point);
-            const FfpWitness witness = ffp_consult(depths, view, point);
-            const bool refuted =
-                witness.trust_past > depths->trust[i] + witness.trust_agree || witness.coverage <= 0;
-            kept[i] = refuted ? 0 : depths->trust[i];
+            const FfpWitness witness =
+                ffp_consult(&witnesses, row / depths->height, x, row % depths->height, depths->depth[i]);
+            // The witnesses have their own copy of what is trusted.
+            if (witness.trust_past > depths->trust[i] + witness.trust_agree || witness.coverage <= 0)
+                depths->trust[i] = 0;
         }
     }
-    memcpy(depths->trust, kept, area * (size_t)depths->capture->n_views * sizeof(real));
-    free(kept);
+    ffp_witnesses_free(&witnesses);
+}
+
+// The first depth from range[0] on, at most range[1], at which not too many views see past the ray.
+static real free_until(const FfpWitnesses *witnesses, int view, int x, int y, const real range[2],
+                       FfpLine *lines) {
+    const FfpCapture *capture = witnesses->depths->capture;
+    const real growth = 1 + 1 / capture->views[view].camera.fx;
+    for (int other = 0; other < capture->n_views; other++) lines[other] = line_to(capture, view, x, y, other);
+    real z = range[0];
+    for (int step = 0; step < FREE_STEPS && z < range[1]; step++, z *= growth) {
+        FfpWitness witness = {.coverage = 1};
+        for (int other = 0; other < capture->n_views; other++)
+            if (other != view) ask(&witness, witnesses, other, &lines[other], z);
+        if (witness.trust_past <= FREE_TRUST + witness.trust_agree) break;
+    }
+    return z < range[1] ? z : range[1];
 }
 
 void ffp_free_space(real *range, const FfpDepths *depths) {
-#pragma omp parallel for schedule(static)
-    for (int row = 0; row < depths->capture->n_views * depths->height; row++) {
-        const int view = row / depths->height, y = row % depths->height;
-        const FfpView *self = &depths->capture->views[view];
-        for (int x = 0; x < depths->width; x++) {
-            const size_t i = (size_t)row * (size_t)depths->width + (size_t)x;
-            if (depths->trust[i] > 0 ||
-                self->coverage.data[(size_t)y * (size_t)depths->width + (size_t)x] <= 0)
-                continue;
-            real z = range[2 * i];
-            for (int step = 0; step < FREE_STEPS && z < range[2 * i + 1]; step++) {
-                real point[3];
-                ffp_point_at(&self->camera, (real)x + 0.5F, (real)y + 0.5F, z, point);
-                const FfpWitness witness = ffp_consult(depths, view, point);
-                if (witness.trust_past <= FREE_TRUST + witness.trust_agree) break;
-                z += z / self->camera.fx;
+    const FfpCapture *capture = depths->capture;
+    FfpWitnesses witnesses = ffp_witnesses_new(depths);
+#pragma omp parallel
+    {
+        FfpLine *lines = ffp_alloc((size_t)capture->n_views, sizeof *lines);
+#pragma omp for schedule(static)
+        for (int row = 0; row < capture->n_views * depths->height; row++) {
+            const int view = row / depths->height, y = row % depths->height;
+            const real *coverage = capture->views[view].coverage.data + (size_t)y * (size_t)depths->width;
+            for (int x = 0; x < depths->width; x++) {
+                const size_t i = (size_t)row * (size_t)depths->width + (size_t)x;
+                if (depths->trust[i] > 0 || coverage[x] <= 0) continue;
+                range[2 * i] = free_until(&witnesses, view, x, y, range + 2 * i, lines);
             }
-            range[2 * i] = fmin(z, range[2 * i + 1]);
         }
+        free(lines);
     }
+    ffp_witnesses_free(&witnesses);
 }

@@ -11,6 +11,20 @@ typedef struct FfpDepths {
     real *depth, *trust;
 } FfpDepths;
 
+// What a view knows around a point between four pixels' centres, of those that have trusted depth: their
+// least and greatest depth and greatest trust. All 0 where there is none.
+typedef struct FfpHeard {
+    real low, high, trust;
+} FfpHeard;
+
+typedef struct FfpWitnesses {
+    const FfpDepths *depths;
+    FfpHeard *heard; // [views,h,w], at the upper left of the four pixels
+} FfpWitnesses;
+
+FfpWitnesses ffp_witnesses_new(const FfpDepths *depths);
+void ffp_witnesses_free(FfpWitnesses *witnesses);
+
 typedef struct FfpWitness {
     real coverage; // least share that the silhouette of any other view leaves of the point
     int views;     // other views with the point in their picture
@@ -19,8 +33,8 @@ typedef struct FfpWitness {
     real trust_agree, trust_past; // sums of their trust
 } FfpWitness;
 
-// Asks the views other than `view` about a world point.
-FfpWitness ffp_consult(const FfpDepths *depths, int view, const real point[3]);
+// Asks the views other than `view` about the point at camera depth z of pixel (x, y).
+FfpWitness ffp_consult(const FfpWitnesses *witnesses, int view, int x, int y, real z);
 
 // Takes the trust from depths that more trusted views see past than agree with.
 void ffp_reject_inconsistent(FfpDepths *depths);

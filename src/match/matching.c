@@ -14,6 +14,7 @@
 #define LIT_MIN 0.06F    // share of the typical light below which a pixel counts as not lit
 #define COST_MAX 0.1F    // mean squared difference above which no hypothesis fits
 #define APART 3          // planes between two separate minima
+#define FAR_COST 1e6F    // more than any hypothesis costs
 #define ROUNDS 2         // of the fine search
 
 FfpMatchSettings ffp_match_defaults(void) {
@@ -37,19 +38,19 @@ static real sum_window(real *restrict sum, const real *cost, const FfpForeground
     return weight;
 }
 
-// Least value at a minimum at least APART from `chosen`; the greatest value when there is none.
+// Least value at a minimum at least APART from `chosen`; the greatest value when there is none. `sum` has a
+// cell of FAR_COST before and behind.
 static real rival(const real *sum, int count, int chosen) {
-    real least = 0, greatest = 0;
-    bool found = false;
+    real least = FAR_COST, greatest = 0;
+#pragma omp simd reduction(min : least) reduction(max : greatest)
     for (int k = 0; k < count; k++) {
-        greatest = fmax(greatest, sum[k]);
-        if (abs(k - chosen) < APART || (k > 0 && sum[k - 1] < sum[k]) ||
-            (k + 1 < count && sum[k + 1] < sum[k]))
-            continue;
-        least = found ? fmin(least, sum[k]) : sum[k];
-        found = true;
+        const bool minimum = (sum[k - 1] >= sum[k]) & (sum[k + 1] >= sum[k]),
+                   apart = (k <= chosen - APART) | (k >= chosen + APART);
+        const real value = minimum & apart ? sum[k] : FAR_COST;
+        least = value < least ? value : least;
+        greatest = sum[k] > greatest ? sum[k] : greatest;
     }
-    return found ? least : greatest;
+    return least < FAR_COST ? least : greatest;
 }
 
 static int least_index(const real *values, int count) {
@@ -65,7 +66,8 @@ static int least_index(const real *values, int count) {
 static void choose(real *depth, real *confidence, const real *total, const real *cost,
                    const FfpForeground *foreground, const FfpObservation *seen, const FfpPlanes *planes) {
     const int count = planes->count;
-    real *sum = ffp_alloc((size_t)count, sizeof(real));
+    real *row = ffp_alloc((size_t)count + 2, sizeof(real)), *sum = row + 1;
+    row[0] = row[count + 1] = FAR_COST;
     for (size_t slot = 0; slot < foreground->count; slot++) {
         const size_t i = foreground->pixel[slot];
         const int x = (int)(i % (size_t)seen->width), y = (int)(i / (size_t)seen->width);
@@ -77,7 +79,7 @@ static void choose(real *depth, real *confidence, const real *total, const real 
         const real second = rival(sum, count, best);
         confidence[i] = second > 0 ? fmax(1 - sum[best] / second, 0) * seen->lit[i] : 0;
     }
-    free(sum);
+    free(row);
 }
 
 size_t ffp_match_bytes(const FfpCamera *camera, const FfpMatchSettings *settings) {

@@ -67,9 +67,25 @@ static void view_colours(FfpStart *start, const FfpCapture *capture, int v) {
     }
 }
 
-static int by_size(const void *a, const void *b) {
-    const real x = *(const real *)a, y = *(const real *)b;
-    return (x > y) - (x < y);
+// The value of rank `rank` among `count`, which are put into another order (Hoare 1961).
+static real value_of_rank(real *values, size_t count, size_t rank) {
+    size_t low = 0, high = count - 1;
+    while (low < high) {
+        const real pivot = values[low + (high - low) / 2];
+        size_t i = low, j = high;
+        while (true) {
+            while (values[i] < pivot) i++;
+            while (pivot < values[j]) j--;
+            if (i >= j) break;
+            const real swapped = values[i];
+            values[i++] = values[j], values[j--] = swapped;
+        }
+        if (rank <= j)
+            high = j;
+        else
+            low = j + 1;
+    }
+    return values[rank];
 }
 
 // The capture's median of ambient / albedo over fully lit pixels: the ambient light that albedo reflects. 0:
@@ -83,8 +99,7 @@ static real ambient_light(const FfpStart *start, size_t channel) {
         if (start->t[i] > 0 && start->lit[i] >= LIT_FULL && albedo > 1e-3F)
             ratio[count++] = start->ambient[3 * i + channel] / albedo;
     }
-    qsort(ratio, count, sizeof(real), by_size);
-    const real median = count > 0 ? ratio[count / 2] : 0;
+    const real median = count > 0 ? value_of_rank(ratio, count, count / 2) : 0;
     free(ratio);
     return median;
 }
@@ -93,6 +108,7 @@ void ffp_start_materials(FfpStart *start, const FfpCapture *capture) {
 #pragma omp parallel for schedule(static)
     for (int v = 0; v < start->views; v++) view_colours(start, capture, v);
     const size_t pixels = (size_t)start->views * (size_t)start->width * (size_t)start->height;
+#pragma omp parallel for schedule(static)
     for (size_t c = 0; c < 3; c++) {
         const real ambient = ambient_light(start, c);
         if (ambient <= 0) continue;

@@ -33,8 +33,9 @@ static size_t project_points(Arrival *to, const FfpDepths *depths, const real *n
     return count;
 }
 
-typedef struct Layer { // the nearest surface's points that fell on each pixel
+typedef struct Layer { // the nearest surface's points that fell on each pixel without depth of its own
     int width, height;
+    const real *trust;
     real *nearest, *sum, *weight;
 } Layer;
 
@@ -44,6 +45,7 @@ static void put(Layer *layer, const Arrival *point, real slack, bool only_neares
     for (int y = top > 0 ? top : 0; y <= bottom && y < layer->height; y++) {
         for (int x = left > 0 ? left : 0; x <= right && x < layer->width; x++) {
             const size_t i = (size_t)y * (size_t)layer->width + (size_t)x;
+            if (layer->trust[i] > 0) continue;
             if (only_nearest) {
                 if (layer->nearest[i] <= 0 || point->z < layer->nearest[i]) layer->nearest[i] = point->z;
             } else if (point->z <= layer->nearest[i] + slack) {
@@ -64,11 +66,15 @@ void ffp_fill_from_others(real *out, const FfpDepths *depths, const real *normal
     size_t count = 0;
     for (int giver = 0; giver < views; giver++)
         if (giver != view) count += project_points(points + count, depths, normals, giver, camera);
-    Layer layer = {depths->width, depths->height, ffp_alloc(area, sizeof(real)),
-                   ffp_alloc(area, sizeof(real)), ffp_alloc(area, sizeof(real))};
+    const real *depth = depths->depth + (size_t)view * area, *trust = depths->trust + (size_t)view * area;
+    Layer layer = {depths->width,
+                   depths->height,
+                   trust,
+                   ffp_alloc(area, sizeof(real)),
+                   ffp_alloc(area, sizeof(real)),
+                   ffp_alloc(area, sizeof(real))};
     for (size_t k = 0; k < count; k++) put(&layer, &points[k], 0, true);
     for (size_t k = 0; k < count; k++) put(&layer, &points[k], LAYER * points[k].z / camera->fx, false);
-    const real *depth = depths->depth + (size_t)view * area, *trust = depths->trust + (size_t)view * area;
     for (size_t i = 0; i < area; i++)
         out[i] = trust[i] > 0 ? depth[i] : layer.weight[i] > 0 ? layer.sum[i] / layer.weight[i] : 0;
     free(points), free(layer.nearest), free(layer.sum), free(layer.weight);

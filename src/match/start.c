@@ -134,6 +134,7 @@ static real own_share(real coverage) {
 
 // What the other views say of each pixel's point, and where it lies along its ray.
 static void judge(FfpStart *start, const FfpDepths *depths) {
+    FfpWitnesses witnesses = ffp_witnesses_new(depths);
 #pragma omp parallel for schedule(static)
     for (int row = 0; row < start->views * start->height; row++) {
         const int v = row / start->height, y = row % start->height;
@@ -142,11 +143,10 @@ static void judge(FfpStart *start, const FfpDepths *depths) {
             const size_t i = (size_t)row * (size_t)start->width + (size_t)x;
             const real z = depths->depth[i];
             if (z <= 0) continue;
-            real direction[3], point[3];
+            real direction[3];
             start->t[i] = z / ffp_pixel_ray(&view->camera, (real)x + 0.5F, (real)y + 0.5F, direction);
             start->footprint[i] = z / view->camera.fx;
-            ffp_point_at(&view->camera, (real)x + 0.5F, (real)y + 0.5F, z, point);
-            const FfpWitness witness = ffp_consult(depths, v, point);
+            const FfpWitness witness = ffp_consult(&witnesses, v, x, y, z);
             const int said = witness.agree + witness.past;
             start->coverage[i] =
                 fmin(own_share(view->coverage.data[(size_t)y * (size_t)start->width + (size_t)x]),
@@ -155,6 +155,7 @@ static void judge(FfpStart *start, const FfpDepths *depths) {
             start->violation[i] = witness.views > 0 ? (real)witness.past / (real)witness.views : 0;
         }
     }
+    ffp_witnesses_free(&witnesses);
 }
 
 // Everything that follows from trusted depths. Takes depths->depth and ->trust over: trust becomes the
