@@ -7,7 +7,7 @@
 enum {
     ROWS = 16,     // of a block: 4 KB of the stack in fp32, channels that do not exist are 0 in it
     CHANNELS = 64, // of a strip
-    TAPS = 4       // the network's: loops over so many are unrolled
+    TAPS = 4       // the network's; more are done as FFP_CONV_TAPS_MAX, those that do not exist with weight 0
 };
 
 typedef struct Conv {
@@ -46,11 +46,12 @@ static Block block_at(const Conv *conv, const Strip *strip, int row) {
     return (Block){.strip = strip, .row = row, .rows = smaller(ROWS, conv->rows - row)};
 }
 
-// The row of x that tap k of output row t reads, or -1 before the start (behind the end when reversed).
+// The row of x that tap k of output row t reads, or -1: before the start, behind the end when reversed, or no
+// such tap.
 static inline int source_row(const Conv *conv, int t, int k) {
     const int back = conv->taps - 1 - k;
     const int row = conv->reverse ? t + back : t - back;
-    return row < conv->rows ? row : -1;
+    return k < conv->taps && row < conv->rows ? row : -1;
 }
 
 // What it reads of a strip; zeros where there is no row.
@@ -60,7 +61,7 @@ static inline const real *source(const Conv *conv, const Strip *strip, int t, in
     return row < 0 ? zeros : conv->x + (size_t)row * conv->ldx + strip->channel;
 }
 
-// pre = bias + sum over taps, before the SiLU. `taps` are conv's: a constant where the caller has one.
+// pre = bias + sum over taps, before the SiLU. `taps`, at least conv's, is a constant.
 static inline __attribute__((always_inline)) void convolve_taps(real pre[ROWS * CHANNELS], const Conv *conv,
                                                                 const Block *block, int taps) {
     const Strip *strip = block->strip;
@@ -77,10 +78,10 @@ static inline __attribute__((always_inline)) void convolve_taps(real pre[ROWS * 
 }
 
 static void convolve(real pre[ROWS * CHANNELS], const Conv *conv, const Block *block) {
-    if (conv->taps == TAPS)
+    if (conv->taps <= TAPS)
         convolve_taps(pre, conv, block, TAPS);
     else
-        convolve_taps(pre, conv, block, conv->taps);
+        convolve_taps(pre, conv, block, FFP_CONV_TAPS_MAX);
 }
 
 static void forward_block(real *y, const Conv *conv, const Block *block) {
@@ -112,7 +113,7 @@ typedef struct Sums {
 } Sums;
 
 // Row t of a strip, all in one loop. With s = sigmoid(pre), the gradient before the SiLU is dpre = dy s (1 +
-// pre (1 - s)). `taps` are conv's, as above.
+// pre (1 - s)). `taps` as above.
 static inline __attribute__((always_inline)) void backward_row(real *dx, int lddx, Sums *sums, const real *dy,
                                                                const Conv *conv, const Strip *strip, int t,
                                                                int taps) {
@@ -153,10 +154,10 @@ void FFP_K(conv_backward)(real *dx, int lddx, real *dw, real *dbias, const real 
         const Strip strip = strip_at(&conv, channel);
         Sums sums = {0};
         for (int t = 0; t < rows; t++) {
-            if (taps == TAPS)
+            if (taps <= TAPS)
                 backward_row(dx, lddx, &sums, dy, &conv, &strip, t, TAPS);
             else
-                backward_row(dx, lddx, &sums, dy, &conv, &strip, t, taps);
+                backward_row(dx, lddx, &sums, dy, &conv, &strip, t, FFP_CONV_TAPS_MAX);
         }
         add_sums(dw, dbias, &sums, &conv, &strip);
     }
