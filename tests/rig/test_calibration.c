@@ -1,6 +1,7 @@
 // Calibration files: the real ones with the figures that stand in them, and broken ones.
 #include <math.h>
 #include "scratch.h"
+#include "base/rng.h"
 #include "rig/calibration.h"
 #include "rig/document.h"
 #include "rig/turntable.h"
@@ -10,6 +11,14 @@ static FfpError err;
 
 static void write_text(const char *name, const char *text) {
     assert_true(ffp_write_file(in_scratch(name), text, strlen(text), NULL));
+}
+
+// Without waiting for the disk, as there are thousands.
+static void write_bytes(const char *name, const char *bytes, size_t size) {
+    FILE *out = fopen(in_scratch(name), "wb");
+    assert_non_null(out);
+    assert_int_equal(fwrite(bytes, 1, size, out), size);
+    assert_int_equal(fclose(out), 0);
 }
 
 static void must_read(const char *const *files, int n) {
@@ -248,13 +257,48 @@ static void test_truncated(void **state) {
         int refused = 0;
         const size_t length = strlen(texts[k]);
         for (size_t n = 0; n < length; n++) {
-            assert_true(ffp_write_file(in_scratch("cut"), texts[k], n, NULL));
+            write_bytes("cut", texts[k], n);
             const char *files[1] = {in_scratch("cut")};
             refused += !ffp_calibration_read(&calibration, files, 1, "calib", &err);
             ffp_calibration_free(&calibration);
         }
         // Cut behind the last bracket or within the last line's space the file is still whole.
         assert_true(refused >= (int)length - 2);
+    }
+}
+
+// Random bytes changed, doubled and dropped: read or refused with a place, without harm.
+static void test_mutated(void **state) {
+    (void)state;
+    static const char lists[] =
+        "[{\"view_id\": 1, \"width\": 8, \"height\": 8, \"K\": [[9,0,4],[0,9,4],[0,0,1]], "
+        "\"rotation\": [[1,0,0],[0,1,0],[0,0,1]], \"position\": [0,0,-3]}]";
+    static const char frames[] =
+        "{\"K_cam\": [[9,0,4],[0,9,4],[0,0,1]], \"K_proj\": [[9,0,4],[0,9,4],[0,0,1]], \"frames\": "
+        "[{\"view_id\": "
+        "\"0000\", \"file_path\": \"a\", \"RT\": [[1,0,0,0],[0,1,0,0],[0,0,1,0],[0,0,0,1]]}], "
+        "\"blender_matrix_world_proj\": [[1,0,0,0],[0,1,0,0],[0,0,1,0],[0,0,0,1]]}";
+    static const char xml[] =
+        "<?xml version=\"1.0\"?><o><cam_int><rows>3</rows><cols>3</cols><dt>d</dt><data>9 0 4 0 9 "
+        "4 0 0 1</data></cam_int><cam_dist><_>0.1</_><_>0</_><_>0</_><_>0</_></cam_dist></o>";
+    const char *const texts[4] = {good, lists, frames, xml};
+    FfpRng rng = ffp_rng(11, 0);
+    for (int i = 0; i < 1200; i++) {
+        char text[2048];
+        size_t length = strlen(texts[i % 4]);
+        memcpy(text, texts[i % 4], length);
+        for (int k = 0; k < 1 + i % 5; k++) {
+            const size_t at = ffp_rng_below(&rng, (uint32_t)length), kind = ffp_rng_below(&rng, 3);
+            if (kind == 0) text[at] = (char)ffp_rng_below(&rng, 256);
+            if (kind == 1) memmove(text + at, text + at + 1, --length - at);
+            if (kind == 2) memmove(text + at + 1, text + at, length++ - at);
+        }
+        write_bytes("mutant", text, length);
+        const char *files[1] = {in_scratch("mutant")};
+        err.text[0] = 0;
+        const bool ok = ffp_calibration_read(&calibration, files, 1, "calib", &err);
+        ffp_calibration_free(&calibration);
+        assert_true(ok || strstr(err.text, "mutant") != NULL);
     }
 }
 
@@ -392,8 +436,8 @@ int main(void) {
         cmocka_unit_test(test_single_shot), cmocka_unit_test(test_good),
         cmocka_unit_test(test_bad_fields),  cmocka_unit_test(test_bad_documents),
         cmocka_unit_test(test_truncated),   cmocka_unit_test(test_two_files),
-        cmocka_unit_test(test_bad_colmap),  cmocka_unit_test(test_bad_lists),
-        cmocka_unit_test(test_turntable),
+        cmocka_unit_test(test_mutated),     cmocka_unit_test(test_bad_colmap),
+        cmocka_unit_test(test_bad_lists),   cmocka_unit_test(test_turntable),
     };
     return cmocka_run_group_tests(tests, scratch_setup, scratch_teardown);
 }
