@@ -49,13 +49,27 @@ static void weigh_safe(Block *block) {
                                             block->scores + (size_t)i * FFP_SEGMENT, 0, block->keys);
 }
 
+// The greatest of `count` scores and `top`, in lanes that are compared at the end.
+static real greatest_score(const real *scores, int count, real top) {
+    real lanes[FFP_PACK_LINES];
+    const int whole = count / FFP_PACK_LINES * FFP_PACK_LINES;
+    for (int lane = 0; lane < FFP_PACK_LINES; lane++) lanes[lane] = top;
+    for (int j = 0; j < whole; j += FFP_PACK_LINES) {
+#pragma omp simd
+        for (int lane = 0; lane < FFP_PACK_LINES; lane++)
+            lanes[lane] = scores[j + lane] > lanes[lane] ? scores[j + lane] : lanes[lane];
+    }
+    for (int j = whole; j < count; j++) top = scores[j] > top ? scores[j] : top;
+    for (int lane = 0; lane < FFP_PACK_LINES; lane++) top = lanes[lane] > top ? lanes[lane] : top;
+    return top;
+}
+
 // Keeps each row's greatest score in `top`; what was gathered with an older one is scaled down to it.
 static void weigh_online(Block *block, real *out, const FfpAttention *a) {
     for (int i = 0; i < block->queries; i++) {
         const real *scores = block->scores + (size_t)i * FFP_SEGMENT;
-        real *out_row = out + (size_t)i * a->width, greatest = block->top[i];
-#pragma omp simd reduction(max : greatest)
-        for (int j = 0; j < block->keys; j++) greatest = scores[j] > greatest ? scores[j] : greatest;
+        const real greatest = greatest_score(scores, block->keys, block->top[i]);
+        real *out_row = out + (size_t)i * a->width;
         if (greatest > block->top[i] && block->sum[i] > 0) {
             const real factor = ffp_exp2(block->top[i] - greatest);
             block->sum[i] *= factor;
