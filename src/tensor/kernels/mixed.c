@@ -111,9 +111,9 @@ void FFP_K(mixed)(const FfpMixed *mixed) {
     if (mixed->m <= 0 || mixed->n <= 0) return;
     const Plan plan = make_plan(mixed);
     const int shares = plan.down * plan.across;
-#pragma omp parallel num_threads(shares)
+    // never fewer threads than usual: OpenMP would end the others and start them again later
+#pragma omp parallel if (shares > 1)
     {
-        // fewer threads than asked for do more shares each
 #pragma omp for schedule(static)
         for (int share = 0; share < shares; share++) pack_share_of_b(&plan, mixed, share, shares);
 #pragma omp for schedule(static)
