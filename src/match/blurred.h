@@ -2,7 +2,6 @@
 #ifndef FFP_MATCH_BLURRED_H
 #define FFP_MATCH_BLURRED_H
 
-#include <stdbool.h>
 #include "match/line.h"
 #include "match/observe.h"
 
@@ -20,21 +19,21 @@ static inline FfpSeen ffp_seen(const FfpObservation *seen, size_t pixel) {
 
 // Where FFP_LANES positions lie on the grid.
 typedef struct FfpCells {
-    int first[FFP_LANES];                  // number of the upper left of four cells
+    int first[FFP_LANES];                  // number of the upper left of four cells; -1 off the pattern
     real right[FFP_LANES], low[FFP_LANES]; // weights of the right two and of the lower two
-    bool on[FFP_LANES];                    // on the pattern at all
 } FfpCells;
 
 static inline void ffp_find_cells(FfpCells *out, const FfpBlurred *blurred, const real u[FFP_LANES],
                                   const real v[FFP_LANES]) {
+#pragma omp simd
     for (int n = 0; n < FFP_LANES; n++) {
-        const bool on = (u[n] >= 0) & (v[n] >= 0) & (u[n] <= blurred->width) & (v[n] <= blurred->height);
-        // The border shifts by one cell.
-        const real x = (on ? u[n] : 0) * blurred->scale + 0.5F, y = (on ? v[n] : 0) * blurred->scale + 0.5F;
-        const int i = (int)x, j = (int)y;
+        const real u0 = u[n] >= 0 ? u[n] : 0, v0 = v[n] >= 0 ? v[n] : 0;
+        const real u1 = u0 <= blurred->width ? u0 : blurred->width,
+                   v1 = v0 <= blurred->height ? v0 : blurred->height;
+        const real x = u1 * blurred->scale + 0.5F, y = v1 * blurred->scale + 0.5F; // the border: one cell
+        const int i = (int)x, j = (int)y, off = (u1 != u[n]) | (v1 != v[n]);
         out->right[n] = x - (real)i, out->low[n] = y - (real)j;
-        out->first[n] = j * blurred->stride + i;
-        out->on[n] = on;
+        out->first[n] = (j * blurred->stride + i) | -off;
     }
 }
 

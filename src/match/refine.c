@@ -35,7 +35,7 @@ static real add_neighbour(FfpFour *cost, real *outside, const FfpView *view, con
         ffp_line_positions(&inverse, base, step, k - steps / 2, u, v);
         ffp_find_cells(&cells, pattern, u, v);
         for (int n = 0; n < FFP_LANES && k + n < steps; n++) {
-            if (cells.on[n])
+            if (cells.first[n] >= 0)
                 cost[k + n] += ffp_blurred_cost(pattern, &cells, n, &here);
             else
                 outside[k + n] += near * OFF_PATTERN;

@@ -1,5 +1,4 @@
 #include <stdlib.h>
-#include <string.h>
 #include <tgmath.h>
 
 #include "base/arena.h"
@@ -98,7 +97,6 @@ static void walk(Paths *paths, real *total, const real *cost, int sign) {
 void ffp_semi_global(real *total, const real *cost, const FfpForeground *foreground, int count, real small,
                      real large) {
     Paths paths = paths_new(foreground, count, small, large);
-    memset(total, 0, foreground->count * (size_t)count * sizeof(real));
     walk(&paths, total, cost, 1);
     walk(&paths, total, cost, -1);
     paths_free(&paths);

@@ -32,15 +32,18 @@ FfpSheet ffp_sheet_new(const real *depth, const real *weight, const FfpCamera *c
     }
     const int side = 2 * reach + 1;
     out.nearness = ffp_alloc((size_t)side * (size_t)side, sizeof(real));
+    out.jump = ffp_alloc((size_t)side * (size_t)side, sizeof(real));
     for (int n = 0; n < side * side; n++) {
         const int dx = n % side - reach, dy = n / side - reach;
-        out.nearness[n] = exp(-SPREAD * (real)(dx * dx + dy * dy) / (real)reach);
+        const real distance = (real)(dx * dx + dy * dy);
+        out.nearness[n] = exp(-SPREAD * distance / (real)reach);
+        out.jump[n] = JUMP * fmax(sqrt(distance), 1);
     }
     return out;
 }
 
 void ffp_sheet_free(FfpSheet *sheet) {
-    free(sheet->depth), free(sheet->inverse), free(sheet->weight), free(sheet->nearness);
+    free(sheet->depth), free(sheet->inverse), free(sheet->weight), free(sheet->nearness), free(sheet->jump);
     *sheet = (FfpSheet){0};
 }
 
@@ -61,12 +64,13 @@ typedef struct Fit {
 // Adds the neighbours of one row. `refit`: weighs them down by their distance from the plane.
 static void add_row(Sums *sums, const FfpSheet *sheet, const Fit *fit, size_t first, int dy, bool refit) {
     Lanes w0 = {0}, w1 = {0}, w2 = {0}, r0 = {0}, r1 = {0};
-    const int reach = sheet->reach, side = 2 * reach + 1;
+    const int reach = sheet->reach;
+    const real y = (real)dy;
     for (int dx = -reach; dx <= reach; dx++) {
         const size_t at = first + (size_t)(dy + reach) * (size_t)sheet->stride + (size_t)(dx + reach);
         const real *depth = sheet->depth + at, *inverse = sheet->inverse + at, *weight = sheet->weight + at;
-        const real nearness = sheet->nearness[(dy + reach) * side + dx + reach], x = (real)dx, y = (real)dy,
-                   jump = JUMP * fmax(sqrt(x * x + y * y), 1);
+        const int neighbour = (dy + reach) * (2 * reach + 1) + dx + reach;
+        const real nearness = sheet->nearness[neighbour], jump = sheet->jump[neighbour], x = (real)dx;
         for (int n = 0; n < FFP_LANES; n++) {
             const real step = depth[n] - fit->z[n], limit = jump * fit->footprint[n];
             const real q = inverse[n] - fit->inverse[n];
@@ -77,7 +81,6 @@ static void add_row(Sums *sums, const FfpSheet *sheet, const Fit *fit, size_t fi
             r0[n] += w * q, r1[n] += w * x * q;
         }
     }
-    const real y = (real)dy;
     for (int n = 0; n < FFP_LANES; n++) {
         sums->w[n] += w0[n], sums->x[n] += w1[n], sums->y[n] += y * w0[n];
         sums->xx[n] += w2[n], sums->xy[n] += y * w1[n], sums->yy[n] += y * y * w0[n];

@@ -16,7 +16,8 @@ typedef struct FfpSheet {
     int width, height, stride, reach;
     real focal;                     // fx of the camera
     real *depth, *inverse, *weight; // [height + 2 reach, stride]; all 0 where nothing is known
-    real *nearness;                 // [2 reach + 1, 2 reach + 1] weight of a neighbour by its distance
+    real *nearness, *jump; // [2 reach + 1, 2 reach + 1] of a neighbour by its distance: its weight, and the
+                           // step in footprints beyond which it lies across a depth jump
 } FfpSheet;
 
 // depth [h,w]: camera z, 0 for none. weight [h,w]: 0 for pixels that say nothing about their neighbours.

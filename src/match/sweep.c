@@ -30,7 +30,7 @@ static void add_colour(real *cost, const FfpBlurred *pattern, const FfpLine *lin
         for (int n = 0; n < lanes; n++) {
             if (!inside[k + n]) continue;
             cost[k + n] =
-                cells.on[n] ? ffp_sum_channels(ffp_blurred_cost(pattern, &cells, n, seen)) : outside;
+                cells.first[n] >= 0 ? ffp_sum_channels(ffp_blurred_cost(pattern, &cells, n, seen)) : outside;
         }
     }
 }

@@ -31,8 +31,8 @@ void ffp_hull_ranges(real *range, const FfpCapture *capture, int view);
 void ffp_sweep(real *cost, const FfpView *view, const FfpForeground *foreground, const FfpObservation *seen,
                const FfpBlurred *pattern, const FfpPlanes *planes, const unsigned char *inside);
 
-// Semi-global aggregation (Hirschmueller 2008) over eight directions within the foreground: total
-// [foreground, count]. Steps of one plane between neighbours cost `small`, longer ones `large`.
+// Semi-global aggregation (Hirschmueller 2008) over eight directions within the foreground: added to
+// total [foreground, count]. Steps of one plane between neighbours cost `small`, longer ones `large`.
 void ffp_semi_global(real *total, const real *cost, const FfpForeground *foreground, int count, real small,
                      real large);
 

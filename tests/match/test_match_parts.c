@@ -147,7 +147,7 @@ static void test_semi_global(void **state) {
     (void)state;
     enum { W = 5, H = 4, N = 4 };
     static const int ways[8][2] = {{1, 0}, {-1, 0}, {0, 1}, {0, -1}, {1, 1}, {-1, 1}, {1, -1}, {-1, -1}};
-    real cost[W * H * N] = {0}, mask[W * H], shown_cost[W * H * N], total[W * H * N];
+    real cost[W * H * N] = {0}, mask[W * H], shown_cost[W * H * N], total[W * H * N] = {0};
     FfpRng rng = ffp_rng(11, 0);
     for (int i = 0; i < W * H; i++) {
         mask[i] = i == 7 || i == 13 ? 0 : 1;
