@@ -1,0 +1,167 @@
+// What limits a reconstruction: the generator's truth is put in for one part of it at a time, and the
+// pictures are scored again. Prints a table in Markdown.
+//   limits [MODEL.safetensors|none] [SCENES] [FIRST]
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include "base/arena.h"
+#include "base/vec.h"
+#include "loss/metrics.h"
+#include "train/train.h"
+
+// Parts that may be true.
+enum { DEPTH = 1, NORMAL = 2, ALBEDO = 4, ROUGHNESS = 8, SILHOUETTE = 16, NO_SHADOWS = 32, OPAQUE = 64 };
+
+static const struct {
+    const char *name;
+    unsigned parts;
+} rows[] = {
+    {"as predicted", 0},
+    {"true depth", DEPTH},
+    {"true normal", NORMAL},
+    {"true albedo", ALBEDO},
+    {"true roughness", ROUGHNESS},
+    {"true silhouette", SILHOUETTE},
+    {"all splats opaque", OPAQUE},
+    {"no shadows at all", NO_SHADOWS},
+    {"true depth and normal", DEPTH | NORMAL},
+    {"true depth, normal, albedo, roughness", DEPTH | NORMAL | ALBEDO | ROUGHNESS},
+    {"all of these, true silhouette", DEPTH | NORMAL | ALBEDO | ROUGHNESS | SILHOUETTE},
+};
+enum { ROWS = sizeof rows / sizeof *rows };
+
+typedef struct Score {
+    double sum[2]; // rendering, novel pose
+    int count[2];
+} Score;
+
+typedef struct Viewer {
+    FfpRaster *raster;
+    FfpGbuffer gbuffer;
+    FfpMapping mapping;
+    FfpImage image;
+} Viewer;
+
+static FfpGaussians copy_of(const FfpGaussians *from) {
+    FfpGaussians to = ffp_gaussians_new(from->count);
+    const size_t n = (size_t)from->count;
+    memcpy(to.centre, from->centre, 3 * n * sizeof(real));
+    memcpy(to.scale, from->scale, 3 * n * sizeof(real));
+    memcpy(to.rotation, from->rotation, 4 * n * sizeof(real));
+    memcpy(to.opacity, from->opacity, n * sizeof(real));
+    memcpy(to.albedo, from->albedo, 3 * n * sizeof(real));
+    memcpy(to.roughness, from->roughness, n * sizeof(real));
+    memcpy(to.ambient, from->ambient, 3 * n * sizeof(real));
+    return to;
+}
+
+// Puts the truth of the splat's own pixel in for some parts.
+static void put_truth(FfpGaussians *g, const FfpRun *run, const FfpScene *scene, unsigned parts) {
+    const int pixels = scene->start.width * scene->start.height;
+    for (int64_t i = 0; i < g->count; i++) {
+        const FfpView *view = &scene->capture.views[run->pixel[i] / pixels];
+        const int p = (int)(run->pixel[i] % pixels);
+        const real t = ffp_true_t(view, p);
+        if (!(t > 0)) continue;
+        for (int k = 0; k < 3; k++) {
+            const real eye = view->camera.pose[4 * k + 3];
+            if (parts & DEPTH) g->centre[3 * i + k] = eye + (g->centre[3 * i + k] - eye) * t / run->t[i];
+            if (parts & ALBEDO) g->albedo[3 * i + k] = view->albedo.data[3 * p + k];
+        }
+        if (parts & NORMAL) ffp_normal_frame(view->normal.data + 3 * p, g->rotation + 4 * i);
+        if (parts & ROUGHNESS) g->roughness[i] = view->roughness.data[p];
+        if (parts & OPAQUE) g->opacity[i] = 1;
+    }
+}
+
+// Every sum of the G-buffer scaled so that its opacity is the true coverage.
+static void put_silhouette(FfpGbuffer *g, const FfpImage *coverage) {
+    for (int p = 0; p < g->width * g->height; p++) {
+        if (g->opacity[p] <= 1e-3F) continue;
+        const real scale = coverage->data[p] / g->opacity[p];
+        g->opacity[p] *= scale, g->depth[p] *= scale, g->roughness[p] *= scale;
+        for (int k = 0; k < 3; k++)
+            g->normal[3 * p + k] *= scale, g->albedo[3 * p + k] *= scale, g->ambient[3 * p + k] *= scale;
+    }
+}
+
+static void score_view(Viewer *v, const FfpScene *scene, int index, const FfpGaussians *g, unsigned parts,
+                       Score *score) {
+    const FfpCapture *capture = &scene->capture;
+    const FfpView *view = &capture->views[index];
+    const int target = index >= scene->inputs.n_views;
+    FfpRenderSettings settings = ffp_render_defaults();
+    settings.shadows = !(parts & NO_SHADOWS);
+    ffp_rasterise(v->raster, g, &view->camera, &settings, &v->gbuffer);
+    ffp_map_to_projector(v->raster, g, &v->gbuffer, &view->camera, &view->projector, &settings, &v->mapping);
+    if (parts & SILHOUETTE) put_silhouette(&v->gbuffer, &view->coverage);
+    for (int p = 0; p < capture->n_patterns; p++) {
+        if (!target && (p == capture->black || p == capture->white || p == scene->active)) continue;
+        ffp_shade(&v->gbuffer, &v->mapping, &view->camera, &view->projector, capture->intensity,
+                  p == capture->black ? NULL : &scene->patterns[p], &v->image);
+        ffp_image_to_srgb(&v->image);
+        FfpImage truth = ffp_image_copy(&view->images[p]);
+        ffp_image_to_srgb(&truth);
+        score->sum[target] += ffp_psnr(&v->image, &truth);
+        score->count[target]++;
+        ffp_image_free(&truth);
+    }
+}
+
+static void score_scene(Viewer *viewer, const FfpScene *scene, const FfpRun *run, Score scores[ROWS]) {
+    for (int row = 0; row < ROWS; row++) {
+        FfpGaussians g = copy_of(&run->gaussians);
+        put_truth(&g, run, scene, rows[row].parts);
+        for (int v = 0; v < scene->capture.n_views; v++)
+            score_view(viewer, scene, v, &g, rows[row].parts, &scores[row]);
+        ffp_gaussians_free(&g);
+    }
+}
+
+static bool run_scenes(const FfpModel *model, int count, int first, Score scores[ROWS], FfpError *err) {
+    FfpTrainConfig config = ffp_train_defaults();
+    const int side = config.resolution;
+    Viewer viewer = {ffp_raster_new(), ffp_gbuffer_new(side, side), ffp_mapping_new(side, side),
+                     ffp_image_new(side, side, 3)};
+    FfpRun *run = ffp_run_new();
+    bool ok = true;
+    for (int i = first; i < first + count && ok; i++) {
+        FfpScene scene;
+        if (!(ok = ffp_scene_open(&scene, &config, "validation", i, side, err))) break;
+        ok = ffp_model_forward(model, run, &scene.inputs, &scene.start, scene.active, err);
+        if (ok) score_scene(&viewer, &scene, run, scores);
+        ffp_scene_close(&scene);
+    }
+    ffp_run_free(run);
+    ffp_image_free(&viewer.image);
+    ffp_mapping_free(&viewer.mapping);
+    ffp_gbuffer_free(&viewer.gbuffer);
+    ffp_raster_free(viewer.raster);
+    return ok;
+}
+
+// Weights, or an untrained residual network, which gives the classical start.
+static FfpModel *open_model(const char *path, FfpError *err) {
+    FfpModelConfig config;
+    if (strcmp(path, "none") != 0) return ffp_model_read(path, err);
+    ffp_model_preset(&config, "tiny");
+    return ffp_model_new(&config, 1, err);
+}
+
+int main(int argc, char **argv) {
+    const int count = argc > 2 ? atoi(argv[2]) : 4, first = argc > 3 ? atoi(argv[3]) : 0;
+    Score scores[ROWS] = {0};
+    FfpError err = {""};
+    FfpModel *model = open_model(argc > 1 ? argv[1] : "none", &err);
+    const bool ok = model && run_scenes(model, count, first, scores, &err);
+    ffp_model_free(model);
+    if (!ok) {
+        fprintf(stderr, "limits: error: %s\n", err.text);
+        return 1;
+    }
+    printf("| %d validation scenes | rendering | novel pose |\n|---|---|---|\n", count);
+    for (int row = 0; row < ROWS; row++)
+        printf("| %s | %.2f | %.2f |\n", rows[row].name, scores[row].sum[0] / scores[row].count[0],
+               scores[row].sum[1] / scores[row].count[1]);
+    return 0;
+}
