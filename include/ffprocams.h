@@ -190,7 +190,9 @@ typedef struct FfpImport {
     const char *const *views; // ids to import; none: all
     int n_views;
     FfpCalibratedAt camera, projector;
-    int width;          // of the imported pictures; 0: as they are
+    int width; // of the imported pictures; 0: as they are
+    // PNG and JPEG files hold linear light instead of sRGB: the photographs; the patterns
+    bool linear_images, linear_patterns;
     double exposure;    // stops by which linear values are brightened; 0: as they are
     double object[4];   // centre and radius of a sphere around the object; radius 0: estimated
     const char *name;   // of the capture; NULL: the folder's

@@ -44,6 +44,9 @@ static const char help[] =
     "                           their first pixel being X,Y of the calibrated picture)\n"
     "      --projector-fit F    likewise for the patterns\n"
     "  -w, --width W            make the pictures W pixels wide (the shipped model was trained at 128)\n"
+    "      --linear WHAT        images, or patterns, again for both: their PNG and JPEG files hold linear "
+    "light, as\n"
+    "                           raw converters and nepmap write it, and not sRGB\n"
     "      --exposure STOPS     brighten the pictures (linear light): EXR files may leave the range 0 to 1,\n"
     "                           which the capture's 8-bit pictures do not. Default: 0\n"
     "      --object X,Y,Z,R     a sphere around the object, in its frame. Default: from poses and masks\n"
@@ -105,6 +108,12 @@ static bool read_fit(const char *text, FfpCalibratedAt *at) {
     return strncmp(text, "crop=", 5) == 0 && read_pair(text + 5, ',', 0, &at->left, &at->top);
 }
 
+static bool read_linear(const char *text, FfpImport *import) {
+    const bool images = strcmp(text, "images") == 0, patterns = strcmp(text, "patterns") == 0;
+    import->linear_images |= images, import->linear_patterns |= patterns;
+    return images || patterns;
+}
+
 static bool read_stops(const char *text, double *stops) {
     char *end;
     *stops = strtod(text, &end);
@@ -130,6 +139,7 @@ enum {
     PROJECTOR_SIZE,
     CAMERA_FIT,
     PROJECTOR_FIT,
+    LINEAR,
     EXPOSURE,
     OBJECT,
     NAME
@@ -147,6 +157,8 @@ static bool take_checked(int option, const char *text, FfpImport *import) {
         return read_fit(text, &import->camera);
     case PROJECTOR_FIT:
         return read_fit(text, &import->projector);
+    case LINEAR:
+        return read_linear(text, import);
     case EXPOSURE:
         return read_stops(text, &import->exposure);
     case OBJECT:
@@ -197,6 +209,7 @@ static int parse(int argc, char **argv, FfpImport *import, Lists *lists) {
                                             {"camera-fit", required_argument, NULL, CAMERA_FIT},
                                             {"projector-fit", required_argument, NULL, PROJECTOR_FIT},
                                             {"width", required_argument, NULL, 'w'},
+                                            {"linear", required_argument, NULL, LINEAR},
                                             {"exposure", required_argument, NULL, EXPOSURE},
                                             {"object", required_argument, NULL, OBJECT},
                                             {"name", required_argument, NULL, NAME},

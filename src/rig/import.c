@@ -167,6 +167,23 @@ static bool check_size(const char *path, const FfpOptics *optics, FfpError *err)
                     optics->height);
 }
 
+static bool is_exr(const char *path) {
+    static const unsigned char magic[4] = {0x76, 0x2f, 0x31, 0x01};
+    unsigned char head[4] = {0};
+    FILE *file = fopen(path, "rb");
+    const bool read = file != NULL && fread(head, 1, sizeof head, file) == sizeof head;
+    if (file != NULL) fclose(file);
+    return read && memcmp(head, magic, sizeof magic) == 0;
+}
+
+// A picture as the reader gives it, decoded as sRGB, but for files that hold linear light: those back as they
+// were.
+static bool read_light(FfpImage *rgb, FfpImage *alpha, const char *path, bool linear, FfpError *err) {
+    if (!ffp_image_read_over_black(rgb, alpha, path, err)) return false;
+    if (linear && !is_exr(path)) ffp_image_to_srgb(rgb);
+    return true;
+}
+
 static bool load_pattern(Import *import, int index, FfpError *err) {
     FfpPattern *pattern = &import->capture.patterns[index];
     const FfpShotPattern *shot = &import->shots.patterns[index];
@@ -176,7 +193,8 @@ static bool load_pattern(Import *import, int index, FfpError *err) {
     memcpy(pattern->name, shot->name, sizeof pattern->name);
     pattern->novel = shot->novel;
     if (shot->file != NULL) {
-        if (!check_size(shot->file, optics, err) || !ffp_image_read_over_black(&raw, NULL, shot->file, err))
+        if (!check_size(shot->file, optics, err) ||
+            !read_light(&raw, NULL, shot->file, import->options->linear_patterns, err))
             return false;
     } else {
         raw = ffp_image_new(optics->width, optics->height, 3);
@@ -213,7 +231,8 @@ static bool load_picture(Import *import, int stop, int pattern, FfpImage *alpha,
     const FfpOptics *optics = &import->calibration.stops[stop].camera;
     FfpView *view = &import->capture.views[stop];
     FfpImage raw = {0}, raw_alpha = {0};
-    if (!check_size(path, optics, err) || !ffp_image_read_over_black(&raw, &raw_alpha, path, err))
+    if (!check_size(path, optics, err) ||
+        !read_light(&raw, &raw_alpha, path, import->options->linear_images, err))
         return false;
     expose(import, &raw);
     view->images[pattern] = ffp_optics_rectify(optics, &view->camera, &raw);

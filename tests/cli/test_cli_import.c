@@ -189,6 +189,12 @@ static void test_single_shot(void **state) {
     (void)state;
     write_opencv("cal.yml", &single_shot, false, no_lens, no_lens);
     import_rig("single_shot", "cal.yml", SIZES TURNTABLE SHOTS PATTERN);
+    char info[256];
+    snprintf(info, sizeof info, "info %s/single_shot", scratch);
+    run_program(&run, info);
+    assert_int_equal(run.status, 0);
+    assert_non_null(strstr(run.out, "ok   silhouettes"));
+    assert_non_null(strstr(run.out, "ok   pattern "));
     // The sizes from the file that this tool writes beside it, which is found where it is not named.
     FILE *out = create("calib-info.yml");
     fputs("%YAML:1.0\ncamW: 128\ncamH: 128\nprjW: 800\nprjH: 800\nboardSize: [7, 10]\nsqSize: 24\n", out);
@@ -277,6 +283,8 @@ static void test_usage(void **state) {
                                         "import -c cal.yml -o out --camera-fit crop=1",
                                         "import -c cal.yml -o out --projector-fit squeezed",
                                         "import -c cal.yml -o out --width 3",
+                                        "import -c cal.yml -o out --linear colours",
+                                        "import -c cal.yml -o out --exposure bright",
                                         "import -c cal.yml -o out --object 0,0,0",
                                         "import -c cal.yml -o out --object 0,0,0,-1",
                                         "import -c cal.yml -o out photographs.png",

@@ -656,6 +656,29 @@ static void test_kinds_of_files(void **state) {
     waves = false;
 }
 
+// Files that hold linear values, as raw converters write them.
+static void test_linear_files(void **state) {
+    (void)state;
+    const Rig rig = orbit(false);
+    take_photographs(&rig, EXR);
+    write_colmap(&rig, "model");
+    for (int v = 0; v < VIEWS; v++)
+        for (int p = 0; p < 3; p++) {
+            char name[64];
+            snprintf(name, sizeof name, "photos/%s_%s.png", rig.stops[v].id, names[p]);
+            FfpImage picture = {0};
+            assert_true(ffp_image_read_over_black(&picture, NULL, in_scratch(name), NULL));
+            assert_true(ffp_image_write_png16(&picture, in_scratch(name), NULL));
+            ffp_image_free(&picture);
+        }
+    FfpImage pattern = make_pattern(rig.projector.width, rig.projector.height, 2);
+    assert_true(ffp_image_write_png16(&pattern, in_scratch("dots.png"), NULL));
+    ffp_image_free(&pattern);
+    Call *call = call_of("linear", "model", NULL);
+    call->options.linear_images = call->options.linear_patterns = true;
+    check(call, &rig, 50);
+}
+
 // The white picture's alpha channel masks the others, unless it is 1 everywhere.
 static void test_alpha(void **state) {
     (void)state;
@@ -783,6 +806,7 @@ int main(void) {
         cmocka_unit_test(test_bad_pictures),
         cmocka_unit_test(test_kinds_of_files),
         cmocka_unit_test(test_alpha),
+        cmocka_unit_test(test_linear_files),
         cmocka_unit_test(test_some_views),
         cmocka_unit_test(test_real_calibration),
     };
