@@ -10,7 +10,16 @@
 #include "train/train.h"
 
 // Parts that may be true.
-enum { DEPTH = 1, NORMAL = 2, ALBEDO = 4, ROUGHNESS = 8, SILHOUETTE = 16, NO_SHADOWS = 32, OPAQUE = 64 };
+enum {
+    DEPTH = 1,
+    NORMAL = 2,
+    ALBEDO = 4,
+    ROUGHNESS = 8,
+    SILHOUETTE = 16,
+    NO_SHADOWS = 32,
+    OPAQUE = 64,
+    MAPS = 128
+};
 
 static const struct {
     const char *name;
@@ -27,6 +36,7 @@ static const struct {
     {"true depth and normal", DEPTH | NORMAL},
     {"true depth, normal, albedo, roughness", DEPTH | NORMAL | ALBEDO | ROUGHNESS},
     {"all of these, true silhouette", DEPTH | NORMAL | ALBEDO | ROUGHNESS | SILHOUETTE},
+    {"true maps instead of splats", DEPTH | NORMAL | ALBEDO | ROUGHNESS | MAPS},
 };
 enum { ROWS = sizeof rows / sizeof *rows };
 
@@ -85,6 +95,20 @@ static void put_silhouette(FfpGbuffer *g, const FfpImage *coverage) {
     }
 }
 
+// The generator's maps in place of what was rasterised: what shading, ambient and shadows alone cost.
+static void put_maps(FfpGbuffer *g, const FfpView *view, const FfpImage *black) {
+    for (int p = 0; p < g->width * g->height; p++) {
+        const real c = view->depth.data[p] > 0 ? view->coverage.data[p] : 0;
+        g->opacity[p] = c, g->depth[p] = c * view->depth.data[p],
+        g->roughness[p] = c * view->roughness.data[p];
+        for (int k = 0; k < 3; k++) {
+            const int i = 3 * p + k;
+            g->normal[i] = c * view->normal.data[i], g->albedo[i] = c * view->albedo.data[i];
+            g->ambient[i] = black->data[i];
+        }
+    }
+}
+
 static void score_view(Viewer *v, const FfpScene *scene, int index, const FfpGaussians *g, unsigned parts,
                        Score *score) {
     const FfpCapture *capture = &scene->capture;
@@ -94,6 +118,11 @@ static void score_view(Viewer *v, const FfpScene *scene, int index, const FfpGau
     settings.shadows = !(parts & NO_SHADOWS);
     ffp_rasterise(v->raster, g, &view->camera, &settings, &v->gbuffer);
     ffp_map_to_projector(v->raster, g, &v->gbuffer, &view->camera, &view->projector, &settings, &v->mapping);
+    if (parts & MAPS) {
+        put_maps(&v->gbuffer, view, &view->images[capture->black]);
+        ffp_map_to_projector(v->raster, g, &v->gbuffer, &view->camera, &view->projector, &settings,
+                             &v->mapping);
+    }
     if (parts & SILHOUETTE) put_silhouette(&v->gbuffer, &view->coverage);
     for (int p = 0; p < capture->n_patterns; p++) {
         if (!target && (p == capture->black || p == capture->white || p == scene->active)) continue;
