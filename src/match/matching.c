@@ -9,6 +9,9 @@
 #include "match/refine.h"
 #include "match/sweep.h"
 
+// clang does not vectorise the least of numbers that might be NaN, and need not say so.
+#pragma clang diagnostic ignored "-Wpass-failed"
+
 #define SMALL_STEP 0.03F // smoothness: cost of a step of one plane between neighbours
 #define LARGE_STEP 0.3F  // and of any longer one
 #define LIT_MIN 0.06F    // share of the typical light below which a pixel counts as not lit
@@ -46,7 +49,7 @@ static real rival(const real *sum, int count, int chosen) {
     for (int k = 0; k < count; k++) {
         const bool minimum = (sum[k - 1] >= sum[k]) & (sum[k + 1] >= sum[k]),
                    apart = (k <= chosen - APART) | (k >= chosen + APART);
-        const real value = minimum & apart ? sum[k] : FAR_COST;
+        const real value = (minimum & apart) ? sum[k] : FAR_COST;
         least = value < least ? value : least;
         greatest = sum[k] > greatest ? sum[k] : greatest;
     }

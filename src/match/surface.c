@@ -76,7 +76,7 @@ static void add_row(Sums *sums, const FfpSheet *sheet, const Fit *fit, size_t fi
             const real q = inverse[n] - fit->inverse[n];
             const real off = (q - fit->q0[n] - fit->qx[n] * x - fit->qy[n] * y) * fit->per_unit[n];
             const real share = refit ? nearness / (1 + off * off) : nearness;
-            const real w = (step <= limit) & (-step <= limit) ? weight[n] * share : 0;
+            const real w = ((step <= limit) & (-step <= limit)) ? weight[n] * share : 0;
             w0[n] += w, w1[n] += w * x, w2[n] += w * x * x;
             r0[n] += w * q, r1[n] += w * x * q;
         }
