@@ -13,6 +13,7 @@ static const char help[] =
     "\n"
     "  import       photographs and a calibration file to a capture\n"
     "  reconstruct  a capture to Gaussians (PLY), in one forward pass\n"
+    "  refine       Gaussians fitted further to the photographs they come from\n"
     "  render       pictures of Gaussians under patterns, from chosen views\n"
     "  evaluate     predictions against the photographs: tables, pictures, a report\n"
     "  generate     captures of made-up objects, traced with all their truth\n"
@@ -39,6 +40,7 @@ typedef struct Command {
 
 static const Command commands[] = {
     {"reconstruct", ffp_cli_reconstruct},
+    {"refine", ffp_cli_refine},
     {"render", ffp_cli_render},
     {"evaluate", ffp_cli_evaluate},
     {"import", ffp_cli_import},

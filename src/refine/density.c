@@ -1,0 +1,134 @@
+#include "refine/density.h"
+
+#include <stdlib.h>
+#include <string.h>
+#include "base/arena.h"
+#include "base/vec.h"
+
+static void make_counts(FfpCrowd *crowd, int64_t count) {
+    free(crowd->pull);
+    free(crowd->seen);
+    crowd->pull = ffp_alloc((size_t)count + 1, sizeof *crowd->pull);
+    crowd->seen = ffp_alloc((size_t)count + 1, sizeof *crowd->seen);
+}
+
+FfpCrowd ffp_crowd_new(int64_t count, uint64_t seed) {
+    FfpCrowd crowd = {.rng = ffp_rng(seed, 2)};
+    make_counts(&crowd, count);
+    return crowd;
+}
+
+void ffp_crowd_free(FfpCrowd *crowd) {
+    free(crowd->pull);
+    free(crowd->seen);
+    *crowd = (FfpCrowd){0};
+}
+
+// The gradient to a centre, seen as one to its place in the picture: a step of a pixel is a step of z / f
+// across the view. 3DGS measures in halves of the picture.
+void ffp_crowd_note(FfpCrowd *crowd, const FfpGaussians *gaussians, const FfpGaussians *grad,
+                    const FfpCamera *camera) {
+    const real x_scale = (real)camera->width / (2 * camera->fx);
+    const real y_scale = (real)camera->height / (2 * camera->fy);
+#pragma omp parallel for schedule(static)
+    for (int64_t i = 0; i < gaussians->count; i++) {
+        real g[3], at[3];
+        if (ffp_dot3(grad->centre + 3 * i, grad->centre + 3 * i) == 0) continue;
+        ffp_inverse_rotate(camera->pose, grad->centre + 3 * i, g);
+        ffp_inverse_transform_point(camera->pose, gaussians->centre + 3 * i, at);
+        const real x = g[0] * at[2] * x_scale, y = g[1] * at[2] * y_scale;
+        crowd->pull[i] += sqrt(x * x + y * y);
+        crowd->seen[i]++;
+    }
+}
+
+// What becomes of each Gaussian: where the rows of the next set come from.
+typedef struct Plan {
+    int64_t *from; // [count] rows of the old set
+    bool *halved;  // [count] this row is one half of a split
+    bool *fresh;   // [count] this row has no past: its moments start at zero
+    int64_t count;
+} Plan;
+
+static void plan_row(Plan *plan, int64_t from, bool halved, bool fresh) {
+    plan->from[plan->count] = from;
+    plan->halved[plan->count] = halved;
+    plan->fresh[plan->count++] = fresh;
+}
+
+static Plan make_plan(const FfpCrowd *crowd, const FfpDensity *density, const FfpGaussians *g) {
+    const size_t most = 2 * (size_t)g->count + 1;
+    Plan plan = {ffp_alloc(most, sizeof *plan.from), ffp_alloc(most, sizeof *plan.halved),
+                 ffp_alloc(most, sizeof *plan.fresh), 0};
+    int64_t room = density->most - g->count;
+    for (int64_t i = 0; i < g->count; i++) {
+        if (g->opacity[i] < density->least_opacity) continue;
+        const real pull = crowd->seen[i] ? crowd->pull[i] / (real)crowd->seen[i] : 0;
+        const bool grows = pull > density->gradient && room-- > 0;
+        const bool splits = grows && fmax(g->scale[3 * i], g->scale[3 * i + 1]) > density->small;
+        plan_row(&plan, i, splits, splits);
+        if (grows) plan_row(&plan, i, splits, true);
+    }
+    return plan;
+}
+
+static void free_plan(Plan *plan) {
+    free(plan->from);
+    free(plan->halved);
+    free(plan->fresh);
+}
+
+// A half lies at a point drawn from the splat, and is 1.6 times narrower (Kerbl et al. 2023).
+static void halve(FfpParameters *p, const FfpGaussians *old, int64_t from, int64_t to, FfpRng *rng) {
+    real m[9], step[3];
+    ffp_quaternion_matrix(old->rotation + 4 * from, m);
+    for (int k = 0; k < 3; k++) {
+        step[k] = old->scale[3 * from + k] * (real)ffp_rng_normal(rng);
+        p->numbers.scale[3 * to + k] -= log((real)1.6F);
+    }
+    for (int k = 0; k < 3; k++) p->numbers.centre[3 * to + k] += ffp_dot3(m + 3 * k, step);
+}
+
+static void forget(FfpGaussians *moments, const Plan *plan) {
+    for (int a = 0; a < FFP_ATTRIBUTES; a++) {
+        const FfpAttribute x = ffp_attribute(moments, a);
+        for (int64_t i = 0; i < plan->count; i++)
+            if (plan->fresh[i]) memset(x.data + i * x.width, 0, (size_t)x.width * sizeof(real));
+    }
+}
+
+static bool change(FfpCrowd *crowd, const FfpDensity *density, FfpParameters *parameters,
+                   const FfpGaussians *gaussians, FfpMover *mover) {
+    Plan plan = make_plan(crowd, density, gaussians);
+    const bool any = plan.count > 0; // all gone: rather keep them
+    if (any) {
+        ffp_parameters_gather(parameters, plan.from, plan.count);
+        ffp_gaussians_gather(&mover->mean, plan.from, plan.count);
+        ffp_gaussians_gather(&mover->square, plan.from, plan.count);
+        forget(&mover->mean, &plan);
+        forget(&mover->square, &plan);
+        for (int64_t i = 0; i < plan.count; i++)
+            if (plan.halved[i]) halve(parameters, gaussians, plan.from[i], i, &crowd->rng);
+    }
+    free_plan(&plan);
+    make_counts(crowd, parameters->numbers.count);
+    return any;
+}
+
+// Opacities come back where the pictures need them; what does not is taken away later.
+static void reset_opacities(const FfpDensity *density, FfpParameters *parameters, FfpMover *mover) {
+    const real most = log(density->reset_to / (1 - density->reset_to));
+    const FfpGaussians *n = &parameters->numbers;
+    for (int64_t i = 0; i < n->count; i++) n->opacity[i] = fmin(n->opacity[i], most);
+    memset(mover->mean.opacity, 0, (size_t)n->count * sizeof(real));
+    memset(mover->square.opacity, 0, (size_t)n->count * sizeof(real));
+}
+
+bool ffp_crowd_step(FfpCrowd *crowd, const FfpDensity *density, int64_t step, FfpParameters *parameters,
+                    const FfpGaussians *gaussians, FfpMover *mover) {
+    if (!density->on || step > density->until) return false;
+    const bool changed = step >= density->from && step % density->every == 0 &&
+                         change(crowd, density, parameters, gaussians, mover);
+    if (step % density->reset_every == 0) reset_opacities(density, parameters, mover);
+    return changed;
+}

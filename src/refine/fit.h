@@ -1,0 +1,33 @@
+// One step of a fit, in parts: a view drawn, compared and taken back to the Gaussians; Adam.
+#ifndef FFP_REFINE_FIT_H
+#define FFP_REFINE_FIT_H
+
+#include "refine/refine.h"
+
+// What a view was worth, before the step that it caused.
+typedef struct FfpFitLoss {
+    double total, psnr; // psnr: mean over the patterns
+} FfpFitLoss;
+
+// Draws views and compares; owns the buffers of one view and all pictures that are aimed at.
+typedef struct FfpViewer FfpViewer;
+FfpViewer *ffp_viewer_new(const FfpCapture *capture, const int *patterns, int n_patterns,
+                          const FfpRefineSettings *settings);
+void ffp_viewer_free(FfpViewer *viewer);
+// The loss of a view, at a step that says which terms count already. ADDS its gradient to grad; NULL: none.
+FfpFitLoss ffp_viewer_look(FfpViewer *viewer, const FfpGaussians *gaussians, int view, int64_t step,
+                           FfpGaussians *grad);
+
+// Adam's state (Kingma and Ba 2015) for parameters, and what holds them near to their start.
+typedef struct FfpMover {
+    FfpGaussians mean, square, start; // start has no elements unless something pulls towards it
+    int64_t *neighbour;               // [count,k]; NULL: no smoothing
+    int64_t step;
+} FfpMover;
+FfpMover ffp_mover_new(const FfpParameters *parameters, const FfpRefineSettings *settings);
+void ffp_mover_free(FfpMover *mover);
+// One step. `share` of the budget is spent, in [0,1].
+void ffp_mover_step(FfpMover *mover, FfpParameters *parameters, const FfpGaussians *grad,
+                    const FfpRefineSettings *settings, double share);
+
+#endif

@@ -1,0 +1,110 @@
+// Adam with a rate for each attribute, a pull back towards the start and smooth displacements. Pull and
+// smoothing act on the parameters, not through the loss, as weight decay does in AdamW (Loshchilov and
+// Hutter 2019): Adam would scale them away.
+#include <stdlib.h>
+#include <string.h>
+#include "base/arena.h"
+#include "base/vec.h"
+#include "refine/fit.h"
+#include "refine/neighbours.h"
+
+#define NEIGHBOURS 6
+
+FfpMover ffp_mover_new(const FfpParameters *parameters, const FfpRefineSettings *settings) {
+    const int64_t count = parameters->numbers.count;
+    bool pulls = false;
+    for (int a = 0; a < FFP_ATTRIBUTES; a++) pulls = pulls || settings->rates.pull[a] > 0;
+    FfpMover mover = {.mean = ffp_gaussians_new(count), .square = ffp_gaussians_new(count)};
+    mover.start = ffp_gaussians_new(pulls ? count : 0);
+    for (int a = 0; pulls && a < FFP_ATTRIBUTES; a++) {
+        const FfpAttribute from = ffp_attribute(&parameters->numbers, a);
+        memcpy(ffp_attribute(&mover.start, a).data, from.data,
+               (size_t)count * (size_t)from.width * sizeof(real));
+    }
+    if (settings->smooth > 0) {
+        mover.neighbour = ffp_alloc((size_t)count + 1, NEIGHBOURS * sizeof *mover.neighbour);
+        ffp_neighbours(parameters->origin, count, NEIGHBOURS, mover.neighbour, NULL);
+    }
+    return mover;
+}
+
+void ffp_mover_free(FfpMover *mover) {
+    ffp_gaussians_free(&mover->mean);
+    ffp_gaussians_free(&mover->square);
+    ffp_gaussians_free(&mover->start);
+    free(mover->neighbour);
+    *mover = (FfpMover){0};
+}
+
+typedef struct Update {
+    real rate, pull, beta1, beta2, correction1, correction2, epsilon;
+} Update;
+
+static void update(const Update *u, real *x, real *mean, real *square, const real *grad, const real *start,
+                   int64_t count) {
+#pragma omp parallel for simd schedule(static)
+    for (int64_t i = 0; i < count; i++) {
+        const real g = grad[i];
+        mean[i] = u->beta1 * mean[i] + (1 - u->beta1) * g;
+        square[i] = u->beta2 * square[i] + (1 - u->beta2) * g * g;
+        x[i] -= u->rate * mean[i] * u->correction1 / (sqrt(square[i] * u->correction2) + u->epsilon);
+        if (start) x[i] -= u->pull * (x[i] - start[i]);
+    }
+}
+
+static void displacement(const FfpParameters *p, int64_t i, real out[3]) {
+    real m[9];
+    ffp_quaternion_matrix(p->frame + 4 * i, m);
+    for (int k = 0; k < 3; k++) out[k] = p->unit[i] * ffp_dot3(m + 3 * k, p->numbers.centre + 3 * i);
+}
+
+// Along its third axis each centre goes `share` of the way to the mean displacement of its neighbours.
+static void smooth_displacements(const FfpMover *mover, FfpParameters *p, real share) {
+    const int64_t count = p->numbers.count;
+    real *moved = ffp_alloc((size_t)count + 1, 3 * sizeof(real));
+#pragma omp parallel for schedule(static)
+    for (int64_t i = 0; i < count; i++) displacement(p, i, moved + 3 * i);
+#pragma omp parallel for schedule(static)
+    for (int64_t i = 0; i < count; i++) {
+        real m[9], sum[3] = {0};
+        int found = 0;
+        for (int j = 0; j < NEIGHBOURS; j++) {
+            const int64_t other = mover->neighbour[i * NEIGHBOURS + j];
+            if (other < 0) continue;
+            for (int k = 0; k < 3; k++) sum[k] += moved[3 * other + k];
+            found++;
+        }
+        if (!found) continue;
+        ffp_quaternion_matrix(p->frame + 4 * i, m);
+        const real along = (m[2] * sum[0] + m[5] * sum[1] + m[8] * sum[2]) / ((real)found * p->unit[i]);
+        p->numbers.centre[3 * i + 2] += share * (along - p->numbers.centre[3 * i + 2]);
+    }
+    free(moved);
+}
+
+static double decay_of(const FfpRefineSettings *settings, int attribute, int64_t step, double share) {
+    if (attribute != FFP_CENTRE) return pow(settings->decay, share);
+    if (settings->centre_decay_steps > 0)
+        share = fmin((double)step / (double)settings->centre_decay_steps, 1);
+    return pow(settings->centre_decay, share);
+}
+
+void ffp_mover_step(FfpMover *mover, FfpParameters *parameters, const FfpGaussians *grad,
+                    const FfpRefineSettings *settings, double share) {
+    const double t = (double)++mover->step;
+    for (int a = 0; a < FFP_ATTRIBUTES; a++) {
+        const FfpAttribute x = ffp_attribute(&parameters->numbers, a);
+        const double rate = settings->rates.rate[a] * decay_of(settings, a, mover->step, share);
+        const Update u = {.rate = (real)rate,
+                          .pull = (real)(rate * settings->rates.pull[a]),
+                          .beta1 = settings->beta1,
+                          .beta2 = settings->beta2,
+                          .correction1 = (real)(1 / (1 - pow((double)settings->beta1, t))),
+                          .correction2 = (real)(1 / (1 - pow((double)settings->beta2, t))),
+                          .epsilon = settings->epsilon};
+        update(&u, x.data, ffp_attribute(&mover->mean, a).data, ffp_attribute(&mover->square, a).data,
+               ffp_attribute(grad, a).data, mover->start.count ? ffp_attribute(&mover->start, a).data : NULL,
+               grad->count * x.width);
+    }
+    if (mover->neighbour) smooth_displacements(mover, parameters, settings->smooth);
+}

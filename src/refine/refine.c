@@ -1,0 +1,261 @@
+// The fit: rounds over all views, each view a step, until steps, seconds or patience end.
+#include "refine/refine.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include "base/arena.h"
+#include "base/log.h"
+#include "base/rng.h"
+#include "refine/density.h"
+#include "refine/fit.h"
+
+FfpRefineSettings ffp_refine_defaults(void) {
+    return (FfpRefineSettings){
+        .render = ffp_render_defaults(),
+        .rates = {.rate = {[FFP_CENTRE] = 0.02F,
+                           [FFP_SCALE] = 0.01F,
+                           [FFP_ROTATION] = 0.005F,
+                           [FFP_OPACITY] = 0.02F,
+                           [FFP_ALBEDO] = 0.02F,
+                           [FFP_ROUGHNESS] = 0.01F,
+                           [FFP_AMBIENT] = 0.02F},
+                  .pull = {[FFP_CENTRE] = 0.1F,
+                           [FFP_SCALE] = 0.1F,
+                           [FFP_ROTATION] = 0.1F,
+                           [FFP_OPACITY] = 0.1F,
+                           [FFP_ALBEDO] = 0.02F,
+                           [FFP_ROUGHNESS] = 0.1F,
+                           [FFP_AMBIENT] = 0.02F}},
+        .decay = 0.1,
+        .centre_decay = 0.1,
+        .beta1 = 0.9F,
+        .beta2 = 0.99F,
+        .epsilon = 1e-12F,
+        .l1 = 0.8F,
+        .ssim = 0.2F,
+        .mask = 0.1F,
+        .roughness_smooth = 0.002F,
+        .normal_smooth = 0.005F,
+        .smooth = 0.05F,
+        .seed = 1,
+    };
+}
+
+// Rates and densification of GS-ProCams' released program, whose scene extent is 1.1 times the cameras'
+// distance from their mean: about 4 in the unit sphere's units. Its distortion is a square of a depth
+// compressed to 1 - 0.2 / z; its weight of 1000 there is about this one here for layers 0.02 apart.
+FfpRefineSettings ffp_scratch_defaults(void) {
+    const real extent = 4;
+    return (FfpRefineSettings){
+        .render = ffp_render_defaults(),
+        .rates = {.rate = {[FFP_CENTRE] = 1.6e-4F * extent,
+                           [FFP_SCALE] = 0.005F,
+                           [FFP_ROTATION] = 0.001F,
+                           [FFP_OPACITY] = 0.05F,
+                           [FFP_ALBEDO] = 0.01F,
+                           [FFP_ROUGHNESS] = 0.01F,
+                           [FFP_AMBIENT] = 0.0025F}},
+        .decay = 1,
+        .centre_decay = 0.01,
+        .centre_decay_steps = 30000,
+        .beta1 = 0.9F,
+        .beta2 = 0.999F,
+        .epsilon = 1e-15F,
+        .l1 = 0.8F,
+        .ssim = 0.2F,
+        .mask = 0.1F,
+        .roughness_smooth = 0.002F,
+        .distortion = 0.01F,
+        .distortion_from = 3000,
+        .density = {.on = true,
+                    .from = 500,
+                    .until = 15000,
+                    .every = 100,
+                    .reset_every = 3000,
+                    .reset_to = 0.01F,
+                    .gradient = 2e-4F,
+                    .small = 0.01F * extent,
+                    .least_opacity = 0.05F,
+                    .most = 400000},
+        .seed = 1,
+    };
+}
+
+typedef struct Fit { // one run of ffp_refine
+    const FfpCapture *capture;
+    const FfpRefineSettings *settings;
+    FfpViewer *viewer;
+    FfpParameters parameters;
+    FfpGaussians gaussians, grad; // decoded, and the gradient
+    FfpMover mover;
+    FfpCrowd crowd;
+    FfpGaussians best;
+    double best_loss;
+    int *order; // [n_views] of the round
+    FfpRng rng;
+    FfpProgress progress;
+    double started;
+    int64_t step;
+} Fit;
+
+static void shuffle(Fit *fit) {
+    for (int i = fit->capture->n_views - 1; i > 0; i--) {
+        const int j = (int)ffp_rng_below(&fit->rng, (uint32_t)i + 1), swap = fit->order[i];
+        fit->order[i] = fit->order[j], fit->order[j] = swap;
+    }
+}
+
+static void clear(FfpGaussians *g) {
+    for (int a = 0; a < FFP_ATTRIBUTES; a++) {
+        const FfpAttribute x = ffp_attribute(g, a);
+        memset(x.data, 0, (size_t)g->count * (size_t)x.width * sizeof(real));
+    }
+}
+
+static void copy(FfpGaussians *to, const FfpGaussians *from) {
+    if (to->count != from->count) {
+        ffp_gaussians_free(to);
+        *to = ffp_gaussians_new(from->count);
+    }
+    for (int a = 0; a < FFP_ATTRIBUTES; a++) {
+        const FfpAttribute x = ffp_attribute(from, a);
+        memcpy(ffp_attribute(to, a).data, x.data, (size_t)from->count * (size_t)x.width * sizeof(real));
+    }
+}
+
+static double share_spent(const Fit *fit) {
+    const FfpRefineSettings *s = fit->settings;
+    double share = 0;
+    if (s->steps > 0) share = (double)fit->step / (double)s->steps;
+    if (s->seconds > 0) share = fmax(share, (ffp_seconds() - fit->started) / s->seconds);
+    return fmin(share, 1);
+}
+
+static bool over(const Fit *fit) {
+    return share_spent(fit) >= 1 || (fit->settings->stop && *fit->settings->stop);
+}
+
+static FfpFitLoss one_step(Fit *fit, int view) {
+    const double share = share_spent(fit);
+    clear(&fit->grad);
+    fit->step++;
+    const FfpFitLoss loss = ffp_viewer_look(fit->viewer, &fit->gaussians, view, fit->step, &fit->grad);
+    ffp_crowd_note(&fit->crowd, &fit->gaussians, &fit->grad, &fit->capture->views[view].camera);
+    ffp_parameters_pull_back(&fit->parameters, &fit->gaussians, &fit->grad);
+    ffp_mover_step(&fit->mover, &fit->parameters, &fit->grad, fit->settings, share);
+    if (ffp_crowd_step(&fit->crowd, &fit->settings->density, fit->step, &fit->parameters, &fit->gaussians,
+                       &fit->mover)) {
+        ffp_gaussians_free(&fit->gaussians);
+        ffp_gaussians_free(&fit->grad);
+        fit->gaussians = ffp_gaussians_new(fit->parameters.numbers.count);
+        fit->grad = ffp_gaussians_new(fit->parameters.numbers.count);
+    }
+    ffp_parameters_decode(&fit->parameters, &fit->gaussians);
+    return loss;
+}
+
+// What all views are worth now, without a step.
+static FfpFitLoss look_at_all(Fit *fit) {
+    FfpFitLoss sum = {0};
+    const int n = fit->capture->n_views;
+    for (int v = 0; v < n; v++) {
+        const FfpFitLoss loss =
+            ffp_viewer_look(fit->viewer, &fit->gaussians, v, fit->settings->distortion_from, NULL);
+        sum.total += loss.total / n, sum.psnr += loss.psnr / n;
+    }
+    return sum;
+}
+
+static void tell(Fit *fit, const FfpFitLoss *round) {
+    char extra[96];
+    const double seconds = ffp_seconds() - fit->started;
+    snprintf(extra, sizeof extra, "step %lld, loss %.4f, %.2f dB, %lld Gaussians", (long long)fit->step,
+             round->total, round->psnr, (long long)fit->gaussians.count);
+    ffp_progress_step(&fit->progress, (int64_t)(share_spent(fit) * (double)fit->progress.total), extra);
+    if (!fit->settings->metrics) return;
+    fprintf(fit->settings->metrics,
+            "{\"step\": %lld, \"seconds\": %.3f, \"loss\": %.6f, \"psnr\": %.4f, \"gaussians\": %lld}\n",
+            (long long)fit->step, seconds, round->total, round->psnr, (long long)fit->gaussians.count);
+    fflush(fit->settings->metrics);
+}
+
+// All views once. The loss of a round is that of the states it went through.
+static bool one_round(Fit *fit, FfpError *err) {
+    const int n = fit->capture->n_views;
+    FfpFitLoss sum = {0};
+    int done = 0;
+    shuffle(fit);
+    for (; done < n && !over(fit); done++) {
+        const FfpFitLoss loss = one_step(fit, fit->order[done]);
+        sum.total += loss.total, sum.psnr += loss.psnr;
+    }
+    if (!isfinite(sum.total)) return ffp_fail(err, fit->capture->folder, "the loss is no number any more");
+    if (done < n) return true;
+    sum.total /= n, sum.psnr /= n;
+    tell(fit, &sum);
+    if (sum.total < fit->best_loss) {
+        fit->best_loss = sum.total;
+        copy(&fit->best, &fit->gaussians);
+    }
+    return true;
+}
+
+static Fit fit_new(const FfpGaussians *gaussians, const FfpCapture *capture, const int *patterns,
+                   int n_patterns, const FfpRefineSettings *settings) {
+    const bool scratch = settings->density.on;
+    Fit fit = {.capture = capture, .settings = settings, .best_loss = INFINITY};
+    fit.started = ffp_seconds();
+    fit.viewer = ffp_viewer_new(capture, patterns, n_patterns, settings);
+    fit.parameters = ffp_parameters_new(gaussians, !scratch, scratch);
+    fit.gaussians = ffp_gaussians_new(gaussians->count);
+    fit.grad = ffp_gaussians_new(gaussians->count);
+    fit.mover = ffp_mover_new(&fit.parameters, settings);
+    fit.crowd = ffp_crowd_new(gaussians->count, settings->seed);
+    fit.order = ffp_alloc((size_t)capture->n_views, sizeof *fit.order);
+    for (int v = 0; v < capture->n_views; v++) fit.order[v] = v;
+    fit.rng = ffp_rng(settings->seed, 1);
+    ffp_parameters_decode(&fit.parameters, &fit.gaussians);
+    copy(&fit.best, &fit.gaussians);
+    return fit;
+}
+
+static void fit_free(Fit *fit) {
+    ffp_viewer_free(fit->viewer);
+    ffp_parameters_free(&fit->parameters);
+    ffp_gaussians_free(&fit->gaussians);
+    ffp_gaussians_free(&fit->grad);
+    ffp_gaussians_free(&fit->best);
+    ffp_mover_free(&fit->mover);
+    ffp_crowd_free(&fit->crowd);
+    free(fit->order);
+}
+
+// Under a limit of steps progress counts these, else seconds.
+static FfpProgress progress_of(const FfpRefineSettings *s) {
+    return ffp_progress("refining", s->seconds > 0 ? (int64_t)ceil(s->seconds) : s->steps);
+}
+
+bool ffp_refine(FfpGaussians *gaussians, const FfpCapture *capture, const int *patterns, int n_patterns,
+                const FfpRefineSettings *settings, FfpRefineResult *result, FfpError *err) {
+    if (gaussians->count < 1) return ffp_fail(err, capture->folder, "there are no Gaussians to refine");
+    if (!(settings->steps > 0) && !(settings->seconds > 0))
+        return ffp_fail(err, NULL, "a fit needs a limit of steps or seconds");
+    Fit fit = fit_new(gaussians, capture, patterns, n_patterns, settings);
+    *result = (FfpRefineResult){.psnr_before = look_at_all(&fit).psnr};
+    fit.progress = progress_of(settings);
+    bool ok = true;
+    while (ok && !over(&fit)) ok = one_round(&fit, err);
+    ffp_progress_end(&fit.progress);
+    if (ok) {
+        copy(&fit.gaussians, &fit.best);
+        result->psnr_after = look_at_all(&fit).psnr;
+        result->steps = fit.step;
+        result->gaussians = fit.best.count;
+        result->seconds = ffp_seconds() - fit.started;
+        result->stopped = settings->stop && *settings->stop;
+        copy(gaussians, &fit.best);
+    }
+    fit_free(&fit);
+    return ok;
+}

@@ -1,0 +1,66 @@
+// Fits Gaussians to one object's photographs: from a prediction, held near to it, or from nothing, the way
+// GS-ProCams does it. The capture is normalised (object in the unit sphere) and so are the Gaussians.
+#ifndef FFP_REFINE_REFINE_H
+#define FFP_REFINE_REFINE_H
+
+#include <stdatomic.h>
+#include <stdbool.h>
+#include <stdio.h>
+#include "capture/capture.h"
+#include "gaussians/gaussians.h"
+#include "refine/parameters.h"
+#include "render/render.h"
+
+// How Gaussians are added and taken away (Kerbl et al. 2023, section 5); step numbers count from 1.
+typedef struct FfpDensity {
+    bool on;
+    int64_t from, until, every; // steps of the additions
+    int64_t reset_every;        // opacities are brought down to `reset_to`, until `until`
+    real reset_to;
+    real gradient; // of the loss to a splat's place in the picture, half a picture wide: above it splats are
+                   // cloned or split
+    real small;    // deviation up to which a splat is cloned, above it is split; share of `extent`
+    real least_opacity; // splats below it are taken away
+    int64_t most;       // Gaussians at which nothing is added any more
+} FfpDensity;
+
+typedef struct FfpRefineSettings {
+    FfpRenderSettings render;
+    FfpRates rates;
+    double decay;               // all rates but the centre's fall by this factor over the budget, as a power
+    double centre_decay;        // the centre's rate falls by this factor over `centre_decay_steps`
+    int64_t centre_decay_steps; // 0: over the budget
+    real beta1, beta2, epsilon; // Adam's
+    real l1, ssim, mask, roughness_smooth, normal_smooth, distortion; // weights of the loss terms
+    int64_t distortion_from;                                          // step
+    real smooth; // share by which a step draws displacements along the normal towards the neighbours' mean
+    FfpDensity density;
+    int64_t steps;  // of one view each; 0: no limit
+    double seconds; // of wall clock; 0: no limit
+    uint64_t seed;
+    const atomic_bool *stop; // becomes true to end the work; NULL: never
+    FILE *metrics;           // a line of JSON a round; NULL: none
+} FfpRefineSettings;
+FfpRefineSettings ffp_refine_defaults(void);  // from a prediction
+FfpRefineSettings ffp_scratch_defaults(void); // from nothing: GS-ProCams' losses, rates and densification
+
+typedef struct FfpRefineResult {
+    int64_t steps, gaussians;
+    double seconds;
+    double psnr_before, psnr_after; // dB on the pictures fitted, mean over pictures; without 8-bit rounding
+    bool stopped;                   // by `stop`
+} FfpRefineResult;
+
+// Fits to the given patterns of all views (indices into the capture's; a view lacks none of them). Views come
+// in rounds, each in an order drawn from the seed. What is returned is the state after the round with the
+// lowest loss. With a limit in steps, the same seed and thread count give the same bits. Errors: no
+// Gaussians, no limit, a loss that is not finite.
+bool ffp_refine(FfpGaussians *gaussians, const FfpCapture *capture, const int *patterns, int n_patterns,
+                const FfpRefineSettings *settings, FfpRefineResult *result, FfpError *err);
+
+// Points drawn evenly in the visual hull (where every view that sees a point has it inside its coverage):
+// round splats as wide as the way to the three nearest, opacity 0.1, grey. Errors: an empty hull.
+bool ffp_scratch_gaussians(FfpGaussians *gaussians, const FfpCapture *capture, int64_t count, uint64_t seed,
+                           FfpError *err);
+
+#endif
