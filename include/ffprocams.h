@@ -90,6 +90,34 @@ typedef struct FfpPictures {
 int ffp_render_pictures(const FfpGaussians *gaussians, const FfpCapture *capture, const FfpPictures *options,
                         FfpError *err);
 
+// --- Fitting to one object's photographs. ---
+
+typedef struct FfpRefinement {
+    const char *const *patterns; // structured-light patterns to use beside black and white, which every view
+    int n_patterns;              // must have; none: the one that a reconstruction would take
+    int64_t steps;               // of one view each; 0: no limit
+    double seconds;      // of wall clock; 0: no limit. With neither limit: 30 s, or 20000 steps from scratch
+    uint64_t seed;       // of the order of views, and of the points that a fit from scratch starts from
+    const char *metrics; // file for a line of JSON a round (step, seconds, loss, psnr, gaussians), or NULL
+    FfpDrawing drawing;
+} FfpRefinement;
+
+typedef struct FfpRefinementStory {
+    double psnr_before, psnr_after; // dB over the pictures fitted
+    int64_t steps, gaussians;
+    double seconds;
+    bool stopped; // by SIGINT or SIGTERM: the best state so far is kept
+} FfpRefinementStory;
+
+// Fits the Gaussians, which stay near to what they were, to the capture's pictures. `story` may be NULL.
+// With a limit in steps alone the same seed and number of threads give the same bits.
+bool ffp_refine_gaussians(FfpGaussians *gaussians, const FfpCapture *capture, const FfpRefinement *options,
+                          FfpRefinementStory *story, FfpError *err);
+// The same without a prediction, the way GS-ProCams does it: points in the visual hull that grow, divide and
+// vanish. For comparison: it takes far longer.
+FfpGaussians *ffp_fit_from_scratch(const FfpCapture *capture, const FfpRefinement *options,
+                                   FfpRefinementStory *story, FfpError *err);
+
 // --- Evaluation. ---
 
 typedef enum FfpPredictor {
