@@ -1,0 +1,296 @@
+// Fits on a small scene of splats that were drawn by the renderer itself, so that the truth is known.
+#include "base/rng.h"
+#include "base/vec.h"
+#include "loss/metrics.h"
+#include "refine/density.h"
+#include "refine/neighbours.h"
+#include "refine/refine.h"
+#include "support.h"
+
+#define SIDE 40
+#define VIEWS 4
+#define SPLATS 400
+
+enum { BLACK, WHITE, STRIPES, PATTERNS };
+static const int all_patterns[] = {BLACK, WHITE, STRIPES};
+
+static FfpCamera look_at_origin(real azimuth, real height, real distance, int side) {
+    const real eye[3] = {distance * (real)cos(azimuth), distance * (real)sin(azimuth), height};
+    FfpCamera c = {side, side, (real)side * 1.3F, (real)side * 1.3F, (real)side / 2, (real)side / 2, {0}};
+    real forward[3] = {-eye[0], -eye[1], -eye[2]}, right[3], down[3];
+    const real up[3] = {0, 0, 1};
+    ffp_normalise3(forward);
+    ffp_cross3(forward, up, right);
+    ffp_normalise3(right);
+    ffp_cross3(forward, right, down);
+    for (int i = 0; i < 3; i++) {
+        real *row = c.pose + 4 * i;
+        row[0] = right[i], row[1] = down[i], row[2] = forward[i], row[3] = eye[i];
+    }
+    c.pose[15] = 1;
+    return c;
+}
+
+// Splats on a ball of radius 0.6, flat along its surface, of changing colours.
+static FfpGaussians ball(void) {
+    FfpGaussians g = ffp_gaussians_new(SPLATS);
+    for (int64_t i = 0; i < SPLATS; i++) {
+        const real z = 1 - 2 * ((real)i + 0.5F) / SPLATS, a = 2.3999632F * (real)i;
+        const real r = (real)sqrt(1 - z * z), n[3] = {r * (real)cos(a), r * (real)sin(a), z};
+        const real q[4] = {1 + n[2], -n[1], n[0], 0}; // the z axis onto n
+        for (int k = 0; k < 3; k++) {
+            g.centre[3 * i + k] = 0.6F * n[k];
+            g.scale[3 * i + k] = k < 2 ? 0.05F : 0.005F;
+            g.albedo[3 * i + k] = 0.5F + 0.3F * n[(k + 1) % 3];
+            g.ambient[3 * i + k] = 0.1F + 0.05F * n[k];
+        }
+        for (int k = 0; k < 4; k++) g.rotation[4 * i + k] = q[k] / (real)sqrt(2 + 2 * n[2]);
+        g.opacity[i] = 0.95F;
+        g.roughness[i] = 0.6F;
+    }
+    return g;
+}
+
+static FfpImage pattern_image(int pattern) {
+    FfpImage image = ffp_image_new(32, 32, 3);
+    for (int i = 0; i < 32 * 32 * 3; i++)
+        image.data[i] = pattern == WHITE ? 1 : pattern == STRIPES ? (real)(i / 3 / 4 % 2) : 0;
+    return image;
+}
+
+static void photograph(FfpView *view, const FfpGaussians *truth, const FfpCapture *capture) {
+    const FfpRenderSettings settings = ffp_render_defaults();
+    FfpRaster *raster = ffp_raster_new();
+    FfpGbuffer gbuffer = ffp_gbuffer_new(SIDE, SIDE);
+    view->images = calloc(PATTERNS, sizeof *view->images);
+    view->coverage = ffp_image_new(SIDE, SIDE, 1);
+    for (int p = 0; p < PATTERNS; p++) {
+        FfpSummed light = ffp_summed_new(&capture->patterns[p].image);
+        view->images[p] = ffp_render_view(truth, &view->camera, &view->projector, capture->intensity,
+                                          p == BLACK ? NULL : &light, &settings);
+        ffp_image_to_linear(&view->images[p]);
+        ffp_summed_free(&light);
+    }
+    ffp_rasterise(raster, truth, &view->camera, &settings, &gbuffer);
+    for (int i = 0; i < SIDE * SIDE; i++) view->coverage.data[i] = gbuffer.opacity[i] > 0.5F;
+    ffp_gbuffer_free(&gbuffer);
+    ffp_raster_free(raster);
+}
+
+// The ball from all around, and a fifth view from between that fits never see.
+static FfpCapture ball_capture(void) {
+    FfpGaussians truth = ball();
+    FfpCapture c = {.n_patterns = PATTERNS,
+                    .n_views = VIEWS,
+                    .patterns = calloc(PATTERNS, sizeof *c.patterns),
+                    .views = calloc(VIEWS + 1, sizeof *c.views),
+                    .black = BLACK,
+                    .white = WHITE,
+                    .intensity = {4, 4, 4},
+                    .radius = 1};
+    strcpy(c.folder, "ball");
+    for (int p = 0; p < PATTERNS; p++) c.patterns[p].image = pattern_image(p);
+    for (int v = 0; v <= VIEWS; v++) {
+        const real azimuth = (real)(v < VIEWS ? v : 0.5) * 6.2831853F / VIEWS;
+        c.views[v].camera = look_at_origin(azimuth, 0.3F, 2.5F, SIDE);
+        c.views[v].projector = look_at_origin(azimuth + 0.2F, 1, 2, 32);
+        photograph(&c.views[v], &truth, &c);
+    }
+    ffp_gaussians_free(&truth);
+    return c;
+}
+
+static void free_capture(FfpCapture *c) {
+    c->n_views = VIEWS + 1;
+    ffp_capture_free(c);
+}
+
+// The truth with errors in everything.
+static FfpGaussians disturbed(void) {
+    FfpGaussians g = ball();
+    FfpRng rng = ffp_rng(5, 1);
+    for (int64_t i = 0; i < 3 * g.count; i++) {
+        g.centre[i] += 0.005F * ffp_rng_normal(&rng);
+        g.scale[i] *= (real)exp(0.2F * ffp_rng_normal(&rng));
+        g.albedo[i] = fmin(fmax(g.albedo[i] + 0.1F * ffp_rng_normal(&rng), 0.02F), 0.98F);
+        g.ambient[i] = fmax(g.ambient[i] + 0.03F * ffp_rng_normal(&rng), 0.01F);
+    }
+    return g;
+}
+
+static double psnr_of_view(const FfpCapture *c, const FfpGaussians *g, int view, int pattern) {
+    const FfpRenderSettings settings = ffp_render_defaults();
+    const FfpView *v = &c->views[view];
+    FfpSummed light = ffp_summed_new(&c->patterns[pattern].image);
+    FfpImage drawn = ffp_render_view(g, &v->camera, &v->projector, c->intensity,
+                                     pattern == BLACK ? NULL : &light, &settings);
+    FfpImage truth = ffp_image_copy(&v->images[pattern]);
+    ffp_image_to_srgb(&truth);
+    const double psnr = ffp_psnr(&drawn, &truth);
+    ffp_image_free(&drawn);
+    ffp_image_free(&truth);
+    ffp_summed_free(&light);
+    return psnr;
+}
+
+static void test_a_fit_gains_on_seen_and_unseen_views(void **state) {
+    (void)state;
+    FfpCapture c = ball_capture();
+    FfpGaussians g = disturbed();
+    FfpRefineSettings s = ffp_refine_defaults();
+    FfpRefineResult result;
+    s.steps = 80;
+    const double unseen = psnr_of_view(&c, &g, VIEWS, STRIPES);
+    assert_true(ffp_refine(&g, &c, all_patterns, PATTERNS, &s, &result, NULL));
+    assert_int_equal(result.steps, 80);
+    assert_true(result.psnr_after > result.psnr_before + 4);
+    assert_true(psnr_of_view(&c, &g, VIEWS, STRIPES) > unseen + 1);
+    for (int64_t i = 0; i < 3 * g.count; i++) {
+        assert_true(g.scale[i] > 0);
+        assert_true(g.albedo[i] > 0 && g.albedo[i] < 1);
+    }
+    ffp_gaussians_free(&g);
+    free_capture(&c);
+}
+
+static void test_the_same_seed_gives_the_same_bits(void **state) {
+    (void)state;
+    FfpCapture c = ball_capture();
+    FfpRefineSettings s = ffp_refine_defaults();
+    FfpRefineResult result;
+    FfpGaussians g[2] = {disturbed(), disturbed()};
+    s.steps = 12;
+    for (int i = 0; i < 2; i++) assert_true(ffp_refine(&g[i], &c, all_patterns, PATTERNS, &s, &result, NULL));
+    assert_memory_equal(g[0].centre, g[1].centre, (size_t)g[0].count * 3 * sizeof(real));
+    assert_memory_equal(g[0].albedo, g[1].albedo, (size_t)g[0].count * 3 * sizeof(real));
+    for (int i = 0; i < 2; i++) ffp_gaussians_free(&g[i]);
+    free_capture(&c);
+}
+
+static void test_stopping_keeps_the_start_and_limits_are_asked_for(void **state) {
+    (void)state;
+    FfpCapture c = ball_capture();
+    FfpGaussians g = disturbed(), before = disturbed();
+    FfpRefineSettings s = ffp_refine_defaults();
+    FfpRefineResult result;
+    FfpError err;
+    assert_false(ffp_refine(&g, &c, all_patterns, PATTERNS, &s, &result, &err));
+    assert_non_null(strstr(err.text, "limit"));
+    const atomic_bool stop = true;
+    s.steps = 100, s.stop = &stop;
+    assert_true(ffp_refine(&g, &c, all_patterns, PATTERNS, &s, &result, &err));
+    assert_true(result.stopped);
+    assert_int_equal(result.steps, 0);
+    for (int64_t i = 0; i < 3 * g.count; i++) assert_float_equal(g.centre[i], before.centre[i], 1e-6);
+    FfpGaussians none = ffp_gaussians_new(0);
+    assert_false(ffp_refine(&none, &c, all_patterns, PATTERNS, &s, &result, &err));
+    assert_non_null(strstr(err.text, "no Gaussians"));
+    ffp_gaussians_free(&none);
+    ffp_gaussians_free(&before);
+    ffp_gaussians_free(&g);
+    free_capture(&c);
+}
+
+static void test_a_fit_from_scratch_finds_the_ball(void **state) {
+    (void)state;
+    FfpCapture c = ball_capture();
+    FfpGaussians g;
+    FfpRefineSettings s = ffp_scratch_defaults();
+    FfpRefineResult result;
+    assert_true(ffp_scratch_gaussians(&g, &c, 500, 1, NULL));
+    for (int64_t i = 0; i < g.count; i++) assert_true(ffp_dot3(g.centre + 3 * i, g.centre + 3 * i) < 0.8F);
+    s.steps = 200;
+    s.density.from = 50, s.density.every = 50;
+    assert_true(ffp_refine(&g, &c, all_patterns, PATTERNS, &s, &result, NULL));
+    assert_true(result.psnr_after > result.psnr_before + 4);
+    assert_true(result.psnr_after > 20);
+    assert_int_not_equal(result.gaussians, 500);
+    ffp_gaussians_free(&g);
+    memset(c.views[0].coverage.data, 0, SIDE * SIDE * sizeof(real));
+    FfpError err;
+    assert_false(ffp_scratch_gaussians(&g, &c, 500, 1, &err));
+    assert_non_null(strstr(err.text, "silhouettes"));
+    free_capture(&c);
+}
+
+static void test_numbers_go_there_and_back(void **state) {
+    (void)state;
+    FfpGaussians g = disturbed(), back = ffp_gaussians_new(g.count);
+    for (int local = 0; local < 2; local++) {
+        FfpParameters p = ffp_parameters_new(&g, local, false);
+        ffp_parameters_decode(&p, &back);
+        for (int a = 0; a < FFP_ATTRIBUTES; a++) {
+            const FfpAttribute was = ffp_attribute(&g, a), is = ffp_attribute(&back, a);
+            for (int64_t i = 0; i < g.count * was.width; i++)
+                assert_float_equal(was.data[i], is.data[i], 2e-6);
+        }
+        ffp_parameters_free(&p);
+    }
+    ffp_gaussians_free(&g);
+    ffp_gaussians_free(&back);
+}
+
+// Clones, halves and removals, one of each.
+static void test_density_doubles_and_removes(void **state) {
+    (void)state;
+    FfpGaussians g = ffp_gaussians_new(4);
+    for (int64_t i = 0; i < 4; i++) {
+        for (int k = 0; k < 3; k++) g.scale[3 * i + k] = i == 1 ? 0.2F : 0.01F, g.albedo[3 * i + k] = 0.5F;
+        g.rotation[4 * i] = 1, g.opacity[i] = i == 2 ? 0.01F : 0.9F, g.roughness[i] = 0.5F;
+        g.centre[3 * i] = (real)i;
+    }
+    FfpRefineSettings s = ffp_scratch_defaults();
+    FfpParameters p = ffp_parameters_new(&g, false, true);
+    FfpMover mover = ffp_mover_new(&p, &s);
+    FfpCrowd crowd = ffp_crowd_new(4, 1);
+    crowd.pull[0] = crowd.pull[1] = crowd.pull[2] = 1;
+    crowd.seen[0] = crowd.seen[1] = crowd.seen[2] = crowd.seen[3] = 1;
+    assert_false(ffp_crowd_step(&crowd, &s.density, s.density.from + 1, &p, &g, &mover));
+    assert_true(ffp_crowd_step(&crowd, &s.density, s.density.from, &p, &g, &mover));
+    assert_int_equal(p.numbers.count, 5); // 0, its clone, two halves of 1, 3
+    assert_int_equal(mover.mean.count, 5);
+    assert_float_equal(p.numbers.centre[0], p.numbers.centre[3], 0);
+    assert_float_equal(exp(p.numbers.scale[6]), 0.125, 1e-6);
+    assert_float_equal(exp(p.numbers.scale[9]), 0.125, 1e-6);
+    assert_true(p.numbers.centre[6] != p.numbers.centre[9]);
+    assert_float_equal(p.numbers.centre[12], 3, 0);
+    ffp_crowd_free(&crowd);
+    ffp_mover_free(&mover);
+    ffp_parameters_free(&p);
+    ffp_gaussians_free(&g);
+}
+
+static void test_neighbours_are_those_of_brute_force(void **state) {
+    (void)state;
+    enum { COUNT = 500, K = 5 };
+    static real points[3 * COUNT], squared[K * COUNT];
+    static int64_t neighbour[K * COUNT];
+    FfpRng rng = ffp_rng(3, 1);
+    for (int i = 0; i < 3 * COUNT; i++) points[i] = ffp_rng_range(&rng, -1.5F, 1.5F); // some outside
+    ffp_neighbours(points, COUNT, K, neighbour, squared);
+    for (int i = 0; i < COUNT; i++) {
+        int nearer = 0;
+        for (int j = 0; j < COUNT; j++) {
+            const real d[3] = {points[3 * i] - points[3 * j], points[3 * i + 1] - points[3 * j + 1],
+                               points[3 * i + 2] - points[3 * j + 2]};
+            nearer += j != i && ffp_dot3(d, d) < squared[K * i + K - 1];
+        }
+        assert_int_equal(nearer, K - 1);
+        for (int k = 1; k < K; k++) assert_true(squared[K * i + k] >= squared[K * i + k - 1]);
+    }
+    ffp_neighbours(points, 3, K, neighbour, squared);
+    assert_true(neighbour[1] >= 0 && neighbour[2] == -1);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_a_fit_gains_on_seen_and_unseen_views),
+        cmocka_unit_test(test_the_same_seed_gives_the_same_bits),
+        cmocka_unit_test(test_stopping_keeps_the_start_and_limits_are_asked_for),
+        cmocka_unit_test(test_a_fit_from_scratch_finds_the_ball),
+        cmocka_unit_test(test_numbers_go_there_and_back),
+        cmocka_unit_test(test_density_doubles_and_removes),
+        cmocka_unit_test(test_neighbours_are_those_of_brute_force),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
