@@ -96,8 +96,8 @@ static void refine_strip(real *out, const real *weight, const FfpSheet *sheet, c
     }
 }
 
-void ffp_refine(real *out, const real *depth, const real *weight, const FfpView *view,
-                const FfpObservation *seen, const FfpBlurred *pattern, int steps, real range) {
+void ffp_refine_depth(real *out, const real *depth, const real *weight, const FfpView *view,
+                      const FfpObservation *seen, const FfpBlurred *pattern, int steps, real range) {
     if (steps > STEPS_MAX) steps = STEPS_MAX;
     memcpy(out, depth, (size_t)seen->width * (size_t)seen->height * sizeof(real));
     FfpSheet sheet = ffp_sheet_new(depth, weight, &view->camera, PLANE_REACH);

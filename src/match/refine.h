@@ -8,7 +8,7 @@
 // Searches `steps` hypotheses within +-range (camera depth) of each pixel's local plane; the pixels around it
 // move along with that plane. Reads `depth` and writes `out` [h,w]; pixels without depth or with lit below
 // lit_min keep theirs.
-void ffp_refine(real *out, const real *depth, const real *weight, const FfpView *view,
-                const FfpObservation *seen, const FfpBlurred *pattern, int steps, real range);
+void ffp_refine_depth(real *out, const real *depth, const real *weight, const FfpView *view,
+                      const FfpObservation *seen, const FfpBlurred *pattern, int steps, real range);
 
 #endif
