@@ -73,20 +73,29 @@ void ffp_gaussians_close(FfpGaussians *gaussians);
 // shadows), or in the paper's plain form (blur 0.3 px, bilinear lookup, no shadows).
 typedef enum FfpDrawing { FFP_DRAWING_OURS, FFP_DRAWING_PAPER } FfpDrawing;
 
+// What goes once round the object's centre: the camera, the projector, or the object itself (both devices
+// the other way round).
+typedef enum FfpOrbit { FFP_ORBIT_NONE, FFP_ORBIT_CAMERA, FFP_ORBIT_PROJECTOR, FFP_ORBIT_OBJECT } FfpOrbit;
+
 typedef struct FfpPictures {
     const char *poses; // file of camera and projector poses (targets.json or scene.json); NULL: the capture's
     const char *const *views; // ids of the views to render; none: all
     int n_views;
-    const char *const *patterns; // names of the capture's patterns, or image files; none: the white pattern
-    int n_patterns;
-    const char *folder; // where <view>_<pattern>.png goes; made when it is not there
+    const char *const *patterns; // names of the capture's patterns, image files, or folders of these; none:
+    int n_patterns;              // the white pattern
+    FfpOrbit orbit;              // from the view given (at most one), else from the first
+    int frames;                  // of the orbit; patterns follow each other evenly through it
+    const char *video;           // animated PNG of all pictures in order, or NULL
+    int rate;                    // its frames a second, 1 to 1000
+    const char *folder; // where <view>_<pattern>.png goes, or with an orbit or a video frame_<number>.png; made
+                        // when it is not there
     bool maps; // also the G-buffers: <view>_depth.exr and .png, _opacity, _normal, _albedo, _roughness,
                // _ambient
     FfpDrawing drawing;
 } FfpPictures;
 
 // Renders views under patterns into 8-bit sRGB files over black. One rasterisation a view serves all its
-// patterns. Returns the number of pictures written, or -1.
+// patterns. Returns the number of pictures written, or -1. When it fails there is no video.
 int ffp_render_pictures(const FfpGaussians *gaussians, const FfpCapture *capture, const FfpPictures *options,
                         FfpError *err);
 

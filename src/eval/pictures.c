@@ -1,17 +1,23 @@
 // Rendering to files: chosen views under chosen patterns, and the G-buffers.
+#include <dirent.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 #include "base/arena.h"
 #include "base/file.h"
 #include "base/log.h"
 #include "eval/relight.h"
+#include "eval/video.h"
+
+#define ORBIT_FRAMES_MAX 9999 // as many as a name's four digits count
 
 // What a call works with: views and patterns borrowed from the capture or the poses file, or read for it.
 typedef struct Job {
     const FfpPictures *options;
     FfpCapture poses; // only when the options name a file
     bool has_poses;
+    FfpView *orbit; // [n_views], or NULL
     int n_views, n_patterns;
     const FfpCapture *source; // of the views: the capture or the poses
     int *views;               // [n_views] which of them
@@ -21,7 +27,12 @@ typedef struct Job {
 } Job;
 
 static const FfpView *view_of(const Job *job, int v) {
-    return &job->source->views[job->views[v]];
+    return job->orbit ? &job->orbit[v] : &job->source->views[job->views[v]];
+}
+
+// Whether pictures are frames with numbers, in place of names.
+static bool is_sequence(const FfpPictures *options) {
+    return options->orbit != FFP_ORBIT_NONE || options->video;
 }
 
 static void free_job(Job *job) {
@@ -30,6 +41,7 @@ static void free_job(Job *job) {
     free(job->patterns);
     free(job->owned);
     free(job->views);
+    free(job->orbit);
     if (job->has_poses) ffp_capture_free(&job->poses);
 }
 
@@ -53,33 +65,93 @@ static bool choose_views(Job *job, const FfpCapture *capture, FfpError *err) {
     return true;
 }
 
+static bool check_sequence(const FfpPictures *options, FfpError *err) {
+    if (!is_sequence(options)) return true;
+    if (options->maps) return ffp_fail(err, options->folder, "frames of a sequence come without maps");
+    if (options->video && (options->rate < 1 || options->rate > 1000))
+        return ffp_fail(err, options->video, "%d frames a second: 1 to 1000 are possible", options->rate);
+    if (options->orbit == FFP_ORBIT_NONE) return true;
+    if (options->n_views > 1) return ffp_fail(err, options->folder, "an orbit starts from one view");
+    if (options->frames < 1 || options->frames > ORBIT_FRAMES_MAX)
+        return ffp_fail(err, options->folder, "an orbit of %d frames: 1 to %d are possible", options->frames,
+                        ORBIT_FRAMES_MAX);
+    return true;
+}
+
+// After the patterns: all of them are to be seen.
+static void make_orbit(Job *job, const FfpCapture *capture) {
+    if (job->options->orbit == FFP_ORBIT_NONE) return;
+    const FfpView base = *view_of(job, 0);
+    job->n_views = job->options->frames > job->n_patterns ? job->options->frames : job->n_patterns;
+    job->orbit = ffp_orbit_views(capture, &base, job->options->orbit, job->n_views);
+}
+
+static FfpPattern *next_pattern(Job *job) {
+    const size_t count = (size_t)job->n_patterns + 1;
+    FfpPattern *patterns = realloc(job->patterns, count * sizeof *patterns);
+    if (!patterns) abort();
+    job->patterns = patterns;
+    bool *owned = realloc(job->owned, count * sizeof *owned);
+    if (!owned) abort();
+    job->owned = owned;
+    return &job->patterns[job->n_patterns];
+}
+
 static bool add_pattern(Job *job, const FfpCapture *capture, const char *name, FfpError *err) {
-    FfpPattern *pattern = &job->patterns[job->n_patterns];
+    FfpPattern *pattern = next_pattern(job);
     const FfpCamera *projector = &view_of(job, 0)->projector;
     const int known = ffp_capture_find_pattern(capture, name);
     const bool from_file = known < 0;
+    if (job->n_patterns == FFP_PATTERNS_MAX)
+        return ffp_fail(err, name, "more than %d patterns", FFP_PATTERNS_MAX);
     if (!from_file)
         *pattern = capture->patterns[known];
     else if (!ffp_is_file(name))
-        return ffp_fail(err, capture->folder, "%s is neither a pattern of the capture nor an image file",
-                        name);
+        return ffp_fail(err, capture->folder,
+                        "%s is neither a pattern of the capture nor an image file or a folder", name);
     else if (!ffp_pattern_read(pattern, name, projector->width, projector->height, err))
         return false;
     job->owned[job->n_patterns++] = from_file;
-    for (int p = 0; p + 1 < job->n_patterns; p++)
+    for (int p = 0; !is_sequence(job->options) && p + 1 < job->n_patterns; p++)
         if (strcmp(job->patterns[p].name, pattern->name) == 0)
             return ffp_fail(err, name, "two patterns are called %s: their pictures would share a file",
                             pattern->name);
     return true;
 }
 
+static int is_picture(const struct dirent *entry) {
+    static const char *const endings[] = {".png", ".jpg", ".jpeg", ".exr"};
+    const char *dot = strrchr(entry->d_name, '.');
+    if (!dot || dot == entry->d_name) return 0;
+    for (size_t i = 0; i < sizeof endings / sizeof *endings; i++)
+        if (strcasecmp(dot, endings[i]) == 0) return 1;
+    return 0;
+}
+
+// A folder's pictures in the order of their names.
+static bool add_pattern_folder(Job *job, const FfpCapture *capture, const char *folder, FfpError *err) {
+    struct dirent **entries;
+    const int count = scandir(folder, &entries, is_picture, alphasort);
+    bool ok = count > 0 || ffp_fail(err, folder, "holds no pictures");
+    for (int i = 0; i < count; i++) {
+        char path[FFP_PATH_MAX];
+        if (ok && !ffp_join_path(path, folder, entries[i]->d_name))
+            ok = ffp_fail(err, folder, "path is too long");
+        ok = ok && add_pattern(job, capture, path, err);
+        free(entries[i]);
+    }
+    if (count >= 0) free(entries);
+    return ok;
+}
+
 static bool choose_patterns(Job *job, const FfpCapture *capture, FfpError *err) {
     const int wanted = job->options->n_patterns;
-    job->patterns = ffp_alloc(wanted ? wanted : 1, sizeof *job->patterns);
-    job->owned = ffp_alloc(wanted ? wanted : 1, sizeof *job->owned);
     if (!wanted) return add_pattern(job, capture, capture->patterns[capture->white].name, err);
-    for (int p = 0; p < wanted; p++)
-        if (!add_pattern(job, capture, job->options->patterns[p], err)) return false;
+    for (int p = 0; p < wanted; p++) {
+        const char *name = job->options->patterns[p];
+        const bool folder = ffp_capture_find_pattern(capture, name) < 0 && ffp_is_folder(name);
+        if (!(folder ? add_pattern_folder : add_pattern)(job, capture, name, err)) return false;
+    }
     return true;
 }
 
@@ -137,20 +209,66 @@ static bool write_view(Job *job, FfpRelight *relight, const FfpGaussians *gaussi
     return ok && (!job->options->maps || write_maps(job, view, &relight->gbuffer, err));
 }
 
+// One frame under one pattern, numbered.
+static bool write_frame(Job *job, FfpRelight *relight, const FfpCapture *capture, const FfpView *view,
+                        int pattern, FfpAnimation *animation, FfpError *err) {
+    char name[32], path[FFP_PATH_MAX];
+    snprintf(name, sizeof name, "%04d.png", job->written);
+    FfpSummed summed = ffp_summed_new(&job->patterns[pattern].image);
+    FfpImage picture = ffp_relight_shade(relight, view, capture->intensity, &summed);
+    const bool ok = ffp_picture_path(path, sizeof path, job->options->folder, "frame", name, err) &&
+                    ffp_image_write_png(&picture, path, err) &&
+                    (!job->options->video || ffp_animation_add(animation, &picture, err));
+    job->written++;
+    ffp_image_free(&picture);
+    ffp_summed_free(&summed);
+    return ok;
+}
+
+// An orbit's frames share the patterns out; else each view is seen under each.
+static bool write_sequence(Job *job, FfpRelight *relight, const FfpGaussians *gaussians,
+                           const FfpCapture *capture, FfpError *err) {
+    const int each = job->orbit ? 1 : job->n_patterns, frames = job->n_views * each;
+    const char *video = job->options->video;
+    FfpAnimation animation = {0};
+    bool ok = !video || ffp_animation_open(&animation, video, frames, job->options->rate, err);
+    FfpProgress progress = ffp_progress("rendering", frames);
+    for (int f = 0; ok && f < frames; f++) {
+        const FfpView *view = view_of(job, f / each);
+        const int pattern = job->orbit ? (int)((int64_t)f * job->n_patterns / frames) : f % job->n_patterns;
+        if (f % each == 0) ffp_relight_view(relight, gaussians, view);
+        ok = write_frame(job, relight, capture, view, pattern, &animation, err);
+        ffp_progress_step(&progress, f + 1, NULL);
+    }
+    ffp_progress_end(&progress);
+    if (ok && video) ok = ffp_animation_commit(&animation, err);
+    if (video) ffp_animation_abort(&animation);
+    return ok;
+}
+
+static bool write_views(Job *job, FfpRelight *relight, const FfpGaussians *gaussians,
+                        const FfpCapture *capture, FfpError *err) {
+    bool ok = true;
+    FfpProgress progress = ffp_progress("rendering", job->n_views);
+    for (int v = 0; ok && v < job->n_views; v++) {
+        ok = write_view(job, relight, gaussians, capture, view_of(job, v), err);
+        ffp_progress_step(&progress, v + 1, NULL);
+    }
+    ffp_progress_end(&progress);
+    return ok;
+}
+
 int ffp_render_pictures(const FfpGaussians *gaussians, const FfpCapture *capture, const FfpPictures *options,
                         FfpError *err) {
     Job job = {.options = options};
-    bool ok = choose_views(&job, capture, err) && choose_patterns(&job, capture, err) &&
-              check_projectors(&job, err) && ffp_make_folders(options->folder, err);
+    bool ok = check_sequence(options, err) && choose_views(&job, capture, err) &&
+              choose_patterns(&job, capture, err);
+    if (ok) make_orbit(&job, capture);
+    ok = ok && check_projectors(&job, err) && ffp_make_folders(options->folder, err);
     if (ok) {
         const FfpRenderSettings settings = ffp_drawing_settings(options->drawing, NULL);
         FfpRelight relight = ffp_relight_new(&settings);
-        FfpProgress progress = ffp_progress("rendering", job.n_views);
-        for (int v = 0; ok && v < job.n_views; v++) {
-            ok = write_view(&job, &relight, gaussians, capture, view_of(&job, v), err);
-            ffp_progress_step(&progress, v + 1, NULL);
-        }
-        ffp_progress_end(&progress);
+        ok = (is_sequence(options) ? write_sequence : write_views)(&job, &relight, gaussians, capture, err);
         ffp_relight_free(&relight);
     }
     free_job(&job);
