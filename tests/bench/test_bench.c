@@ -1,6 +1,7 @@
 // The benchmark measures: peaks in their order, every row timed, no share beyond what can be.
 #include <math.h>
 #include "support.h"
+#include "base/cpu.h"
 #include "bench/bench.h"
 
 static void counts_runs(void *data) {
