@@ -127,6 +127,62 @@ bool ffp_refine_gaussians(FfpGaussians *gaussians, const FfpCapture *capture, co
 FfpGaussians *ffp_fit_from_scratch(const FfpCapture *capture, const FfpRefinement *options,
                                    FfpRefinementStory *story, FfpError *err);
 
+// --- What to do with it: compensated projections and correspondence maps. ---
+
+typedef struct FfpCompensation {
+    const char *poses; // as FfpPictures.poses
+    const char *const
+        *views;  // ids of the views whose cameras are to see a target, all projectors shining at once;
+    int n_views; // none: all
+    const char *const *targets; // image files in the cameras' frames: one for all views, or one for each
+    int n_targets;              // in their order; where a target is transparent it asks for nothing
+    const char
+        *pattern; // file for the pattern (PNG). Of several projectors, <pattern>_<view>.png each. Beside it
+                  // <pattern>_seen_<view>.png, the picture predicted, and <pattern>_target_<view>.png
+    double gain;  // factor of the linear targets; 0: the brightest that light allows
+    bool paint;   // targets are light on the object: 0 its look under black, 1 its look under white (no gain)
+    int steps;    // of gradient descent after the closed form; 0: none
+    bool gaussians_only; // ambient light and response from the Gaussians even where the view has photographs
+                         // under black and white
+    FfpDrawing drawing;
+} FfpCompensation;
+
+typedef struct FfpCompensationStory {
+    double gain;                        // that was used
+    double unlit, too_dark, too_bright; // shares of the object's pixels that the targets ask about
+    double psnr_dark, psnr_closed,
+        psnr; // dB over the lit ones: with dark projectors, in closed form, at the end
+    int patterns;
+    double seconds;
+} FfpCompensationStory;
+
+// Finds the patterns under which the cameras see their targets as nearly as light allows. `story` may be
+// NULL.
+bool ffp_compensate(const FfpGaussians *gaussians, const FfpCapture *capture, const FfpCompensation *options,
+                    FfpCompensationStory *story, FfpError *err);
+
+typedef struct FfpMaps {
+    const char *poses;        // as FfpPictures.poses
+    const char *const *views; // ids; none: all
+    int n_views;
+    const char *folder; // for the files (docs/formats.md); made when it is not there
+    FfpDrawing drawing;
+} FfpMaps;
+
+typedef struct FfpMapStory { // of one view
+    char view[96];
+    int lit_pixels,
+        lost_pixels; // camera pixels that found the way to the projector and back; lit ones that did not
+    double within_half, median, most; // of the former: share that came back within half a pixel; pixels
+    double lit_share;                 // of the projector's pixels that fall on the object
+} FfpMapStory;
+enum { FFP_MAP_STORIES = 512 }; // as many views as there can be
+
+// Writes correspondences and what the projector lights. Returns the number of files, or -1. `stories` is NULL
+// or has room for all views.
+int ffp_write_maps(const FfpGaussians *gaussians, const FfpCapture *capture, const FfpMaps *options,
+                   FfpMapStory *stories, FfpError *err);
+
 // --- Evaluation. ---
 
 typedef enum FfpPredictor {

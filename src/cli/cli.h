@@ -14,6 +14,8 @@ int ffp_cli_import(int argc, char **argv);
 int ffp_cli_reconstruct(int argc, char **argv);
 int ffp_cli_refine(int argc, char **argv);
 int ffp_cli_render(int argc, char **argv);
+int ffp_cli_compensate(int argc, char **argv);
+int ffp_cli_map(int argc, char **argv);
 int ffp_cli_evaluate(int argc, char **argv);
 int ffp_cli_generate(int argc, char **argv);
 int ffp_cli_train(int argc, char **argv);

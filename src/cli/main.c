@@ -15,6 +15,8 @@ static const char help[] =
     "  reconstruct  a capture to Gaussians (PLY), in one forward pass\n"
     "  refine       Gaussians fitted further to the photographs they come from\n"
     "  render       pictures of Gaussians under patterns, from chosen views\n"
+    "  compensate   the pattern that makes a camera see a target picture on the object\n"
+    "  map          which projector pixel lights what: correspondences, density, angles\n"
     "  evaluate     predictions against the photographs: tables, pictures, a report\n"
     "  generate     captures of made-up objects, traced with all their truth\n"
     "  train        weights from generated scenes\n"
@@ -42,6 +44,8 @@ static const Command commands[] = {
     {"reconstruct", ffp_cli_reconstruct},
     {"refine", ffp_cli_refine},
     {"render", ffp_cli_render},
+    {"compensate", ffp_cli_compensate},
+    {"map", ffp_cli_map},
     {"evaluate", ffp_cli_evaluate},
     {"import", ffp_cli_import},
     {"generate", ffp_cli_generate},

@@ -1,0 +1,265 @@
+// How much nearer a compensated projection brings what a camera sees to its target.
+//   compensate_report [-m WEIGHTS] [-t TARGET].. [-v VIEWS] [-s STEPS] [-a] [-g] [-o REPORT.html] CAPTURE..
+// -m: weights of the reconstruction (default: the classical start alone). -t: target images. -v: how many
+// views of a capture (default 2). -a: absolute targets with automatic gain (default: light painted on the
+// object). -g: Gaussians only, no photographs for the response. Patterns are computed from the reconstruction
+// alone. The judge knows nothing of it: it looks the pattern up at the capture's true depth, black + (white -
+// black) * pattern, with the photographs' black and white. PSNR is over the object's pixels that the
+// projector lights in the photographs, of encoded 8-bit pictures. The unwarped projection has the brightness
+// that suits it best.
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <tgmath.h>
+#include <unistd.h>
+#include "apply/solve.h"
+#include "base/log.h"
+#include "eval/reconstruct.h"
+#include "eval/relight.h"
+#include "eval/report.h"
+#include "loss/metrics.h"
+#include "match/match.h"
+
+#define TARGETS_MAX 16
+#define BRIGHTNESSES 24 // tried for the unwarped projection, each 0.8 times the one before
+
+typedef struct Figures {
+    double unwarped, closed, descended, cases;
+} Figures;
+
+typedef struct Bench {
+    const char *targets[TARGETS_MAX];
+    int n_targets, views, steps;
+    bool photographs, paint; // options of the compensation
+    FfpModel *model;
+    FfpReport *report;
+    FfpRenderSettings settings;
+    // of the capture at hand
+    FfpCapture *capture;
+    FfpCapture normalised;
+    FfpGaussians *gaussians;
+} Bench;
+
+// What the camera sees under a pattern.
+static FfpImage judge(const Bench *bench, int view, const FfpImage *pattern) {
+    FfpCapture seen = bench->normalised;
+    FfpPattern ours = {.image = *pattern};
+    FfpView *own = &seen.views[view];
+    FfpPattern *patterns = calloc((size_t)seen.n_patterns + 1, sizeof *patterns);
+    memcpy(patterns, seen.patterns, (size_t)seen.n_patterns * sizeof *patterns);
+    patterns[seen.n_patterns] = ours;
+    seen.patterns = patterns;
+    FfpImage picture = ffp_predict_by_lookup(&seen, view, seen.n_patterns, own->depth.data);
+    ffp_quantise(&picture);
+    free(patterns);
+    return picture;
+}
+
+static FfpImage photographed_light(const Bench *bench, int view) {
+    const FfpView *v = &bench->capture->views[view];
+    const real *black = v->images[bench->capture->black].data, *white = v->images[bench->capture->white].data;
+    FfpImage lit = ffp_image_new(v->camera.width, v->camera.height, 1);
+    for (int p = 0; p < lit.width * lit.height; p++)
+        for (int c = 0; c < 3; c++)
+            if (v->coverage.data[p] > 0.5F &&
+                ffp_srgb_encode(white[3 * p + c]) - ffp_srgb_encode(black[3 * p + c]) >= 2.0F / 255)
+                lit.data[p] = 1;
+    return lit;
+}
+
+static double judged_psnr(const Bench *bench, int view, const FfpImage *pattern, const FfpImage *target,
+                          FfpImage *picture) {
+    FfpImage seen = judge(bench, view, pattern), lit = photographed_light(bench, view);
+    const double psnr = ffp_psnr_masked(&seen, target, &lit);
+    ffp_image_free(&lit);
+    if (picture)
+        *picture = seen;
+    else
+        ffp_image_free(&seen);
+    return psnr;
+}
+
+// The target itself as a pattern, as bright as is best.
+static double unwarped_psnr(const Bench *bench, int view, const FfpImage *image, const FfpImage *target,
+                            FfpImage *picture) {
+    const FfpCamera *projector = &bench->capture->views[view].projector;
+    FfpImage pattern = ffp_image_resize(image, projector->width, projector->height);
+    FfpImage best = ffp_image_copy(&pattern);
+    double most = -INFINITY;
+    const size_t count = (size_t)pattern.width * (size_t)pattern.height * 3;
+    for (int k = 0; k < BRIGHTNESSES; k++) {
+        const double psnr = judged_psnr(bench, view, &pattern, target, NULL);
+        if (psnr > most) {
+            most = psnr;
+            memcpy(best.data, pattern.data, count * sizeof(real));
+        }
+        for (size_t i = 0; i < count; i++) pattern.data[i] *= 0.8F;
+    }
+    judged_psnr(bench, view, &best, target, picture);
+    ffp_image_free(&pattern);
+    ffp_image_free(&best);
+    return most;
+}
+
+// The target as the judge means it: painted between the photographs under black and white.
+static FfpImage encoded_target(const Bench *bench, int view, const FfpImage *fitted, real gain) {
+    const FfpView *v = &bench->capture->views[view];
+    const real *black = v->images[bench->capture->black].data, *white = v->images[bench->capture->white].data;
+    FfpImage target = ffp_image_copy(fitted);
+    for (int i = 0; i < 3 * target.width * target.height; i++)
+        target.data[i] =
+            bench->paint ? black[i] + (white[i] - black[i]) * target.data[i] : gain * target.data[i];
+    ffp_image_to_srgb(&target);
+    return target;
+}
+
+static void show(const Bench *bench, const FfpView *view, const char *what, double psnr,
+                 const FfpImage *encoded) {
+    char caption[256];
+    snprintf(caption, sizeof caption, "%s: %s %.2f dB", view->id, what, psnr);
+    if (isnan(psnr)) snprintf(caption, sizeof caption, "%s: %s", view->id, what);
+    if (bench->report) ffp_report_picture(bench->report, encoded, caption);
+}
+
+static void show_pattern(const Bench *bench, const FfpView *view, const FfpImage *pattern) {
+    FfpImage encoded = ffp_image_copy(pattern);
+    ffp_image_to_srgb(&encoded);
+    show(bench, view, "the pattern", NAN, &encoded);
+    ffp_image_free(&encoded);
+}
+
+static double judged(const Bench *bench, int view, FfpStage *stage, const FfpImage *target,
+                     const char *what) {
+    FfpImage picture;
+    ffp_stage_quantise(stage);
+    const double psnr = judged_psnr(bench, view, &stage->beams[0].pattern, target, &picture);
+    show(bench, &bench->capture->views[view], what, psnr, &picture);
+    ffp_image_free(&picture);
+    return psnr;
+}
+
+static void run_case(const Bench *bench, int v, const FfpImage *image, Figures *sum) {
+    const FfpView *view = &bench->capture->views[v];
+    FfpStage stage =
+        ffp_stage_new(bench->gaussians, bench->capture, &view, 1, &bench->settings, bench->photographs);
+    FfpImage fitted = ffp_image_resize(image, view->camera.width, view->camera.height);
+    ffp_stage_aim(&stage, 0, &fitted, NULL);
+    const real gain = bench->paint ? 1 : ffp_stage_brightest(&stage);
+    if (bench->paint)
+        ffp_stage_paint(&stage);
+    else
+        ffp_stage_scale(&stage, gain);
+    FfpImage target = encoded_target(bench, v, &fitted, gain), picture;
+    show(bench, view, "target", NAN, &target);
+    const double unwarped = unwarped_psnr(bench, v, image, &target, &picture);
+    show(bench, view, "unwarped", unwarped, &picture);
+    ffp_image_free(&picture);
+    const FfpGamut gamut = ffp_stage_gamut(&stage);
+    ffp_stage_closed_form(&stage);
+    const double own_closed = ffp_stage_psnr(&stage);
+    FfpImage closed = ffp_image_copy(&stage.beams[0].pattern);
+    const double closed_psnr = judged(bench, v, &stage, &target, "closed form");
+    memcpy(stage.beams[0].pattern.data, closed.data,
+           (size_t)closed.width * (size_t)closed.height * 3 * sizeof(real));
+    const double started = ffp_seconds();
+    ffp_stage_descend(&stage, bench->steps);
+    const double ended = ffp_seconds(), descended = judged(bench, v, &stage, &target, "descended");
+    show_pattern(bench, view, &stage.beams[0].pattern);
+    printf("%-8s %-18s %6.2f %6.2f %6.2f | predicted %6.2f %6.2f | gain %.3f unlit %.1f dark %.1f bright "
+           "%.1f %% | %.1f s\n",
+           bench->capture->name, view->id, unwarped, closed_psnr, descended, own_closed,
+           ffp_stage_psnr(&stage), (double)gain, 100 * gamut.unlit, 100 * gamut.too_dark,
+           100 * gamut.too_bright, ended - started);
+    fflush(stdout);
+    sum->unwarped += unwarped, sum->closed += closed_psnr, sum->descended += descended, sum->cases++;
+    ffp_image_free(&closed);
+    ffp_image_free(&target);
+    ffp_image_free(&fitted);
+    ffp_stage_free(&stage);
+}
+
+static void add_row(const char *name, const Figures *f) {
+    printf("%-27s %6.2f %6.2f %6.2f   over unwarped %+.2f, over closed form %+.2f dB\n", name,
+           f->unwarped / f->cases, f->closed / f->cases, f->descended / f->cases,
+           (f->descended - f->unwarped) / f->cases, (f->descended - f->closed) / f->cases);
+}
+
+static void add_figures(Figures *sum, const Figures *f) {
+    sum->unwarped += f->unwarped, sum->closed += f->closed, sum->descended += f->descended,
+        sum->cases += f->cases;
+}
+
+static bool run_target(const Bench *bench, const char *path, Figures *sum, FfpError *err) {
+    FfpImage image;
+    if (!ffp_image_read_over_black(&image, NULL, path, err)) return false;
+    if (bench->report) ffp_report_heading(bench->report, bench->capture->name, path);
+    const int n = bench->capture->n_views, views = bench->views < n ? bench->views : n;
+    for (int v = 0; v < views; v++) run_case(bench, v * n / views, &image, sum);
+    ffp_image_free(&image);
+    return true;
+}
+
+static bool has_depth(const FfpCapture *capture, FfpError *err) {
+    for (int v = 0; v < capture->n_views; v++)
+        if (!capture->views[v].depth.data)
+            return ffp_fail(err, capture->folder, "view %s has no true depth to judge by",
+                            capture->views[v].id);
+    return true;
+}
+
+static bool run_capture(Bench *bench, const char *path, Figures *sum, FfpError *err) {
+    const FfpReconstruction how = {.model = bench->model};
+    Figures own = {0};
+    bench->capture = ffp_capture_open(path, err);
+    bool ok = bench->capture && has_depth(bench->capture, err);
+    bench->gaussians = ok ? ffp_reconstruct(bench->capture, &how, NULL, err) : NULL;
+    if (bench->gaussians) {
+        bench->normalised = ffp_normalised_alias(bench->capture);
+        for (int t = 0; ok && t < bench->n_targets; t++) ok = run_target(bench, bench->targets[t], &own, err);
+        if (ok) add_row(bench->capture->name, &own);
+        add_figures(sum, &own);
+        ffp_normalised_alias_free(&bench->normalised);
+    }
+    ok = ok && bench->gaussians;
+    ffp_gaussians_close(bench->gaussians);
+    ffp_capture_close(bench->capture);
+    return ok;
+}
+
+static int fail(const FfpError *err) {
+    fprintf(stderr, "compensate_report: error: %s\n", err->text);
+    return 1;
+}
+
+int main(int argc, char **argv) {
+    Bench bench = {
+        .photographs = true, .paint = true, .views = 2, .steps = 100, .settings = ffp_render_defaults()};
+    const char *weights = NULL, *page = NULL;
+    Figures all = {0};
+    FfpError err = {0};
+    for (int option; (option = getopt(argc, argv, "m:t:v:s:ago:")) != -1;) {
+        if (option == '?') return 2;
+        if (option == 'm') weights = optarg;
+        if (option == 't' && bench.n_targets < TARGETS_MAX) bench.targets[bench.n_targets++] = optarg;
+        if (option == 'v') bench.views = atoi(optarg);
+        if (option == 's') bench.steps = atoi(optarg);
+        if (option == 'a') bench.paint = false;
+        if (option == 'g') bench.photographs = false;
+        if (option == 'o') page = optarg;
+    }
+    if (optind == argc || !bench.n_targets || bench.views < 1 || bench.steps < 0) {
+        fprintf(stderr, "usage: compensate_report [-m WEIGHTS] -t TARGET.. [-v VIEWS] [-s STEPS] [-a] [-g] "
+                        "[-o REPORT.html] CAPTURE..\n");
+        return 2;
+    }
+    if (weights && !(bench.model = ffp_model_open(weights, &err))) return fail(&err);
+    if (page) bench.report = ffp_report_new("compensated projections");
+    bool ok = true;
+    printf("%-27s %6s %6s %6s\n", "PSNR, dB, judged", "unwarp", "closed", "desc.");
+    for (int i = optind; ok && i < argc; i++) ok = run_capture(&bench, argv[i], &all, &err);
+    if (ok) add_row("mean", &all);
+    if (ok && page) ok = ffp_report_write(bench.report, NULL, 0, page, &err);
+    ffp_report_free(bench.report);
+    ffp_model_close(bench.model);
+    return ok ? 0 : fail(&err);
+}

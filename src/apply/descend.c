@@ -1,0 +1,138 @@
+// Gradient descent on the patterns, through lookup and light.
+#include <stdlib.h>
+#include <string.h>
+#include <tgmath.h>
+#include "apply/encoded.h"
+#include "apply/solve.h"
+#include "base/arena.h"
+
+#define RATE 0.03F // of the first step, in pattern values; falls to a tenth along a cosine
+#define BETA1 0.9F
+#define BETA2 0.99F
+
+static double total_weight(const FfpStage *stage) {
+    double sum = 0;
+    for (int s = 0; s < stage->n_sights; s++) {
+        const FfpImage *weight = &stage->sights[s].weight;
+        for (int p = 0; p < weight->width * weight->height; p++) sum += (double)weight->data[p];
+    }
+    return sum > 0 ? sum : 1;
+}
+
+// The camera's part of the loss; `difference` becomes its gradient to the linear picture.
+static double compare(const FfpSight *sight, const FfpImage *picture, double scale, FfpImage *difference) {
+    const int pixels = picture->width * picture->height;
+    double sum = 0;
+    for (int i = 0; i < 3 * pixels; i++) {
+        real slope, unused;
+        const real error =
+            ffp_encode_on(picture->data[i], &slope) - ffp_encode_on(sight->target.data[i], &unused);
+        const double weight = (double)sight->weight.data[i / 3] * scale;
+        sum += weight * (double)error * (double)error;
+        difference->data[i] = (real)(2 * weight) * error * slope;
+    }
+    return sum;
+}
+
+static void scatter(const FfpLink *link, const FfpImage *difference, FfpImage *gradient) {
+    FfpSummed adjoint = {.width = gradient->width, .height = gradient->height};
+    FfpImage part = ffp_image_new(gradient->width, gradient->height, 3);
+    const size_t count = (size_t)gradient->width * (size_t)gradient->height * 3;
+    adjoint.sum =
+        ffp_alloc(((size_t)gradient->width + 1) * ((size_t)gradient->height + 1), 3 * sizeof(double));
+    for (int p = 0; p < difference->width * difference->height; p++) {
+        const real *uv = link->mapping.uv + 2 * p, *extent = link->mapping.extent + 2 * p;
+        real grad[3];
+        for (int c = 0; c < 3; c++) grad[c] = difference->data[3 * p + c] * link->response.data[3 * p + c];
+        if (grad[0] == 0 && grad[1] == 0 && grad[2] == 0) continue;
+        ffp_lookup_backward_pattern(&adjoint, uv[0], uv[1], extent[0], extent[1], grad);
+    }
+    ffp_lookup_gather_pattern(&adjoint, &part);
+    for (size_t i = 0; i < count; i++) gradient->data[i] += part.data[i];
+    ffp_image_free(&part);
+    ffp_summed_free(&adjoint);
+}
+
+double ffp_stage_loss(const FfpStage *stage, FfpImage *gradients) {
+    const double scale = 1 / (3 * total_weight(stage));
+    double loss = 0;
+    for (int s = 0; s < stage->n_sights; s++) {
+        FfpImage picture = ffp_stage_picture(stage, s);
+        FfpImage difference = ffp_image_new(picture.width, picture.height, 3);
+        loss += compare(&stage->sights[s], &picture, scale, &difference);
+        for (int k = 0; gradients && k < stage->n_beams; k++)
+            scatter(ffp_stage_link(stage, s, k), &difference, &gradients[k]);
+        ffp_image_free(&picture);
+        ffp_image_free(&difference);
+    }
+    return loss;
+}
+
+typedef struct Adam {
+    FfpImage *gradients; // [n_beams]
+    real **mean, **square;
+    size_t *count;
+} Adam;
+
+static Adam adam_new(const FfpStage *stage) {
+    const size_t n = (size_t)stage->n_beams;
+    Adam adam = {ffp_alloc(n, sizeof *adam.gradients), ffp_alloc(n, sizeof *adam.mean),
+                 ffp_alloc(n, sizeof *adam.square), ffp_alloc(n, sizeof *adam.count)};
+    for (size_t k = 0; k < n; k++) {
+        const FfpImage *pattern = &stage->beams[k].pattern;
+        adam.count[k] = (size_t)pattern->width * (size_t)pattern->height * 3;
+        adam.gradients[k] = ffp_image_new(pattern->width, pattern->height, 3);
+        adam.mean[k] = ffp_alloc(adam.count[k], sizeof(real));
+        adam.square[k] = ffp_alloc(adam.count[k], sizeof(real));
+    }
+    return adam;
+}
+
+static void adam_free(Adam *adam, int n_beams) {
+    for (int k = 0; k < n_beams; k++) {
+        ffp_image_free(&adam->gradients[k]);
+        free(adam->mean[k]);
+        free(adam->square[k]);
+    }
+    free(adam->gradients), free(adam->mean), free(adam->square), free(adam->count);
+}
+
+// `small` keeps places that hardly matter from moving as fast as the others.
+static void adam_step(Adam *adam, int k, int step, real rate, real small, real *value) {
+    const real correct1 = 1 - pow(BETA1, (real)step), correct2 = 1 - pow(BETA2, (real)step);
+    real *mean = adam->mean[k], *square = adam->square[k];
+    const real *gradient = adam->gradients[k].data;
+#pragma omp parallel for schedule(static)
+    for (size_t i = 0; i < adam->count[k]; i++) {
+        mean[i] += (1 - BETA1) * (gradient[i] - mean[i]);
+        square[i] += (1 - BETA2) * (gradient[i] * gradient[i] - square[i]);
+        const real moved = mean[i] / correct1 / (sqrt(square[i] / correct2) + small);
+        value[i] = fmin(fmax(value[i] - rate * moved, (real)0), (real)1);
+    }
+}
+
+static real root_mean_square(const FfpImage *image) {
+    const size_t n = (size_t)image->width * (size_t)image->height * 3;
+    double sum = 0, count = 0;
+    for (size_t i = 0; i < n; i++)
+        if (image->data[i] != 0) sum += (double)image->data[i] * (double)image->data[i], count++;
+    return count > 0 ? (real)sqrt(sum / count) : 1;
+}
+
+void ffp_stage_descend(FfpStage *stage, int steps) {
+    Adam adam = adam_new(stage);
+    real *small = ffp_alloc((size_t)stage->n_beams, sizeof *small);
+    for (int step = 1; step <= steps; step++) {
+        for (int k = 0; k < stage->n_beams; k++)
+            memset(adam.gradients[k].data, 0, adam.count[k] * sizeof(real));
+        ffp_stage_loss(stage, adam.gradients);
+        const real turn = (real)(step - 1) / (real)steps;
+        const real rate = RATE * (0.55F + 0.45F * cos(3.14159265F * turn));
+        for (int k = 0; k < stage->n_beams; k++) {
+            if (step == 1) small[k] = root_mean_square(&adam.gradients[k]);
+            adam_step(&adam, k, step, rate, small[k], stage->beams[k].pattern.data);
+        }
+    }
+    free(small);
+    adam_free(&adam, stage->n_beams);
+}

@@ -1,0 +1,77 @@
+// How well the two correspondence maps of a camera and a projector fit each other.
+#include <stdlib.h>
+#include <tgmath.h>
+#include "apply/stage.h"
+#include "base/arena.h"
+
+#define STEEPEST                                                                                             \
+    4 // depth steps of more pixel widths between neighbours are no surface (a tilt of 76 degrees)
+
+// Camera position at (u, v) of the inverse for a point at depth z; false when no pixel has that depth.
+static bool way_back(const FfpImage *inverse, const FfpCamera *projector, real u, real v, real z,
+                     real out[2]) {
+    const real x = u - 0.5F, y = v - 0.5F;
+    const int x0 = (int)floor(x), y0 = (int)floor(y);
+    const real same = STEEPEST * z / fmin(projector->fx, projector->fy);
+    real weight = 0;
+    out[0] = out[1] = 0;
+    for (int k = 0; k < 4; k++) {
+        const int i = x0 + (k & 1), j = y0 + (k >> 1);
+        if (i < 0 || j < 0 || i >= inverse->width || j >= inverse->height) continue;
+        const real *pixel = inverse->data + 3 * ((size_t)j * (size_t)inverse->width + (size_t)i);
+        if (!(pixel[2] > 0) || fabs(pixel[2] - z) > same) continue;
+        const real share = (1 - fabs(x - (real)i)) * (1 - fabs(y - (real)j));
+        weight += share;
+        out[0] += share * pixel[0], out[1] += share * pixel[1];
+    }
+    if (!(weight > 1e-3F)) return false;
+    out[0] /= weight, out[1] /= weight;
+    return true;
+}
+
+static int by_value(const void *a, const void *b) {
+    const real x = *(const real *)a, y = *(const real *)b;
+    return (x > y) - (x < y);
+}
+
+// Distance in pixels, -1 when the pixel is not lit, -2 when there is no way back.
+static real one_trip(const FfpSight *sight, const FfpLink *link, const FfpCamera *projector,
+                     const FfpImage *inverse, int x, int y) {
+    const FfpCamera *camera = &sight->view->camera;
+    const int p = y * camera->width + x;
+    const real px = (real)x + 0.5F, py = (real)y + 0.5F, z = sight->depth.data[p];
+    const real *response = link->response.data + 3 * p;
+    if (!(z > 0) || !(link->mapping.visibility[p] >= 0.5F) || !(response[0] + response[1] + response[2] > 0))
+        return -1;
+    real ray[3], point[3], u, v, back[2];
+    const real along = ffp_pixel_ray(camera, px, py, ray);
+    for (int k = 0; k < 3; k++) point[k] = camera->pose[4 * k + 3] + z / along * ray[k];
+    const real depth = ffp_project(projector, point, &u, &v);
+    if (!way_back(inverse, projector, u, v, depth, back)) return -2;
+    return hypot(back[0] - px, back[1] - py);
+}
+
+FfpRoundTrip ffp_stage_round_trip(const FfpStage *stage, int s, int beam, const FfpImage *inverse) {
+    const FfpSight *sight = &stage->sights[s];
+    const FfpLink *link = ffp_stage_link(stage, s, beam);
+    const FfpCamera *camera = &sight->view->camera;
+    FfpRoundTrip trip = {0};
+    real *errors = ffp_alloc((size_t)camera->width * (size_t)camera->height, sizeof *errors);
+    int within = 0;
+    for (int y = 0; y < camera->height; y++)
+        for (int x = 0; x < camera->width; x++) {
+            const real error = one_trip(sight, link, &stage->beams[beam].view->projector, inverse, x, y);
+            trip.lost += error == -2;
+            if (!(error >= 0)) continue;
+            within += error <= 0.5F;
+            errors[trip.pixels++] = error;
+        }
+    qsort(errors, (size_t)trip.pixels, sizeof *errors, by_value);
+    if (trip.pixels) {
+        trip.within_half = (double)within / trip.pixels;
+        trip.median = (double)errors[trip.pixels / 2];
+        trip.most = (double)errors[trip.pixels - 1];
+    }
+    free(errors);
+    return trip;
+}

@@ -1,0 +1,231 @@
+// Building a stage: rasterise each camera once, map it to every projector, and take the response to white.
+#include "apply/stage.h"
+
+#include <stdlib.h>
+#include <string.h>
+#include <tgmath.h>
+#include "apply/surface.h"
+#include "base/arena.h"
+#include "base/vec.h"
+
+#define WHITE_MIN 0.05F // a white pattern that is darker than this over a footprint tells no response
+
+typedef struct Builder {
+    FfpStage *stage;
+    const FfpGaussians *gaussians;
+    const FfpCapture *capture;
+    const FfpRenderSettings *settings;
+    FfpSummed white;
+    FfpRaster *raster;
+    bool photographs;
+} Builder;
+
+FfpLink *ffp_stage_link(const FfpStage *stage, int sight, int beam) {
+    return &stage->links[sight * stage->n_beams + beam];
+}
+
+static bool same_device(const FfpCamera *a, const FfpCamera *b) {
+    if (a->width != b->width || a->height != b->height || a->fx != b->fx || a->fy != b->fy ||
+        a->cx != b->cx || a->cy != b->cy)
+        return false;
+    for (int i = 0; i < 16; i++)
+        if (a->pose[i] != b->pose[i]) return false;
+    return true;
+}
+
+static void find_beams(FfpStage *stage, const FfpView *const *views) {
+    for (int v = 0; v < stage->n_sights; v++) {
+        int known = 0;
+        while (known < stage->n_beams &&
+               !same_device(&stage->beams[known].view->projector, &views[v]->projector))
+            known++;
+        if (known == stage->n_beams) stage->beams[stage->n_beams++].view = views[v];
+    }
+}
+
+static bool photographed(const Builder *b, const FfpView *view) {
+    return b->photographs && view->images && view->images[b->capture->black].data &&
+           view->images[b->capture->white].data;
+}
+
+static void fill_sight(const Builder *b, FfpSight *sight, const FfpGbuffer *g) {
+    const FfpCamera *camera = &sight->view->camera;
+    const bool has_pictures = photographed(b, sight->view);
+    sight->depth = ffp_image_new(g->width, g->height, 1);
+    sight->facing = ffp_image_new(g->width, g->height, 1);
+    sight->weight = ffp_image_new(g->width, g->height, 1);
+    sight->ambient = has_pictures ? ffp_image_copy(&sight->view->images[b->capture->black])
+                                  : ffp_image_new(g->width, g->height, 3);
+    for (int y = 0; y < g->height; y++)
+        for (int x = 0; x < g->width; x++) {
+            const int p = y * g->width + x;
+            const real opacity = g->opacity[p];
+            sight->weight.data[p] = has_pictures ? sight->view->coverage.data[p] : fmin(opacity, 1);
+            if (!has_pictures) memcpy(sight->ambient.data + 3 * p, g->ambient + 3 * p, 3 * sizeof(real));
+            if (!(opacity >= 0.5F)) continue;
+            real ray[3], normal[3];
+            memcpy(normal, g->normal + 3 * p, sizeof normal);
+            ffp_normalise3(normal);
+            ffp_pixel_ray(camera, (real)x + 0.5F, (real)y + 0.5F, ray);
+            sight->depth.data[p] = g->depth[p] / opacity;
+            sight->facing.data[p] = fmin(fabs(ffp_dot3(normal, ray)), 1);
+        }
+}
+
+// Pixels without light keep a position in the pattern: a photograph may know better than the shadow map.
+static bool in_pattern(const FfpLink *link, const FfpCamera *projector, int p) {
+    const real *uv = link->mapping.uv + 2 * p;
+    return uv[0] > 0 && uv[1] > 0 && uv[0] < (real)projector->width && uv[1] < (real)projector->height;
+}
+
+// Radiance under white less the ambient one, divided by the white pattern over the footprint. `lit` and
+// `dark` are linear pictures.
+static void divide_white(const Builder *b, FfpLink *link, const FfpCamera *projector, const real *lit,
+                         const real *dark, bool believe_shadows) {
+    const int pixels = link->mapping.width * link->mapping.height;
+    for (int p = 0; p < pixels; p++) {
+        const real *uv = link->mapping.uv + 2 * p, *extent = link->mapping.extent + 2 * p;
+        real white[3];
+        if (!in_pattern(link, projector, p) || (believe_shadows && !(link->mapping.visibility[p] > 0)))
+            continue;
+        ffp_lookup(&b->white, uv[0], uv[1], extent[0], extent[1], white);
+        for (int c = 0; c < 3; c++)
+            if (white[c] > WHITE_MIN)
+                link->response.data[3 * p + c] = fmax((lit[3 * p + c] - dark[3 * p + c]) / white[c], (real)0);
+    }
+}
+
+static void fill_link(const Builder *b, FfpSight *sight, const FfpBeam *beam, const FfpGbuffer *g,
+                      FfpLink *link) {
+    const FfpCamera *camera = &sight->view->camera, *projector = &beam->view->projector;
+    link->mapping = ffp_mapping_new(g->width, g->height);
+    link->response = ffp_image_new(g->width, g->height, 3);
+    ffp_map_to_projector(b->raster, b->gaussians, g, camera, projector, b->settings, &link->mapping);
+    const FfpView *view = sight->view;
+    if (photographed(b, view) && same_device(&view->projector, projector)) {
+        divide_white(b, link, projector, view->images[b->capture->white].data,
+                     view->images[b->capture->black].data, false);
+        return;
+    }
+    FfpImage lit = ffp_image_new(g->width, g->height, 3);
+    ffp_shade(g, &link->mapping, camera, projector, b->capture->intensity, &b->white, &lit);
+    divide_white(b, link, projector, lit.data, g->ambient, true);
+    ffp_image_free(&lit);
+}
+
+static void fill_views(const Builder *b) {
+    for (int s = 0; s < b->stage->n_sights; s++) {
+        FfpSight *sight = &b->stage->sights[s];
+        FfpGbuffer g = ffp_gbuffer_new(sight->view->camera.width, sight->view->camera.height);
+        ffp_rasterise(b->raster, b->gaussians, &sight->view->camera, b->settings, &g);
+        fill_sight(b, sight, &g);
+        for (int k = 0; k < b->stage->n_beams; k++)
+            fill_link(b, sight, &b->stage->beams[k], &g, ffp_stage_link(b->stage, s, k));
+        ffp_gbuffer_free(&g);
+    }
+}
+
+static void fill_beams(const Builder *b) {
+    for (int k = 0; k < b->stage->n_beams; k++) {
+        FfpBeam *beam = &b->stage->beams[k];
+        const FfpCamera *projector = &beam->view->projector;
+        beam->pattern = ffp_image_new(projector->width, projector->height, 3);
+        beam->feather = ffp_image_new(projector->width, projector->height, 1);
+        const int pixels = projector->width * projector->height;
+        for (int p = 0; p < pixels; p++) beam->feather.data[p] = 1;
+        if (b->stage->n_beams == 1) continue;
+        FfpLitSurface surface = ffp_lit_surface_new(b->gaussians, projector, b->settings);
+        ffp_lit_surface_feather(&surface, projector, &beam->feather);
+        ffp_lit_surface_free(&surface);
+    }
+}
+
+FfpStage ffp_stage_new(const FfpGaussians *gaussians, const FfpCapture *capture, const FfpView *const *views,
+                       int n_views, const FfpRenderSettings *settings, bool photographs) {
+    FfpStage stage = {.n_sights = n_views};
+    stage.sights = ffp_alloc((size_t)n_views, sizeof *stage.sights);
+    stage.beams = ffp_alloc((size_t)n_views, sizeof *stage.beams);
+    for (int v = 0; v < n_views; v++) stage.sights[v].view = views[v];
+    find_beams(&stage, views);
+    stage.links = ffp_alloc((size_t)n_views * (size_t)stage.n_beams, sizeof *stage.links);
+    Builder builder = {.stage = &stage,
+                       .gaussians = gaussians,
+                       .capture = capture,
+                       .settings = settings,
+                       .white = ffp_summed_new(&capture->patterns[capture->white].image),
+                       .raster = ffp_raster_new(),
+                       .photographs = photographs};
+    fill_views(&builder);
+    fill_beams(&builder);
+    ffp_summed_free(&builder.white);
+    ffp_raster_free(builder.raster);
+    return stage;
+}
+
+void ffp_stage_free(FfpStage *stage) {
+    for (int s = 0; s < stage->n_sights; s++) {
+        FfpSight *sight = &stage->sights[s];
+        FfpImage *images[] = {&sight->depth, &sight->facing, &sight->ambient, &sight->target, &sight->weight};
+        for (size_t i = 0; i < sizeof images / sizeof *images; i++) ffp_image_free(images[i]);
+    }
+    for (int k = 0; k < stage->n_beams; k++) {
+        ffp_image_free(&stage->beams[k].feather);
+        ffp_image_free(&stage->beams[k].pattern);
+    }
+    for (int l = 0; l < stage->n_sights * stage->n_beams; l++) {
+        ffp_mapping_free(&stage->links[l].mapping);
+        ffp_image_free(&stage->links[l].response);
+    }
+    free(stage->sights);
+    free(stage->beams);
+    free(stage->links);
+    *stage = (FfpStage){0};
+}
+
+void ffp_stage_aim(FfpStage *stage, int sight, const FfpImage *target, const FfpImage *alpha) {
+    FfpSight *s = &stage->sights[sight];
+    ffp_image_free(&s->target);
+    s->target = ffp_image_copy(target);
+    const int pixels = target->width * target->height;
+    for (int p = 0; alpha && p < pixels; p++) s->weight.data[p] *= alpha->data[p];
+}
+
+void ffp_stage_scale(FfpStage *stage, real gain) {
+    for (int s = 0; s < stage->n_sights; s++) {
+        FfpImage *target = &stage->sights[s].target;
+        const int count = target->width * target->height * 3;
+        for (int i = 0; i < count; i++) target->data[i] *= gain;
+    }
+}
+
+void ffp_stage_paint(FfpStage *stage) {
+    for (int s = 0; s < stage->n_sights; s++) {
+        FfpSight *sight = &stage->sights[s];
+        const int count = sight->target.width * sight->target.height * 3;
+        for (int i = 0; i < count; i++) {
+            real sum = 0;
+            for (int k = 0; k < stage->n_beams; k++) sum += ffp_stage_link(stage, s, k)->response.data[i];
+            sight->target.data[i] = sight->ambient.data[i] + sum * fmin(sight->target.data[i], (real)1);
+        }
+    }
+}
+
+FfpImage ffp_stage_picture(const FfpStage *stage, int sight) {
+    FfpImage picture = ffp_image_copy(&stage->sights[sight].ambient);
+    const int pixels = picture.width * picture.height;
+    for (int k = 0; k < stage->n_beams; k++) {
+        const FfpLink *link = ffp_stage_link(stage, sight, k);
+        FfpSummed summed = ffp_summed_new(&stage->beams[k].pattern);
+#pragma omp parallel for schedule(static)
+        for (int p = 0; p < pixels; p++) {
+            const real *uv = link->mapping.uv + 2 * p, *extent = link->mapping.extent + 2 * p;
+            const real *response = link->response.data + 3 * p;
+            real rgb[3];
+            if (!(response[0] > 0 || response[1] > 0 || response[2] > 0)) continue;
+            ffp_lookup(&summed, uv[0], uv[1], extent[0], extent[1], rgb);
+            for (int c = 0; c < 3; c++) picture.data[3 * p + c] += response[c] * rgb[c];
+        }
+        ffp_summed_free(&summed);
+    }
+    return picture;
+}

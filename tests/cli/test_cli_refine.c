@@ -1,0 +1,209 @@
+// Refining, fits from scratch and films, through the command line only.
+#include <signal.h>
+#include <sys/wait.h>
+#include <time.h>
+#include "cli/program.h"
+#include "cli/tiny.h"
+
+#define SIDE 48
+
+static ProgramRun run;
+
+static int run_format(const char *format, ...) __attribute__((format(printf, 1, 2)));
+static int run_format(const char *format, ...) {
+    char arguments[2048];
+    va_list list;
+    va_start(list, format);
+    vsnprintf(arguments, sizeof arguments, format, list);
+    va_end(list);
+    run_program(&run, arguments);
+    return run.status;
+}
+
+static int group_setup(void **state) {
+    if (scratch_setup(state) != 0) return -1;
+    char folder[128];
+    snprintf(folder, sizeof folder, "%s/tiny", scratch);
+    tiny_capture(folder, SIDE);
+    return run_format("reconstruct %s/tiny -o %s/tiny.ply --model none", scratch, scratch);
+}
+
+// The two figures of the line that tells of the result.
+static void read_gain(double *before, double *after) {
+    const char *at = strstr(run.out, "Gaussians, ");
+    assert_non_null(at);
+    assert_int_equal(sscanf(at, "Gaussians, %lf -> %lf dB", before, after), 2);
+}
+
+static void test_refining_gains_and_tells_of_each_round(void **state) {
+    (void)state;
+    double before, after;
+    assert_int_equal(
+        run_format("refine %s/tiny.ply -c %s/tiny -o %s/better.ply --steps 24 --metrics %s/m.json", scratch,
+                   scratch, scratch, scratch),
+        0);
+    read_gain(&before, &after);
+    assert_true(after > before + 1);
+    assert_true(ffp_is_file(in_scratch("better.ply")));
+    FILE *file = fopen(in_scratch("m.json"), "r");
+    char line[256];
+    int lines = 0;
+    for (; fgets(line, sizeof line, file); lines++) {
+        json_t *row = json_loads(line, 0, NULL);
+        assert_int_equal(json_integer_value(json_object_get(row, "step")), TINY_VIEWS * (lines + 1));
+        assert_true(json_real_value(json_object_get(row, "psnr")) > 10);
+        json_decref(row);
+    }
+    fclose(file);
+    assert_int_equal(lines, 24 / TINY_VIEWS);
+}
+
+static void test_from_scratch_needs_no_gaussians(void **state) {
+    (void)state;
+    double before, after;
+    assert_int_equal(run_format("refine --from-scratch -c %s/tiny -o %s/scratch.ply --steps 24 --pattern "
+                                "lollipop_0 --pattern lollipop_1",
+                                scratch, scratch),
+                     0);
+    read_gain(&before, &after);
+    assert_true(after > before + 1);
+    assert_true(ffp_is_file(in_scratch("scratch.ply")));
+}
+
+static void test_an_interrupt_keeps_the_best_so_far(void **state) {
+    (void)state;
+    char ply[128], capture[128], out[128], metrics[128];
+    snprintf(ply, sizeof ply, "%s/tiny.ply", scratch);
+    snprintf(capture, sizeof capture, "%s/tiny", scratch);
+    snprintf(out, sizeof out, "%s/stopped.ply", scratch);
+    snprintf(metrics, sizeof metrics, "%s/stopped.json", scratch);
+    const char *const arguments[] = {FFP_PROGRAM, "refine",    ply,     "-c",        capture, "-o",
+                                     out,         "--seconds", "10000", "--metrics", metrics, NULL};
+    const pid_t child = fork();
+    if (child == 0) {
+        if (!freopen("/dev/null", "w", stdout) || !freopen("/dev/null", "w", stderr)) _exit(126);
+        execv(FFP_PROGRAM, (char *const *)arguments);
+        _exit(127);
+    }
+    struct stat info = {0};
+    for (int i = 0; i < 6000 && (stat(metrics, &info) != 0 || info.st_size == 0); i++) // the first round
+        nanosleep(&(struct timespec){0, 10000000}, NULL);
+    kill(child, SIGINT);
+    int status;
+    assert_int_equal(waitpid(child, &status, 0), child);
+    assert_true(WIFEXITED(status) && WEXITSTATUS(status) == 0);
+    assert_true(ffp_is_file(out));
+}
+
+static void test_wrong_requests_are_told_and_write_nothing(void **state) {
+    (void)state;
+    assert_int_equal(run_format("refine %s/tiny.ply -c %s/tiny", scratch, scratch), 2);
+    assert_int_equal(run_format("refine -c %s/tiny -o a.ply", scratch), 2);
+    assert_int_equal(run_format("refine %s/tiny.ply --from-scratch -c %s/tiny -o a.ply", scratch, scratch),
+                     2);
+    assert_int_equal(run_format("refine %s/tiny.ply -c %s/tiny -o a.ply --steps 0", scratch, scratch), 2);
+    assert_int_equal(run_format("refine %s/tiny.ply -c %s/tiny -o %s/no.ply --steps 4 --pattern absent",
+                                scratch, scratch, scratch),
+                     1);
+    assert_non_null(strstr(run.err, "absent"));
+    assert_false(ffp_is_file(in_scratch("no.ply")));
+    assert_int_equal(run_format("refine %s/absent.ply -c %s/tiny -o %s/no.ply", scratch, scratch, scratch),
+                     1);
+    assert_non_null(strstr(run.err, "absent.ply"));
+}
+
+static uint32_t big_endian(const char *at) {
+    const unsigned char *bytes = (const unsigned char *)at;
+    return (uint32_t)bytes[0] << 24 | (uint32_t)bytes[1] << 16 | (uint32_t)bytes[2] << 8 | bytes[3];
+}
+
+// Walks the file's chunks; sequence numbers must follow each other.
+static int count_frames(const char *path) {
+    char *data;
+    size_t size;
+    int frames = 0;
+    uint32_t sequence = 0, announced = 0;
+    assert_true(ffp_read_file(path, 1 << 26, &data, &size, NULL));
+    size_t at = 8;
+    for (; at + 12 <= size; at += 12 + big_endian(data + at)) {
+        const char *type = data + at + 4, *content = data + at + 8;
+        if (memcmp(type, "acTL", 4) == 0) announced = big_endian(content);
+        if (memcmp(type, "fcTL", 4) == 0) frames++;
+        if (memcmp(type, "fcTL", 4) == 0 || memcmp(type, "fdAT", 4) == 0)
+            assert_int_equal(big_endian(content), sequence++);
+    }
+    assert_int_equal(at, size);
+    assert_int_equal(announced, frames);
+    free(data);
+    return frames;
+}
+
+static FfpImage frame(const char *folder, int number) {
+    char name[128];
+    FfpImage image;
+    snprintf(name, sizeof name, "%s/frame_%04d.png", folder, number);
+    assert_true(ffp_image_read(&image, in_scratch(name), FFP_COLOUR_ENCODED, NULL));
+    return image;
+}
+
+static double mean_difference(const FfpImage *a, const FfpImage *b) {
+    double sum = 0;
+    const int count = a->width * a->height * 4;
+    for (int i = 0; i < count; i++) sum += fabs((double)a->data[i] - (double)b->data[i]) / count;
+    return sum;
+}
+
+// Half a turn of a rig of four views lands on the third view; a whole turn comes back.
+static void test_an_orbit_goes_round(void **state) {
+    (void)state;
+    assert_int_equal(
+        run_format("render %s/tiny.ply -c %s/tiny --orbit object,4 -o %s/turn --video %s/turn.png", scratch,
+                   scratch, scratch, scratch),
+        0);
+    assert_int_equal(count_frames(in_scratch("turn.png")), 4);
+    assert_int_equal(run_format("render %s/tiny.ply -c %s/tiny -o %s/still", scratch, scratch, scratch), 0);
+    FfpImage start = frame("turn", 0), half = frame("turn", 2), view_0, view_2;
+    assert_true(ffp_image_read(&view_0, in_scratch("still/view_0_all_white.png"), FFP_COLOUR_ENCODED, NULL));
+    assert_true(ffp_image_read(&view_2, in_scratch("still/view_2_all_white.png"), FFP_COLOUR_ENCODED, NULL));
+    assert_true(mean_difference(&start, &view_0) < 1e-3);
+    assert_true(mean_difference(&half, &view_2) < 1e-3);
+    FfpImage *all[] = {&start, &half, &view_0, &view_2};
+    for (int i = 0; i < 4; i++) ffp_image_free(all[i]);
+}
+
+static void test_patterns_of_a_folder_make_a_film(void **state) {
+    (void)state;
+    assert_int_equal(run_format("render %s/tiny.ply -c %s/tiny --view view_1 --pattern %s/tiny/patterns -o "
+                                "%s/film --video %s/film.png --rate 5",
+                                scratch, scratch, scratch, scratch, scratch),
+                     0);
+    assert_int_equal(count_frames(in_scratch("film.png")), TINY_PATTERNS);
+    FfpImage black = frame("film", 0), white = frame("film", 1); // in the order of their names
+    assert_true(mean_difference(&black, &white) > 0.01);
+    ffp_image_free(&black);
+    ffp_image_free(&white);
+    assert_int_equal(
+        run_format("render %s/tiny.ply -c %s/tiny --orbit moon,9 -o %s/x", scratch, scratch, scratch), 2);
+    assert_int_equal(
+        run_format("render %s/tiny.ply -c %s/tiny --orbit camera,0 -o %s/x", scratch, scratch, scratch), 2);
+    assert_int_equal(run_format("render %s/tiny.ply -c %s/tiny --video %s/x.png --maps -o %s/x", scratch,
+                                scratch, scratch, scratch),
+                     2);
+    assert_true(ffp_make_folders(in_scratch("empty"), NULL));
+    assert_int_equal(run_format("render %s/tiny.ply -c %s/tiny --pattern %s/empty -o %s/x", scratch, scratch,
+                                scratch, scratch),
+                     1);
+    assert_non_null(strstr(run.err, "holds no pictures"));
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_refining_gains_and_tells_of_each_round),
+        cmocka_unit_test(test_from_scratch_needs_no_gaussians),
+        cmocka_unit_test(test_an_interrupt_keeps_the_best_so_far),
+        cmocka_unit_test(test_wrong_requests_are_told_and_write_nothing),
+        cmocka_unit_test(test_an_orbit_goes_round),
+        cmocka_unit_test(test_patterns_of_a_folder_make_a_film),
+    };
+    return cmocka_run_group_tests(tests, group_setup, scratch_teardown);
+}
