@@ -1,0 +1,261 @@
+// `compensate` and `map` as a user runs them: results, and errors before anything is written.
+#include "cli/program.h"
+#include "cli/tiny.h"
+#include "gaussians/gaussians.h"
+
+#define SIDE 48
+
+static ProgramRun run;
+
+static void run_format(const char *format, ...) __attribute__((format(printf, 1, 2)));
+static void run_format(const char *format, ...) {
+    char arguments[2048];
+    va_list list;
+    va_start(list, format);
+    vsnprintf(arguments, sizeof arguments, format, list);
+    va_end(list);
+    run_program(&run, arguments);
+}
+
+static void must_run(void) {
+    if (run.status != 0) printf("exit %d\n%s", run.status, run.err);
+    assert_int_equal(run.status, 0);
+}
+
+static int group_setup(void **state) {
+    if (scratch_setup(state) != 0) return -1;
+    tiny_capture(in_scratch("tiny"), SIDE);
+    run_format("reconstruct %s/tiny -o %s/tiny.ply --model none", scratch, scratch);
+    must_run();
+    run_format("generate %s/scenes --split test --preset smoke --resolution 64 --count 1 --seed 5", scratch);
+    must_run();
+    return 0;
+}
+
+// The number behind a word in the program's output.
+static double number_after(const char *word) {
+    const char *at = strstr(run.out, word);
+    assert_non_null(at);
+    return strtod(at + strlen(word), NULL);
+}
+
+static void read_encoded(FfpImage *image, const char *name) {
+    FfpError err = {0};
+    if (!ffp_image_read(image, in_scratch(name), FFP_COLOUR_ENCODED, &err)) fail_msg("%s", err.text);
+}
+
+static void compensate_writes_pattern_prediction_and_target(void **state) {
+    (void)state;
+    run_format(
+        "compensate %s/tiny.ply -c %s/tiny -v view_1 -t %s/tiny/view_2_stripes.png --paint -s 30 -o %s/p.png",
+        scratch, scratch, scratch, scratch);
+    must_run();
+    FfpImage pattern, seen, target;
+    read_encoded(&pattern, "p.png");
+    read_encoded(&seen, "p_seen_view_1.png");
+    read_encoded(&target, "p_target_view_1.png");
+    assert_int_equal(pattern.width, TINY_PATTERN);
+    assert_int_equal(seen.width, SIDE);
+    assert_int_equal(target.height, SIDE);
+    double bright = 0;
+    for (int i = 0; i < 4 * TINY_PATTERN * TINY_PATTERN; i++) bright += i % 4 < 3 && pattern.data[i] > 0.1F;
+    assert_true(bright > 100);
+    assert_true(number_after("dB dark, ") > 20);
+    assert_true(number_after("closed form, ") > number_after("dB dark, "));
+    ffp_image_free(&pattern);
+    ffp_image_free(&seen);
+    ffp_image_free(&target);
+}
+
+static void several_projectors_get_a_pattern_each(void **state) {
+    (void)state;
+    run_format(
+        "compensate %s/tiny.ply -c %s/tiny -v view_0 -v view_1 -t %s/tiny/view_0_all_black.png -g auto -s 2 "
+        "-o %s/both.png",
+        scratch, scratch, scratch, scratch);
+    must_run();
+    assert_true(ffp_is_file(in_scratch("both_view_0.png")) && ffp_is_file(in_scratch("both_view_1.png")));
+    assert_false(ffp_is_file(in_scratch("both.png")));
+    assert_true(ffp_is_file(in_scratch("both_seen_view_0.png")) &&
+                ffp_is_file(in_scratch("both_seen_view_1.png")));
+    assert_non_null(strstr(run.out, "patterns       2"));
+    assert_true(number_after("gain ") > 0);
+}
+
+static void compensation_for_new_poses_uses_the_gaussians(void **state) {
+    (void)state;
+    run_format("compensate %s/tiny.ply -c %s/tiny --poses %s/tiny/targets.json -v novel_0 "
+               "-t %s/tiny/novel_0_all_black.png -s 2 -o %s/new.png",
+               scratch, scratch, scratch, scratch, scratch);
+    must_run();
+    assert_true(ffp_is_file(in_scratch("new.png")));
+}
+
+// One splat a pixel of every view, from the generator's own maps.
+static void write_true_gaussians(const FfpCapture *capture, const char *path) {
+    const int pixels = capture->views[0].camera.width * capture->views[0].camera.height;
+    FfpGaussians g = ffp_gaussians_new((int64_t)pixels * capture->n_views);
+    int64_t n = 0;
+    for (int i = 0; i < pixels * capture->n_views; i++) {
+        const FfpView *view = &capture->views[i / pixels];
+        const int p = i % pixels, width = view->camera.width;
+        const real z = view->depth.data[p], *normal = view->normal.data + 3 * p;
+        if (!(z > 0)) continue;
+        real ray[3];
+        const real along = ffp_pixel_ray(&view->camera, p % width + 0.5F, p / width + 0.5F, ray);
+        const real half = sqrtf(fmaxf((1 + normal[2]) / 2, 1e-6F)); // turns z into the normal
+        for (int k = 0; k < 3; k++) {
+            g.centre[3 * n + k] = view->camera.pose[4 * k + 3] + z / along * ray[k];
+            g.scale[3 * n + k] = (k == 2 ? 0.05F : 0.5F) * z / view->camera.fx;
+            g.albedo[3 * n + k] = fminf(fmaxf(view->albedo.data[3 * p + k], 0.01F), 0.99F);
+            g.ambient[3 * n + k] = 0.05F;
+        }
+        g.rotation[4 * n] = half;
+        g.rotation[4 * n + 1] = -normal[1] / (2 * half), g.rotation[4 * n + 2] = normal[0] / (2 * half);
+        g.opacity[n] = 0.98F, g.roughness[n] = 0.8F;
+        n++;
+    }
+    g.count = n;
+    FfpError err = {0};
+    if (!ffp_gaussians_write(&g, path, 0, &err)) fail_msg("%s", err.text);
+    ffp_gaussians_free(&g);
+}
+
+// The map's positions against the true depth, at pixels whose neighbours have about the same depth.
+static void check_forward_map(const FfpView *view, const FfpImage *map) {
+    const int width = view->camera.width;
+    int count = 0, near = 0;
+    for (int y = 1; y + 1 < view->camera.height; y++)
+        for (int x = 1; x + 1 < width; x++) {
+            const int p = y * width + x;
+            const real z = view->depth.data[p];
+            bool smooth = z > 0 && map->data[4 * p + 2] > 0.5F;
+            for (int k = 0; k < 9; k++)
+                smooth &= fabsf(view->depth.data[p + (k / 3 - 1) * width + k % 3 - 1] - z) < 0.03F * z;
+            if (!smooth) continue;
+            real ray[3], point[3], u, v;
+            const real along = ffp_pixel_ray(&view->camera, x + 0.5F, y + 0.5F, ray);
+            for (int k = 0; k < 3; k++) point[k] = view->camera.pose[4 * k + 3] + z / along * ray[k];
+            ffp_project(&view->projector, point, &u, &v);
+            count++, near += hypotf(map->data[4 * p] - u, map->data[4 * p + 1] - v) <
+                             0.01F * (real)view->projector.width;
+        }
+    assert_true(count > 50);
+    assert_true(near > 0.95 * count);
+}
+
+static void maps_of_a_generated_scene_go_there_and_back(void **state) {
+    (void)state;
+    FfpCapture capture;
+    FfpError err = {0};
+    FfpImage map;
+    if (!ffp_capture_read(&capture, in_scratch("scenes/test_00000"), &err)) fail_msg("%s", err.text);
+    const FfpView *view = &capture.views[0];
+    write_true_gaussians(&capture, in_scratch("true.ply"));
+    run_format("map %s/true.ply -c %s/scenes/test_00000 -v %s -o %s/maps", scratch, scratch, view->id,
+               scratch);
+    must_run();
+    printf("%s", run.out);
+    assert_true(number_after("there and back: ") > 100);
+    assert_true(number_after("camera pixels, ") > 98.5);
+    assert_true(number_after("median ") < 0.1);
+    static const char *const files[] = {"camera_to_projector.exr",
+                                        "camera_to_projector.png",
+                                        "projector_to_camera.exr",
+                                        "projector_to_camera.png",
+                                        "projector_sees.png",
+                                        "lit.png",
+                                        "density.exr",
+                                        "resolution.exr",
+                                        "incidence.exr",
+                                        "illuminance.exr"};
+    for (size_t i = 0; i < sizeof files / sizeof *files; i++) {
+        char name[256];
+        snprintf(name, sizeof name, "maps/%s_%s", view->id, files[i]);
+        assert_true(ffp_is_file(in_scratch(name)));
+    }
+    char name[256];
+    snprintf(name, sizeof name, "maps/%s_camera_to_projector.exr", view->id);
+    if (!ffp_image_read(&map, in_scratch(name), FFP_COLOUR_LINEAR, &err)) fail_msg("%s", err.text);
+    check_forward_map(view, &map);
+    ffp_image_free(&map);
+    ffp_capture_free(&capture);
+}
+
+static void must_fail(int status, const char *what, const char *file) {
+    if (run.status != status || !strstr(run.err, what)) printf("exit %d\n%s", run.status, run.err);
+    assert_int_equal(run.status, status);
+    assert_non_null(strstr(run.err, what));
+    if (file) assert_false(ffp_is_file(in_scratch(file)));
+}
+
+static void wrong_compensations_say_what_is_wrong(void **state) {
+    (void)state;
+    const char *start = "compensate";
+    char common[512];
+    snprintf(common, sizeof common, "%s %s/tiny.ply -c %s/tiny -o %s/never.png", start, scratch, scratch,
+             scratch);
+    run_format("%s -t %s/tiny/view_0_stripes.png", common, scratch);
+    must_fail(2, "--view ID is missing", "never.png");
+    run_format("%s -v view_0", common);
+    must_fail(2, "--target IMAGE is missing", "never.png");
+    run_format("%s -v view_9 -t %s/tiny/view_0_stripes.png", common, scratch);
+    must_fail(1, "there is no view view_9", "never.png");
+    run_format("%s -v view_0 -v view_0 -t %s/tiny/view_0_stripes.png", common, scratch);
+    must_fail(1, "named twice", "never.png");
+    run_format("%s -v view_0 -t %s/tiny/render_poses.json", common, scratch);
+    must_fail(1, "render_poses.json", "never.png");
+    run_format("%s -v view_0 -t %s/nowhere.png", common, scratch);
+    must_fail(1, "nowhere.png", "never.png");
+    run_format("%s -v view_0 -t %s/tiny/view_0_stripes.png --gain -3", common, scratch);
+    must_fail(2, "--gain", "never.png");
+    run_format("%s -v view_0 -v view_1 -v view_2 -t a.png -t b.png", common);
+    must_fail(2, "2 targets for 3 views", "never.png");
+    FfpImage wide = ffp_image_new(60, 20, 3), clear = ffp_image_new(SIDE, SIDE, 4);
+    assert_true(ffp_image_write_png(&wide, in_scratch("wide.png"), NULL));
+    assert_true(ffp_image_write_png(&clear, in_scratch("clear.png"), NULL));
+    run_format("%s -v view_0 -t %s/wide.png", common, scratch);
+    must_fail(1, "60 x 20", "never.png");
+    run_format("%s -v view_0 -t %s/clear.png", common, scratch);
+    must_fail(1, "no projector lights anything", "never.png");
+    run_format("compensate %s/tiny.ply -c %s/tiny -o %s/no/where.png -v view_0 -t %s/tiny/view_0_stripes.png",
+               scratch, scratch, scratch, scratch);
+    must_fail(1, "no/where.png", NULL);
+    ffp_image_free(&wide);
+    ffp_image_free(&clear);
+}
+
+static void wrong_maps_say_what_is_wrong(void **state) {
+    (void)state;
+    run_format("map %s/tiny.ply -c %s/tiny", scratch, scratch);
+    must_fail(2, "-o DIR is missing", NULL);
+    run_format("map %s/tiny.ply -c %s/tiny -v view_7 -o %s/nomaps", scratch, scratch, scratch);
+    must_fail(1, "there is no view view_7", NULL);
+    assert_false(ffp_is_folder(in_scratch("nomaps")));
+    run_format("map %s/missing.ply -c %s/tiny -o %s/nomaps", scratch, scratch, scratch);
+    must_fail(1, "missing.ply", NULL);
+}
+
+static void help_teaches(void **state) {
+    (void)state;
+    run_format("compensate --help");
+    must_run();
+    assert_non_null(strstr(run.out, "--gain"));
+    assert_non_null(strstr(run.out, "example:"));
+    run_format("map --help");
+    must_run();
+    assert_non_null(strstr(run.out, "projector_to_camera.exr"));
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(compensate_writes_pattern_prediction_and_target),
+        cmocka_unit_test(several_projectors_get_a_pattern_each),
+        cmocka_unit_test(compensation_for_new_poses_uses_the_gaussians),
+        cmocka_unit_test(maps_of_a_generated_scene_go_there_and_back),
+        cmocka_unit_test(wrong_compensations_say_what_is_wrong),
+        cmocka_unit_test(wrong_maps_say_what_is_wrong),
+        cmocka_unit_test(help_teaches),
+    };
+    return cmocka_run_group_tests(tests, group_setup, scratch_teardown);
+}
