@@ -52,19 +52,6 @@ typedef struct Viewer {
     FfpImage image;
 } Viewer;
 
-static FfpGaussians copy_of(const FfpGaussians *from) {
-    FfpGaussians to = ffp_gaussians_new(from->count);
-    const size_t n = (size_t)from->count;
-    memcpy(to.centre, from->centre, 3 * n * sizeof(real));
-    memcpy(to.scale, from->scale, 3 * n * sizeof(real));
-    memcpy(to.rotation, from->rotation, 4 * n * sizeof(real));
-    memcpy(to.opacity, from->opacity, n * sizeof(real));
-    memcpy(to.albedo, from->albedo, 3 * n * sizeof(real));
-    memcpy(to.roughness, from->roughness, n * sizeof(real));
-    memcpy(to.ambient, from->ambient, 3 * n * sizeof(real));
-    return to;
-}
-
 // Puts the truth of the splat's own pixel in for some parts.
 static void put_truth(FfpGaussians *g, const FfpRun *run, const FfpScene *scene, unsigned parts) {
     const int pixels = scene->start.width * scene->start.height;
@@ -139,7 +126,7 @@ static void score_view(Viewer *v, const FfpScene *scene, int index, const FfpGau
 
 static void score_scene(Viewer *viewer, const FfpScene *scene, const FfpRun *run, Score scores[ROWS]) {
     for (int row = 0; row < ROWS; row++) {
-        FfpGaussians g = copy_of(&run->gaussians);
+        FfpGaussians g = ffp_gaussians_copy(&run->gaussians);
         put_truth(&g, run, scene, rows[row].parts);
         for (int v = 0; v < scene->capture.n_views; v++)
             score_view(viewer, scene, v, &g, rows[row].parts, &scores[row]);

@@ -1,7 +1,6 @@
 // From a capture to Gaussians in its own units: normalise, match, (network,) back to the world.
 #include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
 #include "base/arena.h"
 #include "base/log.h"
 #include "capture/capture.h"
@@ -46,24 +45,11 @@ bool ffp_check_fit(const FfpCapture *capture, const FfpModel *model, FfpError *e
     return true;
 }
 
-static FfpGaussians copy_gaussians(const FfpGaussians *from) {
-    FfpGaussians to = ffp_gaussians_new(from->count);
-    const size_t n = (size_t)from->count;
-    memcpy(to.centre, from->centre, 3 * n * sizeof(real));
-    memcpy(to.scale, from->scale, 3 * n * sizeof(real));
-    memcpy(to.rotation, from->rotation, 4 * n * sizeof(real));
-    memcpy(to.opacity, from->opacity, n * sizeof(real));
-    memcpy(to.albedo, from->albedo, 3 * n * sizeof(real));
-    memcpy(to.roughness, from->roughness, n * sizeof(real));
-    memcpy(to.ambient, from->ambient, 3 * n * sizeof(real));
-    return to;
-}
-
 static bool run_network(FfpGaussians *out, const FfpModel *model, const FfpCapture *capture,
                         const FfpStart *start, int active, FfpError *err) {
     FfpRun *run = ffp_run_new();
     const bool ok = ffp_model_forward(model, run, capture, start, active, err);
-    if (ok) *out = copy_gaussians(&run->gaussians); // the run's own live only as long as the run
+    if (ok) *out = ffp_gaussians_copy(&run->gaussians); // the run's own live only as long as the run
     ffp_run_free(run);
     return ok;
 }

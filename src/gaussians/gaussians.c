@@ -1,6 +1,7 @@
 #include "gaussians/gaussians.h"
 
 #include <stdlib.h>
+#include <string.h>
 
 #include "base/arena.h"
 
@@ -16,6 +17,19 @@ FfpGaussians ffp_gaussians_new(int64_t count) {
         .roughness = ffp_alloc(n, sizeof(real)),
         .ambient = ffp_alloc(n, 3 * sizeof(real)),
     };
+}
+
+FfpGaussians ffp_gaussians_copy(const FfpGaussians *from) {
+    FfpGaussians to = ffp_gaussians_new(from->count);
+    const size_t n = (size_t)from->count;
+    memcpy(to.centre, from->centre, 3 * n * sizeof(real));
+    memcpy(to.scale, from->scale, 3 * n * sizeof(real));
+    memcpy(to.rotation, from->rotation, 4 * n * sizeof(real));
+    memcpy(to.opacity, from->opacity, n * sizeof(real));
+    memcpy(to.albedo, from->albedo, 3 * n * sizeof(real));
+    memcpy(to.roughness, from->roughness, n * sizeof(real));
+    memcpy(to.ambient, from->ambient, 3 * n * sizeof(real));
+    return to;
 }
 
 void ffp_gaussians_free(FfpGaussians *gaussians) {

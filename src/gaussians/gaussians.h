@@ -21,6 +21,7 @@ typedef struct FfpGaussians {
 } FfpGaussians;
 
 FfpGaussians ffp_gaussians_new(int64_t count); // zeroed; also used for gradients, which have the same shape
+FfpGaussians ffp_gaussians_copy(const FfpGaussians *from);
 void ffp_gaussians_free(FfpGaussians *gaussians);
 // centre <- centre * radius + offset, scale <- scale * radius: from the network's unit sphere back to the
 // world.

@@ -18,7 +18,7 @@ typedef struct FfpRenderSettings {
     bool footprint;    // pattern averaged over the camera pixel's footprint; else plain bilinear
     bool shadows;      // visibility from the projector
     int shadow_side;   // shadow map's longer side in pixels (160)
-    real shadow_bias;  // depth slack as a share of the projector's distance (0.02)
+    real shadow_bias;  // depth slack as a share of the projector's distance (0.05)
 } FfpRenderSettings;
 FfpRenderSettings ffp_render_defaults(void);
 FfpRenderSettings ffp_render_paper(void); // blur 0.3, no compensation, bilinear, no shadows
