@@ -87,8 +87,8 @@ typedef struct FfpPictures {
     int frames;                  // of the orbit; patterns follow each other evenly through it
     const char *video;           // animated PNG of all pictures in order, or NULL
     int rate;                    // its frames a second, 1 to 1000
-    const char *folder; // where <view>_<pattern>.png goes, or with an orbit or a video frame_<number>.png; made
-                        // when it is not there
+    const char *folder; // where <view>_<pattern>.png goes, or with an orbit or a video frame_<number>.png;
+                        // made when it is not there
     bool maps; // also the G-buffers: <view>_depth.exr and .png, _opacity, _normal, _albedo, _roughness,
                // _ambient
     FfpDrawing drawing;

@@ -2,7 +2,8 @@
 #include "base/cpu.h"
 #include "cli/program.h"
 
-static const char *const commands[] = {"reconstruct", "render", "evaluate", "generate", "train", "bench", "info"};
+static const char *const commands[] = {"reconstruct", "render", "evaluate",   "generate", "train", "bench",
+                                       "info",        "import", "compensate", "map",      "refine"};
 static ProgramRun run;
 
 static void test_help_of_the_program_names_every_command(void **state) {
