@@ -72,8 +72,8 @@ static const char help[] =
     "      -i 'white=views/{view}/cam/raw/ref/img_0002.png' -i 'p=views/{view}/cam/raw/test/img_0001.png' "
     "\\\n"
     "      -m 'views/{view}/cam/raw/mask/mask.png' -p p=patterns/test/img_0001.png -o bottles\n"
-    "nepmap: the file names pictures and patterns itself:\n"
-    "  ffprocams import -c bunny/transforms.json -o rabbit\n";
+    "nepmap, whose file names pictures and patterns itself, makes the shortest\n"
+    "example: ffprocams import -c bunny/transforms.json -o rabbit\n";
 
 typedef struct Lists {
     FfpList calibrations, images, patterns, held_out, views;
