@@ -536,9 +536,15 @@ static void test_render_view(void **state) {
     const FfpRenderSettings settings = ffp_render_defaults();
     FfpImage lit = ffp_render_view(&g, &camera, &projector, intensity, &pattern, &settings);
     FfpImage black = ffp_render_view(&g, &camera, &projector, intensity, NULL, &settings);
-    const double dd = 0.3 * 0.3 + 4 + 0.2 * 0.2, diffuse = 0.5 / PI * 4 / dd * 2 / sqrt(dd);
+    // At the patch's middle: normal and view (0, -1, 0), light from the lamp; A = 0.5, roughness 0.5.
+    const double dd = 0.3 * 0.3 + 4 + 0.2 * 0.2, nl = 2 / sqrt(dd), hn = sqrt((1 + nl) / 2),
+                 k = 1.5 * 1.5 / 8;
+    const double a2 = 0.25 * 0.25, round = hn * hn * (a2 - 1) + 1, D = a2 / (PI * round * round);
+    const double F = 0.04 + 0.96 * pow(2, (-5.55473 * hn - 6.98316) * hn), vis = 1 / (4 * (nl * (1 - k) + k));
+    const double expected = (0.5 / PI + D * F * vis) * 4 / dd * nl;
     const double seen = (double)ffp_srgb_decode(lit.data[3 * (20 * 48 + 24)]);
-    assert_true(seen > 0.98 * diffuse && seen < 1.3 * diffuse); // the highlight adds a quarter
+    print_message("seen %g, expected %g\n", seen, expected);
+    assert_true(fabs(seen / expected - 1) < 0.02); // the splats' opacity and shared normals
     assert_true(lit.data[0] == 0 && lit.data[3 * (40 * 48 - 1)] == 0);
     for (int i = 0; i < 3 * 48 * 40; i++) assert_true(black.data[i] == 0);
     ffp_image_free(&lit);
