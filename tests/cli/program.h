@@ -31,4 +31,17 @@ static inline void run_program(ProgramRun *run, const char *arguments) {
     read_text(err, run->err, sizeof run->err);
 }
 
+// The same with arguments as printf makes them; returns the exit code.
+static inline int run_format(ProgramRun *run, const char *format, ...) __attribute__((format(printf, 2, 3)));
+static inline int run_format(ProgramRun *run, const char *format, ...) {
+    char arguments[2048];
+    va_list list;
+    va_start(list, format);
+    assert_true((size_t)vsnprintf(arguments, sizeof arguments, format, list) < sizeof arguments);
+    va_end(list);
+    run_program(run, arguments);
+    if (run->status != 0) printf("%s: exit %d\n%s", arguments, run->status, run->err);
+    return run->status;
+}
+
 #endif

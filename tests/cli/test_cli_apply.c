@@ -7,16 +7,6 @@
 
 static ProgramRun run;
 
-static void run_format(const char *format, ...) __attribute__((format(printf, 1, 2)));
-static void run_format(const char *format, ...) {
-    char arguments[2048];
-    va_list list;
-    va_start(list, format);
-    vsnprintf(arguments, sizeof arguments, format, list);
-    va_end(list);
-    run_program(&run, arguments);
-}
-
 static void must_run(void) {
     if (run.status != 0) printf("exit %d\n%s", run.status, run.err);
     assert_int_equal(run.status, 0);
@@ -25,9 +15,10 @@ static void must_run(void) {
 static int group_setup(void **state) {
     if (scratch_setup(state) != 0) return -1;
     tiny_capture(in_scratch("tiny"), SIDE);
-    run_format("reconstruct %s/tiny -o %s/tiny.ply --model none", scratch, scratch);
+    run_format(&run, "reconstruct %s/tiny -o %s/tiny.ply --model none", scratch, scratch);
     must_run();
-    run_format("generate %s/scenes --split test --preset smoke --resolution 64 --count 1 --seed 5", scratch);
+    run_format(&run, "generate %s/scenes --split test --preset smoke --resolution 64 --count 1 --seed 5",
+               scratch);
     must_run();
     return 0;
 }
@@ -47,6 +38,7 @@ static void read_encoded(FfpImage *image, const char *name) {
 static void compensate_writes_pattern_prediction_and_target(void **state) {
     (void)state;
     run_format(
+        &run,
         "compensate %s/tiny.ply -c %s/tiny -v view_1 -t %s/tiny/view_2_stripes.png --paint -s 30 -o %s/p.png",
         scratch, scratch, scratch, scratch);
     must_run();
@@ -70,6 +62,7 @@ static void compensate_writes_pattern_prediction_and_target(void **state) {
 static void several_projectors_get_a_pattern_each(void **state) {
     (void)state;
     run_format(
+        &run,
         "compensate %s/tiny.ply -c %s/tiny -v view_0 -v view_1 -t %s/tiny/view_0_all_black.png -g auto -s 2 "
         "-o %s/both.png",
         scratch, scratch, scratch, scratch);
@@ -84,7 +77,8 @@ static void several_projectors_get_a_pattern_each(void **state) {
 
 static void compensation_for_new_poses_uses_the_gaussians(void **state) {
     (void)state;
-    run_format("compensate %s/tiny.ply -c %s/tiny --poses %s/tiny/targets.json -v novel_0 "
+    run_format(&run,
+               "compensate %s/tiny.ply -c %s/tiny --poses %s/tiny/targets.json -v novel_0 "
                "-t %s/tiny/novel_0_all_black.png -s 2 -o %s/new.png",
                scratch, scratch, scratch, scratch, scratch);
     must_run();
@@ -152,7 +146,7 @@ static void maps_of_a_generated_scene_go_there_and_back(void **state) {
     if (!ffp_capture_read(&capture, in_scratch("scenes/test_00000"), &err)) fail_msg("%s", err.text);
     const FfpView *view = &capture.views[0];
     write_true_gaussians(&capture, in_scratch("true.ply"));
-    run_format("map %s/true.ply -c %s/scenes/test_00000 -v %s -o %s/maps", scratch, scratch, view->id,
+    run_format(&run, "map %s/true.ply -c %s/scenes/test_00000 -v %s -o %s/maps", scratch, scratch, view->id,
                scratch);
     must_run();
     printf("%s", run.out);
@@ -195,30 +189,31 @@ static void wrong_compensations_say_what_is_wrong(void **state) {
     char common[512];
     snprintf(common, sizeof common, "%s %s/tiny.ply -c %s/tiny -o %s/never.png", start, scratch, scratch,
              scratch);
-    run_format("%s -t %s/tiny/view_0_stripes.png", common, scratch);
+    run_format(&run, "%s -t %s/tiny/view_0_stripes.png", common, scratch);
     must_fail(2, "--view ID is missing", "never.png");
-    run_format("%s -v view_0", common);
+    run_format(&run, "%s -v view_0", common);
     must_fail(2, "--target IMAGE is missing", "never.png");
-    run_format("%s -v view_9 -t %s/tiny/view_0_stripes.png", common, scratch);
+    run_format(&run, "%s -v view_9 -t %s/tiny/view_0_stripes.png", common, scratch);
     must_fail(1, "there is no view view_9", "never.png");
-    run_format("%s -v view_0 -v view_0 -t %s/tiny/view_0_stripes.png", common, scratch);
+    run_format(&run, "%s -v view_0 -v view_0 -t %s/tiny/view_0_stripes.png", common, scratch);
     must_fail(1, "named twice", "never.png");
-    run_format("%s -v view_0 -t %s/tiny/render_poses.json", common, scratch);
+    run_format(&run, "%s -v view_0 -t %s/tiny/render_poses.json", common, scratch);
     must_fail(1, "render_poses.json", "never.png");
-    run_format("%s -v view_0 -t %s/nowhere.png", common, scratch);
+    run_format(&run, "%s -v view_0 -t %s/nowhere.png", common, scratch);
     must_fail(1, "nowhere.png", "never.png");
-    run_format("%s -v view_0 -t %s/tiny/view_0_stripes.png --gain -3", common, scratch);
+    run_format(&run, "%s -v view_0 -t %s/tiny/view_0_stripes.png --gain -3", common, scratch);
     must_fail(2, "--gain", "never.png");
-    run_format("%s -v view_0 -v view_1 -v view_2 -t a.png -t b.png", common);
+    run_format(&run, "%s -v view_0 -v view_1 -v view_2 -t a.png -t b.png", common);
     must_fail(2, "2 targets for 3 views", "never.png");
     FfpImage wide = ffp_image_new(60, 20, 3), clear = ffp_image_new(SIDE, SIDE, 4);
     assert_true(ffp_image_write_png(&wide, in_scratch("wide.png"), NULL));
     assert_true(ffp_image_write_png(&clear, in_scratch("clear.png"), NULL));
-    run_format("%s -v view_0 -t %s/wide.png", common, scratch);
+    run_format(&run, "%s -v view_0 -t %s/wide.png", common, scratch);
     must_fail(1, "60 x 20", "never.png");
-    run_format("%s -v view_0 -t %s/clear.png", common, scratch);
+    run_format(&run, "%s -v view_0 -t %s/clear.png", common, scratch);
     must_fail(1, "no projector lights anything", "never.png");
-    run_format("compensate %s/tiny.ply -c %s/tiny -o %s/no/where.png -v view_0 -t %s/tiny/view_0_stripes.png",
+    run_format(&run,
+               "compensate %s/tiny.ply -c %s/tiny -o %s/no/where.png -v view_0 -t %s/tiny/view_0_stripes.png",
                scratch, scratch, scratch, scratch);
     must_fail(1, "no/where.png", NULL);
     ffp_image_free(&wide);
@@ -227,22 +222,22 @@ static void wrong_compensations_say_what_is_wrong(void **state) {
 
 static void wrong_maps_say_what_is_wrong(void **state) {
     (void)state;
-    run_format("map %s/tiny.ply -c %s/tiny", scratch, scratch);
+    run_format(&run, "map %s/tiny.ply -c %s/tiny", scratch, scratch);
     must_fail(2, "-o DIR is missing", NULL);
-    run_format("map %s/tiny.ply -c %s/tiny -v view_7 -o %s/nomaps", scratch, scratch, scratch);
+    run_format(&run, "map %s/tiny.ply -c %s/tiny -v view_7 -o %s/nomaps", scratch, scratch, scratch);
     must_fail(1, "there is no view view_7", NULL);
     assert_false(ffp_is_folder(in_scratch("nomaps")));
-    run_format("map %s/missing.ply -c %s/tiny -o %s/nomaps", scratch, scratch, scratch);
+    run_format(&run, "map %s/missing.ply -c %s/tiny -o %s/nomaps", scratch, scratch, scratch);
     must_fail(1, "missing.ply", NULL);
 }
 
 static void help_teaches(void **state) {
     (void)state;
-    run_format("compensate --help");
+    run_format(&run, "compensate --help");
     must_run();
     assert_non_null(strstr(run.out, "--gain"));
     assert_non_null(strstr(run.out, "example:"));
-    run_format("map --help");
+    run_format(&run, "map --help");
     must_run();
     assert_non_null(strstr(run.out, "projector_to_camera.exr"));
 }

@@ -9,23 +9,12 @@
 
 static ProgramRun run;
 
-static int run_format(const char *format, ...) __attribute__((format(printf, 1, 2)));
-static int run_format(const char *format, ...) {
-    char arguments[2048];
-    va_list list;
-    va_start(list, format);
-    vsnprintf(arguments, sizeof arguments, format, list);
-    va_end(list);
-    run_program(&run, arguments);
-    return run.status;
-}
-
 static int group_setup(void **state) {
     if (scratch_setup(state) != 0) return -1;
     char folder[128];
     snprintf(folder, sizeof folder, "%s/tiny", scratch);
     tiny_capture(folder, SIDE);
-    return run_format("reconstruct %s/tiny -o %s/tiny.ply --model none", scratch, scratch);
+    return run_format(&run, "reconstruct %s/tiny -o %s/tiny.ply --model none", scratch, scratch);
 }
 
 // The two figures of the line that tells of the result.
@@ -39,8 +28,8 @@ static void test_refining_gains_and_tells_of_each_round(void **state) {
     (void)state;
     double before, after;
     assert_int_equal(
-        run_format("refine %s/tiny.ply -c %s/tiny -o %s/better.ply --steps 24 --metrics %s/m.json", scratch,
-                   scratch, scratch, scratch),
+        run_format(&run, "refine %s/tiny.ply -c %s/tiny -o %s/better.ply --steps 24 --metrics %s/m.json",
+                   scratch, scratch, scratch, scratch),
         0);
     read_gain(&before, &after);
     assert_true(after > before + 1);
@@ -61,7 +50,8 @@ static void test_refining_gains_and_tells_of_each_round(void **state) {
 static void test_from_scratch_needs_no_gaussians(void **state) {
     (void)state;
     double before, after;
-    assert_int_equal(run_format("refine --from-scratch -c %s/tiny -o %s/scratch.ply --steps 24 --pattern "
+    assert_int_equal(run_format(&run,
+                                "refine --from-scratch -c %s/tiny -o %s/scratch.ply --steps 24 --pattern "
                                 "lollipop_0 --pattern lollipop_1",
                                 scratch, scratch),
                      0);
@@ -97,18 +87,19 @@ static void test_an_interrupt_keeps_the_best_so_far(void **state) {
 
 static void test_wrong_requests_are_told_and_write_nothing(void **state) {
     (void)state;
-    assert_int_equal(run_format("refine %s/tiny.ply -c %s/tiny", scratch, scratch), 2);
-    assert_int_equal(run_format("refine -c %s/tiny -o a.ply", scratch), 2);
-    assert_int_equal(run_format("refine %s/tiny.ply --from-scratch -c %s/tiny -o a.ply", scratch, scratch),
+    assert_int_equal(run_format(&run, "refine %s/tiny.ply -c %s/tiny", scratch, scratch), 2);
+    assert_int_equal(run_format(&run, "refine -c %s/tiny -o a.ply", scratch), 2);
+    assert_int_equal(
+        run_format(&run, "refine %s/tiny.ply --from-scratch -c %s/tiny -o a.ply", scratch, scratch), 2);
+    assert_int_equal(run_format(&run, "refine %s/tiny.ply -c %s/tiny -o a.ply --steps 0", scratch, scratch),
                      2);
-    assert_int_equal(run_format("refine %s/tiny.ply -c %s/tiny -o a.ply --steps 0", scratch, scratch), 2);
-    assert_int_equal(run_format("refine %s/tiny.ply -c %s/tiny -o %s/no.ply --steps 4 --pattern absent",
+    assert_int_equal(run_format(&run, "refine %s/tiny.ply -c %s/tiny -o %s/no.ply --steps 4 --pattern absent",
                                 scratch, scratch, scratch),
                      1);
     assert_non_null(strstr(run.err, "absent"));
     assert_false(ffp_is_file(in_scratch("no.ply")));
-    assert_int_equal(run_format("refine %s/absent.ply -c %s/tiny -o %s/no.ply", scratch, scratch, scratch),
-                     1);
+    assert_int_equal(
+        run_format(&run, "refine %s/absent.ply -c %s/tiny -o %s/no.ply", scratch, scratch, scratch), 1);
     assert_non_null(strstr(run.err, "absent.ply"));
 }
 
@@ -157,11 +148,12 @@ static double mean_difference(const FfpImage *a, const FfpImage *b) {
 static void test_an_orbit_goes_round(void **state) {
     (void)state;
     assert_int_equal(
-        run_format("render %s/tiny.ply -c %s/tiny --orbit object,4 -o %s/turn --video %s/turn.png", scratch,
-                   scratch, scratch, scratch),
+        run_format(&run, "render %s/tiny.ply -c %s/tiny --orbit object,4 -o %s/turn --video %s/turn.png",
+                   scratch, scratch, scratch, scratch),
         0);
     assert_int_equal(count_frames(in_scratch("turn.png")), 4);
-    assert_int_equal(run_format("render %s/tiny.ply -c %s/tiny -o %s/still", scratch, scratch, scratch), 0);
+    assert_int_equal(run_format(&run, "render %s/tiny.ply -c %s/tiny -o %s/still", scratch, scratch, scratch),
+                     0);
     FfpImage start = frame("turn", 0), half = frame("turn", 2), view_0, view_2;
     assert_true(ffp_image_read(&view_0, in_scratch("still/view_0_all_white.png"), FFP_COLOUR_ENCODED, NULL));
     assert_true(ffp_image_read(&view_2, in_scratch("still/view_2_all_white.png"), FFP_COLOUR_ENCODED, NULL));
@@ -173,7 +165,8 @@ static void test_an_orbit_goes_round(void **state) {
 
 static void test_patterns_of_a_folder_make_a_film(void **state) {
     (void)state;
-    assert_int_equal(run_format("render %s/tiny.ply -c %s/tiny --view view_1 --pattern %s/tiny/patterns -o "
+    assert_int_equal(run_format(&run,
+                                "render %s/tiny.ply -c %s/tiny --view view_1 --pattern %s/tiny/patterns -o "
                                 "%s/film --video %s/film.png --rate 5",
                                 scratch, scratch, scratch, scratch, scratch),
                      0);
@@ -183,15 +176,17 @@ static void test_patterns_of_a_folder_make_a_film(void **state) {
     ffp_image_free(&black);
     ffp_image_free(&white);
     assert_int_equal(
-        run_format("render %s/tiny.ply -c %s/tiny --orbit moon,9 -o %s/x", scratch, scratch, scratch), 2);
+        run_format(&run, "render %s/tiny.ply -c %s/tiny --orbit moon,9 -o %s/x", scratch, scratch, scratch),
+        2);
     assert_int_equal(
-        run_format("render %s/tiny.ply -c %s/tiny --orbit camera,0 -o %s/x", scratch, scratch, scratch), 2);
-    assert_int_equal(run_format("render %s/tiny.ply -c %s/tiny --video %s/x.png --maps -o %s/x", scratch,
-                                scratch, scratch, scratch),
+        run_format(&run, "render %s/tiny.ply -c %s/tiny --orbit camera,0 -o %s/x", scratch, scratch, scratch),
+        2);
+    assert_int_equal(run_format(&run, "render %s/tiny.ply -c %s/tiny --video %s/x.png --maps -o %s/x",
+                                scratch, scratch, scratch, scratch),
                      2);
     assert_true(ffp_make_folders(in_scratch("empty"), NULL));
-    assert_int_equal(run_format("render %s/tiny.ply -c %s/tiny --pattern %s/empty -o %s/x", scratch, scratch,
-                                scratch, scratch),
+    assert_int_equal(run_format(&run, "render %s/tiny.ply -c %s/tiny --pattern %s/empty -o %s/x", scratch,
+                                scratch, scratch, scratch),
                      1);
     assert_non_null(strstr(run.err, "holds no pictures"));
 }

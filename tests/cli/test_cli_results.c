@@ -13,18 +13,6 @@
 
 static ProgramRun run;
 
-static void must_run(const char *format, ...) __attribute__((format(printf, 1, 2)));
-static void must_run(const char *format, ...) {
-    char arguments[2048];
-    va_list list;
-    va_start(list, format);
-    vsnprintf(arguments, sizeof arguments, format, list);
-    va_end(list);
-    run_program(&run, arguments);
-    if (run.status != 0) printf("%s: exit %d\n%s", arguments, run.status, run.err);
-    assert_int_equal(run.status, 0);
-}
-
 static bool is_there(const char *format, ...) __attribute__((format(printf, 1, 2)));
 static bool is_there(const char *format, ...) {
     char path[1024];
@@ -57,37 +45,43 @@ static int group_setup(void **state) {
     char folder[128];
     snprintf(folder, sizeof folder, "%s/tiny", scratch);
     tiny_capture(folder, SIDE);
-    must_run("reconstruct %s/tiny -o %s/tiny.ply --model none", scratch, scratch);
+    assert_int_equal(run_format(&run, "reconstruct %s/tiny -o %s/tiny.ply --model none", scratch, scratch),
+                     0);
     assert_true(is_there("%s/tiny.ply", scratch));
     return 0;
 }
 
 static void test_info_tells_what_files_hold(void **state) {
     (void)state;
-    must_run("info %s/tiny", scratch);
+    assert_int_equal(run_format(&run, "info %s/tiny", scratch), 0);
     assert_non_null(strstr(run.out, "views        4"));
     assert_non_null(strstr(run.out, "reconstructs from lollipop_0"));
-    must_run("info %s/tiny/render_poses.json", scratch);
+    assert_int_equal(run_format(&run, "info %s/tiny/render_poses.json", scratch), 0);
     assert_non_null(strstr(run.out, "stripes"));
-    must_run("info %s/tiny.ply", scratch);
+    assert_int_equal(run_format(&run, "info %s/tiny.ply", scratch), 0);
     assert_non_null(strstr(run.out, "Gaussians    "));
     assert_non_null(strstr(run.out, "opacity"));
 }
 
 static void test_render_writes_the_pictures_and_maps_it_is_asked_for(void **state) {
     (void)state;
-    must_run("render %s/tiny.ply --capture %s/tiny --view view_1 --pattern stripes --pattern "
-             "%s/tiny/novel_1_stripes.png "
-             "--maps -o %s/some",
-             scratch, scratch, scratch, scratch);
+    assert_int_equal(
+        run_format(&run,
+                   "render %s/tiny.ply --capture %s/tiny --view view_1 --pattern stripes --pattern "
+                   "%s/tiny/novel_1_stripes.png "
+                   "--maps -o %s/some",
+                   scratch, scratch, scratch, scratch),
+        0);
     static const char *const files[] = {"stripes.png", "novel_1_stripes.png", "depth.exr",
                                         "depth.png",   "opacity.png",         "normal.png",
                                         "albedo.png",  "roughness.png",       "ambient.png"};
     for (size_t i = 0; i < sizeof files / sizeof *files; i++)
         assert_true(is_there("%s/some/view_1_%s", scratch, files[i]));
     assert_false(is_there("%s/some/view_0_stripes.png", scratch));
-    must_run("render %s/tiny.ply --capture %s/tiny --poses %s/tiny/targets.json -o %s/poses", scratch,
-             scratch, scratch, scratch);
+    assert_int_equal(
+        run_format(&run, "render %s/tiny.ply --capture %s/tiny --poses %s/tiny/targets.json -o %s/poses",
+                   scratch, scratch, scratch, scratch),
+        0);
     assert_true(is_there("%s/poses/novel_0_all_white.png", scratch));
     assert_true(is_there("%s/poses/novel_1_all_white.png", scratch));
 }
@@ -141,10 +135,14 @@ static void check_row(json_t *root, const char *protocol, int images, double psn
 
 static void test_told_psnr_is_that_of_the_saved_pictures(void **state) {
     (void)state;
-    must_run("evaluate %s/tiny --model none --targets targets.json --save %s/saved --json %s/scores.json "
-             "--report %s/report.html "
-             "--show-pattern %s/tiny/patterns/stripes.png",
-             scratch, scratch, scratch, scratch, scratch);
+    assert_int_equal(
+        run_format(
+            &run,
+            "evaluate %s/tiny --model none --targets targets.json --save %s/saved --json %s/scores.json "
+            "--report %s/report.html "
+            "--show-pattern %s/tiny/patterns/stripes.png",
+            scratch, scratch, scratch, scratch, scratch),
+        0);
     json_t *root = load_json("scores.json");
     assert_int_equal(json_array_size(json_object_get(root, "rows")), 3);
     assert_int_equal(json_array_size(json_object_get(root, "means")), 3);
@@ -163,8 +161,11 @@ static void test_told_psnr_is_that_of_the_saved_pictures(void **state) {
 
 static void test_gaussians_from_a_file_score_as_those_just_made(void **state) {
     (void)state;
-    must_run("evaluate %s/tiny --model none --json %s/made.json", scratch, scratch);
-    must_run("evaluate %s/tiny --gaussians %s/tiny.ply --json %s/read.json", scratch, scratch, scratch);
+    assert_int_equal(run_format(&run, "evaluate %s/tiny --model none --json %s/made.json", scratch, scratch),
+                     0);
+    assert_int_equal(run_format(&run, "evaluate %s/tiny --gaussians %s/tiny.ply --json %s/read.json", scratch,
+                                scratch, scratch),
+                     0);
     json_t *made = load_json("made.json"), *read = load_json("read.json");
     const double a = json_real_value(json_object_get(find_row(made, "rendering"), "psnr"));
     const double b = json_real_value(json_object_get(find_row(read, "rendering"), "psnr"));
@@ -176,8 +177,10 @@ static void test_gaussians_from_a_file_score_as_those_just_made(void **state) {
 
 static void test_the_matching_predictor_leaves_new_poses_out(void **state) {
     (void)state;
-    must_run("evaluate %s/tiny --predictor match --targets targets.json --json %s/match.json", scratch,
-             scratch);
+    assert_int_equal(
+        run_format(&run, "evaluate %s/tiny --predictor match --targets targets.json --json %s/match.json",
+                   scratch, scratch),
+        0);
     json_t *root = load_json("match.json");
     assert_int_equal(json_array_size(json_object_get(root, "rows")), 2);
     assert_true(json_real_value(json_object_get(find_row(root, "rendering"), "psnr_unseen_lollipops")) > 20);
@@ -196,16 +199,25 @@ static void test_generate_train_evaluate(void **state) {
     char path[256];
     snprintf(path, sizeof path, "%s/config.json", scratch);
     assert_true(ffp_write_file(path, config, strlen(config), NULL));
-    must_run("train --out %s/run --config %s --steps 2", scratch, path);
-    must_run("train --out %s/run --resume --steps 3", scratch);
-    must_run("info %s/run/weights.safetensors", scratch);
+    assert_int_equal(run_format(&run, "train --out %s/run --config %s --steps 2", scratch, path), 0);
+    assert_int_equal(run_format(&run, "train --out %s/run --resume --steps 3", scratch), 0);
+    assert_int_equal(run_format(&run, "info %s/run/weights.safetensors", scratch), 0);
     assert_non_null(strstr(run.out, "model        tiny"));
-    must_run("generate %s/scenes --split test --preset smoke --resolution 32 --count 1 --seed 5", scratch);
-    must_run("evaluate %s/scenes/test_00000 --model %s/run/weights.safetensors --targets targets/scene.json "
-             "--json "
-             "%s/trained.json",
-             scratch, scratch, scratch);
-    must_run("evaluate %s/scenes/test_00000 --model none --json %s/start.json", scratch, scratch);
+    assert_int_equal(
+        run_format(&run, "generate %s/scenes --split test --preset smoke --resolution 32 --count 1 --seed 5",
+                   scratch),
+        0);
+    assert_int_equal(
+        run_format(
+            &run,
+            "evaluate %s/scenes/test_00000 --model %s/run/weights.safetensors --targets targets/scene.json "
+            "--json "
+            "%s/trained.json",
+            scratch, scratch, scratch),
+        0);
+    assert_int_equal(
+        run_format(&run, "evaluate %s/scenes/test_00000 --model none --json %s/start.json", scratch, scratch),
+        0);
     json_t *trained = load_json("trained.json"), *start = load_json("start.json");
     assert_non_null(find_row(trained, "novel_pose"));
     const double a = json_real_value(json_object_get(find_row(trained, "rendering"), "psnr"));
@@ -245,7 +257,7 @@ static void test_a_killed_run_leaves_a_whole_file(void **state) {
     const char *const arguments[] = {FFP_PROGRAM, "reconstruct", capture, "-o",
                                      output,      "--model",     "none",  NULL};
     const double begin = now();
-    must_run("reconstruct %s -o %s --model none", capture, output);
+    assert_int_equal(run_format(&run, "reconstruct %s -o %s --model none", capture, output), 0);
     const double length = now() - begin;
     for (int i = 0; i < KILLS; i++) {
         assert_true(ffp_write_file(output, "old", 3, NULL));
@@ -271,7 +283,7 @@ static void test_a_killed_training_run_leaves_a_whole_checkpoint(void **state) {
     snprintf(folder, sizeof folder, "%s/run", scratch); // test_generate_train_evaluate left it, at step 3
     snprintf(path, sizeof path, "%s/checkpoint.safetensors", folder);
     double begin = now();
-    must_run("train --out %s --resume --steps 4", folder);
+    assert_int_equal(run_format(&run, "train --out %s --resume --steps 4", folder), 0);
     const double length = now() - begin;
     for (int i = 0, step = 4; i < KILLS / 2; i++) {
         snprintf(last, sizeof last, "%d", step + 1);
