@@ -49,15 +49,19 @@ typedef struct FfpGaussians FfpGaussians;
 typedef struct FfpReconstruction {
     const FfpModel *model; // NULL: the classical start alone, without weights
     const char *pattern;   // name of the structured-light pattern to use; NULL: the first that every view has
+    int64_t polish; // gradient steps, of one view each, that fit the prediction to the photographs it was
+                    // made from: black, white and the pattern; 0: the forward pass alone
 } FfpReconstruction;
+#define FFP_POLISH_STEPS 40 // what the command line takes
 
 typedef struct FfpReconstructionStory { // how it went; seconds of wall clock
     char pattern[96];                   // the pattern that was used
     int64_t gaussians;
     double start_s, network_s; // projector matching and the classical estimates; the network
+    double polish_s;
 } FfpReconstructionStory;
 
-// One forward pass. The Gaussians are in the capture's world units. `story` may be NULL.
+// One forward pass and a short fit. The Gaussians are in the capture's world units. `story` may be NULL.
 FfpGaussians *ffp_reconstruct(const FfpCapture *capture, const FfpReconstruction *options,
                               FfpReconstructionStory *story, FfpError *err);
 
@@ -202,6 +206,7 @@ typedef struct FfpEvaluation {
         *targets; // pose files of novel_pose: none, one a capture, or one path looked up in each capture
     int n_targets;
     const char *pattern; // as FfpReconstruction.pattern
+    int64_t polish;      // as FfpReconstruction.polish
     const char *save;    // folder for <capture>/<view>_<pattern>.png of every prediction, or NULL
     const char *json;    // file for the rows, or NULL
     const char *report;  // file for a self-contained HTML report, or NULL

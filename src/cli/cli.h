@@ -30,6 +30,8 @@ int ffp_cli_fail(const FfpError *err); // "ffprocams: error: WHAT (WHERE)"; retu
 // "ffprocams: error: WHAT" and where to read more; returns FFP_EXIT_USAGE
 int ffp_cli_usage(const char *command, const char *what_format, ...) __attribute__((format(printf, 2, 3)));
 
+#define FFP_POLISH_MAX 1000000 // steps of --polish
+
 // A whole decimal number in [low, high] out of an option's value; false otherwise.
 bool ffp_cli_number(const char *text, int64_t low, int64_t high, int64_t *out);
 

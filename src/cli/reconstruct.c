@@ -4,9 +4,11 @@
 
 static const char help[] =
     "usage: ffprocams reconstruct CAPTURE -o FILE.ply [--model FILE|none] [--pattern NAME]\n"
+    "                             [--polish STEPS]\n"
     "\n"
-    "Turns a capture into relightable 3D Gaussians in one forward pass: geometry (centre, scale,\n"
-    "rotation, opacity) and material (albedo, roughness, ambient colour), in the capture's own units.\n"
+    "Turns a capture into relightable 3D Gaussians in one forward pass and a short fit to the same\n"
+    "photographs: geometry (centre, scale, rotation, opacity) and material (albedo, roughness, ambient\n"
+    "colour), in the capture's own units.\n"
     "\n"
     "  CAPTURE             folder with scene.json or render_poses.json, or such a file: views of one\n"
     "                      object, each under a black, a white and at least one coloured pattern\n"
@@ -16,10 +18,11 @@ static const char help[] =
     "                      or in the current one\n"
     "  -p, --pattern NAME  the structured-light pattern to use. Default: the first that is in every\n"
     "                      view and not held back\n"
+    "      --polish STEPS  steps of the fit, of one view each. 0: the forward pass alone. Default: 40\n"
     "\n"
     "example: ffprocams reconstruct data/sample -o spot.ply --pattern lollipop_0\n";
 
-static int run(const char *capture_path, const char *output, const char *model_path, const char *pattern) {
+static int run(const char *capture_path, const char *output, const char *model_path, FfpReconstruction *how) {
     FfpError err = {0};
     FfpReconstructionStory story;
     FfpGaussians *gaussians = NULL;
@@ -30,14 +33,15 @@ static int run(const char *capture_path, const char *output, const char *model_p
     if (ok && !(model_path && strcmp(model_path, "none") == 0))
         ok = (model = ffp_model_open(model_path, &err)) != NULL;
     if (ok) {
-        const FfpReconstruction how = {model, pattern};
-        gaussians = ffp_reconstruct(capture, &how, &story, &err);
+        how->model = model;
+        gaussians = ffp_reconstruct(capture, how, &story, &err);
         ok = gaussians && ffp_gaussians_save(gaussians, output, &err);
     }
     if (ok)
-        printf("%s: %lld Gaussians from %s in %.2f s (matching %.2f s, network %.2f s)\n", output,
-               (long long)story.gaussians, story.pattern, story.start_s + story.network_s, story.start_s,
-               story.network_s);
+        printf("%s: %lld Gaussians from %s in %.2f s (matching %.2f s, network %.2f s, polish %.2f s)\n",
+               output, (long long)story.gaussians, story.pattern,
+               story.start_s + story.network_s + story.polish_s, story.start_s, story.network_s,
+               story.polish_s);
     ffp_gaussians_close(gaussians);
     ffp_model_close(model);
     ffp_capture_close(capture);
@@ -45,12 +49,13 @@ static int run(const char *capture_path, const char *output, const char *model_p
 }
 
 int ffp_cli_reconstruct(int argc, char **argv) {
-    static const struct option options[] = {{"output", required_argument, NULL, 'o'},
-                                            {"model", required_argument, NULL, 'm'},
-                                            {"pattern", required_argument, NULL, 'p'},
-                                            {"help", no_argument, NULL, 'h'},
-                                            {0}};
-    const char *output = NULL, *model = NULL, *pattern = NULL;
+    enum { POLISH = 256 };
+    static const struct option options[] = {
+        {"output", required_argument, NULL, 'o'},  {"model", required_argument, NULL, 'm'},
+        {"pattern", required_argument, NULL, 'p'}, {"polish", required_argument, NULL, POLISH},
+        {"help", no_argument, NULL, 'h'},          {0}};
+    const char *output = NULL, *model = NULL;
+    FfpReconstruction how = {.polish = FFP_POLISH_STEPS};
     for (int option; (option = ffp_cli_next(argc, argv, ":o:m:p:h", options)) != -1;) {
         switch (option) {
         case 'o':
@@ -60,8 +65,12 @@ int ffp_cli_reconstruct(int argc, char **argv) {
             model = optarg;
             break;
         case 'p':
-            pattern = optarg;
+            how.pattern = optarg;
             break;
+        case POLISH:
+            if (ffp_cli_number(optarg, 0, FFP_POLISH_MAX, &how.polish)) break;
+            return ffp_cli_usage(argv[0], "--polish is a number of steps from 0 to %d, not %s",
+                                 FFP_POLISH_MAX, optarg);
         case 'h':
             fputs(help, stdout);
             return FFP_EXIT_OK;
@@ -71,5 +80,5 @@ int ffp_cli_reconstruct(int argc, char **argv) {
     }
     if (optind + 1 != argc) return ffp_cli_usage(argv[0], "give exactly one CAPTURE");
     if (!output) return ffp_cli_usage(argv[0], "-o FILE.ply is missing");
-    return run(argv[optind], output, model, pattern);
+    return run(argv[optind], output, model, &how);
 }

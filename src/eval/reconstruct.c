@@ -5,9 +5,11 @@
 #include "base/log.h"
 #include "capture/capture.h"
 #include "eval/reconstruct.h"
+#include "eval/relight.h"
 #include "gaussians/gaussians.h"
 #include "match/match.h"
 #include "network/network.h"
+#include "refine/refine.h"
 
 FfpCapture ffp_normalised_alias(const FfpCapture *capture) {
     FfpCapture alias = *capture;
@@ -54,6 +56,16 @@ static bool run_network(FfpGaussians *out, const FfpModel *model, const FfpCaptu
     return ok;
 }
 
+// Between the prediction and the way back to the world.
+static bool polish(FfpGaussians *gaussians, const FfpCapture *normalised, int active,
+                   const FfpReconstruction *options, FfpError *err) {
+    const int patterns[] = {normalised->black, normalised->white, active};
+    FfpRefineSettings settings = ffp_polish_defaults(options->polish);
+    FfpRefineResult result;
+    settings.render = ffp_drawing_settings(FFP_DRAWING_OURS, options->model);
+    return ffp_refine(gaussians, normalised, patterns, 3, &settings, &result, err);
+}
+
 FfpGaussians *ffp_reconstruct(const FfpCapture *capture, const FfpReconstruction *options,
                               FfpReconstructionStory *story, FfpError *err) {
     const int active = ffp_capture_active_pattern(capture, options->pattern, err);
@@ -71,6 +83,10 @@ FfpGaussians *ffp_reconstruct(const FfpCapture *capture, const FfpReconstruction
             ok = run_network(&result, options->model, &normalised, &start, active, err);
         else
             result = ffp_start_gaussians(&normalised, &start);
+        const double predicted = ffp_seconds();
+        if (ok && options->polish > 0 && result.count > 0)
+            ok = polish(&result, &normalised, active, options, err);
+        const double polished = ffp_seconds();
         if (ok) {
             ffp_gaussians_transform(&result, capture->centre, capture->radius);
             gaussians = ffp_alloc(1, sizeof *gaussians);
@@ -78,7 +94,8 @@ FfpGaussians *ffp_reconstruct(const FfpCapture *capture, const FfpReconstruction
         }
         if (ok && story) {
             *story = (FfpReconstructionStory){.gaussians = result.count, .start_s = started - begin};
-            story->network_s = options->model ? ffp_seconds() - started : 0;
+            story->network_s = options->model ? predicted - started : 0;
+            story->polish_s = polished - predicted;
             snprintf(story->pattern, sizeof story->pattern, "%s", capture->patterns[active].name);
         }
         ffp_start_free(&start);

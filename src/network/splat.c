@@ -11,7 +11,8 @@
 #define LOG_SCALE_MAX 2.7725887F
 #define PLAIN_LOG_SCALE_MIN (-8.0F)    // keeps exp off zero
 #define PLAIN_LOG_SCALE_MAX 2.0794415F // ln 8
-#define START_OPACITY 2.5F             // logits
+#define START_OPACITY 0.924F           // of a pixel that the object fills
+#define OPACITY_MARGIN 1e-3F
 #define PLAIN_OPACITY (-2.0F)
 // The start's colours stay this far off 0 and 1, where a logit has no end. The ambient colour is seen, not
 // inferred, and dark objects go below a hundredth; an albedo that low is a failed estimate, which the network
@@ -32,8 +33,8 @@ static real clamped(real x, real low, real high) {
     return fmin(fmax(x, low), high);
 }
 
-static real logit_of_colour(real colour, real margin) {
-    const real c = clamped(colour, margin, 1 - margin);
+static real logit(real share, real margin) {
+    const real c = clamped(share, margin, 1 - margin);
     return log(c / (1 - c));
 }
 
@@ -42,11 +43,11 @@ void ffp_residual_base(FfpPixelBase *base, const FfpStart *start, int64_t pixel)
     const real u = clamped((base->t - base->nearest) / REACH, -REACH_MARGIN, REACH_MARGIN);
     base->t_logit = log((1 + u) / (1 - u));
     base->footprint = start->footprint[pixel];
-    base->coverage = start->coverage[pixel];
+    base->opacity_logit = logit(START_OPACITY * start->coverage[pixel], OPACITY_MARGIN);
     ffp_normal_frame(start->normal + 3 * pixel, base->frame);
     for (int i = 0; i < 3; i++) {
-        base->albedo_logit[i] = logit_of_colour(start->albedo[3 * pixel + i], ALBEDO_MARGIN);
-        base->ambient_logit[i] = logit_of_colour(start->ambient[3 * pixel + i], AMBIENT_MARGIN);
+        base->albedo_logit[i] = logit(start->albedo[3 * pixel + i], ALBEDO_MARGIN);
+        base->ambient_logit[i] = logit(start->ambient[3 * pixel + i], AMBIENT_MARGIN);
     }
 }
 
@@ -86,9 +87,9 @@ static void quaternion_product(real out[4], const real f[4], const real q[4]) {
 }
 
 // The part of both forms' rows behind the scale: opacity, albedo 3, roughness, ambient 3.
-static void appearance(FfpSplat *out, const real *x, real opacity, real coverage, const real albedo[3],
+static void appearance(FfpSplat *out, const real *x, real opacity, const real albedo[3],
                        const real ambient[3]) {
-    out->opacity = coverage * sigmoid(x[0] + opacity);
+    out->opacity = sigmoid(x[0] + opacity);
     out->roughness = ROUGHNESS_MIN + (1 - ROUGHNESS_MIN) * sigmoid(x[4]);
     for (int i = 0; i < 3; i++) {
         out->albedo[i] = sigmoid(x[1 + i] + albedo[i]);
@@ -96,9 +97,9 @@ static void appearance(FfpSplat *out, const real *x, real opacity, real coverage
     }
 }
 
-static void appearance_backward(real *dx, const FfpSplat *grad, const real *x, real opacity, real coverage,
+static void appearance_backward(real *dx, const FfpSplat *grad, const real *x, real opacity,
                                 const real albedo[3], const real ambient[3]) {
-    dx[0] = grad->opacity * coverage * sigmoid_slope(x[0] + opacity);
+    dx[0] = grad->opacity * sigmoid_slope(x[0] + opacity);
     dx[4] = grad->roughness * (1 - ROUGHNESS_MIN) * sigmoid_slope(x[4]);
     for (int i = 0; i < 3; i++) {
         dx[1 + i] = grad->albedo[i] * sigmoid_slope(x[1 + i] + albedo[i]);
@@ -112,7 +113,7 @@ void ffp_plain_splat(FfpSplat *out, const FfpPixelBase *base, const real *raw) {
     out->t = base->nearest + REACH * (2 * sigmoid(raw[0]) - 1);
     scale_forward(out->scale, raw + 1, base->footprint, 1, PLAIN_LOG_SCALE_MIN, PLAIN_LOG_SCALE_MAX);
     unit_quaternion(out->rotation, raw + 4);
-    appearance(out, raw + 8, PLAIN_OPACITY, 1, zero, zero);
+    appearance(out, raw + 8, PLAIN_OPACITY, zero, zero);
 }
 
 void ffp_plain_splat_backward(real *draw, const FfpSplat *grad, const FfpPixelBase *base, const real *raw) {
@@ -120,7 +121,7 @@ void ffp_plain_splat_backward(real *draw, const FfpSplat *grad, const FfpPixelBa
     scale_backward(draw + 1, grad->scale, raw + 1, base->footprint, 1, PLAIN_LOG_SCALE_MIN,
                    PLAIN_LOG_SCALE_MAX);
     unit_quaternion_backward(draw + 4, grad->rotation, raw + 4);
-    appearance_backward(draw + 8, grad, raw + 8, PLAIN_OPACITY, 1, zero, zero);
+    appearance_backward(draw + 8, grad, raw + 8, PLAIN_OPACITY, zero, zero);
 }
 
 // t = g t_match + (1 - g) t_net, both written as distances from the start, so that zeros give its bits:
@@ -134,7 +135,7 @@ void ffp_residual_splat(FfpSplat *out, const FfpPixelBase *base, const real *raw
     real turn[4];
     unit_quaternion(turn, raw + 6);
     quaternion_product(out->rotation, base->frame, turn);
-    appearance(out, raw + 10, START_OPACITY, base->coverage, base->albedo_logit, base->ambient_logit);
+    appearance(out, raw + 10, base->opacity_logit, base->albedo_logit, base->ambient_logit);
 }
 
 void ffp_residual_splat_backward(real *draw, const FfpSplat *grad, const FfpPixelBase *base,
@@ -150,6 +151,6 @@ void ffp_residual_splat_backward(real *draw, const FfpSplat *grad, const FfpPixe
     real dturn[4]; // the product with a constant is linear; its adjoint is the product with the conjugate
     quaternion_product(dturn, inverse, grad->rotation);
     unit_quaternion_backward(draw + 6, dturn, raw + 6);
-    appearance_backward(draw + 10, grad, raw + 10, START_OPACITY, base->coverage, base->albedo_logit,
+    appearance_backward(draw + 10, grad, raw + 10, base->opacity_logit, base->albedo_logit,
                         base->ambient_logit);
 }

@@ -15,7 +15,7 @@ typedef struct FfpPixelBase {
     real footprint; // world width of a pixel: at the nearest point (plain), at the start's point (residual)
     // Residual form only:
     real t, t_logit; // the start's distance, and where t_net's sigmoid stands for it
-    real coverage, frame[4], albedo_logit[3], ambient_logit[3];
+    real opacity_logit, frame[4], albedo_logit[3], ambient_logit[3];
 } FfpPixelBase;
 
 typedef struct FfpSplat { // one Gaussian, or the gradient with respect to it

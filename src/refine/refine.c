@@ -42,6 +42,19 @@ FfpRefineSettings ffp_refine_defaults(void) {
     };
 }
 
+// Rates chosen on scenes of the validation split (docs/training.md).
+FfpRefineSettings ffp_polish_defaults(int64_t steps) {
+    FfpRefineSettings s = ffp_refine_defaults();
+    const real faster[FFP_ATTRIBUTES] = {
+        [FFP_CENTRE] = 3, [FFP_SCALE] = 8,     [FFP_ROTATION] = 3, [FFP_OPACITY] = 8,
+        [FFP_ALBEDO] = 4, [FFP_ROUGHNESS] = 4, [FFP_AMBIENT] = 4};
+    for (int a = 0; a < FFP_ATTRIBUTES; a++) s.rates.rate[a] *= faster[a];
+    s.smooth = 0;
+    s.steps = steps;
+    s.quiet = true;
+    return s;
+}
+
 // Rates and densification of GS-ProCams' released program, whose scene extent is 1.1 times the cameras'
 // distance from their mean: about 4 in the unit sphere's units. Its distortion is a square of a depth
 // compressed to 1 - 0.2 / z; its weight of 1000 there is about this one here for layers 0.02 apart.
@@ -168,6 +181,7 @@ static FfpFitLoss look_at_all(Fit *fit) {
 }
 
 static void tell(Fit *fit, const FfpFitLoss *round) {
+    if (fit->settings->quiet) return;
     char extra[96];
     const double seconds = ffp_seconds() - fit->started;
     snprintf(extra, sizeof extra, "step %lld, loss %.4f, %.2f dB, %lld Gaussians", (long long)fit->step,
@@ -242,14 +256,15 @@ bool ffp_refine(FfpGaussians *gaussians, const FfpCapture *capture, const int *p
     if (!(settings->steps > 0) && !(settings->seconds > 0))
         return ffp_fail(err, NULL, "a fit needs a limit of steps or seconds");
     Fit fit = fit_new(gaussians, capture, patterns, n_patterns, settings);
-    *result = (FfpRefineResult){.psnr_before = look_at_all(&fit).psnr};
+    *result = (FfpRefineResult){0};
+    if (!settings->quiet) result->psnr_before = look_at_all(&fit).psnr;
     fit.progress = progress_of(settings);
     bool ok = true;
     while (ok && !over(&fit)) ok = one_round(&fit, err);
     ffp_progress_end(&fit.progress);
     if (ok) {
         copy(&fit.gaussians, &fit.best);
-        result->psnr_after = look_at_all(&fit).psnr;
+        if (!settings->quiet) result->psnr_after = look_at_all(&fit).psnr;
         result->steps = fit.step;
         result->gaussians = fit.best.count;
         result->seconds = ffp_seconds() - fit.started;

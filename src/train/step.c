@@ -154,12 +154,11 @@ static void supervise_gbuffer(FfpStepper *s, const FfpView *view, real weight, F
 }
 
 // One view: rasterised once, seen under black, white and a random lollipop.
-static void supervise_view(FfpStepper *s, const FfpScene *scene, int index, int64_t step, FfpRng *rng,
-                           real weight, FfpLosses *losses) {
+static void supervise_view(FfpStepper *s, const FfpScene *scene, const FfpGaussians *gaussians, int index,
+                           int64_t step, FfpRng *rng, real weight, FfpLosses *losses) {
     const FfpTrainConfig *c = s->config;
     const FfpCapture *capture = &scene->capture;
     const FfpView *view = &capture->views[index];
-    const FfpGaussians *gaussians = &s->run->gaussians;
     fit_view_buffers(s, view->camera.width, view->camera.height);
     double clock = ffp_seconds();
     ffp_rasterise(s->raster, gaussians, &view->camera, &s->settings, &s->gbuffer);
@@ -254,6 +253,31 @@ static void clear_gradients(FfpStepper *s) {
     memset(s->grad_gaussians.ambient, 0, 3 * size);
 }
 
+// Draws the views of a step with `gaussians`, the network's own or what a fit has made of them. Either way
+// the gradient becomes that of the network's: a short fit is taken for a shift that does not depend on where
+// it begins (first-order meta-learning, Finn et al. 2017, section 5.2).
+static void supervise(FfpStepper *s, const FfpScene *scene, const FfpGaussians *gaussians, int64_t step,
+                      FfpRng *rng, FfpLosses *losses) {
+    const FfpTrainConfig *c = s->config;
+    const int count = c->supervised_inputs + c->supervised_targets;
+    int views[128] = {0};
+    draw(rng, 0, c->views, c->supervised_inputs, views);
+    draw(rng, c->views, c->targets, c->supervised_targets, views + c->supervised_inputs);
+    for (int i = 0; i < count; i++)
+        supervise_view(s, scene, gaussians, views[i], step, rng, 1 / (real)count, losses);
+}
+
+static bool supervise_polished(FfpStepper *s, const FfpScene *scene, int64_t step, FfpRng *rng,
+                               FfpLosses *losses, FfpError *err) {
+    const double clock = ffp_seconds();
+    FfpGaussians polished = ffp_gaussians_copy(&s->run->gaussians);
+    const bool ok = ffp_scene_polish(&polished, s->config, &s->settings, scene, ffp_rng_u32(rng), err);
+    losses->polish_s = ffp_seconds() - clock;
+    if (ok) supervise(s, scene, &polished, step, rng, losses);
+    ffp_gaussians_free(&polished);
+    return ok;
+}
+
 bool ffp_step_loss(FfpStepper *s, const FfpModel *model, const FfpScene *scene, int64_t step,
                    FfpLosses *losses, real *grad, FfpError *err) {
     const FfpTrainConfig *c = s->config;
@@ -269,12 +293,11 @@ bool ffp_step_loss(FfpStepper *s, const FfpModel *model, const FfpScene *scene, 
         losses->mask = direct_opacity_loss(s, scene);
     } else {
         FfpRng rng = ffp_rng((uint64_t)c->seed, (uint64_t)step);
-        int views[128] = {0};
-        const int count = c->supervised_inputs + c->supervised_targets;
-        draw(&rng, 0, c->views, c->supervised_inputs, views);
-        draw(&rng, c->views, c->targets, c->supervised_targets, views + c->supervised_inputs);
-        for (int i = 0; i < count; i++)
-            supervise_view(s, scene, views[i], step, &rng, 1 / (real)count, losses);
+        if (c->polish_share > 0 && ffp_rng_uniform(&rng) < c->polish_share) {
+            if (!supervise_polished(s, scene, step, &rng, losses, err)) return false;
+        } else {
+            supervise(s, scene, &s->run->gaussians, step, &rng, losses);
+        }
     }
     losses->total = losses->l1 + losses->ssim + losses->perceptual + losses->mask + losses->depth +
                     losses->distortion + losses->normal_smooth + losses->roughness_smooth + losses->direct_t +

@@ -36,7 +36,9 @@ typedef struct FfpTrainConfig {
     // Supervision of a step: views drawn from the input views and from the new-pose views.
     int supervised_inputs, supervised_targets;
     int white_from, active_from; // steps from which the white and the active images count (T_w, T_p)
-    int warmup_geometry;         // first steps: only direct supervision of t and opacity, no rasteriser
+    double polish_share;         // of the steps draw what a fit of polish_steps makes of the prediction
+    int polish_steps;
+    int warmup_geometry; // first steps: only direct supervision of t and opacity, no rasteriser
 
     // Weights of the terms (0 = off).
     double l1, ssim, perceptual, mask, depth, distortion, normal_smooth, roughness_smooth, direct_t;
@@ -122,7 +124,8 @@ real ffp_true_t(const FfpView *view, int pixel);
 typedef struct FfpLosses { // weighted values of a step's terms, and seconds of its parts
     double l1, ssim, perceptual, mask, depth, distortion, normal_smooth, roughness_smooth, direct_t;
     double truth_albedo, truth_normal, truth_roughness, total;
-    double forward_s, rasterise_s, shade_s, loss_s, shade_backward_s, rasterise_backward_s, backward_s;
+    double forward_s, polish_s, rasterise_s, shade_s, loss_s, shade_backward_s, rasterise_backward_s,
+        backward_s;
     FfpProfile network; // parts of forward_s and backward_s
 } FfpLosses;
 // What a step needs besides the model; reused from step to step.
@@ -151,9 +154,13 @@ double ffp_adam_update(FfpAdam *adam, FfpModel *model, const real *grad, const F
 typedef struct FfpValidation {
     double rendering,
         novel_pose; // dB, full frame: lollipops not given at the input poses; all patterns at new poses
-    double start_rendering, start_novel_pose; // the classical start on the same pictures
+    double polished_rendering, polished_novel_pose; // after a fit of polish_steps to the input views
+    double start_rendering, start_novel_pose;       // the classical start on the same pictures
     double depth_median; // of |t - truth|, % of the object's radius, foreground pixels of the input views
 } FfpValidation;
+// Fits Gaussians of the scene's input views to their black, white and active pictures: config->polish_steps.
+bool ffp_scene_polish(FfpGaussians *gaussians, const FfpTrainConfig *config, const FfpRenderSettings *render,
+                      const FfpScene *scene, uint64_t seed, FfpError *err);
 double ffp_scene_psnr(const FfpModel *model, const FfpTrainConfig *config,
                       const FfpScene *scene); // lollipops not given
 bool ffp_validate(const FfpModel *model, const FfpTrainConfig *config, int resolution, const char *picture,

@@ -61,11 +61,12 @@ static json_t *network_seconds(const FfpProfileTimes *t) {
 }
 
 static json_t *seconds_of(const FfpLosses *l, double scene_s, double step_s) {
-    return json_pack("{sf sf sf so sf sf sf sf sf sf so}", "step", step_s, "scene", scene_s, "forward",
-                     l->forward_s, "network_forward", network_seconds(&l->network.forward), "rasterise",
-                     l->rasterise_s, "shade", l->shade_s, "loss", l->loss_s, "shade_backward",
-                     l->shade_backward_s, "rasterise_backward", l->rasterise_backward_s, "backward",
-                     l->backward_s, "network_backward", network_seconds(&l->network.backward));
+    return json_pack("{sf sf sf sf so sf sf sf sf sf sf so}", "step", step_s, "scene", scene_s, "forward",
+                     l->forward_s, "polish", l->polish_s, "network_forward",
+                     network_seconds(&l->network.forward), "rasterise", l->rasterise_s, "shade", l->shade_s,
+                     "loss", l->loss_s, "shade_backward", l->shade_backward_s, "rasterise_backward",
+                     l->rasterise_backward_s, "backward", l->backward_s, "network_backward",
+                     network_seconds(&l->network.backward));
 }
 
 static void log_step(Trainer *trainer, int64_t step, const FfpLosses *l, double norm, bool skipped,
@@ -99,14 +100,16 @@ static bool validate(Trainer *trainer, int64_t step, FfpError *err) {
                                  path, &v, err);
     swap_ema(trainer);
     if (!ok) return false;
-    write_metrics(trainer, json_pack("{sI sf sf sf sf sf}", "step", (json_int_t)step, "validation_rendering",
-                                     v.rendering, "validation_novel_pose", v.novel_pose, "start_rendering",
-                                     v.start_rendering, "start_novel_pose", v.start_novel_pose,
-                                     "depth_median_percent", v.depth_median));
-    ffp_note("validation at step %lld: rendering %.2f dB (start %.2f), novel pose %.2f dB (start %.2f), "
-             "depth %.2f %%",
-             (long long)step, v.rendering, v.start_rendering, v.novel_pose, v.start_novel_pose,
-             v.depth_median);
+    write_metrics(trainer,
+                  json_pack("{sI sf sf sf sf sf sf sf}", "step", (json_int_t)step, "validation_rendering",
+                            v.rendering, "validation_novel_pose", v.novel_pose, "polished_rendering",
+                            v.polished_rendering, "polished_novel_pose", v.polished_novel_pose,
+                            "start_rendering", v.start_rendering, "start_novel_pose", v.start_novel_pose,
+                            "depth_median_percent", v.depth_median));
+    ffp_note("validation at step %lld: rendering %.2f dB (polished %.2f, start %.2f), novel pose %.2f dB "
+             "(polished %.2f, start %.2f), depth %.2f %%",
+             (long long)step, v.rendering, v.polished_rendering, v.start_rendering, v.novel_pose,
+             v.polished_novel_pose, v.start_novel_pose, v.depth_median);
     return true;
 }
 

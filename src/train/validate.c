@@ -132,7 +132,7 @@ static void draw_row(Viewer *viewer, const FfpScene *scene, const FfpGaussians *
 
 bool ffp_validate(const FfpModel *model, const FfpTrainConfig *config, int resolution, const char *picture,
                   FfpValidation *result, FfpError *err) {
-    Tally tallies[4] = {0};
+    Tally tallies[6] = {0}; // rendering and novel pose of the prediction, polished, of the start
     double depth = 0;
     Viewer viewer = viewer_new(&config->model, resolution);
     FfpImage sheet = ffp_image_new(6 * resolution, config->validation_scenes * resolution, 3);
@@ -145,14 +145,23 @@ bool ffp_validate(const FfpModel *model, const FfpTrainConfig *config, int resol
         if (ok) {
             FfpGaussians start = ffp_start_gaussians(&scene.inputs, &scene.start);
             score(&viewer, &scene, &run->gaussians, &tallies[0], &tallies[1]);
-            score(&viewer, &scene, &start, &tallies[2], &tallies[3]);
+            score(&viewer, &scene, &start, &tallies[4], &tallies[5]);
             depth += depth_error_median(&scene, run);
             draw_row(&viewer, &scene, &start, &run->gaussians, &sheet, i);
+            FfpGaussians polished = ffp_gaussians_copy(&run->gaussians);
+            ok = ffp_scene_polish(&polished, config, &viewer.settings, &scene, (uint64_t)i, err);
+            if (ok) score(&viewer, &scene, &polished, &tallies[2], &tallies[3]);
+            ffp_gaussians_free(&polished);
             ffp_gaussians_free(&start);
         }
         ffp_scene_close(&scene);
     }
-    *result = (FfpValidation){mean(tallies[0]), mean(tallies[1]), mean(tallies[2]), mean(tallies[3]),
+    *result = (FfpValidation){mean(tallies[0]),
+                              mean(tallies[1]),
+                              mean(tallies[2]),
+                              mean(tallies[3]),
+                              mean(tallies[4]),
+                              mean(tallies[5]),
                               depth / config->validation_scenes};
     ok = ok && (!picture || ffp_image_write_png(&sheet, picture, err));
     ffp_run_free(run);

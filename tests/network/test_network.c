@@ -39,7 +39,7 @@ static void check_classical(const FfpGaussians *g, int64_t i, const FfpRun *run,
     const real axis[3] = {2 * (q[1] * q[3] + q[0] * q[2]), 2 * (q[2] * q[3] - q[0] * q[1]),
                           1 - 2 * (q[1] * q[1] + q[2] * q[2])};
     const real width = 0.425F * start->footprint[p], scale[3] = {width, width, 0.1F * width};
-    const real opacity = start->coverage[p] * 0.924142F, roughness = 0.525F; // sigmoid(2.5)
+    const real opacity = fmax(0.924F * start->coverage[p], 1e-3F), roughness = 0.525F;
     assert_near(axis, start->normal + 3 * p, 3, 1e-4F, "axis");
     assert_near(g->scale + 3 * i, scale, 3, 1e-7F, "scale");
     assert_near(g->opacity + i, &opacity, 1, 1e-5F, "opacity");
