@@ -227,9 +227,15 @@ typedef struct FfpScore {
     double psnr_unseen_lollipops; // `rendering` only: the lollipops that the predictor was not given
     int images, images_unseen;
     double reconstruct_s, render_s; // seconds: of the reconstruction; of all the row's pictures together
+    // `rendering` of Gaussians only, where the capture holds the truth; over the input views' pixels that the
+    // object fills. Depth: % of the object's radius, apart for pixels that the white pattern lights and those
+    // that it does not; a pixel that shows no surface counts as 100.
+    double depth_lit_median, depth_lit_p90, depth_unlit_median, depth_unlit_p90;
+    double albedo_mse; // linear
 } FfpScore;
 
-// Returns the rows (release with free) and their number, or NULL. JSON and report are written when all is
+// Returns the rows (release with free) and their number, or NULL. Behind the rows of several captures stand
+// those of their means, whose capture is "mean". JSON and report are written when all is
 // done.
 FfpScore *ffp_evaluate(const FfpEvaluation *options, int *n_scores, FfpError *err);
 

@@ -51,6 +51,22 @@ static void put_cell(double value, int digits) {
         printf(" %8s", "-");
 }
 
+// Where a capture holds its truth.
+static void put_truth(const FfpScore *scores, int n_scores) {
+    bool any = false;
+    for (int i = 0; i < n_scores; i++) {
+        const FfpScore *score = &scores[i];
+        if (!isfinite(score->depth_lit_median) && !isfinite(score->albedo_mse)) continue;
+        if (!any)
+            printf("\n%-20s %-38s %-38s %s\n", "capture", "depth error where lit, % of the radius",
+                   "depth error where unlit", "albedo MSE");
+        any = true;
+        printf("%-20s median %6.2f, 90th percentile %6.2f   median %6.2f, 90th percentile %6.2f   %.5f\n",
+               score->capture, score->depth_lit_median, score->depth_lit_p90, score->depth_unlit_median,
+               score->depth_unlit_p90, score->albedo_mse);
+    }
+}
+
 static void put_table(const FfpScore *scores, int n_scores) {
     printf("%-20s %-14s %6s %8s %8s %8s %8s %8s %8s %8s\n", "capture", "protocol", "images", "PSNR", "object",
            "unseen", "SSIM", "LPIPS", "rec. s", "ms/image");
@@ -66,6 +82,7 @@ static void put_table(const FfpScore *scores, int n_scores) {
         put_cell(1000 * score->render_s / score->images, 1);
         putchar('\n');
     }
+    put_truth(scores, n_scores);
 }
 
 static int run(FfpEvaluation *evaluation, const char *model_path) {

@@ -260,6 +260,17 @@ static bool check_options(const FfpEvaluation *options, FfpError *err) {
            check_shown_pattern(options->show_pattern, err);
 }
 
+// A row a protocol, called "mean", behind those of the captures.
+static void append_means(FfpEvaluating *shared) {
+    const int rows = shared->n_scores;
+    for (int i = 0; i < FFP_PROTOCOLS; i++) {
+        FfpScore *mean = &shared->scores[shared->n_scores];
+        if (!ffp_scores_mean(mean, shared->scores, rows, ffp_protocols[i])) continue;
+        snprintf(mean->capture, sizeof mean->capture, "mean");
+        shared->n_scores++;
+    }
+}
+
 FfpScore *ffp_evaluate(const FfpEvaluation *options, int *n_scores, FfpError *err) {
     FfpEvaluating shared = {.options = options};
     *n_scores = 0;
@@ -267,13 +278,14 @@ FfpScore *ffp_evaluate(const FfpEvaluation *options, int *n_scores, FfpError *er
     bool ok = open_perceptual(&shared, err) && check_captures(&shared, err);
     if (options->report)
         shared.report = ffp_report_new(options->model_name ? options->model_name : "unnamed");
-    shared.scores = ffp_alloc(3 * (size_t)options->n_captures, sizeof *shared.scores);
+    shared.scores = ffp_alloc(FFP_PROTOCOLS * ((size_t)options->n_captures + 1), sizeof *shared.scores);
     for (int i = 0; ok && i < options->n_captures; i++) ok = evaluate_capture(&shared, i, err);
     if (ok && options->json) ok = ffp_scores_write(shared.scores, shared.n_scores, options, err);
     if (ok && options->report)
         ok = ffp_report_write(shared.report, shared.scores, shared.n_scores, options->report, err);
     ffp_report_free(shared.report);
     ffp_perceptual_free(shared.lpips);
+    if (ok && options->n_captures > 1) append_means(&shared);
     if (!ok) {
         free(shared.scores);
         return NULL;

@@ -1,56 +1,72 @@
 #include <math.h>
+#include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
 #include <jansson.h>
 #include "base/file.h"
 #include "eval/scores.h"
 
-static void set_figure(json_t *row, const char *key, double value) {
-    json_object_set_new(row, key, isfinite(value) ? json_real(value) : json_null());
+const char *const ffp_protocols[FFP_PROTOCOLS] = {"rendering", "novel_pattern", "novel_pose"};
+
+static const struct {
+    const char *name;
+    size_t offset; // of a double in FfpScore
+} figures[] = {
+#define FIGURE(name)                                                                                         \
+    { #name, offsetof(FfpScore, name) }
+    FIGURE(psnr),
+    FIGURE(psnr_foreground),
+    FIGURE(psnr_unseen_lollipops),
+    FIGURE(ssim),
+    FIGURE(lpips),
+    FIGURE(reconstruct_s),
+    FIGURE(render_s),
+    FIGURE(depth_lit_median),
+    FIGURE(depth_lit_p90),
+    FIGURE(depth_unlit_median),
+    FIGURE(depth_unlit_p90),
+    FIGURE(albedo_mse),
+#undef FIGURE
+};
+enum { FIGURES = sizeof figures / sizeof *figures };
+
+static double *figure_of(FfpScore *score, int i) {
+    return (double *)((char *)score + figures[i].offset);
 }
 
-static json_t *row_json(const FfpScore *score) {
+static json_t *row_json(FfpScore score) {
     json_t *row = json_object();
-    if (*score->capture) json_object_set_new(row, "capture", json_string(score->capture));
-    json_object_set_new(row, "protocol", json_string(score->protocol));
-    set_figure(row, "psnr", score->psnr);
-    set_figure(row, "psnr_foreground", score->psnr_foreground);
-    set_figure(row, "psnr_unseen_lollipops", score->psnr_unseen_lollipops);
-    set_figure(row, "ssim", score->ssim);
-    set_figure(row, "lpips", score->lpips);
-    json_object_set_new(row, "images", json_integer(score->images));
-    set_figure(row, "reconstruct_s", score->reconstruct_s);
-    set_figure(row, "render_s", score->render_s);
+    if (*score.capture) json_object_set_new(row, "capture", json_string(score.capture));
+    json_object_set_new(row, "protocol", json_string(score.protocol));
+    json_object_set_new(row, "images", json_integer(score.images));
+    for (int i = 0; i < FIGURES; i++) {
+        const double value = *figure_of(&score, i);
+        json_object_set_new(row, figures[i].name, isfinite(value) ? json_real(value) : json_null());
+    }
     return row;
 }
 
-// The mean over captures of a protocol's rows. Figures missing from one row are missing from the mean.
-static json_t *mean_json(const FfpScore *scores, int n_scores, const char *protocol) {
-    FfpScore mean = {.protocol = protocol};
+int ffp_scores_mean(FfpScore *mean, const FfpScore *scores, int n_scores, const char *protocol) {
     int rows = 0;
-    for (int i = 0; i < n_scores; i++) {
-        const FfpScore *score = &scores[i];
-        if (strcmp(score->protocol, protocol) != 0) continue;
+    *mean = (FfpScore){.protocol = protocol};
+    for (int s = 0; s < n_scores; s++) {
+        FfpScore score = scores[s];
+        if (strcmp(score.protocol, protocol) != 0) continue;
         rows++;
-        mean.images += score->images;
-        mean.psnr += score->psnr, mean.psnr_foreground += score->psnr_foreground;
-        mean.psnr_unseen_lollipops += score->psnr_unseen_lollipops;
-        mean.ssim += score->ssim, mean.lpips += score->lpips;
-        mean.reconstruct_s += score->reconstruct_s, mean.render_s += score->render_s;
+        mean->images += score.images;
+        for (int i = 0; i < FIGURES; i++) *figure_of(mean, i) += *figure_of(&score, i);
     }
-    if (!rows) return NULL;
-    mean.psnr /= rows, mean.psnr_foreground /= rows, mean.psnr_unseen_lollipops /= rows;
-    mean.ssim /= rows, mean.lpips /= rows, mean.reconstruct_s /= rows, mean.render_s /= rows;
-    return row_json(&mean);
+    for (int i = 0; i < FIGURES; i++) *figure_of(mean, i) /= rows;
+    return rows;
 }
 
 bool ffp_scores_write(const FfpScore *scores, int n_scores, const FfpEvaluation *options, FfpError *err) {
-    static const char *const protocols[] = {"rendering", "novel_pattern", "novel_pose"};
     json_t *root = json_object(), *rows = json_array(), *means = json_array();
-    for (int i = 0; i < n_scores; i++) json_array_append_new(rows, row_json(&scores[i]));
-    for (int i = 0; i < 3; i++) {
-        json_t *mean = mean_json(scores, n_scores, protocols[i]);
-        if (mean) json_array_append_new(means, mean);
+    for (int i = 0; i < n_scores; i++) json_array_append_new(rows, row_json(scores[i]));
+    for (int i = 0; i < FFP_PROTOCOLS; i++) {
+        FfpScore mean;
+        if (ffp_scores_mean(&mean, scores, n_scores, ffp_protocols[i]))
+            json_array_append_new(means, row_json(mean));
     }
     json_object_set_new(root, "version", json_string(ffp_version()));
     json_object_set_new(root, "predictor",

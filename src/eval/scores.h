@@ -1,8 +1,15 @@
-// The rows of an evaluation as JSON.
+// The rows of an evaluation: their means, and all as JSON.
 #ifndef FFP_EVAL_SCORES_H
 #define FFP_EVAL_SCORES_H
 
 #include "ffprocams.h"
+
+#define FFP_PROTOCOLS 3
+extern const char *const ffp_protocols[FFP_PROTOCOLS]; // rendering, novel_pattern, novel_pose
+
+// The means over captures of a protocol's rows, figure by figure; returns how many rows there are. A figure
+// missing from one row is missing from the mean.
+int ffp_scores_mean(FfpScore *mean, const FfpScore *scores, int n_scores, const char *protocol);
 
 // {"version", "predictor", "rows": [a row a capture and protocol], "means": [a row a protocol]} into
 // options->json. Figures that do not apply are null.

@@ -33,4 +33,8 @@ typedef struct FfpSubject { // one capture under evaluation
 // (ffprocams.h), and adds a row to the scores when there are any. The explanation is for the report.
 bool ffp_run_protocol(FfpSubject *subject, const char *name, const char *explanation, FfpError *err);
 
+// Depth and albedo of the subject's Gaussians against the capture's truth, into the score: NAN where it has
+// none.
+void ffp_measure_truth(FfpSubject *subject, FfpScore *score);
+
 #endif

@@ -175,6 +175,37 @@ static void test_gaussians_from_a_file_score_as_those_just_made(void **state) {
     json_decref(read);
 }
 
+static double figure(const char *name, const char *protocol, const char *key) {
+    json_t *root = load_json(name);
+    const double value = json_real_value(json_object_get(find_row(root, protocol), key));
+    json_decref(root);
+    return value;
+}
+
+static void test_polish_is_worth_its_steps(void **state) {
+    (void)state;
+    assert_int_equal(run_format(&run,
+                                "evaluate %s/tiny --model none --targets targets.json --polish 0 --json "
+                                "%s/alone.json",
+                                scratch, scratch),
+                     0);
+    assert_int_equal(run_format(&run,
+                                "evaluate %s/tiny %s/tiny --model none --targets targets.json --json "
+                                "%s/polished.json",
+                                scratch, scratch, scratch),
+                     0);
+    assert_non_null(strstr(run.out, "\nmean  ")); // of two captures, which are the same
+    static const char *const protocols[] = {"rendering", "novel_pattern", "novel_pose"};
+    for (int i = 0; i < 3; i++)
+        assert_true(figure("polished.json", protocols[i], "psnr") >
+                    figure("alone.json", protocols[i], "psnr") + (i < 2 ? 3 : 0));
+    json_t *root = load_json("polished.json"), *mean = json_array_get(json_object_get(root, "means"), 0);
+    assert_true(json_real_value(json_object_get(mean, "psnr")) ==
+                figure("polished.json", "rendering", "psnr"));
+    assert_true(json_is_null(json_object_get(mean, "depth_lit_median"))); // no truth in these files
+    json_decref(root);
+}
+
 static void test_the_matching_predictor_leaves_new_poses_out(void **state) {
     (void)state;
     assert_int_equal(
@@ -223,6 +254,9 @@ static void test_generate_train_evaluate(void **state) {
     const double a = json_real_value(json_object_get(find_row(trained, "rendering"), "psnr"));
     const double b = json_real_value(json_object_get(find_row(start, "rendering"), "psnr"));
     assert_true(fabs(a - b) < 1); // three steps from the classical start are not far from it
+    const double depth = figure("trained.json", "rendering", "depth_lit_median"),
+                 albedo = figure("trained.json", "rendering", "albedo_mse");
+    assert_true(depth > 0 && depth < 10 && albedo > 0 && albedo < 0.1);
     json_decref(trained);
     json_decref(start);
 }
@@ -309,6 +343,7 @@ int main(void) {
         cmocka_unit_test(test_render_writes_the_pictures_and_maps_it_is_asked_for),
         cmocka_unit_test(test_told_psnr_is_that_of_the_saved_pictures),
         cmocka_unit_test(test_gaussians_from_a_file_score_as_those_just_made),
+        cmocka_unit_test(test_polish_is_worth_its_steps),
         cmocka_unit_test(test_the_matching_predictor_leaves_new_poses_out),
         cmocka_unit_test(test_generate_train_evaluate),
         cmocka_unit_test(test_a_killed_run_leaves_a_whole_file),

@@ -153,6 +153,21 @@ static void test_a_fit_gains_on_seen_and_unseen_views(void **state) {
     free_capture(&c);
 }
 
+static void test_a_polish_gains_in_few_steps(void **state) {
+    (void)state;
+    FfpCapture c = ball_capture();
+    FfpGaussians g = disturbed();
+    const FfpRefineSettings s = ffp_polish_defaults(20);
+    FfpRefineResult result;
+    const double seen = psnr_of_view(&c, &g, 0, STRIPES), unseen = psnr_of_view(&c, &g, VIEWS, STRIPES);
+    assert_true(ffp_refine(&g, &c, all_patterns, PATTERNS, &s, &result, NULL));
+    assert_int_equal(result.steps, 20);
+    assert_true(psnr_of_view(&c, &g, 0, STRIPES) > seen + 2);
+    assert_true(psnr_of_view(&c, &g, VIEWS, STRIPES) > unseen);
+    ffp_gaussians_free(&g);
+    free_capture(&c);
+}
+
 static void test_the_same_seed_gives_the_same_bits(void **state) {
     (void)state;
     FfpCapture c = ball_capture();
@@ -285,6 +300,7 @@ static void test_neighbours_are_those_of_brute_force(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_a_fit_gains_on_seen_and_unseen_views),
+        cmocka_unit_test(test_a_polish_gains_in_few_steps),
         cmocka_unit_test(test_the_same_seed_gives_the_same_bits),
         cmocka_unit_test(test_stopping_keeps_the_start_and_limits_are_asked_for),
         cmocka_unit_test(test_a_fit_from_scratch_finds_the_ball),

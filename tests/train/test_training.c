@@ -7,7 +7,7 @@ static const char tiny_run[] =
     "{\"model\": \"tiny\", \"resolution\": 64, \"pool\": 2, \"reuse\": 2, \"views\": 4, \"targets\": 1,"
     " \"lollipops\": 2, \"pattern_side\": 200, \"samples\": 1, \"ambient_rays\": 1,"
     " \"supervised_inputs\": 1, \"supervised_targets\": 1, \"steps\": 6, \"warmup_steps\": 2,"
-    " \"validate_every\": 0, \"log_every\": 1}";
+    " \"polish_share\": 0.5, \"polish_steps\": 5, \"validate_every\": 0, \"log_every\": 1}";
 
 static void train(const char *out, const char *config, int64_t stop_at, bool resume) {
     FfpError err = {""};
@@ -70,6 +70,34 @@ static void test_generators(void **state) {
     }
 }
 
+// Where every step looks through the fit, the gradient is another one, and still one that training can
+// follow.
+static void test_training_looks_through_the_polish(void **state) {
+    (void)state;
+    FfpTrainConfig config;
+    FfpError err = {""};
+    assert_true(ffp_train_config_parse(&config, tiny_run, "tiny_run", &err));
+    FfpScene scene;
+    assert_true(ffp_scene_open(&scene, &config, "train", 0, config.resolution, &err));
+    FfpModel *model = ffp_model_new(&config.model, 1, &err);
+    const size_t size = (size_t)model->count * sizeof(real);
+    FfpStepper *stepper = ffp_stepper_new(&config, NULL);
+    FfpLosses plain, polished;
+    real *grad[2] = {calloc(1, size), calloc(1, size)};
+    config.polish_share = 0;
+    assert_true(ffp_step_loss(stepper, model, &scene, 0, &plain, grad[0], &err));
+    config.polish_share = 1;
+    config.polish_steps = 16;
+    assert_true(ffp_step_loss(stepper, model, &scene, 0, &polished, grad[1], &err));
+    assert_true(plain.polish_s == 0 && polished.polish_s > 0);
+    assert_true(polished.l1 < 0.9 * plain.l1);
+    assert_true(memcmp(grad[0], grad[1], size) != 0);
+    free(grad[0]), free(grad[1]);
+    ffp_stepper_free(stepper);
+    ffp_model_free(model);
+    ffp_scene_close(&scene);
+}
+
 static void test_refusals(void **state) {
     (void)state;
     FfpError err = {""};
@@ -130,9 +158,8 @@ static void test_overfit(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_refusals),
-        cmocka_unit_test(test_resume),
-        cmocka_unit_test(test_generators),
+        cmocka_unit_test(test_refusals),   cmocka_unit_test(test_resume),
+        cmocka_unit_test(test_generators), cmocka_unit_test(test_training_looks_through_the_polish),
         cmocka_unit_test(test_overfit),
     };
     return cmocka_run_group_tests(tests, scratch_setup, scratch_teardown);

@@ -1,0 +1,77 @@
+// What the Gaussians hold against what the capture knows: depth and albedo of the input views.
+#include <stdlib.h>
+#include <tgmath.h>
+#include "base/arena.h"
+#include "eval/subject.h"
+
+#define FILLED 0.999F // coverage of a pixel that counts
+#define LIT 0.01F     // mean over channels of white - black, linear, from which a pixel counts as lit
+#define SURFACE 0.5F  // opacity from which there is a surface
+
+typedef struct Errors {
+    double *depth; // % of the radius
+    int64_t count;
+} Errors;
+
+typedef struct Tally {
+    Errors lit, unlit;
+    double albedo; // sum of squares
+    int64_t albedo_count;
+} Tally;
+
+static bool is_lit(const FfpCapture *capture, const FfpView *view, int p) {
+    const real *white = view->images[capture->white].data, *black = view->images[capture->black].data;
+    real sum = 0;
+    for (int k = 0; k < 3; k++) sum += white[3 * p + k] - black[3 * p + k];
+    return sum / 3 > LIT;
+}
+
+static void measure_view(Tally *tally, const FfpCapture *capture, const FfpView *view, const FfpGbuffer *g) {
+    for (int p = 0; p < g->width * g->height; p++) {
+        if (view->coverage.data[p] < FILLED) continue;
+        const bool shown = g->opacity[p] >= SURFACE;
+        if (view->depth.data && view->depth.data[p] > 0) {
+            Errors *errors = is_lit(capture, view, p) ? &tally->lit : &tally->unlit;
+            const real off =
+                shown ? fabs(g->depth[p] / g->opacity[p] - view->depth.data[p]) : capture->radius;
+            errors->depth[errors->count++] = 100 * (double)(off / capture->radius);
+        }
+        for (int k = 0; view->albedo.data && shown && k < 3; k++) {
+            const double off = (double)(g->albedo[3 * p + k] / g->opacity[p] - view->albedo.data[3 * p + k]);
+            tally->albedo += off * off;
+            tally->albedo_count++;
+        }
+    }
+}
+
+static int compare(const void *a, const void *b) {
+    const double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+static double quantile(const Errors *sorted, double share) {
+    return sorted->count ? sorted->depth[(int64_t)(share * (double)(sorted->count - 1))] : NAN;
+}
+
+void ffp_measure_truth(FfpSubject *subject, FfpScore *score) {
+    const FfpCapture *capture = subject->capture;
+    Tally tally = {0};
+    size_t most = 0;
+    for (int v = 0; v < capture->n_views; v++)
+        most += (size_t)capture->views[v].camera.width * (size_t)capture->views[v].camera.height;
+    tally.lit.depth = ffp_alloc(most, sizeof(double));
+    tally.unlit.depth = ffp_alloc(most, sizeof(double));
+    for (int v = 0; v < capture->n_views; v++) {
+        const FfpView *view = &capture->views[v];
+        if (!view->images[capture->white].data || !view->images[capture->black].data) continue;
+        ffp_relight_view(&subject->relight, subject->gaussians, view);
+        measure_view(&tally, capture, view, &subject->relight.gbuffer);
+    }
+    qsort(tally.lit.depth, (size_t)tally.lit.count, sizeof(double), compare);
+    qsort(tally.unlit.depth, (size_t)tally.unlit.count, sizeof(double), compare);
+    score->depth_lit_median = quantile(&tally.lit, 0.5), score->depth_lit_p90 = quantile(&tally.lit, 0.9);
+    score->depth_unlit_median = quantile(&tally.unlit, 0.5);
+    score->depth_unlit_p90 = quantile(&tally.unlit, 0.9);
+    score->albedo_mse = tally.albedo_count ? tally.albedo / (double)tally.albedo_count : NAN;
+    free(tally.lit.depth), free(tally.unlit.depth);
+}
