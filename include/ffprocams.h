@@ -262,6 +262,8 @@ typedef struct FfpGeneration {
     uint64_t seed;
     const char *mesh;     // a user's OBJ, PLY, STL or glTF file instead of the generated meshes; NULL: none
     const char *material; // a user's folder of basecolor, roughness and normal maps; NULL: none
+    const char *const *sensor; // "NAME=VALUE": faults of the devices (docs/data.md, "Sensor model")
+    int n_sensor;
 } FfpGeneration;
 // Scenes that are there already are kept; one appears under its name only when it is whole. Any number of
 // processes may share a job, each with its own range of scenes.
@@ -283,6 +285,9 @@ typedef struct FfpImport {
     int n_calibrations;
     const char *projector_image; // COLMAP: the image that is the projector; NULL: "calib"
     const char *turntable; // "AX,AY,AZ,PX,PY,PZ,ANGLES" in camera coordinates, or a JSON file; NULL: none
+    // Finds the axis from the pictures; `turntable` then has angles alone. "" or a first guess
+    // "AX,AY,AZ,PX,PY,PZ"; NULL: not
+    const char *fit_axis;
     // "NAME[,NAME..]=FILES", see ffprocams import --help; none: the pictures that the calibration names
     const char *const *images;
     int n_images;

@@ -5,6 +5,7 @@
 static const char help[] =
     "usage: ffprocams generate DIR [--split S] [--first A --count N] [--preset P]\n"
     "                          [--resolution R] [--seed S] [--mesh FILE] [--material FOLDER]\n"
+    "                          [--sensor NAME=VALUE]..\n"
     "\n"
     "Makes captures of procedural objects with a ray-traced light simulator: DIR/<scene>/ in the\n"
     "project's own capture format, with depth, normal, albedo, roughness and mask besides, and new\n"
@@ -25,6 +26,11 @@ static const char help[] =
     "                        instead of the generated materials; metallic maps are not used\n"
     "  -r, --resolution R    image side, instead of the preset's\n"
     "      --seed S          another seed, other scenes. Default: 0\n"
+    "      --sensor N=VALUE  what real devices do, again for more: noise of reading (read=0.01, of white)\n"
+    "                        and of light (shot), the projector's defocus (defocus=1, deviation in its\n"
+    "                        pixels), gamma and black_level, exposure (stops), errors of the written poses\n"
+    "                        (turn_error=0.2 degrees, shift_error=0.004 units). The scenes are the same\n"
+    "                        otherwise, but go to another DIR. Default: all 0\n"
     "\n"
     "example: ffprocams generate scenes --preset smoke --count 2\n"
     "         ffprocams generate mine --mesh vase.obj --material glazed_clay\n";
@@ -34,8 +40,9 @@ static bool is_one_of(const char *text, const char *const *words) {
     return text && *words;
 }
 
-int ffp_cli_generate(int argc, char **argv) {
-    enum { PRESET = 256, SEED, MATERIAL };
+// The exit code of a command line that is wrong, -1 of one that is right.
+static int parse(int argc, char **argv, FfpGeneration *generation, FfpList *sensor) {
+    enum { PRESET = 256, SEED, MATERIAL, SENSOR };
     static const struct option options[] = {{"split", required_argument, NULL, 's'},
                                             {"first", required_argument, NULL, 'a'},
                                             {"count", required_argument, NULL, 'n'},
@@ -44,24 +51,24 @@ int ffp_cli_generate(int argc, char **argv) {
                                             {"mesh", required_argument, NULL, 'm'},
                                             {"material", required_argument, NULL, MATERIAL},
                                             {"seed", required_argument, NULL, SEED},
+                                            {"sensor", required_argument, NULL, SENSOR},
                                             {"help", no_argument, NULL, 'h'},
                                             {0}};
-    FfpGeneration generation = {.preset = "paper", .count = -1};
     int64_t resolution = 0, seed = 0;
     bool number_ok = true;
     for (int option; number_ok && (option = ffp_cli_next(argc, argv, ":s:a:n:r:m:h", options)) != -1;) {
         switch (option) {
         case 's':
-            generation.split = optarg;
+            generation->split = optarg;
             break;
         case 'a':
-            number_ok = ffp_cli_number(optarg, 0, 1000000000, &generation.first);
+            number_ok = ffp_cli_number(optarg, 0, 1000000000, &generation->first);
             break;
         case 'n':
-            number_ok = ffp_cli_number(optarg, 1, 1000000000, &generation.count);
+            number_ok = ffp_cli_number(optarg, 1, 1000000000, &generation->count);
             break;
         case PRESET:
-            generation.preset = optarg;
+            generation->preset = optarg;
             break;
         case 'r':
             number_ok = ffp_cli_number(optarg, 8, 4096, &resolution);
@@ -70,10 +77,13 @@ int ffp_cli_generate(int argc, char **argv) {
             number_ok = ffp_cli_number(optarg, 0, INT64_MAX, &seed);
             break;
         case 'm':
-            generation.mesh = optarg;
+            generation->mesh = optarg;
             break;
         case MATERIAL:
-            generation.material = optarg;
+            generation->material = optarg;
+            break;
+        case SENSOR:
+            ffp_cli_append(sensor, optarg);
             break;
         case 'h':
             fputs(help, stdout);
@@ -86,15 +96,27 @@ int ffp_cli_generate(int argc, char **argv) {
     if (optind + 1 != argc) return ffp_cli_usage(argv[0], "give exactly one DIR");
     static const char *const splits[] = {"train", "validation", "test", NULL};
     static const char *const presets[] = {"paper", "smoke", "training", NULL};
-    if (generation.split && !is_one_of(generation.split, splits))
-        return ffp_cli_usage(argv[0], "--split is train, validation or test, not %s", generation.split);
-    if (!is_one_of(generation.preset, presets))
-        return ffp_cli_usage(argv[0], "--preset is paper, smoke or training, not %s", generation.preset);
-    if (generation.split && generation.mesh)
+    if (generation->split && !is_one_of(generation->split, splits))
+        return ffp_cli_usage(argv[0], "--split is train, validation or test, not %s", generation->split);
+    if (!is_one_of(generation->preset, presets))
+        return ffp_cli_usage(argv[0], "--preset is paper, smoke or training, not %s", generation->preset);
+    if (generation->split && generation->mesh)
         return ffp_cli_usage(argv[0], "--split is of the generated objects: not with --mesh");
-    generation.folder = argv[optind];
-    generation.resolution = (int)resolution;
-    generation.seed = (uint64_t)seed;
+    generation->folder = argv[optind];
+    generation->resolution = (int)resolution;
+    generation->seed = (uint64_t)seed;
+    return -1;
+}
+
+int ffp_cli_generate(int argc, char **argv) {
+    FfpGeneration generation = {.preset = "paper", .count = -1};
+    FfpList sensor = {0};
     FfpError err = {0};
-    return ffp_generate(&generation, &err) ? FFP_EXIT_OK : ffp_cli_fail(&err);
+    int status = parse(argc, argv, &generation, &sensor);
+    if (status < 0) {
+        generation.sensor = sensor.values, generation.n_sensor = sensor.count;
+        status = ffp_generate(&generation, &err) ? FFP_EXIT_OK : ffp_cli_fail(&err);
+    }
+    ffp_cli_list_free(&sensor);
+    return status;
 }

@@ -15,6 +15,7 @@
 #include "synth/natural.h"
 #include "ffprocams.h"
 #include "synth/mesh.h"
+#include "synth/sensor.h"
 #include "synth/texture.h"
 
 enum { MESHES_MAX = 1024, PAPER_TARGETS = 6 };
@@ -93,7 +94,9 @@ static bool preset_spec(const FfpGeneration *options, FfpSceneSpec *spec, FfpErr
     }
     if (options->split && !strcmp(options->split, "test")) spec->naturals = FFP_NATURAL_KINDS;
     if (options->resolution > 0) spec->resolution = options->resolution;
-    return true;
+    for (int i = 0; i < options->n_sensor; i++)
+        if (!ffp_sensor_set(&spec->sensor, options->sensor[i], err)) return false;
+    return ffp_sensor_check(&spec->sensor, err);
 }
 
 // The views from `first` on as a capture of their own, to be written; memory stays with the whole.

@@ -7,6 +7,8 @@
 #include "synth/noise.h"
 #include "synth/scalar.h"
 
+#define DEGREE 0.017453292519943295
+
 static bool in_range(float value, float low, float high) {
     return value >= low && value <= high; // false for NaN
 }
@@ -26,6 +28,34 @@ bool ffp_sensor_check(const FfpSensor *s, FfpError *err) {
         return ffp_fail(err, NULL, "pose errors %g and %g are not in 0..0.5", (double)s->turn_error,
                         (double)s->shift_error);
     return true;
+}
+
+bool ffp_sensor_set(FfpSensor *sensor, const char *assignment, FfpError *err) {
+    const struct {
+        const char *name;
+        float *value, unit;
+    } fields[] = {{"exposure", &sensor->exposure, 1},
+                  {"shot", &sensor->shot, 1},
+                  {"read", &sensor->read, 1},
+                  {"defocus", &sensor->defocus, 1},
+                  {"gamma", &sensor->gamma, 1},
+                  {"black_level", &sensor->black_level, 1},
+                  {"turn_error", &sensor->turn_error, (float)DEGREE},
+                  {"shift_error", &sensor->shift_error, 1}};
+    const char *equals = strchr(assignment, '=');
+    const size_t length = equals ? (size_t)(equals - assignment) : 0;
+    for (size_t i = 0; equals && i < sizeof fields / sizeof *fields; i++) {
+        if (strlen(fields[i].name) != length || strncmp(fields[i].name, assignment, length) != 0) continue;
+        char *end;
+        *fields[i].value = strtof(equals + 1, &end) * fields[i].unit;
+        if (end == equals + 1 || *end)
+            return ffp_fail(err, "--sensor", "%s has no number for %s", assignment, fields[i].name);
+        return true;
+    }
+    return ffp_fail(err, "--sensor",
+                    "'%s' is not exposure, shot, read, defocus, gamma, black_level, turn_error or "
+                    "shift_error = a number",
+                    assignment);
 }
 
 bool ffp_sensor_changes_light(const FfpSensor *s) {

@@ -1,0 +1,60 @@
+#!/usr/bin/env python3
+"""bench/results.py: tables of docs/results.md from what `ffprocams evaluate --json` wrote.
+
+    bench/results.py "the network alone=alone.json" "polished=polished.json" ...
+
+Prints Markdown: a table a protocol with a row a file, the errors of depth and albedo, and the scenes of the last file with
+the highest, median and lowest novel_pose PSNR."""
+import json
+import sys
+
+PROTOCOLS = {"rendering": "Rendering (black, white and lollipops at the input poses)",
+             "novel_pattern": "Novel pattern (input poses)",
+             "novel_pose": "Novel pose (of camera and projector)"}
+FIGURES = [("psnr", "PSNR", 2), ("psnr_foreground", "object's pixels", 2), ("ssim", "SSIM", 4), ("lpips", "LPIPS", 4)]
+TRUTH = [("depth_lit_median", 2), ("depth_lit_p90", 2), ("depth_unlit_median", 2), ("depth_unlit_p90", 2),
+         ("albedo_mse", 5)]
+
+
+def cell(value, digits):
+    return "–" if value is None else f"{value:.{digits}f}"
+
+
+def mean_of(scores, protocol):
+    return next((row for row in scores["means"] if row["protocol"] == protocol), None)
+
+
+def scenes_of(scores, protocol):
+    return sorted((row["psnr"], row["capture"]) for row in scores["rows"] if row["protocol"] == protocol)
+
+
+def main():
+    if len(sys.argv) < 2:
+        sys.exit(__doc__)
+    files = {}
+    for argument in sys.argv[1:]:
+        name, _, path = argument.partition("=")
+        with open(path, encoding="utf-8") as file:
+            files[name] = json.load(file)
+    for protocol, title in PROTOCOLS.items():
+        print(f"| {title} | scenes | pictures | " + " | ".join(label for _, label, _ in FIGURES) + " |")
+        print("|---|---|---|" + "---|" * len(FIGURES))
+        for name, scores in files.items():
+            mean = mean_of(scores, protocol)
+            if mean:
+                count = len(scenes_of(scores, protocol))
+                figures = " | ".join(cell(mean[key], digits) for key, _, digits in FIGURES)
+                print(f"| {name} | {count} | {mean['images']} | {figures} |")
+        print()
+    print("| | depth error where lit: median | 90th percentile | where unlit: median | 90th percentile | albedo MSE |")
+    print("|---|---|---|---|---|---|")
+    for name, scores in files.items():
+        mean = mean_of(scores, "rendering")
+        print(f"| {name} | " + " | ".join(cell(mean[key], digits) for key, digits in TRUTH) + " |")
+    ranked = scenes_of(scores, "novel_pose")
+    if ranked:
+        print("\nbest {1} {0:.2f}, median {3} {2:.2f}, worst {5} {4:.2f}".format(
+            *ranked[-1], *ranked[len(ranked) // 2], *ranked[0]))
+
+
+main()
