@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
 """bench/results.py: tables of docs/results.md from what `ffprocams evaluate --json` wrote.
 
-    bench/results.py "the network alone=alone.json" "polished=polished.json" ...
+    bench/results.py "the network alone=alone.json" "polished=first.json,second.json" ...
 
-Prints Markdown: a table a protocol with a row a file, the errors of depth and albedo, and the scenes of the last file with
+Files with commas between count as one. Prints Markdown: a table a protocol with a row a file, the errors of depth and albedo, and the scenes of the last file with
 the highest, median and lowest novel_pose PSNR."""
 import json
 import sys
@@ -20,12 +20,22 @@ def cell(value, digits):
     return "–" if value is None else f"{value:.{digits}f}"
 
 
-def mean_of(scores, protocol):
-    return next((row for row in scores["means"] if row["protocol"] == protocol), None)
+def rows_of(paths):
+    rows = []
+    for path in paths.split(","):
+        with open(path, encoding="utf-8") as file:
+            rows += json.load(file)["rows"]
+    return rows
 
 
-def scenes_of(scores, protocol):
-    return sorted((row["psnr"], row["capture"]) for row in scores["rows"] if row["protocol"] == protocol)
+def mean_of(rows, protocol, key):
+    """None where a row lacks the figure."""
+    values = [row.get(key) for row in rows if row["protocol"] == protocol]
+    return None if not values or None in values else sum(values) / len(values)
+
+
+def scenes_of(rows, protocol):
+    return sorted((row["psnr"], row["capture"]) for row in rows if row["protocol"] == protocol)
 
 
 def main():
@@ -33,25 +43,23 @@ def main():
         sys.exit(__doc__)
     files = {}
     for argument in sys.argv[1:]:
-        name, _, path = argument.partition("=")
-        with open(path, encoding="utf-8") as file:
-            files[name] = json.load(file)
+        name, _, paths = argument.partition("=")
+        files[name] = rows_of(paths)
     for protocol, title in PROTOCOLS.items():
         print(f"| {title} | scenes | pictures | " + " | ".join(label for _, label, _ in FIGURES) + " |")
         print("|---|---|---|" + "---|" * len(FIGURES))
-        for name, scores in files.items():
-            mean = mean_of(scores, protocol)
-            if mean:
-                count = len(scenes_of(scores, protocol))
-                figures = " | ".join(cell(mean[key], digits) for key, _, digits in FIGURES)
-                print(f"| {name} | {count} | {mean['images']} | {figures} |")
+        for name, rows in files.items():
+            count = len(scenes_of(rows, protocol))
+            if count:
+                pictures = sum(row["images"] for row in rows if row["protocol"] == protocol)
+                figures = " | ".join(cell(mean_of(rows, protocol, key), digits) for key, _, digits in FIGURES)
+                print(f"| {name} | {count} | {pictures:,} | {figures} |")
         print()
     print("| | depth error where lit: median | 90th percentile | where unlit: median | 90th percentile | albedo MSE |")
     print("|---|---|---|---|---|---|")
-    for name, scores in files.items():
-        mean = mean_of(scores, "rendering")
-        print(f"| {name} | " + " | ".join(cell(mean[key], digits) for key, digits in TRUTH) + " |")
-    ranked = scenes_of(scores, "novel_pose")
+    for name, rows in files.items():
+        print(f"| {name} | " + " | ".join(cell(mean_of(rows, "rendering", key), digits) for key, digits in TRUTH) + " |")
+    ranked = scenes_of(rows, "novel_pose")
     if ranked:
         print("\nbest {1} {0:.2f}, median {3} {2:.2f}, worst {5} {4:.2f}".format(
             *ranked[-1], *ranked[len(ranked) // 2], *ranked[0]))

@@ -38,6 +38,7 @@ FfpRefineSettings ffp_refine_defaults(void) {
         .roughness_smooth = 0.002F,
         .normal_smooth = 0.005F,
         .smooth = 0.05F,
+        .measure = true,
         .seed = 1,
     };
 }
@@ -51,7 +52,7 @@ FfpRefineSettings ffp_polish_defaults(int64_t steps) {
     for (int a = 0; a < FFP_ATTRIBUTES; a++) s.rates.rate[a] *= faster[a];
     s.smooth = 0;
     s.steps = steps;
-    s.quiet = true;
+    s.measure = false;
     return s;
 }
 
@@ -91,6 +92,7 @@ FfpRefineSettings ffp_scratch_defaults(void) {
                     .small = 0.01F * extent,
                     .least_opacity = 0.05F,
                     .most = 400000},
+        .measure = true,
         .seed = 1,
     };
 }
@@ -154,7 +156,8 @@ static FfpFitLoss one_step(Fit *fit, int view) {
     clear(&fit->grad);
     fit->step++;
     const FfpFitLoss loss = ffp_viewer_look(fit->viewer, &fit->gaussians, view, fit->step, &fit->grad);
-    ffp_crowd_note(&fit->crowd, &fit->gaussians, &fit->grad, &fit->capture->views[view].camera);
+    if (fit->settings->density.on)
+        ffp_crowd_note(&fit->crowd, &fit->gaussians, &fit->grad, &fit->capture->views[view].camera);
     ffp_parameters_pull_back(&fit->parameters, &fit->gaussians, &fit->grad);
     ffp_mover_step(&fit->mover, &fit->parameters, &fit->grad, fit->settings, share);
     if (ffp_crowd_step(&fit->crowd, &fit->settings->density, fit->step, &fit->parameters, &fit->gaussians,
@@ -181,12 +184,12 @@ static FfpFitLoss look_at_all(Fit *fit) {
 }
 
 static void tell(Fit *fit, const FfpFitLoss *round) {
-    if (fit->settings->quiet) return;
     char extra[96];
     const double seconds = ffp_seconds() - fit->started;
     snprintf(extra, sizeof extra, "step %lld, loss %.4f, %.2f dB, %lld Gaussians", (long long)fit->step,
              round->total, round->psnr, (long long)fit->gaussians.count);
-    ffp_progress_step(&fit->progress, (int64_t)(share_spent(fit) * (double)fit->progress.total), extra);
+    if (!fit->settings->quiet)
+        ffp_progress_step(&fit->progress, (int64_t)(share_spent(fit) * (double)fit->progress.total), extra);
     if (!fit->settings->metrics) return;
     fprintf(fit->settings->metrics,
             "{\"step\": %lld, \"seconds\": %.3f, \"loss\": %.6f, \"psnr\": %.4f, \"gaussians\": %lld}\n",
@@ -257,14 +260,14 @@ bool ffp_refine(FfpGaussians *gaussians, const FfpCapture *capture, const int *p
         return ffp_fail(err, NULL, "a fit needs a limit of steps or seconds");
     Fit fit = fit_new(gaussians, capture, patterns, n_patterns, settings);
     *result = (FfpRefineResult){0};
-    if (!settings->quiet) result->psnr_before = look_at_all(&fit).psnr;
+    if (settings->measure) result->psnr_before = look_at_all(&fit).psnr;
     fit.progress = progress_of(settings);
     bool ok = true;
     while (ok && !over(&fit)) ok = one_round(&fit, err);
     ffp_progress_end(&fit.progress);
     if (ok) {
         copy(&fit.gaussians, &fit.best);
-        if (!settings->quiet) result->psnr_after = look_at_all(&fit).psnr;
+        if (settings->measure) result->psnr_after = look_at_all(&fit).psnr;
         result->steps = fit.step;
         result->gaussians = fit.best.count;
         result->seconds = ffp_seconds() - fit.started;

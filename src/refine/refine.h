@@ -40,18 +40,19 @@ typedef struct FfpRefineSettings {
     uint64_t seed;
     const atomic_bool *stop; // becomes true to end the work; NULL: never
     FILE *metrics;           // a line of JSON a round; NULL: none
-    bool quiet;              // no progress on stderr, and the PSNR before and after is not measured
+    bool measure;            // the PSNR before and after
+    bool quiet;              // no progress on stderr
 } FfpRefineSettings;
 FfpRefineSettings ffp_refine_defaults(void);  // from a prediction
 FfpRefineSettings ffp_scratch_defaults(void); // from nothing: GS-ProCams' losses, rates and densification
-// A short fit right behind a prediction: faster rates, nothing smoothed, nothing said.
+// A short fit right behind a prediction: faster rates, nothing smoothed or measured.
 FfpRefineSettings ffp_polish_defaults(int64_t steps);
 
 typedef struct FfpRefineResult {
     int64_t steps, gaussians;
     double seconds;
     double psnr_before, psnr_after; // dB on the pictures fitted, mean over pictures; without 8-bit rounding;
-                                    // 0 when quiet
+                                    // 0 unless they are to be measured
     bool stopped; // by `stop`
 } FfpRefineResult;
 

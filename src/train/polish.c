@@ -8,6 +8,7 @@ bool ffp_scene_polish(FfpGaussians *gaussians, const FfpTrainConfig *config, con
     FfpRefineSettings settings = ffp_polish_defaults(config->polish_steps);
     settings.render = *render;
     settings.seed = seed;
+    settings.quiet = true;
     FfpRefineResult result;
     return ffp_refine(gaussians, &scene->inputs, patterns, 3, &settings, &result, err);
 }
