@@ -300,6 +300,9 @@ typedef struct FfpImport {
     int n_views;
     FfpCalibratedAt camera, projector;
     int width; // of the imported pictures; 0: as they are
+    // Finds the projector's gamma and black level from the pictures, and makes the patterns the light that it
+    // made of them
+    bool fit_response;
     // PNG and JPEG files hold linear light instead of sRGB: the photographs; the patterns
     bool linear_images, linear_patterns;
     double exposure;    // stops by which linear values are brightened; 0: as they are

@@ -27,6 +27,13 @@ static const char help[] =
     "                           seen from above. Or a JSON file {\"axis\": [..], \"point\": [..], "
     "\"angles\":\n"
     "                           [..]} or with \"count\" and \"step\". Without it a fixed rig has one view\n"
+    "      --fit-axis[=GUESS]   find the axis from the pictures; --turntable then has the angles alone "
+    "(8x45).\n"
+    "                           GUESS: AX,AY,AZ,PX,PY,PZ. Reports how certain it is, and refuses what it\n"
+    "                           cannot tell: fewer than three angles, an object that is round about many\n"
+    "                           axes, silhouettes or patterns that no axis explains. Then fit it on another\n"
+    "                           object, or measure it (calibrate a chessboard on the table at several\n"
+    "                           angles: its poses turn about the axis), and give it in --turntable\n"
     "  -i, --images NAMES=FILES the photographs under a pattern (black, white, and what you call yours).\n"
     "                           FILES has {view}, {index} (from 0), {number} (from 1), {number:3} (with\n"
     "                           zeros); or *, whose files are taken in order, img_9 before img_10. Several\n"
@@ -36,6 +43,11 @@ static const char help[] =
     "      --held-out NAME=FILE likewise, but never to be reconstructed from: a test picture\n"
     "  -m, --mask FILES|otsu    the object's silhouettes (white on black), FILES as above; otsu: made from\n"
     "                           white minus black. Default: alpha channels where there are, else otsu\n"
+    "      --fit-response       find the projector's gamma, black level and intensity from the pictures, "
+    "where\n"
+    "                           it does not answer to values as sRGB has it, and turn the patterns into the\n"
+    "                           light that was made of them. The pattern needs middling values in all\n"
+    "                           channels; where it has none, or depth cannot be matched, that is an error\n"
     "  -v, --view ID            only this view, again for more\n"
     "      --camera-size WxH    pixels at which the camera was calibrated, where its file does not say\n"
     "      --projector-size WxH likewise for the projector\n"
@@ -133,6 +145,8 @@ static bool read_sphere(const char *text, double sphere[4]) {
 
 enum {
     PROJECTOR_IMAGE = 256,
+    FIT_AXIS,
+    FIT_RESPONSE,
     HELD_OUT,
     CAMERA_SIZE,
     PROJECTOR_SIZE,
@@ -182,6 +196,10 @@ static bool take_text(int option, const char *text, FfpImport *import, Lists *li
         import->projector_image = text;
     else if (option == 't')
         import->turntable = text;
+    else if (option == FIT_AXIS)
+        import->fit_axis = text != NULL ? text : "";
+    else if (option == FIT_RESPONSE)
+        import->fit_response = true;
     else if (option == 'm')
         import->mask = text;
     else if (option == NAME)
@@ -198,6 +216,8 @@ static int parse(int argc, char **argv, FfpImport *import, Lists *lists) {
     static const struct option options[] = {{"calibration", required_argument, NULL, 'c'},
                                             {"projector-image", required_argument, NULL, PROJECTOR_IMAGE},
                                             {"turntable", required_argument, NULL, 't'},
+                                            {"fit-axis", optional_argument, NULL, FIT_AXIS},
+                                            {"fit-response", no_argument, NULL, FIT_RESPONSE},
                                             {"images", required_argument, NULL, 'i'},
                                             {"pattern", required_argument, NULL, 'p'},
                                             {"held-out", required_argument, NULL, HELD_OUT},

@@ -18,6 +18,7 @@ typedef struct FfpStop { // a camera and a projector around the object, at one s
     char id[FFP_NAME_MAX];
     FfpOptics camera;
     double c2w[16], p2w[16]; // row-major, OpenCV axes
+    double angle;            // of a turntable, degrees
 } FfpStop;
 
 // A picture that the calibration itself names (nepmap).

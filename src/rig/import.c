@@ -11,18 +11,24 @@
 #include "base/file.h"
 #include "base/log.h"
 #include "capture/manifest.h"
+#include "rig/checks.h"
+#include "rig/fit_axis.h"
 #include "rig/lens.h"
 #include "rig/mask.h"
 #include "rig/pictures.h"
+#include "rig/response.h"
 #include "rig/turntable.h"
+
+#define CHANCE_MAX 0.75 // of what chance explains: more, and the pattern explains nothing
 
 typedef struct Import {
     const FfpImport *options;
     FfpCalibration calibration;
     FfpShots shots;
     FfpCapture capture;
-    int masks_made;     // by Otsu's method
-    int64_t too_bright; // values of pictures
+    FfpResponse response; // with --fit-response
+    int masks_made;       // by Otsu's method
+    int64_t too_bright;   // values of pictures
 } Import;
 
 // --- What is asked for. ---
@@ -63,10 +69,14 @@ static bool read_rig(Import *import, FfpError *err) {
     if (options->n_views > FFP_VIEWS_MAX) return ffp_fail(err, "--view", "more than %d views", FFP_VIEWS_MAX);
     if (!ffp_calibration_read(calibration, options->calibrations, options->n_calibrations, projector, err))
         return false;
+    if (options->fit_axis != NULL && options->turntable == NULL)
+        return ffp_fail(err, "--fit-axis", "give the angles by which the object turned: --turntable 8x45");
     if (options->turntable != NULL) {
         FfpTurntable *turntable = ffp_alloc(1, sizeof *turntable);
-        const bool ok = ffp_turntable_read(turntable, options->turntable, err) &&
-                        ffp_turntable_apply(turntable, calibration, err);
+        const bool ok =
+            (options->fit_axis != NULL ? ffp_turntable_read_angles(turntable, options->turntable, err)
+                                       : ffp_turntable_read(turntable, options->turntable, err)) &&
+            ffp_turntable_apply(turntable, calibration, err);
         free(turntable);
         if (!ok) return false;
     } else if (calibration->n_stops == 0 && !ffp_single_stop(calibration, err)) {
@@ -118,6 +128,16 @@ static bool settle_camera(Import *import, int stop, FfpError *err) {
            ffp_fail(err, "--width", "pictures of %d x %d pixels", camera->width, camera->height);
 }
 
+static void take_poses(Import *import) {
+    for (int v = 0; v < import->capture.n_views; v++) {
+        const FfpStop *stop = &import->calibration.stops[v];
+        for (int i = 0; i < 16; i++) {
+            import->capture.views[v].camera.pose[i] = (real)stop->c2w[i];
+            import->capture.views[v].projector.pose[i] = (real)stop->p2w[i];
+        }
+    }
+}
+
 static bool settle_views(Import *import, FfpError *err) {
     FfpCapture *capture = &import->capture;
     FfpCamera projector;
@@ -130,11 +150,8 @@ static bool settle_views(Import *import, FfpError *err) {
         if (!settle_camera(import, v, err)) return false;
         memcpy(view->id, stop->id, sizeof view->id);
         view->projector = projector;
-        for (int i = 0; i < 16; i++) {
-            view->camera.pose[i] = (real)stop->c2w[i];
-            view->projector.pose[i] = (real)stop->p2w[i];
-        }
     }
+    take_poses(import);
     return true;
 }
 
@@ -330,6 +347,62 @@ static bool load_pixels(Import *import, FfpError *err) {
     return ok;
 }
 
+// --- The projector's response from the pictures. ---
+
+static void tell_response(const FfpResponse *r, double before, double after) {
+    ffp_note(
+        "projector gamma %.3f %.3f %.3f (+- %.2g %.2g %.2g), from %d pixels; pattern lookup %.1f dB, before "
+        "%.1f",
+        r->gamma[0], r->gamma[1], r->gamma[2], r->gamma_deviation[0], r->gamma_deviation[1],
+        r->gamma_deviation[2], r->samples, -20 * log10(after), -20 * log10(before));
+    ffp_note("  black level %s%.4f %.4f %.4f of white%s", r->black_known ? "" : "at most ", r->black[0],
+             r->black[1], r->black[2],
+             r->black_known ? "" : " (the room's light hides it: photograph in the dark to know)");
+}
+
+// Patterns become the light that the projector made of them.
+static bool find_response(Import *import, FfpError *err) {
+    FfpCapture *capture = &import->capture;
+    const bool linear = import->options->linear_patterns;
+    if (!import->options->fit_response) return true;
+    const int active = ffp_capture_active_pattern(capture, NULL, err);
+    if (active < 0 || !ffp_fit_response(&import->response, capture, active, linear, err)) return false;
+    const double before = ffp_rig_explain(capture, active).error;
+    for (int p = 0; p < capture->n_patterns; p++) {
+        if (p != capture->black && p != capture->white)
+            ffp_response_apply(&import->response, linear, &capture->patterns[p].image);
+    }
+    for (int c = 0; c < 3; c++) capture->intensity[c] = (real)import->response.intensity;
+    capture->intensity_known = true;
+    const FfpExplanation found = ffp_rig_explain(capture, active);
+    if (!(found.error < CHANCE_MAX * found.chance))
+        return ffp_fail(err, "--fit-response",
+                        "with the best response the pattern explains the pictures hardly better than chance: "
+                        "check poses and the pattern's file");
+    tell_response(&import->response, before, found.error);
+    return true;
+}
+
+// Puts the response into the capture's JSON: what was found is kept though patterns hold it already.
+static bool keep_response(const Import *import, const char *folder, FfpError *err) {
+    char path[FFP_PATH_MAX];
+    FfpField root;
+    const FfpResponse *r = &import->response;
+    if (!import->options->fit_response) return true;
+    if (!ffp_join_path(path, folder, "scene.json")) return ffp_fail(err, folder, "the path is too long");
+    if (!ffp_field_open(&root, path, err)) return false;
+    json_t *response =
+        json_pack("{s:[f,f,f], s:[f,f,f], s:b}", "gamma", r->gamma[0], r->gamma[1], r->gamma[2],
+                  "black_level", r->black[0], r->black[1], r->black[2], "black_level_known", r->black_known);
+    json_object_set_new(json_object_get(root.value, "projector"), "response", response);
+    char *text = json_dumps(root.value, JSON_INDENT(1) | JSON_REAL_PRECISION(9));
+    json_decref(root.value);
+    const bool ok = text != NULL ? ffp_write_file(path, text, strlen(text), err)
+                                 : ffp_fail(err, path, "cannot write the JSON");
+    free(text);
+    return ok;
+}
+
 // --- The folder. ---
 
 static int remove_entry(const char *path, const struct stat *about, int kind, struct FTW *where) {
@@ -347,14 +420,16 @@ static bool verify(const char *folder, FfpError *err) {
     return true;
 }
 
-static bool write_folder(const FfpCapture *capture, const char *folder, FfpError *err) {
+static bool write_folder(const Import *import, FfpError *err) {
+    const char *folder = import->options->folder;
     char part[FFP_PATH_MAX];
     size_t length = strlen(folder);
     while (length > 1 && folder[length - 1] == '/') length--;
     if ((size_t)snprintf(part, sizeof part, "%.*s.%ld.tmp", (int)length, folder, (long)getpid()) >=
         sizeof part)
         return ffp_fail(err, folder, "the path is too long");
-    bool ok = ffp_capture_write(capture, part, err) && verify(part, err);
+    bool ok = ffp_capture_write(&import->capture, part, err) && keep_response(import, part, err) &&
+              verify(part, err);
     if (ok && rename(part, folder) != 0) {
         const bool there = errno == ENOTEMPTY || errno == EEXIST || errno == ENOTDIR;
         ok = there ? ffp_fail(err, folder, "is there already and not empty: choose another, or remove it")
@@ -362,6 +437,74 @@ static bool write_folder(const FfpCapture *capture, const char *folder, FfpError
     }
     if (!ok) nftw(part, remove_entry, 16, FTW_DEPTH | FTW_PHYS);
     return ok;
+}
+
+// --- The turntable's axis from the pictures. ---
+
+#define MISFIT_MAX 0.1 // of the object's pixels, which an axis that is right leaves unexplained by the others
+
+static bool guess_axis(const Import *import, FfpAxis *guess, FfpError *err) {
+    FfpTurntable *turntable = ffp_alloc(1, sizeof *turntable);
+    const bool ok = ffp_turntable_read_axis(turntable, import->options->fit_axis, "--fit-axis", err);
+    memcpy(guess->direction, turntable->axis, sizeof guess->direction);
+    memcpy(guess->point, turntable->point, sizeof guess->point);
+    free(turntable);
+    return ok;
+}
+
+static void place_stops(Import *import, const FfpAxis *axis, bool reversed) {
+    FfpTurntable *turntable = ffp_alloc(1, sizeof *turntable);
+    memcpy(turntable->axis, axis->direction, sizeof turntable->axis);
+    memcpy(turntable->point, axis->point, sizeof turntable->point);
+    ffp_turntable_place(turntable, reversed, &import->calibration);
+    free(turntable);
+    take_poses(import);
+}
+
+// What the whole capture says about the axis found, to the user; refuses one that explains it badly.
+static bool judge_axis(Import *import, const FfpAxis *axis, const FfpAxisReport *report, int active,
+                       FfpError *err) {
+    FfpCapture *capture = &import->capture;
+    ffp_capture_estimate_bounds(capture);
+    const double misfit = ffp_rig_silhouette_misfit(capture);
+    const FfpExplanation found = ffp_rig_explain(capture, active);
+    ffp_note("axis found: --turntable %.6g,%.6g,%.6g,%.6g,%.6g,%.6g,ANGLES%s", axis->direction[0],
+             axis->direction[1], axis->direction[2], axis->point[0], axis->point[1], axis->point[2],
+             report->reversed ? " with the angles' signs changed: the object turned the other way" : "");
+    ffp_note("  uncertain by %.2g degrees and %.2g %% of the distance; silhouettes agree within %.2f pixels "
+             "(overlap with the visual hull %.1f %%), surfaces of neighbouring stops within %.2f %% of the "
+             "distance (%d points)",
+             report->tilt, 100 * report->shift, report->outline, 100 * (1 - misfit), 100 * report->surface,
+             report->surface_points);
+    ffp_note("  pattern lookup %.1f dB (by chance %.1f)", -20 * log10(found.error),
+             -20 * log10(found.chance));
+    if (misfit > MISFIT_MAX)
+        return ffp_fail(err, "--fit-axis",
+                        "with the best axis %.0f %% of the object's pixels contradict the other views' "
+                        "silhouettes: check angles, order of pictures and masks",
+                        100 * misfit);
+    return (found.pixels > 0 && found.error < CHANCE_MAX * found.chance) ||
+           ffp_fail(
+               err, "--fit-axis",
+               "with the best axis the pattern explains the pictures hardly better than chance: check the "
+               "pattern's file and the calibration");
+}
+
+static bool find_axis(Import *import, FfpError *err) {
+    const FfpCapture *capture = &import->capture;
+    if (import->options->fit_axis == NULL) return true;
+    const bool guessed = import->options->fit_axis[0] != 0;
+    const int active = ffp_capture_active_pattern(capture, NULL, err);
+    FfpAxis axis, guess;
+    FfpAxisReport report;
+    double angles[FFP_VIEWS_MAX];
+    if (active < 0 || (guessed && !guess_axis(import, &guess, err))) return false;
+    for (int v = 0; v < capture->n_views; v++) angles[v] = import->calibration.stops[v].angle;
+    if (!ffp_fit_axis(&axis, &report, capture, active, import->calibration.p2c, angles,
+                      guessed ? &guess : NULL, err))
+        return false;
+    place_stops(import, &axis, report.reversed);
+    return judge_axis(import, &axis, &report, active, err);
 }
 
 static bool settle_object(Import *import, FfpError *err) {
@@ -404,7 +547,8 @@ static bool run(Import *import, FfpError *err) {
     return name_capture(import, err) && read_rig(import, err) &&
            ffp_shots_find(&import->shots, import->options, &import->calibration, err) &&
            settle_views(import, err) && check_memory(import, err) && load_pixels(import, err) &&
-           settle_object(import, err) && write_folder(&import->capture, import->options->folder, err);
+           find_axis(import, err) && settle_object(import, err) && find_response(import, err) &&
+           write_folder(import, err);
 }
 
 bool ffp_import_capture(const FfpImport *options, FfpError *err) {

@@ -40,30 +40,43 @@ static bool check_axis(FfpTurntable *turntable, const char *where, FfpError *err
 
 // --- "ax,ay,az,px,py,pz,0,45,90" or "...,8x45". ---
 
-static bool read_numbers(FfpTurntable *turntable, const char *text, FfpError *err) {
+// `first`: how many numbers of axis and point come before the angles, and `needed` says all of it.
+static bool read_numbers(FfpTurntable *turntable, const char *text, int first, const char *needed,
+                         const char *where, FfpError *err) {
     const char *at = text;
     for (int i = 0; *at != 0; i++) {
         char *end = NULL;
         const double value = strtod(at, &end);
         bool ok = end != at && isfinite(value);
-        if (ok && i >= 6 && *end == 'x') {
+        if (ok && i >= first && *end == 'x') {
             const char *second = end + 1;
             const double step = strtod(second, &end);
             ok = end != second && isfinite(step);
-            if (ok && !add_steps(turntable, value, step, PLACE, err)) return false;
-        } else if (ok && i >= 6) {
-            if (!add_angle(turntable, value, PLACE, err)) return false;
+            if (ok && !add_steps(turntable, value, step, where, err)) return false;
+        } else if (ok && i >= first) {
+            if (!add_angle(turntable, value, where, err)) return false;
         } else if (ok) {
             *(i < 3 ? &turntable->axis[i] : &turntable->point[i - 3]) = value;
         }
         if (!ok || (*end != 0 && *end != ',') || (*end == ',' && end[1] == 0))
-            return ffp_fail(err, PLACE, "'%.40s' is no number: AX,AY,AZ,PX,PY,PZ,ANGLES are needed", at);
+            return ffp_fail(err, where, "'%.40s' is no number: %s are needed", at, needed);
         at = *end == ',' ? end + 1 : end;
     }
+    return true;
+}
+
+static bool check_angles(const FfpTurntable *turntable, const char *needed, FfpError *err) {
     return turntable->count > 0 ||
-           ffp_fail(err, PLACE,
-                    "no angle: three numbers of the axis, three of its point and the angles are "
-                    "needed, or the name of a file");
+           ffp_fail(err, PLACE, "no angle: %s are needed, or the name of a file", needed);
+}
+
+bool ffp_turntable_read_axis(FfpTurntable *turntable, const char *text, const char *where, FfpError *err) {
+    static const char needed[] = "six numbers AX,AY,AZ,PX,PY,PZ";
+    int commas = 0;
+    for (const char *at = text; *at != 0; at++) commas += *at == ',';
+    *turntable = (FfpTurntable){0};
+    if (commas != 5) return ffp_fail(err, where, "%s are needed, not '%.80s'", needed, text);
+    return read_numbers(turntable, text, 6, needed, where, err) && check_axis(turntable, where, err);
 }
 
 // --- A file. ---
@@ -90,22 +103,38 @@ static bool read_angles(FfpTurntable *turntable, const FfpField *root, FfpError 
     return true;
 }
 
-static bool read_file(FfpTurntable *turntable, const char *path, FfpError *err) {
+static bool read_file(FfpTurntable *turntable, const char *path, bool with_axis, FfpError *err) {
     FfpField root, axis, point;
     if (!ffp_document_open(&root, path, err)) return false;
-    const bool ok =
-        ffp_field_get(&root, "axis", &axis, err) && ffp_field_matrix_of(&axis, 3, 1, turntable->axis, err) &&
-        ffp_field_get(&root, "point", &point, err) &&
-        ffp_field_matrix_of(&point, 3, 1, turntable->point, err) && read_angles(turntable, &root, err);
+    const bool ok = (!with_axis || (ffp_field_get(&root, "axis", &axis, err) &&
+                                    ffp_field_matrix_of(&axis, 3, 1, turntable->axis, err) &&
+                                    ffp_field_get(&root, "point", &point, err) &&
+                                    ffp_field_matrix_of(&point, 3, 1, turntable->point, err))) &&
+                    read_angles(turntable, &root, err);
     json_decref(root.value);
     return ok;
 }
 
+static bool is_numbers(const char *text) {
+    return text[strspn(text, "0123456789+-.,eEx")] == 0 && !ffp_is_file(text);
+}
+
 bool ffp_turntable_read(FfpTurntable *turntable, const char *text, FfpError *err) {
+    static const char needed[] = "three numbers of the axis, three of its point and the angles";
     *turntable = (FfpTurntable){0};
-    const bool numbers = text[strspn(text, "0123456789+-.,eEx")] == 0 && !ffp_is_file(text);
-    const bool ok = numbers ? read_numbers(turntable, text, err) : read_file(turntable, text, err);
+    const bool numbers = is_numbers(text);
+    const bool ok =
+        numbers ? read_numbers(turntable, text, 6, needed, PLACE, err) && check_angles(turntable, needed, err)
+                : read_file(turntable, text, true, err);
     return ok && check_axis(turntable, numbers ? PLACE : text, err);
+}
+
+bool ffp_turntable_read_angles(FfpTurntable *turntable, const char *text, FfpError *err) {
+    static const char needed[] = "angles alone (8x45)";
+    *turntable = (FfpTurntable){.axis = {0, -1, 0}, .point = {0, 0, 1}};
+    return is_numbers(text)
+               ? read_numbers(turntable, text, 0, needed, PLACE, err) && check_angles(turntable, needed, err)
+               : read_file(turntable, text, false, err);
 }
 
 // --- Stops. ---
@@ -170,6 +199,13 @@ static void place(const FfpTurntable *turntable, double degrees, const FfpCalibr
     ffp_pose_product(stop->c2w, calibration->p2c, stop->p2w);
 }
 
+void ffp_turntable_place(const FfpTurntable *turntable, bool reversed, FfpCalibration *calibration) {
+    for (int i = 0; i < calibration->n_stops; i++) {
+        FfpStop *stop = &calibration->stops[i];
+        place(turntable, reversed ? -stop->angle : stop->angle, calibration, stop);
+    }
+}
+
 static bool check_fixed(const FfpCalibration *calibration, FfpError *err) {
     if (calibration->n_stops > 0)
         return ffp_fail(err, PLACE,
@@ -189,8 +225,9 @@ bool ffp_turntable_apply(const FfpTurntable *turntable, FfpCalibration *calibrat
         used[degree] = true;
         snprintf(stop->id, sizeof stop->id, "%03d", degree);
         stop->camera = calibration->camera;
-        place(turntable, turntable->angles[i], calibration, stop);
+        stop->angle = turntable->angles[i];
     }
+    ffp_turntable_place(turntable, false, calibration);
     for (int i = 0; i < turntable->count && twice; i++)
         snprintf(calibration->stops[i].id, sizeof calibration->stops[i].id, "stop_%03d", i);
     return true;

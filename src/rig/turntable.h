@@ -15,12 +15,20 @@ typedef struct FfpTurntable {
 // From "ax,ay,az,px,py,pz,ANGLES" (ANGLES: degrees with commas between, or NxSTEP: N stops STEP degrees
 // apart), or from a JSON or YAML file {"axis", "point", "angles"} or {"axis", "point", "count", "step"}.
 bool ffp_turntable_read(FfpTurntable *turntable, const char *text, FfpError *err);
+// The same without an axis ("ANGLES", or a file in which axis and point are passed over): it points up,
+// before the camera, until it is found.
+bool ffp_turntable_read_angles(FfpTurntable *turntable, const char *text, FfpError *err);
+// "ax,ay,az,px,py,pz"; `where` is for errors.
+bool ffp_turntable_read_axis(FfpTurntable *turntable, const char *text, const char *where, FfpError *err);
 
 // Gives the fixed rig a stop for each angle. An object turned by angle a about axis u through p has the point
 // X of its own frame at R(u,a) B X + p before the camera, B = [x y u] being any right-handed basis (here x
 // points to the camera); hence c2w = [B^T R(u,-a) | -B^T R(u,-a) p] and p2w = c2w p2c. Stops are called by
 // their angle ("045"), or by their number where angles would not tell them apart.
 bool ffp_turntable_apply(const FfpTurntable *turntable, FfpCalibration *calibration, FfpError *err);
+// The poses of stops that are there already, by their angles; only axis and point are used. `reversed`: the
+// object turned left-handed about the axis.
+void ffp_turntable_place(const FfpTurntable *turntable, bool reversed, FfpCalibration *calibration);
 // One stop, "000", whose world is the camera's frame.
 bool ffp_single_stop(FfpCalibration *calibration, FfpError *err);
 

@@ -272,6 +272,45 @@ static void test_deprocams(void **state) {
     ffp_capture_free(&capture);
 }
 
+// --- The turntable's axis from the pictures. ---
+
+// The world's z axis before the first camera: where its origin lies across it, and its direction.
+static void axis_of(const FfpCapture *capture, double direction[3], double point[3]) {
+    double c2w[16], w2c[16];
+    for (int i = 0; i < 16; i++) c2w[i] = (double)capture->views[0].camera.pose[i];
+    ffp_pose_inverse(c2w, w2c);
+    for (int i = 0; i < 3; i++) direction[i] = w2c[4 * i + 2], point[i] = w2c[4 * i + 3];
+    for (int i = 0; i < 3; i++) point[i] -= point[1] / direction[1] * direction[i]; // at the camera's height
+}
+
+static void test_fit_axis(void **state) {
+    (void)state;
+    char arguments[3000];
+    write_opencv("cal.yml", &single_shot, false, no_lens, no_lens);
+    snprintf(arguments, sizeof arguments, "-c %s/cal.yml " SIZES "-t 8x45 --fit-axis " SHOTS PATTERN,
+             scratch);
+    import("fitted", arguments);
+    assert_non_null(strstr(run.err, "axis found: --turntable "));
+    assert_non_null(strstr(run.err, "the object turned the other way"));
+    FfpCapture capture;
+    double found[2][3], truth[2][3], cosine = 0, off = 0;
+    assert_true(ffp_capture_read(&capture, in_scratch("fitted"), NULL));
+    axis_of(&capture, found[0], found[1]);
+    axis_of(&sample, truth[0], truth[1]);
+    for (int i = 0; i < 3; i++) {
+        cosine += found[0][i] * truth[0][i];
+        off += (found[1][i] - truth[1][i]) * (found[1][i] - truth[1][i]);
+    }
+    assert_true(acos(fmin(cosine, 1)) < 0.15 * acos(-1.0) / 180);
+    assert_true(sqrt(off) < 0.002 * 3);
+    // Views keep the names of the angles that were given.
+    assert_string_equal(capture.views[1].id, "045");
+    for (int v = 0; v < 8; v += 3)
+        assert_true(explained(&capture, v, sample.views[v].depth.data) >
+                    explained(&sample, v, sample.views[v].depth.data) - 1);
+    ffp_capture_free(&capture);
+}
+
 // --- Wrong usage and wrong files, as a user meets them. ---
 
 static void test_usage(void **state) {
@@ -288,7 +327,7 @@ static void test_usage(void **state) {
                                         "import -c cal.yml -o out --object 0,0,0",
                                         "import -c cal.yml -o out --object 0,0,0,-1",
                                         "import -c cal.yml -o out photographs.png",
-                                        "import -c cal.yml -o out --fit"};
+                                        "import -c cal.yml -o out --fitting"};
     for (size_t i = 0; i < sizeof wrong / sizeof *wrong; i++) {
         run_program(&run, wrong[i]);
         if (run.status != 2) printf("%s: exit %d\n", wrong[i], run.status);
@@ -333,6 +372,10 @@ static void test_refusals(void **state) {
         {SIZES "-t 0,1,0,0,0,3,1e9 " SHOTS PATTERN, "no angle in degrees"},
         {SIZES "-t 0,1,0,0,0,3,999x1 " SHOTS PATTERN, "no number of stops"},
         {SIZES "-t 0,1,zero,0,0,3,8x45 " SHOTS PATTERN, "zero"},
+        {SIZES "--fit-axis " SHOTS PATTERN, "--turntable 8x45"},
+        {SIZES "-t 8x45 --fit-axis=0,1,0 " SHOTS PATTERN, "six numbers"},
+        {SIZES "-t 8x45 --fit-axis=0,0,0,0,0,3 " SHOTS PATTERN, "axis has no direction"},
+        {SIZES "-t 8x45,zero --fit-axis " SHOTS PATTERN, "zero"},
         {SIZES TURNTABLE SHOTS, "--pattern lollipop_0=FILE"},
         {SIZES TURNTABLE PATTERN, "--images"},
         {SIZES TURNTABLE SHOTS "-p other=" SAMPLE "/patterns/lollipop_0.png", "name it in --images"},
@@ -359,8 +402,8 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_single_shot), cmocka_unit_test(test_procam_calibration),
         cmocka_unit_test(test_calibrator),  cmocka_unit_test(test_opencv_samples),
-        cmocka_unit_test(test_deprocams),   cmocka_unit_test(test_usage),
-        cmocka_unit_test(test_refusals),
+        cmocka_unit_test(test_deprocams),   cmocka_unit_test(test_fit_axis),
+        cmocka_unit_test(test_usage),       cmocka_unit_test(test_refusals),
     };
     return cmocka_run_group_tests(tests, setup, teardown);
 }

@@ -1,0 +1,13 @@
+// A capture whose pictures are small enough to be matched quickly.
+#ifndef FFP_RIG_SMALL_H
+#define FFP_RIG_SMALL_H
+
+#include "capture/capture.h"
+
+// The same views with coverage and the pictures under black, white and `active` alone, all of the size that
+// the first view's pictures have when neither side is longer than some 180 pixels. Patterns are the capture's
+// own.
+FfpCapture ffp_small_new(const FfpCapture *capture, int active);
+void ffp_small_free(FfpCapture *small);
+
+#endif
