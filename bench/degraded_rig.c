@@ -218,35 +218,37 @@ static bool import(FfpCapture *capture, const FfpCapture *seen, unsigned faults,
     return ffp_import_capture(&options, err) && ffp_capture_read(capture, into, err);
 }
 
-// A view of the true world in the world that import makes of a faultless rig: the table's axis is its z axis,
-// and its x axis points to the first camera.
-static FfpView placed(const FfpCapture *truth, int index) {
+// A view of the true world in the world of the import. That is made by the table's axis: its z axis, with the
+// x axis to the first camera; where the axis is found, its origin is too, and the first camera tells the
+// world.
+static FfpView placed(const FfpCapture *truth, int index, const FfpCapture *imported, unsigned faults) {
     FfpView view = truth->views[index];
-    double c2w[16], p2w[16], out[16];
-    const double *first = NULL;
+    double c2w[16], p2w[16], w2c[16], found[16], anchor[16], out[16];
     poses_of(&truth->views[0], c2w, p2w);
-    first = c2w;
-    const double flat = hypot(first[3], first[7]), x = first[3] / flat, y = first[7] / flat;
-    const double turn[16] = {x, y, 0, 0, -y, x, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
+    ffp_pose_inverse(c2w, w2c);
+    poses_of(&imported->views[0], found, p2w);
+    ffp_pose_product(found, w2c, anchor);
+    const double flat = hypot(c2w[3], c2w[7]), x = c2w[3] / flat, y = c2w[7] / flat;
+    const double table[16] = {x, y, 0, 0, -y, x, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
     FfpCamera *const devices[2] = {&view.camera, &view.projector};
     for (int k = 0; k < 2; k++) {
         double pose[16];
         for (int i = 0; i < 16; i++) pose[i] = (double)devices[k]->pose[i];
-        ffp_pose_product(turn, pose, out);
+        ffp_pose_product(faults & FIT_AXIS ? anchor : table, pose, out);
         for (int i = 0; i < 16; i++) devices[k]->pose[i] = (real)out[i];
     }
     return view;
 }
 
-static void score(Bench *bench, const FfpGaussians *gaussians, const FfpCapture *imported, int form,
-                  Score *scores) {
+static void score(Bench *bench, const FfpGaussians *gaussians, const FfpCapture *imported, unsigned faults,
+                  int form, Score *scores) {
     const FfpCapture *truth = &bench->truth;
     const FfpRenderSettings settings = ffp_drawing_settings(FFP_DRAWING_OURS, bench->model);
     FfpRelight relight = ffp_relight_new(&settings);
     FfpSummed *sums = ffp_alloc((size_t)truth->n_patterns, sizeof *sums);
     for (int p = 0; p < truth->n_patterns; p++) sums[p] = ffp_summed_new(&truth->patterns[p].image);
     for (int v = 0; v < truth->n_views; v++) {
-        const FfpView view = placed(truth, v);
+        const FfpView view = placed(truth, v, imported, faults);
         ffp_relight_view(&relight, gaussians, &view);
         for (int p = 0; p < truth->n_patterns; p++) {
             const int protocol = v >= VIEWS ? 2 : truth->patterns[p].novel;
@@ -276,7 +278,7 @@ static void run_row(Bench *bench, int object, int row) {
     for (int form = 0; form < FORMS && ok; form++) {
         const FfpReconstruction options = {.model = bench->model, .polish = form * FFP_POLISH_STEPS};
         FfpGaussians *gaussians = ffp_reconstruct(&imported, &options, NULL, &err);
-        if (gaussians) score(bench, gaussians, &imported, form, &bench->scores[row]);
+        if (gaussians) score(bench, gaussians, &imported, rows[row].faults, form, &bench->scores[row]);
         ok = gaussians != NULL;
         ffp_gaussians_close(gaussians);
     }
