@@ -311,6 +311,30 @@ static void test_fit_axis(void **state) {
     ffp_capture_free(&capture);
 }
 
+// sRGB's curve is nearly the power 2.2; patterns become light by what was found, which the file keeps.
+static void test_fit_response(void **state) {
+    (void)state;
+    char arguments[3000], *text = NULL;
+    size_t size = 0;
+    write_opencv("cal.yml", &single_shot, false, no_lens, no_lens);
+    snprintf(arguments, sizeof arguments,
+             "-c %s/cal.yml " SIZES TURNTABLE "--fit-response -v 000 -v 045 -v 090 " SHOTS PATTERN, scratch);
+    import("response", arguments);
+    assert_non_null(strstr(run.err, "projector gamma 2."));
+    assert_non_null(strstr(run.err, "black level at most 0."));
+    assert_true(ffp_read_file(in_scratch("response/scene.json"), 1 << 20, &text, &size, NULL));
+    assert_non_null(strstr(text, "\"response\""));
+    assert_non_null(strstr(text, "\"black_level_known\": false"));
+    free(text);
+    FfpCapture capture;
+    assert_true(ffp_capture_read(&capture, in_scratch("response"), NULL));
+    assert_int_equal(capture.n_views, 3);
+    assert_true(capture.intensity_known);
+    assert_true(explained(&capture, 0, sample.views[0].depth.data) >
+                explained(&sample, 0, sample.views[0].depth.data) - 1);
+    ffp_capture_free(&capture);
+}
+
 // --- Wrong usage and wrong files, as a user meets them. ---
 
 static void test_usage(void **state) {
@@ -400,10 +424,11 @@ static void test_refusals(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_single_shot), cmocka_unit_test(test_procam_calibration),
-        cmocka_unit_test(test_calibrator),  cmocka_unit_test(test_opencv_samples),
-        cmocka_unit_test(test_deprocams),   cmocka_unit_test(test_fit_axis),
-        cmocka_unit_test(test_usage),       cmocka_unit_test(test_refusals),
+        cmocka_unit_test(test_single_shot),  cmocka_unit_test(test_procam_calibration),
+        cmocka_unit_test(test_calibrator),   cmocka_unit_test(test_opencv_samples),
+        cmocka_unit_test(test_deprocams),    cmocka_unit_test(test_fit_axis),
+        cmocka_unit_test(test_fit_response), cmocka_unit_test(test_usage),
+        cmocka_unit_test(test_refusals),
     };
     return cmocka_run_group_tests(tests, setup, teardown);
 }

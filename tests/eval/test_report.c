@@ -9,9 +9,44 @@
 #include "eval/scores.h"
 
 static const FfpScore scores[] = {
-    {"one", "rendering", 30, 25, 0.9, NAN, 28, 10, 4, 1.5, 2},
-    {"two", "rendering", 20, 15, 0.7, NAN, 18, 10, 4, 0.5, 1},
-    {"two", "novel_pose", 10, NAN, 0.5, NAN, NAN, 6, 0, 0.5, 1},
+    {.capture = "one",
+     .protocol = "rendering",
+     .psnr = 30,
+     .psnr_foreground = 25,
+     .ssim = 0.9,
+     .lpips = NAN,
+     .psnr_unseen_lollipops = 28,
+     .images = 10,
+     .images_unseen = 4,
+     .reconstruct_s = 1.5,
+     .render_s = 2,
+     .depth_lit_median = 1,
+     .depth_lit_p90 = NAN,
+     .albedo_mse = 0.5},
+    {.capture = "two",
+     .protocol = "rendering",
+     .psnr = 20,
+     .psnr_foreground = 15,
+     .ssim = 0.7,
+     .lpips = NAN,
+     .psnr_unseen_lollipops = 18,
+     .images = 10,
+     .images_unseen = 4,
+     .reconstruct_s = 0.5,
+     .render_s = 1,
+     .depth_lit_median = 3,
+     .depth_lit_p90 = 2,
+     .albedo_mse = 0.25},
+    {.capture = "two",
+     .protocol = "novel_pose",
+     .psnr = 10,
+     .psnr_foreground = NAN,
+     .ssim = 0.5,
+     .lpips = NAN,
+     .psnr_unseen_lollipops = NAN,
+     .images = 6,
+     .reconstruct_s = 0.5,
+     .render_s = 1},
 };
 
 static char text[1 << 16];
@@ -109,6 +144,9 @@ static void test_rows_and_means(void **state) {
     assert_float_equal(json_real_value(json_object_get(mean, "psnr")), 25, 1e-9);
     assert_float_equal(json_real_value(json_object_get(mean, "psnr_unseen_lollipops")), 23, 1e-9);
     assert_true(json_is_null(json_object_get(mean, "lpips")));
+    assert_float_equal(json_real_value(json_object_get(mean, "depth_lit_median")), 2, 1e-9);
+    assert_float_equal(json_real_value(json_object_get(mean, "albedo_mse")), 0.375, 1e-9);
+    assert_true(json_is_null(json_object_get(mean, "depth_lit_p90")));
     json_decref(root);
 }
 
