@@ -193,8 +193,10 @@ static bool import(FfpCapture *capture, const FfpCapture *seen, unsigned faults,
         length += snprintf(images + length, sizeof images - (size_t)length, "%s%s", length > 0 ? "," : "",
                            seen->patterns[p].name);
         if (p == seen->black || p == seen->white || n == 8) continue;
-        snprintf(pattern[n], sizeof pattern[n], "%s=%s/%s.png", seen->patterns[p].name, folder,
-                 seen->patterns[p].name);
+        const int needed = snprintf(pattern[n], sizeof pattern[n], "%s=%s/%s.png", seen->patterns[p].name,
+                                    folder, seen->patterns[p].name);
+        if (needed < 0 || (size_t)needed >= sizeof pattern[n])
+            return ffp_fail(err, folder, "the path is too long");
         patterns[n] = pattern[n], n++;
     }
     snprintf(images + length, sizeof images - (size_t)length, "=%s/{index}_{pattern}.png", folder);

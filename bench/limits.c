@@ -1,11 +1,12 @@
 // What limits a reconstruction: the generator's truth is put in for one part of it at a time, and the
-// pictures are scored again. Prints a table in Markdown.
+// pictures are scored again, before and after a polish of what is then there. Prints a table in Markdown.
 //   limits [MODEL.safetensors|none] [SCENES] [FIRST]
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include "base/arena.h"
 #include "base/vec.h"
+#include "ffprocams.h"
 #include "loss/metrics.h"
 #include "train/train.h"
 
@@ -44,6 +45,7 @@ typedef struct Score {
     double sum[2]; // rendering, novel pose
     int count[2];
 } Score;
+enum { ALONE, POLISHED, STAGES };
 
 typedef struct Viewer {
     FfpRaster *raster;
@@ -124,19 +126,28 @@ static void score_view(Viewer *v, const FfpScene *scene, int index, const FfpGau
     }
 }
 
-static void score_scene(Viewer *viewer, const FfpScene *scene, const FfpRun *run, Score scores[ROWS]) {
-    for (int row = 0; row < ROWS; row++) {
+static bool score_scene(Viewer *viewer, const FfpScene *scene, const FfpTrainConfig *config,
+                        const FfpRun *run, Score scores[ROWS][STAGES], FfpError *err) {
+    const FfpRenderSettings settings = ffp_render_defaults();
+    bool ok = true;
+    for (int row = 0; row < ROWS && ok; row++) {
         FfpGaussians g = ffp_gaussians_copy(&run->gaussians);
         put_truth(&g, run, scene, rows[row].parts);
-        for (int v = 0; v < scene->capture.n_views; v++)
-            score_view(viewer, scene, v, &g, rows[row].parts, &scores[row]);
+        for (int stage = 0; stage < STAGES && ok; stage++) {
+            if (stage == POLISHED) ok = ffp_scene_polish(&g, config, &settings, scene, 1, err);
+            for (int v = 0; v < scene->capture.n_views && ok; v++)
+                score_view(viewer, scene, v, &g, rows[row].parts, &scores[row][stage]);
+        }
         ffp_gaussians_free(&g);
     }
+    return ok;
 }
 
-static bool run_scenes(const FfpModel *model, int count, int first, Score scores[ROWS], FfpError *err) {
+static bool run_scenes(const FfpModel *model, int count, int first, Score scores[ROWS][STAGES],
+                       FfpError *err) {
     FfpTrainConfig config = ffp_train_defaults();
     const int side = config.resolution;
+    config.polish_steps = FFP_POLISH_STEPS;
     Viewer viewer = {ffp_raster_new(), ffp_gbuffer_new(side, side), ffp_mapping_new(side, side),
                      ffp_image_new(side, side, 3)};
     FfpRun *run = ffp_run_new();
@@ -145,7 +156,7 @@ static bool run_scenes(const FfpModel *model, int count, int first, Score scores
         FfpScene scene;
         if (!(ok = ffp_scene_open(&scene, &config, "validation", i, side, err))) break;
         ok = ffp_model_forward(model, run, &scene.inputs, &scene.start, scene.active, err);
-        if (ok) score_scene(&viewer, &scene, run, scores);
+        if (ok) ok = score_scene(&viewer, &scene, &config, run, scores, err);
         ffp_scene_close(&scene);
     }
     ffp_run_free(run);
@@ -166,7 +177,7 @@ static FfpModel *open_model(const char *path, FfpError *err) {
 
 int main(int argc, char **argv) {
     const int count = argc > 2 ? atoi(argv[2]) : 4, first = argc > 3 ? atoi(argv[3]) : 0;
-    Score scores[ROWS] = {0};
+    Score scores[ROWS][STAGES] = {0};
     FfpError err = {""};
     FfpModel *model = open_model(argc > 1 ? argv[1] : "none", &err);
     const bool ok = model && run_scenes(model, count, first, scores, &err);
@@ -175,9 +186,15 @@ int main(int argc, char **argv) {
         fprintf(stderr, "limits: error: %s\n", err.text);
         return 1;
     }
-    printf("| %d validation scenes | rendering | novel pose |\n|---|---|---|\n", count);
-    for (int row = 0; row < ROWS; row++)
-        printf("| %s | %.2f | %.2f |\n", rows[row].name, scores[row].sum[0] / scores[row].count[0],
-               scores[row].sum[1] / scores[row].count[1]);
+    printf("| %d validation scenes | rendering | novel pose | polished: rendering | novel pose |\n"
+           "|---|---|---|---|---|\n",
+           count);
+    for (int row = 0; row < ROWS; row++) {
+        printf("| %s |", rows[row].name);
+        for (int stage = 0; stage < STAGES; stage++)
+            for (int target = 0; target < 2; target++)
+                printf(" %.2f |", scores[row][stage].sum[target] / scores[row][stage].count[target]);
+        putchar('\n');
+    }
     return 0;
 }
