@@ -146,8 +146,7 @@ static void add_score(FfpSubject *subject, const Protocol *protocol, const Means
     score->render_s = seconds;
     score->depth_lit_median = score->depth_lit_p90 = score->depth_unlit_median = score->depth_unlit_p90 = NAN;
     score->albedo_mse = NAN;
-    if (subject->gaussians && strcmp(protocol->name, "rendering") == 0)
-        ffp_measure_truth(subject, score);
+    if (subject->gaussians && strcmp(protocol->name, "rendering") == 0) ffp_measure_truth(subject, score);
 }
 
 bool ffp_run_protocol(FfpSubject *subject, const char *name, const char *explanation, FfpError *err) {

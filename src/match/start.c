@@ -17,8 +17,8 @@
 #include "match/sweep.h"
 
 #define NORMAL_REACH 2                // pixels
-#define COVERAGE_LEAST 0.05F           // of a pixel that gets a splat
-#define FAINT 0.2F                     // times the coverage: opacity of a faint splat
+#define COVERAGE_LEAST 0.05F          // of a pixel that gets a splat
+#define FAINT 0.2F                    // times the coverage: opacity of a faint splat
 #define MATCH_BYTES ((size_t)2 << 30) // of working memory for the hypotheses of all views matched at a time
 
 static bool check_picture(const FfpImage *image, const FfpCamera *camera, int channels, const char *what,
@@ -129,7 +129,8 @@ static void fill(FfpDepths *depths, real *range) {
 
 // Opacity of a pixel's own splat. Splats of several views overlap at an outline, so that each must show less
 // than the pixel's coverage for all of them together to show it; pixels that are covered by less than half
-// leave the outline to the splats of their neighbours, and have but a faint one for later stages to work with.
+// leave the outline to the splats of their neighbours, and have but a faint one for later stages to work
+// with.
 static real own_share(real coverage) {
     if (coverage < COVERAGE_LEAST) return 0;
     return fmax((coverage - 0.5F) / 0.5F, FAINT * coverage);

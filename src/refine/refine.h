@@ -53,7 +53,7 @@ typedef struct FfpRefineResult {
     double seconds;
     double psnr_before, psnr_after; // dB on the pictures fitted, mean over pictures; without 8-bit rounding;
                                     // 0 unless they are to be measured
-    bool stopped; // by `stop`
+    bool stopped;                   // by `stop`
 } FfpRefineResult;
 
 // Fits to the given patterns of all views (indices into the capture's; a view lacks none of them). Views come
