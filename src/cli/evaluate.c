@@ -51,19 +51,22 @@ static void put_cell(double value, int digits) {
         printf(" %8s", "-");
 }
 
-// Where a capture holds its truth.
+// Medians and 90th percentiles of the depth error, and the albedo's mean squared error, where a capture holds
+// its truth.
 static void put_truth(const FfpScore *scores, int n_scores) {
     bool any = false;
     for (int i = 0; i < n_scores; i++) {
         const FfpScore *score = &scores[i];
         if (!isfinite(score->depth_lit_median) && !isfinite(score->albedo_mse)) continue;
         if (!any)
-            printf("\n%-20s %-38s %-38s %s\n", "capture", "depth error where lit, % of the radius",
-                   "depth error where unlit", "albedo MSE");
+            printf("\n%-20s %8s %8s %8s %8s %8s\n", "depth error, % of r", "lit", "90 %", "unlit", "90 %",
+                   "albedo");
         any = true;
-        printf("%-20s median %6.2f, 90th percentile %6.2f   median %6.2f, 90th percentile %6.2f   %.5f\n",
-               score->capture, score->depth_lit_median, score->depth_lit_p90, score->depth_unlit_median,
-               score->depth_unlit_p90, score->albedo_mse);
+        printf("%-20s", score->capture);
+        put_cell(score->depth_lit_median, 2), put_cell(score->depth_lit_p90, 2);
+        put_cell(score->depth_unlit_median, 2), put_cell(score->depth_unlit_p90, 2);
+        put_cell(score->albedo_mse, 5);
+        putchar('\n');
     }
 }
 

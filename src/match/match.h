@@ -17,9 +17,8 @@ typedef struct FfpStart {
     real *confidence; // [0,1]: 1 - best cost / second-best minimum's cost, times lit; 0 where the depth was
                       // filled
     real *lit; // [0,1]: weight of the projector's light there, (white - black) against the view's typical
-    real *coverage; // [0,1]: silhouette-carved coverage: the pixel's own beyond one half, scaled to [0,1],
-                    // but at least a fifth of it; or what another view's silhouette leaves of the point,
-                    // whichever is less
+    real *coverage;  // [0,1]: 2 c - 1 of the pixel's own coverage c, and at least c / 5; or what another
+                     // view's silhouette leaves of the point, whichever is less
     real *agreement; // [0,1]: of the other views that could see the point, the share whose own depth agrees
     real *violation; // [0,1]: share of the other views that see past the point (their surface lies well
                      // behind it)
