@@ -73,6 +73,14 @@ void ffp_output_abort(FfpOutput *out) {
     unlink(out->temporary);
 }
 
+bool ffp_output_probe(const char *path, FfpError *err) {
+    FfpOutput out;
+    if (path == NULL) return true;
+    const bool ok = ffp_output_open(&out, path, err);
+    ffp_output_abort(&out);
+    return ok;
+}
+
 bool ffp_write_file(const char *path, const void *data, size_t size, FfpError *err) {
     FfpOutput out;
     if (!ffp_output_open(&out, path, err)) return false;

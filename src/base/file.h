@@ -20,6 +20,9 @@ typedef struct FfpOutput {
 bool ffp_output_open(FfpOutput *out, const char *path, FfpError *err);
 bool ffp_output_commit(FfpOutput *out, FfpError *err); // flush, fsync, rename; on failure removes and reports
 void ffp_output_abort(FfpOutput *out);                 // safe after commit or a failed open
+// Whether the file could be written, told before the work rather than after it. NULL: nothing is to be
+// written.
+bool ffp_output_probe(const char *path, FfpError *err);
 
 bool ffp_write_file(const char *path, const void *data, size_t size, FfpError *err); // open + write + commit
 

@@ -41,20 +41,12 @@ static void tell(const Arguments *arguments, const FfpRefinementStory *story) {
            (long long)story->steps, story->seconds, story->stopped ? ", interrupted" : "");
 }
 
-// Before the work of minutes: whether the file can be written.
-static bool probe_output(const char *path, FfpError *err) {
-    FfpOutput out;
-    const bool ok = ffp_output_open(&out, path, err);
-    ffp_output_abort(&out);
-    return ok;
-}
-
 static int run(const Arguments *arguments) {
     FfpError err = {0};
     FfpRefinementStory story = {0};
     FfpGaussians *gaussians = NULL;
     FfpCapture *capture =
-        probe_output(arguments->output, &err) ? ffp_capture_open(arguments->capture, &err) : NULL;
+        ffp_output_probe(arguments->output, &err) ? ffp_capture_open(arguments->capture, &err) : NULL;
     bool ok = capture != NULL;
     if (ok && arguments->scratch)
         gaussians = ffp_fit_from_scratch(capture, &arguments->refinement, &story, &err);

@@ -185,15 +185,6 @@ static bool evaluate_capture(FfpEvaluating *shared, int index, FfpError *err) {
 
 // --- All of them. ---
 
-// Fails before the work rather than after it.
-static bool probe_output(const char *path, FfpError *err) {
-    FfpOutput out;
-    if (!path) return true;
-    const bool ok = ffp_output_open(&out, path, err);
-    ffp_output_abort(&out);
-    return ok;
-}
-
 static bool open_perceptual(FfpEvaluating *shared, FfpError *err) {
     const char *path = shared->options->perceptual, *folder = getenv("FFPROCAMS_PERCEPTUAL");
     char found[FFP_PATH_MAX];
@@ -256,7 +247,7 @@ static bool check_options(const FfpEvaluation *options, FfpError *err) {
                         options->n_targets, options->n_captures);
     if (options->n_targets && options->predictor != FFP_PREDICT_GAUSSIANS)
         ffp_note("this predictor sees only the input poses: novel_pose is left out");
-    return probe_output(options->json, err) && probe_output(options->report, err) &&
+    return ffp_output_probe(options->json, err) && ffp_output_probe(options->report, err) &&
            check_shown_pattern(options->show_pattern, err);
 }
 
