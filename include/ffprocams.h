@@ -68,6 +68,8 @@ FfpGaussians *ffp_reconstruct(const FfpCapture *capture, const FfpReconstruction
 // Binary PLY with the 3DGS property names, plus base_color_0..2 and roughness (docs/formats.md).
 FfpGaussians *ffp_gaussians_open(const char *path, FfpError *err);
 bool ffp_gaussians_save(const FfpGaussians *gaussians, const char *path, FfpError *err);
+// Whether a file could be written there, told before the work rather than after it.
+bool ffp_can_write(const char *path, FfpError *err);
 int64_t ffp_gaussians_count(const FfpGaussians *gaussians);
 void ffp_gaussians_close(FfpGaussians *gaussians);
 

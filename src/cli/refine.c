@@ -1,5 +1,4 @@
 #include <stdio.h>
-#include "base/file.h"
 #include "cli/cli.h"
 
 static const char help[] =
@@ -46,7 +45,7 @@ static int run(const Arguments *arguments) {
     FfpRefinementStory story = {0};
     FfpGaussians *gaussians = NULL;
     FfpCapture *capture =
-        ffp_output_probe(arguments->output, &err) ? ffp_capture_open(arguments->capture, &err) : NULL;
+        ffp_can_write(arguments->output, &err) ? ffp_capture_open(arguments->capture, &err) : NULL;
     bool ok = capture != NULL;
     if (ok && arguments->scratch)
         gaussians = ffp_fit_from_scratch(capture, &arguments->refinement, &story, &err);

@@ -68,6 +68,10 @@ bool ffp_gaussians_save(const FfpGaussians *gaussians, const char *path, FfpErro
     return ffp_gaussians_write(gaussians, path, 1.0F / 255, err); // the rasteriser never draws less than that
 }
 
+bool ffp_can_write(const char *path, FfpError *err) {
+    return ffp_output_probe(path, err);
+}
+
 int64_t ffp_gaussians_count(const FfpGaussians *gaussians) {
     return gaussians->count;
 }
