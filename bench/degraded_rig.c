@@ -17,7 +17,16 @@
 #define VIEWS 8
 
 // What is wrong with a rig, and what the user does about it.
-enum { NOISE = 1, DEFOCUS = 2, GAMMA = 4, CALIBRATION = 8, PANEL = 16, FIT_RESPONSE = 32, FIT_AXIS = 64 };
+enum {
+    NOISE = 1,
+    DEFOCUS = 2,
+    GAMMA = 4,
+    CALIBRATION = 8,
+    PANEL = 16,
+    FIT_RESPONSE = 32,
+    FIT_AXIS = 64,
+    ALIGN = 128
+};
 
 static const struct {
     const char *name;
@@ -29,9 +38,11 @@ static const struct {
     {"projector gamma 2.2", GAMMA},
     {"the same, `--fit-response`", GAMMA | FIT_RESPONSE},
     {"calibration off by 0.5 pixels", CALIBRATION},
+    {"the same, `align`", CALIBRATION | ALIGN},
     {"off-centre projector", PANEL},
     {"axis not known, `--fit-axis`", FIT_AXIS},
     {"all faults", NOISE | DEFOCUS | GAMMA | CALIBRATION | PANEL},
+    {"the same, `align`", NOISE | DEFOCUS | GAMMA | CALIBRATION | PANEL | ALIGN},
     {"all faults, both fits", NOISE | DEFOCUS | GAMMA | CALIBRATION | PANEL | FIT_RESPONSE | FIT_AXIS},
 };
 enum { ROWS = sizeof rows / sizeof *rows, PROTOCOLS = 3, FORMS = 2 };
@@ -276,6 +287,7 @@ static void run_row(Bench *bench, int object, int row) {
     snprintf(name, sizeof name, "object_%d_row_%d", object, row);
     bool ok = ffp_join_path(folder, bench->folder, name) && ffp_scene_make(&seen, &spec, &err) &&
               import(&imported, &seen, rows[row].faults, folder, &err);
+    if (ok && rows[row].faults & ALIGN) ok = ffp_align_poses(&imported, NULL, NULL, &err);
     ffp_capture_free(&seen);
     for (int form = 0; form < FORMS && ok; form++) {
         const FfpReconstruction options = {.model = bench->model, .polish = form * FFP_POLISH_STEPS};

@@ -316,6 +316,25 @@ typedef struct FfpImport {
 // lens distortion, masks applied.
 bool ffp_import_capture(const FfpImport *options, FfpError *err);
 
+typedef struct FfpAlignStory {
+    bool turntable; // the views are those of a fixed rig around a turning object, and share what is common to
+                    // their poses
+    double evened;  // turns that took: root mean square about a device's axis, degrees
+    double depth, across,
+        side;             // turns of the camera in all views, degrees: along the line to the projector and
+                          // across it (the projector turns as much against it), and sideways (with it)
+    double before, after; // disagreement of the pictures: mean difference of pattern values, 0 to 1
+    double seconds;
+} FfpAlignStory;
+// Corrects the directions of all cameras and projectors from the photographs, in place. `pattern` as in
+// FfpReconstruction. Takes some sixty projector matchings. `story` may be NULL.
+bool ffp_align_poses(FfpCapture *capture, const char *pattern, FfpAlignStory *story, FfpError *err);
+
+// Writes a capture folder (docs/formats.md), whole or not at all; it must be new or empty.
+bool ffp_capture_save(const FfpCapture *capture, const char *folder, FfpError *err);
+// Whether one could be saved there, told before the work rather than after it.
+bool ffp_can_save_capture(const char *folder, FfpError *err);
+
 // Measures kernels and whole steps against this machine's own limits, prints tables, and writes them as JSON
 // too unless `json` is NULL. Takes about a minute.
 bool ffp_benchmark(const char *json, FfpError *err);

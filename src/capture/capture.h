@@ -69,6 +69,17 @@ void ffp_capture_free(FfpCapture *capture);
 // has, and patterns/ (8-bit sRGB PNG). scene.json is written last: a folder without it is not a capture.
 bool ffp_capture_write(const FfpCapture *capture, const char *folder, FfpError *err);
 
+// The same into a folder that is new or empty, whole or not at all: written beside it, completed by `finish`
+// (NULL: there is no more to do), read back, and then renamed. Errors: the folder holds something; what was
+// written cannot be read.
+bool ffp_capture_write_whole(const FfpCapture *capture, const char *folder,
+                             bool (*finish)(const char *part, void *context, FfpError *err), void *context,
+                             FfpError *err);
+
+// Whether a capture could be written whole there, told before the work rather than after it. An empty folder
+// that is there already may be gone afterwards.
+bool ffp_capture_probe(const char *folder, FfpError *err);
+
 int ffp_capture_find_pattern(const FfpCapture *capture, const char *name); // index, or -1
 int ffp_capture_find_view(const FfpCapture *capture, const char *id);      // index, or -1
 // The structured-light pattern a reconstruction uses: the named one, or (name NULL) the first that is neither

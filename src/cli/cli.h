@@ -11,6 +11,7 @@ enum { FFP_EXIT_OK = 0, FFP_EXIT_FAILURE = 1, FFP_EXIT_USAGE = 2 };
 
 // argv[0] is the subcommand's name; all return one of the exit codes above.
 int ffp_cli_import(int argc, char **argv);
+int ffp_cli_align(int argc, char **argv);
 int ffp_cli_reconstruct(int argc, char **argv);
 int ffp_cli_refine(int argc, char **argv);
 int ffp_cli_render(int argc, char **argv);

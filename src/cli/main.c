@@ -12,6 +12,7 @@ static const char help[] =
     "pictures of the object under any pattern, camera pose and projector pose.\n"
     "\n"
     "  import       photographs and a calibration file to a capture\n"
+    "  align        a capture whose poses are corrected from its photographs\n"
     "  reconstruct  a capture to Gaussians (PLY), in one forward pass\n"
     "  refine       Gaussians fitted further to the photographs they come from\n"
     "  render       pictures of Gaussians under patterns, from chosen views\n"
@@ -48,6 +49,7 @@ static const Command commands[] = {
     {"map", ffp_cli_map},
     {"evaluate", ffp_cli_evaluate},
     {"import", ffp_cli_import},
+    {"align", ffp_cli_align},
     {"generate", ffp_cli_generate},
     {"train", ffp_cli_train},
     {"bench", ffp_cli_bench},

@@ -24,6 +24,14 @@ FfpCapture *ffp_capture_open(const char *path, FfpError *err) {
     return NULL;
 }
 
+bool ffp_capture_save(const FfpCapture *capture, const char *folder, FfpError *err) {
+    return ffp_capture_write_whole(capture, folder, NULL, NULL, err);
+}
+
+bool ffp_can_save_capture(const char *folder, FfpError *err) {
+    return ffp_capture_probe(folder, err);
+}
+
 void ffp_capture_close(FfpCapture *capture) {
     if (!capture) return;
     ffp_capture_free(capture);

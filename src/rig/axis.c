@@ -8,31 +8,6 @@
 
 #define STEP 1e-4 // of the numeric derivatives, radians and shares of the distance
 
-// --- Vectors. ---
-
-double ffp_dot(const double a[3], const double b[3]) {
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
-void ffp_cross(const double a[3], const double b[3], double out[3]) {
-    const double x = a[1] * b[2] - a[2] * b[1], y = a[2] * b[0] - a[0] * b[2], z = a[0] * b[1] - a[1] * b[0];
-    out[0] = x, out[1] = y, out[2] = z;
-}
-
-double ffp_unit(double v[3]) {
-    const double length = sqrt(ffp_dot(v, v));
-    for (int i = 0; i < 3 && length > 0; i++) v[i] /= length;
-    return length;
-}
-
-void ffp_across(const double v[3], double first[3], double second[3]) {
-    const bool steep = fabs(v[0]) > 0.9;
-    const double any[3] = {!steep, steep, 0};
-    ffp_cross(v, any, first);
-    ffp_unit(first);
-    ffp_cross(v, first, second);
-}
-
 void ffp_axis_turn_direction(const FfpAxis *axis, double angle, const double d[3], double out[3]) {
     const double *u = axis->direction, c = cos(angle), s = sin(angle), along = (1 - c) * ffp_dot(u, d);
     double across[3];

@@ -3,6 +3,7 @@
 #define FFP_RIG_AXIS_H
 
 #include <stdbool.h>
+#include "base/motion.h"
 
 // A line in camera coordinates about which the object turns, right-handed about the direction.
 typedef struct FfpAxis {
@@ -15,13 +16,6 @@ typedef struct FfpAxis {
 void ffp_axis_turn(const FfpAxis *axis, double angle, const double point[3], double out[3]);
 // The same of a direction.
 void ffp_axis_turn_direction(const FfpAxis *axis, double angle, const double direction[3], double out[3]);
-
-// Small vectors.
-double ffp_dot(const double a[3], const double b[3]);
-void ffp_cross(const double a[3], const double b[3], double out[3]);
-double ffp_unit(double v[3]); // makes it one, and returns the length it had; 0 stays
-// Two unit vectors across a unit vector, which stand across each other.
-void ffp_across(const double v[3], double first[3], double second[3]);
 
 // An axis moved by small numbers: 0, 1: tilt about its point, radians, towards two directions across it; 2:
 // sideways as the camera sees it, in distances of the point; 3: logarithm of the distance of the point.

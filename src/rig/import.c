@@ -1,8 +1,6 @@
 // From calibration files and photographs to a capture folder.
-#define _XOPEN_SOURCE 700 // nftw
 #include <dirent.h>
 #include <errno.h>
-#include <ftw.h>
 #include <stdlib.h>
 #include <string.h>
 #include <tgmath.h>
@@ -384,7 +382,8 @@ static bool find_response(Import *import, FfpError *err) {
 }
 
 // Puts the response into the capture's JSON: what was found is kept though patterns hold it already.
-static bool keep_response(const Import *import, const char *folder, FfpError *err) {
+static bool keep_response(const char *folder, void *context, FfpError *err) {
+    const Import *import = context;
     char path[FFP_PATH_MAX];
     FfpField root;
     const FfpResponse *r = &import->response;
@@ -400,42 +399,6 @@ static bool keep_response(const Import *import, const char *folder, FfpError *er
     const bool ok = text != NULL ? ffp_write_file(path, text, strlen(text), err)
                                  : ffp_fail(err, path, "cannot write the JSON");
     free(text);
-    return ok;
-}
-
-// --- The folder. ---
-
-static int remove_entry(const char *path, const struct stat *about, int kind, struct FTW *where) {
-    (void)about, (void)kind, (void)where;
-    return remove(path);
-}
-
-// Reads what was written as every other command will: an import that could not be used must not appear.
-static bool verify(const char *folder, FfpError *err) {
-    FfpCapture capture;
-    FfpError why = {0};
-    if (!ffp_capture_read(&capture, folder, &why))
-        return ffp_fail(err, NULL, "the import cannot be used: %s", why.text);
-    ffp_capture_free(&capture);
-    return true;
-}
-
-static bool write_folder(const Import *import, FfpError *err) {
-    const char *folder = import->options->folder;
-    char part[FFP_PATH_MAX];
-    size_t length = strlen(folder);
-    while (length > 1 && folder[length - 1] == '/') length--;
-    if ((size_t)snprintf(part, sizeof part, "%.*s.%ld.tmp", (int)length, folder, (long)getpid()) >=
-        sizeof part)
-        return ffp_fail(err, folder, "the path is too long");
-    bool ok = ffp_capture_write(&import->capture, part, err) && keep_response(import, part, err) &&
-              verify(part, err);
-    if (ok && rename(part, folder) != 0) {
-        const bool there = errno == ENOTEMPTY || errno == EEXIST || errno == ENOTDIR;
-        ok = there ? ffp_fail(err, folder, "is there already and not empty: choose another, or remove it")
-                   : ffp_fail(err, folder, "cannot name the folder: %s", strerror(errno));
-    }
-    if (!ok) nftw(part, remove_entry, 16, FTW_DEPTH | FTW_PHYS);
     return ok;
 }
 
@@ -548,7 +511,7 @@ static bool run(Import *import, FfpError *err) {
            ffp_shots_find(&import->shots, import->options, &import->calibration, err) &&
            settle_views(import, err) && check_memory(import, err) && load_pixels(import, err) &&
            find_axis(import, err) && settle_object(import, err) && find_response(import, err) &&
-           write_folder(import, err);
+           ffp_capture_write_whole(&import->capture, import->options->folder, keep_response, import, err);
 }
 
 bool ffp_import_capture(const FfpImport *options, FfpError *err) {

@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "base/file.h"
+#include "base/motion.h"
 #include "rig/document.h"
 #include "rig/matrix.h"
 
@@ -139,14 +140,6 @@ bool ffp_turntable_read_angles(FfpTurntable *turntable, const char *text, FfpErr
 
 // --- Stops. ---
 
-static void cross(const double a[3], const double b[3], double out[3]) {
-    for (int i = 0; i < 3; i++) {
-        const int j = (i + 1) % 3, k = (i + 2) % 3;
-        out[i] = a[j] * b[k] - a[k] * b[j];
-    }
-}
-
-// The part of v across the unit axis, made a unit vector; false when v lies along the axis.
 static bool across(const double axis[3], const double v[3], double out[3]) {
     const double along = v[0] * axis[0] + v[1] * axis[1] + v[2] * axis[2];
     double square = 0, whole = 0;
@@ -170,21 +163,17 @@ static void world_axes(const FfpTurntable *turntable, double rows[9]) {
         const double any[3] = {!steep, steep, 0};
         across(turntable->axis, any, rows);
     }
-    cross(rows + 6, rows, rows + 3);
-}
-
-// Rodrigues: R(u,a) v = v cos a + (u x v) sin a + u (u.v) (1 - cos a), as a row-major 3x3.
-static void rotation_about(const double u[3], double angle, double r[9]) {
-    const double c = cos(angle), s = sin(angle);
-    const double skew[9] = {0, -u[2], u[1], u[2], 0, -u[0], -u[1], u[0], 0};
-    for (int i = 0; i < 9; i++) r[i] = c * (i % 4 == 0) + s * skew[i] + (1 - c) * u[i / 3] * u[i % 3];
+    ffp_cross(rows + 6, rows, rows + 3);
 }
 
 static void place(const FfpTurntable *turntable, double degrees, const FfpCalibration *calibration,
                   FfpStop *stop) {
     double rows[9], turn[9];
     world_axes(turntable, rows);
-    rotation_about(turntable->axis, -degrees * acos(-1.0) / 180, turn);
+    const double angle = -degrees * acos(-1.0) / 180,
+                 about[3] = {angle * turntable->axis[0], angle * turntable->axis[1],
+                             angle * turntable->axis[2]};
+    ffp_turn(about, turn);
     for (int i = 0; i < 3; i++) {
         stop->c2w[4 * i + 3] = 0;
         for (int j = 0; j < 3; j++) {

@@ -1,0 +1,188 @@
+// The search for the turns that all views share. Each device turns about its own axes by the same vector in
+// every view, which is what a wrong calibration of the pair, a wrong principal point and a misplaced axis
+// look like.
+#include "align/align.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include "align/look.h"
+#include "align/ring.h"
+#include "base/arena.h"
+#include "base/log.h"
+
+#define FIRST_STEP 0.6 // of the search, in expected turns
+#define NEXT_STEP 0.6  // of the one before
+#define LOOKS 3        // along a way, each time
+#define REACH 1.5      // steps that a parabola may point beyond the last look
+
+// Ways to turn. Depth: camera and projector towards each other or apart, along the line between them, which
+// moves every surface nearer or farther. Across: against each other at right angles to that. Side: together,
+// across the turntable's axis. Together along the axis is left out: it moves the object, and no picture
+// tells.
+enum { DEPTH, ACROSS, SIDE, WAYS };
+
+typedef struct Way {
+    double camera[3], projector[3]; // turns by one unit of what is expected, in the devices' own axes
+} Way;
+
+typedef struct Search {
+    FfpCapture *capture;
+    const FfpView *from; // [views] poses that are turned
+    FfpLooker *looker;
+    int n_ways;
+    Way way[WAYS];
+    double x[WAYS]; // where it stands
+    double best;    // disagreement there
+    FfpProgress progress;
+    int64_t looks;
+} Search;
+
+FfpAlignSettings ffp_align_defaults(void) {
+    const double degree = 0.017453292519943295;
+    return (FfpAlignSettings){.expected = {.turn = 0.2 * degree, .shift = 1e-5}, .rounds = 7};
+}
+
+// Turns that move a device's aim along a world direction.
+static void aim_along(const FfpMotion *device, const double direction[3], double by, double turn[3]) {
+    double local[3] = {0};
+    for (int k = 0; k < 3; k++)
+        for (int i = 0; i < 3; i++) local[k] += device->r[3 * i + k] * direction[i];
+    const double length = hypot(local[0], local[1]);
+    turn[0] = length > 0 ? -by * local[1] / length : 0;
+    turn[1] = length > 0 ? by * local[0] / length : 0;
+    turn[2] = 0;
+}
+
+static void set_way(Way *way, const FfpView *view, const double direction[3], double camera,
+                    double projector) {
+    const FfpMotion c = ffp_motion(view->camera.pose), p = ffp_motion(view->projector.pose);
+    aim_along(&c, direction, camera, way->camera);
+    aim_along(&p, direction, projector, way->projector);
+}
+
+// The ways as the first view's devices lie to each other and to the axis (NULL: not a turntable).
+static void set_ways(Search *s, const double axis[3], double turn) {
+    const FfpView *view = &s->from[0];
+    const FfpMotion camera = ffp_motion(view->camera.pose), projector = ffp_motion(view->projector.pose);
+    double apart[3], across[3], side[3];
+    const double ahead[3] = {camera.r[2], camera.r[5], camera.r[8]};
+    for (int k = 0; k < 3; k++) apart[k] = projector.t[k] - camera.t[k];
+    ffp_cross(ahead, apart, across);
+    set_way(&s->way[DEPTH], view, apart, turn, -turn);
+    set_way(&s->way[ACROSS], view, across, turn, -turn);
+    s->n_ways = axis ? WAYS : SIDE;
+    if (!axis) return;
+    ffp_cross(axis, ahead, side);
+    set_way(&s->way[SIDE], view, side, turn, turn);
+}
+
+static void turn_device(const FfpCamera *from, const double v[3], FfpCamera *to) {
+    FfpMotion motion = ffp_motion(from->pose);
+    double r[9], turned[9];
+    ffp_turn(v, r);
+    ffp_turn_product(motion.r, r, turned);
+    memcpy(motion.r, turned, sizeof turned);
+    ffp_motion_store(&motion, to->pose);
+}
+
+static void place(const Search *s, const double x[WAYS]) {
+    double camera[3] = {0}, projector[3] = {0};
+    for (int w = 0; w < s->n_ways; w++)
+        for (int k = 0; k < 3; k++)
+            camera[k] += x[w] * s->way[w].camera[k], projector[k] += x[w] * s->way[w].projector[k];
+    for (int v = 0; v < s->capture->n_views; v++) {
+        turn_device(&s->from[v].camera, camera, &s->capture->views[v].camera);
+        turn_device(&s->from[v].projector, projector, &s->capture->views[v].projector);
+    }
+}
+
+// The disagreement with one number changed; keeps it when it is the least so far.
+static bool look_at(Search *s, int way, double by, double origin, double *disagreement, FfpError *err) {
+    double x[WAYS];
+    memcpy(x, s->x, sizeof x);
+    x[way] = origin + by;
+    place(s, x);
+    if (!ffp_look(s->looker, disagreement, err)) return false;
+    ffp_progress_step(&s->progress, ++s->looks, NULL);
+    if (*disagreement < s->best) {
+        s->best = *disagreement;
+        s->x[way] = x[way];
+    }
+    return true;
+}
+
+// Along one way: a step to both sides, and where the parabola through the three has its least.
+static bool search_along(Search *s, int way, double step, FfpError *err) {
+    const double origin = s->x[way], middle = s->best;
+    double low, high, there;
+    if (!look_at(s, way, -step, origin, &low, err) || !look_at(s, way, step, origin, &high, err))
+        return false;
+    const double curve = low + high - 2 * middle;
+    double by = low < high ? -REACH * step : REACH * step;
+    if (curve > 0) by = fmax(-REACH * step, fmin(0.5 * step * (low - high) / curve, REACH * step));
+    return look_at(s, way, by, origin, &there, err);
+}
+
+// Root mean square, about an axis, of the turns from one set of poses to another.
+static double turned(const FfpView *from, const FfpView *to, int views) {
+    double square = 0;
+    for (int d = 0; d < 2 * views; d++) {
+        const FfpView *a = &from[d / 2], *b = &to[d / 2];
+        const FfpMotion old = ffp_motion(d % 2 ? a->projector.pose : a->camera.pose),
+                        new = ffp_motion(d % 2 ? b->projector.pose : b->camera.pose);
+        double r[9], v[3];
+        ffp_turn_difference(old.r, new.r, r);
+        ffp_turn_vector(r, v);
+        square += ffp_dot(v, v) / (6 * views);
+    }
+    return sqrt(square);
+}
+
+// Keeps the ring's poses when pictures agree no worse under them.
+static bool even_out(Search *s, const FfpRing *ring, FfpAlignment *report, FfpError *err) {
+    const int n = s->capture->n_views;
+    double there;
+    FfpView *before = ffp_alloc((size_t)n, sizeof *before);
+    memcpy(before, s->capture->views, (size_t)n * sizeof *before);
+    ffp_ring_place(ring, s->capture);
+    const bool ok = ffp_look(s->looker, &there, err);
+    report->turntable = ok && there <= s->best;
+    if (report->turntable) {
+        report->evened = turned(before, s->capture->views, n);
+        s->best = there;
+    } else {
+        memcpy(s->capture->views, before, (size_t)n * sizeof *before);
+    }
+    free(before);
+    return ok;
+}
+
+bool ffp_align(FfpCapture *capture, int active, const FfpAlignSettings *settings, FfpAlignment *report,
+               FfpError *err) {
+    const size_t size = (size_t)capture->n_views * sizeof(FfpView);
+    Search s = {.capture = capture, .looker = ffp_looker_new(capture, active)};
+    FfpRing ring = {0};
+    FfpView *from = ffp_alloc(1, size);
+    *report = (FfpAlignment){0};
+    bool ok = ffp_look(s.looker, &s.best, err);
+    report->before = s.best;
+    if (ok && ffp_ring_fit(&ring, capture, &settings->expected)) ok = even_out(&s, &ring, report, err);
+    memcpy(from, capture->views, size);
+    s.from = from;
+    set_ways(&s, report->turntable ? ring.axis : NULL, settings->expected.turn);
+    s.progress = ffp_progress("aligning", (int64_t)settings->rounds * s.n_ways * LOOKS);
+    double step = FIRST_STEP;
+    for (int round = 0; ok && round < settings->rounds; round++, step *= NEXT_STEP)
+        for (int way = 0; ok && way < s.n_ways; way++) ok = search_along(&s, way, step, err);
+    ffp_progress_end(&s.progress);
+    place(&s, s.x);
+    report->after = s.best;
+    report->depth = s.x[DEPTH] * settings->expected.turn;
+    report->across = s.x[ACROSS] * settings->expected.turn;
+    report->side = s.x[SIDE] * settings->expected.turn;
+    ffp_ring_free(&ring);
+    ffp_looker_free(s.looker);
+    free(from);
+    return ok;
+}

@@ -1,0 +1,36 @@
+// Corrects a capture's poses from its own photographs (docs/architecture.md, "Alignment").
+#ifndef FFP_ALIGN_ALIGN_H
+#define FFP_ALIGN_ALIGN_H
+
+#include <stdbool.h>
+#include "capture/capture.h"
+
+// What is expected to be wrong with the poses, each device by itself: deviations.
+typedef struct FfpPoseErrors {
+    double turn;  // about each axis of a device, radians
+    double shift; // along each axis, as a share of the device's distance from the object
+} FfpPoseErrors;
+
+typedef struct FfpAlignSettings {
+    FfpPoseErrors expected;
+    int rounds; // of the search, at most
+} FfpAlignSettings;
+FfpAlignSettings ffp_align_defaults(void); // 0.2 degrees; 1e-5, which is: places are taken as they are
+
+typedef struct FfpAlignment {   // how it went
+    bool turntable;             // the poses are now those of a fixed rig around a turning object
+    double evened;              // turns that took, root mean square about an axis, radians
+    double depth, across, side; // the camera's part of the turns that all views share, radians: towards the
+                                // projector and back, across that, and sideways with the projector
+    double before, after;       // disagreement (look.h)
+} FfpAlignment;
+
+// Moves the poses of all views; the capture is normalised (object in the unit sphere). First, views of one
+// fixed rig around a turning object share what is common to their poses, if that makes the pictures agree
+// better. Then one turn of the camera and one of the projector, shared by all views, are searched for. What
+// only moves the object as a whole stays as the poses given have it. Poses are left alone where nothing
+// better was found. Errors: those of ffp_start_new.
+bool ffp_align(FfpCapture *capture, int active, const FfpAlignSettings *settings, FfpAlignment *report,
+               FfpError *err);
+
+#endif

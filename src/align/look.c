@@ -1,0 +1,97 @@
+#include "align/look.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include "base/arena.h"
+#include "match/match.h"
+#include "match/observe.h"
+#include "network/network.h"
+#include "render/render.h"
+
+#define SURFACE 0.5F // opacity from which there is a surface
+#define HOLE 0.3     // difference that counts where there is none
+// Splats are looked at wider than they are drawn. As they are drawn, surfaces that lie too deep agree best,
+// because the rims of what other views saw stick out less; so wide, right poses do (docs/training.md,
+// "Alignment").
+#define WIDER 1.25F
+
+struct FfpLooker {
+    const FfpCapture *capture;
+    int active;
+    FfpRenderSettings render;
+    FfpSummed light;
+    FfpObservation *seen; // [views]; NULL until a match said that all pictures are there
+    FfpRaster *raster;
+    FfpGbuffer gbuffer;
+    FfpMapping mapping;
+};
+
+FfpLooker *ffp_looker_new(const FfpCapture *capture, int active) {
+    const FfpCamera *camera = &capture->views[0].camera;
+    FfpLooker *l = ffp_alloc(1, sizeof *l);
+    *l = (FfpLooker){.capture = capture, .active = active, .render = ffp_render_defaults()};
+    l->render.shadows = false; // what was not lit has no weight
+    l->light = ffp_summed_new(&capture->patterns[active].image);
+    l->raster = ffp_raster_new();
+    l->gbuffer = ffp_gbuffer_new(camera->width, camera->height);
+    l->mapping = ffp_mapping_new(camera->width, camera->height);
+    return l;
+}
+
+void ffp_looker_free(FfpLooker *l) {
+    if (!l) return;
+    for (int v = 0; l->seen && v < l->capture->n_views; v++) ffp_observation_free(&l->seen[v]);
+    free(l->seen);
+    ffp_summed_free(&l->light);
+    ffp_raster_free(l->raster);
+    ffp_gbuffer_free(&l->gbuffer);
+    ffp_mapping_free(&l->mapping);
+    free(l);
+}
+
+static void observe_once(FfpLooker *l) {
+    if (l->seen) return;
+    l->seen = ffp_alloc((size_t)l->capture->n_views, sizeof *l->seen);
+    for (int v = 0; v < l->capture->n_views; v++) l->seen[v] = ffp_observe(l->capture, v, l->active);
+}
+
+// Sum over the channels of a pixel that the object fills.
+static double pixel_difference(const FfpLooker *l, const FfpObservation *seen, int pixel) {
+    const FfpMapping *m = &l->mapping;
+    const real *weight = seen->weight + (ptrdiff_t)3 * pixel, *ratio = seen->ratio + (ptrdiff_t)3 * pixel;
+    const real *uv = m->uv + (ptrdiff_t)2 * pixel, *extent = m->extent + (ptrdiff_t)2 * pixel;
+    real colour[3] = {0};
+    double sum = 0;
+    if (m->visibility[pixel] > 0) ffp_lookup(&l->light, uv[0], uv[1], extent[0], extent[1], colour);
+    for (int c = 0; c < 3; c++) {
+        const double difference =
+            l->gbuffer.opacity[pixel] > SURFACE ? fabs((double)(colour[c] - ratio[c])) : HOLE;
+        sum += difference * (double)weight[c];
+    }
+    return sum;
+}
+
+bool ffp_look(FfpLooker *l, double *disagreement, FfpError *err) {
+    const FfpMatchSettings matching = ffp_match_defaults();
+    FfpStart start;
+    if (!ffp_start_new(&start, l->capture, l->active, &matching, err)) return false;
+    FfpGaussians splats = ffp_start_gaussians(l->capture, &start);
+    double sum = 0, count = 0;
+    for (int64_t i = 0; i < 3 * splats.count; i++) splats.scale[i] *= WIDER;
+    observe_once(l);
+    for (int v = 0; v < start.views; v++) {
+        const FfpView *view = &l->capture->views[v];
+        const int pixels = start.width * start.height;
+        ffp_rasterise(l->raster, &splats, &view->camera, &l->render, &l->gbuffer);
+        ffp_map_to_projector(NULL, NULL, &l->gbuffer, &view->camera, &view->projector, &l->render,
+                             &l->mapping);
+        for (int p = 0; p < pixels; p++) {
+            if (!(view->coverage.data[p] >= 1)) continue;
+            sum += pixel_difference(l, &l->seen[v], p), count += 3;
+        }
+    }
+    ffp_gaussians_free(&splats);
+    ffp_start_free(&start);
+    *disagreement = sum / fmax(count, 1);
+    return true;
+}

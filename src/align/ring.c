@@ -1,0 +1,179 @@
+#include "align/ring.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include "base/arena.h"
+
+#define STEPS 8
+#define DIFFERENCE 1e-6 // in units of what is expected
+#define LEAST_TURN 0.1  // sine of an angle between two views that tells the axis
+
+// The ring's numbers: six of the camera, six of the projector, two of the axis' direction and two of its
+// place, then an angle a view but the first.
+enum { DEVICE = 6, DEVICES = 12, SHARED = 16, ROWS = 12 };
+
+void ffp_ring_free(FfpRing *ring) {
+    free(ring->angle);
+    *ring = (FfpRing){0};
+}
+
+static FfpMotion on_ring(const FfpRing *ring, const FfpMotion *base, double angle) {
+    const double v[3] = {ring->axis[0] * angle, ring->axis[1] * angle, ring->axis[2] * angle};
+    double r[9], local[3];
+    FfpMotion out;
+    ffp_turn(v, r);
+    ffp_turn_product(r, base->r, out.r);
+    for (int k = 0; k < 3; k++) local[k] = base->t[k] - ring->point[k];
+    for (int k = 0; k < 3; k++) out.t[k] = ring->point[k] + ffp_dot(r + 3 * k, local);
+    return out;
+}
+
+void ffp_ring_place(const FfpRing *ring, FfpCapture *capture) {
+    for (int v = 0; v < ring->views; v++) {
+        const FfpMotion camera = on_ring(ring, &ring->camera, ring->angle[v]),
+                        projector = on_ring(ring, &ring->projector, ring->angle[v]);
+        ffp_motion_store(&camera, capture->views[v].camera.pose);
+        ffp_motion_store(&projector, capture->views[v].projector.pose);
+    }
+}
+
+// What it takes to get from the pose given to the one on the ring, in units of what is expected.
+static void difference(const FfpMotion *given, const FfpMotion *wanted, const FfpPoseErrors *e,
+                       double out[DEVICE]) {
+    double r[9];
+    const double far = e->shift * sqrt(ffp_dot(given->t, given->t));
+    ffp_turn_difference(given->r, wanted->r, r);
+    ffp_turn_vector(r, out);
+    for (int k = 0; k < 3; k++) out[k] /= e->turn, out[3 + k] = (wanted->t[k] - given->t[k]) / far;
+}
+
+static void differences(const FfpRing *ring, const FfpCapture *capture, const FfpPoseErrors *e, double *out) {
+    for (int v = 0; v < ring->views; v++) {
+        const FfpView *view = &capture->views[v];
+        const FfpMotion given[2] = {ffp_motion(view->camera.pose), ffp_motion(view->projector.pose)};
+        const FfpMotion wanted[2] = {on_ring(ring, &ring->camera, ring->angle[v]),
+                                     on_ring(ring, &ring->projector, ring->angle[v])};
+        for (int d = 0; d < 2; d++) difference(&given[d], &wanted[d], e, out + ROWS * v + DEVICE * d);
+    }
+}
+
+// Adds `by` to one number of the ring, in units of what is expected of its kind.
+static void move(FfpRing *ring, int number, double by, const FfpPoseErrors *e) {
+    if (number >= SHARED) {
+        ring->angle[number - SHARED + 1] += by * e->turn;
+    } else if (number >= DEVICES) {
+        const double *way = ring->across[number % 2];
+        const bool direction = number < DEVICES + 2;
+        for (int c = 0; c < 3; c++)
+            (direction ? ring->axis : ring->point)[c] += by * (direction ? e->turn : e->shift) * way[c];
+        ffp_unit(ring->axis);
+    } else {
+        FfpMotion *base = number < DEVICE ? &ring->camera : &ring->projector;
+        double v[3] = {0}, r[9], turned[9];
+        if (number % DEVICE >= 3) {
+            base->t[number % 3] += by * e->shift;
+            return;
+        }
+        v[number % 3] = by * e->turn;
+        ffp_turn(v, r);
+        ffp_turn_product(base->r, r, turned);
+        memcpy(base->r, turned, sizeof turned);
+    }
+}
+
+static void slope_of(const FfpRing *ring, int number, const FfpCapture *capture, const FfpPoseErrors *e,
+                     const double *base, double *slope) {
+    FfpRing there = *ring;
+    there.angle = ffp_alloc((size_t)ring->views, sizeof(double));
+    memcpy(there.angle, ring->angle, (size_t)ring->views * sizeof(double));
+    move(&there, number, DIFFERENCE, e);
+    differences(&there, capture, e, slope);
+    for (int i = 0; i < ROWS * ring->views; i++) slope[i] = (slope[i] - base[i]) / DIFFERENCE;
+    free(there.angle);
+}
+
+// One step of Gauss and Newton.
+static void improve(FfpRing *ring, const FfpCapture *capture, const FfpPoseErrors *e) {
+    const int n = SHARED + ring->views - 1, rows = ROWS * ring->views;
+    double *base = ffp_alloc((size_t)rows, sizeof *base),
+           *slopes = ffp_alloc((size_t)n * (size_t)rows, sizeof *slopes);
+    double *a = ffp_alloc((size_t)n * (size_t)n, sizeof *a), *b = ffp_alloc((size_t)n, sizeof *b),
+           *x = ffp_alloc((size_t)n, sizeof *x), square = 0;
+    differences(ring, capture, e, base);
+    for (int i = 0; i < rows; i++) square += base[i] * base[i];
+    ring->misfit = sqrt(square / rows);
+    for (int k = 0; k < n; k++) slope_of(ring, k, capture, e, base, slopes + (ptrdiff_t)k * rows);
+    for (int i = 0; i < n; i++) {
+        const double *slope = slopes + (ptrdiff_t)i * rows;
+        for (int r = 0; r < rows; r++) b[i] += slope[r] * base[r];
+        for (int j = 0; j <= i; j++)
+            for (int r = 0; r < rows; r++) a[n * i + j] += slope[r] * slopes[(ptrdiff_t)j * rows + r];
+        a[n * i + i] += 1e-6; // some numbers can stand in for each other
+    }
+    ffp_least_squares(a, b, n, x);
+    for (int k = 0; k < n; k++) move(ring, k, x[k], e);
+    free(base), free(slopes), free(a), free(b), free(x);
+}
+
+// The turn from the first camera to that of a view.
+static void turn_between(const FfpRing *ring, const FfpMotion *pose, double r[9]) {
+    double back[9];
+    for (int i = 0; i < 9; i++) back[i] = ring->camera.r[3 * (i % 3) + i / 3];
+    ffp_turn_product(pose->r, back, r);
+}
+
+static bool guess_axis(FfpRing *ring, const FfpCapture *capture) {
+    double most = LEAST_TURN;
+    bool found = false;
+    for (int v = 1; v < ring->views; v++) {
+        const FfpMotion pose = ffp_motion(capture->views[v].camera.pose);
+        double r[9], turn[3];
+        turn_between(ring, &pose, r);
+        ffp_turn_vector(r, turn);
+        const double sine = sin(sqrt(ffp_dot(turn, turn)));
+        if (!(sine > most)) continue;
+        most = sine, found = true;
+        memcpy(ring->axis, turn, sizeof turn);
+    }
+    ffp_unit(ring->axis);
+    ffp_across(ring->axis, ring->across[0], ring->across[1]);
+    return found;
+}
+
+// Angles from the cameras' turns, and the point nearest to zero that their places turn about.
+static void guess_angles(FfpRing *ring, const FfpCapture *capture) {
+    double a[9], b[3] = {0};
+    for (int i = 0; i < 9; i++) a[i] = ring->axis[i / 3] * ring->axis[i % 3];
+    for (int v = 0; v < ring->views; v++) {
+        const FfpMotion pose = ffp_motion(capture->views[v].camera.pose);
+        double r[9];
+        turn_between(ring, &pose, r);
+        const double half[3] = {(r[7] - r[5]) / 2, (r[2] - r[6]) / 2, (r[3] - r[1]) / 2};
+        ring->angle[v] = atan2(ffp_dot(half, ring->axis), (r[0] + r[4] + r[8] - 1) / 2);
+        for (int k = 0; k < 3; k++) { // (1 - R) point = t - R t0, in least squares
+            const double moved = pose.t[k] - ffp_dot(r + 3 * k, ring->camera.t);
+            for (int i = 0; i < 3; i++) {
+                const double left = (i == k) - r[3 * k + i];
+                b[i] -= left * moved;
+                for (int j = 0; j < 3; j++) a[3 * i + j] += left * ((k == j) - r[3 * k + j]);
+            }
+        }
+    }
+    ffp_least_squares(a, b, 3, ring->point);
+}
+
+bool ffp_ring_fit(FfpRing *ring, const FfpCapture *capture, const FfpPoseErrors *expected) {
+    *ring = (FfpRing){.views = capture->n_views};
+    if (capture->n_views < 4) return false;
+    ring->angle = ffp_alloc((size_t)capture->n_views, sizeof *ring->angle);
+    ring->camera = ffp_motion(capture->views[0].camera.pose);
+    ring->projector = ffp_motion(capture->views[0].projector.pose);
+    if (!guess_axis(ring, capture)) {
+        ffp_ring_free(ring);
+        return false;
+    }
+    guess_angles(ring, capture);
+    for (int step = 0; step < STEPS; step++) improve(ring, capture, expected);
+    return true;
+}

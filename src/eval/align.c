@@ -1,0 +1,42 @@
+// Better poses for a capture in its own units.
+#include <string.h>
+#include "align/align.h"
+#include "base/log.h"
+#include "eval/reconstruct.h"
+
+#define DEGREES 57.29577951308232
+
+// The device's turn as it is; its place from the unit sphere back to the world.
+static void take_pose(const FfpCamera *from, const FfpCapture *world, FfpCamera *to) {
+    memcpy(to->pose, from->pose, sizeof to->pose);
+    for (int k = 0; k < 3; k++)
+        to->pose[4 * k + 3] = world->centre[k] + world->radius * from->pose[4 * k + 3];
+}
+
+static void tell(FfpAlignStory *story, const FfpAlignment *done, double seconds) {
+    *story = (FfpAlignStory){.turntable = done->turntable,
+                             .evened = DEGREES * done->evened,
+                             .depth = DEGREES * done->depth,
+                             .across = DEGREES * done->across,
+                             .side = DEGREES * done->side,
+                             .before = done->before,
+                             .after = done->after,
+                             .seconds = seconds};
+}
+
+bool ffp_align_poses(FfpCapture *capture, const char *pattern, FfpAlignStory *story, FfpError *err) {
+    const int active = ffp_capture_active_pattern(capture, pattern, err);
+    if (active < 0 || !ffp_check_fit(capture, NULL, err)) return false;
+    const double begin = ffp_seconds();
+    const FfpAlignSettings settings = ffp_align_defaults();
+    FfpCapture normalised = ffp_normalised_alias(capture);
+    FfpAlignment done;
+    const bool ok = ffp_align(&normalised, active, &settings, &done, err);
+    for (int v = 0; ok && v < capture->n_views; v++) {
+        take_pose(&normalised.views[v].camera, capture, &capture->views[v].camera);
+        take_pose(&normalised.views[v].projector, capture, &capture->views[v].projector);
+    }
+    if (ok && story) tell(story, &done, ffp_seconds() - begin);
+    ffp_normalised_alias_free(&normalised);
+    return ok;
+}
