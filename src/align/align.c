@@ -11,7 +11,7 @@
 #include "base/arena.h"
 #include "base/log.h"
 
-#define FIRST_STEP 0.6 // of the search, in expected turns
+#define FIRST_STEP 1.0 // of the search, in expected turns
 #define NEXT_STEP 0.6  // of the one before
 #define LOOKS 3        // along a way, each time
 #define REACH 1.5      // steps that a parabola may point beyond the last look
@@ -40,7 +40,7 @@ typedef struct Search {
 
 FfpAlignSettings ffp_align_defaults(void) {
     const double degree = 0.017453292519943295;
-    return (FfpAlignSettings){.expected = {.turn = 0.2 * degree, .shift = 1e-5}, .rounds = 7};
+    return (FfpAlignSettings){.expected = {.turn = 0.2 * degree, .shift = 1e-5}, .rounds = 8};
 }
 
 // Turns that move a device's aim along a world direction.
