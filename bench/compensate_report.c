@@ -233,7 +233,7 @@ static int fail(const FfpError *err) {
 
 int main(int argc, char **argv) {
     Bench bench = {
-        .photographs = true, .paint = true, .views = 2, .steps = 100, .settings = ffp_render_defaults()};
+        .photographs = true, .paint = true, .views = 2, .steps = 30, .settings = ffp_render_defaults()};
     const char *weights = NULL, *page = NULL;
     Figures all = {0};
     FfpError err = {0};

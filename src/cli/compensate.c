@@ -5,7 +5,7 @@
 #include <string.h>
 #include "cli/cli.h"
 
-#define STEPS 100
+#define STEPS 30
 
 static const char help[] =
     "usage: ffprocams compensate FILE.ply --capture CAPTURE [--poses FILE] --view ID..\n"
@@ -36,7 +36,8 @@ static const char help[] =
     "      --paint            the target is light on the object instead: black stands for the look of each\n"
     "                         pixel under a dark projector, white for that under full light. Always within\n"
     "                         reach; the object's own colours stay\n"
-    "  -s, --steps N          steps of gradient descent (default 100); 0: the closed form alone\n"
+    "  -s, --steps N          steps of gradient descent (default 30); 0: the closed form alone. More fit the\n"
+    "                         Gaussians better and, where their geometry errs, the object no more\n"
     "      --gaussians-only   do not use the view's photographs under black and white, which otherwise say\n"
     "                         how bright each pixel gets\n"
     "      --drawing D        ours (default), or paper for Gaussians of a model in the paper's form\n"

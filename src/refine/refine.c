@@ -20,13 +20,13 @@ FfpRefineSettings ffp_refine_defaults(void) {
                            [FFP_ALBEDO] = 0.02F,
                            [FFP_ROUGHNESS] = 0.01F,
                            [FFP_AMBIENT] = 0.02F},
-                  .pull = {[FFP_CENTRE] = 0.1F,
-                           [FFP_SCALE] = 0.1F,
-                           [FFP_ROTATION] = 0.1F,
-                           [FFP_OPACITY] = 0.1F,
-                           [FFP_ALBEDO] = 0.02F,
-                           [FFP_ROUGHNESS] = 0.1F,
-                           [FFP_AMBIENT] = 0.02F}},
+                  .pull = {[FFP_CENTRE] = 2,
+                           [FFP_SCALE] = 2,
+                           [FFP_ROTATION] = 2,
+                           [FFP_OPACITY] = 2,
+                           [FFP_ALBEDO] = 0.4F,
+                           [FFP_ROUGHNESS] = 2,
+                           [FFP_AMBIENT] = 0.4F}},
         .decay = 0.1,
         .centre_decay = 0.1,
         .beta1 = 0.9F,
@@ -49,7 +49,10 @@ FfpRefineSettings ffp_polish_defaults(int64_t steps) {
     const real faster[FFP_ATTRIBUTES] = {
         [FFP_CENTRE] = 3, [FFP_SCALE] = 8,     [FFP_ROTATION] = 3, [FFP_OPACITY] = 8,
         [FFP_ALBEDO] = 4, [FFP_ROUGHNESS] = 4, [FFP_AMBIENT] = 4};
-    for (int a = 0; a < FFP_ATTRIBUTES; a++) s.rates.rate[a] *= faster[a];
+    for (int a = 0; a < FFP_ATTRIBUTES; a++) {
+        s.rates.rate[a] *= faster[a];
+        s.rates.pull[a] /= 20; // so few steps do not stray far
+    }
     s.smooth = 0;
     s.steps = steps;
     s.measure = false;
