@@ -15,6 +15,7 @@
 #define NEXT_STEP 0.6  // of the one before
 #define LOOKS 3        // along a way, each time
 #define REACH 1.5      // steps that a parabola may point beyond the last look
+#define ALIKE 1.005    // disagreements that are no more apart are the same: right poses that are evened out
 
 // Ways to turn. Depth: camera and projector towards each other or apart, along the line between them, which
 // moves every surface nearer or farther. Across: against each other at right angles to that. Side: together,
@@ -147,7 +148,7 @@ static bool even_out(Search *s, const FfpRing *ring, FfpAlignment *report, FfpEr
     memcpy(before, s->capture->views, (size_t)n * sizeof *before);
     ffp_ring_place(ring, s->capture);
     const bool ok = ffp_look(s->looker, &there, err);
-    report->turntable = ok && there <= s->best;
+    report->turntable = ok && there <= ALIKE * s->best;
     if (report->turntable) {
         report->evened = turned(before, s->capture->views, n);
         s->best = there;

@@ -358,7 +358,7 @@ static void check_pattern(Page *page, const FfpCapture *capture) {
         fprintf(page->out,
                 "       -> it fits better moved by %.0f, %.0f of its pixels (%.3f): the projector's "
                 "calibration or the "
-                "turntable's axis is off by as much\n",
+                "turntable's axis is off by as much; `ffprocams align` can correct it\n",
                 round(found.across * found.direction[0]), round(found.across * found.direction[1]),
                 found.best);
     if (nothing)
