@@ -4,7 +4,7 @@
 TABLE is `additions` (from the paper's form to ours, each row the one before with one change) or `parts` (ours with one part
 changed). All rows have the same scenes, the same number of steps and the same seed, and begin from nothing. Figures are PSNR in dB on
 the validation scenes: lollipops not given at the input poses, all patterns at new poses; `polished` after the fit to the input
-views. FOLDER keeps what each training leaves; a row that is there already is not trained again."""
+views. The last row of `parts` needs lpips_squeeze.safetensors in the folder FFPROCAMS_PERCEPTUAL. FOLDER keeps what each training leaves; a row that is there already is not trained again."""
 import json
 import os
 import sys
@@ -31,7 +31,8 @@ PARTS = [("ours: MTMTMTMT, 8 views", {}),
          ("6 views", {"views": 6}),
          ("4 views", {"views": 4}),
          ("2 views", {"views": 2}),
-         ("without true albedo and normals", {"truth_albedo": 0, "truth_normal": 0})]
+         ("without true albedo and normals", {"truth_albedo": 0, "truth_normal": 0}),
+         ("with the perceptual term", {"perceptual": 0.05, "perceptual_from": 0})]
 
 
 def merged(base, change):
@@ -59,6 +60,8 @@ def train(program, folder, config):
     settings = folder.with_suffix(".json")
     settings.write_text(json.dumps(config, indent=1))
     arguments = [program, "train", "--out", str(folder), "--config", str(settings)]
+    if "perceptual" in config:
+        arguments += ["--perceptual", os.environ["FFPROCAMS_PERCEPTUAL"] + "/lpips_squeeze.safetensors"]
     child = os.posix_spawn(program, arguments, os.environ,
                            file_actions=[(os.POSIX_SPAWN_OPEN, fd, os.devnull, os.O_WRONLY, 0) for fd in (1, 2)])
     _, status, usage = os.wait4(child, 0)

@@ -13,7 +13,7 @@ PROTOCOLS = {"rendering": "Rendering (black, white and lollipops at the input po
              "novel_pose": "Novel pose (of camera and projector)"}
 FIGURES = [("psnr", "PSNR", 2), ("psnr_foreground", "object's pixels", 2), ("ssim", "SSIM", 4), ("lpips", "LPIPS", 4)]
 TRUTH = [("depth_lit_median", 2), ("depth_lit_p90", 2), ("depth_unlit_median", 2), ("depth_unlit_p90", 2),
-         ("albedo_mse", 5)]
+         ("albedo_mse", 5), ("albedo_lit_mse", 5), ("albedo_unlit_mse", 5)]
 
 
 def cell(value, digits):
@@ -55,8 +55,9 @@ def main():
                 figures = " | ".join(cell(mean_of(rows, protocol, key), digits) for key, _, digits in FIGURES)
                 print(f"| {name} | {count} | {pictures:,} | {figures} |")
         print()
-    print("| | depth error where lit: median | 90th percentile | where unlit: median | 90th percentile | albedo MSE |")
-    print("|---|---|---|---|---|---|")
+    print("| | depth error where lit: median | 90th percentile | where unlit: median | 90th percentile "
+          "| albedo MSE | where lit | where unlit |")
+    print("|---|---|---|---|---|---|---|---|")
     for name, rows in files.items():
         print(f"| {name} | " + " | ".join(cell(mean_of(rows, "rendering", key), digits) for key, digits in TRUTH) + " |")
     ranked = scenes_of(rows, "novel_pose")

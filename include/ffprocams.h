@@ -233,7 +233,7 @@ typedef struct FfpScore {
     // object fills. Depth: % of the object's radius, apart for pixels that the white pattern lights and those
     // that it does not; a pixel that shows no surface counts as 100.
     double depth_lit_median, depth_lit_p90, depth_unlit_median, depth_unlit_p90;
-    double albedo_mse; // linear
+    double albedo_mse, albedo_lit_mse, albedo_unlit_mse; // linear; apart likewise
 } FfpScore;
 
 // Returns the rows (release with free) and their number, or NULL. Behind the rows of several captures stand
@@ -327,7 +327,7 @@ typedef struct FfpAlignStory {
     double seconds;
 } FfpAlignStory;
 // Corrects the directions of all cameras and projectors from the photographs, in place. `pattern` as in
-// FfpReconstruction. Takes some sixty projector matchings. `story` may be NULL.
+// FfpReconstruction. Takes some seventy-five projector matchings. `story` may be NULL.
 bool ffp_align_poses(FfpCapture *capture, const char *pattern, FfpAlignStory *story, FfpError *err);
 
 // Writes a capture folder (docs/formats.md), whole or not at all; it must be new or empty.

@@ -41,7 +41,7 @@ typedef struct Search {
 
 FfpAlignSettings ffp_align_defaults(void) {
     const double degree = 0.017453292519943295;
-    return (FfpAlignSettings){.expected = {.turn = 0.2 * degree, .shift = 1e-5}, .rounds = 8};
+    return (FfpAlignSettings){.expected = {.turn = 0.2 * degree, .shift = 1e-3}, .rounds = 8};
 }
 
 // Turns that move a device's aim along a world direction.

@@ -15,7 +15,7 @@ typedef struct FfpAlignSettings {
     FfpPoseErrors expected;
     int rounds; // of the search, at most
 } FfpAlignSettings;
-FfpAlignSettings ffp_align_defaults(void); // 0.2 degrees; 1e-5, which is: places are taken as they are
+FfpAlignSettings ffp_align_defaults(void); // 0.2 degrees, and a thousandth
 
 typedef struct FfpAlignment {   // how it went
     bool turntable;             // the poses are now those of a fixed rig around a turning object

@@ -145,7 +145,7 @@ static void add_score(FfpSubject *subject, const Protocol *protocol, const Means
     score->reconstruct_s = subject->reconstruct_s;
     score->render_s = seconds;
     score->depth_lit_median = score->depth_lit_p90 = score->depth_unlit_median = score->depth_unlit_p90 = NAN;
-    score->albedo_mse = NAN;
+    score->albedo_mse = score->albedo_lit_mse = score->albedo_unlit_mse = NAN;
     if (subject->gaussians && strcmp(protocol->name, "rendering") == 0) ffp_measure_truth(subject, score);
 }
 

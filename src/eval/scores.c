@@ -26,6 +26,8 @@ static const struct {
     FIGURE(depth_unlit_median),
     FIGURE(depth_unlit_p90),
     FIGURE(albedo_mse),
+    FIGURE(albedo_lit_mse),
+    FIGURE(albedo_unlit_mse),
 #undef FIGURE
 };
 enum { FIGURES = sizeof figures / sizeof *figures };

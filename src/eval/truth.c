@@ -8,15 +8,16 @@
 #define LIT 0.01F     // mean over channels of white - black, linear, from which a pixel counts as lit
 #define SURFACE 0.5F  // opacity from which there is a surface
 
+// Of the pixels that the projector lights, or of the others.
 typedef struct Errors {
-    double *depth; // % of the radius
+    double *depth; // [count] % of the radius
     int64_t count;
+    double albedo; // sum of squares
+    int64_t albedo_count;
 } Errors;
 
 typedef struct Tally {
     Errors lit, unlit;
-    double albedo; // sum of squares
-    int64_t albedo_count;
 } Tally;
 
 static bool is_lit(const FfpCapture *capture, const FfpView *view, int p) {
@@ -30,16 +31,16 @@ static void measure_view(Tally *tally, const FfpCapture *capture, const FfpView 
     for (int p = 0; p < g->width * g->height; p++) {
         if (view->coverage.data[p] < FILLED) continue;
         const bool shown = g->opacity[p] >= SURFACE;
+        Errors *errors = is_lit(capture, view, p) ? &tally->lit : &tally->unlit;
         if (view->depth.data && view->depth.data[p] > 0) {
-            Errors *errors = is_lit(capture, view, p) ? &tally->lit : &tally->unlit;
             const real off =
                 shown ? fabs(g->depth[p] / g->opacity[p] - view->depth.data[p]) : capture->radius;
             errors->depth[errors->count++] = 100 * (double)(off / capture->radius);
         }
         for (int k = 0; view->albedo.data && shown && k < 3; k++) {
             const double off = (double)(g->albedo[3 * p + k] / g->opacity[p] - view->albedo.data[3 * p + k]);
-            tally->albedo += off * off;
-            tally->albedo_count++;
+            errors->albedo += off * off;
+            errors->albedo_count++;
         }
     }
 }
@@ -51,6 +52,10 @@ static int compare(const void *a, const void *b) {
 
 static double quantile(const Errors *sorted, double share) {
     return sorted->count ? sorted->depth[(int64_t)(share * (double)(sorted->count - 1))] : NAN;
+}
+
+static double mean_albedo(double sum, int64_t count) {
+    return count ? sum / (double)count : NAN;
 }
 
 void ffp_measure_truth(FfpSubject *subject, FfpScore *score) {
@@ -72,6 +77,9 @@ void ffp_measure_truth(FfpSubject *subject, FfpScore *score) {
     score->depth_lit_median = quantile(&tally.lit, 0.5), score->depth_lit_p90 = quantile(&tally.lit, 0.9);
     score->depth_unlit_median = quantile(&tally.unlit, 0.5);
     score->depth_unlit_p90 = quantile(&tally.unlit, 0.9);
-    score->albedo_mse = tally.albedo_count ? tally.albedo / (double)tally.albedo_count : NAN;
+    const Errors *lit = &tally.lit, *unlit = &tally.unlit;
+    score->albedo_mse = mean_albedo(lit->albedo + unlit->albedo, lit->albedo_count + unlit->albedo_count);
+    score->albedo_lit_mse = mean_albedo(lit->albedo, lit->albedo_count);
+    score->albedo_unlit_mse = mean_albedo(unlit->albedo, unlit->albedo_count);
     free(tally.lit.depth), free(tally.unlit.depth);
 }
