@@ -28,7 +28,7 @@ static void test_refining_gains_and_tells_of_each_round(void **state) {
     (void)state;
     double before, after;
     assert_int_equal(
-        run_format(&run, "refine %s/tiny.ply -c %s/tiny -o %s/better.ply --steps 24 --metrics %s/m.json",
+        run_format(&run, "refine %s/tiny.ply -c %s/tiny -o %s/better.ply --steps 96 --metrics %s/m.json",
                    scratch, scratch, scratch, scratch),
         0);
     read_gain(&before, &after);
@@ -44,7 +44,7 @@ static void test_refining_gains_and_tells_of_each_round(void **state) {
         json_decref(row);
     }
     fclose(file);
-    assert_int_equal(lines, 24 / TINY_VIEWS);
+    assert_int_equal(lines, 96 / TINY_VIEWS);
 }
 
 static void test_from_scratch_needs_no_gaussians(void **state) {
