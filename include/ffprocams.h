@@ -332,7 +332,7 @@ bool ffp_align_poses(FfpCapture *capture, const char *pattern, FfpAlignStory *st
 
 // Writes a capture folder (docs/formats.md), whole or not at all; it must be new or empty.
 bool ffp_capture_save(const FfpCapture *capture, const char *folder, FfpError *err);
-// Whether one could be saved there, told before the work rather than after it.
+// Whether the folder is new or empty, told before the work rather than after it.
 bool ffp_can_save_capture(const char *folder, FfpError *err);
 
 // Measures kernels and whole steps against this machine's own limits, prints tables, and writes them as JSON

@@ -15,7 +15,7 @@
 #define NEXT_STEP 0.6  // of the one before
 #define LOOKS 3        // along a way, each time
 #define REACH 1.5      // steps that a parabola may point beyond the last look
-#define ALIKE 1.005    // disagreements that are no more apart are the same: right poses that are evened out
+#define ALIKE 1.005    // disagreements that differ by no more are alike: right poses, evened out
 
 // Ways to turn. Depth: camera and projector towards each other or apart, along the line between them, which
 // moves every surface nearer or farther. Across: against each other at right angles to that. Side: together,

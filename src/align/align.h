@@ -13,7 +13,7 @@ typedef struct FfpPoseErrors {
 
 typedef struct FfpAlignSettings {
     FfpPoseErrors expected;
-    int rounds; // of the search, at most
+    int rounds; // of the search
 } FfpAlignSettings;
 FfpAlignSettings ffp_align_defaults(void); // 0.2 degrees, and a thousandth
 
@@ -26,10 +26,10 @@ typedef struct FfpAlignment {   // how it went
 } FfpAlignment;
 
 // Moves the poses of all views; the capture is normalised (object in the unit sphere). First, views of one
-// fixed rig around a turning object share what is common to their poses, if that makes the pictures agree
-// better. Then one turn of the camera and one of the projector, shared by all views, are searched for. What
-// only moves the object as a whole stays as the poses given have it. Poses are left alone where nothing
-// better was found. Errors: those of ffp_start_new.
+// fixed rig around a turning object share what is common to their poses, if the pictures agree no worse (by
+// half a per cent) under that. Then one turn of the camera and one of the projector, shared by all views, are
+// searched for. What only moves the object as a whole stays as the poses given have it. Poses are left alone
+// where nothing better was found. Errors: those of ffp_start_new.
 bool ffp_align(FfpCapture *capture, int active, const FfpAlignSettings *settings, FfpAlignment *report,
                FfpError *err);
 

@@ -76,8 +76,8 @@ bool ffp_capture_write_whole(const FfpCapture *capture, const char *folder,
                              bool (*finish)(const char *part, void *context, FfpError *err), void *context,
                              FfpError *err);
 
-// Whether a capture could be written whole there, told before the work rather than after it. An empty folder
-// that is there already may be gone afterwards.
+// Whether the folder is new or empty, told before the work rather than after it: the renaming at the end is
+// what keeps an old folder whole.
 bool ffp_capture_probe(const char *folder, FfpError *err);
 
 int ffp_capture_find_pattern(const FfpCapture *capture, const char *name); // index, or -1

@@ -1,5 +1,6 @@
 // A capture's folder appears under its name only when it is whole.
 #define _XOPEN_SOURCE 700 // nftw
+#include <dirent.h>
 #include <errno.h>
 #include <ftw.h>
 #include <stdio.h>
@@ -8,6 +9,8 @@
 
 #include "base/file.h"
 #include "capture/capture.h"
+
+#define NOT_FREE "is there already and not empty: choose another, or remove it"
 
 static int remove_entry(const char *path, const struct stat *about, int kind, struct FTW *where) {
     (void)about, (void)kind, (void)where;
@@ -36,16 +39,16 @@ static bool part_of(const char *folder, char part[FFP_PATH_MAX], FfpError *err) 
 static bool publish(const char *part, const char *folder, FfpError *err) {
     if (rename(part, folder) == 0) return true;
     const bool there = errno == ENOTEMPTY || errno == EEXIST || errno == ENOTDIR;
-    return there ? ffp_fail(err, folder, "is there already and not empty: choose another, or remove it")
+    return there ? ffp_fail(err, folder, NOT_FREE)
                  : ffp_fail(err, folder, "cannot name the folder: %s", strerror(errno));
 }
 
 bool ffp_capture_probe(const char *folder, FfpError *err) {
-    char part[FFP_PATH_MAX];
-    if (!part_of(folder, part, err) || !ffp_make_folders(part, err)) return false;
-    const bool ok = publish(part, folder, err);
-    rmdir(ok ? folder : part);
-    return ok;
+    DIR *there = opendir(folder);
+    int entries = 0; // "." and ".." are always there
+    while (there != NULL && entries < 3 && readdir(there) != NULL) entries++;
+    if (there != NULL) closedir(there);
+    return (entries < 3 && !ffp_is_file(folder)) || ffp_fail(err, folder, NOT_FREE);
 }
 
 bool ffp_capture_write_whole(const FfpCapture *capture, const char *folder,

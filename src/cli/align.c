@@ -9,7 +9,7 @@ static const char help[] =
     "run this after `import` when `info` doubts the calibration, or when predictions look doubled.\n"
     "\n"
     "- Views of one rig that stood still while the object turned get what is common to all their poses,\n"
-    "  if the pictures agree better so. Poses that were calibrated one by one gain most from that.\n"
+    "  if the pictures agree no worse so. Poses that were calibrated one by one gain most from that.\n"
     "- One turn of the camera and one of the projector, the same in all views, are searched for: those\n"
     "  under which the surfaces that the pattern shows in one view are those that the others show.\n"
     "\n"

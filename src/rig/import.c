@@ -1,6 +1,4 @@
 // From calibration files and photographs to a capture folder.
-#include <dirent.h>
-#include <errno.h>
 #include <stdlib.h>
 #include <string.h>
 #include <tgmath.h>
@@ -483,16 +481,6 @@ static bool settle_object(Import *import, FfpError *err) {
     return true;
 }
 
-// Before the work begins; the renaming at its end is what really keeps an old folder whole.
-static bool check_free(const char *folder, FfpError *err) {
-    DIR *there = opendir(folder);
-    int entries = 0; // "." and ".." are always there
-    while (there != NULL && entries < 3 && readdir(there) != NULL) entries++;
-    if (there != NULL) closedir(there);
-    if (entries < 3 && !ffp_is_file(folder)) return true;
-    return ffp_fail(err, folder, "is there already and not empty: choose another, or remove it");
-}
-
 static bool name_capture(Import *import, FfpError *err) {
     char folder[FFP_PATH_MAX];
     const char *name = import->options->name;
@@ -503,7 +491,7 @@ static bool name_capture(Import *import, FfpError *err) {
     if (name != NULL && !ffp_is_name(name)) return ffp_fail(err, "--name", "'%.100s' is no name", name);
     if (name == NULL) name = ffp_is_name(ffp_basename(folder)) ? ffp_basename(folder) : "capture";
     snprintf(import->capture.name, sizeof import->capture.name, "%s", name);
-    return check_free(folder, err);
+    return ffp_capture_probe(folder, err);
 }
 
 static bool run(Import *import, FfpError *err) {
