@@ -51,14 +51,18 @@ typedef struct FfpReconstruction {
     const char *pattern;   // name of the structured-light pattern to use; NULL: the first that every view has
     int64_t polish; // gradient steps, of one view each, that fit the prediction to the photographs it was
                     // made from: black, white and the pattern; 0: the forward pass alone
+    double noise;   // deviation of the photographs' noise, linear, of values up to 1, to be taken away before
+                    // all else; 0: none; FFP_NOISE_ESTIMATED: what the photographs tell
 } FfpReconstruction;
 #define FFP_POLISH_STEPS 40 // what the command line takes
+#define FFP_NOISE_ESTIMATED (-1.0)
 
 typedef struct FfpReconstructionStory { // how it went; seconds of wall clock
     char pattern[96];                   // the pattern that was used
     int64_t gaussians;
     double start_s, network_s; // projector matching and the classical estimates; the network
     double polish_s;
+    double noise, denoise_s; // deviation of what was taken away
 } FfpReconstructionStory;
 
 // One forward pass and a short fit. The Gaussians are in the capture's world units. `story` may be NULL.
@@ -209,6 +213,7 @@ typedef struct FfpEvaluation {
     int n_targets;
     const char *pattern; // as FfpReconstruction.pattern
     int64_t polish;      // as FfpReconstruction.polish
+    double noise;        // as FfpReconstruction.noise
     const char *save;    // folder for <capture>/<view>_<pattern>.png of every prediction, or NULL
     const char *json;    // file for the rows, or NULL
     const char *report;  // file for a self-contained HTML report, or NULL

@@ -35,6 +35,10 @@ int ffp_cli_usage(const char *command, const char *what_format, ...) __attribute
 
 // A whole decimal number in [low, high] out of an option's value; false otherwise.
 bool ffp_cli_number(const char *text, int64_t low, int64_t high, int64_t *out);
+bool ffp_cli_real(const char *text, double low, double high, double *out); // any finite number in between
+// Value of --noise: `auto` or a deviation from 0 to FFP_NOISE_MAX.
+#define FFP_NOISE_MAX 0.2
+bool ffp_cli_noise(const char *text, double *out);
 
 // Values of an option that may be given again and again. There cannot be more than arguments.
 typedef struct FfpList {

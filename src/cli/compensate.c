@@ -1,5 +1,4 @@
-#include <errno.h>
-#include <math.h>
+#include <float.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -79,14 +78,9 @@ static int run(const Arguments *arguments) {
 
 // "auto" or a number above 0; false otherwise.
 static bool read_gain(const char *text, double *gain) {
-    char *end;
-    if (strcmp(text, "auto") == 0) {
-        *gain = 0;
-        return true;
-    }
-    errno = 0;
-    *gain = strtod(text, &end);
-    return !errno && end != text && !*end && isfinite(*gain) && *gain > 0;
+    if (strcmp(text, "auto") != 0) return ffp_cli_real(text, DBL_MIN, DBL_MAX, gain);
+    *gain = 0;
+    return true;
 }
 
 static int check(const Arguments *arguments, const char *command) {

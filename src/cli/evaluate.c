@@ -7,7 +7,8 @@
 static const char help[] =
     "usage: ffprocams evaluate CAPTURE.. [--model FILE|none | --gaussians FILE |\n"
     "                          --predictor depth|match] [--targets FILE].. [--pattern NAME]\n"
-    "                          [--polish STEPS] [--save DIR] [--json FILE] [--report FILE.html]\n"
+    "                          [--polish STEPS] [--noise S] [--save DIR] [--json FILE]\n"
+    "                          [--report FILE.html]\n"
     "\n"
     "Predicts the pictures of captures and compares. Protocols:\n"
     "  rendering      black, white and lollipop patterns at the input poses (`unseen`: the lollipops\n"
@@ -30,6 +31,7 @@ static const char help[] =
     "  -p, --pattern NAME     the structured-light pattern to use. Default: the first that is in\n"
     "                         every view and not held back\n"
     "      --polish STEPS     as in `reconstruct`; 0: the forward pass alone. Default: 40\n"
+    "      --noise S          as in `reconstruct`; 0: photographs as they are. Default: auto\n"
     "      --save DIR         every prediction as DIR/<capture>/<view>_<pattern>.png\n"
     "      --json FILE        the rows as JSON: psnr, psnr_foreground, psnr_unseen_lollipops, ssim,\n"
     "                         lpips, images, reconstruct_s (of the capture), render_s (of all the\n"
@@ -122,13 +124,14 @@ static bool set_predictor(FfpEvaluation *evaluation, const char *name) {
 
 // -1 to go on, else the exit code.
 static int parse(int argc, char **argv, FfpEvaluation *evaluation, FfpList *targets, const char **model) {
-    enum { PREDICTOR = 256, SAVE, JSON, REPORT, SHOW, PERCEPTUAL, DRAWING, POLISH };
+    enum { PREDICTOR = 256, SAVE, JSON, REPORT, SHOW, PERCEPTUAL, DRAWING, POLISH, NOISE };
     static const struct option options[] = {{"model", required_argument, NULL, 'm'},
                                             {"gaussians", required_argument, NULL, 'g'},
                                             {"predictor", required_argument, NULL, PREDICTOR},
                                             {"targets", required_argument, NULL, 't'},
                                             {"pattern", required_argument, NULL, 'p'},
                                             {"polish", required_argument, NULL, POLISH},
+                                            {"noise", required_argument, NULL, NOISE},
                                             {"save", required_argument, NULL, SAVE},
                                             {"json", required_argument, NULL, JSON},
                                             {"report", required_argument, NULL, REPORT},
@@ -158,6 +161,10 @@ static int parse(int argc, char **argv, FfpEvaluation *evaluation, FfpList *targ
             if (ffp_cli_number(optarg, 0, FFP_POLISH_MAX, &evaluation->polish)) break;
             return ffp_cli_usage(argv[0], "--polish is a number of steps from 0 to %d, not %s",
                                  FFP_POLISH_MAX, optarg);
+        case NOISE:
+            if (ffp_cli_noise(optarg, &evaluation->noise)) break;
+            return ffp_cli_usage(argv[0], "--noise is auto or a number from 0 to %g, not %s", FFP_NOISE_MAX,
+                                 optarg);
         case SAVE:
             evaluation->save = optarg;
             break;
@@ -202,7 +209,7 @@ static int check(const char *command, const FfpEvaluation *evaluation, const Ffp
 }
 
 int ffp_cli_evaluate(int argc, char **argv) {
-    FfpEvaluation evaluation = {.polish = FFP_POLISH_STEPS};
+    FfpEvaluation evaluation = {.polish = FFP_POLISH_STEPS, .noise = FFP_NOISE_ESTIMATED};
     FfpList targets = {0};
     const char *model = NULL;
     int status = parse(argc, argv, &evaluation, &targets, &model);

@@ -125,12 +125,6 @@ static bool read_linear(const char *text, FfpImport *import) {
     return images || patterns;
 }
 
-static bool read_stops(const char *text, double *stops) {
-    char *end;
-    *stops = strtod(text, &end);
-    return end != text && *end == 0 && fabs(*stops) <= 32;
-}
-
 // X,Y,Z,R
 static bool read_sphere(const char *text, double sphere[4]) {
     const char *at = text;
@@ -173,7 +167,7 @@ static bool take_checked(int option, const char *text, FfpImport *import) {
     case LINEAR:
         return read_linear(text, import);
     case EXPOSURE:
-        return read_stops(text, &import->exposure);
+        return ffp_cli_real(text, -32, 32, &import->exposure);
     case OBJECT:
         return read_sphere(text, import->object);
     default:

@@ -94,6 +94,20 @@ bool ffp_cli_number(const char *text, int64_t low, int64_t high, int64_t *out) {
     return true;
 }
 
+bool ffp_cli_real(const char *text, double low, double high, double *out) {
+    char *end;
+    const double value = strtod(text, &end);
+    if (end == text || *end || !(value >= low && value <= high)) return false;
+    *out = value;
+    return true;
+}
+
+bool ffp_cli_noise(const char *text, double *out) {
+    if (strcmp(text, "auto") != 0) return ffp_cli_real(text, 0, FFP_NOISE_MAX, out);
+    *out = FFP_NOISE_ESTIMATED;
+    return true;
+}
+
 void ffp_cli_append(FfpList *list, const char *value) {
     const char **values = realloc(list->values, ((size_t)list->count + 1) * sizeof *values);
     if (!values) abort();

@@ -4,7 +4,7 @@
 
 static const char help[] =
     "usage: ffprocams reconstruct CAPTURE -o FILE.ply [--model FILE|none] [--pattern NAME]\n"
-    "                             [--polish STEPS]\n"
+    "                             [--polish STEPS] [--noise S]\n"
     "\n"
     "Turns a capture into relightable 3D Gaussians in one forward pass and a short fit to the same\n"
     "photographs: geometry (centre, scale, rotation, opacity) and material (albedo, roughness, ambient\n"
@@ -19,6 +19,9 @@ static const char help[] =
     "  -p, --pattern NAME  the structured-light pattern to use. Default: the first that is in every\n"
     "                      view and not held back\n"
     "      --polish STEPS  steps of the fit, of one view each. 0: the forward pass alone. Default: 40\n"
+    "      --noise S       standard deviation of the photographs' noise, which is taken away first:\n"
+    "                      linear, of values up to 1. 0: they stay as they are. Default: auto, estimated\n"
+    "                      from what the photographs of a view do not have in common\n"
     "\n"
     "example: ffprocams reconstruct data/sample -o spot.ply --pattern lollipop_0\n";
 
@@ -38,10 +41,11 @@ static int run(const char *capture_path, const char *output, const char *model_p
         ok = gaussians && ffp_gaussians_save(gaussians, output, &err);
     }
     if (ok)
-        printf("%s: %lld Gaussians from %s in %.2f s (matching %.2f s, network %.2f s, polish %.2f s)\n",
+        printf("%s: %lld Gaussians from %s in %.2f s (noise of %.2f %% taken away %.2f s, matching %.2f s, "
+               "network %.2f s, polish %.2f s)\n",
                output, (long long)story.gaussians, story.pattern,
-               story.start_s + story.network_s + story.polish_s, story.start_s, story.network_s,
-               story.polish_s);
+               story.denoise_s + story.start_s + story.network_s + story.polish_s, 100 * story.noise,
+               story.denoise_s, story.start_s, story.network_s, story.polish_s);
     ffp_gaussians_close(gaussians);
     ffp_model_close(model);
     ffp_capture_close(capture);
@@ -49,13 +53,16 @@ static int run(const char *capture_path, const char *output, const char *model_p
 }
 
 int ffp_cli_reconstruct(int argc, char **argv) {
-    enum { POLISH = 256 };
-    static const struct option options[] = {
-        {"output", required_argument, NULL, 'o'},  {"model", required_argument, NULL, 'm'},
-        {"pattern", required_argument, NULL, 'p'}, {"polish", required_argument, NULL, POLISH},
-        {"help", no_argument, NULL, 'h'},          {0}};
+    enum { POLISH = 256, NOISE };
+    static const struct option options[] = {{"output", required_argument, NULL, 'o'},
+                                            {"model", required_argument, NULL, 'm'},
+                                            {"pattern", required_argument, NULL, 'p'},
+                                            {"polish", required_argument, NULL, POLISH},
+                                            {"noise", required_argument, NULL, NOISE},
+                                            {"help", no_argument, NULL, 'h'},
+                                            {0}};
     const char *output = NULL, *model = NULL;
-    FfpReconstruction how = {.polish = FFP_POLISH_STEPS};
+    FfpReconstruction how = {.polish = FFP_POLISH_STEPS, .noise = FFP_NOISE_ESTIMATED};
     for (int option; (option = ffp_cli_next(argc, argv, ":o:m:p:h", options)) != -1;) {
         switch (option) {
         case 'o':
@@ -71,6 +78,10 @@ int ffp_cli_reconstruct(int argc, char **argv) {
             if (ffp_cli_number(optarg, 0, FFP_POLISH_MAX, &how.polish)) break;
             return ffp_cli_usage(argv[0], "--polish is a number of steps from 0 to %d, not %s",
                                  FFP_POLISH_MAX, optarg);
+        case NOISE:
+            if (ffp_cli_noise(optarg, &how.noise)) break;
+            return ffp_cli_usage(argv[0], "--noise is auto or a number from 0 to %g, not %s", FFP_NOISE_MAX,
+                                 optarg);
         case 'h':
             fputs(help, stdout);
             return FFP_EXIT_OK;

@@ -21,7 +21,7 @@ static bool prepare_gaussians(FfpSubject *subject, FfpError *err) {
     if (options->gaussians) {
         subject->gaussians = ffp_gaussians_open(options->gaussians, err);
     } else {
-        const FfpReconstruction how = {options->model, options->pattern, options->polish};
+        const FfpReconstruction how = {options->model, options->pattern, options->polish, options->noise};
         const double begin = ffp_seconds();
         subject->gaussians = ffp_reconstruct(subject->capture, &how, &story, err);
         subject->reconstruct_s = ffp_seconds() - begin;

@@ -4,6 +4,7 @@
 #include "base/arena.h"
 #include "base/log.h"
 #include "capture/capture.h"
+#include "denoise/denoise.h"
 #include "eval/reconstruct.h"
 #include "eval/relight.h"
 #include "gaussians/gaussians.h"
@@ -56,50 +57,72 @@ static bool run_network(FfpGaussians *out, const FfpModel *model, const FfpCaptu
     return ok;
 }
 
+// What a reconstruction passes on from step to step.
+typedef struct Work {
+    FfpCapture capture; // normalised, its photographs without noise
+    int photographs[FFP_PHOTOGRAPHS];
+    FfpStart start;
+    FfpGaussians result;
+} Work;
+
 // Between the prediction and the way back to the world.
-static bool polish(FfpGaussians *gaussians, const FfpCapture *normalised, int active,
-                   const FfpReconstruction *options, FfpError *err) {
-    const int patterns[] = {normalised->black, normalised->white, active};
+static bool polish(Work *w, const FfpReconstruction *options, FfpError *err) {
     FfpRefineSettings settings = ffp_polish_defaults(options->polish);
     FfpRefineResult result;
     settings.render = ffp_drawing_settings(FFP_DRAWING_OURS, options->model);
-    return ffp_refine(gaussians, normalised, patterns, 3, &settings, &result, err);
+    return ffp_refine(&w->result, &w->capture, w->photographs, FFP_PHOTOGRAPHS, &settings, &result, err);
+}
+
+static bool predict(Work *w, const FfpReconstruction *options, FfpReconstructionStory *story, FfpError *err) {
+    const int active = w->photographs[2];
+    const FfpMatchSettings settings = ffp_match_defaults();
+    double begin = ffp_seconds();
+    if (!ffp_start_new(&w->start, &w->capture, active, &settings, err)) return false;
+    story->start_s = ffp_seconds() - begin;
+    if (!options->model) {
+        w->result = ffp_start_gaussians(&w->capture, &w->start);
+        return true;
+    }
+    begin = ffp_seconds();
+    if (!run_network(&w->result, options->model, &w->capture, &w->start, active, err)) return false;
+    story->network_s = ffp_seconds() - begin;
+    return true;
+}
+
+static bool predict_and_polish(Work *w, const FfpReconstruction *options, FfpReconstructionStory *story,
+                               FfpError *err) {
+    if (!predict(w, options, story, err)) return false;
+    const double begin = ffp_seconds();
+    if (options->polish > 0 && w->result.count > 0 && !polish(w, options, err)) return false;
+    story->polish_s = ffp_seconds() - begin;
+    story->gaussians = w->result.count;
+    return true;
 }
 
 FfpGaussians *ffp_reconstruct(const FfpCapture *capture, const FfpReconstruction *options,
-                              FfpReconstructionStory *story, FfpError *err) {
+                              FfpReconstructionStory *told, FfpError *err) {
     const int active = ffp_capture_active_pattern(capture, options->pattern, err);
     if (active < 0 || !ffp_check_fit(capture, options->model, err)) return NULL;
-    const double begin = ffp_seconds();
-    FfpCapture normalised = ffp_normalised_alias(capture);
-    const FfpMatchSettings settings = ffp_match_defaults();
-    FfpStart start;
+    Work w = {.capture = ffp_normalised_alias(capture),
+              .photographs = {capture->black, capture->white, active}};
+    FfpReconstructionStory story = {.noise = options->noise};
     FfpGaussians *gaussians = NULL;
-    if (ffp_start_new(&start, &normalised, active, &settings, err)) {
-        const double started = ffp_seconds();
-        FfpGaussians result = {0};
-        bool ok = true;
-        if (options->model)
-            ok = run_network(&result, options->model, &normalised, &start, active, err);
-        else
-            result = ffp_start_gaussians(&normalised, &start);
-        const double predicted = ffp_seconds();
-        if (ok && options->polish > 0 && result.count > 0)
-            ok = polish(&result, &normalised, active, options, err);
-        const double polished = ffp_seconds();
-        if (ok) {
-            ffp_gaussians_transform(&result, capture->centre, capture->radius);
-            gaussians = ffp_alloc(1, sizeof *gaussians);
-            *gaussians = result;
-        }
-        if (ok && story) {
-            *story = (FfpReconstructionStory){.gaussians = result.count, .start_s = started - begin};
-            story->network_s = options->model ? predicted - started : 0;
-            story->polish_s = polished - predicted;
-            snprintf(story->pattern, sizeof story->pattern, "%s", capture->patterns[active].name);
-        }
-        ffp_start_free(&start);
+    FfpImage *clean = NULL;
+    const double begin = ffp_seconds();
+    if (options->noise < 0) story.noise = ffp_noise_estimate(&w.capture, w.photographs);
+    if (story.noise > 0) clean = ffp_denoise(&w.capture, w.photographs, story.noise);
+    story.denoise_s = ffp_seconds() - begin;
+    snprintf(story.pattern, sizeof story.pattern, "%s", capture->patterns[active].name);
+    if (predict_and_polish(&w, options, &story, err)) {
+        ffp_gaussians_transform(&w.result, capture->centre, capture->radius);
+        gaussians = ffp_alloc(1, sizeof *gaussians);
+        *gaussians = w.result;
+        if (told) *told = story;
+    } else {
+        ffp_gaussians_free(&w.result);
     }
-    ffp_normalised_alias_free(&normalised);
+    ffp_start_free(&w.start);
+    ffp_denoise_free(clean, capture, w.photographs);
+    ffp_normalised_alias_free(&w.capture);
     return gaussians;
 }

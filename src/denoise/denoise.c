@@ -1,0 +1,183 @@
+#include "denoise/denoise.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include "base/arena.h"
+#include "denoise/stack.h"
+
+#define RADIUS 3   // of a window, in pixels
+#define STRIDE 2   // between windows
+#define DOUBT 1.5  // times the noise's variance is taken off a measured variance
+#define TRUST 0.3  // of a window: 1 over this and the number of axes it keeps
+#define ENOUGH 4.0 // pixels' worth of coverage that a window needs
+
+typedef struct Window {
+    real weight; // 0: unused
+    real mean[FFP_VALUES], kept[FFP_VALUES * FFP_VALUES];
+} Window;
+
+typedef struct Filter {
+    int width, height, across, down; // of the picture; windows
+    double variance;                 // of the noise
+    const real *stack, *coverage;
+    Window *windows; // [down,across], centred at multiples of STRIDE
+} Filter;
+
+typedef struct Range {
+    int from, to; // pixels, the last one included
+} Range;
+
+static Range around(int centre, int size) {
+    return (Range){centre < RADIUS ? 0 : centre - RADIUS,
+                   centre + RADIUS >= size ? size - 1 : centre + RADIUS};
+}
+
+// Pictures are the object's colour times the coverage: the colour nearest to all pixels is a least-squares
+// one. Returns the pixels' worth of coverage.
+static double window_mean(const Filter *f, Range x, Range y, double mean[FFP_VALUES]) {
+    double total = 0;
+    memset(mean, 0, FFP_VALUES * sizeof *mean);
+    for (int row = y.from; row <= y.to; row++)
+        for (int column = x.from; column <= x.to; column++) {
+            const size_t i = (size_t)row * (size_t)f->width + (size_t)column;
+            const double c = (double)f->coverage[i];
+            total += c * c;
+            for (int v = 0; v < FFP_VALUES; v++) mean[v] += c * (double)f->stack[i * FFP_VALUES + (size_t)v];
+        }
+    for (int v = 0; total > 0 && v < FFP_VALUES; v++) mean[v] /= total;
+    return total;
+}
+
+static void window_covariance(const Filter *f, Range x, Range y, const double mean[FFP_VALUES],
+                              double a[FFP_VALUES * FFP_VALUES]) {
+    int count = 0;
+    memset(a, 0, FFP_VALUES * FFP_VALUES * sizeof *a);
+    for (int row = y.from; row <= y.to; row++)
+        for (int column = x.from; column <= x.to; column++) {
+            const size_t i = (size_t)row * (size_t)f->width + (size_t)column;
+            const double c = (double)f->coverage[i];
+            double e[FFP_VALUES];
+            if (c <= 0) continue;
+            count++;
+            for (int v = 0; v < FFP_VALUES; v++)
+                e[v] = (double)f->stack[i * FFP_VALUES + (size_t)v] - c * mean[v];
+            for (int p = 0; p < FFP_VALUES; p++)
+                for (int q = 0; q <= p; q++) a[p * FFP_VALUES + q] += e[p] * e[q];
+        }
+    for (int i = 0; i < FFP_VALUES * FFP_VALUES; i++) a[i] /= count;
+}
+
+static void measure(const Filter *f, int x, int y, Window *window) {
+    double mean[FFP_VALUES], axes[FFP_VALUES * FFP_VALUES], variances[FFP_VALUES], kept = 0;
+    const Range across = around(x, f->width), down = around(y, f->height);
+    if (window_mean(f, across, down, mean) < ENOUGH) return;
+    window_covariance(f, across, down, mean, axes);
+    ffp_eigen(axes, FFP_VALUES, variances);
+    for (int v = 0; v < FFP_VALUES; v++) window->mean[v] = (real)mean[v];
+    for (int a = 0; a < FFP_VALUES; a++) {
+        const double *axis = axes + a * FFP_VALUES;
+        const double signal = fmax(variances[a] - DOUBT * f->variance, 0);
+        const double share = signal / (signal + f->variance);
+        kept += share;
+        for (int p = 0; share > 0 && p < FFP_VALUES; p++)
+            for (int q = 0; q < FFP_VALUES; q++)
+                window->kept[p * FFP_VALUES + q] += (real)(share * axis[p] * axis[q]);
+    }
+    window->weight = (real)(1 / (TRUST + kept));
+}
+
+// Adds what a window says of a pixel's values.
+static void add(const Window *window, const real *values, real coverage, real sum[FFP_VALUES]) {
+    real off[FFP_VALUES];
+    for (int v = 0; v < FFP_VALUES; v++) off[v] = values[v] - coverage * window->mean[v];
+    for (int p = 0; p < FFP_VALUES; p++) {
+        real value = coverage * window->mean[p];
+        for (int q = 0; q < FFP_VALUES; q++) value += window->kept[p * FFP_VALUES + q] * off[q];
+        sum[p] += window->weight * value;
+    }
+}
+
+static int first_window(int pixel) {
+    return pixel < RADIUS ? 0 : (pixel - RADIUS + STRIDE - 1) / STRIDE;
+}
+
+// The mean over all windows that hold the pixel; where none does, the pixel as it is.
+static void smooth(const Filter *f, int x, int y, real values[FFP_VALUES]) {
+    const size_t i = (size_t)y * (size_t)f->width + (size_t)x;
+    real sum[FFP_VALUES] = {0}, weight = 0;
+    memcpy(values, f->stack + i * FFP_VALUES, FFP_VALUES * sizeof *values);
+    for (int row = first_window(y); row < f->down && row * STRIDE <= y + RADIUS; row++)
+        for (int column = first_window(x); column < f->across && column * STRIDE <= x + RADIUS; column++) {
+            const Window *window = &f->windows[(size_t)row * (size_t)f->across + (size_t)column];
+            if (window->weight <= 0) continue;
+            add(window, values, f->coverage[i], sum);
+            weight += window->weight;
+        }
+    for (int v = 0; weight > 0 && v < FFP_VALUES; v++) values[v] = fmax(sum[v] / weight, 0);
+}
+
+static void measure_all(const Filter *f) {
+#pragma omp parallel for schedule(dynamic)
+    for (int row = 0; row < f->down; row++)
+        for (int column = 0; column < f->across; column++)
+            measure(f, column * STRIDE, row * STRIDE,
+                    &f->windows[(size_t)row * (size_t)f->across + (size_t)column]);
+}
+
+static void smooth_all(const Filter *f, FfpImage *pictures[FFP_PHOTOGRAPHS]) {
+#pragma omp parallel for schedule(dynamic)
+    for (int y = 0; y < f->height; y++)
+        for (int x = 0; x < f->width; x++) {
+            const size_t i = (size_t)y * (size_t)f->width + (size_t)x;
+            real values[FFP_VALUES];
+            if (f->coverage[i] <= 0) continue;
+            smooth(f, x, y, values);
+            for (int p = 0; p < FFP_PHOTOGRAPHS; p++)
+                memcpy(pictures[p]->data + 3 * i, values + 3 * p, 3 * sizeof *values);
+        }
+}
+
+// Takes the noise away in pictures that are copies of the view's.
+static void denoise_view(const FfpView *view, const int photographs[FFP_PHOTOGRAPHS], double noise,
+                         FfpImage *pictures[FFP_PHOTOGRAPHS]) {
+    real *stack = ffp_stack_new(view, photographs);
+    Filter f = {.width = view->camera.width,
+                .height = view->camera.height,
+                .across = (view->camera.width + STRIDE - 1) / STRIDE,
+                .down = (view->camera.height + STRIDE - 1) / STRIDE,
+                .variance = noise * noise,
+                .stack = stack,
+                .coverage = view->coverage.data};
+    f.windows = ffp_alloc((size_t)f.across * (size_t)f.down, sizeof *f.windows);
+    measure_all(&f);
+    smooth_all(&f, pictures);
+    free(f.windows);
+    free(stack);
+}
+
+FfpImage *ffp_denoise(FfpCapture *capture, const int photographs[FFP_PHOTOGRAPHS], double noise) {
+    const int n = capture->n_patterns;
+    FfpImage *lists = ffp_alloc((size_t)capture->n_views * (size_t)n, sizeof *lists);
+    for (int v = 0; v < capture->n_views; v++) {
+        FfpView *view = &capture->views[v];
+        FfpImage *list = lists + (size_t)v * (size_t)n, *pictures[FFP_PHOTOGRAPHS];
+        if (!ffp_has_photographs(view, photographs)) continue;
+        memcpy(list, view->images, (size_t)n * sizeof *list);
+        for (int p = 0; p < FFP_PHOTOGRAPHS; p++) {
+            pictures[p] = &list[photographs[p]];
+            *pictures[p] = ffp_image_copy(pictures[p]);
+        }
+        denoise_view(view, photographs, noise, pictures);
+        view->images = list;
+    }
+    return lists;
+}
+
+void ffp_denoise_free(FfpImage *lists, const FfpCapture *capture, const int photographs[FFP_PHOTOGRAPHS]) {
+    if (!lists) return;
+    for (int v = 0; v < capture->n_views; v++)
+        for (int p = 0; p < FFP_PHOTOGRAPHS; p++)
+            ffp_image_free(&lists[(size_t)v * (size_t)capture->n_patterns + (size_t)photographs[p]]);
+    free(lists);
+}
