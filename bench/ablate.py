@@ -4,7 +4,7 @@
 TABLE is `additions` (from the paper's form to ours, each row the one before with one change) or `parts` (ours with one part
 changed). All rows have the same scenes, the same number of steps and the same seed, and begin from nothing. Figures are PSNR in dB on
 the validation scenes: lollipops not given at the input poses, all patterns at new poses; `polished` after the fit to the input
-views. The last row of `parts` needs lpips_squeeze.safetensors in the folder FFPROCAMS_PERCEPTUAL. FOLDER keeps what each training leaves; a row that is there already is not trained again."""
+views. The perceptual row of `parts` needs lpips_squeeze.safetensors in the folder FFPROCAMS_PERCEPTUAL. FOLDER keeps what each training leaves; a row that is there already is not trained again."""
 import json
 import os
 import sys
@@ -32,7 +32,8 @@ PARTS = [("ours: MTMTMTMT, 8 views", {}),
          ("4 views", {"views": 4}),
          ("2 views", {"views": 2}),
          ("without true albedo and normals", {"truth_albedo": 0, "truth_normal": 0}),
-         ("with the perceptual term", {"perceptual": 0.05, "perceptual_from": 0})]
+         ("with the perceptual term", {"perceptual": 0.05, "perceptual_from": 0}),
+         ("with a convolutional head for appearance", {"model": {"appearance_cnn": True}})]
 
 
 def merged(base, change):

@@ -24,8 +24,10 @@ typedef struct FfpModelConfig {
     bool match_input; // the start's maps are among the input channels
     bool pixel_skip;  // a small MLP a pixel joins the token's features and the pixel's own inputs
     int pixel_features,
-        pixel_hidden; // widths of that MLP: features a pixel takes from its token, hidden units
-    char render[16];  // "ours" or "paper": the render settings that the Gaussians are meant for
+        pixel_hidden;    // widths of that MLP: features a pixel takes from its token, hidden units
+    bool appearance_cnn; // two 3x3 convolutions over the tokens ahead of albedo, roughness and ambient: the
+                         // paper's ablation
+    char render[16];     // "ours" or "paper": the render settings that the Gaussians are meant for
 } FfpModelConfig;
 // "tiny" (D 128, MTMT), "small", "paper-small" (small, but the paper's plain form), "paper". False: no such
 // name.

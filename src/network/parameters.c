@@ -81,6 +81,16 @@ static void add_transformer(FfpModel *model, FfpTransformerLayout *at, const cha
     at->fc2 = add(model, prefix, "fc2", dim, wide, FFP_INIT_NORMAL, residual);
 }
 
+static void add_mixer(FfpModel *model, FfpLayout *at) {
+    const int dim = model->config.dim, in = 9 * dim;
+    for (int i = 0; i < 2; i++) {
+        char prefix[32];
+        snprintf(prefix, sizeof prefix, "appearance.conv.%d.", i);
+        at->mixer[i] = add(model, prefix, "weight", dim, in, FFP_INIT_NORMAL, 1 / sqrt((double)in));
+        at->mixer_bias[i] = add(model, prefix, "bias", dim, 0, FFP_INIT_ZERO, 0);
+    }
+}
+
 // The pixel MLP's layers are narrow: their deviation is 1 / sqrt(fan in), since 0.02 would let nothing
 // through. Its last layer, and the token head of the residual form, start at zero: then the classical start
 // comes out.
@@ -129,6 +139,7 @@ FfpModel *ffp_model_table(const FfpModelConfig *config, const char *where, FfpEr
             add_transformer(model, &at->blocks[i].transformer, prefix, residual);
     }
     at->final_norm = add(model, "final_", "norm", config->dim, 0, FFP_INIT_ONE, 0);
+    if (config->appearance_cnn) add_mixer(model, at);
     add_head(model, at);
     return model;
 }

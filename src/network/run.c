@@ -3,6 +3,7 @@
 #include <string.h>
 #include "network/blocks.h"
 #include "network/inputs.h"
+#include "network/mixer.h"
 #include "network/pixels.h"
 #include "tensor/tensor.h"
 
@@ -15,8 +16,8 @@ typedef union FfpBlockActivations {
 // in an arena of its own, while run->arena is emptied for every capture.
 typedef struct FfpActivations {
     FfpArena *arena;
-    FfpModelConfig config; // what the memory is laid out for; rows 0: nothing yet
-    int rows, across, blocks;
+    FfpModelConfig config;          // what the memory is laid out for; rows 0: nothing yet
+    int rows, across, down, blocks; // tokens; tokens across and down a view
     FfpWidths widths;
     real *inputs;                           // [T, patch^2 channels]
     real *tokens, *token_mean, *token_rstd; // before the tokeniser's norm, [T, dim], [T]
@@ -26,6 +27,7 @@ typedef struct FfpActivations {
     FfpScratch scratch;
     real *dstream, *dfinal; // [T, dim]; NULL before the first backward pass
     FfpHead head;
+    FfpMixer mixer; // with appearance_cnn
     FfpPixels pixels;
     FfpProfileTimes unread; // where the times go when nobody asks
 } FfpActivations;
@@ -50,21 +52,24 @@ static bool same_layout(const FfpModelConfig *a, const FfpModelConfig *b) {
     return strcmp(a->modules, b->modules) == 0 && a->dim == b->dim && a->patch == b->patch &&
            a->state == b->state && a->chunk == b->chunk && a->residual == b->residual &&
            a->match_input == b->match_input && a->pixel_skip == b->pixel_skip &&
-           a->pixel_features == b->pixel_features && a->pixel_hidden == b->pixel_hidden;
+           a->pixel_features == b->pixel_features && a->pixel_hidden == b->pixel_hidden &&
+           a->appearance_cnn == b->appearance_cnn;
 }
 
 static real *take(FfpActivations *at, size_t columns) {
     return ffp_arena_alloc(at->arena, (size_t)at->rows * columns, sizeof(real));
 }
 
-static void prepare(FfpActivations *at, const FfpModelConfig *config, int rows, int across) {
-    if (at->rows == rows && at->across == across && same_layout(&at->config, config)) return;
+static void prepare(FfpActivations *at, const FfpModelConfig *config, int rows, int across, int down) {
+    if (at->rows == rows && at->across == across && at->down == down && same_layout(&at->config, config))
+        return;
     FfpArena *arena = at->arena;
     ffp_arena_reset(arena);
     *at = (FfpActivations){.arena = arena,
                            .config = *config,
                            .rows = rows,
                            .across = across,
+                           .down = down,
                            .blocks = (int)strlen(config->modules),
                            .widths = ffp_widths(config)};
     const size_t dim = (size_t)config->dim;
@@ -85,6 +90,7 @@ static void prepare(FfpActivations *at, const FfpModelConfig *config, int rows, 
     at->scratch.inner = take(at, (size_t)at->widths.inner);
     at->scratch.kernel = ffp_arena_alloc(arena, ffp_kernel_scratch(&at->widths, rows), sizeof(real));
     ffp_head_allocate(&at->head, config, across, arena);
+    if (config->appearance_cnn) ffp_mixer_allocate(&at->mixer, config, rows, across, down, arena);
 }
 
 static void prepare_backward(FfpActivations *at) {
@@ -99,6 +105,7 @@ static void prepare_backward(FfpActivations *at) {
     at->dfinal = take(at, dim);
     at->dstream = take(at, dim);
     ffp_head_allocate_backward(&at->head, &at->config, at->across, at->arena);
+    if (at->config.appearance_cnn) ffp_mixer_allocate_backward(&at->mixer, &at->config, at->arena);
 }
 
 static void encode(FfpActivations *at, const FfpModel *model, FfpProfileTimes *times) {
@@ -125,6 +132,25 @@ static void encode(FfpActivations *at, const FfpModel *model, FfpProfileTimes *t
     ffp_lap(&last, &times->heads);
 }
 
+// Raw numbers of a block's Gaussians.
+static void head_forward(FfpActivations *at, const FfpHeadBlock *block, const FfpModel *model) {
+    const int numbers = ffp_head_numbers(&model->config);
+    real *raw = at->pixels.raw + block->first * numbers;
+    ffp_head_forward(raw, &at->head, block, at->final, model);
+    if (!model->config.appearance_cnn) return;
+    ffp_head_forward(at->mixer.raw, &at->head, block, at->mixer.out, model);
+    ffp_mixer_join(raw, at->mixer.raw, block->count, numbers);
+}
+
+// From head.draw to the tokens' gradients.
+static void head_backward(FfpActivations *at, real *grad, const FfpHeadBlock *block, const FfpModel *model) {
+    if (model->config.appearance_cnn) {
+        ffp_mixer_part(at->head.draw, at->mixer.draw, block->count, ffp_head_numbers(&model->config));
+        ffp_head_backward(at->mixer.dout, grad, &at->head, block, at->mixer.draw, at->mixer.out, model);
+    }
+    ffp_head_backward(at->dfinal, grad, &at->head, block, at->head.draw, at->final, model);
+}
+
 bool ffp_model_forward(const FfpModel *model, FfpRun *run, const FfpCapture *capture, const FfpStart *start,
                        int active, FfpError *err) {
     FfpActivations *at = run->activations;
@@ -134,8 +160,8 @@ bool ffp_model_forward(const FfpModel *model, FfpRun *run, const FfpCapture *cap
     ffp_arena_reset(run->arena);
     if (!ffp_inputs_check(config, capture, start, views, active, err)) return false;
     const FfpCamera *camera = &capture->views[0].camera;
-    const int across = camera->width / config->patch;
-    prepare(at, config, views * across * (camera->height / config->patch), across);
+    const int across = camera->width / config->patch, down = camera->height / config->patch;
+    prepare(at, config, views * across * down, across, down);
     FfpProfileTimes *times = run->profile ? &run->profile->forward : &at->unread;
     double last = ffp_seconds();
     ffp_inputs(at->inputs, config, capture, start, views, active);
@@ -144,11 +170,8 @@ bool ffp_model_forward(const FfpModel *model, FfpRun *run, const FfpCapture *cap
     last = ffp_seconds();
     at->head.inputs = at->inputs;
     ffp_pixels_list(&at->pixels, &at->head, run, config, capture, start, views);
-    for (int i = 0; i < at->head.n_blocks; i++) {
-        const FfpHeadBlock *block = &at->head.blocks[i];
-        ffp_head_forward(at->pixels.raw + block->first * ffp_head_numbers(config), &at->head, block,
-                         at->final, model);
-    }
+    if (config->appearance_cnn) ffp_mixer_forward(&at->mixer, at->final, model);
+    for (int i = 0; i < at->head.n_blocks; i++) head_forward(at, &at->head.blocks[i], model);
     const bool ok = ffp_pixels_splat(&at->pixels, run, config, capture);
     ffp_lap(&last, &times->heads);
     return ok || ffp_fail(err, capture->name, "the model's output overflows");
@@ -163,11 +186,13 @@ void ffp_model_backward(const FfpModel *model, FfpRun *run, const FfpGaussians *
     FfpProfileTimes *times = run->profile ? &run->profile->backward : &at->unread;
     double last = ffp_seconds();
     memset(at->dfinal, 0, (size_t)rows * dim * sizeof(real)); // tokens without a Gaussian get no gradient
+    if (at->config.appearance_cnn) memset(at->mixer.dout, 0, (size_t)rows * dim * sizeof(real));
     for (int i = 0; i < at->head.n_blocks; i++) {
         const FfpHeadBlock *block = &at->head.blocks[i];
         ffp_pixels_splat_backward(at->head.draw, &at->pixels, block, &at->config, grad, grad_t);
-        ffp_head_backward(at->dfinal, grad_values, &at->head, block, at->head.draw, at->final, model);
+        head_backward(at, grad_values, block, model);
     }
+    if (at->config.appearance_cnn) ffp_mixer_backward(&at->mixer, at->dfinal, grad_values, at->final, model);
     ffp_layernorm_backward(at->dstream, grad_values + layout->final_norm, at->dfinal, at->stream[at->blocks],
                            at->final_mean, at->final_rstd, model->values + layout->final_norm, rows, dim);
     ffp_lap(&last, &times->heads);

@@ -13,7 +13,7 @@
 #define VERSION "1"
 #define RESERVED "model." // of the configuration's keys
 
-enum { TEXT, WHOLE, SWITCH };
+enum { TEXT, WHOLE, SWITCH, LATER_SWITCH }; // later: older files lack it, which means false
 typedef struct Field {
     const char *key;
     int kind;
@@ -23,12 +23,19 @@ typedef struct Field {
 #define FIELD(name, kind)                                                                                    \
     { RESERVED #name, kind, offsetof(FfpModelConfig, name), sizeof(((FfpModelConfig *)0)->name) }
 static const Field fields[] = {
-    FIELD(name, TEXT),          FIELD(modules, TEXT),
-    FIELD(dim, WHOLE),          FIELD(patch, WHOLE),
-    FIELD(state, WHOLE),        FIELD(chunk, WHOLE),
-    FIELD(residual, SWITCH),    FIELD(match_input, SWITCH),
-    FIELD(pixel_skip, SWITCH),  FIELD(pixel_features, WHOLE),
-    FIELD(pixel_hidden, WHOLE), FIELD(render, TEXT),
+    FIELD(name, TEXT),
+    FIELD(modules, TEXT),
+    FIELD(dim, WHOLE),
+    FIELD(patch, WHOLE),
+    FIELD(state, WHOLE),
+    FIELD(chunk, WHOLE),
+    FIELD(residual, SWITCH),
+    FIELD(match_input, SWITCH),
+    FIELD(pixel_skip, SWITCH),
+    FIELD(pixel_features, WHOLE),
+    FIELD(pixel_hidden, WHOLE),
+    FIELD(render, TEXT),
+    FIELD(appearance_cnn, LATER_SWITCH),
 };
 enum { FIELDS = sizeof fields / sizeof *fields, OWN_KEYS = FIELDS + 2 };
 
@@ -50,6 +57,7 @@ static void print_field(char out[FFP_MODULES_MAX], const FfpModelConfig *config,
 static bool read_field(FfpModelConfig *config, const Field *field, const char *text, const char *where,
                        FfpError *err) {
     char *at = (char *)config + field->offset;
+    if (!text && field->kind == LATER_SWITCH) return true;
     if (!text) return ffp_fail(err, where, "a model file without this key in its metadata");
     if (field->kind == TEXT) {
         if (strlen(text) >= field->size)
@@ -57,7 +65,7 @@ static bool read_field(FfpModelConfig *config, const Field *field, const char *t
         snprintf(at, field->size, "%s", text);
         return true;
     }
-    if (field->kind == SWITCH) {
+    if (field->kind == SWITCH || field->kind == LATER_SWITCH) {
         *(bool *)at = strcmp(text, "true") == 0;
         return *(bool *)at || strcmp(text, "false") == 0 || ffp_fail(err, where, "neither true nor false");
     }

@@ -85,6 +85,7 @@ static const Field model_fields[] = {
     {"pixel_skip", BOOL, MODEL_AT(pixel_skip), 0, 1},
     {"pixel_features", INT, MODEL_AT(pixel_features), 0, 1e4},
     {"pixel_hidden", INT, MODEL_AT(pixel_hidden), 0, 1e4},
+    {"appearance_cnn", BOOL, MODEL_AT(appearance_cnn), 0, 1},
     {"render", TEXT, MODEL_AT(render), 0, sizeof(((FfpModelConfig *)0)->render)},
 };
 

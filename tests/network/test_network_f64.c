@@ -74,7 +74,8 @@ static void check_parameter(FfpModel *model, FfpRun *run, const Scene *s, const 
     free(direction);
 }
 
-static void check_model(const char *modules, int dim, bool residual, bool match_input, bool pixel_skip) {
+static void check_model(const char *modules, int dim, bool residual, bool match_input, bool pixel_skip,
+                        bool appearance_cnn) {
     FfpModelConfig config = {.name = "test",
                              .dim = dim,
                              .patch = 4,
@@ -85,6 +86,7 @@ static void check_model(const char *modules, int dim, bool residual, bool match_
                              .pixel_skip = pixel_skip,
                              .pixel_features = 3,
                              .pixel_hidden = 7,
+                             .appearance_cnn = appearance_cnn,
                              .render = "ours"};
     strcpy(config.modules, modules);
     Scene s;
@@ -114,30 +116,36 @@ static void check_model(const char *modules, int dim, bool residual, bool match_
 
 static void test_residual_hybrid(void **state) {
     (void)state;
-    check_model("MT", 128, true, true, true);
+    check_model("MT", 128, true, true, true, false);
 }
 static void test_residual_transformer(void **state) {
     (void)state;
-    check_model("T", 64, true, true, false);
+    check_model("T", 64, true, true, false, false);
 }
 static void test_plain_mamba(void **state) {
     (void)state;
-    check_model("M", 64, false, false, false);
+    check_model("M", 64, false, false, false, false);
 }
 static void test_plain_long(void **state) {
     (void)state;
-    check_model("MMMT", 64, false, true, true);
+    check_model("MMMT", 64, false, true, true, false);
 }
 static void test_residual_without_maps(void **state) {
     (void)state;
-    check_model("TM", 64, true, false, true);
+    check_model("TM", 64, true, false, true, false);
+}
+
+static void test_convolutional_appearance(void **state) {
+    (void)state;
+    check_model("M", 64, true, true, true, true);
+    check_model("T", 64, false, false, false, true);
 }
 
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_residual_hybrid),       cmocka_unit_test(test_residual_transformer),
         cmocka_unit_test(test_plain_mamba),           cmocka_unit_test(test_plain_long),
-        cmocka_unit_test(test_residual_without_maps),
+        cmocka_unit_test(test_residual_without_maps), cmocka_unit_test(test_convolutional_appearance),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
