@@ -116,6 +116,7 @@ typedef struct FfpRefinement {
     int n_patterns;              // must have; none: the one that a reconstruction would take
     int64_t steps;               // of one view each; 0: no limit
     double seconds;      // of wall clock; 0: no limit. With neither limit: 30 s, or 20000 steps from scratch
+    double noise;        // as FfpReconstruction.noise
     uint64_t seed;       // of the order of views, and of the points that a fit from scratch starts from
     const char *metrics; // file for a line of JSON a round (step, seconds, loss, psnr, gaussians), or NULL
     FfpDrawing drawing;

@@ -3,7 +3,8 @@
 
 static const char help[] =
     "usage: ffprocams refine FILE.ply --capture CAPTURE -o BETTER.ply [--seconds S] [--steps N]\n"
-    "                        [--pattern NAME].. [--metrics FILE] [--seed N] [--drawing D]\n"
+    "                        [--pattern NAME].. [--noise S] [--metrics FILE] [--seed N]\n"
+    "                        [--drawing D]\n"
     "       ffprocams refine --from-scratch --capture CAPTURE -o FILE.ply ...\n"
     "\n"
     "Fits Gaussians to the photographs they come from: centres, shapes, opacities, albedo, roughness\n"
@@ -21,6 +22,7 @@ static const char help[] =
     "                         the same every time. Default from scratch: 20000\n"
     "  -p, --pattern NAME     a structured-light pattern to fit to beside black and white, again for\n"
     "                         more. Default: the one that `reconstruct` takes\n"
+    "      --noise S          as in `reconstruct`; 0: photographs as they are. Default: auto\n"
     "      --metrics FILE     a line of JSON a round of all views: step, seconds, loss, psnr, gaussians\n"
     "      --seed N           of the order of views and of the points from scratch. Default: 1\n"
     "      --drawing D        ours (default), or paper for Gaussians of a model in the paper's form\n"
@@ -71,18 +73,14 @@ static int check(int argc, char **argv, Arguments *arguments) {
 
 // Fills everything but the patterns; -1 to go on, else the exit code.
 static int parse(int argc, char **argv, Arguments *arguments, FfpList *patterns) {
-    enum { SCRATCH = 256, METRICS, SEED, DRAWING };
-    static const struct option options[] = {{"capture", required_argument, NULL, 'c'},
-                                            {"output", required_argument, NULL, 'o'},
-                                            {"seconds", required_argument, NULL, 's'},
-                                            {"steps", required_argument, NULL, 'n'},
-                                            {"pattern", required_argument, NULL, 'p'},
-                                            {"from-scratch", no_argument, NULL, SCRATCH},
-                                            {"metrics", required_argument, NULL, METRICS},
-                                            {"seed", required_argument, NULL, SEED},
-                                            {"drawing", required_argument, NULL, DRAWING},
-                                            {"help", no_argument, NULL, 'h'},
-                                            {0}};
+    enum { SCRATCH = 256, METRICS, SEED, DRAWING, NOISE };
+    static const struct option options[] = {
+        {"capture", required_argument, NULL, 'c'}, {"output", required_argument, NULL, 'o'},
+        {"seconds", required_argument, NULL, 's'}, {"steps", required_argument, NULL, 'n'},
+        {"pattern", required_argument, NULL, 'p'}, {"from-scratch", no_argument, NULL, SCRATCH},
+        {"noise", required_argument, NULL, NOISE}, {"metrics", required_argument, NULL, METRICS},
+        {"seed", required_argument, NULL, SEED},   {"drawing", required_argument, NULL, DRAWING},
+        {"help", no_argument, NULL, 'h'},          {0}};
     FfpRefinement *refinement = &arguments->refinement;
     int64_t number;
     for (int option; (option = ffp_cli_next(argc, argv, ":c:o:s:n:p:h", options)) != -1;) {
@@ -115,6 +113,10 @@ static int parse(int argc, char **argv, Arguments *arguments, FfpList *patterns)
                 return ffp_cli_usage(argv[0], "--seed is a number from 0 up, not %s", optarg);
             refinement->seed = (uint64_t)number;
             break;
+        case NOISE:
+            if (ffp_cli_noise(optarg, &refinement->noise)) break;
+            return ffp_cli_usage(argv[0], "--noise is auto or a number from 0 to %g, not %s", FFP_NOISE_MAX,
+                                 optarg);
         case DRAWING:
             if (ffp_cli_drawing(optarg, &refinement->drawing)) break;
             return ffp_cli_usage(argv[0], "--drawing is ours or paper, not %s", optarg);
@@ -129,7 +131,7 @@ static int parse(int argc, char **argv, Arguments *arguments, FfpList *patterns)
 }
 
 int ffp_cli_refine(int argc, char **argv) {
-    Arguments arguments = {.refinement.seed = 1};
+    Arguments arguments = {.refinement = {.seed = 1, .noise = FFP_NOISE_ESTIMATED}};
     FfpList patterns = {0};
     int status = parse(argc, argv, &arguments, &patterns);
     if (status < 0) {

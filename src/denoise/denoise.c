@@ -134,11 +134,11 @@ static void smooth_all(const Filter *f, FfpImage *pictures[FFP_PHOTOGRAPHS]) {
             if (f->coverage[i] <= 0) continue;
             smooth(f, x, y, values);
             for (int p = 0; p < FFP_PHOTOGRAPHS; p++)
-                memcpy(pictures[p]->data + 3 * i, values + 3 * p, 3 * sizeof *values);
+                if (pictures[p]) memcpy(pictures[p]->data + 3 * i, values + 3 * p, 3 * sizeof *values);
         }
 }
 
-// Takes the noise away in pictures that are copies of the view's.
+// Takes the noise away in pictures that are copies of the view's; NULL: not wanted.
 static void denoise_view(const FfpView *view, const int photographs[FFP_PHOTOGRAPHS], double noise,
                          FfpImage *pictures[FFP_PHOTOGRAPHS]) {
     real *stack = ffp_stack_new(view, photographs);
@@ -156,28 +156,31 @@ static void denoise_view(const FfpView *view, const int photographs[FFP_PHOTOGRA
     free(stack);
 }
 
-FfpImage *ffp_denoise(FfpCapture *capture, const int photographs[FFP_PHOTOGRAPHS], double noise) {
-    const int n = capture->n_patterns;
-    FfpImage *lists = ffp_alloc((size_t)capture->n_views * (size_t)n, sizeof *lists);
+FfpImage *ffp_denoise(FfpCapture *capture, const int *photographs, int n, double noise) {
+    const size_t length = (size_t)capture->n_patterns;
+    FfpImage *lists = ffp_alloc((size_t)capture->n_views * length, sizeof *lists);
     for (int v = 0; v < capture->n_views; v++) {
         FfpView *view = &capture->views[v];
-        FfpImage *list = lists + (size_t)v * (size_t)n, *pictures[FFP_PHOTOGRAPHS];
-        if (!ffp_has_photographs(view, photographs)) continue;
-        memcpy(list, view->images, (size_t)n * sizeof *list);
-        for (int p = 0; p < FFP_PHOTOGRAPHS; p++) {
-            pictures[p] = &list[photographs[p]];
-            *pictures[p] = ffp_image_copy(pictures[p]);
+        FfpImage *list = lists + (size_t)v * length;
+        if (!ffp_has_photographs(view, photographs, n)) continue;
+        memcpy(list, view->images, length * sizeof *list);
+        for (int p = 0; p < n; p++) list[photographs[p]] = ffp_image_copy(&view->images[photographs[p]]);
+        for (int p = FFP_PHOTOGRAPHS - 1; p < n; p++) {
+            const int together[FFP_PHOTOGRAPHS] = {photographs[0], photographs[1], photographs[p]};
+            const bool first = p == FFP_PHOTOGRAPHS - 1;
+            FfpImage *pictures[FFP_PHOTOGRAPHS] = {first ? &list[together[0]] : NULL,
+                                                   first ? &list[together[1]] : NULL, &list[together[2]]};
+            denoise_view(view, together, noise, pictures);
         }
-        denoise_view(view, photographs, noise, pictures);
         view->images = list;
     }
     return lists;
 }
 
-void ffp_denoise_free(FfpImage *lists, const FfpCapture *capture, const int photographs[FFP_PHOTOGRAPHS]) {
+void ffp_denoise_free(FfpImage *lists, const FfpCapture *capture, const int *photographs, int n) {
     if (!lists) return;
     for (int v = 0; v < capture->n_views; v++)
-        for (int p = 0; p < FFP_PHOTOGRAPHS; p++)
+        for (int p = 0; p < n; p++)
             ffp_image_free(&lists[(size_t)v * (size_t)capture->n_patterns + (size_t)photographs[p]]);
     free(lists);
 }

@@ -24,7 +24,9 @@ double ffp_noise_estimate(const FfpCapture *capture, const int photographs[FFP_P
 // from the mean what a Wiener filter leaves of it along the covariance's axes; a pixel's result is the mean
 // over the windows that hold it, those that smooth more counting more. At the outline a colour is the
 // object's, mixed into black by the coverage.
-FfpImage *ffp_denoise(FfpCapture *capture, const int photographs[FFP_PHOTOGRAPHS], double noise);
-void ffp_denoise_free(FfpImage *lists, const FfpCapture *capture, const int photographs[FFP_PHOTOGRAPHS]);
+//
+// Of n >= 3 photographs, black and white first, each further one is looked at together with these two.
+FfpImage *ffp_denoise(FfpCapture *capture, const int *photographs, int n, double noise);
+void ffp_denoise_free(FfpImage *lists, const FfpCapture *capture, const int *photographs, int n);
 
 #endif

@@ -127,7 +127,7 @@ double ffp_noise_estimate(const FfpCapture *capture, const int photographs[FFP_P
     s.edges = ffp_alloc((size_t)s.room, sizeof *s.edges);
     s.bright = ffp_alloc((size_t)s.room, sizeof *s.bright);
     for (int v = 0; v < capture->n_views; v++)
-        if (ffp_has_photographs(&capture->views[v], photographs))
+        if (ffp_has_photographs(&capture->views[v], photographs, FFP_PHOTOGRAPHS))
             sample_view(&s, &capture->views[v], photographs);
     const int n = keep(&s, choose_values(&s));
     const double noise = s.count < LEAST ? 0 : sqrt(smallest_variance(&s, n));

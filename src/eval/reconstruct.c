@@ -110,7 +110,7 @@ FfpGaussians *ffp_reconstruct(const FfpCapture *capture, const FfpReconstruction
     FfpImage *clean = NULL;
     const double begin = ffp_seconds();
     if (options->noise < 0) story.noise = ffp_noise_estimate(&w.capture, w.photographs);
-    if (story.noise > 0) clean = ffp_denoise(&w.capture, w.photographs, story.noise);
+    if (story.noise > 0) clean = ffp_denoise(&w.capture, w.photographs, FFP_PHOTOGRAPHS, story.noise);
     story.denoise_s = ffp_seconds() - begin;
     snprintf(story.pattern, sizeof story.pattern, "%s", capture->patterns[active].name);
     if (predict_and_polish(&w, options, &story, err)) {
@@ -122,7 +122,7 @@ FfpGaussians *ffp_reconstruct(const FfpCapture *capture, const FfpReconstruction
         ffp_gaussians_free(&w.result);
     }
     ffp_start_free(&w.start);
-    ffp_denoise_free(clean, capture, w.photographs);
+    ffp_denoise_free(clean, capture, w.photographs, FFP_PHOTOGRAPHS);
     ffp_normalised_alias_free(&w.capture);
     return gaussians;
 }

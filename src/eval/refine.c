@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include "base/arena.h"
 #include "base/file.h"
+#include "denoise/denoise.h"
 #include "eval/reconstruct.h"
 #include "eval/relight.h"
 #include "refine/refine.h"
@@ -63,10 +64,18 @@ static void tell_story(FfpRefinementStory *story, const FfpRefineResult *result)
                                   result->gaussians,   result->seconds,    result->stopped};
 }
 
+// NULL where there is none.
+static FfpImage *take_noise_away(FfpCapture *capture, const int *patterns, int n_patterns, double noise) {
+    if (n_patterns < FFP_PHOTOGRAPHS) return NULL; // black or white was named as the pattern
+    if (noise < 0) noise = ffp_noise_estimate(capture, patterns);
+    return noise > 0 ? ffp_denoise(capture, patterns, n_patterns, noise) : NULL;
+}
+
 // Fits in the unit sphere, with signals caught. Gaussians without elements: from scratch.
 static bool fit(FfpGaussians *gaussians, const FfpCapture *capture, const int *patterns, int n_patterns,
-                FfpRefineSettings *settings, FfpRefinementStory *story, FfpError *err) {
+                FfpRefineSettings *settings, double noise, FfpRefinementStory *story, FfpError *err) {
     FfpCapture normalised = ffp_normalised_alias(capture);
+    FfpImage *clean = take_noise_away(&normalised, patterns, n_patterns, noise);
     FfpRefineResult result = {0};
     struct sigaction action = {.sa_handler = on_signal}, old_int, old_term;
     bool ok = gaussians->count > 0 ||
@@ -81,6 +90,7 @@ static bool fit(FfpGaussians *gaussians, const FfpCapture *capture, const int *p
         ffp_gaussians_transform(gaussians, capture->centre, capture->radius);
         tell_story(story, &result);
     }
+    ffp_denoise_free(clean, capture, patterns, n_patterns);
     ffp_normalised_alias_free(&normalised);
     return ok;
 }
@@ -94,7 +104,7 @@ static bool fit_with_metrics(FfpGaussians *gaussians, const FfpCapture *capture,
     if (n_patterns < 0) return false;
     if (options->metrics && !(settings.metrics = fopen(options->metrics, "w")))
         return ffp_fail(err, options->metrics, "cannot write");
-    const bool ok = fit(gaussians, capture, patterns, n_patterns, &settings, story, err);
+    const bool ok = fit(gaussians, capture, patterns, n_patterns, &settings, options->noise, story, err);
     if (settings.metrics && fclose(settings.metrics) != 0 && ok)
         return ffp_fail(err, options->metrics, "cannot write");
     return ok;

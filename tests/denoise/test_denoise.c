@@ -77,10 +77,10 @@ static double mean_psnr(void) {
 static double denoised_psnr(double noise) {
     FfpImage *own[FFP_VIEWS_MAX];
     for (int v = 0; v < capture.n_views; v++) own[v] = capture.views[v].images;
-    FfpImage *lists = ffp_denoise(&capture, photographs, noise);
+    FfpImage *lists = ffp_denoise(&capture, photographs, FFP_PHOTOGRAPHS, noise);
     const double psnr = mean_psnr();
     for (int v = 0; v < capture.n_views; v++) capture.views[v].images = own[v];
-    ffp_denoise_free(lists, &capture, photographs);
+    ffp_denoise_free(lists, &capture, photographs, FFP_PHOTOGRAPHS);
     return psnr;
 }
 
@@ -147,7 +147,7 @@ static void background_stays(void **state) {
     make_noisy(0.01);
     FfpImage *own[FFP_VIEWS_MAX];
     for (int v = 0; v < capture.n_views; v++) own[v] = capture.views[v].images;
-    FfpImage *lists = ffp_denoise(&capture, photographs, 0.01);
+    FfpImage *lists = ffp_denoise(&capture, photographs, FFP_PHOTOGRAPHS, 0.01);
     const FfpImage *image = picture(lists, 0, 1), *before = &own[0][photographs[1]];
     for (int i = 0; i < 3 * image->width * image->height; i++) {
         assert_true(image->data[i] >= 0);
@@ -155,7 +155,7 @@ static void background_stays(void **state) {
         assert_true(image->data[i] == before->data[i]);
     }
     for (int v = 0; v < capture.n_views; v++) capture.views[v].images = own[v];
-    ffp_denoise_free(lists, &capture, photographs);
+    ffp_denoise_free(lists, &capture, photographs, FFP_PHOTOGRAPHS);
 }
 
 static void a_view_without_a_photograph_is_left_alone(void **state) {
@@ -166,11 +166,11 @@ static void a_view_without_a_photograph_is_left_alone(void **state) {
     real *black = own[0][capture.black].data;
     own[0][capture.black].data = NULL;
     assert_true(ffp_noise_estimate(&capture, photographs) > 0.008);
-    FfpImage *lists = ffp_denoise(&capture, photographs, 0.01);
+    FfpImage *lists = ffp_denoise(&capture, photographs, FFP_PHOTOGRAPHS, 0.01);
     assert_true(capture.views[0].images == own[0]);
     assert_true(capture.views[1].images != own[1]);
     for (int v = 0; v < capture.n_views; v++) capture.views[v].images = own[v];
-    ffp_denoise_free(lists, &capture, photographs);
+    ffp_denoise_free(lists, &capture, photographs, FFP_PHOTOGRAPHS);
     own[0][capture.black].data = black;
 }
 
