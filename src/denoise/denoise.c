@@ -8,6 +8,7 @@
 
 #define RADIUS 3   // of a window, in pixels
 #define STRIDE 2   // between windows
+#define STRIP 64   // rows of pixels for which windows are kept
 #define DOUBT 1.5  // times the noise's variance is taken off a measured variance
 #define TRUST 0.3  // of a window: 1 over this and the number of axes it keeps
 #define ENOUGH 4.0 // pixels' worth of coverage that a window needs
@@ -19,9 +20,10 @@ typedef struct Window {
 
 typedef struct Filter {
     int width, height, across, down; // of the picture; windows
+    int first, rows;                 // window rows that are kept
     double variance;                 // of the noise
     const real *stack, *coverage;
-    Window *windows; // [down,across], centred at multiples of STRIDE
+    Window *windows; // [rows,across], centred at multiples of STRIDE
 } Filter;
 
 typedef struct Range {
@@ -109,7 +111,7 @@ static void smooth(const Filter *f, int x, int y, real values[FFP_VALUES]) {
     memcpy(values, f->stack + i * FFP_VALUES, FFP_VALUES * sizeof *values);
     for (int row = first_window(y); row < f->down && row * STRIDE <= y + RADIUS; row++)
         for (int column = first_window(x); column < f->across && column * STRIDE <= x + RADIUS; column++) {
-            const Window *window = &f->windows[(size_t)row * (size_t)f->across + (size_t)column];
+            const Window *window = &f->windows[(size_t)(row - f->first) * (size_t)f->across + (size_t)column];
             if (window->weight <= 0) continue;
             add(window, values, f->coverage[i], sum);
             weight += window->weight;
@@ -117,17 +119,25 @@ static void smooth(const Filter *f, int x, int y, real values[FFP_VALUES]) {
     for (int v = 0; weight > 0 && v < FFP_VALUES; v++) values[v] = fmax(sum[v] / weight, 0);
 }
 
-static void measure_all(const Filter *f) {
+static int least(int a, int b) {
+    return a < b ? a : b;
+}
+
+// The windows that hold pixels of rows from `top` up to, not including, `bottom`.
+static void measure_strip(Filter *f, int top, int bottom) {
+    f->first = first_window(top);
+    f->rows = least((bottom - 1 + RADIUS) / STRIDE + 1, f->down) - f->first;
+    memset(f->windows, 0, (size_t)f->rows * (size_t)f->across * sizeof *f->windows);
 #pragma omp parallel for schedule(dynamic)
-    for (int row = 0; row < f->down; row++)
+    for (int row = 0; row < f->rows; row++)
         for (int column = 0; column < f->across; column++)
-            measure(f, column * STRIDE, row * STRIDE,
+            measure(f, column * STRIDE, (f->first + row) * STRIDE,
                     &f->windows[(size_t)row * (size_t)f->across + (size_t)column]);
 }
 
-static void smooth_all(const Filter *f, FfpImage *pictures[FFP_PHOTOGRAPHS]) {
+static void smooth_strip(const Filter *f, int top, int bottom, FfpImage *pictures[FFP_PHOTOGRAPHS]) {
 #pragma omp parallel for schedule(dynamic)
-    for (int y = 0; y < f->height; y++)
+    for (int y = top; y < bottom; y++)
         for (int x = 0; x < f->width; x++) {
             const size_t i = (size_t)y * (size_t)f->width + (size_t)x;
             real values[FFP_VALUES];
@@ -149,9 +159,12 @@ static void denoise_view(const FfpView *view, const int photographs[FFP_PHOTOGRA
                 .variance = noise * noise,
                 .stack = stack,
                 .coverage = view->coverage.data};
-    f.windows = ffp_alloc((size_t)f.across * (size_t)f.down, sizeof *f.windows);
-    measure_all(&f);
-    smooth_all(&f, pictures);
+    f.windows = ffp_alloc((size_t)f.across * ((STRIP + 2 * RADIUS) / STRIDE + 2), sizeof *f.windows);
+    for (int top = 0; top < f.height; top += STRIP) {
+        const int bottom = least(top + STRIP, f.height);
+        measure_strip(&f, top, bottom);
+        smooth_strip(&f, top, bottom, pictures);
+    }
     free(f.windows);
     free(stack);
 }

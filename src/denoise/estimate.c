@@ -4,14 +4,16 @@
 #include "base/arena.h"
 #include "denoise/stack.h"
 
-#define DARK 0.02   // values below it count little
-#define ENOUGH 2000 // pixels that must remain while values are left out
-#define LEAST 200   // pixels below which nothing is said
-#define ROUNDS 10   // of leaving out outliers
-#define OUTLIER 3   // deviations
+#define DARK 0.02    // values below it count little
+#define MOST 1000000 // pixels that are sampled, about
+#define ENOUGH 2000  // pixels that must remain while values are left out
+#define LEAST 200    // pixels below which nothing is said
+#define ROUNDS 10    // of leaving out outliers
+#define OUTLIER 3    // deviations
 
 typedef struct Samples {
-    int64_t count, room;
+    int64_t count;
+    int step;                  // between the rows and columns that are sampled
     real (*edges)[FFP_VALUES]; // Laplacian of each value
     uint16_t *bright;          // bit v: value v is nowhere dark around the pixel
 } Samples;
@@ -44,8 +46,8 @@ static bool inside(const FfpImage *coverage, int x, int y) {
 static void sample_view(Samples *s, const FfpView *view, const int photographs[FFP_PHOTOGRAPHS]) {
     const int width = view->camera.width, height = view->camera.height;
     real *stack = ffp_stack_new(view, photographs);
-    for (int y = 1; y + 1 < height; y++)
-        for (int x = 1; x + 1 < width; x++) {
+    for (int y = 1; y + 1 < height; y += s->step)
+        for (int x = 1; x + 1 < width; x += s->step) {
             if (!inside(&view->coverage, x, y)) continue;
             s->bright[s->count] = 0;
             laplacian(stack, width, (size_t)y * (size_t)width + (size_t)x, s->edges[s->count],
@@ -120,12 +122,25 @@ static double smallest_variance(const Samples *s, int n) {
     return fmax(values[0], 0);
 }
 
+// Chooses the step, and returns how many samples there can be.
+static size_t make_room(Samples *s, const FfpCapture *capture) {
+    double pixels = 0;
+    size_t room = 0;
+    for (int v = 0; v < capture->n_views; v++)
+        pixels += (double)capture->views[v].camera.width * capture->views[v].camera.height;
+    s->step = (int)ceil(sqrt(fmax(pixels / MOST, 1)));
+    for (int v = 0; v < capture->n_views; v++) {
+        const FfpCamera *camera = &capture->views[v].camera;
+        room += (size_t)(camera->width / s->step + 1) * (size_t)(camera->height / s->step + 1);
+    }
+    return room;
+}
+
 double ffp_noise_estimate(const FfpCapture *capture, const int photographs[FFP_PHOTOGRAPHS]) {
     Samples s = {0};
-    for (int v = 0; v < capture->n_views; v++)
-        s.room += (int64_t)capture->views[v].camera.width * capture->views[v].camera.height;
-    s.edges = ffp_alloc((size_t)s.room, sizeof *s.edges);
-    s.bright = ffp_alloc((size_t)s.room, sizeof *s.bright);
+    const size_t room = make_room(&s, capture);
+    s.edges = ffp_alloc(room, sizeof *s.edges);
+    s.bright = ffp_alloc(room, sizeof *s.bright);
     for (int v = 0; v < capture->n_views; v++)
         if (ffp_has_photographs(&capture->views[v], photographs, FFP_PHOTOGRAPHS))
             sample_view(&s, &capture->views[v], photographs);
