@@ -33,7 +33,11 @@ PARTS = [("ours: MTMTMTMT, 8 views", {}),
          ("2 views", {"views": 2}),
          ("without true albedo and normals", {"truth_albedo": 0, "truth_normal": 0}),
          ("with the perceptual term", {"perceptual": 0.05, "perceptual_from": 0}),
-         ("with a convolutional head for appearance", {"model": {"appearance_cnn": True}})]
+         ("with a convolutional head for appearance", {"model": {"appearance_cnn": True}}),
+         ("TMTMTMTM", {"model": {"modules": "TMTMTMTM"}}),
+         ("learning rate 4e-4 instead of 6e-4", {"learning_rate": 4e-4}),
+         ("learning rate 2e-4", {"learning_rate": 2e-4}),
+         ("learning rate 1e-4", {"learning_rate": 1e-4})]
 
 
 def merged(base, change):

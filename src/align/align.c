@@ -75,7 +75,10 @@ static void set_ways(Search *s, const double axis[3], double turn) {
     s->n_ways = axis ? WAYS : SIDE;
     if (!axis) return;
     ffp_cross(axis, ahead, side);
-    set_way(&s->way[SIDE], view, side, turn, turn);
+    // By the same length at the object, so that the pattern stays where it is: else this way would lie across
+    // the narrow valley of the one before.
+    const double nearer = sqrt(ffp_dot(camera.t, camera.t) / ffp_dot(projector.t, projector.t));
+    set_way(&s->way[SIDE], view, side, turn, turn * nearer);
 }
 
 static void turn_device(const FfpCamera *from, const double v[3], FfpCamera *to) {
