@@ -31,14 +31,12 @@ int ffp_cli_fail(const FfpError *err); // "ffprocams: error: WHAT (WHERE)"; retu
 // "ffprocams: error: WHAT" and where to read more; returns FFP_EXIT_USAGE
 int ffp_cli_usage(const char *command, const char *what_format, ...) __attribute__((format(printf, 2, 3)));
 
-#define FFP_POLISH_MAX 1000000 // steps of --polish
-
 // A whole decimal number in [low, high] out of an option's value; false otherwise.
 bool ffp_cli_number(const char *text, int64_t low, int64_t high, int64_t *out);
 bool ffp_cli_real(const char *text, double low, double high, double *out); // any finite number in between
-// Value of --noise: `auto` or a deviation from 0 to FFP_NOISE_MAX.
-#define FFP_NOISE_MAX 0.2
-bool ffp_cli_noise(const char *text, double *out);
+// Values of --polish, a number of steps, and --noise, `auto` or a deviation; false with the usage told.
+bool ffp_cli_polish(const char *command, const char *text, int64_t *out);
+bool ffp_cli_noise(const char *command, const char *text, double *out);
 
 // Values of an option that may be given again and again. There cannot be more than arguments.
 typedef struct FfpList {

@@ -158,13 +158,11 @@ static int parse(int argc, char **argv, FfpEvaluation *evaluation, FfpList *targ
             evaluation->pattern = optarg;
             break;
         case POLISH:
-            if (ffp_cli_number(optarg, 0, FFP_POLISH_MAX, &evaluation->polish)) break;
-            return ffp_cli_usage(argv[0], "--polish is a number of steps from 0 to %d, not %s",
-                                 FFP_POLISH_MAX, optarg);
+            if (!ffp_cli_polish(argv[0], optarg, &evaluation->polish)) return FFP_EXIT_USAGE;
+            break;
         case NOISE:
-            if (ffp_cli_noise(optarg, &evaluation->noise)) break;
-            return ffp_cli_usage(argv[0], "--noise is auto or a number from 0 to %g, not %s", FFP_NOISE_MAX,
-                                 optarg);
+            if (!ffp_cli_noise(argv[0], optarg, &evaluation->noise)) return FFP_EXIT_USAGE;
+            break;
         case SAVE:
             evaluation->save = optarg;
             break;

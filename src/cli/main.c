@@ -5,6 +5,9 @@
 #include <string.h>
 #include "cli/cli.h"
 
+#define POLISH_MAX 1000000 // steps
+#define NOISE_MAX 0.2
+
 static const char help[] =
     "usage: ffprocams COMMAND [ARGUMENTS]\n"
     "\n"
@@ -102,10 +105,20 @@ bool ffp_cli_real(const char *text, double low, double high, double *out) {
     return true;
 }
 
-bool ffp_cli_noise(const char *text, double *out) {
-    if (strcmp(text, "auto") != 0) return ffp_cli_real(text, 0, FFP_NOISE_MAX, out);
-    *out = FFP_NOISE_ESTIMATED;
-    return true;
+bool ffp_cli_polish(const char *command, const char *text, int64_t *out) {
+    if (ffp_cli_number(text, 0, POLISH_MAX, out)) return true;
+    ffp_cli_usage(command, "--polish is a number of steps from 0 to %d, not %s", POLISH_MAX, text);
+    return false;
+}
+
+bool ffp_cli_noise(const char *command, const char *text, double *out) {
+    if (strcmp(text, "auto") == 0) {
+        *out = FFP_NOISE_ESTIMATED;
+        return true;
+    }
+    if (ffp_cli_real(text, 0, NOISE_MAX, out)) return true;
+    ffp_cli_usage(command, "--noise is auto or a number from 0 to %g, not %s", NOISE_MAX, text);
+    return false;
 }
 
 void ffp_cli_append(FfpList *list, const char *value) {

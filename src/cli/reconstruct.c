@@ -75,13 +75,11 @@ int ffp_cli_reconstruct(int argc, char **argv) {
             how.pattern = optarg;
             break;
         case POLISH:
-            if (ffp_cli_number(optarg, 0, FFP_POLISH_MAX, &how.polish)) break;
-            return ffp_cli_usage(argv[0], "--polish is a number of steps from 0 to %d, not %s",
-                                 FFP_POLISH_MAX, optarg);
+            if (!ffp_cli_polish(argv[0], optarg, &how.polish)) return FFP_EXIT_USAGE;
+            break;
         case NOISE:
-            if (ffp_cli_noise(optarg, &how.noise)) break;
-            return ffp_cli_usage(argv[0], "--noise is auto or a number from 0 to %g, not %s", FFP_NOISE_MAX,
-                                 optarg);
+            if (!ffp_cli_noise(argv[0], optarg, &how.noise)) return FFP_EXIT_USAGE;
+            break;
         case 'h':
             fputs(help, stdout);
             return FFP_EXIT_OK;

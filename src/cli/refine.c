@@ -114,9 +114,8 @@ static int parse(int argc, char **argv, Arguments *arguments, FfpList *patterns)
             refinement->seed = (uint64_t)number;
             break;
         case NOISE:
-            if (ffp_cli_noise(optarg, &refinement->noise)) break;
-            return ffp_cli_usage(argv[0], "--noise is auto or a number from 0 to %g, not %s", FFP_NOISE_MAX,
-                                 optarg);
+            if (!ffp_cli_noise(argv[0], optarg, &refinement->noise)) return FFP_EXIT_USAGE;
+            break;
         case DRAWING:
             if (ffp_cli_drawing(optarg, &refinement->drawing)) break;
             return ffp_cli_usage(argv[0], "--drawing is ours or paper, not %s", optarg);

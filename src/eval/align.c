@@ -2,6 +2,7 @@
 #include <string.h>
 #include "align/align.h"
 #include "base/log.h"
+#include "denoise/denoise.h"
 #include "eval/reconstruct.h"
 
 #define DEGREES 57.29577951308232
@@ -30,6 +31,9 @@ bool ffp_align_poses(FfpCapture *capture, const char *pattern, FfpAlignStory *st
     const double begin = ffp_seconds();
     const FfpAlignSettings settings = ffp_align_defaults();
     FfpCapture normalised = ffp_normalised_alias(capture);
+    const int photographs[FFP_PHOTOGRAPHS] = {capture->black, capture->white, active};
+    double noise = FFP_NOISE_ESTIMATED;
+    FfpImage *clean = ffp_take_noise_away(&normalised, photographs, FFP_PHOTOGRAPHS, &noise);
     FfpAlignment done;
     const bool ok = ffp_align(&normalised, active, &settings, &done, err);
     for (int v = 0; ok && v < capture->n_views; v++) {
@@ -37,6 +41,7 @@ bool ffp_align_poses(FfpCapture *capture, const char *pattern, FfpAlignStory *st
         take_pose(&normalised.views[v].projector, capture, &capture->views[v].projector);
     }
     if (ok && story) tell(story, &done, ffp_seconds() - begin);
+    ffp_denoise_free(clean, capture, photographs, FFP_PHOTOGRAPHS);
     ffp_normalised_alias_free(&normalised);
     return ok;
 }

@@ -29,6 +29,12 @@ void ffp_normalised_alias_free(FfpCapture *alias) {
     alias->views = NULL;
 }
 
+FfpImage *ffp_take_noise_away(FfpCapture *alias, const int *photographs, int n, double *noise) {
+    if (n < FFP_PHOTOGRAPHS) return NULL;
+    if (*noise < 0) *noise = ffp_noise_estimate(alias, photographs);
+    return *noise > 0 ? ffp_denoise(alias, photographs, n, *noise) : NULL;
+}
+
 // Matching lays all views' pixels in one array, and the network cuts them into patches.
 bool ffp_check_fit(const FfpCapture *capture, const FfpModel *model, FfpError *err) {
     const FfpCamera *first = &capture->views[0].camera;
@@ -107,10 +113,8 @@ FfpGaussians *ffp_reconstruct(const FfpCapture *capture, const FfpReconstruction
               .photographs = {capture->black, capture->white, active}};
     FfpReconstructionStory story = {.noise = options->noise};
     FfpGaussians *gaussians = NULL;
-    FfpImage *clean = NULL;
     const double begin = ffp_seconds();
-    if (options->noise < 0) story.noise = ffp_noise_estimate(&w.capture, w.photographs);
-    if (story.noise > 0) clean = ffp_denoise(&w.capture, w.photographs, FFP_PHOTOGRAPHS, story.noise);
+    FfpImage *clean = ffp_take_noise_away(&w.capture, w.photographs, FFP_PHOTOGRAPHS, &story.noise);
     story.denoise_s = ffp_seconds() - begin;
     snprintf(story.pattern, sizeof story.pattern, "%s", capture->patterns[active].name);
     if (predict_and_polish(&w, options, &story, err)) {

@@ -11,6 +11,11 @@
 FfpCapture ffp_normalised_alias(const FfpCapture *capture);
 void ffp_normalised_alias_free(FfpCapture *alias);
 
+// Takes the noise out of the n photographs of an alias, black and white first: of deviation *noise, which is
+// estimated, and told, when it is FFP_NOISE_ESTIMATED. Returns what ffp_denoise_free wants; NULL: nothing was
+// changed.
+FfpImage *ffp_take_noise_away(FfpCapture *alias, const int *photographs, int n, double *noise);
+
 // Whether the capture can be reconstructed: one image size for all views, whole patches of the model (NULL:
 // the classical start, which has none).
 bool ffp_check_fit(const FfpCapture *capture, const FfpModel *model, FfpError *err);

@@ -64,18 +64,11 @@ static void tell_story(FfpRefinementStory *story, const FfpRefineResult *result)
                                   result->gaussians,   result->seconds,    result->stopped};
 }
 
-// NULL where there is none.
-static FfpImage *take_noise_away(FfpCapture *capture, const int *patterns, int n_patterns, double noise) {
-    if (n_patterns < FFP_PHOTOGRAPHS) return NULL; // black or white was named as the pattern
-    if (noise < 0) noise = ffp_noise_estimate(capture, patterns);
-    return noise > 0 ? ffp_denoise(capture, patterns, n_patterns, noise) : NULL;
-}
-
 // Fits in the unit sphere, with signals caught. Gaussians without elements: from scratch.
 static bool fit(FfpGaussians *gaussians, const FfpCapture *capture, const int *patterns, int n_patterns,
                 FfpRefineSettings *settings, double noise, FfpRefinementStory *story, FfpError *err) {
     FfpCapture normalised = ffp_normalised_alias(capture);
-    FfpImage *clean = take_noise_away(&normalised, patterns, n_patterns, noise);
+    FfpImage *clean = ffp_take_noise_away(&normalised, patterns, n_patterns, &noise);
     FfpRefineResult result = {0};
     struct sigaction action = {.sa_handler = on_signal}, old_int, old_term;
     bool ok = gaussians->count > 0 ||
