@@ -15,10 +15,7 @@
 #define NEXT_STEP 0.6  // of the one before
 #define LOOKS 3        // along a way, each time
 #define REACH 1.5      // steps that a parabola may point beyond the last look
-#define WAVERS                                                                                               \
-    0.01            // a turn as large as expected must make pictures agree better by this share: they
-                    // waver by as much (docs/training.md, "Alignment")
-#define ALIKE 1.005 // disagreements that differ by no more are alike: right poses, evened out
+#define ALIKE 1.005    // disagreements that differ by no more are alike: right poses, evened out
 
 // Ways to turn. Depth: camera and projector towards each other or apart, along the line between them, which
 // moves every surface nearer or farther. Across: against each other at right angles to that. Side: together,
@@ -36,9 +33,8 @@ typedef struct Search {
     FfpLooker *looker;
     int n_ways;
     Way way[WAYS];
-    double likely;  // turn that is expected after evening out, in units of what was expected before
     double x[WAYS]; // where it stands
-    double best;    // disagreement there, weighed
+    double best;    // disagreement there
     FfpProgress progress;
     int64_t looks;
 } Search;
@@ -79,10 +75,7 @@ static void set_ways(Search *s, const double axis[3], double turn) {
     s->n_ways = axis ? WAYS : SIDE;
     if (!axis) return;
     ffp_cross(axis, ahead, side);
-    // By the same length at the object, so that the pattern stays where it is: else this way would lie across
-    // the narrow valley of the one before.
-    const double nearer = sqrt(ffp_dot(camera.t, camera.t) / ffp_dot(projector.t, projector.t));
-    set_way(&s->way[SIDE], view, side, turn, turn * nearer);
+    set_way(&s->way[SIDE], view, side, turn, turn);
 }
 
 static void turn_device(const FfpCamera *from, const double v[3], FfpCamera *to) {
@@ -105,21 +98,13 @@ static void place(const Search *s, const double x[WAYS]) {
     }
 }
 
-// Turns beyond what is likely make a disagreement weigh more.
-static double weight_of(const Search *s, const double x[WAYS]) {
-    double square = 0;
-    for (int w = 0; w < WAYS; w++) square += x[w] * x[w];
-    return 1 + WAVERS * square / (s->likely * s->likely);
-}
-
-// The weighed disagreement with one number changed; keeps it when it is the least so far.
+// The disagreement with one number changed; keeps it when it is the least so far.
 static bool look_at(Search *s, int way, double by, double origin, double *disagreement, FfpError *err) {
     double x[WAYS];
     memcpy(x, s->x, sizeof x);
     x[way] = origin + by;
     place(s, x);
     if (!ffp_look(s->looker, disagreement, err)) return false;
-    *disagreement *= weight_of(s, x);
     ffp_progress_step(&s->progress, ++s->looks, NULL);
     if (*disagreement < s->best) {
         s->best = *disagreement;
@@ -186,7 +171,6 @@ bool ffp_align(FfpCapture *capture, int active, const FfpAlignSettings *settings
     if (ok && ffp_ring_fit(&ring, capture, &settings->expected)) ok = even_out(&s, &ring, report, err);
     memcpy(from, capture->views, size);
     s.from = from;
-    s.likely = report->turntable ? 1 / sqrt((double)capture->n_views) : 1;
     set_ways(&s, report->turntable ? ring.axis : NULL, settings->expected.turn);
     s.progress = ffp_progress("aligning", (int64_t)settings->rounds * s.n_ways * LOOKS);
     double step = FIRST_STEP;
@@ -194,7 +178,7 @@ bool ffp_align(FfpCapture *capture, int active, const FfpAlignSettings *settings
         for (int way = 0; ok && way < s.n_ways; way++) ok = search_along(&s, way, step, err);
     ffp_progress_end(&s.progress);
     place(&s, s.x);
-    report->after = s.best / weight_of(&s, s.x);
+    report->after = s.best;
     report->depth = s.x[DEPTH] * settings->expected.turn;
     report->across = s.x[ACROSS] * settings->expected.turn;
     report->side = s.x[SIDE] * settings->expected.turn;

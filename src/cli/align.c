@@ -32,7 +32,7 @@ static void tell(const char *output, const FfpAlignStory *story) {
         printf("turntable   no: each view keeps its own pose\n");
     printf("all views   camera turned by %+.3f degrees to the projector and %+.3f across, the projector as "
            "much\n"
-           "            against it; %+.3f sideways, the projector with it\n"
+           "            against it; both by %+.3f sideways\n"
            "pictures    pattern values differ by %.4f, before by %.4f\n"
            "%s: aligned in %.1f s\n",
            story->depth, story->across, story->side, story->after, story->before, output, story->seconds);
