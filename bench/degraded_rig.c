@@ -321,10 +321,14 @@ static void print_table(const Bench *bench, int objects) {
 }
 
 int main(int argc, char **argv) {
+    if (argc < 2 || argv[1][0] == '-') {
+        fprintf(stderr, "usage: degraded_rig FOLDER [MODEL.safetensors] [OBJECTS] [FIRST]\n");
+        return 2;
+    }
     const int objects = argc > 3 ? atoi(argv[3]) : 2, first = argc > 4 ? atoi(argv[4]) : 0;
     FfpError err = {""};
     Bench *bench = ffp_alloc(1, sizeof *bench);
-    bench->folder = argc > 1 ? argv[1] : "degraded_rig";
+    bench->folder = argv[1];
     bench->model = ffp_model_open(argc > 2 ? argv[2] : NULL, &err);
     bool ok = bench->model != NULL && ffp_make_folders(bench->folder, &err);
     for (int object = first; object < first + objects && ok; object++) {
