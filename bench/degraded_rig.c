@@ -256,16 +256,16 @@ static FfpView placed(const FfpCapture *truth, int index, const FfpCapture *impo
 static void score(Bench *bench, const FfpGaussians *gaussians, const FfpCapture *imported, unsigned faults,
                   int form, Score *scores) {
     const FfpCapture *truth = &bench->truth;
-    const FfpRenderSettings settings = ffp_drawing_settings(FFP_DRAWING_OURS, bench->model);
-    FfpRelight relight = ffp_relight_new(&settings);
+    const FfpRenderSettings settings = ffp_drawing_settings((FfpDrawing){0}, bench->model);
+    FfpViewPass *pass = ffp_view_pass_new(&settings);
     FfpSummed *sums = ffp_alloc((size_t)truth->n_patterns, sizeof *sums);
     for (int p = 0; p < truth->n_patterns; p++) sums[p] = ffp_summed_new(&truth->patterns[p].image);
     for (int v = 0; v < truth->n_views; v++) {
         const FfpView view = placed(truth, v, imported, faults);
-        ffp_relight_view(&relight, gaussians, &view);
+        ffp_view_pass_draw(pass, gaussians, &view.camera, &view.projector);
         for (int p = 0; p < truth->n_patterns; p++) {
             const int protocol = v >= VIEWS ? 2 : truth->patterns[p].novel;
-            FfpImage picture = ffp_relight_shade(&relight, &view, imported->intensity, &sums[p]),
+            FfpImage picture = ffp_relight(pass, imported->intensity, &sums[p]),
                      clean = ffp_image_copy(&truth->views[v].images[p]);
             ffp_image_to_srgb(&clean);
             scores->sum[form][protocol] += ffp_psnr(&picture, &clean), scores->count[form][protocol]++;
@@ -275,7 +275,7 @@ static void score(Bench *bench, const FfpGaussians *gaussians, const FfpCapture 
     }
     for (int p = 0; p < truth->n_patterns; p++) ffp_summed_free(&sums[p]);
     free(sums);
-    ffp_relight_free(&relight);
+    ffp_view_pass_free(pass);
 }
 
 // A row that cannot be imported leaves its cells empty, and the reason on stderr.

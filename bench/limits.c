@@ -8,6 +8,7 @@
 #include "base/vec.h"
 #include "ffprocams.h"
 #include "loss/metrics.h"
+#include "render/pass.h"
 #include "train/train.h"
 
 // Parts that may be true.
@@ -48,10 +49,8 @@ typedef struct Score {
 enum { ALONE, POLISHED, STAGES };
 
 typedef struct Viewer {
-    FfpRaster *raster;
-    FfpGbuffer gbuffer;
-    FfpMapping mapping;
-    FfpImage image;
+    FfpViewPass *pass[2]; // without shadows, with
+    FfpImage picture;
 } Viewer;
 
 // Puts the truth of the splat's own pixel in for some parts.
@@ -73,27 +72,36 @@ static void put_truth(FfpGaussians *g, const FfpRun *run, const FfpScene *scene,
     }
 }
 
-// Every sum of the G-buffer scaled so that its opacity is the true coverage.
-static void put_silhouette(FfpGbuffer *g, const FfpImage *coverage) {
-    for (int p = 0; p < g->width * g->height; p++) {
-        if (g->opacity[p] <= 1e-3F) continue;
-        const real scale = coverage->data[p] / g->opacity[p];
-        g->opacity[p] *= scale, g->depth[p] *= scale, g->roughness[p] *= scale;
+// Pixel of the view that a sample belongs to.
+static int pixel_of(const FfpGbuffer *samples, int sample, const FfpImage *view) {
+    const int side = samples->width / view->width;
+    return sample / samples->width / side * view->width + sample % samples->width / side;
+}
+
+// The samples' sums scaled so that each pixel's opacity is its true coverage.
+static void put_silhouette(FfpGbuffer *g, const FfpGbuffer *means, const FfpImage *coverage) {
+    for (int i = 0; i < g->width * g->height; i++) {
+        const int p = pixel_of(g, i, coverage);
+        if (means->opacity[p] <= 1e-3F) continue;
+        const real scale = coverage->data[p] / means->opacity[p];
+        g->opacity[i] *= scale, g->depth[i] *= scale, g->roughness[i] *= scale;
         for (int k = 0; k < 3; k++)
-            g->normal[3 * p + k] *= scale, g->albedo[3 * p + k] *= scale, g->ambient[3 * p + k] *= scale;
+            g->normal[3 * i + k] *= scale, g->albedo[3 * i + k] *= scale, g->ambient[3 * i + k] *= scale;
     }
 }
 
 // The generator's maps in place of what was rasterised: what shading, ambient and shadows alone cost.
 static void put_maps(FfpGbuffer *g, const FfpView *view, const FfpImage *black) {
-    for (int p = 0; p < g->width * g->height; p++) {
+    for (int i = 0; i < g->width * g->height; i++) {
+        const int p = pixel_of(g, i, black);
         const real c = view->depth.data[p] > 0 ? view->coverage.data[p] : 0;
-        g->opacity[p] = c, g->depth[p] = c * view->depth.data[p],
-        g->roughness[p] = c * view->roughness.data[p];
+        g->opacity[i] = c, g->depth[i] = c * view->depth.data[p],
+        g->roughness[i] = c * view->roughness.data[p];
         for (int k = 0; k < 3; k++) {
-            const int i = 3 * p + k;
-            g->normal[i] = c * view->normal.data[i], g->albedo[i] = c * view->albedo.data[i];
-            g->ambient[i] = black->data[i];
+            g->normal[3 * i + k] = c * view->normal.data[3 * p + k];
+            g->albedo[3 * i + k] = c * view->albedo.data[3 * p + k];
+            if (c > 0)
+                g->ambient[3 * i + k] = c * ffp_srgb_decode(ffp_srgb_encode(black->data[3 * p + k]) / c);
         }
     }
 }
@@ -103,24 +111,19 @@ static void score_view(Viewer *v, const FfpScene *scene, int index, const FfpGau
     const FfpCapture *capture = &scene->capture;
     const FfpView *view = &capture->views[index];
     const int target = index >= scene->inputs.n_views;
-    FfpRenderSettings settings = ffp_render_defaults();
-    settings.shadows = !(parts & NO_SHADOWS);
-    ffp_rasterise(v->raster, g, &view->camera, &settings, &v->gbuffer);
-    ffp_map_to_projector(v->raster, g, &v->gbuffer, &view->camera, &view->projector, &settings, &v->mapping);
-    if (parts & MAPS) {
-        put_maps(&v->gbuffer, view, &view->images[capture->black]);
-        ffp_map_to_projector(v->raster, g, &v->gbuffer, &view->camera, &view->projector, &settings,
-                             &v->mapping);
-    }
-    if (parts & SILHOUETTE) put_silhouette(&v->gbuffer, &view->coverage);
+    FfpViewPass *pass = v->pass[!(parts & NO_SHADOWS)];
+    ffp_view_pass_draw(pass, g, &view->camera, &view->projector);
+    if (parts & MAPS) put_maps(ffp_view_pass_samples(pass), view, &view->images[capture->black]);
+    if (parts & SILHOUETTE)
+        put_silhouette(ffp_view_pass_samples(pass), ffp_view_pass_gbuffer(pass), &view->coverage);
+    if (parts & (MAPS | SILHOUETTE)) ffp_view_pass_samples_changed(pass);
     for (int p = 0; p < capture->n_patterns; p++) {
         if (!target && (p == capture->black || p == capture->white || p == scene->active)) continue;
-        ffp_shade(&v->gbuffer, &v->mapping, &view->camera, &view->projector, capture->intensity,
-                  p == capture->black ? NULL : &scene->patterns[p], &v->image);
-        ffp_image_to_srgb(&v->image);
+        ffp_view_pass_shade(pass, capture->intensity, p == capture->black ? NULL : &scene->patterns[p],
+                            &v->picture);
         FfpImage truth = ffp_image_copy(&view->images[p]);
         ffp_image_to_srgb(&truth);
-        score->sum[target] += ffp_psnr(&v->image, &truth);
+        score->sum[target] += ffp_psnr(&v->picture, &truth);
         score->count[target]++;
         ffp_image_free(&truth);
     }
@@ -148,8 +151,12 @@ static bool run_scenes(const FfpModel *model, int count, int first, Score scores
     FfpTrainConfig config = ffp_train_defaults();
     const int side = config.resolution;
     config.polish_steps = FFP_POLISH_STEPS;
-    Viewer viewer = {ffp_raster_new(), ffp_gbuffer_new(side, side), ffp_mapping_new(side, side),
-                     ffp_image_new(side, side, 3)};
+    FfpRenderSettings settings = ffp_render_defaults();
+    Viewer viewer = {.picture = ffp_image_new(side, side, 3)};
+    for (int shadows = 0; shadows < 2; shadows++) {
+        settings.shadows = shadows;
+        viewer.pass[shadows] = ffp_view_pass_new(&settings);
+    }
     FfpRun *run = ffp_run_new();
     bool ok = true;
     for (int i = first; i < first + count && ok; i++) {
@@ -160,10 +167,8 @@ static bool run_scenes(const FfpModel *model, int count, int first, Score scores
         ffp_scene_close(&scene);
     }
     ffp_run_free(run);
-    ffp_image_free(&viewer.image);
-    ffp_mapping_free(&viewer.mapping);
-    ffp_gbuffer_free(&viewer.gbuffer);
-    ffp_raster_free(viewer.raster);
+    ffp_image_free(&viewer.picture);
+    for (int shadows = 0; shadows < 2; shadows++) ffp_view_pass_free(viewer.pass[shadows]);
     return ok;
 }
 

@@ -42,6 +42,15 @@ typedef struct FfpModel FfpModel;
 FfpModel *ffp_model_open(const char *path, FfpError *err);
 void ffp_model_close(FfpModel *model);
 
+// How Gaussians are drawn. The form: as the shipped model means them (firm splats, footprint lookup,
+// shadows), or in the paper's plain form (blur 0.3 px, bilinear lookup, no shadows); a model knows its own.
+typedef enum FfpForm { FFP_FORM_OURS, FFP_FORM_PAPER } FfpForm;
+typedef struct FfpDrawing {
+    FfpForm form;
+    int samples; // a side of the grid of samples in each pixel, 1 to 4; 0: as the model has it, without one
+                 // 2, or 1 in the paper's form
+} FfpDrawing;
+
 // --- The reconstruction. ---
 
 typedef struct FfpGaussians FfpGaussians;
@@ -53,6 +62,7 @@ typedef struct FfpReconstruction {
                     // made from: black, white and the pattern; 0: the forward pass alone
     double noise;   // deviation of the photographs' noise, linear, of values up to 1, to be taken away before
                     // all else; 0: none; FFP_NOISE_ESTIMATED: what the photographs tell
+    FfpDrawing drawing; // of the polish
 } FfpReconstruction;
 #define FFP_POLISH_STEPS 40 // what the command line takes
 #define FFP_NOISE_ESTIMATED (-1.0)
@@ -78,10 +88,6 @@ int64_t ffp_gaussians_count(const FfpGaussians *gaussians);
 void ffp_gaussians_close(FfpGaussians *gaussians);
 
 // --- Pictures. ---
-
-// How Gaussians are drawn: as the shipped model means them (narrow blur with compensation, footprint lookup,
-// shadows), or in the paper's plain form (blur 0.3 px, bilinear lookup, no shadows).
-typedef enum FfpDrawing { FFP_DRAWING_OURS, FFP_DRAWING_PAPER } FfpDrawing;
 
 // What goes once round the object's centre: the camera, the projector, or the object itself (both devices
 // the other way round).
@@ -221,7 +227,7 @@ typedef struct FfpEvaluation {
     const char
         *show_pattern; // image file: the report also shows views under it (no truth, no figures), or NULL
     const char *perceptual; // safetensors with LPIPS weights, or NULL
-    FfpDrawing drawing;     // used when there is no model to say it
+    FfpDrawing drawing;
 } FfpEvaluation;
 
 // One row: a capture under a protocol. `rendering`: black, white and lollipops at the input poses;

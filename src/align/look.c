@@ -6,7 +6,7 @@
 #include "match/match.h"
 #include "match/observe.h"
 #include "network/network.h"
-#include "render/render.h"
+#include "render/pass.h"
 
 #define SURFACE 0.5F // opacity from which there is a surface
 #define HOLE 0.3     // difference that counts where there is none
@@ -18,23 +18,18 @@
 struct FfpLooker {
     const FfpCapture *capture;
     int active;
-    FfpRenderSettings render;
     FfpSummed light;
     FfpObservation *seen; // [views]; NULL until a match said that all pictures are there
-    FfpRaster *raster;
-    FfpGbuffer gbuffer;
-    FfpMapping mapping;
+    FfpViewPass *pass;
 };
 
 FfpLooker *ffp_looker_new(const FfpCapture *capture, int active) {
-    const FfpCamera *camera = &capture->views[0].camera;
+    FfpRenderSettings render = ffp_render_defaults();
+    render.samples = 1;     // whose places in the pattern are looked up, one a pixel
+    render.shadows = false; // what was not lit has no weight
     FfpLooker *l = ffp_alloc(1, sizeof *l);
-    *l = (FfpLooker){.capture = capture, .active = active, .render = ffp_render_defaults()};
-    l->render.shadows = false; // what was not lit has no weight
+    *l = (FfpLooker){.capture = capture, .active = active, .pass = ffp_view_pass_new(&render)};
     l->light = ffp_summed_new(&capture->patterns[active].image);
-    l->raster = ffp_raster_new();
-    l->gbuffer = ffp_gbuffer_new(camera->width, camera->height);
-    l->mapping = ffp_mapping_new(camera->width, camera->height);
     return l;
 }
 
@@ -43,9 +38,7 @@ void ffp_looker_free(FfpLooker *l) {
     for (int v = 0; l->seen && v < l->capture->n_views; v++) ffp_observation_free(&l->seen[v]);
     free(l->seen);
     ffp_summed_free(&l->light);
-    ffp_raster_free(l->raster);
-    ffp_gbuffer_free(&l->gbuffer);
-    ffp_mapping_free(&l->mapping);
+    ffp_view_pass_free(l->pass);
     free(l);
 }
 
@@ -57,15 +50,15 @@ static void observe_once(FfpLooker *l) {
 
 // Sum over the channels of a pixel that the object fills.
 static double pixel_difference(const FfpLooker *l, const FfpObservation *seen, int pixel) {
-    const FfpMapping *m = &l->mapping;
+    const FfpMapping *m = ffp_view_pass_mapping(l->pass);
+    const bool surface = ffp_view_pass_gbuffer(l->pass)->opacity[pixel] > SURFACE;
     const real *weight = seen->weight + (ptrdiff_t)3 * pixel, *ratio = seen->ratio + (ptrdiff_t)3 * pixel;
     const real *uv = m->uv + (ptrdiff_t)2 * pixel, *extent = m->extent + (ptrdiff_t)2 * pixel;
     real colour[3] = {0};
     double sum = 0;
     if (m->visibility[pixel] > 0) ffp_lookup(&l->light, uv[0], uv[1], extent[0], extent[1], colour);
     for (int c = 0; c < 3; c++) {
-        const double difference =
-            l->gbuffer.opacity[pixel] > SURFACE ? fabs((double)(colour[c] - ratio[c])) : HOLE;
+        const double difference = surface ? fabs((double)(colour[c] - ratio[c])) : HOLE;
         sum += difference * (double)weight[c];
     }
     return sum;
@@ -82,9 +75,7 @@ bool ffp_look(FfpLooker *l, double *disagreement, FfpError *err) {
     for (int v = 0; v < start.views; v++) {
         const FfpView *view = &l->capture->views[v];
         const int pixels = start.width * start.height;
-        ffp_rasterise(l->raster, &splats, &view->camera, &l->render, &l->gbuffer);
-        ffp_map_to_projector(NULL, NULL, &l->gbuffer, &view->camera, &view->projector, &l->render,
-                             &l->mapping);
+        ffp_view_pass_draw(l->pass, &splats, &view->camera, &view->projector);
         for (int p = 0; p < pixels; p++) {
             if (!(view->coverage.data[p] >= 1)) continue;
             sum += pixel_difference(l, &l->seen[v], p), count += 3;

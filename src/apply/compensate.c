@@ -166,8 +166,7 @@ bool ffp_compensate(const FfpGaussians *gaussians, const FfpCapture *capture, co
               ffp_choose_views(&job.chosen, capture, options->poses, options->views, options->n_views, err) &&
               read_targets(&job, err);
     if (ok) {
-        const FfpRenderSettings settings =
-            options->drawing == FFP_DRAWING_PAPER ? ffp_render_paper() : ffp_render_defaults();
+        const FfpRenderSettings settings = ffp_render_settings(options->drawing);
         job.stage = ffp_stage_new(gaussians, capture, job.chosen.views, job.chosen.n_views, &settings,
                                   !options->gaussians_only);
         aim(&job);

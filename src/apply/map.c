@@ -148,8 +148,7 @@ int ffp_write_maps(const FfpGaussians *gaussians, const FfpCapture *capture, con
                    FfpMapStory *stories, FfpError *err) {
     FfpChosen chosen;
     Writer writer = {.folder = options->folder};
-    const FfpRenderSettings settings =
-        options->drawing == FFP_DRAWING_PAPER ? ffp_render_paper() : ffp_render_defaults();
+    const FfpRenderSettings settings = ffp_render_settings(options->drawing);
     bool ok = ffp_choose_views(&chosen, capture, options->poses, options->views, options->n_views, err) &&
               check_names(&chosen, options->folder, err) && ffp_make_folders(options->folder, err);
     for (int v = 0; ok && v < chosen.n_views; v++) {

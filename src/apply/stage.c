@@ -7,6 +7,7 @@
 #include "apply/surface.h"
 #include "base/arena.h"
 #include "base/vec.h"
+#include "render/pass.h"
 
 #define WHITE_MIN 0.05F // a white pattern that is darker than this over a footprint tells no response
 
@@ -114,15 +115,16 @@ static void fill_link(const Builder *b, FfpSight *sight, const FfpBeam *beam, co
 }
 
 static void fill_views(const Builder *b) {
+    FfpViewPass *pass = ffp_view_pass_new(b->settings);
     for (int s = 0; s < b->stage->n_sights; s++) {
         FfpSight *sight = &b->stage->sights[s];
-        FfpGbuffer g = ffp_gbuffer_new(sight->view->camera.width, sight->view->camera.height);
-        ffp_rasterise(b->raster, b->gaussians, &sight->view->camera, b->settings, &g);
-        fill_sight(b, sight, &g);
+        ffp_view_pass_draw(pass, b->gaussians, &sight->view->camera, &sight->view->projector);
+        const FfpGbuffer *g = ffp_view_pass_gbuffer(pass);
+        fill_sight(b, sight, g);
         for (int k = 0; k < b->stage->n_beams; k++)
-            fill_link(b, sight, &b->stage->beams[k], &g, ffp_stage_link(b->stage, s, k));
-        ffp_gbuffer_free(&g);
+            fill_link(b, sight, &b->stage->beams[k], g, ffp_stage_link(b->stage, s, k));
     }
+    ffp_view_pass_free(pass);
 }
 
 static void fill_beams(const Builder *b) {

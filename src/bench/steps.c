@@ -9,6 +9,7 @@
 #include "bench/bench.h"
 #include "ffprocams.h"
 #include "network/layout.h"
+#include "render/pass.h"
 #include "train/train.h"
 
 enum { REPEATS = 5 };

@@ -46,7 +46,12 @@ typedef struct FfpList {
 void ffp_cli_append(FfpList *list, const char *value);
 void ffp_cli_list_free(FfpList *list);
 
-// "ours" or "paper"; false otherwise.
-bool ffp_cli_drawing(const char *text, FfpDrawing *drawing);
+// Values of --drawing, a form's name, and --samples, a number; false with the usage told.
+bool ffp_cli_drawing(const char *command, const char *text, FfpDrawing *drawing);
+bool ffp_cli_samples(const char *command, const char *text, FfpDrawing *drawing);
+// Lines of help on --samples, for all commands that draw.
+#define FFP_CLI_SAMPLES_HELP                                                                                 \
+    "      --samples N        draw with N x N samples a pixel, 1 to 4. More are smoother and slower.\n"      \
+    "                         Default: as the model has it, else 2 (1 in the paper's form)\n"
 
 #endif

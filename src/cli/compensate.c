@@ -39,12 +39,12 @@ static const char help[] =
     "                         them fit the Gaussians better, and where these err the object no more\n"
     "      --gaussians-only   do not use the view's photographs under black and white, which otherwise say\n"
     "                         how bright each pixel gets\n"
-    "      --drawing D        ours (default), or paper for Gaussians of a model in the paper's form\n"
-    "\n"
+    "      --drawing D        ours (default), or paper for Gaussians of a model in the paper's "
+    "form\n" FFP_CLI_SAMPLES_HELP "\n"
     "example: ffprocams compensate spot.ply -c data/sample -v 000 -t picture.png --paint -o pattern.png\n"
     "         ffprocams compensate spot.ply -c data/sample -v 000 -v 090 -t grey.png -g auto -o both.png\n";
 
-enum { POSES = 256, PAINT, GAUSSIANS_ONLY, DRAWING }; // options without a letter
+enum { POSES = 256, PAINT, GAUSSIANS_ONLY, DRAWING, SAMPLES }; // options without a letter
 
 typedef struct Arguments {
     const char *gaussians, *capture;
@@ -130,8 +130,11 @@ static int take(int option, const char *command, Arguments *arguments, FfpList *
         how->gaussians_only = true;
         return -1;
     case DRAWING:
-        if (ffp_cli_drawing(optarg, &how->drawing)) return -1;
-        return ffp_cli_usage(command, "--drawing is ours or paper, not %s", optarg);
+        if (!ffp_cli_drawing(command, optarg, &how->drawing)) return FFP_EXIT_USAGE;
+        return -1;
+    case SAMPLES:
+        if (!ffp_cli_samples(command, optarg, &how->drawing)) return FFP_EXIT_USAGE;
+        return -1;
     case 'h':
         fputs(help, stdout);
         return FFP_EXIT_OK;
@@ -152,6 +155,7 @@ static int parse(int argc, char **argv, Arguments *arguments, FfpList *views, Ff
                                             {"steps", required_argument, NULL, 's'},
                                             {"gaussians-only", no_argument, NULL, GAUSSIANS_ONLY},
                                             {"drawing", required_argument, NULL, DRAWING},
+                                            {"samples", required_argument, NULL, SAMPLES},
                                             {"help", no_argument, NULL, 'h'},
                                             {0}};
     for (int option; (option = ffp_cli_next(argc, argv, ":c:v:t:o:g:s:h", options)) != -1;) {

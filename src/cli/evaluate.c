@@ -42,8 +42,7 @@ static const char help[] =
     "      --perceptual FILE  LPIPS weights (safetensors). Default: lpips_alex.safetensors in the\n"
     "                         folder that the environment variable FFPROCAMS_PERCEPTUAL names;\n"
     "                         without either there is no LPIPS\n"
-    "      --drawing D        with --gaussians: ours (default) or paper\n"
-    "\n"
+    "      --drawing D        with --gaussians: ours (default) or paper\n" FFP_CLI_SAMPLES_HELP "\n"
     "example: ffprocams evaluate data/sample --targets targets.json --report report.html\n";
 
 static void put_cell(double value, int digits) {
@@ -124,7 +123,7 @@ static bool set_predictor(FfpEvaluation *evaluation, const char *name) {
 
 // -1 to go on, else the exit code.
 static int parse(int argc, char **argv, FfpEvaluation *evaluation, FfpList *targets, const char **model) {
-    enum { PREDICTOR = 256, SAVE, JSON, REPORT, SHOW, PERCEPTUAL, DRAWING, POLISH, NOISE };
+    enum { PREDICTOR = 256, SAVE, JSON, REPORT, SHOW, PERCEPTUAL, DRAWING, SAMPLES, POLISH, NOISE };
     static const struct option options[] = {{"model", required_argument, NULL, 'm'},
                                             {"gaussians", required_argument, NULL, 'g'},
                                             {"predictor", required_argument, NULL, PREDICTOR},
@@ -138,6 +137,7 @@ static int parse(int argc, char **argv, FfpEvaluation *evaluation, FfpList *targ
                                             {"show-pattern", required_argument, NULL, SHOW},
                                             {"perceptual", required_argument, NULL, PERCEPTUAL},
                                             {"drawing", required_argument, NULL, DRAWING},
+                                            {"samples", required_argument, NULL, SAMPLES},
                                             {"help", no_argument, NULL, 'h'},
                                             {0}};
     for (int option; (option = ffp_cli_next(argc, argv, ":m:g:t:p:h", options)) != -1;) {
@@ -179,8 +179,11 @@ static int parse(int argc, char **argv, FfpEvaluation *evaluation, FfpList *targ
             evaluation->perceptual = optarg;
             break;
         case DRAWING:
-            if (ffp_cli_drawing(optarg, &evaluation->drawing)) break;
-            return ffp_cli_usage(argv[0], "--drawing is ours or paper, not %s", optarg);
+            if (!ffp_cli_drawing(argv[0], optarg, &evaluation->drawing)) return FFP_EXIT_USAGE;
+            break;
+        case SAMPLES:
+            if (!ffp_cli_samples(argv[0], optarg, &evaluation->drawing)) return FFP_EXIT_USAGE;
+            break;
         case 'h':
             fputs(help, stdout);
             return FFP_EXIT_OK;

@@ -7,6 +7,7 @@
 
 #define POLISH_MAX 1000000 // steps
 #define NOISE_MAX 0.2
+#define SAMPLES_MAX 4 // a side
 
 static const char help[] =
     "usage: ffprocams COMMAND [ARGUMENTS]\n"
@@ -133,9 +134,21 @@ void ffp_cli_list_free(FfpList *list) {
     *list = (FfpList){0};
 }
 
-bool ffp_cli_drawing(const char *text, FfpDrawing *drawing) {
-    *drawing = strcmp(text, "paper") == 0 ? FFP_DRAWING_PAPER : FFP_DRAWING_OURS;
-    return *drawing == FFP_DRAWING_PAPER || strcmp(text, "ours") == 0;
+bool ffp_cli_drawing(const char *command, const char *text, FfpDrawing *drawing) {
+    drawing->form = strcmp(text, "paper") == 0 ? FFP_FORM_PAPER : FFP_FORM_OURS;
+    if (drawing->form == FFP_FORM_PAPER || strcmp(text, "ours") == 0) return true;
+    ffp_cli_usage(command, "--drawing is ours or paper, not %s", text);
+    return false;
+}
+
+bool ffp_cli_samples(const char *command, const char *text, FfpDrawing *drawing) {
+    int64_t samples;
+    if (!ffp_cli_number(text, 1, SAMPLES_MAX, &samples)) {
+        ffp_cli_usage(command, "--samples is a number from 1 to %d, not %s", SAMPLES_MAX, text);
+        return false;
+    }
+    drawing->samples = (int)samples;
+    return true;
 }
 
 // Output that was lost on the way (a full disk behind a pipe) is an error too.

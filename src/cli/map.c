@@ -27,8 +27,8 @@ static const char help[] =
     "      --poses FILE       other poses of camera and projector (targets.json or scene.json)\n"
     "  -v, --view ID          a view to map, again for more. Default: every view of the poses\n"
     "  -o, --output DIR       folder for the files\n"
-    "      --drawing D        ours (default), or paper for Gaussians of a model in the paper's form\n"
-    "\n"
+    "      --drawing D        ours (default), or paper for Gaussians of a model in the paper's "
+    "form\n" FFP_CLI_SAMPLES_HELP "\n"
     "It prints, for each view, how far camera pixels end from where they began on the way to the projector\n"
     "and back: a check of the two correspondence maps against each other.\n"
     "\n"
@@ -65,12 +65,13 @@ static int run(const Arguments *arguments) {
 
 // Fills everything but the list; -1 to go on, else the exit code.
 static int parse(int argc, char **argv, Arguments *arguments, FfpList *views) {
-    enum { POSES = 256, DRAWING };
+    enum { POSES = 256, DRAWING, SAMPLES };
     static const struct option options[] = {{"capture", required_argument, NULL, 'c'},
                                             {"poses", required_argument, NULL, POSES},
                                             {"view", required_argument, NULL, 'v'},
                                             {"output", required_argument, NULL, 'o'},
                                             {"drawing", required_argument, NULL, DRAWING},
+                                            {"samples", required_argument, NULL, SAMPLES},
                                             {"help", no_argument, NULL, 'h'},
                                             {0}};
     for (int option; (option = ffp_cli_next(argc, argv, ":c:v:o:h", options)) != -1;) {
@@ -88,8 +89,11 @@ static int parse(int argc, char **argv, Arguments *arguments, FfpList *views) {
             arguments->maps.folder = optarg;
             break;
         case DRAWING:
-            if (ffp_cli_drawing(optarg, &arguments->maps.drawing)) break;
-            return ffp_cli_usage(argv[0], "--drawing is ours or paper, not %s", optarg);
+            if (!ffp_cli_drawing(argv[0], optarg, &arguments->maps.drawing)) return FFP_EXIT_USAGE;
+            break;
+        case SAMPLES:
+            if (!ffp_cli_samples(argv[0], optarg, &arguments->maps.drawing)) return FFP_EXIT_USAGE;
+            break;
         case 'h':
             fputs(help, stdout);
             return FFP_EXIT_OK;

@@ -4,7 +4,7 @@
 
 static const char help[] =
     "usage: ffprocams reconstruct CAPTURE -o FILE.ply [--model FILE|none] [--pattern NAME]\n"
-    "                             [--polish STEPS] [--noise S]\n"
+    "                             [--polish STEPS] [--noise S] [--samples N]\n"
     "\n"
     "Turns a capture into relightable 3D Gaussians in one forward pass and a short fit to the same\n"
     "photographs: geometry (centre, scale, rotation, opacity) and material (albedo, roughness, ambient\n"
@@ -22,6 +22,8 @@ static const char help[] =
     "      --noise S       standard deviation of the photographs' noise, which is taken away first:\n"
     "                      linear, of values up to 1. 0: they stay as they are. Default: auto, estimated\n"
     "                      from what the photographs of a view do not have in common\n"
+    "      --samples N     samples a side of a pixel while fitting, 1 to 4. Default: as the model has it,\n"
+    "                      else 2\n"
     "\n"
     "example: ffprocams reconstruct data/sample -o spot.ply --pattern lollipop_0\n";
 
@@ -53,14 +55,12 @@ static int run(const char *capture_path, const char *output, const char *model_p
 }
 
 int ffp_cli_reconstruct(int argc, char **argv) {
-    enum { POLISH = 256, NOISE };
-    static const struct option options[] = {{"output", required_argument, NULL, 'o'},
-                                            {"model", required_argument, NULL, 'm'},
-                                            {"pattern", required_argument, NULL, 'p'},
-                                            {"polish", required_argument, NULL, POLISH},
-                                            {"noise", required_argument, NULL, NOISE},
-                                            {"help", no_argument, NULL, 'h'},
-                                            {0}};
+    enum { POLISH = 256, NOISE, SAMPLES };
+    static const struct option options[] = {
+        {"output", required_argument, NULL, 'o'},  {"model", required_argument, NULL, 'm'},
+        {"pattern", required_argument, NULL, 'p'}, {"polish", required_argument, NULL, POLISH},
+        {"noise", required_argument, NULL, NOISE}, {"samples", required_argument, NULL, SAMPLES},
+        {"help", no_argument, NULL, 'h'},          {0}};
     const char *output = NULL, *model = NULL;
     FfpReconstruction how = {.polish = FFP_POLISH_STEPS, .noise = FFP_NOISE_ESTIMATED};
     for (int option; (option = ffp_cli_next(argc, argv, ":o:m:p:h", options)) != -1;) {
@@ -79,6 +79,9 @@ int ffp_cli_reconstruct(int argc, char **argv) {
             break;
         case NOISE:
             if (!ffp_cli_noise(argv[0], optarg, &how.noise)) return FFP_EXIT_USAGE;
+            break;
+        case SAMPLES:
+            if (!ffp_cli_samples(argv[0], optarg, &how.drawing)) return FFP_EXIT_USAGE;
             break;
         case 'h':
             fputs(help, stdout);

@@ -4,7 +4,7 @@
 static const char help[] =
     "usage: ffprocams refine FILE.ply --capture CAPTURE -o BETTER.ply [--seconds S] [--steps N]\n"
     "                        [--pattern NAME].. [--noise S] [--metrics FILE] [--seed N]\n"
-    "                        [--drawing D]\n"
+    "                        [--drawing D] [--samples N]\n"
     "       ffprocams refine --from-scratch --capture CAPTURE -o FILE.ply ...\n"
     "\n"
     "Fits Gaussians to the photographs they come from: centres, shapes, opacities, albedo, roughness\n"
@@ -25,8 +25,8 @@ static const char help[] =
     "      --noise S          as in `reconstruct`; 0: photographs as they are. Default: auto\n"
     "      --metrics FILE     a line of JSON a round of all views: step, seconds, loss, psnr, gaussians\n"
     "      --seed N           of the order of views and of the points from scratch. Default: 1\n"
-    "      --drawing D        ours (default), or paper for Gaussians of a model in the paper's form\n"
-    "\n"
+    "      --drawing D        ours (default), or paper for Gaussians of a model in the paper's "
+    "form\n" FFP_CLI_SAMPLES_HELP "\n"
     "example: ffprocams reconstruct data/sample -o spot.ply\n"
     "         ffprocams refine spot.ply --capture data/sample -o better.ply --seconds 30\n";
 
@@ -73,14 +73,20 @@ static int check(int argc, char **argv, Arguments *arguments) {
 
 // Fills everything but the patterns; -1 to go on, else the exit code.
 static int parse(int argc, char **argv, Arguments *arguments, FfpList *patterns) {
-    enum { SCRATCH = 256, METRICS, SEED, DRAWING, NOISE };
-    static const struct option options[] = {
-        {"capture", required_argument, NULL, 'c'}, {"output", required_argument, NULL, 'o'},
-        {"seconds", required_argument, NULL, 's'}, {"steps", required_argument, NULL, 'n'},
-        {"pattern", required_argument, NULL, 'p'}, {"from-scratch", no_argument, NULL, SCRATCH},
-        {"noise", required_argument, NULL, NOISE}, {"metrics", required_argument, NULL, METRICS},
-        {"seed", required_argument, NULL, SEED},   {"drawing", required_argument, NULL, DRAWING},
-        {"help", no_argument, NULL, 'h'},          {0}};
+    enum { SCRATCH = 256, METRICS, SEED, DRAWING, SAMPLES, NOISE };
+    static const struct option options[] = {{"capture", required_argument, NULL, 'c'},
+                                            {"output", required_argument, NULL, 'o'},
+                                            {"seconds", required_argument, NULL, 's'},
+                                            {"steps", required_argument, NULL, 'n'},
+                                            {"pattern", required_argument, NULL, 'p'},
+                                            {"from-scratch", no_argument, NULL, SCRATCH},
+                                            {"noise", required_argument, NULL, NOISE},
+                                            {"metrics", required_argument, NULL, METRICS},
+                                            {"seed", required_argument, NULL, SEED},
+                                            {"drawing", required_argument, NULL, DRAWING},
+                                            {"samples", required_argument, NULL, SAMPLES},
+                                            {"help", no_argument, NULL, 'h'},
+                                            {0}};
     FfpRefinement *refinement = &arguments->refinement;
     int64_t number;
     for (int option; (option = ffp_cli_next(argc, argv, ":c:o:s:n:p:h", options)) != -1;) {
@@ -117,8 +123,11 @@ static int parse(int argc, char **argv, Arguments *arguments, FfpList *patterns)
             if (!ffp_cli_noise(argv[0], optarg, &refinement->noise)) return FFP_EXIT_USAGE;
             break;
         case DRAWING:
-            if (ffp_cli_drawing(optarg, &refinement->drawing)) break;
-            return ffp_cli_usage(argv[0], "--drawing is ours or paper, not %s", optarg);
+            if (!ffp_cli_drawing(argv[0], optarg, &refinement->drawing)) return FFP_EXIT_USAGE;
+            break;
+        case SAMPLES:
+            if (!ffp_cli_samples(argv[0], optarg, &refinement->drawing)) return FFP_EXIT_USAGE;
+            break;
         case 'h':
             fputs(help, stdout);
             return FFP_EXIT_OK;

@@ -27,8 +27,8 @@ static const char help[] =
     "      --video FILE.png   all pictures in order as an animated PNG; they are numbered too. Without\n"
     "                         --orbit: every view under every pattern\n"
     "      --rate N           frames a second of the video. Default: 15\n"
-    "      --drawing D        ours (default), or paper for Gaussians of a model in the paper's form\n"
-    "\n"
+    "      --drawing D        ours (default), or paper for Gaussians of a model in the paper's "
+    "form\n" FFP_CLI_SAMPLES_HELP "\n"
     "example: ffprocams render spot.ply --capture data/sample --pattern sun.png -o relit\n"
     "         ffprocams render spot.ply --capture data/sample --poses data/sample/targets.json -o new\n"
     "         ffprocams render spot.ply --capture data/sample --pattern sun.png --orbit object,90 \\\n"
@@ -82,7 +82,7 @@ static int check(int argc, char **argv, Arguments *arguments, const FfpList *vie
 
 // Fills everything but the lists; -1 to go on, else the exit code.
 static int parse(int argc, char **argv, Arguments *arguments, FfpList *views, FfpList *patterns) {
-    enum { POSES = 256, MAPS, DRAWING, ORBIT, VIDEO, RATE };
+    enum { POSES = 256, MAPS, DRAWING, SAMPLES, ORBIT, VIDEO, RATE };
     int64_t number;
     static const struct option options[] = {{"capture", required_argument, NULL, 'c'},
                                             {"poses", required_argument, NULL, POSES},
@@ -91,6 +91,7 @@ static int parse(int argc, char **argv, Arguments *arguments, FfpList *views, Ff
                                             {"output", required_argument, NULL, 'o'},
                                             {"maps", no_argument, NULL, MAPS},
                                             {"drawing", required_argument, NULL, DRAWING},
+                                            {"samples", required_argument, NULL, SAMPLES},
                                             {"orbit", required_argument, NULL, ORBIT},
                                             {"video", required_argument, NULL, VIDEO},
                                             {"rate", required_argument, NULL, RATE},
@@ -117,8 +118,11 @@ static int parse(int argc, char **argv, Arguments *arguments, FfpList *views, Ff
             arguments->pictures.maps = true;
             break;
         case DRAWING:
-            if (ffp_cli_drawing(optarg, &arguments->pictures.drawing)) break;
-            return ffp_cli_usage(argv[0], "--drawing is ours or paper, not %s", optarg);
+            if (!ffp_cli_drawing(argv[0], optarg, &arguments->pictures.drawing)) return FFP_EXIT_USAGE;
+            break;
+        case SAMPLES:
+            if (!ffp_cli_samples(argv[0], optarg, &arguments->pictures.drawing)) return FFP_EXIT_USAGE;
+            break;
         case ORBIT:
             if (set_orbit(&arguments->pictures, optarg)) break;
             return ffp_cli_usage(

@@ -21,14 +21,15 @@ static bool prepare_gaussians(FfpSubject *subject, FfpError *err) {
     if (options->gaussians) {
         subject->gaussians = ffp_gaussians_open(options->gaussians, err);
     } else {
-        const FfpReconstruction how = {options->model, options->pattern, options->polish, options->noise};
+        const FfpReconstruction how = {options->model, options->pattern, options->polish, options->noise,
+                                       options->drawing};
         const double begin = ffp_seconds();
         subject->gaussians = ffp_reconstruct(subject->capture, &how, &story, err);
         subject->reconstruct_s = ffp_seconds() - begin;
         if (subject->gaussians && subject->shared->report) ffp_report_story(subject->shared->report, &story);
     }
     const FfpRenderSettings settings = ffp_drawing_settings(options->drawing, options->model);
-    subject->relight = ffp_relight_new(&settings);
+    subject->pass = ffp_view_pass_new(&settings);
     return subject->gaussians != NULL;
 }
 
@@ -60,17 +61,17 @@ static void report_maps(FfpSubject *subject) {
     const int n = subject->capture->n_views, shown = n < REPORT_MAPS ? n : REPORT_MAPS;
     for (int i = 0; i < shown; i++) {
         const FfpView *view = &subject->capture->views[i * n / shown];
-        ffp_relight_view(&subject->relight, subject->gaussians, view);
-        ffp_report_maps(subject->shared->report, view->id, &subject->relight.gbuffer);
+        ffp_view_pass_draw(subject->pass, subject->gaussians, &view->camera, &view->projector);
+        ffp_report_maps(subject->shared->report, view->id, ffp_view_pass_gbuffer(subject->pass));
     }
 }
 
 static void report_relit_views(FfpSubject *subject, const FfpCapture *views, const FfpSummed *summed) {
     for (int v = 0; v < views->n_views && v < 8; v++) {
-        ffp_relight_view(&subject->relight, subject->gaussians, &views->views[v]);
-        FfpImage picture =
-            ffp_relight_shade(&subject->relight, &views->views[v], subject->capture->intensity, summed);
-        ffp_report_picture(subject->shared->report, &picture, views->views[v].id);
+        const FfpView *view = &views->views[v];
+        ffp_view_pass_draw(subject->pass, subject->gaussians, &view->camera, &view->projector);
+        FfpImage picture = ffp_relight(subject->pass, subject->capture->intensity, summed);
+        ffp_report_picture(subject->shared->report, &picture, view->id);
         ffp_image_free(&picture);
     }
 }
@@ -134,7 +135,7 @@ static void free_subject(FfpSubject *subject) {
     for (int v = 0; subject->depth && v < subject->capture->n_views; v++) free(subject->depth[v]);
     free(subject->depth);
     if (subject->normalised.views) ffp_normalised_alias_free(&subject->normalised);
-    if (subject->relight.raster) ffp_relight_free(&subject->relight);
+    ffp_view_pass_free(subject->pass);
     if (subject->has_targets) ffp_capture_free(&subject->targets);
     ffp_gaussians_close(subject->gaussians);
     ffp_capture_close(subject->capture);

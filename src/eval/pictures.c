@@ -193,29 +193,29 @@ static bool write_maps(Job *job, const FfpView *view, const FfpGbuffer *gbuffer,
     return ok;
 }
 
-static bool write_view(Job *job, FfpRelight *relight, const FfpGaussians *gaussians,
-                       const FfpCapture *capture, const FfpView *view, FfpError *err) {
-    ffp_relight_view(relight, gaussians, view);
+static bool write_view(Job *job, FfpViewPass *pass, const FfpGaussians *gaussians, const FfpCapture *capture,
+                       const FfpView *view, FfpError *err) {
+    ffp_view_pass_draw(pass, gaussians, &view->camera, &view->projector);
     bool ok = true;
     for (int p = 0; ok && p < job->n_patterns; p++) {
         char rest[FFP_NAME_MAX + 8];
         snprintf(rest, sizeof rest, "%s.png", job->patterns[p].name);
         FfpSummed summed = ffp_summed_new(&job->patterns[p].image);
-        FfpImage picture = ffp_relight_shade(relight, view, capture->intensity, &summed);
+        FfpImage picture = ffp_relight(pass, capture->intensity, &summed);
         ok = write_map(job, view, &picture, rest, err);
         ffp_image_free(&picture);
         ffp_summed_free(&summed);
     }
-    return ok && (!job->options->maps || write_maps(job, view, &relight->gbuffer, err));
+    return ok && (!job->options->maps || write_maps(job, view, ffp_view_pass_gbuffer(pass), err));
 }
 
 // One frame under one pattern, numbered.
-static bool write_frame(Job *job, FfpRelight *relight, const FfpCapture *capture, const FfpView *view,
-                        int pattern, FfpAnimation *animation, FfpError *err) {
+static bool write_frame(Job *job, FfpViewPass *pass, const FfpCapture *capture, int pattern,
+                        FfpAnimation *animation, FfpError *err) {
     char name[32], path[FFP_PATH_MAX];
     snprintf(name, sizeof name, "%04d.png", job->written);
     FfpSummed summed = ffp_summed_new(&job->patterns[pattern].image);
-    FfpImage picture = ffp_relight_shade(relight, view, capture->intensity, &summed);
+    FfpImage picture = ffp_relight(pass, capture->intensity, &summed);
     const bool ok = ffp_picture_path(path, sizeof path, job->options->folder, "frame", name, err) &&
                     ffp_image_write_png(&picture, path, err) &&
                     (!job->options->video || ffp_animation_add(animation, &picture, err));
@@ -226,7 +226,7 @@ static bool write_frame(Job *job, FfpRelight *relight, const FfpCapture *capture
 }
 
 // An orbit's frames share the patterns out; else each view is seen under each.
-static bool write_sequence(Job *job, FfpRelight *relight, const FfpGaussians *gaussians,
+static bool write_sequence(Job *job, FfpViewPass *pass, const FfpGaussians *gaussians,
                            const FfpCapture *capture, FfpError *err) {
     const int each = job->orbit ? 1 : job->n_patterns, frames = job->n_views * each;
     const char *video = job->options->video;
@@ -236,8 +236,8 @@ static bool write_sequence(Job *job, FfpRelight *relight, const FfpGaussians *ga
     for (int f = 0; ok && f < frames; f++) {
         const FfpView *view = view_of(job, f / each);
         const int pattern = job->orbit ? (int)((int64_t)f * job->n_patterns / frames) : f % job->n_patterns;
-        if (f % each == 0) ffp_relight_view(relight, gaussians, view);
-        ok = write_frame(job, relight, capture, view, pattern, &animation, err);
+        if (f % each == 0) ffp_view_pass_draw(pass, gaussians, &view->camera, &view->projector);
+        ok = write_frame(job, pass, capture, pattern, &animation, err);
         ffp_progress_step(&progress, f + 1, NULL);
     }
     ffp_progress_end(&progress);
@@ -246,12 +246,12 @@ static bool write_sequence(Job *job, FfpRelight *relight, const FfpGaussians *ga
     return ok;
 }
 
-static bool write_views(Job *job, FfpRelight *relight, const FfpGaussians *gaussians,
-                        const FfpCapture *capture, FfpError *err) {
+static bool write_views(Job *job, FfpViewPass *pass, const FfpGaussians *gaussians, const FfpCapture *capture,
+                        FfpError *err) {
     bool ok = true;
     FfpProgress progress = ffp_progress("rendering", job->n_views);
     for (int v = 0; ok && v < job->n_views; v++) {
-        ok = write_view(job, relight, gaussians, capture, view_of(job, v), err);
+        ok = write_view(job, pass, gaussians, capture, view_of(job, v), err);
         ffp_progress_step(&progress, v + 1, NULL);
     }
     ffp_progress_end(&progress);
@@ -267,9 +267,9 @@ int ffp_render_pictures(const FfpGaussians *gaussians, const FfpCapture *capture
     ok = ok && check_projectors(&job, err) && ffp_make_folders(options->folder, err);
     if (ok) {
         const FfpRenderSettings settings = ffp_drawing_settings(options->drawing, NULL);
-        FfpRelight relight = ffp_relight_new(&settings);
-        ok = (is_sequence(options) ? write_sequence : write_views)(&job, &relight, gaussians, capture, err);
-        ffp_relight_free(&relight);
+        FfpViewPass *pass = ffp_view_pass_new(&settings);
+        ok = (is_sequence(options) ? write_sequence : write_views)(&job, pass, gaussians, capture, err);
+        ffp_view_pass_free(pass);
     }
     free_job(&job);
     return ok ? job.written : -1;

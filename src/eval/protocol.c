@@ -46,11 +46,8 @@ static Protocol protocol_new(const char *name, const FfpSubject *subject) {
     return protocol;
 }
 
-static FfpImage predict(FfpSubject *subject, const Protocol *protocol, int view, int pattern,
-                        const FfpSummed *summed) {
-    if (subject->gaussians)
-        return ffp_relight_shade(&subject->relight, &protocol->views->views[view],
-                                 subject->capture->intensity, summed);
+static FfpImage predict(FfpSubject *subject, int view, int pattern, const FfpSummed *summed) {
+    if (subject->gaussians) return ffp_relight(subject->pass, subject->capture->intensity, summed);
     FfpImage picture = ffp_predict_by_lookup(&subject->normalised, view, pattern, subject->depth[view]);
     ffp_quantise(&picture);
     return picture;
@@ -118,13 +115,14 @@ static bool run_view(FfpSubject *subject, const Protocol *protocol, int v, int f
                      Means *means, double *seconds, FfpError *err) {
     const FfpView *view = &protocol->views->views[v];
     double begin = ffp_seconds();
-    if (subject->gaussians) ffp_relight_view(&subject->relight, subject->gaussians, view);
+    if (subject->gaussians)
+        ffp_view_pass_draw(subject->pass, subject->gaussians, &view->camera, &view->projector);
     *seconds += ffp_seconds() - begin;
     bool ok = true;
     for (int p = first; ok && p < first + PATTERN_BLOCK && p < protocol->views->n_patterns; p++) {
         if (!protocol->wanted[p] || !view->images[p].data) continue;
         begin = ffp_seconds();
-        FfpImage prediction = predict(subject, protocol, v, p, &sums[p - first]);
+        FfpImage prediction = predict(subject, v, p, &sums[p - first]);
         *seconds += ffp_seconds() - begin;
         ok = handle_picture(subject, protocol, v, p, &prediction, means, err);
         ffp_image_free(&prediction);

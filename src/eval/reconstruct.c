@@ -75,7 +75,7 @@ typedef struct Work {
 static bool polish(Work *w, const FfpReconstruction *options, FfpError *err) {
     FfpRefineSettings settings = ffp_polish_defaults(options->polish);
     FfpRefineResult result;
-    settings.render = ffp_drawing_settings(FFP_DRAWING_OURS, options->model);
+    settings.render = ffp_drawing_settings(options->drawing, options->model);
     return ffp_refine(&w->result, &w->capture, w->photographs, FFP_PHOTOGRAPHS, &settings, &result, err);
 }
 

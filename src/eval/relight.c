@@ -6,42 +6,10 @@
 #include "base/log.h"
 #include "eval/relight.h"
 
-FfpRelight ffp_relight_new(const FfpRenderSettings *settings) {
-    return (FfpRelight){.settings = *settings, .raster = ffp_raster_new()};
-}
-
-static void free_buffers(FfpRelight *relight) {
-    if (!relight->linear.data) return;
-    ffp_gbuffer_free(&relight->gbuffer);
-    ffp_mapping_free(&relight->mapping);
-    ffp_image_free(&relight->linear);
-}
-
-void ffp_relight_free(FfpRelight *relight) {
-    free_buffers(relight);
-    ffp_raster_free(relight->raster);
-    relight->raster = NULL;
-}
-
-void ffp_relight_view(FfpRelight *relight, const FfpGaussians *gaussians, const FfpView *view) {
-    const int width = view->camera.width, height = view->camera.height;
-    if (!relight->linear.data || relight->linear.width != width || relight->linear.height != height) {
-        free_buffers(relight);
-        relight->gbuffer = ffp_gbuffer_new(width, height);
-        relight->mapping = ffp_mapping_new(width, height);
-        relight->linear = ffp_image_new(width, height, 3);
-    }
-    ffp_rasterise(relight->raster, gaussians, &view->camera, &relight->settings, &relight->gbuffer);
-    ffp_map_to_projector(relight->raster, gaussians, &relight->gbuffer, &view->camera, &view->projector,
-                         &relight->settings, &relight->mapping);
-}
-
-FfpImage ffp_relight_shade(FfpRelight *relight, const FfpView *view, const real intensity[3],
-                           const FfpSummed *pattern) {
-    ffp_shade(&relight->gbuffer, &relight->mapping, &view->camera, &view->projector, intensity, pattern,
-              &relight->linear);
-    FfpImage picture = ffp_image_copy(&relight->linear);
-    ffp_image_to_srgb(&picture);
+FfpImage ffp_relight(FfpViewPass *pass, const real intensity[3], const FfpSummed *pattern) {
+    const FfpGbuffer *gbuffer = ffp_view_pass_gbuffer(pass);
+    FfpImage picture = ffp_image_new(gbuffer->width, gbuffer->height, 3);
+    ffp_view_pass_shade(pass, intensity, pattern, &picture);
     ffp_quantise(&picture);
     return picture;
 }
@@ -53,8 +21,8 @@ void ffp_quantise(FfpImage *encoded) {
 }
 
 FfpRenderSettings ffp_drawing_settings(FfpDrawing drawing, const FfpModel *model) {
-    const bool paper = model ? strcmp(model->config.render, "paper") == 0 : drawing == FFP_DRAWING_PAPER;
-    return paper ? ffp_render_paper() : ffp_render_defaults();
+    const FfpDrawing meant = model ? ffp_model_drawing(&model->config) : drawing;
+    return ffp_render_settings((FfpDrawing){meant.form, drawing.samples ? drawing.samples : meant.samples});
 }
 
 const char *ffp_map_name(FfpMap map) {

@@ -1,4 +1,4 @@
-// A view rasterised once and shaded under any number of patterns; its maps as pictures. Shared by rendering,
+// A view under a pattern as a file holds it; its maps as pictures. Shared by rendering,
 // evaluation and the report.
 #ifndef FFP_EVAL_RELIGHT_H
 #define FFP_EVAL_RELIGHT_H
@@ -7,27 +7,16 @@
 #include "ffprocams.h"
 #include "capture/capture.h"
 #include "network/network.h"
-#include "render/render.h"
+#include "render/pass.h"
 
-typedef struct FfpRelight {
-    FfpRenderSettings settings;
-    FfpRaster *raster;
-    FfpGbuffer gbuffer; // of the view rasterised last
-    FfpMapping mapping;
-    FfpImage linear; // [height,width,3], the picture shaded last, before it is encoded
-} FfpRelight;
-
-FfpRelight ffp_relight_new(const FfpRenderSettings *settings);
-void ffp_relight_free(FfpRelight *relight);
-void ffp_relight_view(FfpRelight *relight, const FfpGaussians *gaussians, const FfpView *view);
-// The view given last under a pattern: sRGB-encoded RGB rounded to 8 bits, so that metrics see what the file
+// The view drawn last under a pattern: sRGB-encoded RGB rounded to 8 bits, so that metrics see what the file
 // will hold.
-FfpImage ffp_relight_shade(FfpRelight *relight, const FfpView *view, const real intensity[3],
-                           const FfpSummed *pattern);
+FfpImage ffp_relight(FfpViewPass *pass, const real intensity[3], const FfpSummed *pattern);
 
 void ffp_quantise(FfpImage *encoded); // clamps to [0,1] and rounds to multiples of 1/255, in place
 
-// The settings that Gaussians are drawn with: the model's own when there is one.
+// The settings that Gaussians are drawn with: the model's own form when there is one, and its samples unless
+// the drawing names others.
 FfpRenderSettings ffp_drawing_settings(FfpDrawing drawing, const FfpModel *model);
 
 typedef enum FfpMap {

@@ -23,7 +23,7 @@ typedef struct FfpSubject { // one capture under evaluation
     bool has_targets;
     int active;
     FfpGaussians *gaussians; // NULL for the lookup predictors
-    FfpRelight relight;
+    FfpViewPass *pass;
     real **depth; // lookup predictors: [n_views] camera z in the normalised capture
     double reconstruct_s;
     char folder[FFP_PATH_MAX]; // where predictions are saved

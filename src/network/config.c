@@ -35,7 +35,13 @@ bool ffp_model_preset(FfpModelConfig *config, const char *name) {
     snprintf(config->name, sizeof config->name, "%s", presets[i].name);
     snprintf(config->modules, sizeof config->modules, "%s", presets[i].modules);
     snprintf(config->render, sizeof config->render, "%s", ours ? "ours" : "paper");
+    config->samples = ours ? 2 : 1;
     return true;
+}
+
+FfpDrawing ffp_model_drawing(const FfpModelConfig *config) {
+    const bool paper = strcmp(config->render, "paper") == 0;
+    return (FfpDrawing){paper ? FFP_FORM_PAPER : FFP_FORM_OURS, config->samples};
 }
 
 static bool refuse(FfpError *err, const char *where, const char *field, const char *what) {
@@ -68,7 +74,8 @@ bool ffp_model_config_check(const FfpModelConfig *config, const char *where, Ffp
     if (!memchr(config->render, 0, sizeof config->render) ||
         (strcmp(config->render, "ours") != 0 && strcmp(config->render, "paper") != 0))
         return refuse(err, where, "render", "must be ours or paper");
-    if (!check_range(config->dim, 64, 4096, 64, "dim", where, err) ||
+    if (!check_range(config->samples, 1, 4, 1, "samples", where, err) ||
+        !check_range(config->dim, 64, 4096, 64, "dim", where, err) ||
         !check_range(config->patch, 1, 32, 1, "patch", where, err) ||
         !check_range(config->state, 1, 512, 1, "state", where, err) ||
         !check_range(config->chunk, 1, 1024, 1, "chunk", where, err))

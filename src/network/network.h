@@ -27,11 +27,13 @@ typedef struct FfpModelConfig {
         pixel_hidden;    // widths of that MLP: features a pixel takes from its token, hidden units
     bool appearance_cnn; // two 3x3 convolutions over the tokens ahead of albedo, roughness and ambient: the
                          // paper's ablation
-    char render[16];     // "ours" or "paper": the render settings that the Gaussians are meant for
+    char render[16];     // "ours" or "paper": the render settings that the Gaussians are meant for,
+    int samples;         // and how many samples a side of a pixel
 } FfpModelConfig;
 // "tiny" (D 128, MTMT), "small", "paper-small" (small, but the paper's plain form), "paper". False: no such
 // name.
 bool ffp_model_preset(FfpModelConfig *config, const char *name);
+FfpDrawing ffp_model_drawing(const FfpModelConfig *config); // what its Gaussians are meant for
 // Checks ranges and letters; error names the field.
 bool ffp_model_config_check(const FfpModelConfig *config, const char *where, FfpError *err);
 

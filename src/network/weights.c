@@ -13,29 +13,24 @@
 #define VERSION "1"
 #define RESERVED "model." // of the configuration's keys
 
-enum { TEXT, WHOLE, SWITCH, LATER_SWITCH }; // later: older files lack it, which means false
+enum { TEXT, WHOLE, SWITCH };
 typedef struct Field {
     const char *key;
     int kind;
     size_t offset, size;
+    const char *absent; // what older files mean, which lack it; NULL: none does
 } Field;
 
-#define FIELD(name, kind)                                                                                    \
-    { RESERVED #name, kind, offsetof(FfpModelConfig, name), sizeof(((FfpModelConfig *)0)->name) }
+#define FIELD(name, kind, absent)                                                                            \
+    { RESERVED #name, kind, offsetof(FfpModelConfig, name), sizeof(((FfpModelConfig *)0)->name), absent }
 static const Field fields[] = {
-    FIELD(name, TEXT),
-    FIELD(modules, TEXT),
-    FIELD(dim, WHOLE),
-    FIELD(patch, WHOLE),
-    FIELD(state, WHOLE),
-    FIELD(chunk, WHOLE),
-    FIELD(residual, SWITCH),
-    FIELD(match_input, SWITCH),
-    FIELD(pixel_skip, SWITCH),
-    FIELD(pixel_features, WHOLE),
-    FIELD(pixel_hidden, WHOLE),
-    FIELD(render, TEXT),
-    FIELD(appearance_cnn, LATER_SWITCH),
+    FIELD(name, TEXT, NULL),          FIELD(modules, TEXT, NULL),
+    FIELD(dim, WHOLE, NULL),          FIELD(patch, WHOLE, NULL),
+    FIELD(state, WHOLE, NULL),        FIELD(chunk, WHOLE, NULL),
+    FIELD(residual, SWITCH, NULL),    FIELD(match_input, SWITCH, NULL),
+    FIELD(pixel_skip, SWITCH, NULL),  FIELD(pixel_features, WHOLE, NULL),
+    FIELD(pixel_hidden, WHOLE, NULL), FIELD(render, TEXT, NULL),
+    FIELD(samples, WHOLE, "1"),       FIELD(appearance_cnn, SWITCH, "false"),
 };
 enum { FIELDS = sizeof fields / sizeof *fields, OWN_KEYS = FIELDS + 2 };
 
@@ -57,7 +52,7 @@ static void print_field(char out[FFP_MODULES_MAX], const FfpModelConfig *config,
 static bool read_field(FfpModelConfig *config, const Field *field, const char *text, const char *where,
                        FfpError *err) {
     char *at = (char *)config + field->offset;
-    if (!text && field->kind == LATER_SWITCH) return true;
+    if (!text) text = field->absent;
     if (!text) return ffp_fail(err, where, "a model file without this key in its metadata");
     if (field->kind == TEXT) {
         if (strlen(text) >= field->size)
@@ -65,7 +60,7 @@ static bool read_field(FfpModelConfig *config, const Field *field, const char *t
         snprintf(at, field->size, "%s", text);
         return true;
     }
-    if (field->kind == SWITCH || field->kind == LATER_SWITCH) {
+    if (field->kind == SWITCH) {
         *(bool *)at = strcmp(text, "true") == 0;
         return *(bool *)at || strcmp(text, "false") == 0 || ffp_fail(err, where, "neither true nor false");
     }

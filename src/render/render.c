@@ -1,4 +1,4 @@
-// The render room's structs, and its steps put together.
+// The render room's structs, and rasterising put together.
 #include "render/render.h"
 #include <stdlib.h>
 #include <string.h>
@@ -6,7 +6,8 @@
 #include "render/raster.h"
 
 FfpRenderSettings ffp_render_defaults(void) {
-    return (FfpRenderSettings){.blur = 0.002F,
+    return (FfpRenderSettings){.samples = 2,
+                               .blur = 0.002F,
                                .firmness = 1,
                                .footprint = true,
                                .shadows = true,
@@ -15,7 +16,13 @@ FfpRenderSettings ffp_render_defaults(void) {
 }
 
 FfpRenderSettings ffp_render_paper(void) {
-    return (FfpRenderSettings){.blur = 0.3F, .shadow_side = 160, .shadow_bias = 0.02F};
+    return (FfpRenderSettings){.samples = 1, .blur = 0.3F, .shadow_side = 160, .shadow_bias = 0.02F};
+}
+
+FfpRenderSettings ffp_render_settings(FfpDrawing drawing) {
+    FfpRenderSettings settings = drawing.form == FFP_FORM_PAPER ? ffp_render_paper() : ffp_render_defaults();
+    if (drawing.samples > 0) settings.samples = drawing.samples;
+    return settings;
 }
 
 FfpGbuffer ffp_gbuffer_new(int width, int height) {
@@ -116,21 +123,4 @@ void ffp_rasterise_backward(FfpRaster *raster, const FfpGaussians *gaussians, co
                             const FfpGbuffer *grad_out, FfpGaussians *grad) {
     ffp_blend_backward(raster, out, grad_out);
     ffp_project_splats_backward(raster, gaussians, camera, settings, grad);
-}
-
-FfpImage ffp_render_view(const FfpGaussians *gaussians, const FfpCamera *camera, const FfpCamera *projector,
-                         const real intensity[3], const FfpSummed *pattern,
-                         const FfpRenderSettings *settings) {
-    FfpRaster *raster = ffp_raster_new();
-    FfpGbuffer gbuffer = ffp_gbuffer_new(camera->width, camera->height);
-    FfpMapping mapping = ffp_mapping_new(camera->width, camera->height);
-    FfpImage image = ffp_image_new(camera->width, camera->height, 3);
-    ffp_rasterise(raster, gaussians, camera, settings, &gbuffer);
-    ffp_map_to_projector(raster, gaussians, &gbuffer, camera, projector, settings, &mapping);
-    ffp_shade(&gbuffer, &mapping, camera, projector, intensity, pattern, &image);
-    ffp_image_to_srgb(&image);
-    ffp_mapping_free(&mapping);
-    ffp_gbuffer_free(&gbuffer);
-    ffp_raster_free(raster);
-    return image;
 }

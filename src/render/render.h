@@ -1,16 +1,19 @@
 // Projector-aware rendering of relightable Gaussians, forward and backward (docs/architecture.md, "light").
-// Rasterise a view once to G-buffers, then shade it under any number of patterns.
+// Rasterise a view once to G-buffers, then shade it under any number of patterns. These are the steps, at one
+// sample a pixel; pass.h puts them together.
 #ifndef FFP_RENDER_RENDER_H
 #define FFP_RENDER_RENDER_H
 
 #include <stdbool.h>
 #include "base/real.h"
+#include "ffprocams.h"
 #include "capture/capture.h"
 #include "gaussians/gaussians.h"
 #include "image/image.h"
 #include "image/lookup.h"
 
 typedef struct FfpRenderSettings {
+    int samples;       // a side of the grid that looks at a pixel (pass.h): 2; 1 in the paper's form
     real blur;         // px^2 added to the 2D covariance: 0.002 (0.3 in the paper's form)
     bool compensation; // opacity times sqrt(det / det_blurred)
     real firmness;     // k: with d = opacity exp(-sigma), alpha = d (1 + k (1 - d)); 0: d itself, 1: as two
@@ -21,7 +24,9 @@ typedef struct FfpRenderSettings {
     real shadow_bias;  // depth slack as a share of the projector's distance (0.05)
 } FfpRenderSettings;
 FfpRenderSettings ffp_render_defaults(void);
-FfpRenderSettings ffp_render_paper(void); // blur 0.3, no compensation, bilinear, no shadows
+FfpRenderSettings ffp_render_paper(void);                  // blur 0.3, no compensation, bilinear, no shadows
+enum { FFP_SAMPLES_MAX = 4 };                              // of FfpRenderSettings.samples
+FfpRenderSettings ffp_render_settings(FfpDrawing drawing); // samples 0: as many as the form has
 
 // Accumulated attributes of one view; [height,width(,3)] each. Accumulations are raw sums of W_i b_i: shading
 // divides.
@@ -82,11 +87,5 @@ void ffp_shade_backward(const FfpGbuffer *gbuffer, const FfpMapping *mapping, co
                         const FfpCamera *projector, const real intensity[3], const FfpSummed *pattern,
                         const FfpImage *grad_image, FfpGbuffer *grad_gbuffer, real grad_intensity[3],
                         FfpSummed *grad_pattern);
-
-// One view, one pattern, from nothing: rasterise, map, shade, encode to sRGB (clamped). Convenience for eval
-// and cli.
-FfpImage ffp_render_view(const FfpGaussians *gaussians, const FfpCamera *camera, const FfpCamera *projector,
-                         const real intensity[3], const FfpSummed *pattern,
-                         const FfpRenderSettings *settings);
 
 #endif

@@ -87,6 +87,7 @@ static const Field model_fields[] = {
     {"pixel_hidden", INT, MODEL_AT(pixel_hidden), 0, 1e4},
     {"appearance_cnn", BOOL, MODEL_AT(appearance_cnn), 0, 1},
     {"render", TEXT, MODEL_AT(render), 0, sizeof(((FfpModelConfig *)0)->render)},
+    {"samples", INT, MODEL_AT(samples), 1, 1e2},
 };
 
 #define COUNT(table) ((int)(sizeof(table) / sizeof((table)[0])))

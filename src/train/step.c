@@ -7,6 +7,7 @@
 #include "base/log.h"
 #include "base/rng.h"
 #include "base/vec.h"
+#include "render/pass.h"
 #include "train/train.h"
 
 struct FfpStepper {
@@ -15,11 +16,8 @@ struct FfpStepper {
     FfpRenderSettings settings;
     FfpRun *run;
     FfpProfile profile; // of the run, this step
-    FfpRaster *raster, *shadow_raster;
-    // of one view, remade when the image size changes:
-    FfpGbuffer gbuffer, grad_gbuffer;
-    FfpMapping mapping;
-    FfpImage linear, encoded, target, grad;
+    FfpViewPass *pass;
+    FfpImage picture, target, grad; // of one view, remade when its size changes
     FfpGaussians grad_gaussians;
     real *grad_t;
 };
@@ -28,31 +26,25 @@ FfpStepper *ffp_stepper_new(const FfpTrainConfig *config, const FfpPerceptual *p
     FfpStepper *s = ffp_alloc(1, sizeof *s);
     s->config = config;
     s->perceptual = perceptual;
-    s->settings = strcmp(config->model.render, "paper") == 0 ? ffp_render_paper() : ffp_render_defaults();
+    s->settings = ffp_render_settings(ffp_model_drawing(&config->model));
     s->run = ffp_run_new();
     s->run->profile = &s->profile;
-    s->raster = ffp_raster_new();
-    s->shadow_raster = ffp_raster_new();
+    s->pass = ffp_view_pass_new(&s->settings);
     return s;
 }
 
-static void free_view_buffers(FfpStepper *s) {
-    ffp_gbuffer_free(&s->gbuffer);
-    ffp_gbuffer_free(&s->grad_gbuffer);
-    ffp_mapping_free(&s->mapping);
-    ffp_image_free(&s->linear);
-    ffp_image_free(&s->encoded);
+static void free_pictures(FfpStepper *s) {
+    ffp_image_free(&s->picture);
     ffp_image_free(&s->target);
     ffp_image_free(&s->grad);
 }
 
 void ffp_stepper_free(FfpStepper *s) {
     if (!s) return;
-    free_view_buffers(s);
+    free_pictures(s);
     ffp_gaussians_free(&s->grad_gaussians);
     free(s->grad_t);
-    ffp_raster_free(s->raster);
-    ffp_raster_free(s->shadow_raster);
+    ffp_view_pass_free(s->pass);
     ffp_run_free(s->run);
     free(s);
 }
@@ -61,14 +53,10 @@ FfpRun *ffp_stepper_run(FfpStepper *s) {
     return s->run;
 }
 
-static void fit_view_buffers(FfpStepper *s, int width, int height) {
-    if (s->gbuffer.width == width && s->gbuffer.height == height) return;
-    free_view_buffers(s);
-    s->gbuffer = ffp_gbuffer_new(width, height);
-    s->grad_gbuffer = ffp_gbuffer_new(width, height);
-    s->mapping = ffp_mapping_new(width, height);
-    s->linear = ffp_image_new(width, height, 3);
-    s->encoded = ffp_image_new(width, height, 3);
+static void fit_pictures(FfpStepper *s, int width, int height) {
+    if (s->picture.width == width && s->picture.height == height) return;
+    free_pictures(s);
+    s->picture = ffp_image_new(width, height, 3);
     s->target = ffp_image_new(width, height, 3);
     s->grad = ffp_image_new(width, height, 3);
 }
@@ -78,31 +66,26 @@ static void encode_into(FfpImage *out, const FfpImage *linear) {
     ffp_image_to_srgb(out);
 }
 
-// Shades the view in the buffers under one pattern, adds the image terms and their gradients to the
-// G-buffer's.
+// Shades the view drawn last under one pattern, adds the image terms and takes their gradients back.
 static void supervise_pattern(FfpStepper *s, const FfpScene *scene, const FfpView *view, int pattern,
                               bool perceptual, real weight, FfpLosses *losses) {
     const FfpTrainConfig *c = s->config;
     const FfpCapture *capture = &scene->capture;
     const FfpSummed *light = pattern == capture->black ? NULL : &scene->patterns[pattern];
     double clock = ffp_seconds();
-    ffp_shade(&s->gbuffer, &s->mapping, &view->camera, &view->projector, capture->intensity, light,
-              &s->linear);
+    ffp_view_pass_shade(s->pass, capture->intensity, light, &s->picture);
     losses->shade_s += ffp_seconds() - clock, clock = ffp_seconds();
 
-    encode_into(&s->encoded, &s->linear);
     encode_into(&s->target, &view->images[pattern]);
     memset(s->grad.data, 0, sizeof(real) * (size_t)s->grad.width * s->grad.height * 3);
-    losses->l1 += ffp_l1_loss(&s->encoded, &s->target, weight * (real)c->l1, &s->grad);
-    losses->ssim += ffp_ssim_loss(&s->encoded, &s->target, weight * (real)c->ssim, &s->grad);
+    losses->l1 += ffp_l1_loss(&s->picture, &s->target, weight * (real)c->l1, &s->grad);
+    losses->ssim += ffp_ssim_loss(&s->picture, &s->target, weight * (real)c->ssim, &s->grad);
     if (perceptual)
-        losses->perceptual += ffp_perceptual_loss(s->perceptual, &s->encoded, &s->target,
+        losses->perceptual += ffp_perceptual_loss(s->perceptual, &s->picture, &s->target,
                                                   weight * (real)c->perceptual, &s->grad);
-    ffp_srgb_encode_backward(&s->linear, &s->grad);
     losses->loss_s += ffp_seconds() - clock, clock = ffp_seconds();
 
-    ffp_shade_backward(&s->gbuffer, &s->mapping, &view->camera, &view->projector, capture->intensity, light,
-                       &s->grad, &s->grad_gbuffer, NULL, NULL);
+    ffp_view_pass_shade_backward(s->pass, capture->intensity, light, &s->grad, NULL, NULL);
     losses->shade_backward_s += ffp_seconds() - clock;
 }
 
@@ -131,8 +114,8 @@ static double truth_loss(const real *sum, const real *opacity, const FfpImage *t
 // The terms that look at G-buffers.
 static void supervise_gbuffer(FfpStepper *s, const FfpView *view, real weight, FfpLosses *losses) {
     const FfpTrainConfig *c = s->config;
-    const FfpGbuffer *g = &s->gbuffer;
-    FfpGbuffer *d = &s->grad_gbuffer;
+    const FfpGbuffer *g = ffp_view_pass_gbuffer(s->pass);
+    FfpGbuffer *d = ffp_view_pass_grad_gbuffer(s->pass);
     const int pixels = g->width * g->height;
     const real *mask = view->coverage.data;
     losses->mask += ffp_mask_loss(g->opacity, mask, pixels, weight * (real)c->mask, d->opacity);
@@ -159,14 +142,11 @@ static void supervise_view(FfpStepper *s, const FfpScene *scene, const FfpGaussi
     const FfpTrainConfig *c = s->config;
     const FfpCapture *capture = &scene->capture;
     const FfpView *view = &capture->views[index];
-    fit_view_buffers(s, view->camera.width, view->camera.height);
+    fit_pictures(s, view->camera.width, view->camera.height);
     double clock = ffp_seconds();
-    ffp_rasterise(s->raster, gaussians, &view->camera, &s->settings, &s->gbuffer);
-    ffp_map_to_projector(s->shadow_raster, gaussians, &s->gbuffer, &view->camera, &view->projector,
-                         &s->settings, &s->mapping);
+    ffp_view_pass_draw(s->pass, gaussians, &view->camera, &view->projector);
     losses->rasterise_s += ffp_seconds() - clock;
 
-    ffp_gbuffer_clear(&s->grad_gbuffer);
     int active;
     do active = (int)ffp_rng_below(rng, (uint32_t)capture->n_patterns);
     while (active == capture->black || active == capture->white);
@@ -178,8 +158,7 @@ static void supervise_view(FfpStepper *s, const FfpScene *scene, const FfpGaussi
     supervise_gbuffer(s, view, weight, losses);
     losses->loss_s += ffp_seconds() - clock, clock = ffp_seconds();
 
-    ffp_rasterise_backward(s->raster, gaussians, &view->camera, &s->settings, &s->gbuffer, &s->grad_gbuffer,
-                           &s->grad_gaussians);
+    ffp_view_pass_backward(s->pass, &s->grad_gaussians);
     losses->rasterise_backward_s += ffp_seconds() - clock;
 }
 

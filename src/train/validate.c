@@ -4,6 +4,7 @@
 #include <string.h>
 #include "base/arena.h"
 #include "loss/metrics.h"
+#include "render/pass.h"
 #include "train/train.h"
 
 typedef struct Tally {
@@ -17,37 +18,30 @@ static double mean(Tally t) {
 
 typedef struct Viewer { // what rendering needs from picture to picture
     FfpRenderSettings settings;
-    FfpRaster *raster;
-    FfpGbuffer gbuffer;
-    FfpMapping mapping;
-    FfpImage image;
+    FfpViewPass *pass;
+    FfpImage picture;
 } Viewer;
 
 static Viewer viewer_new(const FfpModelConfig *model, int side) {
-    return (Viewer){strcmp(model->render, "paper") == 0 ? ffp_render_paper() : ffp_render_defaults(),
-                    ffp_raster_new(), ffp_gbuffer_new(side, side), ffp_mapping_new(side, side),
-                    ffp_image_new(side, side, 3)};
+    Viewer viewer = {.settings = ffp_render_settings(ffp_model_drawing(model)),
+                     .picture = ffp_image_new(side, side, 3)};
+    viewer.pass = ffp_view_pass_new(&viewer.settings);
+    return viewer;
 }
 
 static void viewer_free(Viewer *viewer) {
-    ffp_raster_free(viewer->raster);
-    ffp_gbuffer_free(&viewer->gbuffer);
-    ffp_mapping_free(&viewer->mapping);
-    ffp_image_free(&viewer->image);
+    ffp_view_pass_free(viewer->pass);
+    ffp_image_free(&viewer->picture);
 }
 
 static void aim(Viewer *viewer, const FfpGaussians *gaussians, const FfpView *view) {
-    ffp_rasterise(viewer->raster, gaussians, &view->camera, &viewer->settings, &viewer->gbuffer);
-    ffp_map_to_projector(viewer->raster, gaussians, &viewer->gbuffer, &view->camera, &view->projector,
-                         &viewer->settings, &viewer->mapping);
+    ffp_view_pass_draw(viewer->pass, gaussians, &view->camera, &view->projector);
 }
 
-// The encoded picture under one pattern, left in viewer->image.
-static void show(Viewer *viewer, const FfpScene *scene, const FfpView *view, int pattern) {
-    const FfpSummed *light = pattern == scene->capture.black ? NULL : &scene->patterns[pattern];
-    ffp_shade(&viewer->gbuffer, &viewer->mapping, &view->camera, &view->projector, scene->capture.intensity,
-              light, &viewer->image);
-    ffp_image_to_srgb(&viewer->image);
+// The encoded picture under one pattern, left in viewer->picture.
+static void show(Viewer *viewer, const FfpScene *scene, int pattern) {
+    ffp_view_pass_shade(viewer->pass, scene->capture.intensity,
+                        pattern == scene->capture.black ? NULL : &scene->patterns[pattern], &viewer->picture);
 }
 
 // Lollipops that were not given at the input poses; every pattern at the new poses.
@@ -60,11 +54,11 @@ static void score(Viewer *viewer, const FfpScene *scene, const FfpGaussians *gau
         aim(viewer, gaussians, view);
         for (int p = 0; p < capture->n_patterns; p++) {
             if (input && (p == capture->black || p == capture->white || p == scene->active)) continue;
-            show(viewer, scene, view, p);
+            show(viewer, scene, p);
             FfpImage truth = ffp_image_copy(&view->images[p]);
             ffp_image_to_srgb(&truth);
             Tally *tally = input ? rendering : novel_pose;
-            tally->sum += ffp_psnr(&viewer->image, &truth);
+            tally->sum += ffp_psnr(&viewer->picture, &truth);
             tally->count++;
             ffp_image_free(&truth);
         }
@@ -122,11 +116,11 @@ static void draw_row(Viewer *viewer, const FfpScene *scene, const FfpGaussians *
         paste(sheet, &truth, 3 * half, row);
         ffp_image_free(&truth);
         aim(viewer, start, &capture->views[v]);
-        show(viewer, scene, &capture->views[v], pattern);
-        paste(sheet, &viewer->image, 3 * half + 1, row);
+        show(viewer, scene, pattern);
+        paste(sheet, &viewer->picture, 3 * half + 1, row);
         aim(viewer, prediction, &capture->views[v]);
-        show(viewer, scene, &capture->views[v], pattern);
-        paste(sheet, &viewer->image, 3 * half + 2, row);
+        show(viewer, scene, pattern);
+        paste(sheet, &viewer->picture, 3 * half + 2, row);
     }
 }
 

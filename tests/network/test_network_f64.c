@@ -87,7 +87,8 @@ static void check_model(const char *modules, int dim, bool residual, bool match_
                              .pixel_features = 3,
                              .pixel_hidden = 7,
                              .appearance_cnn = appearance_cnn,
-                             .render = "ours"};
+                             .render = "ours",
+                             .samples = 2};
     strcpy(config.modules, modules);
     Scene s;
     scene_new(&s, 2, 12, 8, 3);

@@ -1,4 +1,5 @@
 // Fits on a small scene of splats that were drawn by the renderer itself, so that the truth is known.
+#include "render/pass.h"
 #include "base/rng.h"
 #include "base/vec.h"
 #include "loss/metrics.h"

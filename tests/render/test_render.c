@@ -1,6 +1,7 @@
 // The renderer against a brute-force one in double, against physics, and against itself.
 #include <math.h>
 #include <omp.h>
+#include "render/pass.h"
 #include "support.h"
 #include "base/arena.h"
 #include "base/cpu.h"

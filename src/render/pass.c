@@ -1,0 +1,153 @@
+#include "render/pass.h"
+
+#include <stdlib.h>
+#include "base/arena.h"
+#include "render/resolve.h"
+
+struct FfpViewPass {
+    FfpRenderSettings settings;
+    FfpRaster *raster, *shadow_raster;
+    const FfpGaussians *gaussians; // drawn last,
+    FfpCamera camera, projector;   // by a camera that has a pixel for each sample
+    FfpMapping mapping;            // of the samples
+    FfpGbuffer samples, mean;      // the same memory when there is one sample a pixel
+    FfpImage linear, mean_linear;  // radiance of the picture shaded last: of the samples, and their means
+    // Made by the first backward pass of a size, zero since the last draw unless something was added:
+    FfpGbuffer grad_samples, grad_mean; // the same memory likewise
+    FfpImage grad_linear;
+    bool grad_clear;
+};
+
+FfpViewPass *ffp_view_pass_new(const FfpRenderSettings *settings) {
+    FfpViewPass *pass = ffp_alloc(1, sizeof *pass);
+    *pass =
+        (FfpViewPass){.settings = *settings, .raster = ffp_raster_new(), .shadow_raster = ffp_raster_new()};
+    return pass;
+}
+
+static void free_buffers(FfpViewPass *pass) {
+    if (pass->settings.samples > 1) {
+        ffp_gbuffer_free(&pass->mean);
+        ffp_gbuffer_free(&pass->grad_mean);
+    }
+    ffp_gbuffer_free(&pass->samples);
+    ffp_gbuffer_free(&pass->grad_samples);
+    ffp_mapping_free(&pass->mapping);
+    ffp_image_free(&pass->linear);
+    ffp_image_free(&pass->mean_linear);
+    ffp_image_free(&pass->grad_linear);
+}
+
+void ffp_view_pass_free(FfpViewPass *pass) {
+    if (!pass) return;
+    free_buffers(pass);
+    ffp_raster_free(pass->raster);
+    ffp_raster_free(pass->shadow_raster);
+    free(pass);
+}
+
+// Buffers for pictures of width x height.
+static void fit_buffers(FfpViewPass *pass, int width, int height) {
+    const int side = pass->settings.samples;
+    if (pass->mean_linear.width == width && pass->mean_linear.height == height) return;
+    free_buffers(pass);
+    pass->samples = ffp_gbuffer_new(side * width, side * height);
+    pass->mean = side > 1 ? ffp_gbuffer_new(width, height) : pass->samples;
+    pass->mapping = ffp_mapping_new(side * width, side * height);
+    pass->linear = ffp_image_new(side * width, side * height, 3);
+    pass->mean_linear = ffp_image_new(width, height, 3);
+    pass->grad_mean = pass->grad_samples = (FfpGbuffer){0};
+}
+
+static void fit_grad_buffers(FfpViewPass *pass) {
+    const int side = pass->settings.samples;
+    if (!pass->grad_linear.data) {
+        pass->grad_samples = ffp_gbuffer_new(pass->samples.width, pass->samples.height);
+        pass->grad_mean =
+            side > 1 ? ffp_gbuffer_new(pass->mean.width, pass->mean.height) : pass->grad_samples;
+        pass->grad_linear = ffp_image_new(pass->linear.width, pass->linear.height, 3);
+    } else if (!pass->grad_clear) {
+        ffp_gbuffer_clear(&pass->grad_samples);
+        if (side > 1) ffp_gbuffer_clear(&pass->grad_mean);
+    }
+    pass->grad_clear = true;
+}
+
+// The same camera with `side` x `side` pixels for each.
+static FfpCamera sample_camera(const FfpCamera *camera, int side) {
+    FfpCamera c = *camera;
+    const real s = (real)side;
+    c.width *= side, c.height *= side;
+    c.fx *= s, c.fy *= s, c.cx *= s, c.cy *= s;
+    return c;
+}
+
+void ffp_view_pass_samples_changed(FfpViewPass *pass) {
+    ffp_map_to_projector(pass->shadow_raster, pass->gaussians, &pass->samples, &pass->camera,
+                         &pass->projector, &pass->settings, &pass->mapping);
+    if (pass->settings.samples > 1) ffp_average_gbuffer(&pass->samples, pass->settings.samples, &pass->mean);
+}
+
+void ffp_view_pass_draw(FfpViewPass *pass, const FfpGaussians *gaussians, const FfpCamera *camera,
+                        const FfpCamera *projector) {
+    fit_buffers(pass, camera->width, camera->height);
+    pass->gaussians = gaussians;
+    pass->camera = sample_camera(camera, pass->settings.samples);
+    pass->projector = *projector;
+    pass->grad_clear = false;
+    ffp_rasterise(pass->raster, gaussians, &pass->camera, &pass->settings, &pass->samples);
+    ffp_view_pass_samples_changed(pass);
+}
+
+const FfpGbuffer *ffp_view_pass_gbuffer(const FfpViewPass *pass) {
+    return &pass->mean;
+}
+
+FfpGbuffer *ffp_view_pass_samples(FfpViewPass *pass) {
+    return &pass->samples;
+}
+
+const FfpMapping *ffp_view_pass_mapping(const FfpViewPass *pass) {
+    return &pass->mapping;
+}
+
+void ffp_view_pass_shade(FfpViewPass *pass, const real intensity[3], const FfpSummed *pattern,
+                         FfpImage *out) {
+    ffp_shade(&pass->samples, &pass->mapping, &pass->camera, &pass->projector, intensity, pattern,
+              &pass->linear);
+    ffp_resolve(&pass->linear, pass->mean.opacity, pass->settings.samples, &pass->mean_linear, out);
+}
+
+FfpGbuffer *ffp_view_pass_grad_gbuffer(FfpViewPass *pass) {
+    if (!pass->grad_clear) fit_grad_buffers(pass);
+    return &pass->grad_mean;
+}
+
+void ffp_view_pass_shade_backward(FfpViewPass *pass, const real intensity[3], const FfpSummed *pattern,
+                                  const FfpImage *grad_picture, real grad_intensity[3],
+                                  FfpSummed *grad_pattern) {
+    FfpGbuffer *grad_mean = ffp_view_pass_grad_gbuffer(pass);
+    ffp_resolve_backward(&pass->mean_linear, pass->mean.opacity, pass->settings.samples, grad_picture,
+                         &pass->grad_linear, grad_mean->opacity);
+    ffp_shade_backward(&pass->samples, &pass->mapping, &pass->camera, &pass->projector, intensity, pattern,
+                       &pass->grad_linear, &pass->grad_samples, grad_intensity, grad_pattern);
+}
+
+void ffp_view_pass_backward(FfpViewPass *pass, FfpGaussians *grad) {
+    const FfpGbuffer *grad_mean = ffp_view_pass_grad_gbuffer(pass);
+    if (pass->settings.samples > 1)
+        ffp_average_gbuffer_backward(grad_mean, pass->settings.samples, &pass->grad_samples);
+    ffp_rasterise_backward(pass->raster, pass->gaussians, &pass->camera, &pass->settings, &pass->samples,
+                           &pass->grad_samples, grad);
+}
+
+FfpImage ffp_render_view(const FfpGaussians *gaussians, const FfpCamera *camera, const FfpCamera *projector,
+                         const real intensity[3], const FfpSummed *pattern,
+                         const FfpRenderSettings *settings) {
+    FfpViewPass *pass = ffp_view_pass_new(settings);
+    FfpImage picture = ffp_image_new(camera->width, camera->height, 3);
+    ffp_view_pass_draw(pass, gaussians, camera, projector);
+    ffp_view_pass_shade(pass, intensity, pattern, &picture);
+    ffp_view_pass_free(pass);
+    return picture;
+}
