@@ -11,7 +11,7 @@ import sys
 PROTOCOLS = {"rendering": "Rendering (black, white and lollipops at the input poses)",
              "novel_pattern": "Novel pattern (input poses)",
              "novel_pose": "Novel pose (of camera and projector)"}
-FIGURES = [("psnr", "PSNR", 2), ("psnr_foreground", "object's pixels", 2), ("ssim", "SSIM", 4), ("lpips", "LPIPS", 4)]
+FIGURES = [("psnr", "PSNR", 2), ("psnr_foreground", "object's pixels", 2), ("psnr_gloss", "highlights", 2), ("ssim", "SSIM", 4), ("lpips", "LPIPS", 4)]
 TRUTH = [("depth_lit_median", 2), ("depth_lit_p90", 2), ("depth_unlit_median", 2), ("depth_unlit_p90", 2),
          ("albedo_mse", 5), ("albedo_lit_mse", 5), ("albedo_unlit_mse", 5)]
 
@@ -29,8 +29,10 @@ def rows_of(paths):
 
 
 def mean_of(rows, protocol, key):
-    """None where a row lacks the figure."""
+    """None where a row lacks the figure; of highlights, over the rows that have any."""
     values = [row.get(key) for row in rows if row["protocol"] == protocol]
+    if key == "psnr_gloss":
+        values = [value for value in values if value is not None]
     return None if not values or None in values else sum(values) / len(values)
 
 

@@ -238,6 +238,7 @@ typedef struct FfpScore {
     char capture[96];
     const char *protocol;
     double psnr, psnr_foreground, ssim, lpips; // means over the images; foreground: pixels the object covers
+    double psnr_gloss; // under white, pixels whose specular part is above 0.05 (linear radiance) by the truth
     double psnr_unseen_lollipops; // `rendering` only: the lollipops that the predictor was not given
     int images, images_unseen;
     double reconstruct_s, render_s; // seconds: of the reconstruction; of all the row's pictures together

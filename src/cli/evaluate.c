@@ -33,9 +33,9 @@ static const char help[] =
     "      --polish STEPS     as in `reconstruct`; 0: the forward pass alone. Default: 40\n"
     "      --noise S          as in `reconstruct`; 0: photographs as they are. Default: auto\n"
     "      --save DIR         every prediction as DIR/<capture>/<view>_<pattern>.png\n"
-    "      --json FILE        the rows as JSON: psnr, psnr_foreground, psnr_unseen_lollipops, ssim,\n"
-    "                         lpips, images, reconstruct_s (of the capture), render_s (of all the\n"
-    "                         row's pictures together)\n"
+    "      --json FILE        the rows as JSON: psnr, psnr_foreground, psnr_gloss,\n"
+    "                         psnr_unseen_lollipops, ssim, lpips, images, reconstruct_s (of the\n"
+    "                         capture), render_s (of all the row's pictures together)\n"
     "      --report FILE      one HTML page with input, G-buffers, predictions beside truth and\n"
     "                         error, figures, times\n"
     "      --show-pattern F   image file: the report also shows the views relit by it\n"
@@ -72,13 +72,14 @@ static void put_truth(const FfpScore *scores, int n_scores) {
 }
 
 static void put_table(const FfpScore *scores, int n_scores) {
-    printf("%-20s %-14s %6s %8s %8s %8s %8s %8s %8s %8s\n", "capture", "protocol", "images", "PSNR", "object",
-           "unseen", "SSIM", "LPIPS", "rec. s", "ms/image");
+    printf("%-20s %-14s %6s %8s %8s %8s %8s %8s %8s %8s %8s\n", "capture", "protocol", "images", "PSNR",
+           "object", "gloss", "unseen", "SSIM", "LPIPS", "rec. s", "ms/image");
     for (int i = 0; i < n_scores; i++) {
         const FfpScore *score = &scores[i];
         printf("%-20s %-14s %6d", score->capture, score->protocol, score->images);
         put_cell(score->psnr, 2);
         put_cell(score->psnr_foreground, 2);
+        put_cell(score->psnr_gloss, 2);
         put_cell(score->psnr_unseen_lollipops, 2);
         put_cell(score->ssim, 4);
         put_cell(score->lpips, 4);

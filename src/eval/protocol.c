@@ -20,8 +20,8 @@ typedef struct Protocol {
 } Protocol;
 
 typedef struct Means {
-    double psnr, foreground, ssim, lpips, unseen;
-    int images, images_foreground, images_unseen;
+    double psnr, foreground, gloss, ssim, lpips, unseen;
+    int images, images_foreground, images_gloss, images_unseen;
 } Means;
 
 // --- Which pictures a protocol asks for. ---
@@ -61,6 +61,14 @@ static FfpImage foreground_mask(const FfpView *view) {
     return mask;
 }
 
+static void score_gloss(const FfpSubject *subject, const FfpView *view, const FfpImage *truth,
+                        const FfpImage *prediction, Means *means) {
+    FfpImage mask = ffp_gloss_mask(view, subject->capture->intensity);
+    const double psnr = ffp_psnr_masked(prediction, truth, &mask);
+    ffp_image_free(&mask);
+    if (isfinite(psnr)) means->gloss += psnr, means->images_gloss++;
+}
+
 static double score_picture(FfpSubject *subject, const Protocol *protocol, int view, int pattern,
                             const FfpImage *truth, const FfpImage *prediction, Means *means) {
     const double psnr = ffp_psnr(prediction, truth);
@@ -74,6 +82,7 @@ static double score_picture(FfpSubject *subject, const Protocol *protocol, int v
     if (subject->shared->lpips)
         means->lpips += ffp_perceptual_loss(subject->shared->lpips, prediction, truth, 1, NULL);
     const FfpCapture *views = protocol->views;
+    if (pattern == views->white) score_gloss(subject, &views->views[view], truth, prediction, means);
     const bool given = pattern == subject->active || pattern == views->black || pattern == views->white;
     if (strcmp(protocol->name, "rendering") == 0 && !given) means->unseen += psnr, means->images_unseen++;
     return psnr;
@@ -137,6 +146,7 @@ static void add_score(FfpSubject *subject, const Protocol *protocol, const Means
     snprintf(score->capture, sizeof score->capture, "%s", subject->capture->name);
     score->psnr = means->psnr / means->images;
     score->psnr_foreground = means->images_foreground ? means->foreground / means->images_foreground : NAN;
+    score->psnr_gloss = means->images_gloss ? means->gloss / means->images_gloss : NAN;
     score->ssim = means->ssim / means->images;
     score->lpips = subject->shared->lpips ? means->lpips / means->images : NAN;
     score->psnr_unseen_lollipops = means->images_unseen ? means->unseen / means->images_unseen : NAN;

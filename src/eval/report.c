@@ -172,7 +172,7 @@ static void put_figure(FILE *out, double value, int digits) {
 
 static void put_scores(FILE *out, const FfpScore *scores, int n_scores) {
     fputs("<table><tr><th>capture</th><th>protocol</th><th>pictures</th><th>PSNR, dB</th><th>foreground, "
-          "dB</th><th>unseen "
+          "dB</th><th>highlights, dB</th><th>unseen "
           "lollipops, dB</th><th>SSIM</th><th>LPIPS</th><th>reconstruct, s</th><th>render, s a "
           "picture</th></tr>\n",
           out);
@@ -183,6 +183,7 @@ static void put_scores(FILE *out, const FfpScore *scores, int n_scores) {
         fprintf(out, "</td><td>%s</td><td>%d</td>", score->protocol, score->images);
         put_figure(out, score->psnr, 2);
         put_figure(out, score->psnr_foreground, 2);
+        put_figure(out, score->psnr_gloss, 2);
         put_figure(out, score->psnr_unseen_lollipops, 2);
         put_figure(out, score->ssim, 4);
         put_figure(out, score->lpips, 4);
@@ -192,7 +193,8 @@ static void put_scores(FILE *out, const FfpScore *scores, int n_scores) {
     }
     fputs("</table>\n<p>PSNR over all pixels and channels of sRGB-encoded pictures over black, mean over "
           "pictures; foreground: "
-          "only the pixels that the object covers. rendering: black, white and lollipops at the input poses; "
+          "only the pixels that the object covers; highlights: under white, only those whose true specular "
+          "part is above 0.05. rendering: black, white and lollipops at the input poses; "
           "unseen "
           "lollipops: those of them that the predictor was not given; novel_pattern: every other pattern "
           "there; novel_pose: "

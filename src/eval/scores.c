@@ -11,23 +11,25 @@ const char *const ffp_protocols[FFP_PROTOCOLS] = {"rendering", "novel_pattern", 
 static const struct {
     const char *name;
     size_t offset; // of a double in FfpScore
+    bool of_some;  // captures: the others do not count in a mean
 } figures[] = {
-#define FIGURE(name)                                                                                         \
-    { #name, offsetof(FfpScore, name) }
-    FIGURE(psnr),
-    FIGURE(psnr_foreground),
-    FIGURE(psnr_unseen_lollipops),
-    FIGURE(ssim),
-    FIGURE(lpips),
-    FIGURE(reconstruct_s),
-    FIGURE(render_s),
-    FIGURE(depth_lit_median),
-    FIGURE(depth_lit_p90),
-    FIGURE(depth_unlit_median),
-    FIGURE(depth_unlit_p90),
-    FIGURE(albedo_mse),
-    FIGURE(albedo_lit_mse),
-    FIGURE(albedo_unlit_mse),
+#define FIGURE(name, of_some)                                                                                \
+    { #name, offsetof(FfpScore, name), of_some }
+    FIGURE(psnr, false),
+    FIGURE(psnr_foreground, false),
+    FIGURE(psnr_gloss, true),
+    FIGURE(psnr_unseen_lollipops, false),
+    FIGURE(ssim, false),
+    FIGURE(lpips, false),
+    FIGURE(reconstruct_s, false),
+    FIGURE(render_s, false),
+    FIGURE(depth_lit_median, false),
+    FIGURE(depth_lit_p90, false),
+    FIGURE(depth_unlit_median, false),
+    FIGURE(depth_unlit_p90, false),
+    FIGURE(albedo_mse, false),
+    FIGURE(albedo_lit_mse, false),
+    FIGURE(albedo_unlit_mse, false),
 #undef FIGURE
 };
 enum { FIGURES = sizeof figures / sizeof *figures };
@@ -49,16 +51,21 @@ static json_t *row_json(FfpScore score) {
 }
 
 int ffp_scores_mean(FfpScore *mean, const FfpScore *scores, int n_scores, const char *protocol) {
-    int rows = 0;
+    int rows = 0, having[FIGURES] = {0};
     *mean = (FfpScore){.protocol = protocol};
     for (int s = 0; s < n_scores; s++) {
         FfpScore score = scores[s];
         if (strcmp(score.protocol, protocol) != 0) continue;
         rows++;
         mean->images += score.images;
-        for (int i = 0; i < FIGURES; i++) *figure_of(mean, i) += *figure_of(&score, i);
+        for (int i = 0; i < FIGURES; i++) {
+            const double value = *figure_of(&score, i);
+            if (figures[i].of_some && !isfinite(value)) continue;
+            *figure_of(mean, i) += value;
+            having[i]++;
+        }
     }
-    for (int i = 0; i < FIGURES; i++) *figure_of(mean, i) /= rows;
+    for (int i = 0; i < FIGURES; i++) *figure_of(mean, i) /= having[i]; // 0 / 0: no figure
     return rows;
 }
 

@@ -8,7 +8,8 @@
 extern const char *const ffp_protocols[FFP_PROTOCOLS]; // rendering, novel_pattern, novel_pose
 
 // The means over captures of a protocol's rows, figure by figure; returns how many rows there are. A figure
-// missing from one row is missing from the mean.
+// missing from one row is missing from the mean; only that of highlights is averaged over the rows that have
+// it.
 int ffp_scores_mean(FfpScore *mean, const FfpScore *scores, int n_scores, const char *protocol);
 
 // {"version", "predictor", "rows": [a row a capture and protocol], "means": [a row a protocol]} into

@@ -33,6 +33,11 @@ typedef struct FfpSubject { // one capture under evaluation
 // (ffprocams.h), and adds a row to the scores when there are any. The explanation is for the report.
 bool ffp_run_protocol(FfpSubject *subject, const char *name, const char *explanation, FfpError *err);
 
+// One channel, 1 where the specular part of a view's light under white is above 0.05 (linear radiance, mean
+// of the channels) by the truth that it holds; 0 elsewhere, and everywhere in a view without truth.
+// `intensity`: [3], the projector's (FfpCapture).
+FfpImage ffp_gloss_mask(const FfpView *view, const real intensity[3]);
+
 // Depth and albedo of the subject's Gaussians against the capture's truth, into the score: NAN where it has
 // none.
 void ffp_measure_truth(FfpSubject *subject, FfpScore *score);

@@ -21,6 +21,7 @@ FfpFitLoss ffp_viewer_look(FfpViewer *viewer, const FfpGaussians *gaussians, int
 // Adam's state (Kingma and Ba 2015) for parameters, and what holds them near to their start.
 typedef struct FfpMover {
     FfpGaussians mean, square, start; // start has no elements unless something pulls towards it
+    real shared_mean, shared_square;  // of the number that all roughness logits share
     int64_t *neighbour;               // [count,k]; NULL: no smoothing
     int64_t step;
 } FfpMover;

@@ -89,22 +89,47 @@ static double decay_of(const FfpRefineSettings *settings, int attribute, int64_t
     return pow(settings->centre_decay, share);
 }
 
+static Update update_of(const FfpRefineSettings *settings, int64_t step, double rate, double pull) {
+    const double t = (double)step;
+    return (Update){.rate = (real)rate,
+                    .pull = (real)(rate * pull),
+                    .beta1 = settings->beta1,
+                    .beta2 = settings->beta2,
+                    .correction1 = (real)(1 / (1 - pow((double)settings->beta1, t))),
+                    .correction2 = (real)(1 / (1 - pow((double)settings->beta2, t))),
+                    .epsilon = settings->epsilon};
+}
+
+// A highlight is in few pixels of few views: a splat's own roughness hardly learns from it. So each logit is
+// r_i = s + d_i, with dL/ds = sum_i dL/dr_i, and s has an Adam of its own. The d_i are moved and pulled back
+// elsewhere: what they are pulled towards goes along with s.
+static void move_shared_roughness(FfpMover *mover, FfpParameters *parameters, const FfpGaussians *grad,
+                                  const Update *u) {
+    double sum = 0;
+    for (int64_t i = 0; i < grad->count; i++) sum += (double)grad->roughness[i];
+    const real slope = (real)sum;
+    real moved = 0;
+    update(u, &moved, &mover->shared_mean, &mover->shared_square, &slope, NULL, 1);
+    for (int64_t i = 0; i < grad->count; i++) parameters->numbers.roughness[i] += moved;
+    for (int64_t i = 0; i < mover->start.count; i++) mover->start.roughness[i] += moved;
+}
+
 void ffp_mover_step(FfpMover *mover, FfpParameters *parameters, const FfpGaussians *grad,
                     const FfpRefineSettings *settings, double share) {
-    const double t = (double)++mover->step;
+    const FfpRates *rates = &settings->rates;
+    mover->step++;
     for (int a = 0; a < FFP_ATTRIBUTES; a++) {
         const FfpAttribute x = ffp_attribute(&parameters->numbers, a);
-        const double rate = settings->rates.rate[a] * decay_of(settings, a, mover->step, share);
-        const Update u = {.rate = (real)rate,
-                          .pull = (real)(rate * settings->rates.pull[a]),
-                          .beta1 = settings->beta1,
-                          .beta2 = settings->beta2,
-                          .correction1 = (real)(1 / (1 - pow((double)settings->beta1, t))),
-                          .correction2 = (real)(1 / (1 - pow((double)settings->beta2, t))),
-                          .epsilon = settings->epsilon};
+        const double rate = rates->rate[a] * decay_of(settings, a, mover->step, share);
+        const Update u = update_of(settings, mover->step, rate, rates->pull[a]);
         update(&u, x.data, ffp_attribute(&mover->mean, a).data, ffp_attribute(&mover->square, a).data,
                ffp_attribute(grad, a).data, mover->start.count ? ffp_attribute(&mover->start, a).data : NULL,
                grad->count * x.width);
+    }
+    if (rates->shared_roughness > 0) {
+        const double rate = rates->shared_roughness * decay_of(settings, FFP_ROUGHNESS, mover->step, share);
+        const Update u = update_of(settings, mover->step, rate, 0);
+        move_shared_roughness(mover, parameters, grad, &u);
     }
     if (mover->neighbour) smooth_displacements(mover, parameters, settings->smooth);
 }

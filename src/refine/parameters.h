@@ -25,6 +25,7 @@ FfpAttribute ffp_attribute(const FfpGaussians *gaussians, int attribute);
 typedef struct FfpRates {      // of each attribute
     real rate[FFP_ATTRIBUTES]; // Adam's, in the parameters' units
     real pull[FFP_ATTRIBUTES]; // share of the rate by which a step goes back towards the start
+    real shared_roughness;     // Adam's of the number that all roughness logits share; 0: there is none
 } FfpRates;
 
 // Numbers have the shape of Gaussians: centre = origin + unit * R(frame) number; scale = exp; rotation =

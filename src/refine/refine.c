@@ -18,7 +18,7 @@ FfpRefineSettings ffp_refine_defaults(void) {
                            [FFP_ROTATION] = 0.005F,
                            [FFP_OPACITY] = 0.02F,
                            [FFP_ALBEDO] = 0.02F,
-                           [FFP_ROUGHNESS] = 0.01F,
+                           [FFP_ROUGHNESS] = 0.0025F,
                            [FFP_AMBIENT] = 0.02F},
                   .pull = {[FFP_CENTRE] = 2,
                            [FFP_SCALE] = 2,
@@ -26,7 +26,8 @@ FfpRefineSettings ffp_refine_defaults(void) {
                            [FFP_OPACITY] = 2,
                            [FFP_ALBEDO] = 0.4F,
                            [FFP_ROUGHNESS] = 2,
-                           [FFP_AMBIENT] = 0.4F}},
+                           [FFP_AMBIENT] = 0.4F},
+                  .shared_roughness = 0.05F},
         .decay = 0.1,
         .centre_decay = 0.1,
         .beta1 = 0.9F,
@@ -47,12 +48,13 @@ FfpRefineSettings ffp_refine_defaults(void) {
 FfpRefineSettings ffp_polish_defaults(int64_t steps) {
     FfpRefineSettings s = ffp_refine_defaults();
     const real faster[FFP_ATTRIBUTES] = {
-        [FFP_CENTRE] = 3, [FFP_SCALE] = 8,     [FFP_ROTATION] = 3, [FFP_OPACITY] = 8,
+        [FFP_CENTRE] = 6, [FFP_SCALE] = 8,     [FFP_ROTATION] = 3, [FFP_OPACITY] = 16,
         [FFP_ALBEDO] = 4, [FFP_ROUGHNESS] = 4, [FFP_AMBIENT] = 4};
     for (int a = 0; a < FFP_ATTRIBUTES; a++) {
         s.rates.rate[a] *= faster[a];
         s.rates.pull[a] /= 20; // so few steps do not stray far
     }
+    s.rates.shared_roughness *= 4;
     s.smooth = 0;
     s.steps = steps;
     s.measure = false;

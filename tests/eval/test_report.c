@@ -13,6 +13,7 @@ static const FfpScore scores[] = {
      .protocol = "rendering",
      .psnr = 30,
      .psnr_foreground = 25,
+     .psnr_gloss = NAN,
      .ssim = 0.9,
      .lpips = NAN,
      .psnr_unseen_lollipops = 28,
@@ -27,6 +28,7 @@ static const FfpScore scores[] = {
      .protocol = "rendering",
      .psnr = 20,
      .psnr_foreground = 15,
+     .psnr_gloss = 12,
      .ssim = 0.7,
      .lpips = NAN,
      .psnr_unseen_lollipops = 18,
@@ -41,6 +43,7 @@ static const FfpScore scores[] = {
      .protocol = "novel_pose",
      .psnr = 10,
      .psnr_foreground = NAN,
+     .psnr_gloss = NAN,
      .ssim = 0.5,
      .lpips = NAN,
      .psnr_unseen_lollipops = NAN,
@@ -144,6 +147,9 @@ static void test_rows_and_means(void **state) {
     assert_float_equal(json_real_value(json_object_get(mean, "psnr")), 25, 1e-9);
     assert_float_equal(json_real_value(json_object_get(mean, "psnr_unseen_lollipops")), 23, 1e-9);
     assert_true(json_is_null(json_object_get(mean, "lpips")));
+    assert_float_equal(json_real_value(json_object_get(mean, "psnr_gloss")), 12,
+                       1e-9); // of those that have it
+    assert_true(json_is_null(json_object_get(json_array_get(means, 1), "psnr_gloss")));
     assert_float_equal(json_real_value(json_object_get(mean, "depth_lit_median")), 2, 1e-9);
     assert_float_equal(json_real_value(json_object_get(mean, "albedo_mse")), 0.375, 1e-9);
     assert_true(json_is_null(json_object_get(mean, "depth_lit_p90")));

@@ -32,8 +32,8 @@ static FfpCamera look_at_origin(real azimuth, real height, real distance, int si
     return c;
 }
 
-// Splats on a ball of radius 0.6, flat along its surface, of changing colours.
-static FfpGaussians ball(void) {
+// Splats on a ball of radius 0.6, flat along its surface, of changing colours and one roughness.
+static FfpGaussians ball_of_roughness(real roughness) {
     FfpGaussians g = ffp_gaussians_new(SPLATS);
     for (int64_t i = 0; i < SPLATS; i++) {
         const real z = 1 - 2 * ((real)i + 0.5F) / SPLATS, a = 2.3999632F * (real)i;
@@ -47,9 +47,13 @@ static FfpGaussians ball(void) {
         }
         for (int k = 0; k < 4; k++) g.rotation[4 * i + k] = q[k] / (real)sqrt(2 + 2 * n[2]);
         g.opacity[i] = 0.95F;
-        g.roughness[i] = 0.6F;
+        g.roughness[i] = roughness;
     }
     return g;
+}
+
+static FfpGaussians ball(void) {
+    return ball_of_roughness(0.6F);
 }
 
 static FfpImage pattern_image(int pattern) {
@@ -78,9 +82,8 @@ static void photograph(FfpView *view, const FfpGaussians *truth, const FfpCaptur
     ffp_raster_free(raster);
 }
 
-// The ball from all around, and a fifth view from between that fits never see.
-static FfpCapture ball_capture(void) {
-    FfpGaussians truth = ball();
+// A ball from all around, and a fifth view from between that fits never see.
+static FfpCapture capture_of(const FfpGaussians *truth) {
     FfpCapture c = {.n_patterns = PATTERNS,
                     .n_views = VIEWS,
                     .patterns = calloc(PATTERNS, sizeof *c.patterns),
@@ -95,8 +98,14 @@ static FfpCapture ball_capture(void) {
         const real azimuth = (real)(v < VIEWS ? v : 0.5) * 6.2831853F / VIEWS;
         c.views[v].camera = look_at_origin(azimuth, 0.3F, 2.5F, SIDE);
         c.views[v].projector = look_at_origin(azimuth + 0.2F, 1, 2, 32);
-        photograph(&c.views[v], &truth, &c);
+        photograph(&c.views[v], truth, &c);
     }
+    return c;
+}
+
+static FfpCapture ball_capture(void) {
+    FfpGaussians truth = ball();
+    const FfpCapture c = capture_of(&truth);
     ffp_gaussians_free(&truth);
     return c;
 }
@@ -167,6 +176,35 @@ static void test_a_polish_gains_in_few_steps(void **state) {
     assert_true(psnr_of_view(&c, &g, VIEWS, STRIPES) > unseen);
     ffp_gaussians_free(&g);
     free_capture(&c);
+}
+
+static int compare_reals(const void *a, const void *b) {
+    const real x = *(const real *)a, y = *(const real *)b;
+    return (x > y) - (x < y);
+}
+
+static real median_roughness(const FfpGaussians *g) {
+    real sorted[SPLATS];
+    memcpy(sorted, g->roughness, sizeof sorted);
+    qsort(sorted, SPLATS, sizeof *sorted, compare_reals);
+    return sorted[SPLATS / 2];
+}
+
+// Started at 0.6, in no more steps than a reconstruction takes.
+static void test_a_polish_finds_the_roughness(void **state) {
+    (void)state;
+    const real truths[] = {0.35F, 0.6F};
+    for (int i = 0; i < 2; i++) {
+        FfpGaussians truth = ball_of_roughness(truths[i]), g = disturbed();
+        FfpCapture c = capture_of(&truth);
+        const FfpRefineSettings s = ffp_polish_defaults(40);
+        FfpRefineResult result;
+        assert_true(ffp_refine(&g, &c, all_patterns, PATTERNS, &s, &result, NULL));
+        assert_float_equal(median_roughness(&g), truths[i], 0.03);
+        ffp_gaussians_free(&g);
+        ffp_gaussians_free(&truth);
+        free_capture(&c);
+    }
 }
 
 static void test_the_same_seed_gives_the_same_bits(void **state) {
@@ -302,6 +340,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_a_fit_gains_on_seen_and_unseen_views),
         cmocka_unit_test(test_a_polish_gains_in_few_steps),
+        cmocka_unit_test(test_a_polish_finds_the_roughness),
         cmocka_unit_test(test_the_same_seed_gives_the_same_bits),
         cmocka_unit_test(test_stopping_keeps_the_start_and_limits_are_asked_for),
         cmocka_unit_test(test_a_fit_from_scratch_finds_the_ball),
