@@ -25,7 +25,7 @@ typedef struct FfpStart {
     real *footprint; // world width of one camera pixel at the point, t_z / fx
     real *normal;    // 3, unit, world, facing the camera
     real *albedo;    // 3, linear, in [0,1]; the gloss that the classical splats have is taken off
-    real *ambient;   // 3, linear: the black image divided by coverage
+    real *ambient;   // 3, linear: what the black image shows, of the object's own share of the pixel
 } FfpStart;
 
 typedef struct FfpMatchSettings {

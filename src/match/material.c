@@ -5,12 +5,12 @@
 
 #include "base/arena.h"
 #include "match/line.h"
+#include "match/observe.h"
 
 #define PI 3.14159265F
-#define COSINE_MIN 0.15F   // n.l below this is not believed
-#define COVERAGE_MIN 0.05F // a silhouette's colours are divided by no less
-#define LIT_MIN 0.06F      // share of the typical light at which the lit estimate begins to count,
-#define LIT_FULL 0.25F     // and at which it counts alone
+#define COSINE_MIN 0.15F // n.l below this is not believed
+#define LIT_MIN 0.06F    // share of the typical light at which the lit estimate begins to count,
+#define LIT_FULL 0.25F   // and at which it counts alone
 #define ALBEDO_MAX 1.0F
 #define ROUGHNESS 0.525F // of the classical splats: 0.05 + 0.95 / 2
 #define F0 0.04F
@@ -54,13 +54,13 @@ static void view_colours(FfpStart *start, const FfpCapture *capture, int v) {
             const size_t p = (size_t)y * (size_t)start->width + (size_t)x;
             const size_t i = (size_t)v * (size_t)start->width * (size_t)start->height + p;
             if (start->t[i] <= 0) continue;
-            const real share = fmax(view->coverage.data[p], COVERAGE_MIN);
-            real direction[3], point[3], light[3];
+            real direction[3], point[3], light[3], *ambient = start->ambient + 3 * i;
+            ffp_own_radiance(ambient, black + 3 * p, view->coverage.data[p]);
+            ffp_own_radiance(light, white + 3 * p, view->coverage.data[p]);
             ffp_pixel_ray(&view->camera, (real)x + 0.5F, (real)y + 0.5F, direction);
             for (int c = 0; c < 3; c++) {
                 point[c] = view->camera.pose[4 * c + 3] + start->t[i] * direction[c];
-                start->ambient[3 * i + (size_t)c] = black[3 * p + (size_t)c] / share;
-                light[c] = (white[3 * p + (size_t)c] - black[3 * p + (size_t)c]) / share;
+                light[c] -= ambient[c];
             }
             lit_albedo(start->albedo + 3 * i, start, capture, view, i, point, light);
         }

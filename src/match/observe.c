@@ -7,39 +7,61 @@
 #include "base/vec.h"
 #include "image/lookup.h"
 
-#define LIGHT_MIN 1e-3F // linear radiance below which a ratio says nothing
-#define RATIO_MAX 1.2F  // noise and gloss may lift a ratio above 1, not far
-#define SLANT 1.35F     // mean of 1 / cos over the slants at which surfaces are seen
-#define CELLS_A_BOX 4   // grid cells across the box that the pattern is averaged over
+#define LIGHT_MIN 1e-3F    // linear radiance below which a ratio says nothing
+#define RATIO_MAX 1.2F     // noise and gloss may lift a ratio above 1, not far
+#define COVERAGE_MIN 0.05F // a silhouette's colours are divided by no less
+#define SLANT 1.35F        // mean of 1 / cos over the slants at which surfaces are seen
+#define CELLS_A_BOX 4      // grid cells across the box that the pattern is averaged over
 
-// Mean of (white - black) over the object's pixels and channels.
-static real typical_light(const FfpView *view, const real *black, const real *white, size_t pixels) {
-    double sum = 0, count = 0;
+void ffp_own_radiance(real own[3], const real shown[3], real coverage) {
+    const bool whole = coverage >= 1;
+    const real share = fmax(coverage, COVERAGE_MIN);
+    for (int c = 0; c < 3; c++)
+        own[c] = whole ? shown[c] : ffp_srgb_decode(fmin(ffp_srgb_encode(shown[c]) / share, 1));
+}
+
+// Mean of (white - black) over the object and the channels.
+static real typical_light(const real *light, const FfpImage *coverage, size_t pixels) {
+    double sum = 0, area = 0;
     for (size_t i = 0; i < pixels; i++) {
-        if (view->coverage.data[i] <= 0) continue;
-        for (size_t c = 0; c < 3; c++) sum += fmax((double)(white[3 * i + c] - black[3 * i + c]), 0.0);
-        count += 3;
+        const double share = (double)coverage->data[i];
+        for (size_t c = 3 * i; share > 0 && c < 3 * i + 3; c++) sum += share * fmax((double)light[c], 0.0);
+        area += 3 * share;
     }
-    return (real)fmax(sum / fmax(count, 1.0), (double)LIGHT_MIN);
+    return (real)fmax(sum / fmax(area, 1.0), (double)LIGHT_MIN);
+}
+
+// light [pixels,3]: white - black of the object's own share of each pixel; ratio likewise.
+static void own_light(real *light, real *ratio, const FfpCapture *capture, const FfpView *view, int active,
+                      size_t pixels) {
+    const int pictures[3] = {capture->black, capture->white, active};
+    for (size_t i = 0; i < pixels; i++) {
+        const real coverage = view->coverage.data[i];
+        if (coverage <= 0) continue;
+        real own[3][3];
+        for (int p = 0; p < 3; p++)
+            ffp_own_radiance(own[p], view->images[pictures[p]].data + 3 * i, coverage);
+        for (size_t c = 0; c < 3; c++) {
+            light[3 * i + c] = own[1][c] - own[0][c];
+            ratio[3 * i + c] =
+                fmin(fmax((own[2][c] - own[0][c]) / fmax(light[3 * i + c], LIGHT_MIN), 0), RATIO_MAX);
+        }
+    }
 }
 
 FfpObservation ffp_observe(const FfpCapture *capture, int view_index, int active) {
     const FfpView *view = &capture->views[view_index];
-    const real *black = view->images[capture->black].data, *white = view->images[capture->white].data;
-    const real *shown = view->images[active].data;
     const size_t pixels = (size_t)view->camera.width * (size_t)view->camera.height;
     FfpObservation out = {view->camera.width, view->camera.height, ffp_alloc(3 * pixels, sizeof(real)),
                           ffp_alloc(3 * pixels, sizeof(real)), ffp_alloc(pixels, sizeof(real))};
-    const real typical = typical_light(view, black, white, pixels);
-    for (size_t i = 0; i < pixels; i++) {
-        if (view->coverage.data[i] <= 0) continue;
-        for (size_t c = 3 * i; c < 3 * i + 3; c++) {
-            const real light = white[c] - black[c];
-            out.ratio[c] = fmin(fmax((shown[c] - black[c]) / fmax(light, LIGHT_MIN), 0), RATIO_MAX);
-            out.weight[c] = fmin(fmax(light / typical, 0), 1);
-            out.lit[i] += out.weight[c] / 3;
-        }
+    real *light = ffp_alloc(3 * pixels, sizeof(real));
+    own_light(light, out.ratio, capture, view, active, pixels);
+    const real typical = typical_light(light, &view->coverage, pixels);
+    for (size_t c = 0; c < 3 * pixels; c++) {
+        out.weight[c] = view->coverage.data[c / 3] * fmin(fmax(light[c] / typical, 0), 1);
+        out.lit[c / 3] += out.weight[c] / 3;
     }
+    free(light);
     return out;
 }
 

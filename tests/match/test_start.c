@@ -212,6 +212,59 @@ static FfpCapture flat_capture(int n_views, int width, int height, real light, r
     return capture;
 }
 
+// The share of pixel (x, y) that a disc of radius r about (c, c) fills, by 16 x 16 samples.
+static real disc_share(int x, int y, real c, real r) {
+    int inside = 0;
+    for (int s = 0; s < 256; s++) {
+        const real dx = (real)x + ((real)(s % 16) + 0.5F) / 16 - c,
+                   dy = (real)y + ((real)(s / 16) + 0.5F) / 16 - c;
+        inside += dx * dx + dy * dy < r * r;
+    }
+    return (real)inside / 256;
+}
+
+// A flat capture of one view, far away, that shows a disc of an even colour, as photographs show it: encoded
+// values times coverage.
+static FfpCapture disc_capture(void) {
+    static const real shade[3][3] = {{0.05F, 0.2F, 0.1F}, {0.35F, 0.5F, 0.25F}, {0.1F, 0.3F, 0.2F}};
+    FfpCapture capture = flat_capture(1, 16, 16, 0, 0);
+    FfpView *view = &capture.views[0];
+    view->camera.fx = view->camera.fy = 400;
+    for (int i = 0; i < 256; i++) {
+        const real share = disc_share(i % 16, i / 16, 8.2F, 5);
+        view->coverage.data[i] = share;
+        for (int p = 0; p < 3; p++)
+            for (int c = 0; c < 3; c++)
+                view->images[p].data[3 * i + c] = ffp_srgb_decode(share * ffp_srgb_encode(shade[p][c]));
+    }
+    return capture;
+}
+
+// Colours of pixels that the object fills in part are those of the pixels it fills.
+static void test_colours_at_the_outline(void **state) {
+    (void)state;
+    FfpError err = {0};
+    FfpCapture capture = disc_capture();
+    FfpStart start;
+    real depth[256];
+    for (int i = 0; i < 256; i++) depth[i] = 3;
+    assert_true(ffp_start_from_depth(&start, &capture, 2, depth, &err));
+    const real *ambient = start.ambient + (ptrdiff_t)3 * (8 * 16 + 8),
+               *albedo = start.albedo + (ptrdiff_t)3 * (8 * 16 + 8);
+    int rim = 0;
+    for (int i = 0; i < 256; i++) {
+        const real share = capture.views[0].coverage.data[i];
+        for (int c = 0; c < 3 && share > 0.1F; c++) {
+            assert_true(fabsf(start.ambient[3 * i + c] - ambient[c]) < 1e-3F);
+            assert_true(fabsf(start.albedo[3 * i + c] - albedo[c]) < 0.02F * albedo[c]);
+        }
+        rim += share > 0.1F && share < 0.9F;
+    }
+    assert_true(rim > 20);
+    ffp_start_free(&start);
+    ffp_capture_free(&capture);
+}
+
 static void test_odd_captures(void **state) {
     (void)state;
     static const struct {
@@ -264,6 +317,7 @@ int main(void) {
                                        cmocka_unit_test(test_maps),
                                        cmocka_unit_test(test_same_bits_for_any_thread_count),
                                        cmocka_unit_test(test_from_depth),
+                                       cmocka_unit_test(test_colours_at_the_outline),
                                        cmocka_unit_test(test_odd_captures),
                                        cmocka_unit_test(test_refusals)};
     return cmocka_run_group_tests(tests, NULL, NULL);
