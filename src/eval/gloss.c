@@ -1,8 +1,8 @@
 // Where highlights are, by the generator's truth and its own reflectance.
 #include <tgmath.h>
+#include "base/brdf.h"
 #include "base/vec.h"
 #include "eval/subject.h"
-#include "synth/brdf.h"
 
 #define GLOSS 0.05F // specular radiance under white from which a pixel counts
 

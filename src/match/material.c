@@ -4,32 +4,28 @@
 #include <tgmath.h>
 
 #include "base/arena.h"
+#include "base/brdf.h"
 #include "match/line.h"
 #include "match/observe.h"
 
-#define PI 3.14159265F
 #define COSINE_MIN 0.15F // n.l below this is not believed
 #define LIT_MIN 0.06F    // share of the typical light at which the lit estimate begins to count,
 #define LIT_FULL 0.25F   // and at which it counts alone
 #define ALBEDO_MAX 1.0F
 #define ROUGHNESS 0.525F // of the classical splats: 0.05 + 0.95 / 2
-#define F0 0.04F
 
 // How much of the estimate comes from the projector's light, [0,1].
 static real light_share(real lit) {
     return fmin(fmax((lit - LIT_MIN) / (LIT_FULL - LIT_MIN), 0), 1);
 }
 
-// The glossy term D F V of the light model (GS-ProCams) at the roughness that the classical splats have.
+// The glossy term D F V at the roughness that the classical splats have.
 static real gloss(const real normal[3], const real to_light[3], const real to_eye[3], real cosine) {
     real half[3] = {to_light[0] + to_eye[0], to_light[1] + to_eye[1], to_light[2] + to_eye[2]};
     ffp_normalise3(half);
-    const real nh = fmax(ffp_dot3(normal, half), 0), nv = fmax(ffp_dot3(normal, to_eye), 0),
-               vh = ffp_dot3(to_eye, half);
-    const real a = ROUGHNESS * ROUGHNESS, k = (ROUGHNESS + 1) * (ROUGHNESS + 1) / 8,
-               base = nh * nh * (a * a - 1) + 1;
-    const real fresnel = F0 + (1 - F0) * exp2((-5.55473F * vh - 6.98316F) * vh);
-    return a * a / (PI * base * base) * fresnel / (4 * (nv * (1 - k) + k) * (cosine * (1 - k) + k));
+    const FfpLobe lobe = ffp_lobe(ROUGHNESS, cosine, fmax(ffp_dot3(normal, to_eye), 0),
+                                  fmax(ffp_dot3(normal, half), 0), ffp_dot3(to_eye, half));
+    return lobe.D * lobe.F * lobe.V;
 }
 
 static void lit_albedo(real albedo[3], const FfpStart *start, const FfpCapture *capture, const FfpView *view,
@@ -42,7 +38,7 @@ static void lit_albedo(real albedo[3], const FfpStart *start, const FfpCapture *
     const real glossy = gloss(normal, to_light, to_eye, cosine);
     for (int c = 0; c < 3; c++) {
         const real reflected = d * d * light[c] / (fmax(capture->intensity[c], 1e-6F) * cosine);
-        albedo[c] = fmin(fmax(PI * (reflected - glossy), 0), ALBEDO_MAX);
+        albedo[c] = fmin(fmax(FFP_PI * (reflected - glossy), 0), ALBEDO_MAX);
     }
 }
 

@@ -1,28 +1,17 @@
-// The model of light: C = f_r L max(n.l, 0) O + C_amb with the BRDF of GS-ProCams, and its gradient.
+// The model of light: C = f_r L max(n.l, 0) O + C_amb with the reflectance of base/brdf.h, and its gradient.
 #include "base/arena.h"
+#include "base/brdf.h"
 #include "base/vec.h"
 #include "capture/capture.h"
 #include "image/lookup.h"
 #include "render/raster.h"
 #include <stdlib.h>
 
-#define PI 3.14159265358979324F
 #define LN2 0.693147180559945309F
-#define F0 0.04F              // Fresnel reflectance at normal incidence
-#define FRESNEL_2 (-5.55473F) // Schlick's power as 2^((FRESNEL_2 v.h + FRESNEL_1) v.h)
-#define FRESNEL_1 (-6.98316F)
 #define ROUGHNESS_MIN 0.02F // below it the highlight's D is 0 / 0
 // A summed normal shorter than this share of the opacity has cancelled out and tells no direction: it is not
 // stretched to 1.
 #define NORMAL_MIN 0.05F
-
-// The specular lobe's three factors, with what their gradients need.
-typedef struct Lobe {
-    real a2, k, q; // rho^4, (rho + 1)^2 / 8, (n.h)^2 (a2 - 1) + 1
-    real gv, gl;   // (n.v)(1 - k) + k, and for l
-    real power;    // Schlick's
-    real D, F, V;
-} Lobe;
 
 // One lit pixel.
 typedef struct Lit {
@@ -37,7 +26,7 @@ typedef struct Lit {
     real nl, nv, nh, vh;
     real u, v_at; // pattern position
     real texture[3], light[3];
-    Lobe lobe;
+    FfpLobe lobe;
     real f[3];
 } Lit;
 
@@ -48,19 +37,6 @@ typedef struct Shader {
     const real *intensity;
     const FfpSummed *pattern;
 } Shader;
-
-static Lobe specular(real roughness, real nl, real nv, real nh, real vh) {
-    Lobe b;
-    const real a = roughness * roughness;
-    b.a2 = a * a, b.k = (roughness + 1) * (roughness + 1) / 8;
-    b.q = nh * nh * (b.a2 - 1) + 1;
-    b.gv = nv * (1 - b.k) + b.k, b.gl = nl * (1 - b.k) + b.k;
-    b.power = exp2((FRESNEL_2 * vh + FRESNEL_1) * vh);
-    b.D = b.a2 / (PI * b.q * b.q);
-    b.F = F0 + (1 - F0) * b.power;
-    b.V = 1 / (4 * b.gv * b.gl);
-    return b;
-}
 
 // Normal, albedo, roughness of the pixel: sums divided by the opacity, the normal to length 1 and turned to
 // the viewer.
@@ -104,10 +80,10 @@ static bool light_pixel(const Shader *sh, int x, int y, Lit *s) {
     ffp_project(sh->projector, point, &s->u, &s->v_at);
     const real *extent = sh->mapping->extent + 2 * p;
     ffp_lookup(sh->pattern, s->u, s->v_at, extent[0], extent[1], s->texture);
-    s->lobe = specular(s->roughness, s->nl, s->nv, s->nh, s->vh);
+    s->lobe = ffp_lobe(s->roughness, s->nl, s->nv, s->nh, s->vh);
     for (int k = 0; k < 3; k++) {
         s->light[k] = visibility * sh->intensity[k] / (s->distance * s->distance) * s->texture[k];
-        s->f[k] = s->albedo[k] / PI + s->lobe.D * s->lobe.F * s->lobe.V;
+        s->f[k] = s->albedo[k] / FFP_PI + s->lobe.D * s->lobe.F * s->lobe.V;
     }
     return true;
 }
@@ -135,15 +111,15 @@ typedef struct LitGrad {
 } LitGrad;
 
 // Through D F V: from d = dL/d(DFV) to the roughness and the four cosines.
-static void specular_backward(const Lobe *b, const Lit *s, real d, real *d_roughness, real *d_nl, real *d_nv,
-                              real *d_nh, real *d_vh) {
+static void specular_backward(const FfpLobe *b, const Lit *s, real d, real *d_roughness, real *d_nl,
+                              real *d_nv, real *d_nh, real *d_vh) {
     const real dD = d * b->F * b->V, dF = d * b->D * b->V, dV = d * b->D * b->F, rho = s->roughness;
     const real dq = -2 * b->D / b->q * dD;
-    const real da2 = dD / (PI * b->q * b->q) + dq * s->nh * s->nh;
+    const real da2 = dD / (FFP_PI * b->q * b->q) + dq * s->nh * s->nh;
     const real dgv = -b->V / b->gv * dV, dgl = -b->V / b->gl * dV;
     const real dk = dgv * (1 - s->nv) + dgl * (1 - s->nl);
     *d_nh = dq * 2 * s->nh * (b->a2 - 1);
-    *d_vh = dF * (1 - F0) * b->power * LN2 * (2 * FRESNEL_2 * s->vh + FRESNEL_1);
+    *d_vh = dF * (1 - FFP_F0) * b->power * LN2 * (2 * FFP_FRESNEL_2 * s->vh + FFP_FRESNEL_1);
     *d_nv = dgv * (1 - b->k);
     *d_nl += dgl * (1 - b->k);
     *d_roughness = 4 * rho * rho * rho * da2 + (rho + 1) / 4 * dk;
@@ -158,7 +134,7 @@ static void reflect_backward(const Shader *sh, const Lit *s, real visibility, co
         const real through = grad[k] * s->opacity * s->nl, d_light = through * s->f[k];
         d->opacity += grad[k] * s->f[k] * s->light[k] * s->nl;
         d_nl += grad[k] * s->opacity * s->f[k] * s->light[k];
-        d->albedo[k] = through * s->light[k] / PI;
+        d->albedo[k] = through * s->light[k] / FFP_PI;
         d_lobe += through * s->light[k];
         d->texture[k] = d_light * visibility * sh->intensity[k] / square;
         d_intensity[k] += d_light * visibility * s->texture[k] / square;

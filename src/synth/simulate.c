@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include "base/arena.h"
-#include "synth/brdf.h"
+#include "base/brdf.h"
 #include "synth/noise.h"
 #include "synth/scalar.h"
 #include "synth/sensor.h"
@@ -180,7 +180,7 @@ static void light_sample(const Work *w, size_t pixel, const Sample *s, const Arr
                 cosine = dot(s->normal, a->towards);
     float colour[3];
     for (int c = 0; c < 3; c++) {
-        colour[c] = (s->albedo[c] / 3.14159265F + specular) * cosine * a->fall * w->sim->intensity[c];
+        colour[c] = (s->albedo[c] / FFP_PI + specular) * cosine * a->fall * w->sim->intensity[c];
         w->view->direct_white.data[3 * pixel + (size_t)c] += colour[c];
     }
     Spread spread;
@@ -232,7 +232,7 @@ static void add_bounce(const Work *w, size_t pixel, const FfpHit *far, const flo
                        const Arrival *a) {
     float colour[3];
     const float cosine = dot(far->normal, a->towards);
-    for (int c = 0; c < 3; c++) colour[c] = albedo[c] / 3.14159265F * cosine * a->fall * w->sim->intensity[c];
+    for (int c = 0; c < 3; c++) colour[c] = albedo[c] / FFP_PI * cosine * a->fall * w->sim->intensity[c];
     const FfpLight *light = w->sim->light;
     FfpTexel texel;
     if (ffp_light_texel(light->coarse_width, light->coarse_height, a->u / FFP_COARSE, a->v / FFP_COARSE,

@@ -1,0 +1,44 @@
+// The reflectance of the light model (docs/architecture.md, "Light"), in real: Lambert plus a GGX lobe with
+// Schlick's Fresnel in its spherical-Gaussian form and the k = (rho + 1)^2 / 8 visibility of Karis 2013, as
+// GS-ProCams has it. The simulator, the classical start and the renderer mean the same light.
+#ifndef FFP_BASE_BRDF_H
+#define FFP_BASE_BRDF_H
+
+#include "base/vec.h"
+
+#define FFP_PI 3.14159265358979324F
+#define FFP_F0 0.04F              // Fresnel reflectance at normal incidence
+#define FFP_FRESNEL_2 (-5.55473F) // Schlick's power as 2^((FRESNEL_2 v.h + FRESNEL_1) v.h)
+#define FFP_FRESNEL_1 (-6.98316F)
+
+// The specular lobe's three factors D, F and V, with what their gradients need.
+typedef struct FfpLobe {
+    real a2, k, q; // rho^4, (rho + 1)^2 / 8, (n.h)^2 (a2 - 1) + 1
+    real gv, gl;   // (n.v)(1 - k) + k, and for l
+    real power;    // Schlick's
+    real D, F, V;
+} FfpLobe;
+
+// roughness in (0,1]; cosines of normal, light, viewer and the half vector between the latter two.
+static inline FfpLobe ffp_lobe(real roughness, real nl, real nv, real nh, real vh) {
+    FfpLobe b;
+    const real a = roughness * roughness;
+    b.a2 = a * a, b.k = (roughness + 1) * (roughness + 1) / 8;
+    b.q = nh * nh * (b.a2 - 1) + 1;
+    b.gv = nv * (1 - b.k) + b.k, b.gl = nl * (1 - b.k) + b.k;
+    b.power = exp2((FFP_FRESNEL_2 * vh + FFP_FRESNEL_1) * vh);
+    b.D = b.a2 / (FFP_PI * b.q * b.q);
+    b.F = FFP_F0 + (1 - FFP_F0) * b.power;
+    b.V = 1 / (4 * b.gv * b.gl);
+    return b;
+}
+
+// D F V; all directions unit, away from the surface, n.l and n.v positive.
+static inline real ffp_brdf_specular(const real n[3], const real l[3], const real v[3], real roughness) {
+    real h[3] = {l[0] + v[0], l[1] + v[1], l[2] + v[2]};
+    ffp_normalise3(h);
+    const FfpLobe b = ffp_lobe(roughness, ffp_dot3(n, l), ffp_dot3(n, v), ffp_dot3(n, h), ffp_dot3(v, h));
+    return b.D * b.F * b.V;
+}
+
+#endif
