@@ -219,6 +219,8 @@ static bool open_model(Trainer *trainer, const FfpTraining *options, FfpError *e
     trainer->model = options->initial ? ffp_model_read(options->initial, err)
                                       : ffp_model_new(&config->model, (uint64_t)config->seed, err);
     if (!trainer->model) return false;
+    // How many samples look at a pixel is no matter of the weights.
+    trainer->model->config.samples = config->model.samples;
     config->model = trainer->model->config;
     tell_origin(trainer, options->initial);
     trainer->adam = ffp_adam_new(trainer->model);
