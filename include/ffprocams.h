@@ -72,10 +72,13 @@ typedef struct FfpReconstructionStory { // how it went; seconds of wall clock
     int64_t gaussians;
     double start_s, network_s; // projector matching and the classical estimates; the network
     double polish_s;
-    double noise, denoise_s; // deviation of what was taken away
+    double noise, denoise_s;              // deviation of what was taken away
+    bool network_dropped, polish_dropped; // what made the photographs worse was left out
 } FfpReconstructionStory;
 
-// One forward pass and a short fit. The Gaussians are in the capture's world units. `story` may be NULL.
+// One forward pass and a short fit. Each is scored on the photographs: a prediction that shows them clearly
+// worse than the classical start is dropped for it, and a fit that shows them worse than what it began with
+// is left out; a line on stderr says so. The Gaussians are in the capture's world units. `story` may be NULL.
 FfpGaussians *ffp_reconstruct(const FfpCapture *capture, const FfpReconstruction *options,
                               FfpReconstructionStory *story, FfpError *err);
 
@@ -133,6 +136,7 @@ typedef struct FfpRefinementStory {
     int64_t steps, gaussians;
     double seconds;
     bool stopped; // by SIGINT or SIGTERM: the best state so far is kept
+    bool dropped; // the fit made the pictures worse: the Gaussians are what they were
 } FfpRefinementStory;
 
 // Fits the Gaussians, which stay near to what they were, to the capture's pictures. `story` may be NULL.

@@ -39,7 +39,10 @@ typedef struct Arguments {
 static void tell(const Arguments *arguments, const FfpRefinementStory *story) {
     printf("%s: %lld Gaussians, %.2f -> %.2f dB on the pictures fitted, %lld steps in %.1f s%s\n",
            arguments->output, (long long)story->gaussians, story->psnr_before, story->psnr_after,
-           (long long)story->steps, story->seconds, story->stopped ? ", interrupted" : "");
+           (long long)story->steps, story->seconds,
+           story->dropped   ? ": the fit made them worse and was left out"
+           : story->stopped ? ", interrupted"
+                            : "");
 }
 
 static int run(const Arguments *arguments) {

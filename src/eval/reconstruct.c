@@ -12,6 +12,8 @@
 #include "network/network.h"
 #include "refine/refine.h"
 
+#define NETWORK_LOSS_MAX 1 // dB against the classical start
+
 FfpCapture ffp_normalised_alias(const FfpCapture *capture) {
     FfpCapture alias = *capture;
     alias.views = ffp_alloc(capture->n_views, sizeof *alias.views);
@@ -71,12 +73,40 @@ typedef struct Work {
     FfpGaussians result;
 } Work;
 
+// PSNR on the photographs that the reconstruction is made from; one sample a pixel is enough to compare.
+static double score(const Work *w, const FfpGaussians *gaussians, const FfpReconstruction *options) {
+    FfpRenderSettings settings = ffp_drawing_settings(options->drawing, options->model);
+    settings.samples = 1;
+    return ffp_photographs_psnr(gaussians, &w->capture, w->photographs, FFP_PHOTOGRAPHS, &settings);
+}
+
+// Keeps the classical start where the network shows the photographs clearly worse than it. A small loss may
+// buy better new poses, which nobody can score.
+static void judge_network(Work *w, const FfpReconstruction *options, FfpReconstructionStory *story) {
+    FfpGaussians start = ffp_start_gaussians(&w->capture, &w->start);
+    const double before = score(w, &start, options), after = score(w, &w->result, options);
+    story->network_dropped = start.count > 0 && after < before - NETWORK_LOSS_MAX;
+    if (story->network_dropped) {
+        ffp_note("the network shows the photographs worse than the classical start, %.1f against %.1f dB: "
+                 "the start is kept",
+                 after, before);
+        ffp_gaussians_free(&w->result);
+        w->result = start;
+    } else {
+        ffp_gaussians_free(&start);
+    }
+}
+
 // Between the prediction and the way back to the world.
-static bool polish(Work *w, const FfpReconstruction *options, FfpError *err) {
+static bool polish(Work *w, const FfpReconstruction *options, FfpReconstructionStory *story, FfpError *err) {
     FfpRefineSettings settings = ffp_polish_defaults(options->polish);
     FfpRefineResult result;
     settings.render = ffp_drawing_settings(options->drawing, options->model);
-    return ffp_refine(&w->result, &w->capture, w->photographs, FFP_PHOTOGRAPHS, &settings, &result, err);
+    if (!ffp_refine(&w->result, &w->capture, w->photographs, FFP_PHOTOGRAPHS, &settings, &result, err))
+        return false;
+    story->polish_dropped = result.dropped;
+    if (result.dropped) ffp_note("the polish shows the photographs worse than before: it is left out");
+    return true;
 }
 
 static bool predict(Work *w, const FfpReconstruction *options, FfpReconstructionStory *story, FfpError *err) {
@@ -91,6 +121,7 @@ static bool predict(Work *w, const FfpReconstruction *options, FfpReconstruction
     }
     begin = ffp_seconds();
     if (!run_network(&w->result, options->model, &w->capture, &w->start, active, err)) return false;
+    judge_network(w, options, story);
     story->network_s = ffp_seconds() - begin;
     return true;
 }
@@ -99,7 +130,7 @@ static bool predict_and_polish(Work *w, const FfpReconstruction *options, FfpRec
                                FfpError *err) {
     if (!predict(w, options, story, err)) return false;
     const double begin = ffp_seconds();
-    if (options->polish > 0 && w->result.count > 0 && !polish(w, options, err)) return false;
+    if (options->polish > 0 && w->result.count > 0 && !polish(w, options, story, err)) return false;
     story->polish_s = ffp_seconds() - begin;
     story->gaussians = w->result.count;
     return true;

@@ -60,8 +60,8 @@ static FfpRefineSettings settings_of(const FfpRefinement *options, bool scratch)
 
 static void tell_story(FfpRefinementStory *story, const FfpRefineResult *result) {
     if (!story) return;
-    *story = (FfpRefinementStory){result->psnr_before, result->psnr_after, result->steps,
-                                  result->gaussians,   result->seconds,    result->stopped};
+    *story = (FfpRefinementStory){result->psnr_before, result->psnr_after, result->steps,  result->gaussians,
+                                  result->seconds,     result->stopped,    result->dropped};
 }
 
 // Fits in the unit sphere, with signals caught. Gaussians without elements: from scratch.

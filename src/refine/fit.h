@@ -14,7 +14,9 @@ typedef struct FfpViewer FfpViewer;
 FfpViewer *ffp_viewer_new(const FfpCapture *capture, const int *patterns, int n_patterns,
                           const FfpRefineSettings *settings);
 void ffp_viewer_free(FfpViewer *viewer);
-// The loss of a view, at a step that says which terms count already. ADDS its gradient to grad; NULL: none.
+// PSNR of a view, mean over the patterns.
+double ffp_viewer_psnr(FfpViewer *viewer, const FfpGaussians *gaussians, int view);
+// The loss of a view, at a step that says which terms count already. ADDS its gradient to grad.
 FfpFitLoss ffp_viewer_look(FfpViewer *viewer, const FfpGaussians *gaussians, int view, int64_t step,
                            FfpGaussians *grad);
 

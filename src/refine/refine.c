@@ -102,6 +102,8 @@ FfpRefineSettings ffp_scratch_defaults(void) {
     };
 }
 
+#define CLEAR_GAIN 1 // dB
+
 typedef struct Fit { // one run of ffp_refine
     const FfpCapture *capture;
     const FfpRefineSettings *settings;
@@ -111,8 +113,8 @@ typedef struct Fit { // one run of ffp_refine
     FfpMover mover;
     FfpCrowd crowd;
     FfpGaussians best;
-    double best_loss;
-    int *order; // [n_views] of the round
+    double best_loss, best_psnr, first_psnr; // of rounds
+    int *order;                              // [n_views] of the round
     FfpRng rng;
     FfpProgress progress;
     double started;
@@ -176,16 +178,19 @@ static FfpFitLoss one_step(Fit *fit, int view) {
     return loss;
 }
 
-// What all views are worth now, without a step.
-static FfpFitLoss look_at_all(Fit *fit) {
-    FfpFitLoss sum = {0};
+// Mean PSNR over all views.
+static double measure(Fit *fit, const FfpGaussians *gaussians) {
     const int n = fit->capture->n_views;
-    for (int v = 0; v < n; v++) {
-        const FfpFitLoss loss =
-            ffp_viewer_look(fit->viewer, &fit->gaussians, v, fit->settings->distortion_from, NULL);
-        sum.total += loss.total / n, sum.psnr += loss.psnr / n;
-    }
-    return sum;
+    double sum = 0;
+    for (int v = 0; v < n; v++) sum += ffp_viewer_psnr(fit->viewer, gaussians, v);
+    return sum / n;
+}
+
+// Whether the fit has made the pictures worse. The rounds' own figures tell when it clearly has not; they are
+// of states on the way, so that else both ends are looked at.
+static bool has_lost(Fit *fit, const FfpGaussians *before) {
+    if (fit->settings->density.on || fit->best_psnr > fit->first_psnr + CLEAR_GAIN) return false;
+    return measure(fit, &fit->best) < measure(fit, before);
 }
 
 static void tell(Fit *fit, const FfpFitLoss *round) {
@@ -216,8 +221,9 @@ static bool one_round(Fit *fit, FfpError *err) {
     if (done < n) return true;
     sum.total /= n, sum.psnr /= n;
     tell(fit, &sum);
+    if (fit->step <= n) fit->first_psnr = sum.psnr;
     if (sum.total < fit->best_loss) {
-        fit->best_loss = sum.total;
+        fit->best_loss = sum.total, fit->best_psnr = sum.psnr;
         copy(&fit->best, &fit->gaussians);
     }
     return true;
@@ -265,19 +271,19 @@ bool ffp_refine(FfpGaussians *gaussians, const FfpCapture *capture, const int *p
         return ffp_fail(err, NULL, "a fit needs a limit of steps or seconds");
     Fit fit = fit_new(gaussians, capture, patterns, n_patterns, settings);
     *result = (FfpRefineResult){0};
-    if (settings->measure) result->psnr_before = look_at_all(&fit).psnr;
+    if (settings->measure) result->psnr_before = measure(&fit, gaussians);
     fit.progress = progress_of(settings);
     bool ok = true;
     while (ok && !over(&fit)) ok = one_round(&fit, err);
     ffp_progress_end(&fit.progress);
     if (ok) {
-        copy(&fit.gaussians, &fit.best);
-        if (settings->measure) result->psnr_after = look_at_all(&fit).psnr;
+        result->dropped = has_lost(&fit, gaussians);
+        if (!result->dropped) copy(gaussians, &fit.best);
+        if (settings->measure) result->psnr_after = measure(&fit, gaussians);
         result->steps = fit.step;
-        result->gaussians = fit.best.count;
+        result->gaussians = gaussians->count;
         result->seconds = ffp_seconds() - fit.started;
         result->stopped = settings->stop && *settings->stop;
-        copy(gaussians, &fit.best);
     }
     fit_free(&fit);
     return ok;

@@ -54,14 +54,20 @@ typedef struct FfpRefineResult {
     double psnr_before, psnr_after; // dB on the pictures fitted, mean over pictures; without 8-bit rounding;
                                     // 0 unless they are to be measured
     bool stopped;                   // by `stop`
+    bool dropped; // the fit showed the pictures worse than they were shown before: nothing was changed
 } FfpRefineResult;
 
 // Fits to the given patterns of all views (indices into the capture's; a view lacks none of them). Views come
 // in rounds, each in an order drawn from the seed. What is returned is the state after the round with the
-// lowest loss. With a limit in steps, the same seed and thread count give the same bits. Errors: no
-// Gaussians, no limit, a loss that is not finite.
+// lowest loss, or what was there before where that has the better PSNR on the same pictures. With a limit in
+// steps, the same seed and thread count give the same bits. Errors: no Gaussians, no limit, a loss that is
+// not finite.
 bool ffp_refine(FfpGaussians *gaussians, const FfpCapture *capture, const int *patterns, int n_patterns,
                 const FfpRefineSettings *settings, FfpRefineResult *result, FfpError *err);
+
+// How well Gaussians show the given patterns' pictures of all views: PSNR in dB, mean over the pictures.
+double ffp_photographs_psnr(const FfpGaussians *gaussians, const FfpCapture *capture, const int *patterns,
+                            int n_patterns, const FfpRenderSettings *render);
 
 // Points drawn evenly in the visual hull (where every view that sees a point has it inside its coverage):
 // round splats as wide as the way to the three nearest, opacity 0.1, grey. Errors: an empty hull.

@@ -57,11 +57,23 @@ static void fit_pictures(FfpViewer *v, int width, int height) {
     v->grad = ffp_image_new(width, height, 3);
 }
 
+// NULL: black.
+static const FfpSummed *light_of(const FfpViewer *v, int p) {
+    return v->patterns[p] == v->capture->black ? NULL : &v->light[p];
+}
+
+static const FfpView *draw(FfpViewer *v, const FfpGaussians *gaussians, int view_index) {
+    const FfpView *view = &v->capture->views[view_index];
+    fit_pictures(v, view->camera.width, view->camera.height);
+    ffp_view_pass_draw(v->pass, gaussians, &view->camera, &view->projector);
+    return view;
+}
+
 // Shades the view drawn last under pattern p; adds the picture's terms, and takes their gradient back.
 static void compare(FfpViewer *v, int p, const FfpImage *target, FfpFitLoss *loss) {
     const FfpRefineSettings *s = v->settings;
     const real share = 1 / (real)v->n_patterns, *intensity = v->capture->intensity;
-    const FfpSummed *light = v->patterns[p] == v->capture->black ? NULL : &v->light[p];
+    const FfpSummed *light = light_of(v, p);
     ffp_view_pass_shade(v->pass, intensity, light, &v->picture);
     memset(v->grad.data, 0, sizeof(real) * (size_t)v->grad.width * v->grad.height * 3);
     loss->total += ffp_l1_loss(&v->picture, target, share * s->l1, &v->grad);
@@ -88,14 +100,32 @@ static double regularise(FfpViewer *v, const FfpView *view, int64_t step) {
     return total;
 }
 
+double ffp_viewer_psnr(FfpViewer *v, const FfpGaussians *gaussians, int view) {
+    double sum = 0;
+    draw(v, gaussians, view);
+    for (int p = 0; p < v->n_patterns; p++) {
+        ffp_view_pass_shade(v->pass, v->capture->intensity, light_of(v, p), &v->picture);
+        sum += ffp_psnr(&v->picture, &v->targets[view * v->n_patterns + p]);
+    }
+    return sum / v->n_patterns;
+}
+
 FfpFitLoss ffp_viewer_look(FfpViewer *v, const FfpGaussians *gaussians, int view_index, int64_t step,
                            FfpGaussians *grad) {
-    const FfpView *view = &v->capture->views[view_index];
+    const FfpView *view = draw(v, gaussians, view_index);
     FfpFitLoss loss = {0};
-    fit_pictures(v, view->camera.width, view->camera.height);
-    ffp_view_pass_draw(v->pass, gaussians, &view->camera, &view->projector);
     for (int p = 0; p < v->n_patterns; p++) compare(v, p, &v->targets[view_index * v->n_patterns + p], &loss);
     loss.total += regularise(v, view, step);
-    if (grad) ffp_view_pass_backward(v->pass, grad);
+    ffp_view_pass_backward(v->pass, grad);
     return loss;
+}
+
+double ffp_photographs_psnr(const FfpGaussians *gaussians, const FfpCapture *capture, const int *patterns,
+                            int n_patterns, const FfpRenderSettings *render) {
+    const FfpRefineSettings settings = {.render = *render};
+    FfpViewer *viewer = ffp_viewer_new(capture, patterns, n_patterns, &settings);
+    double sum = 0;
+    for (int v = 0; v < capture->n_views; v++) sum += ffp_viewer_psnr(viewer, gaussians, v);
+    ffp_viewer_free(viewer);
+    return sum / capture->n_views;
 }

@@ -336,6 +336,34 @@ static void test_neighbours_are_those_of_brute_force(void **state) {
     assert_true(neighbour[1] >= 0 && neighbour[2] == -1);
 }
 
+// Steps far too long destroy a fit. What was there before is then kept, bit for bit.
+static void test_a_fit_that_loses_is_dropped(void **state) {
+    (void)state;
+    FfpCapture capture = ball_capture();
+    FfpGaussians g = disturbed(), before = ffp_gaussians_copy(&g);
+    FfpRefineSettings settings = ffp_polish_defaults(24);
+    FfpRefineResult result;
+    FfpError err = {""};
+    settings.quiet = true;
+    for (int a = 0; a < FFP_ATTRIBUTES; a++) settings.rates.rate[a] *= 300;
+    assert_true(ffp_refine(&g, &capture, all_patterns, PATTERNS, &settings, &result, &err));
+    assert_true(result.dropped);
+    assert_int_equal(result.gaussians, before.count);
+    for (int a = 0; a < FFP_ATTRIBUTES; a++) {
+        const FfpAttribute x = ffp_attribute(&g, a), y = ffp_attribute(&before, a);
+        assert_memory_equal(x.data, y.data, sizeof(real) * (size_t)g.count * (size_t)x.width);
+    }
+    settings = ffp_polish_defaults(24);
+    settings.quiet = true;
+    const double psnr = ffp_photographs_psnr(&g, &capture, all_patterns, PATTERNS, &settings.render);
+    assert_true(ffp_refine(&g, &capture, all_patterns, PATTERNS, &settings, &result, &err));
+    assert_false(result.dropped);
+    assert_true(ffp_photographs_psnr(&g, &capture, all_patterns, PATTERNS, &settings.render) > psnr + 1);
+    ffp_gaussians_free(&g);
+    ffp_gaussians_free(&before);
+    free_capture(&capture);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_a_fit_gains_on_seen_and_unseen_views),
@@ -347,6 +375,7 @@ int main(void) {
         cmocka_unit_test(test_numbers_go_there_and_back),
         cmocka_unit_test(test_density_doubles_and_removes),
         cmocka_unit_test(test_neighbours_are_those_of_brute_force),
+        cmocka_unit_test(test_a_fit_that_loses_is_dropped),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
