@@ -13,7 +13,8 @@
 // normalised (object in the unit sphere), so all lengths are in that unit.
 typedef struct FfpStart {
     int views, width, height;
-    real *t; // distance along the unit camera ray to the surface: matched where lit, filled elsewhere
+    real *t; // distance along the unit camera ray to the surface: matched where lit, elsewhere filled or
+             // found under black
     real *confidence; // [0,1]: 1 - best cost / second-best minimum's cost, times lit; 0 where the depth was
                       // filled
     real *lit; // [0,1]: weight of the projector's light there, (white - black) against the view's typical

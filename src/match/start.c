@@ -15,6 +15,7 @@
 #include "match/observe.h"
 #include "match/surface.h"
 #include "match/sweep.h"
+#include "match/unlit.h"
 
 #define NORMAL_REACH 2                // pixels
 #define COVERAGE_LEAST 0.05F          // of a pixel that gets a splat
@@ -99,8 +100,9 @@ static void find_normals(real *normals, const FfpDepths *depths) {
     }
 }
 
-// Gives every pixel on the object a depth: from the other views' trusted points, then smoothly.
-static void fill(FfpDepths *depths, real *range) {
+// Gives every pixel on the object a depth: from the other views' trusted points, then smoothly, then where
+// the pictures under black clearly know better.
+static void fill(FfpDepths *depths, real *range, const FfpMatchSettings *settings, int threads) {
     const FfpCapture *capture = depths->capture;
     const size_t area = (size_t)depths->width * (size_t)depths->height;
     real *normals = ffp_alloc(area * (size_t)capture->n_views, 3 * sizeof(real));
@@ -123,8 +125,10 @@ static void fill(FfpDepths *depths, real *range) {
                 out[i] = middle; // a part of the object about which nothing at all is known
         }
     }
-    memcpy(depths->depth, filled, area * (size_t)capture->n_views * sizeof(real));
-    free(filled), free(normals);
+    real *found = ffp_alloc(area * (size_t)capture->n_views, sizeof(real));
+    ffp_unlit_depths(found, depths, filled, settings, threads);
+    memcpy(depths->depth, found, area * (size_t)capture->n_views * sizeof(real));
+    free(found), free(filled), free(normals);
 }
 
 // Opacity of a pixel's own splat. Splats of several views overlap at an outline, so that each must show less
@@ -164,9 +168,10 @@ static void judge(FfpStart *start, const FfpDepths *depths) {
 
 // Everything that follows from trusted depths. Takes depths->depth and ->trust over: trust becomes the
 // confidence.
-static void derive(FfpStart *start, FfpDepths *depths, real *range) {
+static void derive(FfpStart *start, FfpDepths *depths, real *range, const FfpMatchSettings *settings,
+                   int threads) {
     const size_t n = (size_t)start->views * (size_t)start->width * (size_t)start->height;
-    fill(depths, range);
+    fill(depths, range, settings, threads);
     memcpy(start->confidence, depths->trust, n * sizeof(real));
     for (size_t i = 0; i < n; i++)
         if (depths->depth[i] > 0) depths->trust[i] = 1; // a fit's robust weights serve better than these
@@ -214,7 +219,7 @@ bool ffp_start_new(FfpStart *start, const FfpCapture *capture, int active, const
     }
     ffp_blurred_free(&pattern);
     ffp_reject_inconsistent(&depths);
-    derive(start, &depths, range);
+    derive(start, &depths, range, settings, threads);
     free(depths.depth), free(depths.trust), free(range);
     return true;
 }
@@ -223,6 +228,9 @@ bool ffp_start_from_depth(FfpStart *start, const FfpCapture *capture, int active
                           FfpError *err) {
     *start = (FfpStart){0};
     if (!check(capture, active, err)) return false;
+    const FfpMatchSettings settings = ffp_match_defaults();
+    const int threads = views_at_a_time(capture, &settings, err);
+    if (threads == 0) return false;
     *start = allocate(capture);
     FfpDepths depths = depths_new(capture, start);
     const size_t area = (size_t)start->width * (size_t)start->height;
@@ -239,7 +247,7 @@ bool ffp_start_from_depth(FfpStart *start, const FfpCapture *capture, int active
         depths.depth[i] = known ? depth[i] : 0;
         depths.trust[i] = known ? 1 : 0;
     }
-    derive(start, &depths, range);
+    derive(start, &depths, range, &settings, threads);
     free(depths.depth), free(depths.trust), free(range);
     return true;
 }

@@ -4,6 +4,7 @@
 #include <math.h>
 #include "base/rng.h"
 #include "base/vec.h"
+#include "match/beams.h"
 #include "match/fill.h"
 #include "match/line.h"
 #include "match/match.h"
@@ -172,10 +173,35 @@ static void test_semi_global(void **state) {
     ffp_foreground_free(&foreground);
 }
 
+// A plane that light falls on from the side: what it meets is heard where it meets it, and nowhere else.
+static void test_beams(void **state) {
+    (void)state;
+    enum { W = 20, H = 16 };
+    real depth[W * H], trust[W * H];
+    FfpView view = {.camera = camera_at(0, 0, -3, W, H), .projector = camera_at(0.6F, 0, -3, 2 * W, 2 * H)};
+    const FfpCapture capture = {.n_views = 1, .views = &view, .radius = 1};
+    for (int i = 0; i < W * H; i++)
+        depth[i] = 3, trust[i] = i % W < 10 ? 0.5F : 0; // the left half is trusted
+    const FfpDepths depths = {&capture, W, H, depth, trust};
+    FfpBeams beams = ffp_beams_new(&depths, 0);
+    real point[3], u, v;
+    ffp_point_at(&view.camera, 5, 8, 3, point);
+    assert_true(fabsf(ffp_project(&view.projector, point, &u, &v) - 3) < 1e-4F);
+    const FfpHeard lit = ffp_beams_at(&beams, u, v);
+    assert_true(fabsf(lit.low - 3) < 1e-3F && fabsf(lit.high - 3) < 1e-3F && lit.trust == 0.5F);
+    ffp_point_at(&view.camera, 15, 8, 3, point);
+    ffp_project(&view.projector, point, &u, &v);
+    assert_true(ffp_beams_at(&beams, u, v).trust == 0);
+    assert_true(ffp_beams_at(&beams, -1, v).trust == 0 && ffp_beams_at(&beams, u, 1e6F).trust == 0);
+    ffp_beams_free(&beams);
+}
+
 int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_frame), cmocka_unit_test(test_line_is_projection),
-        cmocka_unit_test(test_planes_keep_apart), cmocka_unit_test(test_fill_is_harmonic),
-        cmocka_unit_test(test_semi_global)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_frame),
+                                       cmocka_unit_test(test_line_is_projection),
+                                       cmocka_unit_test(test_planes_keep_apart),
+                                       cmocka_unit_test(test_fill_is_harmonic),
+                                       cmocka_unit_test(test_semi_global),
+                                       cmocka_unit_test(test_beams)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

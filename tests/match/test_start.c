@@ -72,7 +72,7 @@ static void test_depth_of_the_sample(void **state) {
     depth_errors(&capture, &start, true, matched);
     depth_errors(&capture, &start, false, filled);
     assert_true(matched[0] < 0.3 && matched[1] < 1);
-    assert_true(filled[0] < 1.5);
+    assert_true(filled[0] < 1.5 && filled[1] < 10); // 14 without a look at the pictures under black
     ffp_start_free(&start);
     ffp_capture_free(&capture);
 }
