@@ -9,6 +9,7 @@
 #include "eval/relight.h"
 #include "gaussians/gaussians.h"
 #include "match/match.h"
+#include "match/refute.h"
 #include "network/network.h"
 #include "refine/refine.h"
 
@@ -129,6 +130,7 @@ static bool predict(Work *w, const FfpReconstruction *options, FfpReconstruction
 static bool predict_and_polish(Work *w, const FfpReconstruction *options, FfpReconstructionStory *story,
                                FfpError *err) {
     if (!predict(w, options, story, err)) return false;
+    ffp_refute(w->result.opacity, w->result.centre, w->result.count, &w->capture, &w->start);
     const double begin = ffp_seconds();
     if (options->polish > 0 && w->result.count > 0 && !polish(w, options, story, err)) return false;
     story->polish_s = ffp_seconds() - begin;

@@ -44,6 +44,13 @@ void ffp_witnesses_free(FfpWitnesses *witnesses) {
     *witnesses = (FfpWitnesses){0};
 }
 
+FfpHeard ffp_heard_at(const FfpWitnesses *witnesses, int view, real x, real y) {
+    const int width = witnesses->depths->width, height = witnesses->depths->height;
+    const real u = x - 0.5F, v = y - 0.5F;
+    if (!(u >= 0 && v >= 0 && u < (real)(width - 1) && v < (real)(height - 1))) return (FfpHeard){0, 0, 0};
+    return witnesses->heard[((size_t)view * (size_t)height + (size_t)v) * (size_t)width + (size_t)u];
+}
+
 typedef struct Place { // where another view has a point
     real z, a, b;      // depth, and the share of the way to the next pixel's centre, right and down
     size_t first;      // the upper left of the four pixels around

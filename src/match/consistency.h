@@ -25,6 +25,9 @@ typedef struct FfpWitnesses {
 FfpWitnesses ffp_witnesses_new(const FfpDepths *depths);
 void ffp_witnesses_free(FfpWitnesses *witnesses);
 
+// What is known around position (x, y) of the view's picture; all 0 outside it.
+FfpHeard ffp_heard_at(const FfpWitnesses *witnesses, int view, real x, real y);
+
 typedef struct FfpWitness {
     real coverage; // least share that the silhouette of any other view leaves of the point
     int views;     // other views with the point in their picture

@@ -8,6 +8,7 @@
 #include "match/fill.h"
 #include "match/line.h"
 #include "match/match.h"
+#include "match/refute.h"
 #include "match/surface.h"
 #include "match/sweep.h"
 
@@ -196,12 +197,35 @@ static void test_beams(void **state) {
     ffp_beams_free(&beams);
 }
 
+// A splat on a matched plane or behind it stays; one before it, or off the silhouette, loses its opacity.
+static void test_refute(void **state) {
+    (void)state;
+    enum { W = 20, H = 16 };
+    real footprint[W * H], trust[W * H], coverage[W * H], centre[5][3],
+        opacity[5] = {0.9F, 0.9F, 0.9F, 0.9F, 0.9F};
+    FfpView view = {.camera = camera_at(0, 0, -3, W, H), .projector = camera_at(0.6F, 0, -3, 2 * W, 2 * H)};
+    view.coverage = (FfpImage){.width = W, .height = H, .channels = 1, .data = coverage};
+    const FfpCapture capture = {.n_views = 1, .views = &view, .radius = 1};
+    for (int i = 0; i < W * H; i++) {
+        coverage[i] = i % W < 16;
+        trust[i] = i % W < 10 ? 0.5F : 0;
+        footprint[i] = coverage[i] > 0 ? 3 / view.camera.fx : 0;
+    }
+    const FfpStart start = {.views = 1, .width = W, .height = H, .confidence = trust, .footprint = footprint};
+    static const real place[5][2] = {{5, 3}, {5, 3.5F}, {5, 2.6F}, {18, 3}, {15, 2.9F}};
+    for (int i = 0; i < 5; i++) ffp_point_at(&view.camera, place[i][0], 8, place[i][1], centre[i]);
+    assert_int_equal(ffp_refute(opacity, centre[0], 5, &capture, &start), 2);
+    static const bool stays[5] = {true, true, false, false, true};
+    for (int i = 0; i < 5; i++) assert_true(opacity[i] == (stays[i] ? 0.9F : 0));
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(test_frame),
                                        cmocka_unit_test(test_line_is_projection),
                                        cmocka_unit_test(test_planes_keep_apart),
                                        cmocka_unit_test(test_fill_is_harmonic),
                                        cmocka_unit_test(test_semi_global),
-                                       cmocka_unit_test(test_beams)};
+                                       cmocka_unit_test(test_beams),
+                                       cmocka_unit_test(test_refute)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,0 +1,12 @@
+// Splats that the photographs speak against.
+#ifndef FFP_MATCH_REFUTE_H
+#define FFP_MATCH_REFUTE_H
+
+#include "match/match.h"
+
+// Sets the opacity [count] of splats to 0 whose centres [count,3] lie where a silhouette or the rays of
+// matched points, a camera's or a projector's, show the space to be empty. Returns their number.
+int64_t ffp_refute(real *opacity, const real *centre, int64_t count, const FfpCapture *capture,
+                   const FfpStart *start);
+
+#endif
