@@ -167,20 +167,24 @@ static void test_round_trip(void **state) {
 // A good file, changed by `spoil`, must be refused with `part` in the error.
 typedef void Spoil(FfpSafetensors *file);
 
-static void check_spoilt(Spoil *spoil, const char *part) {
+// A model's file, changed, and read again.
+static FfpModel *read_changed(Spoil *change, FfpError *err) {
     FfpModel *model = new_tiny();
-    FfpError err;
-    assert_true(ffp_model_write(model, FILE_NAME, true, NULL, 0, &err));
-    ffp_model_free(model);
     FfpSafetensors file;
-    assert_true(ffp_safetensors_read(&file, FILE_NAME, &err));
-    spoil(&file);
+    assert_true(ffp_model_write(model, FILE_NAME, true, NULL, 0, err));
+    ffp_model_free(model);
+    assert_true(ffp_safetensors_read(&file, FILE_NAME, err));
+    change(&file);
     assert_true(ffp_safetensors_write(FILE_NAME, file.tensors, file.count, (const char *const *)file.metadata,
-                                      file.metadata_count, &err));
+                                      file.metadata_count, err));
     ffp_safetensors_free(&file);
-    err.text[0] = 0;
-    model = ffp_model_read(FILE_NAME, &err);
-    assert_null(model);
+    err->text[0] = 0;
+    return ffp_model_read(FILE_NAME, err);
+}
+
+static void check_spoilt(Spoil *spoil, const char *part) {
+    FfpError err;
+    assert_null(read_changed(spoil, &err));
     expect(&err, part);
     expect(&err, FILE_NAME);
     unlink(FILE_NAME);
@@ -264,6 +268,43 @@ static void drop_metadata(FfpSafetensors *file) {
     file->metadata_count = 0;
 }
 
+static void drop_key(FfpSafetensors *file, const char *key) {
+    for (int i = 0; i < file->metadata_count; i++) {
+        if (strcmp(file->metadata[2 * i], key) != 0) continue;
+        char **pair = file->metadata + 2 * i, **last = file->metadata + 2 * --file->metadata_count;
+        free(pair[0]);
+        free(pair[1]);
+        pair[0] = last[0], pair[1] = last[1];
+        return;
+    }
+    fail();
+}
+static void be_of_version_0_1(FfpSafetensors *file) {
+    drop_key(file, "model.samples");
+    drop_key(file, "model.appearance_cnn");
+}
+static void keep(FfpSafetensors *file) {
+    (void)file;
+}
+static void claim_samples(FfpSafetensors *file) {
+    set_metadata(file, "model.samples", "5");
+}
+
+// Files from before a field was there mean what the program did then: one sample a pixel.
+static void test_older_files(void **state) {
+    (void)state;
+    FfpError err;
+    FfpModel *new = read_changed(keep, &err), *old = read_changed(be_of_version_0_1, &err);
+    if (!old) fail_msg("%s", err.text);
+    assert_int_equal(new->config.samples, 2);
+    assert_int_equal(old->config.samples, 1);
+    assert_int_equal(ffp_model_drawing(&old->config).samples, 1);
+    assert_false(old->config.appearance_cnn);
+    ffp_model_free(new);
+    ffp_model_free(old);
+    unlink(FILE_NAME);
+}
+
 static void test_hostile_files(void **state) {
     (void)state;
     check_spoilt(drop_last_tensor, "pixel.last.bias");
@@ -279,6 +320,7 @@ static void test_hostile_files(void **state) {
     check_spoilt(claim_odd_width, "model.dim");
     check_spoilt(claim_text, "model.state");
     check_spoilt(claim_switch, "model.residual");
+    check_spoilt(claim_samples, "model.samples");
     check_spoilt(claim_letters, "model.modules");
     check_spoilt(claim_long_text, "model.render");
     check_spoilt(claim_format, "format");
@@ -329,7 +371,8 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_presets),       cmocka_unit_test(test_config_check),
         cmocka_unit_test(test_first_values),  cmocka_unit_test(test_round_trip),
-        cmocka_unit_test(test_hostile_files), cmocka_unit_test(test_damaged_bytes),
+        cmocka_unit_test(test_older_files),   cmocka_unit_test(test_hostile_files),
+        cmocka_unit_test(test_damaged_bytes),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
