@@ -64,7 +64,7 @@ typedef struct FfpReconstruction {
                     // all else; 0: none; FFP_NOISE_ESTIMATED: what the photographs tell
     FfpDrawing drawing; // of the polish
 } FfpReconstruction;
-#define FFP_POLISH_STEPS 40 // what the command line takes
+#define FFP_POLISH_STEPS 100 // what the command line takes
 #define FFP_NOISE_ESTIMATED (-1.0)
 
 typedef struct FfpReconstructionStory { // how it went; seconds of wall clock

@@ -184,7 +184,9 @@ static bool reconstruction(Steps *s, FfpBenchTable *table, FfpError *err) {
     add(table, "  matching", "the classical start", best[0], 0, 0);
     add(table, "  network", "forward, with the heads", best[1], 0, 0);
     add(table, "  picture", "rasterised, mapped, shaded", best[2], 0, 0);
-    add(table, "polish", "40 steps; not in the sum above", polished, 0, 0);
+    char steps[64];
+    snprintf(steps, sizeof steps, "%d steps; not in the sum above", FFP_POLISH_STEPS);
+    add(table, "polish", steps, polished, 0, 0);
     return true;
 }
 

@@ -30,7 +30,7 @@ static const char help[] =
     "                         each capture's folder first\n"
     "  -p, --pattern NAME     the structured-light pattern to use. Default: the first that is in\n"
     "                         every view and not held back\n"
-    "      --polish STEPS     as in `reconstruct`; 0: the forward pass alone. Default: 40\n"
+    "      --polish STEPS     as in `reconstruct`; 0: the forward pass alone. Default: 100\n"
     "      --noise S          as in `reconstruct`; 0: photographs as they are. Default: auto\n"
     "      --save DIR         every prediction as DIR/<capture>/<view>_<pattern>.png\n"
     "      --json FILE        the rows as JSON: psnr, psnr_foreground, psnr_gloss,\n"

@@ -18,7 +18,7 @@ static const char help[] =
     "                      or in the current one\n"
     "  -p, --pattern NAME  the structured-light pattern to use. Default: the first that is in every\n"
     "                      view and not held back\n"
-    "      --polish STEPS  steps of the fit, of one view each. 0: the forward pass alone. Default: 40\n"
+    "      --polish STEPS  steps of the fit, of one view each. 0: the forward pass alone. Default: 100\n"
     "      --noise S       standard deviation of the photographs' noise, which is taken away first:\n"
     "                      linear, of values up to 1. 0: they stay as they are. Default: auto, estimated\n"
     "                      from what the photographs of a view do not have in common\n"

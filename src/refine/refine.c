@@ -48,13 +48,14 @@ FfpRefineSettings ffp_refine_defaults(void) {
 FfpRefineSettings ffp_polish_defaults(int64_t steps) {
     FfpRefineSettings s = ffp_refine_defaults();
     const real faster[FFP_ATTRIBUTES] = {
-        [FFP_CENTRE] = 6, [FFP_SCALE] = 8,     [FFP_ROTATION] = 3, [FFP_OPACITY] = 16,
-        [FFP_ALBEDO] = 4, [FFP_ROUGHNESS] = 4, [FFP_AMBIENT] = 4};
+        [FFP_CENTRE] = 6, [FFP_SCALE] = 8,     [FFP_ROTATION] = 1.5F, [FFP_OPACITY] = 16,
+        [FFP_ALBEDO] = 2, [FFP_ROUGHNESS] = 4, [FFP_AMBIENT] = 4};
     for (int a = 0; a < FFP_ATTRIBUTES; a++) {
         s.rates.rate[a] *= faster[a];
         s.rates.pull[a] /= 20; // so few steps do not stray far
     }
     s.rates.shared_roughness *= 4;
+    s.mask = 0.3F;
     s.smooth = 0;
     s.steps = steps;
     s.measure = false;
