@@ -44,6 +44,14 @@ void ffp_witnesses_free(FfpWitnesses *witnesses) {
     *witnesses = (FfpWitnesses){0};
 }
 
+void ffp_hear(real *past, real *agree, const FfpHeard *heard, real z, real slack) {
+    if (heard->high <= 0) return;
+    if (z < heard->low - slack)
+        *past += heard->trust;
+    else if (z <= heard->high + slack)
+        *agree += heard->trust;
+}
+
 FfpHeard ffp_heard_at(const FfpWitnesses *witnesses, int view, real x, real y) {
     const int width = witnesses->depths->width, height = witnesses->depths->height;
     const real u = x - 0.5F, v = y - 0.5F;

@@ -25,6 +25,10 @@ typedef struct FfpWitnesses {
 FfpWitnesses ffp_witnesses_new(const FfpDepths *depths);
 void ffp_witnesses_free(FfpWitnesses *witnesses);
 
+// Adds the trust of what was heard to those who see past a point of depth z, or to those who have a surface
+// there, give or take `slack`; behind the surface it says nothing.
+void ffp_hear(real *past, real *agree, const FfpHeard *heard, real z, real slack);
+
 // What is known around position (x, y) of the view's picture; all 0 outside it.
 FfpHeard ffp_heard_at(const FfpWitnesses *witnesses, int view, real x, real y);
 

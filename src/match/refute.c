@@ -15,14 +15,6 @@ static bool off_silhouette(const FfpImage *coverage, real u, real v) {
     return coverage->data[(size_t)v * (size_t)coverage->width + (size_t)u] <= 0;
 }
 
-static void hear(real *past, real *agree, const FfpHeard *heard, real z, real slack) {
-    if (heard->high <= 0) return;
-    if (z < heard->low - slack)
-        *past += heard->trust;
-    else if (z <= heard->high + slack)
-        *agree += heard->trust;
-}
-
 static bool refuted(const FfpWitnesses *witnesses, const FfpBeams *beams, const real point[3]) {
     const FfpDepths *depths = witnesses->depths;
     real past = 0, agree = 0;
@@ -32,7 +24,7 @@ static bool refuted(const FfpWitnesses *witnesses, const FfpBeams *beams, const 
         if (z > 0 && off_silhouette(&view->coverage, x, y)) return true;
         if (z > 0) {
             const FfpHeard seen = ffp_heard_at(witnesses, v, x, y);
-            hear(&past, &agree, &seen, z, SLACK * z / view->camera.fx);
+            ffp_hear(&past, &agree, &seen, z, SLACK * z / view->camera.fx);
         }
         z = ffp_project(&view->projector, point, &x, &y);
         if (!(z > 0)) continue;

@@ -44,14 +44,6 @@ typedef struct Said {
     int compared;
 } Said;
 
-static void hear(Said *said, const FfpHeard *heard, real z, real slack) {
-    if (heard->high <= 0) return;
-    if (z < heard->low - slack)
-        said->past += heard->trust;
-    else if (z <= heard->high + slack)
-        said->agree += heard->trust;
-}
-
 // Puts a difference in its place among the least.
 static void keep_least(Said *said, real unlike) {
     int k = said->compared < COMPARED ? said->compared++ : COMPARED;
@@ -89,7 +81,8 @@ static void ask_camera(Said *said, const Scene *scene, const Ray *ray, int other
     const int x = (int)u, y = (int)v;
     const size_t first = (size_t)y * (size_t)width + (size_t)x;
     const FfpHeard *heard = &scene->witnesses.heard[(size_t)other * (size_t)width * (size_t)height + first];
-    hear(said, heard, depth, SLACK * depth / scene->depths->capture->views[other].camera.fx);
+    const real slack = SLACK * depth / scene->depths->capture->views[other].camera.fx;
+    ffp_hear(&said->past, &said->agree, heard, depth, slack);
     if (heard->high <= 0) compare(said, scene, ray->colour, other, first, u - (real)x, v - (real)y);
 }
 
