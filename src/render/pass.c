@@ -10,8 +10,10 @@ struct FfpViewPass {
     const FfpGaussians *gaussians; // drawn last,
     FfpCamera camera, projector;   // by a camera that has a pixel for each sample
     FfpMapping mapping;            // of the samples
-    FfpGbuffer samples, mean;      // the same memory when there is one sample a pixel
-    FfpImage linear, mean_linear;  // radiance of the picture shaded last: of the samples, and their means
+    FfpGbuffer samples,
+        mean;      // the same memory when there is one sample a pixel; the mean opacity is always there,
+    bool averaged; // the other means once they are asked for
+    FfpImage linear, mean_linear; // radiance of the picture shaded last: of the samples, and their means
     // Made by the first backward pass of a size, zero since the last draw unless something was added:
     FfpGbuffer grad_samples, grad_mean; // the same memory likewise
     FfpImage grad_linear;
@@ -85,7 +87,11 @@ static FfpCamera sample_camera(const FfpCamera *camera, int side) {
 void ffp_view_pass_samples_changed(FfpViewPass *pass) {
     ffp_map_to_projector(pass->shadow_raster, pass->gaussians, &pass->samples, &pass->camera,
                          &pass->projector, &pass->settings, &pass->mapping);
-    if (pass->settings.samples > 1) ffp_average_gbuffer(&pass->samples, pass->settings.samples, &pass->mean);
+    const int side = pass->settings.samples;
+    pass->averaged = side == 1;
+    if (side > 1)
+        ffp_average_plane(pass->samples.opacity, side, pass->mean.width, pass->mean.height, 1,
+                          pass->mean.opacity);
 }
 
 void ffp_view_pass_draw(FfpViewPass *pass, const FfpGaussians *gaussians, const FfpCamera *camera,
@@ -99,7 +105,9 @@ void ffp_view_pass_draw(FfpViewPass *pass, const FfpGaussians *gaussians, const 
     ffp_view_pass_samples_changed(pass);
 }
 
-const FfpGbuffer *ffp_view_pass_gbuffer(const FfpViewPass *pass) {
+const FfpGbuffer *ffp_view_pass_gbuffer(FfpViewPass *pass) {
+    if (!pass->averaged) ffp_average_gbuffer(&pass->samples, pass->settings.samples, &pass->mean);
+    pass->averaged = true;
     return &pass->mean;
 }
 

@@ -39,16 +39,20 @@ static void average_row_backward(const real *grad, int width, int channels, int 
                 samples[v * stride + x * channels + k] += share * grad[x / side * channels + k];
 }
 
+void ffp_average_plane(const real *samples, int side, int width, int height, int channels, real *out) {
+#pragma omp parallel for schedule(static)
+    for (int y = 0; y < height; y++) {
+        const ptrdiff_t row = (ptrdiff_t)y * width * channels;
+        average_row(samples + row * side * side, width, channels, side, out + row);
+    }
+}
+
 void ffp_average_gbuffer(const FfpGbuffer *samples, int side, FfpGbuffer *out) {
     Plane from[PLANES], to[PLANES];
     planes_of(samples, from);
     planes_of(out, to);
-#pragma omp parallel for schedule(static)
-    for (int y = 0; y < out->height; y++)
-        for (int k = 0; k < PLANES; k++) {
-            const ptrdiff_t row = (ptrdiff_t)y * out->width * to[k].channels;
-            average_row(from[k].data + row * side * side, out->width, to[k].channels, side, to[k].data + row);
-        }
+    for (int k = 0; k < PLANES; k++)
+        ffp_average_plane(from[k].data, side, out->width, out->height, to[k].channels, to[k].data);
 }
 
 void ffp_average_gbuffer_backward(const FfpGbuffer *grad_out, int side, FfpGbuffer *grad_samples) {

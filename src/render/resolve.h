@@ -4,7 +4,10 @@
 
 #include "render/render.h"
 
-// Mean of every plane over side x side samples. samples: [side height, side width], out: [height,width].
+// Mean of a plane over side x side samples. samples: [side height, side width, channels], out: [height,
+// width, channels].
+void ffp_average_plane(const real *samples, int side, int width, int height, int channels, real *out);
+// The same of every plane of a G-buffer.
 void ffp_average_gbuffer(const FfpGbuffer *samples, int side, FfpGbuffer *out);
 // ADDS each pixel's gradient, shared out evenly, to those of its samples.
 void ffp_average_gbuffer_backward(const FfpGbuffer *grad_out, int side, FfpGbuffer *grad_samples);
