@@ -76,11 +76,12 @@ static bool tell_model(FILE *out, const char *path, FfpError *err) {
             config->modules, strlen(config->modules));
     fprintf(out, "width        %d, patch %d, state %d, chunk %d\n", config->dim, config->patch, config->state,
             config->chunk);
-    fprintf(out, "heads        %s%s%s%s, drawn as %s\n",
+    fprintf(out, "heads        %s%s%s%s, drawn as %s with %d x %d samples a pixel\n",
             config->residual ? "residuals around the classical start" : "plain",
             config->match_input ? ", matched depth among the inputs" : "",
             config->pixel_skip ? ", pixel skip" : "",
-            config->appearance_cnn ? ", convolutional appearance" : "", config->render);
+            config->appearance_cnn ? ", convolutional appearance" : "", config->render, config->samples,
+            config->samples);
     fprintf(out, "parameters   %" PRId64 " in %d tensors\n", model->count, model->n_parameters);
     for (int i = 0; i < model->metadata_count; i++) {
         put_text(out, model->metadata[2 * i]);
