@@ -20,8 +20,8 @@ def over_black(path):
     return Image.alpha_composite(Image.new("RGBA", picture.size, (0, 0, 0, 255)), picture).convert("RGB")
 
 
-def predicted(program, scene, polish, folder):
-    subprocess.run([program, "evaluate", scene, "--targets", "targets/scene.json", "--polish", polish, "--save", folder],
+def predicted(program, scene, options, folder):
+    subprocess.run([program, "evaluate", scene, "--targets", "targets/scene.json", *options, "--save", folder],
                    check=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
     return over_black(next(Path(folder).rglob(POSE)))
 
@@ -29,9 +29,9 @@ def predicted(program, scene, polish, folder):
 def row(program, scene):
     truth = over_black(scene / "targets" / POSE)
     panels = [over_black(scene / GIVEN), truth]
-    for polish in ("0", "40"):
+    for options in (["--polish", "0"], []):
         with tempfile.TemporaryDirectory() as folder:
-            picture = predicted(program, scene, polish, folder)
+            picture = predicted(program, scene, options, folder)
         panels += [picture, ImageChops.difference(picture, truth).point(lambda value: min(4 * value, 255))]
     return panels
 
