@@ -7,8 +7,7 @@
 #include "eval/relight.h"
 
 FfpImage ffp_relight(FfpViewPass *pass, const real intensity[3], const FfpSummed *pattern) {
-    const FfpGbuffer *gbuffer = ffp_view_pass_gbuffer(pass);
-    FfpImage picture = ffp_image_new(gbuffer->width, gbuffer->height, 3);
+    FfpImage picture = ffp_view_pass_picture_new(pass);
     ffp_view_pass_shade(pass, intensity, pattern, &picture);
     ffp_quantise(&picture);
     return picture;

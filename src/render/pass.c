@@ -119,6 +119,10 @@ const FfpMapping *ffp_view_pass_mapping(const FfpViewPass *pass) {
     return &pass->mapping;
 }
 
+FfpImage ffp_view_pass_picture_new(const FfpViewPass *pass) {
+    return ffp_image_new(pass->mean_linear.width, pass->mean_linear.height, 3);
+}
+
 void ffp_view_pass_shade(FfpViewPass *pass, const real intensity[3], const FfpSummed *pattern,
                          FfpImage *out) {
     ffp_shade(&pass->samples, &pass->mapping, &pass->camera, &pass->projector, intensity, pattern,
@@ -153,8 +157,8 @@ FfpImage ffp_render_view(const FfpGaussians *gaussians, const FfpCamera *camera,
                          const real intensity[3], const FfpSummed *pattern,
                          const FfpRenderSettings *settings) {
     FfpViewPass *pass = ffp_view_pass_new(settings);
-    FfpImage picture = ffp_image_new(camera->width, camera->height, 3);
     ffp_view_pass_draw(pass, gaussians, camera, projector);
+    FfpImage picture = ffp_view_pass_picture_new(pass);
     ffp_view_pass_shade(pass, intensity, pattern, &picture);
     ffp_view_pass_free(pass);
     return picture;

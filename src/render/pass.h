@@ -20,6 +20,7 @@ void ffp_view_pass_draw(FfpViewPass *pass, const FfpGaussians *gaussians, const 
                         const FfpCamera *projector);
 // What was drawn, [height,width] of the camera: means over each pixel's samples of the raw sums.
 const FfpGbuffer *ffp_view_pass_gbuffer(FfpViewPass *pass);
+FfpImage ffp_view_pass_picture_new(const FfpViewPass *pass); // black, of the size of the view drawn last
 // The picture under a pattern (NULL: black): sRGB-encoded, in [0,1], [height,width,3].
 void ffp_view_pass_shade(FfpViewPass *pass, const real intensity[3], const FfpSummed *pattern, FfpImage *out);
 

@@ -62,7 +62,7 @@ static inline FfpImage tiny_pattern(int pattern) {
     return image;
 }
 
-// Linear RGB and alpha of the ball: ambient 0.1, albedo 0.6, light of 4 W/sr through the pattern.
+// Linear RGB and alpha of the ball: ambient 0.06, albedo 0.6, light of 4 W/sr through the pattern.
 static inline FfpImage tiny_photograph(const FfpCamera *camera, const FfpCamera *projector,
                                        const FfpSummed *pattern) {
     FfpImage image = ffp_image_new(camera->width, camera->height, 4);
