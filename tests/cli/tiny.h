@@ -14,6 +14,7 @@
 #define TINY_VIEWS 4
 #define TINY_PATTERN 64
 #define TINY_BALL 0.8F
+#define TINY_SAMPLES 3
 
 static const char *const tiny_patterns[] = {"all_black", "all_white", "lollipop_0", "lollipop_1", "stripes"};
 enum { TINY_PATTERNS = sizeof tiny_patterns / sizeof *tiny_patterns };
@@ -62,34 +63,49 @@ static inline FfpImage tiny_pattern(int pattern) {
     return image;
 }
 
-// Linear RGB and alpha of the ball: ambient 0.06, albedo 0.6, light of 4 W/sr through the pattern.
+// Linear colour of the ball at picture position (x, y), false beside it: ambient 0.06, albedo 0.6, light of
+// 4 W/sr through the pattern.
+static inline bool tiny_colour(const FfpCamera *camera, const FfpCamera *projector, const FfpSummed *pattern,
+                               real x, real y, real out[3]) {
+    real direction[3], origin[3], point[3], light[3], colour[3];
+    ffp_pixel_ray(camera, x, y, direction);
+    for (int i = 0; i < 3; i++) origin[i] = camera->pose[4 * i + 3];
+    const real b = origin[0] * direction[0] + origin[1] * direction[1] + origin[2] * direction[2];
+    const real c =
+        origin[0] * origin[0] + origin[1] * origin[1] + origin[2] * origin[2] - TINY_BALL * TINY_BALL;
+    if (b * b < c) return false;
+    const real t = -b - sqrtf(b * b - c);
+    real squared = 0, lambert = 0, u, v;
+    for (int i = 0; i < 3; i++) {
+        point[i] = origin[i] + t * direction[i];
+        light[i] = projector->pose[4 * i + 3] - point[i];
+        squared += light[i] * light[i];
+        lambert += light[i] * point[i] / TINY_BALL;
+    }
+    ffp_project(projector, point, &u, &v);
+    ffp_lookup(pattern, u, v, 2, 2, colour);
+    const real shade = fmaxf(lambert, 0) / sqrtf(squared) * 4 / squared * 0.6F / 3.14159265F;
+    for (int i = 0; i < 3; i++) out[i] = 0.06F + shade * colour[i];
+    return true;
+}
+
+// Linear RGB and straight alpha, means over TINY_SAMPLES^2 places of each pixel, as a camera's outlines are.
 static inline FfpImage tiny_photograph(const FfpCamera *camera, const FfpCamera *projector,
                                        const FfpSummed *pattern) {
     FfpImage image = ffp_image_new(camera->width, camera->height, 4);
-    for (int y = 0; y < camera->height; y++)
-        for (int x = 0; x < camera->width; x++) {
-            real direction[3], origin[3], point[3], light[3], colour[3];
-            ffp_pixel_ray(camera, x + 0.5F, y + 0.5F, direction);
-            for (int i = 0; i < 3; i++) origin[i] = camera->pose[4 * i + 3];
-            const real b = origin[0] * direction[0] + origin[1] * direction[1] + origin[2] * direction[2];
-            const real c =
-                origin[0] * origin[0] + origin[1] * origin[1] + origin[2] * origin[2] - TINY_BALL * TINY_BALL;
-            if (b * b < c) continue;
-            const real t = -b - sqrtf(b * b - c);
-            real squared = 0, lambert = 0, u, v;
-            for (int i = 0; i < 3; i++) {
-                point[i] = origin[i] + t * direction[i];
-                light[i] = projector->pose[4 * i + 3] - point[i];
-                squared += light[i] * light[i];
-                lambert += light[i] * point[i] / TINY_BALL;
-            }
-            ffp_project(projector, point, &u, &v);
-            ffp_lookup(pattern, u, v, 2, 2, colour);
-            const real shade = fmaxf(lambert, 0) / sqrtf(squared) * 4 / squared * 0.6F / 3.14159265F;
-            real *pixel = image.data + 4 * ((size_t)y * camera->width + x);
-            for (int i = 0; i < 3; i++) pixel[i] = 0.06F + shade * colour[i];
-            pixel[3] = 1;
+    for (int p = 0; p < camera->width * camera->height; p++) {
+        real *pixel = image.data + 4 * (size_t)p, colour[3];
+        int covered = 0;
+        for (int s = 0; s < TINY_SAMPLES * TINY_SAMPLES; s++) {
+            const real x = p % camera->width + (s % TINY_SAMPLES + 0.5F) / TINY_SAMPLES;
+            const real y = p / camera->width + (s / TINY_SAMPLES + 0.5F) / TINY_SAMPLES;
+            if (!tiny_colour(camera, projector, pattern, x, y, colour)) continue;
+            covered++;
+            for (int i = 0; i < 3; i++) pixel[i] += colour[i];
         }
+        for (int i = 0; covered && i < 3; i++) pixel[i] /= covered;
+        pixel[3] = (real)covered / (TINY_SAMPLES * TINY_SAMPLES);
+    }
     return image;
 }
 
