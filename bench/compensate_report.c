@@ -208,8 +208,10 @@ static bool has_depth(const FfpCapture *capture, FfpError *err) {
 }
 
 static bool run_capture(Bench *bench, const char *path, Figures *sum, FfpError *err) {
-    const FfpReconstruction how = {
-        .model = bench->model, .polish = FFP_POLISH_STEPS, .noise = FFP_NOISE_ESTIMATED};
+    const FfpReconstruction how = {.model = bench->model,
+                                   .polish = FFP_POLISH_STEPS,
+                                   .noise = FFP_NOISE_ESTIMATED,
+                                   .layers = FFP_LAYERS_AUTO};
     Figures own = {0};
     bench->capture = ffp_capture_open(path, err);
     bool ok = bench->capture && has_depth(bench->capture, err);

@@ -290,8 +290,10 @@ static void run_row(Bench *bench, int object, int row) {
     if (ok && rows[row].faults & ALIGN) ok = ffp_align_poses(&imported, NULL, NULL, &err);
     ffp_capture_free(&seen);
     for (int form = 0; form < FORMS && ok; form++) {
-        const FfpReconstruction options = {
-            .model = bench->model, .polish = form * FFP_POLISH_STEPS, .noise = FFP_NOISE_ESTIMATED};
+        const FfpReconstruction options = {.model = bench->model,
+                                           .polish = form * FFP_POLISH_STEPS,
+                                           .noise = FFP_NOISE_ESTIMATED,
+                                           .layers = FFP_LAYERS_AUTO};
         FfpGaussians *gaussians = ffp_reconstruct(&imported, &options, NULL, &err);
         if (gaussians) score(bench, gaussians, &imported, rows[row].faults, form, &bench->scores[row]);
         ok = gaussians != NULL;

@@ -162,7 +162,7 @@ static bool run_scenes(const FfpModel *model, int count, int first, Score scores
     for (int i = first; i < first + count && ok; i++) {
         FfpScene scene;
         if (!(ok = ffp_scene_open(&scene, &config, "validation", i, side, err))) break;
-        ok = ffp_model_forward(model, run, &scene.inputs, &scene.start, scene.active, err);
+        ok = ffp_model_forward(model, run, &scene.inputs, &scene.start, &scene.context, scene.active, err);
         if (ok) ok = score_scene(&viewer, &scene, &config, run, scores, err);
         ffp_scene_close(&scene);
     }

@@ -62,16 +62,19 @@ typedef struct FfpReconstruction {
                     // made from: black, white and the pattern; 0: the forward pass alone
     double noise;   // deviation of the photographs' noise, linear, of values up to 1, to be taken away before
                     // all else; 0: none; FFP_NOISE_ESTIMATED: what the photographs tell
+    double layers;  // how many times splats may describe a place of the surface, those of the views that see
+                    // it finest; 0: a splat for every pixel of every view; FFP_LAYERS_AUTO: by their number
     FfpDrawing drawing; // of the polish
 } FfpReconstruction;
 #define FFP_POLISH_STEPS 100 // what the command line takes
 #define FFP_NOISE_ESTIMATED (-1.0)
+#define FFP_LAYERS_AUTO (-1.0) // all of up to 200,000 splats, else two layers
 
 typedef struct FfpReconstructionStory { // how it went; seconds of wall clock
     char pattern[96];                   // the pattern that was used
     int64_t gaussians;
-    double start_s, network_s; // projector matching and the classical estimates; the network
-    double polish_s;
+    double start_s, network_s;            // projector matching and the classical estimates; the network
+    double polish_s;                      // with the choice of the splats that are polished
     double noise, denoise_s;              // deviation of what was taken away
     bool network_dropped, polish_dropped; // what made the photographs worse was left out
 } FfpReconstructionStory;
@@ -225,6 +228,7 @@ typedef struct FfpEvaluation {
     const char *pattern; // as FfpReconstruction.pattern
     int64_t polish;      // as FfpReconstruction.polish
     double noise;        // as FfpReconstruction.noise
+    double layers;       // as FfpReconstruction.layers
     const char *save;    // folder for <capture>/<view>_<pattern>.png of every prediction, or NULL
     const char *json;    // file for the rows, or NULL
     const char *report;  // file for a self-contained HTML report, or NULL
@@ -278,6 +282,8 @@ typedef struct FfpGeneration {
     const char *preset;   // "paper", "smoke" or "training"
     int64_t first, count; // scenes of the split; count -1: to the end
     int resolution;       // image side; 0: as the preset says
+    const char *rig;      // of the input views: "turntable" (NULL too) or "free" (docs/data.md, "Rigs")
+    int views;            // input views, 1..64; 0: as the preset says
     uint64_t seed;
     const char *mesh;     // a user's OBJ, PLY, STL or glTF file instead of the generated meshes; NULL: none
     const char *material; // a user's folder of basecolor, roughness and normal maps; NULL: none

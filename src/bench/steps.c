@@ -6,6 +6,7 @@
 #include <string.h>
 #include "base/arena.h"
 #include "base/log.h"
+#include "base/memory.h"
 #include "bench/bench.h"
 #include "ffprocams.h"
 #include "network/layout.h"
@@ -42,26 +43,6 @@ static Work network_work(const FfpModelConfig *config, double rows, double gauss
         joined * hidden + hidden * hidden * (FFP_HIDDEN_LAYERS - 1) + hidden * ffp_head_numbers(config);
     work.heads = 2 * gaussians * (w.dim * config->pixel_features + mlp);
     return work;
-}
-
-// --- Peak memory of a step: Linux forgets a process's high-water mark when asked to (proc(5), clear_refs).
-// ---
-
-static void forget_peak(void) {
-    FILE *file = fopen("/proc/self/clear_refs", "w");
-    if (!file) return;
-    fputs("5", file);
-    fclose(file);
-}
-
-static double peak_mb(void) {
-    FILE *file = fopen("/proc/self/status", "r");
-    char line[128];
-    long kilobytes = 0;
-    while (file && fgets(line, sizeof line, file))
-        if (sscanf(line, "VmHWM: %ld", &kilobytes) == 1) break;
-    if (file) fclose(file);
-    return (double)kilobytes / 1024;
 }
 
 // --- The steps. ---
@@ -102,14 +83,14 @@ static bool one_step(Steps *s, FfpLosses *losses, FfpError *err) {
 static bool training(Steps *s, FfpBenchTable *table, FfpError *err) {
     FfpLosses best = {0}, losses;
     double took = 0;
-    forget_peak();
+    ffp_memory_mark();
     for (int i = 0; i <= REPEATS; i++) {
         const double begin = omp_get_wtime();
         if (!one_step(s, &losses, err)) return false;
         const double now = omp_get_wtime() - begin;
         if (i > 0 && (i == 1 || network_seconds(&losses) < network_seconds(&best))) best = losses, took = now;
     }
-    const double memory = peak_mb();
+    const double memory = fmax(ffp_memory_peak(), 0) / (1 << 20);
     const int tokens = s->scene.start.views * s->scene.start.width * s->scene.start.height /
                        (s->config.model.patch * s->config.model.patch);
     const double gaussians = (double)ffp_stepper_run(s->stepper)->gaussians.count;
@@ -156,13 +137,13 @@ static bool reconstruction(Steps *s, FfpBenchTable *table, FfpError *err) {
     FfpRun *run = ffp_run_new();
     double best[3] = {1e30, 1e30, 1e30}, total = 1e30, polished = 1e30;
     bool ok = true;
-    forget_peak();
+    ffp_memory_mark();
     for (int i = 0; i <= REPEATS && ok; i++) {
         FfpStart start;
         const double begin = omp_get_wtime();
         if (!(ok = ffp_start_new(&start, &s->scene.inputs, s->scene.active, &settings, err))) break;
         const double matched = omp_get_wtime();
-        ok = ffp_model_forward(s->model, run, &s->scene.inputs, &start, s->scene.active, err);
+        ok = ffp_model_forward(s->model, run, &s->scene.inputs, &start, NULL, s->scene.active, err);
         const double passed = omp_get_wtime();
         if (ok) {
             FfpImage picture =
@@ -177,7 +158,7 @@ static bool reconstruction(Steps *s, FfpBenchTable *table, FfpError *err) {
         total = end - begin;
         best[0] = matched - begin, best[1] = passed - matched, best[2] = end - passed;
     }
-    const double memory = peak_mb();
+    const double memory = fmax(ffp_memory_peak(), 0) / (1 << 20);
     ffp_run_free(run);
     if (!ok) return false;
     add(table, "reconstruct_and_render", "8 views of 128 x 128, one picture", total, 0, memory);

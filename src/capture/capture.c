@@ -6,6 +6,9 @@
 
 #include "base/vec.h"
 
+#define SAME_POSE 1e-4F
+#define SAME_LENS 1e-2F // pixels
+
 static void free_view(FfpView *view, int n_patterns) {
     for (int i = 0; view->images != NULL && i < n_patterns; i++) ffp_image_free(&view->images[i]);
     free(view->images);
@@ -94,6 +97,15 @@ void ffp_capture_normalise(FfpCapture *capture, const real centre[3], real radiu
         capture->centre[c] = 0;
     }
     capture->radius = 1;
+}
+
+bool ffp_same_device(const FfpCamera *a, const FfpCamera *b) {
+    const real lens[4] = {a->fx - b->fx, a->fy - b->fy, a->cx - b->cx, a->cy - b->cy};
+    for (int i = 0; i < 4; i++)
+        if (fabs(lens[i]) > SAME_LENS) return false;
+    for (int i = 0; i < 16; i++)
+        if (fabs(a->pose[i] - b->pose[i]) > SAME_POSE) return false;
+    return a->width == b->width && a->height == b->height;
 }
 
 real ffp_project(const FfpCamera *camera, const real point[3], real *x, real *y) {

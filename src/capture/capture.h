@@ -27,6 +27,8 @@ typedef struct FfpPattern {
 typedef struct FfpView {
     char id[FFP_NAME_MAX];
     FfpCamera camera, projector;
+    int frame_width, frame_height; // the upper left part of the picture that the camera saw; 0: all of it.
+                                   // What lies beyond is not known to be empty
     FfpImage
         *images; // [n_patterns] linear RGB over black, camera size; .data is NULL where this view has none
     FfpImage coverage; // 1 channel in [0,1]: the object's share of each pixel (alpha); always there
@@ -100,8 +102,19 @@ void ffp_capture_normalise(FfpCapture *capture, const real centre[3], real radiu
 // (x, y in pixels, z = camera depth) of a world point; returns z. Behind the device z <= 0 and x, y are
 // meaningless.
 real ffp_project(const FfpCamera *camera, const real point[3], real *x, real *y);
+// Whether two devices stand in one place with one lens: every number of the poses alike to 1e-4, which is far
+// below a pixel in a normalised capture, and focal lengths and principal points to a hundredth of a pixel.
+bool ffp_same_device(const FfpCamera *a, const FfpCamera *b);
 // Unit world direction of the ray through pixel position (x, y); returns its z component in the camera's
 // frame, so that camera depth z = t * returned value.
 real ffp_pixel_ray(const FfpCamera *camera, real x, real y, real direction[3]);
+
+// The part of a view's picture that its camera saw, pixels.
+static inline int ffp_frame_width(const FfpView *view) {
+    return view->frame_width > 0 ? view->frame_width : view->camera.width;
+}
+static inline int ffp_frame_height(const FfpView *view) {
+    return view->frame_height > 0 ? view->frame_height : view->camera.height;
+}
 
 #endif

@@ -34,9 +34,11 @@ int ffp_cli_usage(const char *command, const char *what_format, ...) __attribute
 // A whole decimal number in [low, high] out of an option's value; false otherwise.
 bool ffp_cli_number(const char *text, int64_t low, int64_t high, int64_t *out);
 bool ffp_cli_real(const char *text, double low, double high, double *out); // any finite number in between
-// Values of --polish, a number of steps, and --noise, `auto` or a deviation; false with the usage told.
+// Values of --polish, a number of steps, --noise, `auto` or a deviation, and --layers, `auto`, `all` or a
+// number; false with the usage told.
 bool ffp_cli_polish(const char *command, const char *text, int64_t *out);
 bool ffp_cli_noise(const char *command, const char *text, double *out);
+bool ffp_cli_layers(const char *command, const char *text, double *out);
 
 // Values of an option that may be given again and again. There cannot be more than arguments.
 typedef struct FfpList {

@@ -7,8 +7,8 @@
 static const char help[] =
     "usage: ffprocams evaluate CAPTURE.. [--model FILE|none | --gaussians FILE |\n"
     "                          --predictor depth|match] [--targets FILE].. [--pattern NAME]\n"
-    "                          [--polish STEPS] [--noise S] [--save DIR] [--json FILE]\n"
-    "                          [--report FILE.html]\n"
+    "                          [--polish STEPS] [--noise S] [--layers N] [--save DIR]\n"
+    "                          [--json FILE] [--report FILE.html]\n"
     "\n"
     "Predicts the pictures of captures and compares. Protocols:\n"
     "  rendering      black, white and lollipop patterns at the input poses (`unseen`: the lollipops\n"
@@ -32,6 +32,7 @@ static const char help[] =
     "                         every view and not held back\n"
     "      --polish STEPS     as in `reconstruct`; 0: the forward pass alone. Default: 100\n"
     "      --noise S          as in `reconstruct`; 0: photographs as they are. Default: auto\n"
+    "      --layers N         as in `reconstruct`. Default: auto\n"
     "      --save DIR         every prediction as DIR/<capture>/<view>_<pattern>.png\n"
     "      --json FILE        the rows as JSON: psnr, psnr_foreground, psnr_gloss,\n"
     "                         psnr_unseen_lollipops, ssim, lpips, images, reconstruct_s (of the\n"
@@ -124,7 +125,7 @@ static bool set_predictor(FfpEvaluation *evaluation, const char *name) {
 
 // -1 to go on, else the exit code.
 static int parse(int argc, char **argv, FfpEvaluation *evaluation, FfpList *targets, const char **model) {
-    enum { PREDICTOR = 256, SAVE, JSON, REPORT, SHOW, PERCEPTUAL, DRAWING, SAMPLES, POLISH, NOISE };
+    enum { PREDICTOR = 256, SAVE, JSON, REPORT, SHOW, PERCEPTUAL, DRAWING, SAMPLES, POLISH, NOISE, LAYERS };
     static const struct option options[] = {{"model", required_argument, NULL, 'm'},
                                             {"gaussians", required_argument, NULL, 'g'},
                                             {"predictor", required_argument, NULL, PREDICTOR},
@@ -132,6 +133,7 @@ static int parse(int argc, char **argv, FfpEvaluation *evaluation, FfpList *targ
                                             {"pattern", required_argument, NULL, 'p'},
                                             {"polish", required_argument, NULL, POLISH},
                                             {"noise", required_argument, NULL, NOISE},
+                                            {"layers", required_argument, NULL, LAYERS},
                                             {"save", required_argument, NULL, SAVE},
                                             {"json", required_argument, NULL, JSON},
                                             {"report", required_argument, NULL, REPORT},
@@ -163,6 +165,9 @@ static int parse(int argc, char **argv, FfpEvaluation *evaluation, FfpList *targ
             break;
         case NOISE:
             if (!ffp_cli_noise(argv[0], optarg, &evaluation->noise)) return FFP_EXIT_USAGE;
+            break;
+        case LAYERS:
+            if (!ffp_cli_layers(argv[0], optarg, &evaluation->layers)) return FFP_EXIT_USAGE;
             break;
         case SAVE:
             evaluation->save = optarg;
@@ -211,7 +216,8 @@ static int check(const char *command, const FfpEvaluation *evaluation, const Ffp
 }
 
 int ffp_cli_evaluate(int argc, char **argv) {
-    FfpEvaluation evaluation = {.polish = FFP_POLISH_STEPS, .noise = FFP_NOISE_ESTIMATED};
+    FfpEvaluation evaluation = {
+        .polish = FFP_POLISH_STEPS, .noise = FFP_NOISE_ESTIMATED, .layers = FFP_LAYERS_AUTO};
     FfpList targets = {0};
     const char *model = NULL;
     int status = parse(argc, argv, &evaluation, &targets, &model);

@@ -7,6 +7,8 @@
 
 #define POLISH_MAX 1000000 // steps
 #define NOISE_MAX 0.2
+#define LAYERS_MIN 0.5
+#define LAYERS_MAX 100
 #define SAMPLES_MAX 4 // a side
 
 static const char help[] =
@@ -119,6 +121,18 @@ bool ffp_cli_noise(const char *command, const char *text, double *out) {
     }
     if (ffp_cli_real(text, 0, NOISE_MAX, out)) return true;
     ffp_cli_usage(command, "--noise is auto or a number from 0 to %g, not %s", NOISE_MAX, text);
+    return false;
+}
+
+bool ffp_cli_layers(const char *command, const char *text, double *out) {
+    const bool automatic = strcmp(text, "auto") == 0;
+    if (automatic || strcmp(text, "all") == 0) {
+        *out = automatic ? FFP_LAYERS_AUTO : 0;
+        return true;
+    }
+    if (ffp_cli_real(text, LAYERS_MIN, LAYERS_MAX, out)) return true;
+    ffp_cli_usage(command, "--layers is auto, all or a number from %g to %d, not %s", LAYERS_MIN, LAYERS_MAX,
+                  text);
     return false;
 }
 

@@ -4,7 +4,7 @@
 
 static const char help[] =
     "usage: ffprocams reconstruct CAPTURE -o FILE.ply [--model FILE|none] [--pattern NAME]\n"
-    "                             [--polish STEPS] [--noise S] [--samples N]\n"
+    "                             [--polish STEPS] [--noise S] [--layers N] [--samples N]\n"
     "\n"
     "Turns a capture into relightable 3D Gaussians in one forward pass and a short fit to the same\n"
     "photographs: geometry (centre, scale, rotation, opacity) and material (albedo, roughness, ambient\n"
@@ -18,10 +18,16 @@ static const char help[] =
     "                      or in the current one\n"
     "  -p, --pattern NAME  the structured-light pattern to use. Default: the first that is in every\n"
     "                      view and not held back\n"
-    "      --polish STEPS  steps of the fit, of one view each. 0: the forward pass alone. Default: 100\n"
+    "      --polish STEPS  steps of the fit, of one view each; of pictures above 192 pixels, steps on the\n"
+    "                      smallest of several sizes, with fewer on larger ones. 0: the forward pass\n"
+    "                      alone. Default: 100\n"
     "      --noise S       standard deviation of the photographs' noise, which is taken away first:\n"
     "                      linear, of values up to 1. 0: they stay as they are. Default: auto, estimated\n"
     "                      from what the photographs of a view do not have in common\n"
+    "      --layers N      how many times splats may describe a place of the surface, those of the views\n"
+    "                      that see it finest: a number from 0.5 on, or `all` for a splat for every pixel "
+    "of\n"
+    "                      every view. Default: auto, all of up to 200,000 splats, else 2\n"
     "      --samples N     samples a side of a pixel while fitting, 1 to 4. Default: as the model has it,\n"
     "                      else 2\n"
     "\n"
@@ -55,14 +61,19 @@ static int run(const char *capture_path, const char *output, const char *model_p
 }
 
 int ffp_cli_reconstruct(int argc, char **argv) {
-    enum { POLISH = 256, NOISE, SAMPLES };
-    static const struct option options[] = {
-        {"output", required_argument, NULL, 'o'},  {"model", required_argument, NULL, 'm'},
-        {"pattern", required_argument, NULL, 'p'}, {"polish", required_argument, NULL, POLISH},
-        {"noise", required_argument, NULL, NOISE}, {"samples", required_argument, NULL, SAMPLES},
-        {"help", no_argument, NULL, 'h'},          {0}};
+    enum { POLISH = 256, NOISE, LAYERS, SAMPLES };
+    static const struct option options[] = {{"output", required_argument, NULL, 'o'},
+                                            {"model", required_argument, NULL, 'm'},
+                                            {"pattern", required_argument, NULL, 'p'},
+                                            {"polish", required_argument, NULL, POLISH},
+                                            {"noise", required_argument, NULL, NOISE},
+                                            {"layers", required_argument, NULL, LAYERS},
+                                            {"samples", required_argument, NULL, SAMPLES},
+                                            {"help", no_argument, NULL, 'h'},
+                                            {0}};
     const char *output = NULL, *model = NULL;
-    FfpReconstruction how = {.polish = FFP_POLISH_STEPS, .noise = FFP_NOISE_ESTIMATED};
+    FfpReconstruction how = {
+        .polish = FFP_POLISH_STEPS, .noise = FFP_NOISE_ESTIMATED, .layers = FFP_LAYERS_AUTO};
     for (int option; (option = ffp_cli_next(argc, argv, ":o:m:p:h", options)) != -1;) {
         switch (option) {
         case 'o':
@@ -79,6 +90,9 @@ int ffp_cli_reconstruct(int argc, char **argv) {
             break;
         case NOISE:
             if (!ffp_cli_noise(argv[0], optarg, &how.noise)) return FFP_EXIT_USAGE;
+            break;
+        case LAYERS:
+            if (!ffp_cli_layers(argv[0], optarg, &how.layers)) return FFP_EXIT_USAGE;
             break;
         case SAMPLES:
             if (!ffp_cli_samples(argv[0], optarg, &how.drawing)) return FFP_EXIT_USAGE;

@@ -6,8 +6,10 @@
 #include "base/arena.h"
 #include "denoise/stack.h"
 
-#define RADIUS 3   // of a window, in pixels
-#define STRIDE 2   // between windows
+#define RADIUS 3 // of a window, in pixels
+#define CLOSE 2  // pixels between windows,
+#define WIDE 3   // and in pictures of more than MANY pixels: a pixel is in five windows instead of twelve
+#define MANY 65536
 #define STRIP 64   // rows of pixels for which windows are kept
 #define DOUBT 1.5  // times the noise's variance is taken off a measured variance
 #define TRUST 0.3  // of a window: 1 over this and the number of axes it keeps
@@ -19,11 +21,11 @@ typedef struct Window {
 } Window;
 
 typedef struct Filter {
-    int width, height, across, down; // of the picture; windows
-    int first, rows;                 // window rows that are kept
-    double variance;                 // of the noise
+    int width, height, stride, across, down; // of the picture; pixels between windows, and their number
+    int first, rows;                         // window rows that are kept
+    double variance;                         // of the noise
     const real *stack, *coverage;
-    Window *windows; // [rows,across], centred at multiples of STRIDE
+    Window *windows; // [rows,across], centred at multiples of the stride
 } Filter;
 
 typedef struct Range {
@@ -100,8 +102,8 @@ static void add(const Window *window, const real *values, real coverage, real su
     }
 }
 
-static int first_window(int pixel) {
-    return pixel < RADIUS ? 0 : (pixel - RADIUS + STRIDE - 1) / STRIDE;
+static int first_window(const Filter *f, int pixel) {
+    return pixel < RADIUS ? 0 : (pixel - RADIUS + f->stride - 1) / f->stride;
 }
 
 // The mean over all windows that hold the pixel; where none does, the pixel as it is.
@@ -109,8 +111,9 @@ static void smooth(const Filter *f, int x, int y, real values[FFP_VALUES]) {
     const size_t i = (size_t)y * (size_t)f->width + (size_t)x;
     real sum[FFP_VALUES] = {0}, weight = 0;
     memcpy(values, f->stack + i * FFP_VALUES, FFP_VALUES * sizeof *values);
-    for (int row = first_window(y); row < f->down && row * STRIDE <= y + RADIUS; row++)
-        for (int column = first_window(x); column < f->across && column * STRIDE <= x + RADIUS; column++) {
+    for (int row = first_window(f, y); row < f->down && row * f->stride <= y + RADIUS; row++)
+        for (int column = first_window(f, x); column < f->across && column * f->stride <= x + RADIUS;
+             column++) {
             const Window *window = &f->windows[(size_t)(row - f->first) * (size_t)f->across + (size_t)column];
             if (window->weight <= 0) continue;
             add(window, values, f->coverage[i], sum);
@@ -125,13 +128,13 @@ static int least(int a, int b) {
 
 // The windows that hold pixels of rows from `top` up to, not including, `bottom`.
 static void measure_strip(Filter *f, int top, int bottom) {
-    f->first = first_window(top);
-    f->rows = least((bottom - 1 + RADIUS) / STRIDE + 1, f->down) - f->first;
+    f->first = first_window(f, top);
+    f->rows = least((bottom - 1 + RADIUS) / f->stride + 1, f->down) - f->first;
     memset(f->windows, 0, (size_t)f->rows * (size_t)f->across * sizeof *f->windows);
 #pragma omp parallel for schedule(dynamic)
     for (int row = 0; row < f->rows; row++)
         for (int column = 0; column < f->across; column++)
-            measure(f, column * STRIDE, (f->first + row) * STRIDE,
+            measure(f, column * f->stride, (f->first + row) * f->stride,
                     &f->windows[(size_t)row * (size_t)f->across + (size_t)column]);
 }
 
@@ -152,14 +155,17 @@ static void smooth_strip(const Filter *f, int top, int bottom, FfpImage *picture
 static void denoise_view(const FfpView *view, const int photographs[FFP_PHOTOGRAPHS], double noise,
                          FfpImage *pictures[FFP_PHOTOGRAPHS]) {
     real *stack = ffp_stack_new(view, photographs);
-    Filter f = {.width = view->camera.width,
-                .height = view->camera.height,
-                .across = (view->camera.width + STRIDE - 1) / STRIDE,
-                .down = (view->camera.height + STRIDE - 1) / STRIDE,
+    const int width = view->camera.width, height = view->camera.height,
+              stride = (int64_t)width * height > MANY ? WIDE : CLOSE;
+    Filter f = {.width = width,
+                .height = height,
+                .stride = stride,
+                .across = (width + stride - 1) / stride,
+                .down = (height + stride - 1) / stride,
                 .variance = noise * noise,
                 .stack = stack,
                 .coverage = view->coverage.data};
-    f.windows = ffp_alloc((size_t)f.across * ((STRIP + 2 * RADIUS) / STRIDE + 2), sizeof *f.windows);
+    f.windows = ffp_alloc((size_t)f.across * ((STRIP + 2 * RADIUS) / stride + 2), sizeof *f.windows);
     for (int top = 0; top < f.height; top += STRIP) {
         const int bottom = least(top + STRIP, f.height);
         measure_strip(&f, top, bottom);

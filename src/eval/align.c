@@ -2,6 +2,7 @@
 #include <string.h>
 #include "align/align.h"
 #include "base/log.h"
+#include "capture/pad.h"
 #include "denoise/denoise.h"
 #include "eval/reconstruct.h"
 
@@ -27,20 +28,22 @@ static void tell(FfpAlignStory *story, const FfpAlignment *done, double seconds)
 
 bool ffp_align_poses(FfpCapture *capture, const char *pattern, FfpAlignStory *story, FfpError *err) {
     const int active = ffp_capture_active_pattern(capture, pattern, err);
-    if (active < 0 || !ffp_check_fit(capture, NULL, err)) return false;
+    if (active < 0) return false;
     const double begin = ffp_seconds();
     const FfpAlignSettings settings = ffp_align_defaults();
     FfpCapture normalised = ffp_normalised_alias(capture);
     const int photographs[FFP_PHOTOGRAPHS] = {capture->black, capture->white, active};
     double noise = FFP_NOISE_ESTIMATED;
     FfpImage *clean = ffp_take_noise_away(&normalised, photographs, FFP_PHOTOGRAPHS, &noise);
+    FfpCapture padded = ffp_padded_capture(&normalised, photographs, FFP_PHOTOGRAPHS, 1);
     FfpAlignment done;
-    const bool ok = ffp_align(&normalised, active, &settings, &done, err);
+    const bool ok = ffp_align(&padded, active, &settings, &done, err);
     for (int v = 0; ok && v < capture->n_views; v++) {
-        take_pose(&normalised.views[v].camera, capture, &capture->views[v].camera);
-        take_pose(&normalised.views[v].projector, capture, &capture->views[v].projector);
+        take_pose(&padded.views[v].camera, capture, &capture->views[v].camera);
+        take_pose(&padded.views[v].projector, capture, &capture->views[v].projector);
     }
     if (ok && story) tell(story, &done, ffp_seconds() - begin);
+    ffp_padded_capture_free(&padded, &normalised);
     ffp_denoise_free(clean, capture, photographs, FFP_PHOTOGRAPHS);
     ffp_normalised_alias_free(&normalised);
     return ok;

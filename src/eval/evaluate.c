@@ -21,8 +21,8 @@ static bool prepare_gaussians(FfpSubject *subject, FfpError *err) {
     if (options->gaussians) {
         subject->gaussians = ffp_gaussians_open(options->gaussians, err);
     } else {
-        const FfpReconstruction how = {options->model, options->pattern, options->polish, options->noise,
-                                       options->drawing};
+        const FfpReconstruction how = {options->model, options->pattern, options->polish,
+                                       options->noise, options->layers,  options->drawing};
         const double begin = ffp_seconds();
         subject->gaussians = ffp_reconstruct(subject->capture, &how, &story, err);
         subject->reconstruct_s = ffp_seconds() - begin;
@@ -173,8 +173,7 @@ static bool open_subject(FfpSubject *subject, int index, FfpError *err) {
     subject->active = ffp_capture_active_pattern(subject->capture, options->pattern, err);
     if (subject->active < 0 || !open_targets(subject, index, err)) return false;
     if (options->predictor == FFP_PREDICT_DEPTH) return check_depth(subject->capture, err);
-    const bool reconstructs = options->predictor == FFP_PREDICT_GAUSSIANS && !options->gaussians;
-    return !reconstructs || ffp_check_fit(subject->capture, options->model, err);
+    return true;
 }
 
 static bool evaluate_capture(FfpEvaluating *shared, int index, FfpError *err) {

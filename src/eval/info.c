@@ -74,12 +74,12 @@ static bool tell_model(FILE *out, const char *path, FfpError *err) {
     const FfpModelConfig *config = &model->config;
     fprintf(out, "model        %s\nmodules      %s (%zu blocks, M = Mamba2, T = Transformer)\n", config->name,
             config->modules, strlen(config->modules));
-    fprintf(out, "width        %d, patch %d, state %d, chunk %d\n", config->dim, config->patch, config->state,
-            config->chunk);
+    fprintf(out, "width        %d, patch %d, state %d, chunk %d, up to %d tokens\n", config->dim,
+            config->patch, config->state, config->chunk, config->tokens);
     fprintf(out, "heads        %s%s%s%s, drawn as %s with %d x %d samples a pixel\n",
             config->residual ? "residuals around the classical start" : "plain",
             config->match_input ? ", matched depth among the inputs" : "",
-            config->pixel_skip ? ", pixel skip" : "",
+            config->pixel_skip ? config->context_inputs ? ", pixel skip with context" : ", pixel skip" : "",
             config->appearance_cnn ? ", convolutional appearance" : "", config->render, config->samples,
             config->samples);
     fprintf(out, "parameters   %" PRId64 " in %d tensors\n", model->count, model->n_parameters);

@@ -1,19 +1,27 @@
 // From a capture to Gaussians in its own units: normalise, match, (network,) back to the world.
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 #include "base/arena.h"
 #include "base/log.h"
+#include "base/memory.h"
 #include "capture/capture.h"
+#include "capture/pad.h"
 #include "denoise/denoise.h"
+#include "eval/need.h"
 #include "eval/reconstruct.h"
 #include "eval/relight.h"
 #include "gaussians/gaussians.h"
 #include "match/match.h"
 #include "match/refute.h"
 #include "network/network.h"
-#include "refine/refine.h"
+#include "refine/pyramid.h"
+#include "refine/thin.h"
 
 #define NETWORK_LOSS_MAX 1 // dB against the classical start
+#define FEW_VIEWS 4        // fewer than these leave sides of any object out
+#define SPLATS_ALL 200000  // that are kept where nobody says how many,
+#define LAYERS_OF_MORE 2   // and of more
 
 FfpCapture ffp_normalised_alias(const FfpCapture *capture) {
     FfpCapture alias = *capture;
@@ -38,30 +46,15 @@ FfpImage *ffp_take_noise_away(FfpCapture *alias, const int *photographs, int n, 
     return *noise > 0 ? ffp_denoise(alias, photographs, n, *noise) : NULL;
 }
 
-// Matching lays all views' pixels in one array, and the network cuts them into patches.
-bool ffp_check_fit(const FfpCapture *capture, const FfpModel *model, FfpError *err) {
-    const FfpCamera *first = &capture->views[0].camera;
-    for (int v = 1; v < capture->n_views; v++) {
-        const FfpCamera *camera = &capture->views[v].camera;
-        if (camera->width != first->width || camera->height != first->height)
-            return ffp_fail(err, capture->folder,
-                            "views %s and %s differ in size: a reconstruction needs one size",
-                            capture->views[0].id, capture->views[v].id);
-    }
-    if (!model) return true;
-    const int patch = model->config.patch;
-    if (first->width % patch || first->height % patch)
-        return ffp_fail(err, capture->folder,
-                        "the model does not fit: image sides of %d x %d are not multiples of its patch of %d",
-                        first->width, first->height, patch);
-    return true;
-}
-
-static bool run_network(FfpGaussians *out, const FfpModel *model, const FfpCapture *capture,
+static bool run_network(FfpGaussians *out, int64_t **pixel, const FfpModel *model, const FfpCapture *capture,
                         const FfpStart *start, int active, FfpError *err) {
     FfpRun *run = ffp_run_new();
-    const bool ok = ffp_model_forward(model, run, capture, start, active, err);
-    if (ok) *out = ffp_gaussians_copy(&run->gaussians); // the run's own live only as long as the run
+    const bool ok = ffp_model_forward(model, run, capture, start, NULL, active, err);
+    if (ok) { // the run's own live only as long as the run
+        *out = ffp_gaussians_copy(&run->gaussians);
+        *pixel = ffp_alloc((size_t)out->count + 1, sizeof **pixel);
+        memcpy(*pixel, run->pixel, (size_t)out->count * sizeof **pixel);
+    }
     ffp_run_free(run);
     return ok;
 }
@@ -69,32 +62,39 @@ static bool run_network(FfpGaussians *out, const FfpModel *model, const FfpCaptu
 // What a reconstruction passes on from step to step.
 typedef struct Work {
     FfpCapture capture; // normalised, its photographs without noise
+    FfpCapture padded;  // the same with views of one size, of whole patches: for matching and the network
     int photographs[FFP_PHOTOGRAPHS];
     FfpStart start;
     FfpGaussians result;
+    int64_t *pixel; // [result.count] index of each Gaussian's pixel
 } Work;
 
-// PSNR on the photographs that the reconstruction is made from; one sample a pixel is enough to compare.
-static double score(const Work *w, const FfpGaussians *gaussians, const FfpReconstruction *options) {
-    FfpRenderSettings settings = ffp_drawing_settings(options->drawing, options->model);
-    settings.samples = 1;
-    return ffp_photographs_psnr(gaussians, &w->capture, w->photographs, FFP_PHOTOGRAPHS, &settings);
+// PSNR on the photographs that the reconstruction is made from.
+static double score(const Work *w, const FfpGaussians *gaussians, const int64_t *pixel,
+                    const FfpReconstruction *options) {
+    const FfpRenderSettings settings = ffp_drawing_settings(options->drawing, options->model);
+    const FfpOrigin origin = {w->start.views, w->start.width, w->start.height, pixel};
+    return ffp_pyramid_psnr(gaussians, &origin, &w->capture, w->photographs, FFP_PHOTOGRAPHS, &settings);
 }
 
 // Keeps the classical start where the network shows the photographs clearly worse than it. A small loss may
 // buy better new poses, which nobody can score.
 static void judge_network(Work *w, const FfpReconstruction *options, FfpReconstructionStory *story) {
-    FfpGaussians start = ffp_start_gaussians(&w->capture, &w->start);
-    const double before = score(w, &start, options), after = score(w, &w->result, options);
+    FfpGaussians start = ffp_start_gaussians(&w->padded, &w->start);
+    int64_t *pixel = ffp_start_pixels(&w->start);
+    const double before = score(w, &start, pixel, options), after = score(w, &w->result, w->pixel, options);
     story->network_dropped = start.count > 0 && after < before - NETWORK_LOSS_MAX;
     if (story->network_dropped) {
         ffp_note("the network shows the photographs worse than the classical start, %.1f against %.1f dB: "
                  "the start is kept",
                  after, before);
         ffp_gaussians_free(&w->result);
+        free(w->pixel);
         w->result = start;
+        w->pixel = pixel;
     } else {
         ffp_gaussians_free(&start);
+        free(pixel);
     }
 }
 
@@ -102,8 +102,10 @@ static void judge_network(Work *w, const FfpReconstruction *options, FfpReconstr
 static bool polish(Work *w, const FfpReconstruction *options, FfpReconstructionStory *story, FfpError *err) {
     FfpRefineSettings settings = ffp_polish_defaults(options->polish);
     FfpRefineResult result;
+    const FfpOrigin origin = {w->start.views, w->start.width, w->start.height, w->pixel};
     settings.render = ffp_drawing_settings(options->drawing, options->model);
-    if (!ffp_refine(&w->result, &w->capture, w->photographs, FFP_PHOTOGRAPHS, &settings, &result, err))
+    if (!ffp_refine_pyramid(&w->result, &origin, &w->capture, w->photographs, FFP_PHOTOGRAPHS, &settings,
+                            &result, err))
         return false;
     story->polish_dropped = result.dropped;
     if (result.dropped) ffp_note("the polish shows the photographs worse than before: it is left out");
@@ -114,42 +116,89 @@ static bool predict(Work *w, const FfpReconstruction *options, FfpReconstruction
     const int active = w->photographs[2];
     const FfpMatchSettings settings = ffp_match_defaults();
     double begin = ffp_seconds();
-    if (!ffp_start_new(&w->start, &w->capture, active, &settings, err)) return false;
+    if (!ffp_start_new(&w->start, &w->padded, active, &settings, err)) return false;
     story->start_s = ffp_seconds() - begin;
     if (!options->model) {
-        w->result = ffp_start_gaussians(&w->capture, &w->start);
+        w->result = ffp_start_gaussians(&w->padded, &w->start);
+        w->pixel = ffp_start_pixels(&w->start);
         return true;
     }
     begin = ffp_seconds();
-    if (!run_network(&w->result, options->model, &w->capture, &w->start, active, err)) return false;
+    if (!run_network(&w->result, &w->pixel, options->model, &w->padded, &w->start, active, err)) return false;
     judge_network(w, options, story);
     story->network_s = ffp_seconds() - begin;
     return true;
 }
 
+static bool repeated(const FfpCapture *capture, int view) {
+    const FfpView *views = capture->views;
+    for (int v = 0; v < view; v++)
+        if (ffp_same_device(&views[v].camera, &views[view].camera) &&
+            ffp_same_device(&views[v].projector, &views[view].projector))
+            return true;
+    return false;
+}
+
+// A view whose devices stand as in one before it shows nothing new, but would agree with that one whatever
+// either says.
+static void leave_repeated_views_out(FfpCapture *alias) {
+    const int before = alias->n_views;
+    int kept = 0;
+    for (int v = 0; v < before; v++) {
+        const FfpView view = alias->views[v];
+        alias->views[kept] = view;
+        if (repeated(alias, kept))
+            ffp_image_free(&alias->views[kept].depth);
+        else
+            kept++;
+    }
+    alias->n_views = kept;
+    if (kept < before)
+        ffp_note("%d of %d views repeat others' poses: they are left out", before - kept, before);
+}
+
+static void thin(Work *w, const FfpReconstruction *options) {
+    double layers = options->layers;
+    if (layers < 0) layers = w->result.count > SPLATS_ALL ? LAYERS_OF_MORE : 0;
+    ffp_thin(&w->result, w->pixel, &w->padded, w->start.confidence, layers);
+}
+
 static bool predict_and_polish(Work *w, const FfpReconstruction *options, FfpReconstructionStory *story,
                                FfpError *err) {
     if (!predict(w, options, story, err)) return false;
-    ffp_refute(w->result.opacity, w->result.centre, w->result.count, &w->capture, &w->start);
     const double begin = ffp_seconds();
+    ffp_refute(w->result.opacity, w->result.centre, w->result.count, &w->padded, &w->start);
+    thin(w, options);
     if (options->polish > 0 && w->result.count > 0 && !polish(w, options, story, err)) return false;
     story->polish_s = ffp_seconds() - begin;
     story->gaussians = w->result.count;
     return true;
 }
 
+// What nobody can see, nobody should be led to believe.
+static void tell_gaps(const FfpCapture *capture) {
+    if (capture->n_views == 1)
+        ffp_note("one view shows one side of the object: the other side will be missing");
+    else if (capture->n_views < FEW_VIEWS)
+        ffp_note("%d views: sides of the object that none of them shows will be missing", capture->n_views);
+}
+
 FfpGaussians *ffp_reconstruct(const FfpCapture *capture, const FfpReconstruction *options,
                               FfpReconstructionStory *told, FfpError *err) {
     const int active = ffp_capture_active_pattern(capture, options->pattern, err);
-    if (active < 0 || !ffp_check_fit(capture, options->model, err)) return NULL;
+    if (active < 0 || !ffp_check_memory(capture, options, ffp_memory_available(), err)) return NULL;
     Work w = {.capture = ffp_normalised_alias(capture),
               .photographs = {capture->black, capture->white, active}};
+    leave_repeated_views_out(&w.capture);
+    tell_gaps(&w.capture);
     FfpReconstructionStory story = {.noise = options->noise};
     FfpGaussians *gaussians = NULL;
     const double begin = ffp_seconds();
     FfpImage *clean = ffp_take_noise_away(&w.capture, w.photographs, FFP_PHOTOGRAPHS, &story.noise);
     story.denoise_s = ffp_seconds() - begin;
     snprintf(story.pattern, sizeof story.pattern, "%s", capture->patterns[active].name);
+    w.padded = ffp_padded_capture(&w.capture, w.photographs, FFP_PHOTOGRAPHS,
+                                  options->model ? options->model->config.patch : 1);
     if (predict_and_polish(&w, options, &story, err)) {
         ffp_gaussians_transform(&w.result, capture->centre, capture->radius);
         gaussians = ffp_alloc(1, sizeof *gaussians);
@@ -158,8 +207,10 @@ FfpGaussians *ffp_reconstruct(const FfpCapture *capture, const FfpReconstruction
     } else {
         ffp_gaussians_free(&w.result);
     }
+    free(w.pixel);
     ffp_start_free(&w.start);
-    ffp_denoise_free(clean, capture, w.photographs, FFP_PHOTOGRAPHS);
+    ffp_padded_capture_free(&w.padded, &w.capture);
+    ffp_denoise_free(clean, &w.capture, w.photographs, FFP_PHOTOGRAPHS);
     ffp_normalised_alias_free(&w.capture);
     return gaussians;
 }

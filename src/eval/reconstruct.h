@@ -16,8 +16,4 @@ void ffp_normalised_alias_free(FfpCapture *alias);
 // changed.
 FfpImage *ffp_take_noise_away(FfpCapture *alias, const int *photographs, int n, double *noise);
 
-// Whether the capture can be reconstructed: one image size for all views, whole patches of the model (NULL:
-// the classical start, which has none).
-bool ffp_check_fit(const FfpCapture *capture, const FfpModel *model, FfpError *err);
-
 #endif

@@ -3,6 +3,8 @@
 
 #include "image/image.h"
 
+#define COVERAGE_MIN 0.05F // a silhouette's colours are divided by no less
+
 real ffp_srgb_encode(real linear) {
     if (!(linear > 0)) return 0;
     if (linear >= 1) return 1;
@@ -19,6 +21,20 @@ real ffp_srgb_encode_slope(real linear) {
     if (!(linear >= 0) || linear > 1) return 0;
     if (linear <= 0.0031308F) return 12.92F;
     return (real)(1.055 / 2.4) * pow(linear, (real)(1 / 2.4 - 1));
+}
+
+void ffp_own_radiance(real own[3], const real shown[3], real coverage) {
+    const bool whole = coverage >= 1;
+    const real share = fmax(coverage, COVERAGE_MIN);
+    for (int c = 0; c < 3; c++)
+        own[c] = whole ? shown[c] : ffp_srgb_decode(fmin(ffp_srgb_encode(shown[c]) / share, 1));
+}
+
+void ffp_shown_radiance(real shown[3], const real light[3], real coverage) {
+    const bool whole = coverage >= 1;
+    const real share = fmax(coverage, COVERAGE_MIN);
+    for (int c = 0; c < 3; c++)
+        shown[c] = whole ? light[c] : ffp_srgb_decode(coverage * ffp_srgb_encode(light[c] / share));
 }
 
 // A row through the curve. Patterns are even over long stretches: a value that repeats its left neighbour's

@@ -54,8 +54,11 @@ void ffp_hear(real *past, real *agree, const FfpHeard *heard, real z, real slack
 
 FfpHeard ffp_heard_at(const FfpWitnesses *witnesses, int view, real x, real y) {
     const int width = witnesses->depths->width, height = witnesses->depths->height;
+    const FfpView *seer = &witnesses->depths->capture->views[view];
     const real u = x - 0.5F, v = y - 0.5F;
-    if (!(u >= 0 && v >= 0 && u < (real)(width - 1) && v < (real)(height - 1))) return (FfpHeard){0, 0, 0};
+    if (!(u >= 0 && v >= 0 && u < (real)(ffp_frame_width(seer) - 1) &&
+          v < (real)(ffp_frame_height(seer) - 1)))
+        return (FfpHeard){0, 0, 0};
     return witnesses->heard[((size_t)view * (size_t)height + (size_t)v) * (size_t)width + (size_t)u];
 }
 
@@ -64,15 +67,16 @@ typedef struct Place { // where another view has a point
     size_t first;      // the upper left of the four pixels around
 } Place;
 
-// False when it is not within the picture.
-static bool find_place(Place *out, const FfpLine *line, real z, int width, int height) {
+// False when it is not within what `seer` saw.
+static bool find_place(Place *out, const FfpLine *line, real z, const FfpView *seer) {
+    const int width = ffp_frame_width(seer), height = ffp_frame_height(seer);
     real u = -1, v = -1;
     out->z = ffp_line_at(line, z, &u, &v);
     u -= 0.5F, v -= 0.5F;
     if (!(u >= 0 && v >= 0 && u < (real)(width - 1) && v < (real)(height - 1))) return false;
     const int x = (int)u, y = (int)v;
     out->a = u - (real)x, out->b = v - (real)y;
-    out->first = (size_t)y * (size_t)width + (size_t)x;
+    out->first = (size_t)y * (size_t)seer->camera.width + (size_t)x;
     return true;
 }
 
@@ -98,7 +102,7 @@ static void ask(FfpWitness *out, const FfpWitnesses *witnesses, int other, const
     const FfpDepths *depths = witnesses->depths;
     const FfpView *seer = &depths->capture->views[other];
     Place at;
-    if (!find_place(&at, line, z, depths->width, depths->height)) return;
+    if (!find_place(&at, line, z, seer)) return;
     const real share = share_inside(&seer->coverage, &at);
     const size_t first = (size_t)other * (size_t)depths->height * (size_t)depths->width;
     out->views++;
@@ -106,17 +110,13 @@ static void ask(FfpWitness *out, const FfpWitnesses *witnesses, int other, const
     hear_depth(out, &witnesses->heard[first + at.first], at.z, seer->camera.fx);
 }
 
-static FfpLine line_to(const FfpCapture *capture, int view, int x, int y, int other) {
-    return ffp_line(&capture->views[view].camera, (real)x + 0.5F, (real)y + 0.5F,
-                    &capture->views[other].camera);
-}
-
-FfpWitness ffp_consult(const FfpWitnesses *witnesses, int view, int x, int y, real z) {
+FfpWitness ffp_consult(const FfpWitnesses *witnesses, int view, const FfpCamera *camera, real x, real y,
+                       real z) {
     const FfpCapture *capture = witnesses->depths->capture;
     FfpWitness out = {.coverage = 1};
     for (int other = 0; other < capture->n_views; other++) {
         if (other == view) continue;
-        const FfpLine line = line_to(capture, view, x, y, other);
+        const FfpLine line = ffp_line(camera, x, y, &capture->views[other].camera);
         ask(&out, witnesses, other, &line, z);
     }
     return out;
@@ -130,8 +130,9 @@ void ffp_reject_inconsistent(FfpDepths *depths) {
         for (int x = 0; x < depths->width; x++) {
             const size_t i = (size_t)row * (size_t)depths->width + (size_t)x;
             if (depths->trust[i] <= 0) continue;
-            const FfpWitness witness =
-                ffp_consult(&witnesses, row / depths->height, x, row % depths->height, depths->depth[i]);
+            const int view = row / depths->height, y = row % depths->height;
+            const FfpWitness witness = ffp_consult(&witnesses, view, &depths->capture->views[view].camera,
+                                                   (real)x + 0.5F, (real)y + 0.5F, depths->depth[i]);
             // The witnesses have their own copy of what is trusted.
             if (witness.trust_past > depths->trust[i] + witness.trust_agree || witness.coverage <= 0)
                 depths->trust[i] = 0;
@@ -145,7 +146,9 @@ static real free_until(const FfpWitnesses *witnesses, int view, int x, int y, co
                        FfpLine *lines) {
     const FfpCapture *capture = witnesses->depths->capture;
     const real growth = 1 + 1 / capture->views[view].camera.fx;
-    for (int other = 0; other < capture->n_views; other++) lines[other] = line_to(capture, view, x, y, other);
+    for (int other = 0; other < capture->n_views; other++)
+        lines[other] = ffp_line(&capture->views[view].camera, (real)x + 0.5F, (real)y + 0.5F,
+                                &capture->views[other].camera);
     real z = range[0];
     for (int step = 0; step < FREE_STEPS && z < range[1]; step++, z *= growth) {
         FfpWitness witness = {.coverage = 1};

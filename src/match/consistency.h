@@ -40,8 +40,10 @@ typedef struct FfpWitness {
     real trust_agree, trust_past; // sums of their trust
 } FfpWitness;
 
-// Asks the views other than `view` about the point at camera depth z of pixel (x, y).
-FfpWitness ffp_consult(const FfpWitnesses *witnesses, int view, int x, int y, real z);
+// Asks the views other than `view` about the point at camera depth z of position (x, y) in the picture of
+// `camera`, which stands where the view's does.
+FfpWitness ffp_consult(const FfpWitnesses *witnesses, int view, const FfpCamera *camera, real x, real y,
+                       real z);
 
 // Takes the trust from depths that more trusted views see past than agree with.
 void ffp_reject_inconsistent(FfpDepths *depths);

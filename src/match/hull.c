@@ -7,14 +7,16 @@
 #include "match/line.h"
 #include "match/sweep.h"
 
-// 1 where any coverage is within a pixel, and around the picture's edge: [h,w], and one more 1 for what is
-// outside the picture.
-static unsigned char *widen(const FfpImage *coverage) {
-    const size_t width = (size_t)coverage->width, height = (size_t)coverage->height, area = width * height;
+// 1 where any coverage is within a pixel, and around the frame's edge: [h,w] of the frame, and one more 1 for
+// what is outside it.
+static unsigned char *widen(const FfpView *view) {
+    const FfpImage *coverage = &view->coverage;
+    const size_t width = (size_t)ffp_frame_width(view), height = (size_t)ffp_frame_height(view),
+                 stride = (size_t)coverage->width, area = width * height;
     unsigned char *tall = ffp_alloc(area, 1), *wide = ffp_alloc(area + 1, 1);
     for (size_t y = 0; y < height; y++) {
-        const real *row = coverage->data + y * width, *above = y > 0 ? row - width : row,
-                   *below = y + 1 < height ? row + width : row;
+        const real *row = coverage->data + y * stride, *above = y > 0 ? row - stride : row,
+                   *below = y + 1 < height ? row + stride : row;
         for (size_t x = 0; x < width; x++)
             tall[y * width + x] = (row[x] > 0) | (above[x] > 0) | (below[x] > 0);
     }
@@ -27,9 +29,9 @@ static unsigned char *widen(const FfpImage *coverage) {
 }
 
 // Takes away the hypotheses of a pixel, of which `seer` shows none at 0 of `wide`.
-static void cut(unsigned char *inside, const unsigned char *wide, const FfpCamera *seer, const FfpLine *line,
+static void cut(unsigned char *inside, const unsigned char *wide, const FfpView *seer, const FfpLine *line,
                 const FfpPlanes *planes) {
-    const int outside = seer->width * seer->height;
+    const int width = ffp_frame_width(seer), height = ffp_frame_height(seer), outside = width * height;
     for (int k = 0; k < planes->count; k += FFP_LANES) {
         const int lanes = planes->count - k < FFP_LANES ? planes->count - k : FFP_LANES;
         if (memchr(inside + k, 1, (size_t)lanes) == NULL) continue;
@@ -37,10 +39,9 @@ static void cut(unsigned char *inside, const unsigned char *wide, const FfpCamer
         int cell[FFP_LANES];
         ffp_line_positions(line, planes->first, planes->step, k, u, v);
         for (int n = 0; n < FFP_LANES; n++) {
-            const bool in =
-                (u[n] >= 0) & (v[n] >= 0) & (u[n] < (real)seer->width) & (v[n] < (real)seer->height);
+            const bool in = (u[n] >= 0) & (v[n] >= 0) & (u[n] < (real)width) & (v[n] < (real)height);
             const int x = (int)(in ? u[n] : 0), y = (int)(in ? v[n] : 0);
-            cell[n] = in ? y * seer->width + x : outside;
+            cell[n] = in ? y * width + x : outside;
         }
         for (int n = 0; n < lanes; n++) inside[k + n] &= wide[cell[n]];
     }
@@ -54,12 +55,12 @@ void ffp_hull(unsigned char *inside, const FfpCapture *capture, int view, const 
     for (int other = 0; other < capture->n_views; other++) {
         if (other == view) continue;
         const FfpView *seer = &capture->views[other];
-        unsigned char *wide = widen(&seer->coverage);
+        unsigned char *wide = widen(seer);
         for (size_t slot = 0; slot < foreground->count; slot++) {
             const real x = (real)(foreground->pixel[slot] % width) + 0.5F,
                        y = (real)(foreground->pixel[slot] / width) + 0.5F;
             const FfpLine line = ffp_line(camera, x, y, &seer->camera);
-            cut(inside + slot * count, wide, &seer->camera, &line, planes);
+            cut(inside + slot * count, wide, seer, &line, planes);
         }
         free(wide);
     }

@@ -27,6 +27,8 @@ typedef struct FfpStart {
     real *normal;    // 3, unit, world, facing the camera
     real *albedo;    // 3, linear, in [0,1]; the gloss that the classical splats have is taken off
     real *ambient;   // 3, linear: what the black image shows, of the object's own share of the pixel
+    struct FfpReduced
+        *reduced; // what a large capture was matched on (match/reduce.h); NULL: its own pictures
 } FfpStart;
 
 typedef struct FfpMatchSettings {
@@ -36,8 +38,9 @@ typedef struct FfpMatchSettings {
 FfpMatchSettings ffp_match_defaults(void);
 
 // Runs matching with pattern `active` on every view and derives all maps. The capture must be normalised.
-// Errors: a view without its black, white or active image, views of different sizes, or too large for the
-// hypotheses to fit memory.
+// Large captures are matched on reduced pictures, and depth, confidence, agreement and violation are carried
+// to full size (match/reduce.h, match/enlarge.h).
+// Errors: a view without its black, white or active image, views of different sizes.
 bool ffp_start_new(FfpStart *start, const FfpCapture *capture, int active, const FfpMatchSettings *settings,
                    FfpError *err);
 // As above, with the depth given ([views,height,width] camera z, 0 = none) instead of matched: the "true

@@ -7,18 +7,10 @@
 #include "base/vec.h"
 #include "image/lookup.h"
 
-#define LIGHT_MIN 1e-3F    // linear radiance below which a ratio says nothing
-#define RATIO_MAX 1.2F     // noise and gloss may lift a ratio above 1, not far
-#define COVERAGE_MIN 0.05F // a silhouette's colours are divided by no less
-#define SLANT 1.35F        // mean of 1 / cos over the slants at which surfaces are seen
-#define CELLS_A_BOX 4      // grid cells across the box that the pattern is averaged over
-
-void ffp_own_radiance(real own[3], const real shown[3], real coverage) {
-    const bool whole = coverage >= 1;
-    const real share = fmax(coverage, COVERAGE_MIN);
-    for (int c = 0; c < 3; c++)
-        own[c] = whole ? shown[c] : ffp_srgb_decode(fmin(ffp_srgb_encode(shown[c]) / share, 1));
-}
+#define LIGHT_MIN 1e-3F // linear radiance below which a ratio says nothing
+#define RATIO_MAX 1.2F  // noise and gloss may lift a ratio above 1, not far
+#define SLANT 1.35F     // mean of 1 / cos over the slants at which surfaces are seen
+#define CELLS_A_BOX 4   // grid cells across the box that the pattern is averaged over
 
 // Mean of (white - black) over the object and the channels.
 static real typical_light(const real *light, const FfpImage *coverage, size_t pixels) {

@@ -5,10 +5,6 @@
 #include "base/real.h"
 #include "capture/capture.h"
 
-// Linear radiance of what the object fills of a pixel, from what the photograph shows there over black: the
-// photograph's encoded value is coverage times that of the object's own colour.
-void ffp_own_radiance(real own[3], const real shown[3], real coverage);
-
 typedef struct FfpObservation {
     int width, height;
     real *ratio;  // [h,w,3] (active - black) / (white - black): the pattern's linear colour there, in [0,1.2]

@@ -6,13 +6,15 @@
 #include "base/arena.h"
 #include "match/beams.h"
 #include "match/consistency.h"
+#include "match/reduce.h"
 
 #define SLACK 2.0F      // footprints, or cells of a projector's picture
 #define FREE_TRUST 0.3F // trust, beyond that of views that agree, that it takes to call a point seen through
 
-static bool off_silhouette(const FfpImage *coverage, real u, real v) {
-    if (!(u >= 0 && v >= 0 && u < (real)coverage->width && v < (real)coverage->height)) return false;
-    return coverage->data[(size_t)v * (size_t)coverage->width + (size_t)u] <= 0;
+static bool off_silhouette(const FfpView *view, real u, real v) {
+    if (!(u >= 0 && v >= 0 && u < (real)ffp_frame_width(view) && v < (real)ffp_frame_height(view)))
+        return false;
+    return view->coverage.data[(size_t)v * (size_t)view->coverage.width + (size_t)u] <= 0;
 }
 
 static bool refuted(const FfpWitnesses *witnesses, const FfpBeams *beams, const real point[3]) {
@@ -21,7 +23,7 @@ static bool refuted(const FfpWitnesses *witnesses, const FfpBeams *beams, const 
     for (int v = 0; v < depths->capture->n_views; v++) {
         const FfpView *view = &depths->capture->views[v];
         real x, y, z = ffp_project(&view->camera, point, &x, &y);
-        if (z > 0 && off_silhouette(&view->coverage, x, y)) return true;
+        if (z > 0 && off_silhouette(view, x, y)) return true;
         if (z > 0) {
             const FfpHeard seen = ffp_heard_at(witnesses, v, x, y);
             ffp_hear(&past, &agree, &seen, z, SLACK * z / view->camera.fx);
@@ -36,6 +38,8 @@ static bool refuted(const FfpWitnesses *witnesses, const FfpBeams *beams, const 
 
 int64_t ffp_refute(real *opacity, const real *centre, int64_t count, const FfpCapture *capture,
                    const FfpStart *start) {
+    if (start->reduced != NULL)
+        return ffp_refute(opacity, centre, count, &start->reduced->capture, &start->reduced->start);
     const size_t area = (size_t)start->width * (size_t)start->height, views = (size_t)start->views;
     FfpDepths depths = {capture, start->width, start->height, ffp_alloc(views * area, sizeof(real)),
                         start->confidence};

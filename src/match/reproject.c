@@ -33,8 +33,8 @@ static size_t project_points(Arrival *to, const FfpDepths *depths, const real *n
     return count;
 }
 
-typedef struct Layer { // the nearest surface's points that fell on each pixel without depth of its own
-    int width, height;
+typedef struct Layer {     // the nearest surface's points that fell on each pixel without depth of its own
+    int width, right, low; // pixels a row; the frame that the camera saw
     const real *trust;
     real *nearest, *sum, *weight;
 } Layer;
@@ -42,8 +42,8 @@ typedef struct Layer { // the nearest surface's points that fell on each pixel w
 static void put(Layer *layer, const Arrival *point, real slack, bool only_nearest) {
     const int left = (int)ceil(point->u - 0.5F - REACH), right = (int)floor(point->u - 0.5F + REACH);
     const int top = (int)ceil(point->v - 0.5F - REACH), bottom = (int)floor(point->v - 0.5F + REACH);
-    for (int y = top > 0 ? top : 0; y <= bottom && y < layer->height; y++) {
-        for (int x = left > 0 ? left : 0; x <= right && x < layer->width; x++) {
+    for (int y = top > 0 ? top : 0; y <= bottom && y < layer->low; y++) {
+        for (int x = left > 0 ? left : 0; x <= right && x < layer->right; x++) {
             const size_t i = (size_t)y * (size_t)layer->width + (size_t)x;
             if (layer->trust[i] > 0) continue;
             if (only_nearest) {
@@ -68,7 +68,8 @@ void ffp_fill_from_others(real *out, const FfpDepths *depths, const real *normal
         if (giver != view) count += project_points(points + count, depths, normals, giver, camera);
     const real *depth = depths->depth + (size_t)view * area, *trust = depths->trust + (size_t)view * area;
     Layer layer = {depths->width,
-                   depths->height,
+                   ffp_frame_width(&depths->capture->views[view]),
+                   ffp_frame_height(&depths->capture->views[view]),
                    trust,
                    ffp_alloc(area, sizeof(real)),
                    ffp_alloc(area, sizeof(real)),

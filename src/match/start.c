@@ -6,13 +6,16 @@
 #include <tgmath.h>
 
 #include "base/arena.h"
+#include "capture/reduce.h"
 #include "match/consistency.h"
+#include "match/enlarge.h"
 #include "match/fill.h"
 #include "match/line.h"
 #include "match/match.h"
 #include "match/matching.h"
 #include "match/material.h"
 #include "match/observe.h"
+#include "match/reduce.h"
 #include "match/surface.h"
 #include "match/sweep.h"
 #include "match/unlit.h"
@@ -66,6 +69,11 @@ void ffp_start_free(FfpStart *start) {
     free(start->t), free(start->confidence), free(start->lit), free(start->coverage), free(start->agreement);
     free(start->violation), free(start->footprint), free(start->normal), free(start->albedo),
         free(start->ambient);
+    if (start->reduced != NULL) {
+        ffp_start_free(&start->reduced->start);
+        ffp_capture_reduced_free(&start->reduced->capture);
+        free(start->reduced);
+    }
     *start = (FfpStart){0};
 }
 
@@ -140,21 +148,22 @@ static real own_share(real coverage) {
     return fmax((coverage - 0.5F) / 0.5F, FAINT * coverage);
 }
 
-// What the other views say of each pixel's point, and where it lies along its ray.
-static void judge(FfpStart *start, const FfpDepths *depths) {
+// Where each pixel's point lies along its ray, and what the other views of `depths`, which may be those of
+// reduced pictures, say of it. depth [views,h,w]: camera z at the size of `start`.
+static void judge(FfpStart *start, const FfpCapture *capture, const real *depth, const FfpDepths *depths) {
     FfpWitnesses witnesses = ffp_witnesses_new(depths);
 #pragma omp parallel for schedule(static)
     for (int row = 0; row < start->views * start->height; row++) {
         const int v = row / start->height, y = row % start->height;
-        const FfpView *view = &depths->capture->views[v];
+        const FfpView *view = &capture->views[v];
         for (int x = 0; x < start->width; x++) {
             const size_t i = (size_t)row * (size_t)start->width + (size_t)x;
-            const real z = depths->depth[i];
+            const real z = depth[i], at_x = (real)x + 0.5F, at_y = (real)y + 0.5F;
             if (z <= 0) continue;
             real direction[3];
-            start->t[i] = z / ffp_pixel_ray(&view->camera, (real)x + 0.5F, (real)y + 0.5F, direction);
+            start->t[i] = z / ffp_pixel_ray(&view->camera, at_x, at_y, direction);
             start->footprint[i] = z / view->camera.fx;
-            const FfpWitness witness = ffp_consult(&witnesses, v, x, y, z);
+            const FfpWitness witness = ffp_consult(&witnesses, v, &view->camera, at_x, at_y, z);
             const int said = witness.agree + witness.past;
             start->coverage[i] =
                 fmin(own_share(view->coverage.data[(size_t)y * (size_t)start->width + (size_t)x]),
@@ -176,7 +185,7 @@ static void derive(FfpStart *start, FfpDepths *depths, real *range, const FfpMat
     for (size_t i = 0; i < n; i++)
         if (depths->depth[i] > 0) depths->trust[i] = 1; // a fit's robust weights serve better than these
     find_normals(start->normal, depths);
-    judge(start, depths);
+    judge(start, depths->capture, depths->depth, depths);
     ffp_start_materials(start, depths->capture);
 }
 
@@ -186,24 +195,27 @@ static FfpDepths depths_new(const FfpCapture *capture, const FfpStart *start) {
                        ffp_alloc(n, sizeof(real))};
 }
 
-// How many views may be matched at a time; 0 with an error when not even one.
-static int views_at_a_time(const FfpCapture *capture, const FfpMatchSettings *settings, FfpError *err) {
-    const FfpCamera *camera = &capture->views[0].camera;
-    const size_t fit = MATCH_BYTES / ffp_match_bytes(camera, settings),
-                 threads = (size_t)omp_get_max_threads();
-    if (fit == 0)
-        ffp_fail(err, capture->name,
-                 "views of %d x %d pixels are too large to match: scale the pictures down", camera->width,
-                 camera->height);
-    return (int)(fit < threads ? fit : threads);
+// The surfaces that a finished start has, all of them trusted, as its own maps were judged by.
+static FfpDepths depths_of_start(const FfpCapture *capture, const FfpStart *start) {
+    FfpDepths out = depths_new(capture, start);
+    const size_t area = (size_t)start->width * (size_t)start->height;
+    for (size_t i = 0; i < (size_t)start->views * area; i++) {
+        out.depth[i] = start->footprint[i] * capture->views[i / area].camera.fx;
+        out.trust[i] = out.depth[i] > 0 ? 1 : 0;
+    }
+    return out;
 }
 
-bool ffp_start_new(FfpStart *start, const FfpCapture *capture, int active, const FfpMatchSettings *settings,
-                   FfpError *err) {
-    *start = (FfpStart){0};
-    if (!check(capture, active, err)) return false;
-    const int threads = views_at_a_time(capture, settings, err);
-    if (threads == 0) return false;
+// How many views are matched at a time: so many that their costs fit MATCH_BYTES, at least one.
+static int views_at_a_time(const FfpCapture *capture, const FfpMatchSettings *settings) {
+    const size_t fit = MATCH_BYTES / ffp_match_bytes(&capture->views[0].camera, settings),
+                 threads = (size_t)omp_get_max_threads();
+    return fit > threads ? (int)threads : fit > 1 ? (int)fit : 1;
+}
+
+// Matches the capture's own pictures.
+static void match(FfpStart *start, const FfpCapture *capture, int active, const FfpMatchSettings *settings) {
+    const int threads = views_at_a_time(capture, settings);
     *start = allocate(capture);
     FfpDepths depths = depths_new(capture, start);
     FfpBlurred pattern = ffp_blurred_new(&capture->patterns[active].image, ffp_typical_footprint(capture, 0));
@@ -221,6 +233,53 @@ bool ffp_start_new(FfpStart *start, const FfpCapture *capture, int active, const
     ffp_reject_inconsistent(&depths);
     derive(start, &depths, range, settings, threads);
     free(depths.depth), free(depths.trust), free(range);
+}
+
+// Carries what was found on the reduced pictures to full size, a view at a time.
+static void enlarge_views(FfpStart *start, real *depth, const FfpCapture *capture, int active) {
+    const size_t area = (size_t)start->width * (size_t)start->height;
+    FfpBlurred pattern = ffp_blurred_new(&capture->patterns[active].image, ffp_typical_footprint(capture, 0));
+#pragma omp parallel for schedule(dynamic)
+    for (int v = 0; v < capture->n_views; v++) {
+        const size_t first = (size_t)v * area;
+        FfpObservation seen = ffp_observe(capture, v, active);
+        memcpy(start->lit + first, seen.lit, area * sizeof(real));
+        const FfpEnlarged out = {depth + first, start->normal + 3 * first, start->confidence + first};
+        ffp_enlarge(&out, start->reduced, &capture->views[v], v, &seen, &pattern);
+        ffp_observation_free(&seen);
+    }
+    ffp_blurred_free(&pattern);
+}
+
+static void match_reduced(FfpStart *start, const FfpCapture *capture, int active,
+                          const FfpMatchSettings *settings, int factor) {
+    const int photographs[3] = {capture->black, capture->white, active};
+    const FfpCamera *camera = &capture->views[0].camera;
+    FfpReduced *reduced = ffp_alloc(1, sizeof *reduced);
+    reduced->capture =
+        ffp_capture_reduced(capture, capture->n_views, photographs, 3, (camera->width + factor - 1) / factor,
+                            (camera->height + factor - 1) / factor);
+    match(&reduced->start, &reduced->capture, active, settings);
+    *start = allocate(capture);
+    start->reduced = reduced;
+    real *depth =
+        ffp_alloc((size_t)start->views * (size_t)start->width * (size_t)start->height, sizeof(real));
+    enlarge_views(start, depth, capture, active);
+    FfpDepths depths = depths_of_start(&reduced->capture, &reduced->start);
+    judge(start, capture, depth, &depths);
+    ffp_start_materials(start, capture);
+    free(depths.depth), free(depths.trust), free(depth);
+}
+
+bool ffp_start_new(FfpStart *start, const FfpCapture *capture, int active, const FfpMatchSettings *settings,
+                   FfpError *err) {
+    *start = (FfpStart){0};
+    if (!check(capture, active, err)) return false;
+    const int factor = ffp_reduction(capture);
+    if (factor > 1)
+        match_reduced(start, capture, active, settings, factor);
+    else
+        match(start, capture, active, settings);
     return true;
 }
 
@@ -229,8 +288,7 @@ bool ffp_start_from_depth(FfpStart *start, const FfpCapture *capture, int active
     *start = (FfpStart){0};
     if (!check(capture, active, err)) return false;
     const FfpMatchSettings settings = ffp_match_defaults();
-    const int threads = views_at_a_time(capture, &settings, err);
-    if (threads == 0) return false;
+    const int threads = views_at_a_time(capture, &settings);
     *start = allocate(capture);
     FfpDepths depths = depths_new(capture, start);
     const size_t area = (size_t)start->width * (size_t)start->height;

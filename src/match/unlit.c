@@ -74,14 +74,17 @@ static void compare(Said *said, const Scene *scene, const real *colour, int othe
 
 static void ask_camera(Said *said, const Scene *scene, const Ray *ray, int other, real z) {
     const int width = scene->depths->width, height = scene->depths->height;
+    const FfpView *seer = &scene->depths->capture->views[other];
     real u = -1, v = -1;
     const real depth = ffp_line_at(&ray->camera[other], z, &u, &v);
     u -= 0.5F, v -= 0.5F;
-    if (!(u >= 0 && v >= 0 && u < (real)(width - 1) && v < (real)(height - 1))) return;
+    if (!(u >= 0 && v >= 0 && u < (real)(ffp_frame_width(seer) - 1) &&
+          v < (real)(ffp_frame_height(seer) - 1)))
+        return;
     const int x = (int)u, y = (int)v;
     const size_t first = (size_t)y * (size_t)width + (size_t)x;
     const FfpHeard *heard = &scene->witnesses.heard[(size_t)other * (size_t)width * (size_t)height + first];
-    const real slack = SLACK * depth / scene->depths->capture->views[other].camera.fx;
+    const real slack = SLACK * depth / seer->camera.fx;
     ffp_hear(&said->past, &said->agree, heard, depth, slack);
     if (heard->high <= 0) compare(said, scene, ray->colour, other, first, u - (real)x, v - (real)y);
 }

@@ -1,5 +1,5 @@
 // Model configurations: presets and checks.
-#include "network/network.h"
+#include "network/layout.h"
 
 #include <ctype.h>
 #include <stdio.h>
@@ -25,11 +25,13 @@ bool ffp_model_preset(FfpModelConfig *config, const char *name) {
     const bool ours = presets[i].ours;
     *config = (FfpModelConfig){.dim = presets[i].dim,
                                .patch = 8,
+                               .tokens = 4096,
                                .state = 64,
                                .chunk = 64,
                                .residual = ours,
                                .match_input = ours,
                                .pixel_skip = ours,
+                               .context_inputs = ours,
                                .pixel_features = presets[i].pixel_features,
                                .pixel_hidden = presets[i].pixel_hidden};
     snprintf(config->name, sizeof config->name, "%s", presets[i].name);
@@ -77,6 +79,7 @@ bool ffp_model_config_check(const FfpModelConfig *config, const char *where, Ffp
     if (!check_range(config->samples, 1, 4, 1, "samples", where, err) ||
         !check_range(config->dim, 64, 4096, 64, "dim", where, err) ||
         !check_range(config->patch, 1, 32, 1, "patch", where, err) ||
+        !check_range(config->tokens, 1, FFP_TOKENS_MAX, 1, "tokens", where, err) ||
         !check_range(config->state, 1, 512, 1, "state", where, err) ||
         !check_range(config->chunk, 1, 1024, 1, "chunk", where, err))
         return false;

@@ -1,9 +1,10 @@
 #include "network/head.h"
 
 #include <string.h>
+#include <tgmath.h>
 #include "tensor/tensor.h"
 
-#define BLOCK_TOKENS 128
+#define REACH_FOOTPRINTS 4 // of the context: depth differences beyond count as this
 
 // The widths that both passes need.
 typedef struct Widths {
@@ -11,7 +12,7 @@ typedef struct Widths {
 } Widths;
 
 static Widths head_widths(const FfpModelConfig *c) {
-    const int numbers = ffp_head_numbers(c), channels = ffp_input_channels(c);
+    const int numbers = ffp_head_numbers(c), channels = c->pixel_skip ? ffp_input_channels(c) : 0;
     const int features = c->pixel_skip ? c->pixel_features : numbers;
     return (Widths){.dim = c->dim,
                     .pixels = c->patch * c->patch,
@@ -22,147 +23,213 @@ static Widths head_widths(const FfpModelConfig *c) {
                     .numbers = numbers};
 }
 
-int ffp_head_block_rows(int across) {
-    return across < BLOCK_TOKENS ? BLOCK_TOKENS / across : 1;
+size_t ffp_head_features_count(const FfpModelConfig *config, int rows) {
+    const Widths w = head_widths(config);
+    return (size_t)rows * w.pixels * w.features;
 }
 
-void ffp_head_allocate(FfpHead *head, const FfpModelConfig *config, int across, FfpArena *arena) {
+void ffp_head_allocate(FfpHead *head, const FfpModelConfig *config, int rows, FfpArena *arena) {
     const Widths w = head_widths(config);
-    const size_t tokens = (size_t)ffp_head_block_rows(across) * across, pixels = tokens * w.pixels;
-    head->slot = ffp_arena_alloc(arena, tokens, sizeof *head->slot);
-    head->used = ffp_arena_alloc(arena, tokens, sizeof *head->used);
-    head->tokens = ffp_arena_alloc(arena, tokens * w.dim, sizeof(real));
-    head->features = ffp_arena_alloc(arena, pixels * w.features, sizeof(real));
+    const size_t block = FFP_HEAD_BLOCK;
+    head->slot = ffp_arena_alloc(arena, (size_t)rows, sizeof *head->slot);
+    head->used = ffp_arena_alloc(arena, (size_t)rows, sizeof *head->used);
+    head->tokens = ffp_arena_alloc(arena, (size_t)rows * w.dim, sizeof(real));
     if (!config->pixel_skip) return;
-    head->joined = ffp_arena_alloc(arena, pixels * w.joined, sizeof(real));
+    head->joined = ffp_arena_alloc(arena, block * w.joined, sizeof(real));
+    head->apart = ffp_arena_alloc(arena, block * FFP_CONTEXT_CHANNELS, sizeof(real));
     for (int i = 0; i < FFP_HIDDEN_LAYERS; i++) {
-        head->hidden[i] = ffp_arena_alloc(arena, pixels * w.hidden, sizeof(real));
-        head->activated[i] = ffp_arena_alloc(arena, pixels * w.hidden, sizeof(real));
+        head->hidden[i] = ffp_arena_alloc(arena, block * w.hidden, sizeof(real));
+        head->activated[i] = ffp_arena_alloc(arena, block * w.hidden, sizeof(real));
     }
 }
 
-void ffp_head_allocate_backward(FfpHead *head, const FfpModelConfig *config, int across, FfpArena *arena) {
+void ffp_head_allocate_backward(FfpHead *head, const FfpModelConfig *config, int rows, FfpArena *arena) {
     const Widths w = head_widths(config);
-    const size_t tokens = (size_t)ffp_head_block_rows(across) * across, pixels = tokens * w.pixels;
-    head->dtokens = ffp_arena_alloc(arena, tokens * w.dim, sizeof(real));
-    head->dfeatures = ffp_arena_alloc(arena, pixels * w.features, sizeof(real));
-    head->draw = ffp_arena_alloc(arena, pixels * w.numbers, sizeof(real));
+    const size_t block = FFP_HEAD_BLOCK;
+    head->dtokens = ffp_arena_alloc(arena, (size_t)rows * w.dim, sizeof(real));
     if (!config->pixel_skip) return;
-    head->djoined = ffp_arena_alloc(arena, pixels * w.features, sizeof(real));
-    head->dhidden = ffp_arena_alloc(arena, pixels * w.hidden, sizeof(real));
-    head->dactivated = ffp_arena_alloc(arena, pixels * w.hidden, sizeof(real));
+    head->djoined = ffp_arena_alloc(arena, block * w.features, sizeof(real));
+    head->dhidden = ffp_arena_alloc(arena, block * w.hidden, sizeof(real));
+    head->dactivated = ffp_arena_alloc(arena, block * w.hidden, sizeof(real));
 }
 
-// The tokens that have a Gaussian, one after another; returns how many.
-static int gather_tokens(FfpHead *head, const FfpHeadBlock *block, const real *tokens, const Widths *w) {
-    int count = 0;
-    for (int i = 0; i < block->tokens; i++) head->slot[i] = -1;
-    for (int64_t g = block->first; g < block->first + block->count; g++) {
-        const int i = (int)(head->place[g] / w->pixels) - block->first_token;
-        if (head->slot[i] >= 0) continue;
-        head->slot[i] = count;
-        head->used[count++] = i;
+void ffp_head_select(FfpHead *head, int rows) {
+    const int pixels = head->grid.patch * head->grid.patch;
+    for (int i = 0; i < rows; i++) head->slot[i] = -1;
+    for (int64_t g = 0; g < head->count; g++) {
+        const FfpTaps taps = ffp_grid_taps(&head->grid, head->pixel[g]);
+        for (int i = 0; i < taps.count; i++) head->slot[taps.place[i] / pixels] = 0;
     }
-    for (int i = 0; i < count; i++)
-        memcpy(head->tokens + (size_t)i * w->dim,
-               tokens + (size_t)(block->first_token + head->used[i]) * w->dim,
-               (size_t)w->dim * sizeof *tokens);
-    return count;
+    head->n_used = 0;
+    for (int i = 0; i < rows; i++) {
+        if (head->slot[i] < 0) continue;
+        head->slot[i] = head->n_used;
+        head->used[head->n_used++] = i;
+    }
 }
 
-// Offset of a Gaussian's numbers in [gathered tokens, patch^2, features].
-static size_t feature_offset(const FfpHead *head, const FfpHeadBlock *block, int64_t g, const Widths *w) {
-    const int64_t place = head->place[g];
-    const int slot = head->slot[place / w->pixels - block->first_token];
+// The tokens that are needed, one after another.
+static void gather_tokens(FfpHead *head, const real *tokens, const Widths *w) {
+    for (int i = 0; i < head->n_used; i++)
+        memcpy(head->tokens + (size_t)i * w->dim, tokens + (size_t)head->used[i] * w->dim,
+               (size_t)w->dim * sizeof *tokens);
+}
+
+void ffp_head_features(real *map, FfpHead *head, const real *tokens, const FfpModel *model) {
+    const Widths w = head_widths(&model->config);
+    const FfpLayout *at = model->layout;
+    const bool skip = model->config.pixel_skip;
+    gather_tokens(head, tokens, &w);
+    ffp_linear_forward(map, head->tokens, model->values + (skip ? at->features : at->head),
+                       skip ? NULL : model->values + at->head_bias, head->n_used, w.dim,
+                       w.pixels * w.features);
+}
+
+void ffp_head_features_backward(real *dtokens, real *grad, FfpHead *head, const real *dmap,
+                                const real *tokens, const FfpModel *model) {
+    const Widths w = head_widths(&model->config);
+    const FfpLayout *at = model->layout;
+    const bool skip = model->config.pixel_skip;
+    gather_tokens(head, tokens, &w);
+    ffp_linear_backward(head->dtokens, grad + (skip ? at->features : at->head),
+                        skip ? NULL : grad + at->head_bias, dmap, head->tokens,
+                        model->values + (skip ? at->features : at->head), head->n_used, w.dim,
+                        w.pixels * w.features);
+    for (int i = 0; i < head->n_used; i++)
+        memcpy(dtokens + (size_t)head->used[i] * w.dim, head->dtokens + (size_t)i * w.dim,
+               (size_t)w.dim * sizeof *dtokens);
+}
+
+// Offset of a place's features in a map.
+static size_t feature_offset(const FfpHead *head, int64_t place, const Widths *w) {
+    const int slot = head->slot[place / w->pixels];
     return ((size_t)slot * w->pixels + (size_t)(place % w->pixels)) * w->features;
 }
 
-// What a pixel takes from its token, beside its own inputs (`joined` columns), or alone.
-static void gather_pixels(real *out, int columns, const FfpHead *head, const FfpHeadBlock *block,
-                          const Widths *w) {
+// What a pixel takes from the map, and its own inputs behind it: rows of `joined` numbers.
+static void join(real *out, const FfpHead *head, int64_t first, int count, const real *map,
+                 const FfpModelConfig *config, const Widths *w) {
 #pragma omp parallel for schedule(static)
-    for (int64_t i = 0; i < block->count; i++) {
-        const int64_t g = block->first + i;
-        real *row = out + i * columns;
-        memcpy(row, head->features + feature_offset(head, block, g, w), (size_t)w->features * sizeof *row);
-        if (columns > w->features)
-            memcpy(row + w->features, head->inputs + head->place[g] * w->channels,
-                   (size_t)w->channels * sizeof *row);
+    for (int i = 0; i < count; i++) {
+        const int64_t pixel = head->pixel[first + i];
+        const FfpTaps taps = ffp_grid_taps(&head->grid, pixel);
+        real *row = out + (size_t)i * w->joined;
+        for (int k = 0; k < w->features; k++) row[k] = 0;
+        for (int t = 0; t < taps.count; t++) {
+            const real *from = map + feature_offset(head, taps.place[t], w), weight = taps.weight[t];
+            for (int k = 0; k < w->features; k++) row[k] += weight * from[k];
+        }
+        if (w->channels) ffp_pixel_inputs(row + w->features, config, &head->seen, pixel);
     }
 }
 
-// Everything up to the last layer's input; returns the number of gathered tokens.
-static int forward_features(FfpHead *head, const FfpHeadBlock *block, const real *tokens,
-                            const FfpModel *model, const Widths *w) {
+// The reverse of the features' part. One thread: neighbours share places, and the order of sums is part of
+// the result.
+static void part(real *dmap, const FfpHead *head, int64_t first, int count, const real *drow,
+                 const Widths *w) {
+    for (int i = 0; i < count; i++) {
+        const FfpTaps taps = ffp_grid_taps(&head->grid, head->pixel[first + i]);
+        const real *from = drow + (size_t)i * w->features;
+        for (int t = 0; t < taps.count; t++) {
+            real *to = dmap + feature_offset(head, taps.place[t], w), weight = taps.weight[t];
+            for (int k = 0; k < w->features; k++) to[k] += weight * from[k];
+        }
+    }
+}
+
+// Whether what tells a pixel apart from the context's is anything but zeros.
+static bool has_apart(const FfpHead *head, const FfpModelConfig *config) {
+    return config->context_inputs && !head->grid.same && head->context;
+}
+
+// Numbers of inputs.h, context_inputs, of each pixel of a block.
+static void tell_apart(FfpHead *head, int64_t first, int count) {
+    const FfpStart *near = head->seen.start, *far = head->context;
+    const real ratio = sqrt((real)near->width * (real)near->height / ((real)far->width * (real)far->height));
+#pragma omp parallel for schedule(static)
+    for (int i = 0; i < count; i++) {
+        const int64_t pixel = head->pixel[first + i];
+        const FfpTaps taps = ffp_grid_taps(&head->grid, pixel);
+        real behind = near->t[pixel];
+        for (int t = 0; t < taps.count; t++) behind -= taps.weight[t] * far->t[taps.pixel[t]];
+        behind /= REACH_FOOTPRINTS * ratio * fmax(near->footprint[pixel], (real)1e-6);
+        head->apart[FFP_CONTEXT_CHANNELS * i] = log2(ratio);
+        head->apart[FFP_CONTEXT_CHANNELS * i + 1] = fmin(fmax(behind, -1), 1);
+    }
+}
+
+// hidden [count, width] += apart weight^T, weight [width, channels].
+static void add_apart(real *hidden, const real *apart, const real *weight, int count, int width) {
+#pragma omp parallel for schedule(static)
+    for (int i = 0; i < count; i++)
+        for (int k = 0; k < width; k++)
+            for (int c = 0; c < FFP_CONTEXT_CHANNELS; c++)
+                hidden[(size_t)i * width + k] +=
+                    apart[FFP_CONTEXT_CHANNELS * i + c] * weight[FFP_CONTEXT_CHANNELS * k + c];
+}
+
+// The pixel MLP up to its last layer's input.
+static void pixel_forward(FfpHead *head, int64_t first, int count, const real *map, const FfpModel *model,
+                          const Widths *w) {
     const FfpLayout *at = model->layout;
-    const real *values = model->values;
-    const int count = gather_tokens(head, block, tokens, w), pixels = (int)block->count;
-    const bool skip = model->config.pixel_skip;
-    ffp_linear_forward(head->features, head->tokens, values + (skip ? at->features : at->head),
-                       skip ? NULL : values + at->head_bias, count, w->dim, w->pixels * w->features);
-    if (!skip) return count;
-    gather_pixels(head->joined, w->joined, head, block, w);
+    join(head->joined, head, first, count, map, &model->config, w);
     const real *x = head->joined;
     int in = w->joined;
     for (int i = 0; i < FFP_HIDDEN_LAYERS; i++) {
-        ffp_linear_forward(head->hidden[i], x, values + at->hidden[i], values + at->hidden_bias[i], pixels,
-                           in, w->hidden);
-        ffp_gelu_forward(head->activated[i], head->hidden[i], (size_t)pixels * w->hidden);
+        ffp_linear_forward(head->hidden[i], x, model->values + at->hidden[i],
+                           model->values + at->hidden_bias[i], count, in, w->hidden);
+        if (i == 0 && has_apart(head, &model->config)) {
+            tell_apart(head, first, count);
+            add_apart(head->hidden[0], head->apart, model->values + at->context, count, w->hidden);
+        }
+        ffp_gelu_forward(head->activated[i], head->hidden[i], (size_t)count * w->hidden);
         x = head->activated[i];
         in = w->hidden;
     }
-    return count;
 }
 
-void ffp_head_forward(real *raw, FfpHead *head, const FfpHeadBlock *block, const real *tokens,
+void ffp_head_forward(real *raw, FfpHead *head, int64_t first, int count, const real *map,
                       const FfpModel *model) {
     const Widths w = head_widths(&model->config);
     const FfpLayout *at = model->layout;
-    forward_features(head, block, tokens, model, &w);
-    if (model->config.pixel_skip)
-        ffp_linear_forward(raw, head->activated[FFP_HIDDEN_LAYERS - 1], model->values + at->last,
-                           model->values + at->last_bias, (int)block->count, w.hidden, w.numbers);
-    else
-        gather_pixels(raw, w.numbers, head, block, &w);
+    if (!model->config.pixel_skip) {
+        join(raw, head, first, count, map, &model->config, &w);
+        return;
+    }
+    pixel_forward(head, first, count, map, model, &w);
+    ffp_linear_forward(raw, head->activated[FFP_HIDDEN_LAYERS - 1], model->values + at->last,
+                       model->values + at->last_bias, count, w.hidden, w.numbers);
 }
 
-// The pixel MLP's gradients; djoined gets the part that goes back to the token. A pixel's own inputs need
+// The pixel MLP's gradients; djoined gets the part that goes back to the features. A pixel's own inputs need
 // none.
-static void pixel_backward(real *grad, FfpHead *head, const FfpHeadBlock *block, const real *draw,
-                           const FfpModel *model, const Widths *w) {
+static void pixel_backward(real *grad, FfpHead *head, int count, const real *draw, const FfpModel *model,
+                           const Widths *w) {
     const FfpLayout *at = model->layout;
     const real *values = model->values;
-    const int pixels = (int)block->count, top = FFP_HIDDEN_LAYERS - 1;
+    const int top = FFP_HIDDEN_LAYERS - 1;
     ffp_linear_backward(head->dactivated, grad + at->last, grad + at->last_bias, draw, head->activated[top],
-                        values + at->last, pixels, w->hidden, w->numbers);
+                        values + at->last, count, w->hidden, w->numbers);
     for (int i = top; i >= 0; i--) {
-        ffp_gelu_backward(head->dhidden, head->dactivated, head->hidden[i], (size_t)pixels * w->hidden);
+        ffp_gelu_backward(head->dhidden, head->dactivated, head->hidden[i], (size_t)count * w->hidden);
         ffp_linear_backward(i ? head->dactivated : NULL, grad + at->hidden[i], grad + at->hidden_bias[i],
                             head->dhidden, i ? head->activated[i - 1] : head->joined, values + at->hidden[i],
-                            pixels, i ? w->hidden : w->joined, w->hidden);
+                            count, i ? w->hidden : w->joined, w->hidden);
     }
-    ffp_gemm_mixed(false, false, pixels, w->features, w->hidden, 1, head->dhidden, w->hidden,
+    if (has_apart(head, &model->config))
+        ffp_gemm(true, false, w->hidden, FFP_CONTEXT_CHANNELS, count, 1, head->dhidden, w->hidden,
+                 head->apart, FFP_CONTEXT_CHANNELS, 1, grad + at->context, FFP_CONTEXT_CHANNELS);
+    ffp_gemm_mixed(false, false, count, w->features, w->hidden, 1, head->dhidden, w->hidden,
                    values + at->hidden[0], w->joined, 0, head->djoined, w->features);
 }
 
-void ffp_head_backward(real *dtokens, real *grad, FfpHead *head, const FfpHeadBlock *block, const real *draw,
-                       const real *tokens, const FfpModel *model) {
+void ffp_head_backward(real *dmap, real *grad, FfpHead *head, int64_t first, int count, const real *draw,
+                       const real *map, const FfpModel *model) {
     const Widths w = head_widths(&model->config);
-    const FfpLayout *at = model->layout;
-    const bool skip = model->config.pixel_skip;
-    const int count = forward_features(head, block, tokens, model, &w);
-    if (skip) pixel_backward(grad, head, block, draw, model, &w);
-    const real *dpixel = skip ? head->djoined : draw;
-    memset(head->dfeatures, 0, (size_t)count * w.pixels * w.features * sizeof(real));
-#pragma omp parallel for schedule(static)
-    for (int64_t i = 0; i < block->count; i++)
-        memcpy(head->dfeatures + feature_offset(head, block, block->first + i, &w), dpixel + i * w.features,
-               (size_t)w.features * sizeof(real));
-    ffp_linear_backward(head->dtokens, grad + (skip ? at->features : at->head),
-                        skip ? NULL : grad + at->head_bias, head->dfeatures, head->tokens,
-                        model->values + (skip ? at->features : at->head), count, w.dim,
-                        w.pixels * w.features);
-    for (int i = 0; i < count; i++)
-        memcpy(dtokens + (size_t)(block->first_token + head->used[i]) * w.dim,
-               head->dtokens + (size_t)i * w.dim, (size_t)w.dim * sizeof *dtokens);
+    if (model->config.pixel_skip) {
+        pixel_forward(head, first, count, map, model, &w);
+        pixel_backward(grad, head, count, draw, model, &w);
+        draw = head->djoined;
+    }
+    part(dmap, head, first, count, draw, &w);
 }

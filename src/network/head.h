@@ -1,42 +1,50 @@
-// From the encoder's tokens to the raw numbers of each Gaussian, and back: a linear head a token, or the
-// pixel MLP. Works in blocks of token rows, so that what a pixel needs stays small; a block's pixels are one
-// run of Gaussians.
+// From the encoder's tokens to the raw numbers of each Gaussian, and back: features of the context's pixels
+// by a linear layer a token, their mean at the capture's pixel, and (with pixel_skip) the pixel MLP on them
+// and the pixel's own inputs. Works in blocks of Gaussians, so that what a pixel needs stays small.
 #ifndef FFP_NETWORK_HEAD_H
 #define FFP_NETWORK_HEAD_H
 
+#include "network/context.h"
+#include "network/inputs.h"
 #include "network/layout.h"
 
-typedef struct FfpHeadBlock {
-    int64_t first, count; // Gaussians
-    int first_token, tokens;
-} FfpHeadBlock;
+enum { FFP_HEAD_BLOCK = 8192 }; // Gaussians
 
 typedef struct FfpHead {
-    // Of the present capture: which pixels have a Gaussian.
-    int n_blocks;
-    FfpHeadBlock *blocks;
-    const int64_t *place; // [Gaussians] token * patch^2 + pixel inside the patch
-    const real *inputs;   // [tokens, patch^2, channels]
-    // Scratch for one block of at most A tokens and P pixels.
-    int *slot, *used; // [A] a token's row among those with a Gaussian, or -1; [A] the reverse
-    real *tokens;     // [A, dim]
-    real *features;   // [A, patch^2, features]
-    real *joined;     // [P, features + channels]
-    real *hidden[FFP_HIDDEN_LAYERS], *activated[FFP_HIDDEN_LAYERS]; // [P, pixel_hidden]
-    real *dtokens, *dfeatures, *djoined, *dhidden, *dactivated;     // backward only; djoined [P, features]
-    real *draw;                                                     // [P, numbers]
+    // Of the present capture:
+    FfpSeen seen; // the pixels' own inputs
+    FfpGrid grid;
+    const FfpStart *context; // the context's start, for context_inputs; NULL: none
+    const int64_t *pixel;    // [Gaussians] their pixels in the capture
+    int64_t count;
+    int n_used;
+    int *slot, *used; // [T] a token's row among those that a Gaussian needs, or -1; [T] the reverse
+    // Scratch:
+    real *tokens;                                                   // [T, dim] those that are needed
+    real *joined;                                                   // [block, features + channels]
+    real *apart;                                                    // [block, context channels]
+    real *hidden[FFP_HIDDEN_LAYERS], *activated[FFP_HIDDEN_LAYERS]; // [block, pixel_hidden]
+    real *dtokens, *djoined, *dhidden, *dactivated; // backward only; djoined [block, features]
 } FfpHead;
 
-int ffp_head_block_rows(int across); // token rows a block, for images of `across` tokens
-void ffp_head_allocate(FfpHead *head, const FfpModelConfig *config, int across, FfpArena *arena);
-void ffp_head_allocate_backward(FfpHead *head, const FfpModelConfig *config, int across, FfpArena *arena);
+void ffp_head_allocate(FfpHead *head, const FfpModelConfig *config, int rows, FfpArena *arena);
+void ffp_head_allocate_backward(FfpHead *head, const FfpModelConfig *config, int rows, FfpArena *arena);
+size_t ffp_head_features_count(const FfpModelConfig *config, int rows); // numbers in a map of features
 
-// raw [block->count, numbers] from tokens [T, dim].
-void ffp_head_forward(real *raw, FfpHead *head, const FfpHeadBlock *block, const real *tokens,
+// Which tokens the Gaussians need: after seen, grid, pixel and count are set.
+void ffp_head_select(FfpHead *head, int rows);
+
+// map [n_used, patch^2, features] from tokens [T, dim].
+void ffp_head_features(real *map, FfpHead *head, const real *tokens, const FfpModel *model);
+// ADDS parameter gradients; writes the rows of dtokens [T, dim] that are needed.
+void ffp_head_features_backward(real *dtokens, real *grad, FfpHead *head, const real *dmap,
+                                const real *tokens, const FfpModel *model);
+
+// raw [count, numbers] of `count` <= FFP_HEAD_BLOCK Gaussians from `first` on.
+void ffp_head_forward(real *raw, FfpHead *head, int64_t first, int count, const real *map,
                       const FfpModel *model);
-// ADDS parameter gradients; writes the rows of dtokens [T, dim] that have a Gaussian in this block.
-// Recomputes the forward pass: cheaper than to keep it.
-void ffp_head_backward(real *dtokens, real *grad, FfpHead *head, const FfpHeadBlock *block, const real *draw,
-                       const real *tokens, const FfpModel *model);
+// ADDS to dmap and to the parameter gradients. Recomputes the forward pass: cheaper than to keep it.
+void ffp_head_backward(real *dmap, real *grad, FfpHead *head, int64_t first, int count, const real *draw,
+                       const real *map, const FfpModel *model);
 
 #endif

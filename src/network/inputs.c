@@ -4,6 +4,8 @@
 #include "base/vec.h"
 #include "network/layout.h"
 
+enum { RAY_CHANNEL = 9 };
+
 static bool check_image(const FfpImage *image, const FfpCamera *camera, const char *what, const FfpView *view,
                         FfpError *err) {
     if (!image->data) return ffp_fail(err, view->id, "the view has no %s image", what);
@@ -12,31 +14,27 @@ static bool check_image(const FfpImage *image, const FfpCamera *camera, const ch
     return true;
 }
 
-bool ffp_inputs_check(const FfpModelConfig *config, const FfpCapture *capture, const FfpStart *start,
-                      int views, int active, FfpError *err) {
-    if (views < 1 || views > capture->n_views) return ffp_fail(err, capture->name, "no input views");
+bool ffp_inputs_check(const FfpModelConfig *config, const FfpSeen *seen, FfpError *err) {
+    const FfpCapture *capture = seen->capture;
+    const FfpStart *start = seen->start;
+    if (seen->views < 1 || seen->views > capture->n_views)
+        return ffp_fail(err, capture->name, "no input views");
     if (!start && (config->residual || config->match_input))
         return ffp_fail(err, capture->name, "this model needs the classical start");
-    if (active < 0 || active >= capture->n_patterns)
+    if (seen->active < 0 || seen->active >= capture->n_patterns)
         return ffp_fail(err, capture->name, "no such active pattern");
-    const int width = capture->views[0].camera.width, height = capture->views[0].camera.height,
-              patch = config->patch;
-    for (int v = 0; v < views; v++) {
+    const int width = capture->views[0].camera.width, height = capture->views[0].camera.height;
+    for (int v = 0; v < seen->views; v++) {
         const FfpView *view = &capture->views[v];
         const FfpCamera *camera = &view->camera;
         if (camera->width != width || camera->height != height)
             return ffp_fail(err, view->id, "the network needs views of one size");
         if (!check_image(&view->images[capture->black], camera, "black", view, err) ||
             !check_image(&view->images[capture->white], camera, "white", view, err) ||
-            !check_image(&view->images[active], camera, capture->patterns[active].name, view, err))
+            !check_image(&view->images[seen->active], camera, capture->patterns[seen->active].name, view,
+                         err))
             return false;
     }
-    if (width < patch || height < patch || width % patch || height % patch)
-        return ffp_fail(err, capture->name, "images of %d x %d pixels do not fit a model with patches of %d",
-                        width, height, patch);
-    if ((int64_t)views * (width / patch) * (height / patch) > FFP_TOKENS_MAX)
-        return ffp_fail(err, capture->name, "%d views of %d x %d pixels give more than %d tokens", views,
-                        width, height, FFP_TOKENS_MAX);
     if (start && (start->width != width || start->height != height))
         return ffp_fail(err, capture->name, "the classical start has another size than the images");
     return true;
@@ -72,30 +70,33 @@ static void pixel_channels(real *out, const FfpCapture *capture, const FfpView *
         const real *rgb = image->data + ((size_t)y * image->width + x) * 3;
         for (int i = 0; i < 3; i++) out[3 * k + i] = centred(rgb[i]);
     }
-    real *ray = out + FFP_RAY_CHANNEL;
+    real *ray = out + RAY_CHANNEL;
     ffp_pixel_ray(&view->camera, x + 0.5F, y + 0.5F, ray);
     const real *pose = view->camera.pose;
     const real origin[3] = {pose[3], pose[7], pose[11]}, nearest = -ffp_dot3(origin, ray);
     for (int i = 0; i < 3; i++) ray[3 + i] = origin[i] + nearest * ray[i];
 }
 
-void ffp_inputs(real *out, const FfpModelConfig *config, const FfpCapture *capture, const FfpStart *start,
-                int views, int active) {
-    const int width = capture->views[0].camera.width, height = capture->views[0].camera.height;
-    const int patch = config->patch, channels = ffp_input_channels(config), across = width / patch;
+void ffp_pixel_inputs(real *out, const FfpModelConfig *config, const FfpSeen *seen, int64_t pixel) {
+    const FfpCamera *first = &seen->capture->views[0].camera;
+    const int64_t row = pixel / first->width;
+    const FfpView *view = &seen->capture->views[row / first->height];
+    pixel_channels(out, seen->capture, view, (int)(pixel % first->width), (int)(row % first->height),
+                   seen->active);
+    if (!config->match_input) return;
+    const real *pose = view->camera.pose, origin[3] = {pose[3], pose[7], pose[11]};
+    start_channels(out + FFP_PLAIN_CHANNELS, seen->start, pixel, -ffp_dot3(origin, out + RAY_CHANNEL));
+}
+
+void ffp_inputs(real *out, const FfpModelConfig *config, const FfpSeen *seen) {
+    const FfpCamera *camera = &seen->capture->views[0].camera;
+    const int patch = config->patch, channels = ffp_input_channels(config), across = camera->width / patch;
 #pragma omp parallel for schedule(static)
-    for (int row = 0; row < views * height; row++) {
-        const int v = row / height, y = row % height;
-        const FfpView *view = &capture->views[v];
-        const real *pose = view->camera.pose;
-        const real origin[3] = {pose[3], pose[7], pose[11]};
-        for (int x = 0; x < width; x++) {
-            const int64_t token = ((int64_t)v * (height / patch) + y / patch) * across + x / patch;
-            real *pixel = out + ((token * patch + y % patch) * patch + x % patch) * channels;
-            pixel_channels(pixel, capture, view, x, y, active);
-            if (config->match_input)
-                start_channels(pixel + FFP_PLAIN_CHANNELS, start, (int64_t)row * width + x,
-                               -ffp_dot3(origin, pixel + FFP_RAY_CHANNEL));
+    for (int row = 0; row < seen->views * camera->height; row++) {
+        for (int x = 0; x < camera->width; x++) { // sides are multiples of the patch: views fall into place
+            const int64_t token = (int64_t)(row / patch) * across + x / patch;
+            real *pixel = out + ((token * patch + row % patch) * patch + x % patch) * channels;
+            ffp_pixel_inputs(pixel, config, seen, (int64_t)row * camera->width + x);
         }
     }
 }

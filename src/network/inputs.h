@@ -11,15 +11,26 @@
 //   15     distance from that nearest point to the start's point, along the ray
 //   16-20  confidence, lit, coverage, agreement, violation
 //   21-23  normal; 24-26 albedo, 27-29 ambient: sRGB * 2 - 1
-enum { FFP_PLAIN_CHANNELS = 15, FFP_START_CHANNELS = 15, FFP_RAY_CHANNEL = 9 };
+// and with context_inputs, for the pixel MLP alone, all zero where the context is the capture itself:
+//   log2 of the context's pixel side against the capture's; how far behind the context's surface the start's
+//   point lies, in four of the context's footprints, in [-1,1]
+enum { FFP_PLAIN_CHANNELS = 15, FFP_START_CHANNELS = 15, FFP_CONTEXT_CHANNELS = 2 };
 
-// Checks that the capture and the start fit the model: views, images, sizes. Errors name the view.
-bool ffp_inputs_check(const FfpModelConfig *config, const FfpCapture *capture, const FfpStart *start,
-                      int views, int active, FfpError *err);
+typedef struct FfpSeen { // what the numbers are of
+    const FfpCapture *capture;
+    const FfpStart *start; // NULL: none
+    int views, active;     // the first views; the pattern
+} FfpSeen;
 
-// out [tokens, patch, patch, channels]: tokens view by view, inside a view in raster order. start may be NULL
-// without match_input.
-void ffp_inputs(real *out, const FfpModelConfig *config, const FfpCapture *capture, const FfpStart *start,
-                int views, int active);
+// Checks that what is seen is whole: views of one size with their images, a start of that size where the
+// model needs one. Errors name the view.
+bool ffp_inputs_check(const FfpModelConfig *config, const FfpSeen *seen, FfpError *err);
+
+// out [channels] of pixel (view * height + y) * width + x.
+void ffp_pixel_inputs(real *out, const FfpModelConfig *config, const FfpSeen *seen, int64_t pixel);
+
+// out [tokens, patch, patch, channels]: tokens view by view, inside a view in raster order. Sides must be
+// multiples of the patch.
+void ffp_inputs(real *out, const FfpModelConfig *config, const FfpSeen *seen);
 
 #endif

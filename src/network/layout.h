@@ -27,6 +27,7 @@ typedef struct FfpLayout {
     int64_t tokeniser, tokeniser_norm, final_norm;
     int64_t head, head_bias; // without pixel_skip
     int64_t features, hidden[FFP_HIDDEN_LAYERS], hidden_bias[FFP_HIDDEN_LAYERS], last, last_bias; // with it
+    int64_t context;                 // with context_inputs: of the first hidden layer
     int64_t mixer[2], mixer_bias[2]; // with appearance_cnn
     union {
         FfpMambaLayout mamba;

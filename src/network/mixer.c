@@ -10,12 +10,6 @@ static real *take(FfpArena *arena, const FfpMixer *m, int columns) {
     return ffp_arena_alloc(arena, (size_t)m->rows * (size_t)columns, sizeof(real));
 }
 
-// Numbers of the Gaussians of one of the head's blocks.
-static size_t block_numbers(const FfpModelConfig *c, int across) {
-    return (size_t)ffp_head_block_rows(across) * (size_t)across * (size_t)(c->patch * c->patch) *
-           (size_t)ffp_head_numbers(c);
-}
-
 void ffp_mixer_allocate(FfpMixer *mixer, const FfpModelConfig *config, int rows, int across, int down,
                         FfpArena *arena) {
     *mixer = (FfpMixer){.rows = rows, .across = across, .down = down, .dim = config->dim};
@@ -23,14 +17,16 @@ void ffp_mixer_allocate(FfpMixer *mixer, const FfpModelConfig *config, int rows,
     mixer->hidden = take(arena, mixer, config->dim);
     mixer->activated = take(arena, mixer, config->dim);
     mixer->out = take(arena, mixer, config->dim);
-    mixer->raw = ffp_arena_alloc(arena, block_numbers(config, across), sizeof(real));
+    mixer->features = ffp_arena_alloc(arena, ffp_head_features_count(config, rows), sizeof(real));
+    mixer->raw = ffp_arena_alloc(arena, FFP_HEAD_BLOCK * (size_t)ffp_head_numbers(config), sizeof(real));
 }
 
 void ffp_mixer_allocate_backward(FfpMixer *mixer, const FfpModelConfig *config, FfpArena *arena) {
     mixer->dcolumns = take(arena, mixer, TAPS * config->dim);
     mixer->dhidden = take(arena, mixer, config->dim);
     mixer->dout = take(arena, mixer, config->dim);
-    mixer->draw = ffp_arena_alloc(arena, block_numbers(config, mixer->across), sizeof(real));
+    mixer->dfeatures = ffp_arena_alloc(arena, ffp_head_features_count(config, mixer->rows), sizeof(real));
+    mixer->draw = ffp_arena_alloc(arena, FFP_HEAD_BLOCK * (size_t)ffp_head_numbers(config), sizeof(real));
 }
 
 // The token that a tap of another one sees; -1 outside the view's picture.

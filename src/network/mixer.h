@@ -9,11 +9,11 @@
 #define FFP_APPEARANCE_NUMBERS 7 // the last of each Gaussian's: see splat.h
 
 typedef struct FfpMixer {
-    int rows, across, down, dim;            // tokens; tokens of a view's picture; width
-    real *columns;                          // [rows, 9 dim] each token's neighbours, row by row
-    real *hidden, *activated, *out;         // [rows, dim]
-    real *raw;                              // [pixels of a block, numbers] for the head's second pass
-    real *dcolumns, *dhidden, *dout, *draw; // backward only
+    int rows, across, down, dim;                        // tokens; tokens of a view's picture; width
+    real *columns;                                      // [rows, 9 dim] each token's neighbours, row by row
+    real *hidden, *activated, *out;                     // [rows, dim]
+    real *features, *raw;                               // of the head's second pass: map; [block, numbers]
+    real *dcolumns, *dhidden, *dout, *dfeatures, *draw; // backward only
 } FfpMixer;
 
 void ffp_mixer_allocate(FfpMixer *mixer, const FfpModelConfig *config, int rows, int across, int down,

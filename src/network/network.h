@@ -19,12 +19,14 @@ typedef struct FfpModelConfig {
                                    // ("MTMTMTMT")
     int dim;                       // token width D
     int patch;                     // pixels a token side (8)
+    int tokens;                    // most tokens a pass: larger captures are reduced to fit (FfpContext)
     int state, chunk;              // Mamba2: state 64, chunk 64 (expand 2, head_dim 64, conv 4 are fixed)
     bool residual;    // heads are residuals around the classical start; else the paper's plain heads
     bool match_input; // the start's maps are among the input channels
     bool pixel_skip;  // a small MLP a pixel joins the token's features and the pixel's own inputs
     int pixel_features,
         pixel_hidden;    // widths of that MLP: features a pixel takes from its token, hidden units
+    bool context_inputs; // and what tells it apart from the context's pixels (inputs.h)
     bool appearance_cnn; // two 3x3 convolutions over the tokens ahead of albedo, roughness and ambient: the
                          // paper's ablation
     char render[16];     // "ours" or "paper": the render settings that the Gaussians are meant for,
@@ -73,6 +75,8 @@ FfpModel *ffp_model_new(const FfpModelConfig *config, uint64_t seed, FfpError *e
 // `where` names the configuration's file in errors.
 FfpModel *ffp_model_table(const FfpModelConfig *config, const char *where, FfpError *err);
 void ffp_model_free(FfpModel *model);
+// Values of `from` for each parameter that has its name and shape there; the others stay as they are.
+void ffp_model_take_over(FfpModel *model, const FfpModel *from);
 // Weights file: safetensors with the configuration and metadata_count pairs of `metadata` (key, value, key,
 // value, ...). Matrices are bf16, or F32 when `exact`; vectors (gains, biases, Mamba2's rates) F32 always.
 // Keys "format", "format_version" and "model.*" are taken.
@@ -101,19 +105,39 @@ typedef struct FfpRun {
 FfpRun *ffp_run_new(void);
 void ffp_run_free(FfpRun *run);
 
-// Normalised capture (image sides multiples of the patch; any number of views), its start, and the active
-// pattern. The first start->views views are the input. Residual form: one Gaussian for each pixel of coverage
-// > 0. Plain form: all. Gaussians are in the order of their pixels. start may be NULL when the model neither
-// reads its maps nor builds on them: then all views are the input. Errors name the view: missing images,
-// sizes that do not fit; or numbers that overflow.
+// What tokens are made from: the capture itself, or, where its pixels would give more than config->tokens of
+// them or its sides are no multiples of the patch, the same views with fewer pixels and their own start.
+typedef struct FfpContext {
+    FfpCapture capture; // the input views
+    FfpStart start;     // all NULL: none
+    bool reduced;       // both are the context's own memory
+} FfpContext;
+// Sides of the context's views: multiples of the patch, their tokens no more than config->tokens (one a view
+// at least).
+void ffp_context_size(int *width, int *height, const FfpModelConfig *config, const FfpCapture *capture,
+                      int views);
+// Of the first start->views views (start NULL: of all, without a start). `capture` and `start` must outlive
+// it. Errors: pictures smaller than a patch; as ffp_start_new.
+bool ffp_context_new(FfpContext *context, const FfpModelConfig *config, const FfpCapture *capture,
+                     const FfpStart *start, int active, FfpError *err);
+void ffp_context_free(FfpContext *context); // safe on {0}
+
+// Normalised capture (any number of views of one size), its start, its context (NULL: made for this pass),
+// and the active pattern. The first start->views views are the input. Residual form: one Gaussian for each
+// pixel of coverage > 0. Plain form: all. Gaussians are in the order of their pixels. start may be NULL when
+// the model neither reads its maps nor builds on them: then all views are the input. Errors name the view:
+// missing images, sizes that do not fit; or numbers that overflow.
 bool ffp_model_forward(const FfpModel *model, FfpRun *run, const FfpCapture *capture, const FfpStart *start,
-                       int active, FfpError *err);
-// grad: gradient with respect to run->gaussians; grad_t [count] or NULL: extra gradient with respect to
+                       const FfpContext *context, int active, FfpError *err);
+// Capture, start and context of the forward pass must still be there. grad: gradient with respect to
+// run->gaussians; grad_t [count] or NULL: extra gradient with respect to
 // run->t. ADDS to grad_values [model->count].
 void ffp_model_backward(const FfpModel *model, FfpRun *run, const FfpGaussians *grad, const real *grad_t,
                         real *grad_values);
 
 // The classical reconstruction as Gaussians, without a model: what an untrained residual network returns.
 FfpGaussians ffp_start_gaussians(const FfpCapture *capture, const FfpStart *start);
+// [their number] the pixel of each, as FfpRun.pixel; release with free.
+int64_t *ffp_start_pixels(const FfpStart *start);
 
 #endif

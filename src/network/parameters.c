@@ -114,6 +114,9 @@ static void add_head(FfpModel *model, FfpLayout *at) {
         at->hidden_bias[i] = add(model, prefix, "bias", c->pixel_hidden, 0, FFP_INIT_ZERO, 0);
         in = c->pixel_hidden;
     }
+    if (c->context_inputs)
+        at->context =
+            add(model, "pixel.", "context", c->pixel_hidden, FFP_CONTEXT_CHANNELS, FFP_INIT_ZERO, 0);
     at->last = add(model, "pixel.last.", "weight", numbers, in, FFP_INIT_ZERO, 0);
     at->last_bias = add(model, "pixel.last.", "bias", numbers, 0, FFP_INIT_ZERO, 0);
 }
@@ -180,6 +183,22 @@ FfpModel *ffp_model_new(const FfpModelConfig *config, uint64_t seed, FfpError *e
         for (int64_t k = 0; k < p->count; k++) model->values[p->offset + k] = draw(p, &rng);
     }
     return model;
+}
+
+static const FfpParameter *find(const FfpModel *model, const char *name) {
+    for (int i = 0; i < model->n_parameters; i++)
+        if (strcmp(model->parameters[i].name, name) == 0) return &model->parameters[i];
+    return NULL;
+}
+
+void ffp_model_take_over(FfpModel *model, const FfpModel *from) {
+    for (int i = 0; i < model->n_parameters; i++) {
+        const FfpParameter *p = &model->parameters[i];
+        const FfpParameter *q = find(from, p->name);
+        if (q && q->rank == p->rank && memcmp(q->shape, p->shape, sizeof p->shape) == 0)
+            memcpy(model->values + p->offset, from->values + q->offset,
+                   (size_t)p->count * sizeof *model->values);
+    }
 }
 
 void ffp_model_free(FfpModel *model) {

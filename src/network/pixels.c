@@ -6,64 +6,32 @@
 
 #define NEAREST_MIN 0.1F // a plain splat's footprint is taken no closer to the camera than this
 
-// The pixels of token rows [first_row, last_row), and where they lie in the token order. Returns the new
-// count.
-static int64_t list_rows(int64_t *pixel, int64_t *place, int64_t count, int64_t first_row, int64_t last_row,
-                         int patch, int across, const real *coverage) {
-    const int64_t width = (int64_t)across * patch;
-    for (int64_t p = first_row * patch * width; p < last_row * patch * width; p++) {
-        if (coverage && !(coverage[p] > 0)) continue;
-        const int64_t x = p % width, y = p / width; // y runs on over the views, and so do token rows
-        const int64_t token = y / patch * across + x / patch;
-        pixel[count] = p;
-        place[count++] = token * patch * patch + y % patch * patch + x % patch;
-    }
-    return count;
-}
-
-static void fill_base(FfpPixelBase *base, const real *ray, const FfpCamera *camera, const FfpStart *start,
-                      int64_t pixel, bool residual) {
+static void fill_base(FfpPixelBase *base, const FfpSeen *seen, int64_t pixel, bool residual) {
+    const FfpCamera *first = &seen->capture->views[0].camera;
+    const int64_t row = pixel / first->width;
+    const FfpCamera *camera = &seen->capture->views[row / first->height].camera;
     const real origin[3] = {camera->pose[3], camera->pose[7], camera->pose[11]};
-    for (int i = 0; i < 3; i++) base->direction[i] = ray[i];
-    base->nearest = -ffp_dot3(origin, ray);
+    ffp_pixel_ray(camera, (real)(pixel % first->width) + 0.5F, (real)(row % first->height) + 0.5F,
+                  base->direction);
+    base->nearest = -ffp_dot3(origin, base->direction);
     base->footprint = fmax(base->nearest, NEAREST_MIN) / camera->fx;
-    if (residual) ffp_residual_base(base, start, pixel);
+    if (residual) ffp_residual_base(base, seen->start, pixel);
 }
 
-void ffp_pixels_list(FfpPixels *pixels, FfpHead *head, FfpRun *run, const FfpModelConfig *config,
-                     const FfpCapture *capture, const FfpStart *start, int views) {
-    const FfpCamera *camera = &capture->views[0].camera;
-    const int patch = config->patch, across = camera->width / patch, block_rows = ffp_head_block_rows(across);
-    const int64_t area = (int64_t)camera->width * camera->height,
-                  rows = (int64_t)views * (camera->height / patch);
-    const real *coverage = config->residual ? start->coverage : NULL;
-    int64_t most = views * area;
-    if (coverage) {
-        most = 0;
-        for (int64_t i = 0; i < views * area; i++) most += coverage[i] > 0;
-    }
-    int64_t *place = ffp_arena_alloc(run->arena, (size_t)most + 1, sizeof *place);
+void ffp_pixels_list(FfpPixels *pixels, FfpRun *run, const FfpModelConfig *config, const FfpSeen *seen) {
+    const FfpCamera *camera = &seen->capture->views[0].camera;
+    const int64_t all = (int64_t)seen->views * camera->width * camera->height;
+    const real *coverage = config->residual ? seen->start->coverage : NULL;
+    int64_t most = 0, count = 0;
+    for (int64_t p = 0; p < all; p++) most += !coverage || coverage[p] > 0;
     run->pixel = ffp_arena_alloc(run->arena, (size_t)most + 1, sizeof *run->pixel);
-    head->blocks =
-        ffp_arena_alloc(run->arena, (size_t)((rows + block_rows - 1) / block_rows), sizeof *head->blocks);
-    head->n_blocks = 0;
-    int64_t count = 0;
-    for (int64_t row = 0; row < rows; row += block_rows) {
-        const int64_t end = row + block_rows < rows ? row + block_rows : rows, first = count;
-        count = list_rows(run->pixel, place, count, row, end, patch, across, coverage);
-        if (count > first)
-            head->blocks[head->n_blocks++] =
-                (FfpHeadBlock){first, count - first, (int)row * across, (int)(end - row) * across};
-    }
-    head->place = place;
+    for (int64_t p = 0; p < all; p++)
+        if (!coverage || coverage[p] > 0) run->pixel[count++] = p;
     pixels->count = count;
     pixels->base = ffp_arena_alloc(run->arena, (size_t)count + 1, sizeof *pixels->base);
     pixels->raw = ffp_arena_alloc(run->arena, (size_t)(count + 1) * ffp_head_numbers(config), sizeof(real));
-    const int channels = ffp_input_channels(config);
 #pragma omp parallel for schedule(static)
-    for (int64_t g = 0; g < count; g++)
-        fill_base(&pixels->base[g], head->inputs + place[g] * channels + FFP_RAY_CHANNEL,
-                  &capture->views[run->pixel[g] / area].camera, start, run->pixel[g], config->residual);
+    for (int64_t g = 0; g < count; g++) fill_base(&pixels->base[g], seen, run->pixel[g], config->residual);
 }
 
 static void store(FfpGaussians *out, int64_t g, const FfpSplat *splat, const real *direction,
@@ -117,12 +85,12 @@ bool ffp_pixels_splat(const FfpPixels *pixels, FfpRun *run, const FfpModelConfig
     return !bad;
 }
 
-void ffp_pixels_splat_backward(real *draw, const FfpPixels *pixels, const FfpHeadBlock *block,
+void ffp_pixels_splat_backward(real *draw, const FfpPixels *pixels, int64_t first, int count,
                                const FfpModelConfig *config, const FfpGaussians *grad, const real *grad_t) {
     const int numbers = ffp_head_numbers(config);
 #pragma omp parallel for schedule(static)
-    for (int64_t i = 0; i < block->count; i++) {
-        const int64_t g = block->first + i;
+    for (int i = 0; i < count; i++) {
+        const int64_t g = first + i;
         const FfpPixelBase *base = &pixels->base[g];
         FfpSplat d = {.t = ffp_dot3(grad->centre + 3 * g, base->direction) + (grad_t ? grad_t[g] : 0),
                       .opacity = grad->opacity[g],
@@ -134,8 +102,8 @@ void ffp_pixels_splat_backward(real *draw, const FfpPixels *pixels, const FfpHea
         }
         for (int k = 0; k < 4; k++) d.rotation[k] = grad->rotation[4 * g + k];
         if (config->residual)
-            ffp_residual_splat_backward(draw + i * numbers, &d, base, pixels->raw + g * numbers);
+            ffp_residual_splat_backward(draw + (size_t)i * numbers, &d, base, pixels->raw + g * numbers);
         else
-            ffp_plain_splat_backward(draw + i * numbers, &d, base, pixels->raw + g * numbers);
+            ffp_plain_splat_backward(draw + (size_t)i * numbers, &d, base, pixels->raw + g * numbers);
     }
 }

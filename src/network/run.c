@@ -27,8 +27,11 @@ typedef struct FfpActivations {
     FfpScratch scratch;
     real *dstream, *dfinal; // [T, dim]; NULL before the first backward pass
     FfpHead head;
-    FfpMixer mixer; // with appearance_cnn
+    real *features, *dfeatures; // maps of the head
+    real *draw;                 // [block, numbers], backward only
+    FfpMixer mixer;             // with appearance_cnn
     FfpPixels pixels;
+    FfpContext context;     // where the caller gave none
     FfpProfileTimes unread; // where the times go when nobody asks
 } FfpActivations;
 
@@ -42,6 +45,7 @@ FfpRun *ffp_run_new(void) {
 
 void ffp_run_free(FfpRun *run) {
     if (!run) return;
+    ffp_context_free(&run->activations->context);
     ffp_arena_free(run->activations->arena);
     free(run->activations);
     ffp_arena_free(run->arena);
@@ -66,6 +70,7 @@ static void prepare(FfpActivations *at, const FfpModelConfig *config, int rows, 
     FfpArena *arena = at->arena;
     ffp_arena_reset(arena);
     *at = (FfpActivations){.arena = arena,
+                           .context = at->context,
                            .config = *config,
                            .rows = rows,
                            .across = across,
@@ -89,7 +94,8 @@ static void prepare(FfpActivations *at, const FfpModelConfig *config, int rows, 
     at->final_rstd = take(at, 1);
     at->scratch.inner = take(at, (size_t)at->widths.inner);
     at->scratch.kernel = ffp_arena_alloc(arena, ffp_kernel_scratch(&at->widths, rows), sizeof(real));
-    ffp_head_allocate(&at->head, config, across, arena);
+    ffp_head_allocate(&at->head, config, rows, arena);
+    at->features = ffp_arena_alloc(arena, ffp_head_features_count(config, rows), sizeof(real));
     if (config->appearance_cnn) ffp_mixer_allocate(&at->mixer, config, rows, across, down, arena);
 }
 
@@ -104,7 +110,10 @@ static void prepare_backward(FfpActivations *at) {
     at->scratch.dnarrow2 = take(at, dim);
     at->dfinal = take(at, dim);
     at->dstream = take(at, dim);
-    ffp_head_allocate_backward(&at->head, &at->config, at->across, at->arena);
+    ffp_head_allocate_backward(&at->head, &at->config, at->rows, at->arena);
+    at->dfeatures = ffp_arena_alloc(at->arena, ffp_head_features_count(&at->config, at->rows), sizeof(real));
+    at->draw =
+        ffp_arena_alloc(at->arena, (size_t)FFP_HEAD_BLOCK * ffp_head_numbers(&at->config), sizeof(real));
     if (at->config.appearance_cnn) ffp_mixer_allocate_backward(&at->mixer, &at->config, at->arena);
 }
 
@@ -132,46 +141,91 @@ static void encode(FfpActivations *at, const FfpModel *model, FfpProfileTimes *t
     ffp_lap(&last, &times->heads);
 }
 
-// Raw numbers of a block's Gaussians.
-static void head_forward(FfpActivations *at, const FfpHeadBlock *block, const FfpModel *model) {
-    const int numbers = ffp_head_numbers(&model->config);
-    real *raw = at->pixels.raw + block->first * numbers;
-    ffp_head_forward(raw, &at->head, block, at->final, model);
-    if (!model->config.appearance_cnn) return;
-    ffp_head_forward(at->mixer.raw, &at->head, block, at->mixer.out, model);
-    ffp_mixer_join(raw, at->mixer.raw, block->count, numbers);
+// Gaussians of the block that begins at `first`.
+static int block_count(const FfpActivations *at, int64_t first) {
+    const int64_t left = at->pixels.count - first;
+    return (int)(left < FFP_HEAD_BLOCK ? left : FFP_HEAD_BLOCK);
 }
 
-// From head.draw to the tokens' gradients.
-static void head_backward(FfpActivations *at, real *grad, const FfpHeadBlock *block, const FfpModel *model) {
-    if (model->config.appearance_cnn) {
-        ffp_mixer_part(at->head.draw, at->mixer.draw, block->count, ffp_head_numbers(&model->config));
-        ffp_head_backward(at->mixer.dout, grad, &at->head, block, at->mixer.draw, at->mixer.out, model);
+// Raw numbers of all Gaussians.
+static void head_forward(FfpActivations *at, const FfpModel *model) {
+    const int numbers = ffp_head_numbers(&model->config);
+    const bool mixed = model->config.appearance_cnn;
+    ffp_head_select(&at->head, at->rows);
+    ffp_head_features(at->features, &at->head, at->final, model);
+    if (mixed) {
+        ffp_mixer_forward(&at->mixer, at->final, model);
+        ffp_head_features(at->mixer.features, &at->head, at->mixer.out, model);
     }
-    ffp_head_backward(at->dfinal, grad, &at->head, block, at->head.draw, at->final, model);
+    for (int64_t first = 0; first < at->pixels.count; first += FFP_HEAD_BLOCK) {
+        const int count = block_count(at, first);
+        real *raw = at->pixels.raw + first * numbers;
+        ffp_head_forward(raw, &at->head, first, count, at->features, model);
+        if (!mixed) continue;
+        ffp_head_forward(at->mixer.raw, &at->head, first, count, at->mixer.features, model);
+        ffp_mixer_join(raw, at->mixer.raw, count, numbers);
+    }
+}
+
+// From the Gaussians' gradients to those of the tokens, at->dfinal.
+static void head_backward(FfpActivations *at, real *grad_values, const FfpModel *model,
+                          const FfpGaussians *grad, const real *grad_t) {
+    const int numbers = ffp_head_numbers(&model->config);
+    const bool mixed = model->config.appearance_cnn;
+    const size_t size = (size_t)at->rows * at->widths.dim * sizeof(real),
+                 map = ffp_head_features_count(&model->config, at->head.n_used) * sizeof(real);
+    memset(at->dfinal, 0, size); // tokens that no Gaussian needs get no gradient
+    memset(at->dfeatures, 0, map);
+    if (mixed) memset(at->mixer.dout, 0, size), memset(at->mixer.dfeatures, 0, map);
+    for (int64_t first = 0; first < at->pixels.count; first += FFP_HEAD_BLOCK) {
+        const int count = block_count(at, first);
+        ffp_pixels_splat_backward(at->draw, &at->pixels, first, count, &model->config, grad, grad_t);
+        if (mixed) {
+            ffp_mixer_part(at->draw, at->mixer.draw, count, numbers);
+            ffp_head_backward(at->mixer.dfeatures, grad_values, &at->head, first, count, at->mixer.draw,
+                              at->mixer.features, model);
+        }
+        ffp_head_backward(at->dfeatures, grad_values, &at->head, first, count, at->draw, at->features, model);
+    }
+    ffp_head_features_backward(at->dfinal, grad_values, &at->head, at->dfeatures, at->final, model);
+    if (!mixed) return;
+    ffp_head_features_backward(at->mixer.dout, grad_values, &at->head, at->mixer.dfeatures, at->mixer.out,
+                               model);
+    ffp_mixer_backward(&at->mixer, at->dfinal, grad_values, at->final, model);
+}
+
+// The caller's context, or one made for this pass; NULL with an error.
+static const FfpContext *use_context(FfpActivations *at, const FfpModelConfig *config, const FfpSeen *seen,
+                                     const FfpContext *given, FfpError *err) {
+    ffp_context_free(&at->context);
+    if (given) return given;
+    return ffp_context_new(&at->context, config, seen->capture, seen->start, seen->active, err) ? &at->context
+                                                                                                : NULL;
 }
 
 bool ffp_model_forward(const FfpModel *model, FfpRun *run, const FfpCapture *capture, const FfpStart *start,
-                       int active, FfpError *err) {
+                       const FfpContext *context, int active, FfpError *err) {
     FfpActivations *at = run->activations;
     const FfpModelConfig *config = &model->config;
-    const int views = start ? start->views : capture->n_views;
+    const FfpSeen seen = {capture, start, start ? start->views : capture->n_views, active};
     run->gaussians = (FfpGaussians){0};
     ffp_arena_reset(run->arena);
-    if (!ffp_inputs_check(config, capture, start, views, active, err)) return false;
-    const FfpCamera *camera = &capture->views[0].camera;
-    const int across = camera->width / config->patch, down = camera->height / config->patch;
-    prepare(at, config, views * across * down, across, down);
+    if (!ffp_inputs_check(config, &seen, err)) return false;
     FfpProfileTimes *times = run->profile ? &run->profile->forward : &at->unread;
     double last = ffp_seconds();
-    ffp_inputs(at->inputs, config, capture, start, views, active);
+    context = use_context(at, config, &seen, context, err);
+    if (!context) return false;
+    const FfpGrid grid = ffp_grid(config, capture, context);
+    prepare(at, config, seen.views * grid.across * grid.down, grid.across, grid.down);
+    const FfpSeen small = {&context->capture, start ? &context->start : NULL, seen.views, active};
+    ffp_inputs(at->inputs, config, &small);
     ffp_lap(&last, &times->tokenise);
     encode(at, model, times);
     last = ffp_seconds();
-    at->head.inputs = at->inputs;
-    ffp_pixels_list(&at->pixels, &at->head, run, config, capture, start, views);
-    if (config->appearance_cnn) ffp_mixer_forward(&at->mixer, at->final, model);
-    for (int i = 0; i < at->head.n_blocks; i++) head_forward(at, &at->head.blocks[i], model);
+    ffp_pixels_list(&at->pixels, run, config, &seen);
+    at->head.seen = seen, at->head.grid = grid, at->head.context = start ? &context->start : NULL;
+    at->head.pixel = run->pixel, at->head.count = at->pixels.count;
+    head_forward(at, model);
     const bool ok = ffp_pixels_splat(&at->pixels, run, config, capture);
     ffp_lap(&last, &times->heads);
     return ok || ffp_fail(err, capture->name, "the model's output overflows");
@@ -185,14 +239,7 @@ void ffp_model_backward(const FfpModel *model, FfpRun *run, const FfpGaussians *
     prepare_backward(at);
     FfpProfileTimes *times = run->profile ? &run->profile->backward : &at->unread;
     double last = ffp_seconds();
-    memset(at->dfinal, 0, (size_t)rows * dim * sizeof(real)); // tokens without a Gaussian get no gradient
-    if (at->config.appearance_cnn) memset(at->mixer.dout, 0, (size_t)rows * dim * sizeof(real));
-    for (int i = 0; i < at->head.n_blocks; i++) {
-        const FfpHeadBlock *block = &at->head.blocks[i];
-        ffp_pixels_splat_backward(at->head.draw, &at->pixels, block, &at->config, grad, grad_t);
-        head_backward(at, grad_values, block, model);
-    }
-    if (at->config.appearance_cnn) ffp_mixer_backward(&at->mixer, at->dfinal, grad_values, at->final, model);
+    head_backward(at, grad_values, model, grad, grad_t);
     ffp_layernorm_backward(at->dstream, grad_values + layout->final_norm, at->dfinal, at->stream[at->blocks],
                            at->final_mean, at->final_rstd, model->values + layout->final_norm, rows, dim);
     ffp_lap(&last, &times->heads);

@@ -1,5 +1,6 @@
 // The classical reconstruction: the residual heads' formulas at zero, so that it is, number for number, what
 // an untrained residual network returns.
+#include "base/arena.h"
 #include "base/vec.h"
 #include "network/network.h"
 #include "network/splat.h"
@@ -18,13 +19,28 @@ static void place(FfpGaussians *out, int64_t index, const FfpSplat *splat, const
     out->roughness[index] = splat->roughness;
 }
 
+static int64_t all_pixels(const FfpStart *start) {
+    return (int64_t)start->views * start->height * start->width;
+}
+
+static int64_t count_covered(const FfpStart *start) {
+    int64_t count = 0;
+    for (int64_t p = 0; p < all_pixels(start); p++) count += start->coverage[p] > 0;
+    return count;
+}
+
+int64_t *ffp_start_pixels(const FfpStart *start) {
+    int64_t *out = ffp_alloc((size_t)count_covered(start) + 1, sizeof *out), count = 0;
+    for (int64_t p = 0; p < all_pixels(start); p++)
+        if (start->coverage[p] > 0) out[count++] = p;
+    return out;
+}
+
 FfpGaussians ffp_start_gaussians(const FfpCapture *capture, const FfpStart *start) {
     const real zero[FFP_RESIDUAL_NUMBERS] = {0};
-    const int64_t pixels = (int64_t)start->views * start->height * start->width;
+    const int64_t pixels = all_pixels(start);
     int64_t count = 0;
-    for (int64_t p = 0; p < pixels; p++) count += start->coverage[p] > 0;
-    FfpGaussians out = ffp_gaussians_new(count);
-    count = 0;
+    FfpGaussians out = ffp_gaussians_new(count_covered(start));
     for (int64_t p = 0; p < pixels; p++) {
         if (!(start->coverage[p] > 0)) continue;
         const FfpCamera *camera = &capture->views[p / start->width / start->height].camera;

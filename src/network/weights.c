@@ -24,13 +24,22 @@ typedef struct Field {
 #define FIELD(name, kind, absent)                                                                            \
     { RESERVED #name, kind, offsetof(FfpModelConfig, name), sizeof(((FfpModelConfig *)0)->name), absent }
 static const Field fields[] = {
-    FIELD(name, TEXT, NULL),          FIELD(modules, TEXT, NULL),
-    FIELD(dim, WHOLE, NULL),          FIELD(patch, WHOLE, NULL),
-    FIELD(state, WHOLE, NULL),        FIELD(chunk, WHOLE, NULL),
-    FIELD(residual, SWITCH, NULL),    FIELD(match_input, SWITCH, NULL),
-    FIELD(pixel_skip, SWITCH, NULL),  FIELD(pixel_features, WHOLE, NULL),
-    FIELD(pixel_hidden, WHOLE, NULL), FIELD(render, TEXT, NULL),
-    FIELD(samples, WHOLE, "1"),       FIELD(appearance_cnn, SWITCH, "false"),
+    FIELD(name, TEXT, NULL),
+    FIELD(modules, TEXT, NULL),
+    FIELD(dim, WHOLE, NULL),
+    FIELD(patch, WHOLE, NULL),
+    FIELD(state, WHOLE, NULL),
+    FIELD(chunk, WHOLE, NULL),
+    FIELD(residual, SWITCH, NULL),
+    FIELD(match_input, SWITCH, NULL),
+    FIELD(pixel_skip, SWITCH, NULL),
+    FIELD(pixel_features, WHOLE, NULL),
+    FIELD(pixel_hidden, WHOLE, NULL),
+    FIELD(render, TEXT, NULL),
+    FIELD(tokens, WHOLE, "4096"),
+    FIELD(samples, WHOLE, "1"),
+    FIELD(context_inputs, SWITCH, "false"),
+    FIELD(appearance_cnn, SWITCH, "false"),
 };
 enum { FIELDS = sizeof fields / sizeof *fields, OWN_KEYS = FIELDS + 2 };
 

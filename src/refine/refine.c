@@ -262,7 +262,8 @@ static void fit_free(Fit *fit) {
 
 // Under a limit of steps progress counts these, else seconds.
 static FfpProgress progress_of(const FfpRefineSettings *s) {
-    return ffp_progress("refining", s->seconds > 0 ? (int64_t)ceil(s->seconds) : s->steps);
+    return ffp_progress(s->label ? s->label : "refining",
+                        s->seconds > 0 ? (int64_t)ceil(s->seconds) : s->steps);
 }
 
 bool ffp_refine(FfpGaussians *gaussians, const FfpCapture *capture, const int *patterns, int n_patterns,

@@ -34,6 +34,7 @@ typedef struct FfpRefineSettings {
     real l1, ssim, mask, roughness_smooth, normal_smooth, distortion; // weights of the loss terms
     int64_t distortion_from;                                          // step
     real smooth; // share by which a step draws displacements along the normal towards the neighbours' mean
+    int shadow_looks; // steps at a view that share a shadow map; up to 1: each draws its own
     FfpDensity density;
     int64_t steps;  // of one view each; 0: no limit
     double seconds; // of wall clock; 0: no limit
@@ -42,6 +43,7 @@ typedef struct FfpRefineSettings {
     FILE *metrics;           // a line of JSON a round; NULL: none
     bool measure;            // the PSNR before and after
     bool quiet;              // no progress on stderr
+    const char *label;       // of the progress; NULL: "refining"
 } FfpRefineSettings;
 FfpRefineSettings ffp_refine_defaults(void);  // from a prediction
 FfpRefineSettings ffp_scratch_defaults(void); // from nothing: GS-ProCams' losses, rates and densification

@@ -16,6 +16,8 @@ struct FfpViewer {
     FfpSummed *light;  // [n_patterns]
     FfpImage *targets; // [n_views,n_patterns] encoded
     FfpViewPass *pass;
+    FfpGbuffer *shadows;    // [n_views] kept shadow maps
+    int *looks;             // [n_views] at each view so far
     FfpImage picture, grad; // of one view, remade when its size changes
 };
 
@@ -28,7 +30,9 @@ FfpViewer *ffp_viewer_new(const FfpCapture *capture, const int *patterns, int n_
                      .patterns = patterns,
                      .light = ffp_alloc((size_t)n_patterns, sizeof *v->light),
                      .targets = ffp_alloc((size_t)capture->n_views * n_patterns, sizeof *v->targets),
-                     .pass = ffp_view_pass_new(&settings->render)};
+                     .pass = ffp_view_pass_new(&settings->render),
+                     .shadows = ffp_alloc((size_t)capture->n_views, sizeof *v->shadows),
+                     .looks = ffp_alloc((size_t)capture->n_views, sizeof *v->looks)};
     for (int p = 0; p < n_patterns; p++) v->light[p] = ffp_summed_new(&capture->patterns[patterns[p]].image);
     for (int i = 0; i < capture->n_views * n_patterns; i++) {
         v->targets[i] = ffp_image_copy(&capture->views[i / n_patterns].images[patterns[i % n_patterns]]);
@@ -41,6 +45,9 @@ void ffp_viewer_free(FfpViewer *v) {
     if (!v) return;
     for (int p = 0; p < v->n_patterns; p++) ffp_summed_free(&v->light[p]);
     for (int i = 0; i < v->capture->n_views * v->n_patterns; i++) ffp_image_free(&v->targets[i]);
+    for (int i = 0; i < v->capture->n_views; i++) ffp_gbuffer_free(&v->shadows[i]);
+    free(v->shadows);
+    free(v->looks);
     free(v->light);
     free(v->targets);
     ffp_view_pass_free(v->pass);
@@ -82,6 +89,13 @@ static void compare(FfpViewer *v, int p, const FfpImage *target, FfpFitLoss *los
     ffp_view_pass_shade_backward(v->pass, intensity, light, &v->grad, NULL, NULL);
 }
 
+// A view that is looked at again and again keeps its shadow map for some looks.
+static void keep_shadow(FfpViewer *v, int view) {
+    if (v->settings->shadow_looks < 2) return;
+    if (v->looks[view]++ % v->settings->shadow_looks == 0) ffp_gbuffer_free(&v->shadows[view]);
+    ffp_view_pass_keep_shadow(v->pass, &v->shadows[view]);
+}
+
 // The terms that look at G-buffers.
 static double regularise(FfpViewer *v, const FfpView *view, int64_t step) {
     const FfpRefineSettings *s = v->settings;
@@ -112,7 +126,9 @@ double ffp_viewer_psnr(FfpViewer *v, const FfpGaussians *gaussians, int view) {
 
 FfpFitLoss ffp_viewer_look(FfpViewer *v, const FfpGaussians *gaussians, int view_index, int64_t step,
                            FfpGaussians *grad) {
+    keep_shadow(v, view_index);
     const FfpView *view = draw(v, gaussians, view_index);
+    ffp_view_pass_keep_shadow(v->pass, NULL);
     FfpFitLoss loss = {0};
     for (int p = 0; p < v->n_patterns; p++) compare(v, p, &v->targets[view_index * v->n_patterns + p], &loss);
     loss.total += regularise(v, view, step);

@@ -114,9 +114,9 @@ static FfpCamera shadow_camera(const FfpCamera *projector, int side) {
     return c;
 }
 
-// Opacity and depth from the projector; the planes stay the raster's.
-static FfpGbuffer shadow_map(FfpRaster *raster, const FfpGaussians *gaussians, const FfpCamera *projector,
-                             const FfpRenderSettings *settings) {
+FfpGbuffer ffp_shadow_map(FfpRaster *raster, const FfpGaussians *gaussians, const FfpCamera *projector,
+                          const FfpRenderSettings *settings) {
+    if (!settings->shadows) return (FfpGbuffer){0};
     const FfpCamera camera = shadow_camera(projector, settings->shadow_side > 0 ? settings->shadow_side : 1);
     FfpGbuffer *shadow = &raster->shadow;
     if (shadow->width != camera.width || shadow->height != camera.height) {
@@ -130,12 +130,17 @@ static FfpGbuffer shadow_map(FfpRaster *raster, const FfpGaussians *gaussians, c
     return *shadow;
 }
 
-void ffp_map_to_projector(FfpRaster *raster, const FfpGaussians *gaussians, const FfpGbuffer *gbuffer,
-                          const FfpCamera *camera, const FfpCamera *projector,
-                          const FfpRenderSettings *settings, FfpMapping *out) {
-    Mapper m = {gbuffer, camera, projector, settings, {0}};
-    if (settings->shadows) m.shadow = shadow_map(raster, gaussians, projector, settings);
+void ffp_map_with_shadow(const FfpGbuffer *shadow, const FfpGbuffer *gbuffer, const FfpCamera *camera,
+                         const FfpCamera *projector, const FfpRenderSettings *settings, FfpMapping *out) {
+    const Mapper m = {gbuffer, camera, projector, settings, *shadow};
 #pragma omp parallel for schedule(static)
     for (int y = 0; y < gbuffer->height; y++)
         for (int x = 0; x < gbuffer->width; x++) map_pixel(&m, x, y, out);
+}
+
+void ffp_map_to_projector(FfpRaster *raster, const FfpGaussians *gaussians, const FfpGbuffer *gbuffer,
+                          const FfpCamera *camera, const FfpCamera *projector,
+                          const FfpRenderSettings *settings, FfpMapping *out) {
+    const FfpGbuffer shadow = ffp_shadow_map(raster, gaussians, projector, settings);
+    ffp_map_with_shadow(&shadow, gbuffer, camera, projector, settings, out);
 }

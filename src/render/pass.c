@@ -1,6 +1,7 @@
 #include "render/pass.h"
 
 #include <stdlib.h>
+#include <string.h>
 #include "base/arena.h"
 #include "render/resolve.h"
 
@@ -10,6 +11,7 @@ struct FfpViewPass {
     const FfpGaussians *gaussians; // drawn last,
     FfpCamera camera, projector;   // by a camera that has a pixel for each sample
     FfpMapping mapping;            // of the samples
+    FfpGbuffer *kept_shadow;       // the caller's
     FfpGbuffer samples,
         mean;      // the same memory when there is one sample a pixel; the mean opacity is always there,
     bool averaged; // the other means once they are asked for
@@ -84,9 +86,32 @@ static FfpCamera sample_camera(const FfpCamera *camera, int side) {
     return c;
 }
 
+void ffp_view_pass_keep_shadow(FfpViewPass *pass, FfpGbuffer *shadow) {
+    pass->kept_shadow = shadow;
+}
+
+static void copy_shadow(const FfpGbuffer *from, FfpGbuffer *to) {
+    const size_t pixels = (size_t)from->width * (size_t)from->height;
+    *to = (FfpGbuffer){.width = from->width,
+                       .height = from->height,
+                       .opacity = ffp_alloc(pixels, sizeof(real)),
+                       .depth = ffp_alloc(pixels, sizeof(real))};
+    memcpy(to->opacity, from->opacity, pixels * sizeof(real));
+    memcpy(to->depth, from->depth, pixels * sizeof(real));
+}
+
+static FfpGbuffer find_shadow(FfpViewPass *pass) {
+    if (pass->kept_shadow && pass->kept_shadow->width) return *pass->kept_shadow;
+    const FfpGbuffer shadow =
+        ffp_shadow_map(pass->shadow_raster, pass->gaussians, &pass->projector, &pass->settings);
+    if (pass->kept_shadow) copy_shadow(&shadow, pass->kept_shadow);
+    return shadow;
+}
+
 void ffp_view_pass_samples_changed(FfpViewPass *pass) {
-    ffp_map_to_projector(pass->shadow_raster, pass->gaussians, &pass->samples, &pass->camera,
-                         &pass->projector, &pass->settings, &pass->mapping);
+    const FfpGbuffer shadow = find_shadow(pass);
+    ffp_map_with_shadow(&shadow, &pass->samples, &pass->camera, &pass->projector, &pass->settings,
+                        &pass->mapping);
     const int side = pass->settings.samples;
     pass->averaged = side == 1;
     if (side > 1)

@@ -18,6 +18,9 @@ void ffp_view_pass_free(FfpViewPass *pass);                        // NULL is al
 // backward pass; camera and projector are copied.
 void ffp_view_pass_draw(FfpViewPass *pass, const FfpGaussians *gaussians, const FfpCamera *camera,
                         const FfpCamera *projector);
+// The next draws see light by this shadow map, as it was drawn for the same projector before; if its size is
+// 0, the next draw fills it (the caller's to free by ffp_gbuffer_free). NULL: every draw makes its own.
+void ffp_view_pass_keep_shadow(FfpViewPass *pass, FfpGbuffer *shadow);
 // What was drawn, [height,width] of the camera: means over each pixel's samples of the raw sums.
 const FfpGbuffer *ffp_view_pass_gbuffer(FfpViewPass *pass);
 FfpImage ffp_view_pass_picture_new(const FfpViewPass *pass); // black, of the size of the view drawn last

@@ -76,6 +76,12 @@ void ffp_mapping_free(FfpMapping *mapping);
 void ffp_map_to_projector(FfpRaster *raster, const FfpGaussians *gaussians, const FfpGbuffer *gbuffer,
                           const FfpCamera *camera, const FfpCamera *projector,
                           const FfpRenderSettings *settings, FfpMapping *out);
+// Its two parts. The shadow map holds opacity and depth as the projector sees them, its longer side
+// settings->shadow_side pixels, and is of size 0 when shadows are off; its planes are the raster's.
+FfpGbuffer ffp_shadow_map(FfpRaster *raster, const FfpGaussians *gaussians, const FfpCamera *projector,
+                          const FfpRenderSettings *settings);
+void ffp_map_with_shadow(const FfpGbuffer *shadow, const FfpGbuffer *gbuffer, const FfpCamera *camera,
+                         const FfpCamera *projector, const FfpRenderSettings *settings, FfpMapping *out);
 
 // Shades a G-buffer under one pattern: linear radiance, unclamped, [height,width,3]. pattern NULL = black.
 // Pixels with O <= 0.001 show their ambient colour only; roughness counts as at least 0.02.

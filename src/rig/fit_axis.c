@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "base/arena.h"
+#include "capture/reduce.h"
 #include "rig/cloud.h"
 #include "rig/outline.h"
 #include "rig/scan.h"
@@ -294,7 +295,7 @@ bool ffp_fit_axis(FfpAxis *axis, FfpAxisReport *report, const FfpCapture *captur
     search.width = object_width(&search.outlines);
     const bool ok = search_axis(&search, axis, report, guess, err);
     ffp_outlines_free(&search.outlines);
-    ffp_small_free(&small);
+    ffp_capture_reduced_free(&small);
     free(radians);
     return ok;
 }

@@ -4,6 +4,7 @@
 #include <tgmath.h>
 
 #include "base/arena.h"
+#include "capture/reduce.h"
 #include "base/vec.h"
 #include "image/lookup.h"
 #include "match/match.h"
@@ -305,6 +306,6 @@ bool ffp_fit_response(FfpResponse *response, const FfpCapture *capture, int acti
                        .light = ffp_alloc(3 * (size_t)SAMPLES_MAX, sizeof(real))};
     const bool ok = fit(&fitting, &small, active, unit, response, err);
     free(fitting.samples), free(fitting.light), free(patterns);
-    ffp_small_free(&small);
+    ffp_capture_reduced_free(&small);
     return ok;
 }

@@ -18,7 +18,7 @@
 #include "synth/sensor.h"
 #include "synth/texture.h"
 
-enum { MESHES_MAX = 1024, PAPER_TARGETS = 6 };
+enum { MESHES_MAX = 1024, PAPER_TARGETS = 6, VIEWS_MAX = 64 };
 static const int64_t ASSET_SCENES = 100000; // of one mesh: names stay five digits
 
 // One call of ffp_generate, shared by its workers.
@@ -78,6 +78,18 @@ static void asset_name(const char *path, char name[FFP_NAME_MAX]) {
         if (!isalnum((unsigned char)*c) && *c != '-') *c = '_';
 }
 
+static bool rig_spec(const FfpGeneration *options, FfpSceneSpec *spec, FfpError *err) {
+    const char *rig = options->rig ? options->rig : "turntable";
+    if (!strcmp(rig, "free"))
+        spec->rig = FFP_RIG_FREE;
+    else if (strcmp(rig, "turntable") != 0)
+        return ffp_fail(err, "--rig", "'%s' is not turntable or free", rig);
+    if (options->views < 0 || options->views > VIEWS_MAX)
+        return ffp_fail(err, "--views", "%d is not in 1..%d", options->views, VIEWS_MAX);
+    if (options->views > 0) spec->views = options->views;
+    return true;
+}
+
 static bool preset_spec(const FfpGeneration *options, FfpSceneSpec *spec, FfpError *err) {
     const char *preset = options->preset ? options->preset : "paper";
     *spec = ffp_scene_defaults();
@@ -94,6 +106,7 @@ static bool preset_spec(const FfpGeneration *options, FfpSceneSpec *spec, FfpErr
     }
     if (options->split && !strcmp(options->split, "test")) spec->naturals = FFP_NATURAL_KINDS;
     if (options->resolution > 0) spec->resolution = options->resolution;
+    if (!rig_spec(options, spec, err)) return false;
     for (int i = 0; i < options->n_sensor; i++)
         if (!ffp_sensor_set(&spec->sensor, options->sensor[i], err)) return false;
     return ffp_sensor_check(&spec->sensor, err);

@@ -1,16 +1,24 @@
 // The default rig: a turntable's eight stops with camera and projector fixed (docs/architecture.md, "rig"),
 // and the new poses, whose distribution is that of the held-back poses of the reference captures: camera 2.85
 // to 3.25 away, 63 to 106 degrees from the pole; projector 1.9 to 2.3 away, 18 to 45 degrees to a side, 20
-// below to 45 above the camera.
+// below to 45 above the camera. And free rigs, in which every view has a camera and a projector of its own.
 #include "synth/rig.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
 #include "base/rng.h"
+#include "synth/mesh.h"
 
 static const double DEGREE = 3.14159265358979323846 / 180;
-enum { STREAM_LIGHT = 101, STREAM_RIG = 102, STREAM_INPUT = 1000, STREAM_TARGET = 5000 };
+enum {
+    STREAM_LIGHT = 101,
+    STREAM_RIG = 102,
+    STREAM_FREE_RIG = 103,
+    STREAM_INPUT = 1000,
+    STREAM_TARGET = 5000,
+    STREAM_FREE_INPUT = 9000
+};
 
 FfpRig ffp_rig_light(const FfpSceneSpec *spec) {
     FfpRig rig = {{7.96F, 7.96F, 7.96F}, 0.3F};
@@ -22,16 +30,17 @@ FfpRig ffp_rig_light(const FfpSceneSpec *spec) {
     return rig;
 }
 
-// A device at (radius, polar, azimuth in degrees) that looks at `aim`, its image upright (z up).
-static void place(FfpCamera *camera, double radius, double polar, double azimuth, const double aim[3]) {
-    const double s = sin(polar * DEGREE), c = cos(polar * DEGREE);
-    const double at[3] = {radius * s * cos(azimuth * DEGREE), radius * s * sin(azimuth * DEGREE), radius * c};
-    double z[3], n = 0;
+// A device at `at` that looks at `aim`, its image upright where `up` is up.
+static void look(FfpCamera *camera, const double at[3], const double aim[3], const double up[3]) {
+    double x[3], y[3], z[3], n = 0, m = 0;
     for (int k = 0; k < 3; k++) z[k] = aim[k] - at[k], n += z[k] * z[k];
     for (int k = 0; k < 3; k++) z[k] /= sqrt(n);
-    const double flat = sqrt(z[0] * z[0] + z[1] * z[1]);
-    const double x[3] = {z[1] / flat, -z[0] / flat, 0}; // forward cross up
-    const double y[3] = {z[1] * x[2] - z[2] * x[1], z[2] * x[0] - z[0] * x[2], z[0] * x[1] - z[1] * x[0]};
+    for (int k = 0; k < 3; k++) { // forward cross up; + 0.0 makes +0 of -0
+        const int i = (k + 1) % 3, j = (k + 2) % 3;
+        x[k] = z[i] * up[j] - z[j] * up[i] + 0.0, m += x[k] * x[k];
+    }
+    for (int k = 0; k < 3; k++) x[k] /= sqrt(m);
+    for (int k = 0; k < 3; k++) y[k] = z[(k + 1) % 3] * x[(k + 2) % 3] - z[(k + 2) % 3] * x[(k + 1) % 3];
     memset(camera->pose, 0, sizeof camera->pose);
     for (int k = 0; k < 3; k++) {
         camera->pose[4 * k] = (real)x[k], camera->pose[4 * k + 1] = (real)y[k],
@@ -39,6 +48,13 @@ static void place(FfpCamera *camera, double radius, double polar, double azimuth
         camera->pose[4 * k + 3] = (real)at[k];
     }
     camera->pose[15] = 1;
+}
+
+// A device at (radius, polar, azimuth in degrees) that looks at `aim`, its image upright (z up).
+static void place(FfpCamera *camera, double radius, double polar, double azimuth, const double aim[3]) {
+    const double s = sin(polar * DEGREE), c = cos(polar * DEGREE), up[3] = {0, 0, 1};
+    const double at[3] = {radius * s * cos(azimuth * DEGREE), radius * s * sin(azimuth * DEGREE), radius * c};
+    look(camera, at, aim, up);
 }
 
 static void optics(FfpCamera *camera, int side, double field) {
@@ -51,7 +67,7 @@ static void aim_near(FfpRng *rng, double reach, double aim[3]) {
     for (int k = 0; k < 3; k++) aim[k] = ffp_rng_range(rng, (float)-reach, (float)reach);
 }
 
-void ffp_rig_input(const FfpSceneSpec *spec, int index, FfpView *view) {
+static void turntable_input(const FfpSceneSpec *spec, int index, FfpView *view) {
     optics(&view->camera, spec->resolution, 40);
     optics(&view->projector, spec->pattern_side, 55);
     const double turn = 360.0 * index / spec->views;
@@ -73,6 +89,79 @@ void ffp_rig_input(const FfpSceneSpec *spec, int index, FfpView *view) {
     }
     place(&view->camera, radius, polar, start + turn + wobble, aim);
     place(&view->projector, throw_radius, throw_polar, start + turn + wobble + throw_side, throw_aim);
+}
+
+// Where on the sphere a free rig's camera stands, in degrees: the band between the polar angles 40 and 130 in
+// spec->views strips of equal area, a view in each; from strip to strip on by the golden angle. Anywhere
+// within the strip, and to a side by up to a quarter of the mean distance of neighbours. The order of the
+// strips is random.
+static void free_direction(const FfpSceneSpec *spec, int index, FfpRng *rng, double *polar, double *azimuth) {
+    const double top = cos(40 * DEGREE), bottom = cos(130 * DEGREE), golden = 137.50776405;
+    int strips[FFP_VIEWS_MAX];
+    FfpRng rig = ffp_rng(spec->seed, STREAM_FREE_RIG);
+    const double start = ffp_rng_range(&rig, 0, 360);
+    for (int i = 0; i < spec->views; i++) strips[i] = i;
+    for (int i = 0; i <= index; i++) { // Fisher and Yates, as far as it is needed
+        const int k = i + (int)ffp_rng_below(&rig, (uint32_t)(spec->views - i)), swap = strips[k];
+        strips[k] = strips[i], strips[i] = swap;
+    }
+    const double share = (strips[index] + (double)ffp_rng_uniform(rng)) / spec->views;
+    *polar = acos(top + share * (bottom - top)) / DEGREE;
+    *azimuth = start + golden * strips[index] + ffp_rng_range(rng, -42, 42) / sqrt(spec->views);
+}
+
+// Turns a device about its viewing axis.
+static void roll(FfpCamera *device, double degrees) {
+    const double c = cos(degrees * DEGREE), s = sin(degrees * DEGREE);
+    for (int k = 0; k < 3; k++) {
+        const double x = (double)device->pose[4 * k], y = (double)device->pose[4 * k + 1];
+        device->pose[4 * k] = (real)(c * x + s * y), device->pose[4 * k + 1] = (real)(c * y - s * x);
+    }
+}
+
+// The projector of a camera in the direction (polar, azimuth): `side` and `above` degrees from there, as the
+// camera sees right and up, and upright as the camera is.
+static void place_beside(FfpCamera *projector, double radius, double polar, double azimuth, double side,
+                         double above, const double aim[3]) {
+    const double s = sin(polar * DEGREE), c = cos(polar * DEGREE);
+    const double cos_a = cos(azimuth * DEGREE), sin_a = sin(azimuth * DEGREE);
+    const double out[3] = {s * cos_a, s * sin_a, c}, right[3] = {-sin_a, cos_a, 0},
+                 up[3] = {-c * cos_a, -c * sin_a, s};
+    double at[3];
+    for (int k = 0; k < 3; k++)
+        at[k] =
+            radius * (cos(above * DEGREE) * (cos(side * DEGREE) * out[k] + sin(side * DEGREE) * right[k]) +
+                      sin(above * DEGREE) * up[k]);
+    look(projector, at, aim, up);
+}
+
+// The field holds the mesh's whole sphere, also where the camera looks beside its centre.
+static void free_input(const FfpSceneSpec *spec, int index, FfpView *view) {
+    const double reach = 0.03;
+    FfpRng rng = ffp_rng(spec->seed, STREAM_FREE_INPUT + (uint64_t)index);
+    double polar, azimuth, aim[3];
+    snprintf(view->id, sizeof view->id, "free_%02d", index);
+    free_direction(spec, index, &rng, &polar, &azimuth);
+    const double radius = ffp_rng_range(&rng, 2.7F, 3.4F);
+    const double least = 2 * asin((FFP_MESH_RADIUS + reach * sqrt(3)) / radius) / DEGREE + 0.5;
+    optics(&view->camera, spec->resolution, ffp_rng_range(&rng, (float)fmax(34, least), 46));
+    aim_near(&rng, reach, aim);
+    place(&view->camera, radius, polar, azimuth, aim);
+    roll(&view->camera, ffp_rng_range(&rng, -5, 5));
+
+    optics(&view->projector, spec->pattern_side, 55);
+    const double throw_radius = ffp_rng_range(&rng, 1.8F, 2.4F), side = ffp_rng_range(&rng, 15, 50);
+    const double sign = ffp_rng_uniform(&rng) < 0.5F ? -1 : 1, above = ffp_rng_range(&rng, -20, 45);
+    aim_near(&rng, 0.05, aim);
+    place_beside(&view->projector, throw_radius, polar, azimuth, sign * side, above, aim);
+    roll(&view->projector, ffp_rng_range(&rng, -5, 5));
+}
+
+void ffp_rig_input(const FfpSceneSpec *spec, int index, FfpView *view) {
+    if (spec->rig == FFP_RIG_FREE)
+        free_input(spec, index, view);
+    else
+        turntable_input(spec, index, view);
 }
 
 void ffp_rig_target(const FfpSceneSpec *spec, int index, FfpView *view) {

@@ -87,10 +87,18 @@ static FfpLight make_light(const FfpCapture *capture, const FfpSensor *sensor, F
     return light;
 }
 
-static void misplace(FfpView *view, const FfpSceneSpec *spec, int index) {
+// What a view's random numbers are drawn by. Those of the targets follow those of eight input views, however
+// many there are: so targets are the same to the bit for any number of input views.
+static uint32_t stream_of(const FfpSceneSpec *spec, int index) {
+    enum { USUAL_VIEWS = 8, FURTHER_VIEWS = 0x10000 };
+    if (index >= spec->views) return (uint32_t)(USUAL_VIEWS + index - spec->views);
+    return (uint32_t)(index < USUAL_VIEWS ? index : FURTHER_VIEWS + index);
+}
+
+static void misplace(FfpView *view, const FfpSceneSpec *spec, uint32_t stream) {
     const FfpSensor *s = &spec->sensor;
     if (s->turn_error <= 0 && s->shift_error <= 0) return;
-    FfpRng rng = ffp_rng(spec->seed, 0x5e4501ULL + (uint64_t)index);
+    FfpRng rng = ffp_rng(spec->seed, 0x5e4501ULL + stream);
     ffp_sensor_misplace(&view->camera, s->turn_error, s->shift_error, &rng);
     ffp_sensor_misplace(&view->projector, s->turn_error, s->shift_error, &rng);
 }
@@ -108,8 +116,9 @@ static void make_views(FfpCapture *capture, const FfpSceneSpec *spec, FfpSimulat
             ffp_rig_input(spec, i, &capture->views[i]);
         else
             ffp_rig_target(spec, i - spec->views, &capture->views[i]);
-        ffp_simulate_view(simulation, &capture->views[i], (uint32_t)i, visibility ? &visibility[i] : NULL);
-        misplace(&capture->views[i], spec, i);
+        const uint32_t stream = stream_of(spec, i);
+        ffp_simulate_view(simulation, &capture->views[i], stream, visibility ? &visibility[i] : NULL);
+        misplace(&capture->views[i], spec, stream);
     }
     ffp_light_free(&light);
     for (int p = 0; p < capture->n_patterns; p++) ffp_image_free(&emitted[p]);

@@ -20,17 +20,24 @@ typedef struct FfpSensor {
     float turn_error, shift_error; // of all written poses: deviation, radians and world units on each axis
 } FfpSensor;
 
+// How the input views are taken.
+typedef enum FfpRigKind {
+    FFP_RIG_TURNTABLE, // camera and projector fixed to each other; the object turns
+    FFP_RIG_FREE       // every view has a camera and a projector of its own, all around the object
+} FfpRigKind;
+
 typedef struct FfpSceneSpec {
     int mesh, material; // 0 .. ffp_mesh_count()-1, 0 .. ffp_material_count()-1
     uint64_t seed;
     int resolution;            // camera image side
-    int views;                 // input views around the turntable (8)
+    FfpRigKind rig;            // of the input views (turntable)
+    int views;                 // input views (8)
     int targets;               // further views with new camera and projector poses
     int lollipops;             // patterns besides black and white
     int naturals;              // and natural-looking ones, marked novel: for test scenes only
     int pattern_side;          // 800
     int samples, ambient_rays; // primary samples a pixel; ambient rays a sample
-    bool jitter; // training: vary ambient, intensity, radius, poses; false: the default rig exactly
+    bool jitter; // training: vary ambient, intensity and a turntable's poses; false: the default rig exactly
     FfpSensor sensor;
     const struct FfpMesh *own_mesh; // instead of a numbered mesh or material; NULL: none
     const struct FfpTextures *own_textures;
@@ -43,7 +50,9 @@ FfpSceneSpec ffp_scene_defaults(void);
 // roughness and direct_white. Bounds are exact, intensity known. Images are what a reader gets from 8-bit PNG
 // with straight alpha; truth maps are means over the samples that hit (not multiplied by coverage), depth is
 // that of the pixel's centre ray. With pose errors the written poses differ from those that images and truth
-// maps were made with.
+// maps were made with. Rig and number of views and the resolution change nothing else: object, light,
+// patterns and the poses of the targets are those of (mesh, material, seed, jitter); targets of equal
+// resolution are equal to the bit.
 bool ffp_scene_make(FfpCapture *capture, const FfpSceneSpec *spec, FfpError *err);
 
 int ffp_mesh_count(void);

@@ -23,8 +23,8 @@ static const Field train_fields[] = {
     {"steps", INT64, AT(steps), 1, 1e9},
     {"pool", INT, AT(pool), 1, 1024},
     {"reuse", INT, AT(reuse), 1, 1000000},
-    {"views", INT, AT(views), 1, 64},
-    {"targets", INT, AT(targets), 0, 64},
+    {"views", INT, AT(views), 1, FFP_TRAIN_VIEWS_MAX},
+    {"targets", INT, AT(targets), 0, FFP_TRAIN_VIEWS_MAX},
     {"lollipops", INT, AT(lollipops), 1, 16},
     {"resolution", INT, AT(resolution), 8, 1024},
     {"low_resolution", INT, AT(low_resolution), 8, 1024},
@@ -33,12 +33,16 @@ static const Field train_fields[] = {
     {"samples", INT, AT(samples), 1, 1024},
     {"ambient_rays", INT, AT(ambient_rays), 1, 256},
     {"sensor_share", DOUBLE, AT(sensor_share), 0, 1},
+    {"views_least", INT, AT(views_least), 0, FFP_TRAIN_VIEWS_MAX},
+    {"free_share", DOUBLE, AT(free_share), 0, 1},
+    {"large_share", DOUBLE, AT(large_share), 0, 1},
+    {"large_resolution", INT, AT(large_resolution), 8, 1024},
     {"single_scene", BOOL, AT(single_scene), 0, 1},
     {"scenes", TEXT, AT(scenes), 0, sizeof(((FfpTrainConfig *)0)->scenes)},
     {"generators", INT, AT(generators), 0, 64},
     {"queue", INT, AT(queue), 1, 1024},
-    {"supervised_inputs", INT, AT(supervised_inputs), 0, 64},
-    {"supervised_targets", INT, AT(supervised_targets), 0, 64},
+    {"supervised_inputs", INT, AT(supervised_inputs), 0, FFP_TRAIN_VIEWS_MAX},
+    {"supervised_targets", INT, AT(supervised_targets), 0, FFP_TRAIN_VIEWS_MAX},
     {"polish_share", DOUBLE, AT(polish_share), 0, 1},
     {"polish_steps", INT, AT(polish_steps), 1, 100000},
     {"white_from", INT, AT(white_from), 0, 1e9},
@@ -85,7 +89,9 @@ static const Field model_fields[] = {
     {"pixel_skip", BOOL, MODEL_AT(pixel_skip), 0, 1},
     {"pixel_features", INT, MODEL_AT(pixel_features), 0, 1e4},
     {"pixel_hidden", INT, MODEL_AT(pixel_hidden), 0, 1e4},
+    {"context_inputs", BOOL, MODEL_AT(context_inputs), 0, 1},
     {"appearance_cnn", BOOL, MODEL_AT(appearance_cnn), 0, 1},
+    {"tokens", INT, MODEL_AT(tokens), 1, 1e6},
     {"render", TEXT, MODEL_AT(render), 0, sizeof(((FfpModelConfig *)0)->render)},
     {"samples", INT, MODEL_AT(samples), 1, 1e2},
 };
@@ -108,6 +114,10 @@ FfpTrainConfig ffp_train_defaults(void) {
         .samples = 4,
         .ambient_rays = 2,
         .sensor_share = 0,
+        .views_least = 0,
+        .free_share = 0,
+        .large_share = 0,
+        .large_resolution = 256,
         .generators = 0,
         .queue = 2,
         .supervised_inputs = 2,
@@ -219,6 +229,23 @@ static bool read_model(FfpModelConfig *model, const json_t *value, const char *w
     return ffp_model_config_check(model, where, err);
 }
 
+// The fields that make scenes differ from each other.
+static bool check_mixture(const FfpTrainConfig *c, const char *where, FfpError *err) {
+    if (c->views_least > c->views)
+        return ffp_fail(err, ffp_place(where, "views_least").text, "is above views");
+    if (c->large_share > 0 && c->large_resolution % c->model.patch)
+        return ffp_fail(err, ffp_place(where, "large_resolution").text, "must be a multiple of the patch, %d",
+                        c->model.patch);
+    const char *mixed = c->views_least > 0   ? "views_least"
+                        : c->free_share > 0  ? "free_share"
+                        : c->large_share > 0 ? "large_share"
+                                             : NULL;
+    if (mixed && c->scenes[0])
+        return ffp_fail(err, ffp_place(where, mixed).text,
+                        "is for scenes made in training: those of a folder (scenes) are as they are");
+    return true;
+}
+
 // What no single range can say.
 static bool check_together(const FfpTrainConfig *c, const char *where, FfpError *err) {
     if (c->supervised_inputs + c->supervised_targets < 1)
@@ -235,7 +262,7 @@ static bool check_together(const FfpTrainConfig *c, const char *where, FfpError 
     if (c->resolution % c->model.patch || c->low_resolution % c->model.patch)
         return ffp_fail(err, ffp_place(where, "resolution").text,
                         "resolution and low_resolution must be multiples of the patch, %d", c->model.patch);
-    return true;
+    return check_mixture(c, where, err);
 }
 
 bool ffp_train_config_parse(FfpTrainConfig *config, const char *text, const char *where, FfpError *err) {

@@ -22,6 +22,18 @@ static FfpSensor random_sensor(FfpRng *rng) {
                        .shift_error = ffp_rng_range(rng, 0, SHIFT_MAX)};
 }
 
+// What makes training scenes differ in kind, from a random stream of its own, so that the scenes are the same
+// otherwise.
+static void mix(FfpSceneSpec *spec, const FfpTrainConfig *config, int64_t number) {
+    FfpRng rng = ffp_rng((uint64_t)config->seed * 3 + 2, (uint64_t)number);
+    if (ffp_rng_uniform(&rng) < config->free_share) spec->rig = FFP_RIG_FREE;
+    const bool large = ffp_rng_uniform(&rng) < config->large_share;
+    if (large && spec->resolution == config->resolution) spec->resolution = config->large_resolution;
+    if (config->views_least > 0)
+        spec->views = config->views_least +
+                      (int)ffp_rng_below(&rng, (uint32_t)(config->views - config->views_least + 1));
+}
+
 // Mesh, material and jitter of scene `number` of a split: independent draws from its own random stream.
 static bool scene_spec(FfpSceneSpec *spec, const FfpTrainConfig *config, const char *split, int64_t number,
                        int resolution, FfpError *err) {
@@ -45,26 +57,30 @@ static bool scene_spec(FfpSceneSpec *spec, const FfpTrainConfig *config, const c
     spec->samples = config->samples;
     spec->ambient_rays = config->ambient_rays;
     spec->jitter = true;
-    if (split[0] == 't' && ffp_rng_uniform(&rng) < config->sensor_share) spec->sensor = random_sensor(&rng);
+    const bool training = split[0] == 't';
+    if (training && ffp_rng_uniform(&rng) < config->sensor_share) spec->sensor = random_sensor(&rng);
+    if (training) mix(spec, config, number);
     free(meshes);
     return true;
 }
 
-// Completes a scene whose capture is there: normalised by its input views, matched. Takes the capture away on
-// failure.
-static bool prepare(FfpScene *scene, const FfpTrainConfig *config, FfpError *err) {
+// Completes a scene whose capture is there: normalised by its input views, the first `views`, and matched.
+// Takes the capture away on failure.
+static bool prepare(FfpScene *scene, const FfpTrainConfig *config, int views, FfpError *err) {
     FfpCapture *capture = &scene->capture;
     scene->inputs = *capture;
-    scene->inputs.n_views = config->views;
+    scene->inputs.n_views = views;
     ffp_capture_estimate_bounds(&scene->inputs);
     const real centre[3] = {scene->inputs.centre[0], scene->inputs.centre[1], scene->inputs.centre[2]};
     ffp_capture_normalise(capture, centre, scene->inputs.radius);
     scene->inputs = *capture;
-    scene->inputs.n_views = config->views;
+    scene->inputs.n_views = views;
 
     const FfpMatchSettings settings = ffp_match_defaults();
     scene->active = ffp_capture_active_pattern(&scene->inputs, NULL, err);
-    if (scene->active < 0 || !ffp_start_new(&scene->start, &scene->inputs, scene->active, &settings, err)) {
+    if (scene->active < 0 || !ffp_start_new(&scene->start, &scene->inputs, scene->active, &settings, err) ||
+        !ffp_context_new(&scene->context, &config->model, &scene->inputs, &scene->start, scene->active,
+                         err)) {
         ffp_scene_close(scene);
         return false;
     }
@@ -74,17 +90,28 @@ static bool prepare(FfpScene *scene, const FfpTrainConfig *config, FfpError *err
     return true;
 }
 
-bool ffp_scene_open(FfpScene *scene, const FfpTrainConfig *config, const char *split, int64_t number,
-                    int resolution, FfpError *err) {
+static bool open_rig(FfpScene *scene, const FfpTrainConfig *config, const char *split, int64_t number,
+                     int resolution, bool free_rig, FfpError *err) {
     FfpSceneSpec spec;
     FfpError why = {""};
     *scene = (FfpScene){0};
-    if (scene_spec(&spec, config, split, number, resolution, &why) &&
-        ffp_scene_make(&scene->capture, &spec, &why) && prepare(scene, config, &why))
+    const bool ok = scene_spec(&spec, config, split, number, resolution, &why);
+    if (ok && free_rig) spec.rig = FFP_RIG_FREE;
+    if (ok && ffp_scene_make(&scene->capture, &spec, &why) && prepare(scene, config, spec.views, &why))
         return true;
     char where[64];
     snprintf(where, sizeof where, "scene %lld of the %.16s split", (long long)number, split);
     return ffp_fail(err, where, "%s", why.text);
+}
+
+bool ffp_scene_open(FfpScene *scene, const FfpTrainConfig *config, const char *split, int64_t number,
+                    int resolution, FfpError *err) {
+    return open_rig(scene, config, split, number, resolution, false, err);
+}
+
+bool ffp_scene_open_free(FfpScene *scene, const FfpTrainConfig *config, int64_t number, int resolution,
+                         FfpError *err) {
+    return open_rig(scene, config, "validation", number, resolution, true, err);
 }
 
 bool ffp_scene_read(FfpScene *scene, const FfpTrainConfig *config, const FfpSceneFolder *folder,
@@ -92,13 +119,14 @@ bool ffp_scene_read(FfpScene *scene, const FfpTrainConfig *config, const FfpScen
     *scene = (FfpScene){0};
     const char *name = ffp_scene_folder_name(folder, config->seed, number);
     return ffp_scene_folder_read(&scene->capture, folder, name, config, resolution, err) &&
-           prepare(scene, config, err);
+           prepare(scene, config, config->views, err);
 }
 
 void ffp_scene_close(FfpScene *scene) {
     for (int i = 0; scene->patterns && i < scene->capture.n_patterns; i++)
         ffp_summed_free(&scene->patterns[i]);
     free(scene->patterns);
+    ffp_context_free(&scene->context);
     ffp_start_free(&scene->start);
     ffp_capture_free(&scene->capture);
     *scene = (FfpScene){0};

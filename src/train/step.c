@@ -162,9 +162,9 @@ static void supervise_view(FfpStepper *s, const FfpScene *scene, const FfpGaussi
     losses->rasterise_backward_s += ffp_seconds() - clock;
 }
 
-// `count` different numbers out of [first, first + total), at random.
+// `count` different numbers out of [first, first + total), at random; total up to FFP_TRAIN_VIEWS_MAX.
 static void draw(FfpRng *rng, int first, int total, int count, int *out) {
-    int all[64] = {0};
+    int all[FFP_TRAIN_VIEWS_MAX] = {0};
     for (int i = 0; i < total; i++) all[i] = first + i;
     for (int i = 0; i < count; i++) {
         const int j = i + (int)ffp_rng_below(rng, (uint32_t)(total - i));
@@ -238,10 +238,12 @@ static void clear_gradients(FfpStepper *s) {
 static void supervise(FfpStepper *s, const FfpScene *scene, const FfpGaussians *gaussians, int64_t step,
                       FfpRng *rng, FfpLosses *losses) {
     const FfpTrainConfig *c = s->config;
-    const int count = c->supervised_inputs + c->supervised_targets;
-    int views[128] = {0};
-    draw(rng, 0, c->views, c->supervised_inputs, views);
-    draw(rng, c->views, c->targets, c->supervised_targets, views + c->supervised_inputs);
+    const int inputs = scene->inputs.n_views, targets = scene->capture.n_views - inputs;
+    const int drawn = c->supervised_inputs < inputs ? c->supervised_inputs : inputs;
+    const int count = drawn + c->supervised_targets;
+    int views[2 * FFP_TRAIN_VIEWS_MAX] = {0};
+    draw(rng, 0, inputs, drawn, views);
+    draw(rng, inputs, targets, c->supervised_targets, views + drawn);
     for (int i = 0; i < count; i++)
         supervise_view(s, scene, gaussians, views[i], step, rng, 1 / (real)count, losses);
 }
@@ -263,7 +265,8 @@ bool ffp_step_loss(FfpStepper *s, const FfpModel *model, const FfpScene *scene, 
     *losses = (FfpLosses){0};
     s->profile = (FfpProfile){0};
     double clock = ffp_seconds();
-    if (!ffp_model_forward(model, s->run, &scene->inputs, &scene->start, scene->active, err)) return false;
+    if (!ffp_model_forward(model, s->run, &scene->inputs, &scene->start, &scene->context, scene->active, err))
+        return false;
     losses->forward_s = ffp_seconds() - clock;
     clear_gradients(s);
     losses->direct_t = direct_loss(s, scene, (real)c->direct_t);

@@ -16,6 +16,8 @@
 #include "network/network.h"
 #include "render/render.h"
 
+#define FFP_TRAIN_VIEWS_MAX 64 // input views of a scene, and new poses
+
 // Every field has the same name in the configuration file (JSON, see docs/formats.md); the ranges are in
 // config.c.
 typedef struct FfpTrainConfig {
@@ -27,13 +29,18 @@ typedef struct FfpTrainConfig {
     int views, targets, lollipops; // input views, new-pose views, patterns besides black and white
     int resolution, low_resolution, low_steps; // the first low_steps steps run at low_resolution
     int pattern_side, samples, ambient_rays;
-    double sensor_share;       // of the training scenes: seen through a sensor model of random strength
+    double sensor_share; // of the training scenes: seen through a sensor model of random strength
+    int views_least;     // a training scene has views_least..views input views; 0: all have views
+    double free_share;   // of the training scenes: with a free rig
+    double large_share;  // of those made at `resolution`: at large_resolution instead
+    int large_resolution;
     bool single_scene;         // one scene for the whole run: shows that the pipeline can learn
     char scenes[FFP_PATH_MAX]; // folder made by `ffprocams generate` to take scenes from; empty: made here
     int generators; // threads that make scenes ahead; 0: the training thread makes each when it is needed
     int queue;      // how many scenes ahead
 
-    // Supervision of a step: views drawn from the input views and from the new-pose views.
+    // Supervision of a step: views drawn from the input views (all of a scene that has fewer) and from the
+    // new-pose views.
     int supervised_inputs, supervised_targets;
     int white_from, active_from; // steps from which the white and the active images count (T_w, T_p)
     double polish_share;         // of the steps draw what a fit of polish_steps makes of the prediction
@@ -70,13 +77,18 @@ typedef struct FfpScene {
     FfpCapture capture; // input views first, then the new-pose views
     FfpCapture inputs;  // the same memory seen with only the input views: do not free
     FfpStart start;
+    FfpContext context;  // of the configuration's model
     FfpSummed *patterns; // [capture.n_patterns]
     int active;          // input pattern
 } FfpScene;
-// The scene of a number: mesh, material and jitter follow from (config->seed, split, number). Errors name the
-// scene.
+// The scene of a number: mesh, material and jitter follow from (config->seed, split, number), and with them
+// in the training split the number of views, the rig and whether it is large: then it is made at
+// config->large_resolution, if `resolution` is config->resolution. Errors name the scene.
 bool ffp_scene_open(FfpScene *scene, const FfpTrainConfig *config, const char *split, int64_t number,
                     int resolution, FfpError *err);
+// The validation scene of a number with a free rig: the same object, light and new poses.
+bool ffp_scene_open_free(FfpScene *scene, const FfpTrainConfig *config, int64_t number, int resolution,
+                         FfpError *err);
 void ffp_scene_close(FfpScene *scene);
 
 // The training scenes of a folder made by `ffprocams generate`: its captures called train_<number>.
@@ -150,12 +162,15 @@ double ffp_learning_rate(const FfpTrainConfig *config,
 double ffp_adam_update(FfpAdam *adam, FfpModel *model, const real *grad, const FfpTrainConfig *config,
                        bool *skipped);
 
+#define FFP_FREE_VALIDATION 3 // scenes of the validation that are also seen by free rigs
 // Mean PSNR of the model on fixed scenes of the validation split.
 typedef struct FfpValidation {
     double rendering,
         novel_pose; // dB, full frame: lollipops not given at the input poses; all patterns at new poses
     double polished_rendering, polished_novel_pose; // after a fit of polish_steps to the input views
     double start_rendering, start_novel_pose;       // the classical start on the same pictures
+    double free_rendering, free_novel_pose;         // with free rigs; 0 where free_share is 0
+    double polished_free_rendering, polished_free_novel_pose;
     double depth_median; // of |t - truth|, % of the object's radius, foreground pixels of the input views
 } FfpValidation;
 // Fits Gaussians of the scene's input views to their black, white and active pictures: config->polish_steps.

@@ -89,6 +89,20 @@ static void swap_ema(Trainer *trainer) {
     trainer->adam.ema = values;
 }
 
+static json_t *figures_of(const FfpValidation *v, int64_t step, bool with_free) {
+    json_t *line =
+        json_pack("{sI sf sf sf sf sf sf sf}", "step", (json_int_t)step, "validation_rendering", v->rendering,
+                  "validation_novel_pose", v->novel_pose, "polished_rendering", v->polished_rendering,
+                  "polished_novel_pose", v->polished_novel_pose, "start_rendering", v->start_rendering,
+                  "start_novel_pose", v->start_novel_pose, "depth_median_percent", v->depth_median);
+    if (!with_free) return line;
+    json_object_set_new(line, "free_rendering", json_real(v->free_rendering));
+    json_object_set_new(line, "free_novel_pose", json_real(v->free_novel_pose));
+    json_object_set_new(line, "polished_free_rendering", json_real(v->polished_free_rendering));
+    json_object_set_new(line, "polished_free_novel_pose", json_real(v->polished_free_novel_pose));
+    return line;
+}
+
 static bool validate(Trainer *trainer, int64_t step, FfpError *err) {
     char name[64], path[FFP_PATH_MAX];
     snprintf(name, sizeof name, "validation_%06lld.png", (long long)step);
@@ -100,16 +114,15 @@ static bool validate(Trainer *trainer, int64_t step, FfpError *err) {
                                  path, &v, err);
     swap_ema(trainer);
     if (!ok) return false;
-    write_metrics(trainer,
-                  json_pack("{sI sf sf sf sf sf sf sf}", "step", (json_int_t)step, "validation_rendering",
-                            v.rendering, "validation_novel_pose", v.novel_pose, "polished_rendering",
-                            v.polished_rendering, "polished_novel_pose", v.polished_novel_pose,
-                            "start_rendering", v.start_rendering, "start_novel_pose", v.start_novel_pose,
-                            "depth_median_percent", v.depth_median));
+    const bool with_free = trainer->config.free_share > 0;
+    write_metrics(trainer, figures_of(&v, step, with_free));
     ffp_note("validation at step %lld: rendering %.2f dB (polished %.2f, start %.2f), novel pose %.2f dB "
              "(polished %.2f, start %.2f), depth %.2f %%",
              (long long)step, v.rendering, v.polished_rendering, v.start_rendering, v.novel_pose,
              v.polished_novel_pose, v.start_novel_pose, v.depth_median);
+    if (with_free)
+        ffp_note("free rigs: rendering %.2f dB (polished %.2f), novel pose %.2f dB (polished %.2f)",
+                 v.free_rendering, v.polished_free_rendering, v.free_novel_pose, v.polished_free_novel_pose);
     return true;
 }
 
@@ -198,6 +211,26 @@ static void tell_origin(Trainer *trainer, const char *path) {
         snprintf(trainer->origin, sizeof trainer->origin, "random, from the seed");
 }
 
+// The weights to start from, of their own configuration but for what is no matter of weights, and for
+// context_inputs, which begin at zero where the file has none.
+static FfpModel *read_initial(const char *path, const FfpTrainConfig *config, FfpError *err) {
+    FfpModel *model = ffp_model_read(path, err);
+    if (!model) return NULL;
+    model->config.samples = config->model.samples;
+    model->config.tokens = config->model.tokens;
+    if (model->config.context_inputs || !config->model.context_inputs) return model;
+    FfpModelConfig wider = model->config;
+    wider.context_inputs = true;
+    FfpModel *out = ffp_model_new(&wider, (uint64_t)config->seed, err);
+    if (out) {
+        ffp_model_take_over(out, model);
+        out->metadata = model->metadata, out->metadata_count = model->metadata_count;
+        model->metadata = NULL, model->metadata_count = 0;
+    }
+    ffp_model_free(model);
+    return out;
+}
+
 // The model and its configuration: from the checkpoint, from given weights, or new.
 static bool open_model(Trainer *trainer, const FfpTraining *options, FfpError *err) {
     FfpTrainConfig *config = &trainer->config;
@@ -216,11 +249,9 @@ static bool open_model(Trainer *trainer, const FfpTraining *options, FfpError *e
     *config = ffp_train_defaults();
     if (options->config && !ffp_train_config_read(config, options->config, err)) return false;
     if (options->steps >= 0) config->steps = options->steps;
-    trainer->model = options->initial ? ffp_model_read(options->initial, err)
+    trainer->model = options->initial ? read_initial(options->initial, config, err)
                                       : ffp_model_new(&config->model, (uint64_t)config->seed, err);
     if (!trainer->model) return false;
-    // How many samples look at a pixel is no matter of the weights.
-    trainer->model->config.samples = config->model.samples;
     config->model = trainer->model->config;
     tell_origin(trainer, options->initial);
     trainer->adam = ffp_adam_new(trainer->model);

@@ -69,7 +69,7 @@ double ffp_scene_psnr(const FfpModel *model, const FfpTrainConfig *config, const
     Viewer viewer = viewer_new(&config->model, scene->start.width);
     FfpRun *run = ffp_run_new();
     Tally rendering = {0}, novel_pose = {0};
-    if (ffp_model_forward(model, run, &scene->inputs, &scene->start, scene->active, NULL))
+    if (ffp_model_forward(model, run, &scene->inputs, &scene->start, &scene->context, scene->active, NULL))
         score(&viewer, scene, &run->gaussians, &rendering, &novel_pose);
     ffp_run_free(run);
     viewer_free(&viewer);
@@ -124,42 +124,89 @@ static void draw_row(Viewer *viewer, const FfpScene *scene, const FfpGaussians *
     }
 }
 
+typedef struct Scores { // of scenes of one kind: input poses and new poses, alone and after the fit
+    Tally rendering, novel_pose, polished_rendering, polished_novel_pose;
+} Scores;
+
+typedef struct Validation { // one call of ffp_validate
+    const FfpModel *model;
+    const FfpTrainConfig *config;
+    Viewer viewer;
+    FfpImage sheet;
+    FfpRun *run;
+    Scores turntable, free;
+    Tally start_rendering, start_novel_pose, depth;
+} Validation;
+
+// Scores the prediction in the run, and what a fit makes of it.
+static bool score_both(Validation *v, const FfpScene *scene, int number, Scores *scores, FfpError *err) {
+    const FfpGaussians *prediction = &v->run->gaussians;
+    score(&v->viewer, scene, prediction, &scores->rendering, &scores->novel_pose);
+    FfpGaussians polished = ffp_gaussians_copy(prediction);
+    const bool ok = ffp_scene_polish(&polished, v->config, &v->viewer.settings, scene, (uint64_t)number, err);
+    if (ok) score(&v->viewer, scene, &polished, &scores->polished_rendering, &scores->polished_novel_pose);
+    ffp_gaussians_free(&polished);
+    return ok;
+}
+
+static bool validate_turntable(Validation *v, int number, int resolution, FfpError *err) {
+    FfpScene scene;
+    if (!ffp_scene_open(&scene, v->config, "validation", number, resolution, err)) return false;
+    bool ok =
+        ffp_model_forward(v->model, v->run, &scene.inputs, &scene.start, &scene.context, scene.active, err);
+    if (ok) {
+        FfpGaussians start = ffp_start_gaussians(&scene.inputs, &scene.start);
+        score(&v->viewer, &scene, &start, &v->start_rendering, &v->start_novel_pose);
+        v->depth.sum += depth_error_median(&scene, v->run), v->depth.count++;
+        draw_row(&v->viewer, &scene, &start, &v->run->gaussians, &v->sheet, number);
+        ok = score_both(v, &scene, number, &v->turntable, err);
+        ffp_gaussians_free(&start);
+    }
+    ffp_scene_close(&scene);
+    return ok;
+}
+
+static bool validate_free(Validation *v, int number, int resolution, FfpError *err) {
+    FfpScene scene;
+    if (!ffp_scene_open_free(&scene, v->config, number, resolution, err)) return false;
+    const bool ok =
+        ffp_model_forward(v->model, v->run, &scene.inputs, &scene.start, &scene.context, scene.active, err) &&
+        score_both(v, &scene, number, &v->free, err);
+    ffp_scene_close(&scene);
+    return ok;
+}
+
+static FfpValidation figures(const Validation *v) {
+    return (FfpValidation){.rendering = mean(v->turntable.rendering),
+                           .novel_pose = mean(v->turntable.novel_pose),
+                           .polished_rendering = mean(v->turntable.polished_rendering),
+                           .polished_novel_pose = mean(v->turntable.polished_novel_pose),
+                           .start_rendering = mean(v->start_rendering),
+                           .start_novel_pose = mean(v->start_novel_pose),
+                           .free_rendering = mean(v->free.rendering),
+                           .free_novel_pose = mean(v->free.novel_pose),
+                           .polished_free_rendering = mean(v->free.polished_rendering),
+                           .polished_free_novel_pose = mean(v->free.polished_novel_pose),
+                           .depth_median = mean(v->depth)};
+}
+
 bool ffp_validate(const FfpModel *model, const FfpTrainConfig *config, int resolution, const char *picture,
                   FfpValidation *result, FfpError *err) {
-    Tally tallies[6] = {0}; // rendering and novel pose of the prediction, polished, of the start
-    double depth = 0;
-    Viewer viewer = viewer_new(&config->model, resolution);
-    FfpImage sheet = ffp_image_new(6 * resolution, config->validation_scenes * resolution, 3);
-    FfpRun *run = ffp_run_new();
+    const int scenes = config->validation_scenes;
+    const int free_scenes = scenes < FFP_FREE_VALIDATION ? scenes : FFP_FREE_VALIDATION;
+    Validation v = {.model = model,
+                    .config = config,
+                    .viewer = viewer_new(&config->model, resolution),
+                    .sheet = ffp_image_new(6 * resolution, scenes * resolution, 3),
+                    .run = ffp_run_new()};
     bool ok = true;
-    for (int i = 0; i < config->validation_scenes && ok; i++) {
-        FfpScene scene;
-        if (!(ok = ffp_scene_open(&scene, config, "validation", i, resolution, err))) break;
-        ok = ffp_model_forward(model, run, &scene.inputs, &scene.start, scene.active, err);
-        if (ok) {
-            FfpGaussians start = ffp_start_gaussians(&scene.inputs, &scene.start);
-            score(&viewer, &scene, &run->gaussians, &tallies[0], &tallies[1]);
-            score(&viewer, &scene, &start, &tallies[4], &tallies[5]);
-            depth += depth_error_median(&scene, run);
-            draw_row(&viewer, &scene, &start, &run->gaussians, &sheet, i);
-            FfpGaussians polished = ffp_gaussians_copy(&run->gaussians);
-            ok = ffp_scene_polish(&polished, config, &viewer.settings, &scene, (uint64_t)i, err);
-            if (ok) score(&viewer, &scene, &polished, &tallies[2], &tallies[3]);
-            ffp_gaussians_free(&polished);
-            ffp_gaussians_free(&start);
-        }
-        ffp_scene_close(&scene);
-    }
-    *result = (FfpValidation){mean(tallies[0]),
-                              mean(tallies[1]),
-                              mean(tallies[2]),
-                              mean(tallies[3]),
-                              mean(tallies[4]),
-                              mean(tallies[5]),
-                              depth / config->validation_scenes};
-    ok = ok && (!picture || ffp_image_write_png(&sheet, picture, err));
-    ffp_run_free(run);
-    ffp_image_free(&sheet);
-    viewer_free(&viewer);
+    for (int i = 0; i < scenes && ok; i++) ok = validate_turntable(&v, i, resolution, err);
+    for (int i = 0; config->free_share > 0 && i < free_scenes && ok; i++)
+        ok = validate_free(&v, i, resolution, err);
+    *result = figures(&v);
+    ok = ok && (!picture || ffp_image_write_png(&v.sheet, picture, err));
+    ffp_run_free(v.run);
+    ffp_image_free(&v.sheet);
+    viewer_free(&v.viewer);
     return ok;
 }

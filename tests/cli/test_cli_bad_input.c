@@ -426,26 +426,6 @@ static void test_weights_that_are_broken(void **state) {
 }
 
 // A sound model cuts pictures into patches of 8: it cannot take 20 x 20.
-static void test_a_model_that_does_not_fit(void **state) {
-    (void)state;
-    char folder[128], path[256], arguments[1024];
-    FfpModelConfig config;
-    assert_true(ffp_model_preset(&config, "tiny"));
-    FfpModel *model = ffp_model_new(&config, 1, NULL);
-    assert_non_null(model);
-    snprintf(path, sizeof path, "%s/tiny.safetensors", scratch);
-    assert_true(ffp_model_write(model, path, false, NULL, 0, NULL));
-    ffp_model_free(model);
-    snprintf(folder, sizeof folder, "%s/odd", scratch);
-    assert_true(ffp_make_folders(folder, NULL));
-    tiny_capture(folder, 20);
-    snprintf(arguments, sizeof arguments, "reconstruct %s -o %s/out.ply --model %s", folder, output, path);
-    must_fail("20 x 20 and patches of 8", "odd", arguments);
-    assert_non_null(strstr(run.err, "patch"));
-    snprintf(arguments, sizeof arguments, "evaluate %s --json %s/out.json --model %s", folder, output, path);
-    must_fail("20 x 20 and patches of 8", "odd", arguments);
-}
-
 static void test_targets_of_another_capture(void **state) {
     (void)state;
     char path[256], arguments[1024];
@@ -573,7 +553,6 @@ int main(void) {
         cmocka_unit_test(test_files_that_are_not_there),
         cmocka_unit_test(test_gaussians_that_are_broken),
         cmocka_unit_test(test_weights_that_are_broken),
-        cmocka_unit_test(test_a_model_that_does_not_fit),
         cmocka_unit_test(test_targets_of_another_capture),
         cmocka_unit_test(test_nothing_is_saved_when_a_later_file_is_bad),
         cmocka_unit_test(test_training_files_that_are_broken),

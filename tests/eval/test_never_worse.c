@@ -64,6 +64,26 @@ static void test_a_network_that_loses_is_dropped(void **state) {
     ffp_capture_close(capture);
 }
 
+// Whatever repeats is left out before anything looks at it.
+static void test_views_given_twice_change_nothing(void **state) {
+    (void)state;
+    FfpError err = {""};
+    FfpCapture *once = ffp_capture_open(scratch, &err);
+    assert_non_null(once);
+    FfpCapture twice = *once;
+    const size_t n = (size_t)once->n_views;
+    twice.n_views = 2 * once->n_views;
+    twice.views = calloc(2 * n, sizeof *twice.views);
+    for (size_t v = 0; v < 2 * n; v++) twice.views[v] = once->views[v % n];
+    FfpReconstructionStory story;
+    FfpGaussians *a = reconstruct(once, NULL, 5, &story), *b = reconstruct(&twice, NULL, 5, &story);
+    assert_same(a, b);
+    ffp_gaussians_close(a);
+    ffp_gaussians_close(b);
+    free(twice.views);
+    ffp_capture_close(once);
+}
+
 static int setup(void **state) {
     if (scratch_setup(state)) return 1;
     tiny_capture(scratch, 48);
@@ -73,6 +93,7 @@ static int setup(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_a_network_that_loses_is_dropped),
+        cmocka_unit_test(test_views_given_twice_change_nothing),
     };
     return cmocka_run_group_tests(tests, setup, scratch_teardown);
 }

@@ -77,23 +77,6 @@ static void test_depth_of_the_sample(void **state) {
     ffp_capture_free(&capture);
 }
 
-static void test_depth_of_shared_captures(void **state) {
-    (void)state;
-    static const char *names[] = {"captures/teapot", "captures/suzanne", "captures/cow"};
-    for (int i = 0; i < 3; i++) {
-        char path[1024];
-        if (!shared_path(path, names[i])) skip();
-        int active;
-        FfpCapture capture = open_capture(path, &active);
-        FfpStart start = start_of(&capture, active);
-        double matched[2];
-        depth_errors(&capture, &start, true, matched);
-        assert_true(matched[0] < 0.5 && matched[1] < 2);
-        ffp_start_free(&start);
-        ffp_capture_free(&capture);
-    }
-}
-
 static void assert_share(real value) {
     assert_true(value >= 0 && value <= 1);
 }
@@ -125,6 +108,54 @@ static void check_maps(const FfpCapture *capture, const FfpStart *start) {
         shown += start->coverage[i] > 0;
     }
     assert_true(shown > 0);
+}
+
+static void enlarge(FfpImage *image, int times) {
+    if (!image->data) return;
+    const FfpImage larger = ffp_image_resize(image, times * image->width, times * image->height);
+    ffp_image_free(image);
+    *image = larger;
+}
+
+// The sample with more pixels is matched on reduced pictures, and found as well as the sample itself.
+static void test_depth_of_a_large_capture(void **state) {
+    (void)state;
+    int active;
+    FfpCapture capture = open_capture(SAMPLE, &active);
+    for (int v = 0; v < capture.n_views; v++) {
+        FfpView *view = &capture.views[v];
+        for (int p = 0; p < capture.n_patterns; p++) enlarge(&view->images[p], 4);
+        enlarge(&view->coverage, 4), enlarge(&view->depth, 4);
+        view->camera.width *= 4, view->camera.height *= 4;
+        view->camera.fx *= 4, view->camera.fy *= 4, view->camera.cx *= 4, view->camera.cy *= 4;
+    }
+    FfpStart start = start_of(&capture, active);
+    assert_non_null(start.reduced);
+    check_maps(&capture, &start);
+    double matched[2], filled[2];
+    depth_errors(&capture, &start, true, matched);
+    depth_errors(&capture, &start, false, filled);
+    assert_true(matched[0] < 0.3 && matched[1] < 1.2);
+    assert_true(filled[0] < 1.5 && filled[1] < 10);
+    ffp_start_free(&start);
+    ffp_capture_free(&capture);
+}
+
+static void test_depth_of_shared_captures(void **state) {
+    (void)state;
+    static const char *names[] = {"captures/teapot", "captures/suzanne", "captures/cow"};
+    for (int i = 0; i < 3; i++) {
+        char path[1024];
+        if (!shared_path(path, names[i])) skip();
+        int active;
+        FfpCapture capture = open_capture(path, &active);
+        FfpStart start = start_of(&capture, active);
+        double matched[2];
+        depth_errors(&capture, &start, true, matched);
+        assert_true(matched[0] < 0.5 && matched[1] < 2);
+        ffp_start_free(&start);
+        ffp_capture_free(&capture);
+    }
 }
 
 static void test_maps(void **state) {
@@ -313,6 +344,7 @@ static void test_refusals(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(test_depth_of_the_sample),
+                                       cmocka_unit_test(test_depth_of_a_large_capture),
                                        cmocka_unit_test(test_depth_of_shared_captures),
                                        cmocka_unit_test(test_maps),
                                        cmocka_unit_test(test_same_bits_for_any_thread_count),

@@ -16,6 +16,7 @@ typedef struct Scene {
     FfpArena *arena;
     FfpCapture capture;
     FfpStart start;
+    FfpContext context; // of a test that makes one
 } Scene;
 
 enum { SCENE_ACTIVE = 2 };
@@ -87,6 +88,7 @@ static inline void scene_new(Scene *s, int views, int width, int height, uint64_
     c->views = ffp_arena_alloc(s->arena, (size_t)views, sizeof *c->views);
     for (int i = 0; i < 3; i++) {
         snprintf(c->patterns[i].name, FFP_NAME_MAX, "pattern_%d", i);
+        c->patterns[i].image = (FfpImage){4, 4, 3, random_map(s, &rng, 48, 0, 1)};
         c->intensity[i] = 8;
     }
     for (int v = 0; v < views; v++) {

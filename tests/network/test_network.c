@@ -61,7 +61,7 @@ static void check_untrained(bool pixel_skip) {
         assert_non_null(model = ffp_model_new(&config, 4, &err));
     }
     FfpRun *run = ffp_run_new();
-    assert_true(ffp_model_forward(model, run, &s.capture, &s.start, SCENE_ACTIVE, &err));
+    assert_true(ffp_model_forward(model, run, &s.capture, &s.start, NULL, SCENE_ACTIVE, &err));
     FfpGaussians start = ffp_start_gaussians(&s.capture, &s.start);
     const FfpGaussians *g = &run->gaussians;
     assert_int_equal(g->count, start.count);
@@ -102,7 +102,7 @@ static void test_plain_start(void **state) {
     FfpModel *model = new_model("paper-small");
     FfpRun *run = ffp_run_new();
     FfpError err;
-    assert_true(ffp_model_forward(model, run, &s.capture, NULL, SCENE_ACTIVE, &err));
+    assert_true(ffp_model_forward(model, run, &s.capture, NULL, NULL, SCENE_ACTIVE, &err));
     const FfpGaussians *g = &run->gaussians;
     assert_int_equal(g->count, 2 * 16 * 24);
     for (int64_t i = 0; i < g->count; i++) {
@@ -140,14 +140,14 @@ static void test_repeats(void **state) {
     FfpError err;
     for (int i = 0; i < 2; i++) {
         grad[i] = calloc((size_t)model->count, sizeof(real));
-        assert_true(ffp_model_forward(model, run, &s.capture, &s.start, SCENE_ACTIVE, &err));
+        assert_true(ffp_model_forward(model, run, &s.capture, &s.start, NULL, SCENE_ACTIVE, &err));
         const size_t bytes = (size_t)run->gaussians.count * 3 * sizeof(real);
         centre[i] = malloc(bytes);
         memcpy(centre[i], run->gaussians.centre, bytes);
         const FfpGaussians weights = run->gaussians;
         ffp_model_backward(model, run, &weights, run->t, grad[i]);
         if (i) assert_memory_equal(centre[0], centre[1], bytes);
-        assert_true(ffp_model_forward(model, run, &other.capture, &other.start, SCENE_ACTIVE, &err));
+        assert_true(ffp_model_forward(model, run, &other.capture, &other.start, NULL, SCENE_ACTIVE, &err));
         memory[i] = ffp_arena_high_water(run->arena);
     }
     assert_memory_equal(grad[0], grad[1], (size_t)model->count * sizeof(real));
@@ -175,7 +175,7 @@ static void test_other_sizes(void **state) {
         Scene s;
         FfpError err;
         scene_new(&s, sizes[i][0], sizes[i][1], sizes[i][2], 1);
-        assert_true(ffp_model_forward(model, run, &s.capture, &s.start, SCENE_ACTIVE, &err));
+        assert_true(ffp_model_forward(model, run, &s.capture, &s.start, NULL, SCENE_ACTIVE, &err));
         real *grad = calloc((size_t)model->count, sizeof *grad);
         const FfpGaussians weights = run->gaussians;
         ffp_model_backward(model, run, &weights, NULL, grad);
@@ -183,10 +183,38 @@ static void test_other_sizes(void **state) {
         free(grad);
         memset(s.start.coverage, 0, sizeof(real) * (size_t)sizes[i][0] * sizes[i][1] * sizes[i][2]);
         assert_true(
-            ffp_model_forward(model, run, &s.capture, &s.start, SCENE_ACTIVE, &err)); // nothing to see
+            ffp_model_forward(model, run, &s.capture, &s.start, NULL, SCENE_ACTIVE, &err)); // nothing to see
         assert_int_equal(run->gaussians.count, 0);
         scene_free(&s);
     }
+    ffp_run_free(run);
+    ffp_model_free(model);
+}
+
+// Any sides and any number of pixels: tokens are made from a smaller capture, Gaussians for every pixel.
+static void test_reduced(void **state) {
+    (void)state;
+    FfpModel *model = new_model("tiny");
+    FfpRun *run = ffp_run_new();
+    FfpError err;
+    Scene s;
+    scene_new(&s, 2, 44, 36, 1);
+    int width, height;
+    model->config.tokens = 12;
+    ffp_context_size(&width, &height, &model->config, &s.capture, 2);
+    assert_int_equal(width, 16);
+    assert_int_equal(height, 16);
+    const FfpGaussians start = ffp_start_gaussians(&s.capture, &s.start);
+    assert_true(ffp_model_forward(model, run, &s.capture, &s.start, NULL, SCENE_ACTIVE, &err));
+    assert_int_equal(run->gaussians.count, start.count); // and the untrained network returns the start
+    for (int64_t i = 0; i < 3 * start.count; i++)
+        assert_float_equal(run->gaussians.centre[i], start.centre[i], 1e-5F);
+    model->config.tokens = 1; // a token a view there is always
+    ffp_context_size(&width, &height, &model->config, &s.capture, 2);
+    assert_int_equal(width * height, 64);
+    FfpGaussians copy = start;
+    ffp_gaussians_free(&copy);
+    scene_free(&s);
     ffp_run_free(run);
     ffp_model_free(model);
 }
@@ -197,36 +225,36 @@ static void test_refusals(void **state) {
     FfpRun *run = ffp_run_new();
     FfpError err;
     Scene s;
-    scene_new(&s, 2, 12, 16, 1); // 12 is no multiple of 8
-    assert_false(ffp_model_forward(model, run, &s.capture, &s.start, SCENE_ACTIVE, &err));
-    expect(&err, "12 x 16");
+    scene_new(&s, 2, 4, 16, 1); // less than a patch
+    assert_false(ffp_model_forward(model, run, &s.capture, &s.start, NULL, SCENE_ACTIVE, &err));
+    expect(&err, "4 x 16");
     scene_free(&s);
     scene_new(&s, 2, 16, 16, 1);
-    assert_false(ffp_model_forward(model, run, &s.capture, NULL, SCENE_ACTIVE, &err));
+    assert_false(ffp_model_forward(model, run, &s.capture, NULL, NULL, SCENE_ACTIVE, &err));
     expect(&err, "start");
-    assert_false(ffp_model_forward(model, run, &s.capture, &s.start, 3, &err));
+    assert_false(ffp_model_forward(model, run, &s.capture, &s.start, NULL, 3, &err));
     expect(&err, "pattern");
     FfpImage *image = &s.capture.views[1].images[SCENE_ACTIVE];
     const FfpImage whole = *image;
     image->data = NULL;
-    assert_false(ffp_model_forward(model, run, &s.capture, &s.start, SCENE_ACTIVE, &err));
+    assert_false(ffp_model_forward(model, run, &s.capture, &s.start, NULL, SCENE_ACTIVE, &err));
     expect(&err, "view_1");
     *image = whole;
     image->width = 8;
-    assert_false(ffp_model_forward(model, run, &s.capture, &s.start, SCENE_ACTIVE, &err));
+    assert_false(ffp_model_forward(model, run, &s.capture, &s.start, NULL, SCENE_ACTIVE, &err));
     expect(&err, "view_1");
     *image = whole;
     s.start.views = 3;
-    assert_false(ffp_model_forward(model, run, &s.capture, &s.start, SCENE_ACTIVE, &err));
+    assert_false(ffp_model_forward(model, run, &s.capture, &s.start, NULL, SCENE_ACTIVE, &err));
     expect(&err, "views");
     s.start.views = 2;
     s.start.height = 8;
-    assert_false(ffp_model_forward(model, run, &s.capture, &s.start, SCENE_ACTIVE, &err));
+    assert_false(ffp_model_forward(model, run, &s.capture, &s.start, NULL, SCENE_ACTIVE, &err));
     expect(&err, "size");
     s.start.height = 16;
-    assert_true(ffp_model_forward(model, run, &s.capture, &s.start, SCENE_ACTIVE, &err));
+    assert_true(ffp_model_forward(model, run, &s.capture, &s.start, NULL, SCENE_ACTIVE, &err));
     for (int64_t i = 0; i < model->count; i++) model->values[i] = 1e30F;
-    assert_false(ffp_model_forward(model, run, &s.capture, &s.start, SCENE_ACTIVE, &err));
+    assert_false(ffp_model_forward(model, run, &s.capture, &s.start, NULL, SCENE_ACTIVE, &err));
     expect(&err, "overflows");
     scene_free(&s);
     ffp_run_free(run);
@@ -235,9 +263,13 @@ static void test_refusals(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_untrained_pixel_skip), cmocka_unit_test(test_untrained_token_head),
-        cmocka_unit_test(test_plain_start),          cmocka_unit_test(test_repeats),
-        cmocka_unit_test(test_other_sizes),          cmocka_unit_test(test_refusals),
+        cmocka_unit_test(test_untrained_pixel_skip),
+        cmocka_unit_test(test_untrained_token_head),
+        cmocka_unit_test(test_plain_start),
+        cmocka_unit_test(test_repeats),
+        cmocka_unit_test(test_other_sizes),
+        cmocka_unit_test(test_reduced),
+        cmocka_unit_test(test_refusals),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

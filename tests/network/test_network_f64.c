@@ -31,7 +31,7 @@ static double dot(const real *a, const real *b, int64_t count) {
 
 static double evaluate(const FfpModel *model, FfpRun *run, const Scene *s, const Functional *f) {
     FfpError err;
-    assert_true(ffp_model_forward(model, run, &s->capture, &s->start, SCENE_ACTIVE, &err));
+    assert_true(ffp_model_forward(model, run, &s->capture, &s->start, &s->context, SCENE_ACTIVE, &err));
     const FfpGaussians *g = &run->gaussians, *w = &f->weight;
     const int64_t n = g->count;
     return dot(g->centre, w->centre, 3 * n) + dot(g->scale, w->scale, 3 * n) +
@@ -74,11 +74,12 @@ static void check_parameter(FfpModel *model, FfpRun *run, const Scene *s, const 
     free(direction);
 }
 
-static void check_model(const char *modules, int dim, bool residual, bool match_input, bool pixel_skip,
-                        bool appearance_cnn) {
+static void check_tokens(const char *modules, int dim, bool residual, bool match_input, bool pixel_skip,
+                         bool appearance_cnn, int tokens) {
     FfpModelConfig config = {.name = "test",
                              .dim = dim,
                              .patch = 4,
+                             .tokens = tokens,
                              .state = 6,
                              .chunk = 5,
                              .residual = residual,
@@ -86,6 +87,7 @@ static void check_model(const char *modules, int dim, bool residual, bool match_
                              .pixel_skip = pixel_skip,
                              .pixel_features = 3,
                              .pixel_hidden = 7,
+                             .context_inputs = match_input && pixel_skip,
                              .appearance_cnn = appearance_cnn,
                              .render = "ours",
                              .samples = 2};
@@ -97,7 +99,9 @@ static void check_model(const char *modules, int dim, bool residual, bool match_
     assert_non_null(model);
     shake(model, 1);
     FfpRun *run = ffp_run_new();
-    assert_true(ffp_model_forward(model, run, &s.capture, &s.start, SCENE_ACTIVE, &err));
+    assert_true(ffp_context_new(&s.context, &config, &s.capture, &s.start, SCENE_ACTIVE, &err));
+    assert_int_equal(s.context.reduced, tokens < 12);
+    assert_true(ffp_model_forward(model, run, &s.capture, &s.start, &s.context, SCENE_ACTIVE, &err));
     const Functional f = functional_new(&s, run->gaussians.count);
     real *grad = calloc((size_t)model->count, sizeof *grad),
          *twice = calloc((size_t)model->count, sizeof *twice);
@@ -110,9 +114,17 @@ static void check_model(const char *modules, int dim, bool residual, bool match_
         check_parameter(model, run, &s, &f, &model->parameters[i], &rng, grad);
     free(grad);
     free(twice);
+    ffp_context_free(&s.context);
     ffp_run_free(run);
     ffp_model_free(model);
     scene_free(&s);
+}
+
+// With tokens from the capture itself (two views of 3 x 2 patches), and from one of 2 x 1 patches a view.
+static void check_model(const char *modules, int dim, bool residual, bool match_input, bool pixel_skip,
+                        bool appearance_cnn) {
+    check_tokens(modules, dim, residual, match_input, pixel_skip, appearance_cnn, 12);
+    check_tokens(modules, dim, residual, match_input, pixel_skip, appearance_cnn, 6);
 }
 
 static void test_residual_hybrid(void **state) {

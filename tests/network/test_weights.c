@@ -279,9 +279,19 @@ static void drop_key(FfpSafetensors *file, const char *key) {
     }
     fail();
 }
+static void drop_tensor(FfpSafetensors *file, const char *name) {
+    int i = 0;
+    while (i < file->count && strcmp(file->tensors[i].name, name) != 0) i++;
+    assert_true(i < file->count);
+    memmove(file->tensors + i, file->tensors + i + 1, (size_t)(file->count - i - 1) * sizeof *file->tensors);
+    file->count--;
+}
 static void be_of_version_0_1(FfpSafetensors *file) {
     drop_key(file, "model.samples");
     drop_key(file, "model.appearance_cnn");
+    drop_key(file, "model.tokens");
+    drop_key(file, "model.context_inputs");
+    drop_tensor(file, "pixel.context");
 }
 static void keep(FfpSafetensors *file) {
     (void)file;
@@ -300,6 +310,19 @@ static void test_older_files(void **state) {
     assert_int_equal(old->config.samples, 1);
     assert_int_equal(ffp_model_drawing(&old->config).samples, 1);
     assert_false(old->config.appearance_cnn);
+    assert_int_equal(old->config.tokens, 4096);
+    assert_true(new->config.context_inputs);
+    assert_false(old->config.context_inputs);
+    // A training that wants them takes the rest over:
+    FfpModel *wider = ffp_model_new(&new->config, 99, &err);
+    ffp_model_take_over(wider, old);
+    for (int i = 0; i < wider->n_parameters; i++) {
+        const FfpParameter *p = &wider->parameters[i];
+        for (int64_t k = p->offset; k < p->offset + p->count; k++)
+            assert_float_equal(wider->values[k], strcmp(p->name, "pixel.context") == 0 ? 0 : new->values[k],
+                               0);
+    }
+    ffp_model_free(wider);
     ffp_model_free(new);
     ffp_model_free(old);
     unlink(FILE_NAME);

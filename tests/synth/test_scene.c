@@ -110,6 +110,44 @@ static void jitter_moves_rig_and_light(void **state) {
     assert_true(low >= 7.96 * 0.6 - 1e-4 && high <= 7.96 * 1.5 + 1e-4 && high > 1.1 * low);
 }
 
+static void assert_same_view(const FfpView *x, const FfpView *y, int patterns) {
+    assert_string_equal(x->id, y->id);
+    assert_memory_equal(&x->camera, &y->camera, sizeof x->camera);
+    assert_memory_equal(&x->projector, &y->projector, sizeof x->projector);
+    for (int p = 0; p < patterns; p++) assert_true(same_image(&x->images[p], &y->images[p]));
+    assert_true(same_image(&x->depth, &y->depth));
+    assert_true(same_image(&x->albedo, &y->albedo));
+}
+
+// What figures over the number of views are compared on: object, material, light, patterns and targets are
+// the same to the bit, noise and pose errors included.
+static void rig_and_number_of_views_leave_the_scene(void **state) {
+    (void)state;
+    static const int counts[] = {1, 2, 3, 4, 6, 8, 12, 16, 32};
+    FfpSceneSpec spec = small_spec(17, 5);
+    spec.jitter = true, spec.resolution = 16, spec.targets = 2, spec.samples = 1, spec.ambient_rays = 1;
+    spec.sensor.read = 0.01F, spec.sensor.turn_error = 0.003F;
+    FfpCapture usual, other;
+    FfpError err;
+    assert_true(ffp_scene_make(&usual, &spec, &err));
+    for (size_t i = 0; i < 2 * sizeof counts / sizeof *counts; i++) {
+        spec.views = counts[i / 2];
+        spec.rig = i % 2 ? FFP_RIG_FREE : FFP_RIG_TURNTABLE;
+        assert_true(ffp_scene_make(&other, &spec, &err));
+        assert_int_equal(other.n_views, spec.views + 2);
+        assert_string_equal(usual.name, other.name);
+        assert_memory_equal(usual.intensity, other.intensity, sizeof usual.intensity);
+        for (int p = 0; p < usual.n_patterns; p++)
+            assert_true(same_image(&usual.patterns[p].image, &other.patterns[p].image));
+        for (int t = 0; t < 2; t++)
+            assert_same_view(&usual.views[2 + t], &other.views[spec.views + t], usual.n_patterns);
+        for (int v = 0; v < other.n_views; v++)
+            for (int w = 0; w < v; w++) assert_string_not_equal(other.views[v].id, other.views[w].id);
+        ffp_capture_free(&other);
+    }
+    ffp_capture_free(&usual);
+}
+
 static void light_only_adds(void **state) {
     (void)state;
     FfpSceneSpec spec = small_spec(21, 9);
@@ -122,13 +160,14 @@ static void light_only_adds(void **state) {
     assert_string_equal(a.patterns[2].name, "lollipop_0");
     for (int v = 0; v < a.n_views; v++) {
         const FfpView *view = &a.views[v];
-        int seen = 0, lit = 0;
+        int seen = 0, lit = 0, missed = 0;
         for (int i = 0; i < 48 * 48; i++) {
             const double cover = (double)view->coverage.data[i];
             seen += cover > 0;
             lit += view->direct_white.data[3 * i] > 0;
             assert_true(cover >= 0 && cover <= 1);
-            if (cover == 1) assert_true(view->depth.data[i] > 1.8 && view->depth.data[i] < 4.3);
+            missed += cover == 1 && view->depth.data[i] == 0; // samples hit, the ray of the centre does not
+            if (view->depth.data[i] > 0) assert_true(view->depth.data[i] > 1.8 && view->depth.data[i] < 4.3);
             if (cover == 0) assert_true(view->depth.data[i] == 0);
             for (int c = 0; c < 3; c++) {
                 const real black = view->images[0].data[3 * i + c], white = view->images[1].data[3 * i + c];
@@ -136,7 +175,7 @@ static void light_only_adds(void **state) {
                 if (cover == 0) assert_true(white == 0);
             }
         }
-        assert_true(seen > 100 && lit > seen / 4 && lit < seen);
+        assert_true(seen > 100 && lit > seen / 4 && lit < seen && missed < seen / 100);
     }
     ffp_capture_free(&a);
 }
@@ -280,6 +319,7 @@ int main(void) {
         cmocka_unit_test(another_seed_is_another_picture),
         cmocka_unit_test(the_default_rig_is_the_reference_rig),
         cmocka_unit_test(jitter_moves_rig_and_light),
+        cmocka_unit_test(rig_and_number_of_views_leave_the_scene),
         cmocka_unit_test(light_only_adds),
         cmocka_unit_test(the_true_depth_predictor_holds),
         cmocka_unit_test(disk_and_memory_agree),

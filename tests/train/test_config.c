@@ -33,6 +33,12 @@ static void test_bad_fields(void **state) {
     refused("{\"scenes\": 3}", "c.json: scenes", "a string");
     refused("{\"scenes\": \"made\", \"low_steps\": 9}", "c.json: low_steps", "one resolution");
     refused("{\"resolution\": 100}", "c.json", "multiples");
+    refused("{\"views\": 4, \"views_least\": 5}", "c.json: views_least", "above views");
+    refused("{\"free_share\": 1.5}", "c.json: free_share", "not in");
+    refused("{\"large_share\": 0.1, \"large_resolution\": 100}", "c.json: large_resolution", "multiple");
+    refused("{\"views_least\": 2, \"scenes\": \"made\"}", "c.json: views_least", "of a folder");
+    refused("{\"free_share\": 0.2, \"scenes\": \"made\"}", "c.json: free_share", "of a folder");
+    refused("{\"large_share\": 0.2, \"scenes\": \"made\"}", "c.json: large_share", "of a folder");
 }
 
 static void test_round_trip(void **state) {
