@@ -4,6 +4,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include "base/device.h"
 
 #define ALIGNMENT ((size_t)64)
 #define CHUNK_BYTES ((size_t)1 << 20) // the least that is asked of the system at a time
@@ -15,6 +16,7 @@ typedef struct Chunk {
 } Chunk;
 
 struct FfpArena {
+    const FfpDevice *device; // NULL: the CPU
     Chunk *first, *current; // chunks behind `current` are empty
     size_t in_use, high_water;
 };
@@ -24,8 +26,7 @@ static void out_of_memory(size_t count, size_t size) {
     abort();
 }
 
-// count * size rounded up to the alignment, never 0.
-static size_t checked_bytes(size_t count, size_t size) {
+size_t ffp_checked_bytes(size_t count, size_t size) {
     size_t bytes = 0;
     if (__builtin_mul_overflow(count, size, &bytes) || bytes > SIZE_MAX - 2 * ALIGNMENT)
         out_of_memory(count, size);
@@ -39,14 +40,23 @@ static void *aligned_bytes(size_t bytes) {
 }
 
 FfpArena *ffp_arena_new(void) {
-    return ffp_alloc(1, sizeof(FfpArena));
+    FfpArena *arena = ffp_alloc(1, sizeof *arena);
+    arena->device = ffp_device();
+    return arena;
+}
+
+static void release(const FfpArena *arena, void *bytes) {
+    if (arena->device)
+        arena->device->release(bytes);
+    else
+        free(bytes);
 }
 
 void ffp_arena_free(FfpArena *arena) {
     if (arena == NULL) return;
     for (Chunk *chunk = arena->first, *next = NULL; chunk != NULL; chunk = next) {
         next = chunk->next;
-        free(chunk->bytes);
+        release(arena, chunk->bytes);
         free(chunk);
     }
     free(arena);
@@ -60,7 +70,8 @@ static Chunk *chunk_for(FfpArena *arena, size_t bytes) {
     if (chunk == NULL || chunk->capacity - chunk->used < bytes) {
         Chunk *fresh = ffp_alloc(1, sizeof *fresh);
         fresh->capacity = bytes > CHUNK_BYTES ? bytes : CHUNK_BYTES;
-        fresh->bytes = aligned_bytes(fresh->capacity);
+        fresh->bytes =
+            arena->device ? arena->device->alloc(fresh->capacity) : aligned_bytes(fresh->capacity);
         if (chunk == NULL)
             arena->first = fresh;
         else
@@ -72,13 +83,15 @@ static Chunk *chunk_for(FfpArena *arena, size_t bytes) {
 }
 
 void *ffp_arena_alloc(FfpArena *arena, size_t count, size_t size) {
-    const size_t bytes = checked_bytes(count, size);
+    const size_t bytes = ffp_checked_bytes(count, size);
     Chunk *chunk = chunk_for(arena, bytes);
     void *block = chunk->bytes + chunk->used;
     chunk->used += bytes;
     arena->in_use += bytes;
     if (arena->in_use > arena->high_water) arena->high_water = arena->in_use;
-    return memset(block, 0, bytes);
+    if (!arena->device) return memset(block, 0, bytes);
+    arena->device->zero(block, bytes);
+    return block;
 }
 
 void ffp_arena_reset(FfpArena *arena) {
@@ -92,6 +105,6 @@ size_t ffp_arena_high_water(const FfpArena *arena) {
 }
 
 void *ffp_alloc(size_t count, size_t size) {
-    const size_t bytes = checked_bytes(count, size);
+    const size_t bytes = ffp_checked_bytes(count, size);
     return memset(aligned_bytes(bytes), 0, bytes);
 }

@@ -20,7 +20,7 @@ typedef struct FfpLobe {
 } FfpLobe;
 
 // roughness in (0,1]; cosines of normal, light, viewer and the half vector between the latter two.
-static inline FfpLobe ffp_lobe(real roughness, real nl, real nv, real nh, real vh) {
+FFP_FORMULA FfpLobe ffp_lobe(real roughness, real nl, real nv, real nh, real vh) {
     FfpLobe b;
     const real a = roughness * roughness;
     b.a2 = a * a, b.k = (roughness + 1) * (roughness + 1) / 8;
@@ -34,7 +34,7 @@ static inline FfpLobe ffp_lobe(real roughness, real nl, real nv, real nh, real v
 }
 
 // D F V; all directions unit, away from the surface, n.l and n.v positive.
-static inline real ffp_brdf_specular(const real n[3], const real l[3], const real v[3], real roughness) {
+FFP_FORMULA real ffp_brdf_specular(const real n[3], const real l[3], const real v[3], real roughness) {
     real h[3] = {l[0] + v[0], l[1] + v[1], l[2] + v[2]};
     ffp_normalise3(h);
     const FfpLobe b = ffp_lobe(roughness, ffp_dot3(n, l), ffp_dot3(n, v), ffp_dot3(n, h), ffp_dot3(v, h));

@@ -8,4 +8,11 @@
 #endif
 typedef FFP_REAL real;
 
+// How a formula is declared that the kernels of the CPU and of the GPU share: one text for both.
+#ifdef __CUDACC__
+#define FFP_FORMULA static __host__ __device__ inline
+#else
+#define FFP_FORMULA static inline
+#endif
+
 #endif

@@ -5,41 +5,41 @@
 #include <tgmath.h>
 #include "base/real.h"
 
-static inline real ffp_dot3(const real a[3], const real b[3]) {
+FFP_FORMULA real ffp_dot3(const real a[3], const real b[3]) {
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
-static inline void ffp_cross3(const real a[3], const real b[3], real out[3]) {
+FFP_FORMULA void ffp_cross3(const real a[3], const real b[3], real out[3]) {
     const real x = a[1] * b[2] - a[2] * b[1], y = a[2] * b[0] - a[0] * b[2], z = a[0] * b[1] - a[1] * b[0];
     out[0] = x, out[1] = y, out[2] = z;
 }
 
 // Normalises in place and returns the former length; a zero vector stays zero.
-static inline real ffp_normalise3(real a[3]) {
+FFP_FORMULA real ffp_normalise3(real a[3]) {
     const real length = sqrt(ffp_dot3(a, a));
     if (length > 0) a[0] /= length, a[1] /= length, a[2] /= length;
     return length;
 }
 
 // out = R p + t for a row-major 4x4 pose (x_to_world).
-static inline void ffp_transform_point(const real pose[16], const real p[3], real out[3]) {
+FFP_FORMULA void ffp_transform_point(const real pose[16], const real p[3], real out[3]) {
     const real x = p[0], y = p[1], z = p[2];
     for (int i = 0; i < 3; i++)
         out[i] = pose[4 * i] * x + pose[4 * i + 1] * y + pose[4 * i + 2] * z + pose[4 * i + 3];
 }
 
-static inline void ffp_rotate(const real pose[16], const real p[3], real out[3]) {
+FFP_FORMULA void ffp_rotate(const real pose[16], const real p[3], real out[3]) {
     const real x = p[0], y = p[1], z = p[2];
     for (int i = 0; i < 3; i++) out[i] = pose[4 * i] * x + pose[4 * i + 1] * y + pose[4 * i + 2] * z;
 }
 
 // out = R^T (p - t): world to camera for a camera-to-world pose.
-static inline void ffp_inverse_transform_point(const real pose[16], const real p[3], real out[3]) {
+FFP_FORMULA void ffp_inverse_transform_point(const real pose[16], const real p[3], real out[3]) {
     const real d[3] = {p[0] - pose[3], p[1] - pose[7], p[2] - pose[11]};
     for (int i = 0; i < 3; i++) out[i] = pose[i] * d[0] + pose[4 + i] * d[1] + pose[8 + i] * d[2];
 }
 
-static inline void ffp_inverse_rotate(const real pose[16], const real p[3], real out[3]) {
+FFP_FORMULA void ffp_inverse_rotate(const real pose[16], const real p[3], real out[3]) {
     const real d[3] = {p[0], p[1], p[2]};
     for (int i = 0; i < 3; i++) out[i] = pose[i] * d[0] + pose[4 + i] * d[1] + pose[8 + i] * d[2];
 }
