@@ -6,6 +6,7 @@
 #include <stdlib.h>
 
 #include "base/arena.h"
+#include "base/device.h"
 
 // The two table entries that interpolate S at a coordinate, with weights; `slope` is 0 where the coordinate
 // was clamped to the pattern's edge (the pattern is black outside: S grows no further).
@@ -54,7 +55,7 @@ FfpSummed ffp_summed_new(const FfpImage *rgb) {
 
 void ffp_summed_free(FfpSummed *summed) {
     if (summed == NULL) return;
-    free(summed->sum);
+    ffp_memory_free(summed->sum);
     *summed = (FfpSummed){0};
 }
 

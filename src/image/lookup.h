@@ -12,7 +12,7 @@ typedef struct FfpSummed {
 } FfpSummed;
 
 FfpSummed ffp_summed_new(const FfpImage *rgb); // 3 channels
-void ffp_summed_free(FfpSummed *summed);
+void ffp_summed_free(FfpSummed *summed); // also of a device's table, by who works on it
 
 // Mean colour of the pattern (constant within a pixel, black outside) over the box centred at (u,v) of size
 // (du,dv) pixels, each at least 1. At du = dv = 1 this is bilinear interpolation.
