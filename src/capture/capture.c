@@ -5,6 +5,7 @@
 #include <tgmath.h>
 
 #include "base/vec.h"
+#include "capture/project.h"
 
 #define SAME_POSE 1e-4F
 #define SAME_LENS 1e-2F // pixels
@@ -109,11 +110,7 @@ bool ffp_same_device(const FfpCamera *a, const FfpCamera *b) {
 }
 
 real ffp_project(const FfpCamera *camera, const real point[3], real *x, real *y) {
-    real local[3];
-    ffp_inverse_transform_point(camera->pose, point, local);
-    *x = camera->cx + camera->fx * local[0] / local[2];
-    *y = camera->cy + camera->fy * local[1] / local[2];
-    return local[2];
+    return ffp_projected(camera, point, x, y);
 }
 
 real ffp_pixel_ray(const FfpCamera *camera, real x, real y, real direction[3]) {

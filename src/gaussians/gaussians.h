@@ -20,9 +20,15 @@ typedef struct FfpGaussians {
     real *ambient;   // [count,3] linear radiance shown when the projector is black
 } FfpGaussians;
 
+// These three are of the device that the thread works on (base/device.h), the CPU unless it says otherwise;
+// all others here are the CPU's.
 FfpGaussians ffp_gaussians_new(int64_t count); // zeroed; also used for gradients, which have the same shape
 FfpGaussians ffp_gaussians_copy(const FfpGaussians *from);
 void ffp_gaussians_free(FfpGaussians *gaussians);
+// Copies of the CPU's set on the device in use, and the other way; on the CPU they are plain copies. What was
+// downloaded is the CPU's: ffp_device_use(NULL) before ffp_gaussians_free.
+FfpGaussians ffp_gaussians_uploaded(const FfpGaussians *host);
+FfpGaussians ffp_gaussians_downloaded(const FfpGaussians *gaussians);
 // centre <- centre * radius + offset, scale <- scale * radius: from the network's unit sphere back to the
 // world.
 void ffp_gaussians_transform(FfpGaussians *gaussians, const real offset[3], real radius);

@@ -1,10 +1,9 @@
 #include "image/image.h"
 
-#include <stdlib.h>
-#include <string.h>
 #include <tgmath.h>
 
 #include "base/arena.h"
+#include "base/device.h"
 
 static size_t value_count(const FfpImage *image) {
     return (size_t)image->width * (size_t)image->height * (size_t)image->channels;
@@ -12,21 +11,35 @@ static size_t value_count(const FfpImage *image) {
 
 FfpImage ffp_image_new(int width, int height, int channels) {
     FfpImage image = {width, height, channels, NULL};
-    image.data = ffp_alloc(value_count(&image), sizeof(real));
+    image.data = ffp_memory_new(value_count(&image), sizeof(real));
     return image;
 }
 
 void ffp_image_free(FfpImage *image) {
     if (image == NULL) return;
-    free(image->data);
+    ffp_memory_free(image->data);
     *image = (FfpImage){0};
 }
 
 FfpImage ffp_image_copy(const FfpImage *image) {
     if (image->data == NULL) return (FfpImage){0};
     FfpImage copy = ffp_image_new(image->width, image->height, image->channels);
-    memcpy(copy.data, image->data, value_count(image) * sizeof(real));
+    ffp_memory_copy(copy.data, image->data, value_count(image) * sizeof(real));
     return copy;
+}
+
+FfpImage ffp_image_uploaded(const FfpImage *host) {
+    FfpImage image = *host;
+    image.data = ffp_memory_uploaded(host->data, value_count(host), sizeof(real));
+    return image;
+}
+
+FfpImage ffp_image_downloaded(const FfpImage *image) {
+    FfpImage host = *image;
+    if (!image->data) return host;
+    host.data = ffp_alloc(value_count(image), sizeof(real));
+    ffp_memory_download(host.data, image->data, value_count(image) * sizeof(real));
+    return host;
 }
 
 FfpImage ffp_image_over_black(const FfpImage *rgba) {

@@ -14,9 +14,15 @@ typedef struct FfpImage {
     real *data; // [height, width, channels], owned; NULL: no image
 } FfpImage;
 
+// These three are of the device that the thread works on (base/device.h), the CPU unless it says otherwise;
+// all others here are the CPU's.
 FfpImage ffp_image_new(int width, int height, int channels); // zeroed; sizes must be checked by the caller
 void ffp_image_free(FfpImage *image);                        // also clears it; NULL and empty are allowed
 FfpImage ffp_image_copy(const FfpImage *image);
+// Copies of the CPU's image on the device in use, and the other way; on the CPU they are plain copies. What
+// was downloaded is the CPU's: ffp_device_use(NULL) before ffp_image_free.
+FfpImage ffp_image_uploaded(const FfpImage *host);
+FfpImage ffp_image_downloaded(const FfpImage *image);
 
 // How the colours of a file are to be understood when it is read.
 typedef enum FfpColour {

@@ -11,8 +11,10 @@ typedef struct FfpSummed {
     double *sum; // [height+1, width+1, 3]
 } FfpSummed;
 
-FfpSummed ffp_summed_new(const FfpImage *rgb); // 3 channels
-void ffp_summed_free(FfpSummed *summed); // also of a device's table, by who works on it
+FfpSummed ffp_summed_new(const FfpImage *rgb); // 3 channels; on the CPU only
+// A copy of the CPU's table on the device that the thread works on (base/device.h).
+FfpSummed ffp_summed_uploaded(const FfpSummed *host);
+void ffp_summed_free(FfpSummed *summed); // by who works on the device it came from
 
 // Mean colour of the pattern (constant within a pixel, black outside) over the box centred at (u,v) of size
 // (du,dv) pixels, each at least 1. At du = dv = 1 this is bilinear interpolation.

@@ -2,25 +2,20 @@
 #include <tgmath.h>
 
 #include "image/image.h"
+#include "image/srgb_curve.h"
 
 #define COVERAGE_MIN 0.05F // a silhouette's colours are divided by no less
 
 real ffp_srgb_encode(real linear) {
-    if (!(linear > 0)) return 0;
-    if (linear >= 1) return 1;
-    if (linear <= 0.0031308F) return linear * 12.92F;
-    return 1.055F * pow(linear, (real)(1 / 2.4)) - 0.055F;
+    return ffp_srgb_encoded(linear);
 }
 
 real ffp_srgb_decode(real encoded) {
-    if (encoded <= 0.04045F) return encoded / 12.92F;
-    return pow((encoded + 0.055F) / 1.055F, (real)2.4);
+    return ffp_srgb_decoded(encoded);
 }
 
 real ffp_srgb_encode_slope(real linear) {
-    if (!(linear >= 0) || linear > 1) return 0;
-    if (linear <= 0.0031308F) return 12.92F;
-    return (real)(1.055 / 2.4) * pow(linear, (real)(1 / 2.4 - 1));
+    return ffp_srgb_slope(linear);
 }
 
 void ffp_own_radiance(real own[3], const real shown[3], real coverage) {

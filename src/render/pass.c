@@ -1,8 +1,8 @@
 #include "render/pass.h"
 
 #include <stdlib.h>
-#include <string.h>
 #include "base/arena.h"
+#include "base/device.h"
 #include "render/resolve.h"
 
 struct FfpViewPass {
@@ -94,10 +94,10 @@ static void copy_shadow(const FfpGbuffer *from, FfpGbuffer *to) {
     const size_t pixels = (size_t)from->width * (size_t)from->height;
     *to = (FfpGbuffer){.width = from->width,
                        .height = from->height,
-                       .opacity = ffp_alloc(pixels, sizeof(real)),
-                       .depth = ffp_alloc(pixels, sizeof(real))};
-    memcpy(to->opacity, from->opacity, pixels * sizeof(real));
-    memcpy(to->depth, from->depth, pixels * sizeof(real));
+                       .opacity = ffp_memory_new(pixels, sizeof(real)),
+                       .depth = ffp_memory_new(pixels, sizeof(real))};
+    ffp_memory_copy(to->opacity, from->opacity, pixels * sizeof(real));
+    ffp_memory_copy(to->depth, from->depth, pixels * sizeof(real));
 }
 
 static FfpGbuffer find_shadow(FfpViewPass *pass) {

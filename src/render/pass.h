@@ -5,6 +5,9 @@
 // display of straight alpha shows of their means: with L the mean of the premultiplied linear radiance and O
 // that of the opacity, O enc(L / O), where enc is the sRGB curve; enc(L) where there is no surface to speak
 // of, and with one sample, where O says how opaque a splat is and not how much of the pixel it covers.
+//
+// A pass belongs to the device that the thread works on when it is made (base/device.h): Gaussians, patterns,
+// pictures and gradients are then arrays of that device's memory.
 #ifndef FFP_RENDER_PASS_H
 #define FFP_RENDER_PASS_H
 
@@ -31,7 +34,8 @@ void ffp_view_pass_shade(FfpViewPass *pass, const real intensity[3], const FfpSu
 // G-buffers add theirs.
 FfpGbuffer *ffp_view_pass_grad_gbuffer(FfpViewPass *pass);
 // From the gradient of the picture shaded last to the samples; ADDS to the intensity and to the pattern's
-// summed-area adjoint where they are not NULL. Intensity and pattern are those of that picture.
+// summed-area adjoint where they are not NULL (on a device they must be). Intensity and pattern are those of
+// that picture.
 void ffp_view_pass_shade_backward(FfpViewPass *pass, const real intensity[3], const FfpSummed *pattern,
                                   const FfpImage *grad_picture, real grad_intensity[3],
                                   FfpSummed *grad_pattern);

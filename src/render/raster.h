@@ -4,26 +4,13 @@
 
 #include <stddef.h>
 #include <stdint.h>
-#include "base/vec.h"
+#include "render/formula.h"
 #include "render/render.h"
+#include "render/table.h"
 
 enum {
-    FFP_TILE = 16,           // pixels a side
-    FFP_CHUNKS = 64,         // parts of a Gaussian set that are worked on apart, whatever the threads
-    FFP_CHANNELS = 12,       // what is blended: 1, depth, normal 3, albedo 3, roughness, ambient 3
-    FFP_SHADOW_CHANNELS = 2, // opacity and depth are enough for a shadow map
-    FFP_CHANNEL_DEPTH = 1,
-    FFP_CHANNEL_NORMAL = 2,
-    FFP_CHANNEL_ALBEDO = 5,
-    FFP_CHANNEL_ROUGHNESS = 8,
-    FFP_CHANNEL_AMBIENT = 9
+    FFP_CHUNKS = 64 // parts of a Gaussian set that are worked on apart, whatever the threads
 };
-
-#define FFP_ALPHA_MIN (1.0F / 255.0F)
-#define FFP_ALPHA_MAX 0.99F
-#define FFP_TRANSMITTANCE_MIN 1e-4F
-// Below this opacity a pixel has no surface to shade: only its ambient counts.
-#define FFP_OPACITY_MIN 1e-3F
 
 // A Gaussian as one view sees it.
 typedef struct FfpSplat {
@@ -54,6 +41,7 @@ typedef struct FfpChunk {
 } FfpChunk;
 
 struct FfpRaster {
+    FfpDeviceRaster *device; // NULL: the CPU's, and what follows is in use
     int width, height, tiles_x, tiles_y;
     real firmness;    // of the settings
     int32_t n_splats; // Gaussians of opacity 1/255 and more: room for as many splats
@@ -69,7 +57,7 @@ struct FfpRaster {
     uint8_t *touched;         // [instances] whether the pair's slot holds anything
     size_t splats_size, first_size, counts_size, tile_first_size, keys_size, swap_size, order_size,
         slots_size, touched_size; // bytes
-    FfpGbuffer shadow;            // of these only opacity and depth
+    FfpGbuffer shadow;            // the device's or the CPU's; of the planes only opacity and depth
 };
 
 // Makes *block hold at least `count` elements of `size` bytes; its contents are lost when it has to grow.
@@ -100,13 +88,5 @@ void ffp_bin_splats(FfpRaster *raster);
 // blend.c: the first `channels` channels into out (and the distortion when all are asked for).
 void ffp_blend(const FfpRaster *raster, int channels, FfpGbuffer *out);
 void ffp_blend_backward(FfpRaster *raster, const FfpGbuffer *out, const FfpGbuffer *grad_out); // fills slots
-
-// World point at camera depth z on the ray of pixel position (x, y), and how it moves with z.
-static inline void ffp_surface_point(const FfpCamera *camera, real x, real y, real z, real point[3],
-                                     real slope[3]) {
-    const real ray[3] = {(x - camera->cx) / camera->fx, (y - camera->cy) / camera->fy, 1};
-    ffp_rotate(camera->pose, ray, slope);
-    for (int i = 0; i < 3; i++) point[i] = camera->pose[4 * i + 3] + z * slope[i];
-}
 
 #endif

@@ -4,6 +4,7 @@
 #include <string.h>
 #include "base/arena.h"
 #include "render/raster.h"
+#include "render/table.h"
 
 FfpRenderSettings ffp_render_defaults(void) {
     return (FfpRenderSettings){.samples = 2,
@@ -29,16 +30,20 @@ FfpGbuffer ffp_gbuffer_new(int width, int height) {
     const size_t pixels = (size_t)width * (size_t)height;
     return (FfpGbuffer){.width = width,
                         .height = height,
-                        .opacity = ffp_alloc(pixels, sizeof(real)),
-                        .depth = ffp_alloc(pixels, sizeof(real)),
-                        .normal = ffp_alloc(pixels, 3 * sizeof(real)),
-                        .albedo = ffp_alloc(pixels, 3 * sizeof(real)),
-                        .roughness = ffp_alloc(pixels, sizeof(real)),
-                        .ambient = ffp_alloc(pixels, 3 * sizeof(real)),
-                        .distortion = ffp_alloc(pixels, sizeof(real))};
+                        .opacity = ffp_memory_new(pixels, sizeof(real)),
+                        .depth = ffp_memory_new(pixels, sizeof(real)),
+                        .normal = ffp_memory_new(pixels, 3 * sizeof(real)),
+                        .albedo = ffp_memory_new(pixels, 3 * sizeof(real)),
+                        .roughness = ffp_memory_new(pixels, sizeof(real)),
+                        .ambient = ffp_memory_new(pixels, 3 * sizeof(real)),
+                        .distortion = ffp_memory_new(pixels, sizeof(real))};
 }
 
 void ffp_gbuffer_clear(FfpGbuffer *g) {
+    if (ffp_render_table()) {
+        ffp_render_table()->gbuffer_clear(g);
+        return;
+    }
     const size_t plane = (size_t)g->width * (size_t)g->height * sizeof(real);
     memset(g->opacity, 0, plane);
     memset(g->depth, 0, plane);
@@ -50,13 +55,13 @@ void ffp_gbuffer_clear(FfpGbuffer *g) {
 }
 
 void ffp_gbuffer_free(FfpGbuffer *g) {
-    free(g->opacity);
-    free(g->depth);
-    free(g->normal);
-    free(g->albedo);
-    free(g->roughness);
-    free(g->ambient);
-    free(g->distortion);
+    ffp_memory_free(g->opacity);
+    ffp_memory_free(g->depth);
+    ffp_memory_free(g->normal);
+    ffp_memory_free(g->albedo);
+    ffp_memory_free(g->roughness);
+    ffp_memory_free(g->ambient);
+    ffp_memory_free(g->distortion);
     *g = (FfpGbuffer){0};
 }
 
@@ -64,24 +69,27 @@ FfpMapping ffp_mapping_new(int width, int height) {
     const size_t pixels = (size_t)width * (size_t)height;
     return (FfpMapping){.width = width,
                         .height = height,
-                        .uv = ffp_alloc(pixels, 2 * sizeof(real)),
-                        .extent = ffp_alloc(pixels, 2 * sizeof(real)),
-                        .visibility = ffp_alloc(pixels, sizeof(real))};
+                        .uv = ffp_memory_new(pixels, 2 * sizeof(real)),
+                        .extent = ffp_memory_new(pixels, 2 * sizeof(real)),
+                        .visibility = ffp_memory_new(pixels, sizeof(real))};
 }
 
 void ffp_mapping_free(FfpMapping *mapping) {
-    free(mapping->uv);
-    free(mapping->extent);
-    free(mapping->visibility);
+    ffp_memory_free(mapping->uv);
+    ffp_memory_free(mapping->extent);
+    ffp_memory_free(mapping->visibility);
     *mapping = (FfpMapping){0};
 }
 
 FfpRaster *ffp_raster_new(void) {
-    return ffp_alloc(1, sizeof(FfpRaster));
+    FfpRaster *raster = ffp_alloc(1, sizeof *raster);
+    raster->device = ffp_render_table() ? ffp_render_table()->raster_new() : NULL;
+    return raster;
 }
 
 void ffp_raster_free(FfpRaster *raster) {
     if (!raster) return;
+    if (raster->device) ffp_render_table()->raster_free(raster->device);
     free(raster->splats);
     free(raster->first);
     free(raster->counts);
@@ -112,6 +120,10 @@ static void fit_to(FfpRaster *raster, const FfpCamera *camera, const FfpRenderSe
 
 void ffp_rasterise(FfpRaster *raster, const FfpGaussians *gaussians, const FfpCamera *camera,
                    const FfpRenderSettings *settings, FfpGbuffer *out) {
+    if (raster->device) {
+        ffp_render_table()->rasterise(raster->device, gaussians, camera, settings, out);
+        return;
+    }
     fit_to(raster, camera, settings);
     ffp_project_splats(raster, gaussians, camera, settings);
     ffp_bin_splats(raster);
@@ -121,6 +133,11 @@ void ffp_rasterise(FfpRaster *raster, const FfpGaussians *gaussians, const FfpCa
 void ffp_rasterise_backward(FfpRaster *raster, const FfpGaussians *gaussians, const FfpCamera *camera,
                             const FfpRenderSettings *settings, const FfpGbuffer *out,
                             const FfpGbuffer *grad_out, FfpGaussians *grad) {
+    if (raster->device) {
+        ffp_render_table()->rasterise_backward(raster->device, gaussians, camera, settings, out, grad_out,
+                                               grad);
+        return;
+    }
     ffp_blend_backward(raster, out, grad_out);
     ffp_project_splats_backward(raster, gaussians, camera, settings, grad);
 }

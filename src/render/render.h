@@ -1,6 +1,10 @@
 // Projector-aware rendering of relightable Gaussians, forward and backward (docs/architecture.md, "light").
 // Rasterise a view once to G-buffers, then shade it under any number of patterns. These are the steps, at one
 // sample a pixel; pass.h puts them together.
+//
+// All of it works on the device that the thread works on (base/device.h): the arrays behind Gaussians,
+// G-buffers, mappings, images and patterns are then the device's, everything else stays the host's. What one
+// device made, only that device uses and frees. The shadow map's planes are the raster's as on the CPU.
 #ifndef FFP_RENDER_RENDER_H
 #define FFP_RENDER_RENDER_H
 
@@ -88,7 +92,8 @@ void ffp_map_with_shadow(const FfpGbuffer *shadow, const FfpGbuffer *gbuffer, co
 void ffp_shade(const FfpGbuffer *gbuffer, const FfpMapping *mapping, const FfpCamera *camera,
                const FfpCamera *projector, const real intensity[3], const FfpSummed *pattern, FfpImage *out);
 // ADDS gradients: to the G-buffer (depth included: through point, directions, distance and u_p), and where
-// not NULL to the intensity and to the pattern's summed-area adjoint (see lookup.h).
+// not NULL to the intensity and to the pattern's summed-area adjoint (see lookup.h). On a device these two
+// must be NULL: the program ends otherwise.
 void ffp_shade_backward(const FfpGbuffer *gbuffer, const FfpMapping *mapping, const FfpCamera *camera,
                         const FfpCamera *projector, const real intensity[3], const FfpSummed *pattern,
                         const FfpImage *grad_image, FfpGbuffer *grad_gbuffer, real grad_intensity[3],

@@ -1,8 +1,8 @@
 #include "render/resolve.h"
 
-#include <stdbool.h>
 #include <string.h>
-#include "render/raster.h"
+#include "render/resolve_pixel.h"
+#include "render/table.h"
 
 enum { PLANES = 7 };
 
@@ -20,14 +20,10 @@ static void planes_of(const FfpGbuffer *g, Plane planes[PLANES]) {
 // A row of [width,channels] means of side x side samples.
 static void average_row(const real *samples, int width, int channels, int side, real *out) {
     const ptrdiff_t stride = (ptrdiff_t)width * side * channels;
-    const real share = 1 / (real)(side * side);
     for (int x = 0; x < width; x++)
-        for (int k = 0; k < channels; k++) {
-            real sum = 0;
-            for (int v = 0; v < side; v++)
-                for (int u = 0; u < side; u++) sum += samples[v * stride + (x * side + u) * channels + k];
-            out[x * channels + k] = share * sum;
-        }
+        for (int k = 0; k < channels; k++)
+            out[x * channels + k] =
+                ffp_sample_mean(samples + x * side * channels + k, stride, channels, side);
 }
 
 static void average_row_backward(const real *grad, int width, int channels, int side, real *samples) {
@@ -40,6 +36,10 @@ static void average_row_backward(const real *grad, int width, int channels, int 
 }
 
 void ffp_average_plane(const real *samples, int side, int width, int height, int channels, real *out) {
+    if (ffp_render_table()) {
+        ffp_render_table()->average_plane(samples, side, width, height, channels, out);
+        return;
+    }
 #pragma omp parallel for schedule(static)
     for (int y = 0; y < height; y++) {
         const ptrdiff_t row = (ptrdiff_t)y * width * channels;
@@ -48,6 +48,10 @@ void ffp_average_plane(const real *samples, int side, int width, int height, int
 }
 
 void ffp_average_gbuffer(const FfpGbuffer *samples, int side, FfpGbuffer *out) {
+    if (ffp_render_table()) {
+        ffp_render_table()->average_gbuffer(samples, side, out);
+        return;
+    }
     Plane from[PLANES], to[PLANES];
     planes_of(samples, from);
     planes_of(out, to);
@@ -56,6 +60,10 @@ void ffp_average_gbuffer(const FfpGbuffer *samples, int side, FfpGbuffer *out) {
 }
 
 void ffp_average_gbuffer_backward(const FfpGbuffer *grad_out, int side, FfpGbuffer *grad_samples) {
+    if (ffp_render_table()) {
+        ffp_render_table()->average_gbuffer_backward(grad_out, side, grad_samples);
+        return;
+    }
     Plane from[PLANES], to[PLANES];
     planes_of(grad_out, from);
     planes_of(grad_samples, to);
@@ -68,38 +76,27 @@ void ffp_average_gbuffer_backward(const FfpGbuffer *grad_out, int side, FfpGbuff
         }
 }
 
-// Whether the opacity says how much of the pixel is covered.
-static bool tells_coverage(real opacity, int side) {
-    return side > 1 && opacity >= FFP_OPACITY_MIN;
-}
-
 void ffp_resolve(const FfpImage *samples, const real *opacity, int side, FfpImage *mean, FfpImage *picture) {
+    if (ffp_render_table()) {
+        ffp_render_table()->resolve(samples, opacity, side, mean, picture);
+        return;
+    }
     const int width = mean->width;
 #pragma omp parallel for schedule(static)
     for (int y = 0; y < mean->height; y++) {
         const ptrdiff_t row = (ptrdiff_t)y * width;
         average_row(samples->data + 3 * row * side * side, width, 3, side, mean->data + 3 * row);
-        for (ptrdiff_t p = row; p < row + width; p++) {
-            const real covered = tells_coverage(opacity[p], side) ? opacity[p] : 1;
-            for (int k = 0; k < 3; k++)
-                picture->data[3 * p + k] = covered * ffp_srgb_encode(mean->data[3 * p + k] / covered);
-        }
-    }
-}
-
-// From one pixel's picture to its mean radiance and opacity.
-static void resolve_pixel_backward(const real *mean, real opacity, int side, const real *grad,
-                                   real grad_mean[3], real *grad_opacity) {
-    const bool tells = tells_coverage(opacity, side);
-    for (int k = 0; k < 3; k++) {
-        const real c = tells ? mean[k] / opacity : mean[k], slope = ffp_srgb_encode_slope(c);
-        grad_mean[k] = grad[k] * slope;
-        if (tells) *grad_opacity += grad[k] * (ffp_srgb_encode(c) - c * slope);
+        for (ptrdiff_t p = row; p < row + width; p++)
+            ffp_resolve_pixel(mean->data + 3 * p, opacity[p], side, picture->data + 3 * p);
     }
 }
 
 void ffp_resolve_backward(const FfpImage *mean, const real *opacity, int side, const FfpImage *grad_picture,
                           FfpImage *grad_samples, real *grad_opacity) {
+    if (ffp_render_table()) {
+        ffp_render_table()->resolve_backward(mean, opacity, side, grad_picture, grad_samples, grad_opacity);
+        return;
+    }
     const int width = mean->width;
     const real share = 1 / (real)(side * side);
 #pragma omp parallel for schedule(static)
@@ -108,8 +105,8 @@ void ffp_resolve_backward(const FfpImage *mean, const real *opacity, int side, c
             const ptrdiff_t p = (ptrdiff_t)y * width + x;
             real *first = grad_samples->data + 3 * side * (p + (ptrdiff_t)y * width * (side - 1));
             real grad_mean[3];
-            resolve_pixel_backward(mean->data + 3 * p, opacity[p], side, grad_picture->data + 3 * p,
-                                   grad_mean, &grad_opacity[p]);
+            ffp_resolve_pixel_backward(mean->data + 3 * p, opacity[p], side, grad_picture->data + 3 * p,
+                                       grad_mean, &grad_opacity[p]);
             for (int i = 0; i < side * side; i++)
                 for (int k = 0; k < 3; k++)
                     first[3 * ((ptrdiff_t)(i / side) * width * side + i % side) + k] = share * grad_mean[k];

@@ -1,213 +1,44 @@
-// The model of light: C = f_r L max(n.l, 0) O + C_amb with the reflectance of base/brdf.h, and its gradient.
-#include "base/arena.h"
-#include "base/brdf.h"
-#include "base/vec.h"
-#include "capture/capture.h"
-#include "image/lookup.h"
-#include "render/raster.h"
+// All pixels of a G-buffer through the model of light (shade_pixel.h), and back.
 #include <stdlib.h>
-
-#define LN2 0.693147180559945309F
-#define ROUGHNESS_MIN 0.02F // below it the highlight's D is 0 / 0
-// A summed normal shorter than this share of the opacity has cancelled out and tells no direction: it is not
-// stretched to 1.
-#define NORMAL_MIN 0.05F
-
-// One lit pixel.
-typedef struct Lit {
-    real opacity, z;
-    real albedo[3], roughness;
-    bool rough_held;             // at ROUGHNESS_MIN
-    real n[3], turn, per_length; // n = turn * per_length * N
-    bool normal_held;            // at NORMAL_MIN
-    real slope[3];               // d point / d z
-    real in_projector[3];        // the point in the projector's frame
-    real l[3], v[3], h[3], distance, h_length;
-    real nl, nv, nh, vh;
-    real u, v_at; // pattern position
-    real texture[3], light[3];
-    FfpLobe lobe;
-    real f[3];
-} Lit;
-
-typedef struct Shader {
-    const FfpGbuffer *gbuffer;
-    const FfpMapping *mapping;
-    const FfpCamera *camera, *projector;
-    const real *intensity;
-    const FfpSummed *pattern;
-} Shader;
-
-// Normal, albedo, roughness of the pixel: sums divided by the opacity, the normal to length 1 and turned to
-// the viewer.
-static void surface_attributes(const FfpGbuffer *g, int p, Lit *s) {
-    const real *N = g->normal + 3 * p;
-    for (int k = 0; k < 3; k++) s->albedo[k] = g->albedo[3 * p + k] / s->opacity;
-    s->roughness = g->roughness[p] / s->opacity;
-    s->rough_held = !(s->roughness > ROUGHNESS_MIN);
-    if (s->rough_held) s->roughness = ROUGHNESS_MIN;
-    const real length = sqrt(ffp_dot3(N, N)), least = NORMAL_MIN * s->opacity;
-    s->normal_held = !(length > least);
-    s->per_length = 1 / (s->normal_held ? least : length);
-    s->turn = ffp_dot3(N, s->v) < 0 ? -1 : 1;
-    for (int k = 0; k < 3; k++) s->n[k] = s->turn * s->per_length * N[k];
-}
-
-// False where no projector light reaches the camera: only the ambient colour counts there.
-static bool light_pixel(const Shader *sh, int x, int y, Lit *s) {
-    const FfpGbuffer *g = sh->gbuffer;
-    const int p = y * g->width + x;
-    const real visibility = sh->mapping->visibility[p];
-    s->opacity = g->opacity[p];
-    if (!sh->pattern || !(visibility > 0) || !(s->opacity > FFP_OPACITY_MIN)) return false;
-    s->z = g->depth[p] / s->opacity;
-    if (!(s->z > 0)) return false;
-    real point[3];
-    ffp_surface_point(sh->camera, (real)x + 0.5F, (real)y + 0.5F, s->z, point, s->slope);
-    for (int k = 0; k < 3; k++) {
-        s->l[k] = sh->projector->pose[4 * k + 3] - point[k];
-        s->v[k] = -s->slope[k];
-    }
-    s->distance = ffp_normalise3(s->l);
-    ffp_normalise3(s->v);
-    surface_attributes(g, p, s);
-    s->nl = ffp_dot3(s->n, s->l), s->nv = ffp_dot3(s->n, s->v);
-    for (int k = 0; k < 3; k++) s->h[k] = s->l[k] + s->v[k];
-    s->h_length = ffp_normalise3(s->h);
-    ffp_inverse_transform_point(sh->projector->pose, point, s->in_projector);
-    if (!(s->nl > 0) || !(s->h_length > 0) || !(s->in_projector[2] > 0)) return false;
-    s->nh = ffp_dot3(s->n, s->h), s->vh = ffp_dot3(s->v, s->h);
-    ffp_project(sh->projector, point, &s->u, &s->v_at);
-    const real *extent = sh->mapping->extent + 2 * p;
-    ffp_lookup(sh->pattern, s->u, s->v_at, extent[0], extent[1], s->texture);
-    s->lobe = ffp_lobe(s->roughness, s->nl, s->nv, s->nh, s->vh);
-    for (int k = 0; k < 3; k++) {
-        s->light[k] = visibility * sh->intensity[k] / (s->distance * s->distance) * s->texture[k];
-        s->f[k] = s->albedo[k] / FFP_PI + s->lobe.D * s->lobe.F * s->lobe.V;
-    }
-    return true;
-}
+#include "base/arena.h"
+#include "render/shade_pixel.h"
+#include "render/table.h"
 
 void ffp_shade(const FfpGbuffer *gbuffer, const FfpMapping *mapping, const FfpCamera *camera,
                const FfpCamera *projector, const real intensity[3], const FfpSummed *pattern, FfpImage *out) {
-    const Shader shader = {gbuffer, mapping, camera, projector, intensity, pattern};
+    if (ffp_render_table()) {
+        ffp_render_table()->shade(gbuffer, mapping, camera, projector, intensity, pattern, out);
+        return;
+    }
+    const FfpShader shader = {gbuffer, mapping, camera, projector, intensity, pattern};
 #pragma omp parallel for schedule(static)
     for (int y = 0; y < gbuffer->height; y++)
-        for (int x = 0; x < gbuffer->width; x++) {
-            const int p = 3 * (y * gbuffer->width + x);
-            Lit s;
-            const bool lit = light_pixel(&shader, x, y, &s);
-            for (int k = 0; k < 3; k++)
-                out->data[p + k] =
-                    gbuffer->ambient[p + k] + (lit ? s.f[k] * s.light[k] * s.nl * s.opacity : 0);
-        }
+        for (int x = 0; x < gbuffer->width; x++)
+            ffp_shade_pixel(&shader, x, y, out->data + 3 * (y * gbuffer->width + x));
 }
 
-// Gradients for the quantities a lit pixel's colour is made of.
-typedef struct LitGrad {
-    real opacity, roughness, z;
-    real albedo[3], n[3], l[3], h[3], texture[3];
-    real point[3];
-} LitGrad;
-
-// Through D F V: from d = dL/d(DFV) to the roughness and the four cosines.
-static void specular_backward(const FfpLobe *b, const Lit *s, real d, real *d_roughness, real *d_nl,
-                              real *d_nv, real *d_nh, real *d_vh) {
-    const real dD = d * b->F * b->V, dF = d * b->D * b->V, dV = d * b->D * b->F, rho = s->roughness;
-    const real dq = -2 * b->D / b->q * dD;
-    const real da2 = dD / (FFP_PI * b->q * b->q) + dq * s->nh * s->nh;
-    const real dgv = -b->V / b->gv * dV, dgl = -b->V / b->gl * dV;
-    const real dk = dgv * (1 - s->nv) + dgl * (1 - s->nl);
-    *d_nh = dq * 2 * s->nh * (b->a2 - 1);
-    *d_vh = dF * (1 - FFP_F0) * b->power * LN2 * (2 * FFP_FRESNEL_2 * s->vh + FFP_FRESNEL_1);
-    *d_nv = dgv * (1 - b->k);
-    *d_nl += dgl * (1 - b->k);
-    *d_roughness = 4 * rho * rho * rho * da2 + (rho + 1) / 4 * dk;
-}
-
-// From the colour's gradient to n, l, albedo, roughness, texture, and (by the inverse square) the point.
-static void reflect_backward(const Shader *sh, const Lit *s, real visibility, const real grad[3], LitGrad *d,
-                             real d_intensity[3]) {
-    real d_lobe = 0, d_nl = 0, d_square = 0, d_nv, d_nh, d_vh;
-    const real square = s->distance * s->distance;
-    for (int k = 0; k < 3; k++) {
-        const real through = grad[k] * s->opacity * s->nl, d_light = through * s->f[k];
-        d->opacity += grad[k] * s->f[k] * s->light[k] * s->nl;
-        d_nl += grad[k] * s->opacity * s->f[k] * s->light[k];
-        d->albedo[k] = through * s->light[k] / FFP_PI;
-        d_lobe += through * s->light[k];
-        d->texture[k] = d_light * visibility * sh->intensity[k] / square;
-        d_intensity[k] += d_light * visibility * s->texture[k] / square;
-        d_square -= d_light * s->light[k] / square;
-    }
-    specular_backward(&s->lobe, s, d_lobe, &d->roughness, &d_nl, &d_nv, &d_nh, &d_vh);
-    real along_h = 0, along_l = 0;
-    for (int k = 0; k < 3; k++) {
-        d->n[k] = d_nl * s->l[k] + d_nv * s->v[k] + d_nh * s->h[k];
-        d->h[k] = d_nh * s->n[k] + d_vh * s->v[k];
-        along_h += d->h[k] * s->h[k];
-    }
-    for (int k = 0; k < 3; k++) {
-        d->l[k] = d_nl * s->n[k] + (d->h[k] - along_h * s->h[k]) / s->h_length;
-        along_l += d->l[k] * s->l[k];
-    }
-    // l = (projector - point) / distance; v does not move when the point slides along the camera's ray
-    for (int k = 0; k < 3; k++)
-        d->point[k] = -(d->l[k] - along_l * s->l[k]) / s->distance - 2 * d_square * s->distance * s->l[k];
-}
-
-// Through the pattern position to the point.
-static void position_backward(const Shader *sh, const Lit *s, const real extent[2], LitGrad *d) {
-    const FfpCamera *projector = sh->projector;
-    real du = 0, dv = 0, turned[3];
-    ffp_lookup_backward_position(sh->pattern, s->u, s->v_at, extent[0], extent[1], d->texture, &du, &dv);
-    const real *q = s->in_projector;
-    const real in_projector[3] = {du * projector->fx / q[2], dv * projector->fy / q[2],
-                                  -(du * projector->fx * q[0] + dv * projector->fy * q[1]) / (q[2] * q[2])};
-    ffp_rotate(projector->pose, in_projector, turned);
-    for (int k = 0; k < 3; k++) d->point[k] += turned[k];
-}
-
-// Undoes surface_attributes and the division of the depth.
-static void attributes_backward(const Lit *s, int p, LitGrad *d, FfpGbuffer *grad) {
-    real d_opacity = d->opacity;
-    const real dz = ffp_dot3(d->point, s->slope), along = ffp_dot3(d->n, s->n);
-    grad->depth[p] += dz / s->opacity;
-    d_opacity -= dz * s->z / s->opacity;
-    for (int k = 0; k < 3; k++) {
-        grad->albedo[3 * p + k] += d->albedo[k] / s->opacity;
-        d_opacity -= d->albedo[k] * s->albedo[k] / s->opacity;
-        const real across = s->normal_held ? d->n[k] : d->n[k] - along * s->n[k];
-        grad->normal[3 * p + k] += s->turn * s->per_length * across;
-    }
-    if (s->normal_held) d_opacity -= along / s->opacity;
-    if (!s->rough_held) {
-        grad->roughness[p] += d->roughness / s->opacity;
-        d_opacity -= d->roughness * s->roughness / s->opacity;
-    }
-    grad->opacity[p] += d_opacity;
-}
-
-static void shade_pixel_backward(const Shader *sh, int x, int y, const FfpImage *grad_image,
+static void shade_pixel_backward(const FfpShader *sh, int x, int y, const FfpImage *grad_image,
                                  FfpGbuffer *grad_gbuffer, real grad_intensity[3], FfpSummed *grad_pattern) {
     const int p = y * sh->gbuffer->width + x;
-    const real *grad = grad_image->data + 3 * p, *extent = sh->mapping->extent + 2 * p;
-    for (int k = 0; k < 3; k++) grad_gbuffer->ambient[3 * p + k] += grad[k];
-    if (grad[0] == 0 && grad[1] == 0 && grad[2] == 0) return;
-    Lit s;
-    LitGrad d = {0};
-    if (!light_pixel(sh, x, y, &s)) return;
-    reflect_backward(sh, &s, sh->mapping->visibility[p], grad, &d, grad_intensity);
-    position_backward(sh, &s, extent, &d);
-    attributes_backward(&s, p, &d, grad_gbuffer);
-    if (grad_pattern) ffp_lookup_backward_pattern(grad_pattern, s.u, s.v_at, extent[0], extent[1], d.texture);
+    const real *extent = sh->mapping->extent + 2 * p;
+    FfpLit s;
+    FfpLitGrad d;
+    const bool lit =
+        ffp_shade_pixel_backward(sh, x, y, grad_image->data + 3 * p, grad_gbuffer, grad_intensity, &s, &d);
+    if (lit && grad_pattern)
+        ffp_lookup_backward_pattern(grad_pattern, s.u, s.v_at, extent[0], extent[1], d.texture);
 }
 
 void ffp_shade_backward(const FfpGbuffer *gbuffer, const FfpMapping *mapping, const FfpCamera *camera,
                         const FfpCamera *projector, const real intensity[3], const FfpSummed *pattern,
                         const FfpImage *grad_image, FfpGbuffer *grad_gbuffer, real grad_intensity[3],
                         FfpSummed *grad_pattern) {
-    const Shader shader = {gbuffer, mapping, camera, projector, intensity, pattern};
+    if (ffp_render_table()) {
+        ffp_render_table()->shade_backward(gbuffer, mapping, camera, projector, intensity, pattern,
+                                           grad_image, grad_gbuffer, grad_intensity, grad_pattern);
+        return;
+    }
+    const FfpShader shader = {gbuffer, mapping, camera, projector, intensity, pattern};
     // Rows keep their share of the intensity's gradient, added up in order: the same bits whoever is first.
     real *rows = ffp_alloc((size_t)gbuffer->height, 3 * sizeof(real));
     // Pixels meet in the pattern: one thread then.

@@ -7,9 +7,6 @@
 
 enum { BATCH = 64, GROUPS = BATCH / LANES };
 
-// The least compensation: its square root has no slope at 0, where a flat splat is seen edge-on.
-#define COMPENSATION_MIN 0.005F
-
 // One number of every Gaussian of a batch.
 typedef union Column {
     Lanes group[GROUPS];
@@ -60,7 +57,7 @@ ALWAYS_INLINE void rotation_matrix(const Lanes q[4], Lanes R[9]) {
 // x/z held between the image's edges and a margin of 0.3 half widths, wherever the principal point lies: far
 // outside the image the affine approximation of the perspective would grow without bound.
 ALWAYS_INLINE Lanes hold(Lanes slope, real principal, real focal, real side, Where *held) {
-    const real margin = 0.15F * side;
+    const real margin = FFP_HOLD_MARGIN * side;
     const real low = (-principal - margin) / focal, high = (side - principal + margin) / focal;
     const Lanes within = lanes_min(lanes_max(slope, lanes_all(low)), lanes_all(high));
     *held = within != slope;
@@ -144,7 +141,7 @@ ALWAYS_INLINE Frame make_frame(const Batch *in, int group, const View *view) {
 }
 
 ALWAYS_INLINE Lanes compensation(const Frame *f) {
-    return lanes_max(lanes_sqrt(f->ratio), lanes_all(COMPENSATION_MIN));
+    return lanes_max(lanes_sqrt(f->ratio), lanes_all(FFP_COMPENSATION_MIN));
 }
 
 static inline void add_to_batch(const FfpGaussians *g, int64_t i, Batch *batch) {

@@ -35,7 +35,7 @@ ALWAYS_INLINE void conic_backward(const Frame *f, Lanes gxx, Lanes gxy, Lanes gy
 // Through opacity = given * sqrt(ratio): adds to G, returns the gradient for the given opacity.
 ALWAYS_INLINE Lanes compensation_backward(const Frame *f, Lanes given, real blur, Lanes d, Lanes G[3]) {
     const Lanes root = compensation(f);
-    const Where moves = root > lanes_all(COMPENSATION_MIN);
+    const Where moves = root > lanes_all(FFP_COMPENSATION_MIN);
     const Lanes step = lanes_keep(d * given * f->per_det / (2 * root), moves);
     G[0] += step * (f->c - blur - f->ratio * f->c);
     G[1] -= step * (1 - f->ratio) * f->b;

@@ -1,0 +1,204 @@
+// Inside the render room: one pixel in the light C = f_r L max(n.l, 0) O + C_amb with the reflectance of
+// base/brdf.h, and its gradient, one text for the CPU and the GPU.
+#ifndef FFP_RENDER_SHADE_PIXEL_H
+#define FFP_RENDER_SHADE_PIXEL_H
+
+#include "base/brdf.h"
+#include "capture/project.h"
+#include "image/lookup_box.h"
+#include "render/formula.h"
+#include "render/render.h"
+
+#define FFP_LN2 0.693147180559945309F
+#define FFP_ROUGHNESS_MIN 0.02F // below it the highlight's D is 0 / 0
+// A summed normal shorter than this share of the opacity has cancelled out and tells no direction: it is not
+// stretched to 1.
+#define FFP_NORMAL_MIN 0.05F
+
+// One lit pixel.
+typedef struct FfpLit {
+    real opacity, z;
+    real albedo[3], roughness;
+    bool rough_held;             // at FFP_ROUGHNESS_MIN
+    real n[3], turn, per_length; // n = turn * per_length * N
+    bool normal_held;            // at FFP_NORMAL_MIN
+    real slope[3];               // d point / d z
+    real in_projector[3];        // the point in the projector's frame
+    real l[3], v[3], h[3], distance, h_length;
+    real nl, nv, nh, vh;
+    real u, v_at; // pattern position
+    real texture[3], light[3];
+    FfpLobe lobe;
+    real f[3];
+} FfpLit;
+
+// One picture: what is shaded under which light.
+typedef struct FfpShader {
+    const FfpGbuffer *gbuffer;
+    const FfpMapping *mapping;
+    const FfpCamera *camera, *projector;
+    const real *intensity;
+    const FfpSummed *pattern; // NULL: black
+} FfpShader;
+
+// Normal, albedo, roughness of the pixel: sums divided by the opacity, the normal to length 1 and turned to
+// the viewer.
+FFP_FORMULA void ffp_surface_attributes(const FfpGbuffer *g, int p, FfpLit *s) {
+    const real *N = g->normal + 3 * p;
+    for (int k = 0; k < 3; k++) s->albedo[k] = g->albedo[3 * p + k] / s->opacity;
+    s->roughness = g->roughness[p] / s->opacity;
+    s->rough_held = !(s->roughness > FFP_ROUGHNESS_MIN);
+    if (s->rough_held) s->roughness = FFP_ROUGHNESS_MIN;
+    const real length = sqrt(ffp_dot3(N, N)), least = FFP_NORMAL_MIN * s->opacity;
+    s->normal_held = !(length > least);
+    s->per_length = 1 / (s->normal_held ? least : length);
+    s->turn = ffp_dot3(N, s->v) < 0 ? -1 : 1;
+    for (int k = 0; k < 3; k++) s->n[k] = s->turn * s->per_length * N[k];
+}
+
+// False where no projector light reaches the camera: only the ambient colour counts there.
+FFP_FORMULA bool ffp_light_pixel(const FfpShader *sh, int x, int y, FfpLit *s) {
+    const FfpGbuffer *g = sh->gbuffer;
+    const int p = y * g->width + x;
+    const real visibility = sh->mapping->visibility[p];
+    s->opacity = g->opacity[p];
+    if (!sh->pattern || !(visibility > 0) || !(s->opacity > FFP_OPACITY_MIN)) return false;
+    s->z = g->depth[p] / s->opacity;
+    if (!(s->z > 0)) return false;
+    real point[3];
+    ffp_surface_point(sh->camera, (real)x + 0.5F, (real)y + 0.5F, s->z, point, s->slope);
+    for (int k = 0; k < 3; k++) {
+        s->l[k] = sh->projector->pose[4 * k + 3] - point[k];
+        s->v[k] = -s->slope[k];
+    }
+    s->distance = ffp_normalise3(s->l);
+    ffp_normalise3(s->v);
+    ffp_surface_attributes(g, p, s);
+    s->nl = ffp_dot3(s->n, s->l), s->nv = ffp_dot3(s->n, s->v);
+    for (int k = 0; k < 3; k++) s->h[k] = s->l[k] + s->v[k];
+    s->h_length = ffp_normalise3(s->h);
+    ffp_inverse_transform_point(sh->projector->pose, point, s->in_projector);
+    if (!(s->nl > 0) || !(s->h_length > 0) || !(s->in_projector[2] > 0)) return false;
+    s->nh = ffp_dot3(s->n, s->h), s->vh = ffp_dot3(s->v, s->h);
+    ffp_project(sh->projector, point, &s->u, &s->v_at);
+    const real *extent = sh->mapping->extent + 2 * p;
+    ffp_box_mean(sh->pattern, s->u, s->v_at, extent[0], extent[1], s->texture);
+    s->lobe = ffp_lobe(s->roughness, s->nl, s->nv, s->nh, s->vh);
+    for (int k = 0; k < 3; k++) {
+        s->light[k] = visibility * sh->intensity[k] / (s->distance * s->distance) * s->texture[k];
+        s->f[k] = s->albedo[k] / FFP_PI + s->lobe.D * s->lobe.F * s->lobe.V;
+    }
+    return true;
+}
+
+// Gradients for the quantities a lit pixel's colour is made of.
+typedef struct FfpLitGrad {
+    real opacity, roughness;
+    real albedo[3], n[3], l[3], h[3], texture[3];
+    real point[3];
+} FfpLitGrad;
+
+// Through D F V: from d = dL/d(DFV) to the roughness and the four cosines.
+FFP_FORMULA void ffp_specular_backward(const FfpLobe *b, const FfpLit *s, real d, real *d_roughness,
+                                       real *d_nl, real *d_nv, real *d_nh, real *d_vh) {
+    const real dD = d * b->F * b->V, dF = d * b->D * b->V, dV = d * b->D * b->F, rho = s->roughness;
+    const real dq = -2 * b->D / b->q * dD;
+    const real da2 = dD / (FFP_PI * b->q * b->q) + dq * s->nh * s->nh;
+    const real dgv = -b->V / b->gv * dV, dgl = -b->V / b->gl * dV;
+    const real dk = dgv * (1 - s->nv) + dgl * (1 - s->nl);
+    *d_nh = dq * 2 * s->nh * (b->a2 - 1);
+    *d_vh = dF * (1 - FFP_F0) * b->power * FFP_LN2 * (2 * FFP_FRESNEL_2 * s->vh + FFP_FRESNEL_1);
+    *d_nv = dgv * (1 - b->k);
+    *d_nl += dgl * (1 - b->k);
+    *d_roughness = 4 * rho * rho * rho * da2 + (rho + 1) / 4 * dk;
+}
+
+// From the colour's gradient to n, l, albedo, roughness, texture, and (by the inverse square) the point.
+FFP_FORMULA void ffp_reflect_backward(const FfpShader *sh, const FfpLit *s, real visibility,
+                                      const real grad[3], FfpLitGrad *d, real d_intensity[3]) {
+    real d_lobe = 0, d_nl = 0, d_square = 0, d_nv, d_nh, d_vh;
+    const real square = s->distance * s->distance;
+    for (int k = 0; k < 3; k++) {
+        const real through = grad[k] * s->opacity * s->nl, d_light = through * s->f[k];
+        d->opacity += grad[k] * s->f[k] * s->light[k] * s->nl;
+        d_nl += grad[k] * s->opacity * s->f[k] * s->light[k];
+        d->albedo[k] = through * s->light[k] / FFP_PI;
+        d_lobe += through * s->light[k];
+        d->texture[k] = d_light * visibility * sh->intensity[k] / square;
+        d_intensity[k] += d_light * visibility * s->texture[k] / square;
+        d_square -= d_light * s->light[k] / square;
+    }
+    ffp_specular_backward(&s->lobe, s, d_lobe, &d->roughness, &d_nl, &d_nv, &d_nh, &d_vh);
+    real along_h = 0, along_l = 0;
+    for (int k = 0; k < 3; k++) {
+        d->n[k] = d_nl * s->l[k] + d_nv * s->v[k] + d_nh * s->h[k];
+        d->h[k] = d_nh * s->n[k] + d_vh * s->v[k];
+        along_h += d->h[k] * s->h[k];
+    }
+    for (int k = 0; k < 3; k++) {
+        d->l[k] = d_nl * s->n[k] + (d->h[k] - along_h * s->h[k]) / s->h_length;
+        along_l += d->l[k] * s->l[k];
+    }
+    // l = (projector - point) / distance; v does not move when the point slides along the camera's ray
+    for (int k = 0; k < 3; k++)
+        d->point[k] = -(d->l[k] - along_l * s->l[k]) / s->distance - 2 * d_square * s->distance * s->l[k];
+}
+
+// Through the pattern position to the point.
+FFP_FORMULA void ffp_lit_position_backward(const FfpShader *sh, const FfpLit *s, const real extent[2],
+                                           FfpLitGrad *d) {
+    const FfpCamera *projector = sh->projector;
+    real du = 0, dv = 0, turned[3];
+    ffp_box_mean_backward(sh->pattern, s->u, s->v_at, extent[0], extent[1], d->texture, &du, &dv);
+    const real *q = s->in_projector;
+    const real in_projector[3] = {du * projector->fx / q[2], dv * projector->fy / q[2],
+                                  -(du * projector->fx * q[0] + dv * projector->fy * q[1]) / (q[2] * q[2])};
+    ffp_rotate(projector->pose, in_projector, turned);
+    for (int k = 0; k < 3; k++) d->point[k] += turned[k];
+}
+
+// Undoes ffp_surface_attributes and the division of the depth.
+FFP_FORMULA void ffp_attributes_backward(const FfpLit *s, int p, FfpLitGrad *d, FfpGbuffer *grad) {
+    real d_opacity = d->opacity;
+    const real dz = ffp_dot3(d->point, s->slope), along = ffp_dot3(d->n, s->n);
+    grad->depth[p] += dz / s->opacity;
+    d_opacity -= dz * s->z / s->opacity;
+    for (int k = 0; k < 3; k++) {
+        grad->albedo[3 * p + k] += d->albedo[k] / s->opacity;
+        d_opacity -= d->albedo[k] * s->albedo[k] / s->opacity;
+        const real across = s->normal_held ? d->n[k] : d->n[k] - along * s->n[k];
+        grad->normal[3 * p + k] += s->turn * s->per_length * across;
+    }
+    if (s->normal_held) d_opacity -= along / s->opacity;
+    if (!s->rough_held) {
+        grad->roughness[p] += d->roughness / s->opacity;
+        d_opacity -= d->roughness * s->roughness / s->opacity;
+    }
+    grad->opacity[p] += d_opacity;
+}
+
+// Radiance that the pixel shows, linear, unclamped, times its opacity.
+FFP_FORMULA void ffp_shade_pixel(const FfpShader *sh, int x, int y, real out[3]) {
+    const real *ambient = sh->gbuffer->ambient + 3 * (y * sh->gbuffer->width + x);
+    FfpLit s;
+    const bool lit = ffp_light_pixel(sh, x, y, &s);
+    for (int k = 0; k < 3; k++) out[k] = ambient[k] + (lit ? s.f[k] * s.light[k] * s.nl * s.opacity : 0);
+}
+
+// Adds to the G-buffer's gradient and to the intensity's. True where the pixel is lit; *s and *d then tell
+// the pattern's gradient.
+FFP_FORMULA bool ffp_shade_pixel_backward(const FfpShader *sh, int x, int y, const real grad[3],
+                                          FfpGbuffer *grad_gbuffer, real grad_intensity[3], FfpLit *s,
+                                          FfpLitGrad *d) {
+    const int p = y * sh->gbuffer->width + x;
+    for (int k = 0; k < 3; k++) grad_gbuffer->ambient[3 * p + k] += grad[k];
+    if (grad[0] == 0 && grad[1] == 0 && grad[2] == 0) return false;
+    if (!ffp_light_pixel(sh, x, y, s)) return false;
+    d->opacity = 0;
+    ffp_reflect_backward(sh, s, sh->mapping->visibility[p], grad, d, grad_intensity);
+    ffp_lit_position_backward(sh, s, sh->mapping->extent + 2 * p, d);
+    ffp_attributes_backward(s, p, d, grad_gbuffer);
+    return true;
+}
+
+#endif
