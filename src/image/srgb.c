@@ -1,27 +1,11 @@
-// The sRGB transfer functions of IEC 61966-2-1.
+// The sRGB transfer functions over pictures, and the share of a pixel that the object fills.
 #include <tgmath.h>
 
+#include "base/device.h"
 #include "image/image.h"
+#include "image/table.h"
 
 #define COVERAGE_MIN 0.05F // a silhouette's colours are divided by no less
-
-real ffp_srgb_encode(real linear) {
-    if (!(linear > 0)) return 0;
-    if (linear >= 1) return 1;
-    if (linear <= 0.0031308F) return linear * 12.92F;
-    return 1.055F * pow(linear, (real)(1 / 2.4)) - 0.055F;
-}
-
-real ffp_srgb_decode(real encoded) {
-    if (encoded <= 0.04045F) return encoded / 12.92F;
-    return pow((encoded + 0.055F) / 1.055F, (real)2.4);
-}
-
-real ffp_srgb_encode_slope(real linear) {
-    if (!(linear >= 0) || linear > 1) return 0;
-    if (linear <= 0.0031308F) return 12.92F;
-    return (real)(1.055 / 2.4) * pow(linear, (real)(1 / 2.4 - 1));
-}
 
 void ffp_own_radiance(real own[3], const real shown[3], real coverage) {
     const bool whole = coverage >= 1;
@@ -60,9 +44,15 @@ static void map_colours(FfpImage *image, real (*curve)(real)) {
 }
 
 void ffp_image_to_srgb(FfpImage *image) {
-    map_colours(image, ffp_srgb_encode);
+    if (ffp_device())
+        ffp_device()->image->to_srgb(image);
+    else
+        map_colours(image, ffp_srgb_encode);
 }
 
 void ffp_image_to_linear(FfpImage *image) {
-    map_colours(image, ffp_srgb_decode);
+    if (ffp_device())
+        ffp_device()->image->to_linear(image);
+    else
+        map_colours(image, ffp_srgb_decode);
 }
