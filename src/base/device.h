@@ -21,6 +21,7 @@ typedef struct FfpDevice {
     void (*synchronise)(void);
     // The rooms' functions on this device; the types are the rooms' own.
     const struct FfpKernels *tensor;
+    const struct FfpImageTable *image;
     const struct FfpRenderTable *render;
     const struct FfpLossTable *loss;
     const struct FfpNetworkTable *network;

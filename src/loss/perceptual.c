@@ -6,7 +6,9 @@
 #include <stdlib.h>
 #include <tgmath.h>
 #include "base/arena.h"
+#include "base/device.h"
 #include "loss/perceptual_net.h"
+#include "loss/table.h"
 
 enum { BLOCK = 64 }; // pixels a thread takes at a time; sums are kept per block and added in order
 
@@ -97,12 +99,24 @@ static double tap_distance(const FfpTap *tap, const FfpPerceptual *net, const Ff
     return total * inverse;
 }
 
+// The network's weights on the device in use, uploaded when it is asked for the first time.
+static const void *weights_on_device(const FfpPerceptual *net) {
+    FfpPerceptualCopy *copy = net->copy;
+    if (copy->weights && copy->device == ffp_device()) return copy->weights;
+    if (copy->weights) copy->device->loss->perceptual_release(copy->weights);
+    copy->device = ffp_device();
+    copy->weights = copy->device->loss->perceptual_upload(net);
+    return copy->weights;
+}
+
 real ffp_perceptual_loss(const FfpPerceptual *net, const FfpImage *prediction, const FfpImage *target,
                          real weight, FfpImage *grad) {
     assert(prediction->width == target->width && prediction->height == target->height);
     assert(prediction->channels >= 3 && target->channels >= 3);
     FfpFeatures features;
     if (!ffp_features_plan(&features, net, prediction->width, prediction->height)) return 0;
+    if (ffp_device())
+        return ffp_device()->loss->perceptual(net, weights_on_device(net), prediction, target, weight, grad);
     ffp_features_forward(&features, net, prediction, target);
     if (grad) ffp_features_new_gradient(&features, net);
     double sum = 0;
