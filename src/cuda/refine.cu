@@ -7,11 +7,21 @@ extern "C" {
 }
 #include "cuda/refine.h"
 
+namespace { // the launches are templates of these types: no other source may have their names
+
 // Seven arrays that are worked on alike, number by number: blockIdx.y says which.
 struct Flat {
     real *data[FFP_ATTRIBUTES];
     size_t count[FFP_ATTRIBUTES];
 };
+
+struct Moved {
+    FfpMove move;
+    Flat x, mean, square, start, grad; // start: of no elements where nothing pulls
+    const real *shared;
+};
+
+} // namespace
 
 static const size_t most = 4; // numbers of a splat's widest attribute
 
@@ -99,12 +109,6 @@ static void move_shared(const FfpMove *move, const FfpGaussians *grad, real *sha
     ffp_launch_blocks(sum_kernel, dim3(blocks), dim3(SUM_THREADS), 0, count, grad->roughness);
     ffp_launch_blocks(shared_kernel, dim3(1), dim3(SUM_THREADS), 0, blocks, move->shared, shared);
 }
-
-struct Moved {
-    FfpMove move;
-    Flat x, mean, square, start, grad; // start: of no elements where nothing pulls
-    const real *shared;
-};
 
 static __global__ void move_kernel(Moved m) {
     const size_t i = ffp_thread();
