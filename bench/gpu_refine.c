@@ -58,7 +58,7 @@ static void move(Bench *b) {
     ffp_mover_step(&b->mover, &b->parameters, &b->grad, &b->settings, 0.5);
 }
 static void summed(Bench *b) {
-    FfpSummed table = ffp_light_new(&b->capture.patterns[BALL_STRIPES].image);
+    FfpSummed table = ffp_pattern_summed(&b->capture.patterns[BALL_STRIPES].image);
     ffp_summed_free(&table);
 }
 

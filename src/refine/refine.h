@@ -74,7 +74,7 @@ double ffp_photographs_psnr(const FfpGaussians *gaussians, const FfpCapture *cap
                             int n_patterns, const FfpRenderSettings *render);
 
 // ffp_summed_new on what the thread works on, pattern and table alike; released by ffp_summed_free.
-FfpSummed ffp_light_new(const FfpImage *pattern);
+FfpSummed ffp_pattern_summed(const FfpImage *pattern);
 
 // Points drawn evenly in the visual hull (where every view that sees a point has it inside its coverage):
 // round splats as wide as the way to the three nearest, opacity 0.1, grey. Errors: an empty hull, a device.

@@ -22,7 +22,7 @@ struct FfpViewer {
     FfpImage picture, grad; // of one view, remade when its size changes
 };
 
-FfpSummed ffp_light_new(const FfpImage *pattern) {
+FfpSummed ffp_pattern_summed(const FfpImage *pattern) {
     return ffp_device() ? ffp_device()->refine->summed_new(pattern) : ffp_summed_new(pattern);
 }
 
@@ -39,7 +39,7 @@ FfpViewer *ffp_viewer_new(const FfpCapture *capture, const int *patterns, int n_
                      .shadows = ffp_alloc((size_t)capture->n_views, sizeof *v->shadows),
                      .looks = ffp_alloc((size_t)capture->n_views, sizeof *v->looks)};
     for (int p = 0; p < n_patterns; p++)
-        if (patterns[p] != capture->black) v->light[p] = ffp_light_new(&capture->patterns[patterns[p]].image);
+        if (patterns[p] != capture->black) v->light[p] = ffp_pattern_summed(&capture->patterns[patterns[p]].image);
     for (int i = 0; i < capture->n_views * n_patterns; i++) {
         v->targets[i] = ffp_image_copy(&capture->views[i / n_patterns].images[patterns[i % n_patterns]]);
         ffp_image_to_srgb(&v->targets[i]);

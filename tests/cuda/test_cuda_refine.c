@@ -190,10 +190,10 @@ static void check_summed(int width, int height) {
     FfpRng rng = ffp_rng(7, 1);
     FfpImage image = ffp_image_new(width, height, 3);
     for (int i = 0; i < width * height * 3; i++) image.data[i] = (real)ffp_rng_uniform(&rng);
-    FfpSummed here = ffp_light_new(&image);
+    FfpSummed here = ffp_pattern_summed(&image);
     ffp_device_use(device);
     FfpImage image_there = ffp_image_uploaded(&image);
-    FfpSummed there = ffp_light_new(&image_there);
+    FfpSummed there = ffp_pattern_summed(&image_there);
     assert_true(there.width == width && there.height == height);
     const size_t count = 3 * (size_t)(width + 1) * (size_t)(height + 1);
     double *back = malloc(count * sizeof *back);
