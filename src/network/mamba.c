@@ -4,11 +4,6 @@
 #include "base/device.h"
 #include "tensor/tensor.h"
 
-void ffp_add(real *y, const real *x, size_t count) {
-#pragma omp parallel for simd schedule(static)
-    for (size_t i = 0; i < count; i++) y[i] += x[i];
-}
-
 void ffp_mamba_allocate(FfpMambaActivations *at, const FfpWidths *widths, int rows, FfpArena *arena) {
     const size_t t = (size_t)rows;
     at->norm = ffp_arena_alloc(arena, t * widths->dim, sizeof(real));
