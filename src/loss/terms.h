@@ -94,4 +94,10 @@ FFP_FORMULA real ffp_ssim_term(real a, real b, real aa, real bb, real ab, real *
     return index;
 }
 
+// LPIPS: the derivative of sum_c head_c (u_c - v_c)^2, u = a/|a|, by one a_c; difference = u_c - v_c, along =
+// sum_c 2 head_c (u_c - v_c) u_c, inverse = 1/|a|. A zero vector has shut ReLUs and gets none.
+FFP_FORMULA real ffp_lpips_slope(real a, real u, real difference, real head, real along, real inverse) {
+    return a > 0 ? (2 * head * difference - along * u) * inverse : 0;
+}
+
 #endif
