@@ -262,6 +262,12 @@ typedef struct FfpScore {
 // done.
 FfpScore *ffp_evaluate(const FfpEvaluation *options, int *n_scores, FfpError *err);
 
+// --- Devices. ---
+
+// What training runs on from now on: "cpu" (as at first) or "cuda", the first NVIDIA GPU. For the whole
+// process. Errors: no such device, none found, a library built without it.
+bool ffp_device_open(const char *name, FfpError *err);
+
 // --- Training and its data. ---
 
 typedef struct FfpTraining {

@@ -5,6 +5,7 @@
 #include "base/arena.h"
 
 static _Thread_local const FfpDevice *in_use;
+static const FfpDevice *offered;
 
 const FfpDevice *ffp_device(void) {
     return in_use;
@@ -14,6 +15,14 @@ const FfpDevice *ffp_device_use(const FfpDevice *device) {
     const FfpDevice *before = in_use;
     in_use = device;
     return before;
+}
+
+void ffp_device_offer(const FfpDevice *device) {
+    offered = device;
+}
+
+const FfpDevice *ffp_device_offered(void) {
+    return offered;
 }
 
 void *ffp_memory_new(size_t count, size_t size) {

@@ -21,6 +21,7 @@ typedef struct FfpDevice {
     void (*synchronise)(void);
     // The rooms' functions on this device; the types are the rooms' own.
     const struct FfpKernels *tensor;
+    const struct FfpImageTable *image;
     const struct FfpRenderTable *render;
     const struct FfpLossTable *loss;
     const struct FfpNetworkTable *network;
@@ -32,6 +33,11 @@ typedef struct FfpDevice {
 const FfpDevice *ffp_device(void);
 // Returns what was in use before, to be set again.
 const FfpDevice *ffp_device_use(const FfpDevice *device);
+
+// The device that the program's long work (training, reconstruction) is to use; NULL, as at first: the CPU.
+// For the whole process; set once, before such work begins.
+void ffp_device_offer(const FfpDevice *device);
+const FfpDevice *ffp_device_offered(void);
 
 // Memory of what this thread works on. new: count * size bytes, zeroed, as ffp_alloc on the CPU.
 void *ffp_memory_new(size_t count, size_t size);

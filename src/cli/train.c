@@ -3,7 +3,7 @@
 
 static const char help[] =
     "usage: ffprocams train --out DIR [--config FILE] [--steps N] [--resume] [--initial FILE]\n"
-    "                       [--perceptual FILE] [--stop-at N]\n"
+    "                       [--perceptual FILE] [--stop-at N] [--device cpu|cuda]\n"
     "\n"
     "Trains weights on scenes that are generated as training goes, or read from a folder made by\n"
     "`generate` (`scenes` of the configuration). DIR receives checkpoint.safetensors (everything\n"
@@ -18,12 +18,14 @@ static const char help[] =
     "      --initial FILE     start from these weights, with a fresh optimiser\n"
     "      --perceptual FILE  network of the perceptual term (safetensors); without it that term is\n"
     "                         off\n"
+    "      --device NAME      what steps are computed on: cpu, or cuda, the first NVIDIA GPU (scenes are\n"
+    "                         made by the CPU in both cases). Default: cpu\n"
     "\n"
     "example: ffprocams train --out run --steps 20000\n"
     "         ffprocams train --out run --resume\n";
 
 int ffp_cli_train(int argc, char **argv) {
-    enum { INITIAL = 256, PERCEPTUAL, STOP_AT };
+    enum { INITIAL = 256, PERCEPTUAL, STOP_AT, DEVICE };
     static const struct option options[] = {{"out", required_argument, NULL, 'o'},
                                             {"config", required_argument, NULL, 'c'},
                                             {"steps", required_argument, NULL, 'n'},
@@ -31,9 +33,11 @@ int ffp_cli_train(int argc, char **argv) {
                                             {"initial", required_argument, NULL, INITIAL},
                                             {"perceptual", required_argument, NULL, PERCEPTUAL},
                                             {"stop-at", required_argument, NULL, STOP_AT},
+                                            {"device", required_argument, NULL, DEVICE},
                                             {"help", no_argument, NULL, 'h'},
                                             {0}};
     FfpTraining training = {.steps = -1};
+    const char *device = "cpu";
     for (int option; (option = ffp_cli_next(argc, argv, ":o:c:n:rh", options)) != -1;) {
         switch (option) {
         case 'o':
@@ -57,6 +61,9 @@ int ffp_cli_train(int argc, char **argv) {
         case PERCEPTUAL:
             training.perceptual = optarg;
             break;
+        case DEVICE:
+            device = optarg;
+            break;
         case 'h':
             fputs(help, stdout);
             return FFP_EXIT_OK;
@@ -69,5 +76,6 @@ int ffp_cli_train(int argc, char **argv) {
     if (training.resume && (training.initial || training.config))
         return ffp_cli_usage(argv[0], "--resume takes configuration and weights from the checkpoint alone");
     FfpError err = {0};
-    return ffp_train_model(&training, &err) ? FFP_EXIT_OK : ffp_cli_fail(&err);
+    return ffp_device_open(device, &err) && ffp_train_model(&training, &err) ? FFP_EXIT_OK
+                                                                             : ffp_cli_fail(&err);
 }

@@ -16,6 +16,7 @@ static const FfpDevice device = {
     .zero = ffp_cuda_zero,
     .synchronise = ffp_cuda_synchronise,
     .tensor = &ffp_cuda_tensor,
+    .image = &ffp_cuda_image,
     .render = &ffp_cuda_render,
     .loss = &ffp_cuda_loss,
     .network = &ffp_cuda_network,

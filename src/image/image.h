@@ -6,6 +6,7 @@
 #include <stddef.h>
 #include "base/error.h"
 #include "base/real.h"
+#include "image/srgb_formula.h"
 
 #define FFP_IMAGE_SIDE_MAX 16384
 
@@ -55,17 +56,14 @@ bool ffp_image_encode_png(const FfpImage *image, unsigned char **bytes, size_t *
 // 32-bit float EXR with channels named R G B [A], Y, or Z for one channel called depth.
 bool ffp_image_write_exr(const FfpImage *image, const char *path, FfpError *err);
 
-// sRGB transfer functions (IEC 61966-2-1), scalar. ffp_srgb_encode clamps to [0,1] first.
-real ffp_srgb_encode(real linear);
-real ffp_srgb_decode(real encoded);
-real ffp_srgb_encode_slope(real linear); // derivative of ffp_srgb_encode; 0 outside [0,1]
 // Linear radiance of what the object fills of a pixel, from what the photograph shows there over black: the
 // photograph's encoded value is coverage (in [0,1]) times that of the object's own colour.
 void ffp_own_radiance(real own[3], const real shown[3], real coverage);
 // The way back, from coverage times that radiance: both may be the same array.
 void ffp_shown_radiance(real shown[3], const real light[3], real coverage);
-void ffp_image_to_srgb(FfpImage *image);   // in place, RGB channels only (a fourth channel stays)
-void ffp_image_to_linear(FfpImage *image); // in place
+// In place, RGB channels only (a fourth channel stays). On a device too.
+void ffp_image_to_srgb(FfpImage *image);
+void ffp_image_to_linear(FfpImage *image);
 
 // RGB times alpha: a 4-channel image to a new 3-channel one over black.
 FfpImage ffp_image_over_black(const FfpImage *rgba);

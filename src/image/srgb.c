@@ -1,22 +1,11 @@
-// The sRGB transfer functions of IEC 61966-2-1.
+// The sRGB transfer functions over pictures, and the share of a pixel that the object fills.
 #include <tgmath.h>
 
+#include "base/device.h"
 #include "image/image.h"
-#include "image/srgb_curve.h"
+#include "image/table.h"
 
 #define COVERAGE_MIN 0.05F // a silhouette's colours are divided by no less
-
-real ffp_srgb_encode(real linear) {
-    return ffp_srgb_encoded(linear);
-}
-
-real ffp_srgb_decode(real encoded) {
-    return ffp_srgb_decoded(encoded);
-}
-
-real ffp_srgb_encode_slope(real linear) {
-    return ffp_srgb_slope(linear);
-}
 
 void ffp_own_radiance(real own[3], const real shown[3], real coverage) {
     const bool whole = coverage >= 1;
@@ -55,9 +44,15 @@ static void map_colours(FfpImage *image, real (*curve)(real)) {
 }
 
 void ffp_image_to_srgb(FfpImage *image) {
-    map_colours(image, ffp_srgb_encode);
+    if (ffp_device())
+        ffp_device()->image->to_srgb(image);
+    else
+        map_colours(image, ffp_srgb_encode);
 }
 
 void ffp_image_to_linear(FfpImage *image) {
-    map_colours(image, ffp_srgb_decode);
+    if (ffp_device())
+        ffp_device()->image->to_linear(image);
+    else
+        map_colours(image, ffp_srgb_decode);
 }

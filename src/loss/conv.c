@@ -182,18 +182,6 @@ int ffp_pool_side(int side, int kernel, int stride, bool round_up) {
     return span < 0 ? 0 : span / stride + 1;
 }
 
-// Index, inside its plane, of the first largest value of the window at output (x,y).
-static int largest(const real *plane, const FfpPool *pool, int x, int y) {
-    const int left = x * pool->stride, top = y * pool->stride;
-    const int right = left + pool->kernel < pool->width ? left + pool->kernel : pool->width;
-    const int bottom = top + pool->kernel < pool->height ? top + pool->kernel : pool->height;
-    int best = top * pool->width + left;
-    for (int v = top; v < bottom; v++)
-        for (int u = left; u < right; u++)
-            if (plane[v * pool->width + u] > plane[best]) best = v * pool->width + u;
-    return best;
-}
-
 void ffp_maxpool_forward(real *y, const real *x, const FfpPool *pool) {
     const int width = ffp_pool_side(pool->width, pool->kernel, pool->stride, pool->round_up);
     const int height = ffp_pool_side(pool->height, pool->kernel, pool->stride, pool->round_up);
@@ -201,7 +189,8 @@ void ffp_maxpool_forward(real *y, const real *x, const FfpPool *pool) {
     for (int c = 0; c < pool->channels; c++) {
         const real *plane = x + (size_t)c * pool->width * pool->height;
         real *out = y + (size_t)c * width * height;
-        for (int i = 0; i < width * height; i++) out[i] = plane[largest(plane, pool, i % width, i / width)];
+        for (int i = 0; i < width * height; i++)
+            out[i] = plane[ffp_pool_largest(plane, pool, i % width, i / width)];
     }
 }
 
@@ -213,6 +202,6 @@ void ffp_maxpool_backward(real *dx, const real *dy, const real *x, const FfpPool
         const size_t start = (size_t)c * pool->width * pool->height;
         const real *from = dy + (size_t)c * width * height;
         for (int i = 0; i < width * height; i++)
-            dx[start + largest(x + start, pool, i % width, i / width)] += from[i];
+            dx[start + ffp_pool_largest(x + start, pool, i % width, i / width)] += from[i];
     }
 }

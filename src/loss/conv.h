@@ -1,6 +1,6 @@
 // Two-dimensional convolution with ReLU, and max pooling, for the perceptual networks. Planes are
 // [channels,height,width]. The networks are frozen: backward gives the gradient of the input only. Private to
-// this room.
+// this room and its kernels.
 #ifndef FFP_LOSS_CONV_H
 #define FFP_LOSS_CONV_H
 
@@ -29,6 +29,18 @@ typedef struct FfpPool {
     bool round_up; // a last, clipped window where the sides do not divide evenly
     int width, height;
 } FfpPool;
+
+// Index, inside its plane, of the first largest value of the window at output (x,y).
+FFP_FORMULA int ffp_pool_largest(const real *plane, const FfpPool *pool, int x, int y) {
+    const int left = x * pool->stride, top = y * pool->stride;
+    const int right = left + pool->kernel < pool->width ? left + pool->kernel : pool->width;
+    const int bottom = top + pool->kernel < pool->height ? top + pool->kernel : pool->height;
+    int best = top * pool->width + left;
+    for (int v = top; v < bottom; v++)
+        for (int u = left; u < right; u++)
+            if (plane[v * pool->width + u] > plane[best]) best = v * pool->width + u;
+    return best;
+}
 
 int ffp_pool_side(int side, int kernel, int stride, bool round_up);
 void ffp_maxpool_forward(real *y, const real *x, const FfpPool *pool);

@@ -1,6 +1,7 @@
 // The paper's loss terms (Sec. 3.6 there), each with its backward; SSIM; perceptual networks.
 // Every *_loss returns the loss's value times `weight` and ADDS weight * gradient to the grad argument, which
-// may be NULL.
+// may be NULL. On a device (base/device.h) all pictures and maps are in its memory; values come back, at the
+// cost of waiting for them.
 #ifndef FFP_LOSS_LOSS_H
 #define FFP_LOSS_LOSS_H
 

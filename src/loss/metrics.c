@@ -3,22 +3,31 @@
 
 #include <assert.h>
 #include <math.h>
+#include "base/device.h"
+#include "loss/table.h"
 
-// mask may be NULL: every pixel counts.
-static double psnr(const FfpImage *a, const FfpImage *b, const FfpImage *mask) {
-    assert(a->width == b->width && a->height == b->height && a->channels == b->channels);
-    assert(!mask || (mask->width == a->width && mask->height == a->height && mask->channels == 1));
+static double squared_error(const FfpImage *a, const FfpImage *b, const FfpImage *mask, size_t *count) {
     const size_t pixels = (size_t)a->width * a->height, channels = a->channels;
-    size_t count = 0;
     double sum = 0;
+    *count = 0;
     for (size_t i = 0; i < pixels; i++) {
         if (mask && !(mask->data[i] > 0.5F)) continue;
         for (size_t k = i * channels; k < (i + 1) * channels; k++) {
             const double difference = (double)a->data[k] - b->data[k];
             sum += difference * difference;
         }
-        count += channels;
+        *count += channels;
     }
+    return sum;
+}
+
+// mask may be NULL: every pixel counts.
+static double psnr(const FfpImage *a, const FfpImage *b, const FfpImage *mask) {
+    assert(a->width == b->width && a->height == b->height && a->channels == b->channels);
+    assert(!mask || (mask->width == a->width && mask->height == a->height && mask->channels == 1));
+    size_t count;
+    const double sum = ffp_device() ? ffp_device()->loss->squared_error(a, b, mask, &count)
+                                    : squared_error(a, b, mask, &count);
     if (count == 0) return NAN;
     if (sum == 0) return FFP_PSNR_CAP;
     const double value = 10 * log10((double)count / sum);

@@ -1,6 +1,6 @@
 // Figures that compare a picture with the truth: in this room because training reports them as evaluation
 // does. SSIM for the reports is ffp_ssim (loss/loss.h: 11x11 Gaussian window, zero padding at the borders as
-// GS-ProCams), LPIPS is ffp_perceptual_loss.
+// GS-ProCams), LPIPS is ffp_perceptual_loss. On a device too.
 #ifndef FFP_LOSS_METRICS_H
 #define FFP_LOSS_METRICS_H
 

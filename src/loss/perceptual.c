@@ -6,7 +6,10 @@
 #include <stdlib.h>
 #include <tgmath.h>
 #include "base/arena.h"
+#include "base/device.h"
 #include "loss/perceptual_net.h"
+#include "loss/table.h"
+#include "loss/terms.h"
 
 enum { BLOCK = 64 }; // pixels a thread takes at a time; sums are kept per block and added in order
 
@@ -27,9 +30,8 @@ static void inverse_norms(real inverse[BLOCK], const real *x, const Pair *pair, 
     for (int i = 0; i < count; i++) inverse[i] = 1 / (sqrt(inverse[i]) + 1e-10F);
 }
 
-// One block's share of (1/pixels) sum_pixels sum_c head_c (u_c - v_c)^2, u = a/|a|, v = b/|b|. The gradient
-// goes through the normalisation: da = (g - u (g.u)) / |a| with g = scale 2 head (u - v); a zero vector has
-// shut ReLUs and gets none.
+// One block's share of sum_pixels sum_c head_c (u_c - v_c)^2, u = a/|a|, v = b/|b|; scale times its gradient
+// goes through the normalisation: da = (g - u (g.u)) / |a| with g = 2 head (u - v).
 static double lpips_block(const Pair *pair, const real *head, real scale, ptrdiff_t first, int count) {
     real inverse_a[BLOCK], inverse_b[BLOCK], value[BLOCK] = {0}, along[BLOCK] = {0};
     const real *a = pair->a + first, *b = pair->b + first;
@@ -48,8 +50,7 @@ static double lpips_block(const Pair *pair, const real *head, real scale, ptrdif
         real *g = pair->grad + first + c * pair->pixels;
         for (int i = 0; i < count; i++) {
             const real u = ac[i] * inverse_a[i], difference = u - bc[i] * inverse_b[i];
-            const real slope = ac[i] > 0 ? (2 * head[c] * difference - along[i] * u) * inverse_a[i] : 0;
-            g[i] += scale * slope;
+            g[i] += scale * ffp_lpips_slope(ac[i], u, difference, head[c], along[i], inverse_a[i]);
         }
     }
     double sum = 0;
@@ -97,12 +98,24 @@ static double tap_distance(const FfpTap *tap, const FfpPerceptual *net, const Ff
     return total * inverse;
 }
 
+// The network's weights on the device in use, uploaded when it is asked for the first time.
+static const void *weights_on_device(const FfpPerceptual *net) {
+    FfpPerceptualCopy *copy = net->copy;
+    if (copy->weights && copy->device == ffp_device()) return copy->weights;
+    if (copy->weights) copy->device->loss->perceptual_release(copy->weights);
+    copy->device = ffp_device();
+    copy->weights = copy->device->loss->perceptual_upload(net);
+    return copy->weights;
+}
+
 real ffp_perceptual_loss(const FfpPerceptual *net, const FfpImage *prediction, const FfpImage *target,
                          real weight, FfpImage *grad) {
     assert(prediction->width == target->width && prediction->height == target->height);
     assert(prediction->channels >= 3 && target->channels >= 3);
     FfpFeatures features;
     if (!ffp_features_plan(&features, net, prediction->width, prediction->height)) return 0;
+    if (ffp_device())
+        return ffp_device()->loss->perceptual(net, weights_on_device(net), prediction, target, weight, grad);
     ffp_features_forward(&features, net, prediction, target);
     if (grad) ffp_features_new_gradient(&features, net);
     double sum = 0;

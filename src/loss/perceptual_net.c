@@ -8,6 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include "base/arena.h"
+#include "loss/table.h"
 
 static int add_slot(FfpPerceptual *net, int channels) {
     assert(net->slot_count < FFP_PERCEPTUAL_SLOTS);
@@ -123,6 +124,7 @@ static void set_input(FfpPerceptual *net) {
 FfpPerceptual *ffp_perceptual_new(FfpPerceptualKind kind) {
     FfpPerceptual *net = ffp_alloc(1, sizeof *net);
     net->kind = kind;
+    net->copy = ffp_alloc(1, sizeof *net->copy);
     set_input(net);
     const int input = add_slot(net, 3);
     switch (kind) {
@@ -141,6 +143,8 @@ FfpPerceptual *ffp_perceptual_new(FfpPerceptualKind kind) {
 
 void ffp_perceptual_free(FfpPerceptual *net) {
     if (!net) return;
+    if (net->copy->weights) net->copy->device->loss->perceptual_release(net->copy->weights);
+    free(net->copy);
     for (int i = 0; i < net->layer_count; i++) {
         free(net->layers[i].weight);
         free(net->layers[i].bias);

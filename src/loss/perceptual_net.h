@@ -1,10 +1,11 @@
 // The perceptual networks as data: a list of layers between numbered slots of activations. Private to this
-// room; the tests build networks without a file through it.
+// room and its kernels; the tests build networks without a file through it.
 #ifndef FFP_LOSS_PERCEPTUAL_NET_H
 #define FFP_LOSS_PERCEPTUAL_NET_H
 
 #include <stdbool.h>
 #include <stddef.h>
+#include "base/device.h"
 #include "base/real.h"
 #include "image/image.h"
 #include "loss/conv.h"
@@ -33,6 +34,12 @@ typedef struct FfpTap { // where features are compared
     real *head; // LPIPS: [channels] weights of the squared differences; owned; NULL for VGG16
 } FfpTap;
 
+// The weights on the device that worked with them last; none at first.
+typedef struct FfpPerceptualCopy {
+    const FfpDevice *device;
+    void *weights;
+} FfpPerceptualCopy;
+
 struct FfpPerceptual {
     FfpPerceptualKind kind;
     real gain[3], offset[3]; // network input = gain * encoded colour + offset
@@ -40,6 +47,7 @@ struct FfpPerceptual {
     FfpLayer layers[FFP_PERCEPTUAL_LAYERS];
     int channels[FFP_PERCEPTUAL_SLOTS]; // slot 0 is the input
     FfpTap taps[FFP_PERCEPTUAL_TAPS];
+    FfpPerceptualCopy *copy; // owned
 };
 
 // The architecture with all weights zero. Freed by ffp_perceptual_free.

@@ -3,12 +3,16 @@
 
 #include <assert.h>
 #include <tgmath.h>
+#include "base/device.h"
+#include "loss/table.h"
+#include "loss/terms.h"
 
 real ffp_l1_loss(const FfpImage *prediction, const FfpImage *target, real weight, FfpImage *grad) {
     assert(prediction->width == target->width && prediction->height == target->height &&
            prediction->channels == target->channels);
     const size_t row = (size_t)prediction->width * prediction->channels, count = row * prediction->height;
     if (count == 0) return 0;
+    if (ffp_device()) return ffp_device()->loss->l1(prediction, target, weight, grad);
     const real step = weight / (real)count;
     double total = 0; // row by row in real, rows in double: a picture's sum in fp32 would lose digits
     for (int y = 0; y < prediction->height; y++) {
@@ -19,10 +23,7 @@ real ffp_l1_loss(const FfpImage *prediction, const FfpImage *target, real weight
         total += sum;
         if (!grad) continue;
         real *g = grad->data + y * row;
-        for (size_t i = 0; i < row; i++) {
-            const real difference = p[i] - t[i];
-            g[i] += difference > 0 ? step : difference < 0 ? -step : 0;
-        }
+        for (size_t i = 0; i < row; i++) g[i] += ffp_signed(step, p[i] - t[i]);
     }
     return weight * (real)(total / (double)count);
 }
@@ -30,6 +31,10 @@ real ffp_l1_loss(const FfpImage *prediction, const FfpImage *target, real weight
 void ffp_srgb_encode_backward(const FfpImage *linear, FfpImage *grad) {
     assert(linear->width == grad->width && linear->height == grad->height &&
            linear->channels == grad->channels);
+    if (ffp_device()) {
+        ffp_device()->loss->srgb_encode_backward(linear, grad);
+        return;
+    }
     const int channels = linear->channels, colours = channels == 4 ? 3 : channels;
     const ptrdiff_t pixels = (ptrdiff_t)linear->width * linear->height;
 #pragma omp parallel for schedule(static)

@@ -6,47 +6,51 @@
 #include <stdlib.h>
 #include <tgmath.h>
 #include "base/arena.h"
+#include "base/device.h"
 #include "base/vec.h"
-
-// Below this opacity (or length of a summed normal) a pixel carries no surface to compare: 1/O would only
-// amplify noise.
-#define LEAST_COVER 0.1F
+#include "loss/table.h"
+#include "loss/terms.h"
 
 real ffp_mask_loss(const real *opacity, const real *mask, int pixels, real weight, real *grad_opacity) {
     if (pixels <= 0) return 0;
-    const real low = 1e-6F, high = 1 - 1e-6F, scale = weight / (real)pixels;
+    if (ffp_device()) return ffp_device()->loss->mask(opacity, mask, pixels, weight, grad_opacity);
+    const real scale = weight / (real)pixels;
     double sum = 0;
     for (int i = 0; i < pixels; i++) {
-        const real o = fmin(fmax(opacity[i], low), high), m = mask[i];
-        sum -= m * log(o) + (1 - m) * log(1 - o);
-        if (grad_opacity && o == opacity[i]) grad_opacity[i] += scale * (o - m) / (o * (1 - o));
+        sum -= ffp_mask_term(opacity[i], mask[i]);
+        if (grad_opacity) grad_opacity[i] += ffp_mask_slope(opacity[i], mask[i], scale);
     }
     return weight * (real)(sum / pixels);
 }
 
 real ffp_depth_loss(const real *depth_sum, const real *opacity, const real *truth, int pixels, real weight,
                     real *grad_depth_sum, real *grad_opacity) {
+    if (pixels <= 0) return 0;
+    if (ffp_device())
+        return ffp_device()->loss->depth(depth_sum, opacity, truth, pixels, weight, grad_depth_sum,
+                                         grad_opacity);
     int count = 0;
     double sum = 0;
     for (int i = 0; i < pixels; i++) {
-        if (!(truth[i] > 0 && opacity[i] > 0.5F)) continue;
-        const real error = depth_sum[i] / opacity[i] - truth[i];
-        sum += error * error;
+        if (!ffp_depth_counts(opacity[i], truth[i])) continue;
+        sum += ffp_depth_term(depth_sum[i], opacity[i], truth[i]);
         count++;
     }
     if (count == 0) return 0;
     const real scale = 2 * weight / (real)count;
     for (int i = 0; i < pixels; i++) {
-        if (!(truth[i] > 0 && opacity[i] > 0.5F)) continue;
-        const real depth = depth_sum[i] / opacity[i], slope = scale * (depth - truth[i]) / opacity[i];
+        if (!ffp_depth_counts(opacity[i], truth[i])) continue;
+        real by_opacity;
+        const real slope = ffp_depth_slope(depth_sum[i], opacity[i], truth[i], scale, &by_opacity);
         if (grad_depth_sum) grad_depth_sum[i] += slope;
-        if (grad_opacity) grad_opacity[i] -= slope * depth;
+        if (grad_opacity) grad_opacity[i] -= by_opacity;
     }
     return weight * (real)(sum / count);
 }
 
 real ffp_distortion_loss(const real *distortion, int pixels, real weight, real *grad_distortion) {
     if (pixels <= 0) return 0;
+    if (ffp_device()) return ffp_device()->loss->distortion(distortion, pixels, weight, grad_distortion);
     double sum = 0;
     for (int i = 0; i < pixels; i++) {
         sum += distortion[i];
@@ -72,24 +76,18 @@ static int count_pairs(const bool *used, int width, int height) {
     return count;
 }
 
-static real sign(real x) {
-    return x > 0 ? 1 : x < 0 ? -1 : 0;
-}
-
 // Unit normals [pixels,3] and the lengths of the sums; used: foreground pixels that carry a normal.
 static void normalise_sums(real *unit, real *length, bool *used, const real *sums, const real *mask,
                            int pixels) {
-    for (int i = 0; i < pixels; i++) {
-        for (int c = 0; c < 3; c++) unit[3 * i + c] = sums[3 * i + c];
-        length[i] = ffp_normalise3(unit + 3 * i);
-        used[i] = mask[i] > 0.5F && length[i] > LEAST_COVER;
-    }
+    for (int i = 0; i < pixels; i++)
+        used[i] = ffp_unit_normal(unit + 3 * i, length + i, sums + 3 * i, mask[i]);
 }
 
 real ffp_normal_smooth_loss(const real *normal_sum, const real *mask, int width, int height, real weight,
                             real *grad) {
     const int pixels = width * height;
     if (pixels <= 0) return 0;
+    if (ffp_device()) return ffp_device()->loss->normal_smooth(normal_sum, mask, width, height, weight, grad);
     real *unit = ffp_alloc((size_t)pixels * 7, sizeof *unit), *slope = unit + 3 * (size_t)pixels;
     real *length = slope + 3 * (size_t)pixels;
     bool *used = ffp_alloc(pixels, sizeof *used);
@@ -104,17 +102,14 @@ real ffp_normal_smooth_loss(const real *normal_sum, const real *mask, int width,
                 const int c = k % 3, j = other[k / 3];
                 const real step = unit[3 * j + c] - unit[3 * i + c];
                 sum += fabs(step);
-                slope[3 * j + c] += sign(step);
-                slope[3 * i + c] -= sign(step);
+                slope[3 * j + c] += ffp_signed(1, step);
+                slope[3 * i + c] -= ffp_signed(1, step);
             }
         }
-    // Through the normalisation: d(n/|n|) = (I - u u^T) dn / |n|.
-    for (int i = 0; grad && i < pixels; i++) {
-        if (!used[i]) continue;
-        const real along = ffp_dot3(slope + 3 * i, unit + 3 * i), scale = weight / ((real)pairs * length[i]);
-        for (int c = 0; c < 3 && pairs > 0; c++)
-            grad[3 * i + c] += scale * (slope[3 * i + c] - along * unit[3 * i + c]);
-    }
+    for (int i = 0; grad && pairs > 0 && i < pixels; i++)
+        if (used[i])
+            ffp_unit_normal_backward(grad + 3 * i, slope + 3 * i, unit + 3 * i,
+                                     weight / ((real)pairs * length[i]));
     free(used);
     free(unit);
     return pairs > 0 ? weight * (real)(sum / pairs) : 0;
@@ -125,9 +120,12 @@ real ffp_roughness_loss(const real *roughness_sum, const real *albedo_sum, const
                         real *grad_opacity) {
     const int pixels = width * height;
     if (pixels <= 0) return 0;
+    if (ffp_device())
+        return ffp_device()->loss->roughness(roughness_sum, albedo_sum, opacity, mask, width, height, weight,
+                                             grad_roughness_sum, grad_opacity);
     bool *used = ffp_alloc(pixels, sizeof *used);
     real *slope = ffp_alloc(pixels, sizeof *slope);
-    for (int i = 0; i < pixels; i++) used[i] = mask[i] > 0.5F && opacity[i] > LEAST_COVER;
+    for (int i = 0; i < pixels; i++) used[i] = ffp_roughness_counts(opacity[i], mask[i]);
     const int pairs = count_pairs(used, width, height);
     double sum = 0;
     for (int y = 0; y < height; y++)
@@ -136,14 +134,11 @@ real ffp_roughness_loss(const real *roughness_sum, const real *albedo_sum, const
             const int i = y * width + x, count = neighbours(used, x, y, width, height, other);
             for (int k = 0; k < count; k++) {
                 const int j = other[k];
-                real change = 0;
-                for (int c = 0; c < 3; c++)
-                    change += fabs(albedo_sum[3 * j + c] / opacity[j] - albedo_sum[3 * i + c] / opacity[i]);
-                const real step = roughness_sum[j] / opacity[j] - roughness_sum[i] / opacity[i],
-                           trust = exp(-change);
+                real trust;
+                const real step = ffp_roughness_step(roughness_sum, albedo_sum, opacity, i, j, &trust);
                 sum += fabs(step) * trust;
-                slope[j] += sign(step) * trust;
-                slope[i] -= sign(step) * trust;
+                slope[j] += ffp_signed(trust, step);
+                slope[i] -= ffp_signed(trust, step);
             }
         }
     for (int i = 0; i < pixels && pairs > 0; i++) {

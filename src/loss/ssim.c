@@ -9,6 +9,9 @@
 #include <string.h>
 #include <tgmath.h>
 #include "base/arena.h"
+#include "base/device.h"
+#include "loss/table.h"
+#include "loss/terms.h"
 
 enum { RADIUS = 5, TAPS = 2 * RADIUS + 1 };
 enum { MOMENT_A, MOMENT_B, MOMENT_AA, MOMENT_BB, MOMENT_AB, MOMENTS };
@@ -75,25 +78,14 @@ static void blur_moments(const Window *window, real *moments, const FfpImage *a,
     }
 }
 
-// The index of one row from its moments, summed; slopes (when asked for) of the index by E[a], E[aa], E[ab].
-// With sigma_a^2 = E[aa] - E[a]^2 and so on: SSIM = (2 mu_a mu_b + C1) (2 sigma_ab + C2) / ((mu_a^2 + mu_b^2
-// + C1) (...)).
+// The index of one row from its moments, summed; slopes of the index by E[a], E[aa], E[ab].
 static real compare_row(int count, const real *restrict moment, real *restrict slope_a,
                         real *restrict slope_aa, real *restrict slope_ab) {
-    const real c1 = 1e-4F, c2 = 9e-4F;
     const real *ma = moment, *mb = ma + count, *maa = mb + count, *mbb = maa + count, *mab = mbb + count;
     real sum = 0;
 #pragma omp simd reduction(+ : sum)
-    for (int i = 0; i < count; i++) {
-        const real a = ma[i], b = mb[i], ab = a * b, squares = a * a + b * b;
-        const real top1 = 2 * ab + c1, top2 = 2 * (mab[i] - ab) + c2;
-        const real bottom1 = squares + c1, bottom2 = maa[i] + mbb[i] - squares + c2;
-        const real inverse = 1 / (bottom1 * bottom2), index = top1 * top2 * inverse;
-        sum += index;
-        slope_a[i] = 2 * b * (top2 - top1) * inverse + 2 * a * index * (1 / bottom2 - 1 / bottom1);
-        slope_aa[i] = -index / bottom2;
-        slope_ab[i] = 2 * top1 * inverse;
-    }
+    for (int i = 0; i < count; i++)
+        sum += ffp_ssim_term(ma[i], mb[i], maa[i], mbb[i], mab[i], &slope_a[i], &slope_aa[i], &slope_ab[i]);
     return sum;
 }
 
@@ -146,6 +138,7 @@ static double mean_ssim(const FfpImage *a, const FfpImage *b, real scale, FfpIma
     const Window window = window_for(a);
     const size_t map = (size_t)window.row * window.height;
     if (map == 0) return 1;
+    if (ffp_device()) return ffp_device()->loss->ssim(a, b, scale, grad);
     real *moments = ffp_alloc((MOMENTS + (grad ? SLOPES : 0)) * map, sizeof *moments);
     real *slopes = grad ? moments + MOMENTS * map : NULL;
     double *row_sums = ffp_alloc(window.height, sizeof *row_sums), sum = 0;

@@ -61,6 +61,4 @@ static inline void ffp_lap(double *last, double *part) {
     *last = now;
 }
 
-void ffp_add(real *y, const real *x, size_t count); // y += x
-
 #endif

@@ -2,6 +2,7 @@
 
 #include <string.h>
 #include <tgmath.h>
+#include "base/device.h"
 #include "tensor/tensor.h"
 
 #define REACH_FOOTPRINTS 4 // of the context: depth differences beyond count as this
@@ -23,6 +24,10 @@ static Widths head_widths(const FfpModelConfig *c) {
                     .numbers = numbers};
 }
 
+int ffp_head_block(void) {
+    return ffp_device() ? 1 << 16 : 1 << 13;
+}
+
 size_t ffp_head_features_count(const FfpModelConfig *config, int rows) {
     const Widths w = head_widths(config);
     return (size_t)rows * w.pixels * w.features;
@@ -30,9 +35,11 @@ size_t ffp_head_features_count(const FfpModelConfig *config, int rows) {
 
 void ffp_head_allocate(FfpHead *head, const FfpModelConfig *config, int rows, FfpArena *arena) {
     const Widths w = head_widths(config);
-    const size_t block = FFP_HEAD_BLOCK;
-    head->slot = ffp_arena_alloc(arena, (size_t)rows, sizeof *head->slot);
-    head->used = ffp_arena_alloc(arena, (size_t)rows, sizeof *head->used);
+    const size_t block = (size_t)ffp_head_block();
+    if (!ffp_device()) {
+        head->slot = ffp_arena_alloc(arena, (size_t)rows, sizeof *head->slot);
+        head->used = ffp_arena_alloc(arena, (size_t)rows, sizeof *head->used);
+    }
     head->tokens = ffp_arena_alloc(arena, (size_t)rows * w.dim, sizeof(real));
     if (!config->pixel_skip) return;
     head->joined = ffp_arena_alloc(arena, block * w.joined, sizeof(real));
@@ -45,7 +52,7 @@ void ffp_head_allocate(FfpHead *head, const FfpModelConfig *config, int rows, Ff
 
 void ffp_head_allocate_backward(FfpHead *head, const FfpModelConfig *config, int rows, FfpArena *arena) {
     const Widths w = head_widths(config);
-    const size_t block = FFP_HEAD_BLOCK;
+    const size_t block = (size_t)ffp_head_block();
     head->dtokens = ffp_arena_alloc(arena, (size_t)rows * w.dim, sizeof(real));
     if (!config->pixel_skip) return;
     head->djoined = ffp_arena_alloc(arena, block * w.features, sizeof(real));
@@ -54,6 +61,10 @@ void ffp_head_allocate_backward(FfpHead *head, const FfpModelConfig *config, int
 }
 
 void ffp_head_select(FfpHead *head, int rows) {
+    if (head->prepared) {
+        head->n_used = head->prepared->n_used;
+        return;
+    }
     const int pixels = head->grid.patch * head->grid.patch;
     for (int i = 0; i < rows; i++) head->slot[i] = -1;
     for (int64_t g = 0; g < head->count; g++) {
@@ -70,6 +81,10 @@ void ffp_head_select(FfpHead *head, int rows) {
 
 // The tokens that are needed, one after another.
 static void gather_tokens(FfpHead *head, const real *tokens, const Widths *w) {
+    if (head->prepared) {
+        ffp_device()->network->gather_rows(head->tokens, tokens, head->prepared->used, head->n_used, w->dim);
+        return;
+    }
     for (int i = 0; i < head->n_used; i++)
         memcpy(head->tokens + (size_t)i * w->dim, tokens + (size_t)head->used[i] * w->dim,
                (size_t)w->dim * sizeof *tokens);
@@ -95,6 +110,11 @@ void ffp_head_features_backward(real *dtokens, real *grad, FfpHead *head, const 
                         skip ? NULL : grad + at->head_bias, dmap, head->tokens,
                         model->values + (skip ? at->features : at->head), head->n_used, w.dim,
                         w.pixels * w.features);
+    if (head->prepared) {
+        ffp_device()->network->scatter_rows(dtokens, head->dtokens, head->prepared->used, head->n_used,
+                                            w.dim);
+        return;
+    }
     for (int i = 0; i < head->n_used; i++)
         memcpy(dtokens + (size_t)head->used[i] * w.dim, head->dtokens + (size_t)i * w.dim,
                (size_t)w.dim * sizeof *dtokens);
@@ -109,6 +129,11 @@ static size_t feature_offset(const FfpHead *head, int64_t place, const Widths *w
 // What a pixel takes from the map, and its own inputs behind it: rows of `joined` numbers.
 static void join(real *out, const FfpHead *head, int64_t first, int count, const real *map,
                  const FfpModelConfig *config, const Widths *w) {
+    if (head->prepared) {
+        ffp_device()->network->join(out, &head->prepared->taps, first, count, map, w->features,
+                                    head->prepared->own, w->channels);
+        return;
+    }
 #pragma omp parallel for schedule(static)
     for (int i = 0; i < count; i++) {
         const int64_t pixel = head->pixel[first + i];
@@ -127,6 +152,10 @@ static void join(real *out, const FfpHead *head, int64_t first, int count, const
 // the result.
 static void part(real *dmap, const FfpHead *head, int64_t first, int count, const real *drow,
                  const Widths *w) {
+    if (head->prepared) {
+        ffp_device()->network->part(dmap, &head->prepared->taps, first, count, drow, w->features);
+        return;
+    }
     for (int i = 0; i < count; i++) {
         const FfpTaps taps = ffp_grid_taps(&head->grid, head->pixel[first + i]);
         const real *from = drow + (size_t)i * w->features;
@@ -137,29 +166,44 @@ static void part(real *dmap, const FfpHead *head, int64_t first, int count, cons
     }
 }
 
-// Whether what tells a pixel apart from the context's is anything but zeros.
-static bool has_apart(const FfpHead *head, const FfpModelConfig *config) {
-    return config->context_inputs && !head->grid.same && head->context;
+bool ffp_head_has_apart(const FfpModelConfig *config, const FfpGrid *grid, const FfpStart *context) {
+    return config->context_inputs && !grid->same && context;
 }
 
-// Numbers of inputs.h, context_inputs, of each pixel of a block.
-static void tell_apart(FfpHead *head, int64_t first, int count) {
-    const FfpStart *near = head->seen.start, *far = head->context;
+void ffp_head_tell_apart(real *out, const int64_t *pixels, int64_t count, const FfpGrid *grid,
+                         const FfpStart *near, const FfpStart *far) {
     const real ratio = sqrt((real)near->width * (real)near->height / ((real)far->width * (real)far->height));
 #pragma omp parallel for schedule(static)
-    for (int i = 0; i < count; i++) {
-        const int64_t pixel = head->pixel[first + i];
-        const FfpTaps taps = ffp_grid_taps(&head->grid, pixel);
+    for (int64_t i = 0; i < count; i++) {
+        const int64_t pixel = pixels[i];
+        const FfpTaps taps = ffp_grid_taps(grid, pixel);
         real behind = near->t[pixel];
         for (int t = 0; t < taps.count; t++) behind -= taps.weight[t] * far->t[taps.pixel[t]];
         behind /= REACH_FOOTPRINTS * ratio * fmax(near->footprint[pixel], (real)1e-6);
-        head->apart[FFP_CONTEXT_CHANNELS * i] = log2(ratio);
-        head->apart[FFP_CONTEXT_CHANNELS * i + 1] = fmin(fmax(behind, -1), 1);
+        out[FFP_CONTEXT_CHANNELS * i] = log2(ratio);
+        out[FFP_CONTEXT_CHANNELS * i + 1] = fmin(fmax(behind, -1), 1);
     }
+}
+
+static bool has_apart(const FfpHead *head, const FfpModelConfig *config) {
+    return head->prepared ? head->prepared->apart_told
+                          : ffp_head_has_apart(config, &head->grid, head->context);
+}
+
+// What tells the pixels of a block apart from their context, [count, context channels].
+static const real *apart_of(FfpHead *head, int64_t first, int count) {
+    if (head->prepared) return head->prepared->apart + FFP_CONTEXT_CHANNELS * first;
+    ffp_head_tell_apart(head->apart, head->pixel + first, count, &head->grid, head->seen.start,
+                        head->context);
+    return head->apart;
 }
 
 // hidden [count, width] += apart weight^T, weight [width, channels].
 static void add_apart(real *hidden, const real *apart, const real *weight, int count, int width) {
+    if (ffp_device()) {
+        ffp_device()->network->add_apart(hidden, apart, weight, count, width, FFP_CONTEXT_CHANNELS);
+        return;
+    }
 #pragma omp parallel for schedule(static)
     for (int i = 0; i < count; i++)
         for (int k = 0; k < width; k++)
@@ -178,10 +222,9 @@ static void pixel_forward(FfpHead *head, int64_t first, int count, const real *m
     for (int i = 0; i < FFP_HIDDEN_LAYERS; i++) {
         ffp_linear_forward(head->hidden[i], x, model->values + at->hidden[i],
                            model->values + at->hidden_bias[i], count, in, w->hidden);
-        if (i == 0 && has_apart(head, &model->config)) {
-            tell_apart(head, first, count);
-            add_apart(head->hidden[0], head->apart, model->values + at->context, count, w->hidden);
-        }
+        if (i == 0 && has_apart(head, &model->config))
+            add_apart(head->hidden[0], apart_of(head, first, count), model->values + at->context, count,
+                      w->hidden);
         ffp_gelu_forward(head->activated[i], head->hidden[i], (size_t)count * w->hidden);
         x = head->activated[i];
         in = w->hidden;
@@ -203,8 +246,8 @@ void ffp_head_forward(real *raw, FfpHead *head, int64_t first, int count, const 
 
 // The pixel MLP's gradients; djoined gets the part that goes back to the features. A pixel's own inputs need
 // none.
-static void pixel_backward(real *grad, FfpHead *head, int count, const real *draw, const FfpModel *model,
-                           const Widths *w) {
+static void pixel_backward(real *grad, FfpHead *head, int64_t first, int count, const real *draw,
+                           const FfpModel *model, const Widths *w) {
     const FfpLayout *at = model->layout;
     const real *values = model->values;
     const int top = FFP_HIDDEN_LAYERS - 1;
@@ -218,7 +261,8 @@ static void pixel_backward(real *grad, FfpHead *head, int count, const real *dra
     }
     if (has_apart(head, &model->config))
         ffp_gemm(true, false, w->hidden, FFP_CONTEXT_CHANNELS, count, 1, head->dhidden, w->hidden,
-                 head->apart, FFP_CONTEXT_CHANNELS, 1, grad + at->context, FFP_CONTEXT_CHANNELS);
+                 apart_of(head, first, count), FFP_CONTEXT_CHANNELS, 1, grad + at->context,
+                 FFP_CONTEXT_CHANNELS);
     ffp_gemm_mixed(false, false, count, w->features, w->hidden, 1, head->dhidden, w->hidden,
                    values + at->hidden[0], w->joined, 0, head->djoined, w->features);
 }
@@ -228,7 +272,7 @@ void ffp_head_backward(real *dmap, real *grad, FfpHead *head, int64_t first, int
     const Widths w = head_widths(&model->config);
     if (model->config.pixel_skip) {
         pixel_forward(head, first, count, map, model, &w);
-        pixel_backward(grad, head, count, draw, model, &w);
+        pixel_backward(grad, head, first, count, draw, model, &w);
         draw = head->djoined;
     }
     part(dmap, head, first, count, draw, &w);

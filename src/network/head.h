@@ -7,15 +7,18 @@
 #include "network/context.h"
 #include "network/inputs.h"
 #include "network/layout.h"
+#include "network/prepared.h"
 
-enum { FFP_HEAD_BLOCK = 8192 }; // Gaussians
+// Gaussians a block: few on the CPU, for its caches; more on a device, where starting work costs.
+int ffp_head_block(void);
 
 typedef struct FfpHead {
     // Of the present capture:
     FfpSeen seen; // the pixels' own inputs
     FfpGrid grid;
-    const FfpStart *context; // the context's start, for context_inputs; NULL: none
-    const int64_t *pixel;    // [Gaussians] their pixels in the capture
+    const FfpStart *context;     // the context's start, for context_inputs; NULL: none
+    const int64_t *pixel;        // [Gaussians] their pixels in the capture
+    const FfpPrepared *prepared; // on a device all of these come from here; NULL on the CPU
     int64_t count;
     int n_used;
     int *slot, *used; // [T] a token's row among those that a Gaussian needs, or -1; [T] the reverse
@@ -31,6 +34,12 @@ void ffp_head_allocate(FfpHead *head, const FfpModelConfig *config, int rows, Ff
 void ffp_head_allocate_backward(FfpHead *head, const FfpModelConfig *config, int rows, FfpArena *arena);
 size_t ffp_head_features_count(const FfpModelConfig *config, int rows); // numbers in a map of features
 
+// Whether a pixel has anything to be told about its context (inputs.h, context_inputs), and what:
+// out [count, context channels].
+bool ffp_head_has_apart(const FfpModelConfig *config, const FfpGrid *grid, const FfpStart *context);
+void ffp_head_tell_apart(real *out, const int64_t *pixel, int64_t count, const FfpGrid *grid,
+                         const FfpStart *start, const FfpStart *context);
+
 // Which tokens the Gaussians need: after seen, grid, pixel and count are set.
 void ffp_head_select(FfpHead *head, int rows);
 
@@ -40,7 +49,7 @@ void ffp_head_features(real *map, FfpHead *head, const real *tokens, const FfpMo
 void ffp_head_features_backward(real *dtokens, real *grad, FfpHead *head, const real *dmap,
                                 const real *tokens, const FfpModel *model);
 
-// raw [count, numbers] of `count` <= FFP_HEAD_BLOCK Gaussians from `first` on.
+// raw [count, numbers] of `count` <= ffp_head_block() Gaussians from `first` on.
 void ffp_head_forward(real *raw, FfpHead *head, int64_t first, int count, const real *map,
                       const FfpModel *model);
 // ADDS to dmap and to the parameter gradients. Recomputes the forward pass: cheaper than to keep it.

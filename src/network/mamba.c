@@ -1,13 +1,8 @@
 // The bidirectional Mamba2 block (network.md 1.1, 3.1).
 #include "network/blocks.h"
 
-#include <string.h>
+#include "base/device.h"
 #include "tensor/tensor.h"
-
-void ffp_add(real *y, const real *x, size_t count) {
-#pragma omp parallel for simd schedule(static)
-    for (size_t i = 0; i < count; i++) y[i] += x[i];
-}
 
 void ffp_mamba_allocate(FfpMambaActivations *at, const FfpWidths *widths, int rows, FfpArena *arena) {
     const size_t t = (size_t)rows;
@@ -113,7 +108,7 @@ void ffp_mamba_backward(real *dx, real *grad, const FfpMambaActivations *at, con
     ffp_linear_backward(dsummed, grad + layout->out_proj, NULL, dx, at->summed, values + layout->out_proj,
                         rows, inner, dim);
     ffp_lap(&last, &times->products);
-    memset(dprojected, 0, (size_t)rows * ld * sizeof *dprojected);
+    ffp_memory_zero(dprojected, (size_t)rows * ld * sizeof *dprojected);
     ffp_lap(&last, &times->other);
     for (int i = 0; i < 2; i++)
         direction_backward(dprojected, dsummed, grad, at, i, values, layout, widths, rows, scratch, times);

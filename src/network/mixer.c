@@ -18,7 +18,8 @@ void ffp_mixer_allocate(FfpMixer *mixer, const FfpModelConfig *config, int rows,
     mixer->activated = take(arena, mixer, config->dim);
     mixer->out = take(arena, mixer, config->dim);
     mixer->features = ffp_arena_alloc(arena, ffp_head_features_count(config, rows), sizeof(real));
-    mixer->raw = ffp_arena_alloc(arena, FFP_HEAD_BLOCK * (size_t)ffp_head_numbers(config), sizeof(real));
+    mixer->raw =
+        ffp_arena_alloc(arena, (size_t)ffp_head_block() * (size_t)ffp_head_numbers(config), sizeof(real));
 }
 
 void ffp_mixer_allocate_backward(FfpMixer *mixer, const FfpModelConfig *config, FfpArena *arena) {
@@ -26,7 +27,8 @@ void ffp_mixer_allocate_backward(FfpMixer *mixer, const FfpModelConfig *config, 
     mixer->dhidden = take(arena, mixer, config->dim);
     mixer->dout = take(arena, mixer, config->dim);
     mixer->dfeatures = ffp_arena_alloc(arena, ffp_head_features_count(config, mixer->rows), sizeof(real));
-    mixer->draw = ffp_arena_alloc(arena, FFP_HEAD_BLOCK * (size_t)ffp_head_numbers(config), sizeof(real));
+    mixer->draw =
+        ffp_arena_alloc(arena, (size_t)ffp_head_block() * (size_t)ffp_head_numbers(config), sizeof(real));
 }
 
 // The token that a tap of another one sees; -1 outside the view's picture.

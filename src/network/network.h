@@ -135,6 +135,21 @@ bool ffp_model_forward(const FfpModel *model, FfpRun *run, const FfpCapture *cap
 void ffp_model_backward(const FfpModel *model, FfpRun *run, const FfpGaussians *grad, const real *grad_t,
                         real *grad_values);
 
+// While the thread works on a device (base/device.h) a run made there does its passes there: model->values,
+// grad_values and the run's Gaussians and distances are the device's, capture, start and context the host's.
+// What is taken from the capture can be prepared once for many passes: as ffp_model_forward, and what it was
+// prepared from need not be there any more. Errors besides: appearance_cnn, which no device has.
+typedef struct FfpPrepared FfpPrepared;
+FfpPrepared *ffp_prepared_new(const FfpModelConfig *config, const FfpCapture *capture, const FfpStart *start,
+                              const FfpContext *context, int active, FfpError *err);
+void ffp_prepared_free(FfpPrepared *prepared);                   // NULL is allowed
+int64_t ffp_prepared_count(const FfpPrepared *prepared);         // Gaussians
+const int64_t *ffp_prepared_pixels(const FfpPrepared *prepared); // [count] as FfpRun.pixel; the host's
+bool ffp_model_forward_prepared(const FfpModel *model, FfpRun *run, const FfpPrepared *prepared,
+                                FfpError *err);
+// The same model with its values on the device: they alone are the copy's own, by ffp_memory_free.
+FfpModel ffp_model_uploaded(const FfpModel *model);
+
 // The classical reconstruction as Gaussians, without a model: what an untrained residual network returns.
 FfpGaussians ffp_start_gaussians(const FfpCapture *capture, const FfpStart *start);
 // [their number] the pixel of each, as FfpRun.pixel; release with free.

@@ -1,43 +1,53 @@
 #include "network/pixels.h"
 
 #include <tgmath.h>
+#include "base/device.h"
 #include "base/vec.h"
 #include "network/inputs.h"
+#include "network/table.h"
 
 #define NEAREST_MIN 0.1F // a plain splat's footprint is taken no closer to the camera than this
 
-static void fill_base(FfpPixelBase *base, const FfpSeen *seen, int64_t pixel, bool residual) {
+void ffp_pixel_base(FfpPixelBase *base, const FfpSeen *seen, int64_t pixel, bool residual) {
     const FfpCamera *first = &seen->capture->views[0].camera;
     const int64_t row = pixel / first->width;
     const FfpCamera *camera = &seen->capture->views[row / first->height].camera;
-    const real origin[3] = {camera->pose[3], camera->pose[7], camera->pose[11]};
+    for (int i = 0; i < 3; i++) base->origin[i] = camera->pose[4 * i + 3];
     ffp_pixel_ray(camera, (real)(pixel % first->width) + 0.5F, (real)(row % first->height) + 0.5F,
                   base->direction);
-    base->nearest = -ffp_dot3(origin, base->direction);
+    base->nearest = -ffp_dot3(base->origin, base->direction);
     base->footprint = fmax(base->nearest, NEAREST_MIN) / camera->fx;
     if (residual) ffp_residual_base(base, seen->start, pixel);
 }
 
-void ffp_pixels_list(FfpPixels *pixels, FfpRun *run, const FfpModelConfig *config, const FfpSeen *seen) {
+int64_t ffp_pixels_all(const FfpSeen *seen) {
     const FfpCamera *camera = &seen->capture->views[0].camera;
-    const int64_t all = (int64_t)seen->views * camera->width * camera->height;
+    return (int64_t)seen->views * camera->width * camera->height;
+}
+
+int64_t ffp_pixels_select(int64_t *pixel, const FfpModelConfig *config, const FfpSeen *seen) {
+    const int64_t all = ffp_pixels_all(seen);
     const real *coverage = config->residual ? seen->start->coverage : NULL;
-    int64_t most = 0, count = 0;
-    for (int64_t p = 0; p < all; p++) most += !coverage || coverage[p] > 0;
-    run->pixel = ffp_arena_alloc(run->arena, (size_t)most + 1, sizeof *run->pixel);
+    int64_t count = 0;
     for (int64_t p = 0; p < all; p++)
-        if (!coverage || coverage[p] > 0) run->pixel[count++] = p;
+        if (!coverage || coverage[p] > 0) pixel[count++] = p;
+    return count;
+}
+
+void ffp_pixels_list(FfpPixels *pixels, FfpRun *run, const FfpModelConfig *config, const FfpSeen *seen) {
+    run->pixel = ffp_arena_alloc(run->arena, (size_t)ffp_pixels_all(seen) + 1, sizeof *run->pixel);
+    const int64_t count = ffp_pixels_select(run->pixel, config, seen);
     pixels->count = count;
     pixels->base = ffp_arena_alloc(run->arena, (size_t)count + 1, sizeof *pixels->base);
     pixels->raw = ffp_arena_alloc(run->arena, (size_t)(count + 1) * ffp_head_numbers(config), sizeof(real));
 #pragma omp parallel for schedule(static)
-    for (int64_t g = 0; g < count; g++) fill_base(&pixels->base[g], seen, run->pixel[g], config->residual);
+    for (int64_t g = 0; g < count; g++)
+        ffp_pixel_base(&pixels->base[g], seen, run->pixel[g], config->residual);
 }
 
-static void store(FfpGaussians *out, int64_t g, const FfpSplat *splat, const real *direction,
-                  const real *pose) {
+static void store(FfpGaussians *out, int64_t g, const FfpSplat *splat, const FfpPixelBase *base) {
     for (int i = 0; i < 3; i++) {
-        out->centre[3 * g + i] = pose[4 * i + 3] + splat->t * direction[i];
+        out->centre[3 * g + i] = base->origin[i] + splat->t * base->direction[i];
         out->scale[3 * g + i] = splat->scale[i];
         out->albedo[3 * g + i] = splat->albedo[i];
         out->ambient[3 * g + i] = splat->ambient[i];
@@ -60,12 +70,12 @@ static void allocate_gaussians(FfpRun *run, int64_t count) {
     run->t = ffp_arena_alloc(run->arena, n, sizeof(real));
 }
 
-bool ffp_pixels_splat(const FfpPixels *pixels, FfpRun *run, const FfpModelConfig *config,
-                      const FfpCapture *capture) {
-    const FfpCamera *camera = &capture->views[0].camera;
-    const int64_t area = (int64_t)camera->width * camera->height;
+bool ffp_pixels_splat(const FfpPixels *pixels, FfpRun *run, const FfpModelConfig *config) {
     const int numbers = ffp_head_numbers(config);
     allocate_gaussians(run, pixels->count);
+    if (ffp_device())
+        return ffp_device()->network->splat(&run->gaussians, run->t, pixels->base, pixels->raw, pixels->count,
+                                            config->residual);
     bool bad = false;
 #pragma omp parallel for schedule(static) reduction(|| : bad)
     for (int64_t g = 0; g < pixels->count; g++) {
@@ -79,8 +89,7 @@ bool ffp_pixels_splat(const FfpPixels *pixels, FfpRun *run, const FfpModelConfig
         else
             ffp_plain_splat(&splat, &pixels->base[g], raw);
         run->t[g] = splat.t;
-        store(&run->gaussians, g, &splat, pixels->base[g].direction,
-              capture->views[run->pixel[g] / area].camera.pose);
+        store(&run->gaussians, g, &splat, &pixels->base[g]);
     }
     return !bad;
 }
@@ -88,6 +97,11 @@ bool ffp_pixels_splat(const FfpPixels *pixels, FfpRun *run, const FfpModelConfig
 void ffp_pixels_splat_backward(real *draw, const FfpPixels *pixels, int64_t first, int count,
                                const FfpModelConfig *config, const FfpGaussians *grad, const real *grad_t) {
     const int numbers = ffp_head_numbers(config);
+    if (ffp_device()) {
+        ffp_device()->network->splat_backward(draw, pixels->base, pixels->raw, first, count, config->residual,
+                                              grad, grad_t);
+        return;
+    }
 #pragma omp parallel for schedule(static)
     for (int i = 0; i < count; i++) {
         const int64_t g = first + i;

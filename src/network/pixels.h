@@ -11,13 +11,18 @@ typedef struct FfpPixels {
     real *raw;          // [count, numbers]
 } FfpPixels;
 
+// Of one pixel, what its formulas start from.
+void ffp_pixel_base(FfpPixelBase *base, const FfpSeen *seen, int64_t pixel, bool residual);
+int64_t ffp_pixels_all(const FfpSeen *seen); // pixels of the input views
+// Those that get a Gaussian into pixel [ffp_pixels_all]; returns their number.
+int64_t ffp_pixels_select(int64_t *pixel, const FfpModelConfig *config, const FfpSeen *seen);
+
 // Lists the pixels (all, or those of coverage > 0 in the residual form) into run->pixel and fills the bases.
 // Memory from run->arena.
 void ffp_pixels_list(FfpPixels *pixels, FfpRun *run, const FfpModelConfig *config, const FfpSeen *seen);
 
 // raw -> run->gaussians, run->t. False when a number is not finite.
-bool ffp_pixels_splat(const FfpPixels *pixels, FfpRun *run, const FfpModelConfig *config,
-                      const FfpCapture *capture);
+bool ffp_pixels_splat(const FfpPixels *pixels, FfpRun *run, const FfpModelConfig *config);
 // draw [count, numbers] of the Gaussians from `first` on from all Gaussians' gradients.
 void ffp_pixels_splat_backward(real *draw, const FfpPixels *pixels, int64_t first, int count,
                                const FfpModelConfig *config, const FfpGaussians *grad, const real *grad_t);

@@ -1,6 +1,7 @@
 // One pass of the network over one capture, forward and backward.
 #include <stdlib.h>
 #include <string.h>
+#include "base/device.h"
 #include "network/blocks.h"
 #include "network/inputs.h"
 #include "network/mixer.h"
@@ -32,6 +33,7 @@ typedef struct FfpActivations {
     FfpMixer mixer;             // with appearance_cnn
     FfpPixels pixels;
     FfpContext context;     // where the caller gave none
+    FfpPrepared *prepared;  // on a device, of captures that the caller did not prepare
     FfpProfileTimes unread; // where the times go when nobody asks
 } FfpActivations;
 
@@ -46,6 +48,7 @@ FfpRun *ffp_run_new(void) {
 void ffp_run_free(FfpRun *run) {
     if (!run) return;
     ffp_context_free(&run->activations->context);
+    ffp_prepared_free(run->activations->prepared);
     ffp_arena_free(run->activations->arena);
     free(run->activations);
     ffp_arena_free(run->arena);
@@ -71,6 +74,7 @@ static void prepare(FfpActivations *at, const FfpModelConfig *config, int rows, 
     ffp_arena_reset(arena);
     *at = (FfpActivations){.arena = arena,
                            .context = at->context,
+                           .prepared = at->prepared,
                            .config = *config,
                            .rows = rows,
                            .across = across,
@@ -78,7 +82,8 @@ static void prepare(FfpActivations *at, const FfpModelConfig *config, int rows, 
                            .blocks = (int)strlen(config->modules),
                            .widths = ffp_widths(config)};
     const size_t dim = (size_t)config->dim;
-    at->inputs = take(at, (size_t)config->patch * config->patch * ffp_input_channels(config));
+    if (!ffp_device())
+        at->inputs = take(at, (size_t)config->patch * config->patch * ffp_input_channels(config));
     at->tokens = take(at, dim);
     at->token_mean = take(at, 1);
     at->token_rstd = take(at, 1);
@@ -113,7 +118,7 @@ static void prepare_backward(FfpActivations *at) {
     ffp_head_allocate_backward(&at->head, &at->config, at->rows, at->arena);
     at->dfeatures = ffp_arena_alloc(at->arena, ffp_head_features_count(&at->config, at->rows), sizeof(real));
     at->draw =
-        ffp_arena_alloc(at->arena, (size_t)FFP_HEAD_BLOCK * ffp_head_numbers(&at->config), sizeof(real));
+        ffp_arena_alloc(at->arena, (size_t)ffp_head_block() * ffp_head_numbers(&at->config), sizeof(real));
     if (at->config.appearance_cnn) ffp_mixer_allocate_backward(&at->mixer, &at->config, at->arena);
 }
 
@@ -143,8 +148,8 @@ static void encode(FfpActivations *at, const FfpModel *model, FfpProfileTimes *t
 
 // Gaussians of the block that begins at `first`.
 static int block_count(const FfpActivations *at, int64_t first) {
-    const int64_t left = at->pixels.count - first;
-    return (int)(left < FFP_HEAD_BLOCK ? left : FFP_HEAD_BLOCK);
+    const int64_t left = at->pixels.count - first, block = ffp_head_block();
+    return (int)(left < block ? left : block);
 }
 
 // Raw numbers of all Gaussians.
@@ -157,7 +162,7 @@ static void head_forward(FfpActivations *at, const FfpModel *model) {
         ffp_mixer_forward(&at->mixer, at->final, model);
         ffp_head_features(at->mixer.features, &at->head, at->mixer.out, model);
     }
-    for (int64_t first = 0; first < at->pixels.count; first += FFP_HEAD_BLOCK) {
+    for (int64_t first = 0; first < at->pixels.count; first += ffp_head_block()) {
         const int count = block_count(at, first);
         real *raw = at->pixels.raw + first * numbers;
         ffp_head_forward(raw, &at->head, first, count, at->features, model);
@@ -174,10 +179,10 @@ static void head_backward(FfpActivations *at, real *grad_values, const FfpModel 
     const bool mixed = model->config.appearance_cnn;
     const size_t size = (size_t)at->rows * at->widths.dim * sizeof(real),
                  map = ffp_head_features_count(&model->config, at->head.n_used) * sizeof(real);
-    memset(at->dfinal, 0, size); // tokens that no Gaussian needs get no gradient
-    memset(at->dfeatures, 0, map);
-    if (mixed) memset(at->mixer.dout, 0, size), memset(at->mixer.dfeatures, 0, map);
-    for (int64_t first = 0; first < at->pixels.count; first += FFP_HEAD_BLOCK) {
+    ffp_memory_zero(at->dfinal, size); // tokens that no Gaussian needs get no gradient
+    ffp_memory_zero(at->dfeatures, map);
+    if (mixed) ffp_memory_zero(at->mixer.dout, size), ffp_memory_zero(at->mixer.dfeatures, map);
+    for (int64_t first = 0; first < at->pixels.count; first += ffp_head_block()) {
         const int count = block_count(at, first);
         ffp_pixels_splat_backward(at->draw, &at->pixels, first, count, &model->config, grad, grad_t);
         if (mixed) {
@@ -203,15 +208,52 @@ static const FfpContext *use_context(FfpActivations *at, const FfpModelConfig *c
                                                                                                 : NULL;
 }
 
+static FfpProfileTimes *forward_times(FfpRun *run) {
+    return run->profile ? &run->profile->forward : &run->activations->unread;
+}
+
+// From the tokens' inputs and the list of pixels, which are there, to the Gaussians.
+static bool pass_forward(FfpRun *run, const FfpModel *model, const char *name, FfpError *err) {
+    FfpActivations *at = run->activations;
+    FfpProfileTimes *times = forward_times(run);
+    encode(at, model, times);
+    double last = ffp_seconds();
+    at->head.count = at->pixels.count;
+    head_forward(at, model);
+    const bool ok = ffp_pixels_splat(&at->pixels, run, &model->config);
+    ffp_lap(&last, &times->heads);
+    return ok || ffp_fail(err, name, "the model's output overflows");
+}
+
+bool ffp_model_forward_prepared(const FfpModel *model, FfpRun *run, const FfpPrepared *prepared,
+                                FfpError *err) {
+    FfpActivations *at = run->activations;
+    const FfpModelConfig *config = &model->config;
+    ffp_arena_reset(run->arena);
+    prepare(at, config, prepared->tokens, prepared->across, prepared->down);
+    at->inputs = prepared->inputs;
+    at->pixels.count = prepared->count;
+    at->pixels.base = prepared->base;
+    at->pixels.raw =
+        ffp_arena_alloc(run->arena, (size_t)(prepared->count + 1) * ffp_head_numbers(config), sizeof(real));
+    run->pixel = prepared->pixel;
+    at->head.prepared = prepared;
+    return pass_forward(run, model, "the capture", err);
+}
+
 bool ffp_model_forward(const FfpModel *model, FfpRun *run, const FfpCapture *capture, const FfpStart *start,
                        const FfpContext *context, int active, FfpError *err) {
     FfpActivations *at = run->activations;
     const FfpModelConfig *config = &model->config;
-    const FfpSeen seen = {capture, start, start ? start->views : capture->n_views, active};
     run->gaussians = (FfpGaussians){0};
+    if (ffp_device()) {
+        ffp_prepared_free(at->prepared);
+        at->prepared = ffp_prepared_new(config, capture, start, context, active, err);
+        return at->prepared && ffp_model_forward_prepared(model, run, at->prepared, err);
+    }
+    const FfpSeen seen = {capture, start, start ? start->views : capture->n_views, active};
     ffp_arena_reset(run->arena);
     if (!ffp_inputs_check(config, &seen, err)) return false;
-    FfpProfileTimes *times = run->profile ? &run->profile->forward : &at->unread;
     double last = ffp_seconds();
     context = use_context(at, config, &seen, context, err);
     if (!context) return false;
@@ -219,16 +261,11 @@ bool ffp_model_forward(const FfpModel *model, FfpRun *run, const FfpCapture *cap
     prepare(at, config, seen.views * grid.across * grid.down, grid.across, grid.down);
     const FfpSeen small = {&context->capture, start ? &context->start : NULL, seen.views, active};
     ffp_inputs(at->inputs, config, &small);
-    ffp_lap(&last, &times->tokenise);
-    encode(at, model, times);
-    last = ffp_seconds();
     ffp_pixels_list(&at->pixels, run, config, &seen);
     at->head.seen = seen, at->head.grid = grid, at->head.context = start ? &context->start : NULL;
-    at->head.pixel = run->pixel, at->head.count = at->pixels.count;
-    head_forward(at, model);
-    const bool ok = ffp_pixels_splat(&at->pixels, run, config, capture);
-    ffp_lap(&last, &times->heads);
-    return ok || ffp_fail(err, capture->name, "the model's output overflows");
+    at->head.pixel = run->pixel;
+    ffp_lap(&last, &forward_times(run)->tokenise);
+    return pass_forward(run, model, capture->name, err);
 }
 
 void ffp_model_backward(const FfpModel *model, FfpRun *run, const FfpGaussians *grad, const real *grad_t,

@@ -2,6 +2,7 @@
 #ifndef FFP_REFINE_FIT_H
 #define FFP_REFINE_FIT_H
 
+#include "refine/adam.h"
 #include "refine/refine.h"
 
 // What a view was worth, before the step that it caused.
@@ -20,13 +21,6 @@ double ffp_viewer_psnr(FfpViewer *viewer, const FfpGaussians *gaussians, int vie
 FfpFitLoss ffp_viewer_look(FfpViewer *viewer, const FfpGaussians *gaussians, int view, int64_t step,
                            FfpGaussians *grad);
 
-// Adam's state (Kingma and Ba 2015) for parameters, and what holds them near to their start.
-typedef struct FfpMover {
-    FfpGaussians mean, square, start; // start has no elements unless something pulls towards it
-    real shared_mean, shared_square;  // of the number that all roughness logits share
-    int64_t *neighbour;               // [count,k]; NULL: no smoothing
-    int64_t step;
-} FfpMover;
 FfpMover ffp_mover_new(const FfpParameters *parameters, const FfpRefineSettings *settings);
 void ffp_mover_free(FfpMover *mover);
 // One step. `share` of the budget is spent, in [0,1].

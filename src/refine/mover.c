@@ -1,12 +1,13 @@
-// Adam with a rate for each attribute, a pull back towards the start and smooth displacements. Pull and
-// smoothing act on the parameters, not through the loss, as weight decay does in AdamW (Loshchilov and
-// Hutter 2019): Adam would scale them away.
+// Adam with a rate for each attribute, a pull back towards the start (adam.h) and smooth displacements, which
+// act on the parameters as the pull does.
 #include <stdlib.h>
 #include <string.h>
 #include "base/arena.h"
+#include "base/device.h"
 #include "base/vec.h"
 #include "refine/fit.h"
 #include "refine/neighbours.h"
+#include "refine/table.h"
 
 #define NEIGHBOURS 6
 
@@ -14,12 +15,14 @@ FfpMover ffp_mover_new(const FfpParameters *parameters, const FfpRefineSettings 
     const int64_t count = parameters->numbers.count;
     bool pulls = false;
     for (int a = 0; a < FFP_ATTRIBUTES; a++) pulls = pulls || settings->rates.pull[a] > 0;
-    FfpMover mover = {.mean = ffp_gaussians_new(count), .square = ffp_gaussians_new(count)};
+    FfpMover mover = {.mean = ffp_gaussians_new(count),
+                      .square = ffp_gaussians_new(count),
+                      .shared = ffp_memory_new(FFP_SHARED_NUMBERS, sizeof(real))};
     mover.start = ffp_gaussians_new(pulls ? count : 0);
     for (int a = 0; pulls && a < FFP_ATTRIBUTES; a++) {
         const FfpAttribute from = ffp_attribute(&parameters->numbers, a);
-        memcpy(ffp_attribute(&mover.start, a).data, from.data,
-               (size_t)count * (size_t)from.width * sizeof(real));
+        ffp_memory_copy(ffp_attribute(&mover.start, a).data, from.data,
+                        (size_t)count * (size_t)from.width * sizeof(real));
     }
     if (settings->smooth > 0) {
         mover.neighbour = ffp_alloc((size_t)count + 1, NEIGHBOURS * sizeof *mover.neighbour);
@@ -32,22 +35,16 @@ void ffp_mover_free(FfpMover *mover) {
     ffp_gaussians_free(&mover->mean);
     ffp_gaussians_free(&mover->square);
     ffp_gaussians_free(&mover->start);
+    ffp_memory_free(mover->shared);
     free(mover->neighbour);
     *mover = (FfpMover){0};
 }
 
-typedef struct Update {
-    real rate, pull, beta1, beta2, correction1, correction2, epsilon;
-} Update;
-
-static void update(const Update *u, real *x, real *mean, real *square, const real *grad, const real *start,
+static void update(const FfpUpdate *u, real *x, real *mean, real *square, const real *grad, const real *start,
                    int64_t count) {
 #pragma omp parallel for simd schedule(static)
     for (int64_t i = 0; i < count; i++) {
-        const real g = grad[i];
-        mean[i] = u->beta1 * mean[i] + (1 - u->beta1) * g;
-        square[i] = u->beta2 * square[i] + (1 - u->beta2) * g * g;
-        x[i] -= u->rate * mean[i] * u->correction1 / (sqrt(square[i] * u->correction2) + u->epsilon);
+        ffp_adam(u, grad[i], &x[i], &mean[i], &square[i]);
         if (start) x[i] -= u->pull * (x[i] - start[i]);
     }
 }
@@ -89,47 +86,60 @@ static double decay_of(const FfpRefineSettings *settings, int attribute, int64_t
     return pow(settings->centre_decay, share);
 }
 
-static Update update_of(const FfpRefineSettings *settings, int64_t step, double rate, double pull) {
+static FfpUpdate update_of(const FfpRefineSettings *settings, int64_t step, double rate, double pull) {
     const double t = (double)step;
-    return (Update){.rate = (real)rate,
-                    .pull = (real)(rate * pull),
-                    .beta1 = settings->beta1,
-                    .beta2 = settings->beta2,
-                    .correction1 = (real)(1 / (1 - pow((double)settings->beta1, t))),
-                    .correction2 = (real)(1 / (1 - pow((double)settings->beta2, t))),
-                    .epsilon = settings->epsilon};
+    return (FfpUpdate){.rate = (real)rate,
+                       .pull = (real)(rate * pull),
+                       .beta1 = settings->beta1,
+                       .beta2 = settings->beta2,
+                       .correction1 = (real)(1 / (1 - pow((double)settings->beta1, t))),
+                       .correction2 = (real)(1 / (1 - pow((double)settings->beta2, t))),
+                       .epsilon = settings->epsilon};
+}
+
+static FfpMove move_of(const FfpRefineSettings *settings, int64_t step, double share) {
+    const FfpRates *rates = &settings->rates;
+    FfpMove move = {.shares = rates->shared_roughness > 0};
+    for (int a = 0; a < FFP_ATTRIBUTES; a++) {
+        const double rate = rates->rate[a] * decay_of(settings, a, step, share);
+        move.of[a] = update_of(settings, step, rate, rates->pull[a]);
+    }
+    const double rate = rates->shared_roughness * decay_of(settings, FFP_ROUGHNESS, step, share);
+    move.shared = update_of(settings, step, rate, 0);
+    return move;
 }
 
 // A highlight is in few pixels of few views: a splat's own roughness hardly learns from it. So each logit is
 // r_i = s + d_i, with dL/ds = sum_i dL/dr_i, and s has an Adam of its own. The d_i are moved and pulled back
 // elsewhere: what they are pulled towards goes along with s.
 static void move_shared_roughness(FfpMover *mover, FfpParameters *parameters, const FfpGaussians *grad,
-                                  const Update *u) {
+                                  const FfpUpdate *u) {
     double sum = 0;
     for (int64_t i = 0; i < grad->count; i++) sum += (double)grad->roughness[i];
-    const real slope = (real)sum;
-    real moved = 0;
-    update(u, &moved, &mover->shared_mean, &mover->shared_square, &slope, NULL, 1);
+    ffp_adam_shared(u, sum, mover->shared);
+    const real moved = mover->shared[FFP_SHARED_MOVED];
     for (int64_t i = 0; i < grad->count; i++) parameters->numbers.roughness[i] += moved;
     for (int64_t i = 0; i < mover->start.count; i++) mover->start.roughness[i] += moved;
 }
 
-void ffp_mover_step(FfpMover *mover, FfpParameters *parameters, const FfpGaussians *grad,
-                    const FfpRefineSettings *settings, double share) {
-    const FfpRates *rates = &settings->rates;
-    mover->step++;
+static void move_all(FfpMover *mover, FfpParameters *parameters, const FfpGaussians *grad,
+                     const FfpMove *move) {
     for (int a = 0; a < FFP_ATTRIBUTES; a++) {
         const FfpAttribute x = ffp_attribute(&parameters->numbers, a);
-        const double rate = rates->rate[a] * decay_of(settings, a, mover->step, share);
-        const Update u = update_of(settings, mover->step, rate, rates->pull[a]);
-        update(&u, x.data, ffp_attribute(&mover->mean, a).data, ffp_attribute(&mover->square, a).data,
-               ffp_attribute(grad, a).data, mover->start.count ? ffp_attribute(&mover->start, a).data : NULL,
-               grad->count * x.width);
+        update(&move->of[a], x.data, ffp_attribute(&mover->mean, a).data,
+               ffp_attribute(&mover->square, a).data, ffp_attribute(grad, a).data,
+               mover->start.count ? ffp_attribute(&mover->start, a).data : NULL, grad->count * x.width);
     }
-    if (rates->shared_roughness > 0) {
-        const double rate = rates->shared_roughness * decay_of(settings, FFP_ROUGHNESS, mover->step, share);
-        const Update u = update_of(settings, mover->step, rate, 0);
-        move_shared_roughness(mover, parameters, grad, &u);
-    }
+    if (move->shares) move_shared_roughness(mover, parameters, grad, &move->shared);
+}
+
+void ffp_mover_step(FfpMover *mover, FfpParameters *parameters, const FfpGaussians *grad,
+                    const FfpRefineSettings *settings, double share) {
+    mover->step++;
+    const FfpMove move = move_of(settings, mover->step, share);
+    if (ffp_device())
+        ffp_device()->refine->move(&move, grad, &parameters->numbers, mover);
+    else
+        move_all(mover, parameters, grad, &move);
     if (mover->neighbour) smooth_displacements(mover, parameters, settings->smooth);
 }

@@ -1,6 +1,7 @@
 #include "refine/pyramid.h"
 
 #include <stdio.h>
+#include "base/device.h"
 #include "base/log.h"
 #include "capture/reduce.h"
 #include "refine/reduce.h"
@@ -99,7 +100,7 @@ double ffp_pyramid_psnr(const FfpGaussians *gaussians, const FfpOrigin *origin, 
     FfpRenderSettings one_sample = *render;
     one_sample.samples = 1;
     const int side = coarsest_side(capture);
-    if (side == 1 || !origin->pixel || gaussians->count < 1)
+    if (side == 1 || ffp_device() || !origin->pixel || gaussians->count < 1)
         return ffp_photographs_psnr(gaussians, capture, patterns, n_patterns, &one_sample);
     FfpCapture small = ffp_reduced(capture, patterns, n_patterns, side);
     FfpCoarse coarse = ffp_coarse_new(gaussians, origin, side);
@@ -115,6 +116,9 @@ bool ffp_refine_pyramid(FfpGaussians *gaussians, const FfpOrigin *origin, const 
     const Pyramid p = {origin, capture, patterns, n_patterns, settings, coarsest_side(capture)};
     if (p.coarsest == 1 || !origin->pixel || settings->steps < capture->n_views || gaussians->count < 1)
         return ffp_refine(gaussians, capture, patterns, n_patterns, settings, result, err);
+    if (ffp_device())
+        return ffp_fail(err, capture->folder, "pictures longer than %d pixels are fitted on the CPU only",
+                        FFP_PYRAMID_SIDE);
     const double begin = ffp_seconds();
     FfpGaussians first = ffp_gaussians_copy(gaussians);
     const bool ok = fit_levels(&p, gaussians, &first, result, err);

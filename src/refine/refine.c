@@ -5,10 +5,12 @@
 #include <stdlib.h>
 #include <string.h>
 #include "base/arena.h"
+#include "base/device.h"
 #include "base/log.h"
 #include "base/rng.h"
 #include "refine/density.h"
 #include "refine/fit.h"
+#include "refine/table.h"
 
 FfpRefineSettings ffp_refine_defaults(void) {
     return (FfpRefineSettings){
@@ -130,6 +132,10 @@ static void shuffle(Fit *fit) {
 }
 
 static void clear(FfpGaussians *g) {
+    if (ffp_device()) {
+        ffp_device()->refine->clear(g);
+        return;
+    }
     for (int a = 0; a < FFP_ATTRIBUTES; a++) {
         const FfpAttribute x = ffp_attribute(g, a);
         memset(x.data, 0, (size_t)g->count * (size_t)x.width * sizeof(real));
@@ -143,7 +149,8 @@ static void copy(FfpGaussians *to, const FfpGaussians *from) {
     }
     for (int a = 0; a < FFP_ATTRIBUTES; a++) {
         const FfpAttribute x = ffp_attribute(from, a);
-        memcpy(ffp_attribute(to, a).data, x.data, (size_t)from->count * (size_t)x.width * sizeof(real));
+        ffp_memory_copy(ffp_attribute(to, a).data, x.data,
+                        (size_t)from->count * (size_t)x.width * sizeof(real));
     }
 }
 
@@ -240,7 +247,7 @@ static Fit fit_new(const FfpGaussians *gaussians, const FfpCapture *capture, con
     fit.gaussians = ffp_gaussians_new(gaussians->count);
     fit.grad = ffp_gaussians_new(gaussians->count);
     fit.mover = ffp_mover_new(&fit.parameters, settings);
-    fit.crowd = ffp_crowd_new(gaussians->count, settings->seed);
+    fit.crowd = ffp_crowd_new(scratch ? gaussians->count : 0, settings->seed);
     fit.order = ffp_alloc((size_t)capture->n_views, sizeof *fit.order);
     for (int v = 0; v < capture->n_views; v++) fit.order[v] = v;
     fit.rng = ffp_rng(settings->seed, 1);
@@ -266,11 +273,19 @@ static FfpProgress progress_of(const FfpRefineSettings *s) {
                         s->seconds > 0 ? (int64_t)ceil(s->seconds) : s->steps);
 }
 
+// What a device has no code for.
+static bool device_can(const FfpRefineSettings *s, const char *where, FfpError *err) {
+    if (s->density.on) return ffp_fail(err, where, "density control works on the CPU only");
+    if (s->smooth > 0) return ffp_fail(err, where, "smoothing over neighbours works on the CPU only");
+    return true;
+}
+
 bool ffp_refine(FfpGaussians *gaussians, const FfpCapture *capture, const int *patterns, int n_patterns,
                 const FfpRefineSettings *settings, FfpRefineResult *result, FfpError *err) {
     if (gaussians->count < 1) return ffp_fail(err, capture->folder, "there are no Gaussians to refine");
     if (!(settings->steps > 0) && !(settings->seconds > 0))
         return ffp_fail(err, NULL, "a fit needs a limit of steps or seconds");
+    if (ffp_device() && !device_can(settings, capture->folder, err)) return false;
     Fit fit = fit_new(gaussians, capture, patterns, n_patterns, settings);
     *result = (FfpRefineResult){0};
     if (settings->measure) result->psnr_before = measure(&fit, gaussians);

@@ -64,6 +64,8 @@ typedef struct FfpRefineResult {
 // lowest loss, or what was there before where that has the better PSNR on the same pictures. With a limit in
 // steps, the same seed and thread count give the same bits. Errors: no Gaussians, no limit, a loss that is
 // not finite.
+// On a device: arrays of the Gaussians, of pictures, coverage and patterns are that device's. Errors: density
+// control or smoothing is asked for.
 bool ffp_refine(FfpGaussians *gaussians, const FfpCapture *capture, const int *patterns, int n_patterns,
                 const FfpRefineSettings *settings, FfpRefineResult *result, FfpError *err);
 
@@ -71,8 +73,11 @@ bool ffp_refine(FfpGaussians *gaussians, const FfpCapture *capture, const int *p
 double ffp_photographs_psnr(const FfpGaussians *gaussians, const FfpCapture *capture, const int *patterns,
                             int n_patterns, const FfpRenderSettings *render);
 
+// ffp_summed_new on what the thread works on, pattern and table alike; released by ffp_summed_free.
+FfpSummed ffp_pattern_summed(const FfpImage *pattern);
+
 // Points drawn evenly in the visual hull (where every view that sees a point has it inside its coverage):
-// round splats as wide as the way to the three nearest, opacity 0.1, grey. Errors: an empty hull.
+// round splats as wide as the way to the three nearest, opacity 0.1, grey. Errors: an empty hull, a device.
 bool ffp_scratch_gaussians(FfpGaussians *gaussians, const FfpCapture *capture, int64_t count, uint64_t seed,
                            FfpError *err);
 

@@ -1,5 +1,6 @@
 // A start without a prediction: points in the visual hull.
 #include "base/arena.h"
+#include "base/device.h"
 #include "base/rng.h"
 #include "base/vec.h"
 #include "refine/neighbours.h"
@@ -56,6 +57,8 @@ static void place_splats(FfpGaussians *g, FfpRng *rng) {
 bool ffp_scratch_gaussians(FfpGaussians *gaussians, const FfpCapture *capture, int64_t count, uint64_t seed,
                            FfpError *err) {
     FfpRng rng = ffp_rng(seed, 3);
+    if (ffp_device())
+        return ffp_fail(err, capture->folder, "Gaussians from nothing are made on the CPU only");
     if (count <= NEAREST)
         return ffp_fail(err, capture->folder, "%lld points are too few to start from", (long long)count);
     *gaussians = ffp_gaussians_new(count);

@@ -1,11 +1,12 @@
 // A view under black, white and the patterns, against its photographs.
 #include <stdlib.h>
-#include <string.h>
 #include "base/arena.h"
+#include "base/device.h"
 #include "base/vec.h"
 #include "loss/loss.h"
 #include "loss/metrics.h"
 #include "refine/fit.h"
+#include "refine/table.h"
 #include "render/pass.h"
 
 struct FfpViewer {
@@ -21,6 +22,10 @@ struct FfpViewer {
     FfpImage picture, grad; // of one view, remade when its size changes
 };
 
+FfpSummed ffp_pattern_summed(const FfpImage *pattern) {
+    return ffp_device() ? ffp_device()->refine->summed_new(pattern) : ffp_summed_new(pattern);
+}
+
 FfpViewer *ffp_viewer_new(const FfpCapture *capture, const int *patterns, int n_patterns,
                           const FfpRefineSettings *settings) {
     FfpViewer *v = ffp_alloc(1, sizeof *v);
@@ -33,7 +38,8 @@ FfpViewer *ffp_viewer_new(const FfpCapture *capture, const int *patterns, int n_
                      .pass = ffp_view_pass_new(&settings->render),
                      .shadows = ffp_alloc((size_t)capture->n_views, sizeof *v->shadows),
                      .looks = ffp_alloc((size_t)capture->n_views, sizeof *v->looks)};
-    for (int p = 0; p < n_patterns; p++) v->light[p] = ffp_summed_new(&capture->patterns[patterns[p]].image);
+    for (int p = 0; p < n_patterns; p++)
+        if (patterns[p] != capture->black) v->light[p] = ffp_pattern_summed(&capture->patterns[patterns[p]].image);
     for (int i = 0; i < capture->n_views * n_patterns; i++) {
         v->targets[i] = ffp_image_copy(&capture->views[i / n_patterns].images[patterns[i % n_patterns]]);
         ffp_image_to_srgb(&v->targets[i]);
@@ -82,7 +88,7 @@ static void compare(FfpViewer *v, int p, const FfpImage *target, FfpFitLoss *los
     const real share = 1 / (real)v->n_patterns, *intensity = v->capture->intensity;
     const FfpSummed *light = light_of(v, p);
     ffp_view_pass_shade(v->pass, intensity, light, &v->picture);
-    memset(v->grad.data, 0, sizeof(real) * (size_t)v->grad.width * v->grad.height * 3);
+    ffp_memory_zero(v->grad.data, sizeof(real) * (size_t)v->grad.width * v->grad.height * 3);
     loss->total += ffp_l1_loss(&v->picture, target, share * s->l1, &v->grad);
     loss->total += ffp_ssim_loss(&v->picture, target, share * s->ssim, &v->grad);
     loss->psnr += ffp_psnr(&v->picture, target) * (double)share;

@@ -6,7 +6,7 @@
 #include <stdbool.h>
 #include <stddef.h>
 #include "base/real.h"
-#include "image/srgb_curve.h"
+#include "image/srgb_formula.h"
 #include "render/formula.h"
 
 // Mean of side x side samples, the first of them at *first; rows lie `stride` numbers apart, samples
@@ -26,7 +26,7 @@ FFP_FORMULA bool ffp_tells_coverage(real opacity, int side) {
 // From the mean radiance to the picture.
 FFP_FORMULA void ffp_resolve_pixel(const real mean[3], real opacity, int side, real picture[3]) {
     const real covered = ffp_tells_coverage(opacity, side) ? opacity : 1;
-    for (int k = 0; k < 3; k++) picture[k] = covered * ffp_srgb_encoded(mean[k] / covered);
+    for (int k = 0; k < 3; k++) picture[k] = covered * ffp_srgb_encode(mean[k] / covered);
 }
 
 // From one pixel's picture to its mean radiance and, ADDED, its opacity.
@@ -34,9 +34,9 @@ FFP_FORMULA void ffp_resolve_pixel_backward(const real mean[3], real opacity, in
                                             real grad_mean[3], real *grad_opacity) {
     const bool tells = ffp_tells_coverage(opacity, side);
     for (int k = 0; k < 3; k++) {
-        const real c = tells ? mean[k] / opacity : mean[k], slope = ffp_srgb_slope(c);
+        const real c = tells ? mean[k] / opacity : mean[k], slope = ffp_srgb_encode_slope(c);
         grad_mean[k] = grad[k] * slope;
-        if (tells) *grad_opacity += grad[k] * (ffp_srgb_encoded(c) - c * slope);
+        if (tells) *grad_opacity += grad[k] * (ffp_srgb_encode(c) - c * slope);
     }
 }
 

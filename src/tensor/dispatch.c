@@ -1,5 +1,7 @@
-// The public kernels: each goes to the table of the CPU level in use.
+// The public kernels: each goes to the table of the device that the thread works on, or of the CPU level in
+// use.
 #include "base/cpu.h"
+#include "base/device.h"
 #include "tensor/kernels/kernels.h"
 
 static const FfpKernels *const tables[FFP_CPU_LEVELS] = {
@@ -13,12 +15,18 @@ static const FfpKernels *const tables[FFP_CPU_LEVELS] = {
 };
 
 static const FfpKernels *kernels(void) {
+    if (ffp_device()) return ffp_device()->tensor;
     const FfpKernels *table = tables[ffp_cpu_level()];
     return table ? table : tables[FFP_CPU_PORTABLE];
 }
 
 double ffp_multiply_registers(long repeats) {
-    return kernels()->multiply_registers(repeats);
+    return kernels()->multiply_registers ? kernels()->multiply_registers(repeats) : 0;
+}
+
+void ffp_gemm(bool transpose_a, bool transpose_b, int m, int n, int k, real alpha, const real *a, int lda,
+              const real *b, int ldb, real beta, real *c, int ldc) {
+    kernels()->gemm(transpose_a, transpose_b, m, n, k, alpha, a, lda, b, ldb, beta, c, ldc);
 }
 
 void ffp_gemm_mixed(bool transpose_a, bool transpose_b, int m, int n, int k, real alpha, const real *a,
@@ -67,6 +75,10 @@ void ffp_gated_norm_forward(real *y, real *rstd, const real *x, const real *z, i
 void ffp_gated_norm_backward(real *dx, real *dz, int lddz, real *dgain, const real *dy, const real *x,
                              const real *z, int ldz, const real *rstd, const real *gain, int rows, int dim) {
     kernels()->gated_norm_backward(dx, dz, lddz, dgain, dy, x, z, ldz, rstd, gain, rows, dim);
+}
+
+void ffp_add(real *y, const real *x, size_t count) {
+    kernels()->add(y, x, count);
 }
 
 void ffp_gelu_forward(real *y, const real *x, size_t count) {

@@ -1,5 +1,5 @@
 // Matrix products over OpenBLAS.
-#include "tensor/tensor.h"
+#include "tensor/kernels/kernels.h"
 
 #include <cblas.h>
 #include <omp.h>
@@ -30,8 +30,8 @@ static void product(bool transpose_a, bool transpose_b, int m, int n, int k, rea
 // Outside a parallel region C is cut into one rectangle a thread, each a
 // single-threaded product: with few threads that is up to a quarter faster
 // than OpenBLAS's own threading. Inside one, the caller's thread does it all.
-void ffp_gemm(bool transpose_a, bool transpose_b, int m, int n, int k, real alpha, const real *a, int lda,
-              const real *b, int ldb, real beta, real *c, int ldc) {
+void ffp_blas_gemm(bool transpose_a, bool transpose_b, int m, int n, int k, real alpha, const real *a,
+                   int lda, const real *b, int ldb, real beta, real *c, int ldc) {
     if (m <= 0 || n <= 0) return;
     const int threads = omp_in_parallel() ? 1 : omp_get_max_threads();
     const int down = at_least_one(smaller(m / PIECE, threads));

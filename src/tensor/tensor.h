@@ -1,7 +1,8 @@
 // Kernels on plain arrays, row-major. Every *_forward has a *_backward that ADDS to gradients of parameters
 // (named dw, dgain, ...) and OVERWRITES gradients of inputs (dx). T is tokens (rows), no function allocates
 // unless its comment says so. All run in parallel over OpenMP threads and give the same bits for the same
-// thread count.
+// thread count. On a thread that works on a device (base/device.h) the arrays are the device's, scratch too;
+// only ffp_scan_forward_reference stays on the CPU.
 #ifndef FFP_TENSOR_TENSOR_H
 #define FFP_TENSOR_TENSOR_H
 
@@ -52,6 +53,8 @@ void ffp_gated_norm_forward(real *y, real *rstd, const real *x, const real *z, i
 // dx [rows,dim] overwritten; dz (row stride lddz) is ADDED to, because two scan directions share z.
 void ffp_gated_norm_backward(real *dx, real *dz, int lddz, real *dgain, const real *dy, const real *x,
                              const real *z, int ldz, const real *rstd, const real *gain, int rows, int dim);
+
+void ffp_add(real *y, const real *x, size_t count); // y += x
 
 // Exact GELU (erf form), elementwise.
 void ffp_gelu_forward(real *y, const real *x, size_t count);

@@ -4,6 +4,8 @@
 #include <stdlib.h>
 #include <string.h>
 #include "base/arena.h"
+#include "base/device.h"
+#include "train/table.h"
 #include "train/train.h"
 
 FfpAdam ffp_adam_new(const FfpModel *model) {
@@ -31,6 +33,7 @@ double ffp_learning_rate(const FfpTrainConfig *config, int64_t step) {
 
 // Sum of squares in fixed blocks, added in order: the same bits for any thread count.
 static double squared_norm(const real *x, int64_t count) {
+    if (ffp_device()) return ffp_device()->train->squared_norm(x, count);
     enum { BLOCK = 1 << 14 };
     const int64_t blocks = (count + BLOCK - 1) / BLOCK;
     double *partial = ffp_alloc((size_t)blocks, sizeof *partial);
@@ -47,20 +50,14 @@ static double squared_norm(const real *x, int64_t count) {
     return total;
 }
 
-typedef struct UpdateRates {
-    real beta1, beta2, scale, step_size, correction2, decay, ema;
-} UpdateRates;
-
-static void update_range(const UpdateRates *r, real *w, real *m, real *v, real *ema, const real *grad,
+static void update_range(const FfpAdamRates *r, real *w, real *m, real *v, real *ema, const real *grad,
                          int64_t count) {
-#pragma omp parallel for simd schedule(static)
-    for (int64_t i = 0; i < count; i++) {
-        const real g = grad[i] * r->scale;
-        m[i] = r->beta1 * m[i] + (1 - r->beta1) * g;
-        v[i] = r->beta2 * v[i] + (1 - r->beta2) * g * g;
-        w[i] -= r->step_size * m[i] / (sqrtf(v[i] * r->correction2) + 1e-8F) + r->decay * w[i];
-        ema[i] = r->ema * ema[i] + (1 - r->ema) * w[i];
+    if (ffp_device()) {
+        ffp_device()->train->adam(r, w, m, v, ema, grad, count);
+        return;
     }
+#pragma omp parallel for simd schedule(static)
+    for (int64_t i = 0; i < count; i++) ffp_adam_move(r, w + i, m + i, v + i, ema + i, grad[i]);
 }
 
 double ffp_adam_update(FfpAdam *adam, FfpModel *model, const real *grad, const FfpTrainConfig *config,
@@ -71,7 +68,7 @@ double ffp_adam_update(FfpAdam *adam, FfpModel *model, const real *grad, const F
     *skipped = !isfinite(norm) || norm > config->skip_above * config->clip;
     if (*skipped) return norm;
     const double t = (double)adam->step;
-    UpdateRates rates = {
+    FfpAdamRates rates = {
         .beta1 = (real)config->beta1,
         .beta2 = (real)config->beta2,
         .scale = (real)(norm > config->clip ? config->clip / norm : 1.0),

@@ -138,3 +138,9 @@ real ffp_true_t(const FfpView *view, int pixel) {
     real direction[3];
     return view->depth.data[pixel] / ffp_pixel_ray(&view->camera, (real)x + 0.5F, (real)y + 0.5F, direction);
 }
+
+void ffp_scene_distances(real *out, const FfpScene *scene, const int64_t *pixel, int64_t count) {
+    const FfpView *views = scene->inputs.views;
+    const int64_t area = (int64_t)views[0].camera.width * views[0].camera.height;
+    for (int64_t i = 0; i < count; i++) out[i] = ffp_true_t(&views[pixel[i] / area], (int)(pixel[i] % area));
+}

@@ -4,10 +4,12 @@
 #include <stdlib.h>
 #include <string.h>
 #include "base/arena.h"
+#include "base/device.h"
 #include "base/log.h"
 #include "base/rng.h"
 #include "base/vec.h"
 #include "render/pass.h"
+#include "train/table.h"
 #include "train/train.h"
 
 struct FfpStepper {
@@ -19,7 +21,7 @@ struct FfpStepper {
     FfpViewPass *pass;
     FfpImage picture, target, grad; // of one view, remade when its size changes
     FfpGaussians grad_gaussians;
-    real *grad_t;
+    real *grad_t, *true_t; // [Gaussians]; true_t on the CPU alone
 };
 
 FfpStepper *ffp_stepper_new(const FfpTrainConfig *config, const FfpPerceptual *perceptual) {
@@ -43,7 +45,8 @@ void ffp_stepper_free(FfpStepper *s) {
     if (!s) return;
     free_pictures(s);
     ffp_gaussians_free(&s->grad_gaussians);
-    free(s->grad_t);
+    ffp_memory_free(s->grad_t);
+    free(s->true_t);
     ffp_view_pass_free(s->pass);
     ffp_run_free(s->run);
     free(s);
@@ -62,7 +65,7 @@ static void fit_pictures(FfpStepper *s, int width, int height) {
 }
 
 static void encode_into(FfpImage *out, const FfpImage *linear) {
-    memcpy(out->data, linear->data, sizeof(real) * (size_t)linear->width * linear->height * 3);
+    ffp_memory_copy(out->data, linear->data, sizeof(real) * (size_t)linear->width * linear->height * 3);
     ffp_image_to_srgb(out);
 }
 
@@ -77,7 +80,7 @@ static void supervise_pattern(FfpStepper *s, const FfpScene *scene, const FfpVie
     losses->shade_s += ffp_seconds() - clock, clock = ffp_seconds();
 
     encode_into(&s->target, &view->images[pattern]);
-    memset(s->grad.data, 0, sizeof(real) * (size_t)s->grad.width * s->grad.height * 3);
+    ffp_memory_zero(s->grad.data, sizeof(real) * (size_t)s->grad.width * s->grad.height * 3);
     losses->l1 += ffp_l1_loss(&s->picture, &s->target, weight * (real)c->l1, &s->grad);
     losses->ssim += ffp_ssim_loss(&s->picture, &s->target, weight * (real)c->ssim, &s->grad);
     if (perceptual)
@@ -95,6 +98,9 @@ static double truth_loss(const real *sum, const real *opacity, const FfpImage *t
                          const FfpImage *coverage, real weight, real *grad) {
     if (!truth->data || weight == 0) return 0;
     const int pixels = truth->width * truth->height, channels = truth->channels;
+    if (ffp_device())
+        return ffp_device()->train->truth_loss(sum, opacity, truth->data, coverage->data, pixels, channels,
+                                               weight, grad);
     double total = 0;
     int64_t count = 0;
     for (int p = 0; p < pixels; p++) count += coverage->data[p] > 0.5F;
@@ -174,29 +180,33 @@ static void draw(FfpRng *rng, int first, int total, int count, int *out) {
     }
 }
 
+static double distance_loss(const real *t, const real *truth, int64_t count, real weight, real *grad) {
+    if (ffp_device()) return ffp_device()->train->distance_loss(t, truth, count, weight, grad);
+    double total = 0;
+    int64_t known = 0;
+    for (int64_t i = 0; i < count; i++) {
+        grad[i] = 0;
+        if (truth[i] <= 0) continue;
+        const real error = t[i] - truth[i];
+        total += fabsf(error);
+        grad[i] = error > 0 ? 1 : -1;
+        known++;
+    }
+    if (known == 0) return 0;
+    for (int64_t i = 0; i < count; i++) grad[i] *= weight / (real)known;
+    return total * weight / (double)known;
+}
+
 // Mean |t - truth| over the foreground Gaussians of the input views whose pixel has a true depth, times the
 // weight. An absolute error, because matching's errors are outliers.
 static double direct_loss(FfpStepper *s, const FfpScene *scene, real weight) {
     const FfpRun *run = s->run;
-    const FfpView *views = scene->inputs.views;
-    const int width = views[0].camera.width, height = views[0].camera.height;
-    double total = 0;
-    int64_t count = 0;
-    for (int64_t i = 0; i < run->gaussians.count; i++) {
-        const int64_t pixel = run->pixel[i];
-        const FfpView *view = &views[pixel / (width * height)];
-        const int at = (int)(pixel % (width * height));
-        s->grad_t[i] = 0;
-        const real truth = ffp_true_t(view, at);
-        if (truth <= 0) continue;
-        const real error = run->t[i] - truth;
-        total += fabsf(error);
-        s->grad_t[i] = error > 0 ? 1 : -1;
-        count++;
+    const real *truth = scene->true_t;
+    if (!truth) {
+        ffp_scene_distances(s->true_t, scene, run->pixel, run->gaussians.count);
+        truth = s->true_t;
     }
-    if (count == 0) return 0;
-    for (int64_t i = 0; i < run->gaussians.count; i++) s->grad_t[i] *= weight / (real)count;
-    return total * weight / (double)count;
+    return distance_loss(run->t, truth, run->gaussians.count, weight, s->grad_t);
 }
 
 // During the geometry warm-up: opacity against the pixel's mask, as cross-entropy, without the rasteriser.
@@ -217,19 +227,22 @@ static void clear_gradients(FfpStepper *s) {
     const int64_t count = s->run->gaussians.count;
     if (s->grad_gaussians.count != count || !s->grad_t) {
         ffp_gaussians_free(&s->grad_gaussians);
-        free(s->grad_t);
+        ffp_memory_free(s->grad_t);
+        free(s->true_t);
         s->grad_gaussians = ffp_gaussians_new(count);
-        s->grad_t = ffp_alloc((size_t)count + 1, sizeof(real));
+        s->grad_t = ffp_memory_new((size_t)count + 1, sizeof(real));
+        s->true_t = ffp_device() ? NULL : ffp_alloc((size_t)count + 1, sizeof(real));
         return;
     }
     const size_t size = (size_t)count * sizeof(real);
-    memset(s->grad_gaussians.centre, 0, 3 * size);
-    memset(s->grad_gaussians.scale, 0, 3 * size);
-    memset(s->grad_gaussians.rotation, 0, 4 * size);
-    memset(s->grad_gaussians.opacity, 0, size);
-    memset(s->grad_gaussians.albedo, 0, 3 * size);
-    memset(s->grad_gaussians.roughness, 0, size);
-    memset(s->grad_gaussians.ambient, 0, 3 * size);
+    FfpGaussians *g = &s->grad_gaussians;
+    ffp_memory_zero(g->centre, 3 * size);
+    ffp_memory_zero(g->scale, 3 * size);
+    ffp_memory_zero(g->rotation, 4 * size);
+    ffp_memory_zero(g->opacity, size);
+    ffp_memory_zero(g->albedo, 3 * size);
+    ffp_memory_zero(g->roughness, size);
+    ffp_memory_zero(g->ambient, 3 * size);
 }
 
 // Draws the views of a step with `gaussians`, the network's own or what a fit has made of them. Either way
@@ -259,14 +272,19 @@ static bool supervise_polished(FfpStepper *s, const FfpScene *scene, int64_t ste
     return ok;
 }
 
+static bool predict(FfpStepper *s, const FfpModel *model, const FfpScene *scene, FfpError *err) {
+    if (scene->prepared) return ffp_model_forward_prepared(model, s->run, scene->prepared, err);
+    return ffp_model_forward(model, s->run, &scene->inputs, &scene->start, &scene->context, scene->active,
+                             err);
+}
+
 bool ffp_step_loss(FfpStepper *s, const FfpModel *model, const FfpScene *scene, int64_t step,
                    FfpLosses *losses, real *grad, FfpError *err) {
     const FfpTrainConfig *c = s->config;
     *losses = (FfpLosses){0};
     s->profile = (FfpProfile){0};
     double clock = ffp_seconds();
-    if (!ffp_model_forward(model, s->run, &scene->inputs, &scene->start, &scene->context, scene->active, err))
-        return false;
+    if (!predict(s, model, scene, err)) return false;
     losses->forward_s = ffp_seconds() - clock;
     clear_gradients(s);
     losses->direct_t = direct_loss(s, scene, (real)c->direct_t);

@@ -17,7 +17,7 @@ int ffp_resolution_at(const FfpTrainConfig *config, int64_t step) {
     return step < config->low_steps ? config->low_resolution : config->resolution;
 }
 
-static int slot_of(const FfpTrainConfig *config, int64_t step) {
+int ffp_scene_slot(const FfpTrainConfig *config, int64_t step) {
     return config->single_scene ? 0 : (int)(step % config->pool);
 }
 
@@ -90,12 +90,13 @@ FfpStream *ffp_stream_new(const FfpTrainConfig *config, const FfpSceneFolder *fo
     return NULL;
 }
 
-bool ffp_stream_scene(FfpStream *stream, int64_t step, const FfpScene **scene, FfpError *err) {
-    const int slot = slot_of(stream->config, step);
+bool ffp_stream_scene(FfpStream *stream, int64_t step, const FfpScene **scene, bool *fresh, FfpError *err) {
+    const int slot = ffp_scene_slot(stream->config, step);
     FfpScene *place = &stream->slots[slot];
     bool stopped = false;
     *scene = place;
-    if (next_scene(stream, step) != step) return true;
+    *fresh = next_scene(stream, step) == step;
+    if (!*fresh) return true;
     if (stream->full[slot]) ffp_scene_close(place);
     const bool ok = stream->queue ? ffp_queue_take(stream->queue, place, &stopped, err)
                                   : make_scene(stream, step, place, err);

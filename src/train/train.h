@@ -80,6 +80,9 @@ typedef struct FfpScene {
     FfpContext context;  // of the configuration's model
     FfpSummed *patterns; // [capture.n_patterns]
     int active;          // input pattern
+    // On a device (mirror.h), where `start` and `context` are left out; else NULL:
+    FfpPrepared *prepared; // what the network takes from the scene
+    real *true_t;          // [its Gaussians] true distances (ffp_scene_distances)
 } FfpScene;
 // The scene of a number: mesh, material and jitter follow from (config->seed, split, number), and with them
 // in the training split the number of views, the rig and whether it is large: then it is made at
@@ -117,6 +120,7 @@ bool ffp_scene_read(FfpScene *scene, const FfpTrainConfig *config, const FfpScen
 // The scenes of a run, step by step. What a step gets is a pure function of the configuration, the folder and
 // the step, whatever config->generators and config->queue are.
 int ffp_resolution_at(const FfpTrainConfig *config, int64_t step);
+int ffp_scene_slot(const FfpTrainConfig *config, int64_t step);       // of the pool
 int64_t ffp_scene_number(const FfpTrainConfig *config, int64_t step); // a slot's scene changes in turn
 typedef struct FfpStream FfpStream;
 // For the steps first..end-1, which must be asked for in turn. `folder` NULL: scenes are generated. Nothing
@@ -125,13 +129,16 @@ typedef struct FfpStream FfpStream;
 FfpStream *ffp_stream_new(const FfpTrainConfig *config, const FfpSceneFolder *folder, int64_t first,
                           int64_t end, const atomic_bool *stop, FfpError *err);
 // The step's scene, the stream's own, good until the next call; *scene is NULL when *stop came before it was
-// ready.
-bool ffp_stream_scene(FfpStream *stream, int64_t step, const FfpScene **scene, FfpError *err);
+// ready. *fresh: the slot has changed with this step.
+bool ffp_stream_scene(FfpStream *stream, int64_t step, const FfpScene **scene, bool *fresh, FfpError *err);
 void ffp_stream_free(FfpStream *stream); // waits for scenes in the making, one a thread; NULL is allowed
 
 // True distance along the unit ray of a pixel (index into the view's images); 0 where there is no surface or
 // no truth.
 real ffp_true_t(const FfpView *view, int pixel);
+
+// The same for `count` pixels of the input views, each (view * height + y) * width + x.
+void ffp_scene_distances(real *out, const FfpScene *scene, const int64_t *pixel, int64_t count);
 
 typedef struct FfpLosses { // weighted values of a step's terms, and seconds of its parts
     double l1, ssim, perceptual, mask, depth, distortion, normal_smooth, roughness_smooth, direct_t;
@@ -140,7 +147,8 @@ typedef struct FfpLosses { // weighted values of a step's terms, and seconds of 
         backward_s;
     FfpProfile network; // parts of forward_s and backward_s
 } FfpLosses;
-// What a step needs besides the model; reused from step to step.
+// What a step needs besides the model; reused from step to step. Made, used and freed on a device
+// (base/device.h) it works there: model, scene (ffp_scene_upload) and gradient are the device's then.
 typedef struct FfpStepper FfpStepper;
 FfpStepper *ffp_stepper_new(const FfpTrainConfig *config, const FfpPerceptual *perceptual);
 void ffp_stepper_free(FfpStepper *stepper);

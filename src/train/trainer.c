@@ -8,8 +8,10 @@
 #include <jansson.h>
 #include "ffprocams.h"
 #include "base/arena.h"
+#include "base/device.h"
 #include "base/file.h"
 #include "base/log.h"
+#include "train/mirror.h"
 #include "train/train.h"
 
 typedef struct Trainer {
@@ -22,7 +24,11 @@ typedef struct Trainer {
     FfpStepper *stepper;
     FfpSceneFolder folder;
     FfpStream *scenes;
-    real *grad;
+    // On a device, which steps are made on: the weights and scenes there. model and adam are then up to date
+    // only after come_home.
+    const FfpDevice *device;
+    FfpMirror *mirror; // NULL on the CPU
+    real *grad;        // where the steps are made
     FILE *metrics;
     double started, saved; // seconds
 } Trainer;
@@ -103,11 +109,20 @@ static json_t *figures_of(const FfpValidation *v, int64_t step, bool with_free) 
     return line;
 }
 
+// What the device has made of the weights. Afterwards the thread works on the CPU.
+static void come_home(Trainer *trainer) {
+    if (!trainer->mirror) return;
+    ffp_device_use(trainer->device);
+    ffp_mirror_download(trainer->mirror, trainer->model, &trainer->adam);
+    ffp_device_use(NULL);
+}
+
 static bool validate(Trainer *trainer, int64_t step, FfpError *err) {
     char name[64], path[FFP_PATH_MAX];
     snprintf(name, sizeof name, "validation_%06lld.png", (long long)step);
     if (!out_path(path, trainer, name, err)) return false;
     FfpValidation v;
+    come_home(trainer);
     swap_ema(trainer);
     const int64_t last = step > 0 ? step - 1 : 0;
     const bool ok = ffp_validate(trainer->model, &trainer->config, ffp_resolution_at(&trainer->config, last),
@@ -128,6 +143,7 @@ static bool validate(Trainer *trainer, int64_t step, FfpError *err) {
 
 static bool save(Trainer *trainer, FfpError *err) {
     char path[FFP_PATH_MAX], steps[32];
+    come_home(trainer);
     if (!out_path(path, trainer, "checkpoint.safetensors", err) ||
         !ffp_checkpoint_write(path, trainer->model, &trainer->adam, &trainer->config, trainer->origin, err) ||
         !out_path(path, trainer, "weights.safetensors", err))
@@ -144,20 +160,37 @@ static bool save(Trainer *trainer, FfpError *err) {
     return ok;
 }
 
+// One update of the weights, on what the thread works on.
+static bool learn(Trainer *trainer, const FfpScene *scene, bool fresh, int64_t step, FfpLosses *losses,
+                  double *norm, bool *skipped, FfpError *err) {
+    const FfpTrainConfig *config = &trainer->config;
+    FfpMirror *mirror = trainer->mirror;
+    FfpModel *model = mirror ? &mirror->model : trainer->model;
+    FfpAdam *adam = mirror ? &mirror->adam : &trainer->adam;
+    if (mirror &&
+        !(scene = ffp_mirror_scene(mirror, ffp_scene_slot(config, step), fresh, scene, config, err)))
+        return false;
+    ffp_memory_zero(trainer->grad, (size_t)model->count * sizeof(real));
+    if (!ffp_step_loss(trainer->stepper, model, scene, step, losses, trainer->grad, err)) return false;
+    *norm = ffp_adam_update(adam, model, trainer->grad, config, skipped);
+    trainer->adam.step = adam->step;
+    return true;
+}
+
 // Does nothing when the run is interrupted while it waits for a scene.
 static bool one_step(Trainer *trainer, int64_t step, FfpError *err) {
     const double begin = ffp_seconds();
     const FfpScene *scene = NULL;
-    if (!ffp_stream_scene(trainer->scenes, step, &scene, err)) return false;
+    bool fresh, skipped = false;
+    if (!ffp_stream_scene(trainer->scenes, step, &scene, &fresh, err)) return false;
     if (!scene) return true;
     const double made = ffp_seconds();
     FfpLosses losses;
-    bool skipped = false;
-    memset(trainer->grad, 0, (size_t)trainer->model->count * sizeof(real));
-    if (!ffp_step_loss(trainer->stepper, trainer->model, scene, step, &losses, trainer->grad, err))
-        return false;
-    const double norm =
-        ffp_adam_update(&trainer->adam, trainer->model, trainer->grad, &trainer->config, &skipped);
+    double norm = 0;
+    ffp_device_use(trainer->device);
+    const bool ok = learn(trainer, scene, fresh, step, &losses, &norm, &skipped, err);
+    ffp_device_use(NULL);
+    if (!ok) return false;
     if (skipped) ffp_warning("step %lld skipped: gradient norm %g", (long long)step, norm);
     if (step % trainer->config.log_every == 0)
         log_step(trainer, step, &losses, norm, skipped, made - begin, ffp_seconds() - made);
@@ -277,10 +310,35 @@ static bool open_scenes(Trainer *trainer, int64_t stop_at, FfpError *err) {
     return trainer->scenes != NULL;
 }
 
+// What steps need, where they are made.
+static void open_device(Trainer *trainer) {
+    trainer->device = ffp_device_offered();
+    ffp_device_use(trainer->device);
+    if (trainer->device) trainer->mirror = ffp_mirror_new(trainer->model, &trainer->adam, &trainer->config);
+    trainer->stepper = ffp_stepper_new(&trainer->config, trainer->perceptual);
+    trainer->grad = ffp_memory_new((size_t)trainer->model->count, sizeof(real));
+    ffp_device_use(NULL);
+}
+
+static void close_device(Trainer *trainer) {
+    ffp_device_use(trainer->device);
+    ffp_mirror_free(trainer->mirror, &trainer->config);
+    ffp_stepper_free(trainer->stepper);
+    ffp_perceptual_free(trainer->perceptual);
+    ffp_memory_free(trainer->grad);
+    ffp_device_use(NULL);
+}
+
+// What training on a device lacks.
+static bool check_device(const FfpTrainConfig *config, FfpError *err) {
+    if (!ffp_device_offered() || config->warmup_geometry == 0) return true;
+    return ffp_fail(err, "warmup_geometry", "is not on the device: 0, or train on the CPU");
+}
+
 // The metrics file is opened after all that can be wrong: a folder that holds one counts as a run.
 static bool open_trainer(Trainer *trainer, const FfpTraining *options, FfpError *err) {
     trainer->out = options->out;
-    if (!open_model(trainer, options, err)) return false;
+    if (!open_model(trainer, options, err) || !check_device(&trainer->config, err)) return false;
     if (options->perceptual && !(trainer->perceptual = ffp_perceptual_read(options->perceptual, err)))
         return false;
     if (!options->perceptual && trainer->config.perceptual > 0)
@@ -288,8 +346,7 @@ static bool open_trainer(Trainer *trainer, const FfpTraining *options, FfpError 
     const char *scenes = trainer->config.scenes;
     if (scenes[0] && !ffp_scene_folder_open(&trainer->folder, scenes, err)) return false;
     if (!open_metrics(trainer, options->resume, err)) return false;
-    trainer->stepper = ffp_stepper_new(&trainer->config, trainer->perceptual);
-    trainer->grad = ffp_alloc((size_t)trainer->model->count, sizeof(real));
+    open_device(trainer);
     trainer->started = trainer->saved = ffp_seconds();
     return open_scenes(trainer, options->stop_at, err);
 }
@@ -297,9 +354,7 @@ static bool open_trainer(Trainer *trainer, const FfpTraining *options, FfpError 
 static void close_trainer(Trainer *trainer) {
     ffp_stream_free(trainer->scenes);
     ffp_scene_folder_close(&trainer->folder);
-    free(trainer->grad);
-    ffp_stepper_free(trainer->stepper);
-    ffp_perceptual_free(trainer->perceptual);
+    close_device(trainer);
     ffp_adam_free(&trainer->adam);
     ffp_model_free(trainer->model);
     if (trainer->metrics) fclose(trainer->metrics);

@@ -57,9 +57,13 @@ static void walk(const FfpTrainConfig *config, int first, uint64_t sums[STEPS]) 
     if (!stream) fail_msg("%s", err.text);
     for (int step = first; step < STEPS; step++) {
         const FfpScene *scene;
-        if (!ffp_stream_scene(stream, step, &scene, &err)) fail_msg("%s", err.text);
+        bool fresh;
+        if (!ffp_stream_scene(stream, step, &scene, &fresh, &err)) fail_msg("%s", err.text);
         assert_non_null(scene);
         sums[step] = hash_scene(scene);
+        // the slot was seen last a round ago, in this run
+        const int before = config->single_scene ? step - 1 : step - config->pool;
+        assert_true(fresh == (before < first || sums[before] != sums[step]));
     }
     ffp_stream_free(stream);
 }
@@ -116,8 +120,9 @@ static void an_error_names_the_scene(void **state) {
     for (config.generators = 0; config.generators <= 2; config.generators++) {
         FfpError err = {""};
         const FfpScene *scene;
+        bool fresh;
         FfpStream *stream = ffp_stream_new(&config, NULL, 1, STEPS, &stop, &err);
-        assert_false(ffp_stream_scene(stream, 1, &scene, &err));
+        assert_false(ffp_stream_scene(stream, 1, &scene, &fresh, &err));
         assert_null(scene);
         if (!strstr(err.text, "scene 1 of the train split") || !strstr(err.text, "0 samples"))
             fail_msg("%s", err.text);

@@ -1,7 +1,13 @@
-// GELU, exact form: y = x Phi(x) with the normal distribution Phi (Hendrycks & Gimpel 2016).
+// Elementwise: sums, and GELU, exact form: y = x Phi(x) with the normal distribution Phi (Hendrycks & Gimpel
+// 2016).
 #include "tensor/kernels/kernels.h"
 
 #include "tensor/kernels/fastmath.h"
+
+void FFP_K(add)(real *y, const real *x, size_t count) {
+#pragma omp parallel for simd schedule(static)
+    for (size_t i = 0; i < count; i++) y[i] += x[i];
+}
 
 void FFP_K(gelu_forward)(real *y, const real *x, size_t count) {
 #pragma omp parallel for simd schedule(static)

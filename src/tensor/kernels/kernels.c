@@ -3,6 +3,7 @@
 
 const FfpKernels FFP_K(kernels) = {
     .multiply_registers = FFP_K(multiply_registers),
+    .gemm = ffp_blas_gemm,
     .gemm_mixed = FFP_K(gemm_mixed),
     .linear_forward = FFP_K(linear_forward),
     .linear_residual_forward = FFP_K(linear_residual_forward),
@@ -13,6 +14,7 @@ const FfpKernels FFP_K(kernels) = {
     .rmsnorm_backward = FFP_K(rmsnorm_backward),
     .gated_norm_forward = FFP_K(gated_norm_forward),
     .gated_norm_backward = FFP_K(gated_norm_backward),
+    .add = FFP_K(add),
     .gelu_forward = FFP_K(gelu_forward),
     .gelu_backward = FFP_K(gelu_backward),
     .conv_forward = FFP_K(conv_forward),

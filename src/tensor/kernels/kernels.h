@@ -7,9 +7,11 @@
 #include "base/level.h"
 #include "tensor/tensor.h"
 
-// Signatures are those of the functions in tensor/tensor.h.
+// Signatures are those of the functions in tensor/tensor.h. A device (base/device.h) has such a table too,
+// with NULL for multiply_registers.
 typedef struct FfpKernels {
     __typeof__(ffp_multiply_registers) *multiply_registers;
+    __typeof__(ffp_gemm) *gemm;
     __typeof__(ffp_gemm_mixed) *gemm_mixed;
     __typeof__(ffp_linear_forward) *linear_forward;
     __typeof__(ffp_linear_residual_forward) *linear_residual_forward;
@@ -20,6 +22,7 @@ typedef struct FfpKernels {
     __typeof__(ffp_rmsnorm_backward) *rmsnorm_backward;
     __typeof__(ffp_gated_norm_forward) *gated_norm_forward;
     __typeof__(ffp_gated_norm_backward) *gated_norm_backward;
+    __typeof__(ffp_add) *add;
     __typeof__(ffp_gelu_forward) *gelu_forward;
     __typeof__(ffp_gelu_backward) *gelu_backward;
     __typeof__(ffp_conv_forward) *conv_forward;
@@ -35,6 +38,9 @@ typedef struct FfpKernels {
 extern const FfpKernels ffp_portable_kernels, ffp_avx2_kernels, ffp_avx512_kernels, ffp_avx512bf16_kernels,
     ffp_amx_kernels;
 
+// Every CPU level's gemm: OpenBLAS picks its own instructions.
+__typeof__(ffp_gemm) ffp_blas_gemm;
+
 #ifdef FFP_LEVEL
 __typeof__(ffp_multiply_registers) FFP_K(multiply_registers);
 __typeof__(ffp_gemm_mixed) FFP_K(gemm_mixed);
@@ -47,6 +53,7 @@ __typeof__(ffp_rmsnorm_forward) FFP_K(rmsnorm_forward);
 __typeof__(ffp_rmsnorm_backward) FFP_K(rmsnorm_backward);
 __typeof__(ffp_gated_norm_forward) FFP_K(gated_norm_forward);
 __typeof__(ffp_gated_norm_backward) FFP_K(gated_norm_backward);
+__typeof__(ffp_add) FFP_K(add);
 __typeof__(ffp_gelu_forward) FFP_K(gelu_forward);
 __typeof__(ffp_gelu_backward) FFP_K(gelu_backward);
 __typeof__(ffp_conv_forward) FFP_K(conv_forward);

@@ -129,8 +129,9 @@ void FFP_K(mixed)(const FfpMixed *mixed) {
         const real *start = mixed->start + (size_t)row * mixed->start_stride;
         if (c != start) memcpy(c, start, sizeof(real) * (size_t)mixed->n);
     }
-    ffp_gemm(mixed->transpose_a, mixed->transpose_b, mixed->m, mixed->n, mixed->k, mixed->alpha, mixed->a,
-             mixed->lda, mixed->b, mixed->ldb, mixed->start ? 1 : mixed->beta, mixed->c, mixed->ldc);
+    ffp_blas_gemm(mixed->transpose_a, mixed->transpose_b, mixed->m, mixed->n, mixed->k, mixed->alpha,
+                  mixed->a, mixed->lda, mixed->b, mixed->ldb, mixed->start ? 1 : mixed->beta, mixed->c,
+                  mixed->ldc);
 }
 #endif
 

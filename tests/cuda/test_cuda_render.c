@@ -11,9 +11,9 @@
 #include "render/pass.h"
 #include "render/scenes.h"
 
-#define TOLERANCE 1e-4   // of the difference's norm, as a share of the norm
-#define MAPPED 1e-3      // a sample's mapping differs from here on
-#define MAPPED_FEW 2e-3  // share of samples that may
+#define TOLERANCE 1e-4  // of the difference's norm, as a share of the norm
+#define MAPPED 1e-3     // a sample's mapping differs from here on
+#define MAPPED_FEW 2e-3 // share of samples that may
 
 enum { PATTERNS = 3, PATTERN_WIDTH = 97, PATTERN_HEIGHT = 71, FIELDS = 7 };
 
@@ -176,8 +176,8 @@ static Result run_pass(const Case *c, const World *w, const FfpDevice *on, const
     FfpViewPass *pass = ffp_view_pass_new(&c->settings);
     few.count = g.count < 3 ? g.count : 3; // buffers must grow
     ffp_view_pass_draw(pass, &few, &w->camera, &w->projector);
-    ffp_view_pass_shade_backward(pass, (const real[3]){1, 1, 1}, NULL,
-                                 &(FfpImage){c->width, c->height, 3, light[1].sum ? ffp_view_pass_gbuffer(pass)->albedo : NULL}, NULL, NULL);
+    run_pictures(pass, w, light, &r); // leaves gradients that the next draw must clear
+    for (int p = 0; p < PATTERNS; p++) free(r.picture[p].data);
     poison_samples(pass);
     if (c->keep_shadow) { // of the next draw, and kept for the one after
         ffp_view_pass_keep_shadow(pass, &shadow);
@@ -356,8 +356,8 @@ int main(void) {
     device = ffp_cuda_device(&err);
     print_message("%s\n", device ? ffp_cuda_describe() : err.text);
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_one_sample),    cmocka_unit_test(test_two_samples),
-        cmocka_unit_test(test_three_samples), cmocka_unit_test(test_papers_form),
+        cmocka_unit_test(test_one_sample),      cmocka_unit_test(test_two_samples),
+        cmocka_unit_test(test_three_samples),   cmocka_unit_test(test_papers_form),
         cmocka_unit_test(test_nothing_to_draw), cmocka_unit_test(test_training_size)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

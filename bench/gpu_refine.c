@@ -1,0 +1,120 @@
+// What the polish costs on the GPU: its own kernels, and whole steps, at training's sizes. With an argument,
+// or on the emulation, at tiny ones.
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include "base/log.h"
+#include "capture/uploaded.h"
+#include "cuda/cuda.h"
+#include "refine/fit.h"
+#include "refine/table.h"
+#include "tests/cuda/ball.h"
+
+enum { REPEATS = 15 };
+
+typedef struct Bench {
+    FfpCapture capture;
+    FfpGaussians start, decoded, grad; // on the device
+    FfpParameters parameters;
+    FfpMover mover;
+    FfpRefineSettings settings;
+} Bench;
+
+static int ascending(const void *a, const void *b) {
+    const double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+// Median milliseconds of one of `times` calls in a row, and GB/s when it moves `bytes`.
+static void report(const char *name, Bench *b, void (*work)(Bench *), int times, double bytes) {
+    double ms[REPEATS];
+    work(b);
+    for (int r = 0; r < REPEATS; r++) {
+        ffp_device()->synchronise();
+        const double begin = ffp_seconds();
+        for (int i = 0; i < times; i++) work(b);
+        ffp_device()->synchronise();
+        ms[r] = 1e3 * (ffp_seconds() - begin) / times;
+    }
+    qsort(ms, REPEATS, sizeof *ms, ascending);
+    printf("%-28s %9.4f ms", name, ms[REPEATS / 2]);
+    if (bytes > 0) printf(" %8.0f GB/s", bytes / ms[REPEATS / 2] / 1e6);
+    printf("\n");
+}
+
+static void clear(Bench *b) {
+    ffp_device()->refine->clear(&b->grad);
+}
+static void encode(Bench *b) {
+    ffp_device()->refine->encode(&b->start, true, &b->parameters);
+}
+static void decode(Bench *b) {
+    ffp_parameters_decode(&b->parameters, &b->decoded);
+}
+static void pull_back(Bench *b) {
+    ffp_parameters_pull_back(&b->parameters, &b->decoded, &b->grad);
+}
+static void move(Bench *b) {
+    ffp_mover_step(&b->mover, &b->parameters, &b->grad, &b->settings, 0.5);
+}
+static void summed(Bench *b) {
+    FfpSummed table = ffp_pattern_summed(&b->capture.patterns[BALL_STRIPES].image);
+    ffp_summed_free(&table);
+}
+
+static void fit(Bench *b) {
+    FfpRefineResult result;
+    FfpError err = {""};
+    FfpGaussians g = ffp_gaussians_copy(&b->start);
+    if (!ffp_refine(&g, &b->capture, ball_patterns, BALL_PATTERNS, &b->settings, &result, &err)) {
+        fprintf(stderr, "%s\n", err.text);
+        exit(1);
+    }
+    ffp_gaussians_free(&g);
+}
+
+static void parts(Bench *b) {
+    const double set = 18.0 * sizeof(real) * (double)b->start.count, own = 8.0 / 18 * set;
+    const FfpImage *pattern = &b->capture.patterns[BALL_STRIPES].image;
+    report("clear", b, clear, 20, set);
+    report("encode", b, encode, 20, 2 * set + own);
+    report("decode", b, decode, 20, 2 * set + own);
+    report("pull back", b, pull_back, 20, 3 * set + own);
+    report("move", b, move, 20, 8 * set);
+    report("summed areas", b, summed, 20, pattern->width * pattern->height * 3 * (4.0 + 3 * 8));
+}
+
+static void whole(Bench *b) {
+    char name[64];
+    if (!ffp_device()->render || !ffp_device()->loss) return;
+    snprintf(name, sizeof name, "a fit of %lld steps", (long long)b->settings.steps);
+    report(name, b, fit, 1, 0);
+}
+
+int main(int argc, char **argv) {
+    FfpError err = {""};
+    const FfpDevice *device = ffp_cuda_device(&err);
+    if (!device) {
+        fprintf(stderr, "%s\n", err.text);
+        return 1;
+    }
+    const bool tiny = argc > 1 || strstr(ffp_cuda_describe(), "emulated");
+    const int64_t count = tiny ? 300 : 45000;
+    const int views = tiny ? 2 : 8, side = tiny ? 24 : 128, pattern = tiny ? 32 : 256;
+    (void)argv;
+    Bench b = {.settings = ffp_polish_defaults(tiny ? 2 : 24)};
+    b.settings.quiet = true;
+    FfpCapture capture = ball_capture(count, views, side, side, pattern);
+    FfpGaussians start = ball_disturbed(count);
+    ffp_device_use(device);
+    b.capture = ffp_capture_uploaded(&capture);
+    b.start = ffp_gaussians_uploaded(&start);
+    b.decoded = ffp_gaussians_new(count), b.grad = ffp_gaussians_new(count);
+    b.parameters = ffp_parameters_new(&b.start, true, false);
+    b.mover = ffp_mover_new(&b.parameters, &b.settings);
+    printf("%s\n%lld splats, %d views of %dx%d, patterns of %dx%d\n", ffp_cuda_describe(), (long long)count,
+           views, side, side, pattern, pattern);
+    parts(&b);
+    whole(&b);
+    return 0;
+}

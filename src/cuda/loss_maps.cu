@@ -1,0 +1,73 @@
+// Terms on G-buffers that take every pixel by itself.
+#include "cuda/loss_sums.h"
+#include "cuda/loss_room.h"
+extern "C" {
+#include "loss/terms.h"
+}
+
+static __global__ void mask_pixels(size_t count, FfpPartials sums, const float *opacity, const float *mask,
+                                   float scale, float *grad) {
+    const size_t i = ffp_thread();
+    double entropy = 0;
+    if (i < count) {
+        entropy = -ffp_mask_term(opacity[i], mask[i]);
+        if (grad) grad[i] += ffp_mask_slope(opacity[i], mask[i], scale);
+    }
+    ffp_put_partial(sums, 0, entropy);
+}
+
+real ffp_cuda_mask(const real *opacity, const real *mask, int pixels, real weight, real *grad_opacity) {
+    const FfpPartials sums =
+        ffp_launch_sums(1, (size_t)pixels, mask_pixels, opacity, mask, weight / (real)pixels, grad_opacity);
+    double total;
+    ffp_cuda_read_totals(&total, &sums, true);
+    return weight * (real)(total / pixels);
+}
+
+static __global__ void depth_pixels(size_t count, FfpPartials sums, const float *depth_sum,
+                                    const float *opacity, const float *truth) {
+    const size_t i = ffp_thread();
+    const bool used = i < count && ffp_depth_counts(opacity[i], truth[i]);
+    ffp_put_partial(sums, 0, used ? ffp_depth_term(depth_sum[i], opacity[i], truth[i]) : 0);
+    ffp_put_partial(sums, 1, used);
+}
+
+// totals[1]: how many pixels count.
+static __global__ void depth_slopes(size_t count, const double *totals, const float *depth_sum,
+                                    const float *opacity, const float *truth, float weight,
+                                    float *grad_depth_sum, float *grad_opacity) {
+    const size_t i = ffp_thread();
+    if (i >= count || !ffp_depth_counts(opacity[i], truth[i])) return;
+    float by_opacity;
+    const float slope =
+        ffp_depth_slope(depth_sum[i], opacity[i], truth[i], 2 * weight / (float)totals[1], &by_opacity);
+    if (grad_depth_sum) grad_depth_sum[i] += slope;
+    if (grad_opacity) grad_opacity[i] -= by_opacity;
+}
+
+real ffp_cuda_depth(const real *depth_sum, const real *opacity, const real *truth, int pixels, real weight,
+                    real *grad_depth_sum, real *grad_opacity) {
+    const FfpPartials sums = ffp_launch_sums(2, (size_t)pixels, depth_pixels, depth_sum, opacity, truth);
+    ffp_cuda_add_partials(&sums);
+    if (grad_depth_sum || grad_opacity)
+        ffp_launch_each((size_t)pixels, depth_slopes, sums.total, depth_sum, opacity, truth, weight,
+                        grad_depth_sum, grad_opacity);
+    double totals[2];
+    ffp_cuda_read_totals(totals, &sums, false);
+    return totals[1] > 0 ? weight * (real)(totals[0] / totals[1]) : 0;
+}
+
+static __global__ void distortion_pixels(size_t count, FfpPartials sums, const float *distortion, float step,
+                                         float *grad) {
+    const size_t i = ffp_thread();
+    if (grad && i < count) grad[i] += step;
+    ffp_put_partial(sums, 0, i < count ? distortion[i] : 0);
+}
+
+real ffp_cuda_distortion(const real *distortion, int pixels, real weight, real *grad_distortion) {
+    const FfpPartials sums = ffp_launch_sums(1, (size_t)pixels, distortion_pixels, distortion,
+                                             weight / (real)pixels, grad_distortion);
+    double total;
+    ffp_cuda_read_totals(&total, &sums, true);
+    return weight * (real)(total / pixels);
+}

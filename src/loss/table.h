@@ -1,0 +1,34 @@
+// This room's functions on a device (base/device.h). All but the values returned is the device's memory; what
+// the functions do is said in loss.h.
+#ifndef FFP_LOSS_TABLE_H
+#define FFP_LOSS_TABLE_H
+
+#include <stddef.h>
+#include "image/image.h"
+#include "loss/loss.h"
+
+struct FfpLossTable {
+    real (*l1)(const FfpImage *prediction, const FfpImage *target, real weight, FfpImage *grad);
+    // The mean of the index; ADDS scale * gradient of the SUM of the index by a to grad unless that is NULL.
+    double (*ssim)(const FfpImage *a, const FfpImage *b, real scale, FfpImage *grad);
+    void (*srgb_encode_backward)(const FfpImage *linear, FfpImage *grad);
+    real (*mask)(const real *opacity, const real *mask, int pixels, real weight, real *grad_opacity);
+    real (*depth)(const real *depth_sum, const real *opacity, const real *truth, int pixels, real weight,
+                  real *grad_depth_sum, real *grad_opacity);
+    real (*distortion)(const real *distortion, int pixels, real weight, real *grad_distortion);
+    real (*normal_smooth)(const real *normal_sum, const real *mask, int width, int height, real weight,
+                          real *grad);
+    real (*roughness)(const real *roughness_sum, const real *albedo_sum, const real *opacity,
+                      const real *mask, int width, int height, real weight, real *grad_roughness_sum,
+                      real *grad_opacity);
+    // Sum of the squared differences over the pixels whose mask is above 0.5 (NULL: all); *count gets how
+    // many values that are.
+    double (*squared_error)(const FfpImage *a, const FfpImage *b, const FfpImage *mask, size_t *count);
+    // A perceptual network's weights on the device, and the loss with them; the pictures are large enough.
+    void *(*perceptual_upload)(const FfpPerceptual *perceptual);
+    void (*perceptual_release)(void *weights);
+    real (*perceptual)(const FfpPerceptual *perceptual, const void *weights, const FfpImage *prediction,
+                       const FfpImage *target, real weight, FfpImage *grad);
+};
+
+#endif

@@ -1,0 +1,24 @@
+// All that the network takes from a capture, as arrays of a device: made once, for any number of passes. On
+// the CPU nothing is prepared: numbers are made where they are needed.
+#ifndef FFP_NETWORK_PREPARED_H
+#define FFP_NETWORK_PREPARED_H
+
+#include "network/context.h"
+#include "network/table.h"
+
+struct FfpPrepared {
+    int tokens, across, down; // of the context; across and down a view
+    int64_t count;            // Gaussians
+    int64_t *pixel;           // [count] the host's: their pixels in the capture
+    int n_used;               // tokens that a Gaussian needs
+    bool apart_told;          // `apart` is there
+    // The device's:
+    real *inputs;       // [tokens, patch^2, channels]
+    FfpPixelBase *base; // [count]
+    int32_t *used;      // [n_used]
+    FfpTapTable taps;   // into a map of n_used * patch^2 rows
+    real *own;          // [count, channels]; NULL without pixel_skip
+    real *apart;        // [count, context channels]; NULL where there is nothing to tell
+};
+
+#endif

@@ -1,0 +1,103 @@
+// One splat's numbers (parameters.h) from its attributes, the way back, and the gradient's way through:
+// formulas that the CPU and the GPU share. Arrays are those of whole sets, i the splat.
+#ifndef FFP_REFINE_MAPS_H
+#define FFP_REFINE_MAPS_H
+
+#include "base/vec.h"
+#include "refine/parameters.h"
+
+#define FFP_SIGMOID_LEAST 1e-4F    // sigmoids start this far from their ends at least
+#define FFP_ROUGHNESS_FLOOR 0.05F  // as the network's heads have it
+#define FFP_FLATNESS 0.05F         // of a flat set: third deviation over the smaller of the others
+#define FFP_DEVIATION_LEAST 1e-12F // has a logarithm
+
+// Rotation matrix (row-major) of a quaternion w x y z of length 1.
+FFP_FORMULA void ffp_turn(const real q[4], real m[9]) {
+    const real w = q[0], x = q[1], y = q[2], z = q[3];
+    m[0] = 1 - 2 * (y * y + z * z), m[1] = 2 * (x * y - w * z), m[2] = 2 * (x * z + w * y);
+    m[3] = 2 * (x * y + w * z), m[4] = 1 - 2 * (x * x + z * z), m[5] = 2 * (y * z - w * x);
+    m[6] = 2 * (x * z - w * y), m[7] = 2 * (y * z + w * x), m[8] = 1 - 2 * (x * x + y * y);
+}
+
+FFP_FORMULA real ffp_sigmoid(real x) {
+    return 1 / (1 + exp(-x));
+}
+
+FFP_FORMULA real ffp_logit(real p) {
+    const real inside = fmin(fmax(p, FFP_SIGMOID_LEAST), 1 - FFP_SIGMOID_LEAST);
+    return log(inside / (1 - inside));
+}
+
+FFP_FORMULA real ffp_length4(const real q[4]) {
+    return sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
+}
+
+FFP_FORMULA void ffp_unit_quaternion(const real q[4], real out[4]) {
+    const real length = ffp_length4(q);
+    for (int k = 0; k < 4; k++) out[k] = length > 0 ? q[k] / length : k == 0;
+}
+
+// All of p's arrays at i; local as in ffp_parameters_new.
+FFP_FORMULA void ffp_encode(const FfpGaussians *g, int64_t i, bool local, const FfpParameters *p) {
+    const FfpGaussians *n = &p->numbers;
+    ffp_unit_quaternion(g->rotation + 4 * i, n->rotation + 4 * i);
+    for (int k = 0; k < 4; k++) p->frame[4 * i + k] = local ? n->rotation[4 * i + k] : k == 0;
+    for (int k = 0; k < 3; k++) {
+        const int64_t at = 3 * i + k;
+        p->origin[at] = local ? g->centre[at] : 0;
+        n->centre[at] = local ? 0 : g->centre[at];
+        n->scale[at] = log(fmax(g->scale[at], FFP_DEVIATION_LEAST));
+        n->albedo[at] = ffp_logit(g->albedo[at]);
+        n->ambient[at] = ffp_logit(g->ambient[at]);
+    }
+    n->opacity[i] = ffp_logit(g->opacity[i]);
+    n->roughness[i] = ffp_logit((g->roughness[i] - FFP_ROUGHNESS_FLOOR) / (1 - FFP_ROUGHNESS_FLOOR));
+    p->unit[i] = local ? fmax(fmax(g->scale[3 * i], g->scale[3 * i + 1]), g->scale[3 * i + 2]) : 1;
+}
+
+FFP_FORMULA void ffp_decode(const FfpParameters *p, int64_t i, const FfpGaussians *out) {
+    const FfpGaussians *n = &p->numbers;
+    real m[9];
+    ffp_turn(p->frame + 4 * i, m);
+    for (int k = 0; k < 3; k++) {
+        const int64_t at = 3 * i + k;
+        out->centre[at] = p->origin[at] + p->unit[i] * ffp_dot3(m + 3 * k, n->centre + 3 * i);
+        out->scale[at] = exp(n->scale[at]);
+        out->albedo[at] = ffp_sigmoid(n->albedo[at]);
+        out->ambient[at] = ffp_sigmoid(n->ambient[at]);
+    }
+    if (p->flat) out->scale[3 * i + 2] = FFP_FLATNESS * fmin(out->scale[3 * i], out->scale[3 * i + 1]);
+    ffp_unit_quaternion(n->rotation + 4 * i, out->rotation + 4 * i);
+    out->opacity[i] = ffp_sigmoid(n->opacity[i]);
+    out->roughness[i] = FFP_ROUGHNESS_FLOOR + (1 - FFP_ROUGHNESS_FLOOR) * ffp_sigmoid(n->roughness[i]);
+}
+
+// g / |q| less its part along q / |q|: through the normalisation.
+FFP_FORMULA void ffp_pull_back_rotation(const real *number, const real *unit, real *grad) {
+    const real length = ffp_length4(number);
+    real along = 0;
+    for (int k = 0; k < 4; k++) along += grad[k] * unit[k];
+    for (int k = 0; k < 4; k++) grad[k] = length > 0 ? (grad[k] - along * unit[k]) / length : 0;
+}
+
+// In place; d is what ffp_decode gave.
+FFP_FORMULA void ffp_pull_back(const FfpParameters *p, const FfpGaussians *d, int64_t i,
+                               const FfpGaussians *grad) {
+    real m[9], world[3];
+    ffp_turn(p->frame + 4 * i, m);
+    for (int k = 0; k < 3; k++) world[k] = grad->centre[3 * i + k];
+    for (int k = 0; k < 3; k++) {
+        const int64_t at = 3 * i + k;
+        grad->centre[at] = p->unit[i] * (m[k] * world[0] + m[3 + k] * world[1] + m[6 + k] * world[2]);
+        grad->scale[at] *= d->scale[at];
+        grad->albedo[at] *= d->albedo[at] * (1 - d->albedo[at]);
+        grad->ambient[at] *= d->ambient[at] * (1 - d->ambient[at]);
+    }
+    if (p->flat) grad->scale[3 * i + 2] = 0;
+    ffp_pull_back_rotation(p->numbers.rotation + 4 * i, d->rotation + 4 * i, grad->rotation + 4 * i);
+    grad->opacity[i] *= d->opacity[i] * (1 - d->opacity[i]);
+    const real s = (d->roughness[i] - FFP_ROUGHNESS_FLOOR) / (1 - FFP_ROUGHNESS_FLOOR);
+    grad->roughness[i] *= (1 - FFP_ROUGHNESS_FLOOR) * s * (1 - s);
+}
+
+#endif

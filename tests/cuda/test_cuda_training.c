@@ -1,0 +1,116 @@
+// A training step on a device against the CPU: losses, gradient, update; and a short run.
+#include "ffprocams.h"
+#include "base/rng.h"
+#include "compare.h"
+#include "scratch.h"
+#include "train/mirror.h"
+
+static const FfpDevice *device;
+
+static const char tiny_run[] =
+    "{\"model\": \"tiny\", \"resolution\": 64, \"pool\": 2, \"reuse\": 2, \"views\": 2, \"targets\": 1,"
+    " \"lollipops\": 2, \"pattern_side\": 100, \"samples\": 1, \"ambient_rays\": 1,"
+    " \"supervised_inputs\": 1, \"supervised_targets\": 1, \"steps\": 3, \"warmup_steps\": 2,"
+    " \"truth_albedo\": 0.1, \"truth_normal\": 0.1, \"truth_roughness\": 0.1,"
+    " \"polish_share\": 0, \"polish_steps\": 2, \"validate_every\": 0, \"log_every\": 1}";
+
+static void assert_near(double there, double here, double tolerance, const char *what) {
+    print_message("%s: %g, on the CPU %g\n", what, there, here);
+    if (!(fabs(there - here) <= tolerance * fabs(here) + 1e-6))
+        fail_msg("%s: %g, on the CPU %g", what, there, here);
+}
+
+static void compare_losses(const FfpLosses *there, const FfpLosses *here) {
+    assert_near(there->direct_t, here->direct_t, 0.01, "direct_t");
+    assert_near(there->l1, here->l1, 0.01, "l1");
+    assert_near(there->ssim, here->ssim, 0.01, "ssim");
+    assert_near(there->mask, here->mask, 0.01, "mask");
+    assert_near(there->depth, here->depth, 0.02, "depth");
+    assert_near(there->distortion, here->distortion, 0.02, "distortion");
+    assert_near(there->normal_smooth, here->normal_smooth, 0.02, "normal_smooth");
+    assert_near(there->roughness_smooth, here->roughness_smooth, 0.02, "roughness_smooth");
+    assert_near(there->truth_albedo, here->truth_albedo, 0.01, "truth_albedo");
+    assert_near(there->truth_normal, here->truth_normal, 0.01, "truth_normal");
+    assert_near(there->truth_roughness, here->truth_roughness, 0.01, "truth_roughness");
+    assert_near(there->total, here->total, 0.01, "total");
+}
+
+static void check_step(double polish_share) {
+    FfpTrainConfig config;
+    FfpError err = {""};
+    assert_true(ffp_train_config_parse(&config, tiny_run, "tiny_run", &err));
+    config.polish_share = polish_share;
+    FfpScene scene;
+    assert_true(ffp_scene_open(&scene, &config, "train", 0, config.resolution, &err));
+    FfpModel *model = ffp_model_new(&config.model, 1, &err);
+    const size_t count = (size_t)model->count;
+    real *grad = ffp_alloc(count, sizeof *grad);
+    FfpLosses here, losses;
+    FfpStepper *stepper = ffp_stepper_new(&config, NULL);
+    if (!ffp_step_loss(stepper, model, &scene, 0, &here, grad, &err)) fail_msg("%s", err.text);
+    ffp_stepper_free(stepper);
+    FfpAdam adam = ffp_adam_new(model);
+
+    ffp_device_use(device);
+    FfpMirror *mirror = ffp_mirror_new(model, &adam, &config);
+    const FfpScene *there = ffp_mirror_scene(mirror, 0, true, &scene, &config, &err);
+    if (!there) fail_msg("%s", err.text);
+    FfpStepper *stepper_there = ffp_stepper_new(&config, NULL);
+    real *grad_there = ffp_memory_new(count, sizeof *grad_there);
+    if (!ffp_step_loss(stepper_there, &mirror->model, there, 0, &losses, grad_there, &err))
+        fail_msg("%s", err.text);
+    compare_losses(&losses, &here);
+    assert_close(grad_there, grad, model->count, 0.1, "gradient");
+    bool skipped;
+    ffp_memory_upload(grad_there, grad, count * sizeof *grad);
+    const double norm_there = ffp_adam_update(&mirror->adam, &mirror->model, grad_there, &config, &skipped);
+    ffp_device_use(NULL);
+    assert_near(norm_there, ffp_adam_update(&adam, model, grad, &config, &skipped), 1e-5, "gradient's norm");
+    ffp_device_use(device);
+    assert_close(mirror->model.values, model->values, model->count, 1e-6, "updated weights");
+    assert_close(mirror->adam.v, adam.v, model->count, 1e-5, "second moments");
+    ffp_memory_free(grad_there);
+    ffp_stepper_free(stepper_there);
+    ffp_mirror_free(mirror, &config);
+    ffp_device_use(NULL);
+    free(grad);
+    ffp_adam_free(&adam);
+    ffp_model_free(model);
+    ffp_scene_close(&scene);
+}
+
+static void test_step(void **state) {
+    (void)state;
+    check_step(0);
+}
+
+static void test_step_through_the_polish(void **state) {
+    (void)state;
+    check_step(1);
+}
+
+// Checkpoint, weights and metrics come out of a run on a device as of one on the CPU.
+static void test_run(void **state) {
+    (void)state;
+    FfpError err = {""};
+    assert_true(ffp_write_file(in_scratch("config.json"), tiny_run, strlen(tiny_run), NULL));
+    FfpTraining options = {.out = in_scratch("run"), .config = in_scratch("config.json"), .steps = -1};
+    ffp_device_offer(device);
+    const bool ok = ffp_train_model(&options, &err);
+    ffp_device_offer(NULL);
+    if (!ok) fail_msg("%s", err.text);
+    FfpModel *model = ffp_model_read(in_scratch("run/weights.safetensors"), &err);
+    if (!model) fail_msg("%s", err.text);
+    FfpModel *fresh = ffp_model_new(&model->config, 0, &err);
+    assert_true(distance(model->values, fresh->values, model->count) > 1e-4);
+    ffp_model_free(fresh);
+    ffp_model_free(model);
+}
+
+int main(void) {
+    if (!(device = find_device())) return 0;
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_step),
+                                       cmocka_unit_test(test_step_through_the_polish),
+                                       cmocka_unit_test(test_run)};
+    return cmocka_run_group_tests(tests, scratch_setup, scratch_teardown);
+}
