@@ -19,11 +19,11 @@ const char *ffp_cuda_describe(void);
 extern const struct FfpRefineTable ffp_cuda_refine;
 extern const struct FfpImageTable ffp_cuda_image;
 extern const struct FfpLossTable ffp_cuda_loss;
+extern const struct FfpRenderTable ffp_cuda_render;
 
 // Weak: a table that is not there is NULL (while the room is being built).
 #define FFP_WEAK __attribute__((weak))
 extern const struct FfpKernels ffp_cuda_tensor FFP_WEAK;
-extern const struct FfpRenderTable ffp_cuda_render FFP_WEAK;
 extern const struct FfpNetworkTable ffp_cuda_network FFP_WEAK;
 extern const struct FfpTrainTable ffp_cuda_train FFP_WEAK;
 
