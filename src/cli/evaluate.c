@@ -43,7 +43,9 @@ static const char help[] =
     "      --perceptual FILE  LPIPS weights (safetensors). Default: lpips_alex.safetensors in the\n"
     "                         folder that the environment variable FFPROCAMS_PERCEPTUAL names;\n"
     "                         without either there is no LPIPS\n"
-    "      --drawing D        with --gaussians: ours (default) or paper\n" FFP_CLI_SAMPLES_HELP "\n"
+    "      --drawing D        with --gaussians: ours (default) or paper\n" FFP_CLI_SAMPLES_HELP
+    "      --device NAME      what network and fit are computed on: cpu (default), or cuda\n"
+    "\n"
     "example: ffprocams evaluate data/sample --targets targets.json --report report.html\n";
 
 static void put_cell(double value, int digits) {
@@ -125,7 +127,20 @@ static bool set_predictor(FfpEvaluation *evaluation, const char *name) {
 
 // -1 to go on, else the exit code.
 static int parse(int argc, char **argv, FfpEvaluation *evaluation, FfpList *targets, const char **model) {
-    enum { PREDICTOR = 256, SAVE, JSON, REPORT, SHOW, PERCEPTUAL, DRAWING, SAMPLES, POLISH, NOISE, LAYERS };
+    enum {
+        PREDICTOR = 256,
+        SAVE,
+        JSON,
+        REPORT,
+        SHOW,
+        PERCEPTUAL,
+        DRAWING,
+        SAMPLES,
+        POLISH,
+        NOISE,
+        LAYERS,
+        DEVICE
+    };
     static const struct option options[] = {{"model", required_argument, NULL, 'm'},
                                             {"gaussians", required_argument, NULL, 'g'},
                                             {"predictor", required_argument, NULL, PREDICTOR},
@@ -141,6 +156,7 @@ static int parse(int argc, char **argv, FfpEvaluation *evaluation, FfpList *targ
                                             {"perceptual", required_argument, NULL, PERCEPTUAL},
                                             {"drawing", required_argument, NULL, DRAWING},
                                             {"samples", required_argument, NULL, SAMPLES},
+                                            {"device", required_argument, NULL, DEVICE},
                                             {"help", no_argument, NULL, 'h'},
                                             {0}};
     for (int option; (option = ffp_cli_next(argc, argv, ":m:g:t:p:h", options)) != -1;) {
@@ -189,6 +205,9 @@ static int parse(int argc, char **argv, FfpEvaluation *evaluation, FfpList *targ
             break;
         case SAMPLES:
             if (!ffp_cli_samples(argv[0], optarg, &evaluation->drawing)) return FFP_EXIT_USAGE;
+            break;
+        case DEVICE:
+            if (!ffp_cli_device(optarg)) return FFP_EXIT_USAGE;
             break;
         case 'h':
             fputs(help, stdout);

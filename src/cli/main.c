@@ -165,6 +165,13 @@ bool ffp_cli_samples(const char *command, const char *text, FfpDrawing *drawing)
     return true;
 }
 
+bool ffp_cli_device(const char *name) {
+    FfpError err = {0};
+    if (ffp_device_open(name, &err)) return true;
+    ffp_cli_fail(&err);
+    return false;
+}
+
 // Output that was lost on the way (a full disk behind a pipe) is an error too.
 static int finish(int status) {
     if (fflush(stdout) == 0 && !ferror(stdout)) return status;

@@ -5,6 +5,7 @@
 static const char help[] =
     "usage: ffprocams reconstruct CAPTURE -o FILE.ply [--model FILE|none] [--pattern NAME]\n"
     "                             [--polish STEPS] [--noise S] [--layers N] [--samples N]\n"
+    "                             [--device cpu|cuda]\n"
     "\n"
     "Turns a capture into relightable 3D Gaussians in one forward pass and a short fit to the same\n"
     "photographs: geometry (centre, scale, rotation, opacity) and material (albedo, roughness, ambient\n"
@@ -30,6 +31,8 @@ static const char help[] =
     "                      every view. Default: auto, all of up to 200,000 splats, else 2\n"
     "      --samples N     samples a side of a pixel while fitting, 1 to 4. Default: as the model has it,\n"
     "                      else 2\n"
+    "      --device NAME   what network and fit are computed on: cpu, or cuda, the first NVIDIA GPU.\n"
+    "                      Default: cpu\n"
     "\n"
     "example: ffprocams reconstruct data/sample -o spot.ply --pattern lollipop_0\n";
 
@@ -61,7 +64,7 @@ static int run(const char *capture_path, const char *output, const char *model_p
 }
 
 int ffp_cli_reconstruct(int argc, char **argv) {
-    enum { POLISH = 256, NOISE, LAYERS, SAMPLES };
+    enum { POLISH = 256, NOISE, LAYERS, SAMPLES, DEVICE };
     static const struct option options[] = {{"output", required_argument, NULL, 'o'},
                                             {"model", required_argument, NULL, 'm'},
                                             {"pattern", required_argument, NULL, 'p'},
@@ -69,6 +72,7 @@ int ffp_cli_reconstruct(int argc, char **argv) {
                                             {"noise", required_argument, NULL, NOISE},
                                             {"layers", required_argument, NULL, LAYERS},
                                             {"samples", required_argument, NULL, SAMPLES},
+                                            {"device", required_argument, NULL, DEVICE},
                                             {"help", no_argument, NULL, 'h'},
                                             {0}};
     const char *output = NULL, *model = NULL;
@@ -96,6 +100,9 @@ int ffp_cli_reconstruct(int argc, char **argv) {
             break;
         case SAMPLES:
             if (!ffp_cli_samples(argv[0], optarg, &how.drawing)) return FFP_EXIT_USAGE;
+            break;
+        case DEVICE:
+            if (!ffp_cli_device(optarg)) return FFP_EXIT_USAGE;
             break;
         case 'h':
             fputs(help, stdout);

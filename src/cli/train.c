@@ -37,7 +37,6 @@ int ffp_cli_train(int argc, char **argv) {
                                             {"help", no_argument, NULL, 'h'},
                                             {0}};
     FfpTraining training = {.steps = -1};
-    const char *device = "cpu";
     for (int option; (option = ffp_cli_next(argc, argv, ":o:c:n:rh", options)) != -1;) {
         switch (option) {
         case 'o':
@@ -62,7 +61,7 @@ int ffp_cli_train(int argc, char **argv) {
             training.perceptual = optarg;
             break;
         case DEVICE:
-            device = optarg;
+            if (!ffp_cli_device(optarg)) return FFP_EXIT_USAGE;
             break;
         case 'h':
             fputs(help, stdout);
@@ -76,6 +75,5 @@ int ffp_cli_train(int argc, char **argv) {
     if (training.resume && (training.initial || training.config))
         return ffp_cli_usage(argv[0], "--resume takes configuration and weights from the checkpoint alone");
     FfpError err = {0};
-    return ffp_device_open(device, &err) && ffp_train_model(&training, &err) ? FFP_EXIT_OK
-                                                                             : ffp_cli_fail(&err);
+    return ffp_train_model(&training, &err) ? FFP_EXIT_OK : ffp_cli_fail(&err);
 }

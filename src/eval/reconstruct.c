@@ -3,6 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include "base/arena.h"
+#include "base/device.h"
 #include "base/log.h"
 #include "base/memory.h"
 #include "capture/capture.h"
@@ -46,16 +47,22 @@ FfpImage *ffp_take_noise_away(FfpCapture *alias, const int *photographs, int n, 
     return *noise > 0 ? ffp_denoise(alias, photographs, n, *noise) : NULL;
 }
 
+// On the device that long work may use, or the CPU.
 static bool run_network(FfpGaussians *out, int64_t **pixel, const FfpModel *model, const FfpCapture *capture,
                         const FfpStart *start, int active, FfpError *err) {
+    const FfpDevice *device = ffp_device_offered();
+    ffp_device_use(device);
+    FfpModel there = device ? ffp_model_uploaded(model) : *model;
     FfpRun *run = ffp_run_new();
-    const bool ok = ffp_model_forward(model, run, capture, start, NULL, active, err);
+    const bool ok = ffp_model_forward(&there, run, capture, start, NULL, active, err);
     if (ok) { // the run's own live only as long as the run
-        *out = ffp_gaussians_copy(&run->gaussians);
+        *out = device ? ffp_gaussians_downloaded(&run->gaussians) : ffp_gaussians_copy(&run->gaussians);
         *pixel = ffp_alloc((size_t)out->count + 1, sizeof **pixel);
         memcpy(*pixel, run->pixel, (size_t)out->count * sizeof **pixel);
     }
     ffp_run_free(run);
+    if (device) ffp_memory_free(there.values);
+    ffp_device_use(NULL);
     return ok;
 }
 

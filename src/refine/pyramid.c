@@ -39,7 +39,8 @@ static bool fit_coarse(const Pyramid *p, FfpGaussians *gaussians, const FfpCaptu
                        const FfpRefineSettings *settings, FfpRefineResult *result, FfpError *err) {
     FfpCoarse coarse = ffp_coarse_new(gaussians, p->origin, side);
     FfpGaussians before = ffp_gaussians_copy(&coarse.gaussians);
-    const bool ok = ffp_refine(&coarse.gaussians, small, p->patterns, p->n_patterns, settings, result, err);
+    const bool ok =
+        ffp_refine_offered(&coarse.gaussians, small, p->patterns, p->n_patterns, settings, result, err);
     if (ok && !result->dropped) ffp_coarse_carry(&coarse, &before, p->origin, gaussians);
     ffp_gaussians_free(&before);
     ffp_coarse_free(&coarse);
@@ -59,7 +60,8 @@ static double score(const Pyramid *p, const FfpGaussians *gaussians, const FfpCa
 static bool fit_finest(const Pyramid *p, FfpGaussians *gaussians, const FfpGaussians *first,
                        const FfpCapture *pictures, const FfpRefineSettings *settings, FfpRefineResult *result,
                        FfpError *err) {
-    if (!ffp_refine(gaussians, pictures, p->patterns, p->n_patterns, settings, result, err)) return false;
+    if (!ffp_refine_offered(gaussians, pictures, p->patterns, p->n_patterns, settings, result, err))
+        return false;
     result->dropped = score(p, gaussians, pictures) < score(p, first, pictures);
     return true;
 }
@@ -115,7 +117,7 @@ bool ffp_refine_pyramid(FfpGaussians *gaussians, const FfpOrigin *origin, const 
                         FfpRefineResult *result, FfpError *err) {
     const Pyramid p = {origin, capture, patterns, n_patterns, settings, coarsest_side(capture)};
     if (p.coarsest == 1 || !origin->pixel || settings->steps < capture->n_views || gaussians->count < 1)
-        return ffp_refine(gaussians, capture, patterns, n_patterns, settings, result, err);
+        return ffp_refine_offered(gaussians, capture, patterns, n_patterns, settings, result, err);
     if (ffp_device())
         return ffp_fail(err, capture->folder, "pictures longer than %d pixels are fitted on the CPU only",
                         FFP_PYRAMID_SIDE);

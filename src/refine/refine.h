@@ -69,6 +69,12 @@ typedef struct FfpRefineResult {
 bool ffp_refine(FfpGaussians *gaussians, const FfpCapture *capture, const int *patterns, int n_patterns,
                 const FfpRefineSettings *settings, FfpRefineResult *result, FfpError *err);
 
+// The same for a CPU's Gaussians and capture, on the device that long work may use (base/device.h) where one
+// is offered and has what the settings ask for.
+bool ffp_refine_offered(FfpGaussians *gaussians, const FfpCapture *capture, const int *patterns,
+                        int n_patterns, const FfpRefineSettings *settings, FfpRefineResult *result,
+                        FfpError *err);
+
 // How well Gaussians show the given patterns' pictures of all views: PSNR in dB, mean over the pictures.
 double ffp_photographs_psnr(const FfpGaussians *gaussians, const FfpCapture *capture, const int *patterns,
                             int n_patterns, const FfpRenderSettings *render);

@@ -39,7 +39,8 @@ FfpViewer *ffp_viewer_new(const FfpCapture *capture, const int *patterns, int n_
                      .shadows = ffp_alloc((size_t)capture->n_views, sizeof *v->shadows),
                      .looks = ffp_alloc((size_t)capture->n_views, sizeof *v->looks)};
     for (int p = 0; p < n_patterns; p++)
-        if (patterns[p] != capture->black) v->light[p] = ffp_pattern_summed(&capture->patterns[patterns[p]].image);
+        if (patterns[p] != capture->black)
+            v->light[p] = ffp_pattern_summed(&capture->patterns[patterns[p]].image);
     for (int i = 0; i < capture->n_views * n_patterns; i++) {
         v->targets[i] = ffp_image_copy(&capture->views[i / n_patterns].images[patterns[i % n_patterns]]);
         ffp_image_to_srgb(&v->targets[i]);

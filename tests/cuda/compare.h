@@ -6,6 +6,7 @@
 
 #include <math.h>
 #include "base/arena.h"
+#include "base/real.h"
 #include "cuda/cuda.h"
 
 // The device, or NULL with a line that says that all is skipped.

@@ -1,0 +1,143 @@
+// What the GPU's users wait for: a forward pass with one relit view, and a training step, for any preset.
+// usage: gpu_steps PRESET [VIEWS RESOLUTION [PERCEPTUAL]]
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include "base/log.h"
+#include "cuda/cuda.h"
+#include "render/pass.h"
+#include "train/mirror.h"
+
+enum { REPEATS = 41, WARM = 5 };
+
+typedef struct Bench {
+    FfpTrainConfig config;
+    FfpMirror *mirror;
+    const FfpScene *scene;
+    FfpStepper *stepper;
+    FfpRun *run;
+    FfpViewPass *pass;
+    FfpImage picture;
+    real *grad;
+    int64_t step;
+    FfpLosses losses;
+    FfpError err;
+} Bench;
+
+static int ascending(const void *a, const void *b) {
+    const double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+static void report(const char *name, Bench *b, void (*work)(Bench *)) {
+    double ms[REPEATS];
+    for (int r = -WARM; r < REPEATS; r++) {
+        ffp_device()->synchronise();
+        const double begin = ffp_seconds();
+        work(b);
+        ffp_device()->synchronise();
+        if (r >= 0) ms[r] = 1e3 * (ffp_seconds() - begin);
+    }
+    qsort(ms, REPEATS, sizeof *ms, ascending);
+    printf("%-44s %8.2f ms   (least %.2f, most %.2f)\n", name, ms[REPEATS / 2], ms[0], ms[REPEATS - 1]);
+    fflush(stdout);
+}
+
+static void forward(Bench *b) {
+    ffp_model_forward_prepared(&b->mirror->model, b->run, b->scene->prepared, &b->err);
+}
+
+static void relight(Bench *b) {
+    const FfpView *view = &b->scene->capture.views[b->scene->inputs.n_views];
+    ffp_view_pass_draw(b->pass, &b->run->gaussians, &view->camera, &view->projector);
+    if (!b->picture.data) b->picture = ffp_view_pass_picture_new(b->pass);
+    ffp_view_pass_shade(b->pass, b->scene->capture.intensity, &b->scene->patterns[b->scene->active],
+                        &b->picture);
+}
+
+static void both(Bench *b) {
+    forward(b);
+    relight(b);
+}
+
+static void gradient(Bench *b) {
+    ffp_memory_zero(b->grad, (size_t)b->mirror->model.count * sizeof(real));
+    if (!ffp_step_loss(b->stepper, &b->mirror->model, b->scene, b->step++, &b->losses, b->grad, &b->err))
+        printf("%s\n", b->err.text);
+}
+
+static void update(Bench *b) {
+    bool skipped;
+    ffp_adam_update(&b->mirror->adam, &b->mirror->model, b->grad, &b->config, &skipped);
+}
+
+static void step(Bench *b) {
+    gradient(b);
+    update(b);
+}
+
+static void tell_parts(const FfpLosses *l) {
+    printf("  of which: forward %.2f, polish %.2f, rasterise %.2f, shade %.2f, losses %.2f, shade backward "
+           "%.2f, "
+           "rasterise backward %.2f, backward %.2f ms\n",
+           1e3 * l->forward_s, 1e3 * l->polish_s, 1e3 * l->rasterise_s, 1e3 * l->shade_s, 1e3 * l->loss_s,
+           1e3 * l->shade_backward_s, 1e3 * l->rasterise_backward_s, 1e3 * l->backward_s);
+}
+
+static bool open_bench(Bench *b, int argc, char **argv) {
+    char text[512];
+    snprintf(text, sizeof text,
+             "{\"model\": \"%s\", \"views\": %s, \"resolution\": %s, \"lollipops\": 3, \"perceptual\": 0.05,"
+             " \"perceptual_from\": 0, \"supervised_inputs\": 1, \"supervised_targets\": 3,"
+             " \"truth_albedo\": 0.05, \"truth_normal\": 0.02, \"polish_share\": 0, \"polish_steps\": 24}",
+             argc > 1 ? argv[1] : "small", argc > 3 ? argv[2] : "8", argc > 3 ? argv[3] : "128");
+    FfpError *err = &b->err;
+    if (!ffp_train_config_parse(&b->config, text, "bench", err)) return false;
+    static FfpScene scene;
+    double begin = ffp_seconds();
+    if (!ffp_scene_open(&scene, &b->config, "train", 0, b->config.resolution, err)) return false;
+    printf("scene made by the CPU in %.2f s\n", ffp_seconds() - begin);
+    FfpModel *model = ffp_model_new(&b->config.model, 1, err);
+    if (!model) return false;
+    b->config.model = model->config;
+    FfpAdam adam = ffp_adam_new(model);
+    FfpPerceptual *perceptual = argc > 4 ? ffp_perceptual_read(argv[4], err) : NULL;
+    if (argc > 4 && !perceptual) return false;
+    const FfpDevice *device = ffp_cuda_device(err);
+    if (!device) return false;
+    ffp_device_use(device);
+    printf("%s\n%s: %.1f million values\n", ffp_cuda_describe(), argc > 1 ? argv[1] : "small",
+           (double)model->count / 1e6);
+    b->mirror = ffp_mirror_new(model, &adam, &b->config);
+    begin = ffp_seconds();
+    b->scene = ffp_mirror_scene(b->mirror, 0, true, &scene, &b->config, err);
+    device->synchronise();
+    if (!b->scene) return false;
+    printf("%lld Gaussians, brought there in %.3f s\n", (long long)ffp_prepared_count(b->scene->prepared),
+           ffp_seconds() - begin);
+    b->stepper = ffp_stepper_new(&b->config, perceptual);
+    b->run = ffp_run_new();
+    const FfpRenderSettings settings = ffp_render_settings(ffp_model_drawing(&model->config));
+    b->pass = ffp_view_pass_new(&settings);
+    b->grad = ffp_memory_new((size_t)model->count, sizeof(real));
+    return true;
+}
+
+int main(int argc, char **argv) {
+    static Bench b;
+    if (!open_bench(&b, argc, argv)) {
+        fprintf(stderr, "error: %s\n", b.err.text);
+        return 1;
+    }
+    report("forward pass", &b, forward);
+    report("a relit view", &b, relight);
+    report("forward pass and a relit view", &b, both);
+    report("gradient of a step", &b, gradient);
+    tell_parts(&b.losses);
+    report("update", &b, update);
+    report("step", &b, step);
+    b.config.polish_share = 1;
+    report("gradient of a step through the polish", &b, gradient);
+    tell_parts(&b.losses);
+    return 0;
+}
