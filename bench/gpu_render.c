@@ -1,0 +1,184 @@
+// What drawing costs on the GPU: the functions of the render room's table, whole views and a training step's
+// views, at training's sizes. With an argument, or on the emulation, at tiny ones.
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include "base/log.h"
+#include "cuda/cuda.h"
+#include "render/pass.h"
+#include "render/table.h"
+#include "tests/cuda/ball.h"
+
+enum { REPEATS = 15, VIEWS = 5, PATTERNS = 3 };
+
+typedef struct Bench {
+    bool tiny; // every function once
+    FfpRenderSettings settings;
+    FfpCamera camera[VIEWS], projector[VIEWS], fine; // fine: the first with a pixel for each sample
+    FfpGaussians gaussians, grad;                    // on the device, as all arrays
+    FfpSummed light;
+    FfpImage linear, grad_linear, mean, picture, grad_picture;
+    FfpRaster *raster, *shadow_raster;
+    FfpGbuffer samples, grad_samples, averaged, grad_averaged, shadow;
+    FfpMapping mapping;
+    FfpViewPass *pass;
+} Bench;
+
+static const real intensity[3] = {4, 4, 4};
+
+static int ascending(const void *a, const void *b) {
+    const double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+// Median milliseconds of one of `times` calls in a row, and GB/s when it moves `bytes`.
+static void report(const char *name, Bench *b, void (*work)(Bench *), int times, double bytes) {
+    double ms[REPEATS];
+    const int repeats = b->tiny ? 1 : REPEATS;
+    times = b->tiny ? 1 : times;
+    work(b);
+    for (int r = 0; r < repeats; r++) {
+        ffp_device()->synchronise();
+        const double begin = ffp_seconds();
+        for (int i = 0; i < times; i++) work(b);
+        ffp_device()->synchronise();
+        ms[r] = 1e3 * (ffp_seconds() - begin) / times;
+    }
+    qsort(ms, (size_t)repeats, sizeof *ms, ascending);
+    printf("%-32s %9.4f ms", name, ms[repeats / 2]);
+    if (bytes > 0) printf(" %8.0f GB/s", bytes / ms[repeats / 2] / 1e6);
+    printf("\n");
+}
+
+static void rasterise(Bench *b) {
+    ffp_rasterise(b->raster, &b->gaussians, &b->fine, &b->settings, &b->samples);
+}
+static void rasterise_backward(Bench *b) {
+    ffp_rasterise_backward(b->raster, &b->gaussians, &b->fine, &b->settings, &b->samples, &b->grad_samples,
+                           &b->grad);
+}
+static void shadow_map(Bench *b) {
+    b->shadow = ffp_shadow_map(b->shadow_raster, &b->gaussians, &b->projector[0], &b->settings);
+}
+static void map(Bench *b) {
+    ffp_map_with_shadow(&b->shadow, &b->samples, &b->fine, &b->projector[0], &b->settings, &b->mapping);
+}
+static void shade(Bench *b) {
+    ffp_shade(&b->samples, &b->mapping, &b->fine, &b->projector[0], intensity, &b->light, &b->linear);
+}
+static void shade_backward(Bench *b) {
+    ffp_shade_backward(&b->samples, &b->mapping, &b->fine, &b->projector[0], intensity, &b->light,
+                       &b->grad_linear, &b->grad_samples, NULL, NULL);
+}
+static void average(Bench *b) {
+    ffp_average_gbuffer(&b->samples, b->settings.samples, &b->averaged);
+}
+static void average_backward(Bench *b) {
+    ffp_average_gbuffer_backward(&b->grad_averaged, b->settings.samples, &b->grad_samples);
+}
+static void resolve(Bench *b) {
+    ffp_resolve(&b->linear, b->averaged.opacity, b->settings.samples, &b->mean, &b->picture);
+}
+static void resolve_backward(Bench *b) {
+    ffp_resolve_backward(&b->mean, b->averaged.opacity, b->settings.samples, &b->grad_picture,
+                         &b->grad_linear, b->grad_averaged.opacity);
+}
+static void clear(Bench *b) {
+    ffp_gbuffer_clear(&b->grad_averaged);
+}
+
+static void view_forward(Bench *b, int v) {
+    ffp_view_pass_draw(b->pass, &b->gaussians, &b->camera[v], &b->projector[v]);
+    ffp_view_pass_gbuffer(b->pass);
+    for (int p = 0; p < PATTERNS; p++)
+        ffp_view_pass_shade(b->pass, intensity, p ? &b->light : NULL, &b->picture);
+}
+static void draw(Bench *b) {
+    ffp_view_pass_draw(b->pass, &b->gaussians, &b->camera[0], &b->projector[0]);
+}
+static void forward(Bench *b) {
+    view_forward(b, 0);
+}
+static void step(Bench *b) {
+    for (int v = 0; v < VIEWS; v++) {
+        view_forward(b, v);
+        for (int p = 0; p < PATTERNS; p++)
+            ffp_view_pass_shade_backward(b->pass, intensity, p ? &b->light : NULL, &b->grad_picture, NULL,
+                                         NULL);
+        ffp_view_pass_backward(b->pass, &b->grad);
+    }
+}
+
+static void run(Bench *b) {
+    const double pixels = (double)b->fine.width * b->fine.height, gbuffer = pixels * 13 * sizeof(real);
+    const double small = gbuffer / (b->settings.samples * b->settings.samples);
+    report("rasterise", b, rasterise, 20, 0);
+    report("rasterise backward", b, rasterise_backward, 20, 0);
+    report("shadow map", b, shadow_map, 20, 0);
+    report("map", b, map, 20, 0);
+    report("shade", b, shade, 20, gbuffer + pixels * 8 * sizeof(real));
+    report("shade backward", b, shade_backward, 20, 3 * gbuffer + pixels * 6 * sizeof(real));
+    report("average", b, average, 20, gbuffer + small);
+    report("average backward", b, average_backward, 20, 2 * gbuffer + small);
+    report("resolve", b, resolve, 20, 0);
+    report("resolve backward", b, resolve_backward, 20, 0);
+    report("clear", b, clear, 20, small);
+    report("a view drawn", b, draw, 10, 0);
+    report("a view and its pictures", b, forward, 10, 0);
+    report("a step's views, there and back", b, step, 3, 0);
+}
+
+static FfpImage stripes(int width, int height) {
+    FfpImage image = ffp_image_new(width, height, 3);
+    for (int i = 0; i < 3 * width * height; i++) image.data[i] = (real)(i / 3 / 4 % 2);
+    return image;
+}
+
+static void make_devices(Bench *b, int side, int pattern) {
+    for (int v = 0; v < VIEWS; v++) {
+        const real azimuth = (real)v * 6.2831853F / VIEWS;
+        b->camera[v] = ball_device(azimuth, 0.3F, 2.5F, side, side);
+        b->projector[v] = ball_device(azimuth + 0.2F, 1, 2, pattern, pattern);
+    }
+    b->fine = ball_device(0, 0.3F, 2.5F, b->settings.samples * side, b->settings.samples * side);
+}
+
+static void make_buffers(Bench *b, int side) {
+    const int fine = b->fine.width;
+    b->grad = ffp_gaussians_new(b->gaussians.count);
+    b->linear = ffp_image_new(fine, fine, 3), b->grad_linear = ffp_image_new(fine, fine, 3);
+    b->mean = ffp_image_new(side, side, 3), b->picture = ffp_image_new(side, side, 3);
+    b->raster = ffp_raster_new(), b->shadow_raster = ffp_raster_new();
+    b->samples = ffp_gbuffer_new(fine, fine), b->grad_samples = ffp_gbuffer_new(fine, fine);
+    b->averaged = ffp_gbuffer_new(side, side), b->grad_averaged = ffp_gbuffer_new(side, side);
+    b->mapping = ffp_mapping_new(fine, fine);
+    b->pass = ffp_view_pass_new(&b->settings);
+}
+
+int main(int argc, char **argv) {
+    FfpError err = {""};
+    const FfpDevice *device = ffp_cuda_device(&err);
+    if (!device) {
+        fprintf(stderr, "%s\n", err.text);
+        return 1;
+    }
+    (void)argv;
+    const bool tiny = argc > 1 || strstr(ffp_cuda_describe(), "emulated");
+    const int64_t count = tiny ? 300 : 45000;
+    const int side = tiny ? 11 : 128, pattern = tiny ? 32 : 256;
+    Bench b = {.tiny = tiny, .settings = ffp_render_defaults()};
+    if (tiny) b.settings.shadow_side = 20;
+    make_devices(&b, side, pattern);
+    FfpGaussians ball = ball_disturbed(count);
+    FfpImage image = stripes(pattern, pattern), grad = stripes(side, side);
+    FfpSummed light = ffp_summed_new(&image);
+    ffp_device_use(device);
+    b.gaussians = ffp_gaussians_uploaded(&ball);
+    b.light = ffp_summed_uploaded(&light);
+    b.grad_picture = ffp_image_uploaded(&grad);
+    make_buffers(&b, side);
+    printf("%s\n%lld splats, views of %dx%d with %dx%d samples, shadow map %d\n", ffp_cuda_describe(),
+           (long long)count, side, side, b.settings.samples, b.settings.samples, b.settings.shadow_side);
+    run(&b);
+    return 0;
+}
