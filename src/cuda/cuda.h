@@ -18,7 +18,7 @@ const char *ffp_cuda_describe(void);
 
 // Weak: a table that is not there is NULL (while the room is being built).
 #define FFP_WEAK __attribute__((weak))
-extern const struct FfpKernels ffp_cuda_tensor FFP_WEAK;
+extern const struct FfpKernels ffp_cuda_tensor;
 extern const struct FfpRenderTable ffp_cuda_render FFP_WEAK;
 extern const struct FfpLossTable ffp_cuda_loss FFP_WEAK;
 extern const struct FfpNetworkTable ffp_cuda_network FFP_WEAK;
