@@ -81,24 +81,29 @@ static __device__ inline void pixel_backward(const FfpDeviceSplat *s, const FfpC
     d[5 + FFP_CHANNEL_DEPTH] += w * p->spread * balance;
 }
 
-// Lane l gets the warp's sum of d[l % 16]: at each step half of the numbers go to the lane across, for half
-// of what it has.
-static __device__ inline float sum_transposed(float d[16], int lane) {
+// Of 2 HALF numbers, half go to the lane across, for half of what it has. A template, so that the loop unrolls
+// and the numbers stay in registers.
+template <int HALF> static __device__ inline void fold(float d[2 * HALF], int lane) {
+    const bool upper = lane & HALF;
 #pragma unroll
-    for (int half = 8; half >= 1; half /= 2) {
-        const bool upper = lane & half;
-#pragma unroll
-        for (int i = 0; i < half; i++) {
-            const float keep = upper ? d[i + half] : d[i], give = upper ? d[i] : d[i + half];
-            d[i] = keep + __shfl_xor_sync(FFP_ALL_LANES, give, half);
-        }
+    for (int i = 0; i < HALF; i++) {
+        const float low = d[i], high = d[i + HALF];
+        d[i] = (upper ? high : low) + __shfl_xor_sync(FFP_ALL_LANES, upper ? low : high, HALF);
     }
+}
+
+// Lane l gets the warp's sum of d[l % 16].
+static __device__ inline float sum_transposed(float d[16], int lane) {
+    fold<8>(d, lane);
+    fold<4>(d, lane);
+    fold<2>(d, lane);
+    fold<1>(d, lane);
     return d[0] + __shfl_xor_sync(FFP_ALL_LANES, d[0], 16);
 }
 
 static __device__ inline float sum_lanes(float d) {
 #pragma unroll
-    for (int across = 16; across >= 1; across /= 2) d += __shfl_xor_sync(FFP_ALL_LANES, d, across);
+    for (int step = 0; step < 5; step++) d += __shfl_xor_sync(FFP_ALL_LANES, d, 16 >> step);
     return d;
 }
 

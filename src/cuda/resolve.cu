@@ -14,18 +14,18 @@ typedef struct Plane {
     int channels;
 } Plane;
 
-typedef struct PlaneList {
+typedef struct FfpPlaneList {
     Plane plane[PLANES];
-} PlaneList;
+} FfpPlaneList;
 
-static PlaneList planes_of(const FfpGbuffer *from, const FfpGbuffer *to) {
-    return PlaneList{{{from->opacity, to->opacity, 1},
-                      {from->depth, to->depth, 1},
-                      {from->normal, to->normal, 3},
-                      {from->albedo, to->albedo, 3},
-                      {from->roughness, to->roughness, 1},
-                      {from->ambient, to->ambient, 3},
-                      {from->distortion, to->distortion, 1}}};
+static FfpPlaneList planes_of(const FfpGbuffer *from, const FfpGbuffer *to) {
+    return FfpPlaneList{{{from->opacity, to->opacity, 1},
+                         {from->depth, to->depth, 1},
+                         {from->normal, to->normal, 3},
+                         {from->albedo, to->albedo, 3},
+                         {from->roughness, to->roughness, 1},
+                         {from->ambient, to->ambient, 3},
+                         {from->distortion, to->distortion, 1}}};
 }
 
 // One thread a number of three planes' width, as the widest have; a row of blocks for each plane.
@@ -33,7 +33,7 @@ static dim3 blocks_for(int width, int height) {
     return dim3(ffp_blocks(3 * (size_t)width * (size_t)height, 256), PLANES);
 }
 
-static __global__ void clear_planes(PlaneList list, size_t pixels) {
+static __global__ void clear_planes(FfpPlaneList list, size_t pixels) {
     const Plane plane = list.plane[blockIdx.y];
     const size_t i = ffp_thread();
     if (plane.to && i < pixels * (size_t)plane.channels) plane.to[i] = 0;
@@ -45,7 +45,7 @@ void ffp_cuda_gbuffer_clear(FfpGbuffer *g) {
 }
 
 // `width` and `pixels` are those of the means.
-static __global__ void average_planes(PlaneList list, int width, size_t pixels, int side) {
+static __global__ void average_planes(FfpPlaneList list, int width, size_t pixels, int side) {
     const Plane plane = list.plane[blockIdx.y];
     const int channels = plane.channels;
     const size_t i = ffp_thread();
@@ -57,7 +57,7 @@ static __global__ void average_planes(PlaneList list, int width, size_t pixels, 
 }
 
 void ffp_cuda_average_plane(const real *samples, int side, int width, int height, int channels, real *out) {
-    PlaneList list = {};
+    FfpPlaneList list = {};
     list.plane[0] = Plane{samples, out, channels};
     const size_t pixels = (size_t)width * (size_t)height;
     ffp_launch(average_planes, dim3(ffp_blocks((size_t)channels * pixels, 256)), dim3(256), list, width,
@@ -70,7 +70,7 @@ void ffp_cuda_average_gbuffer(const FfpGbuffer *samples, int side, FfpGbuffer *o
 }
 
 // One thread a number of the samples, whose width and number these are.
-static __global__ void average_planes_backward(PlaneList list, int width, size_t pixels, int side) {
+static __global__ void average_planes_backward(FfpPlaneList list, int width, size_t pixels, int side) {
     const Plane plane = list.plane[blockIdx.y];
     const size_t channels = (size_t)plane.channels, i = ffp_thread();
     if (i >= pixels * channels) return;

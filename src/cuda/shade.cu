@@ -9,7 +9,7 @@ extern "C" {
 enum { BLOCK = 128 };
 
 // What the formulas reach by pointers: a kernel's constant argument.
-typedef struct Scene {
+typedef struct FfpShadeScene {
     FfpGbuffer gbuffer, shadow;
     FfpMapping mapping;
     FfpCamera camera, projector;
@@ -17,9 +17,9 @@ typedef struct Scene {
     float intensity[3];
     bool lit; // not black
     FfpSummed pattern;
-} Scene;
+} FfpShadeScene;
 
-static __device__ inline FfpShader shader_of(const Scene *s) {
+static __device__ inline FfpShader shader_of(const FfpShadeScene *s) {
     return FfpShader{&s->gbuffer,   &s->mapping,  &s->camera,
                      &s->projector, s->intensity, s->lit ? &s->pattern : NULL};
 }
@@ -28,7 +28,7 @@ static unsigned blocks_for(const FfpGbuffer *g) {
     return ffp_blocks((size_t)g->width * (size_t)g->height, BLOCK);
 }
 
-static __global__ void __launch_bounds__(BLOCK) map_pixels(const __grid_constant__ Scene scene) {
+static __global__ void __launch_bounds__(BLOCK) map_pixels(const __grid_constant__ FfpShadeScene scene) {
     const FfpMapper mapper = {&scene.gbuffer, &scene.camera, &scene.projector, &scene.settings, scene.shadow};
     const int width = scene.gbuffer.width, p = (int)ffp_thread();
     FfpMapping out = scene.mapping;
@@ -38,15 +38,16 @@ static __global__ void __launch_bounds__(BLOCK) map_pixels(const __grid_constant
 void ffp_cuda_map_with_shadow(const FfpGbuffer *shadow, const FfpGbuffer *gbuffer, const FfpCamera *camera,
                               const FfpCamera *projector, const FfpRenderSettings *settings,
                               FfpMapping *out) {
-    Scene scene = {};
+    FfpShadeScene scene = {};
     scene.gbuffer = *gbuffer, scene.shadow = *shadow, scene.mapping = *out;
     scene.camera = *camera, scene.projector = *projector, scene.settings = *settings;
     ffp_launch(map_pixels, dim3(blocks_for(gbuffer)), dim3(BLOCK), scene);
 }
 
-static Scene lit_scene(const FfpGbuffer *gbuffer, const FfpMapping *mapping, const FfpCamera *camera,
-                       const FfpCamera *projector, const real intensity[3], const FfpSummed *pattern) {
-    Scene scene = {};
+static FfpShadeScene lit_scene(const FfpGbuffer *gbuffer, const FfpMapping *mapping, const FfpCamera *camera,
+                               const FfpCamera *projector, const real intensity[3],
+                               const FfpSummed *pattern) {
+    FfpShadeScene scene = {};
     scene.gbuffer = *gbuffer, scene.mapping = *mapping;
     scene.camera = *camera, scene.projector = *projector;
     for (int k = 0; k < 3; k++) scene.intensity[k] = intensity[k];
@@ -56,7 +57,7 @@ static Scene lit_scene(const FfpGbuffer *gbuffer, const FfpMapping *mapping, con
 }
 
 static __global__ void __launch_bounds__(BLOCK)
-    shade_pixels(const __grid_constant__ Scene scene, float *out) {
+    shade_pixels(const __grid_constant__ FfpShadeScene scene, float *out) {
     const FfpShader shader = shader_of(&scene);
     const int width = scene.gbuffer.width, p = (int)ffp_thread();
     if (p >= width * scene.gbuffer.height) return;
@@ -68,12 +69,12 @@ static __global__ void __launch_bounds__(BLOCK)
 void ffp_cuda_shade(const FfpGbuffer *gbuffer, const FfpMapping *mapping, const FfpCamera *camera,
                     const FfpCamera *projector, const real intensity[3], const FfpSummed *pattern,
                     FfpImage *out) {
-    const Scene scene = lit_scene(gbuffer, mapping, camera, projector, intensity, pattern);
+    const FfpShadeScene scene = lit_scene(gbuffer, mapping, camera, projector, intensity, pattern);
     ffp_launch(shade_pixels, dim3(blocks_for(gbuffer)), dim3(BLOCK), scene, out->data);
 }
 
 static __global__ void __launch_bounds__(BLOCK)
-    shade_pixels_backward(const __grid_constant__ Scene scene, const float *grad_image,
+    shade_pixels_backward(const __grid_constant__ FfpShadeScene scene, const float *grad_image,
                           FfpGbuffer grad_gbuffer) {
     const FfpShader shader = shader_of(&scene);
     const int width = scene.gbuffer.width, p = (int)ffp_thread();
@@ -93,7 +94,7 @@ void ffp_cuda_shade_backward(const FfpGbuffer *gbuffer, const FfpMapping *mappin
         fprintf(stderr, "ffprocams: error: GPU: gradients of intensity and pattern are the CPU's alone\n");
         abort();
     }
-    const Scene scene = lit_scene(gbuffer, mapping, camera, projector, intensity, pattern);
+    const FfpShadeScene scene = lit_scene(gbuffer, mapping, camera, projector, intensity, pattern);
     ffp_launch(shade_pixels_backward, dim3(blocks_for(gbuffer)), dim3(BLOCK), scene, grad_image->data,
                *grad_gbuffer);
 }

@@ -152,7 +152,7 @@ static void poison_samples(FfpViewPass *pass) {
 }
 
 static void run_pictures(FfpViewPass *pass, const World *w, const FfpSummed *light, Result *r) {
-    const real intensity[3] = {2.1F, 1.9F, 1.7F};
+    const real intensity[3] = {21, 19, 17};
     FfpImage picture = ffp_view_pass_picture_new(pass);
     for (int p = 0; p < PATTERNS; p++) {
         FfpImage grad = ffp_image_uploaded(&w->grad_picture[p]);
