@@ -16,16 +16,13 @@ const FfpDevice *ffp_cuda_device(FfpError *err);
 // One line on what it is: name, memory, compute capability. Static text.
 const char *ffp_cuda_describe(void);
 
-extern const struct FfpRefineTable ffp_cuda_refine;
+extern const struct FfpKernels ffp_cuda_tensor;
 extern const struct FfpImageTable ffp_cuda_image;
-extern const struct FfpLossTable ffp_cuda_loss;
 extern const struct FfpRenderTable ffp_cuda_render;
-
-// Weak: a table that is not there is NULL (while the room is being built).
-#define FFP_WEAK __attribute__((weak))
-extern const struct FfpKernels ffp_cuda_tensor FFP_WEAK;
-extern const struct FfpNetworkTable ffp_cuda_network FFP_WEAK;
-extern const struct FfpTrainTable ffp_cuda_train FFP_WEAK;
+extern const struct FfpLossTable ffp_cuda_loss;
+extern const struct FfpNetworkTable ffp_cuda_network;
+extern const struct FfpTrainTable ffp_cuda_train;
+extern const struct FfpRefineTable ffp_cuda_refine;
 
 #ifdef __cplusplus
 }

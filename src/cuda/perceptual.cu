@@ -179,8 +179,8 @@ static void forward(const Walk *walk) {
             continue;
         }
         const FfpConv conv = conv_of(walk, layer);
-        ffp_cuda_conv_forward(to + layer->channel * row, from, walk->weights->weight[i], &conv, IMAGES,
-                              walk->columns);
+        ffp_cuda_picture_conv_forward(to + layer->channel * row, from, walk->weights->weight[i], &conv,
+                                      IMAGES, walk->columns);
         if (i + 1 == net->layer_count || net->layers[i + 1].to != layer->to) // the slot is complete
             ffp_cuda_bias_relu(to, walk->weights->bias[layer->to], net->channels[layer->to], row);
     }
@@ -223,8 +223,8 @@ static void backward(Walk *walk) {
             ffp_cuda_relu_backward(dy, walk->features.value[layer->to], net->channels[layer->to], IMAGES,
                                    row);
         const FfpConv conv = conv_of(walk, layer);
-        ffp_cuda_conv_backward(dx, dy + layer->channel * row, walk->weights->weight[i], &conv, add,
-                               walk->columns);
+        ffp_cuda_picture_conv_backward(dx, dy + layer->channel * row, walk->weights->weight[i], &conv, add,
+                                       walk->columns);
     }
 }
 

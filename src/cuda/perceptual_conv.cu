@@ -79,8 +79,8 @@ static __global__ void fold(float *dx, const float *columns, Strip strip, bool a
     *to = add ? *to + sum : sum;
 }
 
-void ffp_cuda_conv_forward(float *y, const float *x, const float *w, const FfpConv *conv, int images,
-                           FfpColumns columns) {
+void ffp_cuda_picture_conv_forward(float *y, const float *x, const float *w, const FfpConv *conv, int images,
+                                   FfpColumns columns) {
     Strip strip = whole(conv, images);
     const size_t total = strip.count;
     const int depth = (int)depth_of(conv);
@@ -97,8 +97,8 @@ void ffp_cuda_conv_forward(float *y, const float *x, const float *w, const FfpCo
     }
 }
 
-void ffp_cuda_conv_backward(float *dx, const float *dy, const float *w, const FfpConv *conv, bool add,
-                            FfpColumns columns) {
+void ffp_cuda_picture_conv_backward(float *dx, const float *dy, const float *w, const FfpConv *conv, bool add,
+                                    FfpColumns columns) {
     Strip strip = whole(conv, 1);
     const size_t total = strip.count, pixels = (size_t)conv->width * conv->height;
     const int depth = (int)depth_of(conv);

@@ -20,11 +20,11 @@ typedef struct FfpColumns {
 // What the whole of a convolution's output would take, of `images` images; 0 where nothing is unfolded.
 size_t ffp_cuda_columns(const FfpConv *conv, int images);
 // y = w * x, neither bias nor ReLU yet.
-void ffp_cuda_conv_forward(float *y, const float *x, const float *w, const FfpConv *conv, int images,
-                           FfpColumns columns);
+void ffp_cuda_picture_conv_forward(float *y, const float *x, const float *w, const FfpConv *conv, int images,
+                                   FfpColumns columns);
 // The adjoint, of one image: dx = or += w^T * dy.
-void ffp_cuda_conv_backward(float *dx, const float *dy, const float *w, const FfpConv *conv, bool add,
-                            FfpColumns columns);
+void ffp_cuda_picture_conv_backward(float *dx, const float *dy, const float *w, const FfpConv *conv, bool add,
+                                    FfpColumns columns);
 // y [channels, row] = relu(y + bias)
 void ffp_cuda_bias_relu(float *y, const float *bias, int channels, size_t row);
 // dy [channels, row] = 0 where y [channels, images, row] of the first image is 0.

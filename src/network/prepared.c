@@ -121,7 +121,10 @@ FfpPrepared *ffp_prepared_new(const FfpModelConfig *config, const FfpCapture *ca
     const FfpSeen seen = {capture, start, views, active};
     FfpContext own = {0};
     if (!check(config, &seen, err)) return NULL;
-    if (!context && !ffp_context_new(&own, config, capture, start, active, err)) return NULL;
+    const FfpDevice *device = ffp_device_use(NULL); // a context is the CPU's
+    const bool ok = context || ffp_context_new(&own, config, capture, start, active, err);
+    ffp_device_use(device);
+    if (!ok) return NULL;
     if (!context) context = &own;
     const FfpStart *context_start = start ? &context->start : NULL;
     const Source s = {config,
@@ -139,7 +142,9 @@ FfpPrepared *ffp_prepared_new(const FfpModelConfig *config, const FfpCapture *ca
     prepare_pixels(p, &s);
     prepare_taps(p, &s);
     prepare_apart(p, &s);
+    ffp_device_use(NULL);
     ffp_context_free(&own);
+    ffp_device_use(device);
     return p;
 }
 

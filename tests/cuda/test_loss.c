@@ -458,11 +458,11 @@ static void check_convolution(const FfpConv *s, size_t pixels, bool add) {
     real *there_y = device->alloc(2 * s->out * out * sizeof *y);
     real *there_dy = ffp_memory_uploaded(dy, s->out * out, sizeof *dy);
     real *there_dx = ffp_memory_uploaded(dx, s->in * in, sizeof *dx);
-    ffp_cuda_conv_forward(there_y, there_x, there_w, s, 2, columns);
+    ffp_cuda_picture_conv_forward(there_y, there_x, there_w, s, 2, columns);
     ffp_cuda_bias_relu(there_y, there_bias, s->out, 2 * out);
     expect_near("convolution", turned_y, there_y, 2 * s->out * out);
     ffp_cuda_relu_backward(there_dy, there_y, s->out, 2, out);
-    ffp_cuda_conv_backward(there_dx, there_dy, there_w, s, add, columns);
+    ffp_cuda_picture_conv_backward(there_dx, there_dy, there_w, s, add, columns);
     for (size_t i = 0; i < s->in * in && !add; i++) dx[i] = 0;
     ffp_conv2d_backward(dx, dy, y, w, s);
     expect_near("its gradient", dx, there_dx, s->in * in);

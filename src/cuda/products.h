@@ -1,0 +1,35 @@
+// Matrix products on the GPU, by cuBLAS. All matrices are row-major.
+#ifndef FFP_CUDA_PRODUCTS_H
+#define FFP_CUDA_PRODUCTS_H
+
+#include <stdbool.h>
+#include <stddef.h>
+
+// What the operands are stored as, or rounded to. Sums and C are fp32.
+typedef enum FfpCudaOperands {
+    FFP_OPERANDS_F32,
+    FFP_OPERANDS_TF32, // fp32 numbers, of whose 23 bits of mantissa 10 are used: up to 8 times as fast
+    FFP_OPERANDS_BF16
+} FfpCudaOperands;
+
+// C[m,n] = alpha op(A) op(B) + beta C, as ffp_gemm, `count` times: strides are numbers from one matrix to the
+// next. C is not read where beta is 0. bf16 products are fast where rows start at multiples of 16 bytes.
+typedef struct FfpCudaProduct {
+    FfpCudaOperands operands;
+    bool transpose_a, transpose_b;
+    int m, n, k;
+    float alpha;
+    const void *a;
+    int lda;
+    const void *b;
+    int ldb;
+    float beta;
+    float *c;
+    int ldc;
+    int count;
+    size_t stride_a, stride_b, stride_c;
+} FfpCudaProduct;
+
+void ffp_cuda_product(const FfpCudaProduct *product);
+
+#endif
