@@ -26,7 +26,7 @@ extern "C" const struct FfpLossTable ffp_cuda_loss = {
     .perceptual = ffp_cuda_perceptual,
 };
 
-FfpPartials ffp_cuda_partials(int quantities, unsigned blocks) {
+FfpPartials ffp_cuda_loss_partials(int quantities, unsigned blocks) {
     static void *scratch;
     static size_t capacity;
     ffp_cuda_grow(&scratch, &capacity, (FFP_SUM_QUANTITIES + (size_t)quantities * blocks) * sizeof(double));
@@ -42,11 +42,11 @@ static __global__ void add_partials(FfpPartials sums) {
     if (threadIdx.x == 0) sums.total[blockIdx.x] = mine;
 }
 
-void ffp_cuda_add_partials(const FfpPartials *sums) {
+void ffp_cuda_loss_add(const FfpPartials *sums) {
     ffp_launch_blocks(add_partials, dim3((unsigned)sums->quantities), dim3(FFP_SUM_THREADS), 0, *sums);
 }
 
-void ffp_cuda_read_totals(double *totals, const FfpPartials *sums, bool add) {
-    if (add) ffp_cuda_add_partials(sums);
+void ffp_cuda_loss_totals(double *totals, const FfpPartials *sums, bool add) {
+    if (add) ffp_cuda_loss_add(sums);
     ffp_cuda_download(totals, sums->total, (size_t)sums->quantities * sizeof *totals);
 }

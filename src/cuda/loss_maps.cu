@@ -20,7 +20,7 @@ real ffp_cuda_mask(const real *opacity, const real *mask, int pixels, real weigh
     const FfpPartials sums =
         ffp_launch_sums(1, (size_t)pixels, mask_pixels, opacity, mask, weight / (real)pixels, grad_opacity);
     double total;
-    ffp_cuda_read_totals(&total, &sums, true);
+    ffp_cuda_loss_totals(&total, &sums, true);
     return weight * (real)(total / pixels);
 }
 
@@ -48,12 +48,12 @@ static __global__ void depth_slopes(size_t count, const double *totals, const fl
 real ffp_cuda_depth(const real *depth_sum, const real *opacity, const real *truth, int pixels, real weight,
                     real *grad_depth_sum, real *grad_opacity) {
     const FfpPartials sums = ffp_launch_sums(2, (size_t)pixels, depth_pixels, depth_sum, opacity, truth);
-    ffp_cuda_add_partials(&sums);
+    ffp_cuda_loss_add(&sums);
     if (grad_depth_sum || grad_opacity)
         ffp_launch_each((size_t)pixels, depth_slopes, sums.total, depth_sum, opacity, truth, weight,
                         grad_depth_sum, grad_opacity);
     double totals[2];
-    ffp_cuda_read_totals(totals, &sums, false);
+    ffp_cuda_loss_totals(totals, &sums, false);
     return totals[1] > 0 ? weight * (real)(totals[0] / totals[1]) : 0;
 }
 
@@ -68,6 +68,6 @@ real ffp_cuda_distortion(const real *distortion, int pixels, real weight, real *
     const FfpPartials sums = ffp_launch_sums(1, (size_t)pixels, distortion_pixels, distortion,
                                              weight / (real)pixels, grad_distortion);
     double total;
-    ffp_cuda_read_totals(&total, &sums, true);
+    ffp_cuda_loss_totals(&total, &sums, true);
     return weight * (real)(total / pixels);
 }

@@ -22,7 +22,7 @@ real ffp_cuda_l1(const FfpImage *prediction, const FfpImage *target, real weight
     const FfpPartials sums = ffp_launch_sums(1, count, l1_values, prediction->data, target->data,
                                              weight / (real)count, grad ? grad->data : NULL);
     double total;
-    ffp_cuda_read_totals(&total, &sums, true);
+    ffp_cuda_loss_totals(&total, &sums, true);
     return weight * (real)(total / (double)count);
 }
 
@@ -41,7 +41,7 @@ double ffp_cuda_squared_error(const FfpImage *a, const FfpImage *b, const FfpIma
     const FfpPartials sums = ffp_launch_sums(2, values_of(a), squared_values, a->data, b->data,
                                              mask ? mask->data : NULL, a->channels);
     double totals[2];
-    ffp_cuda_read_totals(totals, &sums, true);
+    ffp_cuda_loss_totals(totals, &sums, true);
     *count = (size_t)totals[1];
     return totals[0];
 }

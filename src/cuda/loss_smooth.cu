@@ -62,10 +62,10 @@ real ffp_cuda_normal_smooth(const real *normal_sum, const real *mask, int width,
     const Normals normals = {normal_sum, mask, width, height};
     const size_t pixels = (size_t)width * height;
     const FfpPartials sums = ffp_launch_sums(2, pixels, normal_pairs, normals);
-    ffp_cuda_add_partials(&sums);
+    ffp_cuda_loss_add(&sums);
     if (grad) ffp_launch_each(pixels, normal_slopes, sums.total, normals, weight, grad);
     double totals[2];
-    ffp_cuda_read_totals(totals, &sums, false);
+    ffp_cuda_loss_totals(totals, &sums, false);
     return totals[1] > 0 ? weight * (real)(totals[0] / totals[1]) : 0;
 }
 
@@ -125,10 +125,10 @@ real ffp_cuda_roughness(const real *roughness_sum, const real *albedo_sum, const
     const Roughness map = {roughness_sum, albedo_sum, opacity, mask, width, height};
     const size_t pixels = (size_t)width * height;
     const FfpPartials sums = ffp_launch_sums(2, pixels, roughness_pairs, map);
-    ffp_cuda_add_partials(&sums);
+    ffp_cuda_loss_add(&sums);
     if (grad_roughness_sum || grad_opacity)
         ffp_launch_each(pixels, roughness_slopes, sums.total, map, weight, grad_roughness_sum, grad_opacity);
     double totals[2];
-    ffp_cuda_read_totals(totals, &sums, false);
+    ffp_cuda_loss_totals(totals, &sums, false);
     return totals[1] > 0 ? weight * (real)(totals[0] / totals[1]) : 0;
 }

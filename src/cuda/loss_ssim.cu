@@ -116,7 +116,7 @@ double ffp_cuda_ssim(const FfpImage *a, const FfpImage *b, real scale, FfpImage 
     const size_t map = (size_t)a->width * a->height * a->channels;
     const dim3 tiles(ffp_blocks((size_t)a->width, TILE), ffp_blocks((size_t)a->height, TILE),
                      (unsigned)a->channels);
-    const FfpPartials sums = ffp_cuda_partials(1, tiles.x * tiles.y * tiles.z);
+    const FfpPartials sums = ffp_cuda_loss_partials(1, tiles.x * tiles.y * tiles.z);
     if (grad) ffp_cuda_grow(&slopes, &capacity, SLOPES * map * sizeof(float));
     ffp_launch_blocks(compare, tiles, dim3(TILE, TILE), 0, sums, grad ? (float *)slopes : NULL, a->data,
                       b->data, window);
@@ -124,6 +124,6 @@ double ffp_cuda_ssim(const FfpImage *a, const FfpImage *b, real scale, FfpImage 
         ffp_launch_blocks(add_gradient, tiles, dim3(TILE, TILE), 0, (const float *)slopes, a->data, b->data,
                           scale, grad->data, window);
     double total;
-    ffp_cuda_read_totals(&total, &sums, true);
+    ffp_cuda_loss_totals(&total, &sums, true);
     return total / (double)map;
 }

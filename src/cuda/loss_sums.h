@@ -9,17 +9,17 @@ enum { FFP_SUM_THREADS = 256, FFP_SUM_QUANTITIES = 2 };
 
 // Device memory; passed to kernels by value.
 typedef struct FfpPartials {
-    double *total;   // [quantities], after ffp_cuda_add_partials
+    double *total;   // [quantities], after ffp_cuda_loss_add
     double *partial; // [quantities, blocks]
     unsigned blocks;
     int quantities;
 } FfpPartials;
 
 // Scratch for a launch of so many blocks, kept from call to call: good until the next call of this.
-FfpPartials ffp_cuda_partials(int quantities, unsigned blocks);
-void ffp_cuda_add_partials(const FfpPartials *sums);
+FfpPartials ffp_cuda_loss_partials(int quantities, unsigned blocks);
+void ffp_cuda_loss_add(const FfpPartials *sums);
 // Waits for the totals: adds the partial sums first when `add`.
-void ffp_cuda_read_totals(double *totals, const FfpPartials *sums, bool add);
+void ffp_cuda_loss_totals(double *totals, const FfpPartials *sums, bool add);
 
 // Sum over all threads of a block of whole warps, in its thread 0; all must come.
 static __device__ inline double ffp_block_sum(double mine) {
@@ -46,7 +46,7 @@ static __device__ inline void ffp_put_partial(FfpPartials sums, int quantity, do
 // whatever follows.
 template <typename... P, typename... A>
 FfpPartials ffp_launch_sums(int quantities, size_t count, void (*kernel)(P...), A... arguments) {
-    const FfpPartials sums = ffp_cuda_partials(quantities, ffp_blocks(count, FFP_SUM_THREADS));
+    const FfpPartials sums = ffp_cuda_loss_partials(quantities, ffp_blocks(count, FFP_SUM_THREADS));
     ffp_launch_blocks(kernel, dim3(sums.blocks), dim3(FFP_SUM_THREADS), 0, count, sums, arguments...);
     return sums;
 }

@@ -192,7 +192,7 @@ static FfpPartials compare(Walk *walk, real weight) {
     unsigned blocks = 0;
     for (int i = 0; i < net->tap_count; i++)
         blocks += ffp_cuda_tap_blocks((int)plane_of(walk, net->taps[i].slot));
-    const FfpPartials sums = ffp_cuda_partials(1, blocks);
+    const FfpPartials sums = ffp_cuda_loss_partials(1, blocks);
     FfpPartials next = sums;
     for (int i = 0; i < net->tap_count; i++) {
         const int slot = net->taps[i].slot;
@@ -244,6 +244,6 @@ real ffp_cuda_perceptual(const FfpPerceptual *net, const void *weights, const Ff
                         input_of(net));
     }
     double total; // asked for when all is queued
-    ffp_cuda_read_totals(&total, &sums, true);
+    ffp_cuda_loss_totals(&total, &sums, true);
     return weight * (real)total;
 }

@@ -464,7 +464,9 @@ static void check_convolution(const FfpConv *s, size_t pixels, bool add) {
     ffp_cuda_relu_backward(there_dy, there_y, s->out, 2, out);
     ffp_cuda_picture_conv_backward(there_dx, there_dy, there_w, s, add, columns);
     for (size_t i = 0; i < s->in * in && !add; i++) dx[i] = 0;
+    ffp_device_use(NULL);
     ffp_conv2d_backward(dx, dy, y, w, s);
+    ffp_device_use(device);
     expect_near("its gradient", dx, there_dx, s->in * in);
     real *all[] = {there_x, there_w, there_bias, there_y, there_dy, there_dx, columns.values};
     for (size_t i = 0; i < sizeof all / sizeof *all; i++) ffp_memory_free(all[i]);
@@ -505,7 +507,9 @@ static void check_pool(const FfpPool *pool, bool add) {
     expect_near("pool", y, there_y, 2 * channels * out);
     ffp_cuda_maxpool_backward(there_dx, there_dy, there_x, pool, 2, add);
     for (size_t i = 0; i < channels * in && !add; i++) dx[i] = 0;
+    ffp_device_use(NULL);
     ffp_maxpool_backward(dx, dy, x, pool);
+    ffp_device_use(device);
     expect_near("its gradient", dx, there_dx, channels * in);
     real *all[] = {there_x, there_y, there_dy, there_dx};
     for (size_t i = 0; i < sizeof all / sizeof *all; i++) ffp_memory_free(all[i]);
