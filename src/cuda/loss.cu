@@ -6,32 +6,55 @@ extern "C" {
 }
 #include "cuda/loss_room.h"
 
-extern "C" const struct FfpImageTable ffp_cuda_image = {
-    .to_srgb = ffp_cuda_to_srgb,
-    .to_linear = ffp_cuda_to_linear,
-};
+enum { MOST = FFP_LATE_MAX, QUANTITIES = FFP_SUM_QUANTITIES };
 
-extern "C" const struct FfpLossTable ffp_cuda_loss = {
-    .l1 = ffp_cuda_l1,
-    .ssim = ffp_cuda_ssim,
-    .srgb_encode_backward = ffp_cuda_srgb_encode_backward,
-    .mask = ffp_cuda_mask,
-    .depth = ffp_cuda_depth,
-    .distortion = ffp_cuda_distortion,
-    .normal_smooth = ffp_cuda_normal_smooth,
-    .roughness = ffp_cuda_roughness,
-    .squared_error = ffp_cuda_squared_error,
-    .perceptual_upload = ffp_cuda_perceptual_upload,
-    .perceptual_release = ffp_cuda_perceptual_release,
-    .perceptual = ffp_cuda_perceptual,
-};
+// Values that nobody waits for yet.
+static struct {
+    bool on;
+    int count;
+    double *totals;                    // [MOST, QUANTITIES], the device's
+    double scale[MOST], divisor[MOST]; // divisor 0: the second total
+} late;
+
+static double mean_of(const double *totals, double scale, double divisor) {
+    const double count = divisor > 0 ? divisor : totals[1];
+    return count > 0 ? scale * (totals[0] / count) : 0;
+}
+
+static void late_turn(bool on) {
+    if (!late.totals) late.totals = (double *)ffp_cuda_alloc(MOST * QUANTITIES * sizeof(double));
+    late.on = on, late.count = 0;
+}
+
+static int late_count(void) {
+    return late.count;
+}
+
+static void late_values(double *values) {
+    static double totals[MOST * QUANTITIES];
+    ffp_cuda_download(totals, late.totals, (size_t)late.count * QUANTITIES * sizeof(double));
+    for (int i = 0; i < late.count; i++)
+        values[i] = mean_of(totals + i * QUANTITIES, late.scale[i], late.divisor[i]);
+    late.count = 0;
+}
+
+// Where the totals of the next value go.
+static double *late_place(void) {
+    if (late.count < MOST) return late.totals + late.count * QUANTITIES;
+    fprintf(stderr, "ffprocams: too many losses are late\n");
+    abort();
+}
+
+bool ffp_cuda_values_are_late(void) {
+    return late.on;
+}
 
 FfpPartials ffp_cuda_loss_partials(int quantities, unsigned blocks) {
     static void *scratch;
     static size_t capacity;
     ffp_cuda_grow(&scratch, &capacity, (FFP_SUM_QUANTITIES + (size_t)quantities * blocks) * sizeof(double));
-    double *total = (double *)scratch;
-    return FfpPartials{total, total + FFP_SUM_QUANTITIES, blocks, quantities};
+    double *total = (double *)scratch, *partial = total + FFP_SUM_QUANTITIES;
+    return FfpPartials{late.on ? late_place() : total, partial, blocks, quantities};
 }
 
 static __global__ void add_partials(FfpPartials sums) {
@@ -50,3 +73,37 @@ void ffp_cuda_loss_totals(double *totals, const FfpPartials *sums, bool add) {
     if (add) ffp_cuda_loss_add(sums);
     ffp_cuda_download(totals, sums->total, (size_t)sums->quantities * sizeof *totals);
 }
+
+double ffp_cuda_mean(const FfpPartials *sums, bool add, double scale, double count) {
+    if (late.on) {
+        if (add) ffp_cuda_loss_add(sums);
+        late.scale[late.count] = scale, late.divisor[late.count++] = count;
+        return 0;
+    }
+    double totals[FFP_SUM_QUANTITIES];
+    ffp_cuda_loss_totals(totals, sums, add);
+    return mean_of(totals, scale, count);
+}
+
+extern "C" const struct FfpImageTable ffp_cuda_image = {
+    .to_srgb = ffp_cuda_to_srgb,
+    .to_linear = ffp_cuda_to_linear,
+};
+
+extern "C" const struct FfpLossTable ffp_cuda_loss = {
+    .l1 = ffp_cuda_l1,
+    .ssim = ffp_cuda_ssim,
+    .srgb_encode_backward = ffp_cuda_srgb_encode_backward,
+    .mask = ffp_cuda_mask,
+    .depth = ffp_cuda_depth,
+    .distortion = ffp_cuda_distortion,
+    .normal_smooth = ffp_cuda_normal_smooth,
+    .roughness = ffp_cuda_roughness,
+    .squared_error = ffp_cuda_squared_error,
+    .late = late_turn,
+    .late_count = late_count,
+    .late_values = late_values,
+    .perceptual_upload = ffp_cuda_perceptual_upload,
+    .perceptual_release = ffp_cuda_perceptual_release,
+    .perceptual = ffp_cuda_perceptual,
+};

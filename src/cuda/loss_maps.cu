@@ -19,9 +19,7 @@ static __global__ void mask_pixels(size_t count, FfpPartials sums, const float *
 real ffp_cuda_mask(const real *opacity, const real *mask, int pixels, real weight, real *grad_opacity) {
     const FfpPartials sums =
         ffp_launch_sums(1, (size_t)pixels, mask_pixels, opacity, mask, weight / (real)pixels, grad_opacity);
-    double total;
-    ffp_cuda_loss_totals(&total, &sums, true);
-    return weight * (real)(total / pixels);
+    return (real)ffp_cuda_mean(&sums, true, weight, pixels);
 }
 
 static __global__ void depth_pixels(size_t count, FfpPartials sums, const float *depth_sum,
@@ -52,9 +50,7 @@ real ffp_cuda_depth(const real *depth_sum, const real *opacity, const real *trut
     if (grad_depth_sum || grad_opacity)
         ffp_launch_each((size_t)pixels, depth_slopes, sums.total, depth_sum, opacity, truth, weight,
                         grad_depth_sum, grad_opacity);
-    double totals[2];
-    ffp_cuda_loss_totals(totals, &sums, false);
-    return totals[1] > 0 ? weight * (real)(totals[0] / totals[1]) : 0;
+    return (real)ffp_cuda_mean(&sums, false, weight, 0);
 }
 
 static __global__ void distortion_pixels(size_t count, FfpPartials sums, const float *distortion, float step,
@@ -67,7 +63,5 @@ static __global__ void distortion_pixels(size_t count, FfpPartials sums, const f
 real ffp_cuda_distortion(const real *distortion, int pixels, real weight, real *grad_distortion) {
     const FfpPartials sums = ffp_launch_sums(1, (size_t)pixels, distortion_pixels, distortion,
                                              weight / (real)pixels, grad_distortion);
-    double total;
-    ffp_cuda_loss_totals(&total, &sums, true);
-    return weight * (real)(total / pixels);
+    return (real)ffp_cuda_mean(&sums, true, weight, pixels);
 }

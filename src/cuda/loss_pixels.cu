@@ -21,9 +21,7 @@ real ffp_cuda_l1(const FfpImage *prediction, const FfpImage *target, real weight
     const size_t count = values_of(prediction);
     const FfpPartials sums = ffp_launch_sums(1, count, l1_values, prediction->data, target->data,
                                              weight / (real)count, grad ? grad->data : NULL);
-    double total;
-    ffp_cuda_loss_totals(&total, &sums, true);
-    return weight * (real)(total / (double)count);
+    return (real)ffp_cuda_mean(&sums, true, weight, (double)count);
 }
 
 static __global__ void squared_values(size_t count, FfpPartials sums, const float *a, const float *b,
@@ -40,6 +38,7 @@ double ffp_cuda_squared_error(const FfpImage *a, const FfpImage *b, const FfpIma
     if (values_of(a) == 0) return 0;
     const FfpPartials sums = ffp_launch_sums(2, values_of(a), squared_values, a->data, b->data,
                                              mask ? mask->data : NULL, a->channels);
+    if (ffp_cuda_values_are_late() && !mask) return ffp_cuda_mean(&sums, true, 1, 0);
     double totals[2];
     ffp_cuda_loss_totals(totals, &sums, true);
     *count = (size_t)totals[1];

@@ -64,9 +64,7 @@ real ffp_cuda_normal_smooth(const real *normal_sum, const real *mask, int width,
     const FfpPartials sums = ffp_launch_sums(2, pixels, normal_pairs, normals);
     ffp_cuda_loss_add(&sums);
     if (grad) ffp_launch_each(pixels, normal_slopes, sums.total, normals, weight, grad);
-    double totals[2];
-    ffp_cuda_loss_totals(totals, &sums, false);
-    return totals[1] > 0 ? weight * (real)(totals[0] / totals[1]) : 0;
+    return (real)ffp_cuda_mean(&sums, false, weight, 0);
 }
 
 typedef struct Roughness {
@@ -128,7 +126,5 @@ real ffp_cuda_roughness(const real *roughness_sum, const real *albedo_sum, const
     ffp_cuda_loss_add(&sums);
     if (grad_roughness_sum || grad_opacity)
         ffp_launch_each(pixels, roughness_slopes, sums.total, map, weight, grad_roughness_sum, grad_opacity);
-    double totals[2];
-    ffp_cuda_loss_totals(totals, &sums, false);
-    return totals[1] > 0 ? weight * (real)(totals[0] / totals[1]) : 0;
+    return (real)ffp_cuda_mean(&sums, false, weight, 0);
 }

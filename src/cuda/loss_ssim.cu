@@ -123,7 +123,5 @@ double ffp_cuda_ssim(const FfpImage *a, const FfpImage *b, real scale, FfpImage 
     if (grad)
         ffp_launch_blocks(add_gradient, tiles, dim3(TILE, TILE), 0, (const float *)slopes, a->data, b->data,
                           scale, grad->data, window);
-    double total;
-    ffp_cuda_loss_totals(&total, &sums, true);
-    return total / (double)map;
+    return ffp_cuda_mean(&sums, true, 1, (double)map);
 }

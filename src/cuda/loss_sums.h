@@ -20,6 +20,10 @@ FfpPartials ffp_cuda_loss_partials(int quantities, unsigned blocks);
 void ffp_cuda_loss_add(const FfpPartials *sums);
 // Waits for the totals: adds the partial sums first when `add`.
 void ffp_cuda_loss_totals(double *totals, const FfpPartials *sums, bool add);
+// scale * first total / count, count 0: the second total; 0 of nothing. Waits for it, unless values are taken
+// late (loss/table.h): keeps it then.
+double ffp_cuda_mean(const FfpPartials *sums, bool add, double scale, double count);
+bool ffp_cuda_values_are_late(void);
 
 // Sum over all threads of a block of whole warps, in its thread 0; all must come.
 static __device__ inline double ffp_block_sum(double mine) {

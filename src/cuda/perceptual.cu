@@ -243,7 +243,5 @@ real ffp_cuda_perceptual(const FfpPerceptual *net, const void *weights, const Ff
         ffp_launch_each(pixels, from_planes, grad->data, grad->channels, walk.features.grad[0],
                         input_of(net));
     }
-    double total; // asked for when all is queued
-    ffp_cuda_loss_totals(&total, &sums, true);
-    return weight * (real)total;
+    return (real)ffp_cuda_mean(&sums, true, weight, 1); // asked for when all is queued
 }

@@ -40,6 +40,14 @@ real ffp_roughness_loss(const real *roughness_sum, const real *albedo_sum, const
                         const real *mask, int width, int height, real weight, real *grad_roughness_sum,
                         real *grad_opacity);
 
+// On a device each value costs a wait for all work before it. Between ffp_losses_late and ffp_losses_settle
+// the thread does without: what the functions here (not ffp_ssim) and ffp_psnr return is then good for
+// nothing but ffp_loss_add, which adds weight * value to *sum when they settle: one wait for all of them.
+// Pairs may stand inside each other. On the CPU ffp_loss_add adds at once.
+void ffp_losses_late(void);
+void ffp_loss_add(double *sum, double weight, double value);
+void ffp_losses_settle(void);
+
 // Perceptual networks, read from safetensors (docs/formats.md): LPIPS with AlexNet or SqueezeNet, VGG16 up to
 // relu2_2.
 typedef struct FfpPerceptual FfpPerceptual;

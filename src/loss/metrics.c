@@ -4,6 +4,7 @@
 #include <assert.h>
 #include <math.h>
 #include "base/device.h"
+#include "loss/late.h"
 #include "loss/table.h"
 
 static double squared_error(const FfpImage *a, const FfpImage *b, const FfpImage *mask, size_t *count) {
@@ -21,6 +22,16 @@ static double squared_error(const FfpImage *a, const FfpImage *b, const FfpImage
     return sum;
 }
 
+static double psnr_of(double count, double sum) {
+    if (sum == 0) return FFP_PSNR_CAP;
+    const double value = 10 * log10(count / sum);
+    return value > FFP_PSNR_CAP ? FFP_PSNR_CAP : value;
+}
+
+double ffp_psnr_of(double mean_square) {
+    return psnr_of(1, mean_square);
+}
+
 // mask may be NULL: every pixel counts.
 static double psnr(const FfpImage *a, const FfpImage *b, const FfpImage *mask) {
     assert(a->width == b->width && a->height == b->height && a->channels == b->channels);
@@ -28,10 +39,9 @@ static double psnr(const FfpImage *a, const FfpImage *b, const FfpImage *mask) {
     size_t count;
     const double sum = ffp_device() ? ffp_device()->loss->squared_error(a, b, mask, &count)
                                     : squared_error(a, b, mask, &count);
+    if (!mask && ffp_late_as(FFP_LATE_PSNR, 1)) return 0;
     if (count == 0) return NAN;
-    if (sum == 0) return FFP_PSNR_CAP;
-    const double value = 10 * log10((double)count / sum);
-    return value > FFP_PSNR_CAP ? FFP_PSNR_CAP : value;
+    return psnr_of((double)count, sum);
 }
 
 double ffp_psnr(const FfpImage *a, const FfpImage *b) {

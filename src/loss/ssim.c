@@ -10,6 +10,7 @@
 #include <tgmath.h>
 #include "base/arena.h"
 #include "base/device.h"
+#include "loss/late.h"
 #include "loss/table.h"
 #include "loss/terms.h"
 
@@ -153,7 +154,8 @@ static double mean_ssim(const FfpImage *a, const FfpImage *b, real scale, FfpIma
 
 real ffp_ssim_loss(const FfpImage *prediction, const FfpImage *target, real weight, FfpImage *grad) {
     const real count = (real)prediction->width * prediction->height * prediction->channels;
-    return weight * (real)(1 - mean_ssim(prediction, target, -weight / count, grad));
+    const double mean = mean_ssim(prediction, target, -weight / count, grad);
+    return ffp_late_as(FFP_LATE_SIMILARITY, weight) ? 0 : weight * (real)(1 - mean);
 }
 
 real ffp_ssim(const FfpImage *a, const FfpImage *b) {

@@ -3,9 +3,12 @@
 #ifndef FFP_LOSS_TABLE_H
 #define FFP_LOSS_TABLE_H
 
+#include <stdbool.h>
 #include <stddef.h>
 #include "image/image.h"
 #include "loss/loss.h"
+
+enum { FFP_LATE_MAX = 1024 };
 
 struct FfpLossTable {
     real (*l1)(const FfpImage *prediction, const FfpImage *target, real weight, FfpImage *grad);
@@ -24,6 +27,11 @@ struct FfpLossTable {
     // Sum of the squared differences over the pixels whose mask is above 0.5 (NULL: all); *count gets how
     // many values that are.
     double (*squared_error)(const FfpImage *a, const FfpImage *b, const FfpImage *mask, size_t *count);
+    // While it is on, values are kept on the device, up to FFP_LATE_MAX of them, and 0 is returned:
+    // squared_error without a mask keeps the mean, the others what they would have returned.
+    void (*late)(bool on);
+    int (*late_count)(void);             // how many are kept
+    void (*late_values)(double *values); // in the order in which they were asked for; waits, and forgets them
     // A perceptual network's weights on the device, and the loss with them; the pictures are large enough.
     void *(*perceptual_upload)(const FfpPerceptual *perceptual);
     void (*perceptual_release)(void *weights);

@@ -7,7 +7,8 @@
 
 // What a view was worth, before the step that it caused.
 typedef struct FfpFitLoss {
-    double total, psnr; // psnr: mean over the patterns
+    double pictures, maps; // the pictures' terms, and those that look at G-buffers
+    double psnr;           // mean over the patterns
 } FfpFitLoss;
 
 // Draws views and compares; owns the buffers of one view and all pictures that are aimed at.
@@ -15,11 +16,12 @@ typedef struct FfpViewer FfpViewer;
 FfpViewer *ffp_viewer_new(const FfpCapture *capture, const int *patterns, int n_patterns,
                           const FfpRefineSettings *settings);
 void ffp_viewer_free(FfpViewer *viewer);
-// PSNR of a view, mean over the patterns.
-double ffp_viewer_psnr(FfpViewer *viewer, const FfpGaussians *gaussians, int view);
-// The loss of a view, at a step that says which terms count already. ADDS its gradient to grad.
-FfpFitLoss ffp_viewer_look(FfpViewer *viewer, const FfpGaussians *gaussians, int view, int64_t step,
-                           FfpGaussians *grad);
+// PSNR of all views, mean over views and patterns.
+double ffp_viewer_psnr(FfpViewer *viewer, const FfpGaussians *gaussians);
+// The loss of a view, at a step that says which terms count already. ADDS its gradient to grad, and what it
+// comes to to *loss: by ffp_loss_add (loss/loss.h), so that a round need not wait for each.
+void ffp_viewer_look(FfpViewer *viewer, const FfpGaussians *gaussians, int view, int64_t step,
+                     FfpGaussians *grad, FfpFitLoss *loss);
 
 FfpMover ffp_mover_new(const FfpParameters *parameters, const FfpRefineSettings *settings);
 void ffp_mover_free(FfpMover *mover);

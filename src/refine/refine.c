@@ -8,6 +8,7 @@
 #include "base/device.h"
 #include "base/log.h"
 #include "base/rng.h"
+#include "loss/loss.h"
 #include "refine/density.h"
 #include "refine/fit.h"
 #include "refine/table.h"
@@ -118,6 +119,7 @@ typedef struct Fit { // one run of ffp_refine
     FfpGaussians best;
     double best_loss, best_psnr, first_psnr; // of rounds
     int *order;                              // [n_views] of the round
+    FfpFitLoss *losses;                      // [n_views] of its steps
     FfpRng rng;
     FfpProgress progress;
     double started;
@@ -154,6 +156,10 @@ static void copy(FfpGaussians *to, const FfpGaussians *from) {
     }
 }
 
+typedef struct Round { // means over the views
+    double total, psnr;
+} Round;
+
 static double share_spent(const Fit *fit) {
     const FfpRefineSettings *s = fit->settings;
     double share = 0;
@@ -166,11 +172,11 @@ static bool over(const Fit *fit) {
     return share_spent(fit) >= 1 || (fit->settings->stop && *fit->settings->stop);
 }
 
-static FfpFitLoss one_step(Fit *fit, int view) {
+static void one_step(Fit *fit, int view, FfpFitLoss *loss) {
     const double share = share_spent(fit);
     clear(&fit->grad);
     fit->step++;
-    const FfpFitLoss loss = ffp_viewer_look(fit->viewer, &fit->gaussians, view, fit->step, &fit->grad);
+    ffp_viewer_look(fit->viewer, &fit->gaussians, view, fit->step, &fit->grad, loss);
     if (fit->settings->density.on)
         ffp_crowd_note(&fit->crowd, &fit->gaussians, &fit->grad, &fit->capture->views[view].camera);
     ffp_parameters_pull_back(&fit->parameters, &fit->gaussians, &fit->grad);
@@ -183,25 +189,16 @@ static FfpFitLoss one_step(Fit *fit, int view) {
         fit->grad = ffp_gaussians_new(fit->parameters.numbers.count);
     }
     ffp_parameters_decode(&fit->parameters, &fit->gaussians);
-    return loss;
-}
-
-// Mean PSNR over all views.
-static double measure(Fit *fit, const FfpGaussians *gaussians) {
-    const int n = fit->capture->n_views;
-    double sum = 0;
-    for (int v = 0; v < n; v++) sum += ffp_viewer_psnr(fit->viewer, gaussians, v);
-    return sum / n;
 }
 
 // Whether the fit has made the pictures worse. The rounds' own figures tell when it clearly has not; they are
 // of states on the way, so that else both ends are looked at.
 static bool has_lost(Fit *fit, const FfpGaussians *before) {
     if (fit->settings->density.on || fit->best_psnr > fit->first_psnr + CLEAR_GAIN) return false;
-    return measure(fit, &fit->best) < measure(fit, before);
+    return ffp_viewer_psnr(fit->viewer, &fit->best) < ffp_viewer_psnr(fit->viewer, before);
 }
 
-static void tell(Fit *fit, const FfpFitLoss *round) {
+static void tell(Fit *fit, const Round *round) {
     char extra[96];
     const double seconds = ffp_seconds() - fit->started;
     snprintf(extra, sizeof extra, "step %lld, loss %.4f, %.2f dB, %lld Gaussians", (long long)fit->step,
@@ -215,16 +212,25 @@ static void tell(Fit *fit, const FfpFitLoss *round) {
     fflush(fit->settings->metrics);
 }
 
-// All views once. The loss of a round is that of the states it went through.
+// All views once, or until the end; returns how many. On a device no step waits for its loss.
+static int step_through(Fit *fit) {
+    const int n = fit->capture->n_views;
+    int done = 0;
+    memset(fit->losses, 0, (size_t)n * sizeof *fit->losses);
+    shuffle(fit);
+    ffp_losses_late();
+    for (; done < n && !over(fit); done++) one_step(fit, fit->order[done], &fit->losses[done]);
+    ffp_losses_settle();
+    return done;
+}
+
+// The loss of a round is that of the states it went through.
 static bool one_round(Fit *fit, FfpError *err) {
     const int n = fit->capture->n_views;
-    FfpFitLoss sum = {0};
-    int done = 0;
-    shuffle(fit);
-    for (; done < n && !over(fit); done++) {
-        const FfpFitLoss loss = one_step(fit, fit->order[done]);
-        sum.total += loss.total, sum.psnr += loss.psnr;
-    }
+    const int done = step_through(fit);
+    Round sum = {0};
+    for (int i = 0; i < done; i++)
+        sum.total += fit->losses[i].pictures + fit->losses[i].maps, sum.psnr += fit->losses[i].psnr;
     if (!isfinite(sum.total)) return ffp_fail(err, fit->capture->folder, "the loss is no number any more");
     if (done < n) return true;
     sum.total /= n, sum.psnr /= n;
@@ -248,6 +254,7 @@ static Fit fit_new(const FfpGaussians *gaussians, const FfpCapture *capture, con
     fit.grad = ffp_gaussians_new(gaussians->count);
     fit.mover = ffp_mover_new(&fit.parameters, settings);
     fit.crowd = ffp_crowd_new(scratch ? gaussians->count : 0, settings->seed);
+    fit.losses = ffp_alloc((size_t)capture->n_views, sizeof *fit.losses);
     fit.order = ffp_alloc((size_t)capture->n_views, sizeof *fit.order);
     for (int v = 0; v < capture->n_views; v++) fit.order[v] = v;
     fit.rng = ffp_rng(settings->seed, 1);
@@ -265,6 +272,7 @@ static void fit_free(Fit *fit) {
     ffp_mover_free(&fit->mover);
     ffp_crowd_free(&fit->crowd);
     free(fit->order);
+    free(fit->losses);
 }
 
 // Under a limit of steps progress counts these, else seconds.
@@ -288,7 +296,7 @@ bool ffp_refine(FfpGaussians *gaussians, const FfpCapture *capture, const int *p
     if (ffp_device() && !device_can(settings, capture->folder, err)) return false;
     Fit fit = fit_new(gaussians, capture, patterns, n_patterns, settings);
     *result = (FfpRefineResult){0};
-    if (settings->measure) result->psnr_before = measure(&fit, gaussians);
+    if (settings->measure) result->psnr_before = ffp_viewer_psnr(fit.viewer, gaussians);
     fit.progress = progress_of(settings);
     bool ok = true;
     while (ok && !over(&fit)) ok = one_round(&fit, err);
@@ -296,7 +304,7 @@ bool ffp_refine(FfpGaussians *gaussians, const FfpCapture *capture, const int *p
     if (ok) {
         result->dropped = has_lost(&fit, gaussians);
         if (!result->dropped) copy(gaussians, &fit.best);
-        if (settings->measure) result->psnr_after = measure(&fit, gaussians);
+        if (settings->measure) result->psnr_after = ffp_viewer_psnr(fit.viewer, gaussians);
         result->steps = fit.step;
         result->gaussians = gaussians->count;
         result->seconds = ffp_seconds() - fit.started;

@@ -90,9 +90,9 @@ static void compare(FfpViewer *v, int p, const FfpImage *target, FfpFitLoss *los
     const FfpSummed *light = light_of(v, p);
     ffp_view_pass_shade(v->pass, intensity, light, &v->picture);
     ffp_memory_zero(v->grad.data, sizeof(real) * (size_t)v->grad.width * v->grad.height * 3);
-    loss->total += ffp_l1_loss(&v->picture, target, share * s->l1, &v->grad);
-    loss->total += ffp_ssim_loss(&v->picture, target, share * s->ssim, &v->grad);
-    loss->psnr += ffp_psnr(&v->picture, target) * (double)share;
+    ffp_loss_add(&loss->pictures, 1, ffp_l1_loss(&v->picture, target, share * s->l1, &v->grad));
+    ffp_loss_add(&loss->pictures, 1, ffp_ssim_loss(&v->picture, target, share * s->ssim, &v->grad));
+    ffp_loss_add(&loss->psnr, (double)share, ffp_psnr(&v->picture, target));
     ffp_view_pass_shade_backward(v->pass, intensity, light, &v->grad, NULL, NULL);
 }
 
@@ -104,51 +104,61 @@ static void keep_shadow(FfpViewer *v, int view) {
 }
 
 // The terms that look at G-buffers.
-static double regularise(FfpViewer *v, const FfpView *view, int64_t step) {
+static void regularise(FfpViewer *v, const FfpView *view, int64_t step, FfpFitLoss *loss) {
     const FfpRefineSettings *s = v->settings;
     const FfpGbuffer *g = ffp_view_pass_gbuffer(v->pass);
     FfpGbuffer *d = ffp_view_pass_grad_gbuffer(v->pass);
     const int pixels = g->width * g->height;
     const real *mask = view->coverage.data;
-    double total = ffp_mask_loss(g->opacity, mask, pixels, s->mask, d->opacity);
+    double *total = &loss->maps;
+    ffp_loss_add(total, 1, ffp_mask_loss(g->opacity, mask, pixels, s->mask, d->opacity));
     if (s->roughness_smooth > 0)
-        total += ffp_roughness_loss(g->roughness, g->albedo, g->opacity, mask, g->width, g->height,
-                                    s->roughness_smooth, d->roughness, d->opacity);
+        ffp_loss_add(total, 1,
+                     ffp_roughness_loss(g->roughness, g->albedo, g->opacity, mask, g->width, g->height,
+                                        s->roughness_smooth, d->roughness, d->opacity));
     if (s->normal_smooth > 0)
-        total += ffp_normal_smooth_loss(g->normal, mask, g->width, g->height, s->normal_smooth, d->normal);
+        ffp_loss_add(
+            total, 1,
+            ffp_normal_smooth_loss(g->normal, mask, g->width, g->height, s->normal_smooth, d->normal));
     if (s->distortion > 0 && step >= s->distortion_from)
-        total += ffp_distortion_loss(g->distortion, pixels, s->distortion, d->distortion);
-    return total;
+        ffp_loss_add(total, 1, ffp_distortion_loss(g->distortion, pixels, s->distortion, d->distortion));
 }
 
-double ffp_viewer_psnr(FfpViewer *v, const FfpGaussians *gaussians, int view) {
-    double sum = 0;
+// Of one view: the patterns' sum.
+static void add_psnr(FfpViewer *v, const FfpGaussians *gaussians, int view, double *sum) {
     draw(v, gaussians, view);
     for (int p = 0; p < v->n_patterns; p++) {
         ffp_view_pass_shade(v->pass, v->capture->intensity, light_of(v, p), &v->picture);
-        sum += ffp_psnr(&v->picture, &v->targets[view * v->n_patterns + p]);
+        ffp_loss_add(sum, 1, ffp_psnr(&v->picture, &v->targets[view * v->n_patterns + p]));
     }
-    return sum / v->n_patterns;
 }
 
-FfpFitLoss ffp_viewer_look(FfpViewer *v, const FfpGaussians *gaussians, int view_index, int64_t step,
-                           FfpGaussians *grad) {
+double ffp_viewer_psnr(FfpViewer *v, const FfpGaussians *gaussians) {
+    const int n = v->capture->n_views;
+    double *of_view = ffp_alloc((size_t)n, sizeof *of_view), sum = 0;
+    ffp_losses_late();
+    for (int i = 0; i < n; i++) add_psnr(v, gaussians, i, &of_view[i]);
+    ffp_losses_settle();
+    for (int i = 0; i < n; i++) sum += of_view[i] / v->n_patterns;
+    free(of_view);
+    return sum / n;
+}
+
+void ffp_viewer_look(FfpViewer *v, const FfpGaussians *gaussians, int view_index, int64_t step,
+                     FfpGaussians *grad, FfpFitLoss *loss) {
     keep_shadow(v, view_index);
     const FfpView *view = draw(v, gaussians, view_index);
     ffp_view_pass_keep_shadow(v->pass, NULL);
-    FfpFitLoss loss = {0};
-    for (int p = 0; p < v->n_patterns; p++) compare(v, p, &v->targets[view_index * v->n_patterns + p], &loss);
-    loss.total += regularise(v, view, step);
+    for (int p = 0; p < v->n_patterns; p++) compare(v, p, &v->targets[view_index * v->n_patterns + p], loss);
+    regularise(v, view, step, loss);
     ffp_view_pass_backward(v->pass, grad);
-    return loss;
 }
 
 double ffp_photographs_psnr(const FfpGaussians *gaussians, const FfpCapture *capture, const int *patterns,
                             int n_patterns, const FfpRenderSettings *render) {
     const FfpRefineSettings settings = {.render = *render};
     FfpViewer *viewer = ffp_viewer_new(capture, patterns, n_patterns, &settings);
-    double sum = 0;
-    for (int v = 0; v < capture->n_views; v++) sum += ffp_viewer_psnr(viewer, gaussians, v);
+    const double psnr = ffp_viewer_psnr(viewer, gaussians);
     ffp_viewer_free(viewer);
-    return sum / capture->n_views;
+    return psnr;
 }

@@ -1,0 +1,73 @@
+#include "loss/late.h"
+
+#include <stdlib.h>
+#include <string.h>
+#include "base/arena.h"
+#include "base/device.h"
+#include "loss/loss.h"
+#include "loss/table.h"
+
+typedef struct Due { // a value of the device's, and what it is added to
+    double *sum, weight;
+    FfpLateKind kind;
+    real scale;
+} Due;
+
+static _Thread_local struct {
+    int depth, seen; // how often values are asked to be late; how many of the device's are spoken for
+    Due *due;        // [FFP_LATE_MAX]
+} late;
+
+static int kept(void) {
+    return late.depth > 0 ? ffp_device()->loss->late_count() : 0;
+}
+
+void ffp_losses_late(void) {
+    if (!ffp_device() || late.depth++ > 0) return;
+    late.due = ffp_alloc(FFP_LATE_MAX, sizeof *late.due);
+    ffp_device()->loss->late(true);
+}
+
+bool ffp_late_as(FfpLateKind kind, real scale) {
+    const int count = kept();
+    if (count == late.seen) return false;
+    late.due[count - 1].kind = kind, late.due[count - 1].scale = scale;
+    return true;
+}
+
+static double value_of(const Due *due, double v) {
+    if (due->kind == FFP_LATE_SIMILARITY) return (double)due->scale * (1 - v);
+    return due->kind == FFP_LATE_PSNR ? ffp_psnr_of(v) : v;
+}
+
+static void settle(void) {
+    double *values = ffp_alloc(FFP_LATE_MAX, sizeof *values);
+    ffp_device()->loss->late_values(values);
+    for (int i = 0; i < late.seen; i++) {
+        const Due *due = &late.due[i];
+        if (due->sum) *due->sum += due->weight * value_of(due, values[i]);
+    }
+    memset(late.due, 0, (size_t)late.seen * sizeof *late.due);
+    late.seen = 0;
+    free(values);
+}
+
+void ffp_loss_add(double *sum, double weight, double value) {
+    const int count = kept();
+    if (count == late.seen) {
+        *sum += weight * value;
+        return;
+    }
+    late.due[count - 1].sum = sum, late.due[count - 1].weight = weight;
+    late.seen = count;
+    if (count == FFP_LATE_MAX) settle();
+}
+
+void ffp_losses_settle(void) {
+    if (late.depth == 0) return;
+    settle();
+    if (--late.depth > 0) return;
+    ffp_device()->loss->late(false);
+    free(late.due);
+    late.due = NULL;
+}
