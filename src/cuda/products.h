@@ -30,6 +30,12 @@ typedef struct FfpCudaProduct {
     size_t stride_a, stride_b, stride_c;
 } FfpCudaProduct;
 
+#ifdef __cplusplus
+extern "C" {
+#endif
 void ffp_cuda_product(const FfpCudaProduct *product);
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -226,7 +226,8 @@ static __global__ void sum_heads(size_t count, FfpScanGradient grad, FfpScanPlan
     float sum = 0;
 #pragma unroll 4
     for (int head = 0; head < plan.shape.heads; head++) sum += share[head * count];
-    (blockIdx.y ? grad.c : grad.b)[i / plan.shape.state * plan.in.ld + i % plan.shape.state] = sum;
+    float *to = blockIdx.y ? grad.c : grad.b;
+    to[i / plan.shape.state * plan.in.ld + i % plan.shape.state] = sum;
 }
 
 // One warp for each sum of each head, over the chunks.

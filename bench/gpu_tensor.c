@@ -1,0 +1,292 @@
+// Times the tensor room's kernels on the device at the sizes of networks, against a large product and a copy
+// of the same run. On the emulated device the sizes are tiny and the times mean nothing.
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include "base/arena.h"
+#include "base/log.h"
+#include "base/rng.h"
+#include "cuda/cuda.h"
+#include "cuda/products.h"
+#include "network/layout.h"
+#include "tensor/tensor.h"
+
+enum { SAMPLES = 9, MOST_RUNS = 30 };
+
+// A network's sizes, and arrays on the device that are large enough for each of its kernels.
+typedef struct Data {
+    const char *name;
+    int rows;
+    FfpWidths w;
+    size_t most;
+    float *a, *b, *c, *d, *weight, *dweight; // [most]
+    float *small, *dsmall, *row, *row2;      // [16384], [16384], [rows * heads]
+    float *scratch;
+} Data;
+
+static const FfpDevice *device;
+static bool emulated;
+static double product_peak = 1, copy_peak = 1; // operations and bytes a second
+
+static int by_size(const void *a, const void *b) {
+    const double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+// Median seconds of a run, of which several are queued one behind the other.
+static double seconds(void (*run)(const Data *), const Data *data) {
+    const int runs = emulated ? 1 : MOST_RUNS, samples = emulated ? 1 : SAMPLES;
+    double times[SAMPLES];
+    run(data);
+    for (int i = 0; i < samples; i++) {
+        device->synchronise();
+        const double begin = ffp_seconds();
+        for (int j = 0; j < runs; j++) run(data);
+        device->synchronise();
+        times[i] = (ffp_seconds() - begin) / runs;
+    }
+    qsort(times, (size_t)samples, sizeof *times, by_size);
+    return times[samples / 2];
+}
+
+static void linear_forward(const Data *x, int in, int out) {
+    ffp_linear_forward(x->c, x->a, x->weight, NULL, x->rows, in, out);
+}
+static void linear_backward(const Data *x, int in, int out) {
+    ffp_linear_backward(x->c, x->dweight, NULL, x->b, x->a, x->weight, x->rows, in, out);
+}
+static void in_proj(const Data *x) {
+    linear_forward(x, x->w.dim, x->w.projected);
+}
+static void in_proj_back(const Data *x) {
+    linear_backward(x, x->w.dim, x->w.projected);
+}
+static void out_proj(const Data *x) {
+    ffp_linear_residual_forward(x->c, x->b, x->a, x->weight, x->rows, x->w.inner, x->w.dim);
+}
+static void out_proj_back(const Data *x) {
+    linear_backward(x, x->w.inner, x->w.dim);
+}
+static void fc1(const Data *x) {
+    linear_forward(x, x->w.dim, FFP_MLP_RATIO * x->w.dim);
+}
+static void fc1_back(const Data *x) {
+    linear_backward(x, x->w.dim, FFP_MLP_RATIO * x->w.dim);
+}
+static void gemm(const Data *x) {
+    ffp_gemm(false, true, x->rows, FFP_MLP_RATIO * x->w.dim, x->w.dim, 1, x->a, x->w.dim, x->weight, x->w.dim,
+             0, x->c, FFP_MLP_RATIO * x->w.dim);
+}
+static void bias_back(const Data *x) {
+    ffp_linear_backward(NULL, x->dweight, x->dsmall, x->b, x->a, x->weight, x->rows, 8,
+                        FFP_MLP_RATIO * x->w.dim);
+}
+static void attention(const Data *x) {
+    ffp_attention_forward(x->c, x->row, x->a, x->small, x->small, x->rows, x->w.attention_heads, FFP_HEAD_DIM,
+                          x->scratch);
+}
+static void attention_back(const Data *x) {
+    ffp_attention_backward(x->d, x->dsmall, x->dsmall + FFP_HEAD_DIM, x->b, x->c, x->row, x->a, x->small,
+                           x->small, x->rows, x->w.attention_heads, FFP_HEAD_DIM, x->scratch);
+}
+static FfpScanShape scan_shape(const Data *x) {
+    return (FfpScanShape){.rows = x->rows,
+                          .heads = x->w.scan_heads,
+                          .head_dim = FFP_HEAD_DIM,
+                          .state = x->w.state,
+                          .chunk = x->w.chunk};
+}
+static FfpScanInput scan_input(const Data *x) {
+    return (FfpScanInput){.x = x->a,
+                          .b = x->a + x->w.inner,
+                          .c = x->a + x->w.inner + x->w.state,
+                          .ld = x->w.convolved,
+                          .dt_raw = x->b,
+                          .lddt = x->w.projected,
+                          .dt_bias = x->small,
+                          .a_log = x->small + x->w.scan_heads,
+                          .d = x->small + 2 * x->w.scan_heads};
+}
+static void scan(const Data *x) {
+    const FfpScanShape shape = scan_shape(x);
+    const FfpScanInput in = scan_input(x);
+    ffp_scan_forward(x->c, &shape, &in, x->scratch);
+}
+static void scan_back(const Data *x) {
+    const FfpScanShape shape = scan_shape(x);
+    const FfpScanInput in = scan_input(x);
+    const FfpScanGradient grad = {.x = x->d,
+                                  .b = x->d + x->w.inner,
+                                  .c = x->d + x->w.inner + x->w.state,
+                                  .dt_raw = x->dweight,
+                                  .dt_bias = x->dsmall,
+                                  .a_log = x->dsmall + x->w.scan_heads,
+                                  .d = x->dsmall + 2 * x->w.scan_heads};
+    ffp_scan_backward(&grad, &shape, &in, x->c, x->b, x->scratch);
+}
+static void conv(const Data *x) {
+    ffp_conv_forward(x->c, x->a, x->w.projected, x->weight, x->small, x->rows, x->w.convolved, FFP_CONV_TAPS,
+                     false);
+}
+static void conv_back(const Data *x) {
+    ffp_conv_backward(x->d, x->w.projected, x->dweight, x->dsmall, x->b, x->a, x->w.projected, x->weight,
+                      x->small, x->rows, x->w.convolved, FFP_CONV_TAPS, false);
+}
+static void gelu(const Data *x) {
+    ffp_gelu_forward(x->c, x->a, (size_t)x->rows * FFP_MLP_RATIO * x->w.dim);
+}
+static void gelu_back(const Data *x) {
+    ffp_gelu_backward(x->c, x->b, x->a, (size_t)x->rows * FFP_MLP_RATIO * x->w.dim);
+}
+static void add(const Data *x) {
+    ffp_add(x->c, x->a, (size_t)x->rows * x->w.inner);
+}
+static void layernorm(const Data *x) {
+    ffp_layernorm_forward(x->c, x->row, x->row2, x->a, x->small, x->rows, x->w.dim);
+}
+static void layernorm_back(const Data *x) {
+    ffp_layernorm_backward(x->c, x->dsmall, x->b, x->a, x->row, x->row2, x->small, x->rows, x->w.dim);
+}
+static void gated(const Data *x) {
+    ffp_gated_norm_forward(x->c, x->row2, x->a, x->b, x->w.projected, x->small, x->rows, x->w.inner);
+}
+static void gated_back(const Data *x) {
+    ffp_gated_norm_backward(x->c, x->d, x->w.projected, x->dsmall, x->b, x->a, x->b, x->w.projected, x->row2,
+                            x->small, x->rows, x->w.inner);
+}
+
+static void *numbers(FfpRng *rng, size_t count, float spread, float centre) {
+    float *x = ffp_alloc(count, sizeof *x);
+    for (size_t i = 0; i < count; i++) x[i] = centre + spread * ffp_rng_range(rng, -1, 1);
+    float *there = ffp_memory_uploaded(x, count, sizeof *x);
+    free(x);
+    return there;
+}
+
+// Operations, if it is a product, else bytes that must be read and written; a line of the table.
+static void report(const Data *data, const char *name, void (*run)(const Data *), bool product, double work) {
+    const double time = seconds(run, data), rate = work / time;
+    printf("%-8s %-20s %9.4f ms %9.1f %s %5.1f %%\n", data->name, name, 1e3 * time,
+           rate / (product ? 1e12 : 1e9), product ? "TFLOP/s" : "GB/s   ",
+           100 * rate / (product ? product_peak : copy_peak));
+}
+
+static void report_all(const Data *x) {
+    const double rows = x->rows, dim = x->w.dim, inner = x->w.inner, wide = FFP_MLP_RATIO * dim,
+                 state = x->w.state;
+    const double pairs = 2 * rows * rows * dim, states = 2 * rows * inner * state,
+                 squares = 2 * rows * x->w.chunk * (inner + state);
+    report(x, "in_proj", in_proj, true, 2 * rows * dim * x->w.projected);
+    report(x, "in_proj back", in_proj_back, true, 4 * rows * dim * x->w.projected);
+    report(x, "out_proj + residual", out_proj, true, 2 * rows * dim * inner);
+    report(x, "out_proj back", out_proj_back, true, 4 * rows * dim * inner);
+    report(x, "fc1", fc1, true, 2 * rows * dim * wide);
+    report(x, "fc1 back", fc1_back, true, 4 * rows * dim * wide);
+    report(x, "gemm, fp32", gemm, true, 2 * rows * dim * wide);
+    report(x, "dw, dbias of 8", bias_back, false, 4 * rows * wide);
+    report(x, "attention", attention, true, 2 * pairs);
+    report(x, "attention back", attention_back, true, 5 * pairs);
+    report(x, "scan", scan, true, 2 * states + squares);
+    report(x, "scan back", scan_back, true, 5 * states + 2 * squares);
+    report(x, "conv", conv, false, 8 * rows * x->w.convolved);
+    report(x, "conv back", conv_back, false, 16 * rows * x->w.convolved);
+    report(x, "gelu", gelu, false, 8 * rows * wide);
+    report(x, "gelu back", gelu_back, false, 12 * rows * wide);
+    report(x, "add", add, false, 12 * rows * inner);
+    report(x, "layernorm", layernorm, false, 8 * rows * dim);
+    report(x, "layernorm back", layernorm_back, false, 12 * rows * dim);
+    report(x, "gated norm", gated, false, 12 * rows * inner);
+    report(x, "gated norm back", gated_back, false, 24 * rows * inner);
+}
+
+static size_t greater(size_t a, size_t b) {
+    return a > b ? a : b;
+}
+
+static void bench(const char *name, int rows, int dim, int state) {
+    FfpModelConfig config;
+    FfpRng rng = ffp_rng(1, 0);
+    ffp_model_preset(&config, "small");
+    config.dim = dim, config.state = state;
+    Data x = {.name = name, .rows = rows, .w = ffp_widths(&config)};
+    const FfpScanShape shape = scan_shape(&x);
+    x.most = greater((size_t)rows, (size_t)dim) * greater((size_t)x.w.projected, FFP_MLP_RATIO * (size_t)dim);
+    x.a = numbers(&rng, x.most, 1, 0), x.b = numbers(&rng, x.most, 1, 0);
+    x.c = numbers(&rng, x.most, 1, 0), x.d = numbers(&rng, x.most, 1, 0);
+    x.weight = numbers(&rng, x.most, 0.1F, 0), x.dweight = numbers(&rng, x.most, 1, 0);
+    x.small = numbers(&rng, 16384, 0.1F, 1), x.dsmall = numbers(&rng, 16384, 0, 0);
+    x.row = numbers(&rng, (size_t)rows * 64, 1, 0), x.row2 = numbers(&rng, (size_t)rows * 64, 0, 1);
+    const size_t scratch =
+        greater(ffp_scan_scratch(&shape), ffp_attention_scratch(rows, x.w.attention_heads, FFP_HEAD_DIM));
+    x.scratch = ffp_memory_new(scratch, sizeof(float));
+    printf("%s: %d tokens of width %d, state %d; scratch %.0f MB\n", name, rows, dim, state,
+           (double)scratch * 4e-6);
+    report_all(&x);
+    float *all[] = {x.a, x.b, x.c, x.d, x.weight, x.dweight, x.small, x.dsmall, x.row, x.row2, x.scratch};
+    for (size_t i = 0; i < sizeof all / sizeof *all; i++) ffp_memory_free(all[i]);
+}
+
+static void large_product(const Data *x) {
+    const FfpCudaProduct product = {.operands = FFP_OPERANDS_BF16,
+                                    .transpose_b = true,
+                                    .m = x->rows,
+                                    .n = x->rows,
+                                    .k = x->rows,
+                                    .alpha = 1,
+                                    .a = x->a,
+                                    .lda = x->rows,
+                                    .b = x->b,
+                                    .ldb = x->rows,
+                                    .c = x->c,
+                                    .ldc = x->rows,
+                                    .count = 1};
+    ffp_cuda_product(&product);
+}
+
+static void large_copy(const Data *x) {
+    device->copy(x->c, x->d, x->most * sizeof(float));
+}
+
+// Random numbers as bf16, [side, side] of them.
+static float *halves(FfpRng *rng, size_t side) {
+    uint16_t *x = ffp_alloc(side * side, sizeof *x);
+    for (size_t i = 0; i < side * side; i++) { // 0.5 to 1, either sign
+        const uint32_t bits = ffp_rng_u32(rng);
+        x[i] = (uint16_t)(0x3f00U | (bits & 0x807fU));
+    }
+    float *there = ffp_memory_uploaded(x, side * side, sizeof *x);
+    free(x);
+    return there;
+}
+
+static void measure_peaks(void) {
+    FfpRng rng = ffp_rng(2, 0);
+    const size_t side = emulated ? 64 : 8192, count = side * side;
+    Data x = {.rows = (int)side, .most = count, .a = halves(&rng, side), .b = halves(&rng, side)};
+    x.c = ffp_memory_new(count, sizeof(float)), x.d = numbers(&rng, count, 1, 0);
+    product_peak = 2.0 * (double)count * (double)side / seconds(large_product, &x);
+    copy_peak = 8.0 * (double)count / seconds(large_copy, &x);
+    printf("%s\nproduct of %zu^3 in bf16: %.0f TFLOP/s; copy of %.0f MB: %.0f GB/s read and written\n",
+           ffp_cuda_describe(), side, product_peak * 1e-12, (double)count * 4e-6, copy_peak * 1e-9);
+    ffp_memory_free(x.a), ffp_memory_free(x.b), ffp_memory_free(x.c), ffp_memory_free(x.d);
+}
+
+int main(void) {
+    FfpError err = {""};
+    device = ffp_cuda_device(&err);
+    if (!device) {
+        fprintf(stderr, "%s\n", err.text);
+        return 1;
+    }
+    emulated = strstr(ffp_cuda_describe(), "emulated") != NULL;
+    ffp_device_use(device);
+    measure_peaks();
+    if (emulated) {
+        bench("tiny", 70, 64, 16);
+        return 0;
+    }
+    bench("small", 2048, 384, 64);
+    bench("paper", 2048, 1024, 64);
+    bench("paper128", 2048, 1024, 128);
+    return 0;
+}
