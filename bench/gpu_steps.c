@@ -94,6 +94,9 @@ static bool open_bench(Bench *b, int argc, char **argv) {
     FfpError *err = &b->err;
     if (!ffp_train_config_parse(&b->config, text, "bench", err)) return false;
     static FfpScene scene;
+    const FfpDevice *device = ffp_cuda_device(err);
+    if (!device) return false;
+    ffp_device_offer(device); // the scene is made ready for it
     double begin = ffp_seconds();
     if (!ffp_scene_open(&scene, &b->config, "train", 0, b->config.resolution, err)) return false;
     printf("scene made by the CPU in %.2f s\n", ffp_seconds() - begin);
@@ -103,16 +106,13 @@ static bool open_bench(Bench *b, int argc, char **argv) {
     FfpAdam adam = ffp_adam_new(model);
     FfpPerceptual *perceptual = argc > 4 ? ffp_perceptual_read(argv[4], err) : NULL;
     if (argc > 4 && !perceptual) return false;
-    const FfpDevice *device = ffp_cuda_device(err);
-    if (!device) return false;
     ffp_device_use(device);
     printf("%s\n%s: %.1f million values\n", ffp_cuda_describe(), argc > 1 ? argv[1] : "small",
            (double)model->count / 1e6);
     b->mirror = ffp_mirror_new(model, &adam, &b->config);
     begin = ffp_seconds();
-    b->scene = ffp_mirror_scene(b->mirror, 0, true, &scene, &b->config, err);
+    b->scene = ffp_mirror_scene(b->mirror, 0, true, &scene);
     device->synchronise();
-    if (!b->scene) return false;
     printf("%lld Gaussians, brought there in %.3f s\n", (long long)ffp_prepared_count(b->scene->prepared),
            ffp_seconds() - begin);
     b->stepper = ffp_stepper_new(&b->config, perceptual);

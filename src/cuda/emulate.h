@@ -96,11 +96,11 @@ extern unsigned char ffp_emulated_shared[];
 #define FFP_DYNAMIC_SHARED(type, name) type *name = reinterpret_cast<type *>(ffp_emulated_shared)
 
 template <typename... P, typename... A>
-void ffp_launch(void (*kernel)(P...), dim3 grid, dim3 block, A... arguments) {
+static void ffp_launch(void (*kernel)(P...), dim3 grid, dim3 block, A... arguments) {
     ffp_emulate(grid, block, [=] { kernel(static_cast<P>(arguments)...); });
 }
 template <typename... P, typename... A>
-void ffp_launch_blocks(void (*kernel)(P...), dim3 grid, dim3 block, size_t shared, A... arguments) {
+static void ffp_launch_blocks(void (*kernel)(P...), dim3 grid, dim3 block, size_t shared, A... arguments) {
     ffp_emulate_blocks(grid, block, shared, [=] { kernel(static_cast<P>(arguments)...); });
 }
 

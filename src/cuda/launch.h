@@ -28,7 +28,7 @@ void ffp_cuda_check(cudaError_t error, const char *what);
 
 // Independent threads: none may meet another.
 template <typename... P, typename... A>
-void ffp_launch(void (*kernel)(P...), dim3 grid, dim3 block, A... arguments) {
+static void ffp_launch(void (*kernel)(P...), dim3 grid, dim3 block, A... arguments) {
     if (grid.x == 0 || grid.y == 0 || grid.z == 0) return;
     kernel<<<grid, block, 0, ffp_cuda_stream()>>>(static_cast<P>(arguments)...);
     ffp_cuda_check(cudaGetLastError(), __PRETTY_FUNCTION__);
@@ -36,7 +36,7 @@ void ffp_launch(void (*kernel)(P...), dim3 grid, dim3 block, A... arguments) {
 
 // Threads of a block may meet; `shared` bytes of dynamic shared memory (FFP_DYNAMIC_SHARED), up to 200 KB.
 template <typename... P, typename... A>
-void ffp_launch_blocks(void (*kernel)(P...), dim3 grid, dim3 block, size_t shared, A... arguments) {
+static void ffp_launch_blocks(void (*kernel)(P...), dim3 grid, dim3 block, size_t shared, A... arguments) {
     if (grid.x == 0 || grid.y == 0 || grid.z == 0) return;
     if (shared > 48 * 1024)
         ffp_cuda_check(cudaFuncSetAttribute((const void *)kernel, cudaFuncAttributeMaxDynamicSharedMemorySize,
@@ -69,7 +69,7 @@ static __device__ inline size_t ffp_thread(void) {
 // One thread for each of `count` elements; the kernel's first argument is the count, and it must check
 // ffp_thread() against it.
 template <typename... P, typename... A>
-void ffp_launch_each(size_t count, void (*kernel)(P...), A... arguments) {
+static void ffp_launch_each(size_t count, void (*kernel)(P...), A... arguments) {
     ffp_launch(kernel, dim3(ffp_blocks(count, 256)), dim3(256), count, arguments...);
 }
 

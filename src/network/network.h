@@ -137,12 +137,14 @@ void ffp_model_backward(const FfpModel *model, FfpRun *run, const FfpGaussians *
 
 // While the thread works on a device (base/device.h) a run made there does its passes there: model->values,
 // grad_values and the run's Gaussians and distances are the device's, capture, start and context the host's.
-// What is taken from the capture can be prepared once for many passes: as ffp_model_forward, and what it was
-// prepared from need not be there any more. Errors besides: appearance_cnn, which no device has.
+// What is taken from the capture can be prepared once, by the CPU, and brought to the device in use for many
+// passes: as ffp_model_forward, and what it was prepared from need not be there any more. Errors besides:
+// appearance_cnn, which no device has.
 typedef struct FfpPrepared FfpPrepared;
 FfpPrepared *ffp_prepared_new(const FfpModelConfig *config, const FfpCapture *capture, const FfpStart *start,
                               const FfpContext *context, int active, FfpError *err);
-void ffp_prepared_free(FfpPrepared *prepared);                   // NULL is allowed
+FfpPrepared *ffp_prepared_uploaded(const FfpPrepared *prepared);
+void ffp_prepared_free(FfpPrepared *prepared);                   // by who works where it is; NULL is allowed
 int64_t ffp_prepared_count(const FfpPrepared *prepared);         // Gaussians
 const int64_t *ffp_prepared_pixels(const FfpPrepared *prepared); // [count] as FfpRun.pixel; the host's
 bool ffp_model_forward_prepared(const FfpModel *model, FfpRun *run, const FfpPrepared *prepared,

@@ -1,6 +1,7 @@
 #include "network/prepared.h"
 
 #include <stdlib.h>
+#include <string.h>
 #include "base/arena.h"
 #include "base/device.h"
 #include "network/head.h"
@@ -17,45 +18,37 @@ typedef struct Source { // what is prepared from; the host's
 static void prepare_inputs(FfpPrepared *p, const Source *s) {
     const int patch = s->config->patch;
     const size_t width = (size_t)patch * patch * ffp_input_channels(s->config);
-    real *inputs = ffp_alloc((size_t)p->tokens * width, sizeof *inputs);
-    ffp_inputs(inputs, s->config, &s->small);
-    p->inputs = ffp_memory_uploaded(inputs, (size_t)p->tokens * width, sizeof *inputs);
-    free(inputs);
+    p->inputs_count = (size_t)p->tokens * width;
+    p->inputs = ffp_alloc(p->inputs_count, sizeof *p->inputs);
+    ffp_inputs(p->inputs, s->config, &s->small);
 }
 
 static void prepare_pixels(FfpPrepared *p, const Source *s) {
     const size_t count = (size_t)p->count;
-    FfpPixelBase *base = ffp_alloc(count + 1, sizeof *base);
+    p->base = ffp_alloc(count + 1, sizeof *p->base);
 #pragma omp parallel for schedule(static)
     for (int64_t g = 0; g < p->count; g++)
-        ffp_pixel_base(&base[g], &s->seen, p->pixel[g], s->config->residual);
-    p->base = ffp_memory_uploaded(base, count + 1, sizeof *base);
-    free(base);
+        ffp_pixel_base(&p->base[g], &s->seen, p->pixel[g], s->config->residual);
     if (!s->config->pixel_skip) return;
-    const int channels = ffp_input_channels(s->config);
-    real *own = ffp_alloc(count * (size_t)channels + 1, sizeof *own);
+    p->channels = ffp_input_channels(s->config);
+    p->own = ffp_alloc(count * (size_t)p->channels + 1, sizeof *p->own);
 #pragma omp parallel for schedule(static)
     for (int64_t g = 0; g < p->count; g++)
-        ffp_pixel_inputs(own + g * channels, s->config, &s->seen, p->pixel[g]);
-    p->own = ffp_memory_uploaded(own, count * (size_t)channels + 1, sizeof *own);
-    free(own);
+        ffp_pixel_inputs(p->own + g * p->channels, s->config, &s->seen, p->pixel[g]);
 }
 
 static void prepare_apart(FfpPrepared *p, const Source *s) {
     p->apart_told = ffp_head_has_apart(s->config, &s->grid, s->context_start);
     if (!p->apart_told) return;
-    const size_t numbers = (size_t)p->count * FFP_CONTEXT_CHANNELS;
-    real *apart = ffp_alloc(numbers + 1, sizeof *apart);
-    ffp_head_tell_apart(apart, p->pixel, p->count, &s->grid, s->seen.start, s->context_start);
-    p->apart = ffp_memory_uploaded(apart, numbers + 1, sizeof *apart);
-    free(apart);
+    p->apart = ffp_alloc((size_t)p->count * FFP_CONTEXT_CHANNELS + 1, sizeof *p->apart);
+    ffp_head_tell_apart(p->apart, p->pixel, p->count, &s->grid, s->seen.start, s->context_start);
 }
 
 // The tokens in use get consecutive slots, in order: slot [tokens], -1 where unused.
 static int32_t *number_slots(FfpPrepared *p, const Source *s) {
     const int pixels = s->config->patch * s->config->patch;
-    int32_t *slot = ffp_alloc((size_t)p->tokens, sizeof *slot),
-            *used = ffp_alloc((size_t)p->tokens, sizeof *used);
+    int32_t *slot = ffp_alloc((size_t)p->tokens, sizeof *slot);
+    p->used = ffp_alloc((size_t)p->tokens, sizeof *p->used);
     for (int i = 0; i < p->tokens; i++) slot[i] = -1;
     for (int64_t g = 0; g < p->count; g++) {
         const FfpTaps taps = ffp_grid_taps(&s->grid, p->pixel[g]);
@@ -64,24 +57,19 @@ static int32_t *number_slots(FfpPrepared *p, const Source *s) {
     for (int i = 0; i < p->tokens; i++) {
         if (slot[i] < 0) continue;
         slot[i] = p->n_used;
-        used[p->n_used++] = i;
+        p->used[p->n_used++] = i;
     }
-    p->used = ffp_memory_uploaded(used, (size_t)p->tokens, sizeof *used);
-    free(used);
     return slot;
 }
 
-// The reverse of row [entries]: a counting sort, which keeps the order.
-static void upload_takers(FfpTapTable *t, const int32_t *row, int64_t entries) {
-    int32_t *first = ffp_alloc((size_t)t->rows + 2, sizeof *first),
-            *taker = ffp_alloc((size_t)entries + 1, sizeof *taker);
-    for (int64_t e = 0; e < entries; e++) first[row[e] + 2]++;
+// The reverse of the rows: a counting sort, which keeps the order.
+static void list_takers(FfpTapTable *t, int64_t entries) {
+    int32_t *first = ffp_alloc((size_t)t->rows + 2, sizeof *first);
+    t->taker = ffp_alloc((size_t)entries + 1, sizeof *t->taker);
+    for (int64_t e = 0; e < entries; e++) first[t->row[e] + 2]++;
     for (int64_t r = 2; r < t->rows + 2; r++) first[r] += first[r - 1];
-    for (int64_t e = 0; e < entries; e++) taker[first[row[e] + 1]++] = (int32_t)e;
-    t->first = ffp_memory_uploaded(first, (size_t)t->rows + 1, sizeof *first);
-    t->taker = ffp_memory_uploaded(taker, (size_t)entries + 1, sizeof *taker);
-    free(first);
-    free(taker);
+    for (int64_t e = 0; e < entries; e++) t->taker[first[t->row[e] + 1]++] = (int32_t)e;
+    t->first = first;
 }
 
 static void prepare_taps(FfpPrepared *p, const Source *s) {
@@ -91,22 +79,19 @@ static void prepare_taps(FfpPrepared *p, const Source *s) {
     t->taps = s->grid.same ? 1 : 4;
     t->rows = (int64_t)p->n_used * pixels;
     const int64_t entries = p->count * t->taps;
-    int32_t *row = ffp_alloc((size_t)entries + 1, sizeof *row);
-    real *weight = ffp_alloc((size_t)entries + 1, sizeof *weight);
+    t->row = ffp_alloc((size_t)entries + 1, sizeof *t->row);
+    t->weight = ffp_alloc((size_t)entries + 1, sizeof *t->weight);
 #pragma omp parallel for schedule(static)
     for (int64_t g = 0; g < p->count; g++) {
         const FfpTaps taps = ffp_grid_taps(&s->grid, p->pixel[g]);
         for (int i = 0; i < t->taps; i++) {
-            row[g * t->taps + i] = slot[taps.place[i] / pixels] * pixels + (int32_t)(taps.place[i] % pixels);
-            weight[g * t->taps + i] = taps.weight[i];
+            t->row[g * t->taps + i] =
+                slot[taps.place[i] / pixels] * pixels + (int32_t)(taps.place[i] % pixels);
+            t->weight[g * t->taps + i] = taps.weight[i];
         }
     }
-    t->row = ffp_memory_uploaded(row, (size_t)entries + 1, sizeof *row);
-    t->weight = ffp_memory_uploaded(weight, (size_t)entries + 1, sizeof *weight);
-    upload_takers(t, row, entries);
+    list_takers(t, entries);
     free(slot);
-    free(row);
-    free(weight);
 }
 
 static bool check(const FfpModelConfig *config, const FfpSeen *seen, FfpError *err) {
@@ -121,10 +106,7 @@ FfpPrepared *ffp_prepared_new(const FfpModelConfig *config, const FfpCapture *ca
     const FfpSeen seen = {capture, start, views, active};
     FfpContext own = {0};
     if (!check(config, &seen, err)) return NULL;
-    const FfpDevice *device = ffp_device_use(NULL); // a context is the CPU's
-    const bool ok = context || ffp_context_new(&own, config, capture, start, active, err);
-    ffp_device_use(device);
-    if (!ok) return NULL;
+    if (!context && !ffp_context_new(&own, config, capture, start, active, err)) return NULL;
     if (!context) context = &own;
     const FfpStart *context_start = start ? &context->start : NULL;
     const Source s = {config,
@@ -142,10 +124,26 @@ FfpPrepared *ffp_prepared_new(const FfpModelConfig *config, const FfpCapture *ca
     prepare_pixels(p, &s);
     prepare_taps(p, &s);
     prepare_apart(p, &s);
-    ffp_device_use(NULL);
     ffp_context_free(&own);
-    ffp_device_use(device);
     return p;
+}
+
+FfpPrepared *ffp_prepared_uploaded(const FfpPrepared *p) {
+    const size_t count = (size_t)p->count, entries = count * (size_t)p->taps.taps;
+    FfpPrepared *there = ffp_alloc(1, sizeof *there);
+    *there = *p;
+    there->pixel = ffp_alloc(count + 1, sizeof *p->pixel);
+    memcpy(there->pixel, p->pixel, count * sizeof *p->pixel);
+    there->inputs = ffp_memory_uploaded(p->inputs, p->inputs_count, sizeof *p->inputs);
+    there->base = ffp_memory_uploaded(p->base, count + 1, sizeof *p->base);
+    there->used = ffp_memory_uploaded(p->used, (size_t)p->tokens, sizeof *p->used);
+    there->taps.row = ffp_memory_uploaded(p->taps.row, entries + 1, sizeof *p->taps.row);
+    there->taps.weight = ffp_memory_uploaded(p->taps.weight, entries + 1, sizeof *p->taps.weight);
+    there->taps.first = ffp_memory_uploaded(p->taps.first, (size_t)p->taps.rows + 1, sizeof *p->taps.first);
+    there->taps.taker = ffp_memory_uploaded(p->taps.taker, entries + 1, sizeof *p->taps.taker);
+    there->own = ffp_memory_uploaded(p->own, count * (size_t)p->channels + 1, sizeof *p->own);
+    there->apart = ffp_memory_uploaded(p->apart, count * FFP_CONTEXT_CHANNELS + 1, sizeof *p->apart);
+    return there;
 }
 
 void ffp_prepared_free(FfpPrepared *p) {

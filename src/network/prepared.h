@@ -1,5 +1,5 @@
-// All that the network takes from a capture, as arrays of a device: made once, for any number of passes. On
-// the CPU nothing is prepared: numbers are made where they are needed.
+// All that the network takes from a capture, as arrays: made once by the CPU, brought to a device, there for
+// any number of passes. A pass of the CPU needs none of this: it makes numbers where they are needed.
 #ifndef FFP_NETWORK_PREPARED_H
 #define FFP_NETWORK_PREPARED_H
 
@@ -10,9 +10,11 @@ struct FfpPrepared {
     int tokens, across, down; // of the context; across and down a view
     int64_t count;            // Gaussians
     int64_t *pixel;           // [count] the host's: their pixels in the capture
+    size_t inputs_count;      // numbers of inputs
+    int channels;             // of own
     int n_used;               // tokens that a Gaussian needs
     bool apart_told;          // `apart` is there
-    // The device's:
+    // The CPU's as it was made, the device's in a copy that was brought there:
     real *inputs;       // [tokens, patch^2, channels]
     FfpPixelBase *base; // [count]
     int32_t *used;      // [n_used]

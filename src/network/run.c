@@ -241,16 +241,29 @@ bool ffp_model_forward_prepared(const FfpModel *model, FfpRun *run, const FfpPre
     return pass_forward(run, model, "the capture", err);
 }
 
+static bool prepare_there(FfpActivations *at, const FfpModelConfig *config, const FfpCapture *capture,
+                          const FfpStart *start, const FfpContext *context, int active, FfpError *err) {
+    ffp_prepared_free(at->prepared);
+    at->prepared = NULL;
+    const FfpDevice *device = ffp_device_use(NULL);
+    FfpPrepared *here = ffp_prepared_new(config, capture, start, context, active, err);
+    ffp_device_use(device);
+    if (!here) return false;
+    at->prepared = ffp_prepared_uploaded(here);
+    ffp_device_use(NULL);
+    ffp_prepared_free(here);
+    ffp_device_use(device);
+    return true;
+}
+
 bool ffp_model_forward(const FfpModel *model, FfpRun *run, const FfpCapture *capture, const FfpStart *start,
                        const FfpContext *context, int active, FfpError *err) {
     FfpActivations *at = run->activations;
     const FfpModelConfig *config = &model->config;
     run->gaussians = (FfpGaussians){0};
-    if (ffp_device()) {
-        ffp_prepared_free(at->prepared);
-        at->prepared = ffp_prepared_new(config, capture, start, context, active, err);
-        return at->prepared && ffp_model_forward_prepared(model, run, at->prepared, err);
-    }
+    if (ffp_device())
+        return prepare_there(at, config, capture, start, context, active, err) &&
+               ffp_model_forward_prepared(model, run, at->prepared, err);
     const FfpSeen seen = {capture, start, start ? start->views : capture->n_views, active};
     ffp_arena_reset(run->arena);
     if (!ffp_inputs_check(config, &seen, err)) return false;

@@ -30,12 +30,12 @@ void ffp_mirror_free(FfpMirror *mirror, const FfpTrainConfig *config) {
     free(mirror);
 }
 
-const FfpScene *ffp_mirror_scene(FfpMirror *mirror, int slot, bool fresh, const FfpScene *scene,
-                                 const FfpTrainConfig *config, FfpError *err) {
+const FfpScene *ffp_mirror_scene(FfpMirror *mirror, int slot, bool fresh, const FfpScene *scene) {
     FfpScene *there = &mirror->scenes[slot];
     if (!fresh && there->prepared) return there;
     ffp_scene_upload_free(there);
-    return ffp_scene_upload(there, scene, config, err) ? there : NULL;
+    ffp_scene_upload(there, scene);
+    return there;
 }
 
 void ffp_mirror_download(const FfpMirror *mirror, FfpModel *model, FfpAdam *adam) {

@@ -4,9 +4,8 @@
 
 #include "train/train.h"
 
-// What a step needs of a scene, on the device in use. `start` and `context` stay behind: they are in
-// `prepared`. Errors: as ffp_prepared_new.
-bool ffp_scene_upload(FfpScene *there, const FfpScene *scene, const FfpTrainConfig *config, FfpError *err);
+// What a step needs of a scene that was made while the device was offered, on the device in use.
+void ffp_scene_upload(FfpScene *there, const FfpScene *scene);
 void ffp_scene_upload_free(FfpScene *there); // safe on {0}
 
 typedef struct FfpMirror {
@@ -18,9 +17,8 @@ typedef struct FfpMirror {
 // All of these by a thread that works on the device.
 FfpMirror *ffp_mirror_new(const FfpModel *model, const FfpAdam *adam, const FfpTrainConfig *config);
 void ffp_mirror_free(FfpMirror *mirror, const FfpTrainConfig *config); // NULL is allowed
-// The scene of slot `slot` on the device, brought there when it is `fresh`. NULL with an error.
-const FfpScene *ffp_mirror_scene(FfpMirror *mirror, int slot, bool fresh, const FfpScene *scene,
-                                 const FfpTrainConfig *config, FfpError *err);
+// The scene of slot `slot` on the device, brought there when it is `fresh`.
+const FfpScene *ffp_mirror_scene(FfpMirror *mirror, int slot, bool fresh, const FfpScene *scene);
 // Weights, moments, averages and the step back to the host's.
 void ffp_mirror_download(const FfpMirror *mirror, FfpModel *model, FfpAdam *adam);
 

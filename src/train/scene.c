@@ -3,6 +3,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include "base/arena.h"
+#include "base/device.h"
 #include "base/rng.h"
 #include "synth/synth.h"
 #include "train/train.h"
@@ -64,6 +65,17 @@ static bool scene_spec(FfpSceneSpec *spec, const FfpTrainConfig *config, const c
     return true;
 }
 
+// What the network takes from a scene, made by whoever makes the scene and not by who waits for the device.
+static bool prepare_numbers(FfpScene *scene, const FfpTrainConfig *config, FfpError *err) {
+    scene->prepared =
+        ffp_prepared_new(&config->model, &scene->inputs, &scene->start, &scene->context, scene->active, err);
+    if (!scene->prepared) return false;
+    const int64_t count = ffp_prepared_count(scene->prepared);
+    scene->true_t = ffp_alloc((size_t)count + 1, sizeof *scene->true_t);
+    ffp_scene_distances(scene->true_t, scene, ffp_prepared_pixels(scene->prepared), count);
+    return true;
+}
+
 // Completes a scene whose capture is there: normalised by its input views, the first `views`, and matched.
 // Takes the capture away on failure.
 static bool prepare(FfpScene *scene, const FfpTrainConfig *config, int views, FfpError *err) {
@@ -81,6 +93,10 @@ static bool prepare(FfpScene *scene, const FfpTrainConfig *config, int views, Ff
     if (scene->active < 0 || !ffp_start_new(&scene->start, &scene->inputs, scene->active, &settings, err) ||
         !ffp_context_new(&scene->context, &config->model, &scene->inputs, &scene->start, scene->active,
                          err)) {
+        ffp_scene_close(scene);
+        return false;
+    }
+    if (ffp_device_offered() && !prepare_numbers(scene, config, err)) {
         ffp_scene_close(scene);
         return false;
     }
@@ -126,6 +142,8 @@ void ffp_scene_close(FfpScene *scene) {
     for (int i = 0; scene->patterns && i < scene->capture.n_patterns; i++)
         ffp_summed_free(&scene->patterns[i]);
     free(scene->patterns);
+    free(scene->true_t);
+    ffp_prepared_free(scene->prepared);
     ffp_context_free(&scene->context);
     ffp_start_free(&scene->start);
     ffp_capture_free(&scene->capture);

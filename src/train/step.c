@@ -81,11 +81,12 @@ static void supervise_pattern(FfpStepper *s, const FfpScene *scene, const FfpVie
 
     encode_into(&s->target, &view->images[pattern]);
     ffp_memory_zero(s->grad.data, sizeof(real) * (size_t)s->grad.width * s->grad.height * 3);
-    losses->l1 += ffp_l1_loss(&s->picture, &s->target, weight * (real)c->l1, &s->grad);
-    losses->ssim += ffp_ssim_loss(&s->picture, &s->target, weight * (real)c->ssim, &s->grad);
+    ffp_loss_add(&losses->l1, 1, ffp_l1_loss(&s->picture, &s->target, weight * (real)c->l1, &s->grad));
+    ffp_loss_add(&losses->ssim, 1, ffp_ssim_loss(&s->picture, &s->target, weight * (real)c->ssim, &s->grad));
     if (perceptual)
-        losses->perceptual += ffp_perceptual_loss(s->perceptual, &s->picture, &s->target,
-                                                  weight * (real)c->perceptual, &s->grad);
+        ffp_loss_add(&losses->perceptual, 1,
+                     ffp_perceptual_loss(s->perceptual, &s->picture, &s->target, weight * (real)c->perceptual,
+                                         &s->grad));
     losses->loss_s += ffp_seconds() - clock, clock = ffp_seconds();
 
     ffp_view_pass_shade_backward(s->pass, capture->intensity, light, &s->grad, NULL, NULL);
@@ -124,22 +125,28 @@ static void supervise_gbuffer(FfpStepper *s, const FfpView *view, real weight, F
     FfpGbuffer *d = ffp_view_pass_grad_gbuffer(s->pass);
     const int pixels = g->width * g->height;
     const real *mask = view->coverage.data;
-    losses->mask += ffp_mask_loss(g->opacity, mask, pixels, weight * (real)c->mask, d->opacity);
-    losses->depth += ffp_depth_loss(g->depth, g->opacity, view->depth.data, pixels, weight * (real)c->depth,
-                                    d->depth, d->opacity);
-    losses->distortion +=
-        ffp_distortion_loss(g->distortion, pixels, weight * (real)c->distortion, d->distortion);
-    losses->normal_smooth += ffp_normal_smooth_loss(g->normal, mask, g->width, g->height,
-                                                    weight * (real)c->normal_smooth, d->normal);
-    losses->roughness_smooth +=
-        ffp_roughness_loss(g->roughness, g->albedo, g->opacity, mask, g->width, g->height,
-                           weight * (real)c->roughness_smooth, d->roughness, d->opacity);
-    losses->truth_albedo += truth_loss(g->albedo, g->opacity, &view->albedo, &view->coverage,
-                                       weight * (real)c->truth_albedo, d->albedo);
-    losses->truth_normal += truth_loss(g->normal, g->opacity, &view->normal, &view->coverage,
-                                       weight * (real)c->truth_normal, d->normal);
-    losses->truth_roughness += truth_loss(g->roughness, g->opacity, &view->roughness, &view->coverage,
-                                          weight * (real)c->truth_roughness, d->roughness);
+    ffp_loss_add(&losses->mask, 1,
+                 ffp_mask_loss(g->opacity, mask, pixels, weight * (real)c->mask, d->opacity));
+    ffp_loss_add(&losses->depth, 1,
+                 ffp_depth_loss(g->depth, g->opacity, view->depth.data, pixels, weight * (real)c->depth,
+                                d->depth, d->opacity));
+    ffp_loss_add(&losses->distortion, 1,
+                 ffp_distortion_loss(g->distortion, pixels, weight * (real)c->distortion, d->distortion));
+    ffp_loss_add(&losses->normal_smooth, 1,
+                 ffp_normal_smooth_loss(g->normal, mask, g->width, g->height, weight * (real)c->normal_smooth,
+                                        d->normal));
+    ffp_loss_add(&losses->roughness_smooth, 1,
+                 ffp_roughness_loss(g->roughness, g->albedo, g->opacity, mask, g->width, g->height,
+                                    weight * (real)c->roughness_smooth, d->roughness, d->opacity));
+    ffp_loss_add(&losses->truth_albedo, 1,
+                 truth_loss(g->albedo, g->opacity, &view->albedo, &view->coverage,
+                            weight * (real)c->truth_albedo, d->albedo));
+    ffp_loss_add(&losses->truth_normal, 1,
+                 truth_loss(g->normal, g->opacity, &view->normal, &view->coverage,
+                            weight * (real)c->truth_normal, d->normal));
+    ffp_loss_add(&losses->truth_roughness, 1,
+                 truth_loss(g->roughness, g->opacity, &view->roughness, &view->coverage,
+                            weight * (real)c->truth_roughness, d->roughness));
 }
 
 // One view: rasterised once, seen under black, white and a random lollipop.
@@ -272,6 +279,20 @@ static bool supervise_polished(FfpStepper *s, const FfpScene *scene, int64_t ste
     return ok;
 }
 
+static bool supervise_scene(FfpStepper *s, const FfpScene *scene, int64_t step, FfpLosses *losses,
+                            FfpError *err) {
+    const FfpTrainConfig *c = s->config;
+    if (step < c->warmup_geometry) {
+        losses->mask = direct_opacity_loss(s, scene);
+        return true;
+    }
+    FfpRng rng = ffp_rng((uint64_t)c->seed, (uint64_t)step);
+    if (c->polish_share > 0 && ffp_rng_uniform(&rng) < c->polish_share)
+        return supervise_polished(s, scene, step, &rng, losses, err);
+    supervise(s, scene, &s->run->gaussians, step, &rng, losses);
+    return true;
+}
+
 static bool predict(FfpStepper *s, const FfpModel *model, const FfpScene *scene, FfpError *err) {
     if (scene->prepared) return ffp_model_forward_prepared(model, s->run, scene->prepared, err);
     return ffp_model_forward(model, s->run, &scene->inputs, &scene->start, &scene->context, scene->active,
@@ -287,18 +308,12 @@ bool ffp_step_loss(FfpStepper *s, const FfpModel *model, const FfpScene *scene, 
     if (!predict(s, model, scene, err)) return false;
     losses->forward_s = ffp_seconds() - clock;
     clear_gradients(s);
-    losses->direct_t = direct_loss(s, scene, (real)c->direct_t);
+    ffp_losses_late(); // on a device all values are waited for at once
+    ffp_loss_add(&losses->direct_t, 1, direct_loss(s, scene, (real)c->direct_t));
 
-    if (step < c->warmup_geometry) {
-        losses->mask = direct_opacity_loss(s, scene);
-    } else {
-        FfpRng rng = ffp_rng((uint64_t)c->seed, (uint64_t)step);
-        if (c->polish_share > 0 && ffp_rng_uniform(&rng) < c->polish_share) {
-            if (!supervise_polished(s, scene, step, &rng, losses, err)) return false;
-        } else {
-            supervise(s, scene, &s->run->gaussians, step, &rng, losses);
-        }
-    }
+    const bool ok = supervise_scene(s, scene, step, losses, err);
+    ffp_losses_settle();
+    if (!ok) return false;
     losses->total = losses->l1 + losses->ssim + losses->perceptual + losses->mask + losses->depth +
                     losses->distortion + losses->normal_smooth + losses->roughness_smooth + losses->direct_t +
                     losses->truth_albedo + losses->truth_normal + losses->truth_roughness;

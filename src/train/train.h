@@ -80,7 +80,8 @@ typedef struct FfpScene {
     FfpContext context;  // of the configuration's model
     FfpSummed *patterns; // [capture.n_patterns]
     int active;          // input pattern
-    // On a device (mirror.h), where `start` and `context` are left out; else NULL:
+    // Where a device is offered (base/device.h), else NULL. A scene on the device (mirror.h) lacks `start`
+    // and `context`:
     FfpPrepared *prepared; // what the network takes from the scene
     real *true_t;          // [its Gaussians] true distances (ffp_scene_distances)
 } FfpScene;

@@ -167,9 +167,7 @@ static bool learn(Trainer *trainer, const FfpScene *scene, bool fresh, int64_t s
     FfpMirror *mirror = trainer->mirror;
     FfpModel *model = mirror ? &mirror->model : trainer->model;
     FfpAdam *adam = mirror ? &mirror->adam : &trainer->adam;
-    if (mirror &&
-        !(scene = ffp_mirror_scene(mirror, ffp_scene_slot(config, step), fresh, scene, config, err)))
-        return false;
+    if (mirror) scene = ffp_mirror_scene(mirror, ffp_scene_slot(config, step), fresh, scene);
     ffp_memory_zero(trainer->grad, (size_t)model->count * sizeof(real));
     if (!ffp_step_loss(trainer->stepper, model, scene, step, losses, trainer->grad, err)) return false;
     *norm = ffp_adam_update(adam, model, trainer->grad, config, skipped);
