@@ -81,8 +81,8 @@ static __device__ inline void pixel_backward(const FfpDeviceSplat *s, const FfpC
     d[5 + FFP_CHANNEL_DEPTH] += w * p->spread * balance;
 }
 
-// Of 2 HALF numbers, half go to the lane across, for half of what it has. A template, so that the loop unrolls
-// and the numbers stay in registers.
+// Of 2 HALF numbers, half go to the lane across, for half of what it has. A template, so that the loop
+// unrolls and the numbers stay in registers.
 template <int HALF> static __device__ inline void fold(float d[2 * HALF], int lane) {
     const bool upper = lane & HALF;
 #pragma unroll

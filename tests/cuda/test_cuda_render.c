@@ -266,11 +266,23 @@ static void check_same_bits(const Result *a, const Result *b) {
                             3 * (size_t)a->picture[p].width * (size_t)a->picture[p].height * sizeof(real));
 }
 
+// The case is worth comparing: some of what is seen is lit, and some in shadow where there are shadows.
+static void check_light(const Result *r, bool shadows) {
+    int64_t lit = 0, dark = 0;
+    for (int64_t i = 0; i < (int64_t)r->samples.width * r->samples.height; i++) {
+        if (!(r->samples.opacity[i] > 0.5F)) continue;
+        lit += r->mapping.visibility[i] > 0.5F;
+        dark += r->mapping.visibility[i] < 0.5F;
+    }
+    assert_true(lit > 50 && (dark > 50 || !shadows));
+}
+
 static void check_case(const Case *c, bool twice) {
     if (!device) skip();
     print_message("%s\n", c->name);
     World w = new_world(c);
     Result cpu = run_pass(c, &w, NULL, NULL), gpu = run_pass(c, &w, device, &cpu.mapping);
+    check_light(&cpu, c->settings.shadows);
     check_results(&cpu, &gpu);
     if (twice) {
         Result again = run_pass(c, &w, device, &cpu.mapping);
