@@ -1,7 +1,7 @@
 // Convolution as a product over unfolded input, in strips where all of it would take too much memory; its
 // adjoint gathers, so that no two threads add to one value.
 #include "cuda/launch.h"
-#include "cuda/loss_products.h"
+#include "cuda/products.h"
 extern "C" {
 #include "cuda/perceptual_conv.h"
 }
@@ -12,6 +12,24 @@ typedef struct Strip {
     int width, height, images; // of the output
     size_t first, count;
 } Strip;
+
+static FfpCudaOperands operands = FFP_OPERANDS_TF32;
+
+void ffp_cuda_conv_exact(bool exact) {
+    operands = exact ? FFP_OPERANDS_F32 : FFP_OPERANDS_TF32;
+}
+
+// C [m,n] = op(A) B + beta C; A transposed is [k,m].
+static void product(bool transpose_a, int m, int n, int k, const float *a, const float *b, int ldb,
+                    float beta, float *c, int ldc) {
+    FfpCudaProduct p = {};
+    p.operands = operands, p.transpose_a = transpose_a;
+    p.m = m, p.n = n, p.k = k, p.count = 1;
+    p.a = a, p.lda = transpose_a ? m : k;
+    p.b = b, p.ldb = ldb, p.c = c, p.ldc = ldc;
+    p.alpha = 1, p.beta = beta;
+    ffp_cuda_product(&p);
+}
 
 static bool is_direct(const FfpConv *conv) { // the input is its own unfolded form
     return conv->kernel == 1 && conv->stride == 1 && conv->pad == 0;
@@ -85,15 +103,15 @@ void ffp_cuda_picture_conv_forward(float *y, const float *x, const float *w, con
     const size_t total = strip.count;
     const int depth = (int)depth_of(conv);
     if (is_direct(conv)) {
-        ffp_cuda_loss_product(false, conv->out, (int)total, depth, w, depth, x, (int)total, 0, y, (int)total);
+        product(false, conv->out, (int)total, depth, w, x, (int)total, 0, y, (int)total);
         return;
     }
     for (size_t first = 0; first < total; first += strip.count) {
         fit(&strip, first, total, columns);
         ffp_launch(unfold, dim3(ffp_blocks(strip.count, 256), (unsigned)conv->in), dim3(256), columns.values,
                    x, strip);
-        ffp_cuda_loss_product(false, conv->out, (int)strip.count, depth, w, depth, columns.values,
-                              (int)strip.count, 0, y + first, (int)total);
+        product(false, conv->out, (int)strip.count, depth, w, columns.values, (int)strip.count, 0, y + first,
+                (int)total);
     }
 }
 
@@ -103,14 +121,13 @@ void ffp_cuda_picture_conv_backward(float *dx, const float *dy, const float *w, 
     const size_t total = strip.count, pixels = (size_t)conv->width * conv->height;
     const int depth = (int)depth_of(conv);
     if (is_direct(conv)) {
-        ffp_cuda_loss_product(true, depth, (int)total, conv->out, w, depth, dy, (int)total, add, dx,
-                              (int)total);
+        product(true, depth, (int)total, conv->out, w, dy, (int)total, add, dx, (int)total);
         return;
     }
     for (size_t first = 0; first < total; first += strip.count) {
         fit(&strip, first, total, columns);
-        ffp_cuda_loss_product(true, depth, (int)strip.count, conv->out, w, depth, dy + first, (int)total, 0,
-                              columns.values, (int)strip.count);
+        product(true, depth, (int)strip.count, conv->out, w, dy + first, (int)total, 0, columns.values,
+                (int)strip.count);
         ffp_launch(fold, dim3(ffp_blocks(pixels, 256), (unsigned)conv->in), dim3(256), dx, columns.values,
                    strip, add || first > 0);
     }

@@ -19,6 +19,9 @@ typedef struct FfpColumns {
 
 // What the whole of a convolution's output would take, of `images` images; 0 where nothing is unfolded.
 size_t ffp_cuda_columns(const FfpConv *conv, int images);
+// Products round their factors to TF32 (10 bits of mantissa) unless exact ones were asked for here: for
+// tests.
+void ffp_cuda_conv_exact(bool exact);
 // y = w * x, neither bias nor ReLU yet.
 void ffp_cuda_picture_conv_forward(float *y, const float *x, const float *w, const FfpConv *conv, int images,
                                    FfpColumns columns);

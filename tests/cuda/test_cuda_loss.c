@@ -6,7 +6,6 @@
 #include "base/arena.h"
 #include "base/rng.h"
 #include "cuda/cuda.h"
-#include "cuda/loss_products.h"
 #include "cuda/perceptual_conv.h"
 #include "loss/metrics.h"
 #include "loss/perceptual_net.h"
@@ -385,9 +384,9 @@ static void check_network(FfpPerceptual *net, int width, int height, int channel
     p.grads[0] = (size_t)width * height * channels;
     set_input(&p, 0, p.grads[0], 21, 0, 1);
     set_input(&p, 1, (size_t)width * height * 3, 22, 0, 1);
-    ffp_cuda_loss_exact(true);
+    ffp_cuda_conv_exact(true);
     check_to("perceptual", perceptual, &p, (Tolerance){1e-4, 2e-2, 2e-3});
-    ffp_cuda_loss_exact(false);
+    ffp_cuda_conv_exact(false);
     check_to("perceptual, TF32", perceptual, &p, (Tolerance){2e-3, 0.5, 0.1});
     free_problem(&p);
 }
@@ -477,13 +476,13 @@ static void check_convolution(const FfpConv *s, size_t pixels, bool add) {
 static void test_convolution(void **state) {
     (void)state;
     if (!device) skip();
-    ffp_cuda_loss_exact(true);
+    ffp_cuda_conv_exact(true);
     for (int i = 0; i < CONVOLUTIONS; i++) {
         check_convolution(&convolutions[i], 5000, false);
         check_convolution(&convolutions[i], 300, true);
         check_convolution(&convolutions[i], 41, false);
     }
-    ffp_cuda_loss_exact(false);
+    ffp_cuda_conv_exact(false);
 }
 
 static void check_pool(const FfpPool *pool, bool add) {
