@@ -5,10 +5,38 @@
 #include <cstdlib>
 #include <memory>
 #include <vector>
-#include <ucontext.h>
 
 dim3 threadIdx, blockIdx, blockDim, gridDim;
 alignas(64) unsigned char ffp_emulated_shared[227 * 1024];
+
+// Saves what a function must keep on the stack in use, leaves that stack at *from, and goes on where `to` was
+// left.
+#ifdef __x86_64__
+extern "C" void ffp_switch_stacks(void **from, void *to);
+asm(R"(
+    .text
+    .globl ffp_switch_stacks
+    .type ffp_switch_stacks, @function
+ffp_switch_stacks:
+    pushq %rbp
+    pushq %rbx
+    pushq %r12
+    pushq %r13
+    pushq %r14
+    pushq %r15
+    movq %rsp, (%rdi)
+    movq %rsi, %rsp
+    popq %r15
+    popq %r14
+    popq %r13
+    popq %r12
+    popq %rbx
+    popq %rbp
+    ret
+)");
+#else
+#include <ucontext.h>
+#endif
 
 namespace {
 
@@ -16,8 +44,39 @@ constexpr size_t STACK = 64 * 1024;
 constexpr unsigned WARP = 32;
 enum class State { running, at_warp, at_block, done };
 
+// A flow of control with a stack of its own. ucontext's switch asks the system each time.
+#ifdef __x86_64__
+typedef void *Context;
+
+void switch_context(Context *from, Context *to) {
+    ffp_switch_stacks(from, *to);
+}
+
+void begin_context(Context *context, unsigned char *stack, void (*entry)()) {
+    enum { SAVED = 6 }; // registers; then the place to go on at, aligned as a call would leave it
+    void **top = reinterpret_cast<void **>(reinterpret_cast<uintptr_t>(stack + STACK) & ~(uintptr_t)15) - 2;
+    *top = reinterpret_cast<void *>(entry);
+    for (int i = 1; i <= SAVED; i++) top[-i] = nullptr;
+    *context = top - SAVED;
+}
+#else
+typedef ucontext_t Context;
+
+void switch_context(Context *from, Context *to) {
+    swapcontext(from, to);
+}
+
+void begin_context(Context *context, unsigned char *stack, void (*entry)()) {
+    getcontext(context);
+    context->uc_stack.ss_sp = stack;
+    context->uc_stack.ss_size = STACK;
+    context->uc_link = nullptr;
+    makecontext(context, entry, 0);
+}
+#endif
+
 struct Fiber {
-    ucontext_t context;
+    Context context;
     std::unique_ptr<unsigned char[]> stack;
     State state;
     unsigned parity; // of the exchange it is at
@@ -28,7 +87,7 @@ struct Warp {
 
 std::vector<Fiber> fibers;
 std::vector<Warp> warps;
-ucontext_t scheduler;
+Context scheduler;
 const std::function<void()> *body;
 unsigned current;
 bool cooperating;
@@ -47,14 +106,14 @@ void place(unsigned thread) {
 void fiber_main() {
     (*body)();
     fibers[current].state = State::done;
-    swapcontext(&fibers[current].context, &scheduler);
+    switch_context(&fibers[current].context, &scheduler);
 }
 
 void wait(State state) {
     if (!cooperating) die("threads meet in a launch of independent threads");
     Fiber &me = fibers[current];
     me.state = state;
-    swapcontext(&me.context, &scheduler);
+    switch_context(&me.context, &scheduler);
 }
 
 void start(unsigned count) {
@@ -63,11 +122,7 @@ void start(unsigned count) {
     for (unsigned t = 0; t < count; t++) {
         Fiber &f = fibers[t];
         if (!f.stack) f.stack.reset(new unsigned char[STACK]);
-        getcontext(&f.context);
-        f.context.uc_stack.ss_sp = f.stack.get();
-        f.context.uc_stack.ss_size = STACK;
-        f.context.uc_link = nullptr;
-        makecontext(&f.context, fiber_main, 0);
+        begin_context(&f.context, f.stack.get(), fiber_main);
         f.state = State::running;
         f.parity = 0;
     }
@@ -79,7 +134,7 @@ void run_warp(unsigned first, unsigned end) {
         for (unsigned t = first; t < end; t++) {
             if (fibers[t].state != State::running) continue;
             place(t);
-            swapcontext(&scheduler, &fibers[t].context);
+            switch_context(&scheduler, &fibers[t].context);
         }
         unsigned at_warp = 0, at_block = 0;
         for (unsigned t = first; t < end; t++) {

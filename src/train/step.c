@@ -294,7 +294,7 @@ static bool supervise_scene(FfpStepper *s, const FfpScene *scene, int64_t step, 
 }
 
 static bool predict(FfpStepper *s, const FfpModel *model, const FfpScene *scene, FfpError *err) {
-    if (scene->prepared) return ffp_model_forward_prepared(model, s->run, scene->prepared, err);
+    if (ffp_device()) return ffp_model_forward_prepared(model, s->run, scene->prepared, err);
     return ffp_model_forward(model, s->run, &scene->inputs, &scene->start, &scene->context, scene->active,
                              err);
 }
