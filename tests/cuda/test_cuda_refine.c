@@ -1,5 +1,6 @@
 // The fit on a device against the fit on the CPU: its parts, and the whole.
 #include "ball.h"
+#include "compare.h"
 #include "base/log.h"
 #include "capture/uploaded.h"
 #include "cuda/cuda.h"
@@ -42,6 +43,20 @@ static void check_array(const char *what, const real *here, const real *there, s
         fail_msg("%s[%zu]: %.9g on the CPU, %.9g on the device", what, i, (double)here[i], (double)back[i]);
     }
     free(back);
+}
+
+// As a whole: Adam's steps are as long where a gradient is all rounding, so that single splats may go
+// elsewhere.
+static void check_fitted(const FfpGaussians *here, const FfpGaussians *there) {
+    static const char *const names[] = {"centre", "scale",     "rotation", "opacity",
+                                        "albedo", "roughness", "ambient"};
+    const FfpDevice *before = ffp_device_use(device);
+    assert_true(here->count == there->count);
+    for (int a = 0; a < FFP_ATTRIBUTES; a++) {
+        const FfpAttribute x = ffp_attribute(here, a);
+        assert_close(ffp_attribute(there, a).data, x.data, here->count * x.width, 0.01, names[a]);
+    }
+    ffp_device_use(before);
 }
 
 static void check_gaussians(const char *what, const FfpGaussians *here, const FfpGaussians *there,
@@ -292,7 +307,7 @@ static void test_a_fit_is_the_same(void **state) {
     assert_true(a.result.dropped == b.result.dropped && b.result.steps == ROUNDS * VIEWS);
     assert_true(fabs(a.result.psnr_before - b.result.psnr_before) <= 0.02);
     assert_true(fabs(a.result.psnr_after - b.result.psnr_after) <= 0.02);
-    check_gaussians("fitted", &here, &there, 0.01);
+    check_fitted(&here, &there);
     ffp_gaussians_free(&here);
     ffp_capture_free(&c);
     ffp_device_use(device);
