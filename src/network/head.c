@@ -5,7 +5,8 @@
 #include "base/device.h"
 #include "tensor/tensor.h"
 
-#define REACH_FOOTPRINTS 4 // of the context: depth differences beyond count as this
+#define RATIO_TOLD_MAX ((real)0.68) // log2: what training shows (docs/training.md); beyond it weights guess
+#define REACH_FOOTPRINTS 4          // of the context: depth differences beyond count as this
 
 // The widths that both passes need.
 typedef struct Widths {
@@ -180,7 +181,7 @@ void ffp_head_tell_apart(real *out, const int64_t *pixels, int64_t count, const 
         real behind = near->t[pixel];
         for (int t = 0; t < taps.count; t++) behind -= taps.weight[t] * far->t[taps.pixel[t]];
         behind /= REACH_FOOTPRINTS * ratio * fmax(near->footprint[pixel], (real)1e-6);
-        out[FFP_CONTEXT_CHANNELS * i] = log2(ratio);
+        out[FFP_CONTEXT_CHANNELS * i] = fmin(log2(ratio), RATIO_TOLD_MAX);
         out[FFP_CONTEXT_CHANNELS * i + 1] = fmin(fmax(behind, -1), 1);
     }
 }

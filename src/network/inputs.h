@@ -12,8 +12,8 @@
 //   16-20  confidence, lit, coverage, agreement, violation
 //   21-23  normal; 24-26 albedo, 27-29 ambient: sRGB * 2 - 1
 // and with context_inputs, for the pixel MLP alone, all zero where the context is the capture itself:
-//   log2 of the context's pixel side against the capture's; how far behind the context's surface the start's
-//   point lies, in four of the context's footprints, in [-1,1]
+//   log2 of the context's pixel side against the capture's, up to 0.68; how far behind the context's surface
+//   the start's point lies, in four of the context's footprints, in [-1,1]
 enum { FFP_PLAIN_CHANNELS = 15, FFP_START_CHANNELS = 15, FFP_CONTEXT_CHANNELS = 2 };
 
 typedef struct FfpSeen { // what the numbers are of
