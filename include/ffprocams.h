@@ -59,14 +59,15 @@ typedef struct FfpReconstruction {
     const FfpModel *model; // NULL: the classical start alone, without weights
     const char *pattern;   // name of the structured-light pattern to use; NULL: the first that every view has
     int64_t polish; // gradient steps, of one view each, that fit the prediction to the photographs it was
-                    // made from: black, white and the pattern; 0: the forward pass alone
+                    // made from: black, white and the pattern; 0: the forward pass alone; FFP_POLISH_AUTO
     double noise;   // deviation of the photographs' noise, linear, of values up to 1, to be taken away before
                     // all else; 0: none; FFP_NOISE_ESTIMATED: what the photographs tell
     double layers;  // how many times splats may describe a place of the surface, those of the views that see
                     // it finest; 0: a splat for every pixel of every view; FFP_LAYERS_AUTO: by their number
     FfpDrawing drawing; // of the polish
 } FfpReconstruction;
-#define FFP_POLISH_STEPS 100 // what the command line takes
+#define FFP_POLISH_STEPS 100
+#define FFP_POLISH_AUTO (-1) // FFP_POLISH_STEPS, and of more than 8 views 12.5 steps a view
 #define FFP_NOISE_ESTIMATED (-1.0)
 #define FFP_LAYERS_AUTO (-1.0) // all of up to 200,000 splats, else two layers
 

@@ -30,7 +30,7 @@ static const char help[] =
     "                         each capture's folder first\n"
     "  -p, --pattern NAME     the structured-light pattern to use. Default: the first that is in\n"
     "                         every view and not held back\n"
-    "      --polish STEPS     as in `reconstruct`; 0: the forward pass alone. Default: 100\n"
+    "      --polish STEPS     as in `reconstruct`; 0: the forward pass alone. Default: auto\n"
     "      --noise S          as in `reconstruct`; 0: photographs as they are. Default: auto\n"
     "      --layers N         as in `reconstruct`. Default: auto\n"
     "      --save DIR         every prediction as DIR/<capture>/<view>_<pattern>.png\n"
@@ -236,7 +236,7 @@ static int check(const char *command, const FfpEvaluation *evaluation, const Ffp
 
 int ffp_cli_evaluate(int argc, char **argv) {
     FfpEvaluation evaluation = {
-        .polish = FFP_POLISH_STEPS, .noise = FFP_NOISE_ESTIMATED, .layers = FFP_LAYERS_AUTO};
+        .polish = FFP_POLISH_AUTO, .noise = FFP_NOISE_ESTIMATED, .layers = FFP_LAYERS_AUTO};
     FfpList targets = {0};
     const char *model = NULL;
     int status = parse(argc, argv, &evaluation, &targets, &model);

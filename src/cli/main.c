@@ -109,8 +109,12 @@ bool ffp_cli_real(const char *text, double low, double high, double *out) {
 }
 
 bool ffp_cli_polish(const char *command, const char *text, int64_t *out) {
+    if (strcmp(text, "auto") == 0) {
+        *out = FFP_POLISH_AUTO;
+        return true;
+    }
     if (ffp_cli_number(text, 0, POLISH_MAX, out)) return true;
-    ffp_cli_usage(command, "--polish is a number of steps from 0 to %d, not %s", POLISH_MAX, text);
+    ffp_cli_usage(command, "--polish is auto or a number of steps from 0 to %d, not %s", POLISH_MAX, text);
     return false;
 }
 

@@ -21,7 +21,7 @@ static const char help[] =
     "                      view and not held back\n"
     "      --polish STEPS  steps of the fit, of one view each; of pictures above 192 pixels, steps on the\n"
     "                      smallest of several sizes, with fewer on larger ones. 0: the forward pass\n"
-    "                      alone. Default: 100\n"
+    "                      alone. Default: auto, 100, and of more than 8 views 12.5 for each\n"
     "      --noise S       standard deviation of the photographs' noise, which is taken away first:\n"
     "                      linear, of values up to 1. 0: they stay as they are. Default: auto, estimated\n"
     "                      from what the photographs of a view do not have in common\n"
@@ -77,7 +77,7 @@ int ffp_cli_reconstruct(int argc, char **argv) {
                                             {0}};
     const char *output = NULL, *model = NULL;
     FfpReconstruction how = {
-        .polish = FFP_POLISH_STEPS, .noise = FFP_NOISE_ESTIMATED, .layers = FFP_LAYERS_AUTO};
+        .polish = FFP_POLISH_AUTO, .noise = FFP_NOISE_ESTIMATED, .layers = FFP_LAYERS_AUTO};
     for (int option; (option = ffp_cli_next(argc, argv, ":o:m:p:h", options)) != -1;) {
         switch (option) {
         case 'o':

@@ -64,7 +64,7 @@ static double network_bytes(const FfpScale *s) {
     const FfpModelConfig *c = s->network;
     if (!c) return 0;
     const double patch = (double)c->patch * c->patch, own = pixels_of(s) / patch;
-    const double tokens = fmin(own, c->tokens);
+    const double tokens = fmin(own, ffp_context_tokens(c, s->views));
     const double inputs = patch * ((c->match_input ? 30 : 15) + c->pixel_features);
     const double blocks = 21.0 * c->dim * (double)strlen(c->modules);
     const double context = own > tokens ? match_bytes(s, tokens * patch) : 0;
@@ -99,7 +99,7 @@ FfpScale ffp_scale_of(const FfpCapture *capture, const FfpReconstruction *option
     const FfpRenderSettings drawing = ffp_drawing_settings(options->drawing, options->model);
     FfpScale s = {.views = capture->n_views,
                   .denoise = options->noise != 0,
-                  .polish = options->polish > 0,
+                  .polish = options->polish != 0,
                   .pattern = (double)capture->views[0].projector.width * capture->views[0].projector.height,
                   .samples = drawing.samples,
                   .threads = omp_get_max_threads(),

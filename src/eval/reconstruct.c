@@ -20,6 +20,7 @@
 #include "refine/thin.h"
 
 #define NETWORK_LOSS_MAX 1 // dB against the classical start
+#define POLISH_VIEWS 8     // up to which the polish has FFP_POLISH_STEPS
 #define FEW_VIEWS 4        // fewer than these leave sides of any object out
 #define SPLATS_ALL 200000  // that are kept where nobody says how many,
 #define LAYERS_OF_MORE 2   // and of more
@@ -105,9 +106,15 @@ static void judge_network(Work *w, const FfpReconstruction *options, FfpReconstr
     }
 }
 
+// Every step looks at one view.
+static int64_t polish_steps(const FfpReconstruction *options, int views) {
+    if (options->polish >= 0) return options->polish;
+    return FFP_POLISH_STEPS * (views > POLISH_VIEWS ? views : POLISH_VIEWS) / POLISH_VIEWS;
+}
+
 // Between the prediction and the way back to the world.
 static bool polish(Work *w, const FfpReconstruction *options, FfpReconstructionStory *story, FfpError *err) {
-    FfpRefineSettings settings = ffp_polish_defaults(options->polish);
+    FfpRefineSettings settings = ffp_polish_defaults(polish_steps(options, w->capture.n_views));
     FfpRefineResult result;
     const FfpOrigin origin = {w->start.views, w->start.width, w->start.height, w->pixel};
     settings.render = ffp_drawing_settings(options->drawing, options->model);
@@ -176,7 +183,7 @@ static bool predict_and_polish(Work *w, const FfpReconstruction *options, FfpRec
     const double begin = ffp_seconds();
     ffp_refute(w->result.opacity, w->result.centre, w->result.count, &w->padded, &w->start);
     thin(w, options);
-    if (options->polish > 0 && w->result.count > 0 && !polish(w, options, story, err)) return false;
+    if (options->polish != 0 && w->result.count > 0 && !polish(w, options, story, err)) return false;
     story->polish_s = ffp_seconds() - begin;
     story->gaussians = w->result.count;
     return true;

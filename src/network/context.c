@@ -4,6 +4,7 @@
 #include "capture/reduce.h"
 #include "network/layout.h"
 
+#define VIEWS_OF_TOKENS 16 // up to which config->tokens is the most; of more, each view keeps its share
 #define EMPTY_WEIGHT 1e-4F // of a pixel without coverage against one that has it
 
 // The larger sides a token grid may have: patches in `side` pixels times `scale`, at least one.
@@ -12,12 +13,16 @@ static int patches(int side, double scale, int patch) {
     return count > 0 ? count : 1;
 }
 
+double ffp_context_tokens(const FfpModelConfig *config, int views) {
+    return (double)config->tokens * fmax((double)views / VIEWS_OF_TOKENS, 1);
+}
+
 void ffp_context_size(int *width, int *height, const FfpModelConfig *config, const FfpCapture *capture,
                       int views) {
     const FfpCamera *camera = &capture->views[0].camera;
     const int patch = config->patch;
     const double pixels = (double)views * camera->width * camera->height,
-                 most = (double)config->tokens * patch * patch;
+                 most = ffp_context_tokens(config, views) * patch * patch;
     const double scale = pixels > most ? sqrt(most / pixels) : 1;
     *width = patch * patches(camera->width, scale, patch);
     *height = patch * patches(camera->height, scale, patch);

@@ -19,7 +19,7 @@ typedef struct FfpModelConfig {
                                    // ("MTMTMTMT")
     int dim;                       // token width D
     int patch;                     // pixels a token side (8)
-    int tokens;                    // most tokens a pass: larger captures are reduced to fit (FfpContext)
+    int tokens;                    // most tokens of 16 views: larger captures are reduced to fit (FfpContext)
     int state, chunk;              // Mamba2: state 64, chunk 64 (expand 2, head_dim 64, conv 4 are fixed)
     bool residual;    // heads are residuals around the classical start; else the paper's plain heads
     bool match_input; // the start's maps are among the input channels
@@ -112,6 +112,9 @@ typedef struct FfpContext {
     FfpStart start;     // all NULL: none
     bool reduced;       // both are the context's own memory
 } FfpContext;
+// The most tokens that so many views are made into: config->tokens, and in proportion of more than 16 views,
+// whose matches would else be lost.
+double ffp_context_tokens(const FfpModelConfig *config, int views);
 // Sides of the context's views: multiples of the patch, their tokens no more than config->tokens (one a view
 // at least).
 void ffp_context_size(int *width, int *height, const FfpModelConfig *config, const FfpCapture *capture,
