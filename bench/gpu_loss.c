@@ -4,13 +4,10 @@
 #include <stdlib.h>
 #include <string.h>
 #include "base/arena.h"
-#include "base/log.h"
 #include "base/rng.h"
-#include "cuda/cuda.h"
+#include "bench/gpu_timing.h"
 #include "loss/metrics.h"
 #include "loss/perceptual_net.h"
-
-enum { REPEATS = 15 };
 
 typedef struct Bench {
     int side;
@@ -19,26 +16,18 @@ typedef struct Bench {
     FfpPerceptual *net;
 } Bench;
 
-static int ascending(const void *a, const void *b) {
-    const double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
+typedef struct Call {
+    void (*run)(Bench *);
+    Bench *b;
+} Call;
+
+static void call(void *context) {
+    const Call *c = context;
+    c->run(c->b);
 }
 
-// Median milliseconds of one of `times` calls in a row, and TFLOP/s when it does `work` operations.
 static void report(const char *name, Bench *b, void (*run)(Bench *), int times, double work) {
-    double ms[REPEATS];
-    for (int i = 0; i < 3; i++) run(b);
-    for (int r = 0; r < REPEATS; r++) {
-        ffp_device()->synchronise();
-        const double begin = ffp_seconds();
-        for (int i = 0; i < times; i++) run(b);
-        ffp_device()->synchronise();
-        ms[r] = 1e3 * (ffp_seconds() - begin) / times;
-    }
-    qsort(ms, REPEATS, sizeof *ms, ascending);
-    printf("%-28s %9.4f ms", name, ms[REPEATS / 2]);
-    if (work > 0) printf(" %8.2f TFLOP/s", work / ms[REPEATS / 2] / 1e9);
-    printf("\n");
+    gpu_report(name, gpu_seconds(call, &(Call){run, b}, times), 0, work);
 }
 
 static void l1(Bench *b) {
@@ -160,16 +149,10 @@ static void measure(int side) {
 }
 
 int main(int argc, char **argv) {
-    FfpError err = {""};
-    const FfpDevice *device = ffp_cuda_device(&err);
-    if (!device) {
-        fprintf(stderr, "%s\n", err.text);
-        return 1;
-    }
+    if (!gpu_open()) return 1;
     (void)argv;
-    ffp_device_use(device);
     printf("%s\n", ffp_cuda_describe());
-    if (argc > 1 || strstr(ffp_cuda_describe(), "emulated")) {
+    if (argc > 1 || gpu_emulated()) {
         measure(33);
     } else {
         measure(128);

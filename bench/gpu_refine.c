@@ -3,14 +3,11 @@
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
-#include "base/log.h"
 #include "capture/uploaded.h"
-#include "cuda/cuda.h"
+#include "bench/gpu_timing.h"
 #include "refine/fit.h"
 #include "refine/table.h"
 #include "tests/cuda/ball.h"
-
-static int repeats = 15;
 
 typedef struct Bench {
     FfpCapture capture;
@@ -20,26 +17,18 @@ typedef struct Bench {
     FfpRefineSettings settings;
 } Bench;
 
-static int ascending(const void *a, const void *b) {
-    const double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
+typedef struct Call {
+    void (*run)(Bench *);
+    Bench *b;
+} Call;
+
+static void call(void *context) {
+    const Call *c = context;
+    c->run(c->b);
 }
 
-// Median milliseconds of one of `times` calls in a row, and GB/s when it moves `bytes`.
-static void report(const char *name, Bench *b, void (*work)(Bench *), int times, double bytes) {
-    double ms[15];
-    work(b);
-    for (int r = 0; r < repeats; r++) {
-        ffp_device()->synchronise();
-        const double begin = ffp_seconds();
-        for (int i = 0; i < times; i++) work(b);
-        ffp_device()->synchronise();
-        ms[r] = 1e3 * (ffp_seconds() - begin) / times;
-    }
-    qsort(ms, (size_t)repeats, sizeof *ms, ascending);
-    printf("%-28s %9.4f ms", name, ms[repeats / 2]);
-    if (bytes > 0) printf(" %8.0f GB/s", bytes / ms[repeats / 2] / 1e6);
-    printf("\n");
+static void report(const char *name, Bench *b, void (*run)(Bench *), int times, double bytes) {
+    gpu_report(name, gpu_seconds(call, &(Call){run, b}, times), bytes, 0);
 }
 
 static void clear(Bench *b) {
@@ -92,19 +81,15 @@ static void whole(Bench *b) {
 }
 
 int main(int argc, char **argv) {
-    FfpError err = {""};
-    const FfpDevice *device = ffp_cuda_device(&err);
-    if (!device) {
-        fprintf(stderr, "%s\n", err.text);
-        return 1;
-    }
-    const bool tiny = argc > 1 || strstr(ffp_cuda_describe(), "emulated");
+    const FfpDevice *device = gpu_open();
+    if (!device) return 1;
+    const bool tiny = argc > 1 || gpu_emulated();
     const int64_t count = tiny ? 300 : 45000;
     const int views = tiny ? 2 : 8, side = tiny ? 24 : 128, pattern = tiny ? 32 : 256;
     (void)argv;
-    if (tiny) repeats = 1;
     Bench b = {.settings = ffp_polish_defaults(tiny ? 2 : 24)};
     b.settings.quiet = true;
+    ffp_device_use(NULL); // the scene is made by the CPU
     FfpCapture capture = ball_capture(count, views, side, side, pattern);
     FfpGaussians start = ball_disturbed(count);
     ffp_device_use(device);

@@ -3,13 +3,12 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include "base/log.h"
-#include "cuda/cuda.h"
+#include "bench/gpu_timing.h"
 #include "render/pass.h"
 #include "render/table.h"
 #include "tests/cuda/ball.h"
 
-enum { REPEATS = 15, VIEWS = 5, PATTERNS = 3 };
+enum { VIEWS = 5, PATTERNS = 3 };
 
 typedef struct Bench {
     bool tiny; // every function once
@@ -26,28 +25,18 @@ typedef struct Bench {
 
 static const real intensity[3] = {4, 4, 4};
 
-static int ascending(const void *a, const void *b) {
-    const double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
+typedef struct Call {
+    void (*run)(Bench *);
+    Bench *b;
+} Call;
+
+static void call(void *context) {
+    const Call *c = context;
+    c->run(c->b);
 }
 
-// Median milliseconds of one of `times` calls in a row, and GB/s when it moves `bytes`.
-static void report(const char *name, Bench *b, void (*work)(Bench *), int times, double bytes) {
-    double ms[REPEATS];
-    const int repeats = b->tiny ? 1 : REPEATS;
-    times = b->tiny ? 1 : times;
-    work(b);
-    for (int r = 0; r < repeats; r++) {
-        ffp_device()->synchronise();
-        const double begin = ffp_seconds();
-        for (int i = 0; i < times; i++) work(b);
-        ffp_device()->synchronise();
-        ms[r] = 1e3 * (ffp_seconds() - begin) / times;
-    }
-    qsort(ms, (size_t)repeats, sizeof *ms, ascending);
-    printf("%-32s %9.4f ms", name, ms[repeats / 2]);
-    if (bytes > 0) printf(" %8.0f GB/s", bytes / ms[repeats / 2] / 1e6);
-    printf("\n");
+static void report(const char *name, Bench *b, void (*run)(Bench *), int times, double bytes) {
+    gpu_report(name, gpu_seconds(call, &(Call){run, b}, times), bytes, 0);
 }
 
 static void rasterise(Bench *b) {
@@ -156,18 +145,15 @@ static void make_buffers(Bench *b, int side) {
 }
 
 int main(int argc, char **argv) {
-    FfpError err = {""};
-    const FfpDevice *device = ffp_cuda_device(&err);
-    if (!device) {
-        fprintf(stderr, "%s\n", err.text);
-        return 1;
-    }
+    const FfpDevice *device = gpu_open();
+    if (!device) return 1;
     (void)argv;
-    const bool tiny = argc > 1 || strstr(ffp_cuda_describe(), "emulated");
+    const bool tiny = argc > 1 || gpu_emulated();
     const int64_t count = tiny ? 300 : 45000;
     const int side = tiny ? 11 : 128, pattern = tiny ? 32 : 256;
     Bench b = {.tiny = tiny, .settings = ffp_render_defaults()};
     if (tiny) b.settings.shadow_side = 20;
+    ffp_device_use(NULL); // the scene is made by the CPU
     make_devices(&b, side, pattern);
     FfpGaussians ball = ball_disturbed(count);
     FfpImage image = stripes(pattern, pattern), grad = stripes(side, side);

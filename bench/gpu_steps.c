@@ -1,14 +1,8 @@
 // What the GPU's users wait for: a forward pass with one relit view, and a training step, for any preset.
 // usage: gpu_steps PRESET [VIEWS RESOLUTION [PERCEPTUAL]]
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-#include "base/log.h"
-#include "cuda/cuda.h"
+#include "bench/gpu_timing.h"
 #include "render/pass.h"
 #include "train/mirror.h"
-
-enum { REPEATS = 41, WARM = 5 };
 
 typedef struct Bench {
     FfpTrainConfig config;
@@ -24,23 +18,18 @@ typedef struct Bench {
     FfpError err;
 } Bench;
 
-static int ascending(const void *a, const void *b) {
-    const double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
+typedef struct Call {
+    void (*run)(Bench *);
+    Bench *b;
+} Call;
+
+static void call(void *context) {
+    const Call *c = context;
+    c->run(c->b);
 }
 
-static void report(const char *name, Bench *b, void (*work)(Bench *)) {
-    double ms[REPEATS];
-    for (int r = -WARM; r < REPEATS; r++) {
-        ffp_device()->synchronise();
-        const double begin = ffp_seconds();
-        work(b);
-        ffp_device()->synchronise();
-        if (r >= 0) ms[r] = 1e3 * (ffp_seconds() - begin);
-    }
-    qsort(ms, REPEATS, sizeof *ms, ascending);
-    printf("%-44s %8.2f ms   (least %.2f, most %.2f)\n", name, ms[REPEATS / 2], ms[0], ms[REPEATS - 1]);
-    fflush(stdout);
+static void report(const char *name, Bench *b, void (*run)(Bench *)) {
+    gpu_report(name, gpu_seconds(call, &(Call){run, b}, 1), 0, 0);
 }
 
 static void forward(Bench *b) {

@@ -1,17 +1,13 @@
 // Times the tensor room's kernels on the device at the sizes of networks, against a large product and a copy
 // of the same run. On the emulated device the sizes are tiny and the times mean nothing.
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 #include "base/arena.h"
-#include "base/log.h"
 #include "base/rng.h"
-#include "cuda/cuda.h"
+#include "bench/gpu_timing.h"
 #include "cuda/products.h"
 #include "network/layout.h"
 #include "tensor/tensor.h"
 
-enum { SAMPLES = 9, MOST_RUNS = 30 };
+enum { RUNS = 30 }; // queued together
 
 // A network's sizes, and arrays on the device that are large enough for each of its kernels.
 typedef struct Data {
@@ -24,29 +20,20 @@ typedef struct Data {
     float *scratch;
 } Data;
 
-static const FfpDevice *device;
-static bool emulated;
 static double product_peak = 1, copy_peak = 1; // operations and bytes a second
 
-static int by_size(const void *a, const void *b) {
-    const double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
+typedef struct Call {
+    void (*run)(const Data *);
+    const Data *data;
+} Call;
+
+static void call(void *context) {
+    const Call *c = context;
+    c->run(c->data);
 }
 
-// Median seconds of a run, of which several are queued one behind the other.
 static double seconds(void (*run)(const Data *), const Data *data) {
-    const int runs = emulated ? 1 : MOST_RUNS, samples = emulated ? 1 : SAMPLES;
-    double times[SAMPLES];
-    run(data);
-    for (int i = 0; i < samples; i++) {
-        device->synchronise();
-        const double begin = ffp_seconds();
-        for (int j = 0; j < runs; j++) run(data);
-        device->synchronise();
-        times[i] = (ffp_seconds() - begin) / runs;
-    }
-    qsort(times, (size_t)samples, sizeof *times, by_size);
-    return times[samples / 2];
+    return gpu_seconds(call, &(Call){run, data}, RUNS);
 }
 
 static void linear_forward(const Data *x, int in, int out) {
@@ -244,7 +231,7 @@ static void large_product(const Data *x) {
 }
 
 static void large_copy(const Data *x) {
-    device->copy(x->c, x->d, x->most * sizeof(float));
+    ffp_device()->copy(x->c, x->d, x->most * sizeof(float));
 }
 
 // Random numbers as bf16, [side, side] of them.
@@ -261,7 +248,7 @@ static float *halves(FfpRng *rng, size_t side) {
 
 static void measure_peaks(void) {
     FfpRng rng = ffp_rng(2, 0);
-    const size_t side = emulated ? 64 : 8192, count = side * side;
+    const size_t side = gpu_emulated() ? 64 : 8192, count = side * side;
     Data x = {.rows = (int)side, .most = count, .a = halves(&rng, side), .b = halves(&rng, side)};
     x.c = ffp_memory_new(count, sizeof(float)), x.d = numbers(&rng, count, 1, 0);
     product_peak = 2.0 * (double)count * (double)side / seconds(large_product, &x);
@@ -272,16 +259,9 @@ static void measure_peaks(void) {
 }
 
 int main(void) {
-    FfpError err = {""};
-    device = ffp_cuda_device(&err);
-    if (!device) {
-        fprintf(stderr, "%s\n", err.text);
-        return 1;
-    }
-    emulated = strstr(ffp_cuda_describe(), "emulated") != NULL;
-    ffp_device_use(device);
+    if (!gpu_open()) return 1;
     measure_peaks();
-    if (emulated) {
+    if (gpu_emulated()) {
         bench("tiny", 70, 64, 16);
         return 0;
     }

@@ -1,10 +1,12 @@
 #include "loss/late.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 #include "base/arena.h"
 #include "base/device.h"
 #include "loss/loss.h"
+#include "loss/metrics.h"
 #include "loss/table.h"
 
 typedef struct Due { // a value of the device's, and what it is added to
@@ -17,6 +19,12 @@ static _Thread_local struct {
     int depth, seen; // how often values are asked to be late; how many of the device's are spoken for
     Due *due;        // [FFP_LATE_MAX]
 } late;
+
+double ffp_psnr_of(double mean_square) {
+    if (mean_square == 0) return FFP_PSNR_CAP;
+    const double value = -10 * log10(mean_square);
+    return value > FFP_PSNR_CAP ? FFP_PSNR_CAP : value;
+}
 
 static int kept(void) {
     return late.depth > 0 ? ffp_device()->loss->late_count() : 0;

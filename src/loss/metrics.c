@@ -22,16 +22,6 @@ static double squared_error(const FfpImage *a, const FfpImage *b, const FfpImage
     return sum;
 }
 
-static double psnr_of(double count, double sum) {
-    if (sum == 0) return FFP_PSNR_CAP;
-    const double value = 10 * log10(count / sum);
-    return value > FFP_PSNR_CAP ? FFP_PSNR_CAP : value;
-}
-
-double ffp_psnr_of(double mean_square) {
-    return psnr_of(1, mean_square);
-}
-
 // mask may be NULL: every pixel counts.
 static double psnr(const FfpImage *a, const FfpImage *b, const FfpImage *mask) {
     assert(a->width == b->width && a->height == b->height && a->channels == b->channels);
@@ -41,7 +31,7 @@ static double psnr(const FfpImage *a, const FfpImage *b, const FfpImage *mask) {
                                     : squared_error(a, b, mask, &count);
     if (!mask && ffp_late_as(FFP_LATE_PSNR, 1)) return 0;
     if (count == 0) return NAN;
-    return psnr_of((double)count, sum);
+    return ffp_psnr_of(sum / (double)count);
 }
 
 double ffp_psnr(const FfpImage *a, const FfpImage *b) {
