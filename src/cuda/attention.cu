@@ -201,7 +201,8 @@ static __global__ void softmax_rows(float *log_sum, FfpAttentionPlan plan, FfpAt
             base * FFP_ATTENTION_LN_2;
 }
 
-static void weigh_values(float *out, const FfpAttentionPlan *plan, const FfpAttentionPart *part) {
+void ffp_cuda_attention_sum(float *to, int ldt, size_t stride, const uint16_t *weights, const uint16_t *x,
+                            const FfpAttentionPlan *plan, const FfpAttentionPart *part) {
     const size_t head = (size_t)plan->rows * plan->pad;
     const FfpCudaProduct product = {.operands = FFP_OPERANDS_BF16,
                                     .transpose_a = false,
@@ -210,17 +211,17 @@ static void weigh_values(float *out, const FfpAttentionPlan *plan, const FfpAtte
                                     .n = plan->dim,
                                     .k = plan->rows,
                                     .alpha = 1,
-                                    .a = plan->weights,
+                                    .a = weights,
                                     .lda = plan->keys,
-                                    .b = plan->v + part->head * head,
+                                    .b = x + part->head * head,
                                     .ldb = plan->pad,
                                     .beta = 0,
-                                    .c = out + (size_t)part->query * plan->width + part->head * plan->dim,
-                                    .ldc = plan->width,
+                                    .c = to,
+                                    .ldc = ldt,
                                     .count = part->group,
                                     .stride_a = (size_t)part->span * plan->keys,
                                     .stride_b = head,
-                                    .stride_c = (size_t)plan->dim};
+                                    .stride_c = stride};
     ffp_cuda_product(&product);
 }
 
@@ -233,6 +234,7 @@ void ffp_cuda_attention_forward(float *out, float *log_sum, const float *qkv, co
         ffp_cuda_attention_scores(plan.scores, &plan, &part, plan.q, plan.k);
         ffp_launch_blocks(softmax_rows, dim3(ffp_blocks((size_t)part.group * part.span, WARPS)),
                           dim3(THREADS), 0, log_sum, plan, part);
-        weigh_values(out, &plan, &part);
+        ffp_cuda_attention_sum(out + (size_t)part.query * plan.width + part.head * plan.dim, plan.width,
+                               (size_t)plan.dim, plan.weights, plan.v, &plan, &part);
     }
 }

@@ -44,6 +44,10 @@ typedef struct FfpAttentionPart {
 void ffp_cuda_attention_scores(float *out, const FfpAttentionPlan *plan, const FfpAttentionPart *part,
                                const uint16_t *x, const uint16_t *y);
 
+// to [span, dim] = weights x of [T, pad] for each head; a head's rows begin `stride` behind the one's before.
+void ffp_cuda_attention_sum(float *to, int ldt, size_t stride, const uint16_t *weights, const uint16_t *x,
+                            const FfpAttentionPlan *plan, const FfpAttentionPart *part);
+
 // The parts one after another: false behind the last. Begin with {}.
 bool ffp_cuda_attention_next(FfpAttentionPart *part, const FfpAttentionPlan *plan);
 

@@ -52,30 +52,6 @@ static void sum_over_queries(float *to, int ldt, size_t stride, float alpha, con
     ffp_cuda_product(&product);
 }
 
-// dq of the part's queries
-static void sum_over_keys(const FfpAttentionPlan *plan, const FfpAttentionPart *part) {
-    const size_t head = (size_t)plan->rows * plan->pad;
-    const FfpCudaProduct product = {.operands = FFP_OPERANDS_BF16,
-                                    .transpose_a = false,
-                                    .transpose_b = false,
-                                    .m = part->span,
-                                    .n = plan->dim,
-                                    .k = plan->rows,
-                                    .alpha = 1,
-                                    .a = plan->dweights,
-                                    .lda = plan->keys,
-                                    .b = plan->k + part->head * head,
-                                    .ldb = plan->pad,
-                                    .beta = 0,
-                                    .c = plan->dq + part->head * head + (size_t)part->query * plan->pad,
-                                    .ldc = plan->pad,
-                                    .count = part->group,
-                                    .stride_a = (size_t)part->span * plan->keys,
-                                    .stride_b = head,
-                                    .stride_c = head};
-    ffp_cuda_product(&product);
-}
-
 // Through the RMS norm of one row: dx = r (g - n mean(g n)) with n = x r, g = dy gain scale; adds to the
 // gain's gradient.
 static __device__ void norm_row(float *dx, float dgain[FFP_ATTENTION_EACH], const float *dy, const float *x,
@@ -136,7 +112,8 @@ static void part_backward(float *dqkv, const float *log_sum, const FfpAttentionP
                      plan->weights, plan->dout, plan, part);
     sum_over_queries(plan->dk + part->head * head, plan->pad, head, FFP_ATTENTION_LN_2, plan->dweights,
                      plan->q, plan, part);
-    sum_over_keys(plan, part);
+    ffp_cuda_attention_sum(plan->dq + part->head * head + (size_t)part->query * plan->pad, plan->pad, head,
+                           plan->dweights, plan->k, plan, part);
 }
 
 void ffp_cuda_attention_backward(float *dqkv, float *dq_gain, float *dk_gain, const float *dout,
