@@ -1,6 +1,7 @@
 // The network as a whole: what an untrained one returns, that passes repeat their bits and take no new
 // memory, what it refuses.
 #include "scene.h"
+#include "network/head.h"
 
 static void expect(const FfpError *err, const char *part) {
     if (strstr(err->text, part)) return;
@@ -219,6 +220,51 @@ static void test_reduced(void **state) {
     ffp_model_free(model);
 }
 
+// A side of the contexts of `views` square views.
+static int context_side(int side, int views) {
+    FfpModelConfig config;
+    assert_true(ffp_model_preset(&config, "small"));
+    FfpView view = {.camera = {.width = side, .height = side}};
+    const FfpCapture capture = {.n_views = views, .views = &view};
+    int width, height;
+    ffp_context_size(&width, &height, &config, &capture, views);
+    assert_int_equal(width, height);
+    return width;
+}
+
+static void test_many_views_keep_their_tokens(void **state) {
+    (void)state;
+    assert_int_equal(context_side(128, 8), 128);
+    assert_int_equal(context_side(128, 64), 128);
+    assert_int_equal(context_side(256, 4), 256);
+    assert_int_equal(context_side(256, 8), 176); // of 181
+    assert_int_equal(context_side(256, 32), 128);
+}
+
+// A ratio of footprints is told as far as training shows it.
+static void test_the_ratio_told_is_limited(void **state) {
+    (void)state;
+    FfpModel *model = new_model("tiny");
+    FfpError err;
+    Scene s;
+    FfpContext context;
+    const int64_t pixel = 0;
+    real told[FFP_CONTEXT_CHANNELS];
+    scene_new(&s, 2, 44, 36, 1);
+    const int tokens[] = {40, 1}; // contexts of 32 x 32 and 8 x 8
+    const real expected[] = {0.5F * log2((real)(44 * 36) / (32 * 32)), 0.68F};
+    for (int i = 0; i < 2; i++) {
+        model->config.tokens = tokens[i];
+        assert_true(ffp_context_new(&context, &model->config, &s.capture, &s.start, SCENE_ACTIVE, &err));
+        const FfpGrid grid = ffp_grid(&model->config, &s.capture, &context);
+        ffp_head_tell_apart(told, &pixel, 1, &grid, &s.start, &context.start);
+        assert_float_equal(told[0], expected[i], 1e-5F);
+        ffp_context_free(&context);
+    }
+    scene_free(&s);
+    ffp_model_free(model);
+}
+
 static void test_refusals(void **state) {
     (void)state;
     FfpModel *model = new_model("tiny");
@@ -269,6 +315,8 @@ int main(void) {
         cmocka_unit_test(test_repeats),
         cmocka_unit_test(test_other_sizes),
         cmocka_unit_test(test_reduced),
+        cmocka_unit_test(test_many_views_keep_their_tokens),
+        cmocka_unit_test(test_the_ratio_told_is_limited),
         cmocka_unit_test(test_refusals),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
