@@ -17,7 +17,7 @@ typedef struct Chunk {
 
 struct FfpArena {
     const FfpDevice *device; // NULL: the CPU
-    Chunk *first, *current; // chunks behind `current` are empty
+    Chunk *first, *current;  // chunks behind `current` are empty
     size_t in_use, high_water;
 };
 
@@ -70,8 +70,7 @@ static Chunk *chunk_for(FfpArena *arena, size_t bytes) {
     if (chunk == NULL || chunk->capacity - chunk->used < bytes) {
         Chunk *fresh = ffp_alloc(1, sizeof *fresh);
         fresh->capacity = bytes > CHUNK_BYTES ? bytes : CHUNK_BYTES;
-        fresh->bytes =
-            arena->device ? arena->device->alloc(fresh->capacity) : aligned_bytes(fresh->capacity);
+        fresh->bytes = arena->device ? arena->device->alloc(fresh->capacity) : aligned_bytes(fresh->capacity);
         if (chunk == NULL)
             arena->first = fresh;
         else
