@@ -51,8 +51,8 @@ void ffp_cli_list_free(FfpList *list);
 // Values of --drawing, a form's name, and --samples, a number; false with the usage told.
 bool ffp_cli_drawing(const char *command, const char *text, FfpDrawing *drawing);
 bool ffp_cli_samples(const char *command, const char *text, FfpDrawing *drawing);
-// Value of --device: opens it for all that follows; false with the error told.
-bool ffp_cli_device(const char *name);
+// Value of --device: opens it for all that follows; else the exit code, with usage or error told.
+int ffp_cli_device(const char *command, const char *name);
 // Lines of help on --samples, for all commands that draw.
 #define FFP_CLI_SAMPLES_HELP                                                                                 \
     "      --samples N        draw with N x N samples a pixel, 1 to 4. More are smoother and slower.\n"      \

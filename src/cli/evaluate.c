@@ -159,6 +159,7 @@ static int parse(int argc, char **argv, FfpEvaluation *evaluation, FfpList *targ
                                             {"device", required_argument, NULL, DEVICE},
                                             {"help", no_argument, NULL, 'h'},
                                             {0}};
+    int status;
     for (int option; (option = ffp_cli_next(argc, argv, ":m:g:t:p:h", options)) != -1;) {
         switch (option) {
         case 'm':
@@ -207,8 +208,8 @@ static int parse(int argc, char **argv, FfpEvaluation *evaluation, FfpList *targ
             if (!ffp_cli_samples(argv[0], optarg, &evaluation->drawing)) return FFP_EXIT_USAGE;
             break;
         case DEVICE:
-            if (!ffp_cli_device(optarg)) return FFP_EXIT_USAGE;
-            break;
+            if ((status = ffp_cli_device(argv[0], optarg)) == FFP_EXIT_OK) break;
+            return status;
         case 'h':
             fputs(help, stdout);
             return FFP_EXIT_OK;

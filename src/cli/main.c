@@ -169,11 +169,11 @@ bool ffp_cli_samples(const char *command, const char *text, FfpDrawing *drawing)
     return true;
 }
 
-bool ffp_cli_device(const char *name) {
+int ffp_cli_device(const char *command, const char *name) {
     FfpError err = {0};
-    if (ffp_device_open(name, &err)) return true;
-    ffp_cli_fail(&err);
-    return false;
+    if (strcmp(name, "cpu") != 0 && strcmp(name, "cuda") != 0)
+        return ffp_cli_usage(command, "--device is cpu or cuda, not %s", name);
+    return ffp_device_open(name, &err) ? FFP_EXIT_OK : ffp_cli_fail(&err);
 }
 
 // Output that was lost on the way (a full disk behind a pipe) is an error too.

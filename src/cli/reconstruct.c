@@ -78,6 +78,7 @@ int ffp_cli_reconstruct(int argc, char **argv) {
     const char *output = NULL, *model = NULL;
     FfpReconstruction how = {
         .polish = FFP_POLISH_AUTO, .noise = FFP_NOISE_ESTIMATED, .layers = FFP_LAYERS_AUTO};
+    int status;
     for (int option; (option = ffp_cli_next(argc, argv, ":o:m:p:h", options)) != -1;) {
         switch (option) {
         case 'o':
@@ -102,8 +103,8 @@ int ffp_cli_reconstruct(int argc, char **argv) {
             if (!ffp_cli_samples(argv[0], optarg, &how.drawing)) return FFP_EXIT_USAGE;
             break;
         case DEVICE:
-            if (!ffp_cli_device(optarg)) return FFP_EXIT_USAGE;
-            break;
+            if ((status = ffp_cli_device(argv[0], optarg)) == FFP_EXIT_OK) break;
+            return status;
         case 'h':
             fputs(help, stdout);
             return FFP_EXIT_OK;

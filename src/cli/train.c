@@ -37,6 +37,7 @@ int ffp_cli_train(int argc, char **argv) {
                                             {"help", no_argument, NULL, 'h'},
                                             {0}};
     FfpTraining training = {.steps = -1};
+    int status;
     for (int option; (option = ffp_cli_next(argc, argv, ":o:c:n:rh", options)) != -1;) {
         switch (option) {
         case 'o':
@@ -61,8 +62,8 @@ int ffp_cli_train(int argc, char **argv) {
             training.perceptual = optarg;
             break;
         case DEVICE:
-            if (!ffp_cli_device(optarg)) return FFP_EXIT_USAGE;
-            break;
+            if ((status = ffp_cli_device(argv[0], optarg)) == FFP_EXIT_OK) break;
+            return status;
         case 'h':
             fputs(help, stdout);
             return FFP_EXIT_OK;
