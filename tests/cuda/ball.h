@@ -7,6 +7,7 @@
 #include "base/rng.h"
 #include "base/vec.h"
 #include "render/pass.h"
+#include "../looking.h"
 
 enum { BALL_BLACK, BALL_WHITE, BALL_STRIPES, BALL_PATTERNS };
 static const int ball_patterns[] = {BALL_BLACK, BALL_WHITE, BALL_STRIPES};
@@ -14,19 +15,7 @@ static const int ball_patterns[] = {BALL_BLACK, BALL_WHITE, BALL_STRIPES};
 // At `distance` from the origin, looking there; focal lengths of 1.3 heights.
 static inline FfpCamera ball_device(real azimuth, real z, real distance, int width, int height) {
     const real eye[3] = {distance * (real)cos(azimuth), distance * (real)sin(azimuth), z};
-    const real focal = 1.3F * (real)height, up[3] = {0, 0, 1};
-    FfpCamera c = {width, height, focal, focal, (real)width / 2, (real)height / 2, {0}};
-    real forward[3] = {-eye[0], -eye[1], -eye[2]}, right[3], down[3];
-    ffp_normalise3(forward);
-    ffp_cross3(forward, up, right);
-    ffp_normalise3(right);
-    ffp_cross3(forward, right, down);
-    for (int i = 0; i < 3; i++) {
-        real *row = c.pose + 4 * i;
-        row[0] = right[i], row[1] = down[i], row[2] = forward[i], row[3] = eye[i];
-    }
-    c.pose[15] = 1;
-    return c;
+    return looking_at_origin(eye, width, height, 1.3F * (real)height);
 }
 
 // Splats on a sphere of radius 0.6, flat along it, that just close it.

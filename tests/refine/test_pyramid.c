@@ -8,6 +8,7 @@
 #include "refine/reduce.h"
 #include "render/pass.h"
 #include "support.h"
+#include "looking.h"
 
 #define VIEWS 4
 #define BALL 0.6F
@@ -17,19 +18,8 @@ static const int all_patterns[] = {BLACK, WHITE, STRIPES};
 
 static FfpCamera look_at_origin(real azimuth, real height, real distance, int width, int height_px,
                                 real focal) {
-    const real eye[3] = {distance * cos(azimuth), distance * sin(azimuth), height}, up[3] = {0, 0, 1};
-    FfpCamera c = {width, height_px, focal, focal, (real)width / 2, (real)height_px / 2, {0}};
-    real forward[3] = {-eye[0], -eye[1], -eye[2]}, right[3], down[3];
-    ffp_normalise3(forward);
-    ffp_cross3(forward, up, right);
-    ffp_normalise3(right);
-    ffp_cross3(forward, right, down);
-    for (int i = 0; i < 3; i++) {
-        real *row = c.pose + 4 * i;
-        row[0] = right[i], row[1] = down[i], row[2] = forward[i], row[3] = eye[i];
-    }
-    c.pose[15] = 1;
-    return c;
+    const real eye[3] = {distance * cos(azimuth), distance * sin(azimuth), height};
+    return looking_at_origin(eye, width, height_px, focal);
 }
 
 // Where the ray through a pixel first meets the ball.

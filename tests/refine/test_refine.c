@@ -7,6 +7,7 @@
 #include "refine/neighbours.h"
 #include "refine/refine.h"
 #include "support.h"
+#include "looking.h"
 
 #define SIDE 40
 #define VIEWS 4
@@ -17,19 +18,7 @@ static const int all_patterns[] = {BLACK, WHITE, STRIPES};
 
 static FfpCamera look_at_origin(real azimuth, real height, real distance, int side) {
     const real eye[3] = {distance * (real)cos(azimuth), distance * (real)sin(azimuth), height};
-    FfpCamera c = {side, side, (real)side * 1.3F, (real)side * 1.3F, (real)side / 2, (real)side / 2, {0}};
-    real forward[3] = {-eye[0], -eye[1], -eye[2]}, right[3], down[3];
-    const real up[3] = {0, 0, 1};
-    ffp_normalise3(forward);
-    ffp_cross3(forward, up, right);
-    ffp_normalise3(right);
-    ffp_cross3(forward, right, down);
-    for (int i = 0; i < 3; i++) {
-        real *row = c.pose + 4 * i;
-        row[0] = right[i], row[1] = down[i], row[2] = forward[i], row[3] = eye[i];
-    }
-    c.pose[15] = 1;
-    return c;
+    return looking_at_origin(eye, side, side, (real)side * 1.3F);
 }
 
 // Splats on a ball of radius 0.6, flat along its surface, of changing colours and one roughness.
