@@ -13,9 +13,10 @@
 #include <tgmath.h>
 #include <unistd.h>
 #include "apply/solve.h"
+#include "base/alloc.h"
 #include "base/log.h"
-#include "eval/reconstruct.h"
-#include "eval/relight.h"
+#include "api/reconstruct.h"
+#include "api/relight.h"
 #include "eval/report.h"
 #include "loss/metrics.h"
 #include "match/match.h"
@@ -45,13 +46,13 @@ static FfpImage judge(const Bench *bench, int view, const FfpImage *pattern) {
     FfpCapture seen = bench->normalised;
     FfpPattern ours = {.image = *pattern};
     FfpView *own = &seen.views[view];
-    FfpPattern *patterns = calloc((size_t)seen.n_patterns + 1, sizeof *patterns);
+    FfpPattern *patterns = ffp_alloc((size_t)seen.n_patterns + 1, sizeof *patterns);
     memcpy(patterns, seen.patterns, (size_t)seen.n_patterns * sizeof *patterns);
     patterns[seen.n_patterns] = ours;
     seen.patterns = patterns;
     FfpImage picture = ffp_predict_by_lookup(&seen, view, seen.n_patterns, own->depth.data);
     ffp_quantise(&picture);
-    free(patterns);
+    ffp_free(patterns);
     return picture;
 }
 
@@ -132,7 +133,7 @@ static double judged(const Bench *bench, int view, FfpStage *stage, const FfpIma
                      const char *what) {
     FfpImage picture;
     ffp_stage_quantise(stage);
-    const double psnr = judged_psnr(bench, view, &stage->beams[0].pattern, target, &picture);
+    const double psnr = judged_psnr(bench, view, &stage->projections[0].pattern, target, &picture);
     show(bench, &bench->capture->views[view], what, psnr, &picture);
     ffp_image_free(&picture);
     return psnr;
@@ -157,14 +158,14 @@ static void run_case(const Bench *bench, int v, const FfpImage *image, Figures *
     const FfpGamut gamut = ffp_stage_gamut(&stage);
     ffp_stage_closed_form(&stage);
     const double own_closed = ffp_stage_psnr(&stage);
-    FfpImage closed = ffp_image_copy(&stage.beams[0].pattern);
+    FfpImage closed = ffp_image_copy(&stage.projections[0].pattern);
     const double closed_psnr = judged(bench, v, &stage, &target, "closed form");
-    memcpy(stage.beams[0].pattern.data, closed.data,
+    memcpy(stage.projections[0].pattern.data, closed.data,
            (size_t)closed.width * (size_t)closed.height * 3 * sizeof(real));
     const double started = ffp_seconds();
     ffp_stage_descend(&stage, bench->steps);
     const double ended = ffp_seconds(), descended = judged(bench, v, &stage, &target, "descended");
-    show_pattern(bench, view, &stage.beams[0].pattern);
+    show_pattern(bench, view, &stage.projections[0].pattern);
     printf("%-8s %-18s %6.2f %6.2f %6.2f | predicted %6.2f %6.2f | gain %.3f unlit %.1f dark %.1f bright "
            "%.1f %% | %.1f s\n",
            bench->capture->name, view->id, unwarped, closed_psnr, descended, own_closed,
@@ -202,7 +203,7 @@ static bool run_target(const Bench *bench, const char *path, Figures *sum, FfpEr
 static bool has_depth(const FfpCapture *capture, FfpError *err) {
     for (int v = 0; v < capture->n_views; v++)
         if (!capture->views[v].depth.data)
-            return ffp_fail(err, capture->folder, "view %s has no true depth to judge by",
+            return ffp_fail(err, FFP_ERROR_ARGUMENT, capture->folder, "view %s has no true depth to judge by",
                             capture->views[v].id);
     return true;
 }
@@ -213,9 +214,9 @@ static bool run_capture(Bench *bench, const char *path, Figures *sum, FfpError *
                                    .noise = FFP_NOISE_ESTIMATED,
                                    .layers = FFP_LAYERS_AUTO};
     Figures own = {0};
-    bench->capture = ffp_capture_open(path, err);
+    bench->capture = ffp_capture_open(NULL, path, err);
     bool ok = bench->capture && has_depth(bench->capture, err);
-    bench->gaussians = ok ? ffp_reconstruct(bench->capture, &how, NULL, err) : NULL;
+    bench->gaussians = ok ? ffp_reconstruct(NULL, bench->capture, &how, NULL, err) : NULL;
     if (bench->gaussians) {
         bench->normalised = ffp_normalised_alias(bench->capture);
         for (int t = 0; ok && t < bench->n_targets; t++) ok = run_target(bench, bench->targets[t], &own, err);
@@ -255,7 +256,7 @@ int main(int argc, char **argv) {
                         "[-o REPORT.html] CAPTURE..\n");
         return 2;
     }
-    if (weights && !(bench.model = ffp_model_open(weights, &err))) return fail(&err);
+    if (weights && !(bench.model = ffp_model_open(NULL, weights, &err))) return fail(&err);
     if (page) bench.report = ffp_report_new("compensated projections");
     bool ok = true;
     printf("%-27s %6s %6s %6s\n", "PSNR, dB, judged", "unwarp", "closed", "desc.");

@@ -8,6 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include "bench/diversity.h"
+#include "base/alloc.h"
 #include "synth/material.h"
 #include "synth/mesh.h"
 #include "synth/natural.h"
@@ -95,7 +96,7 @@ static void free_view(FfpView *view) {
     FfpImage *const images[] = {&view->images[0], &view->coverage,  &view->depth,       &view->normal,
                                 &view->albedo,    &view->roughness, &view->direct_white};
     for (size_t i = 0; i < sizeof images / sizeof images[0]; i++) ffp_image_free(images[i]);
-    free(view->images);
+    ffp_free(view->images);
 }
 
 static bool mesh_sheet(const char *path, FfpError *err) {
@@ -118,12 +119,12 @@ static bool mesh_sheet(const char *path, FfpError *err) {
 }
 
 static FfpMesh ball(void) {
-    FfpShape *shape = malloc(sizeof *shape);
+    FfpShape *shape = ffp_alloc(sizeof *shape, 1);
     if (!shape) abort();
     ffp_shape_init(shape, 1);
     ffp_add_ellipsoid(shape, ffp_v3(0, 0, 0), ffp_v3(1, 1, 1), 0);
     FfpMesh mesh = ffp_mesh_from_shape(shape);
-    free(shape);
+    ffp_free(shape);
     const float upright[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
     ffp_mesh_place(&mesh, upright);
     return mesh;

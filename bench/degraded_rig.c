@@ -8,7 +8,7 @@
 #include <string.h>
 #include "base/arena.h"
 #include "base/file.h"
-#include "eval/relight.h"
+#include "api/relight.h"
 #include "loss/metrics.h"
 #include "rig/matrix.h"
 #include "synth/synth.h"
@@ -175,60 +175,60 @@ static bool save_calibration(const FfpView *view, unsigned faults, const char *p
 
 // The object turns by -45 degrees a stop about the world's z axis, as the first camera sees it; a calibration
 // that errs has the axis off by half a pixel, too.
-static void describe_turntable(const FfpView *view, unsigned faults, char *text, size_t size) {
+static FfpImportTurntable turntable_of(const FfpView *view, unsigned faults) {
+    static const double angles[8] = {0, -45, -90, -135, -180, -225, -270, -315};
     double c2w[16], p2w[16], w[16];
     poses_of(view, c2w, p2w);
     ffp_pose_inverse(c2w, w);
     const double off = faults & CALIBRATION ? 0.5 * w[11] / (double)view->camera.fx : 0;
-    if (faults & FIT_AXIS)
-        snprintf(text, size, "8x-45");
-    else
-        snprintf(text, size, "%.9f,%.9f,%.9f,%.9f,%.9f,%.9f,8x-45", w[2], w[6], w[10], w[3] + off, w[7],
-                 w[11]);
+    return (FfpImportTurntable){.axis = {w[2], w[6], w[10]},
+                                .point = {w[3] + off, w[7], w[11]},
+                                .angles = angles,
+                                .n_angles = 8,
+                                .find_axis = (faults & FIT_AXIS) != 0};
 }
 
 // --- Import, reconstruction, scores. ---
 
 static bool import(FfpCapture *capture, const FfpCapture *seen, unsigned faults, const char *folder,
                    FfpError *err) {
-    char calibration[FFP_PATH_MAX], table[256], images[2 * FFP_PATH_MAX], mask[FFP_PATH_MAX + 32],
-        into[FFP_PATH_MAX], pattern[8][FFP_PATH_MAX + 128];
-    const char *patterns[8], *calibrations[1] = {calibration}, *lists[1] = {images};
-    int n = 0, length = 0;
+    char calibration[FFP_PATH_MAX], images[FFP_PATH_MAX + 32], mask[FFP_PATH_MAX + 32], into[FFP_PATH_MAX],
+        files[8][FFP_PATH_MAX + 128];
+    const char *calibrations[1] = {calibration}, *names[FFP_PATTERNS_MAX];
+    FfpImportPattern patterns[8];
+    FfpImportImages shots = {names, 0, images};
+    int n = 0;
     if (!ffp_join_path(calibration, folder, "calibration.yml") || !ffp_join_path(into, folder, "capture") ||
         !save_pictures(seen, faults, folder, err) ||
         !save_calibration(&seen->views[0], faults, calibration, err))
         return false;
     for (int p = 0; p < seen->n_patterns; p++) {
         if (seen->patterns[p].novel) continue;
-        length += snprintf(images + length, sizeof images - (size_t)length, "%s%s", length > 0 ? "," : "",
-                           seen->patterns[p].name);
+        names[shots.n_patterns++] = seen->patterns[p].name;
         if (p == seen->black || p == seen->white || n == 8) continue;
-        const int needed = snprintf(pattern[n], sizeof pattern[n], "%s=%s/%s.png", seen->patterns[p].name,
-                                    folder, seen->patterns[p].name);
-        if (needed < 0 || (size_t)needed >= sizeof pattern[n])
-            return ffp_fail(err, folder, "the path is too long");
-        patterns[n] = pattern[n], n++;
+        const int needed = snprintf(files[n], sizeof files[n], "%s/%s.png", folder, seen->patterns[p].name);
+        if (needed < 0 || (size_t)needed >= sizeof files[n])
+            return ffp_fail(err, FFP_ERROR_ARGUMENT, folder, "the path is too long");
+        patterns[n] = (FfpImportPattern){seen->patterns[p].name, files[n]}, n++;
     }
-    snprintf(images + length, sizeof images - (size_t)length, "=%s/{index}_{pattern}.png", folder);
+    snprintf(images, sizeof images, "%s/{index}_{pattern}.png", folder);
     snprintf(mask, sizeof mask, "%s/{index}_mask.png", folder);
-    describe_turntable(&seen->views[0], faults, table, sizeof table);
     const FfpImport options = {
         .calibrations = calibrations,
         .n_calibrations = 1,
-        .turntable = table,
-        .images = lists,
+        .turntable = turntable_of(&seen->views[0], faults),
+        .images = &shots,
         .n_images = 1,
         .patterns = patterns,
         .n_patterns = n,
-        .mask = mask,
+        .masks = FFP_MASKS_FROM_FILES,
+        .mask_files = mask,
         .folder = into,
-        .fit_axis = faults & FIT_AXIS ? "" : NULL,
         .fit_response = (faults & FIT_RESPONSE) != 0,
         .camera = {.width = seen->views[0].camera.width, .height = seen->views[0].camera.height},
         .projector = {.width = seen->views[0].projector.width + (faults & PANEL ? OFF_CENTRE : 0),
                       .height = seen->views[0].projector.height}};
-    return ffp_import_capture(&options, err) && ffp_capture_read(capture, into, err);
+    return ffp_import_capture(NULL, &options, err) && ffp_capture_read(capture, into, err);
 }
 
 // A view of the true world in the world of the import. That is made by the table's axis: its z axis, with the
@@ -274,7 +274,7 @@ static void score(Bench *bench, const FfpGaussians *gaussians, const FfpCapture 
         }
     }
     for (int p = 0; p < truth->n_patterns; p++) ffp_summed_free(&sums[p]);
-    free(sums);
+    ffp_free(sums);
     ffp_view_pass_free(pass);
 }
 
@@ -282,19 +282,19 @@ static void score(Bench *bench, const FfpGaussians *gaussians, const FfpCapture 
 static void run_row(Bench *bench, int object, int row) {
     const FfpSceneSpec spec = spec_of(object, rows[row].faults);
     char folder[FFP_PATH_MAX], name[32];
-    FfpError err = {""};
+    FfpError err = {0};
     FfpCapture seen = {0}, imported;
     snprintf(name, sizeof name, "object_%d_row_%d", object, row);
     bool ok = ffp_join_path(folder, bench->folder, name) && ffp_scene_make(&seen, &spec, &err) &&
               import(&imported, &seen, rows[row].faults, folder, &err);
-    if (ok && rows[row].faults & ALIGN) ok = ffp_align_poses(&imported, NULL, NULL, &err);
+    if (ok && rows[row].faults & ALIGN) ok = ffp_align_poses(NULL, &imported, NULL, NULL, &err);
     ffp_capture_free(&seen);
     for (int form = 0; form < FORMS && ok; form++) {
         const FfpReconstruction options = {.model = bench->model,
                                            .polish = form * FFP_POLISH_STEPS,
                                            .noise = FFP_NOISE_ESTIMATED,
                                            .layers = FFP_LAYERS_AUTO};
-        FfpGaussians *gaussians = ffp_reconstruct(&imported, &options, NULL, &err);
+        FfpGaussians *gaussians = ffp_reconstruct(NULL, &imported, &options, NULL, &err);
         if (gaussians) score(bench, gaussians, &imported, rows[row].faults, form, &bench->scores[row]);
         ok = gaussians != NULL;
         ffp_gaussians_close(gaussians);
@@ -328,10 +328,10 @@ int main(int argc, char **argv) {
         return 2;
     }
     const int objects = argc > 3 ? atoi(argv[3]) : 2, first = argc > 4 ? atoi(argv[4]) : 0;
-    FfpError err = {""};
+    FfpError err = {0};
     Bench *bench = ffp_alloc(1, sizeof *bench);
     bench->folder = argv[1];
-    bench->model = ffp_model_open(argc > 2 ? argv[2] : NULL, &err);
+    bench->model = ffp_model_open(NULL, argc > 2 ? argv[2] : NULL, &err);
     bool ok = bench->model != NULL && ffp_make_folders(bench->folder, &err);
     for (int object = first; object < first + objects && ok; object++) {
         const FfpSceneSpec spec = spec_of(object, 0);
@@ -344,6 +344,6 @@ int main(int argc, char **argv) {
     else
         fprintf(stderr, "degraded_rig: error: %s\n", err.text);
     ffp_model_close(bench->model);
-    free(bench);
+    ffp_free(bench);
     return !ok;
 }

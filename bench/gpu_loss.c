@@ -76,7 +76,7 @@ static real *random_there(size_t count, uint64_t seed, float low, float high) {
     real *values = ffp_alloc(count, sizeof *values);
     for (size_t i = 0; i < count; i++) values[i] = ffp_rng_range(&rng, low, high);
     real *there = ffp_memory_uploaded(values, count, sizeof *values);
-    free(values);
+    ffp_free(values);
     return there;
 }
 

@@ -53,7 +53,7 @@ static void summed(Bench *b) {
 
 static void fit(Bench *b) {
     FfpRefineResult result;
-    FfpError err = {""};
+    FfpError err = {0};
     FfpGaussians g = ffp_gaussians_copy(&b->start);
     if (!ffp_refine(&g, &b->capture, ball_patterns, BALL_PATTERNS, &b->settings, &result, &err)) {
         fprintf(stderr, "%s\n", err.text);

@@ -1,5 +1,6 @@
 // What the GPU's users wait for: a forward pass with one relit view, and a training step, for any preset.
 // usage: gpu_steps PRESET [VIEWS RESOLUTION [PERCEPTUAL]]
+#include "base/call.h"
 #include "bench/gpu_timing.h"
 #include "render/pass.h"
 #include "train/mirror.h"
@@ -73,6 +74,16 @@ static void tell_parts(const FfpLosses *l) {
            1e3 * l->shade_backward_s, 1e3 * l->rasterise_backward_s, 1e3 * l->backward_s);
 }
 
+typedef struct Opening {
+    FfpScene *scene;
+    const FfpTrainConfig *config;
+} Opening;
+
+static bool open_scene(void *argument, FfpError *err) {
+    const Opening *o = argument;
+    return ffp_scene_open(o->scene, o->config, "train", 0, o->config->resolution, err);
+}
+
 static bool open_bench(Bench *b, int argc, char **argv) {
     char text[512];
     snprintf(text, sizeof text,
@@ -85,9 +96,9 @@ static bool open_bench(Bench *b, int argc, char **argv) {
     static FfpScene scene;
     const FfpDevice *device = ffp_cuda_device(err);
     if (!device) return false;
-    ffp_device_offer(device); // the scene is made ready for it
+    FfpContext context = {.device = device}; // the scene is made ready for it
     double begin = ffp_seconds();
-    if (!ffp_scene_open(&scene, &b->config, "train", 0, b->config.resolution, err)) return false;
+    if (!ffp_call_run(&context, open_scene, &(Opening){&scene, &b->config}, err)) return false;
     printf("scene made by the CPU in %.2f s\n", ffp_seconds() - begin);
     FfpModel *model = ffp_model_new(&b->config.model, 1, err);
     if (!model) return false;
@@ -106,7 +117,8 @@ static bool open_bench(Bench *b, int argc, char **argv) {
            ffp_seconds() - begin);
     b->stepper = ffp_stepper_new(&b->config, perceptual);
     b->run = ffp_run_new();
-    const FfpRenderSettings settings = ffp_render_settings(ffp_model_drawing(&model->config));
+    const FfpRenderSettings settings =
+        ffp_render_settings(ffp_model_is_paper_form(&model->config), model->config.samples);
     b->pass = ffp_view_pass_new(&settings);
     b->grad = ffp_memory_new((size_t)model->count, sizeof(real));
     return true;

@@ -146,7 +146,7 @@ static void *numbers(FfpRng *rng, size_t count, float spread, float centre) {
     float *x = ffp_alloc(count, sizeof *x);
     for (size_t i = 0; i < count; i++) x[i] = centre + spread * ffp_rng_range(rng, -1, 1);
     float *there = ffp_memory_uploaded(x, count, sizeof *x);
-    free(x);
+    ffp_free(x);
     return there;
 }
 
@@ -242,7 +242,7 @@ static float *halves(FfpRng *rng, size_t side) {
         x[i] = (uint16_t)(0x3f00U | (bits & 0x807fU));
     }
     float *there = ffp_memory_uploaded(x, side * side, sizeof *x);
-    free(x);
+    ffp_free(x);
     return there;
 }
 

@@ -51,7 +51,7 @@ static inline void gpu_report(const char *name, double seconds, double bytes, do
 
 // The device, in use from now on; NULL with a line on stderr.
 static inline const FfpDevice *gpu_open(void) {
-    FfpError err = {""};
+    FfpError err = {0};
     const FfpDevice *device = ffp_cuda_device(&err);
     if (!device)
         fprintf(stderr, "%s\n", err.text);

@@ -183,7 +183,7 @@ static FfpModel *open_model(const char *path, FfpError *err) {
 int main(int argc, char **argv) {
     const int count = argc > 2 ? atoi(argv[2]) : 4, first = argc > 3 ? atoi(argv[3]) : 0;
     Score scores[ROWS][STAGES] = {0};
-    FfpError err = {""};
+    FfpError err = {0};
     FfpModel *model = open_model(argc > 1 ? argv[1] : "none", &err);
     const bool ok = model && run_scenes(model, count, first, scores, &err);
     ffp_model_free(model);

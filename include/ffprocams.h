@@ -2,45 +2,113 @@
 // them under any pattern, camera pose and projector pose. This is the one public header.
 //
 // Every function that can fail returns false or NULL and leaves "WHAT (WHERE)" in the FfpError it was given
-// (NULL is allowed). Handles are freed with their *_close; NULL is allowed there. Nothing is shared between
-// handles: one handle, one thread at a time. Files are written to a temporary name and renamed, so an old
-// file stays whole until the new one is.
+// (NULL is allowed). What works long, says something or needs memory takes an FfpContext first (NULL: silent,
+// all processors, no GPU). Handles are freed with their *_close; NULL is allowed there. Nothing is shared
+// between handles: one handle, one thread at a time. Files are written to a temporary name and renamed, so an
+// old file stays whole until the new one is.
 #ifndef FFPROCAMS_H
 #define FFPROCAMS_H
 
 #include <stdbool.h>
+#include <stddef.h>
 #include <stdint.h>
+#include "ffprocams/api.h"
+#include "ffprocams/context.h"
+#include "ffprocams/error.h"
 
 #ifdef __cplusplus
 extern "C" {
 #endif
 
-typedef struct FfpError {
-    char text[768]; // "WHAT (WHERE)", WHERE being a file, "FILE: FIELD", or empty; "" when nothing failed
-} FfpError;
-
-const char *ffp_version(void); // "0.1.0"
+FFP_API const char *ffp_version(void); // "0.2.0"
 
 // Whether the environment variable FFPROCAMS_CPU (portable, avx2, avx512, avx512bf16 or amx; unset: the best
 // that runs here) names kernels that this processor can run. Without the check the best are used.
-bool ffp_cpu_check(FfpError *err);
+FFP_API bool ffp_cpu_check(FfpError *err);
 
 // --- What a rig saw: views of one object, each under a black, a white and further patterns. ---
 
 typedef struct FfpCapture FfpCapture;
 
 // `path` is a folder with scene.json or render_poses.json, or such a file. Everything in it is checked.
-FfpCapture *ffp_capture_open(const char *path, FfpError *err);
-void ffp_capture_close(FfpCapture *capture);
+FFP_API FfpCapture *ffp_capture_open(FfpContext *context, const char *path, FfpError *err);
+FFP_API void ffp_capture_close(FfpCapture *capture);
+
+// A picture in the caller's memory, only ever read. The library keeps no pointer to it after the call.
+typedef enum FfpPixelType {
+    FFP_PIXELS_U8,  // sRGB-encoded, 0 to 255, straight alpha: as in PNG files
+    FFP_PIXELS_U16, // the same, 0 to 65535
+    FFP_PIXELS_F32, // linear light, colours multiplied by alpha already: as in EXR files
+} FfpPixelType;
+typedef struct FfpPicture {
+    const void *data;            // rows from the top; NULL: no picture
+    int width, height, channels; // 1 grey, 3 RGB, 4 RGB and alpha
+    FfpPixelType type;
+    size_t row_bytes; // from one row to the next; 0: rows follow each other
+} FfpPicture;
+
+// A camera without lens distortion; a projector is one whose light runs backwards. Axes: x right, y down, z
+// forward; pixel centres at integer + 0.5.
+typedef struct FfpPinhole {
+    int width, height;     // pixels
+    double fx, fy, cx, cy; // pixels; the principal point may lie outside the image
+    double pose[16];       // row-major 4x4, device to world, rigid
+} FfpPinhole;
+
+// A capture from memory: what the files of a capture folder say (docs/formats.md).
+typedef struct FfpPatternData {
+    const char *name;
+    FfpPicture picture; // of the projector's size; none: black or white without a picture
+    bool held_out;      // only ever to be predicted: never chosen for a reconstruction unless it is named
+} FfpPatternData;
+typedef struct FfpViewData {
+    const char *id;
+    FfpPinhole camera, projector;
+    const FfpPicture *photographs; // [n_patterns], of the camera's size; no data where there is none
+    FfpPicture mask;  // one channel: the object's share of each pixel; none: alpha of the photographs, else
+                      // what white brightens
+    bool masked;      // the photographs are over black already: the mask only says how much is the object's
+    FfpPicture depth; // truth for evaluation, F32, one channel: camera z in world units, 0 where there is no
+                      // surface; none
+} FfpViewData;
+typedef struct FfpCaptureData {
+    const char *name;
+    int n_patterns, n_views;
+    const FfpPatternData *patterns;
+    const FfpViewData *views;
+    int black, white;         // which patterns
+    double intensity[3];      // the projector's radiant intensity at pattern value 1; all 0: estimated
+    double centre[3], radius; // sphere around the object, world units; radius 0: estimated
+} FfpCaptureData;
+
+// Copies and checks everything. Errors name the view, pattern or number.
+FFP_API FfpCapture *ffp_capture_from_memory(FfpContext *context, const FfpCaptureData *data, FfpError *err);
+
+// What a capture holds. Indices out of range: NULL, false.
+FFP_API int ffp_capture_views(const FfpCapture *capture);
+FFP_API int ffp_capture_patterns(const FfpCapture *capture);
+FFP_API const char *ffp_capture_view_id(const FfpCapture *capture, int view);
+FFP_API const char *ffp_capture_pattern_name(const FfpCapture *capture, int pattern);
+FFP_API bool ffp_capture_view_devices(const FfpCapture *capture, int view, FfpPinhole *camera,
+                                      FfpPinhole *projector);
+// Linear RGB of the library's own, valid until the capture is closed; a picture without data where the view
+// has none. View -1: the pattern itself.
+FFP_API FfpPicture ffp_capture_picture(const FfpCapture *capture, int view, int pattern);
+FFP_API FfpPicture ffp_capture_coverage(const FfpCapture *capture,
+                                        int view); // the object's share of each pixel
+FFP_API void ffp_capture_intensity(const FfpCapture *capture, double intensity[3]);
+FFP_API void ffp_capture_bounds(const FfpCapture *capture, double centre[3], double *radius);
 
 // --- Weights. ---
 
 typedef struct FfpModel FfpModel;
 
-// `path` NULL: the shipped weights, models/small.safetensors, looked up beside the program's folder, then in
+// `path` NULL: the shipped weights, small.safetensors. They are looked for in the folder that the environment
+// variable FFPROCAMS_MODELS names, and if it names none in share/ffprocams/models of the prefix where the
+// library is installed (the program, where it is linked into one), in models/ beside it, and in models/ of
 // the current folder. An error says where it was looked for.
-FfpModel *ffp_model_open(const char *path, FfpError *err);
-void ffp_model_close(FfpModel *model);
+FFP_API FfpModel *ffp_model_open(FfpContext *context, const char *path, FfpError *err);
+FFP_API void ffp_model_close(FfpModel *model);
 
 // How Gaussians are drawn. The form: as the shipped model means them (firm splats, footprint lookup,
 // shadows), or in the paper's plain form (blur 0.3 px, bilinear lookup, no shadows); a model knows its own.
@@ -71,28 +139,80 @@ typedef struct FfpReconstruction {
 #define FFP_NOISE_ESTIMATED (-1.0)
 #define FFP_LAYERS_AUTO (-1.0) // all of up to 200,000 splats, else two layers
 
-typedef struct FfpReconstructionStory { // how it went; seconds of wall clock
+// The shipped model's drawing, automatic polish, noise and layers; `model` is to be set.
+FFP_API FfpReconstruction ffp_reconstruction_defaults(void);
+
+typedef struct FfpReconstructionStats { // how it went; seconds of wall clock
     char pattern[96];                   // the pattern that was used
     int64_t gaussians;
     double start_s, network_s;            // projector matching and the classical estimates; the network
     double polish_s;                      // with the choice of the splats that are polished
     double noise, denoise_s;              // deviation of what was taken away
     bool network_dropped, polish_dropped; // what made the photographs worse was left out
-} FfpReconstructionStory;
+} FfpReconstructionStats;
 
 // One forward pass and a short fit. Each is scored on the photographs: a prediction that shows them clearly
 // worse than the classical start is dropped for it, and a fit that shows them worse than what it began with
-// is left out; a line on stderr says so. The Gaussians are in the capture's world units. `story` may be NULL.
-FfpGaussians *ffp_reconstruct(const FfpCapture *capture, const FfpReconstruction *options,
-                              FfpReconstructionStory *story, FfpError *err);
+// is left out; a note says so. The Gaussians are in the capture's world units. `stats` may be NULL.
+FFP_API FfpGaussians *ffp_reconstruct(FfpContext *context, const FfpCapture *capture,
+                                      const FfpReconstruction *options, FfpReconstructionStats *stats,
+                                      FfpError *err);
 
 // Binary PLY with the 3DGS property names, plus base_color_0..2 and roughness (docs/formats.md).
-FfpGaussians *ffp_gaussians_open(const char *path, FfpError *err);
-bool ffp_gaussians_save(const FfpGaussians *gaussians, const char *path, FfpError *err);
+FFP_API FfpGaussians *ffp_gaussians_open(FfpContext *context, const char *path, FfpError *err);
+FFP_API bool ffp_gaussians_save(FfpContext *context, const FfpGaussians *gaussians, const char *path,
+                                FfpError *err);
 // Whether a file could be written there, told before the work rather than after it.
-bool ffp_can_write(const char *path, FfpError *err);
-int64_t ffp_gaussians_count(const FfpGaussians *gaussians);
-void ffp_gaussians_close(FfpGaussians *gaussians);
+FFP_API bool ffp_can_write(const char *path, FfpError *err);
+FFP_API int64_t ffp_gaussians_count(const FfpGaussians *gaussians);
+FFP_API void ffp_gaussians_close(FfpGaussians *gaussians);
+
+// The numbers themselves, one row a Gaussian. Pointers are the library's, valid until the Gaussians are
+// closed, refined or given other numbers; they may be written to.
+typedef struct FfpGaussianArrays {
+    int64_t count;
+    float *centre;    // [count,3] world
+    float *scale;     // [count,3] standard deviations along the rotated axes, world units, above 0
+    float *rotation;  // [count,4] unit quaternion w x y z: the splat's axes to the world
+    float *opacity;   // [count] in [0,1]
+    float *albedo;    // [count,3] linear diffuse albedo
+    float *roughness; // [count] in [0,1]
+    float *ambient;   // [count,3] linear radiance shown when the projector is black
+} FfpGaussianArrays;
+FFP_API FfpGaussianArrays ffp_gaussians_arrays(FfpGaussians *gaussians);
+// A copy of the caller's numbers, checked: finite, in range, rotations normalised. Errors name array and row.
+FFP_API FfpGaussians *ffp_gaussians_from_arrays(FfpContext *context, const FfpGaussianArrays *arrays,
+                                                FfpError *err);
+
+// --- Drawing into memory. ---
+
+// One view of Gaussians, rasterised once and shown under any number of patterns.
+typedef struct FfpRenderer FfpRenderer;
+FFP_API FfpRenderer *ffp_renderer_new(FfpContext *context, FfpDrawing drawing, FfpError *err);
+FFP_API void ffp_renderer_close(FfpRenderer *renderer);
+// Rasterises for a camera and maps what it sees to a projector. The Gaussians are not looked at again. Any
+// sizes from 1 to 16384 a side.
+FFP_API bool ffp_renderer_aim(FfpContext *context, FfpRenderer *renderer, const FfpGaussians *gaussians,
+                              const FfpPinhole *camera, const FfpPinhole *projector, FfpError *err);
+// The camera's picture of the object over black under `pattern` (of the projector's size; no data: a dark
+// projector), for a projector of the given radiant intensity. out [height,width,3], sRGB-encoded: U8 rounded
+// as files are, F32 in [0,1]; `row_bytes` 0: rows follow each other.
+FFP_API bool ffp_renderer_shade(FfpContext *context, FfpRenderer *renderer, const FfpPicture *pattern,
+                                const double intensity[3], void *out, FfpPixelType type, size_t row_bytes,
+                                FfpError *err);
+// Means over each pixel, F32 [height,width,channels].
+typedef enum FfpMap {
+    FFP_MAP_OPACITY,   // 1 channel, in [0,1]
+    FFP_MAP_DEPTH,     // 1: camera z in world units, 0 where the opacity is below one half
+    FFP_MAP_NORMAL,    // 3: world, unit length, facing the camera; 0 where there is none
+    FFP_MAP_ALBEDO,    // 3: linear
+    FFP_MAP_ROUGHNESS, // 1
+    FFP_MAP_AMBIENT,   // 3: linear radiance, premultiplied by opacity
+    FFP_MAP_COUNT
+} FfpMap;
+FFP_API int ffp_map_channels(FfpMap map);
+FFP_API bool ffp_renderer_map(FfpContext *context, FfpRenderer *renderer, FfpMap map, float *out,
+                              FfpError *err);
 
 // --- Pictures. ---
 
@@ -106,21 +226,44 @@ typedef struct FfpPictures {
     int n_views;
     const char *const *patterns; // names of the capture's patterns, image files, or folders of these; none:
     int n_patterns;              // the white pattern
-    FfpOrbit orbit;              // from the view given (at most one), else from the first
-    int frames;                  // of the orbit; patterns follow each other evenly through it
-    const char *video;           // animated PNG of all pictures in order, or NULL
-    int rate;                    // its frames a second, 1 to 1000
-    const char *folder; // where <view>_<pattern>.png goes, or with an orbit or a video frame_<number>.png;
-                        // made when it is not there
+    int width, height; // of the pictures; 0: as the camera's. The width is a scale; another shape shows more
+                       // or less above and below, the principal point keeping its share of the height.
+                       // height 0: of the camera's shape
+    double intensity[3]; // of the projector, radiant, at pattern value 1; all 0: as the capture says, or
+                         // without one the file of poses
+    FfpOrbit orbit;      // from the view given (at most one), else from the first
+    int frames;          // of the orbit; patterns follow each other evenly through it
+    const char *video;   // film of all pictures in order, or NULL: an animated PNG (.png, .apng), or by
+                         // the program ffmpeg .gif, .mp4, .webm, .mkv
+    int rate;            // its frames a second, 1 to 1000
+    const char *folder;  // where <view>_<pattern>.png goes, or with an orbit or a video frame_<number>.png;
+                         // made when it is not there
     bool maps; // also the G-buffers: <view>_depth.exr and .png, _opacity, _normal, _albedo, _roughness,
                // _ambient
     FfpDrawing drawing;
 } FfpPictures;
 
+FFP_API FfpPictures ffp_pictures_defaults(void); // all views under white, 15 frames a second
+
 // Renders views under patterns into 8-bit sRGB files over black. One rasterisation a view serves all its
-// patterns. Returns the number of pictures written, or -1. When it fails there is no video.
-int ffp_render_pictures(const FfpGaussians *gaussians, const FfpCapture *capture, const FfpPictures *options,
-                        FfpError *err);
+// patterns. `capture` may be NULL where `poses` names a file: then the views, the projector's size and
+// intensity and the patterns are that file's, whose photographs need not be there. What it does not say comes
+// from here: the intensity, and the size of the first pattern that is an image file. Returns the number of
+// pictures written, or -1. When it fails there is no video.
+FFP_API int ffp_render_pictures(FfpContext *context, const FfpGaussians *gaussians, const FfpCapture *capture,
+                                const FfpPictures *options, FfpError *err);
+
+// Named float images that a call has made.
+typedef struct FfpImages FfpImages;
+typedef struct FfpNamedImage {
+    const char *name; // NULL: no such image
+    int width, height, channels;
+    const float *data; // [height,width,channels], the library's, valid until the images are closed
+} FfpNamedImage;
+FFP_API int ffp_images_count(const FfpImages *images);
+FFP_API FfpNamedImage ffp_images_at(const FfpImages *images, int index);
+FFP_API FfpNamedImage ffp_images_find(const FfpImages *images, const char *name);
+FFP_API void ffp_images_close(FfpImages *images);
 
 // --- Fitting to one object's photographs. ---
 
@@ -135,22 +278,26 @@ typedef struct FfpRefinement {
     FfpDrawing drawing;
 } FfpRefinement;
 
-typedef struct FfpRefinementStory {
+FFP_API FfpRefinement ffp_refinement_defaults(void); // 30 seconds, noise estimated
+
+typedef struct FfpRefinementStats {
     double psnr_before, psnr_after; // dB over the pictures fitted
     int64_t steps, gaussians;
     double seconds;
-    bool stopped; // by SIGINT or SIGTERM: the best state so far is kept
+    bool stopped; // by the progress callback: the best state so far is kept
     bool dropped; // the fit made the pictures worse: the Gaussians are what they were
-} FfpRefinementStory;
+} FfpRefinementStats;
 
-// Fits the Gaussians, which stay near to what they were, to the capture's pictures. `story` may be NULL.
-// With a limit in steps alone the same seed and number of threads give the same bits.
-bool ffp_refine_gaussians(FfpGaussians *gaussians, const FfpCapture *capture, const FfpRefinement *options,
-                          FfpRefinementStory *story, FfpError *err);
+// Fits the Gaussians, which stay near to what they were, to the capture's pictures; when it fails they are
+// what they were. `stats` may be NULL. A fit that is cancelled has succeeded (`stopped`). With a limit in
+// steps alone the same seed and number of threads give the same bits.
+FFP_API bool ffp_refine_gaussians(FfpContext *context, FfpGaussians *gaussians, const FfpCapture *capture,
+                                  const FfpRefinement *options, FfpRefinementStats *stats, FfpError *err);
 // The same without a prediction, the way GS-ProCams does it: points in the visual hull that grow, divide and
 // vanish. For comparison: it takes far longer.
-FfpGaussians *ffp_fit_from_scratch(const FfpCapture *capture, const FfpRefinement *options,
-                                   FfpRefinementStory *story, FfpError *err);
+FFP_API FfpGaussians *ffp_fit_from_scratch(FfpContext *context, const FfpCapture *capture,
+                                           const FfpRefinement *options, FfpRefinementStats *stats,
+                                           FfpError *err);
 
 // --- What to do with it: compensated projections and correspondence maps. ---
 
@@ -160,6 +307,7 @@ typedef struct FfpCompensation {
         *views;  // ids of the views whose cameras are to see a target, all projectors shining at once;
     int n_views; // none: all
     const char *const *targets; // image files in the cameras' frames: one for all views, or one for each
+    const FfpPicture *pictures; // targets from memory instead of files, as many
     int n_targets;              // in their order; where a target is transparent it asks for nothing
     const char
         *pattern; // file for the pattern (PNG). Of several projectors, <pattern>_<view>.png each. Beside it
@@ -172,19 +320,26 @@ typedef struct FfpCompensation {
     FfpDrawing drawing;
 } FfpCompensation;
 
-typedef struct FfpCompensationStory {
+FFP_API FfpCompensation ffp_compensation_defaults(void); // all views, gain 1, 30 steps
+
+typedef struct FfpCompensationStats {
     double gain;                        // that was used
     double unlit, too_dark, too_bright; // shares of the object's pixels that the targets ask about
     double psnr_dark, psnr_closed,
         psnr; // dB over the lit ones: with dark projectors, in closed form, at the end
     int patterns;
     double seconds;
-} FfpCompensationStory;
+} FfpCompensationStats;
 
-// Finds the patterns under which the cameras see their targets as nearly as light allows. `story` may be
-// NULL.
-bool ffp_compensate(const FfpGaussians *gaussians, const FfpCapture *capture, const FfpCompensation *options,
-                    FfpCompensationStory *story, FfpError *err);
+// Finds the patterns under which the cameras see their targets as nearly as light allows: linear images
+// called pattern_<view> (of the projector's size, one for each projector), seen_<view> and target_<view> (of
+// the camera's). `pattern` of the options is not looked at. `stats` may be NULL.
+FFP_API FfpImages *ffp_compensate_images(FfpContext *context, const FfpGaussians *gaussians,
+                                         const FfpCapture *capture, const FfpCompensation *options,
+                                         FfpCompensationStats *stats, FfpError *err);
+// The same into files. `stats` may be NULL.
+FFP_API bool ffp_compensate(FfpContext *context, const FfpGaussians *gaussians, const FfpCapture *capture,
+                            const FfpCompensation *options, FfpCompensationStats *stats, FfpError *err);
 
 typedef struct FfpMaps {
     const char *poses;        // as FfpPictures.poses
@@ -194,19 +349,28 @@ typedef struct FfpMaps {
     FfpDrawing drawing;
 } FfpMaps;
 
-typedef struct FfpMapStory { // of one view
+FFP_API FfpMaps ffp_maps_defaults(void); // all views
+
+typedef struct FfpMapStats { // of one view
     char view[96];
     int lit_pixels,
         lost_pixels; // camera pixels that found the way to the projector and back; lit ones that did not
     double within_half, median, most; // of the former: share that came back within half a pixel; pixels
     double lit_share;                 // of the projector's pixels that fall on the object
-} FfpMapStory;
-enum { FFP_MAP_STORIES = 512 }; // as many views as there can be
+} FfpMapStats;
+enum { FFP_MAP_STATS = 512 }; // as many views as there can be
 
-// Writes correspondences and what the projector lights. Returns the number of files, or -1. `stories` is NULL
-// or has room for all views.
-int ffp_write_maps(const FfpGaussians *gaussians, const FfpCapture *capture, const FfpMaps *options,
-                   FfpMapStory *stories, FfpError *err);
+// Correspondences and what the projector lights, for one camera and one projector: linear images called as
+// the files are (docs/formats.md): camera_to_projector, projector_to_camera, projector_sees, lit, incidence,
+// density, resolution, illuminance. `stats` may be NULL.
+FFP_API FfpImages *ffp_map_images(FfpContext *context, const FfpGaussians *gaussians,
+                                  const FfpCapture *capture, const FfpPinhole *camera,
+                                  const FfpPinhole *projector, FfpDrawing drawing, FfpMapStats *stats,
+                                  FfpError *err);
+// The same for views of a capture or of poses, into files. Returns the number of files, or -1. `stats` is
+// NULL or has room for all views.
+FFP_API int ffp_write_maps(FfpContext *context, const FfpGaussians *gaussians, const FfpCapture *capture,
+                           const FfpMaps *options, FfpMapStats *stats, FfpError *err);
 
 // --- Evaluation. ---
 
@@ -239,6 +403,8 @@ typedef struct FfpEvaluation {
     FfpDrawing drawing;
 } FfpEvaluation;
 
+FFP_API FfpEvaluation ffp_evaluation_defaults(void); // as ffp_reconstruction_defaults
+
 // One row: a capture under a protocol. `rendering`: black, white and lollipops at the input poses;
 // `novel_pattern`: every other pattern there; `novel_pose`: all pictures of the targets. Measured on the
 // 8-bit prediction against the truth over black, sRGB-encoded. NAN where a figure does not apply. PSNR of
@@ -258,16 +424,10 @@ typedef struct FfpScore {
     double albedo_mse, albedo_lit_mse, albedo_unlit_mse; // linear; apart likewise
 } FfpScore;
 
-// Returns the rows (release with free) and their number, or NULL. Behind the rows of several captures stand
-// those of their means, whose capture is "mean". JSON and report are written when all is
-// done.
-FfpScore *ffp_evaluate(const FfpEvaluation *options, int *n_scores, FfpError *err);
-
-// --- Devices. ---
-
-// What training runs on from now on: "cpu" (as at first) or "cuda", the first NVIDIA GPU. For the whole
-// process. Errors: no such device, none found, a library built without it.
-bool ffp_device_open(const char *name, FfpError *err);
+// Returns the rows (release with ffp_free) and their number, or NULL. Behind the rows of several captures
+// stand those of their means, whose capture is "mean". JSON and report are written when all is done.
+FFP_API FfpScore *ffp_evaluate(FfpContext *context, const FfpEvaluation *options, int *n_scores,
+                               FfpError *err);
 
 // --- Training and its data. ---
 
@@ -280,26 +440,48 @@ typedef struct FfpTraining {
     int64_t stop_at;        // stop at this step with a checkpoint, as a signal would; 0: go to the end
     bool resume;            // go on from the checkpoint in `out`, with the configuration that stands in it
 } FfpTraining;
-// Runs to the end, or until SIGINT or SIGTERM, which write a checkpoint first.
-bool ffp_train_model(const FfpTraining *options, FfpError *err);
+FFP_API FfpTraining ffp_training_defaults(void); // the configuration's own, to the end
+// Runs to the end, or until it is cancelled: then it writes a checkpoint first, and has succeeded.
+FFP_API bool ffp_train_model(FfpContext *context, const FfpTraining *options, FfpError *err);
+
+// Which of the generated objects: no mesh is in two of the splits.
+typedef enum FfpSplit { FFP_SPLIT_ALL, FFP_SPLIT_TRAIN, FFP_SPLIT_VALIDATION, FFP_SPLIT_TEST } FfpSplit;
+
+// 8 views of 128 x 128 pixels and 6 lollipops; small and quick; what training makes for itself.
+typedef enum FfpPreset { FFP_PRESET_PAPER, FFP_PRESET_SMOKE, FFP_PRESET_TRAINING } FfpPreset;
+
+// Camera and projector stay and the object turns; or each view has devices of its own, all around the object
+// (docs/data.md, "Rigs").
+typedef enum FfpRig { FFP_RIG_TURNTABLE, FFP_RIG_FREE } FfpRig;
+
+// Faults of the devices (docs/data.md, "Sensor model"). All 0: none.
+typedef struct FfpSensorFaults {
+    double exposure;    // of the camera, stops, -8 to 8
+    double shot, read;  // noise of a linear value v: variance shot * v + read^2; 0 to 1 each
+    double defocus;     // of the projector: deviation, in its pixels, 0 to 64
+    double gamma;       // the projector sends value^(1 + gamma), -0.9 to 4 ...
+    double black_level; // ... and this share of white where a pattern is black, 0 to 0.9
+    double turn_error;  // deviation of the written poses' turns on each axis, degrees, 0 to 28
+    double shift_error; // and of their places, world units, 0 to 0.5
+} FfpSensorFaults;
 
 typedef struct FfpGeneration {
-    const char *folder;   // one capture folder a scene goes here
-    const char *split;    // "train", "validation", "test"; NULL: all
-    const char *preset;   // "paper", "smoke" or "training"
-    int64_t first, count; // scenes of the split; count -1: to the end
+    const char *folder; // one capture folder a scene goes here
+    FfpSplit split;
+    FfpPreset preset;
+    int64_t first, count; // scenes of the split; count -1: to the end, of an own mesh one
     int resolution;       // image side; 0: as the preset says
-    const char *rig;      // of the input views: "turntable" (NULL too) or "free" (docs/data.md, "Rigs")
+    FfpRig rig;           // of the input views
     int views;            // input views, 1..64; 0: as the preset says
     uint64_t seed;
     const char *mesh;     // a user's OBJ, PLY, STL or glTF file instead of the generated meshes; NULL: none
     const char *material; // a user's folder of basecolor, roughness and normal maps; NULL: none
-    const char *const *sensor; // "NAME=VALUE": faults of the devices (docs/data.md, "Sensor model")
-    int n_sensor;
+    FfpSensorFaults sensor;
 } FfpGeneration;
+FFP_API FfpGeneration ffp_generation_defaults(void); // all scenes of all splits by the paper's preset
 // Scenes that are there already are kept; one appears under its name only when it is whole. Any number of
 // processes may share a job, each with its own range of scenes.
-bool ffp_generate(const FfpGeneration *options, FfpError *err);
+FFP_API bool ffp_generate(FfpContext *context, const FfpGeneration *options, FfpError *err);
 
 // --- Photographs and calibrations of other tools. ---
 
@@ -312,41 +494,71 @@ typedef struct FfpCalibratedAt {
     int left, top; // FFP_FIT_CROPPED: pixels cut off
 } FfpCalibratedAt;
 
+// Photographs under one pattern or several. `files` is a path with {view}, {pattern}, {index} (from 0),
+// {number} (from 1) or {number:3} (with zeros) in it; or one with *, whose files are taken in order, img_9
+// before img_10: all patterns of the first view, then of the second.
+typedef struct FfpImportImages {
+    const char *const *patterns; // names: black, white, and what the caller calls the others
+    int n_patterns;
+    const char *files;
+} FfpImportImages;
+
+// What the projector showed, as it was sent to it.
+typedef struct FfpImportPattern {
+    const char *name, *file;
+} FfpImportPattern;
+
+typedef enum FfpMasks {
+    FFP_MASKS_FROM_ALPHA, // the photographs' alpha channels where there are, else as below
+    FFP_MASKS_FROM_LIGHT, // what white adds to black (Otsu 1979)
+    FFP_MASKS_FROM_FILES
+} FfpMasks;
+
+// An object that turned before a fixed camera and projector, in camera coordinates (x right, y down, z
+// forward) and the calibration's unit; angles in degrees, right-handed about the axis.
+typedef struct FfpImportTurntable {
+    const char *file; // JSON or YAML {"axis", "point", "angles"}, or "count" and "step" for the latter; NULL:
+                      // the numbers below
+    double axis[3], point[3]; // direction, and any point of the axis
+    const double *angles;     // by which the object had turned at each stop
+    int n_angles;             // 0, and no file: there is no turntable, and a fixed rig has one view
+    bool find_axis;           // axis and point are found from the pictures; a file's own are passed over
+    bool guessed;             // the search begins at `axis` and `point`
+} FfpImportTurntable;
+
 typedef struct FfpImport {
     const char *const *calibrations; // files (and folders) of one calibration
     int n_calibrations;
     const char *projector_image; // COLMAP: the image that is the projector; NULL: "calib"
-    const char *turntable; // "AX,AY,AZ,PX,PY,PZ,ANGLES" in camera coordinates, or a JSON file; NULL: none
-    // Finds the axis from the pictures; `turntable` then has angles alone. "" or a first guess
-    // "AX,AY,AZ,PX,PY,PZ"; NULL: not
-    const char *fit_axis;
-    // "NAME[,NAME..]=FILES", see ffprocams import --help; none: the pictures that the calibration names
-    const char *const *images;
+    FfpImportTurntable turntable;
+    const FfpImportImages *images; // none: the pictures that the calibration names
     int n_images;
-    const char *const *patterns; // "NAME=FILE": what was projected
+    const FfpImportPattern *patterns; // every pattern besides black and white
     int n_patterns;
-    const char *const *held_out; // likewise, only ever to be predicted
+    const FfpImportPattern *held_out; // likewise, only ever to be predicted
     int n_held_out;
-    const char *mask;         // files, like `images` without names; "otsu"; NULL: alpha channels, else Otsu
+    FfpMasks masks;
+    const char *mask_files;   // FFP_MASKS_FROM_FILES: as FfpImportImages.files, white on black
     const char *const *views; // ids to import; none: all
     int n_views;
     FfpCalibratedAt camera, projector;
-    int width; // of the imported pictures; 0: as they are
+    int width; // of the imported pictures; 0: as they are. Sides are filled up to whole patches of 8 pixels
     // Finds the projector's gamma and black level from the pictures, and makes the patterns the light that it
     // made of them
     bool fit_response;
-    // PNG and JPEG files hold linear light instead of sRGB: the photographs; the patterns
+    // PNG, JPEG and TIFF of integers hold linear light instead of sRGB: the photographs; the patterns
     bool linear_images, linear_patterns;
     double exposure;    // stops by which linear values are brightened; 0: as they are
     double object[4];   // centre and radius of a sphere around the object; radius 0: estimated
     const char *name;   // of the capture; NULL: the folder's
     const char *folder; // the capture goes here; it must not hold anything yet
 } FfpImport;
+FFP_API FfpImport ffp_import_defaults(void); // nothing named, everything as it is
 // Writes a capture folder, whole or not at all: poses in the object's frame, pictures and patterns without
 // lens distortion, masks applied.
-bool ffp_import_capture(const FfpImport *options, FfpError *err);
+FFP_API bool ffp_import_capture(FfpContext *context, const FfpImport *options, FfpError *err);
 
-typedef struct FfpAlignStory {
+typedef struct FfpAlignStats {
     bool turntable; // the views are those of a fixed rig around a turning object, and share what is common to
                     // their poses
     double evened;  // turns that took: root mean square about a device's axis, degrees
@@ -355,22 +567,24 @@ typedef struct FfpAlignStory {
                           // across it (the projector turns as much against it), and sideways (with it)
     double before, after; // disagreement of the pictures: mean difference of pattern values, 0 to 1
     double seconds;
-} FfpAlignStory;
+} FfpAlignStats;
 // Corrects the directions of all cameras and projectors from the photographs, in place. `pattern` as in
-// FfpReconstruction. Takes some seventy-five projector matchings. `story` may be NULL.
-bool ffp_align_poses(FfpCapture *capture, const char *pattern, FfpAlignStory *story, FfpError *err);
+// FfpReconstruction. Takes some seventy-five projector matchings. `stats` may be NULL.
+FFP_API bool ffp_align_poses(FfpContext *context, FfpCapture *capture, const char *pattern,
+                             FfpAlignStats *stats, FfpError *err);
 
 // Writes a capture folder (docs/formats.md), whole or not at all; it must be new or empty.
-bool ffp_capture_save(const FfpCapture *capture, const char *folder, FfpError *err);
+FFP_API bool ffp_capture_save(FfpContext *context, const FfpCapture *capture, const char *folder,
+                              FfpError *err);
 // Whether the folder is new or empty, told before the work rather than after it.
-bool ffp_can_save_capture(const char *folder, FfpError *err);
+FFP_API bool ffp_can_save_capture(const char *folder, FfpError *err);
 
-// Measures kernels and whole steps against this machine's own limits, prints tables, and writes them as JSON
-// too unless `json` is NULL. Takes about a minute.
-bool ffp_benchmark(const char *json, FfpError *err);
+// Measures kernels and whole steps against this machine's own limits: tables as text for people (release with
+// ffp_free), and as JSON in a file unless `json` is NULL. NULL on failure. Takes about a minute.
+FFP_API char *ffp_benchmark(FfpContext *context, const char *json, FfpError *err);
 
-// What a capture, a weights file or a PLY holds, as text for people (release with free); NULL on failure.
-char *ffp_info(const char *path, FfpError *err);
+// What a capture, a weights file or a PLY holds, as text for people (release with ffp_free); NULL on failure.
+FFP_API char *ffp_info(FfpContext *context, const char *path, FfpError *err);
 
 #ifdef __cplusplus
 }

@@ -35,7 +35,7 @@ typedef struct Search {
     Way way[WAYS];
     double x[WAYS]; // where it stands
     double best;    // disagreement there
-    FfpProgress progress;
+    FfpTask progress;
     int64_t looks;
 } Search;
 
@@ -105,7 +105,7 @@ static bool look_at(Search *s, int way, double by, double origin, double *disagr
     x[way] = origin + by;
     place(s, x);
     if (!ffp_look(s->looker, disagreement, err)) return false;
-    ffp_progress_step(&s->progress, ++s->looks, NULL);
+    ffp_task_step(&s->progress, ++s->looks, NULL);
     if (*disagreement < s->best) {
         s->best = *disagreement;
         s->x[way] = x[way];
@@ -155,7 +155,7 @@ static bool even_out(Search *s, const FfpRing *ring, FfpAlignment *report, FfpEr
     } else {
         memcpy(s->capture->views, before, (size_t)n * sizeof *before);
     }
-    free(before);
+    ffp_free(before);
     return ok;
 }
 
@@ -172,11 +172,11 @@ bool ffp_align(FfpCapture *capture, int active, const FfpAlignSettings *settings
     memcpy(from, capture->views, size);
     s.from = from;
     set_ways(&s, report->turntable ? ring.axis : NULL, settings->expected.turn);
-    s.progress = ffp_progress("aligning", (int64_t)settings->rounds * s.n_ways * LOOKS);
+    s.progress = ffp_task("aligning", (int64_t)settings->rounds * s.n_ways * LOOKS);
     double step = FIRST_STEP;
     for (int round = 0; ok && round < settings->rounds; round++, step *= NEXT_STEP)
         for (int way = 0; ok && way < s.n_ways; way++) ok = search_along(&s, way, step, err);
-    ffp_progress_end(&s.progress);
+    ffp_task_end(&s.progress);
     place(&s, s.x);
     report->after = s.best;
     report->depth = s.x[DEPTH] * settings->expected.turn;
@@ -184,6 +184,6 @@ bool ffp_align(FfpCapture *capture, int active, const FfpAlignSettings *settings
     report->side = s.x[SIDE] * settings->expected.turn;
     ffp_ring_free(&ring);
     ffp_looker_free(s.looker);
-    free(from);
+    ffp_free(from);
     return ok;
 }

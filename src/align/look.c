@@ -36,10 +36,10 @@ FfpLooker *ffp_looker_new(const FfpCapture *capture, int active) {
 void ffp_looker_free(FfpLooker *l) {
     if (!l) return;
     for (int v = 0; l->seen && v < l->capture->n_views; v++) ffp_observation_free(&l->seen[v]);
-    free(l->seen);
+    ffp_free(l->seen);
     ffp_summed_free(&l->light);
     ffp_view_pass_free(l->pass);
-    free(l);
+    ffp_free(l);
 }
 
 static void observe_once(FfpLooker *l) {

@@ -14,7 +14,7 @@
 enum { DEVICE = 6, DEVICES = 12, SHARED = 16, ROWS = 12 };
 
 void ffp_ring_free(FfpRing *ring) {
-    free(ring->angle);
+    ffp_free(ring->angle);
     *ring = (FfpRing){0};
 }
 
@@ -90,7 +90,7 @@ static void slope_of(const FfpRing *ring, int number, const FfpCapture *capture,
     move(&there, number, DIFFERENCE, e);
     differences(&there, capture, e, slope);
     for (int i = 0; i < ROWS * ring->views; i++) slope[i] = (slope[i] - base[i]) / DIFFERENCE;
-    free(there.angle);
+    ffp_free(there.angle);
 }
 
 // One step of Gauss and Newton.
@@ -113,7 +113,7 @@ static void improve(FfpRing *ring, const FfpCapture *capture, const FfpPoseError
     }
     ffp_least_squares(a, b, n, x);
     for (int k = 0; k < n; k++) move(ring, k, x[k], e);
-    free(base), free(slopes), free(a), free(b), free(x);
+    ffp_free(base), ffp_free(slopes), ffp_free(a), ffp_free(b), ffp_free(x);
 }
 
 // The turn from the first camera to that of a view.

@@ -7,7 +7,8 @@
 static bool find_view(const FfpCapture *source, const char *id, const char *where, int *found,
                       FfpError *err) {
     *found = ffp_capture_find_view(source, id);
-    return *found >= 0 || ffp_fail(err, where, "there is no view %s", id);
+    return *found >= 0 || ffp_fail(err, FFP_ERROR_ARGUMENT, where, "there is no view %.96s; there are %s", id,
+                                   ffp_list_views(source).text);
 }
 
 bool ffp_choose_views(FfpChosen *chosen, const FfpCapture *capture, const char *poses, const char *const *ids,
@@ -26,14 +27,15 @@ bool ffp_choose_views(FfpChosen *chosen, const FfpCapture *capture, const char *
         if (n_ids && !find_view(source, ids[v], poses ? poses : capture->folder, &found, err)) return false;
         for (int before = 0; before < v; before++)
             if (chosen->views[before] == &source->views[found])
-                return ffp_fail(err, poses ? poses : capture->folder, "view %s is named twice", ids[v]);
+                return ffp_fail(err, FFP_ERROR_ARGUMENT, poses ? poses : capture->folder,
+                                "view %s is named twice", ids[v]);
         chosen->views[v] = &source->views[found];
     }
     return true;
 }
 
 void ffp_chosen_free(FfpChosen *chosen) {
-    free(chosen->views);
+    ffp_free(chosen->views);
     if (chosen->has_poses) ffp_capture_free(&chosen->poses);
     *chosen = (FfpChosen){0};
 }

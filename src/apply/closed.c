@@ -8,24 +8,24 @@
 // What a camera asks for at each of its pixels: level times certainty in three channels, and the certainty.
 // Levels are cut at what full feather could show, so that one impossible wish does not spoil its neighbours.
 static FfpImage levels(const FfpStage *stage, int s) {
-    const FfpSight *sight = &stage->sights[s];
-    const int width = sight->weight.width, height = sight->weight.height;
+    const FfpCameraView *camera_view = &stage->camera_views[s];
+    const int width = camera_view->weight.width, height = camera_view->weight.height;
     FfpImage out = ffp_image_new(width, height, 4), lit = ffp_stage_lit(stage, s);
     for (int p = 0; p < width * height; p++) {
         real sum[3] = {0, 0, 0}, greatest = 0;
-        const real certainty = lit.data[p] * sight->weight.data[p] * sight->facing.data[p];
+        const real certainty = lit.data[p] * camera_view->weight.data[p] * camera_view->facing.data[p];
         if (!(certainty > 0)) continue;
-        for (int k = 0; k < stage->n_beams; k++) {
+        for (int k = 0; k < stage->n_projections; k++) {
             const FfpLink *link = ffp_stage_link(stage, s, k);
             real feather;
-            ffp_image_sample(&stage->beams[k].feather, link->mapping.uv[2 * p], link->mapping.uv[2 * p + 1],
-                             &feather);
+            ffp_image_sample(&stage->projections[k].feather, link->mapping.uv[2 * p],
+                             link->mapping.uv[2 * p + 1], &feather);
             for (int c = 0; c < 3; c++) sum[c] += feather * link->response.data[3 * p + c];
             if (link->mapping.visibility[p] > 0) greatest = fmax(greatest, feather);
         }
         if (!(greatest > 0)) continue;
         for (int c = 0; c < 3; c++) {
-            const real wanted = sight->target.data[3 * p + c] - sight->ambient.data[3 * p + c];
+            const real wanted = camera_view->target.data[3 * p + c] - camera_view->ambient.data[3 * p + c];
             const real level = sum[c] > 0 ? wanted / sum[c] : wanted > 0 ? 1 / greatest : 0;
             out.data[4 * p + c] = certainty * fmin(fmax(level, (real)0), 1 / greatest);
         }
@@ -81,7 +81,7 @@ static void grow(FfpImage *image) {
 // The mean footprint of the lit camera pixels in a projector, in its pixels.
 static int typical_footprint(const FfpStage *stage, int k) {
     double sum = 0, count = 0;
-    for (int s = 0; s < stage->n_sights; s++) {
+    for (int s = 0; s < stage->n_camera_views; s++) {
         const FfpMapping *mapping = &ffp_stage_link(stage, s, k)->mapping;
         for (int p = 0; p < mapping->width * mapping->height; p++)
             if (mapping->visibility[p] > 0)
@@ -91,21 +91,21 @@ static int typical_footprint(const FfpStage *stage, int k) {
 }
 
 void ffp_stage_closed_form(FfpStage *stage) {
-    FfpImage *wishes = ffp_alloc((size_t)stage->n_sights, sizeof *wishes);
-    for (int s = 0; s < stage->n_sights; s++) wishes[s] = levels(stage, s);
-    for (int k = 0; k < stage->n_beams; k++) {
-        FfpBeam *beam = &stage->beams[k];
-        const int width = beam->pattern.width, height = beam->pattern.height;
+    FfpImage *wishes = ffp_alloc((size_t)stage->n_camera_views, sizeof *wishes);
+    for (int s = 0; s < stage->n_camera_views; s++) wishes[s] = levels(stage, s);
+    for (int k = 0; k < stage->n_projections; k++) {
+        FfpProjection *projection = &stage->projections[k];
+        const int width = projection->pattern.width, height = projection->pattern.height;
         FfpImage sum = ffp_image_new(width, height, 4);
-        for (int s = 0; s < stage->n_sights; s++) gather(stage, s, k, &wishes[s], &sum);
+        for (int s = 0; s < stage->n_camera_views; s++) gather(stage, s, k, &wishes[s], &sum);
         for (int pass = typical_footprint(stage, k); pass > 0; pass--) grow(&sum);
         for (int p = 0; p < width * height; p++)
             for (int c = 0; c < 3; c++) {
                 const real level = sum.data[4 * p + 3] > 0 ? sum.data[4 * p + c] / sum.data[4 * p + 3] : 0;
-                beam->pattern.data[3 * p + c] = fmin(level * beam->feather.data[p], (real)1);
+                projection->pattern.data[3 * p + c] = fmin(level * projection->feather.data[p], (real)1);
             }
         ffp_image_free(&sum);
     }
-    for (int s = 0; s < stage->n_sights; s++) ffp_image_free(&wishes[s]);
-    free(wishes);
+    for (int s = 0; s < stage->n_camera_views; s++) ffp_image_free(&wishes[s]);
+    ffp_free(wishes);
 }

@@ -2,9 +2,11 @@
 #include <stdlib.h>
 #include <string.h>
 #include <tgmath.h>
+#include "apply/kernels/kernels.h"
 #include "apply/encoded.h"
 #include "apply/solve.h"
 #include "base/arena.h"
+#include "base/call.h"
 
 #define RATE 0.03F // of the first step, in pattern values; falls to a tenth along a cosine
 #define BETA1 0.9F
@@ -12,22 +14,23 @@
 
 static double total_weight(const FfpStage *stage) {
     double sum = 0;
-    for (int s = 0; s < stage->n_sights; s++) {
-        const FfpImage *weight = &stage->sights[s].weight;
+    for (int s = 0; s < stage->n_camera_views; s++) {
+        const FfpImage *weight = &stage->camera_views[s].weight;
         for (int p = 0; p < weight->width * weight->height; p++) sum += (double)weight->data[p];
     }
     return sum > 0 ? sum : 1;
 }
 
 // The camera's part of the loss; `difference` becomes its gradient to the linear picture.
-static double compare(const FfpSight *sight, const FfpImage *picture, double scale, FfpImage *difference) {
+static double compare(const FfpCameraView *camera_view, const FfpImage *picture, double scale,
+                      FfpImage *difference) {
     const int pixels = picture->width * picture->height;
     double sum = 0;
     for (int i = 0; i < 3 * pixels; i++) {
         real slope, unused;
         const real error =
-            ffp_encode_on(picture->data[i], &slope) - ffp_encode_on(sight->target.data[i], &unused);
-        const double weight = (double)sight->weight.data[i / 3] * scale;
+            ffp_encode_on(picture->data[i], &slope) - ffp_encode_on(camera_view->target.data[i], &unused);
+        const double weight = (double)camera_view->weight.data[i / 3] * scale;
         sum += weight * (double)error * (double)error;
         difference->data[i] = (real)(2 * weight) * error * slope;
     }
@@ -56,11 +59,11 @@ static void scatter(const FfpLink *link, const FfpImage *difference, FfpImage *g
 double ffp_stage_loss(const FfpStage *stage, FfpImage *gradients) {
     const double scale = 1 / (3 * total_weight(stage));
     double loss = 0;
-    for (int s = 0; s < stage->n_sights; s++) {
+    for (int s = 0; s < stage->n_camera_views; s++) {
         FfpImage picture = ffp_stage_picture(stage, s);
         FfpImage difference = ffp_image_new(picture.width, picture.height, 3);
-        loss += compare(&stage->sights[s], &picture, scale, &difference);
-        for (int k = 0; gradients && k < stage->n_beams; k++)
+        loss += compare(&stage->camera_views[s], &picture, scale, &difference);
+        for (int k = 0; gradients && k < stage->n_projections; k++)
             scatter(ffp_stage_link(stage, s, k), &difference, &gradients[k]);
         ffp_image_free(&picture);
         ffp_image_free(&difference);
@@ -69,17 +72,17 @@ double ffp_stage_loss(const FfpStage *stage, FfpImage *gradients) {
 }
 
 typedef struct Adam {
-    FfpImage *gradients; // [n_beams]
+    FfpImage *gradients; // [n_projections]
     real **mean, **square;
     size_t *count;
 } Adam;
 
 static Adam adam_new(const FfpStage *stage) {
-    const size_t n = (size_t)stage->n_beams;
+    const size_t n = (size_t)stage->n_projections;
     Adam adam = {ffp_alloc(n, sizeof *adam.gradients), ffp_alloc(n, sizeof *adam.mean),
                  ffp_alloc(n, sizeof *adam.square), ffp_alloc(n, sizeof *adam.count)};
     for (size_t k = 0; k < n; k++) {
-        const FfpImage *pattern = &stage->beams[k].pattern;
+        const FfpImage *pattern = &stage->projections[k].pattern;
         adam.count[k] = (size_t)pattern->width * (size_t)pattern->height * 3;
         adam.gradients[k] = ffp_image_new(pattern->width, pattern->height, 3);
         adam.mean[k] = ffp_alloc(adam.count[k], sizeof(real));
@@ -88,27 +91,24 @@ static Adam adam_new(const FfpStage *stage) {
     return adam;
 }
 
-static void adam_free(Adam *adam, int n_beams) {
-    for (int k = 0; k < n_beams; k++) {
+static void adam_free(Adam *adam, int n_projections) {
+    for (int k = 0; k < n_projections; k++) {
         ffp_image_free(&adam->gradients[k]);
-        free(adam->mean[k]);
-        free(adam->square[k]);
+        ffp_free(adam->mean[k]);
+        ffp_free(adam->square[k]);
     }
-    free(adam->gradients), free(adam->mean), free(adam->square), free(adam->count);
+    ffp_free(adam->gradients), ffp_free(adam->mean), ffp_free(adam->square), ffp_free(adam->count);
 }
 
-// `small` keeps places that hardly matter from moving as fast as the others.
 static void adam_step(Adam *adam, int k, int step, real rate, real small, real *value) {
-    const real correct1 = 1 - pow(BETA1, (real)step), correct2 = 1 - pow(BETA2, (real)step);
-    real *mean = adam->mean[k], *square = adam->square[k];
-    const real *gradient = adam->gradients[k].data;
-#pragma omp parallel for schedule(static)
-    for (size_t i = 0; i < adam->count[k]; i++) {
-        mean[i] += (1 - BETA1) * (gradient[i] - mean[i]);
-        square[i] += (1 - BETA2) * (gradient[i] * gradient[i] - square[i]);
-        const real moved = mean[i] / correct1 / (sqrt(square[i] / correct2) + small);
-        value[i] = fmin(fmax(value[i] - rate * moved, (real)0), (real)1);
-    }
+    const FfpDescent descent = {.beta1 = BETA1,
+                                .beta2 = BETA2,
+                                .correct1 = 1 - pow(BETA1, (real)step),
+                                .correct2 = 1 - pow(BETA2, (real)step),
+                                .rate = rate,
+                                .small = small};
+    ffp_apply_kernels()->descend(&descent, value, adam->mean[k], adam->square[k], adam->gradients[k].data,
+                                 adam->count[k]);
 }
 
 static real root_mean_square(const FfpImage *image) {
@@ -121,18 +121,19 @@ static real root_mean_square(const FfpImage *image) {
 
 void ffp_stage_descend(FfpStage *stage, int steps) {
     Adam adam = adam_new(stage);
-    real *small = ffp_alloc((size_t)stage->n_beams, sizeof *small);
+    real *small = ffp_alloc((size_t)stage->n_projections, sizeof *small);
     for (int step = 1; step <= steps; step++) {
-        for (int k = 0; k < stage->n_beams; k++)
+        ffp_cancel_point();
+        for (int k = 0; k < stage->n_projections; k++)
             memset(adam.gradients[k].data, 0, adam.count[k] * sizeof(real));
         ffp_stage_loss(stage, adam.gradients);
         const real turn = (real)(step - 1) / (real)steps;
         const real rate = RATE * (0.55F + 0.45F * cos(3.14159265F * turn));
-        for (int k = 0; k < stage->n_beams; k++) {
+        for (int k = 0; k < stage->n_projections; k++) {
             if (step == 1) small[k] = root_mean_square(&adam.gradients[k]);
-            adam_step(&adam, k, step, rate, small[k], stage->beams[k].pattern.data);
+            adam_step(&adam, k, step, rate, small[k], stage->projections[k].pattern.data);
         }
     }
-    free(small);
-    adam_free(&adam, stage->n_beams);
+    ffp_free(small);
+    adam_free(&adam, stage->n_projections);
 }

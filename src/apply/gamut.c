@@ -10,47 +10,49 @@
 #define GAINS_PER_DOUBLING 8
 #define GAINS (12 * GAINS_PER_DOUBLING + 1)
 
-// Linear radiance with every beam at white.
-static void brightest_at(const FfpStage *stage, int sight, int p, real out[3]) {
-    memcpy(out, stage->sights[sight].ambient.data + 3 * p, 3 * sizeof *out);
-    for (int k = 0; k < stage->n_beams; k++)
-        for (int c = 0; c < 3; c++) out[c] += ffp_stage_link(stage, sight, k)->response.data[3 * p + c];
+// Linear radiance with every projection at white.
+static void brightest_at(const FfpStage *stage, int camera_view, int p, real out[3]) {
+    memcpy(out, stage->camera_views[camera_view].ambient.data + 3 * p, 3 * sizeof *out);
+    for (int k = 0; k < stage->n_projections; k++)
+        for (int c = 0; c < 3; c++) out[c] += ffp_stage_link(stage, camera_view, k)->response.data[3 * p + c];
 }
 
-static bool is_lit(const FfpStage *stage, int sight, int p, real bright[3]) {
-    const real *dark = stage->sights[sight].ambient.data + 3 * p;
-    brightest_at(stage, sight, p, bright);
+static bool is_lit(const FfpStage *stage, int camera_view, int p, real bright[3]) {
+    const real *dark = stage->camera_views[camera_view].ambient.data + 3 * p;
+    brightest_at(stage, camera_view, p, bright);
     for (int c = 0; c < 3; c++)
         if (ffp_srgb_encode(bright[c]) - ffp_srgb_encode(dark[c]) >= 2 * STEP) return true;
     return false;
 }
 
-FfpImage ffp_stage_lit(const FfpStage *stage, int sight) {
-    const FfpImage *weight = &stage->sights[sight].weight;
+FfpImage ffp_stage_lit(const FfpStage *stage, int camera_view) {
+    const FfpImage *weight = &stage->camera_views[camera_view].weight;
     FfpImage lit = ffp_image_new(weight->width, weight->height, 1);
     const int pixels = weight->width * weight->height;
     real bright[3];
-    for (int p = 0; p < pixels; p++) lit.data[p] = weight->data[p] > 0.5F && is_lit(stage, sight, p, bright);
+    for (int p = 0; p < pixels; p++)
+        lit.data[p] = weight->data[p] > 0.5F && is_lit(stage, camera_view, p, bright);
     return lit;
 }
 
 FfpGamut ffp_stage_gamut(const FfpStage *stage) {
     FfpGamut gamut = {0};
     int unlit = 0, dark = 0, bright = 0;
-    for (int s = 0; s < stage->n_sights; s++) {
-        const FfpSight *sight = &stage->sights[s];
-        const int pixels = sight->weight.width * sight->weight.height;
+    for (int s = 0; s < stage->n_camera_views; s++) {
+        const FfpCameraView *camera_view = &stage->camera_views[s];
+        const int pixels = camera_view->weight.width * camera_view->weight.height;
         for (int p = 0; p < pixels; p++) {
             real most[3];
             bool below = false, above = false;
-            if (!(sight->weight.data[p] > 0.5F)) continue;
+            if (!(camera_view->weight.data[p] > 0.5F)) continue;
             const bool lit = is_lit(stage, s, p, most);
             gamut.pixels++, unlit += !lit;
             for (int c = 0; lit && c < 3; c++) {
-                const real wanted = ffp_srgb_encode(sight->target.data[3 * p + c]);
-                below |= wanted < ffp_srgb_encode(sight->ambient.data[3 * p + c]) - STEP;
-                above |= sight->target.data[3 * p + c] > most[c] &&
-                         (wanted > ffp_srgb_encode(most[c]) + STEP || sight->target.data[3 * p + c] > 1);
+                const real wanted = ffp_srgb_encode(camera_view->target.data[3 * p + c]);
+                below |= wanted < ffp_srgb_encode(camera_view->ambient.data[3 * p + c]) - STEP;
+                above |=
+                    camera_view->target.data[3 * p + c] > most[c] &&
+                    (wanted > ffp_srgb_encode(most[c]) + STEP || camera_view->target.data[3 * p + c] > 1);
             }
             dark += below, bright += above;
         }
@@ -64,14 +66,14 @@ FfpGamut ffp_stage_gamut(const FfpStage *stage) {
 // the encoded distance. A camera shows nothing above 1.
 static double distance_at(const FfpStage *stage, real gain) {
     double sum = 0, count = 0;
-    for (int s = 0; s < stage->n_sights; s++) {
-        const FfpSight *sight = &stage->sights[s];
-        for (int p = 0; p < sight->weight.width * sight->weight.height; p++) {
+    for (int s = 0; s < stage->n_camera_views; s++) {
+        const FfpCameraView *camera_view = &stage->camera_views[s];
+        for (int p = 0; p < camera_view->weight.width * camera_view->weight.height; p++) {
             real most[3], slope;
-            if (!(sight->weight.data[p] > 0.5F) || !is_lit(stage, s, p, most)) continue;
+            if (!(camera_view->weight.data[p] > 0.5F) || !is_lit(stage, s, p, most)) continue;
             for (int c = 0; c < 3; c++) {
-                const real wanted = ffp_encode_on(gain * sight->target.data[3 * p + c], &slope);
-                const real low = ffp_srgb_encode(sight->ambient.data[3 * p + c]),
+                const real wanted = ffp_encode_on(gain * camera_view->target.data[3 * p + c], &slope);
+                const real low = ffp_srgb_encode(camera_view->ambient.data[3 * p + c]),
                            high = ffp_srgb_encode(most[c]);
                 const real off = wanted < low ? low - wanted : wanted > high ? wanted - high : 0;
                 sum += (double)off * (double)off, count++;
@@ -96,8 +98,9 @@ real ffp_stage_brightest(const FfpStage *stage) {
 double ffp_stage_psnr(const FfpStage *stage) {
     double sum = 0;
     int counted = 0;
-    for (int s = 0; s < stage->n_sights; s++) {
-        FfpImage picture = ffp_stage_picture(stage, s), target = ffp_image_copy(&stage->sights[s].target);
+    for (int s = 0; s < stage->n_camera_views; s++) {
+        FfpImage picture = ffp_stage_picture(stage, s),
+                 target = ffp_image_copy(&stage->camera_views[s].target);
         FfpImage lit = ffp_stage_lit(stage, s);
         ffp_image_to_srgb(&picture);
         ffp_image_to_srgb(&target);
@@ -111,8 +114,8 @@ double ffp_stage_psnr(const FfpStage *stage) {
 }
 
 void ffp_stage_quantise(FfpStage *stage) {
-    for (int k = 0; k < stage->n_beams; k++) {
-        FfpImage *pattern = &stage->beams[k].pattern;
+    for (int k = 0; k < stage->n_projections; k++) {
+        FfpImage *pattern = &stage->projections[k].pattern;
         const size_t count = (size_t)pattern->width * (size_t)pattern->height * 3;
         for (size_t i = 0; i < count; i++)
             pattern->data[i] = ffp_srgb_decode(round(ffp_srgb_encode(pattern->data[i]) * 255) / 255);

@@ -11,11 +11,11 @@ typedef struct Corner {
     real x, y;    // in the camera
 } Corner;
 
-static Corner corner_at(const FfpSight *sight, const FfpLink *link, const FfpCamera *projector, int x,
-                        int y) {
-    const FfpCamera *camera = &sight->view->camera;
+static Corner corner_at(const FfpCameraView *camera_view, const FfpLink *link, const FfpCamera *projector,
+                        int x, int y) {
+    const FfpCamera *camera = &camera_view->view->camera;
     const int p = y * camera->width + x;
-    const real *response = link->response.data + 3 * p, z = sight->depth.data[p];
+    const real *response = link->response.data + 3 * p, z = camera_view->depth.data[p];
     Corner corner = {.x = (real)x + 0.5F, .y = (real)y + 0.5F};
     if (!(z > 0) || !(link->mapping.visibility[p] >= 0.5F) ||
         !(response[0] > 0 || response[1] > 0 || response[2] > 0))
@@ -61,9 +61,9 @@ static void draw_triangle(FfpImage *out, const Corner *a, const Corner *b, const
 }
 
 // One surface, as far as the depths of its corners tell.
-static bool is_whole(const FfpSight *sight, int x, int y, const Corner cell[4]) {
-    const FfpCamera *camera = &sight->view->camera;
-    const real *depth = sight->depth.data + (size_t)y * (size_t)camera->width + (size_t)x;
+static bool is_whole(const FfpCameraView *camera_view, int x, int y, const Corner cell[4]) {
+    const FfpCamera *camera = &camera_view->view->camera;
+    const real *depth = camera_view->depth.data + (size_t)y * (size_t)camera->width + (size_t)x;
     real near = INFINITY, far = 0;
     for (int k = 0; k < 4; k++) {
         if (!(cell[k].z > 0)) return false;
@@ -73,25 +73,27 @@ static bool is_whole(const FfpSight *sight, int x, int y, const Corner cell[4]) 
     return far - near <= JUMP * far / fmin(camera->fx, camera->fy);
 }
 
-FfpImage ffp_stage_inverse(const FfpStage *stage, int sight_index, int beam) {
-    const FfpSight *sight = &stage->sights[sight_index];
-    const FfpLink *link = ffp_stage_link(stage, sight_index, beam);
-    const FfpCamera *camera = &sight->view->camera, *projector = &stage->beams[beam].view->projector;
+FfpImage ffp_stage_inverse(const FfpStage *stage, int camera_view_index, int projection) {
+    const FfpCameraView *camera_view = &stage->camera_views[camera_view_index];
+    const FfpLink *link = ffp_stage_link(stage, camera_view_index, projection);
+    const FfpCamera *camera = &camera_view->view->camera,
+                    *projector = &stage->projections[projection].view->projector;
     const int width = camera->width, height = camera->height;
     FfpImage out = ffp_image_new(projector->width, projector->height, 3);
     for (int p = 0; p < out.width * out.height; p++) out.data[3 * p] = out.data[3 * p + 1] = -1;
     Corner *corners = ffp_alloc((size_t)width * (size_t)height, sizeof *corners);
 #pragma omp parallel for schedule(static)
     for (int y = 0; y < height; y++)
-        for (int x = 0; x < width; x++) corners[y * width + x] = corner_at(sight, link, projector, x, y);
+        for (int x = 0; x < width; x++)
+            corners[y * width + x] = corner_at(camera_view, link, projector, x, y);
     for (int y = 0; y + 1 < height; y++)
         for (int x = 0; x + 1 < width; x++) {
             const Corner *at = corners + y * width + x;
             const Corner cell[4] = {at[0], at[1], at[width], at[width + 1]};
-            if (!is_whole(sight, x, y, cell)) continue;
+            if (!is_whole(camera_view, x, y, cell)) continue;
             draw_triangle(&out, &cell[0], &cell[1], &cell[2]);
             draw_triangle(&out, &cell[1], &cell[3], &cell[2]);
         }
-    free(corners);
+    ffp_free(corners);
     return out;
 }

@@ -35,11 +35,11 @@ static int by_value(const void *a, const void *b) {
 }
 
 // Distance in pixels, -1 when the pixel is not lit, -2 when there is no way back.
-static real one_trip(const FfpSight *sight, const FfpLink *link, const FfpCamera *projector,
+static real one_trip(const FfpCameraView *camera_view, const FfpLink *link, const FfpCamera *projector,
                      const FfpImage *inverse, int x, int y) {
-    const FfpCamera *camera = &sight->view->camera;
+    const FfpCamera *camera = &camera_view->view->camera;
     const int p = y * camera->width + x;
-    const real px = (real)x + 0.5F, py = (real)y + 0.5F, z = sight->depth.data[p];
+    const real px = (real)x + 0.5F, py = (real)y + 0.5F, z = camera_view->depth.data[p];
     const real *response = link->response.data + 3 * p;
     if (!(z > 0) || !(link->mapping.visibility[p] >= 0.5F) || !(response[0] + response[1] + response[2] > 0))
         return -1;
@@ -51,16 +51,18 @@ static real one_trip(const FfpSight *sight, const FfpLink *link, const FfpCamera
     return hypot(back[0] - px, back[1] - py);
 }
 
-FfpRoundTrip ffp_stage_round_trip(const FfpStage *stage, int s, int beam, const FfpImage *inverse) {
-    const FfpSight *sight = &stage->sights[s];
-    const FfpLink *link = ffp_stage_link(stage, s, beam);
-    const FfpCamera *camera = &sight->view->camera;
+FfpRoundTrip ffp_stage_round_trip(const FfpStage *stage, int camera_view, int projection,
+                                  const FfpImage *inverse) {
+    const FfpCameraView *seen = &stage->camera_views[camera_view];
+    const FfpLink *link = ffp_stage_link(stage, camera_view, projection);
+    const FfpCamera *camera = &seen->view->camera;
     FfpRoundTrip trip = {0};
     real *errors = ffp_alloc((size_t)camera->width * (size_t)camera->height, sizeof *errors);
     int within = 0;
     for (int y = 0; y < camera->height; y++)
         for (int x = 0; x < camera->width; x++) {
-            const real error = one_trip(sight, link, &stage->beams[beam].view->projector, inverse, x, y);
+            const real error =
+                one_trip(seen, link, &stage->projections[projection].view->projector, inverse, x, y);
             trip.lost += error == -2;
             if (!(error >= 0)) continue;
             within += error <= 0.5F;
@@ -72,6 +74,6 @@ FfpRoundTrip ffp_stage_round_trip(const FfpStage *stage, int s, int beam, const 
         trip.median = (double)errors[trip.pixels / 2];
         trip.most = (double)errors[trip.pixels - 1];
     }
-    free(errors);
+    ffp_free(errors);
     return trip;
 }

@@ -5,7 +5,7 @@
 #include "apply/stage.h"
 
 // What light allows, over the pixels that matter (weight above one half). Shares of them in [0,1]. A pixel is
-// unlit when white light on all beams changes no channel by two steps of 255; of the others, too dark
+// unlit when white light on all projections changes no channel by two steps of 255; of the others, too dark
 // (bright) means that a channel of the target lies more than one such step below (above) what can be reached.
 typedef struct FfpGamut {
     int pixels;
@@ -22,8 +22,8 @@ real ffp_stage_brightest(const FfpStage *stage);
 // matter; NAN when there are none.
 double ffp_stage_psnr(const FfpStage *stage);
 
-// Pixels of a camera that matter and that some beam lights: 1, else 0.
-FfpImage ffp_stage_lit(const FfpStage *stage, int sight);
+// Pixels of a camera that matter and that some projection lights: 1, else 0.
+FfpImage ffp_stage_lit(const FfpStage *stage, int camera_view);
 
 // Patterns in closed form. A camera pixel wants the level (target - ambient) / sum of feather * response; a
 // projector pixel shows its feather times the mean level of the camera positions that look at it (by the
@@ -35,7 +35,8 @@ void ffp_stage_closed_form(FfpStage *stage);
 // encoded pictures and targets, each step clipped to [0,1]. Repeats bit for bit.
 void ffp_stage_descend(FfpStage *stage, int steps);
 
-// The loss that is descended, and its gradients [n_beams] (projector's size, 3; added to), which may be NULL.
+// The loss that is descended, and its gradients [n_projections] (projector's size, 3; added to), which may be
+// NULL.
 double ffp_stage_loss(const FfpStage *stage, FfpImage *gradients);
 
 // Patterns as they go through an 8-bit sRGB file.

@@ -21,8 +21,8 @@ typedef struct Builder {
     bool photographs;
 } Builder;
 
-FfpLink *ffp_stage_link(const FfpStage *stage, int sight, int beam) {
-    return &stage->links[sight * stage->n_beams + beam];
+FfpLink *ffp_stage_link(const FfpStage *stage, int camera_view, int projection) {
+    return &stage->links[camera_view * stage->n_projections + projection];
 }
 
 static bool same_device(const FfpCamera *a, const FfpCamera *b) {
@@ -34,13 +34,13 @@ static bool same_device(const FfpCamera *a, const FfpCamera *b) {
     return true;
 }
 
-static void find_beams(FfpStage *stage, const FfpView *const *views) {
-    for (int v = 0; v < stage->n_sights; v++) {
+static void find_projections(FfpStage *stage, const FfpView *const *views) {
+    for (int v = 0; v < stage->n_camera_views; v++) {
         int known = 0;
-        while (known < stage->n_beams &&
-               !same_device(&stage->beams[known].view->projector, &views[v]->projector))
+        while (known < stage->n_projections &&
+               !same_device(&stage->projections[known].view->projector, &views[v]->projector))
             known++;
-        if (known == stage->n_beams) stage->beams[stage->n_beams++].view = views[v];
+        if (known == stage->n_projections) stage->projections[stage->n_projections++].view = views[v];
     }
 }
 
@@ -49,27 +49,29 @@ static bool photographed(const Builder *b, const FfpView *view) {
            view->images[b->capture->white].data;
 }
 
-static void fill_sight(const Builder *b, FfpSight *sight, const FfpGbuffer *g) {
-    const FfpCamera *camera = &sight->view->camera;
-    const bool has_pictures = photographed(b, sight->view);
-    sight->depth = ffp_image_new(g->width, g->height, 1);
-    sight->facing = ffp_image_new(g->width, g->height, 1);
-    sight->weight = ffp_image_new(g->width, g->height, 1);
-    sight->ambient = has_pictures ? ffp_image_copy(&sight->view->images[b->capture->black])
-                                  : ffp_image_new(g->width, g->height, 3);
+static void fill_camera_view(const Builder *b, FfpCameraView *camera_view, const FfpGbuffer *g) {
+    const FfpCamera *camera = &camera_view->view->camera;
+    const bool has_pictures = photographed(b, camera_view->view);
+    camera_view->depth = ffp_image_new(g->width, g->height, 1);
+    camera_view->facing = ffp_image_new(g->width, g->height, 1);
+    camera_view->weight = ffp_image_new(g->width, g->height, 1);
+    camera_view->ambient = has_pictures ? ffp_image_copy(&camera_view->view->images[b->capture->black])
+                                        : ffp_image_new(g->width, g->height, 3);
     for (int y = 0; y < g->height; y++)
         for (int x = 0; x < g->width; x++) {
             const int p = y * g->width + x;
             const real opacity = g->opacity[p];
-            sight->weight.data[p] = has_pictures ? sight->view->coverage.data[p] : fmin(opacity, 1);
-            if (!has_pictures) memcpy(sight->ambient.data + 3 * p, g->ambient + 3 * p, 3 * sizeof(real));
+            camera_view->weight.data[p] =
+                has_pictures ? camera_view->view->coverage.data[p] : fmin(opacity, 1);
+            if (!has_pictures)
+                memcpy(camera_view->ambient.data + 3 * p, g->ambient + 3 * p, 3 * sizeof(real));
             if (!(opacity >= 0.5F)) continue;
             real ray[3], normal[3];
             memcpy(normal, g->normal + 3 * p, sizeof normal);
             ffp_normalise3(normal);
             ffp_pixel_ray(camera, (real)x + 0.5F, (real)y + 0.5F, ray);
-            sight->depth.data[p] = g->depth[p] / opacity;
-            sight->facing.data[p] = fmin(fabs(ffp_dot3(normal, ray)), 1);
+            camera_view->depth.data[p] = g->depth[p] / opacity;
+            camera_view->facing.data[p] = fmin(fabs(ffp_dot3(normal, ray)), 1);
         }
 }
 
@@ -96,13 +98,13 @@ static void divide_white(const Builder *b, FfpLink *link, const FfpCamera *proje
     }
 }
 
-static void fill_link(const Builder *b, FfpSight *sight, const FfpBeam *beam, const FfpGbuffer *g,
-                      FfpLink *link) {
-    const FfpCamera *camera = &sight->view->camera, *projector = &beam->view->projector;
+static void fill_link(const Builder *b, FfpCameraView *camera_view, const FfpProjection *projection,
+                      const FfpGbuffer *g, FfpLink *link) {
+    const FfpCamera *camera = &camera_view->view->camera, *projector = &projection->view->projector;
     link->mapping = ffp_mapping_new(g->width, g->height);
     link->response = ffp_image_new(g->width, g->height, 3);
     ffp_map_to_projector(b->raster, b->gaussians, g, camera, projector, b->settings, &link->mapping);
-    const FfpView *view = sight->view;
+    const FfpView *view = camera_view->view;
     if (photographed(b, view) && same_device(&view->projector, projector)) {
         divide_white(b, link, projector, view->images[b->capture->white].data,
                      view->images[b->capture->black].data, false);
@@ -116,40 +118,40 @@ static void fill_link(const Builder *b, FfpSight *sight, const FfpBeam *beam, co
 
 static void fill_views(const Builder *b) {
     FfpViewPass *pass = ffp_view_pass_new(b->settings);
-    for (int s = 0; s < b->stage->n_sights; s++) {
-        FfpSight *sight = &b->stage->sights[s];
-        ffp_view_pass_draw(pass, b->gaussians, &sight->view->camera, &sight->view->projector);
+    for (int s = 0; s < b->stage->n_camera_views; s++) {
+        FfpCameraView *camera_view = &b->stage->camera_views[s];
+        ffp_view_pass_draw(pass, b->gaussians, &camera_view->view->camera, &camera_view->view->projector);
         const FfpGbuffer *g = ffp_view_pass_gbuffer(pass);
-        fill_sight(b, sight, g);
-        for (int k = 0; k < b->stage->n_beams; k++)
-            fill_link(b, sight, &b->stage->beams[k], g, ffp_stage_link(b->stage, s, k));
+        fill_camera_view(b, camera_view, g);
+        for (int k = 0; k < b->stage->n_projections; k++)
+            fill_link(b, camera_view, &b->stage->projections[k], g, ffp_stage_link(b->stage, s, k));
     }
     ffp_view_pass_free(pass);
 }
 
-static void fill_beams(const Builder *b) {
-    for (int k = 0; k < b->stage->n_beams; k++) {
-        FfpBeam *beam = &b->stage->beams[k];
-        const FfpCamera *projector = &beam->view->projector;
-        beam->pattern = ffp_image_new(projector->width, projector->height, 3);
-        beam->feather = ffp_image_new(projector->width, projector->height, 1);
+static void fill_projections(const Builder *b) {
+    for (int k = 0; k < b->stage->n_projections; k++) {
+        FfpProjection *projection = &b->stage->projections[k];
+        const FfpCamera *projector = &projection->view->projector;
+        projection->pattern = ffp_image_new(projector->width, projector->height, 3);
+        projection->feather = ffp_image_new(projector->width, projector->height, 1);
         const int pixels = projector->width * projector->height;
-        for (int p = 0; p < pixels; p++) beam->feather.data[p] = 1;
-        if (b->stage->n_beams == 1) continue;
+        for (int p = 0; p < pixels; p++) projection->feather.data[p] = 1;
+        if (b->stage->n_projections == 1) continue;
         FfpLitSurface surface = ffp_lit_surface_new(b->gaussians, projector, b->settings);
-        ffp_lit_surface_feather(&surface, projector, &beam->feather);
+        ffp_lit_surface_feather(&surface, projector, &projection->feather);
         ffp_lit_surface_free(&surface);
     }
 }
 
 FfpStage ffp_stage_new(const FfpGaussians *gaussians, const FfpCapture *capture, const FfpView *const *views,
                        int n_views, const FfpRenderSettings *settings, bool photographs) {
-    FfpStage stage = {.n_sights = n_views};
-    stage.sights = ffp_alloc((size_t)n_views, sizeof *stage.sights);
-    stage.beams = ffp_alloc((size_t)n_views, sizeof *stage.beams);
-    for (int v = 0; v < n_views; v++) stage.sights[v].view = views[v];
-    find_beams(&stage, views);
-    stage.links = ffp_alloc((size_t)n_views * (size_t)stage.n_beams, sizeof *stage.links);
+    FfpStage stage = {.n_camera_views = n_views};
+    stage.camera_views = ffp_alloc((size_t)n_views, sizeof *stage.camera_views);
+    stage.projections = ffp_alloc((size_t)n_views, sizeof *stage.projections);
+    for (int v = 0; v < n_views; v++) stage.camera_views[v].view = views[v];
+    find_projections(&stage, views);
+    stage.links = ffp_alloc((size_t)n_views * (size_t)stage.n_projections, sizeof *stage.links);
     Builder builder = {.stage = &stage,
                        .gaussians = gaussians,
                        .capture = capture,
@@ -158,34 +160,35 @@ FfpStage ffp_stage_new(const FfpGaussians *gaussians, const FfpCapture *capture,
                        .raster = ffp_raster_new(),
                        .photographs = photographs};
     fill_views(&builder);
-    fill_beams(&builder);
+    fill_projections(&builder);
     ffp_summed_free(&builder.white);
     ffp_raster_free(builder.raster);
     return stage;
 }
 
 void ffp_stage_free(FfpStage *stage) {
-    for (int s = 0; s < stage->n_sights; s++) {
-        FfpSight *sight = &stage->sights[s];
-        FfpImage *images[] = {&sight->depth, &sight->facing, &sight->ambient, &sight->target, &sight->weight};
+    for (int s = 0; s < stage->n_camera_views; s++) {
+        FfpCameraView *camera_view = &stage->camera_views[s];
+        FfpImage *images[] = {&camera_view->depth, &camera_view->facing, &camera_view->ambient,
+                              &camera_view->target, &camera_view->weight};
         for (size_t i = 0; i < sizeof images / sizeof *images; i++) ffp_image_free(images[i]);
     }
-    for (int k = 0; k < stage->n_beams; k++) {
-        ffp_image_free(&stage->beams[k].feather);
-        ffp_image_free(&stage->beams[k].pattern);
+    for (int k = 0; k < stage->n_projections; k++) {
+        ffp_image_free(&stage->projections[k].feather);
+        ffp_image_free(&stage->projections[k].pattern);
     }
-    for (int l = 0; l < stage->n_sights * stage->n_beams; l++) {
+    for (int l = 0; l < stage->n_camera_views * stage->n_projections; l++) {
         ffp_mapping_free(&stage->links[l].mapping);
         ffp_image_free(&stage->links[l].response);
     }
-    free(stage->sights);
-    free(stage->beams);
-    free(stage->links);
+    ffp_free(stage->camera_views);
+    ffp_free(stage->projections);
+    ffp_free(stage->links);
     *stage = (FfpStage){0};
 }
 
-void ffp_stage_aim(FfpStage *stage, int sight, const FfpImage *target, const FfpImage *alpha) {
-    FfpSight *s = &stage->sights[sight];
+void ffp_stage_aim(FfpStage *stage, int camera_view, const FfpImage *target, const FfpImage *alpha) {
+    FfpCameraView *s = &stage->camera_views[camera_view];
     ffp_image_free(&s->target);
     s->target = ffp_image_copy(target);
     const int pixels = target->width * target->height;
@@ -193,31 +196,33 @@ void ffp_stage_aim(FfpStage *stage, int sight, const FfpImage *target, const Ffp
 }
 
 void ffp_stage_scale(FfpStage *stage, real gain) {
-    for (int s = 0; s < stage->n_sights; s++) {
-        FfpImage *target = &stage->sights[s].target;
+    for (int s = 0; s < stage->n_camera_views; s++) {
+        FfpImage *target = &stage->camera_views[s].target;
         const int count = target->width * target->height * 3;
         for (int i = 0; i < count; i++) target->data[i] *= gain;
     }
 }
 
 void ffp_stage_paint(FfpStage *stage) {
-    for (int s = 0; s < stage->n_sights; s++) {
-        FfpSight *sight = &stage->sights[s];
-        const int count = sight->target.width * sight->target.height * 3;
+    for (int s = 0; s < stage->n_camera_views; s++) {
+        FfpCameraView *camera_view = &stage->camera_views[s];
+        const int count = camera_view->target.width * camera_view->target.height * 3;
         for (int i = 0; i < count; i++) {
             real sum = 0;
-            for (int k = 0; k < stage->n_beams; k++) sum += ffp_stage_link(stage, s, k)->response.data[i];
-            sight->target.data[i] = sight->ambient.data[i] + sum * fmin(sight->target.data[i], (real)1);
+            for (int k = 0; k < stage->n_projections; k++)
+                sum += ffp_stage_link(stage, s, k)->response.data[i];
+            camera_view->target.data[i] =
+                camera_view->ambient.data[i] + sum * fmin(camera_view->target.data[i], (real)1);
         }
     }
 }
 
-FfpImage ffp_stage_picture(const FfpStage *stage, int sight) {
-    FfpImage picture = ffp_image_copy(&stage->sights[sight].ambient);
+FfpImage ffp_stage_picture(const FfpStage *stage, int camera_view) {
+    FfpImage picture = ffp_image_copy(&stage->camera_views[camera_view].ambient);
     const int pixels = picture.width * picture.height;
-    for (int k = 0; k < stage->n_beams; k++) {
-        const FfpLink *link = ffp_stage_link(stage, sight, k);
-        FfpSummed summed = ffp_summed_new(&stage->beams[k].pattern);
+    for (int k = 0; k < stage->n_projections; k++) {
+        const FfpLink *link = ffp_stage_link(stage, camera_view, k);
+        FfpSummed summed = ffp_summed_new(&stage->projections[k].pattern);
 #pragma omp parallel for schedule(static)
         for (int p = 0; p < pixels; p++) {
             const real *uv = link->mapping.uv + 2 * p, *extent = link->mapping.extent + 2 * p;

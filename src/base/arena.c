@@ -1,12 +1,8 @@
 #include "base/arena.h"
 
-#include <stdint.h>
-#include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 #include "base/device.h"
 
-#define ALIGNMENT ((size_t)64)
 #define CHUNK_BYTES ((size_t)1 << 20) // the least that is asked of the system at a time
 
 typedef struct Chunk {
@@ -21,24 +17,6 @@ struct FfpArena {
     size_t in_use, high_water;
 };
 
-static void out_of_memory(size_t count, size_t size) {
-    fprintf(stderr, "ffprocams: error: out of memory (%zu x %zu bytes)\n", count, size);
-    abort();
-}
-
-size_t ffp_checked_bytes(size_t count, size_t size) {
-    size_t bytes = 0;
-    if (__builtin_mul_overflow(count, size, &bytes) || bytes > SIZE_MAX - 2 * ALIGNMENT)
-        out_of_memory(count, size);
-    return bytes == 0 ? ALIGNMENT : (bytes + ALIGNMENT - 1) / ALIGNMENT * ALIGNMENT;
-}
-
-static void *aligned_bytes(size_t bytes) {
-    void *block = aligned_alloc(ALIGNMENT, bytes);
-    if (block == NULL) out_of_memory(1, bytes);
-    return block;
-}
-
 FfpArena *ffp_arena_new(void) {
     FfpArena *arena = ffp_alloc(1, sizeof *arena);
     arena->device = ffp_device();
@@ -47,9 +25,9 @@ FfpArena *ffp_arena_new(void) {
 
 static void release(const FfpArena *arena, void *bytes) {
     if (arena->device)
-        arena->device->release(bytes);
+        ffp_free_on_device(arena->device, bytes);
     else
-        free(bytes);
+        ffp_free(bytes);
 }
 
 void ffp_arena_free(FfpArena *arena) {
@@ -57,9 +35,9 @@ void ffp_arena_free(FfpArena *arena) {
     for (Chunk *chunk = arena->first, *next = NULL; chunk != NULL; chunk = next) {
         next = chunk->next;
         release(arena, chunk->bytes);
-        free(chunk);
+        ffp_free(chunk);
     }
-    free(arena);
+    ffp_free(arena);
 }
 
 // A chunk with at least `bytes` free: the current one, an empty one kept by a reset, or a new one put behind
@@ -70,7 +48,8 @@ static Chunk *chunk_for(FfpArena *arena, size_t bytes) {
     if (chunk == NULL || chunk->capacity - chunk->used < bytes) {
         Chunk *fresh = ffp_alloc(1, sizeof *fresh);
         fresh->capacity = bytes > CHUNK_BYTES ? bytes : CHUNK_BYTES;
-        fresh->bytes = arena->device ? arena->device->alloc(fresh->capacity) : aligned_bytes(fresh->capacity);
+        fresh->bytes = arena->device ? ffp_alloc_on_device(arena->device, fresh->capacity)
+                                     : ffp_alloc_undefined(fresh->capacity);
         if (chunk == NULL)
             arena->first = fresh;
         else
@@ -101,9 +80,4 @@ void ffp_arena_reset(FfpArena *arena) {
 
 size_t ffp_arena_high_water(const FfpArena *arena) {
     return arena->high_water;
-}
-
-void *ffp_alloc(size_t count, size_t size) {
-    const size_t bytes = ffp_checked_bytes(count, size);
-    return memset(aligned_bytes(bytes), 0, bytes);
 }

@@ -88,9 +88,10 @@ bool ffp_cpu_check(FfpError *err) {
     if (!refused) return true;
     for (int level = 0; level < FFP_CPU_LEVELS; level++)
         if (strcmp(refused, names[level]) == 0)
-            return ffp_fail(err, "FFPROCAMS_CPU", "this processor cannot run %s; its best is %s", refused,
-                            names[best]);
-    return ffp_fail(err, "FFPROCAMS_CPU", "%s is none of portable, avx2, avx512, avx512bf16, amx", refused);
+            return ffp_fail(err, FFP_ERROR_ARGUMENT, "FFPROCAMS_CPU",
+                            "this processor cannot run %s; its best is %s", refused, names[best]);
+    return ffp_fail(err, FFP_ERROR_ARGUMENT, "FFPROCAMS_CPU",
+                    "%s is none of portable, avx2, avx512, avx512bf16, amx", refused);
 }
 
 bool ffp_cpu_set_level(FfpCpuLevel level) {

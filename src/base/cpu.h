@@ -2,7 +2,8 @@
 #ifndef FFP_BASE_CPU_H
 #define FFP_BASE_CPU_H
 
-#include <stdbool.h>
+#include "base/error.h"
+#include "ffprocams/api.h"
 
 // Each level contains those before it. On processors other than x86-64 only the first exists.
 typedef enum FfpCpuLevel {
@@ -18,8 +19,10 @@ const char *ffp_cpu_name(FfpCpuLevel level); // portable, avx2, avx512, avx512bf
 FfpCpuLevel ffp_cpu_best(void);              // the highest level that this processor and kernel can run
 
 // The level in use: the best, or the one that the environment variable FFPROCAMS_CPU names if it can run here
-// (ffp_cpu_check of the public header tells). Decided at the first call.
+// (ffp_cpu_check tells). Decided at the first call.
 FfpCpuLevel ffp_cpu_level(void);
+// Whether FFPROCAMS_CPU names a level that this processor can run, or nothing.
+FFP_API bool ffp_cpu_check(FfpError *err); // public too
 // For tests and benchmarks: uses another level from now on; false when it cannot run here. Not while
 // kernels run.
 bool ffp_cpu_set_level(FfpCpuLevel level);

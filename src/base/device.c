@@ -1,9 +1,9 @@
 #include "base/device.h"
 
 #include <stddef.h>
+#include "base/call.h"
 
 static _Thread_local const FfpDevice *in_use;
-static const FfpDevice *offered;
 
 const FfpDevice *ffp_device(void) {
     return in_use;
@@ -15,10 +15,7 @@ const FfpDevice *ffp_device_use(const FfpDevice *device) {
     return before;
 }
 
-void ffp_device_offer(const FfpDevice *device) {
-    offered = device;
-}
-
 const FfpDevice *ffp_device_offered(void) {
-    return offered;
+    const FfpContext *context = ffp_call_context();
+    return context ? context->device : NULL;
 }

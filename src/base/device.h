@@ -12,7 +12,7 @@
 // failure of the device ends the program with a message: what was queued cannot be told apart any more.
 typedef struct FfpDevice {
     const char *name;
-    void *(*alloc)(size_t bytes); // contents undefined; never NULL
+    void *(*alloc)(size_t bytes); // contents undefined; NULL when there is no room
     void (*release)(void *block); // NULL is allowed
     void (*upload)(void *to, const void *from_host, size_t bytes);
     void (*download)(void *to_host, const void *from, size_t bytes);
@@ -34,9 +34,8 @@ const FfpDevice *ffp_device(void);
 // Returns what was in use before, to be set again.
 const FfpDevice *ffp_device_use(const FfpDevice *device);
 
-// The device that the program's long work (training, reconstruction) is to use; NULL, as at first: the CPU.
-// For the whole process; set once, before such work begins.
-void ffp_device_offer(const FfpDevice *device);
+// The device that long work (training, reconstruction) of the call at work (base/call.h) is to use, as its
+// context has it; NULL: the CPU.
 const FfpDevice *ffp_device_offered(void);
 
 // Memory of what this thread works on. new: count * size bytes, zeroed, as ffp_alloc on the CPU.

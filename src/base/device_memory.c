@@ -1,5 +1,4 @@
 // Memory of what a thread works on (device.h).
-#include <stdlib.h>
 #include <string.h>
 #include "base/arena.h"
 #include "base/device.h"
@@ -8,7 +7,7 @@ void *ffp_memory_new(size_t count, size_t size) {
     const FfpDevice *device = ffp_device();
     if (!device) return ffp_alloc(count, size);
     const size_t bytes = ffp_checked_bytes(count, size);
-    void *block = device->alloc(bytes);
+    void *block = ffp_alloc_on_device(device, bytes);
     device->zero(block, bytes);
     return block;
 }
@@ -16,9 +15,9 @@ void *ffp_memory_new(size_t count, size_t size) {
 void ffp_memory_free(void *block) {
     const FfpDevice *device = ffp_device();
     if (device)
-        device->release(block);
+        ffp_free_on_device(device, block);
     else
-        free(block);
+        ffp_free(block);
 }
 
 void ffp_memory_zero(void *block, size_t bytes) {

@@ -4,7 +4,7 @@
 #include <stdio.h>
 #include <string.h>
 
-bool ffp_fail(FfpError *err, const char *where, const char *what_format, ...) {
+bool ffp_fail(FfpError *err, FfpErrorCode code, const char *where, const char *what_format, ...) {
     if (err == NULL) return false;
     // Assembled aside: `where` and the arguments may point into err->text when a caller adds to an older
     // message.
@@ -21,6 +21,7 @@ bool ffp_fail(FfpError *err, const char *where, const char *what_format, ...) {
         if ((unsigned char)*c < 32 || *c == 127) *c = '?'; // names from files must not steer a terminal
     }
     memcpy(err->text, text, sizeof text);
+    err->code = code;
     return false;
 }
 

@@ -3,13 +3,13 @@
 #define FFP_BASE_ERROR_H
 
 #include <stdbool.h>
-#include "ffprocams.h" // struct FfpError is public
+#include "ffprocams/error.h" // the one public type that all rooms share
 
-// Writes "WHAT (WHERE)" into err (which may be NULL) and returns false, so that a caller can `return
-// ffp_fail(...)`. `where` may be NULL: then only WHAT is written. Control characters in the text are replaced
-// by '?'.
-bool ffp_fail(FfpError *err, const char *where, const char *what_format, ...)
-    __attribute__((format(printf, 3, 4)));
+// Writes the code and "WHAT (WHERE)" into err (which may be NULL) and returns false, so that a caller can
+// `return ffp_fail(...)`. `where` may be NULL: then only WHAT is written. Control characters in the text are
+// replaced by '?'.
+bool ffp_fail(FfpError *err, FfpErrorCode code, const char *where, const char *what_format, ...)
+    __attribute__((format(printf, 4, 5)));
 
 // "FILE: FIELD" for an error's WHERE, as ffp_place(file, field).text; very long names are cut.
 typedef struct FfpPlace {

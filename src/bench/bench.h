@@ -4,6 +4,7 @@
 
 #include <stdbool.h>
 #include <stddef.h>
+#include <stdio.h>
 #include "base/error.h"
 
 // Measured on all threads of OpenMP at once.
@@ -46,5 +47,8 @@ void ffp_bench_kernels(FfpBenchTable *table);
 // reconstruction of `small`, fresh from its initialisation, on a made-up scene. Errors: the scene's.
 void ffp_bench_rasteriser(FfpBenchTable *table);
 bool ffp_bench_steps(FfpBenchTable *table, FfpError *err);
+
+// Measures everything, writes tables for people to `out`, and as JSON to a file unless `json` is NULL.
+bool ffp_bench(FILE *out, const char *json, FfpError *err);
 
 #endif

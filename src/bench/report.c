@@ -4,17 +4,16 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include "ffprocams.h"
 #include "base/arena.h"
 #include "base/cpu.h"
 #include "base/file.h"
 #include "bench/bench.h"
+#include "base/log.h"
 
 void ffp_bench_add(FfpBenchTable *table, const FfpBenchRow *row) {
     if (table->count == table->room) {
         table->room = table->room ? 2 * table->room : 32;
-        table->rows = realloc(table->rows, (size_t)table->room * sizeof *table->rows);
-        if (!table->rows) abort();
+        table->rows = ffp_grow(table->rows, (size_t)table->room, sizeof *table->rows);
     }
     table->rows[table->count++] = *row;
 }
@@ -45,18 +44,18 @@ double ffp_bench_share(const FfpBenchRow *row, const FfpPeaks *peaks) {
     return rate_of(row) / peak_of(row->bound, peaks);
 }
 
-static void print_table(const char *title, const FfpBenchTable *table, const FfpPeaks *peaks) {
-    printf("\n%-22s %-38s %9s %10s %7s %9s\n", title, "", "ms", "G/s", "share", "peak MB");
+static void print_table(FILE *out, const char *title, const FfpBenchTable *table, const FfpPeaks *peaks) {
+    fprintf(out, "\n%-22s %-38s %9s %10s %7s %9s\n", title, "", "ms", "G/s", "share", "peak MB");
     for (int i = 0; i < table->count; i++) {
         const FfpBenchRow *row = &table->rows[i];
-        printf("%-22s %-38s %9.3f", row->name, row->shape, row->ms);
+        fprintf(out, "%-22s %-38s %9.3f", row->name, row->shape, row->ms);
         if (row->work > 0)
-            printf(" %6.0f %-3s %5.0f %%", rate_of(row), row->bound == FFP_BOUND_COPY ? "B" : "op",
-                   100 * ffp_bench_share(row, peaks));
+            fprintf(out, " %6.0f %-3s %5.0f %%", rate_of(row), row->bound == FFP_BOUND_COPY ? "B" : "op",
+                    100 * ffp_bench_share(row, peaks));
         else
-            printf(" %10s %7s", "", "");
-        if (row->peak_mb > 0) printf(" %9.0f", row->peak_mb);
-        printf("\n");
+            fprintf(out, " %10s %7s", "", "");
+        if (row->peak_mb > 0) fprintf(out, " %9.0f", row->peak_mb);
+        fprintf(out, "\n");
     }
 }
 
@@ -84,25 +83,27 @@ static bool write_json(const char *path, const FfpPeaks *peaks, const FfpBenchTa
                             rows_of(kernels, peaks, false), "steps", rows_of(steps, peaks, true));
     char *text = json_dumps(all, JSON_INDENT(1) | JSON_PRESERVE_ORDER | JSON_REAL_PRECISION(6));
     json_decref(all);
-    if (!text) abort();
+    if (!text) return ffp_fail(err, FFP_ERROR_MEMORY, path, "out of memory");
     const bool ok = ffp_write_file(path, text, strlen(text), err);
     free(text);
     return ok;
 }
 
-bool ffp_benchmark(const char *json, FfpError *err) {
+bool ffp_bench(FILE *out, const char *json, FfpError *err) {
     FfpBenchTable kernels = {0}, steps = {0};
-    printf("kernels for %s, %d threads\n", ffp_cpu_name(ffp_cpu_level()), omp_get_max_threads());
+    fprintf(out, "kernels for %s, %d threads\n", ffp_cpu_name(ffp_cpu_level()), omp_get_max_threads());
     const FfpPeaks peaks = ffp_bench_peaks();
-    printf("peaks: %.0f GFLOP/s in products, %.0f in fp32 multiply-adds, %.1f GB/s copied\n", peaks.products,
-           peaks.fma, peaks.copy);
+    fprintf(out, "peaks: %.0f GFLOP/s in products, %.0f in fp32 multiply-adds, %.1f GB/s copied\n",
+            peaks.products, peaks.fma, peaks.copy);
+    ffp_note("measuring kernels");
     ffp_bench_kernels(&kernels);
-    print_table("kernel", &kernels, &peaks);
+    print_table(out, "kernel", &kernels, &peaks);
+    ffp_note("measuring steps");
     ffp_bench_rasteriser(&steps);
     bool ok = ffp_bench_steps(&steps, err);
-    if (ok) print_table("step", &steps, &peaks);
+    if (ok) print_table(out, "step", &steps, &peaks);
     ok = ok && (!json || write_json(json, &peaks, &kernels, &steps, err));
-    free(kernels.rows);
-    free(steps.rows);
+    ffp_free(kernels.rows);
+    ffp_free(steps.rows);
     return ok;
 }

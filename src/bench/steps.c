@@ -8,7 +8,7 @@
 #include "base/log.h"
 #include "base/memory.h"
 #include "bench/bench.h"
-#include "ffprocams.h"
+#include "refine/refine.h"
 #include "network/layout.h"
 #include "render/pass.h"
 #include "train/train.h"
@@ -166,7 +166,7 @@ static bool reconstruction(Steps *s, FfpBenchTable *table, FfpError *err) {
     add(table, "  network", "forward, with the heads", best[1], 0, 0);
     add(table, "  picture", "rasterised, mapped, shaded", best[2], 0, 0);
     char steps[64];
-    snprintf(steps, sizeof steps, "%d steps; not in the sum above", FFP_POLISH_STEPS);
+    snprintf(steps, sizeof steps, "%d steps; not in the sum above", FFP_POLISH_DEFAULT_STEPS);
     add(table, "polish", steps, polished, 0, 0);
     return true;
 }
@@ -175,7 +175,7 @@ bool ffp_bench_steps(FfpBenchTable *table, FfpError *err) {
     Steps s = {.config = ffp_train_defaults()};
     s.config.resolution = 128;
     s.config.warmup_geometry = 0;
-    s.config.polish_steps = FFP_POLISH_STEPS;
+    s.config.polish_steps = FFP_POLISH_DEFAULT_STEPS;
     ffp_model_preset(&s.config.model, "small");
     if (!ffp_scene_open(&s.scene, &s.config, "train", 0, s.config.resolution, err)) return false;
     s.model = ffp_model_new(&s.config.model, 1, err);
@@ -187,7 +187,7 @@ bool ffp_bench_steps(FfpBenchTable *table, FfpError *err) {
         ok = training(&s, table, err) && reconstruction(&s, table, err);
         ffp_stepper_free(s.stepper);
         ffp_adam_free(&s.adam);
-        free(s.grad);
+        ffp_free(s.grad);
     }
     ffp_model_free(s.model);
     ffp_scene_close(&s.scene);

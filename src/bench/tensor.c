@@ -175,5 +175,5 @@ void ffp_bench_kernels(FfpBenchTable *table) {
         ffp_bench_add(table, &row);
     }
     float *all[] = {x.a, x.b, x.c, x.d, x.w, x.dw, x.small, x.dsmall, x.row, x.row2, x.scratch};
-    for (size_t i = 0; i < sizeof all / sizeof *all; i++) free(all[i]);
+    for (size_t i = 0; i < sizeof all / sizeof *all; i++) ffp_free(all[i]);
 }

@@ -1,10 +1,18 @@
-// Where the object is, from what all devices look at and from how far its silhouettes reach.
+// Where the object is: what all devices look at, or, where their axes run nearly alike and do not tell, the
+// surfaces that the projected colours give; and how far its silhouettes reach.
 #include <math.h>
+#include <stdlib.h>
 
 #include "base/vec.h"
+#include "base/arena.h"
 #include "capture/capture.h"
+#include "capture/coarse_depth.h"
 
 #define MARGIN 1.02 // on the radius
+// Smallest eigenvalue of the mean of 1 - d d^T below which axes d are nearly alike: for one camera and one
+// projector, 37 degrees between them. A device's axis need not hit the object: lenses are shifted.
+#define ALIKE 0.1
+#define OUTLIERS 0.05 // share of matched points at either end that may be wrong
 
 // Solves the symmetric 3x3 system by Cramer's rule; false when it is singular to working precision.
 static bool solve3(const double a[3][3], const double b[3], double x[3]) {
@@ -25,9 +33,8 @@ static bool solve3(const double a[3][3], const double b[3], double x[3]) {
     return true;
 }
 
-// The point nearest to all axes: sum over devices of (1 - d d^T)(c - o) = 0.
-static bool meeting_point(const FfpCapture *capture, double centre[3]) {
-    double a[3][3] = {{0}}, b[3] = {0};
+// Sum over devices of (1 - d d^T), and of it times their places.
+static void sum_axes(const FfpCapture *capture, double a[3][3], double b[3]) {
     for (int k = 0; k < 2 * capture->n_views; k++) {
         const FfpView *view = &capture->views[k / 2];
         const real *pose = k % 2 == 0 ? view->camera.pose : view->projector.pose;
@@ -39,7 +46,31 @@ static bool meeting_point(const FfpCapture *capture, double centre[3]) {
             }
         }
     }
+}
+
+// The point nearest to all axes: sum over devices of (1 - d d^T)(c - o) = 0.
+static bool meeting_point(const FfpCapture *capture, double centre[3]) {
+    double a[3][3] = {{0}}, b[3] = {0};
+    sum_axes(capture, a, b);
     return solve3(a, b, centre);
+}
+
+// The smallest eigenvalue is n times 1 - the largest of the mean of d d^T, found by powers of that.
+static bool axes_are_alike(const FfpCapture *capture) {
+    const double n = 2.0 * capture->n_views;
+    double a[3][3] = {{0}}, b[3] = {0}, v[3] = {0.3, 0.5, 0.8}, largest = 0;
+    sum_axes(capture, a, b);
+    for (int step = 0; step < 100; step++) {
+        double next[3], length = 0;
+        for (int i = 0; i < 3; i++) {
+            next[i] = v[i];
+            for (int j = 0; j < 3; j++) next[i] -= a[i][j] * v[j] / n;
+            length += next[i] * next[i];
+        }
+        largest = sqrt(length);
+        for (int i = 0; i < 3 && largest > 0; i++) v[i] = next[i] / largest;
+    }
+    return 1 - largest < ALIKE;
 }
 
 // For rigs whose axes are parallel: in front of the devices' mean, four times as far as they lie apart.
@@ -90,10 +121,44 @@ static double silhouette_radius(const FfpCapture *capture, const double centre[3
     return sqrt(worst);
 }
 
+static int ascending(const void *a, const void *b) {
+    const real x = *(const real *)a, y = *(const real *)b;
+    return (x > y) - (x < y);
+}
+
+// The middle of what lies between the outliers, along each axis, and how far that reaches from it.
+static void enclose(real (*points)[3], int n, double centre[3], double *reach) {
+    real *values = ffp_alloc((size_t)n, sizeof *values);
+    const int skipped = (int)(OUTLIERS * n);
+    for (int i = 0; i < 3; i++) {
+        for (int k = 0; k < n; k++) values[k] = points[k][i];
+        qsort(values, (size_t)n, sizeof *values, ascending);
+        centre[i] = ((double)values[skipped] + (double)values[n - 1 - skipped]) / 2;
+    }
+    for (int k = 0; k < n; k++) {
+        double square = 0;
+        for (int i = 0; i < 3; i++) square += pow((double)points[k][i] - centre[i], 2);
+        values[k] = (real)sqrt(square);
+    }
+    qsort(values, (size_t)n, sizeof *values, ascending);
+    *reach = (double)values[n - 1 - skipped];
+    ffp_free(values);
+}
+
+// Where the projected colours say that the lit surfaces are, in place of `centre`, unless they tell nothing.
+static void match_surfaces(const FfpCapture *capture, bool guessed, double centre[3], double *reach) {
+    real(*points)[3] = ffp_alloc(FFP_COARSE_POINTS_MAX, sizeof *points);
+    const int n = ffp_coarse_points(capture, guessed ? centre : NULL, points);
+    if (n > 0) enclose(points, n, centre, reach);
+    ffp_free(points);
+}
+
 void ffp_capture_estimate_bounds(FfpCapture *capture) {
-    double centre[3];
-    if (!meeting_point(capture, centre)) point_ahead(capture, centre);
-    double radius = MARGIN * silhouette_radius(capture, centre);
+    double centre[3], reach = 0;
+    const bool meet = meeting_point(capture, centre);
+    if (!meet) point_ahead(capture, centre);
+    if (axes_are_alike(capture)) match_surfaces(capture, meet, centre, &reach);
+    double radius = MARGIN * fmax(silhouette_radius(capture, centre), reach);
     if (radius <= 0) { // nothing is covered: a third of the way to the first camera
         double square = 0;
         for (int i = 0; i < 3; i++)

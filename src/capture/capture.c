@@ -4,15 +4,16 @@
 #include <string.h>
 #include <tgmath.h>
 
+#include "base/alloc.h"
 #include "base/vec.h"
 #include "capture/project.h"
 
 #define SAME_POSE 1e-4F
 #define SAME_LENS 1e-2F // pixels
 
-static void free_view(FfpView *view, int n_patterns) {
+void ffp_view_free(FfpView *view, int n_patterns) {
     for (int i = 0; view->images != NULL && i < n_patterns; i++) ffp_image_free(&view->images[i]);
-    free(view->images);
+    ffp_free(view->images);
     ffp_image_free(&view->coverage);
     ffp_image_free(&view->depth);
     ffp_image_free(&view->normal);
@@ -24,13 +25,13 @@ static void free_view(FfpView *view, int n_patterns) {
 void ffp_capture_free(FfpCapture *capture) {
     if (capture == NULL) return;
     for (int i = 0; capture->views != NULL && i < capture->n_views; i++) {
-        free_view(&capture->views[i], capture->n_patterns);
+        ffp_view_free(&capture->views[i], capture->n_patterns);
     }
     for (int i = 0; capture->patterns != NULL && i < capture->n_patterns; i++) {
         ffp_image_free(&capture->patterns[i].image);
     }
-    free(capture->views);
-    free(capture->patterns);
+    ffp_free(capture->views);
+    ffp_free(capture->patterns);
     *capture = (FfpCapture){0};
 }
 
@@ -62,22 +63,25 @@ int ffp_capture_active_pattern(const FfpCapture *capture, const char *name, FfpE
             const bool usable = i != capture->black && i != capture->white && !capture->patterns[i].novel;
             if (usable && view_without(capture, i) < 0) return i;
         }
-        ffp_fail(err, capture->name, "no structured-light pattern that every view was seen under");
+        ffp_fail(err, FFP_ERROR_FILE, capture->name,
+                 "no structured-light pattern that every view was seen under");
         return -1;
     }
     const int found = ffp_capture_find_pattern(capture, name);
     if (found < 0) {
-        ffp_fail(err, capture->name, "no pattern '%.96s' in this capture", name);
+        ffp_fail(err, FFP_ERROR_FILE, capture->name, "no pattern '%.96s' in this capture; there are %s", name,
+                 ffp_list_patterns(capture).text);
         return -1;
     }
     if (found == capture->black || found == capture->white) {
-        ffp_fail(err, capture->name, "pattern '%.96s' is plain: it tells nothing about depth", name);
+        ffp_fail(err, FFP_ERROR_FILE, capture->name, "pattern '%.96s' is plain: it tells nothing about depth",
+                 name);
         return -1;
     }
     const int view = view_without(capture, found);
     if (view < 0) return found;
-    ffp_fail(err, capture->name, "view '%s' has no picture under pattern '%.96s'", capture->views[view].id,
-             name);
+    ffp_fail(err, FFP_ERROR_FILE, capture->name, "view '%s' has no picture under pattern '%.96s'",
+             capture->views[view].id, name);
     return -1;
 }
 

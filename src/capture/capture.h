@@ -65,7 +65,13 @@ bool ffp_capture_read(FfpCapture *capture, const char *path, FfpError *err);
 // view without any image has coverage 0. `path` is the file, or a folder with targets.json.
 bool ffp_capture_read_targets(FfpCapture *targets, const char *path, const FfpCapture *reference,
                               FfpError *err);
+// Devices alone, of a targets file or a capture's JSON (or a folder with one) whose photographs need not be
+// there: views have no pictures and no coverage. Patterns have images where their files are; black and white
+// always. Intensity (intensity_known) and sphere (radius 0: none) are what the file says. `width` and
+// `height` are the projector's where the file says neither its size nor has a pattern; 0: an error.
+bool ffp_capture_read_poses(FfpCapture *poses, const char *path, int width, int height, FfpError *err);
 void ffp_capture_free(FfpCapture *capture);
+void ffp_view_free(FfpView *view, int n_patterns); // what it holds
 
 // Writes folder/scene.json, images (8-bit sRGB PNG with alpha), depth (float EXR) and the other truth maps it
 // has, and patterns/ (8-bit sRGB PNG). scene.json is written last: a folder without it is not a capture.
@@ -84,14 +90,22 @@ bool ffp_capture_probe(const char *folder, FfpError *err);
 
 int ffp_capture_find_pattern(const FfpCapture *capture, const char *name); // index, or -1
 int ffp_capture_find_view(const FfpCapture *capture, const char *id);      // index, or -1
+// "000, 045, 090 and 61 more": names for the errors about one that is not there, ffp_list_views(capture).text
+enum { FFP_LISTED_MAX = 256 };
+typedef struct FfpListed {
+    char text[FFP_LISTED_MAX];
+} FfpListed;
+FfpListed ffp_list_views(const FfpCapture *capture);
+FfpListed ffp_list_patterns(const FfpCapture *capture);
 // The structured-light pattern a reconstruction uses: the named one, or (name NULL) the first that is neither
 // black, white nor novel and that every view has. -1 with an error when there is none.
 int ffp_capture_active_pattern(const FfpCapture *capture, const char *name, FfpError *err);
 
-// The least-squares meeting point of all camera and projector axes, and the radius that the masks reach
-// around it (the largest distance between the centre and a foreground pixel's ray, over all views, and 2 %
-// more, so that rays along a silhouette pass through the sphere and do not just touch it). Writes centre and
-// radius.
+// The least-squares meeting point of all camera and projector axes, or where these are nearly parallel the
+// middle of the lit surfaces as the projected colours give them (coarse_depth.h); and the radius that the
+// masks reach around it (the largest distance between the centre and a foreground pixel's ray, over all
+// views, and 2 % more, so that rays along a silhouette pass through the sphere and do not just touch it).
+// Writes centre and radius.
 void ffp_capture_estimate_bounds(FfpCapture *capture);
 
 // World <- (world - centre) / radius for everything in the capture (poses, depth); the intensity is divided

@@ -27,15 +27,10 @@ static void apply_mask(const FfpCapture *capture, FfpView *view, const FfpImage 
     }
 }
 
-static bool cover_by_mask(const FfpCapture *capture, FfpView *view, const char *path, FfpError *err) {
-    FfpImage rgba;
-    if (!ffp_image_read(&rgba, path, FFP_COLOUR_ENCODED, err)) return false;
-    view->coverage = ffp_image_new(rgba.width, rgba.height, 1);
-    const ptrdiff_t pixels = (ptrdiff_t)rgba.width * rgba.height;
-    for (ptrdiff_t i = 0; i < pixels; i++) view->coverage.data[i] = rgba.data[4 * i] * rgba.data[4 * i + 3];
-    ffp_image_free(&rgba);
+static bool cover_by_mask(const FfpCapture *capture, FfpView *view, const FfpSource *mask, FfpError *err) {
+    if (!ffp_source_mask(&view->coverage, mask, err)) return false;
     clamp_to_unit(&view->coverage);
-    apply_mask(capture, view, &view->coverage);
+    if (!mask->applied) apply_mask(capture, view, &view->coverage);
     return true;
 }
 
@@ -67,10 +62,10 @@ static FfpCoverageSource guess(const FfpCapture *capture, FfpView *view) {
     return any ? FFP_COVERAGE_GUESSED : FFP_COVERAGE_NONE;
 }
 
-bool ffp_cover_view(const FfpCapture *capture, FfpView *view, const FfpImage *alphas, const char *mask,
+bool ffp_cover_view(const FfpCapture *capture, FfpView *view, const FfpImage *alphas, const FfpSource *mask,
                     bool mask_first, FfpCoverageSource *source, FfpError *err) {
     const FfpImage *alpha = best_alpha(capture, alphas);
-    if (mask != NULL && (mask_first || alpha == NULL)) {
+    if (mask->path != NULL && (mask_first || alpha == NULL)) {
         *source = FFP_COVERAGE_MASK;
         return cover_by_mask(capture, view, mask, err);
     }
@@ -127,7 +122,7 @@ bool ffp_estimate_intensity(FfpCapture *capture, const char *file, FfpError *err
         const double intensity = (double)albedos[(size_t)(0.95 * (double)(count - 1))] / 0.8;
         for (int c = 0; c < 3; c++) capture->intensity[c] = (real)intensity;
     }
-    free(albedos);
-    return count > 0 ||
-           ffp_fail(err, file, "no pixel is brighter under the white pattern than under the black one");
+    ffp_free(albedos);
+    return count > 0 || ffp_fail(err, FFP_ERROR_FILE, file,
+                                 "no pixel is brighter under the white pattern than under the black one");
 }

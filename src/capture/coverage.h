@@ -3,7 +3,7 @@
 #ifndef FFP_CAPTURE_COVERAGE_H
 #define FFP_CAPTURE_COVERAGE_H
 
-#include "capture/capture.h"
+#include "capture/manifest.h"
 
 typedef enum FfpCoverageSource {
     FFP_COVERAGE_MASK,    // a mask file; the pictures are multiplied by it, as if it were their alpha
@@ -13,9 +13,9 @@ typedef enum FfpCoverageSource {
     FFP_COVERAGE_NONE,    // no pictures: 0 everywhere
 } FfpCoverageSource;
 
-// Fills view->coverage. `alphas` [n_patterns]: alpha of each picture, .data NULL where it has none. `mask`: a
-// file or NULL; it outranks alpha when `mask_first`.
-bool ffp_cover_view(const FfpCapture *capture, FfpView *view, const FfpImage *alphas, const char *mask,
+// Fills view->coverage. `alphas` [n_patterns]: alpha of each picture, .data NULL where it has none. `mask`
+// outranks alpha when `mask_first`.
+bool ffp_cover_view(const FfpCapture *capture, FfpView *view, const FfpImage *alphas, const FfpSource *mask,
                     bool mask_first, FfpCoverageSource *source, FfpError *err);
 
 // For a projector of unknown strength: the one scalar I that puts the 95th percentile of the apparent albedo

@@ -5,28 +5,48 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/call.h"
 #include "base/file.h"
 
 #define JSON_BYTES_MAX ((size_t)64 << 20)
+
+static void release(void *value) {
+    json_decref(value);
+}
+
+void ffp_json_own(json_t *value) {
+    ffp_own(value, release);
+}
+
+void ffp_json_release(json_t *value) {
+    ffp_disown(value);
+    json_decref(value);
+}
+
+void ffp_field_close(FfpField *root) {
+    ffp_json_release(root->value);
+    root->value = NULL;
+}
 
 bool ffp_field_open(FfpField *root, const char *path, FfpError *err) {
     *root = (FfpField){.file = path};
     char *text = NULL;
     size_t size = 0;
-    if (!ffp_read_file(path, JSON_BYTES_MAX, &text, &size, err)) return false;
+    if (!ffp_read_text(path, JSON_BYTES_MAX, &text, &size, err)) return false;
     json_error_t why;
     json_t *value = json_loadb(text, size, JSON_REJECT_DUPLICATES, &why);
-    free(text);
+    ffp_free(text);
     if (value == NULL) {
         snprintf(root->place, sizeof root->place, "line %d", why.line);
         return ffp_field_fail(root, err, "broken JSON: %s", why.text);
     }
     if (json_is_object(value)) {
         root->value = value;
+        ffp_json_own(value);
         return true;
     }
     json_decref(value);
-    return ffp_fail(err, path, "JSON is not an object");
+    return ffp_fail(err, FFP_ERROR_FILE, path, "JSON is not an object");
 }
 
 bool ffp_field_fail(const FfpField *field, FfpError *err, const char *format, ...) {
@@ -36,7 +56,7 @@ bool ffp_field_fail(const FfpField *field, FfpError *err, const char *format, ..
     vsnprintf(what, sizeof what, format, arguments);
     va_end(arguments);
     snprintf(where, sizeof where, "%s%s%s", field->file, field->place[0] != 0 ? ": " : "", field->place);
-    return ffp_fail(err, where, "%s", what);
+    return ffp_fail(err, FFP_ERROR_FILE, where, "%s", what);
 }
 
 static FfpField child(const FfpField *parent, const char *key, json_t *value) {

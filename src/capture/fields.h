@@ -14,8 +14,12 @@ typedef struct FfpField {
     json_t *value;    // borrowed
 } FfpField;
 
-// Parses a JSON file whose root is an object. The caller releases root->value with json_decref.
+// Parses a JSON file whose root is an object. Released with ffp_field_close.
 bool ffp_field_open(FfpField *root, const char *path, FfpError *err);
+void ffp_field_close(FfpField *root);
+// The JSON belongs to the call at work (base/call.h) until it is released here.
+void ffp_json_own(json_t *value);
+void ffp_json_release(json_t *value);
 bool ffp_field_fail(const FfpField *field, FfpError *err, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 
@@ -41,6 +45,11 @@ bool ffp_is_inner_path(const char *text);
 // Rows of a rigid 4x4 matrix, made exactly orthonormal. `blender`: x right, y up, -z forward in, OpenCV's
 // axes out.
 bool ffp_field_pose(const FfpField *field, bool blender, real pose[16], FfpError *err);
+
+// The same for numbers that are there already; NULL, or what is wrong with them.
+const char *ffp_pose_settle(real pose[16], bool blender);
+
+#define FFP_LENGTH_MAX 1e9 // of positions, world units; squares of it still fit a float
 
 // child(parent, key) and its number in one step.
 bool ffp_get_number(const FfpField *parent, const char *key, double low, double high, real *out,

@@ -5,18 +5,51 @@
 #include <tgmath.h>
 #include <unistd.h>
 
+#include "base/call.h"
 #include "base/file.h"
 #include "base/log.h"
 #include "capture/coverage.h"
 #include "capture/manifest.h"
+#include "capture/pad.h"
 
-static bool check_size(const FfpManifest *manifest, const char *path, int width, int height,
+// --- Sources. ---
+
+static bool source_size(const FfpSource *source, int *width, int *height, FfpError *err) {
+    if (source->raw == NULL) return ffp_image_read_size(width, height, source->path, err);
+    *width = source->raw->width, *height = source->raw->height;
+    return ffp_raw_check(source->raw, source->path, err);
+}
+
+static bool source_over_black(FfpImage *rgb, FfpImage *alpha, const FfpSource *source, FfpError *err) {
+    if (source->raw == NULL) return ffp_image_read_over_black(rgb, alpha, source->path, err);
+    return ffp_raw_over_black(rgb, alpha, source->raw, source->path, err);
+}
+
+// One channel of numbers as they stand.
+static bool source_numbers(FfpImage *image, const FfpSource *source, FfpError *err) {
+    if (source->raw == NULL) return ffp_image_read_raw16(image, source->path, err);
+    return ffp_raw_channel(image, source->raw, source->path, err);
+}
+
+bool ffp_source_mask(FfpImage *mask, const FfpSource *source, FfpError *err) {
+    if (source->raw != NULL) return ffp_raw_channel(mask, source->raw, source->path, err);
+    FfpImage rgba;
+    *mask = (FfpImage){0};
+    if (!ffp_image_read(&rgba, source->path, FFP_COLOUR_ENCODED, err)) return false;
+    *mask = ffp_image_new(rgba.width, rgba.height, 1);
+    const ptrdiff_t pixels = (ptrdiff_t)rgba.width * rgba.height;
+    for (ptrdiff_t i = 0; i < pixels; i++) mask->data[i] = rgba.data[4 * i] * rgba.data[4 * i + 3];
+    ffp_image_free(&rgba);
+    return true;
+}
+
+static bool check_size(const FfpManifest *manifest, const FfpSource *source, int width, int height,
                        const char *whose, FfpError *err) {
     int w = 0, h = 0;
-    if (!ffp_image_read_size(&w, &h, path, err)) return false;
+    if (!source_size(source, &w, &h, err)) return false;
     if (w == width && h == height) return true;
-    return ffp_fail(err, path, "image is %d x %d, but the %s in %s has %d x %d", w, h, whose,
-                    ffp_basename(manifest->file), width, height);
+    return ffp_fail(err, FFP_ERROR_FILE, source->path, "image is %d x %d, but the %s in %s has %d x %d", w, h,
+                    whose, ffp_basename(manifest->file), width, height);
 }
 
 // --- Patterns. ---
@@ -28,21 +61,24 @@ static bool settle_pattern_size(FfpManifest *manifest, FfpError *err) {
     if (manifest->known_patterns > 0) {
         const FfpImage *known = &capture->patterns[0].image;
         if (width > 0 && (width != known->width || height != known->height)) {
-            return ffp_fail(err, manifest->file, "projector of %d x %d, but the capture's has %d x %d", width,
-                            height, known->width, known->height);
+            return ffp_fail(err, FFP_ERROR_FILE, manifest->file,
+                            "projector of %d x %d, but the capture's has %d x %d", width, height,
+                            known->width, known->height);
         }
         width = known->width, height = known->height;
     }
     for (int i = 0; i < capture->n_patterns && width == 0; i++) {
-        if (manifest->patterns[i] == NULL) continue;
-        if (!ffp_image_read_size(&width, &height, manifest->patterns[i], err)) return false;
+        if (manifest->patterns[i].path == NULL) continue;
+        if (!source_size(&manifest->patterns[i], &width, &height, err)) return false;
         if (width < FFP_PATTERN_SIDE_MIN || height < FFP_PATTERN_SIDE_MIN) {
-            return ffp_fail(err, manifest->patterns[i], "a pattern of %d x %d pixels is too small", width,
-                            height);
+            return ffp_fail(err, FFP_ERROR_FILE, manifest->patterns[i].path,
+                            "a pattern of %d x %d pixels is too small", width, height);
         }
     }
+    if (width == 0) width = manifest->other_width, height = manifest->other_height;
     if (width == 0)
-        return ffp_fail(err, manifest->file, "neither a projector size nor a pattern image to take it from");
+        return ffp_fail(err, FFP_ERROR_FILE, manifest->file,
+                        "neither a projector size nor a pattern image to take it from");
     for (int v = 0; v < capture->n_views; v++) {
         capture->views[v].projector.width = width;
         capture->views[v].projector.height = height;
@@ -54,10 +90,10 @@ static bool settle_pattern_size(FfpManifest *manifest, FfpError *err) {
 static bool load_pattern(FfpManifest *manifest, int index, FfpError *err) {
     FfpPattern *pattern = &manifest->capture->patterns[index];
     const int width = manifest->pattern_width, height = manifest->pattern_height;
-    const char *path = manifest->patterns[index];
-    if (path != NULL) {
-        return check_size(manifest, path, width, height, "projector", err) &&
-               ffp_image_read_over_black(&pattern->image, NULL, path, err);
+    const FfpSource *source = &manifest->patterns[index];
+    if (source->path != NULL) {
+        return check_size(manifest, source, width, height, "projector", err) &&
+               source_over_black(&pattern->image, NULL, source, err);
     }
     pattern->image = ffp_image_new(width, height, 3);
     const ptrdiff_t count = (ptrdiff_t)width * height * 3;
@@ -68,8 +104,8 @@ static bool load_pattern(FfpManifest *manifest, int index, FfpError *err) {
 // --- Views. ---
 
 // Depth: 0, negative and 65535 and above are "no surface" in every kind of file.
-static bool load_depth(FfpManifest *manifest, FfpImage *depth, const char *path, FfpError *err) {
-    if (!ffp_image_read_raw16(depth, path, err)) return false;
+static bool load_depth(FfpManifest *manifest, FfpImage *depth, const FfpSource *source, FfpError *err) {
+    if (!source_numbers(depth, source, err)) return false;
     const ptrdiff_t pixels = (ptrdiff_t)depth->width * depth->height;
     for (ptrdiff_t i = 0; i < pixels; i++) {
         const real raw = depth->data[i];
@@ -85,14 +121,14 @@ static bool check_truth(const FfpView *view, const FfpViewFiles *files, FfpError
     for (ptrdiff_t i = 0; i < pixels && view->normal.data != NULL; i++) {
         const real *n = view->normal.data + 3 * i, square = n[0] * n[0] + n[1] * n[1] + n[2] * n[2];
         if (square > 0 && !(fabs(square - 1) < 0.05F)) {
-            return ffp_fail(err, files->normal,
+            return ffp_fail(err, FFP_ERROR_FILE, files->normal.path,
                             "normals are not unit vectors (float EXR in world axes, 0 0 0 for none)");
         }
     }
     for (ptrdiff_t i = 0; i < pixels && view->roughness.data != NULL; i++) {
         const real value = view->roughness.data[i];
         if (!(value >= 0 && value <= 1))
-            return ffp_fail(err, files->roughness, "roughness is outside 0 to 1");
+            return ffp_fail(err, FFP_ERROR_FILE, files->roughness.path, "roughness is outside 0 to 1");
     }
     return true;
 }
@@ -100,21 +136,21 @@ static bool check_truth(const FfpView *view, const FfpViewFiles *files, FfpError
 static bool load_truth(FfpManifest *manifest, int index, FfpError *err) {
     const FfpViewFiles *files = &manifest->views[index];
     FfpView *view = &manifest->capture->views[index];
-    const char *const paths[5] = {files->depth, files->normal, files->albedo, files->roughness,
-                                  files->direct_white};
+    const FfpSource *const sources[5] = {&files->depth, &files->normal, &files->albedo, &files->roughness,
+                                         &files->direct_white};
     FfpImage *const images[5] = {&view->depth, &view->normal, &view->albedo, &view->roughness,
                                  &view->direct_white};
     for (int i = 0; i < 5; i++) {
-        if (paths[i] == NULL) continue;
-        if (!check_size(manifest, paths[i], view->camera.width, view->camera.height, "camera", err))
+        if (sources[i]->path == NULL) continue;
+        if (!check_size(manifest, sources[i], view->camera.width, view->camera.height, "camera", err))
             return false;
         bool ok = false;
         if (i == 0)
-            ok = load_depth(manifest, images[i], paths[i], err);
+            ok = load_depth(manifest, images[i], sources[i], err);
         else if (i == 3)
-            ok = ffp_image_read_raw16(images[i], paths[i], err);
+            ok = source_numbers(images[i], sources[i], err);
         else
-            ok = ffp_image_read_over_black(images[i], NULL, paths[i], err);
+            ok = source_over_black(images[i], NULL, sources[i], err);
         if (!ok) return false;
     }
     return check_truth(view, files, err);
@@ -127,18 +163,20 @@ static bool load_view(FfpManifest *manifest, int index, FfpCoverageSource *sourc
     FfpImage *alphas = ffp_alloc((size_t)capture->n_patterns, sizeof *alphas);
     bool ok = true;
     for (int i = 0; i < capture->n_patterns && ok; i++) {
-        const char *path = files->images[i];
-        if (path == NULL) continue;
-        ok = check_size(manifest, path, view->camera.width, view->camera.height, "camera", err) &&
-             ffp_image_read_over_black(&view->images[i], &alphas[i], path, err);
+        const FfpSource *picture = &files->images[i];
+        if (picture->path == NULL) continue;
+        ok = check_size(manifest, picture, view->camera.width, view->camera.height, "camera", err) &&
+             source_over_black(&view->images[i], &alphas[i], picture, err);
     }
-    if (ok && files->coverage != NULL) {
-        ok = check_size(manifest, files->coverage, view->camera.width, view->camera.height, "camera", err);
+    if (ok && files->coverage.path != NULL) {
+        ok = check_size(manifest, &files->coverage, view->camera.width, view->camera.height, "camera", err);
     }
-    ok = ok && ffp_cover_view(capture, view, alphas, files->coverage, manifest->mask_is_given, source, err);
+    ok = ok && ffp_cover_view(capture, view, alphas, &files->coverage, manifest->mask_is_given, source, err);
     for (int i = 0; i < capture->n_patterns; i++) ffp_image_free(&alphas[i]);
-    free(alphas);
-    return ok && load_truth(manifest, index, err);
+    ffp_free(alphas);
+    if (!ok || !load_truth(manifest, index, err)) return false;
+    if (view->frame_width > 0) ffp_cut_to_frame(view, capture->n_patterns);
+    return true;
 }
 
 // --- All of it. ---
@@ -150,14 +188,14 @@ static bool check_memory(const FfpManifest *manifest, FfpError *err) {
     for (int v = 0; v < capture->n_views; v++) {
         double channels = 12;
         for (int i = 0; i < capture->n_patterns; i++)
-            channels += manifest->views[v].images[i] != NULL ? 4 : 0;
+            channels += manifest->views[v].images[i].path != NULL ? 4 : 0;
         values += channels * capture->views[v].camera.width * capture->views[v].camera.height;
     }
     const double needed = values * sizeof(real),
                  there = (double)sysconf(_SC_PHYS_PAGES) * (double)sysconf(_SC_PAGESIZE);
     if (needed < there) return true;
-    return ffp_fail(err, manifest->file, "the images need %.0f GB of memory; this machine has %.0f",
-                    needed / 1e9, there / 1e9);
+    return ffp_fail(err, FFP_ERROR_MEMORY, manifest->file,
+                    "the images need %.0f GB of memory; this machine has %.0f", needed / 1e9, there / 1e9);
 }
 
 static bool check_pictures(const FfpManifest *manifest, FfpError *err) {
@@ -165,10 +203,10 @@ static bool check_pictures(const FfpManifest *manifest, FfpError *err) {
     const int plain[2] = {capture->black, capture->white};
     for (int v = 0; v < capture->n_views && !manifest->targets; v++) {
         for (int k = 0; k < 2; k++) {
-            if (manifest->views[v].images[plain[k]] != NULL) continue;
+            if (manifest->views[v].images[plain[k]].path != NULL) continue;
             char where[FFP_PATH_MAX + 64];
             snprintf(where, sizeof where, "%s: views[%d]", manifest->file, v);
-            return ffp_fail(err, where, "view '%s' has no picture under the %s pattern '%s'",
+            return ffp_fail(err, FFP_ERROR_FILE, where, "view '%s' has no picture under the %s pattern '%s'",
                             capture->views[v].id, k == 0 ? "black" : "white",
                             capture->patterns[plain[k]].name);
         }
@@ -179,34 +217,71 @@ static bool check_pictures(const FfpManifest *manifest, FfpError *err) {
 // The first error of n, in the order of the list.
 static bool first_error(const FfpError *errors, const bool *ok, int n, FfpError *err) {
     for (int i = 0; i < n; i++) {
-        if (!ok[i]) return ffp_fail(err, NULL, "%s", errors[i].text);
+        if (!ok[i]) return ffp_fail(err, errors[i].code, NULL, "%s", errors[i].text);
     }
     return true;
 }
 
+typedef struct Loading {
+    FfpManifest *manifest;
+    FfpCoverageSource *sources;
+    FfpError *errors;
+    bool *ok;
+} Loading;
+
+static void load_one(void *argument, int64_t index) {
+    const Loading *l = argument;
+    const int i = (int)index, v = i - l->manifest->capture->n_patterns;
+    if (i < l->manifest->known_patterns)
+        l->ok[i] = true;
+    else if (v < 0)
+        l->ok[i] = load_pattern(l->manifest, i, &l->errors[i]);
+    else
+        l->ok[i] = load_view(l->manifest, v, &l->sources[v], &l->errors[i]);
+    ffp_cancel_point();
+}
+
 static bool load_pixels(FfpManifest *manifest, FfpCoverageSource *sources, FfpError *err) {
     FfpCapture *capture = manifest->capture;
-    const int first = manifest->known_patterns, n = capture->n_patterns + capture->n_views;
+    const int n = capture->n_patterns + capture->n_views;
     FfpError *errors = ffp_arena_alloc(manifest->arena, (size_t)n, sizeof *errors);
     bool *ok = ffp_arena_alloc(manifest->arena, (size_t)n, sizeof *ok);
     for (int v = 0; v < capture->n_views; v++) {
         capture->views[v].images = ffp_alloc((size_t)capture->n_patterns, sizeof(FfpImage));
     }
-#pragma omp parallel for schedule(dynamic)
-    for (int i = 0; i < n; i++) {
-        const int v = i - capture->n_patterns;
-        if (i < first)
-            ok[i] = true;
-        else if (v < 0)
-            ok[i] = load_pattern(manifest, i, &errors[i]);
-        else
-            ok[i] = load_view(manifest, v, &sources[v], &errors[i]);
-    }
+    ffp_parallel_for(n, 0, load_one, &(Loading){manifest, sources, errors, ok});
     return first_error(errors, ok, n, err);
+}
+
+// The pattern of one of these names, or a new one of the first.
+static int plain_pattern(FfpManifest *manifest, const char *name, const char *other, FfpError *err) {
+    const FfpField file = {.file = manifest->file};
+    const int found = ffp_capture_find_pattern(manifest->capture, other);
+    return found >= 0 ? found : ffp_manifest_pattern(manifest, name, &file, err);
+}
+
+// Devices, and the patterns whose files there are; black and white are always there.
+static bool load_poses(FfpManifest *manifest, FfpError *err) {
+    FfpCapture *capture = manifest->capture;
+    if (capture->black < 0) capture->black = plain_pattern(manifest, "black", "all_black", err);
+    if (capture->white < 0) capture->white = plain_pattern(manifest, "white", "all_white", err);
+    if (capture->black < 0 || capture->white < 0 || !settle_pattern_size(manifest, err)) return false;
+    for (int p = 0; p < capture->n_patterns; p++) {
+        const bool there = manifest->patterns[p].path != NULL || p == capture->black || p == capture->white;
+        if (there && !load_pattern(manifest, p, err)) return false;
+    }
+    for (int v = 0; v < capture->n_views; v++) {
+        FfpView *view = &capture->views[v];
+        view->images = ffp_alloc((size_t)capture->n_patterns, sizeof(FfpImage));
+        view->camera.width = ffp_frame_width(view), view->camera.height = ffp_frame_height(view);
+        view->frame_width = view->frame_height = 0;
+    }
+    return true;
 }
 
 bool ffp_manifest_load(FfpManifest *manifest, FfpError *err) {
     FfpCapture *capture = manifest->capture;
+    if (manifest->poses) return load_poses(manifest, err);
     if (!settle_pattern_size(manifest, err) || !check_memory(manifest, err) || !check_pictures(manifest, err))
         return false;
     FfpCoverageSource *sources = ffp_arena_alloc(manifest->arena, (size_t)capture->n_views, sizeof *sources);

@@ -1,28 +1,37 @@
-// What a capture's JSON says, whichever of the two kinds it is: the capture with everything but its pixels,
-// and the files that hold them. The readers of the JSON fill it in, load.c reads the pixels.
+// What is said about a capture before its pixels are looked at: poses, names, and where each picture comes
+// from. The readers of both kinds of JSON and memory.c fill it in, load.c takes the pixels.
 #ifndef FFP_CAPTURE_MANIFEST_H
 #define FFP_CAPTURE_MANIFEST_H
 
 #include "base/arena.h"
 #include "capture/capture.h"
 #include "capture/fields.h"
+#include "image/raw.h"
 
-// Paths ready to be opened; NULL: there is none.
+// Where a picture comes from: a file, or the caller's memory.
+typedef struct FfpSource {
+    const char *path;  // ready to be opened, or a name for messages; NULL: there is no picture
+    const FfpRaw *raw; // NULL: the file
+    bool applied;      // a mask: the pictures are over black with it already
+} FfpSource;
+
 typedef struct FfpViewFiles {
-    const char **images; // [FFP_PATTERNS_MAX]
-    const char *coverage, *depth, *normal, *albedo, *roughness, *direct_white;
+    FfpSource *images; // [FFP_PATTERNS_MAX]
+    FfpSource coverage, depth, normal, albedo, roughness, direct_white;
 } FfpViewFiles;
 
 typedef struct FfpManifest {
     FfpCapture *capture;
-    bool targets;          // poses to predict: views may lack black and white, or any image
-    int known_patterns;    // the first patterns have their images already (copied from the reference)
-    const char *file;      // the JSON, for messages
-    const char *folder;    // where it lies
-    FfpArena *arena;       // owns all paths
-    const char **patterns; // [FFP_PATTERNS_MAX] files; NULL: black or white without a file
-    FfpViewFiles *views;   // [n_views]
-    int pattern_width, pattern_height; // 0: as the pattern files are
+    bool targets;        // poses to predict: views may lack black and white, or any image
+    bool poses;          // likewise, and pictures that are named need not be there: none is read
+    int known_patterns;  // the first patterns have their images already (copied from the reference)
+    const char *file;    // the JSON, or a name, for messages
+    const char *folder;  // where it lies
+    FfpArena *arena;     // owns all paths
+    FfpSource *patterns; // [FFP_PATTERNS_MAX]; none: black or white without a file
+    FfpViewFiles *views; // [n_views]
+    int pattern_width, pattern_height; // 0: as the pattern files are ...
+    int other_width, other_height;     // ... or as here, where there are none; 0: an error
     bool mask_is_given; // views[].coverage was named in the JSON, so it outranks an alpha channel
     real depth_scale;   // world units per unit of the depth files
     bool has_bounds;    // centre and radius were given
@@ -44,6 +53,9 @@ const char *ffp_manifest_path(FfpManifest *manifest, const char *folder, const c
 #define FFP_PIXELS_MAX 1e7 // of focal lengths and principal points, which may lie far outside the image
 #define FFP_CAMERA_SIDE_MIN 8
 #define FFP_PATTERN_SIDE_MIN 2
+
+// A mask's share of each pixel, one channel: grey times alpha.
+bool ffp_source_mask(FfpImage *mask, const FfpSource *source, FfpError *err);
 
 // Reads all pixels, checks sizes, and completes the capture: coverage, bounds, intensity.
 bool ffp_manifest_load(FfpManifest *manifest, FfpError *err);

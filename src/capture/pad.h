@@ -13,4 +13,14 @@
 FfpCapture ffp_padded_capture(const FfpCapture *capture, const int *pictures, int n, int multiple);
 void ffp_padded_capture_free(FfpCapture *padded, const FfpCapture *capture);
 
+// In files each view's pictures have sides of whole patches of the shipped network; what the camera saw is
+// their upper left part.
+#define FFP_WHOLE_PATCH 8
+FfpCamera ffp_whole_camera(const FfpCamera *camera);
+// A view of its own with everything that this one has, filled up with black of coverage 0; its frame is what
+// the camera saw. Release with ffp_view_free.
+FfpView ffp_whole_view(const FfpView *view, int n_patterns);
+// The way back, in place: the view's frame alone.
+void ffp_cut_to_frame(FfpView *view, int n_patterns);
+
 #endif

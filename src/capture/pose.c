@@ -4,7 +4,6 @@
 
 #include "capture/fields.h"
 
-#define LENGTH_MAX 1e9        // world units; squares of it still fit a float
 #define RIGID_TOLERANCE 2e-3  // of R^T R - 1: exporters write single precision, people write four digits
 #define FLOAT_ROUNDING 2.1e-7 // of R^T R - 1 when R's numbers were rounded to float twice: 4 sqrt(3) 2^-25
 
@@ -42,19 +41,30 @@ static void orthonormalise(double r[9]) {
     }
 }
 
-static bool check_rigid(const FfpField *field, const double r[9], const real last_row[4], FfpError *err) {
+// NULL, or what is wrong with it.
+static const char *check_rigid(const double r[9], const real last_row[4]) {
     double g[9];
-    for (int i = 0; i < 4; i++) {
-        if (fabs((double)last_row[i] - (i == 3)) > 1e-6)
-            return ffp_field_fail(field, err, "last row is not 0 0 0 1");
-    }
+    for (int i = 0; i < 4; i++)
+        if (fabs((double)last_row[i] - (i == 3)) > 1e-6) return "last row is not 0 0 0 1";
     const double error = gram(r, g), det = determinant(r);
-    if (fabs(det) < 1e-9) return ffp_field_fail(field, err, "matrix is singular");
-    if (error > RIGID_TOLERANCE) {
-        return ffp_field_fail(field, err, "matrix is not rigid: its axes have lengths %.4g, %.4g, %.4g",
-                              sqrt(g[0]), sqrt(g[4]), sqrt(g[8]));
+    if (fabs(det) < 1e-9) return "matrix is singular";
+    if (error > RIGID_TOLERANCE)
+        return "matrix is not rigid: its axes are not of length 1 and at right angles";
+    return det > 0 ? NULL : "matrix mirrors: its axes are left-handed";
+}
+
+const char *ffp_pose_settle(real pose[16], bool blender) {
+    double r[9], g[9];
+    for (int i = 0; i < 9; i++) r[i] = (double)pose[4 * (i / 3) + i % 3];
+    const char *wrong = check_rigid(r, pose + 12);
+    if (wrong) return wrong;
+    if (gram(r, g) > FLOAT_ROUNDING) orthonormalise(r);
+    for (int i = 0; i < 9; i++) {
+        const double sign = blender && i % 3 > 0 ? -1 : 1; // M diag(1, -1, -1)
+        pose[4 * (i / 3) + i % 3] = (real)(sign * r[i]);
     }
-    return det > 0 || ffp_field_fail(field, err, "matrix mirrors: its axes are left-handed");
+    for (int i = 0; i < 4; i++) pose[12 + i] = i == 3;
+    return NULL;
 }
 
 bool ffp_field_pose(const FfpField *field, bool blender, real pose[16], FfpError *err) {
@@ -63,17 +73,8 @@ bool ffp_field_pose(const FfpField *field, bool blender, real pose[16], FfpError
     for (int i = 0; i < rows; i++) {
         FfpField row;
         if (!ffp_field_item(field, i, &row, err)) return false;
-        if (!ffp_field_numbers(&row, 4, -LENGTH_MAX, LENGTH_MAX, pose + 4 * i, err)) return false;
+        if (!ffp_field_numbers(&row, 4, -FFP_LENGTH_MAX, FFP_LENGTH_MAX, pose + 4 * i, err)) return false;
     }
-    double r[9];
-    for (int i = 0; i < 9; i++) r[i] = (double)pose[4 * (i / 3) + i % 3];
-    if (!check_rigid(field, r, pose + 12, err)) return false;
-    double g[9];
-    if (gram(r, g) > FLOAT_ROUNDING) orthonormalise(r);
-    for (int i = 0; i < 9; i++) {
-        const double sign = blender && i % 3 > 0 ? -1 : 1; // M diag(1, -1, -1)
-        pose[4 * (i / 3) + i % 3] = (real)(sign * r[i]);
-    }
-    for (int i = 0; i < 4; i++) pose[12 + i] = i == 3;
-    return true;
+    const char *wrong = ffp_pose_settle(pose, blender);
+    return !wrong || ffp_field_fail(field, err, "%s", wrong);
 }

@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "base/file.h"
+#include "base/kind.h"
 #include "capture/manifest.h"
 
 const char *ffp_manifest_path(FfpManifest *manifest, const char *folder, const char *name) {
@@ -30,7 +31,7 @@ void ffp_manifest_start_views(FfpManifest *manifest, int n) {
     manifest->capture->views = ffp_alloc((size_t)n, sizeof(FfpView));
     manifest->views = ffp_arena_alloc(manifest->arena, (size_t)n, sizeof *manifest->views);
     for (int i = 0; i < n; i++) {
-        manifest->views[i].images = ffp_arena_alloc(manifest->arena, FFP_PATTERNS_MAX, sizeof(char *));
+        manifest->views[i].images = ffp_arena_alloc(manifest->arena, FFP_PATTERNS_MAX, sizeof(FfpSource));
     }
 }
 
@@ -48,15 +49,17 @@ bool ffp_manifest_view_id(FfpManifest *manifest, int view, const FfpField *field
 // The JSON's own path when `path` is one; in a folder the first of the names that is there.
 static bool find_json(char json[FFP_PATH_MAX], const char *path, const char *const *names, int n,
                       FfpError *err) {
-    if (strlen(path) >= FFP_PATH_MAX) return ffp_fail(err, NULL, "path is too long");
+    if (strlen(path) >= FFP_PATH_MAX) return ffp_fail(err, FFP_ERROR_FILE, NULL, "path is too long");
     if (!ffp_is_folder(path)) {
         memcpy(json, path, strlen(path) + 1);
-        return ffp_is_file(path) || ffp_fail(err, path, "there is no such file or folder");
+        if (!ffp_check_kind(path, FFP_WANTED_CAPTURE, err)) return false;
+        return ffp_is_file(path) || ffp_fail(err, FFP_ERROR_FILE, path, "there is no such file or folder");
     }
     for (int i = 0; i < n; i++) {
         if (ffp_join_path(json, path, names[i]) && ffp_is_file(json)) return true;
     }
-    return ffp_fail(err, path, n == 1 ? "the folder has no %s" : "the folder has neither %s nor %s", names[0],
+    return ffp_fail(err, FFP_ERROR_FILE, path,
+                    n == 1 ? "the folder has no %s" : "the folder has neither %s nor %s", names[0],
                     names[n - 1]);
 }
 
@@ -85,25 +88,28 @@ static bool read_manifest(FfpManifest *manifest, FfpError *err) {
     const bool ours = ffp_field_find(&root, "format", &format);
     const bool ok = ours ? ffp_manifest_from_scene(manifest, &root, err)
                          : ffp_manifest_from_render_poses(manifest, &root, err);
-    json_decref(root.value);
+    ffp_field_close(&root);
     if (ok && manifest->capture->name[0] == 0) name_after_folder(manifest->capture);
     return ok && ffp_manifest_load(manifest, err);
 }
 
-// Reads `json` into *capture, which holds the reference's patterns already when `targets`.
-static bool read_capture(FfpCapture *capture, const char *json, bool targets, FfpError *err) {
+// Reads `json` into the manifest's capture, which is freed when that fails.
+static bool read_file(FfpManifest *manifest, const char *json, FfpError *err) {
+    FfpCapture *capture = manifest->capture;
     folder_of(capture->folder, json);
-    FfpManifest manifest = {.capture = capture,
-                            .targets = targets,
-                            .known_patterns = capture->n_patterns,
-                            .file = json,
-                            .folder = capture->folder,
-                            .arena = ffp_arena_new()};
-    manifest.patterns = ffp_arena_alloc(manifest.arena, FFP_PATTERNS_MAX, sizeof(char *));
-    const bool ok = read_manifest(&manifest, err);
-    ffp_arena_free(manifest.arena);
+    manifest->file = json, manifest->folder = capture->folder;
+    manifest->arena = ffp_arena_new();
+    manifest->patterns = ffp_arena_alloc(manifest->arena, FFP_PATTERNS_MAX, sizeof(FfpSource));
+    const bool ok = read_manifest(manifest, err);
+    ffp_arena_free(manifest->arena);
     if (!ok) ffp_capture_free(capture);
     return ok;
+}
+
+// Reads `json` into *capture, which holds the reference's patterns already when `targets`.
+static bool read_capture(FfpCapture *capture, const char *json, bool targets, FfpError *err) {
+    FfpManifest manifest = {.capture = capture, .targets = targets, .known_patterns = capture->n_patterns};
+    return read_file(&manifest, json, err);
 }
 
 bool ffp_capture_read(FfpCapture *capture, const char *path, FfpError *err) {
@@ -133,4 +139,15 @@ bool ffp_capture_read_targets(FfpCapture *targets, const char *path, const FfpCa
     targets->radius = reference->radius;
     targets->intensity_known = reference->intensity_known;
     return true;
+}
+
+bool ffp_capture_read_poses(FfpCapture *poses, const char *path, int width, int height, FfpError *err) {
+    static const char *const names[3] = {"targets.json", "scene.json", "render_poses.json"};
+    char json[FFP_PATH_MAX];
+    *poses = (FfpCapture){.black = -1, .white = -1};
+    if (!find_json(json, path, names, 3, err)) return false;
+    poses->patterns = ffp_alloc(FFP_PATTERNS_MAX, sizeof(FfpPattern));
+    FfpManifest manifest = {
+        .capture = poses, .targets = true, .poses = true, .other_width = width, .other_height = height};
+    return read_file(&manifest, json, err);
 }

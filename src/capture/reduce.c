@@ -60,7 +60,7 @@ FfpView ffp_view_reduced(const FfpView *view, int n_patterns, const int *pattern
 void ffp_view_reduced_free(FfpView *view, int n_patterns) {
     ffp_image_free(&view->coverage);
     for (int p = 0; view->images && p < n_patterns; p++) ffp_image_free(&view->images[p]);
-    free(view->images);
+    ffp_free(view->images);
     view->images = NULL;
 }
 
@@ -76,6 +76,6 @@ FfpCapture ffp_capture_reduced(const FfpCapture *capture, int views, const int *
 
 void ffp_capture_reduced_free(FfpCapture *reduced) {
     for (int v = 0; v < reduced->n_views; v++) ffp_view_reduced_free(&reduced->views[v], reduced->n_patterns);
-    free(reduced->views);
+    ffp_free(reduced->views);
     reduced->views = NULL, reduced->n_views = 0;
 }

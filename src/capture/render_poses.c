@@ -66,10 +66,10 @@ static bool read_pictures(FfpManifest *manifest, const FfpField *view, FfpViewFi
         }
         const int pattern = ffp_manifest_pattern(manifest, name, &name_field, err);
         if (pattern < 0) return false;
-        if (files->images[pattern] != NULL)
+        if (files->images[pattern].path != NULL)
             return ffp_field_fail(&name_field, err, "pattern '%s' comes twice", name);
-        files->images[pattern] = find_picture(manifest, file);
-        if (files->images[pattern] == NULL) {
+        files->images[pattern].path = find_picture(manifest, file);
+        if (files->images[pattern].path == NULL && !manifest->poses) {
             return ffp_field_fail(&file_field, err, "there is no file '%.200s', nor '%.200s' beside the JSON",
                                   file, ffp_basename(file));
         }
@@ -98,9 +98,9 @@ static bool read_view(FfpManifest *manifest, const FfpField *field, int index, c
     }
     char name[FFP_NAME_MAX + 16];
     snprintf(name, sizeof name, "%s_depth.png", view->id);
-    files->depth = ffp_manifest_path(manifest, manifest->folder, name);
+    files->depth.path = ffp_manifest_path(manifest, manifest->folder, name);
     snprintf(name, sizeof name, "%s_mask.png", view->id);
-    files->coverage = ffp_manifest_path(manifest, manifest->folder, name);
+    files->coverage.path = ffp_manifest_path(manifest, manifest->folder, name);
     return read_pictures(manifest, field, files, err);
 }
 
@@ -137,12 +137,13 @@ static bool find_patterns(FfpManifest *manifest, const FfpField *views, FfpError
     static const char *const places[3] = {"", "patterns/", "../patterns/"};
     const FfpCapture *capture = manifest->capture;
     for (int i = manifest->known_patterns; i < capture->n_patterns; i++) {
-        for (int k = 0; k < 3 && manifest->patterns[i] == NULL; k++) {
+        for (int k = 0; k < 3 && manifest->patterns[i].path == NULL; k++) {
             char name[FFP_NAME_MAX + 32];
             snprintf(name, sizeof name, "%s%s.png", places[k], capture->patterns[i].name);
-            manifest->patterns[i] = ffp_manifest_path(manifest, manifest->folder, name);
+            manifest->patterns[i].path = ffp_manifest_path(manifest, manifest->folder, name);
         }
-        if (manifest->patterns[i] == NULL && i != capture->black && i != capture->white) {
+        if (manifest->patterns[i].path == NULL && i != capture->black && i != capture->white &&
+            !manifest->poses) {
             return ffp_field_fail(views, err,
                                   "there is no pattern image %s.png here, in patterns/ or in ../patterns/",
                                   capture->patterns[i].name);

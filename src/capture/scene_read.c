@@ -50,7 +50,7 @@ static bool read_bounds(FfpManifest *manifest, const FfpField *root, FfpError *e
            ffp_get_number(&object, "radius", 1e-9, RADIUS_MAX, &manifest->capture->radius, err);
 }
 
-// An optional file of a view: named means that it must be there.
+// An optional file of a view: named means that it must be there, unless poses alone are read.
 static bool read_file(FfpManifest *manifest, const FfpField *view, const char *key, const char **path,
                       FfpError *err) {
     FfpField field;
@@ -58,7 +58,7 @@ static bool read_file(FfpManifest *manifest, const FfpField *view, const char *k
     if (!ffp_field_find(view, key, &field)) return true;
     if (!ffp_field_file(&field, &name, err)) return false;
     *path = ffp_manifest_path(manifest, manifest->folder, name);
-    return *path != NULL || ffp_field_fail(&field, err, "there is no file '%.200s'", name);
+    return *path != NULL || manifest->poses || ffp_field_fail(&field, err, "there is no file '%.200s'", name);
 }
 
 static bool read_role(FfpManifest *manifest, const FfpField *item, int pattern, FfpError *err) {
@@ -90,9 +90,10 @@ static bool read_pattern(FfpManifest *manifest, const FfpField *item, FfpError *
     if (pattern < manifest->known_patterns) return true;
     if (pattern < before) return ffp_field_fail(&field, err, "pattern '%s' comes twice", name);
     if (!read_role(manifest, item, pattern, err)) return false;
-    if (!read_file(manifest, item, "file", &manifest->patterns[pattern], err)) return false;
+    if (!read_file(manifest, item, "file", &manifest->patterns[pattern].path, err)) return false;
     const bool plain = pattern == manifest->capture->black || pattern == manifest->capture->white;
-    return plain || manifest->patterns[pattern] != NULL || ffp_field_get(item, "file", &field, err);
+    return plain || manifest->poses || manifest->patterns[pattern].path != NULL ||
+           ffp_field_get(item, "file", &field, err);
 }
 
 static bool read_patterns(FfpManifest *manifest, const FfpField *root, FfpError *err) {
@@ -104,6 +105,7 @@ static bool read_patterns(FfpManifest *manifest, const FfpField *root, FfpError 
     for (int i = 0; i < n; i++) {
         if (!ffp_field_item(&list, i, &item, err) || !read_pattern(manifest, &item, err)) return false;
     }
+    if (manifest->poses) return true;
     if (manifest->capture->black < 0) return ffp_field_fail(&list, err, "no pattern has the role black");
     if (manifest->capture->white < 0) return ffp_field_fail(&list, err, "no pattern has the role white");
     return true;
@@ -120,8 +122,23 @@ static bool read_pictures(FfpManifest *manifest, const FfpField *view, FfpViewFi
         const int pattern = ffp_capture_find_pattern(manifest->capture, name);
         ffp_field_find(&images, name, &field);
         if (pattern < 0) return ffp_field_fail(&field, err, "'%.100s' is not among the patterns", name);
-        if (!read_file(manifest, &images, name, &files->images[pattern], err)) return false;
+        if (!read_file(manifest, &images, name, &files->images[pattern].path, err)) return false;
     }
+    return true;
+}
+
+// What of the picture the camera saw, where that is not all of it.
+static bool read_frame(const FfpField *view_field, FfpView *view, FfpError *err) {
+    FfpField frame, item;
+    int *const sides[2] = {&view->frame_width, &view->frame_height};
+    const int most[2] = {view->camera.width, view->camera.height};
+    int n = 0;
+    if (!ffp_field_find(view_field, "frame", &frame)) return true;
+    if (!ffp_field_count(&frame, 2, 2, &n, err)) return false;
+    for (int i = 0; i < n; i++)
+        if (!ffp_field_item(&frame, i, &item, err) ||
+            !ffp_field_whole(&item, FFP_CAMERA_SIDE_MIN, most[i], sides[i], err))
+            return false;
     return true;
 }
 
@@ -138,6 +155,7 @@ static bool read_view(FfpManifest *manifest, const FfpField *field, int index, c
         !read_device(&part, false, FFP_CAMERA_SIDE_MIN, &view->camera, err)) {
         return false;
     }
+    if (!read_frame(field, view, err)) return false;
     if (ffp_field_find(field, "projector", &part)) {
         if (!read_device(&part, false, FFP_PATTERN_SIDE_MIN, &view->projector, err)) return false;
         if (view->projector.width != projector->width || view->projector.height != projector->height) {
@@ -149,13 +167,14 @@ static bool read_view(FfpManifest *manifest, const FfpField *field, int index, c
         return false;
     if (!ffp_field_get(field, "p2w", &part, err) || !ffp_field_pose(&part, false, view->projector.pose, err))
         return false;
+    if (manifest->poses) return true;
     return read_pictures(manifest, field, files, err) &&
-           read_file(manifest, field, "coverage", &files->coverage, err) &&
-           read_file(manifest, field, "depth", &files->depth, err) &&
-           read_file(manifest, field, "normal", &files->normal, err) &&
-           read_file(manifest, field, "albedo", &files->albedo, err) &&
-           read_file(manifest, field, "roughness", &files->roughness, err) &&
-           read_file(manifest, field, "direct_white", &files->direct_white, err);
+           read_file(manifest, field, "coverage", &files->coverage.path, err) &&
+           read_file(manifest, field, "depth", &files->depth.path, err) &&
+           read_file(manifest, field, "normal", &files->normal.path, err) &&
+           read_file(manifest, field, "albedo", &files->albedo.path, err) &&
+           read_file(manifest, field, "roughness", &files->roughness.path, err) &&
+           read_file(manifest, field, "direct_white", &files->direct_white.path, err);
 }
 
 static bool check_version(const FfpField *root, FfpError *err) {

@@ -8,6 +8,8 @@
 
 #include "base/file.h"
 #include "capture/capture.h"
+#include "capture/fields.h"
+#include "capture/pad.h"
 
 typedef struct Writer {
     const FfpCapture *capture;
@@ -17,9 +19,10 @@ typedef struct Writer {
 
 // The path of a new file of this capture; an error when another has the name.
 static bool claim(Writer *writer, const char *name, char path[FFP_PATH_MAX], FfpError *err) {
-    if (!ffp_join_path(path, writer->folder, name)) return ffp_fail(err, name, "path is too long");
+    if (!ffp_join_path(path, writer->folder, name))
+        return ffp_fail(err, FFP_ERROR_FILE, name, "path is too long");
     if (json_object_get(writer->names, name) != NULL)
-        return ffp_fail(err, path, "two images would have this name");
+        return ffp_fail(err, FFP_ERROR_FILE, path, "two images would have this name");
     json_object_set_new(writer->names, name, json_true());
     return true;
 }
@@ -101,16 +104,18 @@ static bool write_truth(Writer *writer, const FfpView *view, json_t *json, FfpEr
     return true;
 }
 
-static bool write_view(Writer *writer, const FfpView *view, json_t *views, FfpError *err) {
+static bool write_whole_view(Writer *writer, const FfpView *view, json_t *views, FfpError *err) {
     const FfpCapture *capture = writer->capture;
+    const FfpCamera first = ffp_whole_camera(&capture->views[0].camera);
     json_t *json = json_object(), *images = json_object();
     json_array_append_new(views, json);
     json_object_set_new(json, "id", json_string(view->id));
-    if (!same_device(&view->camera, &capture->views[0].camera))
-        json_object_set_new(json, "camera", device(&view->camera));
+    if (!same_device(&view->camera, &first)) json_object_set_new(json, "camera", device(&view->camera));
     if (!same_device(&view->projector, &capture->views[0].projector)) {
         json_object_set_new(json, "projector", device(&view->projector));
     }
+    if (ffp_frame_width(view) != view->camera.width || ffp_frame_height(view) != view->camera.height)
+        json_object_set_new(json, "frame", json_pack("[i,i]", ffp_frame_width(view), ffp_frame_height(view)));
     json_object_set_new(json, "c2w", matrix(view->camera.pose));
     json_object_set_new(json, "p2w", matrix(view->projector.pose));
     json_object_set_new(json, "images", images);
@@ -124,6 +129,16 @@ static bool write_view(Writer *writer, const FfpView *view, json_t *views, FfpEr
         json_object_set_new(images, capture->patterns[i].name, json_string(name));
     }
     return write_truth(writer, view, json, err);
+}
+
+static bool write_view(Writer *writer, const FfpView *view, json_t *views, FfpError *err) {
+    const FfpCamera whole = ffp_whole_camera(&view->camera);
+    if (whole.width == view->camera.width && whole.height == view->camera.height)
+        return write_whole_view(writer, view, views, err);
+    FfpView filled = ffp_whole_view(view, writer->capture->n_patterns);
+    const bool ok = write_whole_view(writer, &filled, views, err);
+    ffp_view_free(&filled, writer->capture->n_patterns);
+    return ok;
 }
 
 static bool write_pattern(Writer *writer, int index, json_t *patterns, FfpError *err) {
@@ -141,6 +156,7 @@ static bool write_pattern(Writer *writer, int index, json_t *patterns, FfpError 
 // --- The JSON. ---
 
 static void describe_rig(const FfpCapture *capture, json_t *root) {
+    const FfpCamera camera = ffp_whole_camera(&capture->views[0].camera);
     json_t *projector = device(&capture->views[0].projector);
     json_object_set_new(projector, "intensity",
                         capture->intensity_known ? numbers(capture->intensity, 3) : json_null());
@@ -151,14 +167,14 @@ static void describe_rig(const FfpCapture *capture, json_t *root) {
     json_object_set_new(object, "centre", numbers(capture->centre, 3));
     json_object_set_new(object, "radius", json_real((double)capture->radius));
     json_object_set_new(root, "object", object);
-    json_object_set_new(root, "camera", device(&capture->views[0].camera));
+    json_object_set_new(root, "camera", device(&camera));
     json_object_set_new(root, "projector", projector);
 }
 
 static bool write_json(const json_t *root, const char *path, FfpError *err) {
     // Nine digits bring every float back as it was.
     char *text = json_dumps(root, JSON_INDENT(1) | JSON_REAL_PRECISION(9));
-    if (text == NULL) return ffp_fail(err, path, "cannot write the JSON");
+    if (text == NULL) return ffp_fail(err, FFP_ERROR_IO, path, "cannot write the JSON");
     const bool ok = ffp_write_file(path, text, strlen(text), err);
     free(text);
     return ok;
@@ -194,17 +210,22 @@ static bool write_all(Writer *writer, json_t *root, FfpError *err) {
 
 bool ffp_capture_write(const FfpCapture *capture, const char *folder, FfpError *err) {
     char path[FFP_PATH_MAX];
-    if (capture->n_views < 1) return ffp_fail(err, folder, "a capture without views cannot be written");
-    if (!all_finite(capture)) return ffp_fail(err, folder, "the capture holds numbers that are not finite");
+    if (capture->n_views < 1)
+        return ffp_fail(err, FFP_ERROR_ARGUMENT, folder, "a capture without views cannot be written");
+    if (!all_finite(capture))
+        return ffp_fail(err, FFP_ERROR_FILE, folder, "the capture holds numbers that are not finite");
     if (!ffp_join_path(path, folder, "patterns") || !ffp_make_folders(path, err)) {
-        return ffp_fail(err, folder, "cannot make the folder");
+        return ffp_fail(err, FFP_ERROR_IO, folder, "cannot make the folder");
     }
-    if (!ffp_join_path(path, folder, "scene.json")) return ffp_fail(err, folder, "path is too long");
+    if (!ffp_join_path(path, folder, "scene.json"))
+        return ffp_fail(err, FFP_ERROR_FILE, folder, "path is too long");
     unlink(path);
     Writer writer = {capture, folder, json_object()};
     json_t *root = json_object();
+    ffp_json_own(root);
+    ffp_json_own(writer.names);
     const bool ok = write_all(&writer, root, err) && write_json(root, path, err);
-    json_decref(root);
-    json_decref(writer.names);
+    ffp_json_release(root);
+    ffp_json_release(writer.names);
     return ok;
 }

@@ -1,28 +1,41 @@
 #include <stdio.h>
-#include "cli/cli.h"
+#include <stdlib.h>
+#include "cli.h"
 
-static const char help[] =
-    "usage: ffprocams bench [--json FILE]\n"
-    "\n"
-    "Measures what this machine can do (products and multiply-adds from registers, copying), then the\n"
-    "network's kernels, the rasteriser, a training step by part and a reconstruction with one relit\n"
-    "view, each as a share of the peak that bounds it. Takes about a minute; leave the machine alone\n"
-    "meanwhile. FFPROCAMS_CPU and OMP_NUM_THREADS choose kernels and threads.\n"
-    "\n"
-    "  --json FILE  the same as JSON: peaks, kernels, steps\n"
-    "\n"
-    "example: ffprocams bench --json here.json\n";
+typedef struct Arguments {
+    const char *json;
+} Arguments;
 
-int ffp_cli_bench(int argc, char **argv) {
-    static const struct option options[] = {
-        {"help", no_argument, NULL, 'h'}, {"json", required_argument, NULL, 'j'}, {0}};
-    const char *json = NULL;
-    for (int option; (option = ffp_cli_next(argc, argv, ":h", options)) != -1;) {
-        if (option == 'h') fputs(help, stdout);
-        if (option != 'j') return option == 'h' ? FFP_EXIT_OK : FFP_EXIT_USAGE;
-        json = optarg;
-    }
-    if (optind != argc) return ffp_cli_usage(argv[0], "it takes no %s", argv[optind]);
+static int run(void *data) {
+    const Arguments *arguments = data;
     FfpError err = {0};
-    return ffp_benchmark(json, &err) ? FFP_EXIT_OK : ffp_cli_fail(&err);
+    char *text = ffp_benchmark(ffp_cli_context(), arguments->json, &err);
+    if (!text) return ffp_cli_fail(&err);
+    fputs(text, stdout);
+    ffp_free(text);
+    return FFP_EXIT_OK;
 }
+
+static const FfpOption options[] = {
+    {.name = "json",
+     .argument = "FILE",
+     .type = FFP_OPTION_FILE,
+     .offset = offsetof(Arguments, json),
+     .help = "the same as JSON: peaks, kernels, steps"},
+    {0},
+};
+
+const FfpCommand ffp_cli_bench = {
+    .name = "bench",
+    .group = FFP_CLI_EVALUATE,
+    .purpose = "measures what this machine can do, and how near the program comes to it",
+    .prose =
+        "First products and multiply-adds from registers, and copying; then the network's kernels, the "
+        "rasteriser, a training step by part and a reconstruction with one relit view, each as a share of "
+        "the peak that bounds it. Takes about a minute; leave the machine alone meanwhile. FFPROCAMS_CPU "
+        "and OMP_NUM_THREADS choose kernels and threads.",
+    .options = options,
+    .examples = (const FfpExample[]){{.command = "ffprocams bench --json here.json"}, {0}},
+    .size = sizeof(Arguments),
+    .run = run,
+};

@@ -1,61 +1,91 @@
-// The command line: main.c picks a subcommand, each of which has a file with its help and its arguments.
+// The command line: main.c picks a command, each of which has a file with its table and what it runs.
 #ifndef FFP_CLI_CLI_H
 #define FFP_CLI_CLI_H
 
-#include <getopt.h>
-#include <stdbool.h>
-#include <stdint.h>
+#include "options.h"
 #include "ffprocams.h"
 
 enum { FFP_EXIT_OK = 0, FFP_EXIT_FAILURE = 1, FFP_EXIT_USAGE = 2 };
 
-// argv[0] is the subcommand's name; all return one of the exit codes above.
-int ffp_cli_import(int argc, char **argv);
-int ffp_cli_align(int argc, char **argv);
-int ffp_cli_reconstruct(int argc, char **argv);
-int ffp_cli_refine(int argc, char **argv);
-int ffp_cli_render(int argc, char **argv);
-int ffp_cli_compensate(int argc, char **argv);
-int ffp_cli_map(int argc, char **argv);
-int ffp_cli_evaluate(int argc, char **argv);
-int ffp_cli_generate(int argc, char **argv);
-int ffp_cli_train(int argc, char **argv);
-int ffp_cli_bench(int argc, char **argv);
-int ffp_cli_info(int argc, char **argv);
-
-// The next option: its value (the struct option's `val`, always positive), -1 at the end, or 0 when it was
-// wrong (said already, with a pointer to --help).
-int ffp_cli_next(int argc, char **argv, const char *short_options, const struct option *options);
+extern const FfpCommand ffp_cli_import, ffp_cli_align, ffp_cli_info, ffp_cli_reconstruct, ffp_cli_refine,
+    ffp_cli_render, ffp_cli_compensate, ffp_cli_map, ffp_cli_evaluate, ffp_cli_bench, ffp_cli_generate,
+    ffp_cli_train;
 
 int ffp_cli_fail(const FfpError *err); // "ffprocams: error: WHAT (WHERE)"; returns FFP_EXIT_FAILURE
 // "ffprocams: error: WHAT" and where to read more; returns FFP_EXIT_USAGE
 int ffp_cli_usage(const char *command, const char *what_format, ...) __attribute__((format(printf, 2, 3)));
 
-// A whole decimal number in [low, high] out of an option's value; false otherwise.
-bool ffp_cli_number(const char *text, int64_t low, int64_t high, int64_t *out);
-bool ffp_cli_real(const char *text, double low, double high, double *out); // any finite number in between
-// Values of --polish, a number of steps, --noise, `auto` or a deviation, and --layers, `auto`, `all` or a
-// number; false with the usage told.
-bool ffp_cli_polish(const char *command, const char *text, int64_t *out);
-bool ffp_cli_noise(const char *command, const char *text, double *out);
-bool ffp_cli_layers(const char *command, const char *text, double *out);
+// The program's one context, which writes to stderr and is cancelled by SIGINT and SIGTERM: they end a call
+// as soon as it can end cleanly; a second one ends the program at once. open: again, with another device.
+bool ffp_cli_open_context(FfpDeviceKind device, FfpError *err);
+FfpContext *ffp_cli_context(void);
+// A call has ended by a signal, and what comes next is to be done all the same.
+void ffp_cli_go_on(void);
+void ffp_cli_clear_progress(void); // takes the line of progress off the terminal
+// Releases it. Where a signal has ended a call for good, the program ends by it, as its parent expects.
+void ffp_cli_close_context(void);
+// Value of --device: all that follows runs there. NULL: where it does.
+bool ffp_cli_use_device(const char *name, FfpError *err);
 
-// Values of an option that may be given again and again. There cannot be more than arguments.
-typedef struct FfpList {
-    const char **values; // owned; the strings are argv's
-    int count;
-} FfpList;
-void ffp_cli_append(FfpList *list, const char *value);
-void ffp_cli_list_free(FfpList *list);
+// Headings of the commands in the program's help.
+#define FFP_CLI_CAPTURE "make a capture"
+#define FFP_CLI_RECONSTRUCT "reconstruct"
+#define FFP_CLI_LOOK "look"
+#define FFP_CLI_PROJECT "project"
+#define FFP_CLI_EVALUATE "evaluate"
+#define FFP_CLI_TRAIN "train"
 
-// Values of --drawing, a form's name, and --samples, a number; false with the usage told.
-bool ffp_cli_drawing(const char *command, const char *text, FfpDrawing *drawing);
-bool ffp_cli_samples(const char *command, const char *text, FfpDrawing *drawing);
-// Value of --device: opens it for all that follows; else the exit code, with usage or error told.
-int ffp_cli_device(const char *command, const char *name);
-// Lines of help on --samples, for all commands that draw.
+// What several commands take; `place` is where in their arguments it goes.
+extern const FfpWord ffp_cli_auto[], ffp_cli_layers[], ffp_cli_forms[], ffp_cli_devices[], ffp_cli_none[];
+#define FFP_CLI_GAUSSIANS(place)                                                                             \
+    {                                                                                                        \
+        .name = "FILE.ply", .least = 1, .most = 1, .offset = (place),                                        \
+        .help = "Gaussians that `ffprocams reconstruct` wrote"                                               \
+    }
+#define FFP_CLI_CAPTURE_OPTION(place, text)                                                                  \
+    {                                                                                                        \
+        .name = "capture", .letter = 'c', .argument = "CAPTURE", .type = FFP_OPTION_FILE, .required = true,  \
+        .offset = (place), .help = (text)                                                                    \
+    }
+#define FFP_CLI_POSES(place)                                                                                 \
+    {                                                                                                        \
+        .name = "poses", .argument = "FILE", .type = FFP_OPTION_FILE, .offset = (place),                     \
+        .help = "other poses of camera and projector (targets.json or scene.json)"                           \
+    }
+#define FFP_CLI_POLISH(place, text)                                                                          \
+    {                                                                                                        \
+        .name = "polish", .argument = "STEPS", .type = FFP_OPTION_INT64, .offset = (place), .low = 0,        \
+        .high = 1000000, .words = ffp_cli_auto, .takes = "auto or a number of steps from 0 to 1000000",      \
+        .help = (text)                                                                                       \
+    }
+#define FFP_CLI_NOISE(place, text)                                                                           \
+    {                                                                                                        \
+        .name = "noise", .argument = "S", .type = FFP_OPTION_REAL, .offset = (place), .least = 0,            \
+        .most = 0.2, .words = ffp_cli_auto, .help = (text)                                                   \
+    }
+#define FFP_CLI_LAYERS(place, text)                                                                          \
+    {                                                                                                        \
+        .name = "layers", .argument = "N", .type = FFP_OPTION_REAL, .offset = (place), .least = 0.5,         \
+        .most = 100, .words = ffp_cli_layers, .help = (text)                                                 \
+    }
+#define FFP_CLI_DRAWING(place, text)                                                                         \
+    {                                                                                                        \
+        .name = "drawing", .argument = "D", .type = FFP_OPTION_CHOICE, .offset = (place),                    \
+        .words = ffp_cli_forms, .help = (text)                                                               \
+    }
+#define FFP_CLI_FORM_HELP "ours (default), or paper for Gaussians of a model in the paper's form"
+#define FFP_CLI_SAMPLES(place, text)                                                                         \
+    {                                                                                                        \
+        .name = "samples", .argument = "N", .type = FFP_OPTION_INT, .offset = (place), .low = 1, .high = 4,  \
+        .help = (text)                                                                                       \
+    }
 #define FFP_CLI_SAMPLES_HELP                                                                                 \
-    "      --samples N        draw with N x N samples a pixel, 1 to 4. More are smoother and slower.\n"      \
-    "                         Default: as the model has it, else 2 (1 in the paper's form)\n"
+    "draw with N x N samples a pixel, 1 to 4. More are smoother and slower. Default: as the model has it, "  \
+    "else 2 (1 in the paper's form)"
+#define FFP_CLI_DEVICE(place, text)                                                                          \
+    {                                                                                                        \
+        .name = "device", .argument = "cpu|cuda", .type = FFP_OPTION_NAME, .offset = (place),                \
+        .words = ffp_cli_devices, .help = (text)                                                             \
+    }
 
 #endif

@@ -1,52 +1,15 @@
+#include <limits.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include "cli/cli.h"
+#include "cli.h"
 
-static const char help[] =
-    "usage: ffprocams evaluate CAPTURE.. [--model FILE|none | --gaussians FILE |\n"
-    "                          --predictor depth|match] [--targets FILE].. [--pattern NAME]\n"
-    "                          [--polish STEPS] [--noise S] [--layers N] [--save DIR]\n"
-    "                          [--json FILE] [--report FILE.html]\n"
-    "\n"
-    "Predicts the pictures of captures and compares. Protocols:\n"
-    "  rendering      black, white and lollipop patterns at the input poses (`unseen`: the lollipops\n"
-    "                 that the predictor was not given)\n"
-    "  novel_pattern  every other pattern at the input poses\n"
-    "  novel_pose     all pictures of --targets: new poses of camera and projector\n"
-    "PSNR is over all pixels and channels of 8-bit sRGB predictions against the truth over black,\n"
-    "mean over the pictures; `object` over the pixels that the object covers only. Identical pictures\n"
-    "count as 100 dB.\n"
-    "\n"
-    "  CAPTURE..              folders or JSON files\n"
-    "  -m, --model FILE       weights; `none` for the classical start. Default: the shipped\n"
-    "                         models/small.safetensors\n"
-    "  -g, --gaussians FILE   a PLY to draw instead of reconstructing (one CAPTURE)\n"
-    "      --predictor P      no Gaussians at all: black + (white - black) * the pattern looked up at\n"
-    "                         the true depth (depth) or at the one that matching finds (match)\n"
-    "  -t, --targets FILE     poses and pictures for novel_pose (targets.json or scene.json): one for\n"
-    "                         all captures, or given once for each; a relative path is looked up in\n"
-    "                         each capture's folder first\n"
-    "  -p, --pattern NAME     the structured-light pattern to use. Default: the first that is in\n"
-    "                         every view and not held back\n"
-    "      --polish STEPS     as in `reconstruct`; 0: the forward pass alone. Default: auto\n"
-    "      --noise S          as in `reconstruct`; 0: photographs as they are. Default: auto\n"
-    "      --layers N         as in `reconstruct`. Default: auto\n"
-    "      --save DIR         every prediction as DIR/<capture>/<view>_<pattern>.png\n"
-    "      --json FILE        the rows as JSON: psnr, psnr_foreground, psnr_gloss,\n"
-    "                         psnr_unseen_lollipops, ssim, lpips, images, reconstruct_s (of the\n"
-    "                         capture), render_s (of all the row's pictures together)\n"
-    "      --report FILE      one HTML page with input, G-buffers, predictions beside truth and\n"
-    "                         error, figures, times\n"
-    "      --show-pattern F   image file: the report also shows the views relit by it\n"
-    "      --perceptual FILE  LPIPS weights (safetensors). Default: lpips_alex.safetensors in the\n"
-    "                         folder that the environment variable FFPROCAMS_PERCEPTUAL names;\n"
-    "                         without either there is no LPIPS\n"
-    "      --drawing D        with --gaussians: ours (default) or paper\n" FFP_CLI_SAMPLES_HELP
-    "      --device NAME      what network and fit are computed on: cpu (default), or cuda\n"
-    "\n"
-    "example: ffprocams evaluate data/sample --targets targets.json --report report.html\n";
+typedef struct Arguments {
+    const char *model, *device;
+    FfpList captures, targets;
+    FfpEvaluation evaluation;
+} Arguments;
 
 static void put_cell(double value, int digits) {
     if (isfinite(value))
@@ -93,13 +56,9 @@ static void put_table(const FfpScore *scores, int n_scores) {
     put_truth(scores, n_scores);
 }
 
-static int run(FfpEvaluation *evaluation, const char *model_path) {
-    FfpError err = {0};
-    int n_scores = 0;
-    FfpScore *scores = NULL;
-    FfpModel *model = NULL;
-    bool ok = true;
-    const bool none = model_path && strcmp(model_path, "none") == 0;
+// What is evaluated, by its name; opens the weights when it takes any.
+static bool choose_model(FfpEvaluation *evaluation, const char *path, FfpModel **model, FfpError *err) {
+    const bool none = path && strcmp(path, "none") == 0;
     if (evaluation->predictor == FFP_PREDICT_DEPTH)
         evaluation->model_name = "pattern lookup at the true depth";
     else if (evaluation->predictor == FFP_PREDICT_MATCH)
@@ -109,145 +68,156 @@ static int run(FfpEvaluation *evaluation, const char *model_path) {
     else if (none)
         evaluation->model_name = "the classical start, without weights";
     else {
-        evaluation->model_name = model_path ? model_path : "the shipped weights";
-        ok = (model = ffp_model_open(model_path, &err)) != NULL;
+        evaluation->model_name = path ? path : "the shipped weights";
+        *model = ffp_model_open(ffp_cli_context(), path, err);
+        if (!*model) return false;
     }
-    evaluation->model = model;
-    if (ok) ok = (scores = ffp_evaluate(evaluation, &n_scores, &err)) != NULL;
+    evaluation->model = *model;
+    return true;
+}
+
+static int check(const FfpEvaluation *evaluation, const char *model) {
+    const int ways =
+        (model != NULL) + (evaluation->gaussians != NULL) + (evaluation->predictor != FFP_PREDICT_GAUSSIANS);
+    if (ways > 1) return ffp_cli_usage("evaluate", "give only one of --model, --gaussians and --predictor");
+    if (evaluation->gaussians && evaluation->n_captures > 1)
+        return ffp_cli_usage("evaluate", "--gaussians goes with one CAPTURE");
+    if (evaluation->n_targets > 1 && evaluation->n_targets != evaluation->n_captures)
+        return ffp_cli_usage("evaluate", "give --targets once, or once for each CAPTURE");
+    if (evaluation->show_pattern && !evaluation->report)
+        return ffp_cli_usage("evaluate", "--show-pattern needs --report");
+    return -1;
+}
+
+static int run(void *data) {
+    Arguments *arguments = data;
+    FfpEvaluation *evaluation = &arguments->evaluation;
+    FfpError err = {0};
+    int n_scores = 0;
+    FfpScore *scores = NULL;
+    FfpModel *model = NULL;
+    evaluation->captures = arguments->captures.values, evaluation->n_captures = arguments->captures.count;
+    evaluation->targets = arguments->targets.values, evaluation->n_targets = arguments->targets.count;
+    if (check(evaluation, arguments->model) >= 0) return FFP_EXIT_USAGE;
+    bool ok = ffp_cli_use_device(arguments->device, &err);
+    ok = ok && choose_model(evaluation, arguments->model, &model, &err);
+    if (ok) ok = (scores = ffp_evaluate(ffp_cli_context(), evaluation, &n_scores, &err)) != NULL;
     if (ok) put_table(scores, n_scores);
-    free(scores);
+    ffp_free(scores);
     ffp_model_close(model);
     return ok ? FFP_EXIT_OK : ffp_cli_fail(&err);
 }
 
-static bool set_predictor(FfpEvaluation *evaluation, const char *name) {
-    evaluation->predictor = strcmp(name, "depth") == 0 ? FFP_PREDICT_DEPTH : FFP_PREDICT_MATCH;
-    return evaluation->predictor == FFP_PREDICT_DEPTH || strcmp(name, "match") == 0;
+static void set_defaults(void *data) {
+    ((Arguments *)data)->evaluation = ffp_evaluation_defaults();
 }
 
-// -1 to go on, else the exit code.
-static int parse(int argc, char **argv, FfpEvaluation *evaluation, FfpList *targets, const char **model) {
-    enum {
-        PREDICTOR = 256,
-        SAVE,
-        JSON,
-        REPORT,
-        SHOW,
-        PERCEPTUAL,
-        DRAWING,
-        SAMPLES,
-        POLISH,
-        NOISE,
-        LAYERS,
-        DEVICE
-    };
-    static const struct option options[] = {{"model", required_argument, NULL, 'm'},
-                                            {"gaussians", required_argument, NULL, 'g'},
-                                            {"predictor", required_argument, NULL, PREDICTOR},
-                                            {"targets", required_argument, NULL, 't'},
-                                            {"pattern", required_argument, NULL, 'p'},
-                                            {"polish", required_argument, NULL, POLISH},
-                                            {"noise", required_argument, NULL, NOISE},
-                                            {"layers", required_argument, NULL, LAYERS},
-                                            {"save", required_argument, NULL, SAVE},
-                                            {"json", required_argument, NULL, JSON},
-                                            {"report", required_argument, NULL, REPORT},
-                                            {"show-pattern", required_argument, NULL, SHOW},
-                                            {"perceptual", required_argument, NULL, PERCEPTUAL},
-                                            {"drawing", required_argument, NULL, DRAWING},
-                                            {"samples", required_argument, NULL, SAMPLES},
-                                            {"device", required_argument, NULL, DEVICE},
-                                            {"help", no_argument, NULL, 'h'},
-                                            {0}};
-    int status;
-    for (int option; (option = ffp_cli_next(argc, argv, ":m:g:t:p:h", options)) != -1;) {
-        switch (option) {
-        case 'm':
-            *model = optarg;
-            break;
-        case 'g':
-            evaluation->gaussians = optarg;
-            break;
-        case PREDICTOR:
-            if (set_predictor(evaluation, optarg)) break;
-            return ffp_cli_usage(argv[0], "--predictor is depth or match, not %s", optarg);
-        case 't':
-            ffp_cli_append(targets, optarg);
-            break;
-        case 'p':
-            evaluation->pattern = optarg;
-            break;
-        case POLISH:
-            if (!ffp_cli_polish(argv[0], optarg, &evaluation->polish)) return FFP_EXIT_USAGE;
-            break;
-        case NOISE:
-            if (!ffp_cli_noise(argv[0], optarg, &evaluation->noise)) return FFP_EXIT_USAGE;
-            break;
-        case LAYERS:
-            if (!ffp_cli_layers(argv[0], optarg, &evaluation->layers)) return FFP_EXIT_USAGE;
-            break;
-        case SAVE:
-            evaluation->save = optarg;
-            break;
-        case JSON:
-            evaluation->json = optarg;
-            break;
-        case REPORT:
-            evaluation->report = optarg;
-            break;
-        case SHOW:
-            evaluation->show_pattern = optarg;
-            break;
-        case PERCEPTUAL:
-            evaluation->perceptual = optarg;
-            break;
-        case DRAWING:
-            if (!ffp_cli_drawing(argv[0], optarg, &evaluation->drawing)) return FFP_EXIT_USAGE;
-            break;
-        case SAMPLES:
-            if (!ffp_cli_samples(argv[0], optarg, &evaluation->drawing)) return FFP_EXIT_USAGE;
-            break;
-        case DEVICE:
-            if ((status = ffp_cli_device(argv[0], optarg)) == FFP_EXIT_OK) break;
-            return status;
-        case 'h':
-            fputs(help, stdout);
-            return FFP_EXIT_OK;
-        default:
-            return FFP_EXIT_USAGE;
-        }
-    }
-    return -1;
-}
+static const FfpOption options[] = {
+    {.name = "model",
+     .letter = 'm',
+     .argument = "FILE|none",
+     .type = FFP_OPTION_FILE,
+     .offset = offsetof(Arguments, model),
+     .words = ffp_cli_none,
+     .help = "weights; `none` for the classical start. Default: the shipped models/small.safetensors"},
+    {.name = "gaussians",
+     .letter = 'g',
+     .argument = "FILE",
+     .type = FFP_OPTION_FILE,
+     .offset = offsetof(Arguments, evaluation.gaussians),
+     .help = "a PLY to draw instead of reconstructing (one CAPTURE)"},
+    {.name = "predictor",
+     .argument = "depth|match",
+     .type = FFP_OPTION_CHOICE,
+     .offset = offsetof(Arguments, evaluation.predictor),
+     .words = (const FfpWord[]){{"depth", FFP_PREDICT_DEPTH}, {"match", FFP_PREDICT_MATCH}, {0}},
+     .help = "no Gaussians at all: black + (white - black) * the pattern looked up at the true depth (depth) "
+             "or at the one that matching finds (match)"},
+    {.name = "targets",
+     .letter = 't',
+     .argument = "FILE",
+     .type = FFP_OPTION_FILE,
+     .repeated = true,
+     .offset = offsetof(Arguments, targets),
+     .help = "poses and pictures for novel_pose (targets.json or scene.json): one for all captures, or given "
+             "once for each; a relative path is looked up in each capture's folder first"},
+    {.name = "pattern",
+     .letter = 'p',
+     .argument = "NAME",
+     .type = FFP_OPTION_TEXT,
+     .offset = offsetof(Arguments, evaluation.pattern),
+     .help = "the structured-light pattern to use. Default: the first that is in every view and not held "
+             "back"},
+    FFP_CLI_POLISH(offsetof(Arguments, evaluation.polish),
+                   "as in `reconstruct`; 0: the forward pass alone. Default: auto"),
+    FFP_CLI_NOISE(offsetof(Arguments, evaluation.noise),
+                  "as in `reconstruct`; 0: photographs as they are. Default: auto"),
+    FFP_CLI_LAYERS(offsetof(Arguments, evaluation.layers), "as in `reconstruct`. Default: auto"),
+    FFP_CLI_DRAWING(offsetof(Arguments, evaluation.drawing.form),
+                    "with --gaussians: ours (default) or paper"),
+    FFP_CLI_SAMPLES(offsetof(Arguments, evaluation.drawing.samples), FFP_CLI_SAMPLES_HELP),
+    FFP_CLI_DEVICE(offsetof(Arguments, device),
+                   "what network and fit are computed on: cpu (default), or cuda, the first NVIDIA GPU"),
+    {.name = "perceptual",
+     .argument = "FILE",
+     .type = FFP_OPTION_FILE,
+     .offset = offsetof(Arguments, evaluation.perceptual),
+     .help =
+         "LPIPS weights (safetensors). Default: lpips_alex.safetensors in the folder that the environment "
+         "variable FFPROCAMS_PERCEPTUAL names; without either there is no LPIPS"},
+    {.name = "save",
+     .argument = "DIR",
+     .type = FFP_OPTION_FOLDER,
+     .offset = offsetof(Arguments, evaluation.save),
+     .group = "results",
+     .help = "every prediction as DIR/<capture>/<view>_<pattern>.png"},
+    {.name = "json",
+     .argument = "FILE",
+     .type = FFP_OPTION_FILE,
+     .offset = offsetof(Arguments, evaluation.json),
+     .group = "results",
+     .help = "the rows as JSON: psnr, psnr_foreground, psnr_gloss, psnr_unseen_lollipops, ssim, lpips, "
+             "images, reconstruct_s (of the capture), render_s (of all the row's pictures together)"},
+    {.name = "report",
+     .argument = "FILE.html",
+     .type = FFP_OPTION_FILE,
+     .offset = offsetof(Arguments, evaluation.report),
+     .group = "results",
+     .help = "one HTML page with input, G-buffers, predictions beside truth and error, figures, times"},
+    {.name = "show-pattern",
+     .argument = "FILE",
+     .type = FFP_OPTION_FILE,
+     .offset = offsetof(Arguments, evaluation.show_pattern),
+     .group = "results",
+     .help = "image file: the report also shows the views relit by it"},
+    {0},
+};
 
-static int check(const char *command, const FfpEvaluation *evaluation, const FfpList *targets,
-                 const char *model) {
-    const int ways =
-        (model != NULL) + (evaluation->gaussians != NULL) + (evaluation->predictor != FFP_PREDICT_GAUSSIANS);
-    if (evaluation->n_captures < 1) return ffp_cli_usage(command, "give at least one CAPTURE");
-    if (ways > 1) return ffp_cli_usage(command, "give only one of --model, --gaussians and --predictor");
-    if (evaluation->gaussians && evaluation->n_captures > 1)
-        return ffp_cli_usage(command, "--gaussians goes with one CAPTURE");
-    if (targets->count > 1 && targets->count != evaluation->n_captures)
-        return ffp_cli_usage(command, "give --targets once, or once for each CAPTURE");
-    if (evaluation->show_pattern && !evaluation->report)
-        return ffp_cli_usage(command, "--show-pattern needs --report");
-    return -1;
-}
-
-int ffp_cli_evaluate(int argc, char **argv) {
-    FfpEvaluation evaluation = {
-        .polish = FFP_POLISH_AUTO, .noise = FFP_NOISE_ESTIMATED, .layers = FFP_LAYERS_AUTO};
-    FfpList targets = {0};
-    const char *model = NULL;
-    int status = parse(argc, argv, &evaluation, &targets, &model);
-    if (status < 0) {
-        evaluation.captures = (const char *const *)(argv + optind);
-        evaluation.n_captures = argc - optind;
-        evaluation.targets = targets.values, evaluation.n_targets = targets.count;
-        status = check(argv[0], &evaluation, &targets, model);
-    }
-    if (status < 0) status = run(&evaluation, model);
-    ffp_cli_list_free(&targets);
-    return status;
-}
+const FfpCommand ffp_cli_evaluate = {
+    .name = "evaluate",
+    .group = FFP_CLI_EVALUATE,
+    .purpose = "compares predictions with a capture's photographs: tables, pictures, a report",
+    .prose =
+        "Predicted are its pictures, by a model (--model), by Gaussians that are there (--gaussians) or by a "
+        "lookup of the pattern (--predictor). Protocols:\n"
+        "rendering\tblack, white and lollipop patterns at the input poses (`unseen`: the lollipops that the "
+        "predictor was not given)\n"
+        "novel_pattern\tevery other pattern at the input poses\n"
+        "novel_pose\tall pictures of --targets: new poses of camera and projector\n"
+        "PSNR is over all pixels and channels of 8-bit sRGB predictions against the truth over black, mean "
+        "over the pictures; `object` over the pixels that the object covers only. Identical pictures count "
+        "as "
+        "100 dB.",
+    .positional = {.name = "CAPTURE",
+                   .least = 1,
+                   .most = INT_MAX,
+                   .offset = offsetof(Arguments, captures),
+                   .help = "folders or JSON files"},
+    .options = options,
+    .examples =
+        (const FfpExample[]){
+            {.command = "ffprocams evaluate data/sample --targets targets.json --report report.html"}, {0}},
+    .size = sizeof(Arguments),
+    .set_defaults = set_defaults,
+    .run = run,
+};

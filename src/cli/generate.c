@@ -1,138 +1,173 @@
-#include <stdio.h>
+#include <math.h>
 #include <string.h>
-#include "cli/cli.h"
+#include "cli.h"
 
-static const char help[] =
-    "usage: ffprocams generate DIR [--split S] [--first A --count N] [--preset P]\n"
-    "                          [--rig KIND] [--views N] [--resolution R] [--seed S] [--mesh FILE]\n"
-    "                          [--material FOLDER] [--sensor NAME=VALUE]..\n"
-    "\n"
-    "Makes captures of procedural objects with a ray-traced light simulator: DIR/<scene>/ in the\n"
-    "project's own capture format, with depth, normal, albedo, roughness and mask besides, and new\n"
-    "poses of the test split's objects in DIR/<scene>/targets/. A scene depends only on its number,\n"
-    "the seed and the preset; rig, views and resolution show the same scene otherwise. Scenes that are\n"
-    "there already are kept, so that a stopped run goes on where it was, and several runs can share a\n"
-    "job, each with its own --first and --count. What is made with other options goes to another DIR.\n"
-    "\n"
-    "  DIR                   folder for the captures\n"
-    "  -s, --split S         train, validation or test: which objects. Default: all of them\n"
-    "  -a, --first A         number of the first scene. Default: 0\n"
-    "  -n, --count N         how many scenes. Default: all of the split\n"
-    "      --preset P        paper: 8 views at 128 x 128, 6 lollipops (default); smoke: small, quick;\n"
-    "                        training: what `train` makes for itself, new poses and a rig of its own for\n"
-    "                        each scene, to be read with the configuration's `scenes`\n"
-    "      --rig KIND        turntable: camera and projector stay, the object turns (default); free: a\n"
-    "                        camera all around the object and a projector anew beside it for each view\n"
-    "      --views N         input views, 1 to 64, instead of the preset's 8\n"
-    "  -m, --mesh FILE       an OBJ, PLY, STL or glTF file instead of the generated objects, centred and\n"
-    "                        scaled into a ball of radius 0.95; one scene unless --count says more\n"
-    "      --material FOLDER maps called basecolor (or albedo, diffuse, color), roughness, normal,\n"
-    "                        instead of the generated materials; metallic maps are not used\n"
-    "  -r, --resolution R    image side, instead of the preset's\n"
-    "      --seed S          another seed, other scenes. Default: 0\n"
-    "      --sensor N=VALUE  what real devices do, again for more: noise of reading (read=0.01, of white)\n"
-    "                        and of light (shot), the projector's defocus (defocus=1, deviation in its\n"
-    "                        pixels), gamma and black_level, exposure (stops), errors of the written poses\n"
-    "                        (turn_error=0.2 degrees, shift_error=0.004 units). The scenes are the same\n"
-    "                        otherwise. Default: all 0\n"
-    "\n"
-    "example: ffprocams generate scenes --preset smoke --count 2\n"
-    "         ffprocams generate mine --mesh vase.obj --material glazed_clay\n";
+typedef struct Arguments {
+    FfpGeneration generation;
+} Arguments;
 
-static bool is_one_of(const char *text, const char *const *words) {
-    while (text && *words && strcmp(*words, text) != 0) words++;
-    return text && *words;
+static void set_defaults(void *data) {
+    ((Arguments *)data)->generation = ffp_generation_defaults();
 }
 
-// The exit code of a command line that is wrong, -1 of one that is right.
-static int parse(int argc, char **argv, FfpGeneration *generation, FfpList *sensor) {
-    enum { PRESET = 256, RIG, VIEWS, SEED, MATERIAL, SENSOR };
-    static const struct option options[] = {{"split", required_argument, NULL, 's'},
-                                            {"first", required_argument, NULL, 'a'},
-                                            {"count", required_argument, NULL, 'n'},
-                                            {"preset", required_argument, NULL, PRESET},
-                                            {"rig", required_argument, NULL, RIG},
-                                            {"views", required_argument, NULL, VIEWS},
-                                            {"resolution", required_argument, NULL, 'r'},
-                                            {"mesh", required_argument, NULL, 'm'},
-                                            {"material", required_argument, NULL, MATERIAL},
-                                            {"seed", required_argument, NULL, SEED},
-                                            {"sensor", required_argument, NULL, SENSOR},
-                                            {"help", no_argument, NULL, 'h'},
-                                            {0}};
-    int64_t resolution = 0, views = 0, seed = 0;
-    bool number_ok = true;
-    for (int option; number_ok && (option = ffp_cli_next(argc, argv, ":s:a:n:r:m:h", options)) != -1;) {
-        switch (option) {
-        case 's':
-            generation->split = optarg;
-            break;
-        case 'a':
-            number_ok = ffp_cli_number(optarg, 0, 1000000000, &generation->first);
-            break;
-        case 'n':
-            number_ok = ffp_cli_number(optarg, 1, 1000000000, &generation->count);
-            break;
-        case PRESET:
-            generation->preset = optarg;
-            break;
-        case RIG:
-            generation->rig = optarg;
-            break;
-        case VIEWS:
-            number_ok = ffp_cli_number(optarg, 1, 64, &views);
-            break;
-        case 'r':
-            number_ok = ffp_cli_number(optarg, 8, 4096, &resolution);
-            break;
-        case SEED:
-            number_ok = ffp_cli_number(optarg, 0, INT64_MAX, &seed);
-            break;
-        case 'm':
-            generation->mesh = optarg;
-            break;
-        case MATERIAL:
-            generation->material = optarg;
-            break;
-        case SENSOR:
-            ffp_cli_append(sensor, optarg);
-            break;
-        case 'h':
-            fputs(help, stdout);
-            return FFP_EXIT_OK;
-        default:
-            return FFP_EXIT_USAGE;
-        }
+// "NAME=VALUE"
+static bool read_fault(const char *text, void *destination) {
+    FfpSensorFaults *sensor = destination;
+    const struct {
+        const char *name;
+        double *value;
+    } faults[] = {{"exposure=", &sensor->exposure},
+                  {"shot=", &sensor->shot},
+                  {"read=", &sensor->read},
+                  {"defocus=", &sensor->defocus},
+                  {"gamma=", &sensor->gamma},
+                  {"black_level=", &sensor->black_level},
+                  {"turn_error=", &sensor->turn_error},
+                  {"shift_error=", &sensor->shift_error}};
+    for (size_t i = 0; i < sizeof faults / sizeof *faults; i++) {
+        const size_t length = strlen(faults[i].name);
+        if (strncmp(faults[i].name, text, length) == 0)
+            return ffp_cli_real(text + length, -HUGE_VAL, HUGE_VAL, faults[i].value);
     }
-    if (!number_ok) return ffp_cli_usage(argv[0], "%s is no number in its option's range", optarg);
-    if (optind + 1 != argc) return ffp_cli_usage(argv[0], "give exactly one DIR");
-    static const char *const splits[] = {"train", "validation", "test", NULL};
-    static const char *const presets[] = {"paper", "smoke", "training", NULL};
-    if (generation->split && !is_one_of(generation->split, splits))
-        return ffp_cli_usage(argv[0], "--split is train, validation or test, not %s", generation->split);
-    if (!is_one_of(generation->preset, presets))
-        return ffp_cli_usage(argv[0], "--preset is paper, smoke or training, not %s", generation->preset);
-    static const char *const rigs[] = {"turntable", "free", NULL};
-    if (!is_one_of(generation->rig, rigs))
-        return ffp_cli_usage(argv[0], "--rig is turntable or free, not %s", generation->rig);
-    if (generation->split && generation->mesh)
-        return ffp_cli_usage(argv[0], "--split is of the generated objects: not with --mesh");
-    generation->folder = argv[optind];
-    generation->resolution = (int)resolution;
-    generation->views = (int)views;
-    generation->seed = (uint64_t)seed;
-    return -1;
+    return false;
 }
 
-int ffp_cli_generate(int argc, char **argv) {
-    FfpGeneration generation = {.preset = "paper", .rig = "turntable", .count = -1};
-    FfpList sensor = {0};
+static int run(void *data) {
+    Arguments *arguments = data;
+    FfpGeneration *generation = &arguments->generation;
     FfpError err = {0};
-    int status = parse(argc, argv, &generation, &sensor);
-    if (status < 0) {
-        generation.sensor = sensor.values, generation.n_sensor = sensor.count;
-        status = ffp_generate(&generation, &err) ? FFP_EXIT_OK : ffp_cli_fail(&err);
-    }
-    ffp_cli_list_free(&sensor);
-    return status;
+    if (generation->split != FFP_SPLIT_ALL && generation->mesh)
+        return ffp_cli_usage("generate", "--split is of the generated objects: not with --mesh");
+    return ffp_generate(ffp_cli_context(), generation, &err) ? FFP_EXIT_OK : ffp_cli_fail(&err);
 }
+
+static const FfpOption options[] = {
+    {.name = "split",
+     .letter = 's',
+     .argument = "S",
+     .type = FFP_OPTION_CHOICE,
+     .offset = offsetof(Arguments, generation.split),
+     .words =
+         (const FfpWord[]){
+             {"train", FFP_SPLIT_TRAIN}, {"validation", FFP_SPLIT_VALIDATION}, {"test", FFP_SPLIT_TEST}, {0}},
+     .help = "train, validation or test: which objects. Default: all of them"},
+    {.name = "first",
+     .letter = 'a',
+     .argument = "A",
+     .type = FFP_OPTION_INT64,
+     .offset = offsetof(Arguments, generation.first),
+     .high = 1000000000,
+     .help = "number of the first scene. Default: 0"},
+    {.name = "count",
+     .letter = 'n',
+     .argument = "N",
+     .type = FFP_OPTION_INT64,
+     .offset = offsetof(Arguments, generation.count),
+     .low = 1,
+     .high = 1000000000,
+     .help = "how many scenes. Default: all of the split"},
+    {.name = "preset",
+     .argument = "P",
+     .type = FFP_OPTION_CHOICE,
+     .offset = offsetof(Arguments, generation.preset),
+     .words = (const FfpWord[]){{"paper", FFP_PRESET_PAPER},
+                                {"smoke", FFP_PRESET_SMOKE},
+                                {"training", FFP_PRESET_TRAINING},
+                                {0}},
+     .help =
+         "paper: 8 views at 128 x 128, 6 lollipops (default); smoke: small, quick; training: what `train` "
+         "makes for itself, new poses and a rig of its own for each scene, to be read with the "
+         "configuration's `scenes`"},
+    {.name = "rig",
+     .argument = "KIND",
+     .type = FFP_OPTION_CHOICE,
+     .offset = offsetof(Arguments, generation.rig),
+     .words = (const FfpWord[]){{"turntable", FFP_RIG_TURNTABLE}, {"free", FFP_RIG_FREE}, {0}},
+     .help =
+         "turntable: camera and projector stay, the object turns (default); free: a camera all around the "
+         "object and a projector anew beside it for each view"},
+    {.name = "views",
+     .argument = "N",
+     .type = FFP_OPTION_INT,
+     .offset = offsetof(Arguments, generation.views),
+     .low = 1,
+     .high = 64,
+     .help = "input views, 1 to 64, instead of the preset's 8"},
+    {.name = "mesh",
+     .letter = 'm',
+     .argument = "FILE",
+     .type = FFP_OPTION_FILE,
+     .offset = offsetof(Arguments, generation.mesh),
+     .help = "an OBJ, PLY, STL or glTF file instead of the generated objects, centred and scaled into a ball "
+             "of radius 0.95; one scene unless --count says more"},
+    {.name = "material",
+     .argument = "FOLDER",
+     .type = FFP_OPTION_FOLDER,
+     .offset = offsetof(Arguments, generation.material),
+     .help = "maps called basecolor (or albedo, diffuse, color), roughness, normal, instead of the generated "
+             "materials; metallic maps are not used"},
+    {.name = "resolution",
+     .letter = 'r',
+     .argument = "R",
+     .type = FFP_OPTION_INT,
+     .offset = offsetof(Arguments, generation.resolution),
+     .low = 8,
+     .high = 4096,
+     .help = "image side, instead of the preset's"},
+    {.name = "seed",
+     .argument = "S",
+     .type = FFP_OPTION_INT64,
+     .offset = offsetof(Arguments, generation.seed),
+     .high = INT64_MAX,
+     .help = "another seed, other scenes. Default: 0"},
+    {.name = "sensor",
+     .argument = "NAME=VALUE",
+     .type = FFP_OPTION_PARSED,
+     .repeated = true,
+     .offset = offsetof(Arguments, generation.sensor),
+     .parse = read_fault,
+     .takes = "exposure, shot, read, defocus, gamma, black_level, turn_error or shift_error = a number",
+     .words = (const FfpWord[]){{"read=", 0},
+                                {"shot=", 0},
+                                {"defocus=", 0},
+                                {"gamma=", 0},
+                                {"black_level=", 0},
+                                {"exposure=", 0},
+                                {"turn_error=", 0},
+                                {"shift_error=", 0},
+                                {0}},
+     .help = "what real devices do, again for more: noise of reading (read=0.01, of white) and of light "
+             "(shot), the projector's defocus (defocus=1, deviation in its pixels), gamma and black_level, "
+             "exposure (stops), errors of the written poses (turn_error=0.2 degrees, shift_error=0.004 "
+             "units). The scenes are the same otherwise. Default: all 0"},
+    {0},
+};
+
+const FfpCommand ffp_cli_generate = {
+    .name = "generate",
+    .group = FFP_CLI_TRAIN,
+    .purpose = "makes captures of procedural objects, traced with all their truth",
+    .prose =
+        "A ray-traced light simulator writes DIR/<scene>/ in the project's own capture format, with depth, "
+        "normal, albedo, roughness and mask besides, and new poses of the test split's objects in "
+        "DIR/<scene>/targets/.\n"
+        "A scene depends only on its number, the seed and the preset; rig, views and resolution show the "
+        "same "
+        "scene otherwise. Scenes that are there already are kept, so that a stopped run goes on where it "
+        "was, "
+        "and several runs can share a job, each with its own --first and --count. What is made with other "
+        "options goes to another DIR.",
+    .positional = {.name = "DIR",
+                   .least = 1,
+                   .most = 1,
+                   .offset = offsetof(Arguments, generation.folder),
+                   .help = "folder for the captures"},
+    .options = options,
+    .examples = (const FfpExample[]){{.command = "ffprocams generate scenes --preset smoke --count 2\n"
+                                                 "ffprocams generate mine --mesh vase.obj --material "
+                                                 "glazed_clay"},
+                                     {0}},
+    .size = sizeof(Arguments),
+    .set_defaults = set_defaults,
+    .run = run,
+};

@@ -1,29 +1,38 @@
 #include <stdio.h>
 #include <stdlib.h>
-#include "cli/cli.h"
+#include "cli.h"
 
-static const char help[] =
-    "usage: ffprocams info FILE\n"
-    "\n"
-    "Tells what a file holds: a capture (views, patterns, sizes, bounds, intensity and whether it was\n"
-    "known), a model (configuration, parameters, how it was trained), or Gaussians (count, bounds, how\n"
-    "opaque they are). The file is checked as every other command checks it.\n"
-    "\n"
-    "  FILE  a capture's folder or JSON file, a safetensors model, or a PLY\n"
-    "\n"
-    "example: ffprocams info data/sample\n";
+typedef struct Arguments {
+    const char *file;
+} Arguments;
 
-int ffp_cli_info(int argc, char **argv) {
-    static const struct option options[] = {{"help", no_argument, NULL, 'h'}, {0}};
-    for (int option; (option = ffp_cli_next(argc, argv, ":h", options)) != -1;) {
-        if (option == 'h') fputs(help, stdout);
-        return option == 'h' ? FFP_EXIT_OK : FFP_EXIT_USAGE;
-    }
-    if (optind + 1 != argc) return ffp_cli_usage(argv[0], "give exactly one FILE");
+static int run(void *data) {
+    const Arguments *arguments = data;
     FfpError err = {0};
-    char *text = ffp_info(argv[optind], &err);
+    char *text = ffp_info(ffp_cli_context(), arguments->file, &err);
     if (!text) return ffp_cli_fail(&err);
     fputs(text, stdout);
-    free(text);
+    ffp_free(text);
     return FFP_EXIT_OK;
 }
+
+static const FfpOption options[] = {{0}};
+
+const FfpCommand ffp_cli_info = {
+    .name = "info",
+    .group = FFP_CLI_CAPTURE,
+    .purpose = "tells what a capture, a model or a PLY holds, and checks it",
+    .prose =
+        "Of a capture: views, patterns, sizes, bounds, intensity and whether it was known, and what to do "
+        "about each doubt. Of a model: configuration, parameters, how it was trained. Of Gaussians: count, "
+        "bounds, how opaque they are. The file is checked as every other command checks it.",
+    .positional = {.name = "FILE",
+                   .least = 1,
+                   .most = 1,
+                   .offset = offsetof(Arguments, file),
+                   .help = "a capture's folder or JSON file, a safetensors model, or a PLY"},
+    .options = options,
+    .examples = (const FfpExample[]){{.command = "ffprocams info data/sample"}, {0}},
+    .size = sizeof(Arguments),
+    .run = run,
+};

@@ -1,60 +1,52 @@
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
-#include "cli/cli.h"
+#include "cli.h"
 
-#define FRAMES_MAX 9999
-
-static const char help[] =
-    "usage: ffprocams render FILE.ply --capture CAPTURE [--poses FILE] [--view ID]..\n"
-    "                        [--pattern NAME|FILE|FOLDER].. -o DIR [--maps]\n"
-    "                        [--orbit camera|projector|object,FRAMES] [--video FILE.png] [--rate N]\n"
-    "\n"
-    "Draws Gaussians as the camera would see them under projected patterns:\n"
-    "DIR/<view>_<pattern>.png, 8-bit sRGB over black. One rasterisation a view serves all patterns.\n"
-    "\n"
-    "  FILE.ply               Gaussians that `ffprocams reconstruct` wrote\n"
-    "  -c, --capture CAPTURE  the capture they come from: poses, patterns, the projector's intensity\n"
-    "      --poses FILE       other poses of camera and projector (targets.json or scene.json)\n"
-    "  -v, --view ID          a view to draw, again for more. Default: every view of the poses\n"
-    "  -p, --pattern P        a pattern of the capture by name, an image file, or a folder of these in\n"
-    "                         the order of their names; again for more. Default: white\n"
-    "  -o, --output DIR       folder for the pictures\n"
-    "      --maps             also the G-buffers: <view>_depth.exr (camera z) and viewable PNGs of\n"
-    "                         opacity, depth, normal, albedo, roughness and ambient\n"
-    "      --orbit WHAT,N     N frames, DIR/frame_0000.png and so on, of one turn of camera, projector\n"
-    "                         or object from the view given (or the first); several patterns follow\n"
-    "                         each other evenly through it\n"
-    "      --video FILE.png   all pictures in order as an animated PNG; they are numbered too. Without\n"
-    "                         --orbit: every view under every pattern\n"
-    "      --rate N           frames a second of the video. Default: 15\n"
-    "      --drawing D        ours (default), or paper for Gaussians of a model in the paper's "
-    "form\n" FFP_CLI_SAMPLES_HELP "\n"
-    "example: ffprocams render spot.ply --capture data/sample --pattern sun.png -o relit\n"
-    "         ffprocams render spot.ply --capture data/sample --poses data/sample/targets.json -o new\n"
-    "         ffprocams render spot.ply --capture data/sample --pattern sun.png --orbit object,90 \\\n"
-    "             -o frames --video turn.png\n";
+enum { FRAMES_MAX = 9999, SIDE_MAX = 16384 };
 
 typedef struct Arguments {
     const char *gaussians, *capture;
+    FfpList views, patterns;
     FfpPictures pictures;
 } Arguments;
 
-static int run(const Arguments *arguments) {
+static int check(const Arguments *arguments) {
+    const FfpPictures *pictures = &arguments->pictures;
+    if (pictures->orbit != FFP_ORBIT_NONE && pictures->n_views > 1)
+        return ffp_cli_usage("render", "--orbit starts from one --view");
+    if (!arguments->capture && !pictures->poses)
+        return ffp_cli_usage("render", "--capture CAPTURE is missing, or --poses FILE in its place");
+    if (pictures->maps && (pictures->orbit != FFP_ORBIT_NONE || pictures->video))
+        return ffp_cli_usage("render", "--maps goes neither with --orbit nor with --video");
+    return -1;
+}
+
+static int run(void *data) {
+    Arguments *arguments = data;
+    FfpPictures *pictures = &arguments->pictures;
     FfpError err = {0};
     int written = -1;
-    FfpGaussians *gaussians = ffp_gaussians_open(arguments->gaussians, &err);
-    FfpCapture *capture = gaussians ? ffp_capture_open(arguments->capture, &err) : NULL;
-    if (capture) written = ffp_render_pictures(gaussians, capture, &arguments->pictures, &err);
-    if (written >= 0) printf("%s: %d pictures\n", arguments->pictures.folder, written);
+    pictures->views = arguments->views.values, pictures->n_views = arguments->views.count;
+    pictures->patterns = arguments->patterns.values, pictures->n_patterns = arguments->patterns.count;
+    if (check(arguments) >= 0) return FFP_EXIT_USAGE;
+    FfpGaussians *gaussians = ffp_gaussians_open(ffp_cli_context(), arguments->gaussians, &err);
+    const bool with = arguments->capture != NULL;
+    FfpCapture *capture =
+        gaussians && with ? ffp_capture_open(ffp_cli_context(), arguments->capture, &err) : NULL;
+    if (gaussians && (capture || !with))
+        written = ffp_render_pictures(ffp_cli_context(), gaussians, capture, pictures, &err);
+    if (written >= 0) printf("%s: %d pictures\n", pictures->folder, written);
     ffp_capture_close(capture);
     ffp_gaussians_close(gaussians);
     return written >= 0 ? FFP_EXIT_OK : ffp_cli_fail(&err);
 }
 
 // "camera,90"
-static bool set_orbit(FfpPictures *pictures, const char *text) {
+static bool read_orbit(const char *text, void *destination) {
     static const char *const names[] = {
         [FFP_ORBIT_CAMERA] = "camera,", [FFP_ORBIT_PROJECTOR] = "projector,", [FFP_ORBIT_OBJECT] = "object,"};
+    FfpPictures *pictures = destination;
     for (int orbit = FFP_ORBIT_CAMERA; orbit <= FFP_ORBIT_OBJECT; orbit++) {
         const size_t length = strlen(names[orbit]);
         int64_t frames;
@@ -67,95 +59,142 @@ static bool set_orbit(FfpPictures *pictures, const char *text) {
     return false;
 }
 
-static int check(int argc, char **argv, Arguments *arguments, const FfpList *views) {
-    const FfpPictures *pictures = &arguments->pictures;
-    if (optind + 1 != argc) return ffp_cli_usage(argv[0], "give exactly one FILE.ply");
-    if (!arguments->capture) return ffp_cli_usage(argv[0], "--capture CAPTURE is missing");
-    if (!pictures->folder) return ffp_cli_usage(argv[0], "-o DIR is missing");
-    if (pictures->orbit != FFP_ORBIT_NONE && views->count > 1)
-        return ffp_cli_usage(argv[0], "--orbit starts from one --view");
-    if (pictures->maps && (pictures->orbit != FFP_ORBIT_NONE || pictures->video))
-        return ffp_cli_usage(argv[0], "--maps goes neither with --orbit nor with --video");
-    arguments->gaussians = argv[optind];
-    return -1;
+// "640" or "640x480"
+static bool read_size(const char *text, void *destination) {
+    FfpPictures *pictures = destination;
+    char first[16] = "";
+    const size_t length = strcspn(text, "x");
+    int64_t width, height = 0;
+    if (length >= sizeof first) return false;
+    memcpy(first, text, length);
+    if (!ffp_cli_number(first, 1, SIDE_MAX, &width)) return false;
+    if (text[length] && !ffp_cli_number(text + length + 1, 1, SIDE_MAX, &height)) return false;
+    pictures->width = (int)width, pictures->height = (int)height;
+    return true;
 }
 
-// Fills everything but the lists; -1 to go on, else the exit code.
-static int parse(int argc, char **argv, Arguments *arguments, FfpList *views, FfpList *patterns) {
-    enum { POSES = 256, MAPS, DRAWING, SAMPLES, ORBIT, VIDEO, RATE };
-    int64_t number;
-    static const struct option options[] = {{"capture", required_argument, NULL, 'c'},
-                                            {"poses", required_argument, NULL, POSES},
-                                            {"view", required_argument, NULL, 'v'},
-                                            {"pattern", required_argument, NULL, 'p'},
-                                            {"output", required_argument, NULL, 'o'},
-                                            {"maps", no_argument, NULL, MAPS},
-                                            {"drawing", required_argument, NULL, DRAWING},
-                                            {"samples", required_argument, NULL, SAMPLES},
-                                            {"orbit", required_argument, NULL, ORBIT},
-                                            {"video", required_argument, NULL, VIDEO},
-                                            {"rate", required_argument, NULL, RATE},
-                                            {"help", no_argument, NULL, 'h'},
-                                            {0}};
-    for (int option; (option = ffp_cli_next(argc, argv, ":c:v:p:o:h", options)) != -1;) {
-        switch (option) {
-        case 'c':
-            arguments->capture = optarg;
-            break;
-        case POSES:
-            arguments->pictures.poses = optarg;
-            break;
-        case 'v':
-            ffp_cli_append(views, optarg);
-            break;
-        case 'p':
-            ffp_cli_append(patterns, optarg);
-            break;
-        case 'o':
-            arguments->pictures.folder = optarg;
-            break;
-        case MAPS:
-            arguments->pictures.maps = true;
-            break;
-        case DRAWING:
-            if (!ffp_cli_drawing(argv[0], optarg, &arguments->pictures.drawing)) return FFP_EXIT_USAGE;
-            break;
-        case SAMPLES:
-            if (!ffp_cli_samples(argv[0], optarg, &arguments->pictures.drawing)) return FFP_EXIT_USAGE;
-            break;
-        case ORBIT:
-            if (set_orbit(&arguments->pictures, optarg)) break;
-            return ffp_cli_usage(
-                argv[0], "--orbit is camera, projector or object and 1 to %d frames (object,90), not %s",
-                FRAMES_MAX, optarg);
-        case VIDEO:
-            arguments->pictures.video = optarg;
-            break;
-        case RATE:
-            if (!ffp_cli_number(optarg, 1, 1000, &number))
-                return ffp_cli_usage(argv[0], "--rate is a number from 1 to 1000, not %s", optarg);
-            arguments->pictures.rate = (int)number;
-            break;
-        case 'h':
-            fputs(help, stdout);
-            return FFP_EXIT_OK;
-        default:
-            return FFP_EXIT_USAGE;
-        }
+// "7.96" or "7,8,9"
+static bool read_intensity(const char *text, void *destination) {
+    FfpPictures *pictures = destination;
+    double *rgb = pictures->intensity;
+    int n = 0;
+    char *end = NULL;
+    for (const char *at = text; n < 3; at = end + 1) {
+        rgb[n] = strtod(at, &end);
+        if (end == at || !(rgb[n++] > 0) || (*end && *end != ',')) return false;
+        if (!*end) break;
     }
-    return check(argc, argv, arguments, views);
+    if (*end || n == 2) return false;
+    if (n == 1) rgb[1] = rgb[2] = rgb[0];
+    return true;
 }
 
-int ffp_cli_render(int argc, char **argv) {
-    Arguments arguments = {.pictures.rate = 15};
-    FfpList views = {0}, patterns = {0};
-    int status = parse(argc, argv, &arguments, &views, &patterns);
-    if (status < 0) {
-        arguments.pictures.views = views.values, arguments.pictures.n_views = views.count;
-        arguments.pictures.patterns = patterns.values, arguments.pictures.n_patterns = patterns.count;
-        status = run(&arguments);
-    }
-    ffp_cli_list_free(&views);
-    ffp_cli_list_free(&patterns);
-    return status;
+static void set_defaults(void *data) {
+    ((Arguments *)data)->pictures = ffp_pictures_defaults();
 }
+
+static const FfpOption options[] = {
+    {.name = "capture",
+     .letter = 'c',
+     .argument = "CAPTURE",
+     .type = FFP_OPTION_FILE,
+     .offset = offsetof(Arguments, capture),
+     .help =
+         "the capture they come from: poses, patterns, the projector's intensity. It may be missing where "
+         "--poses is given: then the projector's size and intensity, and patterns by name, are those of "
+         "that file (or of the first --pattern FILE, and --intensity); its photographs are not needed"},
+    {.name = "output",
+     .letter = 'o',
+     .argument = "DIR",
+     .type = FFP_OPTION_FOLDER,
+     .required = true,
+     .offset = offsetof(Arguments, pictures.folder),
+     .help = "folder for the pictures"},
+    FFP_CLI_POSES(offsetof(Arguments, pictures.poses)),
+    {.name = "view",
+     .letter = 'v',
+     .argument = "ID",
+     .type = FFP_OPTION_TEXT,
+     .repeated = true,
+     .offset = offsetof(Arguments, views),
+     .help = "a view to draw, again for more. Default: every view of the poses"},
+    {.name = "pattern",
+     .letter = 'p',
+     .argument = "NAME|FILE|FOLDER",
+     .type = FFP_OPTION_FILE,
+     .repeated = true,
+     .offset = offsetof(Arguments, patterns),
+     .help = "a pattern of the capture by name, an image file, or a folder of these in the order of their "
+             "names; again for more. Default: white"},
+    {.name = "maps",
+     .type = FFP_OPTION_FLAG,
+     .offset = offsetof(Arguments, pictures.maps),
+     .help = "also the G-buffers: <view>_depth.exr (camera z) and viewable PNGs of opacity, depth, normal, "
+             "albedo, roughness and ambient"},
+    {.name = "size",
+     .argument = "W[xH]",
+     .type = FFP_OPTION_PARSED,
+     .offset = offsetof(Arguments, pictures),
+     .parse = read_size,
+     .takes = "W or WxH pixels, 1 to 16384 each",
+     .help = "size of the pictures. W scales them; another shape than the camera's shows more or less above "
+             "and below. Default: the camera's"},
+    {.name = "intensity",
+     .argument = "I|R,G,B",
+     .type = FFP_OPTION_PARSED,
+     .offset = offsetof(Arguments, pictures),
+     .parse = read_intensity,
+     .takes = "a number, or three with commas between",
+     .help = "the projector's radiant intensity at pattern value 1, as `ffprocams info CAPTURE` tells it. "
+             "Default: the capture's, or what --poses says"},
+    FFP_CLI_DRAWING(offsetof(Arguments, pictures.drawing.form), FFP_CLI_FORM_HELP),
+    FFP_CLI_SAMPLES(offsetof(Arguments, pictures.drawing.samples), FFP_CLI_SAMPLES_HELP),
+    {.name = "orbit",
+     .argument = "WHAT,N",
+     .type = FFP_OPTION_PARSED,
+     .offset = offsetof(Arguments, pictures),
+     .parse = read_orbit,
+     .takes = "camera, projector or object and 1 to 9999 frames (object,90)",
+     .words = (const FfpWord[]){{"camera,", 0}, {"projector,", 0}, {"object,", 0}, {0}},
+     .group = "films",
+     .help = "N frames, DIR/frame_0000.png and so on, of one turn of camera, projector or object from the "
+             "view given (or the first); several patterns follow each other evenly through it"},
+    {.name = "video",
+     .argument = "FILE",
+     .type = FFP_OPTION_FILE,
+     .offset = offsetof(Arguments, pictures.video),
+     .group = "films",
+     .help = "all pictures in order as one film; they are numbered too. What it is, its ending says: .png or "
+             ".apng, an animated PNG; .gif, .mp4, .webm or .mkv, made by the program ffmpeg, which must be "
+             "installed. Without --orbit: every view under every pattern"},
+    {.name = "rate",
+     .argument = "N",
+     .type = FFP_OPTION_INT,
+     .offset = offsetof(Arguments, pictures.rate),
+     .low = 1,
+     .high = 1000,
+     .group = "films",
+     .help = "frames a second of the video. Default: 15"},
+    {0},
+};
+
+const FfpCommand ffp_cli_render = {
+    .name = "render",
+    .group = FFP_CLI_LOOK,
+    .purpose = "draws Gaussians as the camera would see them under projected patterns",
+    .prose = "It writes DIR/<view>_<pattern>.png, 8-bit sRGB over black. One rasterisation a view serves all "
+             "patterns.",
+    .positional = FFP_CLI_GAUSSIANS(offsetof(Arguments, gaussians)),
+    .options = options,
+    .examples =
+        (const FfpExample[]){
+            {.command = "ffprocams render spot.ply --capture data/sample --pattern data/sun.png -o relit\n"
+                        "ffprocams render spot.ply --capture data/sample --poses "
+                        "data/sample/targets.json -o new\n"
+                        "ffprocams render spot.ply --capture data/sample --pattern data/sun.png \\\n"
+                        "    --orbit object,90 -o frames --video turn.png"},
+            {0}},
+    .size = sizeof(Arguments),
+    .set_defaults = set_defaults,
+    .run = run,
+};

@@ -8,7 +8,7 @@ extern "C" {
 
 static const FfpDevice device = {
     .name = "cuda",
-    .alloc = ffp_cuda_alloc,
+    .alloc = ffp_cuda_try_alloc,
     .release = ffp_cuda_release,
     .upload = ffp_cuda_upload,
     .download = ffp_cuda_download,
@@ -30,7 +30,8 @@ const FfpDevice *ffp_cuda_device(FfpError *err) {
     int count = 0;
     const cudaError_t error = cudaGetDeviceCount(&count);
     if (error != cudaSuccess || count < 1) {
-        ffp_fail(err, "cuda", "no GPU: %s", error ? cudaGetErrorString(error) : "none found");
+        ffp_fail(err, FFP_ERROR_UNSUPPORTED, "cuda", "no GPU: %s",
+                 error ? cudaGetErrorString(error) : "none found");
         return NULL;
     }
     return &device;

@@ -32,12 +32,21 @@ static void keep_memory(void) {
     kept = true;
 }
 
-void *ffp_cuda_alloc(size_t bytes) {
+void *ffp_cuda_try_alloc(size_t bytes) {
     void *block = NULL;
     keep_memory();
     const cudaError_t error = cudaMallocAsync(&block, bytes ? bytes : 1, ffp_cuda_stream());
-    if (error != cudaSuccess) fprintf(stderr, "ffprocams: %zu bytes asked of the GPU\n", bytes);
+    if (error == cudaErrorMemoryAllocation) {
+        cudaGetLastError(); // is no error of what comes next
+        return NULL;
+    }
     ffp_cuda_check(error, "memory");
+    return block;
+}
+
+void *ffp_cuda_alloc(size_t bytes) {
+    void *block = ffp_cuda_try_alloc(bytes);
+    if (!block) ffp_cuda_check(cudaErrorMemoryAllocation, "memory");
     return block;
 }
 
@@ -109,6 +118,10 @@ void ffp_emulated_memory(bool open) {
 }
 
 void *ffp_cuda_alloc(size_t bytes) {
+    return ffp_cuda_try_alloc(bytes);
+}
+
+void *ffp_cuda_try_alloc(size_t bytes) {
     reserve();
     const size_t pages = (bytes + PAGE - 1) / PAGE + 1;
     unsigned char *place;

@@ -4,7 +4,8 @@
 
 #include <stddef.h>
 
-void *ffp_cuda_alloc(size_t bytes);
+void *ffp_cuda_try_alloc(size_t bytes); // NULL when there is no room
+void *ffp_cuda_alloc(size_t bytes);     // of the room's own; never NULL
 void ffp_cuda_release(void *block);
 void ffp_cuda_upload(void *to, const void *from_host, size_t bytes);
 void ffp_cuda_download(void *to_host, const void *from, size_t bytes);

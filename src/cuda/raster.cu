@@ -8,7 +8,8 @@ FfpDeviceRaster *ffp_cuda_raster_new() {
     return (FfpDeviceRaster *)calloc(1, sizeof(FfpDeviceRaster));
 }
 
-void ffp_cuda_raster_free(FfpDeviceRaster *raster) {
+void ffp_cuda_raster_free(void *thing) {
+    FfpDeviceRaster *raster = (FfpDeviceRaster *)thing;
     FfpTiling *t = &raster->tiling;
     void *blocks[] = {t->splats, t->boxes, t->counts,      t->first,      t->owners, t->places,
                       t->order,  t->keys,  t->sorted_keys, t->tile_first, t->slots,  t->touched};

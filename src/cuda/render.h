@@ -7,7 +7,7 @@ extern "C" {
 }
 
 FfpDeviceRaster *ffp_cuda_raster_new();
-void ffp_cuda_raster_free(FfpDeviceRaster *raster);
+void ffp_cuda_raster_free(void *raster);
 void ffp_cuda_rasterise(FfpDeviceRaster *raster, const FfpGaussians *gaussians, const FfpCamera *camera,
                         const FfpRenderSettings *settings, FfpGbuffer *out);
 void ffp_cuda_rasterise_backward(FfpDeviceRaster *raster, const FfpGaussians *gaussians,

@@ -1,5 +1,5 @@
 // What the passes of the state-space scan share: chunks of 64 rows, of which a block of threads has one of
-// one head. Names are those of network.md 3.2, 3.3 and of tensor/kernels/scan_backward.c. "Begin" and "end"
+// one head. Names are those of tensor/kernels/scan.c and scan_backward.c. "Begin" and "end"
 // of a chunk are meant along the scan; rows keep their order in memory.
 #ifndef FFP_CUDA_STATE_SCAN_H
 #define FFP_CUDA_STATE_SCAN_H

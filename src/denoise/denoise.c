@@ -1,45 +1,34 @@
 #include "denoise/denoise.h"
 
+#include <stdint.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 #include "base/arena.h"
+#include "base/call.h"
+#include "denoise/kernels/kernels.h"
 #include "denoise/stack.h"
 
-#define RADIUS 3 // of a window, in pixels
-#define CLOSE 2  // pixels between windows,
-#define WIDE 3   // and in pictures of more than MANY pixels: a pixel is in five windows instead of twelve
+#define CLOSE 2 // pixels between windows,
+#define WIDE 3  // and in pictures of more than MANY pixels: a pixel is in five windows instead of twelve
 #define MANY 65536
 #define STRIP 64   // rows of pixels for which windows are kept
 #define DOUBT 1.5  // times the noise's variance is taken off a measured variance
 #define TRUST 0.3  // of a window: 1 over this and the number of axes it keeps
 #define ENOUGH 4.0 // pixels' worth of coverage that a window needs
 
-typedef struct Window {
-    real weight; // 0: unused
-    real mean[FFP_VALUES], kept[FFP_VALUES * FFP_VALUES];
-} Window;
-
-typedef struct Filter {
-    int width, height, stride, across, down; // of the picture; pixels between windows, and their number
-    int first, rows;                         // window rows that are kept
-    double variance;                         // of the noise
-    const real *stack, *coverage;
-    Window *windows; // [rows,across], centred at multiples of the stride
-} Filter;
-
 typedef struct Range {
     int from, to; // pixels, the last one included
 } Range;
 
 static Range around(int centre, int size) {
-    return (Range){centre < RADIUS ? 0 : centre - RADIUS,
-                   centre + RADIUS >= size ? size - 1 : centre + RADIUS};
+    return (Range){centre < FFP_WINDOW_RADIUS ? 0 : centre - FFP_WINDOW_RADIUS,
+                   centre + FFP_WINDOW_RADIUS >= size ? size - 1 : centre + FFP_WINDOW_RADIUS};
 }
 
 // Pictures are the object's colour times the coverage: the colour nearest to all pixels is a least-squares
 // one. Returns the pixels' worth of coverage.
-static double window_mean(const Filter *f, Range x, Range y, double mean[FFP_VALUES]) {
+static double window_mean(const FfpFilter *f, Range x, Range y, double mean[FFP_VALUES]) {
     double total = 0;
     memset(mean, 0, FFP_VALUES * sizeof *mean);
     for (int row = y.from; row <= y.to; row++)
@@ -53,7 +42,7 @@ static double window_mean(const Filter *f, Range x, Range y, double mean[FFP_VAL
     return total;
 }
 
-static void window_covariance(const Filter *f, Range x, Range y, const double mean[FFP_VALUES],
+static void window_covariance(const FfpFilter *f, Range x, Range y, const double mean[FFP_VALUES],
                               double a[FFP_VALUES * FFP_VALUES]) {
     int count = 0;
     memset(a, 0, FFP_VALUES * FFP_VALUES * sizeof *a);
@@ -72,7 +61,7 @@ static void window_covariance(const Filter *f, Range x, Range y, const double me
     for (int i = 0; i < FFP_VALUES * FFP_VALUES; i++) a[i] /= count;
 }
 
-static void measure(const Filter *f, int x, int y, Window *window) {
+static void measure(const FfpFilter *f, int x, int y, FfpWindow *window) {
     double mean[FFP_VALUES], axes[FFP_VALUES * FFP_VALUES], variances[FFP_VALUES], kept = 0;
     const Range across = around(x, f->width), down = around(y, f->height);
     if (window_mean(f, across, down, mean) < ENOUGH) return;
@@ -91,45 +80,14 @@ static void measure(const Filter *f, int x, int y, Window *window) {
     window->weight = (real)(1 / (TRUST + kept));
 }
 
-// Adds what a window says of a pixel's values.
-static void add(const Window *window, const real *values, real coverage, real sum[FFP_VALUES]) {
-    real off[FFP_VALUES];
-    for (int v = 0; v < FFP_VALUES; v++) off[v] = values[v] - coverage * window->mean[v];
-    for (int p = 0; p < FFP_VALUES; p++) {
-        real value = coverage * window->mean[p];
-        for (int q = 0; q < FFP_VALUES; q++) value += window->kept[p * FFP_VALUES + q] * off[q];
-        sum[p] += window->weight * value;
-    }
-}
-
-static int first_window(const Filter *f, int pixel) {
-    return pixel < RADIUS ? 0 : (pixel - RADIUS + f->stride - 1) / f->stride;
-}
-
-// The mean over all windows that hold the pixel; where none does, the pixel as it is.
-static void smooth(const Filter *f, int x, int y, real values[FFP_VALUES]) {
-    const size_t i = (size_t)y * (size_t)f->width + (size_t)x;
-    real sum[FFP_VALUES] = {0}, weight = 0;
-    memcpy(values, f->stack + i * FFP_VALUES, FFP_VALUES * sizeof *values);
-    for (int row = first_window(f, y); row < f->down && row * f->stride <= y + RADIUS; row++)
-        for (int column = first_window(f, x); column < f->across && column * f->stride <= x + RADIUS;
-             column++) {
-            const Window *window = &f->windows[(size_t)(row - f->first) * (size_t)f->across + (size_t)column];
-            if (window->weight <= 0) continue;
-            add(window, values, f->coverage[i], sum);
-            weight += window->weight;
-        }
-    for (int v = 0; weight > 0 && v < FFP_VALUES; v++) values[v] = fmax(sum[v] / weight, 0);
-}
-
 static int least(int a, int b) {
     return a < b ? a : b;
 }
 
 // The windows that hold pixels of rows from `top` up to, not including, `bottom`.
-static void measure_strip(Filter *f, int top, int bottom) {
-    f->first = first_window(f, top);
-    f->rows = least((bottom - 1 + RADIUS) / f->stride + 1, f->down) - f->first;
+static void measure_strip(FfpFilter *f, int top, int bottom) {
+    f->first = ffp_first_window(f, top);
+    f->rows = least((bottom - 1 + FFP_WINDOW_RADIUS) / f->stride + 1, f->down) - f->first;
     memset(f->windows, 0, (size_t)f->rows * (size_t)f->across * sizeof *f->windows);
 #pragma omp parallel for schedule(dynamic)
     for (int row = 0; row < f->rows; row++)
@@ -138,7 +96,8 @@ static void measure_strip(Filter *f, int top, int bottom) {
                     &f->windows[(size_t)row * (size_t)f->across + (size_t)column]);
 }
 
-static void smooth_strip(const Filter *f, int top, int bottom, FfpImage *pictures[FFP_PHOTOGRAPHS]) {
+static void smooth_strip(const FfpFilter *f, int top, int bottom, FfpImage *pictures[FFP_PHOTOGRAPHS]) {
+    FfpSmooth *smooth = ffp_denoise_kernels()->smooth;
 #pragma omp parallel for schedule(dynamic)
     for (int y = top; y < bottom; y++)
         for (int x = 0; x < f->width; x++) {
@@ -157,22 +116,24 @@ static void denoise_view(const FfpView *view, const int photographs[FFP_PHOTOGRA
     real *stack = ffp_stack_new(view, photographs);
     const int width = view->camera.width, height = view->camera.height,
               stride = (int64_t)width * height > MANY ? WIDE : CLOSE;
-    Filter f = {.width = width,
-                .height = height,
-                .stride = stride,
-                .across = (width + stride - 1) / stride,
-                .down = (height + stride - 1) / stride,
-                .variance = noise * noise,
-                .stack = stack,
-                .coverage = view->coverage.data};
-    f.windows = ffp_alloc((size_t)f.across * ((STRIP + 2 * RADIUS) / stride + 2), sizeof *f.windows);
+    FfpFilter f = {.width = width,
+                   .height = height,
+                   .stride = stride,
+                   .across = (width + stride - 1) / stride,
+                   .down = (height + stride - 1) / stride,
+                   .variance = noise * noise,
+                   .stack = stack,
+                   .coverage = view->coverage.data};
+    f.windows =
+        ffp_alloc((size_t)f.across * ((STRIP + 2 * FFP_WINDOW_RADIUS) / stride + 2), sizeof *f.windows);
     for (int top = 0; top < f.height; top += STRIP) {
         const int bottom = least(top + STRIP, f.height);
+        ffp_cancel_point();
         measure_strip(&f, top, bottom);
         smooth_strip(&f, top, bottom, pictures);
     }
-    free(f.windows);
-    free(stack);
+    ffp_free(f.windows);
+    ffp_free(stack);
 }
 
 FfpImage *ffp_denoise(FfpCapture *capture, const int *photographs, int n, double noise) {
@@ -201,5 +162,5 @@ void ffp_denoise_free(FfpImage *lists, const FfpCapture *capture, const int *pho
     for (int v = 0; v < capture->n_views; v++)
         for (int p = 0; p < n; p++)
             ffp_image_free(&lists[(size_t)v * (size_t)capture->n_patterns + (size_t)photographs[p]]);
-    free(lists);
+    ffp_free(lists);
 }

@@ -1,3 +1,4 @@
+#include <stdint.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -54,7 +55,7 @@ static void sample_view(Samples *s, const FfpView *view, const int photographs[F
                       &s->bright[s->count]);
             s->count++;
         }
-    free(stack);
+    ffp_free(stack);
 }
 
 static int64_t count_bright(const Samples *s, uint16_t values) {
@@ -146,7 +147,7 @@ double ffp_noise_estimate(const FfpCapture *capture, const int photographs[FFP_P
             sample_view(&s, &capture->views[v], photographs);
     const int n = keep(&s, choose_values(&s));
     const double noise = s.count < LEAST ? 0 : sqrt(smallest_variance(&s, n));
-    free(s.edges);
-    free(s.bright);
+    ffp_free(s.edges);
+    ffp_free(s.bright);
     return noise;
 }

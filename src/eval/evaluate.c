@@ -4,11 +4,17 @@
 #include <string.h>
 #include <tgmath.h>
 #include "base/arena.h"
+#include "base/call.h"
 #include "base/log.h"
-#include "eval/reconstruct.h"
+#include "api/reconstruct.h"
 #include "eval/scores.h"
 #include "eval/subject.h"
 #include "match/match.h"
+
+FfpEvaluation ffp_evaluation_defaults(void) {
+    return (FfpEvaluation){
+        .polish = FFP_POLISH_AUTO, .noise = FFP_NOISE_ESTIMATED, .layers = FFP_LAYERS_AUTO};
+}
 
 #define REPORT_MAPS 2 // views whose G-buffers are shown
 
@@ -16,17 +22,17 @@
 
 static bool prepare_gaussians(FfpSubject *subject, FfpError *err) {
     const FfpEvaluation *options = subject->shared->options;
-    FfpReconstructionStory story = {0};
+    FfpReconstructionStats stats = {0};
     subject->reconstruct_s = NAN;
     if (options->gaussians) {
-        subject->gaussians = ffp_gaussians_open(options->gaussians, err);
+        subject->gaussians = ffp_gaussians_open(ffp_call_context(), options->gaussians, err);
     } else {
         const FfpReconstruction how = {options->model, options->pattern, options->polish,
                                        options->noise, options->layers,  options->drawing};
         const double begin = ffp_seconds();
-        subject->gaussians = ffp_reconstruct(subject->capture, &how, &story, err);
+        subject->gaussians = ffp_reconstruct(ffp_call_context(), subject->capture, &how, &stats, err);
         subject->reconstruct_s = ffp_seconds() - begin;
-        if (subject->gaussians && subject->shared->report) ffp_report_story(subject->shared->report, &story);
+        if (subject->gaussians && subject->shared->report) ffp_report_stats(subject->shared->report, &stats);
     }
     const FfpRenderSettings settings = ffp_drawing_settings(options->drawing, options->model);
     subject->pass = ffp_view_pass_new(&settings);
@@ -102,7 +108,7 @@ static bool open_save_folder(FfpSubject *subject, FfpError *err) {
     const char *save = subject->shared->options->save;
     if (!save) return true;
     if (!ffp_join_path(subject->folder, save, subject->capture->name))
-        return ffp_fail(err, save, "path is too long");
+        return ffp_fail(err, FFP_ERROR_ARGUMENT, save, "path is too long");
     return ffp_make_folders(subject->folder, err);
 }
 
@@ -132,8 +138,8 @@ static bool run_subject(FfpSubject *subject, FfpError *err) {
 }
 
 static void free_subject(FfpSubject *subject) {
-    for (int v = 0; subject->depth && v < subject->capture->n_views; v++) free(subject->depth[v]);
-    free(subject->depth);
+    for (int v = 0; subject->depth && v < subject->capture->n_views; v++) ffp_free(subject->depth[v]);
+    ffp_free(subject->depth);
     if (subject->normalised.views) ffp_normalised_alias_free(&subject->normalised);
     ffp_view_pass_free(subject->pass);
     if (subject->has_targets) ffp_capture_free(&subject->targets);
@@ -152,23 +158,23 @@ static bool open_targets(FfpSubject *subject, int index, FfpError *err) {
     if (!ffp_capture_read_targets(&subject->targets, path, subject->capture, err)) return false;
     subject->has_targets = true;
     if (strcmp(subject->targets.name, subject->capture->name) != 0)
-        return ffp_fail(err, path, "these poses belong to %s, not to %s", subject->targets.name,
-                        subject->capture->name);
+        return ffp_fail(err, FFP_ERROR_FILE, path, "these poses belong to %s, not to %s",
+                        subject->targets.name, subject->capture->name);
     return true;
 }
 
 static bool check_depth(const FfpCapture *capture, FfpError *err) {
     for (int v = 0; v < capture->n_views; v++)
         if (!capture->views[v].depth.data)
-            return ffp_fail(err, ffp_place(capture->folder, "depth").text,
-                            "view %s has no depth, which --predictor depth needs", capture->views[v].id);
+            return ffp_fail(err, FFP_ERROR_FILE, ffp_place(capture->folder, "depth").text,
+                            "view %s has no true depth to look the pattern up at", capture->views[v].id);
     return true;
 }
 
 // Everything about a capture that can be wrong shows here, before anything is written.
 static bool open_subject(FfpSubject *subject, int index, FfpError *err) {
     const FfpEvaluation *options = subject->shared->options;
-    subject->capture = ffp_capture_open(options->captures[index], err);
+    subject->capture = ffp_capture_open(ffp_call_context(), options->captures[index], err);
     if (!subject->capture) return false;
     subject->active = ffp_capture_active_pattern(subject->capture, options->pattern, err);
     if (subject->active < 0 || !open_targets(subject, index, err)) return false;
@@ -190,16 +196,17 @@ static bool open_perceptual(FfpEvaluating *shared, FfpError *err) {
     char found[FFP_PATH_MAX];
     if (!path && folder && *folder) {
         if (!ffp_join_path(found, folder, "lpips_alex.safetensors"))
-            return ffp_fail(err, folder, "path is too long");
+            return ffp_fail(err, FFP_ERROR_ARGUMENT, folder, "path is too long");
         path = found;
     }
     if (!path) {
-        ffp_note("no LPIPS: neither --perceptual nor FFPROCAMS_PERCEPTUAL names its weights");
+        ffp_note(
+            "no LPIPS: no file of its weights is named, and FFPROCAMS_PERCEPTUAL names no folder of them");
         return true;
     }
     shared->lpips = ffp_perceptual_read(path, err);
     if (shared->lpips && !ffp_perceptual_is_lpips(shared->lpips))
-        return ffp_fail(err, path, "holds no LPIPS weights");
+        return ffp_fail(err, FFP_ERROR_FILE, path, "holds no LPIPS weights");
     return shared->lpips != NULL;
 }
 
@@ -207,11 +214,11 @@ static bool open_perceptual(FfpEvaluating *shared, FfpError *err) {
 static bool check_name(const char *name, char (*names)[FFP_NAME_MAX], int count, const char *save,
                        FfpError *err) {
     if (!*name || *name == '.' || strchr(name, '/'))
-        return ffp_fail(err, save, "%s is no name for a folder", name);
+        return ffp_fail(err, FFP_ERROR_ARGUMENT, save, "%s is no name for a folder", name);
     for (int i = 0; i < count; i++)
         if (strcmp(names[i], name) == 0)
-            return ffp_fail(err, save, "two captures are called %s: their pictures would share a folder",
-                            name);
+            return ffp_fail(err, FFP_ERROR_ARGUMENT, save,
+                            "two captures are called %s: their pictures would share a folder", name);
     snprintf(names[count], FFP_NAME_MAX, "%s", name);
     return true;
 }
@@ -229,7 +236,7 @@ static bool check_captures(FfpEvaluating *shared, FfpError *err) {
             open_subject(&subject, i, err) && check_name(subject.capture->name, names, i, options->save, err);
         free_subject(&subject);
     }
-    free(names);
+    ffp_free(names);
     return ok;
 }
 
@@ -241,9 +248,10 @@ static bool check_shown_pattern(const char *path, FfpError *err) {
 }
 
 static bool check_options(const FfpEvaluation *options, FfpError *err) {
-    if (options->n_captures < 1) return ffp_fail(err, NULL, "no capture to evaluate");
+    if (options->n_captures < 1) return ffp_fail(err, FFP_ERROR_ARGUMENT, NULL, "no capture to evaluate");
     if (options->n_targets > 1 && options->n_targets != options->n_captures)
-        return ffp_fail(err, NULL, "%d target files for %d captures: give one for all, or one for each",
+        return ffp_fail(err, FFP_ERROR_ARGUMENT, NULL,
+                        "%d target files for %d captures: give one for all, or one for each",
                         options->n_targets, options->n_captures);
     if (options->n_targets && options->predictor != FFP_PREDICT_GAUSSIANS)
         ffp_note("this predictor sees only the input poses: novel_pose is left out");
@@ -262,7 +270,7 @@ static void append_means(FfpEvaluating *shared) {
     }
 }
 
-FfpScore *ffp_evaluate(const FfpEvaluation *options, int *n_scores, FfpError *err) {
+static FfpScore *evaluate(const FfpEvaluation *options, int *n_scores, FfpError *err) {
     FfpEvaluating shared = {.options = options};
     *n_scores = 0;
     if (!check_options(options, err)) return NULL;
@@ -278,9 +286,27 @@ FfpScore *ffp_evaluate(const FfpEvaluation *options, int *n_scores, FfpError *er
     ffp_perceptual_free(shared.lpips);
     if (ok && options->n_captures > 1) append_means(&shared);
     if (!ok) {
-        free(shared.scores);
+        ffp_free(shared.scores);
         return NULL;
     }
     *n_scores = shared.n_scores;
     return shared.scores;
+}
+
+typedef struct Call {
+    const FfpEvaluation *options;
+    int *n_scores;
+    FfpScore *scores;
+} Call;
+
+static bool work(void *argument, FfpError *err) {
+    Call *call = argument;
+    call->scores = evaluate(call->options, call->n_scores, err);
+    return call->scores != NULL;
+}
+
+FfpScore *ffp_evaluate(FfpContext *context, const FfpEvaluation *options, int *n_scores, FfpError *err) {
+    Call call = {options, n_scores, NULL};
+    *n_scores = 0;
+    return ffp_call_run(context, work, &call, err) ? call.scores : NULL;
 }

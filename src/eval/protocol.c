@@ -4,6 +4,7 @@
 #include <string.h>
 #include <tgmath.h>
 #include "base/arena.h"
+#include "base/call.h"
 #include "base/log.h"
 #include "eval/subject.h"
 #include "loss/metrics.h"
@@ -130,6 +131,7 @@ static bool run_view(FfpSubject *subject, const Protocol *protocol, int v, int f
     bool ok = true;
     for (int p = first; ok && p < first + PATTERN_BLOCK && p < protocol->views->n_patterns; p++) {
         if (!protocol->wanted[p] || !view->images[p].data) continue;
+        ffp_cancel_point();
         begin = ffp_seconds();
         FfpImage prediction = predict(subject, v, p, &sums[p - first]);
         *seconds += ffp_seconds() - begin;
@@ -175,6 +177,6 @@ bool ffp_run_protocol(FfpSubject *subject, const char *name, const char *explana
         for (int p = 0; p < PATTERN_BLOCK; p++) ffp_summed_free(&sums[p]);
     }
     if (ok && means.images) add_score(subject, &protocol, &means, seconds);
-    free(protocol.wanted);
+    ffp_free(protocol.wanted);
     return ok;
 }

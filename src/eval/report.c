@@ -4,31 +4,30 @@
 #include <tgmath.h>
 #include "base/arena.h"
 #include "base/file.h"
-#include "eval/relight.h"
+#include "base/text.h"
+#include "api/relight.h"
 #include "eval/report.h"
 
 #define PICTURE_SIDE_MAX 256 // pixels; larger pictures are averaged down so that a page stays a page
 
 struct FfpReport {
-    FILE *body; // grows in memory until the page is written
-    char *text;
-    size_t size;
+    FfpText *text; // grows until the page is written
+    FILE *body;    // its stream
     const char *predictor;
 };
 
 FfpReport *ffp_report_new(const char *predictor) {
     FfpReport *report = ffp_alloc(1, sizeof *report);
     report->predictor = predictor;
-    report->body = open_memstream(&report->text, &report->size);
-    if (!report->body) abort();
+    report->text = ffp_text_new();
+    report->body = ffp_text_stream(report->text);
     return report;
 }
 
 void ffp_report_free(FfpReport *report) {
     if (!report) return;
-    if (report->body) fclose(report->body);
-    free(report->text);
-    free(report);
+    ffp_text_free(report->text);
+    ffp_free(report);
 }
 
 // Names come from files.
@@ -59,8 +58,7 @@ static void put_base64(FILE *out, const unsigned char *bytes, size_t size) {
     }
 }
 
-// Pictures are made in memory: the encoder can only fail for lack of it, and then a page without one is still
-// a page.
+// Pictures are made in memory: the encoder can only fail for lack of it.
 static void put_image(FILE *out, const FfpImage *encoded) {
     unsigned char *bytes = NULL;
     size_t size = 0;
@@ -71,12 +69,11 @@ static void put_image(FILE *out, const FfpImage *encoded) {
         const int width = (int)(encoded->width * share), height = (int)(encoded->height * share);
         small = ffp_image_resize(encoded, width > 0 ? width : 1, height > 0 ? height : 1);
     }
-    if (ffp_image_encode_png(small.data ? &small : encoded, &bytes, &size, NULL)) {
-        fputs("<img alt=\"\" src=\"data:image/png;base64,", out);
-        put_base64(out, bytes, size);
-        fputs("\">", out);
-    }
-    free(bytes);
+    if (!ffp_image_encode_png(small.data ? &small : encoded, &bytes, &size, NULL)) ffp_no_memory(0);
+    fputs("<img alt=\"\" src=\"data:image/png;base64,", out);
+    put_base64(out, bytes, size);
+    fputs("\">", out);
+    ffp_free(bytes);
     ffp_image_free(&small);
 }
 
@@ -125,13 +122,13 @@ void ffp_report_capture(FfpReport *report, const FfpCapture *capture, int active
     put_input_row(report, capture, active);
 }
 
-void ffp_report_story(FfpReport *report, const FfpReconstructionStory *story) {
+void ffp_report_stats(FfpReport *report, const FfpReconstructionStats *stats) {
     fprintf(
         report->body,
         "<p>%lld Gaussians in %.2f s: noise of %.2f %% of white taken away %.2f s, projector matching and "
         "the classical estimates %.2f s, network %.2f s, polish %.2f s.</p>\n",
-        (long long)story->gaussians, story->denoise_s + story->start_s + story->network_s + story->polish_s,
-        100 * story->noise, story->denoise_s, story->start_s, story->network_s, story->polish_s);
+        (long long)stats->gaussians, stats->denoise_s + stats->start_s + stats->network_s + stats->polish_s,
+        100 * stats->noise, stats->denoise_s, stats->start_s, stats->network_s, stats->polish_s);
 }
 
 void ffp_report_maps(FfpReport *report, const char *view, const FfpGbuffer *gbuffer) {
@@ -223,11 +220,9 @@ bool ffp_report_write(FfpReport *report, const FfpScore *scores, int n_scores, c
     put_escaped(out.stream, report->predictor);
     fputs(".</p>\n", out.stream);
     put_scores(out.stream, scores, n_scores);
-    if (fflush(report->body) != 0) {
-        ffp_output_abort(&out);
-        return ffp_fail(err, path, "out of memory");
-    }
-    fwrite(report->text, 1, report->size, out.stream);
+    size_t size;
+    const char *text = ffp_text_so_far(report->text, &size);
+    fwrite(text, 1, size, out.stream);
     fputs("</html>\n", out.stream);
     return ffp_output_commit(&out, err);
 }

@@ -13,7 +13,7 @@ void ffp_report_free(FfpReport *report);
 
 // Sections follow each other in the order of the calls. Pictures are made small enough for a page.
 void ffp_report_capture(FfpReport *report, const FfpCapture *capture, int active);
-void ffp_report_story(FfpReport *report, const FfpReconstructionStory *story);
+void ffp_report_stats(FfpReport *report, const FfpReconstructionStats *stats);
 void ffp_report_maps(FfpReport *report, const char *view, const FfpGbuffer *gbuffer);
 void ffp_report_heading(FfpReport *report, const char *title, const char *explanation);
 void ffp_report_prediction(FfpReport *report, const char *view, const char *pattern, const FfpImage *truth,

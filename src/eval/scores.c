@@ -84,7 +84,7 @@ bool ffp_scores_write(const FfpScore *scores, int n_scores, const FfpEvaluation 
     json_object_set_new(root, "means", means);
     char *text = json_dumps(root, JSON_INDENT(1) | JSON_REAL_PRECISION(8));
     json_decref(root);
-    if (!text) return ffp_fail(err, options->json, "names in it are not UTF-8");
+    if (!text) return ffp_fail(err, FFP_ERROR_ARGUMENT, options->json, "names in it are not UTF-8");
     const bool ok = ffp_write_file(options->json, text, strlen(text), err);
     free(text);
     return ok;

@@ -3,7 +3,7 @@
 #define FFP_EVAL_SUBJECT_H
 
 #include "base/file.h"
-#include "eval/relight.h"
+#include "api/relight.h"
 #include "eval/report.h"
 #include "loss/loss.h"
 

@@ -81,5 +81,5 @@ void ffp_measure_truth(FfpSubject *subject, FfpScore *score) {
     score->albedo_mse = mean_albedo(lit->albedo + unlit->albedo, lit->albedo_count + unlit->albedo_count);
     score->albedo_lit_mse = mean_albedo(lit->albedo, lit->albedo_count);
     score->albedo_unlit_mse = mean_albedo(unlit->albedo, unlit->albedo_count);
-    free(tally.lit.depth), free(tally.unlit.depth);
+    ffp_free(tally.lit.depth), ffp_free(tally.unlit.depth);
 }

@@ -5,6 +5,7 @@
 
 #include "base/arena.h"
 #include "base/file.h"
+#include "base/kind.h"
 #include "gaussians/gaussians.h"
 #include "gaussians/ply_header.h"
 #include "gaussians/row.h"
@@ -51,10 +52,11 @@ static bool write_rows(FILE *stream, const FfpGaussians *gaussians, const char *
         unsigned char bytes[4 * FFP_ROW_NUMBERS];
         int bad;
         if (first_bad_number(gaussians, i, row, &bad))
-            return ffp_fail(err, path, "will not write a Gaussian whose %s is no usable number",
-                            ffp_row_names[bad]);
+            return ffp_fail(err, FFP_ERROR_FILE, path,
+                            "will not write a Gaussian whose %s is no usable number", ffp_row_names[bad]);
         for (int c = 0; c < FFP_ROW_NUMBERS; c++) put_float(bytes + 4 * c, row[c]);
-        if (fwrite(bytes, sizeof bytes, 1, stream) != 1) return ffp_fail(err, path, "cannot write");
+        if (fwrite(bytes, sizeof bytes, 1, stream) != 1)
+            return ffp_fail(err, FFP_ERROR_IO, path, "cannot write");
     }
     return true;
 }
@@ -80,7 +82,7 @@ static bool read_rows(FfpGaussians *gaussians, const FfpPlyHeader *header, FILE 
     for (int64_t done = 0; ok && done < header->count;) {
         const int64_t left = header->count - done, rows = left < BLOCK_ROWS ? left : BLOCK_ROWS;
         if (fread(block, stride, (size_t)rows, stream) != (size_t)rows)
-            ok = ffp_fail(err, path, "cannot read all rows");
+            ok = ffp_fail(err, FFP_ERROR_IO, path, "cannot read all rows");
         for (int64_t r = 0; ok && r < rows; r++) {
             float row[FFP_ROW_NUMBERS];
             for (int i = 0; i < FFP_ROW_NUMBERS; i++) {
@@ -90,12 +92,12 @@ static bool read_rows(FfpGaussians *gaussians, const FfpPlyHeader *header, FILE 
             const int64_t index = done + r;
             const int bad = ffp_row_decode(row, gaussians, index);
             if (bad >= 0)
-                ok = ffp_fail(err, path, "Gaussian %lld: %s is no usable number", (long long)index,
-                              ffp_row_names[bad]);
+                ok = ffp_fail(err, FFP_ERROR_FILE, path, "Gaussian %lld: %s is no usable number",
+                              (long long)index, ffp_row_names[bad]);
         }
         done += rows;
     }
-    free(block);
+    ffp_free(block);
     return ok;
 }
 
@@ -104,18 +106,21 @@ static bool read_rows(FfpGaussians *gaussians, const FfpPlyHeader *header, FILE 
 static bool check_size(const FfpPlyHeader *header, FILE *stream, const char *path, FfpError *err) {
     struct stat info;
     if (fstat(fileno(stream), &info) != 0 || !S_ISREG(info.st_mode))
-        return ffp_fail(err, path, "is no regular file");
+        return ffp_fail(err, FFP_ERROR_FILE, path, "is no regular file");
     const int64_t rest = (int64_t)info.st_size - (int64_t)ftello(stream),
                   want = header->count * header->stride;
     if (rest == want) return true;
-    return ffp_fail(err, path, "%lld Gaussians of %d bytes need %lld bytes, the file has %lld",
-                    (long long)header->count, header->stride, (long long)want, (long long)rest);
+    return ffp_fail(err, FFP_ERROR_FILE, path,
+                    "%lld Gaussians of %d bytes need %lld bytes, the file has %lld", (long long)header->count,
+                    header->stride, (long long)want, (long long)rest);
 }
 
 bool ffp_gaussians_read(FfpGaussians *gaussians, const char *path, FfpError *err) {
     *gaussians = (FfpGaussians){0};
-    FILE *stream = ffp_is_folder(path) ? NULL : fopen(path, "rb");
-    if (stream == NULL) return ffp_fail(err, path, "cannot open");
+    if (!ffp_check_kind(path, FFP_WANTED_GAUSSIANS, err)) return false;
+    FILE *stream = ffp_open_to_read(path, err);
+    if (stream == NULL) return false;
+    ffp_own_file(stream);
     FfpPlyHeader header;
     bool ok = ffp_ply_header_read(&header, stream, path, err) && check_size(&header, stream, path, err);
     if (ok) {
@@ -123,6 +128,6 @@ bool ffp_gaussians_read(FfpGaussians *gaussians, const char *path, FfpError *err
         ok = read_rows(gaussians, &header, stream, path, err);
         if (!ok) ffp_gaussians_free(gaussians);
     }
-    fclose(stream);
+    ffp_close_file(stream);
     return ok;
 }

@@ -38,42 +38,48 @@ static bool is_float(const char *type) {
 static bool read_property(FfpPlyHeader *header, const char *line, const char *path, FfpError *err) {
     char type[32], name[64], rest[2];
     if (sscanf(line, "property %31s %63s %1s", type, name, rest) != 2)
-        return ffp_fail(err, path, "property \"%s\" is not one number", line);
+        return ffp_fail(err, FFP_ERROR_FILE, path, "property \"%s\" is not one number", line);
     const int bytes = type_bytes(type);
-    if (bytes == 0) return ffp_fail(err, path, "property %s has the unknown type %s", name, type);
+    if (bytes == 0)
+        return ffp_fail(err, FFP_ERROR_FILE, path, "property %s has the unknown type %s", name, type);
     for (int i = 0; i < FFP_ROW_NUMBERS; i++) {
         if (strcmp(name, ffp_row_names[i]) != 0) continue;
-        if (header->offset[i] >= 0) return ffp_fail(err, path, "property %s is there twice", name);
-        if (!is_float(type)) return ffp_fail(err, path, "property %s is %s, not float", name, type);
+        if (header->offset[i] >= 0)
+            return ffp_fail(err, FFP_ERROR_FILE, path, "property %s is there twice", name);
+        if (!is_float(type))
+            return ffp_fail(err, FFP_ERROR_FILE, path, "property %s is %s, not float", name, type);
         header->offset[i] = header->stride;
         header->wide |= bytes == 8 ? 1U << i : 0U;
     }
     header->stride += bytes;
-    if (header->stride > STRIDE_MAX) return ffp_fail(err, path, "a row has more than %d bytes", STRIDE_MAX);
+    if (header->stride > STRIDE_MAX)
+        return ffp_fail(err, FFP_ERROR_FILE, path, "a row has more than %d bytes", STRIDE_MAX);
     return true;
 }
 
 static bool read_element(FfpPlyHeader *header, const char *line, const char *path, FfpError *err) {
     char name[64], number[32], rest[2];
     if (sscanf(line, "element %63s %31s %1s", name, number, rest) != 2)
-        return ffp_fail(err, path, "cannot understand \"%s\"", line);
+        return ffp_fail(err, FFP_ERROR_FILE, path, "cannot understand \"%s\"", line);
     if (strcmp(name, "vertex") != 0 || header->count >= 0)
-        return ffp_fail(err, path, "holds an element %s: Gaussians are one element vertex", name);
+        return ffp_fail(err, FFP_ERROR_FILE, path, "holds an element %s: Gaussians are one element vertex",
+                        name);
     char *end = NULL;
     errno = 0;
     const long long count = strtoll(number, &end, 10);
     if (errno != 0 || *end != 0 || count < 0 || count > FFP_GAUSSIANS_MAX)
-        return ffp_fail(err, path, "element vertex: count %s is not in 0..%d", number, FFP_GAUSSIANS_MAX);
+        return ffp_fail(err, FFP_ERROR_FILE, path, "element vertex: count %s is not in 0..%d", number,
+                        FFP_GAUSSIANS_MAX);
     header->count = count;
     return true;
 }
 
 static bool check_complete(const FfpPlyHeader *header, const char *path, FfpError *err) {
-    if (header->count < 0) return ffp_fail(err, path, "holds no element vertex");
+    if (header->count < 0) return ffp_fail(err, FFP_ERROR_FILE, path, "holds no element vertex");
     for (int i = 0; i < FFP_ROW_NUMBERS; i++)
         if (header->offset[i] < 0)
-            return ffp_fail(err, path, "property %s is missing: these Gaussians cannot be relit",
-                            ffp_row_names[i]);
+            return ffp_fail(err, FFP_ERROR_FILE, path,
+                            "property %s is missing: these Gaussians cannot be relit", ffp_row_names[i]);
     return true;
 }
 
@@ -85,9 +91,10 @@ bool ffp_ply_header_read(FfpPlyHeader *header, FILE *stream, const char *path, F
     char line[LINE_BYTES];
     *header = (FfpPlyHeader){.count = -1};
     for (int i = 0; i < FFP_ROW_NUMBERS; i++) header->offset[i] = -1;
-    if (!read_line(stream, line) || strcmp(line, "ply") != 0) return ffp_fail(err, path, "is no PLY file");
+    if (!read_line(stream, line) || strcmp(line, "ply") != 0)
+        return ffp_fail(err, FFP_ERROR_FILE, path, "is no PLY file");
     if (!read_line(stream, line) || strcmp(line, "format binary_little_endian 1.0") != 0)
-        return ffp_fail(err, path, "PLY is not binary_little_endian 1.0");
+        return ffp_fail(err, FFP_ERROR_FILE, path, "PLY is not binary_little_endian 1.0");
     for (int i = 0; i < LINES_MAX && read_line(stream, line); i++) {
         if (strcmp(line, "end_header") == 0) return check_complete(header, path, err);
         if (starts_with(line, "comment") || starts_with(line, "obj_info")) continue;
@@ -96,10 +103,10 @@ bool ffp_ply_header_read(FfpPlyHeader *header, FILE *stream, const char *path, F
         } else if (starts_with(line, "property ") && header->count >= 0) {
             if (!read_property(header, line, path, err)) return false;
         } else {
-            return ffp_fail(err, path, "PLY header: cannot understand \"%.60s\"", line);
+            return ffp_fail(err, FFP_ERROR_FILE, path, "PLY header: cannot understand \"%.60s\"", line);
         }
     }
-    return ffp_fail(err, path, "PLY header has no end");
+    return ffp_fail(err, FFP_ERROR_FILE, path, "PLY header has no end");
 }
 
 void ffp_ply_header_write(FILE *stream, int64_t count) {

@@ -1,5 +1,5 @@
 // The file formats behind image.h. Each reader takes the whole file in memory; which one is asked is decided
-// by content.
+// by content. Sizes are those of the picture as it is to be shown, after the orientation tag.
 #ifndef FFP_IMAGE_CODEC_H
 #define FFP_IMAGE_CODEC_H
 
@@ -7,9 +7,10 @@
 #include "image/image.h"
 
 typedef struct FfpDecoded {
-    FfpImage image; // RGBA; in an EXR, linear and premultiplied; otherwise encoded, in [0,1], straight alpha
-    bool linear;    // an EXR
+    FfpImage image; // RGBA as stored; if linear, premultiplied; otherwise encoded, in [0,1], straight alpha
+    bool linear;    // an EXR, or a TIFF of floats
     bool has_alpha;
+    int orientation; // 1 to 8, how the stored picture is to be shown (orientation.c); 0: as it is
 } FfpDecoded;
 
 // A file in memory; `path` is for error messages.
@@ -22,18 +23,35 @@ typedef struct FfpBytes {
 bool ffp_png_is(const FfpBytes *file);
 bool ffp_png_size(const FfpBytes *file, int *width, int *height, FfpError *err);
 bool ffp_png_decode(const FfpBytes *file, FfpDecoded *out, FfpError *err);
-bool ffp_png_decode_raw(const FfpBytes *file, FfpImage *out,
+bool ffp_png_decode_raw(const FfpBytes *file, FfpDecoded *out,
                         FfpError *err); // 1 channel of integers; grey files only
 
 bool ffp_jpeg_is(const FfpBytes *file);
 bool ffp_jpeg_size(const FfpBytes *file, int *width, int *height, FfpError *err);
 bool ffp_jpeg_decode(const FfpBytes *file, FfpDecoded *out, FfpError *err);
 
+bool ffp_tiff_is(const FfpBytes *file);
+bool ffp_tiff_size(const FfpBytes *file, int *width, int *height, FfpError *err);
+bool ffp_tiff_decode(const FfpBytes *file, FfpDecoded *out, FfpError *err);
+bool ffp_tiff_decode_raw(const FfpBytes *file, FfpDecoded *out,
+                         FfpError *err); // 1 channel of integers or floats; grey files only
+
 bool ffp_exr_is(const FfpBytes *file);
 bool ffp_exr_size(const FfpBytes *file, int *width, int *height, FfpError *err);
 bool ffp_exr_decode(const FfpBytes *file, FfpDecoded *out, FfpError *err);
-bool ffp_exr_decode_raw(const FfpBytes *file, FfpImage *out,
-                        FfpError *err); // Z, else Y, else the first channel
+bool ffp_exr_decode_raw(const FfpBytes *file, FfpDecoded *out,
+                        FfpError *err); // Z, else Y, in whichever layer, else the first channel
+
+// Says what a file is that this program does not read, and what to do about it; false always.
+bool ffp_refuse_foreign(const FfpBytes *file, FfpError *err);
+bool ffp_is_foreign(const FfpBytes *file); // one that is known by its first bytes
+
+// The orientation tag (1 to 8) of EXIF data, which begin with a TIFF header; 1 where there is none.
+int ffp_exif_orientation(const unsigned char *bytes, size_t size);
+// Turns a picture as the tag says, in memory of its own, and a size as it stands in a file.
+void ffp_orient(FfpImage *image, int orientation);
+void ffp_orient_size(int *width, int *height, int orientation);
+const char *ffp_orientation_words(int orientation); // e.g. "turned by 180 degrees"
 
 // Refuses a side of 0 or above FFP_IMAGE_SIDE_MAX.
 bool ffp_check_sides(long long width, long long height, const char *path, FfpError *err);

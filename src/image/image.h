@@ -27,23 +27,30 @@ FfpImage ffp_image_downloaded(const FfpImage *image);
 
 // How the colours of a file are to be understood when it is read.
 typedef enum FfpColour {
-    FFP_COLOUR_ENCODED, // as they stand in the file, scaled to [0,1] (an EXR is sRGB-encoded, so clamped)
-    FFP_COLOUR_LINEAR,  // sRGB files decoded to linear (EXR is linear already)
+    FFP_COLOUR_ENCODED, // as they stand in the file, scaled to [0,1] (linear files are sRGB-encoded, so
+                        // clamped)
+    FFP_COLOUR_LINEAR,  // sRGB files decoded to linear
+    FFP_COLOUR_STORED, // as they stand in any file, integers scaled to [0,1]: for numbers that are no colours
 } FfpColour;
 
-// Reads PNG (8/16 bit, grey, RGB, with or without alpha, palette), JPEG or EXR by its content, not its name.
-// Returns 4 channels: RGB and straight alpha (1 where the file has none). Errors: not a file, no image,
-// truncated, a side of 0 or above FFP_IMAGE_SIDE_MAX, values that are not finite. Gamma and colour profiles
-// in files are ignored.
+// Reads PNG (8/16 bit, grey, RGB, with or without alpha, palette), JPEG (CMYK too), TIFF (8/16 bit, floats)
+// or EXR (lines or tiles, layers, parts) by its content, not its name. EXR and TIFF of floats are linear.
+// JPEG and TIFF are turned as their orientation tag says, with a note. Returns 4 channels: RGB and straight
+// alpha (1 where the file has none). Errors: not a file, no image, truncated, a side of 0 or above
+// FFP_IMAGE_SIDE_MAX, values that are not finite. Gamma and colour profiles in files are ignored.
 bool ffp_image_read(FfpImage *image, const char *path, FfpColour colour, FfpError *err);
 // Linear RGB over black. Straight alpha is multiplied in before decoding (as pictures are composited in
-// viewers, and in the metrics of this field); an EXR's colours are premultiplied already. *alpha gets the
-// alpha channel, or stays empty when the file has none; alpha may be NULL.
+// viewers, and in the metrics of this field); a linear file's colours are premultiplied already. *alpha gets
+// the alpha channel, or stays empty when the file has none; alpha may be NULL.
 bool ffp_image_read_over_black(FfpImage *rgb, FfpImage *alpha, const char *path, FfpError *err);
-// One channel as raw numbers: 0..65535 of a 16-bit grey PNG (0..255 of an 8-bit one), or an EXR's Z, Y or
-// first channel: depth and roughness maps.
+// The same for files whose numbers are linear light, whatever their kind: nothing is decoded.
+bool ffp_image_read_light(FfpImage *rgb, FfpImage *alpha, const char *path, FfpError *err);
+// One channel as raw numbers: 0..65535 of a 16-bit grey PNG or TIFF (0..255 of an 8-bit one), a grey TIFF's
+// floats, or an EXR's Z, Y or first channel: depth and roughness maps.
 bool ffp_image_read_raw16(FfpImage *image, const char *path, FfpError *err);
-// Only the size, without decoding: for checks before memory is taken.
+// Whether a name ends as those of the kinds above do: for pictures among a folder's files.
+bool ffp_image_has_ending(const char *name);
+// Only the size, turned as the orientation tag says, without decoding: for checks before memory is taken.
 bool ffp_image_read_size(int *width, int *height, const char *path, FfpError *err);
 
 // 8-bit PNG of 1, 3 or 4 channels; values are clamped to [0,1] and rounded; they are written as they are
@@ -51,7 +58,7 @@ bool ffp_image_read_size(int *width, int *height, const char *path, FfpError *er
 bool ffp_image_write_png(const FfpImage *image, const char *path, FfpError *err);
 bool ffp_image_write_png16(const FfpImage *image, const char *path,
                            FfpError *err); // values in [0,1] -> 0..65535
-// The same 8-bit PNG into memory (malloc'd): for reports.
+// The same 8-bit PNG into memory (released with ffp_free): for reports.
 bool ffp_image_encode_png(const FfpImage *image, unsigned char **bytes, size_t *size, FfpError *err);
 // 32-bit float EXR with channels named R G B [A], Y, or Z for one channel called depth.
 bool ffp_image_write_exr(const FfpImage *image, const char *path, FfpError *err);

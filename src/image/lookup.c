@@ -83,5 +83,5 @@ void ffp_lookup_gather_pattern(const FfpSummed *grad_sum, FfpImage *grad_pattern
             }
         }
     }
-    free(below);
+    ffp_free(below);
 }

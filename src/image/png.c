@@ -24,7 +24,7 @@ static unsigned long long big_endian32(const unsigned char *p) {
 
 bool ffp_png_size(const FfpBytes *file, int *width, int *height, FfpError *err) {
     if (file->size < 33 || memcmp(file->data + 12, "IHDR", 4) != 0)
-        return ffp_fail(err, file->path, "truncated PNG");
+        return ffp_fail(err, FFP_ERROR_FILE, file->path, "truncated PNG");
     const long long w = (long long)big_endian32(file->data + 16),
                     h = (long long)big_endian32(file->data + 20);
     if (!ffp_check_sides(w, h, file->path, err)) return false;
@@ -33,10 +33,24 @@ bool ffp_png_size(const FfpBytes *file, int *width, int *height, FfpError *err) 
     return true;
 }
 
+// Memory for libpng, in which nothing may end but by its own jump.
+static void *take_memory(png_structp png, png_alloc_size_t bytes) {
+    void *memory = ffp_try_alloc(bytes, 1);
+    bool *no_memory = png_get_mem_ptr(png);
+    if (memory == NULL) *no_memory = true;
+    return memory;
+}
+
+static void give_memory(png_structp png, void *memory) {
+    (void)png;
+    ffp_free(memory);
+}
+
 typedef struct Reading {
     FfpBytes file;
     size_t position;
-    bool truncated; // it was the end of the file that stopped libpng
+    bool truncated; // it was the end of the file that stopped libpng,
+    bool no_memory; // or that of the memory
     png_structp png;
     png_infop info;
     int width, height, channels, depth; // depth: 8 or 16 bits as delivered
@@ -82,30 +96,36 @@ static void set_transformations(Reading *r, bool raw) {
     r->depth = png_get_bit_depth(r->png, r->info);
 }
 
+static void *take_pixels(Reading *r, size_t rows, size_t row) {
+    void *memory = ffp_try_alloc(rows, row);
+    if (memory == NULL) r->no_memory = true, png_error(r->png, "out of memory");
+    return memory;
+}
+
 static bool read_pixels(Reading *r, bool raw) {
     png_byte **rows = NULL;
-    r->png = png_create_read_struct(PNG_LIBPNG_VER_STRING, r->message, on_error, on_warning);
+    r->png = png_create_read_struct_2(PNG_LIBPNG_VER_STRING, r->message, on_error, on_warning, &r->no_memory,
+                                      take_memory, give_memory);
     r->info = r->png != NULL ? png_create_info_struct(r->png) : NULL;
-    if (r->info == NULL) {
-        snprintf(r->message, sizeof r->message, "out of memory");
-        return false;
-    }
+    if (r->info == NULL) return false;
     png_byte **volatile held = NULL;
     if (setjmp(png_jmpbuf(r->png))) {
-        free((void *)held);
+        ffp_free((void *)held);
         return false;
     }
     png_set_read_fn(r->png, r, give_bytes);
     png_read_info(r->png, r->info);
+    // of the rows as they are in the file, with a byte for each row's filter
+    const size_t raw_bytes = (1 + png_get_rowbytes(r->png, r->info)) * (size_t)r->height;
+    if (raw_bytes / DEFLATE_RATIO_MAX > r->file.size) png_error(r->png, "truncated PNG");
     set_transformations(r, raw);
     const size_t stride = png_get_rowbytes(r->png, r->info);
-    if (stride / DEFLATE_RATIO_MAX * (size_t)r->height > r->file.size) png_error(r->png, "truncated PNG");
-    r->pixels = ffp_alloc((size_t)r->height, stride);
-    held = rows = ffp_alloc((size_t)r->height, sizeof *rows);
+    r->pixels = take_pixels(r, (size_t)r->height, stride);
+    held = rows = take_pixels(r, (size_t)r->height, sizeof *rows);
     for (size_t y = 0; y < (size_t)r->height; y++) rows[y] = r->pixels + y * stride;
     png_read_image(r->png, rows);
     png_read_end(r->png, NULL);
-    free((void *)rows);
+    ffp_free((void *)rows);
     return true;
 }
 
@@ -114,9 +134,10 @@ static bool read_png(Reading *r, const FfpBytes *file, bool raw, FfpError *err) 
     if (!ffp_png_size(file, &r->width, &r->height, err)) return false;
     const bool ok = read_pixels(r, raw);
     png_destroy_read_struct(&r->png, &r->info, NULL);
+    if (!ok) ffp_free(r->pixels);
+    if (r->no_memory) return ffp_fail(err, FFP_ERROR_MEMORY, file->path, "out of memory");
     if (!ok) {
-        free(r->pixels);
-        ffp_fail(err, file->path, "%s%s",
+        ffp_fail(err, FFP_ERROR_FILE, file->path, "%s%s",
                  r->truncated ? "truncated PNG" : "broken PNG: ", r->truncated ? "" : r->message);
     }
     return ok;
@@ -139,21 +160,21 @@ bool ffp_png_decode(const FfpBytes *file, FfpDecoded *out, FfpError *err) {
             out->image.data[4 * i + c] = c < n ? (real)value_at(&r, i * n + c) / scale : 1;
         }
     }
-    free(r.pixels);
+    ffp_free(r.pixels);
     return true;
 }
 
-bool ffp_png_decode_raw(const FfpBytes *file, FfpImage *out, FfpError *err) {
+bool ffp_png_decode_raw(const FfpBytes *file, FfpDecoded *out, FfpError *err) {
     Reading r;
     if (!read_png(&r, file, true, err)) return false;
     if (!r.grey || r.channels != 1) {
-        free(r.pixels);
-        return ffp_fail(err, file->path, "is not a grey image");
+        ffp_free(r.pixels);
+        return ffp_fail(err, FFP_ERROR_FILE, file->path, "is not a grey image");
     }
-    *out = ffp_image_new(r.width, r.height, 1);
+    out->image = ffp_image_new(r.width, r.height, 1);
     const size_t pixels = (size_t)r.width * (size_t)r.height;
-    for (size_t i = 0; i < pixels; i++) out->data[i] = (real)value_at(&r, i);
-    free(r.pixels);
+    for (size_t i = 0; i < pixels; i++) out->image.data[i] = (real)value_at(&r, i);
+    ffp_free(r.pixels);
     return true;
 }
 
@@ -164,6 +185,7 @@ typedef struct Writing {
     png_infop info;
     unsigned char *bytes, *row;
     size_t size, capacity;
+    bool no_memory;
     char message[160];
 } Writing;
 
@@ -171,8 +193,8 @@ static void take_bytes(png_structp png, png_bytep from, size_t count) {
     Writing *w = png_get_io_ptr(png);
     if (count > w->capacity - w->size) {
         const size_t capacity = 2 * w->capacity + count + 4096;
-        unsigned char *larger = realloc(w->bytes, capacity);
-        if (larger == NULL) png_error(png, "out of memory");
+        unsigned char *larger = ffp_try_grow(w->bytes, capacity, 1);
+        if (larger == NULL) w->no_memory = true, png_error(png, "out of memory");
         w->bytes = larger;
         w->capacity = capacity;
     }
@@ -227,7 +249,8 @@ static void set_compression(png_structp png, const FfpImage *image) {
 static bool write_pixels(Writing *w, const FfpImage *image, int depth) {
     static const int types[5] = {0, PNG_COLOR_TYPE_GRAY, PNG_COLOR_TYPE_GRAY_ALPHA, PNG_COLOR_TYPE_RGB,
                                  PNG_COLOR_TYPE_RGB_ALPHA};
-    w->png = png_create_write_struct(PNG_LIBPNG_VER_STRING, w->message, on_error, on_warning);
+    w->png = png_create_write_struct_2(PNG_LIBPNG_VER_STRING, w->message, on_error, on_warning, &w->no_memory,
+                                       take_memory, give_memory);
     w->info = w->png != NULL ? png_create_info_struct(w->png) : NULL;
     if (w->info == NULL) return false;
     if (setjmp(png_jmpbuf(w->png))) return false;
@@ -251,16 +274,18 @@ static bool encode(const FfpImage *image, int depth, unsigned char **bytes, size
     *bytes = NULL;
     *size = 0;
     if (image->data == NULL || image->channels < 1 || image->channels > 4) {
-        return ffp_fail(err, where, "cannot write an image of %d channels as PNG", image->channels);
+        return ffp_fail(err, FFP_ERROR_ARGUMENT, where, "cannot write an image of %d channels as PNG",
+                        image->channels);
     }
     Writing w = {.message = "out of memory"};
     w.row = ffp_alloc((size_t)image->width * (size_t)image->channels, 2);
     const bool ok = write_pixels(&w, image, depth);
     png_destroy_write_struct(&w.png, &w.info);
-    free(w.row);
+    ffp_free(w.row);
     if (!ok) {
-        free(w.bytes);
-        return ffp_fail(err, where, "cannot write PNG: %s", w.message);
+        ffp_free(w.bytes);
+        return ffp_fail(err, w.no_memory ? FFP_ERROR_MEMORY : FFP_ERROR_IO, where, "cannot write PNG: %s",
+                        w.message);
     }
     *bytes = w.bytes;
     *size = w.size;
@@ -272,7 +297,7 @@ static bool write_png(const FfpImage *image, int depth, const char *path, FfpErr
     size_t size;
     if (!encode(image, depth, &bytes, &size, path, err)) return false;
     const bool ok = ffp_write_file(path, bytes, size, err);
-    free(bytes);
+    ffp_free(bytes);
     return ok;
 }
 

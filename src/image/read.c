@@ -1,15 +1,20 @@
 // Reading an image file: take it into memory, see what it is, hand it to its codec.
 #include <stdlib.h>
+#include <string.h>
+#include <strings.h>
 #include <tgmath.h>
 
 #include "base/file.h"
+#include "base/kind.h"
+#include "base/log.h"
 #include "image/codec.h"
 
 #define FILE_BYTES_MAX ((size_t)1 << 30)
 
 bool ffp_check_sides(long long width, long long height, const char *path, FfpError *err) {
     if (width >= 1 && height >= 1 && width <= FFP_IMAGE_SIDE_MAX && height <= FFP_IMAGE_SIDE_MAX) return true;
-    return ffp_fail(err, path, "image size %lld x %lld is outside 1..%d", width, height, FFP_IMAGE_SIDE_MAX);
+    return ffp_fail(err, FFP_ERROR_FILE, path, "image size %lld x %lld is outside 1..%d", width, height,
+                    FFP_IMAGE_SIDE_MAX);
 }
 
 static bool read_bytes(FfpBytes *file, const char *path, FfpError *err) {
@@ -18,33 +23,54 @@ static bool read_bytes(FfpBytes *file, const char *path, FfpError *err) {
     if (!ffp_read_file(path, FILE_BYTES_MAX, &data, &file->size, err)) return false;
     file->data = (const unsigned char *)data;
     if (file->size > 0) return true;
-    free(data);
-    ffp_fail(err, path, "file is empty");
+    ffp_free(data);
+    ffp_fail(err, FFP_ERROR_FILE, path, "file is empty");
     return false;
 }
 
 static void free_bytes(FfpBytes *file) {
-    free((void *)file->data);
+    ffp_free((void *)file->data);
 }
 
-static bool not_an_image(const char *path, FfpError *err) {
-    return ffp_fail(err, path, "is not a PNG, JPEG or EXR image");
+typedef struct Codec {
+    bool (*is)(const FfpBytes *file);
+    bool (*size)(const FfpBytes *file, int *width, int *height, FfpError *err);
+    bool (*decode)(const FfpBytes *file, FfpDecoded *out, FfpError *err);
+    bool (*decode_raw)(const FfpBytes *file, FfpDecoded *out, FfpError *err); // NULL: holds no raw numbers
+} Codec;
+
+static const Codec codecs[] = {
+    {ffp_png_is, ffp_png_size, ffp_png_decode, ffp_png_decode_raw},
+    {ffp_jpeg_is, ffp_jpeg_size, ffp_jpeg_decode, NULL},
+    {ffp_exr_is, ffp_exr_size, ffp_exr_decode, ffp_exr_decode_raw},
+    {ffp_tiff_is, ffp_tiff_size, ffp_tiff_decode, ffp_tiff_decode_raw},
+};
+
+// NULL with an error. Some raw photographs look like TIFF files.
+static const Codec *codec_of(const FfpBytes *file, FfpError *err) {
+    for (size_t i = 0; i < sizeof codecs / sizeof *codecs && !ffp_is_foreign(file); i++) {
+        if (codecs[i].is(file)) return &codecs[i];
+    }
+    if (ffp_check_kind(file->path, FFP_WANTED_IMAGE, err)) ffp_refuse_foreign(file, err);
+    return NULL;
 }
 
-static bool decode(FfpDecoded *out, const char *path, FfpError *err) {
+// `raw`: one channel of numbers as they stand, rather than RGBA.
+static bool decode(FfpDecoded *out, const char *path, bool raw, FfpError *err) {
     *out = (FfpDecoded){0};
     FfpBytes file;
     if (!read_bytes(&file, path, err)) return false;
-    bool ok = false;
-    if (ffp_png_is(&file))
-        ok = ffp_png_decode(&file, out, err);
-    else if (ffp_jpeg_is(&file))
-        ok = ffp_jpeg_decode(&file, out, err);
-    else if (ffp_exr_is(&file))
-        ok = ffp_exr_decode(&file, out, err);
-    else
-        not_an_image(path, err);
+    const Codec *codec = codec_of(&file, err);
+    bool ok = codec != NULL;
+    if (ok && raw && codec->decode_raw == NULL)
+        ok = ffp_fail(err, FFP_ERROR_FILE, path, "is not a grey PNG or TIFF, or an EXR image");
+    else if (ok)
+        ok = (raw ? codec->decode_raw : codec->decode)(&file, out, err);
     free_bytes(&file);
+    if (ok && out->orientation > 1) {
+        ffp_orient(&out->image, out->orientation);
+        ffp_note("%s: %s, as its orientation tag says", path, ffp_orientation_words(out->orientation));
+    }
     return ok;
 }
 
@@ -60,7 +86,7 @@ static void unpremultiply(FfpImage *image) {
 bool ffp_image_read(FfpImage *image, const char *path, FfpColour colour, FfpError *err) {
     FfpDecoded decoded;
     *image = (FfpImage){0};
-    if (!decode(&decoded, path, err)) return false;
+    if (!decode(&decoded, path, false, err)) return false;
     if (decoded.linear) unpremultiply(&decoded.image);
     if (decoded.linear && colour == FFP_COLOUR_ENCODED) ffp_image_to_srgb(&decoded.image);
     if (!decoded.linear && colour == FFP_COLOUR_LINEAR) ffp_image_to_linear(&decoded.image);
@@ -68,11 +94,12 @@ bool ffp_image_read(FfpImage *image, const char *path, FfpColour colour, FfpErro
     return true;
 }
 
-bool ffp_image_read_over_black(FfpImage *rgb, FfpImage *alpha, const char *path, FfpError *err) {
+// `light`: the numbers of files that are not linear are taken for linear ones.
+static bool read_over_black(FfpImage *rgb, FfpImage *alpha, const char *path, bool light, FfpError *err) {
     FfpDecoded decoded;
     *rgb = (FfpImage){0};
     if (alpha != NULL) *alpha = (FfpImage){0};
-    if (!decode(&decoded, path, err)) return false;
+    if (!decode(&decoded, path, false, err)) return false;
     FfpImage *image = &decoded.image;
     if (decoded.has_alpha && alpha != NULL) *alpha = ffp_image_channel(image, 3);
     if (decoded.linear) {
@@ -81,39 +108,41 @@ bool ffp_image_read_over_black(FfpImage *rgb, FfpImage *alpha, const char *path,
         for (ptrdiff_t i = 0; i < pixels; i++) image->data[4 * i + 3] = 1;
     }
     *rgb = ffp_image_over_black(image);
-    if (!decoded.linear) ffp_image_to_linear(rgb);
+    if (!decoded.linear && !light) ffp_image_to_linear(rgb);
     ffp_image_free(image);
     return true;
 }
 
+bool ffp_image_read_over_black(FfpImage *rgb, FfpImage *alpha, const char *path, FfpError *err) {
+    return read_over_black(rgb, alpha, path, false, err);
+}
+
+bool ffp_image_read_light(FfpImage *rgb, FfpImage *alpha, const char *path, FfpError *err) {
+    return read_over_black(rgb, alpha, path, true, err);
+}
+
 bool ffp_image_read_raw16(FfpImage *image, const char *path, FfpError *err) {
-    *image = (FfpImage){0};
-    FfpBytes file;
-    if (!read_bytes(&file, path, err)) return false;
-    bool ok = false;
-    if (ffp_png_is(&file))
-        ok = ffp_png_decode_raw(&file, image, err);
-    else if (ffp_exr_is(&file))
-        ok = ffp_exr_decode_raw(&file, image, err);
-    else
-        ffp_fail(err, path, "is not a grey PNG or an EXR image");
-    free_bytes(&file);
+    FfpDecoded decoded;
+    const bool ok = decode(&decoded, path, true, err);
+    *image = decoded.image;
     return ok;
+}
+
+bool ffp_image_has_ending(const char *name) {
+    static const char *const endings[] = {".png", ".jpg", ".jpeg", ".tif", ".tiff", ".exr"};
+    const char *dot = strrchr(name, '.');
+    for (size_t i = 0; dot != NULL && dot != name && i < sizeof endings / sizeof *endings; i++) {
+        if (strcasecmp(dot, endings[i]) == 0) return true;
+    }
+    return false;
 }
 
 bool ffp_image_read_size(int *width, int *height, const char *path, FfpError *err) {
     *width = *height = 0;
     FfpBytes file;
     if (!read_bytes(&file, path, err)) return false;
-    bool ok = false;
-    if (ffp_png_is(&file))
-        ok = ffp_png_size(&file, width, height, err);
-    else if (ffp_jpeg_is(&file))
-        ok = ffp_jpeg_size(&file, width, height, err);
-    else if (ffp_exr_is(&file))
-        ok = ffp_exr_size(&file, width, height, err);
-    else
-        not_an_image(path, err);
+    const Codec *codec = codec_of(&file, err);
+    const bool ok = codec != NULL && codec->size(&file, width, height, err);
     free_bytes(&file);
     return ok;
 }

@@ -39,9 +39,9 @@ static Taps taps_new(int n_in, int n_out) {
 }
 
 static void taps_free(Taps *taps) {
-    free(taps->first);
-    free(taps->count);
-    free(taps->weights);
+    ffp_free(taps->first);
+    ffp_free(taps->count);
+    ffp_free(taps->weights);
 }
 
 FfpImage ffp_image_resize(const FfpImage *image, int width, int height) {

@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include "base/arena.h"
+#include "base/call.h"
 #include "base/device.h"
 #include "loss/loss.h"
 #include "loss/metrics.h"
@@ -18,6 +19,7 @@ typedef struct Due { // a value of the device's, and what it is added to
 static _Thread_local struct {
     int depth, seen; // how often values are asked to be late; how many of the device's are spoken for
     Due *due;        // [FFP_LATE_MAX]
+    const FfpDevice *device;
 } late;
 
 double ffp_psnr_of(double mean_square) {
@@ -26,14 +28,28 @@ double ffp_psnr_of(double mean_square) {
     return value > FFP_PSNR_CAP ? FFP_PSNR_CAP : value;
 }
 
+// Nothing is late any more, and nothing that was comes.
+static void forget(void *thing) {
+    (void)thing;
+    late.device->loss->late(false);
+    late.depth = late.seen = 0;
+    late.due = NULL;
+}
+
 static int kept(void) {
     return late.depth > 0 ? ffp_device()->loss->late_count() : 0;
 }
 
 void ffp_losses_late(void) {
-    if (!ffp_device() || late.depth++ > 0) return;
+    if (!ffp_device() || late.depth > 0) {
+        late.depth += ffp_device() != NULL;
+        return;
+    }
     late.due = ffp_alloc(FFP_LATE_MAX, sizeof *late.due);
-    ffp_device()->loss->late(true);
+    late.device = ffp_device();
+    late.device->loss->late(true);
+    late.depth = 1;
+    ffp_own(&late, forget);
 }
 
 bool ffp_late_as(FfpLateKind kind, real scale) {
@@ -57,7 +73,7 @@ static void settle(void) {
     }
     memset(late.due, 0, (size_t)late.seen * sizeof *late.due);
     late.seen = 0;
-    free(values);
+    ffp_free(values);
 }
 
 void ffp_loss_add(double *sum, double weight, double value) {
@@ -75,7 +91,8 @@ void ffp_losses_settle(void) {
     if (late.depth == 0) return;
     settle();
     if (--late.depth > 0) return;
+    ffp_disown(&late);
     ffp_device()->loss->late(false);
-    free(late.due);
+    ffp_free(late.due);
     late.due = NULL;
 }

@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <tgmath.h>
 #include "base/arena.h"
+#include "base/call.h"
 #include "base/device.h"
 #include "loss/perceptual_net.h"
 #include "loss/table.h"
@@ -94,7 +95,7 @@ static double tap_distance(const FfpTap *tap, const FfpPerceptual *net, const Ff
                             : square_block(&pair, scale, first, count);
     }
     for (ptrdiff_t k = 0; k < blocks; k++) total += sums[k];
-    free(sums);
+    ffp_free(sums);
     return total * inverse;
 }
 
@@ -102,9 +103,11 @@ static double tap_distance(const FfpTap *tap, const FfpPerceptual *net, const Ff
 static const void *weights_on_device(const FfpPerceptual *net) {
     FfpPerceptualCopy *copy = net->copy;
     if (copy->weights && copy->device == ffp_device()) return copy->weights;
+    ffp_disown(copy->weights);
     if (copy->weights) copy->device->loss->perceptual_release(copy->weights);
     copy->device = ffp_device();
     copy->weights = copy->device->loss->perceptual_upload(net);
+    ffp_own(copy->weights, copy->device->loss->perceptual_release);
     return copy->weights;
 }
 

@@ -25,13 +25,15 @@ static bool fill(real *out, const FfpSafetensors *file, const char *path, const 
                  const int64_t *shape, int rank, FfpError *err) {
     const FfpPlace where = ffp_place(path, name);
     const FfpTensor *tensor = ffp_safetensors_find(file, name);
-    if (!tensor) return ffp_fail(err, where.text, "no such tensor");
+    if (!tensor) return ffp_fail(err, FFP_ERROR_FILE, where.text, "no such tensor");
     bool same = tensor->rank == rank;
     for (int i = 0; same && i < rank; i++) same = tensor->shape[i] == shape[i];
-    if (!same) return ffp_fail(err, where.text, "tensor of the wrong shape");
-    if (!ffp_tensor_to_real(tensor, out)) return ffp_fail(err, where.text, "tensor of the wrong type");
+    if (!same) return ffp_fail(err, FFP_ERROR_FILE, where.text, "tensor of the wrong shape");
+    if (!ffp_tensor_to_real(tensor, out))
+        return ffp_fail(err, FFP_ERROR_FILE, where.text, "tensor of the wrong type");
     for (int64_t i = 0; i < tensor->count; i++)
-        if (!isfinite(out[i])) return ffp_fail(err, where.text, "a weight is not a finite number");
+        if (!isfinite(out[i]))
+            return ffp_fail(err, FFP_ERROR_FILE, where.text, "a weight is not a finite number");
     return true;
 }
 
@@ -62,7 +64,7 @@ FfpPerceptual *ffp_perceptual_read(const char *path, FfpError *err) {
     FfpPerceptualKind kind;
     FfpPerceptual *net = NULL;
     if (!recognise(&kind, &file))
-        ffp_fail(err, path, "not LPIPS with AlexNet or SqueezeNet, nor VGG16");
+        ffp_fail(err, FFP_ERROR_FILE, path, "not LPIPS with AlexNet or SqueezeNet, nor VGG16");
     else
         net = ffp_perceptual_new(kind);
     if (net && !fill_network(net, &file, path, err)) {

@@ -8,6 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include "base/arena.h"
+#include "base/call.h"
 #include "loss/table.h"
 
 static int add_slot(FfpPerceptual *net, int channels) {
@@ -143,14 +144,15 @@ FfpPerceptual *ffp_perceptual_new(FfpPerceptualKind kind) {
 
 void ffp_perceptual_free(FfpPerceptual *net) {
     if (!net) return;
+    ffp_disown(net->copy->weights);
     if (net->copy->weights) net->copy->device->loss->perceptual_release(net->copy->weights);
-    free(net->copy);
+    ffp_free(net->copy);
     for (int i = 0; i < net->layer_count; i++) {
-        free(net->layers[i].weight);
-        free(net->layers[i].bias);
+        ffp_free(net->layers[i].weight);
+        ffp_free(net->layers[i].bias);
     }
-    for (int i = 0; i < net->tap_count; i++) free(net->taps[i].head);
-    free(net);
+    for (int i = 0; i < net->tap_count; i++) ffp_free(net->taps[i].head);
+    ffp_free(net);
 }
 
 static int side_after(const FfpLayer *layer, int side) {
@@ -249,8 +251,8 @@ void ffp_features_backward(FfpFeatures *features, const FfpPerceptual *net, FfpI
 
 void ffp_features_free(FfpFeatures *features) {
     for (int s = 0; s < FFP_PERCEPTUAL_SLOTS; s++) {
-        free(features->value[s]);
-        free(features->grad[s]);
+        ffp_free(features->value[s]);
+        ffp_free(features->grad[s]);
         features->value[s] = features->grad[s] = NULL;
     }
 }

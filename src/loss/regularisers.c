@@ -110,8 +110,8 @@ real ffp_normal_smooth_loss(const real *normal_sum, const real *mask, int width,
         if (used[i])
             ffp_unit_normal_backward(grad + 3 * i, slope + 3 * i, unit + 3 * i,
                                      weight / ((real)pairs * length[i]));
-    free(used);
-    free(unit);
+    ffp_free(used);
+    ffp_free(unit);
     return pairs > 0 ? weight * (real)(sum / pairs) : 0;
 }
 
@@ -147,7 +147,7 @@ real ffp_roughness_loss(const real *roughness_sum, const real *albedo_sum, const
         if (grad_roughness_sum) grad_roughness_sum[i] += scaled;
         if (grad_opacity) grad_opacity[i] -= scaled * roughness_sum[i] / opacity[i];
     }
-    free(slope);
-    free(used);
+    ffp_free(slope);
+    ffp_free(used);
     return pairs > 0 ? weight * (real)(sum / pairs) : 0;
 }

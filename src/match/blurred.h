@@ -5,9 +5,6 @@
 #include "match/line.h"
 #include "match/observe.h"
 
-// No vector ever crosses a call, so how one would be passed does not matter.
-#pragma GCC diagnostic ignored "-Wpsabi"
-
 // A cell, or what a pixel saw: three channels and a zero, one vector.
 typedef real FfpFour __attribute__((vector_size(4 * sizeof(real))));
 

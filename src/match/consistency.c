@@ -1,5 +1,6 @@
 #include "match/consistency.h"
 
+#include <omp.h>
 #include <stdbool.h>
 #include <stdlib.h>
 
@@ -12,9 +13,9 @@
 #define OUTSIDE 0.2F    // coverage at another view's outline up to which a point counts as outside it,
 #define INSIDE 0.6F     // and from which as inside: a surface point on the very outline shows about one half
 
-static FfpHeard hear(const real *depth, const real *trust, size_t width) {
+static FfpDepthBounds hear(const real *depth, const real *trust, size_t width) {
     const size_t around[4] = {0, 1, width, width + 1};
-    FfpHeard out = {0, 0, 0};
+    FfpDepthBounds out = {0, 0, 0};
     for (int n = 0; n < 4; n++) {
         const real z = depth[around[n]], t = trust[around[n]];
         if (z <= 0 || t <= 0) continue;
@@ -25,41 +26,41 @@ static FfpHeard hear(const real *depth, const real *trust, size_t width) {
     return out;
 }
 
-FfpWitnesses ffp_witnesses_new(const FfpDepths *depths) {
+FfpSupportViews ffp_support_views_new(const FfpDepths *depths) {
     const size_t width = (size_t)depths->width, views = (size_t)depths->capture->n_views;
     const int rows = depths->capture->n_views * depths->height;
-    FfpWitnesses out = {depths, ffp_alloc(views * (size_t)depths->height * width, sizeof(FfpHeard))};
+    FfpSupportViews out = {depths, ffp_alloc(views * (size_t)depths->height * width, sizeof(FfpDepthBounds))};
 #pragma omp parallel for schedule(static)
     for (int row = 0; row < rows; row++) {
         if (row % depths->height == depths->height - 1) continue; // nothing lies below
         const size_t first = (size_t)row * width;
         for (size_t i = first; i + 1 < first + width; i++)
-            out.heard[i] = hear(depths->depth + i, depths->trust + i, width);
+            out.bounds[i] = hear(depths->depth + i, depths->trust + i, width);
     }
     return out;
 }
 
-void ffp_witnesses_free(FfpWitnesses *witnesses) {
-    free(witnesses->heard);
-    *witnesses = (FfpWitnesses){0};
+void ffp_support_views_free(FfpSupportViews *support_views) {
+    ffp_free(support_views->bounds);
+    *support_views = (FfpSupportViews){0};
 }
 
-void ffp_hear(real *past, real *agree, const FfpHeard *heard, real z, real slack) {
-    if (heard->high <= 0) return;
-    if (z < heard->low - slack)
-        *past += heard->trust;
-    else if (z <= heard->high + slack)
-        *agree += heard->trust;
+void ffp_support_count(real *past, real *agree, const FfpDepthBounds *bounds, real z, real slack) {
+    if (bounds->high <= 0) return;
+    if (z < bounds->low - slack)
+        *past += bounds->trust;
+    else if (z <= bounds->high + slack)
+        *agree += bounds->trust;
 }
 
-FfpHeard ffp_heard_at(const FfpWitnesses *witnesses, int view, real x, real y) {
-    const int width = witnesses->depths->width, height = witnesses->depths->height;
-    const FfpView *seer = &witnesses->depths->capture->views[view];
+FfpDepthBounds ffp_depth_bounds_at(const FfpSupportViews *support_views, int view, real x, real y) {
+    const int width = support_views->depths->width, height = support_views->depths->height;
+    const FfpView *seer = &support_views->depths->capture->views[view];
     const real u = x - 0.5F, v = y - 0.5F;
     if (!(u >= 0 && v >= 0 && u < (real)(ffp_frame_width(seer) - 1) &&
           v < (real)(ffp_frame_height(seer) - 1)))
-        return (FfpHeard){0, 0, 0};
-    return witnesses->heard[((size_t)view * (size_t)height + (size_t)v) * (size_t)width + (size_t)u];
+        return (FfpDepthBounds){0, 0, 0};
+    return support_views->bounds[((size_t)view * (size_t)height + (size_t)v) * (size_t)width + (size_t)u];
 }
 
 typedef struct Place { // where another view has a point
@@ -88,18 +89,19 @@ static real share_inside(const FfpImage *coverage, const Place *at) {
     return share < 0 ? 0 : share > 1 ? 1 : share;
 }
 
-static void hear_depth(FfpWitness *out, const FfpHeard *heard, real z, real focal) {
-    if (heard->high <= 0) return;
+static void count_support(FfpSupport *out, const FfpDepthBounds *bounds, real z, real focal) {
+    if (bounds->high <= 0) return;
     const real slack = SLACK * z / focal;
-    if (z < heard->low - slack)
-        out->past++, out->trust_past += heard->trust;
-    else if (z <= heard->high + slack)
-        out->agree++, out->trust_agree += heard->trust;
+    if (z < bounds->low - slack)
+        out->past++, out->trust_past += bounds->trust;
+    else if (z <= bounds->high + slack)
+        out->agree++, out->trust_agree += bounds->trust;
 }
 
 // What view `other` adds about the point at depth z of the pixel whose ray it sees as `line`.
-static void ask(FfpWitness *out, const FfpWitnesses *witnesses, int other, const FfpLine *line, real z) {
-    const FfpDepths *depths = witnesses->depths;
+static void ask(FfpSupport *out, const FfpSupportViews *support_views, int other, const FfpLine *line,
+                real z) {
+    const FfpDepths *depths = support_views->depths;
     const FfpView *seer = &depths->capture->views[other];
     Place at;
     if (!find_place(&at, line, z, seer)) return;
@@ -107,64 +109,67 @@ static void ask(FfpWitness *out, const FfpWitnesses *witnesses, int other, const
     const size_t first = (size_t)other * (size_t)depths->height * (size_t)depths->width;
     out->views++;
     out->coverage = share < out->coverage ? share : out->coverage;
-    hear_depth(out, &witnesses->heard[first + at.first], at.z, seer->camera.fx);
+    count_support(out, &support_views->bounds[first + at.first], at.z, seer->camera.fx);
 }
 
-FfpWitness ffp_consult(const FfpWitnesses *witnesses, int view, const FfpCamera *camera, real x, real y,
-                       real z) {
-    const FfpCapture *capture = witnesses->depths->capture;
-    FfpWitness out = {.coverage = 1};
+FfpSupport ffp_support_at(const FfpSupportViews *support_views, int view, const FfpCamera *camera, real x,
+                          real y, real z) {
+    const FfpCapture *capture = support_views->depths->capture;
+    FfpSupport out = {.coverage = 1};
     for (int other = 0; other < capture->n_views; other++) {
         if (other == view) continue;
         const FfpLine line = ffp_line(camera, x, y, &capture->views[other].camera);
-        ask(&out, witnesses, other, &line, z);
+        ask(&out, support_views, other, &line, z);
     }
     return out;
 }
 
 void ffp_reject_inconsistent(FfpDepths *depths) {
     const int rows = depths->capture->n_views * depths->height;
-    FfpWitnesses witnesses = ffp_witnesses_new(depths);
+    FfpSupportViews support_views = ffp_support_views_new(depths);
 #pragma omp parallel for schedule(static)
     for (int row = 0; row < rows; row++) {
         for (int x = 0; x < depths->width; x++) {
             const size_t i = (size_t)row * (size_t)depths->width + (size_t)x;
             if (depths->trust[i] <= 0) continue;
             const int view = row / depths->height, y = row % depths->height;
-            const FfpWitness witness = ffp_consult(&witnesses, view, &depths->capture->views[view].camera,
-                                                   (real)x + 0.5F, (real)y + 0.5F, depths->depth[i]);
-            // The witnesses have their own copy of what is trusted.
-            if (witness.trust_past > depths->trust[i] + witness.trust_agree || witness.coverage <= 0)
+            const FfpSupport support =
+                ffp_support_at(&support_views, view, &depths->capture->views[view].camera, (real)x + 0.5F,
+                               (real)y + 0.5F, depths->depth[i]);
+            // The support views have their own copy of what is trusted.
+            if (support.trust_past > depths->trust[i] + support.trust_agree || support.coverage <= 0)
                 depths->trust[i] = 0;
         }
     }
-    ffp_witnesses_free(&witnesses);
+    ffp_support_views_free(&support_views);
 }
 
 // The first depth from range[0] on, at most range[1], at which not too many views see past the ray.
-static real free_until(const FfpWitnesses *witnesses, int view, int x, int y, const real range[2],
+static real free_until(const FfpSupportViews *support_views, int view, int x, int y, const real range[2],
                        FfpLine *lines) {
-    const FfpCapture *capture = witnesses->depths->capture;
+    const FfpCapture *capture = support_views->depths->capture;
     const real growth = 1 + 1 / capture->views[view].camera.fx;
     for (int other = 0; other < capture->n_views; other++)
         lines[other] = ffp_line(&capture->views[view].camera, (real)x + 0.5F, (real)y + 0.5F,
                                 &capture->views[other].camera);
     real z = range[0];
     for (int step = 0; step < FREE_STEPS && z < range[1]; step++, z *= growth) {
-        FfpWitness witness = {.coverage = 1};
+        FfpSupport support = {.coverage = 1};
         for (int other = 0; other < capture->n_views; other++)
-            if (other != view) ask(&witness, witnesses, other, &lines[other], z);
-        if (witness.trust_past <= FREE_TRUST + witness.trust_agree) break;
+            if (other != view) ask(&support, support_views, other, &lines[other], z);
+        if (support.trust_past <= FREE_TRUST + support.trust_agree) break;
     }
     return z < range[1] ? z : range[1];
 }
 
 void ffp_free_space(real *range, const FfpDepths *depths) {
     const FfpCapture *capture = depths->capture;
-    FfpWitnesses witnesses = ffp_witnesses_new(depths);
+    FfpSupportViews support_views = ffp_support_views_new(depths);
+    const size_t views = (size_t)capture->n_views;
+    FfpLine *all = ffp_alloc((size_t)omp_get_max_threads() * views, sizeof *all);
 #pragma omp parallel
     {
-        FfpLine *lines = ffp_alloc((size_t)capture->n_views, sizeof *lines);
+        FfpLine *lines = all + (size_t)omp_get_thread_num() * views;
 #pragma omp for schedule(static)
         for (int row = 0; row < capture->n_views * depths->height; row++) {
             const int view = row / depths->height, y = row % depths->height;
@@ -172,10 +177,10 @@ void ffp_free_space(real *range, const FfpDepths *depths) {
             for (int x = 0; x < depths->width; x++) {
                 const size_t i = (size_t)row * (size_t)depths->width + (size_t)x;
                 if (depths->trust[i] > 0 || coverage[x] <= 0) continue;
-                range[2 * i] = free_until(&witnesses, view, x, y, range + 2 * i, lines);
+                range[2 * i] = free_until(&support_views, view, x, y, range + 2 * i, lines);
             }
         }
-        free(lines);
     }
-    ffp_witnesses_free(&witnesses);
+    ffp_free(all);
+    ffp_support_views_free(&support_views);
 }

@@ -13,37 +13,37 @@ typedef struct FfpDepths {
 
 // What a view knows around a point between four pixels' centres, of those that have trusted depth: their
 // least and greatest depth and greatest trust. All 0 where there is none.
-typedef struct FfpHeard {
+typedef struct FfpDepthBounds {
     real low, high, trust;
-} FfpHeard;
+} FfpDepthBounds;
 
-typedef struct FfpWitnesses {
+typedef struct FfpSupportViews {
     const FfpDepths *depths;
-    FfpHeard *heard; // [views,h,w], at the upper left of the four pixels
-} FfpWitnesses;
+    FfpDepthBounds *bounds; // [views,h,w], at the upper left of the four pixels
+} FfpSupportViews;
 
-FfpWitnesses ffp_witnesses_new(const FfpDepths *depths);
-void ffp_witnesses_free(FfpWitnesses *witnesses);
+FfpSupportViews ffp_support_views_new(const FfpDepths *depths);
+void ffp_support_views_free(FfpSupportViews *support_views);
 
-// Adds the trust of what was heard to those who see past a point of depth z, or to those who have a surface
+// Adds the trust of a cell's points to those who see past a point of depth z, or to those who have a surface
 // there, give or take `slack`; behind the surface it says nothing.
-void ffp_hear(real *past, real *agree, const FfpHeard *heard, real z, real slack);
+void ffp_support_count(real *past, real *agree, const FfpDepthBounds *bounds, real z, real slack);
 
 // What is known around position (x, y) of the view's picture; all 0 outside it.
-FfpHeard ffp_heard_at(const FfpWitnesses *witnesses, int view, real x, real y);
+FfpDepthBounds ffp_depth_bounds_at(const FfpSupportViews *support_views, int view, real x, real y);
 
-typedef struct FfpWitness {
+typedef struct FfpSupport {
     real coverage; // least share that the silhouette of any other view leaves of the point
     int views;     // other views with the point in their picture
     int agree,
         past; // of these: own surface at the point; own surface well behind it, so the point is in the way
     real trust_agree, trust_past; // sums of their trust
-} FfpWitness;
+} FfpSupport;
 
 // Asks the views other than `view` about the point at camera depth z of position (x, y) in the picture of
 // `camera`, which stands where the view's does.
-FfpWitness ffp_consult(const FfpWitnesses *witnesses, int view, const FfpCamera *camera, real x, real y,
-                       real z);
+FfpSupport ffp_support_at(const FfpSupportViews *support_views, int view, const FfpCamera *camera, real x,
+                          real y, real z);
 
 // Takes the trust from depths that more trusted views see past than agree with.
 void ffp_reject_inconsistent(FfpDepths *depths);

@@ -47,7 +47,7 @@ static FfpPlane *fit_planes(const FfpReduced *reduced, int view) {
                 out[(size_t)y * (size_t)start->width + (size_t)(x + n)] = planes[n];
         }
     ffp_sheet_free(&sheet);
-    free(depth);
+    ffp_free(depth);
     return out;
 }
 
@@ -153,5 +153,5 @@ void ffp_enlarge(const FfpEnlarged *out, const FfpReduced *reduced, const FfpVie
         for (int x = 0; x < seen->width; x++)
             if (full->coverage.data[(size_t)y * (size_t)seen->width + (size_t)x] > 0)
                 enlarge_pixel(out, &w, view, x, y);
-    free(w.planes);
+    ffp_free(w.planes);
 }

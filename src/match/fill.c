@@ -66,5 +66,5 @@ void ffp_fill_smoothly(real *depth, const real *mask, const real *range, int wid
         depth[i] = sheet.value[i];
         if (range != NULL) depth[i] = fmin(fmax(depth[i], 0) + range[2 * i], range[2 * i + 1]);
     }
-    free(gained), free(sheet.value), free(sheet.known);
+    ffp_free(gained), ffp_free(sheet.value), ffp_free(sheet.known);
 }

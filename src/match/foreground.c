@@ -17,6 +17,6 @@ FfpForeground ffp_foreground_new(const FfpImage *coverage) {
 }
 
 void ffp_foreground_free(FfpForeground *foreground) {
-    free(foreground->pixel), free(foreground->slot);
+    ffp_free(foreground->pixel), ffp_free(foreground->slot);
     *foreground = (FfpForeground){0};
 }

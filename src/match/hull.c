@@ -24,7 +24,7 @@ static unsigned char *widen(const FfpView *view) {
     for (size_t y = 0; y < height; y++) wide[y * width] = wide[y * width + width - 1] = 1;
     memset(wide, 1, width);
     memset(wide + area - width, 1, width + 1);
-    free(tall);
+    ffp_free(tall);
     return wide;
 }
 
@@ -62,7 +62,7 @@ void ffp_hull(unsigned char *inside, const FfpCapture *capture, int view, const 
             const FfpLine line = ffp_line(camera, x, y, &seer->camera);
             cut(inside + slot * count, wide, seer, &line, planes);
         }
-        free(wide);
+        ffp_free(wide);
     }
 }
 
@@ -93,6 +93,6 @@ void ffp_hull_ranges(real *range, const FfpCapture *capture, int view) {
     unsigned char *inside = ffp_alloc(foreground.count * (size_t)planes.count, 1);
     ffp_hull(inside, capture, view, &foreground, &planes);
     ffp_hull_range(range, inside, &foreground, &planes);
-    free(inside);
+    ffp_free(inside);
     ffp_foreground_free(&foreground);
 }

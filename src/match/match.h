@@ -3,6 +3,7 @@
 #ifndef FFP_MATCH_MATCH_H
 #define FFP_MATCH_MATCH_H
 
+#include <stdint.h>
 #include <stdbool.h>
 #include "base/error.h"
 #include "base/real.h"

@@ -5,12 +5,10 @@
 #include <tgmath.h>
 
 #include "base/arena.h"
+#include "base/call.h"
 #include "match/line.h"
 #include "match/refine.h"
 #include "match/sweep.h"
-
-// clang does not vectorise the least of numbers that might be NaN, and need not say so.
-#pragma clang diagnostic ignored "-Wpass-failed"
 
 #define SMALL_STEP 0.03F // smoothness: cost of a step of one plane between neighbours
 #define LARGE_STEP 0.3F  // and of any longer one
@@ -82,7 +80,7 @@ static void choose(real *depth, real *confidence, const real *total, const real 
         const real second = rival(sum, count, best);
         confidence[i] = second > 0 ? fmax(1 - sum[best] / second, 0) * seen->lit[i] : 0;
     }
-    free(row);
+    ffp_free(row);
 }
 
 size_t ffp_match_bytes(const FfpCamera *camera, const FfpMatchSettings *settings) {
@@ -100,10 +98,12 @@ static void search(real *depth, real *confidence, real *range, const FfpCapture 
     unsigned char *inside = ffp_alloc(cells, 1);
     ffp_hull(inside, capture, view, &foreground, planes);
     if (range != NULL) ffp_hull_range(range, inside, &foreground, planes);
+    ffp_cancel_point();
     ffp_sweep(cost, self, &foreground, seen, pattern, planes, inside);
+    ffp_cancel_point();
     ffp_semi_global(total, cost, &foreground, planes->count, SMALL_STEP, LARGE_STEP);
     choose(depth, confidence, total, cost, &foreground, seen, planes);
-    free(inside), free(total), free(cost);
+    ffp_free(inside), ffp_free(total), ffp_free(cost);
     ffp_foreground_free(&foreground);
 }
 
@@ -116,9 +116,10 @@ void ffp_match_view(real *depth, real *confidence, real *range, const FfpCapture
     search(depth, confidence, range, capture, view, seen, pattern, &planes);
     real *finer = ffp_alloc(pixels, sizeof(real)), span = 2 * planes.step;
     for (int round = 0; round < ROUNDS; round++, span /= 2) {
+        ffp_cancel_point();
         ffp_refine_depth(finer, depth, confidence, &capture->views[view], seen, pattern, settings->fine_steps,
                          span);
         memcpy(depth, finer, pixels * sizeof(real));
     }
-    free(finer);
+    ffp_free(finer);
 }

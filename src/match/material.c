@@ -4,6 +4,7 @@
 #include <tgmath.h>
 
 #include "base/arena.h"
+#include "base/call.h"
 #include "base/brdf.h"
 #include "match/line.h"
 #include "match/observe.h"
@@ -96,23 +97,27 @@ static real ambient_light(const FfpStart *start, size_t channel) {
             ratio[count++] = start->ambient[3 * i + channel] / albedo;
     }
     const real median = count > 0 ? value_of_rank(ratio, count, count / 2) : 0;
-    free(ratio);
+    ffp_free(ratio);
     return median;
+}
+
+// What is unlit reflects the ambient light; of one channel.
+static void unlit_albedo(void *argument, int64_t channel) {
+    FfpStart *start = argument;
+    const size_t c = (size_t)channel,
+                 pixels = (size_t)start->views * (size_t)start->width * (size_t)start->height;
+    const real ambient = ambient_light(start, c);
+    if (ambient <= 0) return;
+    for (size_t i = 0; i < pixels; i++) {
+        const real share = light_share(start->lit[i]),
+                   unlit = fmin(start->ambient[3 * i + c] / ambient, ALBEDO_MAX);
+        if (start->t[i] > 0)
+            start->albedo[3 * i + c] = share * start->albedo[3 * i + c] + (1 - share) * unlit;
+    }
 }
 
 void ffp_start_materials(FfpStart *start, const FfpCapture *capture) {
 #pragma omp parallel for schedule(static)
     for (int v = 0; v < start->views; v++) view_colours(start, capture, v);
-    const size_t pixels = (size_t)start->views * (size_t)start->width * (size_t)start->height;
-#pragma omp parallel for schedule(static)
-    for (size_t c = 0; c < 3; c++) {
-        const real ambient = ambient_light(start, c);
-        if (ambient <= 0) continue;
-        for (size_t i = 0; i < pixels; i++) {
-            const real share = light_share(start->lit[i]),
-                       unlit = fmin(start->ambient[3 * i + c] / ambient, ALBEDO_MAX);
-            if (start->t[i] > 0)
-                start->albedo[3 * i + c] = share * start->albedo[3 * i + c] + (1 - share) * unlit;
-        }
-    }
+    ffp_parallel_for(3, 0, unlit_albedo, start);
 }

@@ -53,14 +53,14 @@ FfpObservation ffp_observe(const FfpCapture *capture, int view_index, int active
         out.weight[c] = view->coverage.data[c / 3] * fmin(fmax(light[c] / typical, 0), 1);
         out.lit[c / 3] += out.weight[c] / 3;
     }
-    free(light);
+    ffp_free(light);
     return out;
 }
 
 void ffp_observation_free(FfpObservation *observation) {
-    free(observation->ratio);
-    free(observation->weight);
-    free(observation->lit);
+    ffp_free(observation->ratio);
+    ffp_free(observation->weight);
+    ffp_free(observation->lit);
     *observation = (FfpObservation){0};
 }
 
@@ -85,7 +85,7 @@ FfpBlurred ffp_blurred_new(const FfpImage *pattern, real box) {
 }
 
 void ffp_blurred_free(FfpBlurred *blurred) {
-    free(blurred->cells);
+    ffp_free(blurred->cells);
     *blurred = (FfpBlurred){0};
 }
 

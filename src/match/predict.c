@@ -70,7 +70,7 @@ FfpImage ffp_predict_by_lookup(const FfpCapture *capture, int view_index, int pa
 #pragma omp parallel for schedule(static)
     for (int y = 0; y < height; y++) predict_row(out.data, &summed, capture, view, &sheet, y);
     ffp_sheet_free(&sheet);
-    free(whole), free(even);
+    ffp_free(whole), ffp_free(even);
     ffp_summed_free(&summed);
     return out;
 }
@@ -84,7 +84,7 @@ void ffp_match_depth(const FfpCapture *capture, int view, int active, const FfpM
     real *confidence = ffp_alloc((size_t)camera->width * (size_t)camera->height, sizeof(real));
     ffp_match_view(depth, confidence, NULL, capture, view, &seen, &pattern, settings);
     ffp_fill_smoothly(depth, NULL, NULL, camera->width, camera->height);
-    free(confidence);
+    ffp_free(confidence);
     ffp_blurred_free(&pattern);
     ffp_observation_free(&seen);
 }

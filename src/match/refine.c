@@ -1,80 +1,10 @@
 #include "match/refine.h"
 
 #include <string.h>
-#include <tgmath.h>
 
-#include "match/blurred.h"
-#include "match/line.h"
+#include "match/kernels/kernels.h"
 
-#define WINDOW 2      // the cost is summed over 5 x 5 pixels, less the corners
 #define PLANE_REACH 2 // the local plane is fitted to as many pixels
-#define STEPS_MAX 256
-#define PRIOR 0.02F      // cost of lying a whole range off the plane, a unit of weight
-#define OFF_PATTERN 0.5F // cost of a hypothesis that leaves the pattern, a unit of weight
-
-// Weight of a neighbour by its squared distance: exp(-0.35 d^2).
-static const real nearness[WINDOW * WINDOW + 2] = {1, 0.7047F, 0.4966F, 0.3499F, 0.2466F, 0.1738F};
-
-// Adds a neighbour's costs along the plane for all hypotheses, `outside` for those off the pattern. Returns
-// its weight.
-static real add_neighbour(FfpFour *cost, real *outside, const FfpView *view, const FfpObservation *seen,
-                          const FfpBlurred *pattern, const FfpPlane *plane, int x, int y, int dx, int dy,
-                          int steps, real step) {
-    const size_t i = (size_t)(y + dy) * (size_t)seen->width + (size_t)(x + dx);
-    const real near = nearness[dx * dx + dy * dy];
-    FfpSeen here = ffp_seen(seen, i);
-    here.weight *= near;
-    const FfpLine line =
-        ffp_line(&view->camera, (real)(x + dx) + 0.5F, (real)(y + dy) + 0.5F, &view->projector);
-    // The line in inverse depth: both its numbers divided by depth.
-    const FfpLine inverse = {{line.u[1], line.u[0]}, {line.v[1], line.v[0]}, {line.w[1], line.w[0]}};
-    const real base = plane->q0 + plane->qx * (real)dx + plane->qy * (real)dy;
-    for (int k = 0; k < steps; k += FFP_LANES) {
-        real u[FFP_LANES], v[FFP_LANES];
-        FfpCells cells;
-        ffp_line_positions(&inverse, base, step, k - steps / 2, u, v);
-        ffp_find_cells(&cells, pattern, u, v);
-        for (int n = 0; n < FFP_LANES && k + n < steps; n++) {
-            if (cells.first[n] >= 0)
-                cost[k + n] += ffp_blurred_cost(pattern, &cells, n, &here);
-            else
-                outside[k + n] += near * OFF_PATTERN;
-        }
-    }
-    return near * seen->lit[i];
-}
-
-// Index of the least cost with the parabola through it and its neighbours.
-static real least_at(const real *cost, int steps) {
-    int best = 0;
-    for (int k = 1; k < steps; k++)
-        if (cost[k] < cost[best]) best = k;
-    if (best == 0 || best == steps - 1) return (real)best;
-    const real a = cost[best - 1], b = cost[best], c = cost[best + 1], bend = a - 2 * b + c;
-    return (real)best + (bend > 0 ? 0.5F * (a - c) / bend : 0);
-}
-
-static real refine_pixel(const FfpView *view, const FfpObservation *seen, const FfpBlurred *pattern,
-                         const FfpPlane *plane, int x, int y, int steps, real step) {
-    FfpFour channels[STEPS_MAX];
-    real cost[STEPS_MAX], total = 0;
-    for (int k = 0; k < steps; k++) channels[k] = (FfpFour){0}, cost[k] = 0;
-    for (int dy = -WINDOW; dy <= WINDOW; dy++) {
-        for (int dx = -WINDOW; dx <= WINDOW; dx++) {
-            if (dx * dx + dy * dy > WINDOW * WINDOW + 1) continue;
-            if (x + dx < 0 || x + dx >= seen->width || y + dy < 0 || y + dy >= seen->height) continue;
-            if (seen->lit[(size_t)(y + dy) * (size_t)seen->width + (size_t)(x + dx)] <= 0) continue;
-            total += add_neighbour(channels, cost, view, seen, pattern, plane, x, y, dx, dy, steps, step);
-        }
-    }
-    const int half = steps / 2;
-    const real middle = (real)half;
-    for (int k = 0; k < steps; k++) {
-        const real off = ((real)k - middle) / middle;
-        cost[k] += ffp_sum_channels(channels[k]) + PRIOR * total * off * off;
-    }
-    return plane->q0 + (least_at(cost, steps) - middle) * step;
-}
 
 // A row's pixels from x on, as many as are fitted at a time.
 static void refine_strip(real *out, const real *weight, const FfpSheet *sheet, const FfpView *view,
@@ -85,20 +15,21 @@ static void refine_strip(real *out, const real *weight, const FfpSheet *sheet, c
     bool any = false;
     for (int n = 0; n < lanes; n++) any |= weight[first + (size_t)n] > 0;
     if (!any) return;
+    FfpRefinePixel *refine = ffp_match_kernels()->refine_pixel;
     FfpPlane planes[FFP_LANES];
     ffp_fit_planes(planes, sheet, x, y);
     for (int n = 0; n < lanes; n++) {
         const FfpPlane *plane = &planes[n];
         if (weight[first + (size_t)n] <= 0 || plane->q0 <= 0) continue;
         const real step = range * plane->q0 * plane->q0 / (real)half;
-        const real q = refine_pixel(view, seen, pattern, plane, x + n, y, steps, step);
+        const real q = refine(view, seen, pattern, plane, x + n, y, steps, step);
         if (q > 0) out[first + (size_t)n] = 1 / q;
     }
 }
 
 void ffp_refine_depth(real *out, const real *depth, const real *weight, const FfpView *view,
                       const FfpObservation *seen, const FfpBlurred *pattern, int steps, real range) {
-    if (steps > STEPS_MAX) steps = STEPS_MAX;
+    if (steps > FFP_REFINE_STEPS_MAX) steps = FFP_REFINE_STEPS_MAX;
     memcpy(out, depth, (size_t)seen->width * (size_t)seen->height * sizeof(real));
     FfpSheet sheet = ffp_sheet_new(depth, weight, &view->camera, PLANE_REACH);
     for (int y = 0; y < seen->height; y++)

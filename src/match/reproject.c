@@ -78,5 +78,5 @@ void ffp_fill_from_others(real *out, const FfpDepths *depths, const real *normal
     for (size_t k = 0; k < count; k++) put(&layer, &points[k], LAYER * points[k].z / camera->fx, false);
     for (size_t i = 0; i < area; i++)
         out[i] = trust[i] > 0 ? depth[i] : layer.weight[i] > 0 ? layer.sum[i] / layer.weight[i] : 0;
-    free(points), free(layer.nearest), free(layer.sum), free(layer.weight);
+    ffp_free(points), ffp_free(layer.nearest), ffp_free(layer.sum), ffp_free(layer.weight);
 }

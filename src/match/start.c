@@ -6,6 +6,7 @@
 #include <tgmath.h>
 
 #include "base/arena.h"
+#include "base/call.h"
 #include "capture/reduce.h"
 #include "match/consistency.h"
 #include "match/enlarge.h"
@@ -27,21 +28,23 @@
 
 static bool check_picture(const FfpImage *image, const FfpCamera *camera, int channels, const char *what,
                           const FfpView *view, FfpError *err) {
-    if (image->data == NULL) return ffp_fail(err, view->id, "the view has no %s image", what);
+    if (image->data == NULL)
+        return ffp_fail(err, FFP_ERROR_ARGUMENT, view->id, "the view has no %s image", what);
     if (image->width != camera->width || image->height != camera->height || image->channels != channels)
-        return ffp_fail(err, view->id, "the %s image does not have the camera's size", what);
+        return ffp_fail(err, FFP_ERROR_ARGUMENT, view->id, "the %s image does not have the camera's size",
+                        what);
     return true;
 }
 
 static bool check(const FfpCapture *capture, int active, FfpError *err) {
-    if (capture->n_views < 1) return ffp_fail(err, capture->name, "no views");
+    if (capture->n_views < 1) return ffp_fail(err, FFP_ERROR_ARGUMENT, capture->name, "no views");
     if (active < 0 || active >= capture->n_patterns)
-        return ffp_fail(err, capture->name, "no such active pattern");
+        return ffp_fail(err, FFP_ERROR_ARGUMENT, capture->name, "no such active pattern");
     const FfpCamera *first = &capture->views[0].camera;
     for (int v = 0; v < capture->n_views; v++) {
         const FfpView *view = &capture->views[v];
         if (view->camera.width != first->width || view->camera.height != first->height)
-            return ffp_fail(err, view->id, "the view's size is not that of the others");
+            return ffp_fail(err, FFP_ERROR_ARGUMENT, view->id, "the view's size is not that of the others");
         if (!check_picture(&view->images[capture->black], first, 3, "black", view, err) ||
             !check_picture(&view->images[capture->white], first, 3, "white", view, err) ||
             !check_picture(&view->images[active], first, 3, capture->patterns[active].name, view, err) ||
@@ -66,13 +69,14 @@ static FfpStart allocate(const FfpCapture *capture) {
 
 void ffp_start_free(FfpStart *start) {
     if (start == NULL) return;
-    free(start->t), free(start->confidence), free(start->lit), free(start->coverage), free(start->agreement);
-    free(start->violation), free(start->footprint), free(start->normal), free(start->albedo),
-        free(start->ambient);
+    ffp_free(start->t), ffp_free(start->confidence), ffp_free(start->lit), ffp_free(start->coverage),
+        ffp_free(start->agreement);
+    ffp_free(start->violation), ffp_free(start->footprint), ffp_free(start->normal), ffp_free(start->albedo),
+        ffp_free(start->ambient);
     if (start->reduced != NULL) {
         ffp_start_free(&start->reduced->start);
         ffp_capture_reduced_free(&start->reduced->capture);
-        free(start->reduced);
+        ffp_free(start->reduced);
     }
     *start = (FfpStart){0};
 }
@@ -94,18 +98,55 @@ static void row_normals(real *normals, const FfpSheet *sheet, const FfpCamera *c
     }
 }
 
+typedef struct Normals {
+    real *normals;
+    const FfpDepths *depths;
+} Normals;
+
+static void view_normals(void *argument, int64_t view) {
+    const Normals *n = argument;
+    const FfpDepths *depths = n->depths;
+    const size_t width = (size_t)depths->width, area = (size_t)depths->height * width;
+    const FfpCamera *camera = &depths->capture->views[view].camera;
+    const size_t first = (size_t)view * area;
+    FfpSheet sheet = ffp_sheet_new(depths->depth + first, depths->trust + first, camera, NORMAL_REACH);
+    for (int y = 0; y < depths->height; y++)
+        row_normals(n->normals + 3 * (first + (size_t)y * width), &sheet, camera, y);
+    ffp_sheet_free(&sheet);
+    ffp_cancel_point();
+}
+
 // Normals of all pixels with depth, neighbours counted by their trust.
 static void find_normals(real *normals, const FfpDepths *depths) {
-    const size_t width = (size_t)depths->width, area = (size_t)depths->height * width;
-#pragma omp parallel for schedule(dynamic)
-    for (int view = 0; view < depths->capture->n_views; view++) {
-        const FfpCamera *camera = &depths->capture->views[view].camera;
-        const size_t first = (size_t)view * area;
-        FfpSheet sheet = ffp_sheet_new(depths->depth + first, depths->trust + first, camera, NORMAL_REACH);
-        for (int y = 0; y < depths->height; y++)
-            row_normals(normals + 3 * (first + (size_t)y * width), &sheet, camera, y);
-        ffp_sheet_free(&sheet);
+    ffp_parallel_for(depths->capture->n_views, 0, view_normals, &(Normals){normals, depths});
+}
+
+typedef struct Filling {
+    real *filled;
+    const real *normals, *range;
+    FfpDepths *depths;
+} Filling;
+
+static void fill_view(void *argument, int64_t index) {
+    const Filling *f = argument;
+    const FfpDepths *depths = f->depths;
+    const FfpCapture *capture = depths->capture;
+    const int v = (int)index;
+    const size_t area = (size_t)depths->width * (size_t)depths->height;
+    real *out = f->filled + (size_t)v * area;
+    const FfpCamera *camera = &capture->views[v].camera;
+    ffp_fill_from_others(out, depths, f->normals, v);
+    ffp_fill_smoothly(out, capture->views[v].coverage.data, f->range + 2 * (size_t)v * area, depths->width,
+                      depths->height);
+    real x, y;
+    const real middle = fmax(ffp_project(camera, capture->centre, &x, &y), 0.1F * capture->radius);
+    for (size_t i = 0; i < area; i++) {
+        if (capture->views[v].coverage.data[i] <= 0)
+            out[i] = 0;
+        else if (out[i] <= 0)
+            out[i] = middle; // a part of the object about which nothing at all is known
     }
+    ffp_cancel_point();
 }
 
 // Gives every pixel on the object a depth: from the other views' trusted points, then smoothly, then where
@@ -117,26 +158,11 @@ static void fill(FfpDepths *depths, real *range, const FfpMatchSettings *setting
     real *filled = ffp_alloc(area * (size_t)capture->n_views, sizeof(real));
     find_normals(normals, depths);
     ffp_free_space(range, depths);
-#pragma omp parallel for schedule(dynamic)
-    for (int v = 0; v < capture->n_views; v++) {
-        real *out = filled + (size_t)v * area;
-        const FfpCamera *camera = &capture->views[v].camera;
-        ffp_fill_from_others(out, depths, normals, v);
-        ffp_fill_smoothly(out, capture->views[v].coverage.data, range + 2 * (size_t)v * area, depths->width,
-                          depths->height);
-        real x, y;
-        const real middle = fmax(ffp_project(camera, capture->centre, &x, &y), 0.1F * capture->radius);
-        for (size_t i = 0; i < area; i++) {
-            if (capture->views[v].coverage.data[i] <= 0)
-                out[i] = 0;
-            else if (out[i] <= 0)
-                out[i] = middle; // a part of the object about which nothing at all is known
-        }
-    }
+    ffp_parallel_for(capture->n_views, 0, fill_view, &(Filling){filled, normals, range, depths});
     real *found = ffp_alloc(area * (size_t)capture->n_views, sizeof(real));
     ffp_unlit_depths(found, depths, filled, settings, threads);
     memcpy(depths->depth, found, area * (size_t)capture->n_views * sizeof(real));
-    free(found), free(filled), free(normals);
+    ffp_free(found), ffp_free(filled), ffp_free(normals);
 }
 
 // Opacity of a pixel's own splat. Splats of several views overlap at an outline, so that each must show less
@@ -151,7 +177,7 @@ static real own_share(real coverage) {
 // Where each pixel's point lies along its ray, and what the other views of `depths`, which may be those of
 // reduced pictures, say of it. depth [views,h,w]: camera z at the size of `start`.
 static void judge(FfpStart *start, const FfpCapture *capture, const real *depth, const FfpDepths *depths) {
-    FfpWitnesses witnesses = ffp_witnesses_new(depths);
+    FfpSupportViews support_views = ffp_support_views_new(depths);
 #pragma omp parallel for schedule(static)
     for (int row = 0; row < start->views * start->height; row++) {
         const int v = row / start->height, y = row % start->height;
@@ -163,16 +189,16 @@ static void judge(FfpStart *start, const FfpCapture *capture, const real *depth,
             real direction[3];
             start->t[i] = z / ffp_pixel_ray(&view->camera, at_x, at_y, direction);
             start->footprint[i] = z / view->camera.fx;
-            const FfpWitness witness = ffp_consult(&witnesses, v, &view->camera, at_x, at_y, z);
-            const int said = witness.agree + witness.past;
+            const FfpSupport support = ffp_support_at(&support_views, v, &view->camera, at_x, at_y, z);
+            const int said = support.agree + support.past;
             start->coverage[i] =
                 fmin(own_share(view->coverage.data[(size_t)y * (size_t)start->width + (size_t)x]),
-                     witness.coverage);
-            start->agreement[i] = said > 0 ? (real)witness.agree / (real)said : 0;
-            start->violation[i] = witness.views > 0 ? (real)witness.past / (real)witness.views : 0;
+                     support.coverage);
+            start->agreement[i] = said > 0 ? (real)support.agree / (real)said : 0;
+            start->violation[i] = support.views > 0 ? (real)support.past / (real)support.views : 0;
         }
     }
-    ffp_witnesses_free(&witnesses);
+    ffp_support_views_free(&support_views);
 }
 
 // Everything that follows from trusted depths. Takes depths->depth and ->trust over: trust becomes the
@@ -213,6 +239,28 @@ static int views_at_a_time(const FfpCapture *capture, const FfpMatchSettings *se
     return fit > threads ? (int)threads : fit > 1 ? (int)fit : 1;
 }
 
+typedef struct Matching {
+    FfpStart *start;
+    FfpDepths *depths;
+    real *range;
+    const FfpCapture *capture;
+    int active;
+    const FfpBlurred *pattern;
+    const FfpMatchSettings *settings;
+} Matching;
+
+static void match_one(void *argument, int64_t index) {
+    const Matching *m = argument;
+    const int v = (int)index;
+    const size_t area = (size_t)m->start->width * (size_t)m->start->height;
+    FfpObservation seen = ffp_observe(m->capture, v, m->active);
+    memcpy(m->start->lit + (size_t)v * area, seen.lit, area * sizeof(real));
+    ffp_match_view(m->depths->depth + (size_t)v * area, m->depths->trust + (size_t)v * area,
+                   m->range + 2 * (size_t)v * area, m->capture, v, &seen, m->pattern, m->settings);
+    ffp_observation_free(&seen);
+    ffp_cancel_point();
+}
+
 // Matches the capture's own pictures.
 static void match(FfpStart *start, const FfpCapture *capture, int active, const FfpMatchSettings *settings) {
     const int threads = views_at_a_time(capture, settings);
@@ -221,33 +269,39 @@ static void match(FfpStart *start, const FfpCapture *capture, int active, const 
     FfpBlurred pattern = ffp_blurred_new(&capture->patterns[active].image, ffp_typical_footprint(capture, 0));
     const size_t area = (size_t)start->width * (size_t)start->height;
     real *range = ffp_alloc((size_t)start->views * area, 2 * sizeof(real));
-#pragma omp parallel for schedule(dynamic) num_threads(threads)
-    for (int v = 0; v < capture->n_views; v++) {
-        FfpObservation seen = ffp_observe(capture, v, active);
-        memcpy(start->lit + (size_t)v * area, seen.lit, area * sizeof(real));
-        ffp_match_view(depths.depth + (size_t)v * area, depths.trust + (size_t)v * area,
-                       range + 2 * (size_t)v * area, capture, v, &seen, &pattern, settings);
-        ffp_observation_free(&seen);
-    }
+    ffp_parallel_for(capture->n_views, threads, match_one,
+                     &(Matching){start, &depths, range, capture, active, &pattern, settings});
     ffp_blurred_free(&pattern);
     ffp_reject_inconsistent(&depths);
     derive(start, &depths, range, settings, threads);
-    free(depths.depth), free(depths.trust), free(range);
+    ffp_free(depths.depth), ffp_free(depths.trust), ffp_free(range);
+}
+
+typedef struct Enlarging {
+    FfpStart *start;
+    real *depth;
+    const FfpCapture *capture;
+    int active;
+    const FfpBlurred *pattern;
+} Enlarging;
+
+static void enlarge_view(void *argument, int64_t index) {
+    const Enlarging *e = argument;
+    const int v = (int)index;
+    const size_t area = (size_t)e->start->width * (size_t)e->start->height, first = (size_t)v * area;
+    FfpObservation seen = ffp_observe(e->capture, v, e->active);
+    memcpy(e->start->lit + first, seen.lit, area * sizeof(real));
+    const FfpEnlarged out = {e->depth + first, e->start->normal + 3 * first, e->start->confidence + first};
+    ffp_enlarge(&out, e->start->reduced, &e->capture->views[v], v, &seen, e->pattern);
+    ffp_observation_free(&seen);
+    ffp_cancel_point();
 }
 
 // Carries what was found on the reduced pictures to full size, a view at a time.
 static void enlarge_views(FfpStart *start, real *depth, const FfpCapture *capture, int active) {
-    const size_t area = (size_t)start->width * (size_t)start->height;
     FfpBlurred pattern = ffp_blurred_new(&capture->patterns[active].image, ffp_typical_footprint(capture, 0));
-#pragma omp parallel for schedule(dynamic)
-    for (int v = 0; v < capture->n_views; v++) {
-        const size_t first = (size_t)v * area;
-        FfpObservation seen = ffp_observe(capture, v, active);
-        memcpy(start->lit + first, seen.lit, area * sizeof(real));
-        const FfpEnlarged out = {depth + first, start->normal + 3 * first, start->confidence + first};
-        ffp_enlarge(&out, start->reduced, &capture->views[v], v, &seen, &pattern);
-        ffp_observation_free(&seen);
-    }
+    ffp_parallel_for(capture->n_views, 0, enlarge_view,
+                     &(Enlarging){start, depth, capture, active, &pattern});
     ffp_blurred_free(&pattern);
 }
 
@@ -268,7 +322,7 @@ static void match_reduced(FfpStart *start, const FfpCapture *capture, int active
     FfpDepths depths = depths_of_start(&reduced->capture, &reduced->start);
     judge(start, capture, depth, &depths);
     ffp_start_materials(start, capture);
-    free(depths.depth), free(depths.trust), free(depth);
+    ffp_free(depths.depth), ffp_free(depths.trust), ffp_free(depth);
 }
 
 bool ffp_start_new(FfpStart *start, const FfpCapture *capture, int active, const FfpMatchSettings *settings,
@@ -283,6 +337,23 @@ bool ffp_start_new(FfpStart *start, const FfpCapture *capture, int active, const
     return true;
 }
 
+typedef struct Observing {
+    FfpStart *start;
+    real *range;
+    const FfpCapture *capture;
+    int active;
+} Observing;
+
+static void observe_view(void *argument, int64_t index) {
+    const Observing *o = argument;
+    const int v = (int)index;
+    const size_t area = (size_t)o->start->width * (size_t)o->start->height;
+    ffp_hull_ranges(o->range + 2 * (size_t)v * area, o->capture, v);
+    FfpObservation seen = ffp_observe(o->capture, v, o->active);
+    memcpy(o->start->lit + (size_t)v * area, seen.lit, area * sizeof(real));
+    ffp_observation_free(&seen);
+}
+
 bool ffp_start_from_depth(FfpStart *start, const FfpCapture *capture, int active, const real *depth,
                           FfpError *err) {
     *start = (FfpStart){0};
@@ -293,19 +364,13 @@ bool ffp_start_from_depth(FfpStart *start, const FfpCapture *capture, int active
     FfpDepths depths = depths_new(capture, start);
     const size_t area = (size_t)start->width * (size_t)start->height;
     real *range = ffp_alloc((size_t)start->views * area, 2 * sizeof(real));
-#pragma omp parallel for schedule(dynamic)
-    for (int v = 0; v < capture->n_views; v++) {
-        ffp_hull_ranges(range + 2 * (size_t)v * area, capture, v);
-        FfpObservation seen = ffp_observe(capture, v, active);
-        memcpy(start->lit + (size_t)v * area, seen.lit, area * sizeof(real));
-        ffp_observation_free(&seen);
-    }
+    ffp_parallel_for(capture->n_views, 0, observe_view, &(Observing){start, range, capture, active});
     for (size_t i = 0; i < (size_t)start->views * area; i++) {
         const bool known = depth[i] > 0 && capture->views[i / area].coverage.data[i % area] > 0;
         depths.depth[i] = known ? depth[i] : 0;
         depths.trust[i] = known ? 1 : 0;
     }
     derive(start, &depths, range, &settings, threads);
-    free(depths.depth), free(depths.trust), free(range);
+    ffp_free(depths.depth), ffp_free(depths.trust), ffp_free(range);
     return true;
 }

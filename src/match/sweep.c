@@ -4,6 +4,7 @@
 #include <tgmath.h>
 
 #include "match/blurred.h"
+#include "match/kernels/kernels.h"
 #include "match/line.h"
 
 #define OUTSIDE_COST 1.0F // a channel, off the pattern or off a silhouette: as much as a clearly wrong colour
@@ -46,4 +47,9 @@ void ffp_sweep(real *cost, const FfpView *view, const FfpForeground *foreground,
         for (size_t k = 0; k < count; k++) cost[first + k] = OUTSIDE_COST;
         add_colour(cost + first, pattern, &line, &here, planes, inside + first);
     }
+}
+
+void ffp_semi_global(real *total, const real *cost, const FfpForeground *foreground, int count, real small,
+                     real large) {
+    ffp_match_kernels()->semi_global(total, cost, foreground, count, small, large);
 }

@@ -5,7 +5,8 @@
 #include <tgmath.h>
 
 #include "base/arena.h"
-#include "match/beams.h"
+#include "base/call.h"
+#include "match/projector_rays.h"
 #include "match/line.h"
 #include "match/observe.h"
 #include "match/sweep.h"
@@ -25,9 +26,9 @@
 
 typedef struct Scene {
     const FfpDepths *depths;
-    FfpWitnesses witnesses;
-    FfpBeams *beams; // [views]
-    real *encoded;   // [views,h,w,3]: the object's own colour under black
+    FfpSupportViews support_views;
+    FfpProjectorRays *projector_rays; // [views]
+    real *encoded;                    // [views,h,w,3]: the object's own colour under black
 } Scene;
 
 // A pixel's ray as cameras and projectors see it.
@@ -37,7 +38,7 @@ typedef struct Ray {
     FfpLine *camera, *projector; // [views]
 } Ray;
 
-// What is heard about a point on a ray.
+// What the other views say about a point on a ray.
 typedef struct Said {
     real past, agree;      // trust of those who see past it, and of those with a surface there
     real unlike[COMPARED]; // least differences to what unlit pixels of other views show, [0,1], ascending
@@ -83,19 +84,21 @@ static void ask_camera(Said *said, const Scene *scene, const Ray *ray, int other
         return;
     const int x = (int)u, y = (int)v;
     const size_t first = (size_t)y * (size_t)width + (size_t)x;
-    const FfpHeard *heard = &scene->witnesses.heard[(size_t)other * (size_t)width * (size_t)height + first];
+    const FfpDepthBounds *bounds =
+        &scene->support_views.bounds[(size_t)other * (size_t)width * (size_t)height + first];
     const real slack = SLACK * depth / seer->camera.fx;
-    ffp_hear(&said->past, &said->agree, heard, depth, slack);
-    if (heard->high <= 0) compare(said, scene, ray->colour, other, first, u - (real)x, v - (real)y);
+    ffp_support_count(&said->past, &said->agree, bounds, depth, slack);
+    if (bounds->high <= 0) compare(said, scene, ray->colour, other, first, u - (real)x, v - (real)y);
 }
 
 static void ask_projector(Said *said, const Scene *scene, const Ray *ray, int other, real z) {
-    const FfpBeams *beams = &scene->beams[other];
+    const FfpProjectorRays *projector_rays = &scene->projector_rays[other];
     real u = -1, v = -1;
     const real depth = ffp_line_at(&ray->projector[other], z, &u, &v);
-    const FfpHeard heard = ffp_beams_at(beams, u, v);
-    const real slack = SLACK * depth / (scene->depths->capture->views[other].projector.fx * beams->scale);
-    if (depth < heard.low - slack) said->past += heard.trust;
+    const FfpDepthBounds bounds = ffp_projector_rays_at(projector_rays, u, v);
+    const real slack =
+        SLACK * depth / (scene->depths->capture->views[other].projector.fx * projector_rays->scale);
+    if (depth < bounds.low - slack) said->past += bounds.trust;
 }
 
 // Cost of the ray's point at camera depth z, [0,1].
@@ -146,7 +149,7 @@ static void view_costs(real *cost, const Scene *scene, int view, const FfpForegr
         const Ray ray = {view, scene->encoded + 3 * pixel, lines, lines + views};
         ray_costs(row, scene, &ray, inside + slot * count, planes, at);
     }
-    free(lines);
+    ffp_free(lines);
 }
 
 // Depth of the plane of least total, by the parabola through it and its neighbours; the filled one unless
@@ -182,25 +185,42 @@ static void find_view(real *out, const Scene *scene, int view, const real *fille
         const size_t i = first + foreground.pixel[slot];
         if (scene->depths->trust[i] <= 0) out[i] = choose(total + slot * count, &planes, filled[i]);
     }
-    free(inside), free(total), free(cost);
+    ffp_free(inside), ffp_free(total), ffp_free(cost);
     ffp_foreground_free(&foreground);
+}
+
+typedef struct Views {
+    Scene *scene;
+    real *out;
+    const real *filled;
+    const FfpMatchSettings *settings;
+} Views;
+
+static void prepare_view(void *argument, int64_t v) {
+    const Scene *scene = ((const Views *)argument)->scene;
+    const FfpDepths *depths = scene->depths;
+    const FfpView *view = &depths->capture->views[v];
+    const size_t area = (size_t)depths->width * (size_t)depths->height;
+    scene->projector_rays[v] = ffp_projector_rays_new(depths, (int)v);
+    for (size_t i = 0; i < area; i++) {
+        real *rgb = scene->encoded + 3 * ((size_t)v * area + i);
+        ffp_own_radiance(rgb, view->images[depths->capture->black].data + 3 * i, view->coverage.data[i]);
+        for (int c = 0; c < 3; c++) rgb[c] = ffp_srgb_encode(rgb[c]);
+    }
+}
+
+static void find_one(void *argument, int64_t view) {
+    const Views *v = argument;
+    find_view(v->out, v->scene, (int)view, v->filled, v->settings);
+    ffp_cancel_point();
 }
 
 static Scene scene_new(const FfpDepths *depths) {
     const FfpCapture *capture = depths->capture;
     const size_t views = (size_t)capture->n_views, area = (size_t)depths->width * (size_t)depths->height;
-    Scene out = {depths, ffp_witnesses_new(depths), ffp_alloc(views, sizeof(FfpBeams)),
+    Scene out = {depths, ffp_support_views_new(depths), ffp_alloc(views, sizeof(FfpProjectorRays)),
                  ffp_alloc(views * area, 3 * sizeof(real))};
-#pragma omp parallel for schedule(static)
-    for (int v = 0; v < capture->n_views; v++) {
-        const FfpView *view = &capture->views[v];
-        out.beams[v] = ffp_beams_new(depths, v);
-        for (size_t i = 0; i < area; i++) {
-            real *rgb = out.encoded + 3 * ((size_t)v * area + i);
-            ffp_own_radiance(rgb, view->images[capture->black].data + 3 * i, view->coverage.data[i]);
-            for (int c = 0; c < 3; c++) rgb[c] = ffp_srgb_encode(rgb[c]);
-        }
-    }
+    ffp_parallel_for(capture->n_views, 0, prepare_view, &(Views){.scene = &out});
     return out;
 }
 
@@ -209,9 +229,8 @@ void ffp_unlit_depths(real *out, const FfpDepths *depths, const real *filled,
     const int views = depths->capture->n_views;
     Scene scene = scene_new(depths);
     memcpy(out, filled, (size_t)views * (size_t)depths->width * (size_t)depths->height * sizeof(real));
-#pragma omp parallel for schedule(dynamic) num_threads(threads)
-    for (int v = 0; v < views; v++) find_view(out, &scene, v, filled, settings);
-    for (int v = 0; v < views; v++) ffp_beams_free(&scene.beams[v]);
-    free(scene.beams), free(scene.encoded);
-    ffp_witnesses_free(&scene.witnesses);
+    ffp_parallel_for(views, threads, find_one, &(Views){&scene, out, filled, settings});
+    for (int v = 0; v < views; v++) ffp_projector_rays_free(&scene.projector_rays[v]);
+    ffp_free(scene.projector_rays), ffp_free(scene.encoded);
+    ffp_support_views_free(&scene.support_views);
 }

@@ -41,15 +41,14 @@ bool ffp_model_preset(FfpModelConfig *config, const char *name) {
     return true;
 }
 
-FfpDrawing ffp_model_drawing(const FfpModelConfig *config) {
-    const bool paper = strcmp(config->render, "paper") == 0;
-    return (FfpDrawing){paper ? FFP_FORM_PAPER : FFP_FORM_OURS, config->samples};
+bool ffp_model_is_paper_form(const FfpModelConfig *config) {
+    return strcmp(config->render, "paper") == 0;
 }
 
 static bool refuse(FfpError *err, const char *where, const char *field, const char *what) {
     char name[64];
     snprintf(name, sizeof name, "model.%s", field);
-    return ffp_fail(err, where ? ffp_place(where, name).text : name, "%s", what);
+    return ffp_fail(err, FFP_ERROR_FILE, where ? ffp_place(where, name).text : name, "%s", what);
 }
 
 static bool check_range(int value, int low, int high, int step, const char *field, const char *where,

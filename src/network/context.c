@@ -13,33 +13,34 @@ static int patches(int side, double scale, int patch) {
     return count > 0 ? count : 1;
 }
 
-double ffp_context_tokens(const FfpModelConfig *config, int views) {
+double ffp_pixel_context_tokens(const FfpModelConfig *config, int views) {
     return (double)config->tokens * fmax((double)views / VIEWS_OF_TOKENS, 1);
 }
 
-void ffp_context_size(int *width, int *height, const FfpModelConfig *config, const FfpCapture *capture,
-                      int views) {
+void ffp_pixel_context_size(int *width, int *height, const FfpModelConfig *config, const FfpCapture *capture,
+                            int views) {
     const FfpCamera *camera = &capture->views[0].camera;
     const int patch = config->patch;
     const double pixels = (double)views * camera->width * camera->height,
-                 most = ffp_context_tokens(config, views) * patch * patch;
+                 most = ffp_pixel_context_tokens(config, views) * patch * patch;
     const double scale = pixels > most ? sqrt(most / pixels) : 1;
     *width = patch * patches(camera->width, scale, patch);
     *height = patch * patches(camera->height, scale, patch);
 }
 
-bool ffp_context_new(FfpContext *context, const FfpModelConfig *config, const FfpCapture *capture,
-                     const FfpStart *start, int active, FfpError *err) {
+bool ffp_pixel_context_new(FfpPixelContext *context, const FfpModelConfig *config, const FfpCapture *capture,
+                           const FfpStart *start, int active, FfpError *err) {
     const int views = start ? start->views : capture->n_views;
     const FfpCamera *camera = &capture->views[0].camera;
     int width, height;
-    *context = (FfpContext){.capture = *capture};
+    *context = (FfpPixelContext){.capture = *capture};
     context->capture.n_views = views;
     if (start) context->start = *start;
     if (camera->width < config->patch || camera->height < config->patch)
-        return ffp_fail(err, capture->name, "images of %d x %d pixels are smaller than a patch of %d",
-                        camera->width, camera->height, config->patch);
-    ffp_context_size(&width, &height, config, capture, views);
+        return ffp_fail(err, FFP_ERROR_ARGUMENT, capture->name,
+                        "images of %d x %d pixels are smaller than a patch of %d", camera->width,
+                        camera->height, config->patch);
+    ffp_pixel_context_size(&width, &height, config, capture, views);
     if (width == camera->width && height == camera->height) return true;
     const int photographs[3] = {capture->black, capture->white, active};
     context->capture = ffp_capture_reduced(capture, views, photographs, 3, width, height);
@@ -47,19 +48,19 @@ bool ffp_context_new(FfpContext *context, const FfpModelConfig *config, const Ff
     context->reduced = true;
     const FfpMatchSettings settings = ffp_match_defaults();
     if (!start || ffp_start_new(&context->start, &context->capture, active, &settings, err)) return true;
-    ffp_context_free(context);
+    ffp_pixel_context_free(context);
     return false;
 }
 
-void ffp_context_free(FfpContext *context) {
+void ffp_pixel_context_free(FfpPixelContext *context) {
     if (context->reduced) {
         ffp_start_free(&context->start);
         ffp_capture_reduced_free(&context->capture);
     }
-    *context = (FfpContext){0};
+    *context = (FfpPixelContext){0};
 }
 
-FfpGrid ffp_grid(const FfpModelConfig *config, const FfpCapture *capture, const FfpContext *context) {
+FfpGrid ffp_grid(const FfpModelConfig *config, const FfpCapture *capture, const FfpPixelContext *context) {
     const FfpCamera *camera = &capture->views[0].camera, *small = &context->capture.views[0].camera;
     return (FfpGrid){.width = camera->width,
                      .height = camera->height,

@@ -19,7 +19,7 @@ typedef struct FfpGrid {
     const real *coverage;    // [views, context height, width] of the context's start; NULL: none
 } FfpGrid;
 
-FfpGrid ffp_grid(const FfpModelConfig *config, const FfpCapture *capture, const FfpContext *context);
+FfpGrid ffp_grid(const FfpModelConfig *config, const FfpCapture *capture, const FfpPixelContext *context);
 
 // Of pixel (view * height + y) * width + x of the capture. Bilinear between the context's pixel centres;
 // pixels that the start leaves empty count only where all four are.

@@ -8,9 +8,10 @@ enum { RAY_CHANNEL = 9 };
 
 static bool check_image(const FfpImage *image, const FfpCamera *camera, const char *what, const FfpView *view,
                         FfpError *err) {
-    if (!image->data) return ffp_fail(err, view->id, "the view has no %s image", what);
+    if (!image->data) return ffp_fail(err, FFP_ERROR_ARGUMENT, view->id, "the view has no %s image", what);
     if (image->width != camera->width || image->height != camera->height || image->channels != 3)
-        return ffp_fail(err, view->id, "the %s image does not have the camera's size", what);
+        return ffp_fail(err, FFP_ERROR_ARGUMENT, view->id, "the %s image does not have the camera's size",
+                        what);
     return true;
 }
 
@@ -18,17 +19,17 @@ bool ffp_inputs_check(const FfpModelConfig *config, const FfpSeen *seen, FfpErro
     const FfpCapture *capture = seen->capture;
     const FfpStart *start = seen->start;
     if (seen->views < 1 || seen->views > capture->n_views)
-        return ffp_fail(err, capture->name, "no input views");
+        return ffp_fail(err, FFP_ERROR_ARGUMENT, capture->name, "no input views");
     if (!start && (config->residual || config->match_input))
-        return ffp_fail(err, capture->name, "this model needs the classical start");
+        return ffp_fail(err, FFP_ERROR_ARGUMENT, capture->name, "this model needs the classical start");
     if (seen->active < 0 || seen->active >= capture->n_patterns)
-        return ffp_fail(err, capture->name, "no such active pattern");
+        return ffp_fail(err, FFP_ERROR_ARGUMENT, capture->name, "no such active pattern");
     const int width = capture->views[0].camera.width, height = capture->views[0].camera.height;
     for (int v = 0; v < seen->views; v++) {
         const FfpView *view = &capture->views[v];
         const FfpCamera *camera = &view->camera;
         if (camera->width != width || camera->height != height)
-            return ffp_fail(err, view->id, "the network needs views of one size");
+            return ffp_fail(err, FFP_ERROR_ARGUMENT, view->id, "the network needs views of one size");
         if (!check_image(&view->images[capture->black], camera, "black", view, err) ||
             !check_image(&view->images[capture->white], camera, "white", view, err) ||
             !check_image(&view->images[seen->active], camera, capture->patterns[seen->active].name, view,
@@ -36,7 +37,8 @@ bool ffp_inputs_check(const FfpModelConfig *config, const FfpSeen *seen, FfpErro
             return false;
     }
     if (start && (start->width != width || start->height != height))
-        return ffp_fail(err, capture->name, "the classical start has another size than the images");
+        return ffp_fail(err, FFP_ERROR_ARGUMENT, capture->name,
+                        "the classical start has another size than the images");
     return true;
 }
 

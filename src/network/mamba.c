@@ -1,4 +1,5 @@
-// The bidirectional Mamba2 block (network.md 1.1, 3.1).
+// The bidirectional Mamba2 block: Dao & Gu 2024, Sec. 7.1, with one convolution, scan and gated norm for each
+// direction between a shared in_proj and out_proj.
 #include "network/blocks.h"
 
 #include "base/device.h"

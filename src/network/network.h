@@ -19,8 +19,8 @@ typedef struct FfpModelConfig {
                                    // ("MTMTMTMT")
     int dim;                       // token width D
     int patch;                     // pixels a token side (8)
-    int tokens;                    // most tokens of 16 views: larger captures are reduced to fit (FfpContext)
-    int state, chunk;              // Mamba2: state 64, chunk 64 (expand 2, head_dim 64, conv 4 are fixed)
+    int tokens;       // most tokens of 16 views: larger captures are reduced to fit (FfpPixelContext)
+    int state, chunk; // Mamba2: state 64, chunk 64 (expand 2, head_dim 64, conv 4 are fixed)
     bool residual;    // heads are residuals around the classical start; else the paper's plain heads
     bool match_input; // the start's maps are among the input channels
     bool pixel_skip;  // a small MLP a pixel joins the token's features and the pixel's own inputs
@@ -35,7 +35,7 @@ typedef struct FfpModelConfig {
 // "tiny" (D 128, MTMT), "small", "paper-small" (small, but the paper's plain form), "paper". False: no such
 // name.
 bool ffp_model_preset(FfpModelConfig *config, const char *name);
-FfpDrawing ffp_model_drawing(const FfpModelConfig *config); // what its Gaussians are meant for
+bool ffp_model_is_paper_form(const FfpModelConfig *config); // how its Gaussians are meant to be drawn
 // Checks ranges and letters; error names the field.
 bool ffp_model_config_check(const FfpModelConfig *config, const char *where, FfpError *err);
 
@@ -66,7 +66,7 @@ typedef struct FfpModel {
     int64_t count;            // all values
     real *values;             // [count]
     struct FfpLayout *layout; // where each layer finds its parameters
-    int metadata_count;       // pairs: the training story from the file
+    int metadata_count;       // pairs: what the file says about the training
     char **metadata;          // key, value, key, value, ...
 } FfpModel;
 
@@ -107,23 +107,23 @@ void ffp_run_free(FfpRun *run);
 
 // What tokens are made from: the capture itself, or, where its pixels would give more than config->tokens of
 // them or its sides are no multiples of the patch, the same views with fewer pixels and their own start.
-typedef struct FfpContext {
+typedef struct FfpPixelContext {
     FfpCapture capture; // the input views
     FfpStart start;     // all NULL: none
     bool reduced;       // both are the context's own memory
-} FfpContext;
+} FfpPixelContext;
 // The most tokens that so many views are made into: config->tokens, and in proportion of more than 16 views,
 // whose matches would else be lost.
-double ffp_context_tokens(const FfpModelConfig *config, int views);
+double ffp_pixel_context_tokens(const FfpModelConfig *config, int views);
 // Sides of the context's views: multiples of the patch, their tokens no more than config->tokens (one a view
 // at least).
-void ffp_context_size(int *width, int *height, const FfpModelConfig *config, const FfpCapture *capture,
-                      int views);
+void ffp_pixel_context_size(int *width, int *height, const FfpModelConfig *config, const FfpCapture *capture,
+                            int views);
 // Of the first start->views views (start NULL: of all, without a start). `capture` and `start` must outlive
 // it. Errors: pictures smaller than a patch; as ffp_start_new.
-bool ffp_context_new(FfpContext *context, const FfpModelConfig *config, const FfpCapture *capture,
-                     const FfpStart *start, int active, FfpError *err);
-void ffp_context_free(FfpContext *context); // safe on {0}
+bool ffp_pixel_context_new(FfpPixelContext *context, const FfpModelConfig *config, const FfpCapture *capture,
+                           const FfpStart *start, int active, FfpError *err);
+void ffp_pixel_context_free(FfpPixelContext *context); // safe on {0}
 
 // Normalised capture (any number of views of one size), its start, its context (NULL: made for this pass),
 // and the active pattern. The first start->views views are the input. Residual form: one Gaussian for each
@@ -131,7 +131,7 @@ void ffp_context_free(FfpContext *context); // safe on {0}
 // the model neither reads its maps nor builds on them: then all views are the input. Errors name the view:
 // missing images, sizes that do not fit; or numbers that overflow.
 bool ffp_model_forward(const FfpModel *model, FfpRun *run, const FfpCapture *capture, const FfpStart *start,
-                       const FfpContext *context, int active, FfpError *err);
+                       const FfpPixelContext *context, int active, FfpError *err);
 // Capture, start and context of the forward pass must still be there. grad: gradient with respect to
 // run->gaussians; grad_t [count] or NULL: extra gradient with respect to
 // run->t. ADDS to grad_values [model->count].
@@ -145,7 +145,7 @@ void ffp_model_backward(const FfpModel *model, FfpRun *run, const FfpGaussians *
 // appearance_cnn, which no device has.
 typedef struct FfpPrepared FfpPrepared;
 FfpPrepared *ffp_prepared_new(const FfpModelConfig *config, const FfpCapture *capture, const FfpStart *start,
-                              const FfpContext *context, int active, FfpError *err);
+                              const FfpPixelContext *context, int active, FfpError *err);
 FfpPrepared *ffp_prepared_uploaded(const FfpPrepared *prepared);
 void ffp_prepared_free(FfpPrepared *prepared);                   // by who works where it is; NULL is allowed
 int64_t ffp_prepared_count(const FfpPrepared *prepared);         // Gaussians

@@ -9,7 +9,7 @@
 #include "network/inputs.h"
 #include "network/splat.h"
 
-#define LINEAR_DEVIATION 0.02F      // network.md 6
+#define LINEAR_DEVIATION 0.02F      // as in GPT (Radford et al. 2018, Sec. 4.1)
 #define PLAIN_HEAD_DEVIATION 0.002F // near zero: a plain model starts at its formulas' own defaults
 
 FfpWidths ffp_widths(const FfpModelConfig *config) {
@@ -49,7 +49,7 @@ static int64_t add(FfpModel *model, const char *prefix, const char *name, int64_
     return p->offset;
 }
 
-// Mamba2 block, bidirectional with one in_proj and one out_proj (network.md 1.1, 3.1).
+// Mamba2 block (Dao & Gu 2024, Sec. 7.1), bidirectional with one in_proj and one out_proj.
 static void add_mamba(FfpModel *model, FfpMambaLayout *at, const char *prefix, double residual) {
     const FfpWidths w = ffp_widths(&model->config);
     at->norm = add(model, prefix, "norm", w.dim, 0, FFP_INIT_ONE, 0);
@@ -203,10 +203,10 @@ void ffp_model_take_over(FfpModel *model, const FfpModel *from) {
 
 void ffp_model_free(FfpModel *model) {
     if (!model) return;
-    for (int i = 0; i < 2 * model->metadata_count; i++) free(model->metadata[i]);
-    free(model->metadata);
-    free(model->parameters);
-    free(model->layout);
-    free(model->values);
-    free(model);
+    for (int i = 0; i < 2 * model->metadata_count; i++) ffp_free(model->metadata[i]);
+    ffp_free(model->metadata);
+    ffp_free(model->parameters);
+    ffp_free(model->layout);
+    ffp_free(model->values);
+    ffp_free(model);
 }

@@ -91,22 +91,23 @@ static void prepare_taps(FfpPrepared *p, const Source *s) {
         }
     }
     list_takers(t, entries);
-    free(slot);
+    ffp_free(slot);
 }
 
 static bool check(const FfpModelConfig *config, const FfpSeen *seen, FfpError *err) {
     if (config->appearance_cnn)
-        return ffp_fail(err, "appearance_cnn", "this head is not on the device: use the CPU");
+        return ffp_fail(err, FFP_ERROR_UNSUPPORTED, "appearance_cnn",
+                        "this head is not on the device: use the CPU");
     return ffp_inputs_check(config, seen, err);
 }
 
 FfpPrepared *ffp_prepared_new(const FfpModelConfig *config, const FfpCapture *capture, const FfpStart *start,
-                              const FfpContext *context, int active, FfpError *err) {
+                              const FfpPixelContext *context, int active, FfpError *err) {
     const int views = start ? start->views : capture->n_views;
     const FfpSeen seen = {capture, start, views, active};
-    FfpContext own = {0};
+    FfpPixelContext own = {0};
     if (!check(config, &seen, err)) return NULL;
-    if (!context && !ffp_context_new(&own, config, capture, start, active, err)) return NULL;
+    if (!context && !ffp_pixel_context_new(&own, config, capture, start, active, err)) return NULL;
     if (!context) context = &own;
     const FfpStart *context_start = start ? &context->start : NULL;
     const Source s = {config,
@@ -124,7 +125,7 @@ FfpPrepared *ffp_prepared_new(const FfpModelConfig *config, const FfpCapture *ca
     prepare_pixels(p, &s);
     prepare_taps(p, &s);
     prepare_apart(p, &s);
-    ffp_context_free(&own);
+    ffp_pixel_context_free(&own);
     return p;
 }
 
@@ -151,8 +152,8 @@ void ffp_prepared_free(FfpPrepared *p) {
     void *const blocks[] = {p->inputs,     p->base,       p->used, p->taps.row, p->taps.weight,
                             p->taps.first, p->taps.taker, p->own,  p->apart};
     for (size_t i = 0; i < sizeof blocks / sizeof *blocks; i++) ffp_memory_free(blocks[i]);
-    free(p->pixel);
-    free(p);
+    ffp_free(p->pixel);
+    ffp_free(p);
 }
 
 int64_t ffp_prepared_count(const FfpPrepared *prepared) {

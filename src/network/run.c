@@ -2,6 +2,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include "base/device.h"
+#include "base/call.h"
 #include "network/blocks.h"
 #include "network/inputs.h"
 #include "network/mixer.h"
@@ -32,9 +33,9 @@ typedef struct FfpActivations {
     real *draw;                 // [block, numbers], backward only
     FfpMixer mixer;             // with appearance_cnn
     FfpPixels pixels;
-    FfpContext context;     // where the caller gave none
-    FfpPrepared *prepared;  // on a device, of captures that the caller did not prepare
-    FfpProfileTimes unread; // where the times go when nobody asks
+    FfpPixelContext context; // where the caller gave none
+    FfpPrepared *prepared;   // on a device, of captures that the caller did not prepare
+    FfpProfileTimes unread;  // where the times go when nobody asks
 } FfpActivations;
 
 FfpRun *ffp_run_new(void) {
@@ -47,12 +48,12 @@ FfpRun *ffp_run_new(void) {
 
 void ffp_run_free(FfpRun *run) {
     if (!run) return;
-    ffp_context_free(&run->activations->context);
+    ffp_pixel_context_free(&run->activations->context);
     ffp_prepared_free(run->activations->prepared);
     ffp_arena_free(run->activations->arena);
-    free(run->activations);
+    ffp_free(run->activations);
     ffp_arena_free(run->arena);
-    free(run);
+    ffp_free(run);
 }
 
 static bool same_layout(const FfpModelConfig *a, const FfpModelConfig *b) {
@@ -132,6 +133,7 @@ static void encode(FfpActivations *at, const FfpModel *model, FfpProfileTimes *t
                           model->values + layout->tokeniser_norm, rows, dim);
     ffp_lap(&last, &times->tokenise);
     for (int i = 0; i < at->blocks; i++) {
+        ffp_cancel_point();
         if (at->config.modules[i] == 'M')
             ffp_mamba_forward(at->stream[i + 1], &at->block[i].mamba, at->stream[i], model->values,
                               &layout->blocks[i].mamba, &at->widths, rows, &at->scratch, times);
@@ -164,6 +166,7 @@ static void head_forward(FfpActivations *at, const FfpModel *model) {
     }
     for (int64_t first = 0; first < at->pixels.count; first += ffp_head_block()) {
         const int count = block_count(at, first);
+        ffp_cancel_point();
         real *raw = at->pixels.raw + first * numbers;
         ffp_head_forward(raw, &at->head, first, count, at->features, model);
         if (!mixed) continue;
@@ -200,12 +203,13 @@ static void head_backward(FfpActivations *at, real *grad_values, const FfpModel 
 }
 
 // The caller's context, or one made for this pass; NULL with an error.
-static const FfpContext *use_context(FfpActivations *at, const FfpModelConfig *config, const FfpSeen *seen,
-                                     const FfpContext *given, FfpError *err) {
-    ffp_context_free(&at->context);
+static const FfpPixelContext *use_context(FfpActivations *at, const FfpModelConfig *config,
+                                          const FfpSeen *seen, const FfpPixelContext *given, FfpError *err) {
+    ffp_pixel_context_free(&at->context);
     if (given) return given;
-    return ffp_context_new(&at->context, config, seen->capture, seen->start, seen->active, err) ? &at->context
-                                                                                                : NULL;
+    return ffp_pixel_context_new(&at->context, config, seen->capture, seen->start, seen->active, err)
+               ? &at->context
+               : NULL;
 }
 
 static FfpProfileTimes *forward_times(FfpRun *run) {
@@ -222,7 +226,7 @@ static bool pass_forward(FfpRun *run, const FfpModel *model, const char *name, F
     head_forward(at, model);
     const bool ok = ffp_pixels_splat(&at->pixels, run, &model->config);
     ffp_lap(&last, &times->heads);
-    return ok || ffp_fail(err, name, "the model's output overflows");
+    return ok || ffp_fail(err, FFP_ERROR_FILE, name, "the model's output overflows");
 }
 
 bool ffp_model_forward_prepared(const FfpModel *model, FfpRun *run, const FfpPrepared *prepared,
@@ -242,7 +246,7 @@ bool ffp_model_forward_prepared(const FfpModel *model, FfpRun *run, const FfpPre
 }
 
 static bool prepare_there(FfpActivations *at, const FfpModelConfig *config, const FfpCapture *capture,
-                          const FfpStart *start, const FfpContext *context, int active, FfpError *err) {
+                          const FfpStart *start, const FfpPixelContext *context, int active, FfpError *err) {
     ffp_prepared_free(at->prepared);
     at->prepared = NULL;
     const FfpDevice *device = ffp_device_use(NULL);
@@ -257,7 +261,7 @@ static bool prepare_there(FfpActivations *at, const FfpModelConfig *config, cons
 }
 
 bool ffp_model_forward(const FfpModel *model, FfpRun *run, const FfpCapture *capture, const FfpStart *start,
-                       const FfpContext *context, int active, FfpError *err) {
+                       const FfpPixelContext *context, int active, FfpError *err) {
     FfpActivations *at = run->activations;
     const FfpModelConfig *config = &model->config;
     run->gaussians = (FfpGaussians){0};

@@ -3,6 +3,7 @@
 #ifndef FFP_NETWORK_SPLAT_H
 #define FFP_NETWORK_SPLAT_H
 
+#include <stdint.h>
 #include "match/match.h"
 #include "network/splat_formula.h"
 

@@ -22,11 +22,12 @@ typedef struct FfpSplat { // one Gaussian, or the gradient with respect to it
     real t, scale[3], rotation[4], opacity, albedo[3], roughness, ambient[3];
 } FfpSplat;
 
-// r: t_net may be anywhere within this of the ray's nearest point (network.md 6)
+// r: t_net may be anywhere within this of the ray's nearest point to the origin. A sigmoid between two
+// distances, as in GS-LRM (Zhang et al. 2024)
 #define FFP_SPLAT_REACH 1.05F
 #define FFP_SPLAT_REACH_MARGIN 0.999F // of r, where the start's distance lies on the sphere's edge or outside
 #define FFP_SPLAT_CORRECTION_MAX 0.05F  // of the matched distance
-#define FFP_SPLAT_FLATNESS 0.1F         // third axis, the normal's, against the others (DESIGN 5)
+#define FFP_SPLAT_FLATNESS 0.1F         // third axis, the normal's, against the others
 #define FFP_SPLAT_START_WIDTH 0.425F    // of a footprint
 #define FFP_SPLAT_LOG_SCALE_MIN (-4.0F) // residual form: x in [-4, ln 16]
 #define FFP_SPLAT_LOG_SCALE_MAX 2.7725887F

@@ -62,21 +62,22 @@ static bool read_field(FfpModelConfig *config, const Field *field, const char *t
                        FfpError *err) {
     char *at = (char *)config + field->offset;
     if (!text) text = field->absent;
-    if (!text) return ffp_fail(err, where, "a model file without this key in its metadata");
+    if (!text) return ffp_fail(err, FFP_ERROR_FILE, where, "a model file without this key in its metadata");
     if (field->kind == TEXT) {
         if (strlen(text) >= field->size)
-            return ffp_fail(err, where, "longer than %zu bytes", field->size - 1);
+            return ffp_fail(err, FFP_ERROR_FILE, where, "longer than %zu bytes", field->size - 1);
         snprintf(at, field->size, "%s", text);
         return true;
     }
     if (field->kind == SWITCH) {
         *(bool *)at = strcmp(text, "true") == 0;
-        return *(bool *)at || strcmp(text, "false") == 0 || ffp_fail(err, where, "neither true nor false");
+        return *(bool *)at || strcmp(text, "false") == 0 ||
+               ffp_fail(err, FFP_ERROR_FILE, where, "neither true nor false");
     }
     char *end;
     const long value = strtol(text, &end, 10);
     if (end == text || *end || value < 0 || value > 1000000)
-        return ffp_fail(err, where, "not a whole number in range");
+        return ffp_fail(err, FFP_ERROR_FILE, where, "not a whole number in range");
     *(int *)at = (int)value;
     return true;
 }
@@ -106,7 +107,8 @@ bool ffp_model_write(const FfpModel *model, const char *path, bool exact, const 
                      int metadata_count, FfpError *err) {
     for (int i = 0; i < 2 * metadata_count; i += 2)
         if (is_reserved(metadata[i]))
-            return ffp_fail(err, ffp_place(path, metadata[i]).text, "a metadata key that is taken");
+            return ffp_fail(err, FFP_ERROR_FILE, ffp_place(path, metadata[i]).text,
+                            "a metadata key that is taken");
     char text[FIELDS][FFP_MODULES_MAX];
     const char **strings = ffp_alloc(2 * (OWN_KEYS + (size_t)metadata_count), sizeof *strings);
     int count = 0;
@@ -122,9 +124,9 @@ bool ffp_model_write(const FfpModel *model, const char *path, bool exact, const 
     char *bytes = ffp_alloc((size_t)model->count, 4);
     fill_tensors(tensors, bytes, model, exact);
     const bool ok = ffp_safetensors_write(path, tensors, model->n_parameters, strings, count / 2, err);
-    free(bytes);
-    free(tensors);
-    free(strings);
+    ffp_free(bytes);
+    ffp_free(tensors);
+    ffp_free(strings);
     return ok;
 }
 
@@ -132,9 +134,9 @@ static bool read_config(FfpModelConfig *config, const FfpSafetensors *file, cons
     const char *format = ffp_safetensors_metadata(file, "format");
     const char *version = ffp_safetensors_metadata(file, "format_version");
     if (!format || strcmp(format, FORMAT) != 0)
-        return ffp_fail(err, ffp_place(path, "format").text, "not a model file");
+        return ffp_fail(err, FFP_ERROR_FILE, ffp_place(path, "format").text, "not a model file");
     if (!version || strcmp(version, VERSION) != 0)
-        return ffp_fail(err, ffp_place(path, "format_version").text,
+        return ffp_fail(err, FFP_ERROR_FILE, ffp_place(path, "format_version").text,
                         "this program reads version " VERSION ", not %.16s", version ? version : "none");
     *config = (FfpModelConfig){0};
     for (int i = 0; i < FIELDS; i++)
@@ -149,9 +151,11 @@ static bool check_parameter(const FfpParameter *p, const FfpSafetensors *file, c
                             FfpError *err) {
     const FfpPlace where = ffp_place(path, p->name);
     const FfpTensor *t = ffp_safetensors_find(file, p->name);
-    if (!t) return ffp_fail(err, where.text, "a tensor that the configuration asks for is missing");
+    if (!t)
+        return ffp_fail(err, FFP_ERROR_FILE, where.text,
+                        "a tensor that the configuration asks for is missing");
     if (t->rank != p->rank || memcmp(t->shape, p->shape, (size_t)p->rank * sizeof *p->shape) != 0)
-        return ffp_fail(err, where.text, "the configuration asks for shape %lld x %lld",
+        return ffp_fail(err, FFP_ERROR_FILE, where.text, "the configuration asks for shape %lld x %lld",
                         (long long)p->shape[0], (long long)(p->rank == 2 ? p->shape[1] : 1));
     return true;
 }
@@ -159,7 +163,8 @@ static bool check_parameter(const FfpParameter *p, const FfpSafetensors *file, c
 static bool check_known(const FfpModel *model, const char *name, const char *path, FfpError *err) {
     for (int k = 0; k < model->n_parameters; k++)
         if (strcmp(model->parameters[k].name, name) == 0) return true;
-    return ffp_fail(err, ffp_place(path, name).text, "a tensor that the configuration does not have");
+    return ffp_fail(err, FFP_ERROR_FILE, ffp_place(path, name).text,
+                    "a tensor that the configuration does not have");
 }
 
 static bool read_parameter(const FfpModel *model, const FfpParameter *p, const FfpSafetensors *file,
@@ -167,23 +172,20 @@ static bool read_parameter(const FfpModel *model, const FfpParameter *p, const F
     const FfpPlace where = ffp_place(path, p->name);
     real *values = model->values + p->offset;
     if (!ffp_tensor_to_real(ffp_safetensors_find(file, p->name), values))
-        return ffp_fail(err, where.text, "integers where numbers belong");
+        return ffp_fail(err, FFP_ERROR_FILE, where.text, "integers where numbers belong");
     for (int64_t i = 0; i < p->count; i++)
-        if (!isfinite(values[i])) return ffp_fail(err, where.text, "value %lld is not finite", (long long)i);
+        if (!isfinite(values[i]))
+            return ffp_fail(err, FFP_ERROR_FILE, where.text, "value %lld is not finite", (long long)i);
     return true;
 }
 
-static bool keep_metadata(FfpModel *model, const FfpSafetensors *file, const char *path, FfpError *err) {
+static void keep_metadata(FfpModel *model, const FfpSafetensors *file) {
     model->metadata = ffp_alloc(2 * (size_t)file->metadata_count + 1, sizeof *model->metadata);
     for (int i = 0; i < file->metadata_count; i++) {
         if (is_reserved(file->metadata[2 * i])) continue;
         char **pair = model->metadata + 2 * model->metadata_count++;
-        for (int k = 0; k < 2; k++) {
-            pair[k] = strdup(file->metadata[2 * i + k]);
-            if (!pair[k]) return ffp_fail(err, path, "out of memory");
-        }
+        for (int k = 0; k < 2; k++) pair[k] = ffp_copy_text(file->metadata[2 * i + k]);
     }
-    return true;
 }
 
 static FfpModel *read_model(const FfpSafetensors *file, const char *path, FfpError *err) {
@@ -198,7 +200,8 @@ static FfpModel *read_model(const FfpSafetensors *file, const char *path, FfpErr
     if (ok) model->values = ffp_alloc((size_t)model->count, sizeof *model->values);
     for (int i = 0; ok && i < model->n_parameters; i++)
         ok = read_parameter(model, &model->parameters[i], file, path, err);
-    if (ok && keep_metadata(model, file, path, err)) return model;
+    if (ok) keep_metadata(model, file);
+    if (ok) return model;
     ffp_model_free(model);
     return NULL;
 }

@@ -80,13 +80,13 @@ FfpCoarse ffp_coarse_new(const FfpGaussians *fine, const FfpOrigin *o, int side)
             memcpy(c.gaussians.rotation + 4 * c.of_block[b], fine->rotation + 4 * l, 4 * sizeof(real));
     }
     for (int64_t j = 0; j < count; j++) settle(&c.gaussians, j, side);
-    free(leader);
+    ffp_free(leader);
     return c;
 }
 
 void ffp_coarse_free(FfpCoarse *coarse) {
     ffp_gaussians_free(&coarse->gaussians);
-    free(coarse->of_block);
+    ffp_free(coarse->of_block);
     coarse->of_block = NULL;
 }
 

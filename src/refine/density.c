@@ -5,29 +5,29 @@
 #include "base/arena.h"
 #include "base/vec.h"
 
-static void make_counts(FfpCrowd *crowd, int64_t count) {
-    free(crowd->pull);
-    free(crowd->seen);
-    crowd->pull = ffp_alloc((size_t)count + 1, sizeof *crowd->pull);
-    crowd->seen = ffp_alloc((size_t)count + 1, sizeof *crowd->seen);
+static void make_counts(FfpDensityControl *density_control, int64_t count) {
+    ffp_free(density_control->pull);
+    ffp_free(density_control->seen);
+    density_control->pull = ffp_alloc((size_t)count + 1, sizeof *density_control->pull);
+    density_control->seen = ffp_alloc((size_t)count + 1, sizeof *density_control->seen);
 }
 
-FfpCrowd ffp_crowd_new(int64_t count, uint64_t seed) {
-    FfpCrowd crowd = {.rng = ffp_rng(seed, 2)};
-    make_counts(&crowd, count);
-    return crowd;
+FfpDensityControl ffp_density_control_new(int64_t count, uint64_t seed) {
+    FfpDensityControl density_control = {.rng = ffp_rng(seed, 2)};
+    make_counts(&density_control, count);
+    return density_control;
 }
 
-void ffp_crowd_free(FfpCrowd *crowd) {
-    free(crowd->pull);
-    free(crowd->seen);
-    *crowd = (FfpCrowd){0};
+void ffp_density_control_free(FfpDensityControl *density_control) {
+    ffp_free(density_control->pull);
+    ffp_free(density_control->seen);
+    *density_control = (FfpDensityControl){0};
 }
 
 // The gradient to a centre, seen as one to its place in the picture: a step of a pixel is a step of z / f
 // across the view. 3DGS measures in halves of the picture.
-void ffp_crowd_note(FfpCrowd *crowd, const FfpGaussians *gaussians, const FfpGaussians *grad,
-                    const FfpCamera *camera) {
+void ffp_density_control_note(FfpDensityControl *density_control, const FfpGaussians *gaussians,
+                              const FfpGaussians *grad, const FfpCamera *camera) {
     const real x_scale = (real)camera->width / (2 * camera->fx);
     const real y_scale = (real)camera->height / (2 * camera->fy);
 #pragma omp parallel for schedule(static)
@@ -37,8 +37,8 @@ void ffp_crowd_note(FfpCrowd *crowd, const FfpGaussians *gaussians, const FfpGau
         ffp_inverse_rotate(camera->pose, grad->centre + 3 * i, g);
         ffp_inverse_transform_point(camera->pose, gaussians->centre + 3 * i, at);
         const real x = g[0] * at[2] * x_scale, y = g[1] * at[2] * y_scale;
-        crowd->pull[i] += sqrt(x * x + y * y);
-        crowd->seen[i]++;
+        density_control->pull[i] += sqrt(x * x + y * y);
+        density_control->seen[i]++;
     }
 }
 
@@ -56,14 +56,16 @@ static void plan_row(Plan *plan, int64_t from, bool halved, bool fresh) {
     plan->fresh[plan->count++] = fresh;
 }
 
-static Plan make_plan(const FfpCrowd *crowd, const FfpDensity *density, const FfpGaussians *g) {
+static Plan make_plan(const FfpDensityControl *density_control, const FfpDensity *density,
+                      const FfpGaussians *g) {
     const size_t most = 2 * (size_t)g->count + 1;
     Plan plan = {ffp_alloc(most, sizeof *plan.from), ffp_alloc(most, sizeof *plan.halved),
                  ffp_alloc(most, sizeof *plan.fresh), 0};
     int64_t room = density->most - g->count;
     for (int64_t i = 0; i < g->count; i++) {
         if (g->opacity[i] < density->least_opacity) continue;
-        const real pull = crowd->seen[i] ? crowd->pull[i] / (real)crowd->seen[i] : 0;
+        const real pull =
+            density_control->seen[i] ? density_control->pull[i] / (real)density_control->seen[i] : 0;
         const bool grows = pull > density->gradient && room-- > 0;
         const bool splits = grows && fmax(g->scale[3 * i], g->scale[3 * i + 1]) > density->small;
         plan_row(&plan, i, splits, splits);
@@ -73,9 +75,9 @@ static Plan make_plan(const FfpCrowd *crowd, const FfpDensity *density, const Ff
 }
 
 static void free_plan(Plan *plan) {
-    free(plan->from);
-    free(plan->halved);
-    free(plan->fresh);
+    ffp_free(plan->from);
+    ffp_free(plan->halved);
+    ffp_free(plan->fresh);
 }
 
 // A half lies at a point drawn from the splat, and is 1.6 times narrower (Kerbl et al. 2023).
@@ -97,9 +99,9 @@ static void forget(FfpGaussians *moments, const Plan *plan) {
     }
 }
 
-static bool change(FfpCrowd *crowd, const FfpDensity *density, FfpParameters *parameters,
+static bool change(FfpDensityControl *density_control, const FfpDensity *density, FfpParameters *parameters,
                    const FfpGaussians *gaussians, FfpMover *mover) {
-    Plan plan = make_plan(crowd, density, gaussians);
+    Plan plan = make_plan(density_control, density, gaussians);
     const bool any = plan.count > 0; // all gone: rather keep them
     if (any) {
         ffp_parameters_gather(parameters, plan.from, plan.count);
@@ -108,10 +110,10 @@ static bool change(FfpCrowd *crowd, const FfpDensity *density, FfpParameters *pa
         forget(&mover->mean, &plan);
         forget(&mover->square, &plan);
         for (int64_t i = 0; i < plan.count; i++)
-            if (plan.halved[i]) halve(parameters, gaussians, plan.from[i], i, &crowd->rng);
+            if (plan.halved[i]) halve(parameters, gaussians, plan.from[i], i, &density_control->rng);
     }
     free_plan(&plan);
-    make_counts(crowd, parameters->numbers.count);
+    make_counts(density_control, parameters->numbers.count);
     return any;
 }
 
@@ -124,11 +126,11 @@ static void reset_opacities(const FfpDensity *density, FfpParameters *parameters
     memset(mover->square.opacity, 0, (size_t)n->count * sizeof(real));
 }
 
-bool ffp_crowd_step(FfpCrowd *crowd, const FfpDensity *density, int64_t step, FfpParameters *parameters,
-                    const FfpGaussians *gaussians, FfpMover *mover) {
+bool ffp_density_control_step(FfpDensityControl *density_control, const FfpDensity *density, int64_t step,
+                              FfpParameters *parameters, const FfpGaussians *gaussians, FfpMover *mover) {
     if (!density->on || step > density->until) return false;
     const bool changed = step >= density->from && step % density->every == 0 &&
-                         change(crowd, density, parameters, gaussians, mover);
+                         change(density_control, density, parameters, gaussians, mover);
     if (step % density->reset_every == 0) reset_opacities(density, parameters, mover);
     return changed;
 }

@@ -6,6 +6,7 @@
 #include "base/device.h"
 #include "base/vec.h"
 #include "refine/fit.h"
+#include "refine/kernels/kernels.h"
 #include "refine/neighbours.h"
 #include "refine/table.h"
 
@@ -36,17 +37,8 @@ void ffp_mover_free(FfpMover *mover) {
     ffp_gaussians_free(&mover->square);
     ffp_gaussians_free(&mover->start);
     ffp_memory_free(mover->shared);
-    free(mover->neighbour);
+    ffp_free(mover->neighbour);
     *mover = (FfpMover){0};
-}
-
-static void update(const FfpUpdate *u, real *x, real *mean, real *square, const real *grad, const real *start,
-                   int64_t count) {
-#pragma omp parallel for simd schedule(static)
-    for (int64_t i = 0; i < count; i++) {
-        ffp_adam(u, grad[i], &x[i], &mean[i], &square[i]);
-        if (start) x[i] -= u->pull * (x[i] - start[i]);
-    }
 }
 
 static void displacement(const FfpParameters *p, int64_t i, real out[3]) {
@@ -76,7 +68,7 @@ static void smooth_displacements(const FfpMover *mover, FfpParameters *p, real s
         const real along = (m[2] * sum[0] + m[5] * sum[1] + m[8] * sum[2]) / ((real)found * p->unit[i]);
         p->numbers.centre[3 * i + 2] += share * (along - p->numbers.centre[3 * i + 2]);
     }
-    free(moved);
+    ffp_free(moved);
 }
 
 static double decay_of(const FfpRefineSettings *settings, int attribute, int64_t step, double share) {
@@ -124,11 +116,12 @@ static void move_shared_roughness(FfpMover *mover, FfpParameters *parameters, co
 
 static void move_all(FfpMover *mover, FfpParameters *parameters, const FfpGaussians *grad,
                      const FfpMove *move) {
+    FfpAdamStep *adam = ffp_refine_kernels()->adam_step;
     for (int a = 0; a < FFP_ATTRIBUTES; a++) {
         const FfpAttribute x = ffp_attribute(&parameters->numbers, a);
-        update(&move->of[a], x.data, ffp_attribute(&mover->mean, a).data,
-               ffp_attribute(&mover->square, a).data, ffp_attribute(grad, a).data,
-               mover->start.count ? ffp_attribute(&mover->start, a).data : NULL, grad->count * x.width);
+        adam(&move->of[a], x.data, ffp_attribute(&mover->mean, a).data, ffp_attribute(&mover->square, a).data,
+             ffp_attribute(grad, a).data, mover->start.count ? ffp_attribute(&mover->start, a).data : NULL,
+             grad->count * x.width);
     }
     if (move->shares) move_shared_roughness(mover, parameters, grad, &move->shared);
 }

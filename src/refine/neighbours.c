@@ -45,7 +45,7 @@ static Grid grid_new(const real *points, int64_t count) {
     for (int64_t i = 0; i < count; i++) grid.first[cell_index(&grid, points + 3 * i) + 1]++;
     for (int64_t c = 0; c < total; c++) grid.first[c + 1] += grid.first[c], next[c] = grid.first[c];
     for (int64_t i = 0; i < count; i++) grid.order[next[cell_index(&grid, points + 3 * i)]++] = i;
-    free(next);
+    ffp_free(next);
     return grid;
 }
 
@@ -98,6 +98,6 @@ void ffp_neighbours(const real *points, int64_t count, int k, int64_t *neighbour
             if (squared) squared[i * k + j] = j < best.found ? best.squared[j] : (real)INFINITY;
         }
     }
-    free(grid.first);
-    free(grid.order);
+    ffp_free(grid.first);
+    ffp_free(grid.order);
 }

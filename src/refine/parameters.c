@@ -71,7 +71,7 @@ static void gather_rows(const real *data, int width, const int64_t *from, int64_
 static void gather(real **data, int width, const int64_t *from, int64_t count) {
     real *out = ffp_alloc((size_t)count + 1, (size_t)width * sizeof(real));
     gather_rows(*data, width, from, count, out);
-    free(*data);
+    ffp_free(*data);
     *data = out;
 }
 

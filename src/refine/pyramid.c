@@ -119,8 +119,8 @@ bool ffp_refine_pyramid(FfpGaussians *gaussians, const FfpOrigin *origin, const 
     if (p.coarsest == 1 || !origin->pixel || settings->steps < capture->n_views || gaussians->count < 1)
         return ffp_refine_offered(gaussians, capture, patterns, n_patterns, settings, result, err);
     if (ffp_device())
-        return ffp_fail(err, capture->folder, "pictures longer than %d pixels are fitted on the CPU only",
-                        FFP_PYRAMID_SIDE);
+        return ffp_fail(err, FFP_ERROR_UNSUPPORTED, capture->folder,
+                        "pictures longer than %d pixels are fitted on the CPU only", FFP_PYRAMID_SIDE);
     const double begin = ffp_seconds();
     FfpGaussians first = ffp_gaussians_copy(gaussians);
     const bool ok = fit_levels(&p, gaussians, &first, result, err);

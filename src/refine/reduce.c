@@ -77,7 +77,7 @@ static void cut_views(FfpCapture *capture) {
         const Window w = grown(windows[v], &capture->views[v], width, height);
         cut(&capture->views[v], capture->n_patterns, &w);
     }
-    free(windows);
+    ffp_free(windows);
 }
 
 FfpCapture ffp_reduced(const FfpCapture *capture, const int *patterns, int n_patterns, int side) {

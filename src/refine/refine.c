@@ -6,6 +6,7 @@
 #include <string.h>
 #include "base/arena.h"
 #include "base/device.h"
+#include "base/call.h"
 #include "base/log.h"
 #include "base/rng.h"
 #include "loss/loss.h"
@@ -115,13 +116,13 @@ typedef struct Fit { // one run of ffp_refine
     FfpParameters parameters;
     FfpGaussians gaussians, grad; // decoded, and the gradient
     FfpMover mover;
-    FfpCrowd crowd;
+    FfpDensityControl density_control;
     FfpGaussians best;
     double best_loss, best_psnr, first_psnr; // of rounds
     int *order;                              // [n_views] of the round
     FfpFitLoss *losses;                      // [n_views] of its steps
     FfpRng rng;
-    FfpProgress progress;
+    FfpTask progress;
     double started;
     int64_t step;
 } Fit;
@@ -169,7 +170,7 @@ static double share_spent(const Fit *fit) {
 }
 
 static bool over(const Fit *fit) {
-    return share_spent(fit) >= 1 || (fit->settings->stop && *fit->settings->stop);
+    return share_spent(fit) >= 1 || (fit->settings->may_stop && ffp_cancelled());
 }
 
 static void one_step(Fit *fit, int view, FfpFitLoss *loss) {
@@ -178,11 +179,12 @@ static void one_step(Fit *fit, int view, FfpFitLoss *loss) {
     fit->step++;
     ffp_viewer_look(fit->viewer, &fit->gaussians, view, fit->step, &fit->grad, loss);
     if (fit->settings->density.on)
-        ffp_crowd_note(&fit->crowd, &fit->gaussians, &fit->grad, &fit->capture->views[view].camera);
+        ffp_density_control_note(&fit->density_control, &fit->gaussians, &fit->grad,
+                                 &fit->capture->views[view].camera);
     ffp_parameters_pull_back(&fit->parameters, &fit->gaussians, &fit->grad);
     ffp_mover_step(&fit->mover, &fit->parameters, &fit->grad, fit->settings, share);
-    if (ffp_crowd_step(&fit->crowd, &fit->settings->density, fit->step, &fit->parameters, &fit->gaussians,
-                       &fit->mover)) {
+    if (ffp_density_control_step(&fit->density_control, &fit->settings->density, fit->step, &fit->parameters,
+                                 &fit->gaussians, &fit->mover)) {
         ffp_gaussians_free(&fit->gaussians);
         ffp_gaussians_free(&fit->grad);
         fit->gaussians = ffp_gaussians_new(fit->parameters.numbers.count);
@@ -198,18 +200,19 @@ static bool has_lost(Fit *fit, const FfpGaussians *before) {
     return ffp_viewer_psnr(fit->viewer, &fit->best) < ffp_viewer_psnr(fit->viewer, before);
 }
 
-static void tell(Fit *fit, const Round *round) {
+// False when the metrics cannot be written.
+static bool tell(Fit *fit, const Round *round) {
     char extra[96];
     const double seconds = ffp_seconds() - fit->started;
     snprintf(extra, sizeof extra, "step %lld, loss %.4f, %.2f dB, %lld Gaussians", (long long)fit->step,
              round->total, round->psnr, (long long)fit->gaussians.count);
     if (!fit->settings->quiet)
-        ffp_progress_step(&fit->progress, (int64_t)(share_spent(fit) * (double)fit->progress.total), extra);
-    if (!fit->settings->metrics) return;
+        ffp_task_step(&fit->progress, (int64_t)(share_spent(fit) * (double)fit->progress.total), extra);
+    if (!fit->settings->metrics) return true;
     fprintf(fit->settings->metrics,
             "{\"step\": %lld, \"seconds\": %.3f, \"loss\": %.6f, \"psnr\": %.4f, \"gaussians\": %lld}\n",
             (long long)fit->step, seconds, round->total, round->psnr, (long long)fit->gaussians.count);
-    fflush(fit->settings->metrics);
+    return fflush(fit->settings->metrics) == 0;
 }
 
 // All views once, or until the end; returns how many. On a device no step waits for its loss.
@@ -231,10 +234,11 @@ static bool one_round(Fit *fit, FfpError *err) {
     Round sum = {0};
     for (int i = 0; i < done; i++)
         sum.total += fit->losses[i].pictures + fit->losses[i].maps, sum.psnr += fit->losses[i].psnr;
-    if (!isfinite(sum.total)) return ffp_fail(err, fit->capture->folder, "the loss is no number any more");
+    if (!isfinite(sum.total))
+        return ffp_fail(err, FFP_ERROR_ARGUMENT, fit->capture->folder, "the loss is no number any more");
     if (done < n) return true;
     sum.total /= n, sum.psnr /= n;
-    tell(fit, &sum);
+    if (!tell(fit, &sum)) return ffp_fail(err, FFP_ERROR_IO, NULL, "cannot write the metrics");
     if (fit->step <= n) fit->first_psnr = sum.psnr;
     if (sum.total < fit->best_loss) {
         fit->best_loss = sum.total, fit->best_psnr = sum.psnr;
@@ -253,7 +257,7 @@ static Fit fit_new(const FfpGaussians *gaussians, const FfpCapture *capture, con
     fit.gaussians = ffp_gaussians_new(gaussians->count);
     fit.grad = ffp_gaussians_new(gaussians->count);
     fit.mover = ffp_mover_new(&fit.parameters, settings);
-    fit.crowd = ffp_crowd_new(scratch ? gaussians->count : 0, settings->seed);
+    fit.density_control = ffp_density_control_new(scratch ? gaussians->count : 0, settings->seed);
     fit.losses = ffp_alloc((size_t)capture->n_views, sizeof *fit.losses);
     fit.order = ffp_alloc((size_t)capture->n_views, sizeof *fit.order);
     for (int v = 0; v < capture->n_views; v++) fit.order[v] = v;
@@ -270,29 +274,31 @@ static void fit_free(Fit *fit) {
     ffp_gaussians_free(&fit->grad);
     ffp_gaussians_free(&fit->best);
     ffp_mover_free(&fit->mover);
-    ffp_crowd_free(&fit->crowd);
-    free(fit->order);
-    free(fit->losses);
+    ffp_density_control_free(&fit->density_control);
+    ffp_free(fit->order);
+    ffp_free(fit->losses);
 }
 
 // Under a limit of steps progress counts these, else seconds.
-static FfpProgress progress_of(const FfpRefineSettings *s) {
-    return ffp_progress(s->label ? s->label : "refining",
-                        s->seconds > 0 ? (int64_t)ceil(s->seconds) : s->steps);
+static FfpTask progress_of(const FfpRefineSettings *s) {
+    return ffp_task(s->label ? s->label : "refining", s->seconds > 0 ? (int64_t)ceil(s->seconds) : s->steps);
 }
 
 // What a device has no code for.
 static bool device_can(const FfpRefineSettings *s, const char *where, FfpError *err) {
-    if (s->density.on) return ffp_fail(err, where, "density control works on the CPU only");
-    if (s->smooth > 0) return ffp_fail(err, where, "smoothing over neighbours works on the CPU only");
+    if (s->density.on)
+        return ffp_fail(err, FFP_ERROR_UNSUPPORTED, where, "density control works on the CPU only");
+    if (s->smooth > 0)
+        return ffp_fail(err, FFP_ERROR_UNSUPPORTED, where, "smoothing over neighbours works on the CPU only");
     return true;
 }
 
 bool ffp_refine(FfpGaussians *gaussians, const FfpCapture *capture, const int *patterns, int n_patterns,
                 const FfpRefineSettings *settings, FfpRefineResult *result, FfpError *err) {
-    if (gaussians->count < 1) return ffp_fail(err, capture->folder, "there are no Gaussians to refine");
+    if (gaussians->count < 1)
+        return ffp_fail(err, FFP_ERROR_ARGUMENT, capture->folder, "there are no Gaussians to refine");
     if (!(settings->steps > 0) && !(settings->seconds > 0))
-        return ffp_fail(err, NULL, "a fit needs a limit of steps or seconds");
+        return ffp_fail(err, FFP_ERROR_ARGUMENT, NULL, "a fit needs a limit of steps or seconds");
     if (ffp_device() && !device_can(settings, capture->folder, err)) return false;
     Fit fit = fit_new(gaussians, capture, patterns, n_patterns, settings);
     *result = (FfpRefineResult){0};
@@ -300,7 +306,7 @@ bool ffp_refine(FfpGaussians *gaussians, const FfpCapture *capture, const int *p
     fit.progress = progress_of(settings);
     bool ok = true;
     while (ok && !over(&fit)) ok = one_round(&fit, err);
-    ffp_progress_end(&fit.progress);
+    ffp_task_end(&fit.progress);
     if (ok) {
         result->dropped = has_lost(&fit, gaussians);
         if (!result->dropped) copy(gaussians, &fit.best);
@@ -308,7 +314,7 @@ bool ffp_refine(FfpGaussians *gaussians, const FfpCapture *capture, const int *p
         result->steps = fit.step;
         result->gaussians = gaussians->count;
         result->seconds = ffp_seconds() - fit.started;
-        result->stopped = settings->stop && *settings->stop;
+        result->stopped = settings->may_stop && ffp_cancelled();
     }
     fit_free(&fit);
     return ok;

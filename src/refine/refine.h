@@ -3,7 +3,6 @@
 #ifndef FFP_REFINE_REFINE_H
 #define FFP_REFINE_REFINE_H
 
-#include <stdatomic.h>
 #include <stdbool.h>
 #include <stdio.h>
 #include "capture/capture.h"
@@ -39,14 +38,15 @@ typedef struct FfpRefineSettings {
     int64_t steps;  // of one view each; 0: no limit
     double seconds; // of wall clock; 0: no limit
     uint64_t seed;
-    const atomic_bool *stop; // becomes true to end the work; NULL: never
-    FILE *metrics;           // a line of JSON a round; NULL: none
-    bool measure;            // the PSNR before and after
-    bool quiet;              // no progress on stderr
-    const char *label;       // of the progress; NULL: "refining"
+    bool may_stop;     // cancelled, the work ends with what it has
+    FILE *metrics;     // a line of JSON a round; NULL: none. What cannot be written ends the fit
+    bool measure;      // the PSNR before and after
+    bool quiet;        // tells no progress
+    const char *label; // of the progress; NULL: "refining"
 } FfpRefineSettings;
 FfpRefineSettings ffp_refine_defaults(void);  // from a prediction
 FfpRefineSettings ffp_scratch_defaults(void); // from nothing: GS-ProCams' losses, rates and densification
+#define FFP_POLISH_DEFAULT_STEPS 100          // of eight views
 // A short fit right behind a prediction: faster rates, nothing smoothed or measured.
 FfpRefineSettings ffp_polish_defaults(int64_t steps);
 
@@ -55,7 +55,7 @@ typedef struct FfpRefineResult {
     double seconds;
     double psnr_before, psnr_after; // dB on the pictures fitted, mean over pictures; without 8-bit rounding;
                                     // 0 unless they are to be measured
-    bool stopped;                   // by `stop`
+    bool stopped;                   // by the caller
     bool dropped; // the fit showed the pictures worse than they were shown before: nothing was changed
 } FfpRefineResult;
 

@@ -50,21 +50,24 @@ static void place_splats(FfpGaussians *g, FfpRng *rng) {
         g->opacity[i] = 0.1F;
         g->roughness[i] = 0.5F;
     }
-    free(neighbour);
-    free(squared);
+    ffp_free(neighbour);
+    ffp_free(squared);
 }
 
 bool ffp_scratch_gaussians(FfpGaussians *gaussians, const FfpCapture *capture, int64_t count, uint64_t seed,
                            FfpError *err) {
     FfpRng rng = ffp_rng(seed, 3);
     if (ffp_device())
-        return ffp_fail(err, capture->folder, "Gaussians from nothing are made on the CPU only");
+        return ffp_fail(err, FFP_ERROR_UNSUPPORTED, capture->folder,
+                        "Gaussians from nothing are made on the CPU only");
     if (count <= NEAREST)
-        return ffp_fail(err, capture->folder, "%lld points are too few to start from", (long long)count);
+        return ffp_fail(err, FFP_ERROR_ARGUMENT, capture->folder, "%lld points are too few to start from",
+                        (long long)count);
     *gaussians = ffp_gaussians_new(count);
     if (!draw_points(gaussians->centre, capture, count, &rng)) {
         ffp_gaussians_free(gaussians);
-        return ffp_fail(err, capture->folder, "the views' silhouettes have no room for an object in common");
+        return ffp_fail(err, FFP_ERROR_ARGUMENT, capture->folder,
+                        "the views' silhouettes have no room for an object in common");
     }
     place_splats(gaussians, &rng);
     return true;

@@ -78,7 +78,7 @@ static Thinning thinning_new(const FfpGaussians *gaussians, const int64_t *pixel
 }
 
 static void thinning_free(Thinning *t) {
-    free(t->at), free(t->pieces), free(t->kept);
+    ffp_free(t->at), ffp_free(t->pieces), ffp_free(t->kept);
 }
 
 // Whether splat `a` lies on the surface that splat `b` is a piece of.
@@ -149,7 +149,7 @@ static void choose(Thinning *t, double layers) {
         const int64_t splat = candidates[i].splat;
         t->kept[splat] = !(layers > 0) || described(t, splat) < (real)layers;
     }
-    free(candidates);
+    ffp_free(candidates);
 }
 
 // A start's splats are as wide as a pixel that looks at them head-on, and leave gaps in a surface that no
@@ -171,7 +171,7 @@ static int64_t gather_kept(FfpGaussians *gaussians, int64_t *pixel, const bool *
     for (int64_t i = 0; i < before; i++)
         if (kept[i]) pixel[count] = pixel[i], from[count++] = i;
     ffp_gaussians_gather(gaussians, from, count);
-    free(from);
+    ffp_free(from);
     return before - count;
 }
 

@@ -53,14 +53,14 @@ void ffp_viewer_free(FfpViewer *v) {
     for (int p = 0; p < v->n_patterns; p++) ffp_summed_free(&v->light[p]);
     for (int i = 0; i < v->capture->n_views * v->n_patterns; i++) ffp_image_free(&v->targets[i]);
     for (int i = 0; i < v->capture->n_views; i++) ffp_gbuffer_free(&v->shadows[i]);
-    free(v->shadows);
-    free(v->looks);
-    free(v->light);
-    free(v->targets);
+    ffp_free(v->shadows);
+    ffp_free(v->looks);
+    ffp_free(v->light);
+    ffp_free(v->targets);
     ffp_view_pass_free(v->pass);
     ffp_image_free(&v->picture);
     ffp_image_free(&v->grad);
-    free(v);
+    ffp_free(v);
 }
 
 static void fit_pictures(FfpViewer *v, int width, int height) {
@@ -140,7 +140,7 @@ double ffp_viewer_psnr(FfpViewer *v, const FfpGaussians *gaussians) {
     for (int i = 0; i < n; i++) add_psnr(v, gaussians, i, &of_view[i]);
     ffp_losses_settle();
     for (int i = 0; i < n; i++) sum += of_view[i] / v->n_patterns;
-    free(of_view);
+    ffp_free(of_view);
     return sum / n;
 }
 

@@ -1,7 +1,6 @@
 // All pixels of a G-buffer to the projector (map_pixel.h), and the shadow map.
 #include "base/device.h"
-#include "render/map_pixel.h"
-#include "render/raster.h"
+#include "render/kernels/kernels.h"
 #include "render/table.h"
 
 // The projector as a camera whose longer side has `side` pixels.
@@ -38,9 +37,9 @@ void ffp_map_with_shadow(const FfpGbuffer *shadow, const FfpGbuffer *gbuffer, co
         return;
     }
     const FfpMapper m = {gbuffer, camera, projector, settings, *shadow};
+    FfpMapRow *map = ffp_render_kernels()->map_row;
 #pragma omp parallel for schedule(static)
-    for (int y = 0; y < gbuffer->height; y++)
-        for (int x = 0; x < gbuffer->width; x++) ffp_map_pixel(&m, x, y, out);
+    for (int y = 0; y < gbuffer->height; y++) map(&m, y, out);
 }
 
 void ffp_map_to_projector(FfpRaster *raster, const FfpGaussians *gaussians, const FfpGbuffer *gbuffer,

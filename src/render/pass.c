@@ -2,6 +2,7 @@
 
 #include <stdlib.h>
 #include "base/arena.h"
+#include "base/call.h"
 #include "base/device.h"
 #include "render/resolve.h"
 
@@ -47,7 +48,7 @@ void ffp_view_pass_free(FfpViewPass *pass) {
     free_buffers(pass);
     ffp_raster_free(pass->raster);
     ffp_raster_free(pass->shadow_raster);
-    free(pass);
+    ffp_free(pass);
 }
 
 // Buffers for pictures of width x height.
@@ -121,6 +122,7 @@ void ffp_view_pass_samples_changed(FfpViewPass *pass) {
 
 void ffp_view_pass_draw(FfpViewPass *pass, const FfpGaussians *gaussians, const FfpCamera *camera,
                         const FfpCamera *projector) {
+    ffp_cancel_point();
     fit_buffers(pass, camera->width, camera->height);
     pass->gaussians = gaussians;
     pass->camera = sample_camera(camera, pass->settings.samples);

@@ -3,6 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include "base/arena.h"
+#include "base/call.h"
 #include "render/raster.h"
 #include "render/table.h"
 
@@ -20,9 +21,9 @@ FfpRenderSettings ffp_render_paper(void) {
     return (FfpRenderSettings){.samples = 1, .blur = 0.3F, .shadow_side = 160, .shadow_bias = 0.02F};
 }
 
-FfpRenderSettings ffp_render_settings(FfpDrawing drawing) {
-    FfpRenderSettings settings = drawing.form == FFP_FORM_PAPER ? ffp_render_paper() : ffp_render_defaults();
-    if (drawing.samples > 0) settings.samples = drawing.samples;
+FfpRenderSettings ffp_render_settings(bool paper, int samples) {
+    FfpRenderSettings settings = paper ? ffp_render_paper() : ffp_render_defaults();
+    if (samples > 0) settings.samples = samples;
     return settings;
 }
 
@@ -83,29 +84,33 @@ void ffp_mapping_free(FfpMapping *mapping) {
 
 FfpRaster *ffp_raster_new(void) {
     FfpRaster *raster = ffp_alloc(1, sizeof *raster);
-    raster->device = ffp_render_table() ? ffp_render_table()->raster_new() : NULL;
+    if (!ffp_render_table()) return raster;
+    raster->device = ffp_render_table()->raster_new();
+    ffp_own(raster->device, ffp_render_table()->raster_free);
     return raster;
 }
 
 void ffp_raster_free(FfpRaster *raster) {
     if (!raster) return;
+    ffp_disown(raster->device);
     if (raster->device) ffp_render_table()->raster_free(raster->device);
-    free(raster->splats);
-    free(raster->first);
-    free(raster->counts);
-    free(raster->tile_first);
-    free(raster->keys);
-    free(raster->swap);
-    free(raster->order);
-    free(raster->slots);
-    free(raster->touched);
+    ffp_free(raster->splats);
+    ffp_free(raster->first);
+    ffp_free(raster->counts);
+    ffp_free(raster->tile_first);
+    ffp_free(raster->keys);
+    ffp_free(raster->swap);
+    ffp_free(raster->order);
+    ffp_free(raster->slots);
+    ffp_free(raster->touched);
     ffp_gbuffer_free(&raster->shadow);
-    free(raster);
+    ffp_free(raster);
 }
 
 void ffp_raster_reserve(void **block, size_t *held, size_t count, size_t size) {
     if (count <= *held / size) return;
-    free(*block);
+    ffp_free(*block);
+    *block = NULL, *held = 0;
     const size_t roomy = count + count / 4; // views differ a little: do not allocate anew for each
     *block = ffp_alloc(roomy, size);
     *held = roomy * size;

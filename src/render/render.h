@@ -10,7 +10,6 @@
 
 #include <stdbool.h>
 #include "base/real.h"
-#include "ffprocams.h"
 #include "capture/capture.h"
 #include "gaussians/gaussians.h"
 #include "image/image.h"
@@ -28,9 +27,9 @@ typedef struct FfpRenderSettings {
     real shadow_bias;  // depth slack as a share of the projector's distance (0.05)
 } FfpRenderSettings;
 FfpRenderSettings ffp_render_defaults(void);
-FfpRenderSettings ffp_render_paper(void);                  // blur 0.3, no compensation, bilinear, no shadows
-enum { FFP_SAMPLES_MAX = 4 };                              // of FfpRenderSettings.samples
-FfpRenderSettings ffp_render_settings(FfpDrawing drawing); // samples 0: as many as the form has
+FfpRenderSettings ffp_render_paper(void); // blur 0.3, no compensation, bilinear, no shadows
+enum { FFP_SAMPLES_MAX = 4 };             // of FfpRenderSettings.samples
+FfpRenderSettings ffp_render_settings(bool paper, int samples); // either; samples 0: as many as it has
 
 // Accumulated attributes of one view; [height,width(,3)] each. Accumulations are raw sums of W_i b_i: shading
 // divides.
@@ -42,7 +41,7 @@ typedef struct FfpGbuffer {
     real *albedo;     // sum W A, 3
     real *roughness;  // sum W rho
     real *ambient;    // sum W C_amb, 3
-    real *distortion; // sum_ij W_i W_j |z_i - z_j| over ordered pairs (network.md 4.3)
+    real *distortion; // sum_ij W_i W_j |z_i - z_j| over ordered pairs (FF-ProCams, Eq. 22)
 } FfpGbuffer;
 FfpGbuffer ffp_gbuffer_new(int width, int height); // zeroed; also used for gradients
 void ffp_gbuffer_clear(FfpGbuffer *gbuffer);

@@ -1,7 +1,7 @@
 // All pixels of a G-buffer through the model of light (shade_pixel.h), and back.
 #include <stdlib.h>
 #include "base/arena.h"
-#include "render/shade_pixel.h"
+#include "render/kernels/kernels.h"
 #include "render/table.h"
 
 void ffp_shade(const FfpGbuffer *gbuffer, const FfpMapping *mapping, const FfpCamera *camera,
@@ -11,22 +11,9 @@ void ffp_shade(const FfpGbuffer *gbuffer, const FfpMapping *mapping, const FfpCa
         return;
     }
     const FfpShader shader = {gbuffer, mapping, camera, projector, intensity, pattern};
+    FfpShadeRow *shade = ffp_render_kernels()->shade_row;
 #pragma omp parallel for schedule(static)
-    for (int y = 0; y < gbuffer->height; y++)
-        for (int x = 0; x < gbuffer->width; x++)
-            ffp_shade_pixel(&shader, x, y, out->data + 3 * (y * gbuffer->width + x));
-}
-
-static void shade_pixel_backward(const FfpShader *sh, int x, int y, const FfpImage *grad_image,
-                                 FfpGbuffer *grad_gbuffer, real grad_intensity[3], FfpSummed *grad_pattern) {
-    const int p = y * sh->gbuffer->width + x;
-    const real *extent = sh->mapping->extent + 2 * p;
-    FfpLit s;
-    FfpLitGrad d;
-    const bool lit =
-        ffp_shade_pixel_backward(sh, x, y, grad_image->data + 3 * p, grad_gbuffer, grad_intensity, &s, &d);
-    if (lit && grad_pattern)
-        ffp_lookup_backward_pattern(grad_pattern, s.u, s.v_at, extent[0], extent[1], d.texture);
+    for (int y = 0; y < gbuffer->height; y++) shade(&shader, y, out);
 }
 
 void ffp_shade_backward(const FfpGbuffer *gbuffer, const FfpMapping *mapping, const FfpCamera *camera,
@@ -41,11 +28,11 @@ void ffp_shade_backward(const FfpGbuffer *gbuffer, const FfpMapping *mapping, co
     const FfpShader shader = {gbuffer, mapping, camera, projector, intensity, pattern};
     // Rows keep their share of the intensity's gradient, added up in order: the same bits whoever is first.
     real *rows = ffp_alloc((size_t)gbuffer->height, 3 * sizeof(real));
+    FfpShadeRowBackward *backward = ffp_render_kernels()->shade_row_backward;
     // Pixels meet in the pattern: one thread then.
 #pragma omp parallel for schedule(static) if (!grad_pattern)
     for (int y = 0; y < gbuffer->height; y++)
-        for (int x = 0; x < gbuffer->width; x++)
-            shade_pixel_backward(&shader, x, y, grad_image, grad_gbuffer, rows + 3 * y, grad_pattern);
+        backward(&shader, y, grad_image, grad_gbuffer, rows + 3 * y, grad_pattern);
     for (int i = 0; grad_intensity && i < 3 * gbuffer->height; i++) grad_intensity[i % 3] += rows[i];
-    free(rows);
+    ffp_free(rows);
 }

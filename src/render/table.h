@@ -11,7 +11,7 @@ typedef struct FfpDeviceRaster FfpDeviceRaster; // the device's part of an FfpRa
 
 typedef struct FfpRenderTable {
     FfpDeviceRaster *(*raster_new)(void);
-    void (*raster_free)(FfpDeviceRaster *raster);
+    void (*raster_free)(void *raster);
     void (*rasterise)(FfpDeviceRaster *raster, const FfpGaussians *gaussians, const FfpCamera *camera,
                       const FfpRenderSettings *settings, FfpGbuffer *out);
     void (*rasterise_backward)(FfpDeviceRaster *raster, const FfpGaussians *gaussians,

@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "base/arena.h"
+#include "base/call.h"
 
 #define STEP 1e-4 // of the numeric derivatives, radians and shares of the distance
 
@@ -193,9 +194,9 @@ double ffp_axis_fit(FfpAxis *axis, int numbers, const FfpAxisTerm *terms, int n_
     fit.slopes = ffp_alloc((size_t)fit.count * (size_t)numbers, sizeof *fit.slopes);
     evaluate(&fit, axis, fit.here);
     double cost = mean_cost(&fit, fit.here), damping = 1e-3;
-    for (int i = 0; i < steps && descend(&fit, axis, &cost, &damping); i++) continue;
+    for (int i = 0; i < steps && descend(&fit, axis, &cost, &damping); i++) ffp_cancel_point();
     if (covariance != NULL) estimate_covariance(&fit, axis, covariance);
-    free(fit.here), free(fit.there), free(fit.slopes);
+    ffp_free(fit.here), ffp_free(fit.there), ffp_free(fit.slopes);
     return cost;
 }
 
@@ -213,6 +214,6 @@ double ffp_axis_median(const FfpAxisTerm *term, const FfpAxis *axis, int *there)
     qsort(residuals, (size_t)n, sizeof *residuals, ascending);
     const double median = n > 0 ? residuals[n / 2] : INFINITY;
     if (there != NULL) *there = n;
-    free(residuals);
+    ffp_free(residuals);
     return median;
 }

@@ -13,8 +13,8 @@
 
 void ffp_calibration_free(FfpCalibration *calibration) {
     if (calibration == NULL) return;
-    free(calibration->stops);
-    free(calibration->pictures);
+    ffp_free(calibration->stops);
+    ffp_free(calibration->pictures);
     *calibration = (FfpCalibration){0};
 }
 
@@ -121,7 +121,7 @@ static bool read_document(FfpCalibration *calibration, const char *path, FfpErro
         ok = ffp_read_procams_projector(calibration, &root, err);
     else
         ok = read_object(calibration, &root, err);
-    json_decref(root.value);
+    ffp_field_close(&root);
     return ok;
 }
 
@@ -146,10 +146,11 @@ static bool colmap_folder(const char *path, char folder[FFP_PATH_MAX]) {
 static bool read_one(FfpCalibration *calibration, const char *path, const char *projector_image,
                      FfpError *err) {
     char folder[FFP_PATH_MAX];
-    if (strlen(path) >= FFP_PATH_MAX) return ffp_fail(err, "--calibration", "a path is too long");
+    if (strlen(path) >= FFP_PATH_MAX)
+        return ffp_fail(err, FFP_ERROR_FILE, "calibrations", "a path is too long");
     if (colmap_folder(path, folder)) return ffp_read_colmap(calibration, folder, projector_image, err);
     if (ffp_is_folder(path))
-        return ffp_fail(err, path,
+        return ffp_fail(err, FFP_ERROR_FILE, path,
                         "the folder holds no cameras.txt (COLMAP's text form; from .bin: colmap "
                         "model_converter --output_type TXT)");
     return read_document(calibration, path, err);
@@ -170,7 +171,7 @@ static bool read_neighbour(FfpCalibration *calibration, const char *path, FfpErr
 bool ffp_calibration_read(FfpCalibration *calibration, const char *const *files, int n_files,
                           const char *projector_image, FfpError *err) {
     *calibration = (FfpCalibration){0};
-    if (n_files < 1) return ffp_fail(err, "--calibration", "no calibration was given");
+    if (n_files < 1) return ffp_fail(err, FFP_ERROR_FILE, "calibrations", "no calibration was given");
     for (int i = 0; i < n_files; i++) {
         if (!read_one(calibration, files[i], projector_image, err)) return false;
     }
@@ -180,11 +181,13 @@ bool ffp_calibration_read(FfpCalibration *calibration, const char *const *files,
     }
     const char *where = files[n_files - 1];
     if (!calibration->has_camera && calibration->n_stops == 0)
-        return ffp_fail(err, where, "no camera in the calibration: give the file that holds it too");
+        return ffp_fail(err, FFP_ERROR_FILE, where,
+                        "no camera in the calibration: give the file that holds it too");
     if (!calibration->has_projector)
-        return ffp_fail(err, where, "no projector in the calibration: give the file that holds it too");
+        return ffp_fail(err, FFP_ERROR_FILE, where,
+                        "no projector in the calibration: give the file that holds it too");
     if (!calibration->has_motion)
-        return ffp_fail(err, where,
+        return ffp_fail(err, FFP_ERROR_FILE, where,
                         "the calibration does not say how camera and projector stand to each "
                         "other (rotation R and translation T): stereo-calibrate them");
     for (int i = 0; i < calibration->n_stops; i++) {

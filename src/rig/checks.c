@@ -13,6 +13,10 @@
 #define CLIPPED_SHARE 0.05    // of the object's pixels: highlights; training has as many
 #define SPHERE_POINTS 200
 #define CHORD_PARTS 24
+#define FITS 0.8       // of the error: what explains so much better is right
+#define FITS_WELL 0.08 // error of colours that are looked up rightly, at most
+#define IMPOSSIBLE_MAX 0.02
+#define CHANCE_MAX 0.75 // of what chance explains: more, and the pattern explains nothing
 
 typedef struct Page {
     FILE *out;
@@ -157,6 +161,10 @@ static Light measure(const FfpCapture *capture) {
     return light;
 }
 
+static double impossible_share(const Light *light) {
+    return light->lit > 0 ? (double)light->impossible / (double)light->lit : 0;
+}
+
 // --- The lines. ---
 
 static void check_frusta(Page *page, const FfpCapture *capture, const Light *light) {
@@ -177,16 +185,16 @@ static void check_frusta(Page *page, const FfpCapture *capture, const Light *lig
         advise(page,
                "the object lies behind a device: the turntable's axis or the direction of R and T is wrong");
     else if (camera <= 0.9)
-        advise(page, "the object leaves the picture: move the camera back, or give its sphere with --object");
+        advise(page, "the object leaves the picture: move the camera back, or give the object's sphere");
     else if (projector <= 0.8)
         advise(
             page,
             "the pattern does not reach all of the object: move or aim the projector, or check the size it "
             "was calibrated at");
-    const double impossible = light->lit > 0 ? (double)light->impossible / (double)light->lit : 0;
-    line(page, impossible < 0.02, "lit pixels", "%.1f %% are lit where no projector light can be",
+    const double impossible = impossible_share(light);
+    line(page, impossible < IMPOSSIBLE_MAX, "lit pixels", "%.1f %% are lit where no projector light can be",
          100 * impossible);
-    if (impossible >= 0.02)
+    if (impossible >= IMPOSSIBLE_MAX)
         advise(page,
                "poses do not fit the pictures: check axis, angles and their sign, sizes, and the masks");
 }
@@ -257,7 +265,8 @@ static const Trained trained[] = {
     [BETWEEN] = {"angle", "degrees between camera and projector, seen from the object", 15, 45, 5,
                  "a smaller angle gives worse depth, a larger one more shadow"},
     [CAMERA_FIELD] = {"camera field", "degrees", 40, 40, 20, "rays spread otherwise than in training"},
-    [PROJECTOR_FIELD] = {"beam", "degrees", 55, 55, 30, "the beam spreads otherwise than in training"},
+    [PROJECTOR_FIELD] = {"projector field", "degrees", 55, 55, 30,
+                         "the light spreads otherwise than in training"},
     [ROLL] = {"roll", "degrees of the camera about its axis", 0, 0, 10,
               "turn the photographs upright, or check the sign of the axis: the world's z must be up"},
     [AMBIENT] = {"ambient", "of white's light is there under black too", 0.07, 0.66, 0.07,
@@ -310,7 +319,7 @@ static double widest_gap(const FfpCapture *capture) {
     qsort(azimuths, (size_t)capture->n_views, sizeof *azimuths, ascending);
     double gap = 360 + (double)azimuths[0] - (double)azimuths[capture->n_views - 1];
     for (int v = 1; v < capture->n_views; v++) gap = fmax(gap, (double)azimuths[v] - (double)azimuths[v - 1]);
-    free(azimuths);
+    ffp_free(azimuths);
     return gap;
 }
 
@@ -329,11 +338,73 @@ static void check_rig(Page *page, const FfpCapture *capture, Light *light) {
     line(page, side >= 90 && side <= 260, "size", "%d x %d pixels (trained: 128 x 128)", camera->width,
          camera->height);
     if (side > 260)
-        advise(page, "import with --width near 128, or use --model none: time and memory grow fast");
+        advise(page, "import narrower pictures, 128 pixels wide or so, or reconstruct without the network: "
+                     "time and memory grow fast");
     if (side < 90) advise(page, "too few pixels for fine patterns");
 }
 
-static void check_pattern(Page *page, const FfpCapture *capture) {
+// --- Calibration tools that count a projector's pixels otherwise than the pattern's file: twice, or half.
+// ---
+
+// What the pictures say with the projector's focal lengths and principal points `factor` times as large.
+typedef struct OtherSize {
+    FfpExplanation found;
+    double impossible; // share of lit pixels where no light can be
+} OtherSize;
+
+static OtherSize look_at_size(const FfpCapture *capture, int active, double factor) {
+    FfpCapture scaled = *capture;
+    OtherSize out;
+    scaled.views = ffp_alloc((size_t)capture->n_views, sizeof *scaled.views);
+    for (int v = 0; v < capture->n_views; v++) {
+        FfpCamera *projector = &scaled.views[v].projector;
+        scaled.views[v] = capture->views[v];
+        projector->fx *= (real)factor, projector->fy *= (real)factor;
+        projector->cx *= (real)factor, projector->cy *= (real)factor;
+    }
+    out.found = ffp_rig_explain(&scaled, active);
+    ffp_capture_estimate_bounds(&scaled); // the capture's own may have been estimated by the wrong size
+    const FfpExplanation anew = ffp_rig_explain(&scaled, active);
+    Light light = measure(&scaled);
+    const bool better = anew.error * out.found.chance < out.found.error * anew.chance;
+    if (anew.pixels > 0 && (out.found.pixels == 0 || better)) out.found = anew;
+    out.impossible = impossible_share(&light);
+    ffp_free(light.white), ffp_free(light.share), ffp_free(scaled.views);
+    return out;
+}
+
+// Stripes are explained by chance as well: then it counts that light reaches what is lit, and did not before.
+static bool fits_better(const OtherSize *other, const FfpExplanation *found, double impossible) {
+    const double error = other->found.error;
+    if (other->found.pixels == 0 || !(error < FITS * found->error)) return false;
+    const bool reaches = impossible > 5 * IMPOSSIBLE_MAX && other->impossible < IMPOSSIBLE_MAX;
+    return error < CHANCE_MAX * other->found.chance ||
+           (reaches && error < FITS_WELL && error < 0.5 * found->error);
+}
+
+// Tells the size that explains the pictures in place of what `found` says; false when neither does.
+static bool try_other_sizes(const Page *page, const FfpCapture *capture, int active, const Light *light,
+                            const FfpExplanation *found) {
+    static const double factors[2] = {0.5, 2};
+    const FfpCamera *projector = &capture->views[0].projector;
+    double factor = 1, error = INFINITY;
+    for (int k = 0; k < 2; k++) {
+        const OtherSize other = look_at_size(capture, active, factors[k]);
+        if (!fits_better(&other, found, impossible_share(light)) || other.found.error > error) continue;
+        factor = factors[k], error = other.found.error;
+    }
+    if (factor == 1) return false;
+    fprintf(
+        page->out,
+        "       -> it fits with %s the projector's focal lengths and principal point (%.3f): the projector "
+        "was calibrated at %.0f x %.0f pixels, and not at the pattern's %d x %d; import with that size, "
+        "scaled\n",
+        factor < 1 ? "half" : "twice", error, projector->width / factor, projector->height / factor,
+        projector->width, projector->height);
+    return true;
+}
+
+static void check_pattern(Page *page, const FfpCapture *capture, const Light *light) {
     static const char *const ways[3] = {"left to right", "upside down", "both ways"};
     const int active = ffp_capture_active_pattern(capture, NULL, NULL);
     const FfpExplanation found = active >= 0 ? ffp_rig_explain(capture, active) : (FfpExplanation){0};
@@ -344,12 +415,13 @@ static void check_pattern(Page *page, const FfpCapture *capture) {
     }
     int mirror = 0;
     for (int k = 1; k < 3; k++) mirror = found.mirrored[k] < found.mirrored[mirror] ? k : mirror;
-    const bool mirrored = found.mirrored[mirror] < 0.8 * found.error;
+    const bool mirrored = found.mirrored[mirror] < FITS * found.error;
     const bool moved = !mirrored && found.best < 0.85 * found.error;
-    const bool nothing = !mirrored && !moved && found.error > 0.75 * found.chance;
+    const bool nothing = !mirrored && !moved && found.error > CHANCE_MAX * found.chance;
     line(page, !mirrored && !moved && !nothing, "pattern",
          "'%s' explains the pictures with error %.3f; chance gives %.3f (%d pixels)",
          capture->patterns[active].name, found.error, found.chance, found.pixels);
+    if ((mirrored || moved || nothing) && try_other_sizes(page, capture, active, light, &found)) return;
     if (mirrored)
         fprintf(page->out,
                 "       -> it fits when mirrored %s (%.3f): the projector mirrors, or the file does\n",
@@ -376,8 +448,8 @@ int ffp_rig_checks(const FfpCapture *capture, FILE *out) {
     check_exposure(&page, &light);
     check_black(&page, &light);
     check_rig(&page, capture, &light);
-    check_pattern(&page, capture);
-    free(light.white);
-    free(light.share);
+    check_pattern(&page, capture, &light);
+    ffp_free(light.white);
+    ffp_free(light.share);
     return page.doubts;
 }

@@ -51,7 +51,7 @@ FfpCapture ffp_placed_new(const FfpCapture *capture, const FfpOutlines *outlines
 }
 
 void ffp_placed_free(FfpCapture *placed) {
-    free(placed->views);
+    ffp_free(placed->views);
     *placed = (FfpCapture){0};
 }
 
@@ -125,7 +125,7 @@ static void fit_planes(const FfpCapture *capture, const FfpCapture *placed, int 
     for (size_t i = 0; i < pixels; i++)
         fit_plane(inverse, camera, (int)(i % (size_t)camera->width), (int)(i / (size_t)camera->width),
                   planes[i]);
-    free(depth), free(inverse);
+    ffp_free(depth), ffp_free(inverse);
 }
 
 // --- Points. ---
@@ -178,9 +178,9 @@ FfpClouds ffp_clouds_new(const FfpCapture *capture, int active, const FfpOutline
 }
 
 void ffp_clouds_free(FfpClouds *clouds) {
-    for (int v = 0; v < clouds->n; v++) free(clouds->planes[v]);
-    free(clouds->planes);
-    free(clouds->points);
+    for (int v = 0; v < clouds->n; v++) ffp_free(clouds->planes[v]);
+    ffp_free(clouds->planes);
+    ffp_free(clouds->points);
     *clouds = (FfpClouds){0};
 }
 

@@ -47,7 +47,7 @@ static bool fail_here(const Lines *lines, FfpError *err, const char *what) {
 static bool open_lines(Lines *lines, const char *path, FfpError *err) {
     size_t size = 0;
     *lines = (Lines){.path = path};
-    if (!ffp_read_file(path, FFP_DOCUMENT_BYTES_MAX, &lines->text, &size, err)) return false;
+    if (!ffp_read_text(path, FFP_DOCUMENT_BYTES_MAX, &lines->text, &size, err)) return false;
     lines->next = lines->text;
     return true;
 }
@@ -235,9 +235,9 @@ static bool distribute(FfpCalibration *calibration, const Colmap *colmap, const 
     for (int i = 0; i < colmap->n_images; i++)
         projectors += is_projector(colmap->images[i].name, projector_image);
     if (projectors != 1) {
-        return ffp_fail(err, path,
+        return ffp_fail(err, FFP_ERROR_FILE, path,
                         "%d images are called '%.60s': the projector must be one of COLMAP's images "
-                        "(--projector-image NAME)",
+                        "(projector_image)",
                         projectors, projector_image);
     }
     if (!ffp_start_stops(calibration, &file, colmap->n_images - 1, err)) return false;
@@ -264,18 +264,18 @@ bool ffp_read_colmap(FfpCalibration *calibration, const char *folder, const char
                      FfpError *err) {
     char cameras[FFP_PATH_MAX], images[FFP_PATH_MAX];
     if (!ffp_join_path(cameras, folder, "cameras.txt") || !ffp_join_path(images, folder, "images.txt"))
-        return ffp_fail(err, folder, "the path is too long");
+        return ffp_fail(err, FFP_ERROR_FILE, folder, "the path is too long");
     if (calibration->has_projector)
-        return ffp_fail(err, cameras, "the projector was given by another file already");
+        return ffp_fail(err, FFP_ERROR_FILE, cameras, "the projector was given by another file already");
     Lines camera_lines = {0}, image_lines = {0};
     Colmap colmap = {.cameras = ffp_alloc(CAMERAS_MAX, sizeof(ColmapCamera)),
                      .images = ffp_alloc(FFP_VIEWS_MAX + 1, sizeof(ColmapImage))};
     const bool ok = open_lines(&camera_lines, cameras, err) && read_cameras(&colmap, &camera_lines, err) &&
                     open_lines(&image_lines, images, err) && read_images(&colmap, &image_lines, err) &&
                     distribute(calibration, &colmap, images, projector_image, err);
-    free(camera_lines.text);
-    free(image_lines.text);
-    free(colmap.cameras);
-    free(colmap.images);
+    ffp_free(camera_lines.text);
+    ffp_free(image_lines.text);
+    ffp_free(colmap.cameras);
+    ffp_free(colmap.images);
     return ok;
 }

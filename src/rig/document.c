@@ -14,7 +14,7 @@ bool ffp_document_fail(const char *path, size_t line, FfpError *err, const char 
     vsnprintf(what, sizeof what, format, arguments);
     va_end(arguments);
     snprintf(place, sizeof place, "line %zu", line);
-    return ffp_fail(err, ffp_place(path, place).text, "%s", what);
+    return ffp_fail(err, FFP_ERROR_FILE, ffp_place(path, place).text, "%s", what);
 }
 
 json_t *ffp_document_scalar(const char *text, size_t length) {
@@ -40,21 +40,21 @@ bool ffp_document_open(FfpField *root, const char *path, FfpError *err) {
     *root = (FfpField){.file = path};
     char *text = NULL;
     size_t size = 0;
-    if (!ffp_read_file(path, FFP_DOCUMENT_BYTES_MAX, &text, &size, err)) return false;
-    const char *bom = "\xEF\xBB\xBF";
-    const size_t skipped = strncmp(text, bom, 3) == 0 ? 3 : 0;
-    char *body = text + skipped;
-    const char first = body[strspn(body, " \t\r\n")];
+    if (!ffp_read_text(path, FFP_DOCUMENT_BYTES_MAX, &text, &size, err)) return false;
+    const char first = text[strspn(text, " \t\r\n")];
     if (first == '{' || first == '[')
-        root->value = parse_json(body, size - skipped, path, err);
+        root->value = parse_json(text, size, path, err);
     else if (first == '<')
-        root->value = ffp_xml_parse(body, size - skipped, path, err);
+        root->value = ffp_xml_parse(text, size, path, err);
     else
-        root->value = ffp_yaml_parse(body, size - skipped, path, err);
-    free(text);
+        root->value = ffp_yaml_parse(text, size, path, err);
+    ffp_free(text);
     if (root->value == NULL) return false;
-    if (json_is_object(root->value) || json_is_array(root->value)) return true;
+    if (json_is_object(root->value) || json_is_array(root->value)) {
+        ffp_json_own(root->value);
+        return true;
+    }
     json_decref(root->value);
     root->value = NULL;
-    return ffp_fail(err, path, "holds no keys: is it a calibration in JSON, YAML or XML?");
+    return ffp_fail(err, FFP_ERROR_FILE, path, "holds no keys: is it a calibration in JSON, YAML or XML?");
 }

@@ -7,8 +7,8 @@
 #define FFP_DOCUMENT_BYTES_MAX ((size_t)32 << 20)
 #define FFP_DOCUMENT_DEPTH_MAX 64
 
-// Reads JSON, XML or YAML, told apart by the first character. The root is an object or an array; the caller
-// releases root->value with json_decref. Errors name the file and the line: broken text, nesting deeper than
+// Reads JSON, XML or YAML, told apart by the first character. The root is an object or an array; it is
+// released with ffp_field_close. Errors name the file and the line: broken text, nesting deeper than
 // FFP_DOCUMENT_DEPTH_MAX, one key twice in one map, YAML aliases and XML entities.
 // - YAML: plain scalars that are finite decimal numbers become numbers, all others texts. OpenCV's first line
 //   "%YAML:1.0" is understood; tags are passed over.

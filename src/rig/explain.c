@@ -138,8 +138,8 @@ static void add_view(const FfpCapture *capture, const FfpView *view, const FfpSu
         for (int k = 0; k < VARIANTS; k++) sums[k] += best[i][k];
     }
     *pixels += n;
-    free(samples);
-    free(best);
+    ffp_free(samples);
+    ffp_free(best);
 }
 
 FfpExplanation ffp_rig_explain(const FfpCapture *capture, int pattern) {

@@ -5,13 +5,14 @@
 #include <string.h>
 
 #include "base/arena.h"
+#include "base/call.h"
 #include "capture/reduce.h"
 #include "rig/cloud.h"
 #include "rig/outline.h"
 #include "rig/scan.h"
 #include "rig/small.h"
 
-#define PLACE "--fit-axis"
+#define PLACE "turntable.axis"
 #define SIDE_MAX 176      // pixels across of the pictures that colours are looked up in
 #define CANDIDATES 4      // axes that silhouettes leave
 #define SAME 0.998        // cosine between directions of one candidate
@@ -118,6 +119,7 @@ static int try_directions(const Search *search, Candidate kept[CANDIDATES]) {
         for (int i = 0; i < 3; i++) middle[i] += search->outlines.outlines[s].centroid[i];
     ffp_unit(middle);
     for (int k = 0; k < 12 * 5; k++) {
+        ffp_cancel_point();
         const double roll = 30 * (k % 12) * degree, pitch = 25 * (k / 12 - 2) * degree;
         Candidate start = {
             .axis = {.direction = {sin(roll) * cos(pitch), -cos(roll) * cos(pitch), sin(pitch)},
@@ -135,10 +137,10 @@ static bool check_outlines(const Search *search, const FfpAxis *axis, FfpError *
     const double median = ffp_axis_median(&term, axis, &there);
     if (there < FOUND * term.count * 0.5)
         return ffp_fail(
-            err, PLACE,
+            err, FFP_ERROR_FILE, PLACE,
             "too few silhouettes lie whole in the pictures, or they are empty: look at the masks");
     return median < OUTLINE_MAX * search->width ||
-           ffp_fail(err, PLACE,
+           ffp_fail(err, FFP_ERROR_FILE, PLACE,
                     "no axis makes the silhouettes agree (best: %.1f pixels apart): check the angles, the "
                     "order of the pictures and the masks",
                     median);
@@ -168,14 +170,14 @@ static bool find_distance(const Search *search, Candidate *candidates, int count
     while (chosen + 1 < count && !(candidates[chosen].scan.error <= LIKELY * least)) chosen++;
     *best = candidates[chosen];
     if (tried == 0)
-        return ffp_fail(err, PLACE,
+        return ffp_fail(err, FFP_ERROR_FILE, PLACE,
                         "the projector reaches the object at no distance: check R and T of the calibration, "
                         "and its sizes");
     if (best->scan.error > CHANCE_MAX * best->scan.chance)
-        return ffp_fail(err, PLACE,
+        return ffp_fail(err, FFP_ERROR_FILE, PLACE,
                         "the pattern does not tell how far away the object is (error %.3f, by chance %.3f): "
-                        "check the pattern's file and the angles; or measure the axis, and give it in "
-                        "--turntable",
+                        "check the pattern's file and the angles; or measure the axis, and give it "
+                        "with the angles",
                         sqrt(best->scan.error), sqrt(best->scan.chance));
     settle(search, &best->axis, best->scan.factor);
     return true;
@@ -227,12 +229,12 @@ static bool check_certain(const Search *search, const FfpAxis *axis, FfpAxisRepo
     report->tilt = fmax(sqrt((a + b) / 2 + hypot((a - b) / 2, c)) * 180 / acos(-1.0), probe(search, axis));
     report->shift = sqrt(fmax(covariance[10], covariance[15]));
     if (report->surface_points < POINTS_LEAST)
-        return ffp_fail(err, PLACE,
+        return ffp_fail(err, FFP_ERROR_FILE, PLACE,
                         "only %d points are seen and lit at two stops: turn the object by smaller angles, or "
                         "measure the axis",
                         report->surface_points);
     return (report->tilt < TILT_MAX && report->shift < SHIFT_MAX) ||
-           ffp_fail(err, PLACE,
+           ffp_fail(err, FFP_ERROR_FILE, PLACE,
                     "the pictures do not determine the axis (uncertain by %.2g degrees and %.2g %% of the "
                     "distance): the object looks nearly the same about many axes, or the views are too few. "
                     "Measure the axis, or fit it on an object with corners and import with what is found",
@@ -246,8 +248,8 @@ static bool check_angles(const double *angles, int n, FfpError *err) {
         for (int k = 0; k < i; k++) again = again || fabs(remainder(angles[i] - angles[k], 360)) < 1;
         different += !again;
     }
-    return different >= 3 ||
-           ffp_fail(err, PLACE, "at least three different angles are needed; there are %d", different);
+    return different >= 3 || ffp_fail(err, FFP_ERROR_FILE, PLACE,
+                                      "at least three different angles are needed; there are %d", different);
 }
 
 // Up in the picture, or along the guess.
@@ -296,6 +298,6 @@ bool ffp_fit_axis(FfpAxis *axis, FfpAxisReport *report, const FfpCapture *captur
     const bool ok = search_axis(&search, axis, report, guess, err);
     ffp_outlines_free(&search.outlines);
     ffp_capture_reduced_free(&small);
-    free(radians);
+    ffp_free(radians);
     return ok;
 }

@@ -19,7 +19,7 @@ typedef struct FfpAxisReport {
 // colours at several stops (scan.h), and surfaces turn into each other (cloud.h). The capture has coverage,
 // and pictures under black, white and `active`; its poses are not used. `p2c`: projector to camera. `angles`
 // [n_views]: degrees. `guess`: near the axis, or NULL. The axis found points up in the picture, or as the
-// guess does; its point is the one nearest to the object. Errors (where: `--fit-axis`): fewer than three
+// guess does; its point is the one nearest to the object. Errors (where: `turntable.axis`): fewer than three
 // different angles, silhouettes that no axis explains, patterns that tell no distance, an object that looks
 // the same about many axes.
 bool ffp_fit_axis(FfpAxis *axis, FfpAxisReport *report, const FfpCapture *capture, int active,

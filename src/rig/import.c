@@ -4,25 +4,23 @@
 #include <tgmath.h>
 #include <unistd.h>
 
+#include "rig/import.h"
 #include "base/file.h"
 #include "base/log.h"
 #include "capture/manifest.h"
 #include "rig/checks.h"
 #include "rig/fit_axis.h"
-#include "rig/lens.h"
 #include "rig/mask.h"
-#include "rig/pictures.h"
 #include "rig/response.h"
-#include "rig/turntable.h"
 
 #define CHANCE_MAX 0.75 // of what chance explains: more, and the pattern explains nothing
 
 typedef struct Import {
-    const FfpImport *options;
+    const FfpImportSettings *settings;
     FfpCalibration calibration;
     FfpShots shots;
     FfpCapture capture;
-    FfpResponse response; // with --fit-response
+    FfpResponse response; // where it is asked for
     int masks_made;       // by Otsu's method
     int64_t too_bright;   // values of pictures
 } Import;
@@ -30,50 +28,64 @@ typedef struct Import {
 // --- What is asked for. ---
 
 static bool keep_chosen_stops(Import *import, FfpError *err) {
-    const FfpImport *options = import->options;
+    const FfpImportSettings *settings = import->settings;
     FfpCalibration *calibration = &import->calibration;
-    if (options->n_views == 0) return true;
-    if (calibration->n_pictures > 0 && options->n_images == 0)
-        return ffp_fail(err, "--view",
-                        "the calibration names the pictures itself: give --images to choose among its views");
+    if (settings->n_views == 0) return true;
+    if (calibration->n_pictures > 0 && settings->sources.n_images == 0)
+        return ffp_fail(err, FFP_ERROR_ARGUMENT, "views",
+                        "the calibration names the pictures itself: name them to choose among its views");
     bool twice = false;
-    FfpStop *chosen = ffp_alloc((size_t)options->n_views, sizeof *chosen);
-    for (int i = 0; i < options->n_views; i++) {
+    FfpStop *chosen = ffp_alloc((size_t)settings->n_views, sizeof *chosen);
+    for (int i = 0; i < settings->n_views; i++) {
         int k = 0;
-        while (k < calibration->n_stops && strcmp(calibration->stops[k].id, options->views[i]) != 0) k++;
+        while (k < calibration->n_stops && strcmp(calibration->stops[k].id, settings->views[i]) != 0) k++;
         if (k == calibration->n_stops) {
-            free(chosen);
-            return ffp_fail(err, "--view", "the calibration has no view '%.96s'", options->views[i]);
+            ffp_free(chosen);
+            return ffp_fail(err, FFP_ERROR_ARGUMENT, "views", "the calibration has no view '%.96s'",
+                            settings->views[i]);
         }
         chosen[i] = calibration->stops[k];
         for (int j = 0; j < i; j++) twice = twice || strcmp(chosen[j].id, chosen[i].id) == 0;
     }
     if (twice) {
-        free(chosen);
-        return ffp_fail(err, "--view", "a view is asked for twice");
+        ffp_free(chosen);
+        return ffp_fail(err, FFP_ERROR_ARGUMENT, "views", "a view is asked for twice");
     }
-    free(calibration->stops);
+    ffp_free(calibration->stops);
     calibration->stops = chosen;
-    calibration->n_stops = options->n_views;
+    calibration->n_stops = settings->n_views;
     return true;
 }
 
+// An axis that is to be found is only where the stops' poses are until then.
+static bool read_turntable(const FfpImportSettings *settings, FfpTurntable *turntable, FfpError *err) {
+    const bool known = settings->axis == FFP_AXIS_KNOWN;
+    if (settings->turntable_file != NULL) {
+        return known ? ffp_turntable_read(turntable, settings->turntable_file, err)
+                     : ffp_turntable_read_angles(turntable, settings->turntable_file, err);
+    }
+    const FfpTurntable unknown = ffp_turntable_unknown();
+    *turntable = settings->turntable != NULL ? *settings->turntable : unknown;
+    if (!known) {
+        memcpy(turntable->axis, unknown.axis, sizeof turntable->axis);
+        memcpy(turntable->point, unknown.point, sizeof turntable->point);
+    }
+    return ffp_turntable_check_angles(turntable, err) && ffp_turntable_check_axis(turntable, err);
+}
+
 static bool read_rig(Import *import, FfpError *err) {
-    const FfpImport *options = import->options;
+    const FfpImportSettings *settings = import->settings;
     FfpCalibration *calibration = &import->calibration;
-    const char *projector = options->projector_image != NULL ? options->projector_image : "calib";
-    if (options->n_views > FFP_VIEWS_MAX) return ffp_fail(err, "--view", "more than %d views", FFP_VIEWS_MAX);
-    if (!ffp_calibration_read(calibration, options->calibrations, options->n_calibrations, projector, err))
+    const char *projector = settings->projector_image != NULL ? settings->projector_image : "calib";
+    if (settings->n_views > FFP_VIEWS_MAX)
+        return ffp_fail(err, FFP_ERROR_ARGUMENT, "views", "more than %d views", FFP_VIEWS_MAX);
+    if (!ffp_calibration_read(calibration, settings->calibrations, settings->n_calibrations, projector, err))
         return false;
-    if (options->fit_axis != NULL && options->turntable == NULL)
-        return ffp_fail(err, "--fit-axis", "give the angles by which the object turned: --turntable 8x45");
-    if (options->turntable != NULL) {
+    if (settings->turntable_file != NULL || settings->turntable != NULL || settings->axis != FFP_AXIS_KNOWN) {
         FfpTurntable *turntable = ffp_alloc(1, sizeof *turntable);
         const bool ok =
-            (options->fit_axis != NULL ? ffp_turntable_read_angles(turntable, options->turntable, err)
-                                       : ffp_turntable_read(turntable, options->turntable, err)) &&
-            ffp_turntable_apply(turntable, calibration, err);
-        free(turntable);
+            read_turntable(settings, turntable, err) && ffp_turntable_apply(turntable, calibration, err);
+        ffp_free(turntable);
         if (!ok) return false;
     } else if (calibration->n_stops == 0 && !ffp_single_stop(calibration, err)) {
         return false;
@@ -85,15 +97,16 @@ static bool read_rig(Import *import, FfpError *err) {
 
 static bool settle_projector(Import *import, FfpCamera *pinhole, FfpError *err) {
     FfpOptics *optics = &import->calibration.projector;
-    const FfpCalibratedAt *at = &import->options->projector;
+    const FfpPictureSize *at = &import->settings->projector;
     int width = 0, height = 0;
     const char *path = NULL;
     for (int i = 0; i < import->shots.n_patterns && path == NULL; i++) path = import->shots.patterns[i].file;
     if (path == NULL)
-        return ffp_fail(err, "--pattern", "no pattern besides black and white: nothing could be matched");
+        return ffp_fail(err, FFP_ERROR_ARGUMENT, "patterns",
+                        "no pattern besides black and white: nothing could be matched");
     if (!ffp_image_read_size(&width, &height, path, err)) return false;
     if (width < FFP_PATTERN_SIDE_MIN || height < FFP_PATTERN_SIDE_MIN)
-        return ffp_fail(err, path, "a pattern of %d x %d pixels is too small", width, height);
+        return ffp_fail(err, FFP_ERROR_FILE, path, "a pattern of %d x %d pixels is too small", width, height);
     // nepmap's matrices are those of the pictures that lie with them.
     if (import->calibration.n_pictures > 0 && optics->width == 0 && at->width == 0)
         optics->width = width, optics->height = height;
@@ -107,7 +120,7 @@ static bool settle_projector(Import *import, FfpCamera *pinhole, FfpError *err) 
 
 static bool settle_camera(Import *import, int stop, FfpError *err) {
     FfpOptics *optics = &import->calibration.stops[stop].camera;
-    const FfpCalibratedAt *at = &import->options->camera;
+    const FfpPictureSize *at = &import->settings->camera;
     const char *path = import->shots.pictures[stop * FFP_PATTERNS_MAX + import->shots.white];
     int width = 0, height = 0;
     if (!ffp_image_read_size(&width, &height, path, err)) return false;
@@ -117,11 +130,12 @@ static bool settle_camera(Import *import, int stop, FfpError *err) {
         !ffp_optics_check(optics, "camera", err)) {
         return false;
     }
-    ffp_optics_pinhole(optics, import->options->width, &import->capture.views[stop].camera);
+    ffp_optics_pinhole(optics, import->settings->width, &import->capture.views[stop].camera);
     const FfpCamera *camera = &import->capture.views[stop].camera;
     return (camera->width >= FFP_CAMERA_SIDE_MIN && camera->height >= FFP_CAMERA_SIDE_MIN &&
             camera->height <= FFP_IMAGE_SIDE_MAX) ||
-           ffp_fail(err, "--width", "pictures of %d x %d pixels", camera->width, camera->height);
+           ffp_fail(err, FFP_ERROR_ARGUMENT, "width", "pictures of %d x %d pixels", camera->width,
+                    camera->height);
 }
 
 static void take_poses(Import *import) {
@@ -164,7 +178,7 @@ static bool check_memory(const Import *import, FfpError *err) {
     }
     const double needed = values * sizeof(real),
                  there = (double)sysconf(_SC_PHYS_PAGES) * (double)sysconf(_SC_PAGESIZE);
-    return needed < there || ffp_fail(err, "--width",
+    return needed < there || ffp_fail(err, FFP_ERROR_MEMORY, "width",
                                       "the pictures need %.0f GB of memory; this machine has %.0f: make "
                                       "them narrower",
                                       needed / 1e9, there / 1e9);
@@ -176,25 +190,13 @@ static bool check_size(const char *path, const FfpOptics *optics, FfpError *err)
     int width = 0, height = 0;
     if (!ffp_image_read_size(&width, &height, path, err)) return false;
     return (width == optics->width && height == optics->height) ||
-           ffp_fail(err, path, "image is %d x %d, the others have %d x %d", width, height, optics->width,
-                    optics->height);
+           ffp_fail(err, FFP_ERROR_FILE, path, "image is %d x %d, the others have %d x %d", width, height,
+                    optics->width, optics->height);
 }
 
-static bool is_exr(const char *path) {
-    static const unsigned char magic[4] = {0x76, 0x2f, 0x31, 0x01};
-    unsigned char head[4] = {0};
-    FILE *file = fopen(path, "rb");
-    const bool read = file != NULL && fread(head, 1, sizeof head, file) == sizeof head;
-    if (file != NULL) fclose(file);
-    return read && memcmp(head, magic, sizeof magic) == 0;
-}
-
-// A picture as the reader gives it, decoded as sRGB, but for files that hold linear light: those back as they
-// were.
+// A picture as linear light; `linear`: its numbers are that already, and not sRGB.
 static bool read_light(FfpImage *rgb, FfpImage *alpha, const char *path, bool linear, FfpError *err) {
-    if (!ffp_image_read_over_black(rgb, alpha, path, err)) return false;
-    if (linear && !is_exr(path)) ffp_image_to_srgb(rgb);
-    return true;
+    return (linear ? ffp_image_read_light : ffp_image_read_over_black)(rgb, alpha, path, err);
 }
 
 static bool load_pattern(Import *import, int index, FfpError *err) {
@@ -207,7 +209,7 @@ static bool load_pattern(Import *import, int index, FfpError *err) {
     pattern->novel = shot->novel;
     if (shot->file != NULL) {
         if (!check_size(shot->file, optics, err) ||
-            !read_light(&raw, NULL, shot->file, import->options->linear_patterns, err))
+            !read_light(&raw, NULL, shot->file, import->settings->linear_patterns, err))
             return false;
     } else {
         raw = ffp_image_new(optics->width, optics->height, 3);
@@ -221,7 +223,7 @@ static bool load_pattern(Import *import, int index, FfpError *err) {
 
 // Exposure of linear values; what then exceeds 1 is cut off when the capture is written, and counted.
 static void expose(Import *import, FfpImage *image) {
-    const real factor = (real)exp2(import->options->exposure);
+    const real factor = (real)exp2(import->settings->exposure);
     const ptrdiff_t count = (ptrdiff_t)image->width * image->height * 3;
     for (ptrdiff_t i = 0; i < count; i++) {
         image->data[i] *= factor;
@@ -245,7 +247,7 @@ static bool load_picture(Import *import, int stop, int pattern, FfpImage *alpha,
     FfpView *view = &import->capture.views[stop];
     FfpImage raw = {0}, raw_alpha = {0};
     if (!check_size(path, optics, err) ||
-        !read_light(&raw, &raw_alpha, path, import->options->linear_images, err))
+        !read_light(&raw, &raw_alpha, path, import->settings->linear_images, err))
         return false;
     expose(import, &raw);
     view->images[pattern] = ffp_optics_rectify(optics, &view->camera, &raw);
@@ -284,8 +286,8 @@ static void apply_mask(const FfpImage *mask, FfpImage *image) {
 static bool cover(Import *import, int stop, const FfpImage *alphas, FfpError *err) {
     const FfpShots *shots = &import->shots;
     FfpView *view = &import->capture.views[stop];
-    const bool by_alpha =
-        shots->masks == NULL && import->options->mask == NULL && alphas[shots->white].data != NULL;
+    const bool by_alpha = shots->masks == NULL && import->settings->sources.mask == FFP_MASKS_ALPHA &&
+                          alphas[shots->white].data != NULL;
     if (shots->masks != NULL) {
         if (!load_mask(import, stop, err)) return false;
     } else if (by_alpha) {
@@ -316,7 +318,7 @@ static bool load_view(Import *import, int stop, FfpError *err) {
     }
     ok = ok && cover(import, stop, alphas, err);
     for (int p = 0; p < n; p++) ffp_image_free(&alphas[p]);
-    free(alphas);
+    ffp_free(alphas);
     return ok;
 }
 
@@ -328,24 +330,24 @@ static bool load_pixels(Import *import, FfpError *err) {
     for (int p = 0; p < capture->n_patterns; p++) {
         if (!load_pattern(import, p, err)) return false;
     }
-    FfpProgress progress = ffp_progress("importing", capture->n_views);
+    FfpTask progress = ffp_task("importing", capture->n_views);
     bool ok = true;
     for (int v = 0; v < capture->n_views && ok; v++) {
         ok = load_view(import, v, err);
-        if (ok) ffp_progress_step(&progress, v + 1, capture->views[v].id);
+        if (ok) ffp_task_step(&progress, v + 1, capture->views[v].id);
     }
-    ffp_progress_end(&progress);
+    ffp_task_end(&progress);
     if (ok && import->masks_made > 0)
         ffp_note(
             "%d masks were made from white minus black (Otsu): what the projector does not reach is left "
-            "out; look at them, and give --mask FILES if they are wrong",
+            "out; look at them, and give files of masks if they are wrong",
             import->masks_made);
     return ok;
 }
 
 // --- The projector's response from the pictures. ---
 
-static void tell_response(const FfpResponse *r, double before, double after) {
+static void log_response(const FfpResponse *r, double before, double after) {
     ffp_note(
         "projector gamma %.3f %.3f %.3f (+- %.2g %.2g %.2g), from %d pixels; pattern lookup %.1f dB, before "
         "%.1f",
@@ -359,8 +361,8 @@ static void tell_response(const FfpResponse *r, double before, double after) {
 // Patterns become the light that the projector made of them.
 static bool find_response(Import *import, FfpError *err) {
     FfpCapture *capture = &import->capture;
-    const bool linear = import->options->linear_patterns;
-    if (!import->options->fit_response) return true;
+    const bool linear = import->settings->linear_patterns;
+    if (!import->settings->fit_response) return true;
     const int active = ffp_capture_active_pattern(capture, NULL, err);
     if (active < 0 || !ffp_fit_response(&import->response, capture, active, linear, err)) return false;
     const double before = ffp_rig_explain(capture, active).error;
@@ -372,10 +374,10 @@ static bool find_response(Import *import, FfpError *err) {
     capture->intensity_known = true;
     const FfpExplanation found = ffp_rig_explain(capture, active);
     if (!(found.error < CHANCE_MAX * found.chance))
-        return ffp_fail(err, "--fit-response",
+        return ffp_fail(err, FFP_ERROR_FILE, "fit_response",
                         "with the best response the pattern explains the pictures hardly better than chance: "
                         "check poses and the pattern's file");
-    tell_response(&import->response, before, found.error);
+    log_response(&import->response, before, found.error);
     return true;
 }
 
@@ -385,17 +387,18 @@ static bool keep_response(const char *folder, void *context, FfpError *err) {
     char path[FFP_PATH_MAX];
     FfpField root;
     const FfpResponse *r = &import->response;
-    if (!import->options->fit_response) return true;
-    if (!ffp_join_path(path, folder, "scene.json")) return ffp_fail(err, folder, "the path is too long");
+    if (!import->settings->fit_response) return true;
+    if (!ffp_join_path(path, folder, "scene.json"))
+        return ffp_fail(err, FFP_ERROR_FILE, folder, "the path is too long");
     if (!ffp_field_open(&root, path, err)) return false;
     json_t *response =
         json_pack("{s:[f,f,f], s:[f,f,f], s:b}", "gamma", r->gamma[0], r->gamma[1], r->gamma[2],
                   "black_level", r->black[0], r->black[1], r->black[2], "black_level_known", r->black_known);
     json_object_set_new(json_object_get(root.value, "projector"), "response", response);
     char *text = json_dumps(root.value, JSON_INDENT(1) | JSON_REAL_PRECISION(9));
-    json_decref(root.value);
+    ffp_field_close(&root);
     const bool ok = text != NULL ? ffp_write_file(path, text, strlen(text), err)
-                                 : ffp_fail(err, path, "cannot write the JSON");
+                                 : ffp_fail(err, FFP_ERROR_IO, path, "cannot write the JSON");
     free(text);
     return ok;
 }
@@ -404,13 +407,13 @@ static bool keep_response(const char *folder, void *context, FfpError *err) {
 
 #define MISFIT_MAX 0.1 // of the object's pixels, which an axis that is right leaves unexplained by the others
 
-static bool guess_axis(const Import *import, FfpAxis *guess, FfpError *err) {
-    FfpTurntable *turntable = ffp_alloc(1, sizeof *turntable);
-    const bool ok = ffp_turntable_read_axis(turntable, import->options->fit_axis, "--fit-axis", err);
-    memcpy(guess->direction, turntable->axis, sizeof guess->direction);
-    memcpy(guess->point, turntable->point, sizeof guess->point);
-    free(turntable);
-    return ok;
+static FfpAxis guess_of(const FfpImportSettings *settings) {
+    FfpAxis guess;
+    FfpTurntable turntable = *settings->turntable; // its direction brought to length 1
+    ffp_turntable_check_axis(&turntable, NULL);
+    memcpy(guess.direction, turntable.axis, sizeof guess.direction);
+    memcpy(guess.point, turntable.point, sizeof guess.point);
+    return guess;
 }
 
 static void place_stops(Import *import, const FfpAxis *axis, bool reversed) {
@@ -418,20 +421,20 @@ static void place_stops(Import *import, const FfpAxis *axis, bool reversed) {
     memcpy(turntable->axis, axis->direction, sizeof turntable->axis);
     memcpy(turntable->point, axis->point, sizeof turntable->point);
     ffp_turntable_place(turntable, reversed, &import->calibration);
-    free(turntable);
+    ffp_free(turntable);
     take_poses(import);
 }
 
 // What the whole capture says about the axis found, to the user; refuses one that explains it badly.
-static bool judge_axis(Import *import, const FfpAxis *axis, const FfpAxisReport *report, int active,
-                       FfpError *err) {
+static bool accept_axis(Import *import, const FfpAxis *axis, const FfpAxisReport *report, int active,
+                        FfpError *err) {
     FfpCapture *capture = &import->capture;
     ffp_capture_estimate_bounds(capture);
     const double misfit = ffp_rig_silhouette_misfit(capture);
     const FfpExplanation found = ffp_rig_explain(capture, active);
-    ffp_note("axis found: --turntable %.6g,%.6g,%.6g,%.6g,%.6g,%.6g,ANGLES%s", axis->direction[0],
+    ffp_note("axis found: direction and point %.6g,%.6g,%.6g,%.6g,%.6g,%.6g%s", axis->direction[0],
              axis->direction[1], axis->direction[2], axis->point[0], axis->point[1], axis->point[2],
-             report->reversed ? " with the angles' signs changed: the object turned the other way" : "");
+             report->reversed ? ", with the angles' signs changed: the object turned the other way" : "");
     ffp_note("  uncertain by %.2g degrees and %.2g %% of the distance; silhouettes agree within %.2f pixels "
              "(overlap with the visual hull %.1f %%), surfaces of neighbouring stops within %.2f %% of the "
              "distance (%d points)",
@@ -440,41 +443,43 @@ static bool judge_axis(Import *import, const FfpAxis *axis, const FfpAxisReport 
     ffp_note("  pattern lookup %.1f dB (by chance %.1f)", -20 * log10(found.error),
              -20 * log10(found.chance));
     if (misfit > MISFIT_MAX)
-        return ffp_fail(err, "--fit-axis",
+        return ffp_fail(err, FFP_ERROR_FILE, "turntable.axis",
                         "with the best axis %.0f %% of the object's pixels contradict the other views' "
                         "silhouettes: check angles, order of pictures and masks",
                         100 * misfit);
     return (found.pixels > 0 && found.error < CHANCE_MAX * found.chance) ||
            ffp_fail(
-               err, "--fit-axis",
+               err, FFP_ERROR_FILE, "turntable.axis",
                "with the best axis the pattern explains the pictures hardly better than chance: check the "
                "pattern's file and the calibration");
 }
 
 static bool find_axis(Import *import, FfpError *err) {
     const FfpCapture *capture = &import->capture;
-    if (import->options->fit_axis == NULL) return true;
-    const bool guessed = import->options->fit_axis[0] != 0;
+    if (import->settings->axis == FFP_AXIS_KNOWN) return true;
+    const bool guessed = import->settings->axis == FFP_AXIS_GUESSED;
     const int active = ffp_capture_active_pattern(capture, NULL, err);
     FfpAxis axis, guess;
     FfpAxisReport report;
     double angles[FFP_VIEWS_MAX];
-    if (active < 0 || (guessed && !guess_axis(import, &guess, err))) return false;
+    if (active < 0) return false;
+    if (guessed) guess = guess_of(import->settings);
     for (int v = 0; v < capture->n_views; v++) angles[v] = import->calibration.stops[v].angle;
     if (!ffp_fit_axis(&axis, &report, capture, active, import->calibration.p2c, angles,
                       guessed ? &guess : NULL, err))
         return false;
     place_stops(import, &axis, report.reversed);
-    return judge_axis(import, &axis, &report, active, err);
+    return accept_axis(import, &axis, &report, active, err);
 }
 
 static bool settle_object(Import *import, FfpError *err) {
     FfpCapture *capture = &import->capture;
-    const double *object = import->options->object;
+    const double *object = import->settings->object;
     ffp_capture_estimate_bounds(capture);
     if (!(object[3] > 0)) return true;
     for (int i = 0; i < 4; i++) {
-        if (!(fabs(object[i]) < 1e9)) return ffp_fail(err, "--object", "%g is too large", object[i]);
+        if (!(fabs(object[i]) < 1e9))
+            return ffp_fail(err, FFP_ERROR_ARGUMENT, "object", "%g is too large", object[i]);
     }
     for (int i = 0; i < 3; i++) capture->centre[i] = (real)object[i];
     capture->radius = (real)object[3];
@@ -483,32 +488,43 @@ static bool settle_object(Import *import, FfpError *err) {
 
 static bool name_capture(Import *import, FfpError *err) {
     char folder[FFP_PATH_MAX];
-    const char *name = import->options->name;
-    size_t length = strlen(import->options->folder);
-    if (length == 0 || length >= sizeof folder) return ffp_fail(err, "--output", "not a path for a folder");
-    memcpy(folder, import->options->folder, length + 1);
+    const char *name = import->settings->name;
+    size_t length = strlen(import->settings->folder);
+    if (length == 0 || length >= sizeof folder)
+        return ffp_fail(err, FFP_ERROR_ARGUMENT, "folder", "not a path for a folder");
+    memcpy(folder, import->settings->folder, length + 1);
     while (length > 1 && folder[length - 1] == '/') folder[--length] = 0;
-    if (name != NULL && !ffp_is_name(name)) return ffp_fail(err, "--name", "'%.100s' is no name", name);
+    if (name != NULL && !ffp_is_name(name))
+        return ffp_fail(err, FFP_ERROR_ARGUMENT, "name", "'%.100s' is no name", name);
     if (name == NULL) name = ffp_is_name(ffp_basename(folder)) ? ffp_basename(folder) : "capture";
     snprintf(import->capture.name, sizeof import->capture.name, "%s", name);
     return ffp_capture_probe(folder, err);
 }
 
-static bool run(Import *import, FfpError *err) {
-    return name_capture(import, err) && read_rig(import, err) &&
-           ffp_shots_find(&import->shots, import->options, &import->calibration, err) &&
-           settle_views(import, err) && check_memory(import, err) && load_pixels(import, err) &&
-           find_axis(import, err) && settle_object(import, err) && find_response(import, err) &&
-           ffp_capture_write_whole(&import->capture, import->options->folder, keep_response, import, err);
+static bool check_settings(const FfpImportSettings *settings, FfpError *err) {
+    if (settings->folder == NULL) return ffp_fail(err, FFP_ERROR_ARGUMENT, "folder", "none is given");
+    if (settings->axis != FFP_AXIS_GUESSED) return true;
+    if (settings->turntable == NULL)
+        return ffp_fail(err, FFP_ERROR_ARGUMENT, "turntable", "there is no axis to begin at");
+    FfpTurntable turntable = *settings->turntable;
+    return ffp_turntable_check_axis(&turntable, err);
 }
 
-bool ffp_import_capture(const FfpImport *options, FfpError *err) {
+static bool run(Import *import, FfpError *err) {
+    return check_settings(import->settings, err) && name_capture(import, err) && read_rig(import, err) &&
+           ffp_shots_find(&import->shots, &import->settings->sources, &import->calibration, err) &&
+           settle_views(import, err) && check_memory(import, err) && load_pixels(import, err) &&
+           find_axis(import, err) && settle_object(import, err) && find_response(import, err) &&
+           ffp_capture_write_whole(&import->capture, import->settings->folder, keep_response, import, err);
+}
+
+bool ffp_import(const FfpImportSettings *settings, FfpError *err) {
     Import *import = ffp_alloc(1, sizeof *import);
-    import->options = options;
+    import->settings = settings;
     const bool ok = run(import, err);
     ffp_capture_free(&import->capture);
     ffp_shots_free(&import->shots);
     ffp_calibration_free(&import->calibration);
-    free(import);
+    ffp_free(import);
     return ok;
 }

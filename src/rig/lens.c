@@ -27,7 +27,7 @@ static bool settle_scaled(FfpOptics *optics, int width, int height, const char *
                           FfpError *err) {
     const double x = (double)width / optics->width, y = (double)height / optics->height;
     if (fabs(x / y - 1) > ASPECT_TOLERANCE) {
-        return ffp_fail(err, path,
+        return ffp_fail(err, FFP_ERROR_FILE, path,
                         "%d x %d pixels are no scaled picture of the %d x %d that the %s was "
                         "calibrated at: the sides' ratio differs",
                         width, height, optics->width, optics->height, what);
@@ -36,11 +36,11 @@ static bool settle_scaled(FfpOptics *optics, int width, int height, const char *
     return true;
 }
 
-static bool settle_cropped(FfpOptics *optics, const FfpCalibratedAt *at, int width, int height,
+static bool settle_cropped(FfpOptics *optics, const FfpPictureSize *at, int width, int height,
                            const char *what, const char *path, FfpError *err) {
     if (at->left < 0 || at->top < 0 || at->left > optics->width - width ||
         at->top > optics->height - height) {
-        return ffp_fail(err, path,
+        return ffp_fail(err, FFP_ERROR_FILE, path,
                         "%d x %d pixels from %d,%d on do not lie within the %d x %d that the %s was "
                         "calibrated at",
                         width, height, at->left, at->top, optics->width, optics->height, what);
@@ -49,26 +49,26 @@ static bool settle_cropped(FfpOptics *optics, const FfpCalibratedAt *at, int wid
     return true;
 }
 
-bool ffp_optics_settle(FfpOptics *optics, const FfpCalibratedAt *at, int width, int height, const char *what,
+bool ffp_optics_settle(FfpOptics *optics, const FfpPictureSize *at, int width, int height, const char *what,
                        const char *path, FfpError *err) {
-    char option[32];
-    snprintf(option, sizeof option, "--%s-size", what);
-    const FfpField place = {.file = option};
+    char setting[32];
+    snprintf(setting, sizeof setting, "%s.width", what);
+    const FfpField place = {.file = setting};
     if (at->width > 0 && !ffp_settle_size(optics, &place, at->width, at->height, err)) return false;
     if (optics->width == 0) {
-        return ffp_fail(err, option,
+        return ffp_fail(err, FFP_ERROR_ARGUMENT, setting,
                         "the calibration does not say at how many pixels its %s was calibrated: "
-                        "say it with --%s-size WxH",
-                        what, what);
+                        "give that size",
+                        what);
     }
-    if (at->fit == FFP_FIT_SCALED) {
+    if (at->fit == FFP_PICTURES_SCALED) {
         if (!settle_scaled(optics, width, height, what, path, err)) return false;
-    } else if (at->fit == FFP_FIT_CROPPED) {
+    } else if (at->fit == FFP_PICTURES_CROPPED) {
         if (!settle_cropped(optics, at, width, height, what, path, err)) return false;
     } else if (width != optics->width || height != optics->height) {
-        return ffp_fail(err, path,
+        return ffp_fail(err, FFP_ERROR_FILE, path,
                         "%d x %d pixels, but the %s was calibrated at %d x %d: if pictures were scaled "
-                        "or cut since, say so with --%s-fit",
+                        "or cut since, say so (%s.fit)",
                         width, height, what, optics->width, optics->height, what);
     }
     optics->width = width, optics->height = height;
@@ -94,7 +94,7 @@ bool ffp_optics_check(const FfpOptics *optics, const char *what, FfpError *err) 
             const double x = ((double)optics->width * j / GRID - optics->cx) / optics->fx;
             const double y = ((double)optics->height * i / GRID - optics->cy) / optics->fy;
             if (!keeps_order(optics->lens, x, y)) {
-                return ffp_fail(err, what,
+                return ffp_fail(err, FFP_ERROR_FILE, what,
                                 "the lens distortion folds the picture over itself at pixel %.0f, %.0f: "
                                 "its coefficients do not hold there; calibrate with points up to "
                                 "the corners, or with fewer coefficients",

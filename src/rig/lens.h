@@ -11,10 +11,17 @@
 void ffp_lens_distort(const double lens[5], double x, double y, double *distorted_x, double *distorted_y);
 bool ffp_lens_is_ideal(const double lens[5]);
 
-// The device's pixels at the size its pictures have. `at` says how they came from the calibrated size: the
-// same, scaled, or cut out; `at`'s width and height stand in where the calibration tells none. `what`
-// ("camera", "projector") and `option` are for errors; `path` is a picture of that size.
-bool ffp_optics_settle(FfpOptics *optics, const FfpCalibratedAt *at, int width, int height, const char *what,
+// How a device's pictures came from the size that it was calibrated at.
+typedef enum FfpPictureFit { FFP_PICTURES_SAME, FFP_PICTURES_SCALED, FFP_PICTURES_CROPPED } FfpPictureFit;
+typedef struct FfpPictureSize {
+    int width, height; // pixels at calibration, where its files do not say them; 0: they do
+    FfpPictureFit fit;
+    int left, top; // cropped: pixels cut off
+} FfpPictureSize;
+
+// The device's pixels at the size its pictures have. `what` ("camera", "projector") is for errors; `path` is
+// a picture of that size.
+bool ffp_optics_settle(FfpOptics *optics, const FfpPictureSize *at, int width, int height, const char *what,
                        const char *path, FfpError *err);
 // Refuses a lens that folds the picture over itself anywhere inside it (coefficients that were fitted to its
 // middle only, or are wrong).

@@ -129,10 +129,10 @@ static void tidy(FfpImage *mask) {
     for (ptrdiff_t i = 0; i < pixels; i++) {
         if (labels[i] > 0 && sizes[labels[i]] * PIECE_LEAST < largest) mask->data[i] = 0;
     }
-    free(labels);
-    free(stack);
-    free(sizes);
-    free(open);
+    ffp_free(labels);
+    ffp_free(stack);
+    ffp_free(sizes);
+    ffp_free(open);
 }
 
 bool ffp_mask_otsu(FfpImage *mask, const FfpImage *black, const FfpImage *white, double *threshold,
@@ -142,7 +142,8 @@ bool ffp_mask_otsu(FfpImage *mask, const FfpImage *black, const FfpImage *white,
     ffp_image_free(&added);
     if (first == 0) {
         ffp_image_free(&even);
-        return ffp_fail(err, where, "white brightens nothing against black: no mask can be made of them");
+        return ffp_fail(err, FFP_ERROR_FILE, where,
+                        "white brightens nothing against black: no mask can be made of them");
     }
     const ptrdiff_t pixels = (ptrdiff_t)even.width * even.height;
     for (ptrdiff_t i = 0; i < pixels; i++) even.data[i] = (int)(even.data[i] * (BINS - 1) + 0.5F) >= first;

@@ -137,6 +137,6 @@ bool ffp_read_nepmap(FfpCalibration *calibration, const FfpField *root, FfpError
     ffp_place_projector(calibration, p2w);
     calibration->has_projector = true;
     if (!ffp_join_path(calibration->pattern_folder, folder, "projector"))
-        return ffp_fail(err, folder, "the path is too long");
+        return ffp_fail(err, FFP_ERROR_FILE, folder, "the path is too long");
     return true;
 }

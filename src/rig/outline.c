@@ -44,7 +44,7 @@ static int hull(Crossing *points, int n) {
     }
     count = count > 0 ? count : n;
     memcpy(points, out, (size_t)count * sizeof *points);
-    free(out);
+    ffp_free(out);
     return count;
 }
 
@@ -101,13 +101,13 @@ FfpOutline ffp_outline_new(const FfpImage *coverage, const FfpCamera *camera) {
         out.cut[i] = points[i].cut;
     }
     find_centroid(coverage, camera, out.centroid);
-    free(points);
+    ffp_free(points);
     return out;
 }
 
 void ffp_outline_free(FfpOutline *outline) {
-    free(outline->rays);
-    free(outline->cut);
+    ffp_free(outline->rays);
+    ffp_free(outline->cut);
     *outline = (FfpOutline){0};
 }
 
@@ -120,7 +120,7 @@ FfpOutlines ffp_outlines_new(const FfpCapture *capture, const double *angles) {
         out.outlines[i] = ffp_outline_new(&capture->views[i].coverage, &capture->views[i].camera);
     out.focal = (double)(capture->views[0].camera.fx + capture->views[0].camera.fy) / 2;
     const int all = out.n * (out.n - 1) / 2, step = all / PAIRS_MAX + 1;
-    out.pairs = ffp_alloc((size_t)(all / step + 1), sizeof *out.pairs);
+    out.pairs = ffp_alloc((size_t)all / (size_t)step + 1, sizeof *out.pairs);
     int seen = 0;
     for (int i = 0; i < out.n; i++) {
         for (int j = i + 1; j < out.n; j++) {
@@ -133,8 +133,8 @@ FfpOutlines ffp_outlines_new(const FfpCapture *capture, const double *angles) {
 
 void ffp_outlines_free(FfpOutlines *outlines) {
     for (int i = 0; i < outlines->n; i++) ffp_outline_free(&outlines->outlines[i]);
-    free(outlines->outlines);
-    free(outlines->pairs);
+    ffp_free(outlines->outlines);
+    ffp_free(outlines->pairs);
     *outlines = (FfpOutlines){0};
 }
 

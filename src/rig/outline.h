@@ -34,9 +34,9 @@ void ffp_outlines_free(FfpOutlines *outlines);
 // Nearest stop on one side (1 or -1) of a view, at least `apart` radians from it; -1: none.
 int ffp_next_stop(const FfpOutlines *outlines, int view, int side, double apart);
 
-// Two residuals a pair, in pixels: how far the tangent plane of one silhouette passes by the other. None
-// where the line between the cameras meets the object, or the picture cuts the silhouette there.
-void ffp_outline_residuals(const void *outlines, const FfpAxis *axis, double *residuals);
+// Two residuals a pair of the outlines, in pixels: how far the tangent plane of one silhouette passes by the
+// other. None where the line between the cameras meets the object, or the picture cuts the silhouette there.
+void ffp_outline_residuals(const void *context, const FfpAxis *axis, double *residuals);
 
 // The object's middle and radius when it stands at angle 0, from the centroids' and outlines' rays.
 void ffp_outline_sphere(const FfpOutlines *outlines, const FfpAxis *axis, double centre[3], double *radius);

@@ -5,9 +5,13 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/call.h"
 #include "base/file.h"
 
-#define IMAGES "--images"
+// Settings, for errors.
+#define IMAGES "images"
+#define PATTERNS "patterns"
+#define HELD_OUT "held_out"
 
 // --- Names in order. ---
 
@@ -73,12 +77,13 @@ static bool expand(const char *template, const Blanks *blanks, char path[FFP_PAT
         char text[FFP_NAME_MAX + 16] = {*at, 0};
         const char *end = *at == '{' ? strchr(at, '}') : NULL;
         if (*at == '{' && (end == NULL || !fill_blank(blanks, at + 1, (size_t)(end - at - 1), text))) {
-            return ffp_fail(err, template,
+            return ffp_fail(err, FFP_ERROR_FILE, template,
                             "%.20s: the placeholders are {view}, {pattern}, {index}, {number}, {number:3}",
                             at);
         }
         const size_t n = strlen(text);
-        if (length + n >= FFP_PATH_MAX) return ffp_fail(err, template, "the path is too long");
+        if (length + n >= FFP_PATH_MAX)
+            return ffp_fail(err, FFP_ERROR_FILE, template, "the path is too long");
         memcpy(path + length, text, n);
         length += n;
         at = end != NULL ? end + 1 : at + 1;
@@ -91,7 +96,7 @@ static bool is_glob(const char *text) {
     return strpbrk(text, "*?[") != NULL;
 }
 
-// --- One --images option: "NAME[,NAME..]=TEMPLATE". ---
+// --- Photographs under some patterns. ---
 
 typedef struct Group {
     int patterns[FFP_PATTERNS_MAX], count;
@@ -103,14 +108,16 @@ static int pattern_index(FfpShots *shots, const char *name, FfpError *err) {
         if (strcmp(shots->patterns[i].name, name) == 0) return i;
     }
     if (!ffp_is_name(name) || shots->n_patterns == FFP_PATTERNS_MAX) {
-        ffp_fail(err, IMAGES, "'%.100s' is no name for a pattern, or there are too many", name);
+        ffp_fail(err, FFP_ERROR_ARGUMENT, IMAGES, "'%.100s' is no name for a pattern, or there are too many",
+                 name);
         return -1;
     }
     snprintf(shots->patterns[shots->n_patterns].name, FFP_NAME_MAX, "%s", name);
     const bool black = strcmp(name, "black") == 0 || strcmp(name, "all_black") == 0;
     const bool white = strcmp(name, "white") == 0 || strcmp(name, "all_white") == 0;
     if ((black && shots->black >= 0) || (white && shots->white >= 0)) {
-        ffp_fail(err, IMAGES, "'%s' is a second %s pattern", name, black ? "black" : "white");
+        ffp_fail(err, FFP_ERROR_ARGUMENT, IMAGES, "'%s' is a second %s pattern", name,
+                 black ? "black" : "white");
         return -1;
     }
     if (black) shots->black = shots->n_patterns;
@@ -118,23 +125,17 @@ static int pattern_index(FfpShots *shots, const char *name, FfpError *err) {
     return shots->n_patterns++;
 }
 
-static bool read_group(FfpShots *shots, const char *text, Group *group, FfpError *err) {
-    const char *equals = strchr(text, '=');
-    if (equals == NULL || equals == text || equals[1] == 0)
-        return ffp_fail(err, IMAGES, "'%.100s' is not NAME=FILES", text);
-    group->template = equals + 1;
-    group->count = 0;
-    for (const char *at = text; at < equals;) {
-        char name[FFP_NAME_MAX];
-        const size_t length = strcspn(at, ",=");
-        if (length >= sizeof name || group->count == FFP_PATTERNS_MAX)
-            return ffp_fail(err, IMAGES, "'%.100s' is no list of names", text);
-        memcpy(name, at, length);
-        name[length] = 0;
-        const int index = pattern_index(shots, name, err);
-        if (index < 0) return false;
-        group->patterns[group->count++] = index;
-        at += length + 1;
+static bool read_group(FfpShots *shots, const FfpShotFiles *source, Group *group, FfpError *err) {
+    if (source->files == NULL || source->files[0] == 0)
+        return ffp_fail(err, FFP_ERROR_ARGUMENT, IMAGES, "no file is named");
+    if (source->n_patterns < 1 || source->n_patterns > FFP_PATTERNS_MAX)
+        return ffp_fail(err, FFP_ERROR_ARGUMENT, IMAGES, "%d patterns for '%.100s': 1 to %d are possible",
+                        source->n_patterns, source->files, FFP_PATTERNS_MAX);
+    group->template = source->files;
+    group->count = source->n_patterns;
+    for (int i = 0; i < source->n_patterns; i++) {
+        group->patterns[i] = pattern_index(shots, source->patterns[i], err);
+        if (group->patterns[i] < 0) return false;
     }
     return true;
 }
@@ -143,33 +144,44 @@ static bool set_picture(FfpShots *shots, const FfpCalibration *calibration, int 
                         const char *path, FfpError *err) {
     const char **place = &shots->pictures[stop * FFP_PATTERNS_MAX + pattern];
     if (*place != NULL)
-        return ffp_fail(err, IMAGES, "view '%s' has two pictures under '%s'", calibration->stops[stop].id,
-                        shots->patterns[pattern].name);
+        return ffp_fail(err, FFP_ERROR_ARGUMENT, IMAGES, "view '%s' has two pictures under '%s'",
+                        calibration->stops[stop].id, shots->patterns[pattern].name);
     if (!ffp_is_file(path))
-        return ffp_fail(err, path, "there is no such file: view '%s' under pattern '%s' of --images",
+        return ffp_fail(err, FFP_ERROR_FILE, path, "there is no such file: view '%s' under pattern '%s'",
                         calibration->stops[stop].id, shots->patterns[pattern].name);
     *place = keep(shots->arena, path);
     return true;
 }
 
+static void free_glob(void *found) {
+    globfree(found);
+    ffp_free(found);
+}
+
 // Files in natural order: all of the first view, all of the second, and so on.
 static bool match_files(FfpShots *shots, const Group *group, const FfpCalibration *calibration,
                         FfpError *err) {
-    glob_t found;
-    const int status = glob(group->template, GLOB_NOSORT, NULL, &found);
-    if (status != 0) return ffp_fail(err, group->template, "no file matches, or the folder cannot be read");
-    qsort(found.gl_pathv, found.gl_pathc, sizeof *found.gl_pathv, compare_paths);
+    glob_t *found = ffp_alloc(1, sizeof *found);
+    if (glob(group->template, GLOB_NOSORT, NULL, found) != 0) {
+        ffp_free(found);
+        return ffp_fail(err, FFP_ERROR_FILE, group->template,
+                        "no file matches, or the folder cannot be read");
+    }
+    ffp_own(found, free_glob);
+    qsort(found->gl_pathv, found->gl_pathc, sizeof *found->gl_pathv, compare_paths);
     const int n = calibration->n_stops * group->count;
-    bool ok = found.gl_pathc == (size_t)n;
+    bool ok = found->gl_pathc == (size_t)n;
     if (!ok) {
-        ffp_fail(err, group->template, "%zu files match, but %d views under %d pattern%s need %d",
-                 found.gl_pathc, calibration->n_stops, group->count, group->count > 1 ? "s each" : "", n);
+        ffp_fail(err, FFP_ERROR_FILE, group->template,
+                 "%zu files match, but %d views under %d pattern%s need %d", found->gl_pathc,
+                 calibration->n_stops, group->count, group->count > 1 ? "s each" : "", n);
     }
     for (int i = 0; i < n && ok; i++) {
         ok = set_picture(shots, calibration, i / group->count, group->patterns[i % group->count],
-                         found.gl_pathv[i], err);
+                         found->gl_pathv[i], err);
     }
-    globfree(&found);
+    ffp_disown(found);
+    free_glob(found);
     return ok;
 }
 
@@ -182,10 +194,12 @@ static bool fill_in_files(FfpShots *shots, const Group *group, const FfpCalibrat
     char path[FFP_PATH_MAX];
     if (!expand(text, &first, path, err)) return false; // an unknown placeholder is told before a missing one
     if (calibration->n_stops > 1 && !tells_view)
-        return ffp_fail(err, text, "names one file for %d views: use {view}, {index}, {number} or *",
+        return ffp_fail(err, FFP_ERROR_FILE, text,
+                        "names one file for %d views: use {view}, {index}, {number} or *",
                         calibration->n_stops);
     if (group->count > 1 && strstr(text, "{pattern}") == NULL)
-        return ffp_fail(err, text, "names one file for %d patterns: use {pattern} or *", group->count);
+        return ffp_fail(err, FFP_ERROR_FILE, text, "names one file for %d patterns: use {pattern} or *",
+                        group->count);
     for (int i = 0; i < calibration->n_stops * group->count; i++) {
         const int stop = i / group->count, pattern = group->patterns[i % group->count];
         const Blanks blanks = {calibration->stops[stop].id, shots->patterns[pattern].name, stop};
@@ -197,27 +211,25 @@ static bool fill_in_files(FfpShots *shots, const Group *group, const FfpCalibrat
 
 // --- Patterns and masks. ---
 
-static bool read_projected(FfpShots *shots, const char *text, bool novel, FfpError *err) {
-    const char *option = novel ? "--held-out" : "--pattern", *equals = strchr(text, '=');
-    char name[FFP_NAME_MAX];
-    if (equals == NULL || equals == text || equals[1] == 0 || equals - text >= FFP_NAME_MAX)
-        return ffp_fail(err, option, "'%.100s' is not NAME=FILE", text);
-    memcpy(name, text, (size_t)(equals - text));
-    name[equals - text] = 0;
+static bool take_projected(FfpShots *shots, const FfpProjected *projected, bool novel, FfpError *err) {
+    const char *where = novel ? HELD_OUT : PATTERNS;
     for (int i = 0; i < shots->n_patterns; i++) {
         FfpShotPattern *pattern = &shots->patterns[i];
-        if (strcmp(pattern->name, name) != 0) continue;
-        if (pattern->file != NULL) return ffp_fail(err, option, "pattern '%s' comes twice", name);
-        if (!ffp_is_file(equals + 1))
-            return ffp_fail(err, equals + 1, "there is no such file: pattern '%s'", name);
-        pattern->file = keep(shots->arena, equals + 1);
+        if (strcmp(pattern->name, projected->name) != 0) continue;
+        if (pattern->file != NULL)
+            return ffp_fail(err, FFP_ERROR_ARGUMENT, where, "pattern '%s' comes twice", pattern->name);
+        if (!ffp_is_file(projected->file))
+            return ffp_fail(err, FFP_ERROR_ARGUMENT, projected->file, "there is no such file: pattern '%s'",
+                            pattern->name);
+        pattern->file = keep(shots->arena, projected->file);
         pattern->novel = novel;
         return true;
     }
-    return ffp_fail(err, option, "no picture was taken under pattern '%s': name it in --images", name);
+    return ffp_fail(err, FFP_ERROR_ARGUMENT, IMAGES, "no picture was taken under pattern '%.100s'",
+                    projected->name);
 }
 
-// Pictures that the calibration names itself, where the command line names none.
+// Pictures that the calibration names itself, where the caller names none.
 static bool take_named(FfpShots *shots, const FfpCalibration *calibration, FfpError *err) {
     for (int i = 0; i < calibration->n_pictures; i++) {
         const FfpNamedPicture *picture = &calibration->pictures[i];
@@ -242,14 +254,16 @@ static void take_kept_patterns(FfpShots *shots, const char *folder) {
 
 static bool find_masks(FfpShots *shots, const char *template, const FfpCalibration *calibration,
                        FfpError *err) {
-    if (template == NULL || strcmp(template, "otsu") == 0) return true;
+    if (template == NULL || template[0] == 0)
+        return ffp_fail(err, FFP_ERROR_ARGUMENT, "mask_files", "no file is named");
     shots->masks = ffp_arena_alloc(shots->arena, (size_t)calibration->n_stops, sizeof *shots->masks);
     for (int i = 0; i < calibration->n_stops; i++) {
         const Blanks blanks = {calibration->stops[i].id, NULL, i};
         char path[FFP_PATH_MAX];
         if (!expand(template, &blanks, path, err)) return false;
         if (!ffp_is_file(path))
-            return ffp_fail(err, path, "there is no such file: mask of view '%s'", calibration->stops[i].id);
+            return ffp_fail(err, FFP_ERROR_FILE, path, "there is no such file: mask of view '%s'",
+                            calibration->stops[i].id);
         shots->masks[i] = keep(shots->arena, path);
     }
     return true;
@@ -258,50 +272,54 @@ static bool find_masks(FfpShots *shots, const char *template, const FfpCalibrati
 // --- All of it. ---
 
 static bool check_complete(const FfpShots *shots, const FfpCalibration *calibration, FfpError *err) {
-    if (shots->black < 0) return ffp_fail(err, IMAGES, "no pictures under black: --images black=FILES");
-    if (shots->white < 0) return ffp_fail(err, IMAGES, "no pictures under white: --images white=FILES");
+    if (shots->black < 0)
+        return ffp_fail(err, FFP_ERROR_ARGUMENT, IMAGES, "no pictures under black are named");
+    if (shots->white < 0)
+        return ffp_fail(err, FFP_ERROR_ARGUMENT, IMAGES, "no pictures under white are named");
     const int plain[2] = {shots->black, shots->white};
     for (int i = 0; i < 2 * calibration->n_stops; i++) {
         if (shots->pictures[i / 2 * FFP_PATTERNS_MAX + plain[i % 2]] != NULL) continue;
-        return ffp_fail(err, IMAGES,
+        return ffp_fail(err, FFP_ERROR_ARGUMENT, IMAGES,
                         "view '%s' has no picture under %s: every pose must be photographed under "
                         "black, white and a pattern",
                         calibration->stops[i / 2].id, i % 2 == 0 ? "black" : "white");
     }
     for (int i = 0; i < shots->n_patterns; i++) {
         if (shots->patterns[i].file == NULL && i != shots->black && i != shots->white)
-            return ffp_fail(err, "--pattern", "what was projected as '%s'? say it with --pattern %s=FILE",
-                            shots->patterns[i].name, shots->patterns[i].name);
+            return ffp_fail(err, FFP_ERROR_ARGUMENT, PATTERNS,
+                            "what was projected as '%s'? name the pattern's file", shots->patterns[i].name);
     }
     return true;
 }
 
-static bool find_all(FfpShots *shots, const FfpImport *options, const FfpCalibration *calibration,
+static bool find_all(FfpShots *shots, const FfpShotSources *sources, const FfpCalibration *calibration,
                      FfpError *err) {
     Group *group = ffp_arena_alloc(shots->arena, 1, sizeof *group);
-    if (options->n_images == 0 && !take_named(shots, calibration, err)) return false;
-    for (int i = 0; i < options->n_images; i++) {
-        if (!read_group(shots, options->images[i], group, err)) return false;
+    if (sources->n_images == 0 && !take_named(shots, calibration, err)) return false;
+    for (int i = 0; i < sources->n_images; i++) {
+        if (!read_group(shots, &sources->images[i], group, err)) return false;
         const bool ok = is_glob(group->template) ? match_files(shots, group, calibration, err)
                                                  : fill_in_files(shots, group, calibration, err);
         if (!ok) return false;
     }
-    for (int i = 0; i < options->n_patterns + options->n_held_out; i++) {
-        const bool novel = i >= options->n_patterns;
-        const char *text = novel ? options->held_out[i - options->n_patterns] : options->patterns[i];
-        if (!read_projected(shots, text, novel, err)) return false;
+    for (int i = 0; i < sources->n_patterns; i++) {
+        if (!take_projected(shots, &sources->patterns[i], false, err)) return false;
+    }
+    for (int i = 0; i < sources->n_held_out; i++) {
+        if (!take_projected(shots, &sources->held_out[i], true, err)) return false;
     }
     take_kept_patterns(shots, calibration->pattern_folder);
-    return find_masks(shots, options->mask, calibration, err) && check_complete(shots, calibration, err);
+    return (sources->mask != FFP_MASKS_FILES || find_masks(shots, sources->mask_files, calibration, err)) &&
+           check_complete(shots, calibration, err);
 }
 
-bool ffp_shots_find(FfpShots *shots, const FfpImport *options, const FfpCalibration *calibration,
+bool ffp_shots_find(FfpShots *shots, const FfpShotSources *sources, const FfpCalibration *calibration,
                     FfpError *err) {
     *shots = (FfpShots){.arena = ffp_arena_new(), .black = -1, .white = -1};
     shots->patterns = ffp_arena_alloc(shots->arena, FFP_PATTERNS_MAX, sizeof *shots->patterns);
     shots->pictures = ffp_arena_alloc(shots->arena, (size_t)calibration->n_stops * FFP_PATTERNS_MAX,
                                       sizeof *shots->pictures);
-    return find_all(shots, options, calibration, err);
+    return find_all(shots, sources, calibration, err);
 }
 
 void ffp_shots_free(FfpShots *shots) {

@@ -19,9 +19,37 @@ typedef struct FfpShots {
     const char **masks;       // [n_stops]; NULL: there are no mask files
 } FfpShots;
 
-// Resolves --images, --pattern, --held-out and --mask (ffprocams.h, FfpImport) for the calibration's stops.
-// Each picture is known to exist afterwards; black and white are there, and every other pattern has its file.
-bool ffp_shots_find(FfpShots *shots, const FfpImport *options, const FfpCalibration *calibration,
+// Photographs under one pattern or several. `files` is a path with {view}, {pattern}, {index} (from 0),
+// {number} (from 1) or {number:3}; or one with *, whose files are taken in natural order: all patterns of the
+// first view, then of the second.
+typedef struct FfpShotFiles {
+    const char *const *patterns; // names
+    int n_patterns;
+    const char *files;
+} FfpShotFiles;
+
+typedef struct FfpProjected { // what the projector showed
+    const char *name, *file;
+} FfpProjected;
+
+typedef enum FfpMaskKind {
+    FFP_MASKS_ALPHA, // alpha channels where there are, else Otsu's method
+    FFP_MASKS_OTSU,
+    FFP_MASKS_FILES
+} FfpMaskKind;
+
+typedef struct FfpShotSources {
+    const FfpShotFiles *images; // none: the pictures that the calibration names
+    int n_images;
+    const FfpProjected *patterns, *held_out;
+    int n_patterns, n_held_out;
+    FfpMaskKind mask;
+    const char *mask_files; // as FfpShotFiles.files
+} FfpShotSources;
+
+// Finds all files for the calibration's stops. Each picture is known to exist afterwards; black and white are
+// there, and every other pattern has its file.
+bool ffp_shots_find(FfpShots *shots, const FfpShotSources *sources, const FfpCalibration *calibration,
                     FfpError *err);
 void ffp_shots_free(FfpShots *shots);
 

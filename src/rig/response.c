@@ -11,7 +11,7 @@
 #include "rig/small.h"
 
 #define PI 3.14159265358979323846
-#define PLACE "--fit-response"
+#define PLACE "fit_response"
 #define ROUNDS 3 // of matching and fitting
 #define SAMPLES_MAX 20000
 #define SAMPLES_LEAST 500
@@ -135,7 +135,7 @@ static void settle_scales(Fitting *fitting, const double gamma[3]) {
             off[i] = fabs((double)(fitting->light[3 * i + c] - fitting->samples[i].ratio[c]));
         fitting->scale[c] = fmax(3 * quantile(off, fitting->count, 0.5), SCALE_LEAST);
     }
-    free(off);
+    ffp_free(off);
 }
 
 // Geman and McClure's robust cost of each channel.
@@ -204,7 +204,7 @@ static bool estimate_deviation(Fitting *fitting, FfpResponse *response) {
         response->gamma_deviation[c] = sqrt(squares / weights / slopes * CORRELATED);
         tells = tells && sqrt(slopes / weights) > SLOPE_LEAST && response->gamma_deviation[c] < DEVIATION_MAX;
     }
-    free(brighter), free(darker);
+    ffp_free(brighter), ffp_free(darker);
     return tells;
 }
 
@@ -222,7 +222,7 @@ static void find_black(const Fitting *fitting, FfpResponse *response) {
         response->black[c] = dark ? median : quantile(shares, fitting->count, 0.02);
         response->black_known = response->black_known && dark;
     }
-    free(shares);
+    ffp_free(shares);
 }
 
 static void find_intensity(const Fitting *fitting, double unit, FfpResponse *response) {
@@ -231,7 +231,7 @@ static void find_intensity(const Fitting *fitting, double unit, FfpResponse *res
     for (int i = 0; i < fitting->count; i++)
         if (fitting->samples[i].strength > 0) strengths[n++] = (double)fitting->samples[i].strength;
     response->intensity = quantile(strengths, n, 0.95) / BRIGHT_ALBEDO * unit * unit;
-    free(strengths);
+    ffp_free(strengths);
 }
 
 // --- All of it. ---
@@ -240,7 +240,7 @@ static bool same_sizes(const FfpCapture *capture, FfpError *err) {
     for (int v = 1; v < capture->n_views; v++) {
         const FfpCamera *a = &capture->views[0].camera, *b = &capture->views[v].camera;
         if (a->width != b->width || a->height != b->height)
-            return ffp_fail(err, PLACE, "the views' pictures are of different sizes");
+            return ffp_fail(err, FFP_ERROR_FILE, PLACE, "the views' pictures are of different sizes");
     }
     return true;
 }
@@ -259,7 +259,7 @@ static bool run_round(Fitting *fitting, FfpCapture *small, int active, const Ffp
     ffp_start_free(&start);
     if (fitting->count < SAMPLES_LEAST)
         return ffp_fail(
-            err, PLACE,
+            err, FFP_ERROR_FILE, PLACE,
             "only %d pixels are lit, not clipped, and matched with confidence: the response needs "
             "%d",
             fitting->count, SAMPLES_LEAST);
@@ -284,7 +284,7 @@ static bool fit(Fitting *fitting, FfpCapture *small, int active, double unit, Ff
     find_intensity(fitting, unit, response);
     return estimate_deviation(fitting, response) ||
            ffp_fail(
-               err, PLACE,
+               err, FFP_ERROR_FILE, PLACE,
                "the pattern '%s' does not tell the projector's gamma: it needs values between dark and full "
                "in all channels",
                small->patterns[active].name);
@@ -305,7 +305,7 @@ bool ffp_fit_response(FfpResponse *response, const FfpCapture *capture, int acti
                        .samples = ffp_alloc(SAMPLES_MAX, sizeof(Sample)),
                        .light = ffp_alloc(3 * (size_t)SAMPLES_MAX, sizeof(real))};
     const bool ok = fit(&fitting, &small, active, unit, response, err);
-    free(fitting.samples), free(fitting.light), free(patterns);
+    ffp_free(fitting.samples), ffp_free(fitting.light), ffp_free(patterns);
     ffp_capture_reduced_free(&small);
     return ok;
 }

@@ -19,7 +19,7 @@ typedef struct FfpResponse { // per channel: light = white's * (black + (1 - bla
 void ffp_response_apply(const FfpResponse *response, bool linear, FfpImage *pattern);
 
 // From the pictures under black, white and `active`, with the depth that matching finds; matching and fitting
-// take turns, since each needs the other. Errors (where: `--fit-response`): views of different sizes, too few
+// take turns, since each needs the other. Errors (where: `fit_response`): views of different sizes, too few
 // lit pixels, and a pattern without middling values, which says nothing about gamma.
 bool ffp_fit_response(FfpResponse *response, const FfpCapture *capture, int active, bool linear,
                       FfpError *err);

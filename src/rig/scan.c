@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "base/arena.h"
+#include "base/call.h"
 #include "image/lookup.h"
 #include "rig/matrix.h"
 
@@ -19,13 +20,13 @@
 #define UNSEEN 0.5      // of that, for a neighbour that does not see the point lit
 #define REACH_LEAST 0.3 // share of points in the projector's frame
 
-typedef struct Sight { // of a point at one stop
-    float at[3];       // camera coordinates, axis' unit
-    float colour[3];   // of the pattern, as the pixel there shows it; NAN: not seen lit
-} Sight;
+typedef struct PointView { // of a point at one stop
+    float at[3];           // camera coordinates, axis' unit
+    float colour[3];       // of the pattern, as the pixel there shows it; NAN: not seen lit
+} PointView;
 
 typedef struct Point {
-    Sight sights[1 + NEIGHBOURS];
+    PointView point_views[1 + NEIGHBOURS];
 } Point;
 
 typedef struct Points { // of all pixels looked through
@@ -91,16 +92,16 @@ static bool is_possible(const Scanner *s, int view, const double point[3]) {
 static void fill_point(const Scanner *s, int view, const int stops[1 + NEIGHBOURS], const double point[3],
                        Point *out) {
     for (int k = 0; k <= NEIGHBOURS; k++) {
-        Sight *sight = &out->sights[k];
+        PointView *point_view = &out->point_views[k];
         double there[3] = {0};
         size_t index = 0;
-        sight->colour[0] = NAN;
+        point_view->colour[0] = NAN;
         if (stops[k] < 0) continue;
         ffp_axis_turn(s->axis, s->outlines->angles[stops[k]] - s->outlines->angles[view], point, there);
-        for (int i = 0; i < 3; i++) sight->at[i] = (float)there[i];
+        for (int i = 0; i < 3; i++) point_view->at[i] = (float)there[i];
         if (!find_pixel(&s->capture->views[stops[k]].camera, there, &index) ||
-            !observe(s, stops[k], index, sight->colour))
-            sight->colour[0] = NAN;
+            !observe(s, stops[k], index, point_view->colour))
+            point_view->colour[0] = NAN;
     }
 }
 
@@ -160,13 +161,14 @@ typedef struct Lamp {
     real footprint;
 } Lamp;
 
-// Mean square difference of a sight's colour; a point the pattern does not reach is as wrong as can be.
-static double judge(const Lamp *lamp, const Sight *sight, double factor, bool *reached) {
+// Mean square difference of a point's colour at one stop; a point the pattern does not reach is as wrong as
+// can be.
+static double judge(const Lamp *lamp, const PointView *point_view, double factor, bool *reached) {
     double q[3];
     for (int i = 0; i < 3; i++)
-        q[i] = lamp->c2p[4 * i + 3] + factor * (lamp->c2p[4 * i] * (double)sight->at[0] +
-                                                lamp->c2p[4 * i + 1] * (double)sight->at[1] +
-                                                lamp->c2p[4 * i + 2] * (double)sight->at[2]);
+        q[i] = lamp->c2p[4 * i + 3] + factor * (lamp->c2p[4 * i] * (double)point_view->at[0] +
+                                                lamp->c2p[4 * i + 1] * (double)point_view->at[1] +
+                                                lamp->c2p[4 * i + 2] * (double)point_view->at[2]);
     const double u = (double)lamp->projector->cx + (double)lamp->projector->fx * q[0] / q[2],
                  v = (double)lamp->projector->cy + (double)lamp->projector->fy * q[1] / q[2];
     *reached = q[2] > 0 && u >= 0 && v >= 0 && u < lamp->projector->width && v < lamp->projector->height;
@@ -174,7 +176,7 @@ static double judge(const Lamp *lamp, const Sight *sight, double factor, bool *r
     real colour[3];
     double sum = 0;
     ffp_lookup(lamp->pattern, (real)u, (real)v, lamp->footprint, lamp->footprint, colour);
-    for (int c = 0; c < 3; c++) sum += pow((double)colour[c] - (double)sight->colour[c], 2) / 3;
+    for (int c = 0; c < 3; c++) sum += pow((double)colour[c] - (double)point_view->colour[c], 2) / 3;
     return fmin(sum, ERROR_MAX);
 }
 
@@ -183,11 +185,12 @@ static double best_of_pixel(const Lamp *lamp, const Point *points, int n, double
     double best = ERROR_MAX;
     for (int i = 0; i < n; i++) {
         bool in = false, there;
-        double sum = judge(lamp, &points[i].sights[0], factor, &in);
+        double sum = judge(lamp, &points[i].point_views[0], factor, &in);
         *reached += in;
         for (int k = 1; k <= NEIGHBOURS && sum < best * (1 + NEIGHBOURS); k++) {
-            const Sight *sight = &points[i].sights[k];
-            sum += isnan(sight->colour[0]) ? UNSEEN * ERROR_MAX : judge(lamp, sight, factor, &there);
+            const PointView *point_view = &points[i].point_views[k];
+            sum +=
+                isnan(point_view->colour[0]) ? UNSEEN * ERROR_MAX : judge(lamp, point_view, factor, &there);
         }
         best = fmin(best, sum / (1 + NEIGHBOURS));
     }
@@ -205,7 +208,7 @@ static double try_distance(const Lamp *lamp, const Points *points, double factor
         costs[i] = best_of_pixel(lamp, points->points + from, points->first[i + 1] - from, factor, &reached);
     }
     for (int i = 0; i < points->pixels; i++) sum += costs[i];
-    free(costs);
+    ffp_free(costs);
     const bool enough = reached >= REACH_LEAST * points->first[points->pixels];
     return points->pixels > 0 && enough ? sum / points->pixels : NAN;
 }
@@ -237,6 +240,7 @@ FfpScan ffp_scan_distance(const FfpCapture *capture, int active, const FfpOutlin
     const int steps = (int)(log(high / low) / STEP) + 1;
     double *errors = ffp_alloc((size_t)steps, sizeof *errors);
     for (int i = 0; i < steps; i++) {
+        ffp_cancel_point();
         const double factor = low * exp(i * STEP);
         lamp.footprint = footprint_at(&scanner, &lamp, factor);
         const double error = try_distance(&lamp, &points, factor);
@@ -246,7 +250,7 @@ FfpScan ffp_scan_distance(const FfpCapture *capture, int active, const FfpOutlin
     }
     qsort(errors, (size_t)out.tried, sizeof *errors, ascending);
     out.chance = out.tried > 0 ? errors[out.tried / 2] : INFINITY;
-    free(errors), free(points.points), free(points.first);
+    ffp_free(errors), ffp_free(points.points), ffp_free(points.first);
     ffp_summed_free(&pattern);
     return out;
 }

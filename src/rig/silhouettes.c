@@ -66,7 +66,7 @@ double ffp_rig_silhouette_misfit(const FfpCapture *capture) {
         int without = 0;
 #pragma omp parallel for schedule(static) reduction(+ : without)
         for (ptrdiff_t k = 0; k < count; k++) without += !has_point(capture, view, (size_t)chosen[k]);
-        free(chosen);
+        ffp_free(chosen);
         looked += (int)count, bad += without;
     }
     return looked > 0 ? (double)bad / looked : 0;

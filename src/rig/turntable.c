@@ -9,19 +9,26 @@
 #include "rig/document.h"
 #include "rig/matrix.h"
 
-#define PLACE "--turntable"
+#define PLACE "turntable" // the setting, for errors
 #define ANGLE_MAX 36000.0
 
+static bool check_angle(double angle, const char *where, FfpError *err) {
+    return fabs(angle) <= ANGLE_MAX ||
+           ffp_fail(err, FFP_ERROR_ARGUMENT, where, "%g is no angle in degrees", angle);
+}
+
 static bool add_angle(FfpTurntable *turntable, double angle, const char *where, FfpError *err) {
-    if (!(fabs(angle) <= ANGLE_MAX)) return ffp_fail(err, where, "%g is no angle in degrees", angle);
-    if (turntable->count == FFP_VIEWS_MAX) return ffp_fail(err, where, "more than %d angles", FFP_VIEWS_MAX);
+    if (!check_angle(angle, where, err)) return false;
+    if (turntable->count == FFP_VIEWS_MAX)
+        return ffp_fail(err, FFP_ERROR_FILE, where, "more than %d angles", FFP_VIEWS_MAX);
     turntable->angles[turntable->count++] = angle;
     return true;
 }
 
 static bool add_steps(FfpTurntable *turntable, double count, double step, const char *where, FfpError *err) {
     if (!(count >= 1 && count <= FFP_VIEWS_MAX) || count != floor(count))
-        return ffp_fail(err, where, "%g is no number of stops from 1 to %d", count, FFP_VIEWS_MAX);
+        return ffp_fail(err, FFP_ERROR_FILE, where, "%g is no number of stops from 1 to %d", count,
+                        FFP_VIEWS_MAX);
     for (int i = 0; i < (int)count; i++) {
         if (!add_angle(turntable, i * step, where, err)) return false;
     }
@@ -30,54 +37,15 @@ static bool add_steps(FfpTurntable *turntable, double count, double step, const 
 
 static bool check_axis(FfpTurntable *turntable, const char *where, FfpError *err) {
     const double *a = turntable->axis, length = sqrt(a[0] * a[0] + a[1] * a[1] + a[2] * a[2]);
-    if (!(length > 1e-6 && length < 1e9)) return ffp_fail(err, where, "the axis has no direction");
+    if (!(length > 1e-6 && length < 1e9))
+        return ffp_fail(err, FFP_ERROR_FILE, where, "the axis has no direction");
     for (int i = 0; i < 3; i++) turntable->axis[i] /= length;
     for (int i = 0; i < 3; i++) {
         if (!(fabs(turntable->point[i]) < 1e9))
-            return ffp_fail(err, where, "%g is no coordinate of the axis' point", turntable->point[i]);
+            return ffp_fail(err, FFP_ERROR_FILE, where, "%g is no coordinate of the axis' point",
+                            turntable->point[i]);
     }
     return true;
-}
-
-// --- "ax,ay,az,px,py,pz,0,45,90" or "...,8x45". ---
-
-// `first`: how many numbers of axis and point come before the angles, and `needed` says all of it.
-static bool read_numbers(FfpTurntable *turntable, const char *text, int first, const char *needed,
-                         const char *where, FfpError *err) {
-    const char *at = text;
-    for (int i = 0; *at != 0; i++) {
-        char *end = NULL;
-        const double value = strtod(at, &end);
-        bool ok = end != at && isfinite(value);
-        if (ok && i >= first && *end == 'x') {
-            const char *second = end + 1;
-            const double step = strtod(second, &end);
-            ok = end != second && isfinite(step);
-            if (ok && !add_steps(turntable, value, step, where, err)) return false;
-        } else if (ok && i >= first) {
-            if (!add_angle(turntable, value, where, err)) return false;
-        } else if (ok) {
-            *(i < 3 ? &turntable->axis[i] : &turntable->point[i - 3]) = value;
-        }
-        if (!ok || (*end != 0 && *end != ',') || (*end == ',' && end[1] == 0))
-            return ffp_fail(err, where, "'%.40s' is no number: %s are needed", at, needed);
-        at = *end == ',' ? end + 1 : end;
-    }
-    return true;
-}
-
-static bool check_angles(const FfpTurntable *turntable, const char *needed, FfpError *err) {
-    return turntable->count > 0 ||
-           ffp_fail(err, PLACE, "no angle: %s are needed, or the name of a file", needed);
-}
-
-bool ffp_turntable_read_axis(FfpTurntable *turntable, const char *text, const char *where, FfpError *err) {
-    static const char needed[] = "six numbers AX,AY,AZ,PX,PY,PZ";
-    int commas = 0;
-    for (const char *at = text; *at != 0; at++) commas += *at == ',';
-    *turntable = (FfpTurntable){0};
-    if (commas != 5) return ffp_fail(err, where, "%s are needed, not '%.80s'", needed, text);
-    return read_numbers(turntable, text, 6, needed, where, err) && check_axis(turntable, where, err);
 }
 
 // --- A file. ---
@@ -112,30 +80,38 @@ static bool read_file(FfpTurntable *turntable, const char *path, bool with_axis,
                                     ffp_field_get(&root, "point", &point, err) &&
                                     ffp_field_matrix_of(&point, 3, 1, turntable->point, err))) &&
                     read_angles(turntable, &root, err);
-    json_decref(root.value);
+    ffp_field_close(&root);
     return ok;
 }
 
-static bool is_numbers(const char *text) {
-    return text[strspn(text, "0123456789+-.,eEx")] == 0 && !ffp_is_file(text);
-}
-
-bool ffp_turntable_read(FfpTurntable *turntable, const char *text, FfpError *err) {
-    static const char needed[] = "three numbers of the axis, three of its point and the angles";
+bool ffp_turntable_read(FfpTurntable *turntable, const char *path, FfpError *err) {
     *turntable = (FfpTurntable){0};
-    const bool numbers = is_numbers(text);
-    const bool ok =
-        numbers ? read_numbers(turntable, text, 6, needed, PLACE, err) && check_angles(turntable, needed, err)
-                : read_file(turntable, text, true, err);
-    return ok && check_axis(turntable, numbers ? PLACE : text, err);
+    return read_file(turntable, path, true, err) && check_axis(turntable, path, err);
 }
 
-bool ffp_turntable_read_angles(FfpTurntable *turntable, const char *text, FfpError *err) {
-    static const char needed[] = "angles alone (8x45)";
-    *turntable = (FfpTurntable){.axis = {0, -1, 0}, .point = {0, 0, 1}};
-    return is_numbers(text)
-               ? read_numbers(turntable, text, 0, needed, PLACE, err) && check_angles(turntable, needed, err)
-               : read_file(turntable, text, false, err);
+bool ffp_turntable_read_angles(FfpTurntable *turntable, const char *path, FfpError *err) {
+    *turntable = ffp_turntable_unknown();
+    return read_file(turntable, path, false, err);
+}
+
+// --- Numbers. ---
+
+FfpTurntable ffp_turntable_unknown(void) {
+    return (FfpTurntable){.axis = {0, -1, 0}, .point = {0, 0, 1}};
+}
+
+bool ffp_turntable_check_axis(FfpTurntable *turntable, FfpError *err) {
+    return check_axis(turntable, PLACE, err);
+}
+
+bool ffp_turntable_check_angles(const FfpTurntable *turntable, FfpError *err) {
+    if (turntable->count < 1)
+        return ffp_fail(err, FFP_ERROR_ARGUMENT, PLACE, "there is no angle by which the object turned");
+    if (turntable->count > FFP_VIEWS_MAX)
+        return ffp_fail(err, FFP_ERROR_ARGUMENT, PLACE, "more than %d angles", FFP_VIEWS_MAX);
+    for (int i = 0; i < turntable->count; i++)
+        if (!check_angle(turntable->angles[i], PLACE, err)) return false;
+    return true;
 }
 
 // --- Stops. ---
@@ -197,7 +173,7 @@ void ffp_turntable_place(const FfpTurntable *turntable, bool reversed, FfpCalibr
 
 static bool check_fixed(const FfpCalibration *calibration, FfpError *err) {
     if (calibration->n_stops > 0)
-        return ffp_fail(err, PLACE,
+        return ffp_fail(err, FFP_ERROR_FILE, PLACE,
                         "the calibration has poses for all views itself: leave the turntable away");
     return true;
 }

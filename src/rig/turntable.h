@@ -12,14 +12,16 @@ typedef struct FfpTurntable {
         angles[FFP_VIEWS_MAX]; // degrees by which the object has turned at each stop, right-handed about axis
 } FfpTurntable;
 
-// From "ax,ay,az,px,py,pz,ANGLES" (ANGLES: degrees with commas between, or NxSTEP: N stops STEP degrees
-// apart), or from a JSON or YAML file {"axis", "point", "angles"} or {"axis", "point", "count", "step"}.
-bool ffp_turntable_read(FfpTurntable *turntable, const char *text, FfpError *err);
-// The same without an axis ("ANGLES", or a file in which axis and point are passed over): it points up,
-// before the camera, until it is found.
-bool ffp_turntable_read_angles(FfpTurntable *turntable, const char *text, FfpError *err);
-// "ax,ay,az,px,py,pz"; `where` is for errors.
-bool ffp_turntable_read_axis(FfpTurntable *turntable, const char *text, const char *where, FfpError *err);
+// From a JSON or YAML file {"axis", "point", "angles"} or {"axis", "point", "count", "step"}.
+bool ffp_turntable_read(FfpTurntable *turntable, const char *path, FfpError *err);
+// The same without an axis: those of the file are passed over, and it is unknown until it is found.
+bool ffp_turntable_read_angles(FfpTurntable *turntable, const char *path, FfpError *err);
+// No angles, and an axis that points up, before the camera.
+FfpTurntable ffp_turntable_unknown(void);
+// Brings the axis' direction to length 1. Errors: it has none, or the point is out of range.
+bool ffp_turntable_check_axis(FfpTurntable *turntable, FfpError *err);
+// Errors: no angle, too many, one out of range.
+bool ffp_turntable_check_angles(const FfpTurntable *turntable, FfpError *err);
 
 // Gives the fixed rig a stop for each angle. An object turned by angle a about axis u through p has the point
 // X of its own frame at R(u,a) B X + p before the camera, B = [x y u] being any right-handed basis (here x

@@ -59,9 +59,10 @@ static void on_text(void *data, const XML_Char *text, int length) {
     const size_t needed = element->length + (size_t)length + 1; // the file's size bounds it
     if (needed > element->room) {
         element->room = 2 * needed;
-        char *more = realloc(element->text, element->room);
+        char *more = ffp_try_grow(element->text, element->room, 1);
         if (more == NULL) {
             stop(reader, "out of memory");
+            if (reader->err) reader->err->code = FFP_ERROR_MEMORY;
             return;
         }
         element->text = more;
@@ -118,7 +119,7 @@ static json_t *value_of(Reader *reader, Element *element) {
 static void release(Element *element) {
     json_decref(element->object);
     json_decref(element->array);
-    free(element->text);
+    ffp_free(element->text);
 }
 
 static void on_end(void *data, const XML_Char *name) {
@@ -160,6 +161,6 @@ json_t *ffp_xml_parse(const char *text, size_t size, const char *path, FfpError 
         root = NULL;
     }
     XML_ParserFree(reader->parser);
-    free(reader);
+    ffp_free(reader);
     return root;
 }

@@ -130,7 +130,7 @@ json_t *ffp_yaml_parse(char *text, size_t size, const char *path, FfpError *err)
     if (strncmp(text, "%YAML:", 6) == 0) text[0] = '#';
     Reader reader = {.path = path, .err = err};
     if (!yaml_parser_initialize(&reader.parser)) {
-        ffp_fail(err, path, "out of memory");
+        ffp_fail(err, FFP_ERROR_MEMORY, path, "out of memory");
         return NULL;
     }
     yaml_parser_set_encoding(&reader.parser, YAML_UTF8_ENCODING);

@@ -48,7 +48,7 @@ FfpMesh ffp_mesh_make(int mesh) {
     float rotation[9];
     random_rotation(&rng, shape->upright, rotation);
     ffp_mesh_place(&out, rotation);
-    free(shape);
+    ffp_free(shape);
     return out;
 }
 

@@ -1,19 +1,18 @@
 // Scenes on disk. A scene is written under a hidden name and renamed when it is whole, so that a folder with
 // a scene's own name is always complete, whatever happened to the process that made it.
-#define _XOPEN_SOURCE 700 // nftw
 #include "synth/dataset.h"
 
 #include <ctype.h>
 #include <errno.h>
-#include <ftw.h>
 #include <omp.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include "base/call.h"
 #include "base/file.h"
 #include "base/log.h"
+#include "base/call.h"
 #include "synth/natural.h"
-#include "ffprocams.h"
 #include "synth/mesh.h"
 #include "synth/sensor.h"
 #include "synth/texture.h"
@@ -21,16 +20,16 @@
 enum { MESHES_MAX = 1024, PAPER_TARGETS = 6, VIEWS_MAX = 64 };
 static const int64_t ASSET_SCENES = 100000; // of one mesh: names stay five digits
 
-// One call of ffp_generate, shared by its workers.
+// One call of ffp_dataset_write, shared by its workers.
 typedef struct Job {
-    const FfpGeneration *options;
+    const FfpDatasetSettings *options;
     FfpSceneSpec spec; // what all scenes have in common
     FfpMesh mesh;      // the user's, where one is given
     FfpTextures *textures;
     char asset[FFP_NAME_MAX]; // the user's mesh's name; empty: none
     int64_t done, kept;
     bool failed;
-    FfpProgress progress;
+    FfpTask progress;
     FfpError *err; // of the first scene that failed
 } Job;
 
@@ -78,37 +77,33 @@ static void asset_name(const char *path, char name[FFP_NAME_MAX]) {
         if (!isalnum((unsigned char)*c) && *c != '-') *c = '_';
 }
 
-static bool rig_spec(const FfpGeneration *options, FfpSceneSpec *spec, FfpError *err) {
-    const char *rig = options->rig ? options->rig : "turntable";
-    if (!strcmp(rig, "free"))
-        spec->rig = FFP_RIG_FREE;
-    else if (strcmp(rig, "turntable") != 0)
-        return ffp_fail(err, "--rig", "'%s' is not turntable or free", rig);
+static bool rig_spec(const FfpDatasetSettings *options, FfpSceneSpec *spec, FfpError *err) {
+    spec->rig = options->rig;
     if (options->views < 0 || options->views > VIEWS_MAX)
-        return ffp_fail(err, "--views", "%d is not in 1..%d", options->views, VIEWS_MAX);
+        return ffp_fail(err, FFP_ERROR_ARGUMENT, "views", "%d is not in 1..%d", options->views, VIEWS_MAX);
     if (options->views > 0) spec->views = options->views;
     return true;
 }
 
-static bool preset_spec(const FfpGeneration *options, FfpSceneSpec *spec, FfpError *err) {
-    const char *preset = options->preset ? options->preset : "paper";
+static bool preset_spec(const FfpDatasetSettings *options, FfpSceneSpec *spec, FfpError *err) {
     *spec = ffp_scene_defaults();
-    if (!strcmp(preset, "paper")) {
+    switch (options->preset) {
+    case FFP_DATASET_PAPER:
         spec->lollipops = 6, spec->targets = -1; // the test split alone has some
         spec->samples = 16, spec->ambient_rays = 4;
-    } else if (!strcmp(preset, "smoke")) {
+        break;
+    case FFP_DATASET_SMOKE:
         spec->lollipops = 2, spec->targets = 2;
         spec->resolution = 64, spec->pattern_side = 400;
-    } else if (!strcmp(preset, "training")) {
-        spec->jitter = true; // and the rest as it is: what the trainer makes by default
-    } else {
-        return ffp_fail(err, "--preset", "'%s' is not paper, smoke or training", preset);
+        break;
+    case FFP_DATASET_TRAINING:
+        spec->jitter = true; // and the rest as it is
+        break;
     }
     if (options->split && !strcmp(options->split, "test")) spec->naturals = FFP_NATURAL_KINDS;
     if (options->resolution > 0) spec->resolution = options->resolution;
     if (!rig_spec(options, spec, err)) return false;
-    for (int i = 0; i < options->n_sensor; i++)
-        if (!ffp_sensor_set(&spec->sensor, options->sensor[i], err)) return false;
+    spec->sensor = options->sensor;
     return ffp_sensor_check(&spec->sensor, err);
 }
 
@@ -120,14 +115,6 @@ static bool write_part(const FfpCapture *whole, int first, int count, const char
     return ffp_make_folders(folder, err) && ffp_capture_write(&part, folder, err);
 }
 
-static int remove_entry(const char *path, const struct stat *about, int kind, struct FTW *where) {
-    (void)about, (void)kind, (void)where;
-    return remove(path);
-}
-static void remove_tree(const char *folder) {
-    nftw(folder, remove_entry, 16, FTW_DEPTH | FTW_PHYS);
-}
-
 static bool is_complete(const char *folder, bool with_targets) {
     char scene[FFP_PATH_MAX], poses[FFP_PATH_MAX];
     if (!ffp_join_path(scene, folder, "scene.json") || !ffp_join_path(poses, folder, "targets/scene.json"))
@@ -135,19 +122,30 @@ static bool is_complete(const char *folder, bool with_targets) {
     return ffp_is_file(scene) && (!with_targets || ffp_is_file(poses));
 }
 
+static void remove_part(void *folder) {
+    ffp_remove_tree(folder);
+    ffp_free(folder);
+}
+
 static bool write_scene(const FfpCapture *capture, const FfpSceneSpec *spec, const char *part,
                         const char *folder, FfpError *err) {
     char targets[FFP_PATH_MAX];
-    if (!ffp_join_path(targets, part, "targets")) return ffp_fail(err, folder, "the path is too long");
-    remove_tree(part); // what a killed process left
+    if (!ffp_join_path(targets, part, "targets"))
+        return ffp_fail(err, FFP_ERROR_ARGUMENT, folder, "the path is too long");
+    ffp_remove_tree(part); // what a killed process left
+    char *owned = ffp_copy_text(part);
+    ffp_own(owned, remove_part);
     bool ok = (spec->targets == 0 || write_part(capture, spec->views, spec->targets, targets, err)) &&
               write_part(capture, 0, spec->views, part, err);
     if (ok && rename(part, folder) != 0) {
         const bool there = errno == ENOTEMPTY || errno == EEXIST || errno == ENOTDIR;
-        ok = there ? ffp_fail(err, folder, "is there already, but is not a whole scene: remove it")
-                   : ffp_fail(err, folder, "cannot name the scene: %s", strerror(errno));
+        ok = there ? ffp_fail(err, FFP_ERROR_ARGUMENT, folder,
+                              "is there already, but is not a whole scene: remove it")
+                   : ffp_fail(err, FFP_ERROR_IO, folder, "cannot name the scene: %s", strerror(errno));
     }
-    if (!ok) remove_tree(part);
+    ffp_disown(owned);
+    ffp_free(owned);
+    if (!ok) ffp_remove_tree(part);
     return ok;
 }
 
@@ -157,7 +155,7 @@ static bool generate_scene(const Job *job, int64_t number, const char *name, boo
     snprintf(hidden, sizeof hidden, ".%s.part", name);
     if (!ffp_join_path(folder, job->options->folder, name) ||
         !ffp_join_path(part, job->options->folder, hidden))
-        return ffp_fail(err, job->options->folder, "the path is too long");
+        return ffp_fail(err, FFP_ERROR_ARGUMENT, job->options->folder, "the path is too long");
     FfpSceneSpec spec = job->spec;
     if (job->asset[0])
         asset_scene(number, job->options->seed, &spec);
@@ -174,7 +172,9 @@ static bool generate_scene(const Job *job, int64_t number, const char *name, boo
 }
 
 // One scene and the books. The books are short, so the workers take turns at them.
-static void work_on(Job *job, int64_t number) {
+static void work_on(void *argument, int64_t index) {
+    Job *job = argument;
+    const int64_t number = job->options->first + index;
     bool stop, made = false;
 #pragma omp atomic read
     stop = job->failed;
@@ -182,14 +182,16 @@ static void work_on(Job *job, int64_t number) {
     char name[FFP_NAME_MAX + 32];
     const char *kind = job->asset[0] ? job->asset : job->options->split ? job->options->split : "all";
     snprintf(name, sizeof name, "%s_%05lld", kind, (long long)number);
+    int64_t done = 0;
     FfpError error = {0};
     const bool ok = generate_scene(job, number, name, &made, &error);
-#pragma omp critical(ffp_generate_books)
+#pragma omp critical(ffp_dataset_books)
     {
         if (!ok && !job->failed && job->err) *job->err = error;
         job->kept += ok && !made;
-        if (ok) ffp_progress_step(&job->progress, ++job->done, name);
+        done = job->done += ok;
     }
+    if (ok) ffp_task_step(&job->progress, done, name);
     if (!ok) {
 #pragma omp atomic write
         job->failed = true;
@@ -199,31 +201,32 @@ static void work_on(Job *job, int64_t number) {
 // Whole scenes in parallel, each on one thread: no part of a scene is left to one core alone. A worker more
 // than cores fills the time in which a scene waits for the disk.
 static bool generate_all(Job *job, int64_t count) {
-    job->progress = ffp_progress("generating", count);
-#pragma omp parallel for schedule(dynamic, 1) num_threads(omp_get_max_threads() + 1)
-    for (int64_t i = 0; i < count; i++) work_on(job, job->options->first + i);
-    ffp_progress_end(&job->progress);
+    job->progress = ffp_task("generating", count);
+    ffp_parallel_for(count, omp_get_max_threads() + 1, work_on, job);
+    ffp_task_end(&job->progress);
     if (job->kept > 0) ffp_note("%lld scenes were there already and were kept", (long long)job->kept);
     return !job->failed;
 }
 
 // The scenes there are, and how many of them are asked for.
-static bool choose_scenes(const FfpGeneration *options, int64_t *count, FfpError *err) {
+static bool choose_scenes(const FfpDatasetSettings *options, int64_t *count, FfpError *err) {
     const int64_t size = options->mesh ? ASSET_SCENES : ffp_dataset_size(options->split);
-    if (size == 0) return ffp_fail(err, "--split", "'%s' is not train, validation or test", options->split);
+    if (size == 0)
+        return ffp_fail(err, FFP_ERROR_ARGUMENT, "split", "'%s' is not train, validation or test",
+                        options->split);
     if (options->first < 0 || options->first >= size)
-        return ffp_fail(err, "--first", "scene %lld is not in 0..%lld", (long long)options->first,
-                        (long long)size - 1);
+        return ffp_fail(err, FFP_ERROR_ARGUMENT, "first", "scene %lld is not in 0..%lld",
+                        (long long)options->first, (long long)size - 1);
     const int64_t left = size - options->first;
     *count = options->count >= 0 ? options->count : options->mesh ? 1 : left;
     if (*count < 1 || *count > left)
-        return ffp_fail(err, "--count", "%lld scenes from %lld on are not in 1..%lld", (long long)*count,
-                        (long long)options->first, (long long)left);
+        return ffp_fail(err, FFP_ERROR_ARGUMENT, "count", "%lld scenes from %lld on are not in 1..%lld",
+                        (long long)*count, (long long)options->first, (long long)left);
     return true;
 }
 
 static bool open_assets(Job *job, FfpError *err) {
-    const FfpGeneration *options = job->options;
+    const FfpDatasetSettings *options = job->options;
     if (options->mesh) {
         if (!ffp_mesh_read(&job->mesh, options->mesh, err)) return false;
         asset_name(options->mesh, job->asset);
@@ -236,10 +239,10 @@ static bool open_assets(Job *job, FfpError *err) {
     return job->textures != NULL;
 }
 
-bool ffp_generate(const FfpGeneration *options, FfpError *err) {
+bool ffp_dataset_write(const FfpDatasetSettings *options, FfpError *err) {
     Job job = {.options = options, .err = err};
     int64_t count = 0;
-    if (!options->folder) return ffp_fail(err, NULL, "no folder to write to is given");
+    if (!options->folder) return ffp_fail(err, FFP_ERROR_ARGUMENT, NULL, "no folder to write to is given");
     if (!preset_spec(options, &job.spec, err) || !choose_scenes(options, &count, err)) return false;
     const bool ok =
         open_assets(&job, err) && ffp_make_folders(options->folder, err) && generate_all(&job, count);

@@ -1,4 +1,4 @@
-// Generated captures on disk, behind `ffprocams generate` (ffp_generate in ffprocams.h).
+// Generated captures on disk.
 #ifndef FFP_SYNTH_DATASET_H
 #define FFP_SYNTH_DATASET_H
 
@@ -13,5 +13,28 @@ int64_t ffp_dataset_size(const char *split); // 0: no such split
 // scenes shows all meshes, nearly all materials, and no pair comes twice. The rest of the spec stays as it
 // is.
 void ffp_dataset_scene(const char *split, int64_t index, uint64_t seed, FfpSceneSpec *spec);
+
+typedef enum FfpDatasetPreset {
+    FFP_DATASET_PAPER,   // 6 lollipops, 16 samples a pixel, new poses of the test split's objects
+    FFP_DATASET_SMOKE,   // small, quick
+    FFP_DATASET_TRAINING // what the trainer makes by default
+} FfpDatasetPreset;
+
+typedef struct FfpDatasetSettings {
+    const char *folder; // one capture folder a scene goes here
+    const char *split;  // "train", "validation", "test"; NULL: all
+    FfpDatasetPreset preset;
+    int64_t first, count; // scenes of the split; count -1: to the end, of an own mesh one
+    int resolution;       // image side; 0: as the preset says
+    FfpSceneRig rig;
+    int views; // input views, 1..64; 0: as the preset says
+    uint64_t seed;
+    const char *mesh;     // a user's file instead of the generated meshes; NULL: none
+    const char *material; // a user's folder instead of the generated materials; NULL: none
+    FfpSensor sensor;
+} FfpDatasetSettings;
+
+// Scenes that are there already are kept; one appears under its name only when it is whole.
+bool ffp_dataset_write(const FfpDatasetSettings *settings, FfpError *err);
 
 #endif

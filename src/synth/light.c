@@ -54,10 +54,10 @@ FfpLight ffp_light_new(const FfpImage *const *patterns, int n_patterns) {
 }
 
 void ffp_light_free(FfpLight *light) {
-    free(light->lane);
-    free((void *)light->sharp);
-    free(light->even);
-    free(light->coarse);
+    ffp_free(light->lane);
+    ffp_free((void *)light->sharp);
+    ffp_free(light->even);
+    ffp_free(light->coarse);
     *light = (FfpLight){0};
 }
 

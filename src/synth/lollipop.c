@@ -63,6 +63,6 @@ FfpImage ffp_lollipop_paint(const uint8_t *map, int width, int height, uint64_t 
 FfpImage ffp_lollipop_pattern(int width, int height, uint64_t seed) {
     uint8_t *map = ffp_lollipop_map(width, height);
     FfpImage image = ffp_lollipop_paint(map, width, height, seed);
-    free(map);
+    ffp_free(map);
     return image;
 }

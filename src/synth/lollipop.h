@@ -11,7 +11,7 @@ enum {
 };
 
 // The field (ring * 8 + sector) of each pixel, FFP_LOLLIPOP_FIELDS for the black outside; width*height, to be
-// free()d.
+// ffp_free()d.
 uint8_t *ffp_lollipop_map(int width, int height);
 // Fills the map's fields with random 8-bit colours.
 FfpImage ffp_lollipop_paint(const uint8_t *map, int width, int height, uint64_t seed);

@@ -47,10 +47,10 @@ static Grid grid_new(const FfpShape *shape, int resolution) {
 }
 
 static void grid_free(Grid *g) {
-    free(g->value);
-    free(g->inside);
-    free(g->lists);
-    free(g->counts);
+    ffp_free(g->value);
+    ffp_free(g->inside);
+    ffp_free(g->lists);
+    ffp_free(g->counts);
 }
 
 // The parts whose surface, blend or cut can reach a ball around p. A part further off than that cannot change
@@ -166,8 +166,8 @@ static void sweep(Grid *g) {
         for (size_t k = 0; k < count && 500 * count < solid; k++)
             g->inside[queue[k]] = 0, g->value[queue[k]] = g->step;
     }
-    free(seen);
-    free(queue);
+    ffp_free(seen);
+    ffp_free(queue);
 }
 
 static int count_quads(const Grid *g) {
@@ -247,7 +247,7 @@ static int32_t *number_cells(const Grid *g, int **cells, int *count) {
     const size_t points = (size_t)g->n[0] * (size_t)g->n[1] * (size_t)g->n[2];
     int32_t *number = ffp_alloc(points, sizeof *number);
     int capacity = 1 << 14;
-    int *found = malloc((size_t)capacity * 3 * sizeof *found);
+    int *found = ffp_alloc((size_t)capacity * 3, sizeof *found);
     *count = 0;
     for (int z = 0; z < g->n[2] - 1; z++)
         for (int y = 0; y < g->n[1] - 1; y++) {
@@ -257,9 +257,8 @@ static int32_t *number_cells(const Grid *g, int **cells, int *count) {
                 const int in = r0[x] + r0[x + 1] + r1[x] + r1[x + 1] + r2[x] + r2[x + 1] + r3[x] + r3[x + 1];
                 if (in == 0 || in == 8) continue;
                 if (*count == capacity) {
-                    int *more = realloc(found, (size_t)capacity * 6 * sizeof *found);
-                    if (!more) abort();
-                    found = more, capacity *= 2;
+                    found = ffp_grow(found, (size_t)capacity * 6, sizeof *found);
+                    capacity *= 2;
                 }
                 found[3 * *count] = x, found[3 * *count + 1] = y, found[3 * *count + 2] = z;
                 number[point_index(g, x, y, z)] = (*count)++;
@@ -329,8 +328,8 @@ FfpMesh ffp_mesh_from_shape(const FfpShape *shape) {
     for (int i = 0; i < mesh.n_vertices; i++)
         place_vertex(&g, cells + 3 * (size_t)i, mesh.positions + 3 * (size_t)i, mesh.normals + 3 * (size_t)i);
     connect(&g, number, &mesh);
-    free(cells);
-    free(number);
+    ffp_free(cells);
+    ffp_free(number);
     grid_free(&g);
     return mesh;
 }
@@ -378,9 +377,9 @@ void ffp_mesh_place(FfpMesh *mesh, const float rotation[9]) {
 }
 
 void ffp_mesh_free(FfpMesh *mesh) {
-    free(mesh->positions);
-    free(mesh->normals);
-    free(mesh->triangles);
-    free(mesh->uv);
+    ffp_free(mesh->positions);
+    ffp_free(mesh->normals);
+    ffp_free(mesh->triangles);
+    ffp_free(mesh->uv);
     *mesh = (FfpMesh){0};
 }

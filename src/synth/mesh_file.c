@@ -16,6 +16,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 #include "base/arena.h"
+#include "base/call.h"
 #include "base/file.h"
 #include "base/log.h"
 #include "synth/mesh.h"
@@ -48,24 +49,25 @@ static const Format *format_of(const char *path) {
 
 static bool check_file(const char *path, long long *size, FfpError *err) {
     struct stat about;
-    if (stat(path, &about) != 0) return ffp_fail(err, path, "cannot open: no such file");
-    if (!S_ISREG(about.st_mode)) return ffp_fail(err, path, "is not a file");
-    if (about.st_size == 0) return ffp_fail(err, path, "is empty");
+    if (stat(path, &about) != 0) return ffp_fail(err, FFP_ERROR_IO, path, "cannot open: no such file");
+    if (!S_ISREG(about.st_mode)) return ffp_fail(err, FFP_ERROR_FILE, path, "is not a file");
+    if (about.st_size == 0) return ffp_fail(err, FFP_ERROR_FILE, path, "is empty");
     *size = (long long)about.st_size;
-    return *size <= FILE_MAX || ffp_fail(err, path, "is larger than %lld bytes", FILE_MAX);
+    return *size <= FILE_MAX || ffp_fail(err, FFP_ERROR_FILE, path, "is larger than %lld bytes", FILE_MAX);
 }
 
 // Assimp searches an unfinished PLY header's end for ever.
 static bool check_header(const char *path, const Format *format, FfpError *err) {
     if (strcmp(format->ending, "ply") != 0) return true;
     static const char end[] = "end_header";
-    FILE *file = fopen(path, "rb");
+    FILE *file = ffp_open_to_read(path, err);
+    if (!file) return false;
     char line[512];
     bool found = false;
-    for (int i = 0; file && !found && i < HEADER_LINES && fgets(line, sizeof line, file); i++)
+    for (int i = 0; !found && i < HEADER_LINES && fgets(line, sizeof line, file); i++)
         found = !strncmp(line, end, sizeof end - 1);
-    if (file) fclose(file);
-    return found || ffp_fail(err, path, "is no PLY file: its header has no end");
+    fclose(file);
+    return found || ffp_fail(err, FFP_ERROR_FILE, path, "is no PLY file: its header has no end");
 }
 
 // Triangles in one frame, with normals. NULL with an error.
@@ -84,7 +86,8 @@ static const struct aiScene *import(const char *path, const Format *format, FfpE
                                    aiComponent_LIGHTS | aiComponent_CAMERAS);
     const struct aiScene *scene = aiImportFileExWithProperties(path, steps, NULL, settings);
     aiReleasePropertyStore(settings);
-    if (!scene) ffp_fail(err, path, "cannot be read as %s: %s", format->ending, aiGetErrorString());
+    if (!scene)
+        ffp_fail(err, FFP_ERROR_FILE, path, "cannot be read as %s: %s", format->ending, aiGetErrorString());
     return scene;
 }
 
@@ -97,9 +100,10 @@ static bool count_parts(const struct aiScene *scene, FfpMesh *mesh, bool *with_u
         vertices += part->mNumVertices, triangles += part->mNumFaces;
         *with_uv = *with_uv && part->mTextureCoords[0];
     }
-    if (triangles == 0) return ffp_fail(err, path, "holds no triangle");
+    if (triangles == 0) return ffp_fail(err, FFP_ERROR_FILE, path, "holds no triangle");
     if (triangles > TRIANGLES_MAX || vertices > 3LL * TRIANGLES_MAX)
-        return ffp_fail(err, path, "%lld triangles are more than %d", triangles, TRIANGLES_MAX);
+        return ffp_fail(err, FFP_ERROR_FILE, path, "%lld triangles are more than %d", triangles,
+                        TRIANGLES_MAX);
     mesh->n_vertices = (int)vertices, mesh->n_triangles = (int)triangles;
     return true;
 }
@@ -112,7 +116,7 @@ static bool take_part(const struct aiMesh *part, FfpMesh *mesh, int vertex, int 
         if (part->mNormals) memcpy(mesh->normals + at, &part->mNormals[i], 3 * sizeof(float));
         for (size_t k = 0; k < 3; k++)
             if (!(fabsf(mesh->positions[at + k]) <= FURTHEST))
-                return ffp_fail(err, path, "vertex %zu is not a finite place", at / 3);
+                return ffp_fail(err, FFP_ERROR_FILE, path, "vertex %zu is not a finite place", at / 3);
         for (size_t k = 0; mesh->uv && k < 2; k++) {
             const float value = ((const float *)&part->mTextureCoords[0][i])[k];
             mesh->uv[2 * ((size_t)vertex + i) + k] = fabsf(value) < 1e6F ? value : 0;
@@ -124,8 +128,8 @@ static bool take_part(const struct aiMesh *part, FfpMesh *mesh, int vertex, int 
         uint32_t *corner = mesh->triangles + 3 * (size_t)(*triangle)++;
         for (int k = 0; k < 3; k++) {
             if (face->mIndices[k] >= part->mNumVertices)
-                return ffp_fail(err, path, "a triangle asks for vertex %u of %u", face->mIndices[k],
-                                part->mNumVertices);
+                return ffp_fail(err, FFP_ERROR_FILE, path, "a triangle asks for vertex %u of %u",
+                                face->mIndices[k], part->mNumVertices);
             corner[k] = (uint32_t)vertex + face->mIndices[k];
         }
     }
@@ -139,7 +143,7 @@ static bool take_parts(const struct aiScene *scene, FfpMesh *mesh, const char *p
         vertex += (int)scene->mMeshes[i]->mNumVertices;
     }
     mesh->n_triangles = triangle;
-    return triangle > 0 || ffp_fail(err, path, "holds no triangle");
+    return triangle > 0 || ffp_fail(err, FFP_ERROR_FILE, path, "holds no triangle");
 }
 
 // Unit normals; where the file has none of use, the facet's.
@@ -183,7 +187,7 @@ static bool load(FfpMesh *mesh, const char *path, const Format *format, FfpError
     if (ok) {
         allocate(mesh, with_uv);
         ok = take_parts(scene, mesh, path, err) &&
-             (has_extent(mesh) || ffp_fail(err, path, "all its vertices lie in one place"));
+             (has_extent(mesh) || ffp_fail(err, FFP_ERROR_FILE, path, "all its vertices lie in one place"));
     }
     aiReleaseImport(scene);
     return ok;
@@ -216,6 +220,7 @@ static bool receive_arrays(FfpMesh *mesh, FILE *from) {
 static void read_and_send(int pipe_end, const char *path, const Format *format, long long size) {
     const struct rlimit none = {0, 0},
                         seconds = {(rlim_t)(1 + size / BYTES_A_SECOND), (rlim_t)(2 + size / BYTES_A_SECOND)};
+    ffp_call_forget();
     signal(SIGPIPE, SIG_DFL); // nobody left to tell
     FILE *to = fdopen(pipe_end, "wb");
     if (!to || setrlimit(RLIMIT_CORE, &none) != 0 || setrlimit(RLIMIT_CPU, &seconds) != 0) return;
@@ -248,7 +253,7 @@ static bool receive(FfpMesh *mesh, int pipe_end, bool *silent, FfpError *err) {
 
 static bool read_apart(FfpMesh *mesh, const char *path, const Format *format, long long size, FfpError *err) {
     int ends[2], status = 0;
-    if (pipe(ends) != 0) return ffp_fail(err, path, "cannot be read: no pipe");
+    if (pipe(ends) != 0) return ffp_fail(err, FFP_ERROR_FILE, path, "cannot be read: no pipe");
     fflush(NULL); // what is still unwritten must not be written twice
     const pid_t child = fork();
     if (child == 0) {
@@ -259,7 +264,7 @@ static bool read_apart(FfpMesh *mesh, const char *path, const Format *format, lo
     close(ends[1]);
     if (child < 0) {
         close(ends[0]);
-        return ffp_fail(err, path, "cannot be read: no process");
+        return ffp_fail(err, FFP_ERROR_FILE, path, "cannot be read: no process");
     }
     bool silent;
     const bool ok = receive(mesh, ends[0], &silent, err);
@@ -267,7 +272,7 @@ static bool read_apart(FfpMesh *mesh, const char *path, const Format *format, lo
     }
     if (!silent) return ok;
     const bool slow = WIFSIGNALED(status) && (WTERMSIG(status) == SIGXCPU || WTERMSIG(status) == SIGKILL);
-    return ffp_fail(err, path, "is no %s file that can be read: %s", format->ending,
+    return ffp_fail(err, FFP_ERROR_FILE, path, "is no %s file that can be read: %s", format->ending,
                     slow ? "its reader came to no end" : "its reader broke down");
 }
 
@@ -275,7 +280,7 @@ bool ffp_mesh_read(FfpMesh *mesh, const char *path, FfpError *err) {
     *mesh = (FfpMesh){.two_sided = true};
     long long size = 0;
     const Format *format = format_of(path);
-    if (!format) return ffp_fail(err, path, "is not an .obj, .ply, .stl, .gltf or .glb file");
+    if (!format) return ffp_fail(err, FFP_ERROR_FILE, path, "is not an .obj, .ply, .stl, .gltf or .glb file");
     if (!check_file(path, &size, err) || !check_header(path, format, err)) return false;
     if (!read_apart(mesh, path, format, size, err)) {
         ffp_mesh_free(mesh);

@@ -53,9 +53,9 @@ int ffp_mesh_genus(const FfpMesh *mesh, int *components) {
     }
     *components = count_roots(pieces, corners);
     const int vertices = count_roots(fans, corners);
-    free(edges);
-    free(fans);
-    free(pieces);
+    ffp_free(edges);
+    ffp_free(fans);
+    ffp_free(pieces);
     return *components - (vertices - mesh->n_triangles / 2) / 2;
 }
 
@@ -132,7 +132,7 @@ void ffp_mesh_signature(const FfpMesh *mesh, float *histogram) {
             }
             spread(histogram, sqrtf(square) / (2 * FFP_MESH_RADIUS), cosine, share);
         }
-    free(point);
+    ffp_free(point);
 }
 
 float ffp_signature_distance(const float *a, const float *b) {

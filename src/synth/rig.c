@@ -97,7 +97,7 @@ static void turntable_input(const FfpSceneSpec *spec, int index, FfpView *view) 
 // strips is random.
 static void free_direction(const FfpSceneSpec *spec, int index, FfpRng *rng, double *polar, double *azimuth) {
     const double top = cos(40 * DEGREE), bottom = cos(130 * DEGREE), golden = 137.50776405;
-    int strips[FFP_VIEWS_MAX];
+    int strips[FFP_VIEWS_MAX] = {0};
     FfpRng rig = ffp_rng(spec->seed, STREAM_FREE_RIG);
     const double start = ffp_rng_range(&rig, 0, 360);
     for (int i = 0; i < spec->views; i++) strips[i] = i;
@@ -158,7 +158,7 @@ static void free_input(const FfpSceneSpec *spec, int index, FfpView *view) {
 }
 
 void ffp_rig_input(const FfpSceneSpec *spec, int index, FfpView *view) {
-    if (spec->rig == FFP_RIG_FREE)
+    if (spec->rig == FFP_SCENE_FREE)
         free_input(spec, index, view);
     else
         turntable_input(spec, index, view);

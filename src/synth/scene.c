@@ -22,23 +22,25 @@ FfpSceneSpec ffp_scene_defaults(void) {
 
 static bool check_spec(const FfpSceneSpec *s, FfpError *err) {
     if (s->mesh < 0 || s->mesh >= ffp_mesh_count())
-        return ffp_fail(err, NULL, "there is no mesh %d", s->mesh);
+        return ffp_fail(err, FFP_ERROR_ARGUMENT, NULL, "there is no mesh %d", s->mesh);
     if (s->material < 0 || s->material >= ffp_material_count())
-        return ffp_fail(err, NULL, "there is no material %d", s->material);
+        return ffp_fail(err, FFP_ERROR_ARGUMENT, NULL, "there is no material %d", s->material);
     if (s->resolution < 8 || s->resolution > 4096)
-        return ffp_fail(err, NULL, "resolution %d is not in 8..4096", s->resolution);
+        return ffp_fail(err, FFP_ERROR_ARGUMENT, NULL, "resolution %d is not in 8..4096", s->resolution);
     if (s->pattern_side < 60 || s->pattern_side > 8192)
-        return ffp_fail(err, NULL, "pattern side %d is not in 60..8192", s->pattern_side);
+        return ffp_fail(err, FFP_ERROR_ARGUMENT, NULL, "pattern side %d is not in 60..8192", s->pattern_side);
     if (s->views < 1 || s->targets < 0 || s->views > 360 || s->targets > FFP_VIEWS_MAX - s->views)
-        return ffp_fail(err, NULL, "%d views and %d targets are not in 1..360 and up to %d in all", s->views,
-                        s->targets, FFP_VIEWS_MAX);
+        return ffp_fail(err, FFP_ERROR_ARGUMENT, NULL,
+                        "%d views and %d targets are not in 1..360 and up to %d in all", s->views, s->targets,
+                        FFP_VIEWS_MAX);
     if (s->lollipops < 0 || s->naturals < 0 || s->lollipops > FFP_PATTERNS_MAX - 2 ||
         s->naturals > FFP_PATTERNS_MAX - 2 - s->lollipops)
-        return ffp_fail(err, NULL, "%d lollipops and %d natural patterns are too many or negative",
-                        s->lollipops, s->naturals);
+        return ffp_fail(err, FFP_ERROR_ARGUMENT, NULL,
+                        "%d lollipops and %d natural patterns are too many or negative", s->lollipops,
+                        s->naturals);
     if (s->samples < 1 || s->samples > 65536 || s->ambient_rays < 0 || s->ambient_rays > 4096)
-        return ffp_fail(err, NULL, "%d samples or %d ambient rays are out of range", s->samples,
-                        s->ambient_rays);
+        return ffp_fail(err, FFP_ERROR_ARGUMENT, NULL, "%d samples or %d ambient rays are out of range",
+                        s->samples, s->ambient_rays);
     return ffp_sensor_check(&s->sensor, err);
 }
 
@@ -70,7 +72,7 @@ static void make_patterns(FfpCapture *capture, const FfpSceneSpec *spec) {
             pattern->image = ffp_natural_pattern(side, side, natural, spec->seed);
         }
     }
-    free(map);
+    ffp_free(map);
 }
 
 // What the projector sends out for each pattern. `emitted` keeps the images that differ from the patterns.
@@ -83,7 +85,7 @@ static FfpLight make_light(const FfpCapture *capture, const FfpSensor *sensor, F
         images[p] = &emitted[p];
     }
     const FfpLight light = ffp_light_new(images, capture->n_patterns);
-    free((void *)images);
+    ffp_free((void *)images);
     return light;
 }
 
@@ -120,9 +122,10 @@ static void make_views(FfpCapture *capture, const FfpSceneSpec *spec, FfpSimulat
         ffp_simulate_view(simulation, &capture->views[i], stream, visibility ? &visibility[i] : NULL);
         misplace(&capture->views[i], spec, stream);
     }
+    simulation->light = NULL;
     ffp_light_free(&light);
     for (int p = 0; p < capture->n_patterns; p++) ffp_image_free(&emitted[p]);
-    free(emitted);
+    ffp_free(emitted);
 }
 
 bool ffp_scene_make_lit(FfpCapture *capture, const FfpSceneSpec *spec, FfpImage *visibility, FfpError *err) {

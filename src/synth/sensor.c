@@ -1,13 +1,11 @@
 #include "synth/sensor.h"
 
+#include <omp.h>
 #include <math.h>
 #include <stdlib.h>
-#include <string.h>
 #include "base/arena.h"
 #include "synth/noise.h"
 #include "synth/scalar.h"
-
-#define DEGREE 0.017453292519943295
 
 static bool in_range(float value, float low, float high) {
     return value >= low && value <= high; // false for NaN
@@ -15,47 +13,21 @@ static bool in_range(float value, float low, float high) {
 
 bool ffp_sensor_check(const FfpSensor *s, FfpError *err) {
     if (!in_range(s->exposure, -8, 8))
-        return ffp_fail(err, NULL, "exposure %g is not in -8..8", (double)s->exposure);
+        return ffp_fail(err, FFP_ERROR_ARGUMENT, "sensor", "exposure %g is not in -8..8",
+                        (double)s->exposure);
     if (!in_range(s->shot, 0, 1) || !in_range(s->read, 0, 1))
-        return ffp_fail(err, NULL, "shot %g or read noise %g is not in 0..1", (double)s->shot,
-                        (double)s->read);
+        return ffp_fail(err, FFP_ERROR_ARGUMENT, "sensor", "shot %g or read noise %g is not in 0..1",
+                        (double)s->shot, (double)s->read);
     if (!in_range(s->defocus, 0, 64))
-        return ffp_fail(err, NULL, "defocus %g is not in 0..64", (double)s->defocus);
+        return ffp_fail(err, FFP_ERROR_ARGUMENT, "sensor", "defocus %g is not in 0..64", (double)s->defocus);
     if (!in_range(s->gamma, -0.9F, 4) || !in_range(s->black_level, 0, 0.9F))
-        return ffp_fail(err, NULL, "projector gamma %g or black level %g is out of range", (double)s->gamma,
+        return ffp_fail(err, FFP_ERROR_ARGUMENT, "sensor",
+                        "projector gamma %g or black level %g is out of range", (double)s->gamma,
                         (double)s->black_level);
     if (!in_range(s->turn_error, 0, 0.5F) || !in_range(s->shift_error, 0, 0.5F))
-        return ffp_fail(err, NULL, "pose errors %g and %g are not in 0..0.5", (double)s->turn_error,
-                        (double)s->shift_error);
+        return ffp_fail(err, FFP_ERROR_ARGUMENT, "sensor", "pose errors %g and %g are not in 0..0.5",
+                        (double)s->turn_error, (double)s->shift_error);
     return true;
-}
-
-bool ffp_sensor_set(FfpSensor *sensor, const char *assignment, FfpError *err) {
-    const struct {
-        const char *name;
-        float *value, unit;
-    } fields[] = {{"exposure", &sensor->exposure, 1},
-                  {"shot", &sensor->shot, 1},
-                  {"read", &sensor->read, 1},
-                  {"defocus", &sensor->defocus, 1},
-                  {"gamma", &sensor->gamma, 1},
-                  {"black_level", &sensor->black_level, 1},
-                  {"turn_error", &sensor->turn_error, (float)DEGREE},
-                  {"shift_error", &sensor->shift_error, 1}};
-    const char *equals = strchr(assignment, '=');
-    const size_t length = equals ? (size_t)(equals - assignment) : 0;
-    for (size_t i = 0; equals && i < sizeof fields / sizeof *fields; i++) {
-        if (strlen(fields[i].name) != length || strncmp(fields[i].name, assignment, length) != 0) continue;
-        char *end;
-        *fields[i].value = strtof(equals + 1, &end) * fields[i].unit;
-        if (end == equals + 1 || *end)
-            return ffp_fail(err, "--sensor", "%s has no number for %s", assignment, fields[i].name);
-        return true;
-    }
-    return ffp_fail(err, "--sensor",
-                    "'%s' is not exposure, shot, read, defocus, gamma, black_level, turn_error or "
-                    "shift_error = a number",
-                    assignment);
 }
 
 bool ffp_sensor_changes_light(const FfpSensor *s) {
@@ -82,9 +54,11 @@ static void blur(FfpImage *image, float sigma) {
     for (int k = -radius; k <= radius; k++)
         total += kernel[k + radius] = expf(-0.5F * (float)(k * k) / (sigma * sigma));
     for (int k = 0; k <= 2 * radius; k++) kernel[k] /= total;
+    const size_t longest = (size_t)(width > height ? width : height);
+    float *all = ffp_alloc((size_t)omp_get_max_threads() * longest, sizeof *all);
 #pragma omp parallel
     {
-        float *keep = ffp_alloc((size_t)(width > height ? width : height), sizeof *keep);
+        float *keep = all + (size_t)omp_get_thread_num() * longest;
 #pragma omp for schedule(static)
         for (int y = 0; y < height; y++)
             for (size_t c = 0; c < 3; c++)
@@ -93,9 +67,9 @@ static void blur(FfpImage *image, float sigma) {
         for (int x = 0; x < width; x++)
             for (size_t c = 0; c < 3; c++)
                 blur_line(image->data + (size_t)x * 3 + c, row, height, kernel, radius, keep);
-        free(keep);
     }
-    free(kernel);
+    ffp_free(all);
+    ffp_free(kernel);
 }
 
 FfpImage ffp_sensor_emit(const FfpImage *pattern, const FfpSensor *s) {

@@ -8,8 +8,6 @@
 
 // Within limits: nothing negative but exposure and gamma, nothing that is not finite.
 bool ffp_sensor_check(const FfpSensor *sensor, FfpError *err);
-// "NAME=VALUE" with a field's name; turn_error is in degrees here. Errors: no such name, no number.
-bool ffp_sensor_set(FfpSensor *sensor, const char *assignment, FfpError *err);
 // Whether the projector sends out something else than its pattern's values.
 bool ffp_sensor_changes_light(const FfpSensor *sensor);
 // What the projector sends out for a pattern (linear, relative to white): gamma, black level, then defocus. A

@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include "base/arena.h"
+#include "base/call.h"
 #include "base/brdf.h"
 #include "synth/noise.h"
 #include "synth/scalar.h"
@@ -347,7 +348,7 @@ static int trace_samples(const Work *w, int x, int y, int first, int last, uint3
     const size_t pixel = (size_t)y * (size_t)w->view->camera.width + (size_t)x;
     FfpRays rays = {.count = 0};
     FfpHit hits[FFP_RAYS];
-    Sample samples[FFP_RAYS];
+    Sample samples[FFP_RAYS] = {0};
     for (int s = first; s < last; s++) {
         float i, j, ray[3];
         even_pair((uint32_t)s, shift, &i, &j);
@@ -425,8 +426,8 @@ static size_t busy_cells(const Work *w, int **cells) {
     size_t count = 0;
     for (int i = 0; i < across * down; i++)
         if (busy[i] || behind) (*cells)[count++] = i;
-    free(xy);
-    free(busy);
+    ffp_free(xy);
+    ffp_free(busy);
     return count;
 }
 
@@ -455,7 +456,7 @@ static void trace_all(const Work *w) {
 #pragma omp single
         trace_cells(w, cells, count);
     }
-    free(cells);
+    ffp_free(cells);
 }
 
 // Indirect light is smooth over a surface, and a few rays a pixel are noisy: average it over neighbours that
@@ -502,6 +503,7 @@ static void filter_row(const Work *w, int y, float *ambient, float *bounce) {
 }
 
 static void smooth_indirect(Work *w) {
+    ffp_cancel_point();
     if (filter_radius(w->sim) == 0) return;
     const int height = w->view->camera.height;
     const size_t pixels = (size_t)w->view->camera.width * (size_t)height;
@@ -509,8 +511,8 @@ static void smooth_indirect(Work *w) {
     float *bounce = ffp_alloc(pixels * 3 * (size_t)w->sim->light->lanes, sizeof(float));
 #pragma omp parallel for schedule(static)
     for (int y = 0; y < height; y++) filter_row(w, y, ambient, bounce);
-    free(w->sums.ambient);
-    free(w->sums.bounce);
+    ffp_free(w->sums.ambient);
+    ffp_free(w->sums.bounce);
     w->sums.ambient = ambient;
     w->sums.bounce = bounce;
 }
@@ -559,12 +561,12 @@ static void work_begin(Work *w) {
 }
 
 static void work_end(Work *w) {
-    free(w->sums.direct);
-    free(w->sums.bounce);
-    free(w->sums.ambient);
-    free(w->sums.point);
-    free(w->sums.smooth);
-    free(w->sums.hits);
+    ffp_free(w->sums.direct);
+    ffp_free(w->sums.bounce);
+    ffp_free(w->sums.ambient);
+    ffp_free(w->sums.point);
+    ffp_free(w->sums.smooth);
+    ffp_free(w->sums.hits);
 }
 
 void ffp_simulate_view(const FfpSimulation *simulation, FfpView *view, uint32_t stream,

@@ -21,16 +21,16 @@ typedef struct FfpSensor {
 } FfpSensor;
 
 // How the input views are taken.
-typedef enum FfpRigKind {
-    FFP_RIG_TURNTABLE, // camera and projector fixed to each other; the object turns
-    FFP_RIG_FREE       // every view has a camera and a projector of its own, all around the object
-} FfpRigKind;
+typedef enum FfpSceneRig {
+    FFP_SCENE_TURNTABLE, // camera and projector fixed to each other; the object turns
+    FFP_SCENE_FREE       // every view has a camera and a projector of its own, all around the object
+} FfpSceneRig;
 
 typedef struct FfpSceneSpec {
     int mesh, material; // 0 .. ffp_mesh_count()-1, 0 .. ffp_material_count()-1
     uint64_t seed;
     int resolution;            // camera image side
-    FfpRigKind rig;            // of the input views (turntable)
+    FfpSceneRig rig;           // of the input views (turntable)
     int views;                 // input views (8)
     int targets;               // further views with new camera and projector poses
     int lollipops;             // patterns besides black and white

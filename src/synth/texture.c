@@ -53,9 +53,7 @@ enum { WORDS = sizeof word_table / sizeof word_table[0] };
 // nothing.
 static bool role_of(const char *name, Role *role, bool *down) {
     const char *dot = strrchr(name, '.');
-    if (!dot || (strcasecmp(dot, ".png") != 0 && strcasecmp(dot, ".jpg") != 0 &&
-                 strcasecmp(dot, ".jpeg") != 0 && strcasecmp(dot, ".exr") != 0))
-        return false;
+    if (!ffp_image_has_ending(name)) return false;
     bool found = false;
     for (const char *c = name; c < dot;) {
         size_t length = 0;
@@ -78,7 +76,7 @@ typedef struct Found {
 static bool find_maps(const char *folder, Found *found, FfpError *err) {
     struct dirent **entries;
     const int count = scandir(folder, &entries, NULL, alphasort);
-    if (count < 0) return ffp_fail(err, folder, "is not a folder that can be read");
+    if (count < 0) return ffp_fail(err, FFP_ERROR_FILE, folder, "is not a folder that can be read");
     *found = (Found){.down = false};
     for (int i = 0; i < count; i++) {
         Role role = ROLE_COLOUR;
@@ -110,15 +108,15 @@ static FfpImage halve(const FfpImage *from) {
 // Three channels of the file at all levels.
 static bool read_map(Map *map, const char *folder, const char *name, Role role, FfpError *err) {
     char path[FFP_PATH_MAX];
-    if (!ffp_join_path(path, folder, name)) return ffp_fail(err, folder, "the path is too long");
+    if (!ffp_join_path(path, folder, name))
+        return ffp_fail(err, FFP_ERROR_FILE, folder, "the path is too long");
     int width, height;
     if (!ffp_image_read_size(&width, &height, path, err)) return false;
     if (width > FFP_IMAGE_SIDE_MAX / 2 || height > FFP_IMAGE_SIDE_MAX / 2)
-        return ffp_fail(err, path, "a map of %d x %d is too large", width, height);
-    // numbers stand in a picture file as they are; an EXR is linear by itself
-    const bool raw = role != ROLE_COLOUR && strcasecmp(strrchr(name, '.'), ".exr") != 0;
+        return ffp_fail(err, FFP_ERROR_FILE, path, "a map of %d x %d is too large", width, height);
     FfpImage read;
-    if (!ffp_image_read(&read, path, raw ? FFP_COLOUR_ENCODED : FFP_COLOUR_LINEAR, err)) return false;
+    if (!ffp_image_read(&read, path, role == ROLE_COLOUR ? FFP_COLOUR_LINEAR : FFP_COLOUR_STORED, err))
+        return false;
     FfpImage top = ffp_image_new(width, height, 3);
     const size_t pixels = (size_t)width * (size_t)height;
     for (size_t i = 0; i < pixels; i++) memcpy(top.data + 3 * i, read.data + 4 * i, 3 * sizeof(real));
@@ -142,7 +140,7 @@ FfpTextures *ffp_textures_read(const char *folder, FfpError *err) {
     Found found = {0};
     if (!find_maps(folder, &found, err)) return NULL;
     if (!found.name[ROLE_COLOUR][0]) {
-        ffp_fail(err, folder, "no map is called basecolor, albedo, diffuse or color");
+        ffp_fail(err, FFP_ERROR_FILE, folder, "no map is called basecolor, albedo, diffuse or color");
         return NULL;
     }
     if (found.name[ROLE_METALLIC][0])
@@ -164,7 +162,7 @@ void ffp_textures_free(FfpTextures *textures) {
     if (!textures) return;
     for (int m = 0; m < ROLE_METALLIC; m++)
         for (int i = 0; i < textures->map[m].levels; i++) ffp_image_free(&textures->map[m].level[i]);
-    free(textures);
+    ffp_free(textures);
 }
 
 // --- Laying. ---

@@ -3,6 +3,7 @@
 #include <math.h>
 #include <stdlib.h>
 #include "base/arena.h"
+#include "base/call.h"
 #include "synth/scalar.h"
 
 #if __has_include(<embree4/rtcore.h>)
@@ -17,15 +18,30 @@ struct FfpTracer {
     const FfpMesh *mesh;
 };
 
+static void release(void *thing) {
+    FfpTracer *tracer = thing;
+    rtcReleaseScene(tracer->scene);
+    rtcReleaseDevice(tracer->device);
+    ffp_free(tracer);
+}
+
 FfpTracer *ffp_tracer_new(const FfpMesh *mesh, FfpError *err) {
     // Scattered rays are a little slower with AVX-512, and without it more processors make the same pixels.
     RTCDevice device = rtcNewDevice("threads=1,set_affinity=0,max_isa=avx2");
-    if (!device) {
-        ffp_fail(err, NULL, "Embree cannot start (error %d)", (int)rtcGetDeviceError(NULL));
+    FfpTracer *tracer = ffp_try_alloc(1, sizeof *tracer);
+    if (!tracer) {
+        if (device) rtcReleaseDevice(device);
+        ffp_fail(err, FFP_ERROR_MEMORY, NULL, "out of memory");
         return NULL;
     }
-    FfpTracer *tracer = ffp_alloc(1, sizeof *tracer);
+    if (!device) {
+        ffp_free(tracer);
+        ffp_fail(err, FFP_ERROR_UNSUPPORTED, NULL, "Embree cannot start (error %d)",
+                 (int)rtcGetDeviceError(NULL));
+        return NULL;
+    }
     *tracer = (FfpTracer){device, rtcNewScene(device), mesh};
+    ffp_own(tracer, release);
     RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
     rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, mesh->positions, 0,
                                3 * sizeof(float), (size_t)mesh->n_vertices);
@@ -37,7 +53,8 @@ FfpTracer *ffp_tracer_new(const FfpMesh *mesh, FfpError *err) {
     rtcCommitScene(tracer->scene);
     const enum RTCError error = rtcGetDeviceError(device);
     if (error != RTC_ERROR_NONE) {
-        ffp_fail(err, NULL, "Embree cannot build its tree (error %d)", (int)error);
+        ffp_fail(err, error == RTC_ERROR_OUT_OF_MEMORY ? FFP_ERROR_MEMORY : FFP_ERROR_UNSUPPORTED, NULL,
+                 "Embree cannot build its tree (error %d)", (int)error);
         ffp_tracer_free(tracer);
         return NULL;
     }
@@ -45,10 +62,8 @@ FfpTracer *ffp_tracer_new(const FfpMesh *mesh, FfpError *err) {
 }
 
 void ffp_tracer_free(FfpTracer *tracer) {
-    if (!tracer) return;
-    rtcReleaseScene(tracer->scene);
-    rtcReleaseDevice(tracer->device);
-    free(tracer);
+    ffp_disown(tracer);
+    if (tracer) release(tracer);
 }
 
 void ffp_rays_add(FfpRays *rays, const float origin[3], const float direction[3]) {

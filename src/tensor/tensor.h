@@ -70,7 +70,7 @@ void ffp_conv_forward(real *y, const real *x, int ldx, const real *w, const real
 void ffp_conv_backward(real *dx, int lddx, real *dw, real *dbias, const real *dy, const real *x, int ldx,
                        const real *w, const real *bias, int rows, int channels, int taps, bool reverse);
 
-// State-space duality scan of Mamba2 (Dao & Gu 2024; network.md 3.2, 3.3): one direction, one B/C group.
+// State-space duality scan of Mamba2 (Dao & Gu 2024, Eq. 2 and Sec. 6): one direction, one B/C group.
 //   dt = softplus(dt_raw + dt_bias[h]), A = -exp(a_log[h]), h_t = exp(dt A) h_{t-1} + dt x_t (outer) B_t,
 //   y_t = h_t C_t + d[h] x_t
 // x: [T, heads*head_dim] inside rows of stride ldx (x, B, C are slices of one convolved row); dt_raw row

@@ -14,8 +14,8 @@ static pthread_key_t key;
 
 static void free_workspace(void *pointer) {
     Workspace *workspace = pointer;
-    free(workspace->memory);
-    free(workspace);
+    ffp_free(workspace->memory);
+    ffp_free(workspace);
 }
 
 static void make_key(void) {
@@ -26,7 +26,7 @@ static Workspace *own_workspace(void) {
     pthread_once(&once, make_key);
     Workspace *workspace = pthread_getspecific(key);
     if (workspace) return workspace;
-    workspace = ffp_alloc(1, sizeof *workspace);
+    workspace = ffp_alloc_kept(1, sizeof *workspace);
     pthread_setspecific(key, workspace);
     return workspace;
 }
@@ -34,8 +34,9 @@ static Workspace *own_workspace(void) {
 void *ffp_workspace(size_t bytes) {
     Workspace *workspace = own_workspace();
     if (bytes > workspace->bytes) {
-        free(workspace->memory);
-        workspace->memory = ffp_alloc(bytes, 1);
+        ffp_free(workspace->memory);
+        workspace->memory = NULL, workspace->bytes = 0;
+        workspace->memory = ffp_alloc_kept(bytes, 1);
         workspace->bytes = bytes;
     }
     return workspace->memory;

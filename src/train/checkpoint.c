@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include "base/arena.h"
+#include "base/call.h"
 #include "tensor/safetensors.h"
 #include "train/train.h"
 
@@ -30,10 +31,10 @@ bool ffp_checkpoint_write(const char *path, const FfpModel *model, const FfpAdam
     char step[32];
     snprintf(step, sizeof step, "%lld", (long long)adam->step);
     char *text = ffp_train_config_print(config);
-    if (!text) return ffp_fail(err, path, "out of memory");
+    if (!text) return ffp_fail(err, FFP_ERROR_MEMORY, path, "out of memory");
     const char *const metadata[] = {"format", FORMAT, "step", step, "config", text, "origin", origin};
     const bool ok = ffp_safetensors_write(path, tensors, ARRAYS, metadata, 4, err);
-    free(text);
+    ffp_free(text);
     return ok;
 }
 
@@ -42,9 +43,9 @@ static bool check_arrays(const FfpSafetensors *file, const char *path, int64_t c
     for (int i = 0; i < ARRAYS; i++) {
         const FfpPlace where = ffp_place(path, names[i]);
         const FfpTensor *tensor = ffp_safetensors_find(file, names[i]);
-        if (!tensor) return ffp_fail(err, where.text, "missing tensor");
+        if (!tensor) return ffp_fail(err, FFP_ERROR_FILE, where.text, "missing tensor");
         if (tensor->dtype != FFP_F32 || tensor->count != count)
-            return ffp_fail(err, where.text, "expected %lld F32 values", (long long)count);
+            return ffp_fail(err, FFP_ERROR_FILE, where.text, "expected %lld F32 values", (long long)count);
     }
     return true;
 }
@@ -56,8 +57,8 @@ static bool read_arrays(const FfpSafetensors *file, const char *path, FfpModel *
         ffp_tensor_to_real(ffp_safetensors_find(file, names[i]), array);
         for (int64_t k = 0; k < model->count; k++)
             if (!isfinite(array[k]))
-                return ffp_fail(err, ffp_place(path, names[i]).text, "value %lld is not finite",
-                                (long long)k);
+                return ffp_fail(err, FFP_ERROR_FILE, ffp_place(path, names[i]).text,
+                                "value %lld is not finite", (long long)k);
     }
     return true;
 }
@@ -69,13 +70,15 @@ static bool read_metadata(const FfpSafetensors *file, const char *path, FfpTrain
     const char *count = ffp_safetensors_metadata(file, "step");
     const char *text = ffp_safetensors_metadata(file, "config");
     if (!format || strcmp(format, FORMAT) != 0)
-        return ffp_fail(err, ffp_place(path, "format").text, "not a checkpoint of this program's training");
+        return ffp_fail(err, FFP_ERROR_FILE, ffp_place(path, "format").text,
+                        "not a checkpoint of this program's training");
     char *end = NULL;
     errno = 0;
     *step = count ? strtoll(count, &end, 10) : -1;
     if (!count || errno || end == count || *end || *step < 0)
-        return ffp_fail(err, ffp_place(path, "step").text, "the step count is missing or broken");
-    if (!text) return ffp_fail(err, ffp_place(path, "config").text, "missing metadata");
+        return ffp_fail(err, FFP_ERROR_FILE, ffp_place(path, "step").text,
+                        "the step count is missing or broken");
+    if (!text) return ffp_fail(err, FFP_ERROR_FILE, ffp_place(path, "config").text, "missing metadata");
     return ffp_train_config_parse(config, text, path, err);
 }
 

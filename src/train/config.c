@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <jansson.h>
+#include "base/call.h"
 #include "base/file.h"
 #include "train/train.h"
 
@@ -162,10 +163,10 @@ static bool read_number(double *out, const json_t *value, const Field *field, co
                         FfpError *err) {
     const bool whole = field->kind != DOUBLE;
     if (whole ? !json_is_integer(value) : !json_is_number(value))
-        return ffp_fail(err, where, "expected %s", whole ? "a whole number" : "a number");
+        return ffp_fail(err, FFP_ERROR_FILE, where, "expected %s", whole ? "a whole number" : "a number");
     *out = json_number_value(value);
     if (!isfinite(*out) || *out < field->low || *out > field->high)
-        return ffp_fail(err, where, "%g is not in [%g, %g]", *out, field->low, field->high);
+        return ffp_fail(err, FFP_ERROR_FILE, where, "%g is not in [%g, %g]", *out, field->low, field->high);
     return true;
 }
 
@@ -175,12 +176,13 @@ static bool read_field(void *base, const Field *field, const json_t *value, cons
     double number = 0;
     switch (field->kind) {
     case BOOL:
-        if (!json_is_boolean(value)) return ffp_fail(err, where, "expected true or false");
+        if (!json_is_boolean(value)) return ffp_fail(err, FFP_ERROR_FILE, where, "expected true or false");
         *(bool *)at = json_is_true(value);
         return true;
     case TEXT:
-        if (!json_is_string(value)) return ffp_fail(err, where, "expected a string");
-        if (json_string_length(value) >= (size_t)field->high) return ffp_fail(err, where, "text is too long");
+        if (!json_is_string(value)) return ffp_fail(err, FFP_ERROR_FILE, where, "expected a string");
+        if (json_string_length(value) >= (size_t)field->high)
+            return ffp_fail(err, FFP_ERROR_FILE, where, "text is too long");
         snprintf(at, (size_t)field->high, "%s", json_string_value(value));
         return true;
     case INT:
@@ -209,7 +211,7 @@ static bool read_fields(void *base, const Field *fields, int count, const json_t
         const Field *found = NULL;
         for (int i = 0; i < count && !found; i++)
             if (strcmp(fields[i].name, key) == 0) found = &fields[i];
-        if (!found) return ffp_fail(err, place.text, "unknown field");
+        if (!found) return ffp_fail(err, FFP_ERROR_FILE, place.text, "unknown field");
         if (!read_field(base, found, value, place.text, err)) return false;
     }
     return true;
@@ -219,9 +221,10 @@ static bool read_model(FfpModelConfig *model, const json_t *value, const char *w
     const FfpPlace place = ffp_place(where, "model");
     const json_t *preset = json_is_object(value) ? json_object_get(value, "preset") : value;
     if (preset) {
-        if (!json_is_string(preset)) return ffp_fail(err, place.text, "expected a preset's name");
+        if (!json_is_string(preset))
+            return ffp_fail(err, FFP_ERROR_FILE, place.text, "expected a preset's name");
         if (!ffp_model_preset(model, json_string_value(preset)))
-            return ffp_fail(err, place.text, "no preset '%.40s'", json_string_value(preset));
+            return ffp_fail(err, FFP_ERROR_FILE, place.text, "no preset '%.40s'", json_string_value(preset));
     }
     if (json_is_object(value) &&
         !read_fields(model, model_fields, COUNT(model_fields), value, "model.", "preset", where, err))
@@ -232,16 +235,16 @@ static bool read_model(FfpModelConfig *model, const json_t *value, const char *w
 // The fields that make scenes differ from each other.
 static bool check_mixture(const FfpTrainConfig *c, const char *where, FfpError *err) {
     if (c->views_least > c->views)
-        return ffp_fail(err, ffp_place(where, "views_least").text, "is above views");
+        return ffp_fail(err, FFP_ERROR_FILE, ffp_place(where, "views_least").text, "is above views");
     if (c->large_share > 0 && c->large_resolution % c->model.patch)
-        return ffp_fail(err, ffp_place(where, "large_resolution").text, "must be a multiple of the patch, %d",
-                        c->model.patch);
+        return ffp_fail(err, FFP_ERROR_FILE, ffp_place(where, "large_resolution").text,
+                        "must be a multiple of the patch, %d", c->model.patch);
     const char *mixed = c->views_least > 0   ? "views_least"
                         : c->free_share > 0  ? "free_share"
                         : c->large_share > 0 ? "large_share"
                                              : NULL;
     if (mixed && c->scenes[0])
-        return ffp_fail(err, ffp_place(where, mixed).text,
+        return ffp_fail(err, FFP_ERROR_FILE, ffp_place(where, mixed).text,
                         "is for scenes made in training: those of a folder (scenes) are as they are");
     return true;
 }
@@ -249,18 +252,18 @@ static bool check_mixture(const FfpTrainConfig *c, const char *where, FfpError *
 // What no single range can say.
 static bool check_together(const FfpTrainConfig *c, const char *where, FfpError *err) {
     if (c->supervised_inputs + c->supervised_targets < 1)
-        return ffp_fail(err, ffp_place(where, "supervised_inputs").text,
+        return ffp_fail(err, FFP_ERROR_FILE, ffp_place(where, "supervised_inputs").text,
                         "supervised_inputs and supervised_targets are both 0");
     if (c->supervised_inputs > c->views)
-        return ffp_fail(err, ffp_place(where, "supervised_inputs").text, "is above views");
+        return ffp_fail(err, FFP_ERROR_FILE, ffp_place(where, "supervised_inputs").text, "is above views");
     if (c->supervised_targets > c->targets)
-        return ffp_fail(err, ffp_place(where, "supervised_targets").text, "is above targets");
+        return ffp_fail(err, FFP_ERROR_FILE, ffp_place(where, "supervised_targets").text, "is above targets");
     if (c->scenes[0] && c->low_steps > 0 && c->low_resolution != c->resolution)
-        return ffp_fail(
-            err, ffp_place(where, "low_steps").text,
-            "the scenes of a folder have one resolution: use two runs, the second with --initial");
+        return ffp_fail(err, FFP_ERROR_FILE, ffp_place(where, "low_steps").text,
+                        "the scenes of a folder have one resolution: use two runs, the second from the "
+                        "weights of the first");
     if (c->resolution % c->model.patch || c->low_resolution % c->model.patch)
-        return ffp_fail(err, ffp_place(where, "resolution").text,
+        return ffp_fail(err, FFP_ERROR_FILE, ffp_place(where, "resolution").text,
                         "resolution and low_resolution must be multiples of the patch, %d", c->model.patch);
     return check_mixture(c, where, err);
 }
@@ -269,8 +272,9 @@ bool ffp_train_config_parse(FfpTrainConfig *config, const char *text, const char
     *config = ffp_train_defaults();
     json_error_t problem;
     json_t *root = json_loads(text, JSON_REJECT_DUPLICATES, &problem);
-    if (!root) return ffp_fail(err, where, "broken JSON at line %d: %s", problem.line, problem.text);
-    bool ok = json_is_object(root) || ffp_fail(err, where, "expected an object");
+    if (!root)
+        return ffp_fail(err, FFP_ERROR_FILE, where, "broken JSON at line %d: %s", problem.line, problem.text);
+    bool ok = json_is_object(root) || ffp_fail(err, FFP_ERROR_FILE, where, "expected an object");
     const json_t *model = ok ? json_object_get(root, "model") : NULL;
     ok = ok && (!model || read_model(&config->model, model, where, err)) &&
          read_fields(config, train_fields, COUNT(train_fields), root, "", "model", where, err) &&
@@ -282,10 +286,11 @@ bool ffp_train_config_parse(FfpTrainConfig *config, const char *text, const char
 bool ffp_train_config_read(FfpTrainConfig *config, const char *path, FfpError *err) {
     char *text = NULL;
     size_t size = 0;
-    if (!ffp_read_file(path, 1 << 20, &text, &size, err)) return false;
-    const bool ok = strlen(text) == size ? ffp_train_config_parse(config, text, path, err)
-                                         : ffp_fail(err, path, "broken JSON: a zero byte in the text");
-    free(text);
+    if (!ffp_read_text(path, 1 << 20, &text, &size, err)) return false;
+    const bool ok = strlen(text) == size
+                        ? ffp_train_config_parse(config, text, path, err)
+                        : ffp_fail(err, FFP_ERROR_FILE, path, "broken JSON: a zero byte in the text");
+    ffp_free(text);
     return ok;
 }
 
@@ -321,5 +326,9 @@ char *ffp_train_config_print(const FfpTrainConfig *config) {
     json_object_set_new(root, "model", print_fields(&config->model, model_fields, COUNT(model_fields)));
     char *text = json_dumps(root, JSON_INDENT(1) | JSON_PRESERVE_ORDER);
     json_decref(root);
-    return text;
+    ffp_own(text, free);
+    char *copy = ffp_copy_text(text ? text : "");
+    ffp_disown(text);
+    free(text);
+    return copy;
 }

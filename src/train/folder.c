@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include "base/arena.h"
+#include "base/call.h"
 #include "base/file.h"
 #include "base/rng.h"
 #include "train/train.h"
@@ -28,30 +29,39 @@ static void add_name(FfpSceneFolder *folder, const char *name) {
     if ((count & (count - 1)) == 0) { // 0 and the powers of two: full
         void *larger = ffp_alloc(count ? 2 * count : 1, size);
         if (count) memcpy(larger, folder->names, count * size);
-        free(folder->names);
+        ffp_free(folder->names);
         folder->names = larger;
     }
     memcpy(folder->names[count], name, strlen(name) + 1); // is_scene_name knows that it fits
     folder->count++;
 }
 
+static void close_folder(void *entries) {
+    closedir(entries);
+}
+
 bool ffp_scene_folder_open(FfpSceneFolder *folder, const char *path, FfpError *err) {
     *folder = (FfpSceneFolder){0};
-    if (strlen(path) >= sizeof folder->path) return ffp_fail(err, path, "path is too long");
+    if (strlen(path) >= sizeof folder->path)
+        return ffp_fail(err, FFP_ERROR_ARGUMENT, path, "path is too long");
     memcpy(folder->path, path, strlen(path) + 1);
     DIR *entries = opendir(path);
-    if (!entries) return ffp_fail(err, path, "cannot read the folder of scenes: %s", strerror(errno));
+    if (!entries)
+        return ffp_fail(err, FFP_ERROR_IO, path, "cannot read the folder of scenes: %s", strerror(errno));
+    ffp_own(entries, close_folder);
     for (struct dirent *entry; (entry = readdir(entries)) != NULL;)
         if (is_scene_name(entry->d_name)) add_name(folder, entry->d_name);
+    ffp_disown(entries);
     closedir(entries);
     if (folder->count == 0)
-        return ffp_fail(err, path, "holds no scene of the training split (train_00000 and so on)");
+        return ffp_fail(err, FFP_ERROR_FILE, path,
+                        "holds no scene of the training split (train_00000 and so on)");
     qsort(folder->names, (size_t)folder->count, sizeof *folder->names, by_name);
     return true;
 }
 
 void ffp_scene_folder_close(FfpSceneFolder *folder) {
-    free(folder->names);
+    ffp_free(folder->names);
     *folder = (FfpSceneFolder){0};
 }
 
@@ -66,7 +76,7 @@ const char *ffp_scene_folder_name(const FfpSceneFolder *folder, int64_t seed, in
         order[i] = swap;
     }
     const char *name = folder->names[order[wanted]];
-    free(order);
+    ffp_free(order);
     return name;
 }
 
@@ -80,7 +90,7 @@ static void append_views(FfpCapture *capture, FfpCapture *more) {
     memcpy(views + n, more->views, m * sizeof *views);
     for (size_t v = n; v < n + m; v++)
         for (int p = capture->n_patterns; p < more->n_patterns; p++) ffp_image_free(&views[v].images[p]);
-    free(capture->views);
+    ffp_free(capture->views);
     capture->views = views;
     capture->n_views += more->n_views;
     more->n_views = 0;
@@ -96,7 +106,7 @@ static bool choose_patterns(const FfpCapture *capture, int lollipops, int *chose
     }
     chosen[0] = capture->black, chosen[1] = capture->white;
     return count == lollipops ||
-           ffp_fail(err, ffp_place(json, "patterns").text,
+           ffp_fail(err, FFP_ERROR_FILE, ffp_place(json, "patterns").text,
                     "%d patterns besides black and white; the configuration's lollipops asks for %d", count,
                     lollipops);
 }
@@ -109,7 +119,7 @@ static void keep_patterns(FfpCapture *capture, const int *chosen, int count) {
         capture->patterns[chosen[k]].image = (FfpImage){0};
     }
     for (int p = 0; p < capture->n_patterns; p++) ffp_image_free(&capture->patterns[p].image);
-    free(capture->patterns);
+    ffp_free(capture->patterns);
     for (int v = 0; v < capture->n_views; v++) {
         FfpImage *before = capture->views[v].images, *images = ffp_alloc((size_t)count, sizeof *images);
         for (int k = 0; k < count; k++) {
@@ -117,7 +127,7 @@ static void keep_patterns(FfpCapture *capture, const int *chosen, int count) {
             before[chosen[k]] = (FfpImage){0};
         }
         for (int p = 0; p < capture->n_patterns; p++) ffp_image_free(&before[p]);
-        free(before);
+        ffp_free(before);
         capture->views[v].images = images;
     }
     capture->patterns = patterns;
@@ -131,13 +141,14 @@ static bool check_view(const FfpView *view, const FfpTrainConfig *c, const int *
     char field[FFP_NAME_MAX + 64];
     snprintf(field, sizeof field, "view '%.95s', camera", view->id);
     if (view->camera.width != resolution || view->camera.height != resolution)
-        return ffp_fail(err, ffp_place(json, field).text,
+        return ffp_fail(err, FFP_ERROR_FILE, ffp_place(json, field).text,
                         "pictures of %d x %d; the configuration's resolution asks for %d", view->camera.width,
                         view->camera.height, resolution);
     snprintf(field, sizeof field, "view '%.95s', images", view->id);
     for (int k = 0; k < 2 + c->lollipops; k++)
         if (!view->images[chosen[k]].data)
-            return ffp_fail(err, ffp_place(json, field).text, "a picture under a pattern is missing");
+            return ffp_fail(err, FFP_ERROR_FILE, ffp_place(json, field).text,
+                            "a picture under a pattern is missing");
     const struct {
         const char *name;
         const FfpImage *map;
@@ -149,7 +160,7 @@ static bool check_view(const FfpView *view, const FfpTrainConfig *c, const int *
     for (size_t i = 0; i < sizeof maps / sizeof *maps; i++) {
         snprintf(field, sizeof field, "view '%.95s', %s", view->id, maps[i].name);
         if (maps[i].wanted && !maps[i].map->data)
-            return ffp_fail(err, ffp_place(json, field).text,
+            return ffp_fail(err, FFP_ERROR_FILE, ffp_place(json, field).text,
                             "a true map that the configuration uses is missing");
     }
     return true;
@@ -172,7 +183,7 @@ typedef struct Part { // input views or new poses: what is asked of their file
 static bool check_part(const FfpCapture *capture, const Part *part, const FfpTrainConfig *config,
                        const int *chosen, FfpError *err) {
     if (capture->n_views < part->views)
-        return ffp_fail(err, ffp_place(part->json, "views").text,
+        return ffp_fail(err, FFP_ERROR_FILE, ffp_place(part->json, "views").text,
                         "holds %d views; the configuration's %s asks for %d", capture->n_views, part->field,
                         part->views);
     for (int v = 0; v < part->views; v++)
@@ -184,9 +195,11 @@ static bool check_part(const FfpCapture *capture, const Part *part, const FfpTra
 static bool read_targets(FfpCapture *capture, const FfpTrainConfig *config, const char *folder,
                          const int *chosen, int resolution, FfpError *err) {
     char json[FFP_PATH_MAX];
-    if (!ffp_join_path(json, folder, "targets/scene.json")) return ffp_fail(err, folder, "path is too long");
+    if (!ffp_join_path(json, folder, "targets/scene.json"))
+        return ffp_fail(err, FFP_ERROR_ARGUMENT, folder, "path is too long");
     if (!ffp_is_file(json))
-        return ffp_fail(err, json, "the scene has no new poses; the configuration's targets asks for %d",
+        return ffp_fail(err, FFP_ERROR_FILE, json,
+                        "the scene has no new poses; the configuration's targets asks for %d",
                         config->targets);
     const Part part = {json, "targets", config->targets, resolution};
     FfpCapture targets = {0};
@@ -204,7 +217,7 @@ bool ffp_scene_folder_read(FfpCapture *capture, const FfpSceneFolder *folder, co
                            const FfpTrainConfig *config, int resolution, FfpError *err) {
     char path[FFP_PATH_MAX], json[FFP_PATH_MAX];
     if (!ffp_join_path(path, folder->path, name) || !ffp_join_path(json, path, "scene.json"))
-        return ffp_fail(err, folder->path, "path is too long");
+        return ffp_fail(err, FFP_ERROR_ARGUMENT, folder->path, "path is too long");
     const Part part = {json, "views", config->views, resolution};
     int *chosen = ffp_alloc((size_t)config->lollipops + 2, sizeof *chosen);
     bool ok = ffp_capture_read(capture, json, err) &&
@@ -216,6 +229,6 @@ bool ffp_scene_folder_read(FfpCapture *capture, const FfpSceneFolder *folder, co
         keep_patterns(capture, chosen, config->lollipops + 2);
     else
         ffp_capture_free(capture);
-    free(chosen);
+    ffp_free(chosen);
     return ok;
 }

@@ -22,12 +22,12 @@ FfpMirror *ffp_mirror_new(const FfpModel *model, const FfpAdam *adam, const FfpT
 void ffp_mirror_free(FfpMirror *mirror, const FfpTrainConfig *config) {
     if (!mirror) return;
     for (int i = 0; i < config->pool; i++) ffp_scene_upload_free(&mirror->scenes[i]);
-    free(mirror->scenes);
+    ffp_free(mirror->scenes);
     ffp_memory_free(mirror->model.values);
     ffp_memory_free(mirror->adam.m);
     ffp_memory_free(mirror->adam.v);
     ffp_memory_free(mirror->adam.ema);
-    free(mirror);
+    ffp_free(mirror);
 }
 
 const FfpScene *ffp_mirror_scene(FfpMirror *mirror, int slot, bool fresh, const FfpScene *scene) {

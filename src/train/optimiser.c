@@ -5,6 +5,7 @@
 #include <string.h>
 #include "base/arena.h"
 #include "base/device.h"
+#include "train/kernels/kernels.h"
 #include "train/table.h"
 #include "train/train.h"
 
@@ -17,9 +18,9 @@ FfpAdam ffp_adam_new(const FfpModel *model) {
 }
 
 void ffp_adam_free(FfpAdam *adam) {
-    free(adam->m);
-    free(adam->v);
-    free(adam->ema);
+    ffp_free(adam->m);
+    ffp_free(adam->v);
+    ffp_free(adam->ema);
     *adam = (FfpAdam){0};
 }
 
@@ -46,7 +47,7 @@ static double squared_norm(const real *x, int64_t count) {
     }
     double total = 0;
     for (int64_t b = 0; b < blocks; b++) total += partial[b];
-    free(partial);
+    ffp_free(partial);
     return total;
 }
 
@@ -56,8 +57,7 @@ static void update_range(const FfpAdamRates *r, real *w, real *m, real *v, real 
         ffp_device()->train->adam(r, w, m, v, ema, grad, count);
         return;
     }
-#pragma omp parallel for simd schedule(static)
-    for (int64_t i = 0; i < count; i++) ffp_adam_move(r, w + i, m + i, v + i, ema + i, grad[i]);
+    ffp_train_kernels()->adam_move(r, w, m, v, ema, grad, count);
 }
 
 double ffp_adam_update(FfpAdam *adam, FfpModel *model, const real *grad, const FfpTrainConfig *config,

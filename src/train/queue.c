@@ -2,13 +2,13 @@
 // and marks it; the taker empties the oldest place.
 #include "train/queue.h"
 
-#include <omp.h>
 #include <pthread.h>
 #include <signal.h>
 #include <stdlib.h>
 #include <string.h>
 #include <time.h>
 #include "base/arena.h"
+#include "base/call.h"
 
 enum { POLL_MS = 100 }; // how often a waiting taker looks at *stop
 
@@ -22,7 +22,8 @@ typedef struct Place {
 
 struct FfpQueue {
     FfpSceneSource source;
-    const atomic_bool *stop;
+    atomic_bool *stop;
+    FfpContext context;   // of the generators
     pthread_mutex_t lock; // of everything below
     pthread_cond_t made;  // a place became READY or FAILED, or no scene is left to be made
     pthread_cond_t freed; // a place became EMPTY, or the queue closes
@@ -51,12 +52,23 @@ static Place *claim(FfpQueue *queue, int64_t *step) {
     return place;
 }
 
+typedef struct Making {
+    const FfpSceneSource *source;
+    int64_t step;
+    FfpScene *scene;
+} Making;
+
+static bool make(void *argument, FfpError *err) {
+    const Making *m = argument;
+    return m->source->make(m->source->context, m->step, m->scene, err);
+}
+
 static void *generate(void *argument) {
     FfpQueue *queue = argument;
-    omp_set_num_threads(1); // of this thread's own parallel regions
     int64_t step;
     for (Place *place; (place = claim(queue, &step)) != NULL;) {
-        const bool ok = queue->source.make(queue->source.context, step, &place->scene, &place->error);
+        Making making = {&queue->source, step, &place->scene};
+        const bool ok = ffp_call_run(&queue->context, make, &making, &place->error);
         pthread_mutex_lock(&queue->lock);
         place->state = ok ? READY : FAILED;
         pthread_cond_broadcast(&queue->made);
@@ -76,15 +88,20 @@ static bool start_threads(FfpQueue *queue, int generators, FfpError *err) {
         queue->n_threads += problem == 0;
     }
     pthread_sigmask(SIG_SETMASK, &before, NULL);
-    return problem == 0 || ffp_fail(err, "generators", "cannot start thread %d of %d: %s",
+    return problem == 0 || ffp_fail(err, FFP_ERROR_IO, "generators", "cannot start thread %d of %d: %s",
                                     queue->n_threads + 1, generators, strerror(problem));
 }
 
+static void free_queue(void *thing);
+
 FfpQueue *ffp_queue_new(const FfpSceneSource *source, int64_t first, int generators, int capacity,
-                        const atomic_bool *stop, FfpError *err) {
+                        atomic_bool *stop, FfpError *err) {
     FfpQueue *queue = ffp_alloc(1, sizeof *queue);
     queue->source = *source;
     queue->stop = stop;
+    if (ffp_call_context()) queue->context = *ffp_call_context();
+    queue->context.settings.progress = NULL;
+    queue->context.settings.threads = 1;
     queue->capacity = capacity;
     queue->places = ffp_alloc((size_t)capacity, sizeof *queue->places);
     queue->threads = ffp_alloc((size_t)generators, sizeof *queue->threads);
@@ -96,6 +113,7 @@ FfpQueue *ffp_queue_new(const FfpSceneSource *source, int64_t first, int generat
     pthread_cond_init(&queue->made, &clock);
     pthread_cond_init(&queue->freed, NULL);
     pthread_condattr_destroy(&clock);
+    ffp_own(queue, free_queue);
     if (start_threads(queue, generators, err)) return queue;
     ffp_queue_free(queue);
     return NULL;
@@ -116,6 +134,7 @@ static bool await(FfpQueue *queue, const Place *place) {
         if (atomic_load(queue->stop) || (place->state == EMPTY && queue->from < 0)) return false;
         const struct timespec at = soon();
         pthread_cond_timedwait(&queue->made, &queue->lock, &at);
+        if (ffp_cancelled()) atomic_store(queue->stop, true);
     }
     return true;
 }
@@ -127,7 +146,7 @@ bool ffp_queue_take(FfpQueue *queue, FfpScene *scene, bool *stopped, FfpError *e
     Place *place = &queue->places[queue->taken % queue->capacity];
     *stopped = !await(queue, place);
     if (!*stopped) {
-        ok = place->state == READY || ffp_fail(err, NULL, "%s", place->error.text);
+        ok = place->state == READY || ffp_fail(err, place->error.code, NULL, "%s", place->error.text);
         if (ok) *scene = place->scene;
         *place = (Place){.state = EMPTY};
         queue->taken++;
@@ -146,7 +165,12 @@ int ffp_queue_ready(FfpQueue *queue) {
 }
 
 void ffp_queue_free(FfpQueue *queue) {
-    if (!queue) return;
+    ffp_disown(queue);
+    if (queue) free_queue(queue);
+}
+
+static void free_queue(void *thing) {
+    FfpQueue *queue = thing;
     pthread_mutex_lock(&queue->lock);
     queue->closing = true;
     pthread_cond_broadcast(&queue->freed);
@@ -157,7 +181,7 @@ void ffp_queue_free(FfpQueue *queue) {
     pthread_cond_destroy(&queue->made);
     pthread_cond_destroy(&queue->freed);
     pthread_mutex_destroy(&queue->lock);
-    free(queue->places);
-    free(queue->threads);
-    free(queue);
+    ffp_free(queue->places);
+    ffp_free(queue->threads);
+    ffp_free(queue);
 }

@@ -19,10 +19,11 @@ typedef struct FfpSceneSource {
 typedef struct FfpQueue FfpQueue;
 
 // `generators` threads (>= 1) begin with the first scene needed from step `first` on and keep at most
-// `capacity` (>= 1) scenes, made or in the making. Each has one OpenMP thread and takes no signals. When
-// *stop becomes true no further scene is begun. NULL with an error when a thread cannot be started.
+// `capacity` (>= 1) scenes, made or in the making. Each has one OpenMP thread, takes no signals and works for
+// the context of the caller's call (base/call.h). When *stop becomes true no further scene is begun; waiting
+// sets it when that call is cancelled. NULL with an error when a thread cannot be started.
 FfpQueue *ffp_queue_new(const FfpSceneSource *source, int64_t first, int generators, int capacity,
-                        const atomic_bool *stop, FfpError *err);
+                        atomic_bool *stop, FfpError *err);
 // The next scene needed, now the caller's; waits for it. *stopped: *stop was set while it was not ready, and
 // *scene is empty. False with the maker's error when it could not be made.
 bool ffp_queue_take(FfpQueue *queue, FfpScene *scene, bool *stopped, FfpError *err);

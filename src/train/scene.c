@@ -27,7 +27,7 @@ static FfpSensor random_sensor(FfpRng *rng) {
 // otherwise.
 static void mix(FfpSceneSpec *spec, const FfpTrainConfig *config, int64_t number) {
     FfpRng rng = ffp_rng((uint64_t)config->seed * 3 + 2, (uint64_t)number);
-    if (ffp_rng_uniform(&rng) < config->free_share) spec->rig = FFP_RIG_FREE;
+    if (ffp_rng_uniform(&rng) < config->free_share) spec->rig = FFP_SCENE_FREE;
     const bool large = ffp_rng_uniform(&rng) < config->large_share;
     if (large && spec->resolution == config->resolution) spec->resolution = config->large_resolution;
     if (config->views_least > 0)
@@ -39,11 +39,11 @@ static void mix(FfpSceneSpec *spec, const FfpTrainConfig *config, int64_t number
 static bool scene_spec(FfpSceneSpec *spec, const FfpTrainConfig *config, const char *split, int64_t number,
                        int resolution, FfpError *err) {
     const int capacity = ffp_mesh_count();
-    int *meshes = malloc((size_t)capacity * sizeof *meshes);
-    const int count = meshes ? ffp_split_meshes(split, meshes, capacity) : 0;
+    int *meshes = ffp_alloc((size_t)capacity, sizeof *meshes);
+    const int count = ffp_split_meshes(split, meshes, capacity);
     if (count < 1) {
-        free(meshes);
-        return ffp_fail(err, split, "no meshes in this split");
+        ffp_free(meshes);
+        return ffp_fail(err, FFP_ERROR_ARGUMENT, split, "no meshes in this split");
     }
     FfpRng rng = ffp_rng((uint64_t)config->seed * 3 + (split[0] == 'v' ? 1 : 0), (uint64_t)number);
     *spec = ffp_scene_defaults();
@@ -61,7 +61,7 @@ static bool scene_spec(FfpSceneSpec *spec, const FfpTrainConfig *config, const c
     const bool training = split[0] == 't';
     if (training && ffp_rng_uniform(&rng) < config->sensor_share) spec->sensor = random_sensor(&rng);
     if (training) mix(spec, config, number);
-    free(meshes);
+    ffp_free(meshes);
     return true;
 }
 
@@ -91,8 +91,8 @@ static bool prepare(FfpScene *scene, const FfpTrainConfig *config, int views, Ff
     const FfpMatchSettings settings = ffp_match_defaults();
     scene->active = ffp_capture_active_pattern(&scene->inputs, NULL, err);
     if (scene->active < 0 || !ffp_start_new(&scene->start, &scene->inputs, scene->active, &settings, err) ||
-        !ffp_context_new(&scene->context, &config->model, &scene->inputs, &scene->start, scene->active,
-                         err)) {
+        !ffp_pixel_context_new(&scene->context, &config->model, &scene->inputs, &scene->start, scene->active,
+                               err)) {
         ffp_scene_close(scene);
         return false;
     }
@@ -108,16 +108,16 @@ static bool prepare(FfpScene *scene, const FfpTrainConfig *config, int views, Ff
 
 static bool open_rig(FfpScene *scene, const FfpTrainConfig *config, const char *split, int64_t number,
                      int resolution, bool free_rig, FfpError *err) {
-    FfpSceneSpec spec;
-    FfpError why = {""};
+    FfpSceneSpec spec = {0};
+    FfpError why = {0};
     *scene = (FfpScene){0};
     const bool ok = scene_spec(&spec, config, split, number, resolution, &why);
-    if (ok && free_rig) spec.rig = FFP_RIG_FREE;
+    if (ok && free_rig) spec.rig = FFP_SCENE_FREE;
     if (ok && ffp_scene_make(&scene->capture, &spec, &why) && prepare(scene, config, spec.views, &why))
         return true;
     char where[64];
     snprintf(where, sizeof where, "scene %lld of the %.16s split", (long long)number, split);
-    return ffp_fail(err, where, "%s", why.text);
+    return ffp_fail(err, why.code, where, "%s", why.text);
 }
 
 bool ffp_scene_open(FfpScene *scene, const FfpTrainConfig *config, const char *split, int64_t number,
@@ -141,10 +141,10 @@ bool ffp_scene_read(FfpScene *scene, const FfpTrainConfig *config, const FfpScen
 void ffp_scene_close(FfpScene *scene) {
     for (int i = 0; scene->patterns && i < scene->capture.n_patterns; i++)
         ffp_summed_free(&scene->patterns[i]);
-    free(scene->patterns);
-    free(scene->true_t);
+    ffp_free(scene->patterns);
+    ffp_free(scene->true_t);
     ffp_prepared_free(scene->prepared);
-    ffp_context_free(&scene->context);
+    ffp_pixel_context_free(&scene->context);
     ffp_start_free(&scene->start);
     ffp_capture_free(&scene->capture);
     *scene = (FfpScene){0};

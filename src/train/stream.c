@@ -77,7 +77,7 @@ static bool make_scene(const void *context, int64_t step, FfpScene *scene, FfpEr
 }
 
 FfpStream *ffp_stream_new(const FfpTrainConfig *config, const FfpSceneFolder *folder, int64_t first,
-                          int64_t end, const atomic_bool *stop, FfpError *err) {
+                          int64_t end, atomic_bool *stop, FfpError *err) {
     FfpStream *stream = ffp_alloc(1, sizeof *stream);
     *stream = (FfpStream){.config = config, .folder = folder, .first = first, .end = end};
     stream->slots = ffp_alloc((size_t)config->pool, sizeof *stream->slots);
@@ -110,7 +110,7 @@ void ffp_stream_free(FfpStream *stream) {
     ffp_queue_free(stream->queue);
     for (int i = 0; i < stream->config->pool; i++)
         if (stream->full[i]) ffp_scene_close(&stream->slots[i]);
-    free(stream->slots);
-    free(stream->full);
-    free(stream);
+    ffp_free(stream->slots);
+    ffp_free(stream->full);
+    ffp_free(stream);
 }

@@ -1,4 +1,4 @@
-// Training (ffp_train_model of the public header): scenes made as it goes, one step, the optimiser,
+// Training: scenes made as it goes, one step, the optimiser,
 // checkpoints, validation. Everything random in a step is a pure function of (seed, step), so a resumed run
 // repeats the bits of one that was never stopped.
 #ifndef FFP_TRAIN_TRAIN_H
@@ -67,7 +67,7 @@ bool ffp_train_config_read(FfpTrainConfig *config, const char *path, FfpError *e
 // The same from text; `where` names it in errors.
 bool ffp_train_config_parse(FfpTrainConfig *config, const char *text, const char *where, FfpError *err);
 char *ffp_train_config_print(
-    const FfpTrainConfig *config); // JSON text, malloc'd; reads back to the same configuration
+    const FfpTrainConfig *config); // JSON text, released with ffp_free; reads back to the same configuration
 
 // --- The parts, in the order of a step; used by ffp_train and by the tests. ---
 
@@ -77,9 +77,9 @@ typedef struct FfpScene {
     FfpCapture capture; // input views first, then the new-pose views
     FfpCapture inputs;  // the same memory seen with only the input views: do not free
     FfpStart start;
-    FfpContext context;  // of the configuration's model
-    FfpSummed *patterns; // [capture.n_patterns]
-    int active;          // input pattern
+    FfpPixelContext context; // of the configuration's model
+    FfpSummed *patterns;     // [capture.n_patterns]
+    int active;              // input pattern
     // Where a device is offered (base/device.h), else NULL. A scene on the device (mirror.h) lacks `start`
     // and `context`:
     FfpPrepared *prepared; // what the network takes from the scene
@@ -128,7 +128,7 @@ typedef struct FfpStream FfpStream;
 // is begun any more once *stop is true. All arguments must outlive the stream. NULL with an error when
 // threads cannot be started.
 FfpStream *ffp_stream_new(const FfpTrainConfig *config, const FfpSceneFolder *folder, int64_t first,
-                          int64_t end, const atomic_bool *stop, FfpError *err);
+                          int64_t end, atomic_bool *stop, FfpError *err);
 // The step's scene, the stream's own, good until the next call; *scene is NULL when *stop came before it was
 // ready. *fresh: the slot has changed with this step.
 bool ffp_stream_scene(FfpStream *stream, int64_t step, const FfpScene **scene, bool *fresh, FfpError *err);
@@ -198,5 +198,14 @@ bool ffp_checkpoint_write(const char *path, const FfpModel *model, const FfpAdam
 // The model (new), and what belongs to it, into the arguments; NULL with an error.
 FfpModel *ffp_checkpoint_read(const char *path, FfpAdam *adam, FfpTrainConfig *config,
                               char origin[FFP_ORIGIN_MAX], FfpError *err);
+
+// A training run (FfpTraining of the public header says what the fields are).
+typedef struct FfpTrainRun {
+    const char *out, *config, *initial, *perceptual; // only `out` is needed
+    int64_t steps, stop_at;                          // -1 and 0: as the configuration says, to the end
+    bool resume;
+} FfpTrainRun;
+// Runs to the end, or until the call is cancelled: then it writes a checkpoint first, and has succeeded.
+bool ffp_train_run(const FfpTrainRun *options, FfpError *err);
 
 #endif

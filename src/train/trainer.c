@@ -1,13 +1,12 @@
 // The training loop.
 #include <math.h>
-#include <signal.h>
 #include <stdlib.h>
 #include <string.h>
 #include <time.h>
 #include <unistd.h>
 #include <jansson.h>
-#include "ffprocams.h"
 #include "base/arena.h"
+#include "base/call.h"
 #include "base/device.h"
 #include "base/file.h"
 #include "base/log.h"
@@ -31,18 +30,14 @@ typedef struct Trainer {
     real *grad;        // where the steps are made
     FILE *metrics;
     double started, saved; // seconds
+    atomic_bool stop;      // no further step, and no further scene
 } Trainer;
 
 static const char program[] = "ffprocams " FFP_VERSION ", commit " FFP_COMMIT;
 
-static atomic_bool interrupted;
-static void on_signal(int number) {
-    (void)number;
-    interrupted = true;
-}
-
 static bool out_path(char path[FFP_PATH_MAX], const Trainer *trainer, const char *name, FfpError *err) {
-    return ffp_join_path(path, trainer->out, name) || ffp_fail(err, trainer->out, "path is too long");
+    return ffp_join_path(path, trainer->out, name) ||
+           ffp_fail(err, FFP_ERROR_ARGUMENT, trainer->out, "path is too long");
 }
 
 static void write_metrics(Trainer *trainer, json_t *line) {
@@ -155,7 +150,7 @@ static bool save(Trainer *trainer, FfpError *err) {
     swap_ema(trainer);
     const bool ok = ffp_model_write(trainer->model, path, false, metadata, 4, err);
     swap_ema(trainer);
-    free(config);
+    ffp_free(config);
     trainer->saved = ffp_seconds();
     return ok;
 }
@@ -197,15 +192,20 @@ static bool one_step(Trainer *trainer, int64_t step, FfpError *err) {
 
 // A step that failed has changed nothing: what was learnt before it is kept.
 static void save_what_there_is(Trainer *trainer) {
-    FfpError why = {""};
+    FfpError why = {0};
     ffp_note("failed at step %lld: writing a checkpoint", (long long)trainer->adam.step);
     if (!save(trainer, &why)) ffp_warning("%s", why.text);
+}
+
+static bool is_to_stop(Trainer *trainer) {
+    if (ffp_cancelled()) trainer->stop = true;
+    return trainer->stop;
 }
 
 static bool run(Trainer *trainer, int64_t stop_at, FfpError *err) {
     const FfpTrainConfig *config = &trainer->config;
     const int64_t first = trainer->adam.step;
-    while (trainer->adam.step < config->steps && !interrupted) {
+    while (trainer->adam.step < config->steps && !is_to_stop(trainer)) {
         const int64_t step = trainer->adam.step;
         if (!one_step(trainer, step, err)) {
             if (step > first) save_what_there_is(trainer);
@@ -218,9 +218,9 @@ static bool run(Trainer *trainer, int64_t stop_at, FfpError *err) {
             if (!save(trainer, err)) return false;
         if (config->validate_every && (last || done % config->validate_every == 0))
             if (!validate(trainer, done, err)) return false;
-        if (done == stop_at) interrupted = true;
+        if (done == stop_at) trainer->stop = true;
     }
-    if (interrupted && trainer->adam.step < config->steps) {
+    if (trainer->stop && trainer->adam.step < config->steps) {
         ffp_note("stopped at step %lld: writing a checkpoint", (long long)trainer->adam.step);
         return save(trainer, err);
     }
@@ -228,7 +228,7 @@ static bool run(Trainer *trainer, int64_t stop_at, FfpError *err) {
 }
 
 // "random", or the steps and the program of the weights that the run starts from.
-static void tell_origin(Trainer *trainer, const char *path) {
+static void log_origin(Trainer *trainer, const char *path) {
     const char *steps = "?", *by = "?";
     for (int i = 0; i < trainer->model->metadata_count; i++) {
         const char *key = trainer->model->metadata[2 * i], *value = trainer->model->metadata[2 * i + 1];
@@ -263,12 +263,12 @@ static FfpModel *read_initial(const char *path, const FfpTrainConfig *config, Ff
 }
 
 // The model and its configuration: from the checkpoint, from given weights, or new.
-static bool open_model(Trainer *trainer, const FfpTraining *options, FfpError *err) {
+static bool open_model(Trainer *trainer, const FfpTrainRun *options, FfpError *err) {
     FfpTrainConfig *config = &trainer->config;
     char path[FFP_PATH_MAX];
     if (options->resume) {
         if (options->config || options->initial) {
-            ffp_fail(err, NULL,
+            ffp_fail(err, FFP_ERROR_ARGUMENT, NULL,
                      "a resumed run takes its configuration and weights from the checkpoint alone");
             return false;
         }
@@ -284,7 +284,7 @@ static bool open_model(Trainer *trainer, const FfpTraining *options, FfpError *e
                                       : ffp_model_new(&config->model, (uint64_t)config->seed, err);
     if (!trainer->model) return false;
     config->model = trainer->model->config;
-    tell_origin(trainer, options->initial);
+    log_origin(trainer, options->initial);
     trainer->adam = ffp_adam_new(trainer->model);
     return true;
 }
@@ -293,10 +293,11 @@ static bool open_metrics(Trainer *trainer, bool resume, FfpError *err) {
     char path[FFP_PATH_MAX];
     if (!ffp_make_folders(trainer->out, err) || !out_path(path, trainer, "metrics.jsonl", err)) return false;
     if (!resume && ffp_is_file(path))
-        return ffp_fail(err, path,
-                        "a run is here already: --resume goes on with it, another --out starts afresh");
-    trainer->metrics = fopen(path, "a");
-    return trainer->metrics || ffp_fail(err, path, "cannot write");
+        return ffp_fail(err, FFP_ERROR_ARGUMENT, path,
+                        "a run is here already: resume it, or choose another folder to start afresh");
+    trainer->metrics = ffp_open_to_grow(path, true, err);
+    if (trainer->metrics) ffp_own_file(trainer->metrics);
+    return trainer->metrics != NULL;
 }
 
 static bool open_scenes(Trainer *trainer, int64_t stop_at, FfpError *err) {
@@ -304,7 +305,7 @@ static bool open_scenes(Trainer *trainer, int64_t stop_at, FfpError *err) {
     const int64_t first = trainer->adam.step;
     const int64_t end = stop_at > first && stop_at < config->steps ? stop_at : config->steps;
     trainer->scenes =
-        ffp_stream_new(config, config->scenes[0] ? &trainer->folder : NULL, first, end, &interrupted, err);
+        ffp_stream_new(config, config->scenes[0] ? &trainer->folder : NULL, first, end, &trainer->stop, err);
     return trainer->scenes != NULL;
 }
 
@@ -330,11 +331,12 @@ static void close_device(Trainer *trainer) {
 // What training on a device lacks.
 static bool check_device(const FfpTrainConfig *config, FfpError *err) {
     if (!ffp_device_offered() || config->warmup_geometry == 0) return true;
-    return ffp_fail(err, "warmup_geometry", "is not on the device: 0, or train on the CPU");
+    return ffp_fail(err, FFP_ERROR_UNSUPPORTED, "warmup_geometry",
+                    "is not on the device: 0, or train on the CPU");
 }
 
 // The metrics file is opened after all that can be wrong: a folder that holds one counts as a run.
-static bool open_trainer(Trainer *trainer, const FfpTraining *options, FfpError *err) {
+static bool open_trainer(Trainer *trainer, const FfpTrainRun *options, FfpError *err) {
     trainer->out = options->out;
     if (!open_model(trainer, options, err) || !check_device(&trainer->config, err)) return false;
     if (options->perceptual && !(trainer->perceptual = ffp_perceptual_read(options->perceptual, err)))
@@ -355,18 +357,13 @@ static void close_trainer(Trainer *trainer) {
     close_device(trainer);
     ffp_adam_free(&trainer->adam);
     ffp_model_free(trainer->model);
-    if (trainer->metrics) fclose(trainer->metrics);
+    if (trainer->metrics) ffp_close_file(trainer->metrics);
 }
 
-bool ffp_train_model(const FfpTraining *options, FfpError *err) {
-    struct sigaction action = {.sa_handler = on_signal}, old_int, old_term;
-    interrupted = false;
-    sigaction(SIGINT, &action, &old_int);
-    sigaction(SIGTERM, &action, &old_term);
+bool ffp_train_run(const FfpTrainRun *options, FfpError *err) {
     Trainer trainer = {0};
+    ffp_cancel_hold_off(true); // it ends with a checkpoint
     const bool ok = open_trainer(&trainer, options, err) && run(&trainer, options->stop_at, err);
     close_trainer(&trainer);
-    sigaction(SIGINT, &old_int, NULL);
-    sigaction(SIGTERM, &old_term, NULL);
     return ok;
 }

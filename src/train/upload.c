@@ -22,7 +22,7 @@ void ffp_scene_upload(FfpScene *there, const FfpScene *scene) {
 void ffp_scene_upload_free(FfpScene *there) {
     if (!there->prepared) return;
     for (int p = 0; p < there->capture.n_patterns; p++) ffp_summed_free(&there->patterns[p]);
-    free(there->patterns);
+    ffp_free(there->patterns);
     ffp_capture_free(&there->capture);
     ffp_memory_free(there->true_t);
     ffp_prepared_free(there->prepared);

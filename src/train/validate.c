@@ -23,7 +23,7 @@ typedef struct Viewer { // what rendering needs from picture to picture
 } Viewer;
 
 static Viewer viewer_new(const FfpModelConfig *model, int side) {
-    Viewer viewer = {.settings = ffp_render_settings(ffp_model_drawing(model)),
+    Viewer viewer = {.settings = ffp_render_settings(ffp_model_is_paper_form(model), model->samples),
                      .picture = ffp_image_new(side, side, 3)};
     viewer.pass = ffp_view_pass_new(&viewer.settings);
     return viewer;
@@ -93,7 +93,7 @@ static double depth_error_median(const FfpScene *scene, const FfpRun *run) {
     }
     qsort(errors, (size_t)count, sizeof *errors, compare);
     const double median = count ? 100 * errors[count / 2] : 0;
-    free(errors);
+    ffp_free(errors);
     return median;
 }
 

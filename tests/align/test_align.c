@@ -1,6 +1,7 @@
 // Poses made wrong, and found again: from what a turntable's views share, and from the photographs.
 #include <math.h>
 #include "align/align.h"
+#include "base/alloc.h"
 #include "align/look.h"
 #include "align/ring.h"
 #include "base/rng.h"
@@ -16,7 +17,7 @@ static int setup(void **state) {
     (void)state;
     if (!ffp_capture_read(&capture, FFP_SOURCE_DIR "/data/sample", NULL)) return 1;
     ffp_capture_normalise(&capture, capture.centre, capture.radius);
-    truth = calloc((size_t)capture.n_views, sizeof *truth);
+    truth = ffp_alloc((size_t)capture.n_views, sizeof *truth);
     memcpy(truth, capture.views, (size_t)capture.n_views * sizeof *truth);
     return 0;
 }
@@ -25,7 +26,7 @@ static int teardown(void **state) {
     (void)state;
     memcpy(capture.views, truth, (size_t)capture.n_views * sizeof *truth);
     ffp_capture_free(&capture);
-    free(truth);
+    ffp_free(truth);
     return 0;
 }
 

@@ -87,7 +87,7 @@ static void world_free(World *w) {
 }
 
 static FfpStage sampled_stage_of(World *w, int views, int samples) {
-    const FfpRenderSettings settings = ffp_render_settings((FfpDrawing){FFP_FORM_OURS, samples});
+    const FfpRenderSettings settings = ffp_render_settings(false, samples);
     return ffp_stage_new(&w->gaussians, &w->capture, w->chosen, views, &settings, false);
 }
 
@@ -117,11 +117,11 @@ static double picture_difference(int samples, double *psnr) {
     World w;
     world_new(&w, true);
     FfpStage stage = sampled_stage_of(&w, 1, samples);
-    randomise(&stage.beams[0].pattern, 5, 0, 1);
+    randomise(&stage.projections[0].pattern, 5, 0, 1);
     FfpImage ours = ffp_stage_picture(&stage, 0);
     ffp_image_to_srgb(&ours);
-    const FfpRenderSettings settings = ffp_render_settings((FfpDrawing){FFP_FORM_OURS, samples});
-    FfpSummed summed = ffp_summed_new(&stage.beams[0].pattern);
+    const FfpRenderSettings settings = ffp_render_settings(false, samples);
+    FfpSummed summed = ffp_summed_new(&stage.projections[0].pattern);
     FfpImage theirs = ffp_render_view(&w.gaussians, &w.views[0].camera, &w.views[0].projector,
                                       w.capture.intensity, &summed, &settings);
     double most = 0, brightest = 0;
@@ -155,11 +155,11 @@ static void the_gradient_is_that_of_the_loss(void **state) {
     World w;
     world_new(&w, false);
     FfpStage stage = stage_of(&w, 2);
-    assert_int_equal(stage.n_beams, 2);
+    assert_int_equal(stage.n_projections, 2);
     FfpImage target = waves(SIDE), gradients[2], way[2];
     for (int k = 0; k < 2; k++) {
         ffp_stage_aim(&stage, k, &target, NULL);
-        randomise(&stage.beams[k].pattern, 7 + (uint64_t)k, 0.2, 0.5);
+        randomise(&stage.projections[k].pattern, 7 + (uint64_t)k, 0.2, 0.5);
         gradients[k] = ffp_image_new(PATTERN, PATTERN, 3), way[k] = ffp_image_new(PATTERN, PATTERN, 3);
         randomise(&way[k], 9 + (uint64_t)k, -1, 1);
     }
@@ -168,7 +168,7 @@ static void the_gradient_is_that_of_the_loss(void **state) {
     for (int side = 0; side < 2; side++) {
         for (int k = 0; k < 2; k++)
             for (int i = 0; i < 3 * PATTERN * PATTERN; i++)
-                stage.beams[k].pattern.data[i] += (side ? -0.04F : 0.02F) * way[k].data[i];
+                stage.projections[k].pattern.data[i] += (side ? -0.04F : 0.02F) * way[k].data[i];
         loss[side] = ffp_stage_loss(&stage, NULL);
     }
     for (int k = 0; k < 2; k++)
@@ -185,7 +185,7 @@ static void the_gradient_is_that_of_the_loss(void **state) {
 
 static double unwarped_psnr(FfpStage *stage, const FfpImage *target) {
     FfpImage pattern = ffp_image_resize(target, PATTERN, PATTERN);
-    memcpy(stage->beams[0].pattern.data, pattern.data, (size_t)PATTERN * PATTERN * 3 * sizeof(real));
+    memcpy(stage->projections[0].pattern.data, pattern.data, (size_t)PATTERN * PATTERN * 3 * sizeof(real));
     ffp_image_free(&pattern);
     return ffp_stage_psnr(stage);
 }
@@ -211,7 +211,7 @@ static void compensation_comes_near_and_descent_nearer(void **state) {
     assert_true(closed > unwarped + 6);
     assert_true(descended > closed + 1);
     for (int i = 0; i < 3 * PATTERN * PATTERN; i++)
-        assert_true(stage.beams[0].pattern.data[i] >= 0 && stage.beams[0].pattern.data[i] <= 1);
+        assert_true(stage.projections[0].pattern.data[i] >= 0 && stage.projections[0].pattern.data[i] <= 1);
     ffp_image_free(&target);
     ffp_stage_free(&stage);
     world_free(&w);
@@ -228,9 +228,9 @@ static void two_runs_give_the_same_bits(void **state) {
         ffp_stage_closed_form(&stage);
         ffp_stage_descend(&stage, 3);
         if (run == 0)
-            first = ffp_image_copy(&stage.beams[0].pattern);
+            first = ffp_image_copy(&stage.projections[0].pattern);
         else
-            assert_memory_equal(first.data, stage.beams[0].pattern.data,
+            assert_memory_equal(first.data, stage.projections[0].pattern.data,
                                 PATTERN * PATTERN * 3 * sizeof(real));
         ffp_stage_free(&stage);
     }
@@ -296,7 +296,7 @@ static void projectors_share_where_they_overlap(void **state) {
     world_new(&w, false);
     w.views[1].camera = w.views[0].camera; // one camera twice, two projectors
     FfpStage stage = stage_of(&w, 2);
-    assert_int_equal(stage.n_beams, 2);
+    assert_int_equal(stage.n_projections, 2);
     FfpImage target = grey(SIDE, SIDE, 0.14F);
     for (int s = 0; s < 2; s++) ffp_stage_aim(&stage, s, &target, NULL);
     ffp_stage_closed_form(&stage);
@@ -307,11 +307,12 @@ static void projectors_share_where_they_overlap(void **state) {
     assert_true(closed > 25);
     assert_true(descended > closed);
     for (int k = 0; k < 2; k++) { // each does a part in the middle, and less at the edge of its light
-        const FfpBeam *beam = &stage.beams[k];
+        const FfpProjection *projection = &stage.projections[k];
         const int middle = PATTERN / 2 * PATTERN + PATTERN / 2;
-        assert_true(beam->pattern.data[3 * middle] > 0.02F && beam->pattern.data[3 * middle] < 0.9F);
-        assert_true(beam->feather.data[middle] > 0.5F);
-        assert_true(beam->feather.data[0] < 0.05F);
+        assert_true(projection->pattern.data[3 * middle] > 0.02F &&
+                    projection->pattern.data[3 * middle] < 0.9F);
+        assert_true(projection->feather.data[middle] > 0.5F);
+        assert_true(projection->feather.data[0] < 0.05F);
     }
     ffp_image_free(&target);
     ffp_stage_free(&stage);
@@ -324,7 +325,7 @@ static void views_of_one_projector_share_its_pattern(void **state) {
     world_new(&w, false);
     w.views[1].projector = w.views[0].projector;
     FfpStage stage = stage_of(&w, 2);
-    assert_int_equal(stage.n_beams, 1);
+    assert_int_equal(stage.n_projections, 1);
     FfpImage target = grey(SIDE, SIDE, 0.12F);
     for (int s = 0; s < 2; s++) ffp_stage_aim(&stage, s, &target, NULL);
     ffp_stage_closed_form(&stage);

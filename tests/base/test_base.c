@@ -65,17 +65,18 @@ static void random_numbers_have_their_moments(void **state) {
 static void errors_say_what_and_where(void **state) {
     (void)state;
     FfpError err = {0};
-    assert_false(ffp_fail(&err, "a.json: views[3].c2w", "must be %d", 4));
+    assert_false(ffp_fail(&err, FFP_ERROR_FILE, "a.json: views[3].c2w", "must be %d", 4));
     assert_string_equal(err.text, "must be 4 (a.json: views[3].c2w)");
-    assert_false(ffp_fail(&err, NULL, "%s again", err.text)); // may quote itself
+    assert_int_equal(err.code, FFP_ERROR_FILE);
+    assert_false(ffp_fail(&err, FFP_ERROR_ARGUMENT, NULL, "%s again", err.text)); // may quote itself
     assert_string_equal(err.text, "must be 4 (a.json: views[3].c2w) again");
-    assert_false(ffp_fail(&err, NULL, "bell\a escape\033[31m line\n"));
+    assert_false(ffp_fail(&err, FFP_ERROR_ARGUMENT, NULL, "bell\a escape\033[31m line\n"));
     assert_string_equal(err.text, "bell? escape?[31m line?");
-    assert_false(ffp_fail(NULL, NULL, "nobody listens"));
+    assert_false(ffp_fail(NULL, FFP_ERROR_ARGUMENT, NULL, "nobody listens"));
     char text[5000];
     memset(text, 'x', sizeof text);
     text[sizeof text - 1] = 0;
-    assert_false(ffp_fail(&err, text, "%s", text));
+    assert_false(ffp_fail(&err, FFP_ERROR_ARGUMENT, text, "%s", text));
     assert_int_equal(strlen(err.text), sizeof err.text - 1);
 }
 
@@ -91,7 +92,7 @@ static void files_come_back_whole(void **state) {
     assert_int_equal(size, sizeof bytes);
     assert_memory_equal(data, bytes, size);
     assert_int_equal(data[size], 0);
-    free(data);
+    ffp_free(data);
     assert_false(ffp_read_file(path, sizeof bytes - 1, &data, &size, &err));
     assert_non_null(strstr(err.text, "larger than 199999 bytes"));
     assert_null(data);
@@ -100,7 +101,7 @@ static void files_come_back_whole(void **state) {
     assert_true(ffp_write_file(path, "", 0, &err));
     assert_true(ffp_read_file(path, 0, &data, &size, &err));
     assert_int_equal(size, 0);
-    free(data);
+    ffp_free(data);
 }
 
 static int files_there(void) {
@@ -128,7 +129,7 @@ static void an_aborted_file_changes_nothing(void **state) {
     fflush(out.stream);
     assert_true(ffp_read_file(path, 100, &data, &size, NULL));
     assert_string_equal(data, "old");
-    free(data);
+    ffp_free(data);
     ffp_output_abort(&out);
     ffp_output_abort(&out); // a second time does nothing
     assert_int_equal(files_there(), before);
@@ -138,8 +139,182 @@ static void an_aborted_file_changes_nothing(void **state) {
     ffp_output_abort(&out);
     assert_true(ffp_read_file(path, 100, &data, &size, NULL));
     assert_string_equal(data, "new");
-    free(data);
+    ffp_free(data);
     assert_int_equal(files_there(), before);
+}
+
+static mode_t mode_of(const char *path) {
+    struct stat about;
+    assert_int_equal(lstat(path, &about), 0);
+    return about.st_mode;
+}
+
+static void expect_text(const char *path, const char *want) {
+    char *data;
+    size_t size;
+    assert_true(ffp_read_file(path, 100, &data, &size, NULL));
+    assert_string_equal(data, want);
+    ffp_free(data);
+}
+
+// A link stays a link; what it leads to is replaced, or made.
+static void links_are_written_through(void **state) {
+    (void)state;
+    FfpError err = {0};
+    assert_true(ffp_make_folders(in_scratch("real"), NULL));
+    assert_true(ffp_write_file(in_scratch("real/file"), "old", 3, NULL));
+    assert_int_equal(symlink("real/file", in_scratch("link")), 0);
+    assert_int_equal(symlink("link", in_scratch("second")), 0);
+    assert_int_equal(symlink("real/new", in_scratch("dangling")), 0);
+    assert_int_equal(symlink("circle", in_scratch("circle")), 0);
+    const int before = files_there();
+    assert_true(ffp_output_probe(in_scratch("second"), &err));
+    assert_true(ffp_write_file(in_scratch("second"), "new", 3, &err));
+    expect_text(in_scratch("real/file"), "new");
+    assert_true(S_ISLNK(mode_of(in_scratch("second"))) && S_ISLNK(mode_of(in_scratch("link"))));
+    assert_true(ffp_write_file(in_scratch("dangling"), "made", 4, &err));
+    expect_text(in_scratch("real/new"), "made");
+    assert_true(S_ISLNK(mode_of(in_scratch("dangling"))));
+    assert_false(ffp_write_file(in_scratch("circle"), "x", 1, &err));
+    assert_non_null(strstr(err.text, "circle"));
+    assert_int_equal(files_there(), before);
+}
+
+// Neither opened (which would wait for a reader) nor replaced.
+static void what_is_no_regular_file_is_refused(void **state) {
+    (void)state;
+    char *data;
+    size_t size;
+    FfpError err = {0};
+    assert_int_equal(mkfifo(in_scratch("fifo"), 0600), 0);
+    assert_int_equal(symlink("/dev/null", in_scratch("nowhere")), 0);
+    const struct {
+        const char *path, *words;
+    } cases[4] = {{in_scratch("fifo"), "a FIFO or pipe has this name"},
+                  {"/dev/null", "a device has this name"},
+                  {in_scratch("nowhere"), "a device has this name"},
+                  {scratch, "a folder has this name"}};
+    for (int k = 0; k < 4; k++) {
+        assert_false(ffp_output_probe(cases[k].path, &err));
+        if (!strstr(err.text, cases[k].words)) fail_msg("%s", err.text);
+        assert_false(ffp_write_file(cases[k].path, "x", 1, &err));
+        assert_null(ffp_open_to_grow(cases[k].path, false, &err));
+        assert_non_null(strstr(err.text, cases[k].words));
+    }
+    assert_true(S_ISFIFO(mode_of(in_scratch("fifo"))));
+    assert_true(S_ISCHR(mode_of("/dev/null")));
+    assert_false(ffp_read_file(in_scratch("fifo"), 100, &data, &size, &err));
+    assert_non_null(strstr(err.text, "is a FIFO or pipe, not a file"));
+    assert_false(ffp_read_file("/dev/null", 100, &data, &size, &err));
+    assert_non_null(strstr(err.text, "is a device, not a file"));
+}
+
+// /dev/stdout and its like lead to open files, which have no name of their own: a pipe's "pipe:[123]" is
+// none.
+static void open_files_are_no_targets(void **state) {
+    (void)state;
+    int ends[2];
+    char path[64];
+    FfpError err = {0};
+    assert_int_equal(pipe(ends), 0);
+    snprintf(path, sizeof path, "/proc/self/fd/%d", ends[1]);
+    assert_false(ffp_output_probe(path, &err));
+    assert_non_null(strstr(err.text, "open file, pipe or terminal"));
+    close(ends[0]);
+    close(ends[1]);
+}
+
+static void permissions_stay(void **state) {
+    (void)state;
+    const mode_t mask = umask(027);
+    assert_true(ffp_write_file(in_scratch("fresh"), "a", 1, NULL));
+    umask(mask);
+    assert_int_equal(mode_of(in_scratch("fresh")) & 0777, 0640);
+    assert_int_equal(chmod(in_scratch("fresh"), 0604), 0);
+    assert_true(ffp_write_file(in_scratch("fresh"), "b", 1, NULL));
+    assert_int_equal(mode_of(in_scratch("fresh")) & 0777, 0604);
+}
+
+// Who can guess the temporary name must not be able to lead the writer elsewhere by a link of that name.
+static void a_planted_temporary_is_not_followed(void **state) {
+    (void)state;
+    char planted[FFP_PATH_MAX], name[64];
+    assert_true(ffp_write_file(in_scratch("victim"), "whole", 5, NULL));
+    snprintf(name, sizeof name, "guess.%ld.tmp", (long)getpid());
+    snprintf(planted, sizeof planted, "%s", in_scratch(name));
+    assert_int_equal(symlink("victim", planted), 0);
+    assert_true(ffp_write_file(in_scratch("guess"), "mine", 4, NULL));
+    expect_text(in_scratch("victim"), "whole");
+    expect_text(in_scratch("guess"), "mine");
+    assert_int_equal(unlink(planted), 0);
+}
+
+static void put(const FfpOutput *folder, const char *name) {
+    char path[FFP_PATH_MAX];
+    assert_true(ffp_join_path(path, folder->temporary, name));
+    assert_true(ffp_write_file(path, "x", 1, NULL));
+}
+
+static void folders_appear_whole_or_not_at_all(void **state) {
+    (void)state;
+    FfpOutput out;
+    FfpError err = {0};
+    const char *path = in_scratch("deep/maps");
+    assert_true(ffp_output_probe_folder(path, &err));
+    assert_true(ffp_output_open_folder(&out, path, false, &err));
+    put(&out, "a");
+    assert_false(ffp_is_folder(path));
+    ffp_output_abort(&out);
+    assert_int_equal(rmdir(in_scratch("deep")), 0); // nothing is left in it
+    assert_true(ffp_output_open_folder(&out, path, false, &err));
+    put(&out, "a");
+    assert_true(ffp_output_commit(&out, &err));
+    assert_true(ffp_is_file(in_scratch("deep/maps/a")));
+    // a folder that is there is filled where it lies, and kept
+    assert_true(ffp_output_open_folder(&out, in_scratch("deep/maps/"), false, &err));
+    put(&out, "b");
+    ffp_output_abort(&out);
+    assert_true(ffp_is_file(in_scratch("deep/maps/a")) && ffp_is_file(in_scratch("deep/maps/b")));
+    // unless it has to be fresh
+    assert_true(ffp_output_open_folder(&out, in_scratch("deep/maps"), true, &err));
+    put(&out, "c");
+    assert_false(ffp_output_commit(&out, &err));
+    assert_non_null(strstr(err.text, "not empty"));
+    assert_false(ffp_is_file(in_scratch("deep/maps/c")));
+}
+
+static void folders_are_made_through_links(void **state) {
+    (void)state;
+    FfpOutput out;
+    FfpError err = {0};
+    assert_int_equal(symlink("elsewhere/inner", in_scratch("folder")), 0);
+    assert_true(ffp_output_open_folder(&out, in_scratch("folder"), true, &err));
+    put(&out, "a");
+    assert_true(ffp_output_commit(&out, &err));
+    assert_true(S_ISLNK(mode_of(in_scratch("folder"))));
+    assert_true(ffp_is_file(in_scratch("elsewhere/inner/a")));
+    assert_int_equal(symlink("made/inner", in_scratch("second_folder")), 0);
+    if (!ffp_make_folders(in_scratch("second_folder/x"), &err)) fail_msg("%s", err.text);
+    assert_true(ffp_is_folder(in_scratch("made/inner/x")));
+    assert_int_equal(symlink("round", in_scratch("round")), 0);
+    assert_false(ffp_make_folders(in_scratch("round/x"), &err));
+    assert_false(ffp_output_probe_folder("/dev/null", &err));
+    assert_false(ffp_output_probe_folder("/dev/null/x", &err));
+}
+
+static void text_is_read_without_its_byte_order_mark(void **state) {
+    (void)state;
+    char *text;
+    size_t size;
+    FfpError err = {0};
+    assert_true(ffp_write_file(in_scratch("bom"), "\xEF\xBB\xBF{}", 5, NULL));
+    assert_true(ffp_read_text(in_scratch("bom"), 100, &text, &size, &err));
+    assert_string_equal(text, "{}");
+    assert_int_equal(size, 2);
+    ffp_free(text);
+    assert_true(ffp_write_file(in_scratch("bom"), "\xFF\xFE{\0}\0", 6, NULL));
+    assert_false(ffp_read_text(in_scratch("bom"), 100, &text, &size, &err));
+    assert_non_null(strstr(err.text, "UTF-16"));
 }
 
 static void impossible_files_are_errors(void **state) {
@@ -196,14 +371,9 @@ static void poses_undo_themselves(void **state) {
     assert_true(ffp_normalise3(zero) == 0 && zero[0] == 0);
 }
 
-static void progress_counts_and_time_runs(void **state) {
+static void time_runs(void **state) {
     (void)state;
     const double before = ffp_seconds();
-    FfpProgress progress = ffp_progress("testing", 10);
-    ffp_progress_step(&progress, 5, NULL);
-    assert_int_equal(progress.done, 5);
-    ffp_progress_end(&progress);
-    assert_int_equal(progress.done, 10);
     assert_true(ffp_seconds() >= before);
 }
 
@@ -215,10 +385,18 @@ int main(void) {
         cmocka_unit_test(errors_say_what_and_where),
         cmocka_unit_test(files_come_back_whole),
         cmocka_unit_test(an_aborted_file_changes_nothing),
+        cmocka_unit_test(links_are_written_through),
+        cmocka_unit_test(what_is_no_regular_file_is_refused),
+        cmocka_unit_test(open_files_are_no_targets),
+        cmocka_unit_test(permissions_stay),
+        cmocka_unit_test(a_planted_temporary_is_not_followed),
+        cmocka_unit_test(folders_appear_whole_or_not_at_all),
+        cmocka_unit_test(folders_are_made_through_links),
+        cmocka_unit_test(text_is_read_without_its_byte_order_mark),
         cmocka_unit_test(impossible_files_are_errors),
         cmocka_unit_test(paths_are_joined_and_split),
         cmocka_unit_test(poses_undo_themselves),
-        cmocka_unit_test(progress_counts_and_time_runs),
+        cmocka_unit_test(time_runs),
     };
     return cmocka_run_group_tests(tests, scratch_setup, scratch_teardown);
 }

@@ -1,6 +1,7 @@
 // The benchmark measures: peaks in their order, every row timed, no share beyond what can be.
 #include <math.h>
 #include "support.h"
+#include "base/alloc.h"
 #include "base/cpu.h"
 #include "bench/bench.h"
 
@@ -26,7 +27,7 @@ static void table(void **state) {
     assert_int_equal(table.count, 100);
     assert_true(fabs(ffp_bench_share(&table.rows[0], &peaks) - 0.1) < 1e-9); // 1 MB in 1 ms of 10 GB/s
     assert_true(fabs(table.rows[99].ms - 100) < 1e-9);
-    free(table.rows);
+    ffp_free(table.rows);
 }
 
 static void kernels(void **state) {
@@ -44,7 +45,7 @@ static void kernels(void **state) {
         if (row->bound == FFP_BOUND_PRODUCTS && ffp_cpu_level() != FFP_CPU_PORTABLE)
             assert_true(ffp_bench_share(row, &peaks) < 2);
     }
-    free(table.rows);
+    ffp_free(table.rows);
 }
 
 int main(void) {

@@ -2,6 +2,7 @@
 #include <math.h>
 
 #include "tiny_capture.h"
+#include "base/alloc.h"
 #include "base/vec.h"
 
 static void assert_near(double got, double want, double tolerance) {
@@ -39,6 +40,34 @@ static void scene_is_read(void **state) {
     ffp_capture_free(&capture);
     ffp_capture_free(&capture);
     assert_true(ffp_capture_read(&capture, in_scratch("scene.json"), &err)); // a file as well as a folder
+    ffp_capture_free(&capture);
+}
+
+static void names_are_listed_as_far_as_they_fit(void **state) {
+    (void)state;
+    static FfpView views[100];
+    const FfpCapture capture = {.n_views = 100, .views = views};
+    for (int v = 0; v < 100; v++) snprintf(views[v].id, sizeof views[v].id, "view_%04d", v);
+    const FfpListed listed = ffp_list_views(&capture);
+    assert_int_equal(strncmp(listed.text, "view_0000, view_0001, ", 22), 0);
+    const char *more = strstr(listed.text, " and ");
+    assert_non_null(more);
+    char last[64]; // as many as are told are left out
+    const int left = (int)strtol(more + 5, NULL, 10);
+    snprintf(last, sizeof last, "view_%04d and %d more", 99 - left, left);
+    assert_string_equal(more - strlen("view_0000"), last);
+}
+
+// As editors on Windows save it.
+static void scene_with_a_byte_order_mark_is_read(void **state) {
+    (void)state;
+    FfpCapture capture;
+    FfpError err = {0};
+    char *text = replaced(scene_text, "{", "\xEF\xBB\xBF{");
+    write_text("marked.json", text);
+    ffp_free(text);
+    if (!ffp_capture_read(&capture, in_scratch("marked.json"), &err)) fail_msg("%s", err.text);
+    assert_string_equal(capture.name, "tiny");
     ffp_capture_free(&capture);
 }
 
@@ -89,7 +118,7 @@ static void unknown_intensity_is_estimated(void **state) {
     FfpCapture capture;
     char *text = replaced(scene_text, "\"intensity\": [7, 8, 9]", "\"intensity\": null");
     write_text("unknown.json", text);
-    free(text);
+    ffp_free(text);
     assert_true(ffp_capture_read(&capture, in_scratch("unknown.json"), NULL));
     assert_false(capture.intensity_known);
     // All lit pixels are alike, so the percentile is that of the three channels: the brightest, d^2 = 5.
@@ -113,13 +142,13 @@ static void coverage_has_other_sources(void **state) {
     assert_true(ffp_image_write_png(&mask, in_scratch("a_mask.png"), NULL));
     char *text = replaced(poses_text, "/far/away/a0.png", "o0.png"),
          *opaque = replaced(text, "a1.png", "o1.png");
-    free(text);
+    ffp_free(text);
     text = replaced(opaque, "../a2.png", "o1.png");
-    free(opaque);
+    ffp_free(opaque);
     opaque = replaced(text, "\"a2.png\"", "\"o1.png\"");
-    free(text);
+    ffp_free(text);
     write_text("opaque.json", opaque);
-    free(opaque);
+    ffp_free(opaque);
     FfpCapture capture;
     assert_true(ffp_capture_read(&capture, in_scratch("opaque.json"), NULL));
     for (int i = 0; i < 120; i++) {
@@ -221,8 +250,8 @@ static void targets_share_patterns(void **state) {
     assert_true(targets.views[0].images[0].data != NULL && targets.views[0].images[2].data == NULL);
     assert_true(targets.radius == capture.radius && targets.intensity[0] == 7);
     ffp_capture_free(&targets);
-    free(poses);
-    free(text);
+    ffp_free(poses);
+    ffp_free(text);
     // Poses without any picture.
     char *end = replaced(poses_text, "\"patterns\": [", "\"other\": [");
     write_text("bare.json", end);
@@ -231,7 +260,7 @@ static void targets_share_patterns(void **state) {
     assert_true(targets.n_patterns == 4 && targets.views[0].coverage.data != NULL);
     for (int i = 0; i < 120; i++) assert_near(targets.views[0].coverage.data[i], 0, 0);
     ffp_capture_free(&targets);
-    free(end);
+    ffp_free(end);
     ffp_capture_free(&capture);
 }
 
@@ -343,7 +372,9 @@ static void sample_is_consistent(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(scene_is_read),
+        cmocka_unit_test(scene_with_a_byte_order_mark_is_read),
         cmocka_unit_test(active_pattern_is_found),
+        cmocka_unit_test(names_are_listed_as_far_as_they_fit),
         cmocka_unit_test(render_poses_are_read),
         cmocka_unit_test(unknown_intensity_is_estimated),
         cmocka_unit_test(coverage_has_other_sources),

@@ -2,6 +2,7 @@
 #include <math.h>
 
 #include "tiny_capture.h"
+#include "base/alloc.h"
 
 // One change to a good file, and what must be said about it.
 typedef struct Damage {
@@ -24,7 +25,7 @@ static void expect_damage_refused(const char *text, const Damage *damage, const 
     snprintf(field, sizeof field, "%s%s%s)", name, damage->field[0] != 0 ? ": " : "", damage->field);
     write_text(name, broken);
     expect_refusal(in_scratch(name), damage->words, field);
-    free(broken);
+    ffp_free(broken);
 }
 
 #define C2W_A "[[0, 0, -1, 3], [1, 0, 0, 0], [0, -1, 0, 0], [0, 0, 0, 1]]"
@@ -46,6 +47,10 @@ static void broken_scenes_are_refused(void **state) {
         {"\"fx\": 20", "\"fx\": 1e999", "broken JSON", "line 3"},
         {"\"fx\": 20", "\"fx\": 1e300", "is outside", "camera.fx"},
         {"\"fx\": 20", "\"fx\": 20, \"fx\": 21", "broken JSON: duplicate", "line 3"},
+        {"\"id\": \"b\"", "\"frame\": [12], \"id\": \"b\"", "has 1 entries; 2 to 2", "views[1].frame"},
+        {"\"id\": \"b\"", "\"frame\": [13, 10], \"id\": \"b\"", "13 is not a whole number from 8 to 12",
+         "views[1].frame[0]"},
+        {"\"id\": \"b\"", "\"frame\": \"all\", \"id\": \"b\"", "must be an array", "views[1].frame"},
         {"\"fx\": 25", "\"fx\": \"wide\"", "must be a number", "views[1].camera.fx"},
         {"\"width\": 12", "\"width\": 12.5", "12.5 is not a whole number", "camera.width"},
         {"\"width\": 12", "\"width\": 1", "1 is not a whole number from 8", "camera.width"},
@@ -155,24 +160,24 @@ static void json_itself_is_checked(void **state) {
     expect_refusal(in_scratch("cut.json"), "missing field", "cut.json: camera)");
     expect_refusal(in_scratch("absent.json"), "there is no such file", "absent.json)");
     expect_refusal(in_scratch("p"), "the folder has neither scene.json nor render_poses.json", "/p)");
-    char *deep = calloc(1, 200001);
+    char *deep = ffp_alloc(1, 200001);
     memset(deep, '[', 200000);
     write_text("cut.json", deep);
     expect_refusal(in_scratch("cut.json"), "broken JSON", "cut.json");
-    free(deep);
+    ffp_free(deep);
 }
 
 static void a_million_views_are_refused(void **state) {
     (void)state;
     const int n = 1000000;
-    char *list = malloc((size_t)n * 3 + 64), *end = list + sprintf(list, "\"views\": [{}");
+    char *list = ffp_alloc((size_t)n * 3 + 64, 1), *end = list + sprintf(list, "\"views\": [{}");
     for (int i = 1; i < n; i++) end = stpcpy(end, ",{}");
     strcpy(end, "], \"x\": [");
     char *text = replaced(scene_text, "\"views\": [", list);
     write_text("many.json", text);
     expect_refusal(in_scratch("many.json"), "has 1000000 entries; 1 to 512", "many.json: views)");
-    free(text);
-    free(list);
+    ffp_free(text);
+    ffp_free(list);
 }
 
 // One file replaced by something else, read, and put back.
@@ -183,7 +188,7 @@ static void with_file(const char *name, const void *bytes, size_t size, const ch
     assert_true(ffp_write_file(in_scratch(name), bytes, size, NULL));
     expect_refusal(scratch, words, ffp_basename(name));
     assert_true(ffp_write_file(in_scratch(name), good, good_size, NULL));
-    free(good);
+    ffp_free(good);
 }
 
 static void bad_image_files_are_refused(void **state) {
@@ -196,16 +201,16 @@ static void bad_image_files_are_refused(void **state) {
         with_file(names[i], bytes, size / 2, "PNG");
         with_file(names[i], bytes, 20, "truncated PNG");
         with_file(names[i], "", 0, "file is empty");
-        with_file(names[i], "not an image at all", 19, "is not a PNG, JPEG or EXR image");
+        with_file(names[i], "not an image at all", 19, "is not a PNG, JPEG, TIFF or EXR image");
         // The header claims 20000 x 20000; the checksum is wrong then, but the size is looked at first.
         memcpy(bytes + 16, "\0\0\x4e\x20\0\0\x4e\x20", 8);
         with_file(names[i], bytes, size, "image size 20000 x 20000 is outside");
-        free(bytes);
+        ffp_free(bytes);
         FfpImage small = ffp_image_new(1, 1, 3);
         unsigned char *encoded;
         assert_true(ffp_image_encode_png(&small, &encoded, &size, NULL));
         with_file(names[i], encoded, size, "image is 1 x 1, but the");
-        free(encoded);
+        ffp_free(encoded);
         ffp_image_free(&small);
     }
 }
@@ -225,7 +230,7 @@ static void bad_truth_is_refused(void **state) {
         write_text("truth.json", text);
         expect_refusal(in_scratch("truth.json"), "image is 9 x 10, but the camera in truth.json has 12 x 10",
                        "small.exr)");
-        free(text);
+        ffp_free(text);
     }
     static const Damage damages[] = {
         {"\"id\": \"b\"", "\"id\": \"b\", \"normal\": \"two.exr\"", "normals are not unit vectors",
@@ -240,7 +245,7 @@ static void bad_truth_is_refused(void **state) {
         char *text = replaced(scene_text, damages[i].old, damages[i].fresh);
         write_text("truth.json", text);
         expect_refusal(in_scratch("truth.json"), damages[i].words, damages[i].field);
-        free(text);
+        ffp_free(text);
     }
     ffp_image_free(&map);
     ffp_image_free(&small);
@@ -251,7 +256,7 @@ static void images_beyond_memory_are_refused(void **state) {
     (void)state;
     char *text = replaced(scene_text, "\"width\": 12, \"height\": 10", "\"width\": 16384, \"height\": 16384");
     const size_t room = strlen(text) + 512 * 700;
-    char *many = malloc(room), *end = many;
+    char *many = ffp_alloc(room, 1), *end = many;
     const char *view = strstr(text, " {\"id\": \"a\""), *next = strstr(text, " {\"id\": \"b\"");
     end += sprintf(end, "%.*s", (int)(view - text), text);
     for (int i = 0; i < 500; i++) {
@@ -260,8 +265,8 @@ static void images_beyond_memory_are_refused(void **state) {
     strcpy(end, next);
     write_text("huge.json", many);
     expect_refusal(in_scratch("huge.json"), "GB of memory; this machine has", "huge.json)");
-    free(many);
-    free(text);
+    ffp_free(many);
+    ffp_free(text);
 }
 
 static void equal_black_and_white_are_refused(void **state) {
@@ -271,9 +276,9 @@ static void equal_black_and_white_are_refused(void **state) {
     char *second = replaced(first, "\"bright\": \"b1.png\"", "\"bright\": \"b0.png\"");
     write_text("dark.json", second);
     expect_refusal(in_scratch("dark.json"), "no pixel is brighter under the white pattern", "dark.json)");
-    free(second);
-    free(first);
-    free(text);
+    ffp_free(second);
+    ffp_free(first);
+    ffp_free(text);
 }
 
 static void bad_targets_are_refused(void **state) {
@@ -292,9 +297,9 @@ static void bad_targets_are_refused(void **state) {
     assert_false(ffp_capture_read_targets(&targets, scratch, &capture, &err));
     assert_non_null(strstr(err.text, "projector of 17 x 9, but the capture's has 16 x 9"));
     assert_null(targets.patterns);
-    free(bright);
-    free(dark);
-    free(text);
+    ffp_free(bright);
+    ffp_free(dark);
+    ffp_free(text);
     write_text("targets.json", "{\"views\": ");
     assert_false(ffp_capture_read_targets(&targets, scratch, &capture, &err));
     assert_non_null(strstr(err.text, "broken JSON"));

@@ -3,6 +3,7 @@
 #define FFP_TESTS_TINY_CAPTURE_H
 
 #include "scratch.h"
+#include "base/alloc.h"
 #include "base/rng.h"
 #include "capture/capture.h"
 
@@ -79,7 +80,7 @@ static inline int make_capture_files(void **state) {
 static inline char *replaced(const char *text, const char *old, const char *fresh) {
     const char *place = strstr(text, old);
     if (place == NULL) fail_msg("the test's text has no '%s'", old);
-    char *out = malloc(strlen(text) + strlen(fresh) + 1);
+    char *out = ffp_alloc(strlen(text) + strlen(fresh) + 1, 1);
     sprintf(out, "%.*s%s%s", (int)(place - text), text, fresh, place + strlen(old));
     return out;
 }

@@ -3,6 +3,7 @@
 #define FFP_TESTS_PROGRAM_H
 
 #include "scratch.h"
+#include "base/alloc.h"
 
 // Runs the program with the arguments (shell syntax) and returns its exit code; standard output and error
 // come back as text.

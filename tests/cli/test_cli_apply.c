@@ -220,10 +220,46 @@ static void wrong_compensations_say_what_is_wrong(void **state) {
     ffp_image_free(&clear);
 }
 
+static bool is_link(const char *path) {
+    struct stat about;
+    return lstat(path, &about) == 0 && S_ISLNK(about.st_mode);
+}
+
+static void outputs_go_through_links_and_into_no_device(void **state) {
+    (void)state;
+    char common[512];
+    snprintf(common, sizeof common,
+             "compensate %s/tiny.ply -c %s/tiny -v view_0 -s 2 -t %s/tiny/view_0_stripes.png", scratch,
+             scratch, scratch);
+    assert_int_equal(symlink("there.png", in_scratch("link.png")), 0);
+    run_format(&run, "%s -o %s/link.png", common, scratch);
+    must_run();
+    assert_true(is_link(in_scratch("link.png")) && ffp_is_file(in_scratch("there.png")));
+    assert_int_equal(symlink("/dev/null", in_scratch("null.png")), 0);
+    run_format(&run, "%s -o %s/null.png", common, scratch);
+    must_fail(1, "a device has this name", NULL);
+    assert_true(is_link(in_scratch("null.png")));
+    assert_int_equal(symlink("real_maps", in_scratch("maps_link")), 0);
+    run_format(&run, "map %s/tiny.ply -c %s/tiny -v view_0 -o %s/maps_link", scratch, scratch, scratch);
+    must_run();
+    assert_true(is_link(in_scratch("maps_link")) && ffp_is_file(in_scratch("real_maps/view_0_lit.png")));
+}
+
+// No file may grow past 8 kB: writing fails somewhere among the maps.
+static void maps_that_fail_leave_no_folder(void **state) {
+    (void)state;
+    char command[1024];
+    snprintf(command, sizeof command,
+             "trap '' XFSZ; ulimit -f 16; '%s' map %s/tiny.ply -c %s/tiny -o %s/part/maps 2>/dev/null >&2",
+             FFP_PROGRAM, scratch, scratch, scratch);
+    assert_int_not_equal(system(command), 0);
+    assert_int_equal(rmdir(in_scratch("part")), 0); // nothing is in it
+}
+
 static void wrong_maps_say_what_is_wrong(void **state) {
     (void)state;
     run_format(&run, "map %s/tiny.ply -c %s/tiny", scratch, scratch);
-    must_fail(2, "-o DIR is missing", NULL);
+    must_fail(2, "-o, --output DIR is missing", NULL);
     run_format(&run, "map %s/tiny.ply -c %s/tiny -v view_7 -o %s/nomaps", scratch, scratch, scratch);
     must_fail(1, "there is no view view_7", NULL);
     assert_false(ffp_is_folder(in_scratch("nomaps")));
@@ -236,7 +272,7 @@ static void help_teaches(void **state) {
     run_format(&run, "compensate --help");
     must_run();
     assert_non_null(strstr(run.out, "--gain"));
-    assert_non_null(strstr(run.out, "example:"));
+    assert_non_null(strstr(run.out, "\nexample:\n  ffprocams compensate "));
     run_format(&run, "map --help");
     must_run();
     assert_non_null(strstr(run.out, "projector_to_camera.exr"));
@@ -249,6 +285,8 @@ int main(void) {
         cmocka_unit_test(compensation_for_new_poses_uses_the_gaussians),
         cmocka_unit_test(maps_of_a_generated_scene_go_there_and_back),
         cmocka_unit_test(wrong_compensations_say_what_is_wrong),
+        cmocka_unit_test(outputs_go_through_links_and_into_no_device),
+        cmocka_unit_test(maps_that_fail_leave_no_folder),
         cmocka_unit_test(wrong_maps_say_what_is_wrong),
         cmocka_unit_test(help_teaches),
     };

@@ -236,7 +236,7 @@ static void with_photograph(const char *what, const void *bytes, size_t size) {
         assert_int_equal(remove(path), 0);
     reconstruct_must_fail(what, "view_1_lollipop_0.png");
     assert_true(ffp_write_file(path, kept, kept_size, NULL));
-    free(kept);
+    ffp_free(kept);
 }
 
 // A PNG of which only the header is there: enough to claim any size.
@@ -266,7 +266,7 @@ static void test_photographs_that_are_none(void **state) {
     assert_true(ffp_read_file(path, 1 << 24, &whole, &size, NULL));
     with_photograph("truncated picture", whole, size / 2);
     with_photograph("picture cut in its header", whole, 20);
-    free(whole);
+    ffp_free(whole);
     with_photograph("20000 x 20000", head, png_head(head, 20000, 20000));
     with_photograph("2^31 x 2^31", head, png_head(head, 0x7fffffff, 0x7fffffff));
     with_photograph("0 x 0", head, png_head(head, 0, 0));
@@ -283,7 +283,7 @@ static void test_a_photograph_of_another_size(void **state) {
     size_t size;
     assert_true(ffp_read_file(path, 1 << 20, &bytes, &size, NULL));
     with_photograph("1 x 1", bytes, size);
-    free(bytes);
+    ffp_free(bytes);
 }
 
 // A capture whose JSON agrees that its pictures are a single pixel: there is no object in it.
@@ -329,6 +329,9 @@ static void test_files_that_are_not_there(void **state) {
     must_fail("no folder to write to", "out.ply", arguments);
     snprintf(arguments, sizeof arguments, "info %s/none", scratch);
     must_fail("nothing to tell of", "none", arguments);
+    assert_int_equal(mkfifo(in_scratch("fifo"), 0600), 0);
+    snprintf(arguments, sizeof arguments, "info %s/fifo", scratch); // must not wait for a writer
+    must_fail("a FIFO", "is a FIFO or pipe", arguments);
     snprintf(arguments, sizeof arguments, "train --out %s/run --config %s/none.json", output, scratch);
     must_fail("no configuration", "none.json", arguments);
 }

@@ -290,7 +290,7 @@ static void test_fit_axis(void **state) {
     snprintf(arguments, sizeof arguments, "-c %s/cal.yml " SIZES "-t 8x45 --fit-axis " SHOTS PATTERN,
              scratch);
     import("fitted", arguments);
-    assert_non_null(strstr(run.err, "axis found: --turntable "));
+    assert_non_null(strstr(run.err, "axis found: direction and point "));
     assert_non_null(strstr(run.err, "the object turned the other way"));
     FfpCapture capture;
     double found[2][3], truth[2][3], cosine = 0, off = 0;
@@ -325,7 +325,7 @@ static void test_fit_response(void **state) {
     assert_true(ffp_read_file(in_scratch("response/scene.json"), 1 << 20, &text, &size, NULL));
     assert_non_null(strstr(text, "\"response\""));
     assert_non_null(strstr(text, "\"black_level_known\": false"));
-    free(text);
+    ffp_free(text);
     FfpCapture capture;
     assert_true(ffp_capture_read(&capture, in_scratch("response"), NULL));
     assert_int_equal(capture.n_views, 3);
@@ -396,13 +396,14 @@ static void test_refusals(void **state) {
         {SIZES "-t 0,1,0,0,0,3,1e9 " SHOTS PATTERN, "no angle in degrees"},
         {SIZES "-t 0,1,0,0,0,3,999x1 " SHOTS PATTERN, "no number of stops"},
         {SIZES "-t 0,1,zero,0,0,3,8x45 " SHOTS PATTERN, "zero"},
-        {SIZES "--fit-axis " SHOTS PATTERN, "--turntable 8x45"},
+        {SIZES "--fit-axis " SHOTS PATTERN, "no angle by which the object turned (turntable)"},
         {SIZES "-t 8x45 --fit-axis=0,1,0 " SHOTS PATTERN, "six numbers"},
         {SIZES "-t 8x45 --fit-axis=0,0,0,0,0,3 " SHOTS PATTERN, "axis has no direction"},
         {SIZES "-t 8x45,zero --fit-axis " SHOTS PATTERN, "zero"},
-        {SIZES TURNTABLE SHOTS, "--pattern lollipop_0=FILE"},
+        {SIZES TURNTABLE SHOTS, "--pattern NAME=FILE"},
         {SIZES TURNTABLE PATTERN, "--images"},
-        {SIZES TURNTABLE SHOTS "-p other=" SAMPLE "/patterns/lollipop_0.png", "name it in --images"},
+        {SIZES TURNTABLE SHOTS "-p other=" SAMPLE "/patterns/lollipop_0.png",
+         "no picture was taken under pattern 'other'"},
         {SIZES TURNTABLE SHOTS PATTERN "-m 'masks/{view}.png'", "masks/000.png"},
         {SIZES TURNTABLE SHOTS PATTERN "-v 17", "no view '17'"},
         {SIZES "-t 0,1,0,0,0,3,7x45 " PATTERN "-i 'black=" SAMPLE "/path*_all_black.png'", "8 files match"},

@@ -130,7 +130,7 @@ static int count_frames(const char *path) {
     }
     assert_int_equal(at, size);
     assert_int_equal(announced, frames);
-    free(data);
+    ffp_free(data);
     return frames;
 }
 

@@ -305,7 +305,7 @@ static void test_a_killed_run_leaves_a_whole_file(void **state) {
             assert_true(ffp_gaussians_read(&gaussians, output, &err));
             ffp_gaussians_free(&gaussians);
         }
-        free(data);
+        ffp_free(data);
     }
 }
 

@@ -37,7 +37,7 @@ static int steps_done(const char *out) {
     assert_true(ffp_join_path(path, out, "metrics.jsonl"));
     if (!ffp_is_file(path) || !ffp_read_file(path, 1 << 24, &text, &size, NULL)) return -1;
     for (size_t i = 0; i < size; i++) lines += text[i] == '\n';
-    free(text);
+    ffp_free(text);
     return lines;
 }
 

@@ -2,30 +2,54 @@
 #include "base/cpu.h"
 #include "cli/program.h"
 
-static const char *const commands[] = {"reconstruct", "render", "evaluate",   "generate", "train", "bench",
-                                       "info",        "import", "compensate", "map",      "refine"};
+static const char *const commands[] = {"import",     "align", "info",     "reconstruct", "refine",   "render",
+                                       "compensate", "map",   "evaluate", "bench",       "generate", "train"};
 static ProgramRun run;
 
 static void test_help_of_the_program_names_every_command(void **state) {
     (void)state;
+    static const char *const groups[] = {"\nmake a capture:\n  import ", "\nreconstruct:\n  reconstruct ",
+                                         "\nlook:\n  render ",           "\nproject:\n  compensate ",
+                                         "\nevaluate:\n  evaluate ",     "\ntrain:\n  generate "};
     run_program(&run, "--help");
     assert_int_equal(run.status, 0);
     assert_string_equal(run.err, "");
-    for (size_t i = 0; i < sizeof commands / sizeof *commands; i++)
-        assert_non_null(strstr(run.out, commands[i]));
+    for (size_t i = 0; i < sizeof commands / sizeof *commands; i++) {
+        char line[64];
+        snprintf(line, sizeof line, "\n  %s ", commands[i]);
+        assert_non_null(strstr(run.out, line));
+    }
+    for (size_t i = 0; i < sizeof groups / sizeof *groups; i++) assert_non_null(strstr(run.out, groups[i]));
+}
+
+// It begins with a sentence and ends with examples, and no line is wider than a terminal.
+static void check_help(const char *command) {
+    char usage[64], example[64];
+    snprintf(usage, sizeof usage, ".\n\nusage: ffprocams %s", command);
+    snprintf(example, sizeof example, "\n  ffprocams %s ", command);
+    const char *first_line = strchr(run.out, '\n');
+    assert_non_null(first_line);
+    assert_true(run.out[0] >= 'A' && run.out[0] <= 'Z');
+    assert_int_equal(strncmp(first_line - 1, usage, strlen(usage)), 0);
+    const char *examples = strstr(run.out, "\nexample");
+    assert_non_null(examples);
+    assert_non_null(strstr(examples, example));
+    assert_null(strstr(examples, "\n  -")); // no options behind them
+    for (const char *line = run.out; *line; line += strcspn(line, "\n") + 1) {
+        if (strcspn(line, "\n") > 100) printf("%s: %s\n", command, line);
+        assert_true(strcspn(line, "\n") <= 100);
+    }
 }
 
 static void test_every_command_has_help_with_an_example(void **state) {
     (void)state;
     for (size_t i = 0; i < sizeof commands / sizeof *commands; i++) {
-        char arguments[64], usage[64];
+        char arguments[64];
         snprintf(arguments, sizeof arguments, "%s --help", commands[i]);
-        snprintf(usage, sizeof usage, "usage: ffprocams %s ", commands[i]);
         run_program(&run, arguments);
         assert_int_equal(run.status, 0);
         assert_string_equal(run.err, "");
-        assert_int_equal(strncmp(run.out, usage, strlen(usage)), 0);
-        assert_non_null(strstr(run.out, "example: ffprocams "));
+        check_help(commands[i]);
     }
 }
 
@@ -73,6 +97,12 @@ static void test_wrong_usage_exits_2_and_says_where_to_read(void **state) {
         "generate a --preset large",
         "generate a --rig round",
         "generate a --views 0",
+        "generate a --sensor read",
+        "generate a --sensor read=",
+        "generate a --sensor read=1x",
+        "generate a --sensor rea=1",
+        "generate a --sensor =1",
+        "generate a --sensor reads=1",
         "generate a --views 65",
         "generate a --resolution 99999999999999999999",
         "train",
@@ -94,6 +124,55 @@ static void test_wrong_usage_exits_2_and_says_where_to_read(void **state) {
     }
     run_program(&run, "");
     assert_int_equal(run.status, 2);
+}
+
+// What is wrong is named, and what was probably meant.
+static void test_mistakes_are_told_as_what_they_are(void **state) {
+    (void)state;
+    static const struct {
+        const char *arguments, *message;
+    } wrong[] = {
+        {"recnostruct a -o b.ply", "there is no command recnostruct: did you mean reconstruct?"},
+        {"recon a", "there is no command recon: did you mean reconstruct?"},
+        {"help", "there is no command help: did you mean --help?"},
+        {"--verison", "unknown option --verison: did you mean --version?"},
+        {"xylophone", "there is no command xylophone\n"},
+        {"render a --capture b -o c --patern d", "unknown option --patern: did you mean --pattern?"},
+        {"reconstruct a -output b", "unknown option -output: did you mean --output?"},
+        {"import --projector a", "--projector may be --projector-image or --projector-size"},
+        {"render a --maps=yes", "--maps takes no value"},
+        {"render a -q", "unknown option -q"},
+        {"reconstruct a -o", "--output needs a value: FILE.ply"},
+        {"reconstruct a", "-o, --output FILE.ply is missing"},
+        {"map a -o b", "-c, --capture CAPTURE is missing"},
+        {"reconstruct a -p b -p c -o d", "--pattern is given twice, and can be given once"},
+        {"render a --capture b -c b -o c", "--capture is given twice, and can be given once"},
+        {"compensate a -c b -v 0 -t x -g 1 --gain auto -o c", "--gain is given twice"},
+        {"train --out a --resume -r", "--resume is given twice"},
+        {"render a --samples 5", "--samples is a number from 1 to 4, not 5"},
+        {"render a --rate 1.5", "--rate is a number from 1 to 1000, not 1.5"},
+        {"refine a --seed -1", "--seed is a number from 0 up, not -1"},
+        {"refine a --noise 0.3", "--noise is auto or a number from 0 to 0.2, not 0.3"},
+        {"reconstruct a --polish x", "--polish is auto or a number of steps from 0 to 1000000, not x"},
+        {"reconstruct a --layers 0.4", "--layers is auto, all or a number from 0.5 to 100, not 0.4"},
+        {"render a --drawing oil", "--drawing is ours or paper, not oil"},
+        {"render a --orbit moon,4", "--orbit is camera, projector or object and 1 to 9999 frames"},
+        {"generate a --preset big", "--preset is paper, smoke or training, not big"},
+        {"generate a --resolution 7", "--resolution is a number from 8 to 4096, not 7"},
+        {"import --camera-size 640", "--camera-size is width x height in pixels (1024x768), not 640"},
+        {"import -c a -o b c.jpg", "c.jpg is no option: --images NAMES=FILES?"},
+        {"info a b", "give exactly one FILE: b is one too many"},
+        {"bench a", "it takes no a"},
+        {"refine -c a -o b", "give exactly one FILE.ply"},
+    };
+    for (size_t i = 0; i < sizeof wrong / sizeof *wrong; i++) {
+        run_program(&run, wrong[i].arguments);
+        const bool told = strncmp(run.err, "ffprocams: error: ", 18) == 0 &&
+                          strncmp(run.err + 18, wrong[i].message, strlen(wrong[i].message)) == 0;
+        if (run.status != 2 || !told) printf("%s: exit %d\n%s", wrong[i].arguments, run.status, run.err);
+        assert_int_equal(run.status, 2);
+        assert_true(told);
+    }
 }
 
 static void test_output_that_cannot_be_written_is_an_error(void **state) {
@@ -129,6 +208,7 @@ int main(void) {
         cmocka_unit_test(test_every_command_has_help_with_an_example),
         cmocka_unit_test(test_version),
         cmocka_unit_test(test_wrong_usage_exits_2_and_says_where_to_read),
+        cmocka_unit_test(test_mistakes_are_told_as_what_they_are),
         cmocka_unit_test(test_output_that_cannot_be_written_is_an_error),
         cmocka_unit_test(test_kernels_that_cannot_run_here_are_an_error),
     };

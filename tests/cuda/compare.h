@@ -11,7 +11,7 @@
 
 // The device, or NULL with a line that says that all is skipped.
 static inline const FfpDevice *find_device(void) {
-    FfpError err = {""};
+    FfpError err = {0};
     const FfpDevice *device = ffp_cuda_device(&err);
     if (device) return device;
     printf("skipped: %s\n", err.text);
@@ -35,7 +35,7 @@ static inline void assert_close(const real *there, const real *here, int64_t cou
     ffp_memory_download(copy, there, (size_t)count * sizeof *copy);
     const double d = distance(copy, here, count);
     print_message("%s: %.2g\n", what, d);
-    free(copy);
+    ffp_free(copy);
     if (!(d <= tolerance)) fail_msg("%s: relative difference %g, allowed %g", what, d, tolerance);
 }
 

@@ -32,7 +32,7 @@ static const FfpDevice *device;
 
 static int set_up(void **state) {
     (void)state;
-    FfpError err = {""};
+    FfpError err = {0};
     device = ffp_cuda_device(&err);
     print_message("%s\n", device ? ffp_cuda_describe() : err.text);
     return 0;
@@ -56,7 +56,7 @@ static void set_input(Problem *p, int which, size_t count, uint64_t seed, float 
 }
 
 static void free_problem(Problem *p) {
-    for (int i = 0; i < INPUTS; i++) free(p->input[i]);
+    for (int i = 0; i < INPUTS; i++) ffp_free(p->input[i]);
 }
 
 // What the gradients hold before.
@@ -91,7 +91,7 @@ static Result on_device(Term term, const Problem *p, unsigned wanted) {
 }
 
 static void free_result(Result *result) {
-    for (int k = 0; k < GRADS; k++) free(result->grad[k]);
+    for (int k = 0; k < GRADS; k++) ffp_free(result->grad[k]);
 }
 
 static void expect_same_bits(const char *what, const Problem *p, const Result *a, const Result *b) {
@@ -117,7 +117,7 @@ static void compare_gradient(const char *what, const Problem *p, int k, const re
         slope = fmax(slope, fabs(s)), error = fmax(error, fabs(e));
         squares += s * s, errors += e * e;
     }
-    free(start);
+    ffp_free(start);
     print_message("  %s, gradient %d: largest %.3g, error %.2g, in the mean %.2g\n", what, k, slope,
                   error / slope, sqrt(errors / squares));
     if (!(error <= tolerance->largest * slope) || !(errors <= tolerance->mean * tolerance->mean * squares))
@@ -328,7 +328,7 @@ static void expect_nothing(const char *what, Term term, const Problem *p) {
     for (int k = 0; k < GRADS; k++) {
         real *start = start_of(p, k);
         if (p->grads[k]) assert_memory_equal(result.grad[k], start, p->grads[k] * sizeof(real));
-        free(start);
+        ffp_free(start);
     }
     free_result(&result);
 }
@@ -435,7 +435,7 @@ static void expect_near(const char *what, const real *truth, const real *there, 
     ffp_memory_download(got, there, count * sizeof *got);
     for (size_t i = 0; i < count; i++)
         if (!(fabsf(got[i] - truth[i]) < 1e-4F)) fail_msg("%s at %zu: %g, not %g", what, i, got[i], truth[i]);
-    free(got);
+    ffp_free(got);
 }
 
 // Two images forward, the first one back, with room for `pixels` output pixels of unfolded input.
@@ -470,7 +470,8 @@ static void check_convolution(const FfpConv *s, size_t pixels, bool add) {
     real *all[] = {there_x, there_w, there_bias, there_y, there_dy, there_dx, columns.values};
     for (size_t i = 0; i < sizeof all / sizeof *all; i++) ffp_memory_free(all[i]);
     ffp_device_use(NULL);
-    free(x), free(w), free(bias), free(y), free(dy), free(dx), free(turned_x), free(turned_y);
+    ffp_free(x), ffp_free(w), ffp_free(bias), ffp_free(y), ffp_free(dy), ffp_free(dx), ffp_free(turned_x),
+        ffp_free(turned_y);
 }
 
 static void test_convolution(void **state) {
@@ -513,7 +514,7 @@ static void check_pool(const FfpPool *pool, bool add) {
     real *all[] = {there_x, there_y, there_dy, there_dx};
     for (size_t i = 0; i < sizeof all / sizeof *all; i++) ffp_memory_free(all[i]);
     ffp_device_use(NULL);
-    free(x), free(y), free(dy), free(dx), free(turned);
+    ffp_free(x), ffp_free(y), ffp_free(dy), ffp_free(dx), ffp_free(turned);
 }
 
 static void test_pool(void **state) {

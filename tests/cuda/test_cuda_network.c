@@ -53,7 +53,7 @@ static void release(FfpGaussians *g) {
 // Forward and backward twice on the device (the same bits), once on the CPU.
 static void check(const Case *c) {
     FfpModelConfig config;
-    FfpError err = {""};
+    FfpError err = {0};
     assert_true(ffp_model_preset(&config, c->preset));
     config.tokens = c->tokens;
     FfpModel *model = ffp_model_new(&config, 4, &err);

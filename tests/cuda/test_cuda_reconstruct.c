@@ -1,5 +1,6 @@
 // A reconstruction whose network and polish work on a device against one that is all the CPU's.
 #include "compare.h"
+#include "base/call.h"
 #include "ffprocams.h"
 #include "gaussians/gaussians.h"
 #include "loss/metrics.h"
@@ -11,7 +12,7 @@ static const FfpDevice *device;
 
 static FfpCapture small_capture(void) {
     FfpCapture capture;
-    FfpError err = {""};
+    FfpError err = {0};
     FfpSceneSpec spec = ffp_scene_defaults();
     spec.resolution = 40, spec.views = 3, spec.targets = 1, spec.lollipops = 1;
     spec.pattern_side = 64, spec.samples = 1, spec.ambient_rays = 1;
@@ -23,11 +24,10 @@ static FfpCapture small_capture(void) {
 
 static FfpGaussians *reconstruct(const FfpCapture *capture, const FfpModel *model, int64_t polish,
                                  const FfpDevice *by) {
-    FfpError err = {""};
+    FfpError err = {0};
     const FfpReconstruction how = {.model = model, .polish = polish, .layers = FFP_LAYERS_AUTO};
-    ffp_device_offer(by);
-    FfpGaussians *gaussians = ffp_reconstruct(capture, &how, NULL, &err);
-    ffp_device_offer(NULL);
+    FfpContext context = {.device = by};
+    FfpGaussians *gaussians = ffp_reconstruct(&context, capture, &how, NULL, &err);
     if (!gaussians) fail_msg("%s", err.text);
     assert_null(ffp_device());
     return gaussians;
@@ -49,7 +49,7 @@ static double likeness(const FfpCapture *capture, const FfpGaussians *a, const F
 }
 
 static void check(int64_t polish) {
-    FfpError err = {""};
+    FfpError err = {0};
     FfpModelConfig config;
     assert_true(ffp_model_preset(&config, "tiny"));
     FfpModel *model = ffp_model_new(&config, 3, &err);

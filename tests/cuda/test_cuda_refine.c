@@ -1,5 +1,6 @@
 // The fit on a device against the fit on the CPU: its parts, and the whole.
 #include "ball.h"
+#include "base/alloc.h"
 #include "compare.h"
 #include "base/log.h"
 #include "capture/uploaded.h"
@@ -26,7 +27,7 @@ static int64_t splats(void) {
 
 // Of an array of what the thread works on.
 static real *host_copy(const real *from, size_t count) {
-    real *to = malloc(count * sizeof *to + 1);
+    real *to = ffp_alloc(count * sizeof *to + 1, 1);
     ffp_memory_download(to, from, count * sizeof *to);
     return to;
 }
@@ -42,7 +43,7 @@ static void check_array(const char *what, const real *here, const real *there, s
         if (error <= tolerance * (1 + fabs((double)here[i]))) continue;
         fail_msg("%s[%zu]: %.9g on the CPU, %.9g on the device", what, i, (double)here[i], (double)back[i]);
     }
-    free(back);
+    ffp_free(back);
 }
 
 // As a whole: Adam's steps are as long where a gradient is all rounding, so that single splats may go
@@ -175,7 +176,7 @@ static void check_runs(const FfpRefineSettings *settings) {
          *twice = host_copy(again.parameters.numbers.roughness, n);
     assert_memory_equal(once, twice, n * sizeof(real));
     ffp_device_use(NULL);
-    free(once), free(twice);
+    ffp_free(once), ffp_free(twice);
     check_gaussians("moved", &here.parameters.numbers, &there.parameters.numbers, 1e-5);
     check_gaussians("mean", &here.mover.mean, &there.mover.mean, 1e-5);
     check_gaussians("square", &here.mover.square, &there.mover.square, 1e-5);
@@ -211,7 +212,7 @@ static void check_summed(int width, int height) {
     FfpSummed there = ffp_pattern_summed(&image_there);
     assert_true(there.width == width && there.height == height);
     const size_t count = 3 * (size_t)(width + 1) * (size_t)(height + 1);
-    double *back = malloc(count * sizeof *back);
+    double *back = ffp_alloc(count * sizeof *back, 1);
     ffp_memory_download(back, there.sum, count * sizeof *back);
     for (size_t i = 0; i < count; i++) assert_true(fabs(back[i] - here.sum[i]) <= 1e-13 * here.sum[i]);
     ffp_image_free(&image_there);
@@ -219,7 +220,7 @@ static void check_summed(int width, int height) {
     ffp_device_use(NULL);
     ffp_image_free(&image);
     ffp_summed_free(&here);
-    free(back);
+    ffp_free(back);
 }
 
 static void test_summed(void **state) {
@@ -239,7 +240,7 @@ static void test_what_a_device_cannot(void **state) {
     FfpCapture c = {.folder = "somewhere"};
     FfpRefineSettings s = ffp_polish_defaults(4);
     FfpRefineResult result;
-    FfpError err = {""};
+    FfpError err = {0};
     ffp_device_use(device);
     s.density.on = true;
     assert_false(ffp_refine(&g, &c, NULL, 0, &s, &result, &err));
@@ -268,7 +269,7 @@ typedef struct Fitted {
 // Losses and PSNR of the rounds, as the fit reports them.
 static Fitted fit(FfpGaussians *g, const FfpCapture *c) {
     Fitted f = {.result = {0}};
-    FfpError err = {""};
+    FfpError err = {0};
     FfpRefineSettings s = ffp_polish_defaults(ROUNDS * VIEWS);
     s.quiet = true, s.measure = true, s.shadow_looks = 2;
     s.metrics = tmpfile();
@@ -324,7 +325,7 @@ int main(void) {
         cmocka_unit_test(test_what_a_device_cannot),
         cmocka_unit_test(test_a_fit_is_the_same),
     };
-    FfpError err = {""};
+    FfpError err = {0};
     device = ffp_cuda_device(&err);
     print_message("%s\n", device ? ffp_cuda_describe() : err.text);
     return cmocka_run_group_tests(tests, NULL, NULL);

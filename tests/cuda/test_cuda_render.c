@@ -6,6 +6,7 @@
 // may differ; everything behind it is then done with the CPU's mapping on both.
 #include <math.h>
 #include "support.h"
+#include "base/alloc.h"
 #include "base/device.h"
 #include "cuda/cuda.h"
 #include "render/pass.h"
@@ -137,10 +138,10 @@ static void use_mapping(const FfpMapping *there, const FfpMapping *host) {
 
 // Fills planes that are to be written with what no result has.
 static void poison(real *data, size_t count) {
-    real *nans = malloc(count * sizeof *nans);
+    real *nans = ffp_alloc(count * sizeof *nans, 1);
     memset(nans, 0xff, count * sizeof *nans);
     ffp_memory_upload(data, nans, count * sizeof *nans);
-    free(nans);
+    ffp_free(nans);
 }
 
 static void poison_samples(FfpViewPass *pass) {
@@ -177,7 +178,7 @@ static Result run_pass(const Case *c, const World *w, const FfpDevice *on, const
     few.count = g.count < 3 ? g.count : 3; // buffers must grow
     ffp_view_pass_draw(pass, &few, &w->camera, &w->projector);
     run_pictures(pass, w, light, &r); // leaves gradients that the next draw must clear
-    for (int p = 0; p < PATTERNS; p++) free(r.picture[p].data);
+    for (int p = 0; p < PATTERNS; p++) ffp_free(r.picture[p].data);
     poison_samples(pass);
     if (c->keep_shadow) { // of the next draw, and kept for the one after
         ffp_view_pass_keep_shadow(pass, &shadow);
@@ -364,7 +365,7 @@ static void test_training_size(void **state) {
 }
 
 int main(void) {
-    FfpError err = {""};
+    FfpError err = {0};
     device = ffp_cuda_device(&err);
     print_message("%s\n", device ? ffp_cuda_describe() : err.text);
     const struct CMUnitTest tests[] = {

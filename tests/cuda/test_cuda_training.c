@@ -1,5 +1,6 @@
 // A training step on a device against the CPU: losses, gradient, update; and a short run.
 #include "ffprocams.h"
+#include "base/call.h"
 #include "base/rng.h"
 #include "compare.h"
 #include "scratch.h"
@@ -35,15 +36,24 @@ static void compare_losses(const FfpLosses *there, const FfpLosses *here) {
     assert_near(there->total, here->total, 0.01, "total");
 }
 
+typedef struct Opening {
+    FfpScene *scene;
+    const FfpTrainConfig *config;
+} Opening;
+
+static bool open_scene(void *argument, FfpError *err) {
+    const Opening *o = argument;
+    return ffp_scene_open(o->scene, o->config, "train", 0, o->config->resolution, err);
+}
+
 static void check_step(double polish_share) {
     FfpTrainConfig config;
-    FfpError err = {""};
+    FfpError err = {0};
     assert_true(ffp_train_config_parse(&config, tiny_run, "tiny_run", &err));
     config.polish_share = polish_share;
     FfpScene scene;
-    ffp_device_offer(device); // the scene is made ready for it
-    assert_true(ffp_scene_open(&scene, &config, "train", 0, config.resolution, &err));
-    ffp_device_offer(NULL);
+    FfpContext context = {.device = device}; // the scene is made ready for it
+    assert_true(ffp_call_run(&context, open_scene, &(Opening){&scene, &config}, &err));
     FfpModel *model = ffp_model_new(&config.model, 1, &err);
     const size_t count = (size_t)model->count;
     real *grad = ffp_alloc(count, sizeof *grad);
@@ -74,7 +84,7 @@ static void check_step(double polish_share) {
     ffp_stepper_free(stepper_there);
     ffp_mirror_free(mirror, &config);
     ffp_device_use(NULL);
-    free(grad);
+    ffp_free(grad);
     ffp_adam_free(&adam);
     ffp_model_free(model);
     ffp_scene_close(&scene);
@@ -93,12 +103,11 @@ static void test_step_through_the_polish(void **state) {
 // Checkpoint, weights and metrics come out of a run on a device as of one on the CPU.
 static void test_run(void **state) {
     (void)state;
-    FfpError err = {""};
+    FfpError err = {0};
     assert_true(ffp_write_file(in_scratch("config.json"), tiny_run, strlen(tiny_run), NULL));
     FfpTraining options = {.out = in_scratch("run"), .config = in_scratch("config.json"), .steps = -1};
-    ffp_device_offer(device);
-    const bool ok = ffp_train_model(&options, &err);
-    ffp_device_offer(NULL);
+    FfpContext context = {.device = device};
+    const bool ok = ffp_train_model(&context, &options, &err);
     if (!ok) fail_msg("%s", err.text);
     FfpModel *model = ffp_model_read(in_scratch("run/weights.safetensors"), &err);
     if (!model) fail_msg("%s", err.text);

@@ -5,7 +5,7 @@
 
 static void test_memory_goes_there_and_back(void **state) {
     (void)state;
-    FfpError err = {""};
+    FfpError err = {0};
     const FfpDevice *device = ffp_cuda_device(&err);
     if (!device) {
         print_message("%s\n", err.text);

@@ -59,7 +59,7 @@ static void check(const double wanted[TERMS], const double got[TERMS], double ti
 
 static void test_late_values(void **state) {
     (void)state;
-    FfpError err = {""};
+    FfpError err = {0};
     const FfpDevice *device = ffp_cuda_device(&err);
     if (!device) skip();
     double here[TERMS] = {0}, at_once[TERMS] = {0}, late[TERMS] = {0};
@@ -88,7 +88,7 @@ static void test_late_values(void **state) {
 // More than are kept, in pairs inside each other.
 static void test_many(void **state) {
     (void)state;
-    FfpError err = {""};
+    FfpError err = {0};
     const FfpDevice *device = ffp_cuda_device(&err);
     if (!device) skip();
     enum { OUTER = 50, INNER = 100 };

@@ -2,6 +2,7 @@
 // directions, outputs that hold something before. FFP_LARGE in the environment adds the sizes of networks.
 #include <math.h>
 #include "base/cpu.h"
+#include "base/alloc.h"
 #include "cuda/cuda.h"
 #include "cuda/tensor.h"
 #include "support.h"
@@ -34,7 +35,7 @@ static void *keep(Pass *pass, void *block) {
 static float *input(Pass *pass, size_t count, double scale, double shift) {
     float *host = random_reals(&pass->rng, count, scale, shift);
     float *there = keep(pass, ffp_memory_uploaded(host, count, sizeof *host));
-    free(host);
+    ffp_free(host);
     return there;
 }
 
@@ -62,7 +63,7 @@ static float *scratch(Pass *pass, size_t count) {
     float *nans = ffp_alloc(count, sizeof *nans);
     for (size_t i = 0; i < count; i++) nans[i] = NAN;
     float *there = keep(pass, ffp_memory_uploaded(nans, count, sizeof *nans));
-    free(nans);
+    ffp_free(nans);
     return there;
 }
 
@@ -82,7 +83,7 @@ static Pass run(Kernels *kernels, const void *shape, const FfpDevice *device) {
 }
 
 static void free_outputs(Pass *pass) {
-    for (int i = 0; i < pass->n_out; i++) free(pass->out[i].before), free(pass->out[i].after);
+    for (int i = 0; i < pass->n_out; i++) ffp_free(pass->out[i].before), ffp_free(pass->out[i].after);
 }
 
 // What was there before is taken away: only what kernels add counts.
@@ -97,7 +98,7 @@ static double relative_error(const float *found, const float *expected, const fl
 }
 
 static void check(const char *what, Kernels *kernels, const void *shape) {
-    FfpError err = {""};
+    FfpError err = {0};
     const FfpDevice *device = ffp_cuda_device(&err);
     if (!device) {
         print_message("%s\n", err.text);

@@ -1,5 +1,6 @@
 // Photographs made noisy, and cleaned again.
 #include "denoise/denoise.h"
+#include "base/alloc.h"
 
 #include <math.h>
 #include <omp.h>
@@ -17,7 +18,7 @@ static FfpImage *picture(FfpImage *lists, int view, int photograph) {
 }
 
 static void keep_lists(void) {
-    truth = calloc((size_t)(capture.n_views * capture.n_patterns), sizeof *truth);
+    truth = ffp_alloc((size_t)(capture.n_views * capture.n_patterns), sizeof *truth);
     for (int i = 0; i < capture.n_views * capture.n_patterns; i++)
         truth[i] = ffp_image_copy(&capture.views[i / capture.n_patterns].images[i % capture.n_patterns]);
 }
@@ -34,7 +35,7 @@ static int setup(void **state) {
 static int teardown(void **state) {
     (void)state;
     for (int i = 0; i < capture.n_views * capture.n_patterns; i++) ffp_image_free(&truth[i]);
-    free(truth);
+    ffp_free(truth);
     ffp_capture_free(&capture);
     return 0;
 }

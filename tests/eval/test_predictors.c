@@ -2,6 +2,7 @@
 // convention, since each picture is predicted from nothing but depth, poses and patterns.
 #include <math.h>
 #include "support.h"
+#include "base/alloc.h"
 #include "loss/metrics.h"
 #include "match/match.h"
 
@@ -18,7 +19,7 @@ static double predictor_psnr(FfpCapture *capture, Depth kind) {
     int pictures = 0;
     for (int v = 0; v < capture->n_views; v++) {
         const FfpView *view = &capture->views[v];
-        real *depth = calloc((size_t)view->camera.width * view->camera.height, sizeof *depth);
+        real *depth = ffp_alloc((size_t)view->camera.width * view->camera.height, sizeof *depth);
         assert_non_null(depth);
         if (kind == MATCHED_DEPTH) ffp_match_depth(capture, v, active, &settings, depth);
         for (int p = 0; p < capture->n_patterns; p++) {
@@ -32,7 +33,7 @@ static double predictor_psnr(FfpCapture *capture, Depth kind) {
             ffp_image_free(&predicted);
             ffp_image_free(&truth);
         }
-        free(depth);
+        ffp_free(depth);
     }
     assert_true(pictures > 0);
     return sum / pictures;

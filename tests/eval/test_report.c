@@ -3,8 +3,9 @@
 #include <math.h>
 #include <jansson.h>
 #include "support.h"
+#include "base/alloc.h"
 #include "base/file.h"
-#include "eval/relight.h"
+#include "api/relight.h"
 #include "eval/report.h"
 #include "eval/scores.h"
 
@@ -95,7 +96,7 @@ static void test_pictures_in_the_page_are_the_pictures_given(void **state) {
         read_all("test_report.html");
         char *at = strstr(text, mark);
         assert_non_null(at);
-        unsigned char *bytes = malloc(strlen(at));
+        unsigned char *bytes = ffp_alloc(strlen(at), 1);
         assert_non_null(bytes);
         const size_t size = decode_base64(at + strlen(mark), bytes);
         assert_true(ffp_write_file("test_report.png", bytes, size, NULL));
@@ -107,7 +108,7 @@ static void test_pictures_in_the_page_are_the_pictures_given(void **state) {
             for (int c = 0; c < 3; c++) assert_float_equal(back.data[4 * i + c], image.data[3 * i + c], 1e-6);
         ffp_image_free(&back);
         ffp_image_free(&image);
-        free(bytes);
+        ffp_free(bytes);
         ffp_report_free(report);
     }
 }

@@ -1,5 +1,6 @@
 // The PLY file: what is written reads back, viewers see the right colour, and hostile files are refused.
 #include "support.h"
+#include "base/alloc.h"
 
 #include <math.h>
 #include <unistd.h>
@@ -91,7 +92,7 @@ static void test_viewer_colour(void **state) {
     memcpy(dc, row + 12, sizeof dc);
     const float shown[3] = {0.5F, 0, 1};
     for (int c = 0; c < 3; c++) assert_true(fabsf(0.5F + 0.28209479F * dc[c] - shown[c]) < 1e-5F);
-    free(data);
+    ffp_free(data);
     ffp_gaussians_free(&a);
     unlink(PATH);
 }
@@ -144,7 +145,7 @@ static void expect_refused(const char *from, const char *to, int extra_bytes, co
     assert_null(b.centre);
     if (strstr(err.text, word) == NULL) fail_msg("no \"%s\" in: %s", word, err.text);
     if (strstr(err.text, PATH) == NULL) fail_msg("no file in: %s", err.text);
-    free(data);
+    ffp_free(data);
     unlink(PATH);
 }
 

@@ -7,6 +7,7 @@
 #include <jpeglib.h>
 
 #include "scratch.h"
+#include "base/alloc.h"
 #include "base/rng.h"
 #include "image/image.h"
 
@@ -99,7 +100,7 @@ static void png_is_compact(void **state) {
         assert_true(ffp_image_read(&back, in_scratch("compact.png"), FFP_COLOUR_ENCODED, NULL));
         assert_true(rgba_difference(&back, cases[k].image) < 1e-6);
         ffp_image_free(&back);
-        free(bytes);
+        ffp_free(bytes);
     }
     ffp_image_free(&ramp);
     ffp_image_free(&even);
@@ -157,12 +158,12 @@ static void write_jpeg(const char *path, int width, int height, unsigned char gr
     jpeg.in_color_space = JCS_RGB;
     jpeg_set_defaults(&jpeg);
     jpeg_start_compress(&jpeg, TRUE);
-    unsigned char *row = malloc((size_t)width * 3);
+    unsigned char *row = ffp_alloc((size_t)width * 3, 1);
     for (int y = 0; y < height; y++) {
         memset(row, grey, (size_t)width * 3);
         jpeg_write_scanlines(&jpeg, &row, 1);
     }
-    free(row);
+    ffp_free(row);
     jpeg_finish_compress(&jpeg);
     jpeg_destroy_compress(&jpeg);
     fclose(stream);
@@ -229,7 +230,7 @@ static void damage_is_refused(void **state) {
             if (ffp_image_read(&back, in_scratch("hit"), FFP_COLOUR_LINEAR, NULL)) ffp_image_free(&back);
             bytes[where] = old;
         }
-        free(bytes);
+        ffp_free(bytes);
     }
 }
 
@@ -266,7 +267,7 @@ static void bad_files_are_refused(void **state) {
     assert_true(ffp_write_file(in_scratch("empty.png"), "", 0, NULL));
     expect_refusal(in_scratch("empty.png"), "file is empty");
     assert_true(ffp_write_file(in_scratch("text.png"), "hello, world", 12, NULL));
-    expect_refusal(in_scratch("text.png"), "is not a PNG, JPEG or EXR image");
+    expect_refusal(in_scratch("text.png"), "is not a PNG, JPEG, TIFF or EXR image");
     write_png_header(in_scratch("large.png"), 20000, 20000);
     expect_refusal(in_scratch("large.png"), "image size 20000 x 20000");
     write_png_header(in_scratch("zero.png"), 0, 5);

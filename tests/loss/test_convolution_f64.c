@@ -1,5 +1,6 @@
 // Convolution and pooling of the perceptual networks against loops that follow the definition.
 #include "gradcheck.h"
+#include "base/alloc.h"
 
 #include "loss/conv.h"
 
@@ -67,7 +68,7 @@ static void check_forward(const FfpConv *s, uint64_t seed) {
         for (size_t i = 0; i < z.y; i++) truth[i] = fmax(truth[i], 0);
         assert_true(largest_difference(y + image * step, truth, z.y) < 1e-11);
     }
-    free(x), free(w), free(bias), free(y), free(truth);
+    ffp_free(x), ffp_free(w), ffp_free(bias), ffp_free(y), ffp_free(truth);
 }
 
 static void check_backward(const FfpConv *s, uint64_t seed) {
@@ -83,7 +84,7 @@ static void check_backward(const FfpConv *s, uint64_t seed) {
     plain_conv(masked, truth, w, s, &z, false);
     assert_true(largest_difference(dx, truth, z.x) < 1e-11);
     assert_true(largest_difference(dy, masked, z.y) == 0);
-    free(w), free(y), free(dy), free(masked), free(dx), free(truth);
+    ffp_free(w), ffp_free(y), ffp_free(dy), ffp_free(masked), ffp_free(dx), ffp_free(truth);
 }
 
 static void test_forward(void **state) {

@@ -1,5 +1,6 @@
 // The perceptual networks with random weights: gradients to the image, in double, on odd sizes.
 #include "gradcheck.h"
+#include "base/alloc.h"
 
 #include "loss/perceptual_net.h"
 
@@ -44,12 +45,12 @@ static void check_network(FfpPerceptualKind kind, int width, int height, int eve
     const double value = ffp_perceptual_loss(c.net, &c.a, &c.b, 0.7, &grad);
     assert_true(value > 0 && value == distance(&c));
     check_gradient("image", distance, &c, c.a.data, grad.data, values, every, 1e-7, 1e-5);
-    free(c.b.data);
+    ffp_free(c.b.data);
     c.b.data = c.a.data;
     assert_true(distance(&c) <
                 1e-20); // not quite 0: fused multiply-adds round one of two equal features only
-    free(c.a.data);
-    free(grad.data);
+    ffp_free(c.a.data);
+    ffp_free(grad.data);
     ffp_perceptual_free(c.net);
 }
 
@@ -82,7 +83,7 @@ static void test_least_side(void **state) {
         assert_true(ffp_perceptual_loss(net, &a, &b, 1, NULL) > 0);
         a.height = b.height = grad.height = side - 1;
         assert_true(ffp_perceptual_loss(net, &a, &b, 1, &grad) == 0 && grad.data[0] == GRAD_START);
-        free(a.data), free(b.data), free(grad.data);
+        ffp_free(a.data), ffp_free(b.data), ffp_free(grad.data);
         ffp_perceptual_free(net);
     }
 }

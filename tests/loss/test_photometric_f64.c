@@ -1,5 +1,6 @@
 // L1, SSIM and the sRGB slope: values against plain sums, gradients against central differences.
 #include "gradcheck.h"
+#include "base/alloc.h"
 
 #include "loss/loss.h"
 
@@ -20,8 +21,8 @@ static Case new_case(void) {
 }
 
 static void free_case(Case *c) {
-    free(c->a.data);
-    free(c->b.data);
+    ffp_free(c->a.data);
+    ffp_free(c->b.data);
 }
 
 static double l1(void *context) {
@@ -49,7 +50,7 @@ static void test_l1_gradient(void **state) {
     FfpImage grad = {WIDTH, HEIGHT, 3, new_gradient(VALUES)};
     ffp_l1_loss(&c.a, &c.b, c.weight, &grad);
     check_gradient("l1", l1, &c, c.a.data, grad.data, VALUES, 1, 1e-6, 1e-6);
-    free(grad.data);
+    ffp_free(grad.data);
     free_case(&c);
 }
 
@@ -86,8 +87,8 @@ static void test_ssim_value(void **state) {
         assert_true(fabs(ffp_ssim(&a, &b) - plain_ssim(&a, &b)) < 1e-8);
         assert_true(fabs(ffp_ssim_loss(&a, &b, 2, NULL) - 2 * (1 - plain_ssim(&a, &b))) < 1e-8);
         assert_true(fabs(ffp_ssim(&a, &a) - 1) < 1e-12);
-        free(a.data);
-        free(b.data);
+        ffp_free(a.data);
+        ffp_free(b.data);
     }
 }
 
@@ -97,7 +98,7 @@ static void test_ssim_gradient(void **state) {
     FfpImage grad = {WIDTH, HEIGHT, 3, new_gradient(VALUES)};
     ffp_ssim_loss(&c.a, &c.b, c.weight, &grad);
     check_gradient("ssim", ssim, &c, c.a.data, grad.data, VALUES, 1, 1e-5, 1e-6);
-    free(grad.data);
+    ffp_free(grad.data);
     free_case(&c);
 }
 
@@ -115,9 +116,9 @@ static void test_srgb_backward(void **state) {
         const double slope = (ffp_srgb_encode(x + h) - ffp_srgb_encode(x - h)) / (2 * h);
         assert_true(fabs(grad.data[i] - before[i] * (i % 4 == 3 ? 1 : slope)) < 1e-5);
     }
-    free(before);
-    free(grad.data);
-    free(linear.data);
+    ffp_free(before);
+    ffp_free(grad.data);
+    ffp_free(linear.data);
 }
 
 int main(void) {

@@ -1,5 +1,6 @@
 // The terms on G-buffers: gradients to every input, and the values of small cases counted by hand.
 #include "gradcheck.h"
+#include "base/alloc.h"
 
 #include "loss/loss.h"
 
@@ -26,7 +27,7 @@ static Maps new_maps(void) {
 static void free_maps(Maps *m) {
     real *all[] = {m->opacity, m->mask,      m->depth,  m->truth,
                    m->normal,  m->roughness, m->albedo, m->distortion};
-    for (size_t i = 0; i < sizeof all / sizeof *all; i++) free(all[i]);
+    for (size_t i = 0; i < sizeof all / sizeof *all; i++) ffp_free(all[i]);
 }
 
 static double mask_loss(void *context) {
@@ -63,7 +64,7 @@ static void test_mask(void **state) {
     assert_true(isfinite(value) && value > 0);
     assert_true(grad[3] == GRAD_START && grad[4] == GRAD_START);
     check_gradient("opacity", mask_loss, &m, m.opacity, grad, PIXELS, 1, 1e-7, 1e-6);
-    free(grad);
+    ffp_free(grad);
     free_maps(&m);
     const real half[2] = {0.5, 0.5}, truth[2] = {1, 0};
     assert_true(fabs(ffp_mask_loss(half, truth, 2, 1, NULL) - log(2)) < 1e-12);
@@ -84,8 +85,8 @@ static void test_depth(void **state) {
     check_gradient("opacity", depth_loss, &m, m.opacity, grad_opacity, PIXELS, 1, 1e-6, 1e-6);
     for (int i = 0; i < PIXELS; i++) m.truth[i] = 0;
     assert_true(depth_loss(&m) == 0);
-    free(grad_depth);
-    free(grad_opacity);
+    ffp_free(grad_depth);
+    ffp_free(grad_opacity);
     free_maps(&m);
 }
 
@@ -97,7 +98,7 @@ static void test_distortion(void **state) {
     for (int i = 0; i < PIXELS; i++) sum += m.distortion[i];
     assert_true(fabs(ffp_distortion_loss(m.distortion, PIXELS, 0.7, grad) - 0.7 * sum / PIXELS) < 1e-12);
     check_gradient("distortion", distortion_loss, &m, m.distortion, grad, PIXELS, 1, 1e-6, 1e-6);
-    free(grad);
+    ffp_free(grad);
     free_maps(&m);
 }
 
@@ -110,7 +111,7 @@ static void test_normal(void **state) {
     assert_true(grad[36] == GRAD_START && grad[37] == GRAD_START && grad[38] == GRAD_START);
     check_gradient("normal", normal_loss, &m, m.normal, grad, 36, 1, 1e-6, 1e-6);
     check_gradient("normal", normal_loss, &m, m.normal + 39, grad + 39, PIXELS * 3 - 39, 1, 1e-6, 1e-6);
-    free(grad);
+    ffp_free(grad);
     free_maps(&m);
 }
 
@@ -135,10 +136,10 @@ static void test_roughness(void **state) {
     // The albedo is a constant of the loss: for the opacity's gradient it must move along, so that A / O
     // stands still.
     for (int i = 0; i < PIXELS * 3; i++) m.albedo[i] = 0;
-    free(grad);
+    ffp_free(grad);
     ffp_roughness_loss(m.roughness, m.albedo, m.opacity, m.mask, WIDTH, HEIGHT, 0.7, NULL, grad_opacity);
     check_gradient("opacity", roughness_loss, &m, m.opacity, grad_opacity, PIXELS, 1, 1e-6, 1e-6);
-    free(grad_opacity);
+    ffp_free(grad_opacity);
     free_maps(&m);
 }
 

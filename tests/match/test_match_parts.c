@@ -4,11 +4,11 @@
 #include <math.h>
 #include "base/rng.h"
 #include "base/vec.h"
-#include "match/beams.h"
+#include "match/projector_rays.h"
 #include "match/fill.h"
 #include "match/line.h"
 #include "match/match.h"
-#include "match/refute.h"
+#include "match/prune.h"
 #include "match/surface.h"
 #include "match/sweep.h"
 
@@ -174,8 +174,9 @@ static void test_semi_global(void **state) {
     ffp_foreground_free(&foreground);
 }
 
-// A plane that light falls on from the side: what it meets is heard where it meets it, and nowhere else.
-static void test_beams(void **state) {
+// A plane that light falls on from the side: the surface it meets is known where it meets it, and nowhere
+// else.
+static void test_projector_rays(void **state) {
     (void)state;
     enum { W = 20, H = 16 };
     real depth[W * H], trust[W * H];
@@ -184,17 +185,18 @@ static void test_beams(void **state) {
     for (int i = 0; i < W * H; i++)
         depth[i] = 3, trust[i] = i % W < 10 ? 0.5F : 0; // the left half is trusted
     const FfpDepths depths = {&capture, W, H, depth, trust};
-    FfpBeams beams = ffp_beams_new(&depths, 0);
+    FfpProjectorRays projector_rays = ffp_projector_rays_new(&depths, 0);
     real point[3], u, v;
     ffp_point_at(&view.camera, 5, 8, 3, point);
     assert_true(fabsf(ffp_project(&view.projector, point, &u, &v) - 3) < 1e-4F);
-    const FfpHeard lit = ffp_beams_at(&beams, u, v);
+    const FfpDepthBounds lit = ffp_projector_rays_at(&projector_rays, u, v);
     assert_true(fabsf(lit.low - 3) < 1e-3F && fabsf(lit.high - 3) < 1e-3F && lit.trust == 0.5F);
     ffp_point_at(&view.camera, 15, 8, 3, point);
     ffp_project(&view.projector, point, &u, &v);
-    assert_true(ffp_beams_at(&beams, u, v).trust == 0);
-    assert_true(ffp_beams_at(&beams, -1, v).trust == 0 && ffp_beams_at(&beams, u, 1e6F).trust == 0);
-    ffp_beams_free(&beams);
+    assert_true(ffp_projector_rays_at(&projector_rays, u, v).trust == 0);
+    assert_true(ffp_projector_rays_at(&projector_rays, -1, v).trust == 0 &&
+                ffp_projector_rays_at(&projector_rays, u, 1e6F).trust == 0);
+    ffp_projector_rays_free(&projector_rays);
 }
 
 // A splat on a matched plane or behind it stays; one before it, or off the silhouette, loses its opacity.
@@ -214,7 +216,7 @@ static void test_refute(void **state) {
     const FfpStart start = {.views = 1, .width = W, .height = H, .confidence = trust, .footprint = footprint};
     static const real place[5][2] = {{5, 3}, {5, 3.5F}, {5, 2.6F}, {18, 3}, {15, 2.9F}};
     for (int i = 0; i < 5; i++) ffp_point_at(&view.camera, place[i][0], 8, place[i][1], centre[i]);
-    assert_int_equal(ffp_refute(opacity, centre[0], 5, &capture, &start), 2);
+    assert_int_equal(ffp_prune_contradicted(opacity, centre[0], 5, &capture, &start), 2);
     static const bool stays[5] = {true, true, false, false, true};
     for (int i = 0; i < 5; i++) assert_true(opacity[i] == (stays[i] ? 0.9F : 0));
 }
@@ -225,7 +227,7 @@ int main(void) {
                                        cmocka_unit_test(test_planes_keep_apart),
                                        cmocka_unit_test(test_fill_is_harmonic),
                                        cmocka_unit_test(test_semi_global),
-                                       cmocka_unit_test(test_beams),
+                                       cmocka_unit_test(test_projector_rays),
                                        cmocka_unit_test(test_refute)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

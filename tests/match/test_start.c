@@ -60,7 +60,7 @@ static void depth_errors(const FfpCapture *capture, const FfpStart *start, bool 
     figures[0] = (double)errors[count / 2], figures[1] = (double)errors[count * 9 / 10];
     printf("%s, %s: median %.3f %%, nine in ten within %.2f %% of the radius (%zu pixels)\n", capture->name,
            matched ? "matched" : "filled", figures[0], figures[1], count);
-    free(errors);
+    ffp_free(errors);
 }
 
 static void test_depth_of_the_sample(void **state) {
@@ -206,7 +206,7 @@ static void test_from_depth(void **state) {
         if (view->coverage.data[p] == 1) violated += start.violation[i] > 0, seen++;
     }
     assert_true(violated < 0.02 * seen); // the truth does not contradict itself
-    free(depth);
+    ffp_free(depth);
     ffp_start_free(&start);
     ffp_capture_free(&capture);
 }
@@ -220,8 +220,8 @@ static void flat_image(FfpImage *image, int width, int height, int channels, rea
 static FfpCapture flat_capture(int n_views, int width, int height, real light, real coverage) {
     FfpCapture capture = {
         .n_patterns = 3, .n_views = n_views, .black = 0, .white = 1, .intensity = {8, 8, 8}, .radius = 1};
-    capture.patterns = calloc(3, sizeof *capture.patterns);
-    capture.views = calloc((size_t)n_views, sizeof *capture.views);
+    capture.patterns = ffp_alloc(3, sizeof *capture.patterns);
+    capture.views = ffp_alloc((size_t)n_views, sizeof *capture.views);
     for (int p = 0; p < 3; p++) flat_image(&capture.patterns[p].image, 16, 16, 3, p == 1 ? 1 : 0);
     for (int v = 0; v < n_views; v++) {
         FfpView *view = &capture.views[v];
@@ -235,7 +235,7 @@ static FfpCapture flat_capture(int n_views, int width, int height, real light, r
         view->camera = view->projector = camera;
         view->projector.width = view->projector.height = 16;
         view->projector.pose[3] = 0.5F;
-        view->images = calloc(3, sizeof *view->images);
+        view->images = ffp_alloc(3, sizeof *view->images);
         for (int p = 0; p < 3; p++)
             flat_image(&view->images[p], width, height, 3, p == 1 ? 0.2F + light : 0.2F);
         flat_image(&view->coverage, width, height, 1, coverage);

@@ -16,7 +16,7 @@ typedef struct Scene {
     FfpArena *arena;
     FfpCapture capture;
     FfpStart start;
-    FfpContext context; // of a test that makes one
+    FfpPixelContext context; // of a test that makes one
 } Scene;
 
 enum { SCENE_ACTIVE = 2 };

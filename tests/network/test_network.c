@@ -1,6 +1,7 @@
 // The network as a whole: what an untrained one returns, that passes repeat their bits and take no new
 // memory, what it refuses.
 #include "scene.h"
+#include "base/alloc.h"
 #include "network/head.h"
 
 static void expect(const FfpError *err, const char *part) {
@@ -26,7 +27,7 @@ static void assert_near(const real *a, const real *b, int64_t count, real tolera
         }
 }
 
-// One Gaussian of the classical start by DESIGN's words, from the maps alone.
+// One Gaussian of the classical start by the formulas of docs/architecture.md, from the maps alone.
 static void check_classical(const FfpGaussians *g, int64_t i, const FfpRun *run, const Scene *s) {
     const FfpStart *start = &s->start;
     const int64_t p = run->pixel[i], area = (int64_t)start->width * start->height;
@@ -140,10 +141,10 @@ static void test_repeats(void **state) {
     size_t memory[2];
     FfpError err;
     for (int i = 0; i < 2; i++) {
-        grad[i] = calloc((size_t)model->count, sizeof(real));
+        grad[i] = ffp_alloc((size_t)model->count, sizeof(real));
         assert_true(ffp_model_forward(model, run, &s.capture, &s.start, NULL, SCENE_ACTIVE, &err));
         const size_t bytes = (size_t)run->gaussians.count * 3 * sizeof(real);
-        centre[i] = malloc(bytes);
+        centre[i] = ffp_alloc(bytes, 1);
         memcpy(centre[i], run->gaussians.centre, bytes);
         const FfpGaussians weights = run->gaussians;
         ffp_model_backward(model, run, &weights, run->t, grad[i]);
@@ -157,8 +158,8 @@ static void test_repeats(void **state) {
     for (int i = 0; i < 2; i++) {
         assert_true(passes[i]->tokenise > 0 && passes[i]->scan > 0 && passes[i]->attention > 0);
         assert_true(passes[i]->products > 0 && passes[i]->other > 0 && passes[i]->heads > 0);
-        free(grad[i]);
-        free(centre[i]);
+        ffp_free(grad[i]);
+        ffp_free(centre[i]);
     }
     ffp_run_free(run);
     ffp_model_free(model);
@@ -177,11 +178,11 @@ static void test_other_sizes(void **state) {
         FfpError err;
         scene_new(&s, sizes[i][0], sizes[i][1], sizes[i][2], 1);
         assert_true(ffp_model_forward(model, run, &s.capture, &s.start, NULL, SCENE_ACTIVE, &err));
-        real *grad = calloc((size_t)model->count, sizeof *grad);
+        real *grad = ffp_alloc((size_t)model->count, sizeof *grad);
         const FfpGaussians weights = run->gaussians;
         ffp_model_backward(model, run, &weights, NULL, grad);
         for (int64_t k = 0; k < model->count; k++) assert_true(isfinite(grad[k]));
-        free(grad);
+        ffp_free(grad);
         memset(s.start.coverage, 0, sizeof(real) * (size_t)sizes[i][0] * sizes[i][1] * sizes[i][2]);
         assert_true(
             ffp_model_forward(model, run, &s.capture, &s.start, NULL, SCENE_ACTIVE, &err)); // nothing to see
@@ -202,7 +203,7 @@ static void test_reduced(void **state) {
     scene_new(&s, 2, 44, 36, 1);
     int width, height;
     model->config.tokens = 12;
-    ffp_context_size(&width, &height, &model->config, &s.capture, 2);
+    ffp_pixel_context_size(&width, &height, &model->config, &s.capture, 2);
     assert_int_equal(width, 16);
     assert_int_equal(height, 16);
     const FfpGaussians start = ffp_start_gaussians(&s.capture, &s.start);
@@ -211,7 +212,7 @@ static void test_reduced(void **state) {
     for (int64_t i = 0; i < 3 * start.count; i++)
         assert_float_equal(run->gaussians.centre[i], start.centre[i], 1e-5F);
     model->config.tokens = 1; // a token a view there is always
-    ffp_context_size(&width, &height, &model->config, &s.capture, 2);
+    ffp_pixel_context_size(&width, &height, &model->config, &s.capture, 2);
     assert_int_equal(width * height, 64);
     FfpGaussians copy = start;
     ffp_gaussians_free(&copy);
@@ -227,7 +228,7 @@ static int context_side(int side, int views) {
     FfpView view = {.camera = {.width = side, .height = side}};
     const FfpCapture capture = {.n_views = views, .views = &view};
     int width, height;
-    ffp_context_size(&width, &height, &config, &capture, views);
+    ffp_pixel_context_size(&width, &height, &config, &capture, views);
     assert_int_equal(width, height);
     return width;
 }
@@ -247,7 +248,7 @@ static void test_the_ratio_told_is_limited(void **state) {
     FfpModel *model = new_model("tiny");
     FfpError err;
     Scene s;
-    FfpContext context;
+    FfpPixelContext context;
     const int64_t pixel = 0;
     real told[FFP_CONTEXT_CHANNELS];
     scene_new(&s, 2, 44, 36, 1);
@@ -255,11 +256,12 @@ static void test_the_ratio_told_is_limited(void **state) {
     const real expected[] = {0.5F * log2((real)(44 * 36) / (32 * 32)), 0.68F};
     for (int i = 0; i < 2; i++) {
         model->config.tokens = tokens[i];
-        assert_true(ffp_context_new(&context, &model->config, &s.capture, &s.start, SCENE_ACTIVE, &err));
+        assert_true(
+            ffp_pixel_context_new(&context, &model->config, &s.capture, &s.start, SCENE_ACTIVE, &err));
         const FfpGrid grid = ffp_grid(&model->config, &s.capture, &context);
         ffp_head_tell_apart(told, &pixel, 1, &grid, &s.start, &context.start);
         assert_float_equal(told[0], expected[i], 1e-5F);
-        ffp_context_free(&context);
+        ffp_pixel_context_free(&context);
     }
     scene_free(&s);
     ffp_model_free(model);

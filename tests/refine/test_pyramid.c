@@ -2,11 +2,13 @@
 #include <omp.h>
 #include <tgmath.h>
 #include "base/rng.h"
+#include "base/alloc.h"
 #include "base/vec.h"
 #include "refine/pyramid.h"
 #include "capture/reduce.h"
 #include "refine/reduce.h"
 #include "render/pass.h"
+#include "stopped.h"
 #include "support.h"
 #include "looking.h"
 
@@ -53,7 +55,7 @@ static FfpGaussians ball_of_pixels(const FfpCapture *c, int64_t **pixel) {
     const int width = c->views[0].camera.width, height = c->views[0].camera.height;
     FfpGaussians g = ffp_gaussians_new((int64_t)VIEWS * width * height);
     int64_t count = 0;
-    *pixel = calloc((size_t)g.count, sizeof **pixel);
+    *pixel = ffp_alloc((size_t)g.count, sizeof **pixel);
     for (int64_t p = 0; p < g.count; p++) {
         const FfpCamera *camera = &c->views[p / width / height].camera;
         real point[3], distance;
@@ -77,7 +79,7 @@ static void photograph(FfpView *view, const FfpGaussians *truth, const FfpCaptur
     FfpViewPass *pass = ffp_view_pass_new(&settings);
     ffp_view_pass_draw(pass, truth, &view->camera, &view->projector);
     const FfpGbuffer *g = ffp_view_pass_gbuffer(pass);
-    view->images = calloc(PATTERNS, sizeof *view->images);
+    view->images = ffp_alloc(PATTERNS, sizeof *view->images);
     view->coverage = ffp_image_new(g->width, g->height, 1);
     for (int i = 0; i < g->width * g->height; i++)
         view->coverage.data[i] = g->opacity[i] > 0.01F ? fmin(g->opacity[i], 1) : 0;
@@ -102,8 +104,8 @@ typedef struct Scene {
 static Scene scene_new(int width, int height) {
     Scene s = {.capture = {.n_patterns = PATTERNS,
                            .n_views = VIEWS,
-                           .patterns = calloc(PATTERNS, sizeof *s.capture.patterns),
-                           .views = calloc(VIEWS + 1, sizeof *s.capture.views),
+                           .patterns = ffp_alloc(PATTERNS, sizeof *s.capture.patterns),
+                           .views = ffp_alloc(VIEWS + 1, sizeof *s.capture.views),
                            .black = BLACK,
                            .white = WHITE,
                            .intensity = {4, 4, 4},
@@ -125,7 +127,7 @@ static void scene_free(Scene *s) {
     s->capture.n_views = VIEWS + 1;
     ffp_capture_free(&s->capture);
     ffp_gaussians_free(&s->truth);
-    free(s->pixel);
+    ffp_free(s->pixel);
 }
 
 // Colours wrong over wide areas, and each splat a little out of place.
@@ -216,16 +218,27 @@ static void test_threads_do_not_matter(void **state) {
     scene_free(&s);
 }
 
+typedef struct Fit {
+    FfpGaussians *gaussians;
+    const Scene *scene;
+    const FfpRefineSettings *settings;
+    FfpRefineResult *result;
+} Fit;
+
+static bool fit_levels(void *argument, FfpError *err) {
+    const Fit *fit = argument;
+    return ffp_refine_pyramid(fit->gaussians, &fit->scene->origin, &fit->scene->capture, all_patterns,
+                              PATTERNS, fit->settings, fit->result, err);
+}
+
 static void test_stopping_ends_all_levels(void **state) {
     (void)state;
     Scene s = scene_new(250, 130);
     FfpGaussians g = disturbed(&s.truth);
     FfpRefineSettings settings = settings_of(100);
-    atomic_bool stop = true;
     FfpRefineResult result;
-    settings.stop = &stop;
-    assert_true(
-        ffp_refine_pyramid(&g, &s.origin, &s.capture, all_patterns, PATTERNS, &settings, &result, NULL));
+    settings.may_stop = true;
+    assert_true(run_stopped(fit_levels, &(Fit){&g, &s, &settings, &result}, NULL));
     assert_true(result.stopped);
     assert_int_equal(result.steps, 0);
     ffp_gaussians_free(&g);

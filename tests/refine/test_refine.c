@@ -1,11 +1,13 @@
 // Fits on a small scene of splats that were drawn by the renderer itself, so that the truth is known.
 #include "render/pass.h"
+#include "base/alloc.h"
 #include "base/rng.h"
 #include "base/vec.h"
 #include "loss/metrics.h"
 #include "refine/density.h"
 #include "refine/neighbours.h"
 #include "refine/refine.h"
+#include "stopped.h"
 #include "support.h"
 #include "looking.h"
 
@@ -56,7 +58,7 @@ static void photograph(FfpView *view, const FfpGaussians *truth, const FfpCaptur
     const FfpRenderSettings settings = ffp_render_defaults();
     FfpRaster *raster = ffp_raster_new();
     FfpGbuffer gbuffer = ffp_gbuffer_new(SIDE, SIDE);
-    view->images = calloc(PATTERNS, sizeof *view->images);
+    view->images = ffp_alloc(PATTERNS, sizeof *view->images);
     view->coverage = ffp_image_new(SIDE, SIDE, 1);
     for (int p = 0; p < PATTERNS; p++) {
         FfpSummed light = ffp_summed_new(&capture->patterns[p].image);
@@ -75,8 +77,8 @@ static void photograph(FfpView *view, const FfpGaussians *truth, const FfpCaptur
 static FfpCapture capture_of(const FfpGaussians *truth) {
     FfpCapture c = {.n_patterns = PATTERNS,
                     .n_views = VIEWS,
-                    .patterns = calloc(PATTERNS, sizeof *c.patterns),
-                    .views = calloc(VIEWS + 1, sizeof *c.views),
+                    .patterns = ffp_alloc(PATTERNS, sizeof *c.patterns),
+                    .views = ffp_alloc(VIEWS + 1, sizeof *c.views),
                     .black = BLACK,
                     .white = WHITE,
                     .intensity = {4, 4, 4},
@@ -210,6 +212,18 @@ static void test_the_same_seed_gives_the_same_bits(void **state) {
     free_capture(&c);
 }
 
+typedef struct Fit {
+    FfpGaussians *gaussians;
+    const FfpCapture *capture;
+    const FfpRefineSettings *settings;
+    FfpRefineResult *result;
+} Fit;
+
+static bool refine_all(void *argument, FfpError *err) {
+    const Fit *fit = argument;
+    return ffp_refine(fit->gaussians, fit->capture, all_patterns, PATTERNS, fit->settings, fit->result, err);
+}
+
 static void test_stopping_keeps_the_start_and_limits_are_asked_for(void **state) {
     (void)state;
     FfpCapture c = ball_capture();
@@ -219,9 +233,8 @@ static void test_stopping_keeps_the_start_and_limits_are_asked_for(void **state)
     FfpError err;
     assert_false(ffp_refine(&g, &c, all_patterns, PATTERNS, &s, &result, &err));
     assert_non_null(strstr(err.text, "limit"));
-    const atomic_bool stop = true;
-    s.steps = 100, s.stop = &stop;
-    assert_true(ffp_refine(&g, &c, all_patterns, PATTERNS, &s, &result, &err));
+    s.steps = 100, s.may_stop = true;
+    assert_true(run_stopped(refine_all, &(Fit){&g, &c, &s, &result}, &err));
     assert_true(result.stopped);
     assert_int_equal(result.steps, 0);
     for (int64_t i = 0; i < 3 * g.count; i++) assert_float_equal(g.centre[i], before.centre[i], 1e-6);
@@ -285,11 +298,11 @@ static void test_density_doubles_and_removes(void **state) {
     FfpRefineSettings s = ffp_scratch_defaults();
     FfpParameters p = ffp_parameters_new(&g, false, true);
     FfpMover mover = ffp_mover_new(&p, &s);
-    FfpCrowd crowd = ffp_crowd_new(4, 1);
-    crowd.pull[0] = crowd.pull[1] = crowd.pull[2] = 1;
-    crowd.seen[0] = crowd.seen[1] = crowd.seen[2] = crowd.seen[3] = 1;
-    assert_false(ffp_crowd_step(&crowd, &s.density, s.density.from + 1, &p, &g, &mover));
-    assert_true(ffp_crowd_step(&crowd, &s.density, s.density.from, &p, &g, &mover));
+    FfpDensityControl density_control = ffp_density_control_new(4, 1);
+    density_control.pull[0] = density_control.pull[1] = density_control.pull[2] = 1;
+    density_control.seen[0] = density_control.seen[1] = density_control.seen[2] = density_control.seen[3] = 1;
+    assert_false(ffp_density_control_step(&density_control, &s.density, s.density.from + 1, &p, &g, &mover));
+    assert_true(ffp_density_control_step(&density_control, &s.density, s.density.from, &p, &g, &mover));
     assert_int_equal(p.numbers.count, 5); // 0, its clone, two halves of 1, 3
     assert_int_equal(mover.mean.count, 5);
     assert_float_equal(p.numbers.centre[0], p.numbers.centre[3], 0);
@@ -297,7 +310,7 @@ static void test_density_doubles_and_removes(void **state) {
     assert_float_equal(exp(p.numbers.scale[9]), 0.125, 1e-6);
     assert_true(p.numbers.centre[6] != p.numbers.centre[9]);
     assert_float_equal(p.numbers.centre[12], 3, 0);
-    ffp_crowd_free(&crowd);
+    ffp_density_control_free(&density_control);
     ffp_mover_free(&mover);
     ffp_parameters_free(&p);
     ffp_gaussians_free(&g);
@@ -332,7 +345,7 @@ static void test_a_fit_that_loses_is_dropped(void **state) {
     FfpGaussians g = disturbed(), before = ffp_gaussians_copy(&g);
     FfpRefineSettings settings = ffp_polish_defaults(24);
     FfpRefineResult result;
-    FfpError err = {""};
+    FfpError err = {0};
     settings.quiet = true;
     for (int a = 0; a < FFP_ATTRIBUTES; a++) settings.rates.rate[a] *= 300;
     assert_true(ffp_refine(&g, &capture, all_patterns, PATTERNS, &settings, &result, &err));

@@ -2,6 +2,7 @@
 #include <math.h>
 #include <omp.h>
 #include "base/vec.h"
+#include "base/alloc.h"
 #include "refine/thin.h"
 #include "render/render.h"
 #include "support.h"
@@ -56,10 +57,10 @@ static void put(FfpGaussians *g, int64_t i, const real point[3], const FfpCamera
 
 // The views are VIEWS steps round the ball; those from VIEWS on are the first ones again.
 static Set set_new(int views) {
-    Set s = {.capture = {.n_views = views, .views = calloc((size_t)views, sizeof(FfpView))},
+    Set s = {.capture = {.n_views = views, .views = ffp_alloc((size_t)views, sizeof(FfpView))},
              .gaussians = ffp_gaussians_new((int64_t)views * AREA),
-             .pixel = calloc((size_t)views * AREA, sizeof(int64_t)),
-             .trust = calloc((size_t)views * AREA, sizeof(real))};
+             .pixel = ffp_alloc((size_t)views * AREA, sizeof(int64_t)),
+             .trust = ffp_alloc((size_t)views * AREA, sizeof(real))};
     int64_t count = 0;
     for (int v = 0; v < views; v++) {
         FfpCamera *camera = &s.capture.views[v].camera;
@@ -77,7 +78,7 @@ static Set set_new(int views) {
 
 static void set_free(Set *s) {
     ffp_gaussians_free(&s->gaussians);
-    free(s->capture.views), free(s->pixel), free(s->trust);
+    ffp_free(s->capture.views), ffp_free(s->pixel), ffp_free(s->trust);
 }
 
 static int64_t thin(Set *s, double layers) {

@@ -88,7 +88,7 @@ static int nearer(const void *a, const void *b) {
 // All splats at one pixel, near to far: 12 sums and the distortion by its definition, over all ordered pairs.
 // Returns whether any decision (1/255, the end of the transmittance) was so near that rounding may turn it.
 static bool reference_pixel(const Reference *splats, int count, int x, int y, double out[13]) {
-    double T = 1, *w = calloc((size_t)count, sizeof *w);
+    double T = 1, *w = ffp_alloc((size_t)count, sizeof *w);
     bool near = false;
     memset(out, 0, 13 * sizeof *out);
     for (int i = 0; i < count; i++) {
@@ -107,7 +107,7 @@ static bool reference_pixel(const Reference *splats, int count, int x, int y, do
     }
     for (int i = 0; i < count; i++)
         for (int j = 0; j < count && w[i] > 0; j++) out[12] += w[i] * w[j] * fabs(splats[i].z - splats[j].z);
-    free(w);
+    ffp_free(w);
     return near;
 }
 
@@ -136,7 +136,7 @@ static void rasterise_levels(const FfpGaussians *g, const FfpCamera *camera,
 
 static void check_against_brute_force(const FfpGaussians *g, FfpCamera camera, FfpRenderSettings settings) {
     FfpGbuffer out[FFP_CPU_LEVELS];
-    Reference *splats = calloc((size_t)g->count, sizeof *splats);
+    Reference *splats = ffp_alloc((size_t)g->count, sizeof *splats);
     rasterise_levels(g, &camera, &settings, out);
     for (int64_t i = 0; i < g->count; i++) splats[i] = reference_splat(g, i, &camera, &settings);
     qsort(splats, (size_t)g->count, sizeof *splats, nearer);
@@ -155,7 +155,7 @@ static void check_against_brute_force(const FfpGaussians *g, FfpCamera camera, F
         }
     }
     assert_true(skipped < pixels / 4);
-    free(splats);
+    ffp_free(splats);
     for (int level = 0; level <= (int)ffp_cpu_best(); level++) ffp_gbuffer_free(&out[level]);
 }
 
@@ -250,10 +250,10 @@ static void test_same_bits(void **state) {
         omp_set_num_threads(n);
         real *again = everything(&g, &camera, &count);
         assert_memory_equal(first, again, (size_t)count * sizeof(real));
-        free(again);
+        ffp_free(again);
     }
     omp_set_num_threads(threads);
-    free(first);
+    ffp_free(first);
     ffp_gaussians_free(&g);
 }
 
@@ -289,9 +289,9 @@ static void test_levels_agree(void **state) {
             if (!(forward < 2e-4) || !(backward < 2e-3))
                 fail_msg("%s, set %d: picture off by %g, gradients by %g", ffp_cpu_name((FfpCpuLevel)level),
                          n, forward, backward);
-            free(fast);
+            ffp_free(fast);
         }
-        free(plain);
+        ffp_free(plain);
         ffp_gaussians_free(&g);
     }
     assert_true(ffp_cpu_set_level(used));
@@ -352,11 +352,11 @@ static void test_hostile_gaussians(void **state) {
     int64_t count;
     real *all = everything(&g, &camera, &count);
     for (int64_t i = 0; i < count; i++) assert_true(isfinite(all[i]));
-    free(all);
+    ffp_free(all);
     FfpGaussians none = ffp_gaussians_new(0);
     all = everything(&none, &camera, &count);
     for (int64_t i = 0; i < count; i++) assert_true(all[i] == 0);
-    free(all);
+    ffp_free(all);
     ffp_gaussians_free(&none);
     ffp_gaussians_free(&g);
 }

@@ -49,7 +49,7 @@ static bool fit(const FfpAxis *guess) {
 static void must_fail(const FfpAxis *guess, const char *what) {
     assert_false(fit(guess));
     assert_non_null(strstr(err.text, what));
-    assert_non_null(strstr(err.text, "--fit-axis"));
+    assert_non_null(strstr(err.text, "turntable.axis"));
 }
 
 // Within 0.15 degrees and 0.2 % of the distance.

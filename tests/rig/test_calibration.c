@@ -229,7 +229,8 @@ static void test_bad_documents(void **state) {
         {"<!DOCTYPE a [<!ENTITY x \"xxxx\">]><a>&x;</a>", "entities"},
         {"<a>1 2 3</a>", "1 entries"},
         {"<a>nothing</a>", "holds no keys"},
-        {"\xff\xfe\x01", "broken YAML"},
+        {"\xff\xfe\x01", "UTF-16"},
+        {"\xfd\x01", "broken YAML"},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         write_text("bad.any", cases[i].text);
@@ -403,7 +404,10 @@ static void test_turntable(void **state) {
     write_text("good.yml", good);
     const char *files[1] = {in_scratch("good.yml")};
     must_read(files, 1);
-    assert_true(ffp_turntable_read(&turntable, "0.2,-1,0.1,3,4,50,0,30,200", &err));
+    turntable =
+        (FfpTurntable){.axis = {0.2, -1, 0.1}, .point = {3, 4, 50}, .count = 3, .angles = {0, 30, 200}};
+    assert_true(ffp_turntable_check_axis(&turntable, &err));
+    assert_true(ffp_turntable_check_angles(&turntable, &err));
     assert_true(ffp_turntable_apply(&turntable, &calibration, &err));
     assert_int_equal(calibration.n_stops, 3);
     assert_string_equal(calibration.stops[2].id, "200");

@@ -1,6 +1,7 @@
 // The page of checks: a good capture passes, and each thing that people get wrong is found under its name.
 #include <math.h>
 #include "support.h"
+#include "base/alloc.h"
 #include "base/vec.h"
 #include "rig/checks.h"
 
@@ -130,6 +131,21 @@ static void test_projector_turned_away(void **state) {
     must_doubt("lit pixels", "poses do not fit");
 }
 
+// A calibration whose tool counts the projector's pixels otherwise than the pattern's file.
+static void test_projector_counted_otherwise(void **state) {
+    (void)state;
+    static const real factors[2] = {2, 0.25F}; // twice as many, then half
+    static const char *const advice[2] = {"calibrated at 1600 x 1600", "calibrated at 400 x 400"};
+    for (int k = 0; k < 2; k++) {
+        for (int v = 0; v < capture.n_views; v++) {
+            FfpCamera *projector = &capture.views[v].projector;
+            projector->fx *= factors[k], projector->fy *= factors[k];
+            projector->cx *= factors[k], projector->cy *= factors[k];
+        }
+        must_doubt("pattern", advice[k]);
+    }
+}
+
 static void test_unit(void **state) {
     (void)state;
     capture.radius *= 3;
@@ -176,6 +192,7 @@ int main(void) {
         cmocka_unit_test_setup_teardown(test_pattern_mirrored, setup, teardown),
         cmocka_unit_test_setup_teardown(test_projector_off, setup, teardown),
         cmocka_unit_test_setup_teardown(test_another_pattern, setup, teardown),
+        cmocka_unit_test_setup_teardown(test_projector_counted_otherwise, setup, teardown),
         cmocka_unit_test_setup_teardown(test_projector_turned_away, setup, teardown),
         cmocka_unit_test_setup_teardown(test_unit, setup, teardown),
         cmocka_unit_test_setup_teardown(test_upside_down, setup, teardown),

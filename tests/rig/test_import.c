@@ -7,10 +7,11 @@
 #include <jpeglib.h>
 #include <tgmath.h>
 #include "scratch.h"
+#include "base/alloc.h"
 #include "base/rng.h"
 #include "base/vec.h"
 #include "image/lookup.h"
-#include "rig/lens.h"
+#include "rig/import.h"
 #include "rig/matrix.h"
 
 #define VIEWS 4
@@ -159,7 +160,7 @@ static void write_jpeg(const FfpImage *encoded, const char *path) {
     struct jpeg_compress_struct jpeg = {0};
     struct jpeg_error_mgr errors;
     FILE *stream = fopen(path, "wb");
-    JSAMPLE *row = malloc((size_t)encoded->width * 3);
+    JSAMPLE *row = ffp_alloc((size_t)encoded->width * 3, 1);
     assert_non_null(stream);
     jpeg.err = jpeg_std_error(&errors);
     jpeg_create_compress(&jpeg);
@@ -176,7 +177,7 @@ static void write_jpeg(const FfpImage *encoded, const char *path) {
     }
     jpeg_finish_compress(&jpeg);
     jpeg_destroy_compress(&jpeg);
-    free(row);
+    ffp_free(row);
     fclose(stream);
 }
 
@@ -211,9 +212,10 @@ static void take_photographs(const Rig *rig, Kind kind) {
 // --- Importing. ---
 
 typedef struct Call {
-    FfpImport options;
+    FfpImportSettings options;
     char images[200], pattern[200], folder[100];
-    const char *image_list[1], *pattern_list[1];
+    FfpShotFiles image_list[1];
+    FfpProjected pattern_list[1];
     char files[2][100];
     const char *file_list[2];
 } Call;
@@ -222,25 +224,24 @@ typedef struct Call {
 static Call *call_of(const char *folder, const char *file, const char *second) {
     static Call call;
     call = (Call){0};
-    snprintf(call.images, sizeof call.images, "black,white,dots=%s/photos/{view}_{pattern}.png", scratch);
-    snprintf(call.pattern, sizeof call.pattern, "dots=%s/dots.png", scratch);
+    snprintf(call.images, sizeof call.images, "%s/photos/{view}_{pattern}.png", scratch);
+    snprintf(call.pattern, sizeof call.pattern, "%s/dots.png", scratch);
     snprintf(call.folder, sizeof call.folder, "%s/%s", scratch, folder);
     snprintf(call.files[0], sizeof call.files[0], "%s/%s", scratch, file);
     snprintf(call.files[1], sizeof call.files[1], "%s/%s", scratch, second != NULL ? second : "");
-    call.image_list[0] = call.images, call.pattern_list[0] = call.pattern;
+    call.image_list[0] = (FfpShotFiles){names, 3, call.images};
+    call.pattern_list[0] = (FfpProjected){"dots", call.pattern};
     call.file_list[0] = call.files[0], call.file_list[1] = call.files[1];
-    call.options = (FfpImport){.calibrations = call.file_list,
-                               .n_calibrations = second != NULL ? 2 : 1,
-                               .images = call.image_list,
-                               .n_images = 1,
-                               .patterns = call.pattern_list,
-                               .n_patterns = 1,
-                               .folder = call.folder};
+    call.options = (FfpImportSettings){
+        .calibrations = call.file_list,
+        .n_calibrations = second != NULL ? 2 : 1,
+        .sources = {.images = call.image_list, .n_images = 1, .patterns = call.pattern_list, .n_patterns = 1},
+        .folder = call.folder};
     return &call;
 }
 
 static void import(FfpCapture *capture, Call *call) {
-    if (!ffp_import_capture(&call->options, &err)) fail_msg("%s", err.text);
+    if (!ffp_import(&call->options, &err)) fail_msg("%s", err.text);
     if (!ffp_capture_read(capture, call->folder, &err)) fail_msg("%s", err.text);
 }
 
@@ -254,7 +255,7 @@ static int count_entries(const char *folder) {
 
 static void must_fail(Call *call, const char *what) {
     const int before = count_entries(scratch);
-    const bool ok = ffp_import_capture(&call->options, &err);
+    const bool ok = ffp_import(&call->options, &err);
     if (ok || !strstr(err.text, what)) printf("expected \"%s\", got: %s\n", what, ok ? "no error" : err.text);
     assert_false(ok);
     assert_non_null(strstr(err.text, what));
@@ -504,7 +505,7 @@ static void test_poses_of_all_views(void **state) {
     check(call_of("from_procams", "cameras.json", "projector.json"), &rig, 30);
     write_nepmap(&rig);
     Call *call = call_of("from_nepmap", "transforms.json", NULL);
-    call->options.n_images = call->options.n_patterns = 0; // it names them itself
+    call->options.sources.n_images = call->options.sources.n_patterns = 0; // it names them itself
     check(call, &rig, 30);
 }
 
@@ -516,7 +517,7 @@ static void test_lenses(void **state) {
     take_photographs(&rig, PNG16);
     write_opencv(&rig, 1, "both.yml");
     Call *call = call_of("both", "both.yml", NULL);
-    snprintf(call->images, sizeof call->images, "black,white,dots=%s/photos/02_{pattern}.png", scratch);
+    snprintf(call->images, sizeof call->images, "%s/photos/02_{pattern}.png", scratch);
     FfpCapture capture;
     import(&capture, call);
     assert_int_equal(capture.n_views, 1);
@@ -529,8 +530,7 @@ static void test_lenses(void **state) {
     memset(rig.stops[1].camera.lens, 0, sizeof rig.stops[1].camera.lens);
     write_opencv(&rig, 1, "one.yml");
     Call *ignorant = call_of("ignorant", "one.yml", NULL);
-    snprintf(ignorant->images, sizeof ignorant->images, "black,white,dots=%s/photos/02_{pattern}.png",
-             scratch);
+    snprintf(ignorant->images, sizeof ignorant->images, "%s/photos/02_{pattern}.png", scratch);
     import(&capture, ignorant);
     const double without = explained(&capture, seen);
     ffp_capture_free(&capture);
@@ -564,10 +564,10 @@ static void test_other_sizes(void **state) {
     p->width += 40, p->height += 9, p->cx += 31, p->cy += 4;
     write_colmap(&told, "elsewhere");
     Call *call = call_of("resized", "elsewhere", NULL);
-    must_fail(call, "--projector-fit");
-    call->options.projector = (FfpCalibratedAt){.fit = FFP_FIT_CROPPED, .left = 31, .top = 4};
-    must_fail(call, "--camera-fit");
-    call->options.camera.fit = FFP_FIT_SCALED;
+    must_fail(call, "projector.fit");
+    call->options.projector = (FfpPictureSize){.fit = FFP_PICTURES_CROPPED, .left = 31, .top = 4};
+    must_fail(call, "camera.fit");
+    call->options.camera.fit = FFP_PICTURES_SCALED;
     check(call, &rig, 50);
 }
 
@@ -583,6 +583,10 @@ static void test_narrower(void **state) {
     FfpCapture capture;
     import(&capture, call);
     assert_int_equal(capture.views[2].camera.height, HEIGHT / 2);
+    int width = 0, height = 0; // of the file: whole patches
+    assert_true(ffp_image_read_size(&width, &height, in_scratch("narrow/03_white.png"), &err));
+    assert_int_equal(width, WIDTH / 2);
+    assert_int_equal(height, 40);
     assert_true(fabs((double)capture.views[2].camera.cy - 18.5) < 1e-5);
     check_poses(&capture, &rig);
     const double psnr = explained(&capture, rig);
@@ -627,7 +631,7 @@ static void test_masks(void **state) {
     char masks[128];
     snprintf(masks, sizeof masks, "%s/masks/{index}.png", scratch);
     call = call_of("given", "model", NULL);
-    call->options.mask = masks;
+    call->options.sources.mask = FFP_MASKS_FILES, call->options.sources.mask_files = masks;
     check(call, &rig, 50);
 }
 
@@ -751,15 +755,15 @@ static void test_bad_pictures(void **state) {
     assert_int_equal(remove(path), 0);
     must_fail(call, "there is no such file");
     assert_true(ffp_write_file(path, data, size, NULL));
-    free(data);
+    ffp_free(data);
     // White and black of the same light: nothing to see.
-    snprintf(call->images, sizeof call->images, "black,white,dots=%s/photos/{view}_dots.png", scratch);
+    snprintf(call->images, sizeof call->images, "%s/photos/{view}_dots.png", scratch);
     must_fail(call, "names one file for 3 patterns");
     rig.stops[0].camera.lens[0] = -3;
     rig.projector.lens[0] = 0;
     write_opencv(&rig, 0, "fold.yml");
     call = call_of("never", "fold.yml", NULL);
-    snprintf(call->images, sizeof call->images, "black,white,dots=%s/photos/01_{pattern}.png", scratch);
+    snprintf(call->images, sizeof call->images, "%s/photos/01_{pattern}.png", scratch);
     must_fail(call, "folds the picture over itself");
 }
 

@@ -124,7 +124,7 @@ static void test_saturated_pattern(void **state) {
     shoot(0, true);
     assert_false(fit());
     assert_non_null(strstr(err.text, "values between dark and full"));
-    assert_non_null(strstr(err.text, "--fit-response"));
+    assert_non_null(strstr(err.text, "fit_response"));
 }
 
 static void test_unlit(void **state) {

@@ -3,6 +3,7 @@
 #include <stdbool.h>
 #include <unistd.h>
 #include "base/file.h"
+#include "base/alloc.h"
 #include "image/image.h"
 #include "support.h"
 #include "synth/mesh.h"
@@ -244,7 +245,7 @@ static void damaged_files_do_no_harm(void **state) {
             write_bytes(damaged, bytes, at);
             if (ffp_mesh_read(&mesh, path_of(damaged), &err)) ffp_mesh_free(&mesh);
         }
-        free(bytes);
+        ffp_free(bytes);
     }
 }
 

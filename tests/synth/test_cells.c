@@ -1,5 +1,6 @@
 // Cellular noise against what it is defined by: the distances to the nearest two of a set of points.
 #include <math.h>
+#include "base/cpu.h"
 #include "support.h"
 #include "synth/noise.h"
 
@@ -69,7 +70,29 @@ static void distances_are_those_of_the_nearest_two(void **state) {
     assert_true(compared > 1000);
 }
 
+// Each CPU level gives what the portable one gives, but for rounding.
+static void levels_agree(void **state) {
+    (void)state;
+    const FfpCpuLevel used = ffp_cpu_level();
+    for (int i = 0; i < 500; i++) {
+        const float p[3] = {4 * sinf((float)i), 4 * sinf(1.7F * (float)i), 4 * cosf(2.3F * (float)i)};
+        float plain[5] = {0};
+        for (int level = 0; level <= (int)ffp_cpu_best(); level++) {
+            assert_true(ffp_cpu_set_level((FfpCpuLevel)level));
+            const FfpCells cells = ffp_cells(p, 5);
+            const float values[5] = {ffp_noise(p, 3), ffp_fbm(p, 4, 4), ffp_ridges(p, 4, 3), cells.nearest,
+                                     cells.second};
+            for (int k = 0; k < 5; k++) {
+                if (level == 0) plain[k] = values[k];
+                assert_float_equal(values[k], plain[k], 1e-4F);
+            }
+        }
+    }
+    assert_true(ffp_cpu_set_level(used));
+}
+
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(distances_are_those_of_the_nearest_two)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(distances_are_those_of_the_nearest_two),
+                                       cmocka_unit_test(levels_agree)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -5,8 +5,8 @@
 #include <sys/resource.h>
 #include <unistd.h>
 #include "base/file.h"
-#include "ffprocams.h"
 #include "support.h"
+#include "synth/dataset.h"
 
 static char root[64];
 
@@ -34,13 +34,13 @@ static int remove_root(void **state) {
 static bool generate(const char *name, int64_t first, int64_t count, FfpError *err) {
     char folder[FFP_PATH_MAX];
     snprintf(folder, sizeof folder, "%s/%s", root, name);
-    const FfpGeneration options = {.folder = folder,
-                                   .split = "test",
-                                   .preset = "smoke",
-                                   .first = first,
-                                   .count = count,
-                                   .resolution = 24};
-    return ffp_generate(&options, err);
+    const FfpDatasetSettings options = {.folder = folder,
+                                        .split = "test",
+                                        .preset = FFP_DATASET_SMOKE,
+                                        .first = first,
+                                        .count = count,
+                                        .resolution = 24};
+    return ffp_dataset_write(&options, err);
 }
 
 static void must_generate(const char *name, int64_t first, int64_t count) {

@@ -2,6 +2,7 @@
 #include <math.h>
 #include <stdlib.h>
 #include "support.h"
+#include "base/alloc.h"
 #include "base/rng.h"
 #include "synth/light.h"
 
@@ -49,7 +50,7 @@ static void lookups_are_each_patterns_own(void **state) {
     assert_int_equal(light.lane[0], -1);
     assert_true(light.lane[1] >= 0 && light.lane[2] >= 0 && light.lanes == 16);
     const float colour[3] = {0.5F, 2, 1};
-    float *sum = calloc((size_t)light.lanes * 3, sizeof *sum);
+    float *sum = ffp_alloc((size_t)light.lanes * 3, sizeof *sum);
     assert_non_null(sum);
     for (int i = 0; i < LOOKUPS; i++) {
         const float u = 0.5F * WIDTH * (1 + sinf((float)i)), v = 0.5F * HEIGHT * (1 + cosf(1.3F * (float)i));
@@ -64,7 +65,7 @@ static void lookups_are_each_patterns_own(void **state) {
         ffp_light_add_coarse(&light, &texel, colour, sum);
         for (int p = 0; p < PATTERNS; p++) expect_sample(&light, &coarse[p], p, s, t, colour, sum);
     }
-    free(sum);
+    ffp_free(sum);
     ffp_light_free(&light);
     for (int p = 0; p < PATTERNS; p++) ffp_image_free(&patterns[p]), ffp_image_free(&coarse[p]);
 }

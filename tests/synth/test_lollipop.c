@@ -1,6 +1,7 @@
 // The lollipop pattern against its closed form, and against one that another program drew.
 #include <math.h>
 #include "image/image.h"
+#include "base/alloc.h"
 #include "support.h"
 #include "synth/lollipop.h"
 #include "synth/synth.h"
@@ -23,7 +24,7 @@ static void fields_lie_where_the_reference_draws_them(void **state) {
             const int expected = ring < 0 ? FFP_LOLLIPOP_FIELDS : ring * 8 + (int)(angle / 45);
             assert_int_equal(map[y * 800 + x], expected);
         }
-    free(map);
+    ffp_free(map);
 }
 
 static void wide_patterns_have_ellipses(void **state) {
@@ -34,7 +35,7 @@ static void wide_patterns_have_ellipses(void **state) {
     assert_int_equal(map[1079 * 1920 + 970] / 8, 0);      // and its lower end
     assert_int_equal(map[1080 / 2 * 1920 + 965], 29 * 8); // the middle
     assert_int_equal(map[545 * 1920 + 960 + 928 - 3] / 8, 1);
-    free(map);
+    ffp_free(map);
 }
 
 static void colours_are_eight_bit_and_fresh(void **state) {
@@ -75,7 +76,7 @@ static void a_foreign_lollipop_has_the_same_fields(void **state) {
             all++;
         }
     assert_true(same > 0.995 * all);
-    free(map);
+    ffp_free(map);
     ffp_image_free(&rgb);
     ffp_image_free(&image);
 }

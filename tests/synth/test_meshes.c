@@ -3,6 +3,7 @@
 #include <math.h>
 #include <omp.h>
 #include "support.h"
+#include "base/alloc.h"
 #include "synth/dataset.h"
 #include "synth/mesh.h"
 #include "synth/mesh_measure.h"
@@ -38,7 +39,7 @@ static int compare_edges(const void *a, const void *b) {
 // Every edge belongs to exactly two triangles, which run through it in opposite directions.
 static void assert_closed(const FfpMesh *mesh) {
     const size_t count = (size_t)mesh->n_triangles * 3;
-    Edge *edges = malloc(count * sizeof *edges);
+    Edge *edges = ffp_alloc(count * sizeof *edges, 1);
     assert_non_null(edges);
     for (size_t i = 0; i < count; i++) {
         const uint32_t a = mesh->triangles[i], b = mesh->triangles[i % 3 == 2 ? i - 2 : i + 1];
@@ -52,7 +53,7 @@ static void assert_closed(const FfpMesh *mesh) {
         assert_int_equal(edges[i].way + edges[i + 1].way, 0);
         assert_true(i + 2 == count || compare_edges(&edges[i + 1], &edges[i + 2]) != 0);
     }
-    free(edges);
+    ffp_free(edges);
 }
 
 static double volume(const FfpMesh *mesh) {
@@ -121,12 +122,12 @@ static void names_are_unique(void **state) {
 }
 
 static FfpMesh mesh_of(void (*make)(FfpShape *)) {
-    FfpShape *shape = malloc(sizeof *shape);
+    FfpShape *shape = ffp_alloc(sizeof *shape, 1);
     assert_non_null(shape);
     ffp_shape_init(shape, 7);
     make(shape);
     FfpMesh mesh = ffp_mesh_from_shape(shape);
-    free(shape);
+    ffp_free(shape);
     const float upright[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
     ffp_mesh_place(&mesh, upright);
     return mesh;
@@ -263,7 +264,7 @@ static void every_pair_is_one_scene(void **state) {
     assert_int_equal(size, 30 * ffp_material_count());
     assert_int_equal(ffp_dataset_size(NULL), 150 * ffp_material_count());
     assert_int_equal(ffp_dataset_size("nothing"), 0);
-    char *seen = calloc(150 * (size_t)ffp_material_count(), 1);
+    char *seen = ffp_alloc(150 * (size_t)ffp_material_count(), 1);
     assert_non_null(seen);
     for (int64_t i = 0; i < size; i++) {
         FfpSceneSpec spec = ffp_scene_defaults();
@@ -272,7 +273,7 @@ static void every_pair_is_one_scene(void **state) {
         assert_false(*pair);
         *pair = 1;
     }
-    free(seen);
+    ffp_free(seen);
 }
 
 int main(void) {

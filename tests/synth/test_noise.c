@@ -1,6 +1,7 @@
 // How far two renderings of one scene with different random numbers lie apart at the paper preset's samples.
 #include <math.h>
 #include "support.h"
+#include "base/alloc.h"
 #include "synth/rig.h"
 #include "synth/simulate.h"
 #include "synth/synth.h"
@@ -20,7 +21,8 @@ static double psnr_of_two_seeds(int mesh_number, int material_number) {
     FfpLight light = ffp_light_new((const FfpImage *[]){&image[0], &image[1]}, PATTERNS);
     FfpCapture captures[2];
     for (int s = 0; s < 2; s++) {
-        captures[s] = (FfpCapture){.n_patterns = PATTERNS, .n_views = 1, .views = calloc(1, sizeof(FfpView))};
+        captures[s] =
+            (FfpCapture){.n_patterns = PATTERNS, .n_views = 1, .views = ffp_alloc(1, sizeof(FfpView))};
         assert_non_null(captures[s].views);
         const FfpSimulation simulation = {.tracer = tracer,
                                           .mesh = &mesh,

@@ -10,7 +10,7 @@ static const double DEGREE = 3.14159265358979323846 / 180;
 static FfpSceneSpec free_spec(int views, uint64_t seed) {
     FfpSceneSpec spec = ffp_scene_defaults();
     spec.mesh = 17, spec.material = 5, spec.seed = seed;
-    spec.rig = FFP_RIG_FREE, spec.views = views;
+    spec.rig = FFP_SCENE_FREE, spec.views = views;
     return spec;
 }
 
@@ -131,7 +131,7 @@ static void resolution_leaves_the_poses(void **state) {
     (void)state;
     for (int kind = 0; kind < 4; kind++) {
         FfpSceneSpec small = free_spec(5, 9);
-        small.rig = kind & 1 ? FFP_RIG_FREE : FFP_RIG_TURNTABLE, small.jitter = kind & 2;
+        small.rig = kind & 1 ? FFP_SCENE_FREE : FFP_SCENE_TURNTABLE, small.jitter = kind & 2;
         FfpSceneSpec large = small;
         large.resolution = 2 * small.resolution;
         for (int i = 0; i < 2 * small.views; i++) {

@@ -1,7 +1,7 @@
 // Generated scenes: the same bits on any number of threads, the rig, the light, and the way to disk and back.
 #include <math.h>
 #include <omp.h>
-#include "ffprocams.h"
+#include "synth/dataset.h"
 #include "image/lookup.h"
 #include "scratch.h"
 #include "synth/natural.h"
@@ -132,7 +132,7 @@ static void rig_and_number_of_views_leave_the_scene(void **state) {
     assert_true(ffp_scene_make(&usual, &spec, &err));
     for (size_t i = 0; i < 2 * sizeof counts / sizeof *counts; i++) {
         spec.views = counts[i / 2];
-        spec.rig = i % 2 ? FFP_RIG_FREE : FFP_RIG_TURNTABLE;
+        spec.rig = i % 2 ? FFP_SCENE_FREE : FFP_SCENE_TURNTABLE;
         assert_true(ffp_scene_make(&other, &spec, &err));
         assert_int_equal(other.n_views, spec.views + 2);
         assert_string_equal(usual.name, other.name);
@@ -228,10 +228,14 @@ static void the_true_depth_predictor_holds(void **state) {
 static void disk_and_memory_agree(void **state) {
     (void)state;
     const char *root = in_scratch("scenes");
-    const FfpGeneration options = {
-        .folder = root, .split = "test", .preset = "smoke", .first = 4, .count = 1, .resolution = 32};
+    const FfpDatasetSettings options = {.folder = root,
+                                        .split = "test",
+                                        .preset = FFP_DATASET_SMOKE,
+                                        .first = 4,
+                                        .count = 1,
+                                        .resolution = 32};
     FfpError err;
-    if (!ffp_generate(&options, &err)) fail_msg("%s", err.text);
+    if (!ffp_dataset_write(&options, &err)) fail_msg("%s", err.text);
     FfpCapture read, targets;
     if (!ffp_capture_read(&read, in_scratch("scenes/test_00004"), &err)) fail_msg("%s", err.text);
     assert_int_equal(read.n_views, 8);
@@ -244,12 +248,12 @@ static void disk_and_memory_agree(void **state) {
         fail_msg("%s", err.text);
     assert_int_equal(targets.n_views, 2);
     assert_int_equal(targets.n_patterns, read.n_patterns);
-    assert_true(ffp_generate(&options, &err)); // a second run finds it done
-    const FfpGeneration wrong[4] = {{.folder = root, .split = "tests", .count = 1},
-                                    {.folder = root, .preset = "big", .count = 1},
-                                    {.folder = root, .first = 1000000, .count = 1},
-                                    {.folder = NULL, .count = 1}};
-    for (int i = 0; i < 4; i++) assert_false(ffp_generate(&wrong[i], &err));
+    assert_true(ffp_dataset_write(&options, &err)); // a second run finds it done
+    const FfpDatasetSettings wrong[4] = {{.folder = root, .split = "tests", .count = 1},
+                                         {.folder = root, .views = 65, .count = 1},
+                                         {.folder = root, .first = 1000000, .count = 1},
+                                         {.folder = NULL, .count = 1}};
+    for (int i = 0; i < 4; i++) assert_false(ffp_dataset_write(&wrong[i], &err));
     ffp_capture_free(&targets);
     ffp_capture_free(&read);
 }
@@ -281,10 +285,13 @@ static void written_colours_come_back_exactly(void **state) {
 // Only the test split has natural patterns: training and validation must not see one.
 static void other_splits_have_lollipops_alone(void **state) {
     (void)state;
-    const FfpGeneration options = {
-        .folder = in_scratch("training"), .split = "train", .preset = "smoke", .count = 1, .resolution = 8};
+    const FfpDatasetSettings options = {.folder = in_scratch("training"),
+                                        .split = "train",
+                                        .preset = FFP_DATASET_SMOKE,
+                                        .count = 1,
+                                        .resolution = 8};
     FfpError err;
-    if (!ffp_generate(&options, &err)) fail_msg("%s", err.text);
+    if (!ffp_dataset_write(&options, &err)) fail_msg("%s", err.text);
     FfpCapture read;
     if (!ffp_capture_read(&read, in_scratch("training/train_00000"), &err)) fail_msg("%s", err.text);
     assert_int_equal(read.n_patterns, 4);

@@ -31,21 +31,17 @@ static void off_is_the_identity(void **state) {
     ffp_image_free(&same);
 }
 
-static void options_set_fields(void **state) {
+static void what_no_device_does_is_refused(void **state) {
     (void)state;
-    FfpSensor sensor = {0};
-    FfpError err;
-    assert_true(ffp_sensor_set(&sensor, "read=0.01", &err));
-    assert_true(ffp_sensor_set(&sensor, "turn_error=0.2", &err));
-    assert_true(ffp_sensor_set(&sensor, "exposure=-1.5", &err));
-    assert_float_equal(sensor.read, 0.01, 1e-8);
-    assert_float_equal(sensor.turn_error, 0.2 * 3.14159265 / 180, 1e-8);
-    assert_float_equal(sensor.exposure, -1.5, 0);
-    assert_true(sensor.defocus == 0 && sensor.shot == 0 && sensor.shift_error == 0);
-    static const char *const wrong[] = {"read", "read=", "read=1x", "rea=1", "=1", "", "reads=1"};
+    FfpError err = {0};
+    const FfpSensor good = {.exposure = -8, .shot = 1, .read = 1, .defocus = 64, .gamma = -0.9F};
+    const FfpSensor wrong[] = {{.exposure = 9},      {.shot = -1e-3F},   {.read = NAN},
+                               {.defocus = 65},      {.gamma = -1},      {.black_level = 1},
+                               {.turn_error = 0.6F}, {.shift_error = -1}};
+    assert_true(ffp_sensor_check(&good, &err));
     for (size_t i = 0; i < sizeof wrong / sizeof *wrong; i++) {
-        assert_false(ffp_sensor_set(&sensor, wrong[i], &err));
-        assert_non_null(strstr(err.text, "--sensor"));
+        assert_false(ffp_sensor_check(&wrong[i], &err));
+        assert_non_null(strstr(err.text, "(sensor)"));
     }
 }
 
@@ -188,7 +184,7 @@ static void written_poses_err_and_stay_rigid(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(off_is_the_identity),
-        cmocka_unit_test(options_set_fields),
+        cmocka_unit_test(what_no_device_does_is_refused),
         cmocka_unit_test(noise_has_its_mean_and_variance),
         cmocka_unit_test(defocus_is_a_gaussian),
         cmocka_unit_test(projectors_bend_values_and_leak),

@@ -5,6 +5,7 @@
 #include <omp.h>
 #include <stdio.h>
 #include "base/cpu.h"
+#include "base/alloc.h"
 #include "tensor/random.h"
 #include "tensor/tensor.h"
 
@@ -220,7 +221,7 @@ static int bench_kernels(void) {
     b.dim = 256, b.heads = 4;
     bench_size(&b);
     float *all[] = {b.a, b.b, b.c, b.d, b.w, b.dw, b.small, b.dsmall, b.row, b.row2, b.scratch};
-    for (size_t i = 0; i < sizeof(all) / sizeof(all[0]); i++) free(all[i]);
+    for (size_t i = 0; i < sizeof(all) / sizeof(all[0]); i++) ffp_free(all[i]);
     return 0;
 }
 

@@ -7,6 +7,7 @@
 #include <stddef.h>
 #include <stdlib.h>
 #include "base/real.h"
+#include "base/alloc.h"
 
 typedef struct NaiveAttention {
     double *out, *dqkv, *dq_gain, *dk_gain; // shapes as ffp_attention_backward's
@@ -94,12 +95,13 @@ static inline void naive_norm_backward(double *dx, double *dgain, const double *
 static inline NaiveAttention naive_attention(const real *dout, const real *qkv, const real *q_gain,
                                              const real *k_gain, int rows, int heads, int dim) {
     const size_t width = (size_t)heads * (size_t)dim, count = (size_t)rows * width, size = sizeof(double);
-    NaiveAttention n = {calloc(count, size), calloc(3 * count, size), calloc((size_t)dim, size),
-                        calloc((size_t)dim, size)};
+    NaiveAttention n = {ffp_alloc(count, size), ffp_alloc(3 * count, size), ffp_alloc((size_t)dim, size),
+                        ffp_alloc((size_t)dim, size)};
     for (int head = 0; head < heads; head++) {
         const size_t all = (size_t)rows * (size_t)dim, first = (size_t)head * (size_t)dim;
-        NaiveHead h = {calloc(all, size), calloc(all, size), calloc((size_t)rows * (size_t)rows, size),
-                       calloc(all, size), calloc(all, size)};
+        NaiveHead h = {ffp_alloc(all, size), ffp_alloc(all, size),
+                       ffp_alloc((size_t)rows * (size_t)rows, size), ffp_alloc(all, size),
+                       ffp_alloc(all, size)};
         const real *q = qkv + first, *k = q + width;
         naive_normalise(h.q, q, 3 * width, q_gain, rows, dim);
         naive_normalise(h.k, k, 3 * width, k_gain, rows, dim);
@@ -108,13 +110,13 @@ static inline NaiveAttention naive_attention(const real *dout, const real *qkv, 
                      width);
         naive_norm_backward(n.dqkv + first, n.dq_gain, h.dq, q, 3 * width, q_gain, rows, dim);
         naive_norm_backward(n.dqkv + width + first, n.dk_gain, h.dk, k, 3 * width, k_gain, rows, dim);
-        free(h.q), free(h.k), free(h.p), free(h.dq), free(h.dk);
+        ffp_free(h.q), ffp_free(h.k), ffp_free(h.p), ffp_free(h.dq), ffp_free(h.dk);
     }
     return n;
 }
 
 static inline void free_naive_attention(NaiveAttention *n) {
-    free(n->out), free(n->dqkv), free(n->dq_gain), free(n->dk_gain);
+    ffp_free(n->out), ffp_free(n->dqkv), ffp_free(n->dq_gain), ffp_free(n->dk_gain);
 }
 
 #endif

@@ -7,6 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include "tensor/tensor.h"
+#include "base/alloc.h"
 
 typedef struct NaiveScan {
     double *y, *x, *b, *c,
@@ -18,16 +19,17 @@ typedef struct NaiveScan {
 static inline NaiveScan new_naive_scan(const FfpScanShape *s) {
     const size_t rows = (size_t)s->rows, heads = (size_t)s->heads, width = heads * (size_t)s->head_dim;
     const size_t state = (size_t)s->state, size = sizeof(double);
-    return (NaiveScan){calloc(rows * width, size), calloc(rows * width, size), calloc(rows * state, size),
-                       calloc(rows * state, size), calloc(rows * heads, size), calloc(heads, size),
-                       calloc(heads, size),        calloc(heads, size),        calloc(heads, size),
-                       calloc(heads, size)};
+    return (NaiveScan){ffp_alloc(rows * width, size), ffp_alloc(rows * width, size),
+                       ffp_alloc(rows * state, size), ffp_alloc(rows * state, size),
+                       ffp_alloc(rows * heads, size), ffp_alloc(heads, size),
+                       ffp_alloc(heads, size),        ffp_alloc(heads, size),
+                       ffp_alloc(heads, size),        ffp_alloc(heads, size)};
 }
 
 static inline void free_naive_scan(NaiveScan *n) {
     double *all[] = {n->y,       n->x,     n->b, n->c,         n->dt_raw,
                      n->dt_bias, n->a_log, n->d, n->bias_size, n->a_log_size};
-    for (size_t i = 0; i < sizeof(all) / sizeof(all[0]); i++) free(all[i]);
+    for (size_t i = 0; i < sizeof(all) / sizeof(all[0]); i++) ffp_free(all[i]);
 }
 
 // One step of the recurrence, forward (into n->y and states[i+1])
@@ -76,13 +78,14 @@ static inline void naive_scan_step(NaiveScan *n, const FfpScanShape *s, const Ff
 
 static inline void naive_scan(NaiveScan *n, const FfpScanShape *s, const FfpScanInput *in, const real *dy) {
     const size_t size = (size_t)s->head_dim * (size_t)s->state;
-    double *states = calloc(((size_t)s->rows + 1) * size, sizeof(double)), *g = calloc(size, sizeof(double));
+    double *states = ffp_alloc(((size_t)s->rows + 1) * size, sizeof(double)),
+           *g = ffp_alloc(size, sizeof(double));
     for (int head = 0; head < s->heads; head++) {
         memset(g, 0, size * sizeof(double));
         for (int i = 0; i < s->rows; i++) naive_scan_step(n, s, in, dy, states, g, head, i, 0);
         for (int i = s->rows - 1; i >= 0; i--) naive_scan_step(n, s, in, dy, states, g, head, i, 1);
     }
-    free(states), free(g);
+    ffp_free(states), ffp_free(g);
 }
 
 #endif

@@ -2,6 +2,7 @@
 #include <math.h>
 #include <omp.h>
 #include "base/cpu.h"
+#include "base/alloc.h"
 #include "support.h"
 #include "tensor/kernels/exp2.h"
 #include "tensor/naive_attention.h"
@@ -32,7 +33,7 @@ static Case new_case(uint64_t seed, int rows, int heads, int dim, double gain) {
 }
 
 static void free_case(Case *c) {
-    free(c->qkv), free(c->q_gain), free(c->k_gain), free(c->dout);
+    ffp_free(c->qkv), ffp_free(c->q_gain), ffp_free(c->k_gain), ffp_free(c->dout);
 }
 
 // Both passes, the gains' gradients from zero, all scratch and outputs NaN before.
@@ -48,12 +49,12 @@ static Result run(const Case *c) {
     for (size_t i = 0; i < scratch_size; i++) scratch[i] = NAN; // nothing may be kept in between
     ffp_attention_backward(r.dqkv, r.dq_gain, r.dk_gain, c->dout, r.out, r.log_sum, c->qkv, c->q_gain,
                            c->k_gain, c->rows, c->heads, c->dim, scratch);
-    free(scratch);
+    ffp_free(scratch);
     return r;
 }
 
 static void free_result(Result *r) {
-    free(r->out), free(r->log_sum), free(r->dqkv), free(r->dq_gain), free(r->dk_gain);
+    ffp_free(r->out), ffp_free(r->log_sum), ffp_free(r->dqkv), ffp_free(r->dq_gain), ffp_free(r->dk_gain);
 }
 
 // |found - expected| / |expected| over rows of `width` that lie `stride` apart

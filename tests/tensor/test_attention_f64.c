@@ -1,5 +1,6 @@
 // Attention in double: against the softmax written out, and gradients of q, k, v and both gains.
 #include "tensor/gradient.h"
+#include "base/alloc.h"
 #include "tensor/naive_attention.h"
 #include "tensor/tensor.h"
 
@@ -32,7 +33,7 @@ static Attention make_attention(int rows, int heads, int dim) {
 
 static void free_attention(Attention *a) {
     real *all[] = {a->qkv, a->q_gain, a->k_gain, a->out, a->log_sum, a->weights, a->scratch};
-    for (size_t i = 0; i < sizeof(all) / sizeof(all[0]); i++) free(all[i]);
+    for (size_t i = 0; i < sizeof(all) / sizeof(all[0]); i++) ffp_free(all[i]);
 }
 
 // Everything is perturbed and compared when `every` is 1;
@@ -59,7 +60,7 @@ static void check_attention(int rows, int heads, int dim, size_t every) {
         check_gradient("attention k gain", attention_loss, &a, a.k_gain, dk_gain, 2, 1, (size_t)dim,
                        (size_t)dim);
     }
-    free(dqkv), free(dq_gain), free(dk_gain);
+    ffp_free(dqkv), ffp_free(dq_gain), ffp_free(dk_gain);
     free_naive_attention(&naive);
     free_attention(&a);
 }

@@ -1,5 +1,6 @@
 // Causal convolution in double: against its definition, and gradients, both ways along the tokens.
 #include "tensor/gradient.h"
+#include "base/alloc.h"
 #include "tensor/tensor.h"
 
 typedef struct Conv {
@@ -58,7 +59,7 @@ static void check_conv(int rows, int channels, int taps, bool reverse) {
     check_gradient("conv w", conv_loss, &conv, conv.w, dw, 2, 1, nw, nw);
     check_gradient("conv bias", conv_loss, &conv, conv.bias, dbias, 2, 1, nc, nc);
     real *all[] = {conv.x, conv.w, conv.bias, conv.y, conv.weights, dx, dx_as_x, dw, dbias};
-    for (size_t i = 0; i < sizeof(all) / sizeof(all[0]); i++) free(all[i]);
+    for (size_t i = 0; i < sizeof(all) / sizeof(all[0]); i++) ffp_free(all[i]);
 }
 
 static void conv_gradients(void **state) {

@@ -1,5 +1,6 @@
 // GELU in double: values by libm's erf, gradient.
 #include "tensor/gradient.h"
+#include "base/alloc.h"
 #include "tensor/tensor.h"
 
 typedef struct Gelu {
@@ -26,7 +27,7 @@ static void gelu_gradients(void **state) {
     ffp_gelu_backward(dx, g.weights, g.x, count);
     check_gradient("gelu", gelu_loss, &g, g.x, dx, 0, 1, count, count);
     real *all[] = {g.x, g.y, g.weights, dx};
-    for (size_t i = 0; i < sizeof(all) / sizeof(all[0]); i++) free(all[i]);
+    for (size_t i = 0; i < sizeof(all) / sizeof(all[0]); i++) ffp_free(all[i]);
 }
 
 int main(void) {

@@ -2,6 +2,7 @@
 #include <math.h>
 #include <omp.h>
 #include "base/cpu.h"
+#include "base/alloc.h"
 #include "support.h"
 #include "tensor/bench_kernels.h"
 #include "tensor/kernels/fastmath.h"
@@ -44,7 +45,7 @@ static void check_normal(void) {
            ffp_cpu_name(ffp_cpu_level()), worst, worst_density, worst_gelu, worst_slope);
     assert_true(worst < 3e-7 && worst_density < 1e-7 && worst_gelu < 3e-7 && worst_slope < 5e-7);
     assert_true(isnan(ffp_normal(NAN, &density)));
-    free(x), free(y), free(one), free(slope);
+    ffp_free(x), ffp_free(y), ffp_free(one), ffp_free(slope);
 }
 
 static void normal_distribution(void **state) {
@@ -102,7 +103,7 @@ static size_t run_everything(float *out) {
     ffp_attention_backward(dqkv, dgains, dgains + 32, dy, attended, log_sum, x, gain, gain, ROWS, HEADS, 32,
                            scratch);
     float *all[] = {x, w, gain, dy, scratch, mean, rstd, y};
-    for (size_t i = 0; i < sizeof(all) / sizeof(all[0]); i++) free(all[i]);
+    for (size_t i = 0; i < sizeof(all) / sizeof(all[0]); i++) ffp_free(all[i]);
     return (size_t)(next - out);
 }
 
@@ -128,7 +129,7 @@ static void same_bits(void **state) {
         }
     }
     omp_set_num_threads(threads);
-    free(first), free(second);
+    ffp_free(first), ffp_free(second);
 }
 
 int main(int argc, char **argv) {

@@ -2,6 +2,7 @@
 // tests prove in double. Rows and channels that fill no vector, strides, both directions.
 #include <math.h>
 #include "base/cpu.h"
+#include "base/alloc.h"
 #include "support.h"
 #include "tensor/random.h"
 #include "tensor/tensor.h"
@@ -64,7 +65,7 @@ static Outputs run_all(FfpCpuLevel level) {
     assert_true(ffp_cpu_set_level(level));
     run_norms(&outputs, x, z, dy, gain);
     run_rest(&outputs, x, dy, w, gain);
-    free(x), free(z), free(dy), free(w), free(gain);
+    ffp_free(x), ffp_free(z), ffp_free(dy), ffp_free(w), ffp_free(gain);
     return outputs;
 }
 
@@ -81,11 +82,11 @@ static void check_level(const Outputs *expected, FfpCpuLevel level) {
             error += difference * difference;
             if (expected->of[i][j] != before[j]) size += e * e;
         }
-        free(before);
+        ffp_free(before);
         assert_true(size > 0);
         if (!(error <= 1e-12 * size))
             fail_msg("%s, %s: relative error %g", ffp_cpu_name(level), found.name[i], sqrt(error / size));
-        free(found.of[i]);
+        ffp_free(found.of[i]);
     }
 }
 
@@ -94,7 +95,7 @@ static void levels_agree(void **state) {
     Outputs expected = run_all(FFP_CPU_PORTABLE);
     for (int level = FFP_CPU_PORTABLE + 1; level <= (int)ffp_cpu_best(); level++)
         check_level(&expected, (FfpCpuLevel)level);
-    for (int i = 0; i < expected.count; i++) free(expected.of[i]);
+    for (int i = 0; i < expected.count; i++) ffp_free(expected.of[i]);
     ffp_cpu_set_level(ffp_cpu_best());
 }
 

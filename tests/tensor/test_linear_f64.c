@@ -1,5 +1,6 @@
 // Matrix product and linear layer in double: against sums written out, and gradients.
 #include "tensor/gradient.h"
+#include "base/alloc.h"
 #include "tensor/tensor.h"
 
 typedef struct Linear {
@@ -45,7 +46,7 @@ static void check_linear(int rows, int in, int out, bool with_bias) {
     ffp_linear_backward(NULL, dw_again, NULL, l.weights, l.x, l.w, rows, in, out);
     assert_memory_equal(dw, dw_again, nw * sizeof(real));
     real *all[] = {l.x, l.w, l.bias, l.y, l.weights, dx, dw, dbias, dw_again};
-    for (size_t i = 0; i < sizeof(all) / sizeof(all[0]); i++) free(all[i]);
+    for (size_t i = 0; i < sizeof(all) / sizeof(all[0]); i++) ffp_free(all[i]);
 }
 
 static void linear_gradients(void **state) {

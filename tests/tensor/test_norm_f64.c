@@ -1,5 +1,6 @@
 // Gradients of the three norms in double.
 #include "tensor/gradient.h"
+#include "base/alloc.h"
 #include "tensor/tensor.h"
 
 typedef struct Norm {
@@ -31,7 +32,7 @@ static Norm make_norm(int rows, int dim) {
 
 static void free_norm(Norm *n) {
     real *all[] = {n->x, n->z, n->gain, n->y, n->mean, n->rstd, n->weights, n->dx, n->dz, n->dgain};
-    for (size_t i = 0; i < sizeof(all) / sizeof(all[0]); i++) free(all[i]);
+    for (size_t i = 0; i < sizeof(all) / sizeof(all[0]); i++) ffp_free(all[i]);
 }
 
 static double layer_loss(void *context) {

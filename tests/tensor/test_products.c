@@ -2,6 +2,7 @@
 #include <math.h>
 #include <omp.h>
 #include "base/cpu.h"
+#include "base/alloc.h"
 #include "support.h"
 #include "tensor/random.h"
 #include "tensor/tensor.h"
@@ -80,7 +81,7 @@ static void check_result(const Product *p, const float *a, const float *b, const
             assert_true(fabs((double)c[at] - (double)p->alpha * sum - kept) <= bound); // false for NaN too
         }
     }
-    free(rows), free(columns);
+    ffp_free(rows), ffp_free(columns);
 }
 
 // With operands in bf16, each within 2^-8 of its own: the result is near that of rounded operands, and
@@ -98,7 +99,7 @@ static void check_product(Gemm gemm, const Product *p, FfpRng *rng, bool bf16) {
     if (bf16) check_result(p, a, b, c, before, unchanged, 0x1p-7 + 0x1p-16);
     for (size_t at = (size_t)p->n; at < nc; at += (size_t)p->ldc) // between the rows nothing is written
         assert_memory_equal(c + at, before + at, sizeof(float) * (size_t)(p->ldc - p->n));
-    free(a), free(b), free(c), free(before);
+    ffp_free(a), ffp_free(b), ffp_free(c), ffp_free(before);
 }
 
 static void check_shapes(Gemm gemm, bool bf16) {
@@ -179,7 +180,7 @@ static void sums_with_products(void **state) {
             assert_true(fabsf(y[i] - (plain[i] + added[i % OUT])) <= 1e-5F * (1 + fabsf(plain[i])));
     }
     ffp_cpu_set_level(ffp_cpu_best());
-    free(x), free(w), free(added), free(plain), free(y), free(in_place);
+    ffp_free(x), ffp_free(w), ffp_free(added), ffp_free(plain), ffp_free(y), ffp_free(in_place);
 }
 
 int main(void) {

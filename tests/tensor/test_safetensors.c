@@ -19,7 +19,7 @@ static void write_bytes(const char *header, size_t claimed, const void *data, si
 
 static void expect_refused(const char *part) {
     FfpSafetensors file;
-    FfpError err = {""};
+    FfpError err = {0};
     assert_false(ffp_safetensors_read(&file, FILE_NAME, &err));
     if (!strstr(err.text, part) || !strstr(err.text, FILE_NAME)) {
         print_error("expected '%s' and the file's name in '%s'\n", part, err.text);

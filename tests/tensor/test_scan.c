@@ -2,6 +2,7 @@
 #include <math.h>
 #include <omp.h>
 #include "base/cpu.h"
+#include "base/alloc.h"
 #include "support.h"
 #include "tensor/naive_scan.h"
 #include "tensor/random.h"
@@ -38,7 +39,7 @@ static Case new_case(FfpScanShape shape) {
 }
 
 static void free_case(Case *c) {
-    free(c->row), free(c->dt), free(c->bias), free(c->a_log), free(c->d), free(c->dy);
+    ffp_free(c->row), ffp_free(c->dt), ffp_free(c->bias), ffp_free(c->a_log), ffp_free(c->d), ffp_free(c->dy);
 }
 
 // Both passes; scratch and outputs are NaN before, sums zero.
@@ -56,12 +57,12 @@ static Result run(const Case *c) {
     ffp_scan_forward(r.y, &c->shape, &c->in, scratch);
     for (size_t i = 0; i < scratch_size; i++) scratch[i] = NAN; // nothing may be kept in between
     ffp_scan_backward(&r.grad, &c->shape, &c->in, r.y, c->dy, scratch);
-    free(scratch);
+    ffp_free(scratch);
     return r;
 }
 
 static void free_result(Result *r) {
-    free(r->y), free(r->drow), free(r->ddt), free(r->parameters);
+    ffp_free(r->y), ffp_free(r->drow), ffp_free(r->ddt), ffp_free(r->parameters);
 }
 
 static double relative_error(const float *found, size_t ld, const double *expected, size_t rows,
@@ -122,7 +123,7 @@ static void check_levels(FfpScanShape shape) {
     assert_true(ffp_cpu_set_level(kept));
     free_naive_scan(&n);
     free_case(&c);
-    free(plain);
+    ffp_free(plain);
 }
 
 static void against_double(void **state) {
@@ -157,7 +158,7 @@ static void check_extremes(bool bf16) {
     for (int i = 0; i < 3; i++) assert_true(isfinite(r.parameters[i]));
     free_result(&r);
     free_case(&c);
-    free(plain);
+    ffp_free(plain);
 }
 
 static void extremes(void **state) {

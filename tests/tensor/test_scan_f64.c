@@ -1,6 +1,7 @@
 // SSD scan in double: chunked against the plain recurrence,
 // and gradients of every input and parameter, both directions.
 #include "tensor/gradient.h"
+#include "base/alloc.h"
 #include "tensor/tensor.h"
 
 typedef struct Scan {
@@ -66,7 +67,7 @@ static void check_scan(FfpScanShape shape) {
         for (size_t j = used; j < ld; j++) assert_true(drow[t * ld + j] == 2);
     real *all[] = {plain,    drow,      ddt,     dbias, da_log, dd,        s.row,
                    s.dt_raw, s.dt_bias, s.a_log, s.d,   s.y,    s.weights, s.scratch};
-    for (size_t i = 0; i < sizeof(all) / sizeof(all[0]); i++) free(all[i]);
+    for (size_t i = 0; i < sizeof(all) / sizeof(all[0]); i++) ffp_free(all[i]);
 }
 
 static void scan_gradients(void **state) {

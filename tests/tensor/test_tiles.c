@@ -4,6 +4,7 @@
 #define FFP_BF16
 #define FFP_EMULATED_TILES
 #include "tensor/kernels/pack.c"
+#include "base/alloc.h"
 #include "tensor/kernels/product_tiles.c"
 
 #include <math.h>
@@ -79,7 +80,7 @@ static void check(FfpRng *rng, const int size[3], bool transpose_a, bool transpo
     check_packing(a, b, x, y, size, transpose_a, transpose_b, lda, ldb);
     FFP_K(product)(m, n, k, alpha, a, ffp_packed_depth(k), b, ffp_packed_depth(k), beta, c, ldc);
     check_c(c, before, a, b, size, alpha, beta, ldc);
-    free(x), free(y), free(before), free(c), free(a), free(b);
+    ffp_free(x), ffp_free(y), ffp_free(before), ffp_free(c), ffp_free(a), ffp_free(b);
 }
 
 static void products(void **state) {
@@ -117,7 +118,7 @@ static void parts(void **state) {
             assert_true(fabs((double)c[i * COLUMNS_HERE + j] - sum) <= 0x1p-24 * 36 * terms);
         }
     }
-    free(x), free(y), free(a), free(b);
+    ffp_free(x), ffp_free(y), ffp_free(a), ffp_free(b);
 }
 
 // Halves of the last place go to the even number, infinity and NaN stay.

@@ -1,10 +1,11 @@
 // The training configuration: what is refused, and that writing and reading agree.
-#include "support.h"
+#include "scratch.h"
+#include "base/alloc.h"
 #include "train/train.h"
 
 static void refused(const char *text, const char *place, const char *reason) {
     FfpTrainConfig config;
-    FfpError err = {""};
+    FfpError err = {0};
     assert_false(ffp_train_config_parse(&config, text, "c.json", &err));
     if (!strstr(err.text, place) || !strstr(err.text, reason))
         fail_msg("'%s' lacks '%s' or '%s'", err.text, place, reason);
@@ -44,7 +45,7 @@ static void test_bad_fields(void **state) {
 static void test_round_trip(void **state) {
     (void)state;
     FfpTrainConfig config, again;
-    FfpError err = {""};
+    FfpError err = {0};
     assert_true(ffp_train_config_parse(&config,
                                        "{\"steps\": 77, \"scenes\": \"a/b\", \"generators\": 2, \"ema\": "
                                        "0.5, \"model\": {\"preset\": \"tiny\", \"modules\": \"TM\"}}",
@@ -58,8 +59,17 @@ static void test_round_trip(void **state) {
     assert_true(ffp_train_config_parse(&again, text, "again", &err));
     char *text_again = ffp_train_config_print(&again);
     assert_string_equal(text, text_again);
-    free(text);
-    free(text_again);
+    ffp_free(text);
+    ffp_free(text_again);
+}
+
+static void test_byte_order_mark(void **state) {
+    (void)state;
+    FfpTrainConfig config;
+    FfpError err = {0};
+    assert_true(ffp_write_file(in_scratch("marked.json"), "\xEF\xBB\xBF{\"steps\": 7}", 15, NULL));
+    if (!ffp_train_config_read(&config, in_scratch("marked.json"), &err)) fail_msg("%s", err.text);
+    assert_int_equal(config.steps, 7);
 }
 
 static void test_schedule(void **state) {
@@ -78,7 +88,8 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_bad_fields),
         cmocka_unit_test(test_round_trip),
+        cmocka_unit_test(test_byte_order_mark),
         cmocka_unit_test(test_schedule),
     };
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    return cmocka_run_group_tests(tests, scratch_setup, scratch_teardown);
 }

@@ -1,5 +1,4 @@
 // Scenes from a folder are those made in memory, to the bit; and what such a folder may lack.
-#include "ffprocams.h"
 #include "scratch.h"
 #include "synth/dataset.h"
 #include "train/train.h"
@@ -15,14 +14,14 @@ static FfpTrainConfig configuration(void) {
 
 static int setup(void **state) {
     if (scratch_setup(state) != 0) return -1;
-    FfpError err = {""};
-    const FfpGeneration options = {.folder = in_scratch("made"),
-                                   .split = "train",
-                                   .preset = "training",
-                                   .first = 5,
-                                   .count = SCENES,
-                                   .resolution = SIDE};
-    if (ffp_generate(&options, &err)) return 0;
+    FfpError err = {0};
+    const FfpDatasetSettings options = {.folder = in_scratch("made"),
+                                        .split = "train",
+                                        .preset = FFP_DATASET_TRAINING,
+                                        .first = 5,
+                                        .count = SCENES,
+                                        .resolution = SIDE};
+    if (ffp_dataset_write(&options, &err)) return 0;
     fprintf(stderr, "%s\n", err.text);
     return -1;
 }
@@ -76,7 +75,7 @@ static void assert_same_capture(const FfpCapture *a, const FfpCapture *b) {
 // The whole and a part of it: fewer poses and patterns than there are.
 static void folder_equals_memory(void **state) {
     (void)state;
-    FfpError err = {""};
+    FfpError err = {0};
     FfpTrainConfig config = configuration();
     FfpSceneFolder folder;
     if (!ffp_scene_folder_open(&folder, in_scratch("made"), &err)) fail_msg("%s", err.text);
@@ -120,7 +119,7 @@ static void order_is_of_seed_and_number(void **state) {
 
 static void only_training_scenes_count(void **state) {
     (void)state;
-    FfpError err = {""};
+    FfpError err = {0};
     FfpSceneFolder folder;
     static const char *const others[] = {"mixed/test_00001", "mixed/all_00002", "mixed/.train_00003.part",
                                          "mixed/train_", "mixed/train_12x"};
@@ -140,7 +139,7 @@ static void only_training_scenes_count(void **state) {
 }
 
 static void refused(const FfpTrainConfig *config, const char *reason, const char *place) {
-    FfpError err = {""};
+    FfpError err = {0};
     FfpSceneFolder folder;
     FfpCapture capture;
     assert_true(ffp_scene_folder_open(&folder, in_scratch("made"), &err));
@@ -202,15 +201,15 @@ static bool train_on_folder(const char *out, int side, int generators, FfpError 
     char text[sizeof form + FFP_PATH_MAX];
     snprintf(text, sizeof text, form, side, in_scratch("made"), generators, SCENES);
     assert_true(ffp_write_file(in_scratch("config.json"), text, strlen(text), NULL));
-    const FfpTraining options = {.out = out, .config = in_scratch("config.json"), .steps = -1};
-    return ffp_train_model(&options, err);
+    const FfpTrainRun options = {.out = out, .config = in_scratch("config.json"), .steps = -1};
+    return ffp_train_run(&options, err);
 }
 
 static FfpModel *trained(const char *out, int64_t steps) {
     char path[FFP_PATH_MAX], origin[FFP_ORIGIN_MAX];
     FfpAdam adam;
     FfpTrainConfig config;
-    FfpError err = {""};
+    FfpError err = {0};
     assert_true(ffp_join_path(path, out, "checkpoint.safetensors"));
     FfpModel *model = ffp_checkpoint_read(path, &adam, &config, origin, &err);
     if (!model) fail_msg("%s", err.text);
@@ -221,7 +220,7 @@ static FfpModel *trained(const char *out, int64_t steps) {
 
 static void training_reads_the_folder(void **state) {
     (void)state;
-    FfpError err = {""};
+    FfpError err = {0};
     if (!train_on_folder(in_scratch("alone"), SIDE, 0, &err)) fail_msg("%s", err.text);
     if (!train_on_folder(in_scratch("helped"), SIDE, 2, &err)) fail_msg("%s", err.text);
     FfpModel *alone = trained(in_scratch("alone"), SCENES), *helped = trained(in_scratch("helped"), SCENES);
@@ -236,7 +235,7 @@ static void training_reads_the_folder(void **state) {
 // The scene of the last step is broken: the error names it, and the steps before are not lost.
 static void a_bad_scene_ends_a_run(void **state) {
     (void)state;
-    FfpError err = {""};
+    FfpError err = {0};
     FfpSceneFolder folder;
     char away[FFP_PATH_MAX], command[3 * FFP_PATH_MAX];
     assert_true(ffp_scene_folder_open(&folder, in_scratch("made"), &err));

@@ -1,6 +1,6 @@
 // Training on scenes of different kinds: number of input views, rig and size are drawn for each scene.
 #include <math.h>
-#include "ffprocams.h"
+#include "base/alloc.h"
 #include "scratch.h"
 #include "train/train.h"
 
@@ -10,7 +10,7 @@ static FfpTrainConfig configuration(const char *fields) {
                                " \"samples\": 1, \"ambient_rays\": 1%s%s}";
     char text[1024];
     FfpTrainConfig config;
-    FfpError err = {""};
+    FfpError err = {0};
     snprintf(text, sizeof text, form, fields[0] ? ", " : "", fields);
     if (!ffp_train_config_parse(&config, text, "test", &err)) fail_msg("%s", err.text);
     return config;
@@ -18,7 +18,7 @@ static FfpTrainConfig configuration(const char *fields) {
 
 static FfpScene open_scene(const FfpTrainConfig *config, const char *split, int64_t number) {
     FfpScene scene;
-    FfpError err = {""};
+    FfpError err = {0};
     if (!ffp_scene_open(&scene, config, split, number, config->resolution, &err)) fail_msg("%s", err.text);
     return scene;
 }
@@ -108,7 +108,7 @@ static void validation_sees_free_rigs(void **state) {
     const FfpTrainConfig plain = configuration("\"validation_scenes\": 2, \"polish_steps\": 3"),
                          config = configuration("\"validation_scenes\": 2, \"polish_steps\": 3, "
                                                 "\"free_share\": 0.5, \"views_least\": 2");
-    FfpError err = {""};
+    FfpError err = {0};
     FfpScene bound = open_scene(&config, "validation", 1), unbound;
     assert_true(ffp_scene_open_free(&unbound, &config, 1, 16, &err));
     assert_true(is_free(&unbound) && !is_free(&bound));
@@ -137,7 +137,7 @@ static void low_resolution_stays_low(void **state) {
     const FfpTrainConfig config =
         configuration("\"large_share\": 1, \"low_resolution\": 8, \"low_steps\": 9");
     FfpScene scene;
-    FfpError err = {""};
+    FfpError err = {0};
     assert_true(ffp_scene_open(&scene, &config, "train", 0, 8, &err));
     assert_int_equal(scene.capture.views[0].camera.width, 8);
     ffp_scene_close(&scene);
@@ -152,17 +152,17 @@ static const char run[] =
     " \"generators\": %d}";
 
 static void train(const char *out, const char *config, int64_t stop_at) {
-    FfpError err = {""};
-    const FfpTraining options = {
+    FfpError err = {0};
+    const FfpTrainRun options = {
         .out = out, .config = config, .steps = -1, .stop_at = stop_at, .resume = !config};
-    if (!ffp_train_model(&options, &err)) fail_msg("%s", err.text);
+    if (!ffp_train_run(&options, &err)) fail_msg("%s", err.text);
 }
 
 static FfpModel *trained(const char *out) {
     char path[FFP_PATH_MAX], origin[FFP_ORIGIN_MAX];
     FfpAdam adam;
     FfpTrainConfig config;
-    FfpError err = {""};
+    FfpError err = {0};
     assert_true(ffp_join_path(path, out, "checkpoint.safetensors"));
     FfpModel *model = ffp_checkpoint_read(path, &adam, &config, origin, &err);
     if (!model) fail_msg("%s", err.text);
@@ -181,7 +181,7 @@ static void assert_all_counted(const char *out) {
     assert_null(strstr(text, "\"skipped\":true"));
     for (size_t i = 0; i < size; i++) lines += text[i] == '\n';
     assert_int_equal(lines, 8);
-    free(text);
+    ffp_free(text);
 }
 
 // Whoever makes the scenes and wherever the run was stopped.

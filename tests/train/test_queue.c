@@ -37,14 +37,14 @@ static bool make(const void *context, int64_t step, FfpScene *scene, FfpError *e
     factory->threads_with_teams += omp_get_max_threads() != 1;
     rest(step % 4 == 0 ? factory->slow_ms : factory->fast_ms);
     factory->ended++;
-    if (step == factory->broken) return ffp_fail(err, "scene 6", "no such luck");
+    if (step == factory->broken) return ffp_fail(err, FFP_ERROR_ARGUMENT, "scene 6", "no such luck");
     *scene = (FfpScene){.active = (int)step, .patterns = ffp_alloc(1, sizeof *scene->patterns)};
     return true;
 }
 
 static FfpQueue *queue_of(Factory *factory, int64_t first, int generators, int capacity) {
     const FfpSceneSource source = {factory, next_even, make};
-    FfpError err = {""};
+    FfpError err = {0};
     stop = false;
     FfpQueue *queue = ffp_queue_new(&source, first, generators, capacity, &stop, &err);
     if (!queue) fail_msg("%s", err.text);
@@ -53,7 +53,7 @@ static FfpQueue *queue_of(Factory *factory, int64_t first, int generators, int c
 
 static void assert_taken(FfpQueue *queue, int step) {
     FfpScene scene;
-    FfpError err = {""};
+    FfpError err = {0};
     bool stopped;
     if (!ffp_queue_take(queue, &scene, &stopped, &err)) fail_msg("%s", err.text);
     assert_false(stopped);
@@ -90,7 +90,7 @@ static void an_error_comes_in_its_turn(void **state) {
     FfpQueue *queue = queue_of(&factory, 0, 3, 6);
     for (int step = 0; step < 6; step += 2) assert_taken(queue, step);
     FfpScene scene;
-    FfpError err = {""};
+    FfpError err = {0};
     bool stopped;
     assert_false(ffp_queue_take(queue, &scene, &stopped, &err));
     assert_string_equal(err.text, "no such luck (scene 6)");

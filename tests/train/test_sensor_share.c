@@ -16,7 +16,7 @@ static FfpTrainConfig configuration(double share) {
 static double difference(double share_a, double share_b, const char *split, int64_t number) {
     const FfpTrainConfig a = configuration(share_a), b = configuration(share_b);
     FfpScene x, y;
-    FfpError err = {""};
+    FfpError err = {0};
     if (!ffp_scene_open(&x, &a, split, number, 16, &err)) fail_msg("%s", err.text);
     if (!ffp_scene_open(&y, &b, split, number, 16, &err)) fail_msg("%s", err.text);
     const FfpImage *p = &x.capture.views[0].images[x.capture.white];

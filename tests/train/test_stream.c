@@ -11,7 +11,7 @@ static FfpTrainConfig configuration(const char *fields) {
         " \"lollipops\": 1, \"pattern_side\": 64, \"samples\": 1, \"ambient_rays\": 1, %s}";
     char text[1024];
     FfpTrainConfig config;
-    FfpError err = {""};
+    FfpError err = {0};
     snprintf(text, sizeof text, form, fields);
     if (!ffp_train_config_parse(&config, text, "test", &err)) fail_msg("%s", err.text);
     return config;
@@ -51,7 +51,7 @@ static uint64_t hash_scene(const FfpScene *scene) {
 
 // The hash of every step's scene, in steps [first, STEPS).
 static void walk(const FfpTrainConfig *config, int first, uint64_t sums[STEPS]) {
-    FfpError err = {""};
+    FfpError err = {0};
     stop = false;
     FfpStream *stream = ffp_stream_new(config, NULL, first, STEPS, &stop, &err);
     if (!stream) fail_msg("%s", err.text);
@@ -70,7 +70,7 @@ static void walk(const FfpTrainConfig *config, int first, uint64_t sums[STEPS]) 
 
 // The same by opening the scene of every step by itself; only steps that share number and size share a scene.
 static void walk_plainly(const FfpTrainConfig *config, uint64_t sums[STEPS]) {
-    FfpError err = {""};
+    FfpError err = {0};
     for (int step = 0; step < STEPS; step++) {
         const int64_t number = ffp_scene_number(config, step);
         const int side = ffp_resolution_at(config, step);
@@ -118,7 +118,7 @@ static void an_error_names_the_scene(void **state) {
     FfpTrainConfig config = configuration("\"pool\": 2, \"resolution\": 8, \"seed\": 3");
     config.samples = 0; // as no file can say it
     for (config.generators = 0; config.generators <= 2; config.generators++) {
-        FfpError err = {""};
+        FfpError err = {0};
         const FfpScene *scene;
         bool fresh;
         FfpStream *stream = ffp_stream_new(&config, NULL, 1, STEPS, &stop, &err);

@@ -1,7 +1,7 @@
 // Training as a whole: it can learn, and a resumed run repeats the bits of one that was never stopped.
-#include "ffprocams.h"
-#include "scratch.h"
+#include "base/alloc.h"
 #include "train/train.h"
+#include "scratch.h"
 
 static const char tiny_run[] =
     "{\"model\": \"tiny\", \"resolution\": 64, \"pool\": 2, \"reuse\": 2, \"views\": 4, \"targets\": 1,"
@@ -10,10 +10,10 @@ static const char tiny_run[] =
     " \"polish_share\": 0.5, \"polish_steps\": 5, \"validate_every\": 0, \"log_every\": 1}";
 
 static void train(const char *out, const char *config, int64_t stop_at, bool resume) {
-    FfpError err = {""};
-    const FfpTraining options = {
+    FfpError err = {0};
+    const FfpTrainRun options = {
         .out = out, .config = config, .steps = -1, .stop_at = stop_at, .resume = resume};
-    if (!ffp_train_model(&options, &err)) fail_msg("%s", err.text);
+    if (!ffp_train_run(&options, &err)) fail_msg("%s", err.text);
 }
 
 static void assert_same_files(const char *a, const char *b) {
@@ -23,8 +23,8 @@ static void assert_same_files(const char *a, const char *b) {
     assert_true(ffp_read_file(b, 1 << 28, &right, &right_size, NULL));
     assert_int_equal(left_size, right_size);
     assert_memory_equal(left, right, left_size);
-    free(left);
-    free(right);
+    ffp_free(left);
+    ffp_free(right);
 }
 
 static void test_resume(void **state) {
@@ -52,7 +52,7 @@ static void test_generators(void **state) {
         train(in_scratch(names[i]), in_scratch("config.json"), i ? 3 : 0, false);
         if (i) train(in_scratch(names[i]), NULL, 0, true);
         FfpTrainConfig config;
-        FfpError err = {""};
+        FfpError err = {0};
         assert_true(ffp_join_path(path, in_scratch(names[i]), "checkpoint.safetensors"));
         models[i] = ffp_checkpoint_read(path, &adams[i], &config, origin, &err);
         if (!models[i]) fail_msg("%s", err.text);
@@ -75,7 +75,7 @@ static void test_generators(void **state) {
 static void test_training_looks_through_the_polish(void **state) {
     (void)state;
     FfpTrainConfig config;
-    FfpError err = {""};
+    FfpError err = {0};
     assert_true(ffp_train_config_parse(&config, tiny_run, "tiny_run", &err));
     FfpScene scene;
     assert_true(ffp_scene_open(&scene, &config, "train", 0, config.resolution, &err));
@@ -83,7 +83,7 @@ static void test_training_looks_through_the_polish(void **state) {
     const size_t size = (size_t)model->count * sizeof(real);
     FfpStepper *stepper = ffp_stepper_new(&config, NULL);
     FfpLosses plain, polished;
-    real *grad[2] = {calloc(1, size), calloc(1, size)};
+    real *grad[2] = {ffp_alloc(1, size), ffp_alloc(1, size)};
     config.polish_share = 0;
     assert_true(ffp_step_loss(stepper, model, &scene, 0, &plain, grad[0], &err));
     config.polish_share = 1;
@@ -92,7 +92,7 @@ static void test_training_looks_through_the_polish(void **state) {
     assert_true(plain.polish_s == 0 && polished.polish_s > 0);
     assert_true(polished.l1 < 0.9 * plain.l1);
     assert_true(memcmp(grad[0], grad[1], size) != 0);
-    free(grad[0]), free(grad[1]);
+    ffp_free(grad[0]), ffp_free(grad[1]);
     ffp_stepper_free(stepper);
     ffp_model_free(model);
     ffp_scene_close(&scene);
@@ -100,17 +100,17 @@ static void test_training_looks_through_the_polish(void **state) {
 
 static void test_refusals(void **state) {
     (void)state;
-    FfpError err = {""};
-    FfpTraining options = {.out = scratch, .steps = -1, .resume = true};
-    assert_false(ffp_train_model(&options, &err));
+    FfpError err = {0};
+    FfpTrainRun options = {.out = scratch, .steps = -1, .resume = true};
+    assert_false(ffp_train_run(&options, &err));
     assert_non_null(strstr(err.text, "checkpoint.safetensors"));
     assert_true(ffp_write_file(in_scratch("checkpoint.safetensors"), "\x08\0\0\0\0\0\0\0{}      ", 16, NULL));
-    assert_false(ffp_train_model(&options, &err));
+    assert_false(ffp_train_run(&options, &err));
     assert_non_null(strstr(err.text, "not a checkpoint"));
     assert_true(ffp_write_file(in_scratch("metrics.jsonl"), "", 0, NULL));
     options.resume = false;
-    assert_false(ffp_train_model(&options, &err));
-    assert_non_null(strstr(err.text, "--resume"));
+    assert_false(ffp_train_run(&options, &err));
+    assert_non_null(strstr(err.text, "resume it"));
 }
 
 // 34 dB on its own views within 500 steps.
@@ -128,14 +128,14 @@ static void test_overfit(void **state) {
         "1, \"ssim\": 0,"
         " \"distortion\": 0, \"normal_smooth\": 0, \"direct_t\": 0.1}";
     FfpTrainConfig config;
-    FfpError err = {""};
+    FfpError err = {0};
     assert_true(ffp_train_config_parse(&config, text, "overfit", &err));
     FfpScene scene;
     assert_true(ffp_scene_open(&scene, &config, "train", 0, config.resolution, &err));
     FfpModel *model = ffp_model_new(&config.model, 1, &err);
     FfpAdam adam = ffp_adam_new(model);
     FfpStepper *stepper = ffp_stepper_new(&config, NULL);
-    real *grad = calloc((size_t)model->count, sizeof *grad);
+    real *grad = ffp_alloc((size_t)model->count, sizeof *grad);
     double psnr = ffp_scene_psnr(model, &config, &scene);
     const double before = psnr;
     int step = 0;
@@ -149,7 +149,7 @@ static void test_overfit(void **state) {
     }
     printf("overfit: %.2f dB before, %.2f dB after %d steps\n", before, psnr, step);
     assert_true(psnr >= 34);
-    free(grad);
+    ffp_free(grad);
     ffp_stepper_free(stepper);
     ffp_adam_free(&adam);
     ffp_model_free(model);

@@ -6,4 +6,7 @@ const FfpRenderKernels FFP_K(render) = {
     .project_chunk_backward = FFP_K(project_chunk_backward),
     .blend_tile = FFP_K(blend_tile),
     .blend_tile_backward = FFP_K(blend_tile_backward),
+    .shade_row = FFP_K(shade_row),
+    .shade_row_backward = FFP_K(shade_row_backward),
+    .map_row = FFP_K(map_row),
 };

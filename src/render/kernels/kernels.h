@@ -1,10 +1,12 @@
-// The parts of the rasteriser that exist once for each CPU level (base/cpu.h). Every source in this folder is
+// The parts of drawing that exist once for each CPU level (base/cpu.h). Every source in this folder is
 // compiled once a level, with FFP_LEVEL set to the level's name and that level's instructions.
 #ifndef FFP_RENDER_KERNELS_KERNELS_H
 #define FFP_RENDER_KERNELS_KERNELS_H
 
 #include "base/level.h"
+#include "render/map_pixel.h"
 #include "render/raster.h"
+#include "render/shade_pixel.h"
 
 // A chunk's splats; sets its `drawn`.
 typedef void FfpProjectChunk(FfpRaster *raster, const FfpGaussians *gaussians, const FfpCamera *camera,
@@ -19,24 +21,33 @@ typedef void FfpBlendTile(const FfpRaster *raster, int tile, int channels, FfpGb
 typedef void FfpBlendTileBackward(FfpRaster *raster, int tile, const FfpGbuffer *out,
                                   const FfpGbuffer *grad_out);
 
+// Row y of the picture, of its gradient (ffp_shade_backward: grad_intensity is the row's own), of the
+// mapping.
+typedef void FfpShadeRow(const FfpShader *shader, int y, FfpImage *out);
+typedef void FfpShadeRowBackward(const FfpShader *shader, int y, const FfpImage *grad_image,
+                                 FfpGbuffer *grad_gbuffer, real grad_intensity[3], FfpSummed *grad_pattern);
+typedef void FfpMapRow(const FfpMapper *mapper, int y, FfpMapping *out);
+
 typedef struct FfpRenderKernels {
     FfpProjectChunk *project_chunk;
     FfpProjectChunkBackward *project_chunk_backward;
     FfpBlendTile *blend_tile;
     FfpBlendTileBackward *blend_tile_backward;
+    FfpShadeRow *shade_row;
+    FfpShadeRowBackward *shade_row_backward;
+    FfpMapRow *map_row;
 } FfpRenderKernels;
 
-extern const FfpRenderKernels ffp_portable_render, ffp_avx2_render, ffp_avx512_render, ffp_avx512bf16_render,
-    ffp_amx_render;
-
-// The table of the CPU level in use (dispatch.c).
-const FfpRenderKernels *ffp_render_kernels(void);
+FFP_LOOP_TABLES(FfpRenderKernels, render)
 
 #ifdef FFP_LEVEL
 FfpProjectChunk FFP_K(project_chunk);
 FfpProjectChunkBackward FFP_K(project_chunk_backward);
 FfpBlendTile FFP_K(blend_tile);
 FfpBlendTileBackward FFP_K(blend_tile_backward);
+FfpShadeRow FFP_K(shade_row);
+FfpShadeRowBackward FFP_K(shade_row_backward);
+FfpMapRow FFP_K(map_row);
 #endif
 
 #endif

@@ -1,4 +1,5 @@
-// Depthwise causal convolution with SiLU (Mamba2; network.md 3.1), forwards or backwards along the tokens.
+// Depthwise causal convolution with SiLU (Mamba2: Dao & Gu 2024, Sec. 7.1), forwards or backwards along the
+// tokens.
 #include "tensor/kernels/kernels.h"
 
 #include "tensor/kernels/fastmath.h"

@@ -1,4 +1,8 @@
-// State-space duality scan, forward: the chunked form (network.md 3.2).
+// State-space duality scan, forward: the chunked form (Dao & Gu 2024, Sec. 6, Listing 1). With a_t = dt_t A,
+// cs its running sum within a chunk of Q rows, X = dt x and H the state that enters the chunk:
+//   y_t = sum_{s<=t} (C_t . B_s) exp(cs_t - cs_s) X_s + exp(cs_t) H C_t + d x_t,
+//   H' = exp(cs_Q) H + sum_s exp(cs_Q - cs_s) X_s (outer) B_s.
+// The code keeps cs times log2(e) and takes powers of two.
 #include "tensor/kernels/kernels.h"
 
 #include <tgmath.h>

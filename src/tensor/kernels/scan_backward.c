@@ -1,5 +1,6 @@
-// State-space duality scan, backward (network.md 3.3). X = dt x; G = gradient of the state leaving a chunk, H
-// = the state entering it, both [state, width]. Within a chunk, for a row t that sees s:
+// State-space duality scan, backward: the chunked form of scan.c differentiated. X = dt x; G = gradient of
+// the state leaving a chunk, H = the state entering it, both [state, width]. Within a chunk, for a row t that
+// sees s:
 //   M_ts = (dy_t . X_s) 2^(cs_t - cs_s),  dB_s += M_ts C_t,  dC_t += M_ts B_s,
 //   dX_s += (B_s . C_t) 2^(cs_t - cs_s) dy_t.
 // The gradient of the step's exponent a_i = dt_i A is the flow through it: what of the output reaches rows at

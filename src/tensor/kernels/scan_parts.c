@@ -98,8 +98,7 @@ static void head_decays(const FfpScanLayout *layout, const FfpScanShape *shape, 
         sum += dt[t] * rate;
         cs[t] = sum;
     }
-    // Rounding can make a difference of sums positive, and its power infinite: hence the minimum (network.md
-    // 3.6).
+    // Rounding can make a difference of sums positive, and its power infinite: hence the minimum.
 #pragma omp simd
     for (int t = 0; t < chunk->rows; t++) {
         grow[t] = ffp_exp2(cs[t] < 0 ? cs[t] : 0);

@@ -1,0 +1,66 @@
+# cmake --install: the program and what it needs to run (component runtime), and what it takes to build against the
+# library (component development). Nothing installed names the prefix, so that it can be moved.
+include(CMakePackageConfigHelpers)
+
+set(package_folder ${CMAKE_INSTALL_LIBDIR}/cmake/ffprocams)
+set(data_folder ${CMAKE_INSTALL_DATADIR}/ffprocams)
+
+file(RELATIVE_PATH to_library ${CMAKE_INSTALL_FULL_BINDIR} ${CMAKE_INSTALL_FULL_LIBDIR})
+set_target_properties(ffprocams PROPERTIES INSTALL_RPATH "$ORIGIN/${to_library}")
+
+install(TARGETS ffprocams RUNTIME COMPONENT runtime)
+install(TARGETS ffprocams_shared EXPORT ffprocams-shared
+        LIBRARY COMPONENT runtime NAMELINK_COMPONENT development INCLUDES DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
+install(TARGETS ffprocams_static EXPORT ffprocams-static
+        ARCHIVE COMPONENT development INCLUDES DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
+install(DIRECTORY include/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} COMPONENT development FILES_MATCHING PATTERN "*.h")
+install(FILES models/small.safetensors DESTINATION ${data_folder}/models COMPONENT runtime)
+install(DIRECTORY data/sample DESTINATION ${data_folder} COMPONENT runtime)
+if(TARGET pages)
+  install(DIRECTORY ${PROJECT_BINARY_DIR}/pages/ DESTINATION ${CMAKE_INSTALL_MANDIR}/man1 COMPONENT runtime
+          FILES_MATCHING PATTERN "*.1")
+  install(FILES ${PROJECT_BINARY_DIR}/pages/ffprocams-completion.bash RENAME ffprocams
+          DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions COMPONENT runtime)
+endif()
+install(FILES LICENSE README.md DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT runtime)
+install(DIRECTORY docs DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT runtime)
+install(DIRECTORY examples DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT development)
+
+# What links the archive: modules of pkg-config (Requires.private) and plain libraries (Libs.private).
+set(FFP_REQUIRES "")
+set(FFP_FIND "")
+foreach(entry ${FFP_MODULES})
+  string(REPLACE ":" ";" entry ${entry})
+  list(GET entry 0 name)
+  list(GET entry 1 module)
+  string(APPEND FFP_REQUIRES " ${module}")
+  string(APPEND FFP_FIND "  pkg_check_modules(${name} \${quiet} IMPORTED_TARGET ${module})\n"
+                         "  if(NOT ${name}_FOUND)\n    list(APPEND missing ${module})\n  endif()\n")
+endforeach()
+set(FFP_EMBREE_MAJOR ${embree_VERSION_MAJOR})
+if(NOT FFP_EMBREE_MAJOR)
+  string(REGEX REPLACE "\\..*" "" FFP_EMBREE_MAJOR "${embree_VERSION}")
+endif()
+set(FFP_LIBS "-lembree${FFP_EMBREE_MAJOR}")
+foreach(library ${FFP_SYSTEM_LIBRARIES})
+  string(APPEND FFP_LIBS " -l${library}")
+endforeach()
+if(FFPROCAMS_CUDA)
+  string(APPEND FFP_LIBS " -L${CUDAToolkit_LIBRARY_DIR} -lcublas -lcudart")
+  string(APPEND FFP_FIND "  find_dependency(CUDAToolkit)\n")
+endif()
+
+file(RELATIVE_PATH to_prefix ${CMAKE_INSTALL_FULL_LIBDIR}/pkgconfig ${CMAKE_INSTALL_PREFIX})
+string(REGEX REPLACE "/$" "" to_prefix "${to_prefix}")
+configure_file(cmake/ffprocams.pc.in ffprocams.pc @ONLY)
+install(FILES ${PROJECT_BINARY_DIR}/ffprocams.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig COMPONENT development)
+
+configure_package_config_file(cmake/ffprocams-config.cmake.in ffprocams-config.cmake
+                              INSTALL_DESTINATION ${package_folder} NO_SET_AND_CHECK_MACRO)
+# Before 1.0 a minor version may change the interface.
+write_basic_package_version_file(ffprocams-config-version.cmake COMPATIBILITY SameMinorVersion)
+install(FILES ${PROJECT_BINARY_DIR}/ffprocams-config.cmake ${PROJECT_BINARY_DIR}/ffprocams-config-version.cmake
+        DESTINATION ${package_folder} COMPONENT development)
+foreach(kind shared static)
+  install(EXPORT ffprocams-${kind} NAMESPACE ffprocams:: DESTINATION ${package_folder} COMPONENT development)
+endforeach()

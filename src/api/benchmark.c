@@ -1,0 +1,22 @@
+#include "ffprocams.h"
+#include "base/call.h"
+#include "base/text.h"
+#include "bench/bench.h"
+
+typedef struct Call {
+    const char *json;
+    char *text;
+} Call;
+
+static bool benchmark(void *argument, FfpError *err) {
+    Call *call = argument;
+    FfpText *text = ffp_text_new();
+    if (!ffp_bench(ffp_text_stream(text), call->json, err)) return false;
+    call->text = ffp_text_end(text);
+    return true;
+}
+
+char *ffp_benchmark(FfpContext *context, const char *json, FfpError *err) {
+    Call call = {.json = json};
+    return ffp_call_run(context, benchmark, &call, err) ? call.text : NULL;
+}

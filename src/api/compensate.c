@@ -1,0 +1,263 @@
+// Compensation: views and targets in, patterns and predicted pictures out.
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <tgmath.h>
+#include "api/images.h"
+#include "api/memory.h"
+#include "apply/choose.h"
+#include "apply/solve.h"
+#include "base/arena.h"
+#include "base/call.h"
+#include "base/file.h"
+#include "base/log.h"
+#include "api/relight.h"
+
+#define STEPS_MAX 100000
+
+typedef struct Job {
+    const FfpCompensation *options;
+    const FfpCapture *capture;
+    FfpChosen chosen;
+    FfpImage *targets, *alphas; // [n_targets]; an alpha is empty where the file has none
+    FfpStage stage;
+} Job;
+
+FfpCompensation ffp_compensation_defaults(void) {
+    return (FfpCompensation){.gain = 1, .steps = 30};
+}
+
+static bool check_options(const FfpCompensation *options, FfpError *err) {
+    if (options->n_targets < 1) return ffp_fail(err, FFP_ERROR_ARGUMENT, NULL, "no target to compensate for");
+    if (!(options->gain >= 0) || !isfinite(options->gain))
+        return ffp_fail(err, FFP_ERROR_ARGUMENT, NULL, "a gain of %g is not above zero", options->gain);
+    if (options->steps < 0 || options->steps > STEPS_MAX)
+        return ffp_fail(err, FFP_ERROR_ARGUMENT, NULL, "%d steps are not in 0 to %d", options->steps,
+                        STEPS_MAX);
+    return true;
+}
+
+// A target is a picture in the camera's frame: of its shape, if not of its size.
+static bool check_shape(const FfpImage *target, const FfpView *view, const char *path, FfpError *err) {
+    const double ratio = (double)target->width / target->height,
+                 wanted = (double)view->camera.width / view->camera.height;
+    if (fabs(ratio / wanted - 1) <= 0.01) return true;
+    return ffp_fail(err, FFP_ERROR_ARGUMENT, path,
+                    "a target of %d x %d has not the shape of view %s's camera of %d x %d", target->width,
+                    target->height, view->id, view->camera.width, view->camera.height);
+}
+
+static int target_of(const Job *job, int v) {
+    return job->options->n_targets == 1 ? 0 : v;
+}
+
+static bool read_target(Job *job, int t, FfpError *err) {
+    const FfpCompensation *options = job->options;
+    if (!options->pictures)
+        return ffp_image_read_over_black(&job->targets[t], &job->alphas[t], options->targets[t], err);
+    const FfpRaw raw = ffp_raw_of(&options->pictures[t]);
+    char name[32];
+    snprintf(name, sizeof name, "target %d", t);
+    if (!raw.data) return ffp_fail(err, FFP_ERROR_ARGUMENT, name, "the target has no pixels");
+    return ffp_raw_over_black(&job->targets[t], &job->alphas[t], &raw, name, err);
+}
+
+static bool read_targets(Job *job, FfpError *err) {
+    const FfpCompensation *options = job->options;
+    const int n = options->n_targets, n_views = job->chosen.n_views;
+    if (n != 1 && n != n_views)
+        return ffp_fail(err, FFP_ERROR_ARGUMENT, NULL,
+                        "%d targets for %d views: give one for all, or one for each", n, n_views);
+    job->targets = ffp_alloc((size_t)n, sizeof *job->targets);
+    job->alphas = ffp_alloc((size_t)n, sizeof *job->alphas);
+    for (int t = 0; t < n; t++)
+        if (!read_target(job, t, err)) return false;
+    for (int v = 0; v < n_views; v++) {
+        const int t = target_of(job, v);
+        const char *name = options->pictures ? "target" : options->targets[t];
+        if (!check_shape(&job->targets[t], job->chosen.views[v], name, err)) return false;
+    }
+    return true;
+}
+
+static void aim(Job *job) {
+    for (int v = 0; v < job->chosen.n_views; v++) {
+        const FfpCamera *camera = &job->chosen.views[v]->camera;
+        const int t = target_of(job, v);
+        FfpImage target = ffp_image_resize(&job->targets[t], camera->width, camera->height), alpha = {0};
+        if (job->alphas[t].data) alpha = ffp_image_resize(&job->alphas[t], camera->width, camera->height);
+        ffp_stage_aim(&job->stage, v, &target, alpha.data ? &alpha : NULL);
+        ffp_image_free(&target);
+        ffp_image_free(&alpha);
+    }
+}
+
+// A view without a lit pixel cannot be helped by any pattern.
+static bool check_light(const Job *job, FfpError *err) {
+    for (int s = 0; s < job->stage.n_camera_views; s++) {
+        FfpImage lit = ffp_stage_lit(&job->stage, s);
+        bool any = false;
+        for (int p = 0; p < lit.width * lit.height; p++) any |= lit.data[p] > 0;
+        ffp_image_free(&lit);
+        if (!any)
+            return ffp_fail(
+                err, FFP_ERROR_ARGUMENT, job->stage.camera_views[s].view->id,
+                "no projector lights anything that this view's camera sees and the target asks for");
+    }
+    return true;
+}
+
+static void solve(Job *job, FfpCompensationStats *stats) {
+    const FfpCompensation *options = job->options;
+    FfpStage *stage = &job->stage;
+    stats->gain = options->paint ? 1 : options->gain > 0 ? options->gain : (double)ffp_stage_brightest(stage);
+    if (options->paint)
+        ffp_stage_paint(stage);
+    else
+        ffp_stage_scale(stage, (real)stats->gain);
+    const FfpGamut gamut = ffp_stage_gamut(stage);
+    stats->unlit = gamut.unlit, stats->too_dark = gamut.too_dark, stats->too_bright = gamut.too_bright;
+    stats->psnr_dark = ffp_stage_psnr(stage);
+    ffp_stage_closed_form(stage);
+    stats->psnr_closed = ffp_stage_psnr(stage);
+    ffp_stage_descend(stage, options->steps);
+    ffp_stage_quantise(stage);
+    stats->psnr = ffp_stage_psnr(stage);
+    stats->patterns = stage->n_projections;
+}
+
+static FfpImages *collect(const FfpStage *stage) {
+    FfpImages *images = ffp_images_new();
+    for (int k = 0; k < stage->n_projections; k++)
+        ffp_images_add(images, ffp_image_copy(&stage->projections[k].pattern), "pattern",
+                       stage->projections[k].view->id);
+    for (int s = 0; s < stage->n_camera_views; s++) {
+        const char *id = stage->camera_views[s].view->id;
+        ffp_images_add(images, ffp_stage_picture(stage, s), "seen", id);
+        ffp_images_add(images, ffp_image_copy(&stage->camera_views[s].target), "target", id);
+    }
+    return images;
+}
+
+static void free_job(Job *job) {
+    for (int t = 0; job->targets && t < job->options->n_targets; t++) {
+        ffp_image_free(&job->targets[t]);
+        ffp_image_free(&job->alphas[t]);
+    }
+    ffp_free(job->targets);
+    ffp_free(job->alphas);
+    ffp_stage_free(&job->stage);
+    ffp_chosen_free(&job->chosen);
+}
+
+static FfpImages *compensate(const FfpGaussians *gaussians, const FfpCapture *capture,
+                             const FfpCompensation *options, FfpCompensationStats *stats, FfpError *err) {
+    Job job = {.options = options, .capture = capture};
+    FfpCompensationStats found = {0};
+    FfpImages *images = NULL;
+    const double begin = ffp_seconds();
+    bool ok = check_options(options, err) &&
+              ffp_choose_views(&job.chosen, capture, options->poses, options->views, options->n_views, err) &&
+              read_targets(&job, err);
+    if (ok) {
+        const FfpRenderSettings settings = ffp_drawing_settings(options->drawing, NULL);
+        job.stage = ffp_stage_new(gaussians, capture, job.chosen.views, job.chosen.n_views, &settings,
+                                  !options->gaussians_only);
+        aim(&job);
+        ok = check_light(&job, err);
+    }
+    if (ok) {
+        solve(&job, &found);
+        images = collect(&job.stage);
+        found.seconds = ffp_seconds() - begin;
+        if (stats) *stats = found;
+    }
+    free_job(&job);
+    return images;
+}
+
+// --- Files. ---
+
+// "<pattern without .png><between><id>.png"
+static bool name_beside(char out[FFP_PATH_MAX], const char *pattern, const char *between, const char *id,
+                        FfpError *err) {
+    const char *base = ffp_basename(pattern), *dot = strrchr(base, '.');
+    const int stem = (int)(dot && dot != base ? dot - pattern : (ptrdiff_t)strlen(pattern));
+    if (strchr(id, '/'))
+        return ffp_fail(err, FFP_ERROR_ARGUMENT, pattern, "view %s is no name for a file", id);
+    if (snprintf(out, FFP_PATH_MAX, "%.*s%s%s.png", stem, pattern, between, id) >= FFP_PATH_MAX)
+        return ffp_fail(err, FFP_ERROR_ARGUMENT, pattern, "the path is too long");
+    return true;
+}
+
+static bool write_encoded(const FfpNamedImage *linear, const char *path, FfpError *err) {
+    FfpImage picture = ffp_image_new(linear->width, linear->height, linear->channels);
+    const size_t count = (size_t)linear->width * (size_t)linear->height * (size_t)linear->channels;
+    memcpy(picture.data, linear->data, count * sizeof *picture.data);
+    ffp_image_to_srgb(&picture);
+    const bool ok = ffp_image_write_png(&picture, path, err);
+    ffp_image_free(&picture);
+    return ok;
+}
+
+// A single pattern takes the file's name; everything else stands beside it.
+static bool write_image(const FfpNamedImage *image, const char *file, int patterns, FfpError *err) {
+    static const char *const kinds[3][2] = {{"pattern_", "_"}, {"seen_", "_seen_"}, {"target_", "_target_"}};
+    char path[FFP_PATH_MAX];
+    for (int k = 0; k < 3; k++) {
+        const size_t length = strlen(kinds[k][0]);
+        if (strncmp(image->name, kinds[k][0], length) != 0) continue;
+        if (k == 0 && patterns == 1) return write_encoded(image, file, err);
+        return name_beside(path, file, kinds[k][1], image->name + length, err) &&
+               write_encoded(image, path, err);
+    }
+    return true;
+}
+
+static bool write_images(const FfpGaussians *gaussians, const FfpCapture *capture,
+                         const FfpCompensation *options, FfpCompensationStats *stats, FfpError *err) {
+    FfpCompensationStats found = {0};
+    if (!ffp_output_probe(options->pattern, err)) return false;
+    FfpImages *images = compensate(gaussians, capture, options, &found, err);
+    if (!images) return false;
+    bool ok = true;
+    for (int i = 0; ok && i < ffp_images_count(images); i++) {
+        const FfpNamedImage image = ffp_images_at(images, i);
+        ok = write_image(&image, options->pattern, found.patterns, err);
+    }
+    ffp_images_close(images);
+    if (ok && stats) *stats = found;
+    return ok;
+}
+
+typedef struct Call {
+    const FfpGaussians *gaussians;
+    const FfpCapture *capture;
+    const FfpCompensation *options;
+    FfpCompensationStats *stats;
+    FfpImages *images;
+} Call;
+
+static bool into_memory(void *argument, FfpError *err) {
+    Call *call = argument;
+    call->images = compensate(call->gaussians, call->capture, call->options, call->stats, err);
+    return call->images != NULL;
+}
+
+FfpImages *ffp_compensate_images(FfpContext *context, const FfpGaussians *gaussians,
+                                 const FfpCapture *capture, const FfpCompensation *options,
+                                 FfpCompensationStats *stats, FfpError *err) {
+    Call call = {gaussians, capture, options, stats, NULL};
+    return ffp_call_run(context, into_memory, &call, err) ? call.images : NULL;
+}
+
+static bool into_files(void *argument, FfpError *err) {
+    const Call *call = argument;
+    return write_images(call->gaussians, call->capture, call->options, call->stats, err);
+}
+
+bool ffp_compensate(FfpContext *context, const FfpGaussians *gaussians, const FfpCapture *capture,
+                    const FfpCompensation *options, FfpCompensationStats *stats, FfpError *err) {
+    Call call = {gaussians, capture, options, stats, NULL};
+    return ffp_call_run(context, into_files, &call, err);
+}

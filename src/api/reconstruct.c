@@ -1,0 +1,258 @@
+// From a capture to Gaussians in its own units: normalise, match, (network,) back to the world.
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include "base/arena.h"
+#include "base/call.h"
+#include "base/device.h"
+#include "base/log.h"
+#include "base/memory.h"
+#include "capture/capture.h"
+#include "capture/pad.h"
+#include "denoise/denoise.h"
+#include "api/need.h"
+#include "api/reconstruct.h"
+#include "api/relight.h"
+#include "gaussians/gaussians.h"
+#include "match/match.h"
+#include "match/prune.h"
+#include "network/network.h"
+#include "refine/pyramid.h"
+#include "refine/thin.h"
+
+_Static_assert(FFP_POLISH_STEPS == FFP_POLISH_DEFAULT_STEPS, "one number, in two headers");
+
+#define NETWORK_LOSS_MAX 1 // dB against the classical start
+#define POLISH_VIEWS 8     // up to which the polish has FFP_POLISH_STEPS
+#define FEW_VIEWS 4        // fewer than these leave sides of any object out
+#define SPLATS_ALL 200000  // that are kept where nobody says how many,
+#define LAYERS_OF_MORE 2   // and of more
+
+FfpReconstruction ffp_reconstruction_defaults(void) {
+    return (FfpReconstruction){
+        .polish = FFP_POLISH_AUTO, .noise = FFP_NOISE_ESTIMATED, .layers = FFP_LAYERS_AUTO};
+}
+
+FfpCapture ffp_normalised_alias(const FfpCapture *capture) {
+    FfpCapture alias = *capture;
+    alias.views = ffp_alloc(capture->n_views, sizeof *alias.views);
+    for (int v = 0; v < capture->n_views; v++) {
+        alias.views[v] = capture->views[v];
+        if (alias.views[v].depth.data) alias.views[v].depth = ffp_image_copy(&capture->views[v].depth);
+    }
+    ffp_capture_normalise(&alias, capture->centre, capture->radius);
+    return alias;
+}
+
+void ffp_normalised_alias_free(FfpCapture *alias) {
+    for (int v = 0; v < alias->n_views; v++) ffp_image_free(&alias->views[v].depth);
+    ffp_free(alias->views);
+    alias->views = NULL;
+}
+
+FfpImage *ffp_denoise_capture(FfpCapture *alias, const int *photographs, int n, double *noise) {
+    if (n < FFP_PHOTOGRAPHS) return NULL;
+    if (*noise < 0) *noise = ffp_noise_estimate(alias, photographs);
+    return *noise > 0 ? ffp_denoise(alias, photographs, n, *noise) : NULL;
+}
+
+// On the device that long work may use, or the CPU.
+static bool run_network(FfpGaussians *out, int64_t **pixel, const FfpModel *model, const FfpCapture *capture,
+                        const FfpStart *start, int active, FfpError *err) {
+    const FfpDevice *device = ffp_device_offered();
+    ffp_device_use(device);
+    FfpModel there = device ? ffp_model_uploaded(model) : *model;
+    FfpRun *run = ffp_run_new();
+    const bool ok = ffp_model_forward(&there, run, capture, start, NULL, active, err);
+    if (ok) { // the run's own live only as long as the run
+        *out = device ? ffp_gaussians_downloaded(&run->gaussians) : ffp_gaussians_copy(&run->gaussians);
+        *pixel = ffp_alloc((size_t)out->count + 1, sizeof **pixel);
+        memcpy(*pixel, run->pixel, (size_t)out->count * sizeof **pixel);
+    }
+    ffp_run_free(run);
+    if (device) ffp_memory_free(there.values);
+    ffp_device_use(NULL);
+    return ok;
+}
+
+// What a reconstruction passes on from step to step.
+typedef struct Work {
+    FfpCapture capture; // normalised, its photographs without noise
+    FfpCapture padded;  // the same with views of one size, of whole patches: for matching and the network
+    int photographs[FFP_PHOTOGRAPHS];
+    FfpStart start;
+    FfpGaussians result;
+    int64_t *pixel; // [result.count] index of each Gaussian's pixel
+} Work;
+
+// PSNR on the photographs that the reconstruction is made from.
+static double score(const Work *w, const FfpGaussians *gaussians, const int64_t *pixel,
+                    const FfpReconstruction *options) {
+    const FfpRenderSettings settings = ffp_drawing_settings(options->drawing, options->model);
+    const FfpOrigin origin = {w->start.views, w->start.width, w->start.height, pixel};
+    return ffp_pyramid_psnr(gaussians, &origin, &w->capture, w->photographs, FFP_PHOTOGRAPHS, &settings);
+}
+
+// Keeps the classical start where the network shows the photographs clearly worse than it. A small loss may
+// buy better new poses, which nobody can score.
+static void keep_start_if_better(Work *w, const FfpReconstruction *options, FfpReconstructionStats *stats) {
+    FfpGaussians start = ffp_start_gaussians(&w->padded, &w->start);
+    int64_t *pixel = ffp_start_pixels(&w->start);
+    const double before = score(w, &start, pixel, options), after = score(w, &w->result, w->pixel, options);
+    stats->network_dropped = start.count > 0 && after < before - NETWORK_LOSS_MAX;
+    if (stats->network_dropped) {
+        ffp_note("the network shows the photographs worse than the classical start, %.1f against %.1f dB: "
+                 "the start is kept",
+                 after, before);
+        ffp_gaussians_free(&w->result);
+        ffp_free(w->pixel);
+        w->result = start;
+        w->pixel = pixel;
+    } else {
+        ffp_gaussians_free(&start);
+        ffp_free(pixel);
+    }
+}
+
+// Every step looks at one view.
+static int64_t polish_steps(const FfpReconstruction *options, int views) {
+    if (options->polish >= 0) return options->polish;
+    return FFP_POLISH_STEPS * (views > POLISH_VIEWS ? views : POLISH_VIEWS) / POLISH_VIEWS;
+}
+
+// Between the prediction and the way back to the world.
+static bool polish(Work *w, const FfpReconstruction *options, FfpReconstructionStats *stats, FfpError *err) {
+    FfpRefineSettings settings = ffp_polish_defaults(polish_steps(options, w->capture.n_views));
+    FfpRefineResult result;
+    const FfpOrigin origin = {w->start.views, w->start.width, w->start.height, w->pixel};
+    settings.render = ffp_drawing_settings(options->drawing, options->model);
+    if (!ffp_refine_pyramid(&w->result, &origin, &w->capture, w->photographs, FFP_PHOTOGRAPHS, &settings,
+                            &result, err))
+        return false;
+    stats->polish_dropped = result.dropped;
+    if (result.dropped) ffp_note("the polish shows the photographs worse than before: it is left out");
+    return true;
+}
+
+static bool predict(Work *w, const FfpReconstruction *options, FfpReconstructionStats *stats, FfpError *err) {
+    const int active = w->photographs[2];
+    const FfpMatchSettings settings = ffp_match_defaults();
+    double begin = ffp_seconds();
+    if (!ffp_start_new(&w->start, &w->padded, active, &settings, err)) return false;
+    stats->start_s = ffp_seconds() - begin;
+    if (!options->model) {
+        w->result = ffp_start_gaussians(&w->padded, &w->start);
+        w->pixel = ffp_start_pixels(&w->start);
+        return true;
+    }
+    begin = ffp_seconds();
+    if (!run_network(&w->result, &w->pixel, options->model, &w->padded, &w->start, active, err)) return false;
+    keep_start_if_better(w, options, stats);
+    stats->network_s = ffp_seconds() - begin;
+    return true;
+}
+
+static bool repeated(const FfpCapture *capture, int view) {
+    const FfpView *views = capture->views;
+    for (int v = 0; v < view; v++)
+        if (ffp_same_device(&views[v].camera, &views[view].camera) &&
+            ffp_same_device(&views[v].projector, &views[view].projector))
+            return true;
+    return false;
+}
+
+// A view whose devices stand as in one before it shows nothing new, but would agree with that one whatever
+// either says.
+static void leave_repeated_views_out(FfpCapture *alias) {
+    const int before = alias->n_views;
+    int kept = 0;
+    for (int v = 0; v < before; v++) {
+        const FfpView view = alias->views[v];
+        alias->views[kept] = view;
+        if (repeated(alias, kept))
+            ffp_image_free(&alias->views[kept].depth);
+        else
+            kept++;
+    }
+    alias->n_views = kept;
+    if (kept < before)
+        ffp_note("%d of %d views repeat others' poses: they are left out", before - kept, before);
+}
+
+static void thin(Work *w, const FfpReconstruction *options) {
+    double layers = options->layers;
+    if (layers < 0) layers = w->result.count > SPLATS_ALL ? LAYERS_OF_MORE : 0;
+    ffp_thin(&w->result, w->pixel, &w->padded, w->start.confidence, layers);
+}
+
+static bool predict_and_polish(Work *w, const FfpReconstruction *options, FfpReconstructionStats *stats,
+                               FfpError *err) {
+    if (!predict(w, options, stats, err)) return false;
+    const double begin = ffp_seconds();
+    ffp_prune_contradicted(w->result.opacity, w->result.centre, w->result.count, &w->padded, &w->start);
+    thin(w, options);
+    if (options->polish != 0 && w->result.count > 0 && !polish(w, options, stats, err)) return false;
+    stats->polish_s = ffp_seconds() - begin;
+    stats->gaussians = w->result.count;
+    return true;
+}
+
+// What nobody can see, nobody should be led to believe.
+static void warn_of_gaps(const FfpCapture *capture) {
+    if (capture->n_views == 1)
+        ffp_note("one view shows one side of the object: the other side will be missing");
+    else if (capture->n_views < FEW_VIEWS)
+        ffp_note("%d views: sides of the object that none of them shows will be missing", capture->n_views);
+}
+
+static FfpGaussians *reconstruct(const FfpCapture *capture, const FfpReconstruction *options,
+                                 FfpReconstructionStats *stats_out, FfpError *err) {
+    const int active = ffp_capture_active_pattern(capture, options->pattern, err);
+    if (active < 0 || !ffp_check_memory(capture, options, ffp_memory_available(), err)) return NULL;
+    Work w = {.capture = ffp_normalised_alias(capture),
+              .photographs = {capture->black, capture->white, active}};
+    leave_repeated_views_out(&w.capture);
+    warn_of_gaps(&w.capture);
+    FfpReconstructionStats stats = {.noise = options->noise};
+    FfpGaussians *gaussians = NULL;
+    const double begin = ffp_seconds();
+    FfpImage *clean = ffp_denoise_capture(&w.capture, w.photographs, FFP_PHOTOGRAPHS, &stats.noise);
+    stats.denoise_s = ffp_seconds() - begin;
+    snprintf(stats.pattern, sizeof stats.pattern, "%s", capture->patterns[active].name);
+    w.padded = ffp_padded_capture(&w.capture, w.photographs, FFP_PHOTOGRAPHS,
+                                  options->model ? options->model->config.patch : 1);
+    if (predict_and_polish(&w, options, &stats, err)) {
+        ffp_gaussians_transform(&w.result, capture->centre, capture->radius);
+        gaussians = ffp_alloc(1, sizeof *gaussians);
+        *gaussians = w.result;
+        if (stats_out) *stats_out = stats;
+    } else {
+        ffp_gaussians_free(&w.result);
+    }
+    ffp_free(w.pixel);
+    ffp_start_free(&w.start);
+    ffp_padded_capture_free(&w.padded, &w.capture);
+    ffp_denoise_free(clean, &w.capture, w.photographs, FFP_PHOTOGRAPHS);
+    ffp_normalised_alias_free(&w.capture);
+    return gaussians;
+}
+
+typedef struct Call {
+    const FfpCapture *capture;
+    const FfpReconstruction *options;
+    FfpReconstructionStats *stats;
+    FfpGaussians *gaussians;
+} Call;
+
+static bool work(void *argument, FfpError *err) {
+    Call *call = argument;
+    call->gaussians = reconstruct(call->capture, call->options, call->stats, err);
+    return call->gaussians != NULL;
+}
+
+FfpGaussians *ffp_reconstruct(FfpContext *context, const FfpCapture *capture,
+                              const FfpReconstruction *options, FfpReconstructionStats *stats,
+                              FfpError *err) {
+    Call call = {capture, options, stats, NULL};
+    return ffp_call_run(context, work, &call, err) ? call.gaussians : NULL;
+}

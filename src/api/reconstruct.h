@@ -1,0 +1,19 @@
+// Parts of the reconstruction that evaluation needs too.
+#ifndef FFP_API_RECONSTRUCT_H
+#define FFP_API_RECONSTRUCT_H
+
+#include "capture/capture.h"
+#include "network/network.h"
+
+// The capture in its bounding sphere's units, without copying pictures: it borrows everything but poses and
+// depth from `capture`, which must outlive it. Release with ffp_normalised_alias_free, never with
+// ffp_capture_free.
+FfpCapture ffp_normalised_alias(const FfpCapture *capture);
+void ffp_normalised_alias_free(FfpCapture *alias);
+
+// Takes the noise out of the n photographs of an alias, black and white first: of deviation *noise, which is
+// estimated, and set, when it is FFP_NOISE_ESTIMATED. Returns what ffp_denoise_free wants; NULL:
+// nothing was changed.
+FfpImage *ffp_denoise_capture(FfpCapture *alias, const int *photographs, int n, double *noise);
+
+#endif

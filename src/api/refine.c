@@ -1,0 +1,147 @@
+// Fitting a capture's Gaussians to its pictures, in the capture's own units.
+#include <stdio.h>
+#include <stdlib.h>
+#include "base/arena.h"
+#include "base/call.h"
+#include "base/file.h"
+#include "denoise/denoise.h"
+#include "api/reconstruct.h"
+#include "api/relight.h"
+#include "refine/refine.h"
+
+#define SCRATCH_POINTS 20000
+#define SCRATCH_STEPS 20000 // as GS-ProCams
+#define REFINE_SECONDS 30
+
+static bool check_pictures(const FfpCapture *capture, int pattern, FfpError *err) {
+    for (int v = 0; v < capture->n_views; v++)
+        if (!capture->views[v].images[pattern].data)
+            return ffp_fail(err, FFP_ERROR_ARGUMENT, capture->folder,
+                            "view %s has no picture under pattern %s", capture->views[v].id,
+                            capture->patterns[pattern].name);
+    return true;
+}
+
+// Black, white and the patterns to fit to, without doubles; indices into the capture's.
+static int choose_patterns(const FfpCapture *capture, const FfpRefinement *options,
+                           int chosen[FFP_PATTERNS_MAX], FfpError *err) {
+    int count = 0;
+    chosen[count++] = capture->black, chosen[count++] = capture->white;
+    const int wanted = options->n_patterns ? options->n_patterns : 1;
+    for (int i = 0; i < wanted; i++) {
+        const char *name = options->n_patterns ? options->patterns[i] : NULL;
+        const int found = ffp_capture_active_pattern(capture, name, err);
+        bool known = false;
+        if (found < 0) return -1;
+        for (int j = 0; j < count; j++) known = known || chosen[j] == found;
+        if (!known) chosen[count++] = found;
+    }
+    for (int i = 0; i < count; i++)
+        if (!check_pictures(capture, chosen[i], err)) return -1;
+    return count;
+}
+
+static FfpRefineSettings settings_of(const FfpRefinement *options, bool scratch) {
+    FfpRefineSettings s = scratch ? ffp_scratch_defaults() : ffp_refine_defaults();
+    const bool limited = options->steps > 0 || options->seconds > 0;
+    s.render = ffp_drawing_settings(options->drawing, NULL);
+    s.steps = limited || !scratch ? options->steps : SCRATCH_STEPS;
+    s.seconds = limited || scratch ? options->seconds : REFINE_SECONDS;
+    s.seed = options->seed;
+    s.may_stop = true;
+    return s;
+}
+
+static void fill_stats(FfpRefinementStats *stats, const FfpRefineResult *result) {
+    if (!stats) return;
+    *stats = (FfpRefinementStats){result->psnr_before, result->psnr_after, result->steps,  result->gaussians,
+                                  result->seconds,     result->stopped,    result->dropped};
+}
+
+// Fits in the unit sphere. Gaussians without elements: from scratch.
+static bool fit(FfpGaussians *gaussians, const FfpCapture *capture, const int *patterns, int n_patterns,
+                FfpRefineSettings *settings, double noise, FfpRefinementStats *stats, FfpError *err) {
+    FfpCapture normalised = ffp_normalised_alias(capture);
+    FfpImage *clean = ffp_denoise_capture(&normalised, patterns, n_patterns, &noise);
+    FfpRefineResult result = {0};
+    ffp_cancel_hold_off(true); // from here on what there is counts
+    bool ok = gaussians->count > 0 ||
+              ffp_scratch_gaussians(gaussians, &normalised, SCRATCH_POINTS, settings->seed, err);
+    ok = ok && ffp_refine(gaussians, &normalised, patterns, n_patterns, settings, &result, err);
+    if (ok) {
+        ffp_gaussians_transform(gaussians, capture->centre, capture->radius);
+        fill_stats(stats, &result);
+    }
+    ffp_denoise_free(clean, capture, patterns, n_patterns);
+    ffp_normalised_alias_free(&normalised);
+    return ok;
+}
+
+// Opens the metrics, which grow line by line, and fits. Gaussians are in the world's units afterwards, or
+// what is in them is of no use to anybody.
+static bool fit_with_metrics(FfpGaussians *gaussians, const FfpCapture *capture, const FfpRefinement *options,
+                             bool scratch, FfpRefinementStats *stats, FfpError *err) {
+    int patterns[FFP_PATTERNS_MAX];
+    FfpRefineSettings settings = settings_of(options, scratch);
+    const int n_patterns = choose_patterns(capture, options, patterns, err);
+    if (n_patterns < 0) return false;
+    if (options->metrics && !(settings.metrics = ffp_open_to_grow(options->metrics, false, err)))
+        return false;
+    if (settings.metrics) ffp_own_file(settings.metrics);
+    const bool ok = fit(gaussians, capture, patterns, n_patterns, &settings, options->noise, stats, err);
+    const bool lost = settings.metrics && ferror(settings.metrics);
+    if (settings.metrics && (ffp_close_file(settings.metrics) != 0 || lost))
+        return ffp_fail(err, FFP_ERROR_IO, options->metrics, "cannot write");
+    return ok;
+}
+
+FfpRefinement ffp_refinement_defaults(void) {
+    return (FfpRefinement){.seconds = 30, .noise = FFP_NOISE_ESTIMATED};
+}
+
+typedef struct Call {
+    FfpGaussians *gaussians; // of a fit from scratch its result
+    const FfpCapture *capture;
+    const FfpRefinement *options;
+    FfpRefinementStats *stats;
+} Call;
+
+// On a copy: what fails leaves the caller's Gaussians as they were, to the bit.
+static bool refine(void *argument, FfpError *err) {
+    const Call *call = argument;
+    FfpGaussians *gaussians = call->gaussians;
+    const FfpCapture *capture = call->capture;
+    if (gaussians->count < 1)
+        return ffp_fail(err, FFP_ERROR_ARGUMENT, NULL, "there are no Gaussians to refine");
+    const real centre[3] = {-capture->centre[0] / capture->radius, -capture->centre[1] / capture->radius,
+                            -capture->centre[2] / capture->radius};
+    FfpGaussians fitted = ffp_gaussians_copy(gaussians);
+    ffp_gaussians_transform(&fitted, centre, 1 / capture->radius);
+    const bool ok = fit_with_metrics(&fitted, capture, call->options, false, call->stats, err);
+    if (ok) {
+        const FfpGaussians before = *gaussians;
+        *gaussians = fitted, fitted = before;
+    }
+    ffp_gaussians_free(&fitted);
+    return ok;
+}
+
+bool ffp_refine_gaussians(FfpContext *context, FfpGaussians *gaussians, const FfpCapture *capture,
+                          const FfpRefinement *options, FfpRefinementStats *stats, FfpError *err) {
+    Call call = {gaussians, capture, options, stats};
+    return ffp_call_run(context, refine, &call, err);
+}
+
+static bool fit_from_scratch(void *argument, FfpError *err) {
+    Call *call = argument;
+    call->gaussians = ffp_alloc(1, sizeof *call->gaussians);
+    if (fit_with_metrics(call->gaussians, call->capture, call->options, true, call->stats, err)) return true;
+    ffp_gaussians_close(call->gaussians);
+    return false;
+}
+
+FfpGaussians *ffp_fit_from_scratch(FfpContext *context, const FfpCapture *capture,
+                                   const FfpRefinement *options, FfpRefinementStats *stats, FfpError *err) {
+    Call call = {NULL, capture, options, stats};
+    return ffp_call_run(context, fit_from_scratch, &call, err) ? call.gaussians : NULL;
+}

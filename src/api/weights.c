@@ -1,0 +1,67 @@
+#define _GNU_SOURCE // dladdr
+#include "api/weights.h"
+
+#include <dlfcn.h>
+#include <limits.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/auxv.h>
+#include "ffprocams.h"
+
+#define FILE_NAME "small.safetensors"
+
+// From the folder of the library, or of the program that it is linked into. The first is set by the build: it
+// leads from where the library is installed to where the data are.
+#ifndef FFP_LIBRARY_TO_DATA
+#define FFP_LIBRARY_TO_DATA "../share"
+#endif
+static const char *const beside[] = {FFP_LIBRARY_TO_DATA "/ffprocams/models", "../share/ffprocams/models",
+                                     "models"};
+
+// The file that holds this function: the shared library, or the program. The system knows a program by the
+// name it was called by, which need not lead anywhere; its entry point tells whether it is meant.
+static bool own_file(char path[PATH_MAX]) {
+    Dl_info own, program;
+    if (!dladdr((void *)(uintptr_t)ffp_version, &own)) return false;
+    const bool linked_in = dladdr((void *)(uintptr_t)getauxval(AT_ENTRY), &program) && // NOLINT
+                           program.dli_fbase == own.dli_fbase;
+    return realpath(linked_in ? "/proc/self/exe" : own.dli_fname, path) != NULL;
+}
+
+// Looks in one folder; adds its name to `looked` where the file is not there.
+static bool is_in(const char *folder, char path[FFP_PATH_MAX], char *looked, size_t room) {
+    if (ffp_join_path(path, folder, FILE_NAME) && ffp_is_file(path)) return true;
+    const size_t used = strlen(looked);
+    snprintf(looked + used, room - used, "%s%s", used ? ", " : "", folder);
+    return false;
+}
+
+static bool is_installed(char path[FFP_PATH_MAX], char *looked, size_t room) {
+    char own[PATH_MAX], folder[FFP_PATH_MAX], whole[PATH_MAX];
+    if (!own_file(own)) return false;
+    char *slash = strrchr(own, '/');
+    if (slash) *slash = 0;
+    for (size_t i = 0; i < sizeof beside / sizeof beside[0]; i++) {
+        if (i == 1 && strcmp(beside[0], beside[1]) == 0) continue;
+        if (!ffp_join_path(folder, own, beside[i])) continue;
+        if (is_in(realpath(folder, whole) ? whole : folder, path, looked, room)) return true;
+    }
+    return false;
+}
+
+bool ffp_find_weights(char path[FFP_PATH_MAX], FfpError *err) {
+    char looked[640] = "";
+    const char *chosen = getenv("FFPROCAMS_MODELS");
+    if (chosen && *chosen) {
+        if (is_in(chosen, path, looked, sizeof looked)) return true;
+        return ffp_fail(err, FFP_ERROR_IO, FILE_NAME,
+                        "the shipped weights are not in %s, which FFPROCAMS_MODELS names", looked);
+    }
+    if (is_installed(path, looked, sizeof looked) || is_in("models", path, looked, sizeof looked))
+        return true;
+    return ffp_fail(err, FFP_ERROR_IO, FILE_NAME,
+                    "the shipped weights are not in any of %s: name a file, none, or their folder in "
+                    "FFPROCAMS_MODELS",
+                    looked);
+}

@@ -1,0 +1,42 @@
+// Memory that belongs to the call at work (call.h): a call that fails gives back all that it has taken, and
+// what is left when one succeeds belongs to whoever got it. Blocks are zeroed, 64-byte aligned and released
+// with ffp_free. In a parallel region memory is taken by the bodies of ffp_parallel_for alone.
+#ifndef FFP_BASE_ALLOC_H
+#define FFP_BASE_ALLOC_H
+
+#include <stddef.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+// count * size bytes; when there are not so many, or the product overflows, the call ends with
+// FFP_ERROR_MEMORY.
+void *ffp_alloc(size_t count, size_t size);
+// The same; NULL then. For places that hold what only they can give back.
+void *ffp_try_alloc(size_t count, size_t size);
+// A block (or NULL) made larger, what it held kept and the rest zeroed. When that fails the old one is as it
+// was.
+void *ffp_grow(void *block, size_t count, size_t size);
+void *ffp_try_grow(void *block, size_t count, size_t size);
+// Ends the call as ffp_alloc does: for what fails for lack of memory alone.
+void ffp_no_memory(size_t bytes);
+char *ffp_copy_text(const char *text);
+void ffp_free(void *block); // NULL is allowed
+
+// Memory that outlives the call, whatever becomes of it: a thread's own, kept from one call to the next.
+void *ffp_alloc_kept(size_t count, size_t size);
+
+// For arena.c and device_memory.c: a block of undefined contents; count * size rounded up to the alignment,
+// never 0, or the call ends; a device's block that the call has taken, and one that it gives back.
+void *ffp_alloc_undefined(size_t bytes);
+size_t ffp_checked_bytes(size_t count, size_t size);
+struct FfpDevice;
+void *ffp_alloc_on_device(const struct FfpDevice *device, size_t bytes);
+void ffp_free_on_device(const struct FfpDevice *device, void *block);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

@@ -1,0 +1,170 @@
+#include "import_text.h"
+
+#include <math.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#define STOPS_MAX 512
+
+static bool fail(FfpError *err, const char *format, ...) __attribute__((format(printf, 2, 3)));
+static bool fail(FfpError *err, const char *format, ...) {
+    va_list arguments;
+    va_start(arguments, format);
+    vsnprintf(err->text, sizeof err->text, format, arguments);
+    va_end(arguments);
+    err->code = FFP_ERROR_ARGUMENT;
+    return false;
+}
+
+// Room for one more element.
+static void *grown(void *list, int count, size_t size) {
+    void *more = realloc(list, ((size_t)count + 1) * size);
+    if (!more) abort();
+    return more;
+}
+
+static char *copy(FfpImportLists *lists, const char *text) {
+    lists->texts = grown(lists->texts, lists->n_texts, sizeof *lists->texts);
+    char *out = grown(NULL, (int)strlen(text), 1);
+    lists->texts[lists->n_texts++] = out;
+    return strcpy(out, text);
+}
+
+void ffp_cli_import_lists_free(FfpImportLists *lists) {
+    for (int i = 0; i < lists->n_images; i++) free((void *)lists->images[i].patterns);
+    for (int i = 0; i < lists->n_texts; i++) free(lists->texts[i]);
+    free(lists->images), free(lists->patterns), free(lists->held_out);
+    free(lists->angles), free(lists->texts);
+    *lists = (FfpImportLists){0};
+}
+
+// Cuts "NAMES=FILES" in two; NULL when there is nothing on either side.
+static char *cut_at_equals(char *text) {
+    char *equals = strchr(text, '=');
+    if (!equals || equals == text || !equals[1]) return NULL;
+    *equals = 0;
+    return equals + 1;
+}
+
+bool ffp_cli_add_images(FfpImportLists *lists, const char *text, FfpError *err) {
+    char *names = copy(lists, text);
+    const char *files = cut_at_equals(names);
+    if (!files) return fail(err, "'%.100s' is not NAME=FILES (--images)", text);
+    const char **patterns = NULL;
+    int n = 0;
+    for (char *at = names; at; n++) {
+        char *comma = strchr(at, ',');
+        if (comma) *comma = 0;
+        patterns = grown(patterns, n, sizeof *patterns);
+        patterns[n] = at;
+        at = comma ? comma + 1 : NULL;
+    }
+    lists->images = grown(lists->images, lists->n_images, sizeof *lists->images);
+    lists->images[lists->n_images++] = (FfpImportImages){patterns, n, files};
+    return true;
+}
+
+bool ffp_cli_add_pattern(FfpImportLists *lists, const char *text, bool held_out, FfpError *err) {
+    char *name = copy(lists, text);
+    const char *file = cut_at_equals(name);
+    if (!file)
+        return fail(err, "'%.100s' is not NAME=FILE (%s)", text, held_out ? "--held-out" : "--pattern");
+    FfpImportPattern **list = held_out ? &lists->held_out : &lists->patterns;
+    int *count = held_out ? &lists->n_held_out : &lists->n_patterns;
+    *list = grown(*list, *count, sizeof **list);
+    (*list)[(*count)++] = (FfpImportPattern){name, file};
+    return true;
+}
+
+// --- The turntable. ---
+
+static bool add_angles(FfpImportLists *lists, double count, double first, double step, FfpError *err) {
+    if (!(count >= 1 && count <= STOPS_MAX) || count != floor(count))
+        return fail(err, "%g is no number of stops from 1 to %d (--turntable)", count, STOPS_MAX);
+    for (int i = 0; i < (int)count; i++) {
+        if (lists->n_angles == STOPS_MAX) return fail(err, "more than %d angles (--turntable)", STOPS_MAX);
+        lists->angles = grown(lists->angles, lists->n_angles, sizeof *lists->angles);
+        lists->angles[lists->n_angles++] = first + i * step;
+    }
+    return true;
+}
+
+// Numbers with commas between: `first` of axis and point, the first three being the axis', then angles.
+static bool read_numbers(FfpImportLists *lists, const char *text, int first, const char *needed,
+                         FfpImportTurntable *turntable, FfpError *err) {
+    const char *at = text;
+    for (int i = 0; *at; i++) {
+        char *end;
+        const double value = strtod(at, &end);
+        bool ok = end != at && isfinite(value);
+        if (ok && i < first) {
+            *(i < 3 ? &turntable->axis[i] : &turntable->point[i - 3]) = value;
+        } else if (ok && *end == 'x') {
+            const char *second = end + 1;
+            const double step = strtod(second, &end);
+            ok = end != second && isfinite(step);
+            if (ok && !add_angles(lists, value, 0, step, err)) return false;
+        } else if (ok && !add_angles(lists, 1, value, 0, err)) {
+            return false;
+        }
+        if (!ok || (*end && *end != ',') || (*end == ',' && !end[1]))
+            return fail(err, "'%.40s' is no number: %s are needed", at, needed);
+        at = *end ? end + 1 : end;
+    }
+    return true;
+}
+
+bool ffp_cli_turntable(FfpImportLists *lists, const char *text, FfpImportTurntable *turntable,
+                       FfpError *err) {
+    const char *needed = turntable->find_axis
+                             ? "angles alone (--turntable 8x45)"
+                             : "three numbers of the axis, three of its point and the angles (--turntable)";
+    const bool numbers = !text[strspn(text, "0123456789+-.,eEx")] && access(text, F_OK) != 0;
+    if (!numbers) {
+        turntable->file = text;
+        return true;
+    }
+    if (!read_numbers(lists, text, turntable->find_axis ? 0 : 6, needed, turntable, err)) return false;
+    turntable->angles = lists->angles, turntable->n_angles = lists->n_angles;
+    return lists->n_angles > 0 || fail(err, "no angle: %s are needed, or the name of a file", needed);
+}
+
+bool ffp_cli_fit_axis(const char *text, FfpImportTurntable *turntable, FfpError *err) {
+    static const char needed[] = "six numbers AX,AY,AZ,PX,PY,PZ";
+    int commas = 0;
+    for (const char *at = text; *at; at++) commas += *at == ',';
+    turntable->find_axis = true, turntable->guessed = *text;
+    if (!*text) return true;
+    if (commas != 5) return fail(err, "%s are needed, not '%.80s' (--fit-axis)", needed, text);
+    return read_numbers(NULL, text, 6, needed, turntable, err);
+}
+
+// --- Errors. ---
+
+const char *ffp_cli_import_option(const FfpError *err) {
+    static const struct {
+        const char *setting, *option;
+    } table[] = {
+        {"(camera.width)", "--camera-size WxH"},
+        {"(projector.width)", "--projector-size WxH"},
+        {"(camera.fit)", "--camera-fit F"},
+        {"(projector.fit)", "--projector-fit F"},
+        {"(images)", "--images NAMES=FILES"},
+        {"(patterns)", "--pattern NAME=FILE"},
+        {"(held_out)", "--held-out NAME=FILE"},
+        {"(views)", "--view ID"},
+        {"(width)", "--width W"},
+        {"(object)", "--object X,Y,Z,R"},
+        {"(turntable)", "--turntable T"},
+        {"(turntable.angles)", "--turntable T"},
+        {"(turntable.axis)", "--fit-axis"},
+        {"(fit_response)", "--fit-response"},
+        {"(projector_image)", "--projector-image N"},
+    };
+    for (size_t i = 0; i < sizeof table / sizeof *table; i++)
+        if (strstr(err->text, table[i].setting)) return table[i].option;
+    return NULL;
+}

@@ -1,0 +1,31 @@
+// The values of `ffprocams import` as numbers and structs, and its options as users know them.
+#ifndef FFP_CLI_IMPORT_TEXT_H
+#define FFP_CLI_IMPORT_TEXT_H
+
+#include "cli.h"
+
+// What the options that may come several times make, owned; the strings' parts too.
+typedef struct FfpImportLists {
+    FfpImportImages *images;
+    FfpImportPattern *patterns, *held_out;
+    double *angles;
+    char **texts; // copies that were cut into parts
+    int n_images, n_patterns, n_held_out, n_angles, n_texts;
+} FfpImportLists;
+void ffp_cli_import_lists_free(FfpImportLists *lists);
+
+// "NAME[,NAME..]=FILES"
+bool ffp_cli_add_images(FfpImportLists *lists, const char *text, FfpError *err);
+// "NAME=FILE"
+bool ffp_cli_add_pattern(FfpImportLists *lists, const char *text, bool held_out, FfpError *err);
+
+// --turntable: "AX,AY,AZ,PX,PY,PZ,ANGLES" ("ANGLES" alone where the axis is to be found), or a file. ANGLES
+// are degrees with commas between, or NxSTEP: N stops, STEP degrees apart.
+bool ffp_cli_turntable(FfpImportLists *lists, const char *text, FfpImportTurntable *turntable, FfpError *err);
+// --fit-axis: "", or a guess "AX,AY,AZ,PX,PY,PZ".
+bool ffp_cli_fit_axis(const char *text, FfpImportTurntable *turntable, FfpError *err);
+
+// The option that an error of the library is about, or NULL.
+const char *ffp_cli_import_option(const FfpError *err);
+
+#endif

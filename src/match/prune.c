@@ -1,0 +1,63 @@
+#include "match/prune.h"
+
+#include <stdlib.h>
+#include <tgmath.h>
+
+#include "base/arena.h"
+#include "match/projector_rays.h"
+#include "match/consistency.h"
+#include "match/reduce.h"
+
+#define SLACK 2.0F      // footprints, or cells of a projector's picture
+#define FREE_TRUST 0.3F // trust, beyond that of views that agree, that it takes to call a point seen through
+
+static bool off_silhouette(const FfpView *view, real u, real v) {
+    if (!(u >= 0 && v >= 0 && u < (real)ffp_frame_width(view) && v < (real)ffp_frame_height(view)))
+        return false;
+    return view->coverage.data[(size_t)v * (size_t)view->coverage.width + (size_t)u] <= 0;
+}
+
+static bool contradicted(const FfpSupportViews *support_views, const FfpProjectorRays *projector_rays,
+                         const real point[3]) {
+    const FfpDepths *depths = support_views->depths;
+    real past = 0, agree = 0;
+    for (int v = 0; v < depths->capture->n_views; v++) {
+        const FfpView *view = &depths->capture->views[v];
+        real x, y, z = ffp_project(&view->camera, point, &x, &y);
+        if (z > 0 && off_silhouette(view, x, y)) return true;
+        if (z > 0) {
+            const FfpDepthBounds seen = ffp_depth_bounds_at(support_views, v, x, y);
+            ffp_support_count(&past, &agree, &seen, z, SLACK * z / view->camera.fx);
+        }
+        z = ffp_project(&view->projector, point, &x, &y);
+        if (!(z > 0)) continue;
+        const FfpDepthBounds lit = ffp_projector_rays_at(&projector_rays[v], x, y);
+        if (z < lit.low - SLACK * z / (view->projector.fx * projector_rays[v].scale)) past += lit.trust;
+    }
+    return past > FREE_TRUST + agree;
+}
+
+int64_t ffp_prune_contradicted(real *opacity, const real *centre, int64_t count, const FfpCapture *capture,
+                               const FfpStart *start) {
+    if (start->reduced != NULL)
+        return ffp_prune_contradicted(opacity, centre, count, &start->reduced->capture,
+                                      &start->reduced->start);
+    const size_t area = (size_t)start->width * (size_t)start->height, views = (size_t)start->views;
+    FfpDepths depths = {capture, start->width, start->height, ffp_alloc(views * area, sizeof(real)),
+                        start->confidence};
+    for (size_t i = 0; i < views * area; i++)
+        depths.depth[i] = start->footprint[i] * capture->views[i / area].camera.fx;
+    FfpSupportViews support_views = ffp_support_views_new(&depths);
+    FfpProjectorRays *projector_rays = ffp_alloc(views, sizeof *projector_rays);
+    for (size_t v = 0; v < views; v++) projector_rays[v] = ffp_projector_rays_new(&depths, (int)v);
+    int64_t n_contradicted = 0;
+#pragma omp parallel for schedule(static) reduction(+ : n_contradicted)
+    for (int64_t i = 0; i < count; i++) {
+        if (opacity[i] > 0 && contradicted(&support_views, projector_rays, centre + 3 * i))
+            opacity[i] = 0, n_contradicted++;
+    }
+    for (size_t v = 0; v < views; v++) ffp_projector_rays_free(&projector_rays[v]);
+    ffp_free(projector_rays), ffp_free(depths.depth);
+    ffp_support_views_free(&support_views);
+    return n_contradicted;
+}

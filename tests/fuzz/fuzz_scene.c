@@ -1,0 +1,11 @@
+// Captures in our own layout, scene.json.
+#include "capture/capture.h"
+#include "fuzz.h"
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
+    FfpCapture capture;
+    FfpError err = {0};
+    fuzz_verdict(ffp_capture_read(&capture, fuzz_neighbour("scene.json", data, size), &err), &err);
+    ffp_capture_free(&capture);
+    return 0;
+}

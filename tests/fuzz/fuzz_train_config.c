@@ -1,0 +1,17 @@
+// The configuration of a training run. What is taken must come back from its own print.
+#include <stdlib.h>
+#include <string.h>
+#include "fuzz.h"
+#include "train/train.h"
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
+    FfpTrainConfig config, again;
+    FfpError err = {0};
+    const bool ok = ffp_train_config_read(&config, fuzz_file(data, size), &err);
+    fuzz_verdict(ok, &err);
+    if (!ok) return 0;
+    char *text = ffp_train_config_print(&config);
+    if (!ffp_train_config_parse(&again, text, "print", &err)) abort();
+    ffp_free(text);
+    return 0;
+}
