@@ -1,3 +1,33 @@
+# tests/<room>/test_*.c are programs of their own; *_f64.c among them see the double build of the rooms.
+if(CMOCKA_FOUND)
+  foreach(room base image tensor capture denoise gaussians match network render loss synth train bench rig align refine apply api eval cli cuda)
+    if(NOT room STREQUAL "cli" AND NOT TARGET ffp_${room})
+      continue()
+    endif()
+    file(GLOB tests CONFIGURE_DEPENDS tests/${room}/test_*.c)
+    foreach(source ${tests})
+      get_filename_component(test ${source} NAME_WE)
+      add_executable(${test} ${source})
+      if(test MATCHES "_f64$")
+        target_link_libraries(${test} PRIVATE ffp_${room}_f64 PkgConfig::CMOCKA)
+      elseif(room STREQUAL "cli")
+        target_link_libraries(${test} PRIVATE ffp_eval PkgConfig::CMOCKA)
+        target_compile_definitions(${test} PRIVATE FFP_PROGRAM="$<TARGET_FILE:ffprocams>")
+        add_dependencies(${test} ffprocams)
+      elseif(room STREQUAL "cuda")
+        target_link_libraries(${test} PRIVATE ffp_cuda ffp_eval PkgConfig::CMOCKA)
+      elseif(room STREQUAL "api") # evaluation is a call of the public header too
+        target_link_libraries(${test} PRIVATE ffp_eval PkgConfig::CMOCKA)
+      else()
+        target_link_libraries(${test} PRIVATE ffp_${room} PkgConfig::CMOCKA)
+      endif()
+      target_compile_definitions(${test} PRIVATE FFP_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
+      target_include_directories(${test} PRIVATE tests)
+      add_test(NAME ${test} COMMAND ${test} WORKING_DIRECTORY ${PROJECT_BINARY_DIR})
+    endforeach()
+  endforeach()
+endif()
+
 # Tests of what the library looks like from outside: its headers, its examples, and what is installed.
 add_test(NAME headers COMMAND ${PROJECT_SOURCE_DIR}/script/test-headers ${CMAKE_C_COMPILER} ${CMAKE_CXX_COMPILER})
 
@@ -20,4 +50,31 @@ endif()
 # A sanitized library asks all that link it for the sanitizers.
 if(FFPROCAMS_INSTALL AND NOT FFPROCAMS_SANITIZE)
   add_test(NAME install COMMAND ${PROJECT_SOURCE_DIR}/script/test-install ${PROJECT_BINARY_DIR})
+endif()
+
+# Tests that run threads side by side: ctest -L threads. Under ThreadSanitizer (FFPROCAMS_SANITIZE=thread) the target thread_tests
+# builds them alone, and LLVM's archer tells it what OpenMP's barriers order.
+set(FFP_THREAD_TESTS test_queue test_stream test_training test_render test_pass test_start test_denoise test_refine test_pyramid
+                     test_thin test_capture test_generate test_products test_scan test_attention test_contexts test_call)
+if(FFPROCAMS_SANITIZE STREQUAL "thread")
+  execute_process(COMMAND ${CMAKE_C_COMPILER} -print-resource-dir OUTPUT_VARIABLE clang OUTPUT_STRIP_TRAILING_WHITESPACE)
+  find_library(FFP_ARCHER archer PATHS ${clang}/../.. REQUIRED)
+endif()
+
+add_custom_target(thread_tests)
+foreach(test ${FFP_THREAD_TESTS})
+  if(TARGET ${test})
+    add_dependencies(thread_tests ${test})
+    set_property(TEST ${test} APPEND PROPERTY LABELS threads)
+    if(FFP_ARCHER)
+      set_property(TEST ${test} APPEND PROPERTY ENVIRONMENT "OMP_TOOL_LIBRARIES=${FFP_ARCHER}"
+                   "TSAN_OPTIONS=ignore_noninstrumented_modules=1") # OpenBLAS, Embree
+    endif()
+  endif()
+endforeach()
+
+# libomp (clang's OpenMP) gives some of its own threads' tables back to nobody when their number changes.
+if(FFPROCAMS_SANITIZE STREQUAL "address")
+  get_property(tests DIRECTORY PROPERTY TESTS)
+  set_property(TEST ${tests} APPEND PROPERTY ENVIRONMENT "LSAN_OPTIONS=suppressions=${PROJECT_SOURCE_DIR}/cmake/leaks.txt:print_suppressions=0")
 endif()

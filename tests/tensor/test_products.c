@@ -1,8 +1,9 @@
 // Matrix products of every CPU level that runs here, of random shapes, against sums in double.
 #include <math.h>
 #include <omp.h>
-#include "base/cpu.h"
 #include "base/alloc.h"
+#include "base/call.h"
+#include "base/cpu.h"
 #include "support.h"
 #include "tensor/random.h"
 #include "tensor/tensor.h"
@@ -29,16 +30,25 @@ static Product random_product(FfpRng *rng, int trial, uint32_t most) {
     return p;
 }
 
+typedef struct Work {
+    Gemm gemm;
+    const Product *p;
+    const float *a, *b;
+    float *c;
+} Work;
+
+static void run_once(void *argument, int64_t index) {
+    const Work *w = argument;
+    const Product *p = w->p;
+    if (index > 0) return;
+    w->gemm(p->transpose_a, p->transpose_b, p->m, p->n, p->k, p->alpha, w->a, p->lda, w->b, p->ldb, p->beta,
+            w->c, p->ldc);
+}
+
 static void run(Gemm gemm, const Product *p, const float *a, const float *b, float *c) {
-    if (!p->inside) {
-        gemm(p->transpose_a, p->transpose_b, p->m, p->n, p->k, p->alpha, a, p->lda, b, p->ldb, p->beta, c,
-             p->ldc);
-        return;
-    }
-#pragma omp parallel
-#pragma omp single
-    gemm(p->transpose_a, p->transpose_b, p->m, p->n, p->k, p->alpha, a, p->lda, b, p->ldb, p->beta, c,
-         p->ldc);
+    Work work = {gemm, p, a, b, c};
+    if (p->inside) ffp_parallel_for(2, 2, run_once, &work);
+    else run_once(&work, 0);
 }
 
 // To the nearest number of 8 significant bits, of two equally near ones the even.

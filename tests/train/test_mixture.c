@@ -105,8 +105,8 @@ static void scenes_follow_from_seed_and_number(void **state) {
 // as they are.
 static void validation_sees_free_rigs(void **state) {
     (void)state;
-    const FfpTrainConfig plain = configuration("\"validation_scenes\": 2, \"polish_steps\": 3"),
-                         config = configuration("\"validation_scenes\": 2, \"polish_steps\": 3, "
+    const FfpTrainConfig plain = configuration("\"validation_scenes\": 2, \"polish_steps\": 20"),
+                         config = configuration("\"validation_scenes\": 2, \"polish_steps\": 20, "
                                                 "\"free_share\": 0.5, \"views_least\": 2");
     FfpError err = {0};
     FfpScene bound = open_scene(&config, "validation", 1), unbound;
@@ -126,8 +126,7 @@ static void validation_sees_free_rigs(void **state) {
     assert_true(with.rendering == without.rendering && with.novel_pose == without.novel_pose);
     assert_true(with.polished_rendering == without.polished_rendering);
     assert_true(with.free_rendering > 5 && with.free_novel_pose > 5 && with.free_rendering != with.rendering);
-    assert_true(with.polished_free_rendering > 5 && with.polished_free_novel_pose > 5);
-    assert_true(with.polished_free_rendering != with.free_rendering);
+    assert_true(with.polished_free_rendering > with.free_rendering + 1 && with.polished_free_novel_pose > 5);
     ffp_model_free(model);
 }
 
