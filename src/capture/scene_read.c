@@ -2,6 +2,7 @@
 #include <string.h>
 
 #include "base/file.h"
+#include "base/real.h"
 #include "capture/manifest.h"
 
 #define RADIUS_MAX 1e9
