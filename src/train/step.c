@@ -29,7 +29,7 @@ FfpStepper *ffp_stepper_new(const FfpTrainConfig *config, const FfpPerceptual *p
     s->config = config;
     s->perceptual = perceptual;
     s->settings = ffp_render_settings(ffp_model_is_paper_form(&config->model), config->model.samples);
-    s->run = ffp_run_new();
+    s->run = ffp_run_new(true);
     s->run->profile = &s->profile;
     s->pass = ffp_view_pass_new(&s->settings);
     return s;
