@@ -1,0 +1,151 @@
+#include "export/volume.h"
+
+#include <tgmath.h>
+
+#include "base/alloc.h"
+#include "base/call.h"
+#include "base/log.h"
+#include "capture/project.h"
+
+#define TRUNCATION 4 // cells
+#define MARGIN 2     // cells around the object
+#define SOLID 0.5F   // opacity of a pixel that shows a surface
+#define FACING_MIN 0.1F
+#define LOOK_SIDE_MAX 2048
+#define LOOK_SCALE_MAX 8
+
+// --- Looks. ---
+
+FfpWitness ffp_witness(const FfpWitnesses *witnesses, int view, real cell) {
+    const FfpCapture *capture = witnesses->capture;
+    FfpWitness look = {.camera = capture->views[view].camera};
+    FfpCamera *c = &look.camera;
+    real square = 0;
+    for (int k = 0; k < 3; k++) {
+        const real d = c->pose[4 * k + 3] - capture->centre[k];
+        square += d * d;
+    }
+    const int longer = c->width > c->height ? c->width : c->height;
+    real scale = sqrt(square) / (cell * c->fx);
+    scale = fmin(fmax(scale, (real)1),
+                 fmin((real)LOOK_SCALE_MAX, fmax((real)LOOK_SIDE_MAX / (real)longer, (real)1)));
+    const int width = (int)ceil((real)c->width * scale), height = (int)ceil((real)c->height * scale);
+    const real across = (real)width / (real)c->width, down = (real)height / (real)c->height;
+    c->fx *= across, c->cx *= across, c->fy *= down, c->cy *= down;
+    c->width = width, c->height = height;
+    look.gbuffer = ffp_gbuffer_new(width, height);
+    ffp_rasterise(witnesses->raster, witnesses->gaussians, c, witnesses->settings, &look.gbuffer);
+    return look;
+}
+
+void ffp_witness_free(FfpWitness *look) {
+    ffp_gbuffer_free(&look->gbuffer);
+}
+
+int ffp_witness_pixel(const FfpWitness *look, const real point[3], real *depth) {
+    real u, v;
+    *depth = ffp_project(&look->camera, point, &u, &v);
+    if (!(*depth > 0) || !(u >= 0 && v >= 0 && u < (real)look->camera.width && v < (real)look->camera.height))
+        return -1;
+    return (int)v * look->camera.width + (int)u;
+}
+
+real ffp_witness_facing(const FfpWitness *look, int pixel, const real point[3]) {
+    const real *n = look->gbuffer.normal + 3 * (size_t)pixel;
+    real to[3], along = 0, square = 0;
+    for (int k = 0; k < 3; k++) to[k] = look->camera.pose[4 * k + 3] - point[k];
+    ffp_normalise3(to);
+    for (int k = 0; k < 3; k++) along += n[k] * to[k], square += n[k] * n[k];
+    return square > 0 ? fmax(along / sqrt(square), (real)0) : 0;
+}
+
+// --- The grid. ---
+
+// The box of the Gaussians that are not nearly transparent, within the object's sphere.
+static FfpVolume place_grid(const FfpWitnesses *witnesses, int resolution) {
+    const FfpGaussians *g = witnesses->gaussians;
+    const FfpCapture *capture = witnesses->capture;
+    FfpVolume volume = {0};
+    real high[3], longest = 0;
+    for (int k = 0; k < 3; k++) {
+        const real least = capture->centre[k] - capture->radius, most = capture->centre[k] + capture->radius;
+        volume.low[k] = most, high[k] = least;
+        for (int64_t i = 0; i < g->count; i++) {
+            if (g->opacity[i] < SOLID) continue;
+            const real x = fmin(fmax(g->centre[3 * i + k], least), most);
+            volume.low[k] = fmin(volume.low[k], x), high[k] = fmax(high[k], x);
+        }
+        longest = fmax(longest, high[k] - volume.low[k]);
+    }
+    volume.cell = fmax(longest, capture->radius * 1e-3F) / (real)resolution;
+    volume.truncation = TRUNCATION * volume.cell;
+    for (int k = 0; k < 3; k++) {
+        const real side = fmax(high[k] - volume.low[k], (real)0);
+        volume.low[k] -= (TRUNCATION + MARGIN) * volume.cell;
+        volume.size[k] = (int)ceil(side / volume.cell) + 2 * (TRUNCATION + MARGIN) + 1;
+    }
+    return volume;
+}
+
+static size_t points_of(const FfpVolume *volume) {
+    return (size_t)volume->size[0] * (size_t)volume->size[1] * (size_t)volume->size[2];
+}
+
+static void point_at(const FfpVolume *volume, size_t i, real point[3]) {
+    const size_t nx = (size_t)volume->size[0], ny = (size_t)volume->size[1];
+    const size_t at[3] = {i % nx, i / nx % ny, i / nx / ny};
+    for (int k = 0; k < 3; k++) point[k] = volume->low[k] + (real)at[k] * volume->cell;
+}
+
+// Adds what one look says of a point: how far before the surface it lies, at most a truncation; nothing of
+// what is hidden behind. weight below 0: no camera's picture held the point so far.
+static void fuse_point(const FfpVolume *volume, const FfpWitness *look, size_t i, real *sum, real *weight) {
+    real point[3], depth;
+    point_at(volume, i, point);
+    const int pixel = ffp_witness_pixel(look, point, &depth);
+    if (pixel < 0) return;
+    if (*weight < 0) *weight = 0;
+    const real opacity = look->gbuffer.opacity[pixel];
+    if (!(opacity > SOLID)) {
+        *sum += 1, *weight += 1;
+        return;
+    }
+    const real before = (look->gbuffer.depth[pixel] / opacity - depth) / volume->truncation;
+    if (before < -1) return;
+    const real share = fmax(ffp_witness_facing(look, pixel, point), FACING_MIN);
+    *sum += share * fmin(before, (real)1), *weight += share;
+}
+
+static bool at_edge(const FfpVolume *volume, size_t i) {
+    const size_t nx = (size_t)volume->size[0], ny = (size_t)volume->size[1], nz = (size_t)volume->size[2];
+    const size_t x = i % nx, y = i / nx % ny, z = i / nx / ny;
+    return x == 0 || y == 0 || z == 0 || x + 1 == nx || y + 1 == ny || z + 1 == nz;
+}
+
+FfpVolume ffp_volume_fuse(const FfpWitnesses *witnesses, int resolution) {
+    FfpVolume volume = place_grid(witnesses, resolution);
+    const size_t points = points_of(&volume);
+    real *weight = ffp_alloc(points, sizeof *weight), *sum = ffp_alloc(points, sizeof *sum);
+    for (size_t i = 0; i < points; i++) weight[i] = -1;
+    FfpTask progress = ffp_task("fusing", witnesses->capture->n_views);
+    for (int v = 0; v < witnesses->capture->n_views; v++) {
+        FfpWitness look = ffp_witness(witnesses, v, volume.cell);
+#pragma omp parallel for schedule(static)
+        for (size_t i = 0; i < points; i++) fuse_point(&volume, &look, i, &sum[i], &weight[i]);
+        ffp_witness_free(&look);
+        ffp_task_step(&progress, v + 1, witnesses->capture->views[v].id);
+    }
+    ffp_task_end(&progress);
+    for (size_t i = 0; i < points; i++) {
+        sum[i] = weight[i] > 0 ? sum[i] / weight[i] : weight[i] < 0 ? 1 : -1;
+        if (at_edge(&volume, i)) sum[i] = 1;
+    }
+    ffp_free(weight);
+    volume.distance = sum;
+    return volume;
+}
+
+void ffp_volume_free(FfpVolume *volume) {
+    ffp_free(volume->distance);
+    *volume = (FfpVolume){0};
+}
