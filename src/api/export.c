@@ -125,12 +125,12 @@ static bool bake(const FfpGaussians *gaussians, const FfpCapture *capture, const
 static bool write_splats(const FfpGaussians *gaussians, const FfpCapture *capture, const FfpExport *options,
                          FfpExportStats *stats, FfpError *err) {
     const Kind kind = kind_of(options->file);
-    FfpSplatForm form = {.firm = options->form == FFP_FORM_OURS};
-    turn_of(options->up, kind == KIND_PLY, form.turn);
+    real turn[4];
+    turn_of(options->up, kind == KIND_PLY, turn);
     real *colour = ffp_alloc((size_t)gaussians->count + 1, 3 * sizeof *colour);
     bool ok = bake(gaussians, capture, options, colour, err);
     if (ok) {
-        FfpSplats splats = ffp_splats_new(gaussians, colour, &form);
+        FfpSplats splats = ffp_splats_new(gaussians, colour, turn);
         stats->splats = splats.count;
         if (splats.count == 0)
             ok = ffp_fail(err, FFP_ERROR_ARGUMENT, options->file, "no Gaussian is opaque enough to be seen");

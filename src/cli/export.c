@@ -108,8 +108,7 @@ const FfpCommand ffp_cli_export = {
         ".glb, .gltf\tsplats as glTF 2.0 with KHR_gaussian_splatting; with --mesh, a textured mesh\n"
         ".obj\twith --mesh: triangles with coloured vertices\n"
         "Other programs know no projector. So each splat gets one colour: what --light makes of it by the "
-        "light model, with shadows, at its centre. Splats are turned into the plain form that other programs "
-        "draw: as wide and opaque as covers the same.\n"
+        "light model, with shadows, at its centre; a pattern is as sharp as the splats are small.\n"
         "A mesh is fused from the depth that the capture's cameras see of the Gaussians; what none of them "
         "saw is closed where the silhouettes leave room.",
     .positional = FFP_CLI_GAUSSIANS(offsetof(Arguments, gaussians)),

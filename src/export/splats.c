@@ -9,18 +9,17 @@
 #define OPACITY_MIN (1.0F / 255)
 
 static void take(FfpSplats *out, int64_t n, const FfpGaussians *g, int64_t i, const real colour[3],
-                 const FfpSplatForm *form) {
-    const real o = g->opacity[i], wider = form->firm ? sqrt((2 - o / 2) / (2 - o)) : 1;
-    ffp_turn_point(form->turn, g->centre + 3 * i, out->centre + 3 * n);
-    ffp_turn_multiply(form->turn, g->rotation + 4 * i, out->rotation + 4 * n);
-    out->opacity[n] = form->firm ? o * (2 - o) : o;
+                 const real turn[4]) {
+    ffp_turn_point(turn, g->centre + 3 * i, out->centre + 3 * n);
+    ffp_turn_multiply(turn, g->rotation + 4 * i, out->rotation + 4 * n);
+    out->opacity[n] = g->opacity[i];
     for (int k = 0; k < 3; k++) {
-        out->scale[3 * n + k] = g->scale[3 * i + k] * wider;
+        out->scale[3 * n + k] = g->scale[3 * i + k];
         out->colour[3 * n + k] = ffp_srgb_encode(colour[k] > 0 ? colour[k] : 0);
     }
 }
 
-FfpSplats ffp_splats_new(const FfpGaussians *gaussians, const real *colour, const FfpSplatForm *form) {
+FfpSplats ffp_splats_new(const FfpGaussians *gaussians, const real *colour, const real turn[4]) {
     FfpSplats out = {0};
     for (int64_t i = 0; i < gaussians->count; i++) out.count += gaussians->opacity[i] >= OPACITY_MIN;
     const size_t room = (size_t)out.count + 1;
@@ -29,7 +28,7 @@ FfpSplats ffp_splats_new(const FfpGaussians *gaussians, const real *colour, cons
     out.colour = ffp_alloc(room, 3 * sizeof(real));
     int64_t n = 0;
     for (int64_t i = 0; i < gaussians->count; i++)
-        if (gaussians->opacity[i] >= OPACITY_MIN) take(&out, n++, gaussians, i, colour + 3 * i, form);
+        if (gaussians->opacity[i] >= OPACITY_MIN) take(&out, n++, gaussians, i, colour + 3 * i, turn);
     return out;
 }
 

@@ -13,18 +13,12 @@ typedef struct FfpSplats {
     real *colour;   // [count,3] sRGB-encoded, 0 and above
 } FfpSplats;
 
-typedef struct FfpSplatForm {
-    real turn[4]; // quaternion w x y z from the world to the file's axes
-    bool firm;    // the Gaussians are drawn firm (FfpRenderSettings.firmness 1), and turned into plain ones
-} FfpSplatForm;
-
-// `colour` [count,3]: linear radiance. Gaussians of an opacity below 1/255, which no program draws, are left
-// out.
-//
-// A firm splat covers d (2 - d) with d = o exp(-r^2 / 2), a plain one o' exp(-r^2 / (2 s^2)). The plain one
-// gets the same coverage in its middle, o' = o (2 - o), and in all: the integral of the former is
-// 2 pi (2 o - o^2 / 2), of the latter 2 pi s^2 o', so that s^2 = (2 - o / 2) / (2 - o).
-FfpSplats ffp_splats_new(const FfpGaussians *gaussians, const real *colour, const FfpSplatForm *form);
+// `colour` [count,3]: linear radiance; `turn`: quaternion w x y z from the world to the file's axes.
+// Gaussians of an opacity below 1/255, which no program draws, are left out; shapes and opacities stay as
+// they are. Other programs draw o exp(-r^2 / 2) where ours are drawn firmer (FfpRenderSettings.firmness) and
+// blur a pixel more; making splats wider or more opaque in return was measured to cost more likeness than it
+// gains.
+FfpSplats ffp_splats_new(const FfpGaussians *gaussians, const real *colour, const real turn[4]);
 void ffp_splats_free(FfpSplats *splats);
 
 // The reference layout of 3DGS: x y z nx ny nz f_dc_0..2 f_rest_0..44 opacity scale_0..2 rot_0..3.

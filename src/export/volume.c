@@ -11,6 +11,7 @@
 #define MARGIN 2     // cells around the object
 #define SOLID 0.5F   // opacity of a pixel that shows a surface
 #define FACING_MIN 0.1F
+#define SMOOTHINGS 2
 #define LOOK_SIDE_MAX 2048
 #define LOOK_SCALE_MAX 8
 
@@ -122,6 +123,28 @@ static bool at_edge(const FfpVolume *volume, size_t i) {
     return x == 0 || y == 0 || z == 0 || x + 1 == nx || y + 1 == ny || z + 1 == nz;
 }
 
+// Means by 1 2 1 along an axis, whose points lie `step` apart: the terraces that pixels leave in the distance
+// go.
+static void smooth_along(const FfpVolume *volume, size_t step, const real *from, real *to) {
+    const size_t points = points_of(volume);
+#pragma omp parallel for schedule(static)
+    for (size_t i = 0; i < points; i++)
+        to[i] = at_edge(volume, i) ? 1 : (from[i - step] + 2 * from[i] + from[i + step]) / 4;
+}
+
+static void smooth(FfpVolume *volume) {
+    const size_t row = (size_t)volume->size[0], plane = row * (size_t)volume->size[1];
+    real *other = ffp_alloc(points_of(volume), sizeof *other);
+    for (int k = 0; k < SMOOTHINGS; k++) {
+        smooth_along(volume, 1, volume->distance, other);
+        smooth_along(volume, row, other, volume->distance);
+        smooth_along(volume, plane, volume->distance, other);
+        real *swap = volume->distance;
+        volume->distance = other, other = swap;
+    }
+    ffp_free(other);
+}
+
 FfpVolume ffp_volume_fuse(const FfpWitnesses *witnesses, int resolution) {
     FfpVolume volume = place_grid(witnesses, resolution);
     const size_t points = points_of(&volume);
@@ -142,6 +165,7 @@ FfpVolume ffp_volume_fuse(const FfpWitnesses *witnesses, int resolution) {
     }
     ffp_free(weight);
     volume.distance = sum;
+    smooth(&volume);
     return volume;
 }
 
