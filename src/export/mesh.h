@@ -24,7 +24,8 @@ typedef struct FfpSurface {
 // Depth maps of the Gaussians from the capture's cameras, fused into a truncated signed distance (Curless and
 // Levoy 1996) on a grid of `resolution` cells along the longest side; its zero as quads, one vertex a cell
 // (surface nets: Gibson 1998); small loose pieces dropped; attributes from the same views, weighted by how
-// much they face the surface. Space that no camera sees into counts as inside, so the surface is closed.
+// much they face the surface. Space that no camera sees into counts as inside where three quarters of their
+// pictures hold it, so the surface is closed.
 // Errors (where: `where`): no surface is found.
 bool ffp_surface_of_gaussians(FfpSurface *mesh, const FfpGaussians *gaussians, const FfpCapture *capture,
                               const FfpRenderSettings *settings, int resolution, const char *where,

@@ -99,7 +99,7 @@ static void add_quad(Net *net, const int at[3], int axis, size_t *room) {
     mesh->n_quads++;
 }
 
-// The grid's outermost points are all outside, so that no crossed edge lies at its rim.
+// The grid's two outermost layers are all outside, so that no crossed edge lies at its rim.
 static void add_quads(Net *net) {
     const int *size = net->volume->size;
     size_t room = 0;

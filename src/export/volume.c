@@ -98,29 +98,43 @@ static void point_at(const FfpVolume *volume, size_t i, real point[3]) {
     for (int k = 0; k < 3; k++) point[k] = volume->low[k] + (real)at[k] * volume->cell;
 }
 
-// Adds what one look says of a point: how far before the surface it lies, at most a truncation; nothing of
-// what is hidden behind. weight below 0: no camera's picture held the point so far.
-static void fuse_point(const FfpVolume *volume, const FfpWitness *look, size_t i, real *sum, real *weight) {
+// What the looks so far say of a point.
+typedef struct Opinion {
+    real sum, weight; // of how far before the surface it lies, in truncations
+    int held;         // pictures that hold the point
+} Opinion;
+
+// Adds what one look says: at most a truncation, and nothing of what is hidden behind.
+static void fuse_point(const FfpVolume *volume, const FfpWitness *look, size_t i, Opinion *opinion) {
     real point[3], depth;
     point_at(volume, i, point);
     const int pixel = ffp_witness_pixel(look, point, &depth);
     if (pixel < 0) return;
-    if (*weight < 0) *weight = 0;
+    opinion->held++;
     const real opacity = look->gbuffer.opacity[pixel];
     if (!(opacity > SOLID)) {
-        *sum += 1, *weight += 1;
+        opinion->sum += 1, opinion->weight += 1;
         return;
     }
     const real before = (look->gbuffer.depth[pixel] / opacity - depth) / volume->truncation;
     if (before < -1) return;
     const real share = fmax(ffp_witness_facing(look, pixel, point), FACING_MIN);
-    *sum += share * fmin(before, (real)1), *weight += share;
+    opinion->sum += share * fmin(before, (real)1), opinion->weight += share;
 }
 
+// What is hidden from all is inside where at least three quarters of the pictures hold it; elsewhere the
+// object would have been cut off by their edges.
+static real settle(const Opinion *opinion, int views) {
+    if (opinion->weight > 0) return opinion->sum / opinion->weight;
+    return 4 * opinion->held < 3 * views ? 1 : -1;
+}
+
+// The grid's two outermost layers, which are outside whatever the looks say: so that the surface closes
+// there.
 static bool at_edge(const FfpVolume *volume, size_t i) {
     const size_t nx = (size_t)volume->size[0], ny = (size_t)volume->size[1], nz = (size_t)volume->size[2];
     const size_t x = i % nx, y = i / nx % ny, z = i / nx / ny;
-    return x == 0 || y == 0 || z == 0 || x + 1 == nx || y + 1 == ny || z + 1 == nz;
+    return x < 2 || y < 2 || z < 2 || x + 2 >= nx || y + 2 >= ny || z + 2 >= nz;
 }
 
 // Means by 1 2 1 along an axis, whose points lie `step` apart: the terraces that pixels leave in the distance
@@ -148,23 +162,21 @@ static void smooth(FfpVolume *volume) {
 FfpVolume ffp_volume_fuse(const FfpWitnesses *witnesses, int resolution) {
     FfpVolume volume = place_grid(witnesses, resolution);
     const size_t points = points_of(&volume);
-    real *weight = ffp_alloc(points, sizeof *weight), *sum = ffp_alloc(points, sizeof *sum);
-    for (size_t i = 0; i < points; i++) weight[i] = -1;
-    FfpTask progress = ffp_task("fusing", witnesses->capture->n_views);
-    for (int v = 0; v < witnesses->capture->n_views; v++) {
+    const int views = witnesses->capture->n_views;
+    Opinion *opinions = ffp_alloc(points, sizeof *opinions);
+    FfpTask progress = ffp_task("fusing", views);
+    for (int v = 0; v < views; v++) {
         FfpWitness look = ffp_witness(witnesses, v, volume.cell);
 #pragma omp parallel for schedule(static)
-        for (size_t i = 0; i < points; i++) fuse_point(&volume, &look, i, &sum[i], &weight[i]);
+        for (size_t i = 0; i < points; i++) fuse_point(&volume, &look, i, &opinions[i]);
         ffp_witness_free(&look);
         ffp_task_step(&progress, v + 1, witnesses->capture->views[v].id);
     }
     ffp_task_end(&progress);
-    for (size_t i = 0; i < points; i++) {
-        sum[i] = weight[i] > 0 ? sum[i] / weight[i] : weight[i] < 0 ? 1 : -1;
-        if (at_edge(&volume, i)) sum[i] = 1;
-    }
-    ffp_free(weight);
-    volume.distance = sum;
+    volume.distance = ffp_alloc(points, sizeof *volume.distance);
+    for (size_t i = 0; i < points; i++)
+        volume.distance[i] = at_edge(&volume, i) ? 1 : settle(&opinions[i], views);
+    ffp_free(opinions);
     smooth(&volume);
     return volume;
 }
