@@ -430,7 +430,8 @@ typedef struct FfpEvaluation {
     const char *json;    // file for the rows, or NULL
     const char *report;  // file for a self-contained HTML report, or NULL
     const char
-        *show_pattern; // image file: the report also shows views under it (no truth, no figures), or NULL
+        *show_pattern;  // image file: the report also shows views under it (no truth, no figures), or NULL
+    const char *viewer; // page that the report links to, relative to it, or NULL
     const char *perceptual; // safetensors with LPIPS weights, or NULL
     FfpDrawing drawing;
 } FfpEvaluation;
