@@ -224,7 +224,7 @@ static const char style[] =
     "figure{display:inline-block;margin:0 6px 6px 0;vertical-align:top}"
     "figcaption{font-size:12px;color:#555;overflow-wrap:anywhere}"
     "img{width:100%;image-rendering:pixelated;background:#000;vertical-align:top}"
-    "figure.large{width:calc(33.3% - 8px)}figure.large img{image-rendering:auto}"
+    "figure.large{width:calc(33.3% - 12px)}figure.large img{image-rendering:auto}"
     ".row{display:grid;grid-template-columns:repeat(9,1fr)}figure.one{width:calc(11.1% - 12px)}"
     ".row figure.one{width:auto}figure.three{width:calc(33.3% - 12px)}figure.three img{width:33.3%}"
     ".wide{overflow-x:auto}table{border-collapse:collapse}"
@@ -234,7 +234,7 @@ static const char style[] =
     "7px)}"
     ".row{grid-template-columns:repeat(5,1fr)}}"
     "@media(max-width:600px){body{padding:0 .5em}figure.large,figure.three{width:100%;margin-right:0}"
-    "figure.one{width:calc(33.3% - 7px)}.row{grid-template-columns:repeat(3,1fr)}}";
+    "figure.one{width:calc(33.3% - 12px)}.row{grid-template-columns:repeat(3,1fr)}}";
 
 bool ffp_report_write(FfpReport *report, const FfpScore *scores, int n_scores, const char *viewer,
                       const char *path, FfpError *err) {
