@@ -162,7 +162,7 @@ static bool read_frame(const FfpField *view_field, FfpView *view, FfpError *err)
     int n = 0;
     if (!ffp_field_find(view_field, "frame", &frame)) return true;
     if (!ffp_field_count(&frame, 2, 2, &n, err)) return false;
-    for (int i = 0; i < n; i++)
+    for (int i = 0; i < 2; i++)
         if (!ffp_field_item(&frame, i, &item, err) ||
             !ffp_field_whole(&item, FFP_CAMERA_SIDE_MIN, most[i], sides[i], err))
             return false;

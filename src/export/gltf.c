@@ -110,8 +110,8 @@ int ffp_gltf_texture(FfpGltf *gltf, const unsigned char *png, size_t size) {
 
 static char *base64(const unsigned char *bytes, size_t size, const char *head) {
     static const char digits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-    char *text = ffp_alloc(strlen(head) + (size + 2) / 3 * 4 + 1, 1), *to = text + strlen(head);
-    memcpy(text, head, strlen(head));
+    const size_t room = strlen(head) + (size + 2) / 3 * 4 + 1;
+    char *text = ffp_alloc(room, 1), *to = text + snprintf(text, room, "%s", head);
     for (size_t i = 0; i < size; i += 3) {
         const size_t left = size - i;
         const uint32_t three = (uint32_t)bytes[i] << 16 | (left > 1 ? (uint32_t)bytes[i + 1] << 8 : 0) |

@@ -75,11 +75,11 @@ static void pack(const FfpSplats *splats, int bits, unsigned char *bytes) {
 }
 
 // deflate's memory is zlib's own, and nothing here jumps while it has some.
-static bool zip(const unsigned char *bytes, size_t size, unsigned char *out, size_t *out_size) {
+static bool zip(unsigned char *bytes, size_t size, unsigned char *out, size_t *out_size) {
     z_stream stream = {0};
     if (deflateInit2(&stream, Z_BEST_COMPRESSION, Z_DEFLATED, 16 + MAX_WBITS, 9, Z_DEFAULT_STRATEGY) != Z_OK)
         return false;
-    stream.next_in = (Bytef *)(uintptr_t)bytes, stream.avail_in = (uInt)size;
+    stream.next_in = bytes, stream.avail_in = (uInt)size;
     stream.next_out = out, stream.avail_out = (uInt)*out_size;
     const bool ok = deflate(&stream, Z_FINISH) == Z_STREAM_END;
     *out_size = stream.total_out;

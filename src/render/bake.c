@@ -59,7 +59,7 @@ static real specular(const Place *p, real roughness) {
 
 static void bake_one(const FfpGaussians *g, int64_t i, const FfpBakeLight *light, const FfpMapper *mapper,
                      real out[3]) {
-    Place p;
+    Place p = {0};
     real texture[3];
     for (int k = 0; k < 3; k++) out[k] = g->ambient[3 * i + k];
     if (!find_place(g, i, light, &p)) return;

@@ -63,7 +63,7 @@ static float *read_ply(const char *name, int64_t *count) {
     assert_non_null(file);
     int properties = 0;
     while (fgets(line, sizeof line, file) && strcmp(line, "end_header\n") != 0) {
-        sscanf(line, "element vertex %lld", &n);
+        if (strncmp(line, "element vertex ", 15) == 0) n = strtoll(line + 15, NULL, 10);
         properties += strncmp(line, "property float ", 15) == 0;
         if (properties == 4) assert_string_equal(line, "property float nx\n");
         if (properties == 10) assert_string_equal(line, "property float f_rest_0\n");
@@ -321,7 +321,12 @@ static int open_edges(const char *name, int *faces) {
     *faces = 0;
     while (fgets(line, sizeof line, file)) {
         unsigned v[4];
-        if (sscanf(line, "f %u//%*u %u//%*u %u//%*u %u//%*u", &v[0], &v[1], &v[2], &v[3]) != 4) continue;
+        char *at = line + 1;
+        if (strncmp(line, "f ", 2) != 0) continue;
+        for (int k = 0; k < 4; k++) {
+            v[k] = (unsigned)strtoul(at, &at, 10);
+            assert_true(strncmp(at, "//", 2) == 0 && strtoul(at + 2, &at, 10) == v[k]);
+        }
         ++*faces;
         for (int k = 0; k < 4; k++) {
             const unsigned a = v[k], b = v[(k + 1) % 4], low = a < b ? a : b, high = a < b ? b : a;
@@ -347,12 +352,13 @@ static void meshes_are_closed_and_where_the_object_is(void **state) {
     int vertices = 0;
     FILE *file = fopen(in_scratch("ball.obj"), "r");
     while (fgets(line, sizeof line, file)) {
-        double p[3], c[3];
-        if (sscanf(line, "v %lf %lf %lf %lf %lf %lf", &p[0], &p[1], &p[2], &c[0], &c[1], &c[2]) != 6)
-            continue;
+        double p[6];
+        char *at = line + 1;
+        if (strncmp(line, "v ", 2) != 0) continue;
+        for (int k = 0; k < 6; k++) p[k] = strtod(at, &at);
         const double r = sqrt(p[0] * p[0] + p[1] * p[1] + p[2] * p[2]);
         if (fabs(p[1]) > 0.4) continue; // the poles are not seen
-        least = fmin(least, r), most = fmax(most, r), red += c[0], vertices++;
+        least = fmin(least, r), most = fmax(most, r), red += p[3], vertices++;
     }
     fclose(file);
     printf("ball of %.2f: %d vertices at %.3f to %.3f\n", (double)TINY_BALL, vertices, least, most);
