@@ -16,9 +16,10 @@ FfpEvaluation ffp_evaluation_defaults(void) {
         .polish = FFP_POLISH_AUTO, .noise = FFP_NOISE_ESTIMATED, .layers = FFP_LAYERS_AUTO};
 }
 
-#define REPORT_MAPS 2   // views whose G-buffers are shown
-#define REPORT_LARGE 3  // views that are drawn large
-#define LARGE_WIDTH 768 // pixels
+#define REPORT_MAPS 2     // views whose G-buffers are shown
+#define REPORT_LARGE 3    // views that are drawn large
+#define LARGE_WIDTH 768   // pixels
+#define LARGE_SCALE_MAX 8 // of its photographs
 
 // --- What predicts. ---
 
@@ -90,7 +91,7 @@ static void report_large_views(FfpSubject *subject, const FfpPattern *pattern, c
         const FfpView *view = &subject->capture->views[i * n / shown];
         FfpCamera camera = view->camera;
         char caption[2 * FFP_NAME_MAX + 32];
-        const real scale = fmax((real)LARGE_WIDTH / (real)camera.width, (real)1);
+        const real scale = fmin(fmax((real)LARGE_WIDTH / (real)camera.width, (real)1), (real)LARGE_SCALE_MAX);
         camera.width = (int)((real)camera.width * scale), camera.height = (int)((real)camera.height * scale);
         camera.fx *= scale, camera.fy *= scale, camera.cx *= scale, camera.cy *= scale;
         ffp_view_pass_draw(subject->pass, subject->gaussians, &camera, &view->projector);
