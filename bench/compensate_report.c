@@ -262,7 +262,7 @@ int main(int argc, char **argv) {
     printf("%-27s %6s %6s %6s\n", "PSNR, dB, judged", "unwarp", "closed", "desc.");
     for (int i = optind; ok && i < argc; i++) ok = run_capture(&bench, argv[i], &all, &err);
     if (ok) add_row("mean", &all);
-    if (ok && page) ok = ffp_report_write(bench.report, NULL, 0, page, &err);
+    if (ok && page) ok = ffp_report_write(bench.report, NULL, 0, NULL, page, &err);
     ffp_report_free(bench.report);
     ffp_model_close(bench.model);
     return ok ? 0 : fail(&err);

@@ -317,6 +317,8 @@ typedef struct FfpCompensation {
     int steps;    // of gradient descent after the closed form; 0: none
     bool gaussians_only; // ambient light and response from the Gaussians even where the view has photographs
                          // under black and white
+    bool for_device;     // patterns for the real projector, which the capture must know (docs/formats.md,
+                         // projector.device): of its panel's size, with its lens's distortion and gamma
     FfpDrawing drawing;
 } FfpCompensation;
 
@@ -332,8 +334,8 @@ typedef struct FfpCompensationStats {
 } FfpCompensationStats;
 
 // Finds the patterns under which the cameras see their targets as nearly as light allows: linear images
-// called pattern_<view> (of the projector's size, one for each projector), seen_<view> and target_<view> (of
-// the camera's). `pattern` of the options is not looked at. `stats` may be NULL.
+// called pattern_<view> (of the projector's size, or its panel's, one for each projector), seen_<view> and
+// target_<view> (of the camera's). `pattern` of the options is not looked at. `stats` may be NULL.
 FFP_API FfpImages *ffp_compensate_images(FfpContext *context, const FfpGaussians *gaussians,
                                          const FfpCapture *capture, const FfpCompensation *options,
                                          FfpCompensationStats *stats, FfpError *err);
@@ -372,6 +374,36 @@ FFP_API FfpImages *ffp_map_images(FfpContext *context, const FfpGaussians *gauss
 FFP_API int ffp_write_maps(FfpContext *context, const FfpGaussians *gaussians, const FfpCapture *capture,
                            const FfpMaps *options, FfpMapStats *stats, FfpError *err);
 
+// --- For other programs. ---
+
+// The world's axis that points up.
+typedef enum FfpUp { FFP_UP_Z, FFP_UP_Y, FFP_UP_MINUS_Y } FfpUp;
+
+typedef struct FfpExport {
+    const char *file; // what it is, its ending says: splats as .ply (the layout of 3DGS), .spz, .gltf or .glb
+                      // (KHR_gaussian_splatting); a mesh as .glb, .gltf or .obj
+    bool mesh;        // a closed surface with albedo and roughness in place of splats
+    int resolution;   // of the mesh: cells along its longest side, 16 to 512
+    // The colour that splats get: NULL or "ambient": ambient light alone; "white", the name of one of the
+    // capture's patterns or an image file: under that pattern too, by the light model at each Gaussian, with
+    // shadows
+    const char *light;
+    const char *poses;          // as FfpPictures.poses
+    const char *projector_view; // whose projector shines; NULL: the first
+    const char *camera_view;    // from whose camera highlights are seen; NULL: no highlights
+    FfpUp up;                   // of the Gaussians' world; files have the axes that their format asks for
+    FfpForm form;               // in which the Gaussians are drawn
+} FfpExport;
+FFP_API FfpExport ffp_export_defaults(void); // ambient light, z up, a mesh of 128 cells
+
+typedef struct FfpExportStats {
+    int64_t splats, triangles, bytes; // written
+} FfpExportStats;
+// Writes Gaussians for programs that know nothing of projectors. `capture` may be NULL for splats in ambient
+// light; a mesh is made of what its cameras see. `stats` may be NULL.
+FFP_API bool ffp_export(FfpContext *context, const FfpGaussians *gaussians, const FfpCapture *capture,
+                        const FfpExport *options, FfpExportStats *stats, FfpError *err);
+
 // --- Evaluation. ---
 
 typedef enum FfpPredictor {
@@ -398,7 +430,8 @@ typedef struct FfpEvaluation {
     const char *json;    // file for the rows, or NULL
     const char *report;  // file for a self-contained HTML report, or NULL
     const char
-        *show_pattern; // image file: the report also shows views under it (no truth, no figures), or NULL
+        *show_pattern;  // image file: the report also shows views under it (no truth, no figures), or NULL
+    const char *viewer; // page that the report links to, relative to it, or NULL
     const char *perceptual; // safetensors with LPIPS weights, or NULL
     FfpDrawing drawing;
 } FfpEvaluation;

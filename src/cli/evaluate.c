@@ -86,6 +86,8 @@ static int check(const FfpEvaluation *evaluation, const char *model) {
         return ffp_cli_usage("evaluate", "give --targets once, or once for each CAPTURE");
     if (evaluation->show_pattern && !evaluation->report)
         return ffp_cli_usage("evaluate", "--show-pattern needs --report");
+    if (evaluation->viewer && !evaluation->report)
+        return ffp_cli_usage("evaluate", "--viewer needs --report");
     return -1;
 }
 
@@ -183,13 +185,20 @@ static const FfpOption options[] = {
      .type = FFP_OPTION_FILE,
      .offset = offsetof(Arguments, evaluation.report),
      .group = "results",
-     .help = "one HTML page with input, G-buffers, predictions beside truth and error, figures, times"},
+     .help = "one HTML page: large pictures, predictions beside truth and error, G-buffers, input, figures, "
+             "times"},
     {.name = "show-pattern",
      .argument = "FILE",
      .type = FFP_OPTION_FILE,
      .offset = offsetof(Arguments, evaluation.show_pattern),
      .group = "results",
-     .help = "image file: the report also shows the views relit by it"},
+     .help = "image file: the report begins with large pictures under it, and shows the views relit by it"},
+    {.name = "viewer",
+     .argument = "PAGE.html",
+     .type = FFP_OPTION_FILE,
+     .offset = offsetof(Arguments, evaluation.viewer),
+     .group = "results",
+     .help = "a page that the report links to, as seen from where the report is"},
     {0},
 };
 

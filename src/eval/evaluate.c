@@ -16,13 +16,15 @@ FfpEvaluation ffp_evaluation_defaults(void) {
         .polish = FFP_POLISH_AUTO, .noise = FFP_NOISE_ESTIMATED, .layers = FFP_LAYERS_AUTO};
 }
 
-#define REPORT_MAPS 2 // views whose G-buffers are shown
+#define REPORT_MAPS 2     // views whose G-buffers are shown
+#define REPORT_LARGE 3    // views that are drawn large
+#define LARGE_WIDTH 768   // pixels
+#define LARGE_SCALE_MAX 8 // of its photographs
 
 // --- What predicts. ---
 
 static bool prepare_gaussians(FfpSubject *subject, FfpError *err) {
     const FfpEvaluation *options = subject->shared->options;
-    FfpReconstructionStats stats = {0};
     subject->reconstruct_s = NAN;
     if (options->gaussians) {
         subject->gaussians = ffp_gaussians_open(ffp_call_context(), options->gaussians, err);
@@ -30,9 +32,9 @@ static bool prepare_gaussians(FfpSubject *subject, FfpError *err) {
         const FfpReconstruction how = {options->model, options->pattern, options->polish,
                                        options->noise, options->layers,  options->drawing};
         const double begin = ffp_seconds();
-        subject->gaussians = ffp_reconstruct(ffp_call_context(), subject->capture, &how, &stats, err);
+        subject->gaussians =
+            ffp_reconstruct(ffp_call_context(), subject->capture, &how, &subject->stats, err);
         subject->reconstruct_s = ffp_seconds() - begin;
-        if (subject->gaussians && subject->shared->report) ffp_report_stats(subject->shared->report, &stats);
     }
     const FfpRenderSettings settings = ffp_drawing_settings(options->drawing, options->model);
     subject->pass = ffp_view_pass_new(&settings);
@@ -82,24 +84,58 @@ static void report_relit_views(FfpSubject *subject, const FfpCapture *views, con
     }
 }
 
-static bool report_shown_pattern(FfpSubject *subject, const char *path, FfpError *err) {
-    FfpPattern pattern;
-    const FfpCamera *projector = &subject->capture->views[0].projector;
-    if (!subject->gaussians) return true;
-    if (!ffp_pattern_read(&pattern, path, projector->width, projector->height, err)) return false;
+// Some input views, drawn finer than they were photographed.
+static void report_large_views(FfpSubject *subject, const FfpPattern *pattern, const FfpSummed *summed) {
+    const int n = subject->capture->n_views, shown = n < REPORT_LARGE ? n : REPORT_LARGE;
+    for (int i = 0; i < shown; i++) {
+        const FfpView *view = &subject->capture->views[i * n / shown];
+        FfpCamera camera = view->camera;
+        char caption[2 * FFP_NAME_MAX + 32];
+        const real scale = fmin(fmax((real)LARGE_WIDTH / (real)camera.width, (real)1), (real)LARGE_SCALE_MAX);
+        camera.width = (int)((real)camera.width * scale), camera.height = (int)((real)camera.height * scale);
+        camera.fx *= scale, camera.fy *= scale, camera.cx *= scale, camera.cy *= scale;
+        ffp_view_pass_draw(subject->pass, subject->gaussians, &camera, &view->projector);
+        FfpImage picture = ffp_relight(subject->pass, subject->capture->intensity, summed);
+        snprintf(caption, sizeof caption, "Predicted: %s under %s", view->id, pattern->name);
+        ffp_report_large(subject->shared->report, &picture, caption);
+        ffp_image_free(&picture);
+    }
+}
+
+static void report_shown_pattern(FfpSubject *subject, const FfpPattern *pattern, const FfpSummed *summed) {
     ffp_report_heading(
         subject->shared->report, "Relit by a pattern that nobody photographed",
         "There is no truth to compare with. First the pattern, then every input view, then new poses.");
-    FfpImage encoded = ffp_image_copy(&pattern.image);
+    FfpImage encoded = ffp_image_copy(&pattern->image);
     ffp_image_to_srgb(&encoded);
-    ffp_report_picture(subject->shared->report, &encoded, pattern.name);
+    ffp_report_picture(subject->shared->report, &encoded, pattern->name);
     ffp_image_free(&encoded);
+    report_relit_views(subject, subject->capture, summed);
+    if (subject->has_targets) report_relit_views(subject, &subject->targets, summed);
+}
+
+// What the page begins with: large pictures under the pattern that is to be shown, else under the one that
+// the reconstruction was made from.
+static bool report_pictures(FfpSubject *subject, FfpError *err) {
+    const char *path = subject->shared->options->show_pattern;
+    const FfpCamera *projector = &subject->capture->views[0].projector;
+    FfpPattern pattern = subject->capture->patterns[subject->active];
+    ffp_report_title(subject->shared->report, subject->capture->name);
+    if (!subject->gaussians) return true;
+    if (path && !ffp_pattern_read(&pattern, path, projector->width, projector->height, err)) return false;
     FfpSummed summed = ffp_summed_new(&pattern.image);
-    report_relit_views(subject, subject->capture, &summed);
-    if (subject->has_targets) report_relit_views(subject, &subject->targets, &summed);
+    report_large_views(subject, &pattern, &summed);
+    if (path) report_shown_pattern(subject, &pattern, &summed);
     ffp_summed_free(&summed);
-    ffp_image_free(&pattern.image);
+    if (path) ffp_image_free(&pattern.image);
     return true;
+}
+
+static void report_making(FfpSubject *subject) {
+    FfpReport *report = subject->shared->report;
+    report_maps(subject);
+    ffp_report_input(report, subject->capture, subject->active);
+    if (subject->gaussians && isfinite(subject->reconstruct_s)) ffp_report_stats(report, &subject->stats);
 }
 
 // --- One capture. ---
@@ -115,26 +151,23 @@ static bool open_save_folder(FfpSubject *subject, FfpError *err) {
 static bool run_subject(FfpSubject *subject, FfpError *err) {
     const FfpEvaluation *options = subject->shared->options;
     FfpReport *report = subject->shared->report;
-    if (report) ffp_report_capture(report, subject->capture, subject->active);
     const bool lookup = options->predictor != FFP_PREDICT_GAUSSIANS;
     if (lookup)
         prepare_lookup(subject);
     else if (!prepare_gaussians(subject, err))
         return false;
-    if (report) report_maps(subject);
-    return open_save_folder(subject, err) &&
-           ffp_run_protocol(
-               subject, "rendering",
-               "Input poses under black, white and lollipops. Each: prediction, truth, error times 4.",
-               err) &&
-           ffp_run_protocol(subject, "novel_pattern",
-                            "Input poses under other patterns. Each: prediction, truth, error times 4.",
-                            err) &&
-           (!subject->has_targets || lookup ||
-            ffp_run_protocol(subject, "novel_pose",
-                             "New camera and projector poses. Each: prediction, truth, error times 4.",
-                             err)) &&
-           (!report || !options->show_pattern || report_shown_pattern(subject, options->show_pattern, err));
+    const bool ok =
+        (!report || report_pictures(subject, err)) && open_save_folder(subject, err) &&
+        ffp_run_protocol(
+            subject, "rendering",
+            "Input poses under black, white and lollipops. Each: prediction, truth, error times 4.", err) &&
+        ffp_run_protocol(subject, "novel_pattern",
+                         "Input poses under other patterns. Each: prediction, truth, error times 4.", err) &&
+        (!subject->has_targets || lookup ||
+         ffp_run_protocol(subject, "novel_pose",
+                          "New camera and projector poses. Each: prediction, truth, error times 4.", err));
+    if (ok && report) report_making(subject);
+    return ok;
 }
 
 static void free_subject(FfpSubject *subject) {
@@ -281,7 +314,8 @@ static FfpScore *evaluate(const FfpEvaluation *options, int *n_scores, FfpError 
     for (int i = 0; ok && i < options->n_captures; i++) ok = evaluate_capture(&shared, i, err);
     if (ok && options->json) ok = ffp_scores_write(shared.scores, shared.n_scores, options, err);
     if (ok && options->report)
-        ok = ffp_report_write(shared.report, shared.scores, shared.n_scores, options->report, err);
+        ok = ffp_report_write(shared.report, shared.scores, shared.n_scores, options->viewer, options->report,
+                              err);
     ffp_report_free(shared.report);
     ffp_perceptual_free(shared.lpips);
     if (ok && options->n_captures > 1) append_means(&shared);

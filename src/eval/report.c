@@ -9,6 +9,7 @@
 #include "eval/report.h"
 
 #define PICTURE_SIDE_MAX 256 // pixels; larger pictures are averaged down so that a page stays a page
+#define LARGE_SIDE_MAX 1024  // of large ones
 
 struct FfpReport {
     FfpText *text; // grows until the page is written
@@ -59,13 +60,13 @@ static void put_base64(FILE *out, const unsigned char *bytes, size_t size) {
 }
 
 // Pictures are made in memory: the encoder can only fail for lack of it.
-static void put_image(FILE *out, const FfpImage *encoded) {
+static void put_image(FILE *out, const FfpImage *encoded, int side_max) {
     unsigned char *bytes = NULL;
     size_t size = 0;
     const int side = encoded->width > encoded->height ? encoded->width : encoded->height;
     FfpImage small = {0};
-    if (side > PICTURE_SIDE_MAX) {
-        const double share = (double)PICTURE_SIDE_MAX / side;
+    if (side > side_max) {
+        const double share = (double)side_max / side;
         const int width = (int)(encoded->width * share), height = (int)(encoded->height * share);
         small = ffp_image_resize(encoded, width > 0 ? width : 1, height > 0 ? height : 1);
     }
@@ -77,12 +78,21 @@ static void put_image(FILE *out, const FfpImage *encoded) {
     ffp_image_free(&small);
 }
 
-void ffp_report_picture(FfpReport *report, const FfpImage *encoded, const char *caption) {
-    fputs("<figure class=one>", report->body);
-    put_image(report->body, encoded);
+static void put_figure_of(FfpReport *report, const char *kind, const FfpImage *encoded, int side_max,
+                          const char *caption) {
+    fprintf(report->body, "<figure class=%s>", kind);
+    put_image(report->body, encoded, side_max);
     fputs("<figcaption>", report->body);
     put_escaped(report->body, caption);
     fputs("</figcaption></figure>\n", report->body);
+}
+
+void ffp_report_picture(FfpReport *report, const FfpImage *encoded, const char *caption) {
+    put_figure_of(report, "one", encoded, PICTURE_SIDE_MAX, caption);
+}
+
+void ffp_report_large(FfpReport *report, const FfpImage *encoded, const char *caption) {
+    put_figure_of(report, "large", encoded, LARGE_SIDE_MAX, caption);
 }
 
 void ffp_report_heading(FfpReport *report, const char *title, const char *explanation) {
@@ -110,13 +120,16 @@ static void put_input_row(FfpReport *report, const FfpCapture *capture, int patt
     fputs("</div>\n", report->body);
 }
 
-void ffp_report_capture(FfpReport *report, const FfpCapture *capture, int active) {
+void ffp_report_title(FfpReport *report, const char *title) {
     fputs("<h2>", report->body);
-    put_escaped(report->body, capture->name);
+    put_escaped(report->body, title);
     fputs("</h2>\n", report->body);
+}
+
+void ffp_report_input(FfpReport *report, const FfpCapture *capture, int active) {
     ffp_report_heading(report, "Input",
                        "All that the predictor was given: each view under black, white and one pattern. "
-                       "On the left, what the projector showed.");
+                       "First, what the projector showed.");
     put_input_row(report, capture, capture->black);
     put_input_row(report, capture, capture->white);
     put_input_row(report, capture, active);
@@ -151,9 +164,9 @@ void ffp_report_prediction(FfpReport *report, const char *view, const char *patt
     char caption[2 * FFP_NAME_MAX + 64];
     snprintf(caption, sizeof caption, "%s, %s: %.2f dB", view, pattern, psnr);
     fputs("<figure class=three>", report->body);
-    put_image(report->body, prediction);
-    put_image(report->body, truth);
-    put_image(report->body, &error);
+    put_image(report->body, prediction, PICTURE_SIDE_MAX);
+    put_image(report->body, truth, PICTURE_SIDE_MAX);
+    put_image(report->body, &error, PICTURE_SIDE_MAX);
     fputs("<figcaption>", report->body);
     put_escaped(report->body, caption);
     fputs("</figcaption></figure>\n", report->body);
@@ -168,7 +181,9 @@ static void put_figure(FILE *out, double value, int digits) {
 }
 
 static void put_scores(FILE *out, const FfpScore *scores, int n_scores) {
-    fputs("<table><tr><th>capture</th><th>protocol</th><th>pictures</th><th>PSNR, dB</th><th>foreground, "
+    fputs("<h2>Figures</h2>\n<div "
+          "class=wide><table><tr><th>capture</th><th>protocol</th><th>pictures</th><th>PSNR, "
+          "dB</th><th>foreground, "
           "dB</th><th>highlights, dB</th><th>unseen "
           "lollipops, dB</th><th>SSIM</th><th>LPIPS</th><th>reconstruct, s</th><th>render, s a "
           "picture</th></tr>\n",
@@ -188,41 +203,59 @@ static void put_scores(FILE *out, const FfpScore *scores, int n_scores) {
         put_figure(out, score->render_s / score->images, 3);
         fputs("</tr>\n", out);
     }
-    fputs("</table>\n<p>PSNR over all pixels and channels of sRGB-encoded pictures over black, mean over "
-          "pictures; foreground: "
-          "only the pixels that the object covers; highlights: under white, only those whose true specular "
-          "part is above 0.05. rendering: black, white and lollipops at the input poses; "
-          "unseen "
-          "lollipops: those of them that the predictor was not given; novel_pattern: every other pattern "
-          "there; novel_pose: "
-          "new camera and projector poses.</p>\n",
-          out);
+    fputs(
+        "</table></div>\n<p>PSNR over all pixels and channels of sRGB-encoded pictures over black, mean over "
+        "pictures; foreground: "
+        "only the pixels that the object covers; highlights: under white, only those whose true specular "
+        "part is above 0.05. rendering: black, white and lollipops at the input poses; "
+        "unseen "
+        "lollipops: those of them that the predictor was not given; novel_pattern: every other pattern "
+        "there; novel_pose: "
+        "new camera and projector poses.</p>\n",
+        out);
 }
 
-bool ffp_report_write(FfpReport *report, const FfpScore *scores, int n_scores, const char *path,
-                      FfpError *err) {
-    static const char style[] =
-        "body{font:15px/1.45 system-ui,sans-serif;max-width:1500px;margin:2em auto;padding:0 1em;color:#222}"
-        "h2{border-bottom:1px solid #bbb;margin-top:2em}figure{display:inline-block;margin:0 6px 6px 0;"
-        "vertical-align:top}figcaption{font-size:12px;color:#555;overflow-wrap:anywhere}"
-        "img{width:100%;image-rendering:pixelated;background:#000;vertical-align:top}"
-        ".row{display:grid;grid-template-columns:repeat(9,1fr)}figure.one{width:calc(11.1% - 12px)}"
-        ".row figure.one{width:auto}figure.three{width:calc(33.3% - 12px)}"
-        "figure.three img{width:33.3%}table{border-collapse:collapse}"
-        "td,th{border-bottom:1px solid #ddd;padding:3px 10px;text-align:right}td:first-child,th:first-child,"
-        "td:nth-child(2),th:nth-child(2){text-align:left}";
+// Flexible from wide windows down to phones: large pictures fill the width, small ones go several to a row,
+// wide tables scroll by themselves.
+static const char style[] =
+    "*{box-sizing:border-box}body{font:15px/1.45 system-ui,sans-serif;max-width:1500px;margin:1em auto;"
+    "padding:0 1em;color:#222;background:#fff}h1{margin:.5em 0}h2{border-bottom:1px solid "
+    "#bbb;margin-top:1.5em}"
+    "figure{display:inline-block;margin:0 6px 6px 0;vertical-align:top}"
+    "figcaption{font-size:12px;color:#555;overflow-wrap:anywhere}"
+    "img{width:100%;image-rendering:pixelated;background:#000;vertical-align:top}"
+    "figure.large{width:calc(33.3% - 12px)}figure.large img{image-rendering:auto}"
+    ".row{display:grid;grid-template-columns:repeat(9,1fr)}figure.one{width:calc(11.1% - 12px)}"
+    ".row figure.one{width:auto}figure.three{width:calc(33.3% - 12px)}figure.three img{width:33.3%}"
+    ".wide{overflow-x:auto}table{border-collapse:collapse}"
+    "td,th{border-bottom:1px solid #ddd;padding:3px 10px;text-align:right}td:first-child,th:first-child,"
+    "td:nth-child(2),th:nth-child(2){text-align:left}"
+    "@media(max-width:900px){figure.large,figure.three{width:calc(50% - 8px)}figure.one{width:calc(20% - "
+    "7px)}"
+    ".row{grid-template-columns:repeat(5,1fr)}}"
+    "@media(max-width:600px){body{padding:0 .5em}figure.large,figure.three{width:100%;margin-right:0}"
+    "figure.one{width:calc(33.3% - 12px)}.row{grid-template-columns:repeat(3,1fr)}}";
+
+bool ffp_report_write(FfpReport *report, const FfpScore *scores, int n_scores, const char *viewer,
+                      const char *path, FfpError *err) {
     FfpOutput out;
     if (!ffp_output_open(&out, path, err)) return false;
-    fputs("<!DOCTYPE html>\n<html lang=en><meta charset=utf-8><title>Relit captures</title>\n<style>",
+    fputs("<!DOCTYPE html>\n<html lang=en><meta charset=utf-8><meta name=viewport "
+          "content=\"width=device-width,initial-scale=1\"><title>Relit captures</title>\n<style>",
           out.stream);
     fputs(style, out.stream);
-    fputs("</style>\n<h1>Relit captures</h1>\n<p>Predicted by: ", out.stream);
-    put_escaped(out.stream, report->predictor);
-    fputs(".</p>\n", out.stream);
-    put_scores(out.stream, scores, n_scores);
+    fputs("</style>\n<h1>Relit captures</h1>\n", out.stream);
+    if (viewer) {
+        fputs("<p><a href=\"", out.stream);
+        put_escaped(out.stream, viewer);
+        fputs("\">See it live: move the projector, drop in a picture</a></p>\n", out.stream);
+    }
     size_t size;
     const char *text = ffp_text_so_far(report->text, &size);
     fwrite(text, 1, size, out.stream);
-    fputs("</html>\n", out.stream);
+    if (n_scores > 0) put_scores(out.stream, scores, n_scores);
+    fputs("<p>Predicted by: ", out.stream);
+    put_escaped(out.stream, report->predictor);
+    fputs(".</p>\n</html>\n", out.stream);
     return ffp_output_commit(&out, err);
 }

@@ -12,7 +12,10 @@ FfpReport *ffp_report_new(const char *predictor); // what made the predictions, 
 void ffp_report_free(FfpReport *report);
 
 // Sections follow each other in the order of the calls. Pictures are made small enough for a page.
-void ffp_report_capture(FfpReport *report, const FfpCapture *capture, int active);
+void ffp_report_title(FfpReport *report, const char *title); // of a capture's sections
+// A picture as large as the page allows, several side by side where there is room.
+void ffp_report_large(FfpReport *report, const FfpImage *encoded, const char *caption);
+void ffp_report_input(FfpReport *report, const FfpCapture *capture, int active);
 void ffp_report_stats(FfpReport *report, const FfpReconstructionStats *stats);
 void ffp_report_maps(FfpReport *report, const char *view, const FfpGbuffer *gbuffer);
 void ffp_report_heading(FfpReport *report, const char *title, const char *explanation);
@@ -20,8 +23,8 @@ void ffp_report_prediction(FfpReport *report, const char *view, const char *patt
                            const FfpImage *prediction, double psnr);
 void ffp_report_picture(FfpReport *report, const FfpImage *encoded, const char *caption);
 
-// The page, with the table of scores first.
-bool ffp_report_write(FfpReport *report, const FfpScore *scores, int n_scores, const char *path,
-                      FfpError *err);
+// The page: the sections, then the table of scores. `viewer`: a page to link to at the top, or NULL.
+bool ffp_report_write(FfpReport *report, const FfpScore *scores, int n_scores, const char *viewer,
+                      const char *path, FfpError *err);
 
 #endif

@@ -26,7 +26,8 @@ typedef struct FfpSubject { // one capture under evaluation
     FfpViewPass *pass;
     real **depth; // lookup predictors: [n_views] camera z in the normalised capture
     double reconstruct_s;
-    char folder[FFP_PATH_MAX]; // where predictions are saved
+    FfpReconstructionStats stats; // of the reconstruction, where one was made
+    char folder[FFP_PATH_MAX];    // where predictions are saved
 } FfpSubject;
 
 // Predicts, measures, reports and saves the pictures of "rendering", "novel_pattern" or "novel_pose"

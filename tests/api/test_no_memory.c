@@ -146,6 +146,44 @@ static bool evaluate(FfpContext *context, const char *out, FfpError *err) {
     return ok;
 }
 
+static bool export_to(FfpContext *context, const char *name, FfpExport how, const char *out, FfpError *err) {
+    char file[FFP_PATH_MAX], to[FFP_PATH_MAX]; // in_scratch's own are good for three more
+    snprintf(file, sizeof file, "%s/%s", scratch, name);
+    snprintf(to, sizeof to, "%s", out);
+    how.file = file;
+    FfpCapture *capture = ffp_capture_open(context, in_scratch("capture"), err);
+    FfpGaussians *gaussians = capture ? given(context, err) : NULL;
+    char *bytes = NULL;
+    size_t size;
+    const bool ok = gaussians && ffp_export(context, gaussians, capture, &how, NULL, err) &&
+                    ffp_read_file(file, SIZE_MAX / 2, &bytes, &size, err) &&
+                    ffp_write_file(to, bytes, size, err);
+    ffp_free(bytes);
+    ffp_gaussians_close(gaussians);
+    ffp_capture_close(capture);
+    return ok;
+}
+
+static bool export_ply(FfpContext *context, const char *out, FfpError *err) {
+    return export_to(context, "splats.ply", (FfpExport){.light = "white"}, out, err);
+}
+
+static bool export_spz(FfpContext *context, const char *out, FfpError *err) {
+    return export_to(context, "splats.spz", (FfpExport){0}, out, err);
+}
+
+static bool export_gltf(FfpContext *context, const char *out, FfpError *err) {
+    return export_to(context, "splats.gltf", (FfpExport){0}, out, err);
+}
+
+static bool export_obj(FfpContext *context, const char *out, FfpError *err) {
+    return export_to(context, "mesh.obj", (FfpExport){.mesh = true, .resolution = 16}, out, err);
+}
+
+static bool export_mesh(FfpContext *context, const char *out, FfpError *err) {
+    return export_to(context, "mesh.glb", (FfpExport){.mesh = true, .resolution = 16}, out, err);
+}
+
 static bool inform(FfpContext *context, const char *out, FfpError *err) {
     char *text = ffp_info(context, in_scratch("capture"), err);
     const bool ok = text && ffp_write_file(out, text, strlen(text), err);
@@ -280,8 +318,10 @@ static void no_memory_elsewhere(void **state) {
     static const struct {
         Work *work;
         int stride;
-    } works[] = {{refine, 3}, {render, 3},       {draw, 1},    {compensate, 3}, {map, 3},   {evaluate, 7},
-                 {inform, 1}, {copy_capture, 3}, {align, 199}, {generate, 13},  {train, 29}};
+    } works[] = {{refine, 3},       {render, 3},     {draw, 1},        {compensate, 3},
+                 {map, 3},          {evaluate, 7},   {export_ply, 1},  {export_spz, 1},
+                 {export_gltf, 1},  {export_obj, 3}, {export_mesh, 3}, {inform, 1},
+                 {copy_capture, 3}, {align, 199},    {generate, 13},   {train, 29}};
     for (size_t i = 0; i < sizeof works / sizeof *works; i++)
         without_memory(works[i].work, 2, works[i].stride);
     ffp_renderer_close(renderer);
@@ -290,7 +330,7 @@ static void no_memory_elsewhere(void **state) {
 
 static void cancelled_anywhere(void **state) {
     (void)state;
-    Work *const works[] = {classical, by_network, render, compensate, evaluate, generate};
+    Work *const works[] = {classical, by_network, render, compensate, evaluate, export_mesh, generate};
     for (size_t i = 0; i < sizeof works / sizeof *works; i++) cancelled(works[i], 2);
 }
 

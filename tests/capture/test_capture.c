@@ -200,6 +200,9 @@ static void written_capture_comes_back(void **state) {
     FfpCapture capture, back;
     FfpError err = {0};
     assert_true(ffp_capture_read(&capture, scratch, &err));
+    assert_false(capture.panel.known);
+    capture.panel = (FfpPanel){
+        true, 1920, 1080, 2210.5F, 2208, 958.2F, 1100, {0.1F, -0.2F, 0, 0.01F, 0}, true, {2.2F, 2.1F, 1}};
     add_truth(&capture.views[1], 5);
     write_text("stale.txt", "x");
     if (!ffp_capture_write(&capture, in_scratch("copy/of it"), &err)) fail_msg("%s", err.text);
@@ -210,6 +213,11 @@ static void written_capture_comes_back(void **state) {
     assert_true(back.radius == capture.radius && back.intensity[2] == capture.intensity[2] &&
                 back.intensity_known);
     for (int i = 0; i < 4; i++) assert_same_image(&back.patterns[i].image, &capture.patterns[i].image, 1e-6);
+    const FfpPanel *panel = &back.panel;
+    assert_true(panel->known && panel->width == 1920 && panel->height == 1080 && panel->power);
+    assert_true(panel->fx == 2210.5F && panel->fy == 2208 && panel->cx == 958.2F && panel->cy == 1100);
+    assert_memory_equal(panel->lens, capture.panel.lens, sizeof panel->lens);
+    assert_memory_equal(panel->gamma, capture.panel.gamma, sizeof panel->gamma);
     for (int v = 0; v < 2; v++) {
         const FfpView *a = &capture.views[v], *b = &back.views[v];
         assert_string_equal(a->id, b->id);
@@ -369,6 +377,35 @@ static void sample_is_consistent(void **state) {
     ffp_capture_free(&capture);
 }
 
+// The second sample: all that it promises is there.
+static void sculpture_is_consistent(void **state) {
+    (void)state;
+    FfpCapture capture, targets;
+    FfpError err = {0};
+    if (!ffp_capture_read(&capture, FFP_SOURCE_DIR "/data/sculpture", &err)) fail_msg("%s", err.text);
+    if (!ffp_capture_read_targets(&targets, FFP_SOURCE_DIR "/data/sculpture/targets/scene.json", &capture,
+                                  &err))
+        fail_msg("%s", err.text);
+    assert_true(capture.n_views == 8 && capture.n_patterns == 4 && targets.n_views == 6);
+    assert_int_equal(ffp_capture_active_pattern(&capture, NULL, &err),
+                     ffp_capture_find_pattern(&capture, "lollipop_0"));
+    assert_true(capture.patterns[ffp_capture_find_pattern(&capture, "lollipop_3")].novel);
+    for (int v = 0; v < 8; v++) {
+        const FfpView *view = &capture.views[v];
+        const FfpImage *white = &view->images[capture.white];
+        int surface = 0, clipped = 0;
+        assert_true(view->depth.data != NULL && white->width == 256 && white->height == 256);
+        for (int i = 0; i < 256 * 256; i++) {
+            if (!(view->depth.data[i] > 0)) continue;
+            surface++;
+            clipped += white->data[3 * i] > 0.999F;
+        }
+        assert_true(surface > 8000 && clipped < surface / 20);
+    }
+    ffp_capture_free(&targets);
+    ffp_capture_free(&capture);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(scene_is_read),
@@ -384,6 +421,7 @@ int main(void) {
         cmocka_unit_test(bounds_meet_the_axes),
         cmocka_unit_test(pixels_and_points_agree),
         cmocka_unit_test(sample_is_consistent),
+        cmocka_unit_test(sculpture_is_consistent),
     };
     return cmocka_run_group_tests(tests, make_capture_files, scratch_teardown);
 }

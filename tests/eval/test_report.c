@@ -92,7 +92,7 @@ static void test_pictures_in_the_page_are_the_pictures_given(void **state) {
         FfpImage image = ffp_image_new(width, 3, 3);
         for (int i = 0; i < 9 * width; i++) image.data[i] = (real)(i * 37 % 256) / 255;
         ffp_report_picture(report, &image, "a picture");
-        assert_true(ffp_report_write(report, scores, 1, "test_report.html", NULL));
+        assert_true(ffp_report_write(report, scores, 1, NULL, "test_report.html", NULL));
         read_all("test_report.html");
         char *at = strstr(text, mark);
         assert_non_null(at);
@@ -120,12 +120,29 @@ static void test_names_cannot_break_the_page(void **state) {
     ffp_report_picture(report, &image, "<img src=\"http://elsewhere\"> & more");
     FfpScore score = scores[0];
     strcpy(score.capture, "</table><script>");
-    assert_true(ffp_report_write(report, &score, 1, "test_report.html", NULL));
+    assert_true(ffp_report_write(report, &score, 1, "\"><script>", "test_report.html", NULL));
     read_all("test_report.html");
     assert_null(strstr(text, "<script"));
     assert_null(strstr(text, "src=\"http"));
     assert_non_null(strstr(text, "&lt;img src=&quot;http://elsewhere&quot;&gt; &amp; more"));
     assert_non_null(strstr(text, "</html>"));
+    assert_non_null(strstr(text, "href=\"&quot;&gt;&lt;script&gt;\""));
+    ffp_image_free(&image);
+    ffp_report_free(report);
+}
+
+// Large pictures come first and tables last, and a page says that it fits a phone.
+static void test_pictures_come_before_figures(void **state) {
+    (void)state;
+    FfpReport *report = ffp_report_new("nobody");
+    FfpImage image = ffp_image_new(1100, 550, 3);
+    ffp_report_large(report, &image, "a large picture");
+    assert_true(ffp_report_write(report, scores, 1, NULL, "test_report.html", NULL));
+    read_all("test_report.html");
+    const char *picture = strstr(text, "<figure class=large>"), *table = strstr(text, "<table>");
+    assert_true(picture != NULL && table != NULL && picture < table);
+    assert_non_null(strstr(text, "name=viewport"));
+    assert_null(strstr(text, "<a "));
     ffp_image_free(&image);
     ffp_report_free(report);
 }
@@ -185,6 +202,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_pictures_in_the_page_are_the_pictures_given),
         cmocka_unit_test(test_names_cannot_break_the_page),
+        cmocka_unit_test(test_pictures_come_before_figures),
         cmocka_unit_test(test_rows_and_means),
         cmocka_unit_test(test_names_that_would_leave_the_folder_are_refused),
         cmocka_unit_test(test_quantised_values_are_those_of_a_byte),

@@ -245,6 +245,10 @@ def captures():
     truth = scene()
     truth['views'][0].update({'albedo': 'a.png', 'roughness': 'a_mask.png', 'direct_white': 'b.png'})
     write('scene', 'truth.json', as_json(truth))
+    real = scene()
+    real['projector']['device'] = {'width': 8, 'height': 6, 'fx': 10, 'fy': 10, 'cx': 4, 'cy': 6,
+                                   'lens': [0.1, -0.1, 0, 0.01, 0], 'gamma': [2.2, 2, 1]}
+    write('scene', 'device.json', as_json(real))
 
     write('render_poses', 'whole.json', as_json(poses()))
     bare = poses()

@@ -1,0 +1,187 @@
+#include "export/volume.h"
+
+#include <tgmath.h>
+
+#include "base/alloc.h"
+#include "base/call.h"
+#include "base/log.h"
+#include "capture/project.h"
+
+#define TRUNCATION 4 // cells
+#define MARGIN 2     // cells around the object
+#define SOLID 0.5F   // opacity of a pixel that shows a surface
+#define FACING_MIN 0.1F
+#define SMOOTHINGS 2
+#define LOOK_SIDE_MAX 2048
+#define LOOK_SCALE_MAX 8
+
+// --- Looks. ---
+
+FfpWitness ffp_witness(const FfpWitnesses *witnesses, int view, real cell) {
+    const FfpCapture *capture = witnesses->capture;
+    FfpWitness look = {.camera = capture->views[view].camera};
+    FfpCamera *c = &look.camera;
+    real square = 0;
+    for (int k = 0; k < 3; k++) {
+        const real d = c->pose[4 * k + 3] - capture->centre[k];
+        square += d * d;
+    }
+    const int longer = c->width > c->height ? c->width : c->height;
+    real scale = sqrt(square) / (cell * c->fx);
+    scale = fmin(fmax(scale, (real)1),
+                 fmin((real)LOOK_SCALE_MAX, fmax((real)LOOK_SIDE_MAX / (real)longer, (real)1)));
+    const int width = (int)ceil((real)c->width * scale), height = (int)ceil((real)c->height * scale);
+    const real across = (real)width / (real)c->width, down = (real)height / (real)c->height;
+    c->fx *= across, c->cx *= across, c->fy *= down, c->cy *= down;
+    c->width = width, c->height = height;
+    look.gbuffer = ffp_gbuffer_new(width, height);
+    ffp_rasterise(witnesses->raster, witnesses->gaussians, c, witnesses->settings, &look.gbuffer);
+    return look;
+}
+
+void ffp_witness_free(FfpWitness *look) {
+    ffp_gbuffer_free(&look->gbuffer);
+}
+
+int ffp_witness_pixel(const FfpWitness *look, const real point[3], real *depth) {
+    real u, v;
+    *depth = ffp_project(&look->camera, point, &u, &v);
+    if (!(*depth > 0) || !(u >= 0 && v >= 0 && u < (real)look->camera.width && v < (real)look->camera.height))
+        return -1;
+    return (int)v * look->camera.width + (int)u;
+}
+
+real ffp_witness_facing(const FfpWitness *look, int pixel, const real point[3]) {
+    const real *n = look->gbuffer.normal + 3 * (size_t)pixel;
+    real to[3], along = 0, square = 0;
+    for (int k = 0; k < 3; k++) to[k] = look->camera.pose[4 * k + 3] - point[k];
+    ffp_normalise3(to);
+    for (int k = 0; k < 3; k++) along += n[k] * to[k], square += n[k] * n[k];
+    return square > 0 ? fmax(along / sqrt(square), (real)0) : 0;
+}
+
+// --- The grid. ---
+
+// The box of the Gaussians that are not nearly transparent, within the object's sphere.
+static FfpVolume place_grid(const FfpWitnesses *witnesses, int resolution) {
+    const FfpGaussians *g = witnesses->gaussians;
+    const FfpCapture *capture = witnesses->capture;
+    FfpVolume volume = {0};
+    real high[3], longest = 0;
+    for (int k = 0; k < 3; k++) {
+        const real least = capture->centre[k] - capture->radius, most = capture->centre[k] + capture->radius;
+        volume.low[k] = most, high[k] = least;
+        for (int64_t i = 0; i < g->count; i++) {
+            if (g->opacity[i] < SOLID) continue;
+            const real x = fmin(fmax(g->centre[3 * i + k], least), most);
+            volume.low[k] = fmin(volume.low[k], x), high[k] = fmax(high[k], x);
+        }
+        longest = fmax(longest, high[k] - volume.low[k]);
+    }
+    volume.cell = fmax(longest, capture->radius * 1e-3F) / (real)resolution;
+    volume.truncation = TRUNCATION * volume.cell;
+    for (int k = 0; k < 3; k++) {
+        const real side = fmax(high[k] - volume.low[k], (real)0);
+        volume.low[k] -= (TRUNCATION + MARGIN) * volume.cell;
+        volume.size[k] = (int)ceil(side / volume.cell) + 2 * (TRUNCATION + MARGIN) + 1;
+    }
+    return volume;
+}
+
+static size_t points_of(const FfpVolume *volume) {
+    return (size_t)volume->size[0] * (size_t)volume->size[1] * (size_t)volume->size[2];
+}
+
+static void point_at(const FfpVolume *volume, size_t i, real point[3]) {
+    const size_t nx = (size_t)volume->size[0], ny = (size_t)volume->size[1];
+    const size_t at[3] = {i % nx, i / nx % ny, i / nx / ny};
+    for (int k = 0; k < 3; k++) point[k] = volume->low[k] + (real)at[k] * volume->cell;
+}
+
+// What the looks so far say of a point.
+typedef struct Opinion {
+    real sum, weight; // of how far before the surface it lies, in truncations
+    int held;         // pictures that hold the point
+} Opinion;
+
+// Adds what one look says: at most a truncation, and nothing of what is hidden behind.
+static void fuse_point(const FfpVolume *volume, const FfpWitness *look, size_t i, Opinion *opinion) {
+    real point[3], depth;
+    point_at(volume, i, point);
+    const int pixel = ffp_witness_pixel(look, point, &depth);
+    if (pixel < 0) return;
+    opinion->held++;
+    const real opacity = look->gbuffer.opacity[pixel];
+    if (!(opacity > SOLID)) {
+        opinion->sum += 1, opinion->weight += 1;
+        return;
+    }
+    const real before = (look->gbuffer.depth[pixel] / opacity - depth) / volume->truncation;
+    if (before < -1) return;
+    const real share = fmax(ffp_witness_facing(look, pixel, point), FACING_MIN);
+    opinion->sum += share * fmin(before, (real)1), opinion->weight += share;
+}
+
+// What is hidden from all is inside where at least three quarters of the pictures hold it; elsewhere the
+// object would have been cut off by their edges.
+static real settle(const Opinion *opinion, int views) {
+    if (opinion->weight > 0) return opinion->sum / opinion->weight;
+    return 4 * opinion->held < 3 * views ? 1 : -1;
+}
+
+// The grid's two outermost layers, which are outside whatever the looks say: so that the surface closes
+// there.
+static bool at_edge(const FfpVolume *volume, size_t i) {
+    const size_t nx = (size_t)volume->size[0], ny = (size_t)volume->size[1], nz = (size_t)volume->size[2];
+    const size_t x = i % nx, y = i / nx % ny, z = i / nx / ny;
+    return x < 2 || y < 2 || z < 2 || x + 2 >= nx || y + 2 >= ny || z + 2 >= nz;
+}
+
+// Means by 1 2 1 along an axis, whose points lie `step` apart: the terraces that pixels leave in the distance
+// go.
+static void smooth_along(const FfpVolume *volume, size_t step, const real *from, real *to) {
+    const size_t points = points_of(volume);
+#pragma omp parallel for schedule(static)
+    for (size_t i = 0; i < points; i++)
+        to[i] = at_edge(volume, i) ? 1 : (from[i - step] + 2 * from[i] + from[i + step]) / 4;
+}
+
+static void smooth(FfpVolume *volume) {
+    const size_t row = (size_t)volume->size[0], plane = row * (size_t)volume->size[1];
+    real *other = ffp_alloc(points_of(volume), sizeof *other);
+    for (int k = 0; k < SMOOTHINGS; k++) {
+        smooth_along(volume, 1, volume->distance, other);
+        smooth_along(volume, row, other, volume->distance);
+        smooth_along(volume, plane, volume->distance, other);
+        real *swap = volume->distance;
+        volume->distance = other, other = swap;
+    }
+    ffp_free(other);
+}
+
+FfpVolume ffp_volume_fuse(const FfpWitnesses *witnesses, int resolution) {
+    FfpVolume volume = place_grid(witnesses, resolution);
+    const size_t points = points_of(&volume);
+    const int views = witnesses->capture->n_views;
+    Opinion *opinions = ffp_alloc(points, sizeof *opinions);
+    FfpTask progress = ffp_task("fusing", views);
+    for (int v = 0; v < views; v++) {
+        FfpWitness look = ffp_witness(witnesses, v, volume.cell);
+#pragma omp parallel for schedule(static)
+        for (size_t i = 0; i < points; i++) fuse_point(&volume, &look, i, &opinions[i]);
+        ffp_witness_free(&look);
+        ffp_task_step(&progress, v + 1, witnesses->capture->views[v].id);
+    }
+    ffp_task_end(&progress);
+    volume.distance = ffp_alloc(points, sizeof *volume.distance);
+    for (size_t i = 0; i < points; i++)
+        volume.distance[i] = at_edge(&volume, i) ? 1 : settle(&opinions[i], views);
+    ffp_free(opinions);
+    smooth(&volume);
+    return volume;
+}
+
+void ffp_volume_free(FfpVolume *volume) {
+    ffp_free(volume->distance);
+    *volume = (FfpVolume){0};
+}
