@@ -34,7 +34,6 @@ class Graphics {
     const program = gl.createProgram();
     gl.attachShader(program, this.shader(gl.VERTEX_SHADER, ['common.glsl', vertex]));
     gl.attachShader(program, this.shader(gl.FRAGMENT_SHADER, ['common.glsl', ...fragments]));
-    gl.bindAttribLocation(program, 0, 'a_splat');
     gl.linkProgram(program);
     if (!gl.getProgramParameter(program, gl.LINK_STATUS) && !gl.isContextLost())
       throw new Error(key + ': ' + gl.getProgramInfoLog(program));

@@ -2,8 +2,6 @@
 // Draws a view: splats into G-buffers, shadow maps, each projector's light, the picture. The steps and their
 // names are those of render/pass.c; what each computes stands in the shaders.
 
-const ROW = 2048; // texels in a row of the splats' textures
-
 // The pattern that a projector shows, with its mip map.
 class PatternTexture {
   constructor(graphics, width, height) {
@@ -39,7 +37,7 @@ class Renderer {
   }
 
   upload(s) {
-    const {graphics} = this, {gl} = graphics, n = s.count, rows = Math.max(1, Math.ceil(n / ROW));
+    const {graphics} = this, {gl} = graphics, n = s.count, rows = Math.ceil((n + 1) / ROW);
     if (rows > gl.getParameter(gl.MAX_TEXTURE_SIZE))
       throw new Error(`${n} splats are more than this graphics driver can hold.`);
     const put = (columns) => {
@@ -57,32 +55,44 @@ class Renderer {
       u_albedos: put(s.albedo.map(of)),
       u_ambients: put(s.ambient.map(of)),
     };
-    this.order = gl.createBuffer();
+    this.order = graphics.texture(ROW, rows, gl.R32UI);
+    this.makeQuads(n);
+  }
+
+  // Two triangles a splat in one draw: vertices 4 i to 4 i + 3 are the corners of the i-th of the order.
+  makeQuads(n) {
+    const {gl} = this.graphics, corners = new Uint32Array(6 * Math.max(1, n));
+    for (let i = 0; i < n; i++)
+      [0, 1, 2, 2, 1, 3].forEach((corner, k) => { corners[6 * i + k] = 4 * i + corner; });
     this.quads = gl.createVertexArray();
     gl.bindVertexArray(this.quads);
-    gl.bindBuffer(gl.ARRAY_BUFFER, this.order);
-    gl.bufferData(gl.ARRAY_BUFFER, 4 * Math.max(1, n), gl.DYNAMIC_DRAW);
-    gl.enableVertexAttribArray(0);
-    gl.vertexAttribIPointer(0, 1, gl.UNSIGNED_INT, 0, 0);
-    gl.vertexAttribDivisor(0, 1);
+    gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, gl.createBuffer());
+    gl.bufferData(gl.ELEMENT_ARRAY_BUFFER, corners, gl.STATIC_DRAW);
+  }
+
+  // Sorts for a device and hands the order to the shaders; returns how many splats are in front of it.
+  putOrder(pose) {
+    const {gl} = this.graphics, count = this.sorter.sort(pose), rows = Math.ceil(count / ROW);
+    gl.bindTexture(gl.TEXTURE_2D, this.order);
+    if (rows)
+      gl.texSubImage2D(gl.TEXTURE_2D, 0, 0, 0, ROW, rows, gl.RED_INTEGER, gl.UNSIGNED_INT, this.sorter.order);
+    return count;
   }
 
   // ffp_rasterise: sums of what `device` sees, depths counted from `depth`.
   rasterise(target, device, depth, fragment) {
     const {graphics, settings} = this, {gl} = graphics;
-    const count = this.sorter.sort(device.pose);
+    const count = this.putOrder(device.pose);
     graphics.clear(target);
     gl.viewport(0, 0, target.width, target.height);
     gl.bindVertexArray(this.quads);
-    gl.bindBuffer(gl.ARRAY_BUFFER, this.order);
-    gl.bufferSubData(gl.ARRAY_BUFFER, 0, this.sorter.order, 0, count);
     graphics.use(graphics.program('splats.vert', [fragment]), {
-      ...this.splats, ...deviceUniforms('camera', device), u_blur: settings.blur, u_firmness: settings.firmness,
+      ...this.splats, u_order: this.order, ...deviceUniforms('camera', device), u_blur: settings.blur, u_firmness: settings.firmness,
       u_compensation: settings.compensation, u_depth: depth,
     });
     gl.enable(gl.BLEND);
     gl.blendFunc(gl.ONE, gl.ONE_MINUS_SRC_ALPHA);
-    gl.drawArraysInstanced(gl.TRIANGLE_STRIP, 0, 4, count);
+    gl.drawElements(gl.TRIANGLES, 6 * count, gl.UNSIGNED_INT, 0);
     gl.disable(gl.BLEND);
     return count;
   }

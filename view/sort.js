@@ -3,13 +3,15 @@
 // depth, which for positive numbers sort as the numbers do; splats of equal depth keep the set's order, which
 // from far to near is the other way round.
 
+const ROW = 2048; // texels in a row of the splats' textures
+
 class DepthSorter {
   constructor(splats) {
     const n = splats.count;
     this.splats = splats;
     this.depth = new Float32Array(n);
     this.key = new Uint32Array(this.depth.buffer);
-    this.order = new Uint32Array(n);
+    this.order = new Uint32Array(Math.ceil((n + 1) / ROW) * ROW); // whole rows of a texture
     this.swap = new Uint32Array(n);
     this.start = new Uint32Array(1 << 16);
   }

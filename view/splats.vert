@@ -1,5 +1,5 @@
 // A Gaussian as a camera sees it: render/kernels/frame.h and project.c.
-in uint a_splat;
+uniform highp usampler2D u_order; // the splats far to near; four vertices each
 uniform sampler2D u_centres, u_scales, u_rotations, u_albedos, u_ambients;
 uniform mat3 camera_rotation; // columns: the camera's axes in the world
 uniform vec3 camera_position;
@@ -21,7 +21,8 @@ mat3 axes_of(vec4 q) {
 
 void main() {
   gl_Position = vec4(2.0, 2.0, 2.0, 1.0); // not drawn
-  ivec2 texel = ivec2(int(a_splat & 2047u), int(a_splat >> 11));
+  int rank = gl_VertexID >> 2, splat = int(texelFetch(u_order, ivec2(rank & 2047, rank >> 11), 0).r);
+  ivec2 texel = ivec2(splat & 2047, splat >> 11);
   vec4 centre = texelFetch(u_centres, texel, 0), scale = texelFetch(u_scales, texel, 0);
   mat3 R = axes_of(normalize(texelFetch(u_rotations, texel, 0)));
   mat3 K = transpose(camera_rotation) * R;
