@@ -12,17 +12,62 @@ class PatternTexture {
     this.texture = graphics.texture(width, height, gl.SRGB8_ALPHA8, this.levels);
   }
 
-  // `source`: a canvas of the texture's size.
-  set(source) {
+  // `source`: a canvas of the texture's size. Colours are multiplied by alpha, or stay as they are.
+  set(source, premultiply = true) {
     const {gl} = this.graphics;
     gl.bindTexture(gl.TEXTURE_2D, this.texture);
     gl.pixelStorei(gl.UNPACK_COLORSPACE_CONVERSION_WEBGL, gl.NONE);
-    gl.pixelStorei(gl.UNPACK_PREMULTIPLY_ALPHA_WEBGL, true);
+    gl.pixelStorei(gl.UNPACK_PREMULTIPLY_ALPHA_WEBGL, premultiply);
     gl.texSubImage2D(gl.TEXTURE_2D, 0, 0, 0, gl.RGBA, gl.UNSIGNED_BYTE, source);
     gl.generateMipmap(gl.TEXTURE_2D);
   }
 
   free() { this.graphics.gl.deleteTexture(this.texture); }
+}
+
+// What one camera sees, rasterised once: the samples' G-buffer and its means. Kept while nothing changes.
+class GbufferView {
+  constructor(renderer) { this.renderer = renderer; }
+
+  draw(camera, side) {
+    const key = JSON.stringify([camera, side]);
+    if (key === this.key) return;
+    const {renderer} = this, format = renderer.sumFormat;
+    this.samples = renderer.graphics.fit(this.samples, camera.width * side, camera.height * side,
+                                         [format, format, format, format]);
+    this.device = sampleDevice(camera, side), this.camera = camera, this.side = side;
+    this.depth = renderer.centreDepth(camera);
+    renderer.counts.splats = renderer.rasterise(this.samples, this.device, this.depth, 'splats.frag');
+    renderer.counts.samples = this.samples.width * this.samples.height;
+    this.key = key;
+    this.averaged = false;
+  }
+
+  // Of the samples, or of the means.
+  uniforms(target = this.samples) {
+    const [u_g0, u_g1, u_g2, u_g3] = target.textures;
+    return {u_g0, u_g1, u_g2, u_g3, u_depth: this.depth, u_side: target === this.samples ? this.side : 1};
+  }
+
+  // ffp_view_pass_gbuffer: means over the samples of each pixel.
+  mean() {
+    const {renderer, camera} = this, format = renderer.sumFormat;
+    if (this.side === 1) return this.samples;
+    if (!this.averaged) {
+      this.means = renderer.graphics.fit(this.means, camera.width, camera.height, [format, format, format, format]);
+      renderer.graphics.fill(this.means, ['average.frag'], this.uniforms());
+      this.averaged = true;
+    }
+    return this.means;
+  }
+
+  // The depth of what pixel (x, y) shows, 0 where there is nothing.
+  depthUnder(x, y) {
+    if (!this.samples || !(x >= 0 && y >= 0 && x < this.camera.width && y < this.camera.height)) return 0;
+    const at = (v) => Math.floor(v * this.side);
+    const texel = this.renderer.graphics.readFloats(this.samples, 0, at(x), at(y), 1, 1);
+    return texel[3] >= 0.5 ? texel[0] / texel[3] + this.depth : 0;
+  }
 }
 
 class Renderer {
@@ -33,6 +78,7 @@ class Renderer {
     this.sorter = new DepthSorter(scene.splats);
     this.counts = {};
     this.sumFormat = graphics.float32 ? graphics.gl.RGBA32F : graphics.gl.RGBA16F;
+    this.view = new GbufferView(this);
     this.upload(scene.splats);
   }
 
@@ -101,37 +147,6 @@ class Renderer {
     return dot3(axisOf(device.pose, 2), sub3(this.scene.centre, positionOf(device.pose)));
   }
 
-  // The samples' G-buffer for a camera; kept while nothing changes.
-  drawGbuffer(camera, side) {
-    const key = JSON.stringify([camera, side]);
-    if (key === this.gbufferKey) return;
-    const {graphics} = this, format = this.sumFormat;
-    this.gbuffer = graphics.fit(this.gbuffer, camera.width * side, camera.height * side, [format, format, format, format]);
-    this.device = sampleDevice(camera, side), this.camera = camera, this.side = side;
-    this.depth = this.centreDepth(camera);
-    this.counts.splats = this.rasterise(this.gbuffer, this.device, this.depth, 'splats.frag');
-    this.counts.samples = this.gbuffer.width * this.gbuffer.height;
-    this.gbufferKey = key;
-    this.averaged = false;
-  }
-
-  gbufferUniforms(target = this.gbuffer) {
-    const [u_g0, u_g1, u_g2, u_g3] = target.textures;
-    return {u_g0, u_g1, u_g2, u_g3, u_depth: this.depth, u_side: target === this.gbuffer ? this.side : 1};
-  }
-
-  // ffp_view_pass_gbuffer: means over the samples of each pixel.
-  meanGbuffer() {
-    if (this.side === 1) return this.gbuffer;
-    if (!this.averaged) {
-      const format = this.sumFormat;
-      this.mean = this.graphics.fit(this.mean, this.camera.width, this.camera.height, [format, format, format, format]);
-      this.graphics.fill(this.mean, ['average.frag'], this.gbufferUniforms());
-      this.averaged = true;
-    }
-    return this.mean;
-  }
-
   // ffp_shadow_map; `projector` keeps it while it stays where it is.
   drawShadow(projector) {
     const key = JSON.stringify(projector.device);
@@ -144,13 +159,13 @@ class Renderer {
   }
 
   lightUniforms(projector, camera) {
-    const shown = projector.pattern;
+    const shown = projector.pattern; // none: only for a pattern of 1 all over
     return {
       ...deviceUniforms('camera', camera), ...deviceUniforms('projector', projector.device),
       u_shadow: this.settings.shadows ? projector.shadow.textures[0] : null,
       u_shadow_depth: projector.shadowDepth || 0, u_shadow_bias: this.settings.shadow_bias,
       u_shadows: this.settings.shadows, u_footprint: this.settings.footprint, u_white: false,
-      u_pattern: shown.texture, u_levels: shown.levels,
+      u_pattern: shown ? shown.texture : null, u_levels: shown ? shown.levels : 1,
       u_intensity: scale3(this.scene.intensity, projector.brightness),
     };
   }
@@ -159,31 +174,31 @@ class Renderer {
   drawLight(camera, side, projectors, ambient) {
     const {graphics} = this, {gl} = graphics;
     for (const projector of projectors) this.drawShadow(projector);
-    this.drawGbuffer(camera, side);
+    this.view.draw(camera, side);
     this.light = graphics.fit(this.light, camera.width, camera.height, [gl.RGBA16F]);
-    graphics.fill(this.light, ['ambient.frag'], {...this.gbufferUniforms(), u_ambient: ambient ? 1 : 0});
+    graphics.fill(this.light, ['ambient.frag'], {...this.view.uniforms(), u_ambient: ambient ? 1 : 0});
     gl.enable(gl.BLEND);
     gl.blendFunc(gl.ONE, gl.ONE);
     for (const projector of projectors)
       graphics.fill(this.light, ['gbuffer.glsl', 'light.glsl', 'shade.frag'],
-                    {...this.gbufferUniforms(), ...this.lightUniforms(projector, this.device)});
+                    {...this.view.uniforms(), ...this.lightUniforms(projector, this.view.device)});
     gl.disable(gl.BLEND);
   }
 
   // Into a target, or the canvas (null).
   resolve(target, exposure) {
-    const {width, height} = this.camera;
+    const {width, height} = this.view.camera;
     this.graphics.fill(target, ['resolve.frag'], {
-      u_mean: this.light.textures[0], u_side: this.side, u_exposure: exposure, u_flip: !target, u_size: [width, height],
+      u_mean: this.light.textures[0], u_side: this.view.side, u_exposure: exposure, u_flip: !target, u_size: [width, height],
     }, width, height);
   }
 
   showMap(target, map) {
-    const {width, height} = this.camera;
-    const mean = this.meanGbuffer(), radius = this.scene.radius || 1;
-    const range = map === 1 ? this.depthRange(mean) : [this.depth - radius, this.depth + radius];
+    const {width, height} = this.view.camera;
+    const mean = this.view.mean(), radius = this.scene.radius || 1;
+    const range = map === 1 ? this.depthRange(mean) : [this.view.depth - radius, this.view.depth + radius];
     this.graphics.fill(target, ['gbuffer.glsl', 'maps.frag'], {
-      ...this.gbufferUniforms(mean), u_map: map, u_range: range, u_flip: !target, u_size: [width, height],
+      ...this.view.uniforms(mean), u_map: map, u_range: range, u_flip: !target, u_size: [width, height],
     }, width, height);
   }
 
@@ -193,18 +208,10 @@ class Renderer {
     let near = Infinity, far = 0;
     for (let i = 0; i < texels.length; i += 4)
       if (texels[i + 3] >= 0.5) {
-        const z = texels[i] / texels[i + 3] + this.depth;
+        const z = texels[i] / texels[i + 3] + this.view.depth;
         near = Math.min(near, z), far = Math.max(far, z);
       }
     return far > near ? [near, far] : [near, near + 1];
-  }
-
-  // The depth of what pixel (x, y) of the camera shows, 0 where there is nothing.
-  depthUnder(x, y) {
-    if (!this.gbuffer || x < 0 || y < 0 || x >= this.camera.width || y >= this.camera.height) return 0;
-    const at = (v) => Math.floor(v) * this.side;
-    const texel = this.graphics.readFloats(this.gbuffer, 0, at(x), at(y), 1, 1);
-    return texel[3] >= 0.5 ? texel[0] / texel[3] + this.depth : 0;
   }
 
   // The picture as numbers: RGBA bytes, row 0 on top.
