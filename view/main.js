@@ -5,6 +5,7 @@
 // that is fast enough.
 const QUALITIES = [{scale: 1, coarse: false}, {scale: 1, coarse: true}, {scale: 0.6, coarse: true}, {scale: 0.35, coarse: true}];
 const SLOW = 55, FAST = 18; // milliseconds a frame
+const FILLED = 0.88;       // share of the free part that the view's frame takes
 const WATCHER_MAX = 640;    // pixels across, of a camera that a picture is corrected for
 
 class App {
@@ -78,7 +79,7 @@ class App {
   // The camera for the whole window; what it looks at lies in the free part.
   cameraOf(ratio) {
     const [freeWidth, freeHeight] = this.freeSize();
-    const fitted = fitDevice({...this.base, pose: this.pose}, freeWidth * ratio, freeHeight * ratio);
+    const fitted = fitDevice({...this.base, pose: this.pose}, freeWidth * ratio, freeHeight * ratio, FILLED);
     return {...fitted, width: Math.max(1, Math.round(innerWidth * ratio)), height: Math.max(1, Math.round(innerHeight * ratio))};
   }
 

@@ -32,6 +32,18 @@ function handleOf(app, projector) {
   return {at: [middle[0] + away[0] * s, middle[1] + away[1] * s], inside: false};
 }
 
+// From a handle at the screen's edge to where the projector is.
+function drawArrow(context, app, at) {
+  const [width, height] = app.freeSize(), angle = Math.atan2(at[1] - height / 2, at[0] - width / 2);
+  context.save();
+  context.translate(...at);
+  context.rotate(angle);
+  context.beginPath();
+  context.moveTo(HANDLE + 9, 0), context.lineTo(HANDLE + 1, -6), context.lineTo(HANDLE + 1, 6);
+  context.fill();
+  context.restore();
+}
+
 function drawFrustum(context, app, projector, selected) {
   const camera = app.screenCamera();
   const corners = frustumCorners(app, projector.device).map((p) => onScreen(camera, p));
@@ -63,9 +75,10 @@ function drawFrustum(context, app, projector, selected) {
   context.beginPath();
   context.arc(...handle.at, HANDLE - (selected ? 0 : 3), 0, 2 * Math.PI);
   context.fill();
+  if (!handle.inside) drawArrow(context, app, handle.at);
   context.fillStyle = '#fff', context.font = '600 12px system-ui', context.textAlign = 'center';
   context.textBaseline = 'middle';
-  context.fillText(handle.inside ? projector.number : '➤', ...handle.at);
+  context.fillText(projector.number, ...handle.at);
   context.globalAlpha = 1;
 }
 
