@@ -337,6 +337,8 @@ typedef struct FfpCompensation {
     int steps;    // of gradient descent after the closed form; 0: none
     bool gaussians_only; // ambient light and response from the Gaussians even where the view has photographs
                          // under black and white
+    bool for_device;     // patterns for the real projector, which the capture must know (docs/formats.md,
+                         // projector.device): of its panel's size, with its lens's distortion and gamma
     FfpDrawing drawing;
 } FfpCompensation;
 
@@ -352,8 +354,8 @@ typedef struct FfpCompensationStats {
 } FfpCompensationStats;
 
 // Finds the patterns under which the cameras see their targets as nearly as light allows: linear images
-// called pattern_<view> (of the projector's size, one for each projector), seen_<view> and target_<view> (of
-// the camera's). `pattern` of the options is not looked at. `stats` may be NULL.
+// called pattern_<view> (of the projector's size, or its panel's, one for each projector), seen_<view> and
+// target_<view> (of the camera's). `pattern` of the options is not looked at. `stats` may be NULL.
 FFP_API FfpImages *ffp_compensate_images(FfpContext *context, const FfpGaussians *gaussians,
                                          const FfpCapture *capture, const FfpCompensation *options,
                                          FfpCompensationStats *stats, FfpError *err);

@@ -12,8 +12,10 @@
 #include "base/file.h"
 #include "base/log.h"
 #include "api/relight.h"
+#include "rig/panel.h"
 
 #define STEPS_MAX 100000
+#define DEVICE "projector.device"
 
 typedef struct Job {
     const FfpCompensation *options;
@@ -27,14 +29,17 @@ FfpCompensation ffp_compensation_defaults(void) {
     return (FfpCompensation){.gain = 1, .steps = 30};
 }
 
-static bool check_options(const FfpCompensation *options, FfpError *err) {
+static bool check_options(const FfpCompensation *options, const FfpCapture *capture, FfpError *err) {
     if (options->n_targets < 1) return ffp_fail(err, FFP_ERROR_ARGUMENT, NULL, "no target to compensate for");
     if (!(options->gain >= 0) || !isfinite(options->gain))
         return ffp_fail(err, FFP_ERROR_ARGUMENT, NULL, "a gain of %g is not above zero", options->gain);
     if (options->steps < 0 || options->steps > STEPS_MAX)
         return ffp_fail(err, FFP_ERROR_ARGUMENT, NULL, "%d steps are not in 0 to %d", options->steps,
                         STEPS_MAX);
-    return true;
+    return !options->for_device || capture->panel.known ||
+           ffp_fail(err, FFP_ERROR_ARGUMENT, capture->folder,
+                    "the capture does not know the real projector (scene.json: " DEVICE "): its projector "
+                    "is the ideal one of a generated or older capture; import it anew from the calibration");
 }
 
 // A target is a picture in the camera's frame: of its shape, if not of its size.
@@ -126,17 +131,29 @@ static void solve(Job *job, FfpCompensationStats *stats) {
     stats->patterns = stage->n_projections;
 }
 
-static FfpImages *collect(const FfpStage *stage) {
-    FfpImages *images = ffp_images_new();
-    for (int k = 0; k < stage->n_projections; k++)
-        ffp_images_add(images, ffp_image_copy(&stage->projections[k].pattern), "pattern",
-                       stage->projections[k].view->id);
+// The pattern of a projection as it is to be sent: to the ideal projector, or to the real one.
+static bool sent(const Job *job, int k, FfpImage *out, FfpError *err) {
+    const FfpProjection *projection = &job->stage.projections[k];
+    if (job->options->for_device)
+        return ffp_panel_picture(out, &job->capture->panel, &projection->view->projector,
+                                 &projection->pattern, DEVICE, err);
+    *out = ffp_image_copy(&projection->pattern);
+    return true;
+}
+
+static bool collect(const Job *job, FfpImages *images, FfpError *err) {
+    const FfpStage *stage = &job->stage;
+    for (int k = 0; k < stage->n_projections; k++) {
+        FfpImage pattern;
+        if (!sent(job, k, &pattern, err)) return false;
+        ffp_images_add(images, pattern, "pattern", stage->projections[k].view->id);
+    }
     for (int s = 0; s < stage->n_camera_views; s++) {
         const char *id = stage->camera_views[s].view->id;
         ffp_images_add(images, ffp_stage_picture(stage, s), "seen", id);
         ffp_images_add(images, ffp_image_copy(&stage->camera_views[s].target), "target", id);
     }
-    return images;
+    return true;
 }
 
 static void free_job(Job *job) {
@@ -156,7 +173,7 @@ static FfpImages *compensate(const FfpGaussians *gaussians, const FfpCapture *ca
     FfpCompensationStats found = {0};
     FfpImages *images = NULL;
     const double begin = ffp_seconds();
-    bool ok = check_options(options, err) &&
+    bool ok = check_options(options, capture, err) &&
               ffp_choose_views(&job.chosen, capture, options->poses, options->views, options->n_views, err) &&
               read_targets(&job, err);
     if (ok) {
@@ -168,12 +185,15 @@ static FfpImages *compensate(const FfpGaussians *gaussians, const FfpCapture *ca
     }
     if (ok) {
         solve(&job, &found);
-        images = collect(&job.stage);
+        images = ffp_images_new();
+        ok = collect(&job, images, err);
         found.seconds = ffp_seconds() - begin;
         if (stats) *stats = found;
     }
     free_job(&job);
-    return images;
+    if (ok) return images;
+    ffp_images_close(images);
+    return NULL;
 }
 
 // --- Files. ---

@@ -41,6 +41,19 @@ typedef struct FfpView {
         direct_white; // 3 channels, linear: direct projector light only, under the white pattern (generator)
 } FfpView;
 
+// The real projector behind the ideal ones of the views: what a picture has to be changed for before it is
+// shown on it. A ray (x, y, 1) in the projector's frame leaves the panel at (cx + fx x', cy + fy y'), x', y'
+// being x, y moved by the lens (rig/lens.h); a value v of a picture sent to it becomes light in proportion to
+// v^gamma, or to the sRGB curve of v.
+typedef struct FfpPanel {
+    bool known;
+    int width, height;   // pixels that the projector is sent
+    real fx, fy, cx, cy; // pixels of the panel
+    real lens[5];        // k1 k2 p1 p2 k3 of OpenCV's Brown-Conrady model
+    bool power;          // light is v^gamma ...
+    real gamma[3];       // ... per channel; else the sRGB curve of v
+} FfpPanel;
+
 typedef struct FfpCapture {
     char name[FFP_NAME_MAX];
     char folder[1024];
@@ -51,6 +64,7 @@ typedef struct FfpCapture {
     real intensity[3]; // projector radiant intensity at pattern value 1, W/sr in world units (I of the light
                        // model)
     bool intensity_known;
+    FfpPanel panel; // the projector as it is, where an import has kept it
     real centre[3],
         radius; // the object's bounding sphere, world units (given, or estimated from poses and masks)
 } FfpCapture;

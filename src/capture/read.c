@@ -138,6 +138,7 @@ bool ffp_capture_read_targets(FfpCapture *targets, const char *path, const FfpCa
     memcpy(targets->intensity, reference->intensity, sizeof targets->intensity);
     targets->radius = reference->radius;
     targets->intensity_known = reference->intensity_known;
+    targets->panel = reference->panel;
     return true;
 }
 

@@ -5,6 +5,9 @@
 #include "capture/manifest.h"
 
 #define RADIUS_MAX 1e9
+#define LENS_MAX 1e4    // of a lens's coefficients
+#define GAMMA_LEAST 0.1 // of a projector
+#define GAMMA_MOST 10
 
 // width, height, fx, fy, cx, cy; every key may be missing when `device` holds it already (an override of a
 // view's own).
@@ -30,12 +33,36 @@ static bool read_device(const FfpField *field, bool complete, int least_side, Ff
     return true;
 }
 
+// projector.device: the real projector, of which the rest describes the ideal one.
+static bool read_panel(const FfpField *projector, FfpPanel *panel, FfpError *err) {
+    static const char *const keys[4] = {"fx", "fy", "cx", "cy"};
+    real *const numbers[4] = {&panel->fx, &panel->fy, &panel->cx, &panel->cy};
+    FfpField field, part;
+    if (!ffp_field_find(projector, "device", &field)) return true;
+    if (!json_is_object(field.value)) return ffp_field_fail(&field, err, "must be an object");
+    if (!ffp_get_whole(&field, "width", FFP_PATTERN_SIDE_MIN, FFP_IMAGE_SIDE_MAX, &panel->width, err) ||
+        !ffp_get_whole(&field, "height", FFP_PATTERN_SIDE_MIN, FFP_IMAGE_SIDE_MAX, &panel->height, err))
+        return false;
+    for (int i = 0; i < 4; i++) {
+        const double low = i < 2 ? 1e-3 : -FFP_PIXELS_MAX;
+        if (!ffp_get_number(&field, keys[i], low, FFP_PIXELS_MAX, numbers[i], err)) return false;
+    }
+    if (ffp_field_find(&field, "lens", &part) &&
+        !ffp_field_numbers(&part, 5, -LENS_MAX, LENS_MAX, panel->lens, err))
+        return false;
+    panel->power = ffp_field_find(&field, "gamma", &part);
+    if (panel->power && !ffp_field_numbers(&part, 3, GAMMA_LEAST, GAMMA_MOST, panel->gamma, err))
+        return false;
+    return panel->known = true;
+}
+
 static bool read_projector(FfpManifest *manifest, const FfpField *root, FfpCamera *projector, FfpError *err) {
     FfpField field, intensity;
     if (!ffp_field_get(root, "projector", &field, err)) return false;
     if (!read_device(&field, true, FFP_PATTERN_SIDE_MIN, projector, err)) return false;
     manifest->pattern_width = projector->width;
     manifest->pattern_height = projector->height;
+    if (!read_panel(&field, &manifest->capture->panel, err)) return false;
     if (!ffp_field_find(&field, "intensity", &intensity)) return true;
     manifest->capture->intensity_known = true;
     return ffp_field_numbers(&intensity, 3, 1e-12, 1e18, manifest->capture->intensity, err);

@@ -45,6 +45,15 @@ static json_t *device(const FfpCamera *camera) {
                      (double)camera->cy);
 }
 
+static json_t *describe_panel(const FfpPanel *panel) {
+    json_t *json = json_pack("{s:i, s:i, s:f, s:f, s:f, s:f}", "width", panel->width, "height", panel->height,
+                             "fx", (double)panel->fx, "fy", (double)panel->fy, "cx", (double)panel->cx, "cy",
+                             (double)panel->cy);
+    json_object_set_new(json, "lens", numbers(panel->lens, 5));
+    if (panel->power) json_object_set_new(json, "gamma", numbers(panel->gamma, 3));
+    return json;
+}
+
 static bool same_device(const FfpCamera *a, const FfpCamera *b) {
     return a->width == b->width && a->height == b->height && a->fx == b->fx && a->fy == b->fy &&
            a->cx == b->cx && a->cy == b->cy;
@@ -160,6 +169,7 @@ static void describe_rig(const FfpCapture *capture, json_t *root) {
     json_t *projector = device(&capture->views[0].projector);
     json_object_set_new(projector, "intensity",
                         capture->intensity_known ? numbers(capture->intensity, 3) : json_null());
+    if (capture->panel.known) json_object_set_new(projector, "device", describe_panel(&capture->panel));
     json_object_set_new(root, "format", json_string("ffprocams-capture"));
     json_object_set_new(root, "version", json_integer(1));
     json_object_set_new(root, "name", json_string(capture->name));

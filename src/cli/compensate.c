@@ -107,6 +107,12 @@ static const FfpOption options[] = {
      .offset = offsetof(Arguments, how.gaussians_only),
      .help = "do not use the view's photographs under black and white, which otherwise say how bright each "
              "pixel gets"},
+    {.name = "for-device",
+     .type = FFP_OPTION_FLAG,
+     .offset = offsetof(Arguments, how.for_device),
+     .help = "write the pattern as the real projector is to be sent it: of its panel's size, with its lens's "
+             "distortion put in again and its gamma undone, as import has kept them in scene.json "
+             "(projector.device)"},
     FFP_CLI_DRAWING(offsetof(Arguments, how.drawing.form), FFP_CLI_FORM_HELP),
     FFP_CLI_SAMPLES(offsetof(Arguments, how.drawing.samples), FFP_CLI_SAMPLES_HELP),
     {0},

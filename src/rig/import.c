@@ -11,6 +11,7 @@
 #include "rig/checks.h"
 #include "rig/fit_axis.h"
 #include "rig/mask.h"
+#include "rig/panel.h"
 #include "rig/response.h"
 
 #define CHANCE_MAX 0.75 // of what chance explains: more, and the pattern explains nothing
@@ -110,11 +111,15 @@ static bool settle_projector(Import *import, FfpCamera *pinhole, FfpError *err) 
     // nepmap's matrices are those of the pictures that lie with them.
     if (import->calibration.n_pictures > 0 && optics->width == 0 && at->width == 0)
         optics->width = width, optics->height = height;
+    FfpOptics panel = *optics; // as it was calibrated, whatever was done to the patterns since
+    if (at->width > 0) panel.width = at->width, panel.height = at->height;
     if (!ffp_optics_settle(optics, at, width, height, "projector", path, err) ||
         !ffp_optics_check(optics, "projector", err)) {
         return false;
     }
     ffp_optics_pinhole(optics, 0, pinhole);
+    if (panel.width == 0) panel.width = optics->width, panel.height = optics->height;
+    ffp_panel_describe(&import->capture.panel, &panel);
     return true;
 }
 
@@ -362,6 +367,8 @@ static void log_response(const FfpResponse *r, double before, double after) {
 static bool find_response(Import *import, FfpError *err) {
     FfpCapture *capture = &import->capture;
     const bool linear = import->settings->linear_patterns;
+    capture->panel.power = linear || import->settings->fit_response;
+    for (int c = 0; c < 3; c++) capture->panel.gamma[c] = 1;
     if (!import->settings->fit_response) return true;
     const int active = ffp_capture_active_pattern(capture, NULL, err);
     if (active < 0 || !ffp_fit_response(&import->response, capture, active, linear, err)) return false;
@@ -370,7 +377,10 @@ static bool find_response(Import *import, FfpError *err) {
         if (p != capture->black && p != capture->white)
             ffp_response_apply(&import->response, linear, &capture->patterns[p].image);
     }
-    for (int c = 0; c < 3; c++) capture->intensity[c] = (real)import->response.intensity;
+    for (int c = 0; c < 3; c++) {
+        capture->intensity[c] = (real)import->response.intensity;
+        capture->panel.gamma[c] = (real)import->response.gamma[c];
+    }
     capture->intensity_known = true;
     const FfpExplanation found = ffp_rig_explain(capture, active);
     if (!(found.error < CHANCE_MAX * found.chance))

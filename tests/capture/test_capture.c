@@ -200,6 +200,9 @@ static void written_capture_comes_back(void **state) {
     FfpCapture capture, back;
     FfpError err = {0};
     assert_true(ffp_capture_read(&capture, scratch, &err));
+    assert_false(capture.panel.known);
+    capture.panel = (FfpPanel){
+        true, 1920, 1080, 2210.5F, 2208, 958.2F, 1100, {0.1F, -0.2F, 0, 0.01F, 0}, true, {2.2F, 2.1F, 1}};
     add_truth(&capture.views[1], 5);
     write_text("stale.txt", "x");
     if (!ffp_capture_write(&capture, in_scratch("copy/of it"), &err)) fail_msg("%s", err.text);
@@ -210,6 +213,11 @@ static void written_capture_comes_back(void **state) {
     assert_true(back.radius == capture.radius && back.intensity[2] == capture.intensity[2] &&
                 back.intensity_known);
     for (int i = 0; i < 4; i++) assert_same_image(&back.patterns[i].image, &capture.patterns[i].image, 1e-6);
+    const FfpPanel *panel = &back.panel;
+    assert_true(panel->known && panel->width == 1920 && panel->height == 1080 && panel->power);
+    assert_true(panel->fx == 2210.5F && panel->fy == 2208 && panel->cx == 958.2F && panel->cy == 1100);
+    assert_memory_equal(panel->lens, capture.panel.lens, sizeof panel->lens);
+    assert_memory_equal(panel->gamma, capture.panel.gamma, sizeof panel->gamma);
     for (int v = 0; v < 2; v++) {
         const FfpView *a = &capture.views[v], *b = &back.views[v];
         assert_string_equal(a->id, b->id);

@@ -28,6 +28,8 @@ static void expect_damage_refused(const char *text, const Damage *damage, const 
     ffp_free(broken);
 }
 
+#define DEVICE(rest)                                                                                         \
+    "\"device\": {\"width\": 40, \"height\": 30, \"fx\": 50, \"fy\": 50, \"cx\": 20, " rest "}, "
 #define C2W_A "[[0, 0, -1, 3], [1, 0, 0, 0], [0, -1, 0, 0], [0, 0, 0, 1]]"
 
 static void broken_scenes_are_refused(void **state) {
@@ -61,6 +63,15 @@ static void broken_scenes_are_refused(void **state) {
         {"\"centre\": [0, 0, 0]", "\"centre\": [0, 0]", "has 2 entries; 3 to 3", "object.centre"},
         {"\"intensity\": [7, 8, 9]", "\"intensity\": [7, 8, -9]", "-9 is outside", "projector.intensity[2]"},
         {"\"intensity\": [7, 8, 9]", "\"intensity\": 7", "must be an array", "projector.intensity"},
+        {"\"intensity\"", DEVICE("\"cy\": 5, \"lens\": [0, 0, 0, 0]") "\"intensity\"", "has 4 entries",
+         "projector.device.lens"},
+        {"\"intensity\"", DEVICE("\"cy\": 5, \"gamma\": [2, 0, 2]") "\"intensity\"", "0 is outside",
+         "projector.device.gamma[1]"},
+        {"\"intensity\"", DEVICE("\"lens\": [0, 0, 0, 0, 0]") "\"intensity\"", "missing field",
+         "projector.device.cy"},
+        {"\"intensity\"", "\"device\": {\"width\": 1e9}, \"intensity\"", "whole number",
+         "projector.device.width"},
+        {"\"intensity\"", "\"device\": 3, \"intensity\"", "must be an object", "projector.device"},
         {"\"role\": \"black\"", "\"role\": \"dark\"", "role 'dark' is none of", "patterns[0].role"},
         {"\"role\": \"black\"", "\"role\": \"white\"", "a second pattern with the role white",
          "patterns[1].role"},

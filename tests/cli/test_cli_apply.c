@@ -85,6 +85,74 @@ static void compensation_for_new_poses_uses_the_gaussians(void **state) {
     assert_true(ffp_is_file(in_scratch("new.png")));
 }
 
+// The capture with a real projector of a panel of 96 x 64 pixels, as an import keeps it.
+static void write_capture_with_device(const char *folder, const char *device) {
+    FfpCapture capture;
+    FfpError err = {0};
+    char *text, *end;
+    size_t size;
+    if (!ffp_capture_read(&capture, in_scratch("tiny"), &err) ||
+        !ffp_capture_write(&capture, in_scratch(folder), &err))
+        fail_msg("%s", err.text);
+    ffp_capture_free(&capture);
+    char name[64];
+    snprintf(name, sizeof name, "%s/scene.json", folder);
+    assert_true(ffp_read_file(in_scratch(name), 1 << 20, &text, &size, NULL));
+    char *at = strstr(text, "\"intensity\"");
+    assert_non_null(at);
+    end = ffp_alloc(size + strlen(device) + 32, 1);
+    sprintf(end, "%.*s\"device\": %s, %s", (int)(at - text), text, device, at);
+    assert_true(ffp_write_file(in_scratch(name), end, strlen(end), &err));
+    ffp_free(text);
+    ffp_free(end);
+}
+
+// By a gamma of 3 the values sent make the light that the ideal pattern has where the ray meets it.
+static void compensate_writes_what_the_device_is_sent(void **state) {
+    (void)state;
+    FfpImage ideal, sent;
+    write_capture_with_device("real", "{\"width\": 96, \"height\": 64, \"fx\": 90, \"fy\": 70, \"cx\": 48, "
+                                      "\"cy\": 32, \"gamma\": [3, 3, 3]}");
+    run_format(&run,
+               "compensate %s/tiny.ply -c %s/real -v view_1 -t %s/tiny/view_2_stripes.png --paint -s 3 -o "
+               "%s/ideal.png",
+               scratch, scratch, scratch, scratch);
+    must_run();
+    run_format(&run,
+               "compensate %s/tiny.ply -c %s/real -v view_1 -t %s/tiny/view_2_stripes.png --paint -s 3 -o "
+               "%s/sent.png --for-device",
+               scratch, scratch, scratch, scratch);
+    must_run();
+    read_encoded(&ideal, "ideal.png");
+    read_encoded(&sent, "sent.png");
+    assert_int_equal(sent.width, 96);
+    assert_int_equal(sent.height, 64);
+    FfpCapture capture;
+    FfpError err = {0};
+    assert_true(ffp_capture_read(&capture, in_scratch("real"), &err));
+    const FfpCamera *pinhole = &capture.views[1].projector;
+    double worst = 0;
+    int count = 0;
+    ffp_image_to_linear(&ideal);
+    for (int i = 0; i < 96 * 64; i++) {
+        const real u = pinhole->cx + pinhole->fx * (i % 96 + 0.5F - 48) / 90,
+                   v = pinhole->cy + pinhole->fy * (i / 96 + 0.5F - 32) / 70;
+        if (!(u > 0 && v > 0 && u < pinhole->width && v < pinhole->height)) continue;
+        real light[4];
+        ffp_image_sample(&ideal, u, v, light);
+        for (int c = 0; c < 3; c++) {
+            if (light[c] < 0.05F) continue; // an eighth bit is much there
+            worst = fmax(worst, (double)fabsf(sent.data[4 * i + c] - cbrtf(light[c])));
+            count++;
+        }
+    }
+    assert_true(count > 500);
+    assert_true(worst < 0.01);
+    ffp_capture_free(&capture);
+    ffp_image_free(&ideal);
+    ffp_image_free(&sent);
+}
+
 // One splat a pixel of every view, from the generator's own maps.
 static void write_true_gaussians(const FfpCapture *capture, const char *path) {
     const int pixels = capture->views[0].camera.width * capture->views[0].camera.height;
@@ -185,6 +253,11 @@ static void must_fail(int status, const char *what, const char *file) {
 
 static void wrong_compensations_say_what_is_wrong(void **state) {
     (void)state;
+    run_format(&run,
+               "compensate %s/tiny.ply -c %s/tiny -v view_1 -t %s/tiny/view_2_stripes.png -o %s/no.png "
+               "--for-device",
+               scratch, scratch, scratch, scratch);
+    must_fail(1, "does not know the real projector", "no.png");
     const char *start = "compensate";
     char common[512];
     snprintf(common, sizeof common, "%s %s/tiny.ply -c %s/tiny -o %s/never.png", start, scratch, scratch,
@@ -281,6 +354,7 @@ static void help_teaches(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(compensate_writes_pattern_prediction_and_target),
+        cmocka_unit_test(compensate_writes_what_the_device_is_sent),
         cmocka_unit_test(several_projectors_get_a_pattern_each),
         cmocka_unit_test(compensation_for_new_poses_uses_the_gaussians),
         cmocka_unit_test(maps_of_a_generated_scene_go_there_and_back),

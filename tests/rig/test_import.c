@@ -526,6 +526,10 @@ static void test_lenses(void **state) {
     ffp_pose_inverse(rig.stops[1].c2w, w2c);
     for (int i = 0; i < 3; i++) seen.centre[i] = (real)w2c[4 * i + 3];
     const double with = explained(&capture, seen);
+    const FfpPanel *panel = &capture.panel; // the projector as it is
+    assert_true(panel->known && panel->width == rig.projector.width && panel->height == rig.projector.height);
+    assert_true(fabs((double)panel->cy - rig.projector.cy) < 1e-4 && !panel->power);
+    for (int i = 0; i < 5; i++) assert_true(fabs((double)panel->lens[i] - rig.projector.lens[i]) < 1e-6);
     ffp_capture_free(&capture);
     memset(rig.stops[1].camera.lens, 0, sizeof rig.stops[1].camera.lens);
     write_opencv(&rig, 1, "one.yml");
@@ -569,6 +573,12 @@ static void test_other_sizes(void **state) {
     must_fail(call, "camera.fit");
     call->options.camera.fit = FFP_PICTURES_SCALED;
     check(call, &rig, 50);
+    FfpCapture capture; // the panel is what was calibrated
+    if (!ffp_capture_read(&capture, call->folder, &err)) fail_msg("%s", err.text);
+    assert_true(capture.panel.width == p->width && capture.panel.height == p->height);
+    assert_true(fabs((double)capture.panel.cx - p->cx) < 1e-4 &&
+                fabs((double)capture.panel.cx - (double)capture.views[0].projector.cx - 31) < 1e-4);
+    ffp_capture_free(&capture);
 }
 
 // Half as wide: the pinhole keeps its field, and a pixel is the mean of four.
@@ -681,6 +691,10 @@ static void test_linear_files(void **state) {
     Call *call = call_of("linear", "model", NULL);
     call->options.linear_images = call->options.linear_patterns = true;
     check(call, &rig, 50);
+    FfpCapture capture;
+    if (!ffp_capture_read(&capture, call->folder, &err)) fail_msg("%s", err.text);
+    assert_true(capture.panel.power && capture.panel.gamma[0] == 1 && capture.panel.gamma[2] == 1);
+    ffp_capture_free(&capture);
 }
 
 // The white picture's alpha channel masks the others, unless it is 1 everywhere.
