@@ -150,6 +150,19 @@ static void write_splats(Writer *w) {
     fputs(",\n", w->out);
 }
 
+static void write_panel(FILE *out, const FfpPanel *p) {
+    if (!p->known) return;
+    fprintf(out,
+            "\"panel\":{\"width\":%d,\"height\":%d,\"fx\":%.9g,\"fy\":%.9g,\"cx\":%.9g,\"cy\":%.9g,\"lens\":",
+            p->width, p->height, (double)p->fx, (double)p->fy, (double)p->cx, (double)p->cy);
+    write_numbers(out, p->lens, 5);
+    if (p->power) {
+        fputs(",\"gamma\":", out);
+        write_numbers(out, p->gamma, 3);
+    }
+    fputs("},\n", out);
+}
+
 char *ffp_page_scene(const FfpPageSource *source, FfpPacked *packed, FfpPageStats *stats, FfpError *err) {
     FfpText *text = ffp_text_new();
     Writer w = {source, packed, stats, ffp_text_stream(text), 0, 0};
@@ -162,6 +175,7 @@ char *ffp_page_scene(const FfpPageSource *source, FfpPacked *packed, FfpPageStat
     write_numbers(w.out, capture->intensity, 3);
     fputs(",\n", w.out);
     write_drawing(w.out, source->settings);
+    write_panel(w.out, &capture->panel);
     write_splats(&w);
     if (write_patterns(&w, err) && write_views(&w, err)) return ffp_text_end(text);
     ffp_text_free(text);
