@@ -421,6 +421,7 @@ typedef struct FfpEvaluation {
     const char *report;  // file for a self-contained HTML report, or NULL
     const char
         *show_pattern; // image file: the report also shows views under it (no truth, no figures), or NULL
+    const char *live;  // page of ffp_view that the report links to, as the link is to be written; or NULL
     const char *perceptual; // safetensors with LPIPS weights, or NULL
     FfpDrawing drawing;
 } FfpEvaluation;

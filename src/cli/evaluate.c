@@ -84,6 +84,7 @@ static int check(const FfpEvaluation *evaluation, const char *model) {
         return ffp_cli_usage("evaluate", "--gaussians goes with one CAPTURE");
     if (evaluation->n_targets > 1 && evaluation->n_targets != evaluation->n_captures)
         return ffp_cli_usage("evaluate", "give --targets once, or once for each CAPTURE");
+    if (evaluation->live && !evaluation->report) return ffp_cli_usage("evaluate", "--live needs --report");
     if (evaluation->show_pattern && !evaluation->report)
         return ffp_cli_usage("evaluate", "--show-pattern needs --report");
     return -1;
@@ -190,6 +191,12 @@ static const FfpOption options[] = {
      .offset = offsetof(Arguments, evaluation.show_pattern),
      .group = "results",
      .help = "image file: the report also shows the views relit by it"},
+    {.name = "live",
+     .argument = "PAGE",
+     .type = FFP_OPTION_TEXT,
+     .offset = offsetof(Arguments, evaluation.live),
+     .group = "results",
+     .help = "page of `ffprocams view` that the report links to, as seen from the report (spot.html)"},
     {0},
 };
 

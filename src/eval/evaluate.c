@@ -276,7 +276,7 @@ static FfpScore *evaluate(const FfpEvaluation *options, int *n_scores, FfpError 
     if (!check_options(options, err)) return NULL;
     bool ok = open_perceptual(&shared, err) && check_captures(&shared, err);
     if (options->report)
-        shared.report = ffp_report_new(options->model_name ? options->model_name : "unnamed");
+        shared.report = ffp_report_new(options->model_name ? options->model_name : "unnamed", options->live);
     shared.scores = ffp_alloc(FFP_PROTOCOLS * ((size_t)options->n_captures + 1), sizeof *shared.scores);
     for (int i = 0; ok && i < options->n_captures; i++) ok = evaluate_capture(&shared, i, err);
     if (ok && options->json) ok = ffp_scores_write(shared.scores, shared.n_scores, options, err);

@@ -3,6 +3,7 @@
 #include <string.h>
 #include <tgmath.h>
 #include "base/arena.h"
+#include "base/base64.h"
 #include "base/file.h"
 #include "base/text.h"
 #include "api/relight.h"
@@ -14,11 +15,13 @@ struct FfpReport {
     FfpText *text; // grows until the page is written
     FILE *body;    // its stream
     const char *predictor;
+    const char *live; // page that it links to, or NULL
 };
 
-FfpReport *ffp_report_new(const char *predictor) {
+FfpReport *ffp_report_new(const char *predictor, const char *live) {
     FfpReport *report = ffp_alloc(1, sizeof *report);
     report->predictor = predictor;
+    report->live = live;
     report->text = ffp_text_new();
     report->body = ffp_text_stream(report->text);
     return report;
@@ -46,18 +49,6 @@ static void put_escaped(FILE *out, const char *text) {
     }
 }
 
-// RFC 4648
-static void put_base64(FILE *out, const unsigned char *bytes, size_t size) {
-    static const char digits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-    for (size_t i = 0; i < size; i += 3) {
-        const unsigned a = bytes[i], b = i + 1 < size ? bytes[i + 1] : 0, c = i + 2 < size ? bytes[i + 2] : 0;
-        fputc(digits[a >> 2], out);
-        fputc(digits[(a & 3) << 4 | b >> 4], out);
-        fputc(i + 1 < size ? digits[(b & 15) << 2 | c >> 6] : '=', out);
-        fputc(i + 2 < size ? digits[c & 63] : '=', out);
-    }
-}
-
 // Pictures are made in memory: the encoder can only fail for lack of it.
 static void put_image(FILE *out, const FfpImage *encoded) {
     unsigned char *bytes = NULL;
@@ -71,7 +62,7 @@ static void put_image(FILE *out, const FfpImage *encoded) {
     }
     if (!ffp_image_encode_png(small.data ? &small : encoded, &bytes, &size, NULL)) ffp_no_memory(0);
     fputs("<img alt=\"\" src=\"data:image/png;base64,", out);
-    put_base64(out, bytes, size);
+    ffp_write_base64(out, bytes, size);
     fputs("\">", out);
     ffp_free(bytes);
     ffp_image_free(&small);
@@ -219,6 +210,11 @@ bool ffp_report_write(FfpReport *report, const FfpScore *scores, int n_scores, c
     fputs("</style>\n<h1>Relit captures</h1>\n<p>Predicted by: ", out.stream);
     put_escaped(out.stream, report->predictor);
     fputs(".</p>\n", out.stream);
+    if (report->live) {
+        fputs("<p><a href=\"", out.stream);
+        put_escaped(out.stream, report->live);
+        fputs("\">See it live</a>: turn the object and move the projector.</p>\n", out.stream);
+    }
     put_scores(out.stream, scores, n_scores);
     size_t size;
     const char *text = ffp_text_so_far(report->text, &size);

@@ -8,7 +8,8 @@
 
 typedef struct FfpReport FfpReport;
 
-FfpReport *ffp_report_new(const char *predictor); // what made the predictions, for the heading
+// `predictor`: what made the predictions, for the heading; `live`: a page that it links to, or NULL.
+FfpReport *ffp_report_new(const char *predictor, const char *live);
 void ffp_report_free(FfpReport *report);
 
 // Sections follow each other in the order of the calls. Pictures are made small enough for a page.

@@ -2,6 +2,7 @@
 #include <stdio.h>
 #include <string.h>
 #include "base/alloc.h"
+#include "base/base64.h"
 #include "base/call.h"
 #include "base/file.h"
 #include "view/view.h"
@@ -14,24 +15,6 @@ void ffp_pack(FfpPacked *packed, const void *bytes, size_t size) {
     }
     if (bytes) memcpy(packed->bytes + packed->size, bytes, size);
     packed->size += size;
-}
-
-// RFC 4648, without line breaks.
-static void write_base64(FILE *out, const FfpPacked *packed) {
-    static const char digits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-    char line[4 * 1024];
-    size_t filled = 0;
-    for (size_t i = 0; i < packed->size; i += 3) {
-        const size_t left = packed->size - i;
-        const unsigned a = packed->bytes[i], b = left > 1 ? packed->bytes[i + 1] : 0,
-                       c = left > 2 ? packed->bytes[i + 2] : 0;
-        line[filled++] = digits[a >> 2];
-        line[filled++] = digits[(a & 3) << 4 | b >> 4];
-        line[filled++] = '=', line[filled++] = '=';
-        if (left > 1) line[filled - 2] = digits[(b & 15) << 2 | c >> 6];
-        if (left > 2) line[filled - 1] = digits[c & 63];
-        if (filled == sizeof line || left <= 3) fwrite(line, 1, filled, out), filled = 0;
-    }
 }
 
 bool ffp_page_write(const FfpPageSource *source, const char *path, FfpPageStats *stats, FfpError *err) {
@@ -52,7 +35,7 @@ bool ffp_page_write(const FfpPageSource *source, const char *path, FfpPageStats 
     fputs(scene, out.stream);
     scene_at += strlen(FFP_PAGE_SCENE);
     fwrite(scene_at, 1, (size_t)(data_at - scene_at), out.stream);
-    write_base64(out.stream, &packed);
+    ffp_write_base64(out.stream, packed.bytes, packed.size);
     fputs(data_at + strlen(FFP_PAGE_DATA), out.stream);
     stats->bytes = (long long)ftello(out.stream);
     ffp_free(scene);

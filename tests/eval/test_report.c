@@ -88,7 +88,7 @@ static void test_pictures_in_the_page_are_the_pictures_given(void **state) {
     (void)state;
     static const char mark[] = "data:image/png;base64,";
     for (int width = 1; width < 6; width++) { // all lengths modulo 3 occur
-        FfpReport *report = ffp_report_new("nobody");
+        FfpReport *report = ffp_report_new("nobody", NULL);
         FfpImage image = ffp_image_new(width, 3, 3);
         for (int i = 0; i < 9 * width; i++) image.data[i] = (real)(i * 37 % 256) / 255;
         ffp_report_picture(report, &image, "a picture");
@@ -115,7 +115,7 @@ static void test_pictures_in_the_page_are_the_pictures_given(void **state) {
 
 static void test_names_cannot_break_the_page(void **state) {
     (void)state;
-    FfpReport *report = ffp_report_new("<script>alert(1)</script>");
+    FfpReport *report = ffp_report_new("<script>alert(1)</script>", "a\"b.html");
     FfpImage image = ffp_image_new(2, 2, 3);
     ffp_report_picture(report, &image, "<img src=\"http://elsewhere\"> & more");
     FfpScore score = scores[0];
@@ -125,6 +125,7 @@ static void test_names_cannot_break_the_page(void **state) {
     assert_null(strstr(text, "<script"));
     assert_null(strstr(text, "src=\"http"));
     assert_non_null(strstr(text, "&lt;img src=&quot;http://elsewhere&quot;&gt; &amp; more"));
+    assert_non_null(strstr(text, "<a href=\"a&quot;b.html\">"));
     assert_non_null(strstr(text, "</html>"));
     ffp_image_free(&image);
     ffp_report_free(report);
