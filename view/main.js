@@ -87,7 +87,8 @@ class App {
 
   // --- Projectors. ---
 
-  get lit() { return this.projectors.filter((projector) => projector.on); }
+  // Beside a photograph only the projector that it was taken under shines.
+  get lit() { return this.photograph ? [this.projector] : this.projectors.filter((projector) => projector.on); }
 
   addProjector() {
     const like = this.projector ? this.projector.device : (this.at || this.scene.views[0]).projector;
@@ -186,6 +187,7 @@ class App {
       this.photograph.bitmap.close();
       this.photograph = null;
     }
+    document.body.classList.toggle('comparing', !!this.photograph); // both lie over black
     this.changed('photograph');
     this.invalidate();
   }
