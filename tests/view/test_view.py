@@ -82,6 +82,9 @@ class Page(browser.Browser):
             let text = '';
             for (let i = 0; i < bytes.length; i += 8192) text += String.fromCharCode(...bytes.subarray(i, i + 8192));
             return btoa(text);
+        }; window.bytesOf = (canvas) => { const copy = makeCanvas(canvas.width, canvas.height);
+            const context = copy.getContext('2d', {willReadFrequently: true}); context.drawImage(canvas, 0, 0);
+            return context.getImageData(0, 0, copy.width, copy.height).data;
         }; window.idle = () => new Promise((done) => {
             const look = () => viewer.pending || viewer.stale || viewer.rough || viewer.moving ? setTimeout(look, 20) : done(true);
             look();
@@ -262,6 +265,46 @@ def check_controls(check, page):
     page.run("idle()")
     check("and its paint is cleared", change(base, page.pixels()) < 0.1)
     page.key("c")
+    page.key("b")
+    page.drag((240, 200), (290, 215))
+    page.set("erase", True)
+    page.set("brush-size", "60")
+    page.drag((230, 200), (300, 215))
+    page.set("erase", False)
+    page.run("idle()")
+    check("the eraser takes it away", change(base, page.pixels()) < change(base, painted) / 4, f"{change(base, page.pixels()):.3f} left")
+    page.click("#clear")
+    page.key("c")
+
+    def pinch():
+        for kind, gap in (("touchStart", 40), ("touchMove", 60), ("touchMove", 90), ("touchEnd", 0)):
+            points = [{"x": 260 - gap, "y": 200, "id": 1}, {"x": 260 + gap, "y": 200, "id": 2}] if gap else []
+            page.call("Input.dispatchTouchEvent", {"type": kind, "touchPoints": points})
+
+    changes("two fingers go nearer", pinch, home)
+    overlay = "(() => { const c = viewer.overlay, d = bytesOf(c); let n = 0; for (let i = 3; i < d.length; i += 4) n += d[i] > 0; return n; })()"
+    shown = page.run(overlay)
+    page.key("x")
+    check("X hides the frusta", shown > 500 and page.run(overlay) == 0, f"{shown} pixels of them")
+    page.key("x")
+    page.run("viewer.setProjectorPose(turnPose(viewer.projector.device.pose, axisOf(viewer.projector.device.pose, 0), 0.3, positionOf(viewer.projector.device.pose)))")
+    page.click("#aim")
+    middle_of = page.run("project(viewer.projector.device, viewer.scene.centre)")
+    check("Aim looks at the object", abs(middle_of[0] - 400) < 1 and abs(middle_of[1] - 400) < 1)
+    home()
+    page.key("?")
+    opened = page.run("document.getElementById('keys').open")
+    page.run("document.getElementById('keys').close()")
+    check("? shows the keys", opened)
+    panel = page.run("document.body.classList.contains('with-panel')")
+    page.key("h")
+    check("H shows and hides the panel", page.run("document.body.classList.contains('with-panel')") != panel)
+    page.key("h")
+    page.key("f")
+    page.wait("!!document.fullscreenElement")
+    page.key("f")
+    page.wait("!document.fullscreenElement")
+    check("F is full screen and back", True)
     shots = page.run("viewer.saved || 0")
     page.key("s")
     page.wait(f"(viewer.saved || 0) > {shots}")
@@ -288,6 +331,25 @@ def check_contents(check, page, folder):
     page.drop("wide.png", "image/png", png(1920, 1080, lambda x, y: (255, 40, 40) if x < 960 else (40, 40, 255)))
     page.wait("viewer.projector.content.name === 'wide.png'", 30)
     check("a pattern of 1920 x 1080 drops in", change(white, page.pixels()) > 1, f"{change(white, page.pixels()):.2f}")
+    wide = page.pixels()
+    page.set("fit", "stretch")
+    page.run("viewer.updatePatterns()")
+    check("Fit stretches it", change(wide, page.pixels()) > 0.1, f"{change(wide, page.pixels()):.2f}")
+    page.set("fit", "contain")
+    chosen = os.path.join(folder, "chosen.png")
+    with open(chosen, "wb") as file:
+        file.write(png(64, 64, lambda x, y: (0, 200, 0)))
+    root = page.call("DOM.getDocument")["root"]["nodeId"]
+    node = page.call("DOM.querySelector", {"nodeId": root, "selector": "#file"})["nodeId"]
+    page.call("DOM.setFileInputFiles", {"nodeId": node, "files": [os.path.abspath(chosen)]})
+    page.wait("viewer.projector.content.name === 'chosen.png'", 30)
+    check("a file is chosen", change(wide, page.pixels()) > 1)
+    page.run("""(() => { const transfer = new DataTransfer();
+        transfer.items.add(new File([Uint8Array.from(atob('%s'), (c) => c.charCodeAt(0))], 'pasted.png', {type: 'image/png'}));
+        window.dispatchEvent(new ClipboardEvent('paste', {clipboardData: transfer, bubbles: true})); })()""" %
+             base64.b64encode(png(32, 32, lambda x, y: (250, 0, 250))).decode())
+    page.wait("viewer.projector.content.name === 'pasted.png'", 30)
+    check("a picture is pasted", change(wide, page.pixels()) > 1)
     film = page.run("""(async () => { const c = document.createElement('canvas'); c.width = 96, c.height = 64;
         const context = c.getContext('2d'), recorder = new MediaRecorder(c.captureStream(20), {mimeType: 'video/webm'}), parts = [];
         recorder.ondataavailable = (e) => parts.push(e.data);
@@ -333,9 +395,6 @@ def check_window(check, page):
     page.click("#send")
     page.wait("viewer.window.isOpen")
     page.run("viewer.updatePatterns(); viewer.window.show(); true")
-    page.run("""window.bytesOf = (canvas) => { const copy = makeCanvas(canvas.width, canvas.height);
-        const context = copy.getContext('2d', {willReadFrequently: true}); context.drawImage(canvas, 0, 0);
-        return context.getImageData(0, 0, copy.width, copy.height).data; }; true""")
     same = page.run("""(() => { const {canvas} = viewer.window, from = viewer.projector.canvas;
         const a = bytesOf(canvas), b = bytesOf(from);
         let most = a.length === b.length ? 0 : 255, light = 0;
