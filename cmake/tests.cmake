@@ -47,6 +47,16 @@ if(NOT FFPROCAMS_SANITIZE)
   add_test(NAME readme COMMAND ${PROJECT_SOURCE_DIR}/tests/cli/readme.sh $<TARGET_FILE:ffprocams> $<TARGET_FILE:ffprocams_shared>)
 endif()
 
+# The page of `ffprocams view` in a headless Chromium; without one (or without Python) it is skipped.
+find_program(FFP_PYTHON python3)
+if(FFP_PYTHON AND NOT FFPROCAMS_SANITIZE)
+  add_test(NAME view_page COMMAND ${FFP_PYTHON} ${PROJECT_SOURCE_DIR}/tests/view/test_view.py $<TARGET_FILE:ffprocams>
+           ${PROJECT_SOURCE_DIR}/data/sample ${PROJECT_BINARY_DIR}/view-page)
+  set_tests_properties(view_page PROPERTIES SKIP_RETURN_CODE 77 TIMEOUT 600)
+elseif(NOT FFP_PYTHON)
+  message(STATUS "The page of `ffprocams view` is not tested: there is no python3")
+endif()
+
 # A sanitized library asks all that link it for the sanitizers.
 if(FFPROCAMS_INSTALL AND NOT FFPROCAMS_SANITIZE)
   add_test(NAME install COMMAND ${PROJECT_SOURCE_DIR}/script/test-install ${PROJECT_BINARY_DIR})

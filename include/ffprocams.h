@@ -265,6 +265,26 @@ FFP_API FfpNamedImage ffp_images_at(const FfpImages *images, int index);
 FFP_API FfpNamedImage ffp_images_find(const FfpImages *images, const char *name);
 FFP_API void ffp_images_close(FfpImages *images);
 
+// --- A page to look at. ---
+
+typedef struct FfpViewing {
+    const char *file;  // the page, one HTML file that needs nothing else
+    const char *poses; // file of more poses to jump to (targets.json or scene.json), or NULL
+    int photographs;   // longest side, pixels, of the photographs that go into it; 0: none
+    FfpDrawing drawing;
+} FfpViewing;
+FFP_API FfpViewing ffp_viewing_defaults(void); // photographs of 512 pixels
+
+typedef struct FfpViewingStats {
+    int64_t gaussians;
+    long long bytes;           // of the file
+    int patterns, photographs; // in it; a note says when there was no room for all
+} FfpViewingStats;
+// Writes a page on which Gaussians are drawn by the browser (WebGL 2) as ffp_render_pictures draws them,
+// while camera and projectors are moved (docs/view.md). `stats` may be NULL.
+FFP_API bool ffp_view(FfpContext *context, const FfpGaussians *gaussians, const FfpCapture *capture,
+                      const FfpViewing *options, FfpViewingStats *stats, FfpError *err);
+
 // --- Fitting to one object's photographs. ---
 
 typedef struct FfpRefinement {

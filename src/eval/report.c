@@ -3,6 +3,7 @@
 #include <string.h>
 #include <tgmath.h>
 #include "base/arena.h"
+#include "base/base64.h"
 #include "base/file.h"
 #include "base/text.h"
 #include "api/relight.h"
@@ -47,18 +48,6 @@ static void put_escaped(FILE *out, const char *text) {
     }
 }
 
-// RFC 4648
-static void put_base64(FILE *out, const unsigned char *bytes, size_t size) {
-    static const char digits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-    for (size_t i = 0; i < size; i += 3) {
-        const unsigned a = bytes[i], b = i + 1 < size ? bytes[i + 1] : 0, c = i + 2 < size ? bytes[i + 2] : 0;
-        fputc(digits[a >> 2], out);
-        fputc(digits[(a & 3) << 4 | b >> 4], out);
-        fputc(i + 1 < size ? digits[(b & 15) << 2 | c >> 6] : '=', out);
-        fputc(i + 2 < size ? digits[c & 63] : '=', out);
-    }
-}
-
 // Pictures are made in memory: the encoder can only fail for lack of it.
 static void put_image(FILE *out, const FfpImage *encoded, int side_max) {
     unsigned char *bytes = NULL;
@@ -72,7 +61,7 @@ static void put_image(FILE *out, const FfpImage *encoded, int side_max) {
     }
     if (!ffp_image_encode_png(small.data ? &small : encoded, &bytes, &size, NULL)) ffp_no_memory(0);
     fputs("<img alt=\"\" src=\"data:image/png;base64,", out);
-    put_base64(out, bytes, size);
+    ffp_write_base64(out, bytes, size);
     fputs("\">", out);
     ffp_free(bytes);
     ffp_image_free(&small);

@@ -8,7 +8,8 @@
 
 typedef struct FfpReport FfpReport;
 
-FfpReport *ffp_report_new(const char *predictor); // what made the predictions, for the heading
+// `predictor`: what made the predictions, for the heading.
+FfpReport *ffp_report_new(const char *predictor);
 void ffp_report_free(FfpReport *report);
 
 // Sections follow each other in the order of the calls. Pictures are made small enough for a page.

@@ -132,6 +132,16 @@ static bool map(FfpContext *context, const char *out, FfpError *err) {
     return ok;
 }
 
+static bool page(FfpContext *context, const char *out, FfpError *err) {
+    FfpCapture *capture = ffp_capture_open(context, in_scratch("capture"), err);
+    FfpGaussians *gaussians = capture ? given(context, err) : NULL;
+    const FfpViewing how = {.file = out, .poses = in_scratch("capture/scene.json"), .photographs = 8};
+    const bool ok = gaussians && ffp_view(context, gaussians, capture, &how, NULL, err);
+    ffp_gaussians_close(gaussians);
+    ffp_capture_close(capture);
+    return ok;
+}
+
 static bool evaluate(FfpContext *context, const char *out, FfpError *err) {
     const char *capture = in_scratch("capture");
     int count;
@@ -319,7 +329,7 @@ static void no_memory_elsewhere(void **state) {
         Work *work;
         int stride;
     } works[] = {{refine, 3},       {render, 3},     {draw, 1},        {compensate, 3},
-                 {map, 3},          {evaluate, 7},   {export_ply, 1},  {export_spz, 1},
+                 {map, 3}, {page, 1},          {evaluate, 7},   {export_ply, 1},  {export_spz, 1},
                  {export_gltf, 1},  {export_obj, 3}, {export_mesh, 3}, {inform, 1},
                  {copy_capture, 3}, {align, 199},    {generate, 13},   {train, 29}};
     for (size_t i = 0; i < sizeof works / sizeof *works; i++)
@@ -330,7 +340,7 @@ static void no_memory_elsewhere(void **state) {
 
 static void cancelled_anywhere(void **state) {
     (void)state;
-    Work *const works[] = {classical, by_network, render, compensate, evaluate, export_mesh, generate};
+    Work *const works[] = {classical, by_network, render, compensate, page, evaluate, export_mesh, generate};
     for (size_t i = 0; i < sizeof works / sizeof *works; i++) cancelled(works[i], 2);
 }
 

@@ -2,8 +2,9 @@
 #include "base/cpu.h"
 #include "cli/program.h"
 
-static const char *const commands[] = {"import",     "align", "info",     "reconstruct", "refine",   "render",
-                                       "compensate", "map",   "evaluate", "bench",       "generate", "train"};
+static const char *const commands[] = {"import",   "align",      "info", "reconstruct", "refine",
+                                       "render",   "compensate", "map",  "evaluate",    "bench",
+                                       "generate", "train",      "view"};
 static ProgramRun run;
 
 static void test_help_of_the_program_names_every_command(void **state) {
@@ -83,6 +84,11 @@ static void test_wrong_usage_exits_2_and_says_where_to_read(void **state) {
         "render a.ply",
         "render a.ply --capture b",
         "render a.ply --capture b -o c --drawing bright",
+        "view",
+        "view a.ply",
+        "view a.ply --capture b",
+        "view a.ply --capture b -o c --photographs 5000",
+        "evaluate a --viewer b.html",
         "evaluate",
         "evaluate a --predictor luck",
         "evaluate a --model none --predictor depth",

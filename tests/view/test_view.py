@@ -1,0 +1,487 @@
+#!/usr/bin/env python3
+"""The page of `ffprocams view` in a headless browser: its pictures against those of `ffprocams render`, every
+control by what it changes in the pixels, what it does with broken input.
+
+    test_view.py PROGRAM DATA [FOLDER]     screenshots stay in FOLDER
+
+Exits with 77 and a line where there is no browser."""
+import base64
+import math
+import os
+import struct
+import subprocess
+import sys
+import tempfile
+import time
+import zlib
+
+import browser
+
+LEAST, MEAN = 38.0, 45.0  # dB of single pictures and of all; measured: 63 and 65
+
+
+# --- Pictures, standard library only. ---
+
+def png(width, height, pixel, channels=3):
+    rows = b"".join(b"\0" + b"".join(bytes(pixel(x, y)) for x in range(width)) for y in range(height))
+
+    def chunk(kind, data):
+        return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
+
+    head = struct.pack(">IIBBBBB", width, height, 8, {1: 0, 3: 2, 4: 6}[channels], 0, 0, 0)
+    return b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", head) + chunk(b"IDAT", zlib.compress(rows, 6)) + chunk(b"IEND", b"")
+
+
+def read_png(path):
+    """Width, height and bytes of an 8-bit RGB PNG."""
+    data = open(path, "rb").read()
+    at, packed, head = 8, b"", None
+    while at < len(data):
+        size, kind = struct.unpack(">I4s", data[at:at + 8])
+        body = data[at + 8:at + 8 + size]
+        if kind == b"IHDR":
+            head = struct.unpack(">IIBBBBB", body)
+        elif kind == b"IDAT":
+            packed += body
+        at += 12 + size
+    width, height, depth, colour = head[:4]
+    assert depth == 8 and colour == 2 and head[6] == 0, path
+    raw, stride, out = zlib.decompress(packed), 3 * width, bytearray()
+    before = bytearray(stride)
+    for y in range(height):
+        kind, row = raw[y * (stride + 1)], bytearray(raw[y * (stride + 1) + 1:(y + 1) * (stride + 1)])
+        for i in range(stride):
+            left, up, corner = (row[i - 3] if i >= 3 else 0), before[i], (before[i - 3] if i >= 3 else 0)
+            if kind == 4:
+                p = left + up - corner
+                a, b, c = abs(p - left), abs(p - up), abs(p - corner)
+                row[i] = (row[i] + (left if a <= b and a <= c else up if b <= c else corner)) & 255
+            elif kind:
+                row[i] = (row[i] + {1: left, 2: up, 3: (left + up) // 2}[kind]) & 255
+        out += row
+        before = row
+    return width, height, bytes(out)
+
+
+def psnr(a, b, channels_a=3, channels_b=3):
+    pixels = len(a) // channels_a
+    assert pixels == len(b) // channels_b
+    total = sum((x - y) ** 2 for k in range(3) for x, y in zip(a[k::channels_a], b[k::channels_b]))
+    return 10 * math.log10(255 ** 2 * 3 * pixels / total) if total else 99.0
+
+
+# --- The page. ---
+
+class Page(browser.Browser):
+    def start(self, path):
+        self.open(path)
+        self.wait("document.readyState === 'complete' && !!window.ready")
+        assert self.run("window.ready"), self.run("document.getElementById('failure').textContent")
+        self.run("""window.pixels = (width, height, camera) => {
+            const bytes = viewer.picture(width, height, camera);
+            let text = '';
+            for (let i = 0; i < bytes.length; i += 8192) text += String.fromCharCode(...bytes.subarray(i, i + 8192));
+            return btoa(text);
+        }; window.bytesOf = (canvas) => { const copy = makeCanvas(canvas.width, canvas.height);
+            const context = copy.getContext('2d', {willReadFrequently: true}); context.drawImage(canvas, 0, 0);
+            return context.getImageData(0, 0, copy.width, copy.height).data;
+        }; window.idle = () => new Promise((done) => {
+            const look = () => viewer.pending || viewer.stale || viewer.rough || viewer.moving ? setTimeout(look, 20) : done(true);
+            look();
+        }); true""")
+
+    def pixels(self, width=128, height=128, camera="undefined"):
+        return base64.b64decode(self.run(f"pixels({width}, {height}, {camera})"))
+
+    def message(self):
+        return self.run("document.getElementById('toast').classList.contains('shown') ? "
+                        "document.getElementById('toast').textContent : ''")
+
+    def set(self, name, value):
+        """A control by its id, as a hand would."""
+        self.run(f"""(() => {{ const c = document.getElementById({name!r});
+            if (c.type === 'checkbox') c.checked = {str(bool(value)).lower()}; else c.value = {value!r};
+            c.dispatchEvent(new Event('input', {{bubbles: true}})); }})()""")
+
+    def click(self, selector):
+        self.run(f"document.querySelector({selector!r}).click()")
+
+    def drop(self, name, kind, data):
+        self.run(f"""(() => {{ document.getElementById('toast').classList.remove('shown');
+            const bytes = Uint8Array.from(atob({base64.b64encode(data).decode()!r}), (c) => c.charCodeAt(0));
+            const transfer = new DataTransfer();
+            transfer.items.add(new File([bytes], {name!r}, {{type: {kind!r}}}));
+            window.dispatchEvent(new DragEvent('drop', {{dataTransfer: transfer, bubbles: true, cancelable: true}})); }})()""")
+
+
+class Checks:
+    def __init__(self):
+        self.failed, self.began = 0, time.monotonic()
+
+    def __call__(self, what, good, measured=""):
+        self.failed += not good
+        print(f"{time.monotonic() - self.began:4.0f} s {'ok  ' if good else 'FAIL'} {what}{': ' if measured != '' else ''}{measured}", flush=True)
+
+
+def change(a, b):
+    """Mean difference of two pictures' bytes."""
+    return sum(abs(x - y) for x, y in zip(a, b)) / len(a)
+
+
+def check_pictures(check, page, program, ply, data, folder):
+    """The eight input poses and the six new ones under three patterns."""
+    patterns = ("all_white", "lollipop_0", "lollipop_3")
+    asked = [f"--pattern={pattern}" for pattern in patterns]
+    for poses in ([], ["--poses", os.path.join(data, "targets.json")]):
+        subprocess.run([program, "render", ply, "--capture", data, "-o", folder, *poses, *asked], check=True,
+                       stdout=subprocess.DEVNULL)
+    page.run("viewer.schedule = () => {}; true") # the window itself need not follow
+    scores = []
+    for index in range(page.run("viewer.scene.views.length")):
+        name = page.run(f"viewer.jump(viewer.scene.views[{index}], true); viewer.at.id")
+        for pattern in patterns:
+            page.run(f"""(async () => viewer.setContent(await patternContent(viewer.scene,
+                viewer.scene.patterns.findIndex((p) => p.name === {pattern!r}))))()""")
+            width, height, wanted = read_png(os.path.join(folder, f"{name}_{pattern}.png"))
+            scores.append(psnr(page.pixels(width, height), wanted, 4))
+    page.run("delete viewer.schedule; viewer.pending = false; viewer.invalidate()")
+    check("pictures as ffprocams render draws them", len(scores) == 42 and min(scores) >= LEAST and
+          sum(scores) / len(scores) >= MEAN, f"{len(scores)} pictures, mean {sum(scores) / len(scores):.2f} dB, least {min(scores):.2f} dB")
+
+
+def check_halves(check, page):
+    """Drivers without float blending sum in 16 bits: as good as that must be."""
+    full = page.pixels()
+    page.run("""(() => { const r = viewer.renderer; window.format = r.sumFormat; r.sumFormat = viewer.graphics.gl.RGBA16F;
+        r.view = new GbufferView(r); viewer.projector.shadow = null; viewer.projector.shadowKey = ''; })()""")
+    half = page.pixels()
+    page.run("""(() => { const r = viewer.renderer; r.sumFormat = window.format; r.view = new GbufferView(r);
+        viewer.projector.shadow = null; viewer.projector.shadowKey = ''; })()""")
+    score = psnr(full, half, 4, 4)
+    check("sums in 16 bits", score >= MEAN and score < 99, f"{score:.2f} dB from those in 32")
+
+
+def check_maps(check, page, program, ply, data, folder):
+    subprocess.run([program, "render", ply, "--capture", data, "-o", folder, "--maps", "--view", "path_0_theta000"],
+                   check=True, stdout=subprocess.DEVNULL)
+    page.run("viewer.jump(viewer.scene.views[0], true)")
+    scores = []
+    for number, name in ((2, "normal"), (3, "albedo"), (5, "ambient")):
+        page.set("map", str(number))
+        width, height, wanted = read_png(os.path.join(folder, f"path_0_theta000_{name}.png"))
+        scores.append(psnr(page.pixels(width, height), wanted, 4))
+    page.set("map", "light")
+    check("G-buffers as render --maps draws them", min(scores) >= LEAST, " ".join(f"{s:.1f} dB" for s in scores))
+
+
+def check_compensation(check, page, program, ply, data, folder):
+    """The closed form, painted and in colours, against `ffprocams compensate --steps 0`."""
+    target = os.path.join(data, "..", "sun.png")
+    page.run("viewer.jump(viewer.scene.views[2], true)")
+    view = page.run("viewer.at.id")
+    page.drop("sun.png", "image/png", open(target, "rb").read())
+    page.wait("viewer.projector.content.name === 'sun.png'")
+    for how, options in (("paint", ["--paint"]), ("colours", [])):
+        file = os.path.join(folder, how + ".png")
+        subprocess.run([program, "compensate", ply, "--capture", data, "--view", view, "--target", target, "--steps", "0",
+                        "--gaussians-only", "-o", file, *options], check=True, stdout=subprocess.DEVNULL)
+        page.set("correction", how)
+        page.set("watcher", view)
+        page.run("viewer.updatePatterns()")
+        made = base64.b64decode(page.run("""(() => {
+            const {data} = panelPicture(viewer.graphics, viewer.projector, null, window.kept = window.kept || {});
+            let text = '';
+            for (let i = 0; i < data.length; i += 8192) text += String.fromCharCode(...data.subarray(i, i + 8192));
+            return btoa(text); })()"""))
+        score = psnr(made, read_png(file)[2], 4)
+        check(f"correction, {how}, as compensate's closed form", score >= 30, f"{score:.2f} dB")
+    page.set("correction", "none")
+
+
+def check_controls(check, page):
+    """Each control changes the picture as it should."""
+    page.run("viewer.jump(viewer.scene.views[0], true)")
+    page.run("viewer.setContent(new TestContent('White'))")
+    base = page.pixels()
+    bright = sum(base)
+
+    def changes(what, do, undo, least=0.3):
+        do()
+        page.run("idle()")
+        moved = change(base, page.pixels())
+        undo()
+        page.run("idle()")
+        back = change(base, page.pixels())
+        check(what, moved >= least and back < 0.1, f"{moved:.2f} of 255 on average, and back to {back:.2f}")
+
+    middle = (260, 200)
+    home = lambda: page.run("viewer.jump(viewer.scene.views[0], true)")
+    changes("dragging turns the object", lambda: page.drag(middle, (340, 215)), home)
+    changes("dragging with the right button shifts it", lambda: page.drag(middle, (290, 225), "right"), home)
+    changes("the wheel goes nearer", lambda: page.call("Input.dispatchMouseEvent", {
+        "type": "mouseWheel", "x": 260, "y": 200, "deltaX": 0, "deltaY": -300}), home)
+    changes("arrow keys turn", lambda: page.key("ArrowLeft"), home)
+    changes("a number jumps to a view", lambda: page.key("4"), lambda: page.key("1"))
+    page.key("p")
+    changes("P: dragging moves the projector", lambda: page.drag(middle, (360, 200)), home)
+    page.key("c")
+    handle = page.run("handleOf(viewer, viewer.projector).at")
+    changes("the handle moves it in any mode", lambda: page.drag(handle, (handle[0] + 90, handle[1] + 60)), home)
+    changes("Lens", lambda: page.set("lens", "20"), home)
+    changes("Distance", lambda: page.set("distance", "4"), home)
+    page.run("viewer.setContent(new TestContent('Checker'))")
+    checker = page.pixels()
+    check("test pattern", change(base, checker) > 1, f"{change(base, checker):.2f}")
+    page.key("p")
+    page.drag(middle, (360, 200), modifiers=8)
+    check("P: dragging with Shift aims it", change(checker, page.pixels()) > 0.5, f"{change(checker, page.pixels()):.2f}")
+    page.key("c")
+    home()
+    page.set("roll", "30")
+    check("Roll", change(checker, page.pixels()) > 0.5, f"{change(checker, page.pixels()):.2f}")
+    home()
+    page.run("viewer.setContent(new TestContent('White'))")
+    changes("Brightness", lambda: page.set("brightness", "-2"), lambda: page.set("brightness", "0"))
+    changes("Exposure", lambda: page.set("exposure", "1"), lambda: page.set("exposure", "0"))
+    changes("Ambient light", lambda: page.set("ambient", False), lambda: page.set("ambient", True), 0.02)
+    changes("Lit", lambda: page.set("on", False), lambda: page.set("on", True))
+    changes("a colour", lambda: page.set("solid", "#3060ff"), lambda: page.run("viewer.setContent(new TestContent('White'))"))
+    changes("a text", lambda: page.set("text", "Hello"), lambda: page.run("viewer.setContent(new TestContent('White'))"))
+    page.key("n")
+    page.run("viewer.setContent(new SolidContent('#ff2020')); idle()")
+    two = page.pixels()
+    check("a second projector adds its light", page.run("viewer.projectors.length") == 2 and sum(two) > bright * 1.02 and
+          change(base, two) > 0.3, f"{sum(two) / bright:.2f} times as bright")
+    page.click("#remove")
+    page.run("idle()")
+    check("and is removed", change(base, page.pixels()) < 0.1)
+    page.key("b")
+    page.set("brush-colour", "#0040ff")
+    page.drag((240, 200), (290, 215))
+    page.run("idle()")
+    painted = page.pixels()
+    check("the brush paints", change(base, painted) > 0.05, f"{change(base, painted):.2f}")
+    page.click("#clear")
+    page.run("idle()")
+    check("and its paint is cleared", change(base, page.pixels()) < 0.1)
+    page.key("c")
+    page.key("b")
+    page.drag((240, 200), (290, 215))
+    page.set("erase", True)
+    page.set("brush-size", "60")
+    page.drag((230, 200), (300, 215))
+    page.set("erase", False)
+    page.run("idle()")
+    check("the eraser takes it away", change(base, page.pixels()) < change(base, painted) / 4, f"{change(base, page.pixels()):.3f} left")
+    page.click("#clear")
+    page.key("c")
+
+    def pinch():
+        for kind, gap in (("touchStart", 40), ("touchMove", 60), ("touchMove", 90), ("touchEnd", 0)):
+            points = [{"x": 260 - gap, "y": 200, "id": 1}, {"x": 260 + gap, "y": 200, "id": 2}] if gap else []
+            page.call("Input.dispatchTouchEvent", {"type": kind, "touchPoints": points})
+
+    changes("two fingers go nearer", pinch, home)
+    overlay = "(() => { const c = viewer.overlay, d = bytesOf(c); let n = 0; for (let i = 3; i < d.length; i += 4) n += d[i] > 0; return n; })()"
+    shown = page.run(overlay)
+    page.key("x")
+    check("X hides the frusta", shown > 500 and page.run(overlay) == 0, f"{shown} pixels of them")
+    page.key("x")
+    page.run("viewer.setProjectorPose(turnPose(viewer.projector.device.pose, axisOf(viewer.projector.device.pose, 0), 0.3, positionOf(viewer.projector.device.pose)))")
+    page.click("#aim")
+    middle_of = page.run("project(viewer.projector.device, viewer.scene.centre)")
+    check("Aim looks at the object", abs(middle_of[0] - 400) < 1 and abs(middle_of[1] - 400) < 1)
+    home()
+    page.key("?")
+    opened = page.run("document.getElementById('keys').open")
+    page.run("document.getElementById('keys').close()")
+    check("? shows the keys", opened)
+    panel = page.run("document.body.classList.contains('with-panel')")
+    page.key("h")
+    check("H shows and hides the panel", page.run("document.body.classList.contains('with-panel')") != panel)
+    page.key("h")
+    page.key("f")
+    page.wait("!!document.fullscreenElement")
+    page.key("f")
+    page.wait("!document.fullscreenElement")
+    check("F is full screen and back", True)
+    shots = page.run("viewer.saved || 0")
+    page.key("s")
+    page.wait(f"(viewer.saved || 0) > {shots}")
+    check("S saves the picture", True)
+
+
+def check_photograph(check, page, folder):
+    page.run("viewer.jump(viewer.scene.views[1], true)")
+    page.key("v")
+    page.wait("!!viewer.photograph")
+    page.run("idle()")
+    page.screenshot(os.path.join(folder, "photograph.png"))
+    box = page.run("(() => { const r = document.getElementById('photograph').getBoundingClientRect(); return [r.left, r.top, r.width, r.height]; })()")
+    camera = page.run("viewer.screenCamera()")
+    check("the photograph lies where the prediction does", abs(box[2] / camera["fx"] - 128 / 175.83855) < 1e-3,
+          f"{box[2]:.0f} pixels wide")
+    page.drag((200, 200), (240, 200))
+    check("and goes when the view does", page.run("!viewer.photograph"))
+
+
+def check_contents(check, page, folder):
+    page.run("viewer.jump(viewer.scene.views[0], true); viewer.setContent(new TestContent('White'))")
+    white = page.pixels()
+    page.drop("wide.png", "image/png", png(1920, 1080, lambda x, y: (255, 40, 40) if x < 960 else (40, 40, 255)))
+    page.wait("viewer.projector.content.name === 'wide.png'", 30)
+    check("a pattern of 1920 x 1080 drops in", change(white, page.pixels()) > 1, f"{change(white, page.pixels()):.2f}")
+    wide = page.pixels()
+    page.set("fit", "stretch")
+    page.run("viewer.updatePatterns()")
+    check("Fit stretches it", change(wide, page.pixels()) > 0.1, f"{change(wide, page.pixels()):.2f}")
+    page.set("fit", "contain")
+    chosen = os.path.join(folder, "chosen.png")
+    with open(chosen, "wb") as file:
+        file.write(png(64, 64, lambda x, y: (0, 200, 0)))
+    root = page.call("DOM.getDocument")["root"]["nodeId"]
+    node = page.call("DOM.querySelector", {"nodeId": root, "selector": "#file"})["nodeId"]
+    page.call("DOM.setFileInputFiles", {"nodeId": node, "files": [os.path.abspath(chosen)]})
+    page.wait("viewer.projector.content.name === 'chosen.png'", 30)
+    check("a file is chosen", change(wide, page.pixels()) > 1)
+    page.run("""(() => { const transfer = new DataTransfer();
+        transfer.items.add(new File([Uint8Array.from(atob('%s'), (c) => c.charCodeAt(0))], 'pasted.png', {type: 'image/png'}));
+        window.dispatchEvent(new ClipboardEvent('paste', {clipboardData: transfer, bubbles: true})); })()""" %
+             base64.b64encode(png(32, 32, lambda x, y: (250, 0, 250))).decode())
+    page.wait("viewer.projector.content.name === 'pasted.png'", 30)
+    check("a picture is pasted", change(wide, page.pixels()) > 1)
+    film = page.run("""(async () => { const c = document.createElement('canvas'); c.width = 96, c.height = 64;
+        const context = c.getContext('2d'), recorder = new MediaRecorder(c.captureStream(20), {mimeType: 'video/webm'}), parts = [];
+        recorder.ondataavailable = (e) => parts.push(e.data);
+        const ended = new Promise((done) => { recorder.onstop = done; });
+        recorder.start();
+        for (let i = 0; i < 24; i++) { context.fillStyle = i < 12 ? '#f00' : '#00f'; context.fillRect(0, 0, 96, 64);
+            await new Promise((done) => setTimeout(done, 50)); }
+        recorder.stop(); await ended;
+        const bytes = new Uint8Array(await new Blob(parts).arrayBuffer());
+        let text = ''; for (const b of bytes) text += String.fromCharCode(b);
+        return btoa(text); })()""")
+    page.drop("film.webm", "video/webm", base64.b64decode(film))
+    page.wait("viewer.projector.content.name === 'film.webm'", 30)
+    page.run("viewer.projector.content.video.pause(); true")
+    seen = []
+    for at in (0.2, 0.9):
+        page.run(f"""new Promise((done) => {{ const v = viewer.projector.content.video; v.onseeked = () => done(true); v.currentTime = {at}; }})""")
+        seen.append(page.pixels())
+    check("a film plays on the object", change(*seen) > 1, f"{change(*seen):.2f} between its halves")
+    page.run("document.getElementById('webcam').click()")
+    page.wait("viewer.projector.content.name === 'Camera'", 30)
+    check("the webcam", change(white, page.pixels()) > 0.3)
+    page.run("viewer.setContent(new TestContent('White'))")
+
+
+def check_broken(check, page):
+    page.run("idle()")
+    before = page.pixels()
+    giant = png(1, 1, lambda x, y: (0, 0, 0))
+    giant = giant[:16] + struct.pack(">II", 30000, 30000) + giant[24:]
+    for name, kind, data in (("notes.txt", "text/plain", b"no picture at all"), ("text.png", "image/png", b"no picture either"),
+                             ("empty.png", "image/png", b""), ("giant.png", "image/png", giant),
+                             ("broken.webm", "video/webm", b"\x1aE\xdf\xa3 no film")):
+        page.drop(name, kind, data)
+        page.wait("document.getElementById('toast').classList.contains('shown')", 30)
+        said = page.message()
+        check(f"{name} is refused in words", name in said and change(before, page.pixels()) < 0.1, said)
+
+
+def check_window(check, page):
+    """The projector window is a page of its own; its canvas is looked at through ours."""
+    page.run("viewer.setContent(new TestContent('Lollipop'))")
+    page.click("#send")
+    page.wait("viewer.window.isOpen")
+    page.run("viewer.updatePatterns(); viewer.window.show(); true")
+    same = page.run("""(() => { const {canvas} = viewer.window, from = viewer.projector.canvas;
+        const a = bytesOf(canvas), b = bytesOf(from);
+        let most = a.length === b.length ? 0 : 255, light = 0;
+        for (let i = 0; i < a.length; i++) { most = Math.max(most, Math.abs(a[i] - b[i])); light += a[i]; }
+        return [most, light / a.length, canvas.width, canvas.height]; })()""")
+    check("the projector window shows the pattern", same[0] <= 1 and same[1] > 20, f"differs by {same[0]} of 255 at most, {same[2]} x {same[3]}")
+    lens = page.run("""(() => { const p = viewer.projector, d = p.device, kept = {};
+        const panel = {width: 400, height: 300, fx: d.fx / 2, fy: d.fy / 2, cx: d.cx / 2, cy: d.cy / 2, lens: [0.12, -0.05, 0.01, -0.008, 0.02], gamma: [2, 2, 2]};
+        const sent = panelPicture(viewer.graphics, p, panel, kept), from = bytesOf(p.canvas);
+        const decode = (c) => c <= 0.04045 ? c / 12.92 : ((c + 0.055) / 1.055) ** 2.4;
+        let most = 0, count = 0, off = 0;
+        for (let v = 20; v < 280; v += 4) for (let u = 20; u < 380; u += 4) {
+            let x = (u + 0.5 - panel.cx) / panel.fx, y = (v + 0.5 - panel.cy) / panel.fy; const wx = x, wy = y, k = panel.lens;
+            for (let i = 0; i < 60; i++) { const r2 = x * x + y * y, radial = 1 + r2 * (k[0] + r2 * (k[1] + r2 * k[4]));
+                const dx = 2 * k[2] * x * y + k[3] * (r2 + 2 * x * x), dy = k[2] * (r2 + 2 * y * y) + 2 * k[3] * x * y;
+                x = (wx - dx) / radial, y = (wy - dy) / radial; }
+            const a = d.cx + d.fx * x - 0.5, b = d.cy + d.fy * y - 0.5, i = Math.floor(a), j = Math.floor(b);
+            if (i < 0 || j < 0 || i + 1 >= d.width || j + 1 >= d.height) continue;
+            for (let c = 0; c < 3; c++) { const at = (m, n) => decode(from[4 * (n * d.width + m) + c] / 255), s = a - i, t = b - j;
+                const light = (1 - t) * ((1 - s) * at(i, j) + s * at(i + 1, j)) + t * ((1 - s) * at(i, j + 1) + s * at(i + 1, j + 1));
+                const e = Math.abs(255 * Math.sqrt(light) - sent.data[4 * (v * 400 + u) + c]); off += e; count++; most = Math.max(most, e); } }
+        return [off / count, most, count]; })()""")
+    check("lens, gamma and panel of the real projector", lens[0] < 0.6 and lens[2] > 5000, f"{lens[0]:.2f} of 255 on average, {lens[1]:.0f} at most")
+    page.run("viewer.window.close(); true")
+
+
+def check_looks(check, page, folder):
+    for name, width, height, scale, mobile in (("wide", 1400, 900, 1, False), ("phone", 400, 800, 2, True)):
+        page.resize(width, height, scale, mobile)
+        for scheme in ("dark", "light"):
+            page.scheme(scheme)
+            page.run("viewer.invalidate(); idle()")
+            page.screenshot(os.path.join(folder, f"{name}-{scheme}.png"))
+        inside = page.run("document.documentElement.scrollWidth <= innerWidth")
+        check(f"the page fits {width} pixels", inside)
+
+
+def check_no_webgl(check, program, path, folder):
+    page = browser.Browser(program, 800, 600, ["--disable-gpu", "--disable-webgl", "--disable-3d-apis"])
+    try:
+        page.open(path)
+        page.wait("document.readyState === 'complete' && !!window.ready")
+        page.run("window.ready")
+        said = page.run("document.getElementById('failure').hidden ? '' : document.getElementById('failure').textContent.trim()")
+        page.screenshot(os.path.join(folder, "no-webgl.png"))
+        check("without WebGL 2 the page says so", "WebGL 2" in said, said.replace("\n", " "))
+    finally:
+        page.close()
+
+
+def main():
+    program, data = sys.argv[1:3]
+    chromium = browser.find()
+    if not chromium:
+        print("skipped: no Chromium here")
+        return 77
+    check = Checks()
+    with tempfile.TemporaryDirectory() as scratch:
+        folder = sys.argv[3] if len(sys.argv) > 3 else scratch
+        os.makedirs(folder, exist_ok=True)
+        ply, path = os.path.join(scratch, "spot.ply"), os.path.join(folder, "spot.html")
+        subprocess.run([program, "reconstruct", data, "-o", ply, "--polish", "0"], check=True, stdout=subprocess.DEVNULL)
+        subprocess.run([program, "view", ply, "--capture", data, "--poses", os.path.join(data, "targets.json"), "-o", path],
+                       check=True, stdout=subprocess.DEVNULL)
+        check("the page's size", os.path.getsize(path) < 6e6, f"{os.path.getsize(path) / 1e6:.1f} MB")
+        page = Page(chromium, 520, 400) # small: every pixel is drawn in software
+        try:
+            page.start(path)
+            check_pictures(check, page, program, ply, data, scratch)
+            check_halves(check, page)
+            check_maps(check, page, program, ply, data, scratch)
+            check_compensation(check, page, program, ply, data, scratch)
+            check_controls(check, page)
+            check_photograph(check, page, folder)
+            check_contents(check, page, folder)
+            check_broken(check, page)
+            check_window(check, page)
+            check_looks(check, page, folder)
+            check("nothing in the console", not page.console, "; ".join(page.console)[:600])
+            away = [url for url in page.requests if not url.startswith(("file:", "blob:", "data:", "about:"))]
+            check("no request leaves the page", not away, " ".join(away))
+        finally:
+            page.close()
+        check_no_webgl(check, chromium, path, folder)
+    print(f"{check.failed} failed" if check.failed else "all passed")
+    return 1 if check.failed else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

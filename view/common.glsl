@@ -1,0 +1,27 @@
+precision highp float;
+precision highp int;
+precision highp sampler2D;
+
+#define ALPHA_MIN (1.0 / 255.0)   // FFP_ALPHA_MIN and what follows it in render/formula.h
+#define ALPHA_MAX 0.99
+#define OPACITY_MIN 1e-3
+#define COMPENSATION_MIN 0.005
+#define HOLD_MARGIN 0.15
+#define LOG2_E 1.4426950408889634
+#define PI 3.14159265358979324
+
+// Targets are drawn with row 0 on top, as pictures lie in memory: gl_FragCoord is the pixel position.
+
+// ffp_srgb_encode
+float srgb_encode(float linear) {
+  if (!(linear > 0.0)) return 0.0;
+  if (linear >= 1.0) return 1.0;
+  return linear <= 0.0031308 ? linear * 12.92 : 1.055 * pow(linear, 1.0 / 2.4) - 0.055;
+}
+vec3 srgb_encode(vec3 c) { return vec3(srgb_encode(c.r), srgb_encode(c.g), srgb_encode(c.b)); }
+
+// ffp_srgb_decode
+float srgb_decode(float encoded) {
+  return encoded <= 0.04045 ? encoded / 12.92 : pow((encoded + 0.055) / 1.055, 2.4);
+}
+vec3 srgb_decode(vec3 c) { return vec3(srgb_decode(c.r), srgb_decode(c.g), srgb_decode(c.b)); }

@@ -1,0 +1,205 @@
+'use strict';
+// What a projector shows: pictures, films, the webcam, text, test patterns. Each has `draw(context, width,
+// height, fit)`, which covers a canvas that is empty, and `live` when it changes by itself.
+
+const PICTURE_SIDE_MAX = 16384, PICTURE_PIXELS_MAX = 100e6;
+
+class Message extends Error {} // what goes wrong, in words for people
+
+// Size as the head of a PNG, JPEG, GIF, WebP or BMP file says, so that giants are refused before they are
+// decoded; null for other files.
+function sizeInHead(bytes) {
+  const view = new DataView(bytes.buffer, bytes.byteOffset, bytes.byteLength), n = bytes.length;
+  const text = (at, length) => String.fromCharCode(...bytes.subarray(at, at + length));
+  if (n >= 24 && text(1, 3) === 'PNG') return [view.getUint32(16), view.getUint32(20)];
+  if (n >= 10 && text(0, 3) === 'GIF') return [view.getUint16(6, true), view.getUint16(8, true)];
+  if (n >= 26 && text(0, 2) === 'BM') return [view.getInt32(18, true), Math.abs(view.getInt32(22, true))];
+  if (n >= 30 && text(0, 4) === 'RIFF' && text(8, 7) === 'WEBPVP8') {
+    if (text(15, 1) === 'X')
+      return [1 + (view.getUint32(24, true) & 0xffffff), 1 + (view.getUint16(27, true) | bytes[29] << 16)];
+    if (text(15, 1) === 'L') {
+      const bits = view.getUint32(21, true);
+      return [1 + (bits & 0x3fff), 1 + (bits >>> 14 & 0x3fff)];
+    }
+    return [view.getUint16(26, true) & 0x3fff, view.getUint16(28, true) & 0x3fff];
+  }
+  if (n >= 4 && bytes[0] === 0xff && bytes[1] === 0xd8)
+    for (let at = 2; at + 9 < n && bytes[at] === 0xff; at += 2 + view.getUint16(at + 2)) {
+      const marker = bytes[at + 1];
+      if (marker >= 0xc0 && marker <= 0xcf && ![0xc4, 0xc8, 0xcc].includes(marker))
+        return [view.getUint16(at + 7), view.getUint16(at + 5)];
+    }
+  return null;
+}
+
+function checkSize(name, size) {
+  const [width, height] = size;
+  if (width > PICTURE_SIDE_MAX || height > PICTURE_SIDE_MAX || width * height > PICTURE_PIXELS_MAX)
+    throw new Message(`${name} has ${width} × ${height} pixels: more than a projector shows, and than this page ` +
+                      `takes (100 million, ${PICTURE_SIDE_MAX} a side).`);
+}
+
+// Where a picture of a given size goes in a canvas.
+function placeOf(width, height, canvasWidth, canvasHeight, fit) {
+  if (fit === 'stretch') return [0, 0, canvasWidth, canvasHeight];
+  const pick = fit === 'cover' ? Math.max : Math.min;
+  const s = pick(canvasWidth / width, canvasHeight / height), w = width * s, h = height * s;
+  return [(canvasWidth - w) / 2, (canvasHeight - h) / 2, w, h];
+}
+
+class PictureContent {
+  constructor(name, bitmap) { this.name = name, this.bitmap = bitmap; }
+  draw(context, width, height, fit) {
+    context.imageSmoothingQuality = 'high';
+    context.imageSmoothingEnabled = this.bitmap.width !== width || this.bitmap.height !== height;
+    context.drawImage(this.bitmap, ...placeOf(this.bitmap.width, this.bitmap.height, width, height, fit));
+  }
+  free() { if (!this.shared) this.bitmap.close(); }
+}
+
+// A film, or a stream of the webcam.
+class VideoContent {
+  constructor(name, video, free) { this.name = name, this.video = video, this.live = true, this.free = free; }
+  draw(context, width, height, fit) {
+    const {video} = this;
+    if (video.videoWidth) context.drawImage(video, ...placeOf(video.videoWidth, video.videoHeight, width, height, fit));
+  }
+  toggle() { if (this.video.paused) this.video.play().catch(() => {}); else this.video.pause(); }
+}
+
+class TextContent {
+  constructor(text, colour) { this.name = 'Text', this.text = text, this.colour = colour; }
+  draw(context, width, height) {
+    const lines = (this.text || ' ').split('\n');
+    context.textAlign = 'center', context.textBaseline = 'middle', context.fillStyle = this.colour;
+    context.font = '700 100px system-ui, sans-serif';
+    const widest = Math.max(...lines.map((line) => context.measureText(line).width), 1);
+    const size = Math.min(90 * width / widest, 0.8 * height / lines.length / 1.15);
+    context.font = `700 ${size}px system-ui, sans-serif`;
+    lines.forEach((line, i) => context.fillText(line, width / 2, height / 2 + (i - (lines.length - 1) / 2) * 1.15 * size));
+  }
+  free() {}
+}
+
+// Patterns drawn here; what they are made of is in their names.
+const TEST_PATTERNS = {
+  White(context, width, height) {
+    context.fillStyle = '#fff';
+    context.fillRect(0, 0, width, height);
+  },
+  Grid(context, width, height) {
+    const step = Math.max(width, height) / 20;
+    context.strokeStyle = '#fff', context.lineWidth = Math.max(1, step / 12);
+    context.beginPath();
+    for (let x = width / 2 % step; x <= width; x += step) context.moveTo(x, 0), context.lineTo(x, height);
+    for (let y = height / 2 % step; y <= height; y += step) context.moveTo(0, y), context.lineTo(width, y);
+    context.stroke();
+    context.strokeStyle = '#ff5a36', context.lineWidth *= 2;
+    context.beginPath();
+    context.moveTo(width / 2, 0), context.lineTo(width / 2, height);
+    context.moveTo(0, height / 2), context.lineTo(width, height / 2);
+    context.stroke();
+  },
+  Checker(context, width, height) {
+    const step = Math.max(width, height) / 24;
+    context.fillStyle = '#fff';
+    for (let y = 0; y * step < height; y++)
+      for (let x = y & 1; x * step < width; x += 2) context.fillRect(x * step, y * step, step, step);
+  },
+  // Rings and sectors of strong colours, as the structured light of the captures.
+  Lollipop(context, width, height) {
+    const radius = Math.min(width, height) / 2, rings = 30, sectors = 8;
+    for (let ring = rings; ring >= 1; ring--)
+      for (let sector = 0; sector < sectors; sector++) {
+        const field = ring * sectors + sector;
+        context.fillStyle = `hsl(${field * 137.508 % 360} 85% ${35 + field * 61 % 45}%)`;
+        context.beginPath();
+        context.moveTo(width / 2, height / 2);
+        context.arc(width / 2, height / 2, radius * ring / rings, sector * Math.PI / 4, (sector + 1) * Math.PI / 4);
+        context.fill();
+      }
+  },
+  Rainbow(context, width, height) {
+    const ramp = context.createLinearGradient(0, 0, width, 0);
+    for (let k = 0; k <= 12; k++) ramp.addColorStop(k / 12, `hsl(${30 * k} 90% 55%)`);
+    context.fillStyle = ramp;
+    context.fillRect(0, 0, width, height);
+  },
+};
+
+class TestContent {
+  constructor(name) { this.name = name; }
+  draw(context, width, height) { TEST_PATTERNS[this.name](context, width, height); }
+  free() {}
+}
+
+class SolidContent {
+  constructor(colour) { this.name = 'Colour', this.colour = colour; }
+  draw(context, width, height) {
+    context.fillStyle = this.colour;
+    context.fillRect(0, 0, width, height);
+  }
+  free() {}
+}
+
+function startVideo(video, name) {
+  video.muted = true, video.loop = true, video.playsInline = true;
+  return new Promise((resolve, reject) => {
+    const late = setTimeout(() => reject(new Message(`${name} does not start.`)), 20000);
+    video.onloadeddata = () => { clearTimeout(late); video.play().catch(() => {}); resolve(video); };
+    video.onerror = () => { clearTimeout(late); reject(new Message(`${name} is no film that this browser plays.`)); };
+  });
+}
+
+// A file, dropped, pasted or chosen, as content.
+async function contentOfFile(file) {
+  const name = file.name || 'The picture';
+  if (!file.size) throw new Message(`${name} is empty.`);
+  if (file.type.startsWith('video/')) {
+    const url = URL.createObjectURL(file), video = document.createElement('video');
+    video.src = url;
+    try {
+      await startVideo(video, name);
+    } catch (error) {
+      URL.revokeObjectURL(url);
+      throw error;
+    }
+    return new VideoContent(name, video, () => { video.pause(); URL.revokeObjectURL(url); });
+  }
+  const size = sizeInHead(new Uint8Array(await file.slice(0, 65536).arrayBuffer()));
+  if (size) checkSize(name, size);
+  let bitmap = null;
+  try {
+    bitmap = await createImageBitmap(file, {colorSpaceConversion: 'none'});
+  } catch {
+    throw new Message(`${name} is neither a picture nor a film that this browser reads.`);
+  }
+  try {
+    checkSize(name, [bitmap.width, bitmap.height]);
+  } catch (error) {
+    bitmap.close();
+    throw error;
+  }
+  return new PictureContent(name, bitmap);
+}
+
+async function contentOfWebcam() {
+  if (!navigator.mediaDevices || !navigator.mediaDevices.getUserMedia)
+    throw new Message('This browser lets no page from disk use a camera.');
+  let stream = null;
+  try {
+    stream = await navigator.mediaDevices.getUserMedia({video: {width: {ideal: 1280}}, audio: false});
+  } catch (error) {
+    throw new Message(`The camera cannot be used: ${error.message || error.name}.`);
+  }
+  const video = document.createElement('video');
+  const stop = () => stream.getTracks().forEach((track) => track.stop());
+  video.srcObject = stream;
+  try {
+    await startVideo(video, 'The camera');
+  } catch (error) {
+    stop();
+    throw error;
+  }
+  return new VideoContent('Camera', video, stop);
+}

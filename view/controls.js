@@ -1,0 +1,110 @@
+'use strict';
+// Hands on camera, projectors and brush: mouse, touch and wheel.
+
+const TURN = 0.0065; // radians a pixel
+
+// Like a turntable: across about `up`, and over towards the poles but not beyond.
+function orbit(pose, target, up, across, over) {
+  const turned = turnPose(pose, up, across, target), tilted = turnPose(turned, axisOf(turned, 0), over, target);
+  const away = normalise3(sub3(positionOf(tilted), target));
+  return Math.abs(dot3(away, up)) > 0.995 ? turned : tilted;
+}
+
+class Controls {
+  constructor(app, element) {
+    this.app = app;
+    this.pointers = new Map();
+    this.action = null;
+    element.addEventListener('pointerdown', (event) => this.down(event, element));
+    element.addEventListener('pointermove', (event) => this.move(event));
+    for (const end of ['pointerup', 'pointercancel']) element.addEventListener(end, (event) => this.up(event));
+    element.addEventListener('pointerleave', () => { app.pointer = null; app.redrawOverlay(); });
+    element.addEventListener('wheel', (event) => this.wheel(event), {passive: false});
+    element.addEventListener('contextmenu', (event) => event.preventDefault());
+    element.addEventListener('dblclick', () => app.home());
+  }
+
+  // The projector whose handle lies under a place on the screen.
+  handleAt(at) {
+    const {app} = this;
+    if (!app.frusta) return null;
+    return app.projectors.find((p) => {
+      const handle = handleOf(app, p).at;
+      return Math.hypot(handle[0] - at[0], handle[1] - at[1]) < HANDLE + 9;
+    }) || null;
+  }
+
+  chooseAction(event, at) {
+    const {app} = this, aside = event.button === 2 || event.button === 1 || event.shiftKey;
+    const grabbed = this.handleAt(at);
+    if (grabbed) {
+      app.select(grabbed);
+      return aside ? 'aim' : 'projector';
+    }
+    if (app.mode === 'brush' && !aside && !event.altKey) return 'brush';
+    if (app.mode === 'projector' && app.projector) return aside ? 'aim' : 'projector';
+    return aside ? 'pan' : 'orbit';
+  }
+
+  down(event, element) {
+    const at = [event.clientX, event.clientY];
+    element.setPointerCapture(event.pointerId);
+    this.pointers.set(event.pointerId, at);
+    if (this.pointers.size === 1) this.action = this.chooseAction(event, at);
+    else this.action = this.action === 'projector' || this.action === 'aim' ? 'pinch-projector' : 'pinch';
+    if (this.action === 'brush') this.app.stroke(at, null);
+    this.app.blurPanel();
+    event.preventDefault();
+  }
+
+  move(event) {
+    const at = [event.clientX, event.clientY], before = this.pointers.get(event.pointerId);
+    this.app.pointer = at;
+    if (!before) {
+      if (this.app.mode === 'brush') this.app.redrawOverlay();
+      return;
+    }
+    const others = [...this.pointers].filter(([id]) => id !== event.pointerId).map(([, place]) => place);
+    this.pointers.set(event.pointerId, at);
+    const dx = at[0] - before[0], dy = at[1] - before[1];
+    if (this.action.startsWith('pinch')) {
+      if (others.length) this.pinch(before, at, others[0]);
+    } else if (this.action === 'brush') this.app.stroke(at, before);
+    else this.drag(this.action, dx, dy);
+  }
+
+  drag(action, dx, dy) {
+    const {app} = this;
+    if (action === 'orbit') app.setCamera(orbit(app.pose, app.target, app.up, -dx * TURN, -dy * TURN));
+    if (action === 'pan') app.pan(dx, dy);
+    if (action === 'projector')
+      app.setProjectorPose(orbit(app.projector.device.pose, app.target, app.up, dx * TURN, dy * TURN));
+    if (action === 'aim') {
+      const {pose} = app.projector.device, eye = positionOf(pose), slow = TURN / 4;
+      const turned = turnPose(pose, axisOf(app.pose, 1), dx * slow, eye);
+      app.setProjectorPose(turnPose(turned, axisOf(app.pose, 0), -dy * slow, eye));
+    }
+  }
+
+  pinch(before, at, other) {
+    const {app} = this, distance = (p) => Math.hypot(p[0] - other[0], p[1] - other[1]);
+    const factor = distance(before) / Math.max(distance(at), 1);
+    if (this.action === 'pinch-projector') return app.moveProjectorAway(factor);
+    app.dolly(factor);
+    app.pan((at[0] - before[0]) / 2, (at[1] - before[1]) / 2);
+  }
+
+  up(event) {
+    this.pointers.delete(event.pointerId);
+    if (this.pointers.size === 0) this.action = null;
+    else if (this.action && this.action.startsWith('pinch')) this.action = this.action === 'pinch' ? 'orbit' : 'projector';
+  }
+
+  wheel(event) {
+    const {app} = this, unit = event.deltaMode === 1 ? 16 : 1, factor = Math.exp(clamp(event.deltaY * unit, -200, 200) * 0.0012);
+    event.preventDefault();
+    if (app.mode === 'projector' && app.projector) {
+      if (event.altKey) app.zoomProjector(1 / factor); else app.moveProjectorAway(factor);
+    } else app.dolly(factor);
+  }
+}

@@ -1,0 +1,22 @@
+// The sums W b of one sample, in four textures of RGBA whose alpha is the opacity:
+// depth from u_depth, normal x y | normal z, albedo r g | albedo b, roughness, ambient r | ambient g b.
+uniform sampler2D u_g0, u_g1, u_g2, u_g3;
+uniform float u_depth;
+
+struct Sums {
+  float opacity, depth;
+  vec3 normal, albedo;
+  float roughness;
+  vec3 ambient;
+};
+
+Sums sums_at(ivec2 p) {
+  vec4 a = texelFetch(u_g0, p, 0), b = texelFetch(u_g1, p, 0), c = texelFetch(u_g2, p, 0), d = texelFetch(u_g3, p, 0);
+  return Sums(a.w, a.x + u_depth * a.w, vec3(a.yz, b.x), vec3(b.yz, c.x), c.y, vec3(c.z, d.xy));
+}
+
+// The depth of the surface, 0 where there is none to speak of.
+float depth_at(ivec2 p) {
+  vec4 a = texelFetch(u_g0, p, 0);
+  return a.w > OPACITY_MIN ? a.x / a.w + u_depth : 0.0;
+}

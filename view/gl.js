@@ -1,0 +1,158 @@
+'use strict';
+// The graphics context, its programs, textures and targets.
+
+class Graphics {
+  constructor(canvas) {
+    const gl = canvas.getContext('webgl2', {alpha: true, antialias: false, depth: false, premultipliedAlpha: true,
+                                            preserveDrawingBuffer: false, powerPreference: 'high-performance'});
+    if (!gl) throw new Error('This browser shows no WebGL 2, which the page draws with. Try a current Firefox, ' +
+                             'Chromium or Safari, and look whether hardware acceleration is switched on.');
+    if (!gl.getExtension('EXT_color_buffer_float'))
+      throw new Error('This graphics driver cannot draw into float textures (EXT_color_buffer_float).');
+    this.gl = gl;
+    this.float32 = !!gl.getExtension('EXT_float_blend'); // whether sums are kept in 32 bits, else in 16
+    this.programs = new Map();
+    this.empty = gl.createVertexArray();
+    gl.disable(gl.DITHER);
+  }
+
+  shader(type, names) {
+    const {gl} = this;
+    const text = names.map((name) => document.getElementById(name).textContent.trim()).join('\n');
+    const shader = gl.createShader(type);
+    gl.shaderSource(shader, '#version 300 es\n' + text);
+    gl.compileShader(shader);
+    if (!gl.getShaderParameter(shader, gl.COMPILE_STATUS) && !gl.isContextLost())
+      throw new Error(names.join(' + ') + ': ' + gl.getShaderInfoLog(shader));
+    return shader;
+  }
+
+  // A program of the page's shaders, by their names; made once.
+  program(vertex, fragments) {
+    const {gl} = this, key = vertex + ' ' + fragments.join(' ');
+    if (this.programs.has(key)) return this.programs.get(key);
+    const program = gl.createProgram();
+    gl.attachShader(program, this.shader(gl.VERTEX_SHADER, ['common.glsl', vertex]));
+    gl.attachShader(program, this.shader(gl.FRAGMENT_SHADER, ['common.glsl', ...fragments]));
+    gl.linkProgram(program);
+    if (!gl.getProgramParameter(program, gl.LINK_STATUS) && !gl.isContextLost())
+      throw new Error(key + ': ' + gl.getProgramInfoLog(program));
+    const uniforms = {};
+    const count = gl.getProgramParameter(program, gl.ACTIVE_UNIFORMS) || 0;
+    for (let i = 0; i < count; i++) {
+      const info = gl.getActiveUniform(program, i);
+      uniforms[info.name] = {type: info.type, at: gl.getUniformLocation(program, info.name)};
+    }
+    const made = {program, uniforms};
+    this.programs.set(key, made);
+    return made;
+  }
+
+  // Sets uniforms by name; those that a shader does not use are left out. Textures take units in order.
+  use(made, values) {
+    const {gl} = this;
+    let unit = 0;
+    gl.useProgram(made.program);
+    for (const [name, value] of Object.entries(values)) {
+      const uniform = made.uniforms[name];
+      if (!uniform) continue;
+      switch (uniform.type) {
+      case gl.FLOAT: gl.uniform1f(uniform.at, value); break;
+      case gl.FLOAT_VEC2: gl.uniform2fv(uniform.at, value); break;
+      case gl.FLOAT_VEC3: gl.uniform3fv(uniform.at, value); break;
+      case gl.FLOAT_VEC4: gl.uniform4fv(uniform.at, value); break;
+      case gl.FLOAT_MAT3: gl.uniformMatrix3fv(uniform.at, false, value); break;
+      case gl.INT_VEC2: gl.uniform2iv(uniform.at, value); break;
+      case gl.INT: case gl.BOOL: gl.uniform1i(uniform.at, value); break;
+      default: // a sampler
+        gl.activeTexture(gl.TEXTURE0 + unit);
+        gl.bindTexture(gl.TEXTURE_2D, value);
+        gl.uniform1i(uniform.at, unit++);
+      }
+    }
+  }
+
+  texture(width, height, format, levels = 1) {
+    const {gl} = this, texture = gl.createTexture();
+    gl.bindTexture(gl.TEXTURE_2D, texture);
+    gl.texStorage2D(gl.TEXTURE_2D, levels, format, width, height);
+    for (const side of [gl.TEXTURE_WRAP_S, gl.TEXTURE_WRAP_T]) gl.texParameteri(gl.TEXTURE_2D, side, gl.CLAMP_TO_EDGE);
+    gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MIN_FILTER, levels > 1 ? gl.NEAREST_MIPMAP_NEAREST : gl.NEAREST);
+    gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MAG_FILTER, gl.NEAREST);
+    return texture;
+  }
+
+  // Something to draw into: {width, height, textures, framebuffer}. `depth`: with a depth buffer.
+  target(width, height, formats, depth = false) {
+    const {gl} = this, framebuffer = gl.createFramebuffer();
+    const textures = formats.map((format) => this.texture(width, height, format));
+    gl.bindFramebuffer(gl.FRAMEBUFFER, framebuffer);
+    textures.forEach((texture, i) =>
+      gl.framebufferTexture2D(gl.FRAMEBUFFER, gl.COLOR_ATTACHMENT0 + i, gl.TEXTURE_2D, texture, 0));
+    gl.drawBuffers(textures.map((_, i) => gl.COLOR_ATTACHMENT0 + i));
+    const target = {width, height, formats, textures, framebuffer, depth: null};
+    if (depth) {
+      target.depth = gl.createRenderbuffer();
+      gl.bindRenderbuffer(gl.RENDERBUFFER, target.depth);
+      gl.renderbufferStorage(gl.RENDERBUFFER, gl.DEPTH_COMPONENT32F, width, height);
+      gl.framebufferRenderbuffer(gl.FRAMEBUFFER, gl.DEPTH_ATTACHMENT, gl.RENDERBUFFER, target.depth);
+    }
+    return target;
+  }
+
+  // The target again if it fits, else a new one in its place.
+  fit(target, width, height, formats, depth = false) {
+    if (target && target.width === width && target.height === height) return target;
+    this.free(target);
+    return this.target(width, height, formats, depth);
+  }
+
+  free(target) {
+    if (!target) return;
+    target.textures.forEach((texture) => this.gl.deleteTexture(texture));
+    if (target.depth) this.gl.deleteRenderbuffer(target.depth);
+    this.gl.deleteFramebuffer(target.framebuffer);
+  }
+
+  // Draws a program over every pixel of a target (null: the canvas, of the given size).
+  fill(target, fragments, values, width = 0, height = 0) {
+    const {gl} = this;
+    gl.bindFramebuffer(gl.FRAMEBUFFER, target ? target.framebuffer : null);
+    gl.viewport(0, 0, target ? target.width : width, target ? target.height : height);
+    gl.bindVertexArray(this.empty);
+    this.use(this.program('fill.vert', fragments), values);
+    gl.drawArrays(gl.TRIANGLES, 0, 3);
+  }
+
+  clear(target) {
+    const {gl} = this;
+    gl.bindFramebuffer(gl.FRAMEBUFFER, target.framebuffer);
+    target.textures.forEach((_, i) => gl.clearBufferfv(gl.COLOR, i, [0, 0, 0, 0]));
+  }
+
+  // Float pixels [height, width, 4], row 0 first.
+  readFloats(target, attachment = 0, x = 0, y = 0, width = target.width, height = target.height) {
+    const {gl} = this, out = new Float32Array(4 * width * height);
+    gl.bindFramebuffer(gl.FRAMEBUFFER, target.framebuffer);
+    gl.readBuffer(gl.COLOR_ATTACHMENT0 + attachment);
+    gl.readPixels(x, y, width, height, gl.RGBA, gl.FLOAT, out);
+    return out;
+  }
+
+  readBytes(target) {
+    const {gl} = this, out = new Uint8ClampedArray(4 * target.width * target.height);
+    gl.bindFramebuffer(gl.FRAMEBUFFER, target.framebuffer);
+    gl.readBuffer(gl.COLOR_ATTACHMENT0);
+    gl.readPixels(0, 0, target.width, target.height, gl.RGBA, gl.UNSIGNED_BYTE, out);
+    return out;
+  }
+}
+
+// The uniforms of a device, by a name that the shaders give it.
+function deviceUniforms(name, d) {
+  return {
+    [name + '_rotation']: [...axisOf(d.pose, 0), ...axisOf(d.pose, 1), ...axisOf(d.pose, 2)],
+    [name + '_position']: positionOf(d.pose), [name + '_focal']: [d.fx, d.fy], [name + '_principal']: [d.cx, d.cy],
+    [name + '_size']: [d.width, d.height],
+  };
+}

@@ -1,0 +1,308 @@
+'use strict';
+// The state of the page, and when it is drawn.
+
+// Samples a side and share of the resolution, from the best down; while things move the page takes the best
+// that is fast enough.
+const QUALITIES = [{scale: 1, coarse: false}, {scale: 1, coarse: true}, {scale: 0.6, coarse: true}, {scale: 0.35, coarse: true}];
+const SLOW = 55, FAST = 18; // milliseconds a frame
+const FILLED = 0.88;       // share of the free part that the view's frame takes
+const WATCHER_MAX = 640;    // pixels across, of a camera that a picture is corrected for
+
+class App {
+  constructor(scene, canvas, overlay) {
+    this.scene = scene, this.canvas = canvas, this.overlay = overlay;
+    this.graphics = new Graphics(canvas);
+    this.renderer = new Renderer(this.graphics, scene);
+    this.compensator = new Compensator(this.renderer);
+    this.window = new ProjectorWindow(this);
+    this.up = this.findUp();
+    this.exposure = 0, this.ambient = true, this.map = null;
+    this.mode = 'camera', this.frusta = true;
+    this.brush = {colour: '#ffffff', size: 14, erase: false};
+    this.projectors = [], this.projector = null, this.numbers = 0;
+    this.photograph = null;
+    this.quality = 1, this.lastChange = 0, this.pending = false;
+    this.listeners = [];
+    canvas.addEventListener('webglcontextlost', (event) => {
+      event.preventDefault();
+      this.lost = true;
+      say('The graphics driver gave up. Reload the page to go on.', true);
+    });
+  }
+
+  // The cameras' own idea of up, on average.
+  findUp() {
+    const sum = this.scene.views.reduce((s, view) => sub3(s, axisOf(view.camera.pose, 1)), [0, 0, 0]);
+    return length3(sum) > 0.1 ? normalise3(sum) : scale3(axisOf(this.scene.views[0].camera.pose, 1), -1);
+  }
+
+  changed(what) { for (const listener of this.listeners) listener(what); }
+
+  // --- The camera. ---
+
+  jump(view, bring) {
+    this.base = view.camera, this.pose = view.camera.pose, this.at = view;
+    this.target = this.scene.centre;
+    if (bring && this.projector) this.setProjectorPose(view.projector.pose, view.projector);
+    this.invalidate(true);
+    this.changed('view');
+  }
+
+  home() { this.jump(this.at || this.scene.views[0], false); }
+
+  setCamera(pose) {
+    this.pose = pose;
+    if (this.photograph) this.showPhotograph(false);
+    this.invalidate(true);
+  }
+
+  dolly(factor) {
+    const away = sub3(positionOf(this.pose), this.target), distance = length3(away), radius = this.scene.radius || 1;
+    const next = clamp(distance * factor, 0.2 * radius, 40 * radius);
+    this.setCamera(movePose(this.pose, scale3(away, next / distance - 1)));
+  }
+
+  pan(dx, dy) {
+    const camera = this.screenCamera(), depth = length3(sub3(positionOf(this.pose), this.target));
+    const by = add3(scale3(axisOf(this.pose, 0), -dx * depth / camera.fx), scale3(axisOf(this.pose, 1), -dy * depth / camera.fy));
+    this.target = add3(this.target, by);
+    this.setCamera(movePose(this.pose, by));
+  }
+
+  // What the panel leaves free, CSS pixels.
+  freeSize() {
+    const panel = document.getElementById('panel').getBoundingClientRect(), shown = document.body.classList.contains('with-panel');
+    if (!shown) return [innerWidth, innerHeight];
+    return innerWidth > 700 ? [Math.max(panel.left, 80), innerHeight] : [innerWidth, Math.max(panel.top, 80)];
+  }
+
+  // The camera for the whole window; what it looks at lies in the free part.
+  cameraOf(ratio) {
+    const [freeWidth, freeHeight] = this.freeSize();
+    const fitted = fitDevice({...this.base, pose: this.pose}, freeWidth * ratio, freeHeight * ratio, FILLED);
+    return {...fitted, width: Math.max(1, Math.round(innerWidth * ratio)), height: Math.max(1, Math.round(innerHeight * ratio))};
+  }
+
+  screenCamera() { return this.cameraOf(1); }
+
+  // --- Projectors. ---
+
+  // Beside a photograph only the projector that it was taken under shines.
+  get lit() { return this.photograph ? [this.projector] : this.projectors.filter((projector) => projector.on); }
+
+  addProjector() {
+    const like = this.projector ? this.projector.device : (this.at || this.scene.views[0]).projector;
+    const projector = new Projector(this.graphics, {...like}, ++this.numbers);
+    if (this.projectors.length) projector.device = {...like, pose: orbit(like.pose, this.scene.centre, this.up, 0.8, 0)};
+    projector.original = (this.at || this.scene.views[0]).projector;
+    this.projectors.push(projector);
+    this.select(projector);
+    this.invalidate();
+    return projector;
+  }
+
+  removeProjector() {
+    if (this.projectors.length < 2) return;
+    const at = this.projectors.indexOf(this.projector);
+    this.projectors.splice(at, 1)[0].free();
+    this.select(this.projectors[Math.min(at, this.projectors.length - 1)]);
+    this.invalidate();
+  }
+
+  select(projector) {
+    this.projector = projector;
+    this.changed('projector');
+    this.redrawOverlay();
+  }
+
+  setProjectorPose(pose, device = this.projector.device) {
+    this.projector.device = {...device, width: this.projector.device.width, height: this.projector.device.height, pose};
+    if (device !== this.projector.device) this.projector.original = device;
+    this.invalidate(true);
+    this.changed('device');
+  }
+
+  moveProjectorAway(factor) {
+    const {pose} = this.projector.device, away = sub3(positionOf(pose), this.scene.centre), radius = this.scene.radius || 1;
+    const next = clamp(length3(away) * factor, 1.05 * radius, 30 * radius);
+    this.setProjectorPose(movePose(pose, scale3(away, next / length3(away) - 1)));
+  }
+
+  zoomProjector(factor) {
+    this.projector.zoom(factor);
+    this.invalidate(true);
+    this.changed('device');
+  }
+
+  setContent(content, projector = this.projector) {
+    projector.setContent(content);
+    this.invalidate();
+    this.changed('content');
+  }
+
+  // Dabs along a way on the screen, on what lies under it, in the projector's pattern.
+  stroke(at, before) {
+    const {projector, brush} = this, camera = this.renderer.view.camera;
+    if (!projector || !camera) return;
+    const ratio = camera.width / innerWidth, steps = before ? Math.max(1, Math.ceil(Math.hypot(at[0] - before[0], at[1] - before[1]) / (brush.size / 2))) : 1;
+    for (let i = 1; i <= steps; i++) {
+      const s = before ? i / steps : 1, from = before || at;
+      const x = (from[0] + (at[0] - from[0]) * s) * ratio, y = (from[1] + (at[1] - from[1]) * s) * ratio;
+      const depth = this.renderer.view.depthUnder(x, y);
+      if (!depth) continue;
+      const [u, v, far] = project(projector.device, pointAt(camera, x, y, depth));
+      if (!(far > 0)) continue;
+      const radius = brush.size * ratio * depth / camera.fx * projector.device.fx / far;
+      projector.dab(u, v, radius, brush.erase ? null : brush.colour);
+    }
+    this.invalidate(true);
+  }
+
+  // --- Photographs. ---
+
+  // The one that belongs to the view and what the projector shows; null: there is none.
+  findPhotograph() {
+    const view = this.at;
+    if (!view || !view.photographs.length) return null;
+    const shown = this.projector && this.projector.content.pattern;
+    const found = view.photographs.filter((p) => p.size);
+    return found.find((p) => p.pattern === shown) || found.find((p) => this.scene.patterns[p.pattern].role === 'white') || found[0] || null;
+  }
+
+  async showPhotograph(on) {
+    const entry = on ? this.findPhotograph() : null;
+    if (on && !entry) {
+      say('There is no photograph of this view in the page. Jump to a captured view first.');
+      on = false;
+    }
+    if (on) {
+      const white = this.scene.patterns[entry.pattern];
+      this.jump(this.at, true);
+      if (this.projector.content.pattern !== entry.pattern) {
+        const bitmap = await readPicture(this.scene, white);
+        if (bitmap) this.setContent(Object.assign(new PictureContent(white.name, bitmap), {pattern: entry.pattern}));
+      }
+      this.photograph = {entry, bitmap: await readPicture(this.scene, entry)};
+    } else if (this.photograph) {
+      this.photograph.bitmap.close();
+      this.photograph = null;
+    }
+    document.body.classList.toggle('comparing', !!this.photograph); // both lie over black
+    this.changed('photograph');
+    this.invalidate();
+  }
+
+  // --- Drawing. ---
+
+  invalidate(moving = false) {
+    if (moving) this.lastChange = performance.now();
+    this.stale = true;
+    this.schedule();
+  }
+
+  schedule() {
+    if (this.pending || this.lost) return;
+    this.pending = true;
+    requestAnimationFrame((now) => this.frame(now));
+  }
+
+  get moving() { return performance.now() - this.lastChange < 180 || this.lit.some((p) => p.content.live); }
+
+  frame(now) {
+    this.pending = false;
+    if (this.lost) return;
+    const live = this.projectors.some((p) => p.content.live), moving = this.moving;
+    if (this.stale || live || this.rough) {
+      if (moving) this.adapt(now);
+      else this.lastFrame = 0;
+      this.draw(moving ? QUALITIES[this.quality] : QUALITIES[0]);
+      this.rough = moving && this.quality > 0;
+      this.stale = false;
+    }
+    if (live || this.rough || this.moving) this.schedule();
+  }
+
+  // Slow frames make the next ones coarser.
+  adapt(now) {
+    const took = this.lastFrame ? now - this.lastFrame : 0;
+    this.lastFrame = now;
+    if (!took || took > 2000) return;
+    this.average = this.average ? 0.6 * this.average + 0.4 * took : took;
+    const step = this.average > SLOW ? 1 : this.average < FAST ? -1 : 0;
+    const next = clamp(this.quality + step, 0, QUALITIES.length - 1);
+    if (next !== this.quality) this.quality = next, this.average = 0;
+  }
+
+  samples(quality) { return quality.coarse ? 1 : this.scene.drawing.samples; }
+
+  // The camera that a projector's corrected picture is for.
+  watcherOf(projector) {
+    const view = this.scene.views.find((v) => v.id === projector.watcher);
+    if (view) return view.camera;
+    const base = {...this.base, pose: this.pose}, most = Math.max(base.width, base.height);
+    return most > WATCHER_MAX ? fitDevice(base, Math.round(base.width * WATCHER_MAX / most), Math.round(base.height * WATCHER_MAX / most)) : base;
+  }
+
+  // The projectors' patterns, where they have changed.
+  updatePatterns() {
+    for (const projector of this.projectors) {
+      const watcher = projector.corrected ? this.watcherOf(projector) : null;
+      const key = JSON.stringify([watcher, projector.device, projector.correction, projector.gain, projector.stops, projector.fit]);
+      if (!projector.dirty && !projector.content.live && key === projector.patternKey) continue;
+      if (projector.corrected) this.compensator.solve(projector, watcher);
+      else if (projector.dirty || projector.content.live || projector.wasCorrected || projector.shownFit !== projector.fit) projector.drawPattern();
+      projector.dirty = false, projector.patternKey = key, projector.wasCorrected = projector.corrected, projector.shownFit = projector.fit;
+      this.patternsChanged = true;
+    }
+  }
+
+  draw(quality) {
+    const began = performance.now(), ratio = Math.min(devicePixelRatio || 1, 2) * quality.scale;
+    const camera = this.cameraOf(ratio), {canvas} = this;
+    this.updatePatterns();
+    if (canvas.width !== camera.width || canvas.height !== camera.height)
+      canvas.width = camera.width, canvas.height = camera.height;
+    this.renderer.drawLight(camera, this.samples(quality), this.lit, this.ambient);
+    if (this.map === null) this.renderer.resolve(null, 2 ** this.exposure);
+    else this.renderer.showMap(null, this.map);
+    if (this.patternsChanged) this.window.show();
+    this.patternsChanged = false;
+    this.redrawOverlay();
+    this.frames = (this.frames || 0) + 1;
+    this.drawn = {camera, side: this.samples(quality), milliseconds: performance.now() - began};
+    this.changed('drawn');
+  }
+
+  redrawOverlay() { if (this.base) drawOverlay(this); }
+  blurPanel() { if (document.activeElement && document.activeElement !== document.body) document.activeElement.blur(); }
+
+  // What the page shows now, RGBA bytes with row 0 on top, at any size; for screenshots and tests.
+  picture(width, height, camera = {...this.base, pose: this.pose}) {
+    this.updatePatterns();
+    return this.renderer.picture(fitDevice(camera, width, height), this.scene.drawing.samples, this.lit, this.ambient,
+                                 2 ** this.exposure, this.map);
+  }
+}
+
+async function patternContent(scene, index) {
+  const pattern = scene.patterns[index], bitmap = await readPicture(scene, pattern);
+  return bitmap && Object.assign(new PictureContent(pattern.name, bitmap), {pattern: index});
+}
+
+async function start() {
+  const scene = readScene(), app = new App(scene, document.getElementById('stage'), document.getElementById('overlay'));
+  window.viewer = app; // for scripts: tests/view
+  app.at = scene.views[0], app.base = app.at.camera, app.pose = app.base.pose, app.target = scene.centre;
+  app.addProjector();
+  const best = ['active', 'novel', 'white'].map((role) => scene.patterns.findIndex((p) => p.role === role && p.size)).find((i) => i >= 0);
+  if (best !== undefined) app.setContent(await patternContent(scene, best));
+  buildPage(app);
+  app.jump(scene.views[0], false);
+  app.draw(QUALITIES[0]);
+}
+
+window.ready = start().then(() => { document.body.classList.add('ready'); return true; }, (error) => {
+  showFailure(error);
+  if (!(error instanceof Message)) console.warn(error);
+  return false;
+});

@@ -1,0 +1,29 @@
+// What the real projector is sent: the pattern, moved as its lens moves it the other way (rig/lens.h has the
+// formula), on its panel and through the inverse of its gamma.
+uniform sampler2D u_pattern;
+uniform vec2 projector_focal, projector_principal, projector_size;
+uniform vec2 u_panel_focal, u_panel_principal;
+uniform vec3 u_radial, u_gamma; // k1 k2 k3; 0: the sRGB curve
+uniform vec2 u_tangential;      // p1 p2
+layout(location = 0) out vec4 o_sent;
+
+vec2 distort(vec2 x) {
+  float r2 = dot(x, x), radial = 1.0 + r2 * (u_radial.x + r2 * (u_radial.y + r2 * u_radial.z));
+  return x * radial + vec2(2.0 * u_tangential.x * x.x * x.y + u_tangential.y * (r2 + 2.0 * x.x * x.x),
+                           2.0 * u_tangential.y * x.x * x.y + u_tangential.x * (r2 + 2.0 * x.y * x.y));
+}
+
+void main() {
+  vec2 wanted = (gl_FragCoord.xy - u_panel_principal) / u_panel_focal, x = wanted;
+  for (int i = 0; i < 20; i++) x += wanted - distort(x);
+  vec2 at = projector_principal + projector_focal * x;
+  o_sent = vec4(0.0, 0.0, 0.0, 1.0);
+  if (any(lessThan(at, vec2(0.0))) || any(greaterThan(at, projector_size))) return;
+  vec2 from = clamp(at - 0.5, vec2(0.0), projector_size - 1.0);
+  ivec2 first = ivec2(floor(from)), next = min(first + 1, ivec2(projector_size) - 1);
+  vec2 w = from - vec2(first);
+  vec3 top = mix(texelFetch(u_pattern, first, 0).rgb, texelFetch(u_pattern, ivec2(next.x, first.y), 0).rgb, w.x);
+  vec3 bottom = mix(texelFetch(u_pattern, ivec2(first.x, next.y), 0).rgb, texelFetch(u_pattern, next, 0).rgb, w.x);
+  vec3 light = mix(top, bottom, w.y);
+  o_sent.rgb = u_gamma.x > 0.0 ? pow(light, 1.0 / u_gamma) : srgb_encode(light);
+}

@@ -1,0 +1,80 @@
+'use strict';
+// A projector of the scene: where it is, what it shows, and the paint on top of that. Its content is either
+// its pattern as it stands, or a target in a camera's frame for which the pattern is found (compensate.js).
+
+const PROJECTOR_COLOURS = ['#f5a524', '#3aa0ff', '#e0569b', '#45c46b', '#9d7bff', '#ff6b4a', '#18b8b0', '#c9c239'];
+
+function makeCanvas(width, height) {
+  const canvas = document.createElement('canvas');
+  canvas.width = width, canvas.height = height;
+  return canvas;
+}
+
+class Projector {
+  constructor(graphics, device, number) {
+    this.graphics = graphics;
+    this.number = number;
+    this.colour = PROJECTOR_COLOURS[(number - 1) % PROJECTOR_COLOURS.length];
+    this.device = device;
+    this.on = true;
+    this.stops = 0; // brightness, in doublings of the capture's
+    this.content = new TestContent('White');
+    this.fit = 'contain';
+    this.correction = 'none'; // 'paint' and 'colours': see compensate.js
+    this.watcher = 'now';     // whose eyes a corrected picture is for: 'now' or the id of a view
+    this.gain = 0;            // of a target's light, in doublings
+    this.canvas = makeCanvas(device.width, device.height);
+    this.context = this.canvas.getContext('2d', {alpha: false});
+    this.paint = makeCanvas(device.width, device.height);
+    this.painted = false;
+    this.pattern = new PatternTexture(graphics, device.width, device.height);
+    this.dirty = true;
+  }
+
+  get brightness() { return 2 ** this.stops; }
+  get corrected() { return this.correction !== 'none'; }
+
+  setContent(content) {
+    if (this.content && this.content !== content) this.content.free();
+    this.content = content;
+    this.dirty = true;
+  }
+
+  // The pattern as it stands; in correction only the paint is.
+  drawPattern() {
+    const {context, canvas} = this;
+    context.fillStyle = '#000';
+    context.fillRect(0, 0, canvas.width, canvas.height);
+    this.content.draw(context, canvas.width, canvas.height, this.fit);
+    if (this.painted) context.drawImage(this.paint, 0, 0);
+    this.pattern.set(canvas);
+  }
+
+  // A dab of the brush at a pattern position; no colour: it takes paint away.
+  dab(u, v, radius, colour) {
+    const context = this.paint.getContext('2d');
+    context.globalCompositeOperation = colour ? 'source-over' : 'destination-out';
+    context.fillStyle = colour || '#000';
+    context.beginPath();
+    context.arc(u, v, Math.max(radius, 0.5), 0, 2 * Math.PI);
+    context.fill();
+    this.painted = this.dirty = true;
+  }
+
+  clearPaint() {
+    this.paint.getContext('2d').clearRect(0, 0, this.paint.width, this.paint.height);
+    this.painted = false, this.dirty = true;
+  }
+
+  // The lens: a change of focal length about the pattern's principal point.
+  zoom(factor) {
+    const d = this.device, f = clamp(d.fx * factor, 0.15 * d.width, 20 * d.width) / d.fx;
+    this.device = {...d, fx: d.fx * f, fy: d.fy * f};
+  }
+
+  free() {
+    this.content.free();
+    this.pattern.free();
+    this.graphics.free(this.shadow);
+  }
+}

@@ -1,0 +1,225 @@
+'use strict';
+// Draws a view: splats into G-buffers, shadow maps, each projector's light, the picture. The steps and their
+// names are those of render/pass.c; what each computes stands in the shaders.
+
+// The pattern that a projector shows, with its mip map.
+class PatternTexture {
+  constructor(graphics, width, height) {
+    const {gl} = graphics;
+    this.graphics = graphics;
+    this.width = width, this.height = height;
+    this.levels = Math.floor(Math.log2(Math.max(width, height))) + 1;
+    this.texture = graphics.texture(width, height, gl.SRGB8_ALPHA8, this.levels);
+  }
+
+  // `source`: a canvas of the texture's size. Colours are multiplied by alpha, or stay as they are.
+  set(source, premultiply = true) {
+    const {gl} = this.graphics;
+    gl.bindTexture(gl.TEXTURE_2D, this.texture);
+    gl.pixelStorei(gl.UNPACK_COLORSPACE_CONVERSION_WEBGL, gl.NONE);
+    gl.pixelStorei(gl.UNPACK_PREMULTIPLY_ALPHA_WEBGL, premultiply);
+    gl.texSubImage2D(gl.TEXTURE_2D, 0, 0, 0, gl.RGBA, gl.UNSIGNED_BYTE, source);
+    gl.generateMipmap(gl.TEXTURE_2D);
+  }
+
+  free() { this.graphics.gl.deleteTexture(this.texture); }
+}
+
+// What one camera sees, rasterised once: the samples' G-buffer and its means. Kept while nothing changes.
+class GbufferView {
+  constructor(renderer) { this.renderer = renderer; }
+
+  draw(camera, side) {
+    const key = JSON.stringify([camera, side]);
+    if (key === this.key) return;
+    const {renderer} = this, format = renderer.sumFormat;
+    this.samples = renderer.graphics.fit(this.samples, camera.width * side, camera.height * side,
+                                         [format, format, format, format]);
+    this.device = sampleDevice(camera, side), this.camera = camera, this.side = side;
+    this.depth = renderer.centreDepth(camera);
+    renderer.counts.splats = renderer.rasterise(this.samples, this.device, this.depth, 'splats.frag');
+    renderer.counts.samples = this.samples.width * this.samples.height;
+    this.key = key;
+    this.averaged = false;
+  }
+
+  // Of the samples, or of the means.
+  uniforms(target = this.samples) {
+    const [u_g0, u_g1, u_g2, u_g3] = target.textures;
+    return {u_g0, u_g1, u_g2, u_g3, u_depth: this.depth, u_side: target === this.samples ? this.side : 1};
+  }
+
+  // ffp_view_pass_gbuffer: means over the samples of each pixel.
+  mean() {
+    const {renderer, camera} = this, format = renderer.sumFormat;
+    if (this.side === 1) return this.samples;
+    if (!this.averaged) {
+      this.means = renderer.graphics.fit(this.means, camera.width, camera.height, [format, format, format, format]);
+      renderer.graphics.fill(this.means, ['average.frag'], this.uniforms());
+      this.averaged = true;
+    }
+    return this.means;
+  }
+
+  // The depth of what pixel (x, y) shows, 0 where there is nothing.
+  depthUnder(x, y) {
+    if (!this.samples || !(x >= 0 && y >= 0 && x < this.camera.width && y < this.camera.height)) return 0;
+    const at = (v) => Math.floor(v * this.side);
+    const texel = this.renderer.graphics.readFloats(this.samples, 0, at(x), at(y), 1, 1);
+    return texel[3] >= 0.5 ? texel[0] / texel[3] + this.depth : 0;
+  }
+}
+
+class Renderer {
+  constructor(graphics, scene) {
+    this.graphics = graphics;
+    this.scene = scene;
+    this.settings = scene.drawing;
+    this.sorter = new DepthSorter(scene.splats);
+    this.counts = {};
+    this.sumFormat = graphics.float32 ? graphics.gl.RGBA32F : graphics.gl.RGBA16F;
+    this.view = new GbufferView(this);
+    this.upload(scene.splats);
+  }
+
+  upload(s) {
+    const {graphics} = this, {gl} = graphics, n = s.count, rows = Math.ceil((n + 1) / ROW);
+    if (rows > gl.getParameter(gl.MAX_TEXTURE_SIZE))
+      throw new Error(`${n} splats are more than this graphics driver can hold.`);
+    const put = (columns) => {
+      const texels = new Float32Array(4 * ROW * rows);
+      columns.forEach((column, k) => { for (let i = 0; i < n; i++) texels[4 * i + k] = column(i); });
+      const texture = graphics.texture(ROW, rows, gl.RGBA32F);
+      gl.texSubImage2D(gl.TEXTURE_2D, 0, 0, 0, ROW, rows, gl.RGBA, gl.FLOAT, texels);
+      return texture;
+    };
+    const of = (column) => (i) => column[i];
+    this.splats = {
+      u_centres: put([0, 1, 2].map((k) => (i) => s.centre[3 * i + k]).concat(of(s.opacity))),
+      u_scales: put([...s.scale, s.roughness].map(of)),
+      u_rotations: put(s.rotation.map(of)),
+      u_albedos: put(s.albedo.map(of)),
+      u_ambients: put(s.ambient.map(of)),
+    };
+    this.order = graphics.texture(ROW, rows, gl.R32UI);
+    this.makeQuads(n);
+  }
+
+  // Two triangles a splat in one draw: vertices 4 i to 4 i + 3 are the corners of the i-th of the order.
+  makeQuads(n) {
+    const {gl} = this.graphics, corners = new Uint32Array(6 * Math.max(1, n));
+    for (let i = 0; i < n; i++)
+      [0, 1, 2, 2, 1, 3].forEach((corner, k) => { corners[6 * i + k] = 4 * i + corner; });
+    this.quads = gl.createVertexArray();
+    gl.bindVertexArray(this.quads);
+    gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, gl.createBuffer());
+    gl.bufferData(gl.ELEMENT_ARRAY_BUFFER, corners, gl.STATIC_DRAW);
+  }
+
+  // Sorts for a device and hands the order to the shaders; returns how many splats are in front of it.
+  putOrder(pose) {
+    const {gl} = this.graphics, count = this.sorter.sort(pose), rows = Math.ceil(count / ROW);
+    gl.bindTexture(gl.TEXTURE_2D, this.order);
+    if (rows)
+      gl.texSubImage2D(gl.TEXTURE_2D, 0, 0, 0, ROW, rows, gl.RED_INTEGER, gl.UNSIGNED_INT, this.sorter.order);
+    return count;
+  }
+
+  // ffp_rasterise: sums of what `device` sees, depths counted from `depth`.
+  rasterise(target, device, depth, fragment) {
+    const {graphics, settings} = this, {gl} = graphics;
+    const count = this.putOrder(device.pose);
+    graphics.clear(target);
+    gl.viewport(0, 0, target.width, target.height);
+    gl.bindVertexArray(this.quads);
+    graphics.use(graphics.program('splats.vert', [fragment]), {
+      ...this.splats, u_order: this.order, ...deviceUniforms('camera', device), u_blur: settings.blur, u_firmness: settings.firmness,
+      u_compensation: settings.compensation, u_depth: depth,
+    });
+    gl.enable(gl.BLEND);
+    gl.blendFunc(gl.ONE, gl.ONE_MINUS_SRC_ALPHA);
+    gl.drawElements(gl.TRIANGLES, 6 * count, gl.UNSIGNED_INT, 0);
+    gl.disable(gl.BLEND);
+    return count;
+  }
+
+  centreDepth(device) {
+    return dot3(axisOf(device.pose, 2), sub3(this.scene.centre, positionOf(device.pose)));
+  }
+
+  // ffp_shadow_map; `projector` keeps it while it stays where it is.
+  drawShadow(projector) {
+    const key = JSON.stringify(projector.device);
+    if (!this.settings.shadows || key === projector.shadowKey) return;
+    const device = shadowDevice(projector.device, this.settings.shadow_side);
+    projector.shadow = this.graphics.fit(projector.shadow, device.width, device.height, [this.sumFormat]);
+    projector.shadowDepth = this.centreDepth(projector.device);
+    this.rasterise(projector.shadow, device, projector.shadowDepth, 'shadow.frag');
+    projector.shadowKey = key;
+  }
+
+  lightUniforms(projector, camera) {
+    const shown = projector.pattern; // none: only for a pattern of 1 all over
+    return {
+      ...deviceUniforms('camera', camera), ...deviceUniforms('projector', projector.device),
+      u_shadow: this.settings.shadows ? projector.shadow.textures[0] : null,
+      u_shadow_depth: projector.shadowDepth || 0, u_shadow_bias: this.settings.shadow_bias,
+      u_shadows: this.settings.shadows, u_footprint: this.settings.footprint, u_white: false,
+      u_pattern: shown ? shown.texture : null, u_levels: shown ? shown.levels : 1,
+      u_intensity: scale3(this.scene.intensity, projector.brightness),
+    };
+  }
+
+  // ffp_view_pass_draw and _shade for any number of projectors: the mean radiance of each pixel.
+  drawLight(camera, side, projectors, ambient) {
+    const {graphics} = this, {gl} = graphics;
+    for (const projector of projectors) this.drawShadow(projector);
+    this.view.draw(camera, side);
+    this.light = graphics.fit(this.light, camera.width, camera.height, [gl.RGBA16F]);
+    graphics.fill(this.light, ['ambient.frag'], {...this.view.uniforms(), u_ambient: ambient ? 1 : 0});
+    gl.enable(gl.BLEND);
+    gl.blendFunc(gl.ONE, gl.ONE);
+    for (const projector of projectors)
+      graphics.fill(this.light, ['gbuffer.glsl', 'light.glsl', 'shade.frag'],
+                    {...this.view.uniforms(), ...this.lightUniforms(projector, this.view.device)});
+    gl.disable(gl.BLEND);
+  }
+
+  // Into a target, or the canvas (null).
+  resolve(target, exposure) {
+    const {width, height} = this.view.camera;
+    this.graphics.fill(target, ['resolve.frag'], {
+      u_mean: this.light.textures[0], u_side: this.view.side, u_exposure: exposure, u_flip: !target, u_size: [width, height],
+    }, width, height);
+  }
+
+  showMap(target, map) {
+    const {width, height} = this.view.camera;
+    const mean = this.view.mean(), radius = this.scene.radius || 1;
+    const range = map === 1 ? this.depthRange(mean) : [this.view.depth - radius, this.view.depth + radius];
+    this.graphics.fill(target, ['gbuffer.glsl', 'maps.frag'], {
+      ...this.view.uniforms(mean), u_map: map, u_range: range, u_flip: !target, u_size: [width, height],
+    }, width, height);
+  }
+
+  // Nearest and farthest depth, as depth_picture in api/relight.c finds them.
+  depthRange(mean) {
+    const texels = this.graphics.readFloats(mean);
+    let near = Infinity, far = 0;
+    for (let i = 0; i < texels.length; i += 4)
+      if (texels[i + 3] >= 0.5) {
+        const z = texels[i] / texels[i + 3] + this.view.depth;
+        near = Math.min(near, z), far = Math.max(far, z);
+      }
+    return far > near ? [near, far] : [near, near + 1];
+  }
+
+  // The picture as numbers: RGBA bytes, row 0 on top.
+  picture(camera, side, projectors, ambient, exposure, map = null) {
+    const {graphics} = this;
+    this.drawLight(camera, side, projectors, ambient);
+    this.shot = graphics.fit(this.shot, camera.width, camera.height, [graphics.gl.RGBA8]);
+    if (map === null) this.resolve(this.shot, exposure); else this.showMap(this.shot, map);
+    return graphics.readBytes(this.shot);
+  }
+}

@@ -1,0 +1,352 @@
+'use strict';
+// The panel, the tools, the keyboard, dropping and pasting, and what the page has to say.
+
+const $ = (id) => document.getElementById(id);
+
+function element(tag, properties = {}, children = []) {
+  const made = Object.assign(document.createElement(tag), properties);
+  made.append(...children);
+  return made;
+}
+
+let sayTimer = 0;
+function say(text, stays = false) {
+  const toast = $('toast');
+  toast.textContent = text;
+  toast.classList.add('shown');
+  clearTimeout(sayTimer);
+  if (!stays) sayTimer = setTimeout(() => toast.classList.remove('shown'), 6000);
+}
+
+// The page cannot work at all.
+function showFailure(error) {
+  const box = $('failure');
+  box.querySelector('p').textContent = error.message;
+  box.hidden = false;
+  document.body.classList.add('failed');
+}
+
+// What a hand has asked for; when it goes wrong the page says so and stays as it was.
+function attempt(work) {
+  return async (...given) => {
+    try {
+      return await work(...given);
+    } catch (error) {
+      say(error instanceof Message ? error.message : `That did not work: ${error.message}`);
+      if (!(error instanceof Message)) console.warn(error);
+    }
+  };
+}
+
+async function thumbnail(scene, entry, size = 96) {
+  const bitmap = await readPicture(scene, entry), canvas = makeCanvas(size, size);
+  if (!bitmap) return canvas;
+  canvas.getContext('2d').imageSmoothingQuality = 'high';
+  canvas.getContext('2d').drawImage(bitmap, ...placeOf(bitmap.width, bitmap.height, size, size, 'cover'));
+  bitmap.close();
+  return canvas;
+}
+
+const shortName = (id) => id.replace(/_/g, ' ');
+
+function buildViews(app) {
+  const {scene} = app;
+  scene.views.forEach((view, index) => {
+    const white = view.photographs.find((p) => p.size && scene.patterns[p.pattern].role === 'white') || view.photographs.find((p) => p.size);
+    const button = element('button', {className: 'tile', title: `${view.id}${view.new ? ' (new pose)' : ''}`});
+    button.append(element('span', {textContent: index + 1}));
+    button.setAttribute('aria-label', `View ${shortName(view.id)}`);
+    button.dataset.view = view.id;
+    thumbnail(scene, white).then((canvas) => button.prepend(canvas));
+    button.onclick = () => jumpTo(app, view);
+    $('views').append(button);
+  });
+  app.listeners.push((what) => {
+    if (what === 'view')
+      for (const tile of $('views').children) tile.classList.toggle('chosen', tile.dataset.view === app.at.id);
+  });
+}
+
+function jumpTo(app, view) {
+  const compare = !!app.photograph;
+  if (compare) app.showPhotograph(false);
+  app.jump(view, $('bring').checked);
+  if (compare && view.photographs.length) attempt(() => app.showPhotograph(true))();
+}
+
+function addTile(app, box, name, canvas, choose, key) {
+  const button = element('button', {className: 'tile', title: shortName(name)}, [canvas]);
+  button.setAttribute('aria-label', `Show ${shortName(name)}`);
+  button.dataset.content = key || name;
+  button.onclick = attempt(choose);
+  box.append(button);
+}
+
+function buildContents(app) {
+  const {scene} = app, box = $('contents');
+  scene.patterns.forEach((pattern, index) => {
+    if (!pattern.size || pattern.role === 'black') return;
+    const canvas = makeCanvas(96, 96);
+    addTile(app, box, pattern.name, canvas, async () => app.setContent(await patternContent(scene, index)));
+    thumbnail(scene, pattern).then((picture) => canvas.getContext('2d').drawImage(picture, 0, 0));
+  });
+  for (const name of Object.keys(TEST_PATTERNS)) {
+    const canvas = makeCanvas(96, 96), context = canvas.getContext('2d');
+    context.fillRect(0, 0, 96, 96);
+    TEST_PATTERNS[name](context, 96, 96);
+    addTile(app, box, name, canvas, () => app.setContent(new TestContent(name)), 'test-' + name);
+  }
+  app.listeners.push((what) => {
+    if (what !== 'content' && what !== 'projector') return;
+    const {content} = app.projector;
+    const key = content instanceof TestContent ? 'test-' + content.name : content.name;
+    for (const tile of box.children) tile.classList.toggle('chosen', tile.dataset.content === key);
+    $('content-name').textContent = shortName(content.name);
+  });
+}
+
+function buildProjectors(app) {
+  const show = () => {
+    $('projectors').replaceChildren(...app.projectors.map((projector) => {
+      const button = element('button', {textContent: projector.number, className: projector === app.projector ? 'chosen' : ''});
+      button.style.setProperty('--dot', projector.colour);
+      button.classList.toggle('off', !projector.on);
+      button.setAttribute('aria-label', `Projector ${projector.number}`);
+      button.onclick = () => app.select(projector);
+      return button;
+    }));
+    $('remove').disabled = app.projectors.length < 2;
+  };
+  $('add').onclick = attempt(() => app.addProjector());
+  $('remove').onclick = () => app.removeProjector();
+  app.listeners.push((what) => { if (what === 'projector') show(); });
+  show();
+}
+
+// A control and the state behind it: `get` shows it, `set` takes it over.
+function bind(app, id, get, set, shown = null) {
+  const input = $(id), property = input.type === 'checkbox' ? 'checked' : 'value';
+  const refresh = () => {
+    if (document.activeElement !== input || input.type === 'checkbox') input[property] = get();
+    const output = input.parentElement.querySelector('output');
+    if (output) output.textContent = shown ? shown() : '';
+  };
+  input.addEventListener('input', () => {
+    set(input.type === 'checkbox' ? input.checked : input.type === 'range' ? Number(input.value) : input.value);
+    refresh();
+  });
+  app.listeners.push((what) => { if (what !== 'drawn') refresh(); });
+  refresh();
+}
+
+const stopsText = (stops) => `${2 ** stops >= 10 ? (2 ** stops).toFixed(0) : (2 ** stops).toFixed(2)} ×`;
+const fieldOf = (d) => 360 / Math.PI * Math.atan(d.width / (2 * d.fx));
+
+function buildSettings(app) {
+  const redraw = () => app.invalidate();
+  bind(app, 'on', () => app.projector.on, (on) => { app.projector.on = on; app.changed('projector'); app.patternsChanged = true; redraw(); });
+  bind(app, 'fit', () => app.projector.fit, (fit) => { app.projector.fit = fit; redraw(); });
+  bind(app, 'brightness', () => app.projector.stops, (stops) => { app.projector.stops = stops; redraw(); }, () => stopsText(app.projector.stops));
+  bind(app, 'lens', () => fieldOf(app.projector.device), (degrees) => {
+    const d = app.projector.device;
+    app.zoomProjector(d.width / (2 * Math.tan(degrees * Math.PI / 360)) / d.fx);
+  }, () => `${fieldOf(app.projector.device).toFixed(0)}°`);
+  const distance = () => length3(sub3(positionOf(app.projector.device.pose), app.scene.centre));
+  const radius = app.scene.radius || 1;
+  Object.assign($('distance'), {min: 1.05 * radius, max: 8 * radius, step: radius / 100});
+  bind(app, 'distance', distance, (wanted) => app.moveProjectorAway(wanted / distance()), () => `${(distance() / radius).toFixed(1)} r`);
+  let roll = 0;
+  bind(app, 'roll', () => roll, (degrees) => {
+    const {pose} = app.projector.device;
+    app.setProjectorPose(turnPose(pose, axisOf(pose, 2), (degrees - roll) * Math.PI / 180, positionOf(pose)));
+    roll = degrees;
+  }, () => `${roll}°`);
+  app.listeners.push((what) => { if (what === 'projector' || what === 'view') { roll = 0; $('roll').value = 0; } });
+  $('aim').onclick = () => {
+    const p = app.projector, eye = positionOf(p.device.pose);
+    app.setProjectorPose(lookAt(eye, app.scene.centre, app.up));
+  };
+  bind(app, 'exposure', () => app.exposure, (stops) => { app.exposure = stops; redraw(); }, () => stopsText(app.exposure));
+  bind(app, 'ambient', () => app.ambient, (on) => { app.ambient = on; redraw(); });
+  bind(app, 'frusta', () => app.frusta, (on) => { app.frusta = on; redraw(); });
+  bind(app, 'map', () => app.map === null ? 'light' : String(app.map), (map) => { app.map = map === 'light' ? null : Number(map); redraw(); });
+  bind(app, 'brush-colour', () => app.brush.colour, (colour) => { app.brush.colour = colour; app.brush.erase = false; setMode(app, 'brush'); });
+  bind(app, 'brush-size', () => app.brush.size, (size) => { app.brush.size = size; }, () => `${app.brush.size}`);
+  bind(app, 'erase', () => app.brush.erase, (on) => { app.brush.erase = on; setMode(app, 'brush'); });
+  $('clear').onclick = () => { app.projector.clearPaint(); app.invalidate(); };
+}
+
+function buildCorrection(app) {
+  for (const view of app.scene.views) $('watcher').append(element('option', {value: view.id, textContent: shortName(view.id)}));
+  bind(app, 'correction', () => app.projector.correction, (how) => { app.projector.correction = how; app.changed('content'); app.invalidate(); });
+  bind(app, 'watcher', () => app.projector.watcher, (id) => { app.projector.watcher = id; app.invalidate(); });
+  bind(app, 'gain', () => app.projector.gain, (stops) => { app.projector.gain = stops; app.invalidate(); }, () => stopsText(app.projector.gain));
+  $('send').onclick = attempt(() => app.window.open(app.projector));
+  app.listeners.push((what) => {
+    if (what === 'drawn') return;
+    $('gain-row').hidden = app.projector.correction !== 'colours';
+    $('watcher-row').hidden = !app.projector.corrected;
+  });
+}
+
+function setMode(app, mode) {
+  app.mode = mode;
+  for (const button of document.querySelectorAll('[data-mode]'))
+    button.setAttribute('aria-pressed', button.dataset.mode === mode);
+  app.canvas.style.cursor = mode === 'brush' ? 'crosshair' : 'grab';
+  app.redrawOverlay();
+}
+
+function savePicture(app) {
+  const {width, height} = app.drawn.camera, ratio = Math.min(devicePixelRatio || 1, 2);
+  const camera = app.cameraOf(ratio), data = app.renderer.picture(camera, app.scene.drawing.samples, app.lit, app.ambient, 2 ** app.exposure, app.map);
+  for (let i = 3; i < data.length; i += 4) data[i] = 255; // over black, as files are
+  const canvas = makeCanvas(camera.width, camera.height);
+  canvas.getContext('2d').putImageData(new ImageData(data, camera.width, camera.height), 0, 0);
+  canvas.toBlob((blob) => {
+    const link = element('a', {href: URL.createObjectURL(blob), download: `${app.scene.name || 'view'}.png`});
+    link.click();
+    setTimeout(() => URL.revokeObjectURL(link.href), 10000);
+    say(`Saved ${link.download}, ${canvas.width} × ${canvas.height}`);
+    app.saved = (app.saved || 0) + 1;
+  }, 'image/png');
+  app.invalidate();
+  return [width, height];
+}
+
+function toggleFull() {
+  if (document.fullscreenElement) document.exitFullscreen();
+  else document.documentElement.requestFullscreen().catch(() => say('This browser shows no page full screen.'));
+}
+
+function togglePanel(app) {
+  document.body.classList.toggle('with-panel');
+  app.invalidate();
+}
+
+function buildTools(app) {
+  for (const button of document.querySelectorAll('[data-mode]')) button.onclick = () => setMode(app, button.dataset.mode);
+  $('compare').onclick = attempt(() => app.showPhotograph(!app.photograph));
+  $('shot').onclick = () => savePicture(app);
+  $('full').onclick = toggleFull;
+  $('help').onclick = () => $('keys').showModal();
+  $('keys').onclick = () => $('keys').close();
+  $('toggle').onclick = () => togglePanel(app);
+  setMode(app, 'camera');
+}
+
+function buildSources(app) {
+  $('open').onclick = () => $('file').click();
+  $('file').onchange = attempt(async () => {
+    const [file] = $('file').files;
+    $('file').value = '';
+    if (file) await showFile(app, file);
+  });
+  $('webcam').onclick = attempt(async () => app.setContent(await contentOfWebcam()));
+  $('solid').oninput = () => app.setContent(new SolidContent($('solid').value));
+  const write = () => app.setContent(new TextContent($('text').value, $('solid').value === '#000000' ? '#ffffff' : $('solid').value));
+  $('text').oninput = write;
+  $('text').onfocus = () => { if ($('text').value) write(); };
+  addEventListener('dragover', (event) => { event.preventDefault(); document.body.classList.add('dropping'); });
+  addEventListener('dragleave', (event) => { if (!event.relatedTarget) document.body.classList.remove('dropping'); });
+  addEventListener('drop', (event) => {
+    event.preventDefault();
+    document.body.classList.remove('dropping');
+    const [file] = event.dataTransfer.files;
+    if (file) attempt(showFile)(app, file); else say('Drop a picture or a film file here.');
+  });
+  addEventListener('paste', (event) => {
+    if (event.target instanceof HTMLInputElement) return;
+    const [file] = event.clipboardData.files, text = event.clipboardData.getData('text');
+    if (file) attempt(showFile)(app, file);
+    else if (text) { $('text').value = text.slice(0, 200); write(); }
+    else say('There is no picture in the clipboard.');
+  });
+}
+
+async function showFile(app, file) {
+  app.setContent(await contentOfFile(file));
+  app.shown = (app.shown || 0) + 1;
+}
+
+const KEYS = {
+  c: (app) => setMode(app, 'camera'), p: (app) => setMode(app, 'projector'), b: (app) => setMode(app, 'brush'),
+  a: (app) => { app.ambient = !app.ambient; app.changed('settings'); app.invalidate(); },
+  g: (app) => { app.map = app.map === null ? 0 : app.map === 5 ? null : app.map + 1; app.changed('settings'); app.invalidate(); },
+  x: (app) => { app.frusta = !app.frusta; app.changed('settings'); app.invalidate(); },
+  v: (app) => attempt(() => app.showPhotograph(!app.photograph))(), s: savePicture, f: toggleFull, h: togglePanel,
+  o: () => $('file').click(), '?': () => $('keys').showModal(), n: (app) => app.addProjector(),
+  w: (app) => attempt(() => app.window.open(app.projector))(), Home: (app) => app.home(),
+  '+': (app) => app.dolly(0.9), '=': (app) => app.dolly(0.9), '-': (app) => app.dolly(1 / 0.9),
+  '[': (app) => { app.brush.size = Math.max(2, app.brush.size - 2); app.changed('brush'); app.redrawOverlay(); },
+  ']': (app) => { app.brush.size = Math.min(120, app.brush.size + 2); app.changed('brush'); app.redrawOverlay(); },
+  e: (app) => { app.brush.erase = !app.brush.erase; app.changed('brush'); app.redrawOverlay(); },
+  ' ': (app) => { if (app.projector.content.toggle) { app.projector.content.toggle(); app.invalidate(); } },
+};
+const ARROWS = {ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1]};
+
+function buildKeys(app, controls) {
+  addEventListener('keydown', (event) => {
+    const typing = event.target instanceof HTMLInputElement && event.target.type !== 'checkbox' && event.target.type !== 'range';
+    if (typing || event.target instanceof HTMLSelectElement || event.ctrlKey || event.metaKey || event.altKey || $('keys').open) return;
+    const ranged = event.target instanceof HTMLInputElement && event.target.type === 'range';
+    if (ARROWS[event.key] && !ranged) {
+      const [x, y] = ARROWS[event.key].map((d) => 16 * d);
+      const action = app.mode === 'projector' ? (event.shiftKey ? 'aim' : 'projector') : event.shiftKey ? 'pan' : 'orbit';
+      controls.drag(action, x, y);
+    } else if (/^[1-9]$/.test(event.key)) {
+      const view = app.scene.views[Number(event.key) - 1];
+      if (view) jumpTo(app, view);
+    } else if (KEYS[event.key] || KEYS[event.key.toLowerCase()]) {
+      if (event.key === ' ' && event.target instanceof HTMLButtonElement) return;
+      (KEYS[event.key] || KEYS[event.key.toLowerCase()])(app);
+    } else return;
+    event.preventDefault();
+  });
+}
+
+// The photograph over the left part of the picture, exactly where the prediction is.
+function buildPhotograph(app) {
+  const canvas = $('photograph'), split = $('split');
+  const place = () => {
+    const on = !!app.photograph;
+    canvas.hidden = split.hidden = $('split-line').hidden = !on;
+    $('compare').setAttribute('aria-pressed', on);
+    if (!on) return;
+    const camera = app.screenCamera(), s = camera.fx / app.base.fx, width = app.base.width * s, height = app.base.height * s;
+    const left = camera.cx - app.base.cx * s, top = camera.cy - app.base.cy * s, x = left + width * split.value / 100;
+    canvas.style.cssText = `left:${left}px;top:${top}px;width:${width}px;height:${height}px;clip-path:inset(0 ${100 - split.value}% 0 0)`;
+    split.style.cssText = `left:${left}px;width:${width}px;top:${Math.min(top + height - 48, app.freeSize()[1] - 120)}px`;
+    $('split-line').style.cssText = `left:${x}px;top:${top}px;height:${height}px`;
+  };
+  split.oninput = place;
+  app.listeners.push((what) => {
+    if (what === 'photograph' && app.photograph) {
+      const {bitmap} = app.photograph;
+      canvas.width = bitmap.width, canvas.height = bitmap.height;
+      canvas.getContext('2d').drawImage(bitmap, 0, 0);
+    }
+    if (what === 'photograph' || what === 'drawn') place();
+  });
+}
+
+function buildPage(app) {
+  const {scene} = app;
+  document.title = scene.name || 'FF-ProCams';
+  $('name').textContent = scene.name || 'Object';
+  $('about').textContent = `${scene.splats.count.toLocaleString('en')} splats`;
+  if (innerWidth > 700) document.body.classList.add('with-panel');
+  buildViews(app);
+  buildProjectors(app);
+  buildContents(app);
+  buildSettings(app);
+  buildCorrection(app);
+  buildSources(app);
+  buildTools(app);
+  buildPhotograph(app);
+  const controls = new Controls(app, app.canvas);
+  buildKeys(app, controls);
+  addEventListener('resize', () => app.invalidate());
+  app.changed('projector');
+  app.changed('content');
+}
