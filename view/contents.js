@@ -111,8 +111,7 @@ const TEST_PATTERNS = {
     const radius = Math.min(width, height) / 2, rings = 30, sectors = 8;
     for (let ring = rings; ring >= 1; ring--)
       for (let sector = 0; sector < sectors; sector++) {
-        const field = ring * sectors + sector;
-        context.fillStyle = `hsl(${field * 137.508 % 360} 85% ${35 + field * 61 % 45}%)`;
+        context.fillStyle = `hsl(${(ring * 137.508 + sector * 97) % 360} 85% ${35 + (ring * 29 + sector * 61) % 45}%)`;
         context.beginPath();
         context.moveTo(width / 2, height / 2);
         context.arc(width / 2, height / 2, radius * ring / rings, sector * Math.PI / 4, (sector + 1) * Math.PI / 4);

@@ -131,6 +131,26 @@ static void test_names_cannot_break_the_page(void **state) {
     memcpy(capture->name, before, sizeof before);
 }
 
+static void test_the_real_projector_goes_along(void **state) {
+    (void)state;
+    const FfpViewing how = {.file = in_scratch("page.html")};
+    write_page(&how);
+    json_t *scene = json_loads(element("scene"), 0, NULL);
+    assert_null(json_object_get(scene, "panel"));
+    json_decref(scene);
+    capture->panel =
+        (FfpPanel){true, 1920, 1080, 2000, 1990, 960, 1080, {0.1F, 0, 0, 0, 0.25F}, true, {2, 2.5F, 3}};
+    write_page(&how);
+    capture->panel = (FfpPanel){0};
+    scene = json_loads(element("scene"), 0, NULL);
+    const json_t *panel = json_object_get(scene, "panel");
+    assert_int_equal(json_integer_value(json_object_get(panel, "width")), 1920);
+    assert_true(json_number_value(json_object_get(panel, "fy")) == 1990);
+    assert_true(number(json_object_get(panel, "lens"), 4) == 0.25);
+    assert_true(number(json_object_get(panel, "gamma"), 1) == 2.5);
+    json_decref(scene);
+}
+
 static void test_photographs_are_left_out_when_asked(void **state) {
     (void)state;
     const FfpViewing how = {.file = in_scratch("page.html")};
@@ -156,6 +176,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_what_it_holds_reads_back),
         cmocka_unit_test(test_names_cannot_break_the_page),
+        cmocka_unit_test(test_the_real_projector_goes_along),
         cmocka_unit_test(test_photographs_are_left_out_when_asked),
         cmocka_unit_test(test_wrong_settings_are_refused),
     };

@@ -424,6 +424,8 @@ def check_window(check, page):
 def check_looks(check, page, folder):
     for name, width, height, scale, mobile in (("wide", 1400, 900, 1, False), ("phone", 400, 800, 2, True)):
         page.resize(width, height, scale, mobile)
+        page.run(f"document.body.classList.toggle('with-panel', {str(not mobile).lower()}); "
+                 "document.getElementById('toast').classList.remove('shown')")
         for scheme in ("dark", "light"):
             page.scheme(scheme)
             page.run("viewer.invalidate(); idle()")
