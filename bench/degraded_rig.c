@@ -283,7 +283,7 @@ static void run_row(Bench *bench, int object, int row) {
     const FfpSceneSpec spec = spec_of(object, rows[row].faults);
     char folder[FFP_PATH_MAX], name[32];
     FfpError err = {0};
-    FfpCapture seen = {0}, imported;
+    FfpCapture seen = {0}, imported = {0};
     snprintf(name, sizeof name, "object_%d_row_%d", object, row);
     bool ok = ffp_join_path(folder, bench->folder, name) && ffp_scene_make(&seen, &spec, &err) &&
               import(&imported, &seen, rows[row].faults, folder, &err);

@@ -116,7 +116,7 @@ static bool open_bench(Bench *b, int argc, char **argv) {
     printf("%lld Gaussians, brought there in %.3f s\n", (long long)ffp_prepared_count(b->scene->prepared),
            ffp_seconds() - begin);
     b->stepper = ffp_stepper_new(&b->config, perceptual);
-    b->run = ffp_run_new();
+    b->run = ffp_run_new(true);
     const FfpRenderSettings settings =
         ffp_render_settings(ffp_model_is_paper_form(&model->config), model->config.samples);
     b->pass = ffp_view_pass_new(&settings);

@@ -157,7 +157,7 @@ static bool run_scenes(const FfpModel *model, int count, int first, Score scores
         settings.shadows = shadows;
         viewer.pass[shadows] = ffp_view_pass_new(&settings);
     }
-    FfpRun *run = ffp_run_new();
+    FfpRun *run = ffp_run_new(false);
     bool ok = true;
     for (int i = first; i < first + count && ok; i++) {
         FfpScene scene;

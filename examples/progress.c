@@ -35,7 +35,7 @@ int main(int argc, char **argv) {
         fprintf(stderr, "usage: progress CAPTURE SECONDS\n");
         return 2;
     }
-    Watch watch = {clock_seconds() + atof(argv[2]), 0};
+    Watch watch = {clock_seconds() + strtod(argv[2], NULL), 0};
     FfpContextSettings settings = ffp_context_defaults();
     settings.user = &watch, settings.log = on_log, settings.progress = on_progress;
     settings.interval = 0.02;

@@ -174,8 +174,10 @@ bool ffp_align(FfpCapture *capture, int active, const FfpAlignSettings *settings
     set_ways(&s, report->turntable ? ring.axis : NULL, settings->expected.turn);
     s.progress = ffp_task("aligning", (int64_t)settings->rounds * s.n_ways * LOOKS);
     double step = FIRST_STEP;
-    for (int round = 0; ok && round < settings->rounds; round++, step *= NEXT_STEP)
+    for (int round = 0; ok && round < settings->rounds; round++) {
         for (int way = 0; ok && way < s.n_ways; way++) ok = search_along(&s, way, step, err);
+        step *= NEXT_STEP;
+    }
     ffp_task_end(&s.progress);
     place(&s, s.x);
     report->after = s.best;

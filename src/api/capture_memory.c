@@ -5,6 +5,7 @@
 #include "api/memory.h"
 #include "base/arena.h"
 #include "base/call.h"
+#include "base/real.h"
 #include "capture/manifest.h"
 
 // What the manifest points to as long as it lives.

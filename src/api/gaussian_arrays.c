@@ -13,22 +13,22 @@ FfpGaussianArrays ffp_gaussians_arrays(FfpGaussians *gaussians) {
                                gaussians->roughness, gaussians->ambient};
 }
 
-typedef struct Attribute {
-    const char *name;
+// What the caller's numbers may be, and where they are.
+typedef struct Range {
     const float *from;
-    float *to;
-    int width; // numbers a Gaussian
     double low, high;
-} Attribute;
+} Range;
 
-static bool copy_attribute(const Attribute *a, int64_t count, FfpError *err) {
-    if (!a->from && count > 0) return ffp_fail(err, FFP_ERROR_ARGUMENT, a->name, "the array is missing");
-    for (int64_t i = 0; i < count * a->width; i++) {
-        const double value = (double)a->from[i];
-        if (!(value >= a->low && value <= a->high))
-            return ffp_fail(err, FFP_ERROR_ARGUMENT, a->name, "row %lld: %g is not in %g to %g",
-                            (long long)(i / a->width), value, a->low, a->high);
-        a->to[i] = a->from[i];
+static bool copy_attribute(FfpGaussians *to, int attribute, const Range *range, FfpError *err) {
+    const char *name = ffp_attributes[attribute].name;
+    const FfpAttribute into = ffp_attribute(to, attribute);
+    if (!range->from) return ffp_fail(err, FFP_ERROR_ARGUMENT, name, "the array is missing");
+    for (int64_t i = 0; i < to->count * into.width; i++) {
+        const double value = (double)range->from[i];
+        if (!(value >= range->low && value <= range->high))
+            return ffp_fail(err, FFP_ERROR_ARGUMENT, name, "row %lld: %g is not in %g to %g",
+                            (long long)(i / into.width), value, range->low, range->high);
+        into.data[i] = range->from[i];
     }
     return true;
 }
@@ -54,18 +54,14 @@ static FfpGaussians *copy_arrays(const FfpGaussianArrays *a, FfpError *err) {
     }
     FfpGaussians *g = ffp_alloc(1, sizeof *g);
     *g = ffp_gaussians_new(a->count);
-    const Attribute attributes[] = {
-        {"centre", a->centre, g->centre, 3, -1e9, 1e9},
-        {"scale", a->scale, g->scale, 3, 1e-20, 1e9},
-        {"rotation", a->rotation, g->rotation, 4, -1e3, 1e3},
-        {"opacity", a->opacity, g->opacity, 1, 0, 1},
-        {"albedo", a->albedo, g->albedo, 3, 0, 1e6},
-        {"roughness", a->roughness, g->roughness, 1, 0, 1},
-        {"ambient", a->ambient, g->ambient, 3, 0, 1e6},
+    const Range ranges[FFP_ATTRIBUTES] = {
+        [FFP_CENTRE] = {a->centre, -1e9, 1e9},     [FFP_SCALE] = {a->scale, 1e-20, 1e9},
+        [FFP_ROTATION] = {a->rotation, -1e3, 1e3}, [FFP_OPACITY] = {a->opacity, 0, 1},
+        [FFP_ALBEDO] = {a->albedo, 0, 1e6},        [FFP_ROUGHNESS] = {a->roughness, 0, 1},
+        [FFP_AMBIENT] = {a->ambient, 0, 1e6},
     };
     bool ok = true;
-    for (size_t i = 0; ok && i < sizeof attributes / sizeof *attributes; i++)
-        ok = copy_attribute(&attributes[i], a->count, err);
+    for (int i = 0; ok && i < FFP_ATTRIBUTES; i++) ok = copy_attribute(g, i, &ranges[i], err);
     if (ok && normalise_rotations(g, err)) return g;
     ffp_gaussians_free(g);
     ffp_free(g);

@@ -4,6 +4,7 @@
 #include "ffprocams.h"
 #include "base/call.h"
 #include "base/arena.h"
+#include "base/real.h"
 #include "rig/import.h"
 
 FfpImport ffp_import_defaults(void) {

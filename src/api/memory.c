@@ -1,3 +1,4 @@
+#include "base/real.h"
 #include "api/memory.h"
 
 #include <math.h>

@@ -2,7 +2,6 @@
 
 #include <math.h>
 #include <omp.h>
-#include <string.h>
 #include "api/relight.h"
 #include "match/match.h"
 #include "match/reduce.h"
@@ -66,7 +65,7 @@ static double network_bytes(const FfpScale *s) {
     const double patch = (double)c->patch * c->patch, own = pixels_of(s) / patch;
     const double tokens = fmin(own, ffp_pixel_context_tokens(c, s->views));
     const double inputs = patch * ((c->match_input ? 30 : 15) + c->pixel_features);
-    const double blocks = 21.0 * c->dim * (double)strlen(c->modules);
+    const double blocks = 36.0 * c->dim; // all blocks of a kind work in the same memory
     const double context = own > tokens ? match_bytes(s, tokens * patch) : 0;
     const double forward =
         REAL * tokens * (inputs + blocks) + context + (4 * SPLAT + 6 * REAL) * splats_of(s);

@@ -62,7 +62,7 @@ static bool run_network(FfpGaussians *out, int64_t **pixel, const FfpModel *mode
     const FfpDevice *device = ffp_device_offered();
     ffp_device_use(device);
     FfpModel there = device ? ffp_model_uploaded(model) : *model;
-    FfpRun *run = ffp_run_new();
+    FfpRun *run = ffp_run_new(false);
     const bool ok = ffp_model_forward(&there, run, capture, start, NULL, active, err);
     if (ok) { // the run's own live only as long as the run
         *out = device ? ffp_gaussians_downloaded(&run->gaussians) : ffp_gaussians_copy(&run->gaussians);

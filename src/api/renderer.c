@@ -6,6 +6,7 @@
 #include "api/relight.h"
 #include "base/arena.h"
 #include "base/call.h"
+#include "base/real.h"
 
 struct FfpRenderer {
     FfpBlocks blocks; // the pass's, which grows from call to call

@@ -19,11 +19,11 @@
 static const char *const beside[] = {FFP_LIBRARY_TO_DATA "/ffprocams/models", "../share/ffprocams/models",
                                      "models"};
 
-// The file that holds this function: the shared library, or the program. The system knows a program by the
+// The file that holds these names: the shared library, or the program. The system knows a program by the
 // name it was called by, which need not lead anywhere; its entry point tells whether it is meant.
 static bool own_file(char path[PATH_MAX]) {
     Dl_info own, program;
-    if (!dladdr((void *)(uintptr_t)ffp_version, &own)) return false;
+    if (!dladdr(beside, &own)) return false;
     const bool linked_in = dladdr((void *)(uintptr_t)getauxval(AT_ENTRY), &program) && // NOLINT
                            program.dli_fbase == own.dli_fbase;
     return realpath(linked_in ? "/proc/self/exe" : own.dli_fname, path) != NULL;

@@ -7,6 +7,7 @@
 #include "apply/solve.h"
 #include "base/arena.h"
 #include "base/call.h"
+#include "base/real.h"
 
 #define RATE 0.03F // of the first step, in pattern values; falls to a tenth along a cosine
 #define BETA1 0.9F
@@ -128,7 +129,7 @@ void ffp_stage_descend(FfpStage *stage, int steps) {
             memset(adam.gradients[k].data, 0, adam.count[k] * sizeof(real));
         ffp_stage_loss(stage, adam.gradients);
         const real turn = (real)(step - 1) / (real)steps;
-        const real rate = RATE * (0.55F + 0.45F * cos(3.14159265F * turn));
+        const real rate = RATE * (0.55F + 0.45F * cos(FFP_PI * turn));
         for (int k = 0; k < stage->n_projections; k++) {
             if (step == 1) small[k] = root_mean_square(&adam.gradients[k]);
             adam_step(&adam, k, step, rate, small[k], stage->projections[k].pattern.data);

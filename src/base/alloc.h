@@ -17,12 +17,12 @@ void *ffp_alloc(size_t count, size_t size);
 void *ffp_try_alloc(size_t count, size_t size);
 // A block (or NULL) made larger, what it held kept and the rest zeroed. When that fails the old one is as it
 // was.
-void *ffp_grow(void *block, size_t count, size_t size);
-void *ffp_try_grow(void *block, size_t count, size_t size);
+void *ffp_grow(void *memory, size_t count, size_t size);
+void *ffp_try_grow(void *memory, size_t count, size_t size);
 // Ends the call as ffp_alloc does: for what fails for lack of memory alone.
 void ffp_no_memory(size_t bytes);
 char *ffp_copy_text(const char *text);
-void ffp_free(void *block); // NULL is allowed
+void ffp_free(void *memory); // NULL is allowed
 
 // Memory that outlives the call, whatever becomes of it: a thread's own, kept from one call to the next.
 void *ffp_alloc_kept(size_t count, size_t size);
@@ -33,7 +33,7 @@ void *ffp_alloc_undefined(size_t bytes);
 size_t ffp_checked_bytes(size_t count, size_t size);
 struct FfpDevice;
 void *ffp_alloc_on_device(const struct FfpDevice *device, size_t bytes);
-void ffp_free_on_device(const struct FfpDevice *device, void *block);
+void ffp_free_on_device(const struct FfpDevice *device, void *memory);
 
 #ifdef __cplusplus
 }

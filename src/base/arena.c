@@ -60,15 +60,29 @@ static Chunk *chunk_for(FfpArena *arena, size_t bytes) {
     return chunk;
 }
 
-void *ffp_arena_alloc(FfpArena *arena, size_t count, size_t size) {
-    const size_t bytes = ffp_checked_bytes(count, size);
+static void *take(FfpArena *arena, size_t bytes) {
     Chunk *chunk = chunk_for(arena, bytes);
     void *block = chunk->bytes + chunk->used;
     chunk->used += bytes;
     arena->in_use += bytes;
     if (arena->in_use > arena->high_water) arena->high_water = arena->in_use;
+    return block;
+}
+
+void *ffp_arena_alloc(FfpArena *arena, size_t count, size_t size) {
+    const size_t bytes = ffp_checked_bytes(count, size);
+    void *block = take(arena, bytes);
     if (!arena->device) return memset(block, 0, bytes);
     arena->device->zero(block, bytes);
+    return block;
+}
+
+void *ffp_arena_take(FfpArena *arena, size_t count, size_t size) {
+    const size_t bytes = ffp_checked_bytes(count, size);
+    void *block = take(arena, bytes);
+#ifdef FFP_SANITIZED
+    if (!arena->device) memset(block, 0xFF, bytes); // NaN: reading it before it is written shows
+#endif
     return block;
 }
 

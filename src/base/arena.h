@@ -12,6 +12,8 @@ FfpArena *ffp_arena_new(void);
 void ffp_arena_free(FfpArena *arena); // NULL is allowed
 // count * size bytes, 64-byte aligned, zeroed; fails as ffp_alloc.
 void *ffp_arena_alloc(FfpArena *arena, size_t count, size_t size);
+// The same, of undefined contents: for what is written before it is read. Nobody touches its pages before.
+void *ffp_arena_take(FfpArena *arena, size_t count, size_t size);
 void ffp_arena_reset(FfpArena *arena);              // keeps the memory for the next step
 size_t ffp_arena_high_water(const FfpArena *arena); // bytes, the most ever in use
 

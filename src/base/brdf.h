@@ -6,7 +6,6 @@
 
 #include "base/vec.h"
 
-#define FFP_PI 3.14159265358979324F
 #define FFP_F0 0.04F              // Fresnel reflectance at normal incidence
 #define FFP_FRESNEL_2 (-5.55473F) // Schlick's power as 2^((FRESNEL_2 v.h + FRESNEL_1) v.h)
 #define FFP_FRESNEL_1 (-6.98316F)

@@ -194,8 +194,7 @@ static void run_guarded(FfpFrame *outer, Body *body) {
 void ffp_parallel_for(int64_t count, int threads, void (*body)(void *argument, int64_t index),
                       void *argument) {
     FfpFrame *outer = current;
-    const int team = threads > 0 ? threads : omp_get_max_threads();
-#pragma omp parallel for schedule(dynamic) num_threads(team)
+#pragma omp parallel for schedule(dynamic) num_threads(threads > 0 ? threads : omp_get_max_threads())
     for (int64_t i = 0; i < count; i++) run_guarded(outer, &(Body){body, argument, i});
     if (outer && outer->call && outer->call->failed) leave((FfpErrorCode)outer->call->failed, 0);
     ffp_cancel_point(); // this thread may have had none of them

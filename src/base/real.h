@@ -8,6 +8,9 @@
 #endif
 typedef FFP_REAL real;
 
+#define FFP_PI 3.14159265358979324F          // in a numeric room's formulas
+#define FFP_PI_DOUBLE 3.14159265358979323846 // where all is double
+
 // How a formula is declared that the kernels of the CPU and of the GPU share: one text for both.
 #ifdef __CUDACC__
 #define FFP_FORMULA static __host__ __device__ inline

@@ -1,17 +1,17 @@
 #include <stdlib.h>
 #include "bench/raster_times.h"
 #include "base/log.h"
+#include "base/real.h"
 #include "base/rng.h"
 #include "base/vec.h"
 #include "render/raster.h"
 
 #define BALL 0.6F // radius; the ground touches it from below
 #define VIEWS 8
-#define PI 3.14159265358979324F
 
 // A device at `azimuth` (in eighths of a turn) and `elevation`, looking at the origin, z up.
 static FfpCamera device_at(int side, real focal_share, real radius, real azimuth, real elevation) {
-    const real a = azimuth * (2 * PI / VIEWS), half = 0.5F * (real)side, focal = focal_share * (real)side;
+    const real a = azimuth * (2 * FFP_PI / VIEWS), half = 0.5F * (real)side, focal = focal_share * (real)side;
     const real out[3] = {cos(elevation) * cos(a), cos(elevation) * sin(a), sin(elevation)};
     const real right[3] = {-sin(a), cos(a), 0};
     FfpCamera c = {side, side, focal, focal, half, half, {0}};
@@ -26,7 +26,7 @@ static FfpCamera device_at(int side, real focal_share, real radius, real azimuth
 }
 
 static FfpCamera camera_at(int side, real azimuth) {
-    return device_at(side, 1.375F, 3, azimuth, PI / 4); // 40 degrees wide
+    return device_at(side, 1.375F, 3, azimuth, FFP_PI / 4); // 40 degrees wide
 }
 
 FfpCamera ffp_bench_camera(int side) {

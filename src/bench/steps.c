@@ -134,7 +134,7 @@ static bool reconstruction(Steps *s, FfpBenchTable *table, FfpError *err) {
     const FfpMatchSettings settings = ffp_match_defaults();
     const FfpRenderSettings drawing = ffp_render_defaults();
     const FfpView *view = &s->scene.capture.views[0];
-    FfpRun *run = ffp_run_new();
+    FfpRun *run = ffp_run_new(false);
     double best[3] = {1e30, 1e30, 1e30}, total = 1e30, polished = 1e30;
     bool ok = true;
     ffp_memory_mark();

@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "base/file.h"
+#include "base/real.h"
 #include "capture/manifest.h"
 
 static bool read_camera(const FfpField *root, FfpCamera *camera, FfpError *err) {

@@ -2,6 +2,7 @@
 #include <string.h>
 
 #include "base/file.h"
+#include "base/real.h"
 #include "capture/manifest.h"
 
 #define RADIUS_MAX 1e9
@@ -159,10 +160,10 @@ static bool read_frame(const FfpField *view_field, FfpView *view, FfpError *err)
     FfpField frame, item;
     int *const sides[2] = {&view->frame_width, &view->frame_height};
     const int most[2] = {view->camera.width, view->camera.height};
-    int n = 0;
+    int n;
     if (!ffp_field_find(view_field, "frame", &frame)) return true;
     if (!ffp_field_count(&frame, 2, 2, &n, err)) return false;
-    for (int i = 0; i < n; i++)
+    for (int i = 0; i < 2; i++)
         if (!ffp_field_item(&frame, i, &item, err) ||
             !ffp_field_whole(&item, FFP_CAMERA_SIDE_MIN, most[i], sides[i], err))
             return false;

@@ -15,6 +15,11 @@ int ffp_cli_fail(const FfpError *err); // "ffprocams: error: WHAT (WHERE)"; retu
 // "ffprocams: error: WHAT" and where to read more; returns FFP_EXIT_USAGE
 int ffp_cli_usage(const char *command, const char *what_format, ...) __attribute__((format(printf, 2, 3)));
 
+// Where others use the processors too, begins the program once more with threads that sleep while they wait
+// (OMP_WAIT_POLICY=passive); not where the user has set that, or nothing is gained. Returns in all other
+// cases.
+void ffp_cli_wait_kindly(char **argv);
+
 // The program's one context, which writes to stderr and is cancelled by SIGINT and SIGTERM: they end a call
 // as soon as it can end cleanly; a second one ends the program at once. open: again, with another device.
 bool ffp_cli_open_context(FfpDeviceKind device, FfpError *err);

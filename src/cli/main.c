@@ -33,7 +33,8 @@ static const FfpProgram program = {
     .options = options,
     .environment = "The environment variable FFPROCAMS_CPU (portable, avx2, avx512, avx512bf16, amx) chooses "
                    "the kernels in place of the best ones that the processor can run; OMP_NUM_THREADS is the "
-                   "number of threads.",
+                   "number of threads, OMP_WAIT_POLICY (active, passive) how they wait for each other, which "
+                   "follows from how busy the machine is otherwise.",
     .exit_status = "Exit status: 0 when all went well, 1 on an error (told on stderr; no output is left "
                    "half-written), 2 for wrong usage.",
     .examples = (const FfpExample[]){{.command = "ffprocams reconstruct data/sample -o spot.ply"},
@@ -119,6 +120,9 @@ int main(int argc, char **argv) {
         return argc == 3 ? ffp_cli_pages(&here, argv[2])
                          : ffp_cli_usage(NULL, "--pages needs a value, and nothing more: DIR");
     for (int i = 0; commands[i]; i++)
-        if (strcmp(argv[1], commands[i]->name) == 0) return run(commands[i], argc - 1, argv + 1);
+        if (strcmp(argv[1], commands[i]->name) == 0) {
+            ffp_cli_wait_kindly(argv);
+            return run(commands[i], argc - 1, argv + 1);
+        }
     return unknown_command(argv[1]);
 }

@@ -35,9 +35,9 @@ typedef struct FfpList {
 
 typedef struct FfpOption {
     const char *name;     // long, without its dashes; NULL ends the table
-    char letter;          // short, or 0
     const char *argument; // what help calls its value; NULL of a flag
     FfpOptionType type;
+    char letter;          // short, or 0
     bool repeated;        // given again and again: an FfpList of texts, or its function called anew
     bool required;        // an error when it is missing
     bool optional_value;  // of text: "" when it is given without =VALUE

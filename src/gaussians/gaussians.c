@@ -3,77 +3,76 @@
 #include "base/arena.h"
 #include "base/device.h"
 
+const FfpAttributeForm ffp_attributes[FFP_ATTRIBUTES] = {
+    [FFP_CENTRE] = {"centre", 3, offsetof(FfpGaussians, centre)},
+    [FFP_SCALE] = {"scale", 3, offsetof(FfpGaussians, scale)},
+    [FFP_ROTATION] = {"rotation", 4, offsetof(FfpGaussians, rotation)},
+    [FFP_OPACITY] = {"opacity", 1, offsetof(FfpGaussians, opacity)},
+    [FFP_ALBEDO] = {"albedo", 3, offsetof(FfpGaussians, albedo)},
+    [FFP_ROUGHNESS] = {"roughness", 1, offsetof(FfpGaussians, roughness)},
+    [FFP_AMBIENT] = {"ambient", 3, offsetof(FfpGaussians, ambient)},
+};
+
+static real **array_of(FfpGaussians *gaussians, int attribute) {
+    return (real **)((char *)gaussians + ffp_attributes[attribute].member);
+}
+
+FfpAttribute ffp_attribute(const FfpGaussians *gaussians, int attribute) {
+    const FfpAttributeForm *form = &ffp_attributes[attribute];
+    return (FfpAttribute){*(real *const *)((const char *)gaussians + form->member), form->width};
+}
+
+static size_t bytes_of(const FfpGaussians *gaussians, int attribute) {
+    return (size_t)gaussians->count * (size_t)ffp_attributes[attribute].width * sizeof(real);
+}
+
 FfpGaussians ffp_gaussians_new(int64_t count) {
-    const size_t n = (size_t)count;
-    return (FfpGaussians){
-        .count = count,
-        .centre = ffp_memory_new(n, 3 * sizeof(real)),
-        .scale = ffp_memory_new(n, 3 * sizeof(real)),
-        .rotation = ffp_memory_new(n, 4 * sizeof(real)),
-        .opacity = ffp_memory_new(n, sizeof(real)),
-        .albedo = ffp_memory_new(n, 3 * sizeof(real)),
-        .roughness = ffp_memory_new(n, sizeof(real)),
-        .ambient = ffp_memory_new(n, 3 * sizeof(real)),
-    };
+    FfpGaussians new = {.count = count};
+    for (int a = 0; a < FFP_ATTRIBUTES; a++)
+        *array_of(&new, a) = ffp_memory_new((size_t)count, (size_t)ffp_attributes[a].width * sizeof(real));
+    return new;
 }
 
 FfpGaussians ffp_gaussians_copy(const FfpGaussians *from) {
     FfpGaussians to = ffp_gaussians_new(from->count);
-    const size_t n = (size_t)from->count;
-    ffp_memory_copy(to.centre, from->centre, 3 * n * sizeof(real));
-    ffp_memory_copy(to.scale, from->scale, 3 * n * sizeof(real));
-    ffp_memory_copy(to.rotation, from->rotation, 4 * n * sizeof(real));
-    ffp_memory_copy(to.opacity, from->opacity, n * sizeof(real));
-    ffp_memory_copy(to.albedo, from->albedo, 3 * n * sizeof(real));
-    ffp_memory_copy(to.roughness, from->roughness, n * sizeof(real));
-    ffp_memory_copy(to.ambient, from->ambient, 3 * n * sizeof(real));
+    for (int a = 0; a < FFP_ATTRIBUTES; a++)
+        ffp_memory_copy(ffp_attribute(&to, a).data, ffp_attribute(from, a).data, bytes_of(from, a));
     return to;
 }
 
 void ffp_gaussians_free(FfpGaussians *gaussians) {
     if (gaussians == NULL) return;
-    ffp_memory_free(gaussians->centre);
-    ffp_memory_free(gaussians->scale);
-    ffp_memory_free(gaussians->rotation);
-    ffp_memory_free(gaussians->opacity);
-    ffp_memory_free(gaussians->albedo);
-    ffp_memory_free(gaussians->roughness);
-    ffp_memory_free(gaussians->ambient);
+    for (int a = 0; a < FFP_ATTRIBUTES; a++) ffp_memory_free(ffp_attribute(gaussians, a).data);
     *gaussians = (FfpGaussians){0};
 }
 
+void ffp_gaussians_clear(FfpGaussians *gaussians) {
+    for (int a = 0; a < FFP_ATTRIBUTES; a++)
+        ffp_memory_zero(ffp_attribute(gaussians, a).data, bytes_of(gaussians, a));
+}
+
 FfpGaussians ffp_gaussians_uploaded(const FfpGaussians *host) {
-    const size_t n = (size_t)host->count;
-    return (FfpGaussians){
-        .count = host->count,
-        .centre = ffp_memory_uploaded(host->centre, n, 3 * sizeof(real)),
-        .scale = ffp_memory_uploaded(host->scale, n, 3 * sizeof(real)),
-        .rotation = ffp_memory_uploaded(host->rotation, n, 4 * sizeof(real)),
-        .opacity = ffp_memory_uploaded(host->opacity, n, sizeof(real)),
-        .albedo = ffp_memory_uploaded(host->albedo, n, 3 * sizeof(real)),
-        .roughness = ffp_memory_uploaded(host->roughness, n, sizeof(real)),
-        .ambient = ffp_memory_uploaded(host->ambient, n, 3 * sizeof(real)),
-    };
+    FfpGaussians there = {.count = host->count};
+    for (int a = 0; a < FFP_ATTRIBUTES; a++) {
+        const FfpAttribute from = ffp_attribute(host, a);
+        *array_of(&there, a) =
+            ffp_memory_uploaded(from.data, (size_t)host->count, (size_t)from.width * sizeof(real));
+    }
+    return there;
 }
 
-// One attribute's numbers on the host.
-static real *downloaded(const real *from, int64_t count, int width) {
-    real *host = ffp_alloc((size_t)count, (size_t)width * sizeof(real));
-    ffp_memory_download(host, from, (size_t)count * (size_t)width * sizeof(real));
+void ffp_gaussians_download(FfpGaussians *host, const FfpGaussians *gaussians) {
+    for (int a = 0; a < FFP_ATTRIBUTES; a++)
+        ffp_memory_download(ffp_attribute(host, a).data, ffp_attribute(gaussians, a).data, bytes_of(host, a));
+}
+
+FfpGaussians ffp_gaussians_downloaded(const FfpGaussians *gaussians) {
+    FfpGaussians host = {.count = gaussians->count};
+    for (int a = 0; a < FFP_ATTRIBUTES; a++)
+        *array_of(&host, a) =
+            ffp_alloc((size_t)gaussians->count, (size_t)ffp_attributes[a].width * sizeof(real));
+    ffp_gaussians_download(&host, gaussians);
     return host;
-}
-
-FfpGaussians ffp_gaussians_downloaded(const FfpGaussians *g) {
-    return (FfpGaussians){
-        .count = g->count,
-        .centre = downloaded(g->centre, g->count, 3),
-        .scale = downloaded(g->scale, g->count, 3),
-        .rotation = downloaded(g->rotation, g->count, 4),
-        .opacity = downloaded(g->opacity, g->count, 1),
-        .albedo = downloaded(g->albedo, g->count, 3),
-        .roughness = downloaded(g->roughness, g->count, 1),
-        .ambient = downloaded(g->ambient, g->count, 3),
-    };
 }
 
 void ffp_gaussians_transform(FfpGaussians *gaussians, const real offset[3], real radius) {

@@ -3,6 +3,7 @@
 #define FFP_GAUSSIANS_GAUSSIANS_H
 
 #include <stdbool.h>
+#include <stddef.h>
 #include <stdint.h>
 #include "base/error.h"
 #include "base/real.h"
@@ -20,15 +21,42 @@ typedef struct FfpGaussians {
     real *ambient;   // [count,3] linear radiance shown when the projector is black
 } FfpGaussians;
 
-// These three are of the device that the thread works on (base/device.h), the CPU unless it says otherwise;
+// The attributes, in one table: what is done to all of them alike goes through it (memory, gradients, files,
+// the optimiser), so that a new one is a member above and a row there.
+enum {
+    FFP_CENTRE,
+    FFP_SCALE,
+    FFP_ROTATION,
+    FFP_OPACITY,
+    FFP_ALBEDO,
+    FFP_ROUGHNESS,
+    FFP_AMBIENT,
+    FFP_ATTRIBUTES
+};
+typedef struct FfpAttributeForm {
+    const char *name; // as the public header calls its array
+    int width;        // numbers a Gaussian
+    size_t member;    // offset of its array in FfpGaussians
+} FfpAttributeForm;
+extern const FfpAttributeForm ffp_attributes[FFP_ATTRIBUTES];
+
+typedef struct FfpAttribute {
+    real *data; // [count, width]
+    int width;
+} FfpAttribute;
+FfpAttribute ffp_attribute(const FfpGaussians *gaussians, int attribute);
+
+// These four are of the device that the thread works on (base/device.h), the CPU unless it says otherwise;
 // all others here are the CPU's.
 FfpGaussians ffp_gaussians_new(int64_t count); // zeroed; also used for gradients, which have the same shape
 FfpGaussians ffp_gaussians_copy(const FfpGaussians *from);
 void ffp_gaussians_free(FfpGaussians *gaussians);
+void ffp_gaussians_clear(FfpGaussians *gaussians); // all numbers become 0
 // Copies of the CPU's set on the device in use, and the other way; on the CPU they are plain copies. What was
 // downloaded is the CPU's: ffp_device_use(NULL) before ffp_gaussians_free.
 FfpGaussians ffp_gaussians_uploaded(const FfpGaussians *host);
 FfpGaussians ffp_gaussians_downloaded(const FfpGaussians *gaussians);
+void ffp_gaussians_download(FfpGaussians *host, const FfpGaussians *gaussians); // into a set of as many
 // centre <- centre * radius + offset, scale <- scale * radius: from the network's unit sphere back to the
 // world.
 void ffp_gaussians_transform(FfpGaussians *gaussians, const real offset[3], real radius);

@@ -46,40 +46,67 @@ static double sigmoid(double x) {
     return 1 / (1 + exp(-x));
 }
 
+static double as_it_is(double x) {
+    return x;
+}
+
+static double encode_ambient(double c) {
+    return (encode_colour(c) - 0.5) / SH_C0;
+}
+
+static double decode_ambient(double c) {
+    return decode_colour(0.5 + SH_C0 * c);
+}
+
+static double encode_scale(double scale) {
+    return log(fmax(scale, SCALE_MIN));
+}
+
+static double decode_scale(double x) {
+    return fabs(x) > LOG_SCALE_MAX ? INFINITY : exp(x);
+}
+
+typedef struct Column {
+    int first;                                   // of the row's numbers
+    double (*encode)(double), (*decode)(double); // what cannot be used becomes infinite
+} Column;
+
+static const Column columns[FFP_ATTRIBUTES] = {
+    [FFP_CENTRE] = {FFP_ROW_POSITION, as_it_is, as_it_is},
+    [FFP_SCALE] = {FFP_ROW_SCALE, encode_scale, decode_scale},
+    [FFP_ROTATION] = {FFP_ROW_ROTATION, as_it_is, as_it_is},
+    [FFP_OPACITY] = {FFP_ROW_OPACITY, logit, sigmoid},
+    [FFP_ALBEDO] = {FFP_ROW_ALBEDO, logit, sigmoid},
+    [FFP_ROUGHNESS] = {FFP_ROW_ROUGHNESS, logit, sigmoid},
+    [FFP_AMBIENT] = {FFP_ROW_AMBIENT, encode_ambient, decode_ambient},
+};
+
 void ffp_row_encode(const FfpGaussians *gaussians, int64_t index, float row[FFP_ROW_NUMBERS]) {
-    for (int c = 0; c < 3; c++) {
-        const int64_t i = 3 * index + c;
-        row[FFP_ROW_POSITION + c] = (float)gaussians->centre[i];
-        row[FFP_ROW_AMBIENT + c] = (float)((encode_colour((double)gaussians->ambient[i]) - 0.5) / SH_C0);
-        row[FFP_ROW_SCALE + c] = (float)log(fmax((double)gaussians->scale[i], SCALE_MIN));
-        row[FFP_ROW_ALBEDO + c] = (float)logit((double)gaussians->albedo[i]);
+    for (int a = 0; a < FFP_ATTRIBUTES; a++) {
+        const FfpAttribute from = ffp_attribute(gaussians, a);
+        for (int i = 0; i < from.width; i++)
+            row[columns[a].first + i] = (float)columns[a].encode((double)from.data[index * from.width + i]);
     }
-    for (int c = 0; c < 4; c++) row[FFP_ROW_ROTATION + c] = (float)gaussians->rotation[4 * index + c];
-    row[FFP_ROW_OPACITY] = (float)logit((double)gaussians->opacity[index]);
-    row[FFP_ROW_ROUGHNESS] = (float)logit((double)gaussians->roughness[index]);
+}
+
+static bool normalise(real q[4]) {
+    double length = 0;
+    for (int c = 0; c < 4; c++) length += (double)q[c] * (double)q[c];
+    length = sqrt(length);
+    if (length < 1e-12) return false;
+    for (int c = 0; c < 4; c++) q[c] = (real)((double)q[c] / length);
+    return true;
 }
 
 int ffp_row_decode(const float row[FFP_ROW_NUMBERS], FfpGaussians *gaussians, int64_t index) {
-    for (int i = 0; i < FFP_ROW_NUMBERS; i++)
-        if (!isfinite(row[i])) return i;
-    for (int c = 0; c < 3; c++) {
-        const int64_t i = 3 * index + c;
-        const double ambient = decode_colour(0.5 + SH_C0 * (double)row[FFP_ROW_AMBIENT + c]);
-        if (!isfinite((float)ambient)) return FFP_ROW_AMBIENT + c;
-        if (fabs((double)row[FFP_ROW_SCALE + c]) > LOG_SCALE_MAX) return FFP_ROW_SCALE + c;
-        gaussians->centre[i] = (real)row[FFP_ROW_POSITION + c];
-        gaussians->ambient[i] = (real)ambient;
-        gaussians->scale[i] = (real)exp((double)row[FFP_ROW_SCALE + c]);
-        gaussians->albedo[i] = (real)sigmoid((double)row[FFP_ROW_ALBEDO + c]);
+    for (int a = 0; a < FFP_ATTRIBUTES; a++) {
+        const FfpAttribute to = ffp_attribute(gaussians, a);
+        for (int i = 0; i < to.width; i++) {
+            const int number = columns[a].first + i;
+            const double value = columns[a].decode((double)row[number]);
+            if (!isfinite(row[number]) || !isfinite((float)value)) return number;
+            to.data[index * to.width + i] = (real)value;
+        }
     }
-    double length = 0;
-    for (int c = 0; c < 4; c++)
-        length += (double)row[FFP_ROW_ROTATION + c] * (double)row[FFP_ROW_ROTATION + c];
-    length = sqrt(length);
-    if (length < 1e-12) return FFP_ROW_ROTATION;
-    for (int c = 0; c < 4; c++)
-        gaussians->rotation[4 * index + c] = (real)((double)row[FFP_ROW_ROTATION + c] / length);
-    gaussians->opacity[index] = (real)sigmoid((double)row[FFP_ROW_OPACITY]);
-    gaussians->roughness[index] = (real)sigmoid((double)row[FFP_ROW_ROUGHNESS]);
-    return -1;
+    return normalise(gaussians->rotation + 4 * index) ? -1 : FFP_ROW_ROTATION;
 }

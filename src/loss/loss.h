@@ -53,15 +53,14 @@ void ffp_losses_settle(void);
 typedef struct FfpPerceptual FfpPerceptual;
 // `kind` is told by the file's tensor names. Errors: missing file, missing or misshapen tensor.
 FfpPerceptual *ffp_perceptual_read(const char *path, FfpError *err);
-void ffp_perceptual_free(FfpPerceptual *perceptual);
-bool ffp_perceptual_is_lpips(const FfpPerceptual *perceptual);
+void ffp_perceptual_free(FfpPerceptual *net);
+bool ffp_perceptual_is_lpips(const FfpPerceptual *net);
 // LPIPS distance of two encoded RGB images in [0,1] (v0.1, inputs scaled to [-1,1]); or for VGG16 the mean
 // squared feature distance at relu1_2 and relu2_2 (sum of the two means). `weight` and grad as above; grad
 // may be NULL. A fourth channel is ignored. A picture with a side below ffp_perceptual_least_side has no
 // distance: 0, and no gradient.
-real ffp_perceptual_loss(const FfpPerceptual *perceptual, const FfpImage *prediction, const FfpImage *target,
+real ffp_perceptual_loss(const FfpPerceptual *net, const FfpImage *prediction, const FfpImage *target,
                          real weight, FfpImage *grad);
-int ffp_perceptual_least_side(
-    const FfpPerceptual *perceptual); // in pixels: 31 AlexNet, 17 SqueezeNet, 2 VGG16
+int ffp_perceptual_least_side(const FfpPerceptual *net); // in pixels: 31 AlexNet, 17 SqueezeNet, 2 VGG16
 
 #endif

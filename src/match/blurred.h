@@ -17,16 +17,16 @@ static inline FfpSeen ffp_seen(const FfpObservation *seen, size_t pixel) {
     return (FfpSeen){{r[0], r[1], r[2], 0}, {w[0], w[1], w[2], 0}};
 }
 
-// Where FFP_LANES positions lie on the grid.
+// Where FFP_MATCH_LANES positions lie on the grid.
 typedef struct FfpCells {
-    int first[FFP_LANES];                  // number of the upper left of four cells; -1 off the pattern
-    real right[FFP_LANES], low[FFP_LANES]; // weights of the right two and of the lower two
+    int first[FFP_MATCH_LANES]; // number of the upper left of four cells; -1 off the pattern
+    real right[FFP_MATCH_LANES], low[FFP_MATCH_LANES]; // weights of the right two and of the lower two
 } FfpCells;
 
-static inline void ffp_find_cells(FfpCells *out, const FfpBlurred *blurred, const real u[FFP_LANES],
-                                  const real v[FFP_LANES]) {
+static inline void ffp_find_cells(FfpCells *out, const FfpBlurred *blurred, const real u[FFP_MATCH_LANES],
+                                  const real v[FFP_MATCH_LANES]) {
 #pragma omp simd
-    for (int n = 0; n < FFP_LANES; n++) {
+    for (int n = 0; n < FFP_MATCH_LANES; n++) {
         const real u0 = u[n] >= 0 ? u[n] : 0, v0 = v[n] >= 0 ? v[n] : 0;
         const real u1 = u0 <= blurred->width ? u0 : blurred->width,
                    v1 = v0 <= blurred->height ? v0 : blurred->height;

@@ -153,11 +153,12 @@ static real free_until(const FfpSupportViews *support_views, int view, int x, in
         lines[other] = ffp_line(&capture->views[view].camera, (real)x + 0.5F, (real)y + 0.5F,
                                 &capture->views[other].camera);
     real z = range[0];
-    for (int step = 0; step < FREE_STEPS && z < range[1]; step++, z *= growth) {
+    for (int step = 0; step < FREE_STEPS && z < range[1]; step++) {
         FfpSupport support = {.coverage = 1};
         for (int other = 0; other < capture->n_views; other++)
             if (other != view) ask(&support, support_views, other, &lines[other], z);
         if (support.trust_past <= FREE_TRUST + support.trust_agree) break;
+        z *= growth;
     }
     return z < range[1] ? z : range[1];
 }

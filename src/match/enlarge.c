@@ -40,10 +40,10 @@ static FfpPlane *fit_planes(const FfpReduced *reduced, int view) {
     FfpSheet sheet = ffp_sheet_new(depth, depth, camera, PLANE_REACH);
     FfpPlane *out = ffp_alloc(area, sizeof *out);
     for (int y = 0; y < start->height; y++)
-        for (int x = 0; x < start->width; x += FFP_LANES) {
-            FfpPlane planes[FFP_LANES];
+        for (int x = 0; x < start->width; x += FFP_MATCH_LANES) {
+            FfpPlane planes[FFP_MATCH_LANES];
             ffp_fit_planes(planes, &sheet, x, y);
-            for (int n = 0; n < FFP_LANES && x + n < start->width; n++)
+            for (int n = 0; n < FFP_MATCH_LANES && x + n < start->width; n++)
                 out[(size_t)y * (size_t)start->width + (size_t)(x + n)] = planes[n];
         }
     ffp_sheet_free(&sheet);
@@ -95,7 +95,7 @@ static real cost_at(const Work *w, int x, int y, real q) {
     const size_t i = (size_t)y * (size_t)w->seen->width + (size_t)x;
     const FfpLine line = ffp_line(&w->full->camera, (real)x + 0.5F, (real)y + 0.5F, &w->full->projector);
     const FfpSeen here = ffp_seen(w->seen, i);
-    real u[FFP_LANES], v[FFP_LANES];
+    real u[FFP_MATCH_LANES], v[FFP_MATCH_LANES];
     FfpCells cells;
     ffp_line_positions(&line, 1 / q, 0, 0, u, v);
     ffp_find_cells(&cells, w->pattern, u, v);

@@ -32,13 +32,13 @@ static unsigned char *widen(const FfpView *view) {
 static void cut(unsigned char *inside, const unsigned char *wide, const FfpView *seer, const FfpLine *line,
                 const FfpPlanes *planes) {
     const int width = ffp_frame_width(seer), height = ffp_frame_height(seer), outside = width * height;
-    for (int k = 0; k < planes->count; k += FFP_LANES) {
-        const int lanes = planes->count - k < FFP_LANES ? planes->count - k : FFP_LANES;
+    for (int k = 0; k < planes->count; k += FFP_MATCH_LANES) {
+        const int lanes = planes->count - k < FFP_MATCH_LANES ? planes->count - k : FFP_MATCH_LANES;
         if (memchr(inside + k, 1, (size_t)lanes) == NULL) continue;
-        real u[FFP_LANES], v[FFP_LANES];
-        int cell[FFP_LANES];
+        real u[FFP_MATCH_LANES], v[FFP_MATCH_LANES];
+        int cell[FFP_MATCH_LANES];
         ffp_line_positions(line, planes->first, planes->step, k, u, v);
-        for (int n = 0; n < FFP_LANES; n++) {
+        for (int n = 0; n < FFP_MATCH_LANES; n++) {
             const bool in = (u[n] >= 0) & (v[n] >= 0) & (u[n] < (real)width) & (v[n] < (real)height);
             const int x = (int)(in ? u[n] : 0), y = (int)(in ? v[n] : 0);
             cell[n] = in ? y * width + x : outside;

@@ -32,13 +32,13 @@ static inline real ffp_line_at(const FfpLine *line, real z, real *u, real *v) {
     return w;
 }
 
-#define FFP_LANES 16 // hypotheses, or pixels of a row, that the inner loops take at a time
+#define FFP_MATCH_LANES 16 // hypotheses, or pixels of a row, that the inner loops take at a time
 
-// Positions at the depths first + (from + n) step, n < FFP_LANES; -1 where they are behind either device.
-// With u, v, w turned round in the line, and inverse depths, it is the same line.
-static inline void ffp_line_positions(const FfpLine *line, real first, real step, int from, real u[FFP_LANES],
-                                      real v[FFP_LANES]) {
-    for (int n = 0; n < FFP_LANES; n++) {
+// Positions at the depths first + (from + n) step, n < FFP_MATCH_LANES; -1 where they are behind either
+// device. With u, v, w turned round in the line, and inverse depths, it is the same line.
+static inline void ffp_line_positions(const FfpLine *line, real first, real step, int from,
+                                      real u[FFP_MATCH_LANES], real v[FFP_MATCH_LANES]) {
+    for (int n = 0; n < FFP_MATCH_LANES; n++) {
         const real z = first + (real)(from + n) * step, w = line->w[0] + line->w[1] * z;
         const bool front = (z > 0) & (w > 1e-6F);
         const real inverse = 1 / w;

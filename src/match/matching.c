@@ -115,11 +115,12 @@ void ffp_match_view(real *depth, real *confidence, real *range, const FfpCapture
     memset(confidence, 0, pixels * sizeof(real));
     search(depth, confidence, range, capture, view, seen, pattern, &planes);
     real *finer = ffp_alloc(pixels, sizeof(real)), span = 2 * planes.step;
-    for (int round = 0; round < ROUNDS; round++, span /= 2) {
+    for (int round = 0; round < ROUNDS; round++) {
         ffp_cancel_point();
         ffp_refine_depth(finer, depth, confidence, &capture->views[view], seen, pattern, settings->fine_steps,
                          span);
         memcpy(depth, finer, pixels * sizeof(real));
+        span /= 2;
     }
     ffp_free(finer);
 }

@@ -45,11 +45,11 @@ static void predict_row(real *out, const FfpSummed *pattern, const FfpCapture *c
     const real *black = view->images[capture->black].data + first,
                *white = view->images[capture->white].data + first;
     const real *inverse = sheet->inverse + (size_t)(y + sheet->reach) * (size_t)sheet->stride + sheet->reach;
-    FfpPlane planes[FFP_LANES] = {{0}};
+    FfpPlane planes[FFP_MATCH_LANES] = {{0}};
     for (int x = 0; x < sheet->width; x++) {
-        FfpPlane *plane = &planes[x % FFP_LANES];
+        FfpPlane *plane = &planes[x % FFP_MATCH_LANES];
         real rgb[3] = {0, 0, 0};
-        if (x % FFP_LANES == 0) ffp_fit_planes(planes, sheet, x, y);
+        if (x % FFP_MATCH_LANES == 0) ffp_fit_planes(planes, sheet, x, y);
         plane->q0 = inverse[x]; // only the slant is the neighbours'
         if (inverse[x] > 0) look_up(pattern, view, plane, x, y, rgb);
         for (int i = 3 * x; i < 3 * x + 3; i++)

@@ -11,12 +11,12 @@ static void refine_strip(real *out, const real *weight, const FfpSheet *sheet, c
                          const FfpObservation *seen, const FfpBlurred *pattern, int x, int y, int steps,
                          real range) {
     const size_t first = (size_t)y * (size_t)seen->width + (size_t)x;
-    const int lanes = seen->width - x < FFP_LANES ? seen->width - x : FFP_LANES, half = steps / 2;
+    const int lanes = seen->width - x < FFP_MATCH_LANES ? seen->width - x : FFP_MATCH_LANES, half = steps / 2;
     bool any = false;
     for (int n = 0; n < lanes; n++) any |= weight[first + (size_t)n] > 0;
     if (!any) return;
     FfpRefinePixel *refine = ffp_match_kernels()->refine_pixel;
-    FfpPlane planes[FFP_LANES];
+    FfpPlane planes[FFP_MATCH_LANES];
     ffp_fit_planes(planes, sheet, x, y);
     for (int n = 0; n < lanes; n++) {
         const FfpPlane *plane = &planes[n];
@@ -33,7 +33,7 @@ void ffp_refine_depth(real *out, const real *depth, const real *weight, const Ff
     memcpy(out, depth, (size_t)seen->width * (size_t)seen->height * sizeof(real));
     FfpSheet sheet = ffp_sheet_new(depth, weight, &view->camera, PLANE_REACH);
     for (int y = 0; y < seen->height; y++)
-        for (int x = 0; x < seen->width; x += FFP_LANES)
+        for (int x = 0; x < seen->width; x += FFP_MATCH_LANES)
             refine_strip(out, weight, &sheet, view, seen, pattern, x, y, steps, range);
     ffp_sheet_free(&sheet);
 }

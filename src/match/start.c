@@ -85,13 +85,13 @@ void ffp_start_free(FfpStart *start) {
 static void row_normals(real *normals, const FfpSheet *sheet, const FfpCamera *camera, int y) {
     memset(normals, 0, 3 * (size_t)sheet->width * sizeof(real));
     const real *depth = sheet->depth + (size_t)(y + sheet->reach) * (size_t)sheet->stride + sheet->reach;
-    for (int x = 0; x < sheet->width; x += FFP_LANES) {
-        FfpPlane planes[FFP_LANES];
+    for (int x = 0; x < sheet->width; x += FFP_MATCH_LANES) {
+        FfpPlane planes[FFP_MATCH_LANES];
         bool any = false;
-        for (int n = 0; n < FFP_LANES; n++) any |= depth[x + n] > 0;
+        for (int n = 0; n < FFP_MATCH_LANES; n++) any |= depth[x + n] > 0;
         if (!any) continue;
         ffp_fit_planes(planes, sheet, x, y);
-        for (int n = 0; n < FFP_LANES && x + n < sheet->width; n++)
+        for (int n = 0; n < FFP_MATCH_LANES && x + n < sheet->width; n++)
             if (planes[n].q0 > 0)
                 ffp_plane_normal(&planes[n], camera, (real)(x + n) + 0.5F, (real)y + 0.5F,
                                  normals + 3 * (size_t)(x + n));

@@ -13,7 +13,7 @@
 
 FfpSheet ffp_sheet_new(const real *depth, const real *weight, const FfpCamera *camera, int reach) {
     FfpSheet out = {.width = camera->width, .height = camera->height, .reach = reach, .focal = camera->fx};
-    out.stride = camera->width + 2 * reach + FFP_LANES; // the last lanes may begin at the last pixel
+    out.stride = camera->width + 2 * reach + FFP_MATCH_LANES; // the last lanes may begin at the last pixel
     const size_t cells = (size_t)out.stride * (size_t)(camera->height + 2 * reach);
     out.depth = ffp_alloc(cells, sizeof(real));
     out.inverse = ffp_alloc(cells, sizeof(real));
@@ -46,7 +46,7 @@ void ffp_sheet_free(FfpSheet *sheet) {
     *sheet = (FfpSheet){0};
 }
 
-void ffp_fit_planes(FfpPlane planes[FFP_LANES], const FfpSheet *sheet, int x, int y) {
+void ffp_fit_planes(FfpPlane planes[FFP_MATCH_LANES], const FfpSheet *sheet, int x, int y) {
     ffp_match_kernels()->fit_planes(planes, sheet, x, y);
 }
 

@@ -24,11 +24,11 @@ typedef struct FfpSheet {
 FfpSheet ffp_sheet_new(const real *depth, const real *weight, const FfpCamera *camera, int reach);
 void ffp_sheet_free(FfpSheet *sheet);
 
-// Planes at the FFP_LANES pixels from (x, y) rightwards, as far as the picture goes: least squares over the
-// (2 reach + 1)^2 pixels around each that have depth > 0 and weight > 0, without those across a depth jump,
-// in further rounds without outliers. q0 is 0 where there is no depth at the pixel; with too few neighbours
-// the plane faces the camera.
-void ffp_fit_planes(FfpPlane planes[FFP_LANES], const FfpSheet *sheet, int x, int y);
+// Planes at the FFP_MATCH_LANES pixels from (x, y) rightwards, as far as the picture goes: least squares over
+// the (2 reach + 1)^2 pixels around each that have depth > 0 and weight > 0, without those across a depth
+// jump, in further rounds without outliers. q0 is 0 where there is no depth at the pixel; with too few
+// neighbours the plane faces the camera.
+void ffp_fit_planes(FfpPlane planes[FFP_MATCH_LANES], const FfpSheet *sheet, int x, int y);
 
 // Unit world normal of the plane at pixel position (x, y), facing the camera.
 void ffp_plane_normal(const FfpPlane *plane, const FfpCamera *camera, real x, real y, real normal[3]);

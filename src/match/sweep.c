@@ -21,10 +21,10 @@ FfpPlanes ffp_planes(const FfpCapture *capture, int view, const FfpMatchSettings
 static void add_colour(real *cost, const FfpBlurred *pattern, const FfpLine *line, const FfpSeen *seen,
                        const FfpPlanes *planes, const unsigned char *inside) {
     const real outside = OUTSIDE_COST * ffp_sum_channels(seen->weight);
-    for (int k = 0; k < planes->count; k += FFP_LANES) {
-        const int lanes = planes->count - k < FFP_LANES ? planes->count - k : FFP_LANES;
+    for (int k = 0; k < planes->count; k += FFP_MATCH_LANES) {
+        const int lanes = planes->count - k < FFP_MATCH_LANES ? planes->count - k : FFP_MATCH_LANES;
         if (memchr(inside + k, 1, (size_t)lanes) == NULL) continue;
-        real u[FFP_LANES], v[FFP_LANES];
+        real u[FFP_MATCH_LANES], v[FFP_MATCH_LANES];
         FfpCells cells;
         ffp_line_positions(line, planes->first, planes->step, k, u, v);
         ffp_find_cells(&cells, pattern, u, v);

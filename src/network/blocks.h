@@ -33,7 +33,9 @@ typedef struct FfpScratch {
 
 size_t ffp_kernel_scratch(const FfpWidths *widths, int rows);
 
-void ffp_mamba_allocate(FfpMambaActivations *at, const FfpWidths *widths, int rows, FfpArena *arena);
+// Without a backward pass to come, what one direction leaves behind is the other's memory.
+void ffp_mamba_allocate(FfpMambaActivations *at, const FfpWidths *widths, int rows, bool backward,
+                        FfpArena *arena);
 // y = x + out_proj(sum over directions of norm(scan(conv(in_proj(norm(x)))))): Mamba2's block (Dao & Gu 2024,
 // Sec. 7.1), scanned both ways as in Vim (Zhu et al. 2024, Alg. 1). x, y [rows, dim].
 void ffp_mamba_forward(real *y, FfpMambaActivations *at, const real *x, const real *values,

@@ -38,27 +38,27 @@ void ffp_head_allocate(FfpHead *head, const FfpModelConfig *config, int rows, Ff
     const Widths w = head_widths(config);
     const size_t block = (size_t)ffp_head_block();
     if (!ffp_device()) {
-        head->slot = ffp_arena_alloc(arena, (size_t)rows, sizeof *head->slot);
-        head->used = ffp_arena_alloc(arena, (size_t)rows, sizeof *head->used);
+        head->slot = ffp_arena_take(arena, (size_t)rows, sizeof *head->slot);
+        head->used = ffp_arena_take(arena, (size_t)rows, sizeof *head->used);
     }
-    head->tokens = ffp_arena_alloc(arena, (size_t)rows * w.dim, sizeof(real));
+    head->tokens = ffp_arena_take(arena, (size_t)rows * w.dim, sizeof(real));
     if (!config->pixel_skip) return;
-    head->joined = ffp_arena_alloc(arena, block * w.joined, sizeof(real));
-    head->apart = ffp_arena_alloc(arena, block * FFP_CONTEXT_CHANNELS, sizeof(real));
+    head->joined = ffp_arena_take(arena, block * w.joined, sizeof(real));
+    head->apart = ffp_arena_take(arena, block * FFP_CONTEXT_CHANNELS, sizeof(real));
     for (int i = 0; i < FFP_HIDDEN_LAYERS; i++) {
-        head->hidden[i] = ffp_arena_alloc(arena, block * w.hidden, sizeof(real));
-        head->activated[i] = ffp_arena_alloc(arena, block * w.hidden, sizeof(real));
+        head->hidden[i] = ffp_arena_take(arena, block * w.hidden, sizeof(real));
+        head->activated[i] = ffp_arena_take(arena, block * w.hidden, sizeof(real));
     }
 }
 
 void ffp_head_allocate_backward(FfpHead *head, const FfpModelConfig *config, int rows, FfpArena *arena) {
     const Widths w = head_widths(config);
     const size_t block = (size_t)ffp_head_block();
-    head->dtokens = ffp_arena_alloc(arena, (size_t)rows * w.dim, sizeof(real));
+    head->dtokens = ffp_arena_take(arena, (size_t)rows * w.dim, sizeof(real));
     if (!config->pixel_skip) return;
-    head->djoined = ffp_arena_alloc(arena, block * w.features, sizeof(real));
-    head->dhidden = ffp_arena_alloc(arena, block * w.hidden, sizeof(real));
-    head->dactivated = ffp_arena_alloc(arena, block * w.hidden, sizeof(real));
+    head->djoined = ffp_arena_take(arena, block * w.features, sizeof(real));
+    head->dhidden = ffp_arena_take(arena, block * w.hidden, sizeof(real));
+    head->dactivated = ffp_arena_take(arena, block * w.hidden, sizeof(real));
 }
 
 void ffp_head_select(FfpHead *head, int rows) {

@@ -35,10 +35,10 @@ void ffp_head_allocate_backward(FfpHead *head, const FfpModelConfig *config, int
 size_t ffp_head_features_count(const FfpModelConfig *config, int rows); // numbers in a map of features
 
 // Whether a pixel has anything to be told about its context (inputs.h, context_inputs), and what:
-// out [count, context channels].
+// out [count, context channels]; near: the pixels' own start, far: the context's.
 bool ffp_head_has_apart(const FfpModelConfig *config, const FfpGrid *grid, const FfpStart *context);
-void ffp_head_tell_apart(real *out, const int64_t *pixel, int64_t count, const FfpGrid *grid,
-                         const FfpStart *start, const FfpStart *context);
+void ffp_head_tell_apart(real *out, const int64_t *pixels, int64_t count, const FfpGrid *grid,
+                         const FfpStart *near, const FfpStart *far);
 
 // Which tokens the Gaussians need: after seen, grid, pixel and count are set.
 void ffp_head_select(FfpHead *head, int rows);

@@ -5,17 +5,19 @@
 #include "base/device.h"
 #include "tensor/tensor.h"
 
-void ffp_mamba_allocate(FfpMambaActivations *at, const FfpWidths *widths, int rows, FfpArena *arena) {
+void ffp_mamba_allocate(FfpMambaActivations *at, const FfpWidths *widths, int rows, bool backward,
+                        FfpArena *arena) {
     const size_t t = (size_t)rows;
-    at->norm = ffp_arena_alloc(arena, t * widths->dim, sizeof(real));
-    at->rstd = ffp_arena_alloc(arena, t, sizeof(real));
-    at->projected = ffp_arena_alloc(arena, t * widths->projected, sizeof(real));
-    for (int i = 0; i < 2; i++) {
-        at->direction[i].convolved = ffp_arena_alloc(arena, t * widths->convolved, sizeof(real));
-        at->direction[i].scanned = ffp_arena_alloc(arena, t * widths->inner, sizeof(real));
-        at->direction[i].rstd = ffp_arena_alloc(arena, t, sizeof(real));
+    at->norm = ffp_arena_take(arena, t * widths->dim, sizeof(real));
+    at->rstd = ffp_arena_take(arena, t, sizeof(real));
+    at->projected = ffp_arena_take(arena, t * widths->projected, sizeof(real));
+    for (int i = 0; i < (backward ? 2 : 1); i++) {
+        at->direction[i].convolved = ffp_arena_take(arena, t * widths->convolved, sizeof(real));
+        at->direction[i].scanned = ffp_arena_take(arena, t * widths->inner, sizeof(real));
+        at->direction[i].rstd = ffp_arena_take(arena, t, sizeof(real));
     }
-    at->summed = ffp_arena_alloc(arena, t * widths->inner, sizeof(real));
+    if (!backward) at->direction[1] = at->direction[0];
+    at->summed = ffp_arena_take(arena, t * widths->inner, sizeof(real));
 }
 
 static FfpScanShape scan_shape(const FfpWidths *widths, int rows, int direction) {

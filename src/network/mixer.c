@@ -7,7 +7,7 @@
 enum { TAPS = 9 };
 
 static real *take(FfpArena *arena, const FfpMixer *m, int columns) {
-    return ffp_arena_alloc(arena, (size_t)m->rows * (size_t)columns, sizeof(real));
+    return ffp_arena_take(arena, (size_t)m->rows * (size_t)columns, sizeof(real));
 }
 
 void ffp_mixer_allocate(FfpMixer *mixer, const FfpModelConfig *config, int rows, int across, int down,
@@ -17,18 +17,18 @@ void ffp_mixer_allocate(FfpMixer *mixer, const FfpModelConfig *config, int rows,
     mixer->hidden = take(arena, mixer, config->dim);
     mixer->activated = take(arena, mixer, config->dim);
     mixer->out = take(arena, mixer, config->dim);
-    mixer->features = ffp_arena_alloc(arena, ffp_head_features_count(config, rows), sizeof(real));
+    mixer->features = ffp_arena_take(arena, ffp_head_features_count(config, rows), sizeof(real));
     mixer->raw =
-        ffp_arena_alloc(arena, (size_t)ffp_head_block() * (size_t)ffp_head_numbers(config), sizeof(real));
+        ffp_arena_take(arena, (size_t)ffp_head_block() * (size_t)ffp_head_numbers(config), sizeof(real));
 }
 
 void ffp_mixer_allocate_backward(FfpMixer *mixer, const FfpModelConfig *config, FfpArena *arena) {
     mixer->dcolumns = take(arena, mixer, TAPS * config->dim);
     mixer->dhidden = take(arena, mixer, config->dim);
     mixer->dout = take(arena, mixer, config->dim);
-    mixer->dfeatures = ffp_arena_alloc(arena, ffp_head_features_count(config, mixer->rows), sizeof(real));
+    mixer->dfeatures = ffp_arena_take(arena, ffp_head_features_count(config, mixer->rows), sizeof(real));
     mixer->draw =
-        ffp_arena_alloc(arena, (size_t)ffp_head_block() * (size_t)ffp_head_numbers(config), sizeof(real));
+        ffp_arena_take(arena, (size_t)ffp_head_block() * (size_t)ffp_head_numbers(config), sizeof(real));
 }
 
 // The token that a tap of another one sees; -1 outside the view's picture.

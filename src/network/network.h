@@ -102,8 +102,10 @@ typedef struct FfpRun {
     real *t;        // [gaussians.count] distance along the pixel's ray
     struct FfpActivations *activations;
 } FfpRun;
-FfpRun *ffp_run_new(void);
+// Backward: whether ffp_model_backward may follow a forward pass. Without it blocks share their memory.
+FfpRun *ffp_run_new(bool backward);
 void ffp_run_free(FfpRun *run);
+size_t ffp_run_memory(const FfpRun *run); // bytes, the most that its passes have taken
 
 // What tokens are made from: the capture itself, or, where its pixels would give more than config->tokens of
 // them or its sides are no multiples of the patch, the same views with fewer pixels and their own start.

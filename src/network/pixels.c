@@ -35,11 +35,11 @@ int64_t ffp_pixels_select(int64_t *pixel, const FfpModelConfig *config, const Ff
 }
 
 void ffp_pixels_list(FfpPixels *pixels, FfpRun *run, const FfpModelConfig *config, const FfpSeen *seen) {
-    run->pixel = ffp_arena_alloc(run->arena, (size_t)ffp_pixels_all(seen) + 1, sizeof *run->pixel);
+    run->pixel = ffp_arena_take(run->arena, (size_t)ffp_pixels_all(seen) + 1, sizeof *run->pixel);
     const int64_t count = ffp_pixels_select(run->pixel, config, seen);
     pixels->count = count;
-    pixels->base = ffp_arena_alloc(run->arena, (size_t)count + 1, sizeof *pixels->base);
-    pixels->raw = ffp_arena_alloc(run->arena, (size_t)(count + 1) * ffp_head_numbers(config), sizeof(real));
+    pixels->base = ffp_arena_take(run->arena, (size_t)count + 1, sizeof *pixels->base);
+    pixels->raw = ffp_arena_take(run->arena, (size_t)(count + 1) * ffp_head_numbers(config), sizeof(real));
 #pragma omp parallel for schedule(static)
     for (int64_t g = 0; g < count; g++)
         ffp_pixel_base(&pixels->base[g], seen, run->pixel[g], config->residual);
@@ -60,14 +60,14 @@ static void store(FfpGaussians *out, int64_t g, const FfpSplat *splat, const Ffp
 static void allocate_gaussians(FfpRun *run, int64_t count) {
     const size_t n = (size_t)count + 1;
     run->gaussians = (FfpGaussians){.count = count,
-                                    .centre = ffp_arena_alloc(run->arena, n * 3, sizeof(real)),
-                                    .scale = ffp_arena_alloc(run->arena, n * 3, sizeof(real)),
-                                    .rotation = ffp_arena_alloc(run->arena, n * 4, sizeof(real)),
-                                    .opacity = ffp_arena_alloc(run->arena, n, sizeof(real)),
-                                    .albedo = ffp_arena_alloc(run->arena, n * 3, sizeof(real)),
-                                    .roughness = ffp_arena_alloc(run->arena, n, sizeof(real)),
-                                    .ambient = ffp_arena_alloc(run->arena, n * 3, sizeof(real))};
-    run->t = ffp_arena_alloc(run->arena, n, sizeof(real));
+                                    .centre = ffp_arena_take(run->arena, n * 3, sizeof(real)),
+                                    .scale = ffp_arena_take(run->arena, n * 3, sizeof(real)),
+                                    .rotation = ffp_arena_take(run->arena, n * 4, sizeof(real)),
+                                    .opacity = ffp_arena_take(run->arena, n, sizeof(real)),
+                                    .albedo = ffp_arena_take(run->arena, n * 3, sizeof(real)),
+                                    .roughness = ffp_arena_take(run->arena, n, sizeof(real)),
+                                    .ambient = ffp_arena_take(run->arena, n * 3, sizeof(real))};
+    run->t = ffp_arena_take(run->arena, n, sizeof(real));
 }
 
 bool ffp_pixels_splat(const FfpPixels *pixels, FfpRun *run, const FfpModelConfig *config) {

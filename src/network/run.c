@@ -18,6 +18,7 @@ typedef union FfpBlockActivations {
 // in an arena of its own, while run->arena is emptied for every capture.
 typedef struct FfpActivations {
     FfpArena *arena;
+    bool backward;                  // one may follow: every block keeps what it needs for that
     FfpModelConfig config;          // what the memory is laid out for; rows 0: nothing yet
     int rows, across, down, blocks; // tokens; tokens across and down a view
     FfpWidths widths;
@@ -38,11 +39,12 @@ typedef struct FfpActivations {
     FfpProfileTimes unread;  // where the times go when nobody asks
 } FfpActivations;
 
-FfpRun *ffp_run_new(void) {
+FfpRun *ffp_run_new(bool backward) {
     FfpRun *run = ffp_alloc(1, sizeof *run);
     run->arena = ffp_arena_new();
     run->activations = ffp_alloc(1, sizeof *run->activations);
     run->activations->arena = ffp_arena_new();
+    run->activations->backward = backward;
     return run;
 }
 
@@ -56,6 +58,10 @@ void ffp_run_free(FfpRun *run) {
     ffp_free(run);
 }
 
+size_t ffp_run_memory(const FfpRun *run) {
+    return ffp_arena_high_water(run->arena) + ffp_arena_high_water(run->activations->arena);
+}
+
 static bool same_layout(const FfpModelConfig *a, const FfpModelConfig *b) {
     return strcmp(a->modules, b->modules) == 0 && a->dim == b->dim && a->patch == b->patch &&
            a->state == b->state && a->chunk == b->chunk && a->residual == b->residual &&
@@ -65,7 +71,24 @@ static bool same_layout(const FfpModelConfig *a, const FfpModelConfig *b) {
 }
 
 static real *take(FfpActivations *at, size_t columns) {
-    return ffp_arena_alloc(at->arena, (size_t)at->rows * columns, sizeof(real));
+    return ffp_arena_take(at->arena, (size_t)at->rows * columns, sizeof(real));
+}
+
+static bool first_of_kind(const char *modules, int block) {
+    return strchr(modules, modules[block]) == modules + block;
+}
+
+// A block of its own memory; without a backward pass to come, the memory of the first block of its kind.
+static void allocate_block(FfpActivations *at, int block) {
+    const char *modules = at->config.modules;
+    if (!at->backward && !first_of_kind(modules, block)) {
+        at->block[block] = at->block[strchr(modules, modules[block]) - modules];
+        return;
+    }
+    if (modules[block] == 'M')
+        ffp_mamba_allocate(&at->block[block].mamba, &at->widths, at->rows, at->backward, at->arena);
+    else
+        ffp_transformer_allocate(&at->block[block].transformer, &at->widths, at->rows, at->arena);
 }
 
 static void prepare(FfpActivations *at, const FfpModelConfig *config, int rows, int across, int down) {
@@ -74,6 +97,7 @@ static void prepare(FfpActivations *at, const FfpModelConfig *config, int rows, 
     FfpArena *arena = at->arena;
     ffp_arena_reset(arena);
     *at = (FfpActivations){.arena = arena,
+                           .backward = at->backward,
                            .context = at->context,
                            .prepared = at->prepared,
                            .config = *config,
@@ -88,20 +112,16 @@ static void prepare(FfpActivations *at, const FfpModelConfig *config, int rows, 
     at->tokens = take(at, dim);
     at->token_mean = take(at, 1);
     at->token_rstd = take(at, 1);
-    for (int i = 0; i <= at->blocks; i++) at->stream[i] = take(at, dim);
-    for (int i = 0; i < at->blocks; i++) {
-        if (config->modules[i] == 'M')
-            ffp_mamba_allocate(&at->block[i].mamba, &at->widths, rows, arena);
-        else
-            ffp_transformer_allocate(&at->block[i].transformer, &at->widths, rows, arena);
-    }
+    for (int i = 0; i <= at->blocks; i++)
+        at->stream[i] = at->backward || i < 2 ? take(at, dim) : at->stream[i - 2];
+    for (int i = 0; i < at->blocks; i++) allocate_block(at, i);
     at->final = take(at, dim);
     at->final_mean = take(at, 1);
     at->final_rstd = take(at, 1);
     at->scratch.inner = take(at, (size_t)at->widths.inner);
-    at->scratch.kernel = ffp_arena_alloc(arena, ffp_kernel_scratch(&at->widths, rows), sizeof(real));
+    at->scratch.kernel = ffp_arena_take(arena, ffp_kernel_scratch(&at->widths, rows), sizeof(real));
     ffp_head_allocate(&at->head, config, rows, arena);
-    at->features = ffp_arena_alloc(arena, ffp_head_features_count(config, rows), sizeof(real));
+    at->features = ffp_arena_take(arena, ffp_head_features_count(config, rows), sizeof(real));
     if (config->appearance_cnn) ffp_mixer_allocate(&at->mixer, config, rows, across, down, arena);
 }
 
@@ -117,9 +137,9 @@ static void prepare_backward(FfpActivations *at) {
     at->dfinal = take(at, dim);
     at->dstream = take(at, dim);
     ffp_head_allocate_backward(&at->head, &at->config, at->rows, at->arena);
-    at->dfeatures = ffp_arena_alloc(at->arena, ffp_head_features_count(&at->config, at->rows), sizeof(real));
+    at->dfeatures = ffp_arena_take(at->arena, ffp_head_features_count(&at->config, at->rows), sizeof(real));
     at->draw =
-        ffp_arena_alloc(at->arena, (size_t)ffp_head_block() * ffp_head_numbers(&at->config), sizeof(real));
+        ffp_arena_take(at->arena, (size_t)ffp_head_block() * ffp_head_numbers(&at->config), sizeof(real));
     if (at->config.appearance_cnn) ffp_mixer_allocate_backward(&at->mixer, &at->config, at->arena);
 }
 
@@ -239,7 +259,7 @@ bool ffp_model_forward_prepared(const FfpModel *model, FfpRun *run, const FfpPre
     at->pixels.count = prepared->count;
     at->pixels.base = prepared->base;
     at->pixels.raw =
-        ffp_arena_alloc(run->arena, (size_t)(prepared->count + 1) * ffp_head_numbers(config), sizeof(real));
+        ffp_arena_take(run->arena, (size_t)(prepared->count + 1) * ffp_head_numbers(config), sizeof(real));
     run->pixel = prepared->pixel;
     at->head.prepared = prepared;
     return pass_forward(run, model, "the capture", err);

@@ -20,13 +20,13 @@ void ffp_transformer_allocate(FfpTransformerActivations *at, const FfpWidths *wi
     real **tokens[] = {&at->norm1, &at->attended, &at->middle, &at->norm2};
     real **numbers[] = {&at->mean1, &at->rstd1, &at->mean2, &at->rstd2};
     for (int i = 0; i < 4; i++) {
-        *tokens[i] = ffp_arena_alloc(arena, t * dim, sizeof(real));
-        *numbers[i] = ffp_arena_alloc(arena, t, sizeof(real));
+        *tokens[i] = ffp_arena_take(arena, t * dim, sizeof(real));
+        *numbers[i] = ffp_arena_take(arena, t, sizeof(real));
     }
-    at->qkv = ffp_arena_alloc(arena, t * dim * 3, sizeof(real));
-    at->log_sum = ffp_arena_alloc(arena, t * (size_t)widths->attention_heads, sizeof(real));
-    at->hidden = ffp_arena_alloc(arena, t * dim * FFP_MLP_RATIO, sizeof(real));
-    at->activated = ffp_arena_alloc(arena, t * dim * FFP_MLP_RATIO, sizeof(real));
+    at->qkv = ffp_arena_take(arena, t * dim * 3, sizeof(real));
+    at->log_sum = ffp_arena_take(arena, t * (size_t)widths->attention_heads, sizeof(real));
+    at->hidden = ffp_arena_take(arena, t * dim * FFP_MLP_RATIO, sizeof(real));
+    at->activated = ffp_arena_take(arena, t * dim * FFP_MLP_RATIO, sizeof(real));
 }
 
 void ffp_transformer_forward(real *y, FfpTransformerActivations *at, const real *x, const real *values,

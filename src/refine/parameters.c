@@ -7,16 +7,6 @@
 #include "refine/maps.h"
 #include "refine/table.h"
 
-FfpAttribute ffp_attribute(const FfpGaussians *gaussians, int attribute) {
-    const FfpAttribute all[FFP_ATTRIBUTES] = {
-        [FFP_CENTRE] = {gaussians->centre, 3},     [FFP_SCALE] = {gaussians->scale, 3},
-        [FFP_ROTATION] = {gaussians->rotation, 4}, [FFP_OPACITY] = {gaussians->opacity, 1},
-        [FFP_ALBEDO] = {gaussians->albedo, 3},     [FFP_ROUGHNESS] = {gaussians->roughness, 1},
-        [FFP_AMBIENT] = {gaussians->ambient, 3},
-    };
-    return all[attribute];
-}
-
 void ffp_quaternion_matrix(const real q[4], real m[9]) {
     ffp_turn(q, m);
 }

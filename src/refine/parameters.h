@@ -6,23 +6,6 @@
 #include <stdbool.h>
 #include "gaussians/gaussians.h"
 
-enum {
-    FFP_CENTRE,
-    FFP_SCALE,
-    FFP_ROTATION,
-    FFP_OPACITY,
-    FFP_ALBEDO,
-    FFP_ROUGHNESS,
-    FFP_AMBIENT,
-    FFP_ATTRIBUTES
-};
-
-typedef struct FfpAttribute {
-    real *data; // [count, width]
-    int width;
-} FfpAttribute;
-FfpAttribute ffp_attribute(const FfpGaussians *gaussians, int attribute);
-
 typedef struct FfpRates {      // of each attribute
     real rate[FFP_ATTRIBUTES]; // Adam's, in the parameters' units
     real pull[FFP_ATTRIBUTES]; // share of the rate by which a step goes back towards the start

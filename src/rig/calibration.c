@@ -7,6 +7,7 @@
 #include "base/arena.h"
 #include "base/file.h"
 #include "base/log.h"
+#include "base/real.h"
 #include "capture/manifest.h"
 #include "rig/document.h"
 #include "rig/matrix.h"

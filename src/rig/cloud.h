@@ -28,7 +28,7 @@ void ffp_clouds_free(FfpClouds *clouds);
 
 // [count] How far each point, turned to its other stop, lies before that stop's surface, in the calibration's
 // unit. None where there is no such surface, or one that looks elsewhere.
-void ffp_cloud_residuals(const void *clouds, const FfpAxis *axis, double *residuals);
+void ffp_cloud_residuals(const void *context, const FfpAxis *axis, double *residuals);
 
 // A capture without ownership: the views of `capture` placed about the axis, all of them as if only the
 // object had turned; its sphere; then normalised. Release with ffp_placed_free. *radius: what lengths were

@@ -8,6 +8,7 @@
 
 #include "base/arena.h"
 #include "base/file.h"
+#include "base/real.h"
 #include "capture/manifest.h"
 #include "rig/calibration.h"
 #include "rig/document.h"

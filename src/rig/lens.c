@@ -1,3 +1,4 @@
+#include "base/real.h"
 #include "rig/lens.h"
 
 #include <math.h>

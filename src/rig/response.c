@@ -5,12 +5,12 @@
 
 #include "base/arena.h"
 #include "capture/reduce.h"
+#include "base/real.h"
 #include "base/vec.h"
 #include "image/lookup.h"
 #include "match/match.h"
 #include "rig/small.h"
 
-#define PI 3.14159265358979323846
 #define PLACE "fit_response"
 #define ROUNDS 3 // of matching and fitting
 #define SAMPLES_MAX 20000
@@ -79,7 +79,7 @@ static bool make_sample(const FfpCapture *capture, const FfpStart *start, int v,
     const real z = ffp_project(&view->projector, point, &out->at[0], &out->at[1]);
     const real distance = ffp_normalise3(to), cosine = ffp_dot3(to, start->normal + 3 * k);
     out->side = fmax(start->footprint[k] * view->projector.fx / fmax(z, (real)1e-6), (real)1);
-    out->strength = cosine > FACING ? (real)PI * distance * distance * strongest / cosine : 0;
+    out->strength = cosine > FACING ? (real)FFP_PI_DOUBLE * distance * distance * strongest / cosine : 0;
     return z > 0 && out->at[0] >= 0 && out->at[1] >= 0 && out->at[0] <= (real)view->projector.width &&
            out->at[1] <= (real)view->projector.height;
 }

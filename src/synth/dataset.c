@@ -11,7 +11,6 @@
 #include "base/call.h"
 #include "base/file.h"
 #include "base/log.h"
-#include "base/call.h"
 #include "synth/natural.h"
 #include "synth/mesh.h"
 #include "synth/sensor.h"

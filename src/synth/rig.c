@@ -7,10 +7,11 @@
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
+#include "base/real.h"
 #include "base/rng.h"
 #include "synth/mesh.h"
 
-static const double DEGREE = 3.14159265358979323846 / 180;
+static const double DEGREE = FFP_PI_DOUBLE / 180;
 enum {
     STREAM_LIGHT = 101,
     STREAM_RIG = 102,

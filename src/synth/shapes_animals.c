@@ -1,8 +1,7 @@
 // Animals: bodies of blended ellipsoids, limbs and tails of tubes. All look along +x.
 #include <math.h>
+#include "base/real.h"
 #include "synth/shape.h"
-
-#define PI 3.14159265F
 
 static void ball(FfpShape *shape, FfpV3 at, float r, float blend) {
     ffp_add_ellipsoid(shape, at, ffp_v3(r, r, r), blend);
@@ -127,7 +126,7 @@ static void octopus(FfpShape *shape) {
     ffp_add_ellipsoid(shape, ffp_v3(-0.08F, 0, 0.5F), ffp_v3(0.42F, 0.38F, 0.52F), 0);
     ball(shape, ffp_v3(0, 0, 0), 0.3F, 0.15F);
     for (int i = 0; i < 8; i++)
-        ffp_add_tube(shape, i & 1 ? curl : arm, 5, i < 4 ? 1 : -1, 0.25F * PI * (float)i, 0.12F);
+        ffp_add_tube(shape, i & 1 ? curl : arm, 5, i < 4 ? 1 : -1, 0.25F * FFP_PI * (float)i, 0.12F);
     eyes(shape, ffp_v3(0.2F, 0.22F, 0.18F), 0.11F);
 }
 

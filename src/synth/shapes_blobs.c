@@ -1,15 +1,14 @@
 // Soft forms: balls and tubes run together.
 #include <math.h>
+#include "base/real.h"
 #include "synth/shape.h"
-
-#define PI 3.14159265F
 
 static FfpV3 along(FfpV3 a, FfpV3 d, float t) {
     return ffp_v3(a.x + t * d.x, a.y + t * d.y, a.z + t * d.z);
 }
 
 static FfpV3 direction(FfpRng *rng) {
-    const float z = ffp_draw(rng, -1, 1), a = ffp_draw(rng, 0, 2 * PI), r = sqrtf(1 - z * z);
+    const float z = ffp_draw(rng, -1, 1), a = ffp_draw(rng, 0, 2 * FFP_PI), r = sqrtf(1 - z * z);
     return ffp_v3(r * cosf(a), r * sinf(a), z);
 }
 
@@ -53,7 +52,7 @@ static void jack(FfpShape *shape) {
 
 static void bead_ring(FfpShape *shape) {
     for (int i = 0; i < 11; i++) {
-        const float a = 2 * PI * (float)i / 11, r = 0.25F + 0.05F * cosf(a) + 0.05F * (float)(i & 1);
+        const float a = 2 * FFP_PI * (float)i / 11, r = 0.25F + 0.05F * cosf(a) + 0.05F * (float)(i & 1);
         ball(shape, ffp_v3(0.72F * cosf(a), 0.72F * sinf(a), 0.18F * sinf(2 * a)), r, 0.1F);
     }
     shape->upright = false;
@@ -106,9 +105,9 @@ static void branch(FfpShape *shape, FfpRng *rng, FfpV3 at, FfpV3 way, float leng
         ball(shape, end, thick, 0.04F);
         return;
     }
-    const float turn = ffp_draw(rng, 0, 2 * PI);
+    const float turn = ffp_draw(rng, 0, 2 * FFP_PI);
     for (int i = 0; i < (depth == 3 ? 4 : 2); i++) {
-        const float a = turn + 2 * PI * (float)i / (depth == 3 ? 4 : 2), out = ffp_draw(rng, 0.5F, 0.9F);
+        const float a = turn + 2 * FFP_PI * (float)i / (depth == 3 ? 4 : 2), out = ffp_draw(rng, 0.5F, 0.9F);
         const FfpV3 d = ffp_v3(way.x + out * cosf(a), way.y + out * sinf(a), 0.7F * way.z + 0.3F);
         const float n = 1 / sqrtf(d.x * d.x + d.y * d.y + d.z * d.z);
         branch(shape, rng, end, ffp_v3(n * d.x, n * d.y, n * d.z), 0.82F * length, 0.76F * thick, depth - 1);
@@ -126,7 +125,7 @@ static void splash(FfpShape *shape) {
     ffp_add_ellipsoid(shape, ffp_v3(0, 0, -0.4F), ffp_v3(0.9F, 0.9F, 0.14F), 0);
     ffp_add_torus(shape, ffp_v3(0, 0, -0.22F), 0.6F, 0.13F, 0.15F);
     for (int i = 0; i < 10; i++) {
-        const float a = 2 * PI * (float)i / 10, h = ffp_draw(&rng, 0.1F, 0.55F), r = 0.62F + 0.25F * h;
+        const float a = 2 * FFP_PI * (float)i / 10, h = ffp_draw(&rng, 0.1F, 0.55F), r = 0.62F + 0.25F * h;
         const FfpV3 foot = ffp_v3(0.6F * cosf(a), 0.6F * sinf(a), -0.2F),
                     top = ffp_v3(r * cosf(a), r * sinf(a), h);
         ffp_add_cone(shape, foot, top, 0.12F, 0.05F, 0.15F);

@@ -1,8 +1,7 @@
 // Fruit and plants.
 #include <math.h>
+#include "base/real.h"
 #include "synth/shape.h"
-
-#define PI 3.14159265F
 
 static FfpPart *ball(FfpShape *shape, FfpV3 at, float r, float blend) {
     return ffp_add_ellipsoid(shape, at, ffp_v3(r, r, r), blend);
@@ -22,7 +21,7 @@ static void stalk(FfpShape *shape, float base, float thick) {
 
 static void pumpkin(FfpShape *shape) {
     for (int i = 0; i < 9; i++) {
-        const float a = 2 * PI * (float)i / 9;
+        const float a = 2 * FFP_PI * (float)i / 9;
         ffp_part_turn(ffp_add_ellipsoid(shape, ffp_v3(0.42F * cosf(a), 0.42F * sinf(a), 0),
                                         ffp_v3(0.42F, 0.27F, 0.52F), 0.05F),
                       a, 0, 0);
@@ -100,7 +99,7 @@ static void grapes(FfpShape *shape) {
         const float z = 0.55F - 0.22F * (float)row, ring = 0.5F * (1 - (float)row / 7);
         const int count = row < 2 ? 9 : 8 - row;
         for (int i = 0; i < count; i++) {
-            const float a = 2 * PI * ((float)i + 0.5F * (float)(row & 1)) / (float)count,
+            const float a = 2 * FFP_PI * ((float)i + 0.5F * (float)(row & 1)) / (float)count,
                         r = ffp_draw(&rng, 0.14F, 0.17F);
             ball(shape, ffp_v3(ring * cosf(a), ring * sinf(a), z + ffp_draw(&rng, -0.04F, 0.04F)), r, 0.01F);
         }

@@ -2,8 +2,6 @@
 #include <math.h>
 #include "synth/shape.h"
 
-#define PI 3.14159265F
-
 static void chair(FfpShape *shape) {
     ffp_add_box(shape, ffp_v3(0, 0, 0), ffp_v3(0.46F, 0.46F, 0.06F), 0.03F, 0);
     for (int i = 0; i < 4; i++) {

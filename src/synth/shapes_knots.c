@@ -1,8 +1,7 @@
 // Things piled up, and things that run around: stacks, knots, chains, springs, rings.
 #include <math.h>
+#include "base/real.h"
 #include "synth/shape.h"
-
-#define PI 3.14159265F
 
 static void ball(FfpShape *shape, FfpV3 at, float r, float blend) {
     ffp_add_ellipsoid(shape, at, ffp_v3(r, r, r), blend);
@@ -22,7 +21,7 @@ static void box_tower(FfpShape *shape) {
     float z = -1;
     for (int i = 0; i < 6; i++) {
         const float s = 0.42F - 0.05F * (float)i, tall = s * ffp_draw(&rng, 0.5F, 0.9F),
-                    yaw = ffp_draw(&rng, 0, PI);
+                    yaw = ffp_draw(&rng, 0, FFP_PI);
         const float x = ffp_draw(&rng, -0.08F, 0.08F), y = ffp_draw(&rng, -0.08F, 0.08F);
         ffp_part_turn(ffp_add_box(shape, ffp_v3(x, y, z + tall), ffp_v3(s, 0.85F * s, tall), 0.02F, 0), yaw,
                       0, 0);
@@ -40,7 +39,7 @@ static void ball_pyramid(FfpShape *shape) {
                      ffp_v3(low + 0.64F * (float)i, low + 0.64F * (float)k, -0.5F + 0.46F * (float)layer),
                      0.335F, 0);
             }
-    ffp_part_turn(ffp_add_prism(shape, ffp_v3(0, 0, -0.35F), 4, 1.15F, 0.3F, 0.45F, 0), 0.25F * PI, 0, 0);
+    ffp_part_turn(ffp_add_prism(shape, ffp_v3(0, 0, -0.35F), 4, 1.15F, 0.3F, 0.45F, 0), 0.25F * FFP_PI, 0, 0);
     ffp_add_box(shape, ffp_v3(0, 0, -0.82F), ffp_v3(1, 1, 0.06F), 0.02F, 0);
 }
 
@@ -49,7 +48,7 @@ static void crossing_boxes(FfpShape *shape) {
     for (int i = 0; i < 6; i++) {
         const FfpV3 at = ffp_draw3(&rng, ffp_v3(-0.35F, -0.35F, -0.35F), ffp_v3(0.35F, 0.35F, 0.35F)),
                     half = ffp_draw3(&rng, ffp_v3(0.18F, 0.18F, 0.35F), ffp_v3(0.36F, 0.36F, 0.75F));
-        const FfpV3 turn = ffp_draw3(&rng, ffp_v3(0, -1.2F, -1.2F), ffp_v3(PI, 1.2F, 1.2F));
+        const FfpV3 turn = ffp_draw3(&rng, ffp_v3(0, -1.2F, -1.2F), ffp_v3(FFP_PI, 1.2F, 1.2F));
         ffp_part_turn(ffp_add_box(shape, at, half, 0.02F, 0), turn.x, turn.y, turn.z);
     }
     shape->upright = false;
@@ -103,7 +102,7 @@ static void pagoda(FfpShape *shape) {
         ffp_add_box(shape, ffp_v3(0, 0, z + tall), ffp_v3(w, w, tall), 0.01F, 0);
         ffp_part_turn(ffp_add_prism(shape, ffp_v3(0, 0, z + 2 * tall + 0.06F), 4, 2.1F * w + 0.12F, 1.1F * w,
                                     0.075F, 0),
-                      0.25F * PI, 0, 0);
+                      0.25F * FFP_PI, 0, 0);
         z += 2 * tall + 0.12F;
     }
     ffp_add_cone(shape, ffp_v3(0, 0, z - 0.05F), ffp_v3(0, 0, z + 0.42F), 0.09F, 0.03F, 0.03F);
@@ -184,7 +183,7 @@ static void torus_knot(FfpShape *shape, int p, int q, float ring, float wave, fl
     const int n = 200;
     FfpV3 last = ffp_v3(0, 0, 0);
     for (int i = 0; i <= n; i++) {
-        const float t = 2 * PI * (float)i / (float)n, r = ring + wave * cosf((float)q * t);
+        const float t = 2 * FFP_PI * (float)i / (float)n, r = ring + wave * cosf((float)q * t);
         const FfpV3 at =
             ffp_v3(r * cosf((float)p * t), r * sinf((float)p * t), -1.2F * wave * sinf((float)q * t));
         if (i > 0) ffp_add_cone(shape, last, at, tube, tube, 0);
@@ -209,7 +208,7 @@ static void figure_eight(FfpShape *shape) {
     const int n = 180;
     FfpV3 last = ffp_v3(0, 0, 0);
     for (int i = 0; i <= n; i++) {
-        const float t = 2 * PI * (float)i / (float)n, r = 0.32F * (2 + cosf(2 * t));
+        const float t = 2 * FFP_PI * (float)i / (float)n, r = 0.32F * (2 + cosf(2 * t));
         const FfpV3 at = ffp_v3(r * cosf(3 * t), r * sinf(3 * t), 0.45F * sinf(4 * t));
         if (i > 0) ffp_add_cone(shape, last, at, 0.15F, 0.15F, 0);
         last = at;
@@ -219,9 +218,9 @@ static void figure_eight(FfpShape *shape) {
 
 static void chain(FfpShape *shape) {
     for (int i = 0; i < 6; i++) {
-        const float a = PI * (float)i / 3;
+        const float a = FFP_PI * (float)i / 3;
         ffp_part_turn(ffp_add_torus(shape, ffp_v3(0.62F * cosf(a), 0.62F * sinf(a), 0), 0.42F, 0.085F, 0),
-                      a + 0.5F * PI, 0, (i & 1 ? 0.5F : 0) * PI + 0.2F);
+                      a + 0.5F * FFP_PI, 0, (i & 1 ? 0.5F : 0) * FFP_PI + 0.2F);
     }
     shape->upright = false;
 }
@@ -229,7 +228,7 @@ static void chain(FfpShape *shape) {
 static void spring(FfpShape *shape) {
     FfpV3 last = ffp_v3(0, 0, 0);
     for (int i = 0; i <= 160; i++) {
-        const float t = (float)i / 160, a = 2 * PI * 5 * t, flat = fminf(1, 8 * fminf(t, 1 - t));
+        const float t = (float)i / 160, a = 2 * FFP_PI * 5 * t, flat = fminf(1, 8 * fminf(t, 1 - t));
         const FfpV3 at = ffp_v3(0.5F * cosf(a), 0.5F * sinf(a),
                                 1.7F * (t - 0.5F) + 0.1F * (t < 0.5F ? 1 - flat : flat - 1));
         if (i > 0) ffp_add_cone(shape, last, at, 0.1F, 0.1F, 0);
@@ -286,7 +285,7 @@ static void ball_of_handles(FfpShape *shape) {
         const FfpV3 d = ffp_v3(0.577F * s, 0.577F * t, 0.577F * s * t);
         ffp_part_turn(
             ffp_add_torus(shape, ffp_v3(0.62F * d.x, 0.62F * d.y, 0.62F * d.z), 0.3F, 0.085F, 0.08F),
-            0.785F * t * s + (s < 0 ? PI : 0), 0, 0.5F * PI);
+            0.785F * t * s + (s < 0 ? FFP_PI : 0), 0, 0.5F * FFP_PI);
     }
     shape->upright = false;
 }

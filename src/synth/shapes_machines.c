@@ -1,8 +1,7 @@
 // Machine parts and plain solids: sharp edges, bores, flat faces.
 #include <math.h>
+#include "base/real.h"
 #include "synth/shape.h"
-
-#define PI 3.14159265F
 
 static FfpPart *bore(FfpShape *shape, FfpV3 at, FfpV3 way, float radius) {
     FfpPart *hole = ffp_add_cylinder(shape, at, radius, 3, 0.01F, 0.01F);
@@ -25,7 +24,7 @@ static void spoked_wheel(FfpShape *shape) {
     ffp_part_point(rim, ffp_v3(0, 1, 0));
     ffp_part_point(ffp_add_cylinder(shape, ffp_v3(0, 0, 0), 0.2F, 0.24F, 0.03F, 0), ffp_v3(0, 1, 0));
     for (int i = 0; i < 5; i++) {
-        const float a = 0.4F * PI * (float)i;
+        const float a = 0.4F * FFP_PI * (float)i;
         ffp_add_cone(shape, ffp_v3(0, 0, 0), ffp_v3(0.82F * cosf(a), 0, 0.82F * sinf(a)), 0.1F, 0.075F,
                      0.04F);
     }
@@ -55,7 +54,7 @@ static void bolt(FfpShape *shape) {
     ffp_cut(ffp_add_ellipsoid(shape, ffp_v3(0, 0, 1.04F), ffp_v3(0.3F, 0.3F, 0.1F), 0.02F));
     ffp_add_cylinder(shape, ffp_v3(0, 0, -0.1F), 0.22F, 0.9F, 0.06F, 0.01F);
     for (int i = 0; i <= 128; i++) {
-        const float a = PI * (float)i / 8, z = -0.9F + 0.0098F * (float)i;
+        const float a = FFP_PI * (float)i / 8, z = -0.9F + 0.0098F * (float)i;
         const FfpV3 at = ffp_v3(0.24F * cosf(a), 0.24F * sinf(a), z);
         if (i > 0) ffp_add_cone(shape, last, at, 0.05F, 0.05F, 0);
         last = at;

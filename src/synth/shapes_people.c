@@ -1,9 +1,8 @@
 // Figures and busts. All look along +x.
 #include <math.h>
+#include "base/real.h"
 #include "synth/shape.h"
 #include "synth/scalar.h"
-
-#define PI 3.14159265F
 
 static void ball(FfpShape *shape, FfpV3 at, float r, float blend) {
     ffp_add_ellipsoid(shape, at, ffp_v3(r, r, r), blend);
@@ -270,7 +269,7 @@ static void curly_bust(FfpShape *shape) {
     shoulders(shape, 0.8F);
     ffp_add_ellipsoid(shape, ffp_v3(-0.16F, 0, 0.55F), ffp_v3(0.4F, 0.46F, 0.46F), 0.02F);
     for (int i = 0; i < 46; i++) {
-        const float a = ffp_draw(&rng, 0.8F, 2 * PI - 0.8F), z = ffp_draw(&rng, -0.6F, 0.95F),
+        const float a = ffp_draw(&rng, 0.8F, 2 * FFP_PI - 0.8F), z = ffp_draw(&rng, -0.6F, 0.95F),
                     r = 0.44F * sqrtf(ffp_max(0.1F, 1 - z * z)) + 0.05F;
         ball(shape, ffp_v3(-0.06F + r * cosf(a), r * sinf(a), 0.52F + 0.44F * z),
              ffp_draw(&rng, 0.09F, 0.17F), 0.03F);

@@ -1,9 +1,8 @@
 // Shells and what lives on the shore.
 #include <math.h>
+#include "base/real.h"
 #include "synth/shape.h"
 #include "synth/scalar.h"
-
-#define PI 3.14159265F
 
 static FfpV3 along(FfpV3 a, FfpV3 d, float t) {
     return ffp_v3(a.x + t * d.x, a.y + t * d.y, a.z + t * d.z);
@@ -26,9 +25,9 @@ static void spiral(FfpShape *shape, Spiral *s) {
     FfpV3 last = ffp_v3(0, 0, 0);
     for (int i = 0; i <= n; i++) {
         const float t = (float)i / (float)n, size = powf(s->growth, s->turns * (t - 1)),
-                    a = 2 * PI * s->turns * t;
+                    a = 2 * FFP_PI * s->turns * t;
         const FfpV3 at = ffp_v3(size * cosf(a), size * sinf(a), s->climb * (0.5F - size));
-        const float wave = s->ribs > 0 ? 0.07F * sinf(2 * PI * s->ribs * s->turns * t) : 0;
+        const float wave = s->ribs > 0 ? 0.07F * sinf(2 * FFP_PI * s->ribs * s->turns * t) : 0;
         const float radius = ffp_max(s->thick * size * (1 + wave), 0.015F);
         if (i > 0) ffp_add_cone(shape, last, at, s->radius, radius, 0.02F);
         if (i == n) s->out = ffp_v3(at.x - last.x, at.y - last.y, at.z - last.z);
@@ -143,10 +142,10 @@ static void starfish(FfpShape *shape) {
                                     {0.4F, 0.02F, 0.06F, 0.18F},
                                     {0.75F, 0.1F, 0.02F, 0.12F},
                                     {1, 0.24F, 0.08F, 0.06F}};
-    for (int i = 0; i < 5; i++) ffp_add_tube(shape, arm, 4, 1, 0.4F * PI * (float)i, 0.1F);
+    for (int i = 0; i < 5; i++) ffp_add_tube(shape, arm, 4, 1, 0.4F * FFP_PI * (float)i, 0.1F);
     for (int i = 0; i < 5; i++)
         for (int k = 1; k < 6; k++) {
-            const float a = 0.4F * PI * (float)i + 0.04F * (float)k, r = 0.14F * (float)k;
+            const float a = 0.4F * FFP_PI * (float)i + 0.04F * (float)k, r = 0.14F * (float)k;
             ball(shape, ffp_v3(r * cosf(a), r * sinf(a), 0.29F - 0.03F * (float)k), 0.05F, 0.01F);
         }
     shape->upright = false;
@@ -157,7 +156,7 @@ static void murex(FfpShape *shape) {
     spiral(shape, &s);
     for (int i = 0; i < 14; i++) {
         const float t = 0.42F + 0.043F * (float)i, size = powf(s.growth, s.turns * (t - 1)),
-                    a = 2 * PI * s.turns * t;
+                    a = 2 * FFP_PI * s.turns * t;
         const FfpV3 at =
             ffp_v3(1.3F * size * cosf(a), 1.3F * size * sinf(a), s.climb * (0.5F - size) + 0.4F * size);
         ffp_add_cone(shape, at, ffp_v3(1.75F * at.x, 1.75F * at.y, at.z + 0.4F * size), 0.28F * size, 0.04F,

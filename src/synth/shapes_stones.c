@@ -1,12 +1,11 @@
 // Things of rock: stones and pieces of land.
 #include <math.h>
+#include "base/real.h"
 #include "synth/shape.h"
 #include "synth/scalar.h"
 
-#define PI 3.14159265F
-
 static FfpV3 direction(FfpRng *rng) {
-    const float z = ffp_draw(rng, -1, 1), a = ffp_draw(rng, 0, 2 * PI), r = sqrtf(1 - z * z);
+    const float z = ffp_draw(rng, -1, 1), a = ffp_draw(rng, 0, 2 * FFP_PI), r = sqrtf(1 - z * z);
     return ffp_v3(r * cosf(a), r * sinf(a), z);
 }
 
@@ -74,7 +73,7 @@ static void cairn(FfpShape *shape) {
     float z = -0.8F;
     for (int i = 0; i < 6; i++) {
         const float r = 0.62F - 0.085F * (float)i, h = r * ffp_draw(&rng, 0.34F, 0.46F);
-        const float x = ffp_draw(&rng, -0.07F, 0.07F), yaw = ffp_draw(&rng, 0, PI);
+        const float x = ffp_draw(&rng, -0.07F, 0.07F), yaw = ffp_draw(&rng, 0, FFP_PI);
         ffp_part_turn(ffp_add_ellipsoid(shape, ffp_v3(x, -x, z), ffp_v3(r, 0.8F * r, h), 0.02F), yaw, x, 0);
         z += 1.75F * h;
     }
@@ -227,7 +226,7 @@ static void village(FfpShape *shape) {
                                   0.01F, 0),
                       yaw, 0, 0);
         const FfpV3 ridge = ffp_v3(at[i][0], at[i][1], 0.08F + 0.2F * w);
-        ffp_part_turn(ffp_add_prism(shape, ridge, 3, 0.95F * w, 0.95F * w, 1.4F * w, 0), yaw, -0.5F * PI,
+        ffp_part_turn(ffp_add_prism(shape, ridge, 3, 0.95F * w, 0.95F * w, 1.4F * w, 0), yaw, -0.5F * FFP_PI,
                       0); // a gable roof
         ffp_add_box(shape, ffp_v3(at[i][0] + 0.7F * w * c, at[i][1] + 0.7F * w * s, 0.1F + 0.7F * w),
                     ffp_v3(0.045F, 0.045F, 0.2F), 0.01F, 0);

@@ -1,9 +1,8 @@
 // Vases, bottles and cups turned on a lathe, and what else stands in a kitchen or a cupboard.
 #include <math.h>
+#include "base/real.h"
 #include "synth/shape.h"
 #include "synth/scalar.h"
-
-#define PI 3.14159265F
 
 // A body turned around z: its outer wall is a Catmull-Rom curve through n <= 10 knots (radius, z) from the
 // foot up. With a `wall` it is hollow and open above, so thick across; without, solid.
@@ -46,7 +45,7 @@ static void amphora(FfpShape *shape) {
                                        {0.42F, 0, 0.84F, 0.055F},
                                        {0.2F, 0, 0.8F, 0.05F}};
     turned(shape, wall, 9, 0.075F);
-    for (int i = 0; i < 2; i++) ffp_add_tube(shape, handle, 5, 1, PI * (float)i, 0.04F);
+    for (int i = 0; i < 2; i++) ffp_add_tube(shape, handle, 5, 1, FFP_PI * (float)i, 0.04F);
 }
 
 static void bottle(FfpShape *shape) {
@@ -69,7 +68,7 @@ static void twisted_vase(FfpShape *shape) {
                                      {0.36F, 0.4F}, {0.3F, 0.7F},  {0.42F, 1}};
     turned(shape, wall, 6, 0);
     for (int i = 0; i < 5; i++) {
-        const float a = 0.4F * PI * (float)i;
+        const float a = 0.4F * FFP_PI * (float)i;
         ffp_add_cone(shape, ffp_v3(0.5F * cosf(a), 0.5F * sinf(a), -0.95F),
                      ffp_v3(0.42F * cosf(a), 0.42F * sinf(a), 0.95F), 0.16F, 0.1F, 0.1F);
     }
@@ -103,7 +102,7 @@ static void lantern(FfpShape *shape) {
                                      {0.5F, 0.42F}, {0.26F, 0.58F}, {0.25F, 0.72F},  {0.34F, 0.8F}};
     turned(shape, wall, 8, 0.1F);
     for (int i = 0; i < 4; i++) {
-        const float a = 0.5F * PI * (float)i;
+        const float a = 0.5F * FFP_PI * (float)i;
         FfpPart *window = ffp_add_ellipsoid(shape, ffp_v3(0.6F * cosf(a), 0.6F * sinf(a), -0.08F),
                                             ffp_v3(0.4F, 0.26F, 0.36F), 0.02F);
         ffp_part_turn(window, a, 0, 0);
@@ -138,7 +137,7 @@ static void candlestick(FfpShape *shape) {
     ffp_add_cylinder(shape, ffp_v3(0, 0, 0.82F), 0.09F, 0.24F, 0.01F, 0.01F);
     for (int i = 0; i < 2; i++) {
         const float s = i ? -1 : 1;
-        ffp_add_tube(shape, arm, 5, 1, PI * (float)i, 0.03F);
+        ffp_add_tube(shape, arm, 5, 1, FFP_PI * (float)i, 0.03F);
         ffp_add_cylinder(shape, ffp_v3(0.64F * s, 0, 0.38F), 0.19F, 0.045F, 0.02F, 0.02F);
         ffp_add_cylinder(shape, ffp_v3(0.64F * s, 0, 0.58F), 0.075F, 0.2F, 0.01F, 0.01F);
     }
@@ -309,7 +308,7 @@ static void trophy(FfpShape *shape) {
                                        {0.5F, 0, 0.7F, 0.055F}};
     turned(shape, wall, 10, 0);
     ffp_cut(ffp_add_ellipsoid(shape, ffp_v3(0, 0, 0.85F), ffp_v3(0.42F, 0.42F, 0.85F), 0.02F));
-    for (int i = 0; i < 2; i++) ffp_add_tube(shape, handle, 5, 1, PI * (float)i, 0.03F);
+    for (int i = 0; i < 2; i++) ffp_add_tube(shape, handle, 5, 1, FFP_PI * (float)i, 0.03F);
     ffp_add_box(shape, ffp_v3(0, 0, -0.9F), ffp_v3(0.4F, 0.4F, 0.16F), 0.02F, 0);
 }
 

@@ -5,6 +5,7 @@
 #include <string.h>
 #include "base/arena.h"
 #include "base/device.h"
+#include "base/real.h"
 #include "train/kernels/kernels.h"
 #include "train/table.h"
 #include "train/train.h"
@@ -28,8 +29,8 @@ double ffp_learning_rate(const FfpTrainConfig *config, int64_t step) {
     if (step < config->warmup_steps) return config->learning_rate * (double)(step + 1) / config->warmup_steps;
     const double span = (double)(config->steps - config->warmup_steps);
     const double done = span > 0 ? fmin((double)(step - config->warmup_steps) / span, 1.0) : 1.0;
-    return config->final_learning_rate + 0.5 * (config->learning_rate - config->final_learning_rate) *
-                                             (1 + cos(3.14159265358979323846 * done));
+    return config->final_learning_rate +
+           0.5 * (config->learning_rate - config->final_learning_rate) * (1 + cos(FFP_PI_DOUBLE * done));
 }
 
 // Sum of squares in fixed blocks, added in order: the same bits for any thread count.

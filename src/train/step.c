@@ -29,7 +29,7 @@ FfpStepper *ffp_stepper_new(const FfpTrainConfig *config, const FfpPerceptual *p
     s->config = config;
     s->perceptual = perceptual;
     s->settings = ffp_render_settings(ffp_model_is_paper_form(&config->model), config->model.samples);
-    s->run = ffp_run_new();
+    s->run = ffp_run_new(true);
     s->run->profile = &s->profile;
     s->pass = ffp_view_pass_new(&s->settings);
     return s;
@@ -239,15 +239,7 @@ static void clear_gradients(FfpStepper *s) {
         s->true_t = ffp_device() ? NULL : ffp_alloc((size_t)count + 1, sizeof(real));
         return;
     }
-    const size_t size = (size_t)count * sizeof(real);
-    FfpGaussians *g = &s->grad_gaussians;
-    ffp_memory_zero(g->centre, 3 * size);
-    ffp_memory_zero(g->scale, 3 * size);
-    ffp_memory_zero(g->rotation, 4 * size);
-    ffp_memory_zero(g->opacity, size);
-    ffp_memory_zero(g->albedo, 3 * size);
-    ffp_memory_zero(g->roughness, size);
-    ffp_memory_zero(g->ambient, 3 * size);
+    ffp_gaussians_clear(&s->grad_gaussians);
 }
 
 // Draws the views of a step with `gaussians`, the network's own or what a fit has made of them. Either way

@@ -67,7 +67,7 @@ static void score(Viewer *viewer, const FfpScene *scene, const FfpGaussians *gau
 
 double ffp_scene_psnr(const FfpModel *model, const FfpTrainConfig *config, const FfpScene *scene) {
     Viewer viewer = viewer_new(&config->model, scene->start.width);
-    FfpRun *run = ffp_run_new();
+    FfpRun *run = ffp_run_new(false);
     Tally rendering = {0}, novel_pose = {0};
     if (ffp_model_forward(model, run, &scene->inputs, &scene->start, &scene->context, scene->active, NULL))
         score(&viewer, scene, &run->gaussians, &rendering, &novel_pose);
@@ -198,7 +198,7 @@ bool ffp_validate(const FfpModel *model, const FfpTrainConfig *config, int resol
                     .config = config,
                     .viewer = viewer_new(&config->model, resolution),
                     .sheet = ffp_image_new(6 * resolution, scenes * resolution, 3),
-                    .run = ffp_run_new()};
+                    .run = ffp_run_new(false)};
     bool ok = true;
     for (int i = 0; i < scenes && ok; i++) ok = validate_turntable(&v, i, resolution, err);
     for (int i = 0; config->free_share > 0 && i < free_scenes && ok; i++)

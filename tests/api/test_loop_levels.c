@@ -75,10 +75,10 @@ static void planes(Answer *answer) {
     fill(depth, W * H, 6, 2.9, 3), fill(weight, W * H, 7, 0.1, 1);
     FfpSheet sheet = ffp_sheet_new(depth, weight, &camera, 2);
     for (int y = 0; y < H; y++)
-        for (int x = 0; x < W; x += FFP_LANES) {
-            FfpPlane fit[FFP_LANES];
+        for (int x = 0; x < W; x += FFP_MATCH_LANES) {
+            FfpPlane fit[FFP_MATCH_LANES];
             ffp_fit_planes(fit, &sheet, x, y);
-            for (int n = 0; n < FFP_LANES; n++) give(answer, &fit[n].q0, 1);
+            for (int n = 0; n < FFP_MATCH_LANES; n++) give(answer, &fit[n].q0, 1);
         }
     ffp_sheet_free(&sheet);
 }

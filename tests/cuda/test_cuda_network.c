@@ -60,7 +60,7 @@ static void check(const Case *c) {
     shake(model, 1);
     Scene s;
     scene_new(&s, c->views, c->width, c->height, 1);
-    FfpRun *run = ffp_run_new();
+    FfpRun *run = ffp_run_new(true);
     FfpRng rng = ffp_rng(5, 5);
     if (!ffp_model_forward(model, run, &s.capture, &s.start, NULL, SCENE_ACTIVE, &err))
         fail_msg("%s", err.text);
@@ -72,7 +72,7 @@ static void check(const Case *c) {
     ffp_model_backward(model, run, &grad, grad_t, values);
 
     ffp_device_use(device);
-    FfpRun *there = ffp_run_new();
+    FfpRun *there = ffp_run_new(true);
     FfpModel model_there = ffp_model_uploaded(model);
     FfpGaussians grad_there = uploaded(&grad);
     real *grad_t_there = ffp_memory_uploaded(grad_t, (size_t)n, sizeof *grad_t), *first = NULL;

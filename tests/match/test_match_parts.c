@@ -72,7 +72,7 @@ static void test_planes_keep_apart(void **state) {
         }
     }
     FfpSheet sheet = ffp_sheet_new(depth, weight, &camera, 2);
-    FfpPlane planes[FFP_LANES];
+    FfpPlane planes[FFP_MATCH_LANES];
     ffp_fit_planes(planes, &sheet, 1, 6);
     for (int x = 7; x < 11; x++) {
         const FfpPlane fit = planes[x - 1];

@@ -62,7 +62,7 @@ static void check_untrained(bool pixel_skip) {
         ffp_model_free(model);
         assert_non_null(model = ffp_model_new(&config, 4, &err));
     }
-    FfpRun *run = ffp_run_new();
+    FfpRun *run = ffp_run_new(true);
     assert_true(ffp_model_forward(model, run, &s.capture, &s.start, NULL, SCENE_ACTIVE, &err));
     FfpGaussians start = ffp_start_gaussians(&s.capture, &s.start);
     const FfpGaussians *g = &run->gaussians;
@@ -102,7 +102,7 @@ static void test_plain_start(void **state) {
     Scene s;
     scene_new(&s, 2, 16, 24, 2);
     FfpModel *model = new_model("paper-small");
-    FfpRun *run = ffp_run_new();
+    FfpRun *run = ffp_run_new(true);
     FfpError err;
     assert_true(ffp_model_forward(model, run, &s.capture, NULL, NULL, SCENE_ACTIVE, &err));
     const FfpGaussians *g = &run->gaussians;
@@ -134,7 +134,7 @@ static void test_repeats(void **state) {
     scene_new(&other, 3, 24, 16, 10);
     FfpModel *model = new_model("tiny");
     shake(model, 1);
-    FfpRun *run = ffp_run_new();
+    FfpRun *run = ffp_run_new(true);
     FfpProfile profile = {0};
     run->profile = &profile;
     real *grad[2], *centre[2];
@@ -167,11 +167,32 @@ static void test_repeats(void **state) {
     scene_free(&other);
 }
 
+// Blocks that share their memory, where no backward pass follows: the same bits in less of it.
+static void test_forward_alone(void **state) {
+    (void)state;
+    Scene s;
+    scene_new(&s, 3, 24, 16, 9);
+    FfpModel *model = new_model("tiny");
+    shake(model, 1);
+    FfpRun *run[2] = {ffp_run_new(true), ffp_run_new(false)};
+    FfpError err;
+    for (int i = 0; i < 2; i++)
+        assert_true(ffp_model_forward(model, run[i], &s.capture, &s.start, NULL, SCENE_ACTIVE, &err));
+    for (int a = 0; a < FFP_ATTRIBUTES; a++) {
+        const FfpAttribute x = ffp_attribute(&run[0]->gaussians, a), y = ffp_attribute(&run[1]->gaussians, a);
+        assert_memory_equal(x.data, y.data, (size_t)run[0]->gaussians.count * (size_t)x.width * sizeof(real));
+    }
+    assert_true(ffp_run_memory(run[1]) < ffp_run_memory(run[0]));
+    ffp_run_free(run[0]), ffp_run_free(run[1]);
+    ffp_model_free(model);
+    scene_free(&s);
+}
+
 // No positional embedding and no fixed view count: one model takes any capture whose sides the patch divides.
 static void test_other_sizes(void **state) {
     (void)state;
     FfpModel *model = new_model("tiny");
-    FfpRun *run = ffp_run_new();
+    FfpRun *run = ffp_run_new(true);
     const int sizes[][3] = {{1, 8, 8}, {5, 16, 8}, {2, 8, 48}, {1, 8, 8}};
     for (int i = 0; i < 4; i++) {
         Scene s;
@@ -197,7 +218,7 @@ static void test_other_sizes(void **state) {
 static void test_reduced(void **state) {
     (void)state;
     FfpModel *model = new_model("tiny");
-    FfpRun *run = ffp_run_new();
+    FfpRun *run = ffp_run_new(true);
     FfpError err;
     Scene s;
     scene_new(&s, 2, 44, 36, 1);
@@ -270,7 +291,7 @@ static void test_the_ratio_told_is_limited(void **state) {
 static void test_refusals(void **state) {
     (void)state;
     FfpModel *model = new_model("tiny");
-    FfpRun *run = ffp_run_new();
+    FfpRun *run = ffp_run_new(true);
     FfpError err;
     Scene s;
     scene_new(&s, 2, 4, 16, 1); // less than a patch
@@ -315,6 +336,7 @@ int main(void) {
         cmocka_unit_test(test_untrained_token_head),
         cmocka_unit_test(test_plain_start),
         cmocka_unit_test(test_repeats),
+        cmocka_unit_test(test_forward_alone),
         cmocka_unit_test(test_other_sizes),
         cmocka_unit_test(test_reduced),
         cmocka_unit_test(test_many_views_keep_their_tokens),

@@ -47,8 +47,10 @@ static void run_once(void *argument, int64_t index) {
 
 static void run(Gemm gemm, const Product *p, const float *a, const float *b, float *c) {
     Work work = {gemm, p, a, b, c};
-    if (p->inside) ffp_parallel_for(2, 2, run_once, &work);
-    else run_once(&work, 0);
+    if (p->inside)
+        ffp_parallel_for(2, 2, run_once, &work);
+    else
+        run_once(&work, 0);
 }
 
 // To the nearest number of 8 significant bits, of two equally near ones the even.

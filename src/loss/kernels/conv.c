@@ -114,7 +114,7 @@ static real *new_columns(const Strips *plan) {
 }
 
 static real *own_columns(real *columns, const Strips *plan) {
-    return columns ? columns + (size_t)omp_get_thread_num() * columns_size(plan) : NULL;
+    return plan->direct ? NULL : columns + (size_t)omp_get_thread_num() * columns_size(plan);
 }
 
 static void forward_strip(real *y, const real *x, const real *w, const real *bias, const FfpConv *conv,

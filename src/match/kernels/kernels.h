@@ -10,7 +10,7 @@
 enum { FFP_REFINE_STEPS_MAX = 256 };
 
 // ffp_fit_planes.
-typedef void FfpFitPlanes(FfpPlane planes[FFP_LANES], const FfpSheet *sheet, int x, int y);
+typedef void FfpFitPlanes(FfpPlane planes[FFP_MATCH_LANES], const FfpSheet *sheet, int x, int y);
 // Inverse depth of the least cost among `steps` hypotheses around the plane, `step` apart.
 typedef real FfpRefinePixel(const FfpView *view, const FfpObservation *seen, const FfpBlurred *pattern,
                             const FfpPlane *plane, int x, int y, int steps, real step);

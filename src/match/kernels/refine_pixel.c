@@ -23,12 +23,12 @@ static real add_neighbour(FfpFour *cost, real *outside, const FfpView *view, con
     // The line in inverse depth: both its numbers divided by depth.
     const FfpLine inverse = {{line.u[1], line.u[0]}, {line.v[1], line.v[0]}, {line.w[1], line.w[0]}};
     const real base = plane->q0 + plane->qx * (real)dx + plane->qy * (real)dy;
-    for (int k = 0; k < steps; k += FFP_LANES) {
-        real u[FFP_LANES], v[FFP_LANES];
+    for (int k = 0; k < steps; k += FFP_MATCH_LANES) {
+        real u[FFP_MATCH_LANES], v[FFP_MATCH_LANES];
         FfpCells cells;
         ffp_line_positions(&inverse, base, step, k - steps / 2, u, v);
         ffp_find_cells(&cells, pattern, u, v);
-        for (int n = 0; n < FFP_LANES && k + n < steps; n++) {
+        for (int n = 0; n < FFP_MATCH_LANES && k + n < steps; n++) {
             if (cells.first[n] >= 0)
                 cost[k + n] += ffp_blurred_cost(pattern, &cells, n, &here);
             else

@@ -7,17 +7,12 @@
 #include <stdbool.h>
 #include <stdint.h>
 #include "base/real.h"
+#include "base/vector.h"
 #if defined(__AVX2__)
 #include <immintrin.h>
 #endif
 
-#if defined(__AVX512F__)
-enum { LANES = 16 };
-#elif defined(__AVX2__)
-enum { LANES = 8 };
-#else
-enum { LANES = 4 };
-#endif
+enum { LANES = FFP_VECTOR_BYTES / sizeof(float) }; // in the double build as many
 
 // No vector ever crosses a call, so how one would be passed does not matter.
 #pragma GCC diagnostic ignored "-Wpsabi"

@@ -58,7 +58,7 @@ static inline float ffp_normal_f32(float x, float *density) {
 }
 
 static inline double ffp_normal_f64(double x, double *density) {
-    *density = exp(-0.5 * x * x) / sqrt(2.0 * 3.14159265358979323846);
+    *density = exp(-0.5 * x * x) / sqrt(2.0 * FFP_PI_DOUBLE);
     return 0.5 * erfc(-x * 0.70710678118654752440);
 }
 

@@ -5,17 +5,11 @@
 
 #include <string.h>
 #include "base/real.h"
+#include "base/vector.h"
 #ifdef __AVX512F__
 #include <immintrin.h>
 #endif
 
-#if defined(__AVX512F__)
-enum { FFP_VECTOR_BYTES = 64 };
-#elif defined(__AVX2__)
-enum { FFP_VECTOR_BYTES = 32 };
-#else
-enum { FFP_VECTOR_BYTES = 16 };
-#endif
 enum { FFP_LANES = FFP_VECTOR_BYTES / sizeof(real) };
 typedef real FfpVector __attribute__((vector_size(FFP_VECTOR_BYTES)));
 
