@@ -4,7 +4,7 @@
 #include "cli.h"
 
 static const FfpCommand *const commands[] = {
-    &ffp_cli_import, &ffp_cli_align,
+    &ffp_cli_patterns, &ffp_cli_import, &ffp_cli_align,
     &ffp_cli_info,   &ffp_cli_reconstruct,
     &ffp_cli_refine, &ffp_cli_render,
     &ffp_cli_view,   &ffp_cli_compensate,
