@@ -536,6 +536,23 @@ FFP_API FfpGeneration ffp_generation_defaults(void); // all scenes of all splits
 // processes may share a job, each with its own range of scenes.
 FFP_API bool ffp_generate(FfpContext *context, const FfpGeneration *options, FfpError *err);
 
+// --- What a projector shows while it is photographed. ---
+
+typedef struct FfpPatterns {
+    const char *folder; // for the pictures, README.txt and show.html; must be new or empty
+    int width, height;  // of the projector's panel, pixels, 64 to 16384
+    int lollipops;      // 0 to 100
+    bool focus;         // a chart to focus and to place the object by
+    bool capture;       // black, white and the lollipops
+    bool gamma;         // 16 steps of grey
+    bool gray_codes;    // of columns and rows, each with its inverse
+} FfpPatterns;
+
+FFP_API FfpPatterns ffp_patterns_defaults(void); // everything, three lollipops, 1920 x 1080
+// Writes <number>_<name>.png in the order to show them, a text that says how, and a page that shows them full
+// screen in a browser. Whole or not at all. Returns the number of pictures, or -1.
+FFP_API int ffp_write_patterns(FfpContext *context, const FfpPatterns *options, FfpError *err);
+
 // --- Photographs and calibrations of other tools. ---
 
 // How pictures came from the size that a device was calibrated at.

@@ -60,30 +60,16 @@ static int run(void *data) {
     return status;
 }
 
-// Two whole numbers with `between` between them.
-static bool read_pair(const char *text, char between, int64_t low, int *a, int *b) {
-    char first[16];
-    const char *place = strchr(text, between);
-    int64_t x = 0, y = 0;
-    if (!place || (size_t)(place - text) >= sizeof first) return false;
-    memcpy(first, text, (size_t)(place - text));
-    first[place - text] = 0;
-    if (!ffp_cli_number(first, low, 1000000, &x) || !ffp_cli_number(place + 1, low, 1000000, &y))
-        return false;
-    *a = (int)x, *b = (int)y;
-    return true;
-}
-
 static bool read_size(const char *text, void *destination) {
     FfpCalibratedAt *at = destination;
-    return read_pair(text, 'x', 1, &at->width, &at->height);
+    return ffp_cli_pair(text, 'x', 1, &at->width, &at->height);
 }
 
 static bool read_fit(const char *text, void *destination) {
     FfpCalibratedAt *at = destination;
     at->fit = strcmp(text, "scaled") == 0 ? FFP_FIT_SCALED : FFP_FIT_CROPPED;
     if (at->fit == FFP_FIT_SCALED) return true;
-    return strncmp(text, "crop=", 5) == 0 && read_pair(text + 5, ',', 0, &at->left, &at->top);
+    return strncmp(text, "crop=", 5) == 0 && ffp_cli_pair(text + 5, ',', 0, &at->left, &at->top);
 }
 
 static bool read_linear(const char *text, void *destination) {

@@ -19,6 +19,19 @@ bool ffp_cli_number(const char *text, int64_t low, int64_t high, int64_t *out) {
     return true;
 }
 
+bool ffp_cli_pair(const char *text, char between, int64_t low, int *a, int *b) {
+    char first[16];
+    const char *place = strchr(text, between);
+    int64_t x = 0, y = 0;
+    if (!place || (size_t)(place - text) >= sizeof first) return false;
+    memcpy(first, text, (size_t)(place - text));
+    first[place - text] = 0;
+    if (!ffp_cli_number(first, low, 1000000, &x) || !ffp_cli_number(place + 1, low, 1000000, &y))
+        return false;
+    *a = (int)x, *b = (int)y;
+    return true;
+}
+
 bool ffp_cli_real(const char *text, double low, double high, double *out) {
     char *end;
     const double value = strtod(text, &end);

@@ -97,6 +97,8 @@ const char *ffp_cli_nearest(const char *word, const char *const *names);
 // A whole decimal number in [low, high], or any finite one in between; false otherwise.
 bool ffp_cli_number(const char *text, int64_t low, int64_t high, int64_t *out);
 bool ffp_cli_real(const char *text, double low, double high, double *out);
+// Two whole numbers of at least `low` with `between` between them: "1024x768".
+bool ffp_cli_pair(const char *text, char between, int64_t low, int *a, int *b);
 // "auto, all or a number from 0.5 to 100"
 void ffp_cli_takes(const FfpOption *option, char *text, size_t size);
 

@@ -4,7 +4,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include "base/arena.h"
-#include "synth/lollipop.h"
+#include "patterns/lollipop.h"
 #include "synth/natural.h"
 #include "synth/rig.h"
 #include "synth/sensor.h"

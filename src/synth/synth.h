@@ -64,8 +64,4 @@ const char *ffp_material_name(int material);
 // into out.
 int ffp_split_meshes(const char *split, int *out, int capacity);
 
-// A lollipop pattern (reference form: 8 sectors x 30 rings of random colours, black outside): encoded 8-bit
-// values / 255 decoded to linear. [side, side, 3]
-FfpImage ffp_lollipop_pattern(int width, int height, uint64_t seed);
-
 #endif

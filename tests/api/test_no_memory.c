@@ -328,10 +328,10 @@ static void no_memory_elsewhere(void **state) {
     static const struct {
         Work *work;
         int stride;
-    } works[] = {{refine, 3},       {render, 3},     {draw, 1},        {compensate, 3},
-                 {map, 3}, {page, 1},          {evaluate, 7},   {export_ply, 1},  {export_spz, 1},
-                 {export_gltf, 1},  {export_obj, 3}, {export_mesh, 3}, {inform, 1},
-                 {copy_capture, 3}, {align, 199},    {generate, 13},   {train, 29}};
+    } works[] = {{refine, 3},     {render, 3},      {draw, 1},       {compensate, 3},   {map, 3},
+                 {page, 1},       {evaluate, 7},    {export_ply, 1}, {export_spz, 1},   {export_gltf, 1},
+                 {export_obj, 3}, {export_mesh, 3}, {inform, 1},     {copy_capture, 3}, {align, 199},
+                 {generate, 13},  {train, 29}};
     for (size_t i = 0; i < sizeof works / sizeof *works; i++)
         without_memory(works[i].work, 2, works[i].stride);
     ffp_renderer_close(renderer);

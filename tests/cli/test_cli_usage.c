@@ -2,16 +2,16 @@
 #include "base/cpu.h"
 #include "cli/program.h"
 
-static const char *const commands[] = {"import",   "align",      "info", "reconstruct", "refine",
-                                       "render",   "compensate", "map",  "evaluate",    "bench",
-                                       "generate", "train",      "view"};
+static const char *const commands[] = {"patterns", "import",   "align",      "info", "reconstruct",
+                                       "refine",   "render",   "compensate", "map",  "evaluate",
+                                       "bench",    "generate", "train",      "view"};
 static ProgramRun run;
 
 static void test_help_of_the_program_names_every_command(void **state) {
     (void)state;
-    static const char *const groups[] = {"\nmake a capture:\n  import ", "\nreconstruct:\n  reconstruct ",
-                                         "\nlook:\n  render ",           "\nproject:\n  compensate ",
-                                         "\nevaluate:\n  evaluate ",     "\ntrain:\n  generate "};
+    static const char *const groups[] = {
+        "\nmake a capture:\n  patterns ", "\nreconstruct:\n  reconstruct ", "\nlook:\n  render ",
+        "\nproject:\n  compensate ",      "\nevaluate:\n  evaluate ",       "\ntrain:\n  generate "};
     run_program(&run, "--help");
     assert_int_equal(run.status, 0);
     assert_string_equal(run.err, "");

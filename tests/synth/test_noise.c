@@ -2,6 +2,7 @@
 #include <math.h>
 #include "support.h"
 #include "base/alloc.h"
+#include "patterns/lollipop.h"
 #include "synth/rig.h"
 #include "synth/simulate.h"
 #include "synth/synth.h"

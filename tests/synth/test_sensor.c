@@ -1,6 +1,7 @@
 // The sensor model: nothing at all when it is off, and the right statistics when it is on.
 #include <math.h>
 #include "support.h"
+#include "patterns/lollipop.h"
 #include "synth/sensor.h"
 
 static FfpSceneSpec small_spec(void) {

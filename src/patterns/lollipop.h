@@ -1,5 +1,5 @@
-#ifndef FFP_SYNTH_LOLLIPOP_H
-#define FFP_SYNTH_LOLLIPOP_H
+#ifndef FFP_PATTERNS_LOLLIPOP_H
+#define FFP_PATTERNS_LOLLIPOP_H
 
 #include <stdint.h>
 #include "image/image.h"
@@ -15,5 +15,7 @@ enum {
 uint8_t *ffp_lollipop_map(int width, int height);
 // Fills the map's fields with random 8-bit colours.
 FfpImage ffp_lollipop_paint(const uint8_t *map, int width, int height, uint64_t seed);
+// Both: 8 sectors x 30 rings of random colours, black outside; encoded 8-bit values / 255 decoded to linear.
+FfpImage ffp_lollipop_pattern(int width, int height, uint64_t seed);
 
 #endif

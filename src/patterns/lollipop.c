@@ -1,14 +1,13 @@
 // The lollipop of Nepmap's generator, which FF-ProCams uses: 30 nested ellipses, each cut into 8 sectors of
 // 45 degrees from the x axis clockwise on the screen, every field its own colour. Ellipse i has the half axes
 // w/2 - i sx and h/2 - i sy with sx = w / 60 and sy = h / 60 rounded down.
-#include "synth/lollipop.h"
+#include "patterns/lollipop.h"
 
 #include <math.h>
 #include <stdbool.h>
 #include <stdlib.h>
 #include "base/arena.h"
 #include "base/rng.h"
-#include "synth/synth.h"
 
 static bool inside(double x, double y, double half_x, double half_y) {
     return half_x > 0 && half_y > 0 && x * x / (half_x * half_x) + y * y / (half_y * half_y) <= 1;

@@ -3,8 +3,7 @@
 #include "image/image.h"
 #include "base/alloc.h"
 #include "support.h"
-#include "synth/lollipop.h"
-#include "synth/synth.h"
+#include "patterns/lollipop.h"
 
 static const real *at(const FfpImage *image, int x, int y) {
     return image->data + 3 * ((size_t)y * (size_t)image->width + (size_t)x);
