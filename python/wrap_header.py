@@ -21,8 +21,8 @@ extern "Python" bool ffp_python_progress(void *user, const FfpProgress *progress
 def declarations(header: str) -> str:
     """The header without what cffi's parser does not know: comments, directives, attributes."""
     text = re.sub(r"//.*", "", header)
-    text = re.sub(r"#ifdef __cplusplus.*?#endif", "", text, flags=re.S)
-    text = re.sub(r"^#.*$", "", text, flags=re.M)
+    text = re.sub(r"#ifdef __cplusplus.*?#endif", "", text, flags=re.DOTALL)
+    text = re.sub(r"^#.*$", "", text, flags=re.MULTILINE)
     return text.replace("FFP_API ", "")
 
 

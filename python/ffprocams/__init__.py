@@ -11,10 +11,11 @@ it. One handle (Capture, Gaussians, Model, Renderer) serves one thread at a time
 say goes to the logger "ffprocams". Errors are subclasses of Error with code, file and field.
 """
 
+from . import protocols
 from ._call import PathLike, Progress, ProgressOption
 from ._library import ffi as _ffi
 from ._library import lib as _lib
-from ._pixels import decode, encode
+from ._pixels import Array, Floats, decode, encode
 from .applications import Compensation, CompensationStats, MapStats, compensate, maps
 from .capture import AlignStats, Capture, View, align
 from .devices import Calibration, Pinhole, pinholes_from_pycolmap
@@ -45,10 +46,10 @@ from .renderer import Renderer
 __version__: str = _ffi.string(_lib.ffp_version()).decode()
 
 __all__ = [
-    "AlignStats", "ArgumentError", "CalibratedAt", "Calibration", "CancelledError", "Capture", "Compensation",
-    "CompensationStats", "Error", "ErrorCode", "FileFormatError", "Gaussians", "InputOutputError", "MapStats", "Model",
+    "AlignStats", "ArgumentError", "Array", "CalibratedAt", "Calibration", "CancelledError", "Capture", "Compensation",
+    "CompensationStats", "Error", "ErrorCode", "FileFormatError", "Floats", "Gaussians", "InputOutputError", "MapStats", "Model",
     "ModelOption", "OutOfMemoryError", "PathLike", "Pinhole", "Progress", "ProgressOption", "Reconstructed",
     "ReconstructionStats", "Refined", "RefinementStats", "Renderer", "Score", "SensorFaults", "Turntable",
     "UnsupportedError", "View", "align", "compensate", "decode", "encode", "evaluate", "fit_from_scratch", "generate",
-    "import_capture", "info", "maps", "pinholes_from_pycolmap", "reconstruct", "refine",
+    "import_capture", "info", "maps", "pinholes_from_pycolmap", "protocols", "reconstruct", "refine",
 ]  # fmt: skip

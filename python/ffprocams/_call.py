@@ -103,7 +103,12 @@ class Call:
         if self._listener is None or progress.stage == ffi.NULL:
             return True
         now = Progress(
-            _text(progress.stage), progress.done, progress.total, progress.seconds, progress.seconds_left, _text(progress.extra)
+            _text(progress.stage),
+            progress.done,
+            progress.total,
+            progress.seconds,
+            progress.seconds_left,
+            _text(progress.extra),
         )
         self.inside = True
         try:
@@ -121,7 +126,11 @@ class Call:
         if self._raised is not None:
             raised, self._raised = self._raised, None
             raise raised
-        failed = result is False or (isinstance(result, int) and result < 0) or (isinstance(result, ffi.CData) and result == ffi.NULL)
+        failed = (
+            result is False
+            or (isinstance(result, int) and result < 0)
+            or (isinstance(result, ffi.CData) and result == ffi.NULL)
+        )
         if failed:
             raise error_of(self.error)
         return result
@@ -140,7 +149,9 @@ class Call:
         _at_work.call = self
         return self
 
-    def __exit__(self, kind: type[BaseException] | None, raised: BaseException | None, trace: TracebackType | None) -> None:
+    def __exit__(
+        self, kind: type[BaseException] | None, raised: BaseException | None, trace: TracebackType | None
+    ) -> None:
         _at_work.call = self._outer
         if isinstance(self._listener, _Bar):
             self._listener.close()
@@ -223,6 +234,6 @@ class Keep:
         return self(ffi.new("char *[]", texts)) if texts else ffi.NULL
 
 
-def some(names: str | os.PathLike[str] | list[Any] | tuple[Any, ...]) -> list[Any]:
+def some(names: Any) -> list[Any]:
     """One name or several as a list."""
     return [names] if isinstance(names, (str, os.PathLike)) else list(names)

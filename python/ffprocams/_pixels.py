@@ -27,7 +27,12 @@ class Owned:
     def __init__(self, pointer: Any, shape: tuple[int, ...], owner: object, writable: bool) -> None:
         self.owner = owner
         address = int(ffi.cast("uintptr_t", pointer))
-        self.__array_interface__ = {"shape": shape, "typestr": "<f4", "data": (address, not writable), "version": 3}
+        self.__array_interface__ = {
+            "shape": shape,
+            "typestr": "<f4",
+            "data": (address, not writable),
+            "version": 3,
+        }
 
 
 def floats_at(pointer: Any, shape: tuple[int, ...], owner: object, writable: bool = False) -> Floats:
@@ -61,7 +66,9 @@ def picture_of(picture: Array | None, keep: Keep, name: str) -> Any:
     if array.ndim == 2:
         array = array[:, :, None]
     if array.ndim != 3 or array.shape[2] not in (1, 3, 4) or 0 in array.shape:
-        raise argument_error(f"shape {np.shape(picture)} is not [height,width] or [height,width,1, 3 or 4]", name)
+        raise argument_error(
+            f"shape {np.shape(picture)} is not [height,width] or [height,width,1, 3 or 4]", name
+        )
     pixel = array.shape[2] * array.itemsize
     together = array.shape[2] == 1 or array.strides[2] == array.itemsize
     sound = together and array.strides[1] == pixel and array.strides[0] >= array.shape[1] * pixel

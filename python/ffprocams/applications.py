@@ -95,10 +95,11 @@ def compensate(
         threads: that may work at a time; 0: all processors.
     """
     keep, options = Keep(), ffi.new("FfpCompensation *", lib.ffp_compensation_defaults())
-    ids = [keep.text(v) for v in some(views)]  # type: ignore[arg-type]
+    ids = [keep.text(v) for v in some(views)]
     options.poses, options.views, options.n_views = keep.path(poses), keep.texts(ids), len(ids)
-    one = not isinstance(targets, (list, tuple)) and getattr(targets, "ndim", 3) < 4
-    listed: list[Any] = [targets] if one else list(targets)  # type: ignore[arg-type]
+    several = isinstance(targets, (list, tuple)) or getattr(targets, "ndim", 0) == 4
+    given: Any = targets
+    listed: list[Any] = list(given) if several else [given]
     _fill_targets(options, listed, keep)
     options.gain, options.paint, options.steps, options.gaussians_only = gain, paint, steps, gaussians_only
     options.drawing, stats = drawing_of(form, samples), ffi.new("FfpCompensationStats *")
@@ -107,8 +108,11 @@ def compensate(
             call.context, gaussians._pointer, capture._pointer, options, stats, call.error
         )
         images = _Images(call.take(made, lib.ffp_images_close)).named()
-    kinds = [{n[len(k) :]: a for n, a in images.items() if n.startswith(k)} for k in ("pattern_", "seen_", "target_")]
-    return Compensation(*kinds, record(CompensationStats, stats))
+    patterns, seen, wanted = (
+        {name[len(kind) :]: image for name, image in images.items() if name.startswith(kind)}
+        for kind in ("pattern_", "seen_", "target_")
+    )
+    return Compensation(patterns, seen, wanted, record(CompensationStats, stats))
 
 
 def _fill_targets(options: Any, targets: list[Any], keep: Keep) -> None:

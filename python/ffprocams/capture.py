@@ -28,10 +28,14 @@ class View:
     id: str
     camera: Pinhole
     projector: Pinhole
-    photographs: Mapping[str, Array]  #: pattern name to photograph, of the camera's size; black and white must be there
+    photographs: Mapping[
+        str, Array
+    ]  #: pattern name to photograph, of the camera's size; black and white must be there
     mask: Array | None = None  #: the object's share of each pixel; None: alpha, else what white brightens
     masked: bool = False  #: the photographs are over black already
-    depth: Array | None = None  #: [height,width] float32 truth: camera z, world units, 0 where there is no surface
+    depth: Array | None = (
+        None  #: [height,width] float32 truth: camera z, world units, 0 where there is no surface
+    )
 
 
 @dataclass
@@ -68,7 +72,8 @@ class Capture(Handle):
         """Not to be called: see open and from_arrays."""
         super().__init__(pointer)
         self.view_ids: tuple[str, ...] = tuple(
-            ffi.string(lib.ffp_capture_view_id(pointer, i)).decode() for i in range(lib.ffp_capture_views(pointer))
+            ffi.string(lib.ffp_capture_view_id(pointer, i)).decode()
+            for i in range(lib.ffp_capture_views(pointer))
         )
         n = lib.ffp_capture_patterns(pointer)
         self.pattern_names: tuple[str, ...] = tuple(
@@ -81,7 +86,11 @@ class Capture(Handle):
         """Reads and checks a folder with scene.json or render_poses.json, or such a file."""
         keep = Keep()
         with Call() as call:
-            return cls(call.take(lib.ffp_capture_open(call.context, keep.path(path), call.error), lib.ffp_capture_close))
+            return cls(
+                call.take(
+                    lib.ffp_capture_open(call.context, keep.path(path), call.error), lib.ffp_capture_close
+                )
+            )
 
     @classmethod
     def from_arrays(
@@ -127,7 +136,9 @@ class Capture(Handle):
         data.intensity = [0.0] * 3 if intensity is None else three(intensity)
         data.centre, data.radius = three(centre), radius
         with Call() as call:
-            return cls(call.take(lib.ffp_capture_from_memory(call.context, data, call.error), lib.ffp_capture_close))
+            return cls(
+                call.take(lib.ffp_capture_from_memory(call.context, data, call.error), lib.ffp_capture_close)
+            )
 
     def _view(self, view: str | int) -> int:
         return _index(view, self.view_ids, "view")
@@ -169,7 +180,9 @@ class Capture(Handle):
 
     def photograph(self, view: str | int, pattern: str | int) -> Floats | None:
         """[height,width,3] linear light over black; None where the view has none under that pattern."""
-        return array_of(lib.ffp_capture_picture(self._pointer, self._view(view), self._pattern(pattern)), self)
+        return array_of(
+            lib.ffp_capture_picture(self._pointer, self._view(view), self._pattern(pattern)), self
+        )
 
     def pattern(self, pattern: str | int) -> Floats | None:
         """[height,width,3] linear, of the projector's size."""
@@ -258,7 +271,9 @@ def _fill_view(c: Any, view: View, patterns: list[str], keep: Keep) -> None:
     devices.fill(ffi.addressof(c, "projector"), view.projector)
     for name in view.photographs:
         if name not in patterns:
-            raise argument_error(f"a photograph under '{name}', which is none of the patterns", f"view {view.id}")
+            raise argument_error(
+                f"a photograph under '{name}', which is none of the patterns", f"view {view.id}"
+            )
     photographs = keep(ffi.new("FfpPicture[]", len(patterns)))
     for i, name in enumerate(patterns):
         photographs[i] = picture_of(view.photographs.get(name), keep, f"view {view.id}: {name}")[0]

@@ -87,14 +87,18 @@ class Pinhole:
         if k.shape != (3, 3) or abs(k[0, 1]) > 1e-9 * abs(k[0, 0]) or not np.allclose(k[2], (0, 0, 1)):
             raise argument_error("not a 3x3 camera matrix without skew", "matrix")
         half = 0.5 if centres_at_integers else 0.0
-        return cls(
-            *(int(n) for n in size), float(k[0, 0]), float(k[1, 1]), float(k[0, 2] + half), float(k[1, 2] + half),
-            inverse(rigid(rotation, translation)),
-        )  # fmt: skip
+        width, height = (int(n) for n in size)
+        fx, fy, cx, cy = float(k[0, 0]), float(k[1, 1]), float(k[0, 2] + half), float(k[1, 2] + half)
+        return cls(width, height, fx, fy, cx, cy, inverse(rigid(rotation, translation)))
 
     @classmethod
     def look_at(
-        cls, eye: npt.ArrayLike, target: npt.ArrayLike, size: tuple[int, int], fov: float, up: npt.ArrayLike = (0, 0, 1)
+        cls,
+        eye: npt.ArrayLike,
+        target: npt.ArrayLike,
+        size: tuple[int, int],
+        fov: float,
+        up: npt.ArrayLike = (0, 0, 1),
     ) -> Pinhole:
         """A camera at ``eye`` that looks at ``target``: world units; ``fov`` the horizontal field of view in degrees."""
         e, z = np.asarray(eye, np.float64), np.asarray(target, np.float64) - np.asarray(eye, np.float64)
@@ -124,7 +128,9 @@ class Pinhole:
     def resized(self, width: int, height: int) -> Pinhole:
         """The same view with another number of pixels."""
         x, y = width / self.width, height / self.height
-        return replace(self, width=width, height=height, fx=self.fx * x, fy=self.fy * y, cx=self.cx * x, cy=self.cy * y)
+        return replace(
+            self, width=width, height=height, fx=self.fx * x, fy=self.fy * y, cx=self.cx * x, cy=self.cy * y
+        )
 
 
 def to_c(pinhole: Pinhole) -> Any:
@@ -195,21 +201,39 @@ class Calibration:
                 found[what] = source[there[0]]
         sizes = {"camera_size": camera_size, "projector_size": projector_size}
         found.update({k: v for k, v in sizes.items() if v is not None})
-        for what in ("camera_matrix", "projector_matrix", "rotation", "translation", "camera_size", "projector_size"):
+        for what in (
+            "camera_matrix",
+            "projector_matrix",
+            "rotation",
+            "translation",
+            "camera_size",
+            "projector_size",
+        ):
             if what not in found:
                 raise argument_error(f"there is no {what}: none of {', '.join(_KEYS[what])}", where)
-        lens = {n: _lens(found.get(n, ()), f"{where}: {n}") for n in ("camera_distortion", "projector_distortion")}
+        lens = {
+            n: _lens(found.get(n, ()), f"{where}: {n}") for n in ("camera_distortion", "projector_distortion")
+        }
+        still: tuple[tuple[float, ...], ...] = ((0, 0, 0), (0, 0, 0))
+        motions: dict[str, Any] = {"camera": still, "projector": (found["rotation"], found["translation"])}
         camera, projector = (
             Pinhole.from_opencv(
-                found[f"{d}_matrix"], *motion, _size(found[f"{d}_size"], where), centres_at_integers=centres_at_integers
+                found[f"{device}_matrix"],
+                motion[0],
+                motion[1],
+                _size(found[f"{device}_size"], where),
+                centres_at_integers=centres_at_integers,
             )
-            for d, motion in (("camera", ((0, 0, 0), (0, 0, 0))), ("projector", (found["rotation"], found["translation"])))
+            for device, motion in motions.items()
         )
         return cls(camera, projector, **lens)
 
     @classmethod
     def load(
-        cls, path: PathLike, camera_size: tuple[int, int] | None = None, projector_size: tuple[int, int] | None = None
+        cls,
+        path: PathLike,
+        camera_size: tuple[int, int] | None = None,
+        projector_size: tuple[int, int] | None = None,
     ) -> Calibration:
         """From an .npz file (np.savez) or a JSON file with the keys of from_dict."""
         name = os.fspath(path)
@@ -300,7 +324,9 @@ def pinholes_from_pycolmap(model: Any) -> dict[str, Pinhole]:
         camera = model.cameras[image.camera_id]
         kind = getattr(camera.model, "name", str(camera.model))
         if kind not in ("PINHOLE", "SIMPLE_PINHOLE"):
-            raise argument_error(f"camera {image.camera_id} is {kind}: a pinhole without a lens is needed", image.name)
+            raise argument_error(
+                f"camera {image.camera_id} is {kind}: a pinhole without a lens is needed", image.name
+            )
         motion = image.cam_from_world  # a method since pycolmap 3.12
         rows = np.asarray((motion() if callable(motion) else motion).matrix())
         size = (camera.width, camera.height)

@@ -17,7 +17,11 @@ from .errors import argument_error
 from .gaussians import drawing_of
 from .reconstruction import ModelOption, _automatic, model_of
 
-_PREDICTORS = {"gaussians": lib.FFP_PREDICT_GAUSSIANS, "depth": lib.FFP_PREDICT_DEPTH, "match": lib.FFP_PREDICT_MATCH}
+_PREDICTORS = {
+    "gaussians": lib.FFP_PREDICT_GAUSSIANS,
+    "depth": lib.FFP_PREDICT_DEPTH,
+    "match": lib.FFP_PREDICT_MATCH,
+}
 _SPLITS = {
     "all": lib.FFP_SPLIT_ALL,
     "train": lib.FFP_SPLIT_TRAIN,
@@ -100,7 +104,7 @@ def evaluate(
     """
     keep, weights = Keep(), model_of(model) if predictor == "gaussians" and gaussians is None else None
     options = ffi.new("FfpEvaluation *", lib.ffp_evaluation_defaults())
-    paths, poses = ([keep.path(p) for p in some(given)] for given in (captures, targets))  # type: ignore[arg-type]
+    paths, poses = ([keep.path(p) for p in some(given)] for given in (captures, targets))
     options.captures, options.n_captures = keep.texts(paths), len(paths)
     options.targets, options.n_targets = keep.texts(poses), len(poses)
     options.predictor = _one_of(_PREDICTORS, predictor, "predictor")
@@ -109,7 +113,8 @@ def evaluate(
     options.model_name, options.pattern = keep.text(name), keep.text(pattern)
     options.polish = int(_automatic(polish, 0, "polish"))
     options.noise, options.layers = _automatic(noise, 0, "noise"), _automatic(layers, 0, "layers")
-    files = dict(gaussians=gaussians, save=save, json=json, report=report, show_pattern=show_pattern, perceptual=perceptual)
+    files = {"gaussians": gaussians, "save": save, "json": json, "report": report}
+    files |= {"show_pattern": show_pattern, "perceptual": perceptual}
     for field, path in files.items():
         setattr(options, field, keep.path(path))
     options.drawing, count = drawing_of(form, samples), ffi.new("int *")
@@ -257,19 +262,25 @@ def import_capture(
         threads: that may work at a time; 0: all processors.
     """
     keep, options = Keep(), ffi.new("FfpImport *", lib.ffp_import_defaults())
-    options.folder, options.name, options.projector_image = keep.path(folder), keep.text(name), keep.text(projector_image)
+    options.folder, options.name, options.projector_image = (
+        keep.path(folder),
+        keep.text(name),
+        keep.text(projector_image),
+    )
     ids = [keep.text(v) for v in views]
     options.views, options.n_views = keep.texts(ids), len(ids)
     _fill_pictures(options, images, patterns, held_out, keep)
     _fill_turntable(options.turntable, turntable or Turntable(), keep)
-    options.masks = {None: lib.FFP_MASKS_FROM_ALPHA, "light": lib.FFP_MASKS_FROM_LIGHT}.get(masks, lib.FFP_MASKS_FROM_FILES)
+    options.masks = {None: lib.FFP_MASKS_FROM_ALPHA, "light": lib.FFP_MASKS_FROM_LIGHT}.get(
+        masks, lib.FFP_MASKS_FROM_FILES
+    )
     if options.masks == lib.FFP_MASKS_FROM_FILES:
         options.mask_files = keep.text(masks)
     options.width, options.fit_response, options.exposure = width, fit_response, exposure
     options.linear_images, options.linear_patterns = linear_images, linear_patterns
     if sphere is not None:
         options.object = [float(x) for x in sphere]
-    given: list[Any] = [calibrations] if isinstance(calibrations, (Calibration, Mapping)) else some(calibrations)  # type: ignore[arg-type]
+    given = [calibrations] if isinstance(calibrations, (Calibration, Mapping)) else some(calibrations)
     with tempfile.TemporaryDirectory() as scratch:
         files, sizes = _calibration_files(given, Path(scratch))
         paths = [keep.path(f) for f in files]

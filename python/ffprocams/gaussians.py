@@ -148,7 +148,9 @@ def _copy(given: tuple[npt.ArrayLike, ...]) -> Any:
         setattr(arrays, name, ffi.cast("float *", array.__array_interface__["data"][0]))
     arrays.count = count
     with Call() as call:
-        return call.take(lib.ffp_gaussians_from_arrays(call.context, arrays, call.error), lib.ffp_gaussians_close)
+        return call.take(
+            lib.ffp_gaussians_from_arrays(call.context, arrays, call.error), lib.ffp_gaussians_close
+        )
 
 
 class Model(Handle):
@@ -160,7 +162,9 @@ class Model(Handle):
         variable FFPROCAMS_MODELS names."""
         keep = Keep()
         with Call() as call:
-            return cls(call.take(lib.ffp_model_open(call.context, keep.path(path), call.error), lib.ffp_model_close))
+            return cls(
+                call.take(lib.ffp_model_open(call.context, keep.path(path), call.error), lib.ffp_model_close)
+            )
 
 
 _FORMS = {"ours": lib.FFP_FORM_OURS, "paper": lib.FFP_FORM_PAPER}

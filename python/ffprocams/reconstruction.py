@@ -9,8 +9,8 @@ from typing import Any, Union
 from ._call import Call, Keep, PathLike, ProgressOption, holding, some
 from ._library import ffi, lib
 from .capture import Capture, record
-from .gaussians import Gaussians, Model, drawing_of
 from .errors import argument_error
+from .gaussians import Gaussians, Model, drawing_of
 
 #: Weights: a Model, a path, None for the shipped ones, or "none" for the classical start alone, which needs none.
 ModelOption = Union[Model, PathLike, None]
@@ -104,7 +104,10 @@ def reconstruct(
         Gaussians in the capture's world units, with ``stats``.
     """
     keep, weights = Keep(), model_of(model)
-    options, stats = ffi.new("FfpReconstruction *", lib.ffp_reconstruction_defaults()), ffi.new("FfpReconstructionStats *")
+    options, stats = (
+        ffi.new("FfpReconstruction *", lib.ffp_reconstruction_defaults()),
+        ffi.new("FfpReconstructionStats *"),
+    )
     options.model = ffi.NULL if weights is None else weights._pointer
     options.pattern = keep.text(pattern)
     options.polish = int(_automatic(polish, 0, "polish"))
@@ -122,7 +125,7 @@ def _refinement(
     metrics: PathLike | None, drawing: dict[str, int], keep: Keep,
 ) -> Any:  # fmt: skip
     options = ffi.new("FfpRefinement *", lib.ffp_refinement_defaults())
-    names = [keep.text(p) for p in some(patterns)]  # type: ignore[arg-type]
+    names = [keep.text(p) for p in some(patterns)]
     options.patterns, options.n_patterns = keep.texts(names), len(names)
     options.steps, options.seconds, options.seed = steps, seconds, seed
     options.noise = _automatic(noise, 0, "noise")
@@ -163,7 +166,9 @@ def refine(
     options = _refinement(patterns, steps, seconds, noise, seed, metrics, drawing_of(form, samples), keep)
     out = Refined(gaussians.copy()._pointer)
     with holding(capture), Call(progress, threads, device) as call:
-        call.check(lib.ffp_refine_gaussians(call.context, out._pointer, capture._pointer, options, stats, call.error))
+        call.check(
+            lib.ffp_refine_gaussians(call.context, out._pointer, capture._pointer, options, stats, call.error)
+        )
     out.stats = record(RefinementStats, stats)
     return out
 

@@ -51,7 +51,12 @@ class Renderer(Handle):
             self._size = None
             call.check(
                 lib.ffp_renderer_aim(
-                    call.context, self._pointer, gaussians._pointer, devices.to_c(camera), devices.to_c(projector), call.error
+                    call.context,
+                    self._pointer,
+                    gaussians._pointer,
+                    devices.to_c(camera),
+                    devices.to_c(projector),
+                    call.error,
                 )
             )
             self._size = (camera.height, camera.width)
@@ -87,7 +92,11 @@ class Renderer(Handle):
             return self._shade(pattern, three(intensity), self._out(out, dtype))
 
     def shade_many(
-        self, patterns: Sequence[Array | None] | Array, intensity: npt.ArrayLike, *, dtype: npt.DTypeLike = np.uint8
+        self,
+        patterns: Sequence[Array | None] | Array,
+        intensity: npt.ArrayLike,
+        *,
+        dtype: npt.DTypeLike = np.uint8,
     ) -> Array:
         """[n,height,width,3]: as shade under n patterns."""
         light = three(intensity)
@@ -104,7 +113,11 @@ class Renderer(Handle):
         if out.dtype not in (np.uint8, np.float32):
             raise argument_error(f"pictures are made as uint8 or float32, not {out.dtype}", "out")
         apart = 3 * shape[1] * out.itemsize
-        sound = out.strides[1:] == (3 * out.itemsize, out.itemsize) and out.strides[0] >= apart if out.ndim == 3 else False
+        sound = (
+            out.strides[1:] == (3 * out.itemsize, out.itemsize) and out.strides[0] >= apart
+            if out.ndim == 3
+            else False
+        )
         if out.shape != shape or not sound or not out.flags.writeable:
             raise argument_error(f"not a writable array {shape} whose pixels lie side by side", "out")
         return out
