@@ -2,9 +2,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import pytest
-
 import ffprocams
+import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
 

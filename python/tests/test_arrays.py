@@ -5,10 +5,9 @@ from __future__ import annotations
 import gc
 from pathlib import Path
 
+import ffprocams as ffp
 import numpy as np
 import pytest
-
-import ffprocams as ffp
 
 
 def rebuilt(capture: ffp.Capture, **changes: object) -> ffp.Capture:
@@ -23,7 +22,12 @@ def rebuilt(capture: ffp.Capture, **changes: object) -> ffp.Capture:
         )
         for v in capture.view_ids
     ]
-    given = {"black": "all_black", "white": "all_white", "intensity": capture.intensity, "centre": capture.centre}
+    given = {
+        "black": "all_black",
+        "white": "all_white",
+        "intensity": capture.intensity,
+        "centre": capture.centre,
+    }
     patterns = {p: capture.pattern(p) for p in capture.pattern_names}
     return ffp.Capture.from_arrays(views, patterns, **{**given, "radius": capture.radius, **changes})
 
@@ -101,9 +105,11 @@ def test_3dgs_is_what_the_ply_holds(gaussians: ffp.Gaussians, tmp_path: object) 
 @pytest.mark.parametrize("kind", [np.uint8, np.uint16, np.float32, np.float64, np.bool_])
 def test_pictures_of_any_kind_and_layout(capture: ffp.Capture, gaussians: ffp.Gaussians, kind: type) -> None:
     renderer = ffp.Renderer().aim(gaussians, capture.camera(0), capture.projector(0))
-    one = (np.indices((800, 800)).sum(0) // 50 % 2).astype(np.uint8)  # black and white: the same in every encoding
+    one = (np.indices((800, 800)).sum(0) // 50 % 2).astype(
+        np.uint8
+    )  # black and white: the same in every encoding
     most = {np.uint8: 255, np.uint16: 65535}.get(kind, 1)
-    plain = np.repeat((one * most).astype(kind)[:, :, None], 3, 2)
+    plain = np.repeat((one.astype(np.int64) * most).astype(kind)[:, :, None], 3, 2)
     want = renderer.shade(np.repeat(one[:, :, None] * np.uint8(255), 3, 2), capture.intensity)
     assert want.max() > 100
     framed = np.zeros((810, 820, 3), kind)
@@ -125,13 +131,21 @@ def test_wrong_pictures_are_refused(capture: ffp.Capture, gaussians: ffp.Gaussia
     with pytest.raises(ffp.ArgumentError, match="aimed"):
         renderer.shade(None, 1)
     renderer.aim(gaussians, capture.camera(0), capture.projector(0))
-    for pattern in (np.zeros((800, 800, 2), np.uint8), np.zeros(800, np.uint8), np.zeros((800, 800), np.int64)):
+    for pattern in (
+        np.zeros((800, 800, 2), np.uint8),
+        np.zeros(800, np.uint8),
+        np.zeros((800, 800), np.int64),
+    ):
         with pytest.raises(ffp.ArgumentError) as wrong:
             renderer.shade(pattern, 1)
         assert wrong.value.field == "pattern"
     with pytest.raises(ffp.ArgumentError):  # not of the projector's size
         renderer.shade(np.zeros((80, 80, 3), np.uint8), 1)
-    for out in (np.zeros((128, 128, 3), np.int32), np.zeros((128, 128, 4), np.uint8)[..., :3], np.zeros((9, 9, 3), np.uint8)):
+    for out in (
+        np.zeros((128, 128, 3), np.int32),
+        np.zeros((128, 128, 4), np.uint8)[..., :3],
+        np.zeros((9, 9, 3), np.uint8),
+    ):
         with pytest.raises(ffp.ArgumentError):
             renderer.shade(None, 1, out=out)
 
