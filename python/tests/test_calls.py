@@ -116,6 +116,8 @@ def test_errors_know_code_file_and_field(tmp_path: Path, sample: Path, capture: 
         with pytest.raises(ffp.ArgumentError) as argument:
             ffp.reconstruct(capture, "none", **bad)  # type: ignore[arg-type]
         assert argument.value.field == next(iter(bad))
+    with pytest.raises(ffp.UnsupportedError, match="GPU"):  # the package is built without one
+        ffp.reconstruct(capture, "none", device="cuda")
     with pytest.raises(IndexError):
         capture.camera(99)
 
