@@ -24,7 +24,7 @@ def test_the_short_example_runs(document: str, tmp_path: Path, monkeypatch: pyte
     monkeypatch.chdir(tmp_path)
     short = next(b for b in blocks(document) if b.startswith("import ffprocams as ffp"))
     names: dict[str, object] = {}
-    exec(compile(short, document, "exec"), names)
+    exec(compile(short, document, "exec"), names)  # noqa: S102
     picture = names["picture"]
     assert isinstance(picture, np.ndarray) and picture.shape == (128, 128, 3) and picture.max() > 50
     assert (document == "README.md") or os.path.getsize("darker.ply") > 100000
