@@ -89,6 +89,14 @@ FFP_API int ffp_capture_views(const FfpCapture *capture);
 FFP_API int ffp_capture_patterns(const FfpCapture *capture);
 FFP_API const char *ffp_capture_view_id(const FfpCapture *capture, int view);
 FFP_API const char *ffp_capture_pattern_name(const FfpCapture *capture, int pattern);
+// What a pattern is there for; an index out of range: FFP_PATTERN_ACTIVE.
+typedef enum FfpPatternRole {
+    FFP_PATTERN_ACTIVE, // may serve as structured light
+    FFP_PATTERN_BLACK,
+    FFP_PATTERN_WHITE,
+    FFP_PATTERN_HELD_OUT, // only ever to be predicted
+} FfpPatternRole;
+FFP_API FfpPatternRole ffp_capture_pattern_role(const FfpCapture *capture, int pattern);
 FFP_API bool ffp_capture_view_devices(const FfpCapture *capture, int view, FfpPinhole *camera,
                                       FfpPinhole *projector);
 // Linear RGB of the library's own, valid until the capture is closed; a picture without data where the view

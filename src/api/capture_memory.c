@@ -174,6 +174,13 @@ const char *ffp_capture_pattern_name(const FfpCapture *capture, int pattern) {
     return pattern >= 0 && pattern < capture->n_patterns ? capture->patterns[pattern].name : NULL;
 }
 
+FfpPatternRole ffp_capture_pattern_role(const FfpCapture *capture, int pattern) {
+    if (pattern < 0 || pattern >= capture->n_patterns) return FFP_PATTERN_ACTIVE;
+    if (pattern == capture->black) return FFP_PATTERN_BLACK;
+    if (pattern == capture->white) return FFP_PATTERN_WHITE;
+    return capture->patterns[pattern].novel ? FFP_PATTERN_HELD_OUT : FFP_PATTERN_ACTIVE;
+}
+
 bool ffp_capture_view_devices(const FfpCapture *capture, int view, FfpPinhole *camera,
                               FfpPinhole *projector) {
     if (view < 0 || view >= capture->n_views) return false;

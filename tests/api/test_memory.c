@@ -263,12 +263,39 @@ static void test_wrong_data_is_refused_by_name(void **state) {
     assert_null(ffp_gaussians_from_arrays(NULL, &arrays, &err));
 }
 
+static void test_patterns_have_their_roles(void **state) {
+    (void)state;
+    FfpError err = {0};
+    Rebuilt r;
+    FfpCapture *from = ffp_capture_open(NULL, SAMPLE, &err);
+    assert_non_null(from);
+    rebuild(&r, from);
+    const int held_out = r.data.n_patterns - 1;
+    r.patterns[held_out].held_out = true;
+    FfpCapture *capture = ffp_capture_from_memory(NULL, &r.data, &err);
+    if (!capture) fail_msg("%s", err.text);
+    for (int p = 0; p < r.data.n_patterns; p++) {
+        FfpPatternRole role = FFP_PATTERN_ACTIVE;
+        if (p == r.data.black) role = FFP_PATTERN_BLACK;
+        if (p == r.data.white) role = FFP_PATTERN_WHITE;
+        assert_int_equal(ffp_capture_pattern_role(from, p), role); // the sample holds nothing back
+        if (p == held_out) role = FFP_PATTERN_HELD_OUT;
+        assert_int_equal(ffp_capture_pattern_role(capture, p), role);
+    }
+    assert_int_equal(ffp_capture_pattern_role(capture, -1), FFP_PATTERN_ACTIVE);
+    assert_int_equal(ffp_capture_pattern_role(capture, r.data.n_patterns), FFP_PATTERN_ACTIVE);
+    ffp_capture_close(capture);
+    ffp_capture_close(from);
+    free_rebuilt(&r);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_memory_and_files_give_the_same_gaussians),
         cmocka_unit_test(test_bytes_are_read_as_a_png_is),
         cmocka_unit_test(test_drawing_into_memory_is_what_files_hold),
         cmocka_unit_test(test_wrong_data_is_refused_by_name),
+        cmocka_unit_test(test_patterns_have_their_roles),
     };
     return cmocka_run_group_tests(tests, scratch_setup, scratch_teardown);
 }

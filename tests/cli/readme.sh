@@ -53,7 +53,8 @@ for block in blocks/*; do
         sed -e ':join; /\\$/ { N; s/\\\n//; b join }' "$block" | { grep '^build/ffprocams ' || true; } |
             while read -r line; do check "$line"; done
         ;;
-    *) fail "a block is marked neither sh, text nor c: $(head -1 "$block")" ;;
+    *.python) ;; # python/tests/test_documents.py runs these
+    *) fail "a block is marked neither sh, text, c nor python: $(head -1 "$block")" ;;
     esac
 done
 [ "$ran" -gt 3 ] || fail "only $ran blocks to run"

@@ -1,0 +1,55 @@
+"""FF-ProCams: relightable 3D Gaussians from projector-camera photographs, in seconds.
+
+    import ffprocams
+    capture = ffprocams.Capture.open("data/sample")
+    gaussians = ffprocams.reconstruct(capture)
+    renderer = ffprocams.Renderer().aim(gaussians, capture.camera(0), capture.projector(0))
+    picture = renderer.shade(pattern, capture.intensity)
+
+Everything happens in the C library; arrays are numpy's. While the library works, other Python threads run; Ctrl-C ends
+it. One handle (Capture, Gaussians, Model, Renderer) serves one thread at a time, others wait. What the library has to
+say goes to the logger "ffprocams". Errors are subclasses of Error with code, file and field.
+"""
+
+from . import protocols
+from ._call import PathLike, Progress, ProgressOption
+from ._library import ffi as _ffi
+from ._library import lib as _lib
+from ._pixels import Array, Floats, decode, encode
+from .applications import Compensation, CompensationStats, MapStats, compensate, maps
+from .capture import AlignStats, Capture, View, align
+from .devices import Calibration, Pinhole, pinholes_from_pycolmap
+from .errors import (
+    ArgumentError,
+    CancelledError,
+    Error,
+    ErrorCode,
+    FileFormatError,
+    InputOutputError,
+    OutOfMemoryError,
+    UnsupportedError,
+)
+from .evaluation import CalibratedAt, Score, SensorFaults, Turntable, evaluate, generate, import_capture, info
+from .gaussians import Gaussians, Model
+from .reconstruction import (
+    ModelOption,
+    Reconstructed,
+    ReconstructionStats,
+    Refined,
+    RefinementStats,
+    fit_from_scratch,
+    reconstruct,
+    refine,
+)
+from .renderer import Renderer
+
+__version__: str = _ffi.string(_lib.ffp_version()).decode()
+
+__all__ = [
+    "AlignStats", "ArgumentError", "Array", "CalibratedAt", "Calibration", "CancelledError", "Capture", "Compensation",
+    "CompensationStats", "Error", "ErrorCode", "FileFormatError", "Floats", "Gaussians", "InputOutputError", "MapStats", "Model",
+    "ModelOption", "OutOfMemoryError", "PathLike", "Pinhole", "Progress", "ProgressOption", "Reconstructed",
+    "ReconstructionStats", "Refined", "RefinementStats", "Renderer", "Score", "SensorFaults", "Turntable",
+    "UnsupportedError", "View", "align", "compensate", "decode", "encode", "evaluate", "fit_from_scratch", "generate",
+    "import_capture", "info", "maps", "pinholes_from_pycolmap", "protocols", "reconstruct", "refine",
+]  # fmt: skip

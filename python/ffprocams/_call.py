@@ -1,0 +1,239 @@
+"""A call of the library: its context, progress, cancelling and errors; and handles.
+
+While the library works the GIL is released. It asks again and again, through a callback, whether to go on; that is
+where progress is shown, and where Ctrl-C and whatever the progress function raises end the call.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import logging
+import os
+import sys
+import threading
+from collections.abc import Iterator
+from dataclasses import dataclass
+from types import TracebackType
+from typing import Any, Callable, Optional, Union
+
+from ._library import ffi, lib
+from .errors import argument_error, error_of
+
+log = logging.getLogger("ffprocams")
+log.addHandler(logging.NullHandler())
+
+_INTERVAL = 0.1  # seconds between two looks at progress and Ctrl-C
+_LEVELS = {lib.FFP_LOG_NOTE: logging.INFO, lib.FFP_LOG_WARNING: logging.WARNING}
+_DEVICES = {"cpu": lib.FFP_DEVICE_CPU, "cuda": lib.FFP_DEVICE_CUDA}
+
+
+@dataclass(frozen=True)
+class Progress:
+    """How far a call is."""
+
+    stage: str  #: what is being done
+    done: int  #: of the stage's pictures, steps or scenes, or of its seconds
+    total: int
+    seconds: float  #: since the stage began
+    seconds_left: float  #: expected; negative: not known yet
+    extra: str  #: a few words about the last step, or nothing
+
+
+#: What calls take as ``progress``: a function that is told, and ends the call by returning False; True: a tqdm bar;
+#: False: nothing; None: a bar where tqdm is installed and somebody may be looking (a terminal, a notebook).
+ProgressOption = Union[Callable[[Progress], Optional[bool]], bool, None]
+
+
+class _Bar:
+    """Stages as tqdm bars, one after the other."""
+
+    def __init__(self, tqdm: Any) -> None:
+        self._tqdm, self._bar, self._stage = tqdm, None, ("", 0)
+
+    def __call__(self, now: Progress) -> None:
+        if (now.stage, now.total) != self._stage:
+            self.close()
+            self._stage = (now.stage, now.total)
+            self._bar = self._tqdm(total=now.total, desc=now.stage, leave=False, delay=0.5)
+        bar: Any = self._bar
+        bar.set_postfix_str(now.extra, refresh=False)
+        bar.update(now.done - bar.n)
+
+    def close(self) -> None:
+        if self._bar is not None:
+            self._bar.close()
+            self._bar = None
+
+
+def _bar_for(progress: bool | None) -> _Bar | None:
+    watched = "ipykernel" in sys.modules or (sys.stderr is not None and sys.stderr.isatty())
+    if progress is False or (progress is None and not watched):
+        return None
+    try:
+        from tqdm import tqdm
+    except ImportError:
+        return None
+    return _Bar(tqdm)
+
+
+class Call:
+    """A call at work. Pass ``context`` and ``error`` to the library, and its result to ``check``."""
+
+    def __init__(self, progress: ProgressOption = False, threads: int = 0, device: str = "cpu") -> None:
+        self._listener = progress if callable(progress) else _bar_for(progress)
+        self._raised: BaseException | None = None
+        self.inside = False  # in the progress function
+        settings = ffi.new("FfpContextSettings *", lib.ffp_context_defaults())
+        if device not in _DEVICES:
+            raise argument_error(f"'{device}' is none of {', '.join(_DEVICES)}", "device")
+        if not 0 <= threads <= 4096:
+            raise argument_error(f"{threads} is not in 0 to 4096", "threads")
+        settings.log, settings.progress = lib.ffp_python_log, lib.ffp_python_progress
+        settings.interval, settings.threads, settings.device = _INTERVAL, threads, _DEVICES[device]
+        self.error = ffi.new("FfpError *")
+        context = lib.ffp_context_new(settings, self.error)
+        if context == ffi.NULL:
+            raise error_of(self.error)
+        self.context = ffi.gc(context, lib.ffp_context_free)
+
+    def tell(self, progress: Any) -> bool:
+        """From the progress callback: False ends the call."""
+        if self._raised is not None:
+            return False
+        if self._listener is None or progress.stage == ffi.NULL:
+            return True
+        now = Progress(
+            _text(progress.stage),
+            progress.done,
+            progress.total,
+            progress.seconds,
+            progress.seconds_left,
+            _text(progress.extra),
+        )
+        self.inside = True
+        try:
+            return self._listener(now) is not False
+        finally:
+            self.inside = False
+
+    def keep(self, raised: BaseException) -> None:
+        """What a callback has raised: it ends the call, and is raised when that has returned."""
+        if self._raised is None:
+            self._raised = raised
+
+    def check(self, result: Any) -> Any:
+        """The call's result, or the exception for it."""
+        if self._raised is not None:
+            raised, self._raised = self._raised, None
+            raise raised
+        failed = (
+            result is False
+            or (isinstance(result, int) and result < 0)
+            or (isinstance(result, ffi.CData) and result == ffi.NULL)
+        )
+        if failed:
+            raise error_of(self.error)
+        return result
+
+    def take(self, result: Any, close: Callable[[Any], None]) -> Any:
+        """As check, of a call that makes something; it is closed when nobody holds it any more."""
+        if isinstance(result, ffi.CData) and result != ffi.NULL:
+            result = ffi.gc(result, close)
+        return self.check(result)
+
+    def __enter__(self) -> Call:
+        outer = getattr(_at_work, "call", None)
+        if outer is not None and outer.inside:
+            raise RuntimeError("a progress function must not call the library")
+        self._outer = outer
+        _at_work.call = self
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, raised: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        _at_work.call = self._outer
+        if isinstance(self._listener, _Bar):
+            self._listener.close()
+
+
+_at_work = threading.local()  # .call: the thread's call
+
+
+def _text(characters: Any) -> str:
+    return "" if characters == ffi.NULL else ffi.string(characters).decode("utf-8", "replace")
+
+
+def _raised_in_callback(kind: Any, raised: BaseException, trace: Any) -> None:
+    call = getattr(_at_work, "call", None)
+    if call is not None:
+        call.keep(raised)
+    else:  # a log handler's, in a thread of the library's own
+        log.debug("a log handler failed", exc_info=raised)
+
+
+@ffi.def_extern(name="ffp_python_log", onerror=_raised_in_callback)  # type: ignore[untyped-decorator]
+def _on_log(user: Any, level: int, text: Any) -> None:
+    log.log(_LEVELS.get(level, logging.INFO), "%s", _text(text))
+
+
+@ffi.def_extern(name="ffp_python_progress", error=False, onerror=_raised_in_callback)  # type: ignore[untyped-decorator]
+def _on_progress(user: Any, progress: Any) -> bool:
+    call: Call = _at_work.call
+    return call.tell(progress)
+
+
+class Handle:
+    """Something of the library's, closed when nobody holds it any more. One thread at a time works with it."""
+
+    def __init__(self, pointer: Any) -> None:
+        self._pointer = pointer
+        self._lock = threading.RLock()
+
+    def __reduce__(self) -> Any:
+        raise TypeError(f"{type(self).__name__} cannot be pickled: save it to a file")
+
+
+@contextlib.contextmanager
+def holding(*handles: Handle | None) -> Iterator[None]:
+    """Keeps other threads from the handles, in an order that cannot lock up."""
+    with contextlib.ExitStack() as stack:
+        for handle in sorted((h for h in handles if h is not None), key=id):
+            stack.enter_context(handle._lock)
+        yield
+
+
+PathLike = Union[str, "os.PathLike[str]"]
+
+
+def path_of(path: PathLike) -> bytes:
+    """A path as the library takes it."""
+    return os.fsencode(path)
+
+
+class Keep:
+    """C strings and arrays that must live until a call has returned."""
+
+    def __init__(self) -> None:
+        self.all: list[Any] = []
+
+    def __call__(self, thing: Any) -> Any:
+        self.all.append(thing)
+        return thing
+
+    def text(self, text: str | bytes | None) -> Any:
+        if text is None:
+            return ffi.NULL
+        return self(ffi.new("char[]", text.encode() if isinstance(text, str) else text))
+
+    def path(self, path: PathLike | None) -> Any:
+        return ffi.NULL if path is None else self.text(path_of(path))
+
+    def texts(self, texts: list[Any]) -> Any:
+        """char *[], or NULL for none."""
+        return self(ffi.new("char *[]", texts)) if texts else ffi.NULL
+
+
+def some(names: Any) -> list[Any]:
+    """One name or several as a list."""
+    return [names] if isinstance(names, (str, os.PathLike)) else list(names)

@@ -1,0 +1,159 @@
+"""What to do with Gaussians: compensated projections, and correspondence maps."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from . import devices
+from ._call import Call, Handle, Keep, PathLike, ProgressOption, holding, some
+from ._library import ffi, lib
+from ._pixels import Array, Floats, floats_at, picture_of
+from .capture import Capture, record
+from .devices import Pinhole
+from .errors import argument_error
+from .gaussians import Gaussians, drawing_of
+
+
+@dataclass
+class CompensationStats:
+    """How a compensation went."""
+
+    gain: float  #: that was used
+    unlit: float  #: shares of the object's pixels that the targets ask about
+    too_dark: float
+    too_bright: float
+    psnr_dark: float  #: dB over the lit ones: with dark projectors
+    psnr_closed: float  #: in closed form
+    psnr: float  #: at the end
+    patterns: int
+    seconds: float
+
+
+@dataclass
+class Compensation:
+    """Patterns under which cameras see what they should. Linear pictures [height,width,3], by view."""
+
+    patterns: dict[str, Floats]  #: of the projector's size, one for each projector
+    seen: dict[str, Floats]  #: what the cameras will see
+    targets: dict[str, Floats]  #: what they were to see
+    stats: CompensationStats
+
+
+@dataclass
+class MapStats:
+    """How well a view's maps go to and fro."""
+
+    lit_pixels: int  #: camera pixels that found the way to the projector and back
+    lost_pixels: int  #: lit ones that did not
+    within_half: float  #: share of the former that came back within half a pixel
+    median: float  #: pixels
+    most: float
+    lit_share: float  #: of the projector's pixels that fall on the object
+
+
+class _Images(Handle):
+    def named(self) -> dict[str, Floats]:
+        out: dict[str, Floats] = {}
+        for i in range(lib.ffp_images_count(self._pointer)):
+            image = lib.ffp_images_at(self._pointer, i)
+            shape = (image.height, image.width) + ((image.channels,) if image.channels > 1 else ())
+            out[ffi.string(image.name).decode()] = floats_at(image.data, shape, self)
+        return out
+
+
+def compensate(
+    gaussians: Gaussians,
+    capture: Capture,
+    targets: Array | PathLike | Sequence[Array] | Sequence[PathLike],
+    *,
+    views: str | Sequence[str] = (),
+    poses: PathLike | None = None,
+    gain: float = 1.0,
+    paint: bool = False,
+    steps: int = 30,
+    gaussians_only: bool = False,
+    form: str = "ours",
+    samples: int = 0,
+    progress: ProgressOption = None,
+    threads: int = 0,
+) -> Compensation:
+    """Finds the patterns under which cameras see their targets as nearly as light allows.
+
+    Args:
+        targets: one for all views or one for each, arrays (as in View) or image files in the cameras' frames; where a
+            target is transparent it asks for nothing.
+        views: ids of the views whose cameras are to see a target, all projectors shining at once; none: all.
+        poses: file of camera and projector poses; None: the capture's.
+        gain: factor of the linear targets; 0: the brightest that light allows.
+        paint: targets are light on the object: 0 its look under black, 1 its look under white (no gain).
+        steps: of gradient descent after the closed form; 0: none.
+        gaussians_only: ambient light and response from the Gaussians even where the view has photographs.
+        form, samples: how Gaussians are drawn, as in Renderer.
+        progress: see ffprocams.ProgressOption.
+        threads: that may work at a time; 0: all processors.
+    """
+    keep, options = Keep(), ffi.new("FfpCompensation *", lib.ffp_compensation_defaults())
+    ids = [keep.text(v) for v in some(views)]
+    options.poses, options.views, options.n_views = keep.path(poses), keep.texts(ids), len(ids)
+    several = isinstance(targets, (list, tuple)) or getattr(targets, "ndim", 0) == 4
+    given: Any = targets
+    listed: list[Any] = list(given) if several else [given]
+    _fill_targets(options, listed, keep)
+    options.gain, options.paint, options.steps, options.gaussians_only = gain, paint, steps, gaussians_only
+    options.drawing, stats = drawing_of(form, samples), ffi.new("FfpCompensationStats *")
+    with holding(gaussians, capture), Call(progress, threads) as call:
+        made = lib.ffp_compensate_images(
+            call.context, gaussians._pointer, capture._pointer, options, stats, call.error
+        )
+        images = _Images(call.take(made, lib.ffp_images_close)).named()
+    patterns, seen, wanted = (
+        {name[len(kind) :]: image for name, image in images.items() if name.startswith(kind)}
+        for kind in ("pattern_", "seen_", "target_")
+    )
+    return Compensation(patterns, seen, wanted, record(CompensationStats, stats))
+
+
+def _fill_targets(options: Any, targets: list[Any], keep: Keep) -> None:
+    arrays = [hasattr(t, "__array__") for t in targets]
+    if not targets or (any(arrays) and not all(arrays)):
+        raise argument_error("arrays or files, one at least and not both", "targets")
+    options.n_targets = len(targets)
+    if any(arrays):
+        pictures = keep(ffi.new("FfpPicture[]", len(targets)))
+        for i, target in enumerate(targets):
+            pictures[i] = picture_of(target, keep, f"targets[{i}]")[0]
+        options.pictures = pictures
+    else:
+        options.targets = keep.texts([keep.path(t) for t in targets])
+
+
+def maps(
+    gaussians: Gaussians,
+    capture: Capture,
+    camera: Pinhole,
+    projector: Pinhole,
+    *,
+    form: str = "ours",
+    samples: int = 0,
+    progress: ProgressOption = None,
+    threads: int = 0,
+) -> tuple[dict[str, Floats], MapStats]:
+    """Correspondences, and what the projector lights.
+
+    Returns:
+        Arrays by name, the first of the camera's size, all others of the projector's: ``camera_to_projector`` and
+        ``projector_to_camera`` [height,width,3] (position in pixels, centres at + 0.5; share of light that is not
+        shadowed, or 1; -1 -1 0 where there is nothing), ``projector_sees`` [height,width,3] linear, ``lit``,
+        ``incidence`` (degrees, -1: no surface), ``density`` (camera pixels per projector pixel), ``resolution``
+        (projector pixels per world unit), ``illuminance`` (cosine / distance^2 over its greatest) [height,width].
+    """
+    stats, drawing = ffi.new("FfpMapStats *"), drawing_of(form, samples)
+    with holding(gaussians, capture), Call(progress, threads) as call:
+        made = lib.ffp_map_images(
+            call.context, gaussians._pointer, capture._pointer, devices.to_c(camera), devices.to_c(projector), drawing,
+            stats, call.error,
+        )  # fmt: skip
+        images = _Images(call.take(made, lib.ffp_images_close)).named()
+    return images, record(MapStats, stats)

@@ -1,0 +1,283 @@
+"""Captures: what a rig saw."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from . import devices
+from ._call import Call, Handle, Keep, PathLike, ProgressOption, holding
+from ._library import ffi, lib
+from ._pixels import Array, Floats, array_of, picture_of
+from .devices import Doubles, Pinhole
+from .errors import argument_error
+
+
+@dataclass
+class View:
+    """One view of an object, for Capture.from_arrays.
+
+    Pictures are arrays [height,width] or [height,width,1, 3 or 4]: uint8 or uint16 sRGB-encoded with straight alpha,
+    float32 linear light multiplied by alpha.
+    """
+
+    id: str
+    camera: Pinhole
+    projector: Pinhole
+    photographs: Mapping[
+        str, Array
+    ]  #: pattern name to photograph, of the camera's size; black and white must be there
+    mask: Array | None = None  #: the object's share of each pixel; None: alpha, else what white brightens
+    masked: bool = False  #: the photographs are over black already
+    depth: Array | None = (
+        None  #: [height,width] float32 truth: camera z, world units, 0 where there is no surface
+    )
+
+
+@dataclass
+class AlignStats:
+    """What align did."""
+
+    turntable: bool = False  #: the views are those of a fixed rig around a turning object
+    evened: float = 0.0  #: turns that took, root mean square, degrees
+    depth: float = 0.0  #: turns of the camera in all views, degrees: along the line to the projector
+    across: float = 0.0  #: across it
+    side: float = 0.0  #: sideways
+    before: float = 0.0  #: disagreement of the pictures: mean difference of pattern values, 0 to 1
+    after: float = 0.0
+    seconds: float = 0.0
+
+
+def record(kind: type[Any], c: Any) -> Any:
+    """A dataclass from the C struct with the same names."""
+    values = {}
+    for name in kind.__dataclass_fields__:
+        value = getattr(c, name)
+        values[name] = ffi.string(value).decode() if isinstance(value, ffi.CData) else value
+    return kind(**values)
+
+
+class Capture(Handle):
+    """Views of one object, each photographed under a black, a white and further patterns.
+
+    Views are called by their id or their index, patterns likewise. Arrays are the library's memory, read only, and
+    keep it alive.
+    """
+
+    def __init__(self, pointer: Any) -> None:
+        """Not to be called: see open and from_arrays."""
+        super().__init__(pointer)
+        self.view_ids: tuple[str, ...] = tuple(
+            ffi.string(lib.ffp_capture_view_id(pointer, i)).decode()
+            for i in range(lib.ffp_capture_views(pointer))
+        )
+        n = lib.ffp_capture_patterns(pointer)
+        self.pattern_names: tuple[str, ...] = tuple(
+            ffi.string(lib.ffp_capture_pattern_name(pointer, i)).decode() for i in range(n)
+        )
+        self._roles = [lib.ffp_capture_pattern_role(pointer, i) for i in range(n)]
+
+    @classmethod
+    def open(cls, path: PathLike) -> Capture:
+        """Reads and checks a folder with scene.json or render_poses.json, or such a file."""
+        keep = Keep()
+        with Call() as call:
+            return cls(
+                call.take(
+                    lib.ffp_capture_open(call.context, keep.path(path), call.error), lib.ffp_capture_close
+                )
+            )
+
+    @classmethod
+    def from_arrays(
+        cls,
+        views: Sequence[View],
+        patterns: Mapping[str, Array | None],
+        *,
+        black: str = "black",
+        white: str = "white",
+        held_out: Sequence[str] = (),
+        intensity: npt.ArrayLike | None = None,
+        centre: npt.ArrayLike = (0.0, 0.0, 0.0),
+        radius: float = 0.0,
+        name: str = "capture",
+    ) -> Capture:
+        """From photographs in memory, which are copied and checked; errors name the view, pattern or number.
+
+        Args:
+            views: 1 to 512.
+            patterns: name to picture of the projector's size (as in View; what it showed, as light); black and white
+                may be None.
+            black, white: which of the patterns are those.
+            held_out: patterns that are only ever to be predicted.
+            intensity: [3] or one number, the projector's radiant intensity at pattern value 1; None: estimated.
+            centre, radius: a sphere around the object, world units; radius 0: estimated.
+            name: of the capture.
+        """
+        names, keep = list(patterns), Keep()
+        for what in (black, white, *held_out):
+            if what not in patterns:
+                raise argument_error(f"there is no pattern '{what}'", "patterns")
+        data = ffi.new("FfpCaptureData *")
+        data.name, data.n_patterns, data.n_views = keep.text(name), len(names), len(views)
+        data.black, data.white = names.index(black), names.index(white)
+        data.patterns = keep(ffi.new("FfpPatternData[]", len(names)))
+        for i, (pattern, picture) in enumerate(patterns.items()):
+            data.patterns[i].name = keep.text(pattern)
+            data.patterns[i].picture = picture_of(picture, keep, f"pattern {pattern}")[0]
+            data.patterns[i].held_out = pattern in held_out
+        data.views = keep(ffi.new("FfpViewData[]", len(views)))
+        for i, view in enumerate(views):
+            _fill_view(data.views[i], view, names, keep)
+        data.intensity = [0.0] * 3 if intensity is None else three(intensity)
+        data.centre, data.radius = three(centre), radius
+        with Call() as call:
+            return cls(
+                call.take(lib.ffp_capture_from_memory(call.context, data, call.error), lib.ffp_capture_close)
+            )
+
+    def _view(self, view: str | int) -> int:
+        return _index(view, self.view_ids, "view")
+
+    def _pattern(self, pattern: str | int) -> int:
+        return _index(pattern, self.pattern_names, "pattern")
+
+    def _with_role(self, role: int) -> list[str]:
+        return [n for n, r in zip(self.pattern_names, self._roles) if r == role]
+
+    @property
+    def black(self) -> str:
+        """The black pattern's name."""
+        return self._with_role(lib.FFP_PATTERN_BLACK)[0]
+
+    @property
+    def white(self) -> str:
+        """The white pattern's name."""
+        return self._with_role(lib.FFP_PATTERN_WHITE)[0]
+
+    @property
+    def held_out(self) -> tuple[str, ...]:
+        """Patterns that are only ever to be predicted."""
+        return tuple(self._with_role(lib.FFP_PATTERN_HELD_OUT))
+
+    def camera(self, view: str | int = 0) -> Pinhole:
+        """A view's camera."""
+        return self._devices(view)[0]
+
+    def projector(self, view: str | int = 0) -> Pinhole:
+        """A view's projector."""
+        return self._devices(view)[1]
+
+    def _devices(self, view: str | int) -> tuple[Pinhole, Pinhole]:
+        camera, projector = ffi.new("FfpPinhole *"), ffi.new("FfpPinhole *")
+        with holding(self):
+            lib.ffp_capture_view_devices(self._pointer, self._view(view), camera, projector)
+        return devices.from_c(camera), devices.from_c(projector)
+
+    def photograph(self, view: str | int, pattern: str | int) -> Floats | None:
+        """[height,width,3] linear light over black; None where the view has none under that pattern."""
+        return array_of(
+            lib.ffp_capture_picture(self._pointer, self._view(view), self._pattern(pattern)), self
+        )
+
+    def pattern(self, pattern: str | int) -> Floats | None:
+        """[height,width,3] linear, of the projector's size."""
+        return array_of(lib.ffp_capture_picture(self._pointer, -1, self._pattern(pattern)), self)
+
+    def coverage(self, view: str | int) -> Floats:
+        """[height,width] the object's share of each pixel, in [0,1]."""
+        out = array_of(lib.ffp_capture_coverage(self._pointer, self._view(view)), self)
+        assert out is not None
+        return out
+
+    @property
+    def intensity(self) -> Doubles:
+        """[3] the projector's radiant intensity at pattern value 1, W/sr in world units; estimated if not given."""
+        out = ffi.new("double[3]")
+        lib.ffp_capture_intensity(self._pointer, out)
+        return np.array(list(out))
+
+    @property
+    def centre(self) -> Doubles:
+        """[3] centre of a sphere around the object, world units."""
+        return self._bounds()[0]
+
+    @property
+    def radius(self) -> float:
+        """Radius of a sphere around the object, world units."""
+        return self._bounds()[1]
+
+    def _bounds(self) -> tuple[Doubles, float]:
+        centre, radius = ffi.new("double[3]"), ffi.new("double *")
+        lib.ffp_capture_bounds(self._pointer, centre, radius)
+        return np.array(list(centre)), float(radius[0])
+
+    def save(self, folder: PathLike) -> None:
+        """Writes a capture folder, whole or not at all; it must be new or empty."""
+        keep = Keep()
+        with holding(self), Call() as call:
+            call.check(lib.ffp_capture_save(call.context, self._pointer, keep.path(folder), call.error))
+
+    def __repr__(self) -> str:
+        camera = self.camera(0)
+        return (
+            f"<Capture: {len(self.view_ids)} views of {camera.width} x {camera.height} pixels, "
+            f"{len(self.pattern_names)} patterns>"
+        )
+
+
+def align(
+    capture: Capture, pattern: str | None = None, *, progress: ProgressOption = None, threads: int = 0
+) -> AlignStats:
+    """Corrects the directions of a capture's cameras and projectors from its photographs, in place.
+
+    Args:
+        pattern: name of the structured-light pattern; None: the first that every view has.
+        progress: see ffprocams.ProgressOption.
+        threads: that may work at a time; 0: all processors.
+    """
+    keep, stats = Keep(), ffi.new("FfpAlignStats *")
+    with holding(capture), Call(progress, threads) as call:
+        call.check(lib.ffp_align_poses(call.context, capture._pointer, keep.text(pattern), stats, call.error))
+    out: AlignStats = record(AlignStats, stats)
+    return out
+
+
+def three(numbers: npt.ArrayLike) -> list[float]:
+    """Three numbers, from as many or from one."""
+    array = np.asarray(numbers, np.float64).reshape(-1)
+    if array.size not in (1, 3):
+        raise argument_error(f"{array.size} numbers are neither one nor three", "intensity, centre")
+    return [float(x) for x in np.broadcast_to(array, 3)]
+
+
+def _index(name: str | int, names: tuple[str, ...], what: str) -> int:
+    if isinstance(name, str):
+        if name not in names:
+            raise argument_error(f"there is no {what} '{name}'", what)
+        return names.index(name)
+    if not -len(names) <= name < len(names):
+        raise IndexError(f"{what} {name} of {len(names)}")
+    return int(name) % len(names)
+
+
+def _fill_view(c: Any, view: View, patterns: list[str], keep: Keep) -> None:
+    c.id = keep.text(view.id)
+    devices.fill(ffi.addressof(c, "camera"), view.camera)
+    devices.fill(ffi.addressof(c, "projector"), view.projector)
+    for name in view.photographs:
+        if name not in patterns:
+            raise argument_error(
+                f"a photograph under '{name}', which is none of the patterns", f"view {view.id}"
+            )
+    photographs = keep(ffi.new("FfpPicture[]", len(patterns)))
+    for i, name in enumerate(patterns):
+        photographs[i] = picture_of(view.photographs.get(name), keep, f"view {view.id}: {name}")[0]
+    c.photographs = photographs
+    c.mask = picture_of(view.mask, keep, f"view {view.id}: mask")[0]
+    c.masked = view.masked
+    c.depth = picture_of(view.depth, keep, f"view {view.id}: depth")[0]

@@ -1,0 +1,336 @@
+"""Cameras and projectors, and what Python users have for them: OpenCV's matrices, dicts and .npz files, COLMAP models.
+
+Conventions here are the library's: axes x right, y down, z forward; poses are device to world; pixel centres lie at
+integer + 0.5. OpenCV's calibration counts them at integers, so half a pixel is added to its principal points.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from ._call import PathLike
+from ._library import ffi
+from .errors import ErrorCode, FileFormatError, argument_error
+
+Doubles = npt.NDArray[np.float64]
+
+
+def rotation_of(rotation: npt.ArrayLike) -> Doubles:
+    """A rotation matrix [3,3] from itself, or from OpenCV's rvec: axis times angle in radians (Rodrigues' formula)."""
+    given = np.asarray(rotation, np.float64)
+    if given.shape == (3, 3):
+        return given
+    if given.size != 3:
+        raise argument_error(f"shape {given.shape} is neither a rotation [3,3] nor an rvec [3]", "rotation")
+    axis = given.reshape(3)
+    angle = float(np.linalg.norm(axis))
+    if angle == 0:
+        return np.eye(3)
+    x, y, z = axis / angle
+    cross = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
+    return np.asarray(np.eye(3) + np.sin(angle) * cross + (1 - np.cos(angle)) * cross @ cross)
+
+
+def rigid(rotation: npt.ArrayLike, translation: npt.ArrayLike) -> Doubles:
+    """A 4x4 motion x -> R x + t of a rotation ([3,3] or rvec) and a translation [3]."""
+    out = np.eye(4)
+    out[:3, :3] = rotation_of(rotation)
+    out[:3, 3] = np.asarray(translation, np.float64).reshape(3)
+    return out
+
+
+def inverse(motion: npt.ArrayLike) -> Doubles:
+    """The inverse of a rigid 4x4 motion."""
+    m = np.asarray(motion, np.float64)
+    return rigid(m[:3, :3].T, -m[:3, :3].T @ m[:3, 3])
+
+
+@dataclass(frozen=True, eq=False)
+class Pinhole:
+    """A camera without lens distortion; a projector is one whose light runs backwards."""
+
+    width: int  #: pixels
+    height: int
+    fx: float  #: pixels
+    fy: float
+    cx: float  #: pixels, centres at integer + 0.5; may lie outside the image
+    cy: float
+    pose: Doubles = field(default_factory=lambda: np.eye(4))  #: [4,4] device to world, rigid
+
+    @classmethod
+    def from_opencv(
+        cls,
+        matrix: npt.ArrayLike,
+        rotation: npt.ArrayLike,
+        translation: npt.ArrayLike,
+        size: tuple[int, int],
+        *,
+        centres_at_integers: bool = True,
+    ) -> Pinhole:
+        """From what cv2.calibrateCamera and cv2.solvePnP give.
+
+        Args:
+            matrix: [3,3] camera matrix, pixels.
+            rotation: rvec [3] or R [3,3], world to device.
+            translation: tvec [3], world to device, world units.
+            size: width and height in pixels.
+            centres_at_integers: whether the matrix counts pixel centres at integers, as OpenCV does.
+        """
+        k = np.asarray(matrix, np.float64)
+        if k.shape != (3, 3) or abs(k[0, 1]) > 1e-9 * abs(k[0, 0]) or not np.allclose(k[2], (0, 0, 1)):
+            raise argument_error("not a 3x3 camera matrix without skew", "matrix")
+        half = 0.5 if centres_at_integers else 0.0
+        width, height = (int(n) for n in size)
+        fx, fy, cx, cy = float(k[0, 0]), float(k[1, 1]), float(k[0, 2] + half), float(k[1, 2] + half)
+        return cls(width, height, fx, fy, cx, cy, inverse(rigid(rotation, translation)))
+
+    @classmethod
+    def look_at(
+        cls,
+        eye: npt.ArrayLike,
+        target: npt.ArrayLike,
+        size: tuple[int, int],
+        fov: float,
+        up: npt.ArrayLike = (0, 0, 1),
+    ) -> Pinhole:
+        """A camera at ``eye`` that looks at ``target``: world units; ``fov`` the horizontal field of view in degrees."""
+        e, z = np.asarray(eye, np.float64), np.asarray(target, np.float64) - np.asarray(eye, np.float64)
+        x = np.cross(z, np.asarray(up, np.float64))
+        if not np.linalg.norm(x) > 1e-12:
+            raise argument_error("it looks along 'up', or at itself", "target")
+        y = np.cross(z, x)
+        axes = [a / np.linalg.norm(a) for a in (x, y, z)]
+        width, height = (int(n) for n in size)
+        f = width / 2 / float(np.tan(np.radians(fov) / 2))
+        return cls(width, height, f, f, width / 2, height / 2, rigid(np.stack(axes, 1), e))
+
+    @property
+    def matrix(self) -> Doubles:
+        """[3,3] intrinsics, pixels, centres at integer + 0.5."""
+        return np.array([[self.fx, 0, self.cx], [0, self.fy, self.cy], [0, 0, 1]])
+
+    @property
+    def position(self) -> Doubles:
+        """[3] where the device is, world units."""
+        return np.array(self.pose[:3, 3])
+
+    def moved(self, motion: npt.ArrayLike) -> Pinhole:
+        """The device moved by a 4x4 motion of the world."""
+        return replace(self, pose=np.asarray(motion, np.float64) @ self.pose)
+
+    def resized(self, width: int, height: int) -> Pinhole:
+        """The same view with another number of pixels."""
+        x, y = width / self.width, height / self.height
+        return replace(
+            self, width=width, height=height, fx=self.fx * x, fy=self.fy * y, cx=self.cx * x, cy=self.cy * y
+        )
+
+
+def to_c(pinhole: Pinhole) -> Any:
+    out = ffi.new("FfpPinhole *")
+    fill(out, pinhole)
+    return out
+
+
+def fill(out: Any, pinhole: Pinhole) -> None:
+    for name in ("width", "height", "fx", "fy", "cx", "cy"):
+        setattr(out, name, getattr(pinhole, name))
+    pose = np.asarray(pinhole.pose, np.float64)
+    if pose.shape != (4, 4):
+        raise argument_error(f"shape {pose.shape} is not [4,4]", "pose")
+    out.pose = pose.ravel().tolist()
+
+
+def from_c(p: Any) -> Pinhole:
+    return Pinhole(p.width, p.height, p.fx, p.fy, p.cx, p.cy, np.array(list(p.pose)).reshape(4, 4))
+
+
+# What calibrations call things, in dicts and in .npz files.
+_KEYS: dict[str, tuple[str, ...]] = {
+    "camera_matrix": ("camera_matrix", "cam_int", "camK", "cam_K", "K_cam", "camIntrinsics", "cam1_intrinsics", "cameraMatrix1", "K1"),
+    "camera_distortion": ("camera_distortion", "cam_dist", "camKc", "cam_kc", "camDistCoeffs", "cam1_distortion", "distCoeffs1", "D1"),
+    "projector_matrix": ("projector_matrix", "proj_int", "prjK", "proj_K", "K_proj", "projIntrinsics", "cam2_intrinsics", "cameraMatrix2", "K2"),
+    "projector_distortion": ("projector_distortion", "proj_dist", "prjKc", "proj_kc", "projDistCoeffs", "cam2_distortion", "distCoeffs2", "D2"),
+    "rotation": ("rotation", "R", "rvec"),
+    "translation": ("translation", "T", "t", "tvec"),
+    "camera_size": ("camera_size", "cam_size", "img_shape", "imageSize"),
+    "projector_size": ("projector_size", "proj_size", "prj_size"),
+}  # fmt: skip
+
+
+@dataclass(frozen=True, eq=False)
+class Calibration:
+    """A camera and a projector that stand still beside each other. The world is the camera's frame.
+
+    ``projector.pose`` is projector to camera. Distortion: OpenCV's k1 k2 p1 p2 k3, at most 5 numbers.
+    """
+
+    camera: Pinhole
+    projector: Pinhole
+    camera_distortion: Doubles = field(default_factory=lambda: np.zeros(5))
+    projector_distortion: Doubles = field(default_factory=lambda: np.zeros(5))
+
+    @classmethod
+    def from_dict(
+        cls,
+        source: Mapping[str, Any],
+        camera_size: tuple[int, int] | None = None,
+        projector_size: tuple[int, int] | None = None,
+        *,
+        centres_at_integers: bool = True,
+        where: str = "calibration",
+    ) -> Calibration:
+        """From what cv2.stereoCalibrate gives, under the names that tools use for it.
+
+        Matrices [3,3], distortions, rotation (R or rvec) and translation from camera to projector, X_p = R X_c + T,
+        and sizes as width, height, which can be arguments instead. Other keys are passed over.
+        """
+        found: dict[str, Any] = {}
+        for what, names in _KEYS.items():
+            there = [n for n in names if n in source]
+            if len(there) > 1:
+                raise argument_error(f"'{there[0]}' and '{there[1]}' stand for the same: keep one", where)
+            if there:
+                found[what] = source[there[0]]
+        sizes = {"camera_size": camera_size, "projector_size": projector_size}
+        found.update({k: v for k, v in sizes.items() if v is not None})
+        for what in (
+            "camera_matrix",
+            "projector_matrix",
+            "rotation",
+            "translation",
+            "camera_size",
+            "projector_size",
+        ):
+            if what not in found:
+                raise argument_error(f"there is no {what}: none of {', '.join(_KEYS[what])}", where)
+        lens = {
+            n: _lens(found.get(n, ()), f"{where}: {n}") for n in ("camera_distortion", "projector_distortion")
+        }
+        still: tuple[tuple[float, ...], ...] = ((0, 0, 0), (0, 0, 0))
+        motions: dict[str, Any] = {"camera": still, "projector": (found["rotation"], found["translation"])}
+        camera, projector = (
+            Pinhole.from_opencv(
+                found[f"{device}_matrix"],
+                motion[0],
+                motion[1],
+                _size(found[f"{device}_size"], where),
+                centres_at_integers=centres_at_integers,
+            )
+            for device, motion in motions.items()
+        )
+        return cls(camera, projector, **lens)
+
+    @classmethod
+    def load(
+        cls,
+        path: PathLike,
+        camera_size: tuple[int, int] | None = None,
+        projector_size: tuple[int, int] | None = None,
+    ) -> Calibration:
+        """From an .npz file (np.savez) or a JSON file with the keys of from_dict."""
+        name = os.fspath(path)
+        if name.endswith(".npz"):
+            try:
+                with np.load(path, allow_pickle=False) as arrays:
+                    return cls.from_dict(dict(arrays), camera_size, projector_size, where=name)
+            except (OSError, ValueError) as wrong:
+                if isinstance(wrong, FileNotFoundError) or hasattr(wrong, "code"):
+                    raise
+                raise FileFormatError(f"cannot be read as .npz: {wrong} ({name})", ErrorCode.FILE) from wrong
+        with open(path, encoding="utf-8") as file:
+            try:
+                parsed = json.load(file)
+            except ValueError as wrong:
+                raise FileFormatError(f"cannot be read as JSON: {wrong} ({name})", ErrorCode.FILE) from wrong
+        if not isinstance(parsed, dict):
+            raise FileFormatError(f"is not a JSON object ({name})", ErrorCode.FILE)
+        return cls.from_dict(parsed, camera_size, projector_size, where=name)
+
+    @property
+    def distorted(self) -> bool:
+        """Whether a lens bends anything: then photographs have to go through import_capture."""
+        return bool(np.any(self.camera_distortion) or np.any(self.projector_distortion))
+
+    def turned(
+        self, axis: npt.ArrayLike, point: npt.ArrayLike, angles: Sequence[float]
+    ) -> list[tuple[Pinhole, Pinhole]]:
+        """Camera and projector around an object that turned before them, one pair a stop, in the object's frame.
+
+        Its origin is ``point`` and its z axis ``axis``; at angle 0 it is the camera's frame shifted and turned there.
+
+        Args:
+            axis: [3] the turntable's direction, camera coordinates.
+            point: [3] any point of the axis, camera coordinates, the calibration's unit.
+            angles: degrees by which the object had turned at each stop, right-handed about the axis.
+        """
+        z = np.asarray(axis, np.float64) / np.linalg.norm(axis)
+        x = np.cross((0.0, 1.0, 0.0) if abs(z[1]) < 0.9 else (1.0, 0.0, 0.0), z)
+        x /= np.linalg.norm(x)
+        frame = inverse(rigid(np.stack([x, np.cross(z, x), z], 1), point))  # camera to object at angle 0
+        turns = [rigid((0, 0, -np.radians(a)), (0, 0, 0)) @ frame for a in angles]
+        return [(self.camera.moved(m), self.projector.moved(m)) for m in turns]
+
+    def save(self, path: PathLike) -> None:
+        """Writes it as JSON that import_capture and the program read (the names of OpenCV's samples)."""
+        motion = inverse(self.projector.pose)
+        written: dict[str, Any] = {"R": motion[:3, :3].tolist(), "T": motion[:3, 3:].tolist()}
+        devices = ((1, self.camera, self.camera_distortion), (2, self.projector, self.projector_distortion))
+        for number, device, lens in devices:
+            k = device.matrix - [[0, 0, 0.5], [0, 0, 0.5], [0, 0, 0]]
+            written[f"cam{number}_intrinsics"] = k.tolist()
+            written[f"cam{number}_distorsion"] = [np.asarray(lens).tolist()]
+        with open(path, "w", encoding="utf-8") as file:
+            json.dump(written, file, indent=1)
+
+
+def _size(given: Any, where: str) -> tuple[int, int]:
+    size = np.asarray(given).reshape(-1)
+    if size.size != 2 or not np.all(size >= 1):
+        raise argument_error("a size is width and height in pixels", where)
+    return int(size[0]), int(size[1])
+
+
+def _lens(given: Any, where: str) -> Doubles:
+    lens = np.zeros(5)
+    numbers = np.asarray(given, np.float64).reshape(-1)
+    if np.any(numbers[5:]):
+        raise argument_error("lens coefficients beyond k1 k2 p1 p2 k3 are not supported", where)
+    lens[: min(5, numbers.size)] = numbers[:5]
+    return lens
+
+
+def pinholes_from_pycolmap(model: Any) -> dict[str, Pinhole]:
+    """The devices of a COLMAP model by the names of their images.
+
+    Args:
+        model: a pycolmap.Reconstruction, or the folder of one (then pycolmap must be installed). Its cameras must be
+            PINHOLE or SIMPLE_PINHOLE: undistort the images first (COLMAP's image_undistorter), or give the folder of
+            the text model to import_capture, which takes lenses away.
+    """
+    if isinstance(model, (str, os.PathLike)):
+        import pycolmap
+
+        model = pycolmap.Reconstruction(os.fspath(model))
+    out: dict[str, Pinhole] = {}
+    for image in model.images.values():
+        camera = model.cameras[image.camera_id]
+        kind = getattr(camera.model, "name", str(camera.model))
+        if kind not in ("PINHOLE", "SIMPLE_PINHOLE"):
+            raise argument_error(
+                f"camera {image.camera_id} is {kind}: a pinhole without a lens is needed", image.name
+            )
+        motion = image.cam_from_world  # a method since pycolmap 3.12
+        rows = np.asarray((motion() if callable(motion) else motion).matrix())
+        size = (camera.width, camera.height)
+        out[image.name] = Pinhole.from_opencv(
+            camera.calibration_matrix(), rows[:, :3], rows[:, 3], size, centres_at_integers=False
+        )
+    return out

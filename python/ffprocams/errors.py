@@ -1,0 +1,114 @@
+"""What goes wrong, as exceptions."""
+
+from __future__ import annotations
+
+import os
+from enum import IntEnum
+from typing import Any
+
+from ._library import ffi, lib
+
+
+class ErrorCode(IntEnum):
+    """What kind of thing went wrong (FfpErrorCode of the library)."""
+
+    ARGUMENT = lib.FFP_ERROR_ARGUMENT
+    FILE = lib.FFP_ERROR_FILE
+    UNSUPPORTED = lib.FFP_ERROR_UNSUPPORTED
+    MEMORY = lib.FFP_ERROR_MEMORY
+    CANCELLED = lib.FFP_ERROR_CANCELLED
+    IO = lib.FFP_ERROR_IO
+
+
+class Error(Exception):
+    """What the library could not do. ``str(error)`` is its message, "WHAT (WHERE)".
+
+    Attributes:
+        code: what kind of error.
+        what: the message without the place.
+        file: the file concerned, or None.
+        field: the field of that file, or the argument concerned, or None.
+    """
+
+    code: ErrorCode
+    what: str
+    file: str | None
+    field: str | None
+
+    def __init__(self, text: str, code: ErrorCode) -> None:
+        super().__init__(text)
+        self.code = code
+        self.what, where = _split(text)
+        self.file, self.field = _place(where, code)
+
+
+class ArgumentError(Error, ValueError):
+    """The caller's: a value out of range, a name that does not exist."""
+
+
+class FileFormatError(Error, ValueError):
+    """A file holds what it must not, or lacks what it must have."""
+
+
+class UnsupportedError(Error):
+    """Sound, but not what this library, build or machine can do."""
+
+
+class OutOfMemoryError(Error, MemoryError):
+    """There is not enough memory."""
+
+
+class CancelledError(Error):
+    """The progress function said so."""
+
+
+class InputOutputError(Error, OSError):
+    """The system could not open, read, write or rename a file."""
+
+
+_CLASSES: dict[ErrorCode, type[Error]] = {
+    ErrorCode.ARGUMENT: ArgumentError,
+    ErrorCode.FILE: FileFormatError,
+    ErrorCode.UNSUPPORTED: UnsupportedError,
+    ErrorCode.MEMORY: OutOfMemoryError,
+    ErrorCode.CANCELLED: CancelledError,
+    ErrorCode.IO: InputOutputError,
+}
+
+
+def argument_error(what: str, where: str = "") -> ArgumentError:
+    """An error that is found on this side of the library."""
+    return ArgumentError(f"{what} ({where})" if where else what, ErrorCode.ARGUMENT)
+
+
+def error_of(err: Any) -> Error:
+    """The exception for an FfpError."""
+    try:
+        code = ErrorCode(err.code)
+    except ValueError:
+        code = ErrorCode.UNSUPPORTED
+    return _CLASSES[code](ffi.string(err.text).decode("utf-8", "replace"), code)
+
+
+def _split(text: str) -> tuple[str, str]:
+    """ "WHAT (WHERE)" into WHAT and WHERE; WHERE may hold pairs of parentheses."""
+    if not text.endswith(")"):
+        return text, ""
+    depth = 0
+    for i in range(len(text) - 1, -1, -1):
+        depth += (text[i] == ")") - (text[i] == "(")
+        if depth == 0:
+            return (text[:i].rstrip(), text[i + 1 : -1]) if text[i - 1 : i] == " " else (text, "")
+    return text, ""
+
+
+def _place(where: str, code: ErrorCode) -> tuple[str | None, str | None]:
+    """WHERE as file and field."""
+    if not where:
+        return None, None
+    file, colon, field = where.partition(": ")
+    if colon and (os.sep in file or os.path.lexists(file) or "." in file):
+        return file, field
+    if code in (ErrorCode.FILE, ErrorCode.IO) or os.sep in where or os.path.lexists(where):
+        return where, None
+    return None, where

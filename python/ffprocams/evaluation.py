@@ -1,0 +1,345 @@
+"""The program's own evaluation, scenes it generates, calibrations and photographs it imports, and what files hold."""
+
+from __future__ import annotations
+
+import os
+import tempfile
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Union
+
+from ._call import Call, Keep, PathLike, ProgressOption, holding, some
+from ._library import ffi, lib
+from .capture import record, three
+from .devices import Calibration
+from .errors import argument_error
+from .gaussians import drawing_of
+from .reconstruction import ModelOption, _automatic, model_of
+
+_PREDICTORS = {
+    "gaussians": lib.FFP_PREDICT_GAUSSIANS,
+    "depth": lib.FFP_PREDICT_DEPTH,
+    "match": lib.FFP_PREDICT_MATCH,
+}
+_SPLITS = {
+    "all": lib.FFP_SPLIT_ALL,
+    "train": lib.FFP_SPLIT_TRAIN,
+    "validation": lib.FFP_SPLIT_VALIDATION,
+    "test": lib.FFP_SPLIT_TEST,
+}
+_PRESETS = {"paper": lib.FFP_PRESET_PAPER, "smoke": lib.FFP_PRESET_SMOKE, "training": lib.FFP_PRESET_TRAINING}
+_RIGS = {"turntable": lib.FFP_RIG_TURNTABLE, "free": lib.FFP_RIG_FREE}
+_FITS = {"exact": lib.FFP_FIT_EXACT, "scaled": lib.FFP_FIT_SCALED, "cropped": lib.FFP_FIT_CROPPED}
+
+
+def _one_of(table: dict[str, int], name: str, what: str) -> int:
+    if name not in table:
+        raise argument_error(f"'{name}' is none of {', '.join(table)}", what)
+    return table[name]
+
+
+@dataclass
+class Score:
+    """A capture under a protocol: means over its images. NaN where a figure does not apply."""
+
+    capture: str  #: "mean" for that of several captures
+    protocol: str  #: "rendering", "novel_pattern" or "novel_pose"
+    psnr: float  #: dB, of the 8-bit sRGB prediction over black; 100 for identical pictures
+    psnr_foreground: float  #: over pixels that the object covers
+    ssim: float
+    lpips: float
+    psnr_gloss: float  #: under white, over pixels whose specular part is above 0.05
+    psnr_unseen_lollipops: float  #: of "rendering": patterns that the predictor was not given
+    images: int
+    images_unseen: int
+    reconstruct_s: float  #: seconds
+    render_s: float
+    depth_lit_median: float  #: % of the object's radius
+    depth_lit_p90: float
+    depth_unlit_median: float
+    depth_unlit_p90: float
+    albedo_mse: float  #: linear
+    albedo_lit_mse: float
+    albedo_unlit_mse: float
+
+
+def evaluate(
+    captures: PathLike | Sequence[PathLike],
+    *,
+    predictor: str = "gaussians",
+    model: ModelOption = None,
+    model_name: str | None = None,
+    gaussians: PathLike | None = None,
+    targets: PathLike | Sequence[PathLike] = (),
+    pattern: str | None = None,
+    polish: int | None = None,
+    noise: float | None = None,
+    layers: float | None = None,
+    save: PathLike | None = None,
+    json: PathLike | None = None,
+    report: PathLike | None = None,
+    show_pattern: PathLike | None = None,
+    perceptual: PathLike | None = None,
+    form: str = "ours",
+    samples: int = 0,
+    progress: ProgressOption = None,
+    threads: int = 0,
+    device: str = "cpu",
+) -> list[Score]:
+    """The paper's protocols on capture folders: a row for each capture and protocol, then the means of several.
+
+    Args:
+        predictor: "gaussians" (reconstruct, or read, and render), "depth" (lookup at the true depth) or "match" (at
+            the depth that projector matching finds).
+        model, pattern, polish, noise, layers, form, samples, threads, device: as in reconstruct.
+        model_name: what the report calls the model.
+        gaussians: PLY to evaluate instead of reconstructing.
+        targets: pose files of "novel_pose": none, one a capture, or one path looked up in each capture.
+        save: folder for <capture>/<view>_<pattern>.png of every prediction.
+        json, report: files for the rows and for an HTML report.
+        show_pattern: image file that the report also shows views under.
+        perceptual: safetensors with LPIPS weights.
+        progress: see ffprocams.ProgressOption.
+    """
+    keep, weights = Keep(), model_of(model) if predictor == "gaussians" and gaussians is None else None
+    options = ffi.new("FfpEvaluation *", lib.ffp_evaluation_defaults())
+    paths, poses = ([keep.path(p) for p in some(given)] for given in (captures, targets))
+    options.captures, options.n_captures = keep.texts(paths), len(paths)
+    options.targets, options.n_targets = keep.texts(poses), len(poses)
+    options.predictor = _one_of(_PREDICTORS, predictor, "predictor")
+    options.model = ffi.NULL if weights is None else weights._pointer
+    name = model_name or ("none" if weights is None else "shipped" if model is None else str(model))
+    options.model_name, options.pattern = keep.text(name), keep.text(pattern)
+    options.polish = int(_automatic(polish, 0, "polish"))
+    options.noise, options.layers = _automatic(noise, 0, "noise"), _automatic(layers, 0, "layers")
+    files = {"gaussians": gaussians, "save": save, "json": json, "report": report}
+    files |= {"show_pattern": show_pattern, "perceptual": perceptual}
+    for field, path in files.items():
+        setattr(options, field, keep.path(path))
+    options.drawing, count = drawing_of(form, samples), ffi.new("int *")
+    with holding(weights), Call(progress, threads, device) as call:
+        rows = call.take(lib.ffp_evaluate(call.context, options, count, call.error), lib.ffp_free)
+    return [record(Score, rows[i]) for i in range(count[0])]
+
+
+@dataclass
+class SensorFaults:
+    """Faults of the devices that scenes are seen with. All 0: none."""
+
+    exposure: float = 0.0  #: of the camera, stops, -8 to 8
+    shot: float = 0.0  #: noise of a linear value v has the variance shot * v + read^2; 0 to 1 each
+    read: float = 0.0
+    defocus: float = 0.0  #: of the projector: deviation in its pixels, 0 to 64
+    gamma: float = 0.0  #: the projector sends value^(1 + gamma), -0.9 to 4
+    black_level: float = 0.0  #: and this share of white where a pattern is black, 0 to 0.9
+    turn_error: float = 0.0  #: deviation of the written poses' turns on each axis, degrees, 0 to 28
+    shift_error: float = 0.0  #: and of their places, world units, 0 to 0.5
+
+
+def generate(
+    folder: PathLike,
+    *,
+    split: str = "all",
+    preset: str = "paper",
+    first: int = 0,
+    count: int = -1,
+    resolution: int = 0,
+    rig: str = "turntable",
+    views: int = 0,
+    seed: int | None = None,
+    mesh: PathLike | None = None,
+    material: PathLike | None = None,
+    sensor: SensorFaults | None = None,
+    progress: ProgressOption = None,
+    threads: int = 0,
+) -> list[Path]:
+    """Generates captures with their truth, one folder a scene. Scenes that are there already are kept.
+
+    Args:
+        split: "all", "train", "validation" or "test": no mesh is in two of the latter.
+        preset: "paper" (8 views of 128 x 128 pixels and 6 lollipops), "smoke" (small and quick), "training".
+        first, count: scenes of the split; count -1: to the end, of an own mesh one.
+        resolution: image side, pixels; 0: as the preset says.
+        rig: "turntable" or "free" (each view has devices of its own).
+        views: input views, 1 to 64; 0: as the preset says.
+        seed: None: the program's.
+        mesh: a file of your own (OBJ, PLY, STL, glTF) instead of the generated meshes.
+        material: a folder of basecolor, roughness and normal maps.
+        sensor: faults of the devices.
+        progress: see ffprocams.ProgressOption.
+        threads: that may work at a time; 0: all processors.
+
+    Returns:
+        The capture folders that lie in ``folder`` then.
+    """
+    keep, options = Keep(), ffi.new("FfpGeneration *", lib.ffp_generation_defaults())
+    options.folder, options.mesh, options.material = keep.path(folder), keep.path(mesh), keep.path(material)
+    options.split, options.preset = _one_of(_SPLITS, split, "split"), _one_of(_PRESETS, preset, "preset")
+    options.rig, options.first, options.count = _one_of(_RIGS, rig, "rig"), first, count
+    options.resolution, options.views = resolution, views
+    if seed is not None:
+        options.seed = seed
+    for name, value in vars(sensor or SensorFaults()).items():
+        setattr(options.sensor, name, value)
+    with Call(progress, threads) as call:
+        call.check(lib.ffp_generate(call.context, options, call.error))
+    return sorted(p.parent for p in Path(os.fspath(folder)).glob("*/scene.json"))
+
+
+@dataclass
+class Turntable:
+    """An object that turned before a fixed camera and projector: camera coordinates and the calibration's unit;
+    degrees, right-handed about the axis."""
+
+    angles: Sequence[float] = ()  #: by which the object had turned at each stop
+    axis: Sequence[float] = (0.0, 0.0, 0.0)  #: direction
+    point: Sequence[float] = (0.0, 0.0, 0.0)  #: any point of the axis
+    find_axis: bool = False  #: axis and point are found from the pictures
+    guessed: bool = False  #: the search begins at ``axis`` and ``point``
+    file: PathLike | None = None  #: JSON or YAML with these instead
+
+
+@dataclass
+class CalibratedAt:
+    """The size that a device was calibrated at, and how its pictures came from that."""
+
+    width: int = 0  #: pixels; 0: the calibration says it
+    height: int = 0
+    fit: str = "exact"  #: "exact", "scaled" or "cropped"
+    left: int = 0  #: pixels cut off
+    top: int = 0
+
+
+CalibrationOption = Union[PathLike, Calibration, Mapping[str, Any]]
+
+
+def import_capture(
+    folder: PathLike,
+    calibrations: CalibrationOption | Sequence[CalibrationOption],
+    *,
+    images: Mapping[str, PathLike] | None = None,
+    patterns: Mapping[str, PathLike] | None = None,
+    held_out: Mapping[str, PathLike] | None = None,
+    turntable: Turntable | None = None,
+    masks: str | None = None,
+    projector_image: str | None = None,
+    views: Sequence[str] = (),
+    camera: CalibratedAt | None = None,
+    projector: CalibratedAt | None = None,
+    width: int = 0,
+    fit_response: bool = False,
+    linear_images: bool = False,
+    linear_patterns: bool = False,
+    exposure: float = 0.0,
+    sphere: Sequence[float] | None = None,
+    name: str | None = None,
+    progress: ProgressOption = None,
+    threads: int = 0,
+) -> None:
+    """Writes a capture folder from photographs and a calibration, whole or not at all: poses in the object's frame,
+    pictures and patterns without lens distortion, masks applied.
+
+    Args:
+        folder: must not hold anything yet.
+        calibrations: files of other tools (docs/formats.md), a Calibration, or a dict of matrices (its from_dict).
+        images: pattern name ("black", "white" and those of ``patterns``) to files: a path with {view}, {pattern},
+            {index} or {number} in it, or one with *. None: the pictures that the calibration names.
+        patterns: name to the image file of what the projector showed, besides black and white.
+        held_out: likewise, only ever to be predicted.
+        turntable: for a fixed rig with several views.
+        masks: None: the photographs' alpha, else from light; "light"; or files, as in ``images``, white on black.
+        projector_image: COLMAP: the image that is the projector; None: "calib".
+        views: ids to import; none: all.
+        camera, projector: sizes at calibration, and fits.
+        width: of the imported pictures, pixels; 0: as they are.
+        fit_response: finds the projector's gamma and black level from the pictures.
+        linear_images, linear_patterns: files of integers hold linear light instead of sRGB.
+        exposure: stops by which linear values are brightened.
+        sphere: centre and radius around the object, 4 numbers; None: estimated.
+        name: of the capture; None: the folder's.
+        progress: see ffprocams.ProgressOption.
+        threads: that may work at a time; 0: all processors.
+    """
+    keep, options = Keep(), ffi.new("FfpImport *", lib.ffp_import_defaults())
+    options.folder, options.name, options.projector_image = (
+        keep.path(folder),
+        keep.text(name),
+        keep.text(projector_image),
+    )
+    ids = [keep.text(v) for v in views]
+    options.views, options.n_views = keep.texts(ids), len(ids)
+    _fill_pictures(options, images, patterns, held_out, keep)
+    _fill_turntable(options.turntable, turntable or Turntable(), keep)
+    options.masks = {None: lib.FFP_MASKS_FROM_ALPHA, "light": lib.FFP_MASKS_FROM_LIGHT}.get(
+        masks, lib.FFP_MASKS_FROM_FILES
+    )
+    if options.masks == lib.FFP_MASKS_FROM_FILES:
+        options.mask_files = keep.text(masks)
+    options.width, options.fit_response, options.exposure = width, fit_response, exposure
+    options.linear_images, options.linear_patterns = linear_images, linear_patterns
+    if sphere is not None:
+        options.object = [float(x) for x in sphere]
+    given = [calibrations] if isinstance(calibrations, (Calibration, Mapping)) else some(calibrations)
+    with tempfile.TemporaryDirectory() as scratch:
+        files, sizes = _calibration_files(given, Path(scratch))
+        paths = [keep.path(f) for f in files]
+        options.calibrations, options.n_calibrations = keep.texts(paths), len(paths)
+        for at, known, c in zip((camera, projector), sizes, (options.camera, options.projector)):
+            at = at or CalibratedAt()
+            c.width, c.height = (at.width, at.height) if at.width else known
+            c.fit, c.left, c.top = _one_of(_FITS, at.fit, "fit"), at.left, at.top
+        with Call(progress, threads) as call:
+            call.check(lib.ffp_import_capture(call.context, options, call.error))
+
+
+def _calibration_files(given: list[Any], scratch: Path) -> tuple[list[PathLike], list[tuple[int, int]]]:
+    """Files of the calibrations, and the sizes of camera and projector that those from memory know."""
+    files: list[PathLike] = []
+    sizes = [(0, 0), (0, 0)]
+    for i, one in enumerate(given):
+        if isinstance(one, Mapping):
+            one = Calibration.from_dict(one)
+        if isinstance(one, Calibration):
+            sizes = [(d.width, d.height) for d in (one.camera, one.projector)]
+            file = scratch / f"calibration_{i}.json"
+            one.save(file)
+            one = file
+        files.append(one)
+    return files, sizes
+
+
+def _fill_pictures(
+    options: Any,
+    images: Mapping[str, PathLike] | None,
+    patterns: Mapping[str, PathLike] | None,
+    held_out: Mapping[str, PathLike] | None,
+    keep: Keep,
+) -> None:
+    listed = keep(ffi.new("FfpImportImages[]", len(images or {})))
+    for i, (pattern, files) in enumerate((images or {}).items()):
+        listed[i].patterns, listed[i].n_patterns = keep.texts([keep.text(pattern)]), 1
+        listed[i].files = keep.path(files)
+    options.images, options.n_images = listed, len(images or {})
+    for field, shown in (("patterns", patterns or {}), ("held_out", held_out or {})):
+        of = keep(ffi.new("FfpImportPattern[]", len(shown)))
+        for i, (pattern, file) in enumerate(shown.items()):
+            of[i].name, of[i].file = keep.text(pattern), keep.path(file)
+        setattr(options, field, of)
+        setattr(options, f"n_{field}", len(shown))
+
+
+def _fill_turntable(c: Any, turntable: Turntable, keep: Keep) -> None:
+    c.file, c.axis, c.point = keep.path(turntable.file), three(turntable.axis), three(turntable.point)
+    c.angles = keep(ffi.new("double[]", [float(a) for a in turntable.angles]))
+    c.n_angles = len(turntable.angles)
+    c.find_axis, c.guessed = turntable.find_axis, turntable.guessed
+
+
+def info(path: PathLike) -> str:
+    """What a capture, a weights file or a PLY holds, as text for people."""
+    keep = Keep()
+    with Call() as call:
+        text = call.take(lib.ffp_info(call.context, keep.path(path), call.error), lib.ffp_free)
+    out: str = ffi.string(text).decode("utf-8", "replace")
+    return out

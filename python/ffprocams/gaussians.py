@@ -1,0 +1,179 @@
+"""Relightable 3D Gaussians, and the weights that predict them."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from ._call import Call, Handle, Keep, PathLike, holding
+from ._library import ffi, lib
+from ._pixels import Array, Floats, floats_at
+from .errors import argument_error
+
+_WIDTHS = {"centre": 3, "scale": 3, "rotation": 4, "opacity": 1, "albedo": 3, "roughness": 1, "ambient": 3}
+
+
+class Gaussians(Handle):
+    """Splats that know how they reflect light. Arrays have one row a Gaussian.
+
+    They are the library's own memory: nothing is copied, they keep it alive, and they may be written to (what is
+    written is not checked: see check).
+    """
+
+    @classmethod
+    def load(cls, path: PathLike) -> Gaussians:
+        """Reads a PLY with the property names of 3DGS, plus base_color_0..2 and roughness."""
+        keep = Keep()
+        with Call() as call:
+            made = lib.ffp_gaussians_open(call.context, keep.path(path), call.error)
+            return cls(call.take(made, lib.ffp_gaussians_close))
+
+    @classmethod
+    def from_arrays(
+        cls,
+        centre: npt.ArrayLike,
+        scale: npt.ArrayLike,
+        rotation: npt.ArrayLike,
+        opacity: npt.ArrayLike,
+        albedo: npt.ArrayLike,
+        roughness: npt.ArrayLike,
+        ambient: npt.ArrayLike,
+    ) -> Gaussians:
+        """A copy of the numbers, checked: finite, in range, rotations normalised. Errors name array and row.
+
+        Args:
+            centre: [count,3] world units.
+            scale: [count,3] standard deviations along the rotated axes, world units, above 0.
+            rotation: [count,4] quaternions w x y z: the splat's axes to the world.
+            opacity: [count] in [0,1].
+            albedo: [count,3] linear diffuse albedo.
+            roughness: [count] in [0,1].
+            ambient: [count,3] linear radiance shown when the projector is black.
+        """
+        return cls(_copy((centre, scale, rotation, opacity, albedo, roughness, ambient)))
+
+    def _array(self, name: str) -> Floats:
+        arrays, width = lib.ffp_gaussians_arrays(self._pointer), _WIDTHS[name]
+        shape = (arrays.count,) if width == 1 else (arrays.count, width)
+        return floats_at(getattr(arrays, name), shape, self, writable=True)
+
+    @property
+    def centre(self) -> Floats:
+        """[count,3] world units."""
+        return self._array("centre")
+
+    @property
+    def scale(self) -> Floats:
+        """[count,3] standard deviations along the rotated axes, world units."""
+        return self._array("scale")
+
+    @property
+    def rotation(self) -> Floats:
+        """[count,4] unit quaternions w x y z: the splat's axes to the world."""
+        return self._array("rotation")
+
+    @property
+    def opacity(self) -> Floats:
+        """[count] in [0,1]."""
+        return self._array("opacity")
+
+    @property
+    def albedo(self) -> Floats:
+        """[count,3] linear diffuse albedo."""
+        return self._array("albedo")
+
+    @property
+    def roughness(self) -> Floats:
+        """[count] in [0,1]."""
+        return self._array("roughness")
+
+    @property
+    def ambient(self) -> Floats:
+        """[count,3] linear radiance shown when the projector is black."""
+        return self._array("ambient")
+
+    def arrays(self) -> dict[str, Floats]:
+        """All arrays by name, as from_arrays takes them."""
+        return {name: self._array(name) for name in _WIDTHS}
+
+    def copy(self) -> Gaussians:
+        """The same numbers in other memory, checked as by from_arrays."""
+        with holding(self):
+            return Gaussians(_copy(tuple(self.arrays().values())))
+
+    def check(self) -> None:
+        """Raises an error that names array and row if what was written to the arrays is no Gaussian."""
+        self.copy()
+
+    def to_3dgs(self) -> dict[str, Floats]:
+        """As 3DGS and gsplat hold them: ``means`` [count,3], ``scales`` [count,3] (natural logarithms), ``quats``
+        [count,4] (w x y z), ``opacities`` [count] (logits), ``sh0`` [count,1,3] (the object in ambient light,
+        sRGB-encoded). ``colors`` of a splat are 0.5 + 0.2820948 * sh0."""
+        share = np.clip(self.opacity.astype(np.float64), 1e-6, 1 - 1e-6)
+        light = self.ambient.astype(np.float64)
+        encoded = np.where(light <= 0.0031308, 12.92 * light, 1.055 * light ** (1 / 2.4) - 0.055)
+        out: dict[str, Array] = {
+            "means": self.centre.copy(),
+            "scales": np.log(np.maximum(self.scale, 1e-30)),
+            "quats": self.rotation.copy(),
+            "opacities": np.log(share / (1 - share)),
+            "sh0": ((encoded - 0.5) / 0.28209479177387814)[:, None, :],
+        }
+        return {name: array.astype(np.float32) for name, array in out.items()}
+
+    def save(self, path: PathLike) -> None:
+        """Writes the PLY that load reads, without Gaussians too faint to be drawn (opacity below 1/255)."""
+        keep = Keep()
+        with holding(self), Call() as call:
+            call.check(lib.ffp_gaussians_save(call.context, self._pointer, keep.path(path), call.error))
+
+    def __len__(self) -> int:
+        return int(lib.ffp_gaussians_count(self._pointer))
+
+    def __repr__(self) -> str:
+        return f"<{type(self).__name__}: {len(self)}>"
+
+
+def _copy(given: tuple[npt.ArrayLike, ...]) -> Any:
+    """A handle of the library's own with a copy of the numbers, in the order of _WIDTHS."""
+    arrays, keep = ffi.new("FfpGaussianArrays *"), Keep()
+    count = len(np.atleast_1d(np.asarray(given[0])))
+    for (name, width), numbers in zip(_WIDTHS.items(), given):
+        array = keep(np.ascontiguousarray(numbers, np.float32))
+        if array.shape != ((count,) if width == 1 else (count, width)):
+            wanted = f"[{count}]" if width == 1 else f"[{count},{width}]"
+            raise argument_error(f"shape {array.shape} is not {wanted}", name)
+        setattr(arrays, name, ffi.cast("float *", array.__array_interface__["data"][0]))
+    arrays.count = count
+    with Call() as call:
+        return call.take(
+            lib.ffp_gaussians_from_arrays(call.context, arrays, call.error), lib.ffp_gaussians_close
+        )
+
+
+class Model(Handle):
+    """Weights of the network."""
+
+    @classmethod
+    def open(cls, path: PathLike | None = None) -> Model:
+        """Reads safetensors. None: the shipped weights, or small.safetensors in the folder that the environment
+        variable FFPROCAMS_MODELS names."""
+        keep = Keep()
+        with Call() as call:
+            return cls(
+                call.take(lib.ffp_model_open(call.context, keep.path(path), call.error), lib.ffp_model_close)
+            )
+
+
+_FORMS = {"ours": lib.FFP_FORM_OURS, "paper": lib.FFP_FORM_PAPER}
+
+
+def drawing_of(form: str, samples: int) -> dict[str, int]:
+    """An FfpDrawing."""
+    if form not in _FORMS:
+        raise argument_error(f"'{form}' is none of {', '.join(_FORMS)}", "form")
+    if not 0 <= samples <= 4:
+        raise argument_error(f"{samples} is not in 0 to 4", "samples")
+    return {"form": _FORMS[form], "samples": samples}

@@ -1,0 +1,239 @@
+"""The paper's protocols for any method that is a function, with the figures that evaluate gives.
+
+A method takes Inputs, which hold what it may see and nothing else, and returns a function that predicts: of a camera,
+a projector, and what the projector shows (linear, [height,width,3]), the camera's picture of the object over black
+([height,width,3], uint8 or floats in [0,1], sRGB-encoded).
+"""
+
+from __future__ import annotations
+
+import os
+import time
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Callable
+
+import numpy as np
+import numpy.typing as npt
+
+from ._call import PathLike
+from ._pixels import Array, Floats, encode
+from .capture import Capture, View
+from .devices import Doubles, Pinhole
+from .errors import argument_error
+
+Predictor = Callable[[Pinhole, Pinhole, Floats], Array]
+
+
+@dataclass
+class Inputs:
+    """What a method may see of a capture: its views under black, white and one structured-light pattern."""
+
+    name: str
+    view_ids: tuple[str, ...]
+    cameras: list[Pinhole]
+    projectors: list[Pinhole]
+    black: list[Floats]  #: a view each, [height,width,3] linear, over black
+    white: list[Floats]
+    structured: list[Floats]
+    coverage: list[Floats]  #: [height,width] the object's share of each pixel
+    pattern_name: str
+    pattern: Floats  #: [height,width,3] linear, of the projector's size
+    intensity: Doubles  #: [3] W/sr at pattern value 1
+    centre: Doubles  #: [3] of a sphere around the object, world units
+    radius: float
+
+    def capture(self) -> Capture:
+        """The same as a Capture."""
+        names = ("black", "white", self.pattern_name)
+        views = [
+            View(i, camera, projector, dict(zip(names, photographs)), mask, masked=True)
+            for i, camera, projector, mask, *photographs in zip(
+                self.view_ids,
+                self.cameras,
+                self.projectors,
+                self.coverage,
+                self.black,
+                self.white,
+                self.structured,
+            )
+        ]
+        patterns = {"black": None, "white": None, self.pattern_name: self.pattern}
+        sphere, light = {"centre": self.centre, "radius": self.radius}, self.intensity
+        return Capture.from_arrays(views, patterns, intensity=light, name=self.name, **sphere)  # type: ignore[arg-type]
+
+
+@dataclass
+class Row:
+    """A method's figures on a capture under a protocol: means over the images."""
+
+    method: str
+    capture: str
+    protocol: str  #: "rendering", "novel_pattern" or "novel_pose"
+    psnr: float  #: dB
+    psnr_foreground: float  #: over pixels that the object covers
+    ssim: float
+    images: int
+    reconstruct_s: float  #: seconds
+    render_s: float
+
+
+def psnr(a: npt.ArrayLike, b: npt.ArrayLike, mask: Array | None = None) -> float:
+    """Peak signal to noise ratio in dB of pictures in [0,1], over pixels where the mask [height,width] is above 0;
+    100 for identical pictures, NaN where there is no pixel."""
+    squares = (np.asarray(a, np.float64) - np.asarray(b, np.float64)) ** 2
+    if mask is not None:
+        squares = squares[mask > 0]
+    if squares.size == 0:
+        return float("nan")
+    mean = float(squares.mean())
+    return 100.0 if mean <= 1e-10 else -10 * float(np.log10(mean))
+
+
+def ssim(a: npt.ArrayLike, b: npt.ArrayLike) -> float:
+    """Structural similarity (Wang et al. 2004) of pictures [height,width,channels] in [0,1]: 11x11 Gaussian window,
+    sigma 1.5, zero padding at the borders."""
+    taps = np.exp(-0.5 * ((np.arange(11) - 5) / 1.5) ** 2)
+    taps /= taps.sum()
+
+    def blur(x: Array) -> Array:
+        for axis in (0, 1):
+            wide = np.pad(x, [(5, 5) if i == axis else (0, 0) for i in range(x.ndim)])
+            x = sum(t * np.take(wide, range(i, i + x.shape[axis]), axis) for i, t in enumerate(taps))
+        return x
+
+    x, y = np.asarray(a, np.float64), np.asarray(b, np.float64)
+    mean_x, mean_y = blur(x), blur(y)
+    var_x, var_y, both = blur(x * x) - mean_x**2, blur(y * y) - mean_y**2, blur(x * y) - mean_x * mean_y
+    c1, c2 = 0.01**2, 0.03**2
+    index = (
+        (2 * mean_x * mean_y + c1) * (2 * both + c2) / ((mean_x**2 + mean_y**2 + c1) * (var_x + var_y + c2))
+    )
+    return float(index.mean())
+
+
+def shown(capture: Capture, pattern: str) -> Floats:
+    """[height,width,3] linear: what the projector shows, black and white too."""
+    picture = capture.pattern(pattern)
+    if picture is not None:
+        return picture
+    projector = capture.projector(0)
+    return np.full((projector.height, projector.width, 3), float(pattern == capture.white), np.float32)
+
+
+def structured_pattern(capture: Capture) -> str:
+    """The pattern a reconstruction takes: the first that every view has, and that is not black, white or held out."""
+    for name in capture.pattern_names:
+        if name in (capture.black, capture.white, *capture.held_out):
+            continue
+        if all(capture.photograph(v, name) is not None for v in capture.view_ids):
+            return name
+    raise argument_error("no structured-light pattern that every view has", "capture")
+
+
+def inputs_of(capture: Capture, pattern: str | None = None, name: str = "capture") -> Inputs:
+    """What a method may see of a capture. Pattern: of the structured light; None: see structured_pattern."""
+    pattern = structured_pattern(capture) if pattern is None else pattern
+
+    def under(which: str) -> list[Floats]:
+        out = [capture.photograph(v, which) for v in capture.view_ids]
+        if any(p is None for p in out):
+            raise argument_error(f"not every view has a photograph under '{which}'", name)
+        return [p for p in out if p is not None]
+
+    return Inputs(
+        name, capture.view_ids, [capture.camera(v) for v in capture.view_ids],
+        [capture.projector(v) for v in capture.view_ids], under(capture.black), under(capture.white), under(pattern),
+        [capture.coverage(v) for v in capture.view_ids], pattern, shown(capture, pattern), capture.intensity,
+        capture.centre, capture.radius,
+    )  # fmt: skip
+
+
+def _score(
+    method: str, name: str, protocol: str, truth: Capture, patterns: Iterable[str], predict: Predictor
+) -> Row:
+    figures, seconds = [], 0.0
+    for pattern in patterns:
+        light = shown(truth, pattern)
+        for view in truth.view_ids:
+            photograph = truth.photograph(view, pattern)
+            if photograph is None:
+                continue
+            camera, projector = truth.camera(view), truth.projector(view)
+            begin = time.perf_counter()
+            picture = np.asarray(predict(camera, projector, light))
+            seconds += time.perf_counter() - begin
+            if picture.shape != photograph.shape:
+                raise argument_error(
+                    f"a prediction {picture.shape} is not {photograph.shape}", f"{method}: {view}"
+                )
+            if picture.dtype != np.uint8:
+                picture = np.rint(np.clip(picture, 0, 1) * 255)
+            predicted, true = picture.astype(np.float64) / 255, encode(photograph)
+            figures.append(
+                (psnr(predicted, true), psnr(predicted, true, truth.coverage(view)), ssim(predicted, true))
+            )
+    if not figures:
+        nan = float("nan")
+        return Row(method, name, protocol, nan, nan, nan, 0, nan, nan)
+    columns = np.array(figures)
+    foreground = columns[np.isfinite(columns[:, 1]), 1]
+    mean = float(foreground.mean()) if foreground.size else float("nan")
+    return Row(
+        method, name, protocol, columns[:, 0].mean(), mean, columns[:, 2].mean(), len(figures), 0.0, seconds
+    )
+
+
+def run(
+    captures: PathLike | Sequence[PathLike],
+    methods: dict[str, Callable[[Inputs], Predictor]],
+    *,
+    targets: str | None = None,
+    pattern: str | None = None,
+) -> list[Row]:
+    """Runs methods on captures under the three protocols; protocols without images are left out.
+
+    Args:
+        captures: folders, or JSON files in them.
+        methods: by name.
+        targets: name of the file in each capture folder with the poses and pictures of "novel_pose"; None: none.
+            Its views must have pictures under black and white.
+        pattern: of the structured light; None: the first that every view has.
+    """
+    rows: list[Row] = []
+    for path in [captures] if isinstance(captures, (str, os.PathLike)) else captures:
+        capture, folder = Capture.open(path), Path(os.fspath(path))
+        folder = folder if folder.is_dir() else folder.parent
+        name = folder.name
+        given = inputs_of(capture, pattern, name)
+        seen = [p for p in capture.pattern_names if p not in capture.held_out or p == given.pattern_name]
+        held_out = [p for p in capture.pattern_names if p not in seen]
+        poses = Capture.open(folder / targets) if targets else None
+        for method, reconstruct in methods.items():
+            begin = time.perf_counter()
+            predict = reconstruct(given)
+            took = time.perf_counter() - begin
+            of_method = [
+                _score(method, name, "rendering", capture, seen, predict),
+                _score(method, name, "novel_pattern", capture, held_out, predict),
+            ]
+            if poses:
+                of_method.append(_score(method, name, "novel_pose", poses, poses.pattern_names, predict))
+            for row in of_method:
+                row.reconstruct_s = took
+            rows += [row for row in of_method if row.images]
+    return rows
+
+
+def table(rows: Sequence[Row]) -> str:
+    """Rows as text for people."""
+    lines = [
+        f"{'capture':16} {'protocol':14} {'method':20} {'PSNR':>6} {'object':>6} {'SSIM':>7} {'images':>6} {'s':>8}"
+    ]
+    lines += [
+        f"{r.capture:16} {r.protocol:14} {r.method:20} {r.psnr:6.2f} {r.psnr_foreground:6.2f} {r.ssim:7.4f} "
+        f"{r.images:6d} {r.reconstruct_s:8.2f}"
+        for r in rows
+    ]
+    return "\n".join(lines)

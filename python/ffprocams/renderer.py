@@ -1,0 +1,155 @@
+"""Pictures of Gaussians."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from . import devices
+from ._call import Call, Handle, Keep, holding
+from ._library import ffi, lib
+from ._pixels import Array, Floats, picture_of
+from .capture import three
+from .devices import Pinhole
+from .errors import argument_error
+from .gaussians import Gaussians, drawing_of
+
+_MAPS = {
+    "opacity": lib.FFP_MAP_OPACITY,
+    "depth": lib.FFP_MAP_DEPTH,
+    "normal": lib.FFP_MAP_NORMAL,
+    "albedo": lib.FFP_MAP_ALBEDO,
+    "roughness": lib.FFP_MAP_ROUGHNESS,
+    "ambient": lib.FFP_MAP_AMBIENT,
+}
+
+
+class Renderer(Handle):
+    """One view of Gaussians, rasterised once (aim) and shown under any number of patterns (shade)."""
+
+    def __init__(self, *, form: str = "ours", samples: int = 0, threads: int = 0) -> None:
+        """
+        Args:
+            form: "ours" (firm splats, footprint lookup, shadows) or "paper" (blur, bilinear lookup, no shadows).
+            samples: a side of the grid of samples in each pixel, 1 to 4; 0: 2, or 1 in the paper's form.
+            threads: that may work at a time; 0: all processors.
+        """
+        self._call = Call(threads=threads)
+        self._size: tuple[int, int] | None = None
+        drawing = drawing_of(form, samples)
+        with self._call as call:
+            made = lib.ffp_renderer_new(call.context, drawing, call.error)
+            super().__init__(call.take(made, lib.ffp_renderer_close))
+
+    def aim(self, gaussians: Gaussians, camera: Pinhole, projector: Pinhole) -> Renderer:
+        """Rasterises for a camera and maps what it sees to a projector; sizes from 1 to 16384 a side. The Gaussians
+        are not looked at again. Returns itself."""
+        with holding(self, gaussians), self._call as call:
+            self._size = None
+            call.check(
+                lib.ffp_renderer_aim(
+                    call.context,
+                    self._pointer,
+                    gaussians._pointer,
+                    devices.to_c(camera),
+                    devices.to_c(projector),
+                    call.error,
+                )
+            )
+            self._size = (camera.height, camera.width)
+        return self
+
+    def _aimed(self) -> tuple[int, int]:
+        if self._size is None:
+            raise argument_error("it has not been aimed", "renderer")
+        return self._size
+
+    def shade(
+        self,
+        pattern: Array | None,
+        intensity: npt.ArrayLike,
+        *,
+        out: Array | None = None,
+        dtype: npt.DTypeLike = np.uint8,
+    ) -> Array:
+        """The camera's picture of the object over black under one pattern.
+
+        Args:
+            pattern: [height,width,3] of the projector's size: uint8 or uint16 sRGB-encoded, float32 linear; None: a
+                dark projector.
+            intensity: [3] or one number, the projector's radiant intensity at pattern value 1.
+            out: [height,width,3] of the camera's size, uint8 or float32, to be written into; pixels must lie side by
+                side, rows may be apart.
+            dtype: of the result without ``out``.
+
+        Returns:
+            [height,width,3] sRGB-encoded: uint8, or float32 in [0,1].
+        """
+        with holding(self):
+            return self._shade(pattern, three(intensity), self._out(out, dtype))
+
+    def shade_many(
+        self,
+        patterns: Sequence[Array | None] | Array,
+        intensity: npt.ArrayLike,
+        *,
+        dtype: npt.DTypeLike = np.uint8,
+    ) -> Array:
+        """[n,height,width,3]: as shade under n patterns."""
+        light = three(intensity)
+        with holding(self):
+            out = np.empty((len(patterns), *self._aimed(), 3), dtype)
+            for picture, pattern in zip(out, patterns):
+                self._shade(pattern, light, self._out(picture, dtype))
+        return out
+
+    def _out(self, out: Array | None, dtype: npt.DTypeLike) -> Array:
+        shape = (*self._aimed(), 3)
+        if out is None:
+            out = np.empty(shape, dtype)
+        if out.dtype not in (np.uint8, np.float32):
+            raise argument_error(f"pictures are made as uint8 or float32, not {out.dtype}", "out")
+        apart = 3 * shape[1] * out.itemsize
+        sound = (
+            out.strides[1:] == (3 * out.itemsize, out.itemsize) and out.strides[0] >= apart
+            if out.ndim == 3
+            else False
+        )
+        if out.shape != shape or not sound or not out.flags.writeable:
+            raise argument_error(f"not a writable array {shape} whose pixels lie side by side", "out")
+        return out
+
+    def _shade(self, pattern: Array | None, intensity: list[float], out: Array) -> Array:
+        keep = Keep()
+        kind = lib.FFP_PIXELS_U8 if out.dtype == np.uint8 else lib.FFP_PIXELS_F32
+        picture = picture_of(pattern, keep, "pattern")
+        memory = ffi.cast("void *", out.__array_interface__["data"][0])
+        with self._call as call:
+            call.check(
+                lib.ffp_renderer_shade(
+                    call.context, self._pointer, picture, intensity, memory, kind, out.strides[0], call.error
+                )
+            )
+        return out
+
+    def map(self, name: str) -> Floats:
+        """One G-buffer, means over each pixel: "opacity" [height,width] in [0,1]; "depth" [height,width] camera z in
+        world units, 0 where the opacity is below one half; "normal" [height,width,3] world, unit length, 0 where there
+        is none; "albedo" [height,width,3] linear; "roughness" [height,width]; "ambient" [height,width,3] linear
+        radiance, premultiplied by opacity."""
+        if name not in _MAPS:
+            raise argument_error(f"'{name}' is none of {', '.join(_MAPS)}", "map")
+        with holding(self):
+            channels = lib.ffp_map_channels(_MAPS[name])
+            out = np.empty((*self._aimed(), channels) if channels > 1 else self._aimed(), np.float32)
+            memory: Any = ffi.cast("float *", out.__array_interface__["data"][0])
+            with self._call as call:
+                call.check(lib.ffp_renderer_map(call.context, self._pointer, _MAPS[name], memory, call.error))
+        return out
+
+    def maps(self) -> dict[str, Floats]:
+        """All G-buffers by name."""
+        return {name: self.map(name) for name in _MAPS}

@@ -1,0 +1,200 @@
+"""Progress, cancelling, errors, threads."""
+
+from __future__ import annotations
+
+import logging
+import signal
+import subprocess
+import sys
+import threading
+import time
+from pathlib import Path
+
+import ffprocams as ffp
+import numpy as np
+import pytest
+
+
+def test_progress_is_told(capture: ffp.Capture) -> None:
+    told: list[ffp.Progress] = []
+    ffp.reconstruct(capture, "none", polish=6, progress=told.append)
+    assert any(p.total == 6 and 0 <= p.done <= 6 and p.stage for p in told)
+
+
+def test_progress_cancels(capture: ffp.Capture) -> None:
+    begin = time.monotonic()
+    with pytest.raises(ffp.CancelledError) as cancelled:
+        ffp.reconstruct(capture, "none", polish=100000, progress=lambda p: p.done < 2)
+    assert cancelled.value.code == ffp.ErrorCode.CANCELLED
+    assert time.monotonic() - begin < 60
+
+
+def test_what_the_progress_function_raises_comes_out(capture: ffp.Capture) -> None:
+    def fail(progress: ffp.Progress) -> None:
+        raise LookupError("mine")
+
+    with pytest.raises(LookupError, match="mine"):
+        ffp.reconstruct(capture, "none", polish=100000, progress=fail)
+
+    def again(progress: ffp.Progress) -> None:
+        ffp.info("README.md")
+
+    with pytest.raises(RuntimeError, match="must not call"):
+        ffp.reconstruct(capture, "none", polish=100000, progress=again)
+    assert len(ffp.reconstruct(capture, "none", polish=0)) > 0  # nothing is left behind
+
+
+def test_ctrl_c_ends_a_call(sample: Path, tmp_path: Path) -> None:
+    program = (
+        "import ffprocams as f, sys, time\n"
+        "c = f.Capture.open(sys.argv[1])\n"
+        "print('begun', flush=True)\n"
+        "try:\n"
+        "    f.reconstruct(c, 'none', polish=10**7, progress=False)\n"
+        "except KeyboardInterrupt:\n"
+        "    print('interrupted', f.reconstruct(c, 'none', polish=0), flush=True)\n"
+    )
+    child = subprocess.Popen([sys.executable, "-c", program, sample], stdout=subprocess.PIPE, text=True)
+    assert child.stdout is not None
+    assert child.stdout.readline() == "begun\n"
+    time.sleep(1)
+    begin = time.monotonic()
+    child.send_signal(signal.SIGINT)
+    rest, _ = child.communicate(timeout=60)
+    assert "interrupted <Reconstructed" in rest and child.returncode == 0
+    assert time.monotonic() - begin < 30
+
+
+def test_a_fit_that_is_stopped_gives_the_best_so_far(capture: ffp.Capture, gaussians: ffp.Gaussians) -> None:
+    before = {n: a.copy() for n, a in gaussians.arrays().items()}
+    better = ffp.refine(gaussians, capture, steps=10**6, progress=lambda p: p.done < 4)
+    assert better.stats.stopped and better.stats.steps < 10**6
+    for name, array in gaussians.arrays().items():  # what was given stays
+        np.testing.assert_array_equal(array, before[name], name)
+
+    def fail(progress: ffp.Progress) -> None:
+        raise LookupError
+
+    with pytest.raises(LookupError):
+        ffp.refine(gaussians, capture, steps=10**6, progress=fail)
+
+
+def test_bars(capture: ffp.Capture, capsys: pytest.CaptureFixture[str]) -> None:
+    tqdm = pytest.importorskip("tqdm")
+    ffp.reconstruct(capture, "none", polish=0, progress=None)
+    assert capsys.readouterr().err == ""  # nobody looks
+    bars = []
+
+    class Bar(tqdm.tqdm):  # type: ignore[misc,name-defined]
+        def __init__(self, *args: object, **named: object) -> None:
+            super().__init__(*args, **{**named, "delay": 0, "mininterval": 0})
+            bars.append(self)
+
+    original, tqdm.tqdm = tqdm.tqdm, Bar
+    try:
+        ffp.reconstruct(capture, "none", polish=40, progress=True)
+    finally:
+        tqdm.tqdm = original
+    assert any(bar.total == 40 and bar.n > 0 for bar in bars) and "/40" in capsys.readouterr().err
+
+
+def test_errors_know_code_file_and_field(tmp_path: Path, sample: Path, capture: ffp.Capture) -> None:
+    with pytest.raises(ffp.FileFormatError) as wrong:
+        ffp.Capture.open(tmp_path / "nowhere")
+    assert wrong.value.code == ffp.ErrorCode.FILE and wrong.value.file == str(tmp_path / "nowhere")
+    assert isinstance(wrong.value, ValueError) and isinstance(wrong.value, ffp.Error)
+    (tmp_path / "scene.json").write_text('{"format": "ffprocams-capture", "version": 99}')
+    with pytest.raises(ffp.Error) as wrong:
+        ffp.Capture.open(tmp_path)
+    assert wrong.value.file == str(tmp_path / "scene.json") and wrong.value.field == "version"
+    with pytest.raises(ffp.InputOutputError) as unwritten:
+        ffp.reconstruct(capture, "none", polish=0).save(tmp_path / "no" / "where.ply")
+    assert isinstance(unwritten.value, OSError) and unwritten.value.code == ffp.ErrorCode.IO
+    with pytest.raises(ffp.Error):
+        ffp.Model.open(sample / "README.md")
+    for bad in ({"polish": -5}, {"form": "other"}, {"samples": 9}, {"threads": -1}, {"device": "abacus"}):
+        with pytest.raises(ffp.ArgumentError) as argument:
+            ffp.reconstruct(capture, "none", **bad)  # type: ignore[arg-type]
+        assert argument.value.field == next(iter(bad))
+    with pytest.raises(ffp.UnsupportedError, match="GPU"):  # the package is built without one
+        ffp.reconstruct(capture, "none", device="cuda")
+    with pytest.raises(IndexError):
+        capture.camera(99)
+
+
+def test_messages_are_taken_apart() -> None:
+    from ffprocams.errors import _CLASSES, ErrorCode
+
+    error = _CLASSES[ErrorCode.FILE]("is not 4 x 4 (/a (b)/scene.json: views[0].c2w)", ErrorCode.FILE)
+    assert (error.what, error.file, error.field) == ("is not 4 x 4", "/a (b)/scene.json", "views[0].c2w")
+    error = _CLASSES[ErrorCode.MEMORY]("out of memory", ErrorCode.MEMORY)
+    assert (error.what, error.file, error.field) == ("out of memory", None, None)
+    assert isinstance(error, MemoryError)
+
+
+def test_what_the_library_says_is_logged(capture: ffp.Capture, caplog: pytest.LogCaptureFixture) -> None:
+    white = np.zeros((128, 128, 3), np.uint8)
+    white[40:90, 40:90] = 200
+    photographs = {
+        "black": np.zeros_like(white),
+        "white": white,
+    }  # no mask and no alpha: it is guessed, and said
+    view = ffp.View("a", capture.camera(0), capture.projector(0), photographs)
+    with caplog.at_level(logging.INFO, "ffprocams"):
+        made = ffp.Capture.from_arrays(
+            [view], {"black": None, "white": None, "x": np.zeros((800, 800, 3), np.uint8)}
+        )
+    assert made.coverage(0)[60, 60] == 1 and made.coverage(0)[0, 0] == 0
+    assert caplog.records and all(r.name == "ffprocams" for r in caplog.records)
+
+
+def test_threads_side_by_side(sample: Path) -> None:
+    """Two captures at once give what they give alone, and other threads run meanwhile."""
+    captures = [ffp.Capture.open(sample) for _ in range(2)]
+    patterns = ("lollipop_0", "lollipop_3")
+
+    def work(i: int) -> ffp.Gaussians:
+        return ffp.reconstruct(captures[i], "none", pattern=patterns[i], polish=4, threads=2)
+
+    alone = [work(i).arrays() for i in range(2)]
+    together: list[object] = [None, None]
+    threads = [
+        threading.Thread(target=lambda i=i: together.__setitem__(i, work(i).arrays())) for i in range(2)
+    ]
+    ticks = 0
+    for thread in threads:
+        thread.start()
+    while any(thread.is_alive() for thread in threads):
+        time.sleep(0.002)
+        ticks += 1
+    assert ticks > 20  # the GIL was free
+    for want, got in zip(alone, together):
+        assert isinstance(got, dict)
+        for name, array in want.items():
+            np.testing.assert_array_equal(array, got[name], name)
+
+
+def test_one_handle_serves_many_threads(capture: ffp.Capture, gaussians: ffp.Gaussians) -> None:
+    renderer = ffp.Renderer(threads=1).aim(gaussians, capture.camera(0), capture.projector(0))
+    names = capture.pattern_names[2:]
+    want = {n: renderer.shade(capture.pattern(n), capture.intensity) for n in names}
+    wrong: list[str] = []
+
+    def work(name: str) -> None:
+        for _ in range(10):
+            if not np.array_equal(renderer.shade(capture.pattern(name), capture.intensity), want[name]):
+                wrong.append(name)
+
+    threads = [threading.Thread(target=work, args=(n,)) for n in names]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert not wrong
+
+
+def test_nothing_is_pickled_in_silence(gaussians: ffp.Gaussians) -> None:
+    import pickle
+
+    with pytest.raises(TypeError, match="save"):
+        pickle.dumps(gaussians)

@@ -1,0 +1,148 @@
+"""Drawing, fits, compensation, maps, evaluation, generation, import: each against the program or the truth."""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+import shutil
+import subprocess
+from pathlib import Path
+
+import ffprocams as ffp
+import numpy as np
+import pytest
+from ffprocams import protocols
+
+
+def program() -> str:
+    """The program of the same build, to compare with."""
+    found = os.environ.get("FFPROCAMS_PROGRAM") or shutil.which("ffprocams")
+    if not found:
+        pytest.skip("skipped: no program `ffprocams` to compare with (FFPROCAMS_PROGRAM)")
+    return found
+
+
+def test_the_same_bits_as_the_program(capture: ffp.Capture, sample: Path, tmp_path: Path) -> None:
+    command = [program(), "reconstruct", sample, "--polish", "5", "-o", tmp_path / "program.ply"]
+    subprocess.run(command, check=True, capture_output=True)
+    gaussians = ffp.reconstruct(capture, polish=5)
+    gaussians.save(tmp_path / "python.ply")
+    assert (tmp_path / "python.ply").read_bytes() == (tmp_path / "program.ply").read_bytes()
+
+    command = [program(), "refine", tmp_path / "program.ply", "--capture", sample, "--steps", "16"]
+    subprocess.run([*command, "-o", tmp_path / "program_fit.ply"], check=True, capture_output=True)
+    ffp.refine(ffp.Gaussians.load(tmp_path / "python.ply"), capture, steps=16).save(
+        tmp_path / "python_fit.ply"
+    )
+    assert (tmp_path / "python_fit.ply").read_bytes() == (tmp_path / "program_fit.ply").read_bytes()
+
+
+def test_pictures_show_the_object(capture: ffp.Capture, gaussians: ffp.Gaussians) -> None:
+    renderer = ffp.Renderer().aim(gaussians, capture.camera(2), capture.projector(2))
+    names = capture.pattern_names
+    pictures = renderer.shade_many([protocols.shown(capture, n) for n in names], capture.intensity)
+    assert pictures.shape == (len(names), 128, 128, 3) and pictures.dtype == np.uint8
+    for name, picture in zip(names, pictures):
+        assert protocols.psnr(picture / 255, ffp.encode(capture.photograph(2, name))) > 30, name
+    out = np.zeros((128, 300, 3), np.uint8)
+    assert (
+        renderer.shade(protocols.shown(capture, names[3]), capture.intensity, out=out[:, 100:228]).base is out
+    )
+    np.testing.assert_array_equal(out[:, 100:228], pictures[3])
+    assert not out[:, :100].any() and not out[:, 228:].any()
+    exact = renderer.shade(protocols.shown(capture, names[3]), capture.intensity, dtype=np.float32)
+    assert np.abs(exact * 255 - pictures[3]).max() <= 0.5 + 1e-3
+    np.testing.assert_array_equal(
+        renderer.shade(None, capture.intensity), pictures[names.index(capture.black)]
+    )
+
+
+def test_maps_of_a_view(capture: ffp.Capture, gaussians: ffp.Gaussians) -> None:
+    camera = capture.camera(0)
+    maps = ffp.Renderer().aim(gaussians, camera, capture.projector(0)).maps()
+    assert set(maps) == {"opacity", "depth", "normal", "albedo", "roughness", "ambient"}
+    there = maps["depth"] > 0
+    distance = np.linalg.norm(camera.position - capture.centre)
+    assert there.mean() > 0.1 and np.abs(maps["depth"][there] - distance).max() < 1.1 * capture.radius
+    np.testing.assert_allclose(np.linalg.norm(maps["normal"][there], axis=-1), 1, atol=1e-4)
+    assert np.abs(there - capture.coverage(0)).mean() < 0.02
+    small = ffp.Renderer(form="paper", samples=1).aim(gaussians, camera.resized(33, 17), capture.projector(0))
+    assert small.map("albedo").shape == (17, 33, 3)
+    with pytest.raises(ffp.ArgumentError, match="none of"):
+        small.map("gloss")
+
+
+def test_a_camera_of_ones_own(capture: ffp.Capture, gaussians: ffp.Gaussians) -> None:
+    camera = ffp.Pinhole.look_at(capture.camera(0).position, capture.centre, (200, 150), 50)
+    opacity = ffp.Renderer().aim(gaussians, camera, capture.projector(0)).map("opacity")
+    rows, columns = np.nonzero(opacity > 0.5)
+    assert abs(rows.mean() - 75) < 25 and abs(columns.mean() - 100) < 25 and len(rows) > 1000
+    own = capture.camera(0).pose[:3, 1]
+    assert camera.pose[:3, 1] @ own > 0.9  # up is up
+
+
+def test_refine_gains(capture: ffp.Capture, gaussians: ffp.Gaussians, tmp_path: Path) -> None:
+    better = ffp.refine(gaussians, capture, steps=24, metrics=tmp_path / "metrics.jsonl")
+    assert better.stats.psnr_after > better.stats.psnr_before + 1 and better.stats.steps == 24
+    assert json.loads((tmp_path / "metrics.jsonl").read_text().splitlines()[-1])["step"] == 24
+    scratch = ffp.fit_from_scratch(capture, steps=8)
+    assert len(scratch) == scratch.stats.gaussians > 100
+
+
+def test_compensation_reaches_its_target(capture: ffp.Capture, gaussians: ffp.Gaussians) -> None:
+    view = capture.view_ids[0]
+    target = ffp.encode(capture.photograph(view, "all_white")) * 0.7  # as floats these are linear light
+    found = ffp.compensate(gaussians, capture, target.astype(np.float32), views=view, steps=5)
+    assert list(found.patterns) == list(found.seen) == list(found.targets) == [view]
+    assert found.patterns[view].shape == (800, 800, 3) and found.seen[view].shape == (128, 128, 3)
+    assert found.stats.psnr > found.stats.psnr_dark + 3
+    with pytest.raises(ffp.ArgumentError):
+        ffp.compensate(gaussians, capture, [])
+
+
+def test_maps_go_to_and_fro(capture: ffp.Capture, gaussians: ffp.Gaussians) -> None:
+    maps, stats = ffp.maps(gaussians, capture, capture.camera(1), capture.projector(1))
+    assert maps["camera_to_projector"].shape == (128, 128, 3) and maps["lit"].shape[:2] == (800, 800)
+    assert stats.lit_pixels > 500 and stats.median < 1 and 0 < stats.lit_share < 1
+    place = maps["camera_to_projector"][maps["camera_to_projector"][..., 2] > 0]
+    assert place[:, :2].min() > 0 and place[:, :2].max() < 800
+
+
+def test_protocols_give_the_figures_of_evaluate(capture: ffp.Capture, sample: Path) -> None:
+    scores = ffp.evaluate(sample, polish=0, targets="targets.json")
+
+    def ours(inputs: protocols.Inputs) -> protocols.Predictor:
+        gaussians, renderer = ffp.reconstruct(inputs.capture(), polish=0), ffp.Renderer()
+        return lambda camera, projector, pattern: renderer.aim(gaussians, camera, projector).shade(
+            pattern, inputs.intensity
+        )
+
+    rows = protocols.run(sample, {"ours": ours}, targets="targets.json")
+    assert [s.protocol for s in scores] == [r.protocol for r in rows] == ["rendering", "novel_pose"]
+    for score, row in zip(scores, rows):
+        assert score.images == row.images > 10 and score.psnr > 25
+        assert row.psnr == pytest.approx(score.psnr, abs=2e-3)
+        assert row.psnr_foreground == pytest.approx(score.psnr_foreground, abs=2e-3)
+        assert row.ssim == pytest.approx(score.ssim, abs=2e-5)
+    assert math.isnan(scores[0].lpips) and scores[0].capture == "spot"
+    assert "novel_pose" in protocols.table(rows)
+
+
+def test_generated_captures_are_captures(tmp_path: Path) -> None:
+    folders = ffp.generate(
+        tmp_path, preset="smoke", count=1, resolution=32, views=2, sensor=ffp.SensorFaults(read=0.01)
+    )
+    assert len(folders) == 1
+    capture = ffp.Capture.open(folders[0])
+    assert len(capture.view_ids) == 2 and capture.camera(0).width == 32
+    assert "views" in ffp.info(folders[0])
+    capture.save(tmp_path / "again")
+    again = ffp.Capture.open(tmp_path / "again")
+    assert again.pattern_names == capture.pattern_names and again.view_ids == capture.view_ids
+    before = capture.camera(1).pose.copy()
+    stats = ffp.align(capture)
+    assert stats.after <= stats.before and stats.seconds > 0
+    assert np.abs(capture.camera(1).pose - before).max() < 0.5
+    with pytest.raises(ffp.ArgumentError, match="preset"):
+        ffp.generate(tmp_path, preset="huge")
