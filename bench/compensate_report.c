@@ -257,7 +257,7 @@ int main(int argc, char **argv) {
         return 2;
     }
     if (weights && !(bench.model = ffp_model_open(NULL, weights, &err))) return fail(&err);
-    if (page) bench.report = ffp_report_new("compensated projections", NULL);
+    if (page) bench.report = ffp_report_new("compensated projections");
     bool ok = true;
     printf("%-27s %6s %6s %6s\n", "PSNR, dB, judged", "unwarp", "closed", "desc.");
     for (int i = optind; ok && i < argc; i++) ok = run_capture(&bench, argv[i], &all, &err);
