@@ -41,52 +41,86 @@ FFP_FORMULA FfpBox ffp_box_at(const FfpSummed *summed, real u, real v, real du, 
     return box;
 }
 
-// Adds to out[3] the row's S at `high` minus its S at `low`.
-FFP_FORMULA void ffp_row_difference(const double *row, const FfpEdge *low, const FfpEdge *high, double weight,
-                                    double out[3]) {
-    const double *a = row + 3 * (size_t)low->first, *b = row + 3 * (size_t)high->first;
-    for (int c = 0; c < 3; c++) {
-        out[c] +=
-            weight * ((b[c] + (b[3 + c] - b[c]) * high->weight) - (a[c] + (a[3 + c] - a[c]) * low->weight));
+// The entries of S that interpolate it at (x, y).
+FFP_FORMULA const double *ffp_corner(const FfpSummed *summed, const FfpEdge *x, const FfpEdge *y) {
+    const size_t stride = ((size_t)summed->width + 1) * FFP_SUMMED_CHANNELS;
+    return summed->sum + (size_t)y->first * stride + FFP_SUMMED_CHANNELS * (size_t)x->first;
+}
+
+// From one edge to the other, within the pattern.
+FFP_FORMULA double ffp_span(const FfpEdge edges[2]) {
+    return edges[1].first - edges[0].first + (edges[1].weight - edges[0].weight);
+}
+
+FFP_FORMULA void ffp_sum_corners(const FfpSummed *summed, const FfpBox *box, double sum[]) {
+    const size_t stride = ((size_t)summed->width + 1) * FFP_SUMMED_CHANNELS;
+    for (int k = 0; k < 4; k++) {
+        const FfpEdge *x = &box->x[k & 1], *y = &box->y[k >> 1];
+        const double sign = k == 0 || k == 3 ? 1 : -1, low = sign * (1 - y->weight), high = sign * y->weight;
+        const double *top = ffp_corner(summed, x, y), *bottom = top + stride;
+        for (int c = 0; c < FFP_SUMMED_CHANNELS; c++) {
+            const double upper = top[c] + (top[FFP_SUMMED_CHANNELS + c] - top[c]) * x->weight;
+            const double lower = bottom[c] + (bottom[FFP_SUMMED_CHANNELS + c] - bottom[c]) * x->weight;
+            sum[c] += low * upper + high * lower;
+        }
     }
 }
 
 // ffp_lookup
 FFP_FORMULA void ffp_box_mean(const FfpSummed *summed, real u, real v, real du, real dv, real out[3]) {
     const FfpBox box = ffp_box_at(summed, u, v, du, dv);
-    const size_t stride = ((size_t)summed->width + 1) * 3;
-    double total[3] = {0, 0, 0};
-    for (int j = 0; j < 2; j++) {
-        const double *row = summed->sum + (size_t)box.y[j].first * stride;
-        const double sign = j == 1 ? 1 : -1;
-        ffp_row_difference(row, &box.x[0], &box.x[1], sign * (1 - box.y[j].weight), total);
-        ffp_row_difference(row + stride, &box.x[0], &box.x[1], sign * box.y[j].weight, total);
-    }
-    for (int c = 0; c < 3; c++) out[c] = (real)(total[c] * box.scale);
+    double sum[FFP_SUMMED_CHANNELS] = {0, 0, 0, 0};
+    if (summed->plain)
+        for (int c = 0; c < 3; c++) sum[c] = summed->colour[c] * ffp_span(box.x) * ffp_span(box.y);
+    else
+        ffp_sum_corners(summed, &box, sum);
+    for (int c = 0; c < 3; c++) out[c] = (real)(sum[c] * box.scale);
 }
 
-// ffp_lookup_backward_position
-FFP_FORMULA void ffp_box_mean_backward(const FfpSummed *summed, real u, real v, real du, real dv,
-                                       const real grad[3], real *grad_u, real *grad_v) {
-    const FfpBox box = ffp_box_at(summed, u, v, du, dv);
-    const size_t stride = ((size_t)summed->width + 1) * 3;
-    double sum_u = 0, sum_v = 0;
-    for (int j = 0; j < 2; j++) {
-        for (int i = 0; i < 2; i++) {
-            const FfpEdge *x = &box.x[i], *y = &box.y[j];
-            const double sign = i == j ? 1 : -1;
-            const double *top = summed->sum + (size_t)y->first * stride + 3 * (size_t)x->first,
-                         *bottom = top + stride;
-            for (int c = 0; c < 3; c++) {
-                const double upper = top[3 + c] - top[c], lower = bottom[3 + c] - bottom[c];
-                const double left = bottom[c] - top[c], right = bottom[3 + c] - top[3 + c];
-                sum_u += (double)grad[c] * sign * x->slope * (upper + (lower - upper) * y->weight);
-                sum_v += (double)grad[c] * sign * y->slope * (left + (right - left) * x->weight);
-            }
-        }
+// Sums over a box's corners: S itself, and its slopes along x and y.
+typedef struct FfpBoxSums {
+    double s[FFP_SUMMED_CHANNELS], along_x[FFP_SUMMED_CHANNELS], along_y[FFP_SUMMED_CHANNELS];
+} FfpBoxSums;
+
+FFP_FORMULA void ffp_add_corner(const FfpSummed *summed, const FfpEdge *x, const FfpEdge *y, double sign,
+                                FfpBoxSums *sums) {
+    const double *top = ffp_corner(summed, x, y);
+    const double *bottom = top + ((size_t)summed->width + 1) * FFP_SUMMED_CHANNELS;
+    const double x_slope = sign * x->slope, y_slope = sign * y->slope;
+    for (int c = 0; c < FFP_SUMMED_CHANNELS; c++) {
+        const double upper = top[FFP_SUMMED_CHANNELS + c] - top[c], left = bottom[c] - top[c];
+        const double twist = bottom[FFP_SUMMED_CHANNELS + c] - bottom[c] - upper;
+        const double down = left + twist * x->weight;
+        sums->s[c] += sign * (top[c] + upper * x->weight + down * y->weight);
+        sums->along_x[c] += x_slope * (upper + twist * y->weight);
+        sums->along_y[c] += y_slope * down;
     }
-    *grad_u += (real)(sum_u * box.scale);
-    *grad_v += (real)(sum_v * box.scale);
+}
+
+FFP_FORMULA void ffp_sum_plain(const FfpSummed *summed, const FfpBox *box, FfpBoxSums *sums) {
+    const double width = ffp_span(box->x), height = ffp_span(box->y);
+    for (int c = 0; c < 3; c++) {
+        sums->s[c] = summed->colour[c] * width * height;
+        sums->along_x[c] = summed->colour[c] * (box->x[1].slope - box->x[0].slope) * height;
+        sums->along_y[c] = summed->colour[c] * (box->y[1].slope - box->y[0].slope) * width;
+    }
+}
+
+// ffp_box_mean, and how each channel changes with u and with v.
+FFP_FORMULA void ffp_box_slopes(const FfpSummed *summed, real u, real v, real du, real dv, real out[3],
+                                real along_u[3], real along_v[3]) {
+    const FfpBox box = ffp_box_at(summed, u, v, du, dv);
+    FfpBoxSums sums = {{0}, {0}, {0}};
+    if (summed->plain)
+        ffp_sum_plain(summed, &box, &sums);
+    else
+        for (int k = 0; k < 4; k++)
+            ffp_add_corner(summed, &box.x[k & 1], &box.y[k >> 1], k == 0 || k == 3 ? 1 : -1, &sums);
+    for (int c = 0; c < 3; c++) {
+        out[c] = (real)(sums.s[c] * box.scale);
+        along_u[c] = (real)(sums.along_x[c] * box.scale);
+        along_v[c] = (real)(sums.along_y[c] * box.scale);
+    }
 }
 
 #endif
