@@ -19,21 +19,25 @@ FfpSummed ffp_summed_zeros(int width, int height) {
 
 static void find_plain(const FfpImage *rgb, FfpSummed *summed) {
     const size_t count = 3 * (size_t)rgb->width * (size_t)rgb->height;
+    summed->plain = false;
     for (size_t i = 3; i < count; i++)
         if (rgb->data[i] != rgb->data[i - 3]) return;
     summed->plain = count > 0;
     for (int c = 0; c < 3 && count; c++) summed->colour[c] = (double)rgb->data[c];
 }
 
-FfpSummed ffp_summed_new(const FfpImage *rgb) {
+void ffp_summed_fill(FfpSummed *summed, const FfpImage *rgb) {
     enum { N = FFP_SUMMED_CHANNELS };
-    FfpSummed summed = ffp_summed_zeros(rgb->width, rgb->height);
     const size_t stride = ((size_t)rgb->width + 1) * N;
-    find_plain(rgb, &summed);
+    if (!summed->sum || summed->width != rgb->width || summed->height != rgb->height) {
+        ffp_summed_free(summed);
+        *summed = ffp_summed_zeros(rgb->width, rgb->height);
+    }
+    find_plain(rgb, summed);
     for (int y = 0; y < rgb->height; y++) {
         const real *from = rgb->data + (size_t)y * (size_t)rgb->width * 3;
-        const double *above = summed.sum + (size_t)y * stride;
-        double *to = summed.sum + (size_t)(y + 1) * stride, row[3] = {0, 0, 0};
+        const double *above = summed->sum + (size_t)y * stride;
+        double *to = summed->sum + (size_t)(y + 1) * stride, row[3] = {0, 0, 0};
         for (size_t x = 0; x < (size_t)rgb->width; x++) {
             for (size_t c = 0; c < 3; c++) {
                 row[c] += (double)from[3 * x + c];
@@ -41,6 +45,11 @@ FfpSummed ffp_summed_new(const FfpImage *rgb) {
             }
         }
     }
+}
+
+FfpSummed ffp_summed_new(const FfpImage *rgb) {
+    FfpSummed summed = {0};
+    ffp_summed_fill(&summed, rgb);
     return summed;
 }
 
