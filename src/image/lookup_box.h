@@ -6,6 +6,7 @@
 #ifndef FFP_IMAGE_LOOKUP_BOX_H
 #define FFP_IMAGE_LOOKUP_BOX_H
 
+#include "base/four.h"
 #include "image/lookup.h"
 
 // The two table entries that interpolate S at a coordinate, with weights; `slope` is 0 where the coordinate
@@ -41,10 +42,9 @@ FFP_FORMULA FfpBox ffp_box_at(const FfpSummed *summed, real u, real v, real du, 
     return box;
 }
 
-// The entries of S that interpolate it at (x, y).
-FFP_FORMULA const double *ffp_corner(const FfpSummed *summed, const FfpEdge *x, const FfpEdge *y) {
-    const size_t stride = ((size_t)summed->width + 1) * FFP_SUMMED_CHANNELS;
-    return summed->sum + (size_t)y->first * stride + FFP_SUMMED_CHANNELS * (size_t)x->first;
+// Entry (x, y) of the table.
+FFP_FORMULA const FfpFour *ffp_entry(const FfpSummed *summed, int x, int y) {
+    return (const FfpFour *)summed->sum + ((size_t)summed->width + 1) * (size_t)y + (size_t)x;
 }
 
 // From one edge to the other, within the pattern.
@@ -52,75 +52,67 @@ FFP_FORMULA double ffp_span(const FfpEdge edges[2]) {
     return edges[1].first - edges[0].first + (edges[1].weight - edges[0].weight);
 }
 
-FFP_FORMULA void ffp_sum_corners(const FfpSummed *summed, const FfpBox *box, double sum[]) {
-    const size_t stride = ((size_t)summed->width + 1) * FFP_SUMMED_CHANNELS;
-    for (int k = 0; k < 4; k++) {
-        const FfpEdge *x = &box->x[k & 1], *y = &box->y[k >> 1];
-        const double sign = k == 0 || k == 3 ? 1 : -1, low = sign * (1 - y->weight), high = sign * y->weight;
-        const double *top = ffp_corner(summed, x, y), *bottom = top + stride;
-        for (int c = 0; c < FFP_SUMMED_CHANNELS; c++) {
-            const double upper = top[c] + (top[FFP_SUMMED_CHANNELS + c] - top[c]) * x->weight;
-            const double lower = bottom[c] + (bottom[FFP_SUMMED_CHANNELS + c] - bottom[c]) * x->weight;
-            sum[c] += low * upper + high * lower;
-        }
-    }
+// S at a corner.
+FFP_FORMULA FfpFour ffp_corner(const FfpSummed *summed, const FfpEdge *x, const FfpEdge *y) {
+    const FfpFour *top = ffp_entry(summed, x->first, y->first),
+                  *bottom = ffp_entry(summed, x->first, y->first + 1);
+    const FfpFour upper = top[0] + (top[1] - top[0]) * x->weight;
+    const FfpFour lower = bottom[0] + (bottom[1] - bottom[0]) * x->weight;
+    return upper + (lower - upper) * y->weight;
 }
 
 // ffp_lookup
 FFP_FORMULA void ffp_box_mean(const FfpSummed *summed, real u, real v, real du, real dv, real out[3]) {
     const FfpBox box = ffp_box_at(summed, u, v, du, dv);
-    double sum[FFP_SUMMED_CHANNELS] = {0, 0, 0, 0};
-    if (summed->plain)
-        for (int c = 0; c < 3; c++) sum[c] = summed->colour[c] * ffp_span(box.x) * ffp_span(box.y);
-    else
-        ffp_sum_corners(summed, &box, sum);
-    for (int c = 0; c < 3; c++) out[c] = (real)(sum[c] * box.scale);
-}
-
-// Sums over a box's corners: S itself, and its slopes along x and y.
-typedef struct FfpBoxSums {
-    double s[FFP_SUMMED_CHANNELS], along_x[FFP_SUMMED_CHANNELS], along_y[FFP_SUMMED_CHANNELS];
-} FfpBoxSums;
-
-FFP_FORMULA void ffp_add_corner(const FfpSummed *summed, const FfpEdge *x, const FfpEdge *y, double sign,
-                                FfpBoxSums *sums) {
-    const double *top = ffp_corner(summed, x, y);
-    const double *bottom = top + ((size_t)summed->width + 1) * FFP_SUMMED_CHANNELS;
-    const double x_slope = sign * x->slope, y_slope = sign * y->slope;
-    for (int c = 0; c < FFP_SUMMED_CHANNELS; c++) {
-        const double upper = top[FFP_SUMMED_CHANNELS + c] - top[c], left = bottom[c] - top[c];
-        const double twist = bottom[FFP_SUMMED_CHANNELS + c] - bottom[c] - upper;
-        const double down = left + twist * x->weight;
-        sums->s[c] += sign * (top[c] + upper * x->weight + down * y->weight);
-        sums->along_x[c] += x_slope * (upper + twist * y->weight);
-        sums->along_y[c] += y_slope * down;
+    if (summed->plain) {
+        const double area = ffp_span(box.x) * ffp_span(box.y) * box.scale;
+        for (int c = 0; c < 3; c++) out[c] = (real)(summed->colour[c] * area);
+        return;
     }
+    const FfpFour mean =
+        ((ffp_corner(summed, &box.x[1], &box.y[1]) - ffp_corner(summed, &box.x[0], &box.y[1])) -
+         (ffp_corner(summed, &box.x[1], &box.y[0]) - ffp_corner(summed, &box.x[0], &box.y[0]))) *
+        box.scale;
+    for (int c = 0; c < 3; c++) out[c] = (real)mean[c];
 }
 
-FFP_FORMULA void ffp_sum_plain(const FfpSummed *summed, const FfpBox *box, FfpBoxSums *sums) {
+FFP_FORMULA void ffp_plain_slopes(const FfpSummed *summed, const FfpBox *box, real out[3], real along_u[3],
+                                  real along_v[3]) {
     const double width = ffp_span(box->x), height = ffp_span(box->y);
     for (int c = 0; c < 3; c++) {
-        sums->s[c] = summed->colour[c] * width * height;
-        sums->along_x[c] = summed->colour[c] * (box->x[1].slope - box->x[0].slope) * height;
-        sums->along_y[c] = summed->colour[c] * (box->y[1].slope - box->y[0].slope) * width;
+        const double scaled = summed->colour[c] * box->scale;
+        out[c] = (real)(scaled * width * height);
+        along_u[c] = (real)(scaled * (box->x[1].slope - box->x[0].slope) * height);
+        along_v[c] = (real)(scaled * (box->y[1].slope - box->y[0].slope) * width);
     }
+}
+
+// S and its slopes at a corner, times `scale`, added.
+FFP_FORMULA void ffp_add_corner(const FfpSummed *summed, const FfpEdge *x, const FfpEdge *y, double scale,
+                                FfpFour sums[3]) {
+    const FfpFour *top = ffp_entry(summed, x->first, y->first),
+                  *bottom = ffp_entry(summed, x->first, y->first + 1);
+    const FfpFour along_x = top[1] - top[0], twist = (bottom[1] - bottom[0]) - along_x;
+    const FfpFour along_y = (bottom[0] - top[0]) + twist * x->weight;
+    sums[0] = sums[0] + (top[0] + along_x * x->weight + along_y * y->weight) * scale;
+    sums[1] = sums[1] + (along_x + twist * y->weight) * (scale * x->slope);
+    sums[2] = sums[2] + along_y * (scale * y->slope);
 }
 
 // ffp_box_mean, and how each channel changes with u and with v.
 FFP_FORMULA void ffp_box_slopes(const FfpSummed *summed, real u, real v, real du, real dv, real out[3],
                                 real along_u[3], real along_v[3]) {
     const FfpBox box = ffp_box_at(summed, u, v, du, dv);
-    FfpBoxSums sums = {{0}, {0}, {0}};
-    if (summed->plain)
-        ffp_sum_plain(summed, &box, &sums);
-    else
-        for (int k = 0; k < 4; k++)
-            ffp_add_corner(summed, &box.x[k & 1], &box.y[k >> 1], k == 0 || k == 3 ? 1 : -1, &sums);
-    for (int c = 0; c < 3; c++) {
-        out[c] = (real)(sums.s[c] * box.scale);
-        along_u[c] = (real)(sums.along_x[c] * box.scale);
-        along_v[c] = (real)(sums.along_y[c] * box.scale);
+    if (summed->plain) {
+        ffp_plain_slopes(summed, &box, out, along_u, along_v);
+        return;
     }
+    FfpFour sums[3] = {{0}, {0}, {0}};
+    for (int k = 0; k < 4; k++)
+        ffp_add_corner(summed, &box.x[k & 1], &box.y[k >> 1], k == 0 || k == 3 ? box.scale : -box.scale,
+                       sums);
+    for (int c = 0; c < 3; c++)
+        out[c] = (real)sums[0][c], along_u[c] = (real)sums[1][c], along_v[c] = (real)sums[2][c];
 }
 
 #endif
