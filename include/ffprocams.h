@@ -538,6 +538,12 @@ typedef struct FfpGeneration {
     const char *mesh;     // a user's OBJ, PLY, STL or glTF file instead of the generated meshes; NULL: none
     const char *material; // a user's folder of basecolor, roughness and normal maps; NULL: none
     FfpSensorFaults sensor;
+    // Folder of patterns (ffp_write_patterns): instead of captures, photographs of one object on a turntable
+    // under all of them and of a chessboard, by a rig with lenses, go into `folder`, which is to be new or
+    // empty (docs/data.md, "Photographs"). Of the preset only the samples count; resolution is their height
+    // (0: 480). NULL: captures
+    const char *photographs;
+    int attitudes; // in which the chessboard is held; 0: without one; 64 at most
 } FfpGeneration;
 FFP_API FfpGeneration ffp_generation_defaults(void); // all scenes of all splits by the paper's preset
 // Scenes that are there already are kept; one appears under its name only when it is whole. Any number of
