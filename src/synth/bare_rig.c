@@ -73,11 +73,12 @@ static FfpBoard board_at(const double middle[3], const double right[3], const do
     return board;
 }
 
+// Whether its squares are in the frame, and half a square of the margin around them.
 static bool holds(const FfpCamera *device, const double lens[5], const FfpBoard *board) {
     for (int corner = 0; corner < 4; corner++) {
         float point[3];
         double pixel[2];
-        ffp_board_corner(board, corner % 2 ? COLUMNS : -1, corner / 2 ? ROWS : -1, point);
+        ffp_board_point(board, corner % 2 ? COLUMNS + 0.5F : -1.5F, corner / 2 ? ROWS + 0.5F : -1.5F, point);
         if (!ffp_bare_rig_pixel(device, lens, point, pixel)) return false;
     }
     return true;

@@ -5,13 +5,8 @@
 
 enum { STEPS = 48 }; // a side, in triangles: lenses bend the long edges of large ones
 
-// The point x squares to the right and y down from the first corner.
-static void point_at(const FfpBoard *b, float x, float y, float point[3]) {
+void ffp_board_point(const FfpBoard *b, float x, float y, float point[3]) {
     for (int k = 0; k < 3; k++) point[k] = b->origin[k] + b->square * (x * b->right[k] + y * b->down[k]);
-}
-
-void ffp_board_corner(const FfpBoard *board, int i, int j, float point[3]) {
-    point_at(board, (float)i, (float)j, point);
 }
 
 static void add_square(FfpMesh *mesh, int i, int j) {
@@ -32,7 +27,7 @@ FfpMesh ffp_board_mesh(const FfpBoard *b) {
             const size_t at = 3 * ((size_t)j * (STEPS + 1) + (size_t)i);
             const float x = (float)(b->columns + 3) * (float)i / STEPS - 2,
                         y = (float)(b->rows + 3) * (float)j / STEPS - 2;
-            point_at(b, x, y, mesh.positions + at);
+            ffp_board_point(b, x, y, mesh.positions + at);
             for (int k = 0; k < 3; k++) {
                 const int m = (k + 1) % 3, n = (k + 2) % 3;
                 mesh.normals[at + (size_t)k] = b->down[m] * b->right[n] - b->down[n] * b->right[m];

@@ -11,8 +11,8 @@ typedef struct FfpBoard {
     float right[3], down[3]; // unit: along its rows and columns of corners
 } FfpBoard;
 
-// Corner (i, j) of columns x rows, in the world.
-void ffp_board_corner(const FfpBoard *board, int i, int j, float point[3]);
+// The point x squares to the right and y down from the first corner, in the world.
+void ffp_board_point(const FfpBoard *board, float x, float y, float point[3]);
 // The print: fine triangles that face against right x down, where one sees it, with the margin of a square.
 FfpMesh ffp_board_mesh(const FfpBoard *board);
 // Albedo and roughness at a point of it. The square at the upper left is black.
