@@ -497,9 +497,14 @@ typedef struct FfpTraining {
     const char *config;     // JSON file, or NULL for the defaults
     const char *initial;    // weights to start from with a fresh optimiser, or NULL
     const char *perceptual; // safetensors of the perceptual term, or NULL: off
-    int64_t steps;          // -1: as the configuration says
-    int64_t stop_at;        // stop at this step with a checkpoint, as a signal would; 0: go to the end
-    bool resume;            // go on from the checkpoint in `out`, with the configuration that stands in it
+    // Folder of captures, of which only the photographs are learnt from: fine-tuning of `initial` (NULL: of
+    // the shipped weights) to one's own devices. Every fourth capture is held out, and the weights that are
+    // written are those that predict its photographs best, the first included. NULL: scenes are generated or
+    // read
+    const char *captures;
+    int64_t steps;   // -1: as the configuration says
+    int64_t stop_at; // stop at this step with a checkpoint, as a signal would; 0: go to the end
+    bool resume;     // go on from the checkpoint in `out`, with the configuration that stands in it
 } FfpTraining;
 FFP_API FfpTraining ffp_training_defaults(void); // the configuration's own, to the end
 // Runs to the end, or until it is cancelled: then it writes a checkpoint first, and has succeeded.
