@@ -217,6 +217,15 @@ static void develop(void *argument, int64_t index) {
     }
 }
 
+// What of the pixels the object fills, as somebody who cuts it out by hand would have it.
+static bool write_mask(const Job *job, const Subject *subject, const FfpView *view, FfpError *err) {
+    char name[64], path[FFP_PATH_MAX];
+    snprintf(name, sizeof name, "masks/%s.png", subject->name);
+    return ffp_join_path(path, job->folder, name)
+               ? ffp_image_write_png(&view->coverage, path, err)
+               : ffp_fail(err, FFP_ERROR_ARGUMENT, job->folder, "the path is too long");
+}
+
 // The subject under the patterns of a batch.
 static bool photograph(Job *job, const Subject *subject, const FfpLight *light, int first, uint32_t stream,
                        FfpError *err) {
@@ -245,6 +254,7 @@ static bool photograph(Job *job, const Subject *subject, const FfpLight *light, 
     ffp_simulate_view(&simulation, &view, stream, NULL);
     Shot shot = {job, subject, &view, first, false, err};
     ffp_parallel_for(light->n_patterns, 0, develop, &shot);
+    if (first == 0 && !is_board && !shot.failed) shot.failed = !write_mask(job, subject, &view, err);
     ffp_view_free(&view, light->n_patterns);
     ffp_task_step(&job->progress, job->done, subject->name);
     return !shot.failed;
@@ -277,8 +287,9 @@ static bool photograph_batch(Job *job, int first, int count, FfpError *err) {
 
 static bool photograph_all(Job *job, FfpError *err) {
     int64_t count = 0;
+    char path[FFP_PATH_MAX];
+    if (!ffp_join_path(path, job->folder, "masks") || !ffp_make_folders(path, err)) return false;
     for (int s = 0; s < job->n_subjects; s++) {
-        char path[FFP_PATH_MAX];
         if (!ffp_join_path(path, job->folder, job->subjects[s].name))
             return ffp_fail(err, FFP_ERROR_ARGUMENT, job->folder, "the path is too long");
         if (!ffp_make_folders(path, err)) return false;
