@@ -157,7 +157,7 @@ static bool add_subjects(Job *job, FfpError *err) {
         Subject *s = &job->subjects[job->n_subjects++];
         *s = (Subject){
             .mesh = job->mesh, .tracer = job->tracer, .angle = 360.0 * i / views, .wanted = WANTED_ALL};
-        snprintf(s->name, sizeof s->name, "view-%02d", i);
+        snprintf(s->name, sizeof s->name, "view-%03d", (int)lround(s->angle)); // as `import` calls it
     }
     for (int i = 0; i < attitudes; i++) {
         Subject *s = &job->subjects[job->n_subjects++];

@@ -12,8 +12,9 @@ typedef struct FfpPhotographs {
 } FfpPhotographs;
 
 // Written are <number>.png, 8-bit sRGB, of the same numbers as the patterns':
-//   view-NN/        the object at stop NN of spec->views, under all patterns but those called focus
-//   masks/          view-NN.png: what of each pixel the object fills there
+//   view-DDD/       the object turned by DDD degrees, one of spec->views, under all patterns but those called
+//                   focus
+//   masks/          view-DDD.png: what of each pixel the object fills there
 //   attitude-NN/    the board held before the devices, under black, white and Gray codes
 //   turntable-NN/   the board on the turntable, under black and white
 //   truth.json      the rig as it is: calibration and turntable as `import` reads both, board, attitudes.

@@ -155,13 +155,39 @@ static bool open_member(Member *member, const FfpTrainConfig *config, FfpError *
     return true;
 }
 
+// Bytes that a member keeps: photographs, coverage, what the noise filter and the padding made of them,
+// patterns.
+static double bytes_of(const Member *member) {
+    const FfpCapture *capture = &member->capture;
+    double values = 0;
+    for (int v = 0; v < capture->n_views; v++) {
+        const FfpCamera *camera = &capture->views[v].camera, *padded = &member->padded.views[v].camera;
+        values += (double)camera->width * camera->height * (3 * (capture->n_patterns + FFP_PHOTOGRAPHS) + 1) +
+                  (double)padded->width * padded->height * (3 * FFP_PHOTOGRAPHS + 1);
+    }
+    for (int p = 0; p < capture->n_patterns; p++)
+        values += 3.0 * capture->patterns[p].image.width * capture->patterns[p].image.height;
+    return values * sizeof(real);
+}
+
+// Whether the captures that are still to be read will find room, if they are as large as those before.
+static bool check_room(const FfpCaptureSet *set, int read, const char *folder, FfpError *err) {
+    double bytes = 0;
+    for (int i = 0; i < read; i++) bytes += bytes_of(&set->members[i]);
+    const double needed = bytes / read * (set->count - read), left = ffp_memory_available();
+    return left < 0 || needed <= left ||
+           ffp_fail(err, FFP_ERROR_MEMORY, folder,
+                    "its %d captures take about %.1f GB: fewer of them, or a smaller resolution", set->count,
+                    (bytes + needed) / 1e9);
+}
+
 FfpCaptureSet *ffp_captures_open(const FfpTrainConfig *config, FfpError *err) {
     FfpCaptureSet *set = ffp_alloc(1, sizeof *set);
     bool ok = list_captures(set, config->captures, err);
     if (ok) hold_out(set);
     const FfpTask task = ffp_task("reading captures", ok ? set->count : 0);
     for (int i = 0; ok && i < set->count; i++) {
-        ok = open_member(&set->members[i], config, err);
+        ok = open_member(&set->members[i], config, err) && check_room(set, i + 1, config->captures, err);
         ffp_task_step(&task, i + 1, set->members[i].name);
     }
     ffp_task_end(&task);

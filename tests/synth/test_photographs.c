@@ -151,11 +151,11 @@ static void noise_comes_last(void **state) {
     FfpSceneSpec spec = small_spec();
     FfpError err = {0};
     spec.sensor.read = 0.02F;
-    FfpImage clean = read_number("view-00", 3);
+    FfpImage clean = read_number("view-000", 3);
     if (!photograph("noisy", "patterns", &spec, &err)) fail_msg("%s", err.text);
     char path[FFP_PATH_MAX];
     FfpImage noisy = {0};
-    path_of(path, "noisy/view-00/003.png");
+    path_of(path, "noisy/view-000/003.png");
     assert_true(ffp_image_read(&noisy, path, FFP_COLOUR_LINEAR, &err));
     ffp_image_to_linear(&clean);
     double square = 0;
@@ -206,7 +206,7 @@ static void what_is_no_set_of_patterns_is_refused(void **state) {
     path_of(path, "mixed");
     assert_true(ffp_make_folders(path, &err));
     copy_file("patterns/003_white.png", "mixed/003_white.png");
-    copy_file("shots/view-00/002.png", "mixed/002_black.png");
+    copy_file("shots/view-000/002.png", "mixed/002_black.png");
     refused("mixed", &spec, "003_white.png");
     spec.sensor.turn_error = 0.01F;
     refused("patterns", &spec, "turn_error");
