@@ -148,7 +148,7 @@ static const FfpOption options[] = {
          "photographs instead of captures: of one object (the first, or --mesh) on a turntable under every "
          "pattern in this folder of `patterns`, in view-DDD/ by its degrees, and of a chessboard of 9 x 6 "
          "corners for "
-         "`calibrate`, in attitude-NN/ and turntable-NN/, by a camera and a projector whose lenses "
+         "`calibrate`, in attitude-NN/ and turntable/, by a camera and a projector whose lenses "
          "distort. Each has its pattern's number. truth.json is the calibration as it should come out. "
          "--resolution is their height (480), --views the stops"},
     {.name = "attitudes",

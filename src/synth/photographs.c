@@ -19,7 +19,7 @@
 // pictures' pixels are in memory at a time.
 enum { BATCH = 8, HEIGHT_MIN = 64, BOARD_STOPS = 5, STOP_STEP = 20 };
 
-typedef enum Wanted { WANTED_ALL, WANTED_CODES, WANTED_PLAIN } Wanted;
+typedef enum Wanted { WANTED_ALL, WANTED_CODES, WANTED_WHITE } Wanted;
 
 typedef struct Pattern {
     int number;
@@ -29,6 +29,7 @@ typedef struct Pattern {
 // Something before the rig, photographed into a folder.
 typedef struct Subject {
     char name[32];
+    int stop; // of the board on the turntable: the number of its one photograph, else -1
     const FfpMesh *mesh;
     const FfpTracer *tracer;
     FfpMesh board_mesh;      // of a board alone; owned
@@ -71,9 +72,8 @@ static bool parse_pattern(const char *file, Pattern *pattern) {
 
 static bool is_wanted(const Pattern *pattern, Wanted wanted) {
     const char *name = strchr(pattern->file, '_');
-    if (wanted == WANTED_ALL || strcmp(name, "_black.png") == 0 || strcmp(name, "_white.png") == 0)
-        return true;
-    return wanted == WANTED_CODES && strncmp(name, "_gray_", 6) == 0;
+    if (wanted == WANTED_ALL || strcmp(name, "_white.png") == 0) return true;
+    return wanted == WANTED_CODES && (strcmp(name, "_black.png") == 0 || strncmp(name, "_gray_", 6) == 0);
 }
 
 static int by_number(const void *a, const void *b) {
@@ -155,20 +155,24 @@ static bool add_subjects(Job *job, FfpError *err) {
     job->subjects = ffp_alloc((size_t)(views + attitudes + stops), sizeof *job->subjects);
     for (int i = 0; i < views; i++) {
         Subject *s = &job->subjects[job->n_subjects++];
-        *s = (Subject){
-            .mesh = job->mesh, .tracer = job->tracer, .angle = 360.0 * i / views, .wanted = WANTED_ALL};
+        *s = (Subject){.stop = -1,
+                       .mesh = job->mesh,
+                       .tracer = job->tracer,
+                       .angle = 360.0 * i / views,
+                       .wanted = WANTED_ALL};
         snprintf(s->name, sizeof s->name, "view-%03d", (int)lround(s->angle)); // as `import` calls it
     }
     for (int i = 0; i < attitudes; i++) {
         Subject *s = &job->subjects[job->n_subjects++];
-        s->wanted = WANTED_CODES;
+        s->wanted = WANTED_CODES, s->stop = -1;
         snprintf(s->name, sizeof s->name, "attitude-%02d", i);
         if (!add_board(s, ffp_bare_rig_attitude(&job->rig, i, job->spec->seed), err)) return false;
     }
     for (int i = 0; i < stops; i++) {
         Subject *s = &job->subjects[job->n_subjects++];
-        s->wanted = WANTED_PLAIN, s->angle = STOP_STEP * (i - (BOARD_STOPS - 1) / 2);
-        snprintf(s->name, sizeof s->name, "turntable-%02d", i);
+        s->wanted = WANTED_WHITE, s->angle = STOP_STEP * (i - (BOARD_STOPS - 1) / 2);
+        s->stop = i;
+        snprintf(s->name, sizeof s->name, "turntable");
         if (!add_board(s, ffp_bare_rig_turntable_board(), err)) return false;
     }
     return true;
@@ -195,7 +199,8 @@ typedef struct Shot {
 
 static bool write_photograph(const Shot *shot, int index, FfpError *err) {
     char name[64], path[FFP_PATH_MAX];
-    snprintf(name, sizeof name, "%s/%03d.png", shot->subject->name, shot->job->patterns[index].number);
+    const int stop = shot->subject->stop, number = stop >= 0 ? stop : shot->job->patterns[index].number;
+    snprintf(name, sizeof name, "%s/%0*d.png", shot->subject->name, stop >= 0 ? 2 : 3, number);
     if (!ffp_join_path(path, shot->job->folder, name))
         return ffp_fail(err, FFP_ERROR_ARGUMENT, shot->job->folder, "the path is too long");
     FfpImage *image = &shot->view->images[index - shot->first];

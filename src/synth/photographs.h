@@ -16,7 +16,8 @@ typedef struct FfpPhotographs {
 //                   focus
 //   masks/          view-DDD.png: what of each pixel the object fills there
 //   attitude-NN/    the board held before the devices, under black, white and Gray codes
-//   turntable-NN/   the board on the turntable, under black and white
+//   turntable/      00.png and so on: the board on the turntable under white, at each of truth.json's
+//                   board_angles
 //   truth.json      the rig as it is: calibration and turntable as `import` reads both, board, attitudes.
 //                   Lengths in millimetres
 // Whole or not at all. Pictures are spec->resolution high and 4/3 as wide. Of the sensor, errors of poses are
