@@ -16,7 +16,7 @@ static bool as_problem(FfpAttitude *a, FfpError *error, FfpError *err) {
     return false;
 }
 
-static bool settle_size(FfpFit *fit, const FfpImage *white, const char *name, FfpError *err) {
+static bool settle_size(FfpRigFit *fit, const FfpImage *white, const char *name, FfpError *err) {
     FfpCvDevice *camera = &fit->devices[0];
     if (camera->width == 0) camera->width = white->width, camera->height = white->height;
     return (camera->width == white->width && camera->height == white->height) ||
@@ -25,7 +25,7 @@ static bool settle_size(FfpFit *fit, const FfpImage *white, const char *name, Ff
                     white->width, white->height, camera->width, camera->height);
 }
 
-static bool read_codes(const FfpFit *fit, FfpAttitude *a, const FfpCodeShots *shots, int first,
+static bool read_codes(const FfpRigFit *fit, FfpAttitude *a, const FfpCodeShots *shots, int first,
                        const FfpImage *black, const FfpImage *white, FfpError *err) {
     FfpCodeMap map;
     FfpError error = {0};
@@ -42,7 +42,7 @@ static bool read_codes(const FfpFit *fit, FfpAttitude *a, const FfpCodeShots *sh
     return done;
 }
 
-static bool read_attitude(FfpFit *fit, FfpAttitude *a, const FfpShotFolder *folder, FfpImage *seen,
+static bool read_attitude(FfpRigFit *fit, FfpAttitude *a, const FfpShotFolder *folder, FfpImage *seen,
                           FfpError *err) {
     const FfpCodeShots shots = {folder->files, folder->n_files, fit->devices[1].width,
                                 fit->devices[1].height};
@@ -63,7 +63,7 @@ static bool read_attitude(FfpFit *fit, FfpAttitude *a, const FfpShotFolder *fold
 }
 
 // The error where no folder shows the board.
-static bool check_seen(const FfpFit *fit, const FfpImage *unseen, FfpError *err) {
+static bool check_seen(const FfpRigFit *fit, const FfpImage *unseen, FfpError *err) {
     char guess[160] = "";
     for (int i = 0; i < fit->n; i++)
         if (fit->attitudes[i].n > 0) return true;
@@ -75,7 +75,7 @@ static bool check_seen(const FfpFit *fit, const FfpImage *unseen, FfpError *err)
                     fit->board.columns, fit->board.rows, fit->n, guess);
 }
 
-bool ffp_read_attitudes(FfpFit *fit, const FfpShotFolders *folders, FfpError *err) {
+bool ffp_read_attitudes(FfpRigFit *fit, const FfpShotFolders *folders, FfpError *err) {
     const FfpTask task = ffp_task("reading attitudes", folders->n);
     FfpImage unseen = {0};
     bool ok = true;
@@ -91,7 +91,7 @@ bool ffp_read_attitudes(FfpFit *fit, const FfpShotFolders *folders, FfpError *er
     return ok;
 }
 
-void ffp_fit_free(FfpFit *fit) {
+void ffp_rig_fit_free(FfpRigFit *fit) {
     for (int i = 0; i < fit->n; i++) ffp_attitude_free(&fit->attitudes[i]);
     ffp_free(fit->attitudes);
     fit->attitudes = NULL, fit->n = 0;

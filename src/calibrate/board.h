@@ -28,7 +28,7 @@ typedef struct FfpAttitude {
     double *camera_off, *projector_off; // [n,2] found minus where the device's own fit puts it
     double camera_rms, projector_rms;   // of the corners used in each one's own fit
     double rms[2];                      // camera and projector, with one pose for both
-    double tilt;                        // angle between the board's normal and the camera's axis, degrees
+    double normal[3];                   // of the board, in the camera's frame
     char problem[768];                  // why it is left out; "": it is not
     FfpImage picture;                   // of the board, small, for the report; [height,width,1]
     double scale;                       // its pixels to one of the camera's

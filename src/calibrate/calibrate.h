@@ -8,14 +8,14 @@
 
 // Decodes and locates the board in every folder's photographs. Every attitude that cannot serve has its
 // problem. Errors: a picture that cannot be read; cameras' pictures of two sizes; no board in any of them.
-bool ffp_read_attitudes(FfpFit *fit, const FfpShotFolders *folders, FfpError *err);
-void ffp_fit_free(FfpFit *fit); // its attitudes
+bool ffp_read_attitudes(FfpRigFit *fit, const FfpShotFolders *folders, FfpError *err);
+void ffp_rig_fit_free(FfpRigFit *fit); // its attitudes
 
 // The calibration as OpenCV's FileStorage: XML or, by the name's ending (.yml, .yaml), YAML.
-bool ffp_write_calibration(const FfpFit *fit, const char *path, FfpError *err);
+bool ffp_write_calibration(const FfpRigFit *fit, const char *path, FfpError *err);
 
 // A page with the boards, their corners and errors, and what of the fields was covered. `table` may be NULL.
-bool ffp_write_calibration_report(const FfpFit *fit, const FfpTableFit *table, const char *path,
+bool ffp_write_calibration_report(const FfpRigFit *fit, const FfpTableFit *table, const char *path,
                                   FfpError *err);
 
 #endif

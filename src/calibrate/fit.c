@@ -33,7 +33,7 @@ bool ffp_term_open(const FfpCvDevice *device, int term) {
     return device->deviation[term] > 0.5 * fabs(ffp_term(device, term));
 }
 
-int ffp_attitudes_used(const FfpFit *fit) {
+int ffp_attitudes_used(const FfpRigFit *fit) {
     int n = 0;
     for (int i = 0; i < fit->n; i++) n += fit->attitudes[i].problem[0] == 0;
     return n;
@@ -48,7 +48,7 @@ typedef struct Views {
     int *attitude; // [cv.n] which
 } Views;
 
-static Views new_views(const FfpFit *fit) {
+static Views new_views(const FfpRigFit *fit) {
     size_t corners = 1;
     for (int i = 0; i < fit->n; i++) corners += (size_t)fit->attitudes[i].n;
     Views v = {.counts = ffp_alloc((size_t)fit->n, sizeof(int)),
@@ -69,7 +69,7 @@ static bool is_used(const FfpAttitude *a, int corner, unsigned devices) {
 }
 
 // Corners that every one of the devices (1 camera, 2 projector, 3 both) has.
-static void fill_views(const FfpFit *fit, unsigned devices, Views *v) {
+static void fill_views(const FfpRigFit *fit, unsigned devices, Views *v) {
     int sum = 0;
     v->cv = (FfpCvViews){.counts = v->counts, .board = v->board};
     v->cv.first = v->points[devices == 2 ? 1 : 0], v->cv.second = v->points[1];
@@ -93,7 +93,7 @@ static void fill_views(const FfpFit *fit, unsigned devices, Views *v) {
 
 // --- Attitudes that cannot serve. ---
 
-static bool too_few(const FfpFit *fit, FfpError *err) {
+static bool too_few(const FfpRigFit *fit, FfpError *err) {
     char why[560] = "";
     size_t used = 0;
     for (int i = 0; i < fit->n; i++) {
@@ -106,7 +106,7 @@ static bool too_few(const FfpFit *fit, FfpError *err) {
                     ffp_attitudes_used(fit), fit->n, FFP_FIT_ATTITUDES_LEAST, why);
 }
 
-static bool enough(const FfpFit *fit, FfpError *err) {
+static bool enough(const FfpRigFit *fit, FfpError *err) {
     return ffp_attitudes_used(fit) >= FFP_FIT_ATTITUDES_LEAST || too_few(fit, err);
 }
 
@@ -118,7 +118,7 @@ static void leave_out(FfpAttitude *a, const char *format, ...) {
     va_end(arguments);
 }
 
-static void check_counts(FfpFit *fit) {
+static void check_counts(FfpRigFit *fit) {
     for (int i = 0; i < fit->n; i++) {
         FfpAttitude *a = &fit->attitudes[i];
         int kept = 0;
@@ -131,7 +131,7 @@ static void check_counts(FfpFit *fit) {
 
 // The normal of a board as a pinhole of a guessed focal length sees it. Boards that are parallel in truth
 // have the same normals at any focal length, since these are those of their common horizon.
-static bool normal_of(const FfpFit *fit, const FfpAttitude *a, double normal[3], FfpError *err) {
+static bool normal_of(const FfpRigFit *fit, const FfpAttitude *a, double normal[3], FfpError *err) {
     const FfpCvDevice *camera = &fit->devices[0];
     const double focal = GUESS_FOCAL * fmax(camera->width, camera->height);
     double *flat = ffp_alloc((size_t)a->n, 2 * sizeof *flat), h[9];
@@ -154,7 +154,7 @@ static bool normal_of(const FfpFit *fit, const FfpAttitude *a, double normal[3],
     return true;
 }
 
-static bool check_parallel(FfpFit *fit, FfpError *err) {
+static bool check_parallel(FfpRigFit *fit, FfpError *err) {
     double(*normals)[3] = ffp_alloc((size_t)fit->n, sizeof *normals), widest = 0;
     bool ok = true;
     int n = 0;
@@ -183,7 +183,7 @@ static void project(const FfpCvDevice *device, const double pose[6], const doubl
     out[0] = device->matrix[0] * u + device->matrix[2], out[1] = device->matrix[4] * v + device->matrix[5];
 }
 
-static void corner_offsets(const FfpFit *fit, int which, const Views *views, const double *poses) {
+static void corner_offsets(const FfpRigFit *fit, int which, const Views *views, const double *poses) {
     for (int v = 0; v < views->cv.n; v++) {
         FfpAttitude *a = &fit->attitudes[views->attitude[v]];
         double *off = which == 0 ? a->camera_off : a->projector_off, square = 0, at[2];
@@ -218,7 +218,7 @@ static bool is_judged(unsigned char state) {
 
 // Corners farther off than the spread of those used explains fall out, and come back when a later fit, no
 // longer drawn aside by worse ones, puts them into line. Returns how many changed.
-static int judge_corners(const FfpFit *fit, int which, const Views *views) {
+static int judge_corners(const FfpRigFit *fit, int which, const Views *views) {
     int total = 1, n = 0, changed = 0;
     for (int v = 0; v < views->cv.n; v++) total += views->counts[v];
     double *lengths = ffp_alloc((size_t)total, sizeof *lengths), limit = 0;
@@ -245,7 +245,7 @@ static int judge_corners(const FfpFit *fit, int which, const Views *views) {
 
 // The attitude farthest out of line, if one is: root mean squares `rms` of the attitudes used, in order,
 // every `stride`.
-static bool drop_attitude(const FfpFit *fit, const Views *views, const double *rms, int stride,
+static bool drop_attitude(const FfpRigFit *fit, const Views *views, const double *rms, int stride,
                           const char *of) {
     double *sorted = ffp_alloc((size_t)views->cv.n, sizeof *sorted);
     int worst = 0;
@@ -266,7 +266,7 @@ static bool drop_attitude(const FfpFit *fit, const Views *views, const double *r
 
 // --- Fitting. ---
 
-static bool fit_device(FfpFit *fit, int which, bool *changed, FfpError *err) {
+static bool fit_device(FfpRigFit *fit, int which, bool *changed, FfpError *err) {
     Views views = new_views(fit);
     double *poses = ffp_alloc((size_t)fit->n, 6 * sizeof *poses),
            *rms = ffp_alloc((size_t)fit->n, sizeof *rms);
@@ -279,7 +279,7 @@ static bool fit_device(FfpFit *fit, int which, bool *changed, FfpError *err) {
             rms[v] = which == 0 ? a->camera_rms : a->projector_rms;
             double r[9];
             ffp_turn(poses + 6 * (size_t)v, r);
-            if (which == 0) a->tilt = acos(fmin(1, fabs(r[8]))) * 180 / FFP_PI_DOUBLE;
+            for (int k = 0; which == 0 && k < 3; k++) a->normal[k] = r[3 * k + 2];
         }
         const char *of =
             which == 0 ? "where the camera's fit puts them" : "where the projector's fit puts them";
@@ -290,7 +290,7 @@ static bool fit_device(FfpFit *fit, int which, bool *changed, FfpError *err) {
     return ok;
 }
 
-static bool fit_pair(FfpFit *fit, bool *changed, FfpError *err) {
+static bool fit_pair(FfpRigFit *fit, bool *changed, FfpError *err) {
     Views views = new_views(fit);
     double *rms = ffp_alloc((size_t)fit->n, 2 * sizeof *rms);
     fill_views(fit, 3, &views);
@@ -306,7 +306,7 @@ static bool fit_pair(FfpFit *fit, bool *changed, FfpError *err) {
 }
 
 // Round after round until nothing falls out or comes back any more.
-static bool fit_all(FfpFit *fit, FfpError *err) {
+static bool fit_all(FfpRigFit *fit, FfpError *err) {
     const FfpTask task = ffp_task("calibrating", ROUNDS);
     bool ok = true, changed = true;
     for (int round = 0; ok && changed && round < ROUNDS; round++) {
@@ -325,19 +325,17 @@ static bool fit_all(FfpFit *fit, FfpError *err) {
 
 // --- What came out. ---
 
-static void measure_reach(FfpFit *fit) {
-    for (int d = 0; d < 2; d++)
-        for (int i = 0; i < fit->n; i++) {
-            const FfpAttitude *a = &fit->attitudes[i];
-            const double *points = d == 0 ? a->camera : a->projector, *m = fit->devices[d].matrix;
-            for (int k = 0; !a->problem[0] && k < a->n; k++)
-                if (is_used(a, k, 1U << d))
-                    fit->reach[d] = fmax(fit->reach[d], hypot((points[2 * k] - m[2]) / m[0],
-                                                              (points[2 * k + 1] - m[5]) / m[4]));
+static void measure_spread(FfpRigFit *fit) {
+    for (int i = 0; i < fit->n; i++)
+        for (int k = 0; k < i; k++) {
+            const FfpAttitude *a = &fit->attitudes[i], *b = &fit->attitudes[k];
+            if (a->problem[0] || b->problem[0]) continue;
+            const double cosine = fmin(1, fabs(ffp_dot(a->normal, b->normal)));
+            fit->spread = fmax(fit->spread, acos(cosine) * 180 / FFP_PI_DOUBLE);
         }
 }
 
-static bool check_focal(const FfpFit *fit, int which, FfpError *err) {
+static bool check_focal(const FfpRigFit *fit, int which, FfpError *err) {
     const FfpCvDevice *d = &fit->devices[which];
     const double open = fmax(d->deviation[0] / d->matrix[0], d->deviation[1] / d->matrix[4]);
     if (!(open < FOCAL_OPEN))
@@ -353,7 +351,7 @@ static bool check_focal(const FfpFit *fit, int which, FfpError *err) {
     return true;
 }
 
-static void tell_open_terms(const FfpFit *fit) {
+static void tell_open_terms(const FfpRigFit *fit) {
     for (int d = 0; d < 2; d++)
         for (int term = 4; term < FFP_TERMS; term++) {
             const FfpCvDevice *device = &fit->devices[d];
@@ -366,7 +364,7 @@ static void tell_open_terms(const FfpFit *fit) {
         }
 }
 
-static void tell_left_out(const FfpFit *fit) {
+static void tell_left_out(const FfpRigFit *fit) {
     static const char *const why[FFP_CORNER_STATES] = {"", "not decoded around them",
                                                        "codes around them in no plane", "out of line"};
     for (int i = 0; i < fit->n; i++) {
@@ -385,11 +383,11 @@ static void tell_left_out(const FfpFit *fit) {
     }
 }
 
-bool ffp_fit_rig(FfpFit *fit, FfpError *err) {
+bool ffp_fit_rig(FfpRigFit *fit, FfpError *err) {
     if (!enough(fit, err)) return false;
     const bool ok = fit_all(fit, err) && check_focal(fit, 0, err) && check_focal(fit, 1, err);
     if (!ok) return false;
-    measure_reach(fit);
+    measure_spread(fit);
     tell_left_out(fit);
     tell_open_terms(fit);
     return true;

@@ -6,7 +6,7 @@
 
 enum { FFP_FIT_ATTITUDES_LEAST = 3 }; // Zhang 2000: as many give all intrinsics
 
-typedef struct FfpFit {
+typedef struct FfpRigFit {
     FfpBoard board;
     FfpAttitude *attitudes; // [n]; one with a problem is left out
     int n;
@@ -15,13 +15,12 @@ typedef struct FfpFit {
     double r[9], t[3];      // X_projector = R X_camera + T
     double rms;             // of all corners in both, with one pose of the board for both
     double spread;          // largest angle between two boards, degrees
-    double reach[2];        // distance of the farthest corner from the principal point, as a tangent
-} FfpFit;
+} FfpRigFit;
 
 // Fits all, leaving out corners and attitudes that are out of line; each is told in a note. Errors: fewer
 // than FFP_FIT_ATTITUDES_LEAST attitudes are left (why, of each), boards all parallel, a focal length that
 // they do not tell.
-bool ffp_fit_rig(FfpFit *fit, FfpError *err);
+bool ffp_fit_rig(FfpRigFit *fit, FfpError *err);
 
 // A term of a device that the photographs leave open: its deviation is above half its value.
 enum { FFP_TERMS = 9 };
@@ -29,6 +28,6 @@ extern const char *const ffp_term_names[FFP_TERMS]; // fx fy cx cy k1 k2 p1 p2 k
 double ffp_term(const FfpCvDevice *device, int term);
 bool ffp_term_open(const FfpCvDevice *device, int term);
 
-int ffp_attitudes_used(const FfpFit *fit);
+int ffp_attitudes_used(const FfpRigFit *fit);
 
 #endif
