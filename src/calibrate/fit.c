@@ -18,6 +18,7 @@
 #define PARALLEL 3          // degrees between the boards farthest from parallel
 #define FOCAL_OPEN 0.1      // share of the focal length by which it may be uncertain
 #define FOCAL_VAGUE 0.02    // and where that is worth a warning
+#define OPEN_PIXELS 1.0     // at the corner of the picture: a lens term no better known than that
 #define GUESS_FOCAL 1.2     // of the picture's longer side: to see whether boards are parallel
 enum { ROUNDS = 12 };
 
@@ -29,8 +30,19 @@ double ffp_term(const FfpCvDevice *device, int term) {
     return term < 4 ? device->matrix[places[term]] : device->lens[term - 4];
 }
 
+double ffp_term_reach(const FfpCvDevice *device, int term) {
+    static const int powers[FFP_TERMS] = {0, 0, 0, 0, 3, 5, 2, 2, 7};
+    const double *m = device->matrix;
+    const double x = fmax(m[2], device->width - 1 - m[2]) / m[0],
+                 y = fmax(m[5], device->height - 1 - m[5]) / m[4];
+    if (term < 4) return 0;
+    return fmax(m[0], m[4]) * pow(hypot(x, y), powers[term]) * (term == 6 || term == 7 ? 3 : 1);
+}
+
 bool ffp_term_open(const FfpCvDevice *device, int term) {
-    return device->deviation[term] > 0.5 * fabs(ffp_term(device, term));
+    const double deviation = device->deviation[term];
+    return deviation > 0.5 * fabs(ffp_term(device, term)) &&
+           deviation * ffp_term_reach(device, term) > OPEN_PIXELS;
 }
 
 int ffp_attitudes_used(const FfpRigFit *fit) {
@@ -279,7 +291,8 @@ static bool fit_device(FfpRigFit *fit, int which, bool *changed, FfpError *err) 
             rms[v] = which == 0 ? a->camera_rms : a->projector_rms;
             double r[9];
             ffp_turn(poses + 6 * (size_t)v, r);
-            for (int k = 0; which == 0 && k < 3; k++) a->normal[k] = r[3 * k + 2];
+            // Towards the camera: corners may be numbered either way round.
+            for (int k = 0; which == 0 && k < 3; k++) a->normal[k] = r[8] < 0 ? r[3 * k + 2] : -r[3 * k + 2];
         }
         const char *of =
             which == 0 ? "where the camera's fit puts them" : "where the projector's fit puts them";
@@ -330,8 +343,8 @@ static void measure_spread(FfpRigFit *fit) {
         for (int k = 0; k < i; k++) {
             const FfpAttitude *a = &fit->attitudes[i], *b = &fit->attitudes[k];
             if (a->problem[0] || b->problem[0]) continue;
-            const double cosine = fmin(1, fabs(ffp_dot(a->normal, b->normal)));
-            fit->spread = fmax(fit->spread, acos(cosine) * 180 / FFP_PI_DOUBLE);
+            const double cosine = ffp_dot(a->normal, b->normal);
+            fit->spread = fmax(fit->spread, acos(fmax(-1, fmin(1, cosine))) * 180 / FFP_PI_DOUBLE);
         }
 }
 
@@ -357,10 +370,11 @@ static void tell_open_terms(const FfpRigFit *fit) {
             const FfpCvDevice *device = &fit->devices[d];
             if (!ffp_term_open(device, term)) continue;
             ffp_warning(
-                "the photographs do not determine the %s's %s: %.4g, deviation %.2g; it can be fixed at 0 "
-                "(--fix %s.%s)",
+                "the photographs do not determine the %s's %s: %.4g, deviation %.2g, or %.0f pixels in the "
+                "picture's corner; it can be fixed at 0 (--fix %s.%s)",
                 device_names[d], ffp_term_names[term], ffp_term(device, term), device->deviation[term],
-                device_names[d], term == 6 || term == 7 ? "p" : ffp_term_names[term]);
+                device->deviation[term] * ffp_term_reach(device, term), device_names[d],
+                term == 6 || term == 7 ? "p" : ffp_term_names[term]);
         }
 }
 
