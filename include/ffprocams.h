@@ -572,6 +572,56 @@ FFP_API FfpPatterns ffp_patterns_defaults(void); // everything, three lollipops,
 // screen in a browser. Whole or not at all. Returns the number of pictures, or -1.
 FFP_API int ffp_write_patterns(FfpContext *context, const FfpPatterns *options, FfpError *err);
 
+// --- The rig's own calibration. ---
+
+// Terms of a device that are not fitted: lens terms are 0 then, the principal point the middle, fx = fy.
+enum {
+    FFP_FIX_K1 = 1,
+    FFP_FIX_K2 = 2,
+    FFP_FIX_K3 = 4,
+    FFP_FIX_TANGENTIAL = 8, // p1 and p2
+    FFP_FIX_CENTRE = 16,
+    FFP_FIX_ASPECT = 32
+};
+
+typedef struct FfpRigCalibration {
+    const char *const
+        *attitudes;    // folders of one attitude of the board each, or folders of such (docs/calibrate.md)
+    int n_attitudes;   // none: only the turntable's board is looked at
+    int columns, rows; // corners inside the board, where four squares meet
+    double square;     // side of a square: the unit of length of all that comes out
+    int width, height; // of the projector's panel, pixels, 64 to 16384
+    unsigned fix_camera, fix_projector;
+    const char *file;   // for the calibration: OpenCV's FileStorage, XML or (.yml, .yaml) YAML
+    const char *report; // for an HTML page, or NULL
+    // A chessboard on the turntable, photographed at known angles, tells its axis.
+    const char *turntable_board; // folder of photographs in the order of the angles, or NULL
+    const double *angles;        // degrees by which the table had turned
+    int n_angles;
+    const char *turntable_file;      // for axis and angles as `import` reads them (JSON)
+    const char *const *calibrations; // without attitudes: files that hold the camera's calibration
+    int n_calibrations;
+} FfpRigCalibration;
+FFP_API FfpRigCalibration ffp_rig_calibration_defaults(void); // nothing named or fixed, 1920 x 1080
+
+typedef struct FfpRigCalibrationStats { // pixels are root mean squares
+    int attitudes, used;
+    double camera, projector; // each one's fit alone
+    double both;              // of all corners in both, with one pose of the board for both
+    int corners, left_out;    // of the attitudes used, in camera and projector
+    int open_terms;           // that the photographs do not determine; warnings name them
+    bool has_axis;            // and so on: of the turntable
+    double axis[3], point[3]; // camera coordinates; points up in the picture
+    bool reversed;            // the angles are left-handed about it: their signs change in the file
+    int stops, stops_used;
+    double stops_rms, tilt, shift; // standard deviations: degrees, the square's unit
+} FfpRigCalibrationStats;
+// Calibrates camera and projector from photographs of a chessboard under Gray codes in at least three
+// attitudes (Moreno and Taubin 2012), and finds a turntable's axis. Nothing is written before all is found.
+// FFP_ERROR_UNSUPPORTED: the library was built without OpenCV. `stats` may be NULL.
+FFP_API bool ffp_calibrate_rig(FfpContext *context, const FfpRigCalibration *options,
+                               FfpRigCalibrationStats *stats, FfpError *err);
+
 // --- Photographs and calibrations of other tools. ---
 
 // How pictures came from the size that a device was calibrated at.
