@@ -65,9 +65,12 @@ typedef struct FfpViewData {
     const char *id;
     FfpPinhole camera, projector;
     const FfpPicture *photographs; // [n_patterns], of the camera's size; no data where there is none
-    FfpPicture mask;  // one channel: the object's share of each pixel; none: alpha of the photographs, else
-                      // what white brightens
-    bool masked;      // the photographs are over black already: the mask only says how much is the object's
+    FfpPicture mask; // one channel: the object's share of each pixel; none: alpha of the photographs, else
+                     // what white brightens
+    bool masked;     // the photographs are over black already: the mask only says how much is the object's
+    FfpPicture correspondence; // F32, three channels: where in the projector's picture (pixels) each pixel's
+                               // light comes from, as Gray codes tell, and how far that is trusted, 0
+                               // (unknown) to 1; none
     FfpPicture depth; // truth for evaluation, F32, one channel: camera z in world units, 0 where there is no
                       // surface; none
 } FfpViewData;
@@ -615,6 +618,11 @@ typedef struct FfpImport {
     int n_patterns;
     const FfpImportPattern *held_out; // likewise, only ever to be predicted
     int n_held_out;
+    // Photographs of the Gray codes of `ffp_write_patterns` in their order, as FfpImportImages.files,
+    // {pattern} being gray_x_00, gray_x_00_inverse and so on: then the capture holds where in the projector
+    // each pixel's light comes from. Without any pattern besides black and white one of the codes becomes the
+    // pattern. NULL: none
+    const char *gray_codes;
     FfpMasks masks;
     const char *mask_files;   // FFP_MASKS_FROM_FILES: as FfpImportImages.files, white on black
     const char *const *views; // ids to import; none: all

@@ -6,7 +6,9 @@
 
 #define GRID 32                // cells a side on which a lens is looked at
 #define ASPECT_TOLERANCE 0.005 // of a rescaled picture: sides are whole pixels
-#define SAMPLES_MAX 64         // a side; beyond that pictures are shrunk in a coarser way
+#define NEWTON_STEPS 20
+#define CLOSE 1e-9     // of a ray, at distance 1
+#define SAMPLES_MAX 64 // a side; beyond that pictures are shrunk in a coarser way
 
 void ffp_lens_distort(const double lens[5], double x, double y, double *distorted_x, double *distorted_y) {
     const double r2 = x * x + y * y, p1 = lens[2], p2 = lens[3];
@@ -20,6 +22,30 @@ bool ffp_lens_is_ideal(const double lens[5]) {
         if (lens[i] != 0) return false;
     }
     return true;
+}
+
+// One step of Newton's method towards the ray whose distorted place is (x, y); returns how far off it was.
+static double improve_ray(const double lens[5], double x, double y, double ray[2]) {
+    const double h = 1e-6;
+    double at[2], right[2], below[2];
+    ffp_lens_distort(lens, ray[0], ray[1], &at[0], &at[1]);
+    ffp_lens_distort(lens, ray[0] + h, ray[1], &right[0], &right[1]);
+    ffp_lens_distort(lens, ray[0], ray[1] + h, &below[0], &below[1]);
+    const double off_x = x - at[0], off_y = y - at[1];
+    const double xx = (right[0] - at[0]) / h, yx = (right[1] - at[1]) / h;
+    const double xy = (below[0] - at[0]) / h, yy = (below[1] - at[1]) / h;
+    const double determinant = xx * yy - xy * yx;
+    ray[0] += (off_x * yy - off_y * xy) / determinant;
+    ray[1] += (off_y * xx - off_x * yx) / determinant;
+    return hypot(off_x, off_y);
+}
+
+bool ffp_lens_undistort(const double lens[5], double x, double y, double ray[2]) {
+    ray[0] = x, ray[1] = y;
+    if (ffp_lens_is_ideal(lens)) return true;
+    double off = INFINITY;
+    for (int i = 0; i < NEWTON_STEPS && off > CLOSE; i++) off = improve_ray(lens, x, y, ray);
+    return off <= CLOSE && isfinite(ray[0]) && isfinite(ray[1]);
 }
 
 // --- Sizes. ---

@@ -9,6 +9,8 @@
 //   x' = x (1 + k1 r^2 + k2 r^4 + k3 r^6) + 2 p1 x y + p2 (r^2 + 2 x^2), likewise y' with p1 (r^2 + 2 y^2) +
 //   2 p2 x y.
 void ffp_lens_distort(const double lens[5], double x, double y, double *distorted_x, double *distorted_y);
+// The ray (x, y, 1) that the lens moves to (x', y'), by Newton's method; false where there is none.
+bool ffp_lens_undistort(const double lens[5], double x, double y, double ray[2]);
 bool ffp_lens_is_ideal(const double lens[5]);
 
 // How a device's pictures came from the size that it was calibrated at.
