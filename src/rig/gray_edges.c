@@ -28,18 +28,20 @@ static float edge_between(const FfpGrayAxis *axis, size_t from, size_t to) {
 }
 
 typedef struct Fit { // sums over edges, relative to the pixel and its block's middle
-    double n, x, y, xx, xy, yy, u, ux, uy, uu;
+    int edges;
+    double n, x, y, xx, xy, yy, u, ux, uy, uu; // weighted
 } Fit;
 
-static void add(Fit *fit, double x, double y, double u) {
-    fit->n++, fit->x += x, fit->y += y, fit->u += u;
-    fit->xx += x * x, fit->xy += x * y, fit->yy += y * y;
-    fit->ux += u * x, fit->uy += u * y, fit->uu += u * u;
+static void add(Fit *fit, double w, double x, double y, double u) {
+    fit->edges++;
+    fit->n += w, fit->x += w * x, fit->y += w * y, fit->u += w * u;
+    fit->xx += w * x * x, fit->xy += w * x * y, fit->yy += w * y * y;
+    fit->ux += w * u * x, fit->uy += w * u * y, fit->uu += w * u * u;
 }
 
 // The plane's value at the pixel; false where the edges do not make one.
 static bool solve(const Fit *fit, double block, double *value) {
-    if (fit->n < EDGES_LEAST) return false;
+    if (fit->edges < EDGES_LEAST) return false;
     const double x = fit->x / fit->n, y = fit->y / fit->n, u = fit->u / fit->n;
     const double xx = fit->xx / fit->n - x * x, xy = fit->xy / fit->n - x * y, yy = fit->yy / fit->n - y * y;
     const double ux = fit->ux / fit->n - u * x, uy = fit->uy / fit->n - u * y, uu = fit->uu / fit->n - u * u;
@@ -69,9 +71,12 @@ static Fit gather(const Edges *e, int x, int y, int reach) {
             const float t[2] = {e->right[at], e->below[at]};
             for (int k = 0; k < 2; k++) {
                 if (t[k] < 0) continue;
-                const int a = axis->code[at], b = axis->code[k ? at + width : at + 1], edge = a > b ? a : b;
+                const size_t next = k ? at + width : at + 1;
+                const int a = axis->code[at], b = axis->code[next], edge = a > b ? a : b;
                 if (edge - own > far || own - edge > far) continue;
-                add(&fit, i - x + (k ? 0.0 : (double)t[k]), j - y + (k ? (double)t[k] : 0.0),
+                const double light = (double)fminf(axis->light[at], axis->light[next]);
+                if (!(light > 0)) continue;
+                add(&fit, light * light, i - x + (k ? 0.0 : (double)t[k]), j - y + (k ? (double)t[k] : 0.0),
                     axis->block * (edge - own - 0.5));
             }
         }
@@ -105,7 +110,7 @@ static void place_row(void *argument, int64_t row) {
     const size_t width = (size_t)e->axis->width;
     for (int x = 0; x < e->axis->width; x++) {
         const size_t i = (size_t)row * width + (size_t)x;
-        if (e->axis->code[i] >= 0) e->position[i] = position_of(e, x, (int)row);
+        if (e->axis->code[i] >= 0 && e->axis->light[i] > 0) e->position[i] = position_of(e, x, (int)row);
     }
     ffp_cancel_point();
 }

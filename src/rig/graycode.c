@@ -19,9 +19,11 @@ enum { BITS_MAX = 15, LEVELS = 1024 };
 #define WEAK 15           // of 127: the code's bit is not told from its inverse
 #define RESOLVED 0.5      // of the pixels must tell a bit, or it counts as too fine
 #define PAIR_LOW 0.7      // what a pattern and its inverse add up to, in white
-#define PAIR_HIGH 1.4
-#define EDGES_CHECKED 50 // of a bit, from which its edges say something
-#define ALIKE 2          // neighbours, of eight, that a position must be near to
+#define PAIR_HIGH 1.4     // and against white
+#define EDGES_CHECKED 50  // of a bit, from which its edges say something
+#define SPREAD 4          // pixels around that a lens spreads light to,
+#define SWAMPED 0.25      // and the share of theirs below which a pixel shows little else
+#define ALIKE 2           // neighbours, of eight, that a position must be near to
 
 typedef struct Decoder {
     const FfpGrayPhotographs *from;
@@ -95,50 +97,64 @@ static bool find_light(Decoder *d, FfpError *err) {
 
 // --- Signals. ---
 
-// The middle of what a pair adds up to, in white, over the bright pixels.
-static double pair_sum(const Decoder *d, const float *pattern, const float *inverse) {
+// The middle of what a pair adds up to, in white, over the bright pixels where `brighter` is the brighter
+// one; 0 where there are few.
+static double pair_sum(const Decoder *d, const float *brighter, const float *other) {
     size_t histogram[LEVELS] = {0}, count = 0, below = 0;
     for (size_t i = 0; i < d->pixels; i++) {
-        if ((double)d->light[i] < BRIGHT * d->typical) continue;
-        const double sum = (double)((pattern[i] + inverse[i] - 2 * d->black[i]) / d->light[i]);
+        if ((double)d->light[i] < BRIGHT * d->typical || brighter[i] <= other[i]) continue;
+        const double sum = (double)((brighter[i] + other[i] - 2 * d->black[i]) / d->light[i]);
         histogram[(int)fmax(0, fmin(sum * LEVELS / 4, LEVELS - 1))]++, count++;
     }
+    if (count < LIT_LEAST) return 0;
     int level = 0;
     for (; level < LEVELS - 1 && 2 * (below + histogram[level]) < count; level++) below += histogram[level];
     return (level + 0.5) * 4 / LEVELS;
 }
 
-static bool take_signal(Decoder *d, int axis, int bit, const float *pattern, const float *inverse,
-                        FfpError *err) {
-    const char *path = photograph(d, axis, bit, 0);
-    const double sum = pair_sum(d, pattern, inverse);
-    if (sum < PAIR_LOW || sum > PAIR_HIGH)
-        return ffp_fail(err, FFP_ERROR_FILE, path,
-                        "with its inverse it adds up to %.2f of white: they are no pair, or another exposure",
-                        sum);
-    int8_t *signal = d->signal[axis][bit] = ffp_alloc(d->pixels, 1);
-    for (size_t i = 0; i < d->pixels; i++) {
-        if (!(d->light[i] > 0)) continue;
-        const float s = (pattern[i] - inverse[i]) / d->light[i];
-        signal[i] = (int8_t)lrintf(127 * fmaxf(-1, fminf(s, 1)));
+// Where both were exposed as white and black were, a pattern and its inverse add up to white; less and less
+// so from bit to bit where stripes blur and values are not linear in light. `before`: of the coarser bit.
+static bool check_pair(const Decoder *d, int axis, int bit, const float *const pair[2], double *before,
+                       FfpError *err) {
+    double sum = 0;
+    for (int k = 0; k < 2; k++) {
+        const double here = pair_sum(d, pair[k], pair[1 - k]);
+        if (here > PAIR_HIGH || (here > 0 && here < PAIR_LOW * *before))
+            return ffp_fail(err, FFP_ERROR_FILE, photograph(d, axis, bit, k),
+                            "it and its inverse add up to %.2f of white: another exposure, or no pair", here);
+        sum = fmax(sum, here);
     }
+    if (sum > 0) *before = sum;
     return true;
 }
 
+static void take_signal(Decoder *d, int axis, int bit, const float *const pair[2]) {
+    int8_t *signal = d->signal[axis][bit] = ffp_alloc(d->pixels, 1);
+    for (size_t i = 0; i < d->pixels; i++) {
+        if (!(d->light[i] > 0)) continue;
+        const float s = (pair[0][i] - pair[1][i]) / d->light[i];
+        signal[i] = (int8_t)lrintf(127 * fmaxf(-1, fminf(s, 1)));
+    }
+}
+
+static bool read_bit(Decoder *d, int axis, int bit, double *sum, FfpError *err) {
+    float *pair[2] = {NULL, NULL};
+    const bool ok = read_grey(&pair[0], d, photograph(d, axis, bit, 0), err) &&
+                    read_grey(&pair[1], d, photograph(d, axis, bit, 1), err) &&
+                    check_pair(d, axis, bit, (const float *const *)pair, sum, err);
+    if (ok) take_signal(d, axis, bit, (const float *const *)pair);
+    ffp_free(pair[0]), ffp_free(pair[1]);
+    ffp_cancel_point();
+    return ok;
+}
+
 static bool read_signals(Decoder *d, FfpError *err) {
-    for (int axis = 0; axis < 2; axis++)
-        for (int bit = 0; bit < d->bits[axis]; bit++) {
-            float *pattern, *inverse;
-            if (!read_grey(&pattern, d, photograph(d, axis, bit, 0), err)) return false;
-            if (!read_grey(&inverse, d, photograph(d, axis, bit, 1), err)) {
-                ffp_free(pattern);
-                return false;
-            }
-            const bool ok = take_signal(d, axis, bit, pattern, inverse, err);
-            ffp_free(pattern), ffp_free(inverse);
-            if (!ok) return false;
-            ffp_cancel_point();
-        }
+    for (int axis = 0; axis < 2; axis++) {
+        double sum = 1;
+        for (int bit = 0; bit < d->bits[axis]; bit++)
+            if (!read_bit(d, axis, bit, &sum, err)) return false;
+        d->report->fine_sum += sum / 2;
+    }
     return true;
 }
 
@@ -294,20 +310,49 @@ static void drop_strays(Decoder *d, FfpImage *map) {
     ffp_free(stray);
 }
 
+// Takes the light from pixels that are much darker than others near them: what they show is those' light,
+// which a lens spreads, and their codes are those' codes.
+static void drop_swamped(Decoder *d) {
+    const int width = d->width, height = d->height;
+    float *row = ffp_alloc(d->pixels, sizeof(float)), *most = ffp_alloc(d->pixels, sizeof(float));
+    for (int y = 0; y < height; y++)
+        for (int x = 0; x < width; x++)
+            for (int i = x > SPREAD ? x - SPREAD : 0; i <= x + SPREAD && i < width; i++)
+                row[(size_t)y * (size_t)width + (size_t)x] =
+                    fmaxf(row[(size_t)y * (size_t)width + (size_t)x],
+                          d->light[(size_t)y * (size_t)width + (size_t)i]);
+    for (int y = 0; y < height; y++)
+        for (int j = y > SPREAD ? y - SPREAD : 0; j <= y + SPREAD && j < height; j++)
+            for (int x = 0; x < width; x++)
+                most[(size_t)y * (size_t)width + (size_t)x] = fmaxf(
+                    most[(size_t)y * (size_t)width + (size_t)x], row[(size_t)j * (size_t)width + (size_t)x]);
+    for (size_t i = 0; i < d->pixels; i++)
+        if ((double)d->light[i] < SWAMPED * (double)most[i]) d->light[i] = 0;
+    ffp_free(row), ffp_free(most);
+}
+
 static void find_positions(Decoder *d, FfpImage *map) {
     float *position = ffp_alloc(d->pixels, sizeof(float));
     *map = ffp_image_new(d->width, d->height, 3);
+    drop_swamped(d);
     for (int axis = 0; axis < 2; axis++) {
         const FfpGrayAxis of = {d->width,
                                 d->height,
                                 d->bits[axis] - d->dropped[axis],
                                 1 << d->dropped[axis],
                                 (const int8_t *const *)d->signal[axis],
-                                d->code[axis]};
+                                d->code[axis],
+                                d->light};
         ffp_gray_positions(position, &of);
         for (size_t i = 0; i < d->pixels; i++)
-            if (of.code[i] >= 0)
-                map->data[3 * i + (size_t)axis] = (real)position[i], map->data[3 * i + 2] = 1;
+            if (of.code[i] >= 0) map->data[3 * i + (size_t)axis] = (real)position[i];
+    }
+    for (size_t i = 0; i < d->pixels; i++) {
+        real *p = map->data + 3 * i;
+        if (d->code[0][i] >= 0 && p[0] >= 0 && p[1] >= 0)
+            p[2] = 1;
+        else
+            p[0] = p[1] = 0;
     }
     ffp_free(position);
     d->report->step = median_step(d, map);

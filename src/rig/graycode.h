@@ -21,7 +21,8 @@ void ffp_gray_name(int width, int height, int index, char name[32]);
 typedef struct FfpGrayReport {
     int lit, decoded; // pixels that white brightens enough; of these, with a position
     int dropped[2];   // finest bits of columns and rows that the photographs do not resolve
-    double step;      // median distance of neighbouring pixels' positions, panel pixels
+    double fine_sum; // what the finest codes and their inverses add up to, in white: 1 where values are light
+    double step;     // median distance of neighbouring pixels' positions, panel pixels
 } FfpGrayReport;
 
 // map [h,w,3] of the photographs' size: position on the panel, pixels, centres at integer + 0.5, and trust: 1

@@ -392,6 +392,7 @@ static bool load_pixels(Import *import, FfpError *err) {
 
 // --- Gray codes. ---
 
+#define FINE_SUM_MIN 0.75 // of white
 #define CODES_OFF_MAX 3.0 // pixels: median by which the codes may contradict the calibration
 
 static bool decode_view(Import *import, int stop, FfpError *err) {
@@ -420,6 +421,11 @@ static bool decode_view(Import *import, int stop, FfpError *err) {
     if (report.dropped[0] > 0 || report.dropped[1] > 0)
         ffp_note("  the finest %d codes of columns and %d of rows are too fine for the photographs",
                  report.dropped[0], report.dropped[1]);
+    if (report.fine_sum < FINE_SUM_MIN && !import->settings->linear_images)
+        ffp_note("  the finest codes and their inverses add up to %.2f of white: the photographs' values "
+                 "look like "
+                 "linear light, which `linear` images are",
+                 report.fine_sum);
     return (fit.known > 0 && fit.off <= CODES_OFF_MAX) ||
            ffp_fail(
                err, FFP_ERROR_FILE, "gray_codes",
