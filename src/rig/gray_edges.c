@@ -5,11 +5,11 @@
 #include "base/alloc.h"
 #include "base/call.h"
 
-#define EDGES_LEAST 6                    // that a plane is laid through,
-#define SPREAD_LEAST 0.4                 // and their variance in any direction, camera pixels squared
-#define MISFIT_MAX 0.6                   // root mean square, blocks: more is no plane
-#define BEYOND_MAX 0.5                   // blocks by which a plane may leave the block that the code names
-static const int reaches[] = {3, 6, 12}; // camera pixels around, the next where the one before has too few
+#define EDGES_LEAST 6                       // that a plane is laid through,
+#define SPREAD_LEAST 1.0                    // and their variance in any direction, camera pixels squared
+#define MISFIT_MAX 0.6                      // root mean square, blocks: more is no plane
+#define BEYOND_MAX 0.3                      // blocks by which a plane may leave the block that the code names
+static const int reaches[] = {3, 5, 8, 12}; // camera pixels around, the next where the one before has too few
 
 int ffp_gray_edge_bit(const FfpGrayAxis *axis, int a, int b) {
     if (a < 0 || b < 0 || (a - b != 1 && b - a != 1)) return -1;
@@ -90,9 +90,9 @@ static float position_of(const Edges *e, int x, int y) {
     bool found = false;
     for (size_t r = 0; r < sizeof reaches / sizeof *reaches && !found; r++) {
         const Fit fit = gather(e, x, y, reaches[r]);
-        found = solve(&fit, block, &value);
+        found = solve(&fit, block, &value) && fabs(value) <= most;
     }
-    return (float)(block * (code + 0.5) + (found ? fmax(-most, fmin(value, most)) : 0));
+    return (float)(block * (code + 0.5) + (found ? value : 0));
 }
 
 static void find_edges(void *argument, int64_t row) {

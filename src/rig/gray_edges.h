@@ -16,11 +16,11 @@ typedef struct FfpGrayAxis {
 // Bit in which the codes of two neighbouring blocks differ; -1 where they are no neighbours.
 int ffp_gray_edge_bit(const FfpGrayAxis *axis, int a, int b);
 
-// position [h,w]: panel pixels, of each decoded pixel's centre. Where the code changes from one block to the
-// next between two pixels, the edge lies where pattern and inverse are equally bright, and its position on
-// the panel is exact; a plane through the edges around a pixel, by least squares weighted with the light,
-// says where the pixel lies. Where there are too few edges it is the block's middle, or -1 where the pixel
-// has no light.
+// position [h,w]: panel pixels, of the centre of each decoded pixel with light. Where the code changes from
+// one block to the next between two pixels, the edge lies where pattern and inverse are equally bright, and
+// its position on the panel is exact; a plane through the edges around a pixel, by least squares weighted
+// with the light, says where the pixel lies. Where there are too few edges it is the block's middle, or -1
+// where the pixel has no light.
 void ffp_gray_positions(float *position, const FfpGrayAxis *axis);
 
 #endif

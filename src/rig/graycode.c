@@ -345,15 +345,9 @@ static void find_positions(Decoder *d, FfpImage *map) {
                                 d->light};
         ffp_gray_positions(position, &of);
         for (size_t i = 0; i < d->pixels; i++)
-            if (of.code[i] >= 0) map->data[3 * i + (size_t)axis] = (real)position[i];
+            if (of.code[i] >= 0 && d->light[i] > 0) map->data[3 * i + (size_t)axis] = (real)position[i];
     }
-    for (size_t i = 0; i < d->pixels; i++) {
-        real *p = map->data + 3 * i;
-        if (d->code[0][i] >= 0 && p[0] >= 0 && p[1] >= 0)
-            p[2] = 1;
-        else
-            p[0] = p[1] = 0;
-    }
+    for (size_t i = 0; i < d->pixels; i++) map->data[3 * i + 2] = d->code[0][i] >= 0 && d->light[i] > 0;
     ffp_free(position);
     d->report->step = median_step(d, map);
     drop_strays(d, map);
