@@ -5,11 +5,15 @@
 #include <string.h>
 #include "base/alloc.h"
 #include "match/coded.h"
+#include "match/line.h"
 
-#define OFF_MAX 4.0    // pixels of the projector that a ray may pass a position by
-#define CENTRED 0.25   // camera pixels by which the mean of known positions may lie off what is asked for
-#define SPREAD 4       // times what neighbours differ by: more is two surfaces
-#define SAMPLES_MAX 16 // a side
+#define OFF_MAX 4.0     // pixels of the projector that a ray may pass a position by
+#define CENTRED 0.25    // camera pixels by which the mean of known positions may lie off what is asked for
+#define SPREAD 4        // times what neighbours differ by: more is two surfaces
+#define MISSED_MAX 0.05 // of the surface points that a sphere may leave out
+#define STRAY 0.005     // of the points that a sphere around them leaves out at each end
+#define MARGIN 1.05     // of its radius
+#define SAMPLES_MAX 16  // a side
 
 // --- Without lenses. ---
 
@@ -117,4 +121,57 @@ FfpCodesFit ffp_codes_check(FfpView *view) {
     fit.off = fit.known > 0 ? (double)offs[fit.known / 2] : 0;
     ffp_free(offs);
     return fit;
+}
+
+// --- The object's sphere. ---
+
+// World points of all known positions, [count,3].
+static real *surface_points(const FfpCapture *capture, size_t *count) {
+    size_t room = 1;
+    for (int v = 0; v < capture->n_views; v++)
+        room += (size_t)capture->views[v].camera.width * (size_t)capture->views[v].camera.height;
+    real *points = ffp_alloc(room, 3 * sizeof(real)), off;
+    *count = 0;
+    for (int v = 0; v < capture->n_views; v++) {
+        const FfpView *view = &capture->views[v];
+        const size_t width = (size_t)view->camera.width, pixels = width * (size_t)view->camera.height;
+        for (size_t i = 0; view->correspondence.data && i < pixels; i++) {
+            const real z = ffp_coded_depth(view, i, &off);
+            if (z > 0)
+                ffp_point_at(&view->camera, (real)(i % width) + 0.5F, (real)(i / width) + 0.5F, z,
+                             points + 3 * (*count)++);
+        }
+    }
+    return points;
+}
+
+static double distance_from(const real centre[3], const real *point) {
+    double square = 0;
+    for (int k = 0; k < 3; k++) square += pow((double)(point[k] - centre[k]), 2);
+    return sqrt(square);
+}
+
+// The value of this rank among the points' k-th coordinates.
+static real ranked(real *scratch, const real *points, size_t count, int k, double rank) {
+    for (size_t i = 0; i < count; i++) scratch[i] = points[3 * i + (size_t)k];
+    qsort(scratch, count, sizeof *scratch, compare);
+    return scratch[(size_t)(rank * (double)(count - 1))];
+}
+
+bool ffp_codes_bounds(FfpCapture *capture) {
+    size_t count, missed = 0;
+    real *points = surface_points(capture, &count), *scratch = ffp_alloc(count + 1, sizeof *scratch);
+    for (size_t i = 0; i < count; i++)
+        missed += distance_from(capture->centre, points + 3 * i) > (double)capture->radius;
+    const bool move = count > 0 && (double)missed > MISSED_MAX * (double)count;
+    if (move) {
+        for (int k = 0; k < 3; k++)
+            capture->centre[k] =
+                (ranked(scratch, points, count, k, STRAY) + ranked(scratch, points, count, k, 1 - STRAY)) / 2;
+        for (size_t i = 0; i < count; i++) scratch[i] = (real)distance_from(capture->centre, points + 3 * i);
+        qsort(scratch, count, sizeof *scratch, compare);
+        capture->radius = (real)MARGIN * scratch[(size_t)((1 - STRAY) * (double)(count - 1))];
+    }
+    ffp_free(points), ffp_free(scratch);
+    return move;
 }

@@ -19,4 +19,8 @@ typedef struct FfpCodesFit {
 } FfpCodesFit;
 FfpCodesFit ffp_codes_check(FfpView *view);
 
+// The object's sphere, where the one estimated from poses and masks misses part of the surfaces that the
+// codes tell of: around their middle, as far as they reach. True when it was moved.
+bool ffp_codes_bounds(FfpCapture *capture);
+
 #endif

@@ -583,7 +583,10 @@ static bool settle_object(Import *import, FfpError *err) {
     FfpCapture *capture = &import->capture;
     const double *object = import->settings->object;
     ffp_capture_estimate_bounds(capture);
-    if (!(object[3] > 0)) return true;
+    if (!(object[3] > 0)) {
+        if (import->shots.codes != NULL) ffp_codes_bounds(capture);
+        return true;
+    }
     for (int i = 0; i < 4; i++) {
         if (!(fabs(object[i]) < 1e9))
             return ffp_fail(err, FFP_ERROR_ARGUMENT, "object", "%g is too large", object[i]);
