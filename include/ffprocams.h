@@ -651,12 +651,23 @@ typedef struct FfpAlignStats {
     double depth, across,
         side;             // turns of the camera in all views, degrees: along the line to the projector and
                           // across it (the projector turns as much against it), and sideways (with it)
+    bool own;             // each view got poses of its own; then:
+    double turned;        // by how much, root mean square about a device's axis, degrees
+    double off[2];        // before and after: root mean square by which the camera's rays pass what they show
+                          // of the pattern, pixels of the projector
+    double apart[2];      // and by which surfaces of different views lie apart, pixels of the camera
+    double focal[2];      // factors by which the focal lengths of camera and projector grew; 1: they stayed
     double before, after; // disagreement of the pictures: mean difference of pattern values, 0 to 1
     double seconds;
 } FfpAlignStats;
-// Corrects the directions of all cameras and projectors from the photographs, in place. `pattern` as in
-// FfpReconstruction. Takes some seventy-five projector matchings. `stats` may be NULL.
-FFP_API bool ffp_align_poses(FfpContext *context, FfpCapture *capture, const char *pattern,
+typedef struct FfpAligning {
+    const char *pattern; // as in FfpReconstruction
+    bool focal_lengths;  // those of camera and projector are corrected too, the same in all views
+} FfpAligning;
+FFP_API FfpAligning ffp_aligning_defaults(void); // poses alone
+// Corrects the poses of all cameras and projectors from the photographs, in place. Takes some seventy-five
+// projector matchings. `stats` may be NULL.
+FFP_API bool ffp_align_poses(FfpContext *context, FfpCapture *capture, const FfpAligning *options,
                              FfpAlignStats *stats, FfpError *err);
 
 // Writes a capture folder (docs/formats.md), whole or not at all; it must be new or empty.
