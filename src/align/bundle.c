@@ -13,6 +13,7 @@ enum { NUMBERS = 12, FOCALS = 2 }; // of a view; shared
 #define APART_NOISE 0.7 // footprints by which matched surfaces lie beside each other
 #define APART_MAX 6.0   // and from which they are different surfaces
 #define FACING 0.5      // cosine between normals that are of one surface
+#define TOGETHER 0.1    // of the focal lengths' expected error: what both have in common
 #define HUBER 2.0       // deviations from which an observation loses weight
 
 typedef struct Bundle {
@@ -106,10 +107,28 @@ static void difference(const FfpCamera *given, const FfpCamera *now, double out[
     for (int k = 0; k < 3; k++) out[3 + k] = b.t[k] - a.t[k];
 }
 
-static void expect(Bundle *bundle, int place, double value, double deviation) {
+static void expect_row(Bundle *bundle, const Row *row, double value, double deviation) {
     const double weight = 1 / (deviation * deviation);
-    bundle->a[(size_t)place * (size_t)bundle->n + (size_t)place] += weight;
-    bundle->b[place] += weight * value;
+    for (int i = 0; i < row->n; i++) {
+        bundle->b[row->place[i]] += weight * row->by[i] * value;
+        for (int k = 0; k < row->n; k++)
+            bundle->a[(size_t)row->place[i] * (size_t)bundle->n + (size_t)row->place[k]] +=
+                weight * row->by[i] * row->by[k];
+    }
+}
+
+// Together the two focal lengths only make the object larger or smaller, of which matched surfaces say less
+// than matching errs by: what is found is how one is to the other.
+static void expect_focals(Bundle *bundle) {
+    const FfpView *given = &bundle->given[0], *now = &bundle->capture->views[0];
+    const double smaller = (double)given->camera.width / now->camera.width; // what is matched
+    const double camera = log(smaller * (double)(now->camera.fx / given->camera.fx)),
+                 projector = log((double)(now->projector.fx / given->projector.fx));
+    const int first = NUMBERS * bundle->views;
+    Row both = {2, {first, first + 1}, {0.5, 0.5}}, apart = {2, {first, first + 1}, {1, -1}};
+    const double alike = TOGETHER * bundle->focal;
+    expect_row(bundle, &both, (camera + projector) / 2, alike);
+    expect_row(bundle, &apart, camera - projector, bundle->focal);
 }
 
 static void add_expectations(Bundle *bundle) {
@@ -121,17 +140,12 @@ static void add_expectations(Bundle *bundle) {
         difference(from, to, numbers);
         const FfpMotion at = ffp_motion(from->pose);
         const double far = bundle->expected->shift * sqrt(ffp_dot(at.t, at.t));
-        for (int k = 0; k < 6; k++)
-            expect(bundle, 6 * d + k, numbers[k], k < 3 ? bundle->expected->turn : far);
+        for (int k = 0; k < 6; k++) {
+            const Row row = {1, {6 * d + k}, {1}};
+            expect_row(bundle, &row, numbers[k], k < 3 ? bundle->expected->turn : far);
+        }
     }
-    const FfpView *given = &bundle->given[0], *now = &bundle->capture->views[0];
-    const double width =
-        (double)given->camera.width / now->camera.width; // the matched picture may be smaller
-    if (!(bundle->focal > 0)) return;
-    expect(bundle, NUMBERS * bundle->views, log(width * (double)(now->camera.fx / given->camera.fx)),
-           bundle->focal);
-    expect(bundle, NUMBERS * bundle->views + 1, log((double)(now->projector.fx / given->projector.fx)),
-           bundle->focal);
+    if (bundle->focal > 0) expect_focals(bundle);
 }
 
 // --- The step. ---
