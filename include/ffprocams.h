@@ -65,9 +65,12 @@ typedef struct FfpViewData {
     const char *id;
     FfpPinhole camera, projector;
     const FfpPicture *photographs; // [n_patterns], of the camera's size; no data where there is none
-    FfpPicture mask;  // one channel: the object's share of each pixel; none: alpha of the photographs, else
-                      // what white brightens
-    bool masked;      // the photographs are over black already: the mask only says how much is the object's
+    FfpPicture mask; // one channel: the object's share of each pixel; none: alpha of the photographs, else
+                     // what white brightens
+    bool masked;     // the photographs are over black already: the mask only says how much is the object's
+    FfpPicture correspondence; // F32, three channels: where in the projector's picture (pixels) each pixel's
+                               // light comes from, as Gray codes tell, and how far that is trusted, 0
+                               // (unknown) to 1; none
     FfpPicture depth; // truth for evaluation, F32, one channel: camera z in world units, 0 where there is no
                       // surface; none
 } FfpViewData;
@@ -676,6 +679,11 @@ typedef struct FfpImport {
     int n_patterns;
     const FfpImportPattern *held_out; // likewise, only ever to be predicted
     int n_held_out;
+    // Photographs of the Gray codes of `ffp_write_patterns` in their order, as FfpImportImages.files,
+    // {pattern} being gray_x_00, gray_x_00_inverse and so on: then the capture holds where in the projector
+    // each pixel's light comes from. Without any pattern besides black and white one of the codes becomes the
+    // pattern. NULL: none
+    const char *gray_codes;
     FfpMasks masks;
     const char *mask_files;   // FFP_MASKS_FROM_FILES: as FfpImportImages.files, white on black
     const char *const *views; // ids to import; none: all
@@ -704,12 +712,23 @@ typedef struct FfpAlignStats {
     double depth, across,
         side;             // turns of the camera in all views, degrees: along the line to the projector and
                           // across it (the projector turns as much against it), and sideways (with it)
+    bool own;             // each view got poses of its own; then:
+    double turned;        // by how much, root mean square about a device's axis, degrees
+    double off[2];        // before and after: root mean square by which the camera's rays pass what they show
+                          // of the pattern, pixels of the projector
+    double apart[2];      // and by which surfaces of different views lie apart, pixels of the camera
+    double focal[2];      // factors by which the focal lengths of camera and projector grew; 1: they stayed
     double before, after; // disagreement of the pictures: mean difference of pattern values, 0 to 1
     double seconds;
 } FfpAlignStats;
-// Corrects the directions of all cameras and projectors from the photographs, in place. `pattern` as in
-// FfpReconstruction. Takes some seventy-five projector matchings. `stats` may be NULL.
-FFP_API bool ffp_align_poses(FfpContext *context, FfpCapture *capture, const char *pattern,
+typedef struct FfpAligning {
+    const char *pattern; // as in FfpReconstruction
+    bool focal_lengths;  // those of camera and projector are corrected too, the same in all views
+} FfpAligning;
+FFP_API FfpAligning ffp_aligning_defaults(void); // poses alone
+// Corrects the poses of all cameras and projectors from the photographs, in place. Takes some seventy-five
+// projector matchings. `stats` may be NULL.
+FFP_API bool ffp_align_poses(FfpContext *context, FfpCapture *capture, const FfpAligning *options,
                              FfpAlignStats *stats, FfpError *err);
 
 // Writes a capture folder (docs/formats.md), whole or not at all; it must be new or empty.
