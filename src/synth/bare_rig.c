@@ -63,8 +63,8 @@ bool ffp_bare_rig_pixel(const FfpCamera *device, const double lens[5], const flo
 // --- Boards. ---
 
 // A board about `middle` whose rows and columns run along two directions.
-static FfpBoard board_at(const double middle[3], const double right[3], const double down[3]) {
-    FfpBoard board = {.columns = COLUMNS, .rows = ROWS, .square = (float)SQUARE};
+static FfpChessboard board_at(const double middle[3], const double right[3], const double down[3]) {
+    FfpChessboard board = {.columns = COLUMNS, .rows = ROWS, .square = (float)SQUARE};
     for (int k = 0; k < 3; k++) {
         board.right[k] = (float)right[k], board.down[k] = (float)down[k];
         board.origin[k] =
@@ -74,11 +74,12 @@ static FfpBoard board_at(const double middle[3], const double right[3], const do
 }
 
 // Whether its squares are in the frame, and half a square of the margin around them.
-static bool holds(const FfpCamera *device, const double lens[5], const FfpBoard *board) {
+static bool holds(const FfpCamera *device, const double lens[5], const FfpChessboard *board) {
     for (int corner = 0; corner < 4; corner++) {
         float point[3];
         double pixel[2];
-        ffp_board_point(board, corner % 2 ? COLUMNS + 0.5F : -1.5F, corner / 2 ? ROWS + 0.5F : -1.5F, point);
+        ffp_chessboard_point(board, corner % 2 ? COLUMNS + 0.5F : -1.5F, corner / 2 ? ROWS + 0.5F : -1.5F,
+                             point);
         if (!ffp_bare_rig_pixel(device, lens, point, pixel)) return false;
     }
     return true;
@@ -106,7 +107,7 @@ static void turn_by(const double turn[9], double v[3]) {
     for (int k = 0; k < 3; k++) v[k] = ffp_dot(turn + 3 * k, from);
 }
 
-FfpBoard ffp_bare_rig_attitude(const FfpBareRig *rig, int index, uint64_t seed) {
+FfpChessboard ffp_bare_rig_attitude(const FfpBareRig *rig, int index, uint64_t seed) {
     FfpRng rng = ffp_rng(seed, STREAM_ATTITUDE + (uint64_t)index);
     double right[3], down[3], normal[3], tilt[3], turn[9];
     facing_axes(rig, right, down);
@@ -121,7 +122,7 @@ FfpBoard ffp_bare_rig_attitude(const FfpBareRig *rig, int index, uint64_t seed) 
     for (int k = 0; k < 3; k++) shift[k] = (double)ffp_rng_range(&rng, -0.6F, 0.6F);
     ffp_turn(tilt, turn);
     turn_by(turn, right), turn_by(turn, down);
-    FfpBoard board = {0};
+    FfpChessboard board = {0};
     for (int tries = 0; tries < 40; tries++) { // nearer to the middle until both devices see it all
         double middle[3];
         for (int k = 0; k < 3; k++)
@@ -136,7 +137,7 @@ FfpBoard ffp_bare_rig_attitude(const FfpBareRig *rig, int index, uint64_t seed) 
     return board;
 }
 
-FfpBoard ffp_bare_rig_turntable_board(void) {
+FfpChessboard ffp_bare_rig_turntable_board(void) {
     const double lean = 15 * DEGREE, middle[3] = {0.1, 0.05, 0}, right[3] = {0, 1, 0},
                  down[3] = {sin(lean), 0, -cos(lean)};
     return board_at(middle, right, down);

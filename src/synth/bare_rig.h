@@ -4,7 +4,7 @@
 #define FFP_SYNTH_BARE_RIG_H
 
 #include "capture/capture.h"
-#include "synth/board.h"
+#include "synth/chessboard.h"
 
 #define FFP_BARE_RIG_UNIT 100.0 // millimetres of a world unit, in what is written of the rig
 
@@ -19,9 +19,9 @@ FfpBareRig ffp_bare_rig(int height, int panel_width, int panel_height);
 // The devices in the frame of an object that has turned by `angle` degrees.
 void ffp_bare_rig_devices(const FfpBareRig *rig, double angle, FfpCamera *camera, FfpCamera *projector);
 // A board that is held before both devices, wholly seen and lit; another way for every index and seed.
-FfpBoard ffp_bare_rig_attitude(const FfpBareRig *rig, int index, uint64_t seed);
+FfpChessboard ffp_bare_rig_attitude(const FfpBareRig *rig, int index, uint64_t seed);
 // One that leans on the turntable, facing the camera at angle 0.
-FfpBoard ffp_bare_rig_turntable_board(void);
+FfpChessboard ffp_bare_rig_turntable_board(void);
 // Where a device has a point of the world, pixels; false: behind it or beyond its frame.
 bool ffp_bare_rig_pixel(const FfpCamera *device, const double lens[5], const float point[3], double pixel[2]);
 

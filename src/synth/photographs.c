@@ -34,7 +34,7 @@ typedef struct Subject {
     const FfpTracer *tracer;
     FfpMesh board_mesh;      // of a board alone; owned
     FfpTracer *board_tracer; // likewise
-    FfpBoard board;
+    FfpChessboard board;
     double angle; // by which the turntable has turned
     Wanted wanted;
 } Subject;
@@ -141,9 +141,9 @@ static bool read_pattern(const Job *job, int index, FfpImage *emitted, FfpError 
 
 // --- Subjects. ---
 
-static bool add_board(Subject *subject, FfpBoard board, FfpError *err) {
+static bool add_board(Subject *subject, FfpChessboard board, FfpError *err) {
     subject->board = board;
-    subject->board_mesh = ffp_board_mesh(&board);
+    subject->board_mesh = ffp_chessboard_mesh(&board);
     subject->mesh = &subject->board_mesh;
     subject->tracer = subject->board_tracer = ffp_tracer_new(&subject->board_mesh, err);
     return subject->tracer != NULL;
@@ -370,7 +370,7 @@ static void print_turntable(FILE *f, const Job *job) {
 
 // The board's first corner and the directions of its rows and columns, in the camera's frame.
 static void print_board(FILE *f, const Job *job, const Subject *subject, bool last) {
-    const FfpBoard *b = &subject->board;
+    const FfpChessboard *b = &subject->board;
     FfpCamera camera, projector;
     double numbers[9];
     ffp_bare_rig_devices(&job->rig, subject->angle, &camera, &projector);
@@ -396,7 +396,7 @@ static bool write_truth(const Job *job, FfpError *err) {
     print_device(f, "proj_", &job->rig.projector, job->rig.projector_lens);
     print_motion(f, &job->rig);
     print_turntable(f, job);
-    const FfpBoard board = ffp_bare_rig_turntable_board();
+    const FfpChessboard board = ffp_bare_rig_turntable_board();
     fprintf(f, "  \"board\": {\"corners\": [%d, %d], \"square\": %.9g},\n  \"boards\": [\n", board.columns,
             board.rows, (double)board.square * FFP_BARE_RIG_UNIT);
     for (int s = job->spec->views; s < job->n_subjects; s++)

@@ -8,7 +8,7 @@
 #include "base/call.h"
 #include "base/brdf.h"
 #include "base/lens.h"
-#include "synth/board.h"
+#include "synth/chessboard.h"
 #include "synth/noise.h"
 #include "synth/scalar.h"
 #include "synth/sensor.h"
@@ -99,7 +99,7 @@ static float *lanes_of(const Work *w, float *values, size_t pixel) {
 static void surface_look(const FfpSimulation *sim, const FfpHit *hit, float footprint, float albedo[3],
                          float *roughness) {
     if (sim->board)
-        ffp_board_look(sim->board, hit->point, albedo, roughness);
+        ffp_chessboard_look(sim->board, hit->point, albedo, roughness);
     else if (sim->textures)
         ffp_textures_look(sim->textures, sim->mesh, hit, footprint, albedo, roughness);
     else

@@ -22,7 +22,7 @@ typedef struct FfpSimulation {
     uint64_t seed;
     // Real devices; all NULL or 0: ideal ones.
     const double *camera_lens, *projector_lens; // base/lens.h
-    const struct FfpBoard *board;               // instead of material and textures
+    const struct FfpChessboard *board;          // instead of material and textures
     bool photograph;   // images are what a camera without alpha takes: light, then noise, of every pixel
     int first_pattern; // of the light's among all that are photographed: by it noise is drawn
 } FfpSimulation;

@@ -88,15 +88,15 @@ static int *decode(const char *subject, int axis) {
 
 // How far, in pixels of the panel, the codes seen where the camera has a white square lie on the average from
 // where the projector has it, with these lenses.
-static double square_error(const FfpBareRig *rig, const FfpBoard *board, int i, int j, const int *column,
+static double square_error(const FfpBareRig *rig, const FfpChessboard *board, int i, int j, const int *column,
                            const int *row, const double camera_lens[5], const double projector_lens[5]) {
     enum { SIDE = 7 };
     double x = 0, y = 0;
     for (int k = 0; k < SIDE * SIDE; k++) {
         float point[3];
         double seen[2], lit[2];
-        ffp_board_point(board, (float)i + 0.2F + 0.6F * (float)(k % SIDE) / (SIDE - 1),
-                        (float)j + 0.2F + 0.6F * (float)(k / SIDE) / (SIDE - 1), point);
+        ffp_chessboard_point(board, (float)i + 0.2F + 0.6F * (float)(k % SIDE) / (SIDE - 1),
+                             (float)j + 0.2F + 0.6F * (float)(k / SIDE) / (SIDE - 1), point);
         assert_true(ffp_bare_rig_pixel(&rig->camera, camera_lens, point, seen));
         assert_true(ffp_bare_rig_pixel(&rig->projector, projector_lens, point, lit));
         const int at = (int)seen[1] * rig->camera.width + (int)seen[0];
@@ -105,7 +105,7 @@ static double square_error(const FfpBareRig *rig, const FfpBoard *board, int i, 
     return hypot(x, y);
 }
 
-static double error_of(const FfpBareRig *rig, const FfpBoard *board, const int *column, const int *row,
+static double error_of(const FfpBareRig *rig, const FfpChessboard *board, const int *column, const int *row,
                        const double camera_lens[5], const double projector_lens[5]) {
     double off = 0;
     int squares = 0;
@@ -121,7 +121,7 @@ static double error_of(const FfpBareRig *rig, const FfpBoard *board, const int *
 
 static void check_attitude(const FfpBareRig *rig, const char *subject, int index, uint64_t seed) {
     static const double none[5] = {0};
-    const FfpBoard board = ffp_bare_rig_attitude(rig, index, seed);
+    const FfpChessboard board = ffp_bare_rig_attitude(rig, index, seed);
     int *column = decode(subject, 0), *row = decode(subject, 1);
     const double off = error_of(rig, &board, column, row, rig->camera_lens, rig->projector_lens),
                  straight_camera = error_of(rig, &board, column, row, none, rig->projector_lens),

@@ -1,11 +1,11 @@
-#include "synth/board.h"
+#include "synth/chessboard.h"
 
 #include <math.h>
 #include "base/alloc.h"
 
 enum { STEPS = 48 }; // a side, in triangles: lenses bend the long edges of large ones
 
-void ffp_board_point(const FfpBoard *b, float x, float y, float point[3]) {
+void ffp_chessboard_point(const FfpChessboard *b, float x, float y, float point[3]) {
     for (int k = 0; k < 3; k++) point[k] = b->origin[k] + b->square * (x * b->right[k] + y * b->down[k]);
 }
 
@@ -16,7 +16,7 @@ static void add_square(FfpMesh *mesh, int i, int j) {
     mesh->n_triangles += 2;
 }
 
-FfpMesh ffp_board_mesh(const FfpBoard *b) {
+FfpMesh ffp_chessboard_mesh(const FfpChessboard *b) {
     const size_t vertices = (size_t)(STEPS + 1) * (STEPS + 1), triangles = (size_t)2 * STEPS * STEPS;
     FfpMesh mesh = {.n_vertices = (int)vertices,
                     .positions = ffp_alloc(3 * vertices + 1, sizeof(float)),
@@ -27,7 +27,7 @@ FfpMesh ffp_board_mesh(const FfpBoard *b) {
             const size_t at = 3 * ((size_t)j * (STEPS + 1) + (size_t)i);
             const float x = (float)(b->columns + 3) * (float)i / STEPS - 2,
                         y = (float)(b->rows + 3) * (float)j / STEPS - 2;
-            ffp_board_point(b, x, y, mesh.positions + at);
+            ffp_chessboard_point(b, x, y, mesh.positions + at);
             for (int k = 0; k < 3; k++) {
                 const int m = (k + 1) % 3, n = (k + 2) % 3;
                 mesh.normals[at + (size_t)k] = b->down[m] * b->right[n] - b->down[n] * b->right[m];
@@ -38,7 +38,7 @@ FfpMesh ffp_board_mesh(const FfpBoard *b) {
     return mesh;
 }
 
-void ffp_board_look(const FfpBoard *b, const float point[3], float albedo[3], float *roughness) {
+void ffp_chessboard_look(const FfpChessboard *b, const float point[3], float albedo[3], float *roughness) {
     float x = 0, y = 0;
     for (int k = 0; k < 3; k++) {
         const float d = (point[k] - b->origin[k]) / b->square;
