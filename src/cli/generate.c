@@ -140,6 +140,23 @@ static const FfpOption options[] = {
              "(shot), the projector's defocus (defocus=1, deviation in its pixels), gamma and black_level, "
              "exposure (stops), errors of the written poses (turn_error=0.2 degrees, shift_error=0.004 "
              "units). The scenes are the same otherwise. Default: all 0"},
+    {.name = "photographs",
+     .argument = "PATTERNS",
+     .type = FFP_OPTION_FOLDER,
+     .offset = offsetof(Arguments, generation.photographs),
+     .help =
+         "photographs instead of captures: of one object (the first, or --mesh) on a turntable under every "
+         "pattern in this folder of `patterns`, in view-DDD/ by its degrees, and of a chessboard of 9 x 6 "
+         "corners for "
+         "`calibrate`, in attitude-NN/ and turntable/, by a camera and a projector whose lenses "
+         "distort. Each has its pattern's number. truth.json is the calibration as it should come out. "
+         "--resolution is their height (480), --views the stops"},
+    {.name = "attitudes",
+     .argument = "N",
+     .type = FFP_OPTION_INT,
+     .offset = offsetof(Arguments, generation.attitudes),
+     .high = 64,
+     .help = "with --photographs: in how many the chessboard is held; 0: without one. Default: 8"},
     {0},
 };
 
@@ -163,10 +180,16 @@ const FfpCommand ffp_cli_generate = {
                    .offset = offsetof(Arguments, generation.folder),
                    .help = "folder for the captures"},
     .options = options,
-    .examples = (const FfpExample[]){{.command = "ffprocams generate scenes --preset smoke --count 2\n"
-                                                 "ffprocams generate mine --mesh vase.obj --material "
-                                                 "glazed_clay"},
-                                     {0}},
+    .examples =
+        (const FfpExample[]){{.command = "ffprocams generate scenes --preset smoke --count 2\n"
+                                         "ffprocams generate mine --mesh vase.obj --material "
+                                         "glazed_clay"},
+                             {.about = "What somebody with a camera and a projector would have photographed:",
+                              .command =
+                                  "ffprocams patterns -o patterns --projector 640x400\n"
+                                  "ffprocams generate shots --photographs patterns --views 16 --sensor "
+                                  "read=0.005"},
+                             {0}},
     .size = sizeof(Arguments),
     .set_defaults = set_defaults,
     .run = run,

@@ -10,6 +10,8 @@ static int run(void *data) {
     const Arguments *arguments = data;
     const FfpTraining *training = &arguments->training;
     FfpError err = {0};
+    if (training->resume && training->captures)
+        return ffp_cli_usage("train", "--resume takes the captures from the checkpoint alone");
     if (training->resume && (training->initial || training->config))
         return ffp_cli_usage("train", "--resume takes configuration and weights from the checkpoint alone");
     if (!ffp_cli_use_device(arguments->device, &err) || !ffp_train_model(ffp_cli_context(), training, &err))
@@ -60,6 +62,15 @@ static const FfpOption options[] = {
      .type = FFP_OPTION_FILE,
      .offset = offsetof(Arguments, training.initial),
      .help = "start from these weights, with a fresh optimiser"},
+    {.name = "captures",
+     .argument = "FOLDER",
+     .type = FFP_OPTION_FOLDER,
+     .offset = offsetof(Arguments, training.captures),
+     .help =
+         "fine-tune weights to your own devices: learn from the photographs of the captures in FOLDER (what "
+         "`import` writes, two at least), beginning with --initial or the shipped weights. Every fourth "
+         "capture is held out: it says when to stop, and weights.safetensors are those that predict its "
+         "photographs best, the first included"},
     {.name = "perceptual",
      .argument = "FILE",
      .type = FFP_OPTION_FILE,
@@ -81,9 +92,15 @@ const FfpCommand ffp_cli_train = {
         "checkpoint.safetensors (everything needed to go on bit for bit), weights.safetensors (what "
         "`--model` takes) and metrics.jsonl. Ctrl-C writes a checkpoint first.",
     .options = options,
-    .examples = (const FfpExample[]){{.command = "ffprocams train --out run --steps 20000\n"
-                                                 "ffprocams train --out run --resume"},
-                                     {0}},
+    .examples =
+        (const FfpExample[]){{.command = "ffprocams train --out run --steps 20000\n"
+                                         "ffprocams train --out run --resume"},
+                             {.about = "For a camera and a projector of one's own:",
+                              .command =
+                                  "ffprocams train --out mine --captures captures\n"
+                                  "ffprocams reconstruct captures/vase --model mine/weights.safetensors "
+                                  "-o vase.ply"},
+                             {0}},
     .size = sizeof(Arguments),
     .set_defaults = set_defaults,
     .run = run,

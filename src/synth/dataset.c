@@ -13,6 +13,7 @@
 #include "base/log.h"
 #include "synth/natural.h"
 #include "synth/mesh.h"
+#include "synth/photographs.h"
 #include "synth/sensor.h"
 #include "synth/texture.h"
 
@@ -238,13 +239,33 @@ static bool open_assets(Job *job, FfpError *err) {
     return job->textures != NULL;
 }
 
+// The first scene's object, or the user's, before a bare rig. Pictures are as high as asked for; 0: 480.
+static bool photograph_object(const Job *job, FfpError *err) {
+    const FfpDatasetSettings *options = job->options;
+    FfpSceneSpec spec = job->spec;
+    if (options->count > 1)
+        return ffp_fail(err, FFP_ERROR_ARGUMENT, "count", "photographs are of one object, not of %lld",
+                        (long long)options->count);
+    if (job->asset[0])
+        asset_scene(options->first, options->seed, &spec);
+    else
+        ffp_dataset_scene(options->split, options->first, options->seed, &spec);
+    spec.resolution = options->resolution > 0 ? options->resolution : 480;
+    const FfpPhotographs photographs = {options->folder, options->photographs, options->attitudes};
+    return ffp_photographs_write(&photographs, &spec, err);
+}
+
+static bool generate_job(Job *job, int64_t count, FfpError *err) {
+    if (job->options->photographs) return photograph_object(job, err);
+    return ffp_make_folders(job->options->folder, err) && generate_all(job, count);
+}
+
 bool ffp_dataset_write(const FfpDatasetSettings *options, FfpError *err) {
     Job job = {.options = options, .err = err};
     int64_t count = 0;
     if (!options->folder) return ffp_fail(err, FFP_ERROR_ARGUMENT, NULL, "no folder to write to is given");
     if (!preset_spec(options, &job.spec, err) || !choose_scenes(options, &count, err)) return false;
-    const bool ok =
-        open_assets(&job, err) && ffp_make_folders(options->folder, err) && generate_all(&job, count);
+    const bool ok = open_assets(&job, err) && generate_job(&job, count, err);
     ffp_mesh_free(&job.mesh);
     ffp_textures_free(job.textures);
     return ok;

@@ -127,9 +127,10 @@ static void supervise_gbuffer(FfpStepper *s, const FfpView *view, real weight, F
     const real *mask = view->coverage.data;
     ffp_loss_add(&losses->mask, 1,
                  ffp_mask_loss(g->opacity, mask, pixels, weight * (real)c->mask, d->opacity));
-    ffp_loss_add(&losses->depth, 1,
-                 ffp_depth_loss(g->depth, g->opacity, view->depth.data, pixels, weight * (real)c->depth,
-                                d->depth, d->opacity));
+    if (view->depth.data)
+        ffp_loss_add(&losses->depth, 1,
+                     ffp_depth_loss(g->depth, g->opacity, view->depth.data, pixels, weight * (real)c->depth,
+                                    d->depth, d->opacity));
     ffp_loss_add(&losses->distortion, 1,
                  ffp_distortion_loss(g->distortion, pixels, weight * (real)c->distortion, d->distortion));
     ffp_loss_add(&losses->normal_smooth, 1,
@@ -250,10 +251,11 @@ static void supervise(FfpStepper *s, const FfpScene *scene, const FfpGaussians *
     const FfpTrainConfig *c = s->config;
     const int inputs = scene->inputs.n_views, targets = scene->capture.n_views - inputs;
     const int drawn = c->supervised_inputs < inputs ? c->supervised_inputs : inputs;
-    const int count = drawn + c->supervised_targets;
+    const int novel = c->supervised_targets < targets ? c->supervised_targets : targets;
+    const int count = drawn + novel;
     int views[2 * FFP_TRAIN_VIEWS_MAX] = {0};
     draw(rng, 0, inputs, drawn, views);
-    draw(rng, inputs, targets, c->supervised_targets, views + drawn);
+    draw(rng, inputs, targets, novel, views + drawn);
     for (int i = 0; i < count; i++)
         supervise_view(s, scene, gaussians, views[i], step, rng, 1 / (real)count, losses);
 }

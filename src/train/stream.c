@@ -2,11 +2,13 @@
 // began at; threads only decide who makes a scene.
 #include <stdlib.h>
 #include "base/arena.h"
+#include "train/captures.h"
 #include "train/queue.h"
 
 struct FfpStream {
     const FfpTrainConfig *config;
     const FfpSceneFolder *folder;
+    const FfpCaptureSet *captures;
     int64_t first, end; // steps of this run: first <= step < end
     FfpQueue *queue;    // NULL: scenes are made by the caller
     FfpScene *slots;    // [pool]
@@ -72,14 +74,17 @@ static bool make_scene(const void *context, int64_t step, FfpScene *scene, FfpEr
     const FfpTrainConfig *config = stream->config;
     const int64_t number = ffp_scene_number(config, step);
     const int resolution = ffp_resolution_at(config, step);
+    if (stream->captures) return ffp_captures_scene(scene, config, stream->captures, number, err);
     return stream->folder ? ffp_scene_read(scene, config, stream->folder, number, resolution, err)
                           : ffp_scene_open(scene, config, "train", number, resolution, err);
 }
 
-FfpStream *ffp_stream_new(const FfpTrainConfig *config, const FfpSceneFolder *folder, int64_t first,
-                          int64_t end, atomic_bool *stop, FfpError *err) {
+FfpStream *ffp_stream_new(const FfpTrainConfig *config, const FfpSceneFolder *folder,
+                          const FfpCaptureSet *captures, int64_t first, int64_t end, atomic_bool *stop,
+                          FfpError *err) {
     FfpStream *stream = ffp_alloc(1, sizeof *stream);
-    *stream = (FfpStream){.config = config, .folder = folder, .first = first, .end = end};
+    *stream =
+        (FfpStream){.config = config, .folder = folder, .captures = captures, .first = first, .end = end};
     stream->slots = ffp_alloc((size_t)config->pool, sizeof *stream->slots);
     stream->full = ffp_alloc((size_t)config->pool, sizeof *stream->full);
     if (config->generators == 0) return stream;

@@ -34,8 +34,11 @@ typedef struct FfpTrainConfig {
     double free_share;   // of the training scenes: with a free rig
     double large_share;  // of those made at `resolution`: at large_resolution instead
     int large_resolution;
-    bool single_scene;         // one scene for the whole run: shows that the pipeline can learn
-    char scenes[FFP_PATH_MAX]; // folder made by `ffprocams generate` to take scenes from; empty: made here
+    bool single_scene;           // one scene for the whole run: shows that the pipeline can learn
+    char captures[FFP_PATH_MAX]; // folder of one's own captures to learn from instead (captures.h); empty:
+                                 // none
+    int patience;                // with captures: steps without a gain on those held out, after which to stop
+    char scenes[FFP_PATH_MAX];   // folder made by `ffprocams generate` to take scenes from; empty: made here
     int generators; // threads that make scenes ahead; 0: the training thread makes each when it is needed
     int queue;      // how many scenes ahead
 
@@ -61,10 +64,14 @@ typedef struct FfpTrainConfig {
 } FfpTrainConfig;
 
 FfpTrainConfig ffp_train_defaults(void);
+// Those for learning from one's own captures: short, at a low rate, no terms that need a truth.
+FfpTrainConfig ffp_fine_tuning_defaults(void);
 // Defaults overlaid with a JSON file. Unknown fields, wrong types and values out of range are errors "(FILE:
 // FIELD)".
 bool ffp_train_config_read(FfpTrainConfig *config, const char *path, FfpError *err);
-// The same from text; `where` names it in errors.
+// Whatever is in it already overlaid.
+bool ffp_train_config_overlay(FfpTrainConfig *config, const char *path, FfpError *err);
+// The same from text over the defaults; `where` names it in errors.
 bool ffp_train_config_parse(FfpTrainConfig *config, const char *text, const char *where, FfpError *err);
 char *ffp_train_config_print(
     const FfpTrainConfig *config); // JSON text, released with ffp_free; reads back to the same configuration
@@ -76,6 +83,8 @@ char *ffp_train_config_print(
 typedef struct FfpScene {
     FfpCapture capture; // input views first, then the new-pose views
     FfpCapture inputs;  // the same memory seen with only the input views: do not free
+    bool borrowed; // both borrow all but their lists of views (captures.h); inputs may differ in noise and
+                   // padding
     FfpStart start;
     FfpPixelContext context; // of the configuration's model
     FfpSummed *patterns;     // [capture.n_patterns]
@@ -124,11 +133,13 @@ int ffp_resolution_at(const FfpTrainConfig *config, int64_t step);
 int ffp_scene_slot(const FfpTrainConfig *config, int64_t step);       // of the pool
 int64_t ffp_scene_number(const FfpTrainConfig *config, int64_t step); // a slot's scene changes in turn
 typedef struct FfpStream FfpStream;
-// For the steps first..end-1, which must be asked for in turn. `folder` NULL: scenes are generated. Nothing
-// is begun any more once *stop is true. All arguments must outlive the stream. NULL with an error when
-// threads cannot be started.
-FfpStream *ffp_stream_new(const FfpTrainConfig *config, const FfpSceneFolder *folder, int64_t first,
-                          int64_t end, atomic_bool *stop, FfpError *err);
+struct FfpCaptureSet; // captures.h
+// For the steps first..end-1, which must be asked for in turn. `captures` NULL: scenes are read from
+// `folder`; both NULL: generated. Nothing is begun any more once *stop is true. All arguments must outlive
+// the stream. NULL with an error when threads cannot be started.
+FfpStream *ffp_stream_new(const FfpTrainConfig *config, const FfpSceneFolder *folder,
+                          const struct FfpCaptureSet *captures, int64_t first, int64_t end, atomic_bool *stop,
+                          FfpError *err);
 // The step's scene, the stream's own, good until the next call; *scene is NULL when *stop came before it was
 // ready. *fresh: the slot has changed with this step.
 bool ffp_stream_scene(FfpStream *stream, int64_t step, const FfpScene **scene, bool *fresh, FfpError *err);
@@ -202,6 +213,7 @@ FfpModel *ffp_checkpoint_read(const char *path, FfpAdam *adam, FfpTrainConfig *c
 // A training run (FfpTraining of the public header says what the fields are).
 typedef struct FfpTrainRun {
     const char *out, *config, *initial, *perceptual; // only `out` is needed
+    const char *captures;                            // NULL: none
     int64_t steps, stop_at;                          // -1 and 0: as the configuration says, to the end
     bool resume;
 } FfpTrainRun;

@@ -10,6 +10,7 @@
 #include "base/device.h"
 #include "base/file.h"
 #include "base/log.h"
+#include "train/captures.h"
 #include "train/mirror.h"
 #include "train/train.h"
 
@@ -23,6 +24,9 @@ typedef struct Trainer {
     FfpStepper *stepper;
     FfpSceneFolder folder;
     FfpStream *scenes;
+    FfpCaptureSet *captures; // NULL: scenes are generated or read
+    double before, best;     // dB of the held-out captures, polished: with the first weights, with the best
+    int64_t best_step;
     // On a device, which steps are made on: the weights and scenes there. model and adam are then up to date
     // only after come_home.
     const FfpDevice *device;
@@ -112,7 +116,7 @@ static void come_home(Trainer *trainer) {
     ffp_device_use(NULL);
 }
 
-static bool validate(Trainer *trainer, int64_t step, FfpError *err) {
+static bool validate_generated(Trainer *trainer, int64_t step, FfpError *err) {
     char name[64], path[FFP_PATH_MAX];
     snprintf(name, sizeof name, "validation_%06lld.png", (long long)step);
     if (!out_path(path, trainer, name, err)) return false;
@@ -136,13 +140,11 @@ static bool validate(Trainer *trainer, int64_t step, FfpError *err) {
     return true;
 }
 
-static bool save(Trainer *trainer, FfpError *err) {
+// The averaged weights as a model file. Afterwards the thread works on the CPU.
+static bool write_weights(Trainer *trainer, FfpError *err) {
     char path[FFP_PATH_MAX], steps[32];
     come_home(trainer);
-    if (!out_path(path, trainer, "checkpoint.safetensors", err) ||
-        !ffp_checkpoint_write(path, trainer->model, &trainer->adam, &trainer->config, trainer->origin, err) ||
-        !out_path(path, trainer, "weights.safetensors", err))
-        return false;
+    if (!out_path(path, trainer, "weights.safetensors", err)) return false;
     snprintf(steps, sizeof steps, "%lld", (long long)trainer->adam.step);
     char *config = ffp_train_config_print(&trainer->config);
     const char *const metadata[] = {"trained_steps", steps,   "training", config,
@@ -151,8 +153,53 @@ static bool save(Trainer *trainer, FfpError *err) {
     const bool ok = ffp_model_write(trainer->model, path, false, metadata, 4, err);
     swap_ema(trainer);
     ffp_free(config);
-    trainer->saved = ffp_seconds();
     return ok;
+}
+
+// Of captures, the weights that are written are the best so far (score_captures), not the last.
+static bool save(Trainer *trainer, FfpError *err) {
+    char path[FFP_PATH_MAX];
+    come_home(trainer);
+    if (!out_path(path, trainer, "checkpoint.safetensors", err) ||
+        !ffp_checkpoint_write(path, trainer->model, &trainer->adam, &trainer->config, trainer->origin, err) ||
+        !(trainer->captures || write_weights(trainer, err)))
+        return false;
+    trainer->saved = ffp_seconds();
+    return true;
+}
+
+// Scores the averaged weights on the captures that are held out, and writes them where they are the best.
+static bool score_captures(Trainer *trainer, int64_t step, FfpError *err) {
+    FfpHeldOut score;
+    come_home(trainer);
+    swap_ema(trainer);
+    const bool ok = ffp_captures_score(trainer->model, &trainer->config, trainer->captures, &score, err);
+    swap_ema(trainer);
+    if (!ok) return false;
+    write_metrics(trainer, json_pack("{sI sf sf si}", "step", (json_int_t)step, "held_out", score.alone,
+                                     "polished_held_out", score.polished, "photographs", score.photographs));
+    const bool first = trainer->best == 0, better = first || score.polished > trainer->best;
+    ffp_note("held-out photographs at step %lld: %.2f dB, polished %.2f dB%s", (long long)step, score.alone,
+             score.polished, better && !first ? ", the best so far" : "");
+    if (first) trainer->before = score.polished;
+    if (!better) return true;
+    trainer->best = score.polished, trainer->best_step = step;
+    return write_weights(trainer, err);
+}
+
+static bool has_stopped_gaining(const Trainer *trainer) {
+    const int patience = trainer->config.patience;
+    return trainer->captures && patience > 0 && trainer->adam.step - trainer->best_step >= patience;
+}
+
+static void tell_gain(const Trainer *trainer) {
+    ffp_note("held-out photographs: %.2f dB before, %.2f dB with the weights that were kept, those of step "
+             "%lld",
+             trainer->before, trainer->best, (long long)trainer->best_step);
+}
+
+static bool validate(Trainer *trainer, int64_t step, FfpError *err) {
+    return trainer->captures ? score_captures(trainer, step, err) : validate_generated(trainer, step, err);
 }
 
 // One update of the weights, on what the thread works on.
@@ -219,7 +266,13 @@ static bool run(Trainer *trainer, int64_t stop_at, FfpError *err) {
         if (config->validate_every && (last || done % config->validate_every == 0))
             if (!validate(trainer, done, err)) return false;
         if (done == stop_at) trainer->stop = true;
+        if (!last && has_stopped_gaining(trainer)) {
+            ffp_note("no gain for %d steps: done", trainer->config.patience);
+            if (!save(trainer, err)) return false;
+            break;
+        }
     }
+    if (trainer->captures) tell_gain(trainer);
     if (trainer->stop && trainer->adam.step < config->steps) {
         ffp_note("stopped at step %lld: writing a checkpoint", (long long)trainer->adam.step);
         return save(trainer, err);
@@ -277,8 +330,11 @@ static bool open_model(Trainer *trainer, const FfpTrainRun *options, FfpError *e
         if (options->steps >= 0) config->steps = options->steps;
         return trainer->model != NULL;
     }
-    *config = ffp_train_defaults();
-    if (options->config && !ffp_train_config_read(config, options->config, err)) return false;
+    *config = options->captures ? ffp_fine_tuning_defaults() : ffp_train_defaults();
+    if (options->captures && strlen(options->captures) >= sizeof config->captures)
+        return ffp_fail(err, FFP_ERROR_ARGUMENT, options->captures, "path is too long");
+    if (options->captures) snprintf(config->captures, sizeof config->captures, "%s", options->captures);
+    if (options->config && !ffp_train_config_overlay(config, options->config, err)) return false;
     if (options->steps >= 0) config->steps = options->steps;
     trainer->model = options->initial ? read_initial(options->initial, config, err)
                                       : ffp_model_new(&config->model, (uint64_t)config->seed, err);
@@ -304,8 +360,8 @@ static bool open_scenes(Trainer *trainer, int64_t stop_at, FfpError *err) {
     const FfpTrainConfig *config = &trainer->config;
     const int64_t first = trainer->adam.step;
     const int64_t end = stop_at > first && stop_at < config->steps ? stop_at : config->steps;
-    trainer->scenes =
-        ffp_stream_new(config, config->scenes[0] ? &trainer->folder : NULL, first, end, &trainer->stop, err);
+    trainer->scenes = ffp_stream_new(config, config->scenes[0] ? &trainer->folder : NULL, trainer->captures,
+                                     first, end, &trainer->stop, err);
     return trainer->scenes != NULL;
 }
 
@@ -335,6 +391,35 @@ static bool check_device(const FfpTrainConfig *config, FfpError *err) {
                     "is not on the device: 0, or train on the CPU");
 }
 
+static bool open_captures(Trainer *trainer, FfpError *err) {
+    trainer->captures = ffp_captures_open(&trainer->config, err);
+    if (!trainer->captures) return false;
+    ffp_note("%d captures to learn from, %d held out", ffp_captures_count(trainer->captures, false),
+             ffp_captures_count(trainer->captures, true));
+    return true;
+}
+
+// The weights at the start are the first that are kept. A resumed run has those of its best step so far,
+// which are scored anew.
+static bool begin_captures(Trainer *trainer, bool resume, FfpError *err) {
+    if (!resume) return score_captures(trainer, 0, err);
+    char path[FFP_PATH_MAX];
+    FfpHeldOut score;
+    if (!out_path(path, trainer, "weights.safetensors", err)) return false;
+    FfpModel *model = ffp_model_read(path, err);
+    if (!model) return false;
+    model->config.samples = trainer->config.model.samples,
+    model->config.tokens = trainer->config.model.tokens;
+    const char *step = NULL;
+    for (int i = 0; i < model->metadata_count; i++)
+        if (strcmp(model->metadata[2 * i], "trained_steps") == 0) step = model->metadata[2 * i + 1];
+    const bool ok = ffp_captures_score(model, &trainer->config, trainer->captures, &score, err);
+    trainer->best_step = step ? strtoll(step, NULL, 10) : 0;
+    trainer->before = trainer->best = score.polished;
+    ffp_model_free(model);
+    return ok;
+}
+
 // The metrics file is opened after all that can be wrong: a folder that holds one counts as a run.
 static bool open_trainer(Trainer *trainer, const FfpTrainRun *options, FfpError *err) {
     trainer->out = options->out;
@@ -345,8 +430,10 @@ static bool open_trainer(Trainer *trainer, const FfpTrainRun *options, FfpError 
         ffp_note("no perceptual weights given: the perceptual term is off");
     const char *scenes = trainer->config.scenes;
     if (scenes[0] && !ffp_scene_folder_open(&trainer->folder, scenes, err)) return false;
+    if (trainer->config.captures[0] && !open_captures(trainer, err)) return false;
     if (!open_metrics(trainer, options->resume, err)) return false;
     open_device(trainer);
+    if (trainer->captures && !begin_captures(trainer, options->resume, err)) return false;
     trainer->started = trainer->saved = ffp_seconds();
     return open_scenes(trainer, options->stop_at, err);
 }
@@ -354,6 +441,7 @@ static bool open_trainer(Trainer *trainer, const FfpTrainRun *options, FfpError 
 static void close_trainer(Trainer *trainer) {
     ffp_stream_free(trainer->scenes);
     ffp_scene_folder_close(&trainer->folder);
+    ffp_captures_close(trainer->captures);
     close_device(trainer);
     ffp_adam_free(&trainer->adam);
     ffp_model_free(trainer->model);

@@ -215,7 +215,7 @@ static bool copy_capture(FfpContext *context, const char *out, FfpError *err) {
 
 static bool align(FfpContext *context, const char *out, FfpError *err) {
     FfpCapture *capture = ffp_capture_open(context, in_scratch("capture"), err);
-    const bool ok = capture && ffp_align_poses(context, capture, NULL, NULL, err) &&
+    const bool ok = capture && ffp_align_poses(context, capture, &(FfpAligning){0}, NULL, err) &&
                     ffp_write_file(out, &capture->views[0].camera, sizeof capture->views[0].camera, err);
     ffp_capture_close(capture);
     return ok;
