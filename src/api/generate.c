@@ -55,6 +55,7 @@ static bool generate(void *argument, FfpError *err) {
                                          .mesh = options->mesh,
                                          .material = options->material,
                                          .sensor = sensor_of(&options->sensor)};
+    if (options->check) return ffp_dataset_check(&settings, err);
     return ffp_dataset_write(&settings, err);
 }
 
