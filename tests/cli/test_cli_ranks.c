@@ -189,10 +189,34 @@ static void a_killed_rank_ends_the_job(void **state) {
     assert_int_equal(checkpoint_step(out), step + 2);
 }
 
+// Scenes that two processes make are those of one, and so are the scores that they find.
+static void scenes_and_scores_are_shared(void **state) {
+    (void)state;
+    if (!there_is_mpi()) skip();
+    static char one[20000], two[20000];
+    static const char scenes[] = "generate %s --preset smoke --split train --resolution 16 --count 3 %s";
+    char line[512];
+    snprintf(line, sizeof line, "'" FFP_PROGRAM "' %s", scenes);
+    if (shell(line, in_scratch("alone"), "")) fail_with_log("generate");
+    snprintf(line, sizeof line, MPIRUN "%s", scenes);
+    if (shell(line, in_scratch("shared"), "")) fail_with_log("generate, two processes");
+    if (shell("diff -r %s %s", in_scratch("alone"), in_scratch("shared"))) fail_with_log("scenes differ");
+    static const char rows[] = "evaluate --model none --polish 0 %s/train_0000[012] | cut -c 1-86%s";
+    snprintf(line, sizeof line, "'" FFP_PROGRAM "' %s", rows);
+    if (shell(line, in_scratch("alone"), "")) fail_with_log("evaluate");
+    read_log(one, sizeof one);
+    snprintf(line, sizeof line, MPIRUN "%s", rows);
+    if (shell(line, in_scratch("alone"), "")) fail_with_log("evaluate, two processes");
+    read_log(two, sizeof two);
+    char *a = strstr(one, "capture "), *b = strstr(two, "capture ");
+    if (!a || !b || strcmp(a, b) != 0) fail_msg("%s\n%s", one, two);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(two_processes_make_the_run_of_one),
         cmocka_unit_test(a_wrong_number_of_processes_is_refused),
+        cmocka_unit_test(scenes_and_scores_are_shared),
         cmocka_unit_test(a_killed_rank_ends_the_job),
     };
     return cmocka_run_group_tests(tests, scratch_setup, scratch_teardown);
