@@ -80,9 +80,8 @@ static void merging_refuses(void **state) {
     must_say(1, line("evaluate --merge %s/scenes/train_00000/scene.json"), "predictor");
     must_say(1, line("evaluate --merge %s/none.json"), "none.json");
     must_say(2, line("evaluate %s/scenes/train_00000 --merge %s/first.json"), "no CAPTURE");
-    assert_true(ffp_write_file(
-        in_scratch("odd.json"),
-        "{\"predictor\": \"x\", \"rows\": [{\"capture\": \"a\", \"protocol\": \"b\"}]}", 56, NULL));
+    static const char odd[] = "{\"predictor\": \"x\", \"rows\": [{\"capture\": \"a\", \"protocol\": \"b\"}]}";
+    assert_true(ffp_write_file(in_scratch("odd.json"), odd, strlen(odd), NULL));
     must_say(1, line("evaluate --merge %s/odd.json"), "rows[0].protocol");
     must(line("evaluate --predictor depth %s/scenes/train_00000 --json %s/depth.json"));
     must_say(1, line("evaluate --merge %s/second.json --merge %s/depth.json --json %s/never.json"),
