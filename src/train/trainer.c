@@ -28,11 +28,12 @@ typedef struct Trainer {
     // On a device, which steps are made on: the weights and scenes there. model and adam are then up to date
     // only after come_home.
     const FfpDevice *device;
-    FfpMirror *mirror;     // NULL on the CPU
-    real *grad;            // where the steps are made
-    FILE *metrics;         // rank 0's
-    double started, saved; // seconds
-    atomic_bool stop;      // no further step, and no further scene
+    FfpMirror *mirror;       // NULL on the CPU
+    real *grad;              // where the steps are made
+    FILE *metrics;           // rank 0's
+    double started, saved;   // seconds
+    double wait_s, gather_s; // of the step: for sums, and for the others in turn; gathering weights
+    atomic_bool stop;        // no further step, and no further scene
 } Trainer;
 
 static const char program[] = "ffprocams " FFP_VERSION ", commit " FFP_COMMIT;
@@ -79,9 +80,14 @@ static json_t *seconds_of(const FfpLosses *l, double scene_s, double step_s) {
 static void log_step(Trainer *trainer, int64_t step, const FfpLosses *l, double norm, bool skipped,
                      double scene_s, double step_s) {
     const double rate = ffp_learning_rate(&trainer->config, step);
+    json_t *seconds = seconds_of(l, scene_s, step_s);
+    if (trainer->share.ranks) {
+        json_object_set_new(seconds, "wait", json_real(trainer->wait_s));
+        json_object_set_new(seconds, "gather", json_real(trainer->gather_s));
+    }
     write_metrics(trainer, json_pack("{sI sf so sf sf sb so}", "step", (json_int_t)step, "loss", l->total,
                                      "terms", terms_of(l), "gradient_norm", norm, "learning_rate", rate,
-                                     "skipped", (int)skipped, "seconds", seconds_of(l, scene_s, step_s)));
+                                     "skipped", (int)skipped, "seconds", seconds));
     const double elapsed = ffp_seconds() - trainer->started;
     ffp_note("step %lld/%lld loss %.4f (l1 %.4f ssim %.4f t %.4f mask %.4f) norm %.2f%s rate %.2g, %.2f s a "
              "step, %.0f s",
@@ -253,12 +259,14 @@ static FfpAdam *adam_at_work(Trainer *trainer) {
 
 // Sums of gradients and of what each rank says. A rank whose step failed takes part, so that nobody waits.
 static bool agree(Trainer *trainer, Tally *tally, FfpError *err) {
+    const double begin = ffp_seconds();
     ffp_device_use(trainer->device);
     bool ok = ffp_share_finish(&trainer->share, err);
     if (ok) tally->squares = ffp_adam_squares(adam_at_work(trainer), trainer->grad);
     ffp_device_use(NULL);
     ok = ok && ffp_share_sum(&trainer->share, (double *)tally, TALLY, err);
     if (tally->stop > 0) trainer->stop = true;
+    trainer->wait_s = ffp_seconds() - begin;
     return ok;
 }
 
@@ -267,7 +275,9 @@ static bool learn(Trainer *trainer, double norm, bool *skipped, FfpError *err) {
     FfpAdam *adam = adam_at_work(trainer);
     ffp_device_use(trainer->device);
     ffp_adam_move_all(adam, model, trainer->grad, &trainer->config, norm, skipped);
+    const double begin = ffp_seconds();
     const bool ok = *skipped || ffp_share_weights(&trainer->share, model->values, err);
+    trainer->gather_s = ffp_seconds() - begin;
     ffp_device_use(NULL);
     trainer->adam.step = adam->step;
     return ok;
