@@ -30,10 +30,10 @@ int64_t ffp_share_first(const FfpShare *share); // this rank's part of the weigh
 int64_t ffp_share_count(const FfpShare *share);
 
 // A step's gradient, in order: begin, ready as the gradient of the step's last scene becomes complete (as
-// FfpRun.ready, with the share as `user`), finish. Then grad, of the device in use if there is one, is the
-// sum in this rank's part.
+// FfpRun.ready, with the share as `argument`), finish. Then grad, of the device in use if there is one, is
+// the sum in this rank's part.
 void ffp_share_begin(FfpShare *share, real *grad);
-void ffp_share_ready(void *share, int64_t first);
+void ffp_share_ready(void *argument, int64_t first);
 bool ffp_share_finish(FfpShare *share, FfpError *err);
 // Adds a few numbers up over the ranks.
 bool ffp_share_sum(const FfpShare *share, double *values, int count, FfpError *err);
