@@ -353,6 +353,70 @@ static void a_failure_is_everybodys(void **state) {
     ffp_scene_folder_close(&list);
 }
 
+// --- Memory that is out. ---
+
+static int left; // times that a rank said so
+
+static void note_leaving(void *user) {
+    (void)user;
+    left++;
+}
+
+static void sum_nothing(void *user, float *values, int64_t count) {
+    (void)user, (void)values, (void)count;
+}
+
+static bool finish_nothing(void *user, FfpError *err) {
+    (void)user, (void)err;
+    return true;
+}
+
+static bool add_nothing(void *user, double *values, int count, FfpError *err) {
+    (void)user, (void)values, (void)count, (void)err;
+    return true;
+}
+
+static bool gather_nothing(void *user, const float *part, float *whole, const int64_t *first, int to,
+                           FfpError *err) {
+    (void)user, (void)part, (void)whole, (void)first, (void)to, (void)err;
+    return true;
+}
+
+static bool broadcast_nothing(void *user, void *bytes, int64_t size, int from, FfpError *err) {
+    (void)user, (void)bytes, (void)size, (void)from, (void)err;
+    return true;
+}
+
+// Where a rank's call is left in the middle of things the others hear of it, once; not when it ends well, nor
+// before the ranks have met: the first allocations are the model's.
+static void a_call_that_is_left_tells_the_others(void **state) {
+    (void)state;
+    char out[FFP_PATH_MAX], config[FFP_PATH_MAX];
+    snprintf(config, sizeof config, "%s", write_config("left.json", ", \"batch\": 2"));
+    FfpRanks table = {.count = 2,
+                      .sum_begin = sum_nothing,
+                      .sum_finish = finish_nothing,
+                      .sum = add_nothing,
+                      .gather = gather_nothing,
+                      .broadcast = broadcast_nothing,
+                      .leave = note_leaving};
+    int times = 0;
+    for (long long fail = 1; fail < 1 << 20; fail *= 4, times++) {
+        snprintf(out, sizeof out, "%s", in_scratch("left"));
+        Rank rank = {.run = {.out = out, .config = config, .steps = -1, .stop_at = 2}};
+        FfpContext context = {.settings = {.threads = 1, .ranks = &table}};
+        ffp_context_fail_at(&context, fail);
+        left = 0;
+        const bool ok = ffp_call_run(&context, work, &rank, &rank.err);
+        if (ok) break;
+        assert_int_equal(rank.err.code, FFP_ERROR_MEMORY);
+        if (left != (fail > 4)) fail_msg("allocation %lld failed, %d heard of it", fail, left);
+        if (ffp_is_file(in_scratch("left/metrics.jsonl")))
+            assert_int_equal(remove(in_scratch("left/metrics.jsonl")), 0);
+    }
+    assert_true(times > 3 && left == 0);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(draws_are_disjoint),
@@ -362,6 +426,7 @@ int main(void) {
         cmocka_unit_test(one_that_is_stopped_stops_all),
         cmocka_unit_test(refusals),
         cmocka_unit_test(a_failure_is_everybodys),
+        cmocka_unit_test(a_call_that_is_left_tells_the_others),
     };
     return cmocka_run_group_tests(tests, scratch_setup, scratch_teardown);
 }
