@@ -310,7 +310,10 @@ static Outcome one_step(Trainer *trainer, int64_t step, bool *save_due, FfpError
     tally.save = is_save_due(trainer);
     memcpy(tally.terms, &losses, sizeof tally.terms);
     FfpError why = {0};
-    if (!agree(trainer, &tally, &why)) return ffp_fail(err, why.code, NULL, "%s", why.text), BROKEN;
+    if (!agree(trainer, &tally, &why)) {
+        ffp_fail(err, why.code, NULL, "%s", why.text);
+        return BROKEN;
+    }
     if (tally.failed > 0 && made) ffp_fail(err, FFP_ERROR_IO, NULL, "the step failed on another rank");
     if (tally.failed > 0) return FAILED;
     if (tally.missing > 0) return STOPPED;
@@ -325,11 +328,14 @@ static Outcome one_step(Trainer *trainer, int64_t step, bool *save_due, FfpError
     return LEARNT;
 }
 
-// A step that failed has changed nothing: what was learnt before it is kept.
+// A step that failed has changed nothing: what was learnt before it is kept. All ranks stay until it is
+// written, since the first that ends with an error may end the others.
 static void save_what_there_is(Trainer *trainer) {
     FfpError why = {0};
+    double nothing = 0;
     ffp_note("failed at step %lld: writing a checkpoint", (long long)trainer->adam.step);
     if (!save(trainer, &why)) ffp_warning("%s", why.text);
+    if (!ffp_share_sum(&trainer->share, &nothing, 1, &why)) ffp_warning("%s", why.text);
 }
 
 static bool is_due(int64_t done, int every) {
