@@ -465,6 +465,8 @@ typedef struct FfpEvaluation {
     const char *viewer; // page that the report links to, relative to it, or NULL
     const char *perceptual; // safetensors with LPIPS weights, or NULL
     FfpDrawing drawing;
+    const char *const *merged; // files that earlier evaluations wrote as `json`: their rows are taken, and no
+    int n_merged;              // capture is evaluated
 } FfpEvaluation;
 
 FFP_API FfpEvaluation ffp_evaluation_defaults(void); // as ffp_reconstruction_defaults
@@ -489,7 +491,8 @@ typedef struct FfpScore {
 } FfpScore;
 
 // Returns the rows (release with ffp_free) and their number, or NULL. Behind the rows of several captures
-// stand those of their means, whose capture is "mean". JSON and report are written when all is done.
+// stand those of their means, whose capture is "mean". JSON and report are written when all is done. Ranks of
+// a context share the captures out, and all return all rows; rank 0 writes. A report is one process's.
 FFP_API FfpScore *ffp_evaluate(FfpContext *context, const FfpEvaluation *options, int *n_scores,
                                FfpError *err);
 
@@ -552,10 +555,12 @@ typedef struct FfpGeneration {
     // (0: 480). NULL: captures
     const char *photographs;
     int attitudes; // in which the chessboard is held; 0: without one; 64 at most
+    bool check;    // make nothing: an error that names the scenes which are not there, whole
 } FfpGeneration;
 FFP_API FfpGeneration ffp_generation_defaults(void); // all scenes of all splits by the paper's preset
 // Scenes that are there already are kept; one appears under its name only when it is whole. Any number of
-// processes may share a job, each with its own range of scenes.
+// processes may share a job, each with its own range of scenes; ranks of a context each make those whose turn
+// it is.
 FFP_API bool ffp_generate(FfpContext *context, const FfpGeneration *options, FfpError *err);
 
 // --- What a projector shows while it is photographed. ---

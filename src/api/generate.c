@@ -57,6 +57,7 @@ static bool generate(void *argument, FfpError *err) {
                                          .photographs = options->photographs,
                                          .attitudes = options->attitudes,
                                          .sensor = sensor_of(&options->sensor)};
+    if (options->check) return ffp_dataset_check(&settings, err);
     return ffp_dataset_write(&settings, err);
 }
 

@@ -32,6 +32,16 @@ void ffp_cli_close_context(void);
 // Value of --device: all that follows runs there. NULL: where it does.
 bool ffp_cli_use_device(const char *name, FfpError *err);
 
+// Processes of an MPI job share the command's work: its calls then have their ranks, and words of what all do
+// come from the first alone. Nothing happens in a process that was started alone.
+bool ffp_cli_use_ranks(FfpError *err);
+// For that and the end of the program. join: finds the job; leave: all of it ends unless status is
+// FFP_EXIT_OK.
+bool ffp_cli_join_ranks(FfpError *err);
+const FfpRanks *ffp_cli_ranks(void); // NULL: alone
+int ffp_cli_leave_ranks(int status);
+const char *ffp_cli_rank_name(void); // "rank 3: "; "" alone
+
 // Headings of the commands in the program's help.
 #define FFP_CLI_CAPTURE "make a capture"
 #define FFP_CLI_RECONSTRUCT "reconstruct"

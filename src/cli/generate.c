@@ -38,6 +38,7 @@ static int run(void *data) {
     FfpError err = {0};
     if (generation->split != FFP_SPLIT_ALL && generation->mesh)
         return ffp_cli_usage("generate", "--split is of the generated objects: not with --mesh");
+    if (!generation->check && !ffp_cli_use_ranks(&err)) return ffp_cli_fail(&err);
     return ffp_generate(ffp_cli_context(), generation, &err) ? FFP_EXIT_OK : ffp_cli_fail(&err);
 }
 
@@ -66,6 +67,10 @@ static const FfpOption options[] = {
      .low = 1,
      .high = 1000000000,
      .help = "how many scenes. Default: all of the split"},
+    {.name = "check",
+     .type = FFP_OPTION_FLAG,
+     .offset = offsetof(Arguments, generation.check),
+     .help = "make nothing: say which of these scenes are not there yet, if any (exit 1)"},
     {.name = "preset",
      .argument = "P",
      .type = FFP_OPTION_CHOICE,
@@ -172,7 +177,8 @@ const FfpCommand ffp_cli_generate = {
         "same "
         "scene otherwise. Scenes that are there already are kept, so that a stopped run goes on where it "
         "was, "
-        "and several runs can share a job, each with its own --first and --count. What is made with other "
+        "and several runs can share a job, each with its own --first and --count, as can the processes of "
+        "`mpirun -n N ffprocams generate ...`. What is made with other "
         "options goes to another DIR.",
     .positional = {.name = "DIR",
                    .least = 1,

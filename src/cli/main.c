@@ -61,7 +61,7 @@ const FfpWord ffp_cli_none[] = {{"none", 0}, {0}};
 
 int ffp_cli_fail(const FfpError *err) {
     ffp_cli_clear_progress();
-    fprintf(stderr, "ffprocams: error: %s\n", err->text);
+    fprintf(stderr, "ffprocams: %serror: %s\n", ffp_cli_rank_name(), err->text);
     return FFP_EXIT_FAILURE;
 }
 
@@ -106,7 +106,7 @@ static int unknown_command(const char *word) {
 static int run(const FfpCommand *command, int argc, char **argv) {
     FfpError err;
     if (!ffp_cpu_check(&err) || !ffp_cli_open_context(FFP_DEVICE_CPU, &err)) return ffp_cli_fail(&err);
-    const int status = finish(ffp_cli_run(command, argc, argv));
+    const int status = ffp_cli_leave_ranks(finish(ffp_cli_run(command, argc, argv)));
     ffp_cli_close_context();
     return status;
 }

@@ -14,7 +14,8 @@ static int run(void *data) {
         return ffp_cli_usage("train", "--resume takes the captures from the checkpoint alone");
     if (training->resume && (training->initial || training->config))
         return ffp_cli_usage("train", "--resume takes configuration and weights from the checkpoint alone");
-    if (!ffp_cli_use_device(arguments->device, &err) || !ffp_train_model(ffp_cli_context(), training, &err))
+    if (!ffp_cli_use_device(arguments->device, &err) || !ffp_cli_use_ranks(&err) ||
+        !ffp_train_model(ffp_cli_context(), training, &err))
         return ffp_cli_fail(&err);
     ffp_cli_go_on(); // a run that was stopped has written its checkpoint
     return FFP_EXIT_OK;
@@ -90,11 +91,14 @@ const FfpCommand ffp_cli_train = {
     .prose =
         "Or on scenes read from a folder made by `generate` (`scenes` of the configuration). DIR receives "
         "checkpoint.safetensors (everything needed to go on bit for bit), weights.safetensors (what "
-        "`--model` takes) and metrics.jsonl. Ctrl-C writes a checkpoint first.",
+        "`--model` takes) and metrics.jsonl. Ctrl-C writes a checkpoint first. "
+        "`mpirun -n N ffprocams train ...` shares the scenes of every step (`batch`) among N processes "
+        "(docs/cluster.md).",
     .options = options,
     .examples =
         (const FfpExample[]){{.command = "ffprocams train --out run --steps 20000\n"
-                                         "ffprocams train --out run --resume"},
+                                         "ffprocams train --out run --resume\n"
+                                         "mpirun -n 4 ffprocams train --out run --config batch-8.json"},
                              {.about = "For a camera and a projector of one's own:",
                               .command =
                                   "ffprocams train --out mine --captures captures\n"

@@ -36,7 +36,10 @@ typedef struct FfpDatasetSettings {
     int attitudes;           // of its chessboard
 } FfpDatasetSettings;
 
-// Scenes that are there already are kept; one appears under its name only when it is whole.
+// Scenes that are there already are kept; one appears under its name only when it is whole. Of several ranks
+// (the context's) each makes those whose turn it is.
 bool ffp_dataset_write(const FfpDatasetSettings *settings, FfpError *err);
+// Whether all of them are there; the error names those that are not.
+bool ffp_dataset_check(const FfpDatasetSettings *settings, FfpError *err);
 
 #endif

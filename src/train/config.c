@@ -22,7 +22,8 @@ typedef struct Field {
 static const Field train_fields[] = {
     {"seed", INT64, AT(seed), 0, 9e15},
     {"steps", INT64, AT(steps), 1, 1e9},
-    {"pool", INT, AT(pool), 1, 1024},
+    {"batch", INT, AT(batch), 1, 65536},
+    {"pool", INT, AT(pool), 1, 65536},
     {"reuse", INT, AT(reuse), 1, 1000000},
     {"views", INT, AT(views), 1, FFP_TRAIN_VIEWS_MAX},
     {"targets", INT, AT(targets), 0, FFP_TRAIN_VIEWS_MAX},
@@ -73,9 +74,11 @@ static const Field train_fields[] = {
     {"skip_above", DOUBLE, AT(skip_above), 1, 1e9},
     {"ema", DOUBLE, AT(ema), 0, 0.999999},
     {"warmup_steps", INT, AT(warmup_steps), 0, 1e9},
+    {"recompute", BOOL, AT(recompute), 0, 1},
     {"validate_every", INT, AT(validate_every), 0, 1e9},
     {"validation_scenes", INT, AT(validation_scenes), 1, 1000},
     {"checkpoint_minutes", INT, AT(checkpoint_minutes), 1, 10000},
+    {"checkpoint_steps", INT, AT(checkpoint_steps), 0, 1e9},
     {"log_every", INT, AT(log_every), 1, 1e6},
 };
 
@@ -105,6 +108,7 @@ FfpTrainConfig ffp_train_defaults(void) {
     FfpTrainConfig c = {
         .seed = 1,
         .steps = 20000,
+        .batch = 1,
         .pool = 8,
         .reuse = 12,
         .views = 8,

@@ -31,6 +31,7 @@ FfpStepper *ffp_stepper_new(const FfpTrainConfig *config, const FfpPerceptual *p
     s->settings = ffp_render_settings(ffp_model_is_paper_form(&config->model), config->model.samples);
     s->run = ffp_run_new(true);
     s->run->profile = &s->profile;
+    s->run->recompute = config->recompute;
     s->pass = ffp_view_pass_new(&s->settings);
     return s;
 }
@@ -271,14 +272,15 @@ static bool supervise_polished(FfpStepper *s, const FfpScene *scene, int64_t ste
     return ok;
 }
 
-static bool supervise_scene(FfpStepper *s, const FfpScene *scene, int64_t step, FfpLosses *losses,
+static bool supervise_scene(FfpStepper *s, const FfpScene *scene, int64_t draw, FfpLosses *losses,
                             FfpError *err) {
     const FfpTrainConfig *c = s->config;
+    const int64_t step = draw / c->batch;
     if (step < c->warmup_geometry) {
         losses->mask = direct_opacity_loss(s, scene);
         return true;
     }
-    FfpRng rng = ffp_rng((uint64_t)c->seed, (uint64_t)step);
+    FfpRng rng = ffp_rng((uint64_t)c->seed, (uint64_t)draw);
     if (c->polish_share > 0 && ffp_rng_uniform(&rng) < c->polish_share)
         return supervise_polished(s, scene, step, &rng, losses, err);
     supervise(s, scene, &s->run->gaussians, step, &rng, losses);
@@ -291,7 +293,7 @@ static bool predict(FfpStepper *s, const FfpModel *model, const FfpScene *scene,
                              err);
 }
 
-bool ffp_step_loss(FfpStepper *s, const FfpModel *model, const FfpScene *scene, int64_t step,
+bool ffp_step_loss(FfpStepper *s, const FfpModel *model, const FfpScene *scene, int64_t draw,
                    FfpLosses *losses, real *grad, FfpError *err) {
     const FfpTrainConfig *c = s->config;
     *losses = (FfpLosses){0};
@@ -303,7 +305,7 @@ bool ffp_step_loss(FfpStepper *s, const FfpModel *model, const FfpScene *scene, 
     ffp_losses_late(); // on a device all values are waited for at once
     ffp_loss_add(&losses->direct_t, 1, direct_loss(s, scene, (real)c->direct_t));
 
-    const bool ok = supervise_scene(s, scene, step, losses, err);
+    const bool ok = supervise_scene(s, scene, draw, losses, err);
     ffp_losses_settle();
     if (!ok) return false;
     losses->total = losses->l1 + losses->ssim + losses->perceptual + losses->mask + losses->depth +
