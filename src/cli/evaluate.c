@@ -63,6 +63,8 @@ static bool choose_model(FfpEvaluation *evaluation, const char *path, FfpModel *
         evaluation->model_name = "pattern lookup at the true depth";
     else if (evaluation->predictor == FFP_PREDICT_MATCH)
         evaluation->model_name = "pattern lookup at the matched depth";
+    else if (evaluation->field)
+        evaluation->model_name = evaluation->field;
     else if (evaluation->gaussians)
         evaluation->model_name = evaluation->gaussians;
     else if (none)
@@ -77,11 +79,13 @@ static bool choose_model(FfpEvaluation *evaluation, const char *path, FfpModel *
 }
 
 static int check(const FfpEvaluation *evaluation, const char *model) {
-    const int ways =
-        (model != NULL) + (evaluation->gaussians != NULL) + (evaluation->predictor != FFP_PREDICT_GAUSSIANS);
-    if (ways > 1) return ffp_cli_usage("evaluate", "give only one of --model, --gaussians and --predictor");
-    if (evaluation->gaussians && evaluation->n_captures > 1)
-        return ffp_cli_usage("evaluate", "--gaussians goes with one CAPTURE");
+    const int ways = (model != NULL) + (evaluation->gaussians != NULL) + (evaluation->field != NULL) +
+                     (evaluation->predictor != FFP_PREDICT_GAUSSIANS);
+    if (ways > 1)
+        return ffp_cli_usage("evaluate", "give only one of --model, --gaussians, --field and --predictor");
+    if ((evaluation->gaussians || evaluation->field) && evaluation->n_captures > 1)
+        return ffp_cli_usage("evaluate", "%s goes with one CAPTURE",
+                             evaluation->field ? "--field" : "--gaussians");
     if (evaluation->n_targets > 1 && evaluation->n_targets != evaluation->n_captures)
         return ffp_cli_usage("evaluate", "give --targets once, or once for each CAPTURE");
     if (evaluation->show_pattern && !evaluation->report)
@@ -128,6 +132,12 @@ static const FfpOption options[] = {
      .type = FFP_OPTION_FILE,
      .offset = offsetof(Arguments, evaluation.gaussians),
      .help = "a PLY to draw instead of reconstructing (one CAPTURE)"},
+    {.name = "field",
+     .argument = "FILE",
+     .type = FFP_OPTION_FILE,
+     .offset = offsetof(Arguments, evaluation.field),
+     .help = "a neural field that `refine --from-scratch=field` wrote to draw instead of reconstructing (one "
+             "CAPTURE)"},
     {.name = "predictor",
      .argument = "depth|match",
      .type = FFP_OPTION_CHOICE,

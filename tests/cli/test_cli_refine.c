@@ -51,7 +51,7 @@ static void test_from_scratch_needs_no_gaussians(void **state) {
     (void)state;
     double before, after;
     assert_int_equal(run_format(&run,
-                                "refine --from-scratch -c %s/tiny -o %s/scratch.ply --steps 24 --pattern "
+                                "refine --from-scratch=gaussians -c %s/tiny -o %s/scratch.ply --steps 24 --pattern "
                                 "lollipop_0 --pattern lollipop_1",
                                 scratch, scratch),
                      0);
@@ -90,7 +90,7 @@ static void test_wrong_requests_are_told_and_write_nothing(void **state) {
     assert_int_equal(run_format(&run, "refine %s/tiny.ply -c %s/tiny", scratch, scratch), 2);
     assert_int_equal(run_format(&run, "refine -c %s/tiny -o a.ply", scratch), 2);
     assert_int_equal(
-        run_format(&run, "refine %s/tiny.ply --from-scratch -c %s/tiny -o a.ply", scratch, scratch), 2);
+        run_format(&run, "refine %s/tiny.ply --from-scratch=gaussians -c %s/tiny -o a.ply", scratch, scratch), 2);
     assert_int_equal(run_format(&run, "refine %s/tiny.ply -c %s/tiny -o a.ply --steps 0", scratch, scratch),
                      2);
     assert_int_equal(run_format(&run, "refine %s/tiny.ply -c %s/tiny -o %s/no.ply --steps 4 --pattern absent",
