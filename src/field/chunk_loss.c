@@ -18,6 +18,7 @@ typedef struct Point {
     real uv[2], extent;
     FfpFieldPointGrad d;
     real d_weight, dA[3];
+    real texture[3]; // of the pattern at hand
 } Point;
 
 // A ray, and what it is compared with.
@@ -29,11 +30,12 @@ typedef struct Ray {
     real opacity, d_opacity;
 } Ray;
 
-static void texture_of(const FfpFieldPattern *pattern, const Point *p, real out[3]) {
+static void look_up(const FfpFieldPattern *pattern, Point *p) {
+    real *out = p->texture;
     out[0] = out[1] = out[2] = 0;
     if (!p->on_pattern) return;
     if (pattern->flat)
-        memcpy(out, pattern->colour, sizeof pattern->colour);
+        memcpy(p->texture, pattern->colour, sizeof p->texture);
     else
         ffp_box_mean(&pattern->summed, p->uv[0], p->uv[1], p->extent, p->extent, out);
 }
@@ -65,11 +67,11 @@ static void compare_pattern(FfpFieldChunk *c, const FfpFieldScene *scene, Ray *r
     const FfpImage *truth = &ray->view->images[scene->chosen[pattern]];
     const real *wanted = truth->data + 3 * (size_t)ray->at->pixel;
     const FfpFieldPattern *shown = &scene->patterns[pattern];
-    real mean[3] = {0, 0, 0}, picture[3], grad[3], d_mean[3], texture[3];
+    real mean[3] = {0, 0, 0}, picture[3], grad[3], d_mean[3];
     for (int i = 0; i < ray->count; i++) {
-        const Point *p = &ray->point[i];
-        texture_of(shown, p, texture);
-        for (int k = 0; k < 3; k++) mean[k] += p->weight * (p->says.ambient[k] + p->A[k] * texture[k]);
+        Point *p = &ray->point[i];
+        look_up(shown, p);
+        for (int k = 0; k < 3; k++) mean[k] += p->weight * (p->says.ambient[k] + p->A[k] * p->texture[k]);
     }
     ffp_resolve_pixel(mean, ray->opacity, COVERAGE_SIDE, picture);
     for (int k = 0; k < 3; k++) {
@@ -82,11 +84,10 @@ static void compare_pattern(FfpFieldChunk *c, const FfpFieldScene *scene, Ray *r
     ffp_resolve_pixel_backward(mean, ray->opacity, COVERAGE_SIDE, grad, d_mean, &ray->d_opacity);
     for (int i = 0; i < ray->count; i++) {
         Point *p = &ray->point[i];
-        texture_of(shown, p, texture);
         for (int k = 0; k < 3; k++) {
-            p->d_weight += d_mean[k] * (p->says.ambient[k] + p->A[k] * texture[k]);
+            p->d_weight += d_mean[k] * (p->says.ambient[k] + p->A[k] * p->texture[k]);
             p->d.ambient[k] += d_mean[k] * p->weight;
-            p->dA[k] += d_mean[k] * p->weight * texture[k];
+            p->dA[k] += d_mean[k] * p->weight * p->texture[k];
         }
     }
 }

@@ -13,8 +13,8 @@
 
 enum {
     CHUNKS = 16,      // of a step, whatever the number of threads: so the bits do not depend on it
-    RENEW_EVERY = 16, // steps
-    RENEW_PARTS = 8,  // of all cells: renewed each time
+    RENEW_EVERY = 8,  // steps
+    RENEW_PARTS = 4,  // of all cells: renewed each time
     FIRST_RAYS = 40,  // of a chunk
     SLICE = 1 << 14,  // numbers that a thread moves at once
     TELL_EVERY = 100  // steps
@@ -32,7 +32,7 @@ FfpFieldSettings ffp_field_defaults(void) {
                               .mask = 0.1F,
                               .visibility = 0.1F,
                               .facing = 0.01F,
-                              .match = 0.001F,
+                              .match = 0.01F,
                               .seed = 1};
 }
 

@@ -5,10 +5,10 @@
 #include "field/light.h"
 #include "field/march.h"
 
-enum { N = FFP_FIELD_CELLS, BEHIND = 3, BATCH = 4096, ROW = BATCH + FFP_FIELD_BLOCK };
+enum { N = FFP_FIELD_CELLS, BEHIND = 2, BATCH = 4096, ROW = BATCH + FFP_FIELD_BLOCK };
 #define CELL (2.0F / N)
-#define LEAST 0.5F  // density of a cell worth looking at: a 130th of the light a step
-#define OPAQUE 9.0F // optical depth behind which nothing is seen
+#define LEAST 0.8F  // density of a cell worth looking at: a hundredth of the light a step
+#define OPAQUE 7.0F // optical depth behind which nothing is seen
 #define START 3.0F  // cells before a point that throw no shadow on it
 
 FfpFieldRay ffp_field_ray(const FfpCamera *camera, real x, real y) {
