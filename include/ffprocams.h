@@ -119,8 +119,9 @@ FFP_API FfpModel *ffp_model_open(FfpContext *context, const char *path, FfpError
 FFP_API void ffp_model_close(FfpModel *model);
 
 // How Gaussians are drawn. The form: as the shipped model means them (firm splats, footprint lookup,
-// shadows), or in the paper's plain form (blur 0.3 px, bilinear lookup, no shadows); a model knows its own.
-typedef enum FfpForm { FFP_FORM_OURS, FFP_FORM_PAPER } FfpForm;
+// shadows), or in the paper's plain form (blur 0.3 px, bilinear lookup, no shadows); a model knows its own. Or
+// as GS-ProCams' released program does: the paper's form, in light without cosine and falloff.
+typedef enum FfpForm { FFP_FORM_OURS, FFP_FORM_PAPER, FFP_FORM_GS_PROCAMS } FfpForm;
 typedef struct FfpDrawing {
     FfpForm form;
     int samples; // a side of the grid of samples in each pixel, 1 to 4; 0: as the model has it, without one

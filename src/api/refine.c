@@ -11,6 +11,7 @@
 #include "refine/refine.h"
 
 #define SCRATCH_POINTS 20000
+#define CUBE_POINTS 100000 // as GS-ProCams
 #define SCRATCH_STEPS 20000 // as GS-ProCams
 #define REFINE_SECONDS 30
 
@@ -49,6 +50,7 @@ static FfpRefineSettings settings_of(const FfpRefinement *options, bool scratch)
     s.seconds = limited || scratch ? options->seconds : REFINE_SECONDS;
     s.seed = options->seed;
     s.may_stop = true;
+    s.one_picture = scratch && options->drawing.form == FFP_FORM_GS_PROCAMS;
     return s;
 }
 
@@ -65,8 +67,10 @@ static bool fit(FfpGaussians *gaussians, const FfpCapture *capture, const int *p
     FfpImage *clean = ffp_denoise_capture(&normalised, patterns, n_patterns, &noise);
     FfpRefineResult result = {0};
     ffp_cancel_hold_off(true); // from here on what there is counts
+    const bool cube = settings->one_picture; // all as GS-ProCams
     bool ok = gaussians->count > 0 ||
-              ffp_scratch_gaussians(gaussians, &normalised, SCRATCH_POINTS, settings->seed, err);
+              (cube ? ffp_scratch_cube(gaussians, &normalised, CUBE_POINTS, settings->seed, err)
+                    : ffp_scratch_gaussians(gaussians, &normalised, SCRATCH_POINTS, settings->seed, err));
     ok = ok && ffp_refine(gaussians, &normalised, patterns, n_patterns, settings, &result, err);
     if (ok) {
         ffp_gaussians_transform(gaussians, capture->centre, capture->radius);

@@ -166,7 +166,7 @@ static const FfpOption options[] = {
                   "as in `reconstruct`; 0: photographs as they are. Default: auto"),
     FFP_CLI_LAYERS(offsetof(Arguments, evaluation.layers), "as in `reconstruct`. Default: auto"),
     FFP_CLI_DRAWING(offsetof(Arguments, evaluation.drawing.form),
-                    "with --gaussians: ours (default) or paper"),
+                    "with --gaussians: ours (default), paper or gs-procams"),
     FFP_CLI_SAMPLES(offsetof(Arguments, evaluation.drawing.samples), FFP_CLI_SAMPLES_HELP),
     FFP_CLI_DEVICE(offsetof(Arguments, device),
                    "what network and fit are computed on: cpu (default), or cuda, the first NVIDIA GPU"),

@@ -14,6 +14,7 @@
 // A summed normal shorter than this share of the opacity has cancelled out and tells no direction: it is not
 // stretched to 1.
 #define FFP_NORMAL_MIN 0.05F
+#define FFP_COSINE_MIN 1e-6F // of n.l in light that does not ask for it, as GS-ProCams clamps it
 
 // One lit pixel.
 typedef struct FfpLit {
@@ -26,7 +27,10 @@ typedef struct FfpLit {
     real in_projector[3];        // the point in the projector's frame
     real l[3], v[3], h[3], distance, h_length;
     real nl, nv, nh, vh;
-    real u, v_at; // pattern position
+    bool even;           // light without its cosine and falloff (FfpMapping.even)
+    bool nl_held;        // then, at FFP_COSINE_MIN
+    real cosine, square; // what the light is multiplied with and divided by
+    real u, v_at;        // pattern position
     real texture[3], light[3];
     FfpLobe lobe;
     real f[3];
@@ -78,14 +82,19 @@ FFP_FORMULA bool ffp_light_pixel(const FfpShader *sh, int x, int y, FfpLit *s) {
     for (int k = 0; k < 3; k++) s->h[k] = s->l[k] + s->v[k];
     s->h_length = ffp_normalise3(s->h);
     ffp_inverse_transform_point(sh->projector->pose, point, s->in_projector);
+    s->even = sh->mapping->even > 0;
+    s->nl_held = s->even && !(s->nl > FFP_COSINE_MIN);
+    if (s->nl_held) s->nl = FFP_COSINE_MIN;
     if (!(s->nl > 0) || !(s->h_length > 0) || !(s->in_projector[2] > 0)) return false;
+    s->cosine = s->even ? 1 : s->nl;
+    s->square = s->even ? sh->mapping->even * sh->mapping->even : s->distance * s->distance;
     s->nh = ffp_dot3(s->n, s->h), s->vh = ffp_dot3(s->v, s->h);
     ffp_project(sh->projector, point, &s->u, &s->v_at);
     const real *extent = sh->mapping->extent + 2 * p;
     ffp_box_mean(sh->pattern, s->u, s->v_at, extent[0], extent[1], s->texture);
     s->lobe = ffp_lobe(s->roughness, s->nl, s->nv, s->nh, s->vh);
     for (int k = 0; k < 3; k++) {
-        s->light[k] = visibility * sh->intensity[k] / (s->distance * s->distance) * s->texture[k];
+        s->light[k] = visibility * sh->intensity[k] / s->square * s->texture[k];
         s->f[k] = s->albedo[k] / FFP_PI + s->lobe.D * s->lobe.F * s->lobe.V;
     }
     return true;
@@ -117,18 +126,19 @@ FFP_FORMULA void ffp_specular_backward(const FfpLobe *b, const FfpLit *s, real d
 FFP_FORMULA void ffp_reflect_backward(const FfpShader *sh, const FfpLit *s, real visibility,
                                       const real grad[3], FfpLitGrad *d, real d_intensity[3]) {
     real d_lobe = 0, d_nl = 0, d_square = 0, d_nv, d_nh, d_vh;
-    const real square = s->distance * s->distance;
+    const real square = s->square;
     for (int k = 0; k < 3; k++) {
-        const real through = grad[k] * s->opacity * s->nl, d_light = through * s->f[k];
-        d->opacity += grad[k] * s->f[k] * s->light[k] * s->nl;
-        d_nl += grad[k] * s->opacity * s->f[k] * s->light[k];
+        const real through = grad[k] * s->opacity * s->cosine, d_light = through * s->f[k];
+        d->opacity += grad[k] * s->f[k] * s->light[k] * s->cosine;
+        if (!s->even) d_nl += grad[k] * s->opacity * s->f[k] * s->light[k];
         d->albedo[k] = through * s->light[k] / FFP_PI;
         d_lobe += through * s->light[k];
         d->texture[k] = d_light * visibility * sh->intensity[k] / square;
         d_intensity[k] += d_light * visibility * s->texture[k] / square;
-        d_square -= d_light * s->light[k] / square;
+        if (!s->even) d_square -= d_light * s->light[k] / square;
     }
     ffp_specular_backward(&s->lobe, s, d_lobe, &d->roughness, &d_nl, &d_nv, &d_nh, &d_vh);
+    if (s->nl_held) d_nl = 0;
     real along_h = 0, along_l = 0;
     for (int k = 0; k < 3; k++) {
         d->n[k] = d_nl * s->l[k] + d_nv * s->v[k] + d_nh * s->h[k];
@@ -182,7 +192,7 @@ FFP_FORMULA void ffp_shade_pixel(const FfpShader *sh, int x, int y, real out[3])
     const real *ambient = sh->gbuffer->ambient + 3 * (y * sh->gbuffer->width + x);
     FfpLit s;
     const bool lit = ffp_light_pixel(sh, x, y, &s);
-    for (int k = 0; k < 3; k++) out[k] = ambient[k] + (lit ? s.f[k] * s.light[k] * s.nl * s.opacity : 0);
+    for (int k = 0; k < 3; k++) out[k] = ambient[k] + (lit ? s.f[k] * s.light[k] * s.cosine * s.opacity : 0);
 }
 
 // Adds to the G-buffer's gradient and to the intensity's. True where the pixel is lit; *s and *d then tell

@@ -109,7 +109,7 @@ static void test_wrong_usage_exits_2_and_says_where_to_read(void **state) {
         "generate a --sensor rea=1",
         "generate a --sensor =1",
         "generate a --sensor reads=1",
-        "generate a --views 65",
+        "generate a --views 361",
         "generate a --resolution 99999999999999999999",
         "train",
         "train --out a b",
