@@ -119,8 +119,8 @@ FFP_API FfpModel *ffp_model_open(FfpContext *context, const char *path, FfpError
 FFP_API void ffp_model_close(FfpModel *model);
 
 // How Gaussians are drawn. The form: as the shipped model means them (firm splats, footprint lookup,
-// shadows), or in the paper's plain form (blur 0.3 px, bilinear lookup, no shadows); a model knows its own. Or
-// as GS-ProCams' released program does: the paper's form, in light without cosine and falloff.
+// shadows), or in the paper's plain form (blur 0.3 px, bilinear lookup, no shadows); a model knows its own.
+// Or as GS-ProCams' released program does: the paper's form, in light without cosine and falloff.
 typedef enum FfpForm { FFP_FORM_OURS, FFP_FORM_PAPER, FFP_FORM_GS_PROCAMS } FfpForm;
 typedef struct FfpDrawing {
     FfpForm form;
@@ -328,8 +328,8 @@ FFP_API FfpGaussians *ffp_fit_from_scratch(FfpContext *context, const FfpCapture
                                            const FfpRefinement *options, FfpRefinementStats *stats,
                                            FfpError *err);
 
-// A neural reflectance field, the form of Nepmap: density, material and what light reaches each point by small
-// networks. For comparison too: it is drawn by ffp_evaluate alone.
+// A neural reflectance field, the form of Nepmap: density, material and what light reaches each point by
+// small networks. For comparison too: it is drawn by ffp_evaluate alone.
 typedef struct FfpNeuralField FfpNeuralField;
 // Fits one to the capture's pictures: `drawing` is not looked at; without a limit 300 s. Stats: psnr_before
 // and gaussians are 0, psnr_after is of up to 16 views. With a limit in steps alone the same seed gives the

@@ -38,8 +38,7 @@ static bool fit(void *argument, FILE *metrics, FfpError *err) {
     FfpImage *clean = ffp_denoise_capture(&normalised, patterns, n_patterns, &noise);
     FfpFieldResult result = {0};
     ffp_cancel_hold_off(true); // from here on what there is counts
-    const bool ok =
-        ffp_field_fit(call->field, &normalised, patterns, n_patterns, &settings, &result, err);
+    const bool ok = ffp_field_fit(call->field, &normalised, patterns, n_patterns, &settings, &result, err);
     if (ok) {
         memcpy(call->field->centre, call->capture->centre, sizeof call->field->centre);
         call->field->radius = call->capture->radius;

@@ -11,7 +11,7 @@
 #include "refine/refine.h"
 
 #define SCRATCH_POINTS 20000
-#define CUBE_POINTS 100000 // as GS-ProCams
+#define CUBE_POINTS 100000  // as GS-ProCams
 #define SCRATCH_STEPS 20000 // as GS-ProCams
 #define REFINE_SECONDS 30
 
@@ -66,7 +66,7 @@ static bool fit(FfpGaussians *gaussians, const FfpCapture *capture, const int *p
     FfpCapture normalised = ffp_normalised_alias(capture);
     FfpImage *clean = ffp_denoise_capture(&normalised, patterns, n_patterns, &noise);
     FfpRefineResult result = {0};
-    ffp_cancel_hold_off(true); // from here on what there is counts
+    ffp_cancel_hold_off(true);               // from here on what there is counts
     const bool cube = settings->one_picture; // all as GS-ProCams
     bool ok = gaussians->count > 0 ||
               (cube ? ffp_scratch_cube(gaussians, &normalised, CUBE_POINTS, settings->seed, err)

@@ -79,7 +79,7 @@ extern const FfpWord ffp_cli_auto[], ffp_cli_layers[], ffp_cli_forms[], ffp_cli_
         .words = ffp_cli_forms, .help = (text)                                                               \
     }
 #define FFP_CLI_FORM_HELP                                                                                    \
-    "ours (default), or paper for Gaussians of a model in the paper's form, or gs-procams for those fitted "   \
+    "ours (default), or paper for Gaussians of a model in the paper's form, or gs-procams for those fitted " \
     "in it: paper, in light without cosine and falloff"
 #define FFP_CLI_SAMPLES(place, text)                                                                         \
     {                                                                                                        \

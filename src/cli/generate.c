@@ -82,7 +82,9 @@ static const FfpOption options[] = {
      .argument = "KIND",
      .type = FFP_OPTION_CHOICE,
      .offset = offsetof(Arguments, generation.rig),
-     .words = (const FfpWord[]){{"turntable", FFP_RIG_TURNTABLE}, {"free", FFP_RIG_FREE}, {"sphere", FFP_RIG_SPHERE}, {0}},
+     .words =
+         (const FfpWord[]){
+             {"turntable", FFP_RIG_TURNTABLE}, {"free", FFP_RIG_FREE}, {"sphere", FFP_RIG_SPHERE}, {0}},
      .help =
          "turntable: camera and projector stay, the object turns (default); free: a camera all around the "
          "object and a projector anew beside it for each view; sphere: object and projector stay and the "

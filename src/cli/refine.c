@@ -155,8 +155,10 @@ const FfpCommand ffp_cli_refine = {
         (const FfpExample[]){
             {.command = "ffprocams reconstruct data/sample -o spot.ply\n"
                         "ffprocams refine spot.ply --capture data/sample -o better.ply --seconds 30"},
-            {.command = "ffprocams refine --from-scratch=gaussians --capture data/sample -o scratch.ply --steps 2000\n"
-                        "ffprocams refine --from-scratch=field --capture data/sample -o spot.field --seconds 60"},
+            {.command =
+                 "ffprocams refine --from-scratch=gaussians --capture data/sample -o scratch.ply --steps "
+                 "2000\n"
+                 "ffprocams refine --from-scratch=field --capture data/sample -o spot.field --seconds 60"},
             {0}},
     .size = sizeof(Arguments),
     .set_defaults = set_defaults,

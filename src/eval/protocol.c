@@ -125,8 +125,7 @@ static bool run_view(FfpSubject *subject, const Protocol *protocol, int v, int f
                      Means *means, double *seconds, FfpError *err) {
     const FfpView *view = &protocol->views->views[v];
     double begin = ffp_seconds();
-    if (ffp_subject_draws(subject))
-        ffp_subject_draw(subject, &view->camera, &view->projector);
+    if (ffp_subject_draws(subject)) ffp_subject_draw(subject, &view->camera, &view->projector);
     *seconds += ffp_seconds() - begin;
     bool ok = true;
     for (int p = first; ok && p < first + PATTERN_BLOCK && p < protocol->views->n_patterns; p++) {
@@ -156,7 +155,8 @@ static void add_score(FfpSubject *subject, const Protocol *protocol, const Means
     score->render_s = seconds;
     score->depth_lit_median = score->depth_lit_p90 = score->depth_unlit_median = score->depth_unlit_p90 = NAN;
     score->albedo_mse = score->albedo_lit_mse = score->albedo_unlit_mse = NAN;
-    if (ffp_subject_draws(subject) && strcmp(protocol->name, "rendering") == 0) ffp_measure_truth(subject, score);
+    if (ffp_subject_draws(subject) && strcmp(protocol->name, "rendering") == 0)
+        ffp_measure_truth(subject, score);
 }
 
 bool ffp_run_protocol(FfpSubject *subject, const char *name, const char *explanation, FfpError *err) {

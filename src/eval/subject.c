@@ -22,7 +22,8 @@ FfpImage ffp_subject_relight(FfpSubject *subject, const FfpSummed *pattern) {
 }
 
 const FfpGbuffer *ffp_subject_gbuffer(const FfpSubject *subject) {
-    return subject->field ? ffp_field_pass_gbuffer(subject->field_pass) : ffp_view_pass_gbuffer(subject->pass);
+    return subject->field ? ffp_field_pass_gbuffer(subject->field_pass)
+                          : ffp_view_pass_gbuffer(subject->pass);
 }
 
 void ffp_subject_free_drawing(FfpSubject *subject) {

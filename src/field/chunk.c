@@ -37,12 +37,11 @@ FfpFieldChunk ffp_field_chunk_new(const FfpFieldLayout *layout) {
 }
 
 void ffp_field_chunk_free(FfpFieldChunk *c) {
-    void *const all[] = {c->rays,           c->distance,     c->held,           c->position,
-                         c->encoded,        c->geometry,     c->material,       c->d_encoded,
-                         c->d_geometry,     c->d_material,   c->look_position,  c->look_encoded,
-                         c->look,           c->look_target,  c->d_look,         c->d_look_encoded,
-                         c->hidden[0],      c->hidden[1],    c->hidden[2],      c->scratch[0],
-                         c->scratch[1],     c->look_hidden[0], c->look_hidden[1], c->gradient};
+    void *const all[] = {
+        c->rays,      c->distance,    c->held,       c->position,       c->encoded,        c->geometry,
+        c->material,  c->d_encoded,   c->d_geometry, c->d_material,     c->look_position,  c->look_encoded,
+        c->look,      c->look_target, c->d_look,     c->d_look_encoded, c->hidden[0],      c->hidden[1],
+        c->hidden[2], c->scratch[0],  c->scratch[1], c->look_hidden[0], c->look_hidden[1], c->gradient};
     for (size_t i = 0; i < sizeof all / sizeof *all; i++) ffp_free(all[i]);
     *c = (FfpFieldChunk){0};
 }
@@ -213,8 +212,7 @@ static void hold_normals(FfpFieldChunk *c, const FfpNeuralField *field) {
         if (!c->rays[r].probed) continue;
         surface_of(&c->rays[r], point);
         for (int i = 0; i < 4; i++, count++)
-            for (int a = 0; a < 3; a++)
-                c->look_position[a * ROW + count] = point[a] + reach * corner[i][a];
+            for (int a = 0; a < 3; a++) c->look_position[a * ROW + count] = point[a] + reach * corner[i][a];
     }
     const FfpNetRows probe = {.stride = ROW,
                               .columns = ffp_field_padded(count),

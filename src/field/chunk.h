@@ -29,7 +29,7 @@ typedef struct FfpFieldScene {
     FfpFieldPattern *patterns; // [n_patterns]
     int32_t **pixels;          // [n_views] those that rays are drawn from
     int64_t *counts;           // [n_views]
-    double share; // of all pixels of all views that are drawn from; the others are empty
+    double share;              // of all pixels of all views that are drawn from; the others are empty
 } FfpFieldScene;
 FfpFieldScene ffp_field_scene_new(const FfpCapture *capture, const int *chosen, int n_patterns);
 void ffp_field_scene_free(FfpFieldScene *scene);
@@ -55,8 +55,8 @@ typedef struct FfpFieldChunk {
     int n_rays;
     int64_t points, looks;
     FfpChunkRay *rays;
-    real *distance; // [POINTS]
-    real *held;     // [POINTS] weights W, held
+    real *distance;                                 // [POINTS]
+    real *held;                                     // [POINTS] weights W, held
     real *position, *encoded, *geometry, *material; // rows: what the networks see and say of the points
     real *hidden[3];                                // geometry's, material's two
     real *d_encoded, *d_geometry, *d_material, *scratch[2];
@@ -77,7 +77,8 @@ void ffp_field_chunk_place(FfpFieldChunk *chunk, const FfpChunkRay *ray); // pos
 void ffp_field_chunk_see(FfpFieldChunk *chunk, const FfpNeuralField *field, const real lamp[3]);
 // Runs geometry and material, and the visibility network where there are looks.
 void ffp_field_chunk_forward(FfpFieldChunk *chunk, const FfpNeuralField *field);
-// What is held for the step: weights, surfaces, visibilities and what they ought to be, the density's normals.
+// What is held for the step: weights, surfaces, visibilities and what they ought to be, the density's
+// normals.
 void ffp_field_chunk_hold(FfpFieldChunk *chunk, const FfpNeuralField *field, const FfpFieldScene *scene,
                           FfpRng *rng);
 // The loss, each ray's part times `per_ray`, and its gradient in d_geometry, d_material and d_look. Patterns

@@ -61,9 +61,10 @@ static void light_point(const FfpFieldChunk *c, const FfpNeuralField *field, con
     for (int k = 0; k < 3; k++) p->dA[k] = 0;
 }
 
-// One pattern's picture of the ray, compared: half the square of the difference, as smooth L1 is of numbers up
-// to 1, a mean over the channels and patterns that count.
-static void compare_pattern(FfpFieldChunk *c, const FfpFieldScene *scene, Ray *ray, int pattern, real weight) {
+// One pattern's picture of the ray, compared: half the square of the difference, as smooth L1 is of numbers
+// up to 1, a mean over the channels and patterns that count.
+static void compare_pattern(FfpFieldChunk *c, const FfpFieldScene *scene, Ray *ray, int pattern,
+                            real weight) {
     const FfpImage *truth = &ray->view->images[scene->chosen[pattern]];
     const real *wanted = truth->data + 3 * (size_t)ray->at->pixel;
     const FfpFieldPattern *shown = &scene->patterns[pattern];
@@ -112,13 +113,15 @@ static void compare_normals(FfpFieldChunk *c, const FfpFieldSettings *s, Ray *ra
     }
 }
 
-// From dW to the densities: with W_i = T_i alpha_i, dL/d density_i = step (T_{i+1} dW_i - sum_{j>i} W_j dW_j).
+// From dW to the densities: with W_i = T_i alpha_i, dL/d density_i = step (T_{i+1} dW_i - sum_{j>i} W_j
+// dW_j).
 static void ray_backward(FfpFieldChunk *c, const FfpNeuralField *field, Ray *ray) {
     real behind = 0;
     for (int i = ray->count - 1; i >= 0; i--) {
         Point *p = &ray->point[i];
         const int64_t at = ray->at->first + i;
-        const real d_weight = p->d_weight + ray->d_opacity, raw = c->geometry[FFP_GEOMETRY_DENSITY * ROW + at];
+        const real d_weight = p->d_weight + ray->d_opacity,
+                   raw = c->geometry[FFP_GEOMETRY_DENSITY * ROW + at];
         const real d_density = field->step * (p->through * d_weight - behind);
         behind += p->weight * d_weight;
         if (p->is_lit) ffp_field_lit_backward(&p->lit, p->factor, p->dA, &p->d);
@@ -135,8 +138,7 @@ static void ray_loss(FfpFieldChunk *c, const FfpNeuralField *field, const FfpFie
     ray->count = ray->at->count, ray->d_opacity = 0;
     for (int i = 0; i < ray->count; i++) light_point(c, field, scene, ray, i, &through);
     ray->opacity = 1 - through;
-    for (int p = 0; p < n_patterns; p++)
-        compare_pattern(c, scene, ray, p, per_ray / (real)(3 * n_patterns));
+    for (int p = 0; p < n_patterns; p++) compare_pattern(c, scene, ray, p, per_ray / (real)(3 * n_patterns));
     const real off = ray->opacity - ray->view->coverage.data[ray->at->pixel];
     c->loss.mask += (double)(s->mask * per_ray * off * off / 2);
     ray->d_opacity += s->mask * per_ray * off;

@@ -75,8 +75,7 @@ static void draw_ray(const Drawing *d, Part *part, const FfpFieldChunk *c, const
     for (int64_t p = ray->first; p < ray->first + ray->count; p++) {
         const real at[3] = {c->position[p], c->position[FFP_CHUNK_ROW + p],
                             c->position[2 * (int64_t)FFP_CHUNK_ROW + p]};
-        const FfpFieldPoint says =
-            ffp_field_point(c->geometry + p, c->material + p, FFP_CHUNK_ROW, at);
+        const FfpFieldPoint says = ffp_field_point(c->geometry + p, c->material + p, FFP_CHUNK_ROW, at);
         const real weight = c->held[p], z = c->distance[p] * ray->ray.ahead;
         through -= weight;
         add_point(d->pass, ray->pixel, &says, weight, z);

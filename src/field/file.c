@@ -21,12 +21,7 @@ bool ffp_neural_field_write(const FfpNeuralField *field, const char *path, FfpEr
     for (int i = 0; i < CELLS; i++) density[i] = ffp_bf16_from_float((float)field->density[i]);
     const FfpTensor tensors[] = {
         {"parameters", FFP_F32, 1, {count}, count, numbers},
-        {"density",
-         FFP_BF16,
-         3,
-         {FFP_FIELD_CELLS, FFP_FIELD_CELLS, FFP_FIELD_CELLS},
-         CELLS,
-         density},
+        {"density", FFP_BF16, 3, {FFP_FIELD_CELLS, FFP_FIELD_CELLS, FFP_FIELD_CELLS}, CELLS, density},
         {"place", FFP_F32, 1, {PLACES}, PLACES, place},
     };
     const char *const metadata[] = {"format", FORMAT};

@@ -1,7 +1,7 @@
 // The fit: steps of some rays each, until steps or seconds end. Losses and phases follow Nepmap's released
-// program: smooth L1 of the pictures, the visibility network beside the densities' transmittance, normals that
-// face the camera and follow the density; first the black pictures alone, then all of them. Ours are the mask
-// term, and rates for a hash grid, an exponential fall instead of six steps by 1/4.
+// program: smooth L1 of the pictures, the visibility network beside the densities' transmittance, normals
+// that face the camera and follow the density; first the black pictures alone, then all of them. Ours are the
+// mask term, and rates for a hash grid, an exponential fall instead of six steps by 1/4.
 #include <math.h>
 #include <string.h>
 #include "base/call.h"
@@ -12,12 +12,12 @@
 #include "loss/metrics.h"
 
 enum {
-    CHUNKS = 16,      // of a step, whatever the number of threads: so the bits do not depend on it
-    RENEW_EVERY = 8,  // steps
-    RENEW_PARTS = 4,  // of all cells: renewed each time
-    FIRST_RAYS = 40,  // of a chunk
-    SLICE = 1 << 14,  // numbers that a thread moves at once
-    TELL_EVERY = 100  // steps
+    CHUNKS = 16,     // of a step, whatever the number of threads: so the bits do not depend on it
+    RENEW_EVERY = 8, // steps
+    RENEW_PARTS = 4, // of all cells: renewed each time
+    FIRST_RAYS = 40, // of a chunk
+    SLICE = 1 << 14, // numbers that a thread moves at once
+    TELL_EVERY = 100 // steps
 };
 #define FINE_SHARE 0.3 // of the budget, after which steps along the rays are shorter
 #define FIRST_STEP (1.0F / 64)
@@ -196,8 +196,7 @@ static double measure(const Fit *fit) {
     double sum = 0;
     FfpFieldPass *pass = ffp_field_pass_new();
     FfpSummed *summed = ffp_alloc((size_t)fit->scene.n_patterns, sizeof *summed);
-    for (int p = 0; p < fit->scene.n_patterns; p++)
-        summed[p] = ffp_summed_new(fit->scene.patterns[p].image);
+    for (int p = 0; p < fit->scene.n_patterns; p++) summed[p] = ffp_summed_new(fit->scene.patterns[p].image);
     for (int i = 0; i < n; i++) {
         const FfpView *view = &capture->views[(int64_t)i * capture->n_views / n];
         ffp_field_pass_draw(pass, fit->field, &view->camera, &view->projector, capture->intensity);

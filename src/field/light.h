@@ -1,6 +1,6 @@
 // Inside the field's room: what the networks' outputs mean, and a point of the field in the light of
-// base/brdf.h: radiance = ambient + A texture with A = f_r V (I / d^2) max(n.l, 0), so that one A serves every
-// pattern.
+// base/brdf.h: radiance = ambient + A texture with A = f_r V (I / d^2) max(n.l, 0), so that one A serves
+// every pattern.
 #ifndef FFP_FIELD_LIGHT_H
 #define FFP_FIELD_LIGHT_H
 

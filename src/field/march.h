@@ -31,8 +31,8 @@ real ffp_field_transmittance(const FfpNeuralField *field, const real point[3], c
 // Cells whose density is renewed in turn.
 typedef struct FfpFieldCells {
     int64_t count, next;
-    int32_t *cell;                       // [count]
-    real *position, *encoded, *raw;      // of a batch
+    int32_t *cell;                  // [count]
+    real *position, *encoded, *raw; // of a batch
     real *hidden[FFP_FIELD_LAYERS - 1];
 } FfpFieldCells;
 FfpFieldCells ffp_field_cells_new(const FfpNeuralField *field);

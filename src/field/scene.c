@@ -38,8 +38,7 @@ FfpFieldScene ffp_field_scene_new(const FfpCapture *capture, const int *chosen, 
     scene.patterns = ffp_alloc((size_t)n_patterns, sizeof *scene.patterns);
     scene.pixels = ffp_alloc((size_t)capture->n_views, sizeof *scene.pixels);
     scene.counts = ffp_alloc((size_t)capture->n_views, sizeof *scene.counts);
-    for (int p = 0; p < n_patterns; p++)
-        scene.patterns[p] = pattern_of(&capture->patterns[chosen[p]].image);
+    for (int p = 0; p < n_patterns; p++) scene.patterns[p] = pattern_of(&capture->patterns[chosen[p]].image);
     for (int v = 0; v < capture->n_views; v++) {
         const FfpView *view = &capture->views[v];
         const size_t pixels = (size_t)view->camera.width * (size_t)view->camera.height;

@@ -36,8 +36,7 @@ static inline void scene_view(FfpView *view, int index, FfpRng *rng) {
     const real turn = (real)index * 1.3F;
     snprintf(view->id, sizeof view->id, "view_%d", index);
     view->camera = scene_device(3 * cos(turn), 3 * sin(turn), 0.4F, SCENE_SIDE, 34);
-    view->projector =
-        scene_device(2 * cos(turn + 0.4F), 2 * sin(turn + 0.4F), 1.1F, SCENE_PATTERN, 40);
+    view->projector = scene_device(2 * cos(turn + 0.4F), 2 * sin(turn + 0.4F), 1.1F, SCENE_PATTERN, 40);
     view->images = ffp_alloc(SCENE_PATTERNS, sizeof *view->images);
     for (int p = 0; p < SCENE_PATTERNS; p++) view->images[p] = scene_noise(SCENE_SIDE, 3, rng);
     view->coverage = ffp_image_new(SCENE_SIDE, SCENE_SIDE, 1);

@@ -65,8 +65,7 @@ static void take_back(Setup *s) {
         scatter(&layout->levels[l], s->chunk.look_position, s->chunk.looks, FFP_CHUNK_ROW,
                 s->chunk.d_look_encoded + row, s->grad);
     }
-    memcpy(s->grad + layout->grid, s->chunk.gradient,
-           (size_t)(layout->count - layout->grid) * sizeof(real));
+    memcpy(s->grad + layout->grid, s->chunk.gradient, (size_t)(layout->count - layout->grid) * sizeof(real));
 }
 
 // Numbers first .. first + count - 1, every `every`-th of those that have a gradient.
@@ -135,7 +134,7 @@ static void features_are_interpolated(void **state) {
     real position[3 * ROW] = {0}, encoded[FFP_FIELD_ENCODED * ROW];
     for (int i = 0; i < POINTS; i++) // grid points 5 and 6 along x, and halfway
         position[i] = (5 + (real)i / 2) * 2 / (real)level->resolution - 1, position[ROW + i] = -1,
-                 position[2 * ROW + i] = -1;
+        position[2 * ROW + i] = -1;
     ffp_field_kernels()->encode(&field.layout, field.parameters, position, POINTS, ROW, encoded);
     for (int f = 0; f < FFP_FIELD_FEATURES; f++) {
         const real *row = encoded + f * ROW;

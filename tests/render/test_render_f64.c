@@ -274,10 +274,11 @@ static void test_composition_gradients(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_rasterise_gradients),  cmocka_unit_test(test_flat_and_opaque_gradients),
-        cmocka_unit_test(test_off_centre_gradients), cmocka_unit_test(test_held_jacobian_gradients),
-        cmocka_unit_test(test_shade_gradients),      cmocka_unit_test(test_even_light_gradients),      cmocka_unit_test(test_shade_edge_gradients),
-        cmocka_unit_test(test_shade_black),          cmocka_unit_test(test_composition_gradients),
+        cmocka_unit_test(test_rasterise_gradients),   cmocka_unit_test(test_flat_and_opaque_gradients),
+        cmocka_unit_test(test_off_centre_gradients),  cmocka_unit_test(test_held_jacobian_gradients),
+        cmocka_unit_test(test_shade_gradients),       cmocka_unit_test(test_even_light_gradients),
+        cmocka_unit_test(test_shade_edge_gradients),  cmocka_unit_test(test_shade_black),
+        cmocka_unit_test(test_composition_gradients),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
