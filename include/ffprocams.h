@@ -304,6 +304,8 @@ typedef struct FfpRefinement {
     double noise;        // as FfpReconstruction.noise
     uint64_t seed;       // of the order of views, and of the points that a fit from scratch starts from
     const char *metrics; // file for a line of JSON a round (step, seconds, loss, psnr, gaussians), or NULL
+    const char *checkpoint; // ffp_fit_neural_field only: file that is written every two minutes and at the
+                            // end, and from which the same fit goes on if it is there; or NULL
     FfpDrawing drawing;
 } FfpRefinement;
 

@@ -23,6 +23,7 @@ static FfpFieldSettings settings_of(const FfpRefinement *options, FILE *metrics)
     s.seed = options->seed;
     s.may_stop = true;
     s.metrics = metrics;
+    s.checkpoint = options->checkpoint;
     return s;
 }
 

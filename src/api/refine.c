@@ -85,7 +85,8 @@ bool ffp_refinement_with_metrics(const FfpRefinement *options,
                                  bool (*work)(void *argument, FILE *metrics, FfpError *err), void *argument,
                                  FfpError *err) {
     FILE *metrics = NULL;
-    if (options->metrics && !(metrics = ffp_open_to_grow(options->metrics, false, err))) return false;
+    const bool goes_on = options->checkpoint && ffp_is_file(options->checkpoint);
+    if (options->metrics && !(metrics = ffp_open_to_grow(options->metrics, goes_on, err))) return false;
     if (metrics) ffp_own_file(metrics);
     const bool ok = work(argument, metrics, err), lost = metrics && ferror(metrics);
     if (metrics && (ffp_close_file(metrics) != 0 || lost))

@@ -27,6 +27,7 @@ static bool run_field(const Arguments *arguments, const FfpCapture *capture, Ffp
         ffp_fit_neural_field(ffp_cli_context(), capture, &arguments->refinement, &stats, err);
     if (stats.stopped) ffp_cli_go_on();
     const bool ok = field && ffp_neural_field_save(ffp_cli_context(), field, arguments->output, err);
+    if (ok && arguments->refinement.checkpoint && !stats.stopped) remove(arguments->refinement.checkpoint);
     if (ok)
         printf("%s: a neural field, %.2f dB on pictures fitted, %lld steps in %.1f s%s\n", arguments->output,
                stats.psnr_after, (long long)stats.steps, stats.seconds, stats.stopped ? ", interrupted" : "");
@@ -56,6 +57,8 @@ static int run(void *data) {
         return ffp_cli_usage("refine", "--from-scratch takes no FILE.ply: %s", arguments->gaussians);
     if (!arguments->scratch && !arguments->gaussians)
         return ffp_cli_usage("refine", "give exactly one FILE.ply");
+    if (arguments->refinement.checkpoint && arguments->scratch != FROM_FIELD)
+        return ffp_cli_usage("refine", "--checkpoint goes with --from-scratch=field");
     arguments->refinement.patterns = arguments->patterns.values;
     arguments->refinement.n_patterns = arguments->patterns.count;
     FfpCapture *capture = ffp_can_write(arguments->output, &err)
@@ -125,6 +128,12 @@ static const FfpOption options[] = {
      .offset = offsetof(Arguments, refinement.metrics),
      .help = "a line of JSON a round of all views (of a field: every 100 steps): step, seconds, loss, psnr, "
              "gaussians"},
+    {.name = "checkpoint",
+     .argument = "FILE",
+     .type = FFP_OPTION_FILE,
+     .offset = offsetof(Arguments, refinement.checkpoint),
+     .help = "of a field: written every two minutes. If it is there, the fit goes on from it, with the same "
+             "limits and patterns; removed when the field is done"},
     {.name = "seed",
      .argument = "N",
      .type = FFP_OPTION_INT64,

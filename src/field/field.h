@@ -79,9 +79,11 @@ typedef struct FfpFieldSettings {
     int64_t steps;  // 0: no limit
     double seconds; // of wall clock; 0: no limit
     uint64_t seed;
-    bool may_stop; // cancelled, the work ends with what it has
-    FILE *metrics; // a line of JSON now and then; NULL: none. What cannot be written ends the fit
-    bool quiet;    // tells no progress
+    bool may_stop;          // cancelled, the work ends with what it has
+    FILE *metrics;          // a line of JSON now and then; NULL: none. What cannot be written ends the fit
+    bool quiet;             // tells no progress
+    const char *checkpoint; // file that is written every two minutes and at the end, and from which the same
+                            // fit goes on, to the same bits; NULL: none
 } FfpFieldSettings;
 FfpFieldSettings ffp_field_defaults(void);
 

@@ -5,6 +5,7 @@
 #include <string.h>
 #include "base/alloc.h"
 #include "field/field.h"
+#include "field/numbers.h"
 #include "tensor/safetensors.h"
 
 #define FORMAT "ffprocams neural field 1"
@@ -31,35 +32,15 @@ bool ffp_neural_field_write(const FfpNeuralField *field, const char *path, FfpEr
     return ok;
 }
 
-static bool check_numbers(const real *numbers, int64_t count, real least, const char *path, const char *name,
-                          FfpError *err) {
-    for (int64_t i = 0; i < count; i++)
-        if (!isfinite(numbers[i]) || !(numbers[i] >= least))
-            return ffp_fail(err, FFP_ERROR_FILE, ffp_place(path, name).text, "number %lld is out of range",
-                            (long long)i);
-    return true;
-}
-
-static bool read_numbers(const FfpSafetensors *file, const char *path, const char *name, int64_t count,
-                         real least, real *out, FfpError *err) {
-    const FfpTensor *tensor = ffp_safetensors_find(file, name);
-    if (!tensor) return ffp_fail(err, FFP_ERROR_FILE, ffp_place(path, name).text, "is missing");
-    if (tensor->count != count)
-        return ffp_fail(err, FFP_ERROR_FILE, ffp_place(path, name).text, "has %lld numbers and not %lld",
-                        (long long)tensor->count, (long long)count);
-    if (!ffp_tensor_to_real(tensor, out))
-        return ffp_fail(err, FFP_ERROR_FILE, ffp_place(path, name).text, "holds no real numbers");
-    return check_numbers(out, count, least, path, name, err);
-}
-
 static bool read_all(FfpNeuralField *field, const FfpSafetensors *file, const char *path, FfpError *err) {
     const char *format = ffp_safetensors_metadata(file, "format");
     real place[PLACES];
     if (!format || strcmp(format, FORMAT) != 0)
         return ffp_fail(err, FFP_ERROR_FILE, path, "is no neural field");
-    if (!read_numbers(file, path, "parameters", field->layout.count, -INFINITY, field->parameters, err) ||
-        !read_numbers(file, path, "density", CELLS, 0, field->density, err) ||
-        !read_numbers(file, path, "place", PLACES, -INFINITY, place, err))
+    if (!ffp_read_field_numbers(file, path, "parameters", field->layout.count, -INFINITY, field->parameters,
+                                err) ||
+        !ffp_read_field_numbers(file, path, "density", CELLS, 0, field->density, err) ||
+        !ffp_read_field_numbers(file, path, "place", PLACES, -INFINITY, place, err))
         return false;
     if (!(place[0] >= 1e-3F && place[0] <= 1) || !(place[4] > 0))
         return ffp_fail(err, FFP_ERROR_FILE, ffp_place(path, "place").text,

@@ -7,6 +7,8 @@
 #include "base/call.h"
 #include "base/device.h"
 #include "base/log.h"
+#include "base/file.h"
+#include "field/checkpoint.h"
 #include "field/chunk.h"
 #include "field/kernels/kernels.h"
 #include "loss/metrics.h"
@@ -19,7 +21,8 @@ enum {
     SLICE = 1 << 14, // numbers that a thread moves at once
     TELL_EVERY = 100 // steps
 };
-#define FINE_SHARE 0.3 // of the budget, after which steps along the rays are shorter
+#define FINE_SHARE 0.3   // of the budget, after which steps along the rays are shorter
+#define SAVE_EVERY 120.0 // seconds
 #define FIRST_STEP (1.0F / 64)
 #define FINE_STEP (1.0F / 96)
 
@@ -45,7 +48,7 @@ typedef struct Fit {
     real *grad, *mean, *square; // [layout.count]
     int64_t step;
     int rays; // of a chunk
-    double started, square_error, numbers, loss;
+    double started, saved, square_error, numbers, loss;
     FfpTask progress;
 } Fit;
 
@@ -178,15 +181,56 @@ static bool over(const Fit *fit) {
     return share_spent(fit) >= 1 || (fit->settings->may_stop && ffp_cancelled());
 }
 
+// What is fitted to what, and how long.
+static void name_fit(const Fit *fit, char *text, size_t size) {
+    const FfpFieldSettings *s = fit->settings;
+    int length =
+        snprintf(text, size, "%s, %d views, seed %llu, %lld steps, %g s:", fit->scene.capture->name,
+                 fit->scene.capture->n_views, (unsigned long long)s->seed, (long long)s->steps, s->seconds);
+    for (int p = 0; p < fit->scene.n_patterns && length > 0 && (size_t)length < size; p++)
+        length += snprintf(text + length, size - (size_t)length, " %s",
+                           fit->scene.capture->patterns[fit->scene.chosen[p]].name);
+}
+
+static bool save(Fit *fit, FfpError *err) {
+    char name[512];
+    const FfpFieldState state = {fit->field,
+                                 fit->mean,
+                                 fit->square,
+                                 fit->step,
+                                 fit->cells.next,
+                                 fit->rays,
+                                 ffp_seconds() - fit->started};
+    if (!fit->settings->checkpoint) return true;
+    fit->saved = ffp_seconds();
+    name_fit(fit, name, sizeof name);
+    return ffp_field_state_write(&state, name, fit->settings->checkpoint, err);
+}
+
+// Where the checkpoint is, if there is one.
+static bool go_on(Fit *fit, FfpError *err) {
+    char name[512];
+    FfpFieldState state = {.field = fit->field, .mean = fit->mean, .square = fit->square};
+    if (!fit->settings->checkpoint || !ffp_is_file(fit->settings->checkpoint)) return true;
+    name_fit(fit, name, sizeof name);
+    if (!ffp_field_state_read(&state, name, fit->settings->checkpoint, err)) return false;
+    fit->step = state.step, fit->rays = state.rays < FFP_CHUNK_RAYS ? state.rays : FFP_CHUNK_RAYS;
+    fit->cells.next = state.next_cell % fit->cells.count;
+    fit->started -= state.seconds;
+    ffp_note("%s: going on from step %lld", fit->settings->checkpoint, (long long)fit->step);
+    return true;
+}
+
 static bool run(Fit *fit, FfpError *err) {
-    bool ok = true;
+    bool ok = go_on(fit, err);
     fit->progress = ffp_task("fitting a field", 1000);
     while (ok && !over(fit)) {
         one_step(fit);
         if (fit->step % TELL_EVERY == 0) ok = tell(fit, err);
+        if (ok && ffp_seconds() - fit->saved > SAVE_EVERY) ok = save(fit, err);
     }
     ffp_task_end(&fit->progress);
-    return ok;
+    return ok && save(fit, err);
 }
 
 // The mean PSNR of some of the views, drawn whole.
@@ -222,6 +266,7 @@ static Fit fit_new(FfpNeuralField *field, const FfpCapture *capture, const int *
     fit.scene = ffp_field_scene_new(capture, patterns, n_patterns);
     for (int c = 0; c < CHUNKS; c++) fit.chunks[c] = ffp_field_chunk_new(&field->layout);
     fit.cells = ffp_field_cells_new(field);
+    fit.saved = fit.started;
     fit.grad = ffp_alloc(count, sizeof(real));
     fit.mean = ffp_alloc(count, sizeof(real));
     fit.square = ffp_alloc(count, sizeof(real));
@@ -242,7 +287,7 @@ static bool check(const FfpCapture *capture, const FfpFieldSettings *settings, F
         return ffp_fail(err, FFP_ERROR_UNSUPPORTED, capture->folder, "a field is fitted on the CPU only");
     if (settings->steps <= 0 && settings->seconds <= 0)
         return ffp_fail(err, FFP_ERROR_ARGUMENT, capture->folder, "the fit has no limit");
-    return true;
+    return ffp_output_probe(settings->checkpoint, err);
 }
 
 bool ffp_field_fit(FfpNeuralField *field, const FfpCapture *capture, const int *patterns, int n_patterns,

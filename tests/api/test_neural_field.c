@@ -38,6 +38,14 @@ static FfpContext *context_of(int threads) {
     return context;
 }
 
+// Wants no more when it has been asked some times.
+static bool stop_later(void *user, const FfpProgress *progress) {
+    static int asked = 0;
+    (void)user;
+    if (progress->stage && strcmp(progress->stage, "fitting a field") == 0) asked++;
+    return asked < 10;
+}
+
 // The same seed, one thread and two: the same numbers to the bit; more steps, better pictures.
 static void threads_do_not_matter_and_steps_do(void **state) {
     (void)state;
@@ -51,6 +59,32 @@ static void threads_do_not_matter_and_steps_do(void **state) {
     assert_true(more.psnr_after > 13);
     ffp_neural_field_close(a), ffp_neural_field_close(b), ffp_neural_field_close(c);
     ffp_context_free(one), ffp_context_free(two);
+}
+
+// Stopped on the way, it goes on to the bits of a fit that was never stopped; another fit does not.
+static void it_goes_on_from_a_checkpoint(void **state) {
+    (void)state;
+    FfpError err = {0};
+    FfpContextSettings settings = ffp_context_defaults();
+    char path[128];
+    snprintf(path, sizeof path, "%s", in_scratch("checkpoint"));
+    FfpRefinement how = {.steps = 24, .seed = 1, .checkpoint = path};
+    FfpRefinementStats stats = {0};
+    settings.progress = stop_later;
+    FfpContext *context = ffp_context_new(&settings, &err);
+    FfpNeuralField *whole = fit(NULL, 24, NULL);
+    FfpNeuralField *part = ffp_fit_neural_field(context, capture, &how, &stats, &err);
+    if (!part) fail_msg("%s", err.text);
+    assert_true(stats.stopped && stats.steps > 0 && stats.steps < 24);
+    FfpNeuralField *rest = ffp_fit_neural_field(NULL, capture, &how, &stats, &err);
+    if (!rest) fail_msg("%s", err.text);
+    assert_int_equal(stats.steps, 24);
+    assert_memory_equal(whole->parameters, rest->parameters, (size_t)whole->layout.count * sizeof(real));
+    how.seed = 2;
+    assert_null(ffp_fit_neural_field(NULL, capture, &how, &stats, &err));
+    assert_non_null(strstr(err.text, "another fit"));
+    ffp_neural_field_close(whole), ffp_neural_field_close(part), ffp_neural_field_close(rest);
+    ffp_context_free(context);
 }
 
 // What the fit says of its pictures, an evaluation of the file finds too.
@@ -130,6 +164,7 @@ static void other_files_are_refused(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(threads_do_not_matter_and_steps_do),
+        cmocka_unit_test(it_goes_on_from_a_checkpoint),
         cmocka_unit_test(a_saved_field_is_evaluated),
         cmocka_unit_test(cancelled_it_keeps_what_it_has),
         cmocka_unit_test(other_files_are_refused),

@@ -101,6 +101,7 @@ static void test_wrong_usage_exits_2_and_says_where_to_read(void **state) {
         "generate a --count 0",
         "generate a --split some",
         "generate a --preset large",
+        "refine a -c b -o c --checkpoint d",
         "generate a --rig round",
         "generate a --views 0",
         "generate a --sensor read",
