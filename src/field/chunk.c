@@ -6,7 +6,11 @@
 #include "base/alloc.h"
 #include "field/kernels/kernels.h"
 
-enum { ROW = FFP_CHUNK_ROW };
+enum {
+    ROW = FFP_CHUNK_ROW,
+    EXPLORING = 8 // one of so many rays also looks where the grid says that there is nothing: else a surface
+                  // that was lost would never come back
+};
 
 static real *rows(int count) {
     return ffp_alloc((size_t)count * ROW, sizeof(real));
@@ -68,7 +72,8 @@ void ffp_field_chunk_draw(FfpFieldChunk *c, const FfpNeuralField *field, const F
         ray->ray = ffp_field_ray(camera, (real)(ray->pixel % camera->width) + 0.5F,
                                  (real)(ray->pixel / camera->width) + 0.5F);
         ray->first = c->points;
-        ray->count = ffp_field_march(field, &ray->ray, ffp_rng_uniform(rng), c->distance + c->points);
+        ray->count = ffp_field_march(field, &ray->ray, ffp_rng_uniform(rng), i % EXPLORING == 0,
+                                     c->distance + c->points);
         ffp_field_chunk_place(c, ray);
         c->points += ray->count;
     }

@@ -102,7 +102,7 @@ static int draw_some(const Drawing *d, Part *part, FfpFieldChunk *c, int pixel, 
         ray->pixel = pixel, ray->first = c->points;
         ray->ray = ffp_field_ray(d->camera, (real)(pixel % d->camera->width) + 0.5F,
                                  (real)(pixel / d->camera->width) + 0.5F);
-        ray->count = ffp_field_march(d->field, &ray->ray, 0.5F, c->distance + c->points);
+        ray->count = ffp_field_march(d->field, &ray->ray, 0.5F, false, c->distance + c->points);
         if (ray->count == 0) continue;
         ffp_field_chunk_place(c, ray);
         c->points += ray->count, c->n_rays++;

@@ -30,7 +30,7 @@ FfpFieldSettings ffp_field_defaults(void) {
     return (FfpFieldSettings){.grid_rate = 0.01,
                               .net_rate = 0.003,
                               .decay = 0.02,
-                              .black_share = 0.1,
+                              .black_share = 0.03,
                               .samples = 1 << 15,
                               .mask = 0.1F,
                               .visibility = 0.1F,

@@ -23,7 +23,7 @@ static FfpFieldNet net_of(const int *widths, int layers, int64_t *next) {
 FfpFieldLayout ffp_field_layout(void) {
     FfpFieldLayout layout = {0};
     double resolution = COARSEST;
-    for (int l = 0; l < FFP_FIELD_LEVELS; l++, resolution *= GROWTH) {
+    for (int l = 0; l < FFP_FIELD_LEVELS; l++) {
         FfpGridLevel *level = &layout.levels[l];
         const int64_t side = (int64_t)(resolution + 0.5) + 1, points = side * side * side;
         level->resolution = (int)side - 1;
@@ -31,6 +31,7 @@ FfpFieldLayout ffp_field_layout(void) {
         level->entries = level->dense ? points : FFP_FIELD_TABLE;
         level->first = layout.grid;
         layout.grid += level->entries * FFP_FIELD_FEATURES;
+        resolution *= GROWTH;
     }
     const int wide = FFP_FIELD_WIDTH;
     int64_t next = layout.grid;

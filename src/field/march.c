@@ -5,11 +5,16 @@
 #include "field/light.h"
 #include "field/march.h"
 
-enum { N = FFP_FIELD_CELLS, BEHIND = 2, BATCH = 4096, ROW = BATCH + FFP_FIELD_BLOCK };
+enum {
+    N = FFP_FIELD_CELLS,
+    BEHIND = 2, // points of a ray behind where nothing is seen any more
+    START = 3,  // cells before a point that throw no shadow on it
+    BATCH = 4096,
+    ROW = BATCH + FFP_FIELD_BLOCK
+};
 #define CELL (2.0F / N)
-#define LEAST 0.8F  // density of a cell worth looking at: a hundredth of the light a step
+#define LEAST 0.1F  // density of a cell worth looking at: a 600th of the light a step
 #define OPAQUE 7.0F // optical depth behind which nothing is seen
-#define START 3.0F  // cells before a point that throw no shadow on it
 
 FfpFieldRay ffp_field_ray(const FfpCamera *camera, real x, real y) {
     FfpFieldRay ray;
@@ -40,14 +45,16 @@ static inline real density_at(const FfpNeuralField *field, const real origin[3],
     return field->density[((size_t)z * N + (size_t)y) * N + (size_t)x];
 }
 
-int ffp_field_march(const FfpNeuralField *field, const FfpFieldRay *ray, real jitter,
+int ffp_field_march(const FfpNeuralField *field, const FfpFieldRay *ray, real jitter, bool explores,
                     real distance[FFP_FIELD_ON_RAY]) {
     real from, to, depth = 0;
     int count = 0, behind = 0;
     if (!cross_sphere(ray->origin, ray->direction, &from, &to)) return 0;
-    for (real t = from + jitter * field->step; t < to && count < FFP_FIELD_ON_RAY; t += field->step) {
+    const int steps = (int)ceil((to - from) / field->step - jitter);
+    for (int i = 0; i < steps && count < FFP_FIELD_ON_RAY; i++) {
+        const real t = from + ((real)i + jitter) * field->step;
         const real density = density_at(field, ray->origin, ray->direction, t);
-        if (density < LEAST) continue;
+        if (!(density > (explores ? 0 : LEAST))) continue;
         distance[count++] = t;
         depth += density * field->step;
         if (depth > OPAQUE && ++behind > BEHIND) break;
@@ -60,8 +67,9 @@ real ffp_field_transmittance(const FfpNeuralField *field, const real point[3], c
     for (int k = 0; k < 3; k++) direction[k] = lamp[k] - point[k];
     const real away = ffp_normalise3(direction);
     if (!cross_sphere(point, direction, &from, &to)) return 1;
-    for (real t = START * CELL; t < fmin(to, away) && depth < OPAQUE; t += CELL) {
-        const real density = density_at(field, point, direction, t);
+    const int steps = (int)ceil(fmin(to, away) / CELL);
+    for (int i = START; i < steps && depth < OPAQUE; i++) {
+        const real density = density_at(field, point, direction, (real)i * CELL);
         if (density >= LEAST) depth += density * CELL;
     }
     return exp(-depth);

@@ -20,8 +20,9 @@ FfpFieldRay ffp_field_ray(const FfpCamera *camera, real x, real y);
 int64_t ffp_field_carve(FfpNeuralField *field, const FfpCapture *capture);
 
 // Distances of the ray's points: steps of field->step through the unit sphere, the first `jitter` of one
-// behind its rim, where there is something, until nothing more comes through. Returns their number.
-int ffp_field_march(const FfpNeuralField *field, const FfpFieldRay *ray, real jitter,
+// behind its rim, where there is something (or, exploring, anywhere in the hull), until nothing more comes
+// through. Returns their number.
+int ffp_field_march(const FfpNeuralField *field, const FfpFieldRay *ray, real jitter, bool explores,
                     real distance[FFP_FIELD_ON_RAY]);
 
 // Share of the light of `lamp` that comes through to a point, by the grid alone; 3 cells before the point do
