@@ -123,7 +123,8 @@ FFP_API void ffp_model_close(FfpModel *model);
 
 // How Gaussians are drawn. The form: as the shipped model means them (firm splats, footprint lookup,
 // shadows), or in the paper's plain form (blur 0.3 px, bilinear lookup, no shadows); a model knows its own.
-typedef enum FfpForm { FFP_FORM_OURS, FFP_FORM_PAPER } FfpForm;
+// Or as GS-ProCams' released program does: the paper's form, in light without cosine and falloff.
+typedef enum FfpForm { FFP_FORM_OURS, FFP_FORM_PAPER, FFP_FORM_GS_PROCAMS } FfpForm;
 typedef struct FfpDrawing {
     FfpForm form;
     int samples; // a side of the grid of samples in each pixel, 1 to 4; 0: as the model has it, without one
@@ -306,6 +307,8 @@ typedef struct FfpRefinement {
     double noise;        // as FfpReconstruction.noise
     uint64_t seed;       // of the order of views, and of the points that a fit from scratch starts from
     const char *metrics; // file for a line of JSON a round (step, seconds, loss, psnr, gaussians), or NULL
+    const char *checkpoint; // ffp_fit_neural_field only: file that is written every two minutes and at the
+                            // end, and from which the same fit goes on if it is there; or NULL
     FfpDrawing drawing;
 } FfpRefinement;
 
@@ -329,6 +332,20 @@ FFP_API bool ffp_refine_gaussians(FfpContext *context, FfpGaussians *gaussians, 
 FFP_API FfpGaussians *ffp_fit_from_scratch(FfpContext *context, const FfpCapture *capture,
                                            const FfpRefinement *options, FfpRefinementStats *stats,
                                            FfpError *err);
+
+// A neural reflectance field, the form of Nepmap: density, material and what light reaches each point by
+// small networks. For comparison too: it is drawn by ffp_evaluate alone.
+typedef struct FfpNeuralField FfpNeuralField;
+// Fits one to the capture's pictures: `drawing` is not looked at; without a limit 300 s. Stats: psnr_before
+// and gaussians are 0, psnr_after is of up to 16 views. With a limit in steps alone the same seed gives the
+// same bits.
+FFP_API FfpNeuralField *ffp_fit_neural_field(FfpContext *context, const FfpCapture *capture,
+                                             const FfpRefinement *options, FfpRefinementStats *stats,
+                                             FfpError *err);
+FFP_API FfpNeuralField *ffp_neural_field_open(FfpContext *context, const char *path, FfpError *err);
+FFP_API bool ffp_neural_field_save(FfpContext *context, const FfpNeuralField *field, const char *path,
+                                   FfpError *err);
+FFP_API void ffp_neural_field_close(FfpNeuralField *field);
 
 // --- What to do with it: compensated projections and correspondence maps. ---
 
@@ -450,6 +467,7 @@ typedef struct FfpEvaluation {
     const FfpModel *model;  // NULL: the classical start
     const char *model_name; // what the table and the report call it
     const char *gaussians;  // PLY to evaluate instead of reconstructing; NULL: reconstruct
+    const char *field;      // file of a neural field to evaluate instead; NULL: none
     const char *const
         *targets; // pose files of novel_pose: none, one a capture, or one path looked up in each capture
     int n_targets;
@@ -522,9 +540,9 @@ typedef enum FfpSplit { FFP_SPLIT_ALL, FFP_SPLIT_TRAIN, FFP_SPLIT_VALIDATION, FF
 // 8 views of 128 x 128 pixels and 6 lollipops; small and quick; what training makes for itself.
 typedef enum FfpPreset { FFP_PRESET_PAPER, FFP_PRESET_SMOKE, FFP_PRESET_TRAINING } FfpPreset;
 
-// Camera and projector stay and the object turns; or each view has devices of its own, all around the object
-// (docs/data.md, "Rigs").
-typedef enum FfpRig { FFP_RIG_TURNTABLE, FFP_RIG_FREE } FfpRig;
+// Camera and projector stay and the object turns; each view has devices of its own, all around the object; or
+// object and projector stay and the camera goes around in a spiral (docs/data.md, "Rigs").
+typedef enum FfpRig { FFP_RIG_TURNTABLE, FFP_RIG_FREE, FFP_RIG_SPHERE } FfpRig;
 
 // Faults of the devices (docs/data.md, "Sensor model"). All 0: none.
 typedef struct FfpSensorFaults {
@@ -544,7 +562,7 @@ typedef struct FfpGeneration {
     int64_t first, count; // scenes of the split; count -1: to the end, of an own mesh one
     int resolution;       // image side; 0: as the preset says
     FfpRig rig;           // of the input views
-    int views;            // input views, 1..64; 0: as the preset says
+    int views;            // input views, 1..360; 0: as the preset says
     uint64_t seed;
     const char *mesh;     // a user's OBJ, PLY, STL or glTF file instead of the generated meshes; NULL: none
     const char *material; // a user's folder of basecolor, roughness and normal maps; NULL: none

@@ -29,7 +29,7 @@ _SPLITS = {
     "test": lib.FFP_SPLIT_TEST,
 }
 _PRESETS = {"paper": lib.FFP_PRESET_PAPER, "smoke": lib.FFP_PRESET_SMOKE, "training": lib.FFP_PRESET_TRAINING}
-_RIGS = {"turntable": lib.FFP_RIG_TURNTABLE, "free": lib.FFP_RIG_FREE}
+_RIGS = {"turntable": lib.FFP_RIG_TURNTABLE, "free": lib.FFP_RIG_FREE, "sphere": lib.FFP_RIG_SPHERE}
 _FITS = {"exact": lib.FFP_FIT_EXACT, "scaled": lib.FFP_FIT_SCALED, "cropped": lib.FFP_FIT_CROPPED}
 
 
@@ -71,6 +71,7 @@ def evaluate(
     model: ModelOption = None,
     model_name: str | None = None,
     gaussians: PathLike | None = None,
+    field: PathLike | None = None,
     targets: PathLike | Sequence[PathLike] = (),
     pattern: str | None = None,
     polish: int | None = None,
@@ -95,6 +96,7 @@ def evaluate(
         model, pattern, polish, noise, layers, form, samples, threads, device: as in reconstruct.
         model_name: what the report calls the model.
         gaussians: PLY to evaluate instead of reconstructing.
+        field: neural field to evaluate instead, as `ffprocams refine --from-scratch=field` writes it.
         targets: pose files of "novel_pose": none, one a capture, or one path looked up in each capture.
         save: folder for <capture>/<view>_<pattern>.png of every prediction.
         json, report: files for the rows and for an HTML report.
@@ -102,7 +104,7 @@ def evaluate(
         perceptual: safetensors with LPIPS weights.
         progress: see ffprocams.ProgressOption.
     """
-    keep, weights = Keep(), model_of(model) if predictor == "gaussians" and gaussians is None else None
+    keep, weights = Keep(), model_of(model) if predictor == "gaussians" and gaussians is field is None else None
     options = ffi.new("FfpEvaluation *", lib.ffp_evaluation_defaults())
     paths, poses = ([keep.path(p) for p in some(given)] for given in (captures, targets))
     options.captures, options.n_captures = keep.texts(paths), len(paths)
@@ -113,10 +115,10 @@ def evaluate(
     options.model_name, options.pattern = keep.text(name), keep.text(pattern)
     options.polish = int(_automatic(polish, 0, "polish"))
     options.noise, options.layers = _automatic(noise, 0, "noise"), _automatic(layers, 0, "layers")
-    files = {"gaussians": gaussians, "save": save, "json": json, "report": report}
+    files = {"gaussians": gaussians, "field": field, "save": save, "json": json, "report": report}
     files |= {"show_pattern": show_pattern, "perceptual": perceptual}
-    for field, path in files.items():
-        setattr(options, field, keep.path(path))
+    for name, path in files.items():
+        setattr(options, name, keep.path(path))
     options.drawing, count = drawing_of(form, samples), ffi.new("int *")
     with holding(weights), Call(progress, threads, device) as call:
         rows = call.take(lib.ffp_evaluate(call.context, options, count, call.error), lib.ffp_free)

@@ -167,7 +167,7 @@ class Model(Handle):
             )
 
 
-_FORMS = {"ours": lib.FFP_FORM_OURS, "paper": lib.FFP_FORM_PAPER}
+_FORMS = {"ours": lib.FFP_FORM_OURS, "paper": lib.FFP_FORM_PAPER, "gs-procams": lib.FFP_FORM_GS_PROCAMS}
 
 
 def drawing_of(form: str, samples: int) -> dict[str, int]:

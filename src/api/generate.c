@@ -27,7 +27,7 @@ static bool check_choices(const FfpGeneration *options, FfpError *err) {
         return ffp_fail(err, FFP_ERROR_ARGUMENT, "split", "%d is none", (int)options->split);
     if ((unsigned)options->preset > FFP_PRESET_TRAINING)
         return ffp_fail(err, FFP_ERROR_ARGUMENT, "preset", "%d is none", (int)options->preset);
-    return (unsigned)options->rig <= FFP_RIG_FREE ||
+    return (unsigned)options->rig <= FFP_RIG_SPHERE ||
            ffp_fail(err, FFP_ERROR_ARGUMENT, "rig", "%d is none", (int)options->rig);
 }
 
@@ -40,8 +40,9 @@ static bool generate(void *argument, FfpError *err) {
     static const FfpDatasetPreset presets[] = {[FFP_PRESET_PAPER] = FFP_DATASET_PAPER,
                                                [FFP_PRESET_SMOKE] = FFP_DATASET_SMOKE,
                                                [FFP_PRESET_TRAINING] = FFP_DATASET_TRAINING};
-    static const FfpSceneRig rigs[] = {
-        [FFP_RIG_TURNTABLE] = FFP_SCENE_TURNTABLE, [FFP_RIG_FREE] = FFP_SCENE_FREE};
+    static const FfpSceneRig rigs[] = {[FFP_RIG_TURNTABLE] = FFP_SCENE_TURNTABLE,
+                                       [FFP_RIG_FREE] = FFP_SCENE_FREE,
+                                       [FFP_RIG_SPHERE] = FFP_SCENE_SPHERE};
     if (!check_choices(options, err)) return false;
     const FfpDatasetSettings settings = {.folder = options->folder,
                                          .split = splits[options->split],

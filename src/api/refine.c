@@ -6,10 +6,12 @@
 #include "base/file.h"
 #include "denoise/denoise.h"
 #include "api/reconstruct.h"
+#include "api/refine.h"
 #include "api/relight.h"
 #include "refine/refine.h"
 
 #define SCRATCH_POINTS 20000
+#define CUBE_POINTS 100000  // as GS-ProCams
 #define SCRATCH_STEPS 20000 // as GS-ProCams
 #define REFINE_SECONDS 30
 
@@ -22,9 +24,8 @@ static bool check_pictures(const FfpCapture *capture, int pattern, FfpError *err
     return true;
 }
 
-// Black, white and the patterns to fit to, without doubles; indices into the capture's.
-static int choose_patterns(const FfpCapture *capture, const FfpRefinement *options,
-                           int chosen[FFP_PATTERNS_MAX], FfpError *err) {
+int ffp_refinement_patterns(const FfpCapture *capture, const FfpRefinement *options,
+                            int chosen[FFP_PATTERNS_MAX], FfpError *err) {
     int count = 0;
     chosen[count++] = capture->black, chosen[count++] = capture->white;
     const int wanted = options->n_patterns ? options->n_patterns : 1;
@@ -49,6 +50,7 @@ static FfpRefineSettings settings_of(const FfpRefinement *options, bool scratch)
     s.seconds = limited || scratch ? options->seconds : REFINE_SECONDS;
     s.seed = options->seed;
     s.may_stop = true;
+    s.one_picture = scratch && options->drawing.form == FFP_FORM_GS_PROCAMS;
     return s;
 }
 
@@ -64,9 +66,11 @@ static bool fit(FfpGaussians *gaussians, const FfpCapture *capture, const int *p
     FfpCapture normalised = ffp_normalised_alias(capture);
     FfpImage *clean = ffp_denoise_capture(&normalised, patterns, n_patterns, &noise);
     FfpRefineResult result = {0};
-    ffp_cancel_hold_off(true); // from here on what there is counts
+    ffp_cancel_hold_off(true);               // from here on what there is counts
+    const bool cube = settings->one_picture; // all as GS-ProCams
     bool ok = gaussians->count > 0 ||
-              ffp_scratch_gaussians(gaussians, &normalised, SCRATCH_POINTS, settings->seed, err);
+              (cube ? ffp_scratch_cube(gaussians, &normalised, CUBE_POINTS, settings->seed, err)
+                    : ffp_scratch_gaussians(gaussians, &normalised, SCRATCH_POINTS, settings->seed, err));
     ok = ok && ffp_refine(gaussians, &normalised, patterns, n_patterns, settings, &result, err);
     if (ok) {
         ffp_gaussians_transform(gaussians, capture->centre, capture->radius);
@@ -77,20 +81,15 @@ static bool fit(FfpGaussians *gaussians, const FfpCapture *capture, const int *p
     return ok;
 }
 
-// Opens the metrics, which grow line by line, and fits. Gaussians are in the world's units afterwards, or
-// what is in them is of no use to anybody.
-static bool fit_with_metrics(FfpGaussians *gaussians, const FfpCapture *capture, const FfpRefinement *options,
-                             bool scratch, FfpRefinementStats *stats, FfpError *err) {
-    int patterns[FFP_PATTERNS_MAX];
-    FfpRefineSettings settings = settings_of(options, scratch);
-    const int n_patterns = choose_patterns(capture, options, patterns, err);
-    if (n_patterns < 0) return false;
-    if (options->metrics && !(settings.metrics = ffp_open_to_grow(options->metrics, false, err)))
-        return false;
-    if (settings.metrics) ffp_own_file(settings.metrics);
-    const bool ok = fit(gaussians, capture, patterns, n_patterns, &settings, options->noise, stats, err);
-    const bool lost = settings.metrics && ferror(settings.metrics);
-    if (settings.metrics && (ffp_close_file(settings.metrics) != 0 || lost))
+bool ffp_refinement_with_metrics(const FfpRefinement *options,
+                                 bool (*work)(void *argument, FILE *metrics, FfpError *err), void *argument,
+                                 FfpError *err) {
+    FILE *metrics = NULL;
+    const bool goes_on = options->checkpoint && ffp_is_file(options->checkpoint);
+    if (options->metrics && !(metrics = ffp_open_to_grow(options->metrics, goes_on, err))) return false;
+    if (metrics) ffp_own_file(metrics);
+    const bool ok = work(argument, metrics, err), lost = metrics && ferror(metrics);
+    if (metrics && (ffp_close_file(metrics) != 0 || lost))
         return ffp_fail(err, FFP_ERROR_IO, options->metrics, "cannot write");
     return ok;
 }
@@ -101,10 +100,22 @@ FfpRefinement ffp_refinement_defaults(void) {
 
 typedef struct Call {
     FfpGaussians *gaussians; // of a fit from scratch its result
+    bool scratch;
     const FfpCapture *capture;
     const FfpRefinement *options;
     FfpRefinementStats *stats;
 } Call;
+
+// Gaussians are in the world's units afterwards, or what is in them is of no use to anybody.
+static bool fit_with_metrics(void *argument, FILE *metrics, FfpError *err) {
+    const Call *call = argument;
+    int patterns[FFP_PATTERNS_MAX];
+    FfpRefineSettings settings = settings_of(call->options, call->scratch);
+    const int n_patterns = ffp_refinement_patterns(call->capture, call->options, patterns, err);
+    settings.metrics = metrics;
+    return n_patterns >= 0 && fit(call->gaussians, call->capture, patterns, n_patterns, &settings,
+                                  call->options->noise, call->stats, err);
+}
 
 // On a copy: what fails leaves the caller's Gaussians as they were, to the bit.
 static bool refine(void *argument, FfpError *err) {
@@ -117,7 +128,8 @@ static bool refine(void *argument, FfpError *err) {
                             -capture->centre[2] / capture->radius};
     FfpGaussians fitted = ffp_gaussians_copy(gaussians);
     ffp_gaussians_transform(&fitted, centre, 1 / capture->radius);
-    const bool ok = fit_with_metrics(&fitted, capture, call->options, false, call->stats, err);
+    Call on_copy = {&fitted, false, capture, call->options, call->stats};
+    const bool ok = ffp_refinement_with_metrics(call->options, fit_with_metrics, &on_copy, err);
     if (ok) {
         const FfpGaussians before = *gaussians;
         *gaussians = fitted, fitted = before;
@@ -128,20 +140,20 @@ static bool refine(void *argument, FfpError *err) {
 
 bool ffp_refine_gaussians(FfpContext *context, FfpGaussians *gaussians, const FfpCapture *capture,
                           const FfpRefinement *options, FfpRefinementStats *stats, FfpError *err) {
-    Call call = {gaussians, capture, options, stats};
+    Call call = {gaussians, false, capture, options, stats};
     return ffp_call_run(context, refine, &call, err);
 }
 
 static bool fit_from_scratch(void *argument, FfpError *err) {
     Call *call = argument;
     call->gaussians = ffp_alloc(1, sizeof *call->gaussians);
-    if (fit_with_metrics(call->gaussians, call->capture, call->options, true, call->stats, err)) return true;
+    if (ffp_refinement_with_metrics(call->options, fit_with_metrics, call, err)) return true;
     ffp_gaussians_close(call->gaussians);
     return false;
 }
 
 FfpGaussians *ffp_fit_from_scratch(FfpContext *context, const FfpCapture *capture,
                                    const FfpRefinement *options, FfpRefinementStats *stats, FfpError *err) {
-    Call call = {NULL, capture, options, stats};
+    Call call = {NULL, true, capture, options, stats};
     return ffp_call_run(context, fit_from_scratch, &call, err) ? call.gaussians : NULL;
 }

@@ -20,6 +20,11 @@ void ffp_quantise(FfpImage *encoded) {
 }
 
 FfpRenderSettings ffp_drawing_settings(FfpDrawing drawing, const FfpModel *model) {
+    if (!model && drawing.form == FFP_FORM_GS_PROCAMS) {
+        FfpRenderSettings settings = ffp_render_gs_procams();
+        if (drawing.samples > 0) settings.samples = drawing.samples;
+        return settings;
+    }
     const bool paper = model ? ffp_model_is_paper_form(&model->config) : drawing.form == FFP_FORM_PAPER;
     const int meant = model ? model->config.samples : 0;
     return ffp_render_settings(paper, drawing.samples ? drawing.samples : meant);

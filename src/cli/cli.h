@@ -88,7 +88,9 @@ extern const FfpWord ffp_cli_auto[], ffp_cli_layers[], ffp_cli_forms[], ffp_cli_
         .name = "drawing", .argument = "D", .type = FFP_OPTION_CHOICE, .offset = (place),                    \
         .words = ffp_cli_forms, .help = (text)                                                               \
     }
-#define FFP_CLI_FORM_HELP "ours (default), or paper for Gaussians of a model in the paper's form"
+#define FFP_CLI_FORM_HELP                                                                                    \
+    "ours (default), or paper for Gaussians of a model in the paper's form, or gs-procams for those fitted " \
+    "in it: paper, in light without cosine and falloff"
 #define FFP_CLI_SAMPLES(place, text)                                                                         \
     {                                                                                                        \
         .name = "samples", .argument = "N", .type = FFP_OPTION_INT, .offset = (place), .low = 1, .high = 4,  \

@@ -64,6 +64,8 @@ static bool choose_model(FfpEvaluation *evaluation, const char *path, FfpModel *
         evaluation->model_name = "pattern lookup at the true depth";
     else if (evaluation->predictor == FFP_PREDICT_MATCH)
         evaluation->model_name = "pattern lookup at the matched depth";
+    else if (evaluation->field)
+        evaluation->model_name = evaluation->field;
     else if (evaluation->gaussians)
         evaluation->model_name = evaluation->gaussians;
     else if (none)
@@ -78,15 +80,17 @@ static bool choose_model(FfpEvaluation *evaluation, const char *path, FfpModel *
 }
 
 static int check(const FfpEvaluation *evaluation, const char *model) {
-    const int ways =
-        (model != NULL) + (evaluation->gaussians != NULL) + (evaluation->predictor != FFP_PREDICT_GAUSSIANS);
-    if (ways > 1) return ffp_cli_usage("evaluate", "give only one of --model, --gaussians and --predictor");
+    const int ways = (model != NULL) + (evaluation->gaussians != NULL) + (evaluation->field != NULL) +
+                     (evaluation->predictor != FFP_PREDICT_GAUSSIANS);
+    if (ways > 1)
+        return ffp_cli_usage("evaluate", "give only one of --model, --gaussians, --field and --predictor");
     if (evaluation->n_merged && evaluation->n_captures)
         return ffp_cli_usage("evaluate", "--merge takes the rows of files, and no CAPTURE");
     if (!evaluation->n_merged && !evaluation->n_captures)
         return ffp_cli_usage("evaluate", "give at least one CAPTURE");
-    if (evaluation->gaussians && evaluation->n_captures > 1)
-        return ffp_cli_usage("evaluate", "--gaussians goes with one CAPTURE");
+    if ((evaluation->gaussians || evaluation->field) && evaluation->n_captures > 1)
+        return ffp_cli_usage("evaluate", "%s goes with one CAPTURE",
+                             evaluation->field ? "--field" : "--gaussians");
     if (evaluation->n_targets > 1 && evaluation->n_targets != evaluation->n_captures)
         return ffp_cli_usage("evaluate", "give --targets once, or once for each CAPTURE");
     if (evaluation->show_pattern && !evaluation->report)
@@ -134,6 +138,12 @@ static const FfpOption options[] = {
      .type = FFP_OPTION_FILE,
      .offset = offsetof(Arguments, evaluation.gaussians),
      .help = "a PLY to draw instead of reconstructing (one CAPTURE)"},
+    {.name = "field",
+     .argument = "FILE",
+     .type = FFP_OPTION_FILE,
+     .offset = offsetof(Arguments, evaluation.field),
+     .help = "a neural field that `refine --from-scratch=field` wrote to draw instead of reconstructing (one "
+             "CAPTURE)"},
     {.name = "predictor",
      .argument = "depth|match",
      .type = FFP_OPTION_CHOICE,
@@ -162,7 +172,7 @@ static const FfpOption options[] = {
                   "as in `reconstruct`; 0: photographs as they are. Default: auto"),
     FFP_CLI_LAYERS(offsetof(Arguments, evaluation.layers), "as in `reconstruct`. Default: auto"),
     FFP_CLI_DRAWING(offsetof(Arguments, evaluation.drawing.form),
-                    "with --gaussians: ours (default) or paper"),
+                    "with --gaussians: ours (default), paper or gs-procams"),
     FFP_CLI_SAMPLES(offsetof(Arguments, evaluation.drawing.samples), FFP_CLI_SAMPLES_HELP),
     FFP_CLI_DEVICE(offsetof(Arguments, device),
                    "what network and fit are computed on: cpu (default), or cuda, the first NVIDIA GPU"),

@@ -87,17 +87,20 @@ static const FfpOption options[] = {
      .argument = "KIND",
      .type = FFP_OPTION_CHOICE,
      .offset = offsetof(Arguments, generation.rig),
-     .words = (const FfpWord[]){{"turntable", FFP_RIG_TURNTABLE}, {"free", FFP_RIG_FREE}, {0}},
+     .words =
+         (const FfpWord[]){
+             {"turntable", FFP_RIG_TURNTABLE}, {"free", FFP_RIG_FREE}, {"sphere", FFP_RIG_SPHERE}, {0}},
      .help =
          "turntable: camera and projector stay, the object turns (default); free: a camera all around the "
-         "object and a projector anew beside it for each view"},
+         "object and a projector anew beside it for each view; sphere: object and projector stay and the "
+         "camera goes around them in a spiral"},
     {.name = "views",
      .argument = "N",
      .type = FFP_OPTION_INT,
      .offset = offsetof(Arguments, generation.views),
      .low = 1,
-     .high = 64,
-     .help = "input views, 1 to 64, instead of the preset's 8"},
+     .high = 360,
+     .help = "input views, 1 to 360, instead of the preset's 8"},
     {.name = "mesh",
      .letter = 'm',
      .argument = "FILE",

@@ -2,9 +2,11 @@
 #include <stdio.h>
 #include "cli.h"
 
+enum { FROM_GAUSSIANS = 1, FROM_FIELD }; // what is fitted from scratch
+
 typedef struct Arguments {
     const char *gaussians, *capture, *output;
-    bool scratch;
+    int scratch;
     FfpList patterns;
     FfpRefinement refinement;
 } Arguments;
@@ -18,30 +20,52 @@ static void tell(const Arguments *arguments, const FfpRefinementStats *stats) {
                             : "");
 }
 
+// A field instead of Gaussians, into a file of its own kind.
+static bool run_field(const Arguments *arguments, const FfpCapture *capture, FfpError *err) {
+    FfpRefinementStats stats = {0};
+    FfpNeuralField *field =
+        ffp_fit_neural_field(ffp_cli_context(), capture, &arguments->refinement, &stats, err);
+    if (stats.stopped) ffp_cli_go_on();
+    const bool ok = field && ffp_neural_field_save(ffp_cli_context(), field, arguments->output, err);
+    if (ok && arguments->refinement.checkpoint && !stats.stopped) remove(arguments->refinement.checkpoint);
+    if (ok)
+        printf("%s: a neural field, %.2f dB on pictures fitted, %lld steps in %.1f s%s\n", arguments->output,
+               stats.psnr_after, (long long)stats.steps, stats.seconds, stats.stopped ? ", interrupted" : "");
+    ffp_neural_field_close(field);
+    return ok;
+}
+
+static bool run_gaussians(const Arguments *arguments, const FfpCapture *capture, FfpError *err) {
+    FfpRefinementStats stats = {0};
+    FfpGaussians *gaussians = NULL;
+    bool ok = true;
+    if (arguments->scratch)
+        gaussians = ffp_fit_from_scratch(ffp_cli_context(), capture, &arguments->refinement, &stats, err);
+    else if ((gaussians = ffp_gaussians_open(ffp_cli_context(), arguments->gaussians, err)))
+        ok = ffp_refine_gaussians(ffp_cli_context(), gaussians, capture, &arguments->refinement, &stats, err);
+    if (stats.stopped) ffp_cli_go_on(); // the best so far is to be saved
+    ok = ok && gaussians && ffp_gaussians_save(ffp_cli_context(), gaussians, arguments->output, err);
+    if (ok) tell(arguments, &stats);
+    ffp_gaussians_close(gaussians);
+    return ok;
+}
+
 static int run(void *data) {
     Arguments *arguments = data;
     FfpError err = {0};
-    FfpRefinementStats stats = {0};
-    FfpGaussians *gaussians = NULL;
     if (arguments->scratch && arguments->gaussians)
         return ffp_cli_usage("refine", "--from-scratch takes no FILE.ply: %s", arguments->gaussians);
     if (!arguments->scratch && !arguments->gaussians)
         return ffp_cli_usage("refine", "give exactly one FILE.ply");
+    if (arguments->refinement.checkpoint && arguments->scratch != FROM_FIELD)
+        return ffp_cli_usage("refine", "--checkpoint goes with --from-scratch=field");
     arguments->refinement.patterns = arguments->patterns.values;
     arguments->refinement.n_patterns = arguments->patterns.count;
     FfpCapture *capture = ffp_can_write(arguments->output, &err)
                               ? ffp_capture_open(ffp_cli_context(), arguments->capture, &err)
                               : NULL;
-    bool ok = capture != NULL;
-    if (ok && arguments->scratch)
-        gaussians = ffp_fit_from_scratch(ffp_cli_context(), capture, &arguments->refinement, &stats, &err);
-    else if (ok && (gaussians = ffp_gaussians_open(ffp_cli_context(), arguments->gaussians, &err)))
-        ok =
-            ffp_refine_gaussians(ffp_cli_context(), gaussians, capture, &arguments->refinement, &stats, &err);
-    if (stats.stopped) ffp_cli_go_on(); // the best so far is to be saved
-    ok = ok && gaussians && ffp_gaussians_save(ffp_cli_context(), gaussians, arguments->output, &err);
-    if (ok) tell(arguments, &stats);
-    ffp_gaussians_close(gaussians);
+    const bool ok = capture && (arguments->scratch == FROM_FIELD ? run_field(arguments, capture, &err)
+                                                                 : run_gaussians(arguments, capture, &err));
     ffp_capture_close(capture);
     return ok ? FFP_EXIT_OK : ffp_cli_fail(&err);
 }
@@ -57,16 +81,19 @@ static const FfpOption options[] = {
     FFP_CLI_CAPTURE_OPTION(offsetof(Arguments, capture), "the capture they come from"),
     {.name = "output",
      .letter = 'o',
-     .argument = "FILE.ply",
+     .argument = "FILE",
      .type = FFP_OPTION_FILE,
      .required = true,
      .offset = offsetof(Arguments, output),
-     .help = "where the better Gaussians go"},
+     .help = "where the better Gaussians (PLY) or the field go"},
     {.name = "from-scratch",
-     .type = FFP_OPTION_FLAG,
+     .argument = "KIND",
+     .type = FFP_OPTION_CHOICE,
      .offset = offsetof(Arguments, scratch),
-     .help = "without a prediction (and without FILE.ply), the way GS-ProCams does it: points in the visual "
-             "hull that grow, divide and vanish. Takes far longer"},
+     .words = (const FfpWord[]){{"gaussians", FROM_GAUSSIANS}, {"field", FROM_FIELD}, {0}},
+     .help = "without a prediction (and without FILE.ply). gaussians: the way GS-ProCams does it, points in "
+             "the visual hull that grow, divide and vanish. field: the way Nepmap does it, a neural "
+             "reflectance field, whose file only `evaluate --field` reads. Both take far longer"},
     {.name = "seconds",
      .letter = 's',
      .argument = "S",
@@ -75,7 +102,7 @@ static const FfpOption options[] = {
      .least = 1,
      .most = 1e7,
      .takes = "a number from 1 to 10000000",
-     .help = "stop after so many seconds. Default: 30"},
+     .help = "stop after so many seconds. Default: 30, of a field 300"},
     {.name = "steps",
      .letter = 'n',
      .argument = "N",
@@ -84,7 +111,7 @@ static const FfpOption options[] = {
      .low = 1,
      .high = 1000000000,
      .help = "stop after so many steps, of one view each; with it alone the result is the same every time. "
-             "Default from scratch: 20000"},
+             "Default of Gaussians from scratch: 20000"},
     {.name = "pattern",
      .letter = 'p',
      .argument = "NAME",
@@ -99,7 +126,14 @@ static const FfpOption options[] = {
      .argument = "FILE",
      .type = FFP_OPTION_FILE,
      .offset = offsetof(Arguments, refinement.metrics),
-     .help = "a line of JSON a round of all views: step, seconds, loss, psnr, gaussians"},
+     .help = "a line of JSON a round of all views (of a field: every 100 steps): step, seconds, loss, psnr, "
+             "gaussians"},
+    {.name = "checkpoint",
+     .argument = "FILE",
+     .type = FFP_OPTION_FILE,
+     .offset = offsetof(Arguments, refinement.checkpoint),
+     .help = "of a field: written every two minutes. If it is there, the fit goes on from it, with the same "
+             "limits and patterns; removed when the field is done"},
     {.name = "seed",
      .argument = "N",
      .type = FFP_OPTION_INT64,
@@ -130,7 +164,10 @@ const FfpCommand ffp_cli_refine = {
         (const FfpExample[]){
             {.command = "ffprocams reconstruct data/sample -o spot.ply\n"
                         "ffprocams refine spot.ply --capture data/sample -o better.ply --seconds 30"},
-            {.command = "ffprocams refine --from-scratch --capture data/sample -o scratch.ply --steps 2000"},
+            {.command =
+                 "ffprocams refine --from-scratch=gaussians --capture data/sample -o scratch.ply --steps "
+                 "2000\n"
+                 "ffprocams refine --from-scratch=field --capture data/sample -o spot.field --seconds 60"},
             {0}},
     .size = sizeof(Arguments),
     .set_defaults = set_defaults,

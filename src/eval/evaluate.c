@@ -23,9 +23,16 @@ FfpEvaluation ffp_evaluation_defaults(void) {
 
 // --- What predicts. ---
 
+static bool prepare_field(FfpSubject *subject, const char *path, FfpError *err) {
+    subject->field = ffp_neural_field_open(ffp_call_context(), path, err);
+    subject->field_pass = ffp_field_pass_new();
+    return subject->field != NULL;
+}
+
 static bool prepare_gaussians(FfpSubject *subject, FfpError *err) {
     const FfpEvaluation *options = subject->shared->options;
     subject->reconstruct_s = NAN;
+    if (options->field) return prepare_field(subject, options->field, err);
     if (options->gaussians) {
         subject->gaussians = ffp_gaussians_open(ffp_call_context(), options->gaussians, err);
     } else {
@@ -62,23 +69,23 @@ static void prepare_lookup(FfpSubject *subject) {
 // --- What only the report shows. ---
 
 static void report_maps(FfpSubject *subject) {
-    if (!subject->gaussians) return;
+    if (!ffp_subject_draws(subject)) return;
     ffp_report_heading(
         subject->shared->report, "G-buffers",
         "What the Gaussians hold, seen from an input view: nothing here depends on a pattern.");
     const int n = subject->capture->n_views, shown = n < REPORT_MAPS ? n : REPORT_MAPS;
     for (int i = 0; i < shown; i++) {
         const FfpView *view = &subject->capture->views[i * n / shown];
-        ffp_view_pass_draw(subject->pass, subject->gaussians, &view->camera, &view->projector);
-        ffp_report_maps(subject->shared->report, view->id, ffp_view_pass_gbuffer(subject->pass));
+        ffp_subject_draw(subject, &view->camera, &view->projector);
+        ffp_report_maps(subject->shared->report, view->id, ffp_subject_gbuffer(subject));
     }
 }
 
 static void report_relit_views(FfpSubject *subject, const FfpCapture *views, const FfpSummed *summed) {
     for (int v = 0; v < views->n_views && v < 8; v++) {
         const FfpView *view = &views->views[v];
-        ffp_view_pass_draw(subject->pass, subject->gaussians, &view->camera, &view->projector);
-        FfpImage picture = ffp_relight(subject->pass, subject->capture->intensity, summed);
+        ffp_subject_draw(subject, &view->camera, &view->projector);
+        FfpImage picture = ffp_subject_relight(subject, summed);
         ffp_report_picture(subject->shared->report, &picture, view->id);
         ffp_image_free(&picture);
     }
@@ -94,8 +101,8 @@ static void report_large_views(FfpSubject *subject, const FfpPattern *pattern, c
         const real scale = fmin(fmax((real)LARGE_WIDTH / (real)camera.width, (real)1), (real)LARGE_SCALE_MAX);
         camera.width = (int)((real)camera.width * scale), camera.height = (int)((real)camera.height * scale);
         camera.fx *= scale, camera.fy *= scale, camera.cx *= scale, camera.cy *= scale;
-        ffp_view_pass_draw(subject->pass, subject->gaussians, &camera, &view->projector);
-        FfpImage picture = ffp_relight(subject->pass, subject->capture->intensity, summed);
+        ffp_subject_draw(subject, &camera, &view->projector);
+        FfpImage picture = ffp_subject_relight(subject, summed);
         snprintf(caption, sizeof caption, "Predicted: %s under %s", view->id, pattern->name);
         ffp_report_large(subject->shared->report, &picture, caption);
         ffp_image_free(&picture);
@@ -121,7 +128,7 @@ static bool report_pictures(FfpSubject *subject, FfpError *err) {
     const FfpCamera *projector = &subject->capture->views[0].projector;
     FfpPattern pattern = subject->capture->patterns[subject->active];
     ffp_report_title(subject->shared->report, subject->capture->name);
-    if (!subject->gaussians) return true;
+    if (!ffp_subject_draws(subject)) return true;
     if (path && !ffp_pattern_read(&pattern, path, projector->width, projector->height, err)) return false;
     FfpSummed summed = ffp_summed_new(&pattern.image);
     report_large_views(subject, &pattern, &summed);
@@ -174,9 +181,8 @@ static void free_subject(FfpSubject *subject) {
     for (int v = 0; subject->depth && v < subject->capture->n_views; v++) ffp_free(subject->depth[v]);
     ffp_free(subject->depth);
     if (subject->normalised.views) ffp_normalised_alias_free(&subject->normalised);
-    ffp_view_pass_free(subject->pass);
+    ffp_subject_free_drawing(subject);
     if (subject->has_targets) ffp_capture_free(&subject->targets);
-    ffp_gaussians_close(subject->gaussians);
     ffp_capture_close(subject->capture);
 }
 

@@ -48,7 +48,7 @@ static Protocol protocol_new(const char *name, const FfpSubject *subject) {
 }
 
 static FfpImage predict(FfpSubject *subject, int view, int pattern, const FfpSummed *summed) {
-    if (subject->gaussians) return ffp_relight(subject->pass, subject->capture->intensity, summed);
+    if (ffp_subject_draws(subject)) return ffp_subject_relight(subject, summed);
     FfpImage picture = ffp_predict_by_lookup(&subject->normalised, view, pattern, subject->depth[view]);
     ffp_quantise(&picture);
     return picture;
@@ -125,8 +125,7 @@ static bool run_view(FfpSubject *subject, const Protocol *protocol, int v, int f
                      Means *means, double *seconds, FfpError *err) {
     const FfpView *view = &protocol->views->views[v];
     double begin = ffp_seconds();
-    if (subject->gaussians)
-        ffp_view_pass_draw(subject->pass, subject->gaussians, &view->camera, &view->projector);
+    if (ffp_subject_draws(subject)) ffp_subject_draw(subject, &view->camera, &view->projector);
     *seconds += ffp_seconds() - begin;
     bool ok = true;
     for (int p = first; ok && p < first + PATTERN_BLOCK && p < protocol->views->n_patterns; p++) {
@@ -156,7 +155,8 @@ static void add_score(FfpSubject *subject, const Protocol *protocol, const Means
     score->render_s = seconds;
     score->depth_lit_median = score->depth_lit_p90 = score->depth_unlit_median = score->depth_unlit_p90 = NAN;
     score->albedo_mse = score->albedo_lit_mse = score->albedo_unlit_mse = NAN;
-    if (subject->gaussians && strcmp(protocol->name, "rendering") == 0) ffp_measure_truth(subject, score);
+    if (ffp_subject_draws(subject) && strcmp(protocol->name, "rendering") == 0)
+        ffp_measure_truth(subject, score);
 }
 
 bool ffp_run_protocol(FfpSubject *subject, const char *name, const char *explanation, FfpError *err) {
@@ -170,7 +170,7 @@ bool ffp_run_protocol(FfpSubject *subject, const char *name, const char *explana
     for (int first = 0; ok && protocol.total && first < views->n_patterns; first += PATTERN_BLOCK) {
         FfpSummed sums[PATTERN_BLOCK] = {0};
         for (int p = first; p < first + PATTERN_BLOCK && p < views->n_patterns; p++)
-            if (subject->gaussians && protocol.wanted[p])
+            if (ffp_subject_draws(subject) && protocol.wanted[p])
                 sums[p - first] = ffp_summed_new(&views->patterns[p].image);
         for (int v = 0; ok && v < views->n_views; v++)
             ok = run_view(subject, &protocol, v, first, sums, &means, &seconds, err);

@@ -5,6 +5,7 @@
 #include "base/file.h"
 #include "api/relight.h"
 #include "eval/report.h"
+#include "field/field.h"
 #include "loss/loss.h"
 
 typedef struct FfpEvaluating { // what all captures share
@@ -22,13 +23,23 @@ typedef struct FfpSubject { // one capture under evaluation
     FfpCapture targets;
     bool has_targets;
     int active;
-    FfpGaussians *gaussians; // NULL for the lookup predictors
+    FfpGaussians *gaussians; // or a field; both NULL for the lookup predictors
     FfpViewPass *pass;
+    FfpNeuralField *field;
+    FfpFieldPass *field_pass;
     real **depth; // lookup predictors: [n_views] camera z in the normalised capture
     double reconstruct_s;
     FfpReconstructionStats stats; // of the reconstruction, where one was made
     char folder[FFP_PATH_MAX];    // where predictions are saved
 } FfpSubject;
+
+// Whether there is something to be drawn: then ffp_subject_draw draws a view of it, which is shown under a
+// pattern, rounded to 8 bits, or as a G-buffer, valid until the next.
+bool ffp_subject_draws(const FfpSubject *subject);
+void ffp_subject_draw(FfpSubject *subject, const FfpCamera *camera, const FfpCamera *projector);
+FfpImage ffp_subject_relight(FfpSubject *subject, const FfpSummed *pattern);
+const FfpGbuffer *ffp_subject_gbuffer(const FfpSubject *subject);
+void ffp_subject_free_drawing(FfpSubject *subject);
 
 // Predicts, measures, reports and saves the pictures of "rendering", "novel_pattern" or "novel_pose"
 // (ffprocams.h), and adds a row to the scores when there are any. The explanation is for the report.

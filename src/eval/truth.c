@@ -69,8 +69,8 @@ void ffp_measure_truth(FfpSubject *subject, FfpScore *score) {
     for (int v = 0; v < capture->n_views; v++) {
         const FfpView *view = &capture->views[v];
         if (!view->images[capture->white].data || !view->images[capture->black].data) continue;
-        ffp_view_pass_draw(subject->pass, subject->gaussians, &view->camera, &view->projector);
-        measure_view(&tally, capture, view, ffp_view_pass_gbuffer(subject->pass));
+        ffp_subject_draw(subject, &view->camera, &view->projector);
+        measure_view(&tally, capture, view, ffp_subject_gbuffer(subject));
     }
     qsort(tally.lit.depth, (size_t)tally.lit.count, sizeof(double), compare);
     qsort(tally.unlit.depth, (size_t)tally.unlit.count, sizeof(double), compare);

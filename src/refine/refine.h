@@ -34,6 +34,7 @@ typedef struct FfpRefineSettings {
     int64_t distortion_from;                                          // step
     real smooth; // share by which a step draws displacements along the normal towards the neighbours' mean
     int shadow_looks; // steps at a view that share a shadow map; up to 1: each draws its own
+    bool one_picture; // a step looks at one of the view's pictures, in turn, instead of all
     FfpDensity density;
     int64_t steps;  // of one view each; 0: no limit
     double seconds; // of wall clock; 0: no limit
@@ -86,5 +87,9 @@ FfpSummed ffp_pattern_summed(const FfpImage *pattern);
 // round splats as wide as the way to the three nearest, opacity 0.1, grey. Errors: an empty hull, a device.
 bool ffp_scratch_gaussians(FfpGaussians *gaussians, const FfpCapture *capture, int64_t count, uint64_t seed,
                            FfpError *err);
+// The same evenly in the cube [-1.3,1.3]^3, whatever the silhouettes say: the start of GS-ProCams' released
+// program where it has no points of its own.
+bool ffp_scratch_cube(FfpGaussians *gaussians, const FfpCapture *capture, int64_t count, uint64_t seed,
+                      FfpError *err);
 
 #endif

@@ -54,15 +54,30 @@ static void place_splats(FfpGaussians *g, FfpRng *rng) {
     ffp_free(squared);
 }
 
-bool ffp_scratch_gaussians(FfpGaussians *gaussians, const FfpCapture *capture, int64_t count, uint64_t seed,
-                           FfpError *err) {
-    FfpRng rng = ffp_rng(seed, 3);
+static bool check(const FfpCapture *capture, int64_t count, FfpError *err) {
     if (ffp_device())
         return ffp_fail(err, FFP_ERROR_UNSUPPORTED, capture->folder,
                         "Gaussians from nothing are made on the CPU only");
     if (count <= NEAREST)
         return ffp_fail(err, FFP_ERROR_ARGUMENT, capture->folder, "%lld points are too few to start from",
                         (long long)count);
+    return true;
+}
+
+bool ffp_scratch_cube(FfpGaussians *gaussians, const FfpCapture *capture, int64_t count, uint64_t seed,
+                      FfpError *err) {
+    FfpRng rng = ffp_rng(seed, 4);
+    if (!check(capture, count, err)) return false;
+    *gaussians = ffp_gaussians_new(count);
+    for (int64_t i = 0; i < 3 * count; i++) gaussians->centre[i] = ffp_rng_range(&rng, -1.3F, 1.3F);
+    place_splats(gaussians, &rng);
+    return true;
+}
+
+bool ffp_scratch_gaussians(FfpGaussians *gaussians, const FfpCapture *capture, int64_t count, uint64_t seed,
+                           FfpError *err) {
+    FfpRng rng = ffp_rng(seed, 3);
+    if (!check(capture, count, err)) return false;
     *gaussians = ffp_gaussians_new(count);
     if (!draw_points(gaussians->centre, capture, count, &rng)) {
         ffp_gaussians_free(gaussians);

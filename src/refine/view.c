@@ -86,7 +86,7 @@ static const FfpView *draw(FfpViewer *v, const FfpGaussians *gaussians, int view
 // Shades the view drawn last under pattern p; adds the picture's terms, and takes their gradient back.
 static void compare(FfpViewer *v, int p, const FfpImage *target, FfpFitLoss *loss) {
     const FfpRefineSettings *s = v->settings;
-    const real share = 1 / (real)v->n_patterns, *intensity = v->capture->intensity;
+    const real share = s->one_picture ? 1 : 1 / (real)v->n_patterns, *intensity = v->capture->intensity;
     const FfpSummed *light = light_of(v, p);
     ffp_view_pass_shade(v->pass, intensity, light, &v->picture);
     ffp_memory_zero(v->grad.data, sizeof(real) * (size_t)v->grad.width * v->grad.height * 3);
@@ -149,7 +149,9 @@ void ffp_viewer_look(FfpViewer *v, const FfpGaussians *gaussians, int view_index
     keep_shadow(v, view_index);
     const FfpView *view = draw(v, gaussians, view_index);
     ffp_view_pass_keep_shadow(v->pass, NULL);
-    for (int p = 0; p < v->n_patterns; p++) compare(v, p, &v->targets[view_index * v->n_patterns + p], loss);
+    for (int p = 0; p < v->n_patterns; p++)
+        if (!v->settings->one_picture || p == (int)(step % v->n_patterns))
+            compare(v, p, &v->targets[view_index * v->n_patterns + p], loss);
     regularise(v, view, step, loss);
     ffp_view_pass_backward(v->pass, grad);
 }

@@ -21,6 +21,12 @@ FfpRenderSettings ffp_render_paper(void) {
     return (FfpRenderSettings){.samples = 1, .blur = 0.3F, .shadow_side = 160, .shadow_bias = 0.02F};
 }
 
+FfpRenderSettings ffp_render_gs_procams(void) {
+    FfpRenderSettings settings = ffp_render_paper();
+    settings.even_light = true;
+    return settings;
+}
+
 FfpRenderSettings ffp_render_settings(bool paper, int samples) {
     FfpRenderSettings settings = paper ? ffp_render_paper() : ffp_render_defaults();
     if (samples > 0) settings.samples = samples;

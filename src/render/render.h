@@ -25,10 +25,12 @@ typedef struct FfpRenderSettings {
     bool shadows;      // visibility from the projector
     int shadow_side;   // shadow map's longer side in pixels (160)
     real shadow_bias;  // depth slack as a share of the projector's distance (0.05)
+    bool even_light;   // light without n.l and falloff, as GS-ProCams' released program has it
 } FfpRenderSettings;
 FfpRenderSettings ffp_render_defaults(void);
-FfpRenderSettings ffp_render_paper(void); // blur 0.3, no compensation, bilinear, no shadows
-enum { FFP_SAMPLES_MAX = 4 };             // of FfpRenderSettings.samples
+FfpRenderSettings ffp_render_paper(void);      // blur 0.3, no compensation, bilinear, no shadows
+FfpRenderSettings ffp_render_gs_procams(void); // the paper's form in even light
+enum { FFP_SAMPLES_MAX = 4 };                  // of FfpRenderSettings.samples
 FfpRenderSettings ffp_render_settings(bool paper, int samples); // either; samples 0: as many as it has
 
 // Accumulated attributes of one view; [height,width(,3)] each. Accumulations are raw sums of W_i b_i: shading
@@ -68,8 +70,10 @@ void ffp_rasterise_backward(FfpRaster *raster, const FfpGaussians *gaussians, co
 // the backward pass: footprint and visibility.
 typedef struct FfpMapping {
     int width, height;
-    real *uv;         // [.,2] projector pixels
-    real *extent;     // [.,2] footprint in projector pixels, >= 1 (1 when settings->footprint is off)
+    real *uv;     // [.,2] projector pixels
+    real *extent; // [.,2] footprint in projector pixels, >= 1 (1 when settings->footprint is off)
+    real even;    // above 0: light is I / even^2 everywhere, whatever the cosine n.l: the distance between
+                  // projector and the Gaussians' middle
     real *visibility; // [0,1], 0 where the point is outside the pattern, behind the projector or O too small
 } FfpMapping;
 FfpMapping ffp_mapping_new(int width, int height);

@@ -16,6 +16,7 @@
 // A summed normal shorter than this share of the opacity has cancelled out and tells no direction: it is not
 // stretched to 1.
 #define FFP_NORMAL_MIN 0.05F
+#define FFP_COSINE_MIN 1e-6F // of n.l in light that does not ask for it, as GS-ProCams clamps it
 
 // One lit pixel.
 typedef struct FfpLit {
@@ -28,7 +29,10 @@ typedef struct FfpLit {
     real in_projector[3];        // the point in the projector's frame
     real l[3], v[3], h[3], distance, h_length;
     real nl, nv, nh, vh;
-    real arrives; // visibility / distance^2
+    bool even;    // light without its cosine and falloff (FfpMapping.even)
+    bool nl_held; // then, at FFP_COSINE_MIN
+    real cosine;  // what the light is multiplied with
+    real arrives; // visibility over the square of the distance
     FfpLobe lobe;
     real f[3]; // reflectance
 } FfpLit;
@@ -77,9 +81,14 @@ FFP_FORMULA bool ffp_lit_geometry(const FfpLitView *view, int x, int y, FfpLit *
     for (int k = 0; k < 3; k++) s->h[k] = s->l[k] + s->v[k];
     s->h_length = ffp_normalise3(s->h);
     ffp_inverse_transform_point(view->projector->pose, point, s->in_projector);
+    s->even = view->mapping->even > 0;
+    s->nl_held = s->even && !(s->nl > FFP_COSINE_MIN);
+    if (s->nl_held) s->nl = FFP_COSINE_MIN;
     if (!(s->nl > 0) || !(s->h_length > 0) || !(s->in_projector[2] > 0)) return false;
+    s->cosine = s->even ? 1 : s->nl;
     s->nh = ffp_dot3(s->n, s->h), s->vh = ffp_dot3(s->v, s->h);
-    s->arrives = visibility / (s->distance * s->distance);
+    const real distance = s->even ? view->mapping->even : s->distance;
+    s->arrives = visibility / (distance * distance);
     ffp_project(view->projector, point, &uv[0], &uv[1]);
     return true;
 }
@@ -97,7 +106,7 @@ FFP_FORMULA void ffp_light_pixel(const FfpLitView *view, int x, int y, FfpTransp
     uv[0] = uv[1] = factor[0] = factor[1] = factor[2] = 0;
     if (!ffp_lit_geometry(view, x, y, &s, uv)) return;
     ffp_reflect(&s);
-    for (int k = 0; k < 3; k++) factor[k] = s.f[k] * s.arrives * s.nl * s.opacity;
+    for (int k = 0; k < 3; k++) factor[k] = s.f[k] * s.arrives * s.cosine * s.opacity;
 }
 
 // Gradients for the quantities a lit pixel's factor is made of.
@@ -127,14 +136,16 @@ FFP_FORMULA void ffp_reflect_backward(const FfpLit *s, const real grad[3], FfpLi
     real d_lobe = 0, d_nl = 0, d_square = 0, d_nv, d_nh, d_vh;
     d->opacity = 0;
     for (int k = 0; k < 3; k++) {
-        const real arriving = grad[k] * s->arrives, through = arriving * s->opacity * s->nl;
-        d->opacity += arriving * s->f[k] * s->nl;
-        d_nl += arriving * s->f[k] * s->opacity;
+        const real arriving = grad[k] * s->arrives, through = arriving * s->opacity * s->cosine;
+        d->opacity += arriving * s->f[k] * s->cosine;
         d->albedo[k] = through / FFP_PI;
         d_lobe += through;
+        if (s->even) continue;
+        d_nl += arriving * s->f[k] * s->opacity;
         d_square -= through * s->f[k] / (s->distance * s->distance);
     }
     ffp_specular_backward(&s->lobe, s, d_lobe, &d->roughness, &d_nl, &d_nv, &d_nh, &d_vh);
+    if (s->nl_held) d_nl = 0;
     real along_h = 0, along_l = 0;
     for (int k = 0; k < 3; k++) {
         d->n[k] = d_nl * s->l[k] + d_nv * s->v[k] + d_nh * s->h[k];

@@ -17,7 +17,7 @@
 #include "synth/sensor.h"
 #include "synth/texture.h"
 
-enum { MESHES_MAX = 1024, PAPER_TARGETS = 6, VIEWS_MAX = 64 };
+enum { MESHES_MAX = 1024, PAPER_TARGETS = 6, VIEWS_MAX = 360 };
 static const int64_t ASSET_SCENES = 100000; // of one mesh: names stay five digits
 
 // One call of ffp_dataset_write, shared by its workers.

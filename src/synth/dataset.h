@@ -27,7 +27,7 @@ typedef struct FfpDatasetSettings {
     int64_t first, count; // scenes of the split; count -1: to the end, of an own mesh one
     int resolution;       // image side; 0: as the preset says
     FfpSceneRig rig;
-    int views; // input views, 1..64; 0: as the preset says
+    int views; // input views, 1..360; 0: as the preset says
     uint64_t seed;
     const char *mesh;     // a user's file instead of the generated meshes; NULL: none
     const char *material; // a user's folder instead of the generated materials; NULL: none

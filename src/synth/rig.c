@@ -157,9 +157,23 @@ static void free_input(const FfpSceneSpec *spec, int index, FfpView *view) {
     roll(&view->projector, ffp_rng_range(&rng, -5, 5));
 }
 
+// The acquisition of Nepmap and GS-ProCams: the turntable's projector at its first stop, and the camera on a
+// spiral of four turns from near the pole to below the equator, equal areas of the sphere between its views.
+static void sphere_input(const FfpSceneSpec *spec, int index, FfpView *view) {
+    const double top = cos(20 * DEGREE), bottom = cos(110 * DEGREE), turns = 4, origin[3] = {0, 0, 0};
+    const double share = (index + 0.5) / spec->views;
+    optics(&view->camera, spec->resolution, 40);
+    optics(&view->projector, spec->pattern_side, 55);
+    snprintf(view->id, sizeof view->id, "sphere_%03d", index);
+    place(&view->camera, 3, acos(top + share * (bottom - top)) / DEGREE, 360 * turns * share, origin);
+    place(&view->projector, 2, 60, 0, origin);
+}
+
 void ffp_rig_input(const FfpSceneSpec *spec, int index, FfpView *view) {
     if (spec->rig == FFP_SCENE_FREE)
         free_input(spec, index, view);
+    else if (spec->rig == FFP_SCENE_SPHERE)
+        sphere_input(spec, index, view);
     else
         turntable_input(spec, index, view);
 }

@@ -23,7 +23,8 @@ typedef struct FfpSensor {
 // How the input views are taken.
 typedef enum FfpSceneRig {
     FFP_SCENE_TURNTABLE, // camera and projector fixed to each other; the object turns
-    FFP_SCENE_FREE       // every view has a camera and a projector of its own, all around the object
+    FFP_SCENE_FREE,      // every view has a camera and a projector of its own, all around the object
+    FFP_SCENE_SPHERE     // the projector stays before the object, and the camera goes around it in a spiral
 } FfpSceneRig;
 
 typedef struct FfpSceneSpec {

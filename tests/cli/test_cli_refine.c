@@ -50,14 +50,35 @@ static void test_refining_gains_and_tells_of_each_round(void **state) {
 static void test_from_scratch_needs_no_gaussians(void **state) {
     (void)state;
     double before, after;
-    assert_int_equal(run_format(&run,
-                                "refine --from-scratch -c %s/tiny -o %s/scratch.ply --steps 24 --pattern "
-                                "lollipop_0 --pattern lollipop_1",
-                                scratch, scratch),
-                     0);
+    assert_int_equal(
+        run_format(&run,
+                   "refine --from-scratch=gaussians -c %s/tiny -o %s/scratch.ply --steps 24 --pattern "
+                   "lollipop_0 --pattern lollipop_1",
+                   scratch, scratch),
+        0);
     read_gain(&before, &after);
     assert_true(after > before + 1);
     assert_true(ffp_is_file(in_scratch("scratch.ply")));
+}
+
+static void test_a_field_is_fitted_and_evaluated(void **state) {
+    (void)state;
+    assert_int_equal(run_format(&run,
+                                "refine --from-scratch=field -c %s/tiny -o %s/tiny.field --steps 100 "
+                                "--metrics %s/field.jsonl",
+                                scratch, scratch, scratch),
+                     0);
+    double psnr = 0;
+    const char *at = strstr(run.out, "neural field, ");
+    assert_non_null(at);
+    assert_int_equal(sscanf(at, "neural field, %lf dB", &psnr), 1);
+    assert_true(psnr > 15);
+    assert_true(ffp_is_file(in_scratch("field.jsonl")));
+    assert_int_equal(run_format(&run, "evaluate %s/tiny --field %s/tiny.field", scratch, scratch), 0);
+    assert_non_null(strstr(run.out, "rendering"));
+    assert_int_equal(run_format(&run, "evaluate %s/tiny --field %s/tiny.ply", scratch, scratch), 1);
+    assert_int_equal(run_format(&run, "evaluate %s/tiny --field a --gaussians %s/tiny.ply", scratch, scratch),
+                     2);
 }
 
 static void test_an_interrupt_keeps_the_best_so_far(void **state) {
@@ -90,7 +111,8 @@ static void test_wrong_requests_are_told_and_write_nothing(void **state) {
     assert_int_equal(run_format(&run, "refine %s/tiny.ply -c %s/tiny", scratch, scratch), 2);
     assert_int_equal(run_format(&run, "refine -c %s/tiny -o a.ply", scratch), 2);
     assert_int_equal(
-        run_format(&run, "refine %s/tiny.ply --from-scratch -c %s/tiny -o a.ply", scratch, scratch), 2);
+        run_format(&run, "refine %s/tiny.ply --from-scratch=gaussians -c %s/tiny -o a.ply", scratch, scratch),
+        2);
     assert_int_equal(run_format(&run, "refine %s/tiny.ply -c %s/tiny -o a.ply --steps 0", scratch, scratch),
                      2);
     assert_int_equal(run_format(&run, "refine %s/tiny.ply -c %s/tiny -o %s/no.ply --steps 4 --pattern absent",
@@ -200,6 +222,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_refining_gains_and_tells_of_each_round),
         cmocka_unit_test(test_from_scratch_needs_no_gaussians),
+        cmocka_unit_test(test_a_field_is_fitted_and_evaluated),
         cmocka_unit_test(test_an_interrupt_keeps_the_best_so_far),
         cmocka_unit_test(test_wrong_requests_are_told_and_write_nothing),
         cmocka_unit_test(test_an_orbit_goes_round),

@@ -195,6 +195,17 @@ static void test_shade_gradients(void **state) {
     free_shade_case(&c);
 }
 
+// Without cosine and falloff, n.l held where the surface looks away.
+static void test_even_light_gradients(void **state) {
+    (void)state;
+    ShadeCase c = shade_case(11, 9);
+    const double usual = shade_loss(&c);
+    c.mapping.even = 1.7;
+    assert_true(fabs(shade_loss(&c) - usual) > 1e-3);
+    check_shade("even light", &c);
+    free_shade_case(&c);
+}
+
 // Pixels at the edges of the model: nearly no opacity, a cancelled normal, roughness 0, a normal turned away.
 static void test_shade_edge_gradients(void **state) {
     (void)state;
@@ -272,10 +283,11 @@ static void test_composition_gradients(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_rasterise_gradients),  cmocka_unit_test(test_flat_and_opaque_gradients),
-        cmocka_unit_test(test_off_centre_gradients), cmocka_unit_test(test_held_jacobian_gradients),
-        cmocka_unit_test(test_shade_gradients),      cmocka_unit_test(test_shade_edge_gradients),
-        cmocka_unit_test(test_shade_black),          cmocka_unit_test(test_composition_gradients),
+        cmocka_unit_test(test_rasterise_gradients),   cmocka_unit_test(test_flat_and_opaque_gradients),
+        cmocka_unit_test(test_off_centre_gradients),  cmocka_unit_test(test_held_jacobian_gradients),
+        cmocka_unit_test(test_shade_gradients),       cmocka_unit_test(test_even_light_gradients),
+        cmocka_unit_test(test_shade_edge_gradients),  cmocka_unit_test(test_shade_black),
+        cmocka_unit_test(test_composition_gradients),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -106,6 +106,32 @@ static void cameras_are_spread_over_the_band(void **state) {
         }
 }
 
+// The sphere rig: one projector for all views, the camera 3 away on a spiral, all of the band and no two of
+// 297 places alike.
+static void the_sphere_rig_moves_the_camera_alone(void **state) {
+    (void)state;
+    FfpSceneSpec spec = free_spec(297, 5);
+    spec.rig = FFP_SCENE_SPHERE;
+    FfpView first = {0};
+    double before[3] = {0, 0, 0}, least = 180, most = 0;
+    const double pole[3] = {0, 0, 1};
+    ffp_rig_input(&spec, 0, &first);
+    for (int i = 0; i < spec.views; i++) {
+        FfpView view = {0};
+        double c[3];
+        ffp_rig_input(&spec, i, &view);
+        position(&view.camera, c);
+        assert_rigid(&view.camera);
+        assert_in_frame(&view.camera);
+        assert_memory_equal(&view.projector, &first.projector, sizeof view.projector);
+        assert_float_equal(hypot(hypot(c[0], c[1]), c[2]), 3, 1e-5);
+        if (i) assert_true(angle(c, before) > 1);
+        least = fmin(least, angle(c, pole)), most = fmax(most, angle(c, pole));
+        memcpy(before, c, sizeof before);
+    }
+    assert_true(least > 20 && least < 22 && most > 109 && most < 110);
+}
+
 // Most of what a camera sees has the projector's light, though never all of it has.
 static void the_projector_lights_what_the_camera_sees(void **state) {
     (void)state;
@@ -151,6 +177,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(devices_stand_where_they_should),
         cmocka_unit_test(cameras_are_spread_over_the_band),
+        cmocka_unit_test(the_sphere_rig_moves_the_camera_alone),
         cmocka_unit_test(the_projector_lights_what_the_camera_sees),
         cmocka_unit_test(resolution_leaves_the_poses),
     };

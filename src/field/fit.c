@@ -1,0 +1,313 @@
+// The fit: steps of some rays each, until steps or seconds end. Losses and phases follow Nepmap's released
+// program: smooth L1 of the pictures, the visibility network beside the densities' transmittance, normals
+// that face the camera and follow the density; first the black pictures alone, then all of them. Ours are the
+// mask term, and rates for a hash grid, an exponential fall instead of six steps by 1/4.
+#include <math.h>
+#include <string.h>
+#include "base/call.h"
+#include "base/device.h"
+#include "base/log.h"
+#include "base/file.h"
+#include "field/checkpoint.h"
+#include "field/chunk.h"
+#include "field/kernels/kernels.h"
+#include "loss/metrics.h"
+
+enum {
+    CHUNKS = 16,     // of a step, whatever the number of threads: so the bits do not depend on it
+    RENEW_EVERY = 8, // steps
+    RENEW_PARTS = 4, // of all cells: renewed each time
+    FIRST_RAYS = 40, // of a chunk
+    SLICE = 1 << 14, // numbers that a thread moves at once
+    TELL_EVERY = 100 // steps
+};
+#define FINE_SHARE 0.3   // of the budget, after which steps along the rays are shorter
+#define SAVE_EVERY 120.0 // seconds
+#define FIRST_STEP (1.0F / 64)
+#define FINE_STEP (1.0F / 96)
+
+FfpFieldSettings ffp_field_defaults(void) {
+    return (FfpFieldSettings){.grid_rate = 0.01,
+                              .net_rate = 0.003,
+                              .decay = 0.02,
+                              .black_share = 0.03,
+                              .samples = 1 << 15,
+                              .mask = 0.1F,
+                              .visibility = 0.1F,
+                              .facing = 0.01F,
+                              .match = 0.01F,
+                              .seed = 1};
+}
+
+typedef struct Fit {
+    FfpNeuralField *field;
+    const FfpFieldSettings *settings;
+    FfpFieldScene scene;
+    FfpFieldChunk chunks[CHUNKS];
+    FfpFieldCells cells;
+    real *grad, *mean, *square; // [layout.count]
+    int64_t step;
+    int rays; // of a chunk
+    double started, saved, square_error, numbers, loss;
+    FfpTask progress;
+} Fit;
+
+static double share_spent(const Fit *fit) {
+    const FfpFieldSettings *s = fit->settings;
+    double share = 0;
+    if (s->steps > 0) share = (double)fit->step / (double)s->steps;
+    if (s->seconds > 0) share = fmax(share, (ffp_seconds() - fit->started) / s->seconds);
+    return fmin(share, 1);
+}
+
+// --- A step. ---
+
+static void run_chunk(Fit *fit, int index, int n_patterns) {
+    FfpFieldChunk *chunk = &fit->chunks[index];
+    FfpRng rng = ffp_rng(fit->settings->seed, (uint64_t)fit->step * CHUNKS + (uint64_t)index);
+    const real per_ray = 1 / (real)(CHUNKS * fit->rays);
+    ffp_field_chunk_draw(chunk, fit->field, &fit->scene, fit->rays, &rng);
+    chunk->looks = 0;
+    ffp_field_chunk_forward(chunk, fit->field);
+    ffp_field_chunk_hold(chunk, fit->field, &fit->scene, &rng);
+    ffp_field_chunk_loss(chunk, fit->field, &fit->scene, fit->settings, n_patterns, per_ray);
+    ffp_field_chunk_backward(chunk, fit->field);
+}
+
+// Chunks in order, level by level: no two threads add to one number.
+static void scatter(Fit *fit) {
+    const FfpFieldLayout *layout = &fit->field->layout;
+    FfpFieldScatter *add = ffp_field_kernels()->scatter;
+#pragma omp parallel for schedule(dynamic)
+    for (int l = FFP_FIELD_LEVELS - 1; l >= 0; l--)
+        for (int c = 0; c < CHUNKS; c++) {
+            const FfpFieldChunk *chunk = &fit->chunks[c];
+            const int64_t row = (int64_t)l * FFP_FIELD_FEATURES * FFP_CHUNK_ROW;
+            add(&layout->levels[l], chunk->position, chunk->points, FFP_CHUNK_ROW, chunk->d_encoded + row,
+                fit->grad);
+            add(&layout->levels[l], chunk->look_position, chunk->looks, FFP_CHUNK_ROW,
+                chunk->d_look_encoded + row, fit->grad);
+        }
+    for (int c = 0; c < CHUNKS; c++)
+        for (int64_t i = layout->grid; i < layout->count; i++)
+            fit->grad[i] += fit->chunks[c].gradient[i - layout->grid];
+}
+
+static void move_all(Fit *fit, double share) {
+    const FfpFieldSettings *s = fit->settings;
+    const FfpFieldLayout *layout = &fit->field->layout;
+    FfpFieldMove *move = ffp_field_kernels()->move;
+    const double fall = pow(s->decay, share), beta1 = 0.9, beta2 = 0.99;
+    FfpFieldAdam grid = {.rate = (real)(s->grid_rate * fall),
+                         .beta1 = (real)beta1,
+                         .beta2 = (real)beta2,
+                         .correction1 = (real)(1 / (1 - pow(beta1, (double)fit->step + 1))),
+                         .correction2 = (real)(1 / (1 - pow(beta2, (double)fit->step + 1))),
+                         .epsilon = 1e-15F};
+    FfpFieldAdam net = grid;
+    net.rate = (real)(s->net_rate * fall);
+    const int64_t slices = (layout->grid + SLICE - 1) / SLICE;
+#pragma omp parallel for schedule(static)
+    for (int64_t i = 0; i < slices; i++) {
+        const int64_t from = i * SLICE, count = layout->grid - from < SLICE ? layout->grid - from : SLICE;
+        move(&grid, fit->field->parameters + from, fit->mean + from, fit->square + from, fit->grad + from,
+             count);
+    }
+    const int64_t from = layout->grid;
+    move(&net, fit->field->parameters + from, fit->mean + from, fit->square + from, fit->grad + from,
+         layout->count - from);
+}
+
+// As many rays as will have the points that are asked for, by those of the last step.
+static void aim_at_samples(Fit *fit) {
+    int64_t points = 0, rays = 0;
+    for (int c = 0; c < CHUNKS; c++) points += fit->chunks[c].points, rays += fit->chunks[c].n_rays;
+    const double per_ray = fmax((double)points / (double)rays, 1);
+    const double wanted = (double)fit->settings->samples / CHUNKS / per_ray;
+    fit->rays = (int)fmin(fmax(0.5 * (fit->rays + wanted), 8), FFP_CHUNK_RAYS);
+}
+
+static void note_losses(Fit *fit) {
+    for (int c = 0; c < CHUNKS; c++) {
+        const FfpChunkLoss *l = &fit->chunks[c].loss;
+        fit->loss += l->pictures + l->mask + l->visibility + l->facing + l->match;
+        fit->square_error += l->square;
+        fit->numbers += (double)l->numbers;
+    }
+}
+
+static void one_step(Fit *fit) {
+    const double share = share_spent(fit);
+    const FfpFieldSettings *s = fit->settings;
+    const int n_patterns = share < s->black_share ? 1 : fit->scene.n_patterns;
+    fit->field->step = share < FINE_SHARE ? FIRST_STEP : FINE_STEP;
+    if (fit->step > 0 && fit->step % RENEW_EVERY == 0) {
+        FfpRng rng = ffp_rng(s->seed, ((uint64_t)1 << 40) + (uint64_t)fit->step);
+        ffp_field_cells_renew(&fit->cells, fit->field, fit->cells.count / RENEW_PARTS + 1, &rng);
+    }
+#pragma omp parallel for schedule(dynamic)
+    for (int c = 0; c < CHUNKS; c++) run_chunk(fit, c, n_patterns);
+    scatter(fit);
+    move_all(fit, share);
+    note_losses(fit);
+    aim_at_samples(fit);
+    fit->step++;
+}
+
+// --- All of them. ---
+
+// What the last steps came to. The pixels that no ray is drawn from are black in the photographs and in the
+// field alike, so they lower the mean.
+static bool tell(Fit *fit, FfpError *err) {
+    char extra[128];
+    const double mean = fit->square_error / fmax(fit->numbers, 1) * fit->scene.share;
+    const double psnr = -10 * log10(fmax(mean, 1e-10)), loss = fit->loss / TELL_EVERY;
+    if (!isfinite(fit->loss))
+        return ffp_fail(err, FFP_ERROR_ARGUMENT, fit->scene.capture->folder,
+                        "the loss is no number any more");
+    snprintf(extra, sizeof extra, "step %lld, loss %.5f, %.2f dB, %d rays a step", (long long)fit->step, loss,
+             psnr, CHUNKS * fit->rays);
+    if (!fit->settings->quiet)
+        ffp_task_step(&fit->progress, (int64_t)(share_spent(fit) * (double)fit->progress.total), extra);
+    fit->loss = fit->square_error = fit->numbers = 0;
+    if (!fit->settings->metrics) return true;
+    fprintf(fit->settings->metrics, "{\"step\": %lld, \"seconds\": %.3f, \"loss\": %.6f, \"psnr\": %.4f}\n",
+            (long long)fit->step, ffp_seconds() - fit->started, loss, psnr);
+    if (fflush(fit->settings->metrics) == 0) return true;
+    return ffp_fail(err, FFP_ERROR_IO, NULL, "cannot write the metrics");
+}
+
+static bool over(const Fit *fit) {
+    return share_spent(fit) >= 1 || (fit->settings->may_stop && ffp_cancelled());
+}
+
+// What is fitted to what, and how long.
+static void name_fit(const Fit *fit, char *text, size_t size) {
+    const FfpFieldSettings *s = fit->settings;
+    int length =
+        snprintf(text, size, "%s, %d views, seed %llu, %lld steps, %g s:", fit->scene.capture->name,
+                 fit->scene.capture->n_views, (unsigned long long)s->seed, (long long)s->steps, s->seconds);
+    for (int p = 0; p < fit->scene.n_patterns && length > 0 && (size_t)length < size; p++)
+        length += snprintf(text + length, size - (size_t)length, " %s",
+                           fit->scene.capture->patterns[fit->scene.chosen[p]].name);
+}
+
+static bool save(Fit *fit, FfpError *err) {
+    char name[512];
+    const FfpFieldState state = {fit->field,
+                                 fit->mean,
+                                 fit->square,
+                                 fit->step,
+                                 fit->cells.next,
+                                 fit->rays,
+                                 ffp_seconds() - fit->started};
+    if (!fit->settings->checkpoint) return true;
+    fit->saved = ffp_seconds();
+    name_fit(fit, name, sizeof name);
+    return ffp_field_state_write(&state, name, fit->settings->checkpoint, err);
+}
+
+// Where the checkpoint is, if there is one.
+static bool go_on(Fit *fit, FfpError *err) {
+    char name[512];
+    FfpFieldState state = {.field = fit->field, .mean = fit->mean, .square = fit->square};
+    if (!fit->settings->checkpoint || !ffp_is_file(fit->settings->checkpoint)) return true;
+    name_fit(fit, name, sizeof name);
+    if (!ffp_field_state_read(&state, name, fit->settings->checkpoint, err)) return false;
+    fit->step = state.step, fit->rays = state.rays < FFP_CHUNK_RAYS ? state.rays : FFP_CHUNK_RAYS;
+    fit->cells.next = state.next_cell % fit->cells.count;
+    fit->started -= state.seconds;
+    ffp_note("%s: going on from step %lld", fit->settings->checkpoint, (long long)fit->step);
+    return true;
+}
+
+static bool run(Fit *fit, FfpError *err) {
+    bool ok = go_on(fit, err);
+    fit->progress = ffp_task("fitting a field", 1000);
+    while (ok && !over(fit)) {
+        one_step(fit);
+        if (fit->step % TELL_EVERY == 0) ok = tell(fit, err);
+        if (ok && ffp_seconds() - fit->saved > SAVE_EVERY) ok = save(fit, err);
+    }
+    ffp_task_end(&fit->progress);
+    return ok && save(fit, err);
+}
+
+// The mean PSNR of some of the views, drawn whole.
+static double measure(const Fit *fit) {
+    const FfpCapture *capture = fit->scene.capture;
+    const int n = capture->n_views < FFP_FIELD_MEASURED ? capture->n_views : FFP_FIELD_MEASURED;
+    double sum = 0;
+    FfpFieldPass *pass = ffp_field_pass_new();
+    FfpSummed *summed = ffp_alloc((size_t)fit->scene.n_patterns, sizeof *summed);
+    for (int p = 0; p < fit->scene.n_patterns; p++) summed[p] = ffp_summed_new(fit->scene.patterns[p].image);
+    for (int i = 0; i < n; i++) {
+        const FfpView *view = &capture->views[(int64_t)i * capture->n_views / n];
+        ffp_field_pass_draw(pass, fit->field, &view->camera, &view->projector, capture->intensity);
+        for (int p = 0; p < fit->scene.n_patterns; p++) {
+            FfpImage picture = ffp_field_pass_shade(pass, &summed[p]);
+            FfpImage truth = ffp_image_copy(&view->images[fit->scene.chosen[p]]);
+            ffp_image_to_srgb(&truth);
+            sum += ffp_psnr(&picture, &truth);
+            ffp_image_free(&picture);
+            ffp_image_free(&truth);
+        }
+    }
+    for (int p = 0; p < fit->scene.n_patterns; p++) ffp_summed_free(&summed[p]);
+    ffp_free(summed);
+    ffp_field_pass_free(pass);
+    return sum / (n * fit->scene.n_patterns);
+}
+
+static Fit fit_new(FfpNeuralField *field, const FfpCapture *capture, const int *patterns, int n_patterns,
+                   const FfpFieldSettings *settings) {
+    const size_t count = (size_t)field->layout.count;
+    Fit fit = {.field = field, .settings = settings, .rays = FIRST_RAYS, .started = ffp_seconds()};
+    fit.scene = ffp_field_scene_new(capture, patterns, n_patterns);
+    for (int c = 0; c < CHUNKS; c++) fit.chunks[c] = ffp_field_chunk_new(&field->layout);
+    fit.cells = ffp_field_cells_new(field);
+    fit.saved = fit.started;
+    fit.grad = ffp_alloc(count, sizeof(real));
+    fit.mean = ffp_alloc(count, sizeof(real));
+    fit.square = ffp_alloc(count, sizeof(real));
+    return fit;
+}
+
+static void fit_free(Fit *fit) {
+    for (int c = 0; c < CHUNKS; c++) ffp_field_chunk_free(&fit->chunks[c]);
+    ffp_field_cells_free(&fit->cells);
+    ffp_field_scene_free(&fit->scene);
+    ffp_free(fit->grad);
+    ffp_free(fit->mean);
+    ffp_free(fit->square);
+}
+
+static bool check(const FfpCapture *capture, const FfpFieldSettings *settings, FfpError *err) {
+    if (ffp_device())
+        return ffp_fail(err, FFP_ERROR_UNSUPPORTED, capture->folder, "a field is fitted on the CPU only");
+    if (settings->steps <= 0 && settings->seconds <= 0)
+        return ffp_fail(err, FFP_ERROR_ARGUMENT, capture->folder, "the fit has no limit");
+    return ffp_output_probe(settings->checkpoint, err);
+}
+
+bool ffp_field_fit(FfpNeuralField *field, const FfpCapture *capture, const int *patterns, int n_patterns,
+                   const FfpFieldSettings *settings, FfpFieldResult *result, FfpError *err) {
+    if (!check(capture, settings, err)) return false;
+    *field = ffp_neural_field_new(settings->seed);
+    if (ffp_field_carve(field, capture) == 0) {
+        ffp_neural_field_free(field);
+        return ffp_fail(err, FFP_ERROR_ARGUMENT, capture->folder,
+                        "the views' silhouettes have no room for an object in common");
+    }
+    Fit fit = fit_new(field, capture, patterns, n_patterns, settings);
+    const bool ok = run(&fit, err);
+    if (ok) {
+        result->steps = fit.step;
+        result->seconds = ffp_seconds() - fit.started;
+        result->stopped = settings->may_stop && ffp_cancelled();
+        result->psnr = measure(&fit);
+    }
+    fit_free(&fit);
+    if (!ok) ffp_neural_field_free(field);
+    return ok;
+}
