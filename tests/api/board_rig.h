@@ -126,7 +126,7 @@ static void photograph(const Sample *samples, const FfpImage *pattern, double ga
 // The pictures of one attitude into a folder: black, white, codes; `codes_first`: codes, white, black.
 static void shoot(const Placed *board, const char *folder, bool codes_first) {
     FfpRng rng = ffp_rng(7, 1);
-    char path[FFP_PATH_MAX];
+    char path[FFP_PATH_MAX + 32];
     Sample *samples = see(board);
     assert_int_equal(mkdir(folder, 0777), 0);
     for (int i = 0; i < 2 * PAIRS + 2; i++) {

@@ -344,8 +344,8 @@ static void truth_of_axis(double u[3]) {
 // Photographs of a board that stands on the table, leaning.
 static void shoot_table(const char *folder, const double *angles, int n, double sense) {
     double u[3], base[9];
-    const double lean[3] = {0.1, 0.5, 0};
-    char path[FFP_PATH_MAX];
+    const double lean[3] = {0.1, 0.5 * sense, 0};
+    char path[FFP_PATH_MAX + 32];
     FfpRng rng = ffp_rng(11, 1);
     FfpImage white = ffp_pattern_plain(PANEL_W, PANEL_H, 255);
     truth_of_axis(u);
@@ -408,6 +408,7 @@ static void a_turntable_comes_back(void **state) {
         double across[3], off[3] = {0};
         for (int i = 0; i < 3; i++) off[i] = read.point[i] - axis_point[i];
         ffp_cross(off, u, across);
+        printf("%d of %d stops, reversed %d: ", stats.stops_used, stats.stops, stats.reversed);
         printf("axis off by %.3f degrees (deviation %.3f) and %.2f units (%.2f), rms %.3f\n",
                degrees_between(read.axis, u), stats.tilt, sqrt(ffp_dot(across, across)), stats.shift,
                stats.stops_rms);
@@ -444,7 +445,10 @@ static void wrong_turntables(void **state) {
 
 static void wrong_settings(void **state) {
     NEEDS_OPENCV();
-    const char *folder = in_scratch("shots"), *nowhere = in_scratch("nowhere");
+    char nothing[FFP_PATH_MAX], shots[FFP_PATH_MAX];
+    const char *folder = shots, *nowhere = nothing;
+    snprintf(nothing, sizeof nothing, "%s/nowhere", scratch),
+        snprintf(shots, sizeof shots, "%s/shots", scratch);
     FfpRigCalibration o = settings_of(&folder, 1);
     o.square = -1;
     REFUSED(&o, "(square)");
