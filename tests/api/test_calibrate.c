@@ -353,7 +353,7 @@ static void shoot_table(const char *folder, const double *angles, int n, double 
     assert_int_equal(mkdir(folder, 0777), 0);
     for (int i = 0; i < n; i++) {
         const double a = sense * angles[i] * FFP_PI_DOUBLE / 180, v[3] = {a * u[0], a * u[1], a * u[2]};
-        const double off[3] = {25, -70, -20};
+        const double off[3] = {25 * sense, -70, -20};
         double turn[9];
         Placed board = {.margin = 1};
         ffp_turn(v, turn);
