@@ -353,7 +353,7 @@ static void shoot_table(const char *folder, const double *angles, int n, double 
     assert_int_equal(mkdir(folder, 0777), 0);
     for (int i = 0; i < n; i++) {
         const double a = sense * angles[i] * FFP_PI_DOUBLE / 180, v[3] = {a * u[0], a * u[1], a * u[2]};
-        const double off[3] = {25 * sense, -70, -20};
+        const double off[3] = {25 * sense, -95, -20};
         double turn[9];
         Placed board = {.margin = 1};
         ffp_turn(v, turn);
@@ -403,12 +403,14 @@ static void a_turntable_comes_back(void **state) {
         shoot_table(shots, angles, STOPS, reversed ? -1 : 1);
         o.calibrations = &calibration, o.n_calibrations = 1;
         o.turntable_board = shots, o.angles = angles, o.n_angles = STOPS, o.turntable_file = table;
-        if (!ffp_calibrate_rig(NULL, &o, &stats, &err)) fail_msg("%s", err.text);
+        FfpContext *context = listening();
+        if (!ffp_calibrate_rig(context, &o, &stats, &err)) fail_msg("%s", err.text);
+        ffp_context_free(context);
         if (!ffp_turntable_read(&read, table, &err)) fail_msg("%s", err.text);
         double across[3], off[3] = {0};
         for (int i = 0; i < 3; i++) off[i] = read.point[i] - axis_point[i];
         ffp_cross(off, u, across);
-        printf("%d of %d stops, reversed %d: ", stats.stops_used, stats.stops, stats.reversed);
+        printf("%s%d of %d stops, reversed %d: ", notes, stats.stops_used, stats.stops, stats.reversed);
         printf("axis off by %.3f degrees (deviation %.3f) and %.2f units (%.2f), rms %.3f\n",
                degrees_between(read.axis, u), stats.tilt, sqrt(ffp_dot(across, across)), stats.shift,
                stats.stops_rms);
