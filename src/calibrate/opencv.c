@@ -9,11 +9,13 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/auxv.h>
+#include <unistd.h>
 #include "base/alloc.h"
 #include "calibrate/opencv_module.h"
 
 static pthread_once_t once = PTHREAD_ONCE_INIT;
 static const FfpCvModule *module; // NULL: there is none
+static char reason[256];          // why not, where the file is there
 
 // The folder of the file that this code is in, the shared library or a program; with a '/' at its end.
 static bool own_folder(char path[PATH_MAX]) {
@@ -30,7 +32,12 @@ static bool own_folder(char path[PATH_MAX]) {
 static void load_from(const char *path) {
     void *handle = dlopen(path, RTLD_NOW | RTLD_LOCAL);
     const FfpCvModule *(*get)(void) = NULL;
-    if (!handle) return;
+    if (!handle) {
+        const char *why = dlerror();
+        if (strchr(path, '/') && !reason[0] && access(path, F_OK) == 0)
+            snprintf(reason, sizeof reason, "%s", why ? why : "no reason is given");
+        return;
+    }
     *(void **)&get = dlsym(handle, FFP_CV_MODULE_SYMBOL); // POSIX's own way to a function
     const FfpCvModule *found = get ? get() : NULL;
     if (found && found->version == FFP_CV_MODULE_VERSION) {
@@ -54,11 +61,14 @@ static void load(void) {
 
 bool ffp_cv_there(FfpError *err) {
     pthread_once(&once, load);
+    if (!module && reason[0])
+        return ffp_fail(err, FFP_ERROR_UNSUPPORTED, FFP_CV_MODULE,
+                        "calibrations are fitted by OpenCV, which cannot be loaded: %s", reason);
     return module ||
-           ffp_fail(err, FFP_ERROR_UNSUPPORTED, FFP_CV_MODULE,
-                    "calibrations are fitted by OpenCV, and the part of this program that uses it is not "
-                    "there: install OpenCV (Debian's libopencv-calib3d-dev), then configure and build "
-                    "again");
+           ffp_fail(
+               err, FFP_ERROR_UNSUPPORTED, FFP_CV_MODULE,
+               "calibrations are fitted by OpenCV, and the part of this program that uses it is not there: "
+               "install OpenCV (Debian's libopencv-calib3d-dev), then configure and build again");
 }
 
 // One thread: OpenCV's fits solve thousands of small systems by LAPACK, whose threads would wait for each
