@@ -45,6 +45,9 @@ file(CREATE_LINK ${PROJECT_SOURCE_DIR}/models ${PROJECT_BINARY_DIR}/models SYMBO
 file(GLOB cli_sources CONFIGURE_DEPENDS src/cli/*.c)
 add_executable(ffprocams ${cli_sources})
 target_link_libraries(ffprocams PRIVATE ffp_compile ffprocams_shared m)
+if(TARGET ffprocams_opencv)
+  add_dependencies(ffprocams ffprocams_opencv)
+endif()
 
 if(FFPROCAMS_MPI)
   find_package(MPI 3.0 REQUIRED COMPONENTS C)

@@ -78,6 +78,18 @@ static bool try_pair(const FfpCodeShots *shots, int at, FfpImage pair[2], double
     return true;
 }
 
+// Whether a picture is nowhere much darker than black nor brighter than white.
+static bool lies_between(const FfpImage *image, const FfpImage *black, const FfpImage *white) {
+    const size_t pixels = (size_t)black->width * (size_t)black->height;
+    size_t lit = 0, outside = 0;
+    if (image->width != black->width || image->height != black->height) return true; // is said later
+    for (size_t i = 0; i < pixels; i++) {
+        lit += white->data[i] - black->data[i] > LIT;
+        outside += image->data[i] < black->data[i] - LIT || image->data[i] > white->data[i] + LIT;
+    }
+    return (double)outside < (1 - BRIGHTER) * (double)lit;
+}
+
 static double mean(const FfpImage *image) {
     const size_t pixels = (size_t)image->width * (size_t)image->height;
     double sum = 0;
@@ -107,8 +119,10 @@ bool ffp_code_shots_open(const FfpCodeShots *shots, FfpImage *black, FfpImage *w
         at_front = mean(&front[1]) - mean(&front[0]) > mean(&back[1]) - mean(&back[0]);
     *first = at_front ? 2 : 0;
     FfpImage *keep = at_front ? front : back, *drop = at_front ? back : front;
+    const bool plain = fmax(shares[0], shares[1]) >= BRIGHTER && lies_between(&drop[0], &keep[0], &keep[1]) &&
+                       lies_between(&drop[1], &keep[0], &keep[1]);
     ffp_image_free(&drop[0]), ffp_image_free(&drop[1]);
-    if (fmax(shares[0], shares[1]) < BRIGHTER) {
+    if (!plain) {
         ffp_image_free(&keep[0]), ffp_image_free(&keep[1]);
         return ffp_fail(
             err, FFP_ERROR_FILE, shots->files[0],

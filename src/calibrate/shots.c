@@ -59,8 +59,9 @@ static bool add(FfpShotFolders *out, const char *path, const char **files, int n
 }
 
 static bool find(FfpShotFolders *out, const char *path, FfpError *err) {
-    const char **files, **folders;
-    int n_files, n_folders, before = out->n;
+    const char **files = NULL, **folders = NULL;
+    int n_files = 0, n_folders = 0;
+    const int before = out->n;
     if (!list(out->arena, path, false, &files, &n_files, err)) return false;
     if (n_files > 0) return add(out, path, files, n_files, err);
     if (!list(out->arena, path, true, &folders, &n_folders, err)) return false;

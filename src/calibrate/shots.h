@@ -23,7 +23,7 @@ typedef struct FfpShotFolders {
 // The folders that are named, or the folders in them where they hold no pictures themselves; both in natural
 // order. Errors: a folder that is not there or holds neither pictures nor folders with pictures, more than
 // FFP_ATTITUDES_MAX.
-bool ffp_shot_folders_find(FfpShotFolders *folders, const char *const *paths, int n_paths, FfpError *err);
-void ffp_shot_folders_free(FfpShotFolders *folders);
+bool ffp_shot_folders_find(FfpShotFolders *out, const char *const *paths, int n_paths, FfpError *err);
+void ffp_shot_folders_free(FfpShotFolders *out);
 
 #endif
