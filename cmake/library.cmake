@@ -46,6 +46,14 @@ file(GLOB cli_sources CONFIGURE_DEPENDS src/cli/*.c)
 add_executable(ffprocams ${cli_sources})
 target_link_libraries(ffprocams PRIVATE ffp_compile ffprocams_shared m)
 
+if(FFPROCAMS_MPI)
+  find_package(MPI 3.0 REQUIRED COMPONENTS C)
+  target_sources(ffprocams PRIVATE src/cluster/mpi.c)
+  target_include_directories(ffprocams PRIVATE src)
+  target_compile_definitions(ffprocams PRIVATE FFP_WITH_MPI)
+  target_link_libraries(ffprocams PRIVATE MPI::MPI_C)
+endif()
+
 # pages/*.1 and pages/ffprocams-completion.bash: the program writes them itself, from its tables of options.
 if(NOT CMAKE_CROSSCOMPILING)
   add_custom_command(OUTPUT ${PROJECT_BINARY_DIR}/pages/ffprocams.1

@@ -65,9 +65,12 @@ typedef struct FfpViewData {
     const char *id;
     FfpPinhole camera, projector;
     const FfpPicture *photographs; // [n_patterns], of the camera's size; no data where there is none
-    FfpPicture mask;  // one channel: the object's share of each pixel; none: alpha of the photographs, else
-                      // what white brightens
-    bool masked;      // the photographs are over black already: the mask only says how much is the object's
+    FfpPicture mask; // one channel: the object's share of each pixel; none: alpha of the photographs, else
+                     // what white brightens
+    bool masked;     // the photographs are over black already: the mask only says how much is the object's
+    FfpPicture correspondence; // F32, three channels: where in the projector's picture (pixels) each pixel's
+                               // light comes from, as Gray codes tell, and how far that is trusted, 0
+                               // (unknown) to 1; none
     FfpPicture depth; // truth for evaluation, F32, one channel: camera z in world units, 0 where there is no
                       // surface; none
 } FfpViewData;
@@ -480,6 +483,8 @@ typedef struct FfpEvaluation {
     const char *viewer; // page that the report links to, relative to it, or NULL
     const char *perceptual; // safetensors with LPIPS weights, or NULL
     FfpDrawing drawing;
+    const char *const *merged; // files that earlier evaluations wrote as `json`: their rows are taken, and no
+    int n_merged;              // capture is evaluated
 } FfpEvaluation;
 
 FFP_API FfpEvaluation ffp_evaluation_defaults(void); // as ffp_reconstruction_defaults
@@ -504,7 +509,8 @@ typedef struct FfpScore {
 } FfpScore;
 
 // Returns the rows (release with ffp_free) and their number, or NULL. Behind the rows of several captures
-// stand those of their means, whose capture is "mean". JSON and report are written when all is done.
+// stand those of their means, whose capture is "mean". JSON and report are written when all is done. Ranks of
+// a context share the captures out, and all return all rows; rank 0 writes. A report is one process's.
 FFP_API FfpScore *ffp_evaluate(FfpContext *context, const FfpEvaluation *options, int *n_scores,
                                FfpError *err);
 
@@ -515,9 +521,14 @@ typedef struct FfpTraining {
     const char *config;     // JSON file, or NULL for the defaults
     const char *initial;    // weights to start from with a fresh optimiser, or NULL
     const char *perceptual; // safetensors of the perceptual term, or NULL: off
-    int64_t steps;          // -1: as the configuration says
-    int64_t stop_at;        // stop at this step with a checkpoint, as a signal would; 0: go to the end
-    bool resume;            // go on from the checkpoint in `out`, with the configuration that stands in it
+    // Folder of captures, of which only the photographs are learnt from: fine-tuning of `initial` (NULL: of
+    // the shipped weights) to one's own devices. Every fourth capture is held out, and the weights that are
+    // written are those that predict its photographs best, the first included. NULL: scenes are generated or
+    // read
+    const char *captures;
+    int64_t steps;   // -1: as the configuration says
+    int64_t stop_at; // stop at this step with a checkpoint, as a signal would; 0: go to the end
+    bool resume;     // go on from the checkpoint in `out`, with the configuration that stands in it
 } FfpTraining;
 FFP_API FfpTraining ffp_training_defaults(void); // the configuration's own, to the end
 // Runs to the end, or until it is cancelled: then it writes a checkpoint first, and has succeeded.
@@ -556,10 +567,18 @@ typedef struct FfpGeneration {
     const char *mesh;     // a user's OBJ, PLY, STL or glTF file instead of the generated meshes; NULL: none
     const char *material; // a user's folder of basecolor, roughness and normal maps; NULL: none
     FfpSensorFaults sensor;
+    // Folder of patterns (ffp_write_patterns): instead of captures, photographs of one object on a turntable
+    // under all of them and of a chessboard, by a rig with lenses, go into `folder`, which is to be new or
+    // empty (docs/data.md, "Photographs"). Of the preset only the samples count; resolution is their height
+    // (0: 480). NULL: captures
+    const char *photographs;
+    int attitudes; // in which the chessboard is held; 0: without one; 64 at most
+    bool check;    // make nothing: an error that names the scenes which are not there, whole
 } FfpGeneration;
 FFP_API FfpGeneration ffp_generation_defaults(void); // all scenes of all splits by the paper's preset
 // Scenes that are there already are kept; one appears under its name only when it is whole. Any number of
-// processes may share a job, each with its own range of scenes.
+// processes may share a job, each with its own range of scenes; ranks of a context each make those whose turn
+// it is.
 FFP_API bool ffp_generate(FfpContext *context, const FfpGeneration *options, FfpError *err);
 
 // --- What a projector shows while it is photographed. ---
@@ -578,6 +597,56 @@ FFP_API FfpPatterns ffp_patterns_defaults(void); // everything, three lollipops,
 // Writes <number>_<name>.png in the order to show them, a text that says how, and a page that shows them full
 // screen in a browser. Whole or not at all. Returns the number of pictures, or -1.
 FFP_API int ffp_write_patterns(FfpContext *context, const FfpPatterns *options, FfpError *err);
+
+// --- The rig's own calibration. ---
+
+// Terms of a device that are not fitted: lens terms are 0 then, the principal point the middle, fx = fy.
+enum {
+    FFP_FIX_K1 = 1,
+    FFP_FIX_K2 = 2,
+    FFP_FIX_K3 = 4,
+    FFP_FIX_TANGENTIAL = 8, // p1 and p2
+    FFP_FIX_CENTRE = 16,
+    FFP_FIX_ASPECT = 32
+};
+
+typedef struct FfpRigCalibration {
+    const char *const
+        *attitudes;    // folders of one attitude of the board each, or folders of such (docs/calibrate.md)
+    int n_attitudes;   // none: only the turntable's board is looked at
+    int columns, rows; // corners inside the board, where four squares meet
+    double square;     // side of a square: the unit of length of all that comes out
+    int width, height; // of the projector's panel, pixels, 64 to 16384
+    unsigned fix_camera, fix_projector;
+    const char *file;   // for the calibration: OpenCV's FileStorage, XML or (.yml, .yaml) YAML
+    const char *report; // for an HTML page, or NULL
+    // A chessboard on the turntable, photographed at known angles, tells its axis.
+    const char *turntable_board; // folder of photographs in the order of the angles, or NULL
+    const double *angles;        // degrees by which the table had turned
+    int n_angles;
+    const char *turntable_file;      // for axis and angles as `import` reads them (JSON)
+    const char *const *calibrations; // without attitudes: files that hold the camera's calibration
+    int n_calibrations;
+} FfpRigCalibration;
+FFP_API FfpRigCalibration ffp_rig_calibration_defaults(void); // nothing named or fixed, 1920 x 1080
+
+typedef struct FfpRigCalibrationStats { // pixels are root mean squares
+    int attitudes, used;
+    double camera, projector; // each one's fit alone
+    double both;              // of all corners in both, with one pose of the board for both
+    int corners, left_out;    // of the attitudes used, in camera and projector
+    int open_terms;           // that the photographs do not determine; warnings name them
+    bool has_axis;            // and so on: of the turntable
+    double axis[3], point[3]; // camera coordinates; points up in the picture
+    bool reversed;            // the angles are left-handed about it: their signs change in the file
+    int stops, stops_used;
+    double stops_rms, tilt, shift; // standard deviations: degrees, the square's unit
+} FfpRigCalibrationStats;
+// Calibrates camera and projector from photographs of a chessboard under Gray codes in at least three
+// attitudes (Moreno and Taubin 2012), and finds a turntable's axis. Nothing is written before all is found.
+// FFP_ERROR_UNSUPPORTED: the library was built without OpenCV. `stats` may be NULL.
+FFP_API bool ffp_calibrate_rig(FfpContext *context, const FfpRigCalibration *options,
+                               FfpRigCalibrationStats *stats, FfpError *err);
 
 // --- Photographs and calibrations of other tools. ---
 
@@ -633,6 +702,11 @@ typedef struct FfpImport {
     int n_patterns;
     const FfpImportPattern *held_out; // likewise, only ever to be predicted
     int n_held_out;
+    // Photographs of the Gray codes of `ffp_write_patterns` in their order, as FfpImportImages.files,
+    // {pattern} being gray_x_00, gray_x_00_inverse and so on: then the capture holds where in the projector
+    // each pixel's light comes from. Without any pattern besides black and white one of the codes becomes the
+    // pattern. NULL: none
+    const char *gray_codes;
     FfpMasks masks;
     const char *mask_files;   // FFP_MASKS_FROM_FILES: as FfpImportImages.files, white on black
     const char *const *views; // ids to import; none: all
@@ -661,12 +735,23 @@ typedef struct FfpAlignStats {
     double depth, across,
         side;             // turns of the camera in all views, degrees: along the line to the projector and
                           // across it (the projector turns as much against it), and sideways (with it)
+    bool own;             // each view got poses of its own; then:
+    double turned;        // by how much, root mean square about a device's axis, degrees
+    double off[2];        // before and after: root mean square by which the camera's rays pass what they show
+                          // of the pattern, pixels of the projector
+    double apart[2];      // and by which surfaces of different views lie apart, pixels of the camera
+    double focal[2];      // factors by which the focal lengths of camera and projector grew; 1: they stayed
     double before, after; // disagreement of the pictures: mean difference of pattern values, 0 to 1
     double seconds;
 } FfpAlignStats;
-// Corrects the directions of all cameras and projectors from the photographs, in place. `pattern` as in
-// FfpReconstruction. Takes some seventy-five projector matchings. `stats` may be NULL.
-FFP_API bool ffp_align_poses(FfpContext *context, FfpCapture *capture, const char *pattern,
+typedef struct FfpAligning {
+    const char *pattern; // as in FfpReconstruction
+    bool focal_lengths;  // those of camera and projector are corrected too, the same in all views
+} FfpAligning;
+FFP_API FfpAligning ffp_aligning_defaults(void); // poses alone
+// Corrects the poses of all cameras and projectors from the photographs, in place. Takes some seventy-five
+// projector matchings. `stats` may be NULL.
+FFP_API bool ffp_align_poses(FfpContext *context, FfpCapture *capture, const FfpAligning *options,
                              FfpAlignStats *stats, FfpError *err);
 
 // Writes a capture folder (docs/formats.md), whole or not at all; it must be new or empty.

@@ -30,6 +30,30 @@ typedef enum FfpDeviceKind {
     FFP_DEVICE_CUDA, // the first NVIDIA GPU, for training, networks and fits; calls that use it take turns
 } FfpDeviceKind;
 
+// Processes that share a work ("ranks"), each with a context of its own: all of them make the same calls with
+// the same options, and each does its share. A table of what they tell each other by, which the program makes
+// of MPI (src/cluster) and the library knows nothing else of. Only training, generating and evaluating look
+// at it. All ranks call these in the same order, one thread of a rank at a time; sums have the same bits on
+// all ranks, and the same ones for the same number of ranks. Failures name what failed.
+typedef struct FfpRanks {
+    void *user; // passed to all of them
+    int rank, count;
+    // Begins to add up [count] numbers over all ranks, in place, while the caller goes on: they are not to be
+    // touched before sum_finish, which waits for all sums begun.
+    void (*sum_begin)(void *user, float *values, int64_t count);
+    bool (*sum_finish)(void *user, FfpError *err);
+    // Adds up a few numbers, in place.
+    bool (*sum)(void *user, double *values, int count, FfpError *err);
+    // Of an array whose part first[r] .. first[r + 1] - 1 is rank r's: the parts, into `whole`, on rank `to`
+    // alone, where `whole` is NULL on the others, or (to -1) on all. `part` is the caller's own; it may lie
+    // in its place in `whole`.
+    bool (*gather)(void *user, const float *part, float *whole, const int64_t *first, int to, FfpError *err);
+    // Bytes of rank `from`, to all.
+    bool (*broadcast)(void *user, void *bytes, int64_t size, int from, FfpError *err);
+    // This rank cannot go on, and cannot say so in turn (its memory is out): the others need not wait for it.
+    void (*leave)(void *user);
+} FfpRanks;
+
 typedef struct FfpContextSettings {
     void *user; // passed to both callbacks
     // A line of text without a line's end; NULL: nobody reads it. May come from threads of the library's own.
@@ -41,6 +65,7 @@ typedef struct FfpContextSettings {
     double interval; // least seconds between two calls of progress; 0: at every point where work can end
     int threads;     // that may work at a time; 0: as many as OpenMP has (processors, or OMP_NUM_THREADS)
     FfpDeviceKind device;
+    const FfpRanks *ranks; // must outlive the context; NULL: this process is alone
 } FfpContextSettings;
 
 // Silent, not to be cancelled, all processors, no GPU; what NULL in place of a context means.

@@ -43,6 +43,8 @@ class AlignStats:
     """What align did."""
 
     turntable: bool = False  #: the views are those of a fixed rig around a turning object
+    own: bool = False  #: each view got poses of its own
+    turned: float = 0.0  #: by how much, root mean square about a device's axis, degrees
     evened: float = 0.0  #: turns that took, root mean square, degrees
     depth: float = 0.0  #: turns of the camera in all views, degrees: along the line to the projector
     across: float = 0.0  #: across it
@@ -231,18 +233,26 @@ class Capture(Handle):
 
 
 def align(
-    capture: Capture, pattern: str | None = None, *, progress: ProgressOption = None, threads: int = 0
+    capture: Capture,
+    pattern: str | None = None,
+    *,
+    focal_lengths: bool = False,
+    progress: ProgressOption = None,
+    threads: int = 0,
 ) -> AlignStats:
-    """Corrects the directions of a capture's cameras and projectors from its photographs, in place.
+    """Corrects the poses of a capture's cameras and projectors from its photographs, in place.
 
     Args:
         pattern: name of the structured-light pattern; None: the first that every view has.
+        focal_lengths: correct those of camera and projector too, the same in all views.
         progress: see ffprocams.ProgressOption.
         threads: that may work at a time; 0: all processors.
     """
     keep, stats = Keep(), ffi.new("FfpAlignStats *")
     with holding(capture), Call(progress, threads) as call:
-        call.check(lib.ffp_align_poses(call.context, capture._pointer, keep.text(pattern), stats, call.error))
+        options = ffi.new("FfpAligning *", lib.ffp_aligning_defaults())
+        options.pattern, options.focal_lengths = keep.text(pattern), focal_lengths
+        call.check(lib.ffp_align_poses(call.context, capture._pointer, options, stats, call.error))
     out: AlignStats = record(AlignStats, stats)
     return out
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import os
 import time
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Callable
@@ -187,7 +187,7 @@ def _score(
 
 def run(
     captures: PathLike | Sequence[PathLike],
-    methods: dict[str, Callable[[Inputs], Predictor]],
+    methods: Mapping[str, Callable[[Inputs], Predictor]],
     *,
     targets: str | None = None,
     pattern: str | None = None,

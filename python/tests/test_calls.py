@@ -46,7 +46,8 @@ def test_what_the_progress_function_raises_comes_out(capture: ffp.Capture) -> No
 
 def test_ctrl_c_ends_a_call(sample: Path, tmp_path: Path) -> None:
     program = (
-        "import ffprocams as f, sys, time\n"
+        "import ffprocams as f, signal, sys, time\n"
+        "signal.signal(signal.SIGINT, signal.default_int_handler)\n"  # whoever runs the tests may ignore it
         "c = f.Capture.open(sys.argv[1])\n"
         "print('begun', flush=True)\n"
         "try:\n"
@@ -60,7 +61,10 @@ def test_ctrl_c_ends_a_call(sample: Path, tmp_path: Path) -> None:
     time.sleep(1)
     begin = time.monotonic()
     child.send_signal(signal.SIGINT)
-    rest, _ = child.communicate(timeout=60)
+    try:
+        rest, _ = child.communicate(timeout=60)
+    finally:
+        child.kill()
     assert "interrupted <Reconstructed" in rest and child.returncode == 0
     assert time.monotonic() - begin < 30
 

@@ -6,6 +6,7 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include "align/bundle.h"
 #include "align/look.h"
 #include "align/ring.h"
 #include "base/arena.h"
@@ -41,7 +42,7 @@ typedef struct Search {
 
 FfpAlignSettings ffp_align_defaults(void) {
     const double degree = 0.017453292519943295;
-    return (FfpAlignSettings){.expected = {.turn = 0.2 * degree, .shift = 1e-3}, .rounds = 8};
+    return (FfpAlignSettings){.expected = {.turn = 0.2 * degree, .shift = 1e-3}, .steps = 6, .rounds = 8};
 }
 
 // Turns that move a device's aim along a world direction.
@@ -159,16 +160,49 @@ static bool even_out(Search *s, const FfpRing *ring, FfpAlignment *report, FfpEr
     return ok;
 }
 
+// Steps that give each view poses of its own; keeps those under which the pictures agree best.
+static bool adjust_each(Search *s, int active, const FfpAlignSettings *settings, FfpAlignment *report,
+                        FfpError *err) {
+    const size_t size = (size_t)s->capture->n_views * sizeof(FfpView);
+    FfpView *given = ffp_alloc(1, size), *best = ffp_alloc(1, size);
+    FfpBundleReport here = {0}, kept = {0};
+    memcpy(given, s->capture->views, size), memcpy(best, given, size);
+    FfpTask progress = ffp_task("aligning each view", settings->steps);
+    bool ok = true, better = false;
+    for (int step = 0; ok && step <= settings->steps; step++) {
+        double there = s->best;
+        if (step > 0) ok = ffp_look(s->looker, &there, err);
+        const bool keep = ok && there < s->best;
+        if (keep) memcpy(best, s->capture->views, size), s->best = there, better = true;
+        // What a step reports is of the poses before it.
+        ok = ok &&
+             ffp_bundle_step(s->capture, given, active, &settings->expected, settings->focal, &here, err);
+        if (ok && step == 0) report->off[0] = here.off, report->apart[0] = here.apart, kept = here;
+        if (ok && keep) kept = here;
+        if (ok) ffp_task_step(&progress, step, NULL);
+    }
+    ffp_task_end(&progress);
+    memcpy(s->capture->views, best, size);
+    report->own = better, report->turned = kept.turned;
+    report->off[1] = kept.off, report->apart[1] = kept.apart;
+    report->camera = kept.camera, report->projector = kept.projector;
+    ffp_free(given), ffp_free(best);
+    return ok;
+}
+
 bool ffp_align(FfpCapture *capture, int active, const FfpAlignSettings *settings, FfpAlignment *report,
                FfpError *err) {
     const size_t size = (size_t)capture->n_views * sizeof(FfpView);
     Search s = {.capture = capture, .looker = ffp_looker_new(capture, active)};
     FfpRing ring = {0};
     FfpView *from = ffp_alloc(1, size);
-    *report = (FfpAlignment){0};
+    *report = (FfpAlignment){.camera = 1, .projector = 1};
     bool ok = ffp_look(s.looker, &s.best, err);
     report->before = s.best;
     if (ok && ffp_ring_fit(&ring, capture, &settings->expected)) ok = even_out(&s, &ring, report, err);
+    const bool each = !report->turntable || settings->focal > 0;
+    if (ok && each && capture->n_views > 1 && capture->n_views <= FFP_BUNDLE_VIEWS_MAX)
+        ok = adjust_each(&s, active, settings, report, err);
     memcpy(from, capture->views, size);
     s.from = from;
     set_ways(&s, report->turntable ? ring.axis : NULL, settings->expected.turn);

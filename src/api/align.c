@@ -10,9 +10,16 @@
 
 #define DEGREES 57.29577951308232
 
-// The device's turn as it is; its place from the unit sphere back to the world.
+#define FOCAL_ERROR 0.01 // expected of focal lengths, a share
+
+FfpAligning ffp_aligning_defaults(void) {
+    return (FfpAligning){0};
+}
+
+// The device's lens and turn as they are; its place from the unit sphere back to the world.
 static void take_pose(const FfpCamera *from, const FfpCapture *world, FfpCamera *to) {
     memcpy(to->pose, from->pose, sizeof to->pose);
+    to->fx = from->fx, to->fy = from->fy;
     for (int k = 0; k < 3; k++)
         to->pose[4 * k + 3] = world->centre[k] + world->radius * from->pose[4 * k + 3];
 }
@@ -23,16 +30,22 @@ static void tell(FfpAlignStats *stats, const FfpAlignment *done, double seconds)
                              .depth = DEGREES * done->depth,
                              .across = DEGREES * done->across,
                              .side = DEGREES * done->side,
+                             .own = done->own,
+                             .turned = DEGREES * done->turned,
+                             .off = {done->off[0], done->off[1]},
+                             .apart = {done->apart[0], done->apart[1]},
+                             .focal = {done->camera, done->projector},
                              .before = done->before,
                              .after = done->after,
                              .seconds = seconds};
 }
 
-static bool align(FfpCapture *capture, const char *pattern, FfpAlignStats *stats, FfpError *err) {
-    const int active = ffp_capture_active_pattern(capture, pattern, err);
+static bool align(FfpCapture *capture, const FfpAligning *options, FfpAlignStats *stats, FfpError *err) {
+    const int active = ffp_capture_active_pattern(capture, options->pattern, err);
     if (active < 0) return false;
     const double begin = ffp_seconds();
-    const FfpAlignSettings settings = ffp_align_defaults();
+    FfpAlignSettings settings = ffp_align_defaults();
+    if (options->focal_lengths) settings.focal = FOCAL_ERROR;
     FfpCapture normalised = ffp_normalised_alias(capture);
     const int photographs[FFP_PHOTOGRAPHS] = {capture->black, capture->white, active};
     double noise = FFP_NOISE_ESTIMATED;
@@ -53,17 +66,17 @@ static bool align(FfpCapture *capture, const char *pattern, FfpAlignStats *stats
 
 typedef struct Call {
     FfpCapture *capture;
-    const char *pattern;
+    const FfpAligning *options;
     FfpAlignStats *stats;
 } Call;
 
 static bool work(void *argument, FfpError *err) {
     const Call *call = argument;
-    return align(call->capture, call->pattern, call->stats, err);
+    return align(call->capture, call->options, call->stats, err);
 }
 
-bool ffp_align_poses(FfpContext *context, FfpCapture *capture, const char *pattern, FfpAlignStats *stats,
-                     FfpError *err) {
-    Call call = {capture, pattern, stats};
+bool ffp_align_poses(FfpContext *context, FfpCapture *capture, const FfpAligning *options,
+                     FfpAlignStats *stats, FfpError *err) {
+    Call call = {capture, options, stats};
     return ffp_call_run(context, work, &call, err);
 }

@@ -88,6 +88,7 @@ static bool take_view(Sources *s, const FfpCaptureData *data, int index, FfpErro
                                      capture->patterns[i].name);
     files->coverage = source_of(s, &from->mask, "view %s: %s", view->id, "mask");
     files->coverage.applied = from->masked;
+    files->correspondence = source_of(s, &from->correspondence, "view %s: %s", view->id, "correspondence");
     files->depth = source_of(s, &from->depth, "view %s: %s", view->id, "depth");
     return true;
 }

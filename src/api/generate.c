@@ -7,7 +7,7 @@
 #define DEGREE 0.017453292519943295
 
 FfpGeneration ffp_generation_defaults(void) {
-    return (FfpGeneration){.count = -1};
+    return (FfpGeneration){.count = -1, .attitudes = 8};
 }
 
 static FfpSensor sensor_of(const FfpSensorFaults *faults) {
@@ -55,7 +55,10 @@ static bool generate(void *argument, FfpError *err) {
                                          .seed = options->seed,
                                          .mesh = options->mesh,
                                          .material = options->material,
+                                         .photographs = options->photographs,
+                                         .attitudes = options->attitudes,
                                          .sensor = sensor_of(&options->sensor)};
+    if (options->check) return ffp_dataset_check(&settings, err);
     return ffp_dataset_write(&settings, err);
 }
 

@@ -96,7 +96,8 @@ static bool import_capture(void *argument, FfpError *err) {
                                         options->n_patterns,
                                         options->n_held_out,
                                         mask_kind(options->masks),
-                                        options->mask_files};
+                                        options->mask_files,
+                                        options->gray_codes};
     if (turns->n_angles != 0 || turns->find_axis) settings.turntable = turntable;
     const bool ok = take_turntable(turns, turntable, err) && ffp_import(&settings, err);
     ffp_free(turntable), ffp_free(images), ffp_free(patterns), ffp_free(held_out);

@@ -54,7 +54,7 @@ static FfpImage projector_sees(const FfpLitSurface *surface, const FfpCapture *c
         mapping.visibility[p] = 1;
         mapping.extent[2 * p] = mapping.extent[2 * p + 1] = 1;
     }
-    ffp_shade(&surface->gbuffer, &mapping, projector, projector, capture->intensity, &white, &picture);
+    ffp_shade_once(&surface->gbuffer, &mapping, projector, projector, capture->intensity, &white, &picture);
     ffp_summed_free(&white);
     ffp_mapping_free(&mapping);
     return picture;

@@ -12,6 +12,7 @@ struct FfpRenderer {
     FfpBlocks blocks; // the pass's, which grows from call to call
     FfpRenderSettings settings;
     FfpViewPass *pass; // NULL: nothing was aimed at yet
+    FfpSummed pattern; // shown last
     FfpCamera camera, projector;
     bool aimed;
 };
@@ -24,6 +25,7 @@ typedef struct NewCall {
 static void forget_pass(void *owner) {
     FfpRenderer *renderer = owner;
     renderer->pass = NULL;
+    renderer->pattern = (FfpSummed){0};
     renderer->aimed = false;
 }
 
@@ -80,12 +82,9 @@ static bool check_aimed(const FfpRenderer *renderer, FfpError *err) {
            ffp_fail(err, FFP_ERROR_ARGUMENT, NULL, "the renderer is not aimed at anything");
 }
 
-// The pattern as the shader wants it; empty for a dark projector.
-static bool take_pattern(FfpSummed *summed, const FfpRenderer *renderer, const FfpPicture *pattern,
-                         FfpError *err) {
+// The pattern as the shader wants it.
+static bool take_pattern(FfpRenderer *renderer, const FfpPicture *pattern, FfpError *err) {
     FfpImage image;
-    *summed = (FfpSummed){0};
-    if (!pattern || !pattern->data) return true;
     const FfpRaw raw = ffp_raw_of(pattern);
     const FfpCamera *projector = &renderer->projector;
     if (raw.width != projector->width || raw.height != projector->height)
@@ -93,7 +92,9 @@ static bool take_pattern(FfpSummed *summed, const FfpRenderer *renderer, const F
                         "%d x %d pixels do not fit a projector of %d x %d", raw.width, raw.height,
                         projector->width, projector->height);
     if (!ffp_raw_over_black(&image, NULL, &raw, "pattern", err)) return false;
-    *summed = ffp_summed_new(&image);
+    ffp_blocks_use(&renderer->blocks);
+    ffp_summed_fill(&renderer->pattern, &image);
+    ffp_blocks_use(NULL);
     ffp_image_free(&image);
     return true;
 }
@@ -126,14 +127,13 @@ static bool shade(FfpRenderer *renderer, const FfpPicture *pattern, const double
             return ffp_fail(err, FFP_ERROR_ARGUMENT, "intensity", "%g is out of range", intensity[c]);
         strength[c] = (real)intensity[c];
     }
-    FfpSummed summed;
-    if (!take_pattern(&summed, renderer, pattern, err)) return false;
+    const bool dark = !pattern || !pattern->data;
+    if (!dark && !take_pattern(renderer, pattern, err)) return false;
     FfpImage picture = ffp_view_pass_picture_new(renderer->pass);
-    ffp_view_pass_shade(renderer->pass, strength, pattern && pattern->data ? &summed : NULL, &picture);
+    ffp_view_pass_shade(renderer->pass, strength, dark ? NULL : &renderer->pattern, &picture);
     if (type == FFP_PIXELS_U8) ffp_quantise(&picture);
     put_picture(out, type, row_bytes ? row_bytes : row, &picture);
     ffp_image_free(&picture);
-    ffp_summed_free(&summed);
     return true;
 }
 

@@ -1,5 +1,6 @@
 // Training: the public options as the trainer's.
 #include "ffprocams.h"
+#include "api/weights.h"
 #include "base/call.h"
 #include "train/train.h"
 
@@ -9,14 +10,23 @@ FfpTraining ffp_training_defaults(void) {
 
 static bool train(void *argument, FfpError *err) {
     const FfpTraining *options = *(const FfpTraining *const *)argument;
-    const FfpTrainRun run = {.out = options->out,
-                             .config = options->config,
-                             .initial = options->initial,
-                             .perceptual = options->perceptual,
-                             .steps = options->steps,
-                             .stop_at = options->stop_at,
-                             .resume = options->resume};
+    char shipped[FFP_PATH_MAX];
+    FfpTrainRun run = {.out = options->out,
+                       .config = options->config,
+                       .initial = options->initial,
+                       .captures = options->captures,
+                       .perceptual = options->perceptual,
+                       .steps = options->steps,
+                       .stop_at = options->stop_at,
+                       .resume = options->resume};
     if (!run.out) return ffp_fail(err, FFP_ERROR_ARGUMENT, "out", "no folder to write to is given");
+    if (run.captures && run.resume)
+        return ffp_fail(err, FFP_ERROR_ARGUMENT, "captures",
+                        "a resumed run has those of its checkpoint: it takes no others");
+    if (run.captures && !run.initial) {
+        if (!ffp_find_weights(shipped, err)) return false;
+        run.initial = shipped;
+    }
     return ffp_train_run(&run, err);
 }
 

@@ -39,11 +39,9 @@ static double compare(const FfpCameraView *camera_view, const FfpImage *picture,
 }
 
 static void scatter(const FfpLink *link, const FfpImage *difference, FfpImage *gradient) {
-    FfpSummed adjoint = {.width = gradient->width, .height = gradient->height};
+    FfpSummed adjoint = ffp_summed_zeros(gradient->width, gradient->height);
     FfpImage part = ffp_image_new(gradient->width, gradient->height, 3);
     const size_t count = (size_t)gradient->width * (size_t)gradient->height * 3;
-    adjoint.sum =
-        ffp_alloc(((size_t)gradient->width + 1) * ((size_t)gradient->height + 1), 3 * sizeof(double));
     for (int p = 0; p < difference->width * difference->height; p++) {
         const real *uv = link->mapping.uv + 2 * p, *extent = link->mapping.extent + 2 * p;
         real grad[3];

@@ -111,7 +111,7 @@ static void fill_link(const Builder *b, FfpCameraView *camera_view, const FfpPro
         return;
     }
     FfpImage lit = ffp_image_new(g->width, g->height, 3);
-    ffp_shade(g, &link->mapping, camera, projector, b->capture->intensity, &b->white, &lit);
+    ffp_shade_once(g, &link->mapping, camera, projector, b->capture->intensity, &b->white, &lit);
     divide_white(b, link, projector, lit.data, g->ambient, true);
     ffp_image_free(&lit);
 }

@@ -5,6 +5,10 @@
 #include <stdbool.h>
 #include "ffprocams/error.h" // the one public type that all rooms share
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 // Writes the code and "WHAT (WHERE)" into err (which may be NULL) and returns false, so that a caller can
 // `return ffp_fail(...)`. `where` may be NULL: then only WHAT is written. Control characters in the text are
 // replaced by '?'.
@@ -16,5 +20,9 @@ typedef struct FfpPlace {
     char text[1200];
 } FfpPlace;
 FfpPlace ffp_place(const char *file, const char *field);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

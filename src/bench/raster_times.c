@@ -95,6 +95,7 @@ typedef struct Bench {
     FfpRaster *raster, *shadows;
     FfpGbuffer out, weights, grad_out;
     FfpMapping mapping;
+    FfpTransport transport, grad_transport;
     FfpImage image;
     FfpSummed pattern;
 } Bench;
@@ -114,6 +115,8 @@ static Bench bench_new(const FfpGaussians *gaussians, const FfpCamera *camera) {
                ffp_gbuffer_new(width, height),
                ffp_gbuffer_new(width, height),
                ffp_mapping_new(width, height),
+               ffp_transport_new(width, height),
+               ffp_transport_new(width, height),
                ffp_image_new(width, height, 3),
                ffp_summed_new(&white)};
     ffp_image_free(&white);
@@ -134,6 +137,8 @@ static void bench_free(Bench *b) {
     ffp_gbuffer_free(&b->weights);
     ffp_gbuffer_free(&b->grad_out);
     ffp_mapping_free(&b->mapping);
+    ffp_transport_free(&b->transport);
+    ffp_transport_free(&b->grad_transport);
     ffp_image_free(&b->image);
     ffp_summed_free(&b->pattern);
 }
@@ -153,10 +158,12 @@ static void time_whole(Bench *b, FfpRasterTimes *t) {
     ffp_map_to_projector(b->shadows, b->gaussians, &b->out, b->camera, &b->projector, &b->settings,
                          &b->mapping);
     lap(&t->map, &clock);
-    ffp_shade(&b->out, &b->mapping, b->camera, &b->projector, intensity, &b->pattern, &b->image);
+    ffp_light(&b->out, &b->mapping, b->camera, &b->projector, &b->transport);
+    ffp_shade(&b->out, &b->mapping, &b->transport, intensity, &b->pattern, &b->image);
     lap(&t->shade, &clock);
-    ffp_shade_backward(&b->out, &b->mapping, b->camera, &b->projector, intensity, &b->pattern, &b->image,
-                       &b->grad_out, NULL, NULL);
+    ffp_shade_backward(&b->mapping, &b->transport, intensity, &b->pattern, &b->image, &b->grad_out,
+                       &b->grad_transport, NULL, NULL);
+    ffp_light_backward(&b->out, &b->mapping, b->camera, &b->projector, &b->grad_transport, &b->grad_out);
     lap(&t->shade_backward, &clock);
     ffp_rasterise_backward(b->raster, b->gaussians, b->camera, &b->settings, &b->out, &b->weights, &b->grad);
     lap(&t->rasterise_backward, &clock);

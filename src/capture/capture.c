@@ -15,6 +15,7 @@ void ffp_view_free(FfpView *view, int n_patterns) {
     for (int i = 0; view->images != NULL && i < n_patterns; i++) ffp_image_free(&view->images[i]);
     ffp_free(view->images);
     ffp_image_free(&view->coverage);
+    ffp_image_free(&view->correspondence);
     ffp_image_free(&view->depth);
     ffp_image_free(&view->normal);
     ffp_image_free(&view->albedo);

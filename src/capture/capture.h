@@ -31,7 +31,10 @@ typedef struct FfpView {
                                    // What lies beyond is not known to be empty
     FfpImage
         *images; // [n_patterns] linear RGB over black, camera size; .data is NULL where this view has none
-    FfpImage coverage; // 1 channel in [0,1]: the object's share of each pixel (alpha); always there
+    FfpImage coverage;       // 1 channel in [0,1]: the object's share of each pixel (alpha); always there
+    FfpImage correspondence; // 3 channels: the projector's pixel position (x, y) that Gray codes found for
+                             // the pixel's centre, and how far it is trusted, [0,1]; trust 0: nothing is
+                             // known. .data NULL: this view has none
     // Truth, where the capture has it (.data NULL otherwise). Same size as the images:
     FfpImage depth;  // 1 channel, camera z in world units at the pixel's centre, 0 where there is no surface
     FfpImage normal; // 3 channels, world, unit

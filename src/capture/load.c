@@ -133,6 +133,32 @@ static bool check_truth(const FfpView *view, const FfpViewFiles *files, FfpError
     return true;
 }
 
+// Where a trusted position may lie: around the projector's picture, since a lens may have moved it out.
+static bool check_correspondence(const FfpView *view, const char *path, FfpError *err) {
+    const FfpImage *map = &view->correspondence;
+    const real width = (real)view->projector.width, height = (real)view->projector.height;
+    const ptrdiff_t pixels = (ptrdiff_t)map->width * map->height;
+    for (ptrdiff_t i = 0; i < pixels; i++) {
+        const real *p = map->data + 3 * i;
+        if (!(p[2] >= 0 && p[2] <= 1))
+            return ffp_fail(err, FFP_ERROR_FILE, path, "trust (the third channel) is outside 0 to 1");
+        if (p[2] > 0 && !(p[0] >= -width && p[0] <= 2 * width && p[1] >= -height && p[1] <= 2 * height))
+            return ffp_fail(err, FFP_ERROR_FILE, path,
+                            "position %g, %g is far outside the projector's %g x %g pixels", (double)p[0],
+                            (double)p[1], (double)width, (double)height);
+    }
+    return true;
+}
+
+static bool load_correspondence(FfpManifest *manifest, int index, FfpError *err) {
+    const FfpSource *source = &manifest->views[index].correspondence;
+    FfpView *view = &manifest->capture->views[index];
+    if (source->path == NULL) return true;
+    return check_size(manifest, source, view->camera.width, view->camera.height, "camera", err) &&
+           source_over_black(&view->correspondence, NULL, source, err) &&
+           check_correspondence(view, source->path, err);
+}
+
 static bool load_truth(FfpManifest *manifest, int index, FfpError *err) {
     const FfpViewFiles *files = &manifest->views[index];
     FfpView *view = &manifest->capture->views[index];
@@ -174,7 +200,7 @@ static bool load_view(FfpManifest *manifest, int index, FfpCoverageSource *sourc
     ok = ok && ffp_cover_view(capture, view, alphas, &files->coverage, manifest->mask_is_given, source, err);
     for (int i = 0; i < capture->n_patterns; i++) ffp_image_free(&alphas[i]);
     ffp_free(alphas);
-    if (!ok || !load_truth(manifest, index, err)) return false;
+    if (!ok || !load_correspondence(manifest, index, err) || !load_truth(manifest, index, err)) return false;
     if (view->frame_width > 0) ffp_cut_to_frame(view, capture->n_patterns);
     return true;
 }

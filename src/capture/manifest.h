@@ -17,7 +17,7 @@ typedef struct FfpSource {
 
 typedef struct FfpViewFiles {
     FfpSource *images; // [FFP_PATTERNS_MAX]
-    FfpSource coverage, depth, normal, albedo, roughness, direct_white;
+    FfpSource coverage, correspondence, depth, normal, albedo, roughness, direct_white;
 } FfpViewFiles;
 
 typedef struct FfpManifest {

@@ -24,6 +24,7 @@ static FfpView padded_view(const FfpView *view, int n_patterns, const int *pictu
     memcpy(out.id, view->id, sizeof out.id);
     out.camera.width = width, out.camera.height = height;
     out.coverage = reframed_image(&view->coverage, width, height);
+    out.correspondence = reframed_image(&view->correspondence, width, height);
     out.images = ffp_alloc((size_t)n_patterns, sizeof *out.images);
     for (int p = 0; p < n; p++)
         if (!out.images[pictures[p]].data)
@@ -61,6 +62,7 @@ void ffp_padded_capture_free(FfpCapture *padded, const FfpCapture *capture) {
         for (int p = 0; p < padded->n_patterns; p++) ffp_image_free(&view->images[p]);
         ffp_free(view->images);
         ffp_image_free(&view->coverage);
+        ffp_image_free(&view->correspondence);
     }
     ffp_free(padded->views);
     padded->views = NULL, padded->n_views = 0;
@@ -75,10 +77,10 @@ FfpCamera ffp_whole_camera(const FfpCamera *camera) {
 
 // The upper left part, or more than there is.
 static void reframe_view(FfpView *out, const FfpView *view, int n_patterns, int width, int height) {
-    const FfpImage *const from[] = {&view->coverage, &view->depth,     &view->normal,
-                                    &view->albedo,   &view->roughness, &view->direct_white};
-    FfpImage *const to[] = {&out->coverage, &out->depth,     &out->normal,
-                            &out->albedo,   &out->roughness, &out->direct_white};
+    const FfpImage *const from[] = {&view->coverage, &view->correspondence, &view->depth,       &view->normal,
+                                    &view->albedo,   &view->roughness,      &view->direct_white};
+    FfpImage *const to[] = {&out->coverage, &out->correspondence, &out->depth,       &out->normal,
+                            &out->albedo,   &out->roughness,      &out->direct_white};
     *out = *view;
     out->images = ffp_alloc((size_t)n_patterns, sizeof *out->images);
     for (int p = 0; p < n_patterns; p++) out->images[p] = reframed_image(&view->images[p], width, height);

@@ -40,6 +40,50 @@ static int frame_side(int frame, int side, int side_out) {
     return frame == side ? 0 : (int)ceil((double)frame * side_out / side);
 }
 
+#define CENTRED                                                                                              \
+    0.2           // of a reduced pixel: how far the mean of the pixels that are known may lie off its centre
+#define KNOWN 0.5 // of a reduced pixel's, at least
+
+typedef struct Mean { // of a reduced pixel's correspondences
+    double weight, known, x, y, u, v, u_low, u_high, v_low, v_high;
+} Mean;
+
+static void add_known(Mean *mean, const real *p, double x, double y) {
+    mean->weight++;
+    if (!(p[2] > 0)) return;
+    const double u = (double)p[0], v = (double)p[1];
+    if (!(mean->known > 0)) mean->u_low = mean->u_high = u, mean->v_low = mean->v_high = v;
+    mean->known++, mean->x += x, mean->y += y, mean->u += u, mean->v += v;
+    mean->u_low = fmin(mean->u_low, u), mean->u_high = fmax(mean->u_high, u);
+    mean->v_low = fmin(mean->v_low, v), mean->v_high = fmax(mean->v_high, v);
+}
+
+// Positions are means over each pixel's area where they are known in most of it, evenly around its centre,
+// and of one surface, which spreads over no more than `spread` pixels of the projector.
+static FfpImage reduce_correspondence(const FfpImage *map, int width, int height, double spread) {
+    if (!map->data) return (FfpImage){0};
+    if (width == map->width && height == map->height) return ffp_image_copy(map);
+    FfpImage out = ffp_image_new(width, height, 3);
+    const double across = (double)map->width / width, down = (double)map->height / height;
+#pragma omp parallel for schedule(static)
+    for (int j = 0; j < height; j++)
+        for (int i = 0; i < width; i++) {
+            Mean mean = {0};
+            for (int y = (int)ceil(j * down - 0.5); y < map->height && y + 0.5 < (j + 1) * down; y++)
+                for (int x = (int)ceil(i * across - 0.5); x < map->width && x + 0.5 < (i + 1) * across; x++)
+                    add_known(&mean, map->data + 3 * ((size_t)y * (size_t)map->width + (size_t)x),
+                              (x + 0.5) / across - i - 0.5, (y + 0.5) / down - j - 0.5);
+            if (!(mean.known > 0) || mean.known < KNOWN * mean.weight) continue;
+            const bool even = fabs(mean.x) <= CENTRED * mean.known && fabs(mean.y) <= CENTRED * mean.known;
+            if (!even || mean.u_high - mean.u_low > spread || mean.v_high - mean.v_low > spread) continue;
+            real *p = out.data + 3 * ((size_t)j * (size_t)width + (size_t)i);
+            p[0] = (real)(mean.u / mean.known), p[1] = (real)(mean.v / mean.known), p[2] = 1;
+        }
+    return out;
+}
+
+#define SPREAD 4 // times what a reduced pixel spans in the projector if both stood at the same place
+
 FfpView ffp_view_reduced(const FfpView *view, int n_patterns, const int *patterns, int n, int width,
                          int height) {
     FfpView out = {.camera = view->camera, .projector = view->projector};
@@ -48,6 +92,9 @@ FfpView ffp_view_reduced(const FfpView *view, int n_patterns, const int *pattern
     out.frame_width = frame_side(ffp_frame_width(view), view->camera.width, width);
     out.frame_height = frame_side(ffp_frame_height(view), view->camera.height, height);
     out.coverage = ffp_image_resize(&view->coverage, width, height);
+    const real spread =
+        SPREAD * fmax(view->projector.fx, view->projector.fy) / fmin(out.camera.fx, out.camera.fy);
+    out.correspondence = reduce_correspondence(&view->correspondence, width, height, (double)fmax(spread, 2));
     out.images = ffp_alloc((size_t)n_patterns, sizeof *out.images);
     for (int k = 0; k < n; k++) {
         FfpImage *image = &out.images[patterns[k]];
@@ -59,6 +106,7 @@ FfpView ffp_view_reduced(const FfpView *view, int n_patterns, const int *pattern
 
 void ffp_view_reduced_free(FfpView *view, int n_patterns) {
     ffp_image_free(&view->coverage);
+    ffp_image_free(&view->correspondence);
     for (int p = 0; view->images && p < n_patterns; p++) ffp_image_free(&view->images[p]);
     ffp_free(view->images);
     view->images = NULL;

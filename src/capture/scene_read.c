@@ -198,6 +198,7 @@ static bool read_view(FfpManifest *manifest, const FfpField *field, int index, c
     if (manifest->poses) return true;
     return read_pictures(manifest, field, files, err) &&
            read_file(manifest, field, "coverage", &files->coverage.path, err) &&
+           read_file(manifest, field, "correspondence", &files->correspondence.path, err) &&
            read_file(manifest, field, "depth", &files->depth.path, err) &&
            read_file(manifest, field, "normal", &files->normal.path, err) &&
            read_file(manifest, field, "albedo", &files->albedo.path, err) &&

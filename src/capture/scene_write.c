@@ -99,11 +99,13 @@ static bool write_picture(const FfpImage *rgb, const FfpImage *coverage, const c
     return ok;
 }
 
-static bool write_truth(Writer *writer, const FfpView *view, json_t *json, FfpError *err) {
-    static const char *const keys[5] = {"depth", "normal", "albedo", "roughness", "direct_white"};
-    const FfpImage *const images[5] = {&view->depth, &view->normal, &view->albedo, &view->roughness,
-                                       &view->direct_white};
-    for (int i = 0; i < 5; i++) {
+// Maps of numbers: correspondences and truth.
+static bool write_maps(Writer *writer, const FfpView *view, json_t *json, FfpError *err) {
+    static const char *const keys[6] = {"correspondence", "depth",     "normal",
+                                        "albedo",         "roughness", "direct_white"};
+    const FfpImage *const images[6] = {&view->correspondence, &view->depth,     &view->normal,
+                                       &view->albedo,         &view->roughness, &view->direct_white};
+    for (int i = 0; i < 6; i++) {
         if (images[i]->data == NULL) continue;
         char name[FFP_NAME_MAX + 32], path[FFP_PATH_MAX];
         snprintf(name, sizeof name, "%s_%s.exr", view->id, keys[i]);
@@ -137,7 +139,7 @@ static bool write_whole_view(Writer *writer, const FfpView *view, json_t *views,
             return false;
         json_object_set_new(images, capture->patterns[i].name, json_string(name));
     }
-    return write_truth(writer, view, json, err);
+    return write_maps(writer, view, json, err);
 }
 
 static bool write_view(Writer *writer, const FfpView *view, json_t *views, FfpError *err) {

@@ -2,7 +2,8 @@
 #include "cli.h"
 
 typedef struct Arguments {
-    const char *capture, *pattern, *output;
+    const char *capture, *output;
+    FfpAligning options;
 } Arguments;
 
 static void tell(const char *output, const FfpAlignStats *stats) {
@@ -10,7 +11,18 @@ static void tell(const char *output, const FfpAlignStats *stats) {
         printf("turntable   devices turned by %.3f degrees to what all views have in common\n",
                stats->evened);
     else
-        printf("turntable   no: each view keeps its own pose\n");
+        printf("turntable   no: each view has its own pose\n");
+    if (stats->own)
+        printf(
+            "each view   devices turned by %.3f degrees; camera rays pass what they show of the pattern by "
+            "%.3f\n"
+            "            pixels of the projector, before %.3f; views' surfaces lie apart by %.3f pixels, "
+            "before "
+            "%.3f\n",
+            stats->turned, stats->off[1], stats->off[0], stats->apart[1], stats->apart[0]);
+    if (stats->focal[0] != 1 || stats->focal[1] != 1)
+        printf("focal       lengths of the camera times %.4f, of the projector times %.4f\n", stats->focal[0],
+               stats->focal[1]);
     printf("all views   camera turned by %+.3f degrees to the projector and %+.3f across, the projector as "
            "much\n"
            "            against it; both by %+.3f sideways\n"
@@ -27,7 +39,7 @@ static int run(void *data) {
                               ? ffp_capture_open(ffp_cli_context(), arguments->capture, &err)
                               : NULL;
     const bool ok = capture &&
-                    ffp_align_poses(ffp_cli_context(), capture, arguments->pattern, &stats, &err) &&
+                    ffp_align_poses(ffp_cli_context(), capture, &arguments->options, &stats, &err) &&
                     ffp_capture_save(ffp_cli_context(), capture, arguments->output, &err);
     if (ok) tell(arguments->output, &stats);
     ffp_capture_close(capture);
@@ -46,8 +58,14 @@ static const FfpOption options[] = {
      .letter = 'p',
      .argument = "NAME",
      .type = FFP_OPTION_TEXT,
-     .offset = offsetof(Arguments, pattern),
+     .offset = offsetof(Arguments, options.pattern),
      .help = "the structured-light pattern to look at. Default: as `reconstruct`"},
+    {.name = "focal",
+     .letter = 'f',
+     .type = FFP_OPTION_FLAG,
+     .offset = offsetof(Arguments, options.focal_lengths),
+     .help = "correct the focal lengths of camera and projector too, the same in all views. Needs views that "
+             "see the object from more than one side"},
     {0},
 };
 
@@ -61,11 +79,11 @@ const FfpCommand ffp_cli_align = {
         "look doubled.\n"
         "- Views of one rig that stood still while the object turned get what is common to all their poses, "
         "if the pictures agree no worse so. Poses that were calibrated one by one gain most from that.\n"
+        "- Views that are not a turntable's get poses of their own: those under which camera rays meet what "
+        "they show of the pattern, and the surfaces of different views each other.\n"
         "- One turn of the camera and one of the projector, the same in all views, are searched for: those "
         "under which the surfaces that the pattern shows in one view are those that the others show.\n"
-        "What no picture can tell stays as it was: where the object lies along the turntable's axis. Focal "
-        "lengths are not touched, and the devices' places only evened out. Errors that differ from view to "
-        "view are only found on a turntable.",
+        "What no picture can tell stays as it was: where the object lies along the turntable's axis.",
     .positional = {.name = "CAPTURE",
                    .least = 1,
                    .most = 1,

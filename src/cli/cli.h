@@ -9,7 +9,7 @@ enum { FFP_EXIT_OK = 0, FFP_EXIT_FAILURE = 1, FFP_EXIT_USAGE = 2 };
 
 extern const FfpCommand ffp_cli_import, ffp_cli_align, ffp_cli_info, ffp_cli_reconstruct, ffp_cli_refine,
     ffp_cli_render, ffp_cli_compensate, ffp_cli_map, ffp_cli_export, ffp_cli_evaluate, ffp_cli_bench,
-    ffp_cli_generate, ffp_cli_train, ffp_cli_view, ffp_cli_patterns;
+    ffp_cli_generate, ffp_cli_train, ffp_cli_view, ffp_cli_patterns, ffp_cli_calibrate;
 
 int ffp_cli_fail(const FfpError *err); // "ffprocams: error: WHAT (WHERE)"; returns FFP_EXIT_FAILURE
 // "ffprocams: error: WHAT" and where to read more; returns FFP_EXIT_USAGE
@@ -31,6 +31,16 @@ void ffp_cli_clear_progress(void); // takes the line of progress off the termina
 void ffp_cli_close_context(void);
 // Value of --device: all that follows runs there. NULL: where it does.
 bool ffp_cli_use_device(const char *name, FfpError *err);
+
+// Processes of an MPI job share the command's work: its calls then have their ranks, and words of what all do
+// come from the first alone. Nothing happens in a process that was started alone.
+bool ffp_cli_use_ranks(FfpError *err);
+// For that and the end of the program. join: finds the job; leave: all of it ends unless status is
+// FFP_EXIT_OK.
+bool ffp_cli_join_ranks(FfpError *err);
+const FfpRanks *ffp_cli_ranks(void); // NULL: alone
+int ffp_cli_leave_ranks(int status);
+const char *ffp_cli_rank_name(void); // "rank 3: "; "" alone
 
 // Headings of the commands in the program's help.
 #define FFP_CLI_CAPTURE "make a capture"

@@ -7,7 +7,7 @@
 
 typedef struct Arguments {
     const char *model, *device;
-    FfpList captures, targets;
+    FfpList captures, targets, merged;
     FfpEvaluation evaluation;
 } Arguments;
 
@@ -59,6 +59,7 @@ static void put_table(const FfpScore *scores, int n_scores) {
 // What is evaluated, by its name; opens the weights when it takes any.
 static bool choose_model(FfpEvaluation *evaluation, const char *path, FfpModel **model, FfpError *err) {
     const bool none = path && strcmp(path, "none") == 0;
+    if (evaluation->n_merged) return true;
     if (evaluation->predictor == FFP_PREDICT_DEPTH)
         evaluation->model_name = "pattern lookup at the true depth";
     else if (evaluation->predictor == FFP_PREDICT_MATCH)
@@ -83,6 +84,10 @@ static int check(const FfpEvaluation *evaluation, const char *model) {
                      (evaluation->predictor != FFP_PREDICT_GAUSSIANS);
     if (ways > 1)
         return ffp_cli_usage("evaluate", "give only one of --model, --gaussians, --field and --predictor");
+    if (evaluation->n_merged && evaluation->n_captures)
+        return ffp_cli_usage("evaluate", "--merge takes the rows of files, and no CAPTURE");
+    if (!evaluation->n_merged && !evaluation->n_captures)
+        return ffp_cli_usage("evaluate", "give at least one CAPTURE");
     if ((evaluation->gaussians || evaluation->field) && evaluation->n_captures > 1)
         return ffp_cli_usage("evaluate", "%s goes with one CAPTURE",
                              evaluation->field ? "--field" : "--gaussians");
@@ -104,11 +109,12 @@ static int run(void *data) {
     FfpModel *model = NULL;
     evaluation->captures = arguments->captures.values, evaluation->n_captures = arguments->captures.count;
     evaluation->targets = arguments->targets.values, evaluation->n_targets = arguments->targets.count;
+    evaluation->merged = arguments->merged.values, evaluation->n_merged = arguments->merged.count;
     if (check(evaluation, arguments->model) >= 0) return FFP_EXIT_USAGE;
-    bool ok = ffp_cli_use_device(arguments->device, &err);
+    bool ok = ffp_cli_use_device(arguments->device, &err) && ffp_cli_use_ranks(&err);
     ok = ok && choose_model(evaluation, arguments->model, &model, &err);
     if (ok) ok = (scores = ffp_evaluate(ffp_cli_context(), evaluation, &n_scores, &err)) != NULL;
-    if (ok) put_table(scores, n_scores);
+    if (ok && (!ffp_cli_ranks() || ffp_cli_ranks()->rank == 0)) put_table(scores, n_scores);
     ffp_free(scores);
     ffp_model_close(model);
     return ok ? FFP_EXIT_OK : ffp_cli_fail(&err);
@@ -190,6 +196,15 @@ static const FfpOption options[] = {
      .group = "results",
      .help = "the rows as JSON: psnr, psnr_foreground, psnr_gloss, psnr_unseen_lollipops, ssim, lpips, "
              "images, reconstruct_s (of the capture), render_s (of all the row's pictures together)"},
+    {.name = "merge",
+     .argument = "FILE",
+     .type = FFP_OPTION_FILE,
+     .repeated = true,
+     .offset = offsetof(Arguments, merged),
+     .group = "results",
+     .help =
+         "a file that an earlier --json wrote, given once for each: the rows of all with their means, and "
+         "no CAPTURE is evaluated. For captures that several processes have shared out"},
     {.name = "report",
      .argument = "FILE.html",
      .type = FFP_OPTION_FILE,
@@ -228,14 +243,16 @@ const FfpCommand ffp_cli_evaluate = {
         "as "
         "100 dB.",
     .positional = {.name = "CAPTURE",
-                   .least = 1,
+                   .least = 0,
                    .most = INT_MAX,
                    .offset = offsetof(Arguments, captures),
                    .help = "folders or JSON files"},
     .options = options,
     .examples =
         (const FfpExample[]){
-            {.command = "ffprocams evaluate data/sample --targets targets.json --report report.html"}, {0}},
+            {.command = "ffprocams evaluate data/sample --targets targets.json --report report.html\n"
+                        "ffprocams evaluate --merge part-0.json --merge part-1.json --json all.json"},
+            {0}},
     .size = sizeof(Arguments),
     .set_defaults = set_defaults,
     .run = run,

@@ -38,6 +38,7 @@ static int run(void *data) {
     FfpError err = {0};
     if (generation->split != FFP_SPLIT_ALL && generation->mesh)
         return ffp_cli_usage("generate", "--split is of the generated objects: not with --mesh");
+    if (!generation->check && !ffp_cli_use_ranks(&err)) return ffp_cli_fail(&err);
     return ffp_generate(ffp_cli_context(), generation, &err) ? FFP_EXIT_OK : ffp_cli_fail(&err);
 }
 
@@ -66,6 +67,10 @@ static const FfpOption options[] = {
      .low = 1,
      .high = 1000000000,
      .help = "how many scenes. Default: all of the split"},
+    {.name = "check",
+     .type = FFP_OPTION_FLAG,
+     .offset = offsetof(Arguments, generation.check),
+     .help = "make nothing: say which of these scenes are not there yet, if any (exit 1)"},
     {.name = "preset",
      .argument = "P",
      .type = FFP_OPTION_CHOICE,
@@ -143,6 +148,23 @@ static const FfpOption options[] = {
              "(shot), the projector's defocus (defocus=1, deviation in its pixels), gamma and black_level, "
              "exposure (stops), errors of the written poses (turn_error=0.2 degrees, shift_error=0.004 "
              "units). The scenes are the same otherwise. Default: all 0"},
+    {.name = "photographs",
+     .argument = "PATTERNS",
+     .type = FFP_OPTION_FOLDER,
+     .offset = offsetof(Arguments, generation.photographs),
+     .help =
+         "photographs instead of captures: of one object (the first, or --mesh) on a turntable under every "
+         "pattern in this folder of `patterns`, in view-DDD/ by its degrees, and of a chessboard of 9 x 6 "
+         "corners for "
+         "`calibrate`, in attitude-NN/ and turntable/, by a camera and a projector whose lenses "
+         "distort. Each has its pattern's number. truth.json is the calibration as it should come out. "
+         "--resolution is their height (480), --views the stops"},
+    {.name = "attitudes",
+     .argument = "N",
+     .type = FFP_OPTION_INT,
+     .offset = offsetof(Arguments, generation.attitudes),
+     .high = 64,
+     .help = "with --photographs: in how many the chessboard is held; 0: without one. Default: 8"},
     {0},
 };
 
@@ -158,7 +180,8 @@ const FfpCommand ffp_cli_generate = {
         "same "
         "scene otherwise. Scenes that are there already are kept, so that a stopped run goes on where it "
         "was, "
-        "and several runs can share a job, each with its own --first and --count. What is made with other "
+        "and several runs can share a job, each with its own --first and --count, as can the processes of "
+        "`mpirun -n N ffprocams generate ...`. What is made with other "
         "options goes to another DIR.",
     .positional = {.name = "DIR",
                    .least = 1,
@@ -166,10 +189,16 @@ const FfpCommand ffp_cli_generate = {
                    .offset = offsetof(Arguments, generation.folder),
                    .help = "folder for the captures"},
     .options = options,
-    .examples = (const FfpExample[]){{.command = "ffprocams generate scenes --preset smoke --count 2\n"
-                                                 "ffprocams generate mine --mesh vase.obj --material "
-                                                 "glazed_clay"},
-                                     {0}},
+    .examples =
+        (const FfpExample[]){{.command = "ffprocams generate scenes --preset smoke --count 2\n"
+                                         "ffprocams generate mine --mesh vase.obj --material "
+                                         "glazed_clay"},
+                             {.about = "What somebody with a camera and a projector would have photographed:",
+                              .command =
+                                  "ffprocams patterns -o patterns --projector 640x400\n"
+                                  "ffprocams generate shots --photographs patterns --views 16 --sensor "
+                                  "read=0.005"},
+                             {0}},
     .size = sizeof(Arguments),
     .set_defaults = set_defaults,
     .run = run,

@@ -202,6 +202,17 @@ static const FfpOption options[] = {
      .offset = offsetof(Arguments, held_out),
      .group = PHOTOGRAPHS,
      .help = "likewise, but never to be reconstructed from: a test picture"},
+    {.name = "graycode",
+     .letter = 'g',
+     .argument = "FILES",
+     .type = FFP_OPTION_FILE,
+     .offset = offsetof(Arguments, import.gray_codes),
+     .group = PHOTOGRAPHS,
+     .help =
+         "photographs of the Gray codes of `ffprocams patterns`, in the order shown: columns before rows, "
+         "coarsest first, each followed by its inverse. FILES as above; {pattern} is gray_x_00, "
+         "gray_x_00_inverse and so on. Where codes decode depth is exact and needs no matching. Without "
+         "another pattern one of the codes becomes the capture's pattern"},
     {.name = "mask",
      .letter = 'm',
      .argument = "FILES|otsu",

@@ -155,6 +155,7 @@ const char *ffp_cli_import_option(const FfpError *err) {
         {"(images)", "--images NAMES=FILES"},
         {"(patterns)", "--pattern NAME=FILE"},
         {"(held_out)", "--held-out NAME=FILE"},
+        {"(gray_codes)", "--graycode FILES"},
         {"(views)", "--view ID"},
         {"(width)", "--width W"},
         {"(object)", "--object X,Y,Z,R"},

@@ -11,6 +11,7 @@
 static const double terminal_interval = 0.2, file_interval = 10.0; // seconds between two lines of progress
 
 static FfpContext *context;
+static FfpDeviceKind device_kind;         // of it
 static volatile sig_atomic_t interrupted; // the signal
 static atomic_bool shown;                 // a line of progress stands on the terminal
 static double shown_at;                   // seconds
@@ -25,8 +26,11 @@ void ffp_cli_clear_progress(void) {
 
 static void write_line(void *user, FfpLogLevel level, const char *text) {
     (void)user;
+    const bool warning = level == FFP_LOG_WARNING;
+    if (!warning && ffp_cli_ranks() && ffp_cli_ranks()->rank > 0) return;
     ffp_cli_clear_progress();
-    fprintf(stderr, "ffprocams: %s%s\n", level == FFP_LOG_WARNING ? "warning: " : "", text);
+    fprintf(stderr, "ffprocams: %s%s%s\n", warning ? ffp_cli_rank_name() : "", warning ? "warning: " : "",
+            text);
 }
 
 // "1:02:03", "2:03" or "3 s"
@@ -61,6 +65,7 @@ static bool on_progress(void *user, const FfpProgress *p) {
     (void)user;
     const bool terminal = isatty(STDERR_FILENO);
     const double interval = terminal ? terminal_interval : file_interval;
+    if (ffp_cli_ranks() && ffp_cli_ranks()->rank > 0) return !interrupted;
     if (!p->stage) {
         ffp_cli_clear_progress();
     } else if (p->seconds >= interval && now() - shown_at >= interval) {
@@ -75,12 +80,18 @@ bool ffp_cli_open_context(FfpDeviceKind device, FfpError *err) {
     settings.log = write_line;
     settings.progress = on_progress;
     settings.device = device;
+    settings.ranks = ffp_cli_ranks();
+    device_kind = device;
     ffp_context_free(context);
     context = ffp_context_new(&settings, err);
     struct sigaction action = {.sa_handler = on_signal, .sa_flags = (int)(SA_RESETHAND | SA_RESTART)};
     sigaction(SIGINT, &action, NULL);
     sigaction(SIGTERM, &action, NULL);
     return context != NULL;
+}
+
+bool ffp_cli_use_ranks(FfpError *err) {
+    return ffp_cli_join_ranks(err) && (!ffp_cli_ranks() || ffp_cli_open_context(device_kind, err));
 }
 
 FfpContext *ffp_cli_context(void) {

@@ -4,10 +4,23 @@
 #include "cli.h"
 
 static const FfpCommand *const commands[] = {
-    &ffp_cli_patterns,    &ffp_cli_import,   &ffp_cli_align,  &ffp_cli_info,
-    &ffp_cli_reconstruct, &ffp_cli_refine,   &ffp_cli_render, &ffp_cli_view,
-    &ffp_cli_compensate,  &ffp_cli_map,      &ffp_cli_export, &ffp_cli_evaluate,
-    &ffp_cli_bench,       &ffp_cli_generate, &ffp_cli_train,  NULL,
+    &ffp_cli_patterns,
+    &ffp_cli_calibrate,
+    &ffp_cli_import,
+    &ffp_cli_align,
+    &ffp_cli_info,
+    &ffp_cli_reconstruct,
+    &ffp_cli_refine,
+    &ffp_cli_render,
+    &ffp_cli_view,
+    &ffp_cli_compensate,
+    &ffp_cli_map,
+    &ffp_cli_export,
+    &ffp_cli_evaluate,
+    &ffp_cli_bench,
+    &ffp_cli_generate,
+    &ffp_cli_train,
+    NULL,
 };
 
 // Beside --help, which everything has.
@@ -49,7 +62,7 @@ const FfpWord ffp_cli_none[] = {{"none", 0}, {0}};
 
 int ffp_cli_fail(const FfpError *err) {
     ffp_cli_clear_progress();
-    fprintf(stderr, "ffprocams: error: %s\n", err->text);
+    fprintf(stderr, "ffprocams: %serror: %s\n", ffp_cli_rank_name(), err->text);
     return FFP_EXIT_FAILURE;
 }
 
@@ -94,7 +107,7 @@ static int unknown_command(const char *word) {
 static int run(const FfpCommand *command, int argc, char **argv) {
     FfpError err;
     if (!ffp_cpu_check(&err) || !ffp_cli_open_context(FFP_DEVICE_CPU, &err)) return ffp_cli_fail(&err);
-    const int status = finish(ffp_cli_run(command, argc, argv));
+    const int status = ffp_cli_leave_ranks(finish(ffp_cli_run(command, argc, argv)));
     ffp_cli_close_context();
     return status;
 }

@@ -10,9 +10,12 @@ static int run(void *data) {
     const Arguments *arguments = data;
     const FfpTraining *training = &arguments->training;
     FfpError err = {0};
+    if (training->resume && training->captures)
+        return ffp_cli_usage("train", "--resume takes the captures from the checkpoint alone");
     if (training->resume && (training->initial || training->config))
         return ffp_cli_usage("train", "--resume takes configuration and weights from the checkpoint alone");
-    if (!ffp_cli_use_device(arguments->device, &err) || !ffp_train_model(ffp_cli_context(), training, &err))
+    if (!ffp_cli_use_device(arguments->device, &err) || !ffp_cli_use_ranks(&err) ||
+        !ffp_train_model(ffp_cli_context(), training, &err))
         return ffp_cli_fail(&err);
     ffp_cli_go_on(); // a run that was stopped has written its checkpoint
     return FFP_EXIT_OK;
@@ -60,6 +63,15 @@ static const FfpOption options[] = {
      .type = FFP_OPTION_FILE,
      .offset = offsetof(Arguments, training.initial),
      .help = "start from these weights, with a fresh optimiser"},
+    {.name = "captures",
+     .argument = "FOLDER",
+     .type = FFP_OPTION_FOLDER,
+     .offset = offsetof(Arguments, training.captures),
+     .help =
+         "fine-tune weights to your own devices: learn from the photographs of the captures in FOLDER (what "
+         "`import` writes, two at least), beginning with --initial or the shipped weights. Every fourth "
+         "capture is held out: it says when to stop, and weights.safetensors are those that predict its "
+         "photographs best, the first included"},
     {.name = "perceptual",
      .argument = "FILE",
      .type = FFP_OPTION_FILE,
@@ -79,11 +91,20 @@ const FfpCommand ffp_cli_train = {
     .prose =
         "Or on scenes read from a folder made by `generate` (`scenes` of the configuration). DIR receives "
         "checkpoint.safetensors (everything needed to go on bit for bit), weights.safetensors (what "
-        "`--model` takes) and metrics.jsonl. Ctrl-C writes a checkpoint first.",
+        "`--model` takes) and metrics.jsonl. Ctrl-C writes a checkpoint first. "
+        "`mpirun -n N ffprocams train ...` shares the scenes of every step (`batch`) among N processes "
+        "(docs/cluster.md).",
     .options = options,
-    .examples = (const FfpExample[]){{.command = "ffprocams train --out run --steps 20000\n"
-                                                 "ffprocams train --out run --resume"},
-                                     {0}},
+    .examples =
+        (const FfpExample[]){{.command = "ffprocams train --out run --steps 20000\n"
+                                         "ffprocams train --out run --resume\n"
+                                         "mpirun -n 4 ffprocams train --out run --config batch-8.json"},
+                             {.about = "For a camera and a projector of one's own:",
+                              .command =
+                                  "ffprocams train --out mine --captures captures\n"
+                                  "ffprocams reconstruct captures/vase --model mine/weights.safetensors "
+                                  "-o vase.ply"},
+                             {0}},
     .size = sizeof(Arguments),
     .set_defaults = set_defaults,
     .run = run,

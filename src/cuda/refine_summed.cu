@@ -23,12 +23,13 @@ static __global__ void row_kernel(const real *image, int width, int height, doub
     const int y = (int)(blockIdx.x * ROWS + threadIdx.y);
     if (y >= height) return;
     const real *from = image + (size_t)y * (size_t)width * 3;
-    double *to = sum + ((size_t)(y + 1) * ((size_t)width + 1) + 1) * 3, before[3] = {0, 0, 0};
+    double *to = sum + ((size_t)(y + 1) * ((size_t)width + 1) + 1) * FFP_SUMMED_CHANNELS,
+           before[3] = {0, 0, 0};
     for (int first = 0; first < width; first += FFP_WARP) {
         const int x = first + (int)lane;
         for (int c = 0; c < 3; c++) {
             const double run = before[c] + scan(x < width ? (double)from[3 * x + c] : 0, lane);
-            if (x < width) to[3 * x + c] = run;
+            if (x < width) to[FFP_SUMMED_CHANNELS * x + c] = run;
             before[c] = __shfl_sync(0xffffffffu, run, FFP_WARP - 1);
         }
     }
@@ -46,8 +47,9 @@ static __global__ void column_kernel(size_t stride, int height, double *sum) {
 }
 
 FfpSummed ffp_cuda_summed_new(const FfpImage *rgb) {
-    const size_t stride = ((size_t)rgb->width + 1) * 3;
-    FfpSummed summed = {rgb->width, rgb->height, NULL};
+    const size_t stride = ((size_t)rgb->width + 1) * FFP_SUMMED_CHANNELS;
+    FfpSummed summed = {};
+    summed.width = rgb->width, summed.height = rgb->height;
     summed.sum = (double *)ffp_memory_new(stride * ((size_t)rgb->height + 1), sizeof(double));
     ffp_launch_blocks(row_kernel, dim3(ffp_blocks((size_t)rgb->height, ROWS)), dim3(FFP_WARP, ROWS), 0,
                       (const real *)rgb->data, rgb->width, rgb->height, summed.sum);

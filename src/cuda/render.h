@@ -16,12 +16,15 @@ void ffp_cuda_rasterise_backward(FfpDeviceRaster *raster, const FfpGaussians *ga
 
 void ffp_cuda_map_with_shadow(const FfpGbuffer *shadow, const FfpGbuffer *gbuffer, const FfpCamera *camera,
                               const FfpCamera *projector, const FfpRenderSettings *settings, FfpMapping *out);
-void ffp_cuda_shade(const FfpGbuffer *gbuffer, const FfpMapping *mapping, const FfpCamera *camera,
-                    const FfpCamera *projector, const real intensity[3], const FfpSummed *pattern,
-                    FfpImage *out);
-void ffp_cuda_shade_backward(const FfpGbuffer *gbuffer, const FfpMapping *mapping, const FfpCamera *camera,
-                             const FfpCamera *projector, const real intensity[3], const FfpSummed *pattern,
-                             const FfpImage *grad_image, FfpGbuffer *grad_gbuffer, real grad_intensity[3],
+void ffp_cuda_light(const FfpGbuffer *gbuffer, const FfpMapping *mapping, const FfpCamera *camera,
+                    const FfpCamera *projector, FfpTransport *out);
+void ffp_cuda_light_backward(const FfpGbuffer *gbuffer, const FfpMapping *mapping, const FfpCamera *camera,
+                             const FfpCamera *projector, const FfpTransport *grad, FfpGbuffer *grad_gbuffer);
+void ffp_cuda_shade(const FfpGbuffer *gbuffer, const FfpMapping *mapping, const FfpTransport *transport,
+                    const real intensity[3], const FfpSummed *pattern, FfpImage *out);
+void ffp_cuda_shade_backward(const FfpMapping *mapping, const FfpTransport *transport,
+                             const real intensity[3], const FfpSummed *pattern, const FfpImage *grad_image,
+                             FfpGbuffer *grad_gbuffer, FfpTransport *grad_transport, real grad_intensity[3],
                              FfpSummed *grad_pattern);
 
 void ffp_cuda_gbuffer_clear(FfpGbuffer *gbuffer);

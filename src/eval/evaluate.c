@@ -309,26 +309,137 @@ static void append_means(FfpEvaluating *shared) {
     }
 }
 
+// --- Shared by ranks, or by runs one after the other. ---
+
+static const FfpRanks *ranks_at_work(void) {
+    const FfpContext *context = ffp_call_context();
+    const FfpRanks *ranks = context ? context->settings.ranks : NULL;
+    return ranks && ranks->count > 1 ? ranks : NULL;
+}
+
+static int protocol_number(const char *name) {
+    int i = 0;
+    while (i < FFP_PROTOCOLS - 1 && strcmp(name, ffp_protocols[i]) != 0) i++;
+    return i;
+}
+
+// The rows of capture `index`, from the rank that has them (`own`, `count` of them) to all.
+static bool exchange(FfpEvaluating *shared, const FfpRanks *ranks, int index, const FfpScore *own, int count,
+                     FfpError *err) {
+    struct {
+        FfpScore score;
+        int protocol;
+    } rows[FFP_PROTOCOLS] = {0};
+    const int from = index % ranks->count;
+    for (int i = 0; from == ranks->rank && i < count; i++) {
+        rows[i].score = own[i];
+        rows[i].protocol = protocol_number(own[i].protocol);
+    }
+    if (!ranks->broadcast(ranks->user, &count, sizeof count, from, err) ||
+        !ranks->broadcast(ranks->user, rows, sizeof rows, from, err))
+        return false;
+    for (int i = 0; i < count; i++) {
+        FfpScore *score = &shared->scores[shared->n_scores++];
+        *score = rows[i].score;
+        score->protocol = ffp_protocols[rows[i].protocol];
+    }
+    return true;
+}
+
+// Each rank's captures, then all rows to all ranks, in the captures' order.
+static bool evaluate_together(FfpEvaluating *shared, const FfpRanks *ranks, FfpError *err) {
+    const int n = shared->options->n_captures;
+    FfpEvaluating own = *shared;
+    own.scores = ffp_alloc(FFP_PROTOCOLS * ((size_t)n + 1), sizeof *own.scores);
+    int *first = ffp_alloc((size_t)n + 1, sizeof *first);
+    bool ok = true;
+    for (int i = 0; i < n; i++) {
+        first[i] = own.n_scores;
+        if (ok && i % ranks->count == ranks->rank) ok = evaluate_capture(&own, i, err);
+    }
+    first[n] = own.n_scores;
+    double failed = !ok;
+    const bool mine = failed > 0;
+    ok = ranks->sum(ranks->user, &failed, 1, mine ? NULL : err);
+    if (ok && failed > 0 && !mine) ffp_fail(err, FFP_ERROR_IO, NULL, "another rank's captures failed");
+    ok = ok && failed == 0;
+    for (int i = 0; ok && i < n; i++)
+        ok = exchange(shared, ranks, i, own.scores + first[i], first[i + 1] - first[i], err);
+    ffp_free(first);
+    ffp_free(own.scores);
+    return ok;
+}
+
+static bool evaluate_all(FfpEvaluating *shared, FfpError *err) {
+    const FfpEvaluation *options = shared->options;
+    const FfpRanks *ranks = ranks_at_work();
+    shared->scores = ffp_alloc(FFP_PROTOCOLS * ((size_t)options->n_captures + 1), sizeof *shared->scores);
+    if (ranks) return evaluate_together(shared, ranks, err);
+    for (int i = 0; i < options->n_captures; i++)
+        if (!evaluate_capture(shared, i, err)) return false;
+    return true;
+}
+
+// The rows of earlier evaluations of one predictor, whose name goes into name [96].
+static bool merge(FfpEvaluating *shared, char name[96], FfpError *err) {
+    const FfpEvaluation *options = shared->options;
+    for (int i = 0; i < options->n_merged; i++) {
+        char other[96];
+        if (!ffp_scores_read(&shared->scores, &shared->n_scores, i ? other : name, options->merged[i], err))
+            return false;
+        if (i && strcmp(name, other) != 0)
+            return ffp_fail(err, FFP_ERROR_FILE, ffp_place(options->merged[i], "predictor").text,
+                            "is %s, that of the files before it %s", other, name);
+    }
+    shared->scores =
+        ffp_grow(shared->scores, (size_t)shared->n_scores + FFP_PROTOCOLS, sizeof *shared->scores);
+    return true;
+}
+
+static bool check_merging(const FfpEvaluation *options, FfpError *err) {
+    if (options->n_captures > 0 || options->report || options->save)
+        return ffp_fail(err, FFP_ERROR_ARGUMENT, NULL,
+                        "rows that are merged come without captures: no capture, report or saved pictures");
+    return ffp_output_probe(options->json, err);
+}
+
+static bool merge_and_write(FfpEvaluating *shared, FfpError *err) {
+    char name[96] = "";
+    if (!check_merging(shared->options, err) || !merge(shared, name, err)) return false;
+    FfpEvaluation named = *shared->options;
+    named.model_name = name;
+    return !named.json || ffp_scores_write(shared->scores, shared->n_scores, &named, err);
+}
+
+static bool evaluate_and_write(FfpEvaluating *shared, FfpError *err) {
+    const FfpEvaluation *options = shared->options;
+    const FfpRanks *ranks = ranks_at_work();
+    if (!check_options(options, err)) return false;
+    if (ranks && options->report)
+        return ffp_fail(err, FFP_ERROR_ARGUMENT, "report", "is made by one process: here are %d",
+                        ranks->count);
+    if (options->report)
+        shared->report = ffp_report_new(options->model_name ? options->model_name : "unnamed");
+    bool ok = open_perceptual(shared, err) && check_captures(shared, err) && evaluate_all(shared, err);
+    const bool writes = !ranks || ranks->rank == 0;
+    if (ok && writes && options->json) ok = ffp_scores_write(shared->scores, shared->n_scores, options, err);
+    if (ok && options->report)
+        ok = ffp_report_write(shared->report, shared->scores, shared->n_scores, options->viewer,
+                              options->report, err);
+    ffp_report_free(shared->report);
+    ffp_perceptual_free(shared->lpips);
+    return ok;
+}
+
 static FfpScore *evaluate(const FfpEvaluation *options, int *n_scores, FfpError *err) {
     FfpEvaluating shared = {.options = options};
     *n_scores = 0;
-    if (!check_options(options, err)) return NULL;
-    bool ok = open_perceptual(&shared, err) && check_captures(&shared, err);
-    if (options->report)
-        shared.report = ffp_report_new(options->model_name ? options->model_name : "unnamed");
-    shared.scores = ffp_alloc(FFP_PROTOCOLS * ((size_t)options->n_captures + 1), sizeof *shared.scores);
-    for (int i = 0; ok && i < options->n_captures; i++) ok = evaluate_capture(&shared, i, err);
-    if (ok && options->json) ok = ffp_scores_write(shared.scores, shared.n_scores, options, err);
-    if (ok && options->report)
-        ok = ffp_report_write(shared.report, shared.scores, shared.n_scores, options->viewer, options->report,
-                              err);
-    ffp_report_free(shared.report);
-    ffp_perceptual_free(shared.lpips);
-    if (ok && options->n_captures > 1) append_means(&shared);
+    const bool ok = options->n_merged > 0 ? merge_and_write(&shared, err) : evaluate_and_write(&shared, err);
     if (!ok) {
         ffp_free(shared.scores);
         return NULL;
     }
+    if (options->n_merged > 1 || options->n_captures > 1) append_means(&shared);
     *n_scores = shared.n_scores;
     return shared.scores;
 }

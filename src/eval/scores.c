@@ -1,9 +1,11 @@
 #include <math.h>
 #include <stddef.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <jansson.h>
 #include "base/file.h"
+#include "capture/fields.h"
 #include "eval/scores.h"
 
 const char *const ffp_protocols[FFP_PROTOCOLS] = {"rendering", "novel_pattern", "novel_pose"};
@@ -87,5 +89,66 @@ bool ffp_scores_write(const FfpScore *scores, int n_scores, const FfpEvaluation 
     if (!text) return ffp_fail(err, FFP_ERROR_ARGUMENT, options->json, "names in it are not UTF-8");
     const bool ok = ffp_write_file(options->json, text, strlen(text), err);
     free(text);
+    return ok;
+}
+
+// --- Reading them back. ---
+
+static bool read_protocol(const FfpField *row, FfpScore *score, FfpError *err) {
+    FfpField field;
+    const char *text = NULL;
+    if (!ffp_field_get(row, "protocol", &field, err) || !ffp_field_text(&field, &text, err)) return false;
+    for (int i = 0; i < FFP_PROTOCOLS; i++)
+        if (strcmp(text, ffp_protocols[i]) == 0) score->protocol = ffp_protocols[i];
+    return score->protocol || ffp_field_fail(&field, err, "'%.40s' is no protocol", text);
+}
+
+static bool read_row(const FfpField *row, FfpScore *score, FfpError *err) {
+    FfpField field;
+    *score = (FfpScore){0};
+    if (!ffp_field_get(row, "capture", &field, err) || !ffp_field_name(&field, score->capture, err) ||
+        !read_protocol(row, score, err) || !ffp_get_whole(row, "images", 1, 1 << 30, &score->images, err))
+        return false;
+    for (int i = 0; i < FIGURES; i++) {
+        double *to = figure_of(score, i);
+        *to = NAN;
+        if (!ffp_field_find(row, figures[i].name, &field)) continue;
+        if (!json_is_number(field.value)) return ffp_field_fail(&field, err, "expected a number");
+        *to = json_number_value(field.value);
+    }
+    return true;
+}
+
+static bool is_known(const FfpScore *scores, int n_scores, const FfpScore *score) {
+    for (int i = 0; i < n_scores; i++)
+        if (strcmp(scores[i].capture, score->capture) == 0 && scores[i].protocol == score->protocol)
+            return true;
+    return false;
+}
+
+static bool read_rows(FfpScore **scores, int *n_scores, const FfpField *rows, FfpError *err) {
+    int count = 0;
+    if (!ffp_field_count(rows, 0, 1 << 20, &count, err)) return false;
+    *scores = ffp_grow(*scores, (size_t)*n_scores + (size_t)count + 1, sizeof **scores);
+    for (int i = 0; i < count; i++) {
+        FfpField row;
+        FfpScore *score = *scores + *n_scores;
+        if (!ffp_field_item(rows, i, &row, err) || !read_row(&row, score, err)) return false;
+        if (is_known(*scores, *n_scores, score))
+            return ffp_field_fail(&row, err, "%s under %s was there already", score->capture,
+                                  score->protocol);
+        (*n_scores)++;
+    }
+    return true;
+}
+
+bool ffp_scores_read(FfpScore **scores, int *n_scores, char predictor[96], const char *path, FfpError *err) {
+    FfpField root, field;
+    const char *text = NULL;
+    if (!ffp_field_open(&root, path, err)) return false;
+    bool ok = ffp_field_get(&root, "predictor", &field, err) && ffp_field_text(&field, &text, err);
+    if (ok) snprintf(predictor, 96, "%s", text);
+    ok = ok && ffp_field_get(&root, "rows", &field, err) && read_rows(scores, n_scores, &field, err);
+    ffp_field_close(&root);
     return ok;
 }

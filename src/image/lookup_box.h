@@ -6,6 +6,7 @@
 #ifndef FFP_IMAGE_LOOKUP_BOX_H
 #define FFP_IMAGE_LOOKUP_BOX_H
 
+#include "base/four.h"
 #include "image/lookup.h"
 
 // The two table entries that interpolate S at a coordinate, with weights; `slope` is 0 where the coordinate
@@ -41,52 +42,77 @@ FFP_FORMULA FfpBox ffp_box_at(const FfpSummed *summed, real u, real v, real du, 
     return box;
 }
 
-// Adds to out[3] the row's S at `high` minus its S at `low`.
-FFP_FORMULA void ffp_row_difference(const double *row, const FfpEdge *low, const FfpEdge *high, double weight,
-                                    double out[3]) {
-    const double *a = row + 3 * (size_t)low->first, *b = row + 3 * (size_t)high->first;
-    for (int c = 0; c < 3; c++) {
-        out[c] +=
-            weight * ((b[c] + (b[3 + c] - b[c]) * high->weight) - (a[c] + (a[3 + c] - a[c]) * low->weight));
-    }
+// Entry (x, y) of the table.
+FFP_FORMULA const FfpFour *ffp_entry(const FfpSummed *summed, int x, int y) {
+    return (const FfpFour *)summed->sum + ((size_t)summed->width + 1) * (size_t)y + (size_t)x;
+}
+
+// From one edge to the other, within the pattern.
+FFP_FORMULA double ffp_span(const FfpEdge edges[2]) {
+    return edges[1].first - edges[0].first + (edges[1].weight - edges[0].weight);
+}
+
+// S at a corner.
+FFP_FORMULA FfpFour ffp_corner(const FfpSummed *summed, const FfpEdge *x, const FfpEdge *y) {
+    const FfpFour *top = ffp_entry(summed, x->first, y->first),
+                  *bottom = ffp_entry(summed, x->first, y->first + 1);
+    const FfpFour upper = top[0] + (top[1] - top[0]) * x->weight;
+    const FfpFour lower = bottom[0] + (bottom[1] - bottom[0]) * x->weight;
+    return upper + (lower - upper) * y->weight;
 }
 
 // ffp_lookup
 FFP_FORMULA void ffp_box_mean(const FfpSummed *summed, real u, real v, real du, real dv, real out[3]) {
     const FfpBox box = ffp_box_at(summed, u, v, du, dv);
-    const size_t stride = ((size_t)summed->width + 1) * 3;
-    double total[3] = {0, 0, 0};
-    for (int j = 0; j < 2; j++) {
-        const double *row = summed->sum + (size_t)box.y[j].first * stride;
-        const double sign = j == 1 ? 1 : -1;
-        ffp_row_difference(row, &box.x[0], &box.x[1], sign * (1 - box.y[j].weight), total);
-        ffp_row_difference(row + stride, &box.x[0], &box.x[1], sign * box.y[j].weight, total);
+    if (summed->plain) {
+        const double area = ffp_span(box.x) * ffp_span(box.y) * box.scale;
+        for (int c = 0; c < 3; c++) out[c] = (real)(summed->colour[c] * area);
+        return;
     }
-    for (int c = 0; c < 3; c++) out[c] = (real)(total[c] * box.scale);
+    const FfpFour mean =
+        ((ffp_corner(summed, &box.x[1], &box.y[1]) - ffp_corner(summed, &box.x[0], &box.y[1])) -
+         (ffp_corner(summed, &box.x[1], &box.y[0]) - ffp_corner(summed, &box.x[0], &box.y[0]))) *
+        box.scale;
+    for (int c = 0; c < 3; c++) out[c] = (real)mean[c];
 }
 
-// ffp_lookup_backward_position
-FFP_FORMULA void ffp_box_mean_backward(const FfpSummed *summed, real u, real v, real du, real dv,
-                                       const real grad[3], real *grad_u, real *grad_v) {
-    const FfpBox box = ffp_box_at(summed, u, v, du, dv);
-    const size_t stride = ((size_t)summed->width + 1) * 3;
-    double sum_u = 0, sum_v = 0;
-    for (int j = 0; j < 2; j++) {
-        for (int i = 0; i < 2; i++) {
-            const FfpEdge *x = &box.x[i], *y = &box.y[j];
-            const double sign = i == j ? 1 : -1;
-            const double *top = summed->sum + (size_t)y->first * stride + 3 * (size_t)x->first,
-                         *bottom = top + stride;
-            for (int c = 0; c < 3; c++) {
-                const double upper = top[3 + c] - top[c], lower = bottom[3 + c] - bottom[c];
-                const double left = bottom[c] - top[c], right = bottom[3 + c] - top[3 + c];
-                sum_u += (double)grad[c] * sign * x->slope * (upper + (lower - upper) * y->weight);
-                sum_v += (double)grad[c] * sign * y->slope * (left + (right - left) * x->weight);
-            }
-        }
+FFP_FORMULA void ffp_plain_slopes(const FfpSummed *summed, const FfpBox *box, real out[3], real along_u[3],
+                                  real along_v[3]) {
+    const double width = ffp_span(box->x), height = ffp_span(box->y);
+    for (int c = 0; c < 3; c++) {
+        const double scaled = summed->colour[c] * box->scale;
+        out[c] = (real)(scaled * width * height);
+        along_u[c] = (real)(scaled * (box->x[1].slope - box->x[0].slope) * height);
+        along_v[c] = (real)(scaled * (box->y[1].slope - box->y[0].slope) * width);
     }
-    *grad_u += (real)(sum_u * box.scale);
-    *grad_v += (real)(sum_v * box.scale);
+}
+
+// S and its slopes at a corner, times `scale`, added.
+FFP_FORMULA void ffp_add_corner(const FfpSummed *summed, const FfpEdge *x, const FfpEdge *y, double scale,
+                                FfpFour sums[3]) {
+    const FfpFour *top = ffp_entry(summed, x->first, y->first),
+                  *bottom = ffp_entry(summed, x->first, y->first + 1);
+    const FfpFour along_x = top[1] - top[0], twist = (bottom[1] - bottom[0]) - along_x;
+    const FfpFour along_y = (bottom[0] - top[0]) + twist * x->weight;
+    sums[0] = sums[0] + (top[0] + along_x * x->weight + along_y * y->weight) * scale;
+    sums[1] = sums[1] + (along_x + twist * y->weight) * (scale * x->slope);
+    sums[2] = sums[2] + along_y * (scale * y->slope);
+}
+
+// ffp_box_mean, and how each channel changes with u and with v.
+FFP_FORMULA void ffp_box_slopes(const FfpSummed *summed, real u, real v, real du, real dv, real out[3],
+                                real along_u[3], real along_v[3]) {
+    const FfpBox box = ffp_box_at(summed, u, v, du, dv);
+    if (summed->plain) {
+        ffp_plain_slopes(summed, &box, out, along_u, along_v);
+        return;
+    }
+    FfpFour sums[3] = {{0}, {0}, {0}};
+    for (int k = 0; k < 4; k++)
+        ffp_add_corner(summed, &box.x[k & 1], &box.y[k >> 1], k == 0 || k == 3 ? box.scale : -box.scale,
+                       sums);
+    for (int c = 0; c < 3; c++)
+        out[c] = (real)sums[0][c], along_u[c] = (real)sums[1][c], along_v[c] = (real)sums[2][c];
 }
 
 #endif

@@ -6,6 +6,7 @@
 
 #include "base/arena.h"
 #include "base/call.h"
+#include "match/coded.h"
 #include "match/line.h"
 #include "match/refine.h"
 #include "match/sweep.h"
@@ -100,6 +101,7 @@ static void search(real *depth, real *confidence, real *range, const FfpCapture 
     if (range != NULL) ffp_hull_range(range, inside, &foreground, planes);
     ffp_cancel_point();
     ffp_sweep(cost, self, &foreground, seen, pattern, planes, inside);
+    ffp_coded_costs(cost, capture, view, &foreground, planes);
     ffp_cancel_point();
     ffp_semi_global(total, cost, &foreground, planes->count, SMALL_STEP, LARGE_STEP);
     choose(depth, confidence, total, cost, &foreground, seen, planes);
@@ -114,6 +116,7 @@ void ffp_match_view(real *depth, real *confidence, real *range, const FfpCapture
     memset(depth, 0, pixels * sizeof(real));
     memset(confidence, 0, pixels * sizeof(real));
     search(depth, confidence, range, capture, view, seen, pattern, &planes);
+    ffp_coded_depths(depth, confidence, capture, view, settings->bounds);
     real *finer = ffp_alloc(pixels, sizeof(real)), span = 2 * planes.step;
     for (int round = 0; round < ROUNDS; round++) {
         ffp_cancel_point();
@@ -122,5 +125,6 @@ void ffp_match_view(real *depth, real *confidence, real *range, const FfpCapture
         memcpy(depth, finer, pixels * sizeof(real));
         span /= 2;
     }
+    ffp_coded_depths(depth, confidence, capture, view, settings->bounds);
     ffp_free(finer);
 }

@@ -8,6 +8,7 @@
 #include "base/arena.h"
 #include "base/call.h"
 #include "capture/reduce.h"
+#include "match/coded.h"
 #include "match/consistency.h"
 #include "match/enlarge.h"
 #include "match/fill.h"
@@ -283,6 +284,7 @@ typedef struct Enlarging {
     const FfpCapture *capture;
     int active;
     const FfpBlurred *pattern;
+    real bounds;
 } Enlarging;
 
 static void enlarge_view(void *argument, int64_t index) {
@@ -293,15 +295,16 @@ static void enlarge_view(void *argument, int64_t index) {
     memcpy(e->start->lit + first, seen.lit, area * sizeof(real));
     const FfpEnlarged out = {e->depth + first, e->start->normal + 3 * first, e->start->confidence + first};
     ffp_enlarge(&out, e->start->reduced, &e->capture->views[v], v, &seen, e->pattern);
+    ffp_coded_depths(out.depth, out.confidence, e->capture, v, e->bounds);
     ffp_observation_free(&seen);
     ffp_cancel_point();
 }
 
 // Carries what was found on the reduced pictures to full size, a view at a time.
-static void enlarge_views(FfpStart *start, real *depth, const FfpCapture *capture, int active) {
+static void enlarge_views(FfpStart *start, real *depth, const FfpCapture *capture, int active, real bounds) {
     FfpBlurred pattern = ffp_blurred_new(&capture->patterns[active].image, ffp_typical_footprint(capture, 0));
     ffp_parallel_for(capture->n_views, 0, enlarge_view,
-                     &(Enlarging){start, depth, capture, active, &pattern});
+                     &(Enlarging){start, depth, capture, active, &pattern, bounds});
     ffp_blurred_free(&pattern);
 }
 
@@ -318,7 +321,7 @@ static void match_reduced(FfpStart *start, const FfpCapture *capture, int active
     start->reduced = reduced;
     real *depth =
         ffp_alloc((size_t)start->views * (size_t)start->width * (size_t)start->height, sizeof(real));
-    enlarge_views(start, depth, capture, active);
+    enlarge_views(start, depth, capture, active, settings->bounds);
     FfpDepths depths = depths_of_start(&reduced->capture, &reduced->start);
     judge(start, capture, depth, &depths);
     ffp_start_materials(start, capture);

@@ -95,6 +95,13 @@ typedef struct FfpProfile {
 
 // One pass over one capture: activations live in the run until the next forward.
 typedef struct FfpRun {
+    // Blocks keep their inputs alone, and are run once more when their gradients are due (Chen et al. 2016,
+    // section 4): about a third more work, the memory of two blocks instead of all, the same bits.
+    bool recompute;
+    // Called by ffp_model_backward as it goes, or NULL: what is in grad_values from `first` on is complete.
+    // `first` falls; 0 comes last.
+    void (*ready)(void *user, int64_t first);
+    void *ready_user;
     FfpArena *arena;
     FfpProfile *profile;    // NULL, or where every pass ADDS its seconds
     FfpGaussians gaussians; // the output, in the normalised capture's frame

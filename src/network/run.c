@@ -19,6 +19,8 @@ typedef union FfpBlockActivations {
 typedef struct FfpActivations {
     FfpArena *arena;
     bool backward;                  // one may follow: every block keeps what it needs for that
+    bool recompute;                 // or only its input: then blocks of a kind share what they need
+    int held[2];                    // whose activations that is: of Mamba2, of Transformer; recompute only
     FfpModelConfig config;          // what the memory is laid out for; rows 0: nothing yet
     int rows, across, down, blocks; // tokens; tokens across and down a view
     FfpWidths widths;
@@ -78,10 +80,11 @@ static bool first_of_kind(const char *modules, int block) {
     return strchr(modules, modules[block]) == modules + block;
 }
 
-// A block of its own memory; without a backward pass to come, the memory of the first block of its kind.
+// A block of its own memory; without a backward pass to come, or with one that computes it anew, the memory
+// of the first block of its kind.
 static void allocate_block(FfpActivations *at, int block) {
     const char *modules = at->config.modules;
-    if (!at->backward && !first_of_kind(modules, block)) {
+    if ((!at->backward || at->recompute) && !first_of_kind(modules, block)) {
         at->block[block] = at->block[strchr(modules, modules[block]) - modules];
         return;
     }
@@ -91,13 +94,16 @@ static void allocate_block(FfpActivations *at, int block) {
         ffp_transformer_allocate(&at->block[block].transformer, &at->widths, at->rows, at->arena);
 }
 
-static void prepare(FfpActivations *at, const FfpModelConfig *config, int rows, int across, int down) {
-    if (at->rows == rows && at->across == across && at->down == down && same_layout(&at->config, config))
+static void prepare(FfpActivations *at, const FfpModelConfig *config, bool recompute, int rows, int across,
+                    int down) {
+    if (at->rows == rows && at->across == across && at->down == down && at->recompute == recompute &&
+        same_layout(&at->config, config))
         return;
     FfpArena *arena = at->arena;
     ffp_arena_reset(arena);
     *at = (FfpActivations){.arena = arena,
                            .backward = at->backward,
+                           .recompute = recompute,
                            .context = at->context,
                            .prepared = at->prepared,
                            .config = *config,
@@ -143,6 +149,18 @@ static void prepare_backward(FfpActivations *at) {
     if (at->config.appearance_cnn) ffp_mixer_allocate_backward(&at->mixer, &at->config, at->arena);
 }
 
+static void block_forward(FfpActivations *at, const FfpModel *model, int i, FfpProfileTimes *times) {
+    const bool mamba = at->config.modules[i] == 'M';
+    at->held[!mamba] = i;
+    if (mamba)
+        ffp_mamba_forward(at->stream[i + 1], &at->block[i].mamba, at->stream[i], model->values,
+                          &model->layout->blocks[i].mamba, &at->widths, at->rows, &at->scratch, times);
+    else
+        ffp_transformer_forward(at->stream[i + 1], &at->block[i].transformer, at->stream[i], model->values,
+                                &model->layout->blocks[i].transformer, &at->widths, at->rows, &at->scratch,
+                                times);
+}
+
 static void encode(FfpActivations *at, const FfpModel *model, FfpProfileTimes *times) {
     const FfpLayout *layout = model->layout;
     const int rows = at->rows, dim = at->widths.dim;
@@ -154,13 +172,7 @@ static void encode(FfpActivations *at, const FfpModel *model, FfpProfileTimes *t
     ffp_lap(&last, &times->tokenise);
     for (int i = 0; i < at->blocks; i++) {
         ffp_cancel_point();
-        if (at->config.modules[i] == 'M')
-            ffp_mamba_forward(at->stream[i + 1], &at->block[i].mamba, at->stream[i], model->values,
-                              &layout->blocks[i].mamba, &at->widths, rows, &at->scratch, times);
-        else
-            ffp_transformer_forward(at->stream[i + 1], &at->block[i].transformer, at->stream[i],
-                                    model->values, &layout->blocks[i].transformer, &at->widths, rows,
-                                    &at->scratch, times);
+        block_forward(at, model, i, times);
     }
     last = ffp_seconds();
     ffp_layernorm_forward(at->final, at->final_mean, at->final_rstd, at->stream[at->blocks],
@@ -254,7 +266,7 @@ bool ffp_model_forward_prepared(const FfpModel *model, FfpRun *run, const FfpPre
     FfpActivations *at = run->activations;
     const FfpModelConfig *config = &model->config;
     ffp_arena_reset(run->arena);
-    prepare(at, config, prepared->tokens, prepared->across, prepared->down);
+    prepare(at, config, run->recompute, prepared->tokens, prepared->across, prepared->down);
     at->inputs = prepared->inputs;
     at->pixels.count = prepared->count;
     at->pixels.base = prepared->base;
@@ -295,7 +307,7 @@ bool ffp_model_forward(const FfpModel *model, FfpRun *run, const FfpCapture *cap
     context = use_context(at, config, &seen, context, err);
     if (!context) return false;
     const FfpGrid grid = ffp_grid(config, capture, context);
-    prepare(at, config, seen.views * grid.across * grid.down, grid.across, grid.down);
+    prepare(at, config, run->recompute, seen.views * grid.across * grid.down, grid.across, grid.down);
     const FfpSeen small = {&context->capture, start ? &context->start : NULL, seen.views, active};
     ffp_inputs(at->inputs, config, &small);
     ffp_pixels_list(&at->pixels, run, config, &seen);
@@ -303,6 +315,31 @@ bool ffp_model_forward(const FfpModel *model, FfpRun *run, const FfpCapture *cap
     at->head.pixel = run->pixel;
     ffp_lap(&last, &forward_times(run)->tokenise);
     return pass_forward(run, model, capture->name, err);
+}
+
+// ADDS to grad_values; at->dstream: in, the gradient of the block's output; out, of its input.
+static void block_backward(FfpActivations *at, const FfpModel *model, int i, real *grad_values,
+                           FfpProfileTimes *times) {
+    const bool mamba = at->config.modules[i] == 'M';
+    if (at->recompute && at->held[!mamba] != i) block_forward(at, model, i, times);
+    if (mamba)
+        ffp_mamba_backward(at->dstream, grad_values, &at->block[i].mamba, at->stream[i], model->values,
+                           &model->layout->blocks[i].mamba, &at->widths, at->rows, &at->scratch, times);
+    else
+        ffp_transformer_backward(at->dstream, grad_values, &at->block[i].transformer, at->stream[i],
+                                 model->values, &model->layout->blocks[i].transformer, &at->widths, at->rows,
+                                 &at->scratch, times);
+}
+
+// Parameters lie in the order in which the forward pass comes to them (parameters.c): the backward pass
+// completes their gradients from the end.
+static void tell_ready(const FfpRun *run, int64_t first) {
+    if (run->ready) run->ready(run->ready_user, first);
+}
+
+static int64_t first_of_block(const FfpModel *model, int i) {
+    return model->config.modules[i] == 'M' ? model->layout->blocks[i].mamba.norm
+                                           : model->layout->blocks[i].transformer.norm1;
 }
 
 void ffp_model_backward(const FfpModel *model, FfpRun *run, const FfpGaussians *grad, const real *grad_t,
@@ -317,14 +354,10 @@ void ffp_model_backward(const FfpModel *model, FfpRun *run, const FfpGaussians *
     ffp_layernorm_backward(at->dstream, grad_values + layout->final_norm, at->dfinal, at->stream[at->blocks],
                            at->final_mean, at->final_rstd, model->values + layout->final_norm, rows, dim);
     ffp_lap(&last, &times->heads);
+    tell_ready(run, layout->final_norm);
     for (int i = at->blocks - 1; i >= 0; i--) {
-        if (at->config.modules[i] == 'M')
-            ffp_mamba_backward(at->dstream, grad_values, &at->block[i].mamba, at->stream[i], model->values,
-                               &layout->blocks[i].mamba, &at->widths, rows, &at->scratch, times);
-        else
-            ffp_transformer_backward(at->dstream, grad_values, &at->block[i].transformer, at->stream[i],
-                                     model->values, &layout->blocks[i].transformer, &at->widths, rows,
-                                     &at->scratch, times);
+        block_backward(at, model, i, grad_values, times);
+        tell_ready(run, first_of_block(model, i));
     }
     last = ffp_seconds();
     ffp_layernorm_backward(at->dfinal, grad_values + layout->tokeniser_norm, at->dstream, at->tokens,
@@ -333,4 +366,5 @@ void ffp_model_backward(const FfpModel *model, FfpRun *run, const FfpGaussians *
                         model->values + layout->tokeniser, rows,
                         at->config.patch * at->config.patch * ffp_input_channels(&at->config), dim);
     ffp_lap(&last, &times->tokenise);
+    tell_ready(run, 0);
 }

@@ -17,11 +17,14 @@ struct FfpViewPass {
     FfpGbuffer samples,
         mean;      // the same memory when there is one sample a pixel; the mean opacity is always there,
     bool averaged; // the other means once they are asked for
+    FfpTransport transport;
+    bool lit;                     // the transport is this view's
     FfpImage linear, mean_linear; // radiance of the picture shaded last: of the samples, and their means
     // Made by the first backward pass of a size, zero since the last draw unless something was added:
     FfpGbuffer grad_samples, grad_mean; // the same memory likewise
+    FfpTransport grad_transport;
     FfpImage grad_linear;
-    bool grad_clear;
+    bool grad_clear, grad_lit; // grad_lit: something was added to grad_transport
 };
 
 FfpViewPass *ffp_view_pass_new(const FfpRenderSettings *settings) {
@@ -39,6 +42,8 @@ static void free_buffers(FfpViewPass *pass) {
     ffp_gbuffer_free(&pass->samples);
     ffp_gbuffer_free(&pass->grad_samples);
     ffp_mapping_free(&pass->mapping);
+    ffp_transport_free(&pass->transport);
+    ffp_transport_free(&pass->grad_transport);
     ffp_image_free(&pass->linear);
     ffp_image_free(&pass->mean_linear);
     ffp_image_free(&pass->grad_linear);
@@ -60,6 +65,7 @@ static void fit_buffers(FfpViewPass *pass, int width, int height) {
     pass->samples = ffp_gbuffer_new(side * width, side * height);
     pass->mean = side > 1 ? ffp_gbuffer_new(width, height) : pass->samples;
     pass->mapping = ffp_mapping_new(side * width, side * height);
+    pass->transport = ffp_transport_new(side * width, side * height);
     pass->linear = ffp_image_new(side * width, side * height, 3);
     pass->mean_linear = ffp_image_new(width, height, 3);
     pass->grad_mean = pass->grad_samples = (FfpGbuffer){0};
@@ -72,11 +78,13 @@ static void fit_grad_buffers(FfpViewPass *pass) {
         pass->grad_mean =
             side > 1 ? ffp_gbuffer_new(pass->mean.width, pass->mean.height) : pass->grad_samples;
         pass->grad_linear = ffp_image_new(pass->linear.width, pass->linear.height, 3);
+        pass->grad_transport = ffp_transport_new(pass->linear.width, pass->linear.height);
     } else if (!pass->grad_clear) {
         ffp_gbuffer_clear(&pass->grad_samples);
+        if (pass->grad_lit) ffp_transport_clear(&pass->grad_transport);
         if (side > 1) ffp_gbuffer_clear(&pass->grad_mean);
     }
-    pass->grad_clear = true;
+    pass->grad_clear = true, pass->grad_lit = false;
 }
 
 // The same camera with `side` x `side` pixels for each.
@@ -115,6 +123,7 @@ void ffp_view_pass_samples_changed(FfpViewPass *pass) {
     ffp_map_with_shadow(&shadow, &pass->samples, &pass->camera, &pass->projector, &pass->settings,
                         &pass->mapping);
     const int side = pass->settings.samples;
+    pass->lit = false;
     pass->averaged = side == 1;
     if (side > 1)
         ffp_average_plane(pass->samples.opacity, side, pass->mean.width, pass->mean.height, 1,
@@ -173,8 +182,11 @@ FfpImage ffp_view_pass_picture_new(const FfpViewPass *pass) {
 
 void ffp_view_pass_shade(FfpViewPass *pass, const real intensity[3], const FfpSummed *pattern,
                          FfpImage *out) {
-    ffp_shade(&pass->samples, &pass->mapping, &pass->camera, &pass->projector, intensity, pattern,
-              &pass->linear);
+    if (pattern && !pass->lit) {
+        ffp_light(&pass->samples, &pass->mapping, &pass->camera, &pass->projector, &pass->transport);
+        pass->lit = true;
+    }
+    ffp_shade(&pass->samples, &pass->mapping, &pass->transport, intensity, pattern, &pass->linear);
     ffp_resolve(&pass->linear, pass->mean.opacity, pass->settings.samples, &pass->mean_linear, out);
 }
 
@@ -189,12 +201,16 @@ void ffp_view_pass_shade_backward(FfpViewPass *pass, const real intensity[3], co
     FfpGbuffer *grad_mean = ffp_view_pass_grad_gbuffer(pass);
     ffp_resolve_backward(&pass->mean_linear, pass->mean.opacity, pass->settings.samples, grad_picture,
                          &pass->grad_linear, grad_mean->opacity);
-    ffp_shade_backward(&pass->samples, &pass->mapping, &pass->camera, &pass->projector, intensity, pattern,
-                       &pass->grad_linear, &pass->grad_samples, grad_intensity, grad_pattern);
+    ffp_shade_backward(&pass->mapping, &pass->transport, intensity, pattern, &pass->grad_linear,
+                       &pass->grad_samples, &pass->grad_transport, grad_intensity, grad_pattern);
+    if (pattern) pass->grad_lit = true;
 }
 
 void ffp_view_pass_backward(FfpViewPass *pass, FfpGaussians *grad) {
     const FfpGbuffer *grad_mean = ffp_view_pass_grad_gbuffer(pass);
+    if (pass->grad_lit)
+        ffp_light_backward(&pass->samples, &pass->mapping, &pass->camera, &pass->projector,
+                           &pass->grad_transport, &pass->grad_samples);
     if (pass->settings.samples > 1)
         ffp_average_gbuffer_backward(grad_mean, pass->settings.samples, &pass->grad_samples);
     ffp_rasterise_backward(pass->raster, pass->gaussians, &pass->camera, &pass->settings, &pass->samples,

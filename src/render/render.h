@@ -70,7 +70,7 @@ void ffp_rasterise_backward(FfpRaster *raster, const FfpGaussians *gaussians, co
 // the backward pass: footprint and visibility.
 typedef struct FfpMapping {
     int width, height;
-    real *uv;     // [.,2] projector pixels (shading takes its own from the depth, for the gradient's sake)
+    real *uv;     // [.,2] projector pixels
     real *extent; // [.,2] footprint in projector pixels, >= 1 (1 when settings->footprint is off)
     real even;    // above 0: light is I / even^2 everywhere, whatever the cosine n.l: the distance between
                   // projector and the Gaussians' middle
@@ -90,16 +90,35 @@ FfpGbuffer ffp_shadow_map(FfpRaster *raster, const FfpGaussians *gaussians, cons
 void ffp_map_with_shadow(const FfpGbuffer *shadow, const FfpGbuffer *gbuffer, const FfpCamera *camera,
                          const FfpCamera *projector, const FfpRenderSettings *settings, FfpMapping *out);
 
-// Shades a G-buffer under one pattern: linear radiance, unclamped, [height,width,3]. pattern NULL = black.
-// Pixels with O <= 0.001 show their ambient colour only; roughness counts as at least 0.02.
-void ffp_shade(const FfpGbuffer *gbuffer, const FfpMapping *mapping, const FfpCamera *camera,
-               const FfpCamera *projector, const real intensity[3], const FfpSummed *pattern, FfpImage *out);
-// ADDS gradients: to the G-buffer (depth included: through point, directions, distance and u_p), and where
-// not NULL to the intensity and to the pattern's summed-area adjoint (see lookup.h). On a device these two
-// must be NULL: the program ends otherwise.
-void ffp_shade_backward(const FfpGbuffer *gbuffer, const FfpMapping *mapping, const FfpCamera *camera,
-                        const FfpCamera *projector, const real intensity[3], const FfpSummed *pattern,
-                        const FfpImage *grad_image, FfpGbuffer *grad_gbuffer, real grad_intensity[3],
-                        FfpSummed *grad_pattern);
+// What becomes of the projector's light in a view, whatever the pattern: a pixel's radiance is ambient +
+// factor * intensity * pattern around uv. Also used for gradients.
+typedef struct FfpTransport {
+    int width, height;
+    real *factor; // [.,3] f_r visibility max(n.l, 0) O / distance^2; 0 where no light comes to the camera
+    real *uv;     // [.,2] pattern position
+} FfpTransport;
+FfpTransport ffp_transport_new(int width, int height); // zeroed
+void ffp_transport_clear(FfpTransport *transport);
+void ffp_transport_free(FfpTransport *transport);
+// Pixels with O <= 0.001 get no light; roughness counts as at least 0.02.
+void ffp_light(const FfpGbuffer *gbuffer, const FfpMapping *mapping, const FfpCamera *camera,
+               const FfpCamera *projector, FfpTransport *out);
+// ADDS to the G-buffer's gradient (depth included: through point, directions, distance and uv).
+void ffp_light_backward(const FfpGbuffer *gbuffer, const FfpMapping *mapping, const FfpCamera *camera,
+                        const FfpCamera *projector, const FfpTransport *grad, FfpGbuffer *grad_gbuffer);
+
+// A view under one pattern: linear radiance, unclamped, [height,width,3]. pattern NULL = black.
+void ffp_shade(const FfpGbuffer *gbuffer, const FfpMapping *mapping, const FfpTransport *transport,
+               const real intensity[3], const FfpSummed *pattern, FfpImage *out);
+// ffp_light and ffp_shade, for who wants one pattern alone.
+void ffp_shade_once(const FfpGbuffer *gbuffer, const FfpMapping *mapping, const FfpCamera *camera,
+                    const FfpCamera *projector, const real intensity[3], const FfpSummed *pattern,
+                    FfpImage *out);
+// ADDS gradients: of the G-buffer to its ambient colour alone, of the transport, and where not NULL of the
+// intensity and the pattern's summed-area adjoint (see lookup.h). On a device these two must be NULL: the
+// program ends otherwise.
+void ffp_shade_backward(const FfpMapping *mapping, const FfpTransport *transport, const real intensity[3],
+                        const FfpSummed *pattern, const FfpImage *grad_image, FfpGbuffer *grad_gbuffer,
+                        FfpTransport *grad_transport, real grad_intensity[3], FfpSummed *grad_pattern);
 
 #endif

@@ -1,5 +1,7 @@
 // Inside the render room: one pixel in the light C = f_r L max(n.l, 0) O + C_amb with the reflectance of
-// base/brdf.h, and its gradient, one text for the CPU and the GPU.
+// base/brdf.h, and its gradient, one text for the CPU and the GPU. It is linear in the pattern: what the
+// surface and the way of the light do is found once a view (ffp_light_pixel), what a pattern adds to that is
+// a product (ffp_shade_pixel).
 #ifndef FFP_RENDER_SHADE_PIXEL_H
 #define FFP_RENDER_SHADE_PIXEL_H
 
@@ -14,7 +16,7 @@
 // A summed normal shorter than this share of the opacity has cancelled out and tells no direction: it is not
 // stretched to 1.
 #define FFP_NORMAL_MIN 0.05F
-#define FFP_COSINE_MIN 1e-6F // of n.l in light that does not ask for it, as GS-ProCams clamps it
+#define FFP_COSINE_MIN 1e-6F // of n.l in even light, as GS-ProCams clamps it
 
 // One lit pixel.
 typedef struct FfpLit {
@@ -27,23 +29,20 @@ typedef struct FfpLit {
     real in_projector[3];        // the point in the projector's frame
     real l[3], v[3], h[3], distance, h_length;
     real nl, nv, nh, vh;
-    bool even;           // light without its cosine and falloff (FfpMapping.even)
-    bool nl_held;        // then, at FFP_COSINE_MIN
-    real cosine, square; // what the light is multiplied with and divided by
-    real u, v_at;        // pattern position
-    real texture[3], light[3];
+    bool even;    // light without its cosine and falloff (FfpMapping.even)
+    bool nl_held; // then, at FFP_COSINE_MIN
+    real cosine;  // n.l, or 1 in even light
+    real arrives; // visibility / distance^2, or that of the Gaussians' middle
     FfpLobe lobe;
-    real f[3];
+    real f[3]; // reflectance
 } FfpLit;
 
-// One picture: what is shaded under which light.
-typedef struct FfpShader {
+// One view: what the projector's light falls on.
+typedef struct FfpLitView {
     const FfpGbuffer *gbuffer;
     const FfpMapping *mapping;
     const FfpCamera *camera, *projector;
-    const real *intensity;
-    const FfpSummed *pattern; // NULL: black
-} FfpShader;
+} FfpLitView;
 
 // Normal, albedo, roughness of the pixel: sums divided by the opacity, the normal to length 1 and turned to
 // the viewer.
@@ -61,18 +60,18 @@ FFP_FORMULA void ffp_surface_attributes(const FfpGbuffer *g, int p, FfpLit *s) {
 }
 
 // False where no projector light reaches the camera: only the ambient colour counts there.
-FFP_FORMULA bool ffp_light_pixel(const FfpShader *sh, int x, int y, FfpLit *s) {
-    const FfpGbuffer *g = sh->gbuffer;
+FFP_FORMULA bool ffp_lit_geometry(const FfpLitView *view, int x, int y, FfpLit *s, real uv[2]) {
+    const FfpGbuffer *g = view->gbuffer;
     const int p = y * g->width + x;
-    const real visibility = sh->mapping->visibility[p];
+    const real visibility = view->mapping->visibility[p];
     s->opacity = g->opacity[p];
-    if (!sh->pattern || !(visibility > 0) || !(s->opacity > FFP_OPACITY_MIN)) return false;
+    if (!(visibility > 0) || !(s->opacity > FFP_OPACITY_MIN)) return false;
     s->z = g->depth[p] / s->opacity;
     if (!(s->z > 0)) return false;
     real point[3];
-    ffp_surface_point(sh->camera, (real)x + 0.5F, (real)y + 0.5F, s->z, point, s->slope);
+    ffp_surface_point(view->camera, (real)x + 0.5F, (real)y + 0.5F, s->z, point, s->slope);
     for (int k = 0; k < 3; k++) {
-        s->l[k] = sh->projector->pose[4 * k + 3] - point[k];
+        s->l[k] = view->projector->pose[4 * k + 3] - point[k];
         s->v[k] = -s->slope[k];
     }
     s->distance = ffp_normalise3(s->l);
@@ -81,29 +80,39 @@ FFP_FORMULA bool ffp_light_pixel(const FfpShader *sh, int x, int y, FfpLit *s) {
     s->nl = ffp_dot3(s->n, s->l), s->nv = ffp_dot3(s->n, s->v);
     for (int k = 0; k < 3; k++) s->h[k] = s->l[k] + s->v[k];
     s->h_length = ffp_normalise3(s->h);
-    ffp_inverse_transform_point(sh->projector->pose, point, s->in_projector);
-    s->even = sh->mapping->even > 0;
+    ffp_inverse_transform_point(view->projector->pose, point, s->in_projector);
+    s->even = view->mapping->even > 0;
     s->nl_held = s->even && !(s->nl > FFP_COSINE_MIN);
     if (s->nl_held) s->nl = FFP_COSINE_MIN;
     if (!(s->nl > 0) || !(s->h_length > 0) || !(s->in_projector[2] > 0)) return false;
-    s->cosine = s->even ? 1 : s->nl;
-    s->square = s->even ? sh->mapping->even * sh->mapping->even : s->distance * s->distance;
     s->nh = ffp_dot3(s->n, s->h), s->vh = ffp_dot3(s->v, s->h);
-    ffp_project(sh->projector, point, &s->u, &s->v_at);
-    const real *extent = sh->mapping->extent + 2 * p;
-    ffp_box_mean(sh->pattern, s->u, s->v_at, extent[0], extent[1], s->texture);
-    s->lobe = ffp_lobe(s->roughness, s->nl, s->nv, s->nh, s->vh);
-    for (int k = 0; k < 3; k++) {
-        s->light[k] = visibility * sh->intensity[k] / s->square * s->texture[k];
-        s->f[k] = s->albedo[k] / FFP_PI + s->lobe.D * s->lobe.F * s->lobe.V;
-    }
+    const real away = s->even ? view->mapping->even : s->distance;
+    s->cosine = s->even ? 1 : s->nl;
+    s->arrives = visibility / (away * away);
+    ffp_project(view->projector, point, &uv[0], &uv[1]);
     return true;
 }
 
-// Gradients for the quantities a lit pixel's colour is made of.
+FFP_FORMULA void ffp_reflect(FfpLit *s) {
+    s->lobe = ffp_lobe(s->roughness, s->nl, s->nv, s->nh, s->vh);
+    for (int k = 0; k < 3; k++) s->f[k] = s->albedo[k] / FFP_PI + s->lobe.D * s->lobe.F * s->lobe.V;
+}
+
+// ffp_light
+FFP_FORMULA void ffp_light_pixel(const FfpLitView *view, int x, int y, FfpTransport *out) {
+    const int p = y * view->gbuffer->width + x;
+    FfpLit s;
+    real *factor = out->factor + 3 * p, *uv = out->uv + 2 * p;
+    uv[0] = uv[1] = factor[0] = factor[1] = factor[2] = 0;
+    if (!ffp_lit_geometry(view, x, y, &s, uv)) return;
+    ffp_reflect(&s);
+    for (int k = 0; k < 3; k++) factor[k] = s.f[k] * s.arrives * s.cosine * s.opacity;
+}
+
+// Gradients for the quantities a lit pixel's factor is made of.
 typedef struct FfpLitGrad {
     real opacity, roughness;
-    real albedo[3], n[3], l[3], h[3], texture[3];
+    real albedo[3], n[3], l[3], h[3];
     real point[3];
 } FfpLitGrad;
 
@@ -122,20 +131,17 @@ FFP_FORMULA void ffp_specular_backward(const FfpLobe *b, const FfpLit *s, real d
     *d_roughness = 4 * rho * rho * rho * da2 + (rho + 1) / 4 * dk;
 }
 
-// From the colour's gradient to n, l, albedo, roughness, texture, and (by the inverse square) the point.
-FFP_FORMULA void ffp_reflect_backward(const FfpShader *sh, const FfpLit *s, real visibility,
-                                      const real grad[3], FfpLitGrad *d, real d_intensity[3]) {
+// From the factor's gradient to n, l, albedo, roughness, and (by the inverse square) the point.
+FFP_FORMULA void ffp_reflect_backward(const FfpLit *s, const real grad[3], FfpLitGrad *d) {
     real d_lobe = 0, d_nl = 0, d_square = 0, d_nv, d_nh, d_vh;
-    const real square = s->square;
+    d->opacity = 0;
     for (int k = 0; k < 3; k++) {
-        const real through = grad[k] * s->opacity * s->cosine, d_light = through * s->f[k];
-        d->opacity += grad[k] * s->f[k] * s->light[k] * s->cosine;
-        if (!s->even) d_nl += grad[k] * s->opacity * s->f[k] * s->light[k];
-        d->albedo[k] = through * s->light[k] / FFP_PI;
-        d_lobe += through * s->light[k];
-        d->texture[k] = d_light * visibility * sh->intensity[k] / square;
-        d_intensity[k] += d_light * visibility * s->texture[k] / square;
-        if (!s->even) d_square -= d_light * s->light[k] / square;
+        const real arriving = grad[k] * s->arrives, through = arriving * s->opacity * s->cosine;
+        d->opacity += arriving * s->f[k] * s->cosine;
+        if (!s->even) d_nl += arriving * s->f[k] * s->opacity;
+        d->albedo[k] = through / FFP_PI;
+        d_lobe += through;
+        if (!s->even) d_square -= through * s->f[k] / (s->distance * s->distance);
     }
     ffp_specular_backward(&s->lobe, s, d_lobe, &d->roughness, &d_nl, &d_nv, &d_nh, &d_vh);
     if (s->nl_held) d_nl = 0;
@@ -154,15 +160,12 @@ FFP_FORMULA void ffp_reflect_backward(const FfpShader *sh, const FfpLit *s, real
         d->point[k] = -(d->l[k] - along_l * s->l[k]) / s->distance - 2 * d_square * s->distance * s->l[k];
 }
 
-// Through the pattern position to the point.
-FFP_FORMULA void ffp_lit_position_backward(const FfpShader *sh, const FfpLit *s, const real extent[2],
-                                           FfpLitGrad *d) {
-    const FfpCamera *projector = sh->projector;
-    real du = 0, dv = 0, turned[3];
-    ffp_box_mean_backward(sh->pattern, s->u, s->v_at, extent[0], extent[1], d->texture, &du, &dv);
-    const real *q = s->in_projector;
-    const real in_projector[3] = {du * projector->fx / q[2], dv * projector->fy / q[2],
-                                  -(du * projector->fx * q[0] + dv * projector->fy * q[1]) / (q[2] * q[2])};
+// From the pattern position's gradient to the point.
+FFP_FORMULA void ffp_position_backward(const FfpCamera *projector, const FfpLit *s, const real d_uv[2],
+                                       FfpLitGrad *d) {
+    const real *q = s->in_projector, du = d_uv[0] * projector->fx, dv = d_uv[1] * projector->fy;
+    const real in_projector[3] = {du / q[2], dv / q[2], -(du * q[0] + dv * q[1]) / (q[2] * q[2])};
+    real turned[3];
     ffp_rotate(projector->pose, in_projector, turned);
     for (int k = 0; k < 3; k++) d->point[k] += turned[k];
 }
@@ -187,28 +190,63 @@ FFP_FORMULA void ffp_attributes_backward(const FfpLit *s, int p, FfpLitGrad *d, 
     grad->opacity[p] += d_opacity;
 }
 
-// Radiance that the pixel shows, linear, unclamped, times its opacity.
-FFP_FORMULA void ffp_shade_pixel(const FfpShader *sh, int x, int y, real out[3]) {
-    const real *ambient = sh->gbuffer->ambient + 3 * (y * sh->gbuffer->width + x);
+// ffp_light_backward
+FFP_FORMULA void ffp_light_pixel_backward(const FfpLitView *view, int x, int y, const FfpTransport *grad,
+                                          FfpGbuffer *grad_gbuffer) {
+    const int p = y * view->gbuffer->width + x;
+    const real *d_factor = grad->factor + 3 * p, *d_uv = grad->uv + 2 * p;
+    if (d_factor[0] == 0 && d_factor[1] == 0 && d_factor[2] == 0 && d_uv[0] == 0 && d_uv[1] == 0) return;
     FfpLit s;
-    const bool lit = ffp_light_pixel(sh, x, y, &s);
-    for (int k = 0; k < 3; k++) out[k] = ambient[k] + (lit ? s.f[k] * s.light[k] * s.cosine * s.opacity : 0);
+    FfpLitGrad d;
+    real uv[2];
+    if (!ffp_lit_geometry(view, x, y, &s, uv)) return;
+    ffp_reflect(&s);
+    ffp_reflect_backward(&s, d_factor, &d);
+    ffp_position_backward(view->projector, &s, d_uv, &d);
+    ffp_attributes_backward(&s, p, &d, grad_gbuffer);
 }
 
-// Adds to the G-buffer's gradient and to the intensity's. True where the pixel is lit; *s and *d then tell
-// the pattern's gradient.
-FFP_FORMULA bool ffp_shade_pixel_backward(const FfpShader *sh, int x, int y, const real grad[3],
-                                          FfpGbuffer *grad_gbuffer, real grad_intensity[3], FfpLit *s,
-                                          FfpLitGrad *d) {
-    const int p = y * sh->gbuffer->width + x;
-    for (int k = 0; k < 3; k++) grad_gbuffer->ambient[3 * p + k] += grad[k];
-    if (grad[0] == 0 && grad[1] == 0 && grad[2] == 0) return false;
-    if (!ffp_light_pixel(sh, x, y, s)) return false;
-    d->opacity = 0;
-    ffp_reflect_backward(sh, s, sh->mapping->visibility[p], grad, d, grad_intensity);
-    ffp_lit_position_backward(sh, s, sh->mapping->extent + 2 * p, d);
-    ffp_attributes_backward(s, p, d, grad_gbuffer);
-    return true;
+// One picture: the light that a pattern sends.
+typedef struct FfpPatternLight {
+    const FfpTransport *transport;
+    const real *extent;       // of the mapping
+    const real *intensity;    // [3]
+    const FfpSummed *pattern; // NULL: black
+} FfpPatternLight;
+
+// Whether pixel p shows anything of the pattern.
+FFP_FORMULA bool ffp_pixel_lit(const FfpPatternLight *light, int p) {
+    const real *factor = light->transport->factor + 3 * p;
+    return light->pattern && (factor[0] != 0 || factor[1] != 0 || factor[2] != 0);
+}
+
+// Radiance that the pixel shows, linear, unclamped, times its opacity.
+FFP_FORMULA void ffp_shade_pixel(const FfpPatternLight *light, int p, const real *ambient, real out[3]) {
+    const real *factor = light->transport->factor + 3 * p, *uv = light->transport->uv + 2 * p;
+    real texture[3] = {0, 0, 0};
+    if (ffp_pixel_lit(light, p))
+        ffp_box_mean(light->pattern, uv[0], uv[1], light->extent[2 * p], light->extent[2 * p + 1], texture);
+    for (int k = 0; k < 3; k++) out[k] = ambient[3 * p + k] + factor[k] * light->intensity[k] * texture[k];
+}
+
+// Adds the gradients of the ambient colour, of the transport and of the intensity. d_texture: of the
+// pattern's mean colour there; 0 where the pixel shows nothing of it.
+FFP_FORMULA void ffp_shade_pixel_backward(const FfpPatternLight *light, int p, const real grad[3],
+                                          real *d_ambient, FfpTransport *d_transport, real d_intensity[3],
+                                          real d_texture[3]) {
+    const real *factor = light->transport->factor + 3 * p, *uv = light->transport->uv + 2 * p;
+    for (int k = 0; k < 3; k++) d_ambient[3 * p + k] += grad[k], d_texture[k] = 0;
+    if (!ffp_pixel_lit(light, p) || (grad[0] == 0 && grad[1] == 0 && grad[2] == 0)) return;
+    real texture[3], along_u[3], along_v[3];
+    ffp_box_slopes(light->pattern, uv[0], uv[1], light->extent[2 * p], light->extent[2 * p + 1], texture,
+                   along_u, along_v);
+    for (int k = 0; k < 3; k++) {
+        d_texture[k] = grad[k] * factor[k] * light->intensity[k];
+        d_intensity[k] += grad[k] * factor[k] * texture[k];
+        d_transport->factor[3 * p + k] += grad[k] * light->intensity[k] * texture[k];
+        d_transport->uv[2 * p] += d_texture[k] * along_u[k];
+        d_transport->uv[2 * p + 1] += d_texture[k] * along_v[k];
+    }
 }
 
 #endif

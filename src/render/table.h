@@ -19,14 +19,16 @@ typedef struct FfpRenderTable {
                                const FfpGbuffer *out, const FfpGbuffer *grad_out, FfpGaussians *grad);
     void (*map_with_shadow)(const FfpGbuffer *shadow, const FfpGbuffer *gbuffer, const FfpCamera *camera,
                             const FfpCamera *projector, const FfpRenderSettings *settings, FfpMapping *out);
-    void (*shade)(const FfpGbuffer *gbuffer, const FfpMapping *mapping, const FfpCamera *camera,
-                  const FfpCamera *projector, const real intensity[3], const FfpSummed *pattern,
-                  FfpImage *out);
+    void (*light)(const FfpGbuffer *gbuffer, const FfpMapping *mapping, const FfpCamera *camera,
+                  const FfpCamera *projector, FfpTransport *out);
+    void (*light_backward)(const FfpGbuffer *gbuffer, const FfpMapping *mapping, const FfpCamera *camera,
+                           const FfpCamera *projector, const FfpTransport *grad, FfpGbuffer *grad_gbuffer);
+    void (*shade)(const FfpGbuffer *gbuffer, const FfpMapping *mapping, const FfpTransport *transport,
+                  const real intensity[3], const FfpSummed *pattern, FfpImage *out);
     // grad_intensity and grad_pattern must be NULL: their sums over pixels are the CPU's alone.
-    void (*shade_backward)(const FfpGbuffer *gbuffer, const FfpMapping *mapping, const FfpCamera *camera,
-                           const FfpCamera *projector, const real intensity[3], const FfpSummed *pattern,
-                           const FfpImage *grad_image, FfpGbuffer *grad_gbuffer, real grad_intensity[3],
-                           FfpSummed *grad_pattern);
+    void (*shade_backward)(const FfpMapping *mapping, const FfpTransport *transport, const real intensity[3],
+                           const FfpSummed *pattern, const FfpImage *grad_image, FfpGbuffer *grad_gbuffer,
+                           FfpTransport *grad_transport, real grad_intensity[3], FfpSummed *grad_pattern);
     void (*gbuffer_clear)(FfpGbuffer *gbuffer); // all planes there
     void (*average_plane)(const real *samples, int side, int width, int height, int channels, real *out);
     void (*average_gbuffer)(const FfpGbuffer *samples, int side, FfpGbuffer *out);

@@ -8,7 +8,9 @@
 #include "base/file.h"
 #include "base/log.h"
 #include "capture/manifest.h"
+#include "patterns/patterns.h"
 #include "rig/checks.h"
+#include "rig/codes.h"
 #include "rig/fit_axis.h"
 #include "rig/mask.h"
 #include "rig/panel.h"
@@ -102,10 +104,22 @@ static bool settle_projector(Import *import, FfpCamera *pinhole, FfpError *err) 
     int width = 0, height = 0;
     const char *path = NULL;
     for (int i = 0; i < import->shots.n_patterns && path == NULL; i++) path = import->shots.patterns[i].file;
-    if (path == NULL)
+    const bool coded = path == NULL && import->settings->sources.codes != NULL;
+    if (path == NULL && !coded)
         return ffp_fail(err, FFP_ERROR_ARGUMENT, "patterns",
                         "no pattern besides black and white: nothing could be matched");
-    if (!ffp_image_read_size(&width, &height, path, err)) return false;
+    if (coded) { // as many pixels as it was calibrated at
+        path = import->settings->sources.codes;
+        width = at->width > 0 ? at->width : optics->width,
+        height = at->width > 0 ? at->height : optics->height;
+        if (width == 0)
+            return ffp_fail(
+                err, FFP_ERROR_ARGUMENT, "projector.width",
+                "neither the calibration nor a pattern tells the panel's size, by which Gray codes "
+                "are read");
+    } else if (!ffp_image_read_size(&width, &height, path, err)) {
+        return false;
+    }
     if (width < FFP_PATTERN_SIDE_MIN || height < FFP_PATTERN_SIDE_MIN)
         return ffp_fail(err, FFP_ERROR_FILE, path, "a pattern of %d x %d pixels is too small", width, height);
     // nepmap's matrices are those of the pictures that lie with them.
@@ -153,10 +167,22 @@ static void take_poses(Import *import) {
     }
 }
 
+// The pattern, where Gray codes are all there is, runs across the line from projector to camera.
+static bool find_codes(Import *import, FfpError *err) {
+    const FfpOptics *panel = &import->calibration.projector;
+    const FfpStop *stop = &import->calibration.stops[0];
+    double along[2] = {0};
+    for (int axis = 0; axis < 2; axis++)
+        for (int k = 0; k < 3; k++)
+            along[axis] += stop->p2w[4 * k + axis] * (stop->c2w[4 * k + 3] - stop->p2w[4 * k + 3]);
+    return ffp_shots_find_codes(&import->shots, &import->settings->sources, &import->calibration,
+                                panel->width, panel->height, fabs(along[1]) > fabs(along[0]), err);
+}
+
 static bool settle_views(Import *import, FfpError *err) {
     FfpCapture *capture = &import->capture;
     FfpCamera projector;
-    if (!settle_projector(import, &projector, err)) return false;
+    if (!settle_projector(import, &projector, err) || !find_codes(import, err)) return false;
     capture->n_views = import->calibration.n_stops;
     capture->views = ffp_alloc((size_t)capture->n_views, sizeof *capture->views);
     for (int v = 0; v < capture->n_views; v++) {
@@ -204,6 +230,18 @@ static bool read_light(FfpImage *rgb, FfpImage *alpha, const char *path, bool li
     return (linear ? ffp_image_read_light : ffp_image_read_over_black)(rgb, alpha, path, err);
 }
 
+// The light of the Gray code with this number.
+static FfpImage code_pattern(const FfpOptics *panel, int index) {
+    const int columns = ffp_gray_code_bits(panel->width), pair = index / 2, axis = pair >= columns;
+    FfpImage grey = ffp_pattern_gray_code(panel->width, panel->height, axis, axis ? pair - columns : pair,
+                                          index % 2 == 1);
+    FfpImage out = ffp_image_new(panel->width, panel->height, 3);
+    const size_t count = 3 * (size_t)out.width * (size_t)out.height;
+    for (size_t i = 0; i < count; i++) out.data[i] = grey.data[i / 3];
+    ffp_image_free(&grey);
+    return out;
+}
+
 static bool load_pattern(Import *import, int index, FfpError *err) {
     FfpPattern *pattern = &import->capture.patterns[index];
     const FfpShotPattern *shot = &import->shots.patterns[index];
@@ -216,6 +254,8 @@ static bool load_pattern(Import *import, int index, FfpError *err) {
         if (!check_size(shot->file, optics, err) ||
             !read_light(&raw, NULL, shot->file, import->settings->linear_patterns, err))
             return false;
+    } else if (shot->code > 0) {
+        raw = code_pattern(optics, shot->code - 1);
     } else {
         raw = ffp_image_new(optics->width, optics->height, 3);
         const ptrdiff_t count = (ptrdiff_t)raw.width * raw.height * 3;
@@ -347,6 +387,63 @@ static bool load_pixels(Import *import, FfpError *err) {
             "%d masks were made from white minus black (Otsu): what the projector does not reach is left "
             "out; look at them, and give files of masks if they are wrong",
             import->masks_made);
+    return ok;
+}
+
+// --- Gray codes. ---
+
+#define FINE_SUM_MIN 0.75 // of white
+#define CODES_OFF_MAX 3.0 // pixels: median by which the codes may contradict the calibration
+
+static bool decode_view(Import *import, int stop, FfpError *err) {
+    const FfpShots *shots = &import->shots;
+    const FfpOptics *camera = &import->calibration.stops[stop].camera,
+                    *panel = &import->calibration.projector;
+    FfpView *view = &import->capture.views[stop];
+    const char *const *pictures = shots->pictures + (ptrdiff_t)stop * FFP_PATTERNS_MAX;
+    const FfpGrayPhotographs from = {
+        panel->width,           panel->height,          shots->codes + (ptrdiff_t)stop * shots->n_codes,
+        pictures[shots->black], pictures[shots->white], import->settings->linear_images};
+    FfpImage map = {0};
+    FfpGrayReport report;
+    if (!ffp_gray_decode_view(&map, &report, &from, err)) return false;
+    view->correspondence =
+        ffp_codes_rectify(&map, report.step, camera, &view->camera, panel, &view->projector);
+    ffp_image_free(&map);
+    const ptrdiff_t pixels = (ptrdiff_t)view->camera.width * view->camera.height;
+    for (ptrdiff_t i = 0; i < pixels; i++)
+        if (!(view->coverage.data[i] > 0)) memset(view->correspondence.data + 3 * i, 0, 3 * sizeof(real));
+    const FfpCodesFit fit = ffp_codes_check(view);
+    ffp_note(
+        "view '%s': Gray codes decode at %.1f %% of the lit pixels, %d of the object's; median distance from "
+        "the camera's rays %.2f pixels of the projector",
+        view->id, 100.0 * report.decoded / report.lit, fit.kept, fit.off);
+    if (report.dropped[0] > 0 || report.dropped[1] > 0)
+        ffp_note("  the finest %d codes of columns and %d of rows are too fine for the photographs",
+                 report.dropped[0], report.dropped[1]);
+    if (report.fine_sum < FINE_SUM_MIN && !import->settings->linear_images)
+        ffp_note("  the finest codes and their inverses add up to %.2f of white: the photographs' values "
+                 "look like "
+                 "linear light, which `linear` images are",
+                 report.fine_sum);
+    return (fit.known > 0 && fit.off <= CODES_OFF_MAX) ||
+           ffp_fail(
+               err, FFP_ERROR_FILE, "gray_codes",
+               "view '%s': of %d decoded positions half lie %.1f or more pixels of the projector beside "
+               "where the calibration has them: check the order of the photographs (coarsest first, columns "
+               "before rows, each followed by its inverse), the projector's size and the poses",
+               view->id, fit.known, fit.off);
+}
+
+static bool load_codes(Import *import, FfpError *err) {
+    if (import->shots.codes == NULL) return true;
+    FfpTask progress = ffp_task("decoding", import->capture.n_views);
+    bool ok = true;
+    for (int v = 0; v < import->capture.n_views && ok; v++) {
+        ok = decode_view(import, v, err);
+        if (ok) ffp_task_step(&progress, v + 1, import->capture.views[v].id);
+    }
+    ffp_task_end(&progress);
     return ok;
 }
 
@@ -486,7 +583,10 @@ static bool settle_object(Import *import, FfpError *err) {
     FfpCapture *capture = &import->capture;
     const double *object = import->settings->object;
     ffp_capture_estimate_bounds(capture);
-    if (!(object[3] > 0)) return true;
+    if (!(object[3] > 0)) {
+        if (import->shots.codes != NULL) ffp_codes_bounds(capture);
+        return true;
+    }
     for (int i = 0; i < 4; i++) {
         if (!(fabs(object[i]) < 1e9))
             return ffp_fail(err, FFP_ERROR_ARGUMENT, "object", "%g is too large", object[i]);
@@ -524,7 +624,8 @@ static bool run(Import *import, FfpError *err) {
     return check_settings(import->settings, err) && name_capture(import, err) && read_rig(import, err) &&
            ffp_shots_find(&import->shots, &import->settings->sources, &import->calibration, err) &&
            settle_views(import, err) && check_memory(import, err) && load_pixels(import, err) &&
-           find_axis(import, err) && settle_object(import, err) && find_response(import, err) &&
+           load_codes(import, err) && find_axis(import, err) && settle_object(import, err) &&
+           find_response(import, err) &&
            ffp_capture_write_whole(&import->capture, import->settings->folder, keep_response, import, err);
 }
 

@@ -8,20 +8,6 @@
 #define ASPECT_TOLERANCE 0.005 // of a rescaled picture: sides are whole pixels
 #define SAMPLES_MAX 64         // a side; beyond that pictures are shrunk in a coarser way
 
-void ffp_lens_distort(const double lens[5], double x, double y, double *distorted_x, double *distorted_y) {
-    const double r2 = x * x + y * y, p1 = lens[2], p2 = lens[3];
-    const double radial = 1 + r2 * (lens[0] + r2 * (lens[1] + r2 * lens[4]));
-    *distorted_x = x * radial + 2 * p1 * x * y + p2 * (r2 + 2 * x * x);
-    *distorted_y = y * radial + p1 * (r2 + 2 * y * y) + 2 * p2 * x * y;
-}
-
-bool ffp_lens_is_ideal(const double lens[5]) {
-    for (int i = 0; i < 5; i++) {
-        if (lens[i] != 0) return false;
-    }
-    return true;
-}
-
 // --- Sizes. ---
 
 static bool settle_scaled(FfpOptics *optics, int width, int height, const char *what, const char *path,

@@ -2,14 +2,8 @@
 #ifndef FFP_RIG_LENS_H
 #define FFP_RIG_LENS_H
 
+#include "base/lens.h"
 #include "rig/calibration.h"
-
-// Where the lens moves the ray (x, y, 1): OpenCV's Brown-Conrady model ("Camera Calibration and 3D
-// Reconstruction" in its documentation; Brown 1966), with r^2 = x^2 + y^2:
-//   x' = x (1 + k1 r^2 + k2 r^4 + k3 r^6) + 2 p1 x y + p2 (r^2 + 2 x^2), likewise y' with p1 (r^2 + 2 y^2) +
-//   2 p2 x y.
-void ffp_lens_distort(const double lens[5], double x, double y, double *distorted_x, double *distorted_y);
-bool ffp_lens_is_ideal(const double lens[5]);
 
 // How a device's pictures came from the size that it was calibrated at.
 typedef enum FfpPictureFit { FFP_PICTURES_SAME, FFP_PICTURES_SCALED, FFP_PICTURES_CROPPED } FfpPictureFit;

@@ -3,8 +3,6 @@
 #include <math.h>
 
 #define SAMPLES_MAX 64 // a side of a panel's pixel
-#define NEWTON_STEPS 20
-#define CLOSE 1e-9 // of a ray, at distance 1
 
 void ffp_panel_describe(FfpPanel *panel, const FfpOptics *optics) {
     panel->known = true;
@@ -25,31 +23,6 @@ static FfpOptics optics_of(const FfpPanel *panel) {
     return optics;
 }
 
-// One step of Newton's method towards the ray whose distorted place is (x, y); returns how far off it was.
-static double improve_ray(const double lens[5], double x, double y, double ray[2]) {
-    const double h = 1e-6;
-    double at[2], right[2], below[2];
-    ffp_lens_distort(lens, ray[0], ray[1], &at[0], &at[1]);
-    ffp_lens_distort(lens, ray[0] + h, ray[1], &right[0], &right[1]);
-    ffp_lens_distort(lens, ray[0], ray[1] + h, &below[0], &below[1]);
-    const double off_x = x - at[0], off_y = y - at[1];
-    const double xx = (right[0] - at[0]) / h, yx = (right[1] - at[1]) / h;
-    const double xy = (below[0] - at[0]) / h, yy = (below[1] - at[1]) / h;
-    const double determinant = xx * yy - xy * yx;
-    ray[0] += (off_x * yy - off_y * xy) / determinant;
-    ray[1] += (off_y * xx - off_x * yx) / determinant;
-    return hypot(off_x, off_y);
-}
-
-// The ray (x, y, 1) that the lens moves to (x', y'); false where there is none.
-static bool undistort(const double lens[5], double x, double y, double ray[2]) {
-    ray[0] = x, ray[1] = y;
-    if (ffp_lens_is_ideal(lens)) return true;
-    double off = INFINITY;
-    for (int i = 0; i < NEWTON_STEPS && off > CLOSE; i++) off = improve_ray(lens, x, y, ray);
-    return off <= CLOSE && isfinite(ray[0]) && isfinite(ray[1]);
-}
-
 static int samples_across(double panel_focal, double ideal_focal) {
     const double span = ceil(ideal_focal / panel_focal - 1e-6);
     return span < 1 ? 1 : span > SAMPLES_MAX ? SAMPLES_MAX : (int)span;
@@ -60,7 +33,8 @@ static void add_sample(const FfpOptics *optics, const FfpCamera *ideal, const Ff
                        double v, double sum[3]) {
     double ray[2];
     real value[4];
-    if (!undistort(optics->lens, (u - optics->cx) / optics->fx, (v - optics->cy) / optics->fy, ray)) return;
+    if (!ffp_lens_undistort(optics->lens, (u - optics->cx) / optics->fx, (v - optics->cy) / optics->fy, ray))
+        return;
     const double x = (double)ideal->cx + (double)ideal->fx * ray[0],
                  y = (double)ideal->cy + (double)ideal->fy * ray[1];
     if (!(x >= 0 && y >= 0 && x <= pattern->width && y <= pattern->height)) return;

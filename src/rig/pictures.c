@@ -45,13 +45,9 @@ static const char *keep(FfpArena *arena, const char *text) {
 
 // --- Templates: {view}, {pattern}, {index}, {number}, the last two also as {number:3}. ---
 
-typedef struct Blanks {
-    const char *view, *pattern;
-    int index;
-} Blanks;
-
 // The text of one placeholder, "view" or "number:3"; false when there is no such.
-static bool fill_blank(const Blanks *blanks, const char *blank, size_t length, char out[FFP_NAME_MAX + 16]) {
+static bool fill_blank(const FfpBlanks *blanks, const char *blank, size_t length,
+                       char out[FFP_NAME_MAX + 16]) {
     static const char *const words[2] = {"view", "pattern"}, *const counters[2] = {"index", "number"};
     const char *const texts[2] = {blanks->view, blanks->pattern};
     for (size_t i = 0; i < 2; i++) {
@@ -71,7 +67,8 @@ static bool fill_blank(const Blanks *blanks, const char *blank, size_t length, c
     return false;
 }
 
-static bool expand(const char *template, const Blanks *blanks, char path[FFP_PATH_MAX], FfpError *err) {
+bool ffp_template_fill(const char *template, const FfpBlanks *blanks, char path[FFP_PATH_MAX],
+                       FfpError *err) {
     size_t length = 0;
     for (const char *at = template; *at != 0;) {
         char text[FFP_NAME_MAX + 16] = {*at, 0};
@@ -92,7 +89,7 @@ static bool expand(const char *template, const Blanks *blanks, char path[FFP_PAT
     return true;
 }
 
-static bool is_glob(const char *text) {
+bool ffp_template_is_glob(const char *text) {
     return strpbrk(text, "*?[") != NULL;
 }
 
@@ -190,9 +187,10 @@ static bool fill_in_files(FfpShots *shots, const Group *group, const FfpCalibrat
     const char *text = group->template;
     const bool tells_view =
         strstr(text, "{view}") != NULL || strstr(text, "{index") != NULL || strstr(text, "{number") != NULL;
-    const Blanks first = {calibration->stops[0].id, shots->patterns[group->patterns[0]].name, 0};
+    const FfpBlanks first = {calibration->stops[0].id, shots->patterns[group->patterns[0]].name, 0};
     char path[FFP_PATH_MAX];
-    if (!expand(text, &first, path, err)) return false; // an unknown placeholder is told before a missing one
+    if (!ffp_template_fill(text, &first, path, err))
+        return false; // an unknown placeholder is told before a missing one
     if (calibration->n_stops > 1 && !tells_view)
         return ffp_fail(err, FFP_ERROR_FILE, text,
                         "names one file for %d views: use {view}, {index}, {number} or *",
@@ -202,8 +200,9 @@ static bool fill_in_files(FfpShots *shots, const Group *group, const FfpCalibrat
                         group->count);
     for (int i = 0; i < calibration->n_stops * group->count; i++) {
         const int stop = i / group->count, pattern = group->patterns[i % group->count];
-        const Blanks blanks = {calibration->stops[stop].id, shots->patterns[pattern].name, stop};
-        if (!expand(text, &blanks, path, err) || !set_picture(shots, calibration, stop, pattern, path, err))
+        const FfpBlanks blanks = {calibration->stops[stop].id, shots->patterns[pattern].name, stop};
+        if (!ffp_template_fill(text, &blanks, path, err) ||
+            !set_picture(shots, calibration, stop, pattern, path, err))
             return false;
     }
     return true;
@@ -258,9 +257,9 @@ static bool find_masks(FfpShots *shots, const char *template, const FfpCalibrati
         return ffp_fail(err, FFP_ERROR_ARGUMENT, "mask_files", "no file is named");
     shots->masks = ffp_arena_alloc(shots->arena, (size_t)calibration->n_stops, sizeof *shots->masks);
     for (int i = 0; i < calibration->n_stops; i++) {
-        const Blanks blanks = {calibration->stops[i].id, NULL, i};
+        const FfpBlanks blanks = {calibration->stops[i].id, NULL, i};
         char path[FFP_PATH_MAX];
-        if (!expand(template, &blanks, path, err)) return false;
+        if (!ffp_template_fill(template, &blanks, path, err)) return false;
         if (!ffp_is_file(path))
             return ffp_fail(err, FFP_ERROR_FILE, path, "there is no such file: mask of view '%s'",
                             calibration->stops[i].id);
@@ -298,8 +297,8 @@ static bool find_all(FfpShots *shots, const FfpShotSources *sources, const FfpCa
     if (sources->n_images == 0 && !take_named(shots, calibration, err)) return false;
     for (int i = 0; i < sources->n_images; i++) {
         if (!read_group(shots, &sources->images[i], group, err)) return false;
-        const bool ok = is_glob(group->template) ? match_files(shots, group, calibration, err)
-                                                 : fill_in_files(shots, group, calibration, err);
+        const bool ok = ffp_template_is_glob(group->template) ? match_files(shots, group, calibration, err)
+                                                              : fill_in_files(shots, group, calibration, err);
         if (!ok) return false;
     }
     for (int i = 0; i < sources->n_patterns; i++) {

@@ -7,7 +7,8 @@
 
 typedef struct FfpShotPattern {
     char name[FFP_NAME_MAX];
-    const char *file; // what was projected; NULL: black or white
+    const char *file; // what was projected; NULL: black or white, or
+    int code;         // the Gray code with this number, from 1 (graycode.h); 0: none
     bool novel;
 } FfpShotPattern;
 
@@ -17,6 +18,8 @@ typedef struct FfpShots {
     FfpShotPattern *patterns; // [FFP_PATTERNS_MAX]
     const char **pictures;    // [n_stops, FFP_PATTERNS_MAX]; NULL: none
     const char **masks;       // [n_stops]; NULL: there are no mask files
+    const char **codes;       // [n_stops, n_codes] photographs of Gray codes; NULL: there are none
+    int n_codes;
 } FfpShots;
 
 // Photographs under one pattern or several. `files` is a path with {view}, {pattern}, {index} (from 0),
@@ -45,13 +48,26 @@ typedef struct FfpShotSources {
     int n_patterns, n_held_out;
     FfpMaskKind mask;
     const char *mask_files; // as FfpShotFiles.files
+    const char *codes;      // likewise, photographs of Gray codes; NULL: none
 } FfpShotSources;
 
 // Finds all files for the calibration's stops. Each picture is known to exist afterwards; black and white are
 // there, and every other pattern has its file.
 bool ffp_shots_find(FfpShots *shots, const FfpShotSources *sources, const FfpCalibration *calibration,
                     FfpError *err);
+// The photographs of the Gray codes of a panel of this size, where the sources name them. Where they name no
+// pattern besides black and white, one of the codes becomes the pattern: of columns or of rows (axis 0, 1).
+bool ffp_shots_find_codes(FfpShots *shots, const FfpShotSources *sources, const FfpCalibration *calibration,
+                          int width, int height, int axis, FfpError *err);
 void ffp_shots_free(FfpShots *shots);
+
+// The path that a template stands for, its {view}, {pattern}, {index}, {number} filled in.
+typedef struct FfpBlanks {
+    const char *view, *pattern; // NULL: not to be filled in
+    int index;
+} FfpBlanks;
+bool ffp_template_fill(const char *template, const FfpBlanks *blanks, char path[1024], FfpError *err);
+bool ffp_template_is_glob(const char *text);
 
 // Whether a comes before b when runs of digits count as numbers: "img_9" before "img_10".
 int ffp_natural_order(const char *a, const char *b);

@@ -13,6 +13,7 @@
 #include "base/log.h"
 #include "synth/natural.h"
 #include "synth/mesh.h"
+#include "synth/photographs.h"
 #include "synth/sensor.h"
 #include "synth/texture.h"
 
@@ -26,6 +27,7 @@ typedef struct Job {
     FfpMesh mesh;      // the user's, where one is given
     FfpTextures *textures;
     char asset[FFP_NAME_MAX]; // the user's mesh's name; empty: none
+    int rank, ranks;          // this rank makes every `ranks`-th scene, from its own number on
     int64_t done, kept;
     bool failed;
     FfpTask progress;
@@ -148,6 +150,22 @@ static bool write_scene(const FfpCapture *capture, const FfpSceneSpec *spec, con
     return ok;
 }
 
+// What is special about scene `number`.
+static FfpSceneSpec spec_of(const Job *job, int64_t number) {
+    FfpSceneSpec spec = job->spec;
+    if (job->asset[0])
+        asset_scene(number, job->options->seed, &spec);
+    else
+        ffp_dataset_scene(job->options->split, number, job->options->seed, &spec);
+    if (spec.targets < 0) spec.targets = job->asset[0] || is_test_mesh(spec.mesh) ? PAPER_TARGETS : 0;
+    return spec;
+}
+
+static void scene_name(const Job *job, int64_t number, char name[FFP_NAME_MAX + 32]) {
+    const char *kind = job->asset[0] ? job->asset : job->options->split ? job->options->split : "all";
+    snprintf(name, FFP_NAME_MAX + 32, "%s_%05lld", kind, (long long)number);
+}
+
 // Scene `number` under `name` in the job's folder; *made tells whether it was not there yet.
 static bool generate_scene(const Job *job, int64_t number, const char *name, bool *made, FfpError *err) {
     char folder[FFP_PATH_MAX], part[FFP_PATH_MAX], hidden[FFP_NAME_MAX + 64];
@@ -155,12 +173,7 @@ static bool generate_scene(const Job *job, int64_t number, const char *name, boo
     if (!ffp_join_path(folder, job->options->folder, name) ||
         !ffp_join_path(part, job->options->folder, hidden))
         return ffp_fail(err, FFP_ERROR_ARGUMENT, job->options->folder, "the path is too long");
-    FfpSceneSpec spec = job->spec;
-    if (job->asset[0])
-        asset_scene(number, job->options->seed, &spec);
-    else
-        ffp_dataset_scene(job->options->split, number, job->options->seed, &spec);
-    if (spec.targets < 0) spec.targets = job->asset[0] || is_test_mesh(spec.mesh) ? PAPER_TARGETS : 0;
+    const FfpSceneSpec spec = spec_of(job, number);
     *made = !is_complete(folder, spec.targets > 0);
     if (!*made) return true;
     FfpCapture capture;
@@ -173,14 +186,13 @@ static bool generate_scene(const Job *job, int64_t number, const char *name, boo
 // One scene and the books. The books are short, so the workers take turns at them.
 static void work_on(void *argument, int64_t index) {
     Job *job = argument;
-    const int64_t number = job->options->first + index;
+    const int64_t number = job->options->first + job->rank + index * job->ranks;
     bool stop, made = false;
 #pragma omp atomic read
     stop = job->failed;
     if (stop) return;
     char name[FFP_NAME_MAX + 32];
-    const char *kind = job->asset[0] ? job->asset : job->options->split ? job->options->split : "all";
-    snprintf(name, sizeof name, "%s_%05lld", kind, (long long)number);
+    scene_name(job, number, name);
     int64_t done = 0;
     FfpError error = {0};
     const bool ok = generate_scene(job, number, name, &made, &error);
@@ -199,7 +211,11 @@ static void work_on(void *argument, int64_t index) {
 
 // Whole scenes in parallel, each on one thread: no part of a scene is left to one core alone. A worker more
 // than cores fills the time in which a scene waits for the disk.
-static bool generate_all(Job *job, int64_t count) {
+static bool generate_all(Job *job, int64_t total) {
+    const FfpContext *context = ffp_call_context();
+    const FfpRanks *ranks = context ? context->settings.ranks : NULL;
+    job->rank = ranks ? ranks->rank : 0, job->ranks = ranks ? ranks->count : 1;
+    const int64_t count = (total - job->rank + job->ranks - 1) / job->ranks;
     job->progress = ffp_task("generating", count);
     ffp_parallel_for(count, omp_get_max_threads() + 1, work_on, job);
     ffp_task_end(&job->progress);
@@ -238,14 +254,78 @@ static bool open_assets(Job *job, FfpError *err) {
     return job->textures != NULL;
 }
 
+// The first scene's object, or the user's, before a bare rig. Pictures are as high as asked for; 0: 480.
+static bool photograph_object(const Job *job, FfpError *err) {
+    const FfpDatasetSettings *options = job->options;
+    FfpSceneSpec spec = job->spec;
+    if (options->count > 1)
+        return ffp_fail(err, FFP_ERROR_ARGUMENT, "count", "photographs are of one object, not of %lld",
+                        (long long)options->count);
+    if (job->asset[0])
+        asset_scene(options->first, options->seed, &spec);
+    else
+        ffp_dataset_scene(options->split, options->first, options->seed, &spec);
+    spec.resolution = options->resolution > 0 ? options->resolution : 480;
+    const FfpPhotographs photographs = {options->folder, options->photographs, options->attitudes};
+    return ffp_photographs_write(&photographs, &spec, err);
+}
+
+static bool generate_job(Job *job, int64_t count, FfpError *err) {
+    if (job->options->photographs) return photograph_object(job, err);
+    return ffp_make_folders(job->options->folder, err) && generate_all(job, count);
+}
+
+// Everything but the scenes themselves.
+static bool open_job(Job *job, int64_t *count, FfpError *err) {
+    if (!job->options->folder)
+        return ffp_fail(err, FFP_ERROR_ARGUMENT, NULL, "no folder to write to is given");
+    return preset_spec(job->options, &job->spec, err) && choose_scenes(job->options, count, err) &&
+           open_assets(job, err);
+}
+
+static void close_job(Job *job) {
+    ffp_mesh_free(&job->mesh);
+    ffp_textures_free(job->textures);
+}
+
 bool ffp_dataset_write(const FfpDatasetSettings *options, FfpError *err) {
     Job job = {.options = options, .err = err};
     int64_t count = 0;
-    if (!options->folder) return ffp_fail(err, FFP_ERROR_ARGUMENT, NULL, "no folder to write to is given");
-    if (!preset_spec(options, &job.spec, err) || !choose_scenes(options, &count, err)) return false;
-    const bool ok =
-        open_assets(&job, err) && ffp_make_folders(options->folder, err) && generate_all(&job, count);
-    ffp_mesh_free(&job.mesh);
-    ffp_textures_free(job.textures);
+    const bool ok = open_job(&job, &count, err) && generate_job(&job, count, err);
+    close_job(&job);
     return ok;
+}
+
+// The names of the first few that are missing, into text; returns how many there are.
+static int64_t list_missing(const Job *job, int64_t count, char *text, size_t size) {
+    enum { NAMED = 6 };
+    int64_t missing = 0;
+    size_t length = 0;
+    for (int64_t number = job->options->first; number < job->options->first + count; number++) {
+        char name[FFP_NAME_MAX + 32], folder[FFP_PATH_MAX];
+        scene_name(job, number, name);
+        ffp_cancel_point();
+        if (ffp_join_path(folder, job->options->folder, name) &&
+            is_complete(folder, spec_of(job, number).targets > 0))
+            continue;
+        if (missing++ < NAMED && length < size)
+            length += (size_t)snprintf(text + length, size - length, "%s%.64s", length ? ", " : "", name);
+    }
+    if (missing > NAMED && length < size) snprintf(text + length, size - length, " and so on");
+    return missing;
+}
+
+bool ffp_dataset_check(const FfpDatasetSettings *options, FfpError *err) {
+    Job job = {.options = options};
+    char names[480] = "";
+    int64_t count = 0, missing = 0;
+    const bool ok = open_job(&job, &count, err);
+    if (ok) missing = list_missing(&job, count, names, sizeof names);
+    close_job(&job);
+    if (!ok) return false;
+    if (missing > 0)
+        return ffp_fail(err, FFP_ERROR_FILE, options->folder, "%lld of %lld scenes are missing: %s",
+                        (long long)missing, (long long)count, names);
+    ffp_note("all %lld scenes are there", (long long)count);
+    return true;
 }

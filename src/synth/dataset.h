@@ -32,9 +32,14 @@ typedef struct FfpDatasetSettings {
     const char *mesh;     // a user's file instead of the generated meshes; NULL: none
     const char *material; // a user's folder instead of the generated materials; NULL: none
     FfpSensor sensor;
+    const char *photographs; // folder of patterns: one object before a bare rig (photographs.h); NULL: scenes
+    int attitudes;           // of its chessboard
 } FfpDatasetSettings;
 
-// Scenes that are there already are kept; one appears under its name only when it is whole.
+// Scenes that are there already are kept; one appears under its name only when it is whole. Of several ranks
+// (the context's) each makes those whose turn it is.
 bool ffp_dataset_write(const FfpDatasetSettings *settings, FfpError *err);
+// Whether all of them are there; the error names those that are not.
+bool ffp_dataset_check(const FfpDatasetSettings *settings, FfpError *err);
 
 #endif

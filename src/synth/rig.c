@@ -51,8 +51,7 @@ static void look(FfpCamera *camera, const double at[3], const double aim[3], con
     camera->pose[15] = 1;
 }
 
-// A device at (radius, polar, azimuth in degrees) that looks at `aim`, its image upright (z up).
-static void place(FfpCamera *camera, double radius, double polar, double azimuth, const double aim[3]) {
+void ffp_rig_place(FfpCamera *camera, double radius, double polar, double azimuth, const double aim[3]) {
     const double s = sin(polar * DEGREE), c = cos(polar * DEGREE), up[3] = {0, 0, 1};
     const double at[3] = {radius * s * cos(azimuth * DEGREE), radius * s * sin(azimuth * DEGREE), radius * c};
     look(camera, at, aim, up);
@@ -88,8 +87,8 @@ static void turntable_input(const FfpSceneSpec *spec, int index, FfpView *view) 
         aim_near(&stop, 0.05, throw_aim);
         wobble = ffp_rng_range(&stop, -2, 2);
     }
-    place(&view->camera, radius, polar, start + turn + wobble, aim);
-    place(&view->projector, throw_radius, throw_polar, start + turn + wobble + throw_side, throw_aim);
+    ffp_rig_place(&view->camera, radius, polar, start + turn + wobble, aim);
+    ffp_rig_place(&view->projector, throw_radius, throw_polar, start + turn + wobble + throw_side, throw_aim);
 }
 
 // Where on the sphere a free rig's camera stands, in degrees: the band between the polar angles 40 and 130 in
@@ -147,7 +146,7 @@ static void free_input(const FfpSceneSpec *spec, int index, FfpView *view) {
     const double least = 2 * asin((FFP_MESH_RADIUS + reach * sqrt(3)) / radius) / DEGREE + 0.5;
     optics(&view->camera, spec->resolution, ffp_rng_range(&rng, (float)fmax(34, least), 46));
     aim_near(&rng, reach, aim);
-    place(&view->camera, radius, polar, azimuth, aim);
+    ffp_rig_place(&view->camera, radius, polar, azimuth, aim);
     roll(&view->camera, ffp_rng_range(&rng, -5, 5));
 
     optics(&view->projector, spec->pattern_side, 55);
@@ -166,8 +165,8 @@ static void sphere_input(const FfpSceneSpec *spec, int index, FfpView *view) {
     optics(&view->camera, spec->resolution, 40);
     optics(&view->projector, spec->pattern_side, 55);
     snprintf(view->id, sizeof view->id, "sphere_%03d", index);
-    place(&view->camera, 3, acos(top + share * (bottom - top)) / DEGREE, 360 * turns * share, origin);
-    place(&view->projector, 2, 60, 0, origin);
+    ffp_rig_place(&view->camera, 3, acos(top + share * (bottom - top)) / DEGREE, 360 * turns * share, origin);
+    ffp_rig_place(&view->projector, 2, 60, 0, origin);
 }
 
 void ffp_rig_input(const FfpSceneSpec *spec, int index, FfpView *view) {
@@ -189,7 +188,8 @@ void ffp_rig_target(const FfpSceneSpec *spec, int index, FfpView *view) {
                  polar = ffp_rng_range(&rng, spec->jitter ? 52 : 63, 106);
     const double radius = ffp_rng_range(&rng, 2.85F, 3.25F), side = ffp_rng_range(&rng, 18, 45);
     const double sign = ffp_rng_uniform(&rng) < 0.5F ? -1 : 1, above = ffp_rng_range(&rng, -20, 45);
-    place(&view->camera, radius, polar, azimuth, origin);
+    ffp_rig_place(&view->camera, radius, polar, azimuth, origin);
     const double throw_polar = fmin(94, fmax(35, polar - above));
-    place(&view->projector, ffp_rng_range(&rng, 1.9F, 2.3F), throw_polar, azimuth + sign * side, origin);
+    ffp_rig_place(&view->projector, ffp_rng_range(&rng, 1.9F, 2.3F), throw_polar, azimuth + sign * side,
+                  origin);
 }

@@ -7,6 +7,8 @@
 #include "base/arena.h"
 #include "base/call.h"
 #include "base/brdf.h"
+#include "base/lens.h"
+#include "synth/chessboard.h"
 #include "synth/noise.h"
 #include "synth/scalar.h"
 #include "synth/sensor.h"
@@ -20,6 +22,7 @@ static const float FACING = 0.02F; // least cosine between shading normal and vi
 typedef struct Device {       // a camera or projector in float
     float origin[3], axes[9]; // rows: x, y, z axis in the world
     float fx, fy, cx, cy, width, height;
+    const double *lens; // NULL: none
 } Device;
 
 // Sums of one view before composition; [height, width, .] each.
@@ -48,8 +51,9 @@ typedef struct Sample {
     float albedo[3], roughness, normal[3]; // the normal with its relief
 } Sample;
 
-static Device device_of(const FfpCamera *c) {
-    Device d = {.fx = (float)c->fx,
+static Device device_of(const FfpCamera *c, const double *lens) {
+    Device d = {.lens = lens && !ffp_lens_is_ideal(lens) ? lens : NULL,
+                .fx = (float)c->fx,
                 .fy = (float)c->fy,
                 .cx = (float)c->cx,
                 .cy = (float)c->cy,
@@ -66,9 +70,23 @@ static float dot(const float a[3], const float b[3]) {
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
+// Where the device has the point (x, y, z) of its frame, pixels.
+static void device_pixel(const Device *c, float x, float y, float z, float *u, float *v) {
+    if (c->lens) {
+        double a, b;
+        ffp_lens_distort(c->lens, (double)(x / z), (double)(y / z), &a, &b);
+        *u = c->fx * (float)a + c->cx, *v = c->fy * (float)b + c->cy;
+    } else {
+        *u = c->fx * x / z + c->cx, *v = c->fy * y / z + c->cy;
+    }
+}
+
 // World direction through pixel position (x, y) with camera z = 1, so that a hit's t is its depth.
 static void camera_ray(const Device *c, float x, float y, float d[3]) {
-    const float a = (x - c->cx) / c->fx, b = (y - c->cy) / c->fy;
+    float a = (x - c->cx) / c->fx, b = (y - c->cy) / c->fy;
+    double ray[2];
+    if (c->lens && ffp_lens_undistort(c->lens, (double)a, (double)b, ray))
+        a = (float)ray[0], b = (float)ray[1];
     for (int k = 0; k < 3; k++) d[k] = a * c->axes[k] + b * c->axes[3 + k] + c->axes[6 + k];
 }
 
@@ -80,12 +98,15 @@ static float *lanes_of(const Work *w, float *values, size_t pixel) {
 // Albedo and roughness of what lies at a hit, over about `footprint` world units.
 static void surface_look(const FfpSimulation *sim, const FfpHit *hit, float footprint, float albedo[3],
                          float *roughness) {
-    if (sim->textures)
+    if (sim->board)
+        ffp_chessboard_look(sim->board, hit->point, albedo, roughness);
+    else if (sim->textures)
         ffp_textures_look(sim->textures, sim->mesh, hit, footprint, albedo, roughness);
     else
         ffp_material_look(sim->material, hit->point, albedo, roughness);
 }
 static void surface_bump(const FfpSimulation *sim, const FfpHit *hit, float footprint, float normal[3]) {
+    if (sim->board) return;
     if (sim->textures)
         ffp_textures_bump(sim->textures, sim->mesh, hit, footprint, normal);
     else
@@ -115,7 +136,7 @@ static bool arrive(const Work *w, const FfpHit *hit, const float normal[3], Arri
     if (dot(way, normal) <= 0) return false;
     for (int k = 0; k < 3; k++) a->local[k] = -dot(p->axes + 3 * k, way);
     if (a->local[2] <= 1e-6F) return false;
-    a->u = p->fx * a->local[0] / a->local[2] + p->cx, a->v = p->fy * a->local[1] / a->local[2] + p->cy;
+    device_pixel(p, a->local[0], a->local[1], a->local[2], &a->u, &a->v);
     if (!(a->u >= 0 && a->v >= 0 && a->u <= p->width && a->v <= p->height)) return false;
     const float square = dot(way, way), scale = 1 / sqrtf(square);
     a->fall = 1 / square;
@@ -407,8 +428,8 @@ static size_t busy_cells(const Work *w, int **cells) {
         for (int k = 0; k < 3; k++) d[k] = mesh->positions[3 * (size_t)i + (size_t)k] - c->origin[k];
         const float z = dot(c->axes + 6, d);
         behind |= z < 1e-3F;
-        xy[2 * i] = (c->fx * dot(c->axes, d) / z + c->cx) / CELL;
-        xy[2 * i + 1] = (c->fy * dot(c->axes + 3, d) / z + c->cy) / CELL;
+        device_pixel(c, dot(c->axes, d), dot(c->axes + 3, d), z, &xy[2 * i], &xy[2 * i + 1]);
+        xy[2 * i] /= CELL, xy[2 * i + 1] /= CELL;
     }
     for (int t = 0; t < mesh->n_triangles && !behind; t++) {
         const uint32_t *v = mesh->triangles + 3 * (size_t)t;
@@ -523,16 +544,19 @@ static void compose_pixel(const Work *w, size_t pixel, int pattern, const real d
     real *colour = w->view->images[pattern].data + 3 * pixel;
     const real *albedo = w->view->albedo.data + 3 * pixel, cover = w->view->coverage.data[pixel];
     const int lanes = w->sim->light->lanes, lane = w->sim->light->lane[pattern];
+    const uint32_t key = (uint32_t)(w->sim->first_pattern + pattern) + 1;
+    const bool whole = w->sim->photograph; // the pixel's light, not the share that is the object's
     const float *ambient = w->sums.ambient + 3 * pixel;
     const float *direct = lanes_of(w, w->sums.direct, pixel), *bounce = lanes_of(w, w->sums.bounce, pixel);
     for (int c = 0; c < 3; c++) {
-        const int own = c * lanes + lane;
-        const float lit = lane < 0 ? 0 : direct[own], incoming = ambient[c] + (lane < 0 ? 0 : bounce[own]);
-        const float seen = ffp_sensor_noise((float)(lit + albedo[c] * incoming), w->sim->shot, w->sim->read,
-                                            (uint32_t)(3 * pixel) + (uint32_t)c,
-                                            w->seed + 0x3c6ef372U * ((uint32_t)pattern + 1));
+        const int at = c * lanes + lane;
+        const float lit = lane < 0 ? 0 : direct[at], incoming = ambient[c] + (lane < 0 ? 0 : bounce[at]);
+        const float own = (float)(lit + albedo[c] * incoming), light = whole ? (float)cover * own : own;
+        const float seen = ffp_sensor_noise(light, w->sim->shot, w->sim->read,
+                                            (uint32_t)(3 * pixel) + (uint32_t)c, w->seed + 0x3c6ef372U * key);
         const float encoded = roundf(255 * (float)ffp_srgb_encode((real)seen));
-        colour[c] = cover == 1 ? decoded[(int)encoded] : ffp_srgb_decode((real)(encoded / 255) * cover);
+        colour[c] =
+            cover == 1 || whole ? decoded[(int)encoded] : ffp_srgb_decode((real)(encoded / 255) * cover);
     }
 }
 
@@ -544,7 +568,7 @@ static void compose(const Work *w) {
     for (int y = 0; y < height; y++)
         for (int x = 0; x < width; x++) {
             const size_t pixel = (size_t)y * (size_t)width + (size_t)x;
-            if (w->sums.hits[pixel] <= 0) continue;
+            if (w->sums.hits[pixel] <= 0 && !w->sim->photograph) continue;
             for (int p = 0; p < w->sim->light->n_patterns; p++) compose_pixel(w, pixel, p, decoded);
         }
 }
@@ -585,8 +609,8 @@ void ffp_simulate_view(const FfpSimulation *simulation, FfpView *view, uint32_t 
     Work w = {.sim = simulation,
               .view = view,
               .visibility = visibility,
-              .camera = device_of(&view->camera),
-              .projector = device_of(&view->projector),
+              .camera = device_of(&view->camera, simulation->camera_lens),
+              .projector = device_of(&view->projector, simulation->projector_lens),
               .seed = ffp_hash32((uint32_t)simulation->seed ^
                                  ffp_hash32((uint32_t)(simulation->seed >> 32) ^ ffp_hash32(stream + 1)))};
     work_begin(&w);

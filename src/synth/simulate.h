@@ -20,6 +20,11 @@ typedef struct FfpSimulation {
     int samples, ambient_rays; // primary rays a pixel (four times as many on silhouettes); ambient rays a hit
     float shot, read;          // noise of the images (ffp_sensor_noise)
     uint64_t seed;
+    // Real devices; all NULL or 0: ideal ones.
+    const double *camera_lens, *projector_lens; // base/lens.h
+    const struct FfpChessboard *board;          // instead of material and textures
+    bool photograph;   // images are what a camera without alpha takes: light, then noise, of every pixel
+    int first_pattern; // of the light's among all that are photographed: by it noise is drawn
 } FfpSimulation;
 
 // Fills images (all patterns), coverage and the truth maps of a view whose cameras are set. Colours and truth

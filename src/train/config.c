@@ -22,7 +22,8 @@ typedef struct Field {
 static const Field train_fields[] = {
     {"seed", INT64, AT(seed), 0, 9e15},
     {"steps", INT64, AT(steps), 1, 1e9},
-    {"pool", INT, AT(pool), 1, 1024},
+    {"batch", INT, AT(batch), 1, 65536},
+    {"pool", INT, AT(pool), 1, 65536},
     {"reuse", INT, AT(reuse), 1, 1000000},
     {"views", INT, AT(views), 1, FFP_TRAIN_VIEWS_MAX},
     {"targets", INT, AT(targets), 0, FFP_TRAIN_VIEWS_MAX},
@@ -39,6 +40,8 @@ static const Field train_fields[] = {
     {"large_share", DOUBLE, AT(large_share), 0, 1},
     {"large_resolution", INT, AT(large_resolution), 8, 1024},
     {"single_scene", BOOL, AT(single_scene), 0, 1},
+    {"captures", TEXT, AT(captures), 0, sizeof(((FfpTrainConfig *)0)->captures)},
+    {"patience", INT, AT(patience), 0, 1e9},
     {"scenes", TEXT, AT(scenes), 0, sizeof(((FfpTrainConfig *)0)->scenes)},
     {"generators", INT, AT(generators), 0, 64},
     {"queue", INT, AT(queue), 1, 1024},
@@ -71,9 +74,11 @@ static const Field train_fields[] = {
     {"skip_above", DOUBLE, AT(skip_above), 1, 1e9},
     {"ema", DOUBLE, AT(ema), 0, 0.999999},
     {"warmup_steps", INT, AT(warmup_steps), 0, 1e9},
+    {"recompute", BOOL, AT(recompute), 0, 1},
     {"validate_every", INT, AT(validate_every), 0, 1e9},
     {"validation_scenes", INT, AT(validation_scenes), 1, 1000},
     {"checkpoint_minutes", INT, AT(checkpoint_minutes), 1, 10000},
+    {"checkpoint_steps", INT, AT(checkpoint_steps), 0, 1e9},
     {"log_every", INT, AT(log_every), 1, 1e6},
 };
 
@@ -103,6 +108,7 @@ FfpTrainConfig ffp_train_defaults(void) {
     FfpTrainConfig c = {
         .seed = 1,
         .steps = 20000,
+        .batch = 1,
         .pool = 8,
         .reuse = 12,
         .views = 8,
@@ -156,6 +162,16 @@ FfpTrainConfig ffp_train_defaults(void) {
         .log_every = 20,
     };
     ffp_model_preset(&c.model, "small");
+    return c;
+}
+
+FfpTrainConfig ffp_fine_tuning_defaults(void) {
+    FfpTrainConfig c = ffp_train_defaults();
+    c.steps = 300, c.warmup_steps = 20, c.learning_rate = 1e-4, c.weight_decay = 0, c.ema = 0.98;
+    c.pool = 4, c.reuse = 4;
+    c.supervised_inputs = 1, c.supervised_targets = 2, c.polish_share = 0.4;
+    c.depth = 0, c.direct_t = 0, c.perceptual = 0;
+    c.validate_every = 50, c.patience = 150;
     return c;
 }
 
@@ -243,9 +259,10 @@ static bool check_mixture(const FfpTrainConfig *c, const char *where, FfpError *
                         : c->free_share > 0  ? "free_share"
                         : c->large_share > 0 ? "large_share"
                                              : NULL;
-    if (mixed && c->scenes[0])
-        return ffp_fail(err, FFP_ERROR_FILE, ffp_place(where, mixed).text,
-                        "is for scenes made in training: those of a folder (scenes) are as they are");
+    if (mixed && (c->scenes[0] || c->captures[0]))
+        return ffp_fail(
+            err, FFP_ERROR_FILE, ffp_place(where, mixed).text,
+            "is for scenes made in training: those of a folder (scenes, captures) are as they are");
     return true;
 }
 
@@ -265,11 +282,16 @@ static bool check_together(const FfpTrainConfig *c, const char *where, FfpError 
     if (c->resolution % c->model.patch || c->low_resolution % c->model.patch)
         return ffp_fail(err, FFP_ERROR_FILE, ffp_place(where, "resolution").text,
                         "resolution and low_resolution must be multiples of the patch, %d", c->model.patch);
+    if (c->captures[0] && c->scenes[0])
+        return ffp_fail(err, FFP_ERROR_FILE, ffp_place(where, "captures").text,
+                        "captures and scenes: only one of them can be learnt from");
+    if (c->captures[0] && c->warmup_geometry > 0)
+        return ffp_fail(err, FFP_ERROR_FILE, ffp_place(where, "warmup_geometry").text,
+                        "needs true depth, which captures do not have");
     return check_mixture(c, where, err);
 }
 
-bool ffp_train_config_parse(FfpTrainConfig *config, const char *text, const char *where, FfpError *err) {
-    *config = ffp_train_defaults();
+static bool parse_over(FfpTrainConfig *config, const char *text, const char *where, FfpError *err) {
     json_error_t problem;
     json_t *root = json_loads(text, JSON_REJECT_DUPLICATES, &problem);
     if (!root)
@@ -283,15 +305,25 @@ bool ffp_train_config_parse(FfpTrainConfig *config, const char *text, const char
     return ok;
 }
 
-bool ffp_train_config_read(FfpTrainConfig *config, const char *path, FfpError *err) {
+bool ffp_train_config_parse(FfpTrainConfig *config, const char *text, const char *where, FfpError *err) {
+    *config = ffp_train_defaults();
+    return parse_over(config, text, where, err);
+}
+
+bool ffp_train_config_overlay(FfpTrainConfig *config, const char *path, FfpError *err) {
     char *text = NULL;
     size_t size = 0;
     if (!ffp_read_text(path, 1 << 20, &text, &size, err)) return false;
     const bool ok = strlen(text) == size
-                        ? ffp_train_config_parse(config, text, path, err)
+                        ? parse_over(config, text, path, err)
                         : ffp_fail(err, FFP_ERROR_FILE, path, "broken JSON: a zero byte in the text");
     ffp_free(text);
     return ok;
+}
+
+bool ffp_train_config_read(FfpTrainConfig *config, const char *path, FfpError *err) {
+    *config = ffp_train_defaults();
+    return ffp_train_config_overlay(config, path, err);
 }
 
 static json_t *print_fields(const void *base, const Field *fields, int count) {

@@ -7,7 +7,7 @@
 #include "base/call.h"
 #include "base/file.h"
 #include "base/rng.h"
-#include "train/train.h"
+#include "train/prepare.h"
 
 // --- The list of scenes. ---
 
@@ -111,8 +111,7 @@ static bool choose_patterns(const FfpCapture *capture, int lollipops, int *chose
                     lollipops);
 }
 
-// Only the chosen patterns remain, in the order of a generated scene.
-static void keep_patterns(FfpCapture *capture, const int *chosen, int count) {
+void ffp_scene_keep_patterns(FfpCapture *capture, const int *chosen, int count) {
     FfpPattern *patterns = ffp_alloc((size_t)count, sizeof *patterns);
     for (int k = 0; k < count; k++) {
         patterns[k] = capture->patterns[chosen[k]];
@@ -226,7 +225,7 @@ bool ffp_scene_folder_read(FfpCapture *capture, const FfpSceneFolder *folder, co
     if (ok) keep_views(capture, config->views);
     if (ok && config->targets > 0) ok = read_targets(capture, config, path, chosen, resolution, err);
     if (ok)
-        keep_patterns(capture, chosen, config->lollipops + 2);
+        ffp_scene_keep_patterns(capture, chosen, config->lollipops + 2);
     else
         ffp_capture_free(capture);
     ffp_free(chosen);

@@ -6,9 +6,12 @@
 
 static FfpAdam upload_adam(const FfpAdam *adam) {
     const size_t count = (size_t)adam->count;
-    return (FfpAdam){adam->count, adam->step, ffp_memory_uploaded(adam->m, count, sizeof(real)),
+    return (FfpAdam){adam->count,
+                     adam->step,
+                     ffp_memory_uploaded(adam->m, count, sizeof(real)),
                      ffp_memory_uploaded(adam->v, count, sizeof(real)),
-                     ffp_memory_uploaded(adam->ema, count, sizeof(real))};
+                     ffp_memory_uploaded(adam->ema, count, sizeof(real)),
+                     adam->first};
 }
 
 FfpMirror *ffp_mirror_new(const FfpModel *model, const FfpAdam *adam, const FfpTrainConfig *config) {
@@ -39,8 +42,8 @@ const FfpScene *ffp_mirror_scene(FfpMirror *mirror, int slot, bool fresh, const 
 }
 
 void ffp_mirror_download(const FfpMirror *mirror, FfpModel *model, FfpAdam *adam) {
-    const size_t bytes = (size_t)model->count * sizeof(real);
-    ffp_memory_download(model->values, mirror->model.values, bytes);
+    const size_t bytes = (size_t)adam->count * sizeof(real);
+    ffp_memory_download(model->values, mirror->model.values, (size_t)model->count * sizeof(real));
     ffp_memory_download(adam->m, mirror->adam.m, bytes);
     ffp_memory_download(adam->v, mirror->adam.v, bytes);
     ffp_memory_download(adam->ema, mirror->adam.ema, bytes);

@@ -12,8 +12,12 @@
 
 FfpAdam ffp_adam_new(const FfpModel *model) {
     const size_t count = (size_t)model->count;
-    FfpAdam adam = {model->count, 0, ffp_alloc(count, sizeof(real)), ffp_alloc(count, sizeof(real)),
-                    ffp_alloc(count, sizeof(real))};
+    FfpAdam adam = {model->count,
+                    0,
+                    ffp_alloc(count, sizeof(real)),
+                    ffp_alloc(count, sizeof(real)),
+                    ffp_alloc(count, sizeof(real)),
+                    0};
     memcpy(adam.ema, model->values, count * sizeof(real));
     return adam;
 }
@@ -23,6 +27,21 @@ void ffp_adam_free(FfpAdam *adam) {
     ffp_free(adam->v);
     ffp_free(adam->ema);
     *adam = (FfpAdam){0};
+}
+
+// A new block with a part of `all`, which it replaces.
+static void keep(real **all, int64_t first, int64_t count) {
+    real *part = ffp_alloc((size_t)count + 1, sizeof(real));
+    memcpy(part, *all + first, (size_t)count * sizeof(real));
+    ffp_free(*all);
+    *all = part;
+}
+
+void ffp_adam_keep(FfpAdam *adam, int64_t first, int64_t count) {
+    keep(&adam->m, first - adam->first, count);
+    keep(&adam->v, first - adam->first, count);
+    keep(&adam->ema, first - adam->first, count);
+    adam->first = first, adam->count = count;
 }
 
 double ffp_learning_rate(const FfpTrainConfig *config, int64_t step) {
@@ -61,18 +80,32 @@ static void update_range(const FfpAdamRates *r, real *w, real *m, real *v, real 
     ffp_train_kernels()->adam_move(r, w, m, v, ema, grad, count);
 }
 
-double ffp_adam_update(FfpAdam *adam, FfpModel *model, const real *grad, const FfpTrainConfig *config,
-                       bool *skipped) {
-    const double norm = sqrt(squared_norm(grad, model->count));
+double ffp_adam_squares(const FfpAdam *adam, const real *grad) {
+    return squared_norm(grad + adam->first, adam->count);
+}
+
+// The weights of one parameter that the state is of.
+static void move_parameter(const FfpAdam *adam, const FfpParameter *parameter, FfpModel *model,
+                           const real *grad, const FfpAdamRates *rates) {
+    const int64_t end = parameter->offset + parameter->count, own_end = adam->first + adam->count;
+    const int64_t from = parameter->offset > adam->first ? parameter->offset : adam->first;
+    const int64_t count = (end < own_end ? end : own_end) - from, at = from - adam->first;
+    if (count > 0)
+        update_range(rates, model->values + from, adam->m + at, adam->v + at, adam->ema + at, grad + from,
+                     count);
+}
+
+void ffp_adam_move_all(FfpAdam *adam, FfpModel *model, const real *grad, const FfpTrainConfig *config,
+                       double norm, bool *skipped) {
     const double rate = ffp_learning_rate(config, adam->step);
     adam->step++;
     *skipped = !isfinite(norm) || norm > config->skip_above * config->clip;
-    if (*skipped) return norm;
+    if (*skipped) return;
     const double t = (double)adam->step;
     FfpAdamRates rates = {
         .beta1 = (real)config->beta1,
         .beta2 = (real)config->beta2,
-        .scale = (real)(norm > config->clip ? config->clip / norm : 1.0),
+        .scale = (real)((norm > config->clip ? config->clip / norm : 1.0) / config->batch),
         .step_size = (real)(rate / (1 - pow(config->beta1, t))),
         .correction2 = (real)(1 / (1 - pow(config->beta2, t))),
         // early on the average follows the weights closely: it would otherwise stay at the initial ones
@@ -80,10 +113,14 @@ double ffp_adam_update(FfpAdam *adam, FfpModel *model, const real *grad, const F
     };
     for (int p = 0; p < model->n_parameters; p++) {
         const FfpParameter *parameter = &model->parameters[p];
-        const int64_t o = parameter->offset;
         rates.decay = parameter->decay ? (real)(rate * config->weight_decay) : 0;
-        update_range(&rates, model->values + o, adam->m + o, adam->v + o, adam->ema + o, grad + o,
-                     parameter->count);
+        move_parameter(adam, parameter, model, grad, &rates);
     }
+}
+
+double ffp_adam_update(FfpAdam *adam, FfpModel *model, const real *grad, const FfpTrainConfig *config,
+                       bool *skipped) {
+    const double norm = sqrt(ffp_adam_squares(adam, grad)) / config->batch;
+    ffp_adam_move_all(adam, model, grad, config, norm, skipped);
     return norm;
 }

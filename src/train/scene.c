@@ -6,7 +6,7 @@
 #include "base/device.h"
 #include "base/rng.h"
 #include "synth/synth.h"
-#include "train/train.h"
+#include "train/prepare.h"
 
 // The devices of a careful rig that is not ideal: each strength anywhere up to the given.
 #define NOISE_MAX 0.015F // deviation at a value of 1, and of reading
@@ -76,18 +76,7 @@ static bool prepare_numbers(FfpScene *scene, const FfpTrainConfig *config, FfpEr
     return true;
 }
 
-// Completes a scene whose capture is there: normalised by its input views, the first `views`, and matched.
-// Takes the capture away on failure.
-static bool prepare(FfpScene *scene, const FfpTrainConfig *config, int views, FfpError *err) {
-    FfpCapture *capture = &scene->capture;
-    scene->inputs = *capture;
-    scene->inputs.n_views = views;
-    ffp_capture_estimate_bounds(&scene->inputs);
-    const real centre[3] = {scene->inputs.centre[0], scene->inputs.centre[1], scene->inputs.centre[2]};
-    ffp_capture_normalise(capture, centre, scene->inputs.radius);
-    scene->inputs = *capture;
-    scene->inputs.n_views = views;
-
+bool ffp_scene_match(FfpScene *scene, const FfpTrainConfig *config, FfpError *err) {
     const FfpMatchSettings settings = ffp_match_defaults();
     scene->active = ffp_capture_active_pattern(&scene->inputs, NULL, err);
     if (scene->active < 0 || !ffp_start_new(&scene->start, &scene->inputs, scene->active, &settings, err) ||
@@ -100,10 +89,25 @@ static bool prepare(FfpScene *scene, const FfpTrainConfig *config, int views, Ff
         ffp_scene_close(scene);
         return false;
     }
-    scene->patterns = ffp_alloc((size_t)capture->n_patterns, sizeof *scene->patterns);
-    for (int i = 0; i < capture->n_patterns; i++)
-        scene->patterns[i] = ffp_summed_new(&capture->patterns[i].image);
+    const int n_patterns = scene->capture.n_patterns;
+    scene->patterns = ffp_alloc((size_t)n_patterns, sizeof *scene->patterns);
+    for (int i = 0; i < n_patterns; i++)
+        scene->patterns[i] = ffp_summed_new(&scene->capture.patterns[i].image);
     return true;
+}
+
+// Completes a scene whose capture is there: normalised by its input views, the first `views`, and matched.
+// Takes the capture away on failure.
+static bool prepare(FfpScene *scene, const FfpTrainConfig *config, int views, FfpError *err) {
+    FfpCapture *capture = &scene->capture;
+    scene->inputs = *capture;
+    scene->inputs.n_views = views;
+    ffp_capture_estimate_bounds(&scene->inputs);
+    const real centre[3] = {scene->inputs.centre[0], scene->inputs.centre[1], scene->inputs.centre[2]};
+    ffp_capture_normalise(capture, centre, scene->inputs.radius);
+    scene->inputs = *capture;
+    scene->inputs.n_views = views;
+    return ffp_scene_match(scene, config, err);
 }
 
 static bool open_rig(FfpScene *scene, const FfpTrainConfig *config, const char *split, int64_t number,
@@ -146,7 +150,12 @@ void ffp_scene_close(FfpScene *scene) {
     ffp_prepared_free(scene->prepared);
     ffp_pixel_context_free(&scene->context);
     ffp_start_free(&scene->start);
-    ffp_capture_free(&scene->capture);
+    if (scene->borrowed) {
+        ffp_free(scene->inputs.views);
+        ffp_free(scene->capture.views);
+    } else {
+        ffp_capture_free(&scene->capture);
+    }
     *scene = (FfpScene){0};
 }
 

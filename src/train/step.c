@@ -31,6 +31,7 @@ FfpStepper *ffp_stepper_new(const FfpTrainConfig *config, const FfpPerceptual *p
     s->settings = ffp_render_settings(ffp_model_is_paper_form(&config->model), config->model.samples);
     s->run = ffp_run_new(true);
     s->run->profile = &s->profile;
+    s->run->recompute = config->recompute;
     s->pass = ffp_view_pass_new(&s->settings);
     return s;
 }
@@ -127,9 +128,10 @@ static void supervise_gbuffer(FfpStepper *s, const FfpView *view, real weight, F
     const real *mask = view->coverage.data;
     ffp_loss_add(&losses->mask, 1,
                  ffp_mask_loss(g->opacity, mask, pixels, weight * (real)c->mask, d->opacity));
-    ffp_loss_add(&losses->depth, 1,
-                 ffp_depth_loss(g->depth, g->opacity, view->depth.data, pixels, weight * (real)c->depth,
-                                d->depth, d->opacity));
+    if (view->depth.data)
+        ffp_loss_add(&losses->depth, 1,
+                     ffp_depth_loss(g->depth, g->opacity, view->depth.data, pixels, weight * (real)c->depth,
+                                    d->depth, d->opacity));
     ffp_loss_add(&losses->distortion, 1,
                  ffp_distortion_loss(g->distortion, pixels, weight * (real)c->distortion, d->distortion));
     ffp_loss_add(&losses->normal_smooth, 1,
@@ -250,10 +252,11 @@ static void supervise(FfpStepper *s, const FfpScene *scene, const FfpGaussians *
     const FfpTrainConfig *c = s->config;
     const int inputs = scene->inputs.n_views, targets = scene->capture.n_views - inputs;
     const int drawn = c->supervised_inputs < inputs ? c->supervised_inputs : inputs;
-    const int count = drawn + c->supervised_targets;
+    const int novel = c->supervised_targets < targets ? c->supervised_targets : targets;
+    const int count = drawn + novel;
     int views[2 * FFP_TRAIN_VIEWS_MAX] = {0};
     draw(rng, 0, inputs, drawn, views);
-    draw(rng, inputs, targets, c->supervised_targets, views + drawn);
+    draw(rng, inputs, targets, novel, views + drawn);
     for (int i = 0; i < count; i++)
         supervise_view(s, scene, gaussians, views[i], step, rng, 1 / (real)count, losses);
 }
@@ -269,14 +272,15 @@ static bool supervise_polished(FfpStepper *s, const FfpScene *scene, int64_t ste
     return ok;
 }
 
-static bool supervise_scene(FfpStepper *s, const FfpScene *scene, int64_t step, FfpLosses *losses,
+static bool supervise_scene(FfpStepper *s, const FfpScene *scene, int64_t draw, FfpLosses *losses,
                             FfpError *err) {
     const FfpTrainConfig *c = s->config;
+    const int64_t step = draw / c->batch;
     if (step < c->warmup_geometry) {
         losses->mask = direct_opacity_loss(s, scene);
         return true;
     }
-    FfpRng rng = ffp_rng((uint64_t)c->seed, (uint64_t)step);
+    FfpRng rng = ffp_rng((uint64_t)c->seed, (uint64_t)draw);
     if (c->polish_share > 0 && ffp_rng_uniform(&rng) < c->polish_share)
         return supervise_polished(s, scene, step, &rng, losses, err);
     supervise(s, scene, &s->run->gaussians, step, &rng, losses);
@@ -289,7 +293,7 @@ static bool predict(FfpStepper *s, const FfpModel *model, const FfpScene *scene,
                              err);
 }
 
-bool ffp_step_loss(FfpStepper *s, const FfpModel *model, const FfpScene *scene, int64_t step,
+bool ffp_step_loss(FfpStepper *s, const FfpModel *model, const FfpScene *scene, int64_t draw,
                    FfpLosses *losses, real *grad, FfpError *err) {
     const FfpTrainConfig *c = s->config;
     *losses = (FfpLosses){0};
@@ -301,7 +305,7 @@ bool ffp_step_loss(FfpStepper *s, const FfpModel *model, const FfpScene *scene, 
     ffp_losses_late(); // on a device all values are waited for at once
     ffp_loss_add(&losses->direct_t, 1, direct_loss(s, scene, (real)c->direct_t));
 
-    const bool ok = supervise_scene(s, scene, step, losses, err);
+    const bool ok = supervise_scene(s, scene, draw, losses, err);
     ffp_losses_settle();
     if (!ok) return false;
     losses->total = losses->l1 + losses->ssim + losses->perceptual + losses->mask + losses->depth +

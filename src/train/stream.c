@@ -1,13 +1,16 @@
-// Which scene a step uses. Everything here follows from the configuration, the step and the step that the run
-// began at; threads only decide who makes a scene.
+// Which scene a draw uses. Everything here follows from the configuration, the draw, the step that the run
+// began at and whose turn it is; threads only decide who makes a scene.
 #include <stdlib.h>
 #include "base/arena.h"
+#include "train/captures.h"
 #include "train/queue.h"
 
 struct FfpStream {
     const FfpTrainConfig *config;
     const FfpSceneFolder *folder;
-    int64_t first, end; // steps of this run: first <= step < end
+    const FfpCaptureSet *captures;
+    FfpTurn turn;
+    int64_t first, end; // draws of this run: first <= draw < end
     FfpQueue *queue;    // NULL: scenes are made by the caller
     FfpScene *slots;    // [pool]
     bool *full;         // [pool]
@@ -17,8 +20,8 @@ int ffp_resolution_at(const FfpTrainConfig *config, int64_t step) {
     return step < config->low_steps ? config->low_resolution : config->resolution;
 }
 
-int ffp_scene_slot(const FfpTrainConfig *config, int64_t step) {
-    return config->single_scene ? 0 : (int)(step % config->pool);
+int ffp_scene_slot(const FfpTrainConfig *config, int64_t draw) {
+    return config->single_scene ? 0 : (int)(draw % config->pool);
 }
 
 // The slots' changes are staggered over `reuse` rounds: slot s counts its rounds from here.
@@ -26,25 +29,33 @@ static int64_t shift_of(const FfpTrainConfig *config, int64_t slot) {
     return slot * config->reuse / config->pool;
 }
 
-int64_t ffp_scene_number(const FfpTrainConfig *config, int64_t step) {
+int64_t ffp_scene_number(const FfpTrainConfig *config, int64_t draw) {
     if (config->single_scene) return 0;
-    const int64_t slot = step % config->pool, round = step / config->pool;
+    const int64_t slot = draw % config->pool, round = draw / config->pool;
     return (round + shift_of(config, slot)) / config->reuse * config->pool + slot;
 }
 
-// Whether every slot changes within the steps from `edge` on: at the beginning of the run, and where the
-// resolution changes.
-static bool all_change(const FfpStream *stream, int64_t edge, int64_t step) {
-    return step >= edge && step < edge + (stream->config->single_scene ? 1 : stream->config->pool);
+// The first draw from `from` on whose turn it is.
+static int64_t own_draw(const FfpStream *stream, int64_t from) {
+    const FfpTurn t = stream->turn;
+    return from + (t.rank - from % t.count + t.count) % t.count;
 }
 
-// The step at which the resolution of scenes changes in this run; -1: never.
+// Whether every slot changes within the draws from `edge` on: at the beginning of the run, and where the
+// resolution changes.
+static bool all_change(const FfpStream *stream, int64_t edge, int64_t draw) {
+    const FfpTrainConfig *c = stream->config;
+    return draw >= edge && draw < edge + (c->single_scene ? stream->turn.count : c->pool);
+}
+
+// The draw at which the resolution of scenes changes in this run; -1: never.
 static int64_t resolution_edge(const FfpStream *stream) {
     const FfpTrainConfig *c = stream->config;
-    return c->low_resolution != c->resolution && c->low_steps > stream->first ? c->low_steps : -1;
+    const int64_t edge = (int64_t)c->low_steps * c->batch;
+    return c->low_resolution != c->resolution && edge > stream->first ? edge : -1;
 }
 
-// The first step from `from` on at which `slot` takes its next number.
+// The first draw from `from` on at which `slot` takes its next number.
 static int64_t next_number(const FfpTrainConfig *config, int64_t slot, int64_t from) {
     const int64_t round = (from - slot + config->pool - 1) / config->pool;
     const int64_t uses = (round + shift_of(config, slot)) % config->reuse;
@@ -56,50 +67,59 @@ static int64_t next_scene(const void *context, int64_t from) {
     const FfpTrainConfig *config = stream->config;
     const int64_t edge = resolution_edge(stream);
     int64_t best = stream->end;
+    from = own_draw(stream, from);
     if (all_change(stream, stream->first, from) || (edge >= 0 && all_change(stream, edge, from)))
         best = from;
     else if (edge > from)
-        best = edge;
-    for (int slot = 0; slot < config->pool && !config->single_scene; slot++) {
-        const int64_t step = next_number(config, slot, from);
-        best = step < best ? step : best;
+        best = own_draw(stream, edge);
+    for (int slot = stream->turn.rank; slot < config->pool && !config->single_scene;
+         slot += stream->turn.count) {
+        const int64_t draw = next_number(config, slot, from);
+        best = draw < best ? draw : best;
     }
     return best < stream->end ? best : -1;
 }
 
-static bool make_scene(const void *context, int64_t step, FfpScene *scene, FfpError *err) {
+static bool make_scene(const void *context, int64_t draw, FfpScene *scene, FfpError *err) {
     const FfpStream *stream = context;
     const FfpTrainConfig *config = stream->config;
-    const int64_t number = ffp_scene_number(config, step);
-    const int resolution = ffp_resolution_at(config, step);
+    const int64_t number = ffp_scene_number(config, draw);
+    const int resolution = ffp_resolution_at(config, draw / config->batch);
+    if (stream->captures) return ffp_captures_scene(scene, config, stream->captures, number, err);
     return stream->folder ? ffp_scene_read(scene, config, stream->folder, number, resolution, err)
                           : ffp_scene_open(scene, config, "train", number, resolution, err);
 }
 
-FfpStream *ffp_stream_new(const FfpTrainConfig *config, const FfpSceneFolder *folder, int64_t first,
-                          int64_t end, atomic_bool *stop, FfpError *err) {
+FfpStream *ffp_stream_new(const FfpTrainConfig *config, const FfpSceneFolder *folder,
+                          const FfpCaptureSet *captures, FfpTurn turn, int64_t first, int64_t end,
+                          atomic_bool *stop, FfpError *err) {
     FfpStream *stream = ffp_alloc(1, sizeof *stream);
-    *stream = (FfpStream){.config = config, .folder = folder, .first = first, .end = end};
+    *stream = (FfpStream){.config = config,
+                          .folder = folder,
+                          .captures = captures,
+                          .turn = turn,
+                          .first = first * config->batch,
+                          .end = end * config->batch};
     stream->slots = ffp_alloc((size_t)config->pool, sizeof *stream->slots);
     stream->full = ffp_alloc((size_t)config->pool, sizeof *stream->full);
     if (config->generators == 0) return stream;
     const FfpSceneSource source = {stream, next_scene, make_scene};
-    stream->queue = ffp_queue_new(&source, first, config->generators, config->queue, stop, err);
+    stream->queue = ffp_queue_new(&source, stream->first, config->generators, config->queue, stop, err);
     if (stream->queue) return stream;
     ffp_stream_free(stream);
     return NULL;
 }
 
-bool ffp_stream_scene(FfpStream *stream, int64_t step, const FfpScene **scene, bool *fresh, FfpError *err) {
-    const int slot = ffp_scene_slot(stream->config, step);
+bool ffp_stream_scene(FfpStream *stream, int64_t draw, const FfpScene **scene, bool *fresh, FfpError *err) {
+    const int slot = ffp_scene_slot(stream->config, draw);
     FfpScene *place = &stream->slots[slot];
     bool stopped = false;
     *scene = place;
-    *fresh = next_scene(stream, step) == step;
+    *fresh = next_scene(stream, draw) == draw;
     if (!*fresh) return true;
     if (stream->full[slot]) ffp_scene_close(place);
     const bool ok = stream->queue ? ffp_queue_take(stream->queue, place, &stopped, err)
-                                  : make_scene(stream, step, place, err);
+                                  : make_scene(stream, draw, place, err);
     stream->full[slot] = ok && !stopped;
     if (!stream->full[slot]) *scene = NULL;
     return ok;

@@ -6,6 +6,7 @@
 
 #include <stdatomic.h>
 #include <stdbool.h>
+#include <stddef.h>
 #include <stdint.h>
 #include <stdio.h>
 #include "base/error.h"
@@ -23,6 +24,7 @@
 typedef struct FfpTrainConfig {
     FfpModelConfig model; // "model": a preset's name, or an object with a "preset" and the fields that differ
     int64_t seed, steps;
+    int batch; // scenes whose gradients are averaged in a step, by all ranks together
 
     // Scenes. A slot of the pool keeps its scene for `reuse` uses; the slots are visited in turn.
     int pool, reuse;
@@ -34,8 +36,11 @@ typedef struct FfpTrainConfig {
     double free_share;   // of the training scenes: with a free rig
     double large_share;  // of those made at `resolution`: at large_resolution instead
     int large_resolution;
-    bool single_scene;         // one scene for the whole run: shows that the pipeline can learn
-    char scenes[FFP_PATH_MAX]; // folder made by `ffprocams generate` to take scenes from; empty: made here
+    bool single_scene;           // one scene for the whole run: shows that the pipeline can learn
+    char captures[FFP_PATH_MAX]; // folder of one's own captures to learn from instead (captures.h); empty:
+                                 // none
+    int patience;                // with captures: steps without a gain on those held out, after which to stop
+    char scenes[FFP_PATH_MAX];   // folder made by `ffprocams generate` to take scenes from; empty: made here
     int generators; // threads that make scenes ahead; 0: the training thread makes each when it is needed
     int queue;      // how many scenes ahead
 
@@ -55,16 +60,22 @@ typedef struct FfpTrainConfig {
     // AdamW.
     double learning_rate, final_learning_rate, beta1, beta2, weight_decay, clip, skip_above, ema;
     int warmup_steps;
+    bool recompute; // blocks of the network keep their inputs alone (FfpRun)
 
     // Reports.
-    int validate_every, validation_scenes, checkpoint_minutes, log_every;
+    int validate_every, validation_scenes, log_every;
+    int checkpoint_minutes, checkpoint_steps; // both hold; checkpoint_steps 0: minutes alone
 } FfpTrainConfig;
 
 FfpTrainConfig ffp_train_defaults(void);
+// Those for learning from one's own captures: short, at a low rate, no terms that need a truth.
+FfpTrainConfig ffp_fine_tuning_defaults(void);
 // Defaults overlaid with a JSON file. Unknown fields, wrong types and values out of range are errors "(FILE:
 // FIELD)".
 bool ffp_train_config_read(FfpTrainConfig *config, const char *path, FfpError *err);
-// The same from text; `where` names it in errors.
+// Whatever is in it already overlaid.
+bool ffp_train_config_overlay(FfpTrainConfig *config, const char *path, FfpError *err);
+// The same from text over the defaults; `where` names it in errors.
 bool ffp_train_config_parse(FfpTrainConfig *config, const char *text, const char *where, FfpError *err);
 char *ffp_train_config_print(
     const FfpTrainConfig *config); // JSON text, released with ffp_free; reads back to the same configuration
@@ -76,6 +87,8 @@ char *ffp_train_config_print(
 typedef struct FfpScene {
     FfpCapture capture; // input views first, then the new-pose views
     FfpCapture inputs;  // the same memory seen with only the input views: do not free
+    bool borrowed; // both borrow all but their lists of views (captures.h); inputs may differ in noise and
+                   // padding
     FfpStart start;
     FfpPixelContext context; // of the configuration's model
     FfpSummed *patterns;     // [capture.n_patterns]
@@ -118,20 +131,27 @@ bool ffp_scene_folder_read(FfpCapture *capture, const FfpSceneFolder *folder, co
 bool ffp_scene_read(FfpScene *scene, const FfpTrainConfig *config, const FfpSceneFolder *folder,
                     int64_t number, int resolution, FfpError *err);
 
-// The scenes of a run, step by step. What a step gets is a pure function of the configuration, the folder and
-// the step, whatever config->generators and config->queue are.
+// The scenes of a run, draw by draw: step s makes the draws s * config->batch and on, a batch of them. What a
+// draw gets is a pure function of the configuration, the folder and the draw, whatever config->generators and
+// config->queue are, and however many ranks there are. Draw d is rank d % count's, and so is slot d % pool:
+// no scene is made by two of them (train/share.h).
 int ffp_resolution_at(const FfpTrainConfig *config, int64_t step);
-int ffp_scene_slot(const FfpTrainConfig *config, int64_t step);       // of the pool
-int64_t ffp_scene_number(const FfpTrainConfig *config, int64_t step); // a slot's scene changes in turn
+int ffp_scene_slot(const FfpTrainConfig *config, int64_t draw);       // of the pool
+int64_t ffp_scene_number(const FfpTrainConfig *config, int64_t draw); // a slot's scene changes in turn
+typedef struct FfpTurn {                                              // one rank among so many
+    int rank, count;
+} FfpTurn;
 typedef struct FfpStream FfpStream;
-// For the steps first..end-1, which must be asked for in turn. `folder` NULL: scenes are generated. Nothing
-// is begun any more once *stop is true. All arguments must outlive the stream. NULL with an error when
-// threads cannot be started.
-FfpStream *ffp_stream_new(const FfpTrainConfig *config, const FfpSceneFolder *folder, int64_t first,
-                          int64_t end, atomic_bool *stop, FfpError *err);
-// The step's scene, the stream's own, good until the next call; *scene is NULL when *stop came before it was
-// ready. *fresh: the slot has changed with this step.
-bool ffp_stream_scene(FfpStream *stream, int64_t step, const FfpScene **scene, bool *fresh, FfpError *err);
+struct FfpCaptureSet; // captures.h
+// For the draws of a rank in the steps first..end-1, which must be asked for in turn. `captures` NULL: scenes
+// are read from `folder`; both NULL: generated. Nothing is begun any more once *stop is true. All arguments
+// must outlive the stream. NULL with an error when threads cannot be started.
+FfpStream *ffp_stream_new(const FfpTrainConfig *config, const FfpSceneFolder *folder,
+                          const struct FfpCaptureSet *captures, FfpTurn turn, int64_t first, int64_t end,
+                          atomic_bool *stop, FfpError *err);
+// The draw's scene, the stream's own, good until the next call; *scene is NULL when *stop came before it was
+// ready. *fresh: the slot has changed with this draw.
+bool ffp_stream_scene(FfpStream *stream, int64_t draw, const FfpScene **scene, bool *fresh, FfpError *err);
 void ffp_stream_free(FfpStream *stream); // waits for scenes in the making, one a thread; NULL is allowed
 
 // True distance along the unit ray of a pixel (index into the view's images); 0 where there is no surface or
@@ -148,28 +168,37 @@ typedef struct FfpLosses { // weighted values of a step's terms, and seconds of 
         backward_s;
     FfpProfile network; // parts of forward_s and backward_s
 } FfpLosses;
+#define FFP_LOSS_TERMS ((int)(offsetof(FfpLosses, forward_s) / sizeof(double)))
 // What a step needs besides the model; reused from step to step. Made, used and freed on a device
 // (base/device.h) it works there: model, scene (ffp_scene_upload) and gradient are the device's then.
 typedef struct FfpStepper FfpStepper;
 FfpStepper *ffp_stepper_new(const FfpTrainConfig *config, const FfpPerceptual *perceptual);
 void ffp_stepper_free(FfpStepper *stepper);
 FfpRun *ffp_stepper_run(FfpStepper *stepper);
-// Loss of one scene at one step; ADDS the gradient to `grad` [model->count].
-bool ffp_step_loss(FfpStepper *stepper, const FfpModel *model, const FfpScene *scene, int64_t step,
+// Loss of one draw's scene; ADDS the gradient to `grad` [model->count].
+bool ffp_step_loss(FfpStepper *stepper, const FfpModel *model, const FfpScene *scene, int64_t draw,
                    FfpLosses *losses, real *grad, FfpError *err);
 
+// The optimiser's state of the weights `first` to first + count - 1.
 typedef struct FfpAdam {
     int64_t count, step;
-    real *m, *v, *ema;
+    real *m, *v, *ema; // [count]
+    int64_t first;
 } FfpAdam;
-FfpAdam ffp_adam_new(const FfpModel *model);
+FfpAdam ffp_adam_new(const FfpModel *model); // of all weights
 void ffp_adam_free(FfpAdam *adam);
+void ffp_adam_keep(FfpAdam *adam, int64_t first, int64_t count); // of what it has, that alone
 double ffp_learning_rate(const FfpTrainConfig *config,
                          int64_t step); // linear warm-up, then cosine to the final rate
 // Clips, updates values and EMA; returns the raw gradient norm. A norm that is not finite or above skip_above
 // * clip leaves everything but the step count as it was (*skipped).
 double ffp_adam_update(FfpAdam *adam, FfpModel *model, const real *grad, const FfpTrainConfig *config,
                        bool *skipped);
+// Its two halves: the sum of squares of its weights' gradients; and the update, given the norm of all. `grad`
+// is a sum over config->batch scenes, of which the norm is that of the mean.
+double ffp_adam_squares(const FfpAdam *adam, const real *grad);
+void ffp_adam_move_all(FfpAdam *adam, FfpModel *model, const real *grad, const FfpTrainConfig *config,
+                       double norm, bool *skipped);
 
 #define FFP_FREE_VALIDATION 3 // scenes of the validation that are also seen by free rigs
 // Mean PSNR of the model on fixed scenes of the validation split.
@@ -190,8 +219,8 @@ double ffp_scene_psnr(const FfpModel *model, const FfpTrainConfig *config,
 bool ffp_validate(const FfpModel *model, const FfpTrainConfig *config, int resolution, const char *picture,
                   FfpValidation *result, FfpError *err);
 
-// Checkpoint: values, EMA, both moments (F32), the step, the configuration and the origin, which says in
-// words what weights the run began with. Atomic.
+// Checkpoint: values, EMA, both moments (F32, of all weights), the step, the configuration and the origin,
+// which says in words what weights the run began with. Atomic.
 #define FFP_ORIGIN_MAX 256
 bool ffp_checkpoint_write(const char *path, const FfpModel *model, const FfpAdam *adam,
                           const FfpTrainConfig *config, const char *origin, FfpError *err);
@@ -202,10 +231,12 @@ FfpModel *ffp_checkpoint_read(const char *path, FfpAdam *adam, FfpTrainConfig *c
 // A training run (FfpTraining of the public header says what the fields are).
 typedef struct FfpTrainRun {
     const char *out, *config, *initial, *perceptual; // only `out` is needed
+    const char *captures;                            // NULL: none
     int64_t steps, stop_at;                          // -1 and 0: as the configuration says, to the end
     bool resume;
 } FfpTrainRun;
-// Runs to the end, or until the call is cancelled: then it writes a checkpoint first, and has succeeded.
+// Runs to the end, or until the call is cancelled: then it writes a checkpoint first, and has succeeded. With
+// ranks (the context's) each makes its share of every step's scenes; rank 0 writes.
 bool ffp_train_run(const FfpTrainRun *options, FfpError *err);
 
 #endif

@@ -10,7 +10,9 @@
 #include "base/device.h"
 #include "base/file.h"
 #include "base/log.h"
+#include "train/captures.h"
 #include "train/mirror.h"
+#include "train/share.h"
 #include "train/train.h"
 
 typedef struct Trainer {
@@ -23,14 +25,19 @@ typedef struct Trainer {
     FfpStepper *stepper;
     FfpSceneFolder folder;
     FfpStream *scenes;
+    FfpShare share;          // among ranks
+    FfpCaptureSet *captures; // NULL: scenes are generated or read
+    double before, best;     // dB of the held-out captures, polished: with the first weights, with the best
+    int64_t best_step;
     // On a device, which steps are made on: the weights and scenes there. model and adam are then up to date
     // only after come_home.
     const FfpDevice *device;
-    FfpMirror *mirror; // NULL on the CPU
-    real *grad;        // where the steps are made
-    FILE *metrics;
-    double started, saved; // seconds
-    atomic_bool stop;      // no further step, and no further scene
+    FfpMirror *mirror;       // NULL on the CPU
+    real *grad;              // where the steps are made
+    FILE *metrics;           // rank 0's
+    double started, saved;   // seconds
+    double wait_s, gather_s; // of the step: for sums, and for the others in turn; gathering weights
+    atomic_bool stop;        // no further step, and no further scene
 } Trainer;
 
 static const char program[] = "ffprocams " FFP_VERSION ", commit " FFP_COMMIT;
@@ -38,6 +45,10 @@ static const char program[] = "ffprocams " FFP_VERSION ", commit " FFP_COMMIT;
 static bool out_path(char path[FFP_PATH_MAX], const Trainer *trainer, const char *name, FfpError *err) {
     return ffp_join_path(path, trainer->out, name) ||
            ffp_fail(err, FFP_ERROR_ARGUMENT, trainer->out, "path is too long");
+}
+
+static bool is_first(const Trainer *trainer) {
+    return trainer->share.turn.rank == 0;
 }
 
 static void write_metrics(Trainer *trainer, json_t *line) {
@@ -73,9 +84,14 @@ static json_t *seconds_of(const FfpLosses *l, double scene_s, double step_s) {
 static void log_step(Trainer *trainer, int64_t step, const FfpLosses *l, double norm, bool skipped,
                      double scene_s, double step_s) {
     const double rate = ffp_learning_rate(&trainer->config, step);
+    json_t *seconds = seconds_of(l, scene_s, step_s);
+    if (trainer->share.ranks) {
+        json_object_set_new(seconds, "wait", json_real(trainer->wait_s));
+        json_object_set_new(seconds, "gather", json_real(trainer->gather_s));
+    }
     write_metrics(trainer, json_pack("{sI sf so sf sf sb so}", "step", (json_int_t)step, "loss", l->total,
                                      "terms", terms_of(l), "gradient_norm", norm, "learning_rate", rate,
-                                     "skipped", (int)skipped, "seconds", seconds_of(l, scene_s, step_s)));
+                                     "skipped", (int)skipped, "seconds", seconds));
     const double elapsed = ffp_seconds() - trainer->started;
     ffp_note("step %lld/%lld loss %.4f (l1 %.4f ssim %.4f t %.4f mask %.4f) norm %.2f%s rate %.2g, %.2f s a "
              "step, %.0f s",
@@ -84,10 +100,10 @@ static void log_step(Trainer *trainer, int64_t step, const FfpLosses *l, double 
 }
 
 // The model with the averaged weights in place of the current ones, until called again.
-static void swap_ema(Trainer *trainer) {
+static void swap_ema(Trainer *trainer, FfpAdam *whole) {
     real *values = trainer->model->values;
-    trainer->model->values = trainer->adam.ema;
-    trainer->adam.ema = values;
+    trainer->model->values = whole->ema;
+    whole->ema = values;
 }
 
 static json_t *figures_of(const FfpValidation *v, int64_t step, bool with_free) {
@@ -112,17 +128,17 @@ static void come_home(Trainer *trainer) {
     ffp_device_use(NULL);
 }
 
-static bool validate(Trainer *trainer, int64_t step, FfpError *err) {
+// On rank 0, which has the average of all weights.
+static bool validate_here(Trainer *trainer, FfpAdam *whole, int64_t step, FfpError *err) {
     char name[64], path[FFP_PATH_MAX];
     snprintf(name, sizeof name, "validation_%06lld.png", (long long)step);
     if (!out_path(path, trainer, name, err)) return false;
     FfpValidation v;
-    come_home(trainer);
-    swap_ema(trainer);
+    swap_ema(trainer, whole);
     const int64_t last = step > 0 ? step - 1 : 0;
     const bool ok = ffp_validate(trainer->model, &trainer->config, ffp_resolution_at(&trainer->config, last),
                                  path, &v, err);
-    swap_ema(trainer);
+    swap_ema(trainer, whole);
     if (!ok) return false;
     const bool with_free = trainer->config.free_share > 0;
     write_metrics(trainer, figures_of(&v, step, with_free));
@@ -136,95 +152,269 @@ static bool validate(Trainer *trainer, int64_t step, FfpError *err) {
     return true;
 }
 
-static bool save(Trainer *trainer, FfpError *err) {
+// The averaged weights as a model file.
+static bool write_weights(Trainer *trainer, FfpAdam *whole, FfpError *err) {
     char path[FFP_PATH_MAX], steps[32];
-    come_home(trainer);
-    if (!out_path(path, trainer, "checkpoint.safetensors", err) ||
-        !ffp_checkpoint_write(path, trainer->model, &trainer->adam, &trainer->config, trainer->origin, err) ||
-        !out_path(path, trainer, "weights.safetensors", err))
-        return false;
-    snprintf(steps, sizeof steps, "%lld", (long long)trainer->adam.step);
+    if (!out_path(path, trainer, "weights.safetensors", err)) return false;
+    snprintf(steps, sizeof steps, "%lld", (long long)whole->step);
     char *config = ffp_train_config_print(&trainer->config);
     const char *const metadata[] = {"trained_steps", steps,   "training", config,
                                     "program",       program, "origin",   trainer->origin};
-    swap_ema(trainer);
+    swap_ema(trainer, whole);
     const bool ok = ffp_model_write(trainer->model, path, false, metadata, 4, err);
-    swap_ema(trainer);
+    swap_ema(trainer, whole);
     ffp_free(config);
+    return ok;
+}
+
+// Scores the averaged weights on the captures that are held out, and writes them where they are the best.
+static bool score_captures(Trainer *trainer, FfpAdam *whole, int64_t step, FfpError *err) {
+    FfpHeldOut score;
+    swap_ema(trainer, whole);
+    const bool ok = ffp_captures_score(trainer->model, &trainer->config, trainer->captures, &score, err);
+    swap_ema(trainer, whole);
+    if (!ok) return false;
+    write_metrics(trainer, json_pack("{sI sf sf si}", "step", (json_int_t)step, "held_out", score.alone,
+                                     "polished_held_out", score.polished, "photographs", score.photographs));
+    const bool first = trainer->best == 0, better = first || score.polished > trainer->best;
+    ffp_note("held-out photographs at step %lld: %.2f dB, polished %.2f dB%s", (long long)step, score.alone,
+             score.polished, better && !first ? ", the best so far" : "");
+    if (first) trainer->before = score.polished;
+    if (!better) return true;
+    trainer->best = score.polished, trainer->best_step = step;
+    return write_weights(trainer, whole, err);
+}
+
+static bool has_stopped_gaining(const Trainer *trainer) {
+    const int patience = trainer->config.patience;
+    return trainer->captures && patience > 0 && trainer->adam.step - trainer->best_step >= patience;
+}
+
+static void tell_gain(const Trainer *trainer) {
+    ffp_note("held-out photographs: %.2f dB before, %.2f dB with the weights that were kept, those of step "
+             "%lld",
+             trainer->before, trainer->best, (long long)trainer->best_step);
+}
+
+// By all ranks together.
+static bool validate(Trainer *trainer, int64_t step, FfpError *err) {
+    FfpAdam whole = {0};
+    come_home(trainer);
+    bool ok = ffp_share_whole(&trainer->share, &trainer->adam, true, &whole, err);
+    if (ok && is_first(trainer))
+        ok = trainer->captures ? score_captures(trainer, &whole, step, err)
+                               : validate_here(trainer, &whole, step, err);
+    ffp_share_whole_free(&trainer->share, &whole);
+    return ok;
+}
+
+// Of captures, the weights that are written are the best so far (score_captures), not the last.
+static bool write_files(Trainer *trainer, FfpAdam *whole, FfpError *err) {
+    char path[FFP_PATH_MAX];
+    return out_path(path, trainer, "checkpoint.safetensors", err) &&
+           ffp_checkpoint_write(path, trainer->model, whole, &trainer->config, trainer->origin, err) &&
+           (trainer->captures || write_weights(trainer, whole, err));
+}
+
+// By all ranks together.
+static bool save(Trainer *trainer, FfpError *err) {
+    FfpAdam whole = {0};
+    come_home(trainer);
+    const bool ok = ffp_share_whole(&trainer->share, &trainer->adam, false, &whole, err) &&
+                    (!is_first(trainer) || write_files(trainer, &whole, err));
+    ffp_share_whole_free(&trainer->share, &whole);
     trainer->saved = ffp_seconds();
     return ok;
 }
 
-// One update of the weights, on what the thread works on.
-static bool learn(Trainer *trainer, const FfpScene *scene, bool fresh, int64_t step, FfpLosses *losses,
-                  double *norm, bool *skipped, FfpError *err) {
-    const FfpTrainConfig *config = &trainer->config;
-    FfpMirror *mirror = trainer->mirror;
-    FfpModel *model = mirror ? &mirror->model : trainer->model;
-    FfpAdam *adam = mirror ? &mirror->adam : &trainer->adam;
-    if (mirror) scene = ffp_mirror_scene(mirror, ffp_scene_slot(config, step), fresh, scene);
-    ffp_memory_zero(trainer->grad, (size_t)model->count * sizeof(real));
-    if (!ffp_step_loss(trainer->stepper, model, scene, step, losses, trainer->grad, err)) return false;
-    *norm = ffp_adam_update(adam, model, trainer->grad, config, skipped);
-    trainer->adam.step = adam->step;
-    return true;
-}
+// --- One step. ---
 
-// Does nothing when the run is interrupted while it waits for a scene.
-static bool one_step(Trainer *trainer, int64_t step, FfpError *err) {
-    const double begin = ffp_seconds();
-    const FfpScene *scene = NULL;
-    bool fresh, skipped = false;
-    if (!ffp_stream_scene(trainer->scenes, step, &scene, &fresh, err)) return false;
-    if (!scene) return true;
-    const double made = ffp_seconds();
-    FfpLosses losses;
-    double norm = 0;
-    ffp_device_use(trainer->device);
-    const bool ok = learn(trainer, scene, fresh, step, &losses, &norm, &skipped, err);
-    ffp_device_use(NULL);
-    if (!ok) return false;
-    if (skipped) ffp_warning("step %lld skipped: gradient norm %g", (long long)step, norm);
-    if (step % trainer->config.log_every == 0)
-        log_step(trainer, step, &losses, norm, skipped, made - begin, ffp_seconds() - made);
-    return true;
-}
-
-// A step that failed has changed nothing: what was learnt before it is kept.
-static void save_what_there_is(Trainer *trainer) {
-    FfpError why = {0};
-    ffp_note("failed at step %lld: writing a checkpoint", (long long)trainer->adam.step);
-    if (!save(trainer, &why)) ffp_warning("%s", why.text);
-}
+// What a rank has to say about a step, added up over all of them.
+typedef struct Tally {
+    double failed, missing, stop; // ranks: whose step failed; that lack a scene; that are to stop
+    double save;                  // rank 0 finds that a checkpoint is due
+    double squares;               // of the gradient
+    double terms[FFP_LOSS_TERMS];
+} Tally;
+enum { TALLY = sizeof(Tally) / sizeof(double) };
 
 static bool is_to_stop(Trainer *trainer) {
     if (ffp_cancelled()) trainer->stop = true;
     return trainer->stop;
 }
 
+// All of FfpLosses are doubles, the terms first.
+static void add_losses(FfpLosses *sum, const FfpLosses *more) {
+    double *a = (double *)sum;
+    const double *b = (const double *)more;
+    for (size_t i = 0; i < sizeof *sum / sizeof *a; i++) a[i] += b[i];
+}
+
+// Adds the gradient of one draw, on what the thread works on.
+static bool add_draw(Trainer *trainer, const FfpScene *scene, bool fresh, int64_t draw, bool last,
+                     FfpLosses *sum, FfpError *err) {
+    const FfpTrainConfig *config = &trainer->config;
+    FfpMirror *mirror = trainer->mirror;
+    FfpLosses losses;
+    FfpRun *run = ffp_stepper_run(trainer->stepper);
+    if (mirror) scene = ffp_mirror_scene(mirror, ffp_scene_slot(config, draw), fresh, scene);
+    run->ready = last && trainer->share.ranks ? ffp_share_ready : NULL;
+    run->ready_user = &trainer->share;
+    if (!ffp_step_loss(trainer->stepper, mirror ? &mirror->model : trainer->model, scene, draw, &losses,
+                       trainer->grad, err))
+        return false;
+    add_losses(sum, &losses);
+    return true;
+}
+
+// This rank's draws of a step. *missing: it was to stop, and not all are there.
+static bool add_draws(Trainer *trainer, int64_t step, FfpLosses *sum, double *scene_s, bool *missing,
+                      FfpError *err) {
+    const FfpTurn turn = trainer->share.turn;
+    const int64_t first = step * trainer->config.batch, end = first + trainer->config.batch;
+    for (int64_t draw = first + turn.rank; draw < end; draw += turn.count) {
+        const double begin = ffp_seconds();
+        const FfpScene *scene = NULL;
+        bool fresh;
+        if (!is_to_stop(trainer) && !ffp_stream_scene(trainer->scenes, draw, &scene, &fresh, err))
+            return false;
+        *scene_s += ffp_seconds() - begin;
+        *missing = !scene;
+        if (*missing) return true;
+        ffp_device_use(trainer->device);
+        const bool ok = add_draw(trainer, scene, fresh, draw, draw + turn.count >= end, sum, err);
+        ffp_device_use(NULL);
+        if (!ok) return false;
+    }
+    return true;
+}
+
+// Where the weights and their state are that steps change.
+static FfpModel *model_at_work(Trainer *trainer) {
+    return trainer->mirror ? &trainer->mirror->model : trainer->model;
+}
+
+static FfpAdam *adam_at_work(Trainer *trainer) {
+    return trainer->mirror ? &trainer->mirror->adam : &trainer->adam;
+}
+
+// Sums of gradients and of what each rank says. A rank whose step failed takes part, so that nobody waits.
+static bool agree(Trainer *trainer, Tally *tally, FfpError *err) {
+    const double begin = ffp_seconds();
+    ffp_device_use(trainer->device);
+    bool ok = ffp_share_finish(&trainer->share, err);
+    if (ok) tally->squares = ffp_adam_squares(adam_at_work(trainer), trainer->grad);
+    ffp_device_use(NULL);
+    ok = ok && ffp_share_sum(&trainer->share, (double *)tally, TALLY, err);
+    if (tally->stop > 0) trainer->stop = true;
+    trainer->wait_s = ffp_seconds() - begin;
+    return ok;
+}
+
+static bool learn(Trainer *trainer, double norm, bool *skipped, FfpError *err) {
+    FfpModel *model = model_at_work(trainer);
+    FfpAdam *adam = adam_at_work(trainer);
+    ffp_device_use(trainer->device);
+    ffp_adam_move_all(adam, model, trainer->grad, &trainer->config, norm, skipped);
+    const double begin = ffp_seconds();
+    const bool ok = *skipped || ffp_share_weights(&trainer->share, model->values, err);
+    trainer->gather_s = ffp_seconds() - begin;
+    ffp_device_use(NULL);
+    trainer->adam.step = adam->step;
+    return ok;
+}
+
+static bool is_save_due(const Trainer *trainer) {
+    return is_first(trainer) && ffp_seconds() - trainer->saved > 60.0 * trainer->config.checkpoint_minutes;
+}
+
+// The losses' means over the draws of all ranks.
+static void take_means(FfpLosses *losses, const Tally *tally, int batch) {
+    for (int i = 0; i < FFP_LOSS_TERMS; i++) ((double *)losses)[i] = tally->terms[i] / batch;
+}
+
+typedef enum Outcome { LEARNT, STOPPED, FAILED, BROKEN } Outcome; // BROKEN: the ranks are out of touch
+
+// STOPPED, FAILED: nothing has changed. *save_due: a checkpoint is.
+static Outcome one_step(Trainer *trainer, int64_t step, bool *save_due, FfpError *err) {
+    const double begin = ffp_seconds();
+    FfpLosses losses = {0};
+    Tally tally = {0};
+    double scene_s = 0;
+    bool missing = false, skipped = false;
+    ffp_device_use(trainer->device);
+    ffp_memory_zero(trainer->grad, (size_t)trainer->model->count * sizeof(real));
+    ffp_share_begin(&trainer->share, trainer->grad);
+    ffp_device_use(NULL);
+    const bool made = add_draws(trainer, step, &losses, &scene_s, &missing, err);
+    tally.failed = !made, tally.missing = missing, tally.stop = is_to_stop(trainer);
+    tally.save = is_save_due(trainer);
+    memcpy(tally.terms, &losses, sizeof tally.terms);
+    FfpError why = {0};
+    if (!agree(trainer, &tally, &why)) {
+        ffp_fail(err, why.code, NULL, "%s", why.text);
+        return BROKEN;
+    }
+    if (tally.failed > 0 && made) ffp_fail(err, FFP_ERROR_IO, NULL, "the step failed on another rank");
+    if (tally.failed > 0) return FAILED;
+    if (tally.missing > 0) return STOPPED;
+    const double norm = sqrt(tally.squares) / trainer->config.batch;
+    if (!learn(trainer, norm, &skipped, err)) return BROKEN;
+    *save_due = tally.save > 0;
+    if (!is_first(trainer)) return LEARNT;
+    if (skipped) ffp_warning("step %lld skipped: gradient norm %g", (long long)step, norm);
+    take_means(&losses, &tally, trainer->config.batch);
+    if (step % trainer->config.log_every == 0)
+        log_step(trainer, step, &losses, norm, skipped, scene_s, ffp_seconds() - begin - scene_s);
+    return LEARNT;
+}
+
+// A step that failed has changed nothing: what was learnt before it is kept. All ranks stay until it is
+// written, since the first that ends with an error may end the others.
+static void save_what_there_is(Trainer *trainer) {
+    FfpError why = {0};
+    double nothing = 0;
+    ffp_note("failed at step %lld: writing a checkpoint", (long long)trainer->adam.step);
+    if (!save(trainer, &why)) ffp_warning("%s", why.text);
+    if (!ffp_share_sum(&trainer->share, &nothing, 1, &why)) ffp_warning("%s", why.text);
+}
+
+static bool is_due(int64_t done, int every) {
+    return every > 0 && done % every == 0;
+}
+
+// What follows a step.
+static bool report(Trainer *trainer, int64_t done, bool save_due, FfpError *err) {
+    const FfpTrainConfig *config = &trainer->config;
+    const bool last = done == config->steps;
+    if ((last || save_due || is_due(done, config->checkpoint_steps)) && !save(trainer, err)) return false;
+    return !config->validate_every || !(last || is_due(done, config->validate_every)) ||
+           validate(trainer, done, err);
+}
+
 static bool run(Trainer *trainer, int64_t stop_at, FfpError *err) {
     const FfpTrainConfig *config = &trainer->config;
     const int64_t first = trainer->adam.step;
-    while (trainer->adam.step < config->steps && !is_to_stop(trainer)) {
-        const int64_t step = trainer->adam.step;
-        if (!one_step(trainer, step, err)) {
-            if (step > first) save_what_there_is(trainer);
-            return false;
+    bool stopped = false;
+    while (trainer->adam.step < config->steps && !stopped) {
+        bool save_due = false;
+        const Outcome outcome = one_step(trainer, trainer->adam.step, &save_due, err);
+        if (outcome == FAILED && trainer->adam.step > first) save_what_there_is(trainer);
+        if (outcome == FAILED || outcome == BROKEN) return false;
+        if (outcome == LEARNT && !report(trainer, trainer->adam.step, save_due, err)) return false;
+        stopped = trainer->stop || trainer->adam.step == stop_at;
+        if (trainer->adam.step < config->steps && has_stopped_gaining(trainer)) {
+            ffp_note("no gain for %d steps: done", config->patience);
+            tell_gain(trainer);
+            return save(trainer, err);
         }
-        const int64_t done = trainer->adam.step;
-        if (done == step) break;
-        const bool last = done == config->steps;
-        if (last || ffp_seconds() - trainer->saved > 60.0 * config->checkpoint_minutes)
-            if (!save(trainer, err)) return false;
-        if (config->validate_every && (last || done % config->validate_every == 0))
-            if (!validate(trainer, done, err)) return false;
-        if (done == stop_at) trainer->stop = true;
     }
-    if (trainer->stop && trainer->adam.step < config->steps) {
+    if (trainer->captures) tell_gain(trainer);
+    trainer->stop = stopped;
+    if (!stopped || trainer->adam.step >= config->steps) return true;
+    if (is_first(trainer))
         ffp_note("stopped at step %lld: writing a checkpoint", (long long)trainer->adam.step);
-        return save(trainer, err);
-    }
-    return true;
+    return save(trainer, err);
 }
 
 // "random", or the steps and the program of the weights that the run starts from.
@@ -277,8 +467,11 @@ static bool open_model(Trainer *trainer, const FfpTrainRun *options, FfpError *e
         if (options->steps >= 0) config->steps = options->steps;
         return trainer->model != NULL;
     }
-    *config = ffp_train_defaults();
-    if (options->config && !ffp_train_config_read(config, options->config, err)) return false;
+    *config = options->captures ? ffp_fine_tuning_defaults() : ffp_train_defaults();
+    if (options->captures && strlen(options->captures) >= sizeof config->captures)
+        return ffp_fail(err, FFP_ERROR_ARGUMENT, options->captures, "path is too long");
+    if (options->captures) snprintf(config->captures, sizeof config->captures, "%s", options->captures);
+    if (options->config && !ffp_train_config_overlay(config, options->config, err)) return false;
     if (options->steps >= 0) config->steps = options->steps;
     trainer->model = options->initial ? read_initial(options->initial, config, err)
                                       : ffp_model_new(&config->model, (uint64_t)config->seed, err);
@@ -304,8 +497,8 @@ static bool open_scenes(Trainer *trainer, int64_t stop_at, FfpError *err) {
     const FfpTrainConfig *config = &trainer->config;
     const int64_t first = trainer->adam.step;
     const int64_t end = stop_at > first && stop_at < config->steps ? stop_at : config->steps;
-    trainer->scenes =
-        ffp_stream_new(config, config->scenes[0] ? &trainer->folder : NULL, first, end, &trainer->stop, err);
+    trainer->scenes = ffp_stream_new(config, config->scenes[0] ? &trainer->folder : NULL, trainer->captures,
+                                     trainer->share.turn, first, end, &trainer->stop, err);
     return trainer->scenes != NULL;
 }
 
@@ -335,6 +528,46 @@ static bool check_device(const FfpTrainConfig *config, FfpError *err) {
                     "is not on the device: 0, or train on the CPU");
 }
 
+// This rank's part of the work and of the optimiser's state.
+static bool open_share(Trainer *trainer, FfpError *err) {
+    FfpShare *share = &trainer->share;
+    ffp_share_open(share, trainer->model->count);
+    if (!ffp_share_check(share, &trainer->config, trainer->adam.step, err)) return false;
+    if (share->ranks) ffp_adam_keep(&trainer->adam, ffp_share_first(share), ffp_share_count(share));
+    return true;
+}
+
+static bool open_captures(Trainer *trainer, FfpError *err) {
+    if (trainer->share.turn.count > 1)
+        return ffp_fail(err, FFP_ERROR_UNSUPPORTED, NULL, "learning from captures is one rank's work");
+    trainer->captures = ffp_captures_open(&trainer->config, err);
+    if (!trainer->captures) return false;
+    ffp_note("%d captures to learn from, %d held out", ffp_captures_count(trainer->captures, false),
+             ffp_captures_count(trainer->captures, true));
+    return true;
+}
+
+// The weights at the start are the first that are kept. A resumed run has those of its best step so far,
+// which are scored anew.
+static bool begin_captures(Trainer *trainer, bool resume, FfpError *err) {
+    if (!resume) return validate(trainer, 0, err);
+    char path[FFP_PATH_MAX];
+    FfpHeldOut score;
+    if (!out_path(path, trainer, "weights.safetensors", err)) return false;
+    FfpModel *model = ffp_model_read(path, err);
+    if (!model) return false;
+    model->config.samples = trainer->config.model.samples,
+    model->config.tokens = trainer->config.model.tokens;
+    const char *step = NULL;
+    for (int i = 0; i < model->metadata_count; i++)
+        if (strcmp(model->metadata[2 * i], "trained_steps") == 0) step = model->metadata[2 * i + 1];
+    const bool ok = ffp_captures_score(model, &trainer->config, trainer->captures, &score, err);
+    trainer->best_step = step ? strtoll(step, NULL, 10) : 0;
+    trainer->before = trainer->best = score.polished;
+    ffp_model_free(model);
+    return ok;
+}
+
 // The metrics file is opened after all that can be wrong: a folder that holds one counts as a run.
 static bool open_trainer(Trainer *trainer, const FfpTrainRun *options, FfpError *err) {
     trainer->out = options->out;
@@ -345,8 +578,11 @@ static bool open_trainer(Trainer *trainer, const FfpTrainRun *options, FfpError 
         ffp_note("no perceptual weights given: the perceptual term is off");
     const char *scenes = trainer->config.scenes;
     if (scenes[0] && !ffp_scene_folder_open(&trainer->folder, scenes, err)) return false;
-    if (!open_metrics(trainer, options->resume, err)) return false;
+    if (!open_share(trainer, err)) return false;
+    if (trainer->config.captures[0] && !open_captures(trainer, err)) return false;
+    if (is_first(trainer) && !open_metrics(trainer, options->resume, err)) return false;
     open_device(trainer);
+    if (trainer->captures && !begin_captures(trainer, options->resume, err)) return false;
     trainer->started = trainer->saved = ffp_seconds();
     return open_scenes(trainer, options->stop_at, err);
 }
@@ -354,7 +590,9 @@ static bool open_trainer(Trainer *trainer, const FfpTrainRun *options, FfpError 
 static void close_trainer(Trainer *trainer) {
     ffp_stream_free(trainer->scenes);
     ffp_scene_folder_close(&trainer->folder);
+    ffp_captures_close(trainer->captures);
     close_device(trainer);
+    ffp_share_close(&trainer->share);
     ffp_adam_free(&trainer->adam);
     ffp_model_free(trainer->model);
     if (trainer->metrics) ffp_close_file(trainer->metrics);

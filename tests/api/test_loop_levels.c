@@ -116,9 +116,12 @@ static void light(Answer *answer) {
     FfpGbuffer shadow = ffp_shadow_map(raster, &splats, &projector, &settings);
     assert_true(ffp_cpu_set_level(level));
     ffp_map_with_shadow(&shadow, &drawn, &camera, &projector, &settings, &mapping);
-    ffp_shade(&drawn, &mapping, &camera, &projector, intensity, &pattern, &picture);
-    ffp_shade_backward(&drawn, &mapping, &camera, &projector, intensity, &pattern, &weights, &grad,
-                       grad_intensity, NULL);
+    FfpTransport transport = ffp_transport_new(W, H), d = ffp_transport_new(W, H);
+    ffp_light(&drawn, &mapping, &camera, &projector, &transport);
+    ffp_shade(&drawn, &mapping, &transport, intensity, &pattern, &picture);
+    ffp_shade_backward(&mapping, &transport, intensity, &pattern, &weights, &grad, &d, grad_intensity, NULL);
+    ffp_light_backward(&drawn, &mapping, &camera, &projector, &d, &grad);
+    ffp_transport_free(&transport), ffp_transport_free(&d);
     give(answer, mapping.visibility, W * H), give(answer, picture.data, W * H * 3);
     give(answer, grad.albedo, W * H * 3), give(answer, grad.normal, W * H * 3);
     give(answer, grad_intensity, 3);

@@ -211,7 +211,7 @@ static void check_summed(int width, int height) {
     FfpImage image_there = ffp_image_uploaded(&image);
     FfpSummed there = ffp_pattern_summed(&image_there);
     assert_true(there.width == width && there.height == height);
-    const size_t count = 3 * (size_t)(width + 1) * (size_t)(height + 1);
+    const size_t count = FFP_SUMMED_CHANNELS * (size_t)(width + 1) * (size_t)(height + 1);
     double *back = ffp_alloc(count * sizeof *back, 1);
     ffp_memory_download(back, there.sum, count * sizeof *back);
     for (size_t i = 0; i < count; i++) assert_true(fabs(back[i] - here.sum[i]) <= 1e-13 * here.sum[i]);

@@ -114,13 +114,41 @@ static void position_gradient(void **state) {
     ffp_image_free(&pattern);
 }
 
+// One colour everywhere needs no table, and says the same as the table.
+static void plain_as_by_table(void **state) {
+    (void)state;
+    FfpImage pattern = ffp_image_new(WIDTH, HEIGHT, 3);
+    for (int i = 0; i < WIDTH * HEIGHT * 3; i++) pattern.data[i] = 0.3 + 0.2 * (i % 3);
+    FfpSummed summed = ffp_summed_new(&pattern), table = summed;
+    assert_true(summed.plain);
+    table.plain = false;
+    FfpRng rng = ffp_rng(8, 0);
+    const double grad[3] = {0.7, -1.3, 0.4};
+    for (int k = 0; k < 500; k++) {
+        double box[4], plain[3], tabled[3], slopes[4] = {0};
+        random_box(&rng, box);
+        ffp_lookup(&summed, box[0], box[1], box[2], box[3], plain);
+        ffp_lookup(&table, box[0], box[1], box[2], box[3], tabled);
+        for (int c = 0; c < 3; c++) assert_true(fabs(plain[c] - tabled[c]) < 1e-12);
+        ffp_lookup_backward_position(&summed, box[0], box[1], box[2], box[3], grad, &slopes[0], &slopes[1]);
+        ffp_lookup_backward_position(&table, box[0], box[1], box[2], box[3], grad, &slopes[2], &slopes[3]);
+        for (int i = 0; i < 2; i++) assert_true(fabs(slopes[i] - slopes[2 + i]) < 1e-12);
+    }
+    ffp_summed_free(&summed);
+    ffp_image_free(&pattern);
+    FfpImage other = random_pattern(9);
+    summed = ffp_summed_new(&other);
+    assert_false(summed.plain);
+    ffp_summed_free(&summed);
+    ffp_image_free(&other);
+}
+
 // The lookup is linear in the pattern: central differences are exact but for rounding.
 static void pattern_gradient(void **state) {
     (void)state;
     enum { BOXES = 40 };
-    FfpImage pattern = random_pattern(7), gradient = ffp_image_new(WIDTH, HEIGHT, 3),
-             zero = ffp_image_new(WIDTH, HEIGHT, 3);
-    FfpSummed scattered = ffp_summed_new(&zero);
+    FfpImage pattern = random_pattern(7), gradient = ffp_image_new(WIDTH, HEIGHT, 3);
+    FfpSummed scattered = ffp_summed_zeros(WIDTH, HEIGHT);
     FfpRng rng = ffp_rng(8, 0);
     double boxes[BOXES][4], grads[BOXES][3];
     for (int k = 0; k < BOXES; k++) {
@@ -143,7 +171,6 @@ static void pattern_gradient(void **state) {
         assert_true(fabs(value[1] - value[0] - gradient.data[i]) < 1e-11);
     }
     ffp_summed_free(&scattered);
-    ffp_image_free(&zero);
     ffp_image_free(&gradient);
     ffp_image_free(&pattern);
 }
@@ -160,8 +187,8 @@ static void srgb_slope(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(lookup_is_the_mean), cmocka_unit_test(unit_box_is_bilinear),
-        cmocka_unit_test(position_gradient),  cmocka_unit_test(pattern_gradient),
-        cmocka_unit_test(srgb_slope),
+        cmocka_unit_test(position_gradient),  cmocka_unit_test(plain_as_by_table),
+        cmocka_unit_test(pattern_gradient),   cmocka_unit_test(srgb_slope),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

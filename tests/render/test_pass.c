@@ -51,7 +51,7 @@ static void test_parts_by_hand(void **state) {
         FfpImage linear = ffp_image_new(fine.width, fine.height, 3), hand = ffp_image_new(WIDTH, HEIGHT, 3);
         ffp_rasterise(raster, &g, &fine, &settings, &gbuffer);
         ffp_map_to_projector(raster, &g, &gbuffer, &fine, &projector, &settings, &mapping);
-        ffp_shade(&gbuffer, &mapping, &fine, &projector, intensity, &pattern, &linear);
+        ffp_shade_once(&gbuffer, &mapping, &fine, &projector, intensity, &pattern, &linear);
         resolve_by_hand(&linear, &gbuffer, side, &hand);
         FfpImage picture = ffp_render_view(&g, &camera, &projector, intensity, &pattern, &settings);
         double light = 0;

@@ -82,8 +82,8 @@ static void add_gbuffer_gradient(PassCase *c) {
 static PassGradient pass_gradient(PassCase *c) {
     PassGradient g = {.gaussians = ffp_gaussians_new(c->gaussians.count),
                       .pattern = ffp_image_new(PATTERN_WIDTH, PATTERN_HEIGHT, 3)};
-    FfpSummed summed = ffp_summed_new(&c->pattern), grad_sum = ffp_summed_new(&c->pattern);
-    memset(grad_sum.sum, 0, sizeof(double) * 3 * (size_t)(PATTERN_WIDTH + 1) * (PATTERN_HEIGHT + 1));
+    FfpSummed summed = ffp_summed_new(&c->pattern),
+              grad_sum = ffp_summed_zeros(PATTERN_WIDTH, PATTERN_HEIGHT);
     FfpGaussians first = ffp_gaussians_new(c->gaussians.count);
     for (int i = 0; i < 2; i++) {
         ffp_view_pass_draw(c->pass, &c->gaussians, &c->camera, &c->projector);

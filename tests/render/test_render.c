@@ -399,8 +399,8 @@ static void test_wall_energy(void **state) {
     FfpSummed pattern = ffp_summed_new(&white);
     FfpGaussians none = ffp_gaussians_new(0);
     ffp_map_to_projector(NULL, &none, &light, &camera, &projector, &settings, &mapping);
-    ffp_shade(&light, &mapping, &camera, &projector, intensity, &pattern, &a);
-    ffp_shade(&dark, &mapping, &camera, &projector, intensity, &pattern, &b);
+    ffp_shade_once(&light, &mapping, &camera, &projector, intensity, &pattern, &a);
+    ffp_shade_once(&dark, &mapping, &camera, &projector, intensity, &pattern, &b);
     for (int p = 0; p < 21 * 15; p++) {
         const int x = p % 21, y = p / 21;
         const double z = 3, X = (x + 0.5 - 10.5) / 30 * z, Z = -(y + 0.5 - 7.5) / 30 * z;

@@ -104,7 +104,7 @@ typedef struct ShadeCase {
 static double shade_loss(void *context) {
     ShadeCase *c = context;
     FfpSummed summed = ffp_summed_new(&c->pattern);
-    ffp_shade(&c->gbuffer, &c->mapping, &c->camera, &c->projector, c->intensity, &summed, &c->out);
+    ffp_shade_once(&c->gbuffer, &c->mapping, &c->camera, &c->projector, c->intensity, &summed, &c->out);
     ffp_summed_free(&summed);
     double sum = 0;
     for (int i = 0; i < 3 * c->out.width * c->out.height; i++) sum += c->out.data[i] * c->weights.data[i];
@@ -149,14 +149,25 @@ static void free_shade_case(ShadeCase *c) {
     ffp_image_free(&c->weights);
 }
 
+// The whole way back, from a picture's gradient to the G-buffer's.
+static void shade_backward(ShadeCase *c, const FfpSummed *pattern, FfpGbuffer *grad, real grad_intensity[3],
+                           FfpSummed *grad_pattern) {
+    const int width = c->gbuffer.width, height = c->gbuffer.height;
+    FfpTransport transport = ffp_transport_new(width, height), d = ffp_transport_new(width, height);
+    ffp_light(&c->gbuffer, &c->mapping, &c->camera, &c->projector, &transport);
+    ffp_shade_backward(&c->mapping, &transport, c->intensity, pattern, &c->weights, grad, &d, grad_intensity,
+                       grad_pattern);
+    ffp_light_backward(&c->gbuffer, &c->mapping, &c->camera, &c->projector, &d, grad);
+    ffp_transport_free(&transport);
+    ffp_transport_free(&d);
+}
+
 static void check_shade(const char *what, ShadeCase *c) {
     FfpGbuffer grad = ffp_gbuffer_new(c->gbuffer.width, c->gbuffer.height);
-    FfpSummed summed = ffp_summed_new(&c->pattern), grad_sum = ffp_summed_new(&c->pattern);
+    FfpSummed summed = ffp_summed_new(&c->pattern), grad_sum = ffp_summed_zeros(13, 17);
     FfpImage grad_pattern = ffp_image_new(c->pattern.width, c->pattern.height, 3);
     real grad_intensity[3] = {0};
-    memset(grad_sum.sum, 0, sizeof(double) * 3 * (size_t)(summed.width + 1) * (size_t)(summed.height + 1));
-    ffp_shade_backward(&c->gbuffer, &c->mapping, &c->camera, &c->projector, c->intensity, &summed,
-                       &c->weights, &grad, grad_intensity, &grad_sum);
+    shade_backward(c, &summed, &grad, grad_intensity, &grad_sum);
     ffp_lookup_gather_pattern(&grad_sum, &grad_pattern);
     Field fields[7], analytic[7];
     gbuffer_fields(&c->gbuffer, fields);
@@ -216,9 +227,8 @@ static void test_shade_black(void **state) {
     (void)state;
     ShadeCase c = shade_case(5, 3);
     FfpGbuffer grad = ffp_gbuffer_new(5, 3);
-    ffp_shade(&c.gbuffer, &c.mapping, &c.camera, &c.projector, c.intensity, NULL, &c.out);
-    ffp_shade_backward(&c.gbuffer, &c.mapping, &c.camera, &c.projector, c.intensity, NULL, &c.weights, &grad,
-                       NULL, NULL);
+    ffp_shade_once(&c.gbuffer, &c.mapping, &c.camera, &c.projector, c.intensity, NULL, &c.out);
+    shade_backward(&c, NULL, &grad, NULL, NULL);
     for (int i = 0; i < 45; i++) {
         assert_true(c.out.data[i] == c.gbuffer.ambient[i]);
         assert_true(grad.ambient[i] == c.weights.data[i]);
@@ -255,8 +265,7 @@ static void test_composition_gradients(void **state) {
     FfpSummed summed = ffp_summed_new(&c.shade.pattern);
     FfpGbuffer grad_gbuffer = ffp_gbuffer_new(19, 13);
     FfpGaussians grad = ffp_gaussians_new(20);
-    ffp_shade_backward(&c.shade.gbuffer, &c.shade.mapping, &c.shade.camera, &c.shade.projector,
-                       c.shade.intensity, &summed, &c.shade.weights, &grad_gbuffer, NULL, NULL);
+    shade_backward(&c.shade, &summed, &grad_gbuffer, NULL, NULL);
     ffp_rasterise_backward(c.raster.raster, &c.raster.gaussians, &c.shade.camera, &c.raster.settings,
                            &c.shade.gbuffer, &grad_gbuffer, &grad);
     Field fields[7], analytic[7];

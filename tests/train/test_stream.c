@@ -53,7 +53,7 @@ static uint64_t hash_scene(const FfpScene *scene) {
 static void walk(const FfpTrainConfig *config, int first, uint64_t sums[STEPS]) {
     FfpError err = {0};
     stop = false;
-    FfpStream *stream = ffp_stream_new(config, NULL, first, STEPS, &stop, &err);
+    FfpStream *stream = ffp_stream_new(config, NULL, NULL, (FfpTurn){0, 1}, first, STEPS, &stop, &err);
     if (!stream) fail_msg("%s", err.text);
     for (int step = first; step < STEPS; step++) {
         const FfpScene *scene;
@@ -121,7 +121,7 @@ static void an_error_names_the_scene(void **state) {
         FfpError err = {0};
         const FfpScene *scene;
         bool fresh;
-        FfpStream *stream = ffp_stream_new(&config, NULL, 1, STEPS, &stop, &err);
+        FfpStream *stream = ffp_stream_new(&config, NULL, NULL, (FfpTurn){0, 1}, 1, STEPS, &stop, &err);
         assert_false(ffp_stream_scene(stream, 1, &scene, &fresh, &err));
         assert_null(scene);
         if (!strstr(err.text, "scene 1 of the train split") || !strstr(err.text, "0 samples"))

@@ -63,7 +63,7 @@ static Agreement truth_agreement(const FfpCapture *capture, const FfpView *view,
         mapping.visibility[i] = visibility->data[i];
     }
     FfpImage out = ffp_image_new(g.width, g.height, 3);
-    ffp_shade(&g, &mapping, &view->camera, &view->projector, capture->intensity, white, &out);
+    ffp_shade_once(&g, &mapping, &view->camera, &view->projector, capture->intensity, white, &out);
     const Agreement agreement = compare(view, &g, &out);
     ffp_image_free(&out);
     ffp_mapping_free(&mapping);

@@ -21,11 +21,22 @@ typedef void FfpBlendTile(const FfpRaster *raster, int tile, int channels, FfpGb
 typedef void FfpBlendTileBackward(FfpRaster *raster, int tile, const FfpGbuffer *out,
                                   const FfpGbuffer *grad_out);
 
-// Row y of the picture, of its gradient (ffp_shade_backward: grad_intensity is the row's own), of the
+// What ffp_shade_backward takes and adds to.
+typedef struct FfpShadeGrad {
+    const FfpImage *image;
+    real *ambient;
+    FfpTransport *transport;
+    FfpSummed *pattern; // or NULL
+} FfpShadeGrad;
+
+// Row y of the transport, of the picture, of their gradients (grad_intensity is the row's own), of the
 // mapping.
-typedef void FfpShadeRow(const FfpShader *shader, int y, FfpImage *out);
-typedef void FfpShadeRowBackward(const FfpShader *shader, int y, const FfpImage *grad_image,
-                                 FfpGbuffer *grad_gbuffer, real grad_intensity[3], FfpSummed *grad_pattern);
+typedef void FfpLightRow(const FfpLitView *view, int y, FfpTransport *out);
+typedef void FfpLightRowBackward(const FfpLitView *view, int y, const FfpTransport *grad,
+                                 FfpGbuffer *grad_gbuffer);
+typedef void FfpShadeRow(const FfpPatternLight *light, int y, const real *ambient, FfpImage *out);
+typedef void FfpShadeRowBackward(const FfpPatternLight *light, int y, const FfpShadeGrad *grad,
+                                 real grad_intensity[3]);
 typedef void FfpMapRow(const FfpMapper *mapper, int y, FfpMapping *out);
 
 typedef struct FfpRenderKernels {
@@ -33,6 +44,8 @@ typedef struct FfpRenderKernels {
     FfpProjectChunkBackward *project_chunk_backward;
     FfpBlendTile *blend_tile;
     FfpBlendTileBackward *blend_tile_backward;
+    FfpLightRow *light_row;
+    FfpLightRowBackward *light_row_backward;
     FfpShadeRow *shade_row;
     FfpShadeRowBackward *shade_row_backward;
     FfpMapRow *map_row;
@@ -45,6 +58,8 @@ FfpProjectChunk FFP_K(project_chunk);
 FfpProjectChunkBackward FFP_K(project_chunk_backward);
 FfpBlendTile FFP_K(blend_tile);
 FfpBlendTileBackward FFP_K(blend_tile_backward);
+FfpLightRow FFP_K(light_row);
+FfpLightRowBackward FFP_K(light_row_backward);
 FfpShadeRow FFP_K(shade_row);
 FfpShadeRowBackward FFP_K(shade_row_backward);
 FfpMapRow FFP_K(map_row);

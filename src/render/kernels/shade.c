@@ -1,25 +1,31 @@
 // Rows of pixels through the model of light (shade_pixel.h), and back.
 #include "render/kernels/kernels.h"
 
-void FFP_K(shade_row)(const FfpShader *shader, int y, FfpImage *out) {
-    const int width = shader->gbuffer->width;
-    for (int x = 0; x < width; x++) ffp_shade_pixel(shader, x, y, out->data + 3 * (y * width + x));
+void FFP_K(light_row)(const FfpLitView *view, int y, FfpTransport *out) {
+    for (int x = 0; x < view->gbuffer->width; x++) ffp_light_pixel(view, x, y, out);
 }
 
-static void shade_pixel_backward(const FfpShader *sh, int x, int y, const FfpImage *grad_image,
-                                 FfpGbuffer *grad_gbuffer, real grad_intensity[3], FfpSummed *grad_pattern) {
-    const int p = y * sh->gbuffer->width + x;
-    const real *extent = sh->mapping->extent + 2 * p;
-    FfpLit s;
-    FfpLitGrad d;
-    const bool lit =
-        ffp_shade_pixel_backward(sh, x, y, grad_image->data + 3 * p, grad_gbuffer, grad_intensity, &s, &d);
-    if (lit && grad_pattern)
-        ffp_lookup_backward_pattern(grad_pattern, s.u, s.v_at, extent[0], extent[1], d.texture);
+void FFP_K(light_row_backward)(const FfpLitView *view, int y, const FfpTransport *grad,
+                               FfpGbuffer *grad_gbuffer) {
+    for (int x = 0; x < view->gbuffer->width; x++) ffp_light_pixel_backward(view, x, y, grad, grad_gbuffer);
 }
 
-void FFP_K(shade_row_backward)(const FfpShader *shader, int y, const FfpImage *grad_image,
-                               FfpGbuffer *grad_gbuffer, real grad_intensity[3], FfpSummed *grad_pattern) {
-    for (int x = 0; x < shader->gbuffer->width; x++)
-        shade_pixel_backward(shader, x, y, grad_image, grad_gbuffer, grad_intensity, grad_pattern);
+void FFP_K(shade_row)(const FfpPatternLight *light, int y, const real *ambient, FfpImage *out) {
+    for (int x = 0; x < out->width; x++) {
+        const int p = y * out->width + x;
+        ffp_shade_pixel(light, p, ambient, out->data + 3 * p);
+    }
+}
+
+void FFP_K(shade_row_backward)(const FfpPatternLight *light, int y, const FfpShadeGrad *grad,
+                               real grad_intensity[3]) {
+    for (int x = 0; x < grad->image->width; x++) {
+        const int p = y * grad->image->width + x;
+        const real *uv = light->transport->uv + 2 * p, *extent = light->extent + 2 * p;
+        real d_texture[3];
+        ffp_shade_pixel_backward(light, p, grad->image->data + 3 * p, grad->ambient, grad->transport,
+                                 grad_intensity, d_texture);
+        if (grad->pattern && ffp_pixel_lit(light, p))
+            ffp_lookup_backward_pattern(grad->pattern, uv[0], uv[1], extent[0], extent[1], d_texture);
+    }
 }

@@ -1,0 +1,192 @@
+#include "calibrate/pose.h"
+
+#include <math.h>
+#include <string.h>
+#include "base/alloc.h"
+#include "base/call.h"
+#include "base/motion.h"
+#include "rig/lens.h"
+
+enum { DESCENT_STEPS = 60, RAY_STEPS = 30 };
+
+// --- Least squares. ---
+
+static double sum_of_squares(const double *v, int n) {
+    double sum = 0;
+    for (int i = 0; i < n; i++) sum += v[i] * v[i];
+    return sum;
+}
+
+// Normal equations at the state as it is: matrix [n,n] and gradient [n].
+static void normal_equations(const FfpDescent *p, const double *here, double *there, double *slopes,
+                             double *matrix, double *gradient) {
+    const int n = p->numbers;
+    for (int k = 0; k < n; k++) {
+        double by[FFP_NUMBERS_MAX] = {0};
+        by[k] = p->step[k];
+        p->differences(p->state, by, there);
+        for (int i = 0; i < p->count; i++)
+            slopes[(size_t)i * (size_t)n + (size_t)k] = (there[i] - here[i]) / by[k];
+    }
+    memset(matrix, 0, (size_t)(n * n) * sizeof *matrix), memset(gradient, 0, (size_t)n * sizeof *gradient);
+    for (int i = 0; i < p->count; i++) {
+        const double *row = slopes + (size_t)i * (size_t)n;
+        for (int a = 0; a < n; a++) {
+            gradient[a] += row[a] * here[i];
+            for (int b = 0; b < n; b++) matrix[n * a + b] += row[a] * row[b];
+        }
+    }
+}
+
+// The inverse, column by column, times the variance of the differences left over.
+static void invert(const FfpDescent *p, const double *matrix, double cost, double *covariance) {
+    const int n = p->numbers;
+    const double variance = cost / fmax(1, p->count - n);
+    for (int k = 0; k < n; k++) {
+        double copy[FFP_NUMBERS_MAX * FFP_NUMBERS_MAX], b[FFP_NUMBERS_MAX] = {0}, x[FFP_NUMBERS_MAX];
+        memcpy(copy, matrix, (size_t)(n * n) * sizeof *copy);
+        b[k] = -1;
+        ffp_least_squares(copy, b, n, x);
+        for (int i = 0; i < n; i++) covariance[n * i + k] = variance * x[i];
+    }
+}
+
+double ffp_descend(const FfpDescent *p, double *covariance) {
+    const int n = p->numbers;
+    const double none[FFP_NUMBERS_MAX] = {0};
+    double *here = ffp_alloc((size_t)p->count, sizeof *here),
+           *there = ffp_alloc((size_t)p->count, sizeof *there);
+    double *slopes = ffp_alloc((size_t)p->count, (size_t)n * sizeof *slopes);
+    double matrix[FFP_NUMBERS_MAX * FFP_NUMBERS_MAX], gradient[FFP_NUMBERS_MAX], damping = 1e-3;
+    p->differences(p->state, none, here);
+    double cost = sum_of_squares(here, p->count);
+    bool moving = true;
+    for (int step = 0; moving && step < DESCENT_STEPS; step++) {
+        ffp_cancel_point();
+        normal_equations(p, here, there, slopes, matrix, gradient);
+        moving = false;
+        for (int attempt = 0; !moving && attempt < 12; attempt++) {
+            double damped[FFP_NUMBERS_MAX * FFP_NUMBERS_MAX], by[FFP_NUMBERS_MAX];
+            memcpy(damped, matrix, (size_t)(n * n) * sizeof *damped);
+            for (int k = 0; k < n; k++) damped[n * k + k] *= 1 + damping;
+            ffp_least_squares(damped, gradient, n, by);
+            p->differences(p->state, by, there);
+            const double less = sum_of_squares(there, p->count);
+            moving = less < cost * (1 - 1e-12);
+            damping *= moving ? 0.2 : 6;
+            if (!moving) continue;
+            p->move(p->state, by);
+            memcpy(here, there, (size_t)p->count * sizeof *here);
+            cost = less;
+        }
+    }
+    if (covariance != NULL) {
+        normal_equations(p, here, there, slopes, matrix, gradient);
+        invert(p, matrix, cost, covariance);
+    }
+    ffp_free(here), ffp_free(there), ffp_free(slopes);
+    return cost;
+}
+
+// --- A device. ---
+
+void ffp_device_ray(const FfpCvDevice *device, const double pixel[2], double ray[2]) {
+    const double *m = device->matrix;
+    const double x = (pixel[0] - m[2]) / m[0], y = (pixel[1] - m[5]) / m[4];
+    ray[0] = x, ray[1] = y;
+    for (int i = 0; i < RAY_STEPS; i++) {
+        double u, v;
+        ffp_lens_distort(device->lens, ray[0], ray[1], &u, &v);
+        ray[0] += x - u, ray[1] += y - v;
+    }
+}
+
+void ffp_device_project(const FfpCvDevice *device, const double point[3], double pixel[2]) {
+    double u, v;
+    ffp_lens_distort(device->lens, point[0] / point[2], point[1] / point[2], &u, &v);
+    pixel[0] = device->matrix[0] * u + device->matrix[2];
+    pixel[1] = device->matrix[4] * v + device->matrix[5];
+}
+
+// --- The board before it. ---
+
+void ffp_board_point(const FfpBoard *board, int i, double point[3]) {
+    point[0] = (ffp_corner_column(board, i) - 0.5 * (board->columns - 1)) * board->square;
+    point[1] = (ffp_corner_row(board, i) - 0.5 * (board->rows - 1)) * board->square;
+    point[2] = 0;
+}
+
+typedef struct PoseState {
+    const FfpBoard *board;
+    const FfpCvDevice *camera;
+    const double *seen; // [n,2]
+    int n;
+    double r[9], t[3];
+} PoseState;
+
+static void moved(const PoseState *s, const double *by, double r[9], double t[3]) {
+    double turn[9];
+    ffp_turn(by, turn);
+    ffp_turn_product(turn, s->r, r);
+    for (int i = 0; i < 3; i++) t[i] = s->t[i] + by[3 + i];
+}
+
+static void pose_differences(const void *state, const double *by, double *out) {
+    const PoseState *s = state;
+    double r[9], t[3];
+    moved(s, by, r, t);
+    for (int i = 0; i < s->n; i++) {
+        double point[3], x[3], at[2];
+        ffp_board_point(s->board, i, point);
+        for (int k = 0; k < 3; k++) x[k] = ffp_dot(r + 3 * k, point) + t[k];
+        ffp_device_project(s->camera, x, at);
+        for (int k = 0; k < 2; k++) out[2 * i + k] = at[k] - s->seen[2 * i + k];
+    }
+}
+
+static void pose_move(void *state, const double *by) {
+    PoseState *s = state;
+    double r[9], t[3];
+    moved(s, by, r, t);
+    memcpy(s->r, r, sizeof r), memcpy(s->t, t, sizeof t);
+}
+
+// From a homography, board to rays: H = [r1 r2 t] up to scale (Zhang 2000, section 3.1).
+static void take_apart(const double h[9], double r[9], double t[3]) {
+    double x[3] = {h[0], h[3], h[6]}, y[3] = {h[1], h[4], h[7]}, z[3];
+    double scale = 2 / (sqrt(ffp_dot(x, x)) + sqrt(ffp_dot(y, y)));
+    if (h[8] < 0) scale = -scale;
+    for (int i = 0; i < 3; i++) x[i] *= scale, y[i] *= scale, t[i] = scale * h[3 * i + 2];
+    ffp_unit(x);
+    const double along = ffp_dot(x, y);
+    for (int i = 0; i < 3; i++) y[i] -= along * x[i];
+    ffp_unit(y);
+    ffp_cross(x, y, z);
+    for (int i = 0; i < 3; i++) r[3 * i] = x[i], r[3 * i + 1] = y[i], r[3 * i + 2] = z[i];
+}
+
+bool ffp_board_pose(const FfpBoard *board, const FfpCvDevice *camera, const FfpAttitude *a,
+                    FfpBoardPose *pose, bool *found, FfpError *err) {
+    double *flat = ffp_alloc((size_t)a->n, 2 * sizeof *flat),
+           *rays = ffp_alloc((size_t)a->n, 2 * sizeof *rays);
+    unsigned char *inside = ffp_alloc((size_t)a->n, 1);
+    double h[9];
+    for (int i = 0; i < a->n; i++) {
+        double point[3];
+        ffp_board_point(board, i, point);
+        flat[2 * i] = point[0], flat[2 * i + 1] = point[1];
+        ffp_device_ray(camera, a->camera + 2 * (size_t)i, rays + 2 * (size_t)i);
+    }
+    const bool ok = ffp_cv_homography(flat, rays, a->n, 10 / camera->matrix[0], h, inside, found, err);
+    ffp_free(flat), ffp_free(rays), ffp_free(inside);
+    if (!ok || !*found) return ok;
+    PoseState s = {board, camera, a->camera, a->n, {0}, {0}};
+    take_apart(h, s.r, s.t);
+    const double far = s.t[2], step[6] = {1e-6, 1e-6, 1e-6, 1e-6 * far, 1e-6 * far, 1e-6 * far};
+    const FfpDescent descent = {&s, pose_differences, pose_move, 6, 2 * a->n, step};
+    const double cost = ffp_descend(&descent, NULL);
+    memcpy(pose->r, s.r, sizeof s.r), memcpy(pose->t, s.t, sizeof s.t);
+    pose->rms = sqrt(cost / a->n);
+    *found = isfinite(cost);
+    return true;
+}

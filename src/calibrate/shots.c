@@ -1,0 +1,86 @@
+#include "calibrate/shots.h"
+
+#include <dirent.h>
+#include <errno.h>
+#include <stdlib.h>
+#include <string.h>
+#include "base/call.h"
+#include "base/file.h"
+#include "image/image.h"
+#include "rig/pictures.h"
+
+enum { FILES_MAX = 4096 };
+
+static void close_folder(void *folder) {
+    closedir(folder);
+}
+
+static int compare(const void *a, const void *b) {
+    return ffp_natural_order(*(const char *const *)a, *(const char *const *)b);
+}
+
+static const char *keep(FfpArena *arena, const char *text) {
+    const size_t size = strlen(text) + 1;
+    return memcpy(ffp_arena_alloc(arena, size, 1), text, size);
+}
+
+// What of a folder is wanted: pictures, or folders. Paths in natural order, [*n].
+static bool list(FfpArena *arena, const char *folder, bool folders, const char ***paths, int *n,
+                 FfpError *err) {
+    DIR *directory = opendir(folder);
+    if (!directory) return ffp_fail(err, FFP_ERROR_IO, folder, "cannot open: %s", strerror(errno));
+    ffp_own(directory, close_folder);
+    const char **found = ffp_arena_alloc(arena, FILES_MAX, sizeof *found);
+    bool ok = true;
+    *n = 0;
+    for (struct dirent *entry; ok && (entry = readdir(directory)) != NULL;) {
+        char path[FFP_PATH_MAX];
+        if (entry->d_name[0] == '.' || (!folders && !ffp_image_has_ending(entry->d_name))) continue;
+        ok = ffp_join_path(path, folder, entry->d_name) ||
+             ffp_fail(err, FFP_ERROR_ARGUMENT, folder, "the path is too long");
+        if (!ok || (folders ? !ffp_is_folder(path) : !ffp_is_file(path))) continue;
+        ok = *n < FILES_MAX || ffp_fail(err, FFP_ERROR_FILE, folder, "more than %d pictures", FILES_MAX);
+        if (ok) found[(*n)++] = keep(arena, path);
+    }
+    ffp_disown(directory), closedir(directory);
+    qsort(found, (size_t)*n, sizeof *found, compare);
+    *paths = found;
+    return ok;
+}
+
+static bool add(FfpShotFolders *out, const char *path, const char **files, int n_files, FfpError *err) {
+    if (out->n == FFP_ATTITUDES_MAX)
+        return ffp_fail(err, FFP_ERROR_FILE, path, "more than %d folders of photographs", FFP_ATTITUDES_MAX);
+    char name[FFP_PATH_MAX];
+    snprintf(name, sizeof name, "%s", path);
+    for (size_t end = strlen(name); end > 1 && name[end - 1] == '/';) name[--end] = 0;
+    out->folders[out->n++] = (FfpShotFolder){keep(out->arena, ffp_basename(name)), files, n_files};
+    return true;
+}
+
+static bool find(FfpShotFolders *out, const char *path, FfpError *err) {
+    const char **files, **folders;
+    int n_files, n_folders, before = out->n;
+    if (!list(out->arena, path, false, &files, &n_files, err)) return false;
+    if (n_files > 0) return add(out, path, files, n_files, err);
+    if (!list(out->arena, path, true, &folders, &n_folders, err)) return false;
+    for (int i = 0; i < n_folders; i++) {
+        if (!list(out->arena, folders[i], false, &files, &n_files, err)) return false;
+        if (n_files > 0 && !add(out, folders[i], files, n_files, err)) return false;
+    }
+    return out->n > before ||
+           ffp_fail(err, FFP_ERROR_FILE, path, "there are no photographs in it, nor in folders in it");
+}
+
+bool ffp_shot_folders_find(FfpShotFolders *out, const char *const *paths, int n_paths, FfpError *err) {
+    *out = (FfpShotFolders){.arena = ffp_arena_new()};
+    out->folders = ffp_arena_alloc(out->arena, FFP_ATTITUDES_MAX, sizeof *out->folders);
+    for (int i = 0; i < n_paths; i++)
+        if (!find(out, paths[i], err)) return false;
+    return true;
+}
+
+void ffp_shot_folders_free(FfpShotFolders *out) {
+    ffp_arena_free(out->arena);
+    *out = (FfpShotFolders){0};
+}

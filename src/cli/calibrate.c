@@ -1,0 +1,234 @@
+#include <limits.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include "cli.h"
+
+enum { ANGLES_MAX = 512 };
+
+typedef struct Angles {
+    double degrees[ANGLES_MAX];
+    int count;
+} Angles;
+
+typedef struct Arguments {
+    FfpList attitudes, calibrations;
+    Angles angles;
+    FfpRigCalibration rig;
+} Arguments;
+
+static void set_defaults(void *data) {
+    ((Arguments *)data)->rig = ffp_rig_calibration_defaults();
+}
+
+static bool read_board(const char *text, void *destination) {
+    FfpRigCalibration *rig = destination;
+    return ffp_cli_pair(text, 'x', 1, &rig->columns, &rig->rows);
+}
+
+static bool read_size(const char *text, void *destination) {
+    FfpRigCalibration *rig = destination;
+    return ffp_cli_pair(text, 'x', 1, &rig->width, &rig->height);
+}
+
+static const FfpWord terms[] = {{"k1", FFP_FIX_K1},
+                                {"k2", FFP_FIX_K2},
+                                {"k3", FFP_FIX_K3},
+                                {"p", FFP_FIX_TANGENTIAL},
+                                {"centre", FFP_FIX_CENTRE},
+                                {"aspect", FFP_FIX_ASPECT},
+                                {0}};
+
+// [camera.|projector.]TERM
+static bool read_fix(const char *text, void *destination) {
+    FfpRigCalibration *rig = destination;
+    const bool camera = strncmp(text, "camera.", 7) == 0, projector = strncmp(text, "projector.", 10) == 0;
+    const char *term = text + (camera ? 7 : projector ? 10 : 0);
+    for (const FfpWord *word = terms; word->name; word++) {
+        if (strcmp(word->name, term) != 0) continue;
+        if (!projector) rig->fix_camera |= (unsigned)word->value;
+        if (!camera) rig->fix_projector |= (unsigned)word->value;
+        return true;
+    }
+    return false;
+}
+
+// Numbers with commas between, or COUNTxSTEP.
+static bool read_angles(const char *text, void *destination) {
+    Angles *angles = destination;
+    const char *at = text;
+    do {
+        char *end;
+        const double value = strtod(at, &end);
+        double step = 0, count = 1;
+        if (end == at || !isfinite(value)) return false;
+        if (*end == 'x') {
+            const char *second = end + 1;
+            step = strtod(second, &end), count = value;
+            if (end == second || !isfinite(step) || count < 1 || count != floor(count)) return false;
+        }
+        if (angles->count + count > ANGLES_MAX) return false;
+        for (int i = 0; i < (int)count; i++) angles->degrees[angles->count++] = step != 0 ? i * step : value;
+        if (*end && *end != ',') return false;
+        at = *end ? end + 1 : NULL;
+    } while (at);
+    return true;
+}
+
+static void print_rig(const FfpRigCalibration *rig, const FfpRigCalibrationStats *s) {
+    printf("%s: %d of %d attitudes, rms %.3f pixels (camera alone %.3f, projector alone %.3f), %d of %d "
+           "corners left "
+           "out\n",
+           rig->file, s->used, s->attitudes, s->both, s->camera, s->projector, s->left_out, s->corners);
+    if (rig->report) printf("%s: look at it before you go on\n", rig->report);
+}
+
+static void print_axis(const FfpRigCalibration *rig, const FfpRigCalibrationStats *s) {
+    printf(
+        "turntable: %d of %d photographs, rms %.3f pixels; axis uncertain by %.3f degrees and %.3g units\n",
+        s->stops_used, s->stops, s->stops_rms, s->tilt, s->shift);
+    printf("import with -t %.6f,%.6f,%.6f,%.6g,%.6g,%.6g,ANGLES%s\n", s->axis[0], s->axis[1], s->axis[2],
+           s->point[0], s->point[1], s->point[2],
+           s->reversed ? " (the table turned clockwise as seen from above: 8x45 is 8x-45 there)" : "");
+    if (rig->turntable_file) printf("%s: axis, and the angles of these photographs\n", rig->turntable_file);
+}
+
+static int run(void *data) {
+    Arguments *arguments = data;
+    FfpRigCalibration *rig = &arguments->rig;
+    FfpRigCalibrationStats stats = {0};
+    FfpError err = {0};
+    rig->attitudes = arguments->attitudes.values, rig->n_attitudes = arguments->attitudes.count;
+    rig->calibrations = arguments->calibrations.values, rig->n_calibrations = arguments->calibrations.count;
+    rig->angles = arguments->angles.degrees, rig->n_angles = arguments->angles.count;
+    if (!ffp_calibrate_rig(ffp_cli_context(), rig, &stats, &err)) return ffp_cli_fail(&err);
+    if (rig->file) print_rig(rig, &stats);
+    if (stats.has_axis) print_axis(rig, &stats);
+    return FFP_EXIT_OK;
+}
+
+#define RIG "camera and projector"
+#define TURNTABLE "turntable"
+
+static const FfpOption options[] = {
+    {.name = "board",
+     .argument = "CxR",
+     .type = FFP_OPTION_PARSED,
+     .required = true,
+     .offset = offsetof(Arguments, rig),
+     .parse = read_board,
+     .takes = "columns x rows of corners (9x6)",
+     .help = "corners inside the chessboard, where four squares meet: one less than squares"},
+    {.name = "square",
+     .argument = "LENGTH",
+     .type = FFP_OPTION_REAL,
+     .required = true,
+     .offset = offsetof(Arguments, rig.square),
+     .least = 1e-9,
+     .most = 1e9,
+     .help = "side of a square as measured on the print; its unit becomes the calibration's"},
+    {.name = "projector",
+     .argument = "WxH",
+     .type = FFP_OPTION_PARSED,
+     .offset = offsetof(Arguments, rig),
+     .parse = read_size,
+     .takes = "width x height in pixels (1920x1080)",
+     .group = RIG,
+     .help = "size of the projector's panel, as in `ffprocams patterns`. Default: 1920x1080"},
+    {.name = "output",
+     .letter = 'o',
+     .argument = "FILE",
+     .type = FFP_OPTION_FILE,
+     .offset = offsetof(Arguments, rig.file),
+     .group = RIG,
+     .help =
+         "the calibration, for `ffprocams import -c FILE`: OpenCV's FileStorage, XML, or YAML where the name "
+         "ends with .yml or .yaml"},
+    {.name = "report",
+     .argument = "FILE.html",
+     .type = FFP_OPTION_FILE,
+     .offset = offsetof(Arguments, rig.report),
+     .help = "a page with corners, their errors enlarged, and what of both fields was covered"},
+    {.name = "fix",
+     .argument = "TERM",
+     .type = FFP_OPTION_PARSED,
+     .repeated = true,
+     .offset = offsetof(Arguments, rig),
+     .words = terms,
+     .parse = read_fix,
+     .takes = "k1, k2, k3, p, centre or aspect, or one of them with camera. or projector. before it",
+     .group = RIG,
+     .help = "do not fit this term, again for more: k1, k2, k3, p (both tangential ones) are 0 then, centre "
+             "is the "
+             "picture's middle, aspect makes pixels square. camera.k3: of the camera alone"},
+    {.name = "turntable-board",
+     .argument = "DIR",
+     .type = FFP_OPTION_FOLDER,
+     .offset = offsetof(Arguments, rig.turntable_board),
+     .group = TURNTABLE,
+     .help = "photographs of the board on the turntable, one for each of --angles, in order"},
+    {.name = "angles",
+     .argument = "ANGLES",
+     .type = FFP_OPTION_PARSED,
+     .offset = offsetof(Arguments, angles),
+     .parse = read_angles,
+     .takes = "up to 512 degrees with commas between, or 12x30 for twelve steps of 30",
+     .group = TURNTABLE,
+     .help = "degrees by which the table had turned in them: 0,20,40 or 12x30"},
+    {.name = "turntable-output",
+     .argument = "FILE",
+     .type = FFP_OPTION_FILE,
+     .offset = offsetof(Arguments, rig.turntable_file),
+     .group = TURNTABLE,
+     .help = "axis and angles, for `ffprocams import -t FILE` (JSON)"},
+    {.name = "calibration",
+     .letter = 'c',
+     .argument = "FILE",
+     .type = FFP_OPTION_FILE,
+     .repeated = true,
+     .offset = offsetof(Arguments, calibrations),
+     .group = TURNTABLE,
+     .help = "the camera's calibration, where it is there already and no FOLDERs are given"},
+    {0},
+};
+
+const FfpCommand ffp_cli_calibrate = {
+    .name = "calibrate",
+    .group = FFP_CLI_CAPTURE,
+    .purpose = "finds optics and poses of a camera and a projector from photographs of a chessboard",
+    .prose = "Put a flat printed chessboard before the rig in five to fifteen attitudes, tilted by 20 to 40 "
+             "degrees, each "
+             "time another way. In each, photograph the patterns of `ffprocams patterns --only capture "
+             "--lollipops 0 "
+             "--only graycode`, in order, into a folder of its own. The corners are found in the camera's "
+             "pictures, and "
+             "carried to the projector's panel by homographies of the codes around each (Moreno and Taubin "
+             "2012); then "
+             "both devices are fitted, with lens distortion, and the motion between them. Corners and "
+             "attitudes out of "
+             "line are left out, and said. docs/calibrate.md shows how.\n"
+             "With --turntable-board, a chessboard that lies or stands on the turntable tells its axis.",
+    .positional =
+        {.name = "FOLDER",
+         .least = 0,
+         .most = INT_MAX,
+         .offset = offsetof(Arguments, attitudes),
+         .help = "photographs of one attitude: the projector black and white, first or last, and the Gray "
+                 "codes of columns and rows with their inverses, in the order of their names' numbers; or a "
+                 "folder of such folders"},
+    .options = options,
+    .examples =
+        (const FfpExample[]){
+            {.command = "ffprocams calibrate shots -o calibration.xml --board 9x6 --square 25 "
+                        "\\\n--projector 1280x800 "
+                        "--report calibration.html"},
+            {.about = "And the axis of the turntable, for import -t axis.json:",
+             .command =
+                 "ffprocams calibrate -c calibration.xml --board 9x6 --square 25 \\\n--turntable-board table "
+                 "--angles 12x30 --turntable-output axis.json"},
+            {0}},
+    .size = sizeof(Arguments),
+    .set_defaults = set_defaults,
+    .run = run,
+};

@@ -1,0 +1,369 @@
+// Photographs of Gray codes on a ball, seen through two lenses: positions, depth, and what is wrong with
+// them.
+#include <math.h>
+#include <stdio.h>
+#include "scratch.h"
+#include "base/alloc.h"
+#include "base/rng.h"
+#include "match/match.h"
+#include "patterns/patterns.h"
+#include "rig/graycode.h"
+#include "rig/import.h"
+#include "rig/matrix.h"
+
+enum { WIDTH = 160, HEIGHT = 120, PANEL_WIDTH = 120, PANEL_HEIGHT = 90 };
+
+static FfpError err;
+static const FfpOptics camera = {.width = WIDTH,
+                                 .height = HEIGHT,
+                                 .fx = 190,
+                                 .fy = 189,
+                                 .cx = 79,
+                                 .cy = 61,
+                                 .lens = {-0.12, 0.05, 0.002, -0.001, 0}};
+static const FfpOptics projector = {.width = PANEL_WIDTH,
+                                    .height = PANEL_HEIGHT,
+                                    .fx = 150,
+                                    .fy = 151,
+                                    .cx = 58,
+                                    .cy = 47,
+                                    .lens = {0.05, -0.04, 0.001, 0.002, 0}};
+static const double centre[3] = {0.05, -0.02, 3}, radius = 0.85;
+static double p2c[16]; // the projector half a unit to the right, turned towards the ball
+
+// --- The ball. ---
+
+// Where the ray (x, y, 1) of the camera's frame meets the ball; false where it does not.
+static bool meet(double x, double y, double point[3]) {
+    const double d[3] = {x, y, 1}, a = x * x + y * y + 1;
+    double b = 0, c = -radius * radius;
+    for (int i = 0; i < 3; i++) b += d[i] * centre[i], c += centre[i] * centre[i];
+    if (b * b < a * c) return false;
+    const double z = (b - sqrt(b * b - a * c)) / a;
+    for (int i = 0; i < 3; i++) point[i] = z * d[i];
+    return true;
+}
+
+// The projector's ray (x, y, 1) to a point, and whether it lights it.
+static bool lights(const double point[3], double ray[2], double *strength) {
+    double c2p[16], local[3], towards = 0, square = 0;
+    ffp_pose_inverse(p2c, c2p);
+    for (int i = 0; i < 3; i++) {
+        local[i] =
+            c2p[4 * i] * point[0] + c2p[4 * i + 1] * point[1] + c2p[4 * i + 2] * point[2] + c2p[4 * i + 3];
+        const double to = p2c[4 * i + 3] - point[i];
+        towards += to * (point[i] - centre[i]) / radius, square += to * to;
+    }
+    ray[0] = local[0] / local[2], ray[1] = local[1] / local[2];
+    *strength = fmax(towards, 0) / sqrt(square) * 6 / square;
+    return towards > 0;
+}
+
+// Radiance under a pattern along the camera's ray: a speckled ball before a dark wall.
+static double radiance(const FfpImage *pattern, double x, double y) {
+    double point[3], ray[2], u, v, strength;
+    if (!meet(x, y, point) || !lights(point, ray, &strength)) return 0.003;
+    ffp_lens_distort(projector.lens, ray[0], ray[1], &u, &v);
+    u = projector.cx + projector.fx * u, v = projector.cy + projector.fy * v;
+    const double albedo = 0.5 + 0.3 * sin(23 * point[0]) * cos(19 * point[1]);
+    if (u < 0 || v < 0 || u >= PANEL_WIDTH || v >= PANEL_HEIGHT) return 0.01 * albedo;
+    const double light = (double)pattern->data[(int)v * pattern->width + (int)u];
+    return albedo * (0.01 + strength * light);
+}
+
+// 4 x 4 samples a pixel, a little noise.
+static void photograph(const char *name, const FfpImage *pattern, double exposure, uint64_t seed) {
+    FfpImage out = ffp_image_new(WIDTH, HEIGHT, 3);
+    FfpRng rng = ffp_rng(seed, 9);
+    for (int i = 0; i < WIDTH * HEIGHT; i++) {
+        double sum = 0;
+        for (int k = 0; k < 16; k++) {
+            const double u = i % WIDTH + (k % 4 + 0.5) / 4, v = i / WIDTH + (k / 4 + 0.5) / 4;
+            double ray[2];
+            assert_true(ffp_lens_undistort(camera.lens, (u - camera.cx) / camera.fx,
+                                           (v - camera.cy) / camera.fy, ray));
+            sum += radiance(pattern, ray[0], ray[1]) / 16;
+        }
+        const double noise = 0.002 * (double)ffp_rng_normal(&rng);
+        for (int c = 0; c < 3; c++) out.data[3 * i + c] = (real)fmax(0, fmin(exposure * sum + noise, 1));
+    }
+    ffp_image_to_srgb(&out);
+    assert_true(ffp_image_write_png(&out, in_scratch(name), NULL));
+    ffp_image_free(&out);
+}
+
+static void file_of(int index, char name[64]) {
+    snprintf(name, 64, "photos/%03d.png", index);
+}
+
+static void take(int index, double exposure) {
+    const FfpShow show = {.width = PANEL_WIDTH, .height = PANEL_HEIGHT, .gray_codes = true};
+    char name[64], title[32];
+    FfpShowPart part;
+    FfpImage pattern = ffp_show_picture(&show, index, title, &part);
+    file_of(index, name);
+    photograph(name, &pattern, exposure, (uint64_t)index);
+    ffp_image_free(&pattern);
+}
+
+static void take_all(void) {
+    assert_true(ffp_make_folders(in_scratch("photos"), NULL));
+    const int n = ffp_gray_photographs(PANEL_WIDTH, PANEL_HEIGHT);
+    for (int i = 0; i < n; i++) take(i, 1);
+    for (int grey = 0; grey < 2; grey++) {
+        FfpImage plain = ffp_pattern_plain(PANEL_WIDTH, PANEL_HEIGHT, 255 * grey);
+        photograph(grey ? "white.png" : "black.png", &plain, 1, 77);
+        ffp_image_free(&plain);
+    }
+}
+
+// --- The import. ---
+
+static void put_matrix(FILE *out, const char *name, int rows, int cols, const double *values) {
+    fprintf(out, "%s: !!opencv-matrix\n   rows: %d\n   cols: %d\n   dt: d\n   data: [ ", name, rows, cols);
+    for (int i = 0; i < rows * cols; i++) fprintf(out, "%s%.16e", i ? ", " : "", values[i]);
+    fputs(" ]\n", out);
+}
+
+static void write_calibration(void) {
+    const FfpOptics *o[2] = {&camera, &projector};
+    double c2p[16], r[9], t[3];
+    ffp_pose_inverse(p2c, c2p);
+    for (int i = 0; i < 9; i++) r[i] = c2p[4 * (i / 3) + i % 3];
+    for (int i = 0; i < 3; i++) t[i] = c2p[4 * i + 3];
+    FILE *out = fopen(in_scratch("rig.yml"), "w");
+    assert_non_null(out);
+    fputs("%YAML:1.0\n---\n", out);
+    for (int k = 0; k < 2; k++) {
+        const double matrix[9] = {o[k]->fx, 0, o[k]->cx - 0.5, 0, o[k]->fy, o[k]->cy - 0.5, 0, 0, 1};
+        put_matrix(out, k ? "prjK" : "camK", 3, 3, matrix);
+        put_matrix(out, k ? "prjKc" : "camKc", 1, 5, o[k]->lens);
+    }
+    put_matrix(out, "R", 3, 3, r);
+    put_matrix(out, "T", 3, 1, t);
+    fprintf(out, "camW: %d\ncamH: %d\nprjW: %d\nprjH: %d\n", WIDTH, HEIGHT, PANEL_WIDTH, PANEL_HEIGHT);
+    fclose(out);
+}
+
+static int setup(void **state) {
+    const double turn = -0.17, c = cos(turn), s = sin(turn);
+    const double pose[16] = {c, 0, s, 0.5, 0, 1, 0, 0.1, -s, 0, c, 0, 0, 0, 0, 1};
+    memcpy(p2c, pose, sizeof pose);
+    if (scratch_setup(state)) return 1;
+    take_all();
+    write_calibration();
+    return 0;
+}
+
+typedef struct Call {
+    FfpImportSettings options;
+    char calibration[200], black[200], white[200], codes[200], folder[200];
+    const char *files[1];
+    FfpShotFiles images[2];
+} Call;
+static const char *const black[1] = {"black"}, *const white[1] = {"white"};
+
+static Call *call_of(const char *folder) {
+    static Call call;
+    call = (Call){0};
+    snprintf(call.calibration, sizeof call.calibration, "%s/rig.yml", scratch);
+    snprintf(call.black, sizeof call.black, "%s/black.png", scratch);
+    snprintf(call.white, sizeof call.white, "%s/white.png", scratch);
+    snprintf(call.codes, sizeof call.codes, "%s/photos/*.png", scratch);
+    snprintf(call.folder, sizeof call.folder, "%s/%s", scratch, folder);
+    call.files[0] = call.calibration;
+    call.images[0] = (FfpShotFiles){black, 1, call.black};
+    call.images[1] = (FfpShotFiles){white, 1, call.white};
+    call.options = (FfpImportSettings){
+        .calibrations = call.files,
+        .n_calibrations = 1,
+        .sources = {.images = call.images, .n_images = 2, .mask = FFP_MASKS_OTSU, .codes = call.codes},
+        .folder = call.folder};
+    return &call;
+}
+
+static void import(FfpCapture *capture, Call *call) {
+    if (!ffp_import(&call->options, &err)) fail_msg("%s", err.text);
+    if (!ffp_capture_read(capture, call->folder, &err)) fail_msg("%s", err.text);
+}
+
+static void must_fail(const char *what) {
+    Call *call = call_of("never");
+    const bool ok = ffp_import(&call->options, &err);
+    if (ok || !strstr(err.text, what)) printf("expected \"%s\", got: %s\n", what, ok ? "no error" : err.text);
+    assert_false(ok);
+    assert_non_null(strstr(err.text, what));
+    assert_false(ffp_is_folder(call->folder));
+}
+
+// Median distance of the correspondences from where the ball has them, pixels of the ideal projector; how
+// many.
+static int compare(const void *a, const void *b) {
+    const double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+static double positions_off(const FfpView *view, double rank, int *known) {
+    const FfpCamera *c = &view->camera, *p = &view->projector;
+    double *offs = ffp_alloc((size_t)c->width * (size_t)c->height, sizeof *offs), point[3], ray[2], strength;
+    *known = 0;
+    for (int i = 0; i < c->width * c->height; i++) {
+        const real *at = view->correspondence.data + 3 * i;
+        const double x = (i % c->width + 0.5 - (double)c->cx) / (double)c->fx,
+                     y = (i / c->width + 0.5 - (double)c->cy) / (double)c->fy;
+        if (!(at[2] > 0) || !meet(x, y, point) || !lights(point, ray, &strength)) continue;
+        offs[(*known)++] = hypot((double)(p->cx + p->fx * (real)ray[0] - at[0]),
+                                 (double)(p->cy + p->fy * (real)ray[1] - at[1]));
+    }
+    qsort(offs, (size_t)*known, sizeof *offs, compare);
+    const double off = *known > 0 ? offs[(int)(rank * (*known - 1))] : INFINITY;
+    ffp_free(offs);
+    return off;
+}
+
+// --- The tests. ---
+
+static void test_positions(void **state) {
+    (void)state;
+    FfpCapture capture;
+    int known = 0;
+    import(&capture, call_of("ball"));
+    const FfpView *view = &capture.views[0];
+    const double middle = positions_off(view, 0.5, &known), most = positions_off(view, 0.99, &known);
+    int shown = 0;
+    for (int i = 0; i < WIDTH * HEIGHT; i++) shown += view->coverage.data[i] > 0.5F;
+    printf("%d of %d pixels decoded, off by %.3f (median), %.3f (99 %%) pixels of the projector\n", known,
+           shown, middle, most);
+    assert_true(known > 0.8 * shown && middle < 0.06 && most < 0.5);
+    // Its own pattern: one of the codes, whose picture the codes explain.
+    assert_int_equal(capture.n_patterns, 3);
+    assert_string_equal(capture.patterns[2].name, "gray_x_05");
+    ffp_capture_free(&capture);
+}
+
+// Smaller pictures take the same positions along.
+static void test_narrower(void **state) {
+    (void)state;
+    FfpCapture capture;
+    Call *call = call_of("narrow");
+    int known = 0;
+    call->options.width = WIDTH / 2;
+    import(&capture, call);
+    const double middle = positions_off(&capture.views[0], 0.5, &known);
+    printf("half as wide: %d pixels, off by %.3f\n", known, middle);
+    assert_true(known > 1200 && middle < 0.06);
+    ffp_capture_free(&capture);
+}
+
+static double depth_off(const FfpCapture *capture, double *share) {
+    FfpCapture normalised = *capture;
+    FfpView view = capture->views[0];
+    const FfpMatchSettings settings = ffp_match_defaults();
+    FfpStart start;
+    double sum = 0, n = 0, there = 0, point[3];
+    normalised.views = &view;
+    ffp_capture_normalise(&normalised, capture->centre, capture->radius);
+    assert_true(ffp_start_new(&start, &normalised, 2, &settings, &err));
+    for (int i = 0; i < start.width * start.height; i++) {
+        const double x = (i % start.width + 0.5 - (double)view.camera.cx) / (double)view.camera.fx,
+                     y = (i / start.width + 0.5 - (double)view.camera.cy) / (double)view.camera.fy;
+        if (view.coverage.data[i] < 1 || !meet(x, y, point)) continue;
+        const double z = (double)(start.footprint[i] * view.camera.fx * capture->radius);
+        n++;
+        if (!(start.confidence[i] > 0)) continue;
+        sum += pow(z - point[2], 2), there++;
+    }
+    *share = there / n;
+    ffp_start_free(&start);
+    return sqrt(sum / there);
+}
+
+// Matching with codes, and with the one pattern alone.
+static void test_depth(void **state) {
+    (void)state;
+    FfpCapture capture;
+    double share, alone;
+    import(&capture, call_of("matched"));
+    const double coded = depth_off(&capture, &share);
+    ffp_image_free(&capture.views[0].correspondence);
+    const double matched = depth_off(&capture, &alone);
+    printf("depth off by %.4f with codes (%.0f %% of the pixels), %.4f without (%.0f %%)\n", coded,
+           100 * share, matched, 100 * alone);
+    assert_true(share > 0.8 && coded < 0.012 && coded < 0.3 * matched);
+    ffp_capture_free(&capture);
+}
+
+// Two stops of a table that turns about the ball's middle: both look alike.
+static void test_views(void **state) {
+    (void)state;
+    FfpCapture capture;
+    Call *call = call_of("turned");
+    FfpTurntable *turntable = ffp_alloc(1, sizeof *turntable);
+    *turntable = (FfpTurntable){.axis = {0, -1, 0}, .count = 2};
+    memcpy(turntable->point, centre, sizeof turntable->point);
+    turntable->angles[1] = 30;
+    for (int v = 0; v < 2; v++) {
+        char command[512];
+        snprintf(command, sizeof command, "cd '%s' && mkdir -p %s && cp photos/*.png black.png white.png %s/",
+                 scratch, v ? "030" : "000", v ? "030" : "000");
+        assert_int_equal(system(command), 0);
+    }
+    snprintf(call->black, sizeof call->black, "%s/{view}/black.png", scratch);
+    snprintf(call->white, sizeof call->white, "%s/{view}/white.png", scratch);
+    snprintf(call->codes, sizeof call->codes, "%s/{view}/[0-9]*.png", scratch);
+    call->options.turntable = turntable;
+    import(&capture, call);
+    int known[2] = {0};
+    const double first = positions_off(&capture.views[0], 0.5, &known[0]),
+                 second = positions_off(&capture.views[1], 0.5, &known[1]);
+    assert_true(first < 0.06 && second < 0.06 && known[0] == known[1]);
+    ffp_capture_free(&capture);
+    ffp_free(turntable);
+}
+
+static void rename_photograph(const char *from, const char *to) {
+    assert_int_equal(rename(in_scratch(from), in_scratch(to)), 0);
+}
+
+static void swap(int a, int b) {
+    char one[64], other[64];
+    file_of(a, one), file_of(b, other);
+    rename_photograph(one, "aside.png"), rename_photograph(other, one), rename_photograph("aside.png", other);
+}
+
+static void test_broken(void **state) {
+    (void)state;
+    rename_photograph("photos/005.png", "aside.png");
+    must_fail("27 files match, but a view has 28 photographs of Gray codes");
+    rename_photograph("aside.png", "photos/005.png");
+    swap(4, 10), swap(5, 11); // codes of columns in another order
+    must_fail("its stripes are broader than those of");
+    swap(4, 10), swap(5, 11);
+    swap(6, 7); // a pattern for its inverse
+    must_fail("photos/006.png");
+    assert_non_null(strstr(err.text, "have changed places"));
+    swap(6, 7);
+    swap(0, 1); // mirrors all columns: only the calibration tells
+    must_fail("beside where the calibration has them");
+    swap(0, 1);
+    take(8, 0.5);
+    must_fail("photos/008.png");
+    assert_non_null(strstr(err.text, "another exposure"));
+    take(8, 1);
+    FfpImage small = ffp_image_new(WIDTH / 2, HEIGHT, 3);
+    assert_true(ffp_image_write_png(&small, in_scratch("photos/013.png"), NULL));
+    ffp_image_free(&small);
+    must_fail("image is 80 x 120, the others have 160 x 120");
+    take(13, 1);
+    assert_true(ffp_write_file(in_scratch("photos/020.png"), "GIF89a", 6, NULL));
+    must_fail("photos/020.png");
+    take(20, 1);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_positions), cmocka_unit_test(test_narrower), cmocka_unit_test(test_depth),
+        cmocka_unit_test(test_views),     cmocka_unit_test(test_broken),
+    };
+    return cmocka_run_group_tests(tests, setup, scratch_teardown);
+}
