@@ -13,7 +13,7 @@ enum {
     ROW = BATCH + FFP_FIELD_BLOCK
 };
 #define CELL (2.0F / N)
-#define LEAST 0.1F  // density of a cell worth looking at: a 600th of the light a step
+#define LEAST 0.3F  // density of a cell worth looking at: a 200th of the light a step
 #define OPAQUE 7.0F // optical depth behind which nothing is seen
 
 FfpFieldRay ffp_field_ray(const FfpCamera *camera, real x, real y) {

@@ -16,7 +16,7 @@
 // A summed normal shorter than this share of the opacity has cancelled out and tells no direction: it is not
 // stretched to 1.
 #define FFP_NORMAL_MIN 0.05F
-#define FFP_COSINE_MIN 1e-6F // of n.l in light that does not ask for it, as GS-ProCams clamps it
+#define FFP_COSINE_MIN 1e-6F // of n.l in even light, as GS-ProCams clamps it
 
 // One lit pixel.
 typedef struct FfpLit {
@@ -31,8 +31,8 @@ typedef struct FfpLit {
     real nl, nv, nh, vh;
     bool even;    // light without its cosine and falloff (FfpMapping.even)
     bool nl_held; // then, at FFP_COSINE_MIN
-    real cosine;  // what the light is multiplied with
-    real arrives; // visibility over the square of the distance
+    real cosine;  // n.l, or 1 in even light
+    real arrives; // visibility / distance^2, or that of the Gaussians' middle
     FfpLobe lobe;
     real f[3]; // reflectance
 } FfpLit;
@@ -85,10 +85,10 @@ FFP_FORMULA bool ffp_lit_geometry(const FfpLitView *view, int x, int y, FfpLit *
     s->nl_held = s->even && !(s->nl > FFP_COSINE_MIN);
     if (s->nl_held) s->nl = FFP_COSINE_MIN;
     if (!(s->nl > 0) || !(s->h_length > 0) || !(s->in_projector[2] > 0)) return false;
-    s->cosine = s->even ? 1 : s->nl;
     s->nh = ffp_dot3(s->n, s->h), s->vh = ffp_dot3(s->v, s->h);
-    const real distance = s->even ? view->mapping->even : s->distance;
-    s->arrives = visibility / (distance * distance);
+    const real away = s->even ? view->mapping->even : s->distance;
+    s->cosine = s->even ? 1 : s->nl;
+    s->arrives = visibility / (away * away);
     ffp_project(view->projector, point, &uv[0], &uv[1]);
     return true;
 }
@@ -138,11 +138,10 @@ FFP_FORMULA void ffp_reflect_backward(const FfpLit *s, const real grad[3], FfpLi
     for (int k = 0; k < 3; k++) {
         const real arriving = grad[k] * s->arrives, through = arriving * s->opacity * s->cosine;
         d->opacity += arriving * s->f[k] * s->cosine;
+        if (!s->even) d_nl += arriving * s->f[k] * s->opacity;
         d->albedo[k] = through / FFP_PI;
         d_lobe += through;
-        if (s->even) continue;
-        d_nl += arriving * s->f[k] * s->opacity;
-        d_square -= through * s->f[k] / (s->distance * s->distance);
+        if (!s->even) d_square -= through * s->f[k] / (s->distance * s->distance);
     }
     ffp_specular_backward(&s->lobe, s, d_lobe, &d->roughness, &d_nl, &d_nv, &d_nh, &d_vh);
     if (s->nl_held) d_nl = 0;

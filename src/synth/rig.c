@@ -165,8 +165,8 @@ static void sphere_input(const FfpSceneSpec *spec, int index, FfpView *view) {
     optics(&view->camera, spec->resolution, 40);
     optics(&view->projector, spec->pattern_side, 55);
     snprintf(view->id, sizeof view->id, "sphere_%03d", index);
-    place(&view->camera, 3, acos(top + share * (bottom - top)) / DEGREE, 360 * turns * share, origin);
-    place(&view->projector, 2, 60, 0, origin);
+    ffp_rig_place(&view->camera, 3, acos(top + share * (bottom - top)) / DEGREE, 360 * turns * share, origin);
+    ffp_rig_place(&view->projector, 2, 60, 0, origin);
 }
 
 void ffp_rig_input(const FfpSceneSpec *spec, int index, FfpView *view) {
