@@ -20,6 +20,7 @@ enum { BITS_MAX = 15, LEVELS = 1024 };
 #define RESOLVED 0.5      // of the pixels must tell a bit, or it counts as too fine
 #define PAIR_LOW 0.7      // what a pattern and its inverse add up to, in white
 #define PAIR_HIGH 1.4     // and against white
+#define LINES_CHECKED 3   // edges across what is lit, by which one bit may have more than the next
 #define EDGES_CHECKED 50  // of a bit, from which its edges say something
 #define SPREAD 4          // pixels around that a lens spreads light to,
 #define SWAMPED 0.25      // and the share of theirs below which a pixel shows little else
@@ -187,12 +188,13 @@ static size_t changes(const Decoder *d, const uint8_t *signal) {
     return count;
 }
 
-// Each bit has twice the edges of the one before.
+// Each bit has twice the edges of the one before, give or take those at the rim of what is lit.
 static bool check_order(const Decoder *d, int axis, FfpError *err) {
-    size_t before = 0;
+    const double line = sqrt(d->report->lit); // pixels of an edge
+    double before = 0;
     for (int bit = 0; bit < d->bits[axis] - d->dropped[axis]; bit++) {
-        const size_t here = changes(d, d->signal[axis][bit]);
-        if (2 * before > 3 * here + EDGES_CHECKED)
+        const double here = (double)changes(d, d->signal[axis][bit]);
+        if (before > 1.5 * here + LINES_CHECKED * line)
             return ffp_fail(
                 err, FFP_ERROR_FILE, photograph(d, axis, bit, 0),
                 "its stripes are broader than those of '%.200s', which comes before it: codes are "
