@@ -16,7 +16,9 @@
 #define NEXT_STEP 0.6  // of the one before
 #define LOOKS 3        // along a way, each time
 #define REACH 1.5      // steps that a parabola may point beyond the last look
-#define ALIKE 1.005    // disagreements that differ by no more are alike: right poses, evened out
+#define FOCAL_FIRST                                                                                          \
+    0.1             // of the expected errors of poses, while focal lengths have the first half of the steps
+#define ALIKE 1.005 // disagreements that differ by no more are alike: right poses, evened out
 
 // Ways to turn. Depth: camera and projector towards each other or apart, along the line between them, which
 // moves every surface nearer or farther. Across: against each other at right angles to that. Side: together,
@@ -175,8 +177,9 @@ static bool adjust_each(Search *s, int active, const FfpAlignSettings *settings,
         const bool keep = ok && there < s->best;
         if (keep) memcpy(best, s->capture->views, size), s->best = there, better = true;
         // What a step reports is of the poses before it.
-        ok = ok &&
-             ffp_bundle_step(s->capture, given, active, &settings->expected, settings->focal, &here, err);
+        const double share = settings->focal > 0 && 2 * step < settings->steps ? FOCAL_FIRST : 1;
+        const FfpPoseErrors expected = {share * settings->expected.turn, share * settings->expected.shift};
+        ok = ok && ffp_bundle_step(s->capture, given, active, &expected, settings->focal, &here, err);
         if (ok && step == 0) report->off[0] = here.off, report->apart[0] = here.apart, kept = here;
         if (ok && keep) kept = here;
         if (ok) ffp_task_step(&progress, step, NULL);
@@ -201,8 +204,11 @@ bool ffp_align(FfpCapture *capture, int active, const FfpAlignSettings *settings
     report->before = s.best;
     if (ok && ffp_ring_fit(&ring, capture, &settings->expected)) ok = even_out(&s, &ring, report, err);
     const bool each = !report->turntable || settings->focal > 0;
-    if (ok && each && capture->n_views > 1 && capture->n_views <= FFP_BUNDLE_VIEWS_MAX)
-        ok = adjust_each(&s, active, settings, report, err);
+    const bool many = capture->n_views > FFP_BUNDLE_VIEWS_MAX;
+    if (each && many)
+        ffp_note("%d views: of more than %d none gets a pose of its own", capture->n_views,
+                 FFP_BUNDLE_VIEWS_MAX);
+    if (ok && each && capture->n_views > 1 && !many) ok = adjust_each(&s, active, settings, report, err);
     memcpy(from, capture->views, size);
     s.from = from;
     set_ways(&s, report->turntable ? ring.axis : NULL, settings->expected.turn);

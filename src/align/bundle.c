@@ -161,11 +161,15 @@ static void move_device(FfpCamera *device, const double numbers[6], double focal
     device->fx *= (real)exp(focal), device->fy *= (real)exp(focal);
 }
 
+typedef struct Looking {
+    Bundle *bundle;
+    const FfpStart *start;
+    int active;
+} Looking;
+
 static void look(void *argument, int64_t view) {
-    Bundle *bundle = ((void **)argument)[0];
-    const FfpStart *start = ((void **)argument)[1];
-    bundle->sightings[view] =
-        ffp_sightings_new(bundle->capture, start, (int)view, *(const int *)((void **)argument)[2]);
+    const Looking *l = argument;
+    l->bundle->sightings[view] = ffp_sightings_new(l->bundle->capture, l->start, (int)view, l->active);
 }
 
 static void add_all(Bundle *bundle) {
@@ -206,10 +210,11 @@ static void step(Bundle *bundle, FfpCapture *capture, FfpBundleReport *report) {
     add_all(bundle);
     tell(bundle, report);
     ffp_least_squares(bundle->a, bundle->b, bundle->n, x);
-    const double *focal = bundle->focal > 0 ? x + (ptrdiff_t)NUMBERS * bundle->views : NULL;
+    double focals[FOCALS] = {0};
+    if (bundle->focal > 0) memcpy(focals, x + (ptrdiff_t)NUMBERS * bundle->views, sizeof focals);
     for (int v = 0; v < bundle->views; v++) {
-        move_device(&capture->views[v].camera, x + (ptrdiff_t)NUMBERS * v, focal ? focal[0] : 0);
-        move_device(&capture->views[v].projector, x + (ptrdiff_t)NUMBERS * v + 6, focal ? focal[1] : 0);
+        move_device(&capture->views[v].camera, x + (ptrdiff_t)NUMBERS * v, focals[0]);
+        move_device(&capture->views[v].projector, x + (ptrdiff_t)NUMBERS * v + 6, focals[1]);
     }
     ffp_free(x);
 }
@@ -230,8 +235,8 @@ bool ffp_bundle_step(FfpCapture *capture, const FfpView *given, int active, cons
     bundle.a = ffp_alloc((size_t)bundle.n * (size_t)bundle.n, sizeof *bundle.a);
     bundle.b = ffp_alloc((size_t)bundle.n, sizeof *bundle.b);
     bundle.sightings = ffp_alloc((size_t)bundle.views, sizeof *bundle.sightings);
-    void *arguments[3] = {&bundle, start.reduced ? &start.reduced->start : &start, &active};
-    ffp_parallel_for(bundle.views, 0, look, arguments);
+    Looking looking = {&bundle, start.reduced ? &start.reduced->start : &start, active};
+    ffp_parallel_for(bundle.views, 0, look, &looking);
     step(&bundle, capture, report);
     for (int v = 0; v < bundle.views; v++) ffp_sightings_free(&bundle.sightings[v]);
     ffp_free(bundle.a), ffp_free(bundle.b), ffp_free(bundle.sightings);

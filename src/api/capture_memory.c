@@ -88,6 +88,10 @@ static bool take_view(Sources *s, const FfpCaptureData *data, int index, FfpErro
                                      capture->patterns[i].name);
     files->coverage = source_of(s, &from->mask, "view %s: %s", view->id, "mask");
     files->coverage.applied = from->masked;
+    snprintf(where, sizeof where, "view %s: correspondence", view->id);
+    if (from->correspondence.data &&
+        (from->correspondence.type != FFP_PIXELS_F32 || from->correspondence.channels != 3))
+        return ffp_fail(err, FFP_ERROR_ARGUMENT, where, "three channels of FFP_PIXELS_F32 are needed");
     files->correspondence = source_of(s, &from->correspondence, "view %s: %s", view->id, "correspondence");
     files->depth = source_of(s, &from->depth, "view %s: %s", view->id, "depth");
     return true;

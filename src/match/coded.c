@@ -37,25 +37,25 @@ static void range_of(real range[2], const FfpCapture *capture, int view, real bo
     range[0] = middle - bounds * capture->radius, range[1] = middle + bounds * capture->radius;
 }
 
-void ffp_coded_depths(real *depth, real *trust, const FfpCapture *capture, int index, real bounds) {
-    const FfpView *view = &capture->views[index];
-    if (!view->correspondence.data) return;
-    const size_t pixels = (size_t)view->camera.width * (size_t)view->camera.height;
+void ffp_coded_depths(real *depth, real *trust, const FfpCapture *capture, int view, real bounds) {
+    const FfpView *self = &capture->views[view];
+    if (!self->correspondence.data) return;
+    const size_t pixels = (size_t)self->camera.width * (size_t)self->camera.height;
     real range[2];
-    range_of(range, capture, index, bounds);
+    range_of(range, capture, view, bounds);
     for (size_t i = 0; i < pixels; i++) {
-        const real z = believed(view, i, range[0], range[1]);
-        if (z > 0) depth[i] = z, trust[i] = view->correspondence.data[3 * i + 2];
+        const real z = believed(self, i, range[0], range[1]);
+        if (z > 0) depth[i] = z, trust[i] = self->correspondence.data[3 * i + 2];
     }
 }
 
-void ffp_coded_costs(real *cost, const FfpCapture *capture, int index, const FfpForeground *foreground,
+void ffp_coded_costs(real *cost, const FfpCapture *capture, int view, const FfpForeground *foreground,
                      const FfpPlanes *planes) {
-    const FfpView *view = &capture->views[index];
-    if (!view->correspondence.data) return;
+    const FfpView *self = &capture->views[view];
+    if (!self->correspondence.data) return;
     const real last = planes->first + (real)(planes->count - 1) * planes->step;
     for (size_t slot = 0; slot < foreground->count; slot++) {
-        const real z = believed(view, foreground->pixel[slot], planes->first, last);
+        const real z = believed(self, foreground->pixel[slot], planes->first, last);
         real *row = cost + slot * (size_t)planes->count;
         if (!(z > 0)) continue;
         const real at = (z - planes->first) / planes->step;

@@ -23,7 +23,7 @@ int ffp_gray_edge_bit(const FfpGrayAxis *axis, int a, int b) {
 static float edge_between(const FfpGrayAxis *axis, size_t from, size_t to) {
     const int bit = ffp_gray_edge_bit(axis, axis->code[from], axis->code[to]);
     if (bit < 0) return -1;
-    const int a = axis->signal[bit][from], b = axis->signal[bit][to];
+    const int a = ffp_gray_signal(axis->signal[bit][from]), b = ffp_gray_signal(axis->signal[bit][to]);
     return a != b ? (float)a / (float)(a - b) : -1;
 }
 

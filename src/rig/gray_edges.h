@@ -4,13 +4,19 @@
 
 #include <stdint.h>
 
+// How much brighter the pattern is than its inverse, in 1/127 of white: -127 to 127, kept as a byte.
+#define FFP_GRAY_NONE 128
+static inline int ffp_gray_signal(uint8_t byte) {
+    return (int)byte - FFP_GRAY_NONE;
+}
+
 // One axis of a decoded view.
 typedef struct FfpGrayAxis {
-    int width, height;           // of the photographs
-    int bits, block;             // that are used; panel pixels that share a code
-    const int8_t *const *signal; // [bits][h,w] pattern against inverse, -127 to 127
-    const int *code;             // [h,w] number of the block; -1: not decoded
-    const float *light;          // [h,w] that white adds to black: how well a signal is known; 0: not at all
+    int width, height;            // of the photographs
+    int bits, block;              // that are used; panel pixels that share a code
+    const uint8_t *const *signal; // [bits][h,w] pattern against inverse, ffp_gray_signal
+    const int *code;              // [h,w] number of the block; -1: not decoded
+    const float *light;           // [h,w] that white adds to black: how well a signal is known; 0: not at all
 } FfpGrayAxis;
 
 // Bit in which the codes of two neighbouring blocks differ; -1 where they are no neighbours.

@@ -20,6 +20,7 @@ enum { BITS_MAX = 15, LEVELS = 1024 };
 #define RESOLVED 0.5      // of the pixels must tell a bit, or it counts as too fine
 #define PAIR_LOW 0.7      // what a pattern and its inverse add up to, in white
 #define PAIR_HIGH 1.4     // and against white
+#define LINES_CHECKED 3   // edges across what is lit, by which one bit may have more than the next
 #define EDGES_CHECKED 50  // of a bit, from which its edges say something
 #define SPREAD 4          // pixels around that a lens spreads light to,
 #define SWAMPED 0.25      // and the share of theirs below which a pixel shows little else
@@ -29,10 +30,10 @@ typedef struct Decoder {
     const FfpGrayPhotographs *from;
     int width, height, bits[2];
     size_t pixels;
-    float *black, *light;        // [h,w] grey; light: white - black, 0 where a pixel is not lit
-    double typical;              // of the light
-    int8_t *signal[2][BITS_MAX]; // [h,w]
-    int *code[2];                // [h,w] blocks; -1: not decoded
+    float *black, *light;         // [h,w] grey; light: white - black, 0 where a pixel is not lit
+    double typical;               // of the light
+    uint8_t *signal[2][BITS_MAX]; // [h,w]
+    int *code[2];                 // [h,w] blocks; -1: not decoded
     int dropped[2];
     FfpGrayReport *report;
 } Decoder;
@@ -129,11 +130,11 @@ static bool check_pair(const Decoder *d, int axis, int bit, const float *const p
 }
 
 static void take_signal(Decoder *d, int axis, int bit, const float *const pair[2]) {
-    int8_t *signal = d->signal[axis][bit] = ffp_alloc(d->pixels, 1);
+    uint8_t *signal = d->signal[axis][bit] = ffp_alloc(d->pixels, 1);
     for (size_t i = 0; i < d->pixels; i++) {
         if (!(d->light[i] > 0)) continue;
         const float s = (pair[0][i] - pair[1][i]) / d->light[i];
-        signal[i] = (int8_t)lrintf(127 * fmaxf(-1, fminf(s, 1)));
+        signal[i] = (uint8_t)(FFP_GRAY_NONE + lrintf(127 * fmaxf(-1, fminf(s, 1))));
     }
 }
 
@@ -165,31 +166,35 @@ static void drop_fine_bits(Decoder *d, int axis) {
     int bit = d->bits[axis] - 1;
     for (; bit > 0; bit--) {
         size_t told = 0;
-        for (size_t i = 0; i < d->pixels; i++) told += d->light[i] > 0 && abs(d->signal[axis][bit][i]) > WEAK;
+        for (size_t i = 0; i < d->pixels; i++)
+            told += d->light[i] > 0 && abs(ffp_gray_signal(d->signal[axis][bit][i])) > WEAK;
         if ((double)told >= RESOLVED * d->report->lit) break;
     }
     d->dropped[axis] = d->report->dropped[axis] = d->bits[axis] - 1 - bit;
 }
 
 // Between how many neighbouring bright pixels a bit changes.
-static size_t changes(const Decoder *d, const int8_t *signal) {
+static size_t changes(const Decoder *d, const uint8_t *signal) {
     const double least = BRIGHT * d->typical;
     const size_t width = (size_t)d->width;
     size_t count = 0;
     for (size_t i = 0; i + width < d->pixels; i++) {
         if ((double)d->light[i] < least || (i + 1) % width == 0) continue;
-        count += (double)d->light[i + 1] >= least && (signal[i] > 0) != (signal[i + 1] > 0);
-        count += (double)d->light[i + width] >= least && (signal[i] > 0) != (signal[i + width] > 0);
+        count += (double)d->light[i + 1] >= least &&
+                 (signal[i] > FFP_GRAY_NONE) != (signal[i + 1] > FFP_GRAY_NONE);
+        count += (double)d->light[i + width] >= least &&
+                 (signal[i] > FFP_GRAY_NONE) != (signal[i + width] > FFP_GRAY_NONE);
     }
     return count;
 }
 
-// Each bit has twice the edges of the one before.
+// Each bit has twice the edges of the one before, give or take those at the rim of what is lit.
 static bool check_order(const Decoder *d, int axis, FfpError *err) {
-    size_t before = 0;
+    const double line = sqrt(d->report->lit); // pixels of an edge
+    double before = 0;
     for (int bit = 0; bit < d->bits[axis] - d->dropped[axis]; bit++) {
-        const size_t here = changes(d, d->signal[axis][bit]);
-        if (2 * before > 3 * here + EDGES_CHECKED)
+        const double here = (double)changes(d, d->signal[axis][bit]);
+        if (before > 1.5 * here + LINES_CHECKED * line)
             return ffp_fail(
                 err, FFP_ERROR_FILE, photograph(d, axis, bit, 0),
                 "its stripes are broader than those of '%.200s', which comes before it: codes are "
@@ -207,7 +212,7 @@ static int code_of(const Decoder *d, int axis, size_t pixel) {
     bool bits[BITS_MAX];
     int weak = 0;
     for (int bit = 0; bit < used; bit++) {
-        const int s = d->signal[axis][bit][pixel];
+        const int s = ffp_gray_signal(d->signal[axis][bit][pixel]);
         bits[bit] = s > 0;
         weak += abs(s) <= WEAK;
     }
@@ -340,7 +345,7 @@ static void find_positions(Decoder *d, FfpImage *map) {
                                 d->height,
                                 d->bits[axis] - d->dropped[axis],
                                 1 << d->dropped[axis],
-                                (const int8_t *const *)d->signal[axis],
+                                (const uint8_t *const *)d->signal[axis],
                                 d->code[axis],
                                 d->light};
         ffp_gray_positions(position, &of);

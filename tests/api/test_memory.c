@@ -244,6 +244,13 @@ static void test_wrong_data_is_refused_by_name(void **state) {
     memcpy(other, whole.photographs[0], sizeof other);
     other[0].row_bytes = 5;
     WRONG(r.views[0].photographs = other, "rows of 5 bytes");
+    // Positions in the projector: floats, three channels, of the camera's size, near the projector's picture.
+    static float map[8 * 8 * 3] = {1e5F, 0, 1};
+    const FfpPicture wrong = {.data = map, .width = 8, .height = 8, .channels = 3, .type = FFP_PIXELS_F32};
+    WRONG(r.views[0].correspondence = wrong, "correspondence");
+    WRONG(r.views[0].correspondence = wrong; r.views[0].correspondence.channels = 1, "three channels");
+    WRONG(r.views[0].correspondence = wrong;
+          r.views[0].correspondence.type = FFP_PIXELS_U8, "three channels");
     free_rebuilt(&whole);
     ffp_capture_close(files);
 

@@ -45,6 +45,26 @@ static void test_a_capture_like_the_given_one(void **state) {
                      0);
 }
 
+// Focal lengths change, a little and alike in all views, and are written.
+static void test_focal_lengths(void **state) {
+    (void)state;
+    char path[128];
+    FfpCapture given, aligned;
+    assert_int_equal(run_format(&run, "align %s/tiny -o %s/focal --focal", scratch, scratch), 0);
+    snprintf(path, sizeof path, "%s/tiny", scratch);
+    assert_true(ffp_capture_read(&given, path, NULL));
+    snprintf(path, sizeof path, "%s/focal", scratch);
+    assert_true(ffp_capture_read(&aligned, path, NULL));
+    const float factor = aligned.views[0].camera.fx / given.views[0].camera.fx;
+    printf("%s", run.out);
+    assert_true(factor > 0.97F && factor < 1.03F);
+    assert_int_equal(factor != 1, strstr(run.out, "focal ") != NULL);
+    for (int v = 1; v < given.n_views; v++)
+        assert_true(fabsf(aligned.views[v].camera.fx / given.views[v].camera.fx - factor) < 1e-5F);
+    ffp_capture_free(&given);
+    ffp_capture_free(&aligned);
+}
+
 static void test_refusals_come_before_the_work(void **state) {
     (void)state;
     assert_int_equal(run_format(&run, "align %s/tiny -o %s/tiny", scratch, scratch), 1);
@@ -65,6 +85,7 @@ static void test_refusals_come_before_the_work(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_a_capture_like_the_given_one),
+        cmocka_unit_test(test_focal_lengths),
         cmocka_unit_test(test_refusals_come_before_the_work),
     };
     return cmocka_run_group_tests(tests, group_setup, scratch_teardown);

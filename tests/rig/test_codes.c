@@ -5,6 +5,9 @@
 #include "scratch.h"
 #include "base/alloc.h"
 #include "base/rng.h"
+#include "base/motion.h"
+#include "match/coded.h"
+#include "match/line.h"
 #include "match/match.h"
 #include "patterns/patterns.h"
 #include "rig/graycode.h"
@@ -331,6 +334,92 @@ static void swap(int a, int b) {
     rename_photograph(one, "aside.png"), rename_photograph(other, one), rename_photograph("aside.png", other);
 }
 
+// What a capture's file may hold.
+static void test_bad_correspondences(void **state) {
+    (void)state;
+    FfpCapture capture;
+    Call *call = call_of("spoilt");
+    char path[300];
+    import(&capture, call);
+    snprintf(path, sizeof path, "%s/000_correspondence.exr", call->folder);
+    FfpImage *map = &capture.views[0].correspondence;
+    map->data[2] = 1.5F;
+    FfpCapture again;
+    assert_true(ffp_image_write_exr(map, path, NULL));
+    assert_false(ffp_capture_read(&again, call->folder, &err));
+    assert_non_null(strstr(err.text, "trust (the third channel) is outside 0 to 1"));
+    assert_non_null(strstr(err.text, "000_correspondence.exr"));
+    map->data[2] = 1, map->data[0] = -5000;
+    assert_true(ffp_image_write_exr(map, path, NULL));
+    assert_false(ffp_capture_read(&again, call->folder, &err));
+    assert_non_null(strstr(err.text, "far outside the projector's"));
+    FfpImage small = ffp_image_new(8, 8, 3);
+    assert_true(ffp_image_write_exr(&small, path, NULL));
+    ffp_image_free(&small);
+    assert_false(ffp_capture_read(&again, call->folder, &err));
+    assert_non_null(strstr(err.text, "image is 8 x 8"));
+    ffp_capture_free(&capture);
+}
+
+// Root mean square distance of the board's points from their plane, the farthest hundredth left out.
+static double board_off(const FfpView *view, int *known) {
+    enum { LEFT = 250, TOP = 205, RIGHT = 955, BOTTOM = 765 };
+    double a[16] = {0}, b[4] = {0}, x[3], *offs = ffp_alloc((RIGHT - LEFT) * (BOTTOM - TOP), sizeof *offs),
+           sum = 0;
+    for (int round = 0; round < 2; round++) {
+        *known = 0;
+        for (int j = TOP; j < BOTTOM; j++)
+            for (int i = LEFT; i < RIGHT; i++) {
+                real off, point[3];
+                const real z =
+                    ffp_coded_depth(view, (size_t)j * (size_t)view->camera.width + (size_t)i, &off);
+                if (!(z > 0)) continue;
+                ffp_point_at(&view->camera, (real)i + 0.5F, (real)j + 0.5F, z, point);
+                // z = x0 + x1 u + x2 v in metres, u and v across the board
+                const double row[3] = {1, (double)point[0] / 1000, (double)point[1] / 1000};
+                const double height = (double)point[2] / 1000 - 3.6;
+                if (round == 0)
+                    for (int k = 0; k < 3; k++) {
+                        b[k] -= row[k] * height;
+                        for (int m = 0; m < 3; m++) a[3 * k + m] += row[k] * row[m];
+                    }
+                else
+                    offs[*known] = fabs(height - x[0] - x[1] * row[1] - x[2] * row[2]) /
+                                   sqrt(1 + x[1] * x[1] + x[2] * x[2]);
+                ++*known;
+            }
+        if (round == 0) ffp_least_squares(a, b, 3, x);
+    }
+    qsort(offs, (size_t)*known, sizeof *offs, compare);
+    const int kept = (int)(0.99 * *known);
+    for (int i = 0; i < kept; i++) sum += offs[i] * offs[i];
+    ffp_free(offs);
+    return 1000 * sqrt(sum / kept);
+}
+
+// A real board 3.6 m away: millimetres.
+static void test_real_board(void **state) {
+    (void)state;
+    char root[1024], files[4][1100];
+    if (!shared_path(root, "real/kamino410/sample")) skip();
+    Call *call = call_of("board");
+    FfpCapture capture;
+    int known = 0;
+    static const char *const names[4] = {"opencv_reference.xml", "capture_0/graycode_41.jpg",
+                                         "capture_0/graycode_40.jpg", "capture_0/graycode_[0-3]*.jpg"};
+    for (int i = 0; i < 4; i++) snprintf(files[i], sizeof files[i], "%s/%s", root, names[i]);
+    call->files[0] = files[0];
+    call->images[0].files = files[1], call->images[1].files = files[2];
+    call->options.sources.codes = files[3];
+    call->options.projector = (FfpPictureSize){.width = 1024, .height = 768};
+    call->options.linear_images = true;
+    import(&capture, call);
+    const double off = board_off(&capture.views[0], &known);
+    printf("%d points of the board, %.2f mm from their plane\n", known, off);
+    assert_true(known > 300000 && off < 0.9);
+    ffp_capture_free(&capture);
+}
+
 static void test_broken(void **state) {
     (void)state;
     rename_photograph("photos/005.png", "aside.png");
@@ -362,8 +451,10 @@ static void test_broken(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_positions), cmocka_unit_test(test_narrower), cmocka_unit_test(test_depth),
-        cmocka_unit_test(test_views),     cmocka_unit_test(test_broken),
+        cmocka_unit_test(test_positions),  cmocka_unit_test(test_narrower),
+        cmocka_unit_test(test_depth),      cmocka_unit_test(test_views),
+        cmocka_unit_test(test_broken),     cmocka_unit_test(test_bad_correspondences),
+        cmocka_unit_test(test_real_board),
     };
     return cmocka_run_group_tests(tests, setup, scratch_teardown);
 }
