@@ -13,6 +13,9 @@ install(TARGETS ffprocams_shared EXPORT ffprocams-shared
         LIBRARY COMPONENT runtime NAMELINK_COMPONENT development INCLUDES DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
 install(TARGETS ffprocams_static EXPORT ffprocams-static
         ARCHIVE COMPONENT development INCLUDES DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
+if(TARGET ffprocams_opencv)
+  install(TARGETS ffprocams_opencv LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT runtime)
+endif()
 install(DIRECTORY include/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} COMPONENT development FILES_MATCHING PATTERN "*.h")
 install(FILES models/small.safetensors DESTINATION ${data_folder}/models COMPONENT runtime)
 install(DIRECTORY data/sample data/sculpture DESTINATION ${data_folder} COMPONENT runtime)

@@ -45,6 +45,9 @@ file(CREATE_LINK ${PROJECT_SOURCE_DIR}/models ${PROJECT_BINARY_DIR}/models SYMBO
 file(GLOB cli_sources CONFIGURE_DEPENDS src/cli/*.c)
 add_executable(ffprocams ${cli_sources})
 target_link_libraries(ffprocams PRIVATE ffp_compile ffprocams_shared m)
+if(TARGET ffprocams_opencv)
+  add_dependencies(ffprocams ffprocams_opencv)
+endif()
 
 # pages/*.1 and pages/ffprocams-completion.bash: the program writes them itself, from its tables of options.
 if(NOT CMAKE_CROSSCOMPILING)

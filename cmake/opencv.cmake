@@ -1,4 +1,4 @@
-# OpenCV for `calibrate`, optional: FFP_OPENCV_LIBRARIES and FFP_OPENCV_INCLUDE, both empty without it. Debian's
+# The module with OpenCV's part of `calibrate` (src/calibrate/opencv_module.h), beside the library; optional. Debian's
 # libopencv-calib3d-dev has headers and libraries but no OpenCVConfig.cmake, so they are looked for by name too.
 set(FFPROCAMS_OPENCV AUTO CACHE STRING "OpenCV, for `ffprocams calibrate`: AUTO (where it is there), ON (needed) or OFF")
 set_property(CACHE FFPROCAMS_OPENCV PROPERTY STRINGS AUTO ON OFF)
@@ -28,6 +28,12 @@ if(NOT FFPROCAMS_OPENCV STREQUAL "OFF" AND CMAKE_CXX_COMPILER)
 endif()
 if(FFP_OPENCV_LIBRARIES)
   enable_language(CXX)
+  add_library(ffprocams_opencv MODULE src/calibrate/opencv.cc)
+  set_target_properties(ffprocams_opencv PROPERTIES OUTPUT_NAME ffprocams-opencv CXX_STANDARD 17)
+  target_include_directories(ffprocams_opencv PRIVATE src include)
+  target_include_directories(ffprocams_opencv SYSTEM PRIVATE ${FFP_OPENCV_INCLUDE})
+  target_link_libraries(ffprocams_opencv PRIVATE ffp_compile ${FFP_OPENCV_LIBRARIES})
+  add_dependencies(ffp_calibrate ffprocams_opencv) # whoever can load it has it
 elseif(FFPROCAMS_OPENCV STREQUAL "ON")
   message(FATAL_ERROR "FFPROCAMS_OPENCV is ON, but there is no OpenCV with core, imgproc and calib3d, or no C++ compiler")
 else()

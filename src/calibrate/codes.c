@@ -78,6 +78,18 @@ static bool try_pair(const FfpCodeShots *shots, int at, FfpImage pair[2], double
     return true;
 }
 
+// Whether a picture is nowhere much darker than black nor brighter than white.
+static bool lies_between(const FfpImage *image, const FfpImage *black, const FfpImage *white) {
+    const size_t pixels = (size_t)black->width * (size_t)black->height;
+    size_t lit = 0, outside = 0;
+    if (image->width != black->width || image->height != black->height) return true; // is said later
+    for (size_t i = 0; i < pixels; i++) {
+        lit += white->data[i] - black->data[i] > LIT;
+        outside += image->data[i] < black->data[i] - LIT || image->data[i] > white->data[i] + LIT;
+    }
+    return (double)outside < (1 - BRIGHTER) * (double)lit;
+}
+
 static double mean(const FfpImage *image) {
     const size_t pixels = (size_t)image->width * (size_t)image->height;
     double sum = 0;
@@ -107,8 +119,10 @@ bool ffp_code_shots_open(const FfpCodeShots *shots, FfpImage *black, FfpImage *w
         at_front = mean(&front[1]) - mean(&front[0]) > mean(&back[1]) - mean(&back[0]);
     *first = at_front ? 2 : 0;
     FfpImage *keep = at_front ? front : back, *drop = at_front ? back : front;
+    const bool plain = fmax(shares[0], shares[1]) >= BRIGHTER && lies_between(&drop[0], &keep[0], &keep[1]) &&
+                       lies_between(&drop[1], &keep[0], &keep[1]);
     ffp_image_free(&drop[0]), ffp_image_free(&drop[1]);
-    if (fmax(shares[0], shares[1]) < BRIGHTER) {
+    if (!plain) {
         ffp_image_free(&keep[0]), ffp_image_free(&keep[1]);
         return ffp_fail(
             err, FFP_ERROR_FILE, shots->files[0],
@@ -125,17 +139,24 @@ typedef struct Pair {
     const char *files[2];
 } Pair;
 
-// Code and inverse light every pixel as black and white together do, whatever their stripes. Where they do
-// not, and all one way, the light was another one; both ways, they are not each other's inverse.
+static real light_of(const FfpImage *grey, size_t pixel) {
+    return ffp_srgb_decode(grey->data[pixel]);
+}
+
+// Code and inverse light every pixel as black and white together do, whatever their stripes; of light, since
+// stripes that the camera does not resolve are grey in both. Where they do not, and all one way, the light
+// was another one; both ways, they are not each other's inverse.
 static bool check_sums(const Pair *p, const unsigned char *region, FfpError *err) {
     const size_t pixels = (size_t)p->black->width * (size_t)p->black->height;
     size_t lit = 0, over = 0, under = 0;
     for (size_t i = 0; i < pixels; i++) {
         const real black = p->black->data[i], range = p->white->data[i] - black;
         if (!region[i] || range < 2 * LIT) continue;
-        const real off = p->code->data[i] + p->inverse->data[i] - p->white->data[i] - black;
+        const real full = light_of(p->white, i) - light_of(p->black, i);
+        const real off =
+            (light_of(p->code, i) + light_of(p->inverse, i) - 2 * light_of(p->black, i)) / full - 1;
         lit++;
-        over += off > SUM_OFF * range, under += off < -SUM_OFF * range;
+        over += off > SUM_OFF, under += off < -SUM_OFF;
     }
     const double wrong = (double)(over + under), most = (double)(over > under ? over : under);
     if (wrong <= SUM_SHARE * (double)lit) return true;

@@ -1,11 +1,13 @@
-// OpenCV's part of a calibration. No exception leaves this file.
-#include "calibrate/opencv.h"
+// OpenCV's part of a calibration, a module of its own. No exception leaves this file, and no call of the
+// library is left from inside it, since it takes no memory of theirs.
+#include "calibrate/opencv_module.h"
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
+#include <exception>
 #include <new>
 #include <vector>
-#include <omp.h>
 #include <opencv2/calib3d.hpp>
 #include <opencv2/imgproc.hpp>
 
@@ -19,27 +21,32 @@ int quiet(int, const char *, const char *, const char *, int, void *) {
     return 0;
 }
 
-// Does the work; what OpenCV throws becomes an error, and is not printed. One thread: its fits solve
-// thousands of small systems by LAPACK, whose threads would only wait for each other.
-template <class Work> bool guarded(const char *what, FfpError *err, const Work &work) {
+FfpCvOutcome failed(FfpCvMessage *message, const char *what, const char *why) {
+    std::snprintf(message->text, sizeof message->text, "%s: %s", what, why);
+    return FFP_CV_FAILED;
+}
+
+FfpCvOutcome no_memory(FfpCvMessage *message, const char *what) {
+    std::snprintf(message->text, sizeof message->text, "%s", what);
+    return FFP_CV_NO_MEMORY;
+}
+
+// Does the work; what OpenCV throws becomes a message, and is not printed.
+template <class Work> FfpCvOutcome guarded(const char *what, FfpCvMessage *message, const Work &work) {
     const cv::ErrorCallback before = cv::redirectError(quiet);
-    const int threads = omp_get_max_threads();
-    omp_set_num_threads(1);
-    bool ok = true;
+    FfpCvOutcome outcome = FFP_CV_DONE;
     try {
         work();
     } catch (const std::bad_alloc &) {
-        ok = ffp_fail(err, FFP_ERROR_MEMORY, NULL, "out of memory while %s", what);
+        outcome = no_memory(message, what);
     } catch (const cv::Exception &e) {
-        ok = e.code == cv::Error::StsNoMem
-                 ? ffp_fail(err, FFP_ERROR_MEMORY, NULL, "out of memory while %s", what)
-                 : ffp_fail(err, FFP_ERROR_FILE, NULL, "OpenCV failed while %s: %s", what, e.err.c_str());
+        outcome =
+            e.code == cv::Error::StsNoMem ? no_memory(message, what) : failed(message, what, e.err.c_str());
     } catch (const std::exception &e) {
-        ok = ffp_fail(err, FFP_ERROR_FILE, NULL, "failed while %s: %s", what, e.what());
+        outcome = failed(message, what, e.what());
     }
-    omp_set_num_threads(threads);
     cv::redirectError(before);
-    return ok;
+    return outcome;
 }
 
 // Least distance between neighbours along rows and columns.
@@ -109,16 +116,10 @@ void store(const cv::Mat &from, double *to, int n) {
     for (int i = 0; i < n && i < flat.cols; i++) to[i] = flat.at<double>(i);
 }
 
-} // namespace
-
-bool ffp_cv_there(FfpError *) {
-    return true;
-}
-
-bool ffp_cv_chessboard(const unsigned char *grey, int width, int height, int columns, int rows,
-                       double *corners, bool *found, FfpError *err) {
+FfpCvOutcome chessboard(const unsigned char *grey, int width, int height, int columns, int rows,
+                        double *corners, bool *found, FfpCvMessage *message) {
     *found = false;
-    return guarded("looking for a chessboard", err, [&] {
+    return guarded("looking for a chessboard", message, [&] {
         const cv::Mat picture(height, width, CV_8U, const_cast<unsigned char *>(grey));
         std::vector<cv::Point2f> points;
         if (!search(picture, columns, rows, points) || (int)points.size() != columns * rows) return;
@@ -133,10 +134,10 @@ bool ffp_cv_chessboard(const unsigned char *grey, int width, int height, int col
     });
 }
 
-bool ffp_cv_homography(const double *from, const double *to, int n, double tolerance, double h[9],
-                       unsigned char *inside, bool *found, FfpError *err) {
+FfpCvOutcome homography(const double *from, const double *to, int n, double tolerance, double h[9],
+                        unsigned char *inside, bool *found, FfpCvMessage *message) {
     *found = false;
-    return guarded("fitting a homography", err, [&] {
+    return guarded("fitting a homography", message, [&] {
         if (n < 4) return;
         const cv::Mat a(n, 1, CV_64FC2, const_cast<double *>(from)),
             b(n, 1, CV_64FC2, const_cast<double *>(to));
@@ -149,9 +150,9 @@ bool ffp_cv_homography(const double *from, const double *to, int n, double toler
     });
 }
 
-bool ffp_cv_calibrate(const FfpCvViews *views, unsigned fixed, FfpCvDevice *device, double *poses,
-                      FfpError *err) {
-    return guarded("fitting a device", err, [&] {
+FfpCvOutcome calibrate(const FfpCvViews *views, unsigned fixed, FfpCvDevice *device, double *poses,
+                       FfpCvMessage *message) {
+    return guarded("fitting a device", message, [&] {
         cv::Mat matrix = cv::Mat::eye(3, 3, CV_64F),
                 lens = cv::Mat::zeros(1, 5, CV_64F); // fixed terms stay so
         cv::Mat deviations, poses_deviations, errors;
@@ -169,9 +170,9 @@ bool ffp_cv_calibrate(const FfpCvViews *views, unsigned fixed, FfpCvDevice *devi
     });
 }
 
-bool ffp_cv_pair(const FfpCvViews *views, const FfpCvDevice *first, const FfpCvDevice *second, double r[9],
-                 double t[3], double *rms, double *whole, FfpError *err) {
-    return guarded("fitting the projector's pose", err, [&] {
+FfpCvOutcome fit_pair(const FfpCvViews *views, const FfpCvDevice *first, const FfpCvDevice *second,
+                      double r[9], double t[3], double *rms, double *whole, FfpCvMessage *message) {
+    return guarded("fitting the projector's pose", message, [&] {
         cv::Mat m[2] = {matrix_of(first), matrix_of(second)}, lens[2] = {lens_of(first), lens_of(second)};
         cv::Mat rotation, translation, essential, fundamental, errors;
         *whole = cv::stereoCalibrate(boards_of(views), pictures_of(views, views->first),
@@ -182,4 +183,12 @@ bool ffp_cv_pair(const FfpCvViews *views, const FfpCvDevice *first, const FfpCvD
         store(translation, t, 3);
         store(errors, rms, 2 * views->n);
     });
+}
+
+const FfpCvModule table = {FFP_CV_MODULE_VERSION, chessboard, homography, calibrate, fit_pair};
+
+} // namespace
+
+extern "C" __attribute__((visibility("default"))) const FfpCvModule *ffp_cv_module(void) {
+    return &table;
 }

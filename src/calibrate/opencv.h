@@ -1,7 +1,7 @@
 // What is OpenCV's in a calibration: corners of a chessboard, homographies, and the fits of one device and of
-// two. Behind it stands opencv.cc, or opencv_absent.c in a build without OpenCV. Pixel centres lie at
-// integers here, as OpenCV has them. Nothing here takes memory of the call's, so that no call is left from
-// inside C++: what comes out goes into the caller's arrays.
+// two. Behind it stands a module (opencv_module.h), which is loaded when it is first wanted. Pixel centres
+// lie at integers here, as OpenCV has them. Nothing here takes memory of the call's, so that no call is left
+// from inside C++: what comes out goes into the caller's arrays.
 #ifndef FFP_CALIBRATE_OPENCV_H
 #define FFP_CALIBRATE_OPENCV_H
 
@@ -12,7 +12,7 @@
 extern "C" {
 #endif
 
-// False with an error that says what to install: in a build without OpenCV.
+// False with an error that says what to install: there is no module.
 bool ffp_cv_there(FfpError *err);
 
 // The inner corners of a chessboard, `columns` x `rows`, in an 8-bit grey picture: *found, and `corners`

@@ -128,6 +128,11 @@ static const FfpOption options[] = {
      .least = 1e-9,
      .most = 1e9,
      .help = "side of a square as measured on the print; its unit becomes the calibration's"},
+    {.name = "report",
+     .argument = "FILE.html",
+     .type = FFP_OPTION_FILE,
+     .offset = offsetof(Arguments, rig.report),
+     .help = "a page with corners, their errors enlarged, and what of both fields was covered"},
     {.name = "projector",
      .argument = "WxH",
      .type = FFP_OPTION_PARSED,
@@ -145,11 +150,6 @@ static const FfpOption options[] = {
      .help =
          "the calibration, for `ffprocams import -c FILE`: OpenCV's FileStorage, XML, or YAML where the name "
          "ends with .yml or .yaml"},
-    {.name = "report",
-     .argument = "FILE.html",
-     .type = FFP_OPTION_FILE,
-     .offset = offsetof(Arguments, rig.report),
-     .help = "a page with corners, their errors enlarged, and what of both fields was covered"},
     {.name = "fix",
      .argument = "TERM",
      .type = FFP_OPTION_PARSED,
@@ -219,15 +219,15 @@ const FfpCommand ffp_cli_calibrate = {
                  "folder of such folders"},
     .options = options,
     .examples =
-        (const FfpExample[]){
-            {.command = "ffprocams calibrate shots -o calibration.xml --board 9x6 --square 25 "
-                        "\\\n--projector 1280x800 "
-                        "--report calibration.html"},
-            {.about = "And the axis of the turntable, for import -t axis.json:",
-             .command =
-                 "ffprocams calibrate -c calibration.xml --board 9x6 --square 25 \\\n--turntable-board table "
-                 "--angles 12x30 --turntable-output axis.json"},
-            {0}},
+        (const FfpExample[]){{.command =
+                                  "ffprocams calibrate shots -o calibration.xml --board 9x6 --square 25 "
+                                  "\\\n    --projector 1280x800 "
+                                  "--report calibration.html"},
+                             {.about = "And the axis of the turntable, for import -t axis.json:",
+                              .command = "ffprocams calibrate -c calibration.xml --board 9x6 --square 25 "
+                                         "\\\n    --turntable-board table "
+                                         "--angles 12x30 --turntable-output axis.json"},
+                             {0}},
     .size = sizeof(Arguments),
     .set_defaults = set_defaults,
     .run = run,

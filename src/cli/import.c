@@ -107,7 +107,8 @@ static const FfpOption options[] = {
      .offset = offsetof(Arguments, calibrations),
      .group = CALIBRATION,
      .help = "again where the calibration is in several files. Read are OpenCV FileStorage (YAML, XML, JSON) "
-             "of procam-calibration, single-shot-pro-cam-calib, Moreno-Taubin, Calibrator and OpenCV's "
+             "of `ffprocams calibrate`, procam-calibration, single-shot-pro-cam-calib, Moreno-Taubin, "
+             "Calibrator and OpenCV's "
              "samples; params.yml of DeProCams; COLMAP's text model (its folder); transforms.json of nepmap; "
              "cameras.json and projector.json of GS-ProCams"},
     {.name = "projector-image",
@@ -174,8 +175,8 @@ static const FfpOption options[] = {
          "find the axis from the pictures; --turntable then has the angles alone (8x45). GUESS: "
          "AX,AY,AZ,PX,PY,PZ. Reports how certain it is, and refuses what it cannot tell: fewer than three "
          "angles, an object that is round about many axes, silhouettes or patterns that no axis explains. "
-         "Then fit it on another object, or measure it (calibrate a chessboard on the table at several "
-         "angles: its poses turn about the axis), and give it in --turntable"},
+         "Then fit it on another object, or measure it (`ffprocams calibrate --turntable-board`: a "
+         "chessboard on the table at several angles), and give it in --turntable"},
     {.name = "images",
      .letter = 'i',
      .argument = "NAMES=FILES",

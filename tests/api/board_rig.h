@@ -48,7 +48,7 @@ static Placed placed(double x, double y, double z, double tx, double ty, double 
 static void undistorted(const Device *d, double px, double py, double ray[3]) {
     const double x = (px - d->cx) / d->fx, y = (py - d->cy) / d->fy;
     ray[0] = x, ray[1] = y, ray[2] = 1;
-    for (int i = 0; i < 20; i++) {
+    for (int i = 0; i < 12; i++) {
         double u, v;
         ffp_lens_distort(d->lens, ray[0], ray[1], &u, &v);
         ray[0] += x - u, ray[1] += y - v;
@@ -69,6 +69,18 @@ typedef struct Sample {
     int column, row;     // -1: outside the panel
 } Sample;
 
+// The rays of all samples, worked out once.
+static const double *camera_rays(void) {
+    static double rays[3 * CAMERA_W * CAMERA_H * SUB * SUB];
+    const bool done = rays[2] != 0; // z is 1 then
+    for (int i = 0; !done && i < CAMERA_W * CAMERA_H * SUB * SUB; i++) {
+        const int pixel = i / (SUB * SUB), k = i % (SUB * SUB), x = pixel % CAMERA_W, y = pixel / CAMERA_W;
+        undistorted(&camera, x + (k % SUB + 0.5) / SUB - 0.5, y + (k / SUB + 0.5) / SUB - 0.5,
+                    rays + 3 * (size_t)i);
+    }
+    return rays;
+}
+
 // What each sample of the camera's pixels sees. [CAMERA_H * CAMERA_W * SUB * SUB]
 static Sample *see(const Placed *board) {
     Sample *samples = ffp_alloc((size_t)CAMERA_W * CAMERA_H * SUB * SUB, sizeof *samples);
@@ -76,11 +88,12 @@ static Sample *see(const Placed *board) {
     ffp_turn(c2p_turn, turn);
     const double normal[3] = {board->r[2], board->r[5], board->r[8]};
     size_t at = 0;
+    const double *rays = camera_rays();
     for (int y = 0; y < CAMERA_H; y++)
         for (int x = 0; x < CAMERA_W; x++)
             for (int k = 0; k < SUB * SUB; k++) {
-                double ray[3], p[3], rel[3], q[3], u, v;
-                undistorted(&camera, x + (k % SUB + 0.5) / SUB - 0.5, y + (k / SUB + 0.5) / SUB - 0.5, ray);
+                const double *ray = rays + 3 * at;
+                double p[3], rel[3], q[3], u, v;
                 const double far = ffp_dot(normal, board->t) / ffp_dot(normal, ray);
                 Sample *s = &samples[at++];
                 *s = (Sample){.column = -1, .row = -1};
@@ -126,7 +139,7 @@ static void photograph(const Sample *samples, const FfpImage *pattern, double ga
 // The pictures of one attitude into a folder: black, white, codes; `codes_first`: codes, white, black.
 static void shoot(const Placed *board, const char *folder, bool codes_first) {
     FfpRng rng = ffp_rng(7, 1);
-    char path[FFP_PATH_MAX];
+    char path[FFP_PATH_MAX + 32];
     Sample *samples = see(board);
     assert_int_equal(mkdir(folder, 0777), 0);
     for (int i = 0; i < 2 * PAIRS + 2; i++) {

@@ -344,8 +344,8 @@ static void truth_of_axis(double u[3]) {
 // Photographs of a board that stands on the table, leaning.
 static void shoot_table(const char *folder, const double *angles, int n, double sense) {
     double u[3], base[9];
-    const double lean[3] = {0.1, 0.5, 0};
-    char path[FFP_PATH_MAX];
+    const double lean[3] = {0.1, 0.5 * sense, 0};
+    char path[FFP_PATH_MAX + 32];
     FfpRng rng = ffp_rng(11, 1);
     FfpImage white = ffp_pattern_plain(PANEL_W, PANEL_H, 255);
     truth_of_axis(u);
@@ -353,7 +353,7 @@ static void shoot_table(const char *folder, const double *angles, int n, double 
     assert_int_equal(mkdir(folder, 0777), 0);
     for (int i = 0; i < n; i++) {
         const double a = sense * angles[i] * FFP_PI_DOUBLE / 180, v[3] = {a * u[0], a * u[1], a * u[2]};
-        const double off[3] = {25, -70, -20};
+        const double off[3] = {25 * sense, -95, -20};
         double turn[9];
         Placed board = {.margin = 1};
         ffp_turn(v, turn);
@@ -403,11 +403,14 @@ static void a_turntable_comes_back(void **state) {
         shoot_table(shots, angles, STOPS, reversed ? -1 : 1);
         o.calibrations = &calibration, o.n_calibrations = 1;
         o.turntable_board = shots, o.angles = angles, o.n_angles = STOPS, o.turntable_file = table;
-        if (!ffp_calibrate_rig(NULL, &o, &stats, &err)) fail_msg("%s", err.text);
+        FfpContext *context = listening();
+        if (!ffp_calibrate_rig(context, &o, &stats, &err)) fail_msg("%s", err.text);
+        ffp_context_free(context);
         if (!ffp_turntable_read(&read, table, &err)) fail_msg("%s", err.text);
         double across[3], off[3] = {0};
         for (int i = 0; i < 3; i++) off[i] = read.point[i] - axis_point[i];
         ffp_cross(off, u, across);
+        printf("%s%d of %d stops, reversed %d: ", notes, stats.stops_used, stats.stops, stats.reversed);
         printf("axis off by %.3f degrees (deviation %.3f) and %.2f units (%.2f), rms %.3f\n",
                degrees_between(read.axis, u), stats.tilt, sqrt(ffp_dot(across, across)), stats.shift,
                stats.stops_rms);
@@ -444,7 +447,10 @@ static void wrong_turntables(void **state) {
 
 static void wrong_settings(void **state) {
     NEEDS_OPENCV();
-    const char *folder = in_scratch("shots"), *nowhere = in_scratch("nowhere");
+    char nothing[FFP_PATH_MAX], shots[FFP_PATH_MAX];
+    const char *folder = shots, *nowhere = nothing;
+    snprintf(nothing, sizeof nothing, "%s/nowhere", scratch),
+        snprintf(shots, sizeof shots, "%s/shots", scratch);
     FfpRigCalibration o = settings_of(&folder, 1);
     o.square = -1;
     REFUSED(&o, "(square)");

@@ -4,7 +4,7 @@
 
 static const char *const commands[] = {"patterns", "import",   "align",      "info", "reconstruct",
                                        "refine",   "render",   "compensate", "map",  "evaluate",
-                                       "bench",    "generate", "train",      "view"};
+                                       "bench",    "generate", "train",      "view", "calibrate"};
 static ProgramRun run;
 
 static void test_help_of_the_program_names_every_command(void **state) {
