@@ -428,6 +428,7 @@ static bool write_folder(Job *job, FfpError *err) {
     job->folder = folder.temporary;
     const bool ok = photograph_all(job, err) && write_truth(job, err) && ffp_output_commit(&folder, err);
     ffp_output_abort(&folder);
+    job->folder = NULL;
     return ok;
 }
 
