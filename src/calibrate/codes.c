@@ -139,17 +139,24 @@ typedef struct Pair {
     const char *files[2];
 } Pair;
 
-// Code and inverse light every pixel as black and white together do, whatever their stripes. Where they do
-// not, and all one way, the light was another one; both ways, they are not each other's inverse.
+static real light_of(const FfpImage *grey, size_t pixel) {
+    return ffp_srgb_decode(grey->data[pixel]);
+}
+
+// Code and inverse light every pixel as black and white together do, whatever their stripes; of light, since
+// stripes that the camera does not resolve are grey in both. Where they do not, and all one way, the light
+// was another one; both ways, they are not each other's inverse.
 static bool check_sums(const Pair *p, const unsigned char *region, FfpError *err) {
     const size_t pixels = (size_t)p->black->width * (size_t)p->black->height;
     size_t lit = 0, over = 0, under = 0;
     for (size_t i = 0; i < pixels; i++) {
         const real black = p->black->data[i], range = p->white->data[i] - black;
         if (!region[i] || range < 2 * LIT) continue;
-        const real off = p->code->data[i] + p->inverse->data[i] - p->white->data[i] - black;
+        const real full = light_of(p->white, i) - light_of(p->black, i);
+        const real off =
+            (light_of(p->code, i) + light_of(p->inverse, i) - 2 * light_of(p->black, i)) / full - 1;
         lit++;
-        over += off > SUM_OFF * range, under += off < -SUM_OFF * range;
+        over += off > SUM_OFF, under += off < -SUM_OFF;
     }
     const double wrong = (double)(over + under), most = (double)(over > under ? over : under);
     if (wrong <= SUM_SHARE * (double)lit) return true;

@@ -152,7 +152,7 @@ static bool add_board(Subject *subject, FfpChessboard board, FfpError *err) {
 static bool add_subjects(Job *job, FfpError *err) {
     const int views = job->spec->views, attitudes = job->options->attitudes;
     const int stops = attitudes > 0 ? BOARD_STOPS : 0;
-    job->subjects = ffp_alloc((size_t)(views + attitudes + stops), sizeof *job->subjects);
+    job->subjects = ffp_alloc((size_t)views + (size_t)attitudes + (size_t)stops, sizeof *job->subjects);
     for (int i = 0; i < views; i++) {
         Subject *s = &job->subjects[job->n_subjects++];
         *s = (Subject){.stop = -1,
@@ -422,10 +422,13 @@ static bool check(const FfpPhotographs *options, const FfpSceneSpec *spec, FfpEr
 
 static bool write_folder(Job *job, FfpError *err) {
     FfpOutput folder;
-    if (!ffp_output_open_folder(&folder, job->options->folder, true, err)) return false;
+    if (!ffp_capture_probe(job->options->folder, err) ||
+        !ffp_output_open_folder(&folder, job->options->folder, true, err))
+        return false;
     job->folder = folder.temporary;
     const bool ok = photograph_all(job, err) && write_truth(job, err) && ffp_output_commit(&folder, err);
     ffp_output_abort(&folder);
+    job->folder = NULL;
     return ok;
 }
 
