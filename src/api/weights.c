@@ -1,12 +1,10 @@
-#define _GNU_SOURCE // dladdr
 #include "api/weights.h"
 
-#include <dlfcn.h>
 #include <limits.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/auxv.h>
+#include "base/file.h"
 #include "ffprocams.h"
 
 #define FILE_NAME "small.safetensors"
@@ -19,16 +17,6 @@
 static const char *const beside[] = {FFP_LIBRARY_TO_DATA "/ffprocams/models", "../share/ffprocams/models",
                                      "models"};
 
-// The file that holds these names: the shared library, or the program. The system knows a program by the
-// name it was called by, which need not lead anywhere; its entry point tells whether it is meant.
-static bool own_file(char path[PATH_MAX]) {
-    Dl_info own, program;
-    if (!dladdr(beside, &own)) return false;
-    const bool linked_in = dladdr((void *)(uintptr_t)getauxval(AT_ENTRY), &program) && // NOLINT
-                           program.dli_fbase == own.dli_fbase;
-    return realpath(linked_in ? "/proc/self/exe" : own.dli_fname, path) != NULL;
-}
-
 // Looks in one folder; adds its name to `looked` where the file is not there.
 static bool is_in(const char *folder, char path[FFP_PATH_MAX], char *looked, size_t room) {
     if (ffp_join_path(path, folder, FILE_NAME) && ffp_is_file(path)) return true;
@@ -38,10 +26,8 @@ static bool is_in(const char *folder, char path[FFP_PATH_MAX], char *looked, siz
 }
 
 static bool is_installed(char path[FFP_PATH_MAX], char *looked, size_t room) {
-    char own[PATH_MAX], folder[FFP_PATH_MAX], whole[PATH_MAX];
-    if (!own_file(own)) return false;
-    char *slash = strrchr(own, '/');
-    if (slash) *slash = 0;
+    char own[FFP_PATH_MAX], folder[FFP_PATH_MAX], whole[PATH_MAX];
+    if (!ffp_own_folder(own)) return false;
     for (size_t i = 0; i < sizeof beside / sizeof beside[0]; i++) {
         if (i == 1 && strcmp(beside[0], beside[1]) == 0) continue;
         if (!ffp_join_path(folder, own, beside[i])) continue;

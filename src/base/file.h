@@ -55,6 +55,8 @@ bool ffp_is_file(const char *path);
 bool ffp_is_folder(const char *path);
 // "folder/name" into out; false when it does not fit FFP_PATH_MAX
 bool ffp_join_path(char out[FFP_PATH_MAX], const char *folder, const char *name);
+// The folder of the file that this code is in: the shared library, or the program that it is linked into.
+bool ffp_own_folder(char out[FFP_PATH_MAX]);
 const char *ffp_basename(const char *path); // the part behind the last '/'
 
 #endif

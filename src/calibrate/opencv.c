@@ -1,33 +1,18 @@
 // Loads the module with OpenCV's part (opencv_module.h) when it is first wanted.
-#define _GNU_SOURCE // dladdr
-
 #include <dlfcn.h>
-#include <limits.h>
 #include <omp.h>
 #include <pthread.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/auxv.h>
 #include <unistd.h>
 #include "base/alloc.h"
+#include "base/file.h"
 #include "calibrate/opencv_module.h"
 
 static pthread_once_t once = PTHREAD_ONCE_INIT;
 static const FfpCvModule *module; // NULL: there is none
 static char reason[256];          // why not, where the file is there
-
-// The folder of the file that this code is in, the shared library or a program; with a '/' at its end.
-static bool own_folder(char path[PATH_MAX]) {
-    Dl_info own, program;
-    if (!dladdr(&once, &own)) return false;
-    const bool linked_in = dladdr((void *)(uintptr_t)getauxval(AT_ENTRY), &program) && // NOLINT
-                           program.dli_fbase == own.dli_fbase;
-    if (!realpath(linked_in ? "/proc/self/exe" : own.dli_fname, path)) return false;
-    char *end = strrchr(path, '/');
-    if (end) end[1] = 0;
-    return end != NULL;
-}
 
 static void load_from(const char *path) {
     void *handle = dlopen(path, RTLD_NOW | RTLD_LOCAL);
@@ -51,11 +36,10 @@ static void load_from(const char *path) {
 // looks.
 static void load(void) {
     static const char *const places[] = {FFP_CV_MODULE, "../lib/" FFP_CV_MODULE};
-    char folder[PATH_MAX], path[PATH_MAX + 64];
-    for (size_t i = 0; !module && own_folder(folder) && i < sizeof places / sizeof *places; i++) {
-        snprintf(path, sizeof path, "%s%s", folder, places[i]);
-        load_from(path);
-    }
+    char folder[FFP_PATH_MAX], path[FFP_PATH_MAX];
+    const bool known = ffp_own_folder(folder);
+    for (size_t i = 0; known && !module && i < sizeof places / sizeof *places; i++)
+        if (ffp_join_path(path, folder, places[i])) load_from(path);
     if (!module) load_from(FFP_CV_MODULE);
 }
 

@@ -137,10 +137,11 @@ static void put_options(FILE *out, const FfpOption *options, const FfpPositional
     if (positional->name)
         put_labelled(out, positional->name, (int)strlen(positional->name), column, positional->help,
                      (int)strlen(positional->help));
-    const FfpOption *option = options;
-    for (; option->name && !option->group; option++) put_option(out, option, column);
+    for (const FfpOption *option = options; option->name; option++)
+        if (!option->group) put_option(out, option, column);
     put_option(out, &help, column);
-    for (; option->name; option++) {
+    for (const FfpOption *option = options; option->name; option++) {
+        if (!option->group) continue;
         if (!group || strcmp(group, option->group) != 0) fprintf(out, "\n%s:\n", option->group);
         group = option->group;
         put_option(out, option, column);
