@@ -34,7 +34,8 @@ typedef void FfpFieldForward(const FfpFieldNet *net, const real *parameters, con
 typedef void FfpFieldBackward(const FfpFieldNet *net, const real *parameters, const FfpNetRows *rows,
                               const real *d_out, int d_rows, bool add, real *d_in, real *const scratch[2],
                               real *grad);
-// Adam (Kingma and Ba 2015); the gradient is 0 afterwards.
+// Adam (Kingma and Ba 2015) of the numbers whose gradient is not 0: a grid point that no ray comes near stays
+// as it is, as in Mueller et al. 2022, section 4. The gradient is 0 afterwards.
 typedef struct FfpFieldAdam {
     real rate, beta1, beta2, correction1, correction2, epsilon;
 } FfpFieldAdam;

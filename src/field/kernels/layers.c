@@ -145,10 +145,12 @@ void FFP_K(field_backward)(const FfpFieldNet *net, const real *parameters, const
 void FFP_K(field_move)(const FfpFieldAdam *a, real *x, real *mean, real *square, real *grad, int64_t count) {
 #pragma omp simd
     for (int64_t i = 0; i < count; i++) {
-        const real g = grad[i];
-        mean[i] = a->beta1 * mean[i] + (1 - a->beta1) * g;
-        square[i] = a->beta2 * square[i] + (1 - a->beta2) * g * g;
-        x[i] -= a->rate * mean[i] * a->correction1 / (sqrt(square[i] * a->correction2) + a->epsilon);
+        const real g = grad[i], m = a->beta1 * mean[i] + (1 - a->beta1) * g,
+                   s = a->beta2 * square[i] + (1 - a->beta2) * g * g;
+        const real moved = x[i] - a->rate * m * a->correction1 / (sqrt(s * a->correction2) + a->epsilon);
+        mean[i] = g != 0 ? m : mean[i];
+        square[i] = g != 0 ? s : square[i];
+        x[i] = g != 0 ? moved : x[i];
         grad[i] = 0;
     }
 }
