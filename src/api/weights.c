@@ -1,3 +1,4 @@
+#define _XOPEN_SOURCE 700 // realpath
 #include "api/weights.h"
 
 #include <limits.h>
@@ -21,7 +22,7 @@ static const char *const beside[] = {FFP_LIBRARY_TO_DATA "/ffprocams/models", ".
 static bool is_in(const char *folder, char path[FFP_PATH_MAX], char *looked, size_t room) {
     if (ffp_join_path(path, folder, FILE_NAME) && ffp_is_file(path)) return true;
     const size_t used = strlen(looked);
-    snprintf(looked + used, room - used, "%s%s", used ? ", " : "", folder);
+    snprintf(looked + used, room - used, "%s%.500s", used ? ", " : "", folder);
     return false;
 }
 

@@ -11,8 +11,8 @@
 
 static const char here = 0;
 
-// The system knows a program by the name it was called by, which need not lead anywhere; its entry point tells
-// whether it is meant.
+// The system knows a program by the name it was called by, which need not lead anywhere; its entry point
+// tells whether it is meant.
 bool ffp_own_folder(char out[FFP_PATH_MAX]) {
     char path[PATH_MAX];
     Dl_info own, program;

@@ -8,14 +8,16 @@
 #include "base/file.h"
 #include "patterns/patterns.h"
 
-#define LIT 0.04F      // what white adds to black, encoded: below it a pixel is dark
-#define BRIGHTER 0.9   // share of lit pixels of which white must be the brighter
-#define CERTAIN 0.05F  // of white minus black: a smaller difference of code and inverse leaves a bit open
-#define NOISE 0.012F   // and the least difference, three steps of 8 bits
-#define SUM_OFF 0.25F  // of white minus black: code and inverse together differ from black and white
-#define SUM_SHARE 0.25 // of the pixels: the pictures do not belong together
-#define ONE_WAY 0.85   // of those: all brighter, or all darker
-#define RESOLVED 0.3   // share of the lit pixels that must know a bit
+#define LIT 0.04F        // what white adds to black, encoded: below it a pixel is dark
+#define BRIGHTER 0.9     // share of lit pixels of which white must be the brighter
+#define CERTAIN 0.05F    // of white minus black: a smaller difference of code and inverse leaves a bit open
+#define NOISE 0.012F     // and the least difference, three steps of 8 bits
+#define SUM_OFF 0.25F    // of white minus black: code and inverse together differ from black and white
+#define DECIDED 0.5F     // of white minus black: one of a pair is light there, the other dark
+#define BOTH_ALIKE 0.75F // the same for both light, or both dark
+#define SUM_SHARE 0.25   // of the pixels: the pictures do not belong together
+#define ONE_WAY 0.85     // of those: all brighter, or all darker
+#define RESOLVED 0.3     // share of the lit pixels that must know a bit
 enum { BITS_MAX = 15, LOST_MAX = 2 };
 
 bool ffp_read_grey(FfpImage *grey, const char *path, FfpError *err) {
@@ -139,24 +141,21 @@ typedef struct Pair {
     const char *files[2];
 } Pair;
 
-static real light_of(const FfpImage *grey, size_t pixel) {
-    return ffp_srgb_decode(grey->data[pixel]);
-}
-
-// Code and inverse light every pixel as black and white together do, whatever their stripes; of light, since
-// stripes that the camera does not resolve are grey in both. Where they do not, and all one way, the light
-// was another one; both ways, they are not each other's inverse.
+// Where one of a pair is light and the other dark, they light a pixel as black and white together do,
+// whatever the camera's tone curve; stripes that the camera does not resolve are grey in both, and say
+// nothing. Where the sums are off, and all one way, the light was another one; both ways, or with both
+// pictures light or both dark, they are not each other's inverse.
 static bool check_sums(const Pair *p, const unsigned char *region, FfpError *err) {
     const size_t pixels = (size_t)p->black->width * (size_t)p->black->height;
     size_t lit = 0, over = 0, under = 0;
     for (size_t i = 0; i < pixels; i++) {
         const real black = p->black->data[i], range = p->white->data[i] - black;
         if (!region[i] || range < 2 * LIT) continue;
-        const real full = light_of(p->white, i) - light_of(p->black, i);
-        const real off =
-            (light_of(p->code, i) + light_of(p->inverse, i) - 2 * light_of(p->black, i)) / full - 1;
+        const real code = (p->code->data[i] - black) / range, inverse = (p->inverse->data[i] - black) / range;
+        const real off = code + inverse - 1;
+        const bool decided = fabsf(code - inverse) > DECIDED || fabsf(off) > BOTH_ALIKE;
         lit++;
-        over += off > SUM_OFF, under += off < -SUM_OFF;
+        over += decided && off > SUM_OFF, under += decided && off < -SUM_OFF;
     }
     const double wrong = (double)(over + under), most = (double)(over > under ? over : under);
     if (wrong <= SUM_SHARE * (double)lit) return true;
