@@ -20,6 +20,7 @@ typedef struct Bench {
     FfpRaster *raster, *shadow_raster;
     FfpGbuffer samples, grad_samples, averaged, grad_averaged, shadow;
     FfpMapping mapping;
+    FfpTransport transport, grad_transport;
     FfpViewPass *pass;
 } Bench;
 
@@ -52,12 +53,19 @@ static void shadow_map(Bench *b) {
 static void map(Bench *b) {
     ffp_map_with_shadow(&b->shadow, &b->samples, &b->fine, &b->projector[0], &b->settings, &b->mapping);
 }
+static void light(Bench *b) {
+    ffp_light(&b->samples, &b->mapping, &b->fine, &b->projector[0], &b->transport);
+}
+static void light_backward(Bench *b) {
+    ffp_light_backward(&b->samples, &b->mapping, &b->fine, &b->projector[0], &b->grad_transport,
+                       &b->grad_samples);
+}
 static void shade(Bench *b) {
-    ffp_shade(&b->samples, &b->mapping, &b->fine, &b->projector[0], intensity, &b->light, &b->linear);
+    ffp_shade(&b->samples, &b->mapping, &b->transport, intensity, &b->light, &b->linear);
 }
 static void shade_backward(Bench *b) {
-    ffp_shade_backward(&b->samples, &b->mapping, &b->fine, &b->projector[0], intensity, &b->light,
-                       &b->grad_linear, &b->grad_samples, NULL, NULL);
+    ffp_shade_backward(&b->mapping, &b->transport, intensity, &b->light, &b->grad_linear, &b->grad_samples,
+                       &b->grad_transport, NULL, NULL);
 }
 static void average(Bench *b) {
     ffp_average_gbuffer(&b->samples, b->settings.samples, &b->averaged);
@@ -105,8 +113,10 @@ static void run(Bench *b) {
     report("rasterise backward", b, rasterise_backward, 20, 0);
     report("shadow map", b, shadow_map, 20, 0);
     report("map", b, map, 20, 0);
-    report("shade", b, shade, 20, gbuffer + pixels * 8 * sizeof(real));
-    report("shade backward", b, shade_backward, 20, 3 * gbuffer + pixels * 6 * sizeof(real));
+    report("light", b, light, 20, gbuffer + pixels * 10 * sizeof(real));
+    report("shade", b, shade, 20, pixels * 13 * sizeof(real));
+    report("shade backward", b, shade_backward, 20, pixels * 24 * sizeof(real));
+    report("light backward", b, light_backward, 20, 3 * gbuffer + pixels * 10 * sizeof(real));
     report("average", b, average, 20, gbuffer + small);
     report("average backward", b, average_backward, 20, 2 * gbuffer + small);
     report("resolve", b, resolve, 20, 0);
@@ -141,6 +151,7 @@ static void make_buffers(Bench *b, int side) {
     b->samples = ffp_gbuffer_new(fine, fine), b->grad_samples = ffp_gbuffer_new(fine, fine);
     b->averaged = ffp_gbuffer_new(side, side), b->grad_averaged = ffp_gbuffer_new(side, side);
     b->mapping = ffp_mapping_new(fine, fine);
+    b->transport = ffp_transport_new(fine, fine), b->grad_transport = ffp_transport_new(fine, fine);
     b->pass = ffp_view_pass_new(&b->settings);
 }
 

@@ -17,6 +17,6 @@ void ffp_rig_input(const FfpSceneSpec *spec, int index, FfpView *view);
 void ffp_rig_target(const FfpSceneSpec *spec, int index, FfpView *view);
 
 // The pose of a device at (radius, polar, azimuth in degrees) that looks at `aim`, its image upright (z up).
-void ffp_rig_place(FfpCamera *device, double radius, double polar, double azimuth, const double aim[3]);
+void ffp_rig_place(FfpCamera *camera, double radius, double polar, double azimuth, const double aim[3]);
 
 #endif

@@ -216,20 +216,19 @@ static void direct_light(const Work *w, size_t pixel, const Sample *samples, int
     FfpRays shadow = {.count = 0};
     Arrival arrivals[FFP_RAYS];
     const Sample *lit[FFP_RAYS];
-    int dark = 0; // by their cosine, not by a shadow
+    int dark = 0, n = 0; // dark: by their cosine, not by a shadow
     for (int i = 0; i < count; i++) {
         const Sample *s = &samples[i];
         float way[3];
         for (int k = 0; k < 3; k++) way[k] = w->projector.origin[k] - s->hit.point[k];
-        const int n = shadow.count;
         if (dot(way, s->normal) <= 0)
             dark++;
         else if (arrive(w, &s->hit, s->normal, &arrivals[n], &shadow))
-            lit[n] = s;
+            lit[n++] = s;
     }
     const unsigned blocked = ffp_trace_blocked(w->sim->tracer, &shadow);
     int reached = 0;
-    for (int i = 0; i < shadow.count; i++) {
+    for (int i = 0; i < n; i++) {
         if (blocked >> i & 1) continue;
         light_sample(w, pixel, lit[i], &arrivals[i]);
         reached++;

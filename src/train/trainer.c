@@ -468,8 +468,10 @@ static bool open_model(Trainer *trainer, const FfpTrainRun *options, FfpError *e
         return trainer->model != NULL;
     }
     *config = options->captures ? ffp_fine_tuning_defaults() : ffp_train_defaults();
-    if (options->captures && strlen(options->captures) >= sizeof config->captures)
-        return ffp_fail(err, FFP_ERROR_ARGUMENT, options->captures, "path is too long");
+    if (options->captures && strlen(options->captures) >= sizeof config->captures) {
+        ffp_fail(err, FFP_ERROR_ARGUMENT, options->captures, "path is too long");
+        return false;
+    }
     if (options->captures) snprintf(config->captures, sizeof config->captures, "%s", options->captures);
     if (options->config && !ffp_train_config_overlay(config, options->config, err)) return false;
     if (options->steps >= 0) config->steps = options->steps;

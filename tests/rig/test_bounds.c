@@ -163,7 +163,11 @@ static bool import_board(const char *calibration_name, const char *name, const i
     snprintf(folder, sizeof folder, "%s/%s", scratch, name);
     const FfpImportSettings settings = {.calibrations = calibrations,
                                         .n_calibrations = 1,
-                                        .sources = {images, 5, projected, NULL, 3, 0, FFP_MASKS_OTSU, NULL},
+                                        .sources = {.images = images,
+                                                    .n_images = 5,
+                                                    .patterns = projected,
+                                                    .n_patterns = 3,
+                                                    .mask = FFP_MASKS_OTSU},
                                         .projector = {.width = 1024, .height = 768},
                                         .width = 320,
                                         .folder = folder};
