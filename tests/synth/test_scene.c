@@ -250,7 +250,7 @@ static void disk_and_memory_agree(void **state) {
     assert_int_equal(targets.n_patterns, read.n_patterns);
     assert_true(ffp_dataset_write(&options, &err)); // a second run finds it done
     const FfpDatasetSettings wrong[4] = {{.folder = root, .split = "tests", .count = 1},
-                                         {.folder = root, .views = 65, .count = 1},
+                                         {.folder = root, .views = 361, .count = 1},
                                          {.folder = root, .first = 1000000, .count = 1},
                                          {.folder = NULL, .count = 1}};
     for (int i = 0; i < 4; i++) assert_false(ffp_dataset_write(&wrong[i], &err));
