@@ -9,11 +9,12 @@
 #include "patterns/patterns.h"
 
 #define LIT 0.04F        // what white adds to black, encoded: below it a pixel is dark
+#define OUTSIDE 0.12F    // more than noise in the dark, which the encoding enlarges
 #define BRIGHTER 0.9     // share of lit pixels of which white must be the brighter
 #define CERTAIN 0.05F    // of white minus black: a smaller difference of code and inverse leaves a bit open
 #define NOISE 0.012F     // and the least difference, three steps of 8 bits
 #define SUM_OFF 0.25F    // of white minus black: code and inverse together differ from black and white
-#define DECIDED 0.5F     // of white minus black: one of a pair is light there, the other dark
+#define DECIDED 0.65F    // the same: one of a pair is light and the other dark; blurred stripes differ less
 #define BOTH_ALIKE 0.75F // the same for both light, or both dark
 #define SUM_SHARE 0.25   // of the pixels: the pictures do not belong together
 #define ONE_WAY 0.85     // of those: all brighter, or all darker
@@ -87,7 +88,7 @@ static bool lies_between(const FfpImage *image, const FfpImage *black, const Ffp
     if (image->width != black->width || image->height != black->height) return true; // is said later
     for (size_t i = 0; i < pixels; i++) {
         lit += white->data[i] - black->data[i] > LIT;
-        outside += image->data[i] < black->data[i] - LIT || image->data[i] > white->data[i] + LIT;
+        outside += image->data[i] < black->data[i] - OUTSIDE || image->data[i] > white->data[i] + OUTSIDE;
     }
     return (double)outside < (1 - BRIGHTER) * (double)lit;
 }
