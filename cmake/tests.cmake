@@ -57,6 +57,11 @@ elseif(NOT FFP_PYTHON)
   message(STATUS "The page of `ffprocams view` is not tested: there is no python3")
 endif()
 
+# From bare devices to new poses, on a simulated rig: calibrate's OpenCV is needed, and Python for a line of JSON.
+if(TARGET ffprocams_opencv AND FFP_PYTHON AND NOT FFPROCAMS_SANITIZE)
+  add_test(NAME simulated_rig COMMAND ${PROJECT_SOURCE_DIR}/script/simulated-rig ${PROJECT_BINARY_DIR})
+endif()
+
 # A sanitized library asks all that link it for the sanitizers.
 if(FFPROCAMS_INSTALL AND NOT FFPROCAMS_SANITIZE)
   add_test(NAME install COMMAND ${PROJECT_SOURCE_DIR}/script/test-install ${PROJECT_BINARY_DIR})
