@@ -7,7 +7,7 @@
 #include "base/call.h"
 #include "base/file.h"
 #include "patterns/patterns.h"
-#include "rig/graycode.h"
+#include "graycode/graycode.h"
 #include "rig/pictures.h"
 
 #define WHERE "gray_codes"

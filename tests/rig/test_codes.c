@@ -10,7 +10,7 @@
 #include "match/line.h"
 #include "match/match.h"
 #include "patterns/patterns.h"
-#include "rig/graycode.h"
+#include "graycode/graycode.h"
 #include "rig/import.h"
 #include "rig/matrix.h"
 
