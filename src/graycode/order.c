@@ -194,7 +194,7 @@ static bool tell(const FfpGrayDecoder *d, int axis, const Seen *seen, FfpError *
             "by it and its followers %.0f %% of the pixels see %s beyond the panel's %d: the panel "
             "is of another size%s",
             100 * beyond, axis ? "rows" : "columns", seen->size,
-            swap[0] ? swap : ", or photographs are in another order");
+            swap[0] ? swap : ", or photographs are in another order (columns come before rows)");
     }
     return true;
 }
