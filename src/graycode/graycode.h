@@ -42,4 +42,8 @@ typedef struct FfpGrayReport {
 bool ffp_gray_decode_view(FfpImage *map, FfpGrayReport *report, const FfpGrayPhotographs *photographs,
                           FfpError *err);
 
+// Sets the error of a white photograph that lights nothing: it and black have changed places, are overexposed
+// or dark. `black`, `added`: means of the linear light under black, and of what white adds. Returns false.
+bool ffp_gray_tell_dark(double black, double added, const char *white, FfpError *err);
+
 #endif

@@ -15,7 +15,8 @@ enum { LEVELS = 1024 };
 #define BRIGHT 0.25       // of the typical light: pixels that checks are made on
 #define CLIPPED 0.98      // linear
 #define OVEREXPOSED 0.5   // under black, typically: nothing can be told
-#define ALIKE 0.75        // of white: by as much a pair's sum is off where both are light, or both dark
+#define BOTH_LIGHT 0.6    // of white: the darker of a pair where both are light
+#define BOTH_DARK 0.25    // what they add up to where both are dark
 #define ALIKE_SHARE 0.25  // of the pixels: that is no pair
 #define RIGHT 0.25        // of white: by as much the sum of a pair may be off
 #define PAIR_LOW 0.7      // what a pattern and its inverse add up to, in white
@@ -51,20 +52,20 @@ static bool looked_at(const FfpGrayDecoder *d, size_t pixel) {
     return region == NULL || region->data[pixel] > 0;
 }
 
-// Why there is no light.
-static bool tell_dark(const FfpGrayDecoder *d, FfpError *err) {
-    double black = 0, change = 0;
-    for (size_t i = 0; i < d->pixels; i++)
-        black += (double)d->black[i] / (double)d->pixels, change += (double)d->light[i] / (double)d->pixels;
-    const char *second = ffp_basename(d->from->black);
-    if (change < -LIGHT_LEAST)
-        return ffp_fail(err, FFP_ERROR_FILE, d->from->white,
-                        "white is darker than black ('%.200s'): they have changed places", second);
+bool ffp_gray_tell_dark(double black, double added, const char *white, FfpError *err) {
+    if (added < -LIGHT_LEAST)
+        return ffp_fail(err, FFP_ERROR_FILE, white, "white is darker than black: they have changed places");
     if (black > OVEREXPOSED)
-        return ffp_fail(err, FFP_ERROR_FILE, d->from->white,
+        return ffp_fail(err, FFP_ERROR_FILE, white,
                         "white is hardly brighter than black, and both are overexposed: expose shorter");
-    return ffp_fail(err, FFP_ERROR_FILE, d->from->white,
-                    "white is hardly brighter than black: nothing is lit");
+    return ffp_fail(err, FFP_ERROR_FILE, white, "white is hardly brighter than black: nothing is lit");
+}
+
+static bool tell_dark(const FfpGrayDecoder *d, FfpError *err) {
+    double black = 0, added = 0;
+    for (size_t i = 0; i < d->pixels; i++)
+        black += (double)d->black[i] / (double)d->pixels, added += (double)d->light[i] / (double)d->pixels;
+    return ffp_gray_tell_dark(black, added, d->from->white, err);
 }
 
 // The light by which pixels are typical, over those that have any and are looked at.
@@ -135,8 +136,10 @@ static bool check_inverse(const FfpGrayDecoder *d, const Pair *pair, FfpError *e
     size_t count = 0, light = 0, dark = 0, right = 0;
     for (size_t i = 0; i < d->pixels; i++) {
         if (!d->checked[i]) continue;
-        const double off = sum_of(d, pair, i) - 1;
-        count++, light += off > ALIKE, dark += off < -ALIKE, right += fabs(off) < RIGHT;
+        const double sum = sum_of(d, pair, i),
+                     inverse = (double)(pair->grey[1][i] - d->black[i]) / (double)d->light[i];
+        count++, right += fabs(sum - 1) < RIGHT;
+        light += fmin(inverse, sum - inverse) > BOTH_LIGHT, dark += sum < BOTH_DARK;
     }
     const double least = ALIKE_SHARE * (double)count, wrong = (double)(light + dark);
     const bool one_way = fmin((double)light, (double)dark) < 0.15 * wrong && (double)right < least;

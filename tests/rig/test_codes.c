@@ -495,7 +495,9 @@ static const Fault faults[] = {
     // Light.
     {"cp ../spare/dim.png photos/008.png", NULL, {"darker than black and white", "photos/008.png"}},
     {"cp ../spare/bright.png photos/009.png", NULL, {"brighter than black and white", "photos/009.png"}},
-    {SWAP("black.png", "white.png"), NULL, {"white is darker than black ('black.png')", "white.png"}},
+    {SWAP("black.png", "white.png"),
+     NULL,
+     {"white is darker than black: they have changed places", "white.png"}},
     {"cp black.png white.png", NULL, {"nothing is lit", "white.png"}},
     {"true", same_plain, {"nothing is lit", "white.png"}},
     {"cp ../spare/full.png white.png && cp ../spare/full.png black.png",
