@@ -11,7 +11,8 @@
 
 // An error of one attitude's pictures leaves that attitude out; all others end the call.
 static bool as_problem(FfpAttitude *a, FfpError *error, FfpError *err) {
-    if (error->code == FFP_ERROR_FILE || error->code == FFP_ERROR_IO) {
+    if (error->code == FFP_ERROR_FILE || error->code == FFP_ERROR_IO ||
+        error->code == FFP_ERROR_UNSUPPORTED) {
         snprintf(a->problem, sizeof a->problem, "%s", error->text);
         return true;
     }

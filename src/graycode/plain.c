@@ -14,6 +14,7 @@ typedef struct Plain {
     const char *const *files;
     float *grey[2]; // black and white, if that is what they are
     bool turned;    // white comes first
+    bool lit;       // they differ
     int width, height;
     double share; // of the pixels that differ, of which white is the brighter
     double added; // light, of all pixels together
@@ -28,7 +29,8 @@ static void compare(Plain *p) {
         if (fabs(b - a) < fmax(LIT, NOISE * fmax(a, b))) continue;
         lit++, more += b > a;
     }
-    p->share = lit > pixels / 1000 ? (double)more / (double)lit : 0.5;
+    p->lit = lit > pixels / 1000;
+    p->share = p->lit ? (double)more / (double)lit : 0.5;
     p->turned = p->share < 0.5;
     if (!p->turned) return;
     float *const swap = p->grey[0];
@@ -86,6 +88,11 @@ bool ffp_gray_find_plain(FfpGrayPhotographs *photographs, const char *const *fil
     if (ok) chosen = choose(&front, &back);
     for (int k = 0; k < 2; k++) ffp_free(front.grey[k]), ffp_free(back.grey[k]);
     if (!ok) return false;
+    if (chosen == NULL && !(front.lit || back.lit))
+        return ffp_fail(
+            err, FFP_ERROR_FILE, files[0],
+            "no light of the projector tells black from white, neither in the first two photographs "
+            "nor in the last two: nothing is lit, or all is overexposed");
     if (chosen == NULL)
         return ffp_fail(
             err, FFP_ERROR_FILE, files[0],

@@ -270,6 +270,21 @@ static bool find_masks(FfpShots *shots, const char *template, const FfpCalibrati
 
 // --- All of it. ---
 
+// No file of a view is its picture under two patterns.
+static bool check_single(const FfpShots *shots, const FfpCalibration *calibration, FfpError *err) {
+    for (int stop = 0; stop < calibration->n_stops; stop++) {
+        const char *const *pictures = shots->pictures + (ptrdiff_t)stop * FFP_PATTERNS_MAX;
+        for (int i = 0; i < shots->n_patterns; i++)
+            for (int k = 0; k < i; k++)
+                if (pictures[i] != NULL && pictures[k] != NULL && strcmp(pictures[i], pictures[k]) == 0)
+                    return ffp_fail(err, FFP_ERROR_FILE, pictures[i],
+                                    "is named twice: view '%s' under '%.64s' and under '%.64s'",
+                                    calibration->stops[stop].id, shots->patterns[k].name,
+                                    shots->patterns[i].name);
+    }
+    return true;
+}
+
 static bool check_complete(const FfpShots *shots, const FfpCalibration *calibration, FfpError *err) {
     if (shots->black < 0)
         return ffp_fail(err, FFP_ERROR_ARGUMENT, IMAGES, "no pictures under black are named");
@@ -309,7 +324,7 @@ static bool find_all(FfpShots *shots, const FfpShotSources *sources, const FfpCa
     }
     take_kept_patterns(shots, calibration->pattern_folder);
     return (sources->mask != FFP_MASKS_FILES || find_masks(shots, sources->mask_files, calibration, err)) &&
-           check_complete(shots, calibration, err);
+           check_complete(shots, calibration, err) && check_single(shots, calibration, err);
 }
 
 bool ffp_shots_find(FfpShots *shots, const FfpShotSources *sources, const FfpCalibration *calibration,

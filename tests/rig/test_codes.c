@@ -499,7 +499,7 @@ static const Fault faults[] = {
      NULL,
      {"white is darker than black: they have changed places", "white.png"}},
     {"cp black.png white.png", NULL, {"nothing is lit", "white.png"}},
-    {"true", same_plain, {"nothing is lit", "white.png"}},
+    {"true", same_plain, {"is named twice: view '000' under 'black' and under 'white'", "white.png"}},
     {"cp ../spare/full.png white.png && cp ../spare/full.png black.png",
      NULL,
      {"both are overexposed: expose shorter", "white.png"}},
