@@ -29,14 +29,15 @@ static bool settle_size(FfpRigFit *fit, const FfpImage *white, const char *name,
                     white->width, white->height, camera->width, camera->height);
 }
 
-static bool read_codes(const FfpRigFit *fit, FfpAttitude *a, FfpGrayPhotographs *photographs,
+static bool read_codes(const FfpRigFit *fit, FfpAttitude *a, const FfpGrayPhotographs *photographs,
                        const FfpImage *white, FfpError *err) {
     const int size[2] = {photographs->width, photographs->height};
     FfpImage map, region = ffp_board_region(&fit->board, a, white->width, white->height);
     FfpGrayReport report;
     FfpError error = {0};
-    photographs->region = &region;
-    const bool ok = ffp_gray_decode_view(&map, &report, photographs, &error);
+    FfpGrayPhotographs of_board = *photographs;
+    of_board.region = &region;
+    const bool ok = ffp_gray_decode_view(&map, &report, &of_board, &error);
     ffp_image_free(&region);
     if (!ok) return as_problem(a, &error, err);
     if (report.clipped > CLIPPED_MAX)

@@ -6,6 +6,7 @@
 #include "base/file.h"
 #include "graycode/decoder.h"
 #include "graycode/edges.h"
+#include "image/photograph.h"
 
 enum { LEVELS = 1024 };
 
@@ -24,9 +25,7 @@ enum { LEVELS = 1024 };
 
 bool ffp_gray_read(float **grey, int *width, int *height, const char *path, bool linear, FfpError *err) {
     FfpImage rgb = {0};
-    const bool ok = linear ? ffp_image_read_light(&rgb, NULL, path, err)
-                           : ffp_image_read_over_black(&rgb, NULL, path, err);
-    if (!ok) return false;
+    if (!ffp_photograph_read(&rgb, NULL, path, linear, NULL, err)) return false;
     const size_t pixels = (size_t)rgb.width * (size_t)rgb.height;
     *width = rgb.width, *height = rgb.height;
     *grey = ffp_alloc(pixels, sizeof(float));

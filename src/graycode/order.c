@@ -36,6 +36,7 @@ void ffp_gray_drop_fine_bits(FfpGrayDecoder *d, int axis) {
 // the numbers are, but not that.
 typedef struct Seen {
     int bits, block, size;           // used; panel pixels that share a code; the panel's
+    unsigned numbers;                // that so many bits tell apart
     size_t lines[FFP_GRAY_BITS_MAX]; // pixels between which a bit changes
     uint32_t *words;                 // [1 << bits] pixels with these bits, the coarsest highest
     uint32_t *edges; // [bits, 1 << bits] of those, how many have a neighbour that differs in this bit alone
@@ -67,17 +68,19 @@ static void see_pair(const FfpGrayDecoder *d, int axis, size_t a, size_t b, Seen
     const unsigned word = gray_of(d->code[axis][a]), difference = word ^ gray_of(d->code[axis][b]);
     if (difference == 0 || (difference & (difference - 1)) != 0) return;
     const size_t bit = (size_t)(seen->bits - 1 - lowest(difference));
-    seen->edges[(bit << seen->bits) + word]++;
+    seen->edges[bit * seen->numbers + word]++;
 }
 
 static void see(const FfpGrayDecoder *d, int axis, Seen *seen) {
     const size_t width = (size_t)d->width, rows = (size_t)d->height;
-    const int bits = d->bits[axis] - d->dropped[axis];
+    const int bits =
+        d->bits[axis] > d->dropped[axis] ? d->bits[axis] - d->dropped[axis] : 1; // the coarsest stays
     size_t checked = 0;
     *seen = (Seen){.bits = bits,
+                   .numbers = 1U << bits,
                    .block = 1 << d->dropped[axis],
                    .size = axis ? d->from->height : d->from->width,
-                   .words = ffp_alloc((size_t)1 << bits, sizeof(uint32_t)),
+                   .words = ffp_alloc(1U << bits, sizeof(uint32_t)),
                    .edges = ffp_alloc((size_t)bits << bits, sizeof(uint32_t))};
     for (size_t y = 0; y < rows; y++)
         for (size_t x = 0; x < width; x++) {
@@ -121,8 +124,8 @@ static int broader_bit(const Seen *seen, const Swap *swap) {
 static int jumping_bit(const Seen *seen, const Swap *swap, double most) {
     for (int bit = seen->bits - 1; bit >= 0; bit--) {
         double jumps = 0, edges = 0;
-        for (unsigned word = 0; word < 1U << seen->bits; word++) {
-            const double n = seen->edges[((size_t)bit << seen->bits) + word];
+        for (unsigned word = 0; word < seen->numbers; word++) {
+            const double n = seen->edges[(size_t)bit * seen->numbers + word];
             if (!(n > 0)) continue;
             const unsigned other = word ^ 1U << (seen->bits - 1 - bit);
             edges += n;
@@ -136,7 +139,7 @@ static int jumping_bit(const Seen *seen, const Swap *swap, double most) {
 // Share of the pixels whose number is beyond the panel.
 static double beyond_panel(const Seen *seen, const Swap *swap) {
     double beyond = 0;
-    for (unsigned word = 0; word < 1U << seen->bits; word++)
+    for (unsigned word = 0; word < seen->numbers; word++)
         if (seen->words[word] > 0 && number_of(seen, word, swap) * seen->block >= seen->size)
             beyond += seen->words[word];
     return beyond / fmax(1, seen->count);
