@@ -12,7 +12,8 @@ static char root[64];
 
 static int make_root(void **state) {
     (void)state;
-    snprintf(root, sizeof root, "ffp_generate_XXXXXX");
+    const char *above = getenv("FFP_SCRATCH"); // as in scratch.h
+    snprintf(root, sizeof root, "%s%sffp_generate_XXXXXX", above ? above : "", above ? "/" : "");
     return mkdtemp(root) ? 0 : -1;
 }
 
