@@ -287,13 +287,13 @@ static void test_films(void **state) {
     write_opencv("cal.yml", &single_shot, false, no_lens, no_lens);
     snprintf(command, sizeof command,
              "cat " SAMPLE
-             "/path_0_theta0??_all_white.png | ffmpeg -loglevel error -y -f image2pipe -framerate 1 "
+             "/path_0_theta???_all_white.png | ffmpeg -loglevel error -y -f image2pipe -framerate 1 "
              "-i - -c:v ffv1 -pix_fmt bgr0 %s/white.mkv -pix_fmt rgb24 %s/white_%%d.png",
              scratch, scratch);
     assert_int_equal(system(command), 0);
     for (int film = 0; film < 2; film++) {
         snprintf(arguments, sizeof arguments,
-                 "-c %s/cal.yml " SIZES TURNTABLE "-v 000 -v 045 -v 090 -m otsu -i 'all_black=" SAMPLE
+                 "-c %s/cal.yml " SIZES TURNTABLE "-v 045 -v 090 -v 180 -m otsu -i 'all_black=" SAMPLE
                  "/path_0_theta{view}_all_black.png' -i 'lollipop_0=" SAMPLE
                  "/path_0_theta{view}_lollipop_0.png' " PATTERN "-i 'all_white=%s/white%s' ",
                  scratch, scratch, film ? ".mkv@{index}" : "_{number}.png");
