@@ -659,9 +659,9 @@ typedef struct FfpCalibratedAt {
     int left, top; // FFP_FIT_CROPPED: pixels cut off
 } FfpCalibratedAt;
 
-// Photographs under one pattern or several. `files` is a path with {view}, {pattern}, {index} (from 0),
-// {number} (from 1) or {number:3} (with zeros) in it; or one with *, whose files are taken in order, img_9
-// before img_10: all patterns of the first view, then of the second.
+// Photographs under one pattern or several. `files` is a path with {view}, {pattern}, {index} (from 0, among
+// all views of the calibration), {number} (from 1) or {number:3} (with zeros) in it; or one with *, whose
+// files are taken in order, img_9 before img_10: all patterns of the first view, then of the second.
 typedef struct FfpImportImages {
     const char *const *patterns; // names: black, white, and what the caller calls the others
     int n_patterns;

@@ -35,6 +35,7 @@ typedef struct Import {
 static bool keep_chosen_stops(Import *import, FfpError *err) {
     const FfpImportSettings *settings = import->settings;
     FfpCalibration *calibration = &import->calibration;
+    for (int i = 0; i < calibration->n_stops; i++) calibration->stops[i].index = i;
     if (settings->n_views == 0) return true;
     if (calibration->n_pictures > 0 && settings->sources.n_images == 0)
         return ffp_fail(err, FFP_ERROR_ARGUMENT, "views",

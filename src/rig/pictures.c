@@ -201,7 +201,8 @@ static bool fill_in_files(FfpShots *shots, const Group *group, const FfpCalibrat
                         group->count);
     for (int i = 0; i < calibration->n_stops * group->count; i++) {
         const int stop = i / group->count, pattern = group->patterns[i % group->count];
-        const FfpBlanks blanks = {calibration->stops[stop].id, shots->patterns[pattern].name, stop};
+        const FfpBlanks blanks = {calibration->stops[stop].id, shots->patterns[pattern].name,
+                                  calibration->stops[stop].index};
         if (!ffp_template_fill(text, &blanks, path, err) ||
             !set_picture(shots, calibration, stop, pattern, path, err))
             return false;
@@ -258,7 +259,7 @@ static bool find_masks(FfpShots *shots, const char *template, const FfpCalibrati
         return ffp_fail(err, FFP_ERROR_ARGUMENT, "mask_files", "no file is named");
     shots->masks = ffp_arena_alloc(shots->arena, (size_t)calibration->n_stops, sizeof *shots->masks);
     for (int i = 0; i < calibration->n_stops; i++) {
-        const FfpBlanks blanks = {calibration->stops[i].id, NULL, i};
+        const FfpBlanks blanks = {calibration->stops[i].id, NULL, calibration->stops[i].index};
         char path[FFP_PATH_MAX];
         if (!ffp_template_fill(template, &blanks, path, err)) return false;
         if (!ffp_is_file(path))

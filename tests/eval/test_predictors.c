@@ -63,11 +63,13 @@ static double mean_of_the_four(Depth kind) {
 
 static void true_depth_predicts_other_renderers_pictures(void **state) {
     (void)state;
+    SAME_WAY_AGAIN(); // both_predict_the_samples_pictures
     assert_true(mean_of_the_four(TRUE_DEPTH) >= 45);
 }
 
 static void matched_depth_predicts_other_renderers_pictures(void **state) {
     (void)state;
+    SAME_WAY_AGAIN();
     assert_true(mean_of_the_four(MATCHED_DEPTH) >= 42);
 }
 
