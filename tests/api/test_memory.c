@@ -72,7 +72,8 @@ static void free_rebuilt(Rebuilt *r) {
 
 static FfpGaussians *start_of(const FfpCapture *capture) {
     FfpError err = {0};
-    const FfpReconstruction options = {.pattern = "lollipop_0", .polish = 2};
+    const FfpReconstruction options = {
+        .patterns = (const char *const[]){"lollipop_0"}, .n_patterns = 1, .polish = 2};
     FfpGaussians *gaussians = ffp_reconstruct(NULL, capture, &options, NULL, &err);
     if (!gaussians) fail_msg("%s", err.text);
     return gaussians;

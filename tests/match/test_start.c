@@ -24,7 +24,7 @@ static FfpStart start_of(const FfpCapture *capture, int active) {
     FfpError err = {0};
     FfpStart start;
     const FfpMatchSettings settings = ffp_match_defaults();
-    if (!ffp_start_new(&start, capture, active, &settings, &err)) fail_msg("%s", err.text);
+    if (!ffp_start_new(&start, capture, &active, 1, &settings, &err)) fail_msg("%s", err.text);
     return start;
 }
 
@@ -320,7 +320,7 @@ static void expect_refused(FfpCapture *capture, int active, const char *word) {
     FfpError err = {0};
     FfpStart start;
     const FfpMatchSettings settings = ffp_match_defaults();
-    assert_false(ffp_start_new(&start, capture, active, &settings, &err));
+    assert_false(ffp_start_new(&start, capture, &active, 1, &settings, &err));
     if (strstr(err.text, word) == NULL) fail_msg("no \"%s\" in: %s", word, err.text);
     assert_null(start.t);
     ffp_capture_free(capture);

@@ -277,8 +277,8 @@ static void test_the_ratio_told_is_limited(void **state) {
     const real expected[] = {0.5F * log2((real)(44 * 36) / (32 * 32)), 0.68F};
     for (int i = 0; i < 2; i++) {
         model->config.tokens = tokens[i];
-        assert_true(
-            ffp_pixel_context_new(&context, &model->config, &s.capture, &s.start, SCENE_ACTIVE, &err));
+        assert_true(ffp_pixel_context_new(&context, &model->config, &s.capture, &s.start,
+                                          &(int){SCENE_ACTIVE}, 1, &err));
         const FfpGrid grid = ffp_grid(&model->config, &s.capture, &context);
         ffp_head_tell_apart(told, &pixel, 1, &grid, &s.start, &context.start);
         assert_float_equal(told[0], expected[i], 1e-5F);
