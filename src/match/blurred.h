@@ -13,14 +13,12 @@ typedef struct FfpSeen {
     const FfpFour *cells; // of the pattern
 } FfpSeen;
 
-// A pixel under the k-th of the patterns that it was seen under, its weight times `share`.
-static inline FfpSeen ffp_seen(const FfpObservation *seen, const FfpBlurred *patterns, int k, size_t pixel,
-                               real share) {
+// A pixel under the k-th of the patterns that it was seen under.
+static inline FfpSeen ffp_seen(const FfpObservation *seen, const FfpBlurred *patterns, int k, size_t pixel) {
     const size_t area = (size_t)seen->width * (size_t)seen->height;
     const real *r = seen->ratio + 3 * ((size_t)k * area + pixel), *w = seen->weight + 3 * pixel;
-    const FfpFour weight = {w[0], w[1], w[2], 0};
     return (FfpSeen){{r[0], r[1], r[2], 0},
-                     weight * share,
+                     {w[0], w[1], w[2], 0},
                      (const FfpFour *)patterns->cells + (size_t)seen->asked[k] * patterns->area};
 }
 

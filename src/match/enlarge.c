@@ -101,7 +101,7 @@ static real cost_at(const Work *w, int x, int y, real q) {
     ffp_find_cells(&cells, w->patterns, u, v);
     if (cells.first[0] < 0) return OFF_PATTERN;
     for (int k = 0; k < w->seen->count; k++) {
-        const FfpSeen here = ffp_seen(w->seen, w->patterns, k, i, 1);
+        const FfpSeen here = ffp_seen(w->seen, w->patterns, k, i);
         cost += ffp_blurred_cost(&here, w->patterns->stride, &cells, 0), weight += here.weight;
     }
     return ffp_sum_channels(cost) / ffp_sum_channels(weight);

@@ -34,7 +34,7 @@ static real sum_window(real *restrict sum, const real *cost, const FfpForeground
             if (slot == FFP_OFF) continue;
             const real *restrict row = cost + slot * (size_t)count;
             for (int k = 0; k < count; k++) sum[k] += row[k];
-            weight += 3 * seen->lit[pixel];
+            weight += (real)(3 * seen->count) * seen->lit[pixel];
         }
     }
     return weight;

@@ -8,7 +8,8 @@
 #include "match/kernels/kernels.h"
 #include "match/line.h"
 
-#define OUTSIDE_COST 1.0F // a channel, off the pattern or off a silhouette: as much as a clearly wrong colour
+#define OUTSIDE_COST                                                                                         \
+    1.0F // a channel and a pattern, off the pattern or off a silhouette: as much as a clearly wrong colour
 
 FfpPlanes ffp_planes(const FfpCapture *capture, int view, const FfpMatchSettings *settings) {
     const FfpCamera *camera = &capture->views[view].camera;
@@ -25,7 +26,7 @@ typedef struct Pixel {
     real outside; // cost of a hypothesis off the pattern
 } Pixel;
 
-// Mean over the patterns at position n of the cells.
+// Sum over the patterns at position n of the cells.
 static real cost_at(const Pixel *pixel, int stride, const FfpCells *cells, int n) {
     FfpFour sum = {0};
     for (int k = 0; k < pixel->count; k++) sum += ffp_blurred_cost(&pixel->seen[k], stride, cells, n);
@@ -52,16 +53,16 @@ static void add_colour(real *cost, const FfpBlurred *patterns, const FfpLine *li
 void ffp_sweep(real *cost, const FfpView *view, const FfpForeground *foreground, const FfpObservation *seen,
                const FfpBlurred *patterns, const FfpPlanes *planes, const unsigned char *inside) {
     const size_t count = (size_t)planes->count, width = (size_t)foreground->width;
-    const real share = 1 / (real)seen->count;
+    const real outside = OUTSIDE_COST * (real)seen->count;
     FfpSeen *here = ffp_alloc((size_t)seen->count, sizeof *here);
     for (size_t slot = 0; slot < foreground->count; slot++) {
         const size_t i = foreground->pixel[slot], first = slot * count;
         const real x = (real)(i % width) + 0.5F, y = (real)(i / width) + 0.5F;
         const FfpLine line = ffp_line(&view->camera, x, y, &view->projector);
-        for (int k = 0; k < seen->count; k++) here[k] = ffp_seen(seen, patterns, k, i, share);
+        for (int k = 0; k < seen->count; k++) here[k] = ffp_seen(seen, patterns, k, i);
         const real *w = seen->weight + 3 * i;
-        const Pixel pixel = {here, seen->count, OUTSIDE_COST * ((w[0] + w[1]) + w[2])};
-        for (size_t k = 0; k < count; k++) cost[first + k] = OUTSIDE_COST;
+        const Pixel pixel = {here, seen->count, outside * ((w[0] + w[1]) + w[2])};
+        for (size_t k = 0; k < count; k++) cost[first + k] = outside;
         add_colour(cost + first, patterns, &line, &pixel, planes, inside + first);
     }
     ffp_free(here);

@@ -3,8 +3,8 @@
 #include "match/kernels/kernels.h"
 
 #define WINDOW 2         // the cost is summed over 5 x 5 pixels, less the corners
-#define PRIOR 0.02F      // cost of lying a whole range off the plane, a unit of weight, under one pattern
-#define OFF_PATTERN 0.5F // cost of a hypothesis that leaves the pattern, a unit of weight
+#define PRIOR 0.02F      // cost of lying a whole range off the plane, a unit of weight
+#define OFF_PATTERN 0.5F // cost of a hypothesis that leaves the pattern, a unit of weight and a pattern
 
 // Weight of a neighbour by its squared distance: exp(-0.35 d^2).
 static const real nearness[WINDOW * WINDOW + 2] = {1, 0.7047F, 0.4966F, 0.3499F, 0.2466F, 0.1738F};
@@ -15,7 +15,7 @@ static real add_neighbour(FfpFour *cost, real *outside, const FfpView *view, con
                           const FfpBlurred *patterns, const FfpPlane *plane, int x, int y, int dx, int dy,
                           int steps, real step) {
     const size_t i = (size_t)(y + dy) * (size_t)seen->width + (size_t)(x + dx);
-    const real near = nearness[dx * dx + dy * dy], share = near / (real)seen->count;
+    const real near = nearness[dx * dx + dy * dy], off = near * (OFF_PATTERN * (real)seen->count);
     const FfpLine line =
         ffp_line(&view->camera, (real)(x + dx) + 0.5F, (real)(y + dy) + 0.5F, &view->projector);
     // The line in inverse depth: both its numbers divided by depth.
@@ -28,12 +28,13 @@ static real add_neighbour(FfpFour *cost, real *outside, const FfpView *view, con
         ffp_find_cells(&cells, patterns, u, v);
         const int lanes = steps - k < FFP_MATCH_LANES ? steps - k : FFP_MATCH_LANES;
         for (int p = 0; p < seen->count; p++) {
-            const FfpSeen here = ffp_seen(seen, patterns, p, i, share);
+            FfpSeen here = ffp_seen(seen, patterns, p, i);
+            here.weight *= near;
             for (int n = 0; n < lanes; n++)
                 if (cells.first[n] >= 0) cost[k + n] += ffp_blurred_cost(&here, patterns->stride, &cells, n);
         }
         for (int n = 0; n < lanes; n++)
-            if (cells.first[n] < 0) outside[k + n] += near * OFF_PATTERN;
+            if (cells.first[n] < 0) outside[k + n] += off;
     }
     return near * seen->lit[i];
 }
