@@ -42,14 +42,16 @@ from .reconstruction import (
     refine,
 )
 from .renderer import Renderer
+from .rig import RigCalibrationStats, calibrate_rig, train, write_patterns
 
 __version__: str = _ffi.string(_lib.ffp_version()).decode()
 
 __all__ = [
-    "AlignStats", "ArgumentError", "Array", "CalibratedAt", "Calibration", "CancelledError", "Capture", "Compensation",
-    "CompensationStats", "Error", "ErrorCode", "FileFormatError", "Floats", "Gaussians", "InputOutputError", "MapStats", "Model",
-    "ModelOption", "OutOfMemoryError", "PathLike", "Pinhole", "Progress", "ProgressOption", "Reconstructed",
-    "ReconstructionStats", "Refined", "RefinementStats", "Renderer", "Score", "SensorFaults", "Turntable",
-    "UnsupportedError", "View", "align", "compensate", "decode", "encode", "evaluate", "fit_from_scratch", "generate",
-    "import_capture", "info", "maps", "pinholes_from_pycolmap", "protocols", "reconstruct", "refine",
+    "AlignStats", "ArgumentError", "Array", "CalibratedAt", "Calibration", "CancelledError", "Capture",
+    "Compensation", "CompensationStats", "Error", "ErrorCode", "FileFormatError", "Floats", "Gaussians",
+    "InputOutputError", "MapStats", "Model", "ModelOption", "OutOfMemoryError", "PathLike", "Pinhole", "Progress",
+    "ProgressOption", "Reconstructed", "ReconstructionStats", "Refined", "RefinementStats", "Renderer",
+    "RigCalibrationStats", "Score", "SensorFaults", "Turntable", "UnsupportedError", "View", "align", "calibrate_rig",
+    "compensate", "decode", "encode", "evaluate", "fit_from_scratch", "generate", "import_capture", "info", "maps",
+    "pinholes_from_pycolmap", "protocols", "reconstruct", "refine", "train", "write_patterns",
 ]  # fmt: skip

@@ -36,6 +36,9 @@ class View:
     depth: Array | None = (
         None  #: [height,width] float32 truth: camera z, world units, 0 where there is no surface
     )
+    correspondence: Array | None = (
+        None  #: [height,width,3] float32: projector pixel that each pixel's light comes from, and trust, 0 to 1
+    )
 
 
 @dataclass
@@ -49,18 +52,26 @@ class AlignStats:
     depth: float = 0.0  #: turns of the camera in all views, degrees: along the line to the projector
     across: float = 0.0  #: across it
     side: float = 0.0  #: sideways
+    off: tuple[float, ...] = ()  #: of own poses, before and after: rays pass the pattern by, projector pixels
+    apart: tuple[float, ...] = ()  #: and surfaces of different views lie apart by, camera pixels
+    focal: tuple[float, ...] = ()  #: factors by which the focal lengths of camera and projector grew
     before: float = 0.0  #: disagreement of the pictures: mean difference of pattern values, 0 to 1
     after: float = 0.0
     seconds: float = 0.0
 
 
+def plain(value: Any) -> Any:
+    """A number, text or tuple from a member of a C struct."""
+    if not isinstance(value, ffi.CData):
+        return value
+    kind = ffi.typeof(value)
+    numbers = kind.kind == "array" and kind.item.cname == "double"
+    return tuple(value) if numbers else ffi.string(value).decode()
+
+
 def record(kind: type[Any], c: Any) -> Any:
     """A dataclass from the C struct with the same names."""
-    values = {}
-    for name in kind.__dataclass_fields__:
-        value = getattr(c, name)
-        values[name] = ffi.string(value).decode() if isinstance(value, ffi.CData) else value
-    return kind(**values)
+    return kind(**{name: plain(getattr(c, name)) for name in kind.__dataclass_fields__})
 
 
 class Capture(Handle):
@@ -291,3 +302,4 @@ def _fill_view(c: Any, view: View, patterns: list[str], keep: Keep) -> None:
     c.mask = picture_of(view.mask, keep, f"view {view.id}: mask")[0]
     c.masked = view.masked
     c.depth = picture_of(view.depth, keep, f"view {view.id}: depth")[0]
+    c.correspondence = picture_of(view.correspondence, keep, f"view {view.id}: correspondence")[0]

@@ -155,6 +155,9 @@ def generate(
     mesh: PathLike | None = None,
     material: PathLike | None = None,
     sensor: SensorFaults | None = None,
+    photographs: PathLike | None = None,
+    attitudes: int | None = None,
+    check: bool = False,
     progress: ProgressOption = None,
     threads: int = 0,
 ) -> list[Path]:
@@ -165,12 +168,16 @@ def generate(
         preset: "paper" (8 views of 128 x 128 pixels and 6 lollipops), "smoke" (small and quick), "training".
         first, count: scenes of the split; count -1: to the end, of an own mesh one.
         resolution: image side, pixels; 0: as the preset says.
-        rig: "turntable" or "free" (each view has devices of its own).
-        views: input views, 1 to 64; 0: as the preset says.
+        rig: "turntable", "free" (each view has devices of its own) or "sphere" (only the camera moves).
+        views: input views, 1 to 360; 0: as the preset says.
         seed: None: the program's.
         mesh: a file of your own (OBJ, PLY, STL, glTF) instead of the generated meshes.
         material: a folder of basecolor, roughness and normal maps.
         sensor: faults of the devices.
+        photographs: folder of patterns (write_patterns): instead of captures, photographs of one object on a
+            turntable under all of them, and of a chessboard, by a rig with lenses (docs/data.md, "Photographs").
+        attitudes: in which that chessboard is held, 0 to 64; None: the program's.
+        check: make nothing, and raise an error that names the scenes which are not there, whole.
         progress: see ffprocams.ProgressOption.
         threads: that may work at a time; 0: all processors.
 
@@ -182,6 +189,9 @@ def generate(
     options.split, options.preset = _one_of(_SPLITS, split, "split"), _one_of(_PRESETS, preset, "preset")
     options.rig, options.first, options.count = _one_of(_RIGS, rig, "rig"), first, count
     options.resolution, options.views = resolution, views
+    options.photographs, options.check = keep.path(photographs), check
+    if attitudes is not None:
+        options.attitudes = attitudes
     if seed is not None:
         options.seed = seed
     for name, value in vars(sensor or SensorFaults()).items():
@@ -225,6 +235,7 @@ def import_capture(
     images: Mapping[str, PathLike] | None = None,
     patterns: Mapping[str, PathLike] | None = None,
     held_out: Mapping[str, PathLike] | None = None,
+    gray_codes: PathLike | None = None,
     turntable: Turntable | None = None,
     masks: str | None = None,
     projector_image: str | None = None,
@@ -251,6 +262,8 @@ def import_capture(
             {index} or {number} in it, or one with *. None: the pictures that the calibration names.
         patterns: name to the image file of what the projector showed, besides black and white.
         held_out: likewise, only ever to be predicted.
+        gray_codes: photographs of the Gray codes of write_patterns, files as in ``images``, {pattern} being gray_x_00,
+            gray_x_00_inverse and so on: where codes decode depth is exact.
         turntable: for a fixed rig with several views.
         masks: None: the photographs' alpha, else from light; "light"; or files, as in ``images``, white on black.
         projector_image: COLMAP: the image that is the projector; None: "calib".
@@ -275,6 +288,7 @@ def import_capture(
     options.views, options.n_views = keep.texts(ids), len(ids)
     _fill_pictures(options, images, patterns, held_out, keep)
     _fill_turntable(options.turntable, turntable or Turntable(), keep)
+    options.gray_codes = keep.path(gray_codes)
     options.masks = {None: lib.FFP_MASKS_FROM_ALPHA, "light": lib.FFP_MASKS_FROM_LIGHT}.get(
         masks, lib.FFP_MASKS_FROM_FILES
     )

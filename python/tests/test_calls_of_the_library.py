@@ -146,3 +146,52 @@ def test_generated_captures_are_captures(tmp_path: Path) -> None:
     assert np.abs(capture.camera(1).pose - before).max() < 0.5
     with pytest.raises(ffp.ArgumentError, match="preset"):
         ffp.generate(tmp_path, preset="huge")
+
+
+def test_a_simulated_rig_is_calibrated(tmp_path: Path) -> None:
+    """What the projector shows, photographs of a board under it, and the calibration: near the truth that made them."""
+    shown = ffp.write_patterns(tmp_path / "codes", 256, 160, lollipops=0, focus=False, gamma=False)
+    assert len(shown) == 2 + 2 * 8 + 2 * 8
+    boards = tmp_path / "boards"
+    ffp.generate(boards, photographs=tmp_path / "codes", attitudes=6, resolution=200, views=1, count=1)
+    truth = json.loads((boards / "truth.json").read_text())
+    try:
+        stats = ffp.calibrate_rig(
+            tmp_path / "rig.xml",
+            sorted(boards.glob("attitude-*")),
+            board=(9, 6),
+            square=16,
+            projector=(256, 160),
+            fix_camera=["k3"],
+            fix_projector=["k3"],
+        )
+    except ffp.UnsupportedError as without:
+        pytest.skip(f"skipped: {without}")
+    assert stats.used >= 3 and 0 < stats.both < 1 and not stats.has_axis and len(stats.axis) == 3
+    written = (tmp_path / "rig.xml").read_text()
+    found = float(written.split("<cam_int")[1].split("<data>")[1].split()[0])
+    assert found == pytest.approx(truth["cam_K"][0][0], rel=0.02)
+    with pytest.raises(ffp.ArgumentError, match="k9"):
+        ffp.calibrate_rig(None, board=(9, 6), square=1, projector=(256, 160), fix_camera=["k9"])
+
+
+def test_training_makes_weights(sample: Path, tmp_path: Path) -> None:
+    config = tmp_path / "config.json"
+    sizes = {
+        "model": "tiny",
+        "resolution": 16,
+        "views": 2,
+        "targets": 1,
+        "lollipops": 1,
+        "pattern_side": 64,
+        "steps": 4,
+    }
+    scenes = {"supervised_inputs": 1, "supervised_targets": 1, "samples": 1, "ambient_rays": 1, "pool": 2}
+    config.write_text(json.dumps({**sizes, **scenes, "validate_every": 0, "log_every": 1}))
+    weights = ffp.train(tmp_path / "out", config=config, stop_at=2)
+    assert len((tmp_path / "out" / "metrics.jsonl").read_text().splitlines()) == 2
+    ffp.train(tmp_path / "out", resume=True, stop_at=3)
+    ffp.train(tmp_path / "out", resume=True)
+    assert len(ffp.reconstruct(ffp.Capture.open(sample), weights, polish=0)) > 0
+    with pytest.raises(ffp.Error, match="scene.json"):
+        ffp.train(tmp_path / "other", config=sample / "scene.json")

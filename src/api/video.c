@@ -133,7 +133,7 @@ bool ffp_animation_check(const char *path, FfpError *err) {
     if (!ffp_ffmpeg_makes(path))
         return ffp_fail(err, FFP_ERROR_ARGUMENT, path,
                         "a film ends in .png, .apng, .gif, .mp4, .webm or .mkv");
-    if (ffp_ffmpeg_is_there()) return true;
+    if (ffp_program_is_there("ffmpeg")) return true;
     return ffp_fail(err, FFP_ERROR_UNSUPPORTED, path,
                     "the program ffmpeg, which makes %s films, is not here: install it, or choose .png, an "
                     "animated PNG",
@@ -154,7 +154,7 @@ static bool add_to_ffmpeg(FfpAnimation *a, const FfpImage *encoded, FfpError *er
         return false;
     unsigned char *bytes = ffp_alloc(count, 1);
     for (size_t i = 0; i < count; i++) bytes[i] = (unsigned char)(encoded->data[i] * 255 + 0.5F);
-    const bool ok = ffp_ffmpeg_write(a->ffmpeg, bytes, count);
+    const bool ok = ffp_process_write(a->ffmpeg, bytes, count);
     ffp_free(bytes);
     return ok || (ffp_ffmpeg_finish(&a->ffmpeg, a->out.path, err) &&
                   ffp_fail(err, FFP_ERROR_IO, a->out.path, "ffmpeg ended before the last frame"));
@@ -186,6 +186,6 @@ bool ffp_animation_commit(FfpAnimation *animation, FfpError *err) {
 }
 
 void ffp_animation_abort(FfpAnimation *animation) {
-    ffp_ffmpeg_kill(&animation->ffmpeg);
+    ffp_process_kill(&animation->ffmpeg);
     ffp_output_abort(&animation->out);
 }

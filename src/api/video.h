@@ -25,7 +25,7 @@ typedef struct FfpAnimation {
     uint32_t frames, done;
     uint32_t sequence; // animated PNG: number of the next fcTL or fdAT chunk
     bool by_ffmpeg;
-    FfpFfmpeg *ffmpeg; // runs from the first frame on, into out's temporary file
+    FfpProcess *ffmpeg; // runs from the first frame on, into out's temporary file
 } FfpAnimation;
 bool ffp_animation_open(FfpAnimation *animation, const char *path, int frames, int rate, FfpError *err);
 // Frames must be of one size, and as many as were announced.

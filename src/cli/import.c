@@ -187,7 +187,9 @@ static const FfpOption options[] = {
      .help = "the photographs under a pattern (black, white, and what you call yours). FILES has {view}, "
              "{index} (from 0), {number} (from 1), {number:3} (with zeros); or *, whose files are taken in "
              "order, img_9 before img_10. Several names: FILES has {pattern}, or * runs through all names of "
-             "the first view, then of the second. Views of a turntable are called by angle: 000, 045"},
+             "the first view, then of the second. Views of a turntable are called by angle: 000, 045. Raw "
+             "photographs are developed (by dcraw_emu); a film stands for the mean of its frames, FILM@3-4.5 "
+             "for those between two seconds, FILM@3 for one (by ffmpeg)"},
     {.name = "pattern",
      .letter = 'p',
      .argument = "NAME=FILE",

@@ -45,6 +45,13 @@ bool ffp_exr_decode_raw(const FfpBytes *file, FfpDecoded *out,
 // Says what a file is that this program does not read, and what to do about it; false always.
 bool ffp_refuse_foreign(const FfpBytes *file, FfpError *err);
 bool ffp_is_foreign(const FfpBytes *file); // one that is known by its first bytes
+typedef enum FfpForeign {
+    FFP_FOREIGN_OTHER, // or not foreign at all
+    FFP_FOREIGN_RAW,   // a camera's own format
+    FFP_FOREIGN_FILM
+} FfpForeign;
+FfpForeign ffp_foreign_kind(const FfpBytes *head); // 32 bytes are enough
+bool ffp_tiff_is_raw(const FfpBytes *file);        // DNG, NEF, ARW and the like, which are TIFF files
 
 // The orientation tag (1 to 8) of EXIF data, which begin with a TIFF header; 1 where there is none.
 int ffp_exif_orientation(const unsigned char *bytes, size_t size);

@@ -3,14 +3,15 @@
 
 #include "image/codec.h"
 
-#define SAVE "save it as PNG or TIFF"
-#define DEVELOP "develop it to a 16-bit TIFF or PNG"
-#define EXTRACT "extract its frames, as by ffmpeg -i FILE frame_%04d.png"
+#define SAVE "save it as PNG or TIFF", FFP_FOREIGN_OTHER
+#define DEVELOP "develop it to a 16-bit TIFF or PNG", FFP_FOREIGN_RAW
+#define EXTRACT "extract its frames, as by ffmpeg -i FILE frame_%04d.png", FFP_FOREIGN_FILM
 
 typedef struct Foreign {
     size_t length;
     const char *bytes; // '?' stands for any
     const char *name, *advice;
+    FfpForeign kind;
 } Foreign;
 
 static const Foreign table[] = {
@@ -50,18 +51,19 @@ static const Foreign table[] = {
     {8, "\0\0\0\x0cJXL ", "a JPEG XL picture", SAVE},
     {2, "\xff\x0a", "a JPEG XL picture", SAVE},
     {4, "DDS ", "a DDS texture", SAVE},
-    {10, "#?RADIANCE", "a Radiance HDR picture", "save it as EXR"},
-    {6, "#?RGBE", "a Radiance HDR picture", "save it as EXR"},
-    {3, "PF\n", "a PFM picture", "save it as EXR"},
-    {3, "Pf\n", "a PFM picture", "save it as EXR"},
+    {10, "#?RADIANCE", "a Radiance HDR picture", "save it as EXR", FFP_FOREIGN_OTHER},
+    {6, "#?RGBE", "a Radiance HDR picture", "save it as EXR", FFP_FOREIGN_OTHER},
+    {3, "PF\n", "a PFM picture", "save it as EXR", FFP_FOREIGN_OTHER},
+    {3, "Pf\n", "a PFM picture", "save it as EXR", FFP_FOREIGN_OTHER},
     {3, "P?\n", "a PBM, PGM or PPM picture", SAVE},
-    {6, "\x93NUMPY", "a NumPy array", "save it as EXR, TIFF or PNG"},
+    {6, "\x93NUMPY", "a NumPy array", "save it as EXR, TIFF or PNG", FFP_FOREIGN_OTHER},
     {5, "%PDF-", "a PDF document", SAVE},
-    {4, "<svg", "an SVG drawing", "export it as PNG"},
-    {4, "ply\n", "a PLY file", "a picture is needed here"},
-    {4, "PK\x03\x04", "a ZIP archive", "unpack it"},
-    {2, "\x1f\x8b", "a gzip archive", "unpack it"},
-    {17, "version https://g", "a Git LFS pointer in place of the file", "fetch it with git lfs pull"},
+    {4, "<svg", "an SVG drawing", "export it as PNG", FFP_FOREIGN_OTHER},
+    {4, "ply\n", "a PLY file", "a picture is needed here", FFP_FOREIGN_OTHER},
+    {4, "PK\x03\x04", "a ZIP archive", "unpack it", FFP_FOREIGN_OTHER},
+    {2, "\x1f\x8b", "a gzip archive", "unpack it", FFP_FOREIGN_OTHER},
+    {17, "version https://g", "a Git LFS pointer in place of the file", "fetch it with git lfs pull",
+     FFP_FOREIGN_OTHER},
 };
 
 static const Foreign *find(const FfpBytes *file) {
@@ -78,6 +80,11 @@ static const Foreign *find(const FfpBytes *file) {
 
 bool ffp_is_foreign(const FfpBytes *file) {
     return find(file) != NULL;
+}
+
+FfpForeign ffp_foreign_kind(const FfpBytes *head) {
+    const Foreign *kind = find(head);
+    return kind != NULL ? kind->kind : FFP_FOREIGN_OTHER;
 }
 
 bool ffp_refuse_foreign(const FfpBytes *file, FfpError *err) {

@@ -201,7 +201,7 @@ static void close_thing(void *tiff) {
 }
 
 // r->tiff is to be closed whatever comes of it.
-static bool open_tiff(Reading *r, const FfpBytes *file, FfpError *err) {
+static bool begin_tiff(Reading *r, const FfpBytes *file, FfpError *err) {
     *r = (Reading){.file = file};
     TIFFOpenOptions *options = TIFFOpenOptionsAlloc();
     if (options == NULL) return ffp_fail(err, FFP_ERROR_MEMORY, file->path, "out of memory");
@@ -213,6 +213,11 @@ static bool open_tiff(Reading *r, const FfpBytes *file, FfpError *err) {
     TIFFOpenOptionsFree(options);
     if (r->tiff == NULL) return broken(r, err);
     ffp_own(r->tiff, close_thing);
+    return true;
+}
+
+static bool open_tiff(Reading *r, const FfpBytes *file, FfpError *err) {
+    if (!begin_tiff(r, file, err)) return false;
     if (is_raw(r->tiff)) return refuse_raw(r, err);
     if (!TIFFGetField(r->tiff, TIFFTAG_IMAGEWIDTH, &r->width) ||
         !TIFFGetField(r->tiff, TIFFTAG_IMAGELENGTH, &r->height))
@@ -331,6 +336,13 @@ bool ffp_tiff_decode_raw(const FfpBytes *file, FfpDecoded *out, FfpError *err) {
     out->orientation = r.orientation;
     close_tiff(&r);
     return ok;
+}
+
+bool ffp_tiff_is_raw(const FfpBytes *file) {
+    Reading r;
+    const bool raw = begin_tiff(&r, file, NULL) && is_raw(r.tiff);
+    close_tiff(&r);
+    return raw;
 }
 
 bool ffp_tiff_size(const FfpBytes *file, int *width, int *height, FfpError *err) {

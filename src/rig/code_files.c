@@ -6,6 +6,7 @@
 
 #include "base/call.h"
 #include "base/file.h"
+#include "image/photograph.h"
 #include "patterns/patterns.h"
 #include "rig/graycode.h"
 #include "rig/pictures.h"
@@ -63,7 +64,7 @@ static bool take_named(FfpShots *shots, const char *template, const FfpCalibrati
         ffp_gray_name(width, height, i, name);
         const FfpBlanks blanks = {calibration->stops[stop].id, name, stop};
         if (!ffp_template_fill(template, &blanks, path, err)) return false;
-        if (!ffp_is_file(path))
+        if (!ffp_photograph_is_there(path))
             return ffp_fail(err, FFP_ERROR_FILE, path,
                             "there is no such file: view '%s' under Gray code '%s'",
                             calibration->stops[stop].id, name);

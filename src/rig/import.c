@@ -8,6 +8,7 @@
 #include "base/file.h"
 #include "base/log.h"
 #include "capture/manifest.h"
+#include "image/photograph.h"
 #include "patterns/patterns.h"
 #include "rig/checks.h"
 #include "rig/codes.h"
@@ -26,6 +27,7 @@ typedef struct Import {
     FfpResponse response; // where it is asked for
     int masks_made;       // by Otsu's method
     int64_t too_bright;   // values of pictures
+    FfpDeveloped developed;
 } Import;
 
 // --- What is asked for. ---
@@ -142,7 +144,7 @@ static bool settle_camera(Import *import, int stop, FfpError *err) {
     const FfpPictureSize *at = &import->settings->camera;
     const char *path = import->shots.pictures[stop * FFP_PATTERNS_MAX + import->shots.white];
     int width = 0, height = 0;
-    if (!ffp_image_read_size(&width, &height, path, err)) return false;
+    if (!ffp_photograph_read_size(&width, &height, path, err)) return false;
     if (import->calibration.n_pictures > 0 && optics->width == 0 && at->width == 0)
         optics->width = width, optics->height = height;
     if (!ffp_optics_settle(optics, at, width, height, "camera", path, err) ||
@@ -217,17 +219,15 @@ static bool check_memory(const Import *import, FfpError *err) {
 
 // --- Pixels. ---
 
-static bool check_size(const char *path, const FfpOptics *optics, FfpError *err) {
-    int width = 0, height = 0;
-    if (!ffp_image_read_size(&width, &height, path, err)) return false;
+static bool has_size(const char *path, int width, int height, const FfpOptics *optics, FfpError *err) {
     return (width == optics->width && height == optics->height) ||
            ffp_fail(err, FFP_ERROR_FILE, path, "image is %d x %d, the others have %d x %d", width, height,
                     optics->width, optics->height);
 }
 
-// A picture as linear light; `linear`: its numbers are that already, and not sRGB.
-static bool read_light(FfpImage *rgb, FfpImage *alpha, const char *path, bool linear, FfpError *err) {
-    return (linear ? ffp_image_read_light : ffp_image_read_over_black)(rgb, alpha, path, err);
+static bool check_size(const char *path, const FfpOptics *optics, FfpError *err) {
+    int width = 0, height = 0;
+    return ffp_image_read_size(&width, &height, path, err) && has_size(path, width, height, optics, err);
 }
 
 // The light of the Gray code with this number.
@@ -252,7 +252,8 @@ static bool load_pattern(Import *import, int index, FfpError *err) {
     pattern->novel = shot->novel;
     if (shot->file != NULL) {
         if (!check_size(shot->file, optics, err) ||
-            !read_light(&raw, NULL, shot->file, import->settings->linear_patterns, err))
+            !(import->settings->linear_patterns ? ffp_image_read_light
+                                                : ffp_image_read_over_black)(&raw, NULL, shot->file, err))
             return false;
     } else if (shot->code > 0) {
         raw = code_pattern(optics, shot->code - 1);
@@ -291,9 +292,13 @@ static bool load_picture(Import *import, int stop, int pattern, FfpImage *alpha,
     const FfpOptics *optics = &import->calibration.stops[stop].camera;
     FfpView *view = &import->capture.views[stop];
     FfpImage raw = {0}, raw_alpha = {0};
-    if (!check_size(path, optics, err) ||
-        !read_light(&raw, &raw_alpha, path, import->settings->linear_images, err))
+    if (!ffp_photograph_read(&raw, &raw_alpha, path, import->settings->linear_images, &import->developed,
+                             err) ||
+        !has_size(path, raw.width, raw.height, optics, err)) {
+        ffp_image_free(&raw);
+        ffp_image_free(&raw_alpha);
         return false;
+    }
     expose(import, &raw);
     view->images[pattern] = ffp_optics_rectify(optics, &view->camera, &raw);
     if (tells_shape(&raw_alpha)) *alpha = ffp_optics_rectify(optics, &view->camera, &raw_alpha);
@@ -367,6 +372,16 @@ static bool load_view(Import *import, int stop, FfpError *err) {
     return ok;
 }
 
+static void note_developed(const FfpDeveloped *developed) {
+    if (developed->raws > 0)
+        ffp_note(
+            "%d raw photographs were developed by dcraw_emu to linear light, with one white balance for all",
+            developed->raws);
+    if (developed->films > 0)
+        ffp_note("%d films were read by ffmpeg, each as the mean of its frames (%d frames)", developed->films,
+                 developed->frames);
+}
+
 static bool load_pixels(Import *import, FfpError *err) {
     FfpCapture *capture = &import->capture;
     capture->n_patterns = import->shots.n_patterns;
@@ -382,6 +397,7 @@ static bool load_pixels(Import *import, FfpError *err) {
         if (ok) ffp_task_step(&progress, v + 1, capture->views[v].id);
     }
     ffp_task_end(&progress);
+    if (ok) note_developed(&import->developed);
     if (ok && import->masks_made > 0)
         ffp_note(
             "%d masks were made from white minus black (Otsu): what the projector does not reach is left "

@@ -7,6 +7,7 @@
 
 #include "base/call.h"
 #include "base/file.h"
+#include "image/photograph.h"
 
 // Settings, for errors.
 #define IMAGES "images"
@@ -143,7 +144,7 @@ static bool set_picture(FfpShots *shots, const FfpCalibration *calibration, int 
     if (*place != NULL)
         return ffp_fail(err, FFP_ERROR_ARGUMENT, IMAGES, "view '%s' has two pictures under '%s'",
                         calibration->stops[stop].id, shots->patterns[pattern].name);
-    if (!ffp_is_file(path))
+    if (!ffp_photograph_is_there(path))
         return ffp_fail(err, FFP_ERROR_FILE, path, "there is no such file: view '%s' under pattern '%s'",
                         calibration->stops[stop].id, shots->patterns[pattern].name);
     *place = keep(shots->arena, path);

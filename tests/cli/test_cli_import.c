@@ -272,6 +272,43 @@ static void test_deprocams(void **state) {
     ffp_capture_free(&capture);
 }
 
+// --- Photographs that others make pictures of. ---
+
+// A film of the white photographs, one a second, stands for all of them: "@AT" chooses.
+static void test_films(void **state) {
+    (void)state;
+    if (system("ffmpeg -version >/dev/null 2>&1") != 0) {
+        printf("skipped: ffmpeg is not here\n");
+        skip();
+    }
+    char arguments[3000], command[1024];
+    write_opencv("cal.yml", &single_shot, false, no_lens, no_lens);
+    snprintf(command, sizeof command,
+             "cat " SAMPLE
+             "/path_0_theta0??_all_white.png | ffmpeg -loglevel error -y -f image2pipe -framerate 1 "
+             "-i - -c:v ffv1 -pix_fmt bgr0 %s/white.mkv -pix_fmt rgb24 %s/white_%%d.png",
+             scratch, scratch);
+    assert_int_equal(system(command), 0);
+    for (int film = 0; film < 2; film++) {
+        snprintf(arguments, sizeof arguments,
+                 "-c %s/cal.yml " SIZES TURNTABLE "-v 000 -v 045 -v 090 -m otsu -i 'all_black=" SAMPLE
+                 "/path_0_theta{view}_all_black.png' -i 'lollipop_0=" SAMPLE
+                 "/path_0_theta{view}_lollipop_0.png' " PATTERN "-i 'all_white=%s/white%s' ",
+                 scratch, scratch, film ? ".mkv@{index}" : "_{number}.png");
+        import(film ? "by_film" : "by_picture", arguments);
+        assert_int_equal(strstr(run.err, "3 films were read by ffmpeg") != NULL, film);
+    }
+    FfpCapture by_picture, by_film;
+    assert_true(ffp_capture_read(&by_picture, in_scratch("by_picture"), NULL));
+    assert_true(ffp_capture_read(&by_film, in_scratch("by_film"), NULL));
+    for (int v = 0; v < 3; v++)
+        for (int p = 0; p < 3; p++)
+            assert_memory_equal(by_picture.views[v].images[p].data, by_film.views[v].images[p].data,
+                                3 * 128 * 128 * sizeof(real));
+    ffp_capture_free(&by_picture);
+    ffp_capture_free(&by_film);
+}
+
 // --- The turntable's axis from the pictures. ---
 
 // The world's z axis before the first camera: where its origin lies across it, and its direction.
@@ -425,11 +462,11 @@ static void test_refusals(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_single_shot),  cmocka_unit_test(test_procam_calibration),
-        cmocka_unit_test(test_calibrator),   cmocka_unit_test(test_opencv_samples),
-        cmocka_unit_test(test_deprocams),    cmocka_unit_test(test_fit_axis),
-        cmocka_unit_test(test_fit_response), cmocka_unit_test(test_usage),
-        cmocka_unit_test(test_refusals),
+        cmocka_unit_test(test_single_shot), cmocka_unit_test(test_procam_calibration),
+        cmocka_unit_test(test_calibrator),  cmocka_unit_test(test_opencv_samples),
+        cmocka_unit_test(test_deprocams),   cmocka_unit_test(test_films),
+        cmocka_unit_test(test_fit_axis),    cmocka_unit_test(test_fit_response),
+        cmocka_unit_test(test_usage),       cmocka_unit_test(test_refusals),
     };
     return cmocka_run_group_tests(tests, setup, teardown);
 }
