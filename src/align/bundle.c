@@ -225,7 +225,7 @@ bool ffp_bundle_step(FfpCapture *capture, const FfpView *given, int active, cons
     FfpStart start;
     if (capture->n_views > FFP_BUNDLE_VIEWS_MAX)
         return ffp_fail(err, FFP_ERROR_ARGUMENT, capture->name, "more than %d views", FFP_BUNDLE_VIEWS_MAX);
-    if (!ffp_start_new(&start, capture, active, &matching, err)) return false;
+    if (!ffp_start_new(&start, capture, &active, 1, &matching, err)) return false;
     Bundle bundle = {.capture = start.reduced ? &start.reduced->capture : capture,
                      .given = given,
                      .expected = expected,

@@ -185,7 +185,7 @@ FfpTiePoints ffp_tie_points_new(const FfpCapture *capture, const FfpStart *start
                  .view = &capture->views[view],
                  .start = start,
                  .first = (size_t)view * area,
-                 .seen = ffp_observe(capture, view, active),
+                 .seen = ffp_observe(capture, view, &active, 1),
                  .pattern = ffp_summed_new(&capture->patterns[active].image),
                  .box = ffp_typical_footprint(capture, view),
                  .out = &out};

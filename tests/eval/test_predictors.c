@@ -21,7 +21,7 @@ static double predictor_psnr(FfpCapture *capture, Depth kind) {
         const FfpView *view = &capture->views[v];
         real *depth = ffp_alloc((size_t)view->camera.width * view->camera.height, sizeof *depth);
         assert_non_null(depth);
-        if (kind == MATCHED_DEPTH) ffp_match_depth(capture, v, active, &settings, depth);
+        if (kind == MATCHED_DEPTH) ffp_match_depth(capture, v, &active, 1, &settings, depth);
         for (int p = 0; p < capture->n_patterns; p++) {
             const bool lollipop = strncmp(capture->patterns[p].name, "lollipop", 8) == 0;
             if (!lollipop || p == active || !view->images[p].data) continue;

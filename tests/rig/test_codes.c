@@ -257,7 +257,7 @@ static double depth_off(const FfpCapture *capture, double *share) {
     double sum = 0, n = 0, there = 0, point[3];
     normalised.views = &view;
     ffp_capture_normalise(&normalised, capture->centre, capture->radius);
-    assert_true(ffp_start_new(&start, &normalised, 2, &settings, &err));
+    assert_true(ffp_start_new(&start, &normalised, &(int){2}, 1, &settings, &err));
     for (int i = 0; i < start.width * start.height; i++) {
         const double x = (i % start.width + 0.5 - (double)view.camera.cx) / (double)view.camera.fx,
                      y = (i / start.width + 0.5 - (double)view.camera.cy) / (double)view.camera.fy;
