@@ -116,7 +116,7 @@ class Encoder(torch.nn.Module):
         return x + F.linear(F.gelu(hidden), at("fc2"))
 
     def forward(self, inputs):
-        x = F.layer_norm(F.linear(inputs, self.tokeniser_weight), (self.dim,), self.tokeniser_norm, None, EPSILON)
+        x = F.layer_norm(F.linear(inputs, self.tokeniser_weight).float(), (self.dim,), self.tokeniser_norm, None, EPSILON)
         for i, kind in enumerate(self.modules_):
             x = self.mamba(x, i) if kind == "M" else self.transformer(x, i)
         return F.layer_norm(x.float(), (self.dim,), self.final_norm, None, EPSILON)
