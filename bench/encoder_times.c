@@ -24,7 +24,7 @@ typedef union Block {
 } Block;
 
 typedef struct Encoder {
-    const FfpModel *model;
+    FfpModel *model;
     FfpWidths widths;
     int rows, in, blocks;    // in = patch^2 channels
     int64_t weights;         // the encoder's: all up to the last norm's
@@ -133,13 +133,14 @@ static const real *read_rows(const char *path, int columns, int *rows, FfpError 
     if (*rows > 0 && size == (size_t)*rows * row) return (const real *)data; // real is float in the program
     ffp_fail(err, FFP_ERROR_FILE, path, "%zu bytes are not %s rows of %d float32", size,
              *rows ? "as many" : "1 to 65536", columns);
+    ffp_free(data);
     return NULL;
 }
 
 static bool open_encoder(Encoder *e, int argc, char **argv, FfpError *err) {
-    FfpModel *model = ffp_model_read(argv[1], err);
+    FfpModel *model = e->model = ffp_model_read(argv[1], err);
     if (!model) return false;
-    *e = (Encoder){.model = model, .widths = ffp_widths(&model->config)};
+    e->widths = ffp_widths(&model->config);
     e->in = model->config.patch * model->config.patch * ffp_input_channels(&model->config);
     e->blocks = (int)strlen(model->config.modules);
     e->weights = model->layout->final_norm + e->widths.dim;
@@ -147,6 +148,13 @@ static bool open_encoder(Encoder *e, int argc, char **argv, FfpError *err) {
     if (argc > 3 && !(e->dy = read_rows(argv[3], e->widths.dim, &e->rows, err))) return false;
     allocate(e);
     return true;
+}
+
+static void close_encoder(Encoder *e) {
+    ffp_arena_free(e->arena);
+    ffp_free((void *)e->inputs);
+    ffp_free((void *)e->dy);
+    ffp_model_free(e->model);
 }
 
 static double processor_seconds(void) {
@@ -188,14 +196,13 @@ static bool serve(Encoder *e, FfpError *err) {
 
 int main(int argc, char **argv) {
     FfpError err = {0};
-    Encoder encoder;
+    Encoder encoder = {0};
     if (argc != 3 && argc != 4) {
         fputs("usage: encoder_times MODEL.safetensors INPUTS [GRADIENT]\n", stderr);
         return 2;
     }
-    if (!ffp_cpu_check(&err) || !open_encoder(&encoder, argc, argv, &err) || !serve(&encoder, &err)) {
-        fprintf(stderr, "encoder_times: error: %s\n", err.text);
-        return 1;
-    }
-    return 0;
+    const bool ok = ffp_cpu_check(&err) && open_encoder(&encoder, argc, argv, &err) && serve(&encoder, &err);
+    close_encoder(&encoder);
+    if (!ok) fprintf(stderr, "encoder_times: error: %s\n", err.text);
+    return !ok;
 }
