@@ -88,6 +88,19 @@ foreach(test ${FFP_THREAD_TESTS})
   endif()
 endforeach()
 
+# The longest begin first, so that none is left alone at the end.
+set(FFP_LONG_TESTS view_page simulated_rig test_no_memory install test_cuda_training test_align test_axis test_cli_results test_cli_sizes
+                   test_cli_import readme test_calibrate test_ranks test_meshes test_response test_predictors test_checks test_codes
+                   test_mixture test_bundle test_start test_generate)
+list(LENGTH FFP_LONG_TESTS cost)
+get_property(tests DIRECTORY PROPERTY TESTS)
+foreach(test ${FFP_LONG_TESTS})
+  if(test IN_LIST tests)
+    set_property(TEST ${test} PROPERTY COST ${cost})
+  endif()
+  math(EXPR cost "${cost} - 1")
+endforeach()
+
 # libomp (clang's OpenMP) gives some of its own threads' tables back to nobody when their number changes.
 if(FFPROCAMS_SANITIZE STREQUAL "address")
   get_property(tests DIRECTORY PROPERTY TESTS)

@@ -136,10 +136,13 @@ typedef struct FfpDrawing {
 typedef struct FfpGaussians FfpGaussians;
 
 typedef struct FfpReconstruction {
-    const FfpModel *model; // NULL: the classical start alone, without weights
-    const char *pattern;   // name of the structured-light pattern to use; NULL: the first that every view has
+    const FfpModel *model;       // NULL: the classical start alone, without weights
+    const char *const *patterns; // names of the structured-light patterns to use. Every view has the first,
+                                 // which the network sees; matching and the polish look at all of them, where
+                                 // a view has photographs under them
+    int n_patterns;              // none: the first pattern that every view has
     int64_t polish; // gradient steps, of one view each, that fit the prediction to the photographs it was
-                    // made from: black, white and the pattern; 0: the forward pass alone; FFP_POLISH_AUTO
+                    // made from: black, white and the patterns; 0: the forward pass alone; FFP_POLISH_AUTO
     double noise;   // deviation of the photographs' noise, linear, of values up to 1, to be taken away before
                     // all else; 0: none; FFP_NOISE_ESTIMATED: what the photographs tell
     double layers;  // how many times splats may describe a place of the surface, those of the views that see
@@ -155,7 +158,8 @@ typedef struct FfpReconstruction {
 FFP_API FfpReconstruction ffp_reconstruction_defaults(void);
 
 typedef struct FfpReconstructionStats { // how it went; seconds of wall clock
-    char pattern[96];                   // the pattern that was used
+    char pattern[96];                   // the pattern that was used, of several the first
+    int patterns;                       // how many were
     int64_t gaussians;
     double start_s, network_s;            // projector matching and the classical estimates; the network
     double polish_s;                      // with the choice of the splats that are polished
@@ -300,8 +304,8 @@ FFP_API bool ffp_view(FfpContext *context, const FfpGaussians *gaussians, const 
 // --- Fitting to one object's photographs. ---
 
 typedef struct FfpRefinement {
-    const char *const *patterns; // structured-light patterns to use beside black and white, which every view
-    int n_patterns;              // must have; none: the one that a reconstruction would take
+    const char *const *patterns; // structured-light patterns to use beside black and white, as
+    int n_patterns;              // FfpReconstruction.patterns; of a neural field every view has all of them
     int64_t steps;               // of one view each; 0: no limit
     double seconds;      // of wall clock; 0: no limit. With neither limit: 30 s, or 20000 steps from scratch
     double noise;        // as FfpReconstruction.noise
@@ -471,13 +475,14 @@ typedef struct FfpEvaluation {
     const char *const
         *targets; // pose files of novel_pose: none, one a capture, or one path looked up in each capture
     int n_targets;
-    const char *pattern; // as FfpReconstruction.pattern
-    int64_t polish;      // as FfpReconstruction.polish
-    double noise;        // as FfpReconstruction.noise
-    double layers;       // as FfpReconstruction.layers
-    const char *save;    // folder for <capture>/<view>_<pattern>.png of every prediction, or NULL
-    const char *json;    // file for the rows, or NULL
-    const char *report;  // file for a self-contained HTML report, or NULL
+    const char *const *patterns; // as FfpReconstruction.patterns
+    int n_patterns;
+    int64_t polish;     // as FfpReconstruction.polish
+    double noise;       // as FfpReconstruction.noise
+    double layers;      // as FfpReconstruction.layers
+    const char *save;   // folder for <capture>/<view>_<pattern>.png of every prediction, or NULL
+    const char *json;   // file for the rows, or NULL
+    const char *report; // file for a self-contained HTML report, or NULL
     const char
         *show_pattern;  // image file: the report also shows views under it (no truth, no figures), or NULL
     const char *viewer; // page that the report links to, relative to it, or NULL
@@ -659,9 +664,9 @@ typedef struct FfpCalibratedAt {
     int left, top; // FFP_FIT_CROPPED: pixels cut off
 } FfpCalibratedAt;
 
-// Photographs under one pattern or several. `files` is a path with {view}, {pattern}, {index} (from 0),
-// {number} (from 1) or {number:3} (with zeros) in it; or one with *, whose files are taken in order, img_9
-// before img_10: all patterns of the first view, then of the second.
+// Photographs under one pattern or several. `files` is a path with {view}, {pattern}, {index} (from 0, among
+// all views of the calibration), {number} (from 1) or {number:3} (with zeros) in it; or one with *, whose
+// files are taken in order, img_9 before img_10: all patterns of the first view, then of the second.
 typedef struct FfpImportImages {
     const char *const *patterns; // names: black, white, and what the caller calls the others
     int n_patterns;
@@ -745,7 +750,7 @@ typedef struct FfpAlignStats {
     double seconds;
 } FfpAlignStats;
 typedef struct FfpAligning {
-    const char *pattern; // as in FfpReconstruction
+    const char *pattern; // name of the structured-light pattern to use; NULL: the first that every view has
     bool focal_lengths;  // those of camera and projector are corrected too, the same in all views
 } FfpAligning;
 FFP_API FfpAligning ffp_aligning_defaults(void); // poses alone

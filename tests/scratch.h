@@ -1,5 +1,5 @@
-// A folder of its own for a test program's files, below the current one. For cmocka_run_group_tests:
-// scratch_setup and scratch_teardown.
+// A folder of its own for a test program's files, below $FFP_SCRATCH or the current one. For
+// cmocka_run_group_tests: scratch_setup and scratch_teardown.
 #ifndef FFP_TESTS_SCRATCH_H
 #define FFP_TESTS_SCRATCH_H
 
@@ -11,7 +11,10 @@ static char scratch[64];
 
 static inline int scratch_setup(void **state) {
     (void)state;
-    strcpy(scratch, "scratch-XXXXXX");
+    const char *above = getenv("FFP_SCRATCH");
+    const int length = snprintf(scratch, sizeof scratch, "%s/scratch-XXXXXX", above ? above : "");
+    if (length >= (int)sizeof scratch) return -1;
+    if (!above) memmove(scratch, scratch + 1, (size_t)length); // relative
     return mkdtemp(scratch) == NULL;
 }
 

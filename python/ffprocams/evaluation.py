@@ -73,7 +73,7 @@ def evaluate(
     gaussians: PathLike | None = None,
     field: PathLike | None = None,
     targets: PathLike | Sequence[PathLike] = (),
-    pattern: str | None = None,
+    pattern: str | Sequence[str] | None = None,
     polish: int | None = None,
     noise: float | None = None,
     layers: float | None = None,
@@ -112,7 +112,9 @@ def evaluate(
     options.predictor = _one_of(_PREDICTORS, predictor, "predictor")
     options.model = ffi.NULL if weights is None else weights._pointer
     name = model_name or ("none" if weights is None else "shipped" if model is None else str(model))
-    options.model_name, options.pattern = keep.text(name), keep.text(pattern)
+    options.model_name = keep.text(name)
+    names = [keep.text(p) for p in some(pattern or ())]
+    options.patterns, options.n_patterns = keep.texts(names), len(names)
     options.polish = int(_automatic(polish, 0, "polish"))
     options.noise, options.layers = _automatic(noise, 0, "noise"), _automatic(layers, 0, "layers")
     files = {"gaussians": gaussians, "field": field, "save": save, "json": json, "report": report}

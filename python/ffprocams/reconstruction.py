@@ -20,7 +20,8 @@ ModelOption = Union[Model, PathLike, None]
 class ReconstructionStats:
     """How a reconstruction went; seconds of wall clock."""
 
-    pattern: str  #: that was used
+    pattern: str  #: that was used, of several the first
+    patterns: int  #: how many were
     gaussians: int
     start_s: float  #: projector matching and the classical estimates
     network_s: float
@@ -74,7 +75,7 @@ def reconstruct(
     capture: Capture,
     model: ModelOption = None,
     *,
-    pattern: str | None = None,
+    pattern: str | Sequence[str] | None = None,
     polish: int | None = None,
     noise: float | None = None,
     layers: float | None = None,
@@ -88,7 +89,8 @@ def reconstruct(
 
     Args:
         model: see ffprocams.ModelOption.
-        pattern: name of the structured-light pattern to use; None: the first that every view has.
+        pattern: name of the structured-light pattern to use, or of several: every view has the first, which the
+            network sees, and matching and fit look at all; None: the first that every view has.
         polish: gradient steps, of one view each; 0: the forward pass alone; None: 100, and of many views more.
         noise: deviation of the photographs' noise (linear, of values up to 1) to be taken away; 0: none; None:
             estimated.
@@ -109,7 +111,8 @@ def reconstruct(
         ffi.new("FfpReconstructionStats *"),
     )
     options.model = ffi.NULL if weights is None else weights._pointer
-    options.pattern = keep.text(pattern)
+    names = [keep.text(p) for p in some(pattern or ())]
+    options.patterns, options.n_patterns = keep.texts(names), len(names)
     options.polish = int(_automatic(polish, 0, "polish"))
     options.noise, options.layers = _automatic(noise, 0, "noise"), _automatic(layers, 0, "layers")
     options.drawing = drawing_of(form, samples)

@@ -42,6 +42,16 @@ def test_a_capture_from_arrays_is_the_capture_from_files(capture: ffp.Capture) -
         np.testing.assert_array_equal(array, b.arrays()[name], name)
 
 
+def test_several_patterns_are_used(capture: ffp.Capture) -> None:
+    one = ffp.reconstruct(capture, "none", pattern="lollipop_2", polish=0)
+    two = ffp.reconstruct(capture, "none", pattern=["lollipop_2", "lollipop_4"], polish=0)
+    assert (one.stats.pattern, one.stats.patterns) == ("lollipop_2", 1)
+    assert (two.stats.pattern, two.stats.patterns) == ("lollipop_2", 2)
+    assert len(one) != len(two) or not np.array_equal(one.centre, two.centre)
+    with pytest.raises(ffp.Error, match="named twice"):
+        ffp.reconstruct(capture, "none", pattern=["lollipop_2", "lollipop_2"], polish=0)
+
+
 def test_arrays_are_the_librarys_memory_and_keep_it(capture: ffp.Capture, gaussians: ffp.Gaussians) -> None:
     own = gaussians.copy()
     centre, before = own.centre, own.centre.copy()

@@ -2,7 +2,7 @@
 
 #include <math.h>
 #include <string.h>
-#include "align/sightings.h"
+#include "align/tie_points.h"
 #include "base/alloc.h"
 #include "base/call.h"
 #include "match/reduce.h"
@@ -22,8 +22,8 @@ typedef struct Bundle {
     const FfpPoseErrors *expected;
     double focal;
     int views, n;
-    FfpSightings *sightings; // [views]
-    double *a, *b;           // [n,n], [n]: half of the squared sum's derivatives
+    FfpTiePoints *tie_points; // [views]
+    double *a, *b;            // [n,n], [n]: half of the squared sum's derivatives
     double off, off_weight, apart, apart_weight;
 } Bundle;
 
@@ -44,7 +44,7 @@ static void add_row(Bundle *bundle, const Row *row, double residual, double weig
     }
 }
 
-static void extend(Row *row, const Bundle *bundle, int view, const double by[FFP_SIGHT_NUMBERS],
+static void extend(Row *row, const Bundle *bundle, int view, const double by[FFP_TIE_POINT_NUMBERS],
                    double sign) {
     const int focals = NUMBERS * bundle->views;
     for (int k = 0; k < NUMBERS; k++)
@@ -58,20 +58,20 @@ static void extend(Row *row, const Bundle *bundle, int view, const double by[FFP
     }
 }
 
-static void add_across(Bundle *bundle, int view, const FfpSighting *s) {
+static void add_across(Bundle *bundle, int view, const FfpTiePoint *s) {
     Row row = {0};
     extend(&row, bundle, view, s->off_by, 1);
     add_row(bundle, &row, s->off, s->weight);
     bundle->off += s->weight * s->off * s->off, bundle->off_weight += s->weight;
 }
 
-static void along_normal(double out[FFP_SIGHT_NUMBERS], const FfpSighting *s, const double normal[3]) {
-    for (int k = 0; k < FFP_SIGHT_NUMBERS; k++) out[k] = ffp_dot(s->point_by[k], normal);
+static void along_normal(double out[FFP_TIE_POINT_NUMBERS], const FfpTiePoint *s, const double normal[3]) {
+    for (int k = 0; k < FFP_TIE_POINT_NUMBERS; k++) out[k] = ffp_dot(s->point_by[k], normal);
 }
 
-// The sighting of another view at a point, where both see one surface.
-static const FfpSighting *same_surface(const Bundle *bundle, const FfpSighting *s, int other) {
-    const FfpSightings *there = &bundle->sightings[other];
+// The tie point of another view at a point, where both see one surface.
+static const FfpTiePoint *same_surface(const Bundle *bundle, const FfpTiePoint *s, int other) {
+    const FfpTiePoints *there = &bundle->tie_points[other];
     const real point[3] = {(real)s->point[0], (real)s->point[1], (real)s->point[2]};
     real x, y;
     if (!(ffp_project(&bundle->capture->views[other].camera, point, &x, &y) > 0)) return NULL;
@@ -81,11 +81,11 @@ static const FfpSighting *same_surface(const Bundle *bundle, const FfpSighting *
     return &there->all[index];
 }
 
-static void add_apart(Bundle *bundle, int view, const FfpSighting *s, int other, const FfpSighting *t) {
+static void add_apart(Bundle *bundle, int view, const FfpTiePoint *s, int other, const FfpTiePoint *t) {
     const double difference[3] = {s->point[0] - t->point[0], s->point[1] - t->point[1],
                                   s->point[2] - t->point[2]};
     const double apart = ffp_dot(difference, t->normal), unit = fmax(s->footprint, t->footprint);
-    double by[FFP_SIGHT_NUMBERS];
+    double by[FFP_TIE_POINT_NUMBERS];
     Row row = {0};
     if (fabs(apart) > APART_MAX * unit) return;
     along_normal(by, s, t->normal);
@@ -169,16 +169,16 @@ typedef struct Looking {
 
 static void look(void *argument, int64_t view) {
     const Looking *l = argument;
-    l->bundle->sightings[view] = ffp_sightings_new(l->bundle->capture, l->start, (int)view, l->active);
+    l->bundle->tie_points[view] = ffp_tie_points_new(l->bundle->capture, l->start, (int)view, l->active);
 }
 
 static void add_all(Bundle *bundle) {
     for (int v = 0; v < bundle->views; v++) {
-        for (int64_t i = 0; i < bundle->sightings[v].count; i++) {
-            const FfpSighting *s = &bundle->sightings[v].all[i];
+        for (int64_t i = 0; i < bundle->tie_points[v].count; i++) {
+            const FfpTiePoint *s = &bundle->tie_points[v].all[i];
             add_across(bundle, v, s);
             for (int other = 0; other < bundle->views; other++) {
-                const FfpSighting *t = other != v ? same_surface(bundle, s, other) : NULL;
+                const FfpTiePoint *t = other != v ? same_surface(bundle, s, other) : NULL;
                 if (t) add_apart(bundle, v, s, other, t);
             }
         }
@@ -225,7 +225,7 @@ bool ffp_bundle_step(FfpCapture *capture, const FfpView *given, int active, cons
     FfpStart start;
     if (capture->n_views > FFP_BUNDLE_VIEWS_MAX)
         return ffp_fail(err, FFP_ERROR_ARGUMENT, capture->name, "more than %d views", FFP_BUNDLE_VIEWS_MAX);
-    if (!ffp_start_new(&start, capture, active, &matching, err)) return false;
+    if (!ffp_start_new(&start, capture, &active, 1, &matching, err)) return false;
     Bundle bundle = {.capture = start.reduced ? &start.reduced->capture : capture,
                      .given = given,
                      .expected = expected,
@@ -234,12 +234,12 @@ bool ffp_bundle_step(FfpCapture *capture, const FfpView *given, int active, cons
     bundle.n = NUMBERS * bundle.views + (focal > 0 ? FOCALS : 0);
     bundle.a = ffp_alloc((size_t)bundle.n * (size_t)bundle.n, sizeof *bundle.a);
     bundle.b = ffp_alloc((size_t)bundle.n, sizeof *bundle.b);
-    bundle.sightings = ffp_alloc((size_t)bundle.views, sizeof *bundle.sightings);
+    bundle.tie_points = ffp_alloc((size_t)bundle.views, sizeof *bundle.tie_points);
     Looking looking = {&bundle, start.reduced ? &start.reduced->start : &start, active};
     ffp_parallel_for(bundle.views, 0, look, &looking);
     step(&bundle, capture, report);
-    for (int v = 0; v < bundle.views; v++) ffp_sightings_free(&bundle.sightings[v]);
-    ffp_free(bundle.a), ffp_free(bundle.b), ffp_free(bundle.sightings);
+    for (int v = 0; v < bundle.views; v++) ffp_tie_points_free(&bundle.tie_points[v]);
+    ffp_free(bundle.a), ffp_free(bundle.b), ffp_free(bundle.tie_points);
     ffp_start_free(&start);
     return true;
 }

@@ -45,7 +45,7 @@ void ffp_looker_free(FfpLooker *l) {
 static void observe_once(FfpLooker *l) {
     if (l->seen) return;
     l->seen = ffp_alloc((size_t)l->capture->n_views, sizeof *l->seen);
-    for (int v = 0; v < l->capture->n_views; v++) l->seen[v] = ffp_observe(l->capture, v, l->active);
+    for (int v = 0; v < l->capture->n_views; v++) l->seen[v] = ffp_observe(l->capture, v, &l->active, 1);
 }
 
 // Sum over the channels of a pixel that the object fills.
@@ -67,7 +67,7 @@ static double pixel_difference(const FfpLooker *l, const FfpObservation *seen, i
 bool ffp_look(FfpLooker *l, double *disagreement, FfpError *err) {
     const FfpMatchSettings matching = ffp_match_defaults();
     FfpStart start;
-    if (!ffp_start_new(&start, l->capture, l->active, &matching, err)) return false;
+    if (!ffp_start_new(&start, l->capture, &l->active, 1, &matching, err)) return false;
     FfpGaussians splats = ffp_start_gaussians(l->capture, &start);
     double sum = 0, count = 0;
     for (int64_t i = 0; i < 3 * splats.count; i++) splats.scale[i] *= WIDER;

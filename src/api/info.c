@@ -48,6 +48,31 @@ static void print_views(FILE *out, const FfpCapture *capture) {
     }
 }
 
+static int views_under(const FfpCapture *capture, int pattern) {
+    int count = 0;
+    for (int v = 0; v < capture->n_views; v++) count += capture->views[v].images[pattern].data != NULL;
+    return count;
+}
+
+// What a reconstruction takes by itself, and what else it could be given.
+static void print_structured_light(FILE *out, const FfpCapture *capture) {
+    const int active = ffp_capture_active_pattern(capture, NULL, NULL);
+    fputs("\nreconstructs from ", out);
+    put_text(out, active < 0 ? "nothing: no pattern but black and white is in every view"
+                             : capture->patterns[active].name);
+    const char *before = "; --pattern adds";
+    for (int p = 0; active >= 0 && p < capture->n_patterns; p++) {
+        const int views = views_under(capture, p);
+        if (p == active || p == capture->black || p == capture->white || capture->patterns[p].novel ||
+            views == 0)
+            continue;
+        fprintf(out, "%s ", before);
+        before = "";
+        put_text(out, capture->patterns[p].name);
+        if (views < capture->n_views) fprintf(out, " (%d of %d views)", views, capture->n_views);
+    }
+}
+
 static bool print_capture(FILE *out, const char *path, FfpError *err) {
     FfpCapture capture;
     if (!ffp_capture_read(&capture, path, err)) return false;
@@ -59,10 +84,7 @@ static bool print_capture(FILE *out, const char *path, FfpError *err) {
         put_text(out, capture.patterns[p].name);
         if (capture.patterns[p].novel) fputs(" (held back)", out);
     }
-    const int active = ffp_capture_active_pattern(&capture, NULL, NULL);
-    fputs("\nreconstructs from ", out);
-    put_text(out, active < 0 ? "nothing: no pattern but black and white is in every view"
-                             : capture.patterns[active].name);
+    print_structured_light(out, &capture);
     fprintf(out, "\nbounds       centre %.4g %.4g %.4g, radius %.4g\n", (double)capture.centre[0],
             (double)capture.centre[1], (double)capture.centre[2], (double)capture.radius);
     fprintf(out, "intensity    %.4g %.4g %.4g (%s)\n", (double)capture.intensity[0],

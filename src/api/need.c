@@ -23,9 +23,19 @@ static double splats_of(const FfpScale *s) {
     return s->share * pixels_of(s);
 }
 
+// All views' photographs.
+static double photograph_bytes(const FfpScale *s) {
+    return 3 * s->photographs * REAL * pixels_of(s);
+}
+
 // Photographs as a list of nine values a pixel, of the view in work, and its samples for the estimate.
 static double denoise_bytes(const FfpScale *s) {
     return 9 * REAL * pixels_of(s) / s->views + 1.1e6 * (9 * REAL + 2);
+}
+
+// Of pixels' photographs, those under patterns beyond the first.
+static double more_bytes(const FfpScale *s, double pixels) {
+    return 3 * (s->photographs - 3) * REAL * pixels;
 }
 
 // Everything that matching keeps about its own pixels, and the costs of the views in work.
@@ -33,7 +43,7 @@ static double match_bytes(const FfpScale *s, double pixels) {
     const FfpMatchSettings settings = ffp_match_defaults();
     const int at_a_time = s->threads < s->views ? s->threads : s->views;
     const double cells = s->share * pixels / s->views * settings.coarse_steps;
-    return 36 * REAL * pixels + at_a_time * cells * (2 * REAL + 1);
+    return 36 * REAL * pixels + at_a_time * (cells * (2 * REAL + 1) + more_bytes(s, pixels / s->views));
 }
 
 // The start's maps are 16 numbers a pixel. Beside them: depths, and the observation of the views in work.
@@ -45,8 +55,9 @@ static double start_bytes(const FfpScale *s, double *besides) {
         *besides = match_bytes(s, pixels) - maps;
         return maps;
     }
-    const double small = pixels / factor / factor, kept = 26 * REAL * small;
-    const double full = (1 + 3) * REAL * pixels + at_a_time * 10 * REAL * pixels / s->views;
+    const double small = pixels / factor / factor, kept = 26 * REAL * small + more_bytes(s, small);
+    const double full = (1 + 3) * REAL * pixels +
+                        at_a_time * (10 * REAL * pixels / s->views + more_bytes(s, pixels / s->views));
     *besides = fmax(match_bytes(s, small) - maps, full);
     return maps + kept;
 }
@@ -66,11 +77,11 @@ static double network_bytes(const FfpScale *s) {
     const double tokens = fmin(own, ffp_pixel_context_tokens(c, s->views));
     const double inputs = patch * ((c->match_input ? 30 : 15) + c->pixel_features);
     const double blocks = 36.0 * c->dim; // all blocks of a kind work in the same memory
-    const double context = own > tokens ? match_bytes(s, tokens * patch) : 0;
+    const double context = own > tokens ? match_bytes(s, tokens * patch) + more_bytes(s, tokens * patch) : 0;
     const double forward =
         REAL * tokens * (inputs + blocks) + context + (4 * SPLAT + 6 * REAL) * splats_of(s);
-    return fmax(forward,
-                SPLAT * splats_of(s) + 9 * REAL * pixels_of(s) + draw_bytes(s, 1) + SUMMED * 3 * s->pattern);
+    return fmax(forward, SPLAT * splats_of(s) + photograph_bytes(s) + draw_bytes(s, 1) +
+                             SUMMED * s->photographs * s->pattern);
 }
 
 // Parameters, gradients, moments and copies of the splats, encoded photographs, and a view with its
@@ -79,13 +90,13 @@ static double polish_bytes(const FfpScale *s) {
     if (!s->polish) return 0;
     const double view = 30 * REAL * pixels_of(s) / s->views * s->samples * s->samples; // gradients of samples
     const bool levels = fmax(s->width, s->height) > FFP_PYRAMID_SIDE;
-    const double level = levels ? 10 * REAL * pixels_of(s) + SPLAT * splats_of(s) : 0;
-    return (8 * SPLAT + 8 * REAL + PULLED) * splats_of(s) + 9 * REAL * pixels_of(s) + view + level +
-           draw_bytes(s, s->samples) + SUMMED * 3 * s->pattern;
+    const double level = levels ? photograph_bytes(s) + REAL * pixels_of(s) + SPLAT * splats_of(s) : 0;
+    return (8 * SPLAT + 8 * REAL + PULLED) * splats_of(s) + photograph_bytes(s) + view + level +
+           draw_bytes(s, s->samples) + SUMMED * s->photographs * s->pattern;
 }
 
 double ffp_reconstruction_bytes(const FfpScale *s) {
-    const double photographs = s->denoise ? 9 * REAL * pixels_of(s) : 0, splats = SPLAT * splats_of(s);
+    const double photographs = s->denoise ? photograph_bytes(s) : 0, splats = SPLAT * splats_of(s);
     double matching;
     const double start = start_bytes(s, &matching);
     const double after = splats + fmax(network_bytes(s), polish_bytes(s));
@@ -97,6 +108,7 @@ double ffp_reconstruction_bytes(const FfpScale *s) {
 FfpScale ffp_scale_of(const FfpCapture *capture, const FfpReconstruction *options) {
     const FfpRenderSettings drawing = ffp_drawing_settings(options->drawing, options->model);
     FfpScale s = {.views = capture->n_views,
+                  .photographs = 2 + (options->n_patterns > 1 ? options->n_patterns : 1),
                   .denoise = options->noise != 0,
                   .polish = options->polish != 0,
                   .pattern = (double)capture->views[0].projector.width * capture->views[0].projector.height,

@@ -9,6 +9,7 @@
 // What the need depends on.
 typedef struct FfpScale {
     int views, width, height;      // of the widest and highest view
+    int photographs;               // of a view: black, white and the patterns used
     double pattern;                // pixels of a pattern
     double share;                  // of the pixels that show the object
     bool denoise, polish;          // whether noise is taken away, and whether the splats are fitted

@@ -27,13 +27,26 @@ static FfpFieldSettings settings_of(const FfpRefinement *options, FILE *metrics)
     return s;
 }
 
+// The field's rays look at all patterns.
+static bool check_pictures(const FfpCapture *capture, const int *patterns, int n, FfpError *err) {
+    for (int i = 0; i < capture->n_views * n; i++) {
+        const FfpView *view = &capture->views[i / n];
+        if (!view->images[patterns[i % n]].data)
+            return ffp_fail(err, FFP_ERROR_ARGUMENT, capture->folder,
+                            "view %s has no picture under pattern %s", view->id,
+                            capture->patterns[patterns[i % n]].name);
+    }
+    return true;
+}
+
 // Fits in the unit sphere.
 static bool fit(void *argument, FILE *metrics, FfpError *err) {
     const Call *call = argument;
     const FfpFieldSettings settings = settings_of(call->options, metrics);
     int patterns[FFP_PATTERNS_MAX];
-    const int n_patterns = ffp_refinement_patterns(call->capture, call->options, patterns, err);
-    if (n_patterns < 0) return false;
+    const int n_patterns = ffp_capture_photographs(call->capture, call->options->patterns,
+                                                   call->options->n_patterns, patterns, err);
+    if (n_patterns < 0 || !check_pictures(call->capture, patterns, n_patterns, err)) return false;
     FfpCapture normalised = ffp_normalised_alias(call->capture);
     double noise = call->options->noise;
     FfpImage *clean = ffp_denoise_capture(&normalised, patterns, n_patterns, &noise);

@@ -56,18 +56,36 @@ FfpImage *ffp_denoise_capture(FfpCapture *alias, const int *photographs, int n, 
     return *noise > 0 ? ffp_denoise(alias, photographs, n, *noise) : NULL;
 }
 
+// What a reconstruction passes on from step to step.
+typedef struct Work {
+    FfpCapture capture; // normalised, its photographs without noise
+    FfpCapture padded;  // the same with views of one size, of whole patches: for matching and the network
+    int *photographs;   // [n_photographs] black, white, the patterns (ffp_capture_photographs)
+    int n_photographs;
+    FfpStart start;
+    FfpGaussians result;
+    int64_t *pixel; // [result.count] index of each Gaussian's pixel
+} Work;
+
+#define FIRST_PATTERN 2 // of the photographs; the network sees it
+
+static const int *patterns_of(const Work *w, int *n) {
+    *n = w->n_photographs - FIRST_PATTERN;
+    return w->photographs + FIRST_PATTERN;
+}
+
 // On the device that long work may use, or the CPU.
-static bool run_network(FfpGaussians *out, int64_t **pixel, const FfpModel *model, const FfpCapture *capture,
-                        const FfpStart *start, int active, FfpError *err) {
+static bool run_network(Work *w, const FfpModel *model, const FfpPixelContext *context, FfpError *err) {
     const FfpDevice *device = ffp_device_offered();
     ffp_device_use(device);
     FfpModel there = device ? ffp_model_uploaded(model) : *model;
     FfpRun *run = ffp_run_new(false);
-    const bool ok = ffp_model_forward(&there, run, capture, start, NULL, active, err);
+    const bool ok =
+        ffp_model_forward(&there, run, &w->padded, &w->start, context, w->photographs[FIRST_PATTERN], err);
     if (ok) { // the run's own live only as long as the run
-        *out = device ? ffp_gaussians_downloaded(&run->gaussians) : ffp_gaussians_copy(&run->gaussians);
-        *pixel = ffp_alloc((size_t)out->count + 1, sizeof **pixel);
-        memcpy(*pixel, run->pixel, (size_t)out->count * sizeof **pixel);
+        w->result = device ? ffp_gaussians_downloaded(&run->gaussians) : ffp_gaussians_copy(&run->gaussians);
+        w->pixel = ffp_alloc((size_t)w->result.count + 1, sizeof *w->pixel);
+        memcpy(w->pixel, run->pixel, (size_t)w->result.count * sizeof *w->pixel);
     }
     ffp_run_free(run);
     if (device) ffp_memory_free(there.values);
@@ -75,22 +93,24 @@ static bool run_network(FfpGaussians *out, int64_t **pixel, const FfpModel *mode
     return ok;
 }
 
-// What a reconstruction passes on from step to step.
-typedef struct Work {
-    FfpCapture capture; // normalised, its photographs without noise
-    FfpCapture padded;  // the same with views of one size, of whole patches: for matching and the network
-    int photographs[FFP_PHOTOGRAPHS];
-    FfpStart start;
-    FfpGaussians result;
-    int64_t *pixel; // [result.count] index of each Gaussian's pixel
-} Work;
+// Its tokens are matched with all patterns.
+static bool predict_by_network(Work *w, const FfpModel *model, FfpError *err) {
+    int n;
+    const int *patterns = patterns_of(w, &n);
+    FfpPixelContext context;
+    if (!ffp_pixel_context_new(&context, &model->config, &w->padded, &w->start, patterns, n, err))
+        return false;
+    const bool ok = run_network(w, model, &context, err);
+    ffp_pixel_context_free(&context);
+    return ok;
+}
 
 // PSNR on the photographs that the reconstruction is made from.
 static double score(const Work *w, const FfpGaussians *gaussians, const int64_t *pixel,
                     const FfpReconstruction *options) {
     const FfpRenderSettings settings = ffp_drawing_settings(options->drawing, options->model);
     const FfpOrigin origin = {w->start.views, w->start.width, w->start.height, pixel};
-    return ffp_pyramid_psnr(gaussians, &origin, &w->capture, w->photographs, FFP_PHOTOGRAPHS, &settings);
+    return ffp_pyramid_psnr(gaussians, &origin, &w->capture, w->photographs, w->n_photographs, &settings);
 }
 
 // Keeps the classical start where the network shows the photographs clearly worse than it. A small loss may
@@ -126,7 +146,7 @@ static bool polish(Work *w, const FfpReconstruction *options, FfpReconstructionS
     FfpRefineResult result;
     const FfpOrigin origin = {w->start.views, w->start.width, w->start.height, w->pixel};
     settings.render = ffp_drawing_settings(options->drawing, options->model);
-    if (!ffp_refine_pyramid(&w->result, &origin, &w->capture, w->photographs, FFP_PHOTOGRAPHS, &settings,
+    if (!ffp_refine_pyramid(&w->result, &origin, &w->capture, w->photographs, w->n_photographs, &settings,
                             &result, err))
         return false;
     stats->polish_dropped = result.dropped;
@@ -135,10 +155,11 @@ static bool polish(Work *w, const FfpReconstruction *options, FfpReconstructionS
 }
 
 static bool predict(Work *w, const FfpReconstruction *options, FfpReconstructionStats *stats, FfpError *err) {
-    const int active = w->photographs[2];
+    int n;
+    const int *patterns = patterns_of(w, &n);
     const FfpMatchSettings settings = ffp_match_defaults();
     double begin = ffp_seconds();
-    if (!ffp_start_new(&w->start, &w->padded, active, &settings, err)) return false;
+    if (!ffp_start_new(&w->start, &w->padded, patterns, n, &settings, err)) return false;
     stats->start_s = ffp_seconds() - begin;
     if (!options->model) {
         w->result = ffp_start_gaussians(&w->padded, &w->start);
@@ -146,7 +167,7 @@ static bool predict(Work *w, const FfpReconstruction *options, FfpReconstruction
         return true;
     }
     begin = ffp_seconds();
-    if (!run_network(&w->result, &w->pixel, options->model, &w->padded, &w->start, active, err)) return false;
+    if (!predict_by_network(w, options->model, err)) return false;
     keep_start_if_better(w, options, stats);
     stats->network_s = ffp_seconds() - begin;
     return true;
@@ -207,20 +228,20 @@ static void warn_of_gaps(const FfpCapture *capture) {
 
 static FfpGaussians *reconstruct(const FfpCapture *capture, const FfpReconstruction *options,
                                  FfpReconstructionStats *stats_out, FfpError *err) {
-    const int active = ffp_capture_active_pattern(capture, options->pattern, err);
-    if (active < 0 || !ffp_check_memory(capture, options, ffp_memory_available(), err)) return NULL;
-    Work w = {.capture = ffp_normalised_alias(capture),
-              .photographs = {capture->black, capture->white, active}};
+    int photographs[FFP_PATTERNS_MAX];
+    const int n = ffp_capture_photographs(capture, options->patterns, options->n_patterns, photographs, err);
+    if (n < 0 || !ffp_check_memory(capture, options, ffp_memory_available(), err)) return NULL;
+    Work w = {.capture = ffp_normalised_alias(capture), .photographs = photographs, .n_photographs = n};
     leave_repeated_views_out(&w.capture);
     warn_of_gaps(&w.capture);
-    FfpReconstructionStats stats = {.noise = options->noise};
+    FfpReconstructionStats stats = {.patterns = n - FIRST_PATTERN, .noise = options->noise};
     FfpGaussians *gaussians = NULL;
     const double begin = ffp_seconds();
-    FfpImage *clean = ffp_denoise_capture(&w.capture, w.photographs, FFP_PHOTOGRAPHS, &stats.noise);
+    FfpImage *clean = ffp_denoise_capture(&w.capture, photographs, n, &stats.noise);
     stats.denoise_s = ffp_seconds() - begin;
-    snprintf(stats.pattern, sizeof stats.pattern, "%s", capture->patterns[active].name);
-    w.padded = ffp_padded_capture(&w.capture, w.photographs, FFP_PHOTOGRAPHS,
-                                  options->model ? options->model->config.patch : 1);
+    snprintf(stats.pattern, sizeof stats.pattern, "%s", capture->patterns[photographs[FIRST_PATTERN]].name);
+    w.padded =
+        ffp_padded_capture(&w.capture, photographs, n, options->model ? options->model->config.patch : 1);
     if (predict_and_polish(&w, options, &stats, err)) {
         ffp_gaussians_transform(&w.result, capture->centre, capture->radius);
         gaussians = ffp_alloc(1, sizeof *gaussians);
@@ -232,7 +253,7 @@ static FfpGaussians *reconstruct(const FfpCapture *capture, const FfpReconstruct
     ffp_free(w.pixel);
     ffp_start_free(&w.start);
     ffp_padded_capture_free(&w.padded, &w.capture);
-    ffp_denoise_free(clean, &w.capture, w.photographs, FFP_PHOTOGRAPHS);
+    ffp_denoise_free(clean, &w.capture, photographs, n);
     ffp_normalised_alias_free(&w.capture);
     return gaussians;
 }

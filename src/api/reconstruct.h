@@ -11,9 +11,9 @@
 FfpCapture ffp_normalised_alias(const FfpCapture *capture);
 void ffp_normalised_alias_free(FfpCapture *alias);
 
-// Takes the noise out of the n photographs of an alias, black and white first: of deviation *noise, which is
-// estimated, and set, when it is FFP_NOISE_ESTIMATED. Returns what ffp_denoise_free wants; NULL:
-// nothing was changed.
+// Takes the noise out of the n photographs (ffp_capture_photographs) of an alias: of deviation *noise, which
+// is estimated, and set, when it is FFP_NOISE_ESTIMATED. Returns what ffp_denoise_free wants; NULL: nothing
+// was changed.
 FfpImage *ffp_denoise_capture(FfpCapture *alias, const int *photographs, int n, double *noise);
 
 #endif

@@ -15,33 +15,6 @@
 #define SCRATCH_STEPS 20000 // as GS-ProCams
 #define REFINE_SECONDS 30
 
-static bool check_pictures(const FfpCapture *capture, int pattern, FfpError *err) {
-    for (int v = 0; v < capture->n_views; v++)
-        if (!capture->views[v].images[pattern].data)
-            return ffp_fail(err, FFP_ERROR_ARGUMENT, capture->folder,
-                            "view %s has no picture under pattern %s", capture->views[v].id,
-                            capture->patterns[pattern].name);
-    return true;
-}
-
-int ffp_refinement_patterns(const FfpCapture *capture, const FfpRefinement *options,
-                            int chosen[FFP_PATTERNS_MAX], FfpError *err) {
-    int count = 0;
-    chosen[count++] = capture->black, chosen[count++] = capture->white;
-    const int wanted = options->n_patterns ? options->n_patterns : 1;
-    for (int i = 0; i < wanted; i++) {
-        const char *name = options->n_patterns ? options->patterns[i] : NULL;
-        const int found = ffp_capture_active_pattern(capture, name, err);
-        bool known = false;
-        if (found < 0) return -1;
-        for (int j = 0; j < count; j++) known = known || chosen[j] == found;
-        if (!known) chosen[count++] = found;
-    }
-    for (int i = 0; i < count; i++)
-        if (!check_pictures(capture, chosen[i], err)) return -1;
-    return count;
-}
-
 static FfpRefineSettings settings_of(const FfpRefinement *options, bool scratch) {
     FfpRefineSettings s = scratch ? ffp_scratch_defaults() : ffp_refine_defaults();
     const bool limited = options->steps > 0 || options->seconds > 0;
@@ -111,7 +84,8 @@ static bool fit_with_metrics(void *argument, FILE *metrics, FfpError *err) {
     const Call *call = argument;
     int patterns[FFP_PATTERNS_MAX];
     FfpRefineSettings settings = settings_of(call->options, call->scratch);
-    const int n_patterns = ffp_refinement_patterns(call->capture, call->options, patterns, err);
+    const int n_patterns = ffp_capture_photographs(call->capture, call->options->patterns,
+                                                   call->options->n_patterns, patterns, err);
     settings.metrics = metrics;
     return n_patterns >= 0 && fit(call->gaussians, call->capture, patterns, n_patterns, &settings,
                                   call->options->noise, call->stats, err);

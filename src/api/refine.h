@@ -4,12 +4,6 @@
 
 #include <stdio.h>
 #include "ffprocams.h"
-#include "capture/capture.h"
-
-// Black, white and the patterns to fit to, without doubles, into chosen (indices into the capture's); returns
-// how many. -1 with an error where a view lacks one.
-int ffp_refinement_patterns(const FfpCapture *capture, const FfpRefinement *options,
-                            int chosen[FFP_PATTERNS_MAX], FfpError *err);
 
 // Does the work with the file of metrics open (NULL: none is asked for), which grows line by line.
 bool ffp_refinement_with_metrics(const FfpRefinement *options,

@@ -141,7 +141,7 @@ static bool reconstruction(Steps *s, FfpBenchTable *table, FfpError *err) {
     for (int i = 0; i <= REPEATS && ok; i++) {
         FfpStart start;
         const double begin = omp_get_wtime();
-        if (!(ok = ffp_start_new(&start, &s->scene.inputs, s->scene.active, &settings, err))) break;
+        if (!(ok = ffp_start_new(&start, &s->scene.inputs, &s->scene.active, 1, &settings, err))) break;
         const double matched = omp_get_wtime();
         ok = ffp_model_forward(s->model, run, &s->scene.inputs, &start, NULL, s->scene.active, err);
         const double passed = omp_get_wtime();

@@ -5,10 +5,14 @@
 #include "base/file.h"
 #include "base/log.h"
 #include "calibrate/calibrate.h"
+#include "graycode/graycode.h"
+
+#define CLIPPED_MAX 0.2 // of the board's light pixels, under white
 
 // An error of one attitude's pictures leaves that attitude out; all others end the call.
 static bool as_problem(FfpAttitude *a, FfpError *error, FfpError *err) {
-    if (error->code == FFP_ERROR_FILE || error->code == FFP_ERROR_IO) {
+    if (error->code == FFP_ERROR_FILE || error->code == FFP_ERROR_IO ||
+        error->code == FFP_ERROR_UNSUPPORTED) {
         snprintf(a->problem, sizeof a->problem, "%s", error->text);
         return true;
     }
@@ -25,40 +29,46 @@ static bool settle_size(FfpRigFit *fit, const FfpImage *white, const char *name,
                     white->width, white->height, camera->width, camera->height);
 }
 
-static bool read_codes(const FfpRigFit *fit, FfpAttitude *a, const FfpCodeShots *shots, int first,
-                       const FfpImage *black, const FfpImage *white, FfpError *err) {
-    FfpCodeMap map;
+static bool read_codes(const FfpRigFit *fit, FfpAttitude *a, const FfpGrayPhotographs *photographs,
+                       const FfpImage *white, FfpError *err) {
+    const int size[2] = {photographs->width, photographs->height};
+    FfpImage map, region = ffp_board_region(&fit->board, a, white->width, white->height);
+    FfpGrayReport report;
     FfpError error = {0};
-    unsigned char *region = ffp_board_region(&fit->board, a, white->width, white->height);
-    const bool ok = ffp_code_map_read(&map, shots, first, black, white, region, &error);
-    ffp_free(region);
+    FfpGrayPhotographs of_board = *photographs;
+    of_board.region = &region;
+    const bool ok = ffp_gray_decode_view(&map, &report, &of_board, &error);
+    ffp_image_free(&region);
     if (!ok) return as_problem(a, &error, err);
+    if (report.clipped > CLIPPED_MAX)
+        ffp_note("%s: under white %.0f %% of the board's light pixels are overexposed: expose shorter",
+                 a->name, 100 * report.clipped);
     for (int axis = 0; axis < 2; axis++)
-        if (map.lost[axis] > 0)
+        if (report.dropped[axis] > 0)
             ffp_note("%s: the camera cannot tell the finest %d bits of the %s: they are known to %d pixels",
-                     a->name, map.lost[axis], axis == 0 ? "columns" : "rows", 1 << map.lost[axis]);
-    const bool done = ffp_board_project(&fit->board, &map, shots, first, a, err);
-    ffp_code_map_free(&map);
+                     a->name, report.dropped[axis], axis == 0 ? "columns" : "rows",
+                     1 << report.dropped[axis]);
+    const bool done = ffp_board_project(&fit->board, &map, report.dropped, size, a, err);
+    ffp_image_free(&map);
     return done;
 }
 
 static bool read_attitude(FfpRigFit *fit, FfpAttitude *a, const FfpShotFolder *folder, FfpImage *seen,
                           FfpError *err) {
-    const FfpCodeShots shots = {folder->files, folder->n_files, fit->devices[1].width,
-                                fit->devices[1].height};
-    FfpImage black, white;
+    FfpGrayPhotographs photographs = {.width = fit->devices[1].width, .height = fit->devices[1].height};
+    FfpImage white;
     FfpError error = {0};
-    int first;
     a->name = folder->name;
-    if (!ffp_code_shots_open(&shots, &black, &white, &first, &error)) return as_problem(a, &error, err);
+    if (!ffp_gray_find_plain(&photographs, folder->files, folder->n_files, &error) ||
+        !ffp_board_read(&white, photographs.white, &error))
+        return as_problem(a, &error, err);
     bool ok = settle_size(fit, &white, folder->name, err) && ffp_board_find(&fit->board, &white, a, err);
-    if (ok && !a->problem[0]) ok = read_codes(fit, a, &shots, first, &black, &white, err);
+    if (ok && !a->problem[0]) ok = read_codes(fit, a, &photographs, &white, err);
     if (ok && a->n == 0 && seen->data == NULL) {
         *seen = white;
     } else {
         ffp_image_free(&white);
     }
-    ffp_image_free(&black);
     return ok;
 }
 

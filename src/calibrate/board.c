@@ -11,6 +11,7 @@
 #define DIAGONAL 0.3     // squares from a corner to where its four squares are looked at
 #define SADDLE 0.5       // of the corners' own contrast: there is one more
 #define SADDLES 0.8      // share of a row of them: the board goes on
+#define AROUND 0.8       // squares beyond the outermost corners that count as the board
 
 void ffp_attitude_free(FfpAttitude *a) {
     ffp_free(a->camera), ffp_free(a->projector);
@@ -18,6 +19,19 @@ void ffp_attitude_free(FfpAttitude *a) {
     ffp_free(a->camera_off), ffp_free(a->projector_off);
     ffp_image_free(&a->picture);
     *a = (FfpAttitude){0};
+}
+
+bool ffp_board_read(FfpImage *grey, const char *path, FfpError *err) {
+    FfpImage image;
+    if (!ffp_image_read(&image, path, FFP_COLOUR_ENCODED, err)) return false;
+    *grey = ffp_image_new(image.width, image.height, 1);
+    const size_t pixels = (size_t)image.width * (size_t)image.height;
+    for (size_t i = 0; i < pixels; i++) { // luma of BT.601, as corner detectors have it
+        const real *c = image.data + 4 * i;
+        grey->data[i] = 0.299F * c[0] + 0.587F * c[1] + 0.114F * c[2];
+    }
+    ffp_image_free(&image);
+    return true;
 }
 
 static unsigned char *bytes_of(const FfpImage *grey) {
@@ -146,17 +160,24 @@ static bool is_left(const double a[2], const double b[2], double x, double y) {
     return (b[0] - a[0]) * (y - a[1]) - (b[1] - a[1]) * (x - a[0]) > 0;
 }
 
-unsigned char *ffp_board_region(const FfpBoard *board, const FfpAttitude *a, int width, int height) {
+FfpImage ffp_board_region(const FfpBoard *board, const FfpAttitude *a, int width, int height) {
     const int ends[4] = {0, board->columns - 1, a->n - 1, a->n - board->columns};
-    unsigned char *region = ffp_alloc((size_t)width * (size_t)height, 1);
-    const bool sense = is_left(a->camera + 2 * ends[0], a->camera + 2 * ends[1],
-                               a->camera[2 * (size_t)ends[2]], a->camera[2 * (size_t)ends[2] + 1]);
+    double rim[8];
+    for (int k = 0; k < 4; k++) // each outermost corner moved on along both rows of corners that end there
+        for (int c = 0; c < 2; c++) {
+            const double *at = a->camera + c;
+            const double here = at[2 * (size_t)ends[k]], across = here - at[2 * (size_t)ends[k ^ 1]],
+                         down = here - at[2 * (size_t)ends[3 - k]];
+            rim[2 * k + c] = here + AROUND * (across / (board->columns - 1) + down / (board->rows - 1));
+        }
+    FfpImage region = ffp_image_new(width, height, 1);
+    const bool sense = is_left(rim, rim + 2, rim[4], rim[5]);
     for (int y = 0; y < height; y++)
         for (int x = 0; x < width; x++) {
             bool in = true;
             for (int k = 0; in && k < 4; k++)
-                in = is_left(a->camera + 2 * ends[k], a->camera + 2 * ends[(k + 1) % 4], x, y) == sense;
-            region[(size_t)y * (size_t)width + (size_t)x] = in;
+                in = is_left(rim + 2 * k, rim + 2 * ((k + 1) % 4), x, y) == sense;
+            region.data[(size_t)y * (size_t)width + (size_t)x] = in;
         }
     return region;
 }

@@ -3,8 +3,8 @@
 #ifndef FFP_CALIBRATE_BOARD_H
 #define FFP_CALIBRATE_BOARD_H
 
-#include "calibrate/codes.h"
 #include "calibrate/opencv.h"
+#include "image/image.h"
 
 typedef struct FfpBoard {
     int columns, rows; // of corners inside the board
@@ -36,6 +36,9 @@ typedef struct FfpAttitude {
 
 void ffp_attitude_free(FfpAttitude *attitude);
 
+// A picture as camera values, sRGB-encoded luminance in [0,1]. [height,width,1]
+bool ffp_board_read(FfpImage *grey, const char *path, FfpError *err);
+
 // Looks for the board in a grey picture. Where there is none, or it goes on beyond its corners, the problem
 // is set. False only where OpenCV fails.
 bool ffp_board_find(const FfpBoard *board, const FfpImage *grey, FfpAttitude *attitude, FfpError *err);
@@ -43,19 +46,14 @@ bool ffp_board_find(const FfpBoard *board, const FfpImage *grey, FfpAttitude *at
 // Which boards of other sizes are found there, as words for the user; "" for none.
 bool ffp_board_guess(const FfpBoard *board, const FfpImage *grey, char text[160], FfpError *err);
 
-// What lies between the board's outermost corners: 1, else 0. [height,width], released with ffp_free.
-unsigned char *ffp_board_region(const FfpBoard *board, const FfpAttitude *attitude, int width, int height);
+// The board as far as the squares around its outermost corners go: 1, else 0. [height,width,1]
+FfpImage ffp_board_region(const FfpBoard *board, const FfpAttitude *attitude, int width, int height);
 
-// Puts the corners on the projector's panel by homographies of what was decoded around each (Moreno and
-// Taubin 2012, section 3.2). Sets a problem where the codes make no sense for a plane; `shots` and `first`
-// are for saying which photographs are out of order.
-bool ffp_board_project(const FfpBoard *board, const FfpCodeMap *map, const FfpCodeShots *shots, int first,
+// Puts the corners on the projector's panel of `size` pixels by homographies of the positions around each
+// (Moreno and Taubin 2012, section 3.2): map and the finest bits that it lacks as ffp_gray_decode_view has
+// them. Sets a problem where they make no sense for a plane.
+bool ffp_board_project(const FfpBoard *board, const FfpImage *map, const int dropped[2], const int size[2],
                        FfpAttitude *attitude, FfpError *err);
-
-// The problem of codes that do not fit a plane: which two photographs, or pairs of them, are swapped, where a
-// single swap explains it.
-bool ffp_explain_order(const FfpBoard *board, const FfpCodeMap *map, const FfpCodeShots *shots, int first,
-                       const FfpAttitude *attitude, char text[768], FfpError *err);
 
 // The place of corner i on the board, in squares.
 static inline double ffp_corner_column(const FfpBoard *board, int i) {

@@ -34,35 +34,34 @@ static double nearest_neighbour(const FfpBoard *board, const FfpAttitude *a, int
     return least;
 }
 
-// What was decoded around a corner; camera pixels relative to it.
-static void surroundings(const FfpCodeMap *map, const double corner[2], int half, Points *p) {
+// Positions around a corner; camera pixels relative to it.
+static void surroundings(const FfpImage *map, const double corner[2], int half, Points *p) {
     const int cx = (int)lround(corner[0]), cy = (int)lround(corner[1]);
     const int step = (2 * half + SAMPLES_A_SIDE) / SAMPLES_A_SIDE;
     p->n = p->seen = 0;
     for (int y = cy - half; y <= cy + half; y += step)
         for (int x = cx - half; x <= cx + half; x += step) {
             if (x < 0 || y < 0 || x >= map->width || y >= map->height) continue;
-            const size_t at = (size_t)y * (size_t)map->width + (size_t)x;
+            const real *at = map->data + 3 * ((size_t)y * (size_t)map->width + (size_t)x);
             p->seen++;
-            if (map->column[at] < 0 || map->row[at] < 0) continue;
+            if (!(at[2] > 0)) continue;
             p->from[2 * p->n] = x - corner[0], p->from[2 * p->n + 1] = y - corner[1];
-            p->to[2 * p->n] = (double)map->column[at], p->to[2 * p->n + 1] = (double)map->row[at];
+            for (int k = 0; k < 2; k++) p->to[2 * p->n + k] = (double)at[k] - 0.5; // centres at integers
             p->n++;
         }
 }
 
 // By the homography of its surroundings; *mirrored is its sense.
-static bool place_corner(const FfpBoard *board, const FfpCodeMap *map, FfpAttitude *a, int i, Points *p,
-                         bool *mirrored, FfpError *err) {
+static bool place_corner(const FfpBoard *board, const FfpImage *map, double tolerance, FfpAttitude *a, int i,
+                         Points *p, bool *mirrored, FfpError *err) {
     const double distance = WINDOW * nearest_neighbour(board, a, i);
-    const double step = fmax(1 << map->lost[0], 1 << map->lost[1]);
     double h[9];
     bool found;
     int inside = 0;
     surroundings(map, a->camera + 2 * (size_t)i, (int)fmax(HALF_LEAST, fmin(HALF_MOST, distance)), p);
     a->projector_state[i] = FFP_CORNER_DARK;
     if (p->n < DECODED * p->seen || p->n < 12) return true;
-    if (!ffp_cv_homography(p->from, p->to, p->n, TOLERANCE * step, h, p->inside, &found, err)) return false;
+    if (!ffp_cv_homography(p->from, p->to, p->n, tolerance, h, p->inside, &found, err)) return false;
     for (int k = 0; found && k < p->n; k++) inside += p->inside[k];
     a->projector_state[i] = FFP_CORNER_UNEVEN;
     if (inside < INSIDE * p->n) return true;
@@ -74,9 +73,8 @@ static bool place_corner(const FfpBoard *board, const FfpCodeMap *map, FfpAttitu
 }
 
 // Corners that lie away from the plane of the others are uneven; *share is that of the decoded ones in it.
-static bool check_plane(const FfpBoard *board, const FfpCodeShots *shots, FfpAttitude *a, Points *p,
-                        double *share, FfpError *err) {
-    const double longest = fmax(shots->width, shots->height);
+static bool check_plane(const FfpBoard *board, double longest, FfpAttitude *a, Points *p, double *share,
+                        FfpError *err) {
     double h[9];
     bool found;
     int inside = 0;
@@ -102,24 +100,31 @@ static bool check_plane(const FfpBoard *board, const FfpCodeShots *shots, FfpAtt
 }
 
 // What is wrong with the codes as a whole.
-static bool judge(const FfpBoard *board, const FfpCodeMap *map, const FfpCodeShots *shots, int first,
-                  int states[FFP_CORNER_STATES], double share, bool mirrored, FfpAttitude *a, FfpError *err) {
+static void judge(FfpAttitude *a, const int states[FFP_CORNER_STATES], double share, bool mirrored) {
     const int good = states[FFP_CORNER_USED], uneven = states[FFP_CORNER_UNEVEN];
-    if (good + uneven < ENOUGH * a->n) {
+    if (good + uneven < ENOUGH * a->n)
         snprintf(
             a->problem, sizeof a->problem,
             "the codes can be read around %d of %d corners alone: the projector does not reach the board, "
             "or the stripes are too faint or too fine for the camera",
             good + uneven, a->n);
-        return true;
-    }
-    if (!mirrored && good >= FITTING * (good + uneven) && share >= FITTING) return true;
-    return ffp_explain_order(board, map, shots, first, a, a->problem, err);
+    else if (good < FITTING * (good + uneven) || share < FITTING)
+        snprintf(
+            a->problem, sizeof a->problem,
+            "the codes do not put the board into one plane: the photographs' numbering is not the order in "
+            "which the patterns were shown, the panel is of another size, or the board moved");
+    else if (mirrored)
+        snprintf(
+            a->problem, sizeof a->problem,
+            "the codes put the board's mirror image onto the panel: the coarsest code of the columns, or "
+            "of the rows, and its inverse are swapped, columns and rows are, or the pictures are "
+            "mirrored");
 }
 
-bool ffp_board_project(const FfpBoard *board, const FfpCodeMap *map, const FfpCodeShots *shots, int first,
+bool ffp_board_project(const FfpBoard *board, const FfpImage *map, const int dropped[2], const int size[2],
                        FfpAttitude *a, FfpError *err) {
     const size_t room = (size_t)(SAMPLES_A_SIDE + 2) * (SAMPLES_A_SIDE + 2) + (size_t)a->n;
+    const double tolerance = TOLERANCE * fmax(1 << dropped[0], 1 << dropped[1]);
     Points points = {.from = ffp_alloc(room, 2 * sizeof(double)),
                      .to = ffp_alloc(room, 2 * sizeof(double)),
                      .inside = ffp_alloc(room, 1)};
@@ -129,12 +134,12 @@ bool ffp_board_project(const FfpBoard *board, const FfpCodeMap *map, const FfpCo
     for (int i = 0; ok && i < a->n; i++) {
         bool other_way = false;
         ffp_cancel_point();
-        ok = place_corner(board, map, a, i, &points, &other_way, err);
+        ok = place_corner(board, map, tolerance, a, i, &points, &other_way, err);
         mirrored += other_way;
         states[a->projector_state[i]]++;
     }
-    ok = ok && check_plane(board, shots, a, &points, &share, err) &&
-         judge(board, map, shots, first, states, share, 2 * mirrored > states[FFP_CORNER_USED], a, err);
+    ok = ok && check_plane(board, fmax(size[0], size[1]), a, &points, &share, err);
+    if (ok) judge(a, states, share, 2 * mirrored > states[FFP_CORNER_USED]);
     ffp_free(points.from), ffp_free(points.to), ffp_free(points.inside);
     return ok;
 }

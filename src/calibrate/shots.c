@@ -4,6 +4,7 @@
 #include <errno.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include "base/call.h"
 #include "base/file.h"
 #include "image/image.h"
@@ -49,12 +50,19 @@ static bool list(FfpArena *arena, const char *folder, bool folders, const char *
 }
 
 static bool add(FfpShotFolders *out, const char *path, const char **files, int n_files, FfpError *err) {
+    struct stat status;
+    if (stat(path, &status) != 0)
+        return ffp_fail(err, FFP_ERROR_IO, path, "cannot open: %s", strerror(errno));
+    for (int i = 0; i < out->n; i++)
+        if (out->folders[i].device == status.st_dev && out->folders[i].inode == status.st_ino)
+            return ffp_fail(err, FFP_ERROR_FILE, path, "the folder is named twice");
     if (out->n == FFP_ATTITUDES_MAX)
         return ffp_fail(err, FFP_ERROR_FILE, path, "more than %d folders of photographs", FFP_ATTITUDES_MAX);
     char name[FFP_PATH_MAX];
     snprintf(name, sizeof name, "%s", path);
     for (size_t end = strlen(name); end > 1 && name[end - 1] == '/';) name[--end] = 0;
-    out->folders[out->n++] = (FfpShotFolder){keep(out->arena, ffp_basename(name)), files, n_files};
+    out->folders[out->n++] =
+        (FfpShotFolder){keep(out->arena, ffp_basename(name)), files, n_files, status.st_dev, status.st_ino};
     return true;
 }
 

@@ -3,6 +3,7 @@
 #define FFP_CALIBRATE_SHOTS_H
 
 #include <stdbool.h>
+#include <sys/types.h>
 #include "base/arena.h"
 #include "base/error.h"
 
@@ -12,6 +13,8 @@ typedef struct FfpShotFolder {
     const char *name;   // the folder's, for people
     const char **files; // paths of its pictures in natural order
     int n_files;
+    dev_t device; // which folder it is, whatever the path to it
+    ino_t inode;
 } FfpShotFolder;
 
 typedef struct FfpShotFolders {
@@ -21,8 +24,8 @@ typedef struct FfpShotFolders {
 } FfpShotFolders;
 
 // The folders that are named, or the folders in them where they hold no pictures themselves; both in natural
-// order. Errors: a folder that is not there or holds neither pictures nor folders with pictures, more than
-// FFP_ATTITUDES_MAX.
+// order. Errors: a folder that is named twice, is not there or holds neither pictures nor folders with
+// pictures, more than FFP_ATTITUDES_MAX.
 bool ffp_shot_folders_find(FfpShotFolders *out, const char *const *paths, int n_paths, FfpError *err);
 void ffp_shot_folders_free(FfpShotFolders *out);
 

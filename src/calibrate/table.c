@@ -273,7 +273,7 @@ static bool read_stop(FfpTableFit *fit, const FfpBoard *board, const FfpCvDevice
                       int i, FfpError *err) {
     FfpAttitude *a = &fit->attitudes[i];
     FfpImage grey;
-    if (!ffp_read_grey(&grey, file, err)) return false;
+    if (!ffp_board_read(&grey, file, err)) return false;
     a->name = file;
     const bool same = grey.width == camera->width && grey.height == camera->height;
     const bool ok = same ? ffp_board_find(board, &grey, a, err)

@@ -58,16 +58,14 @@ static int view_without(const FfpCapture *capture, int pattern) {
     return -1;
 }
 
-int ffp_capture_active_pattern(const FfpCapture *capture, const char *name, FfpError *err) {
-    if (name == NULL) {
-        for (int i = 0; i < capture->n_patterns; i++) {
-            const bool usable = i != capture->black && i != capture->white && !capture->patterns[i].novel;
-            if (usable && view_without(capture, i) < 0) return i;
-        }
-        ffp_fail(err, FFP_ERROR_FILE, capture->name,
-                 "no structured-light pattern that every view was seen under");
-        return -1;
-    }
+static bool seen_by_any(const FfpCapture *capture, int pattern) {
+    for (int i = 0; i < capture->n_views; i++)
+        if (capture->views[i].images[pattern].data != NULL) return true;
+    return false;
+}
+
+// A pattern of structure, by name; -1 with an error.
+static int find_structured(const FfpCapture *capture, const char *name, FfpError *err) {
     const int found = ffp_capture_find_pattern(capture, name);
     if (found < 0) {
         ffp_fail(err, FFP_ERROR_FILE, capture->name, "no pattern '%.96s' in this capture; there are %s", name,
@@ -79,11 +77,62 @@ int ffp_capture_active_pattern(const FfpCapture *capture, const char *name, FfpE
                  name);
         return -1;
     }
+    return found;
+}
+
+int ffp_capture_active_pattern(const FfpCapture *capture, const char *name, FfpError *err) {
+    if (name == NULL) {
+        for (int i = 0; i < capture->n_patterns; i++) {
+            const bool usable = i != capture->black && i != capture->white && !capture->patterns[i].novel;
+            if (usable && view_without(capture, i) < 0) return i;
+        }
+        ffp_fail(err, FFP_ERROR_FILE, capture->name,
+                 "no structured-light pattern that every view was seen under");
+        return -1;
+    }
+    const int found = find_structured(capture, name, err);
+    if (found < 0) return -1;
     const int view = view_without(capture, found);
     if (view < 0) return found;
     ffp_fail(err, FFP_ERROR_FILE, capture->name, "view '%s' has no picture under pattern '%.96s'",
              capture->views[view].id, name);
     return -1;
+}
+
+// A pattern beside those already chosen; -1 with an error.
+static int find_further(const FfpCapture *capture, const char *name, const int *chosen, int count,
+                        FfpError *err) {
+    const int found = find_structured(capture, name, err);
+    if (found < 0) return -1;
+    for (int i = 0; i < count; i++)
+        if (chosen[i] == found) {
+            ffp_fail(err, FFP_ERROR_ARGUMENT, capture->name, "pattern '%.96s' is named twice", name);
+            return -1;
+        }
+    if (seen_by_any(capture, found)) return found;
+    ffp_fail(err, FFP_ERROR_FILE, capture->name, "no view has a picture under pattern '%.96s'", name);
+    return -1;
+}
+
+int ffp_capture_photographs(const FfpCapture *capture, const char *const *names, int n, int *chosen,
+                            FfpError *err) {
+    int count = 0;
+    for (int i = 0; i < n; i++)
+        if (!names || !names[i]) {
+            ffp_fail(err, FFP_ERROR_ARGUMENT, capture->name, "of %d patterns the one at %d has no name", n,
+                     i);
+            return -1;
+        }
+    chosen[count++] = capture->black, chosen[count++] = capture->white;
+    const int first = ffp_capture_active_pattern(capture, n > 0 ? names[0] : NULL, err);
+    if (first < 0) return -1;
+    chosen[count++] = first;
+    for (int i = 1; i < n; i++) {
+        const int found = find_further(capture, names[i], chosen, count, err);
+        if (found < 0) return -1;
+        chosen[count++] = found;
+    }
+    return count;
 }
 
 void ffp_capture_normalise(FfpCapture *capture, const real centre[3], real radius) {

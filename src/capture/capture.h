@@ -117,6 +117,11 @@ FfpListed ffp_list_patterns(const FfpCapture *capture);
 // The structured-light pattern a reconstruction uses: the named one, or (name NULL) the first that is neither
 // black, white nor novel and that every view has. -1 with an error when there is none.
 int ffp_capture_active_pattern(const FfpCapture *capture, const char *name, FfpError *err);
+// The photographs that a reconstruction is made from: black, white, and the n structured-light patterns named
+// (n 0: the one that is found as above), in their order, into chosen [FFP_PATTERNS_MAX]. Every
+// view has one under the first; under the others, some view. Returns how many they are, or -1 with an error.
+int ffp_capture_photographs(const FfpCapture *capture, const char *const *names, int n, int *chosen,
+                            FfpError *err);
 
 // The least-squares meeting point of all camera and projector axes, or where these are nearly parallel the
 // middle of the lit surfaces as the projected colours give them (coarse_depth.h); and the radius that the

@@ -7,7 +7,7 @@
 
 typedef struct Arguments {
     const char *model, *device;
-    FfpList captures, targets, merged;
+    FfpList captures, targets, merged, patterns;
     FfpEvaluation evaluation;
 } Arguments;
 
@@ -110,6 +110,7 @@ static int run(void *data) {
     evaluation->captures = arguments->captures.values, evaluation->n_captures = arguments->captures.count;
     evaluation->targets = arguments->targets.values, evaluation->n_targets = arguments->targets.count;
     evaluation->merged = arguments->merged.values, evaluation->n_merged = arguments->merged.count;
+    evaluation->patterns = arguments->patterns.values, evaluation->n_patterns = arguments->patterns.count;
     if (check(evaluation, arguments->model) >= 0) return FFP_EXIT_USAGE;
     bool ok = ffp_cli_use_device(arguments->device, &err) && ffp_cli_use_ranks(&err);
     ok = ok && choose_model(evaluation, arguments->model, &model, &err);
@@ -163,9 +164,11 @@ static const FfpOption options[] = {
      .letter = 'p',
      .argument = "NAME",
      .type = FFP_OPTION_TEXT,
-     .offset = offsetof(Arguments, evaluation.pattern),
-     .help = "the structured-light pattern to use. Default: the first that is in every view and not held "
-             "back"},
+     .repeated = true,
+     .offset = offsetof(Arguments, patterns),
+     .help =
+         "a structured-light pattern to use, again for more, as in `reconstruct`. Default: the first that "
+         "is in every view and not held back"},
     FFP_CLI_POLISH(offsetof(Arguments, evaluation.polish),
                    "as in `reconstruct`; 0: the forward pass alone. Default: auto"),
     FFP_CLI_NOISE(offsetof(Arguments, evaluation.noise),

@@ -185,7 +185,8 @@ static const FfpOption options[] = {
      .offset = offsetof(Arguments, images),
      .group = PHOTOGRAPHS,
      .help = "the photographs under a pattern (black, white, and what you call yours). FILES has {view}, "
-             "{index} (from 0), {number} (from 1), {number:3} (with zeros); or *, whose files are taken in "
+             "{index} (from 0; of all views, whichever are chosen), {number} (from 1), {number:3} (with "
+             "zeros); or *, whose files are taken in "
              "order, img_9 before img_10. Several names: FILES has {pattern}, or * runs through all names of "
              "the first view, then of the second. Views of a turntable are called by angle: 000, 045. Raw "
              "photographs are developed (by dcraw_emu); a film stands for the mean of its frames, FILM@3-4.5 "

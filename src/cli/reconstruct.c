@@ -4,13 +4,16 @@
 
 typedef struct Arguments {
     const char *capture, *output, *model, *device;
+    FfpList patterns;
     FfpReconstruction how;
 } Arguments;
 
 static void tell(const char *output, const FfpReconstructionStats *stats) {
-    printf("%s: %lld Gaussians from %s in %.2f s (noise of %.2f %% taken away %.2f s, matching %.2f s, "
+    char more[32] = "";
+    if (stats->patterns > 1) snprintf(more, sizeof more, " and %d more", stats->patterns - 1);
+    printf("%s: %lld Gaussians from %s%s in %.2f s (noise of %.2f %% taken away %.2f s, matching %.2f s, "
            "network %.2f s, polish %.2f s)\n",
-           output, (long long)stats->gaussians, stats->pattern,
+           output, (long long)stats->gaussians, stats->pattern, more,
            stats->denoise_s + stats->start_s + stats->network_s + stats->polish_s, 100 * stats->noise,
            stats->denoise_s, stats->start_s, stats->network_s, stats->polish_s);
 }
@@ -27,6 +30,8 @@ static int run(void *data) {
     ok = capture && (none || (model = ffp_model_open(ffp_cli_context(), arguments->model, &err)));
     if (ok) {
         arguments->how.model = model;
+        arguments->how.patterns = arguments->patterns.values;
+        arguments->how.n_patterns = arguments->patterns.count;
         gaussians = ffp_reconstruct(ffp_cli_context(), capture, &arguments->how, &stats, &err);
         ok = gaussians && ffp_gaussians_save(ffp_cli_context(), gaussians, arguments->output, &err);
     }
@@ -61,9 +66,12 @@ static const FfpOption options[] = {
      .letter = 'p',
      .argument = "NAME",
      .type = FFP_OPTION_TEXT,
-     .offset = offsetof(Arguments, how.pattern),
-     .help = "the structured-light pattern to use. Default: the first that is in every view and not held "
-             "back"},
+     .repeated = true,
+     .offset = offsetof(Arguments, patterns),
+     .help =
+         "a structured-light pattern to use, again for more: matching and fit look at all that a view was "
+         "photographed under, the network at the first. Default: the first that is in every view and not "
+         "held back"},
     FFP_CLI_POLISH(
         offsetof(Arguments, how.polish),
         "steps of the fit, of one view each; of pictures above 192 pixels, steps on the smallest of "
@@ -103,7 +111,9 @@ const FfpCommand ffp_cli_reconstruct = {
     .options = options,
     .examples =
         (const FfpExample[]){
-            {.command = "ffprocams reconstruct data/sample -o spot.ply --pattern lollipop_0"}, {0}},
+            {.command = "ffprocams reconstruct data/sample -o spot.ply --pattern lollipop_0\n"
+                        "ffprocams reconstruct data/sample -o spot.ply -p lollipop_0 -p lollipop_3"},
+            {0}},
     .size = sizeof(Arguments),
     .set_defaults = set_defaults,
     .run = run,

@@ -142,10 +142,11 @@ FfpImage *ffp_denoise(FfpCapture *capture, const int *photographs, int n, double
     for (int v = 0; v < capture->n_views; v++) {
         FfpView *view = &capture->views[v];
         FfpImage *list = lists + (size_t)v * length;
-        if (!ffp_has_photographs(view, photographs, n)) continue;
+        if (!ffp_has_photographs(view, photographs)) continue;
         memcpy(list, view->images, length * sizeof *list);
         for (int p = 0; p < n; p++) list[photographs[p]] = ffp_image_copy(&view->images[photographs[p]]);
         for (int p = FFP_PHOTOGRAPHS - 1; p < n; p++) {
+            if (!list[photographs[p]].data) continue;
             const int together[FFP_PHOTOGRAPHS] = {photographs[0], photographs[1], photographs[p]};
             const bool first = p == FFP_PHOTOGRAPHS - 1;
             FfpImage *pictures[FFP_PHOTOGRAPHS] = {first ? &list[together[0]] : NULL,

@@ -17,8 +17,8 @@ double ffp_noise_estimate(const FfpCapture *capture, const int photographs[FFP_P
 
 // Gives every view a new list of pictures, in which the photographs have the noise of the given deviation
 // taken away; all others are those of the old list, and what the object does not cover stays. A view that
-// lacks a photograph keeps its list. Returns the lists, [n_views,n_patterns], for ffp_denoise_free; the old
-// lists are neither changed nor released.
+// lacks one of the first three photographs keeps its list; a further one that it lacks stays missing. Returns
+// the lists, [n_views,n_patterns], for ffp_denoise_free; the old lists are neither changed nor released.
 //
 // In every window the nine values' mean and covariance are measured, and each pixel keeps of its difference
 // from the mean what a Wiener filter leaves of it along the covariance's axes; a pixel's result is the mean

@@ -143,7 +143,7 @@ double ffp_noise_estimate(const FfpCapture *capture, const int photographs[FFP_P
     s.edges = ffp_alloc(room, sizeof *s.edges);
     s.bright = ffp_alloc(room, sizeof *s.bright);
     for (int v = 0; v < capture->n_views; v++)
-        if (ffp_has_photographs(&capture->views[v], photographs, FFP_PHOTOGRAPHS))
+        if (ffp_has_photographs(&capture->views[v], photographs))
             sample_view(&s, &capture->views[v], photographs);
     const int n = keep(&s, choose_values(&s));
     const double noise = s.count < LEAST ? 0 : sqrt(smallest_variance(&s, n));

@@ -15,9 +15,9 @@ void ffp_eigen(double *a, int n, double *values) {
     (void)info;                                              // not 0 only for numbers that are none
 }
 
-bool ffp_has_photographs(const FfpView *view, const int *photographs, int n) {
+bool ffp_has_photographs(const FfpView *view, const int photographs[FFP_PHOTOGRAPHS]) {
     bool all = true;
-    for (int p = 0; p < n; p++) all = all && view->images[photographs[p]].data;
+    for (int p = 0; p < FFP_PHOTOGRAPHS; p++) all = all && view->images[photographs[p]].data;
     return all;
 }
 

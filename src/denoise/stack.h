@@ -6,7 +6,7 @@
 
 enum { FFP_VALUES = 3 * FFP_PHOTOGRAPHS };
 
-bool ffp_has_photographs(const FfpView *view, const int *photographs, int n);
+bool ffp_has_photographs(const FfpView *view, const int photographs[FFP_PHOTOGRAPHS]);
 real *ffp_stack_new(const FfpView *view,
                     const int photographs[FFP_PHOTOGRAPHS]); // [height,width,FFP_VALUES]
 

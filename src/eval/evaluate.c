@@ -36,8 +36,13 @@ static bool prepare_gaussians(FfpSubject *subject, FfpError *err) {
     if (options->gaussians) {
         subject->gaussians = ffp_gaussians_open(ffp_call_context(), options->gaussians, err);
     } else {
-        const FfpReconstruction how = {options->model, options->pattern, options->polish,
-                                       options->noise, options->layers,  options->drawing};
+        const FfpReconstruction how = {.model = options->model,
+                                       .patterns = options->patterns,
+                                       .n_patterns = options->n_patterns,
+                                       .polish = options->polish,
+                                       .noise = options->noise,
+                                       .layers = options->layers,
+                                       .drawing = options->drawing};
         const double begin = ffp_seconds();
         subject->gaussians =
             ffp_reconstruct(ffp_call_context(), subject->capture, &how, &subject->stats, err);
@@ -59,7 +64,8 @@ static void prepare_lookup(FfpSubject *subject) {
         const size_t pixels = (size_t)view->camera.width * view->camera.height;
         subject->depth[v] = ffp_alloc(pixels, sizeof(real));
         if (match)
-            ffp_match_depth(&subject->normalised, v, subject->active, &settings, subject->depth[v]);
+            ffp_match_depth(&subject->normalised, v, subject->given + FFP_FIRST_GIVEN,
+                            subject->n_given - FFP_FIRST_GIVEN, &settings, subject->depth[v]);
         else
             memcpy(subject->depth[v], view->depth.data, pixels * sizeof(real));
     }
@@ -126,7 +132,7 @@ static void report_shown_pattern(FfpSubject *subject, const FfpPattern *pattern,
 static bool report_pictures(FfpSubject *subject, FfpError *err) {
     const char *path = subject->shared->options->show_pattern;
     const FfpCamera *projector = &subject->capture->views[0].projector;
-    FfpPattern pattern = subject->capture->patterns[subject->active];
+    FfpPattern pattern = subject->capture->patterns[subject->given[FFP_FIRST_GIVEN]];
     ffp_report_title(subject->shared->report, subject->capture->name);
     if (!ffp_subject_draws(subject)) return true;
     if (path && !ffp_pattern_read(&pattern, path, projector->width, projector->height, err)) return false;
@@ -141,7 +147,7 @@ static bool report_pictures(FfpSubject *subject, FfpError *err) {
 static void report_making(FfpSubject *subject) {
     FfpReport *report = subject->shared->report;
     report_maps(subject);
-    ffp_report_input(report, subject->capture, subject->active);
+    ffp_report_input(report, subject->capture, subject->given, subject->n_given);
     if (subject->gaussians && isfinite(subject->reconstruct_s)) ffp_report_stats(report, &subject->stats);
 }
 
@@ -215,8 +221,9 @@ static bool open_subject(FfpSubject *subject, int index, FfpError *err) {
     const FfpEvaluation *options = subject->shared->options;
     subject->capture = ffp_capture_open(ffp_call_context(), options->captures[index], err);
     if (!subject->capture) return false;
-    subject->active = ffp_capture_active_pattern(subject->capture, options->pattern, err);
-    if (subject->active < 0 || !open_targets(subject, index, err)) return false;
+    subject->n_given = ffp_capture_photographs(subject->capture, options->patterns, options->n_patterns,
+                                               subject->given, err);
+    if (subject->n_given < 0 || !open_targets(subject, index, err)) return false;
     if (options->predictor == FFP_PREDICT_DEPTH) return check_depth(subject->capture, err);
     return true;
 }

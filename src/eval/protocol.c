@@ -29,7 +29,7 @@ typedef struct Means {
 
 // Black, white, lollipops, and whatever else the capture does not hold back.
 static bool is_input(const FfpSubject *subject, const FfpCapture *views, int pattern) {
-    return pattern == subject->active || !views->patterns[pattern].novel;
+    return ffp_subject_given(subject, pattern) || !views->patterns[pattern].novel;
 }
 
 static Protocol protocol_new(const char *name, const FfpSubject *subject) {
@@ -84,7 +84,7 @@ static double score_picture(FfpSubject *subject, const Protocol *protocol, int v
         means->lpips += ffp_perceptual_loss(subject->shared->lpips, prediction, truth, 1, NULL);
     const FfpCapture *views = protocol->views;
     if (pattern == views->white) score_gloss(subject, &views->views[view], truth, prediction, means);
-    const bool given = pattern == subject->active || pattern == views->black || pattern == views->white;
+    const bool given = ffp_subject_given(subject, pattern);
     if (strcmp(protocol->name, "rendering") == 0 && !given) means->unseen += psnr, means->images_unseen++;
     return psnr;
 }

@@ -115,13 +115,13 @@ void ffp_report_title(FfpReport *report, const char *title) {
     fputs("</h2>\n", report->body);
 }
 
-void ffp_report_input(FfpReport *report, const FfpCapture *capture, int active) {
+void ffp_report_input(FfpReport *report, const FfpCapture *capture, const int *given, int n) {
     ffp_report_heading(report, "Input",
-                       "All that the predictor was given: each view under black, white and one pattern. "
-                       "First, what the projector showed.");
-    put_input_row(report, capture, capture->black);
-    put_input_row(report, capture, capture->white);
-    put_input_row(report, capture, active);
+                       n > 3 ? "All that the predictor was given: each view under black, white and some "
+                               "patterns. First, what the projector showed."
+                             : "All that the predictor was given: each view under black, white and one "
+                               "pattern. First, what the projector showed.");
+    for (int i = 0; i < n; i++) put_input_row(report, capture, given[i]);
 }
 
 void ffp_report_stats(FfpReport *report, const FfpReconstructionStats *stats) {

@@ -16,7 +16,8 @@ void ffp_report_free(FfpReport *report);
 void ffp_report_title(FfpReport *report, const char *title); // of a capture's sections
 // A picture as large as the page allows, several side by side where there is room.
 void ffp_report_large(FfpReport *report, const FfpImage *encoded, const char *caption);
-void ffp_report_input(FfpReport *report, const FfpCapture *capture, int active);
+// The n photographs given (indices into the capture's patterns) of the first views.
+void ffp_report_input(FfpReport *report, const FfpCapture *capture, const int *given, int n);
 void ffp_report_stats(FfpReport *report, const FfpReconstructionStats *stats);
 void ffp_report_maps(FfpReport *report, const char *view, const FfpGbuffer *gbuffer);
 void ffp_report_heading(FfpReport *report, const char *title, const char *explanation);

@@ -13,25 +13,29 @@ const char *const ffp_protocols[FFP_PROTOCOLS] = {"rendering", "novel_pattern", 
 static const struct {
     const char *name;
     size_t offset; // of a double in FfpScore
-    bool of_some;  // captures: the others do not count in a mean
+    enum {
+        OF_ALL,  // captures: one without it leaves their mean without it
+        OF_SOME, // those without it do not count in a mean
+        TOTAL    // of the row's pictures, as their number is: added up
+    } over;
 } figures[] = {
-#define FIGURE(name, of_some)                                                                                \
-    { #name, offsetof(FfpScore, name), of_some }
-    FIGURE(psnr, false),
-    FIGURE(psnr_foreground, false),
-    FIGURE(psnr_gloss, true),
-    FIGURE(psnr_unseen_lollipops, false),
-    FIGURE(ssim, false),
-    FIGURE(lpips, false),
-    FIGURE(reconstruct_s, false),
-    FIGURE(render_s, false),
-    FIGURE(depth_lit_median, false),
-    FIGURE(depth_lit_p90, false),
-    FIGURE(depth_unlit_median, false),
-    FIGURE(depth_unlit_p90, false),
-    FIGURE(albedo_mse, false),
-    FIGURE(albedo_lit_mse, false),
-    FIGURE(albedo_unlit_mse, false),
+#define FIGURE(name, over)                                                                                   \
+    { #name, offsetof(FfpScore, name), over }
+    FIGURE(psnr, OF_ALL),
+    FIGURE(psnr_foreground, OF_ALL),
+    FIGURE(psnr_gloss, OF_SOME),
+    FIGURE(psnr_unseen_lollipops, OF_ALL),
+    FIGURE(ssim, OF_ALL),
+    FIGURE(lpips, OF_ALL),
+    FIGURE(reconstruct_s, OF_ALL),
+    FIGURE(render_s, TOTAL),
+    FIGURE(depth_lit_median, OF_ALL),
+    FIGURE(depth_lit_p90, OF_ALL),
+    FIGURE(depth_unlit_median, OF_ALL),
+    FIGURE(depth_unlit_p90, OF_ALL),
+    FIGURE(albedo_mse, OF_ALL),
+    FIGURE(albedo_lit_mse, OF_ALL),
+    FIGURE(albedo_unlit_mse, OF_ALL),
 #undef FIGURE
 };
 enum { FIGURES = sizeof figures / sizeof *figures };
@@ -62,12 +66,13 @@ int ffp_scores_mean(FfpScore *mean, const FfpScore *scores, int n_scores, const 
         mean->images += score.images;
         for (int i = 0; i < FIGURES; i++) {
             const double value = *figure_of(&score, i);
-            if (figures[i].of_some && !isfinite(value)) continue;
+            if (figures[i].over == OF_SOME && !isfinite(value)) continue;
             *figure_of(mean, i) += value;
             having[i]++;
         }
     }
-    for (int i = 0; i < FIGURES; i++) *figure_of(mean, i) /= having[i]; // 0 / 0: no figure
+    for (int i = 0; i < FIGURES; i++)
+        if (figures[i].over != TOTAL) *figure_of(mean, i) /= having[i]; // 0 / 0: no figure
     return rows;
 }
 

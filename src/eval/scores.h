@@ -9,7 +9,7 @@ extern const char *const ffp_protocols[FFP_PROTOCOLS]; // rendering, novel_patte
 
 // The means over captures of a protocol's rows, figure by figure; returns how many rows there are. A figure
 // missing from one row is missing from the mean; only that of highlights is averaged over the rows that have
-// it.
+// it. Images, and the seconds that all of them took, are added up.
 int ffp_scores_mean(FfpScore *mean, const FfpScore *scores, int n_scores, const char *protocol);
 
 // The rows of such a file behind the n_scores that are there; predictor [96] is the file's. Errors name file

@@ -2,6 +2,12 @@
 #include "base/call.h"
 #include "eval/subject.h"
 
+bool ffp_subject_given(const FfpSubject *subject, int pattern) {
+    for (int i = 0; i < subject->n_given; i++)
+        if (subject->given[i] == pattern) return true;
+    return false;
+}
+
 bool ffp_subject_draws(const FfpSubject *subject) {
     return subject->gaussians || subject->field;
 }

@@ -16,13 +16,16 @@ typedef struct FfpEvaluating { // what all captures share
     int n_scores;
 } FfpEvaluating;
 
+#define FFP_FIRST_GIVEN 2 // of the photographs, the first under structured light
+
 typedef struct FfpSubject { // one capture under evaluation
     FfpEvaluating *shared;
     FfpCapture *capture;
     FfpCapture normalised; // lookup predictors only
     FfpCapture targets;
     bool has_targets;
-    int active;
+    int given[FFP_PATTERNS_MAX]; // [n_given] black, white and the patterns (ffp_capture_photographs)
+    int n_given;
     FfpGaussians *gaussians; // or a field; both NULL for the lookup predictors
     FfpViewPass *pass;
     FfpNeuralField *field;
@@ -32,6 +35,9 @@ typedef struct FfpSubject { // one capture under evaluation
     FfpReconstructionStats stats; // of the reconstruction, where one was made
     char folder[FFP_PATH_MAX];    // where predictions are saved
 } FfpSubject;
+
+// Whether the predictor was given the photographs under a pattern.
+bool ffp_subject_given(const FfpSubject *subject, int pattern);
 
 // Whether there is something to be drawn: then ffp_subject_draw draws a view of it, which is shown under a
 // pattern, rounded to 8 bits, or as a G-buffer, valid until the next.

@@ -10,15 +10,15 @@
 bool ffp_surface_of_gaussians(FfpSurface *mesh, const FfpGaussians *gaussians, const FfpCapture *capture,
                               const FfpRenderSettings *settings, int resolution, const char *where,
                               FfpError *err) {
-    const FfpWitnesses witnesses = {gaussians, capture, settings, ffp_raster_new()};
-    FfpVolume volume = ffp_volume_fuse(&witnesses, resolution);
+    const FfpDepthSource source = {gaussians, capture, settings, ffp_raster_new()};
+    FfpVolume volume = ffp_volume_fuse(&source, resolution);
     *mesh = (FfpSurface){0};
     ffp_surface_nets(&volume, mesh);
     ffp_surface_drop_loose(mesh);
     const bool ok = mesh->n_quads > 0;
-    if (ok) ffp_surface_paint(mesh, &witnesses, &volume);
+    if (ok) ffp_surface_paint(mesh, &source, &volume);
     ffp_volume_free(&volume);
-    ffp_raster_free(witnesses.raster);
+    ffp_raster_free(source.raster);
     if (ok) return true;
     ffp_surface_free(mesh);
     return ffp_fail(err, FFP_ERROR_FILE, where,

@@ -25,13 +25,13 @@ static size_t texel_index(const FfpSurface *mesh, size_t quad, int i, int j) {
            (size_t)i;
 }
 
-// Adds what a look sees at a point of the surface, unless something lies in the way.
-static void add_look(const FfpWitness *look, const real point[3], real slack, real sum[CHANNELS + 1]) {
-    const FfpGbuffer *g = &look->gbuffer;
+// Adds what a view sees at a point of the surface, unless something lies in the way.
+static void add_look(const FfpDepthView *seen, const real point[3], real slack, real sum[CHANNELS + 1]) {
+    const FfpGbuffer *g = &seen->gbuffer;
     real depth;
-    const int pixel = ffp_witness_pixel(look, point, &depth);
+    const int pixel = ffp_depth_view_pixel(seen, point, &depth);
     if (pixel < 0 || !(g->opacity[pixel] > 0.5F)) return;
-    const real opacity = g->opacity[pixel], facing = ffp_witness_facing(look, pixel, point);
+    const real opacity = g->opacity[pixel], facing = ffp_depth_view_facing(seen, pixel, point);
     if (fabs(g->depth[pixel] / opacity - depth) > slack || facing < FACING_MIN) return;
     const real weight = facing * facing;
     for (int k = 0; k < 3; k++) sum[k] += weight * g->albedo[3 * (size_t)pixel + (size_t)k] / opacity;
@@ -39,12 +39,13 @@ static void add_look(const FfpWitness *look, const real point[3], real slack, re
     sum[CHANNELS] += weight;
 }
 
-static void paint_quad(const FfpSurface *mesh, size_t quad, const FfpWitness *look, real slack, real *sums) {
+static void paint_quad(const FfpSurface *mesh, size_t quad, const FfpDepthView *seen, real slack,
+                       real *sums) {
     for (int j = 0; j < FFP_TILE_TEXELS; j++)
         for (int i = 0; i < FFP_TILE_TEXELS; i++) {
             real point[3];
             texel_point(mesh, quad, i, j, point);
-            add_look(look, point, slack, sums + (CHANNELS + 1) * texel_index(mesh, quad, i, j));
+            add_look(seen, point, slack, sums + (CHANNELS + 1) * texel_index(mesh, quad, i, j));
         }
 }
 
@@ -68,20 +69,20 @@ static void settle(FfpSurface *mesh, const real *sums, size_t texels) {
     }
 }
 
-void ffp_surface_paint(FfpSurface *mesh, const FfpWitnesses *witnesses, const FfpVolume *volume) {
+void ffp_surface_paint(FfpSurface *mesh, const FfpDepthSource *source, const FfpVolume *volume) {
     mesh->tiles_across = (int)ceil(sqrt((double)mesh->n_quads));
     const int down = (int)((mesh->n_quads + (uint32_t)mesh->tiles_across - 1) / (uint32_t)mesh->tiles_across);
     mesh->albedo = ffp_image_new(mesh->tiles_across * FFP_TILE_TEXELS, down * FFP_TILE_TEXELS, 3);
     mesh->roughness = ffp_image_new(mesh->albedo.width, mesh->albedo.height, 1);
     const size_t texels = (size_t)mesh->albedo.width * (size_t)mesh->albedo.height;
     real *sums = ffp_alloc(texels, (CHANNELS + 1) * sizeof *sums);
-    FfpTask progress = ffp_task("painting", witnesses->capture->n_views);
-    for (int v = 0; v < witnesses->capture->n_views; v++) {
-        FfpWitness look = ffp_witness(witnesses, v, volume->cell);
+    FfpTask progress = ffp_task("painting", source->capture->n_views);
+    for (int v = 0; v < source->capture->n_views; v++) {
+        FfpDepthView seen = ffp_depth_view(source, v, volume->cell);
 #pragma omp parallel for schedule(static)
-        for (size_t q = 0; q < mesh->n_quads; q++) paint_quad(mesh, q, &look, volume->truncation, sums);
-        ffp_witness_free(&look);
-        ffp_task_step(&progress, v + 1, witnesses->capture->views[v].id);
+        for (size_t q = 0; q < mesh->n_quads; q++) paint_quad(mesh, q, &seen, volume->truncation, sums);
+        ffp_depth_view_free(&seen);
+        ffp_task_step(&progress, v + 1, source->capture->views[v].id);
     }
     ffp_task_end(&progress);
     settle(mesh, sums, texels);

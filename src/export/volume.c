@@ -17,10 +17,10 @@
 
 // --- Looks. ---
 
-FfpWitness ffp_witness(const FfpWitnesses *witnesses, int view, real cell) {
-    const FfpCapture *capture = witnesses->capture;
-    FfpWitness look = {.camera = capture->views[view].camera};
-    FfpCamera *c = &look.camera;
+FfpDepthView ffp_depth_view(const FfpDepthSource *source, int view, real cell) {
+    const FfpCapture *capture = source->capture;
+    FfpDepthView seen = {.camera = capture->views[view].camera};
+    FfpCamera *c = &seen.camera;
     real square = 0;
     for (int k = 0; k < 3; k++) {
         const real d = c->pose[4 * k + 3] - capture->centre[k];
@@ -34,27 +34,27 @@ FfpWitness ffp_witness(const FfpWitnesses *witnesses, int view, real cell) {
     const real across = (real)width / (real)c->width, down = (real)height / (real)c->height;
     c->fx *= across, c->cx *= across, c->fy *= down, c->cy *= down;
     c->width = width, c->height = height;
-    look.gbuffer = ffp_gbuffer_new(width, height);
-    ffp_rasterise(witnesses->raster, witnesses->gaussians, c, witnesses->settings, &look.gbuffer);
-    return look;
+    seen.gbuffer = ffp_gbuffer_new(width, height);
+    ffp_rasterise(source->raster, source->gaussians, c, source->settings, &seen.gbuffer);
+    return seen;
 }
 
-void ffp_witness_free(FfpWitness *look) {
-    ffp_gbuffer_free(&look->gbuffer);
+void ffp_depth_view_free(FfpDepthView *seen) {
+    ffp_gbuffer_free(&seen->gbuffer);
 }
 
-int ffp_witness_pixel(const FfpWitness *look, const real point[3], real *depth) {
+int ffp_depth_view_pixel(const FfpDepthView *seen, const real point[3], real *depth) {
     real u, v;
-    *depth = ffp_project(&look->camera, point, &u, &v);
-    if (!(*depth > 0) || !(u >= 0 && v >= 0 && u < (real)look->camera.width && v < (real)look->camera.height))
+    *depth = ffp_project(&seen->camera, point, &u, &v);
+    if (!(*depth > 0) || !(u >= 0 && v >= 0 && u < (real)seen->camera.width && v < (real)seen->camera.height))
         return -1;
-    return (int)v * look->camera.width + (int)u;
+    return (int)v * seen->camera.width + (int)u;
 }
 
-real ffp_witness_facing(const FfpWitness *look, int pixel, const real point[3]) {
-    const real *n = look->gbuffer.normal + 3 * (size_t)pixel;
+real ffp_depth_view_facing(const FfpDepthView *seen, int pixel, const real point[3]) {
+    const real *n = seen->gbuffer.normal + 3 * (size_t)pixel;
     real to[3], along = 0, square = 0;
-    for (int k = 0; k < 3; k++) to[k] = look->camera.pose[4 * k + 3] - point[k];
+    for (int k = 0; k < 3; k++) to[k] = seen->camera.pose[4 * k + 3] - point[k];
     ffp_normalise3(to);
     for (int k = 0; k < 3; k++) along += n[k] * to[k], square += n[k] * n[k];
     return square > 0 ? fmax(along / sqrt(square), (real)0) : 0;
@@ -63,9 +63,9 @@ real ffp_witness_facing(const FfpWitness *look, int pixel, const real point[3]) 
 // --- The grid. ---
 
 // The box of the Gaussians that are not nearly transparent, within the object's sphere.
-static FfpVolume place_grid(const FfpWitnesses *witnesses, int resolution) {
-    const FfpGaussians *g = witnesses->gaussians;
-    const FfpCapture *capture = witnesses->capture;
+static FfpVolume place_grid(const FfpDepthSource *source, int resolution) {
+    const FfpGaussians *g = source->gaussians;
+    const FfpCapture *capture = source->capture;
     FfpVolume volume = {0};
     real high[3], longest = 0;
     for (int k = 0; k < 3; k++) {
@@ -99,34 +99,34 @@ static void point_at(const FfpVolume *volume, size_t i, real point[3]) {
 }
 
 // What the looks so far say of a point.
-typedef struct Opinion {
+typedef struct Fused {
     real sum, weight; // of how far before the surface it lies, in truncations
     int held;         // pictures that hold the point
-} Opinion;
+} Fused;
 
-// Adds what one look says: at most a truncation, and nothing of what is hidden behind.
-static void fuse_point(const FfpVolume *volume, const FfpWitness *look, size_t i, Opinion *opinion) {
+// Adds what one view says: at most a truncation, and nothing of what is hidden behind.
+static void fuse_point(const FfpVolume *volume, const FfpDepthView *seen, size_t i, Fused *fused) {
     real point[3], depth;
     point_at(volume, i, point);
-    const int pixel = ffp_witness_pixel(look, point, &depth);
+    const int pixel = ffp_depth_view_pixel(seen, point, &depth);
     if (pixel < 0) return;
-    opinion->held++;
-    const real opacity = look->gbuffer.opacity[pixel];
+    fused->held++;
+    const real opacity = seen->gbuffer.opacity[pixel];
     if (!(opacity > SOLID)) {
-        opinion->sum += 1, opinion->weight += 1;
+        fused->sum += 1, fused->weight += 1;
         return;
     }
-    const real before = (look->gbuffer.depth[pixel] / opacity - depth) / volume->truncation;
+    const real before = (seen->gbuffer.depth[pixel] / opacity - depth) / volume->truncation;
     if (before < -1) return;
-    const real share = fmax(ffp_witness_facing(look, pixel, point), FACING_MIN);
-    opinion->sum += share * fmin(before, (real)1), opinion->weight += share;
+    const real share = fmax(ffp_depth_view_facing(seen, pixel, point), FACING_MIN);
+    fused->sum += share * fmin(before, (real)1), fused->weight += share;
 }
 
 // What is hidden from all is inside where at least three quarters of the pictures hold it; elsewhere the
 // object would have been cut off by their edges.
-static real settle(const Opinion *opinion, int views) {
-    if (opinion->weight > 0) return opinion->sum / opinion->weight;
-    return 4 * opinion->held < 3 * views ? 1 : -1;
+static real settle(const Fused *fused, int views) {
+    if (fused->weight > 0) return fused->sum / fused->weight;
+    return 4 * fused->held < 3 * views ? 1 : -1;
 }
 
 // The grid's two outermost layers, which are outside whatever the looks say: so that the surface closes
@@ -159,24 +159,24 @@ static void smooth(FfpVolume *volume) {
     ffp_free(other);
 }
 
-FfpVolume ffp_volume_fuse(const FfpWitnesses *witnesses, int resolution) {
-    FfpVolume volume = place_grid(witnesses, resolution);
+FfpVolume ffp_volume_fuse(const FfpDepthSource *source, int resolution) {
+    FfpVolume volume = place_grid(source, resolution);
     const size_t points = points_of(&volume);
-    const int views = witnesses->capture->n_views;
-    Opinion *opinions = ffp_alloc(points, sizeof *opinions);
+    const int views = source->capture->n_views;
+    Fused *fused = ffp_alloc(points, sizeof *fused);
     FfpTask progress = ffp_task("fusing", views);
     for (int v = 0; v < views; v++) {
-        FfpWitness look = ffp_witness(witnesses, v, volume.cell);
+        FfpDepthView seen = ffp_depth_view(source, v, volume.cell);
 #pragma omp parallel for schedule(static)
-        for (size_t i = 0; i < points; i++) fuse_point(&volume, &look, i, &opinions[i]);
-        ffp_witness_free(&look);
-        ffp_task_step(&progress, v + 1, witnesses->capture->views[v].id);
+        for (size_t i = 0; i < points; i++) fuse_point(&volume, &seen, i, &fused[i]);
+        ffp_depth_view_free(&seen);
+        ffp_task_step(&progress, v + 1, source->capture->views[v].id);
     }
     ffp_task_end(&progress);
     volume.distance = ffp_alloc(points, sizeof *volume.distance);
     for (size_t i = 0; i < points; i++)
-        volume.distance[i] = at_edge(&volume, i) ? 1 : settle(&opinions[i], views);
-    ffp_free(opinions);
+        volume.distance[i] = at_edge(&volume, i) ? 1 : settle(&fused[i], views);
+    ffp_free(fused);
     smooth(&volume);
     return volume;
 }

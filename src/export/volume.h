@@ -14,24 +14,24 @@ typedef struct FfpVolume {
 } FfpVolume;
 
 // What a camera sees of the Gaussians, with pixels about as fine as the cells.
-typedef struct FfpWitness {
+typedef struct FfpDepthView {
     FfpCamera camera;
     FfpGbuffer gbuffer;
-} FfpWitness;
-typedef struct FfpWitnesses {
+} FfpDepthView;
+typedef struct FfpDepthSource {
     const FfpGaussians *gaussians;
     const FfpCapture *capture;
     const FfpRenderSettings *settings;
     FfpRaster *raster;
-} FfpWitnesses;
-FfpWitness ffp_witness(const FfpWitnesses *witnesses, int view, real cell);
-void ffp_witness_free(FfpWitness *look);
+} FfpDepthSource;
+FfpDepthView ffp_depth_view(const FfpDepthSource *source, int view, real cell);
+void ffp_depth_view_free(FfpDepthView *seen);
 // The pixel that a world point falls on, with its depth from the camera; -1: outside the picture.
-int ffp_witness_pixel(const FfpWitness *look, const real point[3], real *depth);
+int ffp_depth_view_pixel(const FfpDepthView *seen, const real point[3], real *depth);
 // Cosine between the pixel's normal and the way to the camera, 0 where there is no surface.
-real ffp_witness_facing(const FfpWitness *look, int pixel, const real point[3]);
+real ffp_depth_view_facing(const FfpDepthView *seen, int pixel, const real point[3]);
 
-FfpVolume ffp_volume_fuse(const FfpWitnesses *witnesses, int resolution);
+FfpVolume ffp_volume_fuse(const FfpDepthSource *source, int resolution);
 void ffp_volume_free(FfpVolume *volume);
 
 // Vertices and quads of the zero; nothing else of the mesh.
@@ -39,6 +39,6 @@ void ffp_surface_nets(const FfpVolume *volume, FfpSurface *mesh);
 // Leaves out pieces of fewer quads than a twentieth of the largest piece's.
 void ffp_surface_drop_loose(FfpSurface *mesh);
 // Fills in the textures.
-void ffp_surface_paint(FfpSurface *mesh, const FfpWitnesses *witnesses, const FfpVolume *volume);
+void ffp_surface_paint(FfpSurface *mesh, const FfpDepthSource *source, const FfpVolume *volume);
 
 #endif

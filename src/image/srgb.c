@@ -23,36 +23,51 @@ void ffp_shown_radiance(real shown[3], const real light[3], real coverage) {
 
 // A row through the curve. Patterns are even over long stretches: a value that repeats its left neighbour's
 // takes over the result.
-static void map_row(real *row, int width, int channels, real (*curve)(real)) {
+static void encode_row(real *row, int width, int channels) {
     const int colours = channels == 4 ? 3 : channels;
     real from[4] = {0}, to[4];
-    for (int c = 0; c < colours; c++) to[c] = curve(0);
+    for (int c = 0; c < colours; c++) to[c] = ffp_srgb_encode(0);
     for (int x = 0; x < width; x++) {
         for (int c = 0; c < colours; c++) {
             real *value = row + (ptrdiff_t)x * channels + c;
-            if (*value != from[c]) from[c] = *value, to[c] = curve(*value);
+            if (*value != from[c]) from[c] = *value, to[c] = ffp_srgb_encode(*value);
             *value = to[c];
         }
     }
 }
 
-static void map_colours(FfpImage *image, real (*curve)(real)) {
+// Back. Files of 8 bits hold 256 values: a row decodes each of them once, to the curve's own result.
+static void decode_row(real *row, int width, int channels) {
+    const int colours = channels == 4 ? 3 : channels;
+    real from[256], to[256];
+    for (int k = 0; k < 256; k++) from[k] = to[k] = 0;
+    for (int x = 0; x < width; x++) {
+        for (int c = 0; c < colours; c++) {
+            real *value = row + (ptrdiff_t)x * channels + c;
+            const real inside = *value > 0 ? (*value < 1 ? *value : 1) : 0;
+            const int k = (int)(255 * inside + (real)0.5);
+            if (*value != from[k]) from[k] = *value, to[k] = ffp_srgb_decode(*value);
+            *value = to[k];
+        }
+    }
+}
+
+static void map_rows(FfpImage *image, void (*map)(real *, int, int)) {
     const ptrdiff_t row = (ptrdiff_t)image->width * image->channels;
 #pragma omp parallel for schedule(static)
-    for (int y = 0; y < image->height; y++)
-        map_row(image->data + y * row, image->width, image->channels, curve);
+    for (int y = 0; y < image->height; y++) map(image->data + y * row, image->width, image->channels);
 }
 
 void ffp_image_to_srgb(FfpImage *image) {
     if (ffp_device())
         ffp_device()->image->to_srgb(image);
     else
-        map_colours(image, ffp_srgb_encode);
+        map_rows(image, encode_row);
 }
 
 void ffp_image_to_linear(FfpImage *image) {
     if (ffp_device())
         ffp_device()->image->to_linear(image);
     else
-        map_colours(image, ffp_srgb_decode);
+        map_rows(image, decode_row);
 }

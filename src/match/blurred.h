@@ -1,4 +1,4 @@
-// Squared difference to a blurred pattern: the innermost loop of matching.
+// Squared difference to blurred patterns: the innermost loop of matching.
 #ifndef FFP_MATCH_BLURRED_H
 #define FFP_MATCH_BLURRED_H
 
@@ -10,11 +10,16 @@ typedef real FfpFour __attribute__((vector_size(4 * sizeof(real))));
 
 typedef struct FfpSeen {
     FfpFour ratio, weight;
+    const FfpFour *cells; // of the pattern
 } FfpSeen;
 
-static inline FfpSeen ffp_seen(const FfpObservation *seen, size_t pixel) {
-    const real *r = seen->ratio + 3 * pixel, *w = seen->weight + 3 * pixel;
-    return (FfpSeen){{r[0], r[1], r[2], 0}, {w[0], w[1], w[2], 0}};
+// A pixel under the k-th of the patterns that it was seen under.
+static inline FfpSeen ffp_seen(const FfpObservation *seen, const FfpBlurred *patterns, int k, size_t pixel) {
+    const size_t area = (size_t)seen->width * (size_t)seen->height;
+    const real *r = seen->ratio + 3 * ((size_t)k * area + pixel), *w = seen->weight + 3 * pixel;
+    return (FfpSeen){{r[0], r[1], r[2], 0},
+                     {w[0], w[1], w[2], 0},
+                     (const FfpFour *)patterns->cells + (size_t)seen->asked[k] * patterns->area};
 }
 
 // Where FFP_MATCH_LANES positions lie on the grid.
@@ -38,9 +43,8 @@ static inline void ffp_find_cells(FfpCells *out, const FfpBlurred *blurred, cons
 }
 
 // weight (ratio - pattern)^2 of each channel at position n of the cells, which is on the pattern; bilinear.
-static inline FfpFour ffp_blurred_cost(const FfpBlurred *blurred, const FfpCells *cells, int n,
-                                       const FfpSeen *seen) {
-    const FfpFour *p = (const FfpFour *)blurred->cells + cells->first[n], *q = p + blurred->stride;
+static inline FfpFour ffp_blurred_cost(const FfpSeen *seen, int stride, const FfpCells *cells, int n) {
+    const FfpFour *p = seen->cells + cells->first[n], *q = p + stride;
     const FfpFour left = p[0] + cells->low[n] * (q[0] - p[0]), right = p[1] + cells->low[n] * (q[1] - p[1]);
     const FfpFour off = seen->ratio - (left + cells->right[n] * (right - left));
     return seen->weight * off * off;

@@ -25,7 +25,7 @@ typedef struct Work {
     const FfpReduced *reduced;
     const FfpView *full;
     const FfpObservation *seen;
-    const FfpBlurred *pattern;
+    const FfpBlurred *patterns;
     FfpPlane *planes; // [h,w] of the reduced view
     int width, height;
     real across, down; // its pixels for one at full size
@@ -90,17 +90,21 @@ static FfpPlane blend(const Near *near, int n) {
     return (FfpPlane){out.q0 / total, out.qx / total, out.qy / total};
 }
 
-// Mean squared difference to the pattern of a pixel at inverse depth q, a unit of weight.
+// Mean squared difference to the patterns of a pixel at inverse depth q, a unit of weight.
 static real cost_at(const Work *w, int x, int y, real q) {
     const size_t i = (size_t)y * (size_t)w->seen->width + (size_t)x;
     const FfpLine line = ffp_line(&w->full->camera, (real)x + 0.5F, (real)y + 0.5F, &w->full->projector);
-    const FfpSeen here = ffp_seen(w->seen, i);
+    FfpFour cost = {0}, weight = {0};
     real u[FFP_MATCH_LANES], v[FFP_MATCH_LANES];
     FfpCells cells;
     ffp_line_positions(&line, 1 / q, 0, 0, u, v);
-    ffp_find_cells(&cells, w->pattern, u, v);
+    ffp_find_cells(&cells, w->patterns, u, v);
     if (cells.first[0] < 0) return OFF_PATTERN;
-    return ffp_sum_channels(ffp_blurred_cost(w->pattern, &cells, 0, &here)) / ffp_sum_channels(here.weight);
+    for (int k = 0; k < w->seen->count; k++) {
+        const FfpSeen here = ffp_seen(w->seen, w->patterns, k, i);
+        cost += ffp_blurred_cost(&here, w->patterns->stride, &cells, 0), weight += here.weight;
+    }
+    return ffp_sum_channels(cost) / ffp_sum_channels(weight);
 }
 
 // Which of the neighbours' surfaces pixel (x, y) shows.
@@ -139,11 +143,11 @@ static void enlarge_pixel(const FfpEnlarged *out, const Work *w, int view, int x
 }
 
 void ffp_enlarge(const FfpEnlarged *out, const FfpReduced *reduced, const FfpView *full, int view,
-                 const FfpObservation *seen, const FfpBlurred *pattern) {
+                 const FfpObservation *seen, const FfpBlurred *patterns) {
     Work w = {.reduced = reduced,
               .full = full,
               .seen = seen,
-              .pattern = pattern,
+              .patterns = patterns,
               .planes = fit_planes(reduced, view),
               .width = reduced->start.width,
               .height = reduced->start.height,

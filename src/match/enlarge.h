@@ -15,9 +15,9 @@ typedef struct FfpEnlarged {
 // Fills the maps, which are zero, of the view from the reduced start. At a pixel the local planes of the 3 x
 // 3 reduced pixels around it, of those on one surface, are blended by quadratic B-splines. The surface is
 // that of the reduced pixel it lies in, or where other surfaces come near and the projector lights the pixel,
-// the one under which it saw the pattern as it is. `seen`: of the view at full size; pattern: blurred for its
-// pixels.
+// the one under which it saw the patterns as they are. `seen`: of the view at full size; patterns: blurred
+// for its pixels.
 void ffp_enlarge(const FfpEnlarged *out, const FfpReduced *reduced, const FfpView *full, int view,
-                 const FfpObservation *seen, const FfpBlurred *pattern);
+                 const FfpObservation *seen, const FfpBlurred *patterns);
 
 #endif

@@ -38,12 +38,14 @@ typedef struct FfpMatchSettings {
 } FfpMatchSettings;
 FfpMatchSettings ffp_match_defaults(void);
 
-// Runs matching with pattern `active` on every view and derives all maps. The capture must be normalised.
-// Large captures are matched on reduced pictures, and depth, confidence, agreement and violation are carried
-// to full size (match/reduce.h, match/enlarge.h).
-// Errors: a view without its black, white or active image, views of different sizes.
-bool ffp_start_new(FfpStart *start, const FfpCapture *capture, int active, const FfpMatchSettings *settings,
-                   FfpError *err);
+// Runs matching on every view with the n patterns given (indices into the capture's, at least one) and
+// derives all maps. The capture must be normalised. Every view has photographs under black, white and the
+// first pattern; those under the others count where it has them. Large captures are matched on reduced
+// pictures, and depth, confidence, agreement and violation are carried to full size (match/reduce.h,
+// match/enlarge.h).
+// Errors: a view without one of its first three photographs, views of different sizes.
+bool ffp_start_new(FfpStart *start, const FfpCapture *capture, const int *patterns, int n,
+                   const FfpMatchSettings *settings, FfpError *err);
 // As above, with the depth given ([views,height,width] camera z, 0 = none) instead of matched: the "true
 // depth" row.
 bool ffp_start_from_depth(FfpStart *start, const FfpCapture *capture, int active, const real *depth,
@@ -58,8 +60,8 @@ void ffp_normal_frame(const real n[3], real quaternion[4]);
 // sRGB(black + (white - black) * lookup(pattern, u_p(depth))), encoded RGB. depth: camera z [height,width].
 FfpImage ffp_predict_by_lookup(const FfpCapture *capture, int view, int pattern, const real *depth);
 // Matched depth (camera z) of one view, as the reference predictor has it (fills by the nearest hypothesis
-// everywhere).
-void ffp_match_depth(const FfpCapture *capture, int view, int active, const FfpMatchSettings *settings,
-                     real *depth);
+// everywhere); patterns as for ffp_start_new.
+void ffp_match_depth(const FfpCapture *capture, int view, const int *patterns, int n,
+                     const FfpMatchSettings *settings, real *depth);
 
 #endif

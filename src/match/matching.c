@@ -34,7 +34,7 @@ static real sum_window(real *restrict sum, const real *cost, const FfpForeground
             if (slot == FFP_OFF) continue;
             const real *restrict row = cost + slot * (size_t)count;
             for (int k = 0; k < count; k++) sum[k] += row[k];
-            weight += 3 * seen->lit[pixel];
+            weight += (real)(3 * seen->count) * seen->lit[pixel];
         }
     }
     return weight;
@@ -91,7 +91,7 @@ size_t ffp_match_bytes(const FfpCamera *camera, const FfpMatchSettings *settings
 
 // The plane of least cost and its confidence, of every pixel on the object.
 static void search(real *depth, real *confidence, real *range, const FfpCapture *capture, int view,
-                   const FfpObservation *seen, const FfpBlurred *pattern, const FfpPlanes *planes) {
+                   const FfpObservation *seen, const FfpBlurred *patterns, const FfpPlanes *planes) {
     const FfpView *self = &capture->views[view];
     FfpForeground foreground = ffp_foreground_new(&self->coverage);
     const size_t cells = foreground.count * (size_t)planes->count;
@@ -100,7 +100,7 @@ static void search(real *depth, real *confidence, real *range, const FfpCapture 
     ffp_hull(inside, capture, view, &foreground, planes);
     if (range != NULL) ffp_hull_range(range, inside, &foreground, planes);
     ffp_cancel_point();
-    ffp_sweep(cost, self, &foreground, seen, pattern, planes, inside);
+    ffp_sweep(cost, self, &foreground, seen, patterns, planes, inside);
     ffp_coded_costs(cost, capture, view, &foreground, planes);
     ffp_cancel_point();
     ffp_semi_global(total, cost, &foreground, planes->count, SMALL_STEP, LARGE_STEP);
@@ -110,18 +110,19 @@ static void search(real *depth, real *confidence, real *range, const FfpCapture 
 }
 
 void ffp_match_view(real *depth, real *confidence, real *range, const FfpCapture *capture, int view,
-                    const FfpObservation *seen, const FfpBlurred *pattern, const FfpMatchSettings *settings) {
+                    const FfpObservation *seen, const FfpBlurred *patterns,
+                    const FfpMatchSettings *settings) {
     const FfpPlanes planes = ffp_planes(capture, view, settings);
     const size_t pixels = (size_t)seen->width * (size_t)seen->height;
     memset(depth, 0, pixels * sizeof(real));
     memset(confidence, 0, pixels * sizeof(real));
-    search(depth, confidence, range, capture, view, seen, pattern, &planes);
+    search(depth, confidence, range, capture, view, seen, patterns, &planes);
     ffp_coded_depths(depth, confidence, capture, view, settings->bounds);
     real *finer = ffp_alloc(pixels, sizeof(real)), span = 2 * planes.step;
     for (int round = 0; round < ROUNDS; round++) {
         ffp_cancel_point();
-        ffp_refine_depth(finer, depth, confidence, &capture->views[view], seen, pattern, settings->fine_steps,
-                         span);
+        ffp_refine_depth(finer, depth, confidence, &capture->views[view], seen, patterns,
+                         settings->fine_steps, span);
         memcpy(depth, finer, pixels * sizeof(real));
         span /= 2;
     }

@@ -9,7 +9,7 @@
 // lit; 0 where the pixel is not lit, or fits no hypothesis.
 // range [h,w,2], or NULL: the camera depths that the other views' silhouettes leave.
 void ffp_match_view(real *depth, real *confidence, real *range, const FfpCapture *capture, int view,
-                    const FfpObservation *seen, const FfpBlurred *pattern, const FfpMatchSettings *settings);
+                    const FfpObservation *seen, const FfpBlurred *patterns, const FfpMatchSettings *settings);
 
 // Bytes of working memory that one view takes at most while it is matched.
 size_t ffp_match_bytes(const FfpCamera *camera, const FfpMatchSettings *settings);

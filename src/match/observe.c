@@ -24,9 +24,9 @@ static real typical_light(const real *light, const FfpImage *coverage, size_t pi
 }
 
 // light [pixels,3]: white - black of the object's own share of each pixel; ratio likewise.
-static void own_light(real *light, real *ratio, const FfpCapture *capture, const FfpView *view, int active,
+static void own_light(real *light, real *ratio, const FfpCapture *capture, const FfpView *view, int pattern,
                       size_t pixels) {
-    const int pictures[3] = {capture->black, capture->white, active};
+    const int pictures[3] = {capture->black, capture->white, pattern};
     for (size_t i = 0; i < pixels; i++) {
         const real coverage = view->coverage.data[i];
         if (coverage <= 0) continue;
@@ -41,13 +41,19 @@ static void own_light(real *light, real *ratio, const FfpCapture *capture, const
     }
 }
 
-FfpObservation ffp_observe(const FfpCapture *capture, int view_index, int active) {
+FfpObservation ffp_observe(const FfpCapture *capture, int view_index, const int *patterns, int n) {
     const FfpView *view = &capture->views[view_index];
     const size_t pixels = (size_t)view->camera.width * (size_t)view->camera.height;
-    FfpObservation out = {view->camera.width, view->camera.height, ffp_alloc(3 * pixels, sizeof(real)),
-                          ffp_alloc(3 * pixels, sizeof(real)), ffp_alloc(pixels, sizeof(real))};
+    FfpObservation out = {.width = view->camera.width, .height = view->camera.height};
+    out.asked = ffp_alloc((size_t)n, sizeof *out.asked);
+    for (int k = 0; k < n; k++)
+        if (view->images[patterns[k]].data) out.asked[out.count++] = k;
+    out.ratio = ffp_alloc(3 * pixels, (size_t)out.count * sizeof(real));
+    out.weight = ffp_alloc(3 * pixels, sizeof(real));
+    out.lit = ffp_alloc(pixels, sizeof(real));
     real *light = ffp_alloc(3 * pixels, sizeof(real));
-    own_light(light, out.ratio, capture, view, active, pixels);
+    for (int k = 0; k < out.count; k++)
+        own_light(light, out.ratio + (size_t)k * 3 * pixels, capture, view, patterns[out.asked[k]], pixels);
     const real typical = typical_light(light, &view->coverage, pixels);
     for (size_t c = 0; c < 3 * pixels; c++) {
         out.weight[c] = view->coverage.data[c / 3] * fmin(fmax(light[c] / typical, 0), 1);
@@ -58,29 +64,40 @@ FfpObservation ffp_observe(const FfpCapture *capture, int view_index, int active
 }
 
 void ffp_observation_free(FfpObservation *observation) {
+    ffp_free(observation->asked);
     ffp_free(observation->ratio);
     ffp_free(observation->weight);
     ffp_free(observation->lit);
     *observation = (FfpObservation){0};
 }
 
-FfpBlurred ffp_blurred_new(const FfpImage *pattern, real box) {
-    const real scale = fmin(CELLS_A_BOX / fmax(box, 1), 1);
-    const int width = (int)ceil((real)pattern->width * scale),
-              height = (int)ceil((real)pattern->height * scale);
-    const size_t cells = ((size_t)width + 2) * ((size_t)height + 2);
-    FfpBlurred out = {width + 2, ffp_alloc(cells, 4 * sizeof(real)), scale, (real)pattern->width,
-                      (real)pattern->height};
+static void blur(real *cells, const FfpImage *pattern, int width, int height, real scale, real box) {
+    const size_t stride = (size_t)width + 2;
     FfpSummed summed = ffp_summed_new(pattern);
 #pragma omp parallel for schedule(static)
     for (int y = 0; y < height + 2; y++) {
         const real v = fmin(fmax((real)y - 0.5F, 0.5F), (real)height - 0.5F) / scale;
         for (int x = 0; x < width + 2; x++) {
             const real u = fmin(fmax((real)x - 0.5F, 0.5F), (real)width - 0.5F) / scale;
-            ffp_lookup(&summed, u, v, box, box, out.cells + 4 * ((size_t)y * (size_t)out.stride + (size_t)x));
+            ffp_lookup(&summed, u, v, box, box, cells + 4 * ((size_t)y * stride + (size_t)x));
         }
     }
     ffp_summed_free(&summed);
+}
+
+FfpBlurred ffp_blurred_new(const FfpCapture *capture, const int *patterns, int n, real box) {
+    const FfpImage *first = &capture->patterns[patterns[0]].image;
+    const real scale = fmin(CELLS_A_BOX / fmax(box, 1), 1);
+    const int width = (int)ceil((real)first->width * scale), height = (int)ceil((real)first->height * scale);
+    FfpBlurred out = {.stride = width + 2,
+                      .area = ((size_t)width + 2) * ((size_t)height + 2),
+                      .scale = scale,
+                      .width = (real)first->width,
+                      .height = (real)first->height};
+    out.cells = ffp_alloc((size_t)n * out.area, 4 * sizeof(real));
+    for (int k = 0; k < n; k++)
+        blur(out.cells + 4 * (size_t)k * out.area, &capture->patterns[patterns[k]].image, width, height,
+             scale, box);
     return out;
 }
 

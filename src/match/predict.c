@@ -75,16 +75,15 @@ FfpImage ffp_predict_by_lookup(const FfpCapture *capture, int view_index, int pa
     return out;
 }
 
-void ffp_match_depth(const FfpCapture *capture, int view, int active, const FfpMatchSettings *settings,
-                     real *depth) {
+void ffp_match_depth(const FfpCapture *capture, int view, const int *patterns, int n,
+                     const FfpMatchSettings *settings, real *depth) {
     const FfpCamera *camera = &capture->views[view].camera;
-    FfpObservation seen = ffp_observe(capture, view, active);
-    FfpBlurred pattern =
-        ffp_blurred_new(&capture->patterns[active].image, ffp_typical_footprint(capture, view));
+    FfpObservation seen = ffp_observe(capture, view, patterns, n);
+    FfpBlurred blurred = ffp_blurred_new(capture, patterns, n, ffp_typical_footprint(capture, view));
     real *confidence = ffp_alloc((size_t)camera->width * (size_t)camera->height, sizeof(real));
-    ffp_match_view(depth, confidence, NULL, capture, view, &seen, &pattern, settings);
+    ffp_match_view(depth, confidence, NULL, capture, view, &seen, &blurred, settings);
     ffp_fill_smoothly(depth, NULL, NULL, camera->width, camera->height);
     ffp_free(confidence);
-    ffp_blurred_free(&pattern);
+    ffp_blurred_free(&blurred);
     ffp_observation_free(&seen);
 }

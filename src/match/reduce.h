@@ -7,7 +7,8 @@
 
 // A capture of reduced pictures and the start matched on it.
 typedef struct FfpReduced {
-    FfpCapture capture; // borrows patterns; its views have black, white, the active picture and the coverage
+    FfpCapture capture; // borrows patterns; its views have black, white, what they show of the
+                        // patterns, and the coverage
     FfpStart start;
 } FfpReduced;
 

@@ -9,6 +9,6 @@
 // move along with that plane. Reads `depth` and writes `out` [h,w]; pixels without depth or with lit below
 // lit_min keep theirs.
 void ffp_refine_depth(real *out, const real *depth, const real *weight, const FfpView *view,
-                      const FfpObservation *seen, const FfpBlurred *pattern, int steps, real range);
+                      const FfpObservation *seen, const FfpBlurred *patterns, int steps, real range);
 
 #endif

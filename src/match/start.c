@@ -37,10 +37,11 @@ static bool check_picture(const FfpImage *image, const FfpCamera *camera, int ch
     return true;
 }
 
-static bool check(const FfpCapture *capture, int active, FfpError *err) {
+static bool check(const FfpCapture *capture, const int *patterns, int n, FfpError *err) {
     if (capture->n_views < 1) return ffp_fail(err, FFP_ERROR_ARGUMENT, capture->name, "no views");
-    if (active < 0 || active >= capture->n_patterns)
-        return ffp_fail(err, FFP_ERROR_ARGUMENT, capture->name, "no such active pattern");
+    for (int k = 0; k < n; k++)
+        if (patterns[k] < 0 || patterns[k] >= capture->n_patterns)
+            return ffp_fail(err, FFP_ERROR_ARGUMENT, capture->name, "no such active pattern");
     const FfpCamera *first = &capture->views[0].camera;
     for (int v = 0; v < capture->n_views; v++) {
         const FfpView *view = &capture->views[v];
@@ -48,9 +49,13 @@ static bool check(const FfpCapture *capture, int active, FfpError *err) {
             return ffp_fail(err, FFP_ERROR_ARGUMENT, view->id, "the view's size is not that of the others");
         if (!check_picture(&view->images[capture->black], first, 3, "black", view, err) ||
             !check_picture(&view->images[capture->white], first, 3, "white", view, err) ||
-            !check_picture(&view->images[active], first, 3, capture->patterns[active].name, view, err) ||
             !check_picture(&view->coverage, first, 1, "coverage", view, err))
             return false;
+        for (int k = 0; k < n; k++) {
+            const FfpImage *image = &view->images[patterns[k]];
+            const char *name = capture->patterns[patterns[k]].name;
+            if ((k == 0 || image->data) && !check_picture(image, first, 3, name, view, err)) return false;
+        }
     }
     return true;
 }
@@ -245,8 +250,9 @@ typedef struct Matching {
     FfpDepths *depths;
     real *range;
     const FfpCapture *capture;
-    int active;
-    const FfpBlurred *pattern;
+    const int *patterns;
+    int n_patterns;
+    const FfpBlurred *blurred;
     const FfpMatchSettings *settings;
 } Matching;
 
@@ -254,25 +260,26 @@ static void match_one(void *argument, int64_t index) {
     const Matching *m = argument;
     const int v = (int)index;
     const size_t area = (size_t)m->start->width * (size_t)m->start->height;
-    FfpObservation seen = ffp_observe(m->capture, v, m->active);
+    FfpObservation seen = ffp_observe(m->capture, v, m->patterns, m->n_patterns);
     memcpy(m->start->lit + (size_t)v * area, seen.lit, area * sizeof(real));
     ffp_match_view(m->depths->depth + (size_t)v * area, m->depths->trust + (size_t)v * area,
-                   m->range + 2 * (size_t)v * area, m->capture, v, &seen, m->pattern, m->settings);
+                   m->range + 2 * (size_t)v * area, m->capture, v, &seen, m->blurred, m->settings);
     ffp_observation_free(&seen);
     ffp_cancel_point();
 }
 
 // Matches the capture's own pictures.
-static void match(FfpStart *start, const FfpCapture *capture, int active, const FfpMatchSettings *settings) {
+static void match(FfpStart *start, const FfpCapture *capture, const int *patterns, int n,
+                  const FfpMatchSettings *settings) {
     const int threads = views_at_a_time(capture, settings);
     *start = allocate(capture);
     FfpDepths depths = depths_new(capture, start);
-    FfpBlurred pattern = ffp_blurred_new(&capture->patterns[active].image, ffp_typical_footprint(capture, 0));
+    FfpBlurred blurred = ffp_blurred_new(capture, patterns, n, ffp_typical_footprint(capture, 0));
     const size_t area = (size_t)start->width * (size_t)start->height;
     real *range = ffp_alloc((size_t)start->views * area, 2 * sizeof(real));
     ffp_parallel_for(capture->n_views, threads, match_one,
-                     &(Matching){start, &depths, range, capture, active, &pattern, settings});
-    ffp_blurred_free(&pattern);
+                     &(Matching){start, &depths, range, capture, patterns, n, &blurred, settings});
+    ffp_blurred_free(&blurred);
     ffp_reject_inconsistent(&depths);
     derive(start, &depths, range, settings, threads);
     ffp_free(depths.depth), ffp_free(depths.trust), ffp_free(range);
@@ -282,8 +289,9 @@ typedef struct Enlarging {
     FfpStart *start;
     real *depth;
     const FfpCapture *capture;
-    int active;
-    const FfpBlurred *pattern;
+    const int *patterns;
+    int n_patterns;
+    const FfpBlurred *blurred;
     real bounds;
 } Enlarging;
 
@@ -291,52 +299,56 @@ static void enlarge_view(void *argument, int64_t index) {
     const Enlarging *e = argument;
     const int v = (int)index;
     const size_t area = (size_t)e->start->width * (size_t)e->start->height, first = (size_t)v * area;
-    FfpObservation seen = ffp_observe(e->capture, v, e->active);
+    FfpObservation seen = ffp_observe(e->capture, v, e->patterns, e->n_patterns);
     memcpy(e->start->lit + first, seen.lit, area * sizeof(real));
     const FfpEnlarged out = {e->depth + first, e->start->normal + 3 * first, e->start->confidence + first};
-    ffp_enlarge(&out, e->start->reduced, &e->capture->views[v], v, &seen, e->pattern);
+    ffp_enlarge(&out, e->start->reduced, &e->capture->views[v], v, &seen, e->blurred);
     ffp_coded_depths(out.depth, out.confidence, e->capture, v, e->bounds);
     ffp_observation_free(&seen);
     ffp_cancel_point();
 }
 
 // Carries what was found on the reduced pictures to full size, a view at a time.
-static void enlarge_views(FfpStart *start, real *depth, const FfpCapture *capture, int active, real bounds) {
-    FfpBlurred pattern = ffp_blurred_new(&capture->patterns[active].image, ffp_typical_footprint(capture, 0));
+static void enlarge_views(FfpStart *start, real *depth, const FfpCapture *capture, const int *patterns, int n,
+                          real bounds) {
+    FfpBlurred blurred = ffp_blurred_new(capture, patterns, n, ffp_typical_footprint(capture, 0));
     ffp_parallel_for(capture->n_views, 0, enlarge_view,
-                     &(Enlarging){start, depth, capture, active, &pattern, bounds});
-    ffp_blurred_free(&pattern);
+                     &(Enlarging){start, depth, capture, patterns, n, &blurred, bounds});
+    ffp_blurred_free(&blurred);
 }
 
-static void match_reduced(FfpStart *start, const FfpCapture *capture, int active,
+static void match_reduced(FfpStart *start, const FfpCapture *capture, const int *patterns, int n,
                           const FfpMatchSettings *settings, int factor) {
-    const int photographs[3] = {capture->black, capture->white, active};
     const FfpCamera *camera = &capture->views[0].camera;
+    int *photographs = ffp_alloc((size_t)n + 2, sizeof *photographs);
+    photographs[0] = capture->black, photographs[1] = capture->white;
+    memcpy(photographs + 2, patterns, (size_t)n * sizeof *photographs);
     FfpReduced *reduced = ffp_alloc(1, sizeof *reduced);
     reduced->capture =
-        ffp_capture_reduced(capture, capture->n_views, photographs, 3, (camera->width + factor - 1) / factor,
-                            (camera->height + factor - 1) / factor);
-    match(&reduced->start, &reduced->capture, active, settings);
+        ffp_capture_reduced(capture, capture->n_views, photographs, n + 2,
+                            (camera->width + factor - 1) / factor, (camera->height + factor - 1) / factor);
+    ffp_free(photographs);
+    match(&reduced->start, &reduced->capture, patterns, n, settings);
     *start = allocate(capture);
     start->reduced = reduced;
     real *depth =
         ffp_alloc((size_t)start->views * (size_t)start->width * (size_t)start->height, sizeof(real));
-    enlarge_views(start, depth, capture, active, settings->bounds);
+    enlarge_views(start, depth, capture, patterns, n, settings->bounds);
     FfpDepths depths = depths_of_start(&reduced->capture, &reduced->start);
     judge(start, capture, depth, &depths);
     ffp_start_materials(start, capture);
     ffp_free(depths.depth), ffp_free(depths.trust), ffp_free(depth);
 }
 
-bool ffp_start_new(FfpStart *start, const FfpCapture *capture, int active, const FfpMatchSettings *settings,
-                   FfpError *err) {
+bool ffp_start_new(FfpStart *start, const FfpCapture *capture, const int *patterns, int n,
+                   const FfpMatchSettings *settings, FfpError *err) {
     *start = (FfpStart){0};
-    if (!check(capture, active, err)) return false;
+    if (!check(capture, patterns, n, err)) return false;
     const int factor = ffp_reduction(capture);
     if (factor > 1)
-        match_reduced(start, capture, active, settings, factor);
+        match_reduced(start, capture, patterns, n, settings, factor);
     else
-        match(start, capture, active, settings);
+        match(start, capture, patterns, n, settings);
     return true;
 }
 
@@ -352,7 +364,7 @@ static void observe_view(void *argument, int64_t index) {
     const int v = (int)index;
     const size_t area = (size_t)o->start->width * (size_t)o->start->height;
     ffp_hull_ranges(o->range + 2 * (size_t)v * area, o->capture, v);
-    FfpObservation seen = ffp_observe(o->capture, v, o->active);
+    FfpObservation seen = ffp_observe(o->capture, v, &o->active, 1);
     memcpy(o->start->lit + (size_t)v * area, seen.lit, area * sizeof(real));
     ffp_observation_free(&seen);
 }
@@ -360,7 +372,7 @@ static void observe_view(void *argument, int64_t index) {
 bool ffp_start_from_depth(FfpStart *start, const FfpCapture *capture, int active, const real *depth,
                           FfpError *err) {
     *start = (FfpStart){0};
-    if (!check(capture, active, err)) return false;
+    if (!check(capture, &active, 1, err)) return false;
     const FfpMatchSettings settings = ffp_match_defaults();
     const int threads = views_at_a_time(capture, &settings);
     *start = allocate(capture);

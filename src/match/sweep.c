@@ -3,11 +3,13 @@
 #include <string.h>
 #include <tgmath.h>
 
+#include "base/alloc.h"
 #include "match/blurred.h"
 #include "match/kernels/kernels.h"
 #include "match/line.h"
 
-#define OUTSIDE_COST 1.0F // a channel, off the pattern or off a silhouette: as much as a clearly wrong colour
+#define OUTSIDE_COST                                                                                         \
+    1.0F // a channel and a pattern, off the pattern or off a silhouette: as much as a clearly wrong colour
 
 FfpPlanes ffp_planes(const FfpCapture *capture, int view, const FfpMatchSettings *settings) {
     const FfpCamera *camera = &capture->views[view].camera;
@@ -17,36 +19,53 @@ FfpPlanes ffp_planes(const FfpCapture *capture, int view, const FfpMatchSettings
     return (FfpPlanes){settings->coarse_steps, first, (last - first) / (real)(settings->coarse_steps - 1)};
 }
 
+// What a pixel saw under all of its patterns.
+typedef struct Pixel {
+    const FfpSeen *seen; // [count]
+    int count;
+    real outside; // cost of a hypothesis off the pattern
+} Pixel;
+
+// Sum over the patterns at position n of the cells.
+static real cost_at(const Pixel *pixel, int stride, const FfpCells *cells, int n) {
+    FfpFour sum = {0};
+    for (int k = 0; k < pixel->count; k++) sum += ffp_blurred_cost(&pixel->seen[k], stride, cells, n);
+    return ffp_sum_channels(sum);
+}
+
 // Costs of a pixel's hypotheses that are inside the hull.
-static void add_colour(real *cost, const FfpBlurred *pattern, const FfpLine *line, const FfpSeen *seen,
+static void add_colour(real *cost, const FfpBlurred *patterns, const FfpLine *line, const Pixel *pixel,
                        const FfpPlanes *planes, const unsigned char *inside) {
-    const real outside = OUTSIDE_COST * ffp_sum_channels(seen->weight);
     for (int k = 0; k < planes->count; k += FFP_MATCH_LANES) {
         const int lanes = planes->count - k < FFP_MATCH_LANES ? planes->count - k : FFP_MATCH_LANES;
         if (memchr(inside + k, 1, (size_t)lanes) == NULL) continue;
         real u[FFP_MATCH_LANES], v[FFP_MATCH_LANES];
         FfpCells cells;
         ffp_line_positions(line, planes->first, planes->step, k, u, v);
-        ffp_find_cells(&cells, pattern, u, v);
+        ffp_find_cells(&cells, patterns, u, v);
         for (int n = 0; n < lanes; n++) {
             if (!inside[k + n]) continue;
-            cost[k + n] =
-                cells.first[n] >= 0 ? ffp_sum_channels(ffp_blurred_cost(pattern, &cells, n, seen)) : outside;
+            cost[k + n] = cells.first[n] >= 0 ? cost_at(pixel, patterns->stride, &cells, n) : pixel->outside;
         }
     }
 }
 
 void ffp_sweep(real *cost, const FfpView *view, const FfpForeground *foreground, const FfpObservation *seen,
-               const FfpBlurred *pattern, const FfpPlanes *planes, const unsigned char *inside) {
+               const FfpBlurred *patterns, const FfpPlanes *planes, const unsigned char *inside) {
     const size_t count = (size_t)planes->count, width = (size_t)foreground->width;
+    const real outside = OUTSIDE_COST * (real)seen->count;
+    FfpSeen *here = ffp_alloc((size_t)seen->count, sizeof *here);
     for (size_t slot = 0; slot < foreground->count; slot++) {
         const size_t i = foreground->pixel[slot], first = slot * count;
         const real x = (real)(i % width) + 0.5F, y = (real)(i / width) + 0.5F;
         const FfpLine line = ffp_line(&view->camera, x, y, &view->projector);
-        const FfpSeen here = ffp_seen(seen, i);
-        for (size_t k = 0; k < count; k++) cost[first + k] = OUTSIDE_COST;
-        add_colour(cost + first, pattern, &line, &here, planes, inside + first);
+        for (int k = 0; k < seen->count; k++) here[k] = ffp_seen(seen, patterns, k, i);
+        const real *w = seen->weight + 3 * i;
+        const Pixel pixel = {here, seen->count, outside * ((w[0] + w[1]) + w[2])};
+        for (size_t k = 0; k < count; k++) cost[first + k] = outside;
+        add_colour(cost + first, patterns, &line, &pixel, planes, inside + first);
     }
+    ffp_free(here);
 }
 
 void ffp_semi_global(real *total, const real *cost, const FfpForeground *foreground, int count, real small,

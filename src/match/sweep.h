@@ -26,10 +26,11 @@ void ffp_hull_range(real *range, const unsigned char *inside, const FfpForegroun
 void ffp_hull_ranges(real *range, const FfpCapture *capture, int view);
 
 // cost [foreground, count] of a view's pixels: squared difference between the observed ratio and the pattern
-// where the hypothesis puts it, summed over channels with their weights; hypotheses outside the hull cost as
-// much as a wrong colour.
+// where the hypothesis puts it, summed over channels with their weights and over the view's patterns, which
+// count alike because noise is one for all photographs; hypotheses outside the hull cost as much as a wrong
+// colour.
 void ffp_sweep(real *cost, const FfpView *view, const FfpForeground *foreground, const FfpObservation *seen,
-               const FfpBlurred *pattern, const FfpPlanes *planes, const unsigned char *inside);
+               const FfpBlurred *patterns, const FfpPlanes *planes, const unsigned char *inside);
 
 // Semi-global aggregation (Hirschmueller 2008) over eight directions within the foreground: added to
 // total [foreground, count]. Steps of one plane between neighbours cost `small`, longer ones `large`.

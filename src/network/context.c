@@ -1,6 +1,8 @@
 #include "network/context.h"
 
+#include <string.h>
 #include <tgmath.h>
+#include "base/alloc.h"
 #include "capture/reduce.h"
 #include "network/layout.h"
 
@@ -29,7 +31,7 @@ void ffp_pixel_context_size(int *width, int *height, const FfpModelConfig *confi
 }
 
 bool ffp_pixel_context_new(FfpPixelContext *context, const FfpModelConfig *config, const FfpCapture *capture,
-                           const FfpStart *start, int active, FfpError *err) {
+                           const FfpStart *start, const int *patterns, int n, FfpError *err) {
     const int views = start ? start->views : capture->n_views;
     const FfpCamera *camera = &capture->views[0].camera;
     int width, height;
@@ -42,12 +44,15 @@ bool ffp_pixel_context_new(FfpPixelContext *context, const FfpModelConfig *confi
                         camera->height, config->patch);
     ffp_pixel_context_size(&width, &height, config, capture, views);
     if (width == camera->width && height == camera->height) return true;
-    const int photographs[3] = {capture->black, capture->white, active};
-    context->capture = ffp_capture_reduced(capture, views, photographs, 3, width, height);
+    int *photographs = ffp_alloc((size_t)n + 2, sizeof *photographs);
+    photographs[0] = capture->black, photographs[1] = capture->white;
+    memcpy(photographs + 2, patterns, (size_t)n * sizeof *photographs);
+    context->capture = ffp_capture_reduced(capture, views, photographs, n + 2, width, height);
+    ffp_free(photographs);
     context->start = (FfpStart){0};
     context->reduced = true;
     const FfpMatchSettings settings = ffp_match_defaults();
-    if (!start || ffp_start_new(&context->start, &context->capture, active, &settings, err)) return true;
+    if (!start || ffp_start_new(&context->start, &context->capture, patterns, n, &settings, err)) return true;
     ffp_pixel_context_free(context);
     return false;
 }

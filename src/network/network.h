@@ -128,17 +128,18 @@ double ffp_pixel_context_tokens(const FfpModelConfig *config, int views);
 // at least).
 void ffp_pixel_context_size(int *width, int *height, const FfpModelConfig *config, const FfpCapture *capture,
                             int views);
-// Of the first start->views views (start NULL: of all, without a start). `capture` and `start` must outlive
-// it. Errors: pictures smaller than a patch; as ffp_start_new.
+// Of the first start->views views (start NULL: of all, without a start), matched with the n patterns, of
+// which the network sees the first. `capture` and `start` must outlive it. Errors: pictures smaller than a
+// patch; as ffp_start_new.
 bool ffp_pixel_context_new(FfpPixelContext *context, const FfpModelConfig *config, const FfpCapture *capture,
-                           const FfpStart *start, int active, FfpError *err);
+                           const FfpStart *start, const int *patterns, int n, FfpError *err);
 void ffp_pixel_context_free(FfpPixelContext *context); // safe on {0}
 
-// Normalised capture (any number of views of one size), its start, its context (NULL: made for this pass),
-// and the active pattern. The first start->views views are the input. Residual form: one Gaussian for each
-// pixel of coverage > 0. Plain form: all. Gaussians are in the order of their pixels. start may be NULL when
-// the model neither reads its maps nor builds on them: then all views are the input. Errors name the view:
-// missing images, sizes that do not fit; or numbers that overflow.
+// Normalised capture (any number of views of one size), its start, its context (NULL: made for this pass
+// with the active pattern alone), and the active pattern. The first start->views views are the input.
+// Residual form: one Gaussian for each pixel of coverage > 0. Plain form: all. Gaussians are in the order of
+// their pixels. start may be NULL when the model neither reads its maps nor builds on them: then all views
+// are the input. Errors name the view: missing images, sizes that do not fit; or numbers that overflow.
 bool ffp_model_forward(const FfpModel *model, FfpRun *run, const FfpCapture *capture, const FfpStart *start,
                        const FfpPixelContext *context, int active, FfpError *err);
 // Capture, start and context of the forward pass must still be there. grad: gradient with respect to

@@ -107,7 +107,7 @@ FfpPrepared *ffp_prepared_new(const FfpModelConfig *config, const FfpCapture *ca
     const FfpSeen seen = {capture, start, views, active};
     FfpPixelContext own = {0};
     if (!check(config, &seen, err)) return NULL;
-    if (!context && !ffp_pixel_context_new(&own, config, capture, start, active, err)) return NULL;
+    if (!context && !ffp_pixel_context_new(&own, config, capture, start, &active, 1, err)) return NULL;
     if (!context) context = &own;
     const FfpStart *context_start = start ? &context->start : NULL;
     const Source s = {config,

@@ -239,7 +239,7 @@ static const FfpPixelContext *use_context(FfpActivations *at, const FfpModelConf
                                           const FfpSeen *seen, const FfpPixelContext *given, FfpError *err) {
     ffp_pixel_context_free(&at->context);
     if (given) return given;
-    return ffp_pixel_context_new(&at->context, config, seen->capture, seen->start, seen->active, err)
+    return ffp_pixel_context_new(&at->context, config, seen->capture, seen->start, &seen->active, 1, err)
                ? &at->context
                : NULL;
 }

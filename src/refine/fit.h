@@ -16,7 +16,7 @@ typedef struct FfpViewer FfpViewer;
 FfpViewer *ffp_viewer_new(const FfpCapture *capture, const int *patterns, int n_patterns,
                           const FfpRefineSettings *settings);
 void ffp_viewer_free(FfpViewer *viewer);
-// PSNR of all views, mean over views and patterns.
+// PSNR of all views, mean over each view's photographs and over the views.
 double ffp_viewer_psnr(FfpViewer *viewer, const FfpGaussians *gaussians);
 // The loss of a view, at a step that says which terms count already. ADDS its gradient to grad, and what it
 // comes to to *loss: by ffp_loss_add (loss/loss.h), so that a round need not wait for each.

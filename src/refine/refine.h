@@ -60,13 +60,13 @@ typedef struct FfpRefineResult {
     bool dropped; // the fit showed the pictures worse than they were shown before: nothing was changed
 } FfpRefineResult;
 
-// Fits to the given patterns of all views (indices into the capture's; a view lacks none of them). Views come
-// in rounds, each in an order drawn from the seed. What is returned is the state after the round with the
-// lowest loss, or what was there before where that has the better PSNR on the same pictures. With a limit in
-// steps, the same seed and thread count give the same bits. Errors: no Gaussians, no limit, a loss that is
-// not finite.
-// On a device: arrays of the Gaussians, of pictures, coverage and patterns are that device's. Errors: density
-// control or smoothing is asked for.
+// Fits to the given patterns of all views (indices into the capture's), as far as a view has photographs
+// under them; it has one at least, and all of a view's count alike. Views come in rounds, each in an order
+// drawn from the seed. What is returned is the state after the round with the lowest loss, or what was there
+// before where that has the better PSNR on the same pictures. With a limit in steps, the same seed and thread
+// count give the same bits. Errors: no Gaussians, no limit, a loss that is not finite. On a device: arrays of
+// the Gaussians, of pictures, coverage and patterns are that device's. Errors: density control or smoothing
+// is asked for.
 bool ffp_refine(FfpGaussians *gaussians, const FfpCapture *capture, const int *patterns, int n_patterns,
                 const FfpRefineSettings *settings, FfpRefineResult *result, FfpError *err);
 
@@ -76,7 +76,8 @@ bool ffp_refine_offered(FfpGaussians *gaussians, const FfpCapture *capture, cons
                         int n_patterns, const FfpRefineSettings *settings, FfpRefineResult *result,
                         FfpError *err);
 
-// How well Gaussians show the given patterns' pictures of all views: PSNR in dB, mean over the pictures.
+// How well Gaussians show the given patterns' pictures of all views: PSNR in dB, mean over the pictures that
+// a view has, and over the views.
 double ffp_photographs_psnr(const FfpGaussians *gaussians, const FfpCapture *capture, const int *patterns,
                             int n_patterns, const FfpRenderSettings *render);
 

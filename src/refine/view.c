@@ -15,7 +15,8 @@ struct FfpViewer {
     int n_patterns;
     const int *patterns;
     FfpSummed *light;  // [n_patterns]
-    FfpImage *targets; // [n_views,n_patterns] encoded
+    FfpImage *targets; // [n_views,n_patterns] encoded; .data NULL where the view has no photograph
+    int *shown;        // [n_views] how many it has
     FfpViewPass *pass;
     FfpGbuffer *shadows;    // [n_views] kept shadow maps
     int *looks;             // [n_views] at each view so far
@@ -35,6 +36,7 @@ FfpViewer *ffp_viewer_new(const FfpCapture *capture, const int *patterns, int n_
                      .patterns = patterns,
                      .light = ffp_alloc((size_t)n_patterns, sizeof *v->light),
                      .targets = ffp_alloc((size_t)capture->n_views * n_patterns, sizeof *v->targets),
+                     .shown = ffp_alloc((size_t)capture->n_views, sizeof *v->shown),
                      .pass = ffp_view_pass_new(&settings->render),
                      .shadows = ffp_alloc((size_t)capture->n_views, sizeof *v->shadows),
                      .looks = ffp_alloc((size_t)capture->n_views, sizeof *v->looks)};
@@ -42,8 +44,11 @@ FfpViewer *ffp_viewer_new(const FfpCapture *capture, const int *patterns, int n_
         if (patterns[p] != capture->black)
             v->light[p] = ffp_pattern_summed(&capture->patterns[patterns[p]].image);
     for (int i = 0; i < capture->n_views * n_patterns; i++) {
-        v->targets[i] = ffp_image_copy(&capture->views[i / n_patterns].images[patterns[i % n_patterns]]);
+        const FfpImage *photograph = &capture->views[i / n_patterns].images[patterns[i % n_patterns]];
+        if (!photograph->data) continue;
+        v->targets[i] = ffp_image_copy(photograph);
         ffp_image_to_srgb(&v->targets[i]);
+        v->shown[i / n_patterns]++;
     }
     return v;
 }
@@ -57,6 +62,7 @@ void ffp_viewer_free(FfpViewer *v) {
     ffp_free(v->looks);
     ffp_free(v->light);
     ffp_free(v->targets);
+    ffp_free(v->shown);
     ffp_view_pass_free(v->pass);
     ffp_image_free(&v->picture);
     ffp_image_free(&v->grad);
@@ -84,9 +90,9 @@ static const FfpView *draw(FfpViewer *v, const FfpGaussians *gaussians, int view
 }
 
 // Shades the view drawn last under pattern p; adds the picture's terms, and takes their gradient back.
-static void compare(FfpViewer *v, int p, const FfpImage *target, FfpFitLoss *loss) {
+static void compare(FfpViewer *v, int p, const FfpImage *target, real share, FfpFitLoss *loss) {
     const FfpRefineSettings *s = v->settings;
-    const real share = s->one_picture ? 1 : 1 / (real)v->n_patterns, *intensity = v->capture->intensity;
+    const real *intensity = v->capture->intensity;
     const FfpSummed *light = light_of(v, p);
     ffp_view_pass_shade(v->pass, intensity, light, &v->picture);
     ffp_memory_zero(v->grad.data, sizeof(real) * (size_t)v->grad.width * v->grad.height * 3);
@@ -128,8 +134,10 @@ static void regularise(FfpViewer *v, const FfpView *view, int64_t step, FfpFitLo
 static void add_psnr(FfpViewer *v, const FfpGaussians *gaussians, int view, double *sum) {
     draw(v, gaussians, view);
     for (int p = 0; p < v->n_patterns; p++) {
+        const FfpImage *target = &v->targets[view * v->n_patterns + p];
+        if (!target->data) continue;
         ffp_view_pass_shade(v->pass, v->capture->intensity, light_of(v, p), &v->picture);
-        ffp_loss_add(sum, 1, ffp_psnr(&v->picture, &v->targets[view * v->n_patterns + p]));
+        ffp_loss_add(sum, 1, ffp_psnr(&v->picture, target));
     }
 }
 
@@ -139,7 +147,7 @@ double ffp_viewer_psnr(FfpViewer *v, const FfpGaussians *gaussians) {
     ffp_losses_late();
     for (int i = 0; i < n; i++) add_psnr(v, gaussians, i, &of_view[i]);
     ffp_losses_settle();
-    for (int i = 0; i < n; i++) sum += of_view[i] / v->n_patterns;
+    for (int i = 0; i < n; i++) sum += of_view[i] / v->shown[i];
     ffp_free(of_view);
     return sum / n;
 }
@@ -149,9 +157,14 @@ void ffp_viewer_look(FfpViewer *v, const FfpGaussians *gaussians, int view_index
     keep_shadow(v, view_index);
     const FfpView *view = draw(v, gaussians, view_index);
     ffp_view_pass_keep_shadow(v->pass, NULL);
-    for (int p = 0; p < v->n_patterns; p++)
-        if (!v->settings->one_picture || p == (int)(step % v->n_patterns))
-            compare(v, p, &v->targets[view_index * v->n_patterns + p], loss);
+    const int shown = v->shown[view_index], turn = (int)(step % shown);
+    const bool one = v->settings->one_picture;
+    for (int p = 0, nth = 0; p < v->n_patterns; p++) {
+        const FfpImage *target = &v->targets[view_index * v->n_patterns + p];
+        if (!target->data) continue;
+        if (!one || nth == turn) compare(v, p, target, one ? 1 : 1 / (real)shown, loss);
+        nth++;
+    }
     regularise(v, view, step, loss);
     ffp_view_pass_backward(v->pass, grad);
 }

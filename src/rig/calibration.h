@@ -19,6 +19,7 @@ typedef struct FfpStop { // a camera and a projector around the object, at one s
     FfpOptics camera;
     double c2w[16], p2w[16]; // row-major, OpenCV axes
     double angle;            // of a turntable, degrees
+    int index;               // among all that the calibration has, whichever are chosen
 } FfpStop;
 
 // A picture that the calibration itself names (nepmap).

@@ -116,7 +116,7 @@ static void fit_planes(const FfpCapture *capture, const FfpCapture *placed, int 
     const size_t pixels = (size_t)camera->width * (size_t)camera->height;
     real *depth = ffp_alloc(pixels, sizeof *depth);
     double *inverse = ffp_alloc(pixels, sizeof *inverse);
-    ffp_match_depth(placed, view, active, &settings, depth);
+    ffp_match_depth(placed, view, &active, 1, &settings, depth);
     for (size_t i = 0; i < pixels; i++) {
         const bool there = depth[i] > 0 && is_lit(capture, &capture->views[view], i);
         inverse[i] = there ? 1 / ((double)depth[i] * radius) : 0;

@@ -8,7 +8,7 @@
 #include "base/file.h"
 #include "image/photograph.h"
 #include "patterns/patterns.h"
-#include "rig/graycode.h"
+#include "graycode/graycode.h"
 #include "rig/pictures.h"
 
 #define WHERE "gray_codes"
@@ -62,7 +62,7 @@ static bool take_named(FfpShots *shots, const char *template, const FfpCalibrati
     for (int i = 0; i < shots->n_codes; i++) {
         char name[32], path[FFP_PATH_MAX];
         ffp_gray_name(width, height, i, name);
-        const FfpBlanks blanks = {calibration->stops[stop].id, name, stop};
+        const FfpBlanks blanks = {calibration->stops[stop].id, name, calibration->stops[stop].index};
         if (!ffp_template_fill(template, &blanks, path, err)) return false;
         if (!ffp_photograph_is_there(path))
             return ffp_fail(err, FFP_ERROR_FILE, path,
@@ -78,7 +78,7 @@ static bool take_view(FfpShots *shots, const char *template, const FfpCalibratio
     char path[FFP_PATH_MAX];
     if (!ffp_template_is_glob(template))
         return take_named(shots, template, calibration, stop, width, height, err);
-    const FfpBlanks blanks = {calibration->stops[stop].id, NULL, stop};
+    const FfpBlanks blanks = {calibration->stops[stop].id, NULL, calibration->stops[stop].index};
     return ffp_template_fill(template, &blanks, path, err) &&
            take_matches(shots, path, shots->n_codes, "a view has", shots->codes + stop * shots->n_codes, err);
 }

@@ -2,7 +2,7 @@
 #ifndef FFP_RIG_CODES_H
 #define FFP_RIG_CODES_H
 
-#include "rig/graycode.h"
+#include "graycode/graycode.h"
 #include "rig/lens.h"
 
 // Positions on the panel that the camera's pixels saw, map [h,w,3] of the photographs' size, as those of the

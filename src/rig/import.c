@@ -35,6 +35,7 @@ typedef struct Import {
 static bool keep_chosen_stops(Import *import, FfpError *err) {
     const FfpImportSettings *settings = import->settings;
     FfpCalibration *calibration = &import->calibration;
+    for (int i = 0; i < calibration->n_stops; i++) calibration->stops[i].index = i;
     if (settings->n_views == 0) return true;
     if (calibration->n_pictures > 0 && settings->sources.n_images == 0)
         return ffp_fail(err, FFP_ERROR_ARGUMENT, "views",
@@ -409,6 +410,7 @@ static bool load_pixels(Import *import, FfpError *err) {
 // --- Gray codes. ---
 
 #define FINE_SUM_MIN 0.75 // of white
+#define CLIPPED_MAX 0.2   // of the light pixels, under white
 #define CODES_OFF_MAX 3.0 // pixels: median by which the codes may contradict the calibration
 
 static bool decode_view(Import *import, int stop, FfpError *err) {
@@ -417,9 +419,12 @@ static bool decode_view(Import *import, int stop, FfpError *err) {
                     *panel = &import->calibration.projector;
     FfpView *view = &import->capture.views[stop];
     const char *const *pictures = shots->pictures + (ptrdiff_t)stop * FFP_PATTERNS_MAX;
-    const FfpGrayPhotographs from = {
-        panel->width,           panel->height,          shots->codes + (ptrdiff_t)stop * shots->n_codes,
-        pictures[shots->black], pictures[shots->white], import->settings->linear_images};
+    const FfpGrayPhotographs from = {.width = panel->width,
+                                     .height = panel->height,
+                                     .codes = shots->codes + (ptrdiff_t)stop * shots->n_codes,
+                                     .black = pictures[shots->black],
+                                     .white = pictures[shots->white],
+                                     .linear = import->settings->linear_images};
     FfpImage map = {0};
     FfpGrayReport report;
     if (!ffp_gray_decode_view(&map, &report, &from, err)) return false;
@@ -437,6 +442,9 @@ static bool decode_view(Import *import, int stop, FfpError *err) {
     if (report.dropped[0] > 0 || report.dropped[1] > 0)
         ffp_note("  the finest %d codes of columns and %d of rows are too fine for the photographs",
                  report.dropped[0], report.dropped[1]);
+    if (report.clipped > CLIPPED_MAX)
+        ffp_note("  under white %.0f %% of the light pixels are overexposed: expose shorter",
+                 100 * report.clipped);
     if (report.fine_sum < FINE_SUM_MIN && !import->settings->linear_images)
         ffp_note("  the finest codes and their inverses add up to %.2f of white: the photographs' values "
                  "look like "

@@ -5,6 +5,7 @@
 #include <tgmath.h>
 
 #include "base/arena.h"
+#include "graycode/graycode.h"
 
 #define BINS 256
 #define PIECE_LEAST 20 // of the largest piece's size, its share that a piece must have at least
@@ -135,15 +136,22 @@ static void tidy(FfpImage *mask) {
     ffp_free(open);
 }
 
+static double mean_light(const FfpImage *rgb) {
+    const ptrdiff_t values = 3 * (ptrdiff_t)rgb->width * rgb->height;
+    double sum = 0;
+    for (ptrdiff_t i = 0; i < values; i++) sum += (double)rgb->data[i];
+    return sum / (double)values;
+}
+
 bool ffp_mask_otsu(FfpImage *mask, const FfpImage *black, const FfpImage *white, double *threshold,
                    const char *where, FfpError *err) {
     FfpImage added = added_light(black, white), even = smooth(&added);
     const int first = otsu(&even);
     ffp_image_free(&added);
     if (first == 0) {
+        const double dark = mean_light(black);
         ffp_image_free(&even);
-        return ffp_fail(err, FFP_ERROR_FILE, where,
-                        "white brightens nothing against black: no mask can be made of them");
+        return ffp_gray_tell_dark(dark, mean_light(white) - dark, where, err);
     }
     const ptrdiff_t pixels = (ptrdiff_t)even.width * even.height;
     for (ptrdiff_t i = 0; i < pixels; i++) even.data[i] = (int)(even.data[i] * (BINS - 1) + 0.5F) >= first;

@@ -201,7 +201,8 @@ static bool fill_in_files(FfpShots *shots, const Group *group, const FfpCalibrat
                         group->count);
     for (int i = 0; i < calibration->n_stops * group->count; i++) {
         const int stop = i / group->count, pattern = group->patterns[i % group->count];
-        const FfpBlanks blanks = {calibration->stops[stop].id, shots->patterns[pattern].name, stop};
+        const FfpBlanks blanks = {calibration->stops[stop].id, shots->patterns[pattern].name,
+                                  calibration->stops[stop].index};
         if (!ffp_template_fill(text, &blanks, path, err) ||
             !set_picture(shots, calibration, stop, pattern, path, err))
             return false;
@@ -258,7 +259,7 @@ static bool find_masks(FfpShots *shots, const char *template, const FfpCalibrati
         return ffp_fail(err, FFP_ERROR_ARGUMENT, "mask_files", "no file is named");
     shots->masks = ffp_arena_alloc(shots->arena, (size_t)calibration->n_stops, sizeof *shots->masks);
     for (int i = 0; i < calibration->n_stops; i++) {
-        const FfpBlanks blanks = {calibration->stops[i].id, NULL, i};
+        const FfpBlanks blanks = {calibration->stops[i].id, NULL, calibration->stops[i].index};
         char path[FFP_PATH_MAX];
         if (!ffp_template_fill(template, &blanks, path, err)) return false;
         if (!ffp_is_file(path))
@@ -270,6 +271,21 @@ static bool find_masks(FfpShots *shots, const char *template, const FfpCalibrati
 }
 
 // --- All of it. ---
+
+// No file of a view is its picture under two patterns.
+static bool check_single(const FfpShots *shots, const FfpCalibration *calibration, FfpError *err) {
+    for (int stop = 0; stop < calibration->n_stops; stop++) {
+        const char *const *pictures = shots->pictures + (ptrdiff_t)stop * FFP_PATTERNS_MAX;
+        for (int i = 0; i < shots->n_patterns; i++)
+            for (int k = 0; k < i; k++)
+                if (pictures[i] != NULL && pictures[k] != NULL && strcmp(pictures[i], pictures[k]) == 0)
+                    return ffp_fail(err, FFP_ERROR_FILE, pictures[i],
+                                    "is named twice: view '%s' under '%.64s' and under '%.64s'",
+                                    calibration->stops[stop].id, shots->patterns[k].name,
+                                    shots->patterns[i].name);
+    }
+    return true;
+}
 
 static bool check_complete(const FfpShots *shots, const FfpCalibration *calibration, FfpError *err) {
     if (shots->black < 0)
@@ -310,7 +326,7 @@ static bool find_all(FfpShots *shots, const FfpShotSources *sources, const FfpCa
     }
     take_kept_patterns(shots, calibration->pattern_folder);
     return (sources->mask != FFP_MASKS_FILES || find_masks(shots, sources->mask_files, calibration, err)) &&
-           check_complete(shots, calibration, err);
+           check_complete(shots, calibration, err) && check_single(shots, calibration, err);
 }
 
 bool ffp_shots_find(FfpShots *shots, const FfpShotSources *sources, const FfpCalibration *calibration,

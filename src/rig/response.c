@@ -252,7 +252,7 @@ static bool run_round(Fitting *fitting, FfpCapture *small, int active, const Ffp
     const FfpImage kept = small->patterns[active].image;
     FfpStart start;
     small->patterns[active].image = *sent;
-    const bool ok = ffp_start_new(&start, small, active, &settings, err);
+    const bool ok = ffp_start_new(&start, small, &active, 1, &settings, err);
     small->patterns[active].image = kept;
     if (!ok) return false;
     collect(fitting, small, &start, active);

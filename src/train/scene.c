@@ -79,9 +79,10 @@ static bool prepare_numbers(FfpScene *scene, const FfpTrainConfig *config, FfpEr
 bool ffp_scene_match(FfpScene *scene, const FfpTrainConfig *config, FfpError *err) {
     const FfpMatchSettings settings = ffp_match_defaults();
     scene->active = ffp_capture_active_pattern(&scene->inputs, NULL, err);
-    if (scene->active < 0 || !ffp_start_new(&scene->start, &scene->inputs, scene->active, &settings, err) ||
-        !ffp_pixel_context_new(&scene->context, &config->model, &scene->inputs, &scene->start, scene->active,
-                               err)) {
+    if (scene->active < 0 ||
+        !ffp_start_new(&scene->start, &scene->inputs, &scene->active, 1, &settings, err) ||
+        !ffp_pixel_context_new(&scene->context, &config->model, &scene->inputs, &scene->start, &scene->active,
+                               1, err)) {
         ffp_scene_close(scene);
         return false;
     }

@@ -40,6 +40,30 @@ static FfpRigCalibration settings_of(const char *const *folders, int n) {
     return o;
 }
 
+// The pictures that faults put in place of others.
+static void make_spare(void) {
+    const Placed board = attitude(2);
+    Placed bare = board;
+    FfpRng rng = ffp_rng(3, 1);
+    Sample *samples = see(&board);
+    char path[FFP_PATH_MAX];
+    FfpImage small = ffp_image_new(200, 100, 1), full = ffp_image_new(CAMERA_W, CAMERA_H, 1);
+    for (int i = 0; i < CAMERA_W * CAMERA_H; i++) full.data[i] = 1;
+    assert_true(ffp_image_write_png(&small, in_scratch("small.png"), NULL));
+    assert_true(ffp_image_write_png(&full, in_scratch("full.png"), NULL));
+    ffp_image_free(&small), ffp_image_free(&full);
+    for (int i = 0; i < 2; i++) {
+        FfpImage pattern = ffp_pattern_gray_code(PANEL_W, PANEL_H, 0, 3, i == 1);
+        snprintf(path, sizeof path, "%s/dim_%d.png", scratch, i);
+        photograph(samples, &pattern, 0.45, &rng, path);
+        ffp_image_free(&pattern);
+    }
+    ffp_free(samples);
+    bare.no_squares = true;
+    snprintf(path, sizeof path, "%s/bare", scratch);
+    shoot(&bare, path, false);
+}
+
 static int setup(void **state) {
     char path[FFP_PATH_MAX];
     if (scratch_setup(state) != 0) return 1;
@@ -57,6 +81,7 @@ static int setup(void **state) {
         snprintf(path, sizeof path, "%s/shots/pose_%d", scratch, i);
         shoot(&board, path, i % 2 == 1); // both orders of black and white
     }
+    make_spare();
     return 0;
 }
 
@@ -175,7 +200,7 @@ static void refused(FfpRigCalibration *o, const char *const *words) {
     FfpError err = {0};
     char file[FFP_PATH_MAX];
     snprintf(file, sizeof file, "%s/never.xml", scratch);
-    if (!o->file) o->file = file;
+    if (!o->file && o->n_attitudes > 0) o->file = file;
     assert_false(ffp_calibrate_rig(NULL, o, NULL, &err));
     for (; *words; words++)
         if (!strstr(err.text, *words)) fail_msg("no '%s' in: %s", *words, err.text);
@@ -183,70 +208,100 @@ static void refused(FfpRigCalibration *o, const char *const *words) {
 }
 #define REFUSED(o, ...) refused(o, (const char *const[]){__VA_ARGS__, NULL})
 
-static void refused_folder(const char *folder, const char *first, const char *second) {
-    FfpRigCalibration o = settings_of(&folder, 1);
-    REFUSED(&o, "2 of 3 attitudes", "bad: ", first, second);
-}
+// What is done to a copy of one attitude, of which photographs 1 and 2 are black and white, 3 to 18 codes of
+// columns and 19 to 34 of rows, and what must be said of it.
+typedef struct Fault {
+    const char *command;
+    int width, height; // of the panel; 0: its own
+    const char *words[3];
+} Fault;
 
-static void missing_codes(void **state) {
-    NEEDS_OPENCV();
-    const char *folder = three("missing");
-    in_folder(folder, "rm bad/shot_9.png");
-    refused_folder(folder, "33 photographs", "it must be 34");
-}
+#define SHOT(n) "bad/shot_" #n ".png"
+#define SWAP(a, b) "mv " SHOT(a) " x && mv " SHOT(b) " " SHOT(a) " && mv x " SHOT(b)
 
-static void no_black_and_white(void **state) {
-    NEEDS_OPENCV();
-    const char *folder = three("no-white");
-    // pose_2 begins with black and white; the finest rows end it.
-    in_folder(folder, "mv bad/shot_2.png bad/shot_50.png");
-    refused_folder(folder, "neither the first two photographs nor the last two", "shot_1.png");
-}
+static const Fault faults[] = {
+    // Photographs that are missing, too many, or no photographs.
+    {"rm " SHOT(9), 0, 0, {"bad: there are 33 photographs", "it must be 34"}},
+    {"cp bad/shot_9.png bad/shot_9b.png", 0, 0, {"bad: there are 35 photographs", "it must be 34"}},
+    {"rm bad/*", 0, 0, {"there are no photographs in it, nor in folders in it"}},
+    {"rm -r bad", 0, 0, {"there are no photographs in it, nor in folders in it"}},
+    {"head -c 500 bad/shot_5.png > x && mv x bad/shot_5.png", 0, 0, {"bad: ", "bad/shot_5.png"}},
+    {"printf GIF89a > bad/shot_6.png", 0, 0, {"bad: ", "bad/shot_6.png"}},
+    {": > bad/shot_7.png", 0, 0, {"bad: file is empty", "bad/shot_7.png"}},
+    // Black and white.
+    {"mv bad/shot_2.png bad/shot_50.png",
+     0,
+     0,
+     {"neither the first two photographs nor the last two", "shot_1.png"}},
+    {"cp bad/shot_2.png bad/shot_1.png",
+     0,
+     0,
+     {"neither the first two photographs nor the last two", "shot_1.png"}},
+    {"for f in bad/*; do cp ../shots/pose_2/shot_1.png $f; done",
+     0,
+     0,
+     {"no light of the projector tells", "shot_1.png"}},
+    {"for f in bad/*; do cp ../full.png $f; done", 0, 0, {"no light of the projector tells", "overexposed"}},
+    // Numbers.
+    {SWAP(11, 12), 0, 0, {"shot_11.png and shot_12.png", "swapped, a code and its inverse"}},
+    {SWAP(27, 29) " && " SWAP(28, 30), 0, 0, {"pairs of shot_27.png and shot_29.png", "swapped"}},
+    {SWAP(13, 26), 0, 0, {"'shot_14.png' are not each other's inverse", "bad/shot_13.png"}},
+    {"cp bad/shot_13.png bad/shot_14.png",
+     0,
+     0,
+     {"'shot_14.png' are not each other's inverse", "bad/shot_13.png"}},
+    {SWAP(3, 4), 0, 0, {"the board's mirror image", "the coarsest code of the columns"}},
+    {"for i in $(seq 3 18); do j=$((i+16)); mv bad/shot_$i.png x; mv bad/shot_$j.png bad/shot_$i.png; mv x "
+     "bad/shot_$j.png; done",
+     0,
+     0,
+     {"the board's mirror image", "columns and rows are"}},
+    {"true", 130, PANEL_H, {"columns beyond the panel's 130", "of another size"}},
+    {"true", 1024, PANEL_H, {"of 1024 x 190 pixels it must be 38"}},
+    // Light, size, board.
+    {"cp ../dim_0.png bad/shot_9.png && cp ../dim_1.png bad/shot_10.png",
+     0,
+     0,
+     {"darker than black and white", "bad/shot_9.png"}},
+    {"cp ../dim_1.png bad/shot_10.png", 0, 0, {"darker than black and white", "bad/shot_10.png"}},
+    {"cp ../small.png bad/shot_20.png",
+     0,
+     0,
+     {"image is 200 x 100, the others have 480 x 360", "bad/shot_20.png"}},
+    {"cp ../small.png bad/shot_2.png",
+     0,
+     0,
+     {"image is 200 x 100, 'shot_1.png' has 480 x 360", "bad/shot_2.png"}},
+    {"rm -r bad && cp -r ../bare bad",
+     0,
+     0,
+     {"no chessboard with 7 x 5 corners inside it is in any of 1 attitudes"}},
+};
 
-static void swapped_numbering(void **state) {
+static void what_is_wrong_is_named(void **state) {
     NEEDS_OPENCV();
-    const char *folder = three("swapped");
-    // A code and its inverse: bit 4 of the columns.
-    in_folder(folder,
-              "mv bad/shot_11.png bad/x && mv bad/shot_12.png bad/shot_11.png && mv bad/x bad/shot_12.png");
-    refused_folder(folder, "shot_11.png and shot_12.png", "swapped, a code and its inverse");
-    folder = three("swapped-pairs");
-    in_folder(folder,
-              "mv bad/shot_27.png bad/x && mv bad/shot_29.png bad/shot_27.png && mv bad/x bad/shot_29.png && "
-              "mv bad/shot_28.png bad/x && mv bad/shot_30.png bad/shot_28.png && mv bad/x bad/shot_30.png");
-    refused_folder(folder, "pairs of shot_27.png and shot_29.png", "swapped");
-    folder = three("shuffled");
-    in_folder(folder,
-              "mv bad/shot_13.png bad/x && mv bad/shot_26.png bad/shot_13.png && mv bad/x bad/shot_26.png");
-    refused_folder(folder, "are not each other's inverse", "shot_13.png");
-}
-
-static void another_exposure(void **state) {
-    NEEDS_OPENCV();
-    const char *folder = three("exposure");
-    const Placed board = attitude(2);
-    FfpRng rng = ffp_rng(3, 1);
-    Sample *samples = see(&board);
-    char path[FFP_PATH_MAX];
-    for (int i = 0; i < 2; i++) {
-        FfpImage pattern = ffp_pattern_gray_code(PANEL_W, PANEL_H, 0, 3, i == 1);
-        snprintf(path, sizeof path, "%s/bad/shot_%d.png", folder, 9 + i);
-        photograph(samples, &pattern, 0.45, &rng, path);
-        ffp_image_free(&pattern);
+    for (size_t i = 0; i < sizeof faults / sizeof *faults; i++) {
+        char command[1024], folder[FFP_PATH_MAX];
+        const char *named = folder;
+        snprintf(command, sizeof command,
+                 "cd '%s' && rm -rf fault && mkdir fault && cp -r shots/pose_2 fault/bad && cd fault && (%s)",
+                 scratch, faults[i].command);
+        assert_int_equal(system(command), 0);
+        snprintf(folder, sizeof folder, "%s/fault", scratch);
+        FfpRigCalibration o = settings_of(&named, 1);
+        if (faults[i].width > 0) o.width = faults[i].width, o.height = faults[i].height;
+        const char *words[4] = {faults[i].words[0], faults[i].words[1], faults[i].words[2], NULL};
+        refused(&o, words);
     }
-    ffp_free(samples);
-    refused_folder(folder, "darker than black and white", "shot_9.png");
 }
 
+// A whole attitude of another size.
 static void mixed_sizes(void **state) {
     NEEDS_OPENCV();
     const char *folder = three("sizes");
     FfpImage image = ffp_image_new(200, 100, 1);
     char path[FFP_PATH_MAX];
-    snprintf(path, sizeof path, "%s/bad/shot_20.png", folder);
-    assert_true(ffp_image_write_png(&image, path, NULL));
-    refused_folder(folder, "200 x 100", "shot_20.png");
-    for (int i = 1; i <= 34; i++) { // a whole attitude
+    for (int i = 1; i <= 34; i++) {
         snprintf(path, sizeof path, "%s/bad/shot_%d.png", folder, i);
         for (int k = 0; k < 200 * 100; k++) image.data[k] = i % 2 ? 0.1F : 0.8F;
         assert_true(ffp_image_write_png(&image, path, NULL));
@@ -257,22 +312,14 @@ static void mixed_sizes(void **state) {
     REFUSED(&o, "480 x 360", "200 x 100");
 }
 
-static void a_broken_picture(void **state) {
+static void a_folder_twice(void **state) {
     NEEDS_OPENCV();
-    const char *folder = three("broken");
-    in_folder(folder, "head -c 500 good_0/shot_3.png > bad/shot_3.png");
-    refused_folder(folder, "bad/shot_3.png", "");
-}
-
-static void no_board(void **state) {
-    NEEDS_OPENCV();
-    const char *folder = three("empty");
-    Placed board = attitude(2);
-    board.no_squares = true;
-    in_folder(folder, "rm -r bad");
-    snprintf(notes, sizeof notes, "%s/bad", folder);
-    shoot(&board, notes, false);
-    refused_folder(folder, "no chessboard with 7 x 5 corners", "");
+    char first[FFP_PATH_MAX], again[FFP_PATH_MAX];
+    const char *const folders[2] = {first, again};
+    snprintf(first, sizeof first, "%s/shots/pose_1", scratch);
+    snprintf(again, sizeof again, "%s/shots/../shots/pose_1/", scratch);
+    FfpRigCalibration o = settings_of(folders, 2);
+    REFUSED(&o, "the folder is named twice", again);
 }
 
 static void another_board(void **state) {
@@ -300,14 +347,6 @@ static void too_few_and_too_alike(void **state) {
     }
     folder = in_scratch("parallel");
     REFUSED(&o, "parallel in all attitudes", "tilt it");
-}
-
-static void another_panel(void **state) {
-    NEEDS_OPENCV();
-    const char *folder = in_scratch("shots");
-    FfpRigCalibration o = settings_of(&folder, 1);
-    o.width = 1024;
-    REFUSED(&o, "of 1024 x 190 pixels it must be 38");
 }
 
 // One bad attitude among enough others is left out and named.
@@ -424,7 +463,7 @@ static void wrong_turntables(void **state) {
     NEEDS_OPENCV();
     static const double angles[STOPS] = {-40, -25, -10, 5, 20, 35, 50},
                         others[STOPS] = {0, 60, 10, 90, 25, 70, 5}, alike[STOPS] = {0};
-    char truth[FFP_PATH_MAX], shots[FFP_PATH_MAX];
+    char truth[FFP_PATH_MAX], shots[FFP_PATH_MAX], folder[FFP_PATH_MAX];
     const char *calibration = truth;
     snprintf(truth, sizeof truth, "%s/truth.yml", scratch);
     snprintf(shots, sizeof shots, "%s/table_0", scratch);
@@ -443,6 +482,21 @@ static void wrong_turntables(void **state) {
     o.n_angles = STOPS, o.columns = 8;
     assert_false(ffp_calibrate_rig(NULL, &o, NULL, &err));
     assert_non_null(strstr(err.text, "0 of 7 photographs show the board"));
+    o = settings_of(NULL, 0), o.calibrations = &calibration, o.n_calibrations = 1;
+    o.turntable_board = folder, o.angles = angles, o.n_angles = 4;
+    in_folder(scratch, "mkdir stops && cp table_0/[0-1].png stops/ && cp full.png stops/2.png && "
+                       "cp stops/2.png stops/3.png");
+    snprintf(folder, sizeof folder, "%s/stops", scratch);
+    REFUSED(&o, "2 of 4 photographs show the board, 3 are needed", "stops/2.png");
+    in_folder(scratch, "cp small.png stops/1.png");
+    REFUSED(&o, "is of 200 x 100 pixels, the camera was calibrated at 480 x 360", "stops/1.png");
+    in_folder(scratch, "printf GIF89a > stops/1.png");
+    REFUSED(&o, "stops/1.png");
+    snprintf(folder, sizeof folder, "%s/nowhere", scratch);
+    REFUSED(&o, "(", "nowhere)");
+    snprintf(folder, sizeof folder, "%s/table_0", scratch);
+    o.n_angles = 2;
+    REFUSED(&o, "2 are not in 3 to 512", "(angles)");
 }
 
 static void wrong_settings(void **state) {
@@ -468,13 +522,10 @@ static void wrong_settings(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_rig_comes_back),       cmocka_unit_test(missing_codes),
-        cmocka_unit_test(no_black_and_white),     cmocka_unit_test(swapped_numbering),
-        cmocka_unit_test(another_exposure),       cmocka_unit_test(mixed_sizes),
-        cmocka_unit_test(a_broken_picture),       cmocka_unit_test(no_board),
-        cmocka_unit_test(another_board),          cmocka_unit_test(too_few_and_too_alike),
-        cmocka_unit_test(another_panel),          cmocka_unit_test(a_bad_one_is_left_out),
-        cmocka_unit_test(a_turntable_comes_back), cmocka_unit_test(wrong_turntables),
-        cmocka_unit_test(wrong_settings)};
+        cmocka_unit_test(a_rig_comes_back),      cmocka_unit_test(what_is_wrong_is_named),
+        cmocka_unit_test(mixed_sizes),           cmocka_unit_test(a_folder_twice),
+        cmocka_unit_test(another_board),         cmocka_unit_test(too_few_and_too_alike),
+        cmocka_unit_test(a_bad_one_is_left_out), cmocka_unit_test(a_turntable_comes_back),
+        cmocka_unit_test(wrong_turntables),      cmocka_unit_test(wrong_settings)};
     return cmocka_run_group_tests(tests, setup, scratch_teardown);
 }

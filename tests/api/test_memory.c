@@ -70,12 +70,21 @@ static void free_rebuilt(Rebuilt *r) {
     for (int i = 0; i < r->n_owned; i++) ffp_free(r->owned[i]);
 }
 
-static FfpGaussians *start_of(const FfpCapture *capture) {
+static const char *const lollipops[] = {"lollipop_0", "lollipop_2"};
+
+static FfpGaussians *start_of_several(const FfpCapture *capture, int n) {
     FfpError err = {0};
-    const FfpReconstruction options = {.pattern = "lollipop_0", .polish = 2};
-    FfpGaussians *gaussians = ffp_reconstruct(NULL, capture, &options, NULL, &err);
+    FfpReconstructionStats stats;
+    const FfpReconstruction options = {.patterns = lollipops, .n_patterns = n, .polish = 2};
+    FfpGaussians *gaussians = ffp_reconstruct(NULL, capture, &options, &stats, &err);
     if (!gaussians) fail_msg("%s", err.text);
+    assert_string_equal(stats.pattern, "lollipop_0");
+    assert_int_equal(stats.patterns, n > 0 ? n : 1);
     return gaussians;
+}
+
+static FfpGaussians *start_of(const FfpCapture *capture) {
+    return start_of_several(capture, 1);
 }
 
 static void assert_same(FfpGaussians *a, FfpGaussians *b) {
@@ -107,7 +116,64 @@ static void test_memory_and_files_give_the_same_gaussians(void **state) {
     FfpGaussians *copy = ffp_gaussians_from_arrays(NULL, &arrays, &err);
     if (!copy) fail_msg("%s", err.text);
     assert_same(a, copy);
-    ffp_gaussians_close(copy), ffp_gaussians_close(a), ffp_gaussians_close(b);
+    ffp_gaussians_close(copy), ffp_gaussians_close(b);
+    b = start_of_several(files, 0); // the first pattern, whether it is named or not
+    assert_same(a, b);
+    ffp_gaussians_close(a), ffp_gaussians_close(b);
+    a = start_of_several(files, 2), b = start_of_several(memory, 2);
+    assert_same(a, b);
+    ffp_gaussians_close(a), ffp_gaussians_close(b);
+    ffp_capture_close(memory), ffp_capture_close(files);
+}
+
+static void expect_no_gaussians(const FfpCapture *capture, const char *const *names, int n,
+                                const char *word) {
+    FfpError err = {0};
+    const FfpReconstruction options = {.patterns = names, .n_patterns = n};
+    assert_null(ffp_reconstruct(NULL, capture, &options, NULL, &err));
+    if (!strstr(err.text, word)) fail_msg("no \"%s\" in: %s", word, err.text);
+}
+
+// A second pattern that some views were photographed under counts there; what cannot be meant is refused.
+static void test_patterns_that_are_not_everywhere(void **state) {
+    (void)state;
+    FfpError err = {0};
+    FfpCapture *files = ffp_capture_open(NULL, SAMPLE, &err);
+    assert_non_null(files);
+    Rebuilt r;
+    rebuild(&r, files);
+    int second = 0, third = 0;
+    for (int p = 0; p < r.data.n_patterns; p++) {
+        if (strcmp(r.patterns[p].name, "lollipop_2") == 0) second = p;
+        if (strcmp(r.patterns[p].name, "lollipop_3") == 0) third = p;
+    }
+    for (int v = 0; v < r.data.n_views; v++) {
+        if (v > 0) r.photographs[v][second].data = NULL;
+        r.photographs[v][third].data = NULL;
+    }
+    FfpCapture *memory = ffp_capture_from_memory(NULL, &r.data, &err);
+    if (!memory) fail_msg("%s", err.text);
+    FfpGaussians *one = start_of(memory), *two = start_of_several(memory, 2);
+    FfpGaussians *everywhere = start_of_several(files, 2);
+    const FfpGaussianArrays x = ffp_gaussians_arrays(one), y = ffp_gaussians_arrays(two),
+                            z = ffp_gaussians_arrays(everywhere);
+    assert_true(x.count != y.count || memcmp(x.centre, y.centre, 3 * (size_t)x.count * sizeof(float)) != 0);
+    assert_true(z.count != y.count || memcmp(z.centre, y.centre, 3 * (size_t)z.count * sizeof(float)) != 0);
+    ffp_gaussians_close(one), ffp_gaussians_close(two), ffp_gaussians_close(everywhere);
+
+    static const char *const
+        turned[] = {"lollipop_2", "lollipop_0"},
+        *const nowhere[] = {"lollipop_0", "lollipop_3"},
+        *const twice[] = {"lollipop_0", "lollipop_1", "lollipop_0"}, *const absent[] = {"lollipop_0", "pear"},
+        *const plain[] = {"lollipop_0", "all_white"}, *const nameless[] = {"lollipop_0", NULL};
+    expect_no_gaussians(memory, turned, 2, "has no picture under pattern 'lollipop_2'");
+    expect_no_gaussians(memory, nowhere, 2, "no view has a picture under pattern 'lollipop_3'");
+    expect_no_gaussians(memory, twice, 3, "'lollipop_0' is named twice");
+    expect_no_gaussians(memory, absent, 2, "no pattern 'pear'");
+    expect_no_gaussians(memory, plain, 2, "'all_white' is plain");
+    expect_no_gaussians(memory, nameless, 2, "has no name");
+    expect_no_gaussians(memory, NULL, 2, "has no name");
+    free_rebuilt(&r);
     ffp_capture_close(memory), ffp_capture_close(files);
 }
 
@@ -299,6 +365,7 @@ static void test_patterns_have_their_roles(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_memory_and_files_give_the_same_gaussians),
+        cmocka_unit_test(test_patterns_that_are_not_everywhere),
         cmocka_unit_test(test_bytes_are_read_as_a_png_is),
         cmocka_unit_test(test_drawing_into_memory_is_what_files_hold),
         cmocka_unit_test(test_wrong_data_is_refused_by_name),

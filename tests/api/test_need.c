@@ -36,10 +36,12 @@ static FfpCapture *sample_times(int times) {
     return capture;
 }
 
-static void compare(int times, const FfpModel *model, int64_t polish) {
+static void compare(int times, const FfpModel *model, int64_t polish, int n_patterns) {
+    static const char *const names[] = {"lollipop_0", "lollipop_1", "lollipop_2", "lollipop_3"};
     FfpError err = {0};
     FfpCapture *capture = sample_times(times);
-    const FfpReconstruction how = {.model = model, .polish = polish, .noise = 0.002};
+    const FfpReconstruction how = {
+        .model = model, .patterns = names, .n_patterns = n_patterns, .polish = polish, .noise = 0.002};
     const FfpScale scale = ffp_scale_of(capture, &how);
     malloc_trim(0);
     const double before = ffp_memory_mark();
@@ -49,8 +51,9 @@ static void compare(int times, const FfpModel *model, int64_t polish) {
     ffp_gaussians_close(gaussians);
     ffp_capture_close(capture);
     if (before < 0) skip();
-    print_message("%d x %d, %s, %d steps: %.0f MB said, %.0f MB taken\n", scale.width, scale.height,
-                  model ? "network" : "start", (int)polish, said / 1e6, taken / 1e6);
+    print_message("%d x %d, %d patterns, %s, %d steps: %.0f MB said, %.0f MB taken\n", scale.width,
+                  scale.height, n_patterns, model ? "network" : "start", (int)polish, said / 1e6,
+                  taken / 1e6);
     if (said < LEAST * taken || said > MOST * taken)
         fail_msg("%.0f MB said, %.0f MB taken", said / 1e6, taken / 1e6);
 }
@@ -65,8 +68,9 @@ static void only_without_sanitizers(void) {
 static void test_start(void **state) {
     (void)state;
     only_without_sanitizers();
-    compare(2, NULL, 0);
-    compare(4, NULL, 0);
+    compare(2, NULL, 0, 1);
+    compare(4, NULL, 0, 1);
+    compare(3, NULL, 0, 4);
 }
 
 static void test_network_and_polish(void **state) {
@@ -76,9 +80,10 @@ static void test_network_and_polish(void **state) {
     FfpModelConfig config;
     assert_true(ffp_model_preset(&config, "tiny"));
     FfpModel *model = ffp_model_new(&config, 1, &err);
-    compare(2, model, 0);
-    compare(2, NULL, 1);
-    compare(3, model, 1);
+    compare(2, model, 0, 1);
+    compare(2, NULL, 1, 1);
+    compare(3, model, 1, 1);
+    compare(3, model, 1, 4);
     ffp_model_free(model);
 }
 

@@ -122,8 +122,8 @@ static void test_padding_is_not_background(void **state) {
     assert_int_equal(padded.views[0].camera.width, 96);
     assert_int_equal(padded.views[0].camera.height, 64);
     FfpStart cut, wide;
-    assert_true(ffp_start_new(&cut, capture, active, &settings, &err));
-    assert_true(ffp_start_new(&wide, &padded, active, &settings, &err));
+    assert_true(ffp_start_new(&cut, capture, &active, 1, &settings, &err));
+    assert_true(ffp_start_new(&wide, &padded, &active, 1, &settings, &err));
     for (int row = 0; row < cut.views * cut.height; row++) {
         const size_t from = (size_t)row * 67, to = ((size_t)(row / 59) * 64 + (size_t)(row % 59)) * 96;
         assert_memory_equal(cut.t + from, wide.t + to, 67 * sizeof(real));

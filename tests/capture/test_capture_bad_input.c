@@ -114,6 +114,8 @@ static void broken_scenes_are_refused(void **state) {
         {"\"bright\": \"b1.png\", ", "", "no picture under the white pattern 'bright'", "views[1]"},
         {"\"dark\": \"a0.png\"", "\"dark\": \"gone.png\"", "there is no file 'gone.png'",
          "views[0].images.dark"},
+        {"\"earth\": \"a2.png\"", "\"earth\": \"gone.png\"", "there is no file 'gone.png'",
+         "views[0].images.earth"},
         {"\"dark\": \"a0.png\"", "\"dark\": \"../a0.png\"", "leaves the capture's folder",
          "views[0].images.dark"},
         {"\"dark\": \"a0.png\"", "\"night\": \"a0.png\"", "'night' is not among the patterns",

@@ -47,6 +47,49 @@ static void test_refining_gains_and_tells_of_each_round(void **state) {
     assert_int_equal(lines, 96 / TINY_VIEWS);
 }
 
+static void test_several_patterns(void **state) {
+    (void)state;
+    const char *at;
+    double unseen;
+    assert_int_equal(run_format(&run,
+                                "reconstruct %s/tiny -o %s/both.ply --model none --polish 8 -p lollipop_0 "
+                                "-p lollipop_1",
+                                scratch, scratch),
+                     0);
+    assert_non_null(strstr(run.out, " Gaussians from lollipop_0 and 1 more in "));
+    assert_int_equal(run_format(&run,
+                                "refine %s/both.ply -c %s/tiny -o %s/both_2.ply --steps 8 -p lollipop_0 "
+                                "-p lollipop_1",
+                                scratch, scratch, scratch),
+                     0);
+    // The second lollipop is unseen where it is not given.
+    assert_int_equal(
+        run_format(
+            &run,
+            "evaluate %s/tiny --model none --polish 0 -p lollipop_0 --json %s/one.json --report %s/one.html",
+            scratch, scratch, scratch),
+        0);
+    assert_int_equal(run_format(&run,
+                                "evaluate %s/tiny --model none --polish 0 -p lollipop_0 -p lollipop_1 --json "
+                                "%s/two.json --report %s/two.html",
+                                scratch, scratch, scratch),
+                     0);
+    assert_true(ffp_is_file(in_scratch("two.html")));
+    json_t *one = json_load_file(in_scratch("one.json"), 0, NULL),
+           *two = json_load_file(in_scratch("two.json"), 0, NULL);
+    at = "psnr_unseen_lollipops";
+    unseen = json_number_value(json_object_get(json_array_get(json_object_get(one, "rows"), 0), at));
+    assert_true(unseen > 10);
+    assert_true(json_is_null(json_object_get(json_array_get(json_object_get(two, "rows"), 0), at)));
+    json_decref(one), json_decref(two);
+    assert_int_equal(
+        run_format(&run, "reconstruct %s/tiny -o %s/never.ply --model none -p lollipop_1 -p lollipop_1",
+                   scratch, scratch),
+        1);
+    assert_non_null(strstr(run.err, "'lollipop_1' is named twice"));
+    assert_false(ffp_is_file(in_scratch("never.ply")));
+}
+
 static void test_from_scratch_needs_no_gaussians(void **state) {
     (void)state;
     double before, after;
@@ -221,6 +264,7 @@ static void test_patterns_of_a_folder_make_a_film(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_refining_gains_and_tells_of_each_round),
+        cmocka_unit_test(test_several_patterns),
         cmocka_unit_test(test_from_scratch_needs_no_gaussians),
         cmocka_unit_test(test_a_field_is_fitted_and_evaluated),
         cmocka_unit_test(test_an_interrupt_keeps_the_best_so_far),

@@ -62,7 +62,7 @@ static void files_hold_whole_patches(void **state) {
 
 static void every_command_takes_them(void **state) {
     (void)state;
-    must_run("reconstruct %s/two -o %s/two.ply");
+    must_run("reconstruct %s/two -o %s/two.ply --polish 6");
     must_run("render %s/two.ply -c %s/two --maps -o %s/pictures");
     check_size("pictures/path_0_theta000_all_white.png", 128, 117); // as the camera saw it
     check_size("pictures/path_0_theta045_all_white.png", 125, 109);

@@ -156,7 +156,7 @@ static void test_mistakes_are_told_as_what_they_are(void **state) {
         {"reconstruct a -o", "--output needs a value: FILE.ply"},
         {"reconstruct a", "-o, --output FILE.ply is missing"},
         {"map a -o b", "-c, --capture CAPTURE is missing"},
-        {"reconstruct a -p b -p c -o d", "--pattern is given twice, and can be given once"},
+        {"align a -p b -p c -o d", "--pattern is given twice, and can be given once"},
         {"render a --capture b -c b -o c", "--capture is given twice, and can be given once"},
         {"compensate a -c b -v 0 -t x -g 1 --gain auto -o c", "--gain is given twice"},
         {"train --out a --resume -r", "--resume is given twice"},

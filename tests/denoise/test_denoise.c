@@ -175,6 +175,35 @@ static void a_view_without_a_photograph_is_left_alone(void **state) {
     own[0][capture.black].data = black;
 }
 
+// Further photographs are cleaned with black and white, each by itself, where a view has them.
+static void further_photographs_are_cleaned_where_they_are(void **state) {
+    (void)state;
+    enum { MORE = 2 };
+    make_noisy(0.01);
+    const int several[FFP_PHOTOGRAPHS + MORE] = {photographs[0], photographs[1], photographs[2],
+                                                 ffp_capture_find_pattern(&capture, "lollipop_3"),
+                                                 ffp_capture_find_pattern(&capture, "lollipop_5")};
+    const int instead[FFP_PHOTOGRAPHS] = {photographs[0], photographs[1], several[4]};
+    FfpImage *own[FFP_VIEWS_MAX], lacking;
+    for (int v = 0; v < capture.n_views; v++) own[v] = capture.views[v].images;
+    lacking = own[1][several[3]], own[1][several[3]] = (FfpImage){0};
+    FfpImage *lists = ffp_denoise(&capture, several, FFP_PHOTOGRAPHS + MORE, 0.01);
+    for (int v = 0; v < capture.n_views; v++) capture.views[v].images = own[v];
+    FfpImage *alone = ffp_denoise(&capture, instead, FFP_PHOTOGRAPHS, 0.01);
+    for (int v = 0; v < capture.n_views; v++) {
+        FfpImage *of_view = lists + (ptrdiff_t)v * capture.n_patterns;
+        const FfpImage *last = &of_view[several[4]];
+        const size_t bytes = 3 * sizeof(real) * (size_t)last->width * (size_t)last->height;
+        assert_true((of_view[several[3]].data == NULL) == (v == 1));
+        assert_memory_equal(last->data, alone[v * capture.n_patterns + several[4]].data, bytes);
+        assert_memory_not_equal(last->data, own[v][several[4]].data, bytes);
+        capture.views[v].images = own[v];
+    }
+    ffp_denoise_free(lists, &capture, several, FFP_PHOTOGRAPHS + MORE);
+    ffp_denoise_free(alone, &capture, instead, FFP_PHOTOGRAPHS);
+    own[1][several[3]] = lacking;
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(eigenvectors_make_the_matrix),
@@ -182,6 +211,7 @@ int main(void) {
         cmocka_unit_test(noise_is_taken_away),
         cmocka_unit_test(threads_make_no_difference),
         cmocka_unit_test(a_view_without_a_photograph_is_left_alone),
+        cmocka_unit_test(further_photographs_are_cleaned_where_they_are),
         cmocka_unit_test(background_stays),
     };
     return cmocka_run_group_tests(tests, setup, teardown);

@@ -21,7 +21,7 @@ static double predictor_psnr(FfpCapture *capture, Depth kind) {
         const FfpView *view = &capture->views[v];
         real *depth = ffp_alloc((size_t)view->camera.width * view->camera.height, sizeof *depth);
         assert_non_null(depth);
-        if (kind == MATCHED_DEPTH) ffp_match_depth(capture, v, active, &settings, depth);
+        if (kind == MATCHED_DEPTH) ffp_match_depth(capture, v, &active, 1, &settings, depth);
         for (int p = 0; p < capture->n_patterns; p++) {
             const bool lollipop = strncmp(capture->patterns[p].name, "lollipop", 8) == 0;
             if (!lollipop || p == active || !view->images[p].data) continue;
@@ -63,11 +63,13 @@ static double mean_of_the_four(Depth kind) {
 
 static void true_depth_predicts_other_renderers_pictures(void **state) {
     (void)state;
+    SAME_WAY_AGAIN(); // both_predict_the_samples_pictures
     assert_true(mean_of_the_four(TRUE_DEPTH) >= 45);
 }
 
 static void matched_depth_predicts_other_renderers_pictures(void **state) {
     (void)state;
+    SAME_WAY_AGAIN();
     assert_true(mean_of_the_four(MATCHED_DEPTH) >= 42);
 }
 

@@ -163,6 +163,8 @@ static void test_rows_and_means(void **state) {
     assert_string_equal(json_string_value(json_object_get(last, "protocol")), "novel_pose");
     assert_int_equal(json_integer_value(json_object_get(mean, "images")), 20);
     assert_float_equal(json_real_value(json_object_get(mean, "psnr")), 25, 1e-9);
+    assert_float_equal(json_real_value(json_object_get(mean, "render_s")), 3, 1e-9); // of those 20 images
+    assert_float_equal(json_real_value(json_object_get(mean, "reconstruct_s")), 1, 1e-9);
     assert_float_equal(json_real_value(json_object_get(mean, "psnr_unseen_lollipops")), 23, 1e-9);
     assert_true(json_is_null(json_object_get(mean, "lpips")));
     assert_float_equal(json_real_value(json_object_get(mean, "psnr_gloss")), 12,

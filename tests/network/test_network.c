@@ -277,14 +277,39 @@ static void test_the_ratio_told_is_limited(void **state) {
     const real expected[] = {0.5F * log2((real)(44 * 36) / (32 * 32)), 0.68F};
     for (int i = 0; i < 2; i++) {
         model->config.tokens = tokens[i];
-        assert_true(
-            ffp_pixel_context_new(&context, &model->config, &s.capture, &s.start, SCENE_ACTIVE, &err));
+        assert_true(ffp_pixel_context_new(&context, &model->config, &s.capture, &s.start,
+                                          &(int){SCENE_ACTIVE}, 1, &err));
         const FfpGrid grid = ffp_grid(&model->config, &s.capture, &context);
         ffp_head_tell_apart(told, &pixel, 1, &grid, &s.start, &context.start);
         assert_float_equal(told[0], expected[i], 1e-5F);
         ffp_pixel_context_free(&context);
     }
     scene_free(&s);
+    ffp_model_free(model);
+}
+
+// What tokens are made from is matched with all patterns, too.
+static void test_the_context_is_matched_with_all_patterns(void **state) {
+    (void)state;
+    FfpModel *model = new_model("tiny");
+    FfpError err = {0};
+    FfpCapture capture;
+    if (!ffp_capture_read(&capture, FFP_SOURCE_DIR "/data/sample", &err)) fail_msg("%s", err.text);
+    const real centre[3] = {capture.centre[0], capture.centre[1], capture.centre[2]};
+    ffp_capture_normalise(&capture, centre, capture.radius);
+    const int patterns[2] = {ffp_capture_find_pattern(&capture, "lollipop_0"),
+                             ffp_capture_find_pattern(&capture, "lollipop_3")};
+    const FfpStart start = {.views = 2};
+    FfpPixelContext one, two;
+    model->config.tokens = 128; // two views of 64 x 64
+    assert_true(ffp_pixel_context_new(&one, &model->config, &capture, &start, patterns, 1, &err));
+    assert_true(ffp_pixel_context_new(&two, &model->config, &capture, &start, patterns, 2, &err));
+    assert_true(one.reduced && two.reduced && two.start.width == 64 && two.start.views == 2);
+    assert_null(one.capture.views[1].images[patterns[1]].data);
+    assert_non_null(two.capture.views[1].images[patterns[1]].data);
+    assert_memory_not_equal(one.start.t, two.start.t, 2 * 64 * 64 * sizeof(real));
+    ffp_pixel_context_free(&one), ffp_pixel_context_free(&two);
+    ffp_capture_free(&capture);
     ffp_model_free(model);
 }
 
@@ -341,6 +366,7 @@ int main(void) {
         cmocka_unit_test(test_reduced),
         cmocka_unit_test(test_many_views_keep_their_tokens),
         cmocka_unit_test(test_the_ratio_told_is_limited),
+        cmocka_unit_test(test_the_context_is_matched_with_all_patterns),
         cmocka_unit_test(test_refusals),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -100,7 +100,8 @@ static void check_tokens(const char *modules, int dim, bool residual, bool match
     assert_non_null(model);
     shake(model, 1);
     FfpRun *run = ffp_run_new(true);
-    assert_true(ffp_pixel_context_new(&s.context, &config, &s.capture, &s.start, SCENE_ACTIVE, &err));
+    assert_true(
+        ffp_pixel_context_new(&s.context, &config, &s.capture, &s.start, &(int){SCENE_ACTIVE}, 1, &err));
     assert_int_equal(s.context.reduced, tokens < 12);
     assert_true(ffp_model_forward(model, run, &s.capture, &s.start, &s.context, SCENE_ACTIVE, &err));
     const Functional f = functional_new(&s, run->gaussians.count);

@@ -10,7 +10,7 @@
 #include "match/line.h"
 #include "match/match.h"
 #include "patterns/patterns.h"
-#include "rig/graycode.h"
+#include "graycode/graycode.h"
 #include "rig/import.h"
 #include "rig/matrix.h"
 
@@ -95,24 +95,24 @@ static void photograph(const char *name, const FfpImage *pattern, double exposur
     ffp_image_free(&out);
 }
 
-static void file_of(int index, char name[64]) {
-    snprintf(name, 64, "photos/%03d.png", index);
-}
-
-static void take(int index, double exposure) {
+// Under Gray code `index`.
+static void take(int index, const char *file, double exposure) {
     const FfpShow show = {.width = PANEL_WIDTH, .height = PANEL_HEIGHT, .gray_codes = true};
-    char name[64], title[32];
+    char title[32];
     FfpShowPart part;
     FfpImage pattern = ffp_show_picture(&show, index, title, &part);
-    file_of(index, name);
-    photograph(name, &pattern, exposure, (uint64_t)index);
+    photograph(file, &pattern, exposure, (uint64_t)index);
     ffp_image_free(&pattern);
 }
 
 static void take_all(void) {
     assert_true(ffp_make_folders(in_scratch("photos"), NULL));
     const int n = ffp_gray_photographs(PANEL_WIDTH, PANEL_HEIGHT);
-    for (int i = 0; i < n; i++) take(i, 1);
+    for (int i = 0; i < n; i++) {
+        char file[64];
+        snprintf(file, sizeof file, "photos/%03d.png", i);
+        take(i, file, 1);
+    }
     for (int grey = 0; grey < 2; grey++) {
         FfpImage plain = ffp_pattern_plain(PANEL_WIDTH, PANEL_HEIGHT, 255 * grey);
         photograph(grey ? "white.png" : "black.png", &plain, 1, 77);
@@ -190,15 +190,6 @@ static void import(FfpCapture *capture, Call *call) {
     if (!ffp_capture_read(capture, call->folder, &err)) fail_msg("%s", err.text);
 }
 
-static void must_fail(const char *what) {
-    Call *call = call_of("never");
-    const bool ok = ffp_import(&call->options, &err);
-    if (ok || !strstr(err.text, what)) printf("expected \"%s\", got: %s\n", what, ok ? "no error" : err.text);
-    assert_false(ok);
-    assert_non_null(strstr(err.text, what));
-    assert_false(ffp_is_folder(call->folder));
-}
-
 // Median distance of the correspondences from where the ball has them, pixels of the ideal projector; how
 // many.
 static int compare(const void *a, const void *b) {
@@ -266,7 +257,7 @@ static double depth_off(const FfpCapture *capture, double *share) {
     double sum = 0, n = 0, there = 0, point[3];
     normalised.views = &view;
     ffp_capture_normalise(&normalised, capture->centre, capture->radius);
-    assert_true(ffp_start_new(&start, &normalised, 2, &settings, &err));
+    assert_true(ffp_start_new(&start, &normalised, &(int){2}, 1, &settings, &err));
     for (int i = 0; i < start.width * start.height; i++) {
         const double x = (i % start.width + 0.5 - (double)view.camera.cx) / (double)view.camera.fx,
                      y = (i / start.width + 0.5 - (double)view.camera.cy) / (double)view.camera.fy;
@@ -322,16 +313,6 @@ static void test_views(void **state) {
     assert_true(first < 0.06 && second < 0.06 && known[0] == known[1]);
     ffp_capture_free(&capture);
     ffp_free(turntable);
-}
-
-static void rename_photograph(const char *from, const char *to) {
-    assert_int_equal(rename(in_scratch(from), in_scratch(to)), 0);
-}
-
-static void swap(int a, int b) {
-    char one[64], other[64];
-    file_of(a, one), file_of(b, other);
-    rename_photograph(one, "aside.png"), rename_photograph(other, one), rename_photograph("aside.png", other);
 }
 
 // What a capture's file may hold.
@@ -420,40 +401,160 @@ static void test_real_board(void **state) {
     ffp_capture_free(&capture);
 }
 
-static void test_broken(void **state) {
+// --- Faults. ---
+
+// What is done to a copy of the photographs, or to the call, and what the error must say, file or field with
+// it.
+typedef struct Fault {
+    const char *command; // of the shell, in the copy's folder
+    void (*change)(Call *call);
+    const char *words[3];
+} Fault;
+
+#define SWAP(a, b) "mv " a " x && mv " b " " a " && mv x " b
+
+static void by_name(Call *call) {
+    snprintf(call->codes, sizeof call->codes, "%s/fault/named/{pattern}.png", scratch);
+}
+static void one_file(Call *call) {
+    snprintf(call->codes, sizeof call->codes, "%s/fault/photos/005.png", scratch);
+}
+static void no_file(Call *call) {
+    call->codes[0] = 0;
+}
+static void nowhere(Call *call) {
+    snprintf(call->codes, sizeof call->codes, "%s/fault/nowhere/*.png", scratch);
+}
+static void same_plain(Call *call) {
+    memcpy(call->black, call->white, sizeof call->black);
+}
+static void other_rig(Call *call) {
+    snprintf(call->calibration, sizeof call->calibration, "%s/fault/other.yml", scratch);
+}
+
+// Two stops of a table, in the folders 000 and 030.
+static void two_stops(Call *call) {
+    static FfpTurntable turntable;
+    turntable = (FfpTurntable){.axis = {0, -1, 0}, .count = 2, .angles = {0, 30}};
+    memcpy(turntable.point, centre, sizeof turntable.point);
+    call->options.turntable = &turntable;
+    snprintf(call->black, sizeof call->black, "%s/fault/{view}/black.png", scratch);
+    snprintf(call->white, sizeof call->white, "%s/fault/{view}/white.png", scratch);
+}
+static void two_stops_alike(Call *call) {
+    two_stops(call);
+    snprintf(call->codes, sizeof call->codes, "%s/fault/named/{pattern}.png", scratch);
+}
+static void two_stops_named(Call *call) {
+    two_stops(call);
+    snprintf(call->codes, sizeof call->codes, "%s/fault/{view}/[0-9]*.png", scratch);
+}
+#define STOPS "mkdir 000 && cp photos/*.png black.png white.png 000/ && cp -r 000 030"
+
+static const Fault faults[] = {
+    {"rm photos/005.png", NULL, {"27 files match, but a view has 28 photographs", "photos/*.png"}},
+    {"cp photos/005.png photos/005b.png", NULL, {"29 files match, but a view has 28 photographs"}},
+    {"rm -r photos", NULL, {"no file matches, or the folder cannot be read", "photos/*.png"}},
+    {"true", nowhere, {"no file matches, or the folder cannot be read", "nowhere/*.png"}},
+    {"true", no_file, {"no file is named", "(gray_codes)"}},
+    {"true", one_file, {"names one file for 28 codes: use {pattern} or *", "005.png"}},
+    {"mkdir named", by_name, {"view '000' under Gray code 'gray_x_00'", "named/gray_x_00.png"}},
+    {STOPS, two_stops_alike, {"names one file for 2 views: use {view}", "{pattern}.png"}},
+    {STOPS " && rm 030/004.png", two_stops_named, {"27 files match", "030/[0-9]*.png"}},
+    {STOPS " && rm -r 030", two_stops_named, {"there is no such file", "030/black.png"}},
+    // Numbers.
+    {SWAP("photos/004.png", "photos/010.png") " && " SWAP("photos/005.png", "photos/011.png"),
+     NULL,
+     {"its stripes are broader than those of", "the pairs of 004.png and 010.png seem to be swapped"}},
+    {SWAP("photos/006.png", "photos/007.png"),
+     NULL,
+     {"006.png and 007.png seem to be swapped, a code and its inverse", "photos/006.png"}},
+    {SWAP("photos/022.png", "photos/023.png"),
+     NULL,
+     {"022.png and 023.png seem to be swapped, a code and its inverse", "photos/022.png"}},
+    {SWAP("photos/008.png", "photos/020.png"),
+     NULL,
+     {"are not each other's inverse", "'009.png'", "photos/008.png"}},
+    {"cp photos/009.png photos/008.png", NULL, {"are not each other's inverse", "photos/008.png"}},
+    {"rm photos/000.png && cp photos/027.png photos/028.png",
+     NULL,
+     {"are not each other's inverse", "photos/001.png"}},
+    // These mirror or turn everything: the calibration tells, or the panel where it ends early.
+    {SWAP("photos/000.png", "photos/001.png"), NULL, {"beside where the calibration has them"}},
+    {"mkdir x && mv photos/00* photos/010.png photos/011.png photos/012.png photos/013.png x/ && i=0 && for "
+     "f "
+     "in photos/*.png x/*.png; do mv $f $(printf y%03d.png $i); i=$((i+1)); done && mv y*.png photos/",
+     NULL,
+     {"rows beyond the panel's 90", "columns come before rows"}},
+    {"sed 's/prjW: 120/prjW: 80/' ../rig.yml > other.yml",
+     other_rig,
+     {"columns beyond the panel's 80", "of another size"}},
+    {"sed 's/prjW: 120/prjW: 260/' ../rig.yml > other.yml",
+     other_rig,
+     {"28 files match, but a view has 32 photographs"}},
+    // Light.
+    {"cp ../spare/dim.png photos/008.png", NULL, {"darker than black and white", "photos/008.png"}},
+    {"cp ../spare/bright.png photos/009.png", NULL, {"brighter than black and white", "photos/009.png"}},
+    {SWAP("black.png", "white.png"),
+     NULL,
+     {"white is darker than black: they have changed places", "white.png"}},
+    {"cp black.png white.png", NULL, {"nothing is lit", "white.png"}},
+    {"true", same_plain, {"is named twice: view '000' under 'black' and under 'white'", "white.png"}},
+    {"cp ../spare/full.png white.png && cp ../spare/full.png black.png",
+     NULL,
+     {"both are overexposed: expose shorter", "white.png"}},
+    {"rm black.png", NULL, {"there is no such file", "black.png"}},
+    // Files.
+    {"cp ../spare/small.png photos/013.png",
+     NULL,
+     {"image is 80 x 120, the others have 160 x 120", "013.png"}},
+    {"printf GIF89a > photos/020.png", NULL, {"photos/020.png"}},
+    {"head -c 500 photos/020.png > x && mv x photos/020.png", NULL, {"photos/020.png"}},
+    {": > photos/021.png", NULL, {"file is empty", "photos/021.png"}},
+};
+
+static void make_spare(void) {
+    FfpImage small = ffp_image_new(WIDTH / 2, HEIGHT, 3), full = ffp_image_new(WIDTH, HEIGHT, 3);
+    for (int i = 0; i < 3 * WIDTH * HEIGHT; i++) full.data[i] = 1;
+    assert_true(ffp_make_folders(in_scratch("spare"), NULL));
+    assert_true(ffp_image_write_png(&small, in_scratch("spare/small.png"), NULL));
+    assert_true(ffp_image_write_png(&full, in_scratch("spare/full.png"), NULL));
+    ffp_image_free(&small), ffp_image_free(&full);
+    take(8, "spare/dim.png", 0.5), take(9, "spare/bright.png", 2);
+}
+
+static void must_fail(const Fault *fault) {
+    Call *call = call_of("never");
+    char command[1024];
+    snprintf(
+        command, sizeof command,
+        "cd '%s' && rm -rf fault && mkdir fault && cp -r photos black.png white.png fault/ && cd fault && "
+        "(%s)",
+        scratch, fault->command);
+    assert_int_equal(system(command), 0);
+    snprintf(call->black, sizeof call->black, "%s/fault/black.png", scratch);
+    snprintf(call->white, sizeof call->white, "%s/fault/white.png", scratch);
+    snprintf(call->codes, sizeof call->codes, "%s/fault/photos/*.png", scratch);
+    if (fault->change) fault->change(call);
+    err = (FfpError){0};
+    if (ffp_import(&call->options, &err)) fail_msg("no error after: %s", fault->command);
+    for (int i = 0; i < 3 && fault->words[i]; i++)
+        if (!strstr(err.text, fault->words[i]))
+            fail_msg("no \"%s\" after %s: %s", fault->words[i], fault->command, err.text);
+    assert_false(ffp_is_folder(call->folder));
+}
+
+static void test_faults(void **state) {
     (void)state;
-    rename_photograph("photos/005.png", "aside.png");
-    must_fail("27 files match, but a view has 28 photographs of Gray codes");
-    rename_photograph("aside.png", "photos/005.png");
-    swap(4, 10), swap(5, 11); // codes of columns in another order
-    must_fail("its stripes are broader than those of");
-    swap(4, 10), swap(5, 11);
-    swap(6, 7); // a pattern for its inverse
-    must_fail("photos/006.png");
-    assert_non_null(strstr(err.text, "have changed places"));
-    swap(6, 7);
-    swap(0, 1); // mirrors all columns: only the calibration tells
-    must_fail("beside where the calibration has them");
-    swap(0, 1);
-    take(8, 0.5);
-    must_fail("photos/008.png");
-    assert_non_null(strstr(err.text, "another exposure"));
-    take(8, 1);
-    FfpImage small = ffp_image_new(WIDTH / 2, HEIGHT, 3);
-    assert_true(ffp_image_write_png(&small, in_scratch("photos/013.png"), NULL));
-    ffp_image_free(&small);
-    must_fail("image is 80 x 120, the others have 160 x 120");
-    take(13, 1);
-    assert_true(ffp_write_file(in_scratch("photos/020.png"), "GIF89a", 6, NULL));
-    must_fail("photos/020.png");
-    take(20, 1);
+    make_spare();
+    for (size_t i = 0; i < sizeof faults / sizeof *faults; i++) must_fail(&faults[i]);
 }
 
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_positions),  cmocka_unit_test(test_narrower),
         cmocka_unit_test(test_depth),      cmocka_unit_test(test_views),
-        cmocka_unit_test(test_broken),     cmocka_unit_test(test_bad_correspondences),
+        cmocka_unit_test(test_faults),     cmocka_unit_test(test_bad_correspondences),
         cmocka_unit_test(test_real_board),
     };
     return cmocka_run_group_tests(tests, setup, scratch_teardown);

@@ -79,7 +79,7 @@ static void every_kind_comes(void **state) {
 static void objects_and_patterns_stay(void **state) {
     (void)state;
     const FfpTrainConfig config = configuration(mixed), plain = configuration("");
-    for (int64_t number = 0; number < 6; number++) {
+    for (int64_t number = 0; number < TIMES(6, 2); number++) {
         FfpScene scene = open_scene(&config, "train", number), usual = open_scene(&plain, "train", number);
         assert_string_equal(scene.capture.name, usual.capture.name);
         for (int p = 0; p < usual.capture.n_patterns; p++)
@@ -91,7 +91,7 @@ static void objects_and_patterns_stay(void **state) {
 
 static void scenes_follow_from_seed_and_number(void **state) {
     (void)state;
-    for (int64_t number = 0; number < 6; number++) {
+    for (int64_t number = 0; number < TIMES(6, 2); number++) {
         assert_true(same_with(mixed, mixed, "train", number));
         assert_true(same_with("", mixed, "validation", number));
         // shares that choose what there is anyway

@@ -12,7 +12,7 @@ enum { FFP_REFINE_STEPS_MAX = 256 };
 // ffp_fit_planes.
 typedef void FfpFitPlanes(FfpPlane planes[FFP_MATCH_LANES], const FfpSheet *sheet, int x, int y);
 // Inverse depth of the least cost among `steps` hypotheses around the plane, `step` apart.
-typedef real FfpRefinePixel(const FfpView *view, const FfpObservation *seen, const FfpBlurred *pattern,
+typedef real FfpRefinePixel(const FfpView *view, const FfpObservation *seen, const FfpBlurred *patterns,
                             const FfpPlane *plane, int x, int y, int steps, real step);
 // ffp_semi_global.
 typedef void FfpSemiGlobal(real *total, const real *cost, const FfpForeground *foreground, int count,

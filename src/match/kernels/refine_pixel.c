@@ -4,7 +4,7 @@
 
 #define WINDOW 2         // the cost is summed over 5 x 5 pixels, less the corners
 #define PRIOR 0.02F      // cost of lying a whole range off the plane, a unit of weight
-#define OFF_PATTERN 0.5F // cost of a hypothesis that leaves the pattern, a unit of weight
+#define OFF_PATTERN 0.5F // cost of a hypothesis that leaves the pattern, a unit of weight and a pattern
 
 // Weight of a neighbour by its squared distance: exp(-0.35 d^2).
 static const real nearness[WINDOW * WINDOW + 2] = {1, 0.7047F, 0.4966F, 0.3499F, 0.2466F, 0.1738F};
@@ -12,12 +12,10 @@ static const real nearness[WINDOW * WINDOW + 2] = {1, 0.7047F, 0.4966F, 0.3499F,
 // Adds a neighbour's costs along the plane for all hypotheses, `outside` for those off the pattern. Returns
 // its weight.
 static real add_neighbour(FfpFour *cost, real *outside, const FfpView *view, const FfpObservation *seen,
-                          const FfpBlurred *pattern, const FfpPlane *plane, int x, int y, int dx, int dy,
+                          const FfpBlurred *patterns, const FfpPlane *plane, int x, int y, int dx, int dy,
                           int steps, real step) {
     const size_t i = (size_t)(y + dy) * (size_t)seen->width + (size_t)(x + dx);
-    const real near = nearness[dx * dx + dy * dy];
-    FfpSeen here = ffp_seen(seen, i);
-    here.weight *= near;
+    const real near = nearness[dx * dx + dy * dy], off = near * (OFF_PATTERN * (real)seen->count);
     const FfpLine line =
         ffp_line(&view->camera, (real)(x + dx) + 0.5F, (real)(y + dy) + 0.5F, &view->projector);
     // The line in inverse depth: both its numbers divided by depth.
@@ -27,13 +25,16 @@ static real add_neighbour(FfpFour *cost, real *outside, const FfpView *view, con
         real u[FFP_MATCH_LANES], v[FFP_MATCH_LANES];
         FfpCells cells;
         ffp_line_positions(&inverse, base, step, k - steps / 2, u, v);
-        ffp_find_cells(&cells, pattern, u, v);
-        for (int n = 0; n < FFP_MATCH_LANES && k + n < steps; n++) {
-            if (cells.first[n] >= 0)
-                cost[k + n] += ffp_blurred_cost(pattern, &cells, n, &here);
-            else
-                outside[k + n] += near * OFF_PATTERN;
+        ffp_find_cells(&cells, patterns, u, v);
+        const int lanes = steps - k < FFP_MATCH_LANES ? steps - k : FFP_MATCH_LANES;
+        for (int p = 0; p < seen->count; p++) {
+            FfpSeen here = ffp_seen(seen, patterns, p, i);
+            here.weight *= near;
+            for (int n = 0; n < lanes; n++)
+                if (cells.first[n] >= 0) cost[k + n] += ffp_blurred_cost(&here, patterns->stride, &cells, n);
         }
+        for (int n = 0; n < lanes; n++)
+            if (cells.first[n] < 0) outside[k + n] += off;
     }
     return near * seen->lit[i];
 }
@@ -48,7 +49,7 @@ static real least_at(const real *cost, int steps) {
     return (real)best + (bend > 0 ? 0.5F * (a - c) / bend : 0);
 }
 
-real FFP_K(refine_pixel)(const FfpView *view, const FfpObservation *seen, const FfpBlurred *pattern,
+real FFP_K(refine_pixel)(const FfpView *view, const FfpObservation *seen, const FfpBlurred *patterns,
                          const FfpPlane *plane, int x, int y, int steps, real step) {
     FfpFour channels[FFP_REFINE_STEPS_MAX];
     real cost[FFP_REFINE_STEPS_MAX], total = 0;
@@ -58,7 +59,7 @@ real FFP_K(refine_pixel)(const FfpView *view, const FfpObservation *seen, const 
             if (dx * dx + dy * dy > WINDOW * WINDOW + 1) continue;
             if (x + dx < 0 || x + dx >= seen->width || y + dy < 0 || y + dy >= seen->height) continue;
             if (seen->lit[(size_t)(y + dy) * (size_t)seen->width + (size_t)(x + dx)] <= 0) continue;
-            total += add_neighbour(channels, cost, view, seen, pattern, plane, x, y, dx, dy, steps, step);
+            total += add_neighbour(channels, cost, view, seen, patterns, plane, x, y, dx, dy, steps, step);
         }
     }
     const int half = steps / 2;

@@ -1,7 +1,7 @@
 // Photographs of Gray codes to the projector position that each camera pixel sees (Inokuchi et al. 1984),
 // with the pattern and its inverse compared pixel by pixel, which no albedo or exposure can mislead.
-#ifndef FFP_RIG_GRAYCODE_H
-#define FFP_RIG_GRAYCODE_H
+#ifndef FFP_GRAYCODE_GRAYCODE_H
+#define FFP_GRAYCODE_GRAYCODE_H
 
 #include "base/error.h"
 #include "image/image.h"
@@ -13,24 +13,37 @@ typedef struct FfpGrayPhotographs {
     const char *const *codes; // [ffp_gray_photographs(width, height)] files
     const char *black, *white;
     bool linear; // the files' numbers are linear light, and not sRGB
+    const FfpImage
+        *region; // [h,w,1] not 0 where it is looked at whether they belong together; NULL: anywhere
 } FfpGrayPhotographs;
 int ffp_gray_photographs(int width, int height);
 // "gray_x_03_inverse"; also the axis (0: columns) and the bit of photograph `index`.
 void ffp_gray_name(int width, int height, int index, char name[32]);
+
+// Takes black and white, by their light, from the two first or the two last of `n` files of which the others
+// are the codes; white is brighter wherever the projector's light falls. Sets `codes`, `black` and `white` of
+// what has the other members set. Errors: another number of files; neither pair is black and white.
+bool ffp_gray_find_plain(FfpGrayPhotographs *photographs, const char *const *files, int n, FfpError *err);
 
 typedef struct FfpGrayReport {
     int lit, decoded; // pixels that white brightens enough; of these, with a position
     int dropped[2];   // finest bits of columns and rows that the photographs do not resolve
     double fine_sum; // what the finest codes and their inverses add up to, in white: 1 where values are light
     double step;     // median distance of neighbouring pixels' positions, panel pixels
+    double clipped;  // share of the pixels that are looked at which are saturated under white
 } FfpGrayReport;
 
 // map [h,w,3] of the photographs' size: position on the panel, pixels, centres at integer + 0.5, and trust: 1
 // where it is known, else all are 0. Between the edges of the codes, which are found where a pattern and its
 // inverse are equally bright, positions are those of local planes. Errors name the photographs: another size;
-// too little light; stripes of a finer code that are broader (numbers exchanged); pairs that do not add up to
-// white (another exposure, or no pair).
+// too little light; a pair that does not add up to white (another exposure, or no pair); stripes of a finer
+// code that are broader, codes that jump or lie beyond the panel (numbers exchanged: which ones, where one
+// exchange explains it).
 bool ffp_gray_decode_view(FfpImage *map, FfpGrayReport *report, const FfpGrayPhotographs *photographs,
                           FfpError *err);
+
+// Sets the error of a white photograph that lights nothing: it and black have changed places, are overexposed
+// or dark. `black`, `added`: means of the linear light under black, and of what white adds. Returns false.
+bool ffp_gray_tell_dark(double black, double added, const char *white, FfpError *err);
 
 #endif

@@ -1,4 +1,4 @@
-#include "align/sightings.h"
+#include "align/tie_points.h"
 
 #include <math.h>
 #include <string.h>
@@ -41,7 +41,7 @@ static void ray_in(const FfpDeviceAt *camera, const FfpDeviceAt *projector, doub
 }
 
 // The point of the camera's ray that is nearest to position (u, v), and how far (u, v) lies beside the ray.
-static bool meet(const FfpDeviceAt *camera, const FfpDeviceAt *projector, const FfpSighting *s,
+static bool meet(const FfpDeviceAt *camera, const FfpDeviceAt *projector, const FfpTiePoint *s,
                  double point[3], double *off) {
     double a[3], b[3], direction[3];
     ray_in(camera, projector, s->x, s->y, a, b, direction);
@@ -76,9 +76,9 @@ static void move(FfpDeviceAt *camera, FfpDeviceAt *projector, int k, double step
         device->at.t[k % 6 - 3] += step;
 }
 
-static bool differentiate(FfpSighting *s, const FfpDeviceAt *camera, const FfpDeviceAt *projector) {
+static bool differentiate(FfpTiePoint *s, const FfpDeviceAt *camera, const FfpDeviceAt *projector) {
     if (!meet(camera, projector, s, s->point, &s->off)) return false;
-    for (int k = 0; k < FFP_SIGHT_NUMBERS; k++) {
+    for (int k = 0; k < FFP_TIE_POINT_NUMBERS; k++) {
         FfpDeviceAt c = *camera, p = *projector;
         double point[3], off;
         move(&c, &p, k, TURN_STEP);
@@ -99,7 +99,7 @@ typedef struct Looking {
     FfpObservation seen;
     FfpSummed pattern;
     real box; // pattern pixels that a camera pixel spans
-    FfpSightings *out;
+    FfpTiePoints *out;
 } Looking;
 
 static bool position_of(const Looking *l, int x, int y, real at[2]) {
@@ -136,7 +136,7 @@ static void add_pixel(Normal *n, const Looking *l, int x, int y) {
 }
 
 // Moves the matched position across the ray, and says how well it is known there.
-static bool look_across(const Looking *l, FfpSighting *s, int x, int y, const FfpDeviceAt *camera,
+static bool look_across(const Looking *l, FfpTiePoint *s, int x, int y, const FfpDeviceAt *camera,
                         const FfpDeviceAt *projector) {
     Normal n = {{0}, {0}};
     double a[3], b[3], direction[3];
@@ -160,12 +160,12 @@ static bool look_across(const Looking *l, FfpSighting *s, int x, int y, const Ff
     return true;
 }
 
-static bool sight(const Looking *l, int x, int y, const FfpDeviceAt *camera, const FfpDeviceAt *projector,
-                  FfpSighting *s) {
+static bool find_tie_point(const Looking *l, int x, int y, const FfpDeviceAt *camera,
+                           const FfpDeviceAt *projector, FfpTiePoint *s) {
     const size_t pixel = (size_t)y * (size_t)l->start->width + (size_t)x, i = l->first + pixel;
     real at[2];
     if (!(l->view->coverage.data[pixel] >= 1) || !position_of(l, x, y, at)) return false;
-    *s = (FfpSighting){.x = x + 0.5, .y = y + 0.5, .u = (double)at[0], .v = (double)at[1]};
+    *s = (FfpTiePoint){.x = x + 0.5, .y = y + 0.5, .u = (double)at[0], .v = (double)at[1]};
     s->trust = (double)l->start->confidence[i];
     s->footprint = (double)l->start->footprint[i];
     for (int k = 0; k < 3; k++) s->normal[k] = (double)l->start->normal[3 * i + (size_t)k];
@@ -177,22 +177,22 @@ static bool sight(const Looking *l, int x, int y, const FfpDeviceAt *camera, con
     return differentiate(s, camera, projector);
 }
 
-FfpSightings ffp_sightings_new(const FfpCapture *capture, const FfpStart *start, int view, int active) {
+FfpTiePoints ffp_tie_points_new(const FfpCapture *capture, const FfpStart *start, int view, int active) {
     const size_t area = (size_t)start->width * (size_t)start->height;
-    FfpSightings out = {.view = view, .width = start->width, .height = start->height};
+    FfpTiePoints out = {.view = view, .width = start->width, .height = start->height};
     out.all = ffp_alloc(area, sizeof *out.all), out.index = ffp_alloc(area, sizeof *out.index);
     Looking l = {.capture = capture,
                  .view = &capture->views[view],
                  .start = start,
                  .first = (size_t)view * area,
-                 .seen = ffp_observe(capture, view, active),
+                 .seen = ffp_observe(capture, view, &active, 1),
                  .pattern = ffp_summed_new(&capture->patterns[active].image),
                  .box = ffp_typical_footprint(capture, view),
                  .out = &out};
     const FfpDeviceAt camera = ffp_device_at(&l.view->camera), projector = ffp_device_at(&l.view->projector);
     for (int y = 0; y < out.height; y++) {
         for (int x = 0; x < out.width; x++) {
-            const bool seen = sight(&l, x, y, &camera, &projector, &out.all[out.count]);
+            const bool seen = find_tie_point(&l, x, y, &camera, &projector, &out.all[out.count]);
             out.index[(size_t)y * (size_t)out.width + (size_t)x] = seen ? (int)out.count : -1;
             out.count += seen;
         }
@@ -203,7 +203,7 @@ FfpSightings ffp_sightings_new(const FfpCapture *capture, const FfpStart *start,
     return out;
 }
 
-void ffp_sightings_free(FfpSightings *sightings) {
-    ffp_free(sightings->all), ffp_free(sightings->index);
-    *sightings = (FfpSightings){0};
+void ffp_tie_points_free(FfpTiePoints *tie_points) {
+    ffp_free(tie_points->all), ffp_free(tie_points->index);
+    *tie_points = (FfpTiePoints){0};
 }

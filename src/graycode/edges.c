@@ -1,4 +1,4 @@
-#include "rig/gray_edges.h"
+#include "graycode/edges.h"
 
 #include <math.h>
 #include <stddef.h>

@@ -1,6 +1,6 @@
 // Positions between the edges of Gray codes.
-#ifndef FFP_RIG_GRAY_EDGES_H
-#define FFP_RIG_GRAY_EDGES_H
+#ifndef FFP_GRAYCODE_EDGES_H
+#define FFP_GRAYCODE_EDGES_H
 
 #include <stdint.h>
 
