@@ -6,6 +6,7 @@
 #include <string.h>
 #include "base/alloc.h"
 #include "base/call.h"
+#include "image/photograph.h"
 
 #define PICTURE_SIDE 640 // longest side of the report's pictures
 #define DIAGONAL 0.3     // squares from a corner to where its four squares are looked at
@@ -23,11 +24,12 @@ void ffp_attitude_free(FfpAttitude *a) {
 
 bool ffp_board_read(FfpImage *grey, const char *path, FfpError *err) {
     FfpImage image;
-    if (!ffp_image_read(&image, path, FFP_COLOUR_ENCODED, err)) return false;
+    if (!ffp_photograph_read(&image, NULL, path, false, NULL, err)) return false;
+    ffp_image_to_srgb(&image);
     *grey = ffp_image_new(image.width, image.height, 1);
     const size_t pixels = (size_t)image.width * (size_t)image.height;
     for (size_t i = 0; i < pixels; i++) { // luma of BT.601, as corner detectors have it
-        const real *c = image.data + 4 * i;
+        const real *c = image.data + 3 * i;
         grey->data[i] = 0.299F * c[0] + 0.587F * c[1] + 0.114F * c[2];
     }
     ffp_image_free(&image);

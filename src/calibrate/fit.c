@@ -371,7 +371,7 @@ static void tell_open_terms(const FfpRigFit *fit) {
             if (!ffp_term_open(device, term)) continue;
             ffp_warning(
                 "the photographs do not determine the %s's %s: %.4g, deviation %.2g, or %.0f pixels in the "
-                "picture's corner; it can be fixed at 0 (--fix %s.%s)",
+                "picture's corner; it can be fixed at 0 (fix %s.%s)",
                 device_names[d], ffp_term_names[term], ffp_term(device, term), device->deviation[term],
                 device->deviation[term] * ffp_term_reach(device, term), device_names[d],
                 term == 6 || term == 7 ? "p" : ffp_term_names[term]);

@@ -7,7 +7,7 @@
 #include <sys/stat.h>
 #include "base/call.h"
 #include "base/file.h"
-#include "image/image.h"
+#include "image/photograph.h"
 #include "rig/pictures.h"
 
 enum { FILES_MAX = 4096 };
@@ -36,7 +36,7 @@ static bool list(FfpArena *arena, const char *folder, bool folders, const char *
     *n = 0;
     for (struct dirent *entry; ok && (entry = readdir(directory)) != NULL;) {
         char path[FFP_PATH_MAX];
-        if (entry->d_name[0] == '.' || (!folders && !ffp_image_has_ending(entry->d_name))) continue;
+        if (entry->d_name[0] == '.' || (!folders && !ffp_photograph_has_ending(entry->d_name))) continue;
         ok = ffp_join_path(path, folder, entry->d_name) ||
              ffp_fail(err, FFP_ERROR_ARGUMENT, folder, "the path is too long");
         if (!ok || (folders ? !ffp_is_folder(path) : !ffp_is_file(path))) continue;

@@ -5,6 +5,7 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 #include "base/call.h"
 #include "base/file.h"
 #include "base/process.h"
@@ -249,6 +250,16 @@ bool ffp_photograph_read_size(int *width, int *height, const char *path, FfpErro
     }
     ffp_process_finish(&process, said);
     return nothing_made(&source, said, err);
+}
+
+bool ffp_photograph_has_ending(const char *name) {
+    static const char *const endings[] = {".cr2", ".cr3", ".crw", ".nef", ".arw", ".dng",
+                                          ".raf", ".rw2", ".orf", ".pef", ".srw", ".x3f",
+                                          ".mrw", ".mp4", ".mov", ".mkv", ".avi", ".webm"};
+    const char *dot = strrchr(name, '.');
+    for (size_t i = 0; dot != NULL && dot != name && i < sizeof endings / sizeof *endings; i++)
+        if (strcasecmp(dot, endings[i]) == 0) return true;
+    return ffp_image_has_ending(name);
 }
 
 bool ffp_photograph_is_there(const char *path) {

@@ -21,5 +21,7 @@ bool ffp_photograph_read(FfpImage *rgb, FfpImage *alpha, const char *path, bool 
 bool ffp_photograph_read_size(int *width, int *height, const char *path, FfpError *err);
 // Whether there is such a file, the part of a film taken off its name.
 bool ffp_photograph_is_there(const char *path);
+// Whether a name ends as those of photographs do: for those among a folder's files.
+bool ffp_photograph_has_ending(const char *name);
 
 #endif
