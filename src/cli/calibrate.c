@@ -219,15 +219,17 @@ const FfpCommand ffp_cli_calibrate = {
                  "folder of such folders"},
     .options = options,
     .examples =
-        (const FfpExample[]){{.command =
-                                  "ffprocams calibrate shots -o calibration.xml --board 9x6 --square 25 "
-                                  "\\\n    --projector 1280x800 "
-                                  "--report calibration.html"},
-                             {.about = "And the axis of the turntable, for import -t axis.json:",
-                              .command = "ffprocams calibrate -c calibration.xml --board 9x6 --square 25 "
-                                         "\\\n    --turntable-board table "
-                                         "--angles 12x30 --turntable-output axis.json"},
-                             {0}},
+        (const FfpExample[]){
+            {.command = "ffprocams calibrate shots -o calibration.xml --board 9x6 --square 25 "
+                        "\\\n    --projector 1280x800 "
+                        "--report calibration.html"},
+            {.about = "And the axis of the turntable. Its file holds the angles of these photographs: for an "
+                      "object at "
+                      "others give import the six numbers printed, -t AX,AY,AZ,PX,PY,PZ,8x45:",
+             .command = "ffprocams calibrate -c calibration.xml --board 9x6 --square 25 "
+                        "\\\n    --turntable-board table "
+                        "--angles 12x30 --turntable-output axis.json"},
+            {0}},
     .size = sizeof(Arguments),
     .set_defaults = set_defaults,
     .run = run,

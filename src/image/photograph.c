@@ -199,7 +199,7 @@ static bool nothing_made(const Source *source, const char *said, FfpError *err) 
 // The mean of the source's pictures in linear light, and of how many.
 static bool develop(FfpImage *rgb, int *count, const Source *source, bool linear, FfpError *err) {
     char said[FFP_PROCESS_SAID];
-    FfpProcess *process;
+    FfpProcess *process = NULL;
     FfpError why = {0};
     *rgb = (FfpImage){0};
     if (!start(&process, source, false, err)) return false;
@@ -239,7 +239,7 @@ bool ffp_photograph_read(FfpImage *rgb, FfpImage *alpha, const char *path, bool 
 bool ffp_photograph_read_size(int *width, int *height, const char *path, FfpError *err) {
     char said[FFP_PROCESS_SAID];
     Source source;
-    FfpProcess *process;
+    FfpProcess *process = NULL;
     bool more;
     if (!open_source(&source, path, err)) return false;
     if (source.kind == FFP_FOREIGN_OTHER) return ffp_image_read_size(width, height, path, err);

@@ -204,9 +204,9 @@ static void check_silhouettes(Page *page, const FfpCapture *capture) {
     line(page, misfit < 0.03, "silhouettes",
          "%.1f %% of the object's pixels contradict the other views' silhouettes", 100 * misfit);
     if (misfit >= 0.03)
-        advise(page, "the views do not fit each other: check the turntable's axis, its angles and their "
-                     "sign, the order "
-                     "of the pictures, and the masks");
+        advise(page, "the views do not fit each other: check the masks (those made of white minus black lack "
+                     "what the projector does not reach: files of masks are better), the turntable's axis, "
+                     "its angles and their sign, and the order of the pictures");
 }
 
 static void check_exposure(Page *page, Light *light) {
