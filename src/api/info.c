@@ -12,6 +12,7 @@
 #include "ffprocams.h"
 #include "capture/capture.h"
 #include "capture/pad.h"
+#include "field/field.h"
 #include "gaussians/gaussians.h"
 #include "network/network.h"
 #include "rig/checks.h"
@@ -157,6 +158,21 @@ static bool print_gaussians(FILE *out, const char *path, FfpError *err) {
     return true;
 }
 
+static bool print_field(FILE *out, const char *path, FfpError *err) {
+    FfpNeuralField field;
+    if (!ffp_neural_field_read(&field, path, err)) return false;
+    fprintf(out, "neural field %" PRId64 " numbers, of these %" PRId64 " of a hash grid of %d levels\n",
+            field.layout.count, field.layout.grid, FFP_FIELD_LEVELS);
+    fprintf(out, "sphere       centre %.4g %.4g %.4g, radius %.4g\n", (double)field.centre[0],
+            (double)field.centre[1], (double)field.centre[2], (double)field.radius);
+    fprintf(out, "density      in %.1f %% of %d x %d x %d cells around it; rays step by %.4g of the radius\n",
+            100 * ffp_field_filled(&field), FFP_FIELD_CELLS, FFP_FIELD_CELLS, FFP_FIELD_CELLS,
+            (double)field.step);
+    fputs("read by      info, evaluate --field\n", out);
+    ffp_neural_field_free(&field);
+    return true;
+}
+
 static bool tell(FILE *out, const char *path, FfpError *err) {
     switch (ffp_file_kind(path)) {
     case FFP_KIND_FOLDER:
@@ -166,15 +182,19 @@ static bool tell(FILE *out, const char *path, FfpError *err) {
         return print_gaussians(out, path, err);
     case FFP_KIND_WEIGHTS:
         return print_model(out, path, err);
+    case FFP_KIND_FIELD:
+        return print_field(out, path, err);
     case FFP_KIND_IMAGE:
-        return ffp_fail(err, FFP_ERROR_FILE, path, "is a picture: not a capture, a model or Gaussians");
+        return ffp_fail(err, FFP_ERROR_FILE, path,
+                        "is a picture: not a capture, a model, Gaussians or a field");
     default:
         break;
     }
     FILE *stream = ffp_open_to_read(path, err);
     if (!stream) return false;
     fclose(stream);
-    return ffp_fail(err, FFP_ERROR_FILE, path, "is neither a capture, nor a model, nor Gaussians");
+    return ffp_fail(err, FFP_ERROR_FILE, path,
+                    "is neither a capture, nor a model, nor Gaussians, nor a field");
 }
 
 static char *describe(const char *path, FfpError *err) {

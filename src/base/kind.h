@@ -10,6 +10,7 @@ typedef enum FfpKind {
     FFP_KIND_JSON,
     FFP_KIND_PLY,
     FFP_KIND_WEIGHTS, // safetensors
+    FFP_KIND_FIELD,   // likewise, of a neural field
     FFP_KIND_IMAGE,
 } FfpKind;
 
@@ -20,6 +21,8 @@ typedef enum FfpWanted {
     FFP_WANTED_CAPTURE,
     FFP_WANTED_GAUSSIANS,
     FFP_WANTED_WEIGHTS,
+    FFP_WANTED_FIELD,
+    FFP_WANTED_TENSORS, // any safetensors
     FFP_WANTED_IMAGE
 } FfpWanted;
 

@@ -12,6 +12,8 @@ extern const FfpCommand ffp_cli_import, ffp_cli_align, ffp_cli_info, ffp_cli_rec
     ffp_cli_generate, ffp_cli_train, ffp_cli_view, ffp_cli_patterns, ffp_cli_calibrate;
 
 int ffp_cli_fail(const FfpError *err); // "ffprocams: error: WHAT (WHERE)"; returns FFP_EXIT_FAILURE
+// The same, and a hint where one of the --pattern values looks like several: "-p a,b".
+int ffp_cli_fail_patterns(const FfpError *err, const FfpList *patterns);
 // "ffprocams: error: WHAT" and where to read more; returns FFP_EXIT_USAGE
 int ffp_cli_usage(const char *command, const char *what_format, ...) __attribute__((format(printf, 2, 3)));
 

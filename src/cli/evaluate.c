@@ -118,7 +118,7 @@ static int run(void *data) {
     if (ok && (!ffp_cli_ranks() || ffp_cli_ranks()->rank == 0)) put_table(scores, n_scores);
     ffp_free(scores);
     ffp_model_close(model);
-    return ok ? FFP_EXIT_OK : ffp_cli_fail(&err);
+    return ok ? FFP_EXIT_OK : ffp_cli_fail_patterns(&err, &arguments->patterns);
 }
 
 static void set_defaults(void *data) {

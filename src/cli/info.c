@@ -21,16 +21,18 @@ static const FfpOption options[] = {{0}};
 const FfpCommand ffp_cli_info = {
     .name = "info",
     .group = FFP_CLI_CAPTURE,
-    .purpose = "tells what a capture, a model or a PLY holds, and checks it",
+    .purpose = "tells what a capture, a model, a PLY or a field holds, and checks it",
     .prose =
         "Of a capture: views, patterns, sizes, bounds, intensity and whether it was known, and what to do "
         "about each doubt. Of a model: configuration, parameters, how it was trained. Of Gaussians: count, "
-        "bounds, how opaque they are. The file is checked as every other command checks it.",
+        "bounds, how opaque they are. Of a neural field: numbers, place, how much it fills. The file is "
+        "checked as every other command checks it.",
     .positional = {.name = "FILE",
                    .least = 1,
                    .most = 1,
                    .offset = offsetof(Arguments, file),
-                   .help = "a capture's folder or JSON file, a safetensors model, or a PLY"},
+                   .help =
+                       "a capture's folder or JSON file, a safetensors model, a PLY, or a field of `refine`"},
     .options = options,
     .examples = (const FfpExample[]){{.command = "ffprocams info data/sample"}, {0}},
     .size = sizeof(Arguments),

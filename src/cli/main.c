@@ -66,6 +66,21 @@ int ffp_cli_fail(const FfpError *err) {
     return FFP_EXIT_FAILURE;
 }
 
+// A comma may be part of a name, so it is no mistake by itself.
+int ffp_cli_fail_patterns(const FfpError *err, const FfpList *patterns) {
+    const int status = ffp_cli_fail(err);
+    for (int i = 0; i < patterns->count; i++) {
+        const char *name = patterns->values[i];
+        const size_t length = strcspn(name, "=");
+        if (memchr(name, ',', length) == NULL) continue;
+        fprintf(stderr,
+                "ffprocams: '%.*s' is taken as one pattern's name; repeat -p for several: -p A -p B\n",
+                (int)length, name);
+        break;
+    }
+    return status;
+}
+
 int ffp_cli_usage(const char *command, const char *what_format, ...) {
     va_list arguments;
     fputs("ffprocams: error: ", stderr);

@@ -39,7 +39,7 @@ static int run(void *data) {
     ffp_gaussians_close(gaussians);
     ffp_model_close(model);
     ffp_capture_close(capture);
-    return ok ? FFP_EXIT_OK : ffp_cli_fail(&err);
+    return ok ? FFP_EXIT_OK : ffp_cli_fail_patterns(&err, &arguments->patterns);
 }
 
 static void set_defaults(void *data) {

@@ -1,12 +1,14 @@
 #include <math.h>
 #include <stdio.h>
+#include <string.h>
+#include <strings.h>
 #include "cli.h"
 
 enum { FROM_GAUSSIANS = 1, FROM_FIELD }; // what is fitted from scratch
 
 typedef struct Arguments {
     const char *gaussians, *capture, *output;
-    int scratch;
+    int scratch, form; // form -1: not given
     FfpList patterns;
     FfpRefinement refinement;
 } Arguments;
@@ -50,15 +52,36 @@ static bool run_gaussians(const Arguments *arguments, const FfpCapture *capture,
     return ok;
 }
 
-static int run(void *data) {
-    Arguments *arguments = data;
-    FfpError err = {0};
+static bool ends(const char *path, const char *ending) {
+    const size_t length = strlen(path), n = strlen(ending);
+    return length > n && strcasecmp(path + length - n, ending) == 0;
+}
+
+// An exit code, or -1: all options go together.
+static int check(const Arguments *arguments) {
+    const bool field = arguments->scratch == FROM_FIELD;
     if (arguments->scratch && arguments->gaussians)
         return ffp_cli_usage("refine", "--from-scratch takes no FILE.ply: %s", arguments->gaussians);
     if (!arguments->scratch && !arguments->gaussians)
         return ffp_cli_usage("refine", "give exactly one FILE.ply");
-    if (arguments->refinement.checkpoint && arguments->scratch != FROM_FIELD)
+    if (arguments->refinement.checkpoint && !field)
         return ffp_cli_usage("refine", "--checkpoint goes with --from-scratch=field");
+    if (field && ends(arguments->output, ".ply"))
+        return ffp_cli_usage("refine", "a field is no PLY: end %s in .field, not .ply", arguments->output);
+    if (!field && ends(arguments->output, ".field"))
+        return ffp_cli_usage("refine", "Gaussians are no field: end %s in .ply, not .field",
+                             arguments->output);
+    if (field && (arguments->form >= 0 || arguments->refinement.drawing.samples > 0))
+        return ffp_cli_usage("refine", "--%s is of Gaussians: a field is drawn in one way",
+                             arguments->form >= 0 ? "drawing" : "samples");
+    return -1;
+}
+
+static int run(void *data) {
+    Arguments *arguments = data;
+    FfpError err = {0};
+    if (check(arguments) >= 0) return FFP_EXIT_USAGE;
+    if (arguments->form >= 0) arguments->refinement.drawing.form = (FfpForm)arguments->form;
     arguments->refinement.patterns = arguments->patterns.values;
     arguments->refinement.n_patterns = arguments->patterns.count;
     FfpCapture *capture = ffp_can_write(arguments->output, &err)
@@ -67,11 +90,12 @@ static int run(void *data) {
     const bool ok = capture && (arguments->scratch == FROM_FIELD ? run_field(arguments, capture, &err)
                                                                  : run_gaussians(arguments, capture, &err));
     ffp_capture_close(capture);
-    return ok ? FFP_EXIT_OK : ffp_cli_fail(&err);
+    return ok ? FFP_EXIT_OK : ffp_cli_fail_patterns(&err, &arguments->patterns);
 }
 
 static void set_defaults(void *data) {
     FfpRefinement *refinement = &((Arguments *)data)->refinement;
+    ((Arguments *)data)->form = -1;
     *refinement = ffp_refinement_defaults();
     refinement->seconds = 0; // the same seconds when no steps are given, and no limit when they are
     refinement->seed = 1;
@@ -85,7 +109,7 @@ static const FfpOption options[] = {
      .type = FFP_OPTION_FILE,
      .required = true,
      .offset = offsetof(Arguments, output),
-     .help = "where the better Gaussians (PLY) or the field go"},
+     .help = "where the better Gaussians (.ply) or the field (.field) go"},
     {.name = "from-scratch",
      .argument = "KIND",
      .type = FFP_OPTION_CHOICE,
@@ -93,7 +117,7 @@ static const FfpOption options[] = {
      .words = (const FfpWord[]){{"gaussians", FROM_GAUSSIANS}, {"field", FROM_FIELD}, {0}},
      .help = "without a prediction (and without FILE.ply). gaussians: the way GS-ProCams does it, points in "
              "the visual hull that grow, divide and vanish. field: the way Nepmap does it, a neural "
-             "reflectance field, whose file only `evaluate --field` reads. Both take far longer"},
+             "reflectance field, whose file only `info` and `evaluate --field` read. Both take far longer"},
     {.name = "seconds",
      .letter = 's',
      .argument = "S",
@@ -140,7 +164,7 @@ static const FfpOption options[] = {
      .offset = offsetof(Arguments, refinement.seed),
      .high = INT64_MAX,
      .help = "of the order of views and of the points from scratch. Default: 1"},
-    FFP_CLI_DRAWING(offsetof(Arguments, refinement.drawing.form), FFP_CLI_FORM_HELP),
+    FFP_CLI_DRAWING(offsetof(Arguments, form), FFP_CLI_FORM_HELP),
     FFP_CLI_SAMPLES(offsetof(Arguments, refinement.drawing.samples), FFP_CLI_SAMPLES_HELP),
     {0},
 };

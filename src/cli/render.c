@@ -39,7 +39,7 @@ static int run(void *data) {
     if (written >= 0) printf("%s: %d pictures\n", pictures->folder, written);
     ffp_capture_close(capture);
     ffp_gaussians_close(gaussians);
-    return written >= 0 ? FFP_EXIT_OK : ffp_cli_fail(&err);
+    return written >= 0 ? FFP_EXIT_OK : ffp_cli_fail_patterns(&err, &arguments->patterns);
 }
 
 // "camera,90"

@@ -64,6 +64,9 @@ struct FfpNeuralField {
     real centre[3], radius; // of the capture, in world units: x of the field is centre + radius x
 };
 
+// Share of the cells of the cube around the unit sphere that hold anything.
+double ffp_field_filled(const FfpNeuralField *field);
+
 FfpFieldLayout ffp_field_layout(void);
 // Random networks, and density everywhere.
 FfpNeuralField ffp_neural_field_new(uint64_t seed);

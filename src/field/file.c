@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include "base/alloc.h"
+#include "base/kind.h"
 #include "field/field.h"
 #include "field/numbers.h"
 #include "tensor/safetensors.h"
@@ -50,9 +51,15 @@ static bool read_all(FfpNeuralField *field, const FfpSafetensors *file, const ch
     return true;
 }
 
+double ffp_field_filled(const FfpNeuralField *field) {
+    int filled = 0;
+    for (int i = 0; i < CELLS; i++) filled += field->density[i] > 0;
+    return (double)filled / CELLS;
+}
+
 bool ffp_neural_field_read(FfpNeuralField *field, const char *path, FfpError *err) {
     FfpSafetensors file;
-    if (!ffp_safetensors_read(&file, path, err)) return false;
+    if (!ffp_check_kind(path, FFP_WANTED_FIELD, err) || !ffp_safetensors_read(&file, path, err)) return false;
     *field = ffp_neural_field_new(0);
     const bool ok = read_all(field, &file, path, err);
     ffp_safetensors_free(&file);

@@ -156,6 +156,16 @@ static void one_step(Fit *fit) {
 
 // --- All of them. ---
 
+// Progress counts steps where they are the only limit, else thousandths of the budget.
+static bool counts_steps(const FfpFieldSettings *settings) {
+    return settings->steps > 0 && !(settings->seconds > 0);
+}
+
+static int64_t progress_of(const Fit *fit) {
+    return counts_steps(fit->settings) ? fit->step
+                                       : (int64_t)(share_spent(fit) * (double)fit->progress.total);
+}
+
 // What the last steps came to. The pixels that no ray is drawn from are black in the photographs and in the
 // field alike, so they lower the mean.
 static bool tell(Fit *fit, FfpError *err) {
@@ -167,8 +177,7 @@ static bool tell(Fit *fit, FfpError *err) {
                         "the loss is no number any more");
     snprintf(extra, sizeof extra, "step %lld, loss %.5f, %.2f dB, %d rays a step", (long long)fit->step, loss,
              psnr, CHUNKS * fit->rays);
-    if (!fit->settings->quiet)
-        ffp_task_step(&fit->progress, (int64_t)(share_spent(fit) * (double)fit->progress.total), extra);
+    if (!fit->settings->quiet) ffp_task_step(&fit->progress, progress_of(fit), extra);
     fit->loss = fit->square_error = fit->numbers = 0;
     if (!fit->settings->metrics) return true;
     fprintf(fit->settings->metrics, "{\"step\": %lld, \"seconds\": %.3f, \"loss\": %.6f, \"psnr\": %.4f}\n",
@@ -223,7 +232,7 @@ static bool go_on(Fit *fit, FfpError *err) {
 
 static bool run(Fit *fit, FfpError *err) {
     bool ok = go_on(fit, err);
-    fit->progress = ffp_task("fitting a field", 1000);
+    fit->progress = ffp_task("fitting a field", counts_steps(fit->settings) ? fit->settings->steps : 1000);
     while (ok && !over(fit)) {
         one_step(fit);
         if (fit->step % TELL_EVERY == 0) ok = tell(fit, err);

@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <tgmath.h>
+#include "base/kind.h"
 #include "base/file.h"
 #include "tensor/safetensors.h"
 
@@ -208,7 +209,8 @@ static FfpModel *read_model(const FfpSafetensors *file, const char *path, FfpErr
 
 FfpModel *ffp_model_read(const char *path, FfpError *err) {
     FfpSafetensors file;
-    if (!ffp_safetensors_read(&file, path, err)) return NULL;
+    if (!ffp_check_kind(path, FFP_WANTED_WEIGHTS, err) || !ffp_safetensors_read(&file, path, err))
+        return NULL;
     FfpModel *model = read_model(&file, path, err);
     ffp_safetensors_free(&file);
     return model;

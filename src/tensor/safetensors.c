@@ -173,7 +173,7 @@ static bool parse(FfpSafetensors *file, size_t size, const char *path, FfpError 
 bool ffp_safetensors_read(FfpSafetensors *file, const char *path, FfpError *err) {
     *file = (FfpSafetensors){0};
     size_t size;
-    if (!ffp_check_kind(path, FFP_WANTED_WEIGHTS, err)) return false;
+    if (!ffp_check_kind(path, FFP_WANTED_TENSORS, err)) return false;
     if (!ffp_read_file(path, FILE_BYTES_MAX, &file->bytes, &size, err)) {
         file->bytes = NULL;
         return false;

@@ -87,6 +87,13 @@ static void test_several_patterns(void **state) {
                    scratch, scratch),
         1);
     assert_non_null(strstr(run.err, "'lollipop_1' is named twice"));
+    assert_null(strstr(run.err, "repeat -p"));
+    assert_int_equal(run_format(&run,
+                                "reconstruct %s/tiny -o %s/never.ply --model none -p lollipop_0,lollipop_1",
+                                scratch, scratch),
+                     1);
+    assert_non_null(strstr(run.err, "no pattern 'lollipop_0,lollipop_1'"));
+    assert_non_null(strstr(run.err, "repeat -p for several: -p A -p B"));
     assert_false(ffp_is_file(in_scratch("never.ply")));
 }
 
@@ -117,6 +124,21 @@ static void test_a_field_is_fitted_and_evaluated(void **state) {
     assert_int_equal(sscanf(at, "neural field, %lf dB", &psnr), 1);
     assert_true(psnr > 15);
     assert_true(ffp_is_file(in_scratch("field.jsonl")));
+    assert_int_equal(run_format(&run, "info %s/tiny.field", scratch), 0);
+    assert_non_null(strstr(run.out, "neural field "));
+    assert_non_null(strstr(run.out, "evaluate --field"));
+    static const char *const others[] = {"render %s/tiny.field -c %s/tiny -o %s/never",
+                                         "reconstruct %s/tiny.field -o %s/never --model none",
+                                         "reconstruct %s/tiny -o %s/never --model %s/tiny.field",
+                                         "refine %s/tiny.field -c %s/tiny -o %s/never.ply"};
+    for (size_t i = 0; i < sizeof others / sizeof *others; i++) {
+        run_format(&run, others[i], scratch, scratch, scratch);
+        assert_int_equal(run.status, 1);
+        assert_non_null(
+            strstr(run.err, "is a neural field, which only `info` and `evaluate --field` read, not "));
+    }
+    assert_int_equal(run_format(&run, "evaluate %s/tiny --field %s/tiny.ply", scratch, scratch), 1);
+    assert_non_null(strstr(run.err, "is Gaussians (a PLY), not a neural field"));
     assert_int_equal(run_format(&run, "evaluate %s/tiny --field %s/tiny.field", scratch, scratch), 0);
     assert_non_null(strstr(run.out, "rendering"));
     assert_int_equal(run_format(&run, "evaluate %s/tiny --field %s/tiny.ply", scratch, scratch), 1);
@@ -156,6 +178,15 @@ static void test_wrong_requests_are_told_and_write_nothing(void **state) {
     assert_int_equal(
         run_format(&run, "refine %s/tiny.ply --from-scratch=gaussians -c %s/tiny -o a.ply", scratch, scratch),
         2);
+    static const char *const wrong[][2] = {
+        {"refine --from-scratch=field -c %s/tiny -o %s/b.PLY", "a field is no PLY: end "},
+        {"refine --from-scratch=gaussians -c %s/tiny -o %s/b.field", "Gaussians are no field: end "},
+        {"refine --from-scratch=field -c %s/tiny -o %s/b.field --drawing ours", "--drawing is of Gaussians"},
+        {"refine --from-scratch=field -c %s/tiny -o %s/b.field --samples 2", "--samples is of Gaussians"}};
+    for (size_t i = 0; i < sizeof wrong / sizeof *wrong; i++) {
+        assert_int_equal(run_format(&run, wrong[i][0], scratch, scratch), 2);
+        assert_non_null(strstr(run.err, wrong[i][1]));
+    }
     assert_int_equal(run_format(&run, "refine %s/tiny.ply -c %s/tiny -o a.ply --steps 0", scratch, scratch),
                      2);
     assert_int_equal(run_format(&run, "refine %s/tiny.ply -c %s/tiny -o %s/no.ply --steps 4 --pattern absent",
