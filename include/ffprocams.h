@@ -665,8 +665,9 @@ typedef struct FfpCalibratedAt {
 } FfpCalibratedAt;
 
 // Photographs under one pattern or several. `files` is a path with {view}, {pattern}, {index} (from 0, among
-// all views of the calibration), {number} (from 1) or {number:3} (with zeros) in it; or one with *, whose
-// files are taken in order, img_9 before img_10: all patterns of the first view, then of the second.
+// all views of the calibration), {number} (from 1) or {number:3} (with zeros) in it, which are filled in
+// first; what they do not tell apart is told by *, whose files are taken in order, img_9 before img_10: all
+// patterns of the first view, then of the second. Masks and Gray codes are named likewise.
 typedef struct FfpImportImages {
     const char *const *patterns; // names: black, white, and what the caller calls the others
     int n_patterns;

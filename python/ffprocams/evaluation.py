@@ -259,7 +259,7 @@ def import_capture(
         folder: must not hold anything yet.
         calibrations: files of other tools (docs/formats.md), a Calibration, or a dict of matrices (its from_dict).
         images: pattern name ("black", "white" and those of ``patterns``) to files: a path with {view}, {pattern},
-            {index} or {number} in it, or one with *. None: the pictures that the calibration names.
+            {index} or {number} in it, or *, or both. None: the pictures that the calibration names.
         patterns: name to the image file of what the projector showed, besides black and white.
         held_out: likewise, only ever to be predicted.
         gray_codes: photographs of the Gray codes of write_patterns, files as in ``images``, {pattern} being gray_x_00,

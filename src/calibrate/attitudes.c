@@ -53,17 +53,29 @@ static bool read_codes(const FfpRigFit *fit, FfpAttitude *a, const FfpGrayPhotog
     return done;
 }
 
+// The white photograph as the corners' detector has it, off the shelf.
+static FfpImage take_white(FfpGrayShelf *shelf) {
+    FfpImage white = {0};
+    for (int i = 0; i < shelf->n && white.data == NULL; i++) {
+        white = shelf->files[i].luma;
+        shelf->files[i].luma = (FfpImage){0};
+    }
+    return white;
+}
+
 static bool read_attitude(FfpRigFit *fit, FfpAttitude *a, const FfpShotFolder *folder, FfpImage *seen,
                           FfpError *err) {
-    FfpGrayPhotographs photographs = {.width = fit->devices[1].width, .height = fit->devices[1].height};
-    FfpImage white;
+    FfpGrayShelf shelf = {.n = 0}; // each photograph is read once
+    FfpGrayPhotographs photographs = {
+        .width = fit->devices[1].width, .height = fit->devices[1].height, .shelf = &shelf};
     FfpError error = {0};
     a->name = folder->name;
-    if (!ffp_gray_find_plain(&photographs, folder->files, folder->n_files, &error) ||
-        !ffp_board_read(&white, photographs.white, &error))
+    if (!ffp_gray_find_plain(&photographs, folder->files, folder->n_files, &error))
         return as_problem(a, &error, err);
+    FfpImage white = take_white(&shelf);
     bool ok = settle_size(fit, &white, folder->name, err) && ffp_board_find(&fit->board, &white, a, err);
     if (ok && !a->problem[0]) ok = read_codes(fit, a, &photographs, &white, err);
+    ffp_gray_shelf_free(&shelf);
     if (ok && a->n == 0 && seen->data == NULL) {
         *seen = white;
     } else {

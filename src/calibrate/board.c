@@ -25,13 +25,7 @@ void ffp_attitude_free(FfpAttitude *a) {
 bool ffp_board_read(FfpImage *grey, const char *path, FfpError *err) {
     FfpImage image;
     if (!ffp_photograph_read(&image, NULL, path, false, NULL, err)) return false;
-    ffp_image_to_srgb(&image);
-    *grey = ffp_image_new(image.width, image.height, 1);
-    const size_t pixels = (size_t)image.width * (size_t)image.height;
-    for (size_t i = 0; i < pixels; i++) { // luma of BT.601, as corner detectors have it
-        const real *c = image.data + 3 * i;
-        grey->data[i] = 0.299F * c[0] + 0.587F * c[1] + 0.114F * c[2];
-    }
+    *grey = ffp_photograph_luma(&image);
     ffp_image_free(&image);
     return true;
 }

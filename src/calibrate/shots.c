@@ -8,7 +8,7 @@
 #include "base/call.h"
 #include "base/file.h"
 #include "image/photograph.h"
-#include "rig/pictures.h"
+#include "rig/file_names.h"
 
 enum { FILES_MAX = 4096 };
 

@@ -54,7 +54,7 @@ static int run(void *data) {
         printf("%s: now ffprocams info %s\n", import->folder, import->folder);
         return FFP_EXIT_OK;
     }
-    const int status = ffp_cli_fail(&err);
+    const int status = ffp_cli_fail_patterns(&err, &arguments->patterns);
     const char *option = ffp_cli_import_option(&err);
     if (option) fprintf(stderr, "ffprocams: see %s in: ffprocams import --help\n", option);
     return status;
@@ -186,11 +186,11 @@ static const FfpOption options[] = {
      .group = PHOTOGRAPHS,
      .help = "the photographs under a pattern (black, white, and what you call yours). FILES has {view}, "
              "{index} (from 0; of all views, whichever are chosen), {number} (from 1), {number:3} (with "
-             "zeros); or *, whose files are taken in "
-             "order, img_9 before img_10. Several names: FILES has {pattern}, or * runs through all names of "
-             "the first view, then of the second. Views of a turntable are called by angle: 000, 045. Raw "
-             "photographs are developed (by dcraw_emu); a film stands for the mean of its frames, FILM@3-4.5 "
-             "for those between two seconds, FILM@3 for one (by ffmpeg)"},
+             "zeros) and, of several names, {pattern}; or *, or both: what they do not tell apart * takes in "
+             "order, img_9 before img_10, all names of the first view, then of the second. Views of a "
+             "turntable are called by angle: 000, 045. Raw photographs are developed (by dcraw_emu); a film "
+             "stands for the mean of its frames, FILM@3-4.5 for those between two seconds, FILM@3 for one "
+             "(by ffmpeg): with {number} or the like, not with *"},
     {.name = "pattern",
      .letter = 'p',
      .argument = "NAME=FILE",

@@ -6,13 +6,27 @@
 #include "base/error.h"
 #include "image/image.h"
 
+// Photographs that were read already, so that nobody reads them again.
+typedef struct FfpGrayShelf {
+    struct {
+        const char *path;
+        float *grey;   // [h,w] mean of the channels as linear light; NULL: given away
+        FfpImage luma; // of the white one (ffp_photograph_luma)
+        int width, height;
+    } files[4];
+    int n;
+} FfpGrayShelf;
+void ffp_gray_shelf_free(FfpGrayShelf *shelf);
+
 // The photographs of one view, in the order in which `ffprocams patterns` shows the codes: columns, the
 // coarsest bit first, each pattern followed by its inverse; then rows likewise.
 typedef struct FfpGrayPhotographs {
     int width, height;        // of the panel that showed them
     const char *const *codes; // [ffp_gray_photographs(width, height)] files
     const char *black, *white;
-    bool linear; // the files' numbers are linear light, and not sRGB
+    bool linear;         // the files' numbers are linear light, and not sRGB
+    FfpGrayShelf *shelf; // where ffp_gray_find_plain leaves what it has read, for ffp_gray_decode_view; NULL:
+                         // nowhere
     const FfpImage
         *region; // [h,w,1] not 0 where it is looked at whether they belong together; NULL: anywhere
 } FfpGrayPhotographs;

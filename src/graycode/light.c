@@ -1,5 +1,6 @@
 // Photographs as light, and pairs of them as signals.
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 #include "base/alloc.h"
 #include "base/call.h"
@@ -20,10 +21,38 @@ enum { LEVELS = 1024 };
 #define BOTH_DARK 0.25    // what they add up to where both are dark
 #define ALIKE_SHARE 0.25  // of the pixels: that is no pair
 #define RIGHT 0.25        // of white: by as much the sum of a pair may be off
+#define PAIR_SHARE 0.8    // of the pixels that must be right where two are each other's inverse
 #define PAIR_LOW 0.7      // what a pattern and its inverse add up to, in white
 #define PAIR_HIGH 1.4     // and against white
 
-bool ffp_gray_read(float **grey, int *width, int *height, const char *path, bool linear, FfpError *err) {
+void ffp_gray_shelf_free(FfpGrayShelf *shelf) {
+    for (int i = 0; i < shelf->n; i++) {
+        ffp_free(shelf->files[i].grey);
+        ffp_image_free(&shelf->files[i].luma);
+    }
+    *shelf = (FfpGrayShelf){.n = 0};
+}
+
+// What the shelf holds of a file; NULL: nothing.
+static float *take_from_shelf(FfpGrayShelf *shelf, const char *path, int *width, int *height) {
+    for (int i = 0; shelf != NULL && i < shelf->n; i++) {
+        float *grey = shelf->files[i].grey;
+        if (grey == NULL || strcmp(shelf->files[i].path, path) != 0) continue;
+        shelf->files[i].grey = NULL;
+        *width = shelf->files[i].width, *height = shelf->files[i].height;
+        return grey;
+    }
+    return NULL;
+}
+
+static bool read_light(float **grey, int *width, int *height, const FfpGrayDecoder *d, const char *path,
+                       FfpError *err) {
+    *grey = take_from_shelf(d->from->shelf, path, width, height);
+    return *grey != NULL || ffp_gray_read(grey, NULL, width, height, path, d->from->linear, err);
+}
+
+bool ffp_gray_read(float **grey, FfpImage *luma, int *width, int *height, const char *path, bool linear,
+                   FfpError *err) {
     FfpImage rgb = {0};
     if (!ffp_photograph_read(&rgb, NULL, path, linear, NULL, err)) return false;
     const size_t pixels = (size_t)rgb.width * (size_t)rgb.height;
@@ -31,6 +60,7 @@ bool ffp_gray_read(float **grey, int *width, int *height, const char *path, bool
     *grey = ffp_alloc(pixels, sizeof(float));
     for (size_t i = 0; i < pixels; i++)
         (*grey)[i] = (float)(rgb.data[3 * i] + rgb.data[3 * i + 1] + rgb.data[3 * i + 2]) / 3;
+    if (luma != NULL) *luma = ffp_photograph_luma(&rgb);
     ffp_image_free(&rgb);
     return true;
 }
@@ -38,7 +68,7 @@ bool ffp_gray_read(float **grey, int *width, int *height, const char *path, bool
 // One that must be of the others' size.
 static bool read_next(float **grey, const FfpGrayDecoder *d, const char *path, FfpError *err) {
     int width, height;
-    if (!ffp_gray_read(grey, &width, &height, path, d->from->linear, err)) return false;
+    if (!read_light(grey, &width, &height, d, path, err)) return false;
     return (width == d->width && height == d->height) ||
            ffp_fail(err, FFP_ERROR_FILE, path, "image is %d x %d, the others have %d x %d", width, height,
                     d->width, d->height);
@@ -77,7 +107,7 @@ static double typical_light(const FfpGrayDecoder *d) {
 
 bool ffp_gray_find_light(FfpGrayDecoder *d, FfpError *err) {
     const FfpImage *region = d->from->region;
-    if (!ffp_gray_read(&d->light, &d->width, &d->height, d->from->white, d->from->linear, err)) return false;
+    if (!read_light(&d->light, &d->width, &d->height, d, d->from->white, err)) return false;
     if (region != NULL && (region->width != d->width || region->height != d->height))
         return ffp_fail(err, FFP_ERROR_FILE, d->from->white, "image is %d x %d, and was %d x %d before",
                         d->width, d->height, region->width, region->height);
@@ -168,6 +198,82 @@ static bool check_exposure(const FfpGrayDecoder *d, const Pair *pair, double *be
     return true;
 }
 
+// --- Which have changed places. ---
+
+// One exchange of two photographs after which both pairs that it touches are pairs.
+typedef struct Exchange {
+    const char *first, *second;
+} Exchange;
+
+typedef struct Search {
+    const FfpGrayDecoder *d;
+    const Pair *broken;
+    Exchange found[2];
+    int count;
+} Search;
+
+// Whether two photographs are each other's inverse; *edges: neighbouring pixels between which the brighter
+// one changes.
+static bool are_inverse(const FfpGrayDecoder *d, float *a, float *b, size_t *edges) {
+    const Pair pair = {0, 0, {a, b}};
+    size_t count = 0, right = 0;
+    *edges = 0;
+    for (size_t i = 0; i < d->pixels; i++) {
+        if (!d->checked[i]) continue;
+        count++, right += fabs(sum_of(d, &pair, i) - 1) < RIGHT;
+        for (int n = 0; n < 2; n++) {
+            const size_t back = n ? (size_t)d->width : 1;
+            if (i >= back && d->checked[i - back]) *edges += (a[i] > b[i]) != (a[i - back] > b[i - back]);
+        }
+    }
+    return (double)right > PAIR_SHARE * (double)count;
+}
+
+// The broken pair with one of its photographs (k) exchanged for one (m) of another pair. Within an axis the
+// coarser code must have fewer edges.
+static void try_exchange(Search *s, const Pair *other, int k, int m) {
+    const FfpGrayDecoder *d = s->d;
+    float *here[2] = {s->broken->grey[0], s->broken->grey[1]}, *there[2] = {other->grey[0], other->grey[1]};
+    size_t edges[2];
+    here[k] = other->grey[m], there[m] = s->broken->grey[k];
+    if (!are_inverse(d, here[0], here[1], &edges[0]) || !are_inverse(d, there[0], there[1], &edges[1]))
+        return;
+    const bool same = other->axis == s->broken->axis, coarser = other->bit < s->broken->bit;
+    if (same && edges[0] != edges[1] && (edges[1] < edges[0]) != coarser) return;
+    if (s->count < 2)
+        s->found[s->count] = (Exchange){ffp_gray_photograph(d, s->broken->axis, s->broken->bit, k),
+                                        ffp_gray_photograph(d, other->axis, other->bit, m)};
+    s->count++;
+}
+
+static void try_pair(Search *s, int axis, int bit) {
+    const FfpGrayDecoder *d = s->d;
+    Pair other = {axis, bit, {NULL, NULL}};
+    bool ok = true;
+    for (int k = 0; ok && k < 2; k++)
+        ok = read_next(&other.grey[k], d, ffp_gray_photograph(d, axis, bit, k), NULL);
+    for (int n = 0; ok && n < 4; n++) try_exchange(s, &other, n / 2, n % 2);
+    ffp_free(other.grey[0]), ffp_free(other.grey[1]);
+    ffp_cancel_point();
+}
+
+// Where an exchange with another photograph (or either of two) mends a broken pair, that is the error.
+static void explain(const FfpGrayDecoder *d, const Pair *broken, FfpError *err) {
+    Search s = {.d = d, .broken = broken};
+    char other[280] = "";
+    for (int axis = 0; axis < 2; axis++)
+        for (int bit = 0; bit < d->bits[axis]; bit++)
+            if (axis != broken->axis || bit != broken->bit) try_pair(&s, axis, bit);
+    if (s.count < 1 || s.count > 2) return;
+    if (s.count == 2)
+        snprintf(other, sizeof other, ", or %.120s and %.120s", ffp_basename(s.found[1].first),
+                 ffp_basename(s.found[1].second));
+    ffp_fail(err, FFP_ERROR_FILE, ffp_gray_photograph(d, broken->axis, broken->bit, 0),
+             "it and '%.120s' are not each other's inverse: %.120s and %.120s seem to be swapped%s",
+             ffp_basename(ffp_gray_photograph(d, broken->axis, broken->bit, 1)),
+             ffp_basename(s.found[0].first), ffp_basename(s.found[0].second), other);
+}
+
 static void take_signal(FfpGrayDecoder *d, const Pair *pair) {
     uint8_t *signal = d->signal[pair->axis][pair->bit] = ffp_alloc(d->pixels, 1);
     for (size_t i = 0; i < d->pixels; i++) {
@@ -182,7 +288,10 @@ static bool read_bit(FfpGrayDecoder *d, int axis, int bit, double *sum, FfpError
     bool ok = true;
     for (int k = 0; ok && k < 2; k++)
         ok = read_next(&pair.grey[k], d, ffp_gray_photograph(d, axis, bit, k), err);
-    ok = ok && check_inverse(d, &pair, err) && check_exposure(d, &pair, sum, err);
+    if (ok && !(check_inverse(d, &pair, err) && check_exposure(d, &pair, sum, err))) {
+        explain(d, &pair, err);
+        ok = false;
+    }
     if (ok) take_signal(d, &pair);
     ffp_free(pair.grey[0]), ffp_free(pair.grey[1]);
     ffp_cancel_point();

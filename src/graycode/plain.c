@@ -12,9 +12,10 @@
 // Two photographs one after the other, as light.
 typedef struct Plain {
     const char *const *files;
-    float *grey[2]; // black and white, if that is what they are
-    bool turned;    // white comes first
-    bool lit;       // they differ
+    float *grey[2];   // black and white, if that is what they are
+    FfpImage luma[2]; // of files
+    bool turned;      // white comes first
+    bool lit;         // they differ
     int width, height;
     double share; // of the pixels that differ, of which white is the brighter
     double added; // light, of all pixels together
@@ -38,10 +39,13 @@ static void compare(Plain *p) {
     p->share = 1 - p->share, p->added = -p->added;
 }
 
-static bool read_plain(Plain *p, bool linear, FfpError *err) {
+// With luma where there is a shelf to keep it on.
+static bool read_plain(Plain *p, const FfpGrayPhotographs *from, FfpError *err) {
     int width, height;
-    if (!ffp_gray_read(&p->grey[0], &p->width, &p->height, p->files[0], linear, err) ||
-        !ffp_gray_read(&p->grey[1], &width, &height, p->files[1], linear, err))
+    FfpImage *luma = from->shelf != NULL ? p->luma : NULL;
+    if (!ffp_gray_read(&p->grey[0], luma, &p->width, &p->height, p->files[0], from->linear, err) ||
+        !ffp_gray_read(&p->grey[1], luma != NULL ? luma + 1 : NULL, &width, &height, p->files[1],
+                       from->linear, err))
         return false;
     if (width != p->width || height != p->height)
         return ffp_fail(err, FFP_ERROR_FILE, p->files[1], "image is %d x %d, '%.200s' has %d x %d", width,
@@ -74,6 +78,24 @@ static const Plain *choose(const Plain *front, const Plain *back) {
     return plain ? chosen : NULL;
 }
 
+// Onto the shelf, with the luma of white.
+static void keep_plain(FfpGrayShelf *shelf, Plain *p, const char *white) {
+    for (int k = 0; k < 2; k++) {
+        const int file = p->turned ? 1 - k : k, at = shelf->n++;
+        const char *path = p->files[file];
+        shelf->files[at].path = path, shelf->files[at].grey = p->grey[k];
+        shelf->files[at].width = p->width, shelf->files[at].height = p->height;
+        p->grey[k] = NULL;
+        if (path != white) continue;
+        shelf->files[at].luma = p->luma[file];
+        p->luma[file] = (FfpImage){0};
+    }
+}
+
+static void free_plain(Plain *p) {
+    for (int k = 0; k < 2; k++) ffp_free(p->grey[k]), ffp_image_free(&p->luma[k]);
+}
+
 bool ffp_gray_find_plain(FfpGrayPhotographs *photographs, const char *const *files, int n, FfpError *err) {
     const int count = 2 + ffp_gray_photographs(photographs->width, photographs->height);
     if (n != count)
@@ -83,10 +105,18 @@ bool ffp_gray_find_plain(FfpGrayPhotographs *photographs, const char *const *fil
                         n, photographs->width, photographs->height, count, count / 2 - 1);
     Plain front = {.files = files}, back = {.files = files + count - 2};
     const Plain *chosen = NULL;
-    const bool ok =
-        read_plain(&front, photographs->linear, err) && read_plain(&back, photographs->linear, err);
+    const bool ok = read_plain(&front, photographs, err) && read_plain(&back, photographs, err);
     if (ok) chosen = choose(&front, &back);
-    for (int k = 0; k < 2; k++) ffp_free(front.grey[k]), ffp_free(back.grey[k]);
+    if (chosen != NULL) {
+        photographs->codes = files + (chosen == &front ? 2 : 0);
+        photographs->black = chosen->files[chosen->turned ? 1 : 0];
+        photographs->white = chosen->files[chosen->turned ? 0 : 1];
+        if (photographs->shelf != NULL) {
+            keep_plain(photographs->shelf, &front, photographs->white);
+            keep_plain(photographs->shelf, &back, photographs->white);
+        }
+    }
+    free_plain(&front), free_plain(&back);
     if (!ok) return false;
     if (chosen == NULL && !(front.lit || back.lit))
         return ffp_fail(
@@ -97,8 +127,5 @@ bool ffp_gray_find_plain(FfpGrayPhotographs *photographs, const char *const *fil
         return ffp_fail(
             err, FFP_ERROR_FILE, files[0],
             "neither the first two photographs nor the last two are the projector black and white");
-    photographs->codes = files + (chosen == &front ? 2 : 0);
-    photographs->black = chosen->files[chosen->turned ? 1 : 0];
-    photographs->white = chosen->files[chosen->turned ? 0 : 1];
     return true;
 }

@@ -30,6 +30,10 @@ typedef struct Source {
 
 // --- What it is. ---
 
+static const char *const raw_endings[] = {".cr2", ".cr3", ".crw", ".nef", ".arw", ".dng", ".raf",
+                                          ".rw2", ".orf", ".pef", ".srw", ".x3f", ".mrw", NULL};
+static const char *const film_endings[] = {".mp4", ".mov", ".mkv", ".avi", ".webm", NULL};
+
 // "FROM-TO" or "AT"; false when it is neither.
 static bool read_part(const char *text, double *from, double *to) {
     char *end;
@@ -42,14 +46,28 @@ static bool read_part(const char *text, double *from, double *to) {
     return *end == 0 && *from < 1e6 && *to < 1e6;
 }
 
-// The file that is meant, and its part; the whole path where there is a file of that name.
-static void find_file(Source *source, const char *path) {
+static bool has_one_of(const char *name, const char *const *endings) {
+    const char *dot = strrchr(name, '.');
+    for (; dot != NULL && dot != name && *endings != NULL; endings++)
+        if (strcasecmp(dot, *endings) == 0) return true;
+    return false;
+}
+
+// The file that is meant, and its part; the whole path where there is a file of that name. An error: a part
+// that is none, of a file that is there.
+static bool find_file(Source *source, const char *path, FfpError *err) {
     const char *at = strrchr(path, '@');
     *source = (Source){.path = path};
     snprintf(source->file, sizeof source->file, "%s", path);
-    if (at == NULL || strlen(path) >= sizeof source->file || ffp_is_file(path)) return;
+    if (at == NULL || strlen(path) >= sizeof source->file || ffp_is_file(path)) return true;
+    source->file[at - path] = 0;
     source->part = read_part(at + 1, &source->from, &source->to);
-    if (source->part) source->file[at - path] = 0;
+    if (source->part) return true;
+    if (ffp_is_file(source->file))
+        return ffp_fail(err, FFP_ERROR_FILE, path,
+                        "'%.40s' is no part of a film: @AT or @FROM-TO in seconds, FROM before TO", at + 1);
+    source->file[at - path] = '@';
+    return true;
 }
 
 static bool is_tiff_raw(const char *file) {
@@ -62,9 +80,19 @@ static bool is_tiff_raw(const char *file) {
     return raw;
 }
 
+// What is named as a raw photograph or a film is one, or a picture, which is read as such, or named.
+static bool check_name(const char *file, const FfpBytes *head, FfpError *err) {
+    const bool raw = has_one_of(file, raw_endings);
+    if ((!raw && !has_one_of(file, film_endings)) || ffp_is_foreign(head) || ffp_png_is(head) ||
+        ffp_jpeg_is(head) || ffp_tiff_is(head) || ffp_exr_is(head))
+        return true;
+    return ffp_fail(err, FFP_ERROR_FILE, file, "is no %s, though its name ends as if it were",
+                    raw ? "raw photograph" : "film");
+}
+
 static bool open_source(Source *source, const char *path, FfpError *err) {
     unsigned char bytes[HEAD];
-    find_file(source, path);
+    if (!find_file(source, path, err)) return false;
     FILE *stream = ffp_open_to_read(source->file, err);
     if (!stream) return false;
     const FfpBytes head = {.data = bytes, .size = fread(bytes, 1, sizeof bytes, stream), .path = path};
@@ -72,8 +100,9 @@ static bool open_source(Source *source, const char *path, FfpError *err) {
     source->kind = ffp_foreign_kind(&head);
     if (source->kind == FFP_FOREIGN_OTHER && ffp_tiff_is(&head) && is_tiff_raw(source->file))
         source->kind = FFP_FOREIGN_RAW;
-    return !source->part || source->kind == FFP_FOREIGN_FILM ||
-           ffp_fail(err, FFP_ERROR_FILE, path, "'%s' is no film: it has no parts", source->file);
+    if (source->part && source->kind != FFP_FOREIGN_FILM)
+        return ffp_fail(err, FFP_ERROR_FILE, path, "'%s' is no film: it has no parts", source->file);
+    return source->kind != FFP_FOREIGN_OTHER || check_name(source->file, &head, err);
 }
 
 // --- The program at work. ---
@@ -236,6 +265,17 @@ bool ffp_photograph_read(FfpImage *rgb, FfpImage *alpha, const char *path, bool 
     return true;
 }
 
+FfpImage ffp_photograph_luma(FfpImage *rgb) {
+    FfpImage luma = ffp_image_new(rgb->width, rgb->height, 1);
+    const size_t pixels = (size_t)rgb->width * (size_t)rgb->height;
+    ffp_image_to_srgb(rgb);
+    for (size_t i = 0; i < pixels; i++) {
+        const real *c = rgb->data + 3 * i;
+        luma.data[i] = 0.299F * c[0] + 0.587F * c[1] + 0.114F * c[2];
+    }
+    return luma;
+}
+
 bool ffp_photograph_read_size(int *width, int *height, const char *path, FfpError *err) {
     char said[FFP_PROCESS_SAID];
     Source source;
@@ -253,17 +293,20 @@ bool ffp_photograph_read_size(int *width, int *height, const char *path, FfpErro
 }
 
 bool ffp_photograph_has_ending(const char *name) {
-    static const char *const endings[] = {".cr2", ".cr3", ".crw", ".nef", ".arw", ".dng",
-                                          ".raf", ".rw2", ".orf", ".pef", ".srw", ".x3f",
-                                          ".mrw", ".mp4", ".mov", ".mkv", ".avi", ".webm"};
-    const char *dot = strrchr(name, '.');
-    for (size_t i = 0; dot != NULL && dot != name && i < sizeof endings / sizeof *endings; i++)
-        if (strcasecmp(dot, endings[i]) == 0) return true;
-    return ffp_image_has_ending(name);
+    return has_one_of(name, raw_endings) || has_one_of(name, film_endings) || ffp_image_has_ending(name);
 }
 
-bool ffp_photograph_is_there(const char *path) {
+bool ffp_photograph_check(const char *path, const char *what, FfpError *err) {
     Source source;
-    find_file(&source, path);
-    return ffp_is_file(source.file);
+    return find_file(&source, path, err) &&
+           (ffp_is_file(source.file) ||
+            ffp_fail(err, FFP_ERROR_FILE, path, "there is no such file: %s", what));
+}
+
+bool ffp_photograph_names_part(const char *path) {
+    char file[FFP_PATH_MAX];
+    const char *at = strrchr(path, '@');
+    if (at == NULL || (size_t)(at - path) >= sizeof file) return false;
+    snprintf(file, sizeof file, "%.*s", (int)(at - path), path);
+    return has_one_of(file, film_endings);
 }

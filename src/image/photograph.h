@@ -17,10 +17,16 @@ typedef struct FfpDeveloped { // how many were read so far
 // be NULL. Errors also: the program is not there, or makes nothing of the file; frames of several sizes.
 bool ffp_photograph_read(FfpImage *rgb, FfpImage *alpha, const char *path, bool linear,
                          FfpDeveloped *developed, FfpError *err);
+// Luma of a photograph (BT.601, of sRGB-encoded values), as corner detectors have it: [h,w,1]. The photograph
+// is encoded meanwhile.
+FfpImage ffp_photograph_luma(FfpImage *rgb);
 // Only the size; of what has to be developed it costs a fast development, or one frame.
 bool ffp_photograph_read_size(int *width, int *height, const char *path, FfpError *err);
-// Whether there is such a file, the part of a film taken off its name.
-bool ffp_photograph_is_there(const char *path);
+// Whether there is such a file, the part of a film taken off its name; the error says `what` it would show.
+// Errors also: a part that is none.
+bool ffp_photograph_check(const char *path, const char *what, FfpError *err);
+// Whether a name asks for the part of a film, right or wrong: something with an @ behind a film's ending.
+bool ffp_photograph_names_part(const char *path);
 // Whether a name ends as those of photographs do: for those among a folder's files.
 bool ffp_photograph_has_ending(const char *name);
 

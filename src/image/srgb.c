@@ -36,11 +36,14 @@ static void encode_row(real *row, int width, int channels) {
     }
 }
 
-// Back. Files of 8 bits hold 256 values: a row decodes each of them once, to the curve's own result.
-static void decode_row(real *row, int width, int channels) {
-    const int colours = channels == 4 ? 3 : channels;
+// Back. Files of 8 bits hold 256 values: a thread decodes each of them once, to the curve's own result.
+typedef struct Decoded {
     real from[256], to[256];
-    for (int k = 0; k < 256; k++) from[k] = to[k] = 0;
+} Decoded;
+
+static void decode_row(real *row, int width, int channels, Decoded *known) {
+    const int colours = channels == 4 ? 3 : channels;
+    real *const from = known->from, *const to = known->to;
     for (int x = 0; x < width; x++) {
         for (int c = 0; c < colours; c++) {
             real *value = row + (ptrdiff_t)x * channels + c;
@@ -52,22 +55,33 @@ static void decode_row(real *row, int width, int channels) {
     }
 }
 
-static void map_rows(FfpImage *image, void (*map)(real *, int, int)) {
+static void encode_rows(FfpImage *image) {
     const ptrdiff_t row = (ptrdiff_t)image->width * image->channels;
 #pragma omp parallel for schedule(static)
-    for (int y = 0; y < image->height; y++) map(image->data + y * row, image->width, image->channels);
+    for (int y = 0; y < image->height; y++) encode_row(image->data + y * row, image->width, image->channels);
+}
+
+static void decode_rows(FfpImage *image) {
+    const ptrdiff_t row = (ptrdiff_t)image->width * image->channels;
+#pragma omp parallel
+    {
+        Decoded known = {{0}, {0}};
+#pragma omp for schedule(static)
+        for (int y = 0; y < image->height; y++)
+            decode_row(image->data + y * row, image->width, image->channels, &known);
+    }
 }
 
 void ffp_image_to_srgb(FfpImage *image) {
     if (ffp_device())
         ffp_device()->image->to_srgb(image);
     else
-        map_rows(image, encode_row);
+        encode_rows(image);
 }
 
 void ffp_image_to_linear(FfpImage *image) {
     if (ffp_device())
         ffp_device()->image->to_linear(image);
     else
-        map_rows(image, decode_row);
+        decode_rows(image);
 }

@@ -1,97 +1,21 @@
 #include "rig/pictures.h"
 
-#include <ctype.h>
-#include <glob.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "base/call.h"
 #include "base/file.h"
 #include "image/photograph.h"
+#include "rig/file_names.h"
 
 // Settings, for errors.
 #define IMAGES "images"
 #define PATTERNS "patterns"
 #define HELD_OUT "held_out"
 
-// --- Names in order. ---
-
-int ffp_natural_order(const char *a, const char *b) {
-    while (*a != 0 && *b != 0) {
-        if (isdigit((unsigned char)*a) && isdigit((unsigned char)*b)) {
-            a += strspn(a, "0"), b += strspn(b, "0");
-            const size_t m = strspn(a, "0123456789"), n = strspn(b, "0123456789");
-            if (m != n) return m < n ? -1 : 1;
-            const int order = strncmp(a, b, m);
-            if (order != 0) return order;
-            a += m, b += n;
-        } else {
-            if (*a != *b) return (unsigned char)*a < (unsigned char)*b ? -1 : 1;
-            a++, b++;
-        }
-    }
-    return (*a != 0) - (*b != 0);
-}
-
-static int compare_paths(const void *a, const void *b) {
-    const char *x = *(char *const *)a, *y = *(char *const *)b;
-    const int order = ffp_natural_order(x, y);
-    return order != 0 ? order : strcmp(x, y); // "1.png" and "01.png"
-}
-
 static const char *keep(FfpArena *arena, const char *text) {
     const size_t size = strlen(text) + 1;
     return memcpy(ffp_arena_alloc(arena, size, 1), text, size);
-}
-
-// --- Templates: {view}, {pattern}, {index}, {number}, the last two also as {number:3}. ---
-
-// The text of one placeholder, "view" or "number:3"; false when there is no such.
-static bool fill_blank(const FfpBlanks *blanks, const char *blank, size_t length,
-                       char out[FFP_NAME_MAX + 16]) {
-    static const char *const words[2] = {"view", "pattern"}, *const counters[2] = {"index", "number"};
-    const char *const texts[2] = {blanks->view, blanks->pattern};
-    for (size_t i = 0; i < 2; i++) {
-        const size_t n = strlen(words[i]);
-        if (length != n || strncmp(blank, words[i], n) != 0 || texts[i] == NULL) continue;
-        snprintf(out, FFP_NAME_MAX + 16, "%s", texts[i]);
-        return true;
-    }
-    for (int i = 0; i < 2; i++) {
-        const size_t n = strlen(counters[i]);
-        if (length < n || strncmp(blank, counters[i], n) != 0) continue;
-        const bool wide = length == n + 2 && blank[n] == ':' && blank[n + 1] >= '1' && blank[n + 1] <= '9';
-        if (length != n && !wide) continue;
-        snprintf(out, FFP_NAME_MAX + 16, "%0*d", wide ? blank[n + 1] - '0' : 1, blanks->index + i);
-        return true;
-    }
-    return false;
-}
-
-bool ffp_template_fill(const char *template, const FfpBlanks *blanks, char path[FFP_PATH_MAX],
-                       FfpError *err) {
-    size_t length = 0;
-    for (const char *at = template; *at != 0;) {
-        char text[FFP_NAME_MAX + 16] = {*at, 0};
-        const char *end = *at == '{' ? strchr(at, '}') : NULL;
-        if (*at == '{' && (end == NULL || !fill_blank(blanks, at + 1, (size_t)(end - at - 1), text))) {
-            return ffp_fail(err, FFP_ERROR_FILE, template,
-                            "%.20s: the placeholders are {view}, {pattern}, {index}, {number}, {number:3}",
-                            at);
-        }
-        const size_t n = strlen(text);
-        if (length + n >= FFP_PATH_MAX)
-            return ffp_fail(err, FFP_ERROR_FILE, template, "the path is too long");
-        memcpy(path + length, text, n);
-        length += n;
-        at = end != NULL ? end + 1 : at + 1;
-    }
-    path[length] = 0;
-    return true;
-}
-
-bool ffp_template_is_glob(const char *text) {
-    return strpbrk(text, "*?[") != NULL;
 }
 
 // --- Photographs under some patterns. ---
@@ -144,69 +68,20 @@ static bool set_picture(FfpShots *shots, const FfpCalibration *calibration, int 
     if (*place != NULL)
         return ffp_fail(err, FFP_ERROR_ARGUMENT, IMAGES, "view '%s' has two pictures under '%s'",
                         calibration->stops[stop].id, shots->patterns[pattern].name);
-    if (!ffp_photograph_is_there(path))
-        return ffp_fail(err, FFP_ERROR_FILE, path, "there is no such file: view '%s' under pattern '%s'",
-                        calibration->stops[stop].id, shots->patterns[pattern].name);
-    *place = keep(shots->arena, path);
+    *place = path;
     return true;
 }
 
-static void free_glob(void *found) {
-    globfree(found);
-    ffp_free(found);
-}
-
-// Files in natural order: all of the first view, all of the second, and so on.
-static bool match_files(FfpShots *shots, const Group *group, const FfpCalibration *calibration,
-                        FfpError *err) {
-    glob_t *found = ffp_alloc(1, sizeof *found);
-    if (glob(group->template, GLOB_NOSORT, NULL, found) != 0) {
-        ffp_free(found);
-        return ffp_fail(err, FFP_ERROR_FILE, group->template,
-                        "no file matches, or the folder cannot be read");
-    }
-    ffp_own(found, free_glob);
-    qsort(found->gl_pathv, found->gl_pathc, sizeof *found->gl_pathv, compare_paths);
-    const int n = calibration->n_stops * group->count;
-    bool ok = found->gl_pathc == (size_t)n;
-    if (!ok) {
-        ffp_fail(err, FFP_ERROR_FILE, group->template,
-                 "%zu files match, but %d views under %d pattern%s need %d", found->gl_pathc,
-                 calibration->n_stops, group->count, group->count > 1 ? "s each" : "", n);
-    }
-    for (int i = 0; i < n && ok; i++) {
-        ok = set_picture(shots, calibration, i / group->count, group->patterns[i % group->count],
-                         found->gl_pathv[i], err);
-    }
-    ffp_disown(found);
-    free_glob(found);
-    return ok;
-}
-
-static bool fill_in_files(FfpShots *shots, const Group *group, const FfpCalibration *calibration,
-                          FfpError *err) {
-    const char *text = group->template;
-    const bool tells_view =
-        strstr(text, "{view}") != NULL || strstr(text, "{index") != NULL || strstr(text, "{number") != NULL;
-    const FfpBlanks first = {calibration->stops[0].id, shots->patterns[group->patterns[0]].name, 0};
-    char path[FFP_PATH_MAX];
-    if (!ffp_template_fill(text, &first, path, err))
-        return false; // an unknown placeholder is told before a missing one
-    if (calibration->n_stops > 1 && !tells_view)
-        return ffp_fail(err, FFP_ERROR_FILE, text,
-                        "names one file for %d views: use {view}, {index}, {number} or *",
-                        calibration->n_stops);
-    if (group->count > 1 && strstr(text, "{pattern}") == NULL)
-        return ffp_fail(err, FFP_ERROR_FILE, text, "names one file for %d patterns: use {pattern} or *",
-                        group->count);
-    for (int i = 0; i < calibration->n_stops * group->count; i++) {
-        const int stop = i / group->count, pattern = group->patterns[i % group->count];
-        const FfpBlanks blanks = {calibration->stops[stop].id, shots->patterns[pattern].name,
-                                  calibration->stops[stop].index};
-        if (!ffp_template_fill(text, &blanks, path, err) ||
-            !set_picture(shots, calibration, stop, pattern, path, err))
-            return false;
-    }
+static bool find_group(FfpShots *shots, const Group *group, const FfpCalibration *calibration,
+                       FfpError *err) {
+    const int n = group->count, all = calibration->n_stops * n;
+    const char **names = ffp_arena_alloc(shots->arena, (size_t)n, sizeof *names),
+               **paths = ffp_arena_alloc(shots->arena, (size_t)all, sizeof *paths);
+    for (int i = 0; i < n; i++) names[i] = shots->patterns[group->patterns[i]].name;
+    const FfpFileSet set = {group->template, calibration, names, n, "photographs", "pattern", ""};
+    if (!ffp_files_find(paths, shots->arena, &set, err)) return false;
+    for (int i = 0; i < all; i++)
+        if (!set_picture(shots, calibration, i / n, group->patterns[i % n], paths[i], err)) return false;
     return true;
 }
 
@@ -235,7 +110,11 @@ static bool take_named(FfpShots *shots, const FfpCalibration *calibration, FfpEr
     for (int i = 0; i < calibration->n_pictures; i++) {
         const FfpNamedPicture *picture = &calibration->pictures[i];
         const int pattern = pattern_index(shots, picture->pattern, err);
-        if (pattern < 0 || !set_picture(shots, calibration, picture->stop, pattern, picture->path, err))
+        char what[2 * FFP_NAME_MAX + 32];
+        snprintf(what, sizeof what, "view '%s' under pattern '%s'", calibration->stops[picture->stop].id,
+                 picture->pattern);
+        if (pattern < 0 || !ffp_photograph_check(picture->path, what, err) ||
+            !set_picture(shots, calibration, picture->stop, pattern, keep(shots->arena, picture->path), err))
             return false;
     }
     return true;
@@ -258,16 +137,8 @@ static bool find_masks(FfpShots *shots, const char *template, const FfpCalibrati
     if (template == NULL || template[0] == 0)
         return ffp_fail(err, FFP_ERROR_ARGUMENT, "mask_files", "no file is named");
     shots->masks = ffp_arena_alloc(shots->arena, (size_t)calibration->n_stops, sizeof *shots->masks);
-    for (int i = 0; i < calibration->n_stops; i++) {
-        const FfpBlanks blanks = {calibration->stops[i].id, NULL, calibration->stops[i].index};
-        char path[FFP_PATH_MAX];
-        if (!ffp_template_fill(template, &blanks, path, err)) return false;
-        if (!ffp_is_file(path))
-            return ffp_fail(err, FFP_ERROR_FILE, path, "there is no such file: mask of view '%s'",
-                            calibration->stops[i].id);
-        shots->masks[i] = keep(shots->arena, path);
-    }
-    return true;
+    const FfpFileSet set = {template, calibration, NULL, 1, "masks", "", ""};
+    return ffp_files_find(shots->masks, shots->arena, &set, err);
 }
 
 // --- All of it. ---
@@ -313,10 +184,9 @@ static bool find_all(FfpShots *shots, const FfpShotSources *sources, const FfpCa
     Group *group = ffp_arena_alloc(shots->arena, 1, sizeof *group);
     if (sources->n_images == 0 && !take_named(shots, calibration, err)) return false;
     for (int i = 0; i < sources->n_images; i++) {
-        if (!read_group(shots, &sources->images[i], group, err)) return false;
-        const bool ok = ffp_template_is_glob(group->template) ? match_files(shots, group, calibration, err)
-                                                              : fill_in_files(shots, group, calibration, err);
-        if (!ok) return false;
+        if (!read_group(shots, &sources->images[i], group, err) ||
+            !find_group(shots, group, calibration, err))
+            return false;
     }
     for (int i = 0; i < sources->n_patterns; i++) {
         if (!take_projected(shots, &sources->patterns[i], false, err)) return false;

@@ -22,9 +22,7 @@ typedef struct FfpShots {
     int n_codes;
 } FfpShots;
 
-// Photographs under one pattern or several. `files` is a path with {view}, {pattern}, {index} (from 0),
-// {number} (from 1) or {number:3}; or one with *, whose files are taken in natural order: all patterns of the
-// first view, then of the second.
+// Photographs under one pattern or several. `files` is a template (file_names.h).
 typedef struct FfpShotFiles {
     const char *const *patterns; // names
     int n_patterns;
@@ -60,16 +58,5 @@ bool ffp_shots_find(FfpShots *shots, const FfpShotSources *sources, const FfpCal
 bool ffp_shots_find_codes(FfpShots *shots, const FfpShotSources *sources, const FfpCalibration *calibration,
                           int width, int height, int axis, FfpError *err);
 void ffp_shots_free(FfpShots *shots);
-
-// The path that a template stands for, its {view}, {pattern}, {index}, {number} filled in.
-typedef struct FfpBlanks {
-    const char *view, *pattern; // NULL: not to be filled in
-    int index;
-} FfpBlanks;
-bool ffp_template_fill(const char *template, const FfpBlanks *blanks, char path[1024], FfpError *err);
-bool ffp_template_is_glob(const char *text);
-
-// Whether a comes before b when runs of digits count as numbers: "img_9" before "img_10".
-int ffp_natural_order(const char *a, const char *b);
 
 #endif

@@ -239,6 +239,30 @@ static void test_opencv_samples(void **state) {
     import_rig("samples", "cal.yml", plain);
 }
 
+// Placeholders and * in one name: what a placeholder does not tell is told by *.
+static void test_names_of_files(void **state) {
+    (void)state;
+    static const char *const ways[] = {
+        // {view} and *: the files of a view, here one
+        "-i 'all_black=" SAMPLE "/path_0_theta{view}_*black.png' -i 'all_white=" SAMPLE
+        "/path_0_theta{view}_*white.png' -i 'lollipop_0=" SAMPLE "/path_0_theta{view}_*_0.png' ",
+        // and here two, in order
+        "-i 'all_black,all_white=" SAMPLE "/path_0_theta{view}_all_*.png' -i 'lollipop_0=" SAMPLE
+        "/path_0_theta{view}_lollipop_0.png' ",
+        // {pattern} and *: the views under a pattern
+        "-i 'all_black,all_white,lollipop_0=" SAMPLE "/path_0_theta*_{pattern}.png' ",
+        // both, and *
+        "-i 'all_black,all_white,lollipop_0=" SAMPLE "/path_?_theta{view}_{pattern}.png' ",
+    };
+    write_opencv("cal.yml", &single_shot, false, no_lens, no_lens);
+    for (size_t i = 0; i < sizeof ways / sizeof *ways; i++) {
+        char name[32], arguments[2500];
+        snprintf(name, sizeof name, "names_%zu", i);
+        snprintf(arguments, sizeof arguments, SIZES TURNTABLE "%s" PATTERN, ways[i]);
+        import_rig(name, "cal.yml", arguments);
+    }
+}
+
 // DeProCams has one view, and rows of text.
 static void test_deprocams(void **state) {
     (void)state;
@@ -449,6 +473,14 @@ static void test_refusals(void **state) {
         {SIZES TURNTABLE PATTERN "-i 'black=" SAMPLE "/{angle}.png'", "placeholders"},
         {SIZES TURNTABLE PATTERN "-i 'black=" SAMPLE "/none_*.png'", "no file matches"},
         {SIZES TURNTABLE PATTERN "-i 'black=" SAMPLE "/patterns/lollipop_0.png'", "one file for 8 views"},
+        {SIZES TURNTABLE PATTERN "-i 'black=" SAMPLE "/path_0_theta{view}_all_*.png'",
+         "2 files match, but a view has 1 photographs"},
+        {SIZES TURNTABLE SHOTS PATTERN "-m '" SAMPLE "/path_0_theta0*_all_white.png'",
+         "3 files match, but 8 views have 8 masks"},
+        {SIZES TURNTABLE PATTERN "-i 'black=shots/*.mp4@1-2'", "the part of a film (@) belongs to none"},
+        {SIZES TURNTABLE PATTERN "-i 'black=" SAMPLE "/scene.json@1x'", "one file for 8 views"},
+        {SIZES TURNTABLE SHOTS "-p lollipop_0,lollipop_1=" SAMPLE "/patterns/lollipop_0.png",
+         "repeat -p for several: -p A -p B"},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         snprintf(arguments, sizeof arguments, "-c %s/cal.yml %s", scratch, cases[i].more);
@@ -464,11 +496,12 @@ static void test_refusals(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_single_shot), cmocka_unit_test(test_procam_calibration),
-        cmocka_unit_test(test_calibrator),  cmocka_unit_test(test_opencv_samples),
-        cmocka_unit_test(test_deprocams),   cmocka_unit_test(test_films),
-        cmocka_unit_test(test_fit_axis),    cmocka_unit_test(test_fit_response),
-        cmocka_unit_test(test_usage),       cmocka_unit_test(test_refusals),
+        cmocka_unit_test(test_single_shot),    cmocka_unit_test(test_procam_calibration),
+        cmocka_unit_test(test_calibrator),     cmocka_unit_test(test_opencv_samples),
+        cmocka_unit_test(test_names_of_files), cmocka_unit_test(test_deprocams),
+        cmocka_unit_test(test_films),          cmocka_unit_test(test_fit_axis),
+        cmocka_unit_test(test_fit_response),   cmocka_unit_test(test_usage),
+        cmocka_unit_test(test_refusals),
     };
     return cmocka_run_group_tests(tests, setup, teardown);
 }

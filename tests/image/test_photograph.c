@@ -194,13 +194,51 @@ static void a_film_is_the_mean_of_its_frames(void **state) {
     expect_mean(in_scratch("film.mkv"), true, 0, FRAMES - 1);
     expect_mean(in_scratch("film.mkv@2"), false, 2, 2);
     expect_mean(in_scratch("film.mkv@1-4"), false, 1, 3);
-    assert_true(ffp_photograph_is_there(in_scratch("film.mkv@1-4")));
-    assert_false(ffp_photograph_is_there(in_scratch("film.mkv@4-1")));
-    assert_false(ffp_photograph_is_there(in_scratch("other.mkv@1")));
+    assert_true(ffp_photograph_check(in_scratch("film.mkv@1-4"), "the film", NULL));
     expect_refusal(in_scratch("film.mkv@20-30"), "the film may be shorter");
-    expect_refusal(in_scratch("film.mkv@1x"), "No such file");
     write_flat_png(in_scratch("a.png"), 8, 8, 8, PNG_COLOR_TYPE_RGB, 9);
     expect_refusal(in_scratch("a.png@2"), "is no film");
+}
+
+// Wrong parts of a film are told before anything is developed.
+static void wrong_parts_are_named(void **state) {
+    (void)state;
+    static const char *const wrong[] = {"4-1", "1x", "1-", "-2", "start", "", "1,5"};
+    const char film[64] = "\0\0\0\x20"
+                          "ftypisom";
+    char name[64], path[4200], words[64];
+    assert_true(ffp_write_file(in_scratch("p.mp4"), film, sizeof film, NULL));
+    for (size_t i = 0; i < sizeof wrong / sizeof *wrong; i++) {
+        FfpError err = {0};
+        snprintf(name, sizeof name, "p.mp4@%s", wrong[i]);
+        snprintf(words, sizeof words, "'%s' is no part of a film", wrong[i]);
+        snprintf(path, sizeof path, "%s", in_scratch(name));
+        expect_refusal(path, words);
+        assert_false(ffp_photograph_check(path, "the film", &err));
+        if (strstr(err.text, words) == NULL) fail_msg("%s", err.text);
+        assert_true(ffp_photograph_names_part(path));
+    }
+    FfpError err = {0};
+    assert_false(ffp_photograph_check(in_scratch("other.mkv@1"), "view '000'", &err));
+    assert_non_null(strstr(err.text, "there is no such file: view '000'"));
+    assert_true(ffp_write_file(in_scratch("a@b.png"), film, sizeof film, NULL));
+    assert_false(ffp_photograph_names_part(in_scratch("a@b.png")));
+    assert_true(ffp_photograph_check(in_scratch("a@b.png"), "", NULL));
+}
+
+// By its bytes, whatever the name says; a picture under such a name is read as one.
+static void what_is_only_named_so_is_told(void **state) {
+    (void)state;
+    const char text[] = "aperture 5.6, 1/30 s\n";
+    assert_true(ffp_write_file(in_scratch("x.cr2"), text, sizeof text, NULL));
+    expect_refusal(in_scratch("x.cr2"), "is no raw photograph, though its name ends as if it were");
+    assert_true(ffp_write_file(in_scratch("x.MOV"), text, sizeof text, NULL));
+    expect_refusal(in_scratch("x.MOV"), "is no film, though its name ends as if it were");
+    assert_true(ffp_write_file(in_scratch("x.png"), text, sizeof text, NULL));
+    expect_refusal(in_scratch("x.png"), "is not a PNG");
+    write_flat_png(in_scratch("really.nef"), 8, 8, 8, PNG_COLOR_TYPE_RGB, 9);
+    FfpImage rgb = read_photograph(in_scratch("really.nef"), false, NULL);
+    ffp_image_free(&rgb);
 }
 
 static void a_broken_film_is_named(void **state) {
@@ -244,6 +282,8 @@ int main(void) {
         cmocka_unit_test_setup(a_broken_raw_photograph_is_named, real_programs),
         cmocka_unit_test_setup(without_the_program_it_says_which, real_programs),
         cmocka_unit_test_setup(a_film_is_the_mean_of_its_frames, real_programs),
+        cmocka_unit_test_setup(wrong_parts_are_named, real_programs),
+        cmocka_unit_test_setup(what_is_only_named_so_is_told, real_programs),
         cmocka_unit_test_setup(a_broken_film_is_named, real_programs),
         cmocka_unit_test_setup(odd_output_is_refused, real_programs),
     };
