@@ -121,7 +121,18 @@ static void begin(const Writing *w) {
         "tripod: fixed focus, aperture, ISO, white balance and exposure time (a multiple of the projector's\n"
         "frame time, 1/60 s or 1/30 s), so that white is bright but not clipped.\n\n"
         "Afterwards `ffprocams import` takes the photographs in this order, for example\n\n"
-        "    -i 'black,white,lollipop_0=shots/*.JPG' -p lollipop_0=<this folder>/<number>_lollipop_0.png\n",
+        "    -i 'black,white,lollipop_0=shots/{view}/*.JPG' -p lollipop_0=<this "
+        "folder>/<number>_lollipop_0.png\n"
+        "\n"
+        "with the photographs of a stop in a folder of its own (000, 045, ...). Gray codes of the object "
+        "come "
+        "from\n"
+        "folders of their own, and make depth exact where they decode:\n\n"
+        "    --graycode 'codes/{view}/*.JPG'\n\n"
+        "What no light of the projector reaches is taken for background. Where the object shadows itself, "
+        "draw\n"
+        "its silhouettes, white on black, one picture for each view:\n\n"
+        "    -m 'masks/{view}.png'\n",
         w->show->width, w->show->height);
     fputs(page_head, w->page);
 }

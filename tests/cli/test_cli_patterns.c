@@ -22,6 +22,8 @@ static void a_folder_to_show(void **state) {
     assert_true(ffp_is_file(in_scratch("p/052_gray_y_06_inverse.png")));
     assert_true(ffp_read_text(in_scratch("p/README.txt"), 1 << 20, &text, &size, &err));
     assert_non_null(strstr(text, "004_lollipop_0.png"));
+    assert_non_null(strstr(text, "--graycode 'codes/{view}/*.JPG'"));
+    assert_non_null(strstr(text, "-m 'masks/{view}.png'"));
     ffp_free(text);
     assert_true(ffp_read_text(in_scratch("p/show.html"), 1 << 24, &text, &size, &err));
     assert_non_null(strstr(text, "const panel = [160, 90]"));
