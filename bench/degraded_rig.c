@@ -287,7 +287,8 @@ static void run_row(Bench *bench, int object, int row) {
     snprintf(name, sizeof name, "object_%d_row_%d", object, row);
     bool ok = ffp_join_path(folder, bench->folder, name) && ffp_scene_make(&seen, &spec, &err) &&
               import(&imported, &seen, rows[row].faults, folder, &err);
-    if (ok && rows[row].faults & ALIGN) ok = ffp_align_poses(NULL, &imported, NULL, NULL, &err);
+    const FfpAligning alignment = ffp_aligning_defaults();
+    if (ok && rows[row].faults & ALIGN) ok = ffp_align_poses(NULL, &imported, &alignment, NULL, &err);
     ffp_capture_free(&seen);
     for (int form = 0; form < FORMS && ok; form++) {
         const FfpReconstruction options = {.model = bench->model,

@@ -681,7 +681,7 @@ typedef struct FfpImportPattern {
 
 typedef enum FfpMasks {
     FFP_MASKS_FROM_ALPHA, // the photographs' alpha channels where there are, else as below
-    FFP_MASKS_FROM_LIGHT, // what white adds to black (Otsu 1979)
+    FFP_MASKS_FROM_LIGHT, // what white adds to black (Otsu 1979), and shadows by what four or more views show
     FFP_MASKS_FROM_FILES
 } FfpMasks;
 

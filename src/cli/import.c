@@ -224,8 +224,10 @@ static const FfpOption options[] = {
      .offset = offsetof(Arguments, mask),
      .words = (const FfpWord[]){{"otsu", 0}, {0}},
      .group = PHOTOGRAPHS,
-     .help = "the object's silhouettes (white on black), FILES as above; otsu: made from white minus black. "
-             "Default: alpha channels where there are, else otsu"},
+     .help =
+         "the object's silhouettes (white on black), FILES as above; otsu: made from white minus black, and "
+         "from four views on completed where the projector does not reach. Default: alpha channels where "
+         "there are, else otsu"},
     {.name = "linear",
      .argument = "WHAT",
      .type = FFP_OPTION_PARSED,

@@ -129,9 +129,10 @@ static void begin(const Writing *w) {
         "from\n"
         "folders of their own, and make depth exact where they decode:\n\n"
         "    --graycode 'codes/{view}/*.JPG'\n\n"
-        "What no light of the projector reaches is taken for background. Where the object shadows itself, "
-        "draw\n"
-        "its silhouettes, white on black, one picture for each view:\n\n"
+        "Masks are made of the light, and completed where the views tell what lies in shadow. Silhouettes "
+        "drawn "
+        "by\n"
+        "hand, white on black, one picture for each view, are better:\n\n"
         "    -m 'masks/{view}.png'\n",
         w->show->width, w->show->height);
     fputs(page_head, w->page);

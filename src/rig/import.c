@@ -13,6 +13,7 @@
 #include "rig/checks.h"
 #include "rig/codes.h"
 #include "rig/fit_axis.h"
+#include "rig/grow_masks.h"
 #include "rig/mask.h"
 #include "rig/panel.h"
 #include "rig/response.h"
@@ -25,7 +26,8 @@ typedef struct Import {
     FfpShots shots;
     FfpCapture capture;
     FfpResponse response; // where it is asked for
-    int masks_made;       // by Otsu's method
+    bool *made;           // [views] masks made by Otsu's method
+    FfpImage *holes;      // [views] and what was filled of them
     int64_t too_bright;   // values of pictures
     FfpDeveloped developed;
 } Import;
@@ -345,13 +347,13 @@ static bool cover(Import *import, int stop, const FfpImage *alphas, FfpError *er
         view->coverage = ffp_image_copy(&alphas[shots->white]);
     } else {
         const char *path = shots->pictures[stop * FFP_PATTERNS_MAX + shots->white];
-        if (!ffp_mask_otsu(&view->coverage, &view->images[shots->black], &view->images[shots->white], NULL,
-                           path, err)) {
+        if (!ffp_mask_otsu(&view->coverage, &import->holes[stop], &view->images[shots->black],
+                           &view->images[shots->white], path, err)) {
             return false;
         }
-        import->masks_made++;
+        import->made[stop] = true; // and applied when it is complete
     }
-    for (int p = 0; p < shots->n_patterns; p++) {
+    for (int p = 0; p < shots->n_patterns && !import->made[stop]; p++) {
         if (!by_alpha || alphas[p].data == NULL) apply_mask(&view->coverage, &view->images[p]);
     }
     return true;
@@ -383,8 +385,49 @@ static void note_developed(const FfpDeveloped *developed) {
                  developed->frames);
 }
 
+#define VIEWS_GROWN 4 // from which on views know enough of each other
+
+// The shadows in them, from what the other views show.
+static void add_shadows(Import *import) {
+    FfpCapture *capture = &import->capture;
+    int64_t covered = 0, added;
+    for (int v = 0; v < capture->n_views; v++) {
+        const FfpImage *mask = &capture->views[v].coverage;
+        for (ptrdiff_t i = 0; i < (ptrdiff_t)mask->width * mask->height; i++)
+            covered += mask->data[i] >= 0.5F;
+    }
+    ffp_capture_estimate_bounds(capture);
+    if (ffp_grow_masks(capture, import->made, import->holes, &added))
+        ffp_note("  shadows that the other views show lit were added to them, and holes opened that they see "
+                 "through: %+.1f %% of the object's pixels",
+                 100 * (double)added / fmax(1, (double)covered));
+    else
+        ffp_note("  too much of the object is in shadow for the other views to complete them");
+}
+
+// Masks made of light, completed where there are views enough and their poses are known, and applied.
+static void complete_masks(Import *import) {
+    const FfpCapture *capture = &import->capture;
+    int made = 0;
+    for (int v = 0; v < capture->n_views; v++) made += import->made[v];
+    if (made == 0) return;
+    ffp_note(
+        "%d masks were made from white minus black (Otsu): look at them, and give files of masks if they "
+        "are wrong",
+        made);
+    if (import->settings->axis == FFP_AXIS_KNOWN && capture->n_views >= VIEWS_GROWN)
+        add_shadows(import);
+    else
+        ffp_note("  what the projector does not reach is left out");
+    for (int v = 0; v < capture->n_views; v++)
+        for (int p = 0; p < capture->n_patterns && import->made[v]; p++)
+            apply_mask(&capture->views[v].coverage, &capture->views[v].images[p]);
+}
+
 static bool load_pixels(Import *import, FfpError *err) {
     FfpCapture *capture = &import->capture;
+    import->made = ffp_alloc((size_t)capture->n_views, sizeof *import->made);
+    import->holes = ffp_alloc((size_t)capture->n_views, sizeof *import->holes);
     capture->n_patterns = import->shots.n_patterns;
     capture->patterns = ffp_alloc((size_t)capture->n_patterns, sizeof *capture->patterns);
     capture->black = import->shots.black, capture->white = import->shots.white;
@@ -399,11 +442,7 @@ static bool load_pixels(Import *import, FfpError *err) {
     }
     ffp_task_end(&progress);
     if (ok) note_developed(&import->developed);
-    if (ok && import->masks_made > 0)
-        ffp_note(
-            "%d masks were made from white minus black (Otsu): what the projector does not reach is left "
-            "out; look at them, and give files of masks if they are wrong",
-            import->masks_made);
+    if (ok) complete_masks(import);
     return ok;
 }
 
@@ -657,6 +696,9 @@ bool ffp_import(const FfpImportSettings *settings, FfpError *err) {
     Import *import = ffp_alloc(1, sizeof *import);
     import->settings = settings;
     const bool ok = run(import, err);
+    for (int v = 0; import->holes != NULL && v < import->capture.n_views; v++)
+        ffp_image_free(&import->holes[v]);
+    ffp_free(import->holes), ffp_free(import->made);
     ffp_capture_free(&import->capture);
     ffp_shots_free(&import->shots);
     ffp_calibration_free(&import->calibration);

@@ -8,7 +8,8 @@
 #include "graycode/graycode.h"
 
 #define BINS 256
-#define PIECE_LEAST 20 // of the largest piece's size, its share that a piece must have at least
+#define SPECK_LEAST 200 // likewise of background inside it that is none
+#define PIECE_LEAST 20  // of the largest piece's size, its share that a piece must have at least
 
 static const real luminance[3] = {0.2126F, 0.7152F, 0.0722F};
 
@@ -112,8 +113,9 @@ static bool on_border(const FfpImage *mask, ptrdiff_t i) {
     return x == 0 || y == 0 || x + 1 == mask->width || y + 1 == mask->height;
 }
 
-// Background that does not reach the border becomes object; small pieces of object become background.
-static void tidy(FfpImage *mask) {
+// Background that does not reach the border becomes object, marked in *holes; small pieces of object become
+// background.
+static void tidy(FfpImage *mask, FfpImage *holes) {
     const ptrdiff_t pixels = (ptrdiff_t)mask->width * mask->height;
     int *labels = ffp_alloc((size_t)pixels, sizeof *labels);
     ptrdiff_t *stack = ffp_alloc((size_t)pixels, sizeof *stack);
@@ -122,18 +124,38 @@ static void tidy(FfpImage *mask) {
     label_regions(mask, 0, labels, stack, sizes);
     for (ptrdiff_t i = 0; i < pixels; i++) open[labels[i]] = open[labels[i]] || on_border(mask, i);
     for (ptrdiff_t i = 0; i < pixels; i++) {
-        if (labels[i] > 0 && !open[labels[i]]) mask->data[i] = 1;
+        if (labels[i] > 0 && !open[labels[i]]) mask->data[i] = holes->data[i] = 1;
     }
     const int n = label_regions(mask, 1, labels, stack, sizes);
     ptrdiff_t largest = 0;
     for (int k = 1; k <= n; k++) largest = sizes[k] > largest ? sizes[k] : largest;
     for (ptrdiff_t i = 0; i < pixels; i++) {
-        if (labels[i] > 0 && sizes[labels[i]] * PIECE_LEAST < largest) mask->data[i] = 0;
+        if (labels[i] > 0 && sizes[labels[i]] * PIECE_LEAST < largest) mask->data[i] = holes->data[i] = 0;
     }
     ffp_free(labels);
     ffp_free(stack);
     ffp_free(sizes);
     ffp_free(open);
+}
+
+int64_t ffp_mask_fill_specks(FfpImage *mask) {
+    const ptrdiff_t pixels = (ptrdiff_t)mask->width * mask->height;
+    int *labels = ffp_alloc((size_t)pixels, sizeof *labels);
+    ptrdiff_t *stack = ffp_alloc((size_t)pixels, sizeof *stack);
+    ptrdiff_t *sizes = ffp_alloc((size_t)pixels + 1, sizeof *sizes), largest = 0;
+    int64_t filled = 0;
+    const int n = label_regions(mask, 1, labels, stack, sizes);
+    for (int k = 1; k <= n; k++) largest = sizes[k] > largest ? sizes[k] : largest;
+    label_regions(mask, 0, labels, stack, sizes);
+    for (ptrdiff_t i = 0; i < pixels; i++)
+        if (labels[i] > 0 && on_border(mask, i)) sizes[labels[i]] = pixels;
+    for (ptrdiff_t i = 0; i < pixels; i++) {
+        if (labels[i] == 0 || sizes[labels[i]] * SPECK_LEAST >= largest) continue;
+        mask->data[i] = 1;
+        filled++;
+    }
+    ffp_free(labels), ffp_free(stack), ffp_free(sizes);
+    return filled;
 }
 
 static double mean_light(const FfpImage *rgb) {
@@ -143,7 +165,7 @@ static double mean_light(const FfpImage *rgb) {
     return sum / (double)values;
 }
 
-bool ffp_mask_otsu(FfpImage *mask, const FfpImage *black, const FfpImage *white, double *threshold,
+bool ffp_mask_otsu(FfpImage *mask, FfpImage *holes, const FfpImage *black, const FfpImage *white,
                    const char *where, FfpError *err) {
     FfpImage added = added_light(black, white), even = smooth(&added);
     const int first = otsu(&even);
@@ -155,8 +177,8 @@ bool ffp_mask_otsu(FfpImage *mask, const FfpImage *black, const FfpImage *white,
     }
     const ptrdiff_t pixels = (ptrdiff_t)even.width * even.height;
     for (ptrdiff_t i = 0; i < pixels; i++) even.data[i] = (int)(even.data[i] * (BINS - 1) + 0.5F) >= first;
-    tidy(&even);
+    *holes = ffp_image_new(even.width, even.height, 1);
+    tidy(&even, holes);
     *mask = even;
-    if (threshold != NULL) *threshold = (double)first / (BINS - 1);
     return true;
 }
