@@ -5,14 +5,22 @@
 #include "base/file.h"
 #include "base/log.h"
 #include "calibrate/calibrate.h"
+#include "calibrate/tell.h"
 #include "graycode/graycode.h"
 
-#define CLIPPED_MAX 0.2 // of the board's light pixels, under white
+// Text without the path to the attitude's folder, whose name stays.
+static void shorten_paths(char *text, const char *file, const char *folder) {
+    const size_t length = strlen(ffp_basename(file)) + strlen(folder) + 1, all = strlen(file);
+    const size_t before = all > length ? all - length : 0;
+    for (char *at; before > 0 && (at = strstr(text, file)) != NULL;)
+        memmove(at, at + before, strlen(at + before) + 1);
+}
 
 // An error of one attitude's pictures leaves that attitude out; all others end the call.
-static bool as_problem(FfpAttitude *a, FfpError *error, FfpError *err) {
+static bool as_problem(FfpAttitude *a, const FfpShotFolder *folder, FfpError *error, FfpError *err) {
     if (error->code == FFP_ERROR_FILE || error->code == FFP_ERROR_IO ||
         error->code == FFP_ERROR_UNSUPPORTED) {
+        for (int i = 0; i < folder->n_files; i++) shorten_paths(error->text, folder->files[i], folder->name);
         snprintf(a->problem, sizeof a->problem, "%s", error->text);
         return true;
     }
@@ -29,8 +37,8 @@ static bool settle_size(FfpRigFit *fit, const FfpImage *white, const char *name,
                     white->width, white->height, camera->width, camera->height);
 }
 
-static bool read_codes(const FfpRigFit *fit, FfpAttitude *a, const FfpGrayPhotographs *photographs,
-                       const FfpImage *white, FfpError *err) {
+static bool read_codes(const FfpRigFit *fit, FfpAttitude *a, const FfpShotFolder *folder,
+                       const FfpGrayPhotographs *photographs, const FfpImage *white, FfpError *err) {
     const int size[2] = {photographs->width, photographs->height};
     FfpImage map, region = ffp_board_region(&fit->board, a, white->width, white->height);
     FfpGrayReport report;
@@ -39,15 +47,9 @@ static bool read_codes(const FfpRigFit *fit, FfpAttitude *a, const FfpGrayPhotog
     of_board.region = &region;
     const bool ok = ffp_gray_decode_view(&map, &report, &of_board, &error);
     ffp_image_free(&region);
-    if (!ok) return as_problem(a, &error, err);
-    if (report.clipped > CLIPPED_MAX)
-        ffp_note("%s: under white %.0f %% of the board's light pixels are overexposed: expose shorter",
-                 a->name, 100 * report.clipped);
-    for (int axis = 0; axis < 2; axis++)
-        if (report.dropped[axis] > 0)
-            ffp_note("%s: the camera cannot tell the finest %d bits of the %s: they are known to %d pixels",
-                     a->name, report.dropped[axis], axis == 0 ? "columns" : "rows",
-                     1 << report.dropped[axis]);
+    if (!ok) return as_problem(a, folder, &error, err);
+    a->clipped = report.clipped;
+    memcpy(a->dropped, report.dropped, sizeof a->dropped);
     const bool done = ffp_board_project(&fit->board, &map, report.dropped, size, a, err);
     ffp_image_free(&map);
     return done;
@@ -71,10 +73,10 @@ static bool read_attitude(FfpRigFit *fit, FfpAttitude *a, const FfpShotFolder *f
     FfpError error = {0};
     a->name = folder->name;
     if (!ffp_gray_find_plain(&photographs, folder->files, folder->n_files, &error))
-        return as_problem(a, &error, err);
+        return as_problem(a, folder, &error, err);
     FfpImage white = take_white(&shelf);
     bool ok = settle_size(fit, &white, folder->name, err) && ffp_board_find(&fit->board, &white, a, err);
-    if (ok && !a->problem[0]) ok = read_codes(fit, a, &photographs, &white, err);
+    if (ok && !a->problem[0]) ok = read_codes(fit, a, folder, &photographs, &white, err);
     ffp_gray_shelf_free(&shelf);
     if (ok && a->n == 0 && seen->data == NULL) {
         *seen = white;
@@ -109,6 +111,7 @@ bool ffp_read_attitudes(FfpRigFit *fit, const FfpShotFolders *folders, FfpError 
     }
     ffp_task_end(&task);
     ok = ok && check_seen(fit, &unseen, err);
+    if (ok) ffp_tell_photographs(fit);
     ffp_image_free(&unseen);
     return ok;
 }

@@ -29,6 +29,8 @@ typedef struct FfpAttitude {
     double camera_rms, projector_rms;   // of the corners used in each one's own fit
     double rms[2];                      // camera and projector, with one pose for both
     double normal[3];                   // of the board, in the camera's frame
+    double clipped;                     // share of the board's light pixels that are saturated under white
+    int dropped[2];                     // finest bits of columns and rows that the photographs do not resolve
     char problem[768];                  // why it is left out; "": it is not
     FfpImage picture;                   // of the board, small, for the report; [height,width,1]
     double scale;                       // its pixels to one of the camera's

@@ -8,6 +8,7 @@
 #include "base/call.h"
 #include "base/log.h"
 #include "base/motion.h"
+#include "calibrate/tell.h"
 #include "rig/lens.h"
 
 #define CORNER_FAR 5        // times the deviation on an axis: Gauss passes it once in 270,000
@@ -106,14 +107,8 @@ static void fill_views(const FfpRigFit *fit, unsigned devices, Views *v) {
 // --- Attitudes that cannot serve. ---
 
 static bool too_few(const FfpRigFit *fit, FfpError *err) {
-    char why[560] = "";
-    size_t used = 0;
-    for (int i = 0; i < fit->n; i++) {
-        const FfpAttitude *a = &fit->attitudes[i];
-        if (!a->problem[0] || used + 60 > sizeof why) continue;
-        const int more = snprintf(why + used, sizeof why - used, "; %.40s: %s", a->name, a->problem);
-        used += more > 0 ? (size_t)more : 0;
-    }
+    char why[640];
+    ffp_list_problems(fit, why, sizeof why);
     return ffp_fail(err, FFP_ERROR_FILE, NULL, "%d of %d attitudes of the board can be used, %d are needed%s",
                     ffp_attitudes_used(fit), fit->n, FFP_FIT_ATTITUDES_LEAST, why);
 }
@@ -364,36 +359,30 @@ static bool check_focal(const FfpRigFit *fit, int which, FfpError *err) {
     return true;
 }
 
+// One warning a device.
 static void tell_open_terms(const FfpRigFit *fit) {
-    for (int d = 0; d < 2; d++)
+    for (int d = 0; d < 2; d++) {
+        const FfpCvDevice *device = &fit->devices[d];
+        char terms[320] = "", fix[160] = "";
+        double most = 0;
+        int n = 0, m = 0;
+        bool tangential = false;
         for (int term = 4; term < FFP_TERMS; term++) {
-            const FfpCvDevice *device = &fit->devices[d];
+            const bool p = term == 6 || term == 7;
             if (!ffp_term_open(device, term)) continue;
-            ffp_warning(
-                "the photographs do not determine the %s's %s: %.4g, deviation %.2g, or %.0f pixels in the "
-                "picture's corner; it can be fixed at 0 (fix %s.%s)",
-                device_names[d], ffp_term_names[term], ffp_term(device, term), device->deviation[term],
-                device->deviation[term] * ffp_term_reach(device, term), device_names[d],
-                term == 6 || term == 7 ? "p" : ffp_term_names[term]);
+            n += snprintf(terms + n, sizeof terms - (size_t)n, "%s%s (%.4g, deviation %.2g)",
+                          n > 0 ? ", " : "", ffp_term_names[term], ffp_term(device, term),
+                          device->deviation[term]);
+            if (!p || !tangential)
+                m += snprintf(fix + m, sizeof fix - (size_t)m, "%sfix %s.%s", m > 0 ? ", " : "",
+                              device_names[d], p ? "p" : ffp_term_names[term]);
+            tangential = tangential || p;
+            most = fmax(most, device->deviation[term] * ffp_term_reach(device, term));
         }
-}
-
-static void tell_left_out(const FfpRigFit *fit) {
-    static const char *const why[FFP_CORNER_STATES] = {"", "not decoded around them",
-                                                       "codes around them in no plane", "out of line"};
-    for (int i = 0; i < fit->n; i++) {
-        const FfpAttitude *a = &fit->attitudes[i];
-        int counts[2][FFP_CORNER_STATES] = {{0}};
-        if (a->problem[0]) {
-            ffp_warning("%s is left out: %s", a->name, a->problem);
-            continue;
-        }
-        for (int k = 0; k < a->n; k++) counts[0][a->camera_state[k]]++, counts[1][a->projector_state[k]]++;
-        for (int d = 0; d < 2; d++)
-            for (int s = 1; s < FFP_CORNER_STATES; s++)
-                if (counts[d][s] > 0)
-                    ffp_note("%s: %d of %d corners left out for the %s, %s", a->name, counts[d][s], a->n,
-                             device_names[d], why[s]);
+        if (n > 0)
+            ffp_warning("the photographs do not determine the %s's %s: up to %.0f pixels in the picture's "
+                        "corner; it can be fixed at 0 (%s)",
+                        device_names[d], terms, most, fix);
     }
 }
 
@@ -402,7 +391,7 @@ bool ffp_fit_rig(FfpRigFit *fit, FfpError *err) {
     const bool ok = fit_all(fit, err) && check_focal(fit, 0, err) && check_focal(fit, 1, err);
     if (!ok) return false;
     measure_spread(fit);
-    tell_left_out(fit);
+    ffp_tell_left_out(fit);
     tell_open_terms(fit);
     return true;
 }

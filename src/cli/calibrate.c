@@ -6,6 +6,7 @@
 #include "cli.h"
 
 enum { ANGLES_MAX = 512 };
+#define DOUBTFUL 1.0 // pixels of root mean square
 
 typedef struct Angles {
     double degrees[ANGLES_MAX];
@@ -19,7 +20,9 @@ typedef struct Arguments {
 } Arguments;
 
 static void set_defaults(void *data) {
-    ((Arguments *)data)->rig = ffp_rig_calibration_defaults();
+    FfpRigCalibration *rig = &((Arguments *)data)->rig;
+    *rig = ffp_rig_calibration_defaults();
+    rig->width = rig->height = 0; // not given
 }
 
 static bool read_board(const char *text, void *destination) {
@@ -94,16 +97,32 @@ static void print_axis(const FfpRigCalibration *rig, const FfpRigCalibrationStat
     if (rig->turntable_file) printf("%s: axis, and the angles of these photographs\n", rig->turntable_file);
 }
 
+// A panel's size that nobody gave is the first thing to doubt where things do not fit.
+static void tell_default(const FfpRigCalibration *rig) {
+    fprintf(stderr, "ffprocams: --projector was not given: the panel was taken for the default, %d x %d\n",
+            rig->width, rig->height);
+}
+
 static int run(void *data) {
     Arguments *arguments = data;
     FfpRigCalibration *rig = &arguments->rig;
+    const bool by_default = rig->width == 0;
+    if (by_default) {
+        const FfpRigCalibration defaults = ffp_rig_calibration_defaults();
+        rig->width = defaults.width, rig->height = defaults.height;
+    }
     FfpRigCalibrationStats stats = {0};
     FfpError err = {0};
     rig->attitudes = arguments->attitudes.values, rig->n_attitudes = arguments->attitudes.count;
     rig->calibrations = arguments->calibrations.values, rig->n_calibrations = arguments->calibrations.count;
     rig->angles = arguments->angles.degrees, rig->n_angles = arguments->angles.count;
-    if (!ffp_calibrate_rig(ffp_cli_context(), rig, &stats, &err)) return ffp_cli_fail(&err);
+    if (!ffp_calibrate_rig(ffp_cli_context(), rig, &stats, &err)) {
+        const int status = ffp_cli_fail(&err);
+        if (by_default && err.code == FFP_ERROR_FILE && rig->n_attitudes > 0) tell_default(rig);
+        return status;
+    }
     if (rig->file) print_rig(rig, &stats);
+    if (by_default && rig->file && (stats.used < stats.attitudes || stats.both > DOUBTFUL)) tell_default(rig);
     if (stats.has_axis) print_axis(rig, &stats);
     return FFP_EXIT_OK;
 }

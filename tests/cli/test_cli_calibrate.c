@@ -44,6 +44,37 @@ static void what_is_refused(void **state) {
     assert_false(ffp_is_file("x.xml"));
 }
 
+// What is wrong with all of them is told once, and the panel's size that nobody gave is named.
+static void the_same_is_told_once(void **state) {
+    (void)state;
+    char command[1024];
+    if (without_opencv) skip();
+    snprintf(
+        command, sizeof command,
+        "for i in 0 1 2 3; do mkdir -p %s/shots/pose_$i && cp '%s/data/sample/path_0_theta000_all_white.png' "
+        "%s/shots/pose_$i/1.png || exit 1; done",
+        scratch, FFP_SOURCE_DIR, scratch);
+    assert_int_equal(system(command), 0);
+    for (int given = 0; given < 2; given++) {
+        run_format(&run, "calibrate %s/shots -o %s/x.xml --board 9x6 --square 25%s", scratch, scratch,
+                   given ? " --projector 1280x800" : "");
+        assert_int_equal(run.status, 1);
+        const char *first = strstr(run.err, "all 4 attitudes: there are 1 photographs");
+        assert_non_null(first);
+        assert_null(strstr(first + strlen("all 4 attitudes: there"), "there are 1 photographs"));
+        assert_int_equal(strstr(run.err, "--projector was not given: the panel was taken for the default, "
+                                         "1920 x 1080") == NULL,
+                         given);
+    }
+    // Two of them are of another kind.
+    snprintf(command, sizeof command,
+             "cd %s/shots && cp pose_1/1.png pose_1/2.png && cp pose_3/1.png pose_3/2.png", scratch);
+    assert_int_equal(system(command), 0);
+    run_format(&run, "calibrate %s/shots -o %s/x.xml --board 9x6 --square 25", scratch, scratch);
+    assert_non_null(strstr(run.err, "; pose_0, pose_2: there are 1 photographs"));
+    assert_non_null(strstr(run.err, "; pose_1, pose_3: there are 2 photographs"));
+}
+
 static void read_calibration(FfpCalibration *calibration, const char *path) {
     FfpError err = {0};
     if (!ffp_calibration_read(calibration, &path, 1, NULL, &err)) fail_msg("%s", err.text);
@@ -71,7 +102,8 @@ static void real_photographs(void **state) {
     const char *at = strstr(run.out, "rms ");
     assert_non_null(at);
     assert_true(atof(at + 4) < 0.2);
-    assert_non_null(strstr(run.err, "do not determine the camera's k3"));
+    assert_non_null(strstr(run.err, "do not determine the camera's k2"));
+    assert_non_null(strstr(run.err, "fix camera.k3"));
     FfpCalibration found, known;
     read_calibration(&found, file);
     read_calibration(&known, reference);
@@ -86,6 +118,7 @@ static void real_photographs(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(wrong_usage), cmocka_unit_test(what_is_refused),
+                                       cmocka_unit_test(the_same_is_told_once),
                                        cmocka_unit_test(real_photographs)};
     return cmocka_run_group_tests(tests, setup, scratch_teardown);
 }
