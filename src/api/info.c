@@ -149,6 +149,13 @@ static bool print_gaussians(FILE *out, const char *path, FfpError *err) {
     }
     fprintf(out, "Gaussians    %" PRId64 "%s\n", gaussians.count,
             gaussians.count ? "" : ": there is nothing to draw");
+    for (const char *at = gaussians.made_from; *at; at = strchr(at, '\n') + 1) {
+        char name[FFP_MADE_FROM];
+        snprintf(name, sizeof name, "%.*s", (int)strcspn(at, "\n"), at);
+        fputs(at == gaussians.made_from ? "made from    " : ", ", out);
+        put_text(out, name);
+    }
+    if (gaussians.made_from[0]) fputc('\n', out);
     if (gaussians.count) {
         fprintf(out, "centres      %.4g %.4g %.4g to %.4g %.4g %.4g\n", (double)low[0], (double)low[1],
                 (double)low[2], (double)high[0], (double)high[1], (double)high[2]);

@@ -246,6 +246,8 @@ static FfpGaussians *reconstruct(const FfpCapture *capture, const FfpReconstruct
         ffp_gaussians_transform(&w.result, capture->centre, capture->radius);
         gaussians = ffp_alloc(1, sizeof *gaussians);
         *gaussians = w.result;
+        for (int i = FIRST_PATTERN; i < n; i++)
+            ffp_made_from_add(gaussians->made_from, capture->patterns[photographs[i]].name);
         if (stats_out) *stats_out = stats;
     } else {
         ffp_gaussians_free(&w.result);

@@ -1,4 +1,5 @@
 // Fitting a capture's Gaussians to its pictures, in the capture's own units.
+#include <string.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include "base/arena.h"
@@ -86,9 +87,16 @@ static bool fit_with_metrics(void *argument, FILE *metrics, FfpError *err) {
     FfpRefineSettings settings = settings_of(call->options, call->scratch);
     const int n_patterns = ffp_capture_photographs(call->capture, call->options->patterns,
                                                    call->options->n_patterns, patterns, err);
+    char made_from[FFP_MADE_FROM] = "";
     settings.metrics = metrics;
-    return n_patterns >= 0 && fit(call->gaussians, call->capture, patterns, n_patterns, &settings,
-                                  call->options->noise, call->stats, err);
+    if (!call->scratch) memcpy(made_from, call->gaussians->made_from, sizeof made_from);
+    if (n_patterns < 0 || !fit(call->gaussians, call->capture, patterns, n_patterns, &settings,
+                               call->options->noise, call->stats, err))
+        return false;
+    for (int i = 2; i < n_patterns; i++) // behind black and white
+        ffp_made_from_add(made_from, call->capture->patterns[patterns[i]].name);
+    memcpy(call->gaussians->made_from, made_from, sizeof made_from);
+    return true;
 }
 
 // On a copy: what fails leaves the caller's Gaussians as they were, to the bit.

@@ -168,7 +168,8 @@ static const FfpOption options[] = {
      .offset = offsetof(Arguments, patterns),
      .help =
          "a structured-light pattern to use, again for more, as in `reconstruct`. Default: the first that "
-         "is in every view and not held back"},
+         "is in every view and not held back; of --gaussians those that the PLY was made from, which are not "
+         "`unseen`"},
     FFP_CLI_POLISH(offsetof(Arguments, evaluation.polish),
                    "as in `reconstruct`; 0: the forward pass alone. Default: auto"),
     FFP_CLI_NOISE(offsetof(Arguments, evaluation.noise),

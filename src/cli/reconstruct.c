@@ -8,14 +8,14 @@ typedef struct Arguments {
     FfpReconstruction how;
 } Arguments;
 
-static void tell(const char *output, const FfpReconstructionStats *stats) {
-    char more[32] = "";
-    if (stats->patterns > 1) snprintf(more, sizeof more, " and %d more", stats->patterns - 1);
-    printf("%s: %lld Gaussians from %s%s in %.2f s (noise of %.2f %% taken away %.2f s, matching %.2f s, "
-           "network %.2f s, polish %.2f s)\n",
-           output, (long long)stats->gaussians, stats->pattern, more,
-           stats->denoise_s + stats->start_s + stats->network_s + stats->polish_s, 100 * stats->noise,
-           stats->denoise_s, stats->start_s, stats->network_s, stats->polish_s);
+// Black, white and these patterns it was made from.
+static void tell(const char *output, const FfpList *patterns, const FfpReconstructionStats *stats) {
+    printf("%s: %lld Gaussians from %s", output, (long long)stats->gaussians, stats->pattern);
+    for (int i = 1; i < patterns->count; i++) printf(", %s", patterns->values[i]);
+    printf(
+        " in %.2f s (noise of %.2f %% taken away %.2f s, matching %.2f s, network %.2f s, polish %.2f s)\n",
+        stats->denoise_s + stats->start_s + stats->network_s + stats->polish_s, 100 * stats->noise,
+        stats->denoise_s, stats->start_s, stats->network_s, stats->polish_s);
 }
 
 static int run(void *data) {
@@ -35,7 +35,7 @@ static int run(void *data) {
         gaussians = ffp_reconstruct(ffp_cli_context(), capture, &arguments->how, &stats, &err);
         ok = gaussians && ffp_gaussians_save(ffp_cli_context(), gaussians, arguments->output, &err);
     }
-    if (ok) tell(arguments->output, &stats);
+    if (ok) tell(arguments->output, &arguments->patterns, &stats);
     ffp_gaussians_close(gaussians);
     ffp_model_close(model);
     ffp_capture_close(capture);

@@ -216,14 +216,38 @@ static bool check_depth(const FfpCapture *capture, FfpError *err) {
     return true;
 }
 
+// Black, white and the patterns that the predictor was given: those named, of Gaussians that are there
+// already those that their file names, else the default.
+static bool find_given(FfpSubject *subject, FfpError *err) {
+    const FfpEvaluation *options = subject->shared->options;
+    const char *const *names = options->patterns;
+    const char *known[FFP_PATTERNS_MAX];
+    char made_from[FFP_MADE_FROM] = "";
+    int n = options->n_patterns;
+    const bool by_file = options->gaussians && n == 0;
+    if (by_file && !ffp_gaussians_read_made_from(made_from, options->gaussians, err)) return false;
+    for (char *at = made_from; *at && n < FFP_PATTERNS_MAX;) {
+        char *end = strchr(at, '\n');
+        *end = 0;
+        const int found = ffp_capture_find_pattern(subject->capture, at);
+        if (found >= 0 && found != subject->capture->black && found != subject->capture->white)
+            known[n++] = at;
+        at = end + 1;
+    }
+    if (by_file && n > 0) names = known;
+    if (by_file && n == 0)
+        ffp_note("%s names no pattern of this capture that it was made from: the default is taken for it",
+                 options->gaussians);
+    subject->n_given = ffp_capture_photographs(subject->capture, names, n, subject->given, err);
+    return subject->n_given >= 0;
+}
+
 // Everything about a capture that can be wrong shows here, before anything is written.
 static bool open_subject(FfpSubject *subject, int index, FfpError *err) {
     const FfpEvaluation *options = subject->shared->options;
     subject->capture = ffp_capture_open(ffp_call_context(), options->captures[index], err);
     if (!subject->capture) return false;
-    subject->n_given = ffp_capture_photographs(subject->capture, options->patterns, options->n_patterns,
-                                               subject->given, err);
-    if (subject->n_given < 0 || !open_targets(subject, index, err)) return false;
+    if (!find_given(subject, err) || !open_targets(subject, index, err)) return false;
     if (options->predictor == FFP_PREDICT_DEPTH) return check_depth(subject->capture, err);
     return true;
 }

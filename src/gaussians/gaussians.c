@@ -1,3 +1,5 @@
+#include <string.h>
+#include <stdio.h>
 #include "gaussians/gaussians.h"
 
 #include "base/arena.h"
@@ -37,7 +39,16 @@ FfpGaussians ffp_gaussians_copy(const FfpGaussians *from) {
     FfpGaussians to = ffp_gaussians_new(from->count);
     for (int a = 0; a < FFP_ATTRIBUTES; a++)
         ffp_memory_copy(ffp_attribute(&to, a).data, ffp_attribute(from, a).data, bytes_of(from, a));
+    memcpy(to.made_from, from->made_from, sizeof to.made_from);
     return to;
+}
+
+void ffp_made_from_add(char made_from[FFP_MADE_FROM], const char *name) {
+    const size_t length = strlen(name), used = strlen(made_from);
+    for (const char *at = made_from; *at; at = strchr(at, '\n') + 1)
+        if (strncmp(at, name, length) == 0 && at[length] == '\n') return;
+    if (length > 0 && strchr(name, '\n') == NULL && used + length + 2 <= FFP_MADE_FROM)
+        snprintf(made_from + used, FFP_MADE_FROM - used, "%s\n", name);
 }
 
 void ffp_gaussians_free(FfpGaussians *gaussians) {

@@ -9,16 +9,19 @@
 #include "base/real.h"
 
 #define FFP_GAUSSIANS_MAX 50000000
+#define FFP_MADE_FROM 512 // bytes
 
 typedef struct FfpGaussians {
     int64_t count;
-    real *centre;    // [count,3] world
-    real *scale;     // [count,3] standard deviations along the rotated axes, world units, > 0
-    real *rotation;  // [count,4] unit quaternion w x y z: splat axes to world
-    real *opacity;   // [count]   in [0,1]
-    real *albedo;    // [count,3] linear diffuse albedo
-    real *roughness; // [count]
-    real *ambient;   // [count,3] linear radiance shown when the projector is black
+    real *centre;                  // [count,3] world
+    real *scale;                   // [count,3] standard deviations along the rotated axes, world units, > 0
+    real *rotation;                // [count,4] unit quaternion w x y z: splat axes to world
+    real *opacity;                 // [count]   in [0,1]
+    real *albedo;                  // [count,3] linear diffuse albedo
+    real *roughness;               // [count]
+    real *ambient;                 // [count,3] linear radiance shown when the projector is black
+    char made_from[FFP_MADE_FROM]; // structured-light patterns whose photographs they were fitted to, each
+                                   // name with a '\n' after it; "": nobody said
 } FfpGaussians;
 
 // The attributes, in one table: what is done to all of them alike goes through it (memory, gradients, files,
@@ -67,5 +70,9 @@ void ffp_gaussians_transform(FfpGaussians *gaussians, const real offset[3], real
 // out when writing (0 keeps all).
 bool ffp_gaussians_write(const FfpGaussians *gaussians, const char *path, real opacity_min, FfpError *err);
 bool ffp_gaussians_read(FfpGaussians *gaussians, const char *path, FfpError *err);
+// Which patterns a file names, as above.
+bool ffp_gaussians_read_made_from(char made_from[FFP_MADE_FROM], const char *path, FfpError *err);
+// Adds a pattern's name, once; what there is no room for is not said.
+void ffp_made_from_add(char made_from[FFP_MADE_FROM], const char *name);
 
 #endif

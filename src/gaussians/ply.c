@@ -38,7 +38,7 @@ static bool first_bad_number(const FfpGaussians *gaussians, int64_t index, float
                              int *bad) {
     // The decoder knows what a reader will refuse; a row is decoded into a Gaussian nobody keeps.
     real centre[3], scale[3], rotation[4], opacity, albedo[3], roughness, ambient[3];
-    FfpGaussians one = {1, centre, scale, rotation, &opacity, albedo, &roughness, ambient};
+    FfpGaussians one = {1, centre, scale, rotation, &opacity, albedo, &roughness, ambient, ""};
     ffp_row_encode(gaussians, index, row);
     *bad = ffp_row_decode(row, &one, 0);
     return *bad >= 0;
@@ -66,7 +66,7 @@ bool ffp_gaussians_write(const FfpGaussians *gaussians, const char *path, real o
     for (int64_t i = 0; i < gaussians->count; i++) kept += !(gaussians->opacity[i] < opacity_min);
     FfpOutput out;
     if (!ffp_output_open(&out, path, err)) return false;
-    ffp_ply_header_write(out.stream, kept);
+    ffp_ply_header_write(out.stream, kept, gaussians->made_from);
     if (!write_rows(out.stream, gaussians, path, opacity_min, err)) {
         ffp_output_abort(&out);
         return false;
@@ -125,9 +125,22 @@ bool ffp_gaussians_read(FfpGaussians *gaussians, const char *path, FfpError *err
     bool ok = ffp_ply_header_read(&header, stream, path, err) && check_size(&header, stream, path, err);
     if (ok) {
         *gaussians = ffp_gaussians_new(header.count);
+        memcpy(gaussians->made_from, header.made_from, sizeof header.made_from);
         ok = read_rows(gaussians, &header, stream, path, err);
         if (!ok) ffp_gaussians_free(gaussians);
     }
     ffp_close_file(stream);
+    return ok;
+}
+
+bool ffp_gaussians_read_made_from(char made_from[FFP_MADE_FROM], const char *path, FfpError *err) {
+    made_from[0] = 0;
+    if (!ffp_check_kind(path, FFP_WANTED_GAUSSIANS, err)) return false;
+    FILE *stream = ffp_open_to_read(path, err);
+    if (stream == NULL) return false;
+    FfpPlyHeader header;
+    const bool ok = ffp_ply_header_read(&header, stream, path, err);
+    fclose(stream);
+    if (ok) memcpy(made_from, header.made_from, sizeof header.made_from);
     return ok;
 }

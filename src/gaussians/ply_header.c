@@ -5,6 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#define PATTERN "comment made from pattern "
+
 enum { LINE_BYTES = 512, LINES_MAX = 4096, STRIDE_MAX = 65536 };
 
 // One line without its end; false at the end of the file, or when it is longer than any sound one.
@@ -97,6 +99,7 @@ bool ffp_ply_header_read(FfpPlyHeader *header, FILE *stream, const char *path, F
         return ffp_fail(err, FFP_ERROR_FILE, path, "PLY is not binary_little_endian 1.0");
     for (int i = 0; i < LINES_MAX && read_line(stream, line); i++) {
         if (strcmp(line, "end_header") == 0) return check_complete(header, path, err);
+        if (starts_with(line, PATTERN)) ffp_made_from_add(header->made_from, line + strlen(PATTERN));
         if (starts_with(line, "comment") || starts_with(line, "obj_info")) continue;
         if (starts_with(line, "element ")) {
             if (!read_element(header, line, path, err)) return false;
@@ -109,9 +112,11 @@ bool ffp_ply_header_read(FfpPlyHeader *header, FILE *stream, const char *path, F
     return ffp_fail(err, FFP_ERROR_FILE, path, "PLY header has no end");
 }
 
-void ffp_ply_header_write(FILE *stream, int64_t count) {
+void ffp_ply_header_write(FILE *stream, int64_t count, const char *made_from) {
     fprintf(stream, "ply\nformat binary_little_endian 1.0\ncomment relightable Gaussians of ffprocams %s\n",
             FFP_VERSION);
+    for (const char *at = made_from; *at; at = strchr(at, '\n') + 1)
+        fprintf(stream, "%s%.*s\n", PATTERN, (int)strcspn(at, "\n"), at);
     fprintf(stream, "element vertex %" PRId64 "\n", count);
     for (int i = 0; i < FFP_ROW_NUMBERS; i++) fprintf(stream, "property float %s\n", ffp_row_names[i]);
     fprintf(stream, "end_header\n");

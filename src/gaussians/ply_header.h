@@ -11,6 +11,7 @@ typedef struct FfpPlyHeader {
     int stride;                  // bytes of a row
     int offset[FFP_ROW_NUMBERS]; // of each number in a row, or -1
     unsigned wide;               // bit i: number i is a double in the file, else a float
+    char made_from[FFP_MADE_FROM];
 } FfpPlyHeader;
 
 // Reads up to and with the line "end_header". Accepts one element "vertex" with scalar properties in any
@@ -18,6 +19,6 @@ typedef struct FfpPlyHeader {
 // elements, a property that is missing, given twice or no float, a count that is no number or above
 // FFP_GAUSSIANS_MAX.
 bool ffp_ply_header_read(FfpPlyHeader *header, FILE *stream, const char *path, FfpError *err);
-void ffp_ply_header_write(FILE *stream, int64_t count);
+void ffp_ply_header_write(FILE *stream, int64_t count, const char *made_from);
 
 #endif

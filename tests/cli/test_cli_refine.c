@@ -56,12 +56,30 @@ static void test_several_patterns(void **state) {
                                 "-p lollipop_1",
                                 scratch, scratch),
                      0);
-    assert_non_null(strstr(run.out, " Gaussians from lollipop_0 and 1 more in "));
+    assert_non_null(strstr(run.out, " Gaussians from lollipop_0, lollipop_1 in "));
     assert_int_equal(run_format(&run,
                                 "refine %s/both.ply -c %s/tiny -o %s/both_2.ply --steps 8 -p lollipop_0 "
                                 "-p lollipop_1",
                                 scratch, scratch, scratch),
                      0);
+    // The file says what it was made from: nothing is unseen then. Refined with one more, it says that too.
+    assert_int_equal(run_format(&run, "info %s/both.ply", scratch), 0);
+    assert_non_null(strstr(run.out, "made from    lollipop_0, lollipop_1\n"));
+    assert_int_equal(run_format(&run, "refine %s/tiny.ply -c %s/tiny -o %s/more.ply --steps 4 -p lollipop_1",
+                                scratch, scratch, scratch),
+                     0);
+    assert_int_equal(run_format(&run, "info %s/more.ply", scratch), 0);
+    assert_non_null(strstr(run.out, "made from    lollipop_0, lollipop_1\n"));
+    static const char *const kinds[] = {"both", "tiny"};
+    for (int k = 0; k < 2; k++) {
+        assert_int_equal(run_format(&run, "evaluate %s/tiny --gaussians %s/%s.ply --json %s/of_file.json",
+                                    scratch, scratch, kinds[k], scratch),
+                         0);
+        json_t *rows = json_load_file(in_scratch("of_file.json"), 0, NULL);
+        const json_t *row = json_array_get(json_object_get(rows, "rows"), 0);
+        assert_int_equal(json_is_null(json_object_get(row, "psnr_unseen_lollipops")), k == 0);
+        json_decref(rows);
+    }
     // The second lollipop is unseen where it is not given.
     assert_int_equal(
         run_format(
