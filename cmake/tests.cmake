@@ -60,6 +60,7 @@ endif()
 # From bare devices to new poses, on a simulated rig: calibrate's OpenCV is needed, and Python for a line of JSON.
 if(TARGET ffprocams_opencv AND FFP_PYTHON AND NOT FFPROCAMS_SANITIZE)
   add_test(NAME simulated_rig COMMAND ${PROJECT_SOURCE_DIR}/script/simulated-rig ${PROJECT_BINARY_DIR})
+  set_tests_properties(simulated_rig PROPERTIES ENVIRONMENT "HEIGHT=180;WIDTH=96;ATTITUDES=6") # in a minute
 endif()
 
 # A sanitized library asks all that link it for the sanitizers.

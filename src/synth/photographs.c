@@ -15,9 +15,10 @@
 #include "synth/sensor.h"
 #include "synth/simulate.h"
 
-// BATCH: patterns that one set of rays serves. Four bytes of each for every colour of their and the
-// pictures' pixels are in memory at a time.
-enum { BATCH = 8, HEIGHT_MIN = 64, BOARD_STOPS = 5, STOP_STEP = 20 };
+// One set of rays serves a batch of patterns, eight of them or as many as ROOM holds: four bytes of each for
+// every colour of their and the pictures' pixels are in memory at a time.
+enum { BATCH_LEAST = 8, BATCH_MOST = 64, HEIGHT_MIN = 64, BOARD_STOPS = 5, STOP_STEP = 20 };
+#define ROOM 128e6 // bytes
 
 typedef enum Wanted { WANTED_ALL, WANTED_CODES, WANTED_WHITE } Wanted;
 
@@ -272,8 +273,8 @@ static bool wants_any(const Job *job, const Subject *subject, int first, int cou
 }
 
 static bool photograph_batch(Job *job, int first, int count, FfpError *err) {
-    FfpImage emitted[BATCH] = {0};
-    const FfpImage *images[BATCH];
+    FfpImage emitted[BATCH_MOST] = {0};
+    const FfpImage *images[BATCH_MOST];
     bool ok = true;
     for (int i = 0; ok && i < count; i++) {
         ok = read_pattern(job, first + i, &emitted[i], err);
@@ -290,6 +291,13 @@ static bool photograph_batch(Job *job, int first, int count, FfpError *err) {
     return ok;
 }
 
+static int batch_of(const Job *job) {
+    const FfpCamera *devices[2] = {&job->rig.camera, &job->rig.projector};
+    double bytes = 0;
+    for (int k = 0; k < 2; k++) bytes += 12.0 * devices[k]->width * devices[k]->height;
+    return (int)fmax(BATCH_LEAST, fmin(BATCH_MOST, ROOM / bytes));
+}
+
 static bool photograph_all(Job *job, FfpError *err) {
     int64_t count = 0;
     char path[FFP_PATH_MAX];
@@ -303,9 +311,10 @@ static bool photograph_all(Job *job, FfpError *err) {
     }
     job->progress = ffp_task("photographing", count);
     bool ok = true;
-    for (int first = 0; ok && first < job->n_patterns; first += BATCH) {
+    const int batch = batch_of(job);
+    for (int first = 0; ok && first < job->n_patterns; first += batch) {
         const int left = job->n_patterns - first;
-        ok = photograph_batch(job, first, left < BATCH ? left : BATCH, err);
+        ok = photograph_batch(job, first, left < batch ? left : batch, err);
     }
     ffp_task_end(&job->progress);
     return ok;
