@@ -3,7 +3,7 @@
 #include "tensor/kernels/kernels.h"
 
 #include <string.h>
-#include "tensor/kernels/fastmath.h"
+#include "tensor/kernels/silu.h"
 
 enum {
     ROWS = 128,     // of a block: a thread works along them, over all of a strip's channels
@@ -60,12 +60,12 @@ static inline __attribute__((always_inline)) void forward_row(real *y, const Con
                                                               int t, int taps) {
     const real *x[FFP_CONV_TAPS_MAX];
     for (int k = 0; k < taps; k++) x[k] = source(conv, strip, t, k);
-#pragma omp simd
-    for (int c = 0; c < strip->channels; c++) {
-        real pre = strip->bias[c];
+    for (int c = 0; c < strip->channels; c += FFP_LANES) {
+        const int left = strip->channels - c;
+        FfpVector pre = ffp_load(strip->bias + c);
 #pragma GCC unroll 8
-        for (int k = 0; k < taps; k++) pre += strip->weights[k][c] * x[k][c];
-        y[c] = pre * ffp_sigmoid(pre);
+        for (int k = 0; k < taps; k++) pre += ffp_load(strip->weights[k] + c) * ffp_load_part(x[k] + c, left);
+        ffp_store_part(y + c, ffp_silu_vector(pre), left);
     }
 }
 

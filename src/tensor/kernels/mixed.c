@@ -10,8 +10,8 @@
 #include "tensor/kernels/product.h"
 #include "tensor/workspace.h"
 
-// A block of A takes up to 224 KB, a run of B's panels of one depth 32 or 64 KB: with what passes of C they stay
-// in a second-level cache of 512 KB. The more rows, the fewer times all of B passes.
+// A block of A takes up to 224 KB, a run of B's panels of one depth 32 or 64 KB: with what passes of C they
+// stay in a second-level cache of 512 KB. The more rows, the fewer times all of B passes.
 enum { BLOCK_DEPTH = 512, BLOCK_NUMBERS = 224 * 1024 / (int)sizeof(FfpPacked) };
 enum { PIECE = 64 }; // no thread gets fewer rows or columns than this
 

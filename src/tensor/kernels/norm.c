@@ -5,6 +5,7 @@
 #include <tgmath.h>
 #include "tensor/kernels/columns.h"
 #include "tensor/kernels/fastmath.h"
+#include "tensor/kernels/silu.h"
 
 #define EPSILON 1e-5F
 
@@ -85,6 +86,20 @@ void FFP_K(rmsnorm_backward)(real *dx, real *dgain, const real *dy, const real *
     FFP_K(add_column_sums)(dgain, dy, x, NULL, rstd, rows, dim);
 }
 
+// out = x silu(z); returns the mean of its squares.
+static real gate_row_forward(real *out, const real *x, const real *z, int dim) {
+    FfpVector sum = {0};
+    for (int i = 0; i < dim; i += FFP_LANES) {
+        const FfpVector gated =
+            ffp_load_part(x + i, dim - i) * ffp_silu_vector(ffp_load_part(z + i, dim - i));
+        ffp_store_part(out + i, gated, dim - i);
+        sum += gated * gated;
+    }
+    real all = 0;
+    for (int lane = 0; lane < FFP_LANES; lane++) all += sum[lane];
+    return all / (real)dim;
+}
+
 static void gate_row(real *out, const real *x, const real *z, int dim) {
 #pragma omp simd
     for (int i = 0; i < dim; i++) out[i] = x[i] * z[i] * ffp_sigmoid(z[i]);
@@ -95,8 +110,8 @@ void FFP_K(gated_norm_forward)(real *y, real *rstd, const real *x, const real *z
 #pragma omp parallel for schedule(static)
     for (int t = 0; t < rows; t++) {
         real *y_row = y + (size_t)t * dim;
-        gate_row(y_row, x + (size_t)t * dim, z + (size_t)t * ldz, dim);
-        const real scale = 1 / sqrt(mean_square(y_row, 0, dim) + EPSILON);
+        const real square = gate_row_forward(y_row, x + (size_t)t * dim, z + (size_t)t * ldz, dim);
+        const real scale = 1 / sqrt(square + EPSILON);
         for (int i = 0; i < dim; i++) y_row[i] *= scale * gain[i];
         rstd[t] = scale;
     }
