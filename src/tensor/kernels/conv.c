@@ -106,15 +106,22 @@ static inline __attribute__((always_inline)) void backward_row(real *dx, int ldd
         x[k] = source(conv, strip, t, k);
         dx_row[k] = row < 0 ? nowhere : dx + (size_t)row * lddx + strip->channel;
     }
-#pragma omp simd
-    for (int c = 0; c < strip->channels; c++) {
-        real pre = strip->bias[c];
-        for (int k = 0; k < taps; k++) pre += strip->weights[k][c] * x[k][c];
-        const real s = ffp_sigmoid(pre), dpre = dy_row[c] * s * (1 + pre * (1 - s));
-        sums->bias[c] += dpre;
+    for (int c = 0; c < strip->channels; c += FFP_LANES) {
+        const int left = strip->channels - c;
+        FfpVector pre = ffp_load(strip->bias + c), seen[FFP_CONV_TAPS_MAX];
+#pragma GCC unroll 8
         for (int k = 0; k < taps; k++) {
-            sums->weights[k][c] += dpre * x[k][c];
-            dx_row[k][c] += strip->weights[k][c] * dpre;
+            seen[k] = ffp_load_part(x[k] + c, left);
+            pre += ffp_load(strip->weights[k] + c) * seen[k];
+        }
+        const FfpVector s = ffp_sigmoid_vector(pre);
+        const FfpVector dpre = ffp_load_part(dy_row + c, left) * s * (1 + pre * (1 - s));
+        ffp_store(sums->bias + c, ffp_load(sums->bias + c) + dpre);
+#pragma GCC unroll 8
+        for (int k = 0; k < taps; k++) {
+            ffp_store(sums->weights[k] + c, ffp_load(sums->weights[k] + c) + dpre * seen[k]);
+            ffp_store_part(dx_row[k] + c,
+                           ffp_load_part(dx_row[k] + c, left) + ffp_load(strip->weights[k] + c) * dpre, left);
         }
     }
 }

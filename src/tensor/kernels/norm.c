@@ -87,7 +87,7 @@ void FFP_K(rmsnorm_backward)(real *dx, real *dgain, const real *dy, const real *
 }
 
 // out = x silu(z); returns the mean of its squares.
-static real gate_row_forward(real *out, const real *x, const real *z, int dim) {
+static real gate_row(real *out, const real *x, const real *z, int dim) {
     FfpVector sum = {0};
     for (int i = 0; i < dim; i += FFP_LANES) {
         const FfpVector gated =
@@ -100,17 +100,12 @@ static real gate_row_forward(real *out, const real *x, const real *z, int dim) {
     return all / (real)dim;
 }
 
-static void gate_row(real *out, const real *x, const real *z, int dim) {
-#pragma omp simd
-    for (int i = 0; i < dim; i++) out[i] = x[i] * z[i] * ffp_sigmoid(z[i]);
-}
-
 void FFP_K(gated_norm_forward)(real *y, real *rstd, const real *x, const real *z, int ldz, const real *gain,
                                int rows, int dim) {
 #pragma omp parallel for schedule(static)
     for (int t = 0; t < rows; t++) {
         real *y_row = y + (size_t)t * dim;
-        const real square = gate_row_forward(y_row, x + (size_t)t * dim, z + (size_t)t * ldz, dim);
+        const real square = gate_row(y_row, x + (size_t)t * dim, z + (size_t)t * ldz, dim);
         const real scale = 1 / sqrt(square + EPSILON);
         for (int i = 0; i < dim; i++) y_row[i] *= scale * gain[i];
         rstd[t] = scale;
@@ -124,12 +119,15 @@ static void gated_row_backward(real *dx, real *dz, const real *dy, const real *x
 #pragma omp simd reduction(+ : sum)
     for (int i = 0; i < dim; i++) sum += dy[i] * gain[i] * dx[i];
     const real along = sum * scale * scale / (real)dim;
-#pragma omp simd
-    for (int i = 0; i < dim; i++) {
-        const real du = scale * (dy[i] * gain[i] - dx[i] * along);
-        const real open = ffp_sigmoid(z[i]); // silu = z open, silu' = open (1 + z (1 - open))
-        dx[i] = du * z[i] * open;
-        dz[i] += du * x[i] * open * (1 + z[i] * (1 - open));
+    for (int i = 0; i < dim; i += FFP_LANES) {
+        const int left = dim - i;
+        const FfpVector gate = ffp_load_part(z + i, left), gated = ffp_load_part(dx + i, left);
+        const FfpVector du =
+            scale * (ffp_load_part(dy + i, left) * ffp_load_part(gain + i, left) - gated * along);
+        const FfpVector open = ffp_sigmoid_vector(gate); // silu = z open, silu' = open (1 + z (1 - open))
+        const FfpVector slope = open * (1 + gate * (1 - open));
+        ffp_store_part(dx + i, du * gate * open, left);
+        ffp_store_part(dz + i, ffp_load_part(dz + i, left) + du * ffp_load_part(x + i, left) * slope, left);
     }
 }
 

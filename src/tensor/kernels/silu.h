@@ -1,4 +1,4 @@
-// SiLU, x / (1 + e^-x), a vector at a time. Inside the kernels folder only.
+// The sigmoid 1 / (1 + e^-x) and SiLU, x times it, a vector at a time. Inside the kernels folder only.
 #ifndef FFP_TENSOR_KERNELS_SILU_H
 #define FFP_TENSOR_KERNELS_SILU_H
 
@@ -20,24 +20,30 @@ static inline FfpVector ffp_clamp_vector(FfpVector x, float limit) {
 #endif
 }
 
-// e^-x = 2^-n 2^r with n = round(x log2(e)), log2(e) in two parts. Relative error of the result below 4e-7
-// for |x| <= 87; beyond, x itself or 1.6e-38 x.
-static inline FfpVector ffp_silu_vector(FfpVector x) {
+// 1 + e^-x, with e^-x = 2^-n 2^r, n = round(x log2(e)), log2(e) in two parts. Relative error of what is
+// divided by it below 4e-7 for |x| <= 87; beyond, e^-x stays where it is there.
+static inline FfpVector ffp_one_and_power(FfpVector x) {
     typedef uint32_t Bits __attribute__((vector_size(FFP_VECTOR_BYTES)));
     const FfpVector held = ffp_clamp_vector(x, 87.0F);
     const FfpVector shifted = 12582912.0F - held * 1.44269502F, n = shifted - 12582912.0F;
     const FfpVector r = -(held * 1.44269502F + n) - held * 1.92596299e-8F;
-    const FfpVector e = (FfpVector)((Bits)FFP_EXP2_LONG(r) + ((Bits)shifted << 23));
-    return x / (1.0F + e);
+    return 1.0F + (FfpVector)((Bits)FFP_EXP2_LONG(r) + ((Bits)shifted << 23));
 }
 #else
-static inline FfpVector ffp_silu_vector(FfpVector x) {
+static inline FfpVector ffp_one_and_power(FfpVector x) {
     real lanes[FFP_LANES];
     ffp_store(lanes, x);
 #pragma omp simd
-    for (int i = 0; i < FFP_LANES; i++) lanes[i] *= ffp_sigmoid(lanes[i]);
+    for (int i = 0; i < FFP_LANES; i++) lanes[i] = 1 + ffp_exp(-lanes[i]);
     return ffp_load(lanes);
 }
 #endif
+
+static inline FfpVector ffp_silu_vector(FfpVector x) {
+    return x / ffp_one_and_power(x);
+}
+static inline FfpVector ffp_sigmoid_vector(FfpVector x) {
+    return 1 / ffp_one_and_power(x);
+}
 
 #endif
