@@ -181,9 +181,13 @@ static void find_view(real *out, const Scene *scene, int view, const real *fille
     const size_t count = (size_t)planes.count, cells = foreground.count * count,
                  first = (size_t)view * (size_t)foreground.width * (size_t)foreground.height;
     real *cost = ffp_alloc(cells, sizeof(real)), *total = ffp_alloc(cells, sizeof(real));
-    unsigned char *own = hull ? NULL : ffp_alloc(cells, 1);
-    if (own) ffp_hull(own, capture, view, &foreground, &planes);
-    view_costs(cost, scene, view, &foreground, &planes, hull ? hull : own, filled);
+    unsigned char *own = NULL;
+    const unsigned char *inside = hull;
+    if (!inside) {
+        inside = own = ffp_alloc(cells, 1);
+        ffp_hull(own, capture, view, &foreground, &planes);
+    }
+    view_costs(cost, scene, view, &foreground, &planes, inside, filled);
     ffp_semi_global(total, cost, &foreground, planes.count, SMALL_STEP, LARGE_STEP);
     for (size_t slot = 0; slot < foreground.count; slot++) {
         const size_t i = first + foreground.pixel[slot];
