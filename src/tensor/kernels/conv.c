@@ -55,18 +55,26 @@ static inline const real *source(const Conv *conv, const Strip *strip, int t, in
     return row < 0 ? zeros : conv->x + (size_t)row * conv->ldx + strip->channel;
 }
 
-// Row t of a strip: the sum over the taps, then its SiLU. `taps`, at least conv's, is a constant.
+// The `left` next channels of a row from c on, at most a vector's: the sum over the taps, then its SiLU.
+// `taps`, at least conv's, is a constant, as is `left` where a whole vector is left.
+static inline __attribute__((always_inline)) void forward_vector(real *y,
+                                                                 const real *const x[FFP_CONV_TAPS_MAX],
+                                                                 const Strip *strip, int c, int left,
+                                                                 int taps) {
+    FfpVector pre = ffp_load(strip->bias + c);
+#pragma GCC unroll 8
+    for (int k = 0; k < taps; k++) pre += ffp_load(strip->weights[k] + c) * ffp_load_part(x[k] + c, left);
+    ffp_store_part(y + c, ffp_silu_vector(pre), left);
+}
+
+// Row t of a strip.
 static inline __attribute__((always_inline)) void forward_row(real *y, const Conv *conv, const Strip *strip,
                                                               int t, int taps) {
     const real *x[FFP_CONV_TAPS_MAX];
+    int c = 0;
     for (int k = 0; k < taps; k++) x[k] = source(conv, strip, t, k);
-    for (int c = 0; c < strip->channels; c += FFP_LANES) {
-        const int left = strip->channels - c;
-        FfpVector pre = ffp_load(strip->bias + c);
-#pragma GCC unroll 8
-        for (int k = 0; k < taps; k++) pre += ffp_load(strip->weights[k] + c) * ffp_load_part(x[k] + c, left);
-        ffp_store_part(y + c, ffp_silu_vector(pre), left);
-    }
+    for (; c + FFP_LANES <= strip->channels; c += FFP_LANES) forward_vector(y, x, strip, c, FFP_LANES, taps);
+    if (c < strip->channels) forward_vector(y, x, strip, c, strip->channels - c, taps);
 }
 
 static void forward_block(real *y, const Conv *conv, int row, int rows) {
@@ -94,36 +102,46 @@ typedef struct Sums {
     real weights[FFP_CONV_TAPS_MAX][COLUMNS], bias[COLUMNS];
 } Sums;
 
-// Row t of a strip, all in one loop. With s = sigmoid(pre), the gradient before the SiLU is dpre = dy s (1 +
-// pre (1 - s)). `taps` as above.
+// What row t of a strip reads and adds to.
+typedef struct Row {
+    const real *dy, *x[FFP_CONV_TAPS_MAX];
+    real *dx[FFP_CONV_TAPS_MAX];
+} Row;
+
+// As forward_vector. With s = sigmoid(pre), the gradient before the SiLU is dpre = dy s (1 + pre (1 - s)).
+static inline __attribute__((always_inline)) void
+backward_vector(Sums *sums, const Row *row, const Strip *strip, int c, int left, int taps) {
+    FfpVector pre = ffp_load(strip->bias + c), seen[FFP_CONV_TAPS_MAX];
+#pragma GCC unroll 8
+    for (int k = 0; k < taps; k++) {
+        seen[k] = ffp_load_part(row->x[k] + c, left);
+        pre += ffp_load(strip->weights[k] + c) * seen[k];
+    }
+    const FfpVector s = ffp_sigmoid_vector(pre);
+    const FfpVector dpre = ffp_load_part(row->dy + c, left) * s * (1 + pre * (1 - s));
+    ffp_store(sums->bias + c, ffp_load(sums->bias + c) + dpre);
+#pragma GCC unroll 8
+    for (int k = 0; k < taps; k++) {
+        const FfpVector dx = ffp_load_part(row->dx[k] + c, left) + ffp_load(strip->weights[k] + c) * dpre;
+        ffp_store(sums->weights[k] + c, ffp_load(sums->weights[k] + c) + dpre * seen[k]);
+        ffp_store_part(row->dx[k] + c, dx, left);
+    }
+}
+
 static inline __attribute__((always_inline)) void backward_row(real *dx, int lddx, Sums *sums, const real *dy,
                                                                const Conv *conv, const Strip *strip, int t,
                                                                int taps) {
-    const real *dy_row = dy + (size_t)t * conv->channels + strip->channel, *x[FFP_CONV_TAPS_MAX];
-    real *dx_row[FFP_CONV_TAPS_MAX], nowhere[COLUMNS] = {0};
+    real nowhere[COLUMNS] = {0};
+    Row row = {.dy = dy + (size_t)t * conv->channels + strip->channel};
     for (int k = 0; k < taps; k++) {
-        const int row = source_row(conv, t, k);
-        x[k] = source(conv, strip, t, k);
-        dx_row[k] = row < 0 ? nowhere : dx + (size_t)row * lddx + strip->channel;
+        const int from = source_row(conv, t, k);
+        row.x[k] = source(conv, strip, t, k);
+        row.dx[k] = from < 0 ? nowhere : dx + (size_t)from * lddx + strip->channel;
     }
-    for (int c = 0; c < strip->channels; c += FFP_LANES) {
-        const int left = strip->channels - c;
-        FfpVector pre = ffp_load(strip->bias + c), seen[FFP_CONV_TAPS_MAX];
-#pragma GCC unroll 8
-        for (int k = 0; k < taps; k++) {
-            seen[k] = ffp_load_part(x[k] + c, left);
-            pre += ffp_load(strip->weights[k] + c) * seen[k];
-        }
-        const FfpVector s = ffp_sigmoid_vector(pre);
-        const FfpVector dpre = ffp_load_part(dy_row + c, left) * s * (1 + pre * (1 - s));
-        ffp_store(sums->bias + c, ffp_load(sums->bias + c) + dpre);
-#pragma GCC unroll 8
-        for (int k = 0; k < taps; k++) {
-            ffp_store(sums->weights[k] + c, ffp_load(sums->weights[k] + c) + dpre * seen[k]);
-            ffp_store_part(dx_row[k] + c,
-                           ffp_load_part(dx_row[k] + c, left) + ffp_load(strip->weights[k] + c) * dpre, left);
-        }
-    }
+    int c = 0;
+    for (; c + FFP_LANES <= strip->channels; c += FFP_LANES)
+        backward_vector(sums, &row, strip, c, FFP_LANES, taps);
+    if (c < strip->channels) backward_vector(sums, &row, strip, c, strip->channels - c, taps);
 }
 
 static void add_sums(real *dw, real *dbias, const Sums *sums, const Conv *conv, const Strip *strip) {
