@@ -20,13 +20,14 @@ static inline FfpVector ffp_clamp_vector(FfpVector x, float limit) {
 #endif
 }
 
-// 1 + e^-x, with e^-x = 2^-n 2^r, n = round(x log2(e)), log2(e) in two parts. Relative error of what is
-// divided by it below 4e-7 for |x| <= 87; beyond, e^-x stays where it is there.
+// 1 + e^-x, with e^-x = 2^n 2^r, n = round(-x log2(e)); ln 2 in two parts, the first exact in 9 bits, so that
+// r is exact without a fused multiply-add too. Relative error of what is divided by it below 4e-7 for |x| <=
+// 87; beyond, e^-x stays where it is there.
 static inline FfpVector ffp_one_and_power(FfpVector x) {
     typedef uint32_t Bits __attribute__((vector_size(FFP_VECTOR_BYTES)));
     const FfpVector held = ffp_clamp_vector(x, 87.0F);
-    const FfpVector shifted = 12582912.0F - held * 1.44269502F, n = shifted - 12582912.0F;
-    const FfpVector r = -(held * 1.44269502F + n) - held * 1.92596299e-8F;
+    const FfpVector shifted = 12582912.0F - held * 1.44269504F, n = shifted - 12582912.0F;
+    const FfpVector r = (n * 2.12194440e-4F - (held + n * 0.693359375F)) * 1.44269504F;
     return 1.0F + (FfpVector)((Bits)FFP_EXP2_LONG(r) + ((Bits)shifted << 23));
 }
 #else
