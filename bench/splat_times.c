@@ -9,13 +9,10 @@
 // [N, 3], scales [N, 3], rotations [N, 4], opacities [N], albedos [N, 3]; the gradients given for the sums of
 // albedo [SIDE, SIDE, 3] and opacity [SIDE, SIDE]; these sums; the gradients of the splats in the order
 // above.
-#include <omp.h>
-#include <stdio.h>
+#include "on_request.h"
+
 #include <stdlib.h>
-#include <string.h>
-#include <time.h>
 #include "base/cpu.h"
-#include "base/file.h"
 #include "base/rng.h"
 #include "bench/raster_times.h"
 
@@ -49,12 +46,6 @@ static void scene_free(Scene *s) {
     ffp_gbuffer_free(&s->grad_out);
 }
 
-static double processor_seconds(void) {
-    struct timespec time;
-    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &time);
-    return (double)time.tv_sec + 1e-9 * (double)time.tv_nsec;
-}
-
 static void clear_gradient(FfpGaussians *g) {
     const size_t n = (size_t)g->count * sizeof(real);
     memset(g->centre, 0, 3 * n);
@@ -66,16 +57,15 @@ static void clear_gradient(FfpGaussians *g) {
     memset(g->ambient, 0, 3 * n);
 }
 
-static void timed_run(Scene *s) {
-    double wall[3], processor[3];
-    wall[0] = omp_get_wtime(), processor[0] = processor_seconds();
+static void timed_run(void *scene) {
+    Scene *s = scene;
+    const Moment begin = moment_now();
     ffp_rasterise(s->raster, &s->splats, &s->camera, &s->settings, &s->out);
-    wall[1] = omp_get_wtime(), processor[1] = processor_seconds();
+    print_since(&begin, ' ');
+    const Moment drawn = moment_now();
     clear_gradient(&s->grad);
     ffp_rasterise_backward(s->raster, &s->splats, &s->camera, &s->settings, &s->out, &s->grad_out, &s->grad);
-    wall[2] = omp_get_wtime(), processor[2] = processor_seconds();
-    for (int i = 0; i < 2; i++)
-        printf("%.6f %.6f%c", processor[i + 1] - processor[i], wall[i + 1] - wall[i], i ? '\n' : ' ');
+    print_since(&drawn, '\n');
 }
 
 static void write_splats(const FfpGaussians *g, FILE *to) {
@@ -93,35 +83,16 @@ static void write_planes(const FfpGbuffer *g, FILE *to) {
     fwrite(g->opacity, sizeof(real), pixels, to);
 }
 
-static bool write_results(const Scene *s, const char *path, FfpError *err) {
-    FfpOutput out;
+static void write_scene(const void *scene, FILE *out) {
+    const Scene *s = scene;
     const FfpCamera *c = &s->camera;
     const real intrinsics[4] = {c->fx, c->fy, c->cx, c->cy};
-    if (!ffp_output_open(&out, path, err)) return false;
-    fwrite(intrinsics, sizeof(real), 4, out.stream);
-    fwrite(c->pose, sizeof(real), 16, out.stream);
-    write_splats(&s->splats, out.stream);
-    write_planes(&s->grad_out, out.stream);
-    write_planes(&s->out, out.stream);
-    write_splats(&s->grad, out.stream);
-    return ffp_output_commit(&out, err);
-}
-
-static bool serve(Scene *s, FfpError *err) {
-    char line[4096];
-    printf("ready %s %lld\n", ffp_cpu_name(ffp_cpu_level()), (long long)s->splats.count);
-    while (fflush(stdout) == 0 && fgets(line, sizeof line, stdin)) {
-        line[strcspn(line, "\n")] = 0;
-        if (strcmp(line, "run") == 0) {
-            timed_run(s);
-        } else if (strncmp(line, "write ", 6) == 0) {
-            if (!write_results(s, line + 6, err)) return false;
-            puts("written");
-        } else {
-            return ffp_fail(err, FFP_ERROR_ARGUMENT, line, "neither `run` nor `write FILE`");
-        }
-    }
-    return true;
+    fwrite(intrinsics, sizeof(real), 4, out);
+    fwrite(c->pose, sizeof(real), 16, out);
+    write_splats(&s->splats, out);
+    write_planes(&s->grad_out, out);
+    write_planes(&s->out, out);
+    write_splats(&s->grad, out);
 }
 
 int main(int argc, char **argv) {
@@ -135,7 +106,8 @@ int main(int argc, char **argv) {
     bool ok = ffp_cpu_check(&err);
     if (ok) {
         Scene scene = scene_new(side, (real)opacity, (real)size);
-        ok = serve(&scene, &err);
+        printf("ready %s %lld\n", ffp_cpu_name(ffp_cpu_level()), (long long)scene.splats.count);
+        ok = serve(&(Requests){&scene, timed_run, write_scene}, &err);
         scene_free(&scene);
     }
     if (!ok) fprintf(stderr, "splat_times: error: %s\n", err.text);

@@ -45,14 +45,6 @@ void ffp_support_views_free(FfpSupportViews *support_views) {
     *support_views = (FfpSupportViews){0};
 }
 
-void ffp_support_count(real *past, real *agree, const FfpDepthBounds *bounds, real z, real slack) {
-    if (bounds->high <= 0) return;
-    if (z < bounds->low - slack)
-        *past += bounds->trust;
-    else if (z <= bounds->high + slack)
-        *agree += bounds->trust;
-}
-
 FfpDepthBounds ffp_depth_bounds_at(const FfpSupportViews *support_views, int view, real x, real y) {
     const int width = support_views->depths->width, height = support_views->depths->height;
     const FfpView *seer = &support_views->depths->capture->views[view];

@@ -27,7 +27,14 @@ void ffp_support_views_free(FfpSupportViews *support_views);
 
 // Adds the trust of a cell's points to those who see past a point of depth z, or to those who have a surface
 // there, give or take `slack`; behind the surface it says nothing.
-void ffp_support_count(real *past, real *agree, const FfpDepthBounds *bounds, real z, real slack);
+static inline void ffp_support_count(real *past, real *agree, const FfpDepthBounds *bounds, real z,
+                                     real slack) {
+    if (bounds->high <= 0) return;
+    if (z < bounds->low - slack)
+        *past += bounds->trust;
+    else if (z <= bounds->high + slack)
+        *agree += bounds->trust;
+}
 
 // What is known around position (x, y) of the view's picture; all 0 outside it.
 FfpDepthBounds ffp_depth_bounds_at(const FfpSupportViews *support_views, int view, real x, real y);

@@ -90,8 +90,9 @@ size_t ffp_match_bytes(const FfpCamera *camera, const FfpMatchSettings *settings
 }
 
 // The plane of least cost and its confidence, of every pixel on the object.
-static void search(real *depth, real *confidence, real *range, const FfpCapture *capture, int view,
-                   const FfpObservation *seen, const FfpBlurred *patterns, const FfpPlanes *planes) {
+static void search(real *depth, real *confidence, real *range, unsigned char **hull,
+                   const FfpCapture *capture, int view, const FfpObservation *seen,
+                   const FfpBlurred *patterns, const FfpPlanes *planes) {
     const FfpView *self = &capture->views[view];
     FfpForeground foreground = ffp_foreground_new(&self->coverage);
     const size_t cells = foreground.count * (size_t)planes->count;
@@ -105,18 +106,22 @@ static void search(real *depth, real *confidence, real *range, const FfpCapture 
     ffp_cancel_point();
     ffp_semi_global(total, cost, &foreground, planes->count, SMALL_STEP, LARGE_STEP);
     choose(depth, confidence, total, cost, &foreground, seen, planes);
-    ffp_free(inside), ffp_free(total), ffp_free(cost);
+    ffp_free(total), ffp_free(cost);
+    if (hull)
+        *hull = inside;
+    else
+        ffp_free(inside);
     ffp_foreground_free(&foreground);
 }
 
-void ffp_match_view(real *depth, real *confidence, real *range, const FfpCapture *capture, int view,
-                    const FfpObservation *seen, const FfpBlurred *patterns,
-                    const FfpMatchSettings *settings) {
+void ffp_match_view(real *depth, real *confidence, real *range, unsigned char **hull,
+                    const FfpCapture *capture, int view, const FfpObservation *seen,
+                    const FfpBlurred *patterns, const FfpMatchSettings *settings) {
     const FfpPlanes planes = ffp_planes(capture, view, settings);
     const size_t pixels = (size_t)seen->width * (size_t)seen->height;
     memset(depth, 0, pixels * sizeof(real));
     memset(confidence, 0, pixels * sizeof(real));
-    search(depth, confidence, range, capture, view, seen, patterns, &planes);
+    search(depth, confidence, range, hull, capture, view, seen, patterns, &planes);
     ffp_coded_depths(depth, confidence, capture, view, settings->bounds);
     real *finer = ffp_alloc(pixels, sizeof(real)), span = 2 * planes.step;
     for (int round = 0; round < ROUNDS; round++) {

@@ -81,7 +81,7 @@ void ffp_match_depth(const FfpCapture *capture, int view, const int *patterns, i
     FfpObservation seen = ffp_observe(capture, view, patterns, n);
     FfpBlurred blurred = ffp_blurred_new(capture, patterns, n, ffp_typical_footprint(capture, view));
     real *confidence = ffp_alloc((size_t)camera->width * (size_t)camera->height, sizeof(real));
-    ffp_match_view(depth, confidence, NULL, capture, view, &seen, &blurred, settings);
+    ffp_match_view(depth, confidence, NULL, NULL, capture, view, &seen, &blurred, settings);
     ffp_fill_smoothly(depth, NULL, NULL, camera->width, camera->height);
     ffp_free(confidence);
     ffp_blurred_free(&blurred);

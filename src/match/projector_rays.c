@@ -14,13 +14,6 @@ static void widen(FfpDepthBounds *to, const FfpDepthBounds *by) {
     to->trust = fmax(to->trust, by->trust);
 }
 
-static bool cell_of(const FfpProjectorRays *projector_rays, real u, real v, size_t *cell) {
-    if (!(u >= 0 && v >= 0 && u < (real)projector_rays->width && v < (real)projector_rays->height))
-        return false;
-    *cell = (size_t)v * (size_t)projector_rays->width + (size_t)u;
-    return true;
-}
-
 // The least and greatest depth of the points of each cell.
 static void gather(const FfpProjectorRays *projector_rays, FfpDepthBounds *cells, const FfpDepths *depths,
                    int view) {
@@ -32,7 +25,8 @@ static void gather(const FfpProjectorRays *projector_rays, FfpDepthBounds *cells
             real point[3], u, v;
             ffp_point_at(&self->camera, (real)x + 0.5F, (real)y + 0.5F, depths->depth[i], point);
             const real z = ffp_project(&self->projector, point, &u, &v);
-            if (z > 0 && cell_of(projector_rays, u * projector_rays->scale, v * projector_rays->scale, &cell))
+            if (z > 0 && ffp_projector_rays_cell(projector_rays, u * projector_rays->scale,
+                                                 v * projector_rays->scale, &cell))
                 widen(&cells[cell], &(FfpDepthBounds){z, z, depths->trust[i]});
         }
     }
@@ -58,11 +52,4 @@ FfpProjectorRays ffp_projector_rays_new(const FfpDepths *depths, int view) {
 void ffp_projector_rays_free(FfpProjectorRays *projector_rays) {
     ffp_free(projector_rays->bounds);
     *projector_rays = (FfpProjectorRays){0};
-}
-
-FfpDepthBounds ffp_projector_rays_at(const FfpProjectorRays *projector_rays, real u, real v) {
-    size_t cell;
-    if (!cell_of(projector_rays, u * projector_rays->scale - 0.5F, v * projector_rays->scale - 0.5F, &cell))
-        return (FfpDepthBounds){0, 0, 0};
-    return projector_rays->bounds[cell];
 }

@@ -157,7 +157,8 @@ static void fill_view(void *argument, int64_t index) {
 
 // Gives every pixel on the object a depth: from the other views' trusted points, then smoothly, then where
 // the pictures under black clearly know better.
-static void fill(FfpDepths *depths, real *range, const FfpMatchSettings *settings, int threads) {
+static void fill(FfpDepths *depths, real *range, unsigned char *const *hulls,
+                 const FfpMatchSettings *settings, int threads) {
     const FfpCapture *capture = depths->capture;
     const size_t area = (size_t)depths->width * (size_t)depths->height;
     real *normals = ffp_alloc(area * (size_t)capture->n_views, 3 * sizeof(real));
@@ -166,7 +167,7 @@ static void fill(FfpDepths *depths, real *range, const FfpMatchSettings *setting
     ffp_free_space(range, depths);
     ffp_parallel_for(capture->n_views, 0, fill_view, &(Filling){filled, normals, range, depths});
     real *found = ffp_alloc(area * (size_t)capture->n_views, sizeof(real));
-    ffp_unlit_depths(found, depths, filled, settings, threads);
+    ffp_unlit_depths(found, depths, filled, hulls, settings, threads);
     memcpy(depths->depth, found, area * (size_t)capture->n_views * sizeof(real));
     ffp_free(found), ffp_free(filled), ffp_free(normals);
 }
@@ -208,11 +209,11 @@ static void judge(FfpStart *start, const FfpCapture *capture, const real *depth,
 }
 
 // Everything that follows from trusted depths. Takes depths->depth and ->trust over: trust becomes the
-// confidence.
-static void derive(FfpStart *start, FfpDepths *depths, real *range, const FfpMatchSettings *settings,
-                   int threads) {
+// confidence. hulls: as ffp_unlit_depths'.
+static void derive(FfpStart *start, FfpDepths *depths, real *range, unsigned char *const *hulls,
+                   const FfpMatchSettings *settings, int threads) {
     const size_t n = (size_t)start->views * (size_t)start->width * (size_t)start->height;
-    fill(depths, range, settings, threads);
+    fill(depths, range, hulls, settings, threads);
     memcpy(start->confidence, depths->trust, n * sizeof(real));
     for (size_t i = 0; i < n; i++)
         if (depths->depth[i] > 0) depths->trust[i] = 1; // a fit's robust weights serve better than these
@@ -249,6 +250,7 @@ typedef struct Matching {
     FfpStart *start;
     FfpDepths *depths;
     real *range;
+    unsigned char **hulls;
     const FfpCapture *capture;
     const int *patterns;
     int n_patterns;
@@ -263,7 +265,8 @@ static void match_one(void *argument, int64_t index) {
     FfpObservation seen = ffp_observe(m->capture, v, m->patterns, m->n_patterns);
     memcpy(m->start->lit + (size_t)v * area, seen.lit, area * sizeof(real));
     ffp_match_view(m->depths->depth + (size_t)v * area, m->depths->trust + (size_t)v * area,
-                   m->range + 2 * (size_t)v * area, m->capture, v, &seen, m->blurred, m->settings);
+                   m->range + 2 * (size_t)v * area, &m->hulls[v], m->capture, v, &seen, m->blurred,
+                   m->settings);
     ffp_observation_free(&seen);
     ffp_cancel_point();
 }
@@ -277,12 +280,14 @@ static void match(FfpStart *start, const FfpCapture *capture, const int *pattern
     FfpBlurred blurred = ffp_blurred_new(capture, patterns, n, ffp_typical_footprint(capture, 0));
     const size_t area = (size_t)start->width * (size_t)start->height;
     real *range = ffp_alloc((size_t)start->views * area, 2 * sizeof(real));
+    unsigned char **hulls = ffp_alloc((size_t)start->views, sizeof *hulls);
     ffp_parallel_for(capture->n_views, threads, match_one,
-                     &(Matching){start, &depths, range, capture, patterns, n, &blurred, settings});
+                     &(Matching){start, &depths, range, hulls, capture, patterns, n, &blurred, settings});
     ffp_blurred_free(&blurred);
     ffp_reject_inconsistent(&depths);
-    derive(start, &depths, range, settings, threads);
-    ffp_free(depths.depth), ffp_free(depths.trust), ffp_free(range);
+    derive(start, &depths, range, hulls, settings, threads);
+    for (int v = 0; v < capture->n_views; v++) ffp_free(hulls[v]);
+    ffp_free(depths.depth), ffp_free(depths.trust), ffp_free(range), ffp_free(hulls);
 }
 
 typedef struct Enlarging {
@@ -385,7 +390,7 @@ bool ffp_start_from_depth(FfpStart *start, const FfpCapture *capture, int active
         depths.depth[i] = known ? depth[i] : 0;
         depths.trust[i] = known ? 1 : 0;
     }
-    derive(start, &depths, range, &settings, threads);
+    derive(start, &depths, range, NULL, &settings, threads);
     ffp_free(depths.depth), ffp_free(depths.trust), ffp_free(range);
     return true;
 }

@@ -45,6 +45,10 @@ typedef struct Said {
     int compared;
 } Said;
 
+static inline real at_most(real x, real most) {
+    return x < most ? x : most;
+}
+
 // Puts a difference in its place among the least.
 static void keep_least(Said *said, real unlike) {
     int k = said->compared < COMPARED ? said->compared++ : COMPARED;
@@ -70,7 +74,7 @@ static void compare(Said *said, const Scene *scene, const real *colour, int othe
     }
     if (sum < 0.1F) return;
     for (int c = 0; c < 3; c++) off += fabs(rgb[c] / sum - colour[c]) / 3;
-    keep_least(said, fmin(off / UNLIKE, 1));
+    keep_least(said, at_most(off / UNLIKE, 1));
 }
 
 static void ask_camera(Said *said, const Scene *scene, const Ray *ray, int other, real z) {
@@ -112,7 +116,7 @@ static real point_cost(const Scene *scene, const Ray *ray, real z) {
     real cost = 0;
     for (int k = 0; k < said.compared; k++) cost += said.unlike[k] / (real)said.compared;
     if (said.compared == 0) cost = UNKNOWN;
-    return said.agree > said.past ? fmin(cost, AGREED) : cost;
+    return said.agree > said.past ? at_most(cost, AGREED) : cost;
 }
 
 // Costs of an unlit pixel's planes; `at` is the plane of its filled depth.
@@ -121,7 +125,7 @@ static void ray_costs(real *cost, const Scene *scene, const Ray *ray, const unsi
     for (int k = 0; k < planes->count; k++) {
         const real off = fabs((real)k - at) * planes->step;
         cost[k] = inside[k] ? point_cost(scene, ray, planes->first + (real)k * planes->step) : EMPTY;
-        cost[k] += LEAN * fmin(off / LEAN_REACH, 1);
+        cost[k] += LEAN * at_most(off / LEAN_REACH, 1);
     }
 }
 
@@ -139,7 +143,7 @@ static void view_costs(real *cost, const Scene *scene, int view, const FfpForegr
                    at = (filled[pixel] - planes->first) / planes->step;
         real *row = cost + slot * count;
         if (scene->depths->trust[pixel] > 0) {
-            for (size_t k = 0; k < count; k++) row[k] = fmin(fabs((real)k - at), 1);
+            for (size_t k = 0; k < count; k++) row[k] = at_most(fabs((real)k - at), 1);
             continue;
         }
         for (size_t other = 0; other < views; other++) {
@@ -169,7 +173,7 @@ static real choose(const real *total, const FfpPlanes *planes, real filled) {
     return planes->first + ((real)best + shift) * planes->step;
 }
 
-static void find_view(real *out, const Scene *scene, int view, const real *filled,
+static void find_view(real *out, const Scene *scene, int view, const real *filled, const unsigned char *hull,
                       const FfpMatchSettings *settings) {
     const FfpCapture *capture = scene->depths->capture;
     const FfpPlanes planes = ffp_planes(capture, view, settings);
@@ -177,15 +181,19 @@ static void find_view(real *out, const Scene *scene, int view, const real *fille
     const size_t count = (size_t)planes.count, cells = foreground.count * count,
                  first = (size_t)view * (size_t)foreground.width * (size_t)foreground.height;
     real *cost = ffp_alloc(cells, sizeof(real)), *total = ffp_alloc(cells, sizeof(real));
-    unsigned char *inside = ffp_alloc(cells, 1);
-    ffp_hull(inside, capture, view, &foreground, &planes);
+    unsigned char *own = NULL;
+    const unsigned char *inside = hull;
+    if (!inside) {
+        inside = own = ffp_alloc(cells, 1);
+        ffp_hull(own, capture, view, &foreground, &planes);
+    }
     view_costs(cost, scene, view, &foreground, &planes, inside, filled);
     ffp_semi_global(total, cost, &foreground, planes.count, SMALL_STEP, LARGE_STEP);
     for (size_t slot = 0; slot < foreground.count; slot++) {
         const size_t i = first + foreground.pixel[slot];
         if (scene->depths->trust[i] <= 0) out[i] = choose(total + slot * count, &planes, filled[i]);
     }
-    ffp_free(inside), ffp_free(total), ffp_free(cost);
+    ffp_free(own), ffp_free(total), ffp_free(cost);
     ffp_foreground_free(&foreground);
 }
 
@@ -193,6 +201,7 @@ typedef struct Views {
     Scene *scene;
     real *out;
     const real *filled;
+    unsigned char *const *hulls;
     const FfpMatchSettings *settings;
 } Views;
 
@@ -211,7 +220,7 @@ static void prepare_view(void *argument, int64_t v) {
 
 static void find_one(void *argument, int64_t view) {
     const Views *v = argument;
-    find_view(v->out, v->scene, (int)view, v->filled, v->settings);
+    find_view(v->out, v->scene, (int)view, v->filled, v->hulls ? v->hulls[view] : NULL, v->settings);
     ffp_cancel_point();
 }
 
@@ -224,12 +233,12 @@ static Scene scene_new(const FfpDepths *depths) {
     return out;
 }
 
-void ffp_unlit_depths(real *out, const FfpDepths *depths, const real *filled,
+void ffp_unlit_depths(real *out, const FfpDepths *depths, const real *filled, unsigned char *const *hulls,
                       const FfpMatchSettings *settings, int threads) {
     const int views = depths->capture->n_views;
     Scene scene = scene_new(depths);
     memcpy(out, filled, (size_t)views * (size_t)depths->width * (size_t)depths->height * sizeof(real));
-    ffp_parallel_for(views, threads, find_one, &(Views){&scene, out, filled, settings});
+    ffp_parallel_for(views, threads, find_one, &(Views){&scene, out, filled, hulls, settings});
     for (int v = 0; v < views; v++) ffp_projector_rays_free(&scene.projector_rays[v]);
     ffp_free(scene.projector_rays), ffp_free(scene.encoded);
     ffp_support_views_free(&scene.support_views);

@@ -8,7 +8,8 @@
 // out [views,h,w]: the depth that `filled` [views,h,w] gives, and where the pixel has no trusted one, another
 // plane's if colours under black, silhouettes and the rays of trusted points, the cameras' and the
 // projectors', speak clearly for it. `threads` views are worked on at a time.
-void ffp_unlit_depths(real *out, const FfpDepths *depths, const real *filled,
+// hulls [views], or NULL: what ffp_hull says of each view's hypotheses.
+void ffp_unlit_depths(real *out, const FfpDepths *depths, const real *filled, unsigned char *const *hulls,
                       const FfpMatchSettings *settings, int threads);
 
 #endif

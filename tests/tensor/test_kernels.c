@@ -25,6 +25,42 @@ static void exponential(void **state) {
     assert_true(ffp_sigmoid(-200) < 1e-37F && ffp_sigmoid(200) == 1);
 }
 
+// SiLU of x in steps of 1e-3 from -100 to 100, by a convolution of one tap with weight 1 at the CPU level in
+// use.
+static double worst_silu(const float *x, float *y, int rows, int channels, const float *one,
+                         const float *zero) {
+    double worst = 0;
+    ffp_conv_forward(y, x, channels, one, zero, rows, channels, 1, false);
+    for (int i = 0; i < rows * channels; i++) {
+        const double at = (double)x[i], expected = at / (1 + exp(-at));
+        if (at >= -87)
+            worst = fmax(worst, fabs((double)y[i] - expected) / (fabs(expected) + 1e-38));
+        else
+            assert_true(y[i] <= 0 && y[i] > -1e-35F);
+    }
+    return worst;
+}
+
+static void silu(void **state) {
+    (void)state;
+    enum { ROWS = 4001, CHANNELS = 51 }; // no whole vectors in a row
+    float *x = ffp_alloc(ROWS * CHANNELS, sizeof(float)), *y = ffp_alloc(ROWS * CHANNELS, sizeof(float));
+    float one[CHANNELS], zero[CHANNELS] = {0};
+    for (int i = 0; i < ROWS * CHANNELS; i++) x[i] = (float)(1e-3 * (i % 200001 - 100000));
+    for (int c = 0; c < CHANNELS; c++) one[c] = 1;
+    for (int level = 0; level <= (int)ffp_cpu_best(); level++) {
+        assert_true(ffp_cpu_set_level((FfpCpuLevel)level));
+        const double worst = worst_silu(x, y, ROWS, CHANNELS, one, zero);
+        printf("silu, %s: worst relative error %.2g\n", ffp_cpu_name((FfpCpuLevel)level), worst);
+        assert_true(worst < 4e-7);
+        x[60] = NAN;
+        ffp_conv_forward(y, x, CHANNELS, one, zero, ROWS, CHANNELS, 1, true);
+        assert_true(isnan(y[60]) && !isnan(y[59]) && !isnan(y[61]));
+        x[60] = 0;
+    }
+    ffp_free(x), ffp_free(y);
+}
+
 static void check_normal(void) {
     enum { COUNT = 240001 }; // -12 to 12
     float *x = ffp_alloc(COUNT, sizeof(float)), *y = ffp_alloc(COUNT, sizeof(float));
@@ -135,6 +171,6 @@ static void same_bits(void **state) {
 int main(int argc, char **argv) {
     if (argc > 1 && strcmp(argv[1], "--bench") == 0) return bench_kernels();
     const struct CMUnitTest tests[] = {cmocka_unit_test(exponential), cmocka_unit_test(normal_distribution),
-                                       cmocka_unit_test(same_bits)};
+                                       cmocka_unit_test(same_bits), cmocka_unit_test(silu)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -6,7 +6,7 @@
 #include "tensor/kernels/exp2.h"
 #include "tensor/kernels/softmax.h"
 
-enum { QUERIES = 64 }; // a block of scores and weights, QUERIES x FFP_SEGMENT, lives on the thread's stack
+enum { QUERIES = 128 }; // a block of scores and weights, QUERIES x FFP_SEGMENT, lives on the thread's stack
 
 // Scores (to base e) up to this are raised as they are: e^60 times any number of rows and any sensible v is
 // far from fp32's and bf16's limits, 2^127.
@@ -20,6 +20,7 @@ typedef struct Block {
     FfpPacked weights[QUERIES * FFP_SEGMENT]; // rows of A
     real top[QUERIES];                        // what the weights' exponents are taken from
     real sum[QUERIES];                        // of weights so far
+    real parts[QUERIES * FFP_PACK_LINES];     // of those sums, where product_weights makes the weights
 } Block;
 
 static void pack_segment(const FfpAttention *a, const FfpSegment *segment, const real *qkv,
@@ -43,7 +44,16 @@ static bool scores_are_safe(const real *q_gain, const real *k_gain, int dim) {
     return sqrt((real)dim) * greatest <= SAFE_SCORE;
 }
 
-static void weigh_safe(Block *block) {
+// From the scores' operands q and k to weights, where no running maximum is needed.
+static void weigh_safe(Block *block, FfpOperand q, FfpOperand k, int dim) {
+#ifdef FFP_PRODUCT_WEIGHTS
+    if (block->keys % FFP_PACK_DEPTH == 0) {
+        FFP_K(product_weights)
+        (block->queries, block->keys, dim, q.from, q.depth, k.from, k.depth, block->weights, block->parts);
+        return;
+    }
+#endif
+    ffp_multiply(block->queries, block->keys, dim, 1, q, k, 0, block->scores, FFP_SEGMENT);
     for (int i = 0; i < block->queries; i++)
         block->sum[i] += FFP_K(softmax_row)(block->weights + (size_t)i * block->depth,
                                             block->scores + (size_t)i * FFP_SEGMENT, 0, block->keys);
@@ -65,7 +75,8 @@ static real greatest_score(const real *scores, int count, real top) {
 }
 
 // Keeps each row's greatest score in `top`; what was gathered with an older one is scaled down to it.
-static void weigh_online(Block *block, real *out, const FfpAttention *a) {
+static void weigh_online(Block *block, FfpOperand q, FfpOperand k, real *out, const FfpAttention *a) {
+    ffp_multiply(block->queries, block->keys, a->dim, 1, q, k, 0, block->scores, FFP_SEGMENT);
     for (int i = 0; i < block->queries; i++) {
         const real *scores = block->scores + (size_t)i * FFP_SEGMENT;
         const real greatest = greatest_score(scores, block->keys, block->top[i]);
@@ -90,19 +101,21 @@ static void attend_block(real *out, real *log_sum, const FfpAttention *a, const 
     out += (size_t)(from->first + first) * a->width + (size_t)from->head * a->dim;
     log_sum += (size_t)from->head * a->rows + from->first + first;
     for (int i = 0; i < queries; i++) block.top[i] = safe ? 0 : -INFINITY, block.sum[i] = 0;
+    for (int i = 0; i < queries * FFP_PACK_LINES; i++) block.parts[i] = 0;
     for (int index = 0; index < a->segments; index++) {
         const FfpSegment to = FFP_K(attention_segment)(a, from->head, index);
         block.keys = to.rows, block.depth = ffp_packed_depth(to.rows);
-        ffp_multiply(queries, to.rows, a->dim, 1, q, ffp_flat_columns(a, &to, FFP_K_COLUMNS, 0), 0,
-                     block.scores, FFP_SEGMENT);
+        const FfpOperand k = ffp_flat_columns(a, &to, FFP_K_COLUMNS, 0);
         if (safe)
-            weigh_safe(&block);
+            weigh_safe(&block, q, k, a->dim);
         else
-            weigh_online(&block, out, a);
+            weigh_online(&block, q, k, out, a);
         ffp_multiply(queries, a->dim, to.rows, 1, (FfpOperand){block.weights, block.depth},
                      ffp_deep_columns(a, &to, FFP_V_DEEP, 0), index > 0 ? 1 : 0, out, a->width);
     }
     for (int i = 0; i < queries; i++) {
+        for (int lane = 0; lane < FFP_PACK_LINES; lane++)
+            block.sum[i] += block.parts[i * FFP_PACK_LINES + lane];
         const real inverse = 1 / block.sum[i];
         for (int d = 0; d < a->dim; d++) out[(size_t)i * a->width + d] *= inverse;
         log_sum[i] = block.top[i] * (real)FFP_LN_2 + log(block.sum[i]);

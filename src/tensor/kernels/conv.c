@@ -2,13 +2,14 @@
 // tokens.
 #include "tensor/kernels/kernels.h"
 
-#include "tensor/kernels/fastmath.h"
-#include "tensor/kernels/vector.h"
+#include <string.h>
+#include "tensor/kernels/silu.h"
 
 enum {
-    ROWS = 16,     // of a block: 4 KB of the stack in fp32, channels that do not exist are 0 in it
-    CHANNELS = 64, // of a strip
-    TAPS = 4       // the network's; more are done as FFP_CONV_TAPS_MAX, those that do not exist with weight 0
+    ROWS = 128,     // of a block: a thread works along them, over all of a strip's channels
+    CHANNELS = 512, // of a strip, whose weights stay in the cache
+    COLUMNS = 64,   // of a strip of the backward pass
+    TAPS = 4 // the network's; more are done as FFP_CONV_TAPS_MAX, those that do not exist with weight 0
 };
 
 typedef struct Conv {
@@ -23,28 +24,20 @@ typedef struct Strip {
     real weights[FFP_CONV_TAPS_MAX][CHANNELS], bias[CHANNELS];
 } Strip;
 
-// Some rows of a strip.
-typedef struct Block {
-    const Strip *strip;
-    int row, rows; // first and count
-} Block;
-
 static int smaller(int a, int b) {
     return a < b ? a : b;
 }
 
-static Strip strip_at(const Conv *conv, int channel) {
-    Strip strip = {.channel = channel, .channels = smaller(CHANNELS, conv->channels - channel)};
-    for (int c = 0; c < strip.channels; c++) {
-        strip.bias[c] = conv->bias[channel + c];
+static void take_strip(Strip *strip, const Conv *conv, int channel, int most) {
+    strip->channel = channel;
+    strip->channels = smaller(most, conv->channels - channel);
+    for (int k = conv->taps; k < FFP_CONV_TAPS_MAX; k++)
+        memset(strip->weights[k], 0, sizeof(real) * (size_t)strip->channels);
+    for (int c = 0; c < strip->channels; c++) {
+        strip->bias[c] = conv->bias[channel + c];
         for (int k = 0; k < conv->taps; k++)
-            strip.weights[k][c] = conv->w[(size_t)(channel + c) * conv->taps + k];
+            strip->weights[k][c] = conv->w[(size_t)(channel + c) * conv->taps + k];
     }
-    return strip;
-}
-
-static Block block_at(const Conv *conv, const Strip *strip, int row) {
-    return (Block){.strip = strip, .row = row, .rows = smaller(ROWS, conv->rows - row)};
 }
 
 // The row of x that tap k of output row t reads, or -1: before the start, behind the end when reversed, or no
@@ -62,37 +55,39 @@ static inline const real *source(const Conv *conv, const Strip *strip, int t, in
     return row < 0 ? zeros : conv->x + (size_t)row * conv->ldx + strip->channel;
 }
 
-// pre = bias + sum over taps, before the SiLU. `taps`, at least conv's, is a constant.
-static inline __attribute__((always_inline)) void convolve_taps(real pre[ROWS * CHANNELS], const Conv *conv,
-                                                                const Block *block, int taps) {
-    const Strip *strip = block->strip;
-    for (int r = 0; r < block->rows; r++) {
-        const real *x[FFP_CONV_TAPS_MAX];
-        for (int k = 0; k < taps; k++) x[k] = source(conv, strip, block->row + r, k);
-        for (int c = 0; c < CHANNELS; c += FFP_LANES) {
-            FfpVector sum = ffp_load(strip->bias + c);
-            for (int k = 0; k < taps; k++)
-                sum += ffp_load(strip->weights[k] + c) * ffp_load_part(x[k] + c, strip->channels - c);
-            ffp_store(pre + r * CHANNELS + c, sum);
+// The `left` next channels of a row from c on, at most a vector's: the sum over the taps, then its SiLU.
+// `taps`, at least conv's, is a constant, as is `left` where a whole vector is left.
+static inline __attribute__((always_inline)) void forward_vector(real *y,
+                                                                 const real *const x[FFP_CONV_TAPS_MAX],
+                                                                 const Strip *strip, int c, int left,
+                                                                 int taps) {
+    FfpVector pre = ffp_load(strip->bias + c);
+#pragma GCC unroll 8
+    for (int k = 0; k < taps; k++) pre += ffp_load(strip->weights[k] + c) * ffp_load_part(x[k] + c, left);
+    ffp_store_part(y + c, ffp_silu_vector(pre), left);
+}
+
+// Row t of a strip.
+static inline __attribute__((always_inline)) void forward_row(real *y, const Conv *conv, const Strip *strip,
+                                                              int t, int taps) {
+    const real *x[FFP_CONV_TAPS_MAX];
+    int c = 0;
+    for (int k = 0; k < taps; k++) x[k] = source(conv, strip, t, k);
+    for (; c + FFP_LANES <= strip->channels; c += FFP_LANES) forward_vector(y, x, strip, c, FFP_LANES, taps);
+    if (c < strip->channels) forward_vector(y, x, strip, c, strip->channels - c, taps);
+}
+
+static void forward_block(real *y, const Conv *conv, int row, int rows) {
+    Strip strip;
+    for (int channel = 0; channel < conv->channels; channel += CHANNELS) {
+        take_strip(&strip, conv, channel, CHANNELS);
+        for (int t = row; t < row + rows; t++) {
+            real *y_row = y + (size_t)t * conv->channels + channel;
+            if (conv->taps <= TAPS)
+                forward_row(y_row, conv, &strip, t, TAPS);
+            else
+                forward_row(y_row, conv, &strip, t, FFP_CONV_TAPS_MAX);
         }
-    }
-}
-
-static void convolve(real pre[ROWS * CHANNELS], const Conv *conv, const Block *block) {
-    if (conv->taps <= TAPS)
-        convolve_taps(pre, conv, block, TAPS);
-    else
-        convolve_taps(pre, conv, block, FFP_CONV_TAPS_MAX);
-}
-
-static void forward_block(real *y, const Conv *conv, const Block *block) {
-    real pre[ROWS * CHANNELS];
-    convolve(pre, conv, block);
-#pragma omp simd
-    for (int i = 0; i < block->rows * CHANNELS; i++) pre[i] *= ffp_sigmoid(pre[i]);
-    for (int r = 0; r < block->rows; r++) {
-        real *y_row = y + (size_t)(block->row + r) * conv->channels + block->strip->channel;
-        memcpy(y_row, pre + r * CHANNELS, sizeof *y * (size_t)block->strip->channels);
     }
 }
 
@@ -100,42 +95,53 @@ void FFP_K(conv_forward)(real *y, const real *x, int ldx, const real *w, const r
                          int channels, int taps, bool reverse) {
     const Conv conv = {x, w, bias, ldx, rows, channels, taps, reverse};
 #pragma omp parallel for schedule(static)
-    for (int channel = 0; channel < channels; channel += CHANNELS) {
-        const Strip strip = strip_at(&conv, channel);
-        for (int row = 0; row < rows; row += ROWS) {
-            const Block block = block_at(&conv, &strip, row);
-            forward_block(y, &conv, &block);
-        }
-    }
+    for (int row = 0; row < rows; row += ROWS) forward_block(y, &conv, row, smaller(ROWS, rows - row));
 }
 
 typedef struct Sums {
-    real weights[FFP_CONV_TAPS_MAX][CHANNELS], bias[CHANNELS];
+    real weights[FFP_CONV_TAPS_MAX][COLUMNS], bias[COLUMNS];
 } Sums;
 
-// Row t of a strip, all in one loop. With s = sigmoid(pre), the gradient before the SiLU is dpre = dy s (1 +
-// pre (1 - s)). `taps` as above.
+// What row t of a strip reads and adds to.
+typedef struct Row {
+    const real *dy, *x[FFP_CONV_TAPS_MAX];
+    real *dx[FFP_CONV_TAPS_MAX];
+} Row;
+
+// As forward_vector. With s = sigmoid(pre), the gradient before the SiLU is dpre = dy s (1 + pre (1 - s)).
+static inline __attribute__((always_inline)) void
+backward_vector(Sums *sums, const Row *row, const Strip *strip, int c, int left, int taps) {
+    FfpVector pre = ffp_load(strip->bias + c), seen[FFP_CONV_TAPS_MAX];
+#pragma GCC unroll 8
+    for (int k = 0; k < taps; k++) {
+        seen[k] = ffp_load_part(row->x[k] + c, left);
+        pre += ffp_load(strip->weights[k] + c) * seen[k];
+    }
+    const FfpVector s = ffp_sigmoid_vector(pre);
+    const FfpVector dpre = ffp_load_part(row->dy + c, left) * s * (1 + pre * (1 - s));
+    ffp_store(sums->bias + c, ffp_load(sums->bias + c) + dpre);
+#pragma GCC unroll 8
+    for (int k = 0; k < taps; k++) {
+        const FfpVector dx = ffp_load_part(row->dx[k] + c, left) + ffp_load(strip->weights[k] + c) * dpre;
+        ffp_store(sums->weights[k] + c, ffp_load(sums->weights[k] + c) + dpre * seen[k]);
+        ffp_store_part(row->dx[k] + c, dx, left);
+    }
+}
+
 static inline __attribute__((always_inline)) void backward_row(real *dx, int lddx, Sums *sums, const real *dy,
                                                                const Conv *conv, const Strip *strip, int t,
                                                                int taps) {
-    const real *dy_row = dy + (size_t)t * conv->channels + strip->channel, *x[FFP_CONV_TAPS_MAX];
-    real *dx_row[FFP_CONV_TAPS_MAX], nowhere[CHANNELS] = {0};
+    real nowhere[COLUMNS] = {0};
+    Row row = {.dy = dy + (size_t)t * conv->channels + strip->channel};
     for (int k = 0; k < taps; k++) {
-        const int row = source_row(conv, t, k);
-        x[k] = source(conv, strip, t, k);
-        dx_row[k] = row < 0 ? nowhere : dx + (size_t)row * lddx + strip->channel;
+        const int from = source_row(conv, t, k);
+        row.x[k] = source(conv, strip, t, k);
+        row.dx[k] = from < 0 ? nowhere : dx + (size_t)from * lddx + strip->channel;
     }
-#pragma omp simd
-    for (int c = 0; c < strip->channels; c++) {
-        real pre = strip->bias[c];
-        for (int k = 0; k < taps; k++) pre += strip->weights[k][c] * x[k][c];
-        const real s = ffp_sigmoid(pre), dpre = dy_row[c] * s * (1 + pre * (1 - s));
-        sums->bias[c] += dpre;
-        for (int k = 0; k < taps; k++) {
-            sums->weights[k][c] += dpre * x[k][c];
-            dx_row[k][c] += strip->weights[k][c] * dpre;
-        }
-    }
+    int c = 0;
+    for (; c + FFP_LANES <= strip->channels; c += FFP_LANES)
+        backward_vector(sums, &row, strip, c, FFP_LANES, taps);
+    if (c < strip->channels) backward_vector(sums, &row, strip, c, strip->channels - c, taps);
 }
 
 static void add_sums(real *dw, real *dbias, const Sums *sums, const Conv *conv, const Strip *strip) {
@@ -151,8 +157,9 @@ void FFP_K(conv_backward)(real *dx, int lddx, real *dw, real *dbias, const real 
                           const real *w, const real *bias, int rows, int channels, int taps, bool reverse) {
     const Conv conv = {x, w, bias, ldx, rows, channels, taps, reverse};
 #pragma omp parallel for schedule(static)
-    for (int channel = 0; channel < channels; channel += CHANNELS) {
-        const Strip strip = strip_at(&conv, channel);
+    for (int channel = 0; channel < channels; channel += COLUMNS) {
+        Strip strip;
+        take_strip(&strip, &conv, channel, COLUMNS);
         Sums sums = {0};
         for (int t = 0; t < rows; t++) {
             if (taps <= TAPS)

@@ -10,17 +10,18 @@
 #include "tensor/kernels/product.h"
 #include "tensor/workspace.h"
 
-// A block of A takes 112 KB in bf16, a run of B's panels of one depth 32 KB: with what passes of C they stay
-// in a second-level cache of 512 KB.
-enum { BLOCK_ROWS = 112 / FFP_PRODUCT_ROWS * FFP_PRODUCT_ROWS, BLOCK_DEPTH = 512 };
+// A block of A takes up to 224 KB, a run of B's panels of one depth 32 or 64 KB: with what passes of C they
+// stay in a second-level cache of 512 KB. The more rows, the fewer times all of B passes.
+enum { BLOCK_DEPTH = 512, BLOCK_NUMBERS = 224 * 1024 / (int)sizeof(FfpPacked) };
 enum { PIECE = 64 }; // no thread gets fewer rows or columns than this
 
 // C is cut into `down` times `across` rectangles, one a thread; k into runs of `depth`.
 typedef struct Plan {
     int down, across, depth;
+    int rows; // of a block
     FfpPacked *b;
     size_t b_depth;
-    FfpPacked *a; // BLOCK_ROWS x depth, one behind the other for every thread
+    FfpPacked *a; // rows x depth, one behind the other for every thread
     size_t a_size;
 } Plan;
 
@@ -39,7 +40,8 @@ static Plan make_plan(const FfpMixed *mixed) {
     const int runs = at_least_one((mixed->k + BLOCK_DEPTH - 1) / BLOCK_DEPTH);
     plan.depth = at_least_one((int)ffp_packed_depth((mixed->k + runs - 1) / runs));
     plan.b_depth = ffp_packed_depth(mixed->k);
-    plan.a_size = ffp_packed_size(BLOCK_ROWS, plan.depth);
+    plan.rows = at_least_one(BLOCK_NUMBERS / plan.depth / FFP_PRODUCT_ROWS) * FFP_PRODUCT_ROWS;
+    plan.a_size = ffp_packed_size(plan.rows, plan.depth);
     const size_t b_size = ffp_packed_size(mixed->n, mixed->k);
     plan.b =
         ffp_workspace((b_size + plan.a_size * (size_t)plan.down * (size_t)plan.across) * sizeof(FfpPacked));
@@ -79,16 +81,29 @@ static real start_block(const FfpMixed *mixed, const Rectangle *at) {
     return 1;
 }
 
-static void multiply_block(const Plan *plan, const FfpMixed *mixed, FfpPacked *a, const Rectangle *at) {
+// Rows of op(A) from `row` on, `depth` numbers of each from k on, and how far apart they lie: where they are,
+// if that is how a packed operand has them, else packed into `to`.
+static const FfpPacked *rows_of_a(FfpPacked *to, const FfpMixed *mixed, int row, int rows, int k, int depth,
+                                  size_t *stride) {
+    const real *from =
+        mixed->a + (mixed->transpose_a ? (size_t)k * mixed->lda + row : (size_t)row * mixed->lda + k);
+#ifndef FFP_BF16
+    if (!mixed->transpose_a) return *stride = (size_t)mixed->lda, from;
+#endif
+    *stride = ffp_packed_depth(depth);
+    FFP_K(pack_rows)(to, mixed->transpose_a, rows, depth, from, mixed->lda);
+    return to;
+}
+
+static void multiply_block(const Plan *plan, const FfpMixed *mixed, FfpPacked *to, const Rectangle *at) {
     const int rows = at->row_end - at->row, columns = at->column_end - at->column;
     real beta = start_block(mixed, at);
     for (int k = 0; k == 0 || k < mixed->k; k += plan->depth) {
         const int depth = smaller(plan->depth, mixed->k - k);
-        const real *from = mixed->a + (mixed->transpose_a ? (size_t)k * mixed->lda + at->row
-                                                          : (size_t)at->row * mixed->lda + k);
-        FFP_K(pack_rows)(a, mixed->transpose_a, rows, depth, from, mixed->lda);
+        size_t stride;
+        const FfpPacked *a = rows_of_a(to, mixed, at->row, rows, k, depth, &stride);
         FFP_K(product)
-        (rows, columns, depth, mixed->alpha, a, ffp_packed_depth(depth),
+        (rows, columns, depth, mixed->alpha, a, stride,
          ffp_packed_column(plan->b, at->column, k, plan->b_depth), plan->b_depth, beta,
          mixed->c + (size_t)at->row * mixed->ldc + at->column, mixed->ldc);
         beta = 1;
@@ -102,7 +117,7 @@ static void multiply_share(const Plan *plan, const FfpMixed *mixed, int thread) 
                     .column = part_begin(mixed->n, 2 * FFP_PACK_LINES, across, plan->across),
                     .column_end = part_begin(mixed->n, 2 * FFP_PACK_LINES, across + 1, plan->across)};
     for (; at.row < end; at.row = at.row_end) {
-        at.row_end = smaller(end, at.row + BLOCK_ROWS);
+        at.row_end = smaller(end, at.row + plan->rows);
         multiply_block(plan, mixed, plan->a + plan->a_size * (size_t)thread, &at);
     }
 }

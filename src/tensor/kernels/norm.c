@@ -5,6 +5,7 @@
 #include <tgmath.h>
 #include "tensor/kernels/columns.h"
 #include "tensor/kernels/fastmath.h"
+#include "tensor/kernels/silu.h"
 
 #define EPSILON 1e-5F
 
@@ -85,9 +86,18 @@ void FFP_K(rmsnorm_backward)(real *dx, real *dgain, const real *dy, const real *
     FFP_K(add_column_sums)(dgain, dy, x, NULL, rstd, rows, dim);
 }
 
-static void gate_row(real *out, const real *x, const real *z, int dim) {
-#pragma omp simd
-    for (int i = 0; i < dim; i++) out[i] = x[i] * z[i] * ffp_sigmoid(z[i]);
+// out = x silu(z); returns the mean of its squares.
+static real gate_row(real *out, const real *x, const real *z, int dim) {
+    FfpVector sum = {0};
+    for (int i = 0; i < dim; i += FFP_LANES) {
+        const FfpVector gated =
+            ffp_load_part(x + i, dim - i) * ffp_silu_vector(ffp_load_part(z + i, dim - i));
+        ffp_store_part(out + i, gated, dim - i);
+        sum += gated * gated;
+    }
+    real all = 0;
+    for (int lane = 0; lane < FFP_LANES; lane++) all += sum[lane];
+    return all / (real)dim;
 }
 
 void FFP_K(gated_norm_forward)(real *y, real *rstd, const real *x, const real *z, int ldz, const real *gain,
@@ -95,8 +105,8 @@ void FFP_K(gated_norm_forward)(real *y, real *rstd, const real *x, const real *z
 #pragma omp parallel for schedule(static)
     for (int t = 0; t < rows; t++) {
         real *y_row = y + (size_t)t * dim;
-        gate_row(y_row, x + (size_t)t * dim, z + (size_t)t * ldz, dim);
-        const real scale = 1 / sqrt(mean_square(y_row, 0, dim) + EPSILON);
+        const real square = gate_row(y_row, x + (size_t)t * dim, z + (size_t)t * ldz, dim);
+        const real scale = 1 / sqrt(square + EPSILON);
         for (int i = 0; i < dim; i++) y_row[i] *= scale * gain[i];
         rstd[t] = scale;
     }
@@ -109,12 +119,15 @@ static void gated_row_backward(real *dx, real *dz, const real *dy, const real *x
 #pragma omp simd reduction(+ : sum)
     for (int i = 0; i < dim; i++) sum += dy[i] * gain[i] * dx[i];
     const real along = sum * scale * scale / (real)dim;
-#pragma omp simd
-    for (int i = 0; i < dim; i++) {
-        const real du = scale * (dy[i] * gain[i] - dx[i] * along);
-        const real open = ffp_sigmoid(z[i]); // silu = z open, silu' = open (1 + z (1 - open))
-        dx[i] = du * z[i] * open;
-        dz[i] += du * x[i] * open * (1 + z[i] * (1 - open));
+    for (int i = 0; i < dim; i += FFP_LANES) {
+        const int left = dim - i;
+        const FfpVector gate = ffp_load_part(z + i, left), gated = ffp_load_part(dx + i, left);
+        const FfpVector du =
+            scale * (ffp_load_part(dy + i, left) * ffp_load_part(gain + i, left) - gated * along);
+        const FfpVector open = ffp_sigmoid_vector(gate); // silu = z open, silu' = open (1 + z (1 - open))
+        const FfpVector slope = open * (1 + gate * (1 - open));
+        ffp_store_part(dx + i, du * gate * open, left);
+        ffp_store_part(dz + i, ffp_load_part(dz + i, left) + du * ffp_load_part(x + i, left) * slope, left);
     }
 }
 

@@ -69,4 +69,14 @@ void FFP_K(pack_columns)(FfpPacked *out, bool transpose, int k, int n, const rea
 void FFP_K(product)(int m, int n, int k, real alpha, const FfpPacked *a, size_t a_depth, const FfpPacked *b,
                     size_t b_depth, real beta, real *c, int ldc);
 
+// Softmax weights straight from the sums in registers, where they are kept in vectors.
+#if !defined(FFP_TILES) && !defined(FFP_REAL_DOUBLE)
+#define FFP_PRODUCT_WEIGHTS
+// weights[m,n] = 2^(A B), as packed rows of an operand that is n deep, n a multiple of FFP_PACK_DEPTH; no
+// number of A B above 126 or below -125. sums[m, FFP_PACK_LINES] is ADDED to: a row's numbers together become
+// greater by the sum of its weights before rounding.
+void FFP_K(product_weights)(int m, int n, int k, const FfpPacked *a, size_t a_depth, const FfpPacked *b,
+                            size_t b_depth, FfpPacked *weights, real *sums);
+#endif
+
 #endif
