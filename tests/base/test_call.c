@@ -1,6 +1,7 @@
 // A call that is left gives back what it has taken, wherever it is left; one that succeeds keeps it.
 #include <omp.h>
 #include <stdatomic.h>
+#include <time.h>
 #include "support.h"
 #include "base/arena.h"
 #include "base/call.h"
@@ -60,9 +61,12 @@ static void a_call_that_succeeds_keeps_its_memory(void **state) {
     ffp_free(numbers);
 }
 
+// Bodies behind the bad one take their time, so that its failure is seen before they have all begun, even
+// where its thread is held up for half a second.
 static void greedy_body(void *argument, int64_t index) {
     const int64_t *bad = argument;
     begun++;
+    if (*bad >= 0 && index > *bad) nanosleep(&(struct timespec){.tv_nsec = 5000000}, NULL);
     ffp_free(ffp_alloc(1000, 1));
     ffp_alloc(10, 1); // left for the call
     if (index == *bad) ffp_alloc(SIZE_MAX / 2, 3);
@@ -74,6 +78,12 @@ static bool together(void *argument, FfpError *err) {
     return true;
 }
 
+static bool one_by_one(void *argument, FfpError *err) {
+    (void)err;
+    ffp_parallel_for(1000, 1, greedy_body, argument);
+    return true;
+}
+
 static void a_body_ends_the_call_behind_the_region(void **state) {
     (void)state;
     FfpError err = {0};
@@ -82,6 +92,9 @@ static void a_body_ends_the_call_behind_the_region(void **state) {
     assert_false(ffp_call_run(NULL, together, &bad, &err));
     assert_int_equal(err.code, FFP_ERROR_MEMORY);
     assert_true(begun > 0 && begun < 1000); // how many depends on who comes first
+    begun = 0;
+    assert_false(ffp_call_run(NULL, one_by_one, &bad, &err));
+    assert_int_equal(begun, 501);
     bad = -1, begun = 0;
     FfpContext context = {0};
     ffp_context_fail_at(&context, 77);
