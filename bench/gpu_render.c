@@ -16,7 +16,7 @@ typedef struct Bench {
     FfpCamera camera[VIEWS], projector[VIEWS], fine; // fine: the first with a pixel for each sample
     FfpGaussians gaussians, grad;                    // on the device, as all arrays
     FfpSummed light;
-    FfpImage linear, grad_linear, mean, picture, grad_picture;
+    FfpImage linear, grad_linear, picture, grad_picture;
     FfpRaster *raster, *shadow_raster;
     FfpGbuffer samples, grad_samples, averaged, grad_averaged, shadow;
     FfpMapping mapping;
@@ -61,10 +61,10 @@ static void light_backward(Bench *b) {
                        &b->grad_samples);
 }
 static void shade(Bench *b) {
-    ffp_shade(&b->samples, &b->mapping, &b->transport, intensity, &b->light, &b->linear);
+    ffp_shade(&b->averaged, &b->mapping, &b->transport, intensity, &b->light, &b->linear);
 }
 static void shade_backward(Bench *b) {
-    ffp_shade_backward(&b->mapping, &b->transport, intensity, &b->light, &b->grad_linear, &b->grad_samples,
+    ffp_shade_backward(&b->mapping, &b->transport, intensity, &b->light, &b->grad_linear, &b->grad_averaged,
                        &b->grad_transport, NULL, NULL);
 }
 static void average(Bench *b) {
@@ -74,10 +74,10 @@ static void average_backward(Bench *b) {
     ffp_average_gbuffer_backward(&b->grad_averaged, b->settings.samples, &b->grad_samples);
 }
 static void resolve(Bench *b) {
-    ffp_resolve(&b->linear, b->averaged.opacity, b->settings.samples, &b->mean, &b->picture);
+    ffp_resolve(&b->linear, b->averaged.opacity, b->settings.samples, &b->picture);
 }
 static void resolve_backward(Bench *b) {
-    ffp_resolve_backward(&b->mean, b->averaged.opacity, b->settings.samples, &b->grad_picture,
+    ffp_resolve_backward(&b->linear, b->averaged.opacity, b->settings.samples, &b->grad_picture,
                          &b->grad_linear, b->grad_averaged.opacity);
 }
 static void clear(Bench *b) {
@@ -145,8 +145,8 @@ static void make_devices(Bench *b, int side, int pattern) {
 static void make_buffers(Bench *b, int side) {
     const int fine = b->fine.width;
     b->grad = ffp_gaussians_new(b->gaussians.count);
-    b->linear = ffp_image_new(fine, fine, 3), b->grad_linear = ffp_image_new(fine, fine, 3);
-    b->mean = ffp_image_new(side, side, 3), b->picture = ffp_image_new(side, side, 3);
+    b->linear = ffp_image_new(side, side, 3), b->grad_linear = ffp_image_new(side, side, 3);
+    b->picture = ffp_image_new(side, side, 3);
     b->raster = ffp_raster_new(), b->shadow_raster = ffp_raster_new();
     b->samples = ffp_gbuffer_new(fine, fine), b->grad_samples = ffp_gbuffer_new(fine, fine);
     b->averaged = ffp_gbuffer_new(side, side), b->grad_averaged = ffp_gbuffer_new(side, side);

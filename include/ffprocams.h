@@ -149,8 +149,8 @@ typedef struct FfpReconstruction {
                     // it finest; 0: a splat for every pixel of every view; FFP_LAYERS_AUTO: by their number
     FfpDrawing drawing; // of the polish
 } FfpReconstruction;
-#define FFP_POLISH_STEPS 100
-#define FFP_POLISH_AUTO (-1) // FFP_POLISH_STEPS, and of more than 8 views 12.5 steps a view
+#define FFP_POLISH_STEPS 88
+#define FFP_POLISH_AUTO (-1) // FFP_POLISH_STEPS, and of more than 8 views 11 steps a view
 #define FFP_NOISE_ESTIMATED (-1.0)
 #define FFP_LAYERS_AUTO (-1.0) // all of up to 200,000 splats, else two layers
 

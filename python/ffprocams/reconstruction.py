@@ -91,7 +91,7 @@ def reconstruct(
         model: see ffprocams.ModelOption.
         pattern: name of the structured-light pattern to use, or of several: every view has the first, which the
             network sees, and matching and fit look at all; None: the first that every view has.
-        polish: gradient steps, of one view each; 0: the forward pass alone; None: 100, and of many views more.
+        polish: gradient steps, of one view each; 0: the forward pass alone; None: 88, and of many views more.
         noise: deviation of the photographs' noise (linear, of values up to 1) to be taken away; 0: none; None:
             estimated.
         layers: how many times splats may describe a place of the surface; 0: a splat for every pixel of every view;

@@ -84,15 +84,19 @@ static double network_bytes(const FfpScale *s) {
                              SUMMED * s->photographs * s->pattern);
 }
 
-// Parameters, gradients, moments and copies of the splats, encoded photographs, and a view with its
-// gradients; of a large picture the photographs of a level, and the splats as they were.
+// Parameters, their mean, two gradients, moments and copies of the splats, encoded photographs, and a view
+// with its gradients or two of them; of a large picture the photographs of a level, and the splats as they
+// were.
 static double polish_bytes(const FfpScale *s) {
     if (!s->polish) return 0;
-    const double view = 30 * REAL * pixels_of(s) / s->views * s->samples * s->samples; // gradients of samples
+    const double gradients = 30 * REAL * pixels_of(s) / s->views * s->samples * s->samples; // of samples
+    const bool pairs =
+        (double)s->width * s->height <= FFP_AT_ONCE_PIXELS && (s->threads == 2 || s->threads == 3);
+    const double view = gradients + draw_bytes(s, s->samples) + PULLED * splats_of(s);
     const bool levels = fmax(s->width, s->height) > FFP_PYRAMID_SIDE;
     const double level = levels ? photograph_bytes(s) + REAL * pixels_of(s) + SPLAT * splats_of(s) : 0;
-    return (8 * SPLAT + 8 * REAL + PULLED) * splats_of(s) + photograph_bytes(s) + view + level +
-           draw_bytes(s, s->samples) + SUMMED * s->photographs * s->pattern;
+    return (10 * SPLAT + 8 * REAL) * splats_of(s) + photograph_bytes(s) + (pairs ? 2 : 1) * view + level +
+           SUMMED * s->photographs * s->pattern;
 }
 
 double ffp_reconstruction_bytes(const FfpScale *s) {

@@ -18,18 +18,28 @@ typedef struct FfpLobe {
     real D, F, V;
 } FfpLobe;
 
-// roughness in (0,1]; cosines of normal, light, viewer and the half vector between the latter two.
-FFP_FORMULA FfpLobe ffp_lobe(real roughness, real nl, real nv, real nh, real vh) {
+// Schlick's power as one of two.
+FFP_FORMULA real ffp_fresnel_exponent(real vh) {
+    return (FFP_FRESNEL_2 * vh + FFP_FRESNEL_1) * vh;
+}
+
+// roughness in (0,1]; cosines of normal with light, viewer and the half vector; Schlick's power.
+FFP_FORMULA FfpLobe ffp_lobe_of(real roughness, real nl, real nv, real nh, real power) {
     FfpLobe b;
     const real a = roughness * roughness;
     b.a2 = a * a, b.k = (roughness + 1) * (roughness + 1) / 8;
     b.q = nh * nh * (b.a2 - 1) + 1;
     b.gv = nv * (1 - b.k) + b.k, b.gl = nl * (1 - b.k) + b.k;
-    b.power = exp2((FFP_FRESNEL_2 * vh + FFP_FRESNEL_1) * vh);
+    b.power = power;
     b.D = b.a2 / (FFP_PI * b.q * b.q);
     b.F = FFP_F0 + (1 - FFP_F0) * b.power;
     b.V = 1 / (4 * b.gv * b.gl);
     return b;
+}
+
+// roughness in (0,1]; cosines of normal, light, viewer and the half vector between the latter two.
+FFP_FORMULA FfpLobe ffp_lobe(real roughness, real nl, real nv, real nh, real vh) {
+    return ffp_lobe_of(roughness, nl, nv, nh, exp2(ffp_fresnel_exponent(vh)));
 }
 
 // D F V; all directions unit, away from the surface, n.l and n.v positive.

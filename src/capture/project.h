@@ -5,19 +5,19 @@
 #include "base/vec.h"
 #include "capture/capture.h"
 
-// The text of ffp_project.
+// Where the camera sees a point of its own frame.
+FFP_FORMULA void ffp_in_picture(const FfpCamera *camera, const real local[3], real *x, real *y) {
+    *x = camera->cx + camera->fx * local[0] / local[2];
+    *y = camera->cy + camera->fy * local[1] / local[2];
+}
+
+// The text of ffp_project. On the CPU that is a function of its own: which products are fused with which sums
+// depends on what it is inlined into.
 FFP_FORMULA real ffp_projected(const FfpCamera *camera, const real point[3], real *x, real *y) {
     real local[3];
     ffp_inverse_transform_point(camera->pose, point, local);
-    *x = camera->cx + camera->fx * local[0] / local[2];
-    *y = camera->cy + camera->fy * local[1] / local[2];
+    ffp_in_picture(camera, local, x, y);
     return local[2];
 }
-
-// Formulas of both say ffp_project. On the CPU that stays a function of its own: which products are fused
-// with which sums would depend on what it is inlined into.
-#ifdef __CUDACC__
-#define ffp_project ffp_projected
-#endif
 
 #endif

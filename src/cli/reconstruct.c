@@ -75,8 +75,8 @@ static const FfpOption options[] = {
     FFP_CLI_POLISH(
         offsetof(Arguments, how.polish),
         "steps of the fit, of one view each; of pictures above 192 pixels, steps on the smallest of "
-        "several sizes, with fewer on larger ones. 0: the forward pass alone. Default: auto, 100, "
-        "and of more than 8 views 12.5 for each"),
+        "several sizes, with fewer on larger ones. 0: the forward pass alone. Default: auto, 88, "
+        "and of more than 8 views 11 for each"),
     FFP_CLI_NOISE(
         offsetof(Arguments, how.noise),
         "standard deviation of the photographs' noise, which is taken away first: linear, of values "

@@ -75,6 +75,16 @@ static void pull_back(const FfpParameters *parameters, const FfpGaussians *decod
     ffp_launch_each((size_t)grad->count, pull_back_kernel, *parameters, *decoded, *grad);
 }
 
+static __global__ void average_kernel(Flat numbers, real share, Flat mean) {
+    const size_t i = ffp_thread();
+    const unsigned a = blockIdx.y;
+    if (i < mean.count[a]) ffp_average(numbers.data[a][i], share, mean.data[a] + i);
+}
+
+static void average(const FfpGaussians *numbers, real share, const FfpGaussians *mean) {
+    ffp_launch(average_kernel, flat_grid(mean), dim3(256), flat(numbers), share, flat(mean));
+}
+
 // The gradient to the shared roughness: each block's part of the sum, then one block adds these in order.
 enum { SUM_THREADS = 256, SUM_BLOCKS = 128 };
 static __device__ double parts[SUM_BLOCKS];
@@ -136,6 +146,7 @@ extern "C" const FfpRefineTable ffp_cuda_refine = {
     .encode = encode,
     .decode = decode,
     .pull_back = pull_back,
+    .average = average,
     .move = move,
     .summed_new = ffp_cuda_summed_new,
 };

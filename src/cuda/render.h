@@ -31,9 +31,8 @@ void ffp_cuda_gbuffer_clear(FfpGbuffer *gbuffer);
 void ffp_cuda_average_plane(const real *samples, int side, int width, int height, int channels, real *out);
 void ffp_cuda_average_gbuffer(const FfpGbuffer *samples, int side, FfpGbuffer *out);
 void ffp_cuda_average_gbuffer_backward(const FfpGbuffer *grad_out, int side, FfpGbuffer *grad_samples);
-void ffp_cuda_resolve(const FfpImage *samples, const real *opacity, int side, FfpImage *mean,
-                      FfpImage *picture);
+void ffp_cuda_resolve(const FfpImage *mean, const real *opacity, int side, FfpImage *picture);
 void ffp_cuda_resolve_backward(const FfpImage *mean, const real *opacity, int side,
-                               const FfpImage *grad_picture, FfpImage *grad_samples, real *grad_opacity);
+                               const FfpImage *grad_picture, FfpImage *grad_mean, real *grad_opacity);
 
 #endif

@@ -77,7 +77,7 @@ static __global__ void average_planes_backward(FfpPlaneList list, int width, siz
     const size_t row = (size_t)width * channels, y = i / row / (size_t)side;
     const size_t x = i % row / channels / (size_t)side, k = i % channels;
     const float share = 1 / (float)(side * side);
-    plane.to[i] += share * plane.from[(y * (size_t)(width / side) + x) * channels + k];
+    plane.to[i] = share * plane.from[(y * (size_t)(width / side) + x) * channels + k];
 }
 
 void ffp_cuda_average_gbuffer_backward(const FfpGbuffer *grad_out, int side, FfpGbuffer *grad_samples) {
@@ -86,47 +86,35 @@ void ffp_cuda_average_gbuffer_backward(const FfpGbuffer *grad_out, int side, Ffp
                planes_of(grad_out, grad_samples), width, (size_t)width * (size_t)height, side);
 }
 
-// Where the first sample of a pixel is.
-static __device__ inline size_t first_sample(size_t pixel, size_t width, int side) {
-    return (size_t)side * (pixel + pixel / width * width * (size_t)(side - 1));
-}
-
-static __global__ void resolve_pixels(size_t pixels, int width, int side, const float *samples,
-                                      const float *opacity, float *mean, float *picture) {
+static __global__ void resolve_pixels(size_t pixels, int side, const float *mean, const float *opacity,
+                                      float *picture) {
     const size_t p = ffp_thread();
     if (p >= pixels) return;
-    const float *first = samples + 3 * first_sample(p, (size_t)width, side);
-    float colour[3], shown[3];
-    for (int k = 0; k < 3; k++) colour[k] = ffp_sample_mean(first + k, (ptrdiff_t)3 * width * side, 3, side);
+    const float colour[3] = {mean[3 * p], mean[3 * p + 1], mean[3 * p + 2]};
+    float shown[3];
     ffp_resolve_pixel(colour, opacity[p], side, shown);
-    for (int k = 0; k < 3; k++) mean[3 * p + k] = colour[k], picture[3 * p + k] = shown[k];
+    for (int k = 0; k < 3; k++) picture[3 * p + k] = shown[k];
 }
 
-void ffp_cuda_resolve(const FfpImage *samples, const real *opacity, int side, FfpImage *mean,
-                      FfpImage *picture) {
-    ffp_launch_each((size_t)mean->width * (size_t)mean->height, resolve_pixels, mean->width, side,
-                    samples->data, opacity, mean->data, picture->data);
+void ffp_cuda_resolve(const FfpImage *mean, const real *opacity, int side, FfpImage *picture) {
+    ffp_launch_each((size_t)mean->width * (size_t)mean->height, resolve_pixels, side, mean->data, opacity,
+                    picture->data);
 }
 
-static __global__ void resolve_pixels_backward(size_t pixels, int width, int side, const float *mean,
+static __global__ void resolve_pixels_backward(size_t pixels, int side, const float *mean,
                                                const float *opacity, const float *grad_picture,
-                                               float *grad_samples, float *grad_opacity) {
+                                               float *grad_mean, float *grad_opacity) {
     const size_t p = ffp_thread();
     if (p >= pixels) return;
-    const float share = 1 / (float)(side * side);
     const float colour[3] = {mean[3 * p], mean[3 * p + 1], mean[3 * p + 2]};
     const float grad[3] = {grad_picture[3 * p], grad_picture[3 * p + 1], grad_picture[3 * p + 2]};
-    float *first = grad_samples + 3 * first_sample(p, (size_t)width, side), grad_mean[3];
-    ffp_resolve_pixel_backward(colour, opacity[p], side, grad, grad_mean, &grad_opacity[p]);
-    for (int v = 0; v < side; v++)
-        for (int u = 0; u < side; u++)
-            for (int k = 0; k < 3; k++)
-                first[3 * ((size_t)v * (size_t)(width * side) + (size_t)u) + (size_t)k] =
-                    share * grad_mean[k];
+    float d[3];
+    ffp_resolve_pixel_backward(colour, opacity[p], side, grad, d, &grad_opacity[p]);
+    for (int k = 0; k < 3; k++) grad_mean[3 * p + k] = d[k];
 }
 
 void ffp_cuda_resolve_backward(const FfpImage *mean, const real *opacity, int side,
-                               const FfpImage *grad_picture, FfpImage *grad_samples, real *grad_opacity) {
-    ffp_launch_each((size_t)mean->width * (size_t)mean->height, resolve_pixels_backward, mean->width, side,
-                    mean->data, opacity, grad_picture->data, grad_samples->data, grad_opacity);
+                               const FfpImage *grad_picture, FfpImage *grad_mean, real *grad_opacity) {
+    ffp_launch_each((size_t)mean->width * (size_t)mean->height, resolve_pixels_backward, side, mean->data,
+                    opacity, grad_picture->data, grad_mean->data, grad_opacity);
 }

@@ -4,13 +4,17 @@
 
 #include "base/vec.h"
 
-// out = turn applied to p.
+// out = turn applied to p, in double and by the turn's own length, so that a quarter turn whose parts were
+// rounded exchanges coordinates exactly.
 static inline void ffp_turn_point(const real turn[4], const real p[3], real out[3]) {
-    real across[3], again[3];
-    ffp_cross3(turn + 1, p, across);
-    for (int k = 0; k < 3; k++) across[k] *= 2;
-    ffp_cross3(turn + 1, across, again);
-    for (int k = 0; k < 3; k++) out[k] = p[k] + turn[0] * across[k] + again[k];
+    const double w = (double)turn[0], v[3] = {(double)turn[1], (double)turn[2], (double)turn[3]};
+    const double q[3] = {(double)p[0], (double)p[1], (double)p[2]};
+    const double twice = 2 / (w * w + v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+    const double across[3] = {v[1] * q[2] - v[2] * q[1], v[2] * q[0] - v[0] * q[2],
+                              v[0] * q[1] - v[1] * q[0]};
+    const double again[3] = {v[1] * across[2] - v[2] * across[1], v[2] * across[0] - v[0] * across[2],
+                             v[0] * across[1] - v[1] * across[0]};
+    for (int k = 0; k < 3; k++) out[k] = (real)(q[k] + twice * (w * across[k] + again[k]));
 }
 
 // out = first b, then a; not in place.

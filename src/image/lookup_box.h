@@ -61,8 +61,18 @@ FFP_FORMULA FfpFour ffp_corner(const FfpSummed *summed, const FfpEdge *x, const 
     return upper + (lower - upper) * y->weight;
 }
 
+// Whether the pattern shows the same all over the box and around it: one colour, and no edge.
+FFP_FORMULA bool ffp_box_plain(const FfpSummed *summed, real u, real v, real du, real dv) {
+    const real x = (du > 1 ? du : 1) / 2, y = (dv > 1 ? dv : 1) / 2;
+    return summed->plain && u > x && v > y && u + x < (real)summed->width && v + y < (real)summed->height;
+}
+
 // ffp_lookup
 FFP_FORMULA void ffp_box_mean(const FfpSummed *summed, real u, real v, real du, real dv, real out[3]) {
+    if (ffp_box_plain(summed, u, v, du, dv)) {
+        for (int c = 0; c < 3; c++) out[c] = (real)summed->colour[c];
+        return;
+    }
     const FfpBox box = ffp_box_at(summed, u, v, du, dv);
     if (summed->plain) {
         const double area = ffp_span(box.x) * ffp_span(box.y) * box.scale;
@@ -102,6 +112,10 @@ FFP_FORMULA void ffp_add_corner(const FfpSummed *summed, const FfpEdge *x, const
 // ffp_box_mean, and how each channel changes with u and with v.
 FFP_FORMULA void ffp_box_slopes(const FfpSummed *summed, real u, real v, real du, real dv, real out[3],
                                 real along_u[3], real along_v[3]) {
+    if (ffp_box_plain(summed, u, v, du, dv)) {
+        for (int c = 0; c < 3; c++) out[c] = (real)summed->colour[c], along_u[c] = along_v[c] = 0;
+        return;
+    }
     const FfpBox box = ffp_box_at(summed, u, v, du, dv);
     if (summed->plain) {
         ffp_plain_slopes(summed, &box, out, along_u, along_v);

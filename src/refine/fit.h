@@ -18,10 +18,22 @@ FfpViewer *ffp_viewer_new(const FfpCapture *capture, const int *patterns, int n_
 void ffp_viewer_free(FfpViewer *viewer);
 // PSNR of all views, mean over each view's photographs and over the views.
 double ffp_viewer_psnr(FfpViewer *viewer, const FfpGaussians *gaussians);
-// The loss of a view, at a step that says which terms count already. ADDS its gradient to grad, and what it
-// comes to to *loss: by ffp_loss_add (loss/loss.h), so that a round need not wait for each.
-void ffp_viewer_look(FfpViewer *viewer, const FfpGaussians *gaussians, int view, int64_t step,
-                     FfpGaussians *grad, FfpFitLoss *loss);
+
+typedef struct FfpLook {
+    int view;
+    int64_t step; // says which terms count already
+    FfpGaussians *grad;
+    FfpFitLoss *loss;
+} FfpLook;
+
+// The losses of one or two views. ADDS each one's gradient to its grad, and what it comes to to its *loss: by
+// ffp_loss_add (loss/loss.h), so that a round need not wait for each. Two, which must not be the same, are
+// looked at at the same time where that pays; the numbers are those of one after the other.
+void ffp_viewer_look(FfpViewer *viewer, const FfpGaussians *gaussians, const FfpLook *looks, int n);
+
+// Of an order of all views: behind every other one (the first, the third, ...) comes the one of those left
+// that looks from the other side. What two views do not both see, neither's step changes for the other.
+void ffp_pair_opposites(const FfpCapture *capture, int *order);
 
 FfpMover ffp_mover_new(const FfpParameters *parameters, const FfpRefineSettings *settings);
 void ffp_mover_free(FfpMover *mover);

@@ -3,6 +3,7 @@
 #ifndef FFP_REFINE_MAPS_H
 #define FFP_REFINE_MAPS_H
 
+#include "base/exp2.h"
 #include "base/vec.h"
 #include "refine/parameters.h"
 
@@ -20,7 +21,7 @@ FFP_FORMULA void ffp_turn(const real q[4], real m[9]) {
 }
 
 FFP_FORMULA real ffp_sigmoid(real x) {
-    return 1 / (1 + exp(-x));
+    return 1 / (1 + ffp_exp(-x));
 }
 
 FFP_FORMULA real ffp_logit(real p) {
@@ -55,21 +56,32 @@ FFP_FORMULA void ffp_encode(const FfpGaussians *g, int64_t i, bool local, const 
     p->unit[i] = local ? fmax(fmax(g->scale[3 * i], g->scale[3 * i + 1]), g->scale[3 * i + 2]) : 1;
 }
 
-FFP_FORMULA void ffp_decode(const FfpParameters *p, int64_t i, const FfpGaussians *out) {
+FFP_FORMULA real ffp_roughness_of(real number) {
+    return FFP_ROUGHNESS_FLOOR + (1 - FFP_ROUGHNESS_FLOOR) * ffp_sigmoid(number);
+}
+
+// By the numbers' frame: centre and rotation; and the third deviation of a flat set, from the others.
+FFP_FORMULA void ffp_decode_frame(const FfpParameters *p, int64_t i, const FfpGaussians *out) {
     const FfpGaussians *n = &p->numbers;
     real m[9];
     ffp_turn(p->frame + 4 * i, m);
+    for (int k = 0; k < 3; k++)
+        out->centre[3 * i + k] = p->origin[3 * i + k] + p->unit[i] * ffp_dot3(m + 3 * k, n->centre + 3 * i);
+    if (p->flat) out->scale[3 * i + 2] = FFP_FLATNESS * fmin(out->scale[3 * i], out->scale[3 * i + 1]);
+    ffp_unit_quaternion(n->rotation + 4 * i, out->rotation + 4 * i);
+}
+
+FFP_FORMULA void ffp_decode(const FfpParameters *p, int64_t i, const FfpGaussians *out) {
+    const FfpGaussians *n = &p->numbers;
     for (int k = 0; k < 3; k++) {
         const int64_t at = 3 * i + k;
-        out->centre[at] = p->origin[at] + p->unit[i] * ffp_dot3(m + 3 * k, n->centre + 3 * i);
-        out->scale[at] = exp(n->scale[at]);
+        out->scale[at] = ffp_exp(n->scale[at]);
         out->albedo[at] = ffp_sigmoid(n->albedo[at]);
         out->ambient[at] = ffp_sigmoid(n->ambient[at]);
     }
-    if (p->flat) out->scale[3 * i + 2] = FFP_FLATNESS * fmin(out->scale[3 * i], out->scale[3 * i + 1]);
-    ffp_unit_quaternion(n->rotation + 4 * i, out->rotation + 4 * i);
     out->opacity[i] = ffp_sigmoid(n->opacity[i]);
-    out->roughness[i] = FFP_ROUGHNESS_FLOOR + (1 - FFP_ROUGHNESS_FLOOR) * ffp_sigmoid(n->roughness[i]);
+    out->roughness[i] = ffp_roughness_of(n->roughness[i]);
+    ffp_decode_frame(p, i, out);
 }
 
 // g / |q| less its part along q / |q|: through the normalisation.
@@ -80,24 +92,44 @@ FFP_FORMULA void ffp_pull_back_rotation(const real *number, const real *unit, re
     for (int k = 0; k < 4; k++) grad[k] = length > 0 ? (grad[k] - along * unit[k]) / length : 0;
 }
 
-// In place; d is what ffp_decode gave.
-FFP_FORMULA void ffp_pull_back(const FfpParameters *p, const FfpGaussians *d, int64_t i,
-                               const FfpGaussians *grad) {
+// sigmoid' from the sigmoid.
+FFP_FORMULA real ffp_sigmoid_slope(real s) {
+    return s * (1 - s);
+}
+
+FFP_FORMULA real ffp_roughness_slope(real roughness) {
+    return (1 - FFP_ROUGHNESS_FLOOR) *
+           ffp_sigmoid_slope((roughness - FFP_ROUGHNESS_FLOOR) / (1 - FFP_ROUGHNESS_FLOOR));
+}
+
+// What ffp_decode_frame made, in place; d is what ffp_decode gave.
+FFP_FORMULA void ffp_pull_back_frame(const FfpParameters *p, const FfpGaussians *d, int64_t i,
+                                     const FfpGaussians *grad) {
     real m[9], world[3];
     ffp_turn(p->frame + 4 * i, m);
     for (int k = 0; k < 3; k++) world[k] = grad->centre[3 * i + k];
-    for (int k = 0; k < 3; k++) {
-        const int64_t at = 3 * i + k;
-        grad->centre[at] = p->unit[i] * (m[k] * world[0] + m[3 + k] * world[1] + m[6 + k] * world[2]);
-        grad->scale[at] *= d->scale[at];
-        grad->albedo[at] *= d->albedo[at] * (1 - d->albedo[at]);
-        grad->ambient[at] *= d->ambient[at] * (1 - d->ambient[at]);
-    }
+    for (int k = 0; k < 3; k++)
+        grad->centre[3 * i + k] = p->unit[i] * (m[k] * world[0] + m[3 + k] * world[1] + m[6 + k] * world[2]);
     if (p->flat) grad->scale[3 * i + 2] = 0;
     ffp_pull_back_rotation(p->numbers.rotation + 4 * i, d->rotation + 4 * i, grad->rotation + 4 * i);
-    grad->opacity[i] *= d->opacity[i] * (1 - d->opacity[i]);
-    const real s = (d->roughness[i] - FFP_ROUGHNESS_FLOOR) / (1 - FFP_ROUGHNESS_FLOOR);
-    grad->roughness[i] *= (1 - FFP_ROUGHNESS_FLOOR) * s * (1 - s);
+}
+
+FFP_FORMULA void ffp_pull_back(const FfpParameters *p, const FfpGaussians *d, int64_t i,
+                               const FfpGaussians *grad) {
+    for (int k = 0; k < 3; k++) {
+        const int64_t at = 3 * i + k;
+        grad->scale[at] *= d->scale[at];
+        grad->albedo[at] *= ffp_sigmoid_slope(d->albedo[at]);
+        grad->ambient[at] *= ffp_sigmoid_slope(d->ambient[at]);
+    }
+    grad->opacity[i] *= ffp_sigmoid_slope(d->opacity[i]);
+    grad->roughness[i] *= ffp_roughness_slope(d->roughness[i]);
+    ffp_pull_back_frame(p, d, i, grad);
+}
+
+// A number's mean over n steps, from that over n - 1: share = 1 / n.
+FFP_FORMULA void ffp_average(real number, real share, real *mean) {
+    *mean += share * (number - *mean);
 }
 
 #endif

@@ -117,6 +117,7 @@ static void move_shared_roughness(FfpMover *mover, FfpParameters *parameters, co
 static void move_all(FfpMover *mover, FfpParameters *parameters, const FfpGaussians *grad,
                      const FfpMove *move) {
     FfpAdamStep *adam = ffp_refine_kernels()->adam_step;
+#pragma omp parallel
     for (int a = 0; a < FFP_ATTRIBUTES; a++) {
         const FfpAttribute x = ffp_attribute(&parameters->numbers, a);
         adam(&move->of[a], x.data, ffp_attribute(&mover->mean, a).data, ffp_attribute(&mover->square, a).data,

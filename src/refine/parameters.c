@@ -4,6 +4,7 @@
 #include <string.h>
 #include "base/arena.h"
 #include "base/device.h"
+#include "refine/kernels/kernels.h"
 #include "refine/maps.h"
 #include "refine/table.h"
 
@@ -33,13 +34,20 @@ void ffp_parameters_free(FfpParameters *parameters) {
     *parameters = (FfpParameters){0};
 }
 
+enum { PART = 512 }; // splats at a time: their numbers stay in the nearest caches
+
+static int64_t part_from(int64_t begin, int64_t count) {
+    return count - begin < PART ? count - begin : PART;
+}
+
 void ffp_parameters_decode(const FfpParameters *parameters, FfpGaussians *out) {
     if (ffp_device()) {
         ffp_device()->refine->decode(parameters, out);
         return;
     }
+    FfpDecode *decode = ffp_refine_kernels()->decode;
 #pragma omp parallel for schedule(static)
-    for (int64_t i = 0; i < out->count; i++) ffp_decode(parameters, i, out);
+    for (int64_t i = 0; i < out->count; i += PART) decode(parameters, i, part_from(i, out->count), out);
 }
 
 void ffp_parameters_pull_back(const FfpParameters *parameters, const FfpGaussians *decoded,
@@ -48,8 +56,24 @@ void ffp_parameters_pull_back(const FfpParameters *parameters, const FfpGaussian
         ffp_device()->refine->pull_back(parameters, decoded, grad);
         return;
     }
+    FfpPullBack *pull_back = ffp_refine_kernels()->pull_back;
 #pragma omp parallel for schedule(static)
-    for (int64_t i = 0; i < grad->count; i++) ffp_pull_back(parameters, decoded, i, grad);
+    for (int64_t i = 0; i < grad->count; i += PART)
+        pull_back(parameters, decoded, i, part_from(i, grad->count), grad);
+}
+
+void ffp_parameters_average(const FfpParameters *parameters, real share, FfpGaussians *mean) {
+    if (ffp_device()) {
+        ffp_device()->refine->average(&parameters->numbers, share, mean);
+        return;
+    }
+#pragma omp parallel
+    for (int a = 0; a < FFP_ATTRIBUTES; a++) {
+        const FfpAttribute from = ffp_attribute(&parameters->numbers, a), to = ffp_attribute(mean, a);
+        const int64_t count = mean->count * to.width;
+#pragma omp for simd schedule(static) nowait
+        for (int64_t i = 0; i < count; i++) ffp_average(from.data[i], share, &to.data[i]);
+    }
 }
 
 // Rows of `width` numbers.

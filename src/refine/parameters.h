@@ -30,6 +30,8 @@ void ffp_parameters_decode(const FfpParameters *parameters, FfpGaussians *out); 
 // ffp_parameters_decode gave.
 void ffp_parameters_pull_back(const FfpParameters *parameters, const FfpGaussians *decoded,
                               FfpGaussians *grad);
+// The mean of the numbers over n steps, from that over the n - 1 before: share = 1 / n.
+void ffp_parameters_average(const FfpParameters *parameters, real share, FfpGaussians *mean);
 
 // Rotation matrix (row-major) of a quaternion w x y z of length 1.
 void ffp_quaternion_matrix(const real q[4], real matrix[9]);

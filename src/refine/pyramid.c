@@ -1,5 +1,6 @@
 #include "refine/pyramid.h"
 
+#include <math.h>
 #include <stdio.h>
 #include "base/device.h"
 #include "base/log.h"
@@ -31,7 +32,8 @@ static int coarsest_side(const FfpCapture *capture) {
 // Whole rounds, one at least: a fit keeps the state after a round.
 static int64_t steps_of(const Pyramid *p, int side) {
     const double half = (double)side / p->coarsest, share = half > LEAST_SHARE ? half : LEAST_SHARE;
-    const int64_t views = p->capture->n_views, rounds = (int64_t)(share * (double)p->settings->steps) / views;
+    const int64_t views = p->capture->n_views;
+    const int64_t rounds = llround(share * (double)p->settings->steps / (double)views);
     return views * (rounds > 0 ? rounds : 1);
 }
 

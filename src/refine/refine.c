@@ -61,6 +61,11 @@ FfpRefineSettings ffp_polish_defaults(int64_t steps) {
     s.rates.shared_roughness *= 4;
     s.mask = 0.3F;
     s.smooth = 0;
+    s.decay = s.centre_decay = 0.2;
+    s.mean = 0.3;
+    s.beta1 = 0.8F, s.beta2 = 0.95F; // of so few steps
+    s.distortion = 0.3F;
+    s.pairs = true;
     s.steps = steps;
     s.measure = false;
     return s;
@@ -114,13 +119,16 @@ typedef struct Fit { // one run of ffp_refine
     const FfpRefineSettings *settings;
     FfpViewer *viewer;
     FfpParameters parameters;
-    FfpGaussians gaussians, grad; // decoded, and the gradient
+    FfpGaussians gaussians, grad[2]; // decoded, and gradients: the second's is that of a pair
     FfpMover mover;
     FfpDensityControl density_control;
     FfpGaussians best;
     double best_loss, best_psnr, first_psnr; // of rounds
-    int *order;                              // [n_views] of the round
-    FfpFitLoss *losses;                      // [n_views] of its steps
+    int64_t best_round, rounds;              // complete ones so far; which was the best, from 1
+    FfpGaussians mean;                       // of the numbers after each of the last `averaged` steps
+    int64_t averaged;
+    int *order;         // [n_views] of the round
+    FfpFitLoss *losses; // [n_views] of its steps
     FfpRng rng;
     FfpTask progress;
     double started;
@@ -169,26 +177,45 @@ static double share_spent(const Fit *fit) {
     return fmin(share, 1);
 }
 
+static int64_t steps_left(const Fit *fit) {
+    return fit->settings->steps > 0 ? fit->settings->steps - fit->step : INT64_MAX;
+}
+
 static bool over(const Fit *fit) {
     return share_spent(fit) >= 1 || (fit->settings->may_stop && ffp_cancelled());
 }
 
-static void one_step(Fit *fit, int view, FfpFitLoss *loss) {
-    const double share = share_spent(fit);
-    clear(&fit->grad);
-    fit->step++;
-    ffp_viewer_look(fit->viewer, &fit->gaussians, view, fit->step, &fit->grad, loss);
+static void average(Fit *fit, double share) {
+    if (!fit->mean.count || share < 1 - fit->settings->mean) return;
+    fit->averaged++;
+    ffp_parameters_average(&fit->parameters, (real)(1 / (double)fit->averaged), &fit->mean);
+}
+
+// The gradients of one or two views, and as many steps behind each other: the second one's is then that of a
+// state one step back.
+static void take_steps(Fit *fit, const int *views, int n, FfpFitLoss *losses) {
+    FfpLook looks[2];
+    for (int i = 0; i < n; i++) {
+        clear(&fit->grad[i]);
+        looks[i] = (FfpLook){views[i], fit->step + 1 + i, &fit->grad[i], &losses[i]};
+    }
+    ffp_viewer_look(fit->viewer, &fit->gaussians, looks, n);
     if (fit->settings->density.on)
-        ffp_density_control_note(&fit->density_control, &fit->gaussians, &fit->grad,
-                                 &fit->capture->views[view].camera);
-    ffp_parameters_pull_back(&fit->parameters, &fit->gaussians, &fit->grad);
-    ffp_mover_step(&fit->mover, &fit->parameters, &fit->grad, fit->settings, share);
+        ffp_density_control_note(&fit->density_control, &fit->gaussians, &fit->grad[0],
+                                 &fit->capture->views[views[0]].camera);
+    for (int i = 0; i < n; i++) ffp_parameters_pull_back(&fit->parameters, &fit->gaussians, &fit->grad[i]);
+    for (int i = 0; i < n; i++) {
+        const double share = share_spent(fit);
+        ffp_mover_step(&fit->mover, &fit->parameters, &fit->grad[i], fit->settings, share);
+        average(fit, share);
+        fit->step++;
+    }
     if (ffp_density_control_step(&fit->density_control, &fit->settings->density, fit->step, &fit->parameters,
                                  &fit->gaussians, &fit->mover)) {
         ffp_gaussians_free(&fit->gaussians);
-        ffp_gaussians_free(&fit->grad);
+        ffp_gaussians_free(&fit->grad[0]);
         fit->gaussians = ffp_gaussians_new(fit->parameters.numbers.count);
-        fit->grad = ffp_gaussians_new(fit->parameters.numbers.count);
+        fit->grad[0] = ffp_gaussians_new(fit->parameters.numbers.count);
     }
     ffp_parameters_decode(&fit->parameters, &fit->gaussians);
 }
@@ -221,8 +248,13 @@ static int step_through(Fit *fit) {
     int done = 0;
     memset(fit->losses, 0, (size_t)n * sizeof *fit->losses);
     shuffle(fit);
+    if (fit->settings->pairs) ffp_pair_opposites(fit->capture, fit->order);
     ffp_losses_late();
-    for (; done < n && !over(fit); done++) one_step(fit, fit->order[done], &fit->losses[done]);
+    while (done < n && !over(fit)) {
+        const int at_once = fit->grad[1].count && done + 1 < n && steps_left(fit) > 1 ? 2 : 1;
+        take_steps(fit, fit->order + done, at_once, &fit->losses[done]);
+        done += at_once;
+    }
     ffp_losses_settle();
     return done;
 }
@@ -239,9 +271,10 @@ static bool one_round(Fit *fit, FfpError *err) {
     if (done < n) return true;
     sum.total /= n, sum.psnr /= n;
     if (!tell(fit, &sum)) return ffp_fail(err, FFP_ERROR_IO, NULL, "cannot write the metrics");
-    if (fit->step <= n) fit->first_psnr = sum.psnr;
+    fit->rounds++;
+    if (fit->rounds == 1) fit->first_psnr = sum.psnr;
     if (sum.total < fit->best_loss) {
-        fit->best_loss = sum.total, fit->best_psnr = sum.psnr;
+        fit->best_loss = sum.total, fit->best_psnr = sum.psnr, fit->best_round = fit->rounds;
         copy(&fit->best, &fit->gaussians);
     }
     return true;
@@ -255,9 +288,11 @@ static Fit fit_new(const FfpGaussians *gaussians, const FfpCapture *capture, con
     fit.viewer = ffp_viewer_new(capture, patterns, n_patterns, settings);
     fit.parameters = ffp_parameters_new(gaussians, !scratch, scratch);
     fit.gaussians = ffp_gaussians_new(gaussians->count);
-    fit.grad = ffp_gaussians_new(gaussians->count);
+    fit.grad[0] = ffp_gaussians_new(gaussians->count);
+    fit.grad[1] = ffp_gaussians_new(settings->pairs ? gaussians->count : 0);
     fit.mover = ffp_mover_new(&fit.parameters, settings);
     fit.density_control = ffp_density_control_new(scratch ? gaussians->count : 0, settings->seed);
+    fit.mean = ffp_gaussians_new(settings->mean > 0 ? gaussians->count : 0);
     fit.losses = ffp_alloc((size_t)capture->n_views, sizeof *fit.losses);
     fit.order = ffp_alloc((size_t)capture->n_views, sizeof *fit.order);
     for (int v = 0; v < capture->n_views; v++) fit.order[v] = v;
@@ -271,12 +306,22 @@ static void fit_free(Fit *fit) {
     ffp_viewer_free(fit->viewer);
     ffp_parameters_free(&fit->parameters);
     ffp_gaussians_free(&fit->gaussians);
-    ffp_gaussians_free(&fit->grad);
+    for (int i = 0; i < 2; i++) ffp_gaussians_free(&fit->grad[i]);
     ffp_gaussians_free(&fit->best);
+    ffp_gaussians_free(&fit->mean);
     ffp_mover_free(&fit->mover);
     ffp_density_control_free(&fit->density_control);
     ffp_free(fit->order);
     ffp_free(fit->losses);
+}
+
+// The mean of the last steps' numbers is nearer to what they wander about than any of them is (Polyak and
+// Juditsky 1992), unless the fit has gone astray by then.
+static void take_mean(Fit *fit) {
+    if (fit->averaged < 1 || fit->rounds < 1 || fit->best_round + 1 < fit->rounds) return;
+    const FfpParameters mean = {fit->mean, fit->parameters.origin, fit->parameters.frame,
+                                fit->parameters.unit, fit->parameters.flat};
+    ffp_parameters_decode(&mean, &fit->best);
 }
 
 // Under a limit of steps progress counts these, else seconds.
@@ -308,6 +353,7 @@ bool ffp_refine(FfpGaussians *gaussians, const FfpCapture *capture, const int *p
     while (ok && !over(&fit)) ok = one_round(&fit, err);
     ffp_task_end(&fit.progress);
     if (ok) {
+        take_mean(&fit);
         result->dropped = has_lost(&fit, gaussians);
         if (!result->dropped) copy(gaussians, &fit.best);
         if (settings->measure) result->psnr_after = ffp_viewer_psnr(fit.viewer, gaussians);

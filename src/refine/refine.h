@@ -33,7 +33,9 @@ typedef struct FfpRefineSettings {
     real l1, ssim, mask, roughness_smooth, normal_smooth, distortion; // weights of the loss terms
     int64_t distortion_from;                                          // step
     real smooth; // share by which a step draws displacements along the normal towards the neighbours' mean
+    double mean; // share of the budget, its end, over which the numbers are averaged: that is then the result
     int shadow_looks; // steps at a view that share a shadow map; up to 1: each draws its own
+    bool pairs;       // steps come in twos, both by gradients of the same state: of two views at a time
     bool one_picture; // a step looks at one of the view's pictures, in turn, instead of all
     FfpDensity density;
     int64_t steps;  // of one view each; 0: no limit
@@ -47,9 +49,13 @@ typedef struct FfpRefineSettings {
 } FfpRefineSettings;
 FfpRefineSettings ffp_refine_defaults(void);  // from a prediction
 FfpRefineSettings ffp_scratch_defaults(void); // from nothing: GS-ProCams' losses, rates and densification
-#define FFP_POLISH_DEFAULT_STEPS 100          // of eight views
+#define FFP_POLISH_DEFAULT_STEPS 88           // of eight views
 // A short fit right behind a prediction: faster rates, nothing smoothed or measured.
 FfpRefineSettings ffp_polish_defaults(int64_t steps);
+
+// Of a pair's views that have no more pixels than these each is looked at by a thread of its own where there
+// are two or three, with buffers of its own.
+enum { FFP_AT_ONCE_PIXELS = 192 * 192 };
 
 typedef struct FfpRefineResult {
     int64_t steps, gaussians;
@@ -62,11 +68,11 @@ typedef struct FfpRefineResult {
 
 // Fits to the given patterns of all views (indices into the capture's), as far as a view has photographs
 // under them; it has one at least, and all of a view's count alike. Views come in rounds, each in an order
-// drawn from the seed. What is returned is the state after the round with the lowest loss, or what was there
-// before where that has the better PSNR on the same pictures. With a limit in steps, the same seed and thread
-// count give the same bits. Errors: no Gaussians, no limit, a loss that is not finite. On a device: arrays of
-// the Gaussians, of pictures, coverage and patterns are that device's. Errors: density control or smoothing
-// is asked for.
+// drawn from the seed. What is returned is the state after the round with the lowest loss, or the mean that
+// is asked for if that round was the last whole one or the one before it, or what was there before where that
+// has the better PSNR on the same pictures. With a limit in steps, the same seed and thread count give the
+// same bits. Errors: no Gaussians, no limit, a loss that is not finite. On a device: arrays of the Gaussians,
+// of pictures, coverage and patterns are that device's. Errors: density control or smoothing is asked for.
 bool ffp_refine(FfpGaussians *gaussians, const FfpCapture *capture, const int *patterns, int n_patterns,
                 const FfpRefineSettings *settings, FfpRefineResult *result, FfpError *err);
 

@@ -13,6 +13,7 @@ typedef struct FfpRefineTable {
     void (*encode)(const FfpGaussians *gaussians, bool local, const FfpParameters *out);
     void (*decode)(const FfpParameters *parameters, const FfpGaussians *out);
     void (*pull_back)(const FfpParameters *parameters, const FfpGaussians *decoded, const FfpGaussians *grad);
+    void (*average)(const FfpGaussians *numbers, real share, const FfpGaussians *mean); // ffp_average, of all
     // One step of all numbers, the shared roughness included. The same bits every time.
     void (*move)(const FfpMove *move, const FfpGaussians *grad, const FfpGaussians *numbers,
                  const FfpMover *mover);

@@ -1,6 +1,8 @@
 // A view under black, white and the patterns, against its photographs.
+#include <omp.h>
 #include <stdlib.h>
 #include "base/arena.h"
+#include "base/call.h"
 #include "base/device.h"
 #include "base/vec.h"
 #include "loss/loss.h"
@@ -9,18 +11,22 @@
 #include "refine/table.h"
 #include "render/pass.h"
 
+typedef struct Hand { // what one view is worked on with
+    FfpViewPass *pass;
+    FfpImage picture, grad; // remade when their size changes
+} Hand;
+
 struct FfpViewer {
     const FfpCapture *capture;
     const FfpRefineSettings *settings;
     int n_patterns;
     const int *patterns;
-    FfpSummed *light;  // [n_patterns]
-    FfpImage *targets; // [n_views,n_patterns] encoded; .data NULL where the view has no photograph
-    int *shown;        // [n_views] how many it has
-    FfpViewPass *pass;
-    FfpGbuffer *shadows;    // [n_views] kept shadow maps
-    int *looks;             // [n_views] at each view so far
-    FfpImage picture, grad; // of one view, remade when its size changes
+    FfpSummed *light;    // [n_patterns]
+    FfpImage *targets;   // [n_views,n_patterns] encoded; .data NULL where the view has no photograph
+    int *shown;          // [n_views] how many it has
+    FfpGbuffer *shadows; // [n_views] kept shadow maps
+    int *looks;          // [n_views] at each view so far
+    Hand hands[2];       // the second for a view at the same time, its buffers made by the first such look
 };
 
 FfpSummed ffp_pattern_summed(const FfpImage *pattern) {
@@ -37,9 +43,12 @@ FfpViewer *ffp_viewer_new(const FfpCapture *capture, const int *patterns, int n_
                      .light = ffp_alloc((size_t)n_patterns, sizeof *v->light),
                      .targets = ffp_alloc((size_t)capture->n_views * n_patterns, sizeof *v->targets),
                      .shown = ffp_alloc((size_t)capture->n_views, sizeof *v->shown),
-                     .pass = ffp_view_pass_new(&settings->render),
                      .shadows = ffp_alloc((size_t)capture->n_views, sizeof *v->shadows),
                      .looks = ffp_alloc((size_t)capture->n_views, sizeof *v->looks)};
+    for (int h = 0; h < 2; h++) {
+        v->hands[h].pass = ffp_view_pass_new(&settings->render);
+        ffp_view_pass_expect_gradients(v->hands[h].pass);
+    }
     for (int p = 0; p < n_patterns; p++)
         if (patterns[p] != capture->black)
             v->light[p] = ffp_pattern_summed(&capture->patterns[patterns[p]].image);
@@ -63,18 +72,20 @@ void ffp_viewer_free(FfpViewer *v) {
     ffp_free(v->light);
     ffp_free(v->targets);
     ffp_free(v->shown);
-    ffp_view_pass_free(v->pass);
-    ffp_image_free(&v->picture);
-    ffp_image_free(&v->grad);
+    for (int h = 0; h < 2; h++) {
+        ffp_view_pass_free(v->hands[h].pass);
+        ffp_image_free(&v->hands[h].picture);
+        ffp_image_free(&v->hands[h].grad);
+    }
     ffp_free(v);
 }
 
-static void fit_pictures(FfpViewer *v, int width, int height) {
-    if (v->picture.width == width && v->picture.height == height) return;
-    ffp_image_free(&v->picture);
-    ffp_image_free(&v->grad);
-    v->picture = ffp_image_new(width, height, 3);
-    v->grad = ffp_image_new(width, height, 3);
+static void fit_pictures(Hand *hand, int width, int height) {
+    if (hand->picture.width == width && hand->picture.height == height) return;
+    ffp_image_free(&hand->picture);
+    ffp_image_free(&hand->grad);
+    hand->picture = ffp_image_new(width, height, 3);
+    hand->grad = ffp_image_new(width, height, 3);
 }
 
 // NULL: black.
@@ -82,38 +93,39 @@ static const FfpSummed *light_of(const FfpViewer *v, int p) {
     return v->patterns[p] == v->capture->black ? NULL : &v->light[p];
 }
 
-static const FfpView *draw(FfpViewer *v, const FfpGaussians *gaussians, int view_index) {
+static const FfpView *draw(const FfpViewer *v, Hand *hand, const FfpGaussians *gaussians, int view_index) {
     const FfpView *view = &v->capture->views[view_index];
-    fit_pictures(v, view->camera.width, view->camera.height);
-    ffp_view_pass_draw(v->pass, gaussians, &view->camera, &view->projector);
+    fit_pictures(hand, view->camera.width, view->camera.height);
+    ffp_view_pass_draw(hand->pass, gaussians, &view->camera, &view->projector);
     return view;
 }
 
 // Shades the view drawn last under pattern p; adds the picture's terms, and takes their gradient back.
-static void compare(FfpViewer *v, int p, const FfpImage *target, real share, FfpFitLoss *loss) {
+static void compare(const FfpViewer *v, Hand *hand, int p, const FfpImage *target, real share,
+                    FfpFitLoss *loss) {
     const FfpRefineSettings *s = v->settings;
     const real *intensity = v->capture->intensity;
     const FfpSummed *light = light_of(v, p);
-    ffp_view_pass_shade(v->pass, intensity, light, &v->picture);
-    ffp_memory_zero(v->grad.data, sizeof(real) * (size_t)v->grad.width * v->grad.height * 3);
-    ffp_loss_add(&loss->pictures, 1, ffp_l1_loss(&v->picture, target, share * s->l1, &v->grad));
-    ffp_loss_add(&loss->pictures, 1, ffp_ssim_loss(&v->picture, target, share * s->ssim, &v->grad));
-    ffp_loss_add(&loss->psnr, (double)share, ffp_psnr(&v->picture, target));
-    ffp_view_pass_shade_backward(v->pass, intensity, light, &v->grad, NULL, NULL);
+    ffp_view_pass_shade(hand->pass, intensity, light, &hand->picture);
+    ffp_memory_zero(hand->grad.data, sizeof(real) * (size_t)hand->grad.width * hand->grad.height * 3);
+    ffp_loss_add(&loss->pictures, 1, ffp_l1_loss(&hand->picture, target, share * s->l1, &hand->grad));
+    ffp_loss_add(&loss->pictures, 1, ffp_ssim_loss(&hand->picture, target, share * s->ssim, &hand->grad));
+    ffp_loss_add(&loss->psnr, (double)share, ffp_psnr(&hand->picture, target));
+    ffp_view_pass_shade_backward(hand->pass, intensity, light, &hand->grad, NULL, NULL);
 }
 
 // A view that is looked at again and again keeps its shadow map for some looks.
-static void keep_shadow(FfpViewer *v, int view) {
+static void keep_shadow(FfpViewer *v, Hand *hand, int view) {
     if (v->settings->shadow_looks < 2) return;
     if (v->looks[view]++ % v->settings->shadow_looks == 0) ffp_gbuffer_free(&v->shadows[view]);
-    ffp_view_pass_keep_shadow(v->pass, &v->shadows[view]);
+    ffp_view_pass_keep_shadow(hand->pass, &v->shadows[view]);
 }
 
 // The terms that look at G-buffers.
-static void regularise(FfpViewer *v, const FfpView *view, int64_t step, FfpFitLoss *loss) {
+static void regularise(const FfpViewer *v, Hand *hand, const FfpView *view, int64_t step, FfpFitLoss *loss) {
     const FfpRefineSettings *s = v->settings;
-    const FfpGbuffer *g = ffp_view_pass_gbuffer(v->pass);
-    FfpGbuffer *d = ffp_view_pass_grad_gbuffer(v->pass);
+    const FfpGbuffer *g = ffp_view_pass_gbuffer(hand->pass);
+    FfpGbuffer *d = ffp_view_pass_grad_gbuffer(hand->pass);
     const int pixels = g->width * g->height;
     const real *mask = view->coverage.data;
     double *total = &loss->maps;
@@ -132,12 +144,13 @@ static void regularise(FfpViewer *v, const FfpView *view, int64_t step, FfpFitLo
 
 // Of one view: the patterns' sum.
 static void add_psnr(FfpViewer *v, const FfpGaussians *gaussians, int view, double *sum) {
-    draw(v, gaussians, view);
+    Hand *hand = &v->hands[0];
+    draw(v, hand, gaussians, view);
     for (int p = 0; p < v->n_patterns; p++) {
         const FfpImage *target = &v->targets[view * v->n_patterns + p];
         if (!target->data) continue;
-        ffp_view_pass_shade(v->pass, v->capture->intensity, light_of(v, p), &v->picture);
-        ffp_loss_add(sum, 1, ffp_psnr(&v->picture, target));
+        ffp_view_pass_shade(hand->pass, v->capture->intensity, light_of(v, p), &hand->picture);
+        ffp_loss_add(sum, 1, ffp_psnr(&hand->picture, target));
     }
 }
 
@@ -152,21 +165,49 @@ double ffp_viewer_psnr(FfpViewer *v, const FfpGaussians *gaussians) {
     return sum / n;
 }
 
-void ffp_viewer_look(FfpViewer *v, const FfpGaussians *gaussians, int view_index, int64_t step,
-                     FfpGaussians *grad, FfpFitLoss *loss) {
-    keep_shadow(v, view_index);
-    const FfpView *view = draw(v, gaussians, view_index);
-    ffp_view_pass_keep_shadow(v->pass, NULL);
-    const int shown = v->shown[view_index], turn = (int)(step % shown);
+static void look(FfpViewer *v, Hand *hand, const FfpGaussians *gaussians, const FfpLook *l) {
+    keep_shadow(v, hand, l->view);
+    const FfpView *view = draw(v, hand, gaussians, l->view);
+    ffp_view_pass_keep_shadow(hand->pass, NULL);
+    const int shown = v->shown[l->view], turn = (int)(l->step % shown);
     const bool one = v->settings->one_picture;
     for (int p = 0, nth = 0; p < v->n_patterns; p++) {
-        const FfpImage *target = &v->targets[view_index * v->n_patterns + p];
+        const FfpImage *target = &v->targets[l->view * v->n_patterns + p];
         if (!target->data) continue;
-        if (!one || nth == turn) compare(v, p, target, one ? 1 : 1 / (real)shown, loss);
+        if (!one || nth == turn) compare(v, hand, p, target, one ? 1 : 1 / (real)shown, l->loss);
         nth++;
     }
-    regularise(v, view, step, loss);
-    ffp_view_pass_backward(v->pass, grad);
+    regularise(v, hand, view, l->step, l->loss);
+    ffp_view_pass_backward(hand->pass, l->grad);
+}
+
+typedef struct AtOnce {
+    FfpViewer *viewer;
+    const FfpGaussians *gaussians;
+    const FfpLook *looks;
+} AtOnce;
+
+static void look_with_own_hand(void *argument, int64_t i) {
+    const AtOnce *a = argument;
+    look(a->viewer, &a->viewer->hands[i], a->gaussians, &a->looks[i]);
+}
+
+// Two or three threads do better with a view each than with half of one: they need not wait for each other
+// within it. Of large pictures the second hand's buffers are not worth it.
+static bool at_once(const FfpViewer *v, const FfpLook *looks) {
+    const int threads = omp_get_max_threads();
+    const FfpCamera *a = &v->capture->views[looks[0].view].camera,
+                    *b = &v->capture->views[looks[1].view].camera;
+    return !ffp_device() && threads > 1 && threads < 4 &&
+           (int64_t)a->width * a->height <= FFP_AT_ONCE_PIXELS &&
+           (int64_t)b->width * b->height <= FFP_AT_ONCE_PIXELS;
+}
+
+void ffp_viewer_look(FfpViewer *v, const FfpGaussians *gaussians, const FfpLook *looks, int n) {
+    if (n == 2 && at_once(v, looks))
+        ffp_parallel_for(n, 0, look_with_own_hand, &(AtOnce){v, gaussians, looks});
+    else
+        for (int i = 0; i < n; i++) look(v, &v->hands[0], gaussians, &looks[i]);
 }
 
 double ffp_photographs_psnr(const FfpGaussians *gaussians, const FfpCapture *capture, const int *patterns,

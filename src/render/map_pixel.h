@@ -23,51 +23,71 @@ typedef struct FfpMapper {
 FFP_FORMULA real ffp_pattern_position(const FfpMapper *m, int x, int y, real z, real uv[2]) {
     real point[3], slope[3];
     ffp_surface_point(m->camera, (real)x + 0.5F, (real)y + 0.5F, z, point, slope);
-    return ffp_project(m->projector, point, &uv[0], &uv[1]);
+    return ffp_projected(m->projector, point, &uv[0], &uv[1]);
 }
 
 FFP_FORMULA real ffp_length2(const real v[2]) {
     return v[0] * v[0] + v[1] * v[1];
 }
 
+// The sums of a pixel and of its neighbours: itself, left, right, above, below. Beyond the picture's edge
+// there is nothing: 0.
+typedef struct FfpAround {
+    real opacity[5], depth[5];
+} FfpAround;
+
 // Change of the pattern position over one pixel step along an image axis: the one-sided difference to the
 // neighbour nearest in depth (the other may lie beyond a depth jump), no more than FFP_TILT_MAX times that at
-// constant depth, which also stands in where neither neighbour has a surface.
+// constant depth, which also stands in where neither neighbour has a surface. `before`: which of `around` the
+// first neighbour on that axis is. No branches, here and below: the CPU takes a vector of pixels at a time.
 FFP_FORMULA void ffp_pattern_step(const FfpMapper *m, int x, int y, int along_x, int along_y,
-                                  const real here[2], real z, real step[2]) {
-    const FfpGbuffer *g = m->gbuffer;
+                                  const FfpAround *around, int before, const real here[2], real z,
+                                  real step[2]) {
     real flat[2], least = INFINITY;
-    if (!(ffp_pattern_position(m, x + along_x, y + along_y, z, flat) > 0)) {
-        step[0] = step[1] = 0;
-        return;
-    }
+    const real ahead = ffp_pattern_position(m, x + along_x, y + along_y, z, flat);
     flat[0] -= here[0], flat[1] -= here[1];
     step[0] = flat[0], step[1] = flat[1];
-    for (int side = -1; side <= 1; side += 2) {
-        const int nx = x + side * along_x, ny = y + side * along_y;
-        if (nx < 0 || ny < 0 || nx >= g->width || ny >= g->height) continue;
-        const int n = ny * g->width + nx;
-        if (!(g->opacity[n] > FFP_OPACITY_MIN)) continue;
-        const real depth = g->depth[n] / g->opacity[n], jump = fabs(depth - z);
+    for (int i = 0; i < 2; i++) {
+        const int side = 2 * i - 1;
+        const real opacity = around->opacity[before + i], depth = around->depth[before + i] / opacity,
+                   jump = fabs(depth - z);
         real there[2];
-        if (!(jump < least) || !(ffp_pattern_position(m, nx, ny, depth, there) > 0)) continue;
-        least = jump;
-        step[0] = there[0] - here[0], step[1] = there[1] - here[1];
+        const real away = ffp_pattern_position(m, x + side * along_x, y + side * along_y, depth, there);
+        const bool nearer = (opacity > FFP_OPACITY_MIN) & (jump < least) & (away > 0);
+        least = nearer ? jump : least;
+        step[0] = nearer ? there[0] - here[0] : step[0];
+        step[1] = nearer ? there[1] - here[1] : step[1];
     }
-    const real most = FFP_TILT_MAX * FFP_TILT_MAX * ffp_length2(flat);
-    if (ffp_length2(step) <= most) return;
-    const real shrink = sqrt(most / ffp_length2(step));
-    step[0] *= shrink, step[1] *= shrink;
+    const real most = FFP_TILT_MAX * FFP_TILT_MAX * ffp_length2(flat), length = ffp_length2(step);
+    const real shrink = length <= most ? 1 : sqrt(most / length), kept = ahead > 0 ? shrink : 0;
+    step[0] = ahead > 0 ? step[0] * kept : 0, step[1] = ahead > 0 ? step[1] * kept : 0;
 }
 
-// Sides of the box that has the variance of the pixel's parallelogram in the pattern; at least one pattern
-// pixel.
-FFP_FORMULA void ffp_pattern_extent(const FfpMapper *m, int x, int y, const real here[2], real z,
-                                    real extent[2]) {
-    real a[2], b[2];
-    ffp_pattern_step(m, x, y, 1, 0, here, z, a);
-    ffp_pattern_step(m, x, y, 0, 1, here, z, b);
-    for (int k = 0; k < 2; k++) extent[k] = fmax(sqrt(a[k] * a[k] + b[k] * b[k]), (real)1);
+// Where in the pattern the light of a pixel comes from. `inside`: the surface is there, in front of the
+// projector and within the pattern; else depth and extent mean nothing.
+typedef struct FfpMapPlace {
+    bool inside;
+    real uv[2], extent[2], depth; // FfpMapping; from the projector
+} FfpMapPlace;
+
+// extent: sides of the box that has the variance of the pixel's parallelogram in the pattern; at least one
+// pattern pixel.
+FFP_FORMULA FfpMapPlace ffp_pattern_place(const FfpMapper *m, int x, int y, const FfpAround *around) {
+    FfpMapPlace p;
+    real a[2], b[2], uv[2];
+    const bool surface = around->opacity[0] > FFP_OPACITY_MIN;
+    const real z = around->depth[0] / around->opacity[0];
+    p.depth = ffp_pattern_position(m, x, y, z, uv);
+    ffp_pattern_step(m, x, y, 1, 0, around, 1, uv, z, a);
+    ffp_pattern_step(m, x, y, 0, 1, around, 3, uv, z, b);
+    p.inside = surface & (p.depth > 0) & (uv[0] >= 0) & (uv[1] >= 0) & (uv[0] <= (real)m->projector->width) &
+               (uv[1] <= (real)m->projector->height);
+    for (int k = 0; k < 2; k++) {
+        const real extent = sqrt(a[k] * a[k] + b[k] * b[k]);
+        p.extent[k] = extent > 1 ? extent : 1;
+        p.uv[k] = surface ? uv[k] : 0;
+    }
+    return p;
 }
 
 // Share of the light that comes through to depth z at pattern position uv: the four nearest texels of the
@@ -92,19 +112,16 @@ FFP_FORMULA real ffp_light_through(const FfpMapper *m, const real uv[2], real z)
     return held < 1 ? 1 - held : 0;
 }
 
-FFP_FORMULA void ffp_map_pixel(const FfpMapper *m, int x, int y, FfpMapping *out) {
-    const FfpGbuffer *g = m->gbuffer;
-    const int p = y * g->width + x;
-    real *uv = out->uv + 2 * p, *extent = out->extent + 2 * p;
-    uv[0] = uv[1] = 0, extent[0] = extent[1] = 1, out->visibility[p] = 0;
-    if (!(g->opacity[p] > FFP_OPACITY_MIN)) return;
-    const real z = g->depth[p] / g->opacity[p];
-    const real depth = ffp_pattern_position(m, x, y, z, uv);
-    const bool inside =
-        uv[0] >= 0 && uv[1] >= 0 && uv[0] <= (real)m->projector->width && uv[1] <= (real)m->projector->height;
-    if (!(depth > 0) || !inside) return;
-    out->visibility[p] = m->shadow.width ? ffp_light_through(m, uv, depth) : 1;
-    if (m->settings->footprint) ffp_pattern_extent(m, x, y, uv, z, extent);
+// ffp_map_with_shadow: a pixel of it whose place is known.
+FFP_FORMULA void ffp_map_place(const FfpMapper *m, const FfpMapPlace *place, int pixel, FfpMapping *out) {
+    const bool wide = place->inside && m->settings->footprint;
+    for (int k = 0; k < 2; k++) {
+        out->uv[2 * pixel + k] = place->uv[k];
+        out->extent[2 * pixel + k] = wide ? place->extent[k] : 1;
+    }
+    out->visibility[pixel] = 0;
+    if (place->inside)
+        out->visibility[pixel] = m->shadow.width ? ffp_light_through(m, place->uv, place->depth) : 1;
 }
 
 #endif

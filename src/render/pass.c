@@ -14,17 +14,18 @@ struct FfpViewPass {
     FfpCamera camera, projector;   // by a camera that has a pixel for each sample
     FfpMapping mapping;            // of the samples
     FfpGbuffer *kept_shadow;       // the caller's
-    FfpGbuffer samples,
-        mean;      // the same memory when there is one sample a pixel; the mean opacity is always there,
-    bool averaged; // the other means once they are asked for
+    FfpGbuffer samples, mean;      // the same memory when there is one sample a pixel; means of opacity and
+    bool averaged;                 // ambient colour are always there, the others once they are asked for
     FfpTransport transport;
-    bool lit;                     // the transport is this view's
-    FfpImage linear, mean_linear; // radiance of the picture shaded last: of the samples, and their means
-    // Made by the first backward pass of a size, zero since the last draw unless something was added:
+    bool keeps_look; // the transport keeps what shading sees
+    bool lit;        // the transport is this view's
+    FfpImage linear; // radiance of the picture shaded last
+    // Made by the first backward pass of a size:
     FfpGbuffer grad_samples, grad_mean; // the same memory likewise
     FfpTransport grad_transport;
     FfpImage grad_linear;
-    bool grad_clear, grad_lit; // grad_lit: something was added to grad_transport
+    bool grad_clear, grad_lit; // since the last draw grad_mean and grad_transport have nothing in them but
+                               // what was added; whether that is so of the latter
 };
 
 FfpViewPass *ffp_view_pass_new(const FfpRenderSettings *settings) {
@@ -32,6 +33,10 @@ FfpViewPass *ffp_view_pass_new(const FfpRenderSettings *settings) {
     *pass =
         (FfpViewPass){.settings = *settings, .raster = ffp_raster_new(), .shadow_raster = ffp_raster_new()};
     return pass;
+}
+
+void ffp_view_pass_expect_gradients(FfpViewPass *pass) {
+    pass->keeps_look = !ffp_device();
 }
 
 static void free_buffers(FfpViewPass *pass) {
@@ -45,7 +50,6 @@ static void free_buffers(FfpViewPass *pass) {
     ffp_transport_free(&pass->transport);
     ffp_transport_free(&pass->grad_transport);
     ffp_image_free(&pass->linear);
-    ffp_image_free(&pass->mean_linear);
     ffp_image_free(&pass->grad_linear);
 }
 
@@ -60,14 +64,16 @@ void ffp_view_pass_free(FfpViewPass *pass) {
 // Buffers for pictures of width x height.
 static void fit_buffers(FfpViewPass *pass, int width, int height) {
     const int side = pass->settings.samples;
-    if (pass->mean_linear.width == width && pass->mean_linear.height == height) return;
+    if (pass->linear.width == width && pass->linear.height == height) return;
     free_buffers(pass);
     pass->samples = ffp_gbuffer_new(side * width, side * height);
     pass->mean = side > 1 ? ffp_gbuffer_new(width, height) : pass->samples;
     pass->mapping = ffp_mapping_new(side * width, side * height);
     pass->transport = ffp_transport_new(side * width, side * height);
-    pass->linear = ffp_image_new(side * width, side * height, 3);
-    pass->mean_linear = ffp_image_new(width, height, 3);
+    if (pass->keeps_look)
+        pass->transport.look =
+            ffp_memory_new((size_t)(side * width) * (size_t)(side * height), 9 * sizeof(real));
+    pass->linear = ffp_image_new(width, height, 3);
     pass->grad_mean = pass->grad_samples = (FfpGbuffer){0};
 }
 
@@ -78,11 +84,10 @@ static void fit_grad_buffers(FfpViewPass *pass) {
         pass->grad_mean =
             side > 1 ? ffp_gbuffer_new(pass->mean.width, pass->mean.height) : pass->grad_samples;
         pass->grad_linear = ffp_image_new(pass->linear.width, pass->linear.height, 3);
-        pass->grad_transport = ffp_transport_new(pass->linear.width, pass->linear.height);
+        pass->grad_transport = ffp_transport_new(pass->samples.width, pass->samples.height);
     } else if (!pass->grad_clear) {
-        ffp_gbuffer_clear(&pass->grad_samples);
+        ffp_gbuffer_clear(&pass->grad_mean);
         if (pass->grad_lit) ffp_transport_clear(&pass->grad_transport);
-        if (side > 1) ffp_gbuffer_clear(&pass->grad_mean);
     }
     pass->grad_clear = true, pass->grad_lit = false;
 }
@@ -125,9 +130,10 @@ void ffp_view_pass_samples_changed(FfpViewPass *pass) {
     const int side = pass->settings.samples;
     pass->lit = false;
     pass->averaged = side == 1;
-    if (side > 1)
-        ffp_average_plane(pass->samples.opacity, side, pass->mean.width, pass->mean.height, 1,
-                          pass->mean.opacity);
+    if (side == 1) return;
+    const FfpGbuffer *mean = &pass->mean;
+    ffp_average_plane(pass->samples.opacity, side, mean->width, mean->height, 1, mean->opacity);
+    ffp_average_plane(pass->samples.ambient, side, mean->width, mean->height, 3, mean->ambient);
 }
 
 // How far the projector is from the mean of the centres.
@@ -177,7 +183,7 @@ const FfpMapping *ffp_view_pass_mapping(const FfpViewPass *pass) {
 }
 
 FfpImage ffp_view_pass_picture_new(const FfpViewPass *pass) {
-    return ffp_image_new(pass->mean_linear.width, pass->mean_linear.height, 3);
+    return ffp_image_new(pass->linear.width, pass->linear.height, 3);
 }
 
 void ffp_view_pass_shade(FfpViewPass *pass, const real intensity[3], const FfpSummed *pattern,
@@ -186,8 +192,8 @@ void ffp_view_pass_shade(FfpViewPass *pass, const real intensity[3], const FfpSu
         ffp_light(&pass->samples, &pass->mapping, &pass->camera, &pass->projector, &pass->transport);
         pass->lit = true;
     }
-    ffp_shade(&pass->samples, &pass->mapping, &pass->transport, intensity, pattern, &pass->linear);
-    ffp_resolve(&pass->linear, pass->mean.opacity, pass->settings.samples, &pass->mean_linear, out);
+    ffp_shade(&pass->mean, &pass->mapping, &pass->transport, intensity, pattern, &pass->linear);
+    ffp_resolve(&pass->linear, pass->mean.opacity, pass->settings.samples, out);
 }
 
 FfpGbuffer *ffp_view_pass_grad_gbuffer(FfpViewPass *pass) {
@@ -199,20 +205,20 @@ void ffp_view_pass_shade_backward(FfpViewPass *pass, const real intensity[3], co
                                   const FfpImage *grad_picture, real grad_intensity[3],
                                   FfpSummed *grad_pattern) {
     FfpGbuffer *grad_mean = ffp_view_pass_grad_gbuffer(pass);
-    ffp_resolve_backward(&pass->mean_linear, pass->mean.opacity, pass->settings.samples, grad_picture,
+    ffp_resolve_backward(&pass->linear, pass->mean.opacity, pass->settings.samples, grad_picture,
                          &pass->grad_linear, grad_mean->opacity);
-    ffp_shade_backward(&pass->mapping, &pass->transport, intensity, pattern, &pass->grad_linear,
-                       &pass->grad_samples, &pass->grad_transport, grad_intensity, grad_pattern);
+    ffp_shade_backward(&pass->mapping, &pass->transport, intensity, pattern, &pass->grad_linear, grad_mean,
+                       &pass->grad_transport, grad_intensity, grad_pattern);
     if (pattern) pass->grad_lit = true;
 }
 
 void ffp_view_pass_backward(FfpViewPass *pass, FfpGaussians *grad) {
     const FfpGbuffer *grad_mean = ffp_view_pass_grad_gbuffer(pass);
+    if (pass->settings.samples > 1)
+        ffp_average_gbuffer_backward(grad_mean, pass->settings.samples, &pass->grad_samples);
     if (pass->grad_lit)
         ffp_light_backward(&pass->samples, &pass->mapping, &pass->camera, &pass->projector,
                            &pass->grad_transport, &pass->grad_samples);
-    if (pass->settings.samples > 1)
-        ffp_average_gbuffer_backward(grad_mean, pass->settings.samples, &pass->grad_samples);
     ffp_rasterise_backward(pass->raster, pass->gaussians, &pass->camera, &pass->settings, &pass->samples,
                            &pass->grad_samples, grad);
 }

@@ -16,6 +16,8 @@
 typedef struct FfpViewPass FfpViewPass;
 FfpViewPass *ffp_view_pass_new(const FfpRenderSettings *settings); // reusable between views and steps
 void ffp_view_pass_free(FfpViewPass *pass);                        // NULL is allowed
+// For who takes most pictures back: shading keeps what it saw of the pattern. Before the first draw.
+void ffp_view_pass_expect_gradients(FfpViewPass *pass);
 
 // Rasterises the Gaussians for the camera and maps them to the projector. The Gaussians must live until the
 // backward pass; camera and projector are copied.

@@ -96,8 +96,10 @@ typedef struct FfpTransport {
     int width, height;
     real *factor; // [.,3] f_r visibility max(n.l, 0) O / distance^2; 0 where no light comes to the camera
     real *uv;     // [.,2] pattern position
+    real *look; // [.,9] what ffp_shade saw of the pattern, where light comes to the camera: its mean colour,
+                // how that changes with u, and with v. NULL: not kept, the gradient looks again. The CPU's
 } FfpTransport;
-FfpTransport ffp_transport_new(int width, int height); // zeroed
+FfpTransport ffp_transport_new(int width, int height); // zeroed; nothing is kept
 void ffp_transport_clear(FfpTransport *transport);
 void ffp_transport_free(FfpTransport *transport);
 // Pixels with O <= 0.001 get no light; roughness counts as at least 0.02.
@@ -107,14 +109,17 @@ void ffp_light(const FfpGbuffer *gbuffer, const FfpMapping *mapping, const FfpCa
 void ffp_light_backward(const FfpGbuffer *gbuffer, const FfpMapping *mapping, const FfpCamera *camera,
                         const FfpCamera *projector, const FfpTransport *grad, FfpGbuffer *grad_gbuffer);
 
-// A view under one pattern: linear radiance, unclamped, [height,width,3]. pattern NULL = black.
+// A view under one pattern: linear radiance, unclamped, [height,width,3]. pattern NULL = black. Mapping and
+// transport may have side x side samples for each pixel of the picture: its radiance is their mean, and the
+// G-buffer is that of the means.
 void ffp_shade(const FfpGbuffer *gbuffer, const FfpMapping *mapping, const FfpTransport *transport,
                const real intensity[3], const FfpSummed *pattern, FfpImage *out);
 // ffp_light and ffp_shade, for who wants one pattern alone.
 void ffp_shade_once(const FfpGbuffer *gbuffer, const FfpMapping *mapping, const FfpCamera *camera,
                     const FfpCamera *projector, const real intensity[3], const FfpSummed *pattern,
                     FfpImage *out);
-// ADDS gradients: of the G-buffer to its ambient colour alone, of the transport, and where not NULL of the
+// If the transport keeps what a shading saw, that was the last and of this pattern. ADDS gradients: of the
+// G-buffer to its ambient colour alone, of the transport, and where not NULL of the
 // intensity and the pattern's summed-area adjoint (see lookup.h). On a device these two must be NULL: the
 // program ends otherwise.
 void ffp_shade_backward(const FfpMapping *mapping, const FfpTransport *transport, const real intensity[3],

@@ -9,15 +9,15 @@
 void ffp_average_plane(const real *samples, int side, int width, int height, int channels, real *out);
 // The same of every plane of a G-buffer.
 void ffp_average_gbuffer(const FfpGbuffer *samples, int side, FfpGbuffer *out);
-// ADDS each pixel's gradient, shared out evenly, to those of its samples.
+// SETS the gradients of the samples: each pixel's, shared out evenly.
 void ffp_average_gbuffer_backward(const FfpGbuffer *grad_out, int side, FfpGbuffer *grad_samples);
 
-// Premultiplied linear radiance of the samples into its mean L and into the picture (pass.h) over black.
-// opacity: O, [height,width].
-void ffp_resolve(const FfpImage *samples, const real *opacity, int side, FfpImage *mean, FfpImage *picture);
-// Sets grad_samples, and ADDS to grad_opacity. With c = L / O: dL = g enc'(c), shared out evenly, and
+// Premultiplied linear radiance L, the mean of side x side samples a pixel, into the picture (pass.h) over
+// black. opacity: O, [height,width].
+void ffp_resolve(const FfpImage *mean, const real *opacity, int side, FfpImage *picture);
+// Sets grad_mean, and ADDS to grad_opacity. With c = L / O: dL = g enc'(c), and
 // dO = sum_k g_k (enc(c_k) - c_k enc'(c_k)).
 void ffp_resolve_backward(const FfpImage *mean, const real *opacity, int side, const FfpImage *grad_picture,
-                          FfpImage *grad_samples, real *grad_opacity);
+                          FfpImage *grad_mean, real *grad_opacity);
 
 #endif

@@ -22,6 +22,7 @@ void ffp_transport_clear(FfpTransport *t) {
 void ffp_transport_free(FfpTransport *t) {
     ffp_memory_free(t->factor);
     ffp_memory_free(t->uv);
+    ffp_memory_free(t->look);
     *t = (FfpTransport){0};
 }
 
@@ -31,10 +32,10 @@ void ffp_light(const FfpGbuffer *gbuffer, const FfpMapping *mapping, const FfpCa
         ffp_render_table()->light(gbuffer, mapping, camera, projector, out);
         return;
     }
-    const FfpLitView view = {gbuffer, mapping, camera, projector};
+    const FfpLitScene scene = {gbuffer, mapping, {camera, projector, mapping->even}};
     FfpLightRow *light = ffp_render_kernels()->light_row;
 #pragma omp parallel for schedule(static)
-    for (int y = 0; y < gbuffer->height; y++) light(&view, y, out);
+    for (int y = 0; y < gbuffer->height; y++) light(&scene, y, out);
 }
 
 void ffp_light_backward(const FfpGbuffer *gbuffer, const FfpMapping *mapping, const FfpCamera *camera,
@@ -43,10 +44,10 @@ void ffp_light_backward(const FfpGbuffer *gbuffer, const FfpMapping *mapping, co
         ffp_render_table()->light_backward(gbuffer, mapping, camera, projector, grad, grad_gbuffer);
         return;
     }
-    const FfpLitView view = {gbuffer, mapping, camera, projector};
+    const FfpLitScene scene = {gbuffer, mapping, {camera, projector, mapping->even}};
     FfpLightRowBackward *backward = ffp_render_kernels()->light_row_backward;
 #pragma omp parallel for schedule(static)
-    for (int y = 0; y < gbuffer->height; y++) backward(&view, y, grad, grad_gbuffer);
+    for (int y = 0; y < gbuffer->height; y++) backward(&scene, y, grad, grad_gbuffer);
 }
 
 void ffp_shade(const FfpGbuffer *gbuffer, const FfpMapping *mapping, const FfpTransport *transport,
@@ -55,7 +56,8 @@ void ffp_shade(const FfpGbuffer *gbuffer, const FfpMapping *mapping, const FfpTr
         ffp_render_table()->shade(gbuffer, mapping, transport, intensity, pattern, out);
         return;
     }
-    const FfpPatternLight light = {transport, mapping->extent, intensity, pattern};
+    const int side = transport->width / out->width;
+    const FfpPatternLight light = {transport, mapping->extent, intensity, pattern, side};
     FfpShadeRow *shade = ffp_render_kernels()->shade_row;
 #pragma omp parallel for schedule(static)
     for (int y = 0; y < out->height; y++) shade(&light, y, gbuffer->ambient, out);
@@ -78,7 +80,8 @@ void ffp_shade_backward(const FfpMapping *mapping, const FfpTransport *transport
                                            grad_transport, grad_intensity, grad_pattern);
         return;
     }
-    const FfpPatternLight light = {transport, mapping->extent, intensity, pattern};
+    const int side = transport->width / grad_image->width;
+    const FfpPatternLight light = {transport, mapping->extent, intensity, pattern, side};
     const FfpShadeGrad grad = {grad_image, grad_gbuffer->ambient, grad_transport, grad_pattern};
     const int height = grad_image->height;
     // Rows keep their share of the intensity's gradient, added up in order: the same bits whoever is first.

@@ -6,6 +6,7 @@
 #define FFP_RENDER_SHADE_PIXEL_H
 
 #include "base/brdf.h"
+#include "base/exp2.h"
 #include "capture/project.h"
 #include "image/lookup_box.h"
 #include "render/formula.h"
@@ -18,8 +19,9 @@
 #define FFP_NORMAL_MIN 0.05F
 #define FFP_COSINE_MIN 1e-6F // of n.l in even light, as GS-ProCams clamps it
 
-// One lit pixel.
+// One pixel in the light.
 typedef struct FfpLit {
+    bool lit;
     real opacity, z;
     real albedo[3], roughness;
     bool rough_held;             // at FFP_ROUGHNESS_MIN
@@ -37,21 +39,30 @@ typedef struct FfpLit {
     real f[3]; // reflectance
 } FfpLit;
 
-// One view: what the projector's light falls on.
+// One view: where the light comes from and who sees it.
 typedef struct FfpLitView {
-    const FfpGbuffer *gbuffer;
-    const FfpMapping *mapping;
     const FfpCamera *camera, *projector;
+    real even; // FfpMapping.even
 } FfpLitView;
+
+// What a pixel of the G-buffer and the mapping tells; its gradient likewise.
+typedef struct FfpSums {
+    real opacity, depth, normal[3], albedo[3], roughness, visibility;
+} FfpSums;
+
+// What becomes of the light at a pixel (FfpTransport); its gradient likewise.
+typedef struct FfpArrival {
+    real factor[3], uv[2];
+} FfpArrival;
 
 // Normal, albedo, roughness of the pixel: sums divided by the opacity, the normal to length 1 and turned to
 // the viewer.
-FFP_FORMULA void ffp_surface_attributes(const FfpGbuffer *g, int p, FfpLit *s) {
-    const real *N = g->normal + 3 * p;
-    for (int k = 0; k < 3; k++) s->albedo[k] = g->albedo[3 * p + k] / s->opacity;
-    s->roughness = g->roughness[p] / s->opacity;
-    s->rough_held = !(s->roughness > FFP_ROUGHNESS_MIN);
-    if (s->rough_held) s->roughness = FFP_ROUGHNESS_MIN;
+FFP_FORMULA void ffp_surface_attributes(const FfpSums *g, FfpLit *s) {
+    const real *N = g->normal, per_opacity = 1 / s->opacity;
+    for (int k = 0; k < 3; k++) s->albedo[k] = g->albedo[k] * per_opacity;
+    const real roughness = g->roughness * per_opacity;
+    s->rough_held = !(roughness > FFP_ROUGHNESS_MIN);
+    s->roughness = s->rough_held ? FFP_ROUGHNESS_MIN : roughness;
     const real length = sqrt(ffp_dot3(N, N)), least = FFP_NORMAL_MIN * s->opacity;
     s->normal_held = !(length > least);
     s->per_length = 1 / (s->normal_held ? least : length);
@@ -59,54 +70,64 @@ FFP_FORMULA void ffp_surface_attributes(const FfpGbuffer *g, int p, FfpLit *s) {
     for (int k = 0; k < 3; k++) s->n[k] = s->turn * s->per_length * N[k];
 }
 
-// False where no projector light reaches the camera: only the ambient colour counts there.
-FFP_FORMULA bool ffp_lit_geometry(const FfpLitView *view, int x, int y, FfpLit *s, real uv[2]) {
-    const FfpGbuffer *g = view->gbuffer;
-    const int p = y * g->width + x;
-    const real visibility = view->mapping->visibility[p];
-    s->opacity = g->opacity[p];
-    if (!(visibility > 0) || !(s->opacity > FFP_OPACITY_MIN)) return false;
-    s->z = g->depth[p] / s->opacity;
-    if (!(s->z > 0)) return false;
+// As ffp_normalise3, without a branch.
+FFP_FORMULA real ffp_unit3(real a[3]) {
+    const real length = sqrt(ffp_dot3(a, a)), scale = length > 0 ? 1 / length : 0;
+    for (int k = 0; k < 3; k++) a[k] *= scale;
+    return length;
+}
+
+// Pixel (x, y) and the way of the light there. What is not `lit`, no projector light reaches the camera from:
+// only the ambient colour counts there, and the other numbers may be none. No branches: the CPU takes a
+// vector of pixels at a time.
+FFP_FORMULA void ffp_lit_geometry(const FfpLitView *view, int x, int y, const FfpSums *g, FfpLit *s,
+                                  real uv[2]) {
+    const real visibility = g->visibility;
+    s->opacity = g->opacity;
+    s->z = g->depth / s->opacity;
     real point[3];
     ffp_surface_point(view->camera, (real)x + 0.5F, (real)y + 0.5F, s->z, point, s->slope);
     for (int k = 0; k < 3; k++) {
         s->l[k] = view->projector->pose[4 * k + 3] - point[k];
         s->v[k] = -s->slope[k];
     }
-    s->distance = ffp_normalise3(s->l);
-    ffp_normalise3(s->v);
-    ffp_surface_attributes(g, p, s);
-    s->nl = ffp_dot3(s->n, s->l), s->nv = ffp_dot3(s->n, s->v);
+    s->distance = ffp_unit3(s->l);
+    ffp_unit3(s->v);
+    ffp_surface_attributes(g, s);
+    const real nl = ffp_dot3(s->n, s->l);
+    s->nv = ffp_dot3(s->n, s->v);
     for (int k = 0; k < 3; k++) s->h[k] = s->l[k] + s->v[k];
-    s->h_length = ffp_normalise3(s->h);
+    s->h_length = ffp_unit3(s->h);
     ffp_inverse_transform_point(view->projector->pose, point, s->in_projector);
-    s->even = view->mapping->even > 0;
-    s->nl_held = s->even && !(s->nl > FFP_COSINE_MIN);
-    if (s->nl_held) s->nl = FFP_COSINE_MIN;
-    if (!(s->nl > 0) || !(s->h_length > 0) || !(s->in_projector[2] > 0)) return false;
+    s->even = view->even > 0;
+    const real least = s->even ? FFP_COSINE_MIN : -2; // no cosine is below
+    s->nl_held = !(nl > least);
+    s->nl = s->nl_held ? least : nl;
+    s->lit = (visibility > 0) & (s->opacity > FFP_OPACITY_MIN) & (s->z > 0) & (s->nl > 0) &
+             (s->h_length > 0) & (s->in_projector[2] > 0);
     s->nh = ffp_dot3(s->n, s->h), s->vh = ffp_dot3(s->v, s->h);
-    const real away = s->even ? view->mapping->even : s->distance;
+    const real away = s->even ? view->even : s->distance;
     s->cosine = s->even ? 1 : s->nl;
     s->arrives = visibility / (away * away);
-    ffp_project(view->projector, point, &uv[0], &uv[1]);
-    return true;
-}
-
-FFP_FORMULA void ffp_reflect(FfpLit *s) {
-    s->lobe = ffp_lobe(s->roughness, s->nl, s->nv, s->nh, s->vh);
+    ffp_in_picture(view->projector, s->in_projector, &uv[0], &uv[1]);
+    s->lobe = ffp_lobe_of(s->roughness, s->nl, s->nv, s->nh, ffp_exp2(ffp_fresnel_exponent(s->vh)));
     for (int k = 0; k < 3; k++) s->f[k] = s->albedo[k] / FFP_PI + s->lobe.D * s->lobe.F * s->lobe.V;
 }
 
-// ffp_light
-FFP_FORMULA void ffp_light_pixel(const FfpLitView *view, int x, int y, FfpTransport *out) {
-    const int p = y * view->gbuffer->width + x;
+// v where it is so, else 0.
+FFP_FORMULA real ffp_where(bool so, real v) {
+    return so ? v : 0;
+}
+
+// ffp_light at pixel (x, y).
+FFP_FORMULA FfpArrival ffp_arrival(const FfpLitView *view, int x, int y, const FfpSums *sums) {
     FfpLit s;
-    real *factor = out->factor + 3 * p, *uv = out->uv + 2 * p;
-    uv[0] = uv[1] = factor[0] = factor[1] = factor[2] = 0;
-    if (!ffp_lit_geometry(view, x, y, &s, uv)) return;
-    ffp_reflect(&s);
-    for (int k = 0; k < 3; k++) factor[k] = s.f[k] * s.arrives * s.cosine * s.opacity;
+    real uv[2];
+    ffp_lit_geometry(view, x, y, sums, &s, uv);
+    const real scale = s.arrives * s.cosine * s.opacity;
+    return (FfpArrival){{ffp_where(s.lit, s.f[0] * scale), ffp_where(s.lit, s.f[1] * scale),
+                         ffp_where(s.lit, s.f[2] * scale)},
+                        {ffp_where(s.lit, uv[0]), ffp_where(s.lit, uv[1])}};
 }
 
 // Gradients for the quantities a lit pixel's factor is made of.
@@ -138,13 +159,13 @@ FFP_FORMULA void ffp_reflect_backward(const FfpLit *s, const real grad[3], FfpLi
     for (int k = 0; k < 3; k++) {
         const real arriving = grad[k] * s->arrives, through = arriving * s->opacity * s->cosine;
         d->opacity += arriving * s->f[k] * s->cosine;
-        if (!s->even) d_nl += arriving * s->f[k] * s->opacity;
+        d_nl += s->even ? 0 : arriving * s->f[k] * s->opacity;
         d->albedo[k] = through / FFP_PI;
         d_lobe += through;
-        if (!s->even) d_square -= through * s->f[k] / (s->distance * s->distance);
+        d_square -= s->even ? 0 : through * s->f[k] / (s->distance * s->distance);
     }
     ffp_specular_backward(&s->lobe, s, d_lobe, &d->roughness, &d_nl, &d_nv, &d_nh, &d_vh);
-    if (s->nl_held) d_nl = 0;
+    d_nl = s->nl_held ? 0 : d_nl;
     real along_h = 0, along_l = 0;
     for (int k = 0; k < 3; k++) {
         d->n[k] = d_nl * s->l[k] + d_nv * s->v[k] + d_nh * s->h[k];
@@ -170,82 +191,107 @@ FFP_FORMULA void ffp_position_backward(const FfpCamera *projector, const FfpLit 
     for (int k = 0; k < 3; k++) d->point[k] += turned[k];
 }
 
-// Undoes ffp_surface_attributes and the division of the depth.
-FFP_FORMULA void ffp_attributes_backward(const FfpLit *s, int p, FfpLitGrad *d, FfpGbuffer *grad) {
-    real d_opacity = d->opacity;
-    const real dz = ffp_dot3(d->point, s->slope), along = ffp_dot3(d->n, s->n);
-    grad->depth[p] += dz / s->opacity;
-    d_opacity -= dz * s->z / s->opacity;
+// Undoes ffp_surface_attributes and the division of the depth; 0 where the pixel is not lit.
+FFP_FORMULA void ffp_attributes_backward(const FfpLit *s, const FfpLitGrad *d, FfpSums *grad) {
+    const real dz = ffp_dot3(d->point, s->slope), along = ffp_dot3(d->n, s->n), per_opacity = 1 / s->opacity;
+    const real d_roughness = s->rough_held ? 0 : d->roughness, turned = s->turn * s->per_length;
+    const real held = s->normal_held ? 0 : along;
+    real sum = dz * s->z + d_roughness * s->roughness + (along - held);
     for (int k = 0; k < 3; k++) {
-        grad->albedo[3 * p + k] += d->albedo[k] / s->opacity;
-        d_opacity -= d->albedo[k] * s->albedo[k] / s->opacity;
-        const real across = s->normal_held ? d->n[k] : d->n[k] - along * s->n[k];
-        grad->normal[3 * p + k] += s->turn * s->per_length * across;
+        sum += d->albedo[k] * s->albedo[k];
+        grad->albedo[k] = ffp_where(s->lit, d->albedo[k] * per_opacity);
+        grad->normal[k] = ffp_where(s->lit, turned * (d->n[k] - held * s->n[k]));
     }
-    if (s->normal_held) d_opacity -= along / s->opacity;
-    if (!s->rough_held) {
-        grad->roughness[p] += d->roughness / s->opacity;
-        d_opacity -= d->roughness * s->roughness / s->opacity;
-    }
-    grad->opacity[p] += d_opacity;
+    grad->depth = ffp_where(s->lit, dz * per_opacity);
+    grad->roughness = ffp_where(s->lit, d_roughness * per_opacity);
+    grad->opacity = ffp_where(s->lit, d->opacity - sum * per_opacity);
+    grad->visibility = 0;
 }
 
-// ffp_light_backward
-FFP_FORMULA void ffp_light_pixel_backward(const FfpLitView *view, int x, int y, const FfpTransport *grad,
-                                          FfpGbuffer *grad_gbuffer) {
-    const int p = y * view->gbuffer->width + x;
-    const real *d_factor = grad->factor + 3 * p, *d_uv = grad->uv + 2 * p;
-    if (d_factor[0] == 0 && d_factor[1] == 0 && d_factor[2] == 0 && d_uv[0] == 0 && d_uv[1] == 0) return;
+// ffp_light_backward at pixel (x, y): the gradient of its sums.
+FFP_FORMULA FfpSums ffp_arrival_backward(const FfpLitView *view, int x, int y, const FfpSums *sums,
+                                         const FfpArrival *grad) {
     FfpLit s;
     FfpLitGrad d;
+    FfpSums out;
     real uv[2];
-    if (!ffp_lit_geometry(view, x, y, &s, uv)) return;
-    ffp_reflect(&s);
-    ffp_reflect_backward(&s, d_factor, &d);
-    ffp_position_backward(view->projector, &s, d_uv, &d);
-    ffp_attributes_backward(&s, p, &d, grad_gbuffer);
+    ffp_lit_geometry(view, x, y, sums, &s, uv);
+    ffp_reflect_backward(&s, grad->factor, &d);
+    ffp_position_backward(view->projector, &s, grad->uv, &d);
+    ffp_attributes_backward(&s, &d, &out);
+    return out;
 }
 
-// One picture: the light that a pattern sends.
+// One picture: the light that a pattern sends. Each of its pixels is the mean of side x side samples, which
+// are the transport's pixels.
 typedef struct FfpPatternLight {
     const FfpTransport *transport;
     const real *extent;       // of the mapping
     const real *intensity;    // [3]
     const FfpSummed *pattern; // NULL: black
+    int side;
 } FfpPatternLight;
 
-// Whether pixel p shows anything of the pattern.
-FFP_FORMULA bool ffp_pixel_lit(const FfpPatternLight *light, int p) {
-    const real *factor = light->transport->factor + 3 * p;
+// Sample i of the picture's pixel (x, y), row by row.
+FFP_FORMULA int ffp_sample_of(const FfpPatternLight *light, int x, int y, int i) {
+    const int side = light->side;
+    return (y * side + i / side) * light->transport->width + x * side + i % side;
+}
+
+// Whether the sample shows anything of the pattern.
+FFP_FORMULA bool ffp_sample_lit(const FfpPatternLight *light, int sample) {
+    const real *factor = light->transport->factor + 3 * sample;
     return light->pattern && (factor[0] != 0 || factor[1] != 0 || factor[2] != 0);
 }
 
-// Radiance that the pixel shows, linear, unclamped, times its opacity.
-FFP_FORMULA void ffp_shade_pixel(const FfpPatternLight *light, int p, const real *ambient, real out[3]) {
-    const real *factor = light->transport->factor + 3 * p, *uv = light->transport->uv + 2 * p;
-    real texture[3] = {0, 0, 0};
-    if (ffp_pixel_lit(light, p))
-        ffp_box_mean(light->pattern, uv[0], uv[1], light->extent[2 * p], light->extent[2 * p + 1], texture);
-    for (int k = 0; k < 3; k++) out[k] = ambient[3 * p + k] + factor[k] * light->intensity[k] * texture[k];
+// What a lit sample sees of the pattern: mean colour, and how it changes with u and v, three numbers each.
+// Plain patterns are looked at again rather than kept.
+FFP_FORMULA bool ffp_keeps_look(const FfpPatternLight *light) {
+    return light->transport->look && !light->pattern->plain;
 }
 
-// Adds the gradients of the ambient colour, of the transport and of the intensity. d_texture: of the
-// pattern's mean colour there; 0 where the pixel shows nothing of it.
-FFP_FORMULA void ffp_shade_pixel_backward(const FfpPatternLight *light, int p, const real grad[3],
-                                          real *d_ambient, FfpTransport *d_transport, real d_intensity[3],
-                                          real d_texture[3]) {
-    const real *factor = light->transport->factor + 3 * p, *uv = light->transport->uv + 2 * p;
-    for (int k = 0; k < 3; k++) d_ambient[3 * p + k] += grad[k], d_texture[k] = 0;
-    if (!ffp_pixel_lit(light, p) || (grad[0] == 0 && grad[1] == 0 && grad[2] == 0)) return;
-    real texture[3], along_u[3], along_v[3];
-    ffp_box_slopes(light->pattern, uv[0], uv[1], light->extent[2 * p], light->extent[2 * p + 1], texture,
-                   along_u, along_v);
+FFP_FORMULA void ffp_look(const FfpPatternLight *light, int sample, real look[9]) {
+    const real *uv = light->transport->uv + 2 * sample, *extent = light->extent + 2 * sample;
+    ffp_box_slopes(light->pattern, uv[0], uv[1], extent[0], extent[1], look, look + 3, look + 6);
+}
+
+// Radiance that pixel (x, y) shows, linear, unclamped, times its opacity.
+FFP_FORMULA void ffp_shade_pixel(const FfpPatternLight *light, int x, int y, const real ambient[3],
+                                 real out[3]) {
+    const int samples = light->side * light->side;
+    const real share = 1 / (real)samples;
+    real sum[3] = {0, 0, 0};
+    for (int i = 0; light->pattern && i < samples; i++) {
+        const int s = ffp_sample_of(light, x, y, i);
+        if (!ffp_sample_lit(light, s)) continue;
+        const real *uv = light->transport->uv + 2 * s, *extent = light->extent + 2 * s;
+        real look[3], *texture = look;
+        if (ffp_keeps_look(light))
+            ffp_look(light, s, texture = light->transport->look + 9 * (ptrdiff_t)s);
+        else
+            ffp_box_mean(light->pattern, uv[0], uv[1], extent[0], extent[1], texture);
+        for (int k = 0; k < 3; k++) sum[k] += light->transport->factor[3 * s + k] * texture[k];
+    }
+    for (int k = 0; k < 3; k++) out[k] = ambient[k] + share * light->intensity[k] * sum[k];
+}
+
+// From the gradient of a lit sample's radiance: adds those of the transport and of the intensity. d_texture:
+// of the pattern's mean colour there.
+FFP_FORMULA void ffp_shade_sample_backward(const FfpPatternLight *light, int sample, const real grad[3],
+                                           FfpTransport *d_transport, real d_intensity[3],
+                                           real d_texture[3]) {
+    const real *factor = light->transport->factor + 3 * sample;
+    real seen[9];
+    const bool kept = ffp_keeps_look(light);
+    if (!kept) ffp_look(light, sample, seen);
+    const real *texture = kept ? light->transport->look + 9 * (ptrdiff_t)sample : seen;
+    const real *along_u = texture + 3, *along_v = texture + 6;
     for (int k = 0; k < 3; k++) {
         d_texture[k] = grad[k] * factor[k] * light->intensity[k];
         d_intensity[k] += grad[k] * factor[k] * texture[k];
-        d_transport->factor[3 * p + k] += grad[k] * light->intensity[k] * texture[k];
-        d_transport->uv[2 * p] += d_texture[k] * along_u[k];
-        d_transport->uv[2 * p + 1] += d_texture[k] * along_v[k];
+        d_transport->factor[3 * sample + k] += grad[k] * light->intensity[k] * texture[k];
+        d_transport->uv[2 * sample] += d_texture[k] * along_u[k];
+        d_transport->uv[2 * sample + 1] += d_texture[k] * along_v[k];
     }
 }
 

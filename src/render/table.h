@@ -33,10 +33,9 @@ typedef struct FfpRenderTable {
     void (*average_plane)(const real *samples, int side, int width, int height, int channels, real *out);
     void (*average_gbuffer)(const FfpGbuffer *samples, int side, FfpGbuffer *out);
     void (*average_gbuffer_backward)(const FfpGbuffer *grad_out, int side, FfpGbuffer *grad_samples);
-    void (*resolve)(const FfpImage *samples, const real *opacity, int side, FfpImage *mean,
-                    FfpImage *picture);
+    void (*resolve)(const FfpImage *mean, const real *opacity, int side, FfpImage *picture);
     void (*resolve_backward)(const FfpImage *mean, const real *opacity, int side,
-                             const FfpImage *grad_picture, FfpImage *grad_samples, real *grad_opacity);
+                             const FfpImage *grad_picture, FfpImage *grad_mean, real *grad_opacity);
 } FfpRenderTable;
 
 // Of the device that the thread works on; NULL: the CPU.

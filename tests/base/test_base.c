@@ -3,6 +3,7 @@
 
 #include "scratch.h"
 #include "base/arena.h"
+#include "base/exp2.h"
 #include "base/log.h"
 #include "base/rng.h"
 #include "base/vec.h"
@@ -356,6 +357,23 @@ static void paths_are_joined_and_split(void **state) {
     assert_string_equal(ffp_basename("c/"), "");
 }
 
+static void close_to(double value, double want, double relative) {
+    if (!(fabs(value - want) <= relative * fabs(want))) fail_msg("%.9g is not %.9g", value, want);
+}
+
+static void powers_and_logarithms_are_libms(void **state) {
+    (void)state;
+    for (float x = -100; x < 87; x += 0.0137F) {
+        close_to((double)ffp_exp2(x), exp2((double)x), 2.5e-7);
+        if (x > -87) close_to((double)ffp_exp(x), exp((double)x), 2e-7);
+    }
+    for (float x = 1e-37F; x < 1e37F; x *= 1.00371F) {
+        const double want = log2((double)x);
+        assert_true(fabs((double)ffp_log2(x) - want) <= 1e-7 * fmax(fabs(want), 1));
+    }
+    assert_true(ffp_log2(1) == 0 && ffp_exp2(0) == ffp_exp2(-0.0F) && isnan(ffp_exp2(NAN)));
+}
+
 static void poses_undo_themselves(void **state) {
     (void)state;
     const real pose[16] = {0, 0, 1, 3, 1, 0, 0, -2, 0, 1, 0, 5, 0, 0, 0, 1}, point[3] = {1, 2, 3};
@@ -396,6 +414,7 @@ int main(void) {
         cmocka_unit_test(impossible_files_are_errors),
         cmocka_unit_test(paths_are_joined_and_split),
         cmocka_unit_test(poses_undo_themselves),
+        cmocka_unit_test(powers_and_logarithms_are_libms),
         cmocka_unit_test(time_runs),
     };
     return cmocka_run_group_tests(tests, scratch_setup, scratch_teardown);

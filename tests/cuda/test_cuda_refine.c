@@ -130,6 +130,26 @@ static void test_maps(void **state) {
     check_maps(false, true);
 }
 
+static void test_averages(void **state) {
+    (void)state;
+    device_or_skip();
+    FfpGaussians g = ball_disturbed(splats()), mean = random_set(g.count, 4);
+    FfpParameters p = ffp_parameters_new(&g, true, false);
+    ffp_device_use(device);
+    FfpGaussians g_there = ffp_gaussians_uploaded(&g), mean_there = ffp_gaussians_uploaded(&mean);
+    FfpParameters p_there = ffp_parameters_new(&g_there, true, false);
+    ffp_parameters_average(&p_there, 0.3F, &mean_there);
+    ffp_device_use(NULL);
+    ffp_parameters_average(&p, 0.3F, &mean);
+    check_gaussians("mean of numbers", &mean, &mean_there, 1e-5);
+    ffp_gaussians_free(&g), ffp_gaussians_free(&mean);
+    ffp_parameters_free(&p);
+    ffp_device_use(device);
+    ffp_gaussians_free(&g_there), ffp_gaussians_free(&mean_there);
+    ffp_parameters_free(&p_there);
+    ffp_device_use(NULL);
+}
+
 typedef struct Run { // some steps along given gradients
     FfpParameters parameters;
     FfpMover mover;
@@ -320,6 +340,7 @@ static void test_a_fit_is_the_same(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_maps),
+        cmocka_unit_test(test_averages),
         cmocka_unit_test(test_moves),
         cmocka_unit_test(test_summed),
         cmocka_unit_test(test_what_a_device_cannot),

@@ -300,6 +300,13 @@ static void srgb_curves_agree(void **state) {
         assert_true(fabs((double)ffp_srgb_encode(ffp_srgb_decode((real)x)) - x) < 2e-6);
     }
     assert_true(fabs((double)ffp_srgb_decode(0.5F) - 0.21404114048223255) < 1e-6); // (0.555 / 1.055)^2.4
+    for (double x = -0.2; x <= 1.2; x += 1.0 / 4096) {
+        real slope;
+        const real encoded = ffp_srgb_encode_with_slope((real)x, &slope);
+        assert_true(fabs((double)(encoded - ffp_srgb_encode((real)x))) < 3e-7);
+        const double want = (double)ffp_srgb_encode_slope((real)x);
+        assert_true(fabs((double)slope - want) <= 1e-6 * want);
+    }
     assert_true(ffp_srgb_encode(-1) == 0 && ffp_srgb_encode(2) == 1);
     assert_true(ffp_srgb_encode_slope(-0.1F) == 0 && ffp_srgb_encode_slope(1.1F) == 0);
 }

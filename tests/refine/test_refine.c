@@ -1,10 +1,12 @@
 // Fits on a small scene of splats that were drawn by the renderer itself, so that the truth is known.
+#include <omp.h>
 #include "render/pass.h"
 #include "base/alloc.h"
 #include "base/rng.h"
 #include "base/vec.h"
 #include "loss/metrics.h"
 #include "refine/density.h"
+#include "refine/fit.h"
 #include "refine/neighbours.h"
 #include "refine/refine.h"
 #include "stopped.h"
@@ -169,6 +171,83 @@ static void test_a_polish_gains_in_few_steps(void **state) {
     free_capture(&c);
 }
 
+static void test_numbers_are_averaged(void **state) {
+    (void)state;
+    enum { SETS = 3 };
+    FfpGaussians g = disturbed(), mean = ffp_gaussians_new(g.count);
+    FfpParameters p = ffp_parameters_new(&g, true, false);
+    double sum = 0, sum_of_last = 0;
+    for (int n = 1; n <= SETS; n++) {
+        for (int64_t i = 0; i < 4 * g.count; i++) p.numbers.rotation[i] = (real)sin(n + 0.3 * (double)i);
+        p.numbers.opacity[g.count - 1] = (real)(n * n);
+        sum += (double)p.numbers.rotation[7], sum_of_last += n * n;
+        ffp_parameters_average(&p, (real)(1 / (double)n), &mean);
+    }
+    assert_float_equal(mean.rotation[7], sum / SETS, 1e-6);
+    assert_float_equal(mean.opacity[g.count - 1], sum_of_last / SETS, 1e-6);
+    assert_float_equal(mean.albedo[5], p.numbers.albedo[5], 1e-6);
+    ffp_parameters_free(&p);
+    ffp_gaussians_free(&mean);
+    ffp_gaussians_free(&g);
+}
+
+static FfpGaussians polished(const FfpCapture *c, const FfpRefineSettings *settings) {
+    FfpRefineResult result;
+    FfpGaussians g = disturbed();
+    assert_true(ffp_refine(&g, c, all_patterns, PATTERNS, settings, &result, NULL));
+    assert_false(result.dropped);
+    return g;
+}
+
+// At rates that do not fall, shorter fits are the beginnings of longer ones: the mean over four steps is that
+// of what four fits end with.
+static void test_a_polish_returns_the_mean_of_its_last_steps(void **state) {
+    (void)state;
+    enum { STEPS = 16, LAST = 4 };
+    FfpCapture c = ball_capture();
+    FfpRefineSettings s = ffp_polish_defaults(STEPS);
+    assert_true(s.mean > 0);
+    s.decay = s.centre_decay = 1;
+    s.mean = (LAST + 0.5) / STEPS;
+    FfpGaussians mean = polished(&c, &s), last[LAST];
+    for (int i = 0; i < LAST; i++) {
+        s.steps = STEPS - i, s.mean = 1.5 / (double)s.steps;
+        last[i] = polished(&c, &s);
+    }
+    double moved = 0;
+    for (int64_t i = 0; i < 3 * mean.count; i++) {
+        double centre = 0, log_scale = 0;
+        for (int k = 0; k < LAST; k++)
+            centre += (double)last[k].centre[i] / LAST, log_scale += log((double)last[k].scale[i]) / LAST;
+        assert_float_equal(mean.centre[i], centre, 1e-5);
+        assert_float_equal(log((double)mean.scale[i]), log_scale, 1e-4);
+        moved = fmax(moved, fabs((double)last[0].scale[i] / (double)last[LAST - 1].scale[i] - 1));
+    }
+    assert_true(moved > 0.01);
+    for (int i = 0; i < LAST; i++) ffp_gaussians_free(&last[i]);
+    ffp_gaussians_free(&mean);
+    free_capture(&c);
+}
+
+// Of a fit that goes astray at its end nothing of that end is kept.
+static void test_the_mean_is_left_where_the_fit_goes_astray(void **state) {
+    (void)state;
+    FfpCapture c = ball_capture();
+    FfpRefineSettings s = ffp_polish_defaults(40);
+    for (int a = 0; a < FFP_ATTRIBUTES; a++) s.rates.rate[a] /= 4;
+    s.decay = s.centre_decay = 100;
+    FfpGaussians with = polished(&c, &s);
+    s.mean = 0;
+    FfpGaussians without = polished(&c, &s);
+    for (int a = 0; a < FFP_ATTRIBUTES; a++) {
+        const FfpAttribute x = ffp_attribute(&with, a), y = ffp_attribute(&without, a);
+        assert_memory_equal(x.data, y.data, sizeof(real) * (size_t)x.width * (size_t)with.count);
+    }
+    ffp_gaussians_free(&with);
+    ffp_gaussians_free(&without);
+    free_capture(&c);
+}
+
 static int compare_reals(const void *a, const void *b) {
     const real x = *(const real *)a, y = *(const real *)b;
     return (x > y) - (x < y);
@@ -198,18 +277,47 @@ static void test_a_polish_finds_the_roughness(void **state) {
     }
 }
 
+// Of a polish for any number of threads.
 static void test_the_same_seed_gives_the_same_bits(void **state) {
     (void)state;
+    enum { FITS = 6 };
+    static const int threads[FITS] = {0, 0, 1, 2, 3, 4};
     FfpCapture c = ball_capture();
-    FfpRefineSettings s = ffp_refine_defaults();
     FfpRefineResult result;
-    FfpGaussians g[2] = {disturbed(), disturbed()};
-    s.steps = 12;
-    for (int i = 0; i < 2; i++) assert_true(ffp_refine(&g[i], &c, all_patterns, PATTERNS, &s, &result, NULL));
-    assert_memory_equal(g[0].centre, g[1].centre, (size_t)g[0].count * 3 * sizeof(real));
-    assert_memory_equal(g[0].albedo, g[1].albedo, (size_t)g[0].count * 3 * sizeof(real));
-    for (int i = 0; i < 2; i++) ffp_gaussians_free(&g[i]);
+    FfpGaussians g[FITS];
+    const int before = omp_get_max_threads();
+    for (int i = 0; i < FITS; i++) {
+        FfpRefineSettings s = threads[i] ? ffp_polish_defaults(11) : ffp_refine_defaults();
+        s.steps = 11;
+        g[i] = disturbed();
+        if (threads[i]) omp_set_num_threads(threads[i]);
+        assert_true(ffp_refine(&g[i], &c, all_patterns, PATTERNS, &s, &result, NULL));
+        omp_set_num_threads(before);
+    }
+    for (int i = 1; i < FITS; i++)
+        for (int a = 0; i != 2 && a < FFP_ATTRIBUTES; a++) {
+            const FfpAttribute x = ffp_attribute(&g[i], a), y = ffp_attribute(&g[i - 1], a);
+            assert_memory_equal(x.data, y.data, sizeof(real) * (size_t)x.width * (size_t)g[i].count);
+        }
+    for (int i = 0; i < FITS; i++) ffp_gaussians_free(&g[i]);
     free_capture(&c);
+}
+
+// Eight views of a turntable and one more: opposites, whatever the order.
+static void test_pairs_are_opposites(void **state) {
+    (void)state;
+    enum { COUNT = 9 };
+    FfpView views[COUNT] = {0};
+    const FfpCapture c = {.n_views = COUNT, .views = views};
+    int order[COUNT] = {3, 0, 5, 2, 4, 7, 6, 1, 8}, seen[COUNT] = {0};
+    for (int v = 0; v < 8; v++) views[v].camera = look_at_origin((real)v * 6.2831853F / 8, 1, 2, SIDE);
+    views[8].camera = look_at_origin(0.1F, 1.4F, 0.3F, SIDE); // from above
+    ffp_pair_opposites(&c, order);
+    assert_int_equal(order[0], 3);
+    assert_int_equal(order[1], 7);
+    for (int i = 0; i < COUNT; i++) seen[order[i]]++;
+    for (int v = 0; v < COUNT; v++) assert_int_equal(seen[v], 1);
+    for (int i = 0; i + 1 < COUNT; i += 2) assert_int_equal((order[i] + 4) % 8, order[i + 1]);
 }
 
 typedef struct Fit {
@@ -370,8 +478,12 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_a_fit_gains_on_seen_and_unseen_views),
         cmocka_unit_test(test_a_polish_gains_in_few_steps),
+        cmocka_unit_test(test_numbers_are_averaged),
+        cmocka_unit_test(test_a_polish_returns_the_mean_of_its_last_steps),
+        cmocka_unit_test(test_the_mean_is_left_where_the_fit_goes_astray),
         cmocka_unit_test(test_a_polish_finds_the_roughness),
         cmocka_unit_test(test_the_same_seed_gives_the_same_bits),
+        cmocka_unit_test(test_pairs_are_opposites),
         cmocka_unit_test(test_stopping_keeps_the_start_and_limits_are_asked_for),
         cmocka_unit_test(test_a_fit_from_scratch_finds_the_ball),
         cmocka_unit_test(test_numbers_go_there_and_back),

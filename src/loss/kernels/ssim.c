@@ -10,24 +10,37 @@
 enum { MOMENTS = FFP_SSIM_MOMENTS, SLOPES = FFP_SSIM_SLOPES };
 enum { SLOPE_A, SLOPE_AA, SLOPE_AB };
 
+// sum_k taps[k] rows[k][i]: all taps of a number in one go, so that the sum is written once.
+static void blur(const FfpSsimWindow *window, real *restrict out, const real *restrict taps,
+                 const real *const rows[FFP_SSIM_TAPS]) {
+    const real *row[FFP_SSIM_TAPS];
+    for (int k = 0; k < FFP_SSIM_TAPS; k++) row[k] = rows[k];
+    for (int i = 0; i < window->row; i++) {
+        real sum = 0;
+#pragma GCC unroll 11
+        for (int k = 0; k < FFP_SSIM_TAPS; k++) sum += taps[k] * row[k][i];
+        out[i] = sum;
+    }
+}
+
 // Along a row of interleaved channels; `padded` has `edge` zeros on either side.
 static void blur_across(const FfpSsimWindow *window, real *restrict out, const real *restrict padded) {
-    memset(out, 0, window->row * sizeof *out);
-    for (int k = 0; k < FFP_SSIM_TAPS; k++) {
-        const real tap = window->taps[k], *from = padded + (size_t)k * window->channels;
-        for (int i = 0; i < window->row; i++) out[i] += tap * from[i];
-    }
+    const real *rows[FFP_SSIM_TAPS];
+    for (int k = 0; k < FFP_SSIM_TAPS; k++) rows[k] = padded + (size_t)k * window->channels;
+    blur(window, out, window->taps, rows);
 }
 
 // Row y of `map` blurred down the columns.
 static void blur_down(const FfpSsimWindow *window, real *restrict out, const real *restrict map, int y) {
-    memset(out, 0, window->row * sizeof *out);
+    const real *rows[FFP_SSIM_TAPS];
+    real taps[FFP_SSIM_TAPS];
     for (int k = 0; k < FFP_SSIM_TAPS; k++) {
         const int from = y + k - FFP_SSIM_RADIUS;
-        if (from < 0 || from >= window->height) continue;
-        const real tap = window->taps[k], *row = map + (size_t)from * window->row;
-        for (int i = 0; i < window->row; i++) out[i] += tap * row[i];
+        const bool inside = from >= 0 && from < window->height;
+        taps[k] = inside ? window->taps[k] : 0;
+        rows[k] = map + (size_t)(inside ? from : y) * window->row;
     }
+    blur(window, out, taps, rows);
 }
 
 void FFP_K(ssim_moments)(const FfpSsimWindow *window, real *moments, const FfpImage *a, const FfpImage *b) {

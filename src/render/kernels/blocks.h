@@ -12,6 +12,7 @@ enum {
     BLOCKS_ACROSS = FFP_TILE / BLOCK_WIDTH,
     BLOCKS_DOWN = FFP_TILE / BLOCK_HEIGHT,
     BLOCKS = BLOCKS_ACROSS * BLOCKS_DOWN, // 64 at most: a set of them is one uint64_t
+    BATCH_MAX = 256,                      // splats that are listed together
     FETCH_AHEAD = 12
 };
 
@@ -108,6 +109,25 @@ static inline uint64_t splat_blocks(const FfpSplat *s, const Tile *tile) {
     uint64_t blocks = 0;
     for (int row = top; row <= bottom; row++) blocks |= across << (row * BLOCKS_ACROSS);
     return blocks;
+}
+
+// For each block the splats of a batch that may touch it, near to far, as places in the batch.
+typedef struct Lists {
+    int count[BLOCKS];
+    uint8_t place[BLOCKS][BATCH_MAX];
+} Lists;
+
+static inline void list_batch(const FfpRaster *raster, const Tile *tile, int64_t first, int count,
+                              uint64_t open, Lists *lists) {
+    memset(lists->count, 0, sizeof lists->count);
+    for (int i = 0; i < count; i++) {
+        fetch_splat(raster, tile, first + i + FETCH_AHEAD);
+        uint64_t blocks = splat_blocks(&raster->splats[tile->order[first + i]], tile) & open;
+        for (; blocks; blocks &= blocks - 1) {
+            const int b = __builtin_ctzll(blocks);
+            lists->place[b][lists->count[b]++] = (uint8_t)i;
+        }
+    }
 }
 
 // A splat over a block: its density d, what that covers, and alpha, which is 0 where below 1/255 or where the

@@ -11,4 +11,8 @@ const FfpRenderKernels FFP_K(render) = {
     .shade_row = FFP_K(shade_row),
     .shade_row_backward = FFP_K(shade_row_backward),
     .map_row = FFP_K(map_row),
+    .average_row = FFP_K(average_row),
+    .average_row_backward = FFP_K(average_row_backward),
+    .resolve_row = FFP_K(resolve_row),
+    .resolve_row_backward = FFP_K(resolve_row_backward),
 };

@@ -29,15 +29,31 @@ typedef struct FfpShadeGrad {
     FfpSummed *pattern; // or NULL
 } FfpShadeGrad;
 
+// What the projector's light falls on.
+typedef struct FfpLitScene {
+    const FfpGbuffer *gbuffer;
+    const FfpMapping *mapping;
+    FfpLitView view;
+} FfpLitScene;
+
 // Row y of the transport, of the picture, of their gradients (grad_intensity is the row's own), of the
 // mapping.
-typedef void FfpLightRow(const FfpLitView *view, int y, FfpTransport *out);
-typedef void FfpLightRowBackward(const FfpLitView *view, int y, const FfpTransport *grad,
+typedef void FfpLightRow(const FfpLitScene *scene, int y, FfpTransport *out);
+typedef void FfpLightRowBackward(const FfpLitScene *scene, int y, const FfpTransport *grad,
                                  FfpGbuffer *grad_gbuffer);
 typedef void FfpShadeRow(const FfpPatternLight *light, int y, const real *ambient, FfpImage *out);
 typedef void FfpShadeRowBackward(const FfpPatternLight *light, int y, const FfpShadeGrad *grad,
                                  real grad_intensity[3]);
 typedef void FfpMapRow(const FfpMapper *mapper, int y, FfpMapping *out);
+
+// A row of [width,channels] means of side x side samples, from the first of its rows of samples; or that
+// row's gradient, set in its samples.
+typedef void FfpAverageRow(const real *from, int width, int channels, int side, real *to);
+
+// A row of `count` pixels: ffp_resolve and ffp_resolve_backward.
+typedef void FfpResolveRow(const real *mean, const real *opacity, int count, int side, real *picture);
+typedef void FfpResolveRowBackward(const real *mean, const real *opacity, int count, int side,
+                                   const real *grad_picture, real *grad_mean, real *grad_opacity);
 
 typedef struct FfpRenderKernels {
     FfpProjectChunk *project_chunk;
@@ -49,6 +65,9 @@ typedef struct FfpRenderKernels {
     FfpShadeRow *shade_row;
     FfpShadeRowBackward *shade_row_backward;
     FfpMapRow *map_row;
+    FfpAverageRow *average_row, *average_row_backward;
+    FfpResolveRow *resolve_row;
+    FfpResolveRowBackward *resolve_row_backward;
 } FfpRenderKernels;
 
 FFP_LOOP_TABLES(FfpRenderKernels, render)
@@ -63,6 +82,9 @@ FfpLightRowBackward FFP_K(light_row_backward);
 FfpShadeRow FFP_K(shade_row);
 FfpShadeRowBackward FFP_K(shade_row_backward);
 FfpMapRow FFP_K(map_row);
+FfpAverageRow FFP_K(average_row), FFP_K(average_row_backward);
+FfpResolveRow FFP_K(resolve_row);
+FfpResolveRowBackward FFP_K(resolve_row_backward);
 #endif
 
 #endif

@@ -38,12 +38,25 @@ ALWAYS_INLINE Lanes lanes_pick(Where so, Lanes a, Lanes b) {
     return (Lanes)(((Where)a & so) | ((Where)b & ~so));
 }
 
+// a < b ? a : b, and a > b ? a : b: where one is no number, b.
 ALWAYS_INLINE Lanes lanes_min(Lanes a, Lanes b) {
+#if defined(__AVX512F__)
+    return (Lanes)_mm512_min_ps((__m512)a, (__m512)b);
+#elif defined(__AVX2__)
+    return (Lanes)_mm256_min_ps((__m256)a, (__m256)b);
+#else
     return lanes_pick(a < b, a, b);
+#endif
 }
 
 ALWAYS_INLINE Lanes lanes_max(Lanes a, Lanes b) {
+#if defined(__AVX512F__)
+    return (Lanes)_mm512_max_ps((__m512)a, (__m512)b);
+#elif defined(__AVX2__)
+    return (Lanes)_mm256_max_ps((__m256)a, (__m256)b);
+#else
     return lanes_pick(a > b, a, b);
+#endif
 }
 
 ALWAYS_INLINE Lanes lanes_sqrt(Lanes v) {
@@ -67,6 +80,15 @@ ALWAYS_INLINE unsigned lanes_bits(Where so) {
     unsigned bits = 0;
     for (int l = 0; l < LANES; l++) bits |= (unsigned)(so[l] & 1) << l;
     return bits;
+#endif
+}
+
+// Bit l is set where lane l is above 0.
+ALWAYS_INLINE unsigned lanes_positive(Lanes v) {
+#if defined(__AVX512F__)
+    return _mm512_cmp_ps_mask((__m512)v, _mm512_setzero_ps(), _CMP_GT_OQ);
+#else
+    return lanes_bits(v > (Lanes){0});
 #endif
 }
 

@@ -1,41 +1,10 @@
-// Exponentials that gcc vectorises: libm's expf is a call per
-// element. The double build (gradient tests) uses libm.
+// Functions made of exponentials that gcc vectorises (base/exp2.h). The double build (gradient tests) uses
+// libm.
 #ifndef FFP_TENSOR_FASTMATH_H
 #define FFP_TENSOR_FASTMATH_H
 
 #include <math.h>
-#include <stdint.h>
-#include "base/real.h"
-
-// e^x = 2^n e^r with |r| <= ln 2 / 2 and e^r by its Taylor sum up to r^7 (remainder below 6e-9). Relative
-// error below 2e-7 on [-87, 88]; saturates outside (1.6e-38, 1.7e38); NaN stays NaN.
-static inline float ffp_exp_f32(float x) {
-    x = x < -87.0F ? -87.0F : x;
-    x = x > 88.0F ? 88.0F : x;
-    const float magic =
-        12582912.0F; // 1.5 * 2^23: behind the sum the low mantissa bits hold n = round(x / ln 2)
-    const float shifted = x * 1.44269504F + magic, n = shifted - magic;
-    const float r =
-        (x - n * 0.693359375F) + n * 2.12194440e-4F; // ln 2 in two parts, the first exact in 9 bits
-    float p = 1.0F / 5040.0F;
-    p = p * r + 1.0F / 720.0F;
-    p = p * r + 1.0F / 120.0F;
-    p = p * r + 1.0F / 24.0F;
-    p = p * r + 1.0F / 6.0F;
-    p = p * r + 0.5F;
-    p = p * r + 1.0F;
-    p = p * r + 1.0F;
-    union {
-        float number;
-        uint32_t bits;
-    } scale = {.number = shifted};
-    scale.bits = (scale.bits << 23) + 0x3F800000U; // 2^n: everything but n leaves at the top
-    return p * scale.number;
-}
-
-static inline real ffp_exp(real x) {
-    return _Generic(x, float : ffp_exp_f32, double : exp)(x);
-}
+#include "base/exp2.h"
 
 static inline real ffp_sigmoid(real x) {
     return 1.0F / (1.0F + ffp_exp(-x));
