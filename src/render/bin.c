@@ -12,10 +12,20 @@ static uint32_t depth_bits(real depth) {
     return bits;
 }
 
-// Counts the pairs of each tile and, returned, of the whole chunk.
-static int64_t count_chunk(const FfpRaster *raster, const FfpChunk *chunk, int64_t *counts) {
-    int64_t pairs = 0;
-    memset(counts, 0, (size_t)raster->tiles_x * (size_t)raster->tiles_y * sizeof *counts);
+void ffp_bin_reserve(FfpRaster *raster) {
+    const size_t tiles = (size_t)raster->tiles_x * (size_t)raster->tiles_y;
+    ffp_raster_reserve((void **)&raster->first, &raster->first_size, (size_t)raster->n_splats + 1,
+                       sizeof(int64_t));
+    ffp_raster_reserve((void **)&raster->counts, &raster->counts_size, tiles * FFP_CHUNKS + 1,
+                       sizeof(int64_t));
+    ffp_raster_reserve((void **)&raster->tile_first, &raster->tile_first_size, tiles + 1, sizeof(int64_t));
+}
+
+void ffp_bin_count(FfpRaster *raster, int c) {
+    FfpChunk *chunk = &raster->chunks[c];
+    const int64_t tiles = (int64_t)raster->tiles_x * raster->tiles_y;
+    int64_t *counts = raster->counts + c * tiles, pairs = 0;
+    memset(counts, 0, (size_t)tiles * sizeof *counts);
     for (int32_t s = chunk->first; s < chunk->first + chunk->drawn; s++) {
         const FfpTiles t = ffp_splat_tiles(&raster->splats[s]);
         raster->first[s] = pairs;
@@ -23,7 +33,7 @@ static int64_t count_chunk(const FfpRaster *raster, const FfpChunk *chunk, int64
         for (int y = t.y0; y < t.y1; y++)
             for (int x = t.x0; x < t.x1; x++) counts[y * raster->tiles_x + x]++;
     }
-    return pairs;
+    chunk->pairs = pairs;
 }
 
 // Turns the counts into places: tile by tile, in a tile chunk by chunk.
@@ -86,20 +96,10 @@ static void reserve_pairs(FfpRaster *raster) {
 void ffp_bin_splats(FfpRaster *raster) {
     const int tiles = raster->tiles_x * raster->tiles_y;
     int64_t before[FFP_CHUNKS];
-    ffp_raster_reserve((void **)&raster->first, &raster->first_size, (size_t)raster->n_splats + 1,
-                       sizeof(int64_t));
-    ffp_raster_reserve((void **)&raster->counts, &raster->counts_size, (size_t)tiles * FFP_CHUNKS + 1,
-                       sizeof(int64_t));
-    ffp_raster_reserve((void **)&raster->tile_first, &raster->tile_first_size, (size_t)tiles + 1,
-                       sizeof(int64_t));
-#pragma omp parallel for schedule(static)
-    for (int c = 0; c < FFP_CHUNKS; c++)
-        before[c] = count_chunk(raster, &raster->chunks[c], raster->counts + (int64_t)c * tiles);
     raster->instances = 0;
     for (int c = 0; c < FFP_CHUNKS; c++) {
-        const int64_t here = before[c];
         before[c] = raster->instances;
-        raster->instances += here;
+        raster->instances += raster->chunks[c].pairs;
     }
     place_chunks(raster);
     reserve_pairs(raster);

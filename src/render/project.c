@@ -8,7 +8,7 @@ static void split_chunks(FfpRaster *raster, const FfpGaussians *gaussians) {
 #pragma omp parallel for schedule(static)
     for (int c = 0; c < FFP_CHUNKS; c++) {
         const int64_t begin = c * share, end = begin + share, all = gaussians->count;
-        FfpChunk chunk = {begin < all ? begin : all, end < all ? end : all, 0, 0};
+        FfpChunk chunk = {.begin = begin < all ? begin : all, .end = end < all ? end : all};
         for (int64_t i = chunk.begin; i < chunk.end; i++)
             chunk.drawn += gaussians->opacity[i] >= FFP_ALPHA_MIN;
         raster->chunks[c] = chunk;
@@ -25,9 +25,13 @@ void ffp_project_splats(FfpRaster *raster, const FfpGaussians *gaussians, const 
     split_chunks(raster, gaussians);
     ffp_raster_reserve((void **)&raster->splats, &raster->splats_size, (size_t)raster->n_splats + 1,
                        sizeof(FfpSplat));
+    ffp_bin_reserve(raster);
     FfpProjectChunk *project = ffp_render_kernels()->project_chunk;
 #pragma omp parallel for schedule(static)
-    for (int c = 0; c < FFP_CHUNKS; c++) project(raster, gaussians, camera, settings, &raster->chunks[c]);
+    for (int c = 0; c < FFP_CHUNKS; c++) {
+        project(raster, gaussians, camera, settings, &raster->chunks[c]);
+        ffp_bin_count(raster, c);
+    }
 }
 
 void ffp_project_splats_backward(const FfpRaster *raster, const FfpGaussians *gaussians,

@@ -38,6 +38,7 @@ typedef struct FfpDepthKey {
 typedef struct FfpChunk {
     int64_t begin, end;
     int32_t first, drawn;
+    int64_t pairs; // of its splats with tiles
 } FfpChunk;
 
 struct FfpRaster {
@@ -73,8 +74,8 @@ static inline FfpTiles ffp_splat_tiles(const FfpSplat *s) {
                       (s->y1 + FFP_TILE - 1) / FFP_TILE};
 }
 
-// project.c: fills chunks and splats from the Gaussians of opacity >= 1/255. raster->width and ->height must
-// be set.
+// project.c: fills chunks, splats, first and counts from the Gaussians of opacity >= 1/255. raster->width and
+// ->height must be set.
 void ffp_project_splats(FfpRaster *raster, const FfpGaussians *gaussians, const FfpCamera *camera,
                         const FfpRenderSettings *settings);
 // Sums each splat's slots in order and adds what follows for the Gaussian's attributes to grad.
@@ -82,7 +83,10 @@ void ffp_project_splats_backward(const FfpRaster *raster, const FfpGaussians *ga
                                  const FfpCamera *camera, const FfpRenderSettings *settings,
                                  FfpGaussians *grad);
 
-// bin.c: fills first, tile_first and order.
+// bin.c. First room for n_splats; then, while a chunk's splats are still in cache, their pairs with each tile
+// into `counts` and `first`, and all of them into chunk->pairs; then tile_first and order from these.
+void ffp_bin_reserve(FfpRaster *raster);
+void ffp_bin_count(FfpRaster *raster, int chunk);
 void ffp_bin_splats(FfpRaster *raster);
 
 // blend.c: the first `channels` channels into out (and the distortion when all are asked for).
