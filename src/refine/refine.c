@@ -66,6 +66,7 @@ FfpRefineSettings ffp_polish_defaults(int64_t steps) {
     s.beta1 = 0.8F, s.beta2 = 0.95F; // of so few steps
     s.distortion = 0.3F;
     s.pairs = true;
+    s.shadow_looks = 4;
     s.steps = steps;
     s.measure = false;
     return s;
