@@ -41,7 +41,7 @@ def draw(axes, sides, columns, labels, title):
     axes.yaxis.set_major_formatter("{x:g}")
     axes.set_title(title)
     axes.grid(True, alpha=0.3)
-    axes.legend()
+    axes.legend(loc="upper left")
 
 
 def main():
