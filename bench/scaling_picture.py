@@ -41,7 +41,7 @@ def draw(axes, sides, columns, labels, title):
     axes.yaxis.set_major_formatter("{x:g}")
     axes.set_title(title)
     axes.grid(True, alpha=0.3)
-    axes.legend(loc="upper left")
+    axes.legend(loc="upper left", fontsize="small")
 
 
 def main():
@@ -52,7 +52,7 @@ def main():
     sides, columns = read(options.work)
     if len(sides) < 2:
         parser.error(f"{options.work}: fewer than two sizes (sizes_turntable_*.json)")
-    figure, (left, right) = pyplot.subplots(1, 2, figsize=(10, 4.2), layout="constrained")
+    figure, (left, right) = pyplot.subplots(1, 2, figsize=(10, 5), layout="constrained")
     draw(left, sides, columns, STAGES, "Seconds of a reconstruction from 8 views")
     draw(right, sides, columns, SPACE, "Memory and file")
     figure.savefig(options.out, dpi=90)
