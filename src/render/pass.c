@@ -119,7 +119,7 @@ static FfpGbuffer find_shadow(FfpViewPass *pass) {
     if (pass->kept_shadow && pass->kept_shadow->width) return *pass->kept_shadow;
     const FfpGbuffer shadow =
         ffp_shadow_map(pass->shadow_raster, pass->gaussians, &pass->projector, &pass->settings);
-    if (pass->kept_shadow && shadow.width) copy_shadow(&shadow, pass->kept_shadow); // none where shadows are off
+    if (pass->kept_shadow && shadow.width) copy_shadow(&shadow, pass->kept_shadow); // else shadows are off
     return shadow;
 }
 
