@@ -126,8 +126,8 @@ void ffp_cuda_attention_backward(float *dqkv, float *dq_gain, float *dk_gain, co
     for (FfpAttentionPart part = {}; ffp_cuda_attention_next(&part, &plan);)
         part_backward(dqkv, log_sum, &plan, &part);
     const unsigned blocks = min((unsigned)NORM_BLOCKS, ffp_blocks((size_t)rows * heads, WARPS));
-    float *partial = ffp_cuda_loss_partials((size_t)blocks * 2 * head_dim);
+    float *partial = ffp_cuda_column_partials((size_t)blocks * 2 * head_dim);
     ffp_launch_blocks(norm_backward, dim3(blocks), dim3(THREADS), 0, dqkv, partial, qkv, q_gain, k_gain,
                       plan);
-    ffp_cuda_loss_add(partial, (int)blocks, dq_gain, head_dim, dk_gain, head_dim);
+    ffp_cuda_add_columns(partial, (int)blocks, dq_gain, head_dim, dk_gain, head_dim);
 }

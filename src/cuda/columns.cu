@@ -5,7 +5,7 @@
 
 enum { WIDTH = 32, HEIGHT = 8 }; // of a block of threads: columns, and rows that are summed side by side
 
-float *ffp_cuda_loss_partials(size_t count) {
+float *ffp_cuda_column_partials(size_t count) {
     static void *block;
     static size_t capacity;
     ffp_cuda_grow(&block, &capacity, count * sizeof(float));
@@ -44,7 +44,7 @@ static __global__ void sum_of_partials(float *sum1, int dim1, float *sum2, const
         sum2[column - dim1] += sum;
 }
 
-void ffp_cuda_loss_add(const float *partial, int count, float *sum1, int dim1, float *sum2, int dim2) {
+void ffp_cuda_add_columns(const float *partial, int count, float *sum1, int dim1, float *sum2, int dim2) {
     const int dim = dim1 + dim2;
     ffp_launch_blocks(sum_of_partials, dim3(ffp_blocks((size_t)dim, WIDTH)), dim3(WIDTH, HEIGHT), 0, sum1,
                       dim1, sum2, partial, count, dim);
@@ -54,8 +54,8 @@ void ffp_cuda_add_column_sums(float *sum, const float *x, int rows, int dim) {
     enum { LEAST = 4 * HEIGHT, BLOCKS = 128 };
     const int rows_a_block = max((int)LEAST, (rows + BLOCKS - 1) / BLOCKS);
     const int blocks = (int)ffp_blocks((size_t)rows, (unsigned)rows_a_block);
-    float *partial = ffp_cuda_loss_partials((size_t)blocks * dim);
+    float *partial = ffp_cuda_column_partials((size_t)blocks * dim);
     ffp_launch_blocks(sum_of_block, dim3(ffp_blocks((size_t)dim, WIDTH), (unsigned)blocks),
                       dim3(WIDTH, HEIGHT), 0, partial, x, rows, dim, rows_a_block);
-    ffp_cuda_loss_add(partial, blocks, sum, dim, NULL, 0);
+    ffp_cuda_add_columns(partial, blocks, sum, dim, NULL, 0);
 }

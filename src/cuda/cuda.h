@@ -16,6 +16,9 @@ const FfpDevice *ffp_cuda_device(FfpError *err);
 // One line on what it is: name, memory, compute capability. Static text.
 const char *ffp_cuda_describe(void);
 
+// For tests: after so many further blocks of the device's memory one cannot be had. Negative: never.
+void ffp_cuda_memory_ends(long long blocks);
+
 extern const struct FfpKernels ffp_cuda_tensor;
 extern const struct FfpImageTable ffp_cuda_image;
 extern const struct FfpRenderTable ffp_cuda_render;

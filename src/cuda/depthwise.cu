@@ -112,8 +112,8 @@ void ffp_cuda_conv_backward(float *dx, int lddx, float *dw, float *dbias, const 
                             bool reverse) {
     const Conv conv = {x, w, bias, ldx, rows, channels, taps, reverse};
     const dim3 grid(ffp_blocks((size_t)channels, CHANNELS), ffp_blocks((size_t)rows, RUN));
-    float *partial = ffp_cuda_loss_partials((size_t)grid.y * channels * (taps + 1));
+    float *partial = ffp_cuda_column_partials((size_t)grid.y * channels * (taps + 1));
     ffp_launch(taps <= TAPS ? run_backward<TAPS> : run_backward<FFP_CONV_TAPS_MAX>, grid, dim3(CHANNELS), dx,
                lddx, partial, dy, conv);
-    ffp_cuda_loss_add(partial, (int)grid.y, dw, channels * taps, dbias, channels);
+    ffp_cuda_add_columns(partial, (int)grid.y, dw, channels * taps, dbias, channels);
 }

@@ -72,8 +72,8 @@ void ffp_cuda_gated_norm_backward(float *dx, float *dz, int lddz, float *dgain, 
                                   const float *gain, int rows, int dim) {
     const int rows_a_block = max((int)ROWS_LEAST, (rows + BLOCKS_MOST - 1) / BLOCKS_MOST);
     const int blocks = (int)ffp_blocks((size_t)rows, (unsigned)rows_a_block);
-    float *partial = ffp_cuda_loss_partials((size_t)blocks * dim);
+    float *partial = ffp_cuda_column_partials((size_t)blocks * dim);
     ffp_launch_blocks(gated_backward, dim3((unsigned)blocks), dim3(THREADS), 0, dx, dz, lddz, partial, dy, x,
                       z, ldz, rstd, gain, rows, dim, rows_a_block);
-    ffp_cuda_loss_add(partial, blocks, dgain, dim, NULL, 0);
+    ffp_cuda_add_columns(partial, blocks, dgain, dim, NULL, 0);
 }

@@ -6,6 +6,10 @@
 #include <stdlib.h>
 #include <string.h>
 #include "cuda/launch.h"
+extern "C" {
+#include "base/alloc.h"
+#include "cuda/cuda.h"
+}
 
 #ifdef __CUDACC__
 
@@ -32,7 +36,7 @@ static void keep_memory(void) {
     kept = true;
 }
 
-void *ffp_cuda_try_alloc(size_t bytes) {
+static void *take(size_t bytes) {
     void *block = NULL;
     keep_memory();
     const cudaError_t error = cudaMallocAsync(&block, bytes ? bytes : 1, ffp_cuda_stream());
@@ -41,12 +45,6 @@ void *ffp_cuda_try_alloc(size_t bytes) {
         return NULL;
     }
     ffp_cuda_check(error, "memory");
-    return block;
-}
-
-void *ffp_cuda_alloc(size_t bytes) {
-    void *block = ffp_cuda_try_alloc(bytes);
-    if (!block) ffp_cuda_check(cudaErrorMemoryAllocation, "memory");
     return block;
 }
 
@@ -117,11 +115,7 @@ void ffp_emulated_memory(bool open) {
     if (!open && --open_depth == 0) protect(PROT_NONE);
 }
 
-void *ffp_cuda_alloc(size_t bytes) {
-    return ffp_cuda_try_alloc(bytes);
-}
-
-void *ffp_cuda_try_alloc(size_t bytes) {
+static void *take(size_t bytes) {
     reserve();
     const size_t pages = (bytes + PAGE - 1) / PAGE + 1;
     unsigned char *place;
@@ -175,9 +169,19 @@ void ffp_cuda_synchronise(void) {}
 
 #endif
 
-void ffp_cuda_grow(void **block, size_t *capacity, size_t bytes) {
-    if (bytes <= *capacity) return;
-    ffp_cuda_release(*block);
-    *block = ffp_cuda_alloc(bytes);
-    *capacity = bytes;
+static long long blocks_left = -1; // negative: no end
+
+void ffp_cuda_memory_ends(long long blocks) {
+    blocks_left = blocks;
+}
+
+void *ffp_cuda_try_alloc(size_t bytes) {
+    if (blocks_left >= 0 && blocks_left-- == 0) return NULL;
+    return take(bytes);
+}
+
+void *ffp_cuda_alloc(size_t bytes) {
+    void *block = ffp_cuda_try_alloc(bytes);
+    if (!block) ffp_no_memory(bytes);
+    return block;
 }

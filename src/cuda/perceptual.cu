@@ -5,6 +5,7 @@
 #include "cuda/loss_room.h"
 #include "cuda/perceptual_taps.h"
 extern "C" {
+#include "base/alloc.h"
 #include "cuda/perceptual_conv.h"
 #include "loss/perceptual_net.h"
 }
@@ -52,7 +53,7 @@ static void upload(float *to, const float *from, size_t count) {
 }
 
 void *ffp_cuda_perceptual_upload(const FfpPerceptual *net) {
-    Weights *weights = new Weights();
+    Weights *weights = (Weights *)ffp_alloc(1, sizeof *weights);
     Cutter cutter = {NULL, 0};
     place(weights, &cutter, net);
     weights->block = (float *)ffp_cuda_alloc(cutter.used * sizeof(float));
@@ -72,7 +73,7 @@ void *ffp_cuda_perceptual_upload(const FfpPerceptual *net) {
 
 void ffp_cuda_perceptual_release(void *weights) {
     ffp_cuda_release(((Weights *)weights)->block);
-    delete (Weights *)weights;
+    ffp_free(weights);
 }
 
 // A walk through the network. features.value: [channels, IMAGES, height, width]; features.grad: the

@@ -3,9 +3,12 @@
 #include "cuda/memory.h"
 #include "cuda/raster.h"
 #include "cuda/render.h"
+extern "C" {
+#include "base/alloc.h"
+}
 
 FfpDeviceRaster *ffp_cuda_raster_new() {
-    return (FfpDeviceRaster *)calloc(1, sizeof(FfpDeviceRaster));
+    return (FfpDeviceRaster *)ffp_alloc(1, sizeof(FfpDeviceRaster));
 }
 
 void ffp_cuda_raster_free(void *thing) {
@@ -15,15 +18,12 @@ void ffp_cuda_raster_free(void *thing) {
                       t->order,  t->keys,  t->sorted_keys, t->tile_first, t->slots,  t->touched};
     for (void *block : blocks) ffp_cuda_release(block);
     ffp_cuda_release(raster->scratch.block);
-    free(raster);
+    ffp_free(raster);
 }
 
 // Makes *block hold at least `count`, and a quarter more when it has to grow: views differ a little.
 template <typename T> static void reserve(T **block, size_t *held, size_t count) {
-    if (count * sizeof(T) <= *held) return;
-    void *grown = *block;
-    ffp_cuda_grow(&grown, held, (count + count / 4) * sizeof(T));
-    *block = (T *)grown;
+    if (count * sizeof(T) > *held) ffp_cuda_grow(block, held, (count + count / 4) * sizeof(T));
 }
 
 static void fit_to(FfpDeviceRaster *raster, const FfpGaussians *gaussians, const FfpCamera *camera,
@@ -45,10 +45,8 @@ static void fit_to(FfpDeviceRaster *raster, const FfpGaussians *gaussians, const
 static void reserve_pairs(FfpDeviceRaster *raster) {
     FfpTiling *t = &raster->tiling;
     const size_t pairs = (size_t)t->pairs;
-    if (pairs >= UINT32_MAX) {
-        fprintf(stderr, "ffprocams: error: GPU: %zu pairs of splats and tiles in one picture\n", pairs);
-        abort();
-    }
+    const size_t a_pair = sizeof *t->owners + sizeof *t->places + sizeof *t->order + 2 * sizeof *t->keys;
+    if (pairs >= UINT32_MAX) ffp_no_memory(pairs * a_pair); // places have 32 bits
     reserve(&t->owners, &raster->owners_size, pairs + 1);
     reserve(&t->places, &raster->places_size, pairs + 1);
     reserve(&t->order, &raster->order_size, pairs + 1);

@@ -1,5 +1,6 @@
 // A reconstruction whose network and polish work on a device against one that is all the CPU's.
 #include "compare.h"
+#include <string.h>
 #include "base/call.h"
 #include "ffprocams.h"
 #include "gaussians/gaussians.h"
@@ -67,6 +68,42 @@ static void check(int64_t polish) {
     ffp_model_free(model);
 }
 
+// Whichever block of the device's memory cannot be had, the rooms' own scratch included: the call ends with
+// an error, and the next one is as if nothing had been.
+static void test_memory_ends(void **state) {
+    (void)state;
+    FfpError err = {0};
+    FfpModelConfig config;
+    assert_true(ffp_model_preset(&config, "tiny"));
+    FfpModel *model = ffp_model_new(&config, 3, &err);
+    FfpCapture capture = small_capture();
+    const FfpReconstruction how = {.model = model, .polish = 2, .layers = FFP_LAYERS_AUTO};
+    FfpGaussians *gaussians = NULL;
+    int failed = 0;
+    for (long long blocks = 0; !gaussians; blocks += 1 + blocks / 4) {
+        FfpContext context = {.device = device};
+        ffp_cuda_memory_ends(blocks);
+        gaussians = ffp_reconstruct(&context, &capture, &how, NULL, &err);
+        assert_null(ffp_device());
+        if (gaussians) break;
+        assert_int_equal(err.code, FFP_ERROR_MEMORY);
+        assert_non_null(strstr(err.text, "out of memory"));
+        failed++;
+    }
+    print_message("%d failures\n", failed);
+    assert_true(failed > 12);
+    ffp_cuda_memory_ends(-1);
+    FfpGaussians *again = reconstruct(&capture, model, 2, device);
+    assert_int_equal(gaussians->count, again->count);
+    assert_memory_equal(gaussians->centre, again->centre, 3 * (size_t)again->count * sizeof *again->centre);
+    assert_memory_equal(gaussians->opacity, again->opacity, (size_t)again->count * sizeof *again->opacity);
+    ffp_gaussians_close(gaussians);
+    ffp_gaussians_close(again);
+    capture.n_views = 4;
+    ffp_capture_free(&capture);
+    ffp_model_free(model);
+}
+
 static void test_network(void **state) {
     (void)state;
     check(0);
@@ -79,6 +116,7 @@ static void test_polish(void **state) {
 
 int main(void) {
     if (!(device = find_device())) return 0;
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_network), cmocka_unit_test(test_polish)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_memory_ends), cmocka_unit_test(test_network),
+                                       cmocka_unit_test(test_polish)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
