@@ -600,10 +600,13 @@ static void close_trainer(Trainer *trainer) {
     if (trainer->metrics) ffp_close_file(trainer->metrics);
 }
 
+// Threads that make scenes read the trainer until they have ended, which is later than this frame where the
+// call is left: it lies in the call's memory.
 bool ffp_train_run(const FfpTrainRun *options, FfpError *err) {
-    Trainer trainer = {0};
+    Trainer *trainer = ffp_alloc(1, sizeof *trainer);
     ffp_cancel_hold_off(true); // it ends with a checkpoint
-    const bool ok = open_trainer(&trainer, options, err) && run(&trainer, options->stop_at, err);
-    close_trainer(&trainer);
+    const bool ok = open_trainer(trainer, options, err) && run(trainer, options->stop_at, err);
+    close_trainer(trainer);
+    ffp_free(trainer);
     return ok;
 }

@@ -344,6 +344,40 @@ static void no_memory_elsewhere(void **state) {
     renderer = NULL;
 }
 
+// --- Training, whose threads count their allocations apart. ---
+
+typedef struct Training {
+    FfpContext *context;
+    long long n;
+} Training;
+
+static void on_first_step(void *user, FfpLogLevel level, const char *text) {
+    const Training *training = user;
+    (void)level;
+    if (strncmp(text, "step 0/", 7) == 0) ffp_context_fail_at(training->context, training->n);
+}
+
+// A thread that makes scenes comes to the failing number before the trainer does where both count from the
+// beginning. Here only the trainer lacks memory, with scenes taken, made and in the making.
+static void no_memory_for_the_trainer_alone(void **state) {
+    (void)state;
+    Training training = {.n = 1};
+    FfpContextSettings settings = ffp_context_defaults();
+    FfpError err = {0};
+    settings.user = &training, settings.log = on_first_step, settings.threads = 2;
+    training.context = ffp_context_new(&settings, &err);
+    if (!training.context) fail_msg("%s", err.text);
+    while (!train(training.context, in_scratch("after.png"), &err)) {
+        if (err.code != FFP_ERROR_MEMORY)
+            fail_msg("allocation %lld: %d, %s", training.n, (int)err.code, err.text);
+        err = (FfpError){0};
+        ffp_context_fail_at(training.context, 0);
+        training.n *= 4;
+    }
+    assert_true(training.n > 64);
+    ffp_context_free(training.context);
+}
+
 static void cancelled_anywhere(void **state) {
     (void)state;
     Work *const works[] = {classical, by_network, render, compensate, page, evaluate, export_mesh, generate};
@@ -372,6 +406,7 @@ int main(void) {
         cmocka_unit_test(no_memory_for_a_reconstruction),
         cmocka_unit_test(no_memory_for_the_network),
         cmocka_unit_test(no_memory_elsewhere),
+        cmocka_unit_test(no_memory_for_the_trainer_alone),
         cmocka_unit_test(cancelled_anywhere),
     };
     return cmocka_run_group_tests(tests, setup, scratch_teardown);
