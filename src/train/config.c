@@ -266,6 +266,21 @@ static bool check_mixture(const FfpTrainConfig *c, const char *where, FfpError *
     return true;
 }
 
+// What learning from captures asks for.
+static bool check_with_captures(const FfpTrainConfig *c, const char *where, FfpError *err) {
+    if (c->warmup_geometry > 0)
+        return ffp_fail(err, FFP_ERROR_FILE, ffp_place(where, "warmup_geometry").text,
+                        "needs true depth, which captures do not have");
+    if (c->validate_every == 0)
+        return ffp_fail(err, FFP_ERROR_FILE, ffp_place(where, "validate_every").text,
+                        "is 0: with captures, weights are kept where they have a score");
+    if (c->patience > 0 && c->patience < c->validate_every)
+        return ffp_fail(err, FFP_ERROR_FILE, ffp_place(where, "patience").text,
+                        "is below validate_every, %d: no gain can be seen in so few steps",
+                        c->validate_every);
+    return true;
+}
+
 // What no single range can say.
 static bool check_together(const FfpTrainConfig *c, const char *where, FfpError *err) {
     if (c->supervised_inputs + c->supervised_targets < 1)
@@ -285,10 +300,7 @@ static bool check_together(const FfpTrainConfig *c, const char *where, FfpError 
     if (c->captures[0] && c->scenes[0])
         return ffp_fail(err, FFP_ERROR_FILE, ffp_place(where, "captures").text,
                         "captures and scenes: only one of them can be learnt from");
-    if (c->captures[0] && c->warmup_geometry > 0)
-        return ffp_fail(err, FFP_ERROR_FILE, ffp_place(where, "warmup_geometry").text,
-                        "needs true depth, which captures do not have");
-    return check_mixture(c, where, err);
+    return (!c->captures[0] || check_with_captures(c, where, err)) && check_mixture(c, where, err);
 }
 
 static bool parse_over(FfpTrainConfig *config, const char *text, const char *where, FfpError *err) {

@@ -25,10 +25,10 @@ typedef struct Trainer {
     FfpStepper *stepper;
     FfpSceneFolder folder;
     FfpStream *scenes;
-    FfpShare share;          // among ranks
-    FfpCaptureSet *captures; // NULL: scenes are generated or read
-    double before, best;     // dB of the held-out captures, polished: with the first weights, with the best
-    int64_t best_step;
+    FfpShare share;            // among ranks
+    FfpCaptureSet *captures;   // NULL: scenes are generated or read
+    double before, best;       // dB of the held-out captures, polished: with the first weights, with the best
+    int64_t best_step, scored; // steps; scored: -1 before this run's first score
     // On a device, which steps are made on: the weights and scenes there. model and adam are then up to date
     // only after come_home.
     const FfpDevice *device;
@@ -176,6 +176,7 @@ static bool score_captures(Trainer *trainer, FfpAdam *whole, int64_t step, FfpEr
     if (!ok) return false;
     write_metrics(trainer, json_pack("{sI sf sf si}", "step", (json_int_t)step, "held_out", score.alone,
                                      "polished_held_out", score.polished, "photographs", score.photographs));
+    trainer->scored = step;
     const bool first = trainer->best == 0, better = first || score.polished > trainer->best;
     ffp_note("held-out photographs at step %lld: %.2f dB, polished %.2f dB%s", (long long)step, score.alone,
              score.polished, better && !first ? ", the best so far" : "");
@@ -185,9 +186,11 @@ static bool score_captures(Trainer *trainer, FfpAdam *whole, int64_t step, FfpEr
     return write_weights(trainer, whole, err);
 }
 
+// Looked at where there is a new score: what was learnt since the last one may be a gain.
 static bool has_stopped_gaining(const Trainer *trainer) {
     const int patience = trainer->config.patience;
-    return trainer->captures && patience > 0 && trainer->adam.step - trainer->best_step >= patience;
+    return trainer->captures && patience > 0 && trainer->scored == trainer->adam.step &&
+           trainer->adam.step - trainer->best_step >= patience;
 }
 
 static void tell_gain(const Trainer *trainer) {
@@ -392,6 +395,14 @@ static bool report(Trainer *trainer, int64_t done, bool save_due, FfpError *err)
            validate(trainer, done, err);
 }
 
+// The last weights have their score too, however the run ended.
+static bool end_captures(Trainer *trainer, FfpError *err) {
+    const int64_t step = trainer->adam.step;
+    if (trainer->scored != step && !validate(trainer, step, err)) return false;
+    tell_gain(trainer);
+    return true;
+}
+
 static bool run(Trainer *trainer, int64_t stop_at, FfpError *err) {
     const FfpTrainConfig *config = &trainer->config;
     const int64_t first = trainer->adam.step;
@@ -405,16 +416,16 @@ static bool run(Trainer *trainer, int64_t stop_at, FfpError *err) {
         stopped = trainer->stop || trainer->adam.step == stop_at;
         if (trainer->adam.step < config->steps && has_stopped_gaining(trainer)) {
             ffp_note("no gain for %d steps: done", config->patience);
-            tell_gain(trainer);
-            return save(trainer, err);
+            return save(trainer, err) && end_captures(trainer, err);
         }
     }
-    if (trainer->captures) tell_gain(trainer);
     trainer->stop = stopped;
-    if (!stopped || trainer->adam.step >= config->steps) return true;
-    if (is_first(trainer))
-        ffp_note("stopped at step %lld: writing a checkpoint", (long long)trainer->adam.step);
-    return save(trainer, err);
+    if (stopped && trainer->adam.step < config->steps) {
+        if (is_first(trainer))
+            ffp_note("stopped at step %lld: writing a checkpoint", (long long)trainer->adam.step);
+        if (!save(trainer, err)) return false;
+    }
+    return !trainer->captures || end_captures(trainer, err);
 }
 
 // "random", or the steps and the program of the weights that the run starts from.
@@ -565,7 +576,7 @@ static bool begin_captures(Trainer *trainer, bool resume, FfpError *err) {
         if (strcmp(model->metadata[2 * i], "trained_steps") == 0) step = model->metadata[2 * i + 1];
     const bool ok = ffp_captures_score(model, &trainer->config, trainer->captures, &score, err);
     trainer->best_step = step ? strtoll(step, NULL, 10) : 0;
-    trainer->before = trainer->best = score.polished;
+    trainer->before = trainer->best = score.polished, trainer->scored = -1;
     ffp_model_free(model);
     return ok;
 }

@@ -40,6 +40,9 @@ static void test_bad_fields(void **state) {
     refused("{\"views_least\": 2, \"scenes\": \"made\"}", "c.json: views_least", "of a folder");
     refused("{\"free_share\": 0.2, \"scenes\": \"made\"}", "c.json: free_share", "of a folder");
     refused("{\"large_share\": 0.2, \"scenes\": \"made\"}", "c.json: large_share", "of a folder");
+    refused("{\"captures\": \"mine\", \"validate_every\": 0}", "c.json: validate_every", "is 0");
+    refused("{\"captures\": \"mine\", \"validate_every\": 50, \"patience\": 49}", "c.json: patience",
+            "below validate_every");
 }
 
 static void test_round_trip(void **state) {
