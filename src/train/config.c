@@ -255,10 +255,11 @@ static bool check_mixture(const FfpTrainConfig *c, const char *where, FfpError *
     if (c->large_share > 0 && c->large_resolution % c->model.patch)
         return ffp_fail(err, FFP_ERROR_FILE, ffp_place(where, "large_resolution").text,
                         "must be a multiple of the patch, %d", c->model.patch);
-    const char *mixed = c->views_least > 0   ? "views_least"
-                        : c->free_share > 0  ? "free_share"
-                        : c->large_share > 0 ? "large_share"
-                                             : NULL;
+    const char *mixed = c->views_least > 0    ? "views_least"
+                        : c->free_share > 0   ? "free_share"
+                        : c->large_share > 0  ? "large_share"
+                        : c->sensor_share > 0 ? "sensor_share"
+                                              : NULL;
     if (mixed && (c->scenes[0] || c->captures[0]))
         return ffp_fail(
             err, FFP_ERROR_FILE, ffp_place(where, mixed).text,
@@ -290,10 +291,10 @@ static bool check_together(const FfpTrainConfig *c, const char *where, FfpError 
         return ffp_fail(err, FFP_ERROR_FILE, ffp_place(where, "supervised_inputs").text, "is above views");
     if (c->supervised_targets > c->targets)
         return ffp_fail(err, FFP_ERROR_FILE, ffp_place(where, "supervised_targets").text, "is above targets");
-    if (c->scenes[0] && c->low_steps > 0 && c->low_resolution != c->resolution)
+    if ((c->scenes[0] || c->captures[0]) && c->low_steps > 0 && c->low_resolution != c->resolution)
         return ffp_fail(err, FFP_ERROR_FILE, ffp_place(where, "low_steps").text,
-                        "the scenes of a folder have one resolution: use two runs, the second from the "
-                        "weights of the first");
+                        "the scenes of a folder (scenes, captures) have one resolution: use two runs, the "
+                        "second from the weights of the first");
     if (c->resolution % c->model.patch || c->low_resolution % c->model.patch)
         return ffp_fail(err, FFP_ERROR_FILE, ffp_place(where, "resolution").text,
                         "resolution and low_resolution must be multiples of the patch, %d", c->model.patch);

@@ -40,9 +40,26 @@ static void test_bad_fields(void **state) {
     refused("{\"views_least\": 2, \"scenes\": \"made\"}", "c.json: views_least", "of a folder");
     refused("{\"free_share\": 0.2, \"scenes\": \"made\"}", "c.json: free_share", "of a folder");
     refused("{\"large_share\": 0.2, \"scenes\": \"made\"}", "c.json: large_share", "of a folder");
+    refused("{\"sensor_share\": 0.2, \"scenes\": \"made\"}", "c.json: sensor_share", "of a folder");
+    refused("{\"sensor_share\": 0.2, \"captures\": \"mine\"}", "c.json: sensor_share", "of a folder");
+    refused("{\"captures\": \"mine\", \"low_steps\": 9}", "c.json: low_steps", "one resolution");
     refused("{\"captures\": \"mine\", \"validate_every\": 0}", "c.json: validate_every", "is 0");
     refused("{\"captures\": \"mine\", \"validate_every\": 50, \"patience\": 49}", "c.json: patience",
             "below validate_every");
+}
+
+// What nobody has asked for is in nobody's way.
+static void test_defaults_learn_from_captures(void **state) {
+    (void)state;
+    FfpTrainConfig config;
+    FfpError err = {0};
+    if (!ffp_train_config_parse(&config, "{\"captures\": \"mine\"}", "c.json", &err))
+        fail_msg("%s", err.text);
+    config = ffp_fine_tuning_defaults();
+    snprintf(config.captures, sizeof config.captures, "mine");
+    char *text = ffp_train_config_print(&config);
+    if (!ffp_train_config_parse(&config, text, "c.json", &err)) fail_msg("%s", err.text);
+    ffp_free(text);
 }
 
 static void test_round_trip(void **state) {
@@ -89,9 +106,8 @@ static void test_schedule(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_bad_fields),
-        cmocka_unit_test(test_round_trip),
-        cmocka_unit_test(test_byte_order_mark),
+        cmocka_unit_test(test_bad_fields), cmocka_unit_test(test_defaults_learn_from_captures),
+        cmocka_unit_test(test_round_trip), cmocka_unit_test(test_byte_order_mark),
         cmocka_unit_test(test_schedule),
     };
     return cmocka_run_group_tests(tests, scratch_setup, scratch_teardown);
