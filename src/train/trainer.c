@@ -51,20 +51,27 @@ static bool is_first(const Trainer *trainer) {
     return trainer->share.turn.rank == 0;
 }
 
-static void write_metrics(Trainer *trainer, json_t *line) {
+// Takes the line.
+static bool write_metrics(Trainer *trainer, json_t *line, FfpError *err) {
     char *text = json_dumps(line, JSON_COMPACT | JSON_PRESERVE_ORDER | JSON_REAL_PRECISION(6));
-    fprintf(trainer->metrics, "%s\n", text);
-    fflush(trainer->metrics);
+    const bool ok = text && fprintf(trainer->metrics, "%s\n", text) > 0 && fflush(trainer->metrics) == 0;
     free(text);
     json_decref(line);
+    return ok || ffp_fail(err, FFP_ERROR_IO, trainer->out, "cannot write metrics.jsonl");
+}
+
+// null where it is none, as in a step that is skipped: JSON has no other word for it.
+static json_t *number(double value) {
+    return isfinite(value) ? json_real(value) : json_null();
 }
 
 static json_t *terms_of(const FfpLosses *l) {
-    return json_pack("{sf sf sf sf sf sf sf sf sf sf sf sf}", "l1", l->l1, "ssim", l->ssim, "perceptual",
-                     l->perceptual, "mask", l->mask, "depth", l->depth, "distortion", l->distortion,
-                     "normal_smooth", l->normal_smooth, "roughness_smooth", l->roughness_smooth, "direct_t",
-                     l->direct_t, "truth_albedo", l->truth_albedo, "truth_normal", l->truth_normal,
-                     "truth_roughness", l->truth_roughness);
+    return json_pack("{so so so so so so so so so so so so}", "l1", number(l->l1), "ssim", number(l->ssim),
+                     "perceptual", number(l->perceptual), "mask", number(l->mask), "depth", number(l->depth),
+                     "distortion", number(l->distortion), "normal_smooth", number(l->normal_smooth),
+                     "roughness_smooth", number(l->roughness_smooth), "direct_t", number(l->direct_t),
+                     "truth_albedo", number(l->truth_albedo), "truth_normal", number(l->truth_normal),
+                     "truth_roughness", number(l->truth_roughness));
 }
 
 static json_t *network_seconds(const FfpProfileTimes *t) {
@@ -81,22 +88,24 @@ static json_t *seconds_of(const FfpLosses *l, double scene_s, double step_s) {
                      network_seconds(&l->network.backward));
 }
 
-static void log_step(Trainer *trainer, int64_t step, const FfpLosses *l, double norm, bool skipped,
-                     double scene_s, double step_s) {
+static bool log_step(Trainer *trainer, int64_t step, const FfpLosses *l, double norm, bool skipped,
+                     double scene_s, double step_s, FfpError *err) {
     const double rate = ffp_learning_rate(&trainer->config, step);
     json_t *seconds = seconds_of(l, scene_s, step_s);
     if (trainer->share.ranks) {
         json_object_set_new(seconds, "wait", json_real(trainer->wait_s));
         json_object_set_new(seconds, "gather", json_real(trainer->gather_s));
     }
-    write_metrics(trainer, json_pack("{sI sf so sf sf sb so}", "step", (json_int_t)step, "loss", l->total,
-                                     "terms", terms_of(l), "gradient_norm", norm, "learning_rate", rate,
-                                     "skipped", (int)skipped, "seconds", seconds));
+    json_t *line = json_pack("{sI so so so sf sb so}", "step", (json_int_t)step, "loss", number(l->total),
+                             "terms", terms_of(l), "gradient_norm", number(norm), "learning_rate", rate,
+                             "skipped", (int)skipped, "seconds", seconds);
+    if (!write_metrics(trainer, line, err)) return false;
     const double elapsed = ffp_seconds() - trainer->started;
     ffp_note("step %lld/%lld loss %.4f (l1 %.4f ssim %.4f t %.4f mask %.4f) norm %.2f%s rate %.2g, %.2f s a "
              "step, %.0f s",
              (long long)step, (long long)trainer->config.steps, l->total, l->l1, l->ssim, l->direct_t,
              l->mask, norm, skipped ? " skipped" : "", rate, step_s, elapsed);
+    return true;
 }
 
 // The model with the averaged weights in place of the current ones, until called again.
@@ -107,16 +116,16 @@ static void swap_ema(Trainer *trainer, FfpAdam *whole) {
 }
 
 static json_t *figures_of(const FfpValidation *v, int64_t step, bool with_free) {
-    json_t *line =
-        json_pack("{sI sf sf sf sf sf sf sf}", "step", (json_int_t)step, "validation_rendering", v->rendering,
-                  "validation_novel_pose", v->novel_pose, "polished_rendering", v->polished_rendering,
-                  "polished_novel_pose", v->polished_novel_pose, "start_rendering", v->start_rendering,
-                  "start_novel_pose", v->start_novel_pose, "depth_median_percent", v->depth_median);
+    json_t *line = json_pack(
+        "{sI so so so so so so so}", "step", (json_int_t)step, "validation_rendering", number(v->rendering),
+        "validation_novel_pose", number(v->novel_pose), "polished_rendering", number(v->polished_rendering),
+        "polished_novel_pose", number(v->polished_novel_pose), "start_rendering", number(v->start_rendering),
+        "start_novel_pose", number(v->start_novel_pose), "depth_median_percent", number(v->depth_median));
     if (!with_free) return line;
-    json_object_set_new(line, "free_rendering", json_real(v->free_rendering));
-    json_object_set_new(line, "free_novel_pose", json_real(v->free_novel_pose));
-    json_object_set_new(line, "polished_free_rendering", json_real(v->polished_free_rendering));
-    json_object_set_new(line, "polished_free_novel_pose", json_real(v->polished_free_novel_pose));
+    json_object_set_new(line, "free_rendering", number(v->free_rendering));
+    json_object_set_new(line, "free_novel_pose", number(v->free_novel_pose));
+    json_object_set_new(line, "polished_free_rendering", number(v->polished_free_rendering));
+    json_object_set_new(line, "polished_free_novel_pose", number(v->polished_free_novel_pose));
     return line;
 }
 
@@ -141,7 +150,7 @@ static bool validate_here(Trainer *trainer, FfpAdam *whole, int64_t step, FfpErr
     swap_ema(trainer, whole);
     if (!ok) return false;
     const bool with_free = trainer->config.free_share > 0;
-    write_metrics(trainer, figures_of(&v, step, with_free));
+    if (!write_metrics(trainer, figures_of(&v, step, with_free), err)) return false;
     ffp_note("validation at step %lld: rendering %.2f dB (polished %.2f, start %.2f), novel pose %.2f dB "
              "(polished %.2f, start %.2f), depth %.2f %%",
              (long long)step, v.rendering, v.polished_rendering, v.start_rendering, v.novel_pose,
@@ -174,8 +183,9 @@ static bool score_captures(Trainer *trainer, FfpAdam *whole, int64_t step, FfpEr
     const bool ok = ffp_captures_score(trainer->model, &trainer->config, trainer->captures, &score, err);
     swap_ema(trainer, whole);
     if (!ok) return false;
-    write_metrics(trainer, json_pack("{sI sf sf si}", "step", (json_int_t)step, "held_out", score.alone,
-                                     "polished_held_out", score.polished, "photographs", score.photographs));
+    json_t *line = json_pack("{sI so so si}", "step", (json_int_t)step, "held_out", number(score.alone),
+                             "polished_held_out", number(score.polished), "photographs", score.photographs);
+    if (!write_metrics(trainer, line, err)) return false;
     trainer->scored = step;
     const bool first = trainer->best == 0, better = first || score.polished > trainer->best;
     ffp_note("held-out photographs at step %lld: %.2f dB, polished %.2f dB%s", (long long)step, score.alone,
@@ -336,7 +346,12 @@ static void take_means(FfpLosses *losses, const Tally *tally, int batch) {
     for (int i = 0; i < FFP_LOSS_TERMS; i++) ((double *)losses)[i] = tally->terms[i] / batch;
 }
 
-typedef enum Outcome { LEARNT, STOPPED, FAILED, BROKEN } Outcome; // BROKEN: the ranks are out of touch
+typedef enum Outcome {
+    LEARNT,
+    STOPPED,
+    FAILED,
+    BROKEN
+} Outcome; // BROKEN: the ranks are out of touch, or cannot tell of it
 
 // STOPPED, FAILED: nothing has changed. *save_due: a checkpoint is.
 static Outcome one_step(Trainer *trainer, int64_t step, bool *save_due, FfpError *err) {
@@ -367,8 +382,9 @@ static Outcome one_step(Trainer *trainer, int64_t step, bool *save_due, FfpError
     if (!is_first(trainer)) return LEARNT;
     if (skipped) ffp_warning("step %lld skipped: gradient norm %g", (long long)step, norm);
     take_means(&losses, &tally, trainer->config.batch);
-    if (step % trainer->config.log_every == 0)
-        log_step(trainer, step, &losses, norm, skipped, scene_s, ffp_seconds() - begin - scene_s);
+    if (step % trainer->config.log_every == 0 &&
+        !log_step(trainer, step, &losses, norm, skipped, scene_s, ffp_seconds() - begin - scene_s, err))
+        return BROKEN;
     return LEARNT;
 }
 
