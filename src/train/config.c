@@ -339,40 +339,43 @@ bool ffp_train_config_read(FfpTrainConfig *config, const char *path, FfpError *e
     return ffp_train_config_overlay(config, path, err);
 }
 
-static json_t *print_fields(const void *base, const Field *fields, int count) {
-    json_t *object = json_object();
-    for (int i = 0; i < count; i++) {
-        const char *at = (const char *)base + fields[i].offset;
-        json_t *value = NULL;
-        switch (fields[i].kind) {
-        case BOOL:
-            value = json_boolean(*(const bool *)at);
-            break;
-        case TEXT:
-            value = json_string(at);
-            break;
-        case INT:
-            value = json_integer(*(const int *)at);
-            break;
-        case INT64:
-            value = json_integer(*(const int64_t *)at);
-            break;
-        case DOUBLE:
-            value = json_real(*(const double *)at);
-            break;
-        }
-        json_object_set_new(object, fields[i].name, value);
+static json_t *value_of(const void *base, const Field *field) {
+    const char *at = (const char *)base + field->offset;
+    switch (field->kind) {
+    case BOOL:
+        return json_boolean(*(const bool *)at);
+    case TEXT:
+        return json_string(at);
+    case INT:
+        return json_integer(*(const int *)at);
+    case INT64:
+        return json_integer(*(const int64_t *)at);
+    case DOUBLE:
+        return json_real(*(const double *)at);
     }
-    return object;
+    return NULL;
 }
 
-char *ffp_train_config_print(const FfpTrainConfig *config) {
-    json_t *root = print_fields(config, train_fields, COUNT(train_fields));
-    json_object_set_new(root, "model", print_fields(&config->model, model_fields, COUNT(model_fields)));
-    char *text = json_dumps(root, JSON_INDENT(1) | JSON_PRESERVE_ORDER);
+static bool print_fields(json_t *object, const void *base, const Field *fields, int count, FfpError *err) {
+    for (int i = 0; i < count; i++)
+        if (json_object_set_new(object, fields[i].name, value_of(base, &fields[i])) != 0)
+            return ffp_fail(err, FFP_ERROR_ARGUMENT, fields[i].name,
+                            fields[i].kind == TEXT ? "is not UTF-8, which the configuration is written in"
+                                                   : "is no number that JSON can hold");
+    return true;
+}
+
+char *ffp_train_config_print(const FfpTrainConfig *config, FfpError *err) {
+    json_t *root = json_object(), *model = json_object();
+    const bool ok = print_fields(root, config, train_fields, COUNT(train_fields), err) &&
+                    print_fields(model, &config->model, model_fields, COUNT(model_fields), err);
+    json_object_set_new(root, "model", model);
+    char *text = ok ? json_dumps(root, JSON_INDENT(1) | JSON_PRESERVE_ORDER) : NULL;
     json_decref(root);
+    if (ok && !text) ffp_fail(err, FFP_ERROR_MEMORY, NULL, "out of memory");
+    if (!text) return NULL;
     ffp_own(text, free);
-    char *copy = ffp_copy_text(text ? text : "");
+    char *copy = ffp_copy_text(text);
     ffp_disown(text);
     free(text);
     return copy;

@@ -77,8 +77,9 @@ bool ffp_train_config_read(FfpTrainConfig *config, const char *path, FfpError *e
 bool ffp_train_config_overlay(FfpTrainConfig *config, const char *path, FfpError *err);
 // The same from text over the defaults; `where` names it in errors.
 bool ffp_train_config_parse(FfpTrainConfig *config, const char *text, const char *where, FfpError *err);
-char *ffp_train_config_print(
-    const FfpTrainConfig *config); // JSON text, released with ffp_free; reads back to the same configuration
+// JSON text, released with ffp_free; reads back to the same configuration. NULL with an error where a text in
+// it is not UTF-8.
+char *ffp_train_config_print(const FfpTrainConfig *config, FfpError *err);
 
 // --- The parts, in the order of a step; used by ffp_train and by the tests. ---
 

@@ -10,6 +10,7 @@
 #include "base/device.h"
 #include "base/file.h"
 #include "base/log.h"
+#include "capture/fields.h"
 #include "train/captures.h"
 #include "train/mirror.h"
 #include "train/share.h"
@@ -166,7 +167,8 @@ static bool write_weights(Trainer *trainer, FfpAdam *whole, FfpError *err) {
     char path[FFP_PATH_MAX], steps[32];
     if (!out_path(path, trainer, "weights.safetensors", err)) return false;
     snprintf(steps, sizeof steps, "%lld", (long long)whole->step);
-    char *config = ffp_train_config_print(&trainer->config);
+    char *config = ffp_train_config_print(&trainer->config, err);
+    if (!config) return false;
     const char *const metadata[] = {"trained_steps", steps,   "training", config,
                                     "program",       program, "origin",   trainer->origin};
     swap_ema(trainer, whole);
@@ -444,6 +446,15 @@ static bool run(Trainer *trainer, int64_t stop_at, FfpError *err) {
     return !trainer->captures || end_captures(trainer, err);
 }
 
+// How many of the first `most` bytes are whole characters of UTF-8.
+static int whole(const char *text, int most) {
+    int count = (int)strnlen(text, (size_t)most + 1);
+    if (count <= most) return count;
+    count = most;
+    while (count > 0 && ((unsigned char)text[count] & 0xC0) == 0x80) count--;
+    return count;
+}
+
 // "random", or the steps and the program of the weights that the run starts from.
 static void log_origin(Trainer *trainer, const char *path) {
     const char *steps = "?", *by = "?";
@@ -452,9 +463,11 @@ static void log_origin(Trainer *trainer, const char *path) {
         if (strcmp(key, "trained_steps") == 0) steps = value;
         if (strcmp(key, "program") == 0) by = value;
     }
+    const char *name = path ? ffp_basename(path) : "";
+    if (!ffp_is_utf8(name)) name = "weights"; // the checkpoint holds no other text
     if (path)
-        snprintf(trainer->origin, sizeof trainer->origin, "%.60s: %.20s steps by %.100s", ffp_basename(path),
-                 steps, by);
+        snprintf(trainer->origin, sizeof trainer->origin, "%.*s: %.*s steps by %.*s", whole(name, 60), name,
+                 whole(steps, 20), steps, whole(by, 100), by);
     else
         snprintf(trainer->origin, sizeof trainer->origin, "random, from the seed");
 }
@@ -479,6 +492,16 @@ static FfpModel *read_initial(const char *path, const FfpTrainConfig *config, Ff
     return out;
 }
 
+static bool take_captures(FfpTrainConfig *config, const char *path, FfpError *err) {
+    if (strlen(path) >= sizeof config->captures)
+        return ffp_fail(err, FFP_ERROR_ARGUMENT, path, "path is too long");
+    if (!ffp_is_utf8(path))
+        return ffp_fail(err, FFP_ERROR_ARGUMENT, path,
+                        "path is not UTF-8: the checkpoint could not say what is learnt from");
+    snprintf(config->captures, sizeof config->captures, "%s", path);
+    return true;
+}
+
 // The model and its configuration: from the checkpoint, from given weights, or new.
 static bool open_model(Trainer *trainer, const FfpTrainRun *options, FfpError *err) {
     FfpTrainConfig *config = &trainer->config;
@@ -495,11 +518,7 @@ static bool open_model(Trainer *trainer, const FfpTrainRun *options, FfpError *e
         return trainer->model != NULL;
     }
     *config = options->captures ? ffp_fine_tuning_defaults() : ffp_train_defaults();
-    if (options->captures && strlen(options->captures) >= sizeof config->captures) {
-        ffp_fail(err, FFP_ERROR_ARGUMENT, options->captures, "path is too long");
-        return false;
-    }
-    if (options->captures) snprintf(config->captures, sizeof config->captures, "%s", options->captures);
+    if (options->captures && !take_captures(config, options->captures, err)) return false;
     if (options->config && !ffp_train_config_overlay(config, options->config, err)) return false;
     if (options->steps >= 0) config->steps = options->steps;
     trainer->model = options->initial ? read_initial(options->initial, config, err)

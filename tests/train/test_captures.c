@@ -133,6 +133,16 @@ static void what_cannot_teach_is_refused(void **state) {
     assert_false(ffp_train_config_parse(&config, "{\"captures\": \"a\", \"free_share\": 0.5}", "both", &err));
 }
 
+// A run would go on with generated scenes when it is resumed, if its checkpoint lacked the path.
+static void a_path_that_no_checkpoint_can_hold_is_refused(void **state) {
+    (void)state;
+    FfpError err = {0};
+    const FfpTrainRun options = {
+        .out = in_scratch("never"), .captures = in_scratch("f\xfcr"), .steps = -1, .stop_at = 0};
+    assert_false(ffp_train_run(&options, &err));
+    if (!strstr(err.text, "not UTF-8")) fail_msg("%s", err.text);
+}
+
 // --- Runs. ---
 
 static void write_initial(const char *path) {
@@ -250,6 +260,7 @@ int main(void) {
         cmocka_unit_test(every_fourth_is_held_out),
         cmocka_unit_test(pictures_have_the_size_asked_for),
         cmocka_unit_test(what_cannot_teach_is_refused),
+        cmocka_unit_test(a_path_that_no_checkpoint_can_hold_is_refused),
         cmocka_unit_test(weights_are_never_worse_than_the_first),
         cmocka_unit_test(a_stopped_run_goes_on_with_the_same_bits),
         cmocka_unit_test(the_last_weights_are_scored),

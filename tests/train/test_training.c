@@ -116,6 +116,42 @@ static void test_refusals(void **state) {
     assert_non_null(strstr(err.text, "resume it"));
 }
 
+// --- Names. ---
+
+// What the checkpoint says of weights to begin with, whose file has this name.
+static void assert_origin(const char *name, const char *begin) {
+    FfpError err = {0};
+    FfpTrainConfig config;
+    FfpAdam adam;
+    FfpModelConfig tiny;
+    char initial[FFP_PATH_MAX], origin[FFP_ORIGIN_MAX], command[128];
+    snprintf(initial, sizeof initial, "%s", in_scratch(name));
+    assert_true(ffp_model_preset(&tiny, "tiny"));
+    FfpModel *model = ffp_model_new(&tiny, 1, &err);
+    if (!ffp_model_write(model, initial, false, NULL, 0, &err)) fail_msg("%s", err.text);
+    ffp_model_free(model);
+    assert_true(ffp_write_file(in_scratch("config.json"), tiny_run, strlen(tiny_run), NULL));
+    const FfpTrainRun options = {
+        .out = in_scratch("named"), .config = in_scratch("config.json"), .initial = initial, .steps = 1};
+    if (!ffp_train_run(&options, &err)) fail_msg("%s", err.text);
+    model = ffp_checkpoint_read(in_scratch("named/checkpoint.safetensors"), &adam, &config, origin, &err);
+    if (!model) fail_msg("%s", err.text);
+    if (strncmp(origin, begin, strlen(begin)) != 0) fail_msg("'%s' is not '%s'", origin, begin);
+    ffp_adam_free(&adam);
+    ffp_model_free(model);
+    snprintf(command, sizeof command, "rm -rf -- '%s/named'", scratch);
+    assert_int_equal(system(command), 0);
+}
+
+// A checkpoint can be written whatever they are called.
+static void test_weights_of_any_name(void **state) {
+    (void)state;
+    assert_origin("f\xfcr.safetensors", "weights: ");
+#define NINE "123456789"
+    assert_origin(NINE "-" NINE "-" NINE "-" NINE "-" NINE "-" NINE "\xc3\xbc.safetensors",
+                  NINE "-" NINE "-" NINE "-" NINE "-" NINE "-" NINE ": ");
+}
+
 // --- Metrics. ---
 
 // Weights that predict something, but so large that their gradient is no number.
@@ -226,6 +262,7 @@ int main(void) {
         cmocka_unit_test(test_resume),
         cmocka_unit_test(test_generators),
         cmocka_unit_test(test_training_looks_through_the_polish),
+        cmocka_unit_test(test_weights_of_any_name),
         cmocka_unit_test(test_a_gradient_that_is_no_number),
         cmocka_unit_test(test_metrics_that_cannot_be_written),
         cmocka_unit_test(test_overfit),
