@@ -236,14 +236,18 @@ static bool generate(FfpContext *context, const char *out, FfpError *err) {
     return ok;
 }
 
-static bool train(FfpContext *context, const char *out, FfpError *err) {
+static bool train_by(FfpContext *context, const char *config, int steps, const char *out, FfpError *err) {
     char command[FFP_PATH_MAX + 16];
     const char *run = in_scratch("run");
-    const FfpTraining how = {.out = run, .config = in_scratch("config.json"), .steps = 2};
+    const FfpTraining how = {.out = run, .config = config, .steps = steps};
     const bool ok = ffp_train_model(context, &how, err) && ffp_write_file(out, "done", 4, err);
     snprintf(command, sizeof command, "rm -rf -- '%s'", run);
     assert_int_equal(system(command), 0);
     return ok;
+}
+
+static bool train(FfpContext *context, const char *out, FfpError *err) {
+    return train_by(context, in_scratch("config.json"), 2, out, err);
 }
 
 // --- What is asked of them. ---
@@ -367,7 +371,7 @@ static void no_memory_for_the_trainer_alone(void **state) {
     settings.user = &training, settings.log = on_first_step, settings.threads = 2;
     training.context = ffp_context_new(&settings, &err);
     if (!training.context) fail_msg("%s", err.text);
-    while (!train(training.context, in_scratch("after.png"), &err)) {
+    while (!train_by(training.context, in_scratch("busy.json"), 6, in_scratch("after.png"), &err)) {
         if (err.code != FFP_ERROR_MEMORY)
             fail_msg("allocation %lld: %d, %s", training.n, (int)err.code, err.text);
         err = (FfpError){0};
@@ -385,17 +389,19 @@ static void cancelled_anywhere(void **state) {
 }
 
 static int setup(void **state) {
-    static const char config[] =
-        "{\"model\": \"tiny\", \"resolution\": 16, \"views\": 2, \"targets\": 1, \"lollipops\": 1,"
-        " \"pattern_side\": 64, \"samples\": 1, \"ambient_rays\": 1, \"supervised_inputs\": 1,"
-        " \"supervised_targets\": 1, \"validate_every\": 0, \"log_every\": 1, \"pool\": 2, \"reuse\": 20,"
-        " \"generators\": 1, \"queue\": 2}";
+#define CONFIG(reuse, generators)                                                                            \
+    "{\"model\": \"tiny\", \"resolution\": 16, \"views\": 2, \"targets\": 1, \"lollipops\": 1,"              \
+    " \"pattern_side\": 64, \"samples\": 1, \"ambient_rays\": 1, \"supervised_inputs\": 1,"                  \
+    " \"supervised_targets\": 1, \"validate_every\": 0, \"log_every\": 1, \"pool\": 2, \"reuse\": " reuse    \
+    ", \"generators\": " generators ", \"queue\": 2}"
+    static const char config[] = CONFIG("20", "1"), busy[] = CONFIG("1", "2");
     FfpError err = {0};
     if (small_setup(state) != 0) return -1;
     FfpImage target = ffp_image_new(SMALL_SIDE, SMALL_SIDE, 3);
     const bool ok = classical(NULL, in_scratch("given.ply"), &err) &&
                     ffp_image_write_png(&target, in_scratch("target.png"), &err) &&
-                    ffp_write_file(in_scratch("config.json"), config, strlen(config), &err);
+                    ffp_write_file(in_scratch("config.json"), config, strlen(config), &err) &&
+                    ffp_write_file(in_scratch("busy.json"), busy, strlen(busy), &err);
     ffp_image_free(&target);
     if (!ok) fprintf(stderr, "%s\n", err.text);
     return ok ? 0 : -1;
