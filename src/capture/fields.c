@@ -148,7 +148,7 @@ bool ffp_is_name(const char *text) {
     for (const char *c = text; *c != 0; c++) {
         if ((unsigned char)*c < 32 || *c == 127 || *c == '/' || *c == '\\') return false;
     }
-    return true;
+    return ffp_is_utf8(text);
 }
 
 bool ffp_field_name(const FfpField *field, char out[FFP_NAME_MAX], FfpError *err) {

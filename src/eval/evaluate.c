@@ -7,6 +7,7 @@
 #include "base/call.h"
 #include "base/log.h"
 #include "api/reconstruct.h"
+#include "capture/fields.h"
 #include "eval/scores.h"
 #include "eval/subject.h"
 #include "match/match.h"
@@ -325,6 +326,10 @@ static bool check_options(const FfpEvaluation *options, FfpError *err) {
                         options->n_targets, options->n_captures);
     if (options->n_targets && options->predictor != FFP_PREDICT_GAUSSIANS)
         ffp_note("this predictor sees only the input poses: novel_pose is left out");
+    if (options->json && options->model_name && !ffp_is_utf8(options->model_name))
+        return ffp_fail(err, FFP_ERROR_ARGUMENT, "model_name",
+                        "'%.200s' is not UTF-8, which %s is written in: another name for it is needed",
+                        options->model_name, options->json);
     return ffp_output_probe(options->json, err) && ffp_output_probe(options->report, err) &&
            check_shown_pattern(options->show_pattern, err);
 }
