@@ -101,21 +101,6 @@ static void test_training_looks_through_the_polish(void **state) {
     ffp_scene_close(&scene);
 }
 
-static void test_refusals(void **state) {
-    (void)state;
-    FfpError err = {0};
-    FfpTrainRun options = {.out = scratch, .steps = -1, .resume = true};
-    assert_false(ffp_train_run(&options, &err));
-    assert_non_null(strstr(err.text, "checkpoint.safetensors"));
-    assert_true(ffp_write_file(in_scratch("checkpoint.safetensors"), "\x08\0\0\0\0\0\0\0{}      ", 16, NULL));
-    assert_false(ffp_train_run(&options, &err));
-    assert_non_null(strstr(err.text, "not a checkpoint"));
-    assert_true(ffp_write_file(in_scratch("metrics.jsonl"), "", 0, NULL));
-    options.resume = false;
-    assert_false(ffp_train_run(&options, &err));
-    assert_non_null(strstr(err.text, "resume it"));
-}
-
 // --- Names. ---
 
 // What the checkpoint says of weights to begin with, whose file has this name.
@@ -211,6 +196,23 @@ static void test_metrics_that_cannot_be_written(void **state) {
     signal(SIGXFSZ, SIG_DFL);
     assert_false(ok);
     if (!strstr(err.text, "cannot write metrics.jsonl")) fail_msg("%s", err.text);
+}
+
+// --- Refusals, and learning. ---
+
+static void test_refusals(void **state) {
+    (void)state;
+    FfpError err = {0};
+    FfpTrainRun options = {.out = scratch, .steps = -1, .resume = true};
+    assert_false(ffp_train_run(&options, &err));
+    assert_non_null(strstr(err.text, "checkpoint.safetensors"));
+    assert_true(ffp_write_file(in_scratch("checkpoint.safetensors"), "\x08\0\0\0\0\0\0\0{}      ", 16, NULL));
+    assert_false(ffp_train_run(&options, &err));
+    assert_non_null(strstr(err.text, "not a checkpoint"));
+    assert_true(ffp_write_file(in_scratch("metrics.jsonl"), "", 0, NULL));
+    options.resume = false;
+    assert_false(ffp_train_run(&options, &err));
+    assert_non_null(strstr(err.text, "resume it"));
 }
 
 // 34 dB on its own views within 500 steps.
