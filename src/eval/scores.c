@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <jansson.h>
+#include "base/alloc.h"
 #include "base/file.h"
 #include "capture/fields.h"
 #include "eval/scores.h"
@@ -161,13 +162,14 @@ static bool read_rows(FfpScore **scores, int *n_scores, const FfpField *rows, Ff
     return true;
 }
 
-bool ffp_scores_read(FfpScore **scores, int *n_scores, char predictor[96], const char *path, FfpError *err) {
-    FfpField root, field;
+bool ffp_scores_read(FfpScore **scores, int *n_scores, char **predictor, const char *path, FfpError *err) {
+    FfpField root, name, rows;
     const char *text = NULL;
+    *predictor = NULL;
     if (!ffp_field_open(&root, path, err)) return false;
-    bool ok = ffp_field_get(&root, "predictor", &field, err) && ffp_field_text(&field, &text, err);
-    if (ok) snprintf(predictor, 96, "%s", text);
-    ok = ok && ffp_field_get(&root, "rows", &field, err) && read_rows(scores, n_scores, &field, err);
+    const bool ok = ffp_field_get(&root, "predictor", &name, err) && ffp_field_text(&name, &text, err) &&
+                    ffp_field_get(&root, "rows", &rows, err) && read_rows(scores, n_scores, &rows, err);
+    if (ok) *predictor = ffp_copy_text(text);
     ffp_field_close(&root);
     return ok;
 }
