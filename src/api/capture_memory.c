@@ -34,7 +34,7 @@ static bool take_name(char out[FFP_NAME_MAX], const char *name, const char *what
     snprintf(where, sizeof where, "%s[%d]", what, index);
     if (!name || !ffp_is_name(name))
         return ffp_fail(err, FFP_ERROR_ARGUMENT, where,
-                        "'%.100s' is no name: 1 to %d bytes without '/' and '\\'", name ? name : "",
+                        "'%.100s' is no name: 1 to %d bytes of UTF-8 without '/' and '\\'", name ? name : "",
                         FFP_NAME_MAX - 1);
     memcpy(out, name, strlen(name) + 1);
     return true;

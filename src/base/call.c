@@ -202,11 +202,17 @@ void ffp_parallel_for(int64_t count, int threads, void (*body)(void *argument, i
 
 // --- Calls. ---
 
+// Whether the call takes the device's turn. What works beside such a call only makes things ready for the
+// device, and would wait for the turn as long as the call waits for it.
+static bool takes_turn(const FfpContext *context) {
+    return context && context->device && !context->beside;
+}
+
 static void begin(Call *call, FfpFrame *frame) {
     const FfpContext *context = call->context;
     ffp_blocks_init(&call->blocks, NULL, NULL);
     pthread_mutex_init(&call->lock, NULL);
-    if (context && context->device) pthread_mutex_lock(&device_lock);
+    if (takes_turn(context)) pthread_mutex_lock(&device_lock);
     call->device = ffp_device();
     call->threads = omp_get_max_threads();
     if (context && context->settings.threads > 0) omp_set_num_threads(context->settings.threads);
@@ -228,7 +234,7 @@ static void end(Call *call, FfpFrame *frame, bool ok) {
     current = frame->outer;
     ffp_device_use(call->device);
     omp_set_num_threads(call->threads);
-    if (call->context && call->context->device) pthread_mutex_unlock(&device_lock);
+    if (takes_turn(call->context)) pthread_mutex_unlock(&device_lock);
     pthread_mutex_destroy(&call->lock);
     pthread_mutex_destroy(&call->blocks.lock);
 }

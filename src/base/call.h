@@ -16,6 +16,7 @@
 struct FfpContext {
     FfpContextSettings settings;
     const FfpDevice *device;        // for long work; NULL: the CPU
+    bool beside;                    // its calls help one that has the device's turn: they wait for none
     atomic_llong allocations, fail; // so far; the one that fails, for tests; 0: none
 };
 

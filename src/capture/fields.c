@@ -135,6 +135,12 @@ bool ffp_field_text(const FfpField *field, const char **out, FfpError *err) {
     return **out != 0 || ffp_field_fail(field, err, "must not be empty");
 }
 
+bool ffp_is_utf8(const char *text) {
+    json_t *copy = json_string(text);
+    json_decref(copy);
+    return copy != NULL;
+}
+
 bool ffp_is_name(const char *text) {
     const size_t length = strlen(text);
     if (length == 0 || length >= FFP_NAME_MAX || strcmp(text, ".") == 0 || strcmp(text, "..") == 0)
@@ -142,7 +148,7 @@ bool ffp_is_name(const char *text) {
     for (const char *c = text; *c != 0; c++) {
         if ((unsigned char)*c < 32 || *c == 127 || *c == '/' || *c == '\\') return false;
     }
-    return true;
+    return ffp_is_utf8(text);
 }
 
 bool ffp_field_name(const FfpField *field, char out[FFP_NAME_MAX], FfpError *err) {

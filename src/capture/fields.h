@@ -34,10 +34,12 @@ bool ffp_field_whole(const FfpField *field, int low, int high, int *out, FfpErro
 bool ffp_field_numbers(const FfpField *field, int n, double low, double high, real *out,
                        FfpError *err); // [n]
 bool ffp_field_text(const FfpField *field, const char **out, FfpError *err);
-// A name of views, patterns and captures, which becomes part of file names: 1..FFP_NAME_MAX-1 bytes, no '/',
-// no '\', no control character, not "." or "..".
+// A name of views, patterns and captures, which becomes part of file names and of JSON: 1..FFP_NAME_MAX-1
+// bytes of UTF-8, no '/', no '\', no control character, not "." or "..".
 bool ffp_field_name(const FfpField *field, char out[FFP_NAME_MAX], FfpError *err);
 bool ffp_is_name(const char *text);
+// Whether JSON can hold it: jansson takes no other text, and a field that it does not take is not there.
+bool ffp_is_utf8(const char *text);
 // A file name relative to the JSON's folder: not absolute and without "..".
 bool ffp_field_file(const FfpField *field, const char **out, FfpError *err);
 bool ffp_is_inner_path(const char *text);

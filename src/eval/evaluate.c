@@ -7,6 +7,7 @@
 #include "base/call.h"
 #include "base/log.h"
 #include "api/reconstruct.h"
+#include "capture/fields.h"
 #include "eval/scores.h"
 #include "eval/subject.h"
 #include "match/match.h"
@@ -325,6 +326,10 @@ static bool check_options(const FfpEvaluation *options, FfpError *err) {
                         options->n_targets, options->n_captures);
     if (options->n_targets && options->predictor != FFP_PREDICT_GAUSSIANS)
         ffp_note("this predictor sees only the input poses: novel_pose is left out");
+    if (options->json && options->model_name && !ffp_is_utf8(options->model_name))
+        return ffp_fail(err, FFP_ERROR_ARGUMENT, "model_name",
+                        "'%.200s' is not UTF-8, which %s is written in: another name for it is needed",
+                        options->model_name, options->json);
     return ffp_output_probe(options->json, err) && ffp_output_probe(options->report, err) &&
            check_shown_pattern(options->show_pattern, err);
 }
@@ -411,16 +416,19 @@ static bool evaluate_all(FfpEvaluating *shared, FfpError *err) {
     return true;
 }
 
-// The rows of earlier evaluations of one predictor, whose name goes into name [96].
-static bool merge(FfpEvaluating *shared, char name[96], FfpError *err) {
+// The rows of earlier evaluations of one predictor, whose name goes into *name.
+static bool merge(FfpEvaluating *shared, char **name, FfpError *err) {
     const FfpEvaluation *options = shared->options;
     for (int i = 0; i < options->n_merged; i++) {
-        char other[96];
-        if (!ffp_scores_read(&shared->scores, &shared->n_scores, i ? other : name, options->merged[i], err))
+        char *other = NULL;
+        if (!ffp_scores_read(&shared->scores, &shared->n_scores, i ? &other : name, options->merged[i], err))
             return false;
-        if (i && strcmp(name, other) != 0)
-            return ffp_fail(err, FFP_ERROR_FILE, ffp_place(options->merged[i], "predictor").text,
-                            "is %s, that of the files before it %s", other, name);
+        const bool same = !i || strcmp(*name, other) == 0;
+        if (!same)
+            ffp_fail(err, FFP_ERROR_FILE, ffp_place(options->merged[i], "predictor").text,
+                     "is %s, that of the files before it %s", other, *name);
+        ffp_free(other);
+        if (!same) return false;
     }
     shared->scores =
         ffp_grow(shared->scores, (size_t)shared->n_scores + FFP_PROTOCOLS, sizeof *shared->scores);
@@ -435,11 +443,13 @@ static bool check_merging(const FfpEvaluation *options, FfpError *err) {
 }
 
 static bool merge_and_write(FfpEvaluating *shared, FfpError *err) {
-    char name[96] = "";
-    if (!check_merging(shared->options, err) || !merge(shared, name, err)) return false;
+    char *name = NULL;
+    bool ok = check_merging(shared->options, err) && merge(shared, &name, err);
     FfpEvaluation named = *shared->options;
     named.model_name = name;
-    return !named.json || ffp_scores_write(shared->scores, shared->n_scores, &named, err);
+    if (ok && named.json) ok = ffp_scores_write(shared->scores, shared->n_scores, &named, err);
+    ffp_free(name);
+    return ok;
 }
 
 static bool evaluate_and_write(FfpEvaluating *shared, FfpError *err) {

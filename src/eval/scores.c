@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <jansson.h>
+#include "base/alloc.h"
 #include "base/file.h"
 #include "capture/fields.h"
 #include "eval/scores.h"
@@ -44,16 +45,23 @@ static double *figure_of(FfpScore *score, int i) {
     return (double *)((char *)score + figures[i].offset);
 }
 
-static json_t *row_json(FfpScore score) {
+// False where the text is not UTF-8: jansson has no value for it then, and leaves the field out.
+static bool put_text(json_t *object, const char *key, const char *text, const char *path, FfpError *err) {
+    return json_object_set_new(object, key, json_string(text)) == 0 ||
+           ffp_fail(err, FFP_ERROR_ARGUMENT, ffp_place(path, key).text, "'%.100s' is not UTF-8", text);
+}
+
+static bool add_row(json_t *rows, FfpScore score, const char *path, FfpError *err) {
     json_t *row = json_object();
-    if (*score.capture) json_object_set_new(row, "capture", json_string(score.capture));
-    json_object_set_new(row, "protocol", json_string(score.protocol));
+    json_array_append_new(rows, row);
+    if (*score.capture && !put_text(row, "capture", score.capture, path, err)) return false;
+    if (!put_text(row, "protocol", score.protocol, path, err)) return false;
     json_object_set_new(row, "images", json_integer(score.images));
     for (int i = 0; i < FIGURES; i++) {
         const double value = *figure_of(&score, i);
         json_object_set_new(row, figures[i].name, isfinite(value) ? json_real(value) : json_null());
     }
-    return row;
+    return true;
 }
 
 int ffp_scores_mean(FfpScore *mean, const FfpScore *scores, int n_scores, const char *protocol) {
@@ -76,22 +84,29 @@ int ffp_scores_mean(FfpScore *mean, const FfpScore *scores, int n_scores, const 
     return rows;
 }
 
-bool ffp_scores_write(const FfpScore *scores, int n_scores, const FfpEvaluation *options, FfpError *err) {
-    json_t *root = json_object(), *rows = json_array(), *means = json_array();
-    for (int i = 0; i < n_scores; i++) json_array_append_new(rows, row_json(scores[i]));
-    for (int i = 0; i < FFP_PROTOCOLS; i++) {
-        FfpScore mean;
-        if (ffp_scores_mean(&mean, scores, n_scores, ffp_protocols[i]))
-            json_array_append_new(means, row_json(mean));
-    }
-    json_object_set_new(root, "version", json_string(ffp_version()));
-    json_object_set_new(root, "predictor",
-                        json_string(options->model_name ? options->model_name : "unnamed"));
+static bool add_all(json_t *root, const FfpScore *scores, int n_scores, const FfpEvaluation *options,
+                    FfpError *err) {
+    const char *path = options->json, *name = options->model_name ? options->model_name : "unnamed";
+    json_t *rows = json_array(), *means = json_array();
+    bool ok =
+        put_text(root, "version", ffp_version(), path, err) && put_text(root, "predictor", name, path, err);
     json_object_set_new(root, "rows", rows);
     json_object_set_new(root, "means", means);
-    char *text = json_dumps(root, JSON_INDENT(1) | JSON_REAL_PRECISION(8));
+    for (int i = 0; ok && i < n_scores; i++) ok = add_row(rows, scores[i], path, err);
+    for (int i = 0; ok && i < FFP_PROTOCOLS; i++) {
+        FfpScore mean;
+        if (ffp_scores_mean(&mean, scores, n_scores, ffp_protocols[i])) ok = add_row(means, mean, path, err);
+    }
+    return ok;
+}
+
+bool ffp_scores_write(const FfpScore *scores, int n_scores, const FfpEvaluation *options, FfpError *err) {
+    json_t *root = json_object();
+    const bool made = add_all(root, scores, n_scores, options, err);
+    char *text = made ? json_dumps(root, JSON_INDENT(1) | JSON_REAL_PRECISION(8)) : NULL;
     json_decref(root);
-    if (!text) return ffp_fail(err, FFP_ERROR_ARGUMENT, options->json, "names in it are not UTF-8");
+    if (!made) return false;
+    if (!text) return ffp_fail(err, FFP_ERROR_MEMORY, options->json, "out of memory");
     const bool ok = ffp_write_file(options->json, text, strlen(text), err);
     free(text);
     return ok;
@@ -147,13 +162,14 @@ static bool read_rows(FfpScore **scores, int *n_scores, const FfpField *rows, Ff
     return true;
 }
 
-bool ffp_scores_read(FfpScore **scores, int *n_scores, char predictor[96], const char *path, FfpError *err) {
-    FfpField root, field;
+bool ffp_scores_read(FfpScore **scores, int *n_scores, char **predictor, const char *path, FfpError *err) {
+    FfpField root, name, rows;
     const char *text = NULL;
+    *predictor = NULL;
     if (!ffp_field_open(&root, path, err)) return false;
-    bool ok = ffp_field_get(&root, "predictor", &field, err) && ffp_field_text(&field, &text, err);
-    if (ok) snprintf(predictor, 96, "%s", text);
-    ok = ok && ffp_field_get(&root, "rows", &field, err) && read_rows(scores, n_scores, &field, err);
+    const bool ok = ffp_field_get(&root, "predictor", &name, err) && ffp_field_text(&name, &text, err) &&
+                    ffp_field_get(&root, "rows", &rows, err) && read_rows(scores, n_scores, &rows, err);
+    if (ok) *predictor = ffp_copy_text(text);
     ffp_field_close(&root);
     return ok;
 }

@@ -12,9 +12,10 @@ extern const char *const ffp_protocols[FFP_PROTOCOLS]; // rendering, novel_patte
 // it. Images, and the seconds that all of them took, are added up.
 int ffp_scores_mean(FfpScore *mean, const FfpScore *scores, int n_scores, const char *protocol);
 
-// The rows of such a file behind the n_scores that are there; predictor [96] is the file's. Errors name file
-// and field: what is no such file, or a row that is there already.
-bool ffp_scores_read(FfpScore **scores, int *n_scores, char predictor[96], const char *path, FfpError *err);
+// The rows of such a file behind the n_scores that are there; *predictor is the file's, whole, released with
+// ffp_free (NULL after an error). Errors name file and field: what is no such file, or a row that is there
+// already.
+bool ffp_scores_read(FfpScore **scores, int *n_scores, char **predictor, const char *path, FfpError *err);
 
 // {"version", "predictor", "rows": [a row a capture and protocol], "means": [a row a protocol]} into
 // options->json. Figures that do not apply are null.

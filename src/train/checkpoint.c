@@ -30,8 +30,8 @@ bool ffp_checkpoint_write(const char *path, const FfpModel *model, const FfpAdam
     }
     char step[32];
     snprintf(step, sizeof step, "%lld", (long long)adam->step);
-    char *text = ffp_train_config_print(config);
-    if (!text) return ffp_fail(err, FFP_ERROR_MEMORY, path, "out of memory");
+    char *text = ffp_train_config_print(config, err);
+    if (!text) return false;
     const char *const metadata[] = {"format", FORMAT, "step", step, "config", text, "origin", origin};
     const bool ok = ffp_safetensors_write(path, tensors, ARRAYS, metadata, 4, err);
     ffp_free(text);

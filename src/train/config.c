@@ -255,14 +255,30 @@ static bool check_mixture(const FfpTrainConfig *c, const char *where, FfpError *
     if (c->large_share > 0 && c->large_resolution % c->model.patch)
         return ffp_fail(err, FFP_ERROR_FILE, ffp_place(where, "large_resolution").text,
                         "must be a multiple of the patch, %d", c->model.patch);
-    const char *mixed = c->views_least > 0   ? "views_least"
-                        : c->free_share > 0  ? "free_share"
-                        : c->large_share > 0 ? "large_share"
-                                             : NULL;
+    const char *mixed = c->views_least > 0    ? "views_least"
+                        : c->free_share > 0   ? "free_share"
+                        : c->large_share > 0  ? "large_share"
+                        : c->sensor_share > 0 ? "sensor_share"
+                                              : NULL;
     if (mixed && (c->scenes[0] || c->captures[0]))
         return ffp_fail(
             err, FFP_ERROR_FILE, ffp_place(where, mixed).text,
             "is for scenes made in training: those of a folder (scenes, captures) are as they are");
+    return true;
+}
+
+// What learning from captures asks for.
+static bool check_with_captures(const FfpTrainConfig *c, const char *where, FfpError *err) {
+    if (c->warmup_geometry > 0)
+        return ffp_fail(err, FFP_ERROR_FILE, ffp_place(where, "warmup_geometry").text,
+                        "needs true depth, which captures do not have");
+    if (c->validate_every == 0)
+        return ffp_fail(err, FFP_ERROR_FILE, ffp_place(where, "validate_every").text,
+                        "is 0: with captures, weights are kept where they have a score");
+    if (c->patience > 0 && c->patience < c->validate_every)
+        return ffp_fail(err, FFP_ERROR_FILE, ffp_place(where, "patience").text,
+                        "is below validate_every, %d: no gain can be seen in so few steps",
+                        c->validate_every);
     return true;
 }
 
@@ -275,20 +291,17 @@ static bool check_together(const FfpTrainConfig *c, const char *where, FfpError 
         return ffp_fail(err, FFP_ERROR_FILE, ffp_place(where, "supervised_inputs").text, "is above views");
     if (c->supervised_targets > c->targets)
         return ffp_fail(err, FFP_ERROR_FILE, ffp_place(where, "supervised_targets").text, "is above targets");
-    if (c->scenes[0] && c->low_steps > 0 && c->low_resolution != c->resolution)
+    if ((c->scenes[0] || c->captures[0]) && c->low_steps > 0 && c->low_resolution != c->resolution)
         return ffp_fail(err, FFP_ERROR_FILE, ffp_place(where, "low_steps").text,
-                        "the scenes of a folder have one resolution: use two runs, the second from the "
-                        "weights of the first");
+                        "the scenes of a folder (scenes, captures) have one resolution: use two runs, the "
+                        "second from the weights of the first");
     if (c->resolution % c->model.patch || c->low_resolution % c->model.patch)
         return ffp_fail(err, FFP_ERROR_FILE, ffp_place(where, "resolution").text,
                         "resolution and low_resolution must be multiples of the patch, %d", c->model.patch);
     if (c->captures[0] && c->scenes[0])
         return ffp_fail(err, FFP_ERROR_FILE, ffp_place(where, "captures").text,
                         "captures and scenes: only one of them can be learnt from");
-    if (c->captures[0] && c->warmup_geometry > 0)
-        return ffp_fail(err, FFP_ERROR_FILE, ffp_place(where, "warmup_geometry").text,
-                        "needs true depth, which captures do not have");
-    return check_mixture(c, where, err);
+    return (!c->captures[0] || check_with_captures(c, where, err)) && check_mixture(c, where, err);
 }
 
 static bool parse_over(FfpTrainConfig *config, const char *text, const char *where, FfpError *err) {
@@ -326,40 +339,43 @@ bool ffp_train_config_read(FfpTrainConfig *config, const char *path, FfpError *e
     return ffp_train_config_overlay(config, path, err);
 }
 
-static json_t *print_fields(const void *base, const Field *fields, int count) {
-    json_t *object = json_object();
-    for (int i = 0; i < count; i++) {
-        const char *at = (const char *)base + fields[i].offset;
-        json_t *value = NULL;
-        switch (fields[i].kind) {
-        case BOOL:
-            value = json_boolean(*(const bool *)at);
-            break;
-        case TEXT:
-            value = json_string(at);
-            break;
-        case INT:
-            value = json_integer(*(const int *)at);
-            break;
-        case INT64:
-            value = json_integer(*(const int64_t *)at);
-            break;
-        case DOUBLE:
-            value = json_real(*(const double *)at);
-            break;
-        }
-        json_object_set_new(object, fields[i].name, value);
+static json_t *value_of(const void *base, const Field *field) {
+    const char *at = (const char *)base + field->offset;
+    switch (field->kind) {
+    case BOOL:
+        return json_boolean(*(const bool *)at);
+    case TEXT:
+        return json_string(at);
+    case INT:
+        return json_integer(*(const int *)at);
+    case INT64:
+        return json_integer(*(const int64_t *)at);
+    case DOUBLE:
+        return json_real(*(const double *)at);
     }
-    return object;
+    return NULL;
 }
 
-char *ffp_train_config_print(const FfpTrainConfig *config) {
-    json_t *root = print_fields(config, train_fields, COUNT(train_fields));
-    json_object_set_new(root, "model", print_fields(&config->model, model_fields, COUNT(model_fields)));
-    char *text = json_dumps(root, JSON_INDENT(1) | JSON_PRESERVE_ORDER);
+static bool print_fields(json_t *object, const void *base, const Field *fields, int count, FfpError *err) {
+    for (int i = 0; i < count; i++)
+        if (json_object_set_new(object, fields[i].name, value_of(base, &fields[i])) != 0)
+            return ffp_fail(err, FFP_ERROR_ARGUMENT, fields[i].name,
+                            fields[i].kind == TEXT ? "is not UTF-8, which the configuration is written in"
+                                                   : "is no number that JSON can hold");
+    return true;
+}
+
+char *ffp_train_config_print(const FfpTrainConfig *config, FfpError *err) {
+    json_t *root = json_object(), *model = json_object();
+    const bool ok = print_fields(root, config, train_fields, COUNT(train_fields), err) &&
+                    print_fields(model, &config->model, model_fields, COUNT(model_fields), err);
+    json_object_set_new(root, "model", model);
+    char *text = ok ? json_dumps(root, JSON_INDENT(1) | JSON_PRESERVE_ORDER) : NULL;
     json_decref(root);
+    if (ok && !text) ffp_fail(err, FFP_ERROR_MEMORY, NULL, "out of memory");
+    if (!text) return NULL;
     ffp_own(text, free);
-    char *copy = ffp_copy_text(text ? text : "");
+    char *copy = ffp_copy_text(text);
     ffp_disown(text);
     free(text);
     return copy;

@@ -100,6 +100,7 @@ FfpQueue *ffp_queue_new(const FfpSceneSource *source, int64_t first, int generat
     queue->source = *source;
     queue->stop = stop;
     if (ffp_call_context()) queue->context = *ffp_call_context();
+    queue->context.beside = true;
     queue->context.settings.progress = NULL;
     queue->context.settings.threads = 1;
     queue->capacity = capacity;

@@ -20,8 +20,9 @@ typedef struct FfpQueue FfpQueue;
 
 // `generators` threads (>= 1) begin with the first scene needed from step `first` on and keep at most
 // `capacity` (>= 1) scenes, made or in the making. Each has one OpenMP thread, takes no signals and works for
-// the context of the caller's call (base/call.h). When *stop becomes true no further scene is begun; waiting
-// sets it when that call is cancelled. NULL with an error when a thread cannot be started.
+// the context of the caller's call (base/call.h), on the CPU, beside that call where it has a device's turn.
+// When *stop becomes true no further scene is begun; waiting sets it when that call is cancelled. NULL with
+// an error when a thread cannot be started.
 FfpQueue *ffp_queue_new(const FfpSceneSource *source, int64_t first, int generators, int capacity,
                         atomic_bool *stop, FfpError *err);
 // The next scene needed, now the caller's; waits for it. *stopped: *stop was set while it was not ready, and

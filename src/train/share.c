@@ -43,7 +43,8 @@ static uint64_t hash_text(const char *text) {
 
 // That all ranks have read the same: the configuration, and the checkpoint's step.
 static bool check_same(const FfpShare *share, const FfpTrainConfig *config, int64_t step, FfpError *err) {
-    char *text = ffp_train_config_print(config);
+    char *text = ffp_train_config_print(config, err);
+    if (!text) return false;
     const uint64_t own[2] = {hash_text(text), (uint64_t)step};
     ffp_free(text);
     uint64_t first[2] = {own[0], own[1]};

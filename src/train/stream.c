@@ -2,6 +2,7 @@
 // began at and whose turn it is; threads only decide who makes a scene.
 #include <stdlib.h>
 #include "base/arena.h"
+#include "base/call.h"
 #include "train/captures.h"
 #include "train/queue.h"
 
@@ -90,6 +91,18 @@ static bool make_scene(const void *context, int64_t draw, FfpScene *scene, FfpEr
                           : ffp_scene_open(scene, config, "train", number, resolution, err);
 }
 
+// The scenes in the slots may come from threads of the queue, whose calls have ended: nobody else gives them
+// back when the call at work is left.
+static void free_stream(void *thing) {
+    FfpStream *stream = thing;
+    ffp_queue_free(stream->queue);
+    for (int i = 0; i < stream->config->pool; i++)
+        if (stream->full[i]) ffp_scene_close(&stream->slots[i]);
+    ffp_free(stream->slots);
+    ffp_free(stream->full);
+    ffp_free(stream);
+}
+
 FfpStream *ffp_stream_new(const FfpTrainConfig *config, const FfpSceneFolder *folder,
                           const FfpCaptureSet *captures, FfpTurn turn, int64_t first, int64_t end,
                           atomic_bool *stop, FfpError *err) {
@@ -102,12 +115,16 @@ FfpStream *ffp_stream_new(const FfpTrainConfig *config, const FfpSceneFolder *fo
                           .end = end * config->batch};
     stream->slots = ffp_alloc((size_t)config->pool, sizeof *stream->slots);
     stream->full = ffp_alloc((size_t)config->pool, sizeof *stream->full);
-    if (config->generators == 0) return stream;
-    const FfpSceneSource source = {stream, next_scene, make_scene};
-    stream->queue = ffp_queue_new(&source, stream->first, config->generators, config->queue, stop, err);
-    if (stream->queue) return stream;
-    ffp_stream_free(stream);
-    return NULL;
+    if (config->generators > 0) {
+        const FfpSceneSource source = {stream, next_scene, make_scene};
+        stream->queue = ffp_queue_new(&source, stream->first, config->generators, config->queue, stop, err);
+        if (!stream->queue) {
+            free_stream(stream);
+            return NULL;
+        }
+    }
+    ffp_own(stream, free_stream);
+    return stream;
 }
 
 bool ffp_stream_scene(FfpStream *stream, int64_t draw, const FfpScene **scene, bool *fresh, FfpError *err) {
@@ -118,6 +135,7 @@ bool ffp_stream_scene(FfpStream *stream, int64_t draw, const FfpScene **scene, b
     *fresh = next_scene(stream, draw) == draw;
     if (!*fresh) return true;
     if (stream->full[slot]) ffp_scene_close(place);
+    stream->full[slot] = false; // making the next one may leave the call
     const bool ok = stream->queue ? ffp_queue_take(stream->queue, place, &stopped, err)
                                   : make_scene(stream, draw, place, err);
     stream->full[slot] = ok && !stopped;
@@ -126,11 +144,6 @@ bool ffp_stream_scene(FfpStream *stream, int64_t draw, const FfpScene **scene, b
 }
 
 void ffp_stream_free(FfpStream *stream) {
-    if (!stream) return;
-    ffp_queue_free(stream->queue);
-    for (int i = 0; i < stream->config->pool; i++)
-        if (stream->full[i]) ffp_scene_close(&stream->slots[i]);
-    ffp_free(stream->slots);
-    ffp_free(stream->full);
-    ffp_free(stream);
+    ffp_disown(stream);
+    if (stream) free_stream(stream);
 }

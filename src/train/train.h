@@ -1,5 +1,5 @@
 // Training: scenes made as it goes, one step, the optimiser,
-// checkpoints, validation. Everything random in a step is a pure function of (seed, step), so a resumed run
+// checkpoints, validation. Everything random in a step is a pure function of (seed, draw), so a resumed run
 // repeats the bits of one that was never stopped.
 #ifndef FFP_TRAIN_TRAIN_H
 #define FFP_TRAIN_TRAIN_H
@@ -77,8 +77,9 @@ bool ffp_train_config_read(FfpTrainConfig *config, const char *path, FfpError *e
 bool ffp_train_config_overlay(FfpTrainConfig *config, const char *path, FfpError *err);
 // The same from text over the defaults; `where` names it in errors.
 bool ffp_train_config_parse(FfpTrainConfig *config, const char *text, const char *where, FfpError *err);
-char *ffp_train_config_print(
-    const FfpTrainConfig *config); // JSON text, released with ffp_free; reads back to the same configuration
+// JSON text, released with ffp_free; reads back to the same configuration. NULL with an error where a text in
+// it is not UTF-8.
+char *ffp_train_config_print(const FfpTrainConfig *config, FfpError *err);
 
 // --- The parts, in the order of a step; used by ffp_train and by the tests. ---
 
@@ -145,7 +146,8 @@ typedef struct FfpStream FfpStream;
 struct FfpCaptureSet; // captures.h
 // For the draws of a rank in the steps first..end-1, which must be asked for in turn. `captures` NULL: scenes
 // are read from `folder`; both NULL: generated. Nothing is begun any more once *stop is true. All arguments
-// must outlive the stream. NULL with an error when threads cannot be started.
+// must outlive the stream, also where the call at work is left: they lie on no stack then. NULL with an error
+// when threads cannot be started.
 FfpStream *ffp_stream_new(const FfpTrainConfig *config, const FfpSceneFolder *folder,
                           const struct FfpCaptureSet *captures, FfpTurn turn, int64_t first, int64_t end,
                           atomic_bool *stop, FfpError *err);

@@ -1,48 +1,18 @@
 // The training loop.
+#include "train/trainer.h"
+
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
-#include <time.h>
-#include <unistd.h>
-#include <jansson.h>
 #include "base/arena.h"
 #include "base/call.h"
 #include "base/device.h"
 #include "base/file.h"
 #include "base/log.h"
-#include "train/captures.h"
-#include "train/mirror.h"
-#include "train/share.h"
-#include "train/train.h"
-
-typedef struct Trainer {
-    FfpTrainConfig config;
-    const char *out;
-    char origin[FFP_ORIGIN_MAX]; // what the run began with
-    FfpModel *model;
-    FfpAdam adam;
-    FfpPerceptual *perceptual;
-    FfpStepper *stepper;
-    FfpSceneFolder folder;
-    FfpStream *scenes;
-    FfpShare share;          // among ranks
-    FfpCaptureSet *captures; // NULL: scenes are generated or read
-    double before, best;     // dB of the held-out captures, polished: with the first weights, with the best
-    int64_t best_step;
-    // On a device, which steps are made on: the weights and scenes there. model and adam are then up to date
-    // only after come_home.
-    const FfpDevice *device;
-    FfpMirror *mirror;       // NULL on the CPU
-    real *grad;              // where the steps are made
-    FILE *metrics;           // rank 0's
-    double started, saved;   // seconds
-    double wait_s, gather_s; // of the step: for sums, and for the others in turn; gathering weights
-    atomic_bool stop;        // no further step, and no further scene
-} Trainer;
+#include "capture/fields.h"
 
 static const char program[] = "ffprocams " FFP_VERSION ", commit " FFP_COMMIT;
 
-static bool out_path(char path[FFP_PATH_MAX], const Trainer *trainer, const char *name, FfpError *err) {
+bool ffp_trainer_path(char path[FFP_PATH_MAX], const Trainer *trainer, const char *name, FfpError *err) {
     return ffp_join_path(path, trainer->out, name) ||
            ffp_fail(err, FFP_ERROR_ARGUMENT, trainer->out, "path is too long");
 }
@@ -51,73 +21,10 @@ static bool is_first(const Trainer *trainer) {
     return trainer->share.turn.rank == 0;
 }
 
-static void write_metrics(Trainer *trainer, json_t *line) {
-    char *text = json_dumps(line, JSON_COMPACT | JSON_PRESERVE_ORDER | JSON_REAL_PRECISION(6));
-    fprintf(trainer->metrics, "%s\n", text);
-    fflush(trainer->metrics);
-    free(text);
-    json_decref(line);
-}
-
-static json_t *terms_of(const FfpLosses *l) {
-    return json_pack("{sf sf sf sf sf sf sf sf sf sf sf sf}", "l1", l->l1, "ssim", l->ssim, "perceptual",
-                     l->perceptual, "mask", l->mask, "depth", l->depth, "distortion", l->distortion,
-                     "normal_smooth", l->normal_smooth, "roughness_smooth", l->roughness_smooth, "direct_t",
-                     l->direct_t, "truth_albedo", l->truth_albedo, "truth_normal", l->truth_normal,
-                     "truth_roughness", l->truth_roughness);
-}
-
-static json_t *network_seconds(const FfpProfileTimes *t) {
-    return json_pack("{sf sf sf sf sf sf}", "tokenise", t->tokenise, "scan", t->scan, "attention",
-                     t->attention, "products", t->products, "other", t->other, "heads", t->heads);
-}
-
-static json_t *seconds_of(const FfpLosses *l, double scene_s, double step_s) {
-    return json_pack("{sf sf sf sf so sf sf sf sf sf sf so}", "step", step_s, "scene", scene_s, "forward",
-                     l->forward_s, "polish", l->polish_s, "network_forward",
-                     network_seconds(&l->network.forward), "rasterise", l->rasterise_s, "shade", l->shade_s,
-                     "loss", l->loss_s, "shade_backward", l->shade_backward_s, "rasterise_backward",
-                     l->rasterise_backward_s, "backward", l->backward_s, "network_backward",
-                     network_seconds(&l->network.backward));
-}
-
-static void log_step(Trainer *trainer, int64_t step, const FfpLosses *l, double norm, bool skipped,
-                     double scene_s, double step_s) {
-    const double rate = ffp_learning_rate(&trainer->config, step);
-    json_t *seconds = seconds_of(l, scene_s, step_s);
-    if (trainer->share.ranks) {
-        json_object_set_new(seconds, "wait", json_real(trainer->wait_s));
-        json_object_set_new(seconds, "gather", json_real(trainer->gather_s));
-    }
-    write_metrics(trainer, json_pack("{sI sf so sf sf sb so}", "step", (json_int_t)step, "loss", l->total,
-                                     "terms", terms_of(l), "gradient_norm", norm, "learning_rate", rate,
-                                     "skipped", (int)skipped, "seconds", seconds));
-    const double elapsed = ffp_seconds() - trainer->started;
-    ffp_note("step %lld/%lld loss %.4f (l1 %.4f ssim %.4f t %.4f mask %.4f) norm %.2f%s rate %.2g, %.2f s a "
-             "step, %.0f s",
-             (long long)step, (long long)trainer->config.steps, l->total, l->l1, l->ssim, l->direct_t,
-             l->mask, norm, skipped ? " skipped" : "", rate, step_s, elapsed);
-}
-
-// The model with the averaged weights in place of the current ones, until called again.
-static void swap_ema(Trainer *trainer, FfpAdam *whole) {
+void ffp_trainer_swap_ema(Trainer *trainer, FfpAdam *whole) {
     real *values = trainer->model->values;
     trainer->model->values = whole->ema;
     whole->ema = values;
-}
-
-static json_t *figures_of(const FfpValidation *v, int64_t step, bool with_free) {
-    json_t *line =
-        json_pack("{sI sf sf sf sf sf sf sf}", "step", (json_int_t)step, "validation_rendering", v->rendering,
-                  "validation_novel_pose", v->novel_pose, "polished_rendering", v->polished_rendering,
-                  "polished_novel_pose", v->polished_novel_pose, "start_rendering", v->start_rendering,
-                  "start_novel_pose", v->start_novel_pose, "depth_median_percent", v->depth_median);
-    if (!with_free) return line;
-    json_object_set_new(line, "free_rendering", json_real(v->free_rendering));
-    json_object_set_new(line, "free_novel_pose", json_real(v->free_novel_pose));
-    json_object_set_new(line, "polished_free_rendering", json_real(v->polished_free_rendering));
-    json_object_set_new(line, "polished_free_novel_pose", json_real(v->polished_free_novel_pose));
-    return line;
 }
 
 // What the device has made of the weights. Afterwards the thread works on the CPU.
@@ -132,88 +39,49 @@ static void come_home(Trainer *trainer) {
 static bool validate_here(Trainer *trainer, FfpAdam *whole, int64_t step, FfpError *err) {
     char name[64], path[FFP_PATH_MAX];
     snprintf(name, sizeof name, "validation_%06lld.png", (long long)step);
-    if (!out_path(path, trainer, name, err)) return false;
+    if (!ffp_trainer_path(path, trainer, name, err)) return false;
     FfpValidation v;
-    swap_ema(trainer, whole);
+    ffp_trainer_swap_ema(trainer, whole);
     const int64_t last = step > 0 ? step - 1 : 0;
     const bool ok = ffp_validate(trainer->model, &trainer->config, ffp_resolution_at(&trainer->config, last),
                                  path, &v, err);
-    swap_ema(trainer, whole);
+    ffp_trainer_swap_ema(trainer, whole);
     if (!ok) return false;
-    const bool with_free = trainer->config.free_share > 0;
-    write_metrics(trainer, figures_of(&v, step, with_free));
-    ffp_note("validation at step %lld: rendering %.2f dB (polished %.2f, start %.2f), novel pose %.2f dB "
-             "(polished %.2f, start %.2f), depth %.2f %%",
-             (long long)step, v.rendering, v.polished_rendering, v.start_rendering, v.novel_pose,
-             v.polished_novel_pose, v.start_novel_pose, v.depth_median);
-    if (with_free)
-        ffp_note("free rigs: rendering %.2f dB (polished %.2f), novel pose %.2f dB (polished %.2f)",
-                 v.free_rendering, v.polished_free_rendering, v.free_novel_pose, v.polished_free_novel_pose);
-    return true;
+    return ffp_tell_validation(trainer, step, &v, err);
 }
 
-// The averaged weights as a model file.
-static bool write_weights(Trainer *trainer, FfpAdam *whole, FfpError *err) {
+bool ffp_trainer_write_weights(Trainer *trainer, FfpAdam *whole, FfpError *err) {
     char path[FFP_PATH_MAX], steps[32];
-    if (!out_path(path, trainer, "weights.safetensors", err)) return false;
+    if (!ffp_trainer_path(path, trainer, "weights.safetensors", err)) return false;
     snprintf(steps, sizeof steps, "%lld", (long long)whole->step);
-    char *config = ffp_train_config_print(&trainer->config);
+    char *config = ffp_train_config_print(&trainer->config, err);
+    if (!config) return false;
     const char *const metadata[] = {"trained_steps", steps,   "training", config,
                                     "program",       program, "origin",   trainer->origin};
-    swap_ema(trainer, whole);
+    ffp_trainer_swap_ema(trainer, whole);
     const bool ok = ffp_model_write(trainer->model, path, false, metadata, 4, err);
-    swap_ema(trainer, whole);
+    ffp_trainer_swap_ema(trainer, whole);
     ffp_free(config);
     return ok;
 }
 
-// Scores the averaged weights on the captures that are held out, and writes them where they are the best.
-static bool score_captures(Trainer *trainer, FfpAdam *whole, int64_t step, FfpError *err) {
-    FfpHeldOut score;
-    swap_ema(trainer, whole);
-    const bool ok = ffp_captures_score(trainer->model, &trainer->config, trainer->captures, &score, err);
-    swap_ema(trainer, whole);
-    if (!ok) return false;
-    write_metrics(trainer, json_pack("{sI sf sf si}", "step", (json_int_t)step, "held_out", score.alone,
-                                     "polished_held_out", score.polished, "photographs", score.photographs));
-    const bool first = trainer->best == 0, better = first || score.polished > trainer->best;
-    ffp_note("held-out photographs at step %lld: %.2f dB, polished %.2f dB%s", (long long)step, score.alone,
-             score.polished, better && !first ? ", the best so far" : "");
-    if (first) trainer->before = score.polished;
-    if (!better) return true;
-    trainer->best = score.polished, trainer->best_step = step;
-    return write_weights(trainer, whole, err);
-}
-
-static bool has_stopped_gaining(const Trainer *trainer) {
-    const int patience = trainer->config.patience;
-    return trainer->captures && patience > 0 && trainer->adam.step - trainer->best_step >= patience;
-}
-
-static void tell_gain(const Trainer *trainer) {
-    ffp_note("held-out photographs: %.2f dB before, %.2f dB with the weights that were kept, those of step "
-             "%lld",
-             trainer->before, trainer->best, (long long)trainer->best_step);
-}
-
-// By all ranks together.
-static bool validate(Trainer *trainer, int64_t step, FfpError *err) {
+bool ffp_trainer_validate(Trainer *trainer, int64_t step, FfpError *err) {
     FfpAdam whole = {0};
     come_home(trainer);
     bool ok = ffp_share_whole(&trainer->share, &trainer->adam, true, &whole, err);
     if (ok && is_first(trainer))
-        ok = trainer->captures ? score_captures(trainer, &whole, step, err)
+        ok = trainer->captures ? ffp_held_out_score(trainer, &whole, step, err)
                                : validate_here(trainer, &whole, step, err);
     ffp_share_whole_free(&trainer->share, &whole);
     return ok;
 }
 
-// Of captures, the weights that are written are the best so far (score_captures), not the last.
+// Of captures, the weights that are written are the best so far (ffp_held_out_score), not the last.
 static bool write_files(Trainer *trainer, FfpAdam *whole, FfpError *err) {
     char path[FFP_PATH_MAX];
-    return out_path(path, trainer, "checkpoint.safetensors", err) &&
+    return ffp_trainer_path(path, trainer, "checkpoint.safetensors", err) &&
            ffp_checkpoint_write(path, trainer->model, whole, &trainer->config, trainer->origin, err) &&
-           (trainer->captures || write_weights(trainer, whole, err));
+           (trainer->captures || ffp_trainer_write_weights(trainer, whole, err));
 }
 
 // By all ranks together.
@@ -333,7 +201,12 @@ static void take_means(FfpLosses *losses, const Tally *tally, int batch) {
     for (int i = 0; i < FFP_LOSS_TERMS; i++) ((double *)losses)[i] = tally->terms[i] / batch;
 }
 
-typedef enum Outcome { LEARNT, STOPPED, FAILED, BROKEN } Outcome; // BROKEN: the ranks are out of touch
+typedef enum Outcome {
+    LEARNT,
+    STOPPED,
+    FAILED,
+    BROKEN
+} Outcome; // BROKEN: the ranks are out of touch, or cannot tell of it
 
 // STOPPED, FAILED: nothing has changed. *save_due: a checkpoint is.
 static Outcome one_step(Trainer *trainer, int64_t step, bool *save_due, FfpError *err) {
@@ -364,8 +237,9 @@ static Outcome one_step(Trainer *trainer, int64_t step, bool *save_due, FfpError
     if (!is_first(trainer)) return LEARNT;
     if (skipped) ffp_warning("step %lld skipped: gradient norm %g", (long long)step, norm);
     take_means(&losses, &tally, trainer->config.batch);
-    if (step % trainer->config.log_every == 0)
-        log_step(trainer, step, &losses, norm, skipped, scene_s, ffp_seconds() - begin - scene_s);
+    if (step % trainer->config.log_every == 0 &&
+        !ffp_tell_step(trainer, step, &losses, norm, skipped, scene_s, ffp_seconds() - begin - scene_s, err))
+        return BROKEN;
     return LEARNT;
 }
 
@@ -389,7 +263,7 @@ static bool report(Trainer *trainer, int64_t done, bool save_due, FfpError *err)
     const bool last = done == config->steps;
     if ((last || save_due || is_due(done, config->checkpoint_steps)) && !save(trainer, err)) return false;
     return !config->validate_every || !(last || is_due(done, config->validate_every)) ||
-           validate(trainer, done, err);
+           ffp_trainer_validate(trainer, done, err);
 }
 
 static bool run(Trainer *trainer, int64_t stop_at, FfpError *err) {
@@ -403,18 +277,27 @@ static bool run(Trainer *trainer, int64_t stop_at, FfpError *err) {
         if (outcome == FAILED || outcome == BROKEN) return false;
         if (outcome == LEARNT && !report(trainer, trainer->adam.step, save_due, err)) return false;
         stopped = trainer->stop || trainer->adam.step == stop_at;
-        if (trainer->adam.step < config->steps && has_stopped_gaining(trainer)) {
+        if (trainer->adam.step < config->steps && ffp_held_out_is_over(trainer)) {
             ffp_note("no gain for %d steps: done", config->patience);
-            tell_gain(trainer);
-            return save(trainer, err);
+            return save(trainer, err) && ffp_held_out_end(trainer, err);
         }
     }
-    if (trainer->captures) tell_gain(trainer);
     trainer->stop = stopped;
-    if (!stopped || trainer->adam.step >= config->steps) return true;
-    if (is_first(trainer))
-        ffp_note("stopped at step %lld: writing a checkpoint", (long long)trainer->adam.step);
-    return save(trainer, err);
+    if (stopped && trainer->adam.step < config->steps) {
+        if (is_first(trainer))
+            ffp_note("stopped at step %lld: writing a checkpoint", (long long)trainer->adam.step);
+        if (!save(trainer, err)) return false;
+    }
+    return !trainer->captures || ffp_held_out_end(trainer, err);
+}
+
+// How many of the first `most` bytes are whole characters of UTF-8.
+static int whole(const char *text, int most) {
+    int count = (int)strnlen(text, (size_t)most + 1);
+    if (count <= most) return count;
+    count = most;
+    while (count > 0 && ((unsigned char)text[count] & 0xC0) == 0x80) count--;
+    return count;
 }
 
 // "random", or the steps and the program of the weights that the run starts from.
@@ -425,9 +308,11 @@ static void log_origin(Trainer *trainer, const char *path) {
         if (strcmp(key, "trained_steps") == 0) steps = value;
         if (strcmp(key, "program") == 0) by = value;
     }
+    const char *name = path ? ffp_basename(path) : "";
+    if (!ffp_is_utf8(name)) name = "weights"; // the checkpoint holds no other text
     if (path)
-        snprintf(trainer->origin, sizeof trainer->origin, "%.60s: %.20s steps by %.100s", ffp_basename(path),
-                 steps, by);
+        snprintf(trainer->origin, sizeof trainer->origin, "%.*s: %.*s steps by %.*s", whole(name, 60), name,
+                 whole(steps, 20), steps, whole(by, 100), by);
     else
         snprintf(trainer->origin, sizeof trainer->origin, "random, from the seed");
 }
@@ -452,6 +337,16 @@ static FfpModel *read_initial(const char *path, const FfpTrainConfig *config, Ff
     return out;
 }
 
+static bool take_captures(FfpTrainConfig *config, const char *path, FfpError *err) {
+    if (strlen(path) >= sizeof config->captures)
+        return ffp_fail(err, FFP_ERROR_ARGUMENT, path, "path is too long");
+    if (!ffp_is_utf8(path))
+        return ffp_fail(err, FFP_ERROR_ARGUMENT, path,
+                        "path is not UTF-8: the checkpoint could not say what is learnt from");
+    snprintf(config->captures, sizeof config->captures, "%s", path);
+    return true;
+}
+
 // The model and its configuration: from the checkpoint, from given weights, or new.
 static bool open_model(Trainer *trainer, const FfpTrainRun *options, FfpError *err) {
     FfpTrainConfig *config = &trainer->config;
@@ -462,17 +357,13 @@ static bool open_model(Trainer *trainer, const FfpTrainRun *options, FfpError *e
                      "a resumed run takes its configuration and weights from the checkpoint alone");
             return false;
         }
-        if (!out_path(path, trainer, "checkpoint.safetensors", err)) return false;
+        if (!ffp_trainer_path(path, trainer, "checkpoint.safetensors", err)) return false;
         trainer->model = ffp_checkpoint_read(path, &trainer->adam, config, trainer->origin, err);
         if (options->steps >= 0) config->steps = options->steps;
         return trainer->model != NULL;
     }
     *config = options->captures ? ffp_fine_tuning_defaults() : ffp_train_defaults();
-    if (options->captures && strlen(options->captures) >= sizeof config->captures) {
-        ffp_fail(err, FFP_ERROR_ARGUMENT, options->captures, "path is too long");
-        return false;
-    }
-    if (options->captures) snprintf(config->captures, sizeof config->captures, "%s", options->captures);
+    if (options->captures && !take_captures(config, options->captures, err)) return false;
     if (options->config && !ffp_train_config_overlay(config, options->config, err)) return false;
     if (options->steps >= 0) config->steps = options->steps;
     trainer->model = options->initial ? read_initial(options->initial, config, err)
@@ -486,7 +377,8 @@ static bool open_model(Trainer *trainer, const FfpTrainRun *options, FfpError *e
 
 static bool open_metrics(Trainer *trainer, bool resume, FfpError *err) {
     char path[FFP_PATH_MAX];
-    if (!ffp_make_folders(trainer->out, err) || !out_path(path, trainer, "metrics.jsonl", err)) return false;
+    if (!ffp_make_folders(trainer->out, err) || !ffp_trainer_path(path, trainer, "metrics.jsonl", err))
+        return false;
     if (!resume && ffp_is_file(path))
         return ffp_fail(err, FFP_ERROR_ARGUMENT, path,
                         "a run is here already: resume it, or choose another folder to start afresh");
@@ -539,37 +431,6 @@ static bool open_share(Trainer *trainer, FfpError *err) {
     return true;
 }
 
-static bool open_captures(Trainer *trainer, FfpError *err) {
-    if (trainer->share.turn.count > 1)
-        return ffp_fail(err, FFP_ERROR_UNSUPPORTED, NULL, "learning from captures is one rank's work");
-    trainer->captures = ffp_captures_open(&trainer->config, err);
-    if (!trainer->captures) return false;
-    ffp_note("%d captures to learn from, %d held out", ffp_captures_count(trainer->captures, false),
-             ffp_captures_count(trainer->captures, true));
-    return true;
-}
-
-// The weights at the start are the first that are kept. A resumed run has those of its best step so far,
-// which are scored anew.
-static bool begin_captures(Trainer *trainer, bool resume, FfpError *err) {
-    if (!resume) return validate(trainer, 0, err);
-    char path[FFP_PATH_MAX];
-    FfpHeldOut score;
-    if (!out_path(path, trainer, "weights.safetensors", err)) return false;
-    FfpModel *model = ffp_model_read(path, err);
-    if (!model) return false;
-    model->config.samples = trainer->config.model.samples,
-    model->config.tokens = trainer->config.model.tokens;
-    const char *step = NULL;
-    for (int i = 0; i < model->metadata_count; i++)
-        if (strcmp(model->metadata[2 * i], "trained_steps") == 0) step = model->metadata[2 * i + 1];
-    const bool ok = ffp_captures_score(model, &trainer->config, trainer->captures, &score, err);
-    trainer->best_step = step ? strtoll(step, NULL, 10) : 0;
-    trainer->before = trainer->best = score.polished;
-    ffp_model_free(model);
-    return ok;
-}
-
 // The metrics file is opened after all that can be wrong: a folder that holds one counts as a run.
 static bool open_trainer(Trainer *trainer, const FfpTrainRun *options, FfpError *err) {
     trainer->out = options->out;
@@ -581,10 +442,10 @@ static bool open_trainer(Trainer *trainer, const FfpTrainRun *options, FfpError 
     const char *scenes = trainer->config.scenes;
     if (scenes[0] && !ffp_scene_folder_open(&trainer->folder, scenes, err)) return false;
     if (!open_share(trainer, err)) return false;
-    if (trainer->config.captures[0] && !open_captures(trainer, err)) return false;
+    if (trainer->config.captures[0] && !ffp_held_out_open(trainer, err)) return false;
     if (is_first(trainer) && !open_metrics(trainer, options->resume, err)) return false;
     open_device(trainer);
-    if (trainer->captures && !begin_captures(trainer, options->resume, err)) return false;
+    if (trainer->captures && !ffp_held_out_begin(trainer, options->resume, err)) return false;
     trainer->started = trainer->saved = ffp_seconds();
     return open_scenes(trainer, options->stop_at, err);
 }
@@ -600,10 +461,13 @@ static void close_trainer(Trainer *trainer) {
     if (trainer->metrics) ffp_close_file(trainer->metrics);
 }
 
+// Threads that make scenes read the trainer until they have ended, which is later than this frame where the
+// call is left: it lies in the call's memory.
 bool ffp_train_run(const FfpTrainRun *options, FfpError *err) {
-    Trainer trainer = {0};
+    Trainer *trainer = ffp_alloc(1, sizeof *trainer);
     ffp_cancel_hold_off(true); // it ends with a checkpoint
-    const bool ok = open_trainer(&trainer, options, err) && run(&trainer, options->stop_at, err);
-    close_trainer(&trainer);
+    const bool ok = open_trainer(trainer, options, err) && run(trainer, options->stop_at, err);
+    close_trainer(trainer);
+    ffp_free(trainer);
     return ok;
 }

@@ -236,14 +236,18 @@ static bool generate(FfpContext *context, const char *out, FfpError *err) {
     return ok;
 }
 
-static bool train(FfpContext *context, const char *out, FfpError *err) {
+static bool train_by(FfpContext *context, const char *config, int steps, const char *out, FfpError *err) {
     char command[FFP_PATH_MAX + 16];
     const char *run = in_scratch("run");
-    const FfpTraining how = {.out = run, .config = in_scratch("config.json"), .steps = 2};
+    const FfpTraining how = {.out = run, .config = config, .steps = steps};
     const bool ok = ffp_train_model(context, &how, err) && ffp_write_file(out, "done", 4, err);
     snprintf(command, sizeof command, "rm -rf -- '%s'", run);
     assert_int_equal(system(command), 0);
     return ok;
+}
+
+static bool train(FfpContext *context, const char *out, FfpError *err) {
+    return train_by(context, in_scratch("config.json"), 2, out, err);
 }
 
 // --- What is asked of them. ---
@@ -344,6 +348,40 @@ static void no_memory_elsewhere(void **state) {
     renderer = NULL;
 }
 
+// --- Training, whose threads count their allocations apart. ---
+
+typedef struct Training {
+    FfpContext *context;
+    long long n;
+} Training;
+
+static void on_first_step(void *user, FfpLogLevel level, const char *text) {
+    const Training *training = user;
+    (void)level;
+    if (strncmp(text, "step 0/", 7) == 0) ffp_context_fail_at(training->context, training->n);
+}
+
+// A thread that makes scenes comes to the failing number before the trainer does where both count from the
+// beginning. Here only the trainer lacks memory, with scenes taken, made and in the making.
+static void no_memory_for_the_trainer_alone(void **state) {
+    (void)state;
+    Training training = {.n = 1};
+    FfpContextSettings settings = ffp_context_defaults();
+    FfpError err = {0};
+    settings.user = &training, settings.log = on_first_step, settings.threads = 2;
+    training.context = ffp_context_new(&settings, &err);
+    if (!training.context) fail_msg("%s", err.text);
+    while (!train_by(training.context, in_scratch("busy.json"), 6, in_scratch("after.png"), &err)) {
+        if (err.code != FFP_ERROR_MEMORY)
+            fail_msg("allocation %lld: %d, %s", training.n, (int)err.code, err.text);
+        err = (FfpError){0};
+        ffp_context_fail_at(training.context, 0);
+        training.n *= 4;
+    }
+    assert_true(training.n > 64);
+    ffp_context_free(training.context);
+}
+
 static void cancelled_anywhere(void **state) {
     (void)state;
     Work *const works[] = {classical, by_network, render, compensate, page, evaluate, export_mesh, generate};
@@ -351,17 +389,19 @@ static void cancelled_anywhere(void **state) {
 }
 
 static int setup(void **state) {
-    static const char config[] =
-        "{\"model\": \"tiny\", \"resolution\": 16, \"views\": 2, \"targets\": 1, \"lollipops\": 1,"
-        " \"pattern_side\": 64, \"samples\": 1, \"ambient_rays\": 1, \"supervised_inputs\": 1,"
-        " \"supervised_targets\": 1, \"validate_every\": 0, \"log_every\": 1, \"pool\": 2, \"reuse\": 20,"
-        " \"generators\": 1, \"queue\": 2}";
+#define CONFIG(reuse, generators)                                                                            \
+    "{\"model\": \"tiny\", \"resolution\": 16, \"views\": 2, \"targets\": 1, \"lollipops\": 1,"              \
+    " \"pattern_side\": 64, \"samples\": 1, \"ambient_rays\": 1, \"supervised_inputs\": 1,"                  \
+    " \"supervised_targets\": 1, \"validate_every\": 0, \"log_every\": 1, \"pool\": 2, \"reuse\": " reuse    \
+    ", \"generators\": " generators ", \"queue\": 2}"
+    static const char config[] = CONFIG("20", "1"), busy[] = CONFIG("1", "2");
     FfpError err = {0};
     if (small_setup(state) != 0) return -1;
     FfpImage target = ffp_image_new(SMALL_SIDE, SMALL_SIDE, 3);
     const bool ok = classical(NULL, in_scratch("given.ply"), &err) &&
                     ffp_image_write_png(&target, in_scratch("target.png"), &err) &&
-                    ffp_write_file(in_scratch("config.json"), config, strlen(config), &err);
+                    ffp_write_file(in_scratch("config.json"), config, strlen(config), &err) &&
+                    ffp_write_file(in_scratch("busy.json"), busy, strlen(busy), &err);
     ffp_image_free(&target);
     if (!ok) fprintf(stderr, "%s\n", err.text);
     return ok ? 0 : -1;
@@ -372,6 +412,7 @@ int main(void) {
         cmocka_unit_test(no_memory_for_a_reconstruction),
         cmocka_unit_test(no_memory_for_the_network),
         cmocka_unit_test(no_memory_elsewhere),
+        cmocka_unit_test(no_memory_for_the_trainer_alone),
         cmocka_unit_test(cancelled_anywhere),
     };
     return cmocka_run_group_tests(tests, setup, scratch_teardown);

@@ -6,6 +6,7 @@
 #include "base/alloc.h"
 #include "base/file.h"
 #include "api/relight.h"
+#include "capture/fields.h"
 #include "eval/report.h"
 #include "eval/scores.h"
 
@@ -176,6 +177,56 @@ static void test_rows_and_means(void **state) {
     json_decref(root);
 }
 
+// Latin-1, say: JSON would lack them.
+static void test_names_that_json_cannot_hold_are_refused(void **state) {
+    (void)state;
+    static const char odd[] = "f\xfcr";
+    FfpError err = {0};
+    assert_false(ffp_is_name(odd));
+    assert_true(ffp_is_name("f\xc3\xbcr"));
+    FfpScore score = scores[0];
+    strcpy(score.capture, odd);
+    FfpEvaluation options = {.json = "test_odd.json", .model_name = "plain"};
+    assert_false(ffp_scores_write(&score, 1, &options, &err));
+    if (!strstr(err.text, "not UTF-8 (test_odd.json: capture)")) fail_msg("%s", err.text);
+    options.model_name = odd;
+    assert_false(ffp_scores_write(scores, 1, &options, &err));
+    if (!strstr(err.text, "not UTF-8 (test_odd.json: predictor)")) fail_msg("%s", err.text);
+    // and before any work
+    const char *const captures[] = {"nowhere"};
+    int count;
+    options.captures = captures, options.n_captures = 1;
+    assert_null(ffp_evaluate(NULL, &options, &count, &err));
+    if (!strstr(err.text, "(model_name)")) fail_msg("%s", err.text);
+    assert_false(ffp_is_file("test_odd.json"));
+}
+
+// Rows 0 and 1 of one predictor, 2 of another, whose name differs at its end.
+static void test_rows_of_different_predictors_are_not_merged(void **state) {
+    (void)state;
+    static const char *const files[] = {"test_one.json", "test_two.json", "test_other.json"};
+    char name[160], other[160];
+    FfpError err = {0};
+    int count;
+    snprintf(name, sizeof name, "%0140d", 1);
+    snprintf(other, sizeof other, "%0140d", 2);
+    for (int i = 0; i < 3; i++) {
+        const FfpEvaluation one = {.json = files[i], .model_name = i < 2 ? name : other};
+        assert_true(ffp_scores_write(&scores[i], 1, &one, &err));
+    }
+    FfpEvaluation merging = {.merged = files, .n_merged = 3, .json = "test_merged.json"};
+    assert_null(ffp_evaluate(NULL, &merging, &count, &err));
+    if (!strstr(err.text, "test_other.json: predictor")) fail_msg("%s", err.text);
+    merging.n_merged = 2;
+    FfpScore *merged = ffp_evaluate(NULL, &merging, &count, &err);
+    if (!merged) fail_msg("%s", err.text);
+    assert_int_equal(count, 3); // with their mean
+    ffp_free(merged);
+    read_all("test_merged.json");
+    assert_non_null(strstr(text, name)); // all of it
+    for (int i = 0; i < 3; i++) assert_int_equal(remove(files[i]), 0);
+}
+
 static void test_names_that_would_leave_the_folder_are_refused(void **state) {
     (void)state;
     static const char *const bad[] = {"", "..", "../up", "/root", ".hidden", "a/b"};
@@ -206,6 +257,8 @@ int main(void) {
         cmocka_unit_test(test_names_cannot_break_the_page),
         cmocka_unit_test(test_pictures_come_before_figures),
         cmocka_unit_test(test_rows_and_means),
+        cmocka_unit_test(test_names_that_json_cannot_hold_are_refused),
+        cmocka_unit_test(test_rows_of_different_predictors_are_not_merged),
         cmocka_unit_test(test_names_that_would_leave_the_folder_are_refused),
         cmocka_unit_test(test_quantised_values_are_those_of_a_byte),
     };

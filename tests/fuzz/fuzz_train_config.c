@@ -10,8 +10,8 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
     const bool ok = ffp_train_config_read(&config, fuzz_file(data, size), &err);
     fuzz_verdict(ok, &err);
     if (!ok) return 0;
-    char *text = ffp_train_config_print(&config);
-    if (!ffp_train_config_parse(&again, text, "print", &err)) abort();
+    char *text = ffp_train_config_print(&config, &err);
+    if (!text || !ffp_train_config_parse(&again, text, "print", &err)) abort();
     ffp_free(text);
     return 0;
 }

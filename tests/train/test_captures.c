@@ -133,6 +133,16 @@ static void what_cannot_teach_is_refused(void **state) {
     assert_false(ffp_train_config_parse(&config, "{\"captures\": \"a\", \"free_share\": 0.5}", "both", &err));
 }
 
+// A run would go on with generated scenes when it is resumed, if its checkpoint lacked the path.
+static void a_path_that_no_checkpoint_can_hold_is_refused(void **state) {
+    (void)state;
+    FfpError err = {0};
+    const FfpTrainRun options = {
+        .out = in_scratch("never"), .captures = in_scratch("f\xfcr"), .steps = -1, .stop_at = 0};
+    assert_false(ffp_train_run(&options, &err));
+    if (!strstr(err.text, "not UTF-8")) fail_msg("%s", err.text);
+}
+
 // --- Runs. ---
 
 static void write_initial(const char *path) {
@@ -209,13 +219,51 @@ static void a_stopped_run_goes_on_with_the_same_bits(void **state) {
                      score_of(in_scratch("good/weights.safetensors"))) < 1e-6);
 }
 
+// The steps whose weights have a score, as the metrics of a run say.
+static void assert_scored(const char *metrics, const char *steps) {
+    FfpError err = {0};
+    char *text, scored[256] = "";
+    size_t size;
+    if (!ffp_read_text(metrics, 1 << 20, &text, &size, &err)) fail_msg("%s", err.text);
+    for (char *line = text, *rest; line && *line; line = rest) {
+        rest = strchr(line, '\n');
+        if (rest) *rest++ = 0;
+        int step;
+        const size_t length = strlen(scored);
+        if (strstr(line, "\"held_out\":") && sscanf(line, "{\"step\":%d,", &step) == 1)
+            snprintf(scored + length, sizeof scored - length, "%d ", step);
+    }
+    ffp_free(text);
+    assert_string_equal(scored, steps);
+}
+
+#define SELDOM(rate, every, patience)                                                                        \
+    "{\"steps\": 12, \"validate_every\": " every ", \"patience\": " patience ", \"warmup_steps\": 1, "       \
+    "\"polish_steps\": 2, \"learning_rate\": " rate "}"
+
+// However a run ends: nothing that was learnt goes without a score, by which weights are kept.
+static void the_last_weights_are_scored(void **state) {
+    (void)state;
+    run(in_scratch("seldom"), SELDOM("3e-3", "8", "0"), 6, false);
+    assert_scored(in_scratch("seldom/metrics.jsonl"), "0 6 ");
+    const double before = score_of(in_scratch("initial.safetensors")),
+                 after = score_of(in_scratch("seldom/weights.safetensors"));
+    assert_true(after > before);
+    run(in_scratch("seldom"), "", 0, true);
+    assert_scored(in_scratch("seldom/metrics.jsonl"), "0 6 8 12 ");
+    run(in_scratch("patient"), SELDOM("0.9", "4", "6"), 0, false);
+    assert_scored(in_scratch("patient/metrics.jsonl"), "0 4 8 ");
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_fourth_is_held_out),
         cmocka_unit_test(pictures_have_the_size_asked_for),
         cmocka_unit_test(what_cannot_teach_is_refused),
+        cmocka_unit_test(a_path_that_no_checkpoint_can_hold_is_refused),
         cmocka_unit_test(weights_are_never_worse_than_the_first),
         cmocka_unit_test(a_stopped_run_goes_on_with_the_same_bits),
+        cmocka_unit_test(the_last_weights_are_scored),
     };
     return cmocka_run_group_tests(tests, setup, scratch_teardown);
 }

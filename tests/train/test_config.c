@@ -40,6 +40,26 @@ static void test_bad_fields(void **state) {
     refused("{\"views_least\": 2, \"scenes\": \"made\"}", "c.json: views_least", "of a folder");
     refused("{\"free_share\": 0.2, \"scenes\": \"made\"}", "c.json: free_share", "of a folder");
     refused("{\"large_share\": 0.2, \"scenes\": \"made\"}", "c.json: large_share", "of a folder");
+    refused("{\"sensor_share\": 0.2, \"scenes\": \"made\"}", "c.json: sensor_share", "of a folder");
+    refused("{\"sensor_share\": 0.2, \"captures\": \"mine\"}", "c.json: sensor_share", "of a folder");
+    refused("{\"captures\": \"mine\", \"low_steps\": 9}", "c.json: low_steps", "one resolution");
+    refused("{\"captures\": \"mine\", \"validate_every\": 0}", "c.json: validate_every", "is 0");
+    refused("{\"captures\": \"mine\", \"validate_every\": 50, \"patience\": 49}", "c.json: patience",
+            "below validate_every");
+}
+
+// What nobody has asked for is in nobody's way.
+static void test_defaults_learn_from_captures(void **state) {
+    (void)state;
+    FfpTrainConfig config;
+    FfpError err = {0};
+    if (!ffp_train_config_parse(&config, "{\"captures\": \"mine\"}", "c.json", &err))
+        fail_msg("%s", err.text);
+    config = ffp_fine_tuning_defaults();
+    snprintf(config.captures, sizeof config.captures, "mine");
+    char *text = ffp_train_config_print(&config, &err);
+    if (!ffp_train_config_parse(&config, text, "c.json", &err)) fail_msg("%s", err.text);
+    ffp_free(text);
 }
 
 static void test_round_trip(void **state) {
@@ -55,12 +75,28 @@ static void test_round_trip(void **state) {
     assert_string_equal(config.scenes, "a/b");
     assert_int_equal(config.generators, 2);
     assert_int_equal(config.model.dim, 128);
-    char *text = ffp_train_config_print(&config);
+    char *text = ffp_train_config_print(&config, &err);
     assert_true(ffp_train_config_parse(&again, text, "again", &err));
-    char *text_again = ffp_train_config_print(&again);
+    char *text_again = ffp_train_config_print(&again, &err);
     assert_string_equal(text, text_again);
     ffp_free(text);
     ffp_free(text_again);
+}
+
+// As a path may be, and JSON may not: it would be missing from what is written.
+static void test_a_path_that_is_not_utf8_is_not_lost(void **state) {
+    (void)state;
+    FfpTrainConfig config = ffp_train_defaults();
+    FfpError err = {0};
+    snprintf(config.captures, sizeof config.captures, "f\xfcr/mich");
+    assert_null(ffp_train_config_print(&config, &err));
+    if (!strstr(err.text, "UTF-8") || !strstr(err.text, "captures")) fail_msg("%s", err.text);
+    FfpModel *model = ffp_model_new(&config.model, 1, &err);
+    FfpAdam adam = ffp_adam_new(model);
+    assert_false(ffp_checkpoint_write(in_scratch("lost"), model, &adam, &config, "test", &err));
+    assert_false(ffp_is_file(in_scratch("lost")));
+    ffp_adam_free(&adam);
+    ffp_model_free(model);
 }
 
 static void test_byte_order_mark(void **state) {
@@ -86,10 +122,9 @@ static void test_schedule(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_bad_fields),
-        cmocka_unit_test(test_round_trip),
-        cmocka_unit_test(test_byte_order_mark),
-        cmocka_unit_test(test_schedule),
+        cmocka_unit_test(test_bad_fields),      cmocka_unit_test(test_defaults_learn_from_captures),
+        cmocka_unit_test(test_round_trip),      cmocka_unit_test(test_a_path_that_is_not_utf8_is_not_lost),
+        cmocka_unit_test(test_byte_order_mark), cmocka_unit_test(test_schedule),
     };
     return cmocka_run_group_tests(tests, scratch_setup, scratch_teardown);
 }

@@ -1,4 +1,5 @@
 // Which scene a step gets does not depend on who makes it, nor on where the run began.
+#include "base/call.h"
 #include "scratch.h"
 #include "train/train.h"
 
@@ -130,10 +131,35 @@ static void an_error_names_the_scene(void **state) {
     }
 }
 
+static bool take_and_leave(void *argument, FfpError *err) {
+    const FfpTrainConfig *config = argument;
+    const FfpScene *scene;
+    bool fresh;
+    FfpStream *stream = ffp_stream_new(config, NULL, NULL, (FfpTurn){0, 1}, 0, STEPS, &stop, err);
+    if (!stream || !ffp_stream_scene(stream, 0, &scene, &fresh, err) || !scene) return false;
+    ffp_no_memory(1);
+    return true;
+}
+
+// Threads have made the scene, in calls that have ended: nobody but the stream gives it back when the
+// trainer's call is left (the build with AddressSanitizer tells).
+static void a_call_that_is_left_leaves_no_scene(void **state) {
+    (void)state;
+    FfpTrainConfig config = configuration("\"pool\": 2, \"resolution\": 8, \"queue\": 2");
+    stop = false;
+    for (config.generators = 0; config.generators <= 2; config.generators++) {
+        FfpContext context = {0};
+        FfpError err = {0};
+        assert_false(ffp_call_run(&context, take_and_leave, &config, &err));
+        assert_int_equal(err.code, FFP_ERROR_MEMORY);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(threads_and_beginnings_do_not_matter),
         cmocka_unit_test(an_error_names_the_scene),
+        cmocka_unit_test(a_call_that_is_left_leaves_no_scene),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

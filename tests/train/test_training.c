@@ -1,4 +1,7 @@
 // Training as a whole: it can learn, and a resumed run repeats the bits of one that was never stopped.
+#include <signal.h>
+#include <sys/resource.h>
+#include <jansson.h>
 #include "base/alloc.h"
 #include "train/train.h"
 #include "scratch.h"
@@ -98,6 +101,105 @@ static void test_training_looks_through_the_polish(void **state) {
     ffp_scene_close(&scene);
 }
 
+// --- Names. ---
+
+// What the checkpoint says of weights to begin with, whose file has this name.
+static void assert_origin(const char *name, const char *begin) {
+    FfpError err = {0};
+    FfpTrainConfig config;
+    FfpAdam adam;
+    FfpModelConfig tiny;
+    char initial[FFP_PATH_MAX], origin[FFP_ORIGIN_MAX], command[128];
+    snprintf(initial, sizeof initial, "%s", in_scratch(name));
+    assert_true(ffp_model_preset(&tiny, "tiny"));
+    FfpModel *model = ffp_model_new(&tiny, 1, &err);
+    if (!ffp_model_write(model, initial, false, NULL, 0, &err)) fail_msg("%s", err.text);
+    ffp_model_free(model);
+    assert_true(ffp_write_file(in_scratch("config.json"), tiny_run, strlen(tiny_run), NULL));
+    const FfpTrainRun options = {
+        .out = in_scratch("named"), .config = in_scratch("config.json"), .initial = initial, .steps = 1};
+    if (!ffp_train_run(&options, &err)) fail_msg("%s", err.text);
+    model = ffp_checkpoint_read(in_scratch("named/checkpoint.safetensors"), &adam, &config, origin, &err);
+    if (!model) fail_msg("%s", err.text);
+    if (strncmp(origin, begin, strlen(begin)) != 0) fail_msg("'%s' is not '%s'", origin, begin);
+    ffp_adam_free(&adam);
+    ffp_model_free(model);
+    snprintf(command, sizeof command, "rm -rf -- '%s/named'", scratch);
+    assert_int_equal(system(command), 0);
+}
+
+// A checkpoint can be written whatever they are called.
+static void test_weights_of_any_name(void **state) {
+    (void)state;
+    assert_origin("f\xfcr.safetensors", "weights: ");
+#define NINE "123456789"
+    assert_origin(NINE "-" NINE "-" NINE "-" NINE "-" NINE "-" NINE "\xc3\xbc.safetensors",
+                  NINE "-" NINE "-" NINE "-" NINE "-" NINE "-" NINE ": ");
+}
+
+// --- Metrics. ---
+
+// Weights that predict something, but so large that their gradient is no number.
+static void write_absurd_weights(const char *path) {
+    FfpError err = {0};
+    FfpModelConfig config;
+    assert_true(ffp_model_preset(&config, "tiny"));
+    FfpModel *model = ffp_model_new(&config, 1, &err);
+    for (int64_t i = 0; i < model->count; i++) model->values[i] *= 200;
+    if (!ffp_model_write(model, path, true, NULL, 0, &err)) fail_msg("%s", err.text);
+    ffp_model_free(model);
+}
+
+// Such a step is skipped, and its line says so in JSON that can be read.
+static void test_a_gradient_that_is_no_number(void **state) {
+    (void)state;
+    FfpError err = {0};
+    write_absurd_weights(in_scratch("absurd.safetensors"));
+    assert_true(ffp_write_file(in_scratch("config.json"), tiny_run, strlen(tiny_run), NULL));
+    const FfpTrainRun options = {.out = in_scratch("absurd"),
+                                 .config = in_scratch("config.json"),
+                                 .initial = in_scratch("absurd.safetensors"),
+                                 .steps = 2};
+    if (!ffp_train_run(&options, &err)) fail_msg("%s", err.text);
+    FILE *file = fopen(in_scratch("absurd/metrics.jsonl"), "r");
+    assert_non_null(file);
+    for (int step = 0; step < 2; step++) {
+        json_t *line = json_loadf(file, JSON_DISABLE_EOF_CHECK, NULL);
+        assert_non_null(line);
+        assert_int_equal(json_integer_value(json_object_get(line, "step")), step);
+        assert_true(json_is_true(json_object_get(line, "skipped")));
+        assert_true(json_is_null(json_object_get(line, "gradient_norm")));
+        assert_true(json_is_number(json_object_get(line, "learning_rate")));
+        json_decref(line);
+    }
+    fclose(file);
+}
+
+static void limit_files(rlim_t bytes) {
+    struct rlimit limit;
+    assert_int_equal(getrlimit(RLIMIT_FSIZE, &limit), 0);
+    limit.rlim_cur = bytes;
+    assert_int_equal(setrlimit(RLIMIT_FSIZE, &limit), 0);
+}
+
+static void test_metrics_that_cannot_be_written(void **state) {
+    (void)state;
+    FfpError err = {0};
+    struct rlimit before;
+    assert_true(ffp_write_file(in_scratch("config.json"), tiny_run, strlen(tiny_run), NULL));
+    const FfpTrainRun options = {.out = in_scratch("full"), .config = in_scratch("config.json"), .steps = 2};
+    assert_int_equal(getrlimit(RLIMIT_FSIZE, &before), 0);
+    signal(SIGXFSZ, SIG_IGN); // the write fails instead
+    limit_files(16);
+    const bool ok = ffp_train_run(&options, &err);
+    limit_files(before.rlim_cur);
+    signal(SIGXFSZ, SIG_DFL);
+    assert_false(ok);
+    if (!strstr(err.text, "cannot write metrics.jsonl")) fail_msg("%s", err.text);
+}
+
+// --- Refusals, and learning. ---
+
 static void test_refusals(void **state) {
     (void)state;
     FfpError err = {0};
@@ -158,8 +260,13 @@ static void test_overfit(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_refusals),   cmocka_unit_test(test_resume),
-        cmocka_unit_test(test_generators), cmocka_unit_test(test_training_looks_through_the_polish),
+        cmocka_unit_test(test_refusals),
+        cmocka_unit_test(test_resume),
+        cmocka_unit_test(test_generators),
+        cmocka_unit_test(test_training_looks_through_the_polish),
+        cmocka_unit_test(test_weights_of_any_name),
+        cmocka_unit_test(test_a_gradient_that_is_no_number),
+        cmocka_unit_test(test_metrics_that_cannot_be_written),
         cmocka_unit_test(test_overfit),
     };
     return cmocka_run_group_tests(tests, scratch_setup, scratch_teardown);
