@@ -5,7 +5,8 @@
 // (NULL is allowed). What works long, says something or needs memory takes an FfpContext first (NULL: silent,
 // all processors, no GPU). Handles are freed with their *_close; NULL is allowed there. Nothing is shared
 // between handles: one handle, one thread at a time. Files are written to a temporary name and renamed, so an
-// old file stays whole until the new one is.
+// old file stays whole until the new one is. Numbers in files and texts have points whatever setlocale() was
+// told.
 #ifndef FFPROCAMS_H
 #define FFPROCAMS_H
 
