@@ -27,13 +27,6 @@ static void apply_mask(const FfpCapture *capture, FfpView *view, const FfpImage 
     }
 }
 
-static bool cover_by_mask(const FfpCapture *capture, FfpView *view, const FfpSource *mask, FfpError *err) {
-    if (!ffp_source_mask(&view->coverage, mask, err)) return false;
-    clamp_to_unit(&view->coverage);
-    if (!mask->applied) apply_mask(capture, view, &view->coverage);
-    return true;
-}
-
 static const FfpImage *best_alpha(const FfpCapture *capture, const FfpImage *alphas) {
     if (capture->white >= 0 && alphas[capture->white].data != NULL) return &alphas[capture->white];
     if (capture->black >= 0 && alphas[capture->black].data != NULL) return &alphas[capture->black];
@@ -62,21 +55,23 @@ static FfpCoverageSource guess(const FfpCapture *capture, FfpView *view) {
     return any ? FFP_COVERAGE_GUESSED : FFP_COVERAGE_NONE;
 }
 
-bool ffp_cover_view(const FfpCapture *capture, FfpView *view, const FfpImage *alphas, const FfpSource *mask,
-                    bool mask_first, FfpCoverageSource *source, FfpError *err) {
+bool ffp_wants_mask(const FfpCapture *capture, const FfpImage *alphas, bool mask_first) {
+    return mask_first || best_alpha(capture, alphas) == NULL;
+}
+
+FfpCoverageSource ffp_cover_view(const FfpCapture *capture, FfpView *view, const FfpImage *alphas,
+                                 FfpImage *mask, bool applied) {
     const FfpImage *alpha = best_alpha(capture, alphas);
-    if (mask->path != NULL && (mask_first || alpha == NULL)) {
-        *source = FFP_COVERAGE_MASK;
-        return cover_by_mask(capture, view, mask, err);
+    if (mask->data != NULL) {
+        view->coverage = *mask, *mask = (FfpImage){0};
+        clamp_to_unit(&view->coverage);
+        if (!applied) apply_mask(capture, view, &view->coverage);
+        return FFP_COVERAGE_MASK;
     }
-    if (alpha == NULL) {
-        *source = guess(capture, view);
-        return true;
-    }
-    *source = FFP_COVERAGE_ALPHA;
+    if (alpha == NULL) return guess(capture, view);
     view->coverage = ffp_image_copy(alpha);
     clamp_to_unit(&view->coverage);
-    return true;
+    return FFP_COVERAGE_ALPHA;
 }
 
 // --- The projector's strength. ---
