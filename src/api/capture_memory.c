@@ -2,6 +2,7 @@
 // is filled in here from numbers and pointers; everything after it is the same.
 #include <stdlib.h>
 #include <string.h>
+#include "api/arguments.h"
 #include "api/memory.h"
 #include "base/arena.h"
 #include "base/call.h"
@@ -73,6 +74,8 @@ static bool take_view(Sources *s, const FfpCaptureData *data, int index, FfpErro
     FfpViewFiles *files = &s->manifest.views[index];
     char where[FFP_NAME_MAX + 32];
     if (!take_name(view->id, from->id, "views", index, err)) return false;
+    snprintf(where, sizeof where, "view %s: photographs", view->id);
+    if (!ffp_need(from->photographs, where, err)) return false;
     for (int i = 0; i < index; i++)
         if (strcmp(capture->views[i].id, view->id) == 0)
             return ffp_fail(err, FFP_ERROR_ARGUMENT, "views", "view '%s' comes twice", view->id);
@@ -158,6 +161,9 @@ static bool work(void *argument, FfpError *err) {
 
 FfpCapture *ffp_capture_from_memory(FfpContext *context, const FfpCaptureData *data, FfpError *err) {
     Call call = {data, NULL};
+    if (!ffp_need(data, "data", err) || !ffp_need(data->patterns, "patterns", err) ||
+        !ffp_need(data->views, "views", err))
+        return NULL;
     return ffp_call_run(context, work, &call, err) ? call.capture : NULL;
 }
 
@@ -189,8 +195,8 @@ FfpPatternRole ffp_capture_pattern_role(const FfpCapture *capture, int pattern) 
 bool ffp_capture_view_devices(const FfpCapture *capture, int view, FfpPinhole *camera,
                               FfpPinhole *projector) {
     if (view < 0 || view >= capture->n_views) return false;
-    *camera = ffp_pinhole_of(&capture->views[view].camera);
-    *projector = ffp_pinhole_of(&capture->views[view].projector);
+    if (camera) *camera = ffp_pinhole_of(&capture->views[view].camera);
+    if (projector) *projector = ffp_pinhole_of(&capture->views[view].projector);
     return true;
 }
 
