@@ -79,9 +79,7 @@ static bool fit_call(void *argument, FfpError *err) {
 FfpNeuralField *ffp_fit_neural_field(FfpContext *context, const FfpCapture *capture,
                                      const FfpRefinement *options, FfpRefinementStats *stats, FfpError *err) {
     Call call = {NULL, capture, options, stats};
-    if (!ffp_need(capture, "capture", err) || !ffp_need(options, "options", err) ||
-        !ffp_need_texts(options->patterns, options->n_patterns, "patterns", err))
-        return NULL;
+    if (!ffp_need(capture, "capture", err) || !ffp_need(options, "options", err)) return NULL;
     return ffp_call_run(context, fit_call, &call, err) ? call.field : NULL;
 }
 

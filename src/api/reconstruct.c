@@ -279,7 +279,6 @@ FfpGaussians *ffp_reconstruct(FfpContext *context, const FfpCapture *capture,
                               FfpError *err) {
     Call call = {capture, options, stats, NULL};
     if (!ffp_need(capture, "capture", err) || !ffp_need(options, "options", err) ||
-        !ffp_need_texts(options->patterns, options->n_patterns, "patterns", err) ||
         !ffp_check_drawing(options->drawing, err))
         return NULL;
     return ffp_call_run(context, work, &call, err) ? call.gaussians : NULL;

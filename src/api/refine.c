@@ -123,7 +123,6 @@ static bool refine(void *argument, FfpError *err) {
 
 static bool check_arguments(const FfpCapture *capture, const FfpRefinement *options, FfpError *err) {
     return ffp_need(capture, "capture", err) && ffp_need(options, "options", err) &&
-           ffp_need_texts(options->patterns, options->n_patterns, "patterns", err) &&
            ffp_check_drawing(options->drawing, err);
 }
 

@@ -494,7 +494,6 @@ FfpScore *ffp_evaluate(FfpContext *context, const FfpEvaluation *options, int *n
     if (!ffp_need(options, "options", err) || !ffp_need(n_scores, "n_scores", err) ||
         !ffp_need_texts(options->captures, options->n_captures, "captures", err) ||
         !ffp_need_texts(options->targets, options->n_targets, "targets", err) ||
-        !ffp_need_texts(options->patterns, options->n_patterns, "patterns", err) ||
         !ffp_need_texts(options->merged, options->n_merged, "merged", err) ||
         !ffp_check_drawing(options->drawing, err))
         return NULL;
