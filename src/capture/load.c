@@ -3,11 +3,11 @@
 #include <stdlib.h>
 #include <string.h>
 #include <tgmath.h>
-#include <unistd.h>
 
 #include "base/call.h"
 #include "base/file.h"
 #include "base/log.h"
+#include "base/memory.h"
 #include "capture/coverage.h"
 #include "capture/manifest.h"
 #include "capture/pad.h"
@@ -218,21 +218,25 @@ static bool load_view(FfpManifest *manifest, int index, FfpCoverageSource *sourc
 
 // --- All of it. ---
 
-// Refuses what would not fit this machine's memory before any of it is taken.
+// Of a view's pixels: its coverage, its pictures, and the maps that there are.
+static double channels_of(const FfpViewFiles *files, int n_patterns) {
+    const FfpSource *const of_three[4] = {&files->correspondence, &files->normal, &files->albedo,
+                                          &files->direct_white};
+    double channels = 1 + (files->depth.path != NULL) + (files->roughness.path != NULL);
+    for (int i = 0; i < 4; i++) channels += of_three[i]->path != NULL ? 3 : 0;
+    for (int i = 0; i < n_patterns; i++)
+        channels += files->images[i].path != NULL ? 4 : 0; // alpha, for a while
+    return channels;
+}
+
+// Refuses what would not fit into memory before any of it is taken.
 static bool check_memory(const FfpManifest *manifest, FfpError *err) {
     const FfpCapture *capture = manifest->capture;
     double values = 3.0 * manifest->pattern_width * manifest->pattern_height * capture->n_patterns;
-    for (int v = 0; v < capture->n_views; v++) {
-        double channels = 12;
-        for (int i = 0; i < capture->n_patterns; i++)
-            channels += manifest->views[v].images[i].path != NULL ? 4 : 0;
-        values += channels * capture->views[v].camera.width * capture->views[v].camera.height;
-    }
-    const double needed = values * sizeof(real),
-                 there = (double)sysconf(_SC_PHYS_PAGES) * (double)sysconf(_SC_PAGESIZE);
-    if (needed < there) return true;
-    return ffp_fail(err, FFP_ERROR_MEMORY, manifest->file,
-                    "the images need %.0f GB of memory; this machine has %.0f", needed / 1e9, there / 1e9);
+    for (int v = 0; v < capture->n_views; v++)
+        values += channels_of(&manifest->views[v], capture->n_patterns) * capture->views[v].camera.width *
+                  capture->views[v].camera.height;
+    return ffp_memory_suffices(values * sizeof(real), "the images", "", manifest->file, err);
 }
 
 static bool check_pictures(const FfpManifest *manifest, FfpError *err) {

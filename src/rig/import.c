@@ -2,11 +2,11 @@
 #include <stdlib.h>
 #include <string.h>
 #include <tgmath.h>
-#include <unistd.h>
 
 #include "rig/import.h"
 #include "base/file.h"
 #include "base/log.h"
+#include "base/memory.h"
 #include "capture/manifest.h"
 #include "image/photograph.h"
 #include "patterns/patterns.h"
@@ -212,12 +212,7 @@ static bool check_memory(const Import *import, FfpError *err) {
         values += (3.0 * import->shots.n_patterns + 8) * camera->width * camera->height;
         if (v == 0) values += 8.0 * optics->width * optics->height;
     }
-    const double needed = values * sizeof(real),
-                 there = (double)sysconf(_SC_PHYS_PAGES) * (double)sysconf(_SC_PAGESIZE);
-    return needed < there || ffp_fail(err, FFP_ERROR_MEMORY, "width",
-                                      "the pictures need %.0f GB of memory; this machine has %.0f: make "
-                                      "them narrower",
-                                      needed / 1e9, there / 1e9);
+    return ffp_memory_suffices(values * sizeof(real), "the pictures", "make them narrower", "width", err);
 }
 
 // --- Pixels. ---

@@ -4,6 +4,7 @@
 #include <stdarg.h>
 #include <stdatomic.h>
 
+#include "short_of_memory.h"
 #include "tiny_capture.h"
 #include "base/alloc.h"
 
@@ -342,6 +343,19 @@ static void images_beyond_memory_are_refused(void **state) {
     ffp_free(text);
 }
 
+// What counts is what is left, not what the machine has.
+static void images_beyond_what_is_left_are_refused(void **state) {
+    (void)state;
+    FfpCapture capture;
+    leave_memory("20"); // of the 28 kB that seven pictures of 12 x 10 and four patterns take
+    expect_refusal(scratch, "GB of memory; this machine has", "scene.json)");
+    leave_memory("40");
+    const bool ok = ffp_capture_read(&capture, scratch, NULL);
+    meminfo = NULL;
+    assert_true(ok);
+    ffp_capture_free(&capture);
+}
+
 static void equal_black_and_white_are_refused(void **state) {
     (void)state;
     char *text = replaced(scene_text, "\"intensity\": [7, 8, 9]", "\"intensity\": null");
@@ -403,6 +417,7 @@ int main(void) {
         cmocka_unit_test(bad_truth_is_refused),
         cmocka_unit_test(files_that_change_are_refused),
         cmocka_unit_test(images_beyond_memory_are_refused),
+        cmocka_unit_test(images_beyond_what_is_left_are_refused),
         cmocka_unit_test(equal_black_and_white_are_refused),
         cmocka_unit_test(bad_targets_are_refused),
         cmocka_unit_test(unwritable_captures_are_refused),
