@@ -15,11 +15,6 @@ typedef struct Sources {
     FfpArena *arena;
 } Sources;
 
-static const char *copy_text(FfpArena *arena, const char *text) {
-    const size_t size = strlen(text) + 1;
-    return memcpy(ffp_arena_alloc(arena, size, 1), text, size);
-}
-
 static FfpSource source_of(Sources *s, const FfpPicture *picture, const char *format, const char *id,
                            const char *name) {
     if (!picture->data) return (FfpSource){0};
@@ -27,7 +22,7 @@ static FfpSource source_of(Sources *s, const FfpPicture *picture, const char *fo
     snprintf(text, sizeof text, format, id, name);
     FfpRaw *raw = ffp_arena_alloc(s->arena, 1, sizeof *raw);
     *raw = ffp_raw_of(picture);
-    return (FfpSource){.path = copy_text(s->arena, text), .raw = raw};
+    return (FfpSource){.path = ffp_arena_text(s->arena, text), .raw = raw};
 }
 
 static bool take_name(char out[FFP_NAME_MAX], const char *name, const char *what, int index, FfpError *err) {
@@ -139,7 +134,7 @@ static FfpCapture *copy_capture(const FfpCaptureData *data, FfpError *err) {
     s.manifest = (FfpManifest){.capture = capture, .arena = s.arena, .mask_is_given = true, .depth_scale = 1};
     s.manifest.patterns = ffp_arena_alloc(s.arena, FFP_PATTERNS_MAX, sizeof *s.manifest.patterns);
     bool ok = take_name(capture->name, data->name ? data->name : "capture", "name", 0, err);
-    s.manifest.file = copy_text(s.arena, capture->name);
+    s.manifest.file = ffp_arena_text(s.arena, capture->name);
     ok = ok && take_all(&s, data, err);
     ffp_arena_free(s.arena);
     if (ok) return capture;
