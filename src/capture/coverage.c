@@ -12,21 +12,6 @@ static void clamp_to_unit(FfpImage *image) {
     for (ptrdiff_t i = 0; i < pixels; i++) image->data[i] = fmin(fmax(image->data[i], (real)0), (real)1);
 }
 
-// Puts the view's pictures over black with the mask, in encoded values as everywhere.
-static void apply_mask(const FfpCapture *capture, FfpView *view, const FfpImage *mask) {
-    for (int i = 0; i < capture->n_patterns; i++) {
-        FfpImage *image = &view->images[i];
-        const ptrdiff_t pixels = image->data != NULL ? (ptrdiff_t)image->width * image->height : 0;
-        for (ptrdiff_t k = 0; k < pixels; k++) {
-            const real m = mask->data[k];
-            for (int c = 0; c < 3 && m < 1; c++) {
-                real *value = &image->data[3 * k + c];
-                *value = m > 0 ? ffp_srgb_decode(ffp_srgb_encode(*value) * m) : 0;
-            }
-        }
-    }
-}
-
 static const FfpImage *best_alpha(const FfpCapture *capture, const FfpImage *alphas) {
     if (capture->white >= 0 && alphas[capture->white].data != NULL) return &alphas[capture->white];
     if (capture->black >= 0 && alphas[capture->black].data != NULL) return &alphas[capture->black];
@@ -65,7 +50,8 @@ FfpCoverageSource ffp_cover_view(const FfpCapture *capture, FfpView *view, const
     if (mask->data != NULL) {
         view->coverage = *mask, *mask = (FfpImage){0};
         clamp_to_unit(&view->coverage);
-        if (!applied) apply_mask(capture, view, &view->coverage);
+        for (int i = 0; i < capture->n_patterns && !applied; i++)
+            ffp_mask_apply(&view->coverage, &view->images[i]);
         return FFP_COVERAGE_MASK;
     }
     if (alpha == NULL) return guess(capture, view);

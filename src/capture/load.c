@@ -53,9 +53,7 @@ static bool source_mask(FfpImage *mask, const FfpSource *source, const FfpSize *
         return raw_has_size(source, size, err) && ffp_raw_channel(mask, source->raw, source->path, err);
     FfpImage rgba;
     if (!ffp_image_read_sized(&rgba, source->path, FFP_COLOUR_ENCODED, size, err)) return false;
-    *mask = ffp_image_new(rgba.width, rgba.height, 1);
-    const ptrdiff_t pixels = (ptrdiff_t)rgba.width * rgba.height;
-    for (ptrdiff_t i = 0; i < pixels; i++) mask->data[i] = rgba.data[4 * i] * rgba.data[4 * i + 3];
+    *mask = ffp_mask_of(&rgba);
     ffp_image_free(&rgba);
     return true;
 }

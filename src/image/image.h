@@ -89,6 +89,11 @@ void ffp_image_to_linear(FfpImage *image);
 // RGB times alpha: a 4-channel image to a new 3-channel one over black.
 FfpImage ffp_image_over_black(const FfpImage *rgba);
 FfpImage ffp_image_channel(const FfpImage *image, int channel);
+// What a mask's file says is the object's share of each pixel, one channel: grey times alpha.
+FfpImage ffp_mask_of(const FfpImage *rgba);
+// Puts a linear RGB picture over black with a mask of its size, in encoded values as everywhere; none stays
+// none.
+void ffp_mask_apply(const FfpImage *mask, FfpImage *image);
 // Area-averaging (down) or bilinear (up) resize, decided for each axis.
 FfpImage ffp_image_resize(const FfpImage *image, int width, int height);
 
