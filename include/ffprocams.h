@@ -2,10 +2,12 @@
 // them under any pattern, camera pose and projector pose. This is the one public header.
 //
 // Every function that can fail returns false or NULL and leaves "WHAT (WHERE)" in the FfpError it was given
-// (NULL is allowed). What works long, says something or needs memory takes an FfpContext first (NULL: silent,
-// all processors, no GPU). Handles are freed with their *_close; NULL is allowed there. Nothing is shared
-// between handles: one handle, one thread at a time. Files are written to a temporary name and renamed, so an
-// old file stays whole until the new one is.
+// (NULL is allowed). What must not be left out (a handle, the options, a file to write) and is NULL is an
+// FFP_ERROR_ARGUMENT that names it. What works long, says something or needs memory takes an FfpContext first
+// (NULL: silent, all processors, no GPU). Handles are freed with their *_close; NULL is allowed there.
+// Nothing is shared between handles: one handle, one thread at a time. Files are written to a temporary name
+// and renamed, so an old file stays whole until the new one is. Numbers in files and texts have points
+// whatever setlocale() was told.
 #ifndef FFPROCAMS_H
 #define FFPROCAMS_H
 
@@ -100,6 +102,7 @@ typedef enum FfpPatternRole {
     FFP_PATTERN_HELD_OUT, // only ever to be predicted
 } FfpPatternRole;
 FFP_API FfpPatternRole ffp_capture_pattern_role(const FfpCapture *capture, int pattern);
+// `camera` or `projector` may be NULL: it is not asked for.
 FFP_API bool ffp_capture_view_devices(const FfpCapture *capture, int view, FfpPinhole *camera,
                                       FfpPinhole *projector);
 // Linear RGB of the library's own, valid until the capture is closed; a picture without data where the view
@@ -174,7 +177,8 @@ FFP_API FfpGaussians *ffp_reconstruct(FfpContext *context, const FfpCapture *cap
                                       const FfpReconstruction *options, FfpReconstructionStats *stats,
                                       FfpError *err);
 
-// Binary PLY with the 3DGS property names, plus base_color_0..2 and roughness (docs/formats.md).
+// Binary PLY with the 3DGS property names, plus base_color_0..2 and roughness (docs/formats.md). Gaussians
+// too faint ever to be drawn (opacity below 1/255) are left out; when all of them are, that is an error.
 FFP_API FfpGaussians *ffp_gaussians_open(FfpContext *context, const char *path, FfpError *err);
 FFP_API bool ffp_gaussians_save(FfpContext *context, const FfpGaussians *gaussians, const char *path,
                                 FfpError *err);
@@ -262,10 +266,11 @@ typedef struct FfpPictures {
 FFP_API FfpPictures ffp_pictures_defaults(void); // all views under white, 15 frames a second
 
 // Renders views under patterns into 8-bit sRGB files over black. One rasterisation a view serves all its
-// patterns. `capture` may be NULL where `poses` names a file: then the views, the projector's size and
-// intensity and the patterns are that file's, whose photographs need not be there. What it does not say comes
-// from here: the intensity, and the size of the first pattern that is an image file. Returns the number of
-// pictures written, or -1. When it fails there is no video.
+// patterns. Two files of one name are an error before the work; only frames may show a view twice. `capture`
+// may be NULL where `poses` names a file: then the views, the projector's size and intensity and the patterns
+// are that file's, whose photographs need not be there. What it does not say comes from here: the intensity,
+// and the size of the first pattern that is an image file. Returns the number of pictures written, or -1.
+// When it fails there is no video.
 FFP_API int ffp_render_pictures(FfpContext *context, const FfpGaussians *gaussians, const FfpCapture *capture,
                                 const FfpPictures *options, FfpError *err);
 
@@ -297,7 +302,7 @@ typedef struct FfpViewingStats {
     int patterns, photographs; // in it; a note says when there was no room for all
 } FfpViewingStats;
 // Writes a page on which Gaussians are drawn by the browser (WebGL 2) as ffp_render_pictures draws them,
-// while camera and projectors are moved (docs/view.md). `stats` may be NULL.
+// while camera and projectors are moved (docs/view.md). `capture` must not be NULL. `stats` may be NULL.
 FFP_API bool ffp_view(FfpContext *context, const FfpGaussians *gaussians, const FfpCapture *capture,
                       const FfpViewing *options, FfpViewingStats *stats, FfpError *err);
 

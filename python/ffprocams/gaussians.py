@@ -124,7 +124,8 @@ class Gaussians(Handle):
         return {name: array.astype(np.float32) for name, array in out.items()}
 
     def save(self, path: PathLike) -> None:
-        """Writes the PLY that load reads, without Gaussians too faint to be drawn (opacity below 1/255)."""
+        """Writes the PLY that load reads, without Gaussians too faint to be drawn (opacity below 1/255): when all
+        are, that is an error."""
         keep = Keep()
         with holding(self), Call() as call:
             call.check(lib.ffp_gaussians_save(call.context, self._pointer, keep.path(path), call.error))

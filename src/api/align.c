@@ -1,5 +1,6 @@
 // Better poses for a capture in its own units.
 #include <string.h>
+#include "api/arguments.h"
 #include "ffprocams.h"
 #include "align/align.h"
 #include "base/call.h"
@@ -78,5 +79,6 @@ static bool work(void *argument, FfpError *err) {
 bool ffp_align_poses(FfpContext *context, FfpCapture *capture, const FfpAligning *options,
                      FfpAlignStats *stats, FfpError *err) {
     Call call = {capture, options, stats};
+    if (!ffp_need(capture, "capture", err) || !ffp_need(options, "options", err)) return false;
     return ffp_call_run(context, work, &call, err);
 }

@@ -1,6 +1,7 @@
 // The rig's own calibration: the public settings as the calibrating room's.
 #include <math.h>
 #include <string.h>
+#include "api/arguments.h"
 #include "base/call.h"
 #include "base/file.h"
 #include "calibrate/calibrate.h"
@@ -30,6 +31,7 @@ static bool check_table(const FfpRigCalibration *o, FfpError *err) {
     if (o->n_angles < ANGLES_MIN || o->n_angles > FFP_ATTITUDES_MAX)
         return ffp_fail(err, FFP_ERROR_ARGUMENT, "angles", "%d are not in %d to %d", o->n_angles, ANGLES_MIN,
                         FFP_ATTITUDES_MAX);
+    if (!ffp_need(o->angles, "angles", err)) return false;
     for (int i = 0; i < o->n_angles; i++)
         if (!(fabs(o->angles[i]) <= 36000))
             return ffp_fail(err, FFP_ERROR_ARGUMENT, "angles", "%g is no angle in degrees", o->angles[i]);
@@ -139,5 +141,9 @@ static bool work(void *argument, FfpError *err) {
 bool ffp_calibrate_rig(FfpContext *context, const FfpRigCalibration *options, FfpRigCalibrationStats *stats,
                        FfpError *err) {
     Work w = {options, stats};
+    if (!ffp_need(options, "options", err) ||
+        !ffp_need_texts(options->attitudes, options->n_attitudes, "attitudes", err) ||
+        !ffp_need_texts(options->calibrations, options->n_calibrations, "calibrations", err))
+        return false;
     return ffp_call_run(context, work, &w, err);
 }

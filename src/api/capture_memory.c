@@ -2,6 +2,7 @@
 // is filled in here from numbers and pointers; everything after it is the same.
 #include <stdlib.h>
 #include <string.h>
+#include "api/arguments.h"
 #include "api/memory.h"
 #include "base/arena.h"
 #include "base/call.h"
@@ -14,11 +15,6 @@ typedef struct Sources {
     FfpArena *arena;
 } Sources;
 
-static const char *copy_text(FfpArena *arena, const char *text) {
-    const size_t size = strlen(text) + 1;
-    return memcpy(ffp_arena_alloc(arena, size, 1), text, size);
-}
-
 static FfpSource source_of(Sources *s, const FfpPicture *picture, const char *format, const char *id,
                            const char *name) {
     if (!picture->data) return (FfpSource){0};
@@ -26,7 +22,7 @@ static FfpSource source_of(Sources *s, const FfpPicture *picture, const char *fo
     snprintf(text, sizeof text, format, id, name);
     FfpRaw *raw = ffp_arena_alloc(s->arena, 1, sizeof *raw);
     *raw = ffp_raw_of(picture);
-    return (FfpSource){.path = copy_text(s->arena, text), .raw = raw};
+    return (FfpSource){.path = ffp_arena_text(s->arena, text), .raw = raw};
 }
 
 static bool take_name(char out[FFP_NAME_MAX], const char *name, const char *what, int index, FfpError *err) {
@@ -73,6 +69,8 @@ static bool take_view(Sources *s, const FfpCaptureData *data, int index, FfpErro
     FfpViewFiles *files = &s->manifest.views[index];
     char where[FFP_NAME_MAX + 32];
     if (!take_name(view->id, from->id, "views", index, err)) return false;
+    snprintf(where, sizeof where, "view %s: photographs", view->id);
+    if (!ffp_need(from->photographs, where, err)) return false;
     for (int i = 0; i < index; i++)
         if (strcmp(capture->views[i].id, view->id) == 0)
             return ffp_fail(err, FFP_ERROR_ARGUMENT, "views", "view '%s' comes twice", view->id);
@@ -136,7 +134,7 @@ static FfpCapture *copy_capture(const FfpCaptureData *data, FfpError *err) {
     s.manifest = (FfpManifest){.capture = capture, .arena = s.arena, .mask_is_given = true, .depth_scale = 1};
     s.manifest.patterns = ffp_arena_alloc(s.arena, FFP_PATTERNS_MAX, sizeof *s.manifest.patterns);
     bool ok = take_name(capture->name, data->name ? data->name : "capture", "name", 0, err);
-    s.manifest.file = copy_text(s.arena, capture->name);
+    s.manifest.file = ffp_arena_text(s.arena, capture->name);
     ok = ok && take_all(&s, data, err);
     ffp_arena_free(s.arena);
     if (ok) return capture;
@@ -158,6 +156,9 @@ static bool work(void *argument, FfpError *err) {
 
 FfpCapture *ffp_capture_from_memory(FfpContext *context, const FfpCaptureData *data, FfpError *err) {
     Call call = {data, NULL};
+    if (!ffp_need(data, "data", err) || !ffp_need(data->patterns, "patterns", err) ||
+        !ffp_need(data->views, "views", err))
+        return NULL;
     return ffp_call_run(context, work, &call, err) ? call.capture : NULL;
 }
 
@@ -189,8 +190,8 @@ FfpPatternRole ffp_capture_pattern_role(const FfpCapture *capture, int pattern) 
 bool ffp_capture_view_devices(const FfpCapture *capture, int view, FfpPinhole *camera,
                               FfpPinhole *projector) {
     if (view < 0 || view >= capture->n_views) return false;
-    *camera = ffp_pinhole_of(&capture->views[view].camera);
-    *projector = ffp_pinhole_of(&capture->views[view].projector);
+    if (camera) *camera = ffp_pinhole_of(&capture->views[view].camera);
+    if (projector) *projector = ffp_pinhole_of(&capture->views[view].projector);
     return true;
 }
 

@@ -3,6 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <tgmath.h>
+#include "api/arguments.h"
 #include "api/images.h"
 #include "api/memory.h"
 #include "apply/choose.h"
@@ -264,10 +265,20 @@ static bool into_memory(void *argument, FfpError *err) {
     return call->images != NULL;
 }
 
+static bool check_arguments(const FfpGaussians *gaussians, const FfpCapture *capture,
+                            const FfpCompensation *options, FfpError *err) {
+    return ffp_need(gaussians, "gaussians", err) && ffp_need(capture, "capture", err) &&
+           ffp_need(options, "options", err) &&
+           ffp_need_texts(options->views, options->n_views, "views", err) &&
+           (options->pictures || ffp_need_texts(options->targets, options->n_targets, "targets", err)) &&
+           ffp_check_drawing(options->drawing, err);
+}
+
 FfpImages *ffp_compensate_images(FfpContext *context, const FfpGaussians *gaussians,
                                  const FfpCapture *capture, const FfpCompensation *options,
                                  FfpCompensationStats *stats, FfpError *err) {
     Call call = {gaussians, capture, options, stats, NULL};
+    if (!check_arguments(gaussians, capture, options, err)) return NULL;
     return ffp_call_run(context, into_memory, &call, err) ? call.images : NULL;
 }
 
@@ -279,5 +290,7 @@ static bool into_files(void *argument, FfpError *err) {
 bool ffp_compensate(FfpContext *context, const FfpGaussians *gaussians, const FfpCapture *capture,
                     const FfpCompensation *options, FfpCompensationStats *stats, FfpError *err) {
     Call call = {gaussians, capture, options, stats, NULL};
+    if (!check_arguments(gaussians, capture, options, err) || !ffp_need(options->pattern, "pattern", err))
+        return false;
     return ffp_call_run(context, into_files, &call, err);
 }

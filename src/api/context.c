@@ -1,4 +1,5 @@
 #include <stdlib.h>
+#include "api/arguments.h"
 #include "base/call.h"
 #include "base/log.h"
 #include "ffprocams.h"
@@ -35,7 +36,7 @@ static bool check(const FfpContextSettings *settings, FfpError *err) {
 }
 
 FfpContext *ffp_context_new(const FfpContextSettings *settings, FfpError *err) {
-    if (!check(settings, err)) return NULL;
+    if (!ffp_need(settings, "settings", err) || !check(settings, err)) return NULL;
     FfpContext *context = calloc(1, sizeof *context);
     if (!context) {
         ffp_fail(err, FFP_ERROR_MEMORY, NULL, "out of memory");

@@ -1,4 +1,5 @@
 // Gaussians for other programs: splats with one colour each, or a mesh.
+#include "api/arguments.h"
 #include "export/mesh.h"
 #include "export/splats.h"
 
@@ -36,6 +37,8 @@ static bool lights(const FfpExport *options) {
 
 static bool check(const FfpExport *options, const FfpCapture *capture, FfpError *err) {
     const Kind kind = kind_of(options->file);
+    if ((unsigned)options->up > FFP_UP_MINUS_Y)
+        return ffp_fail(err, FFP_ERROR_ARGUMENT, "up", "%d is none", (int)options->up);
     if (options->mesh && (kind == KIND_PLY || kind == KIND_SPZ || kind == KIND_NONE))
         return ffp_fail(err, FFP_ERROR_ARGUMENT, options->file, "a mesh is written as .glb, .gltf or .obj");
     if (!options->mesh && (kind == KIND_OBJ || kind == KIND_NONE))
@@ -188,5 +191,8 @@ static bool work(void *argument, FfpError *err) {
 bool ffp_export(FfpContext *context, const FfpGaussians *gaussians, const FfpCapture *capture,
                 const FfpExport *options, FfpExportStats *stats, FfpError *err) {
     Call call = {gaussians, capture, options, stats};
+    if (!ffp_need(gaussians, "gaussians", err) || !ffp_need(options, "options", err) ||
+        !ffp_need(options->file, "file", err) || !ffp_check_drawing((FfpDrawing){.form = options->form}, err))
+        return false;
     return ffp_call_run(context, work, &call, err);
 }

@@ -2,6 +2,7 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include "api/arguments.h"
 #include "ffprocams.h"
 #include "base/arena.h"
 #include "base/call.h"
@@ -81,5 +82,6 @@ static bool work(void *argument, FfpError *err) {
 
 FfpGaussians *ffp_gaussians_from_arrays(FfpContext *context, const FfpGaussianArrays *arrays, FfpError *err) {
     Call call = {arrays, NULL};
+    if (!ffp_need(arrays, "arrays", err)) return NULL;
     return ffp_call_run(context, work, &call, err) ? call.gaussians : NULL;
 }

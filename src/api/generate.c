@@ -1,4 +1,5 @@
 // Generated captures on disk: the public settings as the training world's.
+#include "api/arguments.h"
 #include "ffprocams.h"
 #include "base/call.h"
 #include "base/error.h"
@@ -63,5 +64,6 @@ static bool generate(void *argument, FfpError *err) {
 }
 
 bool ffp_generate(FfpContext *context, const FfpGeneration *options, FfpError *err) {
+    if (!ffp_need(options, "options", err) || !ffp_need(options->folder, "folder", err)) return false;
     return ffp_call_run(context, generate, &options, err);
 }

@@ -1,6 +1,7 @@
-// The handles of the public header: opening, saving, closing; training and generation.
+// The handles of the public header: opening, saving, closing.
 #include <stdio.h>
 #include <stdlib.h>
+#include "api/arguments.h"
 #include "ffprocams.h"
 #include "api/weights.h"
 #include "base/arena.h"
@@ -9,7 +10,6 @@
 #include "capture/capture.h"
 #include "gaussians/gaussians.h"
 #include "network/network.h"
-#include "train/train.h"
 
 const char *ffp_version(void) {
     return FFP_VERSION;
@@ -30,6 +30,7 @@ static bool open_capture(void *argument, FfpError *err) {
 
 FfpCapture *ffp_capture_open(FfpContext *context, const char *path, FfpError *err) {
     OpenCapture call = {.path = path};
+    if (!ffp_need(path, "path", err)) return NULL;
     return ffp_call_run(context, open_capture, &call, err) ? call.capture : NULL;
 }
 
@@ -45,11 +46,12 @@ static bool save_capture(void *argument, FfpError *err) {
 
 bool ffp_capture_save(FfpContext *context, const FfpCapture *capture, const char *folder, FfpError *err) {
     SaveCapture call = {capture, folder};
+    if (!ffp_need(capture, "capture", err) || !ffp_need(folder, "folder", err)) return false;
     return ffp_call_run(context, save_capture, &call, err);
 }
 
 bool ffp_can_save_capture(const char *folder, FfpError *err) {
-    return ffp_capture_probe(folder, err);
+    return ffp_need(folder, "folder", err) && ffp_capture_probe(folder, err);
 }
 
 void ffp_capture_close(FfpCapture *capture) {
@@ -100,6 +102,7 @@ static bool open_gaussians(void *argument, FfpError *err) {
 
 FfpGaussians *ffp_gaussians_open(FfpContext *context, const char *path, FfpError *err) {
     OpenGaussians call = {.path = path};
+    if (!ffp_need(path, "path", err)) return NULL;
     return ffp_call_run(context, open_gaussians, &call, err) ? call.gaussians : NULL;
 }
 
@@ -110,12 +113,16 @@ typedef struct SaveGaussians {
 
 static bool save_gaussians(void *argument, FfpError *err) {
     const SaveGaussians *call = argument;
-    // The rasteriser never draws less than that opacity.
-    return ffp_gaussians_write(call->gaussians, call->path, 1.0F / 255, err);
+    const float least = 1.0F / 255; // the rasteriser never draws less than that opacity
+    bool any = false;
+    for (int64_t i = 0; i < call->gaussians->count && !any; i++) any = call->gaussians->opacity[i] >= least;
+    if (!any) return ffp_fail(err, FFP_ERROR_ARGUMENT, call->path, "no Gaussian is opaque enough to be seen");
+    return ffp_gaussians_write(call->gaussians, call->path, least, err);
 }
 
 bool ffp_gaussians_save(FfpContext *context, const FfpGaussians *gaussians, const char *path, FfpError *err) {
     SaveGaussians call = {gaussians, path};
+    if (!ffp_need(gaussians, "gaussians", err) || !ffp_need(path, "path", err)) return false;
     return ffp_call_run(context, save_gaussians, &call, err);
 }
 

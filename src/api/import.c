@@ -1,6 +1,7 @@
 // Photographs and calibrations of other tools into a capture: the public settings as the rig's.
 #include <stdlib.h>
 #include <string.h>
+#include "api/arguments.h"
 #include "ffprocams.h"
 #include "base/call.h"
 #include "base/arena.h"
@@ -64,6 +65,27 @@ static bool check_choices(const FfpImport *options, FfpError *err) {
            ffp_fail(err, FFP_ERROR_ARGUMENT, "projector.fit", "%d is none", (int)options->projector.fit);
 }
 
+static bool check_texts(const FfpImport *options, FfpError *err) {
+    const FfpImportPattern *const patterns[2] = {options->patterns, options->held_out};
+    const int n[2] = {options->n_patterns, options->n_held_out};
+    bool ok = ffp_need(options->folder, "folder", err) &&
+              ffp_need_texts(options->calibrations, options->n_calibrations, "calibrations", err) &&
+              ffp_need_texts(options->views, options->n_views, "views", err) &&
+              (options->masks != FFP_MASKS_FROM_FILES || ffp_need(options->mask_files, "mask_files", err)) &&
+              (options->n_images <= 0 || ffp_need(options->images, "images", err));
+    for (int i = 0; ok && i < options->n_images; i++)
+        ok = ffp_need(options->images[i].files, "images.files", err) &&
+             ffp_need_texts(options->images[i].patterns, options->images[i].n_patterns, "images.patterns",
+                            err);
+    for (int k = 0; ok && k < 2; k++) {
+        ok = n[k] <= 0 || ffp_need(patterns[k], k ? "held_out" : "patterns", err);
+        for (int i = 0; ok && i < n[k]; i++)
+            ok = ffp_need(patterns[k][i].name, k ? "held_out.name" : "patterns.name", err) &&
+                 ffp_need(patterns[k][i].file, k ? "held_out.file" : "patterns.file", err);
+    }
+    return ok;
+}
+
 static bool import_capture(void *argument, FfpError *err) {
     const FfpImport *options = *(const FfpImport *const *)argument;
     const FfpImportTurntable *turns = &options->turntable;
@@ -105,5 +127,6 @@ static bool import_capture(void *argument, FfpError *err) {
 }
 
 bool ffp_import_capture(FfpContext *context, const FfpImport *options, FfpError *err) {
+    if (!ffp_need(options, "options", err) || !check_texts(options, err)) return false;
     return ffp_call_run(context, import_capture, &options, err);
 }

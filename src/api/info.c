@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <tgmath.h>
+#include "api/arguments.h"
 #include "base/arena.h"
 #include "base/call.h"
 #include "base/text.h"
@@ -224,5 +225,6 @@ static bool work(void *argument, FfpError *err) {
 
 char *ffp_info(FfpContext *context, const char *path, FfpError *err) {
     Call call = {path, NULL};
+    if (!ffp_need(path, "path", err)) return NULL;
     return ffp_call_run(context, work, &call, err) ? call.text : NULL;
 }

@@ -3,6 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <tgmath.h>
+#include "api/arguments.h"
 #include "api/images.h"
 #include "api/memory.h"
 #include "api/relight.h"
@@ -227,6 +228,10 @@ FfpImages *ffp_map_images(FfpContext *context, const FfpGaussians *gaussians, co
                           const FfpPinhole *camera, const FfpPinhole *projector, FfpDrawing drawing,
                           FfpMapStats *stats, FfpError *err) {
     MemoryCall call = {gaussians, capture, camera, projector, drawing, stats, NULL};
+    if (!ffp_need(gaussians, "gaussians", err) || !ffp_need(capture, "capture", err) ||
+        !ffp_need(camera, "camera", err) || !ffp_need(projector, "projector", err) ||
+        !ffp_check_drawing(drawing, err))
+        return NULL;
     return ffp_call_run(context, into_memory, &call, err) ? call.images : NULL;
 }
 
@@ -247,5 +252,10 @@ static bool into_files(void *argument, FfpError *err) {
 int ffp_write_maps(FfpContext *context, const FfpGaussians *gaussians, const FfpCapture *capture,
                    const FfpMaps *options, FfpMapStats *stats, FfpError *err) {
     FilesCall call = {gaussians, capture, options, stats, 0};
+    if (!ffp_need(gaussians, "gaussians", err) || !ffp_need(capture, "capture", err) ||
+        !ffp_need(options, "options", err) || !ffp_need(options->folder, "folder", err) ||
+        !ffp_need_texts(options->views, options->n_views, "views", err) ||
+        !ffp_check_drawing(options->drawing, err))
+        return -1;
     return ffp_call_run(context, into_files, &call, err) ? call.written : -1;
 }

@@ -1,5 +1,6 @@
 // A neural reflectance field fitted to a capture's pictures, in the capture's own units; its file.
 #include <string.h>
+#include "api/arguments.h"
 #include "base/call.h"
 #include "denoise/denoise.h"
 #include "api/reconstruct.h"
@@ -78,6 +79,7 @@ static bool fit_call(void *argument, FfpError *err) {
 FfpNeuralField *ffp_fit_neural_field(FfpContext *context, const FfpCapture *capture,
                                      const FfpRefinement *options, FfpRefinementStats *stats, FfpError *err) {
     Call call = {NULL, capture, options, stats};
+    if (!ffp_need(capture, "capture", err) || !ffp_need(options, "options", err)) return NULL;
     return ffp_call_run(context, fit_call, &call, err) ? call.field : NULL;
 }
 
@@ -96,6 +98,7 @@ static bool open_field(void *argument, FfpError *err) {
 
 FfpNeuralField *ffp_neural_field_open(FfpContext *context, const char *path, FfpError *err) {
     File call = {.path = path};
+    if (!ffp_need(path, "path", err)) return NULL;
     return ffp_call_run(context, open_field, &call, err) ? call.field : NULL;
 }
 
@@ -107,6 +110,7 @@ static bool save_field(void *argument, FfpError *err) {
 bool ffp_neural_field_save(FfpContext *context, const FfpNeuralField *field, const char *path,
                            FfpError *err) {
     File call = {path, (FfpNeuralField *)field};
+    if (!ffp_need(field, "field", err) || !ffp_need(path, "path", err)) return false;
     return ffp_call_run(context, save_field, &call, err);
 }
 

@@ -1,4 +1,5 @@
 // What a projector shows while it is photographed.
+#include "api/arguments.h"
 #include "base/call.h"
 #include "base/file.h"
 #include "ffprocams.h"
@@ -17,7 +18,6 @@ FfpPatterns ffp_patterns_defaults(void) {
 }
 
 static bool check(const FfpPatterns *o, FfpError *err) {
-    if (!o->folder) return ffp_fail(err, FFP_ERROR_ARGUMENT, "folder", "no folder to write to");
     if (o->width < SIDE_MIN || o->width > SIDE_MAX || o->height < SIDE_MIN || o->height > SIDE_MAX)
         return ffp_fail(err, FFP_ERROR_ARGUMENT, "projector", "a side of %d x %d is not in %d to %d pixels",
                         o->width, o->height, SIDE_MIN, SIDE_MAX);
@@ -39,6 +39,7 @@ static bool work(void *argument, FfpError *err) {
 }
 
 int ffp_write_patterns(FfpContext *context, const FfpPatterns *options, FfpError *err) {
+    if (!ffp_need(options, "options", err) || !ffp_need(options->folder, "folder", err)) return -1;
     FfpPatterns o = *options;
     if (!ffp_call_run(context, work, &o, err)) return -1;
     const FfpShow show = {o.width, o.height, o.lollipops, o.focus, o.capture, o.gamma, o.gray_codes};

@@ -2,6 +2,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include "api/arguments.h"
 #include "base/arena.h"
 #include "base/call.h"
 #include "base/device.h"
@@ -277,5 +278,8 @@ FfpGaussians *ffp_reconstruct(FfpContext *context, const FfpCapture *capture,
                               const FfpReconstruction *options, FfpReconstructionStats *stats,
                               FfpError *err) {
     Call call = {capture, options, stats, NULL};
+    if (!ffp_need(capture, "capture", err) || !ffp_need(options, "options", err) ||
+        !ffp_check_drawing(options->drawing, err))
+        return NULL;
     return ffp_call_run(context, work, &call, err) ? call.gaussians : NULL;
 }

@@ -2,6 +2,7 @@
 #include <string.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include "api/arguments.h"
 #include "base/arena.h"
 #include "base/call.h"
 #include "base/file.h"
@@ -120,9 +121,15 @@ static bool refine(void *argument, FfpError *err) {
     return ok;
 }
 
+static bool check_arguments(const FfpCapture *capture, const FfpRefinement *options, FfpError *err) {
+    return ffp_need(capture, "capture", err) && ffp_need(options, "options", err) &&
+           ffp_check_drawing(options->drawing, err);
+}
+
 bool ffp_refine_gaussians(FfpContext *context, FfpGaussians *gaussians, const FfpCapture *capture,
                           const FfpRefinement *options, FfpRefinementStats *stats, FfpError *err) {
     Call call = {gaussians, false, capture, options, stats};
+    if (!ffp_need(gaussians, "gaussians", err) || !check_arguments(capture, options, err)) return false;
     return ffp_call_run(context, refine, &call, err);
 }
 
@@ -137,5 +144,6 @@ static bool fit_from_scratch(void *argument, FfpError *err) {
 FfpGaussians *ffp_fit_from_scratch(FfpContext *context, const FfpCapture *capture,
                                    const FfpRefinement *options, FfpRefinementStats *stats, FfpError *err) {
     Call call = {NULL, true, capture, options, stats};
+    if (!check_arguments(capture, options, err)) return NULL;
     return ffp_call_run(context, fit_from_scratch, &call, err) ? call.gaussians : NULL;
 }

@@ -4,12 +4,14 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include "api/arguments.h"
 #include "base/arena.h"
 #include "base/call.h"
 #include "base/file.h"
 #include "base/log.h"
 #include "api/relight.h"
 #include "api/video.h"
+#include "apply/choose.h"
 
 #define ORBIT_FRAMES_MAX 9999 // as many as a name's four digits count
 
@@ -27,14 +29,14 @@ typedef struct Job {
     int n_views, n_patterns;
     real intensity[3];
     const FfpCapture *source; // of the views: the capture or the poses
-    int *views;               // [n_views] which of them
+    const FfpView **views;    // [n_views] those chosen
     FfpPattern *patterns;     // images are owned when `owned`
     bool *owned;
     int written;
 } Job;
 
 static const FfpView *view_of(const Job *job, int v) {
-    return job->own ? &job->own[v] : &job->source->views[job->views[v]];
+    return job->own ? &job->own[v] : job->views[v];
 }
 
 // Whether pictures are frames with numbers, in place of names.
@@ -96,16 +98,9 @@ static bool settle_intensity(Job *job, FfpError *err) {
 static bool choose_views(Job *job, FfpError *err) {
     const FfpPictures *options = job->options;
     job->n_views = options->n_views ? options->n_views : job->source->n_views;
-    job->views = ffp_alloc(job->n_views, sizeof *job->views);
-    for (int v = 0; v < job->n_views; v++) {
-        const int found = options->n_views ? ffp_capture_find_view(job->source, options->views[v]) : v;
-        if (found < 0)
-            return ffp_fail(err, FFP_ERROR_ARGUMENT, options->poses ? options->poses : job->capture->folder,
-                            "there is no view %.96s; there are %s", options->views[v],
-                            ffp_list_views(job->source).text);
-        job->views[v] = found;
-    }
-    return true;
+    job->views = ffp_alloc((size_t)job->n_views, sizeof *job->views);
+    return ffp_choose_among(job->views, job->source, options->views, options->n_views, is_sequence(options),
+                            options->poses ? options->poses : job->capture->folder, err);
 }
 
 static bool check_sequence(const FfpPictures *options, FfpError *err) {
@@ -270,6 +265,50 @@ static bool check_projectors(const Job *job, FfpError *err) {
     return true;
 }
 
+// --- Files. ---
+
+typedef struct FileName {
+    char text[2 * FFP_NAME_MAX + 16];
+} FileName;
+
+static bool name_file(FileName *name, const Job *job, const FfpView *view, const char *rest,
+                      const char *ending, FfpError *err) {
+    char path[FFP_PATH_MAX], whole[FFP_NAME_MAX + 16];
+    snprintf(whole, sizeof whole, "%s%s", rest, ending);
+    snprintf(name->text, sizeof name->text, "%s_%s", view->id, whole);
+    return ffp_picture_path(path, sizeof path, job->options->folder, view->id, whole, err);
+}
+
+static int by_name(const void *a, const void *b) {
+    return strcmp(((const FileName *)a)->text, ((const FileName *)b)->text);
+}
+
+// Before the work: that every file has a name, and one of its own. Views and patterns may be called what they
+// like.
+static bool check_names(const Job *job, FfpError *err) {
+    if (is_sequence(job->options)) return true;
+    const int each = job->n_patterns + (job->options->maps ? FFP_MAP_COUNT + 1 : 0);
+    FileName *names = ffp_alloc((size_t)job->n_views * (size_t)each, sizeof *names), *next = names;
+    bool ok = true;
+    for (int v = 0; ok && v < job->n_views; v++) {
+        const FfpView *view = view_of(job, v);
+        for (int p = 0; ok && p < job->n_patterns; p++)
+            ok = name_file(next++, job, view, job->patterns[p].name, ".png", err);
+        if (!job->options->maps) continue;
+        for (int m = 0; ok && m < FFP_MAP_COUNT; m++)
+            ok = name_file(next++, job, view, ffp_map_name((FfpMap)m), ".png", err);
+        ok = ok && name_file(next++, job, view, "depth", ".exr", err);
+    }
+    const size_t count = (size_t)(next - names);
+    if (ok) qsort(names, count, sizeof *names, by_name);
+    for (size_t i = 1; ok && i < count; i++)
+        if (by_name(&names[i - 1], &names[i]) == 0)
+            ok = ffp_fail(err, FFP_ERROR_ARGUMENT, job->options->folder, "two pictures would be called %s",
+                          names[i].text);
+    ffp_free(names);
+    return ok;
+}
+
 static bool write_map(Job *job, const FfpView *view, const FfpImage *picture, const char *rest,
                       FfpError *err) {
     char path[FFP_PATH_MAX];
@@ -362,7 +401,7 @@ static int render(const FfpGaussians *gaussians, const FfpCapture *capture, cons
     bool ok = check_sequence(options, err) && open_sources(&job, capture, err) &&
               settle_intensity(&job, err) && choose_views(&job, err) && choose_patterns(&job, err);
     if (ok) make_orbit(&job, gaussians);
-    ok = ok && resize_views(&job, err) && check_projectors(&job, err) &&
+    ok = ok && resize_views(&job, err) && check_projectors(&job, err) && check_names(&job, err) &&
          ffp_make_folders(options->folder, err);
     if (ok) {
         const FfpRenderSettings settings = ffp_drawing_settings(options->drawing, NULL);
@@ -390,5 +429,11 @@ static bool work(void *argument, FfpError *err) {
 int ffp_render_pictures(FfpContext *context, const FfpGaussians *gaussians, const FfpCapture *capture,
                         const FfpPictures *options, FfpError *err) {
     Call call = {gaussians, capture, options, 0};
+    if (!ffp_need(gaussians, "gaussians", err) || !ffp_need(options, "options", err) ||
+        !ffp_need(options->folder, "folder", err) ||
+        !ffp_need_texts(options->views, options->n_views, "views", err) ||
+        !ffp_need_texts(options->patterns, options->n_patterns, "patterns", err) ||
+        !ffp_check_drawing(options->drawing, err))
+        return -1;
     return ffp_call_run(context, work, &call, err) ? call.written : -1;
 }

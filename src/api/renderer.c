@@ -2,6 +2,7 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include "api/arguments.h"
 #include "api/memory.h"
 #include "api/relight.h"
 #include "base/arena.h"
@@ -41,6 +42,7 @@ static bool make(void *argument, FfpError *err) {
 
 FfpRenderer *ffp_renderer_new(FfpContext *context, FfpDrawing drawing, FfpError *err) {
     NewCall call = {drawing, NULL};
+    if (!ffp_check_drawing(drawing, err)) return NULL;
     return ffp_call_run(context, make, &call, err) ? call.renderer : NULL;
 }
 
@@ -74,6 +76,9 @@ static bool aim(void *argument, FfpError *err) {
 bool ffp_renderer_aim(FfpContext *context, FfpRenderer *renderer, const FfpGaussians *gaussians,
                       const FfpPinhole *camera, const FfpPinhole *projector, FfpError *err) {
     AimCall call = {renderer, gaussians, camera, projector};
+    if (!ffp_need(renderer, "renderer", err) || !ffp_need(gaussians, "gaussians", err) ||
+        !ffp_need(camera, "camera", err) || !ffp_need(projector, "projector", err))
+        return false;
     return ffp_call_run(context, aim, &call, err);
 }
 
@@ -155,6 +160,9 @@ bool ffp_renderer_shade(FfpContext *context, FfpRenderer *renderer, const FfpPic
                         const double intensity[3], void *out, FfpPixelType type, size_t row_bytes,
                         FfpError *err) {
     ShadeCall call = {renderer, pattern, intensity, out, type, row_bytes};
+    if (!ffp_need(renderer, "renderer", err) || !ffp_need(intensity, "intensity", err) ||
+        !ffp_need(out, "out", err))
+        return false;
     return ffp_call_run(context, do_shade, &call, err);
 }
 
@@ -200,5 +208,6 @@ static bool do_map(void *argument, FfpError *err) {
 
 bool ffp_renderer_map(FfpContext *context, FfpRenderer *renderer, FfpMap map, float *out, FfpError *err) {
     MapCall call = {renderer, map, out};
+    if (!ffp_need(renderer, "renderer", err) || !ffp_need(out, "out", err)) return false;
     return ffp_call_run(context, do_map, &call, err);
 }

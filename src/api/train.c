@@ -1,4 +1,5 @@
 // Training: the public options as the trainer's.
+#include "api/arguments.h"
 #include "ffprocams.h"
 #include "api/weights.h"
 #include "base/call.h"
@@ -19,7 +20,6 @@ static bool train(void *argument, FfpError *err) {
                        .steps = options->steps,
                        .stop_at = options->stop_at,
                        .resume = options->resume};
-    if (!run.out) return ffp_fail(err, FFP_ERROR_ARGUMENT, "out", "no folder to write to is given");
     if (run.captures && run.resume)
         return ffp_fail(err, FFP_ERROR_ARGUMENT, "captures",
                         "a resumed run has those of its checkpoint: it takes no others");
@@ -31,5 +31,6 @@ static bool train(void *argument, FfpError *err) {
 }
 
 bool ffp_train_model(FfpContext *context, const FfpTraining *options, FfpError *err) {
+    if (!ffp_need(options, "options", err) || !ffp_need(options->out, "out", err)) return false;
     return ffp_call_run(context, train, &options, err);
 }

@@ -1,5 +1,6 @@
 // The page that shows Gaussians in a browser.
 #include <stdlib.h>
+#include "api/arguments.h"
 #include "api/relight.h"
 #include "base/call.h"
 #include "base/log.h"
@@ -19,7 +20,6 @@ typedef struct ViewCall {
 } ViewCall;
 
 static bool check(const FfpViewing *options, FfpError *err) {
-    if (!options->file) return ffp_fail(err, FFP_ERROR_ARGUMENT, "file", "no file to write the page to");
     return (options->photographs >= 0 && options->photographs <= PHOTOGRAPHS_MAX) ||
            ffp_fail(err, FFP_ERROR_ARGUMENT, "photographs", "%d pixels are not in 0 to %d",
                     options->photographs, PHOTOGRAPHS_MAX);
@@ -51,5 +51,9 @@ static bool view(void *argument, FfpError *err) {
 bool ffp_view(FfpContext *context, const FfpGaussians *gaussians, const FfpCapture *capture,
               const FfpViewing *options, FfpViewingStats *stats, FfpError *err) {
     ViewCall call = {gaussians, capture, options, stats};
+    if (!ffp_need(gaussians, "gaussians", err) || !ffp_need(capture, "capture", err) ||
+        !ffp_need(options, "options", err) || !ffp_need(options->file, "file", err) ||
+        !ffp_check_drawing(options->drawing, err))
+        return false;
     return ffp_call_run(context, view, &call, err);
 }

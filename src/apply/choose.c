@@ -4,11 +4,19 @@
 #include <string.h>
 #include "base/arena.h"
 
-static bool find_view(const FfpCapture *source, const char *id, const char *where, int *found,
-                      FfpError *err) {
-    *found = ffp_capture_find_view(source, id);
-    return *found >= 0 || ffp_fail(err, FFP_ERROR_ARGUMENT, where, "there is no view %.96s; there are %s", id,
-                                   ffp_list_views(source).text);
+bool ffp_choose_among(const FfpView **views, const FfpCapture *source, const char *const *ids, int n_ids,
+                      bool again, const char *where, FfpError *err) {
+    for (int v = 0; v < (n_ids ? n_ids : source->n_views); v++) {
+        const int found = n_ids ? ffp_capture_find_view(source, ids[v]) : v;
+        if (found < 0)
+            return ffp_fail(err, FFP_ERROR_ARGUMENT, where, "there is no view %.96s; there are %s", ids[v],
+                            ffp_list_views(source).text);
+        views[v] = &source->views[found];
+        for (int before = 0; before < v && !again; before++)
+            if (views[before] == views[v])
+                return ffp_fail(err, FFP_ERROR_ARGUMENT, where, "view %.96s is named twice", views[v]->id);
+    }
+    return true;
 }
 
 bool ffp_choose_views(FfpChosen *chosen, const FfpCapture *capture, const char *poses, const char *const *ids,
@@ -22,16 +30,7 @@ bool ffp_choose_views(FfpChosen *chosen, const FfpCapture *capture, const char *
     }
     chosen->n_views = n_ids ? n_ids : source->n_views;
     chosen->views = ffp_alloc((size_t)chosen->n_views, sizeof *chosen->views);
-    for (int v = 0; v < chosen->n_views; v++) {
-        int found = v;
-        if (n_ids && !find_view(source, ids[v], poses ? poses : capture->folder, &found, err)) return false;
-        for (int before = 0; before < v; before++)
-            if (chosen->views[before] == &source->views[found])
-                return ffp_fail(err, FFP_ERROR_ARGUMENT, poses ? poses : capture->folder,
-                                "view %s is named twice", ids[v]);
-        chosen->views[v] = &source->views[found];
-    }
-    return true;
+    return ffp_choose_among(chosen->views, source, ids, n_ids, false, poses ? poses : capture->folder, err);
 }
 
 void ffp_chosen_free(FfpChosen *chosen) {

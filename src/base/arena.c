@@ -86,6 +86,11 @@ void *ffp_arena_take(FfpArena *arena, size_t count, size_t size) {
     return block;
 }
 
+const char *ffp_arena_text(FfpArena *arena, const char *text) {
+    const size_t size = strlen(text) + 1;
+    return memcpy(ffp_arena_take(arena, size, 1), text, size);
+}
+
 void ffp_arena_reset(FfpArena *arena) {
     for (Chunk *chunk = arena->first; chunk != NULL; chunk = chunk->next) chunk->used = 0;
     arena->current = arena->first;

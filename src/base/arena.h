@@ -14,7 +14,8 @@ void ffp_arena_free(FfpArena *arena); // NULL is allowed
 void *ffp_arena_alloc(FfpArena *arena, size_t count, size_t size);
 // The same, of undefined contents: for what is written before it is read. Nobody touches its pages before.
 void *ffp_arena_take(FfpArena *arena, size_t count, size_t size);
-void ffp_arena_reset(FfpArena *arena);              // keeps the memory for the next step
-size_t ffp_arena_high_water(const FfpArena *arena); // bytes, the most ever in use
+const char *ffp_arena_text(FfpArena *arena, const char *text); // a copy
+void ffp_arena_reset(FfpArena *arena);                         // keeps the memory for the next step
+size_t ffp_arena_high_water(const FfpArena *arena);            // bytes, the most ever in use
 
 #endif

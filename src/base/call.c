@@ -1,5 +1,6 @@
 #include "base/call.h"
 
+#include <locale.h>
 #include <omp.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -43,6 +44,7 @@ typedef struct Call {
     double began, asked;     // ffp_seconds(): that task; the progress callback, last
     const FfpDevice *device; // that the thread worked on before
     int threads;             // of OpenMP, before
+    locale_t locale;         // of the thread, before: the callbacks' own
 } Call;
 
 // Where a jump leads: the call's own frame, or that of a body of ffp_parallel_for.
@@ -57,6 +59,9 @@ typedef struct FfpFrame {
 
 static _Thread_local FfpFrame *current;
 static pthread_mutex_t device_lock = PTHREAD_MUTEX_INITIALIZER; // calls on a device take turns
+
+static pthread_once_t locale_once = PTHREAD_ONCE_INIT;
+static locale_t plain_locale; // kept to the end of the process; 0: there is none to be had
 
 // What only the library itself can get wrong: seen where it is built for tests.
 static void check(bool right, const char *what) {
@@ -134,6 +139,19 @@ void ffp_blocks_use(FfpBlocks *blocks) {
     if (current && current->call) current->blocks = blocks ? blocks : &current->call->blocks;
 }
 
+// --- The locale. ---
+
+static void make_plain_locale(void) {
+    plain_locale = newlocale(LC_ALL_MASK, "C", (locale_t)0);
+}
+
+// From here on this thread reads and writes numbers with a point, whatever the host has set. Returns what it
+// had before, to be set again.
+static locale_t use_plain_locale(void) {
+    pthread_once(&locale_once, make_plain_locale);
+    return uselocale(plain_locale);
+}
+
 // --- Frames. ---
 
 FfpContext *ffp_call_context(void) {
@@ -187,7 +205,9 @@ static void run_guarded(FfpFrame *outer, Body *body) {
         frame.caller = outer->caller && current == outer;
     }
     current = &frame;
+    const locale_t before = use_plain_locale();
     enter(&frame, run_body, body, NULL, &ok);
+    uselocale(before);
     current = frame.outer;
 }
 
@@ -214,6 +234,7 @@ static void begin(Call *call, FfpFrame *frame) {
     pthread_mutex_init(&call->lock, NULL);
     if (takes_turn(context)) pthread_mutex_lock(&device_lock);
     call->device = ffp_device();
+    call->locale = use_plain_locale();
     call->threads = omp_get_max_threads();
     if (context && context->settings.threads > 0) omp_set_num_threads(context->settings.threads);
     *frame = (FfpFrame){
@@ -233,6 +254,7 @@ static void end(Call *call, FfpFrame *frame, bool ok) {
     }
     current = frame->outer;
     ffp_device_use(call->device);
+    uselocale(call->locale);
     omp_set_num_threads(call->threads);
     if (takes_turn(call->context)) pthread_mutex_unlock(&device_lock);
     pthread_mutex_destroy(&call->lock);
@@ -413,9 +435,11 @@ static void say(FfpLogLevel level, const char *format, va_list arguments) {
     if (!context || !context->settings.log) return;
     char text[2048];
     vsnprintf(text, sizeof text, format, arguments);
+    const locale_t ours = uselocale(current->call->locale);
     pthread_mutex_lock(&current->call->lock);
     context->settings.log(context->settings.user, level, text);
     pthread_mutex_unlock(&current->call->lock);
+    uselocale(ours);
 }
 
 void ffp_note(const char *format, ...) {
@@ -449,7 +473,9 @@ static void ask(double now) {
     p.seconds = p.stage ? now - call->began : 0;
     p.seconds_left = p.done > 0 ? p.seconds * (double)(p.total - p.done) / (double)p.done : -1.0;
     call->asked = now;
+    const locale_t ours = uselocale(call->locale);
     if (!settings->progress(settings->user, &p)) call->cancelled = true;
+    uselocale(ours);
 }
 
 static void ask_in_time(void) {

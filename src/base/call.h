@@ -24,7 +24,8 @@ struct FfpContext {
 
 // Does a public function's work for the context (NULL: the defaults) and returns what `work` returns, or
 // false when it was left. When false, memory that the work took is gone. Called while the thread is in a call
-// already it only does the work: nested calls are the outer one's.
+// already it only does the work: nested calls are the outer one's. Numbers are read and written as in the C
+// locale meanwhile, by this thread and in bodies of ffp_parallel_for; the callbacks have the caller's locale.
 bool ffp_call_run(FfpContext *context, bool (*work)(void *argument, FfpError *err), void *argument,
                   FfpError *err);
 

@@ -1,7 +1,6 @@
 #include "base/memory.h"
 
 #include <limits.h>
-#include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -63,6 +62,14 @@ static double left_in_groups(void) {
 double ffp_memory_available(void) {
     const double machine = read_number("/proc/meminfo", "MemAvailable:");
     return least_known(machine < 0 ? -1 : 1024 * machine, left_in_groups());
+}
+
+bool ffp_memory_suffices(double bytes, const char *what, const char *advice, const char *where,
+                         FfpError *err) {
+    const double left = ffp_memory_available();
+    return left < 0 || bytes <= left ||
+           ffp_fail(err, FFP_ERROR_MEMORY, where, "%s need %.1f GB of memory; this machine has %.1f left%s%s",
+                    what, bytes / 1e9, left / 1e9, *advice ? ": " : "", advice);
 }
 
 double ffp_memory_mark(void) {

@@ -3,6 +3,21 @@
 #include <stdlib.h>
 #include "base/call.h"
 
+void ffp_put_html(FILE *out, const char *text) {
+    for (; *text; text++) {
+        if (*text == '&')
+            fputs("&amp;", out);
+        else if (*text == '<')
+            fputs("&lt;", out);
+        else if (*text == '>')
+            fputs("&gt;", out);
+        else if (*text == '"')
+            fputs("&quot;", out);
+        else
+            fputc(*text, out);
+    }
+}
+
 struct FfpText {
     FILE *stream;
     char *bytes; // the stream's

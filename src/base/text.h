@@ -5,6 +5,9 @@
 #include <stdio.h>
 #include "base/alloc.h"
 
+// For a page or one of its attributes: what stands for something there stands for itself.
+void ffp_put_html(FILE *out, const char *text);
+
 typedef struct FfpText FfpText;
 FfpText *ffp_text_new(void);
 FILE *ffp_text_stream(FfpText *text);

@@ -5,6 +5,7 @@
 #include "base/base64.h"
 #include "base/file.h"
 #include "base/motion.h"
+#include "base/text.h"
 #include "calibrate/calibrate.h"
 
 enum { CELLS_X = 16, CELLS_Y = 12 };
@@ -24,22 +25,6 @@ static const char style[] =
     "td,th{border-bottom:1px solid #ddd;padding:3px 10px;text-align:right}td:first-child,th:first-child,"
     ".why{text-align:left}.open{color:#b40}i{display:inline-block;width:.8em;height:.8em;border-radius:50%}"
     "@media(max-width:700px){figure{width:100%}}";
-
-static void put_escaped(FILE *out, const char *text) {
-    for (; *text; text++) switch (*text) {
-        case '<':
-            fputs("&lt;", out);
-            break;
-        case '>':
-            fputs("&gt;", out);
-            break;
-        case '&':
-            fputs("&amp;", out);
-            break;
-        default:
-            fputc(*text, out);
-        }
-}
 
 // --- Figures as numbers. ---
 
@@ -79,10 +64,10 @@ static void put_attitudes(FILE *out, const FfpRigFit *fit) {
     for (int i = 0; i < fit->n; i++) {
         const FfpAttitude *a = &fit->attitudes[i];
         fputs("<tr><td>", out);
-        put_escaped(out, a->name);
+        ffp_put_html(out, a->name);
         if (a->problem[0]) {
             fputs("<td class=why colspan=7>left out: ", out);
-            put_escaped(out, a->problem);
+            ffp_put_html(out, a->problem);
         } else {
             fprintf(out, "<td>%.0f&deg;<td>%d<td>%d<td>%.3f<td>%.3f<td>%.3f<td>%.3f",
                     acos(fmin(1, fabs(a->normal[2]))) * 180 / FFP_PI_DOUBLE, count_used(a, 0),
@@ -130,10 +115,10 @@ static bool put_board(FILE *out, const FfpAttitude *a, const FfpCvDevice *camera
         put_corner(out, a->camera + 2 * (size_t)i, a->camera_off + 2 * (size_t)i, both, scale, size);
     }
     fputs("</svg><figcaption>", out);
-    put_escaped(out, a->name);
+    ffp_put_html(out, a->name);
     if (a->problem[0]) {
         fputs(": left out: ", out);
-        put_escaped(out, a->problem);
+        ffp_put_html(out, a->problem);
     } else {
         fprintf(out, ": camera's errors, %.0f times enlarged", scale);
     }

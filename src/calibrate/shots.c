@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
+#include "base/arena.h"
 #include "base/call.h"
 #include "base/file.h"
 #include "image/photograph.h"
@@ -18,11 +19,6 @@ static void close_folder(void *folder) {
 
 static int compare(const void *a, const void *b) {
     return ffp_natural_order(*(const char *const *)a, *(const char *const *)b);
-}
-
-static const char *keep(FfpArena *arena, const char *text) {
-    const size_t size = strlen(text) + 1;
-    return memcpy(ffp_arena_alloc(arena, size, 1), text, size);
 }
 
 // What of a folder is wanted: pictures, or folders. Paths in natural order, [*n].
@@ -41,7 +37,7 @@ static bool list(FfpArena *arena, const char *folder, bool folders, const char *
              ffp_fail(err, FFP_ERROR_ARGUMENT, folder, "the path is too long");
         if (!ok || (folders ? !ffp_is_folder(path) : !ffp_is_file(path))) continue;
         ok = *n < FILES_MAX || ffp_fail(err, FFP_ERROR_FILE, folder, "more than %d pictures", FILES_MAX);
-        if (ok) found[(*n)++] = keep(arena, path);
+        if (ok) found[(*n)++] = ffp_arena_text(arena, path);
     }
     ffp_disown(directory), closedir(directory);
     qsort(found, (size_t)*n, sizeof *found, compare);
@@ -61,8 +57,8 @@ static bool add(FfpShotFolders *out, const char *path, const char **files, int n
     char name[FFP_PATH_MAX];
     snprintf(name, sizeof name, "%s", path);
     for (size_t end = strlen(name); end > 1 && name[end - 1] == '/';) name[--end] = 0;
-    out->folders[out->n++] =
-        (FfpShotFolder){keep(out->arena, ffp_basename(name)), files, n_files, status.st_dev, status.st_ino};
+    out->folders[out->n++] = (FfpShotFolder){ffp_arena_text(out->arena, ffp_basename(name)), files, n_files,
+                                             status.st_dev, status.st_ino};
     return true;
 }
 

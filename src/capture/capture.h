@@ -46,8 +46,8 @@ typedef struct FfpView {
 
 // The real projector behind the ideal ones of the views: what a picture has to be changed for before it is
 // shown on it. A ray (x, y, 1) in the projector's frame leaves the panel at (cx + fx x', cy + fy y'), x', y'
-// being x, y moved by the lens (rig/lens.h); a value v of a picture sent to it becomes light in proportion to
-// v^gamma, or to the sRGB curve of v.
+// being x, y moved by the lens (base/lens.h); a value v of a picture sent to it becomes light in proportion
+// to v^gamma, or to the sRGB curve of v.
 typedef struct FfpPanel {
     bool known;
     int width, height;   // pixels that the projector is sent

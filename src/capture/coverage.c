@@ -12,28 +12,6 @@ static void clamp_to_unit(FfpImage *image) {
     for (ptrdiff_t i = 0; i < pixels; i++) image->data[i] = fmin(fmax(image->data[i], (real)0), (real)1);
 }
 
-// Puts the view's pictures over black with the mask, in encoded values as everywhere.
-static void apply_mask(const FfpCapture *capture, FfpView *view, const FfpImage *mask) {
-    for (int i = 0; i < capture->n_patterns; i++) {
-        FfpImage *image = &view->images[i];
-        const ptrdiff_t pixels = image->data != NULL ? (ptrdiff_t)image->width * image->height : 0;
-        for (ptrdiff_t k = 0; k < pixels; k++) {
-            const real m = mask->data[k];
-            for (int c = 0; c < 3 && m < 1; c++) {
-                real *value = &image->data[3 * k + c];
-                *value = m > 0 ? ffp_srgb_decode(ffp_srgb_encode(*value) * m) : 0;
-            }
-        }
-    }
-}
-
-static bool cover_by_mask(const FfpCapture *capture, FfpView *view, const FfpSource *mask, FfpError *err) {
-    if (!ffp_source_mask(&view->coverage, mask, err)) return false;
-    clamp_to_unit(&view->coverage);
-    if (!mask->applied) apply_mask(capture, view, &view->coverage);
-    return true;
-}
-
 static const FfpImage *best_alpha(const FfpCapture *capture, const FfpImage *alphas) {
     if (capture->white >= 0 && alphas[capture->white].data != NULL) return &alphas[capture->white];
     if (capture->black >= 0 && alphas[capture->black].data != NULL) return &alphas[capture->black];
@@ -62,21 +40,24 @@ static FfpCoverageSource guess(const FfpCapture *capture, FfpView *view) {
     return any ? FFP_COVERAGE_GUESSED : FFP_COVERAGE_NONE;
 }
 
-bool ffp_cover_view(const FfpCapture *capture, FfpView *view, const FfpImage *alphas, const FfpSource *mask,
-                    bool mask_first, FfpCoverageSource *source, FfpError *err) {
+bool ffp_wants_mask(const FfpCapture *capture, const FfpImage *alphas, bool mask_first) {
+    return mask_first || best_alpha(capture, alphas) == NULL;
+}
+
+FfpCoverageSource ffp_cover_view(const FfpCapture *capture, FfpView *view, const FfpImage *alphas,
+                                 FfpImage *mask, bool applied) {
     const FfpImage *alpha = best_alpha(capture, alphas);
-    if (mask->path != NULL && (mask_first || alpha == NULL)) {
-        *source = FFP_COVERAGE_MASK;
-        return cover_by_mask(capture, view, mask, err);
+    if (mask->data != NULL) {
+        view->coverage = *mask, *mask = (FfpImage){0};
+        clamp_to_unit(&view->coverage);
+        for (int i = 0; i < capture->n_patterns && !applied; i++)
+            ffp_mask_apply(&view->coverage, &view->images[i]);
+        return FFP_COVERAGE_MASK;
     }
-    if (alpha == NULL) {
-        *source = guess(capture, view);
-        return true;
-    }
-    *source = FFP_COVERAGE_ALPHA;
+    if (alpha == NULL) return guess(capture, view);
     view->coverage = ffp_image_copy(alpha);
     clamp_to_unit(&view->coverage);
-    return true;
+    return FFP_COVERAGE_ALPHA;
 }
 
 // --- The projector's strength. ---

@@ -13,10 +13,14 @@ typedef enum FfpCoverageSource {
     FFP_COVERAGE_NONE,    // no pictures: 0 everywhere
 } FfpCoverageSource;
 
-// Fills view->coverage. `alphas` [n_patterns]: alpha of each picture, .data NULL where it has none. `mask`
-// outranks alpha when `mask_first`.
-bool ffp_cover_view(const FfpCapture *capture, FfpView *view, const FfpImage *alphas, const FfpSource *mask,
-                    bool mask_first, FfpCoverageSource *source, FfpError *err);
+// Whether a view's mask is looked at: always when it is `mask_first`, else where no picture has an alpha
+// channel. `alphas` [n_patterns]: alpha of each picture, .data NULL where it has none.
+bool ffp_wants_mask(const FfpCapture *capture, const FfpImage *alphas, bool mask_first);
+
+// Fills view->coverage: from the `mask` (of the camera's size, and emptied), which the pictures are put over
+// black with unless that is `applied` already; where its .data is NULL from the alphas, or guessed.
+FfpCoverageSource ffp_cover_view(const FfpCapture *capture, FfpView *view, const FfpImage *alphas,
+                                 FfpImage *mask, bool applied);
 
 // For a projector of unknown strength: the one scalar I that puts the 95th percentile of the apparent albedo
 // pi d^2 (white - black) / I of lit pixels at 0.8, d being the projector's distance to the object's centre.

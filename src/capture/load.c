@@ -3,11 +3,11 @@
 #include <stdlib.h>
 #include <string.h>
 #include <tgmath.h>
-#include <unistd.h>
 
 #include "base/call.h"
 #include "base/file.h"
 #include "base/log.h"
+#include "base/memory.h"
 #include "capture/coverage.h"
 #include "capture/manifest.h"
 #include "capture/pad.h"
@@ -20,36 +20,42 @@ static bool source_size(const FfpSource *source, int *width, int *height, FfpErr
     return ffp_raw_check(source->raw, source->path, err);
 }
 
-static bool source_over_black(FfpImage *rgb, FfpImage *alpha, const FfpSource *source, FfpError *err) {
-    if (source->raw == NULL) return ffp_image_read_over_black(rgb, alpha, source->path, err);
-    return ffp_raw_over_black(rgb, alpha, source->raw, source->path, err);
+static FfpSize size_of_camera(const FfpManifest *manifest, const FfpView *view) {
+    return (FfpSize){view->camera.width, view->camera.height, "camera", ffp_basename(manifest->file)};
+}
+
+static bool raw_has_size(const FfpSource *source, const FfpSize *size, FfpError *err) {
+    return ffp_raw_check(source->raw, source->path, err) &&
+           ffp_size_check(size, source->raw->width, source->raw->height, source->path, err);
+}
+
+// Of a source whose pixels nobody asks for.
+static bool check_size(const FfpSource *source, const FfpSize *size, FfpError *err) {
+    int width = 0, height = 0;
+    return source_size(source, &width, &height, err) &&
+           ffp_size_check(size, width, height, source->path, err);
+}
+
+static bool source_over_black(FfpImage *rgb, FfpImage *alpha, const FfpSource *source, const FfpSize *size,
+                              FfpError *err) {
+    if (source->raw == NULL) return ffp_image_read_over_black_sized(rgb, alpha, source->path, size, err);
+    return raw_has_size(source, size, err) && ffp_raw_over_black(rgb, alpha, source->raw, source->path, err);
 }
 
 // One channel of numbers as they stand.
-static bool source_numbers(FfpImage *image, const FfpSource *source, FfpError *err) {
-    if (source->raw == NULL) return ffp_image_read_raw16(image, source->path, err);
-    return ffp_raw_channel(image, source->raw, source->path, err);
+static bool source_numbers(FfpImage *image, const FfpSource *source, const FfpSize *size, FfpError *err) {
+    if (source->raw == NULL) return ffp_image_read_raw16_sized(image, source->path, size, err);
+    return raw_has_size(source, size, err) && ffp_raw_channel(image, source->raw, source->path, err);
 }
 
-bool ffp_source_mask(FfpImage *mask, const FfpSource *source, FfpError *err) {
-    if (source->raw != NULL) return ffp_raw_channel(mask, source->raw, source->path, err);
+static bool source_mask(FfpImage *mask, const FfpSource *source, const FfpSize *size, FfpError *err) {
+    if (source->raw != NULL)
+        return raw_has_size(source, size, err) && ffp_raw_channel(mask, source->raw, source->path, err);
     FfpImage rgba;
-    *mask = (FfpImage){0};
-    if (!ffp_image_read(&rgba, source->path, FFP_COLOUR_ENCODED, err)) return false;
-    *mask = ffp_image_new(rgba.width, rgba.height, 1);
-    const ptrdiff_t pixels = (ptrdiff_t)rgba.width * rgba.height;
-    for (ptrdiff_t i = 0; i < pixels; i++) mask->data[i] = rgba.data[4 * i] * rgba.data[4 * i + 3];
+    if (!ffp_image_read_sized(&rgba, source->path, FFP_COLOUR_ENCODED, size, err)) return false;
+    *mask = ffp_mask_of(&rgba);
     ffp_image_free(&rgba);
     return true;
-}
-
-static bool check_size(const FfpManifest *manifest, const FfpSource *source, int width, int height,
-                       const char *whose, FfpError *err) {
-    int w = 0, h = 0;
-    if (!source_size(source, &w, &h, err)) return false;
-    if (w == width && h == height) return true;
-    return ffp_fail(err, FFP_ERROR_FILE, source->path, "image is %d x %d, but the %s in %s has %d x %d", w, h,
-                    whose, ffp_basename(manifest->file), width, height);
 }
 
 // --- Patterns. ---
@@ -92,8 +98,8 @@ static bool load_pattern(FfpManifest *manifest, int index, FfpError *err) {
     const int width = manifest->pattern_width, height = manifest->pattern_height;
     const FfpSource *source = &manifest->patterns[index];
     if (source->path != NULL) {
-        return check_size(manifest, source, width, height, "projector", err) &&
-               source_over_black(&pattern->image, NULL, source, err);
+        const FfpSize size = {width, height, "projector", ffp_basename(manifest->file)};
+        return source_over_black(&pattern->image, NULL, source, &size, err);
     }
     pattern->image = ffp_image_new(width, height, 3);
     const ptrdiff_t count = (ptrdiff_t)width * height * 3;
@@ -104,8 +110,9 @@ static bool load_pattern(FfpManifest *manifest, int index, FfpError *err) {
 // --- Views. ---
 
 // Depth: 0, negative and 65535 and above are "no surface" in every kind of file.
-static bool load_depth(FfpManifest *manifest, FfpImage *depth, const FfpSource *source, FfpError *err) {
-    if (!source_numbers(depth, source, err)) return false;
+static bool load_depth(FfpManifest *manifest, FfpImage *depth, const FfpSource *source, const FfpSize *size,
+                       FfpError *err) {
+    if (!source_numbers(depth, source, size, err)) return false;
     const ptrdiff_t pixels = (ptrdiff_t)depth->width * depth->height;
     for (ptrdiff_t i = 0; i < pixels; i++) {
         const real raw = depth->data[i];
@@ -154,8 +161,8 @@ static bool load_correspondence(FfpManifest *manifest, int index, FfpError *err)
     const FfpSource *source = &manifest->views[index].correspondence;
     FfpView *view = &manifest->capture->views[index];
     if (source->path == NULL) return true;
-    return check_size(manifest, source, view->camera.width, view->camera.height, "camera", err) &&
-           source_over_black(&view->correspondence, NULL, source, err) &&
+    const FfpSize size = size_of_camera(manifest, view);
+    return source_over_black(&view->correspondence, NULL, source, &size, err) &&
            check_correspondence(view, source->path, err);
 }
 
@@ -166,17 +173,16 @@ static bool load_truth(FfpManifest *manifest, int index, FfpError *err) {
                                          &files->direct_white};
     FfpImage *const images[5] = {&view->depth, &view->normal, &view->albedo, &view->roughness,
                                  &view->direct_white};
+    const FfpSize size = size_of_camera(manifest, view);
     for (int i = 0; i < 5; i++) {
         if (sources[i]->path == NULL) continue;
-        if (!check_size(manifest, sources[i], view->camera.width, view->camera.height, "camera", err))
-            return false;
         bool ok = false;
         if (i == 0)
-            ok = load_depth(manifest, images[i], sources[i], err);
+            ok = load_depth(manifest, images[i], sources[i], &size, err);
         else if (i == 3)
-            ok = source_numbers(images[i], sources[i], err);
+            ok = source_numbers(images[i], sources[i], &size, err);
         else
-            ok = source_over_black(images[i], NULL, sources[i], err);
+            ok = source_over_black(images[i], NULL, sources[i], &size, err);
         if (!ok) return false;
     }
     return check_truth(view, files, err);
@@ -187,17 +193,20 @@ static bool load_view(FfpManifest *manifest, int index, FfpCoverageSource *sourc
     const FfpViewFiles *files = &manifest->views[index];
     FfpView *view = &manifest->capture->views[index];
     FfpImage *alphas = ffp_alloc((size_t)capture->n_patterns, sizeof *alphas);
+    FfpImage mask = {0};
+    const FfpSize size = size_of_camera(manifest, view);
     bool ok = true;
     for (int i = 0; i < capture->n_patterns && ok; i++) {
         const FfpSource *picture = &files->images[i];
-        if (picture->path == NULL) continue;
-        ok = check_size(manifest, picture, view->camera.width, view->camera.height, "camera", err) &&
-             source_over_black(&view->images[i], &alphas[i], picture, err);
+        if (picture->path != NULL) ok = source_over_black(&view->images[i], &alphas[i], picture, &size, err);
     }
     if (ok && files->coverage.path != NULL) {
-        ok = check_size(manifest, &files->coverage, view->camera.width, view->camera.height, "camera", err);
+        const bool wanted = ffp_wants_mask(capture, alphas, manifest->mask_is_given);
+        ok = wanted ? source_mask(&mask, &files->coverage, &size, err)
+                    : check_size(&files->coverage, &size, err);
     }
-    ok = ok && ffp_cover_view(capture, view, alphas, &files->coverage, manifest->mask_is_given, source, err);
+    if (ok) *source = ffp_cover_view(capture, view, alphas, &mask, files->coverage.applied);
+    ffp_image_free(&mask);
     for (int i = 0; i < capture->n_patterns; i++) ffp_image_free(&alphas[i]);
     ffp_free(alphas);
     if (!ok || !load_correspondence(manifest, index, err) || !load_truth(manifest, index, err)) return false;
@@ -207,21 +216,25 @@ static bool load_view(FfpManifest *manifest, int index, FfpCoverageSource *sourc
 
 // --- All of it. ---
 
-// Refuses what would not fit this machine's memory before any of it is taken.
+// Of a view's pixels: its coverage, its pictures, and the maps that there are.
+static double channels_of(const FfpViewFiles *files, int n_patterns) {
+    const FfpSource *const of_three[4] = {&files->correspondence, &files->normal, &files->albedo,
+                                          &files->direct_white};
+    double channels = 1 + (files->depth.path != NULL) + (files->roughness.path != NULL);
+    for (int i = 0; i < 4; i++) channels += of_three[i]->path != NULL ? 3 : 0;
+    for (int i = 0; i < n_patterns; i++)
+        channels += files->images[i].path != NULL ? 4 : 0; // alpha, for a while
+    return channels;
+}
+
+// Refuses what would not fit into memory before any of it is taken.
 static bool check_memory(const FfpManifest *manifest, FfpError *err) {
     const FfpCapture *capture = manifest->capture;
     double values = 3.0 * manifest->pattern_width * manifest->pattern_height * capture->n_patterns;
-    for (int v = 0; v < capture->n_views; v++) {
-        double channels = 12;
-        for (int i = 0; i < capture->n_patterns; i++)
-            channels += manifest->views[v].images[i].path != NULL ? 4 : 0;
-        values += channels * capture->views[v].camera.width * capture->views[v].camera.height;
-    }
-    const double needed = values * sizeof(real),
-                 there = (double)sysconf(_SC_PHYS_PAGES) * (double)sysconf(_SC_PAGESIZE);
-    if (needed < there) return true;
-    return ffp_fail(err, FFP_ERROR_MEMORY, manifest->file,
-                    "the images need %.0f GB of memory; this machine has %.0f", needed / 1e9, there / 1e9);
+    for (int v = 0; v < capture->n_views; v++)
+        values += channels_of(&manifest->views[v], capture->n_patterns) * capture->views[v].camera.width *
+                  capture->views[v].camera.height;
+    return ffp_memory_suffices(values * sizeof(real), "the images", "", manifest->file, err);
 }
 
 static bool check_pictures(const FfpManifest *manifest, FfpError *err) {

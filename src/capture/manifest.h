@@ -54,9 +54,6 @@ const char *ffp_manifest_path(FfpManifest *manifest, const char *folder, const c
 #define FFP_CAMERA_SIDE_MIN 8
 #define FFP_PATTERN_SIDE_MIN 2
 
-// A mask's share of each pixel, one channel: grey times alpha.
-bool ffp_source_mask(FfpImage *mask, const FfpSource *source, FfpError *err);
-
 // Reads all pixels, checks sizes, and completes the capture: coverage, bounds, intensity.
 bool ffp_manifest_load(FfpManifest *manifest, FfpError *err);
 

@@ -2,6 +2,7 @@
 #include <errno.h>
 #include <string.h>
 #include <sys/stat.h>
+#include <unistd.h>
 #include "cli.h"
 #include "help.h"
 
@@ -165,22 +166,37 @@ static int cannot_write(const char *path) {
     return ffp_cli_fail(&err);
 }
 
-// A man page, or the completion when there is no page.
+// A man page, or the completion when there is no page. Whole or not at all: under another name first.
 static bool write_page(const FfpProgram *program, bool completion, const FfpCommand *command,
                        const char *path) {
-    FILE *out = fopen(path, "w");
+    char temporary[1100];
+    snprintf(temporary, sizeof temporary, "%s.%ld.tmp", path, (long)getpid());
+    FILE *out = fopen(temporary, "w");
     if (!out) return false;
     if (completion)
         ffp_cli_completion(program, out);
     else
         ffp_cli_man(program, command, out);
-    const bool ok = !ferror(out);
-    return fclose(out) == 0 && ok;
+    bool ok = fflush(out) == 0 && !ferror(out);
+    int problem = errno;
+    if (fclose(out) != 0 && ok) ok = false, problem = errno;
+    if (ok && rename(temporary, path) != 0) ok = false, problem = errno;
+    if (!ok) remove(temporary);
+    errno = problem;
+    return ok;
+}
+
+static bool make_folder(const char *folder) {
+    struct stat there;
+    if (mkdir(folder, 0777) == 0) return true;
+    if (errno != EEXIST || stat(folder, &there) != 0) return false;
+    errno = ENOTDIR;
+    return S_ISDIR(there.st_mode);
 }
 
 int ffp_cli_pages(const FfpProgram *program, const char *folder) {
     char path[1024];
-    if (mkdir(folder, 0777) != 0 && errno != EEXIST) return cannot_write(folder);
+    if (!make_folder(folder)) return cannot_write(folder);
     snprintf(path, sizeof path, "%s/%s-completion.bash", folder, program->name);
     if (!write_page(program, true, NULL, path)) return cannot_write(path);
     snprintf(path, sizeof path, "%s/%s.1", folder, program->name);

@@ -3,6 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <tgmath.h>
+#include "api/arguments.h"
 #include "base/arena.h"
 #include "base/call.h"
 #include "base/log.h"
@@ -499,6 +500,12 @@ static bool work(void *argument, FfpError *err) {
 
 FfpScore *ffp_evaluate(FfpContext *context, const FfpEvaluation *options, int *n_scores, FfpError *err) {
     Call call = {options, n_scores, NULL};
-    *n_scores = 0;
+    if (n_scores) *n_scores = 0;
+    if (!ffp_need(options, "options", err) || !ffp_need(n_scores, "n_scores", err) ||
+        !ffp_need_texts(options->captures, options->n_captures, "captures", err) ||
+        !ffp_need_texts(options->targets, options->n_targets, "targets", err) ||
+        !ffp_need_texts(options->merged, options->n_merged, "merged", err) ||
+        !ffp_check_drawing(options->drawing, err))
+        return NULL;
     return ffp_call_run(context, work, &call, err) ? call.scores : NULL;
 }

@@ -32,22 +32,6 @@ void ffp_report_free(FfpReport *report) {
     ffp_free(report);
 }
 
-// Names come from files.
-static void put_escaped(FILE *out, const char *text) {
-    for (; *text; text++) {
-        if (*text == '&')
-            fputs("&amp;", out);
-        else if (*text == '<')
-            fputs("&lt;", out);
-        else if (*text == '>')
-            fputs("&gt;", out);
-        else if (*text == '"')
-            fputs("&quot;", out);
-        else
-            fputc(*text, out);
-    }
-}
-
 // Pictures are made in memory: the encoder can only fail for lack of it.
 static void put_image(FILE *out, const FfpImage *encoded, int side_max) {
     unsigned char *bytes = NULL;
@@ -72,7 +56,7 @@ static void put_figure_of(FfpReport *report, const char *kind, const FfpImage *e
     fprintf(report->body, "<figure class=%s>", kind);
     put_image(report->body, encoded, side_max);
     fputs("<figcaption>", report->body);
-    put_escaped(report->body, caption);
+    ffp_put_html(report->body, caption);
     fputs("</figcaption></figure>\n", report->body);
 }
 
@@ -86,9 +70,9 @@ void ffp_report_large(FfpReport *report, const FfpImage *encoded, const char *ca
 
 void ffp_report_heading(FfpReport *report, const char *title, const char *explanation) {
     fputs("<h3>", report->body);
-    put_escaped(report->body, title);
+    ffp_put_html(report->body, title);
     fputs("</h3>\n<p>", report->body);
-    put_escaped(report->body, explanation);
+    ffp_put_html(report->body, explanation);
     fputs("</p>\n", report->body);
 }
 
@@ -111,7 +95,7 @@ static void put_input_row(FfpReport *report, const FfpCapture *capture, int patt
 
 void ffp_report_title(FfpReport *report, const char *title) {
     fputs("<h2>", report->body);
-    put_escaped(report->body, title);
+    ffp_put_html(report->body, title);
     fputs("</h2>\n", report->body);
 }
 
@@ -157,7 +141,7 @@ void ffp_report_prediction(FfpReport *report, const char *view, const char *patt
     put_image(report->body, truth, PICTURE_SIDE_MAX);
     put_image(report->body, &error, PICTURE_SIDE_MAX);
     fputs("<figcaption>", report->body);
-    put_escaped(report->body, caption);
+    ffp_put_html(report->body, caption);
     fputs("</figcaption></figure>\n", report->body);
     ffp_image_free(&error);
 }
@@ -180,7 +164,7 @@ static void put_scores(FILE *out, const FfpScore *scores, int n_scores) {
     for (int i = 0; i < n_scores; i++) {
         const FfpScore *score = &scores[i];
         fputs("<tr><td>", out);
-        put_escaped(out, score->capture);
+        ffp_put_html(out, score->capture);
         fprintf(out, "</td><td>%s</td><td>%d</td>", score->protocol, score->images);
         put_figure(out, score->psnr, 2);
         put_figure(out, score->psnr_foreground, 2);
@@ -236,7 +220,7 @@ bool ffp_report_write(FfpReport *report, const FfpScore *scores, int n_scores, c
     fputs("</style>\n<h1>Relit captures</h1>\n", out.stream);
     if (viewer) {
         fputs("<p><a href=\"", out.stream);
-        put_escaped(out.stream, viewer);
+        ffp_put_html(out.stream, viewer);
         fputs("\">See it live: move the projector, drop in a picture</a></p>\n", out.stream);
     }
     size_t size;
@@ -244,7 +228,7 @@ bool ffp_report_write(FfpReport *report, const FfpScore *scores, int n_scores, c
     fwrite(text, 1, size, out.stream);
     if (n_scores > 0) put_scores(out.stream, scores, n_scores);
     fputs("<p>Predicted by: ", out.stream);
-    put_escaped(out.stream, report->predictor);
+    ffp_put_html(out.stream, report->predictor);
     fputs(".</p>\n</html>\n", out.stream);
     return ffp_output_commit(&out, err);
 }

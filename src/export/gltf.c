@@ -5,7 +5,9 @@
 #include <string.h>
 
 #include "base/alloc.h"
+#include "base/base64.h"
 #include "base/file.h"
+#include "base/text.h"
 #include "capture/fields.h"
 #include "export/bytes.h"
 
@@ -108,21 +110,6 @@ int ffp_gltf_texture(FfpGltf *gltf, const unsigned char *png, size_t size) {
 
 // --- The file. ---
 
-static char *base64(const unsigned char *bytes, size_t size, const char *head) {
-    static const char digits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-    const size_t room = strlen(head) + (size + 2) / 3 * 4 + 1;
-    char *text = ffp_alloc(room, 1), *to = text + snprintf(text, room, "%s", head);
-    for (size_t i = 0; i < size; i += 3) {
-        const size_t left = size - i;
-        const uint32_t three = (uint32_t)bytes[i] << 16 | (left > 1 ? (uint32_t)bytes[i + 1] << 8 : 0) |
-                               (left > 2 ? (uint32_t)bytes[i + 2] : 0);
-        *to++ = digits[three >> 18], *to++ = digits[three >> 12 & 63];
-        *to++ = (char)(left > 1 ? digits[three >> 6 & 63] : '=');
-        *to++ = (char)(left > 2 ? digits[three & 63] : '=');
-    }
-    return text;
-}
-
 static bool write_json(const FfpGltf *gltf, const char *path, FfpError *err) {
     char *text = json_dumps(gltf->root, JSON_COMPACT | JSON_REAL_PRECISION(9));
     if (!text) return ffp_fail(err, FFP_ERROR_IO, path, "cannot write the JSON");
@@ -168,8 +155,10 @@ bool ffp_gltf_write(FfpGltf *gltf, json_t *primitive, const char *path, bool bin
         return ffp_fail(err, FFP_ERROR_UNSUPPORTED, path, "%.1f GB are more than glTF files hold",
                         (double)gltf->size / 1e9);
     if (binary) return write_binary(gltf, path, err);
-    char *uri = base64(gltf->bytes, gltf->size, "data:application/octet-stream;base64,");
-    json_object_set_new(buffer, "uri", json_string(uri));
-    ffp_free(uri);
+    FfpText *uri = ffp_text_new();
+    fputs("data:application/octet-stream;base64,", ffp_text_stream(uri));
+    ffp_write_base64(ffp_text_stream(uri), gltf->bytes, gltf->size);
+    json_object_set_new(buffer, "uri", json_string(ffp_text_so_far(uri, NULL)));
+    ffp_text_free(uri);
     return write_json(gltf, path, err);
 }

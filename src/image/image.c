@@ -60,6 +60,21 @@ FfpImage ffp_image_channel(const FfpImage *image, int channel) {
     return out;
 }
 
+FfpImage ffp_mask_of(const FfpImage *rgba) {
+    FfpImage mask = ffp_image_new(rgba->width, rgba->height, 1);
+    const ptrdiff_t pixels = (ptrdiff_t)mask.width * mask.height;
+    for (ptrdiff_t i = 0; i < pixels; i++) mask.data[i] = rgba->data[4 * i] * rgba->data[4 * i + 3];
+    return mask;
+}
+
+void ffp_mask_apply(const FfpImage *mask, FfpImage *image) {
+    const ptrdiff_t values = image->data != NULL ? (ptrdiff_t)image->width * image->height * 3 : 0;
+    for (ptrdiff_t i = 0; i < values; i++) {
+        const real m = mask->data[i / 3];
+        if (m < 1) image->data[i] = m > 0 ? ffp_srgb_decode(ffp_srgb_encode(image->data[i]) * m) : 0;
+    }
+}
+
 // Position u on an axis of n pixels: the two neighbours and the second's weight. NaN goes to the first pixel.
 static void bilinear_axis(real u, int n, int *first, int *second, real *weight) {
     real x = u - 0.5F;

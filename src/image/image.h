@@ -48,6 +48,20 @@ bool ffp_image_read_light(FfpImage *rgb, FfpImage *alpha, const char *path, FfpE
 // One channel as raw numbers: 0..65535 of a 16-bit grey PNG or TIFF (0..255 of an 8-bit one), a grey TIFF's
 // floats, or an EXR's Z, Y or first channel: depth and roughness maps.
 bool ffp_image_read_raw16(FfpImage *image, const char *path, FfpError *err);
+// The size that a file is to have, and whose it is, for the message: of "camera", in "scene.json".
+typedef struct FfpSize {
+    int width, height;
+    const char *of, *in;
+} FfpSize;
+// The three above; an error: a file that has another size. Its header is asked before anything is decoded, so
+// that a huge file takes no memory; all of it in one reading.
+bool ffp_image_read_sized(FfpImage *image, const char *path, FfpColour colour, const FfpSize *size,
+                          FfpError *err);
+bool ffp_image_read_over_black_sized(FfpImage *rgb, FfpImage *alpha, const char *path, const FfpSize *size,
+                                     FfpError *err);
+bool ffp_image_read_raw16_sized(FfpImage *image, const char *path, const FfpSize *size, FfpError *err);
+bool ffp_size_check(const FfpSize *size, int width, int height, const char *path, FfpError *err);
+
 // Whether a name ends as those of the kinds above do: for pictures among a folder's files.
 bool ffp_image_has_ending(const char *name);
 // Only the size, turned as the orientation tag says, without decoding: for checks before memory is taken.
@@ -75,6 +89,11 @@ void ffp_image_to_linear(FfpImage *image);
 // RGB times alpha: a 4-channel image to a new 3-channel one over black.
 FfpImage ffp_image_over_black(const FfpImage *rgba);
 FfpImage ffp_image_channel(const FfpImage *image, int channel);
+// What a mask's file says is the object's share of each pixel, one channel: grey times alpha.
+FfpImage ffp_mask_of(const FfpImage *rgba);
+// Puts a linear RGB picture over black with a mask of its size, in encoded values as everywhere; none stays
+// none.
+void ffp_mask_apply(const FfpImage *mask, FfpImage *image);
 // Area-averaging (down) or bilinear (up) resize, decided for each axis.
 FfpImage ffp_image_resize(const FfpImage *image, int width, int height);
 

@@ -55,13 +55,24 @@ static const Codec *codec_of(const FfpBytes *file, FfpError *err) {
     return NULL;
 }
 
-// `raw`: one channel of numbers as they stand, rather than RGBA.
-static bool decode(FfpDecoded *out, const char *path, bool raw, FfpError *err) {
+bool ffp_size_check(const FfpSize *size, int width, int height, const char *path, FfpError *err) {
+    if (width == size->width && height == size->height) return true;
+    return ffp_fail(err, FFP_ERROR_FILE, path, "image is %d x %d, but the %s in %s has %d x %d", width,
+                    height, size->of, size->in, size->width, size->height);
+}
+
+static bool has_size(const Codec *codec, const FfpBytes *file, const FfpSize *size, FfpError *err) {
+    int width = 0, height = 0;
+    return codec->size(file, &width, &height, err) && ffp_size_check(size, width, height, file->path, err);
+}
+
+// `raw`: one channel of numbers as they stand, rather than RGBA. `size`: that it is to have; NULL: any.
+static bool decode(FfpDecoded *out, const char *path, bool raw, const FfpSize *size, FfpError *err) {
     *out = (FfpDecoded){0};
     FfpBytes file;
     if (!read_bytes(&file, path, err)) return false;
     const Codec *codec = codec_of(&file, err);
-    bool ok = codec != NULL;
+    bool ok = codec != NULL && (size == NULL || has_size(codec, &file, size, err));
     if (ok && raw && codec->decode_raw == NULL)
         ok = ffp_fail(err, FFP_ERROR_FILE, path, "is not a grey PNG or TIFF, or an EXR image");
     else if (ok)
@@ -70,6 +81,11 @@ static bool decode(FfpDecoded *out, const char *path, bool raw, FfpError *err) {
     if (ok && out->orientation > 1) {
         ffp_orient(&out->image, out->orientation);
         ffp_note("%s: %s, as its orientation tag says", path, ffp_orientation_words(out->orientation));
+    }
+    // What was decoded counts, whatever the header said.
+    if (ok && size != NULL && !ffp_size_check(size, out->image.width, out->image.height, path, err)) {
+        ffp_image_free(&out->image);
+        return false;
     }
     return ok;
 }
@@ -83,10 +99,11 @@ static void unpremultiply(FfpImage *image) {
     }
 }
 
-bool ffp_image_read(FfpImage *image, const char *path, FfpColour colour, FfpError *err) {
+bool ffp_image_read_sized(FfpImage *image, const char *path, FfpColour colour, const FfpSize *size,
+                          FfpError *err) {
     FfpDecoded decoded;
     *image = (FfpImage){0};
-    if (!decode(&decoded, path, false, err)) return false;
+    if (!decode(&decoded, path, false, size, err)) return false;
     if (decoded.linear) unpremultiply(&decoded.image);
     if (decoded.linear && colour == FFP_COLOUR_ENCODED) ffp_image_to_srgb(&decoded.image);
     if (!decoded.linear && colour == FFP_COLOUR_LINEAR) ffp_image_to_linear(&decoded.image);
@@ -94,12 +111,17 @@ bool ffp_image_read(FfpImage *image, const char *path, FfpColour colour, FfpErro
     return true;
 }
 
+bool ffp_image_read(FfpImage *image, const char *path, FfpColour colour, FfpError *err) {
+    return ffp_image_read_sized(image, path, colour, NULL, err);
+}
+
 // `light`: the numbers of files that are not linear are taken for linear ones.
-static bool read_over_black(FfpImage *rgb, FfpImage *alpha, const char *path, bool light, FfpError *err) {
+static bool read_over_black(FfpImage *rgb, FfpImage *alpha, const char *path, bool light, const FfpSize *size,
+                            FfpError *err) {
     FfpDecoded decoded;
     *rgb = (FfpImage){0};
     if (alpha != NULL) *alpha = (FfpImage){0};
-    if (!decode(&decoded, path, false, err)) return false;
+    if (!decode(&decoded, path, false, size, err)) return false;
     FfpImage *image = &decoded.image;
     if (decoded.has_alpha && alpha != NULL) *alpha = ffp_image_channel(image, 3);
     if (decoded.linear) {
@@ -114,18 +136,27 @@ static bool read_over_black(FfpImage *rgb, FfpImage *alpha, const char *path, bo
 }
 
 bool ffp_image_read_over_black(FfpImage *rgb, FfpImage *alpha, const char *path, FfpError *err) {
-    return read_over_black(rgb, alpha, path, false, err);
+    return read_over_black(rgb, alpha, path, false, NULL, err);
+}
+
+bool ffp_image_read_over_black_sized(FfpImage *rgb, FfpImage *alpha, const char *path, const FfpSize *size,
+                                     FfpError *err) {
+    return read_over_black(rgb, alpha, path, false, size, err);
 }
 
 bool ffp_image_read_light(FfpImage *rgb, FfpImage *alpha, const char *path, FfpError *err) {
-    return read_over_black(rgb, alpha, path, true, err);
+    return read_over_black(rgb, alpha, path, true, NULL, err);
+}
+
+bool ffp_image_read_raw16_sized(FfpImage *image, const char *path, const FfpSize *size, FfpError *err) {
+    FfpDecoded decoded;
+    const bool ok = decode(&decoded, path, true, size, err);
+    *image = decoded.image;
+    return ok;
 }
 
 bool ffp_image_read_raw16(FfpImage *image, const char *path, FfpError *err) {
-    FfpDecoded decoded;
-    const bool ok = decode(&decoded, path, true, err);
-    *image = decoded.image;
-    return ok;
+    return ffp_image_read_raw16_sized(image, path, NULL, err);
 }
 
 bool ffp_image_has_ending(const char *name) {

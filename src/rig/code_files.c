@@ -1,7 +1,7 @@
 // Which photograph shows which Gray code.
 #include <stdio.h>
-#include <string.h>
 
+#include "base/arena.h"
 #include "patterns/patterns.h"
 #include "graycode/graycode.h"
 #include "rig/file_names.h"
@@ -9,11 +9,6 @@
 
 #define WHERE "gray_codes"
 #define PATTERN_BIT 5 // of the code that serves as the pattern: 32 stripes
-
-static const char *keep(FfpArena *arena, const char *text) {
-    const size_t size = strlen(text) + 1;
-    return memcpy(ffp_arena_alloc(arena, size, 1), text, size);
-}
 
 // One code as the pattern that the network sees.
 static void add_pattern(FfpShots *shots, int stops, int width, int height, int axis) {
@@ -40,7 +35,7 @@ bool ffp_shots_find_codes(FfpShots *shots, const FfpShotSources *sources, const 
     for (int i = 0; i < shots->n_codes; i++) {
         char name[32];
         ffp_gray_name(width, height, i, name);
-        names[i] = keep(shots->arena, name);
+        names[i] = ffp_arena_text(shots->arena, name);
     }
     snprintf(order, sizeof order,
              ": each of %d, coarsest first, columns before rows, every one followed by its inverse",

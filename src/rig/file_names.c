@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/arena.h"
 #include "base/call.h"
 #include "base/file.h"
 #include "capture/fields.h"
@@ -34,11 +35,6 @@ static int compare_paths(const void *a, const void *b) {
     const char *x = *(char *const *)a, *y = *(char *const *)b;
     const int order = ffp_natural_order(x, y);
     return order != 0 ? order : strcmp(x, y); // "1.png" and "01.png"
-}
-
-static const char *keep(FfpArena *arena, const char *text) {
-    const size_t size = strlen(text) + 1;
-    return memcpy(ffp_arena_alloc(arena, size, 1), text, size);
 }
 
 // --- Templates: {view}, {pattern}, {index}, {number}, the last two also as {number:3}. ---
@@ -140,7 +136,7 @@ static bool match(const char **paths, FfpArena *arena, const FfpFileSet *set, co
     qsort(found->gl_pathv, found->gl_pathc, sizeof *found->gl_pathv, compare_paths);
     const bool ok = found->gl_pathc == (size_t)part->count || wrong_number(set, part, found->gl_pathc, err);
     for (int i = 0; ok && i < part->count; i++)
-        paths[part->at + i * part->stride] = keep(arena, found->gl_pathv[i]);
+        paths[part->at + i * part->stride] = ffp_arena_text(arena, found->gl_pathv[i]);
     ffp_disown(found);
     free_glob(found);
     return ok;
@@ -163,7 +159,7 @@ static bool take(const char **paths, FfpArena *arena, const FfpFileSet *set, con
     else
         snprintf(what, sizeof what, "%s of view '%s'", set->kind, view);
     if (!ffp_photograph_check(part->path, what, err)) return false;
-    paths[part->at] = keep(arena, part->path);
+    paths[part->at] = ffp_arena_text(arena, part->path);
     return true;
 }
 

@@ -2,11 +2,11 @@
 #include <stdlib.h>
 #include <string.h>
 #include <tgmath.h>
-#include <unistd.h>
 
 #include "rig/import.h"
 #include "base/file.h"
 #include "base/log.h"
+#include "base/memory.h"
 #include "capture/manifest.h"
 #include "image/photograph.h"
 #include "patterns/patterns.h"
@@ -212,12 +212,7 @@ static bool check_memory(const Import *import, FfpError *err) {
         values += (3.0 * import->shots.n_patterns + 8) * camera->width * camera->height;
         if (v == 0) values += 8.0 * optics->width * optics->height;
     }
-    const double needed = values * sizeof(real),
-                 there = (double)sysconf(_SC_PHYS_PAGES) * (double)sysconf(_SC_PAGESIZE);
-    return needed < there || ffp_fail(err, FFP_ERROR_MEMORY, "width",
-                                      "the pictures need %.0f GB of memory; this machine has %.0f: make "
-                                      "them narrower",
-                                      needed / 1e9, there / 1e9);
+    return ffp_memory_suffices(values * sizeof(real), "the pictures", "make them narrower", "width", err);
 }
 
 // --- Pixels. ---
@@ -316,22 +311,11 @@ static bool load_mask(Import *import, int stop, FfpError *err) {
     FfpView *view = &import->capture.views[stop];
     FfpImage rgba = {0};
     if (!check_size(path, optics, err) || !ffp_image_read(&rgba, path, FFP_COLOUR_ENCODED, err)) return false;
-    FfpImage mask = ffp_image_new(rgba.width, rgba.height, 1);
-    const ptrdiff_t pixels = (ptrdiff_t)mask.width * mask.height;
-    for (ptrdiff_t i = 0; i < pixels; i++) mask.data[i] = rgba.data[4 * i] * rgba.data[4 * i + 3];
+    FfpImage mask = ffp_mask_of(&rgba);
     view->coverage = ffp_optics_rectify(optics, &view->camera, &mask);
     ffp_image_free(&mask);
     ffp_image_free(&rgba);
     return true;
-}
-
-// A picture over black by the mask, in encoded values, as the capture's reader does it.
-static void apply_mask(const FfpImage *mask, FfpImage *image) {
-    const ptrdiff_t values = image->data != NULL ? (ptrdiff_t)image->width * image->height * 3 : 0;
-    for (ptrdiff_t i = 0; i < values; i++) {
-        const real m = mask->data[i / 3];
-        if (m < 1) image->data[i] = m > 0 ? ffp_srgb_decode(ffp_srgb_encode(image->data[i]) * m) : 0;
-    }
 }
 
 // The mask as it was asked for: a file; else the white picture's alpha channel, unless Otsu's was named; else
@@ -354,7 +338,7 @@ static bool cover(Import *import, int stop, const FfpImage *alphas, FfpError *er
         import->made[stop] = true; // and applied when it is complete
     }
     for (int p = 0; p < shots->n_patterns && !import->made[stop]; p++) {
-        if (!by_alpha || alphas[p].data == NULL) apply_mask(&view->coverage, &view->images[p]);
+        if (!by_alpha || alphas[p].data == NULL) ffp_mask_apply(&view->coverage, &view->images[p]);
     }
     return true;
 }
@@ -421,7 +405,7 @@ static void complete_masks(Import *import) {
         ffp_note("  what the projector does not reach is left out");
     for (int v = 0; v < capture->n_views; v++)
         for (int p = 0; p < capture->n_patterns && import->made[v]; p++)
-            apply_mask(&capture->views[v].coverage, &capture->views[v].images[p]);
+            ffp_mask_apply(&capture->views[v].coverage, &capture->views[v].images[p]);
 }
 
 static bool load_pixels(Import *import, FfpError *err) {

@@ -3,6 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/arena.h"
 #include "base/call.h"
 #include "base/file.h"
 #include "image/photograph.h"
@@ -12,11 +13,6 @@
 #define IMAGES "images"
 #define PATTERNS "patterns"
 #define HELD_OUT "held_out"
-
-static const char *keep(FfpArena *arena, const char *text) {
-    const size_t size = strlen(text) + 1;
-    return memcpy(ffp_arena_alloc(arena, size, 1), text, size);
-}
 
 // --- Photographs under some patterns. ---
 
@@ -97,7 +93,7 @@ static bool take_projected(FfpShots *shots, const FfpProjected *projected, bool 
         if (!ffp_is_file(projected->file))
             return ffp_fail(err, FFP_ERROR_ARGUMENT, projected->file, "there is no such file: pattern '%s'",
                             pattern->name);
-        pattern->file = keep(shots->arena, projected->file);
+        pattern->file = ffp_arena_text(shots->arena, projected->file);
         pattern->novel = novel;
         return true;
     }
@@ -114,7 +110,8 @@ static bool take_named(FfpShots *shots, const FfpCalibration *calibration, FfpEr
         snprintf(what, sizeof what, "view '%s' under pattern '%s'", calibration->stops[picture->stop].id,
                  picture->pattern);
         if (pattern < 0 || !ffp_photograph_check(picture->path, what, err) ||
-            !set_picture(shots, calibration, picture->stop, pattern, keep(shots->arena, picture->path), err))
+            !set_picture(shots, calibration, picture->stop, pattern,
+                         ffp_arena_text(shots->arena, picture->path), err))
             return false;
     }
     return true;
@@ -128,7 +125,7 @@ static void take_kept_patterns(FfpShots *shots, const char *folder) {
         const bool plain = i == shots->black || i == shots->white;
         if (!plain && shots->patterns[i].file == NULL && ffp_join_path(path, folder, name) &&
             ffp_is_file(path))
-            shots->patterns[i].file = keep(shots->arena, path);
+            shots->patterns[i].file = ffp_arena_text(shots->arena, path);
     }
 }
 

@@ -232,11 +232,61 @@ static void read_and_send(int pipe_end, const char *path, const Format *format, 
     if (fwrite(&report, sizeof report, 1, to) == 1 && (!report.ok || send_arrays(&mesh, to))) fflush(to);
 }
 
+// The process as its parent sees it; the call at work owns it.
+typedef struct Reader {
+    pid_t pid;
+    FILE *from;
+} Reader;
+
+// How it ended, as waitpid gives it.
+static int end_reader(Reader *reader) {
+    int status = 0;
+    fclose(reader->from);
+    while (waitpid(reader->pid, &status, 0) < 0 && errno == EINTR) {
+    }
+    ffp_free(reader);
+    return status;
+}
+
+static void stop_reader(void *thing) {
+    Reader *reader = thing;
+    kill(reader->pid, SIGKILL);
+    end_reader(reader);
+}
+
+// NULL with an error.
+static Reader *start_reader(const char *path, const Format *format, long long size, FfpError *err) {
+    Reader *reader = ffp_alloc(1, sizeof *reader);
+    int ends[2];
+    const char *lacking = "no pipe";
+    if (pipe(ends) == 0) {
+        // Its buffers are copies of ours; it leaves without writing what is in them.
+        reader->pid = (reader->from = fdopen(ends[0], "rb")) ? fork() : -1;
+        if (reader->pid == 0) {
+            close(ends[0]);
+            read_and_send(ends[1], path, format, size);
+            _exit(0);
+        }
+        close(ends[1]);
+        if (reader->pid > 0) {
+            ffp_own(reader, stop_reader);
+            return reader;
+        }
+        lacking = "no process";
+        if (reader->from)
+            fclose(reader->from);
+        else
+            close(ends[0]);
+    }
+    ffp_free(reader);
+    ffp_fail(err, FFP_ERROR_IO, path, "cannot be read: %s", lacking);
+    return NULL;
+}
+
 // False without an error when the other side fell silent.
-static bool receive(FfpMesh *mesh, int pipe_end, bool *silent, FfpError *err) {
+static bool receive(FfpMesh *mesh, FILE *from, bool *silent, FfpError *err) {
     Report report;
-    FILE *from = fdopen(pipe_end, "rb");
-    *silent = !from || fread(&report, sizeof report, 1, from) != 1;
+    *silent = fread(&report, sizeof report, 1, from) != 1;
     if (!*silent && report.ok) {
         mesh->n_vertices = report.n_vertices, mesh->n_triangles = report.n_triangles;
         allocate(mesh, report.with_uv);
@@ -244,32 +294,16 @@ static bool receive(FfpMesh *mesh, int pipe_end, bool *silent, FfpError *err) {
     } else if (!*silent && err) {
         *err = report.err;
     }
-    if (from)
-        fclose(from);
-    else
-        close(pipe_end);
     return !*silent && report.ok;
 }
 
 static bool read_apart(FfpMesh *mesh, const char *path, const Format *format, long long size, FfpError *err) {
-    int ends[2], status = 0;
-    if (pipe(ends) != 0) return ffp_fail(err, FFP_ERROR_FILE, path, "cannot be read: no pipe");
-    fflush(NULL); // what is still unwritten must not be written twice
-    const pid_t child = fork();
-    if (child == 0) {
-        close(ends[0]);
-        read_and_send(ends[1], path, format, size);
-        _exit(0);
-    }
-    close(ends[1]);
-    if (child < 0) {
-        close(ends[0]);
-        return ffp_fail(err, FFP_ERROR_FILE, path, "cannot be read: no process");
-    }
     bool silent;
-    const bool ok = receive(mesh, ends[0], &silent, err);
-    while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
-    }
+    Reader *reader = start_reader(path, format, size, err);
+    if (!reader) return false;
+    const bool ok = receive(mesh, reader->from, &silent, err);
+    ffp_disown(reader);
+    const int status = end_reader(reader);
     if (!silent) return ok;
     const bool slow = WIFSIGNALED(status) && (WTERMSIG(status) == SIGXCPU || WTERMSIG(status) == SIGKILL);
     return ffp_fail(err, FFP_ERROR_FILE, path, "is no %s file that can be read: %s", format->ending,

@@ -6,6 +6,7 @@
 #include "base/exp2.h"
 #include "base/log.h"
 #include "base/rng.h"
+#include "base/text.h"
 #include "base/vec.h"
 
 static void arena_gives_aligned_zeroed_memory(void **state) {
@@ -36,6 +37,22 @@ static void arena_gives_aligned_zeroed_memory(void **state) {
 }
 
 // The first numbers of PCG32's reference demonstration, seed 42 and stream 54.
+static void texts_are_copied_and_escaped(void **state) {
+    (void)state;
+    FfpArena *arena = ffp_arena_new();
+    char name[] = "a \"b\" <c> & d";
+    const char *copy = ffp_arena_text(arena, name), *none = ffp_arena_text(arena, "");
+    name[0] = 'x';
+    assert_string_equal(copy, "a \"b\" <c> & d");
+    assert_string_equal(none, "");
+    FfpText *page = ffp_text_new();
+    ffp_put_html(ffp_text_stream(page), copy);
+    char *text = ffp_text_end(page);
+    assert_string_equal(text, "a &quot;b&quot; &lt;c&gt; &amp; d");
+    ffp_free(text);
+    ffp_arena_free(arena);
+}
+
 static void random_numbers_are_pcg32(void **state) {
     (void)state;
     static const uint32_t want[6] = {0xa15c02b7, 0x7b47f409, 0xba1d3330, 0x83d2f293, 0xbfa4784b, 0xcbed606e};
@@ -398,6 +415,7 @@ static void time_runs(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(arena_gives_aligned_zeroed_memory),
+        cmocka_unit_test(texts_are_copied_and_escaped),
         cmocka_unit_test(random_numbers_are_pcg32),
         cmocka_unit_test(random_numbers_have_their_moments),
         cmocka_unit_test(errors_say_what_and_where),

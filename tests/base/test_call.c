@@ -2,7 +2,7 @@
 #include <omp.h>
 #include <stdatomic.h>
 #include <time.h>
-#include "support.h"
+#include "comma.h"
 #include "base/arena.h"
 #include "base/call.h"
 #include "base/log.h"
@@ -157,6 +157,66 @@ static void threads_are_the_calls_own(void **state) {
     assert_int_equal(omp_get_max_threads(), before);
 }
 
+// --- The host's locale. ---
+
+static atomic_int commas, bodies; // numbers seen with one, by `at_work`; bodies that looked
+
+static void look(void) {
+    commas += with_comma() || strtod("1.5", NULL) != 1.5;
+}
+
+static void looking_body(void *argument, int64_t index) {
+    look();
+    bodies++;
+    ffp_note("body %d", (int)index);
+    if (index == *(const int *)argument) ffp_alloc(SIZE_MAX / 2, 3);
+    nanosleep(&(struct timespec){.tv_nsec = 1000000}, NULL);
+}
+
+static bool at_work(void *argument, FfpError *err) {
+    look();
+    ffp_parallel_for(40, 4, looking_body, argument);
+    ffp_cancel_point();
+    look();
+    return *(int *)argument != 50 || ffp_fail(err, FFP_ERROR_FILE, NULL, "%.1f", 0.5);
+}
+
+static void host_has_commas(void *user, FfpLogLevel level, const char *text) {
+    (void)level, (void)text;
+    if (!with_comma()) *(bool *)user = false;
+}
+
+static bool host_is_asked(void *user, const FfpProgress *progress) {
+    (void)progress;
+    if (!with_comma()) *(bool *)user = false;
+    return true;
+}
+
+// In the call numbers have points, by whichever thread; in the host's callbacks and behind the call, however
+// it ends, they have what the host has set.
+static void the_hosts_locale_stays_outside(void **state) {
+    (void)state;
+    FfpError err = {0};
+    bool right = true;
+    FfpContext context = {.settings = {.user = &right, .log = host_has_commas, .progress = host_is_asked}};
+    int bad = -1;
+    if (!comma_locale()) skip();
+    commas = bodies = 0;
+    assert_true(ffp_call_run(&context, at_work, &bad, &err));
+    assert_true(with_comma());
+    assert_int_equal(bodies, 40);
+    bad = 20; // out of memory, in a body
+    assert_false(ffp_call_run(&context, at_work, &bad, &err));
+    assert_true(with_comma());
+    bad = 50; // an error
+    assert_false(ffp_call_run(&context, at_work, &bad, &err));
+    assert_string_equal(err.text, "0.5");
+    assert_true(with_comma());
+    setlocale(LC_NUMERIC, "C");
+    assert_int_equal(commas, 0);
+    assert_true(right);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(sizes_that_overflow_end_the_call),
@@ -164,6 +224,7 @@ int main(void) {
         cmocka_unit_test(a_body_ends_the_call_behind_the_region),
         cmocka_unit_test(the_caller_ends_a_call),
         cmocka_unit_test(threads_are_the_calls_own),
+        cmocka_unit_test(the_hosts_locale_stays_outside),
     };
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    return cmocka_run_group_tests(tests, scratch_setup, scratch_teardown);
 }

@@ -48,8 +48,23 @@ static void kernels(void **state) {
     ffp_free(table.rows);
 }
 
+// Told before anything is measured.
+static void unwritable(void **state) {
+    (void)state;
+    FfpError err = {0};
+    char *text = NULL;
+    size_t size = 0;
+    FILE *out = open_memstream(&text, &size);
+    assert_non_null(out);
+    assert_false(ffp_bench(out, "no/folder/bench.json", &err));
+    assert_int_equal(fclose(out), 0);
+    assert_int_equal(size, 0);
+    assert_non_null(strstr(err.text, "no/folder/bench.json"));
+    free(text);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(timing), cmocka_unit_test(table),
-                                       cmocka_unit_test(kernels)};
+                                       cmocka_unit_test(kernels), cmocka_unit_test(unwritable)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,6 +1,10 @@
 // Captures that are wrong: each is refused with WHAT (FILE: FIELD), and nothing is returned.
+#include <fcntl.h>
 #include <math.h>
+#include <stdarg.h>
+#include <stdatomic.h>
 
+#include "short_of_memory.h"
 #include "tiny_capture.h"
 #include "base/alloc.h"
 
@@ -264,6 +268,63 @@ static void bad_truth_is_refused(void **state) {
     ffp_image_free(&small);
 }
 
+// --- Files that change while they are read. ---
+
+// From the first or a later opening of `name` on another file is there.
+static struct {
+    const char *name, *other;
+    int at; // the opening from which on
+    atomic_int openings;
+} swap;
+
+// In place of the C library's, which every file is opened by.
+int open(const char *path, int flags, ...) {
+    va_list arguments;
+    va_start(arguments, flags);
+    const mode_t mode = flags & O_CREAT ? va_arg(arguments, mode_t) : 0;
+    va_end(arguments);
+    if (swap.name && strcmp(ffp_basename(path), swap.name) == 0 && swap.openings++ >= swap.at)
+        path = swap.other;
+    return openat(AT_FDCWD, path, flags, mode);
+}
+
+// Pixels are those of the bytes whose size was checked: no file is opened a second time.
+static void files_that_change_are_refused(void **state) {
+    (void)state;
+    static const char *const keys[6] = {"coverage", "depth", "normal", "albedo", "roughness", "direct_white"};
+    FfpImage small = ffp_image_new(2, 2, 3), map = ffp_image_new(12, 10, 3), grey = ffp_image_new(12, 10, 1);
+    char other[FFP_PATH_MAX];
+    assert_true(ffp_join_path(other, scratch, "other.exr"));
+    assert_true(ffp_image_write_exr(&small, other, NULL));
+    char *text = replaced(scene_text, "\"id\": \"b\"",
+                          "\"id\": \"b\", \"coverage\": \"coverage.exr\", \"depth\": \"depth.exr\", "
+                          "\"normal\": \"normal.exr\", \"albedo\": \"albedo.exr\", \"roughness\": "
+                          "\"roughness.exr\", \"direct_white\": \"direct_white.exr\", \"correspondence\": "
+                          "\"correspondence.exr\"");
+    write_text("changing.json", text);
+    char names[10][32] = {"b0.png", "p/dots.png", "correspondence.exr"};
+    assert_true(ffp_image_write_exr(&map, in_scratch("correspondence.exr"), NULL));
+    for (int i = 0; i < 6; i++) {
+        snprintf(names[3 + i], sizeof names[0], "%s.exr", keys[i]);
+        assert_true(ffp_image_write_exr(i == 1 || i == 4 ? &grey : &map, in_scratch(names[3 + i]), NULL));
+    }
+    for (int i = 0; i < 9; i++)
+        for (swap.at = 0; swap.at < 2; swap.at++) {
+            FfpCapture capture;
+            FfpError err = {0};
+            swap.openings = 0;
+            swap.other = other, swap.name = ffp_basename(names[i]);
+            const bool ok = ffp_capture_read(&capture, in_scratch("changing.json"), &err);
+            swap.name = NULL;
+            if (ok) ffp_capture_free(&capture);
+            assert_int_equal(swap.openings, 1);
+            assert_int_equal(ok, swap.at > 0);
+            if (!ok) assert_non_null(strstr(err.text, "image is 2 x 2, but the"));
+        }
+    ffp_free(text);
+    ffp_image_free(&small), ffp_image_free(&map), ffp_image_free(&grey);
+}
+
 // An image as large as this program reads, many times over, must be refused before memory is taken for it.
 static void images_beyond_memory_are_refused(void **state) {
     (void)state;
@@ -280,6 +341,19 @@ static void images_beyond_memory_are_refused(void **state) {
     expect_refusal(in_scratch("huge.json"), "GB of memory; this machine has", "huge.json)");
     ffp_free(many);
     ffp_free(text);
+}
+
+// What counts is what is left, not what the machine has.
+static void images_beyond_what_is_left_are_refused(void **state) {
+    (void)state;
+    FfpCapture capture;
+    leave_memory("20"); // of the 28 kB that seven pictures of 12 x 10 and four patterns take
+    expect_refusal(scratch, "GB of memory; this machine has", "scene.json)");
+    leave_memory("40");
+    const bool ok = ffp_capture_read(&capture, scratch, NULL);
+    meminfo = NULL;
+    assert_true(ok);
+    ffp_capture_free(&capture);
 }
 
 static void equal_black_and_white_are_refused(void **state) {
@@ -341,7 +415,9 @@ int main(void) {
         cmocka_unit_test(a_million_views_are_refused),
         cmocka_unit_test(bad_image_files_are_refused),
         cmocka_unit_test(bad_truth_is_refused),
+        cmocka_unit_test(files_that_change_are_refused),
         cmocka_unit_test(images_beyond_memory_are_refused),
+        cmocka_unit_test(images_beyond_what_is_left_are_refused),
         cmocka_unit_test(equal_black_and_white_are_refused),
         cmocka_unit_test(bad_targets_are_refused),
         cmocka_unit_test(unwritable_captures_are_refused),

@@ -327,6 +327,9 @@ static void test_files_that_are_not_there(void **state) {
     snprintf(arguments, sizeof arguments, "reconstruct %s -o %s/no/folder/out.ply --model none", capture,
              output);
     must_fail("no folder to write to", "out.ply", arguments);
+    // Told before anything is read, let alone computed.
+    snprintf(arguments, sizeof arguments, "reconstruct %s/none -o %s/no/folder/out.ply", scratch, output);
+    must_fail("no folder to write to, before the work", "out.ply", arguments);
     snprintf(arguments, sizeof arguments, "info %s/none", scratch);
     must_fail("nothing to tell of", "none", arguments);
     assert_int_equal(mkfifo(in_scratch("fifo"), 0600), 0);

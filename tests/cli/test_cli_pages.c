@@ -113,6 +113,27 @@ static void pages_that_cannot_be_written_are_an_error(void **state) {
     assert_non_null(strstr(run.err, "/nowhere/pages"));
     run_program(&run, "--pages");
     assert_int_equal(run.status, 2);
+    char path[128], command[1024], *before = read_page("ffprocams.1");
+    snprintf(path, sizeof path, "--pages %s/pages/ffprocams.1", scratch);
+    run_program(&run, path);
+    assert_int_equal(run.status, 1);
+    assert_non_null(strstr(run.err, "Not a directory (")); // of the file itself, not of what was to be in it
+    assert_non_null(strstr(run.err, "/pages/ffprocams.1)"));
+    // A disk that is full half-way: files may hold 4 KiB. What was there stays, and nothing lies beside it.
+    snprintf(command, sizeof command, "bash -c \"trap '' XFSZ; ulimit -f 4; '%s' --pages %s/pages\" 2>%s.err",
+             FFP_PROGRAM, scratch, scratch);
+    if (system("command -v bash >/dev/null") == 0) {
+        assert_int_not_equal(system(command), 0);
+        snprintf(path, sizeof path, "%s.err", scratch);
+        read_text(path, run.err, sizeof run.err);
+        assert_non_null(strstr(run.err, "cannot write: File too large"));
+    }
+    char *after = read_page("ffprocams.1"), *completion = read_page("ffprocams-completion.bash");
+    assert_string_equal(after, before);
+    assert_true(strlen(completion) > 4096);
+    snprintf(command, sizeof command, "ls %s/pages | grep -q tmp", scratch);
+    assert_int_not_equal(system(command), 0);
+    ffp_free(before), ffp_free(after), ffp_free(completion);
 }
 
 int main(void) {

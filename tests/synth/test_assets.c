@@ -1,9 +1,15 @@
 // Users' meshes and materials: every format, what is made of it, and files that are none.
+#include <errno.h>
+#include <fcntl.h>
 #include <math.h>
+#include <pthread.h>
 #include <stdbool.h>
+#include <sys/wait.h>
+#include <time.h>
 #include <unistd.h>
 #include "base/file.h"
 #include "base/alloc.h"
+#include "base/call.h"
 #include "image/image.h"
 #include "support.h"
 #include "synth/mesh.h"
@@ -249,6 +255,77 @@ static void damaged_files_do_no_harm(void **state) {
     }
 }
 
+// --- The process that reads. ---
+
+static void *waits_for_input(void *nothing) {
+    getchar();
+    return nothing;
+}
+
+// In a process of its own: 0 when the mesh was read while a thread waits on stdin and a word waits in stdout.
+static int read_while_waiting(const char *path, const char *words) {
+    int ends[2];
+    pthread_t thread;
+    FfpMesh mesh;
+    if (pipe(ends) != 0 || dup2(ends[0], 0) < 0 || !freopen(words, "w", stdout)) return 2;
+    printf("once\n");
+    if (pthread_create(&thread, NULL, waits_for_input, NULL) != 0) return 3;
+    nanosleep(&(struct timespec){.tv_nsec = 100000000}, NULL); // it has the stream's lock by now
+    alarm(60);
+    if (!ffp_mesh_read(&mesh, path, NULL)) return 4;
+    return fflush(stdout) == 0 ? 0 : 5;
+}
+
+static void the_hosts_streams_are_left_alone(void **state) {
+    (void)state;
+    char path[FFP_PATH_MAX], words[FFP_PATH_MAX], text[32] = "";
+    int status = 0;
+    write_words("cube.obj", cube);
+    snprintf(path, sizeof path, "%s/cube.obj", root);
+    snprintf(words, sizeof words, "%s/words", root);
+    const pid_t child = fork();
+    if (child == 0) _exit(read_while_waiting(path, words));
+    assert_true(child > 0);
+    assert_int_equal(waitpid(child, &status, 0), child);
+    if (!WIFEXITED(status) || WEXITSTATUS(status) != 0) fail_msg("ended with status %x", (unsigned)status);
+    FILE *file = fopen(words, "r");
+    assert_non_null(file);
+    assert_int_equal(fread(text, 1, sizeof text - 1, file), 5); // by one of the two processes alone
+    assert_string_equal(text, "once\n");
+    fclose(file);
+}
+
+static int open_files(void) {
+    int count = 0;
+    for (int fd = 0; fd < 256; fd++) count += fcntl(fd, F_GETFD) >= 0;
+    return count;
+}
+
+static bool read_cube(void *argument, FfpError *err) {
+    return ffp_mesh_read(argument, path_of("cube.obj"), err);
+}
+
+// Whichever allocation fails: no process is left, nor an end of its pipe.
+static void no_reader_is_left_when_memory_is_out(void **state) {
+    (void)state;
+    const int before = open_files();
+    bool ok = false;
+    write_words("cube.obj", cube);
+    for (int n = 1; !ok; n++) {
+        FfpMesh mesh;
+        FfpError err = {0};
+        FfpContext context = {0};
+        assert_true(n < 100);
+        ffp_context_fail_at(&context, n);
+        ok = ffp_call_run(&context, read_cube, &mesh, &err);
+        assert_true(waitpid(-1, NULL, WNOHANG) == -1 && errno == ECHILD);
+        assert_int_equal(open_files(), before);
+        if (ok) ffp_mesh_free(&mesh);
+        assert_true(ok || err.code == FFP_ERROR_MEMORY);
+        assert_true(!ok || n > 5); // what failed were the reader, and the arrays it sends
+    }
+}
+
 // --- Materials. ---
 
 static void write_map(const char *name, float r, float g, float b) {
@@ -386,6 +463,8 @@ int main(void) {
         cmocka_unit_test(sharp_edges_and_coordinates_stay),
         cmocka_unit_test(files_that_are_no_mesh_are_refused),
         cmocka_unit_test(damaged_files_do_no_harm),
+        cmocka_unit_test(the_hosts_streams_are_left_alone),
+        cmocka_unit_test(no_reader_is_left_when_memory_is_out),
         cmocka_unit_test(maps_are_found_and_understood),
         cmocka_unit_test(coordinates_lay_the_map),
         cmocka_unit_test(folders_that_are_no_material_are_refused),
