@@ -76,7 +76,8 @@ static Near look_around(const Work *w, real u, real v) {
     return near;
 }
 
-// The blend of the planes on the surface of neighbour n, relative to the position.
+// The blend of the planes on the surface of neighbour n, relative to the position. Where none of them has a
+// share (the splines of a neighbour may end exactly here): the plane of n.
 static FfpPlane blend(const Near *near, int n) {
     FfpPlane out = {0, 0, 0};
     real total = 0;
@@ -87,6 +88,7 @@ static FfpPlane blend(const Near *near, int n) {
             out.qy += share * near->plane[m]->qy;
         total += share;
     }
+    if (!(total > 0)) return (FfpPlane){near->q[n], near->plane[n]->qx, near->plane[n]->qy};
     return (FfpPlane){out.q0 / total, out.qx / total, out.qy / total};
 }
 
