@@ -13,7 +13,7 @@
 #include "render/render.h"
 
 #define FFP_LN2 0.693147180559945309F
-#define FFP_ROUGHNESS_MIN 0.02F // below it the highlight's D is 0 / 0
+#define FFP_ROUGHNESS_MIN 0.02F // what is smoother counts as this: at 0 the highlight's D is 0 / 0
 // A summed normal shorter than this share of the opacity has cancelled out and tells no direction: it is not
 // stretched to 1.
 #define FFP_NORMAL_MIN 0.05F
@@ -142,10 +142,10 @@ FFP_FORMULA void ffp_specular_backward(const FfpLobe *b, const FfpLit *s, real d
                                        real *d_nl, real *d_nv, real *d_nh, real *d_vh) {
     const real dD = d * b->F * b->V, dF = d * b->D * b->V, dV = d * b->D * b->F, rho = s->roughness;
     const real dq = -2 * b->D / b->q * dD;
-    const real da2 = dD / (FFP_PI * b->q * b->q) + dq * s->nh * s->nh;
+    const real da2 = dD / (FFP_PI * b->q * b->q) + dq * b->c;
     const real dgv = -b->V / b->gv * dV, dgl = -b->V / b->gl * dV;
     const real dk = dgv * (1 - s->nv) + dgl * (1 - s->nl);
-    *d_nh = dq * 2 * s->nh * (b->a2 - 1);
+    *d_nh = b->c < 1 ? dq * 2 * s->nh * (b->a2 - 1) : 0;
     *d_vh = dF * (1 - FFP_F0) * b->power * FFP_LN2 * (2 * FFP_FRESNEL_2 * s->vh + FFP_FRESNEL_1);
     *d_nv = dgv * (1 - b->k);
     *d_nl += dgl * (1 - b->k);

@@ -7,6 +7,7 @@
 #include "base/cpu.h"
 #include "render/raster.h"
 #include "render/scenes.h"
+#include "render/shade_pixel.h"
 
 static const real eye[3] = {2.1F, -1.7F, 1.1F}, origin[3] = {0, 0, 0};
 #define PI 3.14159265358979324
@@ -429,6 +430,75 @@ static void test_wall_energy(void **state) {
     ffp_gbuffer_free(&dark);
 }
 
+// Where the normal is the half vector, a rounded cosine is 1 give or take a bit. D is then 1 / (pi rho^4), or
+// less by what the last bits of the cosine can do: never infinite.
+static void test_highlight_at_its_peak(void **state) {
+    (void)state;
+    static const real roughness[4] = {FFP_ROUGHNESS_MIN, 0.03F, 0.1F, 0.5F};
+    FfpRng rng = ffp_rng(12, 4);
+    for (int i = 0; i < 4000; i++) {
+        real n[3] = {(real)ffp_rng_normal(&rng), (real)ffp_rng_normal(&rng), (real)ffp_rng_normal(&rng)};
+        ffp_normalise3(n);
+        const double a2 = pow((double)roughness[i % 4], 4), peak = 1 / (PI * a2), bit = 8e-7;
+        const FfpLobe lobe = ffp_lobe(roughness[i % 4], 0.8F, 0.8F, ffp_dot3(n, n), 0.8F);
+        assert_true((double)lobe.D <= peak * 1.0001);
+        assert_true((double)lobe.D >= peak * pow(a2 / (a2 + bit), 2) * 0.9999);
+    }
+}
+
+// A mirror that faces half way between eye and lamp in every pixel, under a pattern that is black but for a
+// frame: no level's picture or gradient holds infinity or 0 times infinity.
+static void test_mirror_under_black(void **state) {
+    (void)state;
+    enum { W = 33, H = 21, PIXELS = W * H };
+    const real at[3] = {0, -3, 0}, lamp[3] = {0.9F, -1.9F, 0.4F}, n[3] = {0, -1, 0}, intensity[3] = {3, 5, 8};
+    const FfpCamera camera = look_at(W, H, 30, at, origin), projector = look_at(200, 200, 90, lamp, origin);
+    FfpGbuffer g = wall(&camera, n, 0.5F, 0);
+    for (int p = 0; p < PIXELS; p++) {
+        real point[3], v[3], l[3], *h = g.normal + 3 * (ptrdiff_t)p;
+        ffp_surface_point(&camera, (real)(p % W) + 0.5F, (real)(p / W) + 0.5F, g.depth[p], point, v);
+        for (int k = 0; k < 3; k++) v[k] = at[k] - point[k], l[k] = lamp[k] - point[k];
+        ffp_normalise3(v), ffp_normalise3(l);
+        for (int k = 0; k < 3; k++) h[k] = v[k] + l[k];
+        ffp_normalise3(h);
+    }
+    FfpRenderSettings settings = ffp_render_defaults();
+    settings.shadows = settings.footprint = false;
+    FfpImage dark = ffp_image_new(200, 200, 3), out = ffp_image_new(W, H, 3), d = plain_pattern(W, H);
+    dark.data[0] = 1;
+    int lit = 0;
+    FfpSummed pattern = ffp_summed_new(&dark);
+    const FfpCpuLevel used = ffp_cpu_level();
+    for (int level = 0; level <= (int)ffp_cpu_best(); level++) {
+        assert_true(ffp_cpu_set_level((FfpCpuLevel)level));
+        FfpMapping mapping = ffp_mapping_new(W, H);
+        FfpTransport light = ffp_transport_new(W, H), d_light = ffp_transport_new(W, H);
+        FfpGbuffer grad = ffp_gbuffer_new(W, H);
+        ffp_map_with_shadow(&(FfpGbuffer){0}, &g, &camera, &projector, &settings, &mapping);
+        ffp_light(&g, &mapping, &camera, &projector, &light);
+        ffp_shade(&g, &mapping, &light, intensity, &pattern, &out);
+        ffp_shade_backward(&mapping, &light, intensity, &pattern, &d, &grad, &d_light, NULL, NULL);
+        for (int i = 0; i < 3 * PIXELS; i++) d_light.factor[i] = 1; // under black the pattern takes it away
+        ffp_light_backward(&g, &mapping, &camera, &projector, &d_light, &grad);
+        for (int i = 0; i < 3 * PIXELS; i++) {
+            assert_true(isfinite(light.factor[i]) && out.data[i] == 0);
+            lit += light.factor[i] > 100; // hundreds: the peak
+            assert_true(isfinite(grad.normal[i]) && isfinite(grad.albedo[i]) && isfinite(grad.depth[i / 3]));
+        }
+        ffp_mapping_free(&mapping);
+        ffp_transport_free(&light);
+        ffp_transport_free(&d_light);
+        ffp_gbuffer_free(&grad);
+    }
+    assert_true(lit > 27 * PIXELS / 10 * ((int)ffp_cpu_best() + 1));
+    assert_true(ffp_cpu_set_level(used));
+    ffp_summed_free(&pattern);
+    ffp_image_free(&dark);
+    ffp_image_free(&out);
+    ffp_image_free(&d);
+    ffp_gbuffer_free(&g);
+}
+
 // Camera and projector in one place, the projector four times as fine: pixel (x, y) is pattern pixel (4x, 4y)
 // and covers 4 by 4 of them. A jump of depth halfway changes nothing, for the pixels beside it have
 // neighbours on their own side.
@@ -557,11 +627,18 @@ static void test_render_view(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_brute_force),    cmocka_unit_test(test_principal_point_outside),
-        cmocka_unit_test(test_same_bits),      cmocka_unit_test(test_hostile_gaussians),
-        cmocka_unit_test(test_wall_energy),    cmocka_unit_test(test_mapping_footprint),
-        cmocka_unit_test(test_shadow),         cmocka_unit_test(test_levels_agree),
-        cmocka_unit_test(test_no_more_memory), cmocka_unit_test(test_render_view),
+        cmocka_unit_test(test_brute_force),
+        cmocka_unit_test(test_principal_point_outside),
+        cmocka_unit_test(test_same_bits),
+        cmocka_unit_test(test_hostile_gaussians),
+        cmocka_unit_test(test_highlight_at_its_peak),
+        cmocka_unit_test(test_mirror_under_black),
+        cmocka_unit_test(test_wall_energy),
+        cmocka_unit_test(test_mapping_footprint),
+        cmocka_unit_test(test_shadow),
+        cmocka_unit_test(test_levels_agree),
+        cmocka_unit_test(test_no_more_memory),
+        cmocka_unit_test(test_render_view),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
