@@ -297,7 +297,8 @@ typedef struct FfpViewingStats {
     int patterns, photographs; // in it; a note says when there was no room for all
 } FfpViewingStats;
 // Writes a page on which Gaussians are drawn by the browser (WebGL 2) as ffp_render_pictures draws them,
-// while camera and projectors are moved (docs/view.md). `stats` may be NULL.
+// while camera and projectors are moved (docs/view.md). `stats` may be NULL. FFP_ERROR_UNSUPPORTED: the form
+// is GS-ProCams', whose light the page does not know.
 FFP_API bool ffp_view(FfpContext *context, const FfpGaussians *gaussians, const FfpCapture *capture,
                       const FfpViewing *options, FfpViewingStats *stats, FfpError *err);
 
