@@ -1,10 +1,13 @@
 // The renderer against a brute-force one in double, against physics, and against itself.
+#define _DEFAULT_SOURCE // MAP_NORESERVE
 #include <math.h>
 #include <omp.h>
+#include <sys/mman.h>
 #include "render/pass.h"
 #include "support.h"
 #include "base/arena.h"
 #include "base/cpu.h"
+#include "render/kernels/kernels.h"
 #include "render/raster.h"
 #include "render/scenes.h"
 #include "render/shade_pixel.h"
@@ -539,6 +542,119 @@ static void test_mapping_footprint(void **state) {
     ffp_gbuffer_free(&g);
 }
 
+// --- Pictures of more than 2^31 numbers. ---
+
+// Zeros that take memory only where they are touched; NULL where there is no room even for their addresses.
+static real *far_plane(size_t numbers) {
+    const int flags = MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE;
+    void *at = mmap(NULL, numbers * sizeof(real), PROT_READ | PROT_WRITE, flags, -1, 0);
+    return at == MAP_FAILED ? NULL : at;
+}
+
+// What a row goes through, of pictures [height,width].
+typedef struct RowCase {
+    FfpCamera camera;
+    FfpGbuffer g, d_g;
+    FfpMapping mapping;
+    FfpTransport light, d_light;
+    FfpImage out;
+} RowCase;
+
+static bool row_case(RowCase *c, int width, int height) {
+    const size_t n = (size_t)width * (size_t)height;
+    real *planes[19];
+    static const int sizes[19] = {1, 1, 3, 3, 1, 3, 2, 2, 1, 3, 2, 3, 2, 3, 1, 1, 3, 3, 1};
+    for (int k = 0; k < 19; k++)
+        if (!(planes[k] = far_plane(n * (size_t)sizes[k]))) return false;
+    *c = (RowCase){.camera = {width, height, 20000, 20000, (real)width / 2, (real)height - 2, {0}},
+                   .g = {.width = width,
+                         .height = height,
+                         .opacity = planes[0],
+                         .depth = planes[1],
+                         .normal = planes[2],
+                         .albedo = planes[3],
+                         .roughness = planes[4],
+                         .ambient = planes[5]},
+                   .mapping = {width, height, planes[6], planes[7], 0, planes[8]},
+                   .light = {.width = width, .height = height, .factor = planes[9], .uv = planes[10]},
+                   .d_light = {.width = width, .height = height, .factor = planes[11], .uv = planes[12]},
+                   .out = {width, height, 3, planes[13]},
+                   .d_g = {.width = width,
+                           .height = height,
+                           .opacity = planes[14],
+                           .depth = planes[15],
+                           .normal = planes[16],
+                           .albedo = planes[17],
+                           .roughness = planes[18],
+                           .ambient = planes[5]}};
+    for (int k = 0; k < 4; k++) c->camera.pose[5 * k] = 1;
+    return true;
+}
+
+static void row_case_free(RowCase *c) {
+    const size_t n = (size_t)c->g.width * (size_t)c->g.height * sizeof(real);
+    munmap(c->g.opacity, n), munmap(c->g.depth, n), munmap(c->g.normal, 3 * n), munmap(c->g.albedo, 3 * n);
+    munmap(c->g.roughness, n), munmap(c->g.ambient, 3 * n), munmap(c->mapping.uv, 2 * n);
+    munmap(c->mapping.extent, 2 * n), munmap(c->mapping.visibility, n), munmap(c->light.factor, 3 * n);
+    munmap(c->light.uv, 2 * n), munmap(c->d_light.factor, 3 * n), munmap(c->d_light.uv, 2 * n);
+    munmap(c->out.data, 3 * n), munmap(c->d_g.opacity, n), munmap(c->d_g.depth, n);
+    munmap(c->d_g.normal, 3 * n), munmap(c->d_g.albedo, 3 * n), munmap(c->d_g.roughness, n);
+}
+
+// The last row of the picture: a wall, mapped, lit, shaded and back.
+static void through_last_row(RowCase *c, const FfpCamera *projector, const FfpSummed *pattern) {
+    const int y = c->g.height - 1, width = c->g.width;
+    const size_t row = (size_t)y * (size_t)width;
+    const real intensity[3] = {3, 5, 8};
+    const FfpRenderSettings settings = ffp_render_defaults();
+    const FfpRenderKernels *kernels = ffp_render_kernels();
+    for (size_t p = row; p < row + (size_t)width; p++) {
+        c->g.opacity[p] = 1, c->g.depth[p] = 3, c->g.roughness[p] = 0.5F;
+        c->g.normal[3 * p + 2] = -1;
+        for (size_t k = 0; k < 3; k++) c->g.albedo[3 * p + k] = 0.5F, c->d_light.factor[3 * p + k] = 0.2F;
+    }
+    const FfpMapper mapper = {&c->g, &c->camera, projector, &settings, {0}};
+    const FfpLitScene scene = {&c->g, &c->mapping, {&c->camera, projector, 0}};
+    const FfpPatternLight light = {&c->light, c->mapping.extent, intensity, pattern, 1};
+    const FfpShadeGrad grad = {&c->out, c->d_g.ambient, &c->d_light, NULL};
+    real grad_intensity[3] = {0, 0, 0};
+    kernels->map_row(&mapper, y, &c->mapping);
+    kernels->light_row(&scene, y, &c->light);
+    kernels->shade_row(&light, y, c->g.ambient, &c->out);
+    kernels->shade_row_backward(&light, y, &grad, grad_intensity);
+    kernels->light_row_backward(&scene, y, &c->d_light, &c->d_g);
+}
+
+// The last row of 720 million samples is that of a picture of its own.
+static void test_rows_of_large_pictures(void **state) {
+    (void)state;
+    enum { WIDTH = 30000, HEIGHT = 24000 };
+    RowCase large, small;
+    if (!row_case(&large, WIDTH, HEIGHT)) {
+        print_message("skipped: no addresses for a picture of 720 million samples\n");
+        return;
+    }
+    assert_true(row_case(&small, WIDTH, 1));
+    small.camera.cy = large.camera.cy - (HEIGHT - 1);
+    FfpImage plain = ffp_image_new(64, 64, 3);
+    for (int i = 0; i < 3 * 64 * 64; i++) plain.data[i] = 0.5F + 0.4F * (real)sin(i);
+    FfpSummed pattern = ffp_summed_new(&plain);
+    const FfpCamera projector = {64, 64, 40, 40, 32, 32, {1, 0, 0, 0.5F, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1}};
+    through_last_row(&large, &projector, &pattern);
+    through_last_row(&small, &projector, &pattern);
+    const size_t row = (size_t)(HEIGHT - 1) * WIDTH, bytes = WIDTH * sizeof(real);
+    assert_true(small.out.data[3 * (WIDTH / 2)] > 0 && small.d_g.albedo[3 * (WIDTH / 2)] != 0);
+    assert_memory_equal(large.mapping.uv + 2 * row, small.mapping.uv, 2 * bytes);
+    assert_memory_equal(large.light.factor + 3 * row, small.light.factor, 3 * bytes);
+    assert_memory_equal(large.out.data + 3 * row, small.out.data, 3 * bytes);
+    assert_memory_equal(large.d_light.uv + 2 * row, small.d_light.uv, 2 * bytes);
+    assert_memory_equal(large.d_g.normal + 3 * row, small.d_g.normal, 3 * bytes);
+    assert_memory_equal(large.d_g.depth + row, small.d_g.depth, bytes);
+    row_case_free(&large), row_case_free(&small);
+    ffp_summed_free(&pattern);
+    ffp_image_free(&plain);
+}
+
 // A square patch of flat splats around `centre`, in the plane y = const.
 static void lay_patch(FfpGaussians *g, int64_t first, int side, real half, const real centre[3]) {
     for (int i = 0; i < side * side; i++) {
@@ -633,6 +749,7 @@ int main(void) {
         cmocka_unit_test(test_hostile_gaussians),
         cmocka_unit_test(test_highlight_at_its_peak),
         cmocka_unit_test(test_mirror_under_black),
+        cmocka_unit_test(test_rows_of_large_pictures),
         cmocka_unit_test(test_wall_energy),
         cmocka_unit_test(test_mapping_footprint),
         cmocka_unit_test(test_shadow),
