@@ -333,7 +333,7 @@ typedef struct FfpRefinementStats {
 FFP_API bool ffp_refine_gaussians(FfpContext *context, FfpGaussians *gaussians, const FfpCapture *capture,
                                   const FfpRefinement *options, FfpRefinementStats *stats, FfpError *err);
 // The same without a prediction, the way GS-ProCams does it: points in the visual hull that grow, divide and
-// vanish. For comparison: it takes far longer.
+// vanish. For comparison: it takes far longer. Cancelled before there are points, it has failed.
 FFP_API FfpGaussians *ffp_fit_from_scratch(FfpContext *context, const FfpCapture *capture,
                                            const FfpRefinement *options, FfpRefinementStats *stats,
                                            FfpError *err);

@@ -5,6 +5,9 @@
 #include "refine/adam.h"
 #include "refine/refine.h"
 
+// What the settings ask for that no device has code for, in words; NULL: nothing.
+const char *ffp_refine_beyond_devices(const FfpRefineSettings *settings);
+
 // What a view was worth, before the step that it caused.
 typedef struct FfpFitLoss {
     double pictures, maps; // the pictures' terms, and those that look at G-buffers

@@ -77,7 +77,7 @@ bool ffp_refine(FfpGaussians *gaussians, const FfpCapture *capture, const int *p
                 const FfpRefineSettings *settings, FfpRefineResult *result, FfpError *err);
 
 // The same for a CPU's Gaussians and capture, on the device that long work may use (base/device.h) where one
-// is offered and has what the settings ask for.
+// is offered. What no device has code for the CPU does, and a note says so.
 bool ffp_refine_offered(FfpGaussians *gaussians, const FfpCapture *capture, const int *patterns,
                         int n_patterns, const FfpRefineSettings *settings, FfpRefineResult *result,
                         FfpError *err);
