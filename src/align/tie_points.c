@@ -14,7 +14,7 @@
 #define CODES_NOISE 0.3 // of a known position, projector pixels
 #define DAMPING 0.05    // against the greater of the two directions
 #define MOVE_MAX 2.0    // footprints of a camera pixel in the projector
-#define TURN_STEP 1e-5  // radians; of shifts, a share of the distance; of focal lengths, a share
+#define STEP 1e-5       // of the derivatives: radians, the capture's unit, logarithms of focal lengths
 
 FfpDeviceAt ffp_device_at(const FfpCamera *camera) {
     return (FfpDeviceAt){ffp_motion(camera->pose), (double)camera->fx, (double)camera->fy, (double)camera->cx,
@@ -81,10 +81,10 @@ static bool differentiate(FfpTiePoint *s, const FfpDeviceAt *camera, const FfpDe
     for (int k = 0; k < FFP_TIE_POINT_NUMBERS; k++) {
         FfpDeviceAt c = *camera, p = *projector;
         double point[3], off;
-        move(&c, &p, k, TURN_STEP);
+        move(&c, &p, k, STEP);
         if (!meet(&c, &p, s, point, &off)) return false;
-        for (int i = 0; i < 3; i++) s->point_by[k][i] = (point[i] - s->point[i]) / TURN_STEP;
-        s->off_by[k] = (off - s->off) / TURN_STEP;
+        for (int i = 0; i < 3; i++) s->point_by[k][i] = (point[i] - s->point[i]) / STEP;
+        s->off_by[k] = (off - s->off) / STEP;
     }
     return true;
 }

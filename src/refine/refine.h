@@ -18,7 +18,7 @@ typedef struct FfpDensity {
     real reset_to;
     real gradient; // of the loss to a splat's place in the picture, half a picture wide: above it splats are
                    // cloned or split
-    real small;    // deviation up to which a splat is cloned, above it is split; share of `extent`
+    real small;    // deviation up to which a splat is cloned, above it is split; in the Gaussians' unit
     real least_opacity; // splats below it are taken away
     int64_t most;       // Gaussians at which nothing is added any more
 } FfpDensity;
