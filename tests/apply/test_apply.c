@@ -326,7 +326,16 @@ static void views_of_one_projector_share_its_pattern(void **state) {
     World w;
     world_new(&w, false);
     w.views[1].projector = w.views[0].projector;
+    for (int i = 0; i < 12; i++) // written by another program: not the same to the last digit
+        w.views[1].projector.pose[i] = nextafterf(w.views[1].projector.pose[i], 9);
+    w.capture.radius = 1e-3F; // in the unit of a small object's capture these are places apart
+    w.views[1].projector.pose[3] += 5e-5F;
     FfpStage stage = stage_of(&w, 2);
+    assert_int_equal(stage.n_projections, 2);
+    ffp_stage_free(&stage);
+    w.views[1].projector.pose[3] -= 5e-5F;
+    w.capture.radius = 1;
+    stage = stage_of(&w, 2);
     assert_int_equal(stage.n_projections, 1);
     FfpImage target = grey(SIDE, SIDE, 0.12F);
     for (int s = 0; s < 2; s++) ffp_stage_aim(&stage, s, &target, NULL);
