@@ -242,8 +242,7 @@ static __global__ void sum_chunks(FfpScanGradient grad, FfpScanPlan plan) {
 }
 
 void ffp_cuda_scan_backward(const FfpScanGradient *grad, const FfpScanShape *shape, const FfpScanInput *in,
-                            const float *y, const float *dy, float *scratch) {
-    (void)y; // the flow is summed without it
+                            const float *dy, float *scratch) {
     if (shape->rows <= 0) return;
     const FfpScanPlan plan = ffp_cuda_scan_plan(shape, in, scratch);
     const size_t count = (size_t)shape->rows * shape->state;
