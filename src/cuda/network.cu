@@ -86,19 +86,6 @@ static void add_apart(float *hidden, const float *apart, const float *weight, in
     ffp_launch_each((size_t)count * width, add_apart_numbers, hidden, apart, weight, width, channels);
 }
 
-static __device__ void store(const FfpGaussians *out, size_t g, const FfpSplat *splat,
-                             const FfpPixelBase *base) {
-    for (int i = 0; i < 3; i++) {
-        out->centre[3 * g + i] = base->origin[i] + splat->t * base->direction[i];
-        out->scale[3 * g + i] = splat->scale[i];
-        out->albedo[3 * g + i] = splat->albedo[i];
-        out->ambient[3 * g + i] = splat->ambient[i];
-    }
-    for (int i = 0; i < 4; i++) out->rotation[4 * g + i] = splat->rotation[i];
-    out->opacity[g] = splat->opacity;
-    out->roughness[g] = splat->roughness;
-}
-
 // One thread for each Gaussian; *bad becomes 1 when a number is not finite.
 static __global__ void splat_each(size_t count, FfpGaussians out, float *t, const FfpPixelBase *base,
                                   const float *raw, int numbers, int *bad) {
@@ -113,7 +100,7 @@ static __global__ void splat_each(size_t count, FfpGaussians out, float *t, cons
     else
         ffp_plain_splat(&splat, &base[g], raw + g * numbers);
     t[g] = splat.t;
-    store(&out, g, &splat, &base[g]);
+    ffp_splat_store(&out, (int64_t)g, &splat, &base[g]);
 }
 
 static bool splat(FfpGaussians *out, float *t, const FfpPixelBase *base, const float *raw, int64_t count,

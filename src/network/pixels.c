@@ -45,18 +45,6 @@ void ffp_pixels_list(FfpPixels *pixels, FfpRun *run, const FfpModelConfig *confi
         ffp_pixel_base(&pixels->base[g], seen, run->pixel[g], config->residual);
 }
 
-static void store(FfpGaussians *out, int64_t g, const FfpSplat *splat, const FfpPixelBase *base) {
-    for (int i = 0; i < 3; i++) {
-        out->centre[3 * g + i] = base->origin[i] + splat->t * base->direction[i];
-        out->scale[3 * g + i] = splat->scale[i];
-        out->albedo[3 * g + i] = splat->albedo[i];
-        out->ambient[3 * g + i] = splat->ambient[i];
-    }
-    for (int i = 0; i < 4; i++) out->rotation[4 * g + i] = splat->rotation[i];
-    out->opacity[g] = splat->opacity;
-    out->roughness[g] = splat->roughness;
-}
-
 static void allocate_gaussians(FfpRun *run, int64_t count) {
     const size_t n = (size_t)count + 1;
     run->gaussians = (FfpGaussians){.count = count,
@@ -89,7 +77,7 @@ bool ffp_pixels_splat(const FfpPixels *pixels, FfpRun *run, const FfpModelConfig
         else
             ffp_plain_splat(&splat, &pixels->base[g], raw);
         run->t[g] = splat.t;
-        store(&run->gaussians, g, &splat, &pixels->base[g]);
+        ffp_splat_store(&run->gaussians, g, &splat, &pixels->base[g]);
     }
     return !bad;
 }

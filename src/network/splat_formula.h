@@ -5,6 +5,7 @@
 
 #include <tgmath.h>
 #include "base/real.h"
+#include "gaussians/gaussians.h"
 
 enum { FFP_PLAIN_NUMBERS = 16, FFP_RESIDUAL_NUMBERS = 18 };
 
@@ -172,6 +173,20 @@ FFP_FORMULA void ffp_residual_splat_backward(real *draw, const FfpSplat *grad, c
     ffp_splat_unit_quaternion_backward(draw + 6, dturn, raw + 6);
     ffp_splat_appearance_backward(draw + 10, grad, raw + 10, base->opacity_logit, base->albedo_logit,
                                   base->ambient_logit);
+}
+
+// Gaussian g of the set is the splat of that pixel.
+FFP_FORMULA void ffp_splat_store(const FfpGaussians *out, int64_t g, const FfpSplat *splat,
+                                 const FfpPixelBase *base) {
+    for (int i = 0; i < 3; i++) {
+        out->centre[3 * g + i] = base->origin[i] + splat->t * base->direction[i];
+        out->scale[3 * g + i] = splat->scale[i];
+        out->albedo[3 * g + i] = splat->albedo[i];
+        out->ambient[3 * g + i] = splat->ambient[i];
+    }
+    for (int i = 0; i < 4; i++) out->rotation[4 * g + i] = splat->rotation[i];
+    out->opacity[g] = splat->opacity;
+    out->roughness[g] = splat->roughness;
 }
 
 #endif
