@@ -12,14 +12,6 @@
 #define FFP_FLATNESS 0.05F         // of a flat set: third deviation over the smaller of the others
 #define FFP_DEVIATION_LEAST 1e-12F // has a logarithm
 
-// Rotation matrix (row-major) of a quaternion w x y z of length 1.
-FFP_FORMULA void ffp_turn(const real q[4], real m[9]) {
-    const real w = q[0], x = q[1], y = q[2], z = q[3];
-    m[0] = 1 - 2 * (y * y + z * z), m[1] = 2 * (x * y - w * z), m[2] = 2 * (x * z + w * y);
-    m[3] = 2 * (x * y + w * z), m[4] = 1 - 2 * (x * x + z * z), m[5] = 2 * (y * z - w * x);
-    m[6] = 2 * (x * z - w * y), m[7] = 2 * (y * z + w * x), m[8] = 1 - 2 * (x * x + y * y);
-}
-
 FFP_FORMULA real ffp_sigmoid(real x) {
     return 1 / (1 + ffp_exp(-x));
 }
@@ -64,7 +56,7 @@ FFP_FORMULA real ffp_roughness_of(real number) {
 FFP_FORMULA void ffp_decode_frame(const FfpParameters *p, int64_t i, const FfpGaussians *out) {
     const FfpGaussians *n = &p->numbers;
     real m[9];
-    ffp_turn(p->frame + 4 * i, m);
+    ffp_quaternion_matrix(p->frame + 4 * i, m);
     for (int k = 0; k < 3; k++)
         out->centre[3 * i + k] = p->origin[3 * i + k] + p->unit[i] * ffp_dot3(m + 3 * k, n->centre + 3 * i);
     if (p->flat) out->scale[3 * i + 2] = FFP_FLATNESS * fmin(out->scale[3 * i], out->scale[3 * i + 1]);
@@ -106,7 +98,7 @@ FFP_FORMULA real ffp_roughness_slope(real roughness) {
 FFP_FORMULA void ffp_pull_back_frame(const FfpParameters *p, const FfpGaussians *d, int64_t i,
                                      const FfpGaussians *grad) {
     real m[9], world[3];
-    ffp_turn(p->frame + 4 * i, m);
+    ffp_quaternion_matrix(p->frame + 4 * i, m);
     for (int k = 0; k < 3; k++) world[k] = grad->centre[3 * i + k];
     for (int k = 0; k < 3; k++)
         grad->centre[3 * i + k] = p->unit[i] * (m[k] * world[0] + m[3 + k] * world[1] + m[6 + k] * world[2]);

@@ -14,15 +14,6 @@ typedef struct Place { // a Gaussian as the projector sees it
     real distance, cosine, nl, nv, uv[2], depth, side; // cosine: n.l, or 1 in even light
 } Place;
 
-// Axis k of the splat in the world: a column of its rotation matrix.
-static void axis_of(const real q[4], int k, real out[3]) {
-    const real w = q[0], x = q[1], y = q[2], z = q[3];
-    const real columns[3][3] = {{1 - 2 * (y * y + z * z), 2 * (x * y + w * z), 2 * (x * z - w * y)},
-                                {2 * (x * y - w * z), 1 - 2 * (x * x + z * z), 2 * (y * z + w * x)},
-                                {2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y)}};
-    for (int i = 0; i < 3; i++) out[i] = columns[k][i];
-}
-
 static void towards(const real from[3], const real to[3], real out[3], real *distance) {
     for (int k = 0; k < 3; k++) out[k] = to[k] - from[k];
     *distance = ffp_normalise3(out);
@@ -34,10 +25,11 @@ static bool find_place(const FfpGaussians *g, int64_t i, const FfpBakeLight *lig
     const real *scale = g->scale + 3 * i, *pose = light->projector->pose;
     const real from[3] = {pose[3], pose[7], pose[11]};
     int shortest = 0;
-    real unused;
+    real unused, axes[9];
     for (int k = 0; k < 3; k++) p->centre[k] = g->centre[3 * i + k];
     for (int k = 1; k < 3; k++) shortest = scale[k] < scale[shortest] ? k : shortest;
-    axis_of(g->rotation + 4 * i, shortest, p->n);
+    ffp_quaternion_matrix(g->rotation + 4 * i, axes);
+    for (int k = 0; k < 3; k++) p->n[k] = axes[3 * k + shortest];
     towards(p->centre, from, p->l, &p->distance);
     if (light->eye)
         towards(p->centre, light->eye, p->v, &unused);
