@@ -6,10 +6,10 @@
 #include "base/arena.h"
 #include "match/blurred.h"
 #include "match/surface.h"
+#include "match/thresholds.h"
 
 #define PLANE_REACH 2    // reduced pixels that a local plane is fitted to
 #define APART 3.0F       // footprints of a reduced pixel between planes that are of different surfaces
-#define LIT_MIN 0.06F    // share of the typical light below which a pixel counts as not lit
 #define CLEARLY 0.5F     // of the cost under the own surface, below which another is believed
 #define OFF_PATTERN 1.0F // cost of a depth that leaves the pattern
 #define AROUND 9
@@ -114,7 +114,7 @@ static int choose_surface(const Work *w, const Near *near, int x, int y) {
     const int own = AROUND / 2;
     int best = own;
     real least = -1;
-    if (w->seen->lit[(size_t)y * (size_t)w->seen->width + (size_t)x] < LIT_MIN) return own;
+    if (w->seen->lit[(size_t)y * (size_t)w->seen->width + (size_t)x] < FFP_LIT_MIN) return own;
     for (int n = 0; n < AROUND; n++) {
         if (near->q[n] <= 0 || fabs(near->q[n] - near->q[best]) <= near->apart) continue;
         if (least < 0) least = CLEARLY * cost_at(w, x, y, near->q[own]);
@@ -140,7 +140,7 @@ static void enlarge_pixel(const FfpEnlarged *out, const Work *w, int view, int x
     const size_t cell = ((size_t)view * (size_t)w->height + (size_t)((int)v + n / 3 - 1)) * (size_t)w->width +
                         (size_t)((int)u + n % 3 - 1);
     const real lit = w->seen->lit[i], lit_there = start->lit[cell];
-    if (lit >= LIT_MIN && lit_there >= LIT_MIN)
+    if (lit >= FFP_LIT_MIN && lit_there >= FFP_LIT_MIN)
         out->confidence[i] = fmin(start->confidence[cell] / lit_there, 1) * lit;
 }
 
