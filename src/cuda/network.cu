@@ -94,7 +94,7 @@ static __global__ void splat_each(size_t count, FfpGaussians out, float *t, cons
     float sum = 0;
     for (int i = 0; i < numbers; i++) sum += raw[g * numbers + i];
     if (!(sum - sum == 0)) *bad = 1;
-    FfpSplat splat;
+    FfpPixelSplat splat;
     if (numbers == FFP_RESIDUAL_NUMBERS)
         ffp_residual_splat(&splat, &base[g], raw + g * numbers);
     else
@@ -114,9 +114,9 @@ static bool splat(FfpGaussians *out, float *t, const FfpPixelBase *base, const f
     return !bad;
 }
 
-static __device__ FfpSplat gradient_of(const FfpGaussians *grad, const float *grad_t, size_t g,
-                                       const FfpPixelBase *base) {
-    FfpSplat d;
+static __device__ FfpPixelSplat gradient_of(const FfpGaussians *grad, const float *grad_t, size_t g,
+                                            const FfpPixelBase *base) {
+    FfpPixelSplat d;
     d.t = grad_t ? grad_t[g] : 0;
     for (int k = 0; k < 3; k++) {
         d.t += grad->centre[3 * g + k] * base->direction[k];
@@ -135,7 +135,7 @@ static __global__ void splat_each_backward(size_t count, float *draw, const FfpP
                                            const float *grad_t) {
     const size_t i = ffp_thread(), g = (size_t)first + i;
     if (i >= count) return;
-    const FfpSplat d = gradient_of(&grad, grad_t, g, &base[g]);
+    const FfpPixelSplat d = gradient_of(&grad, grad_t, g, &base[g]);
     if (numbers == FFP_RESIDUAL_NUMBERS)
         ffp_residual_splat_backward(draw + i * numbers, &d, &base[g], raw + g * numbers);
     else

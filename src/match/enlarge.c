@@ -96,14 +96,14 @@ static FfpPlane blend(const Near *near, int n) {
 static real cost_at(const Work *w, int x, int y, real q) {
     const size_t i = (size_t)y * (size_t)w->seen->width + (size_t)x;
     const FfpLine line = ffp_line(&w->full->camera, (real)x + 0.5F, (real)y + 0.5F, &w->full->projector);
-    FfpFour cost = {0}, weight = {0};
+    FfpCell cost = {0}, weight = {0};
     real u[FFP_MATCH_LANES], v[FFP_MATCH_LANES];
-    FfpCells cells;
+    FfpCellPlaces cells;
     ffp_line_positions(&line, 1 / q, 0, 0, u, v);
     ffp_find_cells(&cells, w->patterns, u, v);
     if (cells.first[0] < 0) return OFF_PATTERN;
     for (int k = 0; k < w->seen->count; k++) {
-        const FfpSeen here = ffp_seen(w->seen, w->patterns, k, i);
+        const FfpSeenPixel here = ffp_seen_pixel(w->seen, w->patterns, k, i);
         cost += ffp_blurred_cost(&here, w->patterns->stride, &cells, 0), weight += here.weight;
     }
     return ffp_sum_channels(cost) / ffp_sum_channels(weight);

@@ -71,7 +71,7 @@ bool ffp_pixels_splat(const FfpPixels *pixels, FfpRun *run, const FfpModelConfig
         real sum = 0;
         for (int i = 0; i < numbers; i++) sum += raw[i];
         bad = bad || !isfinite(sum);
-        FfpSplat splat;
+        FfpPixelSplat splat;
         if (config->residual)
             ffp_residual_splat(&splat, &pixels->base[g], raw);
         else
@@ -94,9 +94,9 @@ void ffp_pixels_splat_backward(real *draw, const FfpPixels *pixels, int64_t firs
     for (int i = 0; i < count; i++) {
         const int64_t g = first + i;
         const FfpPixelBase *base = &pixels->base[g];
-        FfpSplat d = {.t = ffp_dot3(grad->centre + 3 * g, base->direction) + (grad_t ? grad_t[g] : 0),
-                      .opacity = grad->opacity[g],
-                      .roughness = grad->roughness[g]};
+        FfpPixelSplat d = {.t = ffp_dot3(grad->centre + 3 * g, base->direction) + (grad_t ? grad_t[g] : 0),
+                           .opacity = grad->opacity[g],
+                           .roughness = grad->roughness[g]};
         for (int k = 0; k < 3; k++) {
             d.scale[k] = grad->scale[3 * g + k];
             d.albedo[k] = grad->albedo[3 * g + k];

@@ -32,7 +32,7 @@ FfpGaussians ffp_start_gaussians(const FfpCapture *capture, const FfpStart *star
         const FfpCamera *camera = &capture->views[p / start->width / start->height].camera;
         const real x = (real)(p % start->width) + 0.5F, y = (real)(p / start->width % start->height) + 0.5F;
         FfpPixelBase base = {.origin = {camera->pose[3], camera->pose[7], camera->pose[11]}};
-        FfpSplat splat;
+        FfpPixelSplat splat;
         ffp_pixel_ray(camera, x, y, base.direction);
         base.nearest = -ffp_dot3(base.origin, base.direction);
         ffp_residual_base(&base, start, p);

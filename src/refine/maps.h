@@ -12,7 +12,7 @@
 #define FFP_FLATNESS 0.05F         // of a flat set: third deviation over the smaller of the others
 #define FFP_DEVIATION_LEAST 1e-12F // has a logarithm
 
-FFP_FORMULA real ffp_sigmoid(real x) {
+FFP_FORMULA real ffp_number_sigmoid(real x) {
     return 1 / (1 + ffp_exp(-x));
 }
 
@@ -49,7 +49,7 @@ FFP_FORMULA void ffp_encode(const FfpGaussians *g, int64_t i, bool local, const 
 }
 
 FFP_FORMULA real ffp_roughness_of(real number) {
-    return FFP_ROUGHNESS_FLOOR + (1 - FFP_ROUGHNESS_FLOOR) * ffp_sigmoid(number);
+    return FFP_ROUGHNESS_FLOOR + (1 - FFP_ROUGHNESS_FLOOR) * ffp_number_sigmoid(number);
 }
 
 // By the numbers' frame: centre and rotation; and the third deviation of a flat set, from the others.
@@ -68,10 +68,10 @@ FFP_FORMULA void ffp_decode(const FfpParameters *p, int64_t i, const FfpGaussian
     for (int k = 0; k < 3; k++) {
         const int64_t at = 3 * i + k;
         out->scale[at] = ffp_exp(n->scale[at]);
-        out->albedo[at] = ffp_sigmoid(n->albedo[at]);
-        out->ambient[at] = ffp_sigmoid(n->ambient[at]);
+        out->albedo[at] = ffp_number_sigmoid(n->albedo[at]);
+        out->ambient[at] = ffp_number_sigmoid(n->ambient[at]);
     }
-    out->opacity[i] = ffp_sigmoid(n->opacity[i]);
+    out->opacity[i] = ffp_number_sigmoid(n->opacity[i]);
     out->roughness[i] = ffp_roughness_of(n->roughness[i]);
     ffp_decode_frame(p, i, out);
 }
@@ -85,13 +85,13 @@ FFP_FORMULA void ffp_pull_back_rotation(const real *number, const real *unit, re
 }
 
 // sigmoid' from the sigmoid.
-FFP_FORMULA real ffp_sigmoid_slope(real s) {
+FFP_FORMULA real ffp_number_sigmoid_slope(real s) {
     return s * (1 - s);
 }
 
 FFP_FORMULA real ffp_roughness_slope(real roughness) {
     return (1 - FFP_ROUGHNESS_FLOOR) *
-           ffp_sigmoid_slope((roughness - FFP_ROUGHNESS_FLOOR) / (1 - FFP_ROUGHNESS_FLOOR));
+           ffp_number_sigmoid_slope((roughness - FFP_ROUGHNESS_FLOOR) / (1 - FFP_ROUGHNESS_FLOOR));
 }
 
 // What ffp_decode_frame made, in place; d is what ffp_decode gave.
@@ -111,10 +111,10 @@ FFP_FORMULA void ffp_pull_back(const FfpParameters *p, const FfpGaussians *d, in
     for (int k = 0; k < 3; k++) {
         const int64_t at = 3 * i + k;
         grad->scale[at] *= d->scale[at];
-        grad->albedo[at] *= ffp_sigmoid_slope(d->albedo[at]);
-        grad->ambient[at] *= ffp_sigmoid_slope(d->ambient[at]);
+        grad->albedo[at] *= ffp_number_sigmoid_slope(d->albedo[at]);
+        grad->ambient[at] *= ffp_number_sigmoid_slope(d->ambient[at]);
     }
-    grad->opacity[i] *= ffp_sigmoid_slope(d->opacity[i]);
+    grad->opacity[i] *= ffp_number_sigmoid_slope(d->opacity[i]);
     grad->roughness[i] *= ffp_roughness_slope(d->roughness[i]);
     ffp_pull_back_frame(p, d, i, grad);
 }

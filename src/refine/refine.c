@@ -195,10 +195,10 @@ static void average(Fit *fit, double share) {
 // The gradients of one or two views, and as many steps behind each other: the second one's is then that of a
 // state one step back.
 static void take_steps(Fit *fit, const int *views, int n, FfpFitLoss *losses) {
-    FfpLook looks[2];
+    FfpFitLook looks[2];
     for (int i = 0; i < n; i++) {
         clear(&fit->grad[i]);
-        looks[i] = (FfpLook){views[i], fit->step + 1 + i, &fit->grad[i], &losses[i]};
+        looks[i] = (FfpFitLook){views[i], fit->step + 1 + i, &fit->grad[i], &losses[i]};
     }
     ffp_viewer_look(fit->viewer, &fit->gaussians, looks, n);
     if (fit->settings->density.on)

@@ -250,7 +250,7 @@ FFP_FORMULA bool ffp_keeps_look(const FfpPatternLight *light) {
     return light->transport->look && !light->pattern->plain;
 }
 
-FFP_FORMULA void ffp_look(const FfpPatternLight *light, ptrdiff_t sample, real look[9]) {
+FFP_FORMULA void ffp_look_at(const FfpPatternLight *light, ptrdiff_t sample, real look[9]) {
     const real *uv = light->transport->uv + 2 * sample, *extent = light->extent + 2 * sample;
     ffp_box_slopes(light->pattern, uv[0], uv[1], extent[0], extent[1], look, look + 3, look + 6);
 }
@@ -267,7 +267,7 @@ FFP_FORMULA void ffp_shade_pixel(const FfpPatternLight *light, int x, int y, con
         const real *uv = light->transport->uv + 2 * s, *extent = light->extent + 2 * s;
         real look[3], *texture = look;
         if (ffp_keeps_look(light))
-            ffp_look(light, s, texture = light->transport->look + 9 * s);
+            ffp_look_at(light, s, texture = light->transport->look + 9 * s);
         else
             ffp_box_mean(light->pattern, uv[0], uv[1], extent[0], extent[1], texture);
         for (int k = 0; k < 3; k++) sum[k] += light->transport->factor[3 * s + k] * texture[k];
@@ -283,7 +283,7 @@ FFP_FORMULA void ffp_shade_sample_backward(const FfpPatternLight *light, ptrdiff
     const real *factor = light->transport->factor + 3 * sample;
     real seen[9];
     const bool kept = ffp_keeps_look(light);
-    if (!kept) ffp_look(light, sample, seen);
+    if (!kept) ffp_look_at(light, sample, seen);
     const real *texture = kept ? light->transport->look + 9 * sample : seen;
     const real *along_u = texture + 3, *along_v = texture + 6;
     for (int k = 0; k < 3; k++) {
