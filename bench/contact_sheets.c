@@ -74,7 +74,7 @@ static bool picture(const FfpMesh *mesh, const FfpMaterial *material, int side, 
     FfpImage white = ffp_image_new(spec.pattern_side, spec.pattern_side, 3);
     for (size_t i = 0; i < (size_t)white.width * (size_t)white.height * 3; i++) white.data[i] = 1;
     FfpLight light = ffp_light_new((const FfpImage *[]){&white}, 1);
-    const FfpRig rig = ffp_rig_light(&spec);
+    const FfpRigLight rig = ffp_rig_light(&spec);
     const FfpSimulation simulation = {.tracer = tracer,
                                       .mesh = mesh,
                                       .material = material,

@@ -42,9 +42,6 @@ static void ssim_loss(Bench *b) {
 static void psnr(Bench *b) {
     ffp_psnr(&b->a, &b->b);
 }
-static void encode_backward(Bench *b) {
-    ffp_srgb_encode_backward(&b->a, &b->grad);
-}
 static void to_srgb(Bench *b) {
     ffp_image_to_srgb(&b->grad);
 }
@@ -136,7 +133,6 @@ static void measure(int side) {
     report("SSIM", &b, ssim, 20, 0);
     report("SSIM and gradient", &b, ssim_loss, 20, 0);
     report("PSNR", &b, psnr, 20, 0);
-    report("back through sRGB", &b, encode_backward, 20, 0);
     report("to sRGB", &b, to_srgb, 20, 0);
     report("mask", &b, mask, 20, 0);
     report("depth", &b, depth, 20, 0);

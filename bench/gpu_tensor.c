@@ -109,7 +109,7 @@ static void scan_back(const Data *x) {
                                   .dt_bias = x->dsmall,
                                   .a_log = x->dsmall + x->w.scan_heads,
                                   .d = x->dsmall + 2 * x->w.scan_heads};
-    ffp_scan_backward(&grad, &shape, &in, x->c, x->b, x->scratch);
+    ffp_scan_backward(&grad, &shape, &in, x->b, x->scratch);
 }
 static void conv(const Data *x) {
     ffp_conv_forward(x->c, x->a, x->w.projected, x->weight, x->small, x->rows, x->w.convolved, FFP_CONV_TAPS,

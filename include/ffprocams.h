@@ -303,6 +303,7 @@ typedef struct FfpViewingStats {
 } FfpViewingStats;
 // Writes a page on which Gaussians are drawn by the browser (WebGL 2) as ffp_render_pictures draws them,
 // while camera and projectors are moved (docs/view.md). `capture` must not be NULL. `stats` may be NULL.
+// FFP_ERROR_UNSUPPORTED: the form is GS-ProCams', whose light the page does not know.
 FFP_API bool ffp_view(FfpContext *context, const FfpGaussians *gaussians, const FfpCapture *capture,
                       const FfpViewing *options, FfpViewingStats *stats, FfpError *err);
 
@@ -337,7 +338,7 @@ typedef struct FfpRefinementStats {
 FFP_API bool ffp_refine_gaussians(FfpContext *context, FfpGaussians *gaussians, const FfpCapture *capture,
                                   const FfpRefinement *options, FfpRefinementStats *stats, FfpError *err);
 // The same without a prediction, the way GS-ProCams does it: points in the visual hull that grow, divide and
-// vanish. For comparison: it takes far longer.
+// vanish. For comparison: it takes far longer. Cancelled before there are points, it has failed.
 FFP_API FfpGaussians *ffp_fit_from_scratch(FfpContext *context, const FfpCapture *capture,
                                            const FfpRefinement *options, FfpRefinementStats *stats,
                                            FfpError *err);

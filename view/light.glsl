@@ -109,7 +109,7 @@ vec3 box_mean(vec2 at, vec2 extent) {
 // ffp_lobe: D F V
 float lobe(float roughness, float nl, float nv, float nh, float vh) {
   float a = roughness * roughness, a2 = a * a, k = (roughness + 1.0) * (roughness + 1.0) / 8.0;
-  float q = nh * nh * (a2 - 1.0) + 1.0;
+  float c = min(nh * nh, 1.0), q = (1.0 - c) + a2 * c;
   float gv = nv * (1.0 - k) + k, gl = nl * (1.0 - k) + k;
   float F = 0.04 + 0.96 * exp2((-5.55473 * vh - 6.98316) * vh);
   return a2 / (PI * q * q) * F / (4.0 * gv * gl);

@@ -27,7 +27,8 @@ typedef struct FfpProgress {
 
 typedef enum FfpDeviceKind {
     FFP_DEVICE_CPU,
-    FFP_DEVICE_CUDA, // the first NVIDIA GPU, for training, networks and fits; calls that use it take turns
+    FFP_DEVICE_CUDA, // the first NVIDIA GPU, for training, networks and the polish behind them; calls that
+                     // use it take turns. Fits on their own work on the CPU, and a note says so
 } FfpDeviceKind;
 
 // Processes that share a work ("ranks"), each with a context of its own: all of them make the same calls with

@@ -14,7 +14,7 @@
 #define CODES_NOISE 0.3 // of a known position, projector pixels
 #define DAMPING 0.05    // against the greater of the two directions
 #define MOVE_MAX 2.0    // footprints of a camera pixel in the projector
-#define TURN_STEP 1e-5  // radians; of shifts, a share of the distance; of focal lengths, a share
+#define STEP 1e-5       // of the derivatives: radians, the capture's unit, logarithms of focal lengths
 
 FfpDeviceAt ffp_device_at(const FfpCamera *camera) {
     return (FfpDeviceAt){ffp_motion(camera->pose), (double)camera->fx, (double)camera->fy, (double)camera->cx,
@@ -81,10 +81,10 @@ static bool differentiate(FfpTiePoint *s, const FfpDeviceAt *camera, const FfpDe
     for (int k = 0; k < FFP_TIE_POINT_NUMBERS; k++) {
         FfpDeviceAt c = *camera, p = *projector;
         double point[3], off;
-        move(&c, &p, k, TURN_STEP);
+        move(&c, &p, k, STEP);
         if (!meet(&c, &p, s, point, &off)) return false;
-        for (int i = 0; i < 3; i++) s->point_by[k][i] = (point[i] - s->point[i]) / TURN_STEP;
-        s->off_by[k] = (off - s->off) / TURN_STEP;
+        for (int i = 0; i < 3; i++) s->point_by[k][i] = (point[i] - s->point[i]) / STEP;
+        s->off_by[k] = (off - s->off) / STEP;
     }
     return true;
 }
@@ -92,14 +92,12 @@ static bool differentiate(FfpTiePoint *s, const FfpDeviceAt *camera, const FfpDe
 // --- What a pixel sees. ---
 
 typedef struct Looking {
-    const FfpCapture *capture;
     const FfpView *view;
     const FfpStart *start;
     size_t first; // of the view's pixels in the start's maps
     FfpObservation seen;
     FfpSummed pattern;
     real box; // pattern pixels that a camera pixel spans
-    FfpTiePoints *out;
 } Looking;
 
 static bool position_of(const Looking *l, int x, int y, real at[2]) {
@@ -181,14 +179,12 @@ FfpTiePoints ffp_tie_points_new(const FfpCapture *capture, const FfpStart *start
     const size_t area = (size_t)start->width * (size_t)start->height;
     FfpTiePoints out = {.view = view, .width = start->width, .height = start->height};
     out.all = ffp_alloc(area, sizeof *out.all), out.index = ffp_alloc(area, sizeof *out.index);
-    Looking l = {.capture = capture,
-                 .view = &capture->views[view],
+    Looking l = {.view = &capture->views[view],
                  .start = start,
                  .first = (size_t)view * area,
                  .seen = ffp_observe(capture, view, &active, 1),
                  .pattern = ffp_summed_new(&capture->patterns[active].image),
-                 .box = ffp_typical_footprint(capture, view),
-                 .out = &out};
+                 .box = ffp_typical_footprint(capture, view)};
     const FfpDeviceAt camera = ffp_device_at(&l.view->camera), projector = ffp_device_at(&l.view->projector);
     for (int y = 0; y < out.height; y++) {
         for (int x = 0; x < out.width; x++) {

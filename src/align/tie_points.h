@@ -34,7 +34,7 @@ typedef struct FfpTiePoints {
 
 // The pixels of a view whose depth is trusted. Where correspondences are known they say what a pixel sees;
 // else the matched position, moved to where the pattern around it fits best (Lucas and Kanade 1981): across
-// the ray matching does not look. `by`: units in which the derivatives' turns and shifts are small steps.
+// the ray matching does not look.
 FfpTiePoints ffp_tie_points_new(const FfpCapture *capture, const FfpStart *start, int view, int active);
 void ffp_tie_points_free(FfpTiePoints *tie_points);
 

@@ -46,11 +46,13 @@ static void add_correspondences(FfpImages *images, const FfpStage *stage, FfpMap
 }
 
 // The object from the projector's place, in its own white light.
-static FfpImage projector_sees(const FfpLitSurface *surface, const FfpCapture *capture,
-                               const FfpCamera *projector) {
+static FfpImage projector_sees(const FfpLitSurface *surface, const FfpGaussians *gaussians,
+                               const FfpCapture *capture, const FfpCamera *projector,
+                               const FfpRenderSettings *settings) {
     FfpMapping mapping = ffp_mapping_new(projector->width, projector->height);
     FfpImage picture = ffp_image_new(projector->width, projector->height, 3);
     FfpSummed white = ffp_summed_new(&capture->patterns[capture->white].image);
+    mapping.even = ffp_even_light(gaussians, projector, settings);
     for (int p = 0; p < mapping.width * mapping.height; p++) {
         mapping.visibility[p] = 1;
         mapping.extent[2 * p] = mapping.extent[2 * p + 1] = 1;
@@ -89,7 +91,8 @@ static FfpImages *map_view(const FfpGaussians *gaussians, const FfpCapture *capt
     add_correspondences(images, &stage, stats);
     ffp_stage_free(&stage);
     FfpLitSurface surface = ffp_lit_surface_new(gaussians, &view->projector, &settings);
-    ffp_images_add(images, projector_sees(&surface, capture, &view->projector), "projector_sees", NULL);
+    ffp_images_add(images, projector_sees(&surface, gaussians, capture, &view->projector, &settings),
+                   "projector_sees", NULL);
     add_light(images, &surface, view, stats);
     ffp_lit_surface_free(&surface);
     snprintf(stats->view, sizeof stats->view, "%s", view->id);

@@ -41,12 +41,12 @@ static bool fit(FfpGaussians *gaussians, const FfpCapture *capture, const int *p
     FfpCapture normalised = ffp_normalised_alias(capture);
     FfpImage *clean = ffp_denoise_capture(&normalised, patterns, n_patterns, &noise);
     FfpRefineResult result = {0};
-    ffp_cancel_hold_off(true);               // from here on what there is counts
     const bool cube = settings->one_picture; // all as GS-ProCams
     bool ok = gaussians->count > 0 ||
               (cube ? ffp_scratch_cube(gaussians, &normalised, CUBE_POINTS, settings->seed, err)
                     : ffp_scratch_gaussians(gaussians, &normalised, SCRATCH_POINTS, settings->seed, err));
-    ok = ok && ffp_refine(gaussians, &normalised, patterns, n_patterns, settings, &result, err);
+    ffp_cancel_hold_off(true); // from here on what there is counts
+    ok = ok && ffp_refine_offered(gaussians, &normalised, patterns, n_patterns, settings, &result, err);
     if (ok) {
         ffp_gaussians_transform(gaussians, capture->centre, capture->radius);
         fill_stats(stats, &result);

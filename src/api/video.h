@@ -7,7 +7,7 @@
 #include "base/file.h"
 #include "capture/capture.h"
 
-// `count` views [count] (release with free): those of one full turn from `base`. The turn is about the
+// `count` views [count] (release with ffp_free): those of one full turn from `base`. The turn is about the
 // capture's centre and the direction that is up in its pictures, the mean over the views. Views have no
 // pictures.
 FfpView *ffp_orbit_views(const FfpCapture *capture, const FfpView *base, FfpOrbit orbit, int count);

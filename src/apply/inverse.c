@@ -2,9 +2,8 @@
 #include <stdlib.h>
 #include <tgmath.h>
 #include "apply/stage.h"
+#include "apply/surface.h"
 #include "base/arena.h"
-
-#define JUMP 4 // depth steps above so many pixel widths between neighbours end a surface
 
 typedef struct Corner {
     real u, v, z; // in the projector; z 0: nothing there
@@ -70,7 +69,7 @@ static bool is_whole(const FfpCameraView *camera_view, int x, int y, const Corne
         const real z = depth[(k >> 1) * camera->width + (k & 1)];
         near = fmin(near, z), far = fmax(far, z);
     }
-    return far - near <= JUMP * far / fmin(camera->fx, camera->fy);
+    return far - near <= ffp_depth_jump(camera, far);
 }
 
 FfpImage ffp_stage_inverse(const FfpStage *stage, int camera_view_index, int projection) {

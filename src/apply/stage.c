@@ -25,20 +25,23 @@ FfpLink *ffp_stage_link(const FfpStage *stage, int camera_view, int projection) 
     return &stage->links[camera_view * stage->n_projections + projection];
 }
 
-static bool same_device(const FfpCamera *a, const FfpCamera *b) {
-    if (a->width != b->width || a->height != b->height || a->fx != b->fx || a->fy != b->fy ||
-        a->cx != b->cx || a->cy != b->cy)
-        return false;
-    for (int i = 0; i < 16; i++)
-        if (a->pose[i] != b->pose[i]) return false;
-    return true;
+// ffp_same_device is of captures in which the object's radius is 1.
+static FfpCamera in_radii(const FfpCamera *device, real radius) {
+    FfpCamera out = *device;
+    for (int k = 0; radius > 0 && k < 3; k++) out.pose[4 * k + 3] /= radius;
+    return out;
 }
 
-static void find_projections(FfpStage *stage, const FfpView *const *views) {
+static bool same_projector(const FfpCapture *capture, const FfpCamera *a, const FfpCamera *b) {
+    const FfpCamera one = in_radii(a, capture->radius), other = in_radii(b, capture->radius);
+    return ffp_same_device(&one, &other);
+}
+
+static void find_projections(FfpStage *stage, const FfpCapture *capture, const FfpView *const *views) {
     for (int v = 0; v < stage->n_camera_views; v++) {
         int known = 0;
         while (known < stage->n_projections &&
-               !same_device(&stage->projections[known].view->projector, &views[v]->projector))
+               !same_projector(capture, &stage->projections[known].view->projector, &views[v]->projector))
             known++;
         if (known == stage->n_projections) stage->projections[stage->n_projections++].view = views[v];
     }
@@ -105,7 +108,7 @@ static void fill_link(const Builder *b, FfpCameraView *camera_view, const FfpPro
     link->response = ffp_image_new(g->width, g->height, 3);
     ffp_map_to_projector(b->raster, b->gaussians, g, camera, projector, b->settings, &link->mapping);
     const FfpView *view = camera_view->view;
-    if (photographed(b, view) && same_device(&view->projector, projector)) {
+    if (photographed(b, view) && same_projector(b->capture, &view->projector, projector)) {
         divide_white(b, link, projector, view->images[b->capture->white].data,
                      view->images[b->capture->black].data, false);
         return;
@@ -150,7 +153,7 @@ FfpStage ffp_stage_new(const FfpGaussians *gaussians, const FfpCapture *capture,
     stage.camera_views = ffp_alloc((size_t)n_views, sizeof *stage.camera_views);
     stage.projections = ffp_alloc((size_t)n_views, sizeof *stage.projections);
     for (int v = 0; v < n_views; v++) stage.camera_views[v].view = views[v];
-    find_projections(&stage, views);
+    find_projections(&stage, capture, views);
     stage.links = ffp_alloc((size_t)n_views * (size_t)stage.n_projections, sizeof *stage.links);
     Builder builder = {.stage = &stage,
                        .gaussians = gaussians,

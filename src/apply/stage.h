@@ -40,9 +40,10 @@ typedef struct FfpStage {
     FfpLink *links; // [n_camera_views, n_projections]
 } FfpStage;
 
-// Borrows the views. Projectors of equal pose and intrinsics are one projection. With `photographs`, a view
-// that has pictures under black and white takes its ambient light and its own projector's response from them,
-// which is what the camera really saw: the Gaussians then only say where the light goes.
+// Borrows the views. Projectors in one place with one lens (ffp_same_device) are one projection. With
+// `photographs`, a view that has pictures under black and white takes its ambient light and its own
+// projector's response from them, which is what the camera really saw: the Gaussians then only say where the
+// light goes.
 FfpStage ffp_stage_new(const FfpGaussians *gaussians, const FfpCapture *capture, const FfpView *const *views,
                        int n_views, const FfpRenderSettings *settings, bool photographs);
 void ffp_stage_free(FfpStage *stage);

@@ -6,7 +6,6 @@
 #include "base/arena.h"
 #include "base/vec.h"
 
-#define JUMP 4            // depth steps above so many pixel widths between neighbours end a surface
 #define FEATHER_SHARE 20  // a feather is the projector's longer side divided by this wide
 #define FEATHER_MIN 0.01F // so that a place that only one projector reaches is still lit by it
 
@@ -107,7 +106,7 @@ static bool ends(const FfpLitSurface *s, const FfpCamera *projector, int x, int 
     const int width = s->depth.width;
     if (nx < 0 || ny < 0 || nx >= width || ny >= s->depth.height) return true;
     const real z = s->depth.data[y * width + x], other = s->depth.data[ny * width + nx];
-    return !(other > 0) || fabs(z - other) > JUMP * z / fmin(projector->fx, projector->fy);
+    return !(other > 0) || fabs(z - other) > ffp_depth_jump(projector, z);
 }
 
 static real at_edge(const FfpLitSurface *s, const FfpCamera *projector, int x, int y) {

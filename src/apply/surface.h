@@ -6,6 +6,12 @@
 #include "gaussians/gaussians.h"
 #include "render/render.h"
 
+// Greater steps of depth than this between neighbouring pixels end a surface that is z away: four widths of a
+// pixel.
+static inline real ffp_depth_jump(const FfpCamera *device, real z) {
+    return 4 * z / (device->fx < device->fy ? device->fx : device->fy);
+}
+
 // All images have the projector's size and one channel; 0 where there is no surface.
 typedef struct FfpLitSurface {
     FfpGbuffer gbuffer;   // of the Gaussians, with the projector as the camera

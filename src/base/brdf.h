@@ -12,9 +12,10 @@
 
 // The specular lobe's three factors D, F and V, with what their gradients need.
 typedef struct FfpLobe {
-    real a2, k, q; // rho^4, (rho + 1)^2 / 8, (n.h)^2 (a2 - 1) + 1
-    real gv, gl;   // (n.v)(1 - k) + k, and for l
-    real power;    // Schlick's
+    real a2, k;  // rho^4, (rho + 1)^2 / 8
+    real c, q;   // (n.h)^2, no more than 1; c (a2 - 1) + 1
+    real gv, gl; // (n.v)(1 - k) + k, and for l
+    real power;  // Schlick's
     real D, F, V;
 } FfpLobe;
 
@@ -28,7 +29,9 @@ FFP_FORMULA FfpLobe ffp_lobe_of(real roughness, real nl, real nv, real nh, real 
     FfpLobe b;
     const real a = roughness * roughness;
     b.a2 = a * a, b.k = (roughness + 1) * (roughness + 1) / 8;
-    b.q = nh * nh * (b.a2 - 1) + 1;
+    const real square = nh * nh;
+    b.c = square < 1 ? square : 1;
+    b.q = (1 - b.c) + b.a2 * b.c; // so written it is at least a2, whatever is rounded
     b.gv = nv * (1 - b.k) + b.k, b.gl = nl * (1 - b.k) + b.k;
     b.power = power;
     b.D = b.a2 / (FFP_PI * b.q * b.q);

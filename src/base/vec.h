@@ -44,4 +44,12 @@ FFP_FORMULA void ffp_inverse_rotate(const real pose[16], const real p[3], real o
     for (int i = 0; i < 3; i++) out[i] = pose[i] * d[0] + pose[4 + i] * d[1] + pose[8 + i] * d[2];
 }
 
+// Rotation matrix (row-major) of a quaternion w x y z of length 1.
+FFP_FORMULA void ffp_quaternion_matrix(const real q[4], real m[9]) {
+    const real w = q[0], x = q[1], y = q[2], z = q[3];
+    m[0] = 1 - 2 * (y * y + z * z), m[1] = 2 * (x * y - w * z), m[2] = 2 * (x * z + w * y);
+    m[3] = 2 * (x * y + w * z), m[4] = 1 - 2 * (x * x + z * z), m[5] = 2 * (y * z - w * x);
+    m[6] = 2 * (x * z - w * y), m[7] = 2 * (y * z + w * x), m[8] = 1 - 2 * (x * x + y * y);
+}
+
 #endif

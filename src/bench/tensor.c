@@ -77,7 +77,7 @@ static void scan_backward(void *data) {
                                   .dt_bias = x->dsmall,
                                   .a_log = x->dsmall + SCAN_HEADS,
                                   .d = x->dsmall + 2 * SCAN_HEADS};
-    ffp_scan_backward(&grad, &scan_shape, &in, x->c, x->b, x->scratch);
+    ffp_scan_backward(&grad, &scan_shape, &in, x->b, x->scratch);
 }
 static void conv_forward(void *data) {
     const Data *x = data;

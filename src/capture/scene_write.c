@@ -54,7 +54,7 @@ static json_t *describe_panel(const FfpPanel *panel) {
     return json;
 }
 
-static bool same_device(const FfpCamera *a, const FfpCamera *b) {
+static bool is_identical(const FfpCamera *a, const FfpCamera *b) {
     return a->width == b->width && a->height == b->height && a->fx == b->fx && a->fy == b->fy &&
            a->cx == b->cx && a->cy == b->cy;
 }
@@ -121,8 +121,8 @@ static bool write_whole_view(Writer *writer, const FfpView *view, json_t *views,
     json_t *json = json_object(), *images = json_object();
     json_array_append_new(views, json);
     json_object_set_new(json, "id", json_string(view->id));
-    if (!same_device(&view->camera, &first)) json_object_set_new(json, "camera", device(&view->camera));
-    if (!same_device(&view->projector, &capture->views[0].projector)) {
+    if (!is_identical(&view->camera, &first)) json_object_set_new(json, "camera", device(&view->camera));
+    if (!is_identical(&view->projector, &capture->views[0].projector)) {
         json_object_set_new(json, "projector", device(&view->projector));
     }
     if (ffp_frame_width(view) != view->camera.width || ffp_frame_height(view) != view->camera.height)

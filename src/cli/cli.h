@@ -53,7 +53,8 @@ const char *ffp_cli_rank_name(void); // "rank 3: "; "" alone
 #define FFP_CLI_TRAIN "train"
 
 // What several commands take; `place` is where in their arguments it goes.
-extern const FfpWord ffp_cli_auto[], ffp_cli_layers[], ffp_cli_forms[], ffp_cli_devices[], ffp_cli_none[];
+extern const FfpWord ffp_cli_auto[], ffp_cli_layers[], ffp_cli_forms[], ffp_cli_page_forms[],
+    ffp_cli_devices[], ffp_cli_none[];
 #define FFP_CLI_GAUSSIANS(place)                                                                             \
     {                                                                                                        \
         .name = "FILE.ply", .least = 1, .most = 1, .offset = (place),                                        \

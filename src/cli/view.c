@@ -50,7 +50,12 @@ static const FfpOption options[] = {
      .high = 4096,
      .help = "longest side, in pixels, of the photographs that go into the page, to be seen beside the "
              "prediction (default 512); 0: none"},
-    FFP_CLI_DRAWING(offsetof(Arguments, viewing.drawing.form), FFP_CLI_FORM_HELP),
+    {.name = "drawing",
+     .argument = "D",
+     .type = FFP_OPTION_CHOICE,
+     .offset = offsetof(Arguments, viewing.drawing.form),
+     .words = ffp_cli_page_forms,
+     .help = "ours (default), or paper for Gaussians of a model in the paper's form"},
     FFP_CLI_SAMPLES(offsetof(Arguments, viewing.drawing.samples), FFP_CLI_SAMPLES_HELP),
     {0},
 };

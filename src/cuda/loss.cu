@@ -93,7 +93,6 @@ extern "C" const struct FfpImageTable ffp_cuda_image = {
 extern "C" const struct FfpLossTable ffp_cuda_loss = {
     .l1 = ffp_cuda_l1,
     .ssim = ffp_cuda_ssim,
-    .srgb_encode_backward = ffp_cuda_srgb_encode_backward,
     .mask = ffp_cuda_mask,
     .depth = ffp_cuda_depth,
     .distortion = ffp_cuda_distortion,

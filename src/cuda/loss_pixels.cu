@@ -50,15 +50,6 @@ static __device__ bool is_colour(size_t i, int channels) {
     return channels != 4 || i % 4 != 3;
 }
 
-static __global__ void encode_backward(size_t count, const float *linear, float *grad, int channels) {
-    const size_t i = ffp_thread();
-    if (i < count && is_colour(i, channels)) grad[i] *= ffp_srgb_encode_slope(linear[i]);
-}
-
-void ffp_cuda_srgb_encode_backward(const FfpImage *linear, FfpImage *grad) {
-    ffp_launch_each(values_of(linear), encode_backward, linear->data, grad->data, linear->channels);
-}
-
 static __global__ void encode(size_t count, float *data, int channels) {
     const size_t i = ffp_thread();
     if (i < count && is_colour(i, channels)) data[i] = ffp_srgb_encode(data[i]);

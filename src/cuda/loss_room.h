@@ -9,7 +9,6 @@ extern "C" {
 
 // loss_pixels.cu
 real ffp_cuda_l1(const FfpImage *prediction, const FfpImage *target, real weight, FfpImage *grad);
-void ffp_cuda_srgb_encode_backward(const FfpImage *linear, FfpImage *grad);
 double ffp_cuda_squared_error(const FfpImage *a, const FfpImage *b, const FfpImage *mask, size_t *count);
 void ffp_cuda_to_srgb(FfpImage *image);
 void ffp_cuda_to_linear(FfpImage *image);

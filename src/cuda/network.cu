@@ -86,19 +86,6 @@ static void add_apart(float *hidden, const float *apart, const float *weight, in
     ffp_launch_each((size_t)count * width, add_apart_numbers, hidden, apart, weight, width, channels);
 }
 
-static __device__ void store(const FfpGaussians *out, size_t g, const FfpSplat *splat,
-                             const FfpPixelBase *base) {
-    for (int i = 0; i < 3; i++) {
-        out->centre[3 * g + i] = base->origin[i] + splat->t * base->direction[i];
-        out->scale[3 * g + i] = splat->scale[i];
-        out->albedo[3 * g + i] = splat->albedo[i];
-        out->ambient[3 * g + i] = splat->ambient[i];
-    }
-    for (int i = 0; i < 4; i++) out->rotation[4 * g + i] = splat->rotation[i];
-    out->opacity[g] = splat->opacity;
-    out->roughness[g] = splat->roughness;
-}
-
 // One thread for each Gaussian; *bad becomes 1 when a number is not finite.
 static __global__ void splat_each(size_t count, FfpGaussians out, float *t, const FfpPixelBase *base,
                                   const float *raw, int numbers, int *bad) {
@@ -107,13 +94,13 @@ static __global__ void splat_each(size_t count, FfpGaussians out, float *t, cons
     float sum = 0;
     for (int i = 0; i < numbers; i++) sum += raw[g * numbers + i];
     if (!(sum - sum == 0)) *bad = 1;
-    FfpSplat splat;
+    FfpPixelSplat splat;
     if (numbers == FFP_RESIDUAL_NUMBERS)
         ffp_residual_splat(&splat, &base[g], raw + g * numbers);
     else
         ffp_plain_splat(&splat, &base[g], raw + g * numbers);
     t[g] = splat.t;
-    store(&out, g, &splat, &base[g]);
+    ffp_splat_store(&out, (int64_t)g, &splat, &base[g]);
 }
 
 static bool splat(FfpGaussians *out, float *t, const FfpPixelBase *base, const float *raw, int64_t count,
@@ -127,9 +114,9 @@ static bool splat(FfpGaussians *out, float *t, const FfpPixelBase *base, const f
     return !bad;
 }
 
-static __device__ FfpSplat gradient_of(const FfpGaussians *grad, const float *grad_t, size_t g,
-                                       const FfpPixelBase *base) {
-    FfpSplat d;
+static __device__ FfpPixelSplat gradient_of(const FfpGaussians *grad, const float *grad_t, size_t g,
+                                            const FfpPixelBase *base) {
+    FfpPixelSplat d;
     d.t = grad_t ? grad_t[g] : 0;
     for (int k = 0; k < 3; k++) {
         d.t += grad->centre[3 * g + k] * base->direction[k];
@@ -148,7 +135,7 @@ static __global__ void splat_each_backward(size_t count, float *draw, const FfpP
                                            const float *grad_t) {
     const size_t i = ffp_thread(), g = (size_t)first + i;
     if (i >= count) return;
-    const FfpSplat d = gradient_of(&grad, grad_t, g, &base[g]);
+    const FfpPixelSplat d = gradient_of(&grad, grad_t, g, &base[g]);
     if (numbers == FFP_RESIDUAL_NUMBERS)
         ffp_residual_splat_backward(draw + i * numbers, &d, &base[g], raw + g * numbers);
     else

@@ -27,13 +27,6 @@ typedef struct Frame {
     float normal[3];        // the shortest axis in the world, turned to the camera
 } Frame;
 
-static __device__ inline void rotation_matrix(const float q[4], float R[9]) {
-    const float w = q[0], x = q[1], y = q[2], z = q[3];
-    R[0] = 1 - 2 * (y * y + z * z), R[1] = 2 * (x * y - w * z), R[2] = 2 * (x * z + w * y);
-    R[3] = 2 * (x * y + w * z), R[4] = 1 - 2 * (x * x + z * z), R[5] = 2 * (y * z - w * x);
-    R[6] = 2 * (x * z - w * y), R[7] = 2 * (y * z + w * x), R[8] = 1 - 2 * (x * x + y * y);
-}
-
 // x/z held between the image's edges and a margin, wherever the principal point lies.
 static __device__ inline float hold(float slope, float principal, float focal, float side, bool *held) {
     const float margin = FFP_HOLD_MARGIN * side;
@@ -50,7 +43,7 @@ static __device__ inline void make_axes(const float rotation[4], const FfpCamera
     f->per_length = 1 / length;
     f->drawn = length > 0;
     for (int k = 0; k < 4; k++) f->q[k] = rotation[k] * f->per_length;
-    rotation_matrix(f->q, f->R);
+    ffp_quaternion_matrix(f->q, f->R);
     for (int r = 0; r < 3; r++)
         for (int k = 0; k < 3; k++)
             f->K[3 * r + k] = camera->pose[r] * f->R[k] + camera->pose[4 + r] * f->R[3 + k] +

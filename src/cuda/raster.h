@@ -61,7 +61,7 @@ struct FfpDeviceRaster {
     FfpTiling tiling;
     size_t splats_size, boxes_size, counts_size, first_size, owners_size, places_size, order_size, keys_size,
         sorted_keys_size, tile_first_size, slots_size, touched_size; // bytes
-    FfpScratch scratch;
+    FfpSortScratch scratch;
 };
 
 // The tiles that a box touches, end exclusive.

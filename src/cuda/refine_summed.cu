@@ -17,7 +17,8 @@ static __device__ double scan(double x, unsigned lane) {
     return x;
 }
 
-// image [height,width,3] to sum [height+1,width+1,3], whose first row and column stay.
+// image [height,width,3] to sum [height+1,width+1,FFP_SUMMED_CHANNELS], of which three are written; the first
+// row and column stay.
 static __global__ void row_kernel(const real *image, int width, int height, double *sum) {
     const unsigned lane = threadIdx.x;
     const int y = (int)(blockIdx.x * ROWS + threadIdx.y);

@@ -29,14 +29,15 @@ static unsigned blocks_for(const FfpGbuffer *g) {
     return ffp_blocks((size_t)g->width * (size_t)g->height, BLOCK);
 }
 
-static __device__ inline void add_around(const FfpGbuffer *g, int p, int place, FfpAround *around) {
+static __device__ inline void add_around(const FfpGbuffer *g, ptrdiff_t p, int place, FfpAround *around) {
     around->opacity[place] = g->opacity[p], around->depth[place] = g->depth[p];
 }
 
 static __global__ void __launch_bounds__(BLOCK) map_pixels(const __grid_constant__ FfpLightScene scene) {
     const FfpMapper mapper = {&scene.gbuffer, &scene.camera, &scene.projector, &scene.settings, scene.shadow};
-    const int width = scene.gbuffer.width, p = (int)ffp_thread();
-    const int x = p % width, y = p / width, height = scene.gbuffer.height;
+    const int width = scene.gbuffer.width, height = scene.gbuffer.height;
+    const ptrdiff_t p = (ptrdiff_t)ffp_thread();
+    const int x = (int)(p % width), y = (int)(p / width);
     FfpMapping out = scene.mapping;
     if (y >= height) return;
     FfpAround around = {};
@@ -73,7 +74,7 @@ static __device__ inline FfpLitView view_of(const FfpLightScene *s) {
     return FfpLitView{&s->camera, &s->projector, s->mapping.even};
 }
 
-static __device__ inline FfpSums sums_at(const FfpLightScene *s, int p) {
+static __device__ inline FfpSums sums_at(const FfpLightScene *s, ptrdiff_t p) {
     const FfpGbuffer *g = &s->gbuffer;
     const float *n = g->normal + 3 * p, *a = g->albedo + 3 * p;
     return FfpSums{g->opacity[p],      g->depth[p],     {n[0], n[1], n[2]},
@@ -82,12 +83,13 @@ static __device__ inline FfpSums sums_at(const FfpLightScene *s, int p) {
 
 static __global__ void __launch_bounds__(BLOCK)
     light_pixels(const __grid_constant__ FfpLightScene scene, FfpTransport out) {
-    const int width = scene.gbuffer.width, p = (int)ffp_thread();
-    if (p >= width * scene.gbuffer.height) return;
+    const int width = scene.gbuffer.width;
+    const ptrdiff_t p = (ptrdiff_t)ffp_thread();
+    if (p >= (ptrdiff_t)width * scene.gbuffer.height) return;
     const FfpLitView view = view_of(&scene);
     const FfpSums sums = sums_at(&scene, p);
     FfpArrival arrival = {{0, 0, 0}, {0, 0}};
-    if (sums.visibility > 0) arrival = ffp_arrival(&view, p % width, p / width, &sums);
+    if (sums.visibility > 0) arrival = ffp_arrival(&view, (int)(p % width), (int)(p / width), &sums);
     for (int k = 0; k < 3; k++) out.factor[3 * p + k] = arrival.factor[k];
     for (int k = 0; k < 2; k++) out.uv[2 * p + k] = arrival.uv[k];
 }
@@ -101,14 +103,15 @@ void ffp_cuda_light(const FfpGbuffer *gbuffer, const FfpMapping *mapping, const 
 static __global__ void __launch_bounds__(BLOCK)
     light_pixels_backward(const __grid_constant__ FfpLightScene scene, FfpTransport grad,
                           FfpGbuffer grad_gbuffer) {
-    const int width = scene.gbuffer.width, p = (int)ffp_thread();
-    if (p >= width * scene.gbuffer.height) return;
+    const int width = scene.gbuffer.width;
+    const ptrdiff_t p = (ptrdiff_t)ffp_thread();
+    if (p >= (ptrdiff_t)width * scene.gbuffer.height) return;
     const float *f = grad.factor + 3 * p, *uv = grad.uv + 2 * p;
     const FfpArrival d_arrival = {{f[0], f[1], f[2]}, {uv[0], uv[1]}};
     if (f[0] == 0 && f[1] == 0 && f[2] == 0 && uv[0] == 0 && uv[1] == 0) return;
     const FfpLitView view = view_of(&scene);
     const FfpSums sums = sums_at(&scene, p);
-    const FfpSums d = ffp_arrival_backward(&view, p % width, p / width, &sums, &d_arrival);
+    const FfpSums d = ffp_arrival_backward(&view, (int)(p % width), (int)(p / width), &sums, &d_arrival);
     grad_gbuffer.opacity[p] += d.opacity, grad_gbuffer.depth[p] += d.depth;
     grad_gbuffer.roughness[p] += d.roughness;
     for (int k = 0; k < 3; k++) {
@@ -143,9 +146,9 @@ static __device__ inline FfpPatternLight light_of(const FfpPatternScene *s) {
 static __global__ void __launch_bounds__(BLOCK)
     shade_pixels(const __grid_constant__ FfpPatternScene scene, const float *ambient, float *out) {
     const FfpPatternLight light = light_of(&scene);
-    const int p = (int)ffp_thread();
-    if (p >= scene.width * scene.height) return;
-    ffp_shade_pixel(&light, p % scene.width, p / scene.width, ambient + 3 * p, out + 3 * p);
+    const ptrdiff_t p = (ptrdiff_t)ffp_thread();
+    if (p >= (ptrdiff_t)scene.width * scene.height) return;
+    ffp_shade_pixel(&light, (int)(p % scene.width), (int)(p / scene.width), ambient + 3 * p, out + 3 * p);
 }
 
 void ffp_cuda_shade(const FfpGbuffer *gbuffer, const FfpMapping *mapping, const FfpTransport *transport,
@@ -158,15 +161,15 @@ static __global__ void __launch_bounds__(BLOCK)
     shade_pixels_backward(const __grid_constant__ FfpPatternScene scene, const float *grad_image,
                           float *d_ambient, FfpTransport d_transport) {
     const FfpPatternLight light = light_of(&scene);
-    const int p = (int)ffp_thread();
-    if (p >= scene.width * scene.height) return;
+    const ptrdiff_t p = (ptrdiff_t)ffp_thread();
+    if (p >= (ptrdiff_t)scene.width * scene.height) return;
     const int samples = scene.side * scene.side;
     const float share = 1 / (float)samples, *d = grad_image + 3 * p;
     const float d_sample[3] = {share * d[0], share * d[1], share * d[2]};
     float d_intensity[3] = {0, 0, 0}, d_texture[3];
     for (int k = 0; k < 3; k++) d_ambient[3 * p + k] += d[k];
     for (int i = 0; i < samples; i++) {
-        const int s = ffp_sample_of(&light, p % scene.width, p / scene.width, i);
+        const ptrdiff_t s = ffp_sample_of(&light, (int)(p % scene.width), (int)(p / scene.width), i);
         if (ffp_sample_lit(&light, s))
             ffp_shade_sample_backward(&light, s, d_sample, &d_transport, d_intensity, d_texture);
     }

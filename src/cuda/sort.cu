@@ -7,7 +7,7 @@
 #include <cub/device/device_radix_sort.cuh>
 #include <cub/device/device_scan.cuh>
 
-void ffp_cuda_sums_before(const int64_t *counts, int64_t *sums, size_t count, FfpScratch *scratch) {
+void ffp_cuda_sums_before(const int64_t *counts, int64_t *sums, size_t count, FfpSortScratch *scratch) {
     size_t bytes = 0;
     const int64_t n = (int64_t)count;
     ffp_cuda_check(cub::DeviceScan::ExclusiveSum(NULL, bytes, counts, sums, n, ffp_cuda_stream()), "scan");
@@ -17,7 +17,7 @@ void ffp_cuda_sums_before(const int64_t *counts, int64_t *sums, size_t count, Ff
 }
 
 void ffp_cuda_sort_pairs(const uint64_t *keys, uint64_t *sorted_keys, const uint32_t *values,
-                         uint32_t *sorted_values, size_t count, int bits, FfpScratch *scratch) {
+                         uint32_t *sorted_values, size_t count, int bits, FfpSortScratch *scratch) {
     size_t bytes = 0;
     const int64_t n = (int64_t)count;
     ffp_cuda_check(cub::DeviceRadixSort::SortPairs(NULL, bytes, keys, sorted_keys, values, sorted_values, n,
@@ -34,7 +34,7 @@ void ffp_cuda_sort_pairs(const uint64_t *keys, uint64_t *sorted_keys, const uint
 #include <algorithm>
 #include <vector>
 
-void ffp_cuda_sums_before(const int64_t *counts, int64_t *sums, size_t count, FfpScratch *) {
+void ffp_cuda_sums_before(const int64_t *counts, int64_t *sums, size_t count, FfpSortScratch *) {
     int64_t sum = 0;
     ffp_emulated_memory(true);
     for (size_t i = 0; i < count; i++) {
@@ -46,7 +46,7 @@ void ffp_cuda_sums_before(const int64_t *counts, int64_t *sums, size_t count, Ff
 }
 
 void ffp_cuda_sort_pairs(const uint64_t *keys, uint64_t *sorted_keys, const uint32_t *values,
-                         uint32_t *sorted_values, size_t count, int bits, FfpScratch *) {
+                         uint32_t *sorted_values, size_t count, int bits, FfpSortScratch *) {
     const uint64_t mask = bits < 64 ? ((uint64_t)1 << bits) - 1 : UINT64_MAX;
     std::vector<size_t> order(count);
     for (size_t i = 0; i < count; i++) order[i] = i;

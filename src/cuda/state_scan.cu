@@ -5,8 +5,9 @@
 // Reals of each part of the scratch, in FfpScanPlan's order.
 enum { PARTS = 6 };
 static void part_sizes(size_t sizes[PARTS], const FfpScanShape *shape) {
-    const size_t chunks = ((size_t)shape->rows + FFP_TILE - 1) / FFP_TILE, heads = (size_t)shape->heads;
-    const size_t states = chunks * heads * (size_t)shape->state * FFP_TILE;
+    const size_t chunks = ((size_t)shape->rows + FFP_TILE_SIDE - 1) / FFP_TILE_SIDE,
+                 heads = (size_t)shape->heads;
+    const size_t states = chunks * heads * (size_t)shape->state * FFP_TILE_SIDE;
     const size_t shares = heads * (size_t)shape->rows * (size_t)shape->state;
     const size_t parts[PARTS] = {states, chunks * heads, states,
                                  shares, shares,         chunks * heads * FFP_SCAN_SUMS};
@@ -21,14 +22,15 @@ size_t ffp_cuda_scan_scratch(const FfpScanShape *shape) {
 }
 
 FfpScanPlan ffp_cuda_scan_plan(const FfpScanShape *shape, const FfpScanInput *in, float *scratch) {
-    if (shape->head_dim > FFP_TILE) {
-        fprintf(stderr, "ffprocams: error: GPU: scan heads of %d, at most %d\n", shape->head_dim, FFP_TILE);
+    if (shape->head_dim > FFP_TILE_SIDE) {
+        fprintf(stderr, "ffprocams: error: GPU: scan heads of %d, at most %d\n", shape->head_dim,
+                FFP_TILE_SIDE);
         abort();
     }
     FfpScanPlan plan = {};
     plan.shape = *shape, plan.in = *in;
-    plan.chunks = (shape->rows + FFP_TILE - 1) / FFP_TILE;
-    plan.slices = (shape->state + FFP_TILE - 1) / FFP_TILE;
+    plan.chunks = (shape->rows + FFP_TILE_SIDE - 1) / FFP_TILE_SIDE;
+    plan.slices = (shape->state + FFP_TILE_SIDE - 1) / FFP_TILE_SIDE;
     float **parts[PARTS] = {&plan.states, &plan.decays, &plan.state_grads, &plan.db, &plan.dc, &plan.sums};
     size_t sizes[PARTS];
     part_sizes(sizes, shape);
@@ -57,14 +59,14 @@ static __global__ void __launch_bounds__(FFP_TILE_THREADS) own_states(FfpScanPla
         ffp_tile_load(wide, plan.in.x + rows.first * ld + head * dim, ld, rows.count, dim, rows.feed);
     for (int slice = 0; slice < plan.slices; slice++) {
         const int count = ffp_scan_slice(&plan, slice);
-        ffp_tile_load(deep, factor + rows.first * ld + slice * FFP_TILE, ld, rows.count, count, NULL);
+        ffp_tile_load(deep, factor + rows.first * ld + slice * FFP_TILE_SIDE, ld, rows.count, count, NULL);
         __syncthreads();
         float sum[4][4] = {};
         ffp_tile_multiply<FFP_ROWS_K_OUTSIDE, FFP_TOGETHER_K_OUTSIDE>(sum, deep, wide);
         float *to = states + ffp_scan_state_at(&plan, chunk, head, slice) + 4 * ffp_tile_column();
         for (int i = 0; i < 4; i++) {
             const int n = 4 * ffp_tile_row() + i;
-            if (n < count) ffp_tile_store_four(to + n * FFP_TILE, sum[i], 4);
+            if (n < count) ffp_tile_store_four(to + n * FFP_TILE_SIDE, sum[i], 4);
         }
         __syncthreads();
     }
@@ -79,7 +81,7 @@ static __global__ void carry_states(size_t count, FfpScanPlan plan) {
     if (i >= count) return;
     const bool backward = blockIdx.y == 1, from_end = plan.shape.reverse != backward;
     float *state = (backward ? plan.state_grads : plan.states) + i, carried = 0;
-    const float *decay = plan.decays + i / ((size_t)plan.shape.state * FFP_TILE);
+    const float *decay = plan.decays + i / ((size_t)plan.shape.state * FFP_TILE_SIDE);
     for (int begin = 0; begin < plan.chunks; begin += AHEAD) {
         float own[AHEAD], keep[AHEAD];
 #pragma unroll
@@ -101,7 +103,7 @@ static __global__ void carry_states(size_t count, FfpScanPlan plan) {
 
 void ffp_cuda_scan_states(const FfpScanPlan *plan, const float *dy) {
     const unsigned layers = dy ? 2 : 1;
-    const size_t count = (size_t)plan->shape.heads * plan->shape.state * FFP_TILE;
+    const size_t count = (size_t)plan->shape.heads * plan->shape.state * FFP_TILE_SIDE;
     ffp_launch_blocks(own_states, dim3((unsigned)plan->chunks, (unsigned)plan->shape.heads, layers),
                       dim3(FFP_TILE_THREADS), 2 * FFP_TILE_SIZE * sizeof(float), *plan, dy);
     ffp_launch(carry_states, dim3(ffp_blocks(count, 128), layers), dim3(128), count, *plan);
@@ -120,10 +122,10 @@ static __global__ void __launch_bounds__(FFP_TILE_THREADS) chunk_outputs(float *
     ffp_tile_load(x, plan.in.x + start + head * dim, ld, rows.count, dim, NULL);
     for (int slice = 0; slice < plan.slices; slice++) {
         const int count = ffp_scan_slice(&plan, slice);
-        ffp_tile_load(c, plan.in.c + start + slice * FFP_TILE, ld, rows.count, count, NULL);
-        ffp_tile_load(b, plan.in.b + start + slice * FFP_TILE, ld, rows.count, count, NULL);
-        ffp_tile_load(entering, plan.states + ffp_scan_state_at(&plan, chunk, head, slice), FFP_TILE, count,
-                      FFP_TILE, NULL);
+        ffp_tile_load(c, plan.in.c + start + slice * FFP_TILE_SIDE, ld, rows.count, count, NULL);
+        ffp_tile_load(b, plan.in.b + start + slice * FFP_TILE_SIDE, ld, rows.count, count, NULL);
+        ffp_tile_load(entering, plan.states + ffp_scan_state_at(&plan, chunk, head, slice), FFP_TILE_SIDE,
+                      count, FFP_TILE_SIDE, NULL);
         __syncthreads();
         ffp_tile_multiply<FFP_ROWS_K_INSIDE, FFP_APART_K_INSIDE>(products, c, b);
         ffp_tile_multiply<FFP_ROWS_K_INSIDE, FFP_TOGETHER_K_OUTSIDE>(sum, c, entering);

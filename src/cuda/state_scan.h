@@ -27,13 +27,13 @@ typedef struct FfpScanPlan {
 
 // The rows of one chunk and head. Rows that do not exist have dt = 0.
 typedef struct FfpScanRows {
-    int first, count, end; // in memory; `end`: the last along the scan, counted from first
-    float raw[FFP_TILE];   // dt before the softplus
-    float dt[FFP_TILE];    // the step
-    float cs[FFP_TILE];    // sum of dt A log2(e) from the chunk's begin, the row's own included
-    float grow[FFP_TILE];  // 2^cs
-    float fade[FFP_TILE];  // 2^(cs at the end - cs)
-    float feed[FFP_TILE];  // fade dt
+    int first, count, end;     // in memory; `end`: the last along the scan, counted from first
+    float raw[FFP_TILE_SIDE];  // dt before the softplus
+    float dt[FFP_TILE_SIDE];   // the step
+    float cs[FFP_TILE_SIDE];   // sum of dt A log2(e) from the chunk's begin, the row's own included
+    float grow[FFP_TILE_SIDE]; // 2^cs
+    float fade[FFP_TILE_SIDE]; // 2^(cs at the end - cs)
+    float feed[FFP_TILE_SIDE]; // fade dt
 } FfpScanRows;
 
 // Ends the program with a message when a head is wider than a tile.
@@ -53,13 +53,13 @@ static __device__ inline int ffp_scan_place(const FfpScanPlan *plan, const FfpSc
 }
 
 static __device__ inline size_t ffp_scan_state_at(const FfpScanPlan *plan, int chunk, int head, int slice) {
-    return (((size_t)chunk * plan->shape.heads + head) * plan->shape.state + (size_t)slice * FFP_TILE) *
-           FFP_TILE;
+    return (((size_t)chunk * plan->shape.heads + head) * plan->shape.state + (size_t)slice * FFP_TILE_SIDE) *
+           FFP_TILE_SIDE;
 }
 
 // Numbers of the state in a slice.
 static __device__ inline int ffp_scan_slice(const FfpScanPlan *plan, int slice) {
-    return min((int)FFP_TILE, plan->shape.state - slice * FFP_TILE);
+    return min((int)FFP_TILE_SIDE, plan->shape.state - slice * FFP_TILE_SIDE);
 }
 
 // Fills `rows`, which is shared; good for the whole block on return. A lane has two rows; one lane adds up
@@ -67,15 +67,15 @@ static __device__ inline int ffp_scan_slice(const FfpScanPlan *plan, int slice) 
 // is.
 static __device__ inline void ffp_scan_rows(FfpScanRows *rows, const FfpScanPlan *plan, int chunk, int head) {
     if (threadIdx.x == 0) {
-        rows->first = chunk * FFP_TILE;
-        rows->count = min((int)FFP_TILE, plan->shape.rows - rows->first);
+        rows->first = chunk * FFP_TILE_SIDE;
+        rows->count = min((int)FFP_TILE_SIDE, plan->shape.rows - rows->first);
         rows->end = plan->shape.reverse ? 0 : rows->count - 1;
     }
     __syncthreads();
     if (threadIdx.x < FFP_WARP) {
         const float rate = -expf(plan->in.a_log[head]) * FFP_SCAN_LOG2_E, bias = plan->in.dt_bias[head];
         float *steps = rows->fade; // in the scan's order
-        for (int i = (int)threadIdx.x; i < FFP_TILE; i += FFP_WARP) {
+        for (int i = (int)threadIdx.x; i < FFP_TILE_SIDE; i += FFP_WARP) {
             const int t = ffp_scan_place(plan, rows, i);
             const bool exists = i < rows->count;
             const float raw =
@@ -88,10 +88,10 @@ static __device__ inline void ffp_scan_rows(FfpScanRows *rows, const FfpScanPlan
         if (threadIdx.x == 0) {
             float sum = 0;
 #pragma unroll 16
-            for (int i = 0; i < FFP_TILE; i++) steps[i] = sum += steps[i];
+            for (int i = 0; i < FFP_TILE_SIDE; i++) steps[i] = sum += steps[i];
         }
         __syncwarp();
-        const float total = steps[FFP_TILE - 1], first = steps[threadIdx.x],
+        const float total = steps[FFP_TILE_SIDE - 1], first = steps[threadIdx.x],
                     second = steps[threadIdx.x + FFP_WARP];
         __syncwarp();
         for (int j = 0; j < 2; j++) {

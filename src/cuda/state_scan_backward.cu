@@ -18,22 +18,22 @@ typedef struct Tiles {
 
 // Sums over rows or columns of products, of each row of the chunk.
 typedef struct Sums {
-    float pairs[FFP_TILE];    // sum over t of M_ts (B_s . C_t), without dt_s
-    float seen[8][FFP_TILE];  // the same over s with dt_s, a part for each warp
-    float inflow[FFP_TILE];   // B_s . G x_s
-    float outflow[FFP_TILE];  // C_t . H dy_t
-    float diagonal[FFP_TILE]; // x_t . dy_t
-    float through[8];         // sum of G H, a part for each warp
+    float pairs[FFP_TILE_SIDE];    // sum over t of M_ts (B_s . C_t), without dt_s
+    float seen[8][FFP_TILE_SIDE];  // the same over s with dt_s, a part for each warp
+    float inflow[FFP_TILE_SIDE];   // B_s . G x_s
+    float outflow[FFP_TILE_SIDE];  // C_t . H dy_t
+    float diagonal[FFP_TILE_SIDE]; // x_t . dy_t
+    float through[8];              // sum of G H, a part for each warp
 } Sums;
 
 static __device__ void load_slice(const Tiles *at, const FfpScanPlan *plan, const FfpScanRows *rows,
                                   int chunk, int head, int slice) {
     const int count = ffp_scan_slice(plan, slice);
-    const size_t ld = (size_t)plan->in.ld, start = rows->first * ld + (size_t)slice * FFP_TILE;
+    const size_t ld = (size_t)plan->in.ld, start = rows->first * ld + (size_t)slice * FFP_TILE_SIDE;
     ffp_tile_load(at->b, plan->in.b + start, ld, rows->count, count, NULL);
     ffp_tile_load(at->c, plan->in.c + start, ld, rows->count, count, NULL);
-    ffp_tile_load(at->state, plan->state_grads + ffp_scan_state_at(plan, chunk, head, slice), FFP_TILE, count,
-                  FFP_TILE, NULL);
+    ffp_tile_load(at->state, plan->state_grads + ffp_scan_state_at(plan, chunk, head, slice), FFP_TILE_SIDE,
+                  count, FFP_TILE_SIDE, NULL);
     __syncthreads();
 }
 
@@ -107,7 +107,7 @@ static __device__ void take_along(float along[4], float z[4][4], const float *fa
 static __device__ void store_share(float *to, const float z[4][4], const FfpScanPlan *plan,
                                    const FfpScanRows *rows, int head, int slice) {
     const int count = ffp_scan_slice(plan, slice);
-    to += ((size_t)head * plan->shape.rows + rows->first) * plan->shape.state + (size_t)slice * FFP_TILE;
+    to += ((size_t)head * plan->shape.rows + rows->first) * plan->shape.state + (size_t)slice * FFP_TILE_SIDE;
     for (int i = 0; i < 4; i++) {
         const int row = 4 * ffp_tile_row() + i;
         for (int j = 0; j < 4; j++) {
@@ -120,8 +120,8 @@ static __device__ void store_share(float *to, const float z[4][4], const FfpScan
 // H takes G's place; returns the thread's part of the sum of G H.
 static __device__ float swap_states(float *tile, const float *entering, int count) {
     float sum = 0;
-    for (int i = (int)threadIdx.x; i < FFP_TILE * FFP_TILE; i += FFP_TILE_THREADS) {
-        const int n = i / FFP_TILE, at = n * FFP_TILE_LD + i % FFP_TILE;
+    for (int i = (int)threadIdx.x; i < FFP_TILE_SIDE * FFP_TILE_SIDE; i += FFP_TILE_THREADS) {
+        const int n = i / FFP_TILE_SIDE, at = n * FFP_TILE_LD + i % FFP_TILE_SIDE;
         const float h = n < count ? entering[i] : 0;
         sum += tile[at] * h;
         tile[at] = h;
@@ -242,8 +242,7 @@ static __global__ void sum_chunks(FfpScanGradient grad, FfpScanPlan plan) {
 }
 
 void ffp_cuda_scan_backward(const FfpScanGradient *grad, const FfpScanShape *shape, const FfpScanInput *in,
-                            const float *y, const float *dy, float *scratch) {
-    (void)y; // the flow is summed without it
+                            const float *dy, float *scratch) {
     if (shape->rows <= 0) return;
     const FfpScanPlan plan = ffp_cuda_scan_plan(shape, in, scratch);
     const size_t count = (size_t)shape->rows * shape->state;

@@ -10,7 +10,12 @@
 
 #include "cuda/launch.h"
 
-enum { FFP_TILE = 64, FFP_TILE_LD = 68, FFP_TILE_SIZE = FFP_TILE * FFP_TILE_LD, FFP_TILE_THREADS = 256 };
+enum {
+    FFP_TILE_SIDE = 64,
+    FFP_TILE_LD = 68,
+    FFP_TILE_SIZE = FFP_TILE_SIDE * FFP_TILE_LD,
+    FFP_TILE_THREADS = 256
+};
 
 // How an operand lies in its tile.
 typedef enum FfpTileRows {
@@ -40,7 +45,7 @@ template <FfpTileRows ROWS, FfpTileColumns COLUMNS>
 static __device__ inline void ffp_tile_multiply(float sum[4][4], const float *a, const float *b) {
     const int row = 4 * ffp_tile_row(), column = ffp_tile_column();
 #pragma unroll 2
-    for (int k = 0; k < FFP_TILE; k += 4) {
+    for (int k = 0; k < FFP_TILE_SIDE; k += 4) {
         float x[4][4], y[4][4]; // [k][line] where k is outside, else [line][k]
 #pragma unroll
         for (int i = 0; i < 4; i++) {
@@ -68,9 +73,10 @@ static __device__ inline void ffp_tile_multiply(float sum[4][4], const float *a,
 // not NULL, multiplies the rows.
 static __device__ inline void ffp_tile_load(float *tile, const float *from, size_t ld, int rows, int columns,
                                             const float *weight) {
-    const int column = (int)threadIdx.x % FFP_TILE;
+    const int column = (int)threadIdx.x % FFP_TILE_SIDE;
 #pragma unroll 8
-    for (int row = (int)threadIdx.x / FFP_TILE; row < FFP_TILE; row += FFP_TILE_THREADS / FFP_TILE) {
+    for (int row = (int)threadIdx.x / FFP_TILE_SIDE; row < FFP_TILE_SIDE;
+         row += FFP_TILE_THREADS / FFP_TILE_SIDE) {
         const float x = row < rows && column < columns ? from[(size_t)row * ld + column] : 0;
         tile[row * FFP_TILE_LD + column] = weight ? weight[row] * x : x;
     }
@@ -95,11 +101,13 @@ static __device__ inline void ffp_tile_row_sums(float *total, const float sum[4]
     }
 }
 
-// partial[warp][column] of the product's columns that are apart, [8][FFP_TILE]; good after the next barrier.
+// partial[warp][column] of the product's columns that are apart, [8][FFP_TILE_SIDE]; good after the next
+// barrier.
 static __device__ inline void ffp_tile_column_sums(float *partial, const float sum[4]) {
     for (int j = 0; j < 4; j++) {
         const float x = sum[j] + __shfl_xor_sync(0xffffffffu, sum[j], 16);
-        if (threadIdx.x % 32 < 16) partial[(int)threadIdx.x / 32 * FFP_TILE + ffp_tile_column() + 16 * j] = x;
+        if (threadIdx.x % 32 < 16)
+            partial[(int)threadIdx.x / 32 * FFP_TILE_SIDE + ffp_tile_column() + 16 * j] = x;
     }
 }
 

@@ -53,7 +53,7 @@ static __device__ inline FfpCover ffp_cover_pixel(const FfpDeviceSplat *s, float
 }
 
 // The planes of a G-buffer at a pixel, by channel.
-static __device__ inline float *ffp_channel(const FfpGbuffer *g, int channel, int pixel) {
+static __device__ inline float *ffp_channel(const FfpGbuffer *g, int channel, ptrdiff_t pixel) {
     if (channel == 0) return g->opacity + pixel;
     if (channel < FFP_CHANNEL_NORMAL) return g->depth + pixel;
     if (channel < FFP_CHANNEL_ALBEDO) return g->normal + 3 * pixel + channel - FFP_CHANNEL_NORMAL;

@@ -201,7 +201,7 @@ static void hold_looks(FfpFieldChunk *c, const FfpNeuralField *field, const FfpF
     fill_up_looks(c);
     look_forward(c, field);
     for (int r = 0; r < c->n_rays; r++)
-        c->rays[r].visibility = ffp_sigmoid(c->look[(int64_t)FFP_CHUNK_LOOKS * r]);
+        c->rays[r].visibility = ffp_field_sigmoid(c->look[(int64_t)FFP_CHUNK_LOOKS * r]);
 }
 
 // Normals of the density: against the slope of what a step's length of it holds back, by differences between
@@ -256,5 +256,5 @@ void ffp_field_chunk_see(FfpFieldChunk *c, const FfpNeuralField *field, const re
     }
     fill_up_looks(c);
     look_forward(c, field);
-    for (int r = 0; r < c->n_rays; r++) c->rays[r].visibility = ffp_sigmoid(c->look[r]);
+    for (int r = 0; r < c->n_rays; r++) c->rays[r].visibility = ffp_field_sigmoid(c->look[r]);
 }

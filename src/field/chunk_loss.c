@@ -151,7 +151,7 @@ static void look_loss(FfpFieldChunk *c, const FfpFieldSettings *s, real per_ray)
     for (int64_t i = 0; i < c->looks; i++) {
         const FfpChunkRay *ray = &c->rays[i / FFP_CHUNK_LOOKS];
         const real weight = ray->opacity > 0.5F ? s->visibility * per_ray / FFP_CHUNK_LOOKS : 0;
-        const real value = ffp_sigmoid(c->look[i]), off = value - c->look_target[i];
+        const real value = ffp_field_sigmoid(c->look[i]), off = value - c->look_target[i];
         c->loss.visibility += (double)(weight * off * off / 2);
         c->d_look[i] = weight * off * value * (1 - value);
     }

@@ -9,7 +9,7 @@
 
 #define FFP_FIELD_LOG_MAX 9.0F // of the density's logarithm: nothing comes through a step's length of that
 
-FFP_FORMULA real ffp_sigmoid(real x) {
+FFP_FORMULA real ffp_field_sigmoid(real x) {
     return 1 / (1 + exp(-x));
 }
 
@@ -34,12 +34,12 @@ FFP_FORMULA FfpFieldPoint ffp_field_point(const real *geometry, const real *mate
     FfpFieldPoint p;
     for (int k = 0; k < 3; k++) {
         p.normal[k] = at[k] + geometry[(FFP_GEOMETRY_NORMAL + k) * stride];
-        p.albedo[k] = ffp_sigmoid(material[(FFP_MATERIAL_ALBEDO + k) * stride]);
+        p.albedo[k] = ffp_field_sigmoid(material[(FFP_MATERIAL_ALBEDO + k) * stride]);
         p.ambient[k] = ffp_softplus(material[(FFP_MATERIAL_AMBIENT + k) * stride]);
     }
     p.length = ffp_normalise3(p.normal);
-    p.roughness =
-        FFP_ROUGHNESS_MIN + (1 - FFP_ROUGHNESS_MIN) * ffp_sigmoid(material[FFP_MATERIAL_ROUGHNESS * stride]);
+    p.roughness = FFP_ROUGHNESS_MIN +
+                  (1 - FFP_ROUGHNESS_MIN) * ffp_field_sigmoid(material[FFP_MATERIAL_ROUGHNESS * stride]);
     return p;
 }
 
@@ -56,7 +56,7 @@ FFP_FORMULA void ffp_field_point_backward(const FfpFieldPoint *p, const real *ma
         d_geometry[(FFP_GEOMETRY_NORMAL + k) * stride] = (d->normal[k] - along * p->normal[k]) * per;
         d_material[(FFP_MATERIAL_ALBEDO + k) * stride] = d->albedo[k] * p->albedo[k] * (1 - p->albedo[k]);
         d_material[(FFP_MATERIAL_AMBIENT + k) * stride] =
-            d->ambient[k] * ffp_sigmoid(material[(FFP_MATERIAL_AMBIENT + k) * stride]);
+            d->ambient[k] * ffp_field_sigmoid(material[(FFP_MATERIAL_AMBIENT + k) * stride]);
     }
     const real share = (p->roughness - FFP_ROUGHNESS_MIN) / (1 - FFP_ROUGHNESS_MIN);
     d_material[FFP_MATERIAL_ROUGHNESS * stride] =

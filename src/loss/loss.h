@@ -16,8 +16,6 @@ real ffp_l1_loss(const FfpImage *prediction, const FfpImage *target, real weight
 // pixels, channels.
 real ffp_ssim_loss(const FfpImage *prediction, const FfpImage *target, real weight, FfpImage *grad);
 real ffp_ssim(const FfpImage *a, const FfpImage *b); // the metric of the reports: same window, same padding
-// Gradient of a loss taken on ffp_srgb_encode(linear) back to linear: grad_linear = grad * slope, in place.
-void ffp_srgb_encode_backward(const FfpImage *linear, FfpImage *grad);
 
 // Binary cross-entropy of opacity [pixels] (clamped to [1e-6, 1-1e-6]) against the mask in [0,1]; mean over
 // pixels.

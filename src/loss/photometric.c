@@ -27,18 +27,3 @@ real ffp_l1_loss(const FfpImage *prediction, const FfpImage *target, real weight
     }
     return weight * (real)(total / (double)count);
 }
-
-void ffp_srgb_encode_backward(const FfpImage *linear, FfpImage *grad) {
-    assert(linear->width == grad->width && linear->height == grad->height &&
-           linear->channels == grad->channels);
-    if (ffp_device()) {
-        ffp_device()->loss->srgb_encode_backward(linear, grad);
-        return;
-    }
-    const int channels = linear->channels, colours = channels == 4 ? 3 : channels;
-    const ptrdiff_t pixels = (ptrdiff_t)linear->width * linear->height;
-#pragma omp parallel for schedule(static)
-    for (ptrdiff_t i = 0; i < pixels; i++)
-        for (int c = 0; c < colours; c++)
-            grad->data[i * channels + c] *= ffp_srgb_encode_slope(linear->data[i * channels + c]);
-}

@@ -14,7 +14,6 @@ struct FfpLossTable {
     real (*l1)(const FfpImage *prediction, const FfpImage *target, real weight, FfpImage *grad);
     // The mean of the index; ADDS scale * gradient of the SUM of the index by a to grad unless that is NULL.
     double (*ssim)(const FfpImage *a, const FfpImage *b, real scale, FfpImage *grad);
-    void (*srgb_encode_backward)(const FfpImage *linear, FfpImage *grad);
     real (*mask)(const real *opacity, const real *mask, int pixels, real weight, real *grad_opacity);
     real (*depth)(const real *depth_sum, const real *opacity, const real *truth, int pixels, real weight,
                   real *grad_depth_sum, real *grad_opacity);

@@ -6,30 +6,31 @@
 #include "match/observe.h"
 
 // A cell, or what a pixel saw: three channels and a zero, one vector.
-typedef real FfpFour __attribute__((vector_size(4 * sizeof(real))));
+typedef real FfpCell __attribute__((vector_size(4 * sizeof(real))));
 
-typedef struct FfpSeen {
-    FfpFour ratio, weight;
-    const FfpFour *cells; // of the pattern
-} FfpSeen;
+typedef struct FfpSeenPixel {
+    FfpCell ratio, weight;
+    const FfpCell *cells; // of the pattern
+} FfpSeenPixel;
 
 // A pixel under the k-th of the patterns that it was seen under.
-static inline FfpSeen ffp_seen(const FfpObservation *seen, const FfpBlurred *patterns, int k, size_t pixel) {
+static inline FfpSeenPixel ffp_seen_pixel(const FfpObservation *seen, const FfpBlurred *patterns, int k,
+                                          size_t pixel) {
     const size_t area = (size_t)seen->width * (size_t)seen->height;
     const real *r = seen->ratio + 3 * ((size_t)k * area + pixel), *w = seen->weight + 3 * pixel;
-    return (FfpSeen){{r[0], r[1], r[2], 0},
-                     {w[0], w[1], w[2], 0},
-                     (const FfpFour *)patterns->cells + (size_t)seen->asked[k] * patterns->area};
+    return (FfpSeenPixel){{r[0], r[1], r[2], 0},
+                          {w[0], w[1], w[2], 0},
+                          (const FfpCell *)patterns->cells + (size_t)seen->asked[k] * patterns->area};
 }
 
 // Where FFP_MATCH_LANES positions lie on the grid.
-typedef struct FfpCells {
+typedef struct FfpCellPlaces {
     int first[FFP_MATCH_LANES]; // number of the upper left of four cells; -1 off the pattern
     real right[FFP_MATCH_LANES], low[FFP_MATCH_LANES]; // weights of the right two and of the lower two
-} FfpCells;
+} FfpCellPlaces;
 
-static inline void ffp_find_cells(FfpCells *out, const FfpBlurred *blurred, const real u[FFP_MATCH_LANES],
-                                  const real v[FFP_MATCH_LANES]) {
+static inline void ffp_find_cells(FfpCellPlaces *out, const FfpBlurred *blurred,
+                                  const real u[FFP_MATCH_LANES], const real v[FFP_MATCH_LANES]) {
 #pragma omp simd
     for (int n = 0; n < FFP_MATCH_LANES; n++) {
         const real u0 = u[n] >= 0 ? u[n] : 0, v0 = v[n] >= 0 ? v[n] : 0;
@@ -43,14 +44,15 @@ static inline void ffp_find_cells(FfpCells *out, const FfpBlurred *blurred, cons
 }
 
 // weight (ratio - pattern)^2 of each channel at position n of the cells, which is on the pattern; bilinear.
-static inline FfpFour ffp_blurred_cost(const FfpSeen *seen, int stride, const FfpCells *cells, int n) {
-    const FfpFour *p = seen->cells + cells->first[n], *q = p + stride;
-    const FfpFour left = p[0] + cells->low[n] * (q[0] - p[0]), right = p[1] + cells->low[n] * (q[1] - p[1]);
-    const FfpFour off = seen->ratio - (left + cells->right[n] * (right - left));
+static inline FfpCell ffp_blurred_cost(const FfpSeenPixel *seen, int stride, const FfpCellPlaces *cells,
+                                       int n) {
+    const FfpCell *p = seen->cells + cells->first[n], *q = p + stride;
+    const FfpCell left = p[0] + cells->low[n] * (q[0] - p[0]), right = p[1] + cells->low[n] * (q[1] - p[1]);
+    const FfpCell off = seen->ratio - (left + cells->right[n] * (right - left));
     return seen->weight * off * off;
 }
 
-static inline real ffp_sum_channels(FfpFour four) {
+static inline real ffp_sum_channels(FfpCell four) {
     return (four[0] + four[1]) + (four[2] + four[3]);
 }
 

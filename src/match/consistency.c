@@ -7,11 +7,9 @@
 #include "base/arena.h"
 #include "match/line.h"
 
-#define SLACK 2.0F      // footprints
-#define FREE_STEPS 256  // pixel footprints that are tried along a ray
-#define FREE_TRUST 0.3F // trust, beyond that of views that agree, that it takes to call a point seen through
-#define OUTSIDE 0.2F    // coverage at another view's outline up to which a point counts as outside it,
-#define INSIDE 0.6F     // and from which as inside: a surface point on the very outline shows about one half
+#define FREE_STEPS 256 // pixel footprints that are tried along a ray
+#define OUTSIDE 0.2F   // coverage at another view's outline up to which a point counts as outside it,
+#define INSIDE 0.6F    // and from which as inside: a surface point on the very outline shows about one half
 
 static FfpDepthBounds hear(const real *depth, const real *trust, size_t width) {
     const size_t around[4] = {0, 1, width, width + 1};
@@ -81,15 +79,6 @@ static real share_inside(const FfpImage *coverage, const Place *at) {
     return share < 0 ? 0 : share > 1 ? 1 : share;
 }
 
-static void count_support(FfpSupport *out, const FfpDepthBounds *bounds, real z, real focal) {
-    if (bounds->high <= 0) return;
-    const real slack = SLACK * z / focal;
-    if (z < bounds->low - slack)
-        out->past++, out->trust_past += bounds->trust;
-    else if (z <= bounds->high + slack)
-        out->agree++, out->trust_agree += bounds->trust;
-}
-
 // What view `other` adds about the point at depth z of the pixel whose ray it sees as `line`.
 static void ask(FfpSupport *out, const FfpSupportViews *support_views, int other, const FfpLine *line,
                 real z) {
@@ -101,7 +90,8 @@ static void ask(FfpSupport *out, const FfpSupportViews *support_views, int other
     const size_t first = (size_t)other * (size_t)depths->height * (size_t)depths->width;
     out->views++;
     out->coverage = share < out->coverage ? share : out->coverage;
-    count_support(out, &support_views->bounds[first + at.first], at.z, seer->camera.fx);
+    ffp_support_count(out, &support_views->bounds[first + at.first], at.z,
+                      FFP_SUPPORT_SLACK * at.z / seer->camera.fx);
 }
 
 FfpSupport ffp_support_at(const FfpSupportViews *support_views, int view, const FfpCamera *camera, real x,
@@ -149,7 +139,7 @@ static real free_until(const FfpSupportViews *support_views, int view, int x, in
         FfpSupport support = {.coverage = 1};
         for (int other = 0; other < capture->n_views; other++)
             if (other != view) ask(&support, support_views, other, &lines[other], z);
-        if (support.trust_past <= FREE_TRUST + support.trust_agree) break;
+        if (!ffp_seen_through(&support)) break;
         z *= growth;
     }
     return z < range[1] ? z : range[1];

@@ -2,7 +2,9 @@
 #ifndef FFP_MATCH_CONSISTENCY_H
 #define FFP_MATCH_CONSISTENCY_H
 
+#include <stdbool.h>
 #include "capture/capture.h"
+#include "match/thresholds.h"
 
 // Depth maps of all views, [views, h, w] each: camera z (0: none), and how far it is trusted.
 typedef struct FfpDepths {
@@ -25,20 +27,6 @@ typedef struct FfpSupportViews {
 FfpSupportViews ffp_support_views_new(const FfpDepths *depths);
 void ffp_support_views_free(FfpSupportViews *support_views);
 
-// Adds the trust of a cell's points to those who see past a point of depth z, or to those who have a surface
-// there, give or take `slack`; behind the surface it says nothing.
-static inline void ffp_support_count(real *past, real *agree, const FfpDepthBounds *bounds, real z,
-                                     real slack) {
-    if (bounds->high <= 0) return;
-    if (z < bounds->low - slack)
-        *past += bounds->trust;
-    else if (z <= bounds->high + slack)
-        *agree += bounds->trust;
-}
-
-// What is known around position (x, y) of the view's picture; all 0 outside it.
-FfpDepthBounds ffp_depth_bounds_at(const FfpSupportViews *support_views, int view, real x, real y);
-
 typedef struct FfpSupport {
     real coverage; // least share that the silhouette of any other view leaves of the point
     int views;     // other views with the point in their picture
@@ -46,6 +34,24 @@ typedef struct FfpSupport {
         past; // of these: own surface at the point; own surface well behind it, so the point is in the way
     real trust_agree, trust_past; // sums of their trust
 } FfpSupport;
+
+// Adds a cell of another view to those who see past a point of depth z, or to those who have a surface there,
+// give or take `slack`; behind the surface it says nothing.
+static inline void ffp_support_count(FfpSupport *out, const FfpDepthBounds *bounds, real z, real slack) {
+    if (bounds->high <= 0) return;
+    if (z < bounds->low - slack)
+        out->past++, out->trust_past += bounds->trust;
+    else if (z <= bounds->high + slack)
+        out->agree++, out->trust_agree += bounds->trust;
+}
+
+// Whether so many see past the point that there is nothing.
+static inline bool ffp_seen_through(const FfpSupport *support) {
+    return support->trust_past > FFP_FREE_TRUST + support->trust_agree;
+}
+
+// What is known around position (x, y) of the view's picture; all 0 outside it.
+FfpDepthBounds ffp_depth_bounds_at(const FfpSupportViews *support_views, int view, real x, real y);
 
 // Asks the views other than `view` about the point at camera depth z of position (x, y) in the picture of
 // `camera`, which stands where the view's does.

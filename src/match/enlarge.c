@@ -6,10 +6,10 @@
 #include "base/arena.h"
 #include "match/blurred.h"
 #include "match/surface.h"
+#include "match/thresholds.h"
 
 #define PLANE_REACH 2    // reduced pixels that a local plane is fitted to
 #define APART 3.0F       // footprints of a reduced pixel between planes that are of different surfaces
-#define LIT_MIN 0.06F    // share of the typical light below which a pixel counts as not lit
 #define CLEARLY 0.5F     // of the cost under the own surface, below which another is believed
 #define OFF_PATTERN 1.0F // cost of a depth that leaves the pattern
 #define AROUND 9
@@ -76,7 +76,8 @@ static Near look_around(const Work *w, real u, real v) {
     return near;
 }
 
-// The blend of the planes on the surface of neighbour n, relative to the position.
+// The blend of the planes on the surface of neighbour n, relative to the position. Where none of them has a
+// share (the splines of a neighbour may end exactly here): the plane of n.
 static FfpPlane blend(const Near *near, int n) {
     FfpPlane out = {0, 0, 0};
     real total = 0;
@@ -87,6 +88,7 @@ static FfpPlane blend(const Near *near, int n) {
             out.qy += share * near->plane[m]->qy;
         total += share;
     }
+    if (!(total > 0)) return (FfpPlane){near->q[n], near->plane[n]->qx, near->plane[n]->qy};
     return (FfpPlane){out.q0 / total, out.qx / total, out.qy / total};
 }
 
@@ -94,14 +96,14 @@ static FfpPlane blend(const Near *near, int n) {
 static real cost_at(const Work *w, int x, int y, real q) {
     const size_t i = (size_t)y * (size_t)w->seen->width + (size_t)x;
     const FfpLine line = ffp_line(&w->full->camera, (real)x + 0.5F, (real)y + 0.5F, &w->full->projector);
-    FfpFour cost = {0}, weight = {0};
+    FfpCell cost = {0}, weight = {0};
     real u[FFP_MATCH_LANES], v[FFP_MATCH_LANES];
-    FfpCells cells;
+    FfpCellPlaces cells;
     ffp_line_positions(&line, 1 / q, 0, 0, u, v);
     ffp_find_cells(&cells, w->patterns, u, v);
     if (cells.first[0] < 0) return OFF_PATTERN;
     for (int k = 0; k < w->seen->count; k++) {
-        const FfpSeen here = ffp_seen(w->seen, w->patterns, k, i);
+        const FfpSeenPixel here = ffp_seen_pixel(w->seen, w->patterns, k, i);
         cost += ffp_blurred_cost(&here, w->patterns->stride, &cells, 0), weight += here.weight;
     }
     return ffp_sum_channels(cost) / ffp_sum_channels(weight);
@@ -112,7 +114,7 @@ static int choose_surface(const Work *w, const Near *near, int x, int y) {
     const int own = AROUND / 2;
     int best = own;
     real least = -1;
-    if (w->seen->lit[(size_t)y * (size_t)w->seen->width + (size_t)x] < LIT_MIN) return own;
+    if (w->seen->lit[(size_t)y * (size_t)w->seen->width + (size_t)x] < FFP_LIT_MIN) return own;
     for (int n = 0; n < AROUND; n++) {
         if (near->q[n] <= 0 || fabs(near->q[n] - near->q[best]) <= near->apart) continue;
         if (least < 0) least = CLEARLY * cost_at(w, x, y, near->q[own]);
@@ -138,7 +140,7 @@ static void enlarge_pixel(const FfpEnlarged *out, const Work *w, int view, int x
     const size_t cell = ((size_t)view * (size_t)w->height + (size_t)((int)v + n / 3 - 1)) * (size_t)w->width +
                         (size_t)((int)u + n % 3 - 1);
     const real lit = w->seen->lit[i], lit_there = start->lit[cell];
-    if (lit >= LIT_MIN && lit_there >= LIT_MIN)
+    if (lit >= FFP_LIT_MIN && lit_there >= FFP_LIT_MIN)
         out->confidence[i] = fmin(start->confidence[cell] / lit_there, 1) * lit;
 }
 

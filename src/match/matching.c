@@ -10,10 +10,10 @@
 #include "match/line.h"
 #include "match/refine.h"
 #include "match/sweep.h"
+#include "match/thresholds.h"
 
 #define SMALL_STEP 0.03F // smoothness: cost of a step of one plane between neighbours
 #define LARGE_STEP 0.3F  // and of any longer one
-#define LIT_MIN 0.06F    // share of the typical light below which a pixel counts as not lit
 #define COST_MAX 0.1F    // mean squared difference above which no hypothesis fits
 #define APART 3          // planes between two separate minima
 #define FAR_COST 1e6F    // more than any hypothesis costs
@@ -75,7 +75,7 @@ static void choose(real *depth, real *confidence, const real *total, const real 
         const int x = (int)(i % (size_t)seen->width), y = (int)(i / (size_t)seen->width);
         const int best = least_index(total + slot * (size_t)count, count);
         depth[i] = planes->first + (real)best * planes->step;
-        if (seen->lit[i] < LIT_MIN) continue;
+        if (seen->lit[i] < FFP_LIT_MIN) continue;
         const real weight = sum_window(sum, cost, foreground, seen, x, y, count);
         if (sum[best] > COST_MAX * weight) continue;
         const real second = rival(sum, count, best);

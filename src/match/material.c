@@ -8,16 +8,16 @@
 #include "base/brdf.h"
 #include "match/line.h"
 #include "match/observe.h"
+#include "match/thresholds.h"
 
 #define COSINE_MIN 0.15F // n.l below this is not believed
-#define LIT_MIN 0.06F    // share of the typical light at which the lit estimate begins to count,
-#define LIT_FULL 0.25F   // and at which it counts alone
+#define LIT_FULL 0.25F   // as FFP_LIT_MIN: there the lit estimate begins to count, here it counts alone
 #define ALBEDO_MAX 1.0F
 #define ROUGHNESS 0.525F // of the classical splats: 0.05 + 0.95 / 2
 
 // How much of the estimate comes from the projector's light, [0,1].
 static real light_share(real lit) {
-    return fmin(fmax((lit - LIT_MIN) / (LIT_FULL - LIT_MIN), 0), 1);
+    return fmin(fmax((lit - FFP_LIT_MIN) / (LIT_FULL - FFP_LIT_MIN), 0), 1);
 }
 
 // The glossy term D F V at the roughness that the classical splats have.

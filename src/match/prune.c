@@ -8,9 +8,6 @@
 #include "match/consistency.h"
 #include "match/reduce.h"
 
-#define SLACK 2.0F      // footprints, or cells of a projector's picture
-#define FREE_TRUST 0.3F // trust, beyond that of views that agree, that it takes to call a point seen through
-
 static bool off_silhouette(const FfpView *view, real u, real v) {
     if (!(u >= 0 && v >= 0 && u < (real)ffp_frame_width(view) && v < (real)ffp_frame_height(view)))
         return false;
@@ -20,21 +17,22 @@ static bool off_silhouette(const FfpView *view, real u, real v) {
 static bool contradicted(const FfpSupportViews *support_views, const FfpProjectorRays *projector_rays,
                          const real point[3]) {
     const FfpDepths *depths = support_views->depths;
-    real past = 0, agree = 0;
+    FfpSupport support = {.coverage = 1};
     for (int v = 0; v < depths->capture->n_views; v++) {
         const FfpView *view = &depths->capture->views[v];
         real x, y, z = ffp_project(&view->camera, point, &x, &y);
         if (z > 0 && off_silhouette(view, x, y)) return true;
         if (z > 0) {
             const FfpDepthBounds seen = ffp_depth_bounds_at(support_views, v, x, y);
-            ffp_support_count(&past, &agree, &seen, z, SLACK * z / view->camera.fx);
+            ffp_support_count(&support, &seen, z, FFP_SUPPORT_SLACK * z / view->camera.fx);
         }
         z = ffp_project(&view->projector, point, &x, &y);
         if (!(z > 0)) continue;
         const FfpDepthBounds lit = ffp_projector_rays_at(&projector_rays[v], x, y);
-        if (z < lit.low - SLACK * z / (view->projector.fx * projector_rays[v].scale)) past += lit.trust;
+        const real cell = z / (view->projector.fx * projector_rays[v].scale);
+        if (z < lit.low - FFP_SUPPORT_SLACK * cell) support.trust_past += lit.trust;
     }
-    return past > FREE_TRUST + agree;
+    return ffp_seen_through(&support);
 }
 
 int64_t ffp_prune_contradicted(real *opacity, const real *centre, int64_t count, const FfpCapture *capture,

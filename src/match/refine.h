@@ -5,9 +5,9 @@
 #include "match/observe.h"
 #include "match/surface.h"
 
-// Searches `steps` hypotheses within +-range (camera depth) of each pixel's local plane; the pixels around it
-// move along with that plane. Reads `depth` and writes `out` [h,w]; pixels without depth or with lit below
-// lit_min keep theirs.
+// Searches `steps` hypotheses about each pixel's local plane, range / (steps / 2) apart (camera depth), from
+// -range to one step below +range; the pixels around it move along with that plane. Reads `depth` and writes
+// `out` [h,w]; pixels without depth or with weight 0 keep theirs.
 void ffp_refine_depth(real *out, const real *depth, const real *weight, const FfpView *view,
                       const FfpObservation *seen, const FfpBlurred *patterns, int steps, real range);
 

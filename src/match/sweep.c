@@ -21,14 +21,14 @@ FfpPlanes ffp_planes(const FfpCapture *capture, int view, const FfpMatchSettings
 
 // What a pixel saw under all of its patterns.
 typedef struct Pixel {
-    const FfpSeen *seen; // [count]
+    const FfpSeenPixel *seen; // [count]
     int count;
     real outside; // cost of a hypothesis off the pattern
 } Pixel;
 
 // Sum over the patterns at position n of the cells.
-static real cost_at(const Pixel *pixel, int stride, const FfpCells *cells, int n) {
-    FfpFour sum = {0};
+static real cost_at(const Pixel *pixel, int stride, const FfpCellPlaces *cells, int n) {
+    FfpCell sum = {0};
     for (int k = 0; k < pixel->count; k++) sum += ffp_blurred_cost(&pixel->seen[k], stride, cells, n);
     return ffp_sum_channels(sum);
 }
@@ -40,7 +40,7 @@ static void add_colour(real *cost, const FfpBlurred *patterns, const FfpLine *li
         const int lanes = planes->count - k < FFP_MATCH_LANES ? planes->count - k : FFP_MATCH_LANES;
         if (memchr(inside + k, 1, (size_t)lanes) == NULL) continue;
         real u[FFP_MATCH_LANES], v[FFP_MATCH_LANES];
-        FfpCells cells;
+        FfpCellPlaces cells;
         ffp_line_positions(line, planes->first, planes->step, k, u, v);
         ffp_find_cells(&cells, patterns, u, v);
         for (int n = 0; n < lanes; n++) {
@@ -54,12 +54,12 @@ void ffp_sweep(real *cost, const FfpView *view, const FfpForeground *foreground,
                const FfpBlurred *patterns, const FfpPlanes *planes, const unsigned char *inside) {
     const size_t count = (size_t)planes->count, width = (size_t)foreground->width;
     const real outside = OUTSIDE_COST * (real)seen->count;
-    FfpSeen *here = ffp_alloc((size_t)seen->count, sizeof *here);
+    FfpSeenPixel *here = ffp_alloc((size_t)seen->count, sizeof *here);
     for (size_t slot = 0; slot < foreground->count; slot++) {
         const size_t i = foreground->pixel[slot], first = slot * count;
         const real x = (real)(i % width) + 0.5F, y = (real)(i / width) + 0.5F;
         const FfpLine line = ffp_line(&view->camera, x, y, &view->projector);
-        for (int k = 0; k < seen->count; k++) here[k] = ffp_seen(seen, patterns, k, i);
+        for (int k = 0; k < seen->count; k++) here[k] = ffp_seen_pixel(seen, patterns, k, i);
         const real *w = seen->weight + 3 * i;
         const Pixel pixel = {here, seen->count, outside * ((w[0] + w[1]) + w[2])};
         for (size_t k = 0; k < count; k++) cost[first + k] = outside;

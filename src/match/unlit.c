@@ -11,14 +11,13 @@
 #include "match/observe.h"
 #include "match/sweep.h"
 
-#define UNLIKE 0.25F    // difference of encoded colours beyond which they are of different surfaces
-#define COMPARED 2      // views that see a point best: of the others something may hide it
-#define UNKNOWN 0.5F    // cost where no view can tell,
-#define AGREED 0.1F     // at a trusted point of another view,
-#define EMPTY 1.0F      // and where views see past, or off a silhouette
-#define SLACK 1.0F      // footprints, or cells of a projector's picture
-#define FREE_TRUST 0.3F // trust, beyond that of views that agree, that it takes to call a point seen through
-#define LEAN 0.04F      // cost of lying LEAN_REACH or more off the filled depth
+#define UNLIKE 0.25F // difference of encoded colours beyond which they are of different surfaces
+#define COMPARED 2   // views that see a point best: of the others something may hide it
+#define UNKNOWN 0.5F // cost where no view can tell,
+#define AGREED 0.1F  // at a trusted point of another view,
+#define EMPTY 1.0F   // and where views see past, or off a silhouette
+#define SLACK 1.0F   // as FFP_SUPPORT_SLACK; planes lie closer than that
+#define LEAN 0.04F   // cost of lying LEAN_REACH or more off the filled depth
 #define LEAN_REACH 0.1F
 #define SMALL_STEP 0.02F // smoothness, as in matching
 #define LARGE_STEP 0.4F
@@ -40,7 +39,7 @@ typedef struct Ray {
 
 // What the other views say about a point on a ray.
 typedef struct Said {
-    real past, agree;      // trust of those who see past it, and of those with a surface there
+    FfpSupport support;    // those who see past it, and those with a surface there
     real unlike[COMPARED]; // least differences to what unlit pixels of other views show, [0,1], ascending
     int compared;
 } Said;
@@ -91,7 +90,7 @@ static void ask_camera(Said *said, const Scene *scene, const Ray *ray, int other
     const FfpDepthBounds *bounds =
         &scene->support_views.bounds[(size_t)other * (size_t)width * (size_t)height + first];
     const real slack = SLACK * depth / seer->camera.fx;
-    ffp_support_count(&said->past, &said->agree, bounds, depth, slack);
+    ffp_support_count(&said->support, bounds, depth, slack);
     if (bounds->high <= 0) compare(said, scene, ray->colour, other, first, u - (real)x, v - (real)y);
 }
 
@@ -102,7 +101,7 @@ static void ask_projector(Said *said, const Scene *scene, const Ray *ray, int ot
     const FfpDepthBounds bounds = ffp_projector_rays_at(projector_rays, u, v);
     const real slack =
         SLACK * depth / (scene->depths->capture->views[other].projector.fx * projector_rays->scale);
-    if (depth < bounds.low - slack) said->past += bounds.trust;
+    if (depth < bounds.low - slack) said->support.trust_past += bounds.trust;
 }
 
 // Cost of the ray's point at camera depth z, [0,1].
@@ -112,11 +111,11 @@ static real point_cost(const Scene *scene, const Ray *ray, real z) {
         if (other != ray->view) ask_camera(&said, scene, ray, other, z);
         ask_projector(&said, scene, ray, other, z);
     }
-    if (said.past > FREE_TRUST + said.agree) return EMPTY;
+    if (ffp_seen_through(&said.support)) return EMPTY;
     real cost = 0;
     for (int k = 0; k < said.compared; k++) cost += said.unlike[k] / (real)said.compared;
     if (said.compared == 0) cost = UNKNOWN;
-    return said.agree > said.past ? at_most(cost, AGREED) : cost;
+    return said.support.trust_agree > said.support.trust_past ? at_most(cost, AGREED) : cost;
 }
 
 // Costs of an unlit pixel's planes; `at` is the plane of its filled depth.

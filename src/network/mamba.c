@@ -93,7 +93,7 @@ static void direction_backward(real *dprojected, const real *dsummed, real *grad
                                  .dt_bias = grad + layout->direction[i].dt_bias,
                                  .a_log = grad + layout->direction[i].a_log,
                                  .d = grad + layout->direction[i].d};
-    ffp_scan_backward(&out, &shape, &in, at->direction[i].scanned, dscanned, scratch->kernel);
+    ffp_scan_backward(&out, &shape, &in, dscanned, scratch->kernel);
     ffp_lap(&last, &times->scan);
     ffp_conv_backward(dprojected + inner, ld, grad + layout->direction[i].conv,
                       grad + layout->direction[i].conv_bias, dconvolved, at->projected + inner, ld,

@@ -124,8 +124,8 @@ typedef struct FfpPixelContext {
 // The most tokens that so many views are made into: config->tokens, and in proportion of more than 16 views,
 // whose matches would else be lost.
 double ffp_pixel_context_tokens(const FfpModelConfig *config, int views);
-// Sides of the context's views: multiples of the patch, their tokens no more than config->tokens (one a view
-// at least).
+// Sides of the context's views: multiples of the patch, their tokens no more than ffp_pixel_context_tokens
+// (one a view at least).
 void ffp_pixel_context_size(int *width, int *height, const FfpModelConfig *config, const FfpCapture *capture,
                             int views);
 // Of the first start->views views (start NULL: of all, without a start), matched with the n patterns, of
@@ -167,7 +167,7 @@ FfpModel ffp_model_uploaded(const FfpModel *model);
 
 // The classical reconstruction as Gaussians, without a model: what an untrained residual network returns.
 FfpGaussians ffp_start_gaussians(const FfpCapture *capture, const FfpStart *start);
-// [their number] the pixel of each, as FfpRun.pixel; release with free.
+// [their number] the pixel of each, as FfpRun.pixel; release with ffp_free.
 int64_t *ffp_start_pixels(const FfpStart *start);
 
 #endif

@@ -45,18 +45,6 @@ void ffp_pixels_list(FfpPixels *pixels, FfpRun *run, const FfpModelConfig *confi
         ffp_pixel_base(&pixels->base[g], seen, run->pixel[g], config->residual);
 }
 
-static void store(FfpGaussians *out, int64_t g, const FfpSplat *splat, const FfpPixelBase *base) {
-    for (int i = 0; i < 3; i++) {
-        out->centre[3 * g + i] = base->origin[i] + splat->t * base->direction[i];
-        out->scale[3 * g + i] = splat->scale[i];
-        out->albedo[3 * g + i] = splat->albedo[i];
-        out->ambient[3 * g + i] = splat->ambient[i];
-    }
-    for (int i = 0; i < 4; i++) out->rotation[4 * g + i] = splat->rotation[i];
-    out->opacity[g] = splat->opacity;
-    out->roughness[g] = splat->roughness;
-}
-
 static void allocate_gaussians(FfpRun *run, int64_t count) {
     const size_t n = (size_t)count + 1;
     run->gaussians = (FfpGaussians){.count = count,
@@ -83,13 +71,13 @@ bool ffp_pixels_splat(const FfpPixels *pixels, FfpRun *run, const FfpModelConfig
         real sum = 0;
         for (int i = 0; i < numbers; i++) sum += raw[i];
         bad = bad || !isfinite(sum);
-        FfpSplat splat;
+        FfpPixelSplat splat;
         if (config->residual)
             ffp_residual_splat(&splat, &pixels->base[g], raw);
         else
             ffp_plain_splat(&splat, &pixels->base[g], raw);
         run->t[g] = splat.t;
-        store(&run->gaussians, g, &splat, &pixels->base[g]);
+        ffp_splat_store(&run->gaussians, g, &splat, &pixels->base[g]);
     }
     return !bad;
 }
@@ -106,9 +94,9 @@ void ffp_pixels_splat_backward(real *draw, const FfpPixels *pixels, int64_t firs
     for (int i = 0; i < count; i++) {
         const int64_t g = first + i;
         const FfpPixelBase *base = &pixels->base[g];
-        FfpSplat d = {.t = ffp_dot3(grad->centre + 3 * g, base->direction) + (grad_t ? grad_t[g] : 0),
-                      .opacity = grad->opacity[g],
-                      .roughness = grad->roughness[g]};
+        FfpPixelSplat d = {.t = ffp_dot3(grad->centre + 3 * g, base->direction) + (grad_t ? grad_t[g] : 0),
+                           .opacity = grad->opacity[g],
+                           .roughness = grad->roughness[g]};
         for (int k = 0; k < 3; k++) {
             d.scale[k] = grad->scale[3 * g + k];
             d.albedo[k] = grad->albedo[3 * g + k];

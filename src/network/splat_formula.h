@@ -5,6 +5,7 @@
 
 #include <tgmath.h>
 #include "base/real.h"
+#include "gaussians/gaussians.h"
 
 enum { FFP_PLAIN_NUMBERS = 16, FFP_RESIDUAL_NUMBERS = 18 };
 
@@ -18,9 +19,9 @@ typedef struct FfpPixelBase {
     real opacity_logit, frame[4], albedo_logit[3], ambient_logit[3];
 } FfpPixelBase;
 
-typedef struct FfpSplat { // one Gaussian, or the gradient with respect to it
+typedef struct FfpPixelSplat { // one Gaussian, or the gradient with respect to it
     real t, scale[3], rotation[4], opacity, albedo[3], roughness, ambient[3];
-} FfpSplat;
+} FfpPixelSplat;
 
 // r: t_net may be anywhere within this of the ray's nearest point to the origin. A sigmoid between two
 // distances, as in GS-LRM (Zhang et al. 2024)
@@ -98,7 +99,7 @@ FFP_FORMULA void ffp_splat_quaternion_product(real out[4], const real f[4], cons
 }
 
 // The part of both forms' rows behind the scale: opacity, albedo 3, roughness, ambient 3.
-FFP_FORMULA void ffp_splat_appearance(FfpSplat *out, const real *x, real opacity, const real albedo[3],
+FFP_FORMULA void ffp_splat_appearance(FfpPixelSplat *out, const real *x, real opacity, const real albedo[3],
                                       const real ambient[3]) {
     out->opacity = ffp_splat_sigmoid(x[0] + opacity);
     out->roughness = FFP_SPLAT_ROUGHNESS_MIN + (1 - FFP_SPLAT_ROUGHNESS_MIN) * ffp_splat_sigmoid(x[4]);
@@ -108,8 +109,8 @@ FFP_FORMULA void ffp_splat_appearance(FfpSplat *out, const real *x, real opacity
     }
 }
 
-FFP_FORMULA void ffp_splat_appearance_backward(real *dx, const FfpSplat *grad, const real *x, real opacity,
-                                               const real albedo[3], const real ambient[3]) {
+FFP_FORMULA void ffp_splat_appearance_backward(real *dx, const FfpPixelSplat *grad, const real *x,
+                                               real opacity, const real albedo[3], const real ambient[3]) {
     dx[0] = grad->opacity * ffp_splat_sigmoid_slope(x[0] + opacity);
     dx[4] = grad->roughness * (1 - FFP_SPLAT_ROUGHNESS_MIN) * ffp_splat_sigmoid_slope(x[4]);
     for (int i = 0; i < 3; i++) {
@@ -119,7 +120,7 @@ FFP_FORMULA void ffp_splat_appearance_backward(real *dx, const FfpSplat *grad, c
 }
 
 // raw [16]: t, scale 3, quaternion 4, opacity, albedo 3, roughness, ambient 3
-FFP_FORMULA void ffp_plain_splat(FfpSplat *out, const FfpPixelBase *base, const real *raw) {
+FFP_FORMULA void ffp_plain_splat(FfpPixelSplat *out, const FfpPixelBase *base, const real *raw) {
     out->t = base->nearest + FFP_SPLAT_REACH * (2 * ffp_splat_sigmoid(raw[0]) - 1);
     ffp_splat_scale_forward(out->scale, raw + 1, base->footprint, 1, FFP_SPLAT_PLAIN_LOG_SCALE_MIN,
                             FFP_SPLAT_PLAIN_LOG_SCALE_MAX);
@@ -128,7 +129,7 @@ FFP_FORMULA void ffp_plain_splat(FfpSplat *out, const FfpPixelBase *base, const 
     ffp_splat_appearance(out, raw + 8, FFP_SPLAT_PLAIN_OPACITY, zero, zero);
 }
 
-FFP_FORMULA void ffp_plain_splat_backward(real *draw, const FfpSplat *grad, const FfpPixelBase *base,
+FFP_FORMULA void ffp_plain_splat_backward(real *draw, const FfpPixelSplat *grad, const FfpPixelBase *base,
                                           const real *raw) {
     draw[0] = grad->t * FFP_SPLAT_REACH * 2 * ffp_splat_sigmoid_slope(raw[0]);
     ffp_splat_scale_backward(draw + 1, grad->scale, raw + 1, base->footprint, 1,
@@ -143,7 +144,7 @@ FFP_FORMULA void ffp_plain_splat_backward(real *draw, const FfpSplat *grad, cons
 //   t_match = t_0 + 0.05 tanh(correction),  t_net = t_0 + 2 r (ffp_splat_sigmoid(x + x_0) -
 //   ffp_splat_sigmoid(x_0))
 // which is -o.d + r (2 ffp_splat_sigmoid(x + x_0) - 1) when x_0 stands for t_0.
-FFP_FORMULA void ffp_residual_splat(FfpSplat *out, const FfpPixelBase *base, const real *raw) {
+FFP_FORMULA void ffp_residual_splat(FfpPixelSplat *out, const FfpPixelBase *base, const real *raw) {
     const real gate = ffp_splat_sigmoid(raw[1]);
     const real net =
         2 * FFP_SPLAT_REACH * (ffp_splat_sigmoid(raw[2] + base->t_logit) - ffp_splat_sigmoid(base->t_logit));
@@ -156,7 +157,7 @@ FFP_FORMULA void ffp_residual_splat(FfpSplat *out, const FfpPixelBase *base, con
     ffp_splat_appearance(out, raw + 10, base->opacity_logit, base->albedo_logit, base->ambient_logit);
 }
 
-FFP_FORMULA void ffp_residual_splat_backward(real *draw, const FfpSplat *grad, const FfpPixelBase *base,
+FFP_FORMULA void ffp_residual_splat_backward(real *draw, const FfpPixelSplat *grad, const FfpPixelBase *base,
                                              const real *raw) {
     const real gate = ffp_splat_sigmoid(raw[1]), bend = tanh(raw[0]);
     const real net =
@@ -172,6 +173,20 @@ FFP_FORMULA void ffp_residual_splat_backward(real *draw, const FfpSplat *grad, c
     ffp_splat_unit_quaternion_backward(draw + 6, dturn, raw + 6);
     ffp_splat_appearance_backward(draw + 10, grad, raw + 10, base->opacity_logit, base->albedo_logit,
                                   base->ambient_logit);
+}
+
+// Gaussian g of the set is the splat of that pixel.
+FFP_FORMULA void ffp_splat_store(const FfpGaussians *out, int64_t g, const FfpPixelSplat *splat,
+                                 const FfpPixelBase *base) {
+    for (int i = 0; i < 3; i++) {
+        out->centre[3 * g + i] = base->origin[i] + splat->t * base->direction[i];
+        out->scale[3 * g + i] = splat->scale[i];
+        out->albedo[3 * g + i] = splat->albedo[i];
+        out->ambient[3 * g + i] = splat->ambient[i];
+    }
+    for (int i = 0; i < 4; i++) out->rotation[4 * g + i] = splat->rotation[i];
+    out->opacity[g] = splat->opacity;
+    out->roughness[g] = splat->roughness;
 }
 
 #endif

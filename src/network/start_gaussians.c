@@ -5,20 +5,6 @@
 #include "network/network.h"
 #include "network/splat.h"
 
-static void place(FfpGaussians *out, int64_t index, const FfpSplat *splat, const FfpCamera *camera,
-                  const real direction[3]) {
-    for (int c = 0; c < 3; c++) {
-        const int64_t i = 3 * index + c;
-        out->centre[i] = camera->pose[4 * c + 3] + splat->t * direction[c];
-        out->scale[i] = splat->scale[c];
-        out->albedo[i] = splat->albedo[c];
-        out->ambient[i] = splat->ambient[c];
-    }
-    for (int c = 0; c < 4; c++) out->rotation[4 * index + c] = splat->rotation[c];
-    out->opacity[index] = splat->opacity;
-    out->roughness[index] = splat->roughness;
-}
-
 static int64_t all_pixels(const FfpStart *start) {
     return (int64_t)start->views * start->height * start->width;
 }
@@ -45,14 +31,13 @@ FfpGaussians ffp_start_gaussians(const FfpCapture *capture, const FfpStart *star
         if (!(start->coverage[p] > 0)) continue;
         const FfpCamera *camera = &capture->views[p / start->width / start->height].camera;
         const real x = (real)(p % start->width) + 0.5F, y = (real)(p / start->width % start->height) + 0.5F;
-        const real origin[3] = {camera->pose[3], camera->pose[7], camera->pose[11]};
-        FfpPixelBase base = {0};
-        FfpSplat splat;
+        FfpPixelBase base = {.origin = {camera->pose[3], camera->pose[7], camera->pose[11]}};
+        FfpPixelSplat splat;
         ffp_pixel_ray(camera, x, y, base.direction);
-        base.nearest = -ffp_dot3(origin, base.direction);
+        base.nearest = -ffp_dot3(base.origin, base.direction);
         ffp_residual_base(&base, start, p);
         ffp_residual_splat(&splat, &base, zero);
-        place(&out, count++, &splat, camera, base.direction);
+        ffp_splat_store(&out, count++, &splat, &base);
     }
     return out;
 }

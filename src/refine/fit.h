@@ -5,6 +5,9 @@
 #include "refine/adam.h"
 #include "refine/refine.h"
 
+// What the settings ask for that no device has code for, in words; NULL: nothing.
+const char *ffp_refine_beyond_devices(const FfpRefineSettings *settings);
+
 // What a view was worth, before the step that it caused.
 typedef struct FfpFitLoss {
     double pictures, maps; // the pictures' terms, and those that look at G-buffers
@@ -19,17 +22,17 @@ void ffp_viewer_free(FfpViewer *viewer);
 // PSNR of all views, mean over each view's photographs and over the views.
 double ffp_viewer_psnr(FfpViewer *viewer, const FfpGaussians *gaussians);
 
-typedef struct FfpLook {
+typedef struct FfpFitLook {
     int view;
     int64_t step; // says which terms count already
     FfpGaussians *grad;
     FfpFitLoss *loss;
-} FfpLook;
+} FfpFitLook;
 
 // The losses of one or two views. ADDS each one's gradient to its grad, and what it comes to to its *loss: by
 // ffp_loss_add (loss/loss.h), so that a round need not wait for each. Two, which must not be the same, are
 // looked at at the same time where that pays; the numbers are those of one after the other.
-void ffp_viewer_look(FfpViewer *viewer, const FfpGaussians *gaussians, const FfpLook *looks, int n);
+void ffp_viewer_look(FfpViewer *viewer, const FfpGaussians *gaussians, const FfpFitLook *looks, int n);
 
 // Of an order of all views: behind every other one (the first, the third, ...) comes the one of those left
 // that looks from the other side. What two views do not both see, neither's step changes for the other.

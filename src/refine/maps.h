@@ -12,15 +12,7 @@
 #define FFP_FLATNESS 0.05F         // of a flat set: third deviation over the smaller of the others
 #define FFP_DEVIATION_LEAST 1e-12F // has a logarithm
 
-// Rotation matrix (row-major) of a quaternion w x y z of length 1.
-FFP_FORMULA void ffp_turn(const real q[4], real m[9]) {
-    const real w = q[0], x = q[1], y = q[2], z = q[3];
-    m[0] = 1 - 2 * (y * y + z * z), m[1] = 2 * (x * y - w * z), m[2] = 2 * (x * z + w * y);
-    m[3] = 2 * (x * y + w * z), m[4] = 1 - 2 * (x * x + z * z), m[5] = 2 * (y * z - w * x);
-    m[6] = 2 * (x * z - w * y), m[7] = 2 * (y * z + w * x), m[8] = 1 - 2 * (x * x + y * y);
-}
-
-FFP_FORMULA real ffp_sigmoid(real x) {
+FFP_FORMULA real ffp_number_sigmoid(real x) {
     return 1 / (1 + ffp_exp(-x));
 }
 
@@ -57,14 +49,14 @@ FFP_FORMULA void ffp_encode(const FfpGaussians *g, int64_t i, bool local, const 
 }
 
 FFP_FORMULA real ffp_roughness_of(real number) {
-    return FFP_ROUGHNESS_FLOOR + (1 - FFP_ROUGHNESS_FLOOR) * ffp_sigmoid(number);
+    return FFP_ROUGHNESS_FLOOR + (1 - FFP_ROUGHNESS_FLOOR) * ffp_number_sigmoid(number);
 }
 
 // By the numbers' frame: centre and rotation; and the third deviation of a flat set, from the others.
 FFP_FORMULA void ffp_decode_frame(const FfpParameters *p, int64_t i, const FfpGaussians *out) {
     const FfpGaussians *n = &p->numbers;
     real m[9];
-    ffp_turn(p->frame + 4 * i, m);
+    ffp_quaternion_matrix(p->frame + 4 * i, m);
     for (int k = 0; k < 3; k++)
         out->centre[3 * i + k] = p->origin[3 * i + k] + p->unit[i] * ffp_dot3(m + 3 * k, n->centre + 3 * i);
     if (p->flat) out->scale[3 * i + 2] = FFP_FLATNESS * fmin(out->scale[3 * i], out->scale[3 * i + 1]);
@@ -76,10 +68,10 @@ FFP_FORMULA void ffp_decode(const FfpParameters *p, int64_t i, const FfpGaussian
     for (int k = 0; k < 3; k++) {
         const int64_t at = 3 * i + k;
         out->scale[at] = ffp_exp(n->scale[at]);
-        out->albedo[at] = ffp_sigmoid(n->albedo[at]);
-        out->ambient[at] = ffp_sigmoid(n->ambient[at]);
+        out->albedo[at] = ffp_number_sigmoid(n->albedo[at]);
+        out->ambient[at] = ffp_number_sigmoid(n->ambient[at]);
     }
-    out->opacity[i] = ffp_sigmoid(n->opacity[i]);
+    out->opacity[i] = ffp_number_sigmoid(n->opacity[i]);
     out->roughness[i] = ffp_roughness_of(n->roughness[i]);
     ffp_decode_frame(p, i, out);
 }
@@ -93,20 +85,20 @@ FFP_FORMULA void ffp_pull_back_rotation(const real *number, const real *unit, re
 }
 
 // sigmoid' from the sigmoid.
-FFP_FORMULA real ffp_sigmoid_slope(real s) {
+FFP_FORMULA real ffp_number_sigmoid_slope(real s) {
     return s * (1 - s);
 }
 
 FFP_FORMULA real ffp_roughness_slope(real roughness) {
     return (1 - FFP_ROUGHNESS_FLOOR) *
-           ffp_sigmoid_slope((roughness - FFP_ROUGHNESS_FLOOR) / (1 - FFP_ROUGHNESS_FLOOR));
+           ffp_number_sigmoid_slope((roughness - FFP_ROUGHNESS_FLOOR) / (1 - FFP_ROUGHNESS_FLOOR));
 }
 
 // What ffp_decode_frame made, in place; d is what ffp_decode gave.
 FFP_FORMULA void ffp_pull_back_frame(const FfpParameters *p, const FfpGaussians *d, int64_t i,
                                      const FfpGaussians *grad) {
     real m[9], world[3];
-    ffp_turn(p->frame + 4 * i, m);
+    ffp_quaternion_matrix(p->frame + 4 * i, m);
     for (int k = 0; k < 3; k++) world[k] = grad->centre[3 * i + k];
     for (int k = 0; k < 3; k++)
         grad->centre[3 * i + k] = p->unit[i] * (m[k] * world[0] + m[3 + k] * world[1] + m[6 + k] * world[2]);
@@ -119,10 +111,10 @@ FFP_FORMULA void ffp_pull_back(const FfpParameters *p, const FfpGaussians *d, in
     for (int k = 0; k < 3; k++) {
         const int64_t at = 3 * i + k;
         grad->scale[at] *= d->scale[at];
-        grad->albedo[at] *= ffp_sigmoid_slope(d->albedo[at]);
-        grad->ambient[at] *= ffp_sigmoid_slope(d->ambient[at]);
+        grad->albedo[at] *= ffp_number_sigmoid_slope(d->albedo[at]);
+        grad->ambient[at] *= ffp_number_sigmoid_slope(d->ambient[at]);
     }
-    grad->opacity[i] *= ffp_sigmoid_slope(d->opacity[i]);
+    grad->opacity[i] *= ffp_number_sigmoid_slope(d->opacity[i]);
     grad->roughness[i] *= ffp_roughness_slope(d->roughness[i]);
     ffp_pull_back_frame(p, d, i, grad);
 }

@@ -8,10 +8,6 @@
 #include "refine/maps.h"
 #include "refine/table.h"
 
-void ffp_quaternion_matrix(const real q[4], real m[9]) {
-    ffp_turn(q, m);
-}
-
 FfpParameters ffp_parameters_new(const FfpGaussians *gaussians, bool local, bool flat) {
     const size_t count = (size_t)gaussians->count;
     FfpParameters p = {.numbers = ffp_gaussians_new(gaussians->count),

@@ -33,9 +33,6 @@ void ffp_parameters_pull_back(const FfpParameters *parameters, const FfpGaussian
 // The mean of the numbers over n steps, from that over the n - 1 before: share = 1 / n.
 void ffp_parameters_average(const FfpParameters *parameters, real share, FfpGaussians *mean);
 
-// Rotation matrix (row-major) of a quaternion w x y z of length 1.
-void ffp_quaternion_matrix(const real q[4], real matrix[9]);
-
 // A set with element i taken from from[i] of the given one, which is released.
 void ffp_gaussians_gather(FfpGaussians *gaussians, const int64_t *from, int64_t count);
 void ffp_parameters_gather(FfpParameters *parameters, const int64_t *from, int64_t count);

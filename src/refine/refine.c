@@ -195,10 +195,10 @@ static void average(Fit *fit, double share) {
 // The gradients of one or two views, and as many steps behind each other: the second one's is then that of a
 // state one step back.
 static void take_steps(Fit *fit, const int *views, int n, FfpFitLoss *losses) {
-    FfpLook looks[2];
+    FfpFitLook looks[2];
     for (int i = 0; i < n; i++) {
         clear(&fit->grad[i]);
-        looks[i] = (FfpLook){views[i], fit->step + 1 + i, &fit->grad[i], &losses[i]};
+        looks[i] = (FfpFitLook){views[i], fit->step + 1 + i, &fit->grad[i], &losses[i]};
     }
     ffp_viewer_look(fit->viewer, &fit->gaussians, looks, n);
     if (fit->settings->density.on)
@@ -330,13 +330,9 @@ static FfpTask progress_of(const FfpRefineSettings *s) {
     return ffp_task(s->label ? s->label : "refining", s->seconds > 0 ? (int64_t)ceil(s->seconds) : s->steps);
 }
 
-// What a device has no code for.
-static bool device_can(const FfpRefineSettings *s, const char *where, FfpError *err) {
-    if (s->density.on)
-        return ffp_fail(err, FFP_ERROR_UNSUPPORTED, where, "density control works on the CPU only");
-    if (s->smooth > 0)
-        return ffp_fail(err, FFP_ERROR_UNSUPPORTED, where, "smoothing over neighbours works on the CPU only");
-    return true;
+const char *ffp_refine_beyond_devices(const FfpRefineSettings *settings) {
+    if (settings->density.on) return "density control";
+    return settings->smooth > 0 ? "smoothing over neighbours" : NULL;
 }
 
 bool ffp_refine(FfpGaussians *gaussians, const FfpCapture *capture, const int *patterns, int n_patterns,
@@ -345,7 +341,9 @@ bool ffp_refine(FfpGaussians *gaussians, const FfpCapture *capture, const int *p
         return ffp_fail(err, FFP_ERROR_ARGUMENT, capture->folder, "there are no Gaussians to refine");
     if (!(settings->steps > 0) && !(settings->seconds > 0))
         return ffp_fail(err, FFP_ERROR_ARGUMENT, NULL, "a fit needs a limit of steps or seconds");
-    if (ffp_device() && !device_can(settings, capture->folder, err)) return false;
+    const char *beyond = ffp_device() ? ffp_refine_beyond_devices(settings) : NULL;
+    if (beyond)
+        return ffp_fail(err, FFP_ERROR_UNSUPPORTED, capture->folder, "%s works on the CPU only", beyond);
     Fit fit = fit_new(gaussians, capture, patterns, n_patterns, settings);
     *result = (FfpRefineResult){0};
     if (settings->measure) result->psnr_before = ffp_viewer_psnr(fit.viewer, gaussians);

@@ -18,7 +18,7 @@ typedef struct FfpDensity {
     real reset_to;
     real gradient; // of the loss to a splat's place in the picture, half a picture wide: above it splats are
                    // cloned or split
-    real small;    // deviation up to which a splat is cloned, above it is split; share of `extent`
+    real small;    // deviation up to which a splat is cloned, above it is split; in the Gaussians' unit
     real least_opacity; // splats below it are taken away
     int64_t most;       // Gaussians at which nothing is added any more
 } FfpDensity;
@@ -77,7 +77,7 @@ bool ffp_refine(FfpGaussians *gaussians, const FfpCapture *capture, const int *p
                 const FfpRefineSettings *settings, FfpRefineResult *result, FfpError *err);
 
 // The same for a CPU's Gaussians and capture, on the device that long work may use (base/device.h) where one
-// is offered and has what the settings ask for.
+// is offered. What no device has code for the CPU does, and a note says so.
 bool ffp_refine_offered(FfpGaussians *gaussians, const FfpCapture *capture, const int *patterns,
                         int n_patterns, const FfpRefineSettings *settings, FfpRefineResult *result,
                         FfpError *err);

@@ -1,6 +1,7 @@
 // A start without a prediction: points in the visual hull.
 #include "base/arena.h"
 #include "base/device.h"
+#include "base/log.h"
 #include "base/rng.h"
 #include "base/vec.h"
 #include "refine/neighbours.h"
@@ -10,6 +11,7 @@
 
 #define NEAREST 3
 #define TRIES 1000 // points drawn for one that is wanted, before the hull counts as empty
+#define OFTEN 4096 // tries after which the caller is asked whether to go on
 
 // Whether no view that has the point in its picture sees past it.
 static bool in_hull(const FfpCapture *capture, const real point[3]) {
@@ -26,12 +28,15 @@ static bool in_hull(const FfpCapture *capture, const real point[3]) {
 }
 
 static bool draw_points(real *points, const FfpCapture *capture, int64_t count, FfpRng *rng) {
+    const FfpTask task = ffp_task("drawing points", count);
     int64_t found = 0;
     for (int64_t tries = 0; found < count && tries < count * TRIES; tries++) {
+        if (tries % OFTEN == 0) ffp_task_step(&task, found, NULL);
         real *p = points + 3 * found;
         for (int k = 0; k < 3; k++) p[k] = ffp_rng_range(rng, -1, 1);
         found += ffp_dot3(p, p) <= 1 && in_hull(capture, p);
     }
+    ffp_task_end(&task);
     return found == count;
 }
 
@@ -46,7 +51,9 @@ static void place_splats(FfpGaussians *g, FfpRng *rng) {
             g->albedo[3 * i + k] = 0.5F;
             g->ambient[3 * i + k] = 0.2F;
         }
-        for (int k = 0; k < 4; k++) g->rotation[4 * i + k] = (real)ffp_rng_normal(rng);
+        real q[4], square = 0;
+        for (int k = 0; k < 4; k++) q[k] = (real)ffp_rng_normal(rng), square += q[k] * q[k];
+        for (int k = 0; k < 4; k++) g->rotation[4 * i + k] = square > 0 ? q[k] / sqrt(square) : k == 0;
         g->opacity[i] = 0.1F;
         g->roughness[i] = 0.5F;
     }

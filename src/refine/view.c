@@ -165,7 +165,7 @@ double ffp_viewer_psnr(FfpViewer *v, const FfpGaussians *gaussians) {
     return sum / n;
 }
 
-static void look(FfpViewer *v, Hand *hand, const FfpGaussians *gaussians, const FfpLook *l) {
+static void look(FfpViewer *v, Hand *hand, const FfpGaussians *gaussians, const FfpFitLook *l) {
     keep_shadow(v, hand, l->view);
     const FfpView *view = draw(v, hand, gaussians, l->view);
     ffp_view_pass_keep_shadow(hand->pass, NULL);
@@ -184,7 +184,7 @@ static void look(FfpViewer *v, Hand *hand, const FfpGaussians *gaussians, const 
 typedef struct AtOnce {
     FfpViewer *viewer;
     const FfpGaussians *gaussians;
-    const FfpLook *looks;
+    const FfpFitLook *looks;
 } AtOnce;
 
 static void look_with_own_hand(void *argument, int64_t i) {
@@ -194,7 +194,7 @@ static void look_with_own_hand(void *argument, int64_t i) {
 
 // Two or three threads do better with a view each than with half of one: they need not wait for each other
 // within it. Of large pictures the second hand's buffers are not worth it.
-static bool at_once(const FfpViewer *v, const FfpLook *looks) {
+static bool at_once(const FfpViewer *v, const FfpFitLook *looks) {
     const int threads = omp_get_max_threads();
     const FfpCamera *a = &v->capture->views[looks[0].view].camera,
                     *b = &v->capture->views[looks[1].view].camera;
@@ -203,7 +203,7 @@ static bool at_once(const FfpViewer *v, const FfpLook *looks) {
            (int64_t)b->width * b->height <= FFP_AT_ONCE_PIXELS;
 }
 
-void ffp_viewer_look(FfpViewer *v, const FfpGaussians *gaussians, const FfpLook *looks, int n) {
+void ffp_viewer_look(FfpViewer *v, const FfpGaussians *gaussians, const FfpFitLook *looks, int n) {
     if (n == 2 && at_once(v, looks))
         ffp_parallel_for(n, 0, look_with_own_hand, &(AtOnce){v, gaussians, looks});
     else

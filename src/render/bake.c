@@ -11,17 +11,8 @@
 
 typedef struct Place { // a Gaussian as the projector sees it
     real centre[3], n[3], l[3], v[3];
-    real distance, nl, nv, uv[2], depth, side;
+    real distance, cosine, nl, nv, uv[2], depth, side; // cosine: n.l, or 1 in even light
 } Place;
-
-// Axis k of the splat in the world: a column of its rotation matrix.
-static void axis_of(const real q[4], int k, real out[3]) {
-    const real w = q[0], x = q[1], y = q[2], z = q[3];
-    const real columns[3][3] = {{1 - 2 * (y * y + z * z), 2 * (x * y + w * z), 2 * (x * z - w * y)},
-                                {2 * (x * y - w * z), 1 - 2 * (x * x + z * z), 2 * (y * z + w * x)},
-                                {2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y)}};
-    for (int i = 0; i < 3; i++) out[i] = columns[k][i];
-}
 
 static void towards(const real from[3], const real to[3], real out[3], real *distance) {
     for (int k = 0; k < 3; k++) out[k] = to[k] - from[k];
@@ -29,14 +20,16 @@ static void towards(const real from[3], const real to[3], real out[3], real *dis
 }
 
 // False where the projector's light does not reach: behind it, beside its pattern, or on a side turned away.
-static bool find_place(const FfpGaussians *g, int64_t i, const FfpBakeLight *light, Place *p) {
+// `even`: FfpMapping.even.
+static bool find_place(const FfpGaussians *g, int64_t i, const FfpBakeLight *light, real even, Place *p) {
     const real *scale = g->scale + 3 * i, *pose = light->projector->pose;
     const real from[3] = {pose[3], pose[7], pose[11]};
     int shortest = 0;
-    real unused;
+    real unused, axes[9];
     for (int k = 0; k < 3; k++) p->centre[k] = g->centre[3 * i + k];
     for (int k = 1; k < 3; k++) shortest = scale[k] < scale[shortest] ? k : shortest;
-    axis_of(g->rotation + 4 * i, shortest, p->n);
+    ffp_quaternion_matrix(g->rotation + 4 * i, axes);
+    for (int k = 0; k < 3; k++) p->n[k] = axes[3 * k + shortest];
     towards(p->centre, from, p->l, &p->distance);
     if (light->eye)
         towards(p->centre, light->eye, p->v, &unused);
@@ -45,6 +38,8 @@ static bool find_place(const FfpGaussians *g, int64_t i, const FfpBakeLight *lig
     const real turn = ffp_dot3(p->n, p->v) < 0 ? -1 : 1;
     for (int k = 0; k < 3; k++) p->n[k] *= turn;
     p->nl = ffp_dot3(p->n, p->l), p->nv = ffp_dot3(p->n, p->v);
+    p->cosine = p->nl;
+    if (even > 0) p->distance = even, p->cosine = 1, p->nl = fmax(p->nl, FFP_COSINE_MIN);
     p->depth = ffp_project(light->projector, p->centre, &p->uv[0], &p->uv[1]);
     const real a = scale[(shortest + 1) % 3], b = scale[(shortest + 2) % 3];
     p->side = BOX_SIDE * sqrt((a * a + b * b) / 2) * light->projector->fx / p->depth;
@@ -58,17 +53,18 @@ static real specular(const Place *p, real roughness) {
 }
 
 static void bake_one(const FfpGaussians *g, int64_t i, const FfpBakeLight *light, const FfpMapper *mapper,
-                     real out[3]) {
+                     real even, real out[3]) {
     Place p = {0};
     real texture[3];
     for (int k = 0; k < 3; k++) out[k] = g->ambient[3 * i + k];
-    if (!find_place(g, i, light, &p)) return;
+    if (!find_place(g, i, light, even, &p)) return;
     const real through = mapper->shadow.width ? ffp_light_through(mapper, p.uv, p.depth) : 1;
     const real side = mapper->settings->footprint && p.side > 1 ? p.side : 1;
     ffp_box_mean(light->pattern, p.uv[0], p.uv[1], side, side, texture);
     const real lobe = light->eye ? specular(&p, g->roughness[i]) : 0;
     for (int k = 0; k < 3; k++) {
-        const real arriving = through * light->intensity[k] / (p.distance * p.distance) * texture[k] * p.nl;
+        const real arriving =
+            through * light->intensity[k] / (p.distance * p.distance) * texture[k] * p.cosine;
         out[k] += (g->albedo[3 * i + k] / FFP_PI + lobe) * arriving;
     }
 }
@@ -79,7 +75,8 @@ void ffp_bake(const FfpGaussians *gaussians, const FfpBakeLight *light, const Ff
     const FfpMapper mapper = {.projector = light->projector,
                               .settings = settings,
                               .shadow = ffp_shadow_map(raster, gaussians, light->projector, settings)};
+    const real even = ffp_even_light(gaussians, light->projector, settings);
 #pragma omp parallel for schedule(static)
-    for (int64_t i = 0; i < gaussians->count; i++) bake_one(gaussians, i, light, &mapper, out + 3 * i);
+    for (int64_t i = 0; i < gaussians->count; i++) bake_one(gaussians, i, light, &mapper, even, out + 3 * i);
     ffp_raster_free(raster);
 }

@@ -13,9 +13,9 @@ typedef struct FfpBakeLight {
 } FfpBakeLight;
 
 // out [count,3]: linear radiance of each Gaussian, C = f L max(n.l, 0) + C_amb with the reflectance, the
-// shadows and the pattern lookup of docs/architecture.md, "Light", at its centre. Its normal is its shortest
-// axis, turned to the eye, or without one to the projector; its footprint in the pattern is the box that has
-// its own mean variance across the light. CPU only.
+// shadows and the pattern lookup of docs/architecture.md, "Light", or in even light, at its centre. Its
+// normal is its shortest axis, turned to the eye, or without one to the projector; its footprint in the
+// pattern is the box that has its own mean variance across the light. CPU only.
 void ffp_bake(const FfpGaussians *gaussians, const FfpBakeLight *light, const FfpRenderSettings *settings,
               real *out);
 

@@ -23,7 +23,7 @@ enum {
 #define FFP_OPACITY_MIN 1e-3F
 // The least compensation: its square root has no slope at 0, where a flat splat is seen edge-on.
 #define FFP_COMPENSATION_MIN 0.005F
-// Of half the image's side: beyond it x/z is held for the Jacobian's sake.
+// Of the image's side: farther outside x/z is held for the Jacobian's sake.
 #define FFP_HOLD_MARGIN 0.15F
 
 // World point at camera depth z on the ray of pixel position (x, y), and how it moves with z.

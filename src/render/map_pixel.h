@@ -113,7 +113,8 @@ FFP_FORMULA real ffp_light_through(const FfpMapper *m, const real uv[2], real z)
 }
 
 // ffp_map_with_shadow: a pixel of it whose place is known.
-FFP_FORMULA void ffp_map_place(const FfpMapper *m, const FfpMapPlace *place, int pixel, FfpMapping *out) {
+FFP_FORMULA void ffp_map_place(const FfpMapper *m, const FfpMapPlace *place, ptrdiff_t pixel,
+                               FfpMapping *out) {
     const bool wide = place->inside && m->settings->footprint;
     for (int k = 0; k < 2; k++) {
         out->uv[2 * pixel + k] = place->uv[k];

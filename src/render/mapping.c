@@ -1,4 +1,6 @@
 // All pixels of a G-buffer to the projector (map_pixel.h), and the shadow map.
+#include <tgmath.h>
+#include "base/arena.h"
 #include "base/device.h"
 #include "render/kernels/kernels.h"
 #include "render/table.h"
@@ -30,6 +32,30 @@ FfpGbuffer ffp_shadow_map(FfpRaster *raster, const FfpGaussians *gaussians, cons
     return *shadow;
 }
 
+// How far the projector is from the mean of the centres.
+static real distance_to_middle(const FfpGaussians *gaussians, const FfpCamera *projector) {
+    const size_t count = (size_t)gaussians->count;
+    const real *centre = gaussians->centre;
+    real *host = NULL, square = 0;
+    if (ffp_device()) {
+        centre = host = ffp_alloc(3 * count, sizeof *host);
+        ffp_memory_download(host, gaussians->centre, 3 * count * sizeof *host);
+    }
+    for (int k = 0; k < 3; k++) {
+        double sum = 0;
+        for (size_t i = 0; i < count; i++) sum += (double)centre[3 * i + (size_t)k];
+        const real off = projector->pose[4 * k + 3] - (real)(sum / (double)(count ? count : 1));
+        square += off * off;
+    }
+    ffp_free(host);
+    return sqrt(square);
+}
+
+real ffp_even_light(const FfpGaussians *gaussians, const FfpCamera *projector,
+                    const FfpRenderSettings *settings) {
+    return settings->even_light ? distance_to_middle(gaussians, projector) : 0;
+}
+
 void ffp_map_with_shadow(const FfpGbuffer *shadow, const FfpGbuffer *gbuffer, const FfpCamera *camera,
                          const FfpCamera *projector, const FfpRenderSettings *settings, FfpMapping *out) {
     if (ffp_render_table()) {
@@ -46,5 +72,6 @@ void ffp_map_to_projector(FfpRaster *raster, const FfpGaussians *gaussians, cons
                           const FfpCamera *camera, const FfpCamera *projector,
                           const FfpRenderSettings *settings, FfpMapping *out) {
     const FfpGbuffer shadow = ffp_shadow_map(raster, gaussians, projector, settings);
+    out->even = ffp_even_light(gaussians, projector, settings);
     ffp_map_with_shadow(&shadow, gbuffer, camera, projector, settings, out);
 }

@@ -136,25 +136,6 @@ void ffp_view_pass_samples_changed(FfpViewPass *pass) {
     ffp_average_plane(pass->samples.ambient, side, mean->width, mean->height, 3, mean->ambient);
 }
 
-// How far the projector is from the mean of the centres.
-static real distance_to_middle(const FfpGaussians *gaussians, const FfpCamera *projector) {
-    const size_t count = (size_t)gaussians->count;
-    const real *centre = gaussians->centre;
-    real *host = NULL, square = 0;
-    if (ffp_device()) {
-        centre = host = ffp_alloc(3 * count, sizeof *host);
-        ffp_memory_download(host, gaussians->centre, 3 * count * sizeof *host);
-    }
-    for (int k = 0; k < 3; k++) {
-        double sum = 0;
-        for (size_t i = 0; i < count; i++) sum += (double)centre[3 * i + (size_t)k];
-        const real off = projector->pose[4 * k + 3] - (real)(sum / (double)(count ? count : 1));
-        square += off * off;
-    }
-    ffp_free(host);
-    return sqrt(square);
-}
-
 void ffp_view_pass_draw(FfpViewPass *pass, const FfpGaussians *gaussians, const FfpCamera *camera,
                         const FfpCamera *projector) {
     ffp_cancel_point();
@@ -163,7 +144,7 @@ void ffp_view_pass_draw(FfpViewPass *pass, const FfpGaussians *gaussians, const 
     pass->camera = sample_camera(camera, pass->settings.samples);
     pass->projector = *projector;
     pass->grad_clear = false;
-    pass->mapping.even = pass->settings.even_light ? distance_to_middle(gaussians, projector) : 0;
+    pass->mapping.even = ffp_even_light(gaussians, projector, &pass->settings);
     ffp_rasterise(pass->raster, gaussians, &pass->camera, &pass->settings, &pass->samples);
     ffp_view_pass_samples_changed(pass);
 }

@@ -78,13 +78,17 @@ typedef struct FfpMapping {
 } FfpMapping;
 FfpMapping ffp_mapping_new(int width, int height);
 void ffp_mapping_free(FfpMapping *mapping);
+// FfpMapping.even of these Gaussians: 0 where settings->even_light is off.
+real ffp_even_light(const FfpGaussians *gaussians, const FfpCamera *projector,
+                    const FfpRenderSettings *settings);
 // Rasterises the shadow map with `raster` when shadows are on (so call it before or after, never between, a
 // rasterise/backward pair that shares the raster).
 void ffp_map_to_projector(FfpRaster *raster, const FfpGaussians *gaussians, const FfpGbuffer *gbuffer,
                           const FfpCamera *camera, const FfpCamera *projector,
                           const FfpRenderSettings *settings, FfpMapping *out);
-// Its two parts. The shadow map holds opacity and depth as the projector sees them, its longer side
-// settings->shadow_side pixels, and is of size 0 when shadows are off; its planes are the raster's.
+// Its two parts, of which the second leaves out->even as it is. The shadow map holds opacity and depth as the
+// projector sees them, its longer side settings->shadow_side pixels, and is of size 0 when shadows are off;
+// its planes are the raster's.
 FfpGbuffer ffp_shadow_map(FfpRaster *raster, const FfpGaussians *gaussians, const FfpCamera *projector,
                           const FfpRenderSettings *settings);
 void ffp_map_with_shadow(const FfpGbuffer *shadow, const FfpGbuffer *gbuffer, const FfpCamera *camera,

@@ -13,7 +13,7 @@
 #include "render/render.h"
 
 #define FFP_LN2 0.693147180559945309F
-#define FFP_ROUGHNESS_MIN 0.02F // below it the highlight's D is 0 / 0
+#define FFP_ROUGHNESS_MIN 0.02F // what is smoother counts as this: at 0 the highlight's D is 0 / 0
 // A summed normal shorter than this share of the opacity has cancelled out and tells no direction: it is not
 // stretched to 1.
 #define FFP_NORMAL_MIN 0.05F
@@ -142,10 +142,10 @@ FFP_FORMULA void ffp_specular_backward(const FfpLobe *b, const FfpLit *s, real d
                                        real *d_nl, real *d_nv, real *d_nh, real *d_vh) {
     const real dD = d * b->F * b->V, dF = d * b->D * b->V, dV = d * b->D * b->F, rho = s->roughness;
     const real dq = -2 * b->D / b->q * dD;
-    const real da2 = dD / (FFP_PI * b->q * b->q) + dq * s->nh * s->nh;
+    const real da2 = dD / (FFP_PI * b->q * b->q) + dq * b->c;
     const real dgv = -b->V / b->gv * dV, dgl = -b->V / b->gl * dV;
     const real dk = dgv * (1 - s->nv) + dgl * (1 - s->nl);
-    *d_nh = dq * 2 * s->nh * (b->a2 - 1);
+    *d_nh = b->c < 1 ? dq * 2 * s->nh * (b->a2 - 1) : 0;
     *d_vh = dF * (1 - FFP_F0) * b->power * FFP_LN2 * (2 * FFP_FRESNEL_2 * s->vh + FFP_FRESNEL_1);
     *d_nv = dgv * (1 - b->k);
     *d_nl += dgl * (1 - b->k);
@@ -233,13 +233,13 @@ typedef struct FfpPatternLight {
 } FfpPatternLight;
 
 // Sample i of the picture's pixel (x, y), row by row.
-FFP_FORMULA int ffp_sample_of(const FfpPatternLight *light, int x, int y, int i) {
+FFP_FORMULA ptrdiff_t ffp_sample_of(const FfpPatternLight *light, int x, int y, int i) {
     const int side = light->side;
-    return (y * side + i / side) * light->transport->width + x * side + i % side;
+    return ((ptrdiff_t)y * side + i / side) * light->transport->width + x * side + i % side;
 }
 
 // Whether the sample shows anything of the pattern.
-FFP_FORMULA bool ffp_sample_lit(const FfpPatternLight *light, int sample) {
+FFP_FORMULA bool ffp_sample_lit(const FfpPatternLight *light, ptrdiff_t sample) {
     const real *factor = light->transport->factor + 3 * sample;
     return light->pattern && (factor[0] != 0 || factor[1] != 0 || factor[2] != 0);
 }
@@ -250,7 +250,7 @@ FFP_FORMULA bool ffp_keeps_look(const FfpPatternLight *light) {
     return light->transport->look && !light->pattern->plain;
 }
 
-FFP_FORMULA void ffp_look(const FfpPatternLight *light, int sample, real look[9]) {
+FFP_FORMULA void ffp_look_at(const FfpPatternLight *light, ptrdiff_t sample, real look[9]) {
     const real *uv = light->transport->uv + 2 * sample, *extent = light->extent + 2 * sample;
     ffp_box_slopes(light->pattern, uv[0], uv[1], extent[0], extent[1], look, look + 3, look + 6);
 }
@@ -262,12 +262,12 @@ FFP_FORMULA void ffp_shade_pixel(const FfpPatternLight *light, int x, int y, con
     const real share = 1 / (real)samples;
     real sum[3] = {0, 0, 0};
     for (int i = 0; light->pattern && i < samples; i++) {
-        const int s = ffp_sample_of(light, x, y, i);
+        const ptrdiff_t s = ffp_sample_of(light, x, y, i);
         if (!ffp_sample_lit(light, s)) continue;
         const real *uv = light->transport->uv + 2 * s, *extent = light->extent + 2 * s;
         real look[3], *texture = look;
         if (ffp_keeps_look(light))
-            ffp_look(light, s, texture = light->transport->look + 9 * (ptrdiff_t)s);
+            ffp_look_at(light, s, texture = light->transport->look + 9 * s);
         else
             ffp_box_mean(light->pattern, uv[0], uv[1], extent[0], extent[1], texture);
         for (int k = 0; k < 3; k++) sum[k] += light->transport->factor[3 * s + k] * texture[k];
@@ -277,14 +277,14 @@ FFP_FORMULA void ffp_shade_pixel(const FfpPatternLight *light, int x, int y, con
 
 // From the gradient of a lit sample's radiance: adds those of the transport and of the intensity. d_texture:
 // of the pattern's mean colour there.
-FFP_FORMULA void ffp_shade_sample_backward(const FfpPatternLight *light, int sample, const real grad[3],
+FFP_FORMULA void ffp_shade_sample_backward(const FfpPatternLight *light, ptrdiff_t sample, const real grad[3],
                                            FfpTransport *d_transport, real d_intensity[3],
                                            real d_texture[3]) {
     const real *factor = light->transport->factor + 3 * sample;
     real seen[9];
     const bool kept = ffp_keeps_look(light);
-    if (!kept) ffp_look(light, sample, seen);
-    const real *texture = kept ? light->transport->look + 9 * (ptrdiff_t)sample : seen;
+    if (!kept) ffp_look_at(light, sample, seen);
+    const real *texture = kept ? light->transport->look + 9 * sample : seen;
     const real *along_u = texture + 3, *along_v = texture + 6;
     for (int k = 0; k < 3; k++) {
         d_texture[k] = grad[k] * factor[k] * light->intensity[k];

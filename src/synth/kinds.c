@@ -6,7 +6,7 @@
 // clang-format off
 #define COLOURS (const float[FFP_PALETTE][3])
 
-const FfpKind ffp_kinds[FFP_KINDS] = {
+const FfpMaterialKind ffp_material_kinds[FFP_MATERIAL_KINDS] = {
     // drawn palettes: name, look, relief and its height, hue, saturation, value, spread, contrast, roughness, scale
     {"marble", ffp_look_marble, NULL, 0, {0, 1}, {0.02F, 0.3F}, {0.75F, 0.95F}, 0.3F, 0.6F, {0.15F, 0.45F}, 1.6F, {0}, NULL},
     {"wood", ffp_look_wood, ffp_relief_wood, 0.03F, {0.04F, 0.11F}, {0.4F, 0.75F}, {0.55F, 0.85F}, 0.04F, 0.45F, {0.3F, 0.75F}, 2.2F, {0}, NULL},
@@ -82,8 +82,8 @@ const FfpKind ffp_kinds[FFP_KINDS] = {
 // clang-format on
 
 int ffp_material_count(void) {
-    return FFP_KINDS;
+    return FFP_MATERIAL_KINDS;
 }
 const char *ffp_material_name(int material) {
-    return material >= 0 && material < FFP_KINDS ? ffp_kinds[material].name : "unknown";
+    return material >= 0 && material < FFP_MATERIAL_KINDS ? ffp_material_kinds[material].name : "unknown";
 }

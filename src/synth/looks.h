@@ -5,7 +5,7 @@
 #include "synth/material.h"
 #include "synth/scalar.h"
 
-enum { FFP_KINDS = 43, FFP_TUNE = 4 };
+enum { FFP_MATERIAL_KINDS = 43, FFP_TUNE = 4 };
 
 typedef struct FfpLook {
     float mix[FFP_PALETTE]; // weights of the palette's colours; they need not sum to 1
@@ -18,7 +18,7 @@ typedef float FfpReliefAt(const FfpMaterial *m, const float q[3]);            //
 // Colours are either drawn (anchors NULL): the first one within hue, saturation and value, the others
 // straying from it; or they are the anchors, all turned by a hue out of `hue`, their saturations and values
 // multiplied by numbers out of `saturation` and `value`.
-typedef struct FfpKind {
+typedef struct FfpMaterialKind {
     const char *name;
     FfpLookAt *look;
     FfpReliefAt *relief;                   // NULL: smooth
@@ -31,8 +31,8 @@ typedef struct FfpKind {
     float tune[FFP_TUNE]; // what the procedure of looks_tuned.c makes of them
     const float (
         *anchors)[3]; // [FFP_PALETTE] hue in turns, saturation, value as a painter names sRGB colours
-} FfpKind;
-extern const FfpKind ffp_kinds[FFP_KINDS];
+} FfpMaterialKind;
+extern const FfpMaterialKind ffp_material_kinds[FFP_MATERIAL_KINDS];
 
 static inline float ffp_clamp01(float x) {
     return ffp_min(1, ffp_max(0, x));

@@ -6,7 +6,7 @@
 #include "synth/noise.h"
 
 static const float *tune_of(const FfpMaterial *m) {
-    return ffp_kinds[m->kind].tune;
+    return ffp_material_kinds[m->kind].tune;
 }
 static void scaled(const float q[3], float x, float y, float z, float out[3]) {
     out[0] = x * q[0], out[1] = y * q[1], out[2] = z * q[2];

@@ -15,7 +15,7 @@ static void hsv_to_linear(float hue, float saturation, float value, float out[3]
 }
 
 FfpMaterial ffp_material_make(int material, uint64_t seed) {
-    const FfpKind *kind = &ffp_kinds[material];
+    const FfpMaterialKind *kind = &ffp_material_kinds[material];
     FfpRng rng = ffp_rng(seed ^ 0x3a7e91a1ULL, (uint64_t)material);
     FfpMaterial m = {.kind = material, .seed = ffp_rng_u32(&rng)};
     const float hue = ffp_rng_range(&rng, kind->hue[0], kind->hue[1]);
@@ -59,7 +59,7 @@ void ffp_material_look(const FfpMaterial *m, const float p[3], float albedo[3], 
     float q[3];
     texture_point(m, p, q);
     FfpLook look = {{0}, 0};
-    ffp_kinds[m->kind].look(m, q, &look);
+    ffp_material_kinds[m->kind].look(m, q, &look);
     for (int c = 0; c < 3; c++) {
         float sum = 0;
         for (int i = 0; i < FFP_PALETTE; i++) sum += look.mix[i] * m->colour[i][c];
@@ -70,7 +70,7 @@ void ffp_material_look(const FfpMaterial *m, const float p[3], float albedo[3], 
 }
 
 void ffp_material_bump(const FfpMaterial *m, const float p[3], float normal[3]) {
-    const FfpKind *kind = &ffp_kinds[m->kind];
+    const FfpMaterialKind *kind = &ffp_material_kinds[m->kind];
     if (!kind->relief || m->bump <= 0) return;
     const float e = 0.008F; // half a pixel: finer relief would only sparkle
     float q[3], slope[3], along = 0;

@@ -21,8 +21,8 @@ enum {
     STREAM_FREE_INPUT = 9000
 };
 
-FfpRig ffp_rig_light(const FfpSceneSpec *spec) {
-    FfpRig rig = {{7.96F, 7.96F, 7.96F}, 0.3F};
+FfpRigLight ffp_rig_light(const FfpSceneSpec *spec) {
+    FfpRigLight rig = {{7.96F, 7.96F, 7.96F}, 0.3F};
     if (!spec->jitter) return rig;
     FfpRng rng = ffp_rng(spec->seed, STREAM_LIGHT);
     rig.ambient = ffp_rng_range(&rng, 0.1F, 0.5F);

@@ -5,12 +5,12 @@
 #include "capture/capture.h"
 #include "synth/synth.h"
 
-typedef struct FfpRig {
+typedef struct FfpRigLight {
     float intensity[3], ambient;
-} FfpRig;
+} FfpRigLight;
 
 // Light levels of the spec: the default rig's, or jittered from its seed.
-FfpRig ffp_rig_light(const FfpSceneSpec *spec);
+FfpRigLight ffp_rig_light(const FfpSceneSpec *spec);
 // Poses, intrinsics and id of input view `index` of spec->views, and of target `index`: a new direction every
 // time.
 void ffp_rig_input(const FfpSceneSpec *spec, int index, FfpView *view);

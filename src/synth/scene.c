@@ -140,7 +140,7 @@ bool ffp_scene_make_lit(FfpCapture *capture, const FfpSceneSpec *spec, FfpImage 
         return false;
     }
     const FfpMaterial material = ffp_material_make(spec->material, spec->seed);
-    FfpRig rig = ffp_rig_light(spec);
+    FfpRigLight rig = ffp_rig_light(spec);
     const float gain =
         exp2f(spec->sensor.exposure); // of all light alike, so that every map agrees with the images
     for (int c = 0; c < 3; c++) rig.intensity[c] *= gain;

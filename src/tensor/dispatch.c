@@ -108,8 +108,8 @@ void ffp_scan_forward(real *y, const FfpScanShape *shape, const FfpScanInput *in
 }
 
 void ffp_scan_backward(const FfpScanGradient *grad, const FfpScanShape *shape, const FfpScanInput *in,
-                       const real *y, const real *dy, real *scratch) {
-    kernels()->scan_backward(grad, shape, in, y, dy, scratch);
+                       const real *dy, real *scratch) {
+    kernels()->scan_backward(grad, shape, in, dy, scratch);
 }
 
 size_t ffp_attention_scratch(int rows, int heads, int head_dim) {

@@ -96,7 +96,7 @@ size_t ffp_scan_scratch(const FfpScanShape *shape);
 void ffp_scan_forward(real *y, const FfpScanShape *shape, const FfpScanInput *in,
                       real *scratch); // y [T, heads*head_dim]
 void ffp_scan_backward(const FfpScanGradient *grad, const FfpScanShape *shape, const FfpScanInput *in,
-                       const real *y, const real *dy, real *scratch);
+                       const real *dy, real *scratch);
 // The plain recurrence, one token after another: what the chunked form is proven against.
 void ffp_scan_forward_reference(real *y, const FfpScanShape *shape, const FfpScanInput *in);
 

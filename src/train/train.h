@@ -216,8 +216,6 @@ typedef struct FfpValidation {
 // Fits Gaussians of the scene's input views to their black, white and active pictures: config->polish_steps.
 bool ffp_scene_polish(FfpGaussians *gaussians, const FfpTrainConfig *config, const FfpRenderSettings *render,
                       const FfpScene *scene, uint64_t seed, FfpError *err);
-double ffp_scene_psnr(const FfpModel *model, const FfpTrainConfig *config,
-                      const FfpScene *scene); // lollipops not given
 bool ffp_validate(const FfpModel *model, const FfpTrainConfig *config, int resolution, const char *picture,
                   FfpValidation *result, FfpError *err);
 

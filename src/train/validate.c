@@ -65,17 +65,6 @@ static void score(Viewer *viewer, const FfpScene *scene, const FfpGaussians *gau
     }
 }
 
-double ffp_scene_psnr(const FfpModel *model, const FfpTrainConfig *config, const FfpScene *scene) {
-    Viewer viewer = viewer_new(&config->model, scene->start.width);
-    FfpRun *run = ffp_run_new(false);
-    Tally rendering = {0}, novel_pose = {0};
-    if (ffp_model_forward(model, run, &scene->inputs, &scene->start, &scene->context, scene->active, NULL))
-        score(&viewer, scene, &run->gaussians, &rendering, &novel_pose);
-    ffp_run_free(run);
-    viewer_free(&viewer);
-    return mean(rendering);
-}
-
 static int compare(const void *a, const void *b) {
     const real x = *(const real *)a, y = *(const real *)b;
     return (x > y) - (x < y);

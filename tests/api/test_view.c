@@ -162,12 +162,14 @@ static void test_wrong_settings_are_refused(void **state) {
     const FfpViewing wrong[] = {{.file = NULL},
                                 {.file = in_scratch("none.html"), .photographs = -1},
                                 {.file = in_scratch("none.html"), .photographs = 5000},
+                                {.file = in_scratch("none.html"), .drawing = {.form = FFP_FORM_GS_PROCAMS}},
                                 {.file = in_scratch("none.html"), .poses = "/no/such/file.json"},
                                 {.file = "/no/such/folder/page.html"}};
     for (size_t i = 0; i < sizeof wrong / sizeof *wrong; i++) {
         FfpError err = {0};
         assert_false(ffp_view(NULL, gaussians, capture, &wrong[i], NULL, &err));
         assert_true(err.text[0]);
+        assert_true((err.code == FFP_ERROR_UNSUPPORTED) == (wrong[i].drawing.form == FFP_FORM_GS_PROCAMS));
     }
     assert_false(ffp_is_file(in_scratch("none.html")));
 }

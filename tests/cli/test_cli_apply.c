@@ -244,6 +244,30 @@ static void maps_of_a_generated_scene_go_there_and_back(void **state) {
     ffp_capture_free(&capture);
 }
 
+// In light without cosine and falloff the projector sees another picture than in the paper's form, of which
+// the way of the light is the same.
+static void maps_know_even_light(void **state) {
+    (void)state;
+    static const char *const forms[2] = {"paper", "gs-procams"};
+    FfpImage seen[2], way[2];
+    for (int k = 0; k < 2; k++) {
+        run_format(&run, "map %s/tiny.ply -c %s/tiny -v view_1 --drawing %s -o %s/even_%d", scratch, scratch,
+                   forms[k], scratch, k);
+        must_run();
+        char name[64];
+        snprintf(name, sizeof name, "even_%d/view_1_projector_sees.png", k);
+        read_encoded(&seen[k], name);
+        snprintf(name, sizeof name, "even_%d/view_1_camera_to_projector.png", k);
+        read_encoded(&way[k], name);
+    }
+    double off = 0;
+    for (int i = 0; i < 4 * seen[0].width * seen[0].height; i++)
+        off = fmax(off, fabs((double)(seen[0].data[i] - seen[1].data[i])));
+    assert_true(off > 0.05);
+    for (int i = 0; i < 4 * way[0].width * way[0].height; i++) assert_true(way[0].data[i] == way[1].data[i]);
+    for (int k = 0; k < 2; k++) ffp_image_free(&seen[k]), ffp_image_free(&way[k]);
+}
+
 static void must_fail(int status, const char *what, const char *file) {
     if (run.status != status || !strstr(run.err, what)) printf("exit %d\n%s", run.status, run.err);
     assert_int_equal(run.status, status);
@@ -358,6 +382,7 @@ int main(void) {
         cmocka_unit_test(several_projectors_get_a_pattern_each),
         cmocka_unit_test(compensation_for_new_poses_uses_the_gaussians),
         cmocka_unit_test(maps_of_a_generated_scene_go_there_and_back),
+        cmocka_unit_test(maps_know_even_light),
         cmocka_unit_test(wrong_compensations_say_what_is_wrong),
         cmocka_unit_test(outputs_go_through_links_and_into_no_device),
         cmocka_unit_test(maps_that_fail_leave_no_folder),

@@ -167,6 +167,7 @@ static void test_mistakes_are_told_as_what_they_are(void **state) {
         {"reconstruct a --polish x", "--polish is auto or a number of steps from 0 to 1000000, not x"},
         {"reconstruct a --layers 0.4", "--layers is auto, all or a number from 0.5 to 100, not 0.4"},
         {"render a --drawing oil", "--drawing is ours, paper or gs-procams, not oil"},
+        {"view a --drawing gs-procams", "--drawing is ours or paper, not gs-procams"},
         {"render a --orbit moon,4", "--orbit is camera, projector or object and 1 to 9999 frames"},
         {"generate a --preset big", "--preset is paper, smoke or training, not big"},
         {"generate a --resolution 7", "--resolution is a number from 8 to 4096, not 7"},

@@ -34,6 +34,14 @@ static FfpGaussians *reconstruct(const FfpCapture *capture, const FfpModel *mode
     return gaussians;
 }
 
+static void assert_same_bits(const FfpGaussians *a, const FfpGaussians *b) {
+    assert_int_equal(a->count, b->count);
+    for (int k = 0; k < FFP_ATTRIBUTES; k++) {
+        const FfpAttribute x = ffp_attribute(a, k), y = ffp_attribute(b, k);
+        assert_memory_equal(x.data, y.data, (size_t)a->count * (size_t)x.width * sizeof(real));
+    }
+}
+
 // How alike two reconstructions look: PSNR in dB of a view's pictures. Numbers cannot be held against each
 // other one by one, since a splat that is refuted by a hair in one alone is missing there.
 static double likeness(const FfpCapture *capture, const FfpGaussians *a, const FfpGaussians *b) {
@@ -94,9 +102,7 @@ static void test_memory_ends(void **state) {
     assert_true(failed > 12);
     ffp_cuda_memory_ends(-1);
     FfpGaussians *again = reconstruct(&capture, model, 2, device);
-    assert_int_equal(gaussians->count, again->count);
-    assert_memory_equal(gaussians->centre, again->centre, 3 * (size_t)again->count * sizeof *again->centre);
-    assert_memory_equal(gaussians->opacity, again->opacity, (size_t)again->count * sizeof *again->opacity);
+    assert_same_bits(gaussians, again);
     ffp_gaussians_close(gaussians);
     ffp_gaussians_close(again);
     capture.n_views = 4;
@@ -114,9 +120,51 @@ static void test_polish(void **state) {
     check(6);
 }
 
+typedef struct Notes {
+    int on_the_cpu;
+    char last[200];
+} Notes;
+
+static void take_note(void *user, FfpLogLevel level, const char *text) {
+    Notes *notes = user;
+    (void)level;
+    if (!strstr(text, "works on the CPU")) return;
+    notes->on_the_cpu++;
+    snprintf(notes->last, sizeof notes->last, "%s", text);
+}
+
+// Fits on their own smooth or control density: they are the CPU's, and say so where a device is offered.
+static void test_fits_on_their_own(void **state) {
+    (void)state;
+    FfpError err = {0};
+    FfpCapture capture = small_capture();
+    const FfpRefinement how = {.steps = 3, .seed = 1};
+    Notes notes = {0};
+    FfpContext with = {.settings = {.user = &notes, .log = take_note}, .device = device};
+    FfpContext without = {.settings = {.user = &notes, .log = take_note}};
+    FfpGaussians *here = reconstruct(&capture, NULL, 0, NULL);
+    FfpGaussians there = ffp_gaussians_copy(here);
+    assert_true(ffp_refine_gaussians(&without, here, &capture, &how, NULL, &err));
+    assert_int_equal(notes.on_the_cpu, 0);
+    assert_true(ffp_refine_gaussians(&with, &there, &capture, &how, NULL, &err));
+    assert_int_equal(notes.on_the_cpu, 1);
+    assert_non_null(strstr(notes.last, "smoothing"));
+    assert_same_bits(here, &there);
+    ffp_gaussians_close(here);
+    ffp_gaussians_free(&there);
+    here = ffp_fit_from_scratch(&with, &capture, &how, NULL, &err);
+    assert_non_null(here);
+    assert_int_equal(notes.on_the_cpu, 2);
+    assert_non_null(strstr(notes.last, "density"));
+    ffp_gaussians_close(here);
+    capture.n_views = 4;
+    ffp_capture_free(&capture);
+}
+
 int main(void) {
     if (!(device = find_device())) return 0;
     const struct CMUnitTest tests[] = {cmocka_unit_test(test_memory_ends), cmocka_unit_test(test_network),
-                                       cmocka_unit_test(test_polish)};
+                                       cmocka_unit_test(test_polish),
+                                       cmocka_unit_test(test_fits_on_their_own)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -4,6 +4,8 @@
 #include <math.h>
 #include "base/rng.h"
 #include "base/vec.h"
+#include "match/blurred.h"
+#include "match/enlarge.h"
 #include "match/projector_rays.h"
 #include "match/fill.h"
 #include "match/line.h"
@@ -221,6 +223,50 @@ static void test_refute(void **state) {
     for (int i = 0; i < 5; i++) assert_true(opacity[i] == (stays[i] ? 0.9F : 0));
 }
 
+// Two for three reduced pixels a side: the middle of every third pixel lies on the line between two reduced
+// ones, and a third one's share of the blend there is exactly 0. A pixel beside a jump of depth that saw the
+// pattern as the surface beyond has it gets that surface's plane, though nothing of it is in the blend.
+static void test_a_surface_without_a_share(void **state) {
+    (void)state;
+    enum { SMALL = 4, LARGE = 6, PIXELS = LARGE * LARGE };
+    const real near = 2, far = 3;
+    real ramp[3 * 64 * 64], confidence[SMALL * SMALL], lit[SMALL * SMALL], footprint[SMALL * SMALL];
+    real seen_lit[PIXELS], coverage[PIXELS], ratio[3 * PIXELS], weight[3 * PIXELS];
+    real depth[PIXELS], normal[3 * PIXELS], sure[PIXELS];
+    int asked = 0, first = 0;
+    for (int i = 0; i < 3 * 64 * 64; i++) ramp[i] = (real)(i / 3 % 64) / 64;
+    FfpPattern pattern = {.image = {64, 64, 3, ramp}};
+    const FfpCapture patterns = {.n_patterns = 1, .patterns = &pattern};
+    FfpBlurred blurred = ffp_blurred_new(&patterns, &first, 1, 1);
+    FfpView view = {.camera = camera_at(0, 0, 0, LARGE, LARGE), .projector = camera_at(0.6F, 0, 0, 64, 64)};
+    view.coverage = (FfpImage){LARGE, LARGE, 1, coverage};
+    FfpView less = {.camera = {SMALL, SMALL, 40, 44, 2, 2, {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1}}};
+    FfpReduced reduced = {.capture = {.n_views = 1, .views = &less},
+                          .start = {.views = 1,
+                                    .width = SMALL,
+                                    .height = SMALL,
+                                    .confidence = confidence,
+                                    .lit = lit,
+                                    .footprint = footprint}};
+    for (int i = 0; i < SMALL * SMALL; i++)
+        confidence[i] = lit[i] = 1, footprint[i] = (i % SMALL < 2 ? near : far) / less.camera.fx;
+    for (int i = 0; i < PIXELS; i++) {
+        real point[3], u, v; // all of the picture shows the surface that is farther away
+        ffp_point_at(&view.camera, (real)(i % LARGE) + 0.5F, (real)(i / LARGE) + 0.5F, far, point);
+        ffp_project(&view.projector, point, &u, &v);
+        seen_lit[i] = coverage[i] = 1;
+        for (int c = 0; c < 3; c++) ratio[3 * i + c] = (u - 0.5F) / 64, weight[3 * i + c] = 1;
+    }
+    const FfpObservation seen = {LARGE, LARGE, 1, &asked, ratio, weight, seen_lit};
+    ffp_enlarge(&(FfpEnlarged){depth, normal, sure}, &reduced, &view, 0, &seen, &blurred);
+    for (int i = 0; i < PIXELS; i++) {
+        const real *n = normal + 3 * i, expected = i % LARGE < 1 ? near : far; // 0 has no such neighbour
+        assert_true(fabsf(depth[i] - expected) < 1e-4F);                       // none is NaN
+        assert_true(fabsf(ffp_dot3(n, n) - 1) < 1e-4F && fabsf(n[2] + 1) < 1e-4F);
+    }
+    ffp_blurred_free(&blurred);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(test_frame),
                                        cmocka_unit_test(test_line_is_projection),
@@ -228,6 +274,7 @@ int main(void) {
                                        cmocka_unit_test(test_fill_is_harmonic),
                                        cmocka_unit_test(test_semi_global),
                                        cmocka_unit_test(test_projector_rays),
-                                       cmocka_unit_test(test_refute)};
+                                       cmocka_unit_test(test_refute),
+                                       cmocka_unit_test(test_a_surface_without_a_share)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

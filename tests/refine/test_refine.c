@@ -362,7 +362,11 @@ static void test_a_fit_from_scratch_finds_the_ball(void **state) {
     FfpRefineSettings s = ffp_scratch_defaults();
     FfpRefineResult result;
     assert_true(ffp_scratch_gaussians(&g, &c, 500, 1, NULL));
-    for (int64_t i = 0; i < g.count; i++) assert_true(ffp_dot3(g.centre + 3 * i, g.centre + 3 * i) < 0.8F);
+    for (int64_t i = 0; i < g.count; i++) {
+        const real *q = g.rotation + 4 * i;
+        assert_true(ffp_dot3(g.centre + 3 * i, g.centre + 3 * i) < 0.8F);
+        assert_true(fabsf(ffp_dot3(q, q) + q[3] * q[3] - 1) < 1e-5F);
+    }
     s.steps = 200;
     s.density.from = 50, s.density.every = 50;
     assert_true(ffp_refine(&g, &c, all_patterns, PATTERNS, &s, &result, NULL));

@@ -64,7 +64,7 @@ static double loss_of(void *context) {
     Case *c = context;
     FfpGaussians grad = ffp_gaussians_new(SPLATS);
     FfpFitLoss loss = {0};
-    ffp_viewer_look(c->viewer, &c->gaussians, &(FfpLook){c->view, 1, &grad, &loss}, 1);
+    ffp_viewer_look(c->viewer, &c->gaussians, &(FfpFitLook){c->view, 1, &grad, &loss}, 1);
     ffp_gaussians_free(&grad);
     return loss.pictures + loss.maps;
 }
@@ -77,7 +77,7 @@ static void gradient_of_all_pictures(void **state) {
         FfpGaussians grad = ffp_gaussians_new(SPLATS);
         FfpFitLoss loss = {0};
         Field fields[7], analytic[7];
-        ffp_viewer_look(c.viewer, &c.gaussians, &(FfpLook){c.view, 1, &grad, &loss}, 1);
+        ffp_viewer_look(c.viewer, &c.gaussians, &(FfpFitLook){c.view, 1, &grad, &loss}, 1);
         gaussian_fields(&c.gaussians, fields), gaussian_fields(&grad, analytic);
         for (int k = 0; k < 7; k++)
             check_field(c.view ? "three pictures" : "four pictures", &fields[k], analytic[k].data, loss_of,
@@ -98,7 +98,7 @@ static void all_pictures_count_alike(void **state) {
             FfpGaussians grad = ffp_gaussians_new(SPLATS);
             FfpFitLoss loss = {0};
             if (c.capture.views[v].images[p].data)
-                ffp_viewer_look(c.viewer, &c.gaussians, &(FfpLook){v, 1, &grad, &loss}, 1);
+                ffp_viewer_look(c.viewer, &c.gaussians, &(FfpFitLook){v, 1, &grad, &loss}, 1);
             pictures[v][p] = loss.pictures;
             ffp_gaussians_free(&grad);
         }
@@ -110,7 +110,7 @@ static void all_pictures_count_alike(void **state) {
         FfpFitLoss loss = {0};
         double sum = 0;
         for (int p = 0; p < PATTERNS; p++) sum += pictures[v][p];
-        ffp_viewer_look(c.viewer, &c.gaussians, &(FfpLook){v, 1, &grad, &loss}, 1);
+        ffp_viewer_look(c.viewer, &c.gaussians, &(FfpFitLook){v, 1, &grad, &loss}, 1);
         assert_true(sum > 0.1 && fabs(loss.pictures - sum / (v ? 3 : 4)) < 1e-12);
         ffp_gaussians_free(&grad);
     }
@@ -120,7 +120,7 @@ static void all_pictures_count_alike(void **state) {
         for (int step = 1; step <= 4; step++) {
             FfpGaussians grad = ffp_gaussians_new(SPLATS);
             FfpFitLoss loss = {0};
-            ffp_viewer_look(c.viewer, &c.gaussians, &(FfpLook){v, step, &grad, &loss}, 1);
+            ffp_viewer_look(c.viewer, &c.gaussians, &(FfpFitLook){v, step, &grad, &loss}, 1);
             assert_true(fabs(loss.pictures - pictures[v][turns[v][step - 1]]) < 1e-12);
             ffp_gaussians_free(&grad);
         }

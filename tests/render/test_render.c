@@ -1,12 +1,16 @@
 // The renderer against a brute-force one in double, against physics, and against itself.
+#define _DEFAULT_SOURCE // MAP_NORESERVE
 #include <math.h>
 #include <omp.h>
+#include <sys/mman.h>
 #include "render/pass.h"
 #include "support.h"
 #include "base/arena.h"
 #include "base/cpu.h"
+#include "render/kernels/kernels.h"
 #include "render/raster.h"
 #include "render/scenes.h"
+#include "render/shade_pixel.h"
 
 static const real eye[3] = {2.1F, -1.7F, 1.1F}, origin[3] = {0, 0, 0};
 #define PI 3.14159265358979324
@@ -429,6 +433,75 @@ static void test_wall_energy(void **state) {
     ffp_gbuffer_free(&dark);
 }
 
+// Where the normal is the half vector, a rounded cosine is 1 give or take a bit. D is then 1 / (pi rho^4), or
+// less by what the last bits of the cosine can do: never infinite.
+static void test_highlight_at_its_peak(void **state) {
+    (void)state;
+    static const real roughness[4] = {FFP_ROUGHNESS_MIN, 0.03F, 0.1F, 0.5F};
+    FfpRng rng = ffp_rng(12, 4);
+    for (int i = 0; i < 4000; i++) {
+        real n[3] = {(real)ffp_rng_normal(&rng), (real)ffp_rng_normal(&rng), (real)ffp_rng_normal(&rng)};
+        ffp_normalise3(n);
+        const double a2 = pow((double)roughness[i % 4], 4), peak = 1 / (PI * a2), bit = 8e-7;
+        const FfpLobe lobe = ffp_lobe(roughness[i % 4], 0.8F, 0.8F, ffp_dot3(n, n), 0.8F);
+        assert_true((double)lobe.D <= peak * 1.0001);
+        assert_true((double)lobe.D >= peak * pow(a2 / (a2 + bit), 2) * 0.9999);
+    }
+}
+
+// A mirror that faces half way between eye and lamp in every pixel, under a pattern that is black but for a
+// frame: no level's picture or gradient holds infinity or 0 times infinity.
+static void test_mirror_under_black(void **state) {
+    (void)state;
+    enum { W = 33, H = 21, PIXELS = W * H };
+    const real at[3] = {0, -3, 0}, lamp[3] = {0.9F, -1.9F, 0.4F}, n[3] = {0, -1, 0}, intensity[3] = {3, 5, 8};
+    const FfpCamera camera = look_at(W, H, 30, at, origin), projector = look_at(200, 200, 90, lamp, origin);
+    FfpGbuffer g = wall(&camera, n, 0.5F, 0);
+    for (int p = 0; p < PIXELS; p++) {
+        real point[3], v[3], l[3], *h = g.normal + 3 * (ptrdiff_t)p;
+        ffp_surface_point(&camera, (real)(p % W) + 0.5F, (real)(p / W) + 0.5F, g.depth[p], point, v);
+        for (int k = 0; k < 3; k++) v[k] = at[k] - point[k], l[k] = lamp[k] - point[k];
+        ffp_normalise3(v), ffp_normalise3(l);
+        for (int k = 0; k < 3; k++) h[k] = v[k] + l[k];
+        ffp_normalise3(h);
+    }
+    FfpRenderSettings settings = ffp_render_defaults();
+    settings.shadows = settings.footprint = false;
+    FfpImage dark = ffp_image_new(200, 200, 3), out = ffp_image_new(W, H, 3), d = plain_pattern(W, H);
+    dark.data[0] = 1;
+    int lit = 0;
+    FfpSummed pattern = ffp_summed_new(&dark);
+    const FfpCpuLevel used = ffp_cpu_level();
+    for (int level = 0; level <= (int)ffp_cpu_best(); level++) {
+        assert_true(ffp_cpu_set_level((FfpCpuLevel)level));
+        FfpMapping mapping = ffp_mapping_new(W, H);
+        FfpTransport light = ffp_transport_new(W, H), d_light = ffp_transport_new(W, H);
+        FfpGbuffer grad = ffp_gbuffer_new(W, H);
+        ffp_map_with_shadow(&(FfpGbuffer){0}, &g, &camera, &projector, &settings, &mapping);
+        ffp_light(&g, &mapping, &camera, &projector, &light);
+        ffp_shade(&g, &mapping, &light, intensity, &pattern, &out);
+        ffp_shade_backward(&mapping, &light, intensity, &pattern, &d, &grad, &d_light, NULL, NULL);
+        for (int i = 0; i < 3 * PIXELS; i++) d_light.factor[i] = 1; // under black the pattern takes it away
+        ffp_light_backward(&g, &mapping, &camera, &projector, &d_light, &grad);
+        for (int i = 0; i < 3 * PIXELS; i++) {
+            assert_true(isfinite(light.factor[i]) && out.data[i] == 0);
+            lit += light.factor[i] > 100; // hundreds: the peak
+            assert_true(isfinite(grad.normal[i]) && isfinite(grad.albedo[i]) && isfinite(grad.depth[i / 3]));
+        }
+        ffp_mapping_free(&mapping);
+        ffp_transport_free(&light);
+        ffp_transport_free(&d_light);
+        ffp_gbuffer_free(&grad);
+    }
+    assert_true(lit > 27 * PIXELS / 10 * ((int)ffp_cpu_best() + 1));
+    assert_true(ffp_cpu_set_level(used));
+    ffp_summed_free(&pattern);
+    ffp_image_free(&dark);
+    ffp_image_free(&out);
+    ffp_image_free(&d);
+    ffp_gbuffer_free(&g);
+}
+
 // Camera and projector in one place, the projector four times as fine: pixel (x, y) is pattern pixel (4x, 4y)
 // and covers 4 by 4 of them. A jump of depth halfway changes nothing, for the pixels beside it have
 // neighbours on their own side.
@@ -467,6 +540,119 @@ static void test_mapping_footprint(void **state) {
     ffp_gaussians_free(&none);
     ffp_mapping_free(&mapping);
     ffp_gbuffer_free(&g);
+}
+
+// --- Pictures of more than 2^31 numbers. ---
+
+// Zeros that take memory only where they are touched; NULL where there is no room even for their addresses.
+static real *far_plane(size_t numbers) {
+    const int flags = MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE;
+    void *at = mmap(NULL, numbers * sizeof(real), PROT_READ | PROT_WRITE, flags, -1, 0);
+    return at == MAP_FAILED ? NULL : at;
+}
+
+// What a row goes through, of pictures [height,width].
+typedef struct RowCase {
+    FfpCamera camera;
+    FfpGbuffer g, d_g;
+    FfpMapping mapping;
+    FfpTransport light, d_light;
+    FfpImage out;
+} RowCase;
+
+static bool row_case(RowCase *c, int width, int height) {
+    const size_t n = (size_t)width * (size_t)height;
+    real *planes[19];
+    static const int sizes[19] = {1, 1, 3, 3, 1, 3, 2, 2, 1, 3, 2, 3, 2, 3, 1, 1, 3, 3, 1};
+    for (int k = 0; k < 19; k++)
+        if (!(planes[k] = far_plane(n * (size_t)sizes[k]))) return false;
+    *c = (RowCase){.camera = {width, height, 20000, 20000, (real)width / 2, (real)height - 2, {0}},
+                   .g = {.width = width,
+                         .height = height,
+                         .opacity = planes[0],
+                         .depth = planes[1],
+                         .normal = planes[2],
+                         .albedo = planes[3],
+                         .roughness = planes[4],
+                         .ambient = planes[5]},
+                   .mapping = {width, height, planes[6], planes[7], 0, planes[8]},
+                   .light = {.width = width, .height = height, .factor = planes[9], .uv = planes[10]},
+                   .d_light = {.width = width, .height = height, .factor = planes[11], .uv = planes[12]},
+                   .out = {width, height, 3, planes[13]},
+                   .d_g = {.width = width,
+                           .height = height,
+                           .opacity = planes[14],
+                           .depth = planes[15],
+                           .normal = planes[16],
+                           .albedo = planes[17],
+                           .roughness = planes[18],
+                           .ambient = planes[5]}};
+    for (int k = 0; k < 4; k++) c->camera.pose[5 * k] = 1;
+    return true;
+}
+
+static void row_case_free(RowCase *c) {
+    const size_t n = (size_t)c->g.width * (size_t)c->g.height * sizeof(real);
+    munmap(c->g.opacity, n), munmap(c->g.depth, n), munmap(c->g.normal, 3 * n), munmap(c->g.albedo, 3 * n);
+    munmap(c->g.roughness, n), munmap(c->g.ambient, 3 * n), munmap(c->mapping.uv, 2 * n);
+    munmap(c->mapping.extent, 2 * n), munmap(c->mapping.visibility, n), munmap(c->light.factor, 3 * n);
+    munmap(c->light.uv, 2 * n), munmap(c->d_light.factor, 3 * n), munmap(c->d_light.uv, 2 * n);
+    munmap(c->out.data, 3 * n), munmap(c->d_g.opacity, n), munmap(c->d_g.depth, n);
+    munmap(c->d_g.normal, 3 * n), munmap(c->d_g.albedo, 3 * n), munmap(c->d_g.roughness, n);
+}
+
+// The last row of the picture: a wall, mapped, lit, shaded and back.
+static void through_last_row(RowCase *c, const FfpCamera *projector, const FfpSummed *pattern) {
+    const int y = c->g.height - 1, width = c->g.width;
+    const size_t row = (size_t)y * (size_t)width;
+    const real intensity[3] = {3, 5, 8};
+    const FfpRenderSettings settings = ffp_render_defaults();
+    const FfpRenderKernels *kernels = ffp_render_kernels();
+    for (size_t p = row; p < row + (size_t)width; p++) {
+        c->g.opacity[p] = 1, c->g.depth[p] = 3, c->g.roughness[p] = 0.5F;
+        c->g.normal[3 * p + 2] = -1;
+        for (size_t k = 0; k < 3; k++) c->g.albedo[3 * p + k] = 0.5F, c->d_light.factor[3 * p + k] = 0.2F;
+    }
+    const FfpMapper mapper = {&c->g, &c->camera, projector, &settings, {0}};
+    const FfpLitScene scene = {&c->g, &c->mapping, {&c->camera, projector, 0}};
+    const FfpPatternLight light = {&c->light, c->mapping.extent, intensity, pattern, 1};
+    const FfpShadeGrad grad = {&c->out, c->d_g.ambient, &c->d_light, NULL};
+    real grad_intensity[3] = {0, 0, 0};
+    kernels->map_row(&mapper, y, &c->mapping);
+    kernels->light_row(&scene, y, &c->light);
+    kernels->shade_row(&light, y, c->g.ambient, &c->out);
+    kernels->shade_row_backward(&light, y, &grad, grad_intensity);
+    kernels->light_row_backward(&scene, y, &c->d_light, &c->d_g);
+}
+
+// The last row of 720 million samples is that of a picture of its own.
+static void test_rows_of_large_pictures(void **state) {
+    (void)state;
+    enum { WIDTH = 30000, HEIGHT = 24000 };
+    RowCase large, small;
+    if (!row_case(&large, WIDTH, HEIGHT)) {
+        print_message("skipped: no addresses for a picture of 720 million samples\n");
+        return;
+    }
+    assert_true(row_case(&small, WIDTH, 1));
+    small.camera.cy = large.camera.cy - (HEIGHT - 1);
+    FfpImage plain = ffp_image_new(64, 64, 3);
+    for (int i = 0; i < 3 * 64 * 64; i++) plain.data[i] = 0.5F + 0.4F * (real)sin(i);
+    FfpSummed pattern = ffp_summed_new(&plain);
+    const FfpCamera projector = {64, 64, 40, 40, 32, 32, {1, 0, 0, 0.5F, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1}};
+    through_last_row(&large, &projector, &pattern);
+    through_last_row(&small, &projector, &pattern);
+    const size_t row = (size_t)(HEIGHT - 1) * WIDTH, bytes = WIDTH * sizeof(real);
+    assert_true(small.out.data[3 * (WIDTH / 2)] > 0 && small.d_g.albedo[3 * (WIDTH / 2)] != 0);
+    assert_memory_equal(large.mapping.uv + 2 * row, small.mapping.uv, 2 * bytes);
+    assert_memory_equal(large.light.factor + 3 * row, small.light.factor, 3 * bytes);
+    assert_memory_equal(large.out.data + 3 * row, small.out.data, 3 * bytes);
+    assert_memory_equal(large.d_light.uv + 2 * row, small.d_light.uv, 2 * bytes);
+    assert_memory_equal(large.d_g.normal + 3 * row, small.d_g.normal, 3 * bytes);
+    assert_memory_equal(large.d_g.depth + row, small.d_g.depth, bytes);
+    row_case_free(&large), row_case_free(&small);
+    ffp_summed_free(&pattern);
+    ffp_image_free(&plain);
 }
 
 // A square patch of flat splats around `centre`, in the plane y = const.
@@ -557,11 +743,19 @@ static void test_render_view(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_brute_force),    cmocka_unit_test(test_principal_point_outside),
-        cmocka_unit_test(test_same_bits),      cmocka_unit_test(test_hostile_gaussians),
-        cmocka_unit_test(test_wall_energy),    cmocka_unit_test(test_mapping_footprint),
-        cmocka_unit_test(test_shadow),         cmocka_unit_test(test_levels_agree),
-        cmocka_unit_test(test_no_more_memory), cmocka_unit_test(test_render_view),
+        cmocka_unit_test(test_brute_force),
+        cmocka_unit_test(test_principal_point_outside),
+        cmocka_unit_test(test_same_bits),
+        cmocka_unit_test(test_hostile_gaussians),
+        cmocka_unit_test(test_highlight_at_its_peak),
+        cmocka_unit_test(test_mirror_under_black),
+        cmocka_unit_test(test_rows_of_large_pictures),
+        cmocka_unit_test(test_wall_energy),
+        cmocka_unit_test(test_mapping_footprint),
+        cmocka_unit_test(test_shadow),
+        cmocka_unit_test(test_levels_agree),
+        cmocka_unit_test(test_no_more_memory),
+        cmocka_unit_test(test_render_view),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -96,7 +96,7 @@ static void bench_scan_backward(Bench *b) {
     const int inner = bench_inner(b);
     const FfpScanGradient grad = {
         b->d, b->d + inner, b->d + inner + BENCH_STATE, b->row, b->dsmall, b->dsmall + 64, b->dsmall + 128};
-    ffp_scan_backward(&grad, &shape, &in, b->c, b->b, b->scratch);
+    ffp_scan_backward(&grad, &shape, &in, b->b, b->scratch);
 }
 static void bench_attention_forward(Bench *b) {
     ffp_attention_forward(b->c, b->row, b->a, b->small, b->small, BENCH_ROWS, b->heads, 64, b->scratch);

@@ -132,7 +132,7 @@ static size_t run_everything(float *out) {
     const FfpScanGradient grad = {drow,   drow + DIM,     drow + DIM + STATE, ddt,
                                   dsmall, dsmall + HEADS, dsmall + 2 * HEADS};
     ffp_scan_forward(scanned, &shape, &in, scratch);
-    ffp_scan_backward(&grad, &shape, &in, scanned, dy, scratch);
+    ffp_scan_backward(&grad, &shape, &in, dy, scratch);
     float *attended = take(&next, ROWS * DIM), *log_sum = take(&next, ROWS * HEADS),
           *dqkv = take(&next, 3 * ROWS * DIM), *dgains = take(&next, 64);
     ffp_attention_forward(attended, log_sum, x, gain, gain, ROWS, HEADS, 32, scratch);

@@ -56,7 +56,7 @@ static Result run(const Case *c) {
                                r.parameters, r.parameters + c->heads, r.parameters + 2 * c->heads};
     ffp_scan_forward(r.y, &c->shape, &c->in, scratch);
     for (size_t i = 0; i < scratch_size; i++) scratch[i] = NAN; // nothing may be kept in between
-    ffp_scan_backward(&r.grad, &c->shape, &c->in, r.y, c->dy, scratch);
+    ffp_scan_backward(&r.grad, &c->shape, &c->in, c->dy, scratch);
     ffp_free(scratch);
     return r;
 }

@@ -57,7 +57,7 @@ static void check_scan(FfpScanShape shape) {
     const FfpScanGradient grad = {drow, drow + width, drow + width + shape.state, ddt, dbias, da_log, dd};
     for (size_t i = 0, n = ffp_scan_scratch(&shape); i < n; i++)
         s.scratch[i] = NAN; // nothing may be kept in between
-    ffp_scan_backward(&grad, &shape, &s.in, plain, s.weights, s.scratch);
+    ffp_scan_backward(&grad, &shape, &s.in, s.weights, s.scratch);
     check_gradient("scan x, B, C", scan_loss, &s, s.row, drow, 0, rows, used, ld);
     check_gradient("scan dt", scan_loss, &s, s.dt_raw, ddt, 2, rows, heads, lddt);
     check_gradient("scan dt_bias", scan_loss, &s, s.dt_bias, dbias, 2, 1, heads, heads);

@@ -11,7 +11,7 @@ static const real nearness[WINDOW * WINDOW + 2] = {1, 0.7047F, 0.4966F, 0.3499F,
 
 // Adds a neighbour's costs along the plane for all hypotheses, `outside` for those off the pattern. Returns
 // its weight.
-static real add_neighbour(FfpFour *cost, real *outside, const FfpView *view, const FfpObservation *seen,
+static real add_neighbour(FfpCell *cost, real *outside, const FfpView *view, const FfpObservation *seen,
                           const FfpBlurred *patterns, const FfpPlane *plane, int x, int y, int dx, int dy,
                           int steps, real step) {
     const size_t i = (size_t)(y + dy) * (size_t)seen->width + (size_t)(x + dx);
@@ -23,12 +23,12 @@ static real add_neighbour(FfpFour *cost, real *outside, const FfpView *view, con
     const real base = plane->q0 + plane->qx * (real)dx + plane->qy * (real)dy;
     for (int k = 0; k < steps; k += FFP_MATCH_LANES) {
         real u[FFP_MATCH_LANES], v[FFP_MATCH_LANES];
-        FfpCells cells;
+        FfpCellPlaces cells;
         ffp_line_positions(&inverse, base, step, k - steps / 2, u, v);
         ffp_find_cells(&cells, patterns, u, v);
         const int lanes = steps - k < FFP_MATCH_LANES ? steps - k : FFP_MATCH_LANES;
         for (int p = 0; p < seen->count; p++) {
-            FfpSeen here = ffp_seen(seen, patterns, p, i);
+            FfpSeenPixel here = ffp_seen_pixel(seen, patterns, p, i);
             here.weight *= near;
             for (int n = 0; n < lanes; n++)
                 if (cells.first[n] >= 0) cost[k + n] += ffp_blurred_cost(&here, patterns->stride, &cells, n);
@@ -51,9 +51,9 @@ static real least_at(const real *cost, int steps) {
 
 real FFP_K(refine_pixel)(const FfpView *view, const FfpObservation *seen, const FfpBlurred *patterns,
                          const FfpPlane *plane, int x, int y, int steps, real step) {
-    FfpFour channels[FFP_REFINE_STEPS_MAX];
+    FfpCell channels[FFP_REFINE_STEPS_MAX];
     real cost[FFP_REFINE_STEPS_MAX], total = 0;
-    for (int k = 0; k < steps; k++) channels[k] = (FfpFour){0}, cost[k] = 0;
+    for (int k = 0; k < steps; k++) channels[k] = (FfpCell){0}, cost[k] = 0;
     for (int dy = -WINDOW; dy <= WINDOW; dy++) {
         for (int dx = -WINDOW; dx <= WINDOW; dx++) {
             if (dx * dx + dy * dy > WINDOW * WINDOW + 1) continue;

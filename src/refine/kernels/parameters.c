@@ -4,11 +4,11 @@
 #include "refine/maps.h"
 
 static void sigmoids(const real *restrict number, real *restrict out, int64_t count) {
-    for (int64_t i = 0; i < count; i++) out[i] = ffp_sigmoid(number[i]);
+    for (int64_t i = 0; i < count; i++) out[i] = ffp_number_sigmoid(number[i]);
 }
 
 static void sigmoids_backward(const real *restrict out, real *restrict grad, int64_t count) {
-    for (int64_t i = 0; i < count; i++) grad[i] *= ffp_sigmoid_slope(out[i]);
+    for (int64_t i = 0; i < count; i++) grad[i] *= ffp_number_sigmoid_slope(out[i]);
 }
 
 void FFP_K(decode)(const FfpParameters *p, int64_t begin, int64_t count, const FfpGaussians *out) {

@@ -47,6 +47,7 @@ typedef struct View {
     real firmness;
 } View;
 
+// ffp_quaternion_matrix of a vector of quaternions.
 ALWAYS_INLINE void rotation_matrix(const Lanes q[4], Lanes R[9]) {
     const Lanes w = q[0], x = q[1], y = q[2], z = q[3];
     R[0] = 1 - 2 * (y * y + z * z), R[1] = 2 * (x * y - w * z), R[2] = 2 * (x * z + w * y);

@@ -56,7 +56,8 @@ __attribute__((flatten)) static void place_part(const FfpMapper *m, int x, int y
 void FFP_K(map_row)(const FfpMapper *mapper, int y, FfpMapping *out) {
     const int width = mapper->gbuffer->width;
     for (int x = 0; x < width; x += PART) {
-        const int count = x + PART < width ? PART : width - x, p = y * width + x;
+        const int count = x + PART < width ? PART : width - x;
+        const ptrdiff_t p = (ptrdiff_t)y * width + x;
         AroundColumns around;
         PlaceColumns c = {.depth = {0}};
         if (load_around(mapper->gbuffer, x, y, &around)) place_part(mapper, x, y, &around, &c);

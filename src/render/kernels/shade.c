@@ -15,7 +15,7 @@ typedef struct ArrivalColumns {
 } ArrivalColumns;
 
 // Pixels p to p + count; there is no light on the others.
-static void load_sums(const FfpLitScene *scene, int p, int count, SumColumns *c) {
+static void load_sums(const FfpLitScene *scene, ptrdiff_t p, int count, SumColumns *c) {
     const FfpGbuffer *g = scene->gbuffer;
     if (count < PART) memset(c, 0, sizeof *c);
     for (int i = 0; i < count; i++) {
@@ -58,7 +58,8 @@ __attribute__((flatten)) static void light_part(const FfpLitView *view, int x, i
 void FFP_K(light_row)(const FfpLitScene *scene, int y, FfpTransport *out) {
     const int width = scene->gbuffer->width;
     for (int x = 0; x < width; x += PART) {
-        const int count = x + PART < width ? PART : width - x, p = y * width + x;
+        const int count = x + PART < width ? PART : width - x;
+        const ptrdiff_t p = (ptrdiff_t)y * width + x;
         if (!any_visible(scene->mapping->visibility + p, count)) {
             memset(out->factor + 3 * p, 0, 3 * (size_t)count * sizeof(real));
             memset(out->uv + 2 * p, 0, 2 * (size_t)count * sizeof(real));
@@ -76,7 +77,7 @@ void FFP_K(light_row)(const FfpLitScene *scene, int y, FfpTransport *out) {
 }
 
 // False where there is nothing.
-static bool load_arrivals(const FfpTransport *t, int p, int count, ArrivalColumns *c) {
+static bool load_arrivals(const FfpTransport *t, ptrdiff_t p, int count, ArrivalColumns *c) {
     unsigned any = 0;
     for (int i = 0; i < 3 * count; i++) any |= t->factor[3 * p + i] != 0 ? 1 : 0;
     for (int i = 0; i < 2 * count; i++) any |= t->uv[2 * p + i] != 0 ? 1 : 0;
@@ -107,7 +108,8 @@ __attribute__((flatten)) static void light_part_backward(const FfpLitView *view,
 void FFP_K(light_row_backward)(const FfpLitScene *scene, int y, const FfpTransport *grad, FfpGbuffer *to) {
     const int width = scene->gbuffer->width;
     for (int x = 0; x < width; x += PART) {
-        const int count = x + PART < width ? PART : width - x, p = y * width + x;
+        const int count = x + PART < width ? PART : width - x;
+        const ptrdiff_t p = (ptrdiff_t)y * width + x;
         SumColumns sums, d;
         ArrivalColumns arrival;
         if (!load_arrivals(grad, p, count, &arrival)) continue;
@@ -126,7 +128,7 @@ void FFP_K(light_row_backward)(const FfpLitScene *scene, int y, const FfpTranspo
 
 void FFP_K(shade_row)(const FfpPatternLight *light, int y, const real *ambient, FfpImage *out) {
     for (int x = 0; x < out->width; x++) {
-        const int p = y * out->width + x;
+        const ptrdiff_t p = (ptrdiff_t)y * out->width + x;
         ffp_shade_pixel(light, x, y, ambient + 3 * p, out->data + 3 * p);
     }
 }
@@ -137,7 +139,7 @@ static void shade_pixel_backward(const FfpPatternLight *light, int x, int y, con
     const int samples = light->side * light->side;
     const real share = 1 / (real)samples, d_sample[3] = {share * d[0], share * d[1], share * d[2]};
     for (int i = 0; i < samples; i++) {
-        const int s = ffp_sample_of(light, x, y, i);
+        const ptrdiff_t s = ffp_sample_of(light, x, y, i);
         if (!ffp_sample_lit(light, s)) continue;
         const real *uv = light->transport->uv + 2 * s, *extent = light->extent + 2 * s;
         real d_texture[3];
@@ -150,7 +152,7 @@ static void shade_pixel_backward(const FfpPatternLight *light, int x, int y, con
 void FFP_K(shade_row_backward)(const FfpPatternLight *light, int y, const FfpShadeGrad *grad,
                                real grad_intensity[3]) {
     for (int x = 0; x < grad->image->width; x++) {
-        const int p = y * grad->image->width + x;
+        const ptrdiff_t p = (ptrdiff_t)y * grad->image->width + x;
         const real *d = grad->image->data + 3 * p;
         if (d[0] == 0 && d[1] == 0 && d[2] == 0) continue;
         for (int k = 0; k < 3; k++) grad->ambient[3 * p + k] += d[k];

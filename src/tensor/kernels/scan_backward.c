@@ -248,8 +248,7 @@ static void head_parameters(const Backward *pass, int head) {
 // The forward's states are computed anew; then every chunk by itself, the heads in order, so that dB and dC
 // have one owner.
 void FFP_K(scan_backward)(const FfpScanGradient *grad, const FfpScanShape *shape, const FfpScanInput *in,
-                          const real *y, const real *dy, real *scratch) {
-    (void)y; // the flow is summed without it
+                          const real *dy, real *scratch) {
     const Backward pass = {grad, shape, in, dy, FFP_K(scan_layout)(shape, scratch)};
     const FfpScanLayout *layout = &pass.layout;
 #pragma omp parallel for schedule(static)
