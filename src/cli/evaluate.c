@@ -56,27 +56,15 @@ static void put_table(const FfpScore *scores, int n_scores) {
     put_truth(scores, n_scores);
 }
 
-// What is evaluated, by its name; opens the weights when it takes any.
-static bool choose_model(FfpEvaluation *evaluation, const char *path, FfpModel **model, FfpError *err) {
+// Opens the weights, when what is evaluated takes any.
+static bool open_model(FfpEvaluation *evaluation, const char *path, FfpModel **model, FfpError *err) {
     const bool none = path && strcmp(path, "none") == 0;
-    if (evaluation->n_merged) return true;
-    if (evaluation->predictor == FFP_PREDICT_DEPTH)
-        evaluation->model_name = "pattern lookup at the true depth";
-    else if (evaluation->predictor == FFP_PREDICT_MATCH)
-        evaluation->model_name = "pattern lookup at the matched depth";
-    else if (evaluation->field)
-        evaluation->model_name = evaluation->field;
-    else if (evaluation->gaussians)
-        evaluation->model_name = evaluation->gaussians;
-    else if (none)
-        evaluation->model_name = "the classical start, without weights";
-    else {
-        evaluation->model_name = path ? path : "the shipped weights";
-        *model = ffp_model_open(ffp_cli_context(), path, err);
-        if (!*model) return false;
-    }
+    if (none || evaluation->n_merged || evaluation->gaussians || evaluation->field ||
+        evaluation->predictor != FFP_PREDICT_GAUSSIANS)
+        return true;
+    *model = ffp_model_open(ffp_cli_context(), path, err);
     evaluation->model = *model;
-    return true;
+    return *model != NULL;
 }
 
 static int check(const FfpEvaluation *evaluation, const char *model) {
@@ -113,7 +101,7 @@ static int run(void *data) {
     evaluation->patterns = arguments->patterns.values, evaluation->n_patterns = arguments->patterns.count;
     if (check(evaluation, arguments->model) >= 0) return FFP_EXIT_USAGE;
     bool ok = ffp_cli_use_device(arguments->device, &err) && ffp_cli_use_ranks(&err);
-    ok = ok && choose_model(evaluation, arguments->model, &model, &err);
+    ok = ok && open_model(evaluation, arguments->model, &model, &err);
     if (ok) ok = (scores = ffp_evaluate(ffp_cli_context(), evaluation, &n_scores, &err)) != NULL;
     if (ok && (!ffp_cli_ranks() || ffp_cli_ranks()->rank == 0)) put_table(scores, n_scores);
     ffp_free(scores);
