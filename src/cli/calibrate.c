@@ -5,17 +5,11 @@
 #include <string.h>
 #include "cli.h"
 
-enum { ANGLES_MAX = 512 };
 #define DOUBTFUL 1.0 // pixels of root mean square
-
-typedef struct Angles {
-    double degrees[ANGLES_MAX];
-    int count;
-} Angles;
 
 typedef struct Arguments {
     FfpList attitudes, calibrations;
-    Angles angles;
+    FfpAngles angles;
     FfpRigCalibration rig;
 } Arguments;
 
@@ -57,26 +51,9 @@ static bool read_fix(const char *text, void *destination) {
     return false;
 }
 
-// Numbers with commas between, or COUNTxSTEP.
 static bool read_angles(const char *text, void *destination) {
-    Angles *angles = destination;
-    const char *at = text;
-    do {
-        char *end;
-        const double value = strtod(at, &end);
-        double step = 0, count = 1;
-        if (end == at || !isfinite(value)) return false;
-        if (*end == 'x') {
-            const char *second = end + 1;
-            step = strtod(second, &end), count = value;
-            if (end == second || !isfinite(step) || count < 1 || count != floor(count)) return false;
-        }
-        if (angles->count + count > ANGLES_MAX) return false;
-        for (int i = 0; i < (int)count; i++) angles->degrees[angles->count++] = step != 0 ? i * step : value;
-        if (*end && *end != ',') return false;
-        at = *end ? end + 1 : NULL;
-    } while (at);
-    return true;
+    const char *where;
+    return !ffp_cli_angles(text, destination, &where);
 }
 
 static void print_rig(const FfpRigCalibration *rig, const FfpRigCalibrationStats *s) {

@@ -32,12 +32,42 @@ bool ffp_cli_pair(const char *text, char between, int64_t low, int *a, int *b) {
     return true;
 }
 
+double ffp_cli_decimal(const char *text, const char **end) {
+    char *behind;
+    const double value = strtod(text, &behind);
+    *end = behind;
+    for (const char *at = text; at < behind; at++)
+        if (*at == 'x' || *at == 'X') *end = at; // hexadecimal: the number is the 0 before
+    if (*end == text || !isfinite(value)) return NAN;
+    return *end < behind ? 0 : value;
+}
+
 bool ffp_cli_real(const char *text, double low, double high, double *out) {
-    char *end;
-    const double value = strtod(text, &end);
-    if (end == text || *end || !isfinite(value) || !(value >= low && value <= high)) return false;
+    const char *end;
+    const double value = ffp_cli_decimal(text, &end);
+    if (*end || !(value >= low && value <= high)) return false;
     *out = value;
     return true;
+}
+
+const char *ffp_cli_angles(const char *text, FfpAngles *angles, const char **where) {
+    angles->count = 0;
+    for (const char *at = text, *end;; at = end + 1) {
+        double count = 1, first = ffp_cli_decimal(at, &end), step = 0;
+        *where = at;
+        if (isnan(first)) return "is no number";
+        if (*end == 'x') {
+            count = first, first = 0, step = ffp_cli_decimal(end + 1, &end);
+            if (isnan(step)) return "is no number";
+            if (!(count >= 1 && count <= FFP_CLI_ANGLES_MAX) || count != floor(count))
+                return "begins with no number of stops from 1 to 512";
+            if (step == 0) return "is stops that are all at one angle";
+        }
+        if (angles->count + count > FFP_CLI_ANGLES_MAX) return "is one of more than 512 angles";
+        for (int i = 0; i < (int)count; i++) angles->degrees[angles->count++] = first + i * step;
+        if (!*end) return NULL;
+        if (*end != ',') return "is no number";
+    }
 }
 
 // --- What an option takes, in words. ---
