@@ -81,10 +81,6 @@ static int check(const FfpEvaluation *evaluation, const char *model) {
                              evaluation->field ? "--field" : "--gaussians");
     if (evaluation->n_targets > 1 && evaluation->n_targets != evaluation->n_captures)
         return ffp_cli_usage("evaluate", "give --targets once, or once for each CAPTURE");
-    if (evaluation->show_pattern && !evaluation->report)
-        return ffp_cli_usage("evaluate", "--show-pattern needs --report");
-    if (evaluation->viewer && !evaluation->report)
-        return ffp_cli_usage("evaluate", "--viewer needs --report");
     return -1;
 }
 
@@ -164,7 +160,7 @@ static const FfpOption options[] = {
                   "as in `reconstruct`; 0: photographs as they are. Default: auto"),
     FFP_CLI_LAYERS(offsetof(Arguments, evaluation.layers), "as in `reconstruct`. Default: auto"),
     FFP_CLI_DRAWING(offsetof(Arguments, evaluation.drawing.form),
-                    "with --gaussians: ours (default), paper or gs-procams"),
+                    "the form in which Gaussians are fitted and drawn: ours (default), paper or gs-procams"),
     FFP_CLI_SAMPLES(offsetof(Arguments, evaluation.drawing.samples), FFP_CLI_SAMPLES_HELP),
     FFP_CLI_DEVICE(offsetof(Arguments, device),
                    "what network and fit are computed on: cpu (default), or cuda, the first NVIDIA GPU"),
@@ -205,12 +201,14 @@ static const FfpOption options[] = {
      .help = "one HTML page: large pictures, predictions beside truth and error, G-buffers, input, figures, "
              "times"},
     {.name = "show-pattern",
+     .needs = "report",
      .argument = "FILE",
      .type = FFP_OPTION_FILE,
      .offset = offsetof(Arguments, evaluation.show_pattern),
      .group = "results",
      .help = "image file: the report begins with large pictures under it, and shows the views relit by it"},
     {.name = "viewer",
+     .needs = "report",
      .argument = "PAGE.html",
      .type = FFP_OPTION_FILE,
      .offset = offsetof(Arguments, evaluation.viewer),
@@ -224,8 +222,8 @@ const FfpCommand ffp_cli_evaluate = {
     .group = FFP_CLI_EVALUATE,
     .purpose = "compares predictions with a capture's photographs: tables, pictures, a report",
     .prose =
-        "Predicted are its pictures, by a model (--model), by Gaussians that are there (--gaussians) or by a "
-        "lookup of the pattern (--predictor). Protocols:\n"
+        "Predicted are its pictures, by a model (--model), by Gaussians or a field that are there "
+        "(--gaussians, --field) or by a lookup of the pattern (--predictor). Protocols:\n"
         "rendering\tblack, white and lollipop patterns at the input poses (`unseen`: the lollipops that the "
         "predictor was not given)\n"
         "novel_pattern\tevery other pattern at the input poses\n"

@@ -279,6 +279,8 @@ static int take_option(const FfpCommand *command, const FfpOption *option, bool 
                              meant->name);
     if (again && !option->repeated)
         return ffp_cli_usage(command->name, "--%s is given twice, and can be given once", option->name);
+    if (optarg && !*optarg && !option->optional_value) // such as "$UNSET"
+        return ffp_cli_usage(command->name, "--%s is empty: %s", option->name, option->argument);
     if (put_value(option, optarg, (char *)arguments + option->offset)) return -1;
     char takes[256];
     ffp_cli_takes(option, takes, sizeof takes);
@@ -298,6 +300,8 @@ static int take_positionals(const FfpCommand *command, int argc, char **argv, vo
     if (positional->name && n > positional->most)
         return ffp_cli_usage(command->name, "give exactly one %s: %s is one too many", positional->name,
                              argv[optind + 1]);
+    for (int i = optind; i < argc; i++)
+        if (!*argv[i]) return ffp_cli_usage(command->name, "%s is empty", positional->name);
     if (n && positional->most == 1) *(const char **)destination = argv[optind];
     for (int i = optind; positional->most > 1 && i < argc; i++) put_in_list((FfpList *)destination, argv[i]);
     return -1;
@@ -309,6 +313,25 @@ static int check_required(const FfpCommand *command, const bool *seen) {
         if (!option->required || seen[i]) continue;
         return ffp_cli_usage(command->name, "%s%.1s%s--%s %s is missing", option->letter ? "-" : "",
                              &option->letter, option->letter ? ", " : "", option->name, option->argument);
+    }
+    return -1;
+}
+
+static bool is_seen(const FfpCommand *command, const bool *seen, const char *name) {
+    for (int i = 0; name && command->options[i].name; i++)
+        if (seen[i] && strcmp(command->options[i].name, name) == 0) return true;
+    return false;
+}
+
+// What says nothing is a mistake too.
+static int check_together(const FfpCommand *command, const bool *seen) {
+    for (int i = 0; command->options[i].name; i++) {
+        const FfpOption *option = &command->options[i];
+        if (seen[i] && option->needs && !is_seen(command, seen, option->needs))
+            return ffp_cli_usage(command->name, "--%s needs --%s", option->name, option->needs);
+        if (seen[i] && is_seen(command, seen, option->excludes))
+            return ffp_cli_usage(command->name, "--%s says nothing beside --%s", option->name,
+                                 option->excludes);
     }
     return -1;
 }
@@ -332,8 +355,9 @@ static int parse(const FfpCommand *command, int argc, char **argv, void *argumen
         if (status >= 0) return status;
         seen[i] = true;
     }
-    const int status = take_positionals(command, argc, argv, arguments);
-    return status >= 0 ? status : check_required(command, seen);
+    int status = take_positionals(command, argc, argv, arguments);
+    if (status < 0) status = check_required(command, seen);
+    return status >= 0 ? status : check_together(command, seen);
 }
 
 // --- Running. ---

@@ -41,6 +41,8 @@ typedef struct FfpOption {
     bool repeated;        // given again and again: an FfpList of texts, or its function called anew
     bool required;        // an error when it is missing
     bool optional_value;  // of text: "" when it is given without =VALUE
+    const char *needs;    // the option without which it says nothing, or NULL
+    const char *excludes; // the option beside which it says nothing, or NULL
     size_t offset;        // of the destination
     int64_t low, high;    // INT64_MAX: no end
     double least, most;   // INFINITY: no end

@@ -168,6 +168,7 @@ static const FfpOption options[] = {
              ".apng, an animated PNG; .gif, .mp4, .webm or .mkv, made by the program ffmpeg, which must be "
              "installed. Without --orbit: every view under every pattern"},
     {.name = "rate",
+     .needs = "video",
      .argument = "N",
      .type = FFP_OPTION_INT,
      .offset = offsetof(Arguments, pictures.rate),
