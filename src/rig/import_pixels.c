@@ -6,6 +6,8 @@
 #include "base/log.h"
 #include "patterns/patterns.h"
 
+#define TOO_BRIGHT_MAX 0.001 // of the values
+
 static bool has_size(const char *path, int width, int height, const FfpOptics *optics, FfpError *err) {
     return (width == optics->width && height == optics->height) ||
            ffp_fail(err, FFP_ERROR_FILE, path, "image is %d x %d, the others have %d x %d", width, height,
@@ -54,11 +56,15 @@ static bool load_pattern(FfpImporting *import, int index, FfpError *err) {
     return true;
 }
 
-// Exposure of linear values; what then exceeds 1 is cut off when the capture is written.
-static void expose(const FfpImportSettings *settings, FfpImage *image) {
-    const real factor = (real)exp2(settings->exposure);
+// Exposure of linear values; what then exceeds 1 is cut off when the capture is written, and counted.
+static void expose(FfpImporting *import, FfpImage *image) {
+    const real factor = (real)exp2(import->settings->exposure);
     const ptrdiff_t count = (ptrdiff_t)image->width * image->height * 3;
-    for (ptrdiff_t i = 0; i < count; i++) image->data[i] *= factor;
+    for (ptrdiff_t i = 0; i < count; i++) {
+        image->data[i] *= factor;
+        import->too_bright += image->data[i] > 1.002F;
+    }
+    import->values += count;
 }
 
 // An alpha channel that is 1 everywhere tells nothing: programs add such to any picture.
@@ -83,7 +89,7 @@ static bool load_picture(FfpImporting *import, int stop, int pattern, FfpImage *
         ffp_image_free(&raw_alpha);
         return false;
     }
-    expose(import->settings, &raw);
+    expose(import, &raw);
     view->images[pattern] = ffp_optics_rectify(optics, &view->camera, &raw);
     if (tells_shape(&raw_alpha)) *alpha = ffp_optics_rectify(optics, &view->camera, &raw_alpha);
     ffp_image_free(&raw);
@@ -117,6 +123,29 @@ static void note_developed(const FfpDeveloped *developed) {
                  developed->frames);
 }
 
+static void note_too_bright(const FfpImporting *import) {
+    const double share = (double)import->too_bright / (double)import->values;
+    if (share > TOO_BRIGHT_MAX)
+        ffp_warning(
+            "%.1f %% of the photographs' values were brighter than a capture's pictures hold and are cut "
+            "off: a lower exposure keeps them",
+            100 * share);
+}
+
+// Files of masks that leave nothing of any view are the wrong way round, or other pictures.
+static bool check_masks(const FfpImporting *import, FfpError *err) {
+    const FfpCapture *capture = &import->capture;
+    if (import->shots.masks == NULL) return true;
+    for (int v = 0; v < capture->n_views; v++) {
+        const FfpImage *mask = &capture->views[v].coverage;
+        const ptrdiff_t pixels = (ptrdiff_t)mask->width * mask->height;
+        for (ptrdiff_t i = 0; i < pixels; i++)
+            if (mask->data[i] > 0) return true;
+    }
+    return ffp_fail(err, FFP_ERROR_FILE, import->shots.masks[0],
+                    "the masks of all views are black: the object is white in them");
+}
+
 bool ffp_importing_load_pixels(FfpImporting *import, FfpError *err) {
     FfpCapture *capture = &import->capture;
     import->made = ffp_alloc((size_t)capture->n_views, sizeof *import->made);
@@ -135,6 +164,8 @@ bool ffp_importing_load_pixels(FfpImporting *import, FfpError *err) {
     }
     ffp_task_end(&progress);
     if (ok) note_developed(&import->developed);
+    if (ok) note_too_bright(import);
+    ok = ok && check_masks(import, err);
     if (ok) ffp_importing_complete_masks(import);
     return ok;
 }

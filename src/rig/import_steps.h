@@ -17,6 +17,8 @@ typedef struct FfpImporting {
     FfpCapture capture;
     bool *made;             // load_pixels: [views] masks made by Otsu's method
     FfpImage *holes;        // load_pixels: [views] and what was filled of them
+    int64_t values;         // load_pixels: of the photographs
+    int64_t too_bright;     // load_pixels: those that are cut off
     FfpDeveloped developed; // load_pixels: photographs and films by other programs
     FfpResponse response;   // find_response, where it is asked for
 } FfpImporting;
