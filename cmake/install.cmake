@@ -19,7 +19,7 @@ endif()
 install(DIRECTORY include/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} COMPONENT development FILES_MATCHING PATTERN "*.h")
 install(FILES models/small.safetensors DESTINATION ${data_folder}/models COMPONENT runtime)
 install(DIRECTORY data/sample data/sculpture DESTINATION ${data_folder} COMPONENT runtime)
-if(TARGET pages)
+if(TARGET ffprocams_pages)
   install(DIRECTORY ${PROJECT_BINARY_DIR}/pages/ DESTINATION ${CMAKE_INSTALL_MANDIR}/man1 COMPONENT runtime
           FILES_MATCHING PATTERN "*.1")
   install(FILES ${PROJECT_BINARY_DIR}/pages/ffprocams-completion.bash RENAME ffprocams
@@ -53,8 +53,11 @@ if(FFPROCAMS_CUDA)
   string(APPEND FFP_FIND "  find_dependency(CUDAToolkit)\n")
 endif()
 
-file(RELATIVE_PATH to_prefix ${CMAKE_INSTALL_FULL_LIBDIR}/pkgconfig ${CMAKE_INSTALL_PREFIX})
-string(REGEX REPLACE "/$" "" to_prefix "${to_prefix}")
+# From the file's own place: the folders of libraries and of headers may be absolute ones, outside the prefix.
+set(pc_folder ${CMAKE_INSTALL_FULL_LIBDIR}/pkgconfig)
+file(RELATIVE_PATH pc_to_prefix ${pc_folder} ${CMAKE_INSTALL_PREFIX})
+file(RELATIVE_PATH pc_to_headers ${pc_folder} ${CMAKE_INSTALL_FULL_INCLUDEDIR})
+string(REGEX REPLACE "/$" "" pc_to_prefix "${pc_to_prefix}")
 configure_file(cmake/ffprocams.pc.in ffprocams.pc @ONLY)
 install(FILES ${PROJECT_BINARY_DIR}/ffprocams.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig COMPONENT development)
 

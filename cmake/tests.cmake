@@ -34,6 +34,8 @@ add_test(NAME headers COMMAND ${PROJECT_SOURCE_DIR}/script/test-headers ${CMAKE_
 add_subdirectory(examples)
 add_test(NAME example_reconstruct
          COMMAND example_reconstruct ${PROJECT_SOURCE_DIR}/data/sample ${PROJECT_BINARY_DIR}/example.ply)
+add_test(NAME example_roles
+         COMMAND ${PROJECT_SOURCE_DIR}/tests/examples/roles.sh $<TARGET_FILE:example_reconstruct> ${PROJECT_SOURCE_DIR}/data/sample)
 add_test(NAME example_relight
          COMMAND example_relight ${PROJECT_BINARY_DIR}/example.ply ${PROJECT_SOURCE_DIR}/data/sample ${PROJECT_BINARY_DIR}/example.ppm)
 add_test(NAME example_progress COMMAND example_progress ${PROJECT_SOURCE_DIR}/data/sample 100)

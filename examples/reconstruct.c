@@ -4,38 +4,56 @@
 // yours would take them from its cameras. What counts is fill(): numbers and pointers, no files.
 #include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
 #include "ffprocams.h"
 
-enum { MOST = 64 };
-
 typedef struct Rig {
-    FfpPatternData patterns[MOST];
-    FfpViewData views[MOST];
-    FfpPicture photographs[MOST][MOST];
+    FfpPatternData *patterns;
+    FfpViewData *views;
+    FfpPicture *photographs; // [views][patterns]
     FfpCaptureData data;
 } Rig;
 
-static void fill(Rig *rig, const FfpCapture *from) {
+static bool fill(Rig *rig, const FfpCapture *from) {
+    const int n_patterns = ffp_capture_patterns(from), n_views = ffp_capture_views(from);
     FfpCaptureData *data = &rig->data;
-    *data = (FfpCaptureData){.name = "from_memory", .patterns = rig->patterns, .views = rig->views};
-    for (; data->n_patterns < ffp_capture_patterns(from) && data->n_patterns < MOST; data->n_patterns++) {
-        const int p = data->n_patterns;
-        const char *name = ffp_capture_pattern_name(from, p);
-        rig->patterns[p] = (FfpPatternData){name, ffp_capture_picture(from, -1, p), false};
-        if (strcmp(name, "all_black") == 0) data->black = p;
-        if (strcmp(name, "all_white") == 0) data->white = p;
+    rig->patterns = calloc((size_t)n_patterns, sizeof *rig->patterns);
+    rig->views = calloc((size_t)n_views, sizeof *rig->views);
+    rig->photographs = calloc((size_t)n_views * (size_t)n_patterns, sizeof *rig->photographs);
+    if (!rig->patterns || !rig->views || !rig->photographs) return false;
+    *data = (FfpCaptureData){.name = "from_memory",
+                             .n_patterns = n_patterns,
+                             .n_views = n_views,
+                             .patterns = rig->patterns,
+                             .views = rig->views};
+    for (int p = 0; p < n_patterns; p++) {
+        const FfpPatternRole role = ffp_capture_pattern_role(from, p);
+        rig->patterns[p] = (FfpPatternData){ffp_capture_pattern_name(from, p),
+                                            ffp_capture_picture(from, -1, p), role == FFP_PATTERN_HELD_OUT};
+        if (role == FFP_PATTERN_BLACK) data->black = p;
+        if (role == FFP_PATTERN_WHITE) data->white = p;
     }
-    for (; data->n_views < ffp_capture_views(from) && data->n_views < MOST; data->n_views++) {
-        const int v = data->n_views;
+    for (int v = 0; v < n_views; v++) {
         FfpViewData *view = &rig->views[v];
+        FfpPicture *photographs = rig->photographs + (size_t)v * (size_t)n_patterns;
         view->id = ffp_capture_view_id(from, v);
         ffp_capture_view_devices(from, v, &view->camera, &view->projector);
-        for (int p = 0; p < data->n_patterns; p++) rig->photographs[v][p] = ffp_capture_picture(from, v, p);
-        view->photographs = rig->photographs[v];
+        for (int p = 0; p < n_patterns; p++) photographs[p] = ffp_capture_picture(from, v, p);
+        view->photographs = photographs;
         view->mask = ffp_capture_coverage(from, v), view->masked = true;
     }
     ffp_capture_intensity(from, data->intensity);
+    return true;
+}
+
+static FfpCapture *from_memory(const FfpCapture *folder, FfpError *err) {
+    Rig rig = {0};
+    FfpCapture *capture = NULL;
+    if (fill(&rig, folder))
+        capture = ffp_capture_from_memory(NULL, &rig.data, err); // which copies all of it
+    else
+        snprintf(err->text, sizeof err->text, "out of memory");
+    free(rig.patterns), free(rig.views), free(rig.photographs);
+    return capture;
 }
 
 int main(int argc, char **argv) {
@@ -44,10 +62,8 @@ int main(int argc, char **argv) {
         fprintf(stderr, "usage: reconstruct CAPTURE FILE.ply\n");
         return 2;
     }
-    static Rig rig;
     FfpCapture *folder = ffp_capture_open(NULL, argv[1], &err);
-    if (folder) fill(&rig, folder);
-    FfpCapture *capture = folder ? ffp_capture_from_memory(NULL, &rig.data, &err) : NULL;
+    FfpCapture *capture = folder ? from_memory(folder, &err) : NULL;
     ffp_capture_close(folder);
     FfpModel *model = capture ? ffp_model_open(NULL, NULL, &err) : NULL;
     FfpReconstruction options = ffp_reconstruction_defaults();

@@ -475,7 +475,7 @@ typedef struct FfpEvaluation {
     int n_captures;
     FfpPredictor predictor;
     const FfpModel *model;  // NULL: the classical start
-    const char *model_name; // what the table and the report call it
+    const char *model_name; // what JSON and report call the predictor; NULL: its file, or what it is
     const char *gaussians;  // PLY to evaluate instead of reconstructing; NULL: reconstruct
     const char *field;      // file of a neural field to evaluate instead; NULL: none
     const char *const

@@ -237,7 +237,7 @@ class App {
 
   // The camera that a projector's corrected picture is for.
   watcherOf(projector) {
-    const view = this.scene.views.find((v) => v.id === projector.watcher);
+    const view = this.scene.views[projector.watcher];
     if (view) return view.camera;
     const base = {...this.base, pose: this.pose}, most = Math.max(base.width, base.height);
     return most > WATCHER_MAX ? fitDevice(base, Math.round(base.width * WATCHER_MAX / most), Math.round(base.height * WATCHER_MAX / most)) : base;

@@ -21,7 +21,7 @@ class Projector {
     this.content = new TestContent('White');
     this.fit = 'contain';
     this.correction = 'none'; // 'paint' and 'colours': see compensate.js
-    this.watcher = 'now';     // whose eyes a corrected picture is for: 'now' or the id of a view
+    this.watcher = 'now';     // whose eyes a corrected picture is for: 'now' or a view's number from 0
     this.gain = 0;            // of a target's light, in doublings
     this.canvas = makeCanvas(device.width, device.height);
     this.context = this.canvas.getContext('2d', {alpha: false});

@@ -56,14 +56,14 @@ function buildViews(app) {
     const button = element('button', {className: 'tile', title: `${view.id}${view.new ? ' (new pose)' : ''}`});
     button.append(element('span', {textContent: index + 1}));
     button.setAttribute('aria-label', `View ${shortName(view.id)}`);
-    button.dataset.view = view.id;
+    button.dataset.view = index; // poses of another file may have the same ids
     thumbnail(scene, white).then((canvas) => button.prepend(canvas));
     button.onclick = () => jumpTo(app, view);
     $('views').append(button);
   });
   app.listeners.push((what) => {
     if (what === 'view')
-      for (const tile of $('views').children) tile.classList.toggle('chosen', tile.dataset.view === app.at.id);
+      for (const tile of $('views').children) tile.classList.toggle('chosen', scene.views[tile.dataset.view] === app.at);
   });
 }
 
@@ -74,10 +74,10 @@ function jumpTo(app, view) {
   if (compare && view.photographs.length) attempt(() => app.showPhotograph(true))();
 }
 
-function addTile(app, box, name, canvas, choose, key) {
+function addTile(box, name, canvas, choose, key) {
   const button = element('button', {className: 'tile', title: shortName(name)}, [canvas]);
   button.setAttribute('aria-label', `Show ${shortName(name)}`);
-  button.dataset.content = key || name;
+  button.dataset.content = key;
   button.onclick = attempt(choose);
   box.append(button);
 }
@@ -87,19 +87,19 @@ function buildContents(app) {
   scene.patterns.forEach((pattern, index) => {
     if (!pattern.size || pattern.role === 'black') return;
     const canvas = makeCanvas(96, 96);
-    addTile(app, box, pattern.name, canvas, async () => app.setContent(await patternContent(scene, index)));
+    addTile(box, pattern.name, canvas, async () => app.setContent(await patternContent(scene, index)), index);
     thumbnail(scene, pattern).then((picture) => canvas.getContext('2d').drawImage(picture, 0, 0));
   });
   for (const name of Object.keys(TEST_PATTERNS)) {
     const canvas = makeCanvas(96, 96), context = canvas.getContext('2d');
     context.fillRect(0, 0, 96, 96);
     TEST_PATTERNS[name](context, 96, 96);
-    addTile(app, box, name, canvas, () => app.setContent(new TestContent(name)), 'test-' + name);
+    addTile(box, name, canvas, () => app.setContent(new TestContent(name)), name);
   }
   app.listeners.push((what) => {
     if (what !== 'content' && what !== 'projector') return;
     const {content} = app.projector;
-    const key = content instanceof TestContent ? 'test-' + content.name : content.name;
+    const key = content instanceof TestContent ? content.name : String(content.pattern); // names may be those of patterns or files
     for (const tile of box.children) tile.classList.toggle('chosen', tile.dataset.content === key);
     $('content-name').textContent = shortName(content.name);
   });
@@ -177,9 +177,11 @@ function buildSettings(app) {
 }
 
 function buildCorrection(app) {
-  for (const view of app.scene.views) $('watcher').append(element('option', {value: view.id, textContent: shortName(view.id)}));
+  app.scene.views.forEach((view, index) => {
+    $('watcher').append(element('option', {value: index, textContent: `${shortName(view.id)}${view.new ? ' (new pose)' : ''}`}));
+  });
   bind(app, 'correction', () => app.projector.correction, (how) => { app.projector.correction = how; app.changed('content'); app.invalidate(); });
-  bind(app, 'watcher', () => app.projector.watcher, (id) => { app.projector.watcher = id; app.invalidate(); });
+  bind(app, 'watcher', () => app.projector.watcher, (which) => { app.projector.watcher = which; app.invalidate(); });
   bind(app, 'gain', () => app.projector.gain, (stops) => { app.projector.gain = stops; app.invalidate(); }, () => stopsText(app.projector.gain));
   $('send').onclick = attempt(() => app.window.open(app.projector));
   app.listeners.push((what) => {

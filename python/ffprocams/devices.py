@@ -155,14 +155,18 @@ def from_c(p: Any) -> Pinhole:
 # What calibrations call things, in dicts and in .npz files.
 _KEYS: dict[str, tuple[str, ...]] = {
     "camera_matrix": ("camera_matrix", "cam_int", "camK", "cam_K", "K_cam", "camIntrinsics", "cam1_intrinsics", "cameraMatrix1", "K1"),
-    "camera_distortion": ("camera_distortion", "cam_dist", "camKc", "cam_kc", "camDistCoeffs", "cam1_distortion", "distCoeffs1", "D1"),
+    "camera_distortion": ("camera_distortion", "cam_dist", "camKc", "cam_kc", "camDistCoeffs", "cam1_distorsion", "cam1_distortion", "distCoeffs1", "D1"),
     "projector_matrix": ("projector_matrix", "proj_int", "prjK", "proj_K", "K_proj", "projIntrinsics", "cam2_intrinsics", "cameraMatrix2", "K2"),
-    "projector_distortion": ("projector_distortion", "proj_dist", "prjKc", "proj_kc", "projDistCoeffs", "cam2_distortion", "distCoeffs2", "D2"),
-    "rotation": ("rotation", "R", "rvec"),
+    "projector_distortion": ("projector_distortion", "proj_dist", "prjKc", "proj_kc", "projDistCoeffs", "cam2_distorsion", "cam2_distortion", "distCoeffs2", "D2"),
+    "rotation": ("rotation", "roration", "R", "rvec"),
     "translation": ("translation", "T", "t", "tvec"),
-    "camera_size": ("camera_size", "cam_size", "img_shape", "imageSize"),
+    "camera_size": ("camera_size", "cam_size", "imageSize"),
     "projector_size": ("projector_size", "proj_size", "prj_size"),
 }  # fmt: skip
+
+# Sizes in other forms: the names of width and height, and those of an array's shape, height before width.
+_SIDES = {"camera_size": ("camW", "camH"), "projector_size": ("prjW", "prjH")}
+_SHAPES = {"camera_size": "img_shape"}
 
 
 @dataclass(frozen=True, eq=False)
@@ -190,7 +194,8 @@ class Calibration:
         """From what cv2.stereoCalibrate gives, under the names that tools use for it.
 
         Matrices [3,3], distortions, rotation (R or rvec) and translation from camera to projector, X_p = R X_c + T,
-        and sizes as width, height, which can be arguments instead. Other keys are passed over.
+        and sizes as width, height, which can be arguments instead (img_shape is height, width, as the program and
+        procam-calibration write it). Other keys are passed over.
         """
         found: dict[str, Any] = {}
         for what, names in _KEYS.items():
@@ -199,8 +204,10 @@ class Calibration:
                 raise argument_error(f"'{there[0]}' and '{there[1]}' stand for the same: keep one", where)
             if there:
                 found[what] = source[there[0]]
-        sizes = {"camera_size": camera_size, "projector_size": projector_size}
-        found.update({k: v for k, v in sizes.items() if v is not None})
+        for what, given in (("camera_size", camera_size), ("projector_size", projector_size)):
+            size = given if given is not None else _told_size(source, what, found.get(what), where)
+            if size is not None:
+                found[what] = size
         for what in (
             "camera_matrix",
             "projector_matrix",
@@ -210,7 +217,8 @@ class Calibration:
             "projector_size",
         ):
             if what not in found:
-                raise argument_error(f"there is no {what}: none of {', '.join(_KEYS[what])}", where)
+                names = _KEYS[what] + ((_SHAPES[what],) if what in _SHAPES else ()) + _SIDES.get(what, ())[:1]
+                raise argument_error(f"there is no {what}: none of {', '.join(names)}", where)
         lens = {
             n: _lens(found.get(n, ()), f"{where}: {n}") for n in ("camera_distortion", "projector_distortion")
         }
@@ -296,6 +304,19 @@ def _size(given: Any, where: str) -> tuple[int, int]:
     if size.size != 2 or not np.all(size >= 1):
         raise argument_error("a size is width and height in pixels", where)
     return int(size[0]), int(size[1])
+
+
+def _told_size(source: Mapping[str, Any], what: str, plain: Any, where: str) -> tuple[int, int] | None:
+    """The width and height that the source tells in one form or in several, which must agree then."""
+    told = [] if plain is None else [_size(plain, where)]
+    if all(key in source for key in _SIDES[what]):
+        told.append(_size([np.asarray(source[key]).item() for key in _SIDES[what]], where))
+    if _SHAPES.get(what) in source:
+        height, width = _size(source[_SHAPES[what]], where)
+        told.append((width, height))
+    if any(size != told[0] for size in told):
+        raise argument_error(f"{what} is told in several ways that differ: {told}", where)
+    return told[0] if told else None
 
 
 def _lens(given: Any, where: str) -> Doubles:

@@ -94,7 +94,7 @@ def evaluate(
         predictor: "gaussians" (reconstruct, or read, and render), "depth" (lookup at the true depth) or "match" (at
             the depth that projector matching finds).
         model, pattern, polish, noise, layers, form, samples, threads, device: as in reconstruct.
-        model_name: what the report calls the model.
+        model_name: what JSON and report call the predictor; None: as the program does, by its file or what it is.
         gaussians: PLY to evaluate instead of reconstructing.
         field: neural field to evaluate instead, as `ffprocams refine --from-scratch=field` writes it.
         targets: pose files of "novel_pose": none, one a capture, or one path looked up in each capture.
@@ -104,15 +104,17 @@ def evaluate(
         perceptual: safetensors with LPIPS weights.
         progress: see ffprocams.ProgressOption.
     """
-    keep, weights = Keep(), model_of(model) if predictor == "gaussians" and gaussians is field is None else None
+    keep, weights = (
+        Keep(),
+        model_of(model) if predictor == "gaussians" and gaussians is field is None else None,
+    )
     options = ffi.new("FfpEvaluation *", lib.ffp_evaluation_defaults())
     paths, poses = ([keep.path(p) for p in some(given)] for given in (captures, targets))
     options.captures, options.n_captures = keep.texts(paths), len(paths)
     options.targets, options.n_targets = keep.texts(poses), len(poses)
     options.predictor = _one_of(_PREDICTORS, predictor, "predictor")
     options.model = ffi.NULL if weights is None else weights._pointer
-    name = model_name or ("none" if weights is None else "shipped" if model is None else str(model))
-    options.model_name = keep.text(name)
+    options.model_name = keep.text(model_name)
     names = [keep.text(p) for p in some(pattern or ())]
     options.patterns, options.n_patterns = keep.texts(names), len(names)
     options.polish = int(_automatic(polish, 0, "polish"))

@@ -75,6 +75,51 @@ def test_dicts_and_files(tmp_path: Path) -> None:
         assert wrong.value.file == str(tmp_path / name)
 
 
+def test_a_shape_is_height_and_width(tmp_path: Path) -> None:
+    """img_shape as the program writes and reads it: the same file through both readers, of pictures that are wide."""
+    rig = {"cam_int": K, "cam_dist": [0.0] * 5, "proj_int": K, "proj_dist": [0.0] * 5}
+    rig |= {"rotation": rotation_of(RVEC), "translation": TVEC[:, None], "img_shape": [[60], [96]]}
+    found = ffp.Calibration.from_dict(rig, projector_size=(128, 80))
+    assert (found.camera.width, found.camera.height) == (96, 60)
+    sides = {"camW": 96, "camH": 60, "prjW": 128, "prjH": 80}  # as `ffprocams calibrate` writes them too
+    both = ffp.Calibration.from_dict({**rig, **sides})
+    assert (both.camera.width, both.camera.height) == (96, 60)
+    assert (both.projector.width, both.projector.height) == (128, 80)
+    with pytest.raises(ffp.ArgumentError, match="differ"):
+        ffp.Calibration.from_dict({**rig, **sides, "camW": 97})
+    grey = np.full((60, 96, 3), 90, np.uint8)
+    for name, picture in (("black", grey // 9), ("white", 2 * grey), ("x", grey)):
+        picture[20:40, 30:60] += 40  # masks from light need an object
+        write_png(tmp_path / f"{name}.png", picture)
+    write_png(tmp_path / "shown.png", np.tile(np.arange(128, dtype=np.uint8)[None, :, None], (80, 1, 3)))
+    lists = {key: np.asarray(value).tolist() for key, value in {**rig, "img_shape": [60, 96]}.items()}
+    (tmp_path / "rig.json").write_text(json.dumps(lists))
+    images = {name: tmp_path / f"{name}.png" for name in ("black", "white", "x")}
+    for calibration, out in (
+        (tmp_path / "rig.json", "by_program"),
+        (ffp.Calibration.load(tmp_path / "rig.json", projector_size=(128, 80)), "by_python"),
+    ):
+        ffp.import_capture(
+            tmp_path / out,
+            calibration,
+            images=images,
+            patterns={"x": tmp_path / "shown.png"},
+            projector=ffp.CalibratedAt(128, 80),
+        )
+    one, other = (ffp.Capture.open(tmp_path / out).camera(0) for out in ("by_program", "by_python"))
+    assert (one.width, one.height) == (other.width, other.height) == (96, 60)
+    assert (one.fx, one.cx, one.cy) == pytest.approx((other.fx, other.cx, other.cy))
+
+
+def test_what_is_saved_is_loaded(tmp_path: Path) -> None:
+    bent = ffp.Calibration.from_dict({**calibration(), "camKc": [0.1, -0.2, 0.01, 0.02, 0.3], "D2": [0.05]})
+    bent.save(tmp_path / "rig.json")
+    loaded = ffp.Calibration.load(tmp_path / "rig.json", (640, 480), (1280, 960))
+    np.testing.assert_array_equal(loaded.camera_distortion, bent.camera_distortion)
+    np.testing.assert_array_equal(loaded.projector_distortion, bent.projector_distortion)
+    np.testing.assert_allclose(loaded.projector.pose, bent.projector.pose, atol=1e-12)
+
+
 def test_turntables() -> None:
     rig = ffp.Calibration.from_dict(calibration())
     axis, point = np.array([0.1, -1.0, 0.2]), np.array([0.1, 0.2, 2.0])

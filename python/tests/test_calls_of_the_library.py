@@ -8,6 +8,7 @@ import os
 import shutil
 import subprocess
 from pathlib import Path
+from typing import Any
 
 import ffprocams as ffp
 import numpy as np
@@ -127,6 +128,28 @@ def test_protocols_give_the_figures_of_evaluate(capture: ffp.Capture, sample: Pa
         assert row.ssim == pytest.approx(score.ssim, abs=2e-5)
     assert math.isnan(scores[0].lpips) and scores[0].capture == "spot"
     assert "novel_pose" in protocols.table(rows)
+
+
+def test_rows_say_what_predicted(gaussians: ffp.Gaussians, sample: Path, tmp_path: Path) -> None:
+    """By the names of the program, whose --merge takes rows of one predictor alone."""
+    ply, out = tmp_path / "object.ply", tmp_path / "rows.json"
+    gaussians.save(ply)
+
+    def name(**options: Any) -> str:
+        ffp.evaluate(sample, polish=0, json=out, **options)
+        found: str = json.loads(out.read_text())["predictor"]
+        return found
+
+    shipped = Path(os.environ.get("FFPROCAMS_MODELS", sample.parents[1] / "models")) / "small.safetensors"
+    assert name(gaussians=ply) == str(ply)
+    assert name(predictor="match") == "pattern lookup at the matched depth"
+    assert name(model="none") == "the classical start, without weights"
+    assert name() == name(model=ffp.Model.open()) == "the shipped weights"
+    assert name(model=shipped) == name(model=ffp.Model.open(shipped)) == str(shipped)
+    assert name(model="none", model_name="mine") == "mine"
+    asked = [program(), "evaluate", sample, "--gaussians", ply, "--json", tmp_path / "program.json"]
+    subprocess.run(asked, check=True, capture_output=True)
+    assert json.loads((tmp_path / "program.json").read_text())["predictor"] == str(ply)
 
 
 def test_generated_captures_are_captures(tmp_path: Path) -> None:

@@ -69,8 +69,10 @@ static bool open_model(void *argument, FfpError *err) {
     OpenModel *call = argument;
     char shipped[FFP_PATH_MAX];
     if (!call->path && !ffp_find_weights(shipped, err)) return false;
-    call->model = ffp_model_read(call->path ? call->path : shipped, err);
-    return call->model != NULL;
+    FfpModel *model = ffp_model_read(call->path ? call->path : shipped, err);
+    if (model && call->path) model->file = ffp_copy_text(call->path);
+    call->model = model;
+    return model != NULL;
 }
 
 FfpModel *ffp_model_open(FfpContext *context, const char *path, FfpError *err) {

@@ -87,7 +87,7 @@ static bool settle_intensity(Job *job, FfpError *err) {
     for (int c = 0; c < 3; c++) {
         job->intensity[c] = none ? job->capture->intensity[c] : (real)given[c];
         if (!none && !(given[c] >= 0 && given[c] < 1e18))
-            return ffp_fail(err, FFP_ERROR_ARGUMENT, "intensity", "%g is none", given[c]);
+            return ffp_fail(err, FFP_ERROR_ARGUMENT, "intensity", "%g is no radiant intensity", given[c]);
     }
     if (none && job->capture == &job->poses && !job->poses.intensity_known)
         return ffp_fail(err, FFP_ERROR_ARGUMENT, job->options->poses,

@@ -5,17 +5,11 @@
 #include <string.h>
 #include "cli.h"
 
-enum { ANGLES_MAX = 512 };
 #define DOUBTFUL 1.0 // pixels of root mean square
-
-typedef struct Angles {
-    double degrees[ANGLES_MAX];
-    int count;
-} Angles;
 
 typedef struct Arguments {
     FfpList attitudes, calibrations;
-    Angles angles;
+    FfpAngles angles;
     FfpRigCalibration rig;
 } Arguments;
 
@@ -57,26 +51,9 @@ static bool read_fix(const char *text, void *destination) {
     return false;
 }
 
-// Numbers with commas between, or COUNTxSTEP.
 static bool read_angles(const char *text, void *destination) {
-    Angles *angles = destination;
-    const char *at = text;
-    do {
-        char *end;
-        const double value = strtod(at, &end);
-        double step = 0, count = 1;
-        if (end == at || !isfinite(value)) return false;
-        if (*end == 'x') {
-            const char *second = end + 1;
-            step = strtod(second, &end), count = value;
-            if (end == second || !isfinite(step) || count < 1 || count != floor(count)) return false;
-        }
-        if (angles->count + count > ANGLES_MAX) return false;
-        for (int i = 0; i < (int)count; i++) angles->degrees[angles->count++] = step != 0 ? i * step : value;
-        if (*end && *end != ',') return false;
-        at = *end ? end + 1 : NULL;
-    } while (at);
-    return true;
+    const char *where;
+    return !ffp_cli_angles(text, destination, &where);
 }
 
 static void print_rig(const FfpRigCalibration *rig, const FfpRigCalibrationStats *s) {
@@ -188,6 +165,7 @@ static const FfpOption options[] = {
      .group = TURNTABLE,
      .help = "photographs of the board on the turntable, one for each of --angles, in order"},
     {.name = "angles",
+     .needs = "turntable-board",
      .argument = "ANGLES",
      .type = FFP_OPTION_PARSED,
      .offset = offsetof(Arguments, angles),
@@ -196,6 +174,7 @@ static const FfpOption options[] = {
      .group = TURNTABLE,
      .help = "degrees by which the table had turned in them: 0,20,40 or 12x30"},
     {.name = "turntable-output",
+     .needs = "turntable-board",
      .argument = "FILE",
      .type = FFP_OPTION_FILE,
      .offset = offsetof(Arguments, rig.turntable_file),

@@ -78,6 +78,7 @@ static const FfpOption options[] = {
          "what the camera will see, and FILE_target_<view>.png, what it was to see"},
     FFP_CLI_POSES(offsetof(Arguments, how.poses)),
     {.name = "gain",
+     .excludes = "paint",
      .letter = 'g',
      .argument = "G|auto",
      .type = FFP_OPTION_REAL,

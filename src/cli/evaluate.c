@@ -56,27 +56,15 @@ static void put_table(const FfpScore *scores, int n_scores) {
     put_truth(scores, n_scores);
 }
 
-// What is evaluated, by its name; opens the weights when it takes any.
-static bool choose_model(FfpEvaluation *evaluation, const char *path, FfpModel **model, FfpError *err) {
+// Opens the weights, when what is evaluated takes any.
+static bool open_model(FfpEvaluation *evaluation, const char *path, FfpModel **model, FfpError *err) {
     const bool none = path && strcmp(path, "none") == 0;
-    if (evaluation->n_merged) return true;
-    if (evaluation->predictor == FFP_PREDICT_DEPTH)
-        evaluation->model_name = "pattern lookup at the true depth";
-    else if (evaluation->predictor == FFP_PREDICT_MATCH)
-        evaluation->model_name = "pattern lookup at the matched depth";
-    else if (evaluation->field)
-        evaluation->model_name = evaluation->field;
-    else if (evaluation->gaussians)
-        evaluation->model_name = evaluation->gaussians;
-    else if (none)
-        evaluation->model_name = "the classical start, without weights";
-    else {
-        evaluation->model_name = path ? path : "the shipped weights";
-        *model = ffp_model_open(ffp_cli_context(), path, err);
-        if (!*model) return false;
-    }
+    if (none || evaluation->n_merged || evaluation->gaussians || evaluation->field ||
+        evaluation->predictor != FFP_PREDICT_GAUSSIANS)
+        return true;
+    *model = ffp_model_open(ffp_cli_context(), path, err);
     evaluation->model = *model;
-    return true;
+    return *model != NULL;
 }
 
 static int check(const FfpEvaluation *evaluation, const char *model) {
@@ -93,10 +81,6 @@ static int check(const FfpEvaluation *evaluation, const char *model) {
                              evaluation->field ? "--field" : "--gaussians");
     if (evaluation->n_targets > 1 && evaluation->n_targets != evaluation->n_captures)
         return ffp_cli_usage("evaluate", "give --targets once, or once for each CAPTURE");
-    if (evaluation->show_pattern && !evaluation->report)
-        return ffp_cli_usage("evaluate", "--show-pattern needs --report");
-    if (evaluation->viewer && !evaluation->report)
-        return ffp_cli_usage("evaluate", "--viewer needs --report");
     return -1;
 }
 
@@ -113,7 +97,7 @@ static int run(void *data) {
     evaluation->patterns = arguments->patterns.values, evaluation->n_patterns = arguments->patterns.count;
     if (check(evaluation, arguments->model) >= 0) return FFP_EXIT_USAGE;
     bool ok = ffp_cli_use_device(arguments->device, &err) && ffp_cli_use_ranks(&err);
-    ok = ok && choose_model(evaluation, arguments->model, &model, &err);
+    ok = ok && open_model(evaluation, arguments->model, &model, &err);
     if (ok) ok = (scores = ffp_evaluate(ffp_cli_context(), evaluation, &n_scores, &err)) != NULL;
     if (ok && (!ffp_cli_ranks() || ffp_cli_ranks()->rank == 0)) put_table(scores, n_scores);
     ffp_free(scores);
@@ -176,7 +160,7 @@ static const FfpOption options[] = {
                   "as in `reconstruct`; 0: photographs as they are. Default: auto"),
     FFP_CLI_LAYERS(offsetof(Arguments, evaluation.layers), "as in `reconstruct`. Default: auto"),
     FFP_CLI_DRAWING(offsetof(Arguments, evaluation.drawing.form),
-                    "with --gaussians: ours (default), paper or gs-procams"),
+                    "the form in which Gaussians are fitted and drawn: ours (default), paper or gs-procams"),
     FFP_CLI_SAMPLES(offsetof(Arguments, evaluation.drawing.samples), FFP_CLI_SAMPLES_HELP),
     FFP_CLI_DEVICE(offsetof(Arguments, device),
                    "what network and fit are computed on: cpu (default), or cuda, the first NVIDIA GPU"),
@@ -217,12 +201,14 @@ static const FfpOption options[] = {
      .help = "one HTML page: large pictures, predictions beside truth and error, G-buffers, input, figures, "
              "times"},
     {.name = "show-pattern",
+     .needs = "report",
      .argument = "FILE",
      .type = FFP_OPTION_FILE,
      .offset = offsetof(Arguments, evaluation.show_pattern),
      .group = "results",
      .help = "image file: the report begins with large pictures under it, and shows the views relit by it"},
     {.name = "viewer",
+     .needs = "report",
      .argument = "PAGE.html",
      .type = FFP_OPTION_FILE,
      .offset = offsetof(Arguments, evaluation.viewer),
@@ -236,8 +222,8 @@ const FfpCommand ffp_cli_evaluate = {
     .group = FFP_CLI_EVALUATE,
     .purpose = "compares predictions with a capture's photographs: tables, pictures, a report",
     .prose =
-        "Predicted are its pictures, by a model (--model), by Gaussians that are there (--gaussians) or by a "
-        "lookup of the pattern (--predictor). Protocols:\n"
+        "Predicted are its pictures, by a model (--model), by Gaussians or a field that are there "
+        "(--gaussians, --field) or by a lookup of the pattern (--predictor). Protocols:\n"
         "rendering\tblack, white and lollipop patterns at the input poses (`unseen`: the lollipops that the "
         "predictor was not given)\n"
         "novel_pattern\tevery other pattern at the input poses\n"

@@ -62,12 +62,14 @@ static const FfpOption options[] = {
      .help = "the light that splats are to be seen in: ambient (default), or also a projector showing white, "
              "a pattern of the capture by name, or an image file"},
     {.name = "projector-view",
+     .needs = "light",
      .argument = "ID",
      .type = FFP_OPTION_TEXT,
      .offset = offsetof(Arguments, how.projector_view),
      .group = "light",
      .help = "the view whose projector shines. Default: the first"},
     {.name = "camera-view",
+     .needs = "light",
      .argument = "ID",
      .type = FFP_OPTION_TEXT,
      .offset = offsetof(Arguments, how.camera_view),
@@ -87,6 +89,7 @@ static const FfpOption options[] = {
      .help = "a closed surface with albedo and roughness instead of splats: as textures in .glb and .gltf "
              "(base colour, metallic-roughness), albedo as colours of the vertices in .obj"},
     {.name = "resolution",
+     .needs = "mesh",
      .argument = "N",
      .type = FFP_OPTION_INT,
      .offset = offsetof(Arguments, how.resolution),

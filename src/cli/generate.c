@@ -160,6 +160,7 @@ static const FfpOption options[] = {
          "distort. Each has its pattern's number. truth.json is the calibration as it should come out. "
          "--resolution is their height (480), --views the stops"},
     {.name = "attitudes",
+     .needs = "photographs",
      .argument = "N",
      .type = FFP_OPTION_INT,
      .offset = offsetof(Arguments, generation.attitudes),

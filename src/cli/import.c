@@ -84,9 +84,9 @@ static bool read_sphere(const char *text, void *destination) {
     double *sphere = destination;
     const char *at = text;
     for (int i = 0; i < 4; i++) {
-        char *end;
-        sphere[i] = strtod(at, &end);
-        if (end == at || !isfinite(sphere[i]) || *end != (i < 3 ? ',' : 0)) return false;
+        const char *end;
+        sphere[i] = ffp_cli_decimal(at, &end);
+        if (isnan(sphere[i]) || *end != (i < 3 ? ',' : 0)) return false;
         at = end + 1;
     }
     return sphere[3] > 0;

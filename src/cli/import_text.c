@@ -7,8 +7,6 @@
 #include <string.h>
 #include <unistd.h>
 
-#define STOPS_MAX 512
-
 static bool fail(FfpError *err, const char *format, ...) __attribute__((format(printf, 2, 3)));
 static bool fail(FfpError *err, const char *format, ...) {
     va_list arguments;
@@ -37,7 +35,7 @@ void ffp_cli_import_lists_free(FfpImportLists *lists) {
     for (int i = 0; i < lists->n_images; i++) free((void *)lists->images[i].patterns);
     for (int i = 0; i < lists->n_texts; i++) free(lists->texts[i]);
     free(lists->images), free(lists->patterns), free(lists->held_out);
-    free(lists->angles), free(lists->texts);
+    free(lists->texts);
     *lists = (FfpImportLists){0};
 }
 
@@ -81,39 +79,19 @@ bool ffp_cli_add_pattern(FfpImportLists *lists, const char *text, bool held_out,
 
 // --- The turntable. ---
 
-static bool add_angles(FfpImportLists *lists, double count, double first, double step, FfpError *err) {
-    if (!(count >= 1 && count <= STOPS_MAX) || count != floor(count))
-        return fail(err, "%g is no number of stops from 1 to %d (--turntable)", count, STOPS_MAX);
-    for (int i = 0; i < (int)count; i++) {
-        if (lists->n_angles == STOPS_MAX) return fail(err, "more than %d angles (--turntable)", STOPS_MAX);
-        lists->angles = grown(lists->angles, lists->n_angles, sizeof *lists->angles);
-        lists->angles[lists->n_angles++] = first + i * step;
-    }
-    return true;
-}
-
-// Numbers with commas between: `first` of axis and point, the first three being the axis', then angles.
-static bool read_numbers(FfpImportLists *lists, const char *text, int first, const char *needed,
-                         FfpImportTurntable *turntable, FfpError *err) {
+// "AX,AY,AZ,PX,PY,PZ", and what follows.
+static bool read_axis(const char *text, const char *needed, FfpImportTurntable *turntable, const char **rest,
+                      FfpError *err) {
     const char *at = text;
-    for (int i = 0; *at; i++) {
-        char *end;
-        const double value = strtod(at, &end);
-        bool ok = end != at && isfinite(value);
-        if (ok && i < first) {
-            *(i < 3 ? &turntable->axis[i] : &turntable->point[i - 3]) = value;
-        } else if (ok && *end == 'x') {
-            const char *second = end + 1;
-            const double step = strtod(second, &end);
-            ok = end != second && isfinite(step);
-            if (ok && !add_angles(lists, value, 0, step, err)) return false;
-        } else if (ok && !add_angles(lists, 1, value, 0, err)) {
-            return false;
-        }
-        if (!ok || (*end && *end != ',') || (*end == ',' && !end[1]))
+    for (int i = 0; i < 6; i++) {
+        const char *end;
+        const double value = ffp_cli_decimal(at, &end);
+        if (isnan(value) || (*end != ',' && (*end || i < 5)))
             return fail(err, "'%.40s' is no number: %s are needed", at, needed);
+        *(i < 3 ? &turntable->axis[i] : &turntable->point[i - 3]) = value;
         at = *end ? end + 1 : end;
     }
+    *rest = at;
     return true;
 }
 
@@ -127,9 +105,13 @@ bool ffp_cli_turntable(FfpImportLists *lists, const char *text, FfpImportTurntab
         turntable->file = text;
         return true;
     }
-    if (!read_numbers(lists, text, turntable->find_axis ? 0 : 6, needed, turntable, err)) return false;
-    turntable->angles = lists->angles, turntable->n_angles = lists->n_angles;
-    return lists->n_angles > 0 || fail(err, "no angle: %s are needed, or the name of a file", needed);
+    const char *rest = text, *where;
+    if (!turntable->find_axis && !read_axis(text, needed, turntable, &rest, err)) return false;
+    if (!*rest) return fail(err, "no angle: %s are needed, or the name of a file", needed);
+    const char *wrong = ffp_cli_angles(rest, &lists->angles, &where);
+    if (wrong) return fail(err, "'%.40s' %s: %s are needed", where, wrong, needed);
+    turntable->angles = lists->angles.degrees, turntable->n_angles = lists->angles.count;
+    return true;
 }
 
 bool ffp_cli_fit_axis(const char *text, FfpImportTurntable *turntable, FfpError *err) {
@@ -138,8 +120,9 @@ bool ffp_cli_fit_axis(const char *text, FfpImportTurntable *turntable, FfpError 
     for (const char *at = text; *at; at++) commas += *at == ',';
     turntable->find_axis = true, turntable->guessed = *text;
     if (!*text) return true;
+    const char *rest;
     if (commas != 5) return fail(err, "%s are needed, not '%.80s' (--fit-axis)", needed, text);
-    return read_numbers(NULL, text, 6, needed, turntable, err);
+    return read_axis(text, needed, turntable, &rest, err);
 }
 
 // --- Errors. ---

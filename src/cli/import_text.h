@@ -8,9 +8,9 @@
 typedef struct FfpImportLists {
     FfpImportImages *images;
     FfpImportPattern *patterns, *held_out;
-    double *angles;
+    FfpAngles angles;
     char **texts; // copies that were cut into parts
-    int n_images, n_patterns, n_held_out, n_angles, n_texts;
+    int n_images, n_patterns, n_held_out, n_texts;
 } FfpImportLists;
 void ffp_cli_import_lists_free(FfpImportLists *lists);
 
@@ -20,7 +20,7 @@ bool ffp_cli_add_images(FfpImportLists *lists, const char *text, FfpError *err);
 bool ffp_cli_add_pattern(FfpImportLists *lists, const char *text, bool held_out, FfpError *err);
 
 // --turntable: "AX,AY,AZ,PX,PY,PZ,ANGLES" ("ANGLES" alone where the axis is to be found), or a file. ANGLES
-// are degrees with commas between, or NxSTEP: N stops, STEP degrees apart.
+// as ffp_cli_angles takes them.
 bool ffp_cli_turntable(FfpImportLists *lists, const char *text, FfpImportTurntable *turntable, FfpError *err);
 // --fit-axis: "", or a guess "AX,AY,AZ,PX,PY,PZ".
 bool ffp_cli_fit_axis(const char *text, FfpImportTurntable *turntable, FfpError *err);

@@ -32,12 +32,42 @@ bool ffp_cli_pair(const char *text, char between, int64_t low, int *a, int *b) {
     return true;
 }
 
+double ffp_cli_decimal(const char *text, const char **end) {
+    char *behind;
+    const double value = strtod(text, &behind);
+    *end = behind;
+    for (const char *at = text; at < behind; at++)
+        if (*at == 'x' || *at == 'X') *end = at; // hexadecimal: the number is the 0 before
+    if (*end == text || !isfinite(value)) return NAN;
+    return *end < behind ? 0 : value;
+}
+
 bool ffp_cli_real(const char *text, double low, double high, double *out) {
-    char *end;
-    const double value = strtod(text, &end);
-    if (end == text || *end || !isfinite(value) || !(value >= low && value <= high)) return false;
+    const char *end;
+    const double value = ffp_cli_decimal(text, &end);
+    if (*end || !(value >= low && value <= high)) return false;
     *out = value;
     return true;
+}
+
+const char *ffp_cli_angles(const char *text, FfpAngles *angles, const char **where) {
+    angles->count = 0;
+    for (const char *at = text, *end;; at = end + 1) {
+        double count = 1, first = ffp_cli_decimal(at, &end), step = 0;
+        *where = at;
+        if (isnan(first)) return "is no number";
+        if (*end == 'x') {
+            count = first, first = 0, step = ffp_cli_decimal(end + 1, &end);
+            if (isnan(step)) return "is no number";
+            if (!(count >= 1 && count <= FFP_CLI_ANGLES_MAX) || count != floor(count))
+                return "begins with no number of stops from 1 to 512";
+            if (step == 0) return "is stops that are all at one angle";
+        }
+        if (angles->count + count > FFP_CLI_ANGLES_MAX) return "is one of more than 512 angles";
+        for (int i = 0; i < (int)count; i++) angles->degrees[angles->count++] = first + i * step;
+        if (!*end) return NULL;
+        if (*end != ',') return "is no number";
+    }
 }
 
 // --- What an option takes, in words. ---
@@ -249,6 +279,8 @@ static int take_option(const FfpCommand *command, const FfpOption *option, bool 
                              meant->name);
     if (again && !option->repeated)
         return ffp_cli_usage(command->name, "--%s is given twice, and can be given once", option->name);
+    if (optarg && !*optarg && !option->optional_value) // such as "$UNSET"
+        return ffp_cli_usage(command->name, "--%s is empty: %s", option->name, option->argument);
     if (put_value(option, optarg, (char *)arguments + option->offset)) return -1;
     char takes[256];
     ffp_cli_takes(option, takes, sizeof takes);
@@ -268,6 +300,8 @@ static int take_positionals(const FfpCommand *command, int argc, char **argv, vo
     if (positional->name && n > positional->most)
         return ffp_cli_usage(command->name, "give exactly one %s: %s is one too many", positional->name,
                              argv[optind + 1]);
+    for (int i = optind; i < argc; i++)
+        if (!*argv[i]) return ffp_cli_usage(command->name, "%s is empty", positional->name);
     if (n && positional->most == 1) *(const char **)destination = argv[optind];
     for (int i = optind; positional->most > 1 && i < argc; i++) put_in_list((FfpList *)destination, argv[i]);
     return -1;
@@ -279,6 +313,25 @@ static int check_required(const FfpCommand *command, const bool *seen) {
         if (!option->required || seen[i]) continue;
         return ffp_cli_usage(command->name, "%s%.1s%s--%s %s is missing", option->letter ? "-" : "",
                              &option->letter, option->letter ? ", " : "", option->name, option->argument);
+    }
+    return -1;
+}
+
+static bool is_seen(const FfpCommand *command, const bool *seen, const char *name) {
+    for (int i = 0; name && command->options[i].name; i++)
+        if (seen[i] && strcmp(command->options[i].name, name) == 0) return true;
+    return false;
+}
+
+// What says nothing is a mistake too.
+static int check_together(const FfpCommand *command, const bool *seen) {
+    for (int i = 0; command->options[i].name; i++) {
+        const FfpOption *option = &command->options[i];
+        if (seen[i] && option->needs && !is_seen(command, seen, option->needs))
+            return ffp_cli_usage(command->name, "--%s needs --%s", option->name, option->needs);
+        if (seen[i] && is_seen(command, seen, option->excludes))
+            return ffp_cli_usage(command->name, "--%s says nothing beside --%s", option->name,
+                                 option->excludes);
     }
     return -1;
 }
@@ -302,8 +355,9 @@ static int parse(const FfpCommand *command, int argc, char **argv, void *argumen
         if (status >= 0) return status;
         seen[i] = true;
     }
-    const int status = take_positionals(command, argc, argv, arguments);
-    return status >= 0 ? status : check_required(command, seen);
+    int status = take_positionals(command, argc, argv, arguments);
+    if (status < 0) status = check_required(command, seen);
+    return status >= 0 ? status : check_together(command, seen);
 }
 
 // --- Running. ---

@@ -41,6 +41,8 @@ typedef struct FfpOption {
     bool repeated;        // given again and again: an FfpList of texts, or its function called anew
     bool required;        // an error when it is missing
     bool optional_value;  // of text: "" when it is given without =VALUE
+    const char *needs;    // the option without which it says nothing, or NULL
+    const char *excludes; // the option beside which it says nothing, or NULL
     size_t offset;        // of the destination
     int64_t low, high;    // INT64_MAX: no end
     double least, most;   // INFINITY: no end
@@ -99,6 +101,18 @@ bool ffp_cli_number(const char *text, int64_t low, int64_t high, int64_t *out);
 bool ffp_cli_real(const char *text, double low, double high, double *out);
 // Two whole numbers of at least `low` with `between` between them: "1024x768".
 bool ffp_cli_pair(const char *text, char between, int64_t low, int *a, int *b);
+// The finite decimal number at the beginning of `text`, and where it ends; NAN where there is none. (strtod
+// also takes 0x45, which is not meant here.)
+double ffp_cli_decimal(const char *text, const char **end);
+
+#define FFP_CLI_ANGLES_MAX 512
+typedef struct FfpAngles {
+    double degrees[FFP_CLI_ANGLES_MAX];
+    int count;
+} FfpAngles;
+// Degrees with commas between, or NxSTEP: N stops, STEP apart ("0,20,40", "8x45", "8x-45"). NULL, or what is
+// wrong with the text at *where, as a verb: "is no number".
+const char *ffp_cli_angles(const char *text, FfpAngles *angles, const char **where);
 // "auto, all or a number from 0.5 to 100"
 void ffp_cli_takes(const FfpOption *option, char *text, size_t size);
 

@@ -78,10 +78,10 @@ static bool read_intensity(const char *text, void *destination) {
     FfpPictures *pictures = destination;
     double *rgb = pictures->intensity;
     int n = 0;
-    char *end = NULL;
+    const char *end = NULL;
     for (const char *at = text; n < 3; at = end + 1) {
-        rgb[n] = strtod(at, &end);
-        if (end == at || !(rgb[n++] > 0) || (*end && *end != ',')) return false;
+        rgb[n] = ffp_cli_decimal(at, &end);
+        if (!(rgb[n++] > 0) || (*end && *end != ',')) return false;
         if (!*end) break;
     }
     if (*end || n == 2) return false;
@@ -168,6 +168,7 @@ static const FfpOption options[] = {
              ".apng, an animated PNG; .gif, .mp4, .webm or .mkv, made by the program ffmpeg, which must be "
              "installed. Without --orbit: every view under every pattern"},
     {.name = "rate",
+     .needs = "video",
      .argument = "N",
      .type = FFP_OPTION_INT,
      .offset = offsetof(Arguments, pictures.rate),

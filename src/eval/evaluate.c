@@ -460,8 +460,7 @@ static bool evaluate_and_write(FfpEvaluating *shared, FfpError *err) {
     if (ranks && options->report)
         return ffp_fail(err, FFP_ERROR_ARGUMENT, "report", "is made by one process: here are %d",
                         ranks->count);
-    if (options->report)
-        shared->report = ffp_report_new(options->model_name ? options->model_name : "unnamed");
+    if (options->report) shared->report = ffp_report_new(options->model_name);
     bool ok = open_perceptual(shared, err) && check_captures(shared, err) && evaluate_all(shared, err);
     const bool writes = !ranks || ranks->rank == 0;
     if (ok && writes && options->json) ok = ffp_scores_write(shared->scores, shared->n_scores, options, err);
@@ -473,7 +472,21 @@ static bool evaluate_and_write(FfpEvaluating *shared, FfpError *err) {
     return ok;
 }
 
-static FfpScore *evaluate(const FfpEvaluation *options, int *n_scores, FfpError *err) {
+// What is evaluated, as JSON and report call it.
+static const char *predictor_name(const FfpEvaluation *options) {
+    if (options->model_name) return options->model_name;
+    if (options->predictor == FFP_PREDICT_DEPTH) return "pattern lookup at the true depth";
+    if (options->predictor == FFP_PREDICT_MATCH) return "pattern lookup at the matched depth";
+    if (options->field) return options->field;
+    if (options->gaussians) return options->gaussians;
+    if (!options->model) return "the classical start, without weights";
+    return options->model->file ? options->model->file : "the shipped weights";
+}
+
+static FfpScore *evaluate(const FfpEvaluation *settings, int *n_scores, FfpError *err) {
+    FfpEvaluation named = *settings;
+    named.model_name = predictor_name(settings);
+    const FfpEvaluation *options = &named;
     FfpEvaluating shared = {.options = options};
     *n_scores = 0;
     const bool ok = options->n_merged > 0 ? merge_and_write(&shared, err) : evaluate_and_write(&shared, err);

@@ -68,6 +68,7 @@ typedef struct FfpModel {
     struct FfpLayout *layout; // where each layer finds its parameters
     int metadata_count;       // pairs: what the file says about the training
     char **metadata;          // key, value, key, value, ...
+    char *file;               // as the caller named it (ffp_model_open), or NULL
 } FfpModel;
 
 FfpModel *ffp_model_new(const FfpModelConfig *config, uint64_t seed, FfpError *err);

@@ -205,6 +205,7 @@ void ffp_model_free(FfpModel *model) {
     if (!model) return;
     for (int i = 0; i < 2 * model->metadata_count; i++) ffp_free(model->metadata[i]);
     ffp_free(model->metadata);
+    ffp_free(model->file);
     ffp_free(model->parameters);
     ffp_free(model->layout);
     ffp_free(model->values);

@@ -24,7 +24,11 @@ static void wrong_usage(void **state) {
         {"calibrate shots -o x.xml --board nine --square 25", "columns x rows of corners"},
         {"calibrate shots -o x.xml --board 9x6 --square 25 --fix k4", "camera. or projector."},
         {"calibrate shots -o x.xml --board 9x6 --square 25 --angles 1,a", "12x30"},
-        {"calibrate shots -o x.xml --board 9x6 --square 25 --angles 600x1", "512 degrees"}};
+        {"calibrate shots -o x.xml --board 9x6 --square 25 --angles 600x1", "512 degrees"},
+        {"calibrate shots -o x.xml --board 9x6 --square 25 --angles 8x0", "not 8x0"},
+        {"calibrate shots -o x.xml --board 9x6 --square 25 --angles 0x45", "not 0x45"},
+        {"calibrate shots -o x.xml --board 9x6 --square 25 --angles 0,45,", "not 0,45,"},
+        {"calibrate shots -o x.xml --board 9x6 --square 0x10", "not 0x10"}};
     for (size_t i = 0; i < sizeof table / sizeof *table; i++) {
         run_program(&run, table[i][0]);
         assert_int_equal(run.status, 2);

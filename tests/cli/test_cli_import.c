@@ -374,6 +374,47 @@ static void test_fit_axis(void **state) {
     ffp_capture_free(&capture);
 }
 
+static void must_fail(const char *arguments, const char *what) {
+    char line[3500], folder[128];
+    snprintf(folder, sizeof folder, "%s/refused", scratch);
+    snprintf(line, sizeof line, "import %s -o %s/new", arguments, folder);
+    assert_true(ffp_make_folders(folder, NULL));
+    run_program(&run, line);
+    if (run.status != 1 || !strstr(run.err, what))
+        printf("expected \"%s\", got %d: %s", what, run.status, run.err);
+    assert_int_equal(run.status, 1);
+    assert_non_null(strstr(run.err, what));
+    assert_int_equal(rmdir(folder), 0); // nothing was left in it
+}
+
+// What an exposure cuts off is told; what it does not is not spoken of.
+static void test_what_is_cut_off_is_told(void **state) {
+    (void)state;
+    char arguments[3000];
+    write_opencv("cal.yml", &single_shot, false, no_lens, no_lens);
+    snprintf(arguments, sizeof arguments, "-c %s/cal.yml " SIZES TURNTABLE FIRST_TWO SHOTS PATTERN, scratch);
+    import("dim", arguments);
+    assert_null(strstr(run.err, "are cut off"));
+    strcat(arguments, "--exposure 5 ");
+    import("bright", arguments);
+    assert_non_null(strstr(run.err, "% of the photographs' values"));
+    assert_non_null(strstr(run.err, "a lower exposure keeps them"));
+}
+
+static void test_masks_that_leave_nothing_are_refused(void **state) {
+    (void)state;
+    char arguments[3000];
+    FfpImage black = ffp_image_new(128, 128, 3);
+    write_opencv("cal.yml", &single_shot, false, no_lens, no_lens);
+    for (int v = 0; v < 2; v++)
+        assert_true(ffp_image_write_png(&black, in_scratch(v ? "mask_045.png" : "mask_000.png"), NULL));
+    ffp_image_free(&black);
+    snprintf(arguments, sizeof arguments,
+             "-c %s/cal.yml " SIZES TURNTABLE FIRST_TWO SHOTS PATTERN "-m '%s/mask_{view}.png'", scratch,
+             scratch);
+    must_fail(arguments, "the masks of all views are black: the object is white in them (");
+}
+
 // sRGB's curve is nearly the power 2.2; patterns become light by what was found, which the file keeps.
 static void test_fit_response(void **state) {
     (void)state;
@@ -426,19 +467,6 @@ static void test_usage(void **state) {
     assert_non_null(strstr(run.out, "calibration_result.xml"));
 }
 
-static void must_fail(const char *arguments, const char *what) {
-    char line[3500], folder[128];
-    snprintf(folder, sizeof folder, "%s/refused", scratch);
-    snprintf(line, sizeof line, "import %s -o %s/new", arguments, folder);
-    assert_true(ffp_make_folders(folder, NULL));
-    run_program(&run, line);
-    if (run.status != 1 || !strstr(run.err, what))
-        printf("expected \"%s\", got %d: %s", what, run.status, run.err);
-    assert_int_equal(run.status, 1);
-    assert_non_null(strstr(run.err, what));
-    assert_int_equal(rmdir(folder), 0); // nothing was left in it
-}
-
 static void test_refusals(void **state) {
     (void)state;
     char arguments[3000];
@@ -458,6 +486,11 @@ static void test_refusals(void **state) {
         {SIZES "-t 0,1,0,0,0,3 " SHOTS PATTERN, "no angle"},
         {SIZES "-t 0,1,0,0,0,3,1e9 " SHOTS PATTERN, "no angle in degrees"},
         {SIZES "-t 0,1,0,0,0,3,999x1 " SHOTS PATTERN, "no number of stops"},
+        {SIZES "-t 0,1,0,0,0,3,8x0 " SHOTS PATTERN, "'8x0' is stops that are all at one angle"},
+        {SIZES "-t 0,1,0,0,0,3,0x45 " SHOTS PATTERN, "'0x45' begins with no number of stops"},
+        {SIZES "-t 0,1,0,0,0,3,8x " SHOTS PATTERN, "'8x' is no number"},
+        {SIZES "-t 0,1,0,0,0,3,400x1,400x1 " SHOTS PATTERN, "more than 512 angles"},
+        {SIZES "-t 0,1,0,0,0,3,0,45, " SHOTS PATTERN, "is no number"},
         {SIZES "-t 0,1,zero,0,0,3,8x45 " SHOTS PATTERN, "zero"},
         {SIZES "--fit-axis " SHOTS PATTERN, "no angle by which the object turned (turntable)"},
         {SIZES "-t 8x45 --fit-axis=0,1,0 " SHOTS PATTERN, "six numbers"},
@@ -496,11 +529,18 @@ static void test_refusals(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_single_shot),    cmocka_unit_test(test_procam_calibration),
-        cmocka_unit_test(test_calibrator),     cmocka_unit_test(test_opencv_samples),
-        cmocka_unit_test(test_names_of_files), cmocka_unit_test(test_deprocams),
-        cmocka_unit_test(test_films),          cmocka_unit_test(test_fit_axis),
-        cmocka_unit_test(test_fit_response),   cmocka_unit_test(test_usage),
+        cmocka_unit_test(test_what_is_cut_off_is_told),
+        cmocka_unit_test(test_masks_that_leave_nothing_are_refused),
+        cmocka_unit_test(test_single_shot),
+        cmocka_unit_test(test_procam_calibration),
+        cmocka_unit_test(test_calibrator),
+        cmocka_unit_test(test_opencv_samples),
+        cmocka_unit_test(test_names_of_files),
+        cmocka_unit_test(test_deprocams),
+        cmocka_unit_test(test_films),
+        cmocka_unit_test(test_fit_axis),
+        cmocka_unit_test(test_fit_response),
+        cmocka_unit_test(test_usage),
         cmocka_unit_test(test_refusals),
     };
     return cmocka_run_group_tests(tests, setup, teardown);

@@ -220,6 +220,30 @@ static void test_the_matching_predictor_leaves_new_poses_out(void **state) {
     json_decref(root);
 }
 
+// Rows of different predictors are kept apart by its name, which the library gives.
+static void test_rows_say_what_predicted(void **state) {
+    (void)state;
+    static const struct {
+        const char *options, *name;
+    } table[] = {
+        {"--model none", "the classical start, without weights"},
+        {"--gaussians %s/tiny.ply", "%s/tiny.ply"},
+        {"--predictor match", "pattern lookup at the matched depth"},
+        {"", "the shipped weights"},
+    };
+    for (size_t i = 0; i < sizeof table / sizeof *table; i++) {
+        char options[256], name[256], line[1024];
+        snprintf(options, sizeof options, table[i].options, scratch);
+        snprintf(name, sizeof name, table[i].name, scratch);
+        snprintf(line, sizeof line, "evaluate %s/tiny %s --polish 0 --json %s/named.json", scratch, options,
+                 scratch);
+        assert_int_equal(run_format(&run, "%s", line), 0);
+        json_t *root = load_json("named.json");
+        assert_string_equal(json_string_value(json_object_get(root, "predictor")), name);
+        json_decref(root);
+    }
+}
+
 // A scene made, weights trained on others for three steps with a stop in between, the scene reconstructed
 // with them.
 static void test_generate_train_evaluate(void **state) {
@@ -349,6 +373,7 @@ int main(void) {
         cmocka_unit_test(test_gaussians_from_a_file_score_as_those_just_made),
         cmocka_unit_test(test_polish_is_worth_its_steps),
         cmocka_unit_test(test_the_matching_predictor_leaves_new_poses_out),
+        cmocka_unit_test(test_rows_say_what_predicted),
         cmocka_unit_test(test_generate_train_evaluate),
         cmocka_unit_test(test_a_killed_run_leaves_a_whole_file),
         cmocka_unit_test(test_a_killed_training_run_leaves_a_whole_checkpoint),

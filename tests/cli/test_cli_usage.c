@@ -2,9 +2,9 @@
 #include "base/cpu.h"
 #include "cli/program.h"
 
-static const char *const commands[] = {"patterns", "import",   "align",      "info", "reconstruct",
-                                       "refine",   "render",   "compensate", "map",  "evaluate",
-                                       "bench",    "generate", "train",      "view", "calibrate"};
+static const char *const commands[] = {
+    "patterns", "import",   "align", "info",     "reconstruct", "refine", "render",    "compensate",
+    "map",      "evaluate", "bench", "generate", "train",       "view",   "calibrate", "export"};
 static ProgramRun run;
 
 static void test_help_of_the_program_names_every_command(void **state) {
@@ -21,6 +21,8 @@ static void test_help_of_the_program_names_every_command(void **state) {
         assert_non_null(strstr(run.out, line));
     }
     for (size_t i = 0; i < sizeof groups / sizeof *groups; i++) assert_non_null(strstr(run.out, groups[i]));
+    const char *look = strstr(run.out, "\nlook:\n"); // a heading for all commands of its group
+    assert_null(strstr(look + 1, "\nlook:\n"));
 }
 
 // It begins with a sentence and ends with examples, and no line is wider than a terminal.
@@ -84,6 +86,13 @@ static void test_wrong_usage_exits_2_and_says_where_to_read(void **state) {
         "render a.ply",
         "render a.ply --capture b",
         "render a.ply --capture b -o c --drawing bright",
+        "render a.ply --capture b -o c --intensity inf",
+        "render a.ply --capture b -o ''",
+        "render '' --capture b -o c",
+        "evaluate a ''",
+        "evaluate a --targets ''",
+        "render a.ply --capture b -o c --intensity 1,2",
+        "reconstruct a -o b.ply --noise 0x0",
         "view",
         "view a.ply",
         "view a.ply --capture b",
@@ -156,6 +165,17 @@ static void test_mistakes_are_told_as_what_they_are(void **state) {
         {"reconstruct a -o", "--output needs a value: FILE.ply"},
         {"reconstruct a", "-o, --output FILE.ply is missing"},
         {"map a -o b", "-c, --capture CAPTURE is missing"},
+        {"reconstruct a -o ''", "--output is empty: FILE.ply"},
+        {"reconstruct '' -o a", "CAPTURE is empty"},
+        {"render a -c b -o c --samples=", "--samples is empty: N"},
+        {"render a -c b -o c --rate 3", "--rate needs --video"},
+        {"generate a --attitudes 4", "--attitudes needs --photographs"},
+        {"export a -o b --resolution 64", "--resolution needs --mesh"},
+        {"export a -o b --camera-view c", "--camera-view needs --light"},
+        {"export a -o b --projector-view c", "--projector-view needs --light"},
+        {"evaluate a --show-pattern b", "--show-pattern needs --report"},
+        {"calibrate a --board 9x6 --square 1 --angles 1,2", "--angles needs --turntable-board"},
+        {"compensate a -c b -v 0 -t x -o c -g 2 --paint", "--gain says nothing beside --paint"},
         {"align a -p b -p c -o d", "--pattern is given twice, and can be given once"},
         {"render a --capture b -c b -o c", "--capture is given twice, and can be given once"},
         {"compensate a -c b -v 0 -t x -g 1 --gain auto -o c", "--gain is given twice"},

@@ -190,6 +190,7 @@ def check_compensation(check, page, program, ply, data, folder):
     target = os.path.join(data, "..", "sun.png")
     page.run("viewer.jump(viewer.scene.views[2], true)")
     view = page.run("viewer.at.id")
+    option = page.run(f"[...document.getElementById('watcher').options].find((o) => o.textContent === shortName({view!r})).value")
     page.drop("sun.png", "image/png", open(target, "rb").read())
     page.wait("viewer.projector.content.name === 'sun.png'")
     for how, options in (("paint", ["--paint"]), ("colours", [])):
@@ -197,7 +198,7 @@ def check_compensation(check, page, program, ply, data, folder):
         subprocess.run([program, "compensate", ply, "--capture", data, "--view", view, "--target", target, "--steps", "0",
                         "--gaussians-only", "-o", file, *options], check=True, stdout=subprocess.DEVNULL)
         page.set("correction", how)
-        page.set("watcher", view)
+        page.set("watcher", option)
         page.run("viewer.updatePatterns()")
         made = base64.b64decode(page.run("""(() => {
             const {data} = panelPicture(viewer.graphics, viewer.projector, null, window.kept = window.kept || {});
@@ -207,6 +208,35 @@ def check_compensation(check, page, program, ply, data, folder):
         score = psnr(made, read_png(file)[2], 4)
         check(f"correction, {how}, as compensate's closed form", score >= 30, f"{score:.2f} dB")
     page.set("correction", "none")
+
+
+def check_same_ids(check, page, path, folder):
+    """Poses of a file may have the ids of captured views, and the words of the page: each is its own."""
+    twins = os.path.join(folder, "twins.html")
+    text = open(path, encoding="utf-8").read()
+    for number, name in ((0, "path_0_theta000"), (1, "now")):
+        assert f'"id":"novel_0{number}"' in text
+        text = text.replace(f'"id":"novel_0{number}"', f'"id":"{name}"')
+    with open(twins, "w", encoding="utf-8") as file:
+        file.write(text)
+    page.start(twins)
+    first = page.run("viewer.scene.views.findIndex((v) => v.new)")
+    page.set("correction", "paint")
+    wrong = []
+    for index in range(page.run("viewer.scene.views.length")):
+        page.run(f"document.getElementById('watcher').selectedIndex = {index + 1}")
+        page.set("watcher", page.run("document.getElementById('watcher').value"))
+        if not page.run(f"viewer.watcherOf(viewer.projector) === viewer.scene.views[{index}].camera"):
+            wrong.append(index)
+    page.run("document.getElementById('watcher').selectedIndex = 0")
+    page.set("watcher", page.run("document.getElementById('watcher').value"))
+    if page.run("viewer.scene.views.some((v) => viewer.watcherOf(viewer.projector) === v.camera)"):
+        wrong.append("where I look from")
+    check("a correction is for the camera that was chosen", not wrong, f"not for views {wrong}" if wrong else "")
+    page.set("correction", "none")
+    chosen = page.run(f"""(() => {{ viewer.jump(viewer.scene.views[{first}], true);
+        return [...document.getElementById('views').children].map((t, i) => t.classList.contains('chosen') ? i : -1).filter((i) => i >= 0); }})()""")
+    check("one view is shown as chosen", chosen == [first], f"{chosen}")
 
 
 def check_controls(check, page):
@@ -488,6 +518,7 @@ def main():
             check_broken(check, page)
             check_window(check, page)
             check_looks(check, page, folder)
+            check_same_ids(check, page, path, scratch)
             check("nothing in the console", not page.console, "; ".join(page.console)[:600])
             away = [url for url in page.requests if not url.startswith(("file:", "blob:", "data:", "about:"))]
             check("no request leaves the page", not away, " ".join(away))

@@ -1,0 +1,55 @@
+# Programs that measure (bench/), each built when it is asked for, none installed.
+
+# Milliseconds of the GPU's functions, a program a room.
+if(TARGET ffp_cuda)
+  file(GLOB gpu_benches CONFIGURE_DEPENDS bench/gpu_*.c)
+  foreach(source ${gpu_benches})
+    get_filename_component(name ${source} NAME_WE)
+    add_executable(${name} EXCLUDE_FROM_ALL ${source})
+    target_include_directories(${name} PRIVATE ${PROJECT_SOURCE_DIR})
+    target_link_libraries(${name} PRIVATE ffp_cuda)
+  endforeach()
+endif()
+
+# Pictures and figures of the training world, for docs/.
+if(TARGET ffp_synth)
+  add_executable(contact_sheets EXCLUDE_FROM_ALL bench/contact_sheets.c bench/diversity.c)
+  target_include_directories(contact_sheets PRIVATE ${PROJECT_SOURCE_DIR})
+  target_link_libraries(contact_sheets PRIVATE ffp_synth)
+endif()
+
+# What limits a reconstruction, by putting the truth in.
+if(TARGET ffp_train)
+  add_executable(limits EXCLUDE_FROM_ALL bench/limits.c)
+  target_link_libraries(limits PRIVATE ffp_train)
+endif()
+
+# The encoder alone, for comparison with other libraries' form of it (bench/peers).
+if(TARGET ffp_network)
+  add_executable(encoder_times EXCLUDE_FROM_ALL bench/encoder_times.c)
+  target_link_libraries(encoder_times PRIVATE ffp_network)
+endif()
+
+# The rasteriser alone, for the same.
+if(TARGET ffp_bench)
+  add_executable(splat_times EXCLUDE_FROM_ALL bench/splat_times.c)
+  target_link_libraries(splat_times PRIVATE ffp_bench)
+endif()
+
+# What a compensated projection gains on captures with true depth.
+if(TARGET ffp_apply)
+  add_executable(compensate_report EXCLUDE_FROM_ALL bench/compensate_report.c)
+  target_link_libraries(compensate_report PRIVATE ffp_eval ffp_apply)
+endif()
+
+# What a rig's faults cost, from photographs through import to the pictures predicted.
+if(TARGET ffp_eval AND TARGET ffp_synth)
+  add_executable(degraded_rig EXCLUDE_FROM_ALL bench/degraded_rig.c)
+  target_link_libraries(degraded_rig PRIVATE ffp_eval ffp_synth)
+endif()
+
+# A slow wire between two network namespaces (Linux), to measure ranks with.
+if(CMAKE_SYSTEM_NAME STREQUAL "Linux")
+  add_executable(slow_link EXCLUDE_FROM_ALL bench/slow_link.c)
+  target_link_libraries(slow_link PRIVATE ffp_compile)
+endif()
