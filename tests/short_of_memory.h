@@ -8,12 +8,11 @@
 static const char *meminfo; // in place of the system's; NULL: that
 
 // In place of the C library's, for what is linked into this program.
-FILE *fopen(const char *restrict path, const char *restrict mode);
-FILE *fopen(const char *restrict path, const char *restrict mode) {
-    const int how = *mode == 'r' ? O_RDONLY : O_WRONLY | O_CREAT | (*mode == 'a' ? O_APPEND : O_TRUNC);
-    const int fd =
-        openat(AT_FDCWD, meminfo && strcmp(path, "/proc/meminfo") == 0 ? meminfo : path, how, 0666);
-    return fd >= 0 ? fdopen(fd, mode) : NULL;
+FILE *fopen(const char *restrict filename, const char *restrict modes) {
+    const int how = *modes == 'r' ? O_RDONLY : O_WRONLY | O_CREAT | (*modes == 'a' ? O_APPEND : O_TRUNC);
+    const bool ours = meminfo && strcmp(filename, "/proc/meminfo") == 0;
+    const int fd = openat(AT_FDCWD, ours ? meminfo : filename, how, 0666);
+    return fd >= 0 ? fdopen(fd, modes) : NULL;
 }
 
 static inline void leave_memory(const char *kilobytes) {

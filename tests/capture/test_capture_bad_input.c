@@ -278,14 +278,14 @@ static struct {
 } swap;
 
 // In place of the C library's, which every file is opened by.
-int open(const char *path, int flags, ...) {
+int open(const char *file, int oflag, ...) {
     va_list arguments;
-    va_start(arguments, flags);
-    const mode_t mode = flags & O_CREAT ? va_arg(arguments, mode_t) : 0;
+    va_start(arguments, oflag);
+    const mode_t mode = oflag & O_CREAT ? va_arg(arguments, mode_t) : 0;
     va_end(arguments);
-    if (swap.name && strcmp(ffp_basename(path), swap.name) == 0 && swap.openings++ >= swap.at)
-        path = swap.other;
-    return openat(AT_FDCWD, path, flags, mode);
+    if (swap.name && strcmp(ffp_basename(file), swap.name) == 0 && swap.openings++ >= swap.at)
+        file = swap.other;
+    return openat(AT_FDCWD, file, oflag, mode);
 }
 
 // Pixels are those of the bytes whose size was checked: no file is opened a second time.
