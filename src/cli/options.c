@@ -279,7 +279,7 @@ static int take_option(const FfpCommand *command, const FfpOption *option, bool 
                              meant->name);
     if (again && !option->repeated)
         return ffp_cli_usage(command->name, "--%s is given twice, and can be given once", option->name);
-    if (optarg && !*optarg && !option->optional_value) // such as "$UNSET"
+    if (option->type != FFP_OPTION_FLAG && !option->optional_value && !*optarg) // such as "$UNSET"
         return ffp_cli_usage(command->name, "--%s is empty: %s", option->name, option->argument);
     if (put_value(option, optarg, (char *)arguments + option->offset)) return -1;
     char takes[256];
