@@ -75,20 +75,30 @@ bool ffp_start_stops(FfpCalibration *calibration, const FfpField *field, int n, 
     return true;
 }
 
-bool ffp_name_stop(FfpCalibration *calibration, int stop, const FfpField *field, const char *path,
-                   FfpError *err) {
+static bool name_stop(FfpCalibration *calibration, int stop, const FfpField *field, const char *name,
+                      size_t length, FfpError *err) {
     char *id = calibration->stops[stop].id;
-    const char *base = ffp_basename(path), *dot = strrchr(base, '.');
-    const size_t length = dot != NULL && dot != base ? (size_t)(dot - base) : strlen(base);
     const bool fits = length < FFP_NAME_MAX;
-    memcpy(id, base, fits ? length : 0);
+    memcpy(id, name, fits ? length : 0);
     id[fits ? length : 0] = 0;
-    if (!ffp_is_name(id)) return ffp_field_fail(field, err, "'%.100s' gives no name for a view", path);
+    if (!ffp_is_name(id)) return ffp_field_fail(field, err, "'%.100s' gives no name for a view", name);
     for (int i = 0; i < stop; i++) {
         if (strcmp(calibration->stops[i].id, id) == 0)
             return ffp_field_fail(field, err, "view '%s' comes twice", id);
     }
     return true;
+}
+
+bool ffp_name_stop(FfpCalibration *calibration, int stop, const FfpField *field, const char *id,
+                   FfpError *err) {
+    return name_stop(calibration, stop, field, id, strlen(id), err);
+}
+
+bool ffp_name_stop_by_file(FfpCalibration *calibration, int stop, const FfpField *field, const char *path,
+                           FfpError *err) {
+    const char *base = ffp_basename(path), *dot = strrchr(base, '.');
+    const size_t length = dot != NULL && dot != base ? (size_t)(dot - base) : strlen(base);
+    return name_stop(calibration, stop, field, base, length, err);
 }
 
 void ffp_place_projector(FfpCalibration *calibration, const double p2w[16]) {

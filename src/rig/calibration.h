@@ -73,10 +73,12 @@ bool ffp_field_lens(const FfpField *field, FfpOptics *optics, FfpError *err);
 bool ffp_settle_size(FfpOptics *optics, const FfpField *field, int width, int height, FfpError *err);
 // Room for n stops; an error when there are some already, or more than FFP_VIEWS_MAX.
 bool ffp_start_stops(FfpCalibration *calibration, const FfpField *field, int n, FfpError *err);
-// The file's name without folder and ending as a stop's id; refuses what is no name, and a second of the
-// same.
-bool ffp_name_stop(FfpCalibration *calibration, int stop, const FfpField *field, const char *path,
+// A stop's id, as it stands or a file's name without folder and ending; refuses what is no name, and a second
+// of the same.
+bool ffp_name_stop(FfpCalibration *calibration, int stop, const FfpField *field, const char *id,
                    FfpError *err);
+bool ffp_name_stop_by_file(FfpCalibration *calibration, int stop, const FfpField *field, const char *path,
+                           FfpError *err);
 // The projector of a calibration with stops: it stands still in the world.
 void ffp_place_projector(FfpCalibration *calibration, const double p2w[16]);
 

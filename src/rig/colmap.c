@@ -251,7 +251,7 @@ static bool distribute(FfpCalibration *calibration, const Colmap *colmap, const 
         }
         FfpStop *to = &calibration->stops[stop];
         if (!optics_of(colmap, image, path, &to->camera, err) ||
-            !ffp_name_stop(calibration, stop, &file, image->name, err)) {
+            !ffp_name_stop_by_file(calibration, stop, &file, image->name, err)) {
             return false;
         }
         memcpy(to->c2w, image->c2w, sizeof to->c2w);

@@ -39,9 +39,13 @@ static int compare_paths(const void *a, const void *b) {
 
 // --- Templates: {view}, {pattern}, {index}, {number}, the last two also as {number:3}. ---
 
+typedef struct Blanks {
+    const char *view, *pattern; // NULL: not to be filled in
+    int index;
+} Blanks;
+
 // The text of one placeholder, "view" or "number:3"; false when there is no such.
-static bool fill_blank(const FfpBlanks *blanks, const char *blank, size_t length,
-                       char out[FFP_NAME_MAX + 16]) {
+static bool fill_blank(const Blanks *blanks, const char *blank, size_t length, char out[FFP_NAME_MAX + 16]) {
     static const char *const words[2] = {"view", "pattern"}, *const counters[2] = {"index", "number"};
     const char *const texts[2] = {blanks->view, blanks->pattern};
     for (size_t i = 0; i < 2; i++) {
@@ -61,9 +65,28 @@ static bool fill_blank(const FfpBlanks *blanks, const char *blank, size_t length
     return false;
 }
 
-bool ffp_template_fill(const char *template, const FfpBlanks *blanks, char path[FFP_PATH_MAX],
-                       FfpError *err) {
+// `text` behind `length` bytes of a path of FFP_PATH_MAX, with a \\ before characters in `special`.
+static bool append(char *path, size_t *length, const char *text, const char *special) {
+    for (; *text != 0; text++) {
+        const bool escaped = strchr(special, *text) != NULL;
+        if (*length + escaped + 1 >= FFP_PATH_MAX) return false;
+        if (escaped) path[(*length)++] = '\\';
+        path[(*length)++] = *text;
+    }
+    path[*length] = 0;
+    return true;
+}
+
+// What in a name would be a wildcard: in what fills the placeholders, in the template itself.
+typedef struct Specials {
+    const char *filled, *written;
+} Specials;
+static const Specials as_written = {"", ""}, only_stars = {"*?[\\", "?[\\"}, all_wildcards = {"*?[\\", ""};
+
+static bool fill(const char *template, const Blanks *blanks, Specials specials, char path[FFP_PATH_MAX],
+                 FfpError *err) {
     size_t length = 0;
+    path[0] = 0;
     for (const char *at = template; *at != 0;) {
         char text[FFP_NAME_MAX + 16] = {*at, 0};
         const char *end = *at == '{' ? strchr(at, '}') : NULL;
@@ -72,19 +95,11 @@ bool ffp_template_fill(const char *template, const FfpBlanks *blanks, char path[
                             "%.20s: the placeholders are {view}, {pattern}, {index}, {number}, {number:3}",
                             at);
         }
-        const size_t n = strlen(text);
-        if (length + n >= FFP_PATH_MAX)
+        if (!append(path, &length, text, end != NULL ? specials.filled : specials.written))
             return ffp_fail(err, FFP_ERROR_FILE, template, "the path is too long");
-        memcpy(path + length, text, n);
-        length += n;
         at = end != NULL ? end + 1 : at + 1;
     }
-    path[length] = 0;
     return true;
-}
-
-bool ffp_template_is_glob(const char *text) {
-    return strpbrk(text, "*?[") != NULL;
 }
 
 // --- Files. ---
@@ -119,8 +134,18 @@ static void free_glob(void *found) {
     ffp_free(found);
 }
 
-static bool match(const char **paths, FfpArena *arena, const FfpFileSet *set, const Part *part,
-                  FfpError *err) {
+// The paths that match: * alone being a wildcard or, where that finds none, ? and [...] as well.
+static bool find_files(glob_t *found, const FfpFileSet *set, const Blanks *blanks, FfpError *err) {
+    char path[FFP_PATH_MAX];
+    if (!fill(set->template, blanks, only_stars, path, err)) return false;
+    if (glob(path, GLOB_NOSORT, NULL, found) == 0) return true;
+    return fill(set->template, blanks, all_wildcards, path, err) &&
+           (glob(path, GLOB_NOSORT, NULL, found) == 0 ||
+            ffp_fail(err, FFP_ERROR_FILE, set->template, "no file matches, or the folder cannot be read"));
+}
+
+static bool match(const char **paths, FfpArena *arena, const FfpFileSet *set, const Blanks *blanks,
+                  const Part *part, FfpError *err) {
     glob_t *found = ffp_alloc(1, sizeof *found);
     if (ffp_photograph_names_part(part->path)) {
         ffp_free(found);
@@ -128,9 +153,9 @@ static bool match(const char **paths, FfpArena *arena, const FfpFileSet *set, co
                         "* matches names of files, and the part of a film (@) belongs to none: name films of "
                         "which parts are taken by {view}, {index} or {number}");
     }
-    if (glob(part->path, GLOB_NOSORT, NULL, found) != 0) {
+    if (!find_files(found, set, blanks, err)) {
         ffp_free(found);
-        return ffp_fail(err, FFP_ERROR_FILE, part->path, "no file matches, or the folder cannot be read");
+        return false;
     }
     ffp_own(found, free_glob);
     qsort(found->gl_pathv, found->gl_pathc, sizeof *found->gl_pathv, compare_paths);
@@ -163,6 +188,13 @@ static bool take(const char **paths, FfpArena *arena, const FfpFileSet *set, con
     return true;
 }
 
+// A name in which ? or [ stand, and no *, is that of a file that is so called, or else has wildcards.
+static bool has_wildcards(const char *template, const char *path) {
+    FfpError none = {0};
+    return strchr(template, '*') != NULL ||
+           (strpbrk(template, "?[") != NULL && !ffp_photograph_check(path, "", &none));
+}
+
 bool ffp_files_find(const char **paths, FfpArena *arena, const FfpFileSet *set, FfpError *err) {
     const int stops = set->calibration->n_stops, n = set->n_names;
     Part part = {.by_view = tells_view(set->template),
@@ -173,10 +205,11 @@ bool ffp_files_find(const char **paths, FfpArena *arena, const FfpFileSet *set, 
     for (int i = 0; i < views * names; i++) {
         const int stop = i / names, name = i % names;
         const FfpStop *of = &set->calibration->stops[stop];
-        const FfpBlanks blanks = {of->id, set->names != NULL ? set->names[name] : NULL, of->index};
+        const Blanks blanks = {of->id, set->names != NULL ? set->names[name] : NULL, of->index};
         part.at = stop * n + name;
-        if (!ffp_template_fill(set->template, &blanks, part.path, err) ||
-            !(ffp_template_is_glob(set->template) ? match : take)(paths, arena, set, &part, err))
+        if (!fill(set->template, &blanks, as_written, part.path, err)) return false;
+        if (!(has_wildcards(set->template, part.path) ? match(paths, arena, set, &blanks, &part, err)
+                                                      : take(paths, arena, set, &part, err)))
             return false;
     }
     return true;

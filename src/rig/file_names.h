@@ -5,15 +5,6 @@
 #include "base/arena.h"
 #include "rig/calibration.h"
 
-// The path that a template stands for, its {view}, {pattern}, {index} (from 0), {number} (from 1) and
-// {number:3} (with zeros) filled in.
-typedef struct FfpBlanks {
-    const char *view, *pattern; // NULL: not to be filled in
-    int index;
-} FfpBlanks;
-bool ffp_template_fill(const char *template, const FfpBlanks *blanks, char path[1024], FfpError *err);
-bool ffp_template_is_glob(const char *text);
-
 // Whether a comes before b when runs of digits count as numbers: "img_9" before "img_10".
 int ffp_natural_order(const char *a, const char *b);
 
@@ -28,9 +19,10 @@ typedef struct FfpFileSet {
     const char *order; // and in which order they must be; "": as the names are
 } FfpFileSet;
 
-// The paths, [n_stops, n_names]; each is known to exist. Placeholders are filled in first. What they do not
-// tell apart is told by *, whose files are taken in natural order: all names of the first view, then of the
-// second.
+// The paths, [n_stops, n_names]; each is known to exist. Placeholders are filled in first: {view}, {pattern},
+// {index} (from 0), {number} (from 1) and {number:3} (with zeros). What they do not tell apart is told by *,
+// whose files are taken in natural order: all names of the first view, then of the second. ? and [...] are
+// wildcards, too, where no file is called so.
 bool ffp_files_find(const char **paths, FfpArena *arena, const FfpFileSet *set, FfpError *err);
 
 #endif

@@ -18,7 +18,7 @@
 #define SAME 0.998        // cosine between directions of one candidate
 #define OUTLINE_MAX 0.04  // of the object's width in the picture: silhouettes that no axis explains
 #define OUTLINE_LEAST 0.1 // pixels, of the scale of silhouettes: coverage is no finer
-#define FOUND 0.5         // share of the residuals that must be there
+#define FOUND 0.25        // share of the residuals that must be there
 #define CHANCE_MAX 0.6 // error at the best distance, as a share of chance: more, and the pattern tells none
 #define RIVAL 1.6      // times the least cost of silhouettes: worth looking at
 #define LIKELY 1.15    // times the least error: as good
@@ -54,18 +54,29 @@ static FfpAxisTerm outline_term(const Search *search, double scale) {
         ffp_outline_residuals, &search->outlines, 2 * search->outlines.n_pairs, scale, 1.0 / SHARED, false};
 }
 
+static int ascending(const void *a, const void *b) {
+    const double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
 // The object's width, as the angle between outline rays, in pixels: the median of the stops.
 static double object_width(const FfpOutlines *outlines) {
-    double widest = 0;
+    double *widths = ffp_alloc((size_t)outlines->n, sizeof *widths);
+    int n = 0; // stops that show any
     for (int s = 0; s < outlines->n; s++) {
         const FfpOutline *o = &outlines->outlines[s];
+        widths[n] = 0;
         for (int i = 0; i < o->count; i++) {
             double across[3];
             ffp_cross(o->rays[i], o->centroid, across);
-            widest = fmax(widest, 2 * outlines->focal * sqrt(ffp_dot(across, across)));
+            widths[n] = fmax(widths[n], 2 * outlines->focal * sqrt(ffp_dot(across, across)));
         }
+        n += widths[n] > 0;
     }
-    return widest;
+    qsort(widths, (size_t)n, sizeof *widths, ascending);
+    const double width = n > 0 ? widths[n / 2] : 0;
+    ffp_free(widths);
+    return width;
 }
 
 // The axis' point beside the object's middle; the whole scaled so that it lies at the distance given (0: as
@@ -135,7 +146,7 @@ static bool check_outlines(const Search *search, const FfpAxis *axis, FfpError *
     const FfpAxisTerm term = outline_term(search, 1);
     int there = 0;
     const double median = ffp_axis_median(&term, axis, &there);
-    if (there < FOUND * term.count * 0.5)
+    if (there < FOUND * term.count)
         return ffp_fail(
             err, FFP_ERROR_FILE, PLACE,
             "too few silhouettes lie whole in the pictures, or they are empty: look at the masks");
@@ -286,14 +297,21 @@ static bool search_axis(Search *search, FfpAxis *axis, FfpAxisReport *report, co
 bool ffp_fit_axis(FfpAxis *axis, FfpAxisReport *report, const FfpCapture *capture, int active,
                   const double p2c[16], const double *angles, const FfpAxis *guess, FfpError *err) {
     *report = (FfpAxisReport){.stops = capture->n_views};
+    const double baseline = sqrt(p2c[3] * p2c[3] + p2c[7] * p2c[7] + p2c[11] * p2c[11]);
     if (!check_angles(angles, capture->n_views, err)) return false;
+    if (!(baseline > 0))
+        return ffp_fail(err, FFP_ERROR_FILE, "T",
+                        "camera and projector stand in one place, where no distance can be told: an axis "
+                        "cannot be found");
+    if (guess != NULL && !(ffp_dot(guess->point, guess->point) > 0))
+        return ffp_fail(err, FFP_ERROR_ARGUMENT, PLACE, "the axis to begin at goes through the camera");
     double *radians = ffp_alloc((size_t)capture->n_views, sizeof *radians);
     for (int v = 0; v < capture->n_views; v++) radians[v] = angles[v] * acos(-1.0) / 180;
     FfpCapture small = ffp_small_new(capture, active);
     for (int v = 0; v < small.n_views; v++)
         for (int i = 0; i < 16; i++) small.views[v].projector.pose[i] = (real)p2c[i];
     Search search = {.capture = &small, .active = active, .outlines = ffp_outlines_new(capture, radians)};
-    search.baseline = sqrt(p2c[3] * p2c[3] + p2c[7] * p2c[7] + p2c[11] * p2c[11]);
+    search.baseline = baseline;
     search.width = object_width(&search.outlines);
     const bool ok = search_axis(&search, axis, report, guess, err);
     ffp_outlines_free(&search.outlines);

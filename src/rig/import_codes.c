@@ -11,8 +11,7 @@
 
 static bool decode_view(FfpImporting *import, int stop, FfpError *err) {
     const FfpShots *shots = &import->shots;
-    const FfpOptics *camera = &import->calibration.stops[stop].camera,
-                    *panel = &import->calibration.projector;
+    const FfpOptics *camera = &import->calibration.stops[stop].camera, *panel = &import->coded;
     FfpView *view = &import->capture.views[stop];
     const char *const *pictures = shots->pictures + (ptrdiff_t)stop * FFP_PATTERNS_MAX;
     const FfpGrayPhotographs from = {.width = panel->width,

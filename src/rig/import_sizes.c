@@ -43,6 +43,7 @@ static bool settle_projector(FfpImporting *import, FfpCamera *pinhole, FfpError 
     ffp_optics_pinhole(optics, 0, pinhole);
     if (panel.width == 0) panel.width = optics->width, panel.height = optics->height;
     ffp_panel_describe(&import->capture.panel, &panel);
+    import->coded = at->fit == FFP_PICTURES_CROPPED ? panel : *optics; // codes are never cut out
     return true;
 }
 
@@ -78,7 +79,7 @@ void ffp_importing_take_poses(FfpImporting *import) {
 
 // The pattern, where Gray codes are all there is, runs across the line from projector to camera.
 static bool find_codes(FfpImporting *import, FfpError *err) {
-    const FfpOptics *panel = &import->calibration.projector;
+    const FfpOptics *panel = &import->coded;
     const FfpStop *stop = &import->calibration.stops[0];
     double along[2] = {0};
     for (int axis = 0; axis < 2; axis++)

@@ -13,6 +13,7 @@
 typedef struct FfpImporting {
     const FfpImportSettings *settings; // before all steps
     FfpCalibration calibration;        // read_rig; settle_views completes the optics' sizes
+    FfpOptics coded;                   // settle_views: the projector that shows the Gray codes
     FfpShots shots;                    // ffp_shots_find: files; settle_views those of Gray codes
     FfpCapture capture;
     bool *made;             // load_pixels: [views] masks made by Otsu's method

@@ -85,9 +85,10 @@ static bool read_frame(FfpCalibration *calibration, const FfpField *frame, const
         to->camera = *camera;
         memcpy(to->c2w, c2w, sizeof to->c2w);
         const char *name = NULL;
-        if (!ffp_field_get(frame, ffp_field_find(frame, "view_id", &field) ? "view_id" : "file_path", &field,
-                           err) ||
-            !ffp_field_text(&field, &name, err) || !ffp_name_stop(calibration, stop, &field, name, err)) {
+        const bool called = ffp_field_find(frame, "view_id", &field);
+        if (!ffp_field_get(frame, called ? "view_id" : "file_path", &field, err) ||
+            !ffp_field_text(&field, &name, err) ||
+            !(called ? ffp_name_stop : ffp_name_stop_by_file)(calibration, stop, &field, name, err)) {
             return false;
         }
     }

@@ -18,7 +18,8 @@ static bool read_optics(const FfpField *entry, FfpOptics *optics, FfpError *err)
 
 // view_id and img_name: a number or a text; the view is called by the first that is there.
 static bool read_name(FfpCalibration *calibration, int stop, const FfpField *entry, FfpError *err) {
-    static const char *const keys[3] = {"view_id", "img_name", "id"};
+    enum { IMAGE = 1 };
+    static const char *const keys[3] = {"view_id", [IMAGE] = "img_name", "id"};
     FfpField field = *entry;
     char number[32];
     const char *text = number;
@@ -32,7 +33,7 @@ static bool read_name(FfpCalibration *calibration, int stop, const FfpField *ent
     } else if (!ffp_field_text(&field, &text, err)) {
         return false;
     }
-    return ffp_name_stop(calibration, stop, &field, text, err);
+    return (i == IMAGE ? ffp_name_stop_by_file : ffp_name_stop)(calibration, stop, &field, text, err);
 }
 
 static bool read_camera(FfpCalibration *calibration, int stop, const FfpField *entry, FfpError *err) {

@@ -92,6 +92,21 @@ static void test_reversed(void **state) {
     check_found();
 }
 
+// Where camera and projector are one, the pattern says nothing about distances.
+static void test_no_baseline(void **state) {
+    (void)state;
+    p2c[3] = p2c[7] = p2c[11] = 0;
+    assert_false(fit(NULL));
+    assert_non_null(strstr(err.text, "camera and projector stand in one place"));
+    assert_non_null(strstr(err.text, "(T)"));
+}
+
+static void test_guess_through_the_camera(void **state) {
+    (void)state;
+    const FfpAxis guess = {{0, -1, 0}, {0, 0, 0}};
+    must_fail(&guess, "goes through the camera");
+}
+
 static void test_too_few_angles(void **state) {
     (void)state;
     for (int v = 0; v < capture.n_views; v++) angles[v] = 360.0 * v + 45 * (v % 2);
@@ -181,6 +196,8 @@ int main(void) {
         cmocka_unit_test_setup_teardown(test_without_guess, setup, teardown),
         cmocka_unit_test_setup_teardown(test_with_guess, setup, teardown),
         cmocka_unit_test_setup_teardown(test_reversed, setup, teardown),
+        cmocka_unit_test_setup_teardown(test_no_baseline, setup, teardown),
+        cmocka_unit_test_setup_teardown(test_guess_through_the_camera, setup, teardown),
         cmocka_unit_test_setup_teardown(test_too_few_angles, setup, teardown),
         cmocka_unit_test_setup_teardown(test_wrong_angles, setup, teardown),
         cmocka_unit_test_setup_teardown(test_empty_masks, setup, teardown),

@@ -361,11 +361,12 @@ static void test_bad_colmap(void **state) {
 
 // --- Lists of cameras and frames. ---
 
+static const char projector_list[] =
+    "[{\"width\": 32, \"height\": 24, \"R\": [[1,0,0],[0,1,0],[0,0,1]], \"T\": [0,0,0], "
+    "\"K\": [[30,0,16],[0,30,12],[0,0,1]]}]";
+
 static void test_bad_lists(void **state) {
     (void)state;
-    static const char projector[] =
-        "[{\"width\": 32, \"height\": 24, \"R\": [[1,0,0],[0,1,0],[0,0,1]], \"T\": [0,0,0], "
-        "\"K\": [[30,0,16],[0,30,12],[0,0,1]]}]";
     static const struct {
         const char *text, *what;
     } cases[] = {
@@ -382,7 +383,7 @@ static void test_bad_lists(void **state) {
         {"{\"frames\": [{}]}", "K_cam"},
         {"{\"frames\": 7}", "must be an array"},
     };
-    write_text("projector.json", projector);
+    write_text("projector.json", projector_list);
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         write_text("bad.json", cases[i].text);
         char bad[64], lamp[64];
@@ -393,6 +394,34 @@ static void test_bad_lists(void **state) {
     }
     const char *const alone[1] = {in_scratch("projector.json")};
     must_fail(alone, 1, "no camera");
+}
+
+// An id is what it says; a file's name gives one without folder and ending.
+static void test_names_of_views(void **state) {
+    (void)state;
+    static const struct {
+        const char *key, *names[2], *ids[2];
+    } cases[] = {{"view_id", {"cam.1", "cam.2"}, {"cam.1", "cam.2"}},
+                 {"id", {"0.5m", "0.7m"}, {"0.5m", "0.7m"}},
+                 {"img_name", {"a/img.1.png", "b/img.2.png"}, {"img.1", "img.2"}}};
+    char list[64], lamp[64], text[1024];
+    write_text("projector.json", projector_list);
+    snprintf(list, sizeof list, "%s", in_scratch("list.json"));
+    snprintf(lamp, sizeof lamp, "%s", in_scratch("projector.json"));
+    const char *const files[2] = {list, lamp};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        int length = 0;
+        for (int k = 0; k < 2; k++)
+            length +=
+                snprintf(text + length, sizeof text - (size_t)length,
+                         "%s{\"%s\": \"%s\", \"width\": 8, \"height\": 8, \"K\": [[9,0,4],[0,9,4],[0,0,1]], "
+                         "\"rotation\": [[1,0,0],[0,1,0],[0,0,1]], \"position\": [%d,0,-3]}%s",
+                         k ? ", " : "[", cases[i].key, cases[i].names[k], k, k ? "]" : "");
+        write_text("list.json", text);
+        must_read(files, 2);
+        for (int k = 0; k < 2; k++) assert_string_equal(calibration.stops[k].id, cases[i].ids[k]);
+        ffp_calibration_free(&calibration);
+    }
 }
 
 // --- The turntable. ---
@@ -441,7 +470,8 @@ int main(void) {
         cmocka_unit_test(test_bad_fields),  cmocka_unit_test(test_bad_documents),
         cmocka_unit_test(test_truncated),   cmocka_unit_test(test_two_files),
         cmocka_unit_test(test_mutated),     cmocka_unit_test(test_bad_colmap),
-        cmocka_unit_test(test_bad_lists),   cmocka_unit_test(test_turntable),
+        cmocka_unit_test(test_bad_lists),   cmocka_unit_test(test_names_of_views),
+        cmocka_unit_test(test_turntable),
     };
     return cmocka_run_group_tests(tests, scratch_setup, scratch_teardown);
 }

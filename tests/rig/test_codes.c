@@ -9,6 +9,7 @@
 #include "match/coded.h"
 #include "match/line.h"
 #include "match/match.h"
+#include "patterns/lollipop.h"
 #include "patterns/patterns.h"
 #include "graycode/graycode.h"
 #include "rig/import.h"
@@ -246,6 +247,59 @@ static void test_narrower(void **state) {
     const double middle = positions_off(&capture.views[0], 0.5, &known);
     printf("half as wide: %d pixels, off by %.3f\n", known, middle);
     assert_true(known > 1200 && middle < 0.06);
+    ffp_capture_free(&capture);
+}
+
+// A pattern cut out of what the panel shows: the codes are the whole panel's, positions those in the pattern.
+static void test_cropped_pattern(void **state) {
+    (void)state;
+    enum { LEFT = 20, TOP = 8, CUT_WIDTH = 90, CUT_HEIGHT = 70 }; // 26 codes would be enough for so many
+    static const char *const lollipop[1] = {"lollipop"};
+    static char files[2][1100];
+    FfpImage cut = ffp_lollipop_pattern(CUT_WIDTH, CUT_HEIGHT, 3),
+             panel = ffp_image_new(PANEL_WIDTH, PANEL_HEIGHT, 1);
+    for (int i = 0; i < CUT_WIDTH * CUT_HEIGHT; i++)
+        panel.data[(TOP + i / CUT_WIDTH) * PANEL_WIDTH + LEFT + i % CUT_WIDTH] =
+            ffp_srgb_decode(cut.data[(size_t)cut.channels * (size_t)i]);
+    assert_true(ffp_image_write_png(&cut, in_scratch("cut.png"), NULL));
+    photograph("lollipop.png", &panel, 1, 78);
+    snprintf(files[0], sizeof files[0], "%s/cut.png", scratch);
+    snprintf(files[1], sizeof files[1], "%s/lollipop.png", scratch);
+    const FfpProjected pattern = {lollipop[0], files[0]};
+    Call *call = call_of("cropped");
+    FfpShotFiles images[3] = {call->images[0], call->images[1], {lollipop, 1, files[1]}};
+    call->options.sources.images = images, call->options.sources.n_images = 3;
+    call->options.sources.patterns = &pattern, call->options.sources.n_patterns = 1;
+    call->options.projector = (FfpPictureSize){.fit = FFP_PICTURES_CROPPED, .left = LEFT, .top = TOP};
+    FfpCapture capture;
+    int known = 0;
+    import(&capture, call);
+    assert_int_equal(capture.views[0].projector.width, CUT_WIDTH);
+    const double middle = positions_off(&capture.views[0], 0.5, &known);
+    printf("cropped: %d pixels, off by %.3f\n", known, middle);
+    assert_true(known > 4000 && middle < 0.06);
+    ffp_capture_free(&capture);
+    ffp_image_free(&cut), ffp_image_free(&panel);
+}
+
+// Characters that wildcards are made of, in the names of files and folders.
+static void test_names_with_brackets(void **state) {
+    (void)state;
+    FfpCapture capture;
+    Call *call = call_of("brackets");
+    static char places[3][1100], command[5000];
+    snprintf(
+        command, sizeof command,
+        "cd %s && mkdir 'set[1]' 'set1' && cp photos/*.png 'set[1]' && cp white.png 'set[1]/white?.png' && "
+        "cp black.png 'set[1]/[black].png' && cp white.png set1/000.png",
+        scratch);
+    assert_int_equal(system(command), 0);
+    snprintf(places[0], sizeof places[0], "%s/set[1]/[black].png", scratch);
+    snprintf(places[1], sizeof places[1], "%s/set[1]/white?.png", scratch);
+    snprintf(places[2], sizeof places[2], "%s/set[1]/0*.png", scratch);
+    call->images[0].files = places[0], call->images[1].files = places[1];
+    call->options.sources.codes = places[2];
+    import(&capture, call);
     ffp_capture_free(&capture);
 }
 
@@ -568,9 +622,10 @@ static void test_faults(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_positions),  cmocka_unit_test(test_narrower),
-        cmocka_unit_test(test_depth),      cmocka_unit_test(test_views),
-        cmocka_unit_test(test_faults),     cmocka_unit_test(test_bad_correspondences),
+        cmocka_unit_test(test_positions),       cmocka_unit_test(test_narrower),
+        cmocka_unit_test(test_cropped_pattern), cmocka_unit_test(test_names_with_brackets),
+        cmocka_unit_test(test_depth),           cmocka_unit_test(test_views),
+        cmocka_unit_test(test_faults),          cmocka_unit_test(test_bad_correspondences),
         cmocka_unit_test(test_real_board),
     };
     return cmocka_run_group_tests(tests, setup, scratch_teardown);
