@@ -359,7 +359,7 @@ static void meshes_are_closed_and_where_the_object_is(void **state) {
         for (int k = 0; k < 6; k++) p[k] = strtod(at, &at);
         const double r = sqrt(p[0] * p[0] + p[1] * p[1] + p[2] * p[2]);
         if (fabs(p[1]) > 0.4) continue; // the poles are not seen
-        least = fmin(least, r), most = fmax(most, r), red += p[3], vertices++;
+        least = fmin(least, r), most = worse(most, r), red += p[3], vertices++;
     }
     fclose(file);
     printf("ball of %.2f: %d vertices at %.3f to %.3f\n", (double)TINY_BALL, vertices, least, most);

@@ -33,7 +33,7 @@ static double rgba_difference(const FfpImage *got, const FfpImage *want) {
         for (int c = 0; c < 4; c++) {
             const int n = want->channels;
             const double value = c == 3 && n != 4 ? 1 : want->data[i * n + (n == 1 ? 0 : c)];
-            worst = fmax(worst, fabs(value - got->data[4 * i + c]));
+            worst = worse(worst, fabs(value - got->data[4 * i + c]));
         }
     }
     return worst;
