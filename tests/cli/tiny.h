@@ -198,4 +198,27 @@ static inline void tiny_capture(const char *folder, int side) {
     tiny_json(folder, "targets.json", "novel", 2, 0.4F, side);
 }
 
+// folder/aside.json: a view without photographs, its camera and its projector farther apart than in any view
+// of the capture, all of which look alike; folder/aside.png: what the camera would see there under the
+// stripes.
+static inline void tiny_aside(const char *folder, int side, FfpCamera *camera, FfpCamera *projector) {
+    char path[FFP_PATH_MAX];
+    FfpCamera other;
+    tiny_rig(0, 0.4F, side, camera, &other);
+    tiny_rig(0, 0.9F, side, &other, projector);
+    json_t *root = tiny_root(camera, json_pack("[o]", tiny_view_at("aside", camera, projector)));
+    assert_true(ffp_join_path(path, folder, "aside.json"));
+    assert_int_equal(json_dump_file(root, path, 0), 0);
+    json_decref(root);
+    FfpImage stripes = tiny_pattern(TINY_PATTERNS - 1);
+    FfpSummed light = ffp_summed_new(&stripes);
+    FfpImage seen = tiny_photograph(camera, projector, &light);
+    ffp_image_to_srgb(&seen);
+    assert_true(ffp_join_path(path, folder, "aside.png"));
+    assert_true(ffp_image_write_png(&seen, path, NULL));
+    ffp_image_free(&seen);
+    ffp_summed_free(&light);
+    ffp_image_free(&stripes);
+}
+
 #endif
