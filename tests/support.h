@@ -23,6 +23,22 @@ static inline int shared_path(char out[1024], const char *name) {
     return 0;
 }
 
+// The larger of two errors, and no number once one of them is none, which then is below no bound: fmax would
+// leave it out.
+static inline double worse(double a, double b) {
+    return a > b || a != a ? a : b;
+}
+
+// As cmocka's, which lets pass what is infinite or no number.
+#undef assert_float_equal
+#define assert_float_equal(a, b, epsilon)                                                                    \
+    require_float((float)(a), (float)(b), (float)(epsilon), __FILE__, __LINE__)
+static inline void require_float(float a, float b, float epsilon, const char *file, int line) {
+    if (a - b <= epsilon && b - a <= epsilon) return;
+    print_error("%g is not %g\n", (double)a, (double)b);
+    _fail(file, line);
+}
+
 // At the beginning of a test that goes the way of another with other numbers: under sanitizers everything
 // takes ten times as long, and a second time they see nothing new.
 #ifdef FFP_SANITIZED

@@ -108,8 +108,8 @@ static double lens_off(const FfpOptics *found, const Device *truth, int width, i
         double ray[3], u, v;
         undistorted(truth, width * (k % 2 ? 0.8 : 0.2), height * (k / 2 ? 0.8 : 0.2), ray);
         ffp_lens_distort(found->lens, ray[0], ray[1], &u, &v);
-        most = fmax(most, hypot(found->fx * u + found->cx - 0.5 - width * (k % 2 ? 0.8 : 0.2),
-                                found->fy * v + found->cy - 0.5 - height * (k / 2 ? 0.8 : 0.2)));
+        most = worse(most, hypot(found->fx * u + found->cx - 0.5 - width * (k % 2 ? 0.8 : 0.2),
+                                 found->fy * v + found->cy - 0.5 - height * (k / 2 ? 0.8 : 0.2)));
     }
     return most;
 }

@@ -125,7 +125,7 @@ static double picture_difference(const FfpRenderSettings *settings, double *psnr
                                       w.capture.intensity, &summed, settings);
     double most = 0, brightest = 0;
     for (int i = 0; i < 3 * SIDE * SIDE; i++) {
-        most = fmax(most, fabs((double)(ours.data[i] - theirs.data[i])));
+        most = worse(most, fabs((double)(ours.data[i] - theirs.data[i])));
         brightest = fmax(brightest, (double)ours.data[i]);
     }
     assert_true(brightest > 0.4);
@@ -369,8 +369,8 @@ static void the_inverse_is_where_geometry_says(void **state) {
         real truth[2];
         if (!(inverse.data[3 * p + 2] > 0)) continue;
         true_camera_position(&w, p % PATTERN, p / PATTERN, truth);
-        most = fmax(most, hypot((double)(inverse.data[3 * p] - truth[0]),
-                                (double)(inverse.data[3 * p + 1] - truth[1])));
+        most = worse(most, hypot((double)(inverse.data[3 * p] - truth[0]),
+                                 (double)(inverse.data[3 * p + 1] - truth[1])));
         count++;
     }
     assert_true(count > PATTERN * PATTERN / 4);

@@ -283,6 +283,7 @@ static void glb_holds_gaussian_splatting(void **state) {
                     near(centre[3 * k + 2], -truth.centre[3 * i + 1]));
         assert_true(opacity[k] == truth.opacity[i] && plain[4 * k + 3] == opacity[k]);
         assert_true(fabsf(q[3] - h * (p[0] + p[1])) < 1e-6F && fabsf(q[0] - h * (p[1] - p[0])) < 1e-6F);
+        assert_true(fabsf(q[1] - h * (p[2] + p[3])) < 1e-6F && fabsf(q[2] - h * (p[3] - p[2])) < 1e-6F);
         for (int c = 0; c < 3; c++) {
             assert_true(scale[3 * k + c] == truth.scale[3 * i + c]);
             assert_true(fabs(0.5 + SH_C0 * (double)colour[3 * k + c] -
@@ -294,8 +295,19 @@ static void glb_holds_gaussian_splatting(void **state) {
     ffp_free(bytes);
 }
 
+static size_t digit_of(char c) {
+    static const char digits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    const char *at = strchr(digits, c);
+    assert_true(c != 0 && at != NULL);
+    return (size_t)(at - digits);
+}
+
 static void gltf_holds_the_same_in_one_file(void **state) {
     (void)state;
+    char *bytes, *binary;
+    run_format(&run, "export %s/tiny.ply -o %s/twin.glb", scratch, scratch);
+    must_run();
+    json_decref(read_glb("twin.glb", &bytes, &binary));
     run_format(&run, "export %s/tiny.ply -o %s/out.gltf", scratch, scratch);
     must_run();
     json_t *root = json_load_file(in_scratch("out.gltf"), 0, NULL);
@@ -306,7 +318,14 @@ static void gltf_holds_the_same_in_one_file(void **state) {
     assert_true(strncmp(uri, "data:application/octet-stream;base64,", 37) == 0);
     const size_t size = (size_t)json_integer_value(json_object_get(buffer, "byteLength"));
     assert_int_equal(strlen(uri + 37), (size + 2) / 3 * 4);
+    assert_true(size > 1000);
+    for (size_t i = 0; i < size; i++) {
+        const char *four = uri + 37 + i / 3 * 4 + i % 3; // a byte lies in two digits
+        const size_t two = digit_of(four[0]) << 6 | digit_of(four[1]);
+        assert_int_equal((unsigned char)binary[i], two >> (4 - 2 * (i % 3)) & 255);
+    }
     json_decref(root);
+    ffp_free(bytes);
 }
 
 // --- Meshes. ---
@@ -359,7 +378,7 @@ static void meshes_are_closed_and_where_the_object_is(void **state) {
         for (int k = 0; k < 6; k++) p[k] = strtod(at, &at);
         const double r = sqrt(p[0] * p[0] + p[1] * p[1] + p[2] * p[2]);
         if (fabs(p[1]) > 0.4) continue; // the poles are not seen
-        least = fmin(least, r), most = fmax(most, r), red += p[3], vertices++;
+        least = fmin(least, r), most = worse(most, r), red += p[3], vertices++;
     }
     fclose(file);
     printf("ball of %.2f: %d vertices at %.3f to %.3f\n", (double)TINY_BALL, vertices, least, most);

@@ -1,11 +1,35 @@
 // Help, version, and wrong usage.
+#include <glob.h>
 #include "base/cpu.h"
 #include "cli/program.h"
 
-static const char *const commands[] = {
-    "patterns", "import",   "align", "info",     "reconstruct", "refine", "render",    "compensate",
-    "map",      "evaluate", "bench", "generate", "train",       "view",   "calibrate", "export"};
+enum { COMMANDS_MAX = 64 };
+static char commands[COMMANDS_MAX][32]; // those that a file of the program's sources defines
+static int n_commands;
 static ProgramRun run;
+
+// The names of the commands that a file defines: they stand first in each.
+static void add_commands_of(const char *path) {
+    static const char definition[] = "\nconst FfpCommand ffp_cli_", name[] = ".name = \"";
+    char *text;
+    size_t size;
+    FfpError err = {0};
+    if (!ffp_read_file(path, 1 << 20, &text, &size, &err)) fail_msg("%s", err.text);
+    for (const char *at = text; (at = strstr(at, definition)); n_commands++) {
+        assert_true(n_commands < COMMANDS_MAX);
+        assert_non_null(at = strstr(at, name));
+        assert_int_equal(sscanf(at + strlen(name), "%31[a-z]\"", commands[n_commands]), 1);
+    }
+    ffp_free(text);
+}
+
+static int group_setup(void **state) {
+    glob_t files;
+    if (scratch_setup(state) != 0 || glob(FFP_SOURCE_DIR "/src/cli/*.c", 0, NULL, &files) != 0) return -1;
+    for (size_t i = 0; i < files.gl_pathc; i++) add_commands_of(files.gl_pathv[i]);
+    globfree(&files);
+    return n_commands < 16;
+}
 
 static void test_help_of_the_program_names_every_command(void **state) {
     (void)state;
@@ -15,9 +39,15 @@ static void test_help_of_the_program_names_every_command(void **state) {
     run_program(&run, "--help");
     assert_int_equal(run.status, 0);
     assert_string_equal(run.err, "");
-    for (size_t i = 0; i < sizeof commands / sizeof *commands; i++) {
+    const char *end = strstr(run.out, "\n  -"); // options
+    assert_non_null(end);
+    int named = 0;
+    for (const char *at = run.out; (at = strstr(at, "\n  ")) && at < end; at++)
+        named += at[3] >= 'a' && at[3] <= 'z';
+    assert_int_equal(named, n_commands);
+    for (int i = 0; i < n_commands; i++) {
         char line[64];
-        snprintf(line, sizeof line, "\n  %s ", commands[i]);
+        snprintf(line, sizeof line, "\n  %.31s ", commands[i]);
         assert_non_null(strstr(run.out, line));
     }
     for (size_t i = 0; i < sizeof groups / sizeof *groups; i++) assert_non_null(strstr(run.out, groups[i]));
@@ -28,8 +58,8 @@ static void test_help_of_the_program_names_every_command(void **state) {
 // It begins with a sentence and ends with examples, and no line is wider than a terminal.
 static void check_help(const char *command) {
     char usage[64], example[64];
-    snprintf(usage, sizeof usage, ".\n\nusage: ffprocams %s", command);
-    snprintf(example, sizeof example, "\n  ffprocams %s ", command);
+    snprintf(usage, sizeof usage, ".\n\nusage: ffprocams %.31s", command);
+    snprintf(example, sizeof example, "\n  ffprocams %.31s ", command);
     const char *first_line = strchr(run.out, '\n');
     assert_non_null(first_line);
     assert_true(run.out[0] >= 'A' && run.out[0] <= 'Z');
@@ -46,9 +76,9 @@ static void check_help(const char *command) {
 
 static void test_every_command_has_help_with_an_example(void **state) {
     (void)state;
-    for (size_t i = 0; i < sizeof commands / sizeof *commands; i++) {
+    for (int i = 0; i < n_commands; i++) {
         char arguments[64];
-        snprintf(arguments, sizeof arguments, "%s --help", commands[i]);
+        snprintf(arguments, sizeof arguments, "%.31s --help", commands[i]);
         run_program(&run, arguments);
         assert_int_equal(run.status, 0);
         assert_string_equal(run.err, "");
@@ -244,5 +274,5 @@ int main(void) {
         cmocka_unit_test(test_output_that_cannot_be_written_is_an_error),
         cmocka_unit_test(test_kernels_that_cannot_run_here_are_an_error),
     };
-    return cmocka_run_group_tests(tests, scratch_setup, scratch_teardown);
+    return cmocka_run_group_tests(tests, group_setup, scratch_teardown);
 }

@@ -121,6 +121,27 @@ static inline json_t *tiny_matrix(const FfpCamera *device) {
     return rows;
 }
 
+// A view without photographs.
+static inline json_t *tiny_view_at(const char *id, const FfpCamera *camera, const FfpCamera *projector) {
+    json_t *view =
+        json_pack("{s:s,s:o,s:o,s:f,s:f,s:f,s:f}", "view_id", id, "c2w", tiny_matrix(camera), "p2w",
+                  tiny_matrix(projector), "proj_fx", (double)projector->fx, "proj_fy", (double)projector->fy,
+                  "proj_cx", (double)projector->cx, "proj_cy", (double)projector->cy);
+    assert_non_null(view);
+    return view;
+}
+
+// A capture or targets, of views with that camera.
+static inline json_t *tiny_root(const FfpCamera *camera, json_t *views) {
+    json_t *root =
+        json_pack("{s:s,s:{s:i,s:i,s:f,s:f,s:f,s:f},s:{s:f,s:i,s:i},s:o}", "scene_name", "tiny", "camera",
+                  "h", camera->height, "w", camera->width, "fx", (double)camera->fx, "fy", (double)camera->fy,
+                  "cx", (double)camera->cx, "cy", (double)camera->cy, "projector", "projector_energy", 50.0,
+                  "pattern_w", TINY_PATTERN, "pattern_h", TINY_PATTERN, "views", views);
+    assert_non_null(root);
+    return root;
+}
+
 static inline json_t *tiny_view(const char *folder, const char *id, const FfpCamera *camera,
                                 const FfpCamera *projector) {
     json_t *patterns = json_array();
@@ -139,10 +160,9 @@ static inline json_t *tiny_view(const char *folder, const char *id, const FfpCam
         json_array_append_new(patterns,
                               json_pack("{s:s,s:s}", "file_path", name, "projector_image", tiny_patterns[p]));
     }
-    return json_pack("{s:s,s:o,s:o,s:f,s:f,s:f,s:f,s:o}", "view_id", id, "c2w", tiny_matrix(camera), "p2w",
-                     tiny_matrix(projector), "proj_fx", (double)projector->fx, "proj_fy",
-                     (double)projector->fy, "proj_cx", (double)projector->cx, "proj_cy",
-                     (double)projector->cy, "patterns", patterns);
+    json_t *view = tiny_view_at(id, camera, projector);
+    json_object_set_new(view, "patterns", patterns);
+    return view;
 }
 
 static inline void tiny_json(const char *folder, const char *file, const char *prefix, int views, float turn,
@@ -156,12 +176,7 @@ static inline void tiny_json(const char *folder, const char *file, const char *p
         tiny_rig(v, turn, side, &camera, &projector);
         json_array_append_new(list, tiny_view(folder, id, &camera, &projector));
     }
-    json_t *root =
-        json_pack("{s:s,s:{s:i,s:i,s:f,s:f,s:f,s:f},s:{s:f,s:i,s:i},s:o}", "scene_name", "tiny", "camera",
-                  "h", side, "w", side, "fx", (double)camera.fx, "fy", (double)camera.fy, "cx",
-                  (double)camera.cx, "cy", (double)camera.cy, "projector", "projector_energy", 50.0,
-                  "pattern_w", TINY_PATTERN, "pattern_h", TINY_PATTERN, "views", list);
-    assert_non_null(root);
+    json_t *root = tiny_root(&camera, list);
     assert_true(ffp_join_path(path, folder, file));
     assert_int_equal(json_dump_file(root, path, JSON_INDENT(1)), 0);
     json_decref(root);
@@ -181,6 +196,29 @@ static inline void tiny_capture(const char *folder, int side) {
     }
     tiny_json(folder, "render_poses.json", "view", TINY_VIEWS, 0, side);
     tiny_json(folder, "targets.json", "novel", 2, 0.4F, side);
+}
+
+// folder/aside.json: a view without photographs, its camera and its projector farther apart than in any view
+// of the capture, all of which look alike; folder/aside.png: what the camera would see there under the
+// stripes.
+static inline void tiny_aside(const char *folder, int side, FfpCamera *camera, FfpCamera *projector) {
+    char path[FFP_PATH_MAX];
+    FfpCamera other;
+    tiny_rig(0, 0.4F, side, camera, &other);
+    tiny_rig(0, 0.9F, side, &other, projector);
+    json_t *root = tiny_root(camera, json_pack("[o]", tiny_view_at("aside", camera, projector)));
+    assert_true(ffp_join_path(path, folder, "aside.json"));
+    assert_int_equal(json_dump_file(root, path, 0), 0);
+    json_decref(root);
+    FfpImage stripes = tiny_pattern(TINY_PATTERNS - 1);
+    FfpSummed light = ffp_summed_new(&stripes);
+    FfpImage seen = tiny_photograph(camera, projector, &light);
+    ffp_image_to_srgb(&seen);
+    assert_true(ffp_join_path(path, folder, "aside.png"));
+    assert_true(ffp_image_write_png(&seen, path, NULL));
+    ffp_image_free(&seen);
+    ffp_summed_free(&light);
+    ffp_image_free(&stripes);
 }
 
 #endif

@@ -65,8 +65,8 @@ static void test_late_values(void **state) {
     double here[TERMS] = {0}, at_once[TERMS] = {0}, late[TERMS] = {0};
     Maps m = maps_new();
     ffp_losses_late();
-    add_all(&m, here); // the CPU does not wait
-    check(here, here, 1);
+    add_all(&m, here);
+    for (int k = 0; k < TERMS; k++) assert_true(here[k] != 0); // the CPU does not wait
     ffp_losses_settle();
     maps_free(&m);
     ffp_device_use(device);

@@ -121,7 +121,7 @@ static void a_raw_photograph_is_linear_light(void **state) {
             for (int c = 0; c < 3; c++) {
                 const real got = rgb.data[3 * (HEIGHT / 2 * WIDTH + WIDTH / 4 + side * WIDTH / 2) + c];
                 const double want = (side ? colour_right : colour_left)[c];
-                if (fabs((double)got - want) > 0.01)
+                if (!(fabs((double)got - want) <= 0.01))
                     fail_msg("side %d, channel %d: %g, not %g", side, c, (double)got, want);
             }
         ffp_image_free(&rgb);
@@ -182,7 +182,7 @@ static void expect_mean(const char *path, bool linear, int first, int last) {
     assert_int_equal(developed.films, 1);
     assert_int_equal(developed.frames, last - first + 1);
     for (int i = 0; i < 3 * WIDTH * HEIGHT; i++)
-        if (fabs((double)rgb.data[i] - mean) > 1e-4) fail_msg("%g, not %g", (double)rgb.data[i], mean);
+        if (!(fabs((double)rgb.data[i] - mean) <= 1e-4)) fail_msg("%g, not %g", (double)rgb.data[i], mean);
     ffp_image_free(&rgb);
 }
 

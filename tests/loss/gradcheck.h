@@ -29,7 +29,7 @@ static inline real *new_gradient(size_t count) {
 static inline void check_gradient(const char *what, double (*f)(void *), void *context, real *x,
                                   const real *grad, int count, int every, double h, double tolerance) {
     double largest = 0;
-    for (int i = 0; i < count; i++) largest = fmax(largest, fabs(grad[i] - GRAD_START));
+    for (int i = 0; i < count; i++) largest = worse(largest, fabs(grad[i] - GRAD_START));
     if (!(largest > 0)) fail_msg("%s: no gradient at all", what);
     for (int i = 0; i < count; i += every) {
         const real kept = x[i];

@@ -51,7 +51,7 @@ static void plain_conv(real *y, real *x, const real *w, const FfpConv *s, const 
 
 static double largest_difference(const real *a, const real *b, size_t count) {
     double largest = 0;
-    for (size_t i = 0; i < count; i++) largest = fmax(largest, fabs(a[i] - b[i]));
+    for (size_t i = 0; i < count; i++) largest = worse(largest, fabs(a[i] - b[i]));
     return largest;
 }
 

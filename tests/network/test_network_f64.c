@@ -56,7 +56,7 @@ static void check_direction(FfpModel *model, FfpRun *run, const Scene *s, const 
     ffp_free(kept);
     const double numeric = (above - below) / (2 * step),
                  analytic = dot(grad + p->offset, direction, p->count);
-    if (fabs(numeric - analytic) > 2e-6 * fmax(fabs(numeric), fabs(analytic)) + 2e-6) {
+    if (!(fabs(numeric - analytic) <= 2e-6 * fmax(fabs(numeric), fabs(analytic)) + 2e-6)) {
         print_error("%s %s: numeric %.10g, analytic %.10g\n", model->config.modules, p->name, numeric,
                     analytic);
         fail();

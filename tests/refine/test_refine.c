@@ -221,7 +221,7 @@ static void test_a_polish_returns_the_mean_of_its_last_steps(void **state) {
             centre += (double)last[k].centre[i] / LAST, log_scale += log((double)last[k].scale[i]) / LAST;
         assert_float_equal(mean.centre[i], centre, 1e-5);
         assert_float_equal(log((double)mean.scale[i]), log_scale, 1e-4);
-        moved = fmax(moved, fabs((double)last[0].scale[i] / (double)last[LAST - 1].scale[i] - 1));
+        moved = worse(moved, fabs((double)last[0].scale[i] / (double)last[LAST - 1].scale[i] - 1));
     }
     assert_true(moved > 0.01);
     for (int i = 0; i < LAST; i++) ffp_gaussians_free(&last[i]);
@@ -428,26 +428,49 @@ static void test_density_doubles_and_removes(void **state) {
     ffp_gaussians_free(&g);
 }
 
+// Row i of neighbours against all distances: each of another point, at its own distance, and as far as the
+// k-th nearest is.
+static void check_neighbours(const real *points, int count, int k, int i, const int64_t *row,
+                             const real *squared) {
+    static real sorted[500];
+    int others = 0;
+    for (int j = 0; j < count; j++) {
+        if (j == i) continue;
+        const real d[3] = {points[3 * i] - points[3 * j], points[3 * i + 1] - points[3 * j + 1],
+                           points[3 * i + 2] - points[3 * j + 2]};
+        const real distance = ffp_dot3(d, d);
+        int at = others++;
+        for (; at > 0 && sorted[at - 1] > distance; at--) sorted[at] = sorted[at - 1];
+        sorted[at] = distance;
+        for (int n = 0; n < k; n++)
+            if (row[n] == j) assert_true(fabs(squared[n] - distance) <= 1e-6F * distance);
+    }
+    for (int n = 0; n < k; n++) {
+        if (n >= others) {
+            assert_true(row[n] == -1 && squared[n] == (real)INFINITY);
+            continue;
+        }
+        assert_true(row[n] >= 0 && row[n] < count && row[n] != i);
+        for (int m = 0; m < n; m++) assert_true(row[m] != row[n]);
+        assert_true(fabs(squared[n] - sorted[n]) <= 1e-6F * sorted[n]);
+    }
+}
+
 static void test_neighbours_are_those_of_brute_force(void **state) {
     (void)state;
     enum { COUNT = 500, K = 5 };
+    static const int counts[] = {COUNT, 3};
     static real points[3 * COUNT], squared[K * COUNT];
-    static int64_t neighbour[K * COUNT];
+    static int64_t neighbour[K * COUNT], alone[K * COUNT];
     FfpRng rng = ffp_rng(3, 1);
     for (int i = 0; i < 3 * COUNT; i++) points[i] = ffp_rng_range(&rng, -1.5F, 1.5F); // some outside
-    ffp_neighbours(points, COUNT, K, neighbour, squared);
-    for (int i = 0; i < COUNT; i++) {
-        int nearer = 0;
-        for (int j = 0; j < COUNT; j++) {
-            const real d[3] = {points[3 * i] - points[3 * j], points[3 * i + 1] - points[3 * j + 1],
-                               points[3 * i + 2] - points[3 * j + 2]};
-            nearer += j != i && ffp_dot3(d, d) < squared[K * i + K - 1];
-        }
-        assert_int_equal(nearer, K - 1);
-        for (int k = 1; k < K; k++) assert_true(squared[K * i + k] >= squared[K * i + k - 1]);
+    for (int c = 0; c < 2; c++) {
+        ffp_neighbours(points, counts[c], K, neighbour, squared);
+        for (int i = 0; i < counts[c]; i++)
+            check_neighbours(points, counts[c], K, i, neighbour + K * i, squared + K * i);
+        ffp_neighbours(points, counts[c], K, alone, NULL);
+        assert_memory_equal(alone, neighbour, sizeof *alone * K * (size_t)counts[c]);
     }
-    ffp_neighbours(points, 3, K, neighbour, squared);
-    assert_true(neighbour[1] >= 0 && neighbour[2] == -1);
 }
 
 // Steps far too long destroy a fit. What was there before is then kept, bit for bit.

@@ -29,12 +29,12 @@ static inline void check_field(const char *what, const Field *field, const real 
         const double numeric = (above - below) / (2 * STEP);
         const double scale = fmax(fmax(fabs(numeric), fabs(analytic[i])), fmax(0.01 * largest, 1e-3));
         const double error = fabs(numeric - analytic[i]) / scale;
-        if (error > TOLERANCE)
+        if (!(error <= TOLERANCE))
             print_message("%s %s[%ld]: analytic %.10g, numeric %.10g\n", what, field->name, (long)i,
                           analytic[i], numeric);
-        worst = fmax(worst, error);
+        worst = worse(worst, error);
     }
-    if (worst > TOLERANCE) fail_msg("%s: %s is off by %.3g", what, field->name, worst);
+    if (!(worst <= TOLERANCE)) fail_msg("%s: %s is off by %.3g", what, field->name, worst);
 }
 
 static inline double weighted(const FfpGbuffer *g, const FfpGbuffer *weights) {

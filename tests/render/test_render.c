@@ -153,7 +153,7 @@ static void check_against_brute_force(const FfpGaussians *g, FfpCamera camera, F
             const int k = i % 13, level = i / 13;
             if (k == 0) gbuffer_pixel(&out[level], p, got);
             // fp32: a flat splat's exponent is a difference of large terms
-            if (fabs(got[k] - want[k]) > (near ? 0.03 : 5e-5 * (1 + fabs(want[k]))))
+            if (!(fabs(got[k] - want[k]) <= (near ? 0.03 : 5e-5 * (1 + fabs(want[k])))))
                 fail_msg("%s, pixel %d channel %d: %g, brute force %g", ffp_cpu_name((FfpCpuLevel)level), p,
                          k, got[k], want[k]);
         }

@@ -72,7 +72,7 @@ static void assert_shape(const FfpMesh *mesh) {
     double furthest = 0;
     for (int i = 0; i < mesh->n_vertices; i++) {
         const float *p = mesh->positions + 3 * i, *n = mesh->normals + 3 * i;
-        furthest = fmax(furthest, sqrt((double)p[0] * p[0] + (double)p[1] * p[1] + (double)p[2] * p[2]));
+        furthest = worse(furthest, sqrt((double)p[0] * p[0] + (double)p[1] * p[1] + (double)p[2] * p[2]));
         assert_float_equal(n[0] * n[0] + n[1] * n[1] + n[2] * n[2], 1, 1e-4);
     }
     assert_true(furthest <= FFP_MESH_RADIUS && furthest > 0.999 * FFP_MESH_RADIUS);

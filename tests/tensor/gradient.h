@@ -32,9 +32,8 @@ static inline void check_gradient(const char *name, double (*loss)(void *), void
             *value = kept;
             const double expected = (above - below) / (2 * step);
             const double found = (double)analytic[row * stride + i] - before;
-            worst = fmax(worst, fabs(found - expected));
-            largest = fmax(largest, fabs(expected));
-            if (isnan(found)) worst = INFINITY;
+            worst = worse(worst, fabs(found - expected));
+            largest = worse(largest, fabs(expected));
         }
     }
     printf("%-28s largest %.3g, worst error %.2g\n", name, largest, worst);

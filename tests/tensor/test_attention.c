@@ -164,8 +164,8 @@ static void powers_of_two(void **state) {
     double worst = 0, worst_short = 0;
     for (double x = -125; x < 127; x += 1e-4) {
         const double expected = exp2((double)(float)x);
-        worst = fmax(worst, fabs((double)ffp_exp2_f32((float)x) - expected) / expected);
-        worst_short = fmax(worst_short, fabs((double)ffp_exp2_short((float)x) - expected) / expected);
+        worst = worse(worst, fabs((double)ffp_exp2_f32((float)x) - expected) / expected);
+        worst_short = worse(worst_short, fabs((double)ffp_exp2_short((float)x) - expected) / expected);
     }
     printf("2^x: worst relative error %.2g, short %.2g\n", worst, worst_short);
     assert_true(worst < 2.5e-7 && worst_short < 7.6e-5);

@@ -14,7 +14,7 @@ static void exponential(void **state) {
     double worst = 0;
     for (double x = -87; x <= 88; x += 1e-4) {
         const double expected = exp((double)(float)x);
-        worst = fmax(worst, fabs((double)ffp_exp((float)x) - expected) / expected);
+        worst = worse(worst, fabs((double)ffp_exp((float)x) - expected) / expected);
     }
     printf("exp: worst relative error %.2g\n", worst);
     assert_true(worst < 2e-7);
@@ -34,7 +34,7 @@ static double worst_silu(const float *x, float *y, int rows, int channels, const
     for (int i = 0; i < rows * channels; i++) {
         const double at = (double)x[i], expected = at / (1 + exp(-at));
         if (at >= -87)
-            worst = fmax(worst, fabs((double)y[i] - expected) / (fabs(expected) + 1e-38));
+            worst = worse(worst, fabs((double)y[i] - expected) / (fabs(expected) + 1e-38));
         else
             assert_true(y[i] <= 0 && y[i] > -1e-35F);
     }
@@ -72,10 +72,10 @@ static void check_normal(void) {
     for (int i = 0; i < COUNT; i++) {
         const double at = (double)x[i], expected = 0.5 * erfc(-at / sqrt(2.0));
         const double peak = exp(-0.5 * at * at) / sqrt(2 * acos(-1.0));
-        worst = fmax(worst, fabs((double)ffp_normal(x[i], &density) - expected));
-        worst_density = fmax(worst_density, fabs((double)density - peak));
-        worst_gelu = fmax(worst_gelu, fabs((double)y[i] - at * expected) / fmax(1, fabs(at)));
-        worst_slope = fmax(worst_slope, fabs((double)slope[i] - expected - at * peak));
+        worst = worse(worst, fabs((double)ffp_normal(x[i], &density) - expected));
+        worst_density = worse(worst_density, fabs((double)density - peak));
+        worst_gelu = worse(worst_gelu, fabs((double)y[i] - at * expected) / fmax(1, fabs(at)));
+        worst_slope = worse(worst_slope, fabs((double)slope[i] - expected - at * peak));
     }
     printf("%s: normal: worst error %.2g, density %.2g, gelu %.2g, its slope %.2g\n",
            ffp_cpu_name(ffp_cpu_level()), worst, worst_density, worst_gelu, worst_slope);

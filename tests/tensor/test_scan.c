@@ -80,7 +80,7 @@ static double relative_error(const float *found, size_t ld, const double *expect
 // A sum over all rows whose terms have both signs may come out near zero: its error is measured by the terms.
 static double sum_error(const float *found, const double *expected, const double *size, size_t count) {
     double worst = 0;
-    for (size_t i = 0; i < count; i++) worst = fmax(worst, fabs((double)found[i] - expected[i]) / size[i]);
+    for (size_t i = 0; i < count; i++) worst = worse(worst, fabs((double)found[i] - expected[i]) / size[i]);
     return worst;
 }
 
