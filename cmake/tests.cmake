@@ -1,6 +1,6 @@
 # tests/<room>/test_*.c are programs of their own; *_f64.c among them see the double build of the rooms.
 if(CMOCKA_FOUND)
-  foreach(room base image patterns tensor capture denoise gaussians match network render loss synth train bench rig align refine field apply export api eval cli cuda)
+  foreach(room base image patterns tensor capture denoise gaussians match network render loss synth train bench rig calibrate align refine field apply export api eval cli cuda)
     if(NOT room STREQUAL "cli" AND NOT TARGET ffp_${room})
       continue()
     endif()

@@ -21,7 +21,7 @@
 #define FOCAL_VAGUE 0.02    // and where that is worth a warning
 #define OPEN_PIXELS 1.0     // at the corner of the picture: a lens term no better known than that
 #define GUESS_FOCAL 1.2     // of the picture's longer side: to see whether boards are parallel
-enum { ROUNDS = 12 };
+enum { ROUNDS = 12 };       // in which corners change and no attitude falls out
 
 const char *const ffp_term_names[FFP_TERMS] = {"fx", "fy", "cx", "cy", "k1", "k2", "p1", "p2", "k3"};
 static const char *const device_names[2] = {"camera", "projector"};
@@ -313,18 +313,24 @@ static bool fit_pair(FfpRigFit *fit, bool *changed, FfpError *err) {
     return ok;
 }
 
-// Round after round until nothing falls out or comes back any more.
+// Round after round until nothing falls out or comes back any more, and camera and projector together last.
+// A round that does not end it leaves an attitude out, or is one of those in which corners alone changed:
+// of these there are ROUNDS at the most, since corners at the limit may come and go without end.
 static bool fit_all(FfpRigFit *fit, FfpError *err) {
-    const FfpTask task = ffp_task("calibrating", ROUNDS);
-    bool ok = true, changed = true;
-    for (int round = 0; ok && changed && round < ROUNDS; round++) {
-        bool again[3] = {false, false, false};
+    const FfpTask task = ffp_task("calibrating", ROUNDS + fit->n);
+    bool ok = true, done = false;
+    for (int round = 0, restless = 0; ok && !done; round++) {
+        bool changed[3] = {false, false, true};
         ffp_cancel_point();
         check_counts(fit);
-        ok = enough(fit, err) && check_parallel(fit, err) && fit_device(fit, 0, &again[0], err) &&
-             enough(fit, err) && fit_device(fit, 1, &again[1], err);
-        changed = again[0] || again[1];
-        if (ok && !changed) ok = fit_pair(fit, &changed, err);
+        const int before = ffp_attitudes_used(fit);
+        ok = enough(fit, err) && check_parallel(fit, err) && fit_device(fit, 0, &changed[0], err) &&
+             enough(fit, err) && fit_device(fit, 1, &changed[1], err);
+        const bool dropped = ffp_attitudes_used(fit) < before;
+        if (!dropped && (changed[0] || changed[1])) restless++;
+        const bool settled = !dropped && ((!changed[0] && !changed[1]) || restless >= ROUNDS);
+        if (ok && settled) ok = fit_pair(fit, &changed[2], err);
+        done = !changed[2];
         ffp_task_step(&task, round + 1, NULL);
     }
     ffp_task_end(&task);

@@ -7,7 +7,7 @@
 #include "base/motion.h"
 #include "rig/lens.h"
 
-enum { DESCENT_STEPS = 60, RAY_STEPS = 30 };
+enum { DESCENT_STEPS = 60 };
 
 // --- Least squares. ---
 
@@ -90,15 +90,9 @@ double ffp_descend(const FfpDescent *p, double *covariance) {
 
 // --- A device. ---
 
-void ffp_device_ray(const FfpCvDevice *device, const double pixel[2], double ray[2]) {
+bool ffp_device_ray(const FfpCvDevice *device, const double pixel[2], double ray[2]) {
     const double *m = device->matrix;
-    const double x = (pixel[0] - m[2]) / m[0], y = (pixel[1] - m[5]) / m[4];
-    ray[0] = x, ray[1] = y;
-    for (int i = 0; i < RAY_STEPS; i++) {
-        double u, v;
-        ffp_lens_distort(device->lens, ray[0], ray[1], &u, &v);
-        ray[0] += x - u, ray[1] += y - v;
-    }
+    return ffp_lens_undistort(device->lens, (pixel[0] - m[2]) / m[0], (pixel[1] - m[5]) / m[4], ray);
 }
 
 void ffp_device_project(const FfpCvDevice *device, const double point[3], double pixel[2]) {
@@ -171,13 +165,15 @@ bool ffp_board_pose(const FfpBoard *board, const FfpCvDevice *camera, const FfpA
            *rays = ffp_alloc((size_t)a->n, 2 * sizeof *rays);
     unsigned char *inside = ffp_alloc((size_t)a->n, 1);
     double h[9];
+    int n = 0; // corners that have a ray
     for (int i = 0; i < a->n; i++) {
         double point[3];
         ffp_board_point(board, i, point);
-        flat[2 * i] = point[0], flat[2 * i + 1] = point[1];
-        ffp_device_ray(camera, a->camera + 2 * (size_t)i, rays + 2 * (size_t)i);
+        flat[2 * n] = point[0], flat[2 * n + 1] = point[1];
+        n += ffp_device_ray(camera, a->camera + 2 * (size_t)i, rays + 2 * (size_t)n);
     }
-    const bool ok = ffp_cv_homography(flat, rays, a->n, 10 / camera->matrix[0], h, inside, found, err);
+    *found = false;
+    const bool ok = n < 4 || ffp_cv_homography(flat, rays, n, 10 / camera->matrix[0], h, inside, found, err);
     ffp_free(flat), ffp_free(rays), ffp_free(inside);
     if (!ok || !*found) return ok;
     PoseState s = {board, camera, a->camera, a->n, {0}, {0}};

@@ -21,8 +21,8 @@ typedef struct FfpDescent {
 } FfpDescent;
 double ffp_descend(const FfpDescent *problem, double *covariance);
 
-// The ray (x, y, 1) that a device sees at a pixel (fixed-point iteration of its lens).
-void ffp_device_ray(const FfpCvDevice *device, const double pixel[2], double ray[2]);
+// The ray (x, y, 1) that a device sees at a pixel; false where its lens has none.
+bool ffp_device_ray(const FfpCvDevice *device, const double pixel[2], double ray[2]);
 // Where it sees a point of its frame.
 void ffp_device_project(const FfpCvDevice *device, const double point[3], double pixel[2]);
 

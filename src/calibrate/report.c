@@ -84,13 +84,15 @@ static double enlargement(double rms, double width, double height) {
     return ARROW * fmax(width, height) / fmax(rms, 0.01);
 }
 
-// A dot at a corner and, where it has a place in the fit, its error as an arrow.
+// A dot at a corner and, where it has a place in the fit, its error as an arrow. Drawings have a pixel's
+// centre half a pixel from its corner.
 static void put_corner(FILE *out, const double at[2], const double off[2], unsigned char state, double scale,
                        double size) {
-    fprintf(out, "<circle cx=%.1f cy=%.1f r=%.1f fill='%s'/>", at[0], at[1], size, state_colours[state]);
+    const double x = at[0] + 0.5, y = at[1] + 0.5;
+    fprintf(out, "<circle cx=%.1f cy=%.1f r=%.1f fill='%s'/>", x, y, size, state_colours[state]);
     if (state == FFP_CORNER_USED || state == FFP_CORNER_FAR)
-        fprintf(out, "<path d='M%.1f %.1fl%.1f %.1f' stroke='%s' stroke-width=%.1f />", at[0], at[1],
-                scale * off[0], scale * off[1], state_colours[state], 0.6 * size);
+        fprintf(out, "<path d='M%.1f %.1fl%.1f %.1f' stroke='%s' stroke-width=%.1f />", x, y, scale * off[0],
+                scale * off[1], state_colours[state], 0.6 * size);
 }
 
 static bool put_picture(FILE *out, const FfpImage *picture, double width, double height, FfpError *err) {

@@ -18,7 +18,9 @@ static void close_folder(void *folder) {
 }
 
 static int compare(const void *a, const void *b) {
-    return ffp_natural_order(*(const char *const *)a, *(const char *const *)b);
+    const char *x = *(const char *const *)a, *y = *(const char *const *)b;
+    const int order = ffp_natural_order(x, y);
+    return order != 0 ? order : strcmp(x, y); // "1.png" and "01.png"
 }
 
 // What of a folder is wanted: pictures, or folders. Paths in natural order, [*n].

@@ -2,6 +2,7 @@
 
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include "base/alloc.h"
 #include "base/call.h"
@@ -15,7 +16,7 @@
 #define RIVAL_LEAST 0.01 // of the disagreement: radians
 #define STOP_FAR 4       // times the median of the stops' root mean squares
 #define STOP_LEAST 1.0   // pixels
-enum { TURNS = 8, BASES = 6 };
+enum { TURNS = 8 };
 
 // The board's frame turned into itself: corners may be numbered from any of them, and either way round. The
 // first four serve every board, the others square ones.
@@ -223,11 +224,17 @@ static int corners_of(const Table *table) {
     return table->board->columns * table->board->rows;
 }
 
+static int ascending(const void *a, const void *b) {
+    const double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
 // Leaves out the stop that is farthest out of line; false when none is.
 static bool drop_stop(Table *table) {
     const double none[NUMBERS] = {0};
     const int n = corners_of(table);
-    double *off = ffp_alloc((size_t)table->n * (size_t)n, 2 * sizeof *off), sum = 0, most = 0;
+    double *off = ffp_alloc((size_t)table->n * (size_t)n, 2 * sizeof *off), most = 0;
+    double *sorted = ffp_alloc((size_t)table->n, sizeof *sorted);
     int worst = 0;
     differences(table, none, off);
     for (int i = 0; i < table->n; i++) {
@@ -236,17 +243,19 @@ static bool drop_stop(Table *table) {
         FfpAttitude *a = table->stops[i].attitude;
         memcpy(a->camera_off, off + 2 * (size_t)n * (size_t)i, 2 * (size_t)n * sizeof *off);
         for (int k = 0; k < 2 * n; k++) a->camera_off[k] = -a->camera_off[k]; // found minus expected
-        a->camera_rms = sqrt(square / n);
-        sum += a->camera_rms;
+        sorted[i] = a->camera_rms = sqrt(square / n);
         if (a->camera_rms > most) most = a->camera_rms, worst = i;
     }
-    ffp_free(off);
-    const double others = (sum - most) / fmax(1, table->n - 1);
-    if (table->n <= FFP_TABLE_STOPS_LEAST || most < fmax(STOP_LEAST, STOP_FAR * others)) return false;
+    qsort(sorted, (size_t)table->n, sizeof *sorted, ascending);
+    const double middle = sorted[table->n / 2];
+    ffp_free(off), ffp_free(sorted);
+    if (table->n <= FFP_TABLE_STOPS_LEAST || most < fmax(STOP_LEAST, STOP_FAR * middle)) return false;
     FfpAttitude *a = table->stops[worst].attitude;
-    snprintf(a->problem, sizeof a->problem,
-             "its corners are %.1f pixels (rms) away from where axis and angle put them, the others' %.2f",
-             most, others);
+    snprintf(
+        a->problem, sizeof a->problem,
+        "its corners are %.1f pixels (rms) away from where axis and angle put them, the others' typically "
+        "%.2f",
+        most, middle);
     memmove(table->stops + worst, table->stops + worst + 1, (size_t)(table->n - worst - 1) * sizeof(Stop));
     table->n--;
     return true;
@@ -295,6 +304,8 @@ static bool read_stops(FfpTableFit *fit, Table *table, const FfpShotFolder *fold
         ok = read_stop(fit, table->board, table->camera, folder->files[i], i, err);
         if (ok && !a->problem[0])
             ok = ffp_board_pose(table->board, table->camera, a, &stop->pose, &found, err);
+        if (ok && !found && !a->problem[0])
+            snprintf(a->problem, sizeof a->problem, "its corners lie in no plane before this camera");
         if (found) {
             stop->attitude = a, stop->angle = fit->angles[i] * FFP_PI_DOUBLE / 180;
             table->n++;

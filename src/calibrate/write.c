@@ -7,6 +7,7 @@
 #include "base/file.h"
 #include "base/text.h"
 #include "calibrate/calibrate.h"
+#include "capture/fields.h"
 
 typedef struct Writer {
     FILE *out;
@@ -52,20 +53,37 @@ static void put_number(Writer *w, const char *key, double value) {
         fprintf(w->out, "<%s>%.17g</%s>\n", key, value, key);
 }
 
-// A text in quotes, which both forms read as one.
+// Bytes of the character of UTF-8 that a text begins with; 0 where it begins with none, or with one that XML
+// or YAML does not take.
+static size_t character(const char *text) {
+    char copy[5] = {text[0]};
+    const unsigned char first = (unsigned char)text[0];
+    const size_t n = first < 0x80 ? 1 : first < 0xe0 ? 2 : first < 0xf0 ? 3 : 4;
+    for (size_t i = 1; i < n && copy[i - 1] != 0; i++) copy[i] = text[i];
+    const bool control = first < 32 || first == 127 || (first == 0xc2 && (unsigned char)copy[1] < 0xa0);
+    const bool mark = strcmp(copy, "\xef\xbb\xbf") == 0 || strcmp(copy, "\xef\xbf\xbe") == 0 ||
+                      strcmp(copy, "\xef\xbf\xbf") == 0;
+    return control || mark || !ffp_is_utf8(copy) ? 0 : n;
+}
+
+// A text in quotes, which both forms read as one; `?` for what they cannot hold.
 static void put_text(Writer *w, const char *key, const char *text) {
     begin_line(w);
     if (w->yaml)
         fprintf(w->out, "%s: \"", key);
     else
         fprintf(w->out, "<%s>\"", key);
-    for (const char *at = text; *at; at++) {
-        if (w->yaml && (*at == '"' || *at == '\\'))
+    for (const char *at = text; *at;) {
+        const size_t n = character(at);
+        if (n == 0)
+            fputc('?', w->out);
+        else if (w->yaml && (*at == '"' || *at == '\\'))
             fprintf(w->out, "\\%c", *at);
         else if (!w->yaml && strchr("<>&\"", *at))
             fprintf(w->out, "&#%d;", *at);
         else
-            fputc((unsigned char)*at < 32 ? '?' : *at, w->out);
+            fwrite(at, 1, n, w->out);
+        at += n > 0 ? n : 1;
     }
     if (w->yaml)
         fputs("\"\n", w->out);

@@ -18,13 +18,6 @@ int ffp_gray_photographs(int width, int height) {
     return 2 * (ffp_gray_code_bits(width) + ffp_gray_code_bits(height));
 }
 
-void ffp_gray_name(int width, int height, int index, char name[32]) {
-    const int columns = ffp_gray_code_bits(width), pair = index / 2;
-    (void)height;
-    snprintf(name, 32, "gray_%c_%02d%s", pair < columns ? 'x' : 'y', pair < columns ? pair : pair - columns,
-             index % 2 ? "_inverse" : "");
-}
-
 const char *ffp_gray_photograph(const FfpGrayDecoder *d, int axis, int bit, int inverse) {
     return d->from->codes[2 * ((axis ? d->bits[0] : 0) + bit) + inverse];
 }

@@ -31,8 +31,6 @@ typedef struct FfpGrayPhotographs {
         *region; // [h,w,1] not 0 where it is looked at whether they belong together; NULL: anywhere
 } FfpGrayPhotographs;
 int ffp_gray_photographs(int width, int height);
-// "gray_x_03_inverse"; also the axis (0: columns) and the bit of photograph `index`.
-void ffp_gray_name(int width, int height, int index, char name[32]);
 
 // Takes black and white, by their light, from the two first or the two last of `n` files of which the others
 // are the codes; white is brighter wherever the projector's light falls. Sets `codes`, `black` and `white` of

@@ -1,6 +1,7 @@
 #include "patterns/patterns.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 #include "base/alloc.h"
 #include "base/real.h"
@@ -30,6 +31,18 @@ FfpImage ffp_pattern_gray_code(int width, int height, int axis, int bit, bool in
             image.data[(size_t)y * (size_t)width + (size_t)x] = (real)((code >> shift & 1U) != inverse);
         }
     return image;
+}
+
+void ffp_gray_code_place(int width, int index, int *axis, int *bit) {
+    const int columns = ffp_gray_code_bits(width), pair = index / 2;
+    *axis = pair < columns ? 0 : 1;
+    *bit = *axis == 0 ? pair : pair - columns;
+}
+
+void ffp_gray_code_name(int width, int index, char name[32]) {
+    int axis, bit;
+    ffp_gray_code_place(width, index, &axis, &bit);
+    snprintf(name, 32, "gray_%c_%02d%s", axis == 0 ? 'x' : 'y', bit, index % 2 ? "_inverse" : "");
 }
 
 int ffp_gray_decode(const bool *bits, int count) {

@@ -15,6 +15,10 @@ int ffp_gray_code_bits(int size);
 // Bit `bit`, 0 the coarsest of ffp_gray_code_bits, of the reflected binary code i ^ (i >> 1) of each column
 // or row i (Gray 1953; Inokuchi et al. 1984); inverse: white where the bit is 0. [height,width,1]
 FfpImage ffp_pattern_gray_code(int width, int height, int axis, int bit, bool inverse);
+// Of the panel's codes in their order (columns, the coarsest bit first, each pattern followed by its inverse;
+// then rows likewise) the axis and bit of number `index`, and its name: "gray_x_03_inverse".
+void ffp_gray_code_place(int width, int index, int *axis, int *bit);
+void ffp_gray_code_name(int width, int index, char name[32]);
 // The column or row whose code's bits these are, the coarsest first.
 int ffp_gray_decode(const bool *bits, int count);
 

@@ -31,9 +31,9 @@ int ffp_show_count(const FfpShow *show) {
 }
 
 static FfpImage gray_code(const FfpShow *show, int index, char name[32]) {
-    const int columns = ffp_gray_code_bits(show->width), pair = index / 2;
-    const int axis = pair < columns ? 0 : 1, bit = axis == 0 ? pair : pair - columns;
-    snprintf(name, 32, "gray_%c_%02d%s", axis == 0 ? 'x' : 'y', bit, index % 2 ? "_inverse" : "");
+    int axis, bit;
+    ffp_gray_code_place(show->width, index, &axis, &bit);
+    ffp_gray_code_name(show->width, index, name);
     return ffp_pattern_gray_code(show->width, show->height, axis, bit, index % 2 == 1);
 }
 

@@ -15,7 +15,7 @@ static void add_pattern(FfpShots *shots, int stops, int width, int height, int a
     const int bits[2] = {ffp_gray_code_bits(width), ffp_gray_code_bits(height)};
     const int bit = bits[axis] > PATTERN_BIT ? PATTERN_BIT : bits[axis] - 1;
     const int index = 2 * ((axis ? bits[0] : 0) + bit), pattern = shots->n_patterns++;
-    ffp_gray_name(width, height, index, shots->patterns[pattern].name);
+    ffp_gray_code_name(width, index, shots->patterns[pattern].name);
     shots->patterns[pattern].code = index + 1;
     for (int stop = 0; stop < stops; stop++)
         shots->pictures[stop * FFP_PATTERNS_MAX + pattern] = shots->codes[stop * shots->n_codes + index];
@@ -34,7 +34,7 @@ bool ffp_shots_find_codes(FfpShots *shots, const FfpShotSources *sources, const 
     char order[160];
     for (int i = 0; i < shots->n_codes; i++) {
         char name[32];
-        ffp_gray_name(width, height, i, name);
+        ffp_gray_code_name(width, i, name);
         names[i] = ffp_arena_text(shots->arena, name);
     }
     snprintf(order, sizeof order,

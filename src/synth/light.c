@@ -17,11 +17,15 @@ static bool is_even(const FfpImage *image) {
 static void fill_row(FfpLight *light, const FfpImage *pattern, int lane, int row) {
     const size_t width = (size_t)light->width, lanes = (size_t)light->lanes;
     float *to = light->coarse + (size_t)row * (size_t)light->coarse_width * 3 * lanes + lane;
-    for (int y = row * FFP_COARSE; y < (row + 1) * FFP_COARSE && y < light->height; y++) {
+    const int end = (row + 1) * FFP_COARSE < light->height ? (row + 1) * FFP_COARSE : light->height;
+    const size_t rows = (size_t)(end - row * FFP_COARSE), whole = width - width % FFP_COARSE;
+    for (int y = row * FFP_COARSE; y < end; y++) {
         const real *from = pattern->data + (size_t)y * width * 3;
-        for (size_t x = 0; x < width; x++)
+        for (size_t x = 0; x < width; x++) {
+            const float pixels = (float)(rows * (x < whole ? FFP_COARSE : width - whole)); // of its box
             for (size_t c = 0; c < 3; c++)
-                to[(3 * (x / FFP_COARSE) + c) * lanes] += (float)from[3 * x + c] / (FFP_COARSE * FFP_COARSE);
+                to[(3 * (x / FFP_COARSE) + c) * lanes] += (float)from[3 * x + c] / pixels;
+        }
     }
 }
 

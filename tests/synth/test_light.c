@@ -22,10 +22,14 @@ static void make_patterns(FfpImage patterns[PATTERNS]) {
 static FfpImage coarse_of(const FfpImage *image) {
     FfpImage out =
         ffp_image_new((WIDTH + FFP_COARSE - 1) / FFP_COARSE, (HEIGHT + FFP_COARSE - 1) / FFP_COARSE, 3);
+    int *pixels = ffp_alloc((size_t)out.width * (size_t)out.height, sizeof *pixels);
     for (int i = 0; i < WIDTH * HEIGHT * 3; i++) {
-        const int x = i / 3 % WIDTH / FFP_COARSE, y = i / 3 / WIDTH / FFP_COARSE;
-        out.data[3 * (y * out.width + x) + i % 3] += image->data[i] / (FFP_COARSE * FFP_COARSE);
+        const int box = i / 3 / WIDTH / FFP_COARSE * out.width + i / 3 % WIDTH / FFP_COARSE;
+        out.data[3 * box + i % 3] += image->data[i];
+        pixels[box] += i % 3 == 0;
     }
+    for (int i = 0; i < out.width * out.height * 3; i++) out.data[i] /= (real)pixels[i / 3];
+    ffp_free(pixels);
     return out;
 }
 
@@ -70,6 +74,31 @@ static void lookups_are_each_patterns_own(void **state) {
     for (int p = 0; p < PATTERNS; p++) ffp_image_free(&patterns[p]), ffp_image_free(&coarse[p]);
 }
 
+// Boxes at the border are means of what they hold: one colour stays one colour. Whole boxes keep their bits.
+static void boxes_are_means_of_their_own(void **state) {
+    (void)state;
+    FfpRng rng = ffp_rng(8, 1);
+    FfpImage plain = ffp_image_new(WIDTH, HEIGHT, 3), noise = ffp_image_new(2 * FFP_COARSE, FFP_COARSE, 3);
+    for (int i = 0; i < WIDTH * HEIGHT * 3; i++) plain.data[i] = 0.3F;
+    for (int i = 0; i < 2 * FFP_COARSE * FFP_COARSE * 3; i++) noise.data[i] = ffp_rng_uniform(&rng);
+    const FfpImage *images[2] = {&plain, &noise};
+    FfpLight light = ffp_light_new(&images[0], 1);
+    for (int i = 0; i < light.coarse_width * light.coarse_height * 3; i++)
+        assert_float_equal(light.coarse[i * light.lanes + light.lane[0]], 0.3F, 1e-6);
+    ffp_light_free(&light);
+    light = ffp_light_new(&images[1], 1);
+    for (int i = 0; i < 6; i++) {
+        float sum = 0;
+        for (int y = 0; y < FFP_COARSE; y++)
+            for (int x = 0; x < FFP_COARSE; x++)
+                sum += noise.data[3 * (y * 2 * FFP_COARSE + i / 3 * FFP_COARSE + x) + i % 3] /
+                       (FFP_COARSE * FFP_COARSE);
+        assert_true(light.coarse[i * light.lanes + light.lane[0]] == sum);
+    }
+    ffp_light_free(&light);
+    ffp_image_free(&plain), ffp_image_free(&noise);
+}
+
 static void nothing_lies_outside(void **state) {
     (void)state;
     FfpTexel texel;
@@ -83,6 +112,7 @@ static void nothing_lies_outside(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(lookups_are_each_patterns_own),
+                                       cmocka_unit_test(boxes_are_means_of_their_own),
                                        cmocka_unit_test(nothing_lies_outside)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
