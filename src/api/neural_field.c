@@ -25,6 +25,7 @@ static FfpFieldSettings settings_of(const FfpRefinement *options, FILE *metrics)
     s.may_stop = true;
     s.metrics = metrics;
     s.checkpoint = options->checkpoint;
+    s.noise = options->noise;
     return s;
 }
 
@@ -43,7 +44,7 @@ static bool check_pictures(const FfpCapture *capture, const int *patterns, int n
 // Fits in the unit sphere.
 static bool fit(void *argument, FILE *metrics, FfpError *err) {
     const Call *call = argument;
-    const FfpFieldSettings settings = settings_of(call->options, metrics);
+    FfpFieldSettings settings = settings_of(call->options, metrics);
     int patterns[FFP_PATTERNS_MAX];
     const int n_patterns = ffp_capture_photographs(call->capture, call->options->patterns,
                                                    call->options->n_patterns, patterns, err);
@@ -52,6 +53,7 @@ static bool fit(void *argument, FILE *metrics, FfpError *err) {
     double noise = call->options->noise;
     FfpImage *clean = ffp_denoise_capture(&normalised, patterns, n_patterns, &noise);
     FfpFieldResult result = {0};
+    settings.source = call->capture;
     ffp_cancel_hold_off(true); // from here on what there is counts
     const bool ok = ffp_field_fit(call->field, &normalised, patterns, n_patterns, &settings, &result, err);
     if (ok) {

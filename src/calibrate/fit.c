@@ -2,12 +2,12 @@
 
 #include <math.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 #include "base/alloc.h"
 #include "base/call.h"
 #include "base/log.h"
 #include "base/motion.h"
+#include "calibrate/pose.h"
 #include "calibrate/tell.h"
 #include "rig/lens.h"
 
@@ -208,16 +208,6 @@ static void corner_offsets(const FfpRigFit *fit, int which, const Views *views, 
     }
 }
 
-static int ascending(const void *a, const void *b) {
-    const double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
-static double median(double *values, int n) {
-    qsort(values, (size_t)n, sizeof *values, ascending);
-    return n > 0 ? values[n / 2] : 0;
-}
-
 // Whether a corner has a place in the device's fit, or had one until it fell out.
 static bool is_judged(unsigned char state) {
     return state == FFP_CORNER_USED || state == FFP_CORNER_FAR;
@@ -231,7 +221,7 @@ static int judge_corners(const FfpRigFit *fit, int which, const Views *views) {
     double *lengths = ffp_alloc((size_t)total, sizeof *lengths), limit = 0;
     for (int pass = 0; pass < 2; pass++) {
         // The median length of offsets with deviation s on both axes is 1.177 s (Rayleigh's distribution).
-        if (pass == 1) limit = fmax(CORNER_LEAST, CORNER_FAR * median(lengths, n) / 1.1774);
+        if (pass == 1) limit = fmax(CORNER_LEAST, CORNER_FAR * ffp_middle(lengths, n) / 1.1774);
         for (int v = 0; v < views->cv.n; v++) {
             const FfpAttitude *a = &fit->attitudes[views->attitude[v]];
             const double *off = which == 0 ? a->camera_off : a->projector_off;
@@ -260,7 +250,7 @@ static bool drop_attitude(const FfpRigFit *fit, const Views *views, const double
         sorted[v] = rms[(size_t)stride * (size_t)v];
         if (sorted[v] > rms[(size_t)stride * (size_t)worst]) worst = v;
     }
-    const double middle = median(sorted, views->cv.n), most = rms[(size_t)stride * (size_t)worst];
+    const double middle = ffp_middle(sorted, views->cv.n), most = rms[(size_t)stride * (size_t)worst];
     ffp_free(sorted);
     if (most <= fmax(ATTITUDE_LEAST, ATTITUDE_FAR * middle)) return false;
     leave_out(

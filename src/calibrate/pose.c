@@ -1,6 +1,7 @@
 #include "calibrate/pose.h"
 
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 #include "base/alloc.h"
 #include "base/call.h"
@@ -86,6 +87,16 @@ double ffp_descend(const FfpDescent *p, double *covariance) {
     }
     ffp_free(here), ffp_free(there), ffp_free(slopes);
     return cost;
+}
+
+static int ascending(const void *a, const void *b) {
+    const double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+double ffp_middle(double *values, int n) {
+    qsort(values, (size_t)n, sizeof *values, ascending);
+    return n > 0 ? values[n / 2] : 0;
 }
 
 // --- A device. ---

@@ -21,6 +21,9 @@ typedef struct FfpDescent {
 } FfpDescent;
 double ffp_descend(const FfpDescent *problem, double *covariance);
 
+// The median of n values, which it sorts; 0 of none.
+double ffp_middle(double *values, int n);
+
 // The ray (x, y, 1) that a device sees at a pixel; false where its lens has none.
 bool ffp_device_ray(const FfpCvDevice *device, const double pixel[2], double ray[2]);
 // Where it sees a point of its frame.

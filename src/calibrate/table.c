@@ -2,7 +2,6 @@
 
 #include <math.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 #include "base/alloc.h"
 #include "base/call.h"
@@ -224,11 +223,6 @@ static int corners_of(const Table *table) {
     return table->board->columns * table->board->rows;
 }
 
-static int ascending(const void *a, const void *b) {
-    const double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
 // Leaves out the stop that is farthest out of line; false when none is.
 static bool drop_stop(Table *table) {
     const double none[NUMBERS] = {0};
@@ -246,8 +240,7 @@ static bool drop_stop(Table *table) {
         sorted[i] = a->camera_rms = sqrt(square / n);
         if (a->camera_rms > most) most = a->camera_rms, worst = i;
     }
-    qsort(sorted, (size_t)table->n, sizeof *sorted, ascending);
-    const double middle = sorted[table->n / 2];
+    const double middle = ffp_middle(sorted, table->n);
     ffp_free(off), ffp_free(sorted);
     if (table->n <= FFP_TABLE_STOPS_LEAST || most < fmax(STOP_LEAST, STOP_FAR * middle)) return false;
     FfpAttitude *a = table->stops[worst].attitude;

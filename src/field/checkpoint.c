@@ -5,14 +5,16 @@
 #include "field/numbers.h"
 #include "tensor/safetensors.h"
 
-#define FORMAT "ffprocams neural field checkpoint 1"
+#define FORMAT "ffprocams neural field checkpoint 2"
 
-enum { NUMBERS = 4, CELLS = FFP_FIELD_CELLS * FFP_FIELD_CELLS * FFP_FIELD_CELLS };
+enum { NUMBERS = 5, CELLS = FFP_FIELD_CELLS * FFP_FIELD_CELLS * FFP_FIELD_CELLS };
+#define STEP_LEAST 1e-3 // of a ray through the unit sphere
 static const FfpDtype OWN = sizeof(real) == sizeof(double) ? FFP_F64 : FFP_F32;
 
 bool ffp_field_state_write(const FfpFieldState *s, const char *fit, const char *path, FfpError *err) {
     const int64_t count = s->field->layout.count;
-    const double numbers[NUMBERS] = {(double)s->step, (double)s->next_cell, s->rays, s->seconds};
+    const double numbers[NUMBERS] = {(double)s->step, (double)s->next_cell, s->rays, s->seconds,
+                                     s->field->step};
     const FfpTensor tensors[] = {
         {"parameters", OWN, 1, {count}, count, s->field->parameters},
         {"mean", OWN, 1, {count}, count, s->mean},
@@ -37,7 +39,9 @@ static bool read_counts(FfpFieldState *s, const FfpSafetensors *file, const char
                             i);
     s->step = (int64_t)numbers[0], s->next_cell = (int64_t)numbers[1];
     s->rays = (int)fmin(fmax(numbers[2], 1), 1e6), s->seconds = numbers[3];
-    return true;
+    s->field->step = (real)numbers[4];
+    return (numbers[4] >= STEP_LEAST && numbers[4] <= 1) ||
+           ffp_fail(err, FFP_ERROR_FILE, ffp_place(path, "numbers").text, "the step is out of range");
 }
 
 static bool read_all(FfpFieldState *s, const char *fit, const FfpSafetensors *file, const char *path,
@@ -46,7 +50,8 @@ static bool read_all(FfpFieldState *s, const char *fit, const FfpSafetensors *fi
     const char *format = ffp_safetensors_metadata(file, "format"),
                *theirs = ffp_safetensors_metadata(file, "fit");
     if (!format || strcmp(format, FORMAT) != 0)
-        return ffp_fail(err, FFP_ERROR_FILE, path, "is no checkpoint of a neural field");
+        return ffp_fail(err, FFP_ERROR_FILE, path,
+                        "is no checkpoint of a neural field, or an older version's");
     if (!theirs || strcmp(theirs, fit) != 0)
         return ffp_fail(err, FFP_ERROR_ARGUMENT, path, "is of another fit (%s) than this one (%s)",
                         theirs ? theirs : "it does not say which", fit);

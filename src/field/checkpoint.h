@@ -13,7 +13,7 @@ typedef struct FfpFieldState {
 } FfpFieldState;
 
 // `fit` says what is fitted to what and how long: one that goes on has to say the same. Reading fills in what
-// the state points to; field->step is set by every step of the fit.
+// the state points to, and the field's step.
 bool ffp_field_state_write(const FfpFieldState *state, const char *fit, const char *path, FfpError *err);
 bool ffp_field_state_read(FfpFieldState *state, const char *fit, const char *path, FfpError *err);
 

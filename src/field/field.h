@@ -82,9 +82,11 @@ typedef struct FfpFieldSettings {
     int64_t steps;  // 0: no limit
     double seconds; // of wall clock; 0: no limit
     uint64_t seed;
-    bool may_stop;          // cancelled, the work ends with what it has
-    FILE *metrics;          // a line of JSON now and then; NULL: none. What cannot be written ends the fit
-    bool quiet;             // tells no progress
+    bool may_stop;            // cancelled, the work ends with what it has
+    FILE *metrics;            // a line of JSON now and then; NULL: none. What cannot be written ends the fit
+    bool quiet;               // tells no progress
+    const FfpCapture *source; // what the capture is of, as it was before it was normalised and its noise,
+    double noise;             // of this setting, taken away; tells whose a checkpoint is. NULL: the capture
     const char *checkpoint; // file that is written every two minutes and at the end, and from which the same
                             // fit goes on, to the same bits; NULL: none
 } FfpFieldSettings;

@@ -6,8 +6,10 @@
 #include <string.h>
 #include "base/call.h"
 #include "base/device.h"
+#include "base/hash.h"
 #include "base/log.h"
 #include "base/file.h"
+#include "base/text.h"
 #include "field/checkpoint.h"
 #include "field/chunk.h"
 #include "field/kernels/kernels.h"
@@ -47,8 +49,11 @@ typedef struct Fit {
     FfpFieldCells cells;
     real *grad, *mean, *square; // [layout.count]
     int64_t step;
-    int rays; // of a chunk
-    double started, saved, square_error, numbers, loss;
+    int rays;   // of a chunk
+    int summed; // steps that the three below are of
+    double square_error, numbers, loss;
+    double started, saved;
+    char *name; // of the fit, in its checkpoint; NULL: it has none
     FfpTask progress;
 } Fit;
 
@@ -134,6 +139,7 @@ static void note_losses(Fit *fit) {
         fit->square_error += l->square;
         fit->numbers += (double)l->numbers;
     }
+    fit->summed++;
 }
 
 static void one_step(Fit *fit) {
@@ -166,19 +172,25 @@ static int64_t progress_of(const Fit *fit) {
                                        : (int64_t)(share_spent(fit) * (double)fit->progress.total);
 }
 
+static bool check_numbers(const Fit *fit, FfpError *err) {
+    bool finite = isfinite(fit->loss);
+    for (int64_t i = 0; i < fit->field->layout.count && finite; i++)
+        finite = isfinite(fit->field->parameters[i]);
+    return finite ||
+           ffp_fail(err, FFP_ERROR_ARGUMENT, fit->scene.capture->folder, "the loss is no number any more");
+}
+
 // What the last steps came to. The pixels that no ray is drawn from are black in the photographs and in the
 // field alike, so they lower the mean.
 static bool tell(Fit *fit, FfpError *err) {
     char extra[128];
     const double mean = fit->square_error / fmax(fit->numbers, 1) * fit->scene.share;
-    const double psnr = -10 * log10(fmax(mean, 1e-10)), loss = fit->loss / TELL_EVERY;
-    if (!isfinite(fit->loss))
-        return ffp_fail(err, FFP_ERROR_ARGUMENT, fit->scene.capture->folder,
-                        "the loss is no number any more");
+    const double psnr = -10 * log10(fmax(mean, 1e-10)), loss = fit->loss / fit->summed;
+    if (!check_numbers(fit, err)) return false;
     snprintf(extra, sizeof extra, "step %lld, loss %.5f, %.2f dB, %d rays a step", (long long)fit->step, loss,
              psnr, CHUNKS * fit->rays);
     if (!fit->settings->quiet) ffp_task_step(&fit->progress, progress_of(fit), extra);
-    fit->loss = fit->square_error = fit->numbers = 0;
+    fit->loss = fit->square_error = fit->numbers = 0, fit->summed = 0;
     if (!fit->settings->metrics) return true;
     fprintf(fit->settings->metrics, "{\"step\": %lld, \"seconds\": %.3f, \"loss\": %.6f, \"psnr\": %.4f}\n",
             (long long)fit->step, ffp_seconds() - fit->started, loss, psnr);
@@ -190,19 +202,51 @@ static bool over(const Fit *fit) {
     return share_spent(fit) >= 1 || (fit->settings->may_stop && ffp_cancelled());
 }
 
+static uint64_t hash_image(uint64_t so_far, const FfpImage *image) {
+    const int size[3] = {image->width, image->height, image->channels};
+    so_far = ffp_hash(so_far, size, sizeof size);
+    return ffp_hash(so_far, image->data,
+                    (size_t)image->width * (size_t)image->height * (size_t)image->channels * sizeof(real));
+}
+
+// Of all that decides how the fit goes and that its name does not say.
+static uint64_t hash_fit(const FfpCapture *capture, const int *patterns, int n_patterns,
+                         const FfpFieldSettings *s) {
+    const double numbers[] = {s->grid_rate, s->net_rate,   s->decay,  s->black_share, (double)s->samples,
+                              s->mask,      s->visibility, s->facing, s->match,       s->noise};
+    uint64_t sum = ffp_hash(FFP_HASH_NONE, numbers, sizeof numbers);
+    sum = ffp_hash(sum, capture->intensity, sizeof capture->intensity);
+    sum = ffp_hash(sum, capture->centre, sizeof capture->centre);
+    sum = ffp_hash(sum, &capture->radius, sizeof capture->radius);
+    for (int p = 0; p < n_patterns; p++) {
+        sum = ffp_hash_text(sum, capture->patterns[patterns[p]].name);
+        sum = hash_image(sum, &capture->patterns[patterns[p]].image);
+    }
+    for (int v = 0; v < capture->n_views; v++) {
+        const FfpView *view = &capture->views[v];
+        const int frame[2] = {view->frame_width, view->frame_height};
+        ffp_cancel_point();
+        sum = ffp_hash(sum, &view->camera, sizeof view->camera);
+        sum = ffp_hash(sum, &view->projector, sizeof view->projector);
+        sum = ffp_hash(sum, frame, sizeof frame);
+        sum = hash_image(sum, &view->coverage);
+        for (int p = 0; p < n_patterns; p++) sum = hash_image(sum, &view->images[patterns[p]]);
+    }
+    return sum;
+}
+
 // What is fitted to what, and how long.
-static void name_fit(const Fit *fit, char *text, size_t size) {
-    const FfpFieldSettings *s = fit->settings;
-    int length =
-        snprintf(text, size, "%s, %d views, seed %llu, %lld steps, %g s:", fit->scene.capture->name,
-                 fit->scene.capture->n_views, (unsigned long long)s->seed, (long long)s->steps, s->seconds);
-    for (int p = 0; p < fit->scene.n_patterns && length > 0 && (size_t)length < size; p++)
-        length += snprintf(text + length, size - (size_t)length, " %s",
-                           fit->scene.capture->patterns[fit->scene.chosen[p]].name);
+static char *name_fit(const FfpCapture *capture, const int *patterns, int n_patterns,
+                      const FfpFieldSettings *s) {
+    const FfpCapture *source = s->source ? s->source : capture;
+    FfpText *text = ffp_text_new();
+    fprintf(ffp_text_stream(text), "%s, %d views, %d patterns, seed %llu, %lld steps, %g s: %016llx",
+            source->name, source->n_views, n_patterns, (unsigned long long)s->seed, (long long)s->steps,
+            s->seconds, (unsigned long long)hash_fit(source, patterns, n_patterns, s));
+    return ffp_text_end(text);
 }
 
 static bool save(Fit *fit, FfpError *err) {
-    char name[512];
     const FfpFieldState state = {fit->field,
                                  fit->mean,
                                  fit->square,
@@ -210,19 +254,16 @@ static bool save(Fit *fit, FfpError *err) {
                                  fit->cells.next,
                                  fit->rays,
                                  ffp_seconds() - fit->started};
-    if (!fit->settings->checkpoint) return true;
     fit->saved = ffp_seconds();
-    name_fit(fit, name, sizeof name);
-    return ffp_field_state_write(&state, name, fit->settings->checkpoint, err);
+    return check_numbers(fit, err) &&
+           (!fit->name || ffp_field_state_write(&state, fit->name, fit->settings->checkpoint, err));
 }
 
 // Where the checkpoint is, if there is one.
 static bool go_on(Fit *fit, FfpError *err) {
-    char name[512];
     FfpFieldState state = {.field = fit->field, .mean = fit->mean, .square = fit->square};
-    if (!fit->settings->checkpoint || !ffp_is_file(fit->settings->checkpoint)) return true;
-    name_fit(fit, name, sizeof name);
-    if (!ffp_field_state_read(&state, name, fit->settings->checkpoint, err)) return false;
+    if (!fit->name || !ffp_is_file(fit->settings->checkpoint)) return true;
+    if (!ffp_field_state_read(&state, fit->name, fit->settings->checkpoint, err)) return false;
     fit->step = state.step, fit->rays = state.rays < FFP_CHUNK_RAYS ? state.rays : FFP_CHUNK_RAYS;
     fit->cells.next = state.next_cell % fit->cells.count;
     fit->started -= state.seconds;
@@ -272,6 +313,7 @@ static Fit fit_new(FfpNeuralField *field, const FfpCapture *capture, const int *
                    const FfpFieldSettings *settings) {
     const size_t count = (size_t)field->layout.count;
     Fit fit = {.field = field, .settings = settings, .rays = FIRST_RAYS, .started = ffp_seconds()};
+    if (settings->checkpoint) fit.name = name_fit(capture, patterns, n_patterns, settings);
     fit.scene = ffp_field_scene_new(capture, patterns, n_patterns);
     for (int c = 0; c < CHUNKS; c++) fit.chunks[c] = ffp_field_chunk_new(&field->layout);
     fit.cells = ffp_field_cells_new(field);
@@ -286,6 +328,7 @@ static void fit_free(Fit *fit) {
     for (int c = 0; c < CHUNKS; c++) ffp_field_chunk_free(&fit->chunks[c]);
     ffp_field_cells_free(&fit->cells);
     ffp_field_scene_free(&fit->scene);
+    ffp_free(fit->name);
     ffp_free(fit->grad);
     ffp_free(fit->mean);
     ffp_free(fit->square);

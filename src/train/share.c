@@ -4,6 +4,7 @@
 #include <string.h>
 #include "base/arena.h"
 #include "base/call.h"
+#include "base/hash.h"
 #include "base/device.h"
 
 #define BUCKET ((int64_t)1 << 20) // numbers that are added up at a time
@@ -34,18 +35,11 @@ void ffp_share_close(FfpShare *share) {
     *share = (FfpShare){0};
 }
 
-// FNV-1a of a text.
-static uint64_t hash_text(const char *text) {
-    uint64_t sum = 0xcbf29ce484222325ULL;
-    for (; *text; text++) sum = (sum ^ (unsigned char)*text) * 0x100000001b3ULL;
-    return sum;
-}
-
 // That all ranks have read the same: the configuration, and the checkpoint's step.
 static bool check_same(const FfpShare *share, const FfpTrainConfig *config, int64_t step, FfpError *err) {
     char *text = ffp_train_config_print(config, err);
     if (!text) return false;
-    const uint64_t own[2] = {hash_text(text), (uint64_t)step};
+    const uint64_t own[2] = {ffp_hash_text(FFP_HASH_NONE, text), (uint64_t)step};
     ffp_free(text);
     uint64_t first[2] = {own[0], own[1]};
     if (!share->ranks->broadcast(share->ranks->user, first, sizeof first, 0, err)) return false;

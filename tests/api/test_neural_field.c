@@ -73,7 +73,7 @@ static void it_goes_on_from_a_checkpoint(void **state) {
     snprintf(path, sizeof path, "%s", in_scratch("checkpoint"));
     FfpRefinement how = {.steps = 24, .seed = 1, .checkpoint = path};
     FfpRefinementStats stats = {0};
-    settings.progress = stop_later;
+    settings.progress = stop_later, settings.interval = 1e-6; // asked at every step
     FfpContext *context = ffp_context_new(&settings, &err);
     FfpNeuralField *whole = fit(NULL, 24, NULL);
     FfpNeuralField *part = ffp_fit_neural_field(context, capture, &how, &stats, &err);
@@ -87,6 +87,51 @@ static void it_goes_on_from_a_checkpoint(void **state) {
     assert_null(ffp_fit_neural_field(NULL, capture, &how, &stats, &err));
     assert_non_null(strstr(err.text, "another fit"));
     ffp_neural_field_close(whole), ffp_neural_field_close(part), ffp_neural_field_close(rest);
+    ffp_context_free(context);
+}
+
+static int left; // steps until it is enough
+
+static bool stop_after(void *user, const FfpProgress *progress) {
+    (void)user;
+    if (progress->stage && strcmp(progress->stage, "fitting a field") == 0) left--;
+    return left > 0;
+}
+
+static double told_loss(const char *path) {
+    FfpError err = {0};
+    char *text;
+    size_t size;
+    if (!ffp_read_text(path, 1 << 16, &text, &size, &err)) fail_msg("%s", err.text);
+    const char *loss = strstr(text, "\"step\": 100,");
+    assert_non_null(loss);
+    const double value = strtod(strstr(loss, "\"loss\": ") + strlen("\"loss\": "), NULL);
+    ffp_free(text);
+    return value;
+}
+
+// The loss told is the mean of the steps that it is of, and not of a hundred where a fit that went on had
+// done some.
+static void the_loss_is_of_steps_done(void **state) {
+    (void)state;
+    FfpError err = {0};
+    FfpContextSettings settings = ffp_context_defaults();
+    char checkpoint[128], whole[128], rest[128];
+    snprintf(checkpoint, sizeof checkpoint, "%s", in_scratch("nearly"));
+    snprintf(whole, sizeof whole, "%s", in_scratch("whole.jsonl"));
+    snprintf(rest, sizeof rest, "%s", in_scratch("rest.jsonl"));
+    FfpRefinement how = {.steps = 100, .seed = 1, .metrics = whole};
+    FfpRefinementStats stats = {0};
+    ffp_neural_field_close(ffp_fit_neural_field(NULL, capture, &how, &stats, &err));
+    settings.progress = stop_after, settings.interval = 1e-6, left = 90;
+    FfpContext *context = ffp_context_new(&settings, &err);
+    how.checkpoint = checkpoint, how.metrics = NULL;
+    ffp_neural_field_close(ffp_fit_neural_field(context, capture, &how, &stats, &err));
+    assert_true(stats.stopped && stats.steps > 70 && stats.steps < 100);
+    how.metrics = rest;
+    ffp_neural_field_close(ffp_fit_neural_field(NULL, capture, &how, &stats, &err));
+    printf("loss of 100 steps %g, of the last %g\n", told_loss(whole), told_loss(rest));
+    assert_true(stats.steps == 100 && told_loss(rest) > 0.4 * told_loss(whole));
     ffp_context_free(context);
 }
 
@@ -166,11 +211,9 @@ static void other_files_are_refused(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(threads_do_not_matter_and_steps_do),
-        cmocka_unit_test(it_goes_on_from_a_checkpoint),
-        cmocka_unit_test(a_saved_field_is_evaluated),
-        cmocka_unit_test(cancelled_it_keeps_what_it_has),
-        cmocka_unit_test(other_files_are_refused),
+        cmocka_unit_test(threads_do_not_matter_and_steps_do), cmocka_unit_test(it_goes_on_from_a_checkpoint),
+        cmocka_unit_test(the_loss_is_of_steps_done),          cmocka_unit_test(a_saved_field_is_evaluated),
+        cmocka_unit_test(cancelled_it_keeps_what_it_has),     cmocka_unit_test(other_files_are_refused),
     };
     return cmocka_run_group_tests(tests, setup, teardown);
 }
