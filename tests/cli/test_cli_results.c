@@ -63,6 +63,58 @@ static void test_info_tells_what_files_hold(void **state) {
     assert_non_null(strstr(run.out, "opacity"));
 }
 
+// The picture's PSNR by its definition, from the files alone.
+static double psnr_of_files(const char *prediction_path, const char *truth_path) {
+    FfpImage prediction, truth;
+    assert_true(ffp_image_read(&prediction, prediction_path, FFP_COLOUR_ENCODED, NULL));
+    assert_true(ffp_image_read(&truth, truth_path, FFP_COLOUR_ENCODED, NULL));
+    assert_int_equal(prediction.width, truth.width);
+    double sum = 0;
+    const int pixels = truth.width * truth.height;
+    for (int i = 0; i < pixels; i++)
+        for (int c = 0; c < 3; c++) {
+            const double e = (double)prediction.data[4 * i + c] -
+                             (double)truth.data[4 * i + c] * (double)truth.data[4 * i + 3];
+            sum += e * e;
+        }
+    ffp_image_free(&prediction);
+    ffp_image_free(&truth);
+    return -10 * log10(sum / (3.0 * pixels));
+}
+
+static double psnr_in_scratch(const char *prediction, const char *truth) {
+    const double psnr = psnr_of_files(in_scratch(prediction), in_scratch(truth));
+    printf("%s, %s: %.2f dB\n", prediction, truth, psnr);
+    return psnr;
+}
+
+// The middle of the ball, whose nearest point is 2.215 from the camera, which is where y is greatest, and a
+// corner of the picture.
+static void check_maps(void) {
+    static const struct {
+        const char *name;
+        double middle[3], within;
+    } maps[] = {{"opacity", {1, 1, 1}, 0.02},
+                {"normal", {0.5, 1, 0.5}, 0.15},
+                {"albedo", {0.797, 0.797, 0.797}, 0.05},   // 0.6 as sRGB
+                {"ambient", {0.271, 0.271, 0.271}, 0.02}}; // 0.06
+    const int middle = SIDE / 2 * SIDE + SIDE / 2;
+    FfpImage map;
+    assert_true(ffp_image_read_raw16(&map, in_scratch("some/view_1_depth.exr"), NULL));
+    assert_true(fabs((double)map.data[middle] - 2.215) < 0.08 && map.data[0] == 0);
+    ffp_image_free(&map);
+    for (size_t i = 0; i < sizeof maps / sizeof *maps; i++) {
+        char name[64];
+        snprintf(name, sizeof name, "some/view_1_%s.png", maps[i].name);
+        assert_true(ffp_image_read(&map, in_scratch(name), FFP_COLOUR_ENCODED, NULL));
+        const real *at = map.data + (size_t)(4 * middle);
+        printf("%s: %.3f %.3f %.3f\n", maps[i].name, (double)at[0], (double)at[1], (double)at[2]);
+        for (int c = 0; c < 3; c++)
+            assert_true(fabs((double)at[c] - maps[i].middle[c]) < maps[i].within && map.data[c] == 0);
+        ffp_image_free(&map);
+    }
+}
+
 static void test_render_writes_the_pictures_and_maps_it_is_asked_for(void **state) {
     (void)state;
     assert_int_equal(
@@ -84,25 +136,28 @@ static void test_render_writes_the_pictures_and_maps_it_is_asked_for(void **stat
         0);
     assert_true(is_there("%s/poses/novel_0_all_white.png", scratch));
     assert_true(is_there("%s/poses/novel_1_all_white.png", scratch));
+    const double right = psnr_in_scratch("some/view_1_stripes.png", "tiny/view_1_stripes.png");
+    assert_true(right > 22);
+    assert_true(right > psnr_in_scratch("some/view_1_novel_1_stripes.png", "tiny/view_1_stripes.png") + 2);
+    assert_true(psnr_in_scratch("poses/novel_0_all_white.png", "tiny/novel_0_all_white.png") > 20);
+    check_maps();
 }
 
-// The picture's PSNR by its definition, from the files alone.
-static double psnr_of_files(const char *prediction_path, const char *truth_path) {
-    FfpImage prediction, truth;
-    assert_true(ffp_image_read(&prediction, prediction_path, FFP_COLOUR_ENCODED, NULL));
-    assert_true(ffp_image_read(&truth, truth_path, FFP_COLOUR_ENCODED, NULL));
-    assert_int_equal(prediction.width, truth.width);
-    double sum = 0;
-    const int pixels = truth.width * truth.height;
-    for (int i = 0; i < pixels; i++)
-        for (int c = 0; c < 3; c++) {
-            const double e = (double)prediction.data[4 * i + c] -
-                             (double)truth.data[4 * i + c] * (double)truth.data[4 * i + 3];
-            sum += e * e;
-        }
-    ffp_image_free(&prediction);
-    ffp_image_free(&truth);
-    return -10 * log10(sum / (3.0 * pixels));
+// Camera, projector and pattern are those asked for: another projector would light the ball from elsewhere.
+static void test_render_looks_from_where_it_is_told(void **state) {
+    (void)state;
+    FfpCamera camera, projector;
+    tiny_aside(scratch, SIDE, &camera, &projector);
+    assert_int_equal(
+        run_format(&run,
+                   "render %s/tiny.ply --capture %s/tiny --poses %s/aside.json --pattern stripes "
+                   "--pattern lollipop_1 -o %s/aside",
+                   scratch, scratch, scratch, scratch),
+        0);
+    const double right = psnr_in_scratch("aside/aside_stripes.png", "aside.png");
+    assert_true(right > 22);
+    assert_true(right > psnr_in_scratch("aside/aside_lollipop_1.png", "aside.png") + 2);
+    assert_true(right > psnr_in_scratch("some/view_1_stripes.png", "aside.png") + 2);
 }
 
 static double mean_psnr_of_files(const char *saved, const char *prefix, int views, int first, int last) {
@@ -370,6 +425,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_info_tells_what_files_hold),
         cmocka_unit_test(test_render_writes_the_pictures_and_maps_it_is_asked_for),
+        cmocka_unit_test(test_render_looks_from_where_it_is_told),
         cmocka_unit_test(test_told_psnr_is_that_of_the_saved_pictures),
         cmocka_unit_test(test_gaussians_from_a_file_score_as_those_just_made),
         cmocka_unit_test(test_polish_is_worth_its_steps),

@@ -1,4 +1,5 @@
 // A capture whose views have two sizes, neither of whole patches, through every command that reads one.
+#include <jansson.h>
 #include "cli/program.h"
 #include "capture/capture.h"
 
@@ -67,10 +68,17 @@ static void every_command_takes_them(void **state) {
     check_size("pictures/path_0_theta000_all_white.png", 128, 117); // as the camera saw it
     check_size("pictures/path_0_theta045_all_white.png", 125, 109);
     must_run("evaluate %s/two --gaussians %s/two.ply --json %s/rows.json");
+    json_t *root = json_load_file(in_scratch("rows.json"), 0, NULL);
+    const json_t *row = json_array_get(json_object_get(root, "rows"), 0);
+    assert_true(json_number_value(json_object_get(row, "psnr")) > 25);
+    json_decref(root);
     must_run("refine %s/two.ply -c %s/two -o %s/finer.ply --steps 8");
     must_run("map %s/two.ply -c %s/two -o %s/maps");
+    check_size("maps/path_0_theta000_camera_to_projector.exr", 128, 117);
+    check_size("maps/path_0_theta045_camera_to_projector.exr", 125, 109);
     must_run("compensate %s/two.ply -c %s/two --view path_0_theta045 --target "
              "%s/pictures/path_0_theta045_all_white.png --steps 2 -o %s/pattern.png");
+    check_size("pattern_seen_path_0_theta045.png", 125, 109);
     must_run("align %s/two -o %s/aligned");
     check_size("aligned/path_0_theta045_all_white.png", 128, 112);
 }
