@@ -102,6 +102,9 @@ class Compensator {
   }
 }
 
+// samples_across of rig/panel.c
+const samplesAcross = (panelFocal, idealFocal) => clamp(Math.ceil(idealFocal / panelFocal - 1e-6), 1, 64);
+
 // What the real projector is sent for its pattern, RGBA bytes {width, height, data}. `panel`: the device of
 // scene.json (docs/formats.md); none: the pattern itself.
 function panelPicture(graphics, projector, panel, kept) {
@@ -112,6 +115,7 @@ function panelPicture(graphics, projector, panel, kept) {
   graphics.fill(kept.target, ['panel.frag'], {
     u_pattern: projector.pattern.texture, ...deviceUniforms('projector', d),
     u_panel_focal: [p.fx * zoom, p.fy * zoom], u_panel_principal: [p.cx, p.cy],
+    u_samples: [samplesAcross(p.fx * zoom, d.fx), samplesAcross(p.fy * zoom, d.fy)],
     u_radial: [lens[0], lens[1], lens[4]], u_tangential: [lens[2], lens[3]],
     u_gamma: (panel && panel.gamma) || [0, 0, 0],
   });

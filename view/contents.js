@@ -6,8 +6,9 @@ const PICTURE_SIDE_MAX = 16384, PICTURE_PIXELS_MAX = 100e6;
 
 class Message extends Error {} // what goes wrong, in words for people
 
-// Size as the head of a PNG, JPEG, GIF, WebP or BMP file says, so that giants are refused before they are
-// decoded; null for other files.
+const HEAD = 65536, JPEG_SEGMENTS_MAX = 4096;
+
+// Size as the head of a PNG, GIF, WebP, BMP or AVIF file says; null for other files.
 function sizeInHead(bytes) {
   const view = new DataView(bytes.buffer, bytes.byteOffset, bytes.byteLength), n = bytes.length;
   const text = (at, length) => String.fromCharCode(...bytes.subarray(at, at + length));
@@ -23,13 +24,38 @@ function sizeInHead(bytes) {
     }
     return [view.getUint16(26, true) & 0x3fff, view.getUint16(28, true) & 0x3fff];
   }
-  if (n >= 4 && bytes[0] === 0xff && bytes[1] === 0xd8)
-    for (let at = 2; at + 9 < n && bytes[at] === 0xff; at += 2 + view.getUint16(at + 2)) {
-      const marker = bytes[at + 1];
-      if (marker >= 0xc0 && marker <= 0xcf && ![0xc4, 0xc8, 0xcc].includes(marker))
-        return [view.getUint16(at + 7), view.getUint16(at + 5)];
+  if (n >= 12 && text(4, 8).startsWith('ftypavi')) { // of all the file's pictures the largest
+    let largest = null;
+    for (let at = 12; at + 16 <= n; at++) {
+      if (bytes[at] !== 0x69 || text(at, 4) !== 'ispe') continue;
+      const size = [view.getUint32(at + 8), view.getUint32(at + 12)];
+      if (!largest || size[0] * size[1] > largest[0] * largest[1]) largest = size;
     }
+    return largest;
+  }
   return null;
+}
+
+// A JPEG's size stands behind its metadata, which may be long: from segment to segment.
+async function sizeOfJpeg(file) {
+  for (let at = 2, i = 0; i < JPEG_SEGMENTS_MAX; i++) {
+    const view = new DataView(await file.slice(at, at + 9).arrayBuffer());
+    if (view.byteLength < 9 || view.getUint8(0) !== 0xff) return null;
+    const marker = view.getUint8(1);
+    if (marker === 0xff) { // filling
+      at++;
+      continue;
+    }
+    if (marker >= 0xc0 && marker <= 0xcf && ![0xc4, 0xc8, 0xcc].includes(marker)) return [view.getUint16(7), view.getUint16(5)];
+    at += 2 + view.getUint16(2);
+  }
+  return null;
+}
+
+// What a picture file says of its size, so that giants are refused before they are decoded; null: nothing.
+async function sizeOfFile(file) {
+  const bytes = new Uint8Array(await file.slice(0, HEAD).arrayBuffer());
+  return bytes[0] === 0xff && bytes[1] === 0xd8 ? sizeOfJpeg(file) : sizeInHead(bytes);
 }
 
 function checkSize(name, size) {
@@ -59,7 +85,8 @@ class PictureContent {
 
 // A film, or a stream of the webcam.
 class VideoContent {
-  constructor(name, video, free) { this.name = name, this.video = video, this.live = true, this.free = free; }
+  constructor(name, video, free) { this.name = name, this.video = video, this.free = free; }
+  get live() { return !this.video.paused && !this.video.ended; }
   draw(context, width, height, fit) {
     const {video} = this;
     if (video.videoWidth) context.drawImage(video, ...placeOf(video.videoWidth, video.videoHeight, width, height, fit));
@@ -165,7 +192,7 @@ async function contentOfFile(file) {
     }
     return new VideoContent(name, video, () => { video.pause(); URL.revokeObjectURL(url); });
   }
-  const size = sizeInHead(new Uint8Array(await file.slice(0, 65536).arrayBuffer()));
+  const size = await sizeOfFile(file);
   if (size) checkSize(name, size);
   let bitmap = null;
   try {

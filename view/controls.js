@@ -6,8 +6,8 @@ const TURN = 0.0065; // radians a pixel
 // Like a turntable: across about `up`, and over towards the poles but not beyond.
 function orbit(pose, target, up, across, over) {
   const turned = turnPose(pose, up, across, target), tilted = turnPose(turned, axisOf(turned, 0), over, target);
-  const away = normalise3(sub3(positionOf(tilted), target));
-  return Math.abs(dot3(away, up)) > 0.995 ? turned : tilted;
+  const height = (p) => Math.abs(dot3(normalise3(sub3(positionOf(p), target)), up));
+  return height(tilted) > 0.995 && height(tilted) > height(turned) ? turned : tilted; // what starts there comes away
 }
 
 class Controls {

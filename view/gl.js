@@ -11,6 +11,7 @@ class Graphics {
       throw new Error('This graphics driver cannot draw into float textures (EXT_color_buffer_float).');
     this.gl = gl;
     this.float32 = !!gl.getExtension('EXT_float_blend'); // whether sums are kept in 32 bits, else in 16
+    this.sideMax = gl.getParameter(gl.MAX_TEXTURE_SIZE); // pixels
     this.programs = new Map();
     this.empty = gl.createVertexArray();
     gl.disable(gl.DITHER);
@@ -97,6 +98,10 @@ class Graphics {
       gl.renderbufferStorage(gl.RENDERBUFFER, gl.DEPTH_COMPONENT32F, width, height);
       gl.framebufferRenderbuffer(gl.FRAMEBUFFER, gl.DEPTH_ATTACHMENT, gl.RENDERBUFFER, target.depth);
     }
+    if (gl.checkFramebufferStatus(gl.FRAMEBUFFER) !== gl.FRAMEBUFFER_COMPLETE && !gl.isContextLost()) {
+      this.free(target);
+      throw new Message(`The graphics driver has no room for ${width} × ${height} samples. Try a smaller window.`);
+    }
     return target;
   }
 
@@ -112,6 +117,7 @@ class Graphics {
     target.textures.forEach((texture) => this.gl.deleteTexture(texture));
     if (target.depth) this.gl.deleteRenderbuffer(target.depth);
     this.gl.deleteFramebuffer(target.framebuffer);
+    target.width = target.height = 0; // fits nothing any more
   }
 
   // Draws a program over every pixel of a target (null: the canvas, of the given size).

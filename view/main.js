@@ -8,6 +8,16 @@ const SLOW = 55, FAST = 18; // milliseconds a frame
 const FILLED = 0.88;       // share of the free part that the view's frame takes
 const WATCHER_MAX = 640;    // pixels across, of a camera that a picture is corrected for
 
+// What a photograph is compared under: nothing that the camera did not see.
+const NEUTRAL = {exposure: 0, ambient: true, map: null}, NEUTRAL_PROJECTOR = {stops: 0, correction: 'none', painted: false};
+
+// Puts values into an object and returns those that were there.
+function exchange(object, values) {
+  const before = Object.fromEntries(Object.keys(values).map((name) => [name, object[name]]));
+  Object.assign(object, values);
+  return before;
+}
+
 class App {
   constructor(scene, canvas, overlay) {
     this.scene = scene, this.canvas = canvas, this.overlay = overlay;
@@ -20,7 +30,7 @@ class App {
     this.mode = 'camera', this.frusta = true;
     this.brush = {colour: '#ffffff', size: 14, erase: false};
     this.projectors = [], this.projector = null, this.numbers = 0;
-    this.photograph = null;
+    this.photograph = null, this.comparisons = 0;
     this.quality = 1, this.lastChange = 0, this.pending = false;
     this.listeners = [];
     canvas.addEventListener('webglcontextlost', (event) => {
@@ -52,7 +62,7 @@ class App {
 
   setCamera(pose) {
     this.pose = pose;
-    if (this.photograph) this.showPhotograph(false);
+    this.endComparison();
     this.invalidate(true);
   }
 
@@ -71,9 +81,10 @@ class App {
 
   // What the panel leaves free, CSS pixels.
   freeSize() {
-    const panel = document.getElementById('panel').getBoundingClientRect(), shown = document.body.classList.contains('with-panel');
+    const panel = document.getElementById('panel'), shown = document.body.classList.contains('with-panel');
     if (!shown) return [innerWidth, innerHeight];
-    return innerWidth > 700 ? [Math.max(panel.left, 80), innerHeight] : [innerWidth, Math.max(panel.top, 80)];
+    // where it comes to lie: offsets leave out what slides it in
+    return innerWidth > 700 ? [Math.max(panel.offsetLeft, 80), innerHeight] : [innerWidth, Math.max(panel.offsetTop, 80)];
   }
 
   // The camera for the whole window; what it looks at lies in the free part.
@@ -88,7 +99,7 @@ class App {
   // --- Projectors. ---
 
   // Beside a photograph only the projector that it was taken under shines.
-  get lit() { return this.photograph ? [this.projector] : this.projectors.filter((projector) => projector.on); }
+  get lit() { return this.photograph ? [this.photograph.projector] : this.projectors.filter((projector) => projector.on); }
 
   addProjector() {
     const like = this.projector ? this.projector.device : (this.at || this.scene.views[0]).projector;
@@ -104,8 +115,10 @@ class App {
   removeProjector() {
     if (this.projectors.length < 2) return;
     const at = this.projectors.indexOf(this.projector);
+    this.endComparison(this.projector);
     this.projectors.splice(at, 1)[0].free();
     this.select(this.projectors[Math.min(at, this.projectors.length - 1)]);
+    this.patternsChanged = true; // the projector window may have shown it
     this.invalidate();
   }
 
@@ -116,6 +129,7 @@ class App {
   }
 
   setProjectorPose(pose, device = this.projector.device) {
+    this.endComparison(this.projector);
     this.projector.device = {...device, width: this.projector.device.width, height: this.projector.device.height, pose};
     if (device !== this.projector.device) this.projector.original = device;
     this.invalidate(true);
@@ -129,21 +143,44 @@ class App {
   }
 
   zoomProjector(factor) {
+    this.endComparison(this.projector);
     this.projector.zoom(factor);
     this.invalidate(true);
     this.changed('device');
   }
 
   setContent(content, projector = this.projector) {
+    this.endComparison(projector);
     projector.setContent(content);
+    if (content.video)
+      for (const event of ['play', 'pause', 'ended', 'seeked'])
+        content.video.addEventListener(event, () => {
+          if (projector.content !== content || (event === 'seeked' && content.live)) return;
+          projector.dirty = true;
+          this.invalidate();
+        });
     this.invalidate();
     this.changed('content');
+  }
+
+  // Shows what is still to be read or decoded, on the projector that is chosen now; false when that has been
+  // given something else since then.
+  async bring(promised, projector = this.projector) {
+    const asked = ++projector.asked, content = await promised;
+    if (!content) return false;
+    if (asked === projector.asked && this.projectors.includes(projector)) {
+      this.setContent(content, projector);
+      return true;
+    }
+    content.free();
+    return false;
   }
 
   // Dabs along a way on the screen, on what lies under it, in the projector's pattern.
   stroke(at, before) {
     const {projector, brush} = this, camera = this.renderer.view.camera;
     if (!projector || !camera) return;
+    this.endComparison(projector);
     const ratio = camera.width / innerWidth, steps = before ? Math.max(1, Math.ceil(Math.hypot(at[0] - before[0], at[1] - before[1]) / (brush.size / 2))) : 1;
     for (let i = 1; i <= steps; i++) {
       const s = before ? i / steps : 1, from = before || at;
@@ -169,24 +206,41 @@ class App {
     return found.find((p) => p.pattern === shown) || found.find((p) => this.scene.patterns[p.pattern].role === 'white') || found[0] || null;
   }
 
+  // The photograph beside the prediction, which is drawn as it was taken: under one projector's pattern as it
+  // stands, with no changes of light. The settings come back afterwards.
   async showPhotograph(on) {
-    const entry = on ? this.findPhotograph() : null;
-    if (on && !entry) {
-      say('There is no photograph of this view in the page. Jump to a captured view first.');
-      on = false;
+    const entry = on ? this.findPhotograph() : null, {projector} = this;
+    this.endComparison();
+    if (on && !entry) say('There is no photograph of this view in the page. Jump to a captured view first.');
+    if (!entry) return;
+    this.jump(this.at, true);
+    const asked = this.comparisons, shown = projector.content.pattern === entry.pattern;
+    const content = shown ? null : await patternContent(this.scene, entry.pattern);
+    const bitmap = await readPicture(this.scene, entry);
+    if (asked !== this.comparisons) { // something else was asked for since then
+      bitmap.close();
+      if (content) content.free();
+      return;
     }
-    if (on) {
-      const white = this.scene.patterns[entry.pattern];
-      this.jump(this.at, true);
-      if (this.projector.content.pattern !== entry.pattern) {
-        const bitmap = await readPicture(this.scene, white);
-        if (bitmap) this.setContent(Object.assign(new PictureContent(white.name, bitmap), {pattern: entry.pattern}));
-      }
-      this.photograph = {entry, bitmap: await readPicture(this.scene, entry)};
-    } else if (this.photograph) {
-      this.photograph.bitmap.close();
-      this.photograph = null;
-    }
+    if (content) this.setContent(content, projector);
+    this.photograph = {entry, bitmap, projector, kept: exchange(this, NEUTRAL), keptThere: exchange(projector, NEUTRAL_PROJECTOR)};
+    this.compared();
+  }
+
+  // When something changes that the photograph was taken under. With a projector: if it is that one's.
+  endComparison(projector = null) {
+    this.comparisons++;
+    const {photograph} = this;
+    if (!photograph || (projector && projector !== photograph.projector)) return;
+    exchange(this, photograph.kept);
+    exchange(photograph.projector, photograph.keptThere);
+    photograph.bitmap.close();
+    this.photograph = null;
+    this.compared(photograph);
+  }
+
+  compared({projector} = this.photograph) {
+    projector.dirty = true;
     document.body.classList.toggle('comparing', !!this.photograph); // both lie over black
     this.changed('photograph');
     this.invalidate();
@@ -203,19 +257,36 @@ class App {
   schedule() {
     if (this.pending || this.lost) return;
     this.pending = true;
-    requestAnimationFrame((now) => this.frame(now));
+    // a hidden page has no frames; what the projector shows goes on in those of its window
+    const source = document.hidden && this.window.isOpen ? this.window.window : window;
+    const frame = source.requestAnimationFrame(() => this.frame(performance.now()));
+    this.cancel = () => { if (!source.closed) source.cancelAnimationFrame(frame); };
   }
 
-  get moving() { return performance.now() - this.lastChange < 180 || this.lit.some((p) => p.content.live); }
+  // The page was hidden or shown: a frame is asked for where there are any.
+  reschedule() {
+    if (!this.pending) return;
+    this.cancel();
+    this.pending = false;
+    this.schedule();
+  }
+
+  // Whether a film runs that can be seen, here or in the projector window.
+  get playing() {
+    const {lit} = this;
+    return this.projectors.some((p) => p.content.live && (lit.includes(p) || (p.on && this.window.isOpen && this.window.projector === p)));
+  }
+
+  get moving() { return performance.now() - this.lastChange < 180 || this.playing; }
 
   frame(now) {
     this.pending = false;
     if (this.lost) return;
-    const live = this.projectors.some((p) => p.content.live), moving = this.moving;
+    const live = this.playing, moving = this.moving;
     if (this.stale || live || this.rough) {
       if (moving) this.adapt(now);
       else this.lastFrame = 0;
-      this.draw(moving ? QUALITIES[this.quality] : QUALITIES[0]);
+      this.tryDraw(moving ? QUALITIES[this.quality] : QUALITIES[0]);
       this.rough = moving && this.quality > 0;
       this.stale = false;
     }
@@ -233,7 +304,12 @@ class App {
     if (next !== this.quality) this.quality = next, this.average = 0;
   }
 
-  samples(quality) { return quality.coarse ? 1 : this.scene.drawing.samples; }
+  // Device pixels to a CSS pixel and samples a side, as a quality asks for them and the graphics memory allows.
+  detail(quality) {
+    const ratio = Math.min(devicePixelRatio || 1, 2) * quality.scale, wanted = quality.coarse ? 1 : this.scene.drawing.samples;
+    const {side, scale} = affordable(Math.round(innerWidth * ratio), Math.round(innerHeight * ratio), wanted, this.graphics.sideMax);
+    return {ratio: ratio * scale, side};
+  }
 
   // The camera that a projector's corrected picture is for.
   watcherOf(projector) {
@@ -256,20 +332,30 @@ class App {
     }
   }
 
+  // What the driver has no room for is said, and the page stays as it was.
+  tryDraw(quality) {
+    try {
+      this.draw(quality);
+    } catch (error) {
+      if (!(error instanceof Message)) throw error;
+      say(error.message);
+    }
+  }
+
   draw(quality) {
-    const began = performance.now(), ratio = Math.min(devicePixelRatio || 1, 2) * quality.scale;
+    const began = performance.now(), {ratio, side} = this.detail(quality);
     const camera = this.cameraOf(ratio), {canvas} = this;
     this.updatePatterns();
     if (canvas.width !== camera.width || canvas.height !== camera.height)
       canvas.width = camera.width, canvas.height = camera.height;
-    this.renderer.drawLight(camera, this.samples(quality), this.lit, this.ambient);
+    this.renderer.drawLight(camera, side, this.lit, this.ambient);
     if (this.map === null) this.renderer.resolve(null, 2 ** this.exposure);
     else this.renderer.showMap(null, this.map);
     if (this.patternsChanged) this.window.show();
     this.patternsChanged = false;
     this.redrawOverlay();
     this.frames = (this.frames || 0) + 1;
-    this.drawn = {camera, side: this.samples(quality), milliseconds: performance.now() - began};
+    this.drawn = {camera, side, milliseconds: performance.now() - began};
     this.changed('drawn');
   }
 
@@ -279,7 +365,8 @@ class App {
   // What the page shows now, RGBA bytes with row 0 on top, at any size; for screenshots and tests.
   picture(width, height, camera = {...this.base, pose: this.pose}) {
     this.updatePatterns();
-    return this.renderer.picture(fitDevice(camera, width, height), this.scene.drawing.samples, this.lit, this.ambient,
+    const {side} = affordable(width, height, this.scene.drawing.samples, this.graphics.sideMax);
+    return this.renderer.picture(fitDevice(camera, width, height), side, this.lit, this.ambient,
                                  2 ** this.exposure, this.map);
   }
 }

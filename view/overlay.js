@@ -76,7 +76,7 @@ function drawFrustum(context, app, projector, selected) {
   context.arc(...handle.at, HANDLE - (selected ? 0 : 3), 0, 2 * Math.PI);
   context.fill();
   if (!handle.inside) drawArrow(context, app, handle.at);
-  context.fillStyle = '#fff', context.font = '600 12px system-ui', context.textAlign = 'center';
+  context.fillStyle = '#16110a', context.font = '600 12px system-ui', context.textAlign = 'center';
   context.textBaseline = 'middle';
   context.fillText(projector.number, ...handle.at);
   context.globalAlpha = 1;

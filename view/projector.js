@@ -19,6 +19,7 @@ class Projector {
     this.on = true;
     this.stops = 0; // brightness, in doublings of the capture's
     this.content = new TestContent('White');
+    this.asked = 0; // how often something was to be shown: what comes late is not
     this.fit = 'contain';
     this.correction = 'none'; // 'paint' and 'colours': see compensate.js
     this.watcher = 'now';     // whose eyes a corrected picture is for: 'now' or a view's number from 0
@@ -37,6 +38,7 @@ class Projector {
   setContent(content) {
     if (this.content && this.content !== content) this.content.free();
     this.content = content;
+    this.asked++;
     this.dirty = true;
   }
 

@@ -2,6 +2,16 @@
 // Draws a view: splats into G-buffers, shadow maps, each projector's light, the picture. The steps and their
 // names are those of render/pass.c; what each computes stands in the shaders.
 
+const SAMPLES_MAX = 1 << 24; // of a frame, 64 bytes each: 1 GB
+
+// Samples a side and share of the resolution that a picture of a size can have: first the samples become
+// fewer, then the pixels.
+function affordable(width, height, side, sideMax) {
+  const fits = (n) => Math.max(width, height) * n <= sideMax && width * height * n * n <= SAMPLES_MAX;
+  while (side > 1 && !fits(side)) side--;
+  return {side, scale: fits(side) ? 1 : Math.min(sideMax / width, sideMax / height, Math.sqrt(SAMPLES_MAX / (width * height)))};
+}
+
 // The pattern that a projector shows, with its mip map.
 class PatternTexture {
   constructor(graphics, width, height) {
@@ -27,14 +37,16 @@ class PatternTexture {
 
 // What one camera sees, rasterised once: the samples' G-buffer and its means. Kept while nothing changes.
 class GbufferView {
-  constructor(renderer) { this.renderer = renderer; }
+  constructor(renderer) { this.renderer = renderer, this.targets = []; }
 
   draw(camera, side) {
     const key = JSON.stringify([camera, side]);
     if (key === this.key) return;
-    const {renderer} = this, format = renderer.sumFormat;
-    this.samples = renderer.graphics.fit(this.samples, camera.width * side, camera.height * side,
-                                         [format, format, format, format]);
+    const {renderer, targets} = this, format = renderer.sumFormat;
+    this.key = ''; // until all is drawn
+    // one for each number of samples, so that moving and resting do not take turns at allocating
+    targets[side] = renderer.graphics.fit(targets[side], camera.width * side, camera.height * side, [format, format, format, format]);
+    this.samples = targets[side];
     this.device = sampleDevice(camera, side), this.camera = camera, this.side = side;
     this.depth = renderer.centreDepth(camera);
     renderer.counts.splats = renderer.rasterise(this.samples, this.device, this.depth, 'splats.frag');

@@ -47,6 +47,13 @@ async function thumbnail(scene, entry, size = 96) {
   return canvas;
 }
 
+// One of several: for the eye, and for those who listen.
+function choose(button, chosen) {
+  button.classList.toggle('chosen', chosen);
+  button.setAttribute('aria-pressed', chosen);
+  return button;
+}
+
 const shortName = (id) => id.replace(/_/g, ' ');
 
 function buildViews(app) {
@@ -63,7 +70,7 @@ function buildViews(app) {
   });
   app.listeners.push((what) => {
     if (what === 'view')
-      for (const tile of $('views').children) tile.classList.toggle('chosen', scene.views[tile.dataset.view] === app.at);
+      for (const tile of $('views').children) choose(tile, scene.views[tile.dataset.view] === app.at);
   });
 }
 
@@ -74,11 +81,11 @@ function jumpTo(app, view) {
   if (compare && view.photographs.length) attempt(() => app.showPhotograph(true))();
 }
 
-function addTile(box, name, canvas, choose, key) {
+function addTile(box, name, canvas, show, key) {
   const button = element('button', {className: 'tile', title: shortName(name)}, [canvas]);
   button.setAttribute('aria-label', `Show ${shortName(name)}`);
   button.dataset.content = key;
-  button.onclick = attempt(choose);
+  button.onclick = attempt(show);
   box.append(button);
 }
 
@@ -87,7 +94,7 @@ function buildContents(app) {
   scene.patterns.forEach((pattern, index) => {
     if (!pattern.size || pattern.role === 'black') return;
     const canvas = makeCanvas(96, 96);
-    addTile(box, pattern.name, canvas, async () => app.setContent(await patternContent(scene, index)), index);
+    addTile(box, pattern.name, canvas, () => app.bring(patternContent(scene, index)), index);
     thumbnail(scene, pattern).then((picture) => canvas.getContext('2d').drawImage(picture, 0, 0));
   });
   for (const name of Object.keys(TEST_PATTERNS)) {
@@ -100,7 +107,7 @@ function buildContents(app) {
     if (what !== 'content' && what !== 'projector') return;
     const {content} = app.projector;
     const key = content instanceof TestContent ? content.name : String(content.pattern); // names may be those of patterns or files
-    for (const tile of box.children) tile.classList.toggle('chosen', tile.dataset.content === key);
+    for (const tile of box.children) choose(tile, tile.dataset.content === key);
     $('content-name').textContent = shortName(content.name);
   });
 }
@@ -108,7 +115,7 @@ function buildContents(app) {
 function buildProjectors(app) {
   const show = () => {
     $('projectors').replaceChildren(...app.projectors.map((projector) => {
-      const button = element('button', {textContent: projector.number, className: projector === app.projector ? 'chosen' : ''});
+      const button = choose(element('button', {textContent: projector.number}), projector === app.projector);
       button.style.setProperty('--dot', projector.colour);
       button.classList.toggle('off', !projector.on);
       button.setAttribute('aria-label', `Projector ${projector.number}`);
@@ -200,8 +207,8 @@ function setMode(app, mode) {
 }
 
 function savePicture(app) {
-  const {width, height} = app.drawn.camera, ratio = Math.min(devicePixelRatio || 1, 2);
-  const camera = app.cameraOf(ratio), data = app.renderer.picture(camera, app.scene.drawing.samples, app.lit, app.ambient, 2 ** app.exposure, app.map);
+  const {width, height} = app.drawn.camera, {ratio, side} = app.detail(QUALITIES[0]);
+  const camera = app.cameraOf(ratio), data = app.renderer.picture(camera, side, app.lit, app.ambient, 2 ** app.exposure, app.map);
   for (let i = 3; i < data.length; i += 4) data[i] = 255; // over black, as files are
   const canvas = makeCanvas(camera.width, camera.height);
   canvas.getContext('2d').putImageData(new ImageData(data, camera.width, camera.height), 0, 0);
@@ -229,7 +236,7 @@ function togglePanel(app) {
 function buildTools(app) {
   for (const button of document.querySelectorAll('[data-mode]')) button.onclick = () => setMode(app, button.dataset.mode);
   $('compare').onclick = attempt(() => app.showPhotograph(!app.photograph));
-  $('shot').onclick = () => savePicture(app);
+  $('shot').onclick = attempt(() => savePicture(app));
   $('full').onclick = toggleFull;
   $('help').onclick = () => $('keys').showModal();
   $('keys').onclick = () => $('keys').close();
@@ -244,7 +251,7 @@ function buildSources(app) {
     $('file').value = '';
     if (file) await showFile(app, file);
   });
-  $('webcam').onclick = attempt(async () => app.setContent(await contentOfWebcam()));
+  $('webcam').onclick = attempt(() => app.bring(contentOfWebcam()));
   $('solid').oninput = () => app.setContent(new SolidContent($('solid').value));
   const write = () => app.setContent(new TextContent($('text').value, $('solid').value === '#000000' ? '#ffffff' : $('solid').value));
   $('text').oninput = write;
@@ -258,7 +265,7 @@ function buildSources(app) {
     if (file) attempt(showFile)(app, file); else say('Drop a picture or a film file here.');
   });
   addEventListener('paste', (event) => {
-    if (event.target instanceof HTMLInputElement) return;
+    if (isText(event.target)) return;
     const [file] = event.clipboardData.files, text = event.clipboardData.getData('text');
     if (file) attempt(showFile)(app, file);
     else if (text) { $('text').value = text.slice(0, 200); write(); }
@@ -267,8 +274,7 @@ function buildSources(app) {
 }
 
 async function showFile(app, file) {
-  app.setContent(await contentOfFile(file));
-  app.shown = (app.shown || 0) + 1;
+  if (await app.bring(contentOfFile(file))) app.shown = (app.shown || 0) + 1;
 }
 
 const KEYS = {
@@ -276,7 +282,7 @@ const KEYS = {
   a: (app) => { app.ambient = !app.ambient; app.changed('settings'); app.invalidate(); },
   g: (app) => { app.map = app.map === null ? 0 : app.map === 5 ? null : app.map + 1; app.changed('settings'); app.invalidate(); },
   x: (app) => { app.frusta = !app.frusta; app.changed('settings'); app.invalidate(); },
-  v: (app) => attempt(() => app.showPhotograph(!app.photograph))(), s: savePicture, f: toggleFull, h: togglePanel,
+  v: (app) => attempt(() => app.showPhotograph(!app.photograph))(), s: attempt((app) => savePicture(app)), f: toggleFull, h: togglePanel,
   o: () => $('file').click(), '?': () => $('keys').showModal(), n: (app) => app.addProjector(),
   w: (app) => attempt(() => app.window.open(app.projector))(), Home: (app) => app.home(),
   '+': (app) => app.dolly(0.9), '=': (app) => app.dolly(0.9), '-': (app) => app.dolly(1 / 0.9),
@@ -287,12 +293,19 @@ const KEYS = {
 };
 const ARROWS = {ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1]};
 
+const isText = (target) => target instanceof HTMLInputElement && target.type === 'text';
+
+// Whether a control needs a key for itself: what is typed into it, what moves it, what presses it.
+function takesKey(target, key) {
+  if (isText(target) || target instanceof HTMLSelectElement) return true;
+  if (target instanceof HTMLInputElement && target.type === 'range') return !!ARROWS[key] || key === 'Home';
+  return key === ' ' && !!target.closest && !!target.closest('input, button, summary');
+}
+
 function buildKeys(app, controls) {
   addEventListener('keydown', (event) => {
-    const typing = event.target instanceof HTMLInputElement && event.target.type !== 'checkbox' && event.target.type !== 'range';
-    if (typing || event.target instanceof HTMLSelectElement || event.ctrlKey || event.metaKey || event.altKey || $('keys').open) return;
-    const ranged = event.target instanceof HTMLInputElement && event.target.type === 'range';
-    if (ARROWS[event.key] && !ranged) {
+    if (takesKey(event.target, event.key) || event.ctrlKey || event.metaKey || event.altKey || $('keys').open) return;
+    if (ARROWS[event.key]) {
       const [x, y] = ARROWS[event.key].map((d) => 16 * d);
       const action = app.mode === 'projector' ? (event.shiftKey ? 'aim' : 'projector') : event.shiftKey ? 'pan' : 'orbit';
       controls.drag(action, x, y);
@@ -300,7 +313,6 @@ function buildKeys(app, controls) {
       const view = app.scene.views[Number(event.key) - 1];
       if (view) jumpTo(app, view);
     } else if (KEYS[event.key] || KEYS[event.key.toLowerCase()]) {
-      if (event.key === ' ' && event.target instanceof HTMLButtonElement) return;
       (KEYS[event.key] || KEYS[event.key.toLowerCase()])(app);
     } else return;
     event.preventDefault();

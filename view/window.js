@@ -9,6 +9,7 @@ class ProjectorWindow {
     this.window = null;
     this.projector = null;
     addEventListener('pagehide', () => this.close());
+    document.addEventListener('visibilitychange', () => app.reschedule());
   }
 
   get isOpen() { return !!this.window && !this.window.closed; }
