@@ -17,7 +17,7 @@ const FfpDevice *ffp_cuda_device(FfpError *err);
 const char *ffp_cuda_describe(void);
 
 // For tests: after so many further blocks of the device's memory one cannot be had. Negative: never.
-void ffp_cuda_memory_ends(long long blocks);
+void ffp_cuda_memory_ends(long long count);
 
 extern const struct FfpKernels ffp_cuda_tensor;
 extern const struct FfpImageTable ffp_cuda_image;

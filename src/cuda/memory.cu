@@ -171,8 +171,8 @@ void ffp_cuda_synchronise(void) {}
 
 static long long blocks_left = -1; // negative: no end
 
-void ffp_cuda_memory_ends(long long blocks) {
-    blocks_left = blocks;
+void ffp_cuda_memory_ends(long long count) {
+    blocks_left = count;
 }
 
 void *ffp_cuda_try_alloc(size_t bytes) {
