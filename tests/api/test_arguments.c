@@ -1,24 +1,7 @@
 // What a caller in C leaves out, or sets to what there is not, is named: no call falls over it.
-#include "small.h"
+#include "started.h"
 
-static FfpCapture *capture;
-static FfpGaussians *gaussians;
 static FfpError err;
-
-static int setup(void **state) {
-    if (small_setup(state) != 0) return -1;
-    capture = ffp_capture_open(NULL, in_scratch("capture"), &err);
-    const FfpReconstruction how = {0};
-    gaussians = capture ? ffp_reconstruct(NULL, capture, &how, NULL, &err) : NULL;
-    if (!gaussians) fprintf(stderr, "%s\n", err.text);
-    return gaussians ? 0 : -1;
-}
-
-static int teardown(void **state) {
-    ffp_gaussians_close(gaussians);
-    ffp_capture_close(capture);
-    return scratch_teardown(state);
-}
 
 // The call before this one was refused, and said what for.
 static void refused(bool right, const char *name) {

@@ -1,27 +1,8 @@
 // A host may write its numbers with commas: files, pages and reports have points all the same, and
 // calibrations are read.
 #include <ctype.h>
-#include "small.h"
+#include "started.h"
 #include "comma.h"
-
-static FfpCapture *capture;
-static FfpGaussians *gaussians;
-
-static int setup(void **state) {
-    FfpError err = {0};
-    if (small_setup(state) != 0) return -1;
-    capture = ffp_capture_open(NULL, in_scratch("capture"), &err);
-    const FfpReconstruction how = {0};
-    gaussians = capture ? ffp_reconstruct(NULL, capture, &how, NULL, &err) : NULL;
-    if (!gaussians) fprintf(stderr, "%s\n", err.text);
-    return gaussians ? 0 : -1;
-}
-
-static int teardown(void **state) {
-    ffp_gaussians_close(gaussians);
-    ffp_capture_close(capture);
-    return scratch_teardown(state);
-}
 
 static void write_page(const char *path, FfpError *err) {
     FfpViewing how = ffp_viewing_defaults();

@@ -2,31 +2,13 @@
 // What a browser makes of it: tests/view.
 #include <jansson.h>
 #include <math.h>
-#include "small.h"
+#include "started.h"
 #include "base/file.h"
 #include "gaussians/gaussians.h"
 #include "view/view.h"
 
-static FfpCapture *capture;
-static FfpGaussians *gaussians;
 static char *page;
 static size_t page_size;
-
-static int setup(void **state) {
-    FfpError err = {0};
-    if (small_setup(state) != 0) return -1;
-    capture = ffp_capture_open(NULL, in_scratch("capture"), &err);
-    const FfpReconstruction how = {0};
-    gaussians = capture ? ffp_reconstruct(NULL, capture, &how, NULL, &err) : NULL;
-    if (!gaussians) fprintf(stderr, "%s\n", err.text);
-    return gaussians ? 0 : -1;
-}
-
-static int teardown(void **state) {
-    ffp_gaussians_close(gaussians);
-    ffp_capture_close(capture);
-    return scratch_teardown(state);
-}
 
 static FfpViewingStats write_page(const FfpViewing *how) {
     FfpError err = {0};
