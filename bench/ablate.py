@@ -4,7 +4,7 @@
 TABLE is `additions` (from the paper's form to ours, each row the one before with one change) or `parts` (ours with one part
 changed). All rows have the same scenes, the same number of steps and the same seed, and begin from nothing. Figures are PSNR in dB on
 the validation scenes: lollipops not given at the input poses, all patterns at new poses; `polished` after the fit to the input
-views. The perceptual row of `parts` needs lpips_squeeze.safetensors in the folder FFPROCAMS_PERCEPTUAL. FOLDER keeps what each training leaves; a row that is there already is not trained again."""
+views. The perceptual row of `parts` needs lpips_squeeze.safetensors in the folder FFPROCAMS_PERCEPTUAL. FOLDER keeps what each training leaves; existing rows are not trained again."""
 import json
 import os
 import sys
@@ -17,7 +17,7 @@ PLAIN = {"supervised_inputs": 4, "supervised_targets": 0}
 ADDITIONS = [("the paper's form, small", {"model": {"preset": "paper-small"}}),
              ("+ new poses among the supervised ones", {"supervised_inputs": 2, "supervised_targets": 2}),
              ("+ pixel skip", {"model": {"pixel_skip": True, "pixel_features": 24, "pixel_hidden": 96}}),
-             ("+ the classical start among the inputs", {"model": {"match_input": True}}),
+             ("+ the classical initialisation among the inputs", {"model": {"match_input": True}}),
              ("+ heads as residuals around it", {"model": {"residual": True}}),
              ("+ our drawing (no blur, firm splats, footprint, shadows)", {"model": {"render": "ours"}}),
              ("+ true albedo and normals in the loss", {"truth_albedo": 0.05, "truth_normal": 0.02}),
@@ -92,7 +92,7 @@ def main():
         print(f"| {name} | {r['validation_rendering']:.2f} | {r['polished_rendering']:.2f} | "
               f"{r['validation_novel_pose']:.2f} | {r['polished_novel_pose']:.2f} | {r['depth_median_percent']:.2f} | "
               f"{r['step_s']:.2f} | {r['memory_gb']:.2f} |", flush=True)
-    print(f"| classical start | {r['start_rendering']:.2f} | | {r['start_novel_pose']:.2f} | | | | |")
+    print(f"| classical initialisation | {r['start_rendering']:.2f} | | {r['start_novel_pose']:.2f} | | | | |")
 
 
 main()

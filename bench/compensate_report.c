@@ -1,25 +1,25 @@
 // How much nearer a compensated projection brings what a camera sees to its target.
 //   compensate_report [-m WEIGHTS] [-t TARGET].. [-v VIEWS] [-s STEPS] [-a] [-g] [-o REPORT.html] CAPTURE..
-// -m: weights of the reconstruction (default: the classical start alone). -t: target images. -v: how many
-// views of a capture (default 2). -a: absolute targets with automatic gain (default: light painted on the
-// object). -g: Gaussians only, no photographs for the response. Patterns are computed from the reconstruction
-// alone. The judge knows nothing of it: it looks the pattern up at the capture's true depth, black + (white -
-// black) * pattern, with the photographs' black and white. PSNR is over the object's pixels that the
-// projector lights in the photographs, of encoded 8-bit pictures. The unwarped projection has the brightness
-// that suits it best.
+// -m: weights of the reconstruction (default: the classical initialisation alone). -t: target images. -v: how
+// many views of a capture (default 2). -a: absolute targets with automatic gain (default: light painted on
+// the object). -g: Gaussians only, no photographs for the response. Patterns are computed from the
+// reconstruction alone. The judge knows nothing of it: it looks the pattern up at the capture's true depth,
+// black + (white - black) * pattern, with the photographs' black and white. PSNR is over the object's pixels
+// that the projector lights in the photographs, of encoded 8-bit pictures. The unwarped projection has the
+// brightness that suits it best.
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <tgmath.h>
 #include <unistd.h>
-#include "apply/solve.h"
-#include "base/alloc.h"
-#include "base/log.h"
-#include "api/reconstruct.h"
-#include "api/relight.h"
-#include "eval/report.h"
-#include "loss/metrics.h"
-#include "match/match.h"
+#include "core/base/alloc.h"
+#include "core/base/log.h"
+#include "engine/apply/solve.h"
+#include "engine/loss/metrics.h"
+#include "engine/match/match.h"
+#include "engine/pipeline/normalised.h"
+#include "engine/pipeline/relight.h"
+#include "lab/eval/report.h"
 
 #define TARGETS_MAX 16
 #define BRIGHTNESSES 24 // tried for the unwarped projection, each 0.8 times the one before

@@ -2,20 +2,20 @@
 //   contact_sheets meshes FILE.png      every mesh, grey, under the default rig's lamp
 //   contact_sheets materials FILE.png   every material on a ball, in the colours of two seeds
 //   contact_sheets patterns FILE.png    the natural patterns of the test scenes
-//   contact_sheets tables               the histograms of docs/data.md, as Markdown
+//   contact_sheets tables               the histograms of docs/design/data.md, as Markdown
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include "bench/diversity.h"
-#include "base/alloc.h"
-#include "synth/material.h"
-#include "synth/mesh.h"
-#include "synth/natural.h"
-#include "synth/rig.h"
-#include "synth/simulate.h"
-#include "synth/stroke.h"
-#include "synth/synth.h"
+#include "core/base/alloc.h"
+#include "world/synth/material.h"
+#include "world/synth/mesh.h"
+#include "world/synth/natural.h"
+#include "world/synth/rig.h"
+#include "world/synth/simulate.h"
+#include "world/synth/stroke.h"
+#include "world/synth/synth.h"
 
 enum { LABEL = 12 };
 

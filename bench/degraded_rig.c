@@ -6,12 +6,12 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include "base/arena.h"
-#include "base/file.h"
-#include "api/relight.h"
-#include "loss/metrics.h"
-#include "rig/matrix.h"
-#include "synth/synth.h"
+#include "core/base/arena.h"
+#include "core/base/file.h"
+#include "engine/loss/metrics.h"
+#include "engine/pipeline/relight.h"
+#include "rig/import/matrix.h"
+#include "world/synth/synth.h"
 
 #define OFF_CENTRE 200 // pixels that the projector's panel is wider to the left of the light
 #define VIEWS 8
@@ -287,7 +287,7 @@ static void run_row(Bench *bench, int object, int row) {
     snprintf(name, sizeof name, "object_%d_row_%d", object, row);
     bool ok = ffp_join_path(folder, bench->folder, name) && ffp_scene_make(&seen, &spec, &err) &&
               import(&imported, &seen, rows[row].faults, folder, &err);
-    const FfpAligning alignment = ffp_aligning_defaults();
+    const FfpAlignment alignment = ffp_alignment_defaults();
     if (ok && rows[row].faults & ALIGN) ok = ffp_align_poses(NULL, &imported, &alignment, NULL, &err);
     ffp_capture_free(&seen);
     for (int form = 0; form < FORMS && ok; form++) {
@@ -333,7 +333,7 @@ int main(int argc, char **argv) {
     Bench *bench = ffp_alloc(1, sizeof *bench);
     bench->folder = argv[1];
     bench->model = ffp_model_open(NULL, argc > 2 ? argv[2] : NULL, &err);
-    bool ok = bench->model != NULL && ffp_make_folders(bench->folder, &err);
+    bool ok = bench->model && ffp_make_folders(bench->folder, &err);
     for (int object = first; object < first + objects && ok; object++) {
         const FfpSceneSpec spec = spec_of(object, 0);
         if (!(ok = ffp_scene_make(&bench->truth, &spec, &err))) break;

@@ -1,15 +1,14 @@
 #include "bench/diversity.h"
-
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
-#include "base/rng.h"
-#include "synth/material.h"
-#include "synth/mesh.h"
-#include "synth/mesh_measure.h"
-#include "synth/rig.h"
-#include "synth/synth.h"
-#include "synth/trace.h"
+#include "core/base/rng.h"
+#include "world/synth/material.h"
+#include "world/synth/mesh.h"
+#include "world/synth/mesh_measure.h"
+#include "world/synth/rig.h"
+#include "world/synth/synth.h"
+#include "world/synth/trace.h"
 
 // Three corners and the normal of a triangle; returns twice its area.
 static float triangle(const FfpMesh *mesh, int t, const float *corner[3], float normal[3]) {

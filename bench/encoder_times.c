@@ -6,12 +6,11 @@
 // Says "ready" and the CPU level, then reads lines: `run` is answered with the seconds of processor time and
 // of wall clock of a pass, `write FILE` with "written": the last run's outputs, float32 [tokens, dim], and
 // behind them the gradients of the encoder's weights in the order of the file.
+#include "core/base/arena.h"
+#include "core/base/cpu.h"
+#include "core/tensor/tensor.h"
+#include "engine/network/blocks.h"
 #include "on_request.h"
-
-#include "base/arena.h"
-#include "base/cpu.h"
-#include "network/blocks.h"
-#include "tensor/tensor.h"
 
 enum { INPUTS_MAX = 1 << 30 }; // bytes
 
@@ -39,7 +38,7 @@ static real *take(Encoder *e, size_t columns) {
     return ffp_arena_take(e->arena, (size_t)e->rows * columns, sizeof(real));
 }
 
-// As the program does (network/run.c): without a backward pass blocks of a kind share their memory.
+// As the program does (engine/network/run.c): without a backward pass blocks of a kind share their memory.
 static void allocate_blocks(Encoder *e) {
     const char *modules = e->model->config.modules;
     for (int i = 0; i <= e->blocks; i++)
@@ -80,16 +79,17 @@ static void forward(Encoder *e) {
     const FfpLayout *at = e->model->layout;
     const real *values = e->model->values;
     const int dim = e->widths.dim;
+    const FfpBlockPass pass = {values, &e->widths, e->rows, &e->scratch, &e->unread};
     ffp_linear_forward(e->tokens, e->inputs, values + at->tokeniser, NULL, e->rows, e->in, dim);
     ffp_layernorm_forward(e->stream[0], e->mean[0], e->rstd[0], e->tokens, values + at->tokeniser_norm,
                           e->rows, dim);
     for (int i = 0; i < e->blocks; i++)
         if (e->model->config.modules[i] == 'M')
-            ffp_mamba_forward(e->stream[i + 1], &e->block[i].mamba, e->stream[i], values,
-                              &at->blocks[i].mamba, &e->widths, e->rows, &e->scratch, &e->unread);
+            ffp_mamba_forward(e->stream[i + 1], &e->block[i].mamba, e->stream[i], &at->blocks[i].mamba,
+                              &pass);
         else
-            ffp_transformer_forward(e->stream[i + 1], &e->block[i].transformer, e->stream[i], values,
-                                    &at->blocks[i].transformer, &e->widths, e->rows, &e->scratch, &e->unread);
+            ffp_transformer_forward(e->stream[i + 1], &e->block[i].transformer, e->stream[i],
+                                    &at->blocks[i].transformer, &pass);
     ffp_layernorm_forward(e->final, e->mean[1], e->rstd[1], e->stream[e->blocks], values + at->final_norm,
                           e->rows, dim);
 }
@@ -98,17 +98,17 @@ static void backward(Encoder *e) {
     const FfpLayout *at = e->model->layout;
     const real *values = e->model->values;
     const int dim = e->widths.dim;
+    const FfpBlockPass pass = {values, &e->widths, e->rows, &e->scratch, &e->unread};
     memset(e->grad, 0, (size_t)e->weights * sizeof *e->grad);
     ffp_layernorm_backward(e->dstream, e->grad + at->final_norm, e->dy, e->stream[e->blocks], e->mean[1],
                            e->rstd[1], values + at->final_norm, e->rows, dim);
     for (int i = e->blocks - 1; i >= 0; i--)
         if (e->model->config.modules[i] == 'M')
-            ffp_mamba_backward(e->dstream, e->grad, &e->block[i].mamba, e->stream[i], values,
-                               &at->blocks[i].mamba, &e->widths, e->rows, &e->scratch, &e->unread);
+            ffp_mamba_backward(e->dstream, e->grad, &e->block[i].mamba, e->stream[i], &at->blocks[i].mamba,
+                               &pass);
         else
-            ffp_transformer_backward(e->dstream, e->grad, &e->block[i].transformer, e->stream[i], values,
-                                     &at->blocks[i].transformer, &e->widths, e->rows, &e->scratch,
-                                     &e->unread);
+            ffp_transformer_backward(e->dstream, e->grad, &e->block[i].transformer, e->stream[i],
+                                     &at->blocks[i].transformer, &pass);
     ffp_layernorm_backward(e->dtokens, e->grad + at->tokeniser_norm, e->dstream, e->tokens, e->mean[0],
                            e->rstd[0], values + at->tokeniser_norm, e->rows, dim);
     ffp_linear_backward(NULL, e->grad + at->tokeniser, NULL, e->dtokens, e->inputs, values + at->tokeniser,
@@ -123,7 +123,7 @@ static void timed_run(void *encoder) {
     print_since(&begin, '\n');
 }
 
-// Numbers of a file that must be a whole number of rows of `columns`; *rows 0: that many are there.
+// Numbers of a file that must be a whole number of rows of `columns`; *rows 0: as many as the file has.
 static const real *read_rows(const char *path, int columns, int *rows, FfpError *err) {
     char *data;
     size_t size;

@@ -3,31 +3,21 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include "base/arena.h"
-#include "base/rng.h"
 #include "bench/gpu_timing.h"
-#include "loss/metrics.h"
-#include "loss/perceptual_net.h"
+#include "core/base/arena.h"
+#include "core/base/rng.h"
+#include "engine/loss/metrics.h"
+#include "engine/loss/perceptual_net.h"
 
-typedef struct Bench {
+struct Bench {
     int side;
     FfpImage a, b, grad;                        // on the device, as all below
     real *opacity, *mask, *depth, *truth, *map; // maps; map [side,side,3]
     FfpPerceptual *net;
-} Bench;
-
-typedef struct Call {
-    void (*run)(Bench *);
-    Bench *b;
-} Call;
-
-static void call(void *context) {
-    const Call *c = context;
-    c->run(c->b);
-}
+};
 
 static void report(const char *name, Bench *b, void (*run)(Bench *), int times, double work) {
-    gpu_report(name, gpu_seconds(call, &(Call){run, b}, times), 0, work);
+    gpu_report(name, gpu_seconds(run, b, times), 0, work);
 }
 
 static void l1(Bench *b) {

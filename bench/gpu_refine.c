@@ -3,32 +3,22 @@
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
-#include "capture/uploaded.h"
 #include "bench/gpu_timing.h"
-#include "refine/fit.h"
-#include "refine/table.h"
-#include "tests/cuda/ball.h"
+#include "core/capture/uploaded.h"
+#include "engine/refine/fit.h"
+#include "engine/refine/table.h"
+#include "tests/ball.h"
 
-typedef struct Bench {
+struct Bench {
     FfpCapture capture;
     FfpGaussians start, decoded, grad; // on the device
     FfpParameters parameters;
-    FfpMover mover;
+    FfpGaussianAdam mover;
     FfpRefineSettings settings;
-} Bench;
-
-typedef struct Call {
-    void (*run)(Bench *);
-    Bench *b;
-} Call;
-
-static void call(void *context) {
-    const Call *c = context;
-    c->run(c->b);
-}
+};
 
 static void report(const char *name, Bench *b, void (*run)(Bench *), int times, double bytes) {
-    gpu_report(name, gpu_seconds(call, &(Call){run, b}, times), bytes, 0);
+    gpu_report(name, gpu_seconds(run, b, times), bytes, 0);
 }
 
 static void clear(Bench *b) {
@@ -44,7 +34,7 @@ static void pull_back(Bench *b) {
     ffp_parameters_pull_back(&b->parameters, &b->decoded, &b->grad);
 }
 static void move(Bench *b) {
-    ffp_mover_step(&b->mover, &b->parameters, &b->grad, &b->settings, 0.5);
+    ffp_gaussian_adam_step(&b->mover, &b->parameters, &b->grad, &b->settings, 0.5);
 }
 static void summed(Bench *b) {
     FfpSummed table = ffp_pattern_summed(&b->capture.patterns[BALL_STRIPES].image);
@@ -97,7 +87,7 @@ int main(int argc, char **argv) {
     b.start = ffp_gaussians_uploaded(&start);
     b.decoded = ffp_gaussians_new(count), b.grad = ffp_gaussians_new(count);
     b.parameters = ffp_parameters_new(&b.start, true, false);
-    b.mover = ffp_mover_new(&b.parameters, &b.settings);
+    b.mover = ffp_gaussian_adam_new(&b.parameters, &b.settings);
     printf("%s\n%lld splats, %d views of %dx%d, patterns of %dx%d\n", ffp_cuda_describe(), (long long)count,
            views, side, side, pattern, pattern);
     parts(&b);

@@ -4,13 +4,13 @@
 #include <stdlib.h>
 #include <string.h>
 #include "bench/gpu_timing.h"
-#include "render/pass.h"
-#include "render/table.h"
-#include "tests/cuda/ball.h"
+#include "engine/render/pass.h"
+#include "engine/render/table.h"
+#include "tests/ball.h"
 
 enum { VIEWS = 5, PATTERNS = 3 };
 
-typedef struct Bench {
+struct Bench {
     bool tiny; // every function once
     FfpRenderSettings settings;
     FfpCamera camera[VIEWS], projector[VIEWS], fine; // fine: the first with a pixel for each sample
@@ -22,22 +22,12 @@ typedef struct Bench {
     FfpMapping mapping;
     FfpTransport transport, grad_transport;
     FfpViewPass *pass;
-} Bench;
+};
 
 static const real intensity[3] = {4, 4, 4};
 
-typedef struct Call {
-    void (*run)(Bench *);
-    Bench *b;
-} Call;
-
-static void call(void *context) {
-    const Call *c = context;
-    c->run(c->b);
-}
-
 static void report(const char *name, Bench *b, void (*run)(Bench *), int times, double bytes) {
-    gpu_report(name, gpu_seconds(call, &(Call){run, b}, times), bytes, 0);
+    gpu_report(name, gpu_seconds(run, b, times), bytes, 0);
 }
 
 static void rasterise(Bench *b) {

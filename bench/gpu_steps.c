@@ -1,15 +1,15 @@
 // What the GPU's users wait for: a forward pass with one relit view, and a training step, for any preset.
 // usage: gpu_steps PRESET [VIEWS RESOLUTION [PERCEPTUAL]]
-#include "base/call.h"
 #include "bench/gpu_timing.h"
-#include "render/pass.h"
-#include "train/mirror.h"
+#include "core/base/call.h"
+#include "engine/render/pass.h"
+#include "lab/train/mirror.h"
 
-typedef struct Bench {
+struct Bench {
     FfpTrainConfig config;
     FfpMirror *mirror;
     const FfpScene *scene;
-    FfpStepper *stepper;
+    FfpTrainStep *stepper;
     FfpRun *run;
     FfpViewPass *pass;
     FfpImage picture;
@@ -17,20 +17,10 @@ typedef struct Bench {
     int64_t step;
     FfpLosses losses;
     FfpError err;
-} Bench;
-
-typedef struct Call {
-    void (*run)(Bench *);
-    Bench *b;
-} Call;
-
-static void call(void *context) {
-    const Call *c = context;
-    c->run(c->b);
-}
+};
 
 static void report(const char *name, Bench *b, void (*run)(Bench *)) {
-    gpu_report(name, gpu_seconds(call, &(Call){run, b}, 1), 0, 0);
+    gpu_report(name, gpu_seconds(run, b, 1), 0, 0);
 }
 
 static void forward(Bench *b) {
@@ -52,7 +42,8 @@ static void both(Bench *b) {
 
 static void gradient(Bench *b) {
     ffp_memory_zero(b->grad, (size_t)b->mirror->model.count * sizeof(real));
-    if (!ffp_step_loss(b->stepper, &b->mirror->model, b->scene, b->step++, &b->losses, b->grad, &b->err))
+    if (!ffp_train_step_loss(b->stepper, &b->mirror->model, b->scene, b->step++, &b->losses, b->grad,
+                             &b->err))
         printf("%s\n", b->err.text);
 }
 
@@ -67,11 +58,9 @@ static void step(Bench *b) {
 }
 
 static void tell_parts(const FfpLosses *l) {
-    printf("  of which: forward %.2f, polish %.2f, rasterise %.2f, shade %.2f, losses %.2f, shade backward "
-           "%.2f, "
-           "rasterise backward %.2f, backward %.2f ms\n",
-           1e3 * l->forward_s, 1e3 * l->polish_s, 1e3 * l->rasterise_s, 1e3 * l->shade_s, 1e3 * l->loss_s,
-           1e3 * l->shade_backward_s, 1e3 * l->rasterise_backward_s, 1e3 * l->backward_s);
+    printf("  ms:");
+    for (int i = 0; i < FFP_PHASES; i++) printf(" %s %.2f", ffp_step_phase_names[i], 1e3 * l->seconds[i]);
+    printf("\n");
 }
 
 typedef struct Opening {
@@ -81,7 +70,7 @@ typedef struct Opening {
 
 static bool open_scene(void *argument, FfpError *err) {
     const Opening *o = argument;
-    return ffp_scene_open(o->scene, o->config, "train", 0, o->config->resolution, err);
+    return ffp_scene_open(o->scene, o->config, "train", 0, err);
 }
 
 static bool open_bench(Bench *b, int argc, char **argv) {
@@ -115,7 +104,7 @@ static bool open_bench(Bench *b, int argc, char **argv) {
     device->synchronise();
     printf("%lld Gaussians, brought there in %.3f s\n", (long long)ffp_prepared_count(b->scene->prepared),
            ffp_seconds() - begin);
-    b->stepper = ffp_stepper_new(&b->config, perceptual);
+    b->stepper = ffp_train_step_new(&b->config, perceptual);
     b->run = ffp_run_new(true);
     const FfpRenderSettings settings =
         ffp_render_settings(ffp_model_is_paper_form(&model->config), model->config.samples);

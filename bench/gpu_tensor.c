@@ -1,16 +1,16 @@
 // Times the tensor room's kernels on the device at the sizes of networks, against a large product and a copy
 // of the same run. On the emulated device the sizes are tiny and the times mean nothing.
-#include "base/arena.h"
-#include "base/rng.h"
 #include "bench/gpu_timing.h"
-#include "cuda/products.h"
-#include "network/layout.h"
-#include "tensor/tensor.h"
+#include "core/base/arena.h"
+#include "core/base/rng.h"
+#include "core/tensor/tensor.h"
+#include "engine/cuda/products.h"
+#include "engine/network/layout.h"
 
 enum { RUNS = 30 }; // queued together
 
 // A network's sizes, and arrays on the device that are large enough for each of its kernels.
-typedef struct Data {
+struct Bench {
     const char *name;
     int rows;
     FfpWidths w;
@@ -18,72 +18,62 @@ typedef struct Data {
     float *a, *b, *c, *d, *weight, *dweight; // [most]
     float *small, *dsmall, *row, *row2;      // [16384], [16384], [rows * heads]
     float *scratch;
-} Data;
+};
 
 static double product_peak = 1, copy_peak = 1; // operations and bytes a second
 
-typedef struct Call {
-    void (*run)(const Data *);
-    const Data *data;
-} Call;
-
-static void call(void *context) {
-    const Call *c = context;
-    c->run(c->data);
+static double seconds(void (*run)(Bench *), Bench *data) {
+    return gpu_seconds(run, data, RUNS);
 }
 
-static double seconds(void (*run)(const Data *), const Data *data) {
-    return gpu_seconds(call, &(Call){run, data}, RUNS);
-}
-
-static void linear_forward(const Data *x, int in, int out) {
+static void linear_forward(Bench *x, int in, int out) {
     ffp_linear_forward(x->c, x->a, x->weight, NULL, x->rows, in, out);
 }
-static void linear_backward(const Data *x, int in, int out) {
+static void linear_backward(Bench *x, int in, int out) {
     ffp_linear_backward(x->c, x->dweight, NULL, x->b, x->a, x->weight, x->rows, in, out);
 }
-static void in_proj(const Data *x) {
+static void in_proj(Bench *x) {
     linear_forward(x, x->w.dim, x->w.projected);
 }
-static void in_proj_back(const Data *x) {
+static void in_proj_back(Bench *x) {
     linear_backward(x, x->w.dim, x->w.projected);
 }
-static void out_proj(const Data *x) {
+static void out_proj(Bench *x) {
     ffp_linear_residual_forward(x->c, x->b, x->a, x->weight, x->rows, x->w.inner, x->w.dim);
 }
-static void out_proj_back(const Data *x) {
+static void out_proj_back(Bench *x) {
     linear_backward(x, x->w.inner, x->w.dim);
 }
-static void fc1(const Data *x) {
+static void fc1(Bench *x) {
     linear_forward(x, x->w.dim, FFP_MLP_RATIO * x->w.dim);
 }
-static void fc1_back(const Data *x) {
+static void fc1_back(Bench *x) {
     linear_backward(x, x->w.dim, FFP_MLP_RATIO * x->w.dim);
 }
-static void gemm(const Data *x) {
+static void gemm(Bench *x) {
     ffp_gemm(false, true, x->rows, FFP_MLP_RATIO * x->w.dim, x->w.dim, 1, x->a, x->w.dim, x->weight, x->w.dim,
              0, x->c, FFP_MLP_RATIO * x->w.dim);
 }
-static void bias_back(const Data *x) {
+static void bias_back(Bench *x) {
     ffp_linear_backward(NULL, x->dweight, x->dsmall, x->b, x->a, x->weight, x->rows, 8,
                         FFP_MLP_RATIO * x->w.dim);
 }
-static void attention(const Data *x) {
+static void attention(Bench *x) {
     ffp_attention_forward(x->c, x->row, x->a, x->small, x->small, x->rows, x->w.attention_heads, FFP_HEAD_DIM,
                           x->scratch);
 }
-static void attention_back(const Data *x) {
+static void attention_back(Bench *x) {
     ffp_attention_backward(x->d, x->dsmall, x->dsmall + FFP_HEAD_DIM, x->b, x->c, x->row, x->a, x->small,
                            x->small, x->rows, x->w.attention_heads, FFP_HEAD_DIM, x->scratch);
 }
-static FfpScanShape scan_shape(const Data *x) {
+static FfpScanShape scan_shape(Bench *x) {
     return (FfpScanShape){.rows = x->rows,
                           .heads = x->w.scan_heads,
                           .head_dim = FFP_HEAD_DIM,
                           .state = x->w.state,
                           .chunk = x->w.chunk};
 }
-static FfpScanInput scan_input(const Data *x) {
+static FfpScanInput scan_input(Bench *x) {
     return (FfpScanInput){.x = x->a,
                           .b = x->a + x->w.inner,
                           .c = x->a + x->w.inner + x->w.state,
@@ -94,12 +84,12 @@ static FfpScanInput scan_input(const Data *x) {
                           .a_log = x->small + x->w.scan_heads,
                           .d = x->small + 2 * x->w.scan_heads};
 }
-static void scan(const Data *x) {
+static void scan(Bench *x) {
     const FfpScanShape shape = scan_shape(x);
     const FfpScanInput in = scan_input(x);
     ffp_scan_forward(x->c, &shape, &in, x->scratch);
 }
-static void scan_back(const Data *x) {
+static void scan_back(Bench *x) {
     const FfpScanShape shape = scan_shape(x);
     const FfpScanInput in = scan_input(x);
     const FfpScanGradient grad = {.x = x->d,
@@ -111,33 +101,33 @@ static void scan_back(const Data *x) {
                                   .d = x->dsmall + 2 * x->w.scan_heads};
     ffp_scan_backward(&grad, &shape, &in, x->b, x->scratch);
 }
-static void conv(const Data *x) {
+static void conv(Bench *x) {
     ffp_conv_forward(x->c, x->a, x->w.projected, x->weight, x->small, x->rows, x->w.convolved, FFP_CONV_TAPS,
                      false);
 }
-static void conv_back(const Data *x) {
+static void conv_back(Bench *x) {
     ffp_conv_backward(x->d, x->w.projected, x->dweight, x->dsmall, x->b, x->a, x->w.projected, x->weight,
                       x->small, x->rows, x->w.convolved, FFP_CONV_TAPS, false);
 }
-static void gelu(const Data *x) {
+static void gelu(Bench *x) {
     ffp_gelu_forward(x->c, x->a, (size_t)x->rows * FFP_MLP_RATIO * x->w.dim);
 }
-static void gelu_back(const Data *x) {
+static void gelu_back(Bench *x) {
     ffp_gelu_backward(x->c, x->b, x->a, (size_t)x->rows * FFP_MLP_RATIO * x->w.dim);
 }
-static void add(const Data *x) {
+static void add(Bench *x) {
     ffp_add(x->c, x->a, (size_t)x->rows * x->w.inner);
 }
-static void layernorm(const Data *x) {
+static void layernorm(Bench *x) {
     ffp_layernorm_forward(x->c, x->row, x->row2, x->a, x->small, x->rows, x->w.dim);
 }
-static void layernorm_back(const Data *x) {
+static void layernorm_back(Bench *x) {
     ffp_layernorm_backward(x->c, x->dsmall, x->b, x->a, x->row, x->row2, x->small, x->rows, x->w.dim);
 }
-static void gated(const Data *x) {
+static void gated(Bench *x) {
     ffp_gated_norm_forward(x->c, x->row2, x->a, x->b, x->w.projected, x->small, x->rows, x->w.inner);
 }
-static void gated_back(const Data *x) {
+static void gated_back(Bench *x) {
     ffp_gated_norm_backward(x->c, x->d, x->w.projected, x->dsmall, x->b, x->a, x->b, x->w.projected, x->row2,
                             x->small, x->rows, x->w.inner);
 }
@@ -150,15 +140,15 @@ static void *numbers(FfpRng *rng, size_t count, float spread, float centre) {
     return there;
 }
 
-// Operations, if it is a product, else bytes that must be read and written; a line of the table.
-static void report(const Data *data, const char *name, void (*run)(const Data *), bool product, double work) {
+// Operations, if it is a product, otherwise bytes that must be read and written; a line of the table.
+static void report(Bench *data, const char *name, void (*run)(Bench *), bool product, double work) {
     const double time = seconds(run, data), rate = work / time;
     printf("%-8s %-20s %9.4f ms %9.1f %s %5.1f %%\n", data->name, name, 1e3 * time,
            rate / (product ? 1e12 : 1e9), product ? "TFLOP/s" : "GB/s   ",
            100 * rate / (product ? product_peak : copy_peak));
 }
 
-static void report_all(const Data *x) {
+static void report_all(Bench *x) {
     const double rows = x->rows, dim = x->w.dim, inner = x->w.inner, wide = FFP_MLP_RATIO * dim,
                  state = x->w.state;
     const double pairs = 2 * rows * rows * dim, states = 2 * rows * inner * state,
@@ -195,7 +185,7 @@ static void bench(const char *name, int rows, int dim, int state) {
     FfpRng rng = ffp_rng(1, 0);
     ffp_model_preset(&config, "small");
     config.dim = dim, config.state = state;
-    Data x = {.name = name, .rows = rows, .w = ffp_widths(&config)};
+    Bench x = {.name = name, .rows = rows, .w = ffp_widths(&config)};
     const FfpScanShape shape = scan_shape(&x);
     x.most = greater((size_t)rows, (size_t)dim) * greater((size_t)x.w.projected, FFP_MLP_RATIO * (size_t)dim);
     x.a = numbers(&rng, x.most, 1, 0), x.b = numbers(&rng, x.most, 1, 0);
@@ -213,7 +203,7 @@ static void bench(const char *name, int rows, int dim, int state) {
     for (size_t i = 0; i < sizeof all / sizeof *all; i++) ffp_memory_free(all[i]);
 }
 
-static void large_product(const Data *x) {
+static void large_product(Bench *x) {
     const FfpCudaProduct product = {.operands = FFP_OPERANDS_BF16,
                                     .transpose_b = true,
                                     .m = x->rows,
@@ -230,7 +220,7 @@ static void large_product(const Data *x) {
     ffp_cuda_product(&product);
 }
 
-static void large_copy(const Data *x) {
+static void large_copy(Bench *x) {
     ffp_device()->copy(x->c, x->d, x->most * sizeof(float));
 }
 
@@ -249,7 +239,7 @@ static float *halves(FfpRng *rng, size_t side) {
 static void measure_peaks(void) {
     FfpRng rng = ffp_rng(2, 0);
     const size_t side = gpu_emulated() ? 64 : 8192, count = side * side;
-    Data x = {.rows = (int)side, .most = count, .a = halves(&rng, side), .b = halves(&rng, side)};
+    Bench x = {.rows = (int)side, .most = count, .a = halves(&rng, side), .b = halves(&rng, side)};
     x.c = ffp_memory_new(count, sizeof(float)), x.d = numbers(&rng, count, 1, 0);
     product_peak = 2.0 * (double)count * (double)side / seconds(large_product, &x);
     copy_peak = 8.0 * (double)count / seconds(large_copy, &x);

@@ -6,8 +6,8 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include "base/log.h"
-#include "cuda/cuda.h"
+#include "core/base/log.h"
+#include "engine/cuda/cuda.h"
 
 enum { GPU_REPEATS = 15, GPU_WARM = 3 };
 
@@ -21,18 +21,20 @@ static inline bool gpu_emulated(void) {
     return strstr(ffp_cuda_describe(), "emulated") != NULL;
 }
 
+typedef struct Bench Bench; // what a program works on, and its own
+
 // Median seconds of one of `times` runs queued one behind the other, waited for together; warmed up. On the
 // emulation one run.
-static inline double gpu_seconds(void (*run)(void *), void *context, int times) {
+static inline double gpu_seconds(void (*run)(Bench *), Bench *bench, int times) {
     const bool emulated = gpu_emulated();
     const int repeats = emulated ? 1 : GPU_REPEATS;
     double seconds[GPU_REPEATS];
-    for (int i = 0; i < (emulated ? 1 : GPU_WARM); i++) run(context);
+    for (int i = 0; i < (emulated ? 1 : GPU_WARM); i++) run(bench);
     if (emulated) times = 1;
     for (int r = 0; r < repeats; r++) {
         ffp_device()->synchronise();
         const double begin = ffp_seconds();
-        for (int i = 0; i < times; i++) run(context);
+        for (int i = 0; i < times; i++) run(bench);
         ffp_device()->synchronise();
         seconds[r] = (ffp_seconds() - begin) / times;
     }

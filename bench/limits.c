@@ -4,12 +4,12 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include "base/arena.h"
-#include "base/vec.h"
+#include "core/base/arena.h"
+#include "core/base/vec.h"
+#include "engine/loss/metrics.h"
+#include "engine/render/pass.h"
 #include "ffprocams.h"
-#include "loss/metrics.h"
-#include "render/pass.h"
-#include "train/train.h"
+#include "lab/train/train.h"
 
 // Parts that may be true.
 enum {
@@ -161,7 +161,7 @@ static bool run_scenes(const FfpModel *model, int count, int first, Score scores
     bool ok = true;
     for (int i = first; i < first + count && ok; i++) {
         FfpScene scene;
-        if (!(ok = ffp_scene_open(&scene, &config, "validation", i, side, err))) break;
+        if (!(ok = ffp_scene_open(&scene, &config, "validation", i, err))) break;
         ok = ffp_model_forward(model, run, &scene.inputs, &scene.start, &scene.context, scene.active, err);
         if (ok) ok = score_scene(&viewer, &scene, &config, run, scores, err);
         ffp_scene_close(&scene);
@@ -172,7 +172,7 @@ static bool run_scenes(const FfpModel *model, int count, int first, Score scores
     return ok;
 }
 
-// Weights, or an untrained residual network, which gives the classical start.
+// Weights, or an untrained residual network, which gives the classical initialisation.
 static FfpModel *open_model(const char *path, FfpError *err) {
     FfpModelConfig config;
     if (strcmp(path, "none") != 0) return ffp_model_read(path, err);

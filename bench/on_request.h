@@ -7,7 +7,7 @@
 #include <stdio.h>
 #include <string.h>
 #include <time.h>
-#include "base/file.h"
+#include "core/base/file.h"
 
 // A moment: seconds of the process's processor time, of all its threads, and of wall clock.
 typedef struct Moment {

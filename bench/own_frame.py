@@ -2,7 +2,7 @@
 """bench/own_frame.py TRUTH CORRECTED OUT: a capture's true poses, moved as one into the frame of corrected ones.
 
 Photographs cannot tell where the object and all devices are as a whole, so poses that `ffprocams align` corrected may differ from the
-true ones by a rigid motion which is no error of the reconstruction. TRUTH and CORRECTED are scene.json files with the same views. The rigid motion
+true ones by a rigid motion that is not an error of the reconstruction. TRUTH and CORRECTED are scene.json files with the same views. The rigid motion
 that brings what TRUTH's cameras see nearest to what CORRECTED's see (least squares, in pixels, of points in the object's sphere) is
 applied to every pose of TRUTH, and to those of the targets/scene.json beside it; OUT gets both, with links to the pictures. Prints the
 cameras' error before and after, in pixels. Give OUT's scene.json or targets/scene.json to `ffprocams evaluate --targets`."""

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""bench/results.py: tables of docs/results.md from what `ffprocams evaluate --json` wrote.
+"""bench/results.py: tables of docs/lab/results.md from what `ffprocams evaluate --json` wrote.
 
     bench/results.py "the network alone=alone.json" "polished=first.json,second.json" ...
 

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""bench/scaling_picture.py WORK OUT.png: the picture of docs/results.md on growth, from what `bench/scaling.py sizes WORK ..` has left.
+"""bench/scaling_picture.py WORK OUT.png: the picture of docs/lab/results.md on growth, from what `bench/scaling.py sizes WORK ..` has left.
 
 Means over the scenes against the pixels of a view, both axes logarithmic: seconds of each stage, and peak memory and size of the PLY file, with a line
 that grows as the pixels do. Needs python3-matplotlib and numpy."""

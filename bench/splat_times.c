@@ -1,7 +1,7 @@
 // The rasteriser alone on made-up splats, once for every line that is asked for: what other libraries' is
 // compared with, in turns (bench/peers/compare_splats).
 //   splat_times SIDE OPACITY SIZE
-// 8 SIDE^2 splats as ffp_bench_splats lays them (bench/raster_times.h), seen by a camera of SIDE x SIDE
+// 8 SIDE^2 splats as ffp_bench_splats lays them (lab/bench/raster_times.h), seen by a camera of SIDE x SIDE
 // pixels in the paper's form of drawing (blur 0.3 px^2, alpha the splat's own density), one sample a pixel.
 // Says "ready", the CPU level and the number of splats, then reads lines: `run` is answered with the seconds
 // of processor time and wall clock of the forward pass, and of the backward pass; `write FILE` with
@@ -9,12 +9,11 @@
 // [N, 3], scales [N, 3], rotations [N, 4], opacities [N], albedos [N, 3]; the gradients given for the sums of
 // albedo [SIDE, SIDE, 3] and opacity [SIDE, SIDE]; these sums; the gradients of the splats in the order
 // above.
-#include "on_request.h"
-
 #include <stdlib.h>
-#include "base/cpu.h"
-#include "base/rng.h"
-#include "bench/raster_times.h"
+#include "core/base/cpu.h"
+#include "core/base/rng.h"
+#include "lab/bench/raster_times.h"
+#include "on_request.h"
 
 typedef struct Scene {
     FfpCamera camera;

@@ -5,7 +5,7 @@ import os
 import statistics
 import sys
 
-sys.path.insert(0, os.path.join(os.path.dirname(__file__), "..", "tests", "view"))
+sys.path.insert(0, os.path.join(os.path.dirname(__file__), "..", "tests", "product", "view"))
 import browser  # noqa: E402
 
 # Splats that reach a sample, counted by adding ones.

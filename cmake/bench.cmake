@@ -7,7 +7,7 @@ if(TARGET ffp_cuda)
     get_filename_component(name ${source} NAME_WE)
     add_executable(${name} EXCLUDE_FROM_ALL ${source})
     target_include_directories(${name} PRIVATE ${PROJECT_SOURCE_DIR})
-    target_link_libraries(${name} PRIVATE ffp_cuda)
+    target_link_libraries(${name} PRIVATE ffp_cuda ffp_train)
   endforeach()
 endif()
 
@@ -39,13 +39,13 @@ endif()
 # What a compensated projection gains on captures with true depth.
 if(TARGET ffp_apply)
   add_executable(compensate_report EXCLUDE_FROM_ALL bench/compensate_report.c)
-  target_link_libraries(compensate_report PRIVATE ffp_eval ffp_apply)
+  target_link_libraries(compensate_report PRIVATE ffp_api ffp_apply)
 endif()
 
 # What a rig's faults cost, from photographs through import to the pictures predicted.
-if(TARGET ffp_eval AND TARGET ffp_synth)
+if(TARGET ffp_api AND TARGET ffp_synth)
   add_executable(degraded_rig EXCLUDE_FROM_ALL bench/degraded_rig.c)
-  target_link_libraries(degraded_rig PRIVATE ffp_eval ffp_synth)
+  target_link_libraries(degraded_rig PRIVATE ffp_api ffp_synth)
 endif()
 
 # A slow wire between two network namespaces (Linux), to measure ranks with.

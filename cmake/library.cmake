@@ -2,6 +2,7 @@
 get_property(objects DIRECTORY PROPERTY FFP_OBJECTS)
 get_property(libraries DIRECTORY PROPERTY FFP_LIBRARIES)
 list(REMOVE_DUPLICATES libraries)
+get_property(modules DIRECTORY PROPERTY FFP_MODULES)
 # By name: whoever links the archive may be a project without C, for which there is no OpenMP::OpenMP_C.
 set(FFP_SYSTEM_LIBRARIES ${OpenMP_C_LIB_NAMES} ${CMAKE_DL_LIBS} m)
 list(REMOVE_DUPLICATES FFP_SYSTEM_LIBRARIES)
@@ -12,6 +13,7 @@ foreach(kind shared static)
   set_target_properties(ffprocams_${kind} PROPERTIES OUTPUT_NAME ffprocams EXPORT_NAME ffprocams LINKER_LANGUAGE C)
   target_include_directories(ffprocams_${kind} PUBLIC $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/include>)
   target_link_libraries(ffprocams_${kind} PRIVATE ${libraries})
+  add_dependencies(ffprocams_${kind} ${modules})
 endforeach()
 # Before 1.0 a minor version may change the interface.
 set_target_properties(ffprocams_shared PROPERTIES VERSION ${PROJECT_VERSION}
@@ -36,22 +38,23 @@ else()
   add_library(ffprocams::ffprocams ALIAS ffprocams_shared)
 endif()
 
-# From the library to the data, as they will be installed (src/api/weights.c).
+# From the library to the data, as they will be installed (src/engine/network/shipped.c).
 file(RELATIVE_PATH to_data ${CMAKE_INSTALL_FULL_LIBDIR} ${CMAKE_INSTALL_FULL_DATADIR})
-set_source_files_properties(src/api/weights.c PROPERTIES COMPILE_DEFINITIONS FFP_LIBRARY_TO_DATA="${to_data}")
-# In a build folder the weights lie beside the library, as seen from it (src/api/weights.c).
+set_source_files_properties(src/engine/network/shipped.c PROPERTIES COMPILE_DEFINITIONS FFP_LIBRARY_TO_DATA="${to_data}")
+# And from programs to modules (src/core/base/module.c).
+set(module_folder ${CMAKE_INSTALL_LIBDIR}/ffprocams)
+file(RELATIVE_PATH to_modules ${CMAKE_INSTALL_FULL_BINDIR} ${CMAKE_INSTALL_FULL_LIBDIR}/ffprocams)
+set_source_files_properties(src/core/base/module.c PROPERTIES COMPILE_DEFINITIONS FFP_PROGRAM_TO_MODULES="${to_modules}")
+# In a build folder the weights lie beside the library, as seen from it (src/engine/network/shipped.c).
 file(CREATE_LINK ${PROJECT_SOURCE_DIR}/models ${PROJECT_BINARY_DIR}/models SYMBOLIC)
 
-file(GLOB cli_sources CONFIGURE_DEPENDS src/cli/*.c)
+file(GLOB cli_sources CONFIGURE_DEPENDS src/product/cli/*.c)
 add_executable(ffprocams ${cli_sources})
 target_link_libraries(ffprocams PRIVATE ffp_compile ffprocams_shared m)
-if(TARGET ffprocams_opencv)
-  add_dependencies(ffprocams ffprocams_opencv)
-endif()
 
 if(FFPROCAMS_MPI)
   find_package(MPI 3.0 REQUIRED COMPONENTS C)
-  target_sources(ffprocams PRIVATE src/cluster/mpi.c)
+  target_sources(ffprocams PRIVATE src/product/cluster/mpi.c)
   target_include_directories(ffprocams PRIVATE src)
   target_compile_definitions(ffprocams PRIVATE FFP_WITH_MPI)
   target_link_libraries(ffprocams PRIVATE MPI::MPI_C)

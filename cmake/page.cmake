@@ -1,26 +1,8 @@
-# view/page.html with everything it names put in, written as a C array: cmake -DFROM=view -DTO=page.c -P page.cmake
-#   <link rel="stylesheet" href="NAME">  the style sheet
-#   <script src="NAME"></script>         the script; all scripts share one scope
-#   <script type="x-shader" src="NAME">  the shader's text, as an element whose id is NAME
-file(READ ${FROM}/page.html page)
+# The page of src/product/view: page.html with styles, shaders and scripts in it, as an array.
+file(GLOB page_sources CONFIGURE_DEPENDS view/*)
+set(page_array ${PROJECT_BINARY_DIR}/page_template.c)
+add_custom_command(OUTPUT ${page_array}
+                   COMMAND ${CMAKE_COMMAND} -DFROM=${PROJECT_SOURCE_DIR}/view -DTO=${page_array} -P ${PROJECT_SOURCE_DIR}/cmake/write_page.cmake
+                   DEPENDS ${page_sources} cmake/write_page.cmake)
+target_sources(ffp_view PRIVATE ${page_array})
 
-function(ffp_put_in pattern before after)
-  string(REGEX MATCHALL "${pattern}" places "${page}")
-  foreach(place IN LISTS places)
-    string(REGEX REPLACE "${pattern}" "\\1" name "${place}")
-    file(READ ${FROM}/${name} text)
-    string(REPLACE "NAME" "${name}" begin "${before}")
-    string(REPLACE "${place}" "${begin}\n${text}${after}" page "${page}")
-  endforeach()
-  set(page "${page}" PARENT_SCOPE)
-endfunction()
-
-ffp_put_in("<link rel=\"stylesheet\" href=\"([a-z_.]+)\">" "<style>" "</style>")
-ffp_put_in("<script type=\"x-shader\" src=\"([a-z_.]+)\"></script>" "<script type=\"x-shader\" id=\"NAME\">" "</script>")
-ffp_put_in("<script src=\"([a-z_.]+)\"></script>" "<script>" "</script>")
-
-file(WRITE ${TO}.html "${page}")
-file(READ ${TO}.html bytes HEX)
-string(REGEX REPLACE "(................................................................)" "\\1\n" bytes "${bytes}")
-string(REGEX REPLACE "([0-9a-f][0-9a-f])" "0x\\1," bytes "${bytes}")
-file(WRITE ${TO} "#include \"view/view.h\"\n\nconst unsigned char ffp_page_template[] = {\n${bytes}\n0};\n")

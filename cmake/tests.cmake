@@ -1,29 +1,55 @@
-# tests/<room>/test_*.c are programs of their own; *_f64.c among them see the double build of the rooms.
+# tests/WING/ROOM/test_*.c are programs of their own; *_f64.c among them see the double build of the rooms.
+# Labels (ctest -L): unit, cli (the program, run as its users run it), gpu (runs on one if there is one, otherwise emulated), browser,
+# install. A test program names its others itself, in a line of its own: "// Labels: slow threads".
+#   slow     ten seconds of a processor or more; begins first
+#   threads  threads side by side: what ThreadSanitizer runs (FFPROCAMS_SANITIZE=thread), and the target thread_tests builds
+add_custom_target(thread_tests)
+get_property(rooms DIRECTORY PROPERTY FFP_ROOMS)
+list(APPEND rooms product/cli)
+if(TARGET ffp_cuda)
+  list(APPEND rooms engine/cuda)
+endif()
 if(CMOCKA_FOUND)
-  foreach(room base image patterns tensor capture denoise gaussians match network render loss synth train bench rig calibrate align refine field apply export api eval cli cuda)
-    if(NOT room STREQUAL "cli" AND NOT TARGET ffp_${room})
-      continue()
-    endif()
-    file(GLOB tests CONFIGURE_DEPENDS tests/${room}/test_*.c)
+  foreach(place ${rooms})
+    get_filename_component(room ${place} NAME)
+    file(GLOB tests CONFIGURE_DEPENDS tests/${place}/test_*.c)
     foreach(source ${tests})
       get_filename_component(test ${source} NAME_WE)
       add_executable(${test} ${source})
       if(test MATCHES "_f64$")
         target_link_libraries(${test} PRIVATE ffp_${room}_f64 PkgConfig::CMOCKA)
       elseif(room STREQUAL "cli")
-        target_link_libraries(${test} PRIVATE ffp_eval PkgConfig::CMOCKA)
+        target_link_libraries(${test} PRIVATE ffp_api PkgConfig::CMOCKA)
         target_compile_definitions(${test} PRIVATE FFP_PROGRAM="$<TARGET_FILE:ffprocams>" FFP_HAS_MPI=$<BOOL:${FFPROCAMS_MPI}>)
         add_dependencies(${test} ffprocams)
       elseif(room STREQUAL "cuda")
-        target_link_libraries(${test} PRIVATE ffp_cuda ffp_eval PkgConfig::CMOCKA)
-      elseif(room STREQUAL "api") # evaluation is a call of the public header too
-        target_link_libraries(${test} PRIVATE ffp_eval PkgConfig::CMOCKA)
+        target_link_libraries(${test} PRIVATE ffp_cuda ffp_api PkgConfig::CMOCKA)
       else()
         target_link_libraries(${test} PRIVATE ffp_${room} PkgConfig::CMOCKA)
+      endif()
+      if(room STREQUAL "image") # they write files too
+        target_link_libraries(${test} PRIVATE PkgConfig::TIFF)
       endif()
       target_compile_definitions(${test} PRIVATE FFP_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
       target_include_directories(${test} PRIVATE tests)
       add_test(NAME ${test} COMMAND ${test} WORKING_DIRECTORY ${PROJECT_BINARY_DIR})
+      set(labels unit)
+      if(room STREQUAL "cli")
+        set(labels cli)
+      elseif(room STREQUAL "cuda")
+        list(APPEND labels gpu)
+      endif()
+      file(STRINGS ${source} named REGEX "^// Labels: " LIMIT_COUNT 1)
+      string(REPLACE "// Labels: " "" named "${named}")
+      separate_arguments(named)
+      list(APPEND labels ${named})
+      if("threads" IN_LIST labels)
+        add_dependencies(thread_tests ${test})
+      endif()
+      set_tests_properties(${test} PROPERTIES LABELS "${labels}")
+      if(test MATCHES "_f64$") # thousands of tiny problems: a second thread costs more than it does
+        set_tests_properties(${test} PROPERTIES ENVIRONMENT OMP_NUM_THREADS=1)
+      endif()
     endforeach()
   endforeach()
 endif()
@@ -44,19 +70,30 @@ set_tests_properties(example_relight PROPERTIES DEPENDS example_reconstruct)
 set_tests_properties(example_progress PROPERTIES PASS_REGULAR_EXPRESSION "done: [0-9]+ Gaussians")
 set_tests_properties(example_cancel PROPERTIES PASS_REGULAR_EXPRESSION "stopped after")
 
-# README.md's examples, in a minute; sanitized they take too long.
+# The documents' examples, in a minute; sanitized they take too long.
 if(NOT FFPROCAMS_SANITIZE)
-  add_test(NAME readme COMMAND ${PROJECT_SOURCE_DIR}/tests/cli/readme.sh $<TARGET_FILE:ffprocams> $<TARGET_FILE:ffprocams_shared>)
+  add_test(NAME readme COMMAND ${PROJECT_SOURCE_DIR}/tests/product/cli/readme.sh $<TARGET_FILE:ffprocams> $<TARGET_FILE:ffprocams_shared>)
+endif()
+
+# What the documents say: links that exist, plain English.
+find_program(FFP_PYTHON python3)
+if(FFP_PYTHON)
+  add_test(NAME links COMMAND ${FFP_PYTHON} ${PROJECT_SOURCE_DIR}/script/test-links)
+  add_test(NAME words COMMAND ${FFP_PYTHON} ${PROJECT_SOURCE_DIR}/script/test-words)
 endif()
 
 # The page of `ffprocams view` in a headless Chromium; without one (or without Python) it is skipped.
-find_program(FFP_PYTHON python3)
 if(FFP_PYTHON AND NOT FFPROCAMS_SANITIZE)
-  add_test(NAME view_page COMMAND ${FFP_PYTHON} ${PROJECT_SOURCE_DIR}/tests/view/test_view.py $<TARGET_FILE:ffprocams>
+  add_test(NAME view_page COMMAND ${FFP_PYTHON} ${PROJECT_SOURCE_DIR}/tests/product/view/test_view.py $<TARGET_FILE:ffprocams>
            ${PROJECT_SOURCE_DIR}/data/sample ${PROJECT_BINARY_DIR}/view-page)
   set_tests_properties(view_page PROPERTIES SKIP_RETURN_CODE 77 TIMEOUT 600)
 elseif(NOT FFP_PYTHON)
   message(STATUS "The page of `ffprocams view` is not tested: there is no python3")
+endif()
+
+# Includes and symbols against the plan of the rooms.
+if(FFP_PYTHON AND NOT FFPROCAMS_SANITIZE)
+  add_test(NAME house COMMAND ${FFP_PYTHON} ${PROJECT_SOURCE_DIR}/script/test-house ${PROJECT_BINARY_DIR})
 endif()
 
 # From bare devices to new poses, on a simulated rig: calibrate's OpenCV is needed, and Python for a line of JSON.
@@ -70,42 +107,41 @@ if(FFPROCAMS_INSTALL AND NOT FFPROCAMS_SANITIZE)
   add_test(NAME install COMMAND ${PROJECT_SOURCE_DIR}/script/test-install ${PROJECT_BINARY_DIR})
 endif()
 
-# Tests that run threads side by side: ctest -L threads. Under ThreadSanitizer (FFPROCAMS_SANITIZE=thread) the target thread_tests
-# builds them alone, and LLVM's archer tells it what OpenMP's barriers order.
-set(FFP_THREAD_TESTS test_queue test_stream test_training test_render test_pass test_start test_denoise test_refine test_pyramid
-                     test_thin test_capture test_generate test_products test_scan test_attention test_contexts test_call)
-if(FFPROCAMS_SANITIZE STREQUAL "thread")
-  execute_process(COMMAND ${CMAKE_C_COMPILER} -print-resource-dir OUTPUT_VARIABLE clang OUTPUT_STRIP_TRAILING_WHITESPACE)
-  find_library(FFP_ARCHER archer PATHS ${clang}/../.. REQUIRED)
-endif()
+# A script or another program, by its labels.
+function(ffp_label labels)
+  foreach(test ${ARGN})
+    if(TEST ${test})
+      set_property(TEST ${test} PROPERTY LABELS ${labels})
+    endif()
+  endforeach()
+endfunction()
+ffp_label(unit headers house links words)
+ffp_label(cli example_reconstruct example_roles example_relight example_progress example_cancel)
+ffp_label("cli;slow" readme simulated_rig)
+ffp_label("browser;slow" view_page)
+ffp_label("install;slow" install)
 
-add_custom_target(thread_tests)
-foreach(test ${FFP_THREAD_TESTS})
-  if(TARGET ${test})
-    add_dependencies(thread_tests ${test})
-    set_property(TEST ${test} APPEND PROPERTY LABELS threads)
-    if(FFP_ARCHER)
-      set_property(TEST ${test} APPEND PROPERTY ENVIRONMENT "OMP_TOOL_LIBRARIES=${FFP_ARCHER}"
-                   "TSAN_OPTIONS=ignore_noninstrumented_modules=1") # OpenBLAS, Embree
+get_property(tests DIRECTORY PROPERTY TESTS)
+foreach(test ${tests})
+  get_property(labels TEST ${test} PROPERTY LABELS)
+  # The longest begin first, so that none is left alone at the end; scripts are longer than programs.
+  if("slow" IN_LIST labels)
+    set_property(TEST ${test} PROPERTY COST 100)
+    if(NOT TARGET ${test})
+      set_property(TEST ${test} PROPERTY COST 1000)
     endif()
   endif()
 endforeach()
 
-# The longest begin first, so that none is left alone at the end.
-set(FFP_LONG_TESTS view_page simulated_rig test_no_memory install test_cuda_training test_align test_axis test_cli_results test_cli_sizes
-                   test_cli_import readme test_calibrate test_ranks test_meshes test_response test_predictors test_checks test_codes
-                   test_mixture test_bundle test_start test_generate)
-list(LENGTH FFP_LONG_TESTS cost)
-get_property(tests DIRECTORY PROPERTY TESTS)
-foreach(test ${FFP_LONG_TESTS})
-  if(test IN_LIST tests)
-    set_property(TEST ${test} PROPERTY COST ${cost})
-  endif()
-  math(EXPR cost "${cost} - 1")
-endforeach()
+# LLVM's archer informs ThreadSanitizer of the order that OpenMP's barriers impose.
+if(FFPROCAMS_SANITIZE STREQUAL "thread")
+  execute_process(COMMAND ${CMAKE_C_COMPILER} -print-resource-dir OUTPUT_VARIABLE clang OUTPUT_STRIP_TRAILING_WHITESPACE)
+  find_library(FFP_ARCHER archer PATHS ${clang}/../.. REQUIRED)
+  set_property(TEST ${tests} APPEND PROPERTY ENVIRONMENT "OMP_TOOL_LIBRARIES=${FFP_ARCHER}"
+               "TSAN_OPTIONS=ignore_noninstrumented_modules=1") # OpenBLAS, Embree
+endif()
 
 # libomp (clang's OpenMP) gives some of its own threads' tables back to nobody when their number changes.
 if(FFPROCAMS_SANITIZE STREQUAL "address")
-  get_property(tests DIRECTORY PROPERTY TESTS)
   set_property(TEST ${tests} APPEND PROPERTY ENVIRONMENT "LSAN_OPTIONS=suppressions=${PROJECT_SOURCE_DIR}/cmake/leaks.txt:print_suppressions=0")
 endif()

@@ -1,5 +1,5 @@
-// progress CAPTURE SECONDS: a reconstruction that says how far it is, and ends after so many seconds whether
-// it is done or not. A window with a bar and a button would do the same with its own two functions.
+// progress CAPTURE SECONDS: a reconstruction that reports its progress, and ends after SECONDS seconds
+// whether it is done or not. A window with a bar and a button would do the same with its own two functions.
 #include <stdio.h>
 #include <stdlib.h>
 #include <time.h>

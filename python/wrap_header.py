@@ -9,7 +9,7 @@ from pathlib import Path
 
 from cffi import FFI
 
-HEADERS = ("ffprocams/error.h", "ffprocams/context.h", "ffprocams.h")
+HEADERS = ("ffprocams/error.h", "ffprocams/context.h", "ffprocams.h", "ffprocams/baselines.h")
 
 # The functions of FfpContextSettings, in Python (ffprocams/_call.py).
 CALLBACKS = """
@@ -32,7 +32,7 @@ def main() -> None:
     for name in HEADERS:
         ffi.cdef(declarations((include / name).read_text(encoding="utf-8")))
     ffi.cdef(CALLBACKS)
-    ffi.set_source("ffprocams._library", '#include "ffprocams.h"\n')
+    ffi.set_source("ffprocams._library", '#include "ffprocams/baselines.h"\n')
     ffi.emit_c_code(out)
 
 

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""The pictures of README.md's walk-through: docs/castle.png and docs/walk/, from a generated castle.
+"""The pictures of README.md's walk-through: docs/pictures/castle.png and docs/pictures/walk/, from a generated castle.
 
-usage: script/make_pictures.py [FOLDER]      (needs Pillow; FOLDER keeps what was computed, else a temporary one)
+usage: script/make_pictures.py [FOLDER]      (needs Pillow; FOLDER keeps the results; without it a temporary one is used)
 
 The commands are those of README.md; only the pictures are drawn at four times the size of the photographs, by a
 pose file with a larger camera.
@@ -100,13 +100,13 @@ def turn(folder, out):
 
 
 def save(picture, name, colours=256):
-    picture.quantize(colours).save(ROOT / "docs" / name, optimize=True)
+    picture.quantize(colours).save(ROOT / "docs/pictures" / name, optimize=True)
 
 
 def main(folder):
     folder.mkdir(parents=True, exist_ok=True)
     capture = compute(folder)
-    (ROOT / "docs/walk").mkdir(exist_ok=True)
+    (ROOT / "docs/pictures/walk").mkdir(exist_ok=True)
     relit, maps = folder / "relit", folder / "maps"
     sun, corrected = cut(relit / f"{VIEW}_sun.png"), cut(relit / f"{VIEW}_pattern.png")
     height = sun.height
@@ -115,7 +115,7 @@ def main(folder):
     save(photographs(capture, 84), "walk/photographs.png")
     save(row([cut(relit / f"{VIEW}_{name}.png", 220) for name in ("albedo", "normal", "depth")]), "walk/gaussians.png")
     save(row([fitted(over_black(ROOT / "data/sun.png"), height), sun]), "walk/relit.png")
-    turn(folder, ROOT / "docs/walk/turn.gif")
+    turn(folder, ROOT / "docs/pictures/walk/turn.gif")
     save(row([pattern, corrected]), "walk/compensated.png")
     save(row([fitted(over_black(maps / f"{VIEW}_{name}.png"), 240)
               for name in ("projector_sees", "illuminance", "projector_to_camera")]), "walk/maps.png")

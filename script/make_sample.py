@@ -19,7 +19,7 @@ def kept(name):
 
 
 def pack(source, target):
-    """Writes the same pixels in the fewest bytes that Pillow finds; keeps the source where that is no gain."""
+    """Writes the same pixels in the fewest bytes that Pillow finds; keeps the source if that gains nothing."""
     with Image.open(source) as image:
         image.save(target, optimize=True)
     with Image.open(source) as a, Image.open(target) as b:

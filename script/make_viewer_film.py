@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""docs/view.gif: the page of `ffprocams view` at work, a sunset sweeping over the white head of data/sculpture.
+"""docs/pictures/view.gif: the page of `ffprocams view` at work, a sunset sweeping over the white head of data/sculpture.
 
 usage: script/make_viewer_film.py [FOLDER]     (needs Chromium and ffmpeg; FOLDER keeps what was computed)
 """
@@ -10,7 +10,7 @@ import sys
 import tempfile
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
-sys.path.insert(0, str(ROOT / "tests/view"))
+sys.path.insert(0, str(ROOT / "tests/product/view"))
 import browser  # noqa: E402
 
 WIDTH, HEIGHT, FRAMES, RATE = 1000, 620, 24, 8
@@ -58,7 +58,7 @@ def main():
         page.close()
     subprocess.run(["ffmpeg", "-y", "-loglevel", "error", "-framerate", str(RATE), "-i", str(folder / "frame_%03d.png"),
                     "-vf", "scale=800:-1:flags=area,split[a][b];[a]palettegen=max_colors=160:stats_mode=diff[p];"
-                    "[b][p]paletteuse=dither=bayer:bayer_scale=4:diff_mode=rectangle", str(ROOT / "docs/view.gif")],
+                    "[b][p]paletteuse=dither=bayer:bayer_scale=4:diff_mode=rectangle", str(ROOT / "docs/pictures/view.gif")],
                    check=True)
 
 

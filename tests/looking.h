@@ -2,8 +2,8 @@
 #ifndef FFP_TESTS_LOOKING_H
 #define FFP_TESTS_LOOKING_H
 
-#include "base/vec.h"
-#include "capture/capture.h"
+#include "core/base/vec.h"
+#include "core/capture/capture.h"
 
 // At `eye`, looking at the origin, z up, the principal point in the middle; focal length in pixels.
 static inline FfpCamera looking_at_origin(const real eye[3], int width, int height, real focal) {

@@ -4,8 +4,8 @@
 #define FFP_TESTS_SCRATCH_H
 
 #include <unistd.h>
+#include "core/base/file.h"
 #include "support.h"
-#include "base/file.h"
 
 static char scratch[64];
 
@@ -15,7 +15,7 @@ static inline int scratch_setup(void **state) {
     const int length = snprintf(scratch, sizeof scratch, "%s/scratch-XXXXXX", above ? above : "");
     if (length >= (int)sizeof scratch) return -1;
     if (!above) memmove(scratch, scratch + 1, (size_t)length); // relative
-    return mkdtemp(scratch) == NULL;
+    return !mkdtemp(scratch);
 }
 
 static inline int scratch_teardown(void **state) {

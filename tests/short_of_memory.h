@@ -1,4 +1,5 @@
-// A machine that says of itself that it has little memory left: src/base/memory.c asks a file of the test's.
+// A machine that says of itself that it has little memory left: src/core/base/memory.c asks a file of the
+// test's.
 #ifndef FFP_TESTS_SHORT_OF_MEMORY_H
 #define FFP_TESTS_SHORT_OF_MEMORY_H
 

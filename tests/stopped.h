@@ -3,7 +3,7 @@
 #ifndef FFP_TESTS_STOPPED_H
 #define FFP_TESTS_STOPPED_H
 
-#include "base/call.h"
+#include "core/base/call.h"
 
 static inline bool stop_at_once(void *user, const FfpProgress *progress) {
     (void)user, (void)progress;

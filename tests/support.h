@@ -2,10 +2,10 @@
 #ifndef FFP_TESTS_SUPPORT_H
 #define FFP_TESTS_SUPPORT_H
 
+#include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
 #include <stdint.h>
-#include <setjmp.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>

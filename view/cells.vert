@@ -1,4 +1,4 @@
-// Cells of four neighbouring camera pixels, as two triangles each in the projector (apply/inverse.c).
+// Cells of four neighbouring camera pixels, as two triangles each in the projector (engine/apply/inverse.c).
 uniform sampler2D u_response, u_place;
 uniform vec2 projector_size, camera_focal, u_depths; // nearest and farthest
 out vec2 f_camera;

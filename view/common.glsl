@@ -2,7 +2,7 @@ precision highp float;
 precision highp int;
 precision highp sampler2D;
 
-#define ALPHA_MIN (1.0 / 255.0)   // FFP_ALPHA_MIN and what follows it in render/formula.h
+#define ALPHA_MIN (1.0 / 255.0)   // FFP_ALPHA_MIN and what follows it in engine/render/formula.h
 #define ALPHA_MAX 0.99
 #define OPACITY_MIN 1e-3
 #define COMPENSATION_MIN 0.005

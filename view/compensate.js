@@ -1,5 +1,5 @@
 'use strict';
-// The pattern that makes a camera see the projector's content on the object, in closed form (apply/closed.c),
+// The pattern that makes a camera see the projector's content on the object, in closed form (engine/apply/closed.c),
 // for one projector by itself: 'colours' asks for the content's light times a gain, 'paint' for the look of
 // the object between dark and full light.
 
@@ -23,7 +23,7 @@ class Compensator {
     this.key = key;
   }
 
-  // typical_footprint of apply/closed.c
+  // typical_footprint of engine/apply/closed.c
   typicalFootprint() {
     const texels = this.renderer.graphics.readFloats(this.response, 2);
     let sum = 0, count = 0;
@@ -102,11 +102,11 @@ class Compensator {
   }
 }
 
-// samples_across of rig/panel.c
+// samples_across of rig/import/panel.c
 const samplesAcross = (panelFocal, idealFocal) => clamp(Math.ceil(idealFocal / panelFocal - 1e-6), 1, 64);
 
 // What the real projector is sent for its pattern, RGBA bytes {width, height, data}. `panel`: the device of
-// scene.json (docs/formats.md); none: the pattern itself.
+// scene.json (docs/reference/formats.md); none: the pattern itself.
 function panelPicture(graphics, projector, panel, kept) {
   const d = projector.device, original = projector.original || d;
   const p = panel || {width: d.width, height: d.height, fx: d.fx, fy: d.fy, cx: d.cx, cy: d.cy};

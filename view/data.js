@@ -1,5 +1,5 @@
 'use strict';
-// What the file brings along: the scene as JSON, and bytes as base64 (src/view/view.h says how they lie).
+// What the file brings along: the scene as JSON, and bytes as base64 (src/product/view/view.h says how they lie).
 
 function readBytes(text) {
   const clean = text.trim();

@@ -11,7 +11,7 @@ const WATCHER_MAX = 640;    // pixels across, of a camera that a picture is corr
 // What a photograph is compared under: nothing that the camera did not see.
 const NEUTRAL = {exposure: 0, ambient: true, map: null}, NEUTRAL_PROJECTOR = {stops: 0, correction: 'none', painted: false};
 
-// Puts values into an object and returns those that were there.
+// Puts values into an object and returns those that existed.
 function exchange(object, values) {
   const before = Object.fromEntries(Object.keys(values).map((name) => [name, object[name]]));
   Object.assign(object, values);
@@ -378,7 +378,7 @@ async function patternContent(scene, index) {
 
 async function start() {
   const scene = readScene(), app = new App(scene, document.getElementById('stage'), document.getElementById('overlay'));
-  window.viewer = app; // for scripts: tests/view
+  window.viewer = app; // for scripts: tests/product/view
   app.at = scene.views[0], app.base = app.at.camera, app.pose = app.base.pose, app.target = scene.centre;
   app.addProjector();
   const best = ['active', 'novel', 'white'].map((role) => scene.patterns.findIndex((p) => p.role === role && p.size)).find((i) => i >= 0);

@@ -72,13 +72,13 @@ function fitDevice(device, width, height, zoom = 1) {
   };
 }
 
-// As sample_camera in render/pass.c: a pixel for each of side x side samples.
+// As sample_camera in engine/render/pass.c: a pixel for each of side x side samples.
 const sampleDevice = (d, side) => ({
   width: d.width * side, height: d.height * side, fx: d.fx * side, fy: d.fy * side, cx: d.cx * side,
   cy: d.cy * side, pose: d.pose,
 });
 
-// As shadow_camera in render/mapping.c.
+// As shadow_camera in engine/render/mapping.c.
 function shadowDevice(projector, side) {
   const longer = Math.max(projector.width, projector.height);
   const width = Math.max(1, Math.floor(projector.width * side / longer));

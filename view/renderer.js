@@ -1,6 +1,6 @@
 'use strict';
 // Draws a view: splats into G-buffers, shadow maps, each projector's light, the picture. The steps and their
-// names are those of render/pass.c; what each computes stands in the shaders.
+// names are those of engine/render/pass.c; what each computes stands in the shaders.
 
 const SAMPLES_MAX = 1 << 24; // of a frame, 64 bytes each: 1 GB
 
@@ -214,7 +214,7 @@ class Renderer {
     }, width, height);
   }
 
-  // Nearest and farthest depth, as depth_picture in api/relight.c finds them.
+  // Nearest and farthest depth, as depth_picture in product/api/relight.c finds them.
   depthRange(mean) {
     const texels = this.graphics.readFloats(mean);
     let near = Infinity, far = 0;

@@ -1,4 +1,4 @@
-// For each camera pixel what a projector can do there (apply/stage.c, fill_link): the radiance that a pattern
+// For each camera pixel what a projector can do there (engine/apply/stage.c, fill_link): the radiance that a pattern
 // of 1 adds; where in the pattern it comes from and at which depth; the depth of the camera.
 layout(location = 0) out vec4 o_response; // rgb, visibility
 layout(location = 1) out vec4 o_place;    // u, v, depth from the projector, depth from the camera

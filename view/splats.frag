@@ -1,4 +1,4 @@
-// Alpha and what it weighs, as cover_block in render/kernels/blocks.h. Splats come far to near and are laid
+// Alpha and what it weighs, as cover_block in engine/render/kernels/blocks.h. Splats come far to near and are laid
 // over each other, which gives the sums W_i b_i of front-to-back blending. Depths count from u_depth, so that
 // sums in 16 bits are fine enough. The layout: see gbuffer.glsl.
 flat in vec2 f_at;

@@ -1,4 +1,4 @@
-// A Gaussian as a camera sees it: render/kernels/frame.h and project.c.
+// A Gaussian as a camera sees it: engine/render/kernels/frame.h and project.c.
 uniform highp usampler2D u_order; // the splats far to near; four vertices each
 uniform sampler2D u_centres, u_scales, u_rotations, u_albedos, u_ambients;
 uniform mat3 camera_rotation; // columns: the camera's axes in the world

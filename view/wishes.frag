@@ -1,4 +1,4 @@
-// What the camera asks for: level times certainty, and the certainty (levels of apply/closed.c, for one
+// What the camera asks for: level times certainty, and the certainty (levels of engine/apply/closed.c, for one
 // projector, whose feather is 1 everywhere).
 uniform sampler2D u_response, u_extent, u_target, u_g0, u_g2, u_g3;
 uniform bool u_paint;
@@ -11,7 +11,7 @@ void main() {
   vec3 ambient = vec3(texelFetch(u_g2, p, 0).z, texelFetch(u_g3, p, 0).xy);
   float weight = min(texelFetch(u_g0, p, 0).w, 1.0) * wanted.a;
   vec3 gained = srgb_encode(ambient + response.rgb) - srgb_encode(ambient);
-  bool lit = weight > 0.5 && any(greaterThanEqual(gained, vec3(2.0 / 255.0))); // is_lit of apply/gamut.c
+  bool lit = weight > 0.5 && any(greaterThanEqual(gained, vec3(2.0 / 255.0))); // is_lit of engine/apply/gamut.c
   float certainty = lit ? weight * extent.w : 0.0;
   o_wish = vec4(0.0);
   if (!(certainty > 0.0) || !(response.a > 0.0)) return;

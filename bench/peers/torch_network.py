@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """bench/peers/torch_network.py MODEL.safetensors INPUTS [--gradient FILE] [--how eager|compile] [--bf16] [--threads 1]
 
-The encoder (tokeniser, blocks, last norm; docs/architecture.md, src/network) in PyTorch, reading the same weights, and run once for every line
+The encoder (tokeniser, blocks, last norm; docs/design/architecture.md, src/engine/network) in PyTorch, reading the same weights, and run once for every line
 that is asked for: `run` and `write FILE`, as encoder_times has them (bench/encoder_times.c). The state-space scan is the chunked form of Dao and
 Gu 2024 (Sec. 6, block decomposition), in batched products. Needs torch and numpy.
 """
@@ -131,7 +131,7 @@ class Worker:
         self.inputs = torch.from_numpy(numpy.fromfile(options.inputs, "<f4").reshape(-1, columns))
         chunk = int(metadata["model.chunk"])
         if len(self.inputs) % chunk:
-            sys.exit(f"torch_network: error: {options.inputs}: {len(self.inputs)} tokens are no multiple of the chunk, {chunk}")
+            sys.exit(f"torch_network: error: {options.inputs}: {len(self.inputs)} tokens are not a multiple of the chunk, {chunk}")
         # Weights that are not trained are turned to bf16 once, as who cares for speed would; in training they stay float32 (autocast turns them).
         once = options.bf16 and not options.gradient
         self.network = Encoder(metadata, tensors, torch.bfloat16 if once else torch.float32)

@@ -1,5 +1,4 @@
-// What the library exports: it is built with hidden symbols, and FFP_API marks those that are seen from
-// outside.
+// The library is built with hidden symbols; FFP_API marks those that it exports.
 #ifndef FFPROCAMS_API_H
 #define FFPROCAMS_API_H
 

@@ -1,4 +1,4 @@
-// Who a call works for: where its words and its progress go, who may end it, and what it may use.
+// Settings for calls: where messages and progress go, who may cancel, and which resources may be used.
 #ifndef FFPROCAMS_CONTEXT_H
 #define FFPROCAMS_CONTEXT_H
 
@@ -12,73 +12,75 @@ extern "C" {
 #endif
 
 typedef enum FfpLogLevel {
-    FFP_LOG_NOTE,    // what the caller may want to know
-    FFP_LOG_WARNING, // what may not be as the caller means it
+    FFP_LOG_NOTE,    // information
+    FFP_LOG_WARNING, // something may not be what the caller intended
 } FfpLogLevel;
 
-// How far a call is.
+// Progress of a call.
 typedef struct FfpProgress {
-    const char *stage;   // what is being done: "rendering"; NULL: nothing that is counted
-    int64_t done, total; // of the stage's pictures, steps or scenes, or of its seconds
+    const char *stage;   // such as "rendering"; NULL: nothing to count
+    int64_t done, total; // pictures, steps, scenes or seconds of the stage
     double seconds;      // since the stage began
-    double seconds_left; // expected; negative: not known yet
+    double seconds_left; // estimate; negative: not known yet
     const char *extra;   // a few words about the last step, or NULL
 } FfpProgress;
 
 typedef enum FfpDeviceKind {
     FFP_DEVICE_CPU,
-    FFP_DEVICE_CUDA, // the first NVIDIA GPU, for training, networks and the polish behind them; calls that
-                     // use it take turns. Fits on their own work on the CPU, and a note says so
+    FFP_DEVICE_CUDA, // the first NVIDIA GPU, for training, networks and the polish that follows them; calls
+                     // that use it take turns. Other fits run on the CPU, and a note says so
 } FfpDeviceKind;
 
-// Processes that share a work ("ranks"), each with a context of its own: all of them make the same calls with
-// the same options, and each does its share. A table of what they tell each other by, which the program makes
-// of MPI (src/cluster) and the library knows nothing else of. Only training, generating and evaluating look
-// at it. All ranks call these in the same order, one thread of a rank at a time; sums have the same bits on
-// all ranks, and the same ones for the same number of ranks. Failures name what failed.
+// Processes that share a job ("ranks"), each with its own context: all make the same calls with the same
+// options, and each does its share. These functions are how they communicate; the program implements them
+// with MPI (src/product/cluster). Only training, generating and evaluating use them. All ranks call them in
+// the same order, one thread of a rank at a time; sums are identical to the bit on all ranks, and for equal
+// numbers of ranks. Errors name what failed.
 typedef struct FfpRanks {
-    void *user; // passed to all of them
+    void *user; // passed to all functions
     int rank, count;
-    // Begins to add up [count] numbers over all ranks, in place, while the caller goes on: they are not to be
-    // touched before sum_finish, which waits for all sums begun.
+    // Starts adding up [count] numbers over all ranks, in place, while the caller continues. They must not be
+    // accessed before sum_finish, which waits for all sums that were started.
     void (*sum_begin)(void *user, float *values, int64_t count);
     bool (*sum_finish)(void *user, FfpError *err);
-    // Adds up a few numbers, in place.
+    // Adds up a few numbers over all ranks, in place.
     bool (*sum)(void *user, double *values, int count, FfpError *err);
-    // Of an array whose part first[r] .. first[r + 1] - 1 is rank r's: the parts, into `whole`, on rank `to`
-    // alone, where `whole` is NULL on the others, or (to -1) on all. `part` is the caller's own; it may lie
-    // in its place in `whole`.
+    // Gathers an array of which rank r has first[r] .. first[r + 1] - 1 into `whole`, on rank `to` alone
+    // (`whole` is NULL on the others) or, with to -1, on all ranks. `part` is the caller's own part and may
+    // already be at its place in `whole`.
     bool (*gather)(void *user, const float *part, float *whole, const int64_t *first, int to, FfpError *err);
-    // Bytes of rank `from`, to all.
+    // Sends bytes from rank `from` to all.
     bool (*broadcast)(void *user, void *bytes, int64_t size, int from, FfpError *err);
-    // This rank cannot go on, and cannot say so in turn (its memory is out): the others need not wait for it.
+    // This rank cannot continue and cannot report it in the usual order (it is out of memory): the others
+    // must not wait for it.
     void (*leave)(void *user);
 } FfpRanks;
 
 typedef struct FfpContextSettings {
     void *user; // passed to both callbacks
-    // A line of text without a line's end; NULL: nobody reads it. May come from threads of the library's own.
+    // Receives a line of text without a newline; NULL: no messages. May be called from threads of the
+    // library.
     void (*log)(void *user, FfpLogLevel level, const char *text);
-    // Called again and again, by the thread that made the call. False ends the call, with
-    // FFP_ERROR_CANCELLED where the function does not say otherwise. NULL: nobody asks. What it is given is
-    // good until it returns. It must not call the library.
+    // Called repeatedly by the thread that made the call. Returning false cancels the call, which then fails
+    // with FFP_ERROR_CANCELLED unless documented otherwise. NULL: no progress. The pointers passed to it are
+    // valid until it returns. It must not call the library.
     bool (*progress)(void *user, const FfpProgress *progress);
-    double interval; // least seconds between two calls of progress; 0: at every point where work can end
-    int threads;     // that may work at a time; 0: as many as OpenMP has (processors, or OMP_NUM_THREADS)
+    double interval; // minimum seconds between calls of progress; 0: call it at every cancellation point
+    int threads;     // number to use; 0: OpenMP's default (all processors, or OMP_NUM_THREADS)
     FfpDeviceKind device;
-    const FfpRanks *ranks; // must outlive the context; NULL: this process is alone
+    const FfpRanks *ranks; // must outlive the context; NULL: a single process
 } FfpContextSettings;
 
-// Silent, not to be cancelled, all processors, no GPU; what NULL in place of a context means.
+// Silent, not cancellable, all processors, no GPU; equivalent to passing NULL as context.
 FFP_API FfpContextSettings ffp_context_defaults(void);
 
-// Holds no state of the calls made with it: several threads may use one, if its callbacks allow it. Each call
-// gives the bits that it gives alone. NULL with an error: a device that is not there.
+// Holds no state of the calls made with it: several threads may share one if its callbacks allow it, and each
+// call gives the same bits as on its own. Fails if the device is not available.
 typedef struct FfpContext FfpContext;
 FFP_API FfpContext *ffp_context_new(const FfpContextSettings *settings, FfpError *err);
-FFP_API void ffp_context_free(FfpContext *context); // after the last call made with it; NULL is allowed
+FFP_API void ffp_context_free(FfpContext *context); // after the last call that uses it; accepts NULL
 
-// Releases memory that a function returns as such (scores, text); NULL is allowed.
+// Releases memory returned by a function (scores, text); accepts NULL.
 FFP_API void ffp_free(void *memory);
 
 #ifdef __cplusplus

@@ -1,5 +1,5 @@
-// What went wrong, as a value. Every function of the library that can fail returns false or NULL and fills
-// the FfpError that it was given.
+// Errors as values. Every function of the library that can fail returns false or NULL and fills the FfpError
+// passed to it.
 #ifndef FFPROCAMS_ERROR_H
 #define FFPROCAMS_ERROR_H
 
@@ -9,16 +9,16 @@ extern "C" {
 
 typedef enum FfpErrorCode {
     FFP_OK,
-    FFP_ERROR_ARGUMENT,    // the caller's: a value out of range, a name that does not exist, a missing option
-    FFP_ERROR_FILE,        // a file from outside holds what it must not, or lacks what it must have
-    FFP_ERROR_UNSUPPORTED, // sound, but not what this library, build or machine can do
-    FFP_ERROR_MEMORY,      // there is not enough
-    FFP_ERROR_CANCELLED,   // the progress callback said so
-    FFP_ERROR_IO,          // the system could not open, read, write or rename
+    FFP_ERROR_ARGUMENT,    // by the caller: a value out of range, an unknown name, a missing option
+    FFP_ERROR_FILE,        // an input file has invalid or missing content
+    FFP_ERROR_UNSUPPORTED, // valid, but not supported by this library, build or machine
+    FFP_ERROR_MEMORY,      // not enough memory
+    FFP_ERROR_CANCELLED,   // by the progress callback
+    FFP_ERROR_IO,          // the system failed to open, read, write or rename a file
 } FfpErrorCode;
 
 typedef struct FfpError {
-    char text[768]; // "WHAT (WHERE)", WHERE being a file, "FILE: FIELD", or empty; "" when nothing failed
+    char text[768]; // "WHAT (WHERE)", where WHERE is a file, "FILE: FIELD", or empty; "" on success
     FfpErrorCode code;
 } FfpError;
 

@@ -39,8 +39,8 @@ class Progress:
     extra: str  #: a few words about the last step, or nothing
 
 
-#: What calls take as ``progress``: a function that is told, and ends the call by returning False; True: a tqdm bar;
-#: False: nothing; None: a bar where tqdm is installed and somebody may be looking (a terminal, a notebook).
+#: What calls take as ``progress``: a function that gets reports and ends the call by returning False; True: a tqdm bar;
+#: False: nothing; None: a bar if tqdm is installed and somebody may be looking (a terminal, a notebook).
 ProgressOption = Union[Callable[[Progress], Optional[bool]], bool, None]
 
 

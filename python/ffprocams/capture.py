@@ -30,8 +30,8 @@ class View:
     projector: Pinhole
     photographs: Mapping[
         str, Array
-    ]  #: pattern name to photograph, of the camera's size; black and white must be there
-    mask: Array | None = None  #: the object's share of each pixel; None: alpha, else what white brightens
+    ]  #: pattern name to photograph, of the camera's size; black and white are required
+    mask: Array | None = None  #: the object's share of each pixel; None: alpha, or the pixels that white brightens
     masked: bool = False  #: the photographs are over black already
     depth: Array | None = (
         None  #: [height,width] float32 truth: camera z, world units, 0 where there is no surface
@@ -259,9 +259,9 @@ def align(
         progress: see ffprocams.ProgressOption.
         threads: that may work at a time; 0: all processors.
     """
-    keep, stats = Keep(), ffi.new("FfpAlignStats *")
+    keep, stats = Keep(), ffi.new("FfpAlignmentStats *")
     with holding(capture), Call(progress, threads) as call:
-        options = ffi.new("FfpAligning *", lib.ffp_aligning_defaults())
+        options = ffi.new("FfpAlignment *", lib.ffp_alignment_defaults())
         options.pattern, options.focal_lengths = keep.text(pattern), focal_lengths
         call.check(lib.ffp_align_poses(call.context, capture._pointer, options, stats, call.error))
     out: AlignStats = record(AlignStats, stats)

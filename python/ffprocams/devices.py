@@ -315,7 +315,7 @@ def _told_size(source: Mapping[str, Any], what: str, plain: Any, where: str) -> 
         height, width = _size(source[_SHAPES[what]], where)
         told.append((width, height))
     if any(size != told[0] for size in told):
-        raise argument_error(f"{what} is told in several ways that differ: {told}", where)
+        raise argument_error(f"{what} is given in several ways that differ: {told}", where)
     return told[0] if told else None
 
 

@@ -163,28 +163,28 @@ def generate(
     progress: ProgressOption = None,
     threads: int = 0,
 ) -> list[Path]:
-    """Generates captures with their truth, one folder a scene. Scenes that are there already are kept.
+    """Generates captures with their truth, one folder a scene. Existing scenes are kept.
 
     Args:
-        split: "all", "train", "validation" or "test": no mesh is in two of the latter.
+        split: "all", "train", "validation" or "test": no mesh is in two of the last three.
         preset: "paper" (8 views of 128 x 128 pixels and 6 lollipops), "smoke" (small and quick), "training".
-        first, count: scenes of the split; count -1: to the end, of an own mesh one.
+        first, count: scenes of the split; count -1: to the end; one scene with ``mesh``.
         resolution: image side, pixels; 0: as the preset says.
-        rig: "turntable", "free" (each view has devices of its own) or "sphere" (only the camera moves).
+        rig: "turntable", "free" (each view has its own devices) or "sphere" (only the camera moves).
         views: input views, 1 to 360; 0: as the preset says.
         seed: None: the program's.
         mesh: a file of your own (OBJ, PLY, STL, glTF) instead of the generated meshes.
         material: a folder of basecolor, roughness and normal maps.
         sensor: faults of the devices.
         photographs: folder of patterns (write_patterns): instead of captures, photographs of one object on a
-            turntable under all of them, and of a chessboard, by a rig with lenses (docs/data.md, "Photographs").
+            turntable under all of them, and of a chessboard, by a rig with lenses (docs/design/data.md, "Photographs").
         attitudes: in which that chessboard is held, 0 to 64; None: the program's.
-        check: make nothing, and raise an error that names the scenes which are not there, whole.
+        check: make nothing, and raise an error that names the scenes that are missing or incomplete.
         progress: see ffprocams.ProgressOption.
         threads: that may work at a time; 0: all processors.
 
     Returns:
-        The capture folders that lie in ``folder`` then.
+        The capture folders in ``folder``.
     """
     keep, options = Keep(), ffi.new("FfpGeneration *", lib.ffp_generation_defaults())
     options.folder, options.mesh, options.material = keep.path(folder), keep.path(mesh), keep.path(material)
@@ -259,15 +259,15 @@ def import_capture(
 
     Args:
         folder: must not hold anything yet.
-        calibrations: files of other tools (docs/formats.md), a Calibration, or a dict of matrices (its from_dict).
+        calibrations: files of other tools (docs/reference/formats.md), a Calibration, or a dict of matrices (its from_dict).
         images: pattern name ("black", "white" and those of ``patterns``) to files: a path with {view}, {pattern},
             {index} or {number} in it, or *, or both. None: the pictures that the calibration names.
         patterns: name to the image file of what the projector showed, besides black and white.
-        held_out: likewise, only ever to be predicted.
+        held_out: likewise, but held back for prediction.
         gray_codes: photographs of the Gray codes of write_patterns, files as in ``images``, {pattern} being gray_x_00,
             gray_x_00_inverse and so on: where codes decode depth is exact.
         turntable: for a fixed rig with several views.
-        masks: None: the photographs' alpha, else from light; "light"; or files, as in ``images``, white on black.
+        masks: None: the photographs' alpha, otherwise from light; "light"; or files, as in ``images``, white on black.
         projector_image: COLMAP: the image that is the projector; None: "calib".
         views: ids to import; none: all.
         camera, projector: sizes at calibration, and fits.

@@ -12,7 +12,7 @@ from .capture import Capture, record
 from .errors import argument_error
 from .gaussians import Gaussians, Model, drawing_of
 
-#: Weights: a Model, a path, None for the shipped ones, or "none" for the classical start alone, which needs none.
+#: Weights: a Model, a path, None for the shipped ones, or "none" for the classical initialisation alone, which needs none.
 ModelOption = Union[Model, PathLike, None]
 
 
@@ -23,12 +23,12 @@ class ReconstructionStats:
     pattern: str  #: that was used, of several the first
     patterns: int  #: how many were
     gaussians: int
-    start_s: float  #: projector matching and the classical estimates
+    initialisation_s: float  #: projector matching and the classical estimates
     network_s: float
     polish_s: float
     noise: float  #: deviation of the noise that was taken away
     denoise_s: float
-    network_dropped: bool  #: the prediction showed the photographs worse than the classical start
+    network_dropped: bool  #: the prediction showed the photographs worse than the classical initialisation
     polish_dropped: bool  #: the fit showed them worse than what it began with
 
 

@@ -1,4 +1,4 @@
-"""A rig of one's own: what its projector shows, its calibration, and a network that knows it."""
+"""Your own rig: what its projector shows, its calibration, and a network trained for it."""
 
 from __future__ import annotations
 
@@ -102,7 +102,7 @@ def calibrate_rig(
 
     Args:
         file: for the calibration, OpenCV's FileStorage (.xml, .yml); None: only the turntable's board is looked at.
-        attitudes: folders of one attitude of the board each, or of such folders (docs/calibrate.md).
+        attitudes: folders of one attitude of the board each, or of such folders (docs/guide/own-rig.md).
         board: corners inside it, columns and rows.
         square: side of a square: the unit of length of all that comes out.
         projector: width and height of its panel, pixels.
@@ -164,10 +164,10 @@ def train(
 
     Args:
         out: folder for checkpoint.safetensors, weights.safetensors, metrics.jsonl and pictures.
-        captures: folder of captures of your own, whose photographs alone are learnt from: fine-tuning (docs/training.md).
+        captures: folder of your own captures, for fine-tuning on their photographs (docs/lab/training.md).
             Every fourth is held out and chooses the weights that are written. None: scenes are generated or read.
         config: JSON file; None: the defaults.
-        initial: weights to start from; None: with captures the shipped ones, else none.
+        initial: weights to start from; None: with captures the shipped ones, otherwise none.
         perceptual: safetensors of the perceptual term; None: without it.
         steps: -1: as the configuration says.
         stop_at: stop at this step with a checkpoint; 0: go to the end.

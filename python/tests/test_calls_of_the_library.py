@@ -143,7 +143,7 @@ def test_rows_say_what_predicted(gaussians: ffp.Gaussians, sample: Path, tmp_pat
     shipped = Path(os.environ.get("FFPROCAMS_MODELS", sample.parents[1] / "models")) / "small.safetensors"
     assert name(gaussians=ply) == str(ply)
     assert name(predictor="match") == "pattern lookup at the matched depth"
-    assert name(model="none") == "the classical start, without weights"
+    assert name(model="none") == "the classical initialisation, without weights"
     assert name() == name(model=ffp.Model.open()) == "the shipped weights"
     assert name(model=shipped) == name(model=ffp.Model.open(shipped)) == str(shipped)
     assert name(model="none", model_name="mine") == "mine"

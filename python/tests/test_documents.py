@@ -18,7 +18,7 @@ def blocks(document: str) -> list[str]:
     )
 
 
-@pytest.mark.parametrize("document", ["README.md", "docs/python.md"])
+@pytest.mark.parametrize("document", ["README.md", "docs/reference/python.md"])
 def test_the_short_example_runs(document: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     (tmp_path / "data").symlink_to(ROOT / "data")
     monkeypatch.chdir(tmp_path)
@@ -32,4 +32,4 @@ def test_the_short_example_runs(document: str, tmp_path: Path, monkeypatch: pyte
 
 def test_the_comparison_is_the_script() -> None:
     script = (ROOT / "python" / "examples" / "compare_methods.py").read_text(encoding="utf-8")
-    assert script in blocks("docs/python.md")
+    assert script in blocks("docs/reference/python.md")

@@ -1,15 +1,13 @@
 #define _GNU_SOURCE // memfd_create, nftw
 #include "fuzz.h"
-
 #include <ftw.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/mman.h>
 #include <unistd.h>
-
-#include "base/file.h"
-#include "image/image.h"
+#include "core/base/file.h"
+#include "core/image/image.h"
 
 static void must(bool ok, const char *what) {
     if (ok) return;
@@ -57,7 +55,7 @@ static void write_picture(const char *name, int side, real value) {
 
 static void make_folder(void) {
     const char *root = getenv("TMPDIR");
-    snprintf(folder, sizeof folder, "%s/fuzz.XXXXXX", root != NULL ? root : "/dev/shm");
+    snprintf(folder, sizeof folder, "%s/fuzz.XXXXXX", root ? root : "/dev/shm");
     must(mkdtemp(folder) != NULL, folder);
     atexit(remove_folder);
     must(ffp_make_folders(in_folder("patterns"), NULL), "patterns");

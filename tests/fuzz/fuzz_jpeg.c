@@ -1,6 +1,6 @@
 // JPEG files: their size, their colours, and how they were held.
+#include "core/image/codec.h"
 #include "fuzz.h"
-#include "image/codec.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
     const FfpBytes file = {data, size, "fuzz.jpeg"};
@@ -10,7 +10,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
     fuzz_verdict(ffp_jpeg_size(&file, &width, &height, &err), &err);
     FfpDecoded decoded = {0};
     fuzz_verdict(ffp_jpeg_decode(&file, &decoded, &err), &err);
-    if (decoded.image.data != NULL) ffp_orient(&decoded.image, decoded.orientation);
+    if (decoded.image.data) ffp_orient(&decoded.image, decoded.orientation);
     ffp_image_free(&decoded.image);
     return 0;
 }

@@ -1,6 +1,6 @@
 // Gaussians.
+#include "core/gaussians/gaussians.h"
 #include "fuzz.h"
-#include "gaussians/gaussians.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
     FfpGaussians gaussians;

@@ -1,13 +1,13 @@
 // Tensors, and the model that they may be.
-#include "fuzz.h"
 #include <stdlib.h>
-#include "network/network.h"
-#include "tensor/safetensors.h"
+#include "core/tensor/safetensors.h"
+#include "engine/network/network.h"
+#include "fuzz.h"
 
 static void convert(const FfpSafetensors *file) {
     for (int i = 0; i < file->count; i++) {
         real *values = malloc(((size_t)file->tensors[i].count + 1) * sizeof *values);
-        if (values != NULL) ffp_tensor_to_real(&file->tensors[i], values);
+        if (values) ffp_tensor_to_real(&file->tensors[i], values);
         free(values);
     }
 }

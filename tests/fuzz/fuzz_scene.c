@@ -1,5 +1,5 @@
 // Captures in our own layout, scene.json.
-#include "capture/capture.h"
+#include "core/capture/capture.h"
 #include "fuzz.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {

@@ -1,7 +1,7 @@
 // Poses to predict, in either layout, for a capture that is sound.
 #include <stdlib.h>
 #include <string.h>
-#include "capture/capture.h"
+#include "core/capture/capture.h"
 #include "fuzz.h"
 
 static const char sound[] =

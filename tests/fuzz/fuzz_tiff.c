@@ -1,6 +1,6 @@
 // TIFF files: their size, their colours, and the raw numbers of depth maps.
+#include "core/image/codec.h"
 #include "fuzz.h"
-#include "image/codec.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
     const FfpBytes file = {data, size, "fuzz.tiff"};

@@ -2,12 +2,12 @@
 #include <stdlib.h>
 #include <string.h>
 #include "fuzz.h"
-#include "train/train.h"
+#include "lab/train/train.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
-    FfpTrainConfig config, again;
+    FfpTrainConfig config = ffp_train_defaults(), again;
     FfpError err = {0};
-    const bool ok = ffp_train_config_read(&config, fuzz_file(data, size), &err);
+    const bool ok = ffp_train_config_overlay(&config, fuzz_file(data, size), &err);
     fuzz_verdict(ok, &err);
     if (!ok) return 0;
     char *text = ffp_train_config_print(&config, &err);

@@ -3,12 +3,12 @@
 #include <stdlib.h>
 #include <string.h>
 #include "fuzz.h"
-#include "rig/document.h"
+#include "rig/import/document.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
     FfpError err = {0};
     char *text = malloc(size + 1); // the parser relies on the zero byte
-    if (text == NULL) return 0;
+    if (!text) return 0;
     memcpy(text, data, size);
     text[size] = 0;
     json_t *value = ffp_xml_parse(text, size, "fuzz.xml", &err);

@@ -272,7 +272,7 @@ def captures():
 def configurations():
     write('train_config', 'empty.json', '{}\n')
     write('train_config', 'run.json', as_json({
-        'model': 'tiny', 'seed': 1, 'steps': 500, 'resolution': 64, 'single_scene': True, 'views': 8, 'targets': 0,
+        'model': 'tiny', 'seed': 1, 'steps': 500, 'resolution': 64, 'pool': 1, 'reuse': 1000000, 'views': 8, 'targets': 0,
         'lollipops': 2, 'supervised_inputs': 4, 'supervised_targets': 0, 'learning_rate': 3e-3, 'l1': 1, 'ssim': 0}))
     write('train_config', 'model.json', as_json({
         'model': {'preset': 'small', 'dim': 128, 'modules': 'MT', 'residual': False, 'pixel_skip': False,

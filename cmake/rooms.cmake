@@ -1,0 +1,82 @@
+# The plan of the house, and the only one: six wings in the order in which data walks through them, and the rooms of each. A room
+# is a folder, src/WING/ROOM. It includes only the rooms among its DEPS, which lie in its own wing or in one above it, and links them
+# alone (script/test-house). ffp_room is in room.cmake.
+
+ffp_wing(core) # what everything else speaks
+# errors, the call at work, log, arenas, random numbers, files, other programs, small vectors, reflectance; the device seam
+ffp_room(base CALLS LIBS ${CMAKE_DL_LIBS} READERS base64 file kind text)
+# least squares, ranks, surface nets
+ffp_room(numerics DEPS base LIBS PkgConfig::OPENBLAS)
+# float images, PNG, JPEG, TIFF, EXR, raw photographs and films (by other programs), sRGB, resizing, pattern lookup
+ffp_room(image NUMERIC DEPS base LIBS PkgConfig::PNG PkgConfig::JPEG PkgConfig::OPENEXR PkgConfig::ZLIB
+         READERS exr foreign jpeg orientation photograph png raw read tiff)
+# kernels on plain arrays: products, norms, attention, state-space scan, Adam; safetensors
+ffp_room(tensor NUMERIC PRODUCTS DEPS base LIBS PkgConfig::OPENBLAS PkgConfig::JANSSON READERS safetensors)
+# the Gaussian set and its PLY
+ffp_room(gaussians NUMERIC DEPS base READERS gaussians ply ply_header row)
+# cameras, projectors, captures: reading, checking, writing, bounds, reducing
+ffp_room(capture NUMERIC DEPS image numerics base LIBS PkgConfig::JANSSON
+         READERS bounds capture load manifest names node pad pose read render_poses scene_read whole)
+# what a projector shows while a rig is photographed; the lollipop
+ffp_room(patterns DEPS image base)
+
+ffp_wing(engine) # from a capture to Gaussians, and from Gaussians to pictures
+# noise of photographs: estimating and filtering it
+ffp_room(denoise DEPS capture base LIBS PkgConfig::OPENBLAS)
+# projector matching and the classical initialisation
+ffp_room(match NUMERIC DEPS capture image numerics base)
+# the hybrid encoder and its heads; configurations and weights
+ffp_room(network NUMERIC DEPS match gaussians capture tensor base LIBS PkgConfig::JANSSON READERS config parameters weights)
+# rasterise, map to the projector, shade, resolve; and back: the view pass
+ffp_room(render NUMERIC DEPS gaussians capture image base)
+# loss terms and metrics
+ffp_room(loss NUMERIC DEPS tensor image base)
+# fits to one object's photographs
+ffp_room(refine NUMERIC DEPS loss render gaussians tensor capture image base)
+# poses corrected from the photographs
+ffp_room(align DEPS network match render capture image numerics base)
+# compensated projections and correspondence maps
+ffp_room(apply DEPS loss render gaussians tensor capture image numerics base)
+# what the calls of the public header do, from end to end: reconstruct, draw pictures, and what it takes
+ffp_room(pipeline CALLS DEPS align apply refine render network match denoise gaussians capture image base)
+# the GPU: kernels of the numeric rooms, and their emulation for tests
+ffp_room(cuda IN cuda.cmake DEPS refine loss network render tensor image base)
+
+ffp_wing(rig) # from a bare projector and a camera to a capture
+# photographs of Gray codes into positions on the projector's panel
+ffp_room(graycode DEPS patterns image numerics base)
+# calibrations of other tools and photographs into captures; checks of a capture
+ffp_room(import DEPS match graycode patterns capture image numerics base LIBS PkgConfig::YAML PkgConfig::EXPAT PkgConfig::JANSSON
+         READERS calibration calibration_parts colmap document document_parts explain file_names lens matrix nepmap opencv procams turntable xml yaml)
+# chessboards and Gray codes into calibrations; a turntable's axis
+ffp_room(calibrate CALLS DEPS import graycode capture image numerics base)
+
+ffp_wing(world) # objects and rigs that do not exist
+# shapes, materials, rig and light simulator; scenes and data sets
+ffp_room(synth DEPS patterns capture image numerics base READERS mesh_file)
+
+ffp_wing(lab) # training, measuring, comparing
+# steps, optimiser, checkpoints, validation
+ffp_room(train DEPS denoise refine synth loss render network match capture tensor numerics base LIBS PkgConfig::JANSSON
+         READERS config)
+# the machine's peaks; kernels and steps as shares of them
+ffp_room(bench PRODUCTS DEPS train refine render network gaussians tensor base LIBS PkgConfig::JANSSON)
+# other methods, for comparison: Gaussians from scratch, a neural reflectance field
+ffp_room(baselines NUMERIC DEPS refine loss render tensor capture image base)
+# protocols, scores and reports
+ffp_room(eval CALLS DEPS baselines pipeline loss render match capture numerics base LIBS PkgConfig::JANSSON)
+
+ffp_wing(product) # what people hold in their hands
+# the page for browsers: splats and scene as it reads them
+ffp_room(view CALLS DEPS pipeline render gaussians capture base)
+# splats and meshes for other programs
+ffp_room(export CALLS DEPS pipeline apply render gaussians capture image numerics base LIBS PkgConfig::JANSSON PkgConfig::ZLIB)
+# what a file holds, as text for people
+ffp_room(describe CALLS DEPS import baselines network gaussians capture base)
+# the calls of the public header, one file per call: arguments checked, the call entered, structs translated, one function called
+ffp_room(api CALLS DEPS describe eval pipeline bench view export calibrate import baselines train synth patterns render
+         network gaussians capture image base cuda LIBS PkgConfig::JANSSON PkgConfig::ZLIB)
+# the ranks of an MPI job: part of the program where it is built with MPI
+ffp_room(cluster IN library.cmake)
+# the program, a file per command; like anybody's, it sees the public header alone
+ffp_room(cli IN library.cmake DEPS cluster)

@@ -1,0 +1,39 @@
+// Other methods, for comparison: fits to one object's photographs without a prediction. They take far longer
+// than ffp_refine_gaussians, whose options and statistics they share.
+#ifndef FFPROCAMS_BASELINES_H
+#define FFPROCAMS_BASELINES_H
+
+#include "ffprocams.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+// Fits Gaussians as GS-ProCams does: points in the visual hull grow, divide and vanish. The seed also selects
+// the initial points; the default limit is 20000 steps. Cancelling it before there are any points is a
+// failure.
+FFP_API FfpGaussians *ffp_fit_from_scratch(FfpContext *context, const FfpCapture *capture,
+                                           const FfpRefinement *options, FfpRefinementStats *stats,
+                                           FfpError *err);
+
+// A neural reflectance field in the form of Nepmap: small networks give density, material and the light that
+// reaches each point. Only ffp_evaluate draws it.
+typedef struct FfpNeuralField FfpNeuralField;
+// Fits a field to the capture's pictures. Every view must have a picture under all patterns; `drawing` is
+// ignored; the default limit is 300 s. `checkpoint`: a file written every two minutes and at the end, from
+// which the same fit resumes if it exists; or NULL. In the stats, psnr_before and gaussians are 0 and
+// psnr_after covers up to 16 views. If only the number of steps is limited, the same seed gives identical
+// bits.
+FFP_API FfpNeuralField *ffp_fit_neural_field(FfpContext *context, const FfpCapture *capture,
+                                             const FfpRefinement *options, const char *checkpoint,
+                                             FfpRefinementStats *stats, FfpError *err);
+FFP_API FfpNeuralField *ffp_neural_field_open(FfpContext *context, const char *path, FfpError *err);
+FFP_API bool ffp_neural_field_save(FfpContext *context, const FfpNeuralField *field, const char *path,
+                                   FfpError *err);
+FFP_API void ffp_neural_field_close(FfpNeuralField *field);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

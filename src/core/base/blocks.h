@@ -1,0 +1,33 @@
+// What stands before every block of memory, and the lists of what one owner has (FfpBlocks, call.h).
+#ifndef FFP_BASE_BLOCKS_H
+#define FFP_BASE_BLOCKS_H
+
+#include <stdint.h>
+#include "core/base/call.h"
+
+typedef struct FfpBlock {
+    FfpBlocks *owner; // NULL: nobody's but its holder's
+    struct FfpBlock *before, *after;
+    size_t bytes;
+    uint64_t unused[3], magic;
+} FfpBlock;
+_Static_assert(sizeof(FfpBlock) == 64, "blocks stay aligned");
+
+typedef struct FfpOwned { // what is no memory
+    struct FfpOwned *older;
+    void *thing;
+    void (*release)(void *thing);
+} FfpOwned;
+
+void ffp_blocks_add(FfpBlocks *blocks, FfpBlock *block); // blocks NULL: to none
+void ffp_blocks_remove(FfpBlock *block);                 // from its owner's, if it has one
+
+// False when there is no memory to note it. disown: NULL is allowed.
+bool ffp_blocks_own(FfpBlocks *blocks, void *thing, void (*release)(void *thing));
+void ffp_blocks_disown(FfpBlocks *blocks, void *thing);
+
+// Of all that is left: it becomes its holders' own, or is given back.
+void ffp_blocks_set_free(FfpBlocks *blocks);
+void ffp_blocks_release(FfpBlocks *blocks);
+
+#endif

@@ -1,0 +1,34 @@
+#include "core/base/error.h"
+#include <stdarg.h>
+#include <stdio.h>
+#include <string.h>
+
+bool ffp_fail(FfpError *err, FfpErrorCode code, const char *where, const char *what_format, ...) {
+    if (!err) return false;
+    // Assembled aside: `where` and the arguments may point into err->text when a caller adds to an older
+    // message.
+    char text[sizeof err->text];
+    va_list arguments;
+    va_start(arguments, what_format);
+    int length = vsnprintf(text, sizeof text, what_format, arguments);
+    va_end(arguments);
+    if (length < 0) {
+        length = 0;
+        text[0] = 0;
+    }
+    if (where && (size_t)length < sizeof text - 1) {
+        snprintf(text + length, sizeof text - (size_t)length, " (%s)", where);
+    }
+    for (char *c = text; *c; c++) {
+        if ((unsigned char)*c < 32 || *c == 127) *c = '?'; // names from files must not steer a terminal
+    }
+    memcpy(err->text, text, sizeof text);
+    err->code = code;
+    return false;
+}
+
+FfpPlace ffp_place(const char *file, const char *field) {
+    FfpPlace place;
+    snprintf(place.text, sizeof place.text, "%.1023s: %.160s", file, field);
+    return place;
+}

@@ -1,0 +1,73 @@
+#include "core/base/kind.h"
+#include <stdio.h>
+#include <string.h>
+#include "core/base/file.h"
+
+enum { HEAD = 256 };
+
+static bool begins(const unsigned char *head, size_t size, const char *magic, size_t length) {
+    return size >= length && memcmp(head, magic, length) == 0;
+}
+
+static bool is_json(const unsigned char *head, size_t size) {
+    size_t at = begins(head, size, "\xef\xbb\xbf", 3) ? 3 : 0; // a byte order mark
+    while (at < size && strchr(" \t\r\n", head[at])) at++;
+    return at < size && head[at] == '{';
+}
+
+static bool is_image(const unsigned char *head, size_t size) {
+    return begins(head, size, "\x89PNG", 4) || begins(head, size, "\xff\xd8\xff", 3) ||
+           begins(head, size, "\x76\x2f\x31\x01", 4) || begins(head, size, "II*\0", 4) ||
+           begins(head, size, "MM\0*", 4);
+}
+
+// Safetensors whose metadata, which come first, say so (lab/baselines/file.c).
+static bool is_field(const unsigned char *head, size_t size) {
+    static const char mark[] = "\"ffprocams neural field 1\"";
+    for (size_t i = 8; i + sizeof mark - 1 <= size; i++)
+        if (memcmp(head + i, mark, sizeof mark - 1) == 0) return true;
+    return false;
+}
+
+FfpKind ffp_file_kind(const char *path) {
+    unsigned char head[HEAD];
+    if (ffp_is_folder(path)) return FFP_KIND_FOLDER;
+    FILE *stream = ffp_open_to_read(path, NULL);
+    if (!stream) return FFP_KIND_UNKNOWN;
+    const size_t size = fread(head, 1, sizeof head, stream);
+    fclose(stream);
+    if (size > 8 && head[7] == 0 && head[8] == '{') // the header's length before it
+        return is_field(head, size) ? FFP_KIND_FIELD : FFP_KIND_WEIGHTS;
+    if (begins(head, size, "ply", 3) && size > 3 && (head[3] == '\n' || head[3] == '\r')) return FFP_KIND_PLY;
+    if (is_image(head, size)) return FFP_KIND_IMAGE;
+    return is_json(head, size) ? FFP_KIND_JSON : FFP_KIND_UNKNOWN;
+}
+
+bool ffp_check_kind(const char *path, FfpExpectedKind wanted, FfpError *err) {
+    static const char *const found[] = {
+        [FFP_KIND_FOLDER] = "a folder, as captures are",
+        [FFP_KIND_JSON] = "JSON, as captures have it",
+        [FFP_KIND_PLY] = "Gaussians (a PLY)",
+        [FFP_KIND_WEIGHTS] = "weights (safetensors)",
+        [FFP_KIND_FIELD] = "a neural field, which only `info` and `evaluate --field` read",
+        [FFP_KIND_IMAGE] = "a picture",
+    };
+    static const char *const wants[] = {
+        [FFP_WANTED_CAPTURE] = "a capture: its folder or its JSON file is wanted",
+        [FFP_WANTED_GAUSSIANS] = "Gaussians: a PLY is wanted",
+        [FFP_WANTED_WEIGHTS] = "weights: a safetensors file is wanted",
+        [FFP_WANTED_FIELD] = "a neural field",
+        [FFP_WANTED_TENSORS] = "weights: a safetensors file is wanted",
+        [FFP_WANTED_IMAGE] = "a picture",
+    };
+    const FfpKind kind = ffp_file_kind(path);
+    const bool capture = kind == FFP_KIND_FOLDER || kind == FFP_KIND_JSON;
+    if (kind == FFP_KIND_UNKNOWN || (wanted == FFP_WANTED_CAPTURE && capture) ||
+        (wanted == FFP_WANTED_GAUSSIANS && kind == FFP_KIND_PLY) ||
+        (wanted == FFP_WANTED_WEIGHTS && kind == FFP_KIND_WEIGHTS) ||
+        ((wanted == FFP_WANTED_FIELD || wanted == FFP_WANTED_TENSORS) &&
+         (kind == FFP_KIND_FIELD || kind == FFP_KIND_WEIGHTS)) || // whose reader says what else it is
+        (wanted == FFP_WANTED_IMAGE && kind == FFP_KIND_IMAGE))
+        return true;
+    return ffp_fail(err, FFP_ERROR_FILE, path, "is %s, not %s", found[kind], wants[wanted]);
+}

@@ -1,0 +1,33 @@
+// What a file is, by its first bytes: so that one given in another's place is named.
+#ifndef FFP_BASE_KIND_H
+#define FFP_BASE_KIND_H
+
+#include "core/base/error.h"
+
+typedef enum FfpKind {
+    FFP_KIND_UNKNOWN, // nothing of these, not there, or no regular file
+    FFP_KIND_FOLDER,
+    FFP_KIND_JSON,
+    FFP_KIND_PLY,
+    FFP_KIND_WEIGHTS, // safetensors
+    FFP_KIND_FIELD,   // likewise, of a neural field
+    FFP_KIND_IMAGE,
+} FfpKind;
+
+FfpKind ffp_file_kind(const char *path);
+
+// What a reader wants.
+typedef enum FfpExpectedKind {
+    FFP_WANTED_CAPTURE,
+    FFP_WANTED_GAUSSIANS,
+    FFP_WANTED_WEIGHTS,
+    FFP_WANTED_FIELD,
+    FFP_WANTED_TENSORS, // any safetensors
+    FFP_WANTED_IMAGE
+} FfpExpectedKind;
+
+// False with "is Gaussians (a PLY), not a capture: ..." when the file is clearly of another kind. True says
+// nothing: it may be broken, unknown, or not there.
+bool ffp_check_kind(const char *path, FfpExpectedKind wanted, FfpError *err);
+
+#endif

@@ -1,0 +1,38 @@
+#include "core/base/log.h"
+#include <stdarg.h>
+#include <stdio.h>
+#include <time.h>
+#include "core/base/frame.h"
+
+static void say(FfpLogLevel level, const char *format, va_list arguments) {
+    FfpCall *call = ffp_call();
+    const FfpContext *context = ffp_call_context();
+    if (!context || !context->settings.log) return;
+    char text[2048];
+    vsnprintf(text, sizeof text, format, arguments);
+    const locale_t ours = uselocale(call->locale);
+    pthread_mutex_lock(&call->lock);
+    context->settings.log(context->settings.user, level, text);
+    pthread_mutex_unlock(&call->lock);
+    uselocale(ours);
+}
+
+void ffp_note(const char *format, ...) {
+    va_list arguments;
+    va_start(arguments, format);
+    say(FFP_LOG_NOTE, format, arguments);
+    va_end(arguments);
+}
+
+void ffp_warning(const char *format, ...) {
+    va_list arguments;
+    va_start(arguments, format);
+    say(FFP_LOG_WARNING, format, arguments);
+    va_end(arguments);
+}
+
+double ffp_seconds(void) {
+    struct timespec now = {0};
+    clock_gettime(CLOCK_MONOTONIC, &now);
+    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
+}

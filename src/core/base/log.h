@@ -1,0 +1,26 @@
+// Words and progress for the caller of the public function at work (core/base/call.h); outside of any, for
+// nobody.
+#ifndef FFP_BASE_LOG_H
+#define FFP_BASE_LOG_H
+
+#include <stdint.h>
+#include "ffprocams/context.h"
+
+void ffp_note(const char *format, ...) __attribute__((format(printf, 1, 2)));
+void ffp_warning(const char *format, ...) __attribute__((format(printf, 1, 2)));
+
+// Work that is counted. Tasks may lie inside each other; bodies of ffp_parallel_for may all step in one.
+typedef struct FfpTask {
+    const char *what; // e.g. "rendering"
+    int64_t total;
+    double started; // ffp_seconds()
+    FfpProgress before;
+    double before_began; // of the task around this one
+} FfpTask;
+FfpTask ffp_task(const char *what, int64_t total);
+void ffp_task_step(const FfpTask *task, int64_t done, const char *extra); // extra may be NULL
+void ffp_task_end(const FfpTask *task);
+
+double ffp_seconds(void); // monotonic clock
+
+#endif

@@ -1,0 +1,61 @@
+#include "core/base/rigid.h"
+#include <math.h>
+#include <stdbool.h>
+
+double ffp_dot(const double a[3], const double b[3]) {
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+void ffp_cross(const double a[3], const double b[3], double out[3]) {
+    const double x = a[1] * b[2] - a[2] * b[1], y = a[2] * b[0] - a[0] * b[2], z = a[0] * b[1] - a[1] * b[0];
+    out[0] = x;
+    out[1] = y;
+    out[2] = z;
+}
+
+double ffp_unit(double v[3]) {
+    const double length = sqrt(ffp_dot(v, v));
+    for (int i = 0; i < 3 && length > 0; i++) v[i] /= length;
+    return length;
+}
+
+void ffp_perpendiculars(const double v[3], double first[3], double second[3]) {
+    const bool steep = fabs(v[0]) > 0.9;
+    const double any[3] = {!steep, steep, 0};
+    ffp_cross(v, any, first);
+    ffp_unit(first);
+    ffp_cross(v, first, second);
+}
+
+void ffp_rotation_product(const double a[9], const double b[9], double out[9]) {
+    for (int i = 0; i < 9; i++) {
+        const double *row = a + 3 * (i / 3), *column = b + i % 3;
+        out[i] = row[0] * column[0] + row[1] * column[3] + row[2] * column[6];
+    }
+}
+
+void ffp_rotation_difference(const double a[9], const double b[9], double out[9]) {
+    for (int i = 0; i < 9; i++) {
+        const double *left = a + i / 3, *right = b + i % 3;
+        out[i] = left[0] * right[0] + left[3] * right[3] + left[6] * right[6];
+    }
+}
+
+// 1 + sin(a)/a [v] + (1 - cos a)/a^2 [v]^2 with a = |v| and [v] the matrix of the cross product
+void ffp_rotation_from_vector(const double v[3], double r[9]) {
+    const double square = ffp_dot(v, v), angle = sqrt(square);
+    const double s = angle > 1e-9 ? sin(angle) / angle : 1,
+                 c = angle > 1e-9 ? (1 - cos(angle)) / square : 0.5;
+    for (int i = 0; i < 3; i++) {
+        for (int j = 0; j < 3; j++) r[3 * i + j] = (i == j ? 1 - c * square : 0) + c * v[i] * v[j];
+        const int next = (i + 1) % 3, last = (i + 2) % 3;
+        r[3 * i + next] -= s * v[last];
+        r[3 * i + last] += s * v[next];
+    }
+}
+
+void ffp_rotation_to_vector(const double r[9], double v[3]) {
+    const double half[3] = {(r[7] - r[5]) / 2, (r[2] - r[6]) / 2, (r[3] - r[1]) / 2};
+    const double sine = sqrt(ffp_dot(half, half)), angle = atan2(sine, (r[0] + r[4] + r[8] - 1) / 2);
+    for (int k = 0; k < 3; k++) v[k] = sine > 1e-12 ? half[k] * angle / sine : half[k];
+}

@@ -1,0 +1,20 @@
+// Text that grows in memory as it is written.
+#ifndef FFP_BASE_TEXT_H
+#define FFP_BASE_TEXT_H
+
+#include <stdio.h>
+#include "core/base/alloc.h"
+
+// For a page or one of its attributes: what stands for something there stands for itself.
+void ffp_put_html(FILE *out, const char *text);
+// For a terminal: strings from files may hold anything, and it should see only text.
+void ffp_put_plain(FILE *out, const char *text);
+
+typedef struct FfpText FfpText;
+FfpText *ffp_text_new(void);
+FILE *ffp_text_stream(FfpText *text);
+const char *ffp_text_so_far(FfpText *text, size_t *size); // good until more is written
+char *ffp_text_end(FfpText *text);                        // all of it, released with ffp_free; frees the rest
+void ffp_text_free(FfpText *text);                        // NULL is allowed
+
+#endif

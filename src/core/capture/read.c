@@ -1,0 +1,122 @@
+// The way in: finds the JSON, sees which kind it is, and turns it into a capture.
+#define _XOPEN_SOURCE 700 // realpath
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include "core/base/file.h"
+#include "core/base/kind.h"
+#include "core/capture/manifest.h"
+
+// The JSON's own path when `path` is one; in a folder the first of the names that is there.
+static bool find_json(char json[FFP_PATH_MAX], const char *path, const char *const *names, int n,
+                      FfpError *err) {
+    if (strlen(path) >= FFP_PATH_MAX) return ffp_fail(err, FFP_ERROR_FILE, NULL, "path is too long");
+    if (!ffp_is_folder(path)) {
+        memcpy(json, path, strlen(path) + 1);
+        if (!ffp_check_kind(path, FFP_WANTED_CAPTURE, err)) return false;
+        return ffp_is_file(path) || ffp_fail(err, FFP_ERROR_FILE, path, "no such file or folder");
+    }
+    for (int i = 0; i < n; i++) {
+        if (ffp_join_path(json, path, names[i]) && ffp_is_file(json)) return true;
+    }
+    return ffp_fail(err, FFP_ERROR_FILE, path,
+                    n == 1 ? "the folder has no %s" : "the folder has neither %s nor %s", names[0],
+                    names[n - 1]);
+}
+
+static void folder_of(char folder[FFP_PATH_MAX], const char *file) {
+    memcpy(folder, file, strlen(file) + 1);
+    char *slash = strrchr(folder, '/');
+    if (!slash)
+        memcpy(folder, ".", 2);
+    else if (slash == folder)
+        folder[1] = 0;
+    else
+        *slash = 0;
+}
+
+// A capture without a name is called as its folder is.
+static void name_after_folder(FfpCapture *capture) {
+    char *full = realpath(capture->folder, NULL);
+    const char *name = full ? ffp_basename(full) : "";
+    snprintf(capture->name, FFP_NAME_MAX, "%s", ffp_is_name(name) ? name : "capture");
+    free(full);
+}
+
+static bool read_manifest(FfpManifest *manifest, FfpError *err) {
+    FfpNode root, format;
+    if (!ffp_node_open(&root, manifest->file, err)) return false;
+    const bool ours = ffp_node_find(&root, "format", &format);
+    const bool ok = ours ? ffp_manifest_from_scene(manifest, &root, err)
+                         : ffp_manifest_from_render_poses(manifest, &root, err);
+    ffp_node_close(&root);
+    if (ok && manifest->capture->name[0] == 0) name_after_folder(manifest->capture);
+    return ok && ffp_manifest_load(manifest, err);
+}
+
+// Reads `json` into the manifest's capture, which is freed when that fails.
+static bool read_file(FfpManifest *manifest, const char *json, FfpError *err) {
+    FfpCapture *capture = manifest->capture;
+    folder_of(capture->folder, json);
+    manifest->file = json, manifest->folder = capture->folder;
+    manifest->arena = ffp_arena_new();
+    manifest->patterns = ffp_arena_alloc(manifest->arena, FFP_PATTERNS_MAX, sizeof(FfpSource));
+    const bool ok = read_manifest(manifest, err);
+    ffp_arena_free(manifest->arena);
+    if (!ok) ffp_capture_free(capture);
+    return ok;
+}
+
+// Reads `json` into *capture, which holds the reference's patterns already when `targets`.
+static bool read_capture(FfpCapture *capture, const char *json, bool targets, FfpError *err) {
+    FfpManifest manifest = {.capture = capture, .targets = targets, .known_patterns = capture->n_patterns};
+    return read_file(&manifest, json, err);
+}
+
+bool ffp_capture_read(FfpCapture *capture, const char *path, FfpError *err) {
+    static const char *const names[2] = {"scene.json", "render_poses.json"};
+    char json[FFP_PATH_MAX];
+    *capture = (FfpCapture){.black = -1, .white = -1};
+    if (!find_json(json, path, names, 2, err)) return false;
+    capture->patterns = ffp_alloc(FFP_PATTERNS_MAX, sizeof(FfpPattern));
+    return read_capture(capture, json, false, err);
+}
+
+FfpCapture *ffp_capture_load(const char *path, FfpError *err) {
+    FfpCapture *capture = ffp_alloc(1, sizeof *capture);
+    if (ffp_capture_read(capture, path, err)) return capture;
+    ffp_free(capture);
+    return NULL;
+}
+
+bool ffp_capture_read_targets(FfpCapture *targets, const char *path, const FfpCapture *reference,
+                              FfpError *err) {
+    static const char *const names[1] = {"targets.json"};
+    char json[FFP_PATH_MAX];
+    *targets = (FfpCapture){
+        .black = reference->black, .white = reference->white, .n_patterns = reference->n_patterns};
+    if (!find_json(json, path, names, 1, err)) return false;
+    targets->patterns = ffp_alloc(FFP_PATTERNS_MAX, sizeof(FfpPattern));
+    for (int i = 0; i < reference->n_patterns; i++) {
+        targets->patterns[i] = reference->patterns[i];
+        targets->patterns[i].image = ffp_image_copy(&reference->patterns[i].image);
+    }
+    if (!read_capture(targets, json, true, err)) return false;
+    memcpy(targets->centre, reference->centre, sizeof targets->centre);
+    memcpy(targets->intensity, reference->intensity, sizeof targets->intensity);
+    targets->radius = reference->radius;
+    targets->intensity_known = reference->intensity_known;
+    targets->panel = reference->panel;
+    return true;
+}
+
+bool ffp_capture_read_poses(FfpCapture *poses, const char *path, int width, int height, FfpError *err) {
+    static const char *const names[3] = {"targets.json", "scene.json", "render_poses.json"};
+    char json[FFP_PATH_MAX];
+    *poses = (FfpCapture){.black = -1, .white = -1};
+    if (!find_json(json, path, names, 3, err)) return false;
+    poses->patterns = ffp_alloc(FFP_PATTERNS_MAX, sizeof(FfpPattern));
+    FfpManifest manifest = {
+        .capture = poses, .targets = true, .poses = true, .other_width = width, .other_height = height};
+    return read_file(&manifest, json, err);
+}

@@ -1,0 +1,83 @@
+// The relightable Gaussians and their PLY file.
+#ifndef FFP_GAUSSIANS_GAUSSIANS_H
+#define FFP_GAUSSIANS_GAUSSIANS_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+#include "core/base/error.h"
+#include "core/base/real.h"
+
+#define FFP_GAUSSIANS_MAX 50000000
+#define FFP_MADE_FROM 512 // bytes
+
+typedef struct FfpGaussians {
+    int64_t count;
+    real *centre;                  // [count,3] world
+    real *scale;                   // [count,3] standard deviations along the rotated axes, world units, > 0
+    real *rotation;                // [count,4] unit quaternion w x y z: splat axes to world
+    real *opacity;                 // [count]   in [0,1]
+    real *albedo;                  // [count,3] linear diffuse albedo
+    real *roughness;               // [count]
+    real *ambient;                 // [count,3] linear radiance shown when the projector is black
+    char made_from[FFP_MADE_FROM]; // structured-light patterns whose photographs they were fitted to, each
+                                   // name with a '\n' after it; "": nobody said
+} FfpGaussians;
+
+// The attributes, in one table: what is done to all of them alike goes through it (memory, gradients, files,
+// the optimiser), so that a new one is a member above and a row there.
+enum {
+    FFP_CENTRE,
+    FFP_SCALE,
+    FFP_ROTATION,
+    FFP_OPACITY,
+    FFP_ALBEDO,
+    FFP_ROUGHNESS,
+    FFP_AMBIENT,
+    FFP_ATTRIBUTES
+};
+typedef struct FfpAttributeForm {
+    const char *name; // as the public header calls its array
+    int width;        // numbers a Gaussian
+    size_t member;    // offset of its array in FfpGaussians
+} FfpAttributeForm;
+extern const FfpAttributeForm ffp_attributes[FFP_ATTRIBUTES];
+
+typedef struct FfpAttribute {
+    real *data; // [count, width]
+    int width;
+} FfpAttribute;
+FfpAttribute ffp_attribute(const FfpGaussians *gaussians, int attribute);
+
+// These four are of the device that the thread works on (core/base/device.h), the CPU unless it says
+// otherwise; all others here are the CPU's.
+FfpGaussians ffp_gaussians_new(int64_t count); // zeroed; also used for gradients, which have the same shape
+FfpGaussians ffp_gaussians_copy(const FfpGaussians *from);
+void ffp_gaussians_free(FfpGaussians *gaussians);
+void ffp_gaussians_clear(FfpGaussians *gaussians); // all numbers become 0
+// Copies of the CPU's set on the device in use, and the other way; on the CPU they are plain copies. What was
+// downloaded is the CPU's: ffp_device_use(NULL) before ffp_gaussians_free.
+FfpGaussians ffp_gaussians_uploaded(const FfpGaussians *host);
+FfpGaussians ffp_gaussians_downloaded(const FfpGaussians *gaussians);
+void ffp_gaussians_download(FfpGaussians *host, const FfpGaussians *gaussians); // into a set of as many
+// centre <- centre * radius + offset, scale <- scale * radius: from the network's unit sphere back to the
+// world.
+void ffp_gaussians_transform(FfpGaussians *gaussians, const real offset[3], real radius);
+
+// Binary little-endian PLY with the 3DGS property names, plus base_color_0..2 and roughness (see
+// docs/reference/formats.md): opens in splat viewers and reads back exactly in fp32 up to the logit/log
+// encodings. Values are checked when read: counts, sizes, finite numbers. Splats of opacity below
+// `opacity_min` are left out when writing (0 keeps all).
+bool ffp_gaussians_write(const FfpGaussians *gaussians, const char *path, real opacity_min, FfpError *err);
+// Those that the rasteriser draws, of an opacity from 1/255: an error when there are none.
+bool ffp_gaussians_write_drawn(const FfpGaussians *gaussians, const char *path, FfpError *err);
+bool ffp_gaussians_read(FfpGaussians *gaussians, const char *path, FfpError *err);
+// The same as a block of their own (ffp_gaussians_free, then ffp_free), to be worked with: an error when
+// there are none.
+FfpGaussians *ffp_gaussians_load(const char *path, FfpError *err);
+// Which patterns a file names, as above.
+bool ffp_gaussians_read_made_from(char made_from[FFP_MADE_FROM], const char *path, FfpError *err);
+// Adds a pattern's name, once; what there is no room for is not said.
+void ffp_made_from_add(char made_from[FFP_MADE_FROM], const char *name);
+
+#endif

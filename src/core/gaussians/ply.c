@@ -1,0 +1,164 @@
+// Reading and writing the rows. The file is little-endian whatever the machine is.
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include "core/base/arena.h"
+#include "core/base/file.h"
+#include "core/base/kind.h"
+#include "core/gaussians/gaussians.h"
+#include "core/gaussians/ply_header.h"
+#include "core/gaussians/row.h"
+
+enum { BLOCK_ROWS = 1024 };
+
+static float get_float(const unsigned char *bytes) {
+    uint32_t bits = 0;
+    for (int i = 0; i < 4; i++) bits |= (uint32_t)bytes[i] << (8 * i);
+    float value;
+    memcpy(&value, &bits, 4);
+    return value;
+}
+
+static double get_double(const unsigned char *bytes) {
+    uint64_t bits = 0;
+    for (int i = 0; i < 8; i++) bits |= (uint64_t)bytes[i] << (8 * i);
+    double value;
+    memcpy(&value, &bits, 8);
+    return value;
+}
+
+static void put_float(unsigned char *bytes, float value) {
+    uint32_t bits;
+    memcpy(&bits, &value, 4);
+    for (int i = 0; i < 4; i++) bytes[i] = (unsigned char)(bits >> (8 * i));
+}
+
+static bool first_bad_number(const FfpGaussians *gaussians, int64_t index, float row[FFP_ROW_NUMBERS],
+                             int *bad) {
+    // The decoder knows what a reader will refuse; a row is decoded into a Gaussian nobody keeps.
+    real centre[3], scale[3], rotation[4], opacity, albedo[3], roughness, ambient[3];
+    FfpGaussians one = {1, centre, scale, rotation, &opacity, albedo, &roughness, ambient, ""};
+    ffp_row_encode(gaussians, index, row);
+    *bad = ffp_row_decode(row, &one, 0);
+    return *bad >= 0;
+}
+
+static bool write_rows(FILE *stream, const FfpGaussians *gaussians, const char *path, real opacity_min,
+                       FfpError *err) {
+    for (int64_t i = 0; i < gaussians->count; i++) {
+        if (gaussians->opacity[i] < opacity_min) continue;
+        float row[FFP_ROW_NUMBERS];
+        unsigned char bytes[4 * FFP_ROW_NUMBERS];
+        int bad;
+        if (first_bad_number(gaussians, i, row, &bad))
+            return ffp_fail(err, FFP_ERROR_FILE, path, "refusing to write a Gaussian with an invalid %s",
+                            ffp_row_names[bad]);
+        for (int c = 0; c < FFP_ROW_NUMBERS; c++) put_float(bytes + 4 * c, row[c]);
+        if (fwrite(bytes, sizeof bytes, 1, stream) != 1)
+            return ffp_fail(err, FFP_ERROR_IO, path, "cannot write");
+    }
+    return true;
+}
+
+bool ffp_gaussians_write(const FfpGaussians *gaussians, const char *path, real opacity_min, FfpError *err) {
+    int64_t kept = 0;
+    for (int64_t i = 0; i < gaussians->count; i++) kept += !(gaussians->opacity[i] < opacity_min);
+    FfpOutput out;
+    if (!ffp_output_open(&out, path, err)) return false;
+    ffp_ply_header_write(out.stream, kept, gaussians->made_from);
+    if (!write_rows(out.stream, gaussians, path, opacity_min, err)) {
+        ffp_output_abort(&out);
+        return false;
+    }
+    return ffp_output_commit(&out, err);
+}
+
+bool ffp_gaussians_write_drawn(const FfpGaussians *gaussians, const char *path, FfpError *err) {
+    const real least = (real)1 / 255;
+    bool any = false;
+    for (int64_t i = 0; i < gaussians->count && !any; i++) any = gaussians->opacity[i] >= least;
+    if (!any) return ffp_fail(err, FFP_ERROR_ARGUMENT, path, "no Gaussian is opaque enough to be seen");
+    return ffp_gaussians_write(gaussians, path, least, err);
+}
+
+static bool read_rows(FfpGaussians *gaussians, const FfpPlyHeader *header, FILE *stream, const char *path,
+                      FfpError *err) {
+    const size_t stride = (size_t)header->stride;
+    unsigned char *block = ffp_alloc(BLOCK_ROWS, stride);
+    bool ok = true;
+    for (int64_t done = 0; ok && done < header->count;) {
+        const int64_t left = header->count - done, rows = left < BLOCK_ROWS ? left : BLOCK_ROWS;
+        if (fread(block, stride, (size_t)rows, stream) != (size_t)rows)
+            ok = ffp_fail(err, FFP_ERROR_IO, path, "cannot read all rows");
+        for (int64_t r = 0; ok && r < rows; r++) {
+            float row[FFP_ROW_NUMBERS];
+            for (int i = 0; i < FFP_ROW_NUMBERS; i++) {
+                const unsigned char *bytes = block + (size_t)r * stride + header->offset[i];
+                row[i] = header->wide >> i & 1U ? (float)get_double(bytes) : get_float(bytes);
+            }
+            const int64_t index = done + r;
+            const int bad = ffp_row_decode(row, gaussians, index);
+            if (bad >= 0)
+                ok = ffp_fail(err, FFP_ERROR_FILE, path, "Gaussian %lld: invalid %s", (long long)index,
+                              ffp_row_names[bad]);
+        }
+        done += rows;
+    }
+    ffp_free(block);
+    return ok;
+}
+
+// The rows must fill the file to its last byte, so that a count can never ask for more memory than the file's
+// size warrants.
+static bool check_size(const FfpPlyHeader *header, FILE *stream, const char *path, FfpError *err) {
+    struct stat info;
+    if (fstat(fileno(stream), &info) != 0 || !S_ISREG(info.st_mode))
+        return ffp_fail(err, FFP_ERROR_FILE, path, "is not a regular file");
+    const int64_t rest = (int64_t)info.st_size - (int64_t)ftello(stream),
+                  want = header->count * header->stride;
+    if (rest == want) return true;
+    return ffp_fail(err, FFP_ERROR_FILE, path,
+                    "%lld Gaussians of %d bytes need %lld bytes, the file has %lld", (long long)header->count,
+                    header->stride, (long long)want, (long long)rest);
+}
+
+bool ffp_gaussians_read(FfpGaussians *gaussians, const char *path, FfpError *err) {
+    *gaussians = (FfpGaussians){0};
+    if (!ffp_check_kind(path, FFP_WANTED_GAUSSIANS, err)) return false;
+    FILE *stream = ffp_open_to_read(path, err);
+    if (!stream) return false;
+    ffp_own_file(stream);
+    FfpPlyHeader header;
+    bool ok = ffp_ply_header_read(&header, stream, path, err) && check_size(&header, stream, path, err);
+    if (ok) {
+        *gaussians = ffp_gaussians_new(header.count);
+        memcpy(gaussians->made_from, header.made_from, sizeof header.made_from);
+        ok = read_rows(gaussians, &header, stream, path, err);
+        if (!ok) ffp_gaussians_free(gaussians);
+    }
+    ffp_close_file(stream);
+    return ok;
+}
+
+FfpGaussians *ffp_gaussians_load(const char *path, FfpError *err) {
+    FfpGaussians *gaussians = ffp_alloc(1, sizeof *gaussians);
+    if (ffp_gaussians_read(gaussians, path, err)) {
+        if (gaussians->count > 0) return gaussians;
+        ffp_gaussians_free(gaussians);
+        ffp_fail(err, FFP_ERROR_FILE, path, "holds no Gaussians: nothing to draw or refine");
+    }
+    ffp_free(gaussians);
+    return NULL;
+}
+
+bool ffp_gaussians_read_made_from(char made_from[FFP_MADE_FROM], const char *path, FfpError *err) {
+    made_from[0] = 0;
+    if (!ffp_check_kind(path, FFP_WANTED_GAUSSIANS, err)) return false;
+    FILE *stream = ffp_open_to_read(path, err);
+    if (!stream) return false;
+    FfpPlyHeader header;
+    const bool ok = ffp_ply_header_read(&header, stream, path, err);
+    fclose(stream);
+    if (ok) memcpy(made_from, header.made_from, sizeof header.made_from);
+    return ok;
+}

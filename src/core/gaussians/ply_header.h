@@ -1,0 +1,24 @@
+// The text at the head of a PLY file: which bytes of a row hold which of our numbers.
+#ifndef FFP_GAUSSIANS_PLY_HEADER_H
+#define FFP_GAUSSIANS_PLY_HEADER_H
+
+#include <stdio.h>
+#include "core/base/error.h"
+#include "core/gaussians/row.h"
+
+typedef struct FfpPlyHeader {
+    int64_t count;
+    int stride;                  // bytes of a row
+    int offset[FFP_ROW_NUMBERS]; // of each number in a row, or -1
+    unsigned wide;               // bit i: number i is a double in the file, otherwise a float
+    char made_from[FFP_MADE_FROM];
+} FfpPlyHeader;
+
+// Reads up to and with the line "end_header". Accepts one element "vertex" with scalar properties in any
+// order; those that we do not know are passed over. Errors: no PLY, not binary little-endian, lists, other
+// elements, a property that is missing, given twice or no float, a count that is not a number or above
+// FFP_GAUSSIANS_MAX.
+bool ffp_ply_header_read(FfpPlyHeader *header, FILE *stream, const char *path, FfpError *err);
+void ffp_ply_header_write(FILE *stream, int64_t count, const char *made_from);
+
+#endif

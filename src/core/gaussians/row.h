@@ -1,0 +1,28 @@
+// One Gaussian as the 18 numbers of a row in the PLY file, in the encodings that 3DGS and GS-ProCams gave
+// them.
+#ifndef FFP_GAUSSIANS_ROW_H
+#define FFP_GAUSSIANS_ROW_H
+
+#include "core/gaussians/gaussians.h"
+
+// Order of the numbers in the files that we write.
+enum {
+    FFP_ROW_POSITION = 0,
+    FFP_ROW_AMBIENT = 3,
+    FFP_ROW_OPACITY = 6,
+    FFP_ROW_SCALE = 7,
+    FFP_ROW_ROTATION = 10,
+    FFP_ROW_ALBEDO = 14,
+    FFP_ROW_ROUGHNESS = 17,
+    FFP_ROW_NUMBERS = 18
+};
+
+// Name of the i-th number as a PLY property.
+extern const char *const ffp_row_names[FFP_ROW_NUMBERS];
+
+void ffp_row_encode(const FfpGaussians *gaussians, int64_t index, float row[FFP_ROW_NUMBERS]);
+// Writes Gaussian `index`. Returns -1, or the number (index into the names) whose value cannot be used: not
+// finite, a scale that overflows, a rotation of length zero.
+int ffp_row_decode(const float row[FFP_ROW_NUMBERS], FfpGaussians *gaussians, int64_t index);
+
+#endif

@@ -1,0 +1,66 @@
+// The file formats behind image.h. Each reader takes the whole file in memory; which one is asked is decided
+// by content. Sizes are those of the picture as it is to be shown, after the orientation tag.
+#ifndef FFP_IMAGE_CODEC_H
+#define FFP_IMAGE_CODEC_H
+
+#include <stddef.h>
+#include "core/image/image.h"
+
+typedef struct FfpDecoded {
+    FfpImage image; // RGBA as stored; if linear, premultiplied; otherwise encoded, in [0,1], straight alpha
+    bool linear;    // an EXR, or a TIFF of floats
+    bool has_alpha;
+    int orientation; // 1 to 8, how the stored picture is to be shown (orientation.c); 0: as it is
+} FfpDecoded;
+
+// A file in memory; `path` is for error messages.
+typedef struct FfpBytes {
+    const unsigned char *data;
+    size_t size;
+    const char *path;
+} FfpBytes;
+
+bool ffp_png_is(const FfpBytes *file);
+bool ffp_png_size(const FfpBytes *file, int *width, int *height, FfpError *err);
+bool ffp_png_decode(const FfpBytes *file, FfpDecoded *out, FfpError *err);
+bool ffp_png_decode_raw(const FfpBytes *file, FfpDecoded *out,
+                        FfpError *err); // 1 channel of integers; grey files only
+
+bool ffp_jpeg_is(const FfpBytes *file);
+bool ffp_jpeg_size(const FfpBytes *file, int *width, int *height, FfpError *err);
+bool ffp_jpeg_decode(const FfpBytes *file, FfpDecoded *out, FfpError *err);
+
+bool ffp_tiff_is(const FfpBytes *file);
+bool ffp_tiff_size(const FfpBytes *file, int *width, int *height, FfpError *err);
+bool ffp_tiff_decode(const FfpBytes *file, FfpDecoded *out, FfpError *err);
+bool ffp_tiff_decode_raw(const FfpBytes *file, FfpDecoded *out,
+                         FfpError *err); // 1 channel of integers or floats; grey files only
+
+bool ffp_exr_is(const FfpBytes *file);
+bool ffp_exr_size(const FfpBytes *file, int *width, int *height, FfpError *err);
+bool ffp_exr_decode(const FfpBytes *file, FfpDecoded *out, FfpError *err);
+bool ffp_exr_decode_raw(const FfpBytes *file, FfpDecoded *out,
+                        FfpError *err); // Z, otherwise Y, in whichever layer, otherwise the first channel
+
+// Says what a file is that this program does not read, and what to do about it; false always.
+bool ffp_refuse_foreign(const FfpBytes *file, FfpError *err);
+bool ffp_is_foreign(const FfpBytes *file); // one that is known by its first bytes
+typedef enum FfpForeign {
+    FFP_FOREIGN_OTHER, // or not foreign at all
+    FFP_FOREIGN_RAW,   // a camera's own format
+    FFP_FOREIGN_FILM
+} FfpForeign;
+FfpForeign ffp_foreign_kind(const FfpBytes *head); // 32 bytes are enough
+bool ffp_tiff_is_raw(const FfpBytes *file);        // DNG, NEF, ARW and the like, which are TIFF files
+
+// The orientation tag (1 to 8) of EXIF data, which begin with a TIFF header; 1 where there is none.
+int ffp_exif_orientation(const unsigned char *bytes, size_t size);
+// Turns a picture as the tag says, in memory of its own, and a size as it is in a file.
+void ffp_orient(FfpImage *image, int orientation);
+void ffp_orient_size(int *width, int *height, int orientation);
+const char *ffp_orientation_words(int orientation); // e.g. "turned by 180 degrees"
+
+// Refuses a side of 0 or above FFP_IMAGE_SIDE_MAX.
+bool ffp_check_sides(long long width, long long height, const char *path, FfpError *err);
+
+#endif

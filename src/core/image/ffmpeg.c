@@ -1,0 +1,55 @@
+#include "core/image/ffmpeg.h"
+#include <string.h>
+#include <strings.h>
+#include "core/base/file.h"
+
+enum { OPTIONS_MAX = 20 };
+
+// Even sides, colours as players expect them of untagged files too.
+#define YUV                                                                                                  \
+    "pad=ceil(iw/2)*2:ceil(ih/2)*2,scale=out_color_matrix=bt709:out_range=tv,format=yuv420p", "-colorspace", \
+        "bt709", "-color_primaries", "bt709", "-color_trc", "bt709", "-color_range", "tv"
+
+static const struct Format {
+    const char *ending;
+    const char *options[OPTIONS_MAX];
+} formats[] = {
+    {".gif", {"-vf", "split[a][b];[a]palettegen[p];[b][p]paletteuse", "-loop", "0", "-f", "gif"}},
+    {".mp4", {"-vf", YUV, "-crf", "18", "-movflags", "+faststart", "-f", "mp4"}},
+    {".webm", {"-vf", YUV, "-b:v", "0", "-crf", "24", "-f", "webm"}},
+    {".mkv", {"-vf", YUV, "-crf", "18", "-f", "matroska"}},
+};
+
+static const struct Format *find_format(const char *path) {
+    const char *dot = strrchr(path, '.');
+    for (size_t i = 0; dot && i < sizeof formats / sizeof *formats; i++)
+        if (strcasecmp(dot, formats[i].ending) == 0) return &formats[i];
+    return NULL;
+}
+
+bool ffp_ffmpeg_makes(const char *path) {
+    return find_format(path) != NULL;
+}
+
+bool ffp_ffmpeg_start(FfpProcess **ffmpeg, const char *path, const char *file, int width, int height,
+                      int rate, FfpError *err) {
+    const struct Format *format = find_format(path);
+    char size[32], speed[16], output[2 * FFP_PATH_MAX];
+    const char *arguments[OPTIONS_MAX + 24] = {"ffmpeg", "-hide_banner", "-loglevel", "error", "-nostdin",
+                                               "-f",     "rawvideo",     "-pix_fmt",  "rgb24", "-s",
+                                               size,     "-r",           speed,       "-i",    "pipe:0"};
+    int n = 15;
+    snprintf(size, sizeof size, "%dx%d", width, height);
+    snprintf(speed, sizeof speed, "%d", rate);
+    snprintf(output, sizeof output, "file:%s", file);
+    for (int i = 0; format->options[i]; i++) arguments[n++] = format->options[i];
+    arguments[n++] = "-y";
+    arguments[n++] = output;
+    return ffp_process_start(ffmpeg, arguments, FFP_PROCESS_STDIN, path, err);
+}
+
+bool ffp_ffmpeg_finish(FfpProcess **ffmpeg, const char *path, FfpError *err) {
+    char said[FFP_PROCESS_SAID];
+    if (ffp_process_finish(ffmpeg, said)) return true;
+    return ffp_fail(err, FFP_ERROR_IO, path, "ffmpeg failed: %s", *said ? said : "it does not say why");
+}

@@ -1,0 +1,94 @@
+// Files that people take for pictures this program reads: known by their first bytes, to say what helps.
+#include <string.h>
+#include "core/image/codec.h"
+
+#define SAVE "save it as PNG or TIFF", FFP_FOREIGN_OTHER
+#define DEVELOP "develop it to a 16-bit TIFF or PNG", FFP_FOREIGN_RAW
+#define EXTRACT "extract its frames, as by ffmpeg -i FILE frame_%04d.png", FFP_FOREIGN_FILM
+
+typedef struct Foreign {
+    size_t length;
+    const char *bytes; // '?' stands for any
+    const char *name, *advice;
+    FfpForeign kind;
+} Foreign;
+
+static const Foreign table[] = {
+    {12, "RIFF????WEBP", "a WebP picture", SAVE},
+    {12, "RIFF????AVI ", "an AVI video", EXTRACT},
+    {4, "GIF8", "a GIF", SAVE},
+    {10, "BM????\0\0\0\0", "a BMP picture", SAVE},
+    {12, "????ftypheic", "a HEIC picture", SAVE},
+    {12, "????ftypheix", "a HEIC picture", SAVE},
+    {12, "????ftyphevc", "a HEIC sequence", SAVE},
+    {12, "????ftypmif1", "a HEIF picture", SAVE},
+    {12, "????ftypmsf1", "a HEIF sequence", SAVE},
+    {12, "????ftypavif", "an AVIF picture", SAVE},
+    {12, "????ftypavis", "an AVIF sequence", SAVE},
+    {12, "????ftypcrx ", "a Canon raw photograph (CR3)", DEVELOP},
+    {12, "????ftypqt  ", "a QuickTime video (MOV)", EXTRACT},
+    {8, "????ftyp", "an MP4 video", EXTRACT},
+    {8, "????moov", "a QuickTime video (MOV)", EXTRACT},
+    {8, "????mdat", "a QuickTime video (MOV)", EXTRACT},
+    {8, "????wide", "a QuickTime video (MOV)", EXTRACT},
+    {4, "\x1a\x45\xdf\xa3", "a Matroska or WebM video", EXTRACT},
+    {4, "\0\0\x01\xba", "an MPEG video", EXTRACT},
+    {4, "\0\0\x01\xb3", "an MPEG video", EXTRACT},
+    {4, "FLV\x01", "a Flash video", EXTRACT},
+    {10, "II*\0????CR", "a Canon raw photograph (CR2)", DEVELOP},
+    {14, "II????HEAPCCDR", "a Canon raw photograph (CRW)", DEVELOP},
+    {15, "FUJIFILMCCD-RAW", "a Fujifilm raw photograph (RAF)", DEVELOP},
+    {4, "IIU\0", "a Panasonic raw photograph (RW2)", DEVELOP},
+    {4, "IIRO", "an Olympus raw photograph (ORF)", DEVELOP},
+    {4, "IIRS", "an Olympus raw photograph (ORF)", DEVELOP},
+    {4, "MMOR", "an Olympus raw photograph (ORF)", DEVELOP},
+    {4, "FOVb", "a Sigma raw photograph (X3F)", DEVELOP},
+    {4, "\0MRM", "a Minolta raw photograph (MRW)", DEVELOP},
+    {4, "8BPS", "a Photoshop document (PSD)", SAVE},
+    {12, "\0\0\0\x0cjP  \r\n\x87\n", "a JPEG 2000 picture", SAVE},
+    {4, "\xff\x4f\xff\x51", "a JPEG 2000 picture", SAVE},
+    {8, "\0\0\0\x0cJXL ", "a JPEG XL picture", SAVE},
+    {2, "\xff\x0a", "a JPEG XL picture", SAVE},
+    {4, "DDS ", "a DDS texture", SAVE},
+    {10, "#?RADIANCE", "a Radiance HDR picture", "save it as EXR", FFP_FOREIGN_OTHER},
+    {6, "#?RGBE", "a Radiance HDR picture", "save it as EXR", FFP_FOREIGN_OTHER},
+    {3, "PF\n", "a PFM picture", "save it as EXR", FFP_FOREIGN_OTHER},
+    {3, "Pf\n", "a PFM picture", "save it as EXR", FFP_FOREIGN_OTHER},
+    {3, "P?\n", "a PBM, PGM or PPM picture", SAVE},
+    {6, "\x93NUMPY", "a NumPy array", "save it as EXR, TIFF or PNG", FFP_FOREIGN_OTHER},
+    {5, "%PDF-", "a PDF document", SAVE},
+    {4, "<svg", "an SVG drawing", "export it as PNG", FFP_FOREIGN_OTHER},
+    {4, "ply\n", "a PLY file", "a picture is needed here", FFP_FOREIGN_OTHER},
+    {4, "PK\x03\x04", "a ZIP archive", "unpack it", FFP_FOREIGN_OTHER},
+    {2, "\x1f\x8b", "a gzip archive", "unpack it", FFP_FOREIGN_OTHER},
+    {17, "version https://g", "a Git LFS pointer in place of the file", "fetch it with git lfs pull",
+     FFP_FOREIGN_OTHER},
+};
+
+static const Foreign *find(const FfpBytes *file) {
+    for (size_t i = 0; i < sizeof table / sizeof *table; i++) {
+        const Foreign *kind = &table[i];
+        size_t same = 0;
+        while (same < kind->length && same < file->size &&
+               (kind->bytes[same] == '?' || (unsigned char)kind->bytes[same] == file->data[same]))
+            same++;
+        if (same == kind->length) return kind;
+    }
+    return NULL;
+}
+
+bool ffp_is_foreign(const FfpBytes *file) {
+    return find(file) != NULL;
+}
+
+FfpForeign ffp_foreign_kind(const FfpBytes *head) {
+    const Foreign *kind = find(head);
+    return kind ? kind->kind : FFP_FOREIGN_OTHER;
+}
+
+bool ffp_refuse_foreign(const FfpBytes *file, FfpError *err) {
+    const Foreign *kind = find(file);
+    if (!kind) return ffp_fail(err, FFP_ERROR_FILE, file->path, "is not a PNG, JPEG, TIFF or EXR image");
+    return ffp_fail(err, FFP_ERROR_UNSUPPORTED, file->path, "is %s, which is not read: %s", kind->name,
+                    kind->advice);
+}

@@ -1,0 +1,98 @@
+#include "core/image/image.h"
+#include <tgmath.h>
+#include "core/base/arena.h"
+#include "core/base/device.h"
+
+static size_t value_count(const FfpImage *image) {
+    return (size_t)image->width * (size_t)image->height * (size_t)image->channels;
+}
+
+FfpImage ffp_image_new(int width, int height, int channels) {
+    FfpImage image = {width, height, channels, NULL};
+    image.data = ffp_memory_new(value_count(&image), sizeof(real));
+    return image;
+}
+
+void ffp_image_free(FfpImage *image) {
+    if (!image) return;
+    ffp_memory_free(image->data);
+    *image = (FfpImage){0};
+}
+
+FfpImage ffp_image_copy(const FfpImage *image) {
+    if (!image->data) return (FfpImage){0};
+    FfpImage copy = ffp_image_new(image->width, image->height, image->channels);
+    ffp_memory_copy(copy.data, image->data, value_count(image) * sizeof(real));
+    return copy;
+}
+
+FfpImage ffp_image_uploaded(const FfpImage *host) {
+    FfpImage image = *host;
+    image.data = ffp_memory_uploaded(host->data, value_count(host), sizeof(real));
+    return image;
+}
+
+FfpImage ffp_image_downloaded(const FfpImage *image) {
+    FfpImage host = *image;
+    if (!image->data) return host;
+    host.data = ffp_alloc(value_count(image), sizeof(real));
+    ffp_memory_download(host.data, image->data, value_count(image) * sizeof(real));
+    return host;
+}
+
+FfpImage ffp_image_over_black(const FfpImage *rgba) {
+    FfpImage out = ffp_image_new(rgba->width, rgba->height, 3);
+    const ptrdiff_t pixels = (ptrdiff_t)rgba->width * rgba->height;
+#pragma omp parallel for schedule(static)
+    for (ptrdiff_t i = 0; i < pixels; i++) {
+        const real alpha = rgba->data[4 * i + 3];
+        for (int c = 0; c < 3; c++) out.data[3 * i + c] = rgba->data[4 * i + c] * alpha;
+    }
+    return out;
+}
+
+FfpImage ffp_image_channel(const FfpImage *image, int channel) {
+    FfpImage out = ffp_image_new(image->width, image->height, 1);
+    const ptrdiff_t pixels = (ptrdiff_t)image->width * image->height;
+    for (ptrdiff_t i = 0; i < pixels; i++) out.data[i] = image->data[image->channels * i + channel];
+    return out;
+}
+
+FfpImage ffp_mask_of(const FfpImage *rgba) {
+    FfpImage mask = ffp_image_new(rgba->width, rgba->height, 1);
+    const ptrdiff_t pixels = (ptrdiff_t)mask.width * mask.height;
+    for (ptrdiff_t i = 0; i < pixels; i++) mask.data[i] = rgba->data[4 * i] * rgba->data[4 * i + 3];
+    return mask;
+}
+
+void ffp_mask_apply(const FfpImage *mask, FfpImage *image) {
+    const ptrdiff_t values = image->data ? (ptrdiff_t)image->width * image->height * 3 : 0;
+    for (ptrdiff_t i = 0; i < values; i++) {
+        const real m = mask->data[i / 3];
+        if (m < 1) image->data[i] = m > 0 ? ffp_srgb_decode(ffp_srgb_encode(image->data[i]) * m) : 0;
+    }
+}
+
+// Position u on an axis of n pixels: the two neighbours and the second's weight. NaN goes to the first pixel.
+static void bilinear_axis(real u, int n, int *first, int *second, real *weight) {
+    real x = u - 0.5F;
+    if (!(x > 0)) x = 0;
+    if (x > (real)(n - 1)) x = (real)(n - 1);
+    *first = (int)x;
+    *second = *first + 1 < n ? *first + 1 : *first;
+    *weight = x - (real)*first;
+}
+
+void ffp_image_sample(const FfpImage *image, real u, real v, real *out) {
+    int x0, x1, y0, y1;
+    real a, b;
+    bilinear_axis(u, image->width, &x0, &x1, &a);
+    bilinear_axis(v, image->height, &y0, &y1, &b);
+    const size_t n = (size_t)image->channels, stride = n * (size_t)image->width;
+    const real *top = image->data + (size_t)y0 * stride, *bottom = image->data + (size_t)y1 * stride;
+    const real *p00 = top + (size_t)x0 * n, *p10 = top + (size_t)x1 * n;
+    const real *p01 = bottom + (size_t)x0 * n, *p11 = bottom + (size_t)x1 * n;
+    for (size_t c = 0; c < n; c++) {
+        out[c] = (p00[c] * (1 - a) + p10[c] * a) * (1 - b) + (p01[c] * (1 - a) + p11[c] * a) * b;
+    }
+}

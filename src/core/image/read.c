@@ -1,0 +1,164 @@
+// Reading an image file: take it into memory, see what it is, hand it to its codec.
+#include <string.h>
+#include <strings.h>
+#include "core/base/file.h"
+#include "core/base/kind.h"
+#include "core/base/log.h"
+#include "core/image/codec.h"
+
+#define FILE_BYTES_MAX ((size_t)1 << 30)
+
+static bool read_bytes(FfpBytes *file, const char *path, FfpError *err) {
+    char *data = NULL;
+    *file = (FfpBytes){.path = path};
+    if (!ffp_read_file(path, FILE_BYTES_MAX, &data, &file->size, err)) return false;
+    file->data = (const unsigned char *)data;
+    if (file->size > 0) return true;
+    ffp_free(data);
+    ffp_fail(err, FFP_ERROR_FILE, path, "file is empty");
+    return false;
+}
+
+static void free_bytes(FfpBytes *file) {
+    ffp_free((void *)file->data);
+}
+
+typedef struct Codec {
+    bool (*is)(const FfpBytes *file);
+    bool (*size)(const FfpBytes *file, int *width, int *height, FfpError *err);
+    bool (*decode)(const FfpBytes *file, FfpDecoded *out, FfpError *err);
+    bool (*decode_raw)(const FfpBytes *file, FfpDecoded *out, FfpError *err); // NULL: holds no raw numbers
+} Codec;
+
+static const Codec codecs[] = {
+    {ffp_png_is, ffp_png_size, ffp_png_decode, ffp_png_decode_raw},
+    {ffp_jpeg_is, ffp_jpeg_size, ffp_jpeg_decode, NULL},
+    {ffp_exr_is, ffp_exr_size, ffp_exr_decode, ffp_exr_decode_raw},
+    {ffp_tiff_is, ffp_tiff_size, ffp_tiff_decode, ffp_tiff_decode_raw},
+};
+
+// NULL with an error. Some raw photographs look like TIFF files.
+static const Codec *codec_of(const FfpBytes *file, FfpError *err) {
+    for (size_t i = 0; i < sizeof codecs / sizeof *codecs && !ffp_is_foreign(file); i++) {
+        if (codecs[i].is(file)) return &codecs[i];
+    }
+    if (ffp_check_kind(file->path, FFP_WANTED_IMAGE, err)) ffp_refuse_foreign(file, err);
+    return NULL;
+}
+
+static bool has_size(const Codec *codec, const FfpBytes *file, const FfpSize *size, FfpError *err) {
+    int width = 0, height = 0;
+    return codec->size(file, &width, &height, err) && ffp_size_check(size, width, height, file->path, err);
+}
+
+// `raw`: one channel of numbers as they stand, rather than RGBA. `size`: that it is to have; NULL: any.
+static bool decode(FfpDecoded *out, const char *path, bool raw, const FfpSize *size, FfpError *err) {
+    *out = (FfpDecoded){0};
+    FfpBytes file;
+    if (!read_bytes(&file, path, err)) return false;
+    const Codec *codec = codec_of(&file, err);
+    bool ok = codec && (!size || has_size(codec, &file, size, err));
+    if (ok && raw && !codec->decode_raw)
+        ok = ffp_fail(err, FFP_ERROR_FILE, path, "is not a grey PNG or TIFF, or an EXR image");
+    else if (ok)
+        ok = (raw ? codec->decode_raw : codec->decode)(&file, out, err);
+    free_bytes(&file);
+    if (ok && out->orientation > 1) {
+        ffp_orient(&out->image, out->orientation);
+        ffp_note("%s: %s, as its orientation tag says", path, ffp_orientation_words(out->orientation));
+    }
+    // What was decoded counts, whatever the header said.
+    if (ok && size && !ffp_size_check(size, out->image.width, out->image.height, path, err)) {
+        ffp_image_free(&out->image);
+        return false;
+    }
+    return ok;
+}
+
+// Premultiplied to straight alpha; where alpha is 0 the colour stays as it is.
+static void unpremultiply(FfpImage *image) {
+    const ptrdiff_t pixels = (ptrdiff_t)image->width * image->height;
+    for (ptrdiff_t i = 0; i < pixels; i++) {
+        real *p = image->data + 4 * i;
+        for (int c = 0; c < 3 && p[3] > 0; c++) p[c] /= p[3];
+    }
+}
+
+bool ffp_image_read_sized(FfpImage *image, const char *path, FfpColour colour, const FfpSize *size,
+                          FfpError *err) {
+    FfpDecoded decoded;
+    *image = (FfpImage){0};
+    if (!decode(&decoded, path, false, size, err)) return false;
+    if (decoded.linear) unpremultiply(&decoded.image);
+    if (decoded.linear && colour == FFP_COLOUR_ENCODED) ffp_image_to_srgb(&decoded.image);
+    if (!decoded.linear && colour == FFP_COLOUR_LINEAR) ffp_image_to_linear(&decoded.image);
+    *image = decoded.image;
+    return true;
+}
+
+bool ffp_image_read(FfpImage *image, const char *path, FfpColour colour, FfpError *err) {
+    return ffp_image_read_sized(image, path, colour, NULL, err);
+}
+
+// `light`: the numbers of files that are not linear are taken for linear ones.
+static bool read_over_black(FfpImage *rgb, FfpImage *alpha, const char *path, bool light, const FfpSize *size,
+                            FfpError *err) {
+    FfpDecoded decoded;
+    *rgb = (FfpImage){0};
+    if (alpha) *alpha = (FfpImage){0};
+    if (!decode(&decoded, path, false, size, err)) return false;
+    FfpImage *image = &decoded.image;
+    if (decoded.has_alpha && alpha) *alpha = ffp_image_channel(image, 3);
+    if (decoded.linear) {
+        // Premultiplied is over black already; alpha must not be multiplied in a second time.
+        const ptrdiff_t pixels = (ptrdiff_t)image->width * image->height;
+        for (ptrdiff_t i = 0; i < pixels; i++) image->data[4 * i + 3] = 1;
+    }
+    *rgb = ffp_image_over_black(image);
+    if (!decoded.linear && !light) ffp_image_to_linear(rgb);
+    ffp_image_free(image);
+    return true;
+}
+
+bool ffp_image_read_over_black(FfpImage *rgb, FfpImage *alpha, const char *path, FfpError *err) {
+    return read_over_black(rgb, alpha, path, false, NULL, err);
+}
+
+bool ffp_image_read_over_black_sized(FfpImage *rgb, FfpImage *alpha, const char *path, const FfpSize *size,
+                                     FfpError *err) {
+    return read_over_black(rgb, alpha, path, false, size, err);
+}
+
+bool ffp_image_read_light(FfpImage *rgb, FfpImage *alpha, const char *path, FfpError *err) {
+    return read_over_black(rgb, alpha, path, true, NULL, err);
+}
+
+bool ffp_image_read_raw16_sized(FfpImage *image, const char *path, const FfpSize *size, FfpError *err) {
+    FfpDecoded decoded;
+    const bool ok = decode(&decoded, path, true, size, err);
+    *image = decoded.image;
+    return ok;
+}
+
+bool ffp_image_read_raw16(FfpImage *image, const char *path, FfpError *err) {
+    return ffp_image_read_raw16_sized(image, path, NULL, err);
+}
+
+bool ffp_image_has_ending(const char *name) {
+    static const char *const endings[] = {".png", ".jpg", ".jpeg", ".tif", ".tiff", ".exr"};
+    const char *dot = strrchr(name, '.');
+    for (size_t i = 0; dot && dot != name && i < sizeof endings / sizeof *endings; i++) {
+        if (strcasecmp(dot, endings[i]) == 0) return true;
+    }
+    return false;
+}
+
+bool ffp_image_read_size(int *width, int *height, const char *path, FfpError *err) {
+    *width = *height = 0;
+    FfpBytes file;
+    if (!read_bytes(&file, path, err)) return false;
+    const Codec *codec = codec_of(&file, err);
+    const bool ok = codec && codec->size(&file, width, height, err);
+    free_bytes(&file);
+    return ok;
+}

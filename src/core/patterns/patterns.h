@@ -1,0 +1,57 @@
+// What a projector shows while a rig is photographed. Pictures are of the projector's panel, encoded values
+// in [0,1] as they go into 8-bit files, [height,width,3] unless it says otherwise.
+#ifndef FFP_PATTERNS_PATTERNS_H
+#define FFP_PATTERNS_PATTERNS_H
+
+#include <stdbool.h>
+#include <stdint.h>
+#include "core/image/image.h"
+
+// All of one grey, 0 to 255. [height,width,1]
+FfpImage ffp_pattern_plain(int width, int height, int grey);
+
+// Bits that number the panel's columns (axis 0, of its width) or rows (axis 1, of its height).
+int ffp_gray_code_bits(int size);
+// Bit `bit`, 0 the coarsest of ffp_gray_code_bits, of the reflected binary code i ^ (i >> 1) of each column
+// or row i (Gray 1953; Inokuchi et al. 1984); inverse: white where the bit is 0. [height,width,1]
+FfpImage ffp_pattern_gray_code(int width, int height, int axis, int bit, bool inverse);
+// Of the panel's codes in their order (columns, the coarsest bit first, each pattern followed by its inverse;
+// then rows likewise) the axis and bit of number `index`, and its name: "gray_x_03_inverse".
+void ffp_gray_code_place(int width, int index, int *axis, int *bit);
+void ffp_gray_code_name(int width, int index, char name[32]);
+// The column or row whose code's bits these are, the coarsest first.
+int ffp_gray_decode(const bool *bits, int count);
+
+// A lollipop as wide as high, in the middle of the panel, black around: its rings stay circles.
+FfpImage ffp_pattern_round_lollipop(int width, int height, uint64_t seed);
+
+// To focus and to place by: a frame and a cross one pixel wide, and nine stars of 36 sectors, whose spokes
+// run together where the projector resolves no more. [height,width,1]
+FfpImage ffp_pattern_focus(int width, int height);
+
+// --- In the order to show them. ---
+
+typedef struct FfpShow {
+    int width, height; // of the panel
+    int lollipops;
+    bool focus, capture, gamma, gray_codes; // which parts
+} FfpShow;
+
+typedef enum FfpShowPart {
+    FFP_SHOW_FOCUS,
+    FFP_SHOW_CAPTURE,
+    FFP_SHOW_GAMMA,
+    FFP_SHOW_GRAY_CODES
+} FfpShowPart;
+
+int ffp_show_count(const FfpShow *show);
+// The picture with number `index`, and its name ("lollipop_0").
+FfpImage ffp_show_picture(const FfpShow *show, int index, char name[32], FfpShowPart *part);
+
+// Everything into the folder at `path`, which exists: <number>_<name>.png, README.txt, which says how to
+// photograph them, and show.html, which shows them one by one.
+bool ffp_show_write(const FfpShow *show, const char *path, FfpError *err);
+// The same into a folder that is new or empty, whole or not at all.
+bool ffp_show_write_folder(const FfpShow *show, const char *path, FfpError *err);
+
+#endif

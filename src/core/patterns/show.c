@@ -1,0 +1,62 @@
+// The pictures in the order to show them.
+#include <stdio.h>
+#include <string.h>
+#include "core/patterns/patterns.h"
+
+enum { GREYS = 16 }; // steps of 17: 0, 17 .. 255
+
+static int gray_code_pictures(const FfpShow *show) {
+    return 2 * (ffp_gray_code_bits(show->width) + ffp_gray_code_bits(show->height));
+}
+
+static int part_count(const FfpShow *show, FfpShowPart part) {
+    switch (part) {
+    case FFP_SHOW_FOCUS:
+        return show->focus ? 1 : 0;
+    case FFP_SHOW_CAPTURE:
+        return show->capture ? 2 + show->lollipops : 0;
+    case FFP_SHOW_GAMMA:
+        return show->gamma ? GREYS : 0;
+    case FFP_SHOW_GRAY_CODES:
+        return show->gray_codes ? gray_code_pictures(show) : 0;
+    }
+    return 0;
+}
+
+int ffp_show_count(const FfpShow *show) {
+    int count = 0;
+    for (int part = FFP_SHOW_FOCUS; part <= FFP_SHOW_GRAY_CODES; part++)
+        count += part_count(show, (FfpShowPart)part);
+    return count;
+}
+
+static FfpImage gray_code(const FfpShow *show, int index, char name[32]) {
+    int axis, bit;
+    ffp_gray_code_place(show->width, index, &axis, &bit);
+    ffp_gray_code_name(show->width, index, name);
+    return ffp_pattern_gray_code(show->width, show->height, axis, bit, index % 2 == 1);
+}
+
+static FfpImage for_capture(const FfpShow *show, int index, char name[32]) {
+    if (index >= 2) {
+        snprintf(name, 32, "lollipop_%d", index - 2);
+        return ffp_pattern_round_lollipop(show->width, show->height, (uint64_t)(index - 2));
+    }
+    snprintf(name, 32, "%s", index == 0 ? "black" : "white");
+    return ffp_pattern_plain(show->width, show->height, index == 0 ? 0 : 255);
+}
+
+FfpImage ffp_show_picture(const FfpShow *show, int index, char name[32], FfpShowPart *part) {
+    int at = FFP_SHOW_FOCUS;
+    for (; index >= part_count(show, (FfpShowPart)at); at++) index -= part_count(show, (FfpShowPart)at);
+    *part = (FfpShowPart)at;
+    if (at == FFP_SHOW_CAPTURE) return for_capture(show, index, name);
+    if (at == FFP_SHOW_GRAY_CODES) return gray_code(show, index, name);
+    if (at == FFP_SHOW_FOCUS) {
+        snprintf(name, 32, "focus");
+        return ffp_pattern_focus(show->width, show->height);
+    }
+    const int grey = index * (255 / (GREYS - 1));
+    snprintf(name, 32, "gamma_%03d", grey);
+    return ffp_pattern_plain(show->width, show->height, grey);
+}

@@ -1,0 +1,180 @@
+// The folder of what is to be shown: numbered pictures, a text, and a page that shows them.
+#include <stdio.h>
+#include <string.h>
+#include "core/base/alloc.h"
+#include "core/base/base64.h"
+#include "core/base/call.h"
+#include "core/base/file.h"
+#include "core/base/log.h"
+#include "core/patterns/patterns.h"
+
+static const char page_head[] =
+    "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>FF-ProCams patterns</title>\n"
+    "<meta name=\"viewport\" content=\"width=device-width\">\n<style>\n"
+    "html,body{margin:0;height:100%;background:#000;overflow:hidden;cursor:none}\n"
+    "img{position:fixed;left:0;top:0;image-rendering:pixelated}\n"
+    "#help{position:fixed;inset:0;display:grid;place-items:center;background:#111;color:#ddd;cursor:default;"
+    "font:18px/1.6 system-ui,sans-serif;padding:1em}\n#help div{max-width:36em}\n"
+    "kbd{border:1px solid #666;border-radius:4px;padding:0 .4em}\n.bad{color:#fa6}\n</style></head><body>\n"
+    "<img id=\"picture\" alt=\"\">\n<div id=\"help\"><div><h1>Patterns to photograph</h1>\n"
+    "<p>Move this window to the projector and press <kbd>F</kbd> for full screen.</p>\n"
+    "<p><kbd>Space</kbd> or a click: the next one. <kbd>Backspace</kbd>: back. <kbd>H</kbd>: this page, "
+    "which says "
+    "where you are. <kbd>Home</kbd>: from the start. A number and <kbd>Enter</kbd>: that one.</p>\n"
+    "<p id=\"where\"></p><p id=\"size\"></p></div></div>\n<script>\nconst pictures = [\n";
+
+static const char page_tail[] =
+    "];\n"
+    "const $ = (id) => document.getElementById(id);\n"
+    "let at = -1, typed = '';\n"
+    "function show(index, help) {\n"
+    "  at = Math.max(-1, Math.min(index, pictures.length - 1));\n"
+    "  const scale = 1 / window.devicePixelRatio, image = $('picture');\n"
+    "  if (at >= 0 && image.dataset.at !== String(at)) {\n"
+    "    image.src = 'data:image/png;base64,' + pictures[at][1];\n"
+    "    image.dataset.at = String(at);\n"
+    "  }\n"
+    "  image.style.width = panel[0] * scale + 'px';\n"
+    "  image.style.height = panel[1] * scale + 'px';\n"
+    "  image.hidden = at < 0;\n"
+    "  $('help').hidden = !help && at >= 0;\n"
+    "  $('help').style.display = $('help').hidden ? 'none' : 'grid';\n"
+    "  $('where').textContent = at < 0 ? pictures.length + ' pictures.'\n"
+    "    : 'Now: ' + (at + 1) + ' of ' + pictures.length + ', ' + pictures[at][0] + '.';\n"
+    "  const window_size = [Math.round(innerWidth / scale), Math.round(innerHeight / scale)];\n"
+    "  const fits = window_size[0] === panel[0] && window_size[1] === panel[1];\n"
+    "  $('size').className = fits ? '' : 'bad';\n"
+    "  $('size').textContent = fits ? 'This window has the size of the patterns.'\n"
+    "    : 'This window has ' + window_size.join(' x ') + ' pixels, the patterns have ' + panel.join(' x ')\n"
+    "      + ': full screen on the projector they should agree.';\n"
+    "}\n"
+    "addEventListener('keydown', (event) => {\n"
+    "  const key = event.key;\n"
+    "  if (key >= '0' && key <= '9') { typed += key; return; }\n"
+    "  if (key === 'Enter' && typed) show(Number(typed) - 1);\n"
+    "  else if (key === ' ' || key === 'ArrowRight' || key === 'PageDown') show(at + 1);\n"
+    "  else if (key === 'Backspace' || key === 'ArrowLeft' || key === 'PageUp') show(at - 1);\n"
+    "  else if (key === 'Home') show(0);\n"
+    "  else if (key === 'h' || key === 'H' || key === '?') show(at, $('help').hidden);\n"
+    "  else if (key === 'f' || key === 'F') document.documentElement.requestFullscreen();\n"
+    "  else return;\n"
+    "  typed = '';\n"
+    "  event.preventDefault();\n"
+    "});\n"
+    "addEventListener('click', () => show(at + 1));\n"
+    "addEventListener('resize', () => show(at, !$('help').hidden));\n"
+    "show(-1);\n"
+    "</script></body></html>\n";
+
+static const char *const what_for[] = {
+    [FFP_SHOW_FOCUS] = "Focus the projector until the spokes run together as near to the stars' middles as\n"
+                       "they can, and place the object inside the frame. Not photographed.",
+    [FFP_SHOW_CAPTURE] =
+        "For a reconstruction: photograph each of them, in this order, at every stop of the\n"
+        "turntable (or from every place of the devices). One lollipop is enough; the others\n"
+        "are to check the result with.",
+    [FFP_SHOW_GAMMA] = "For the projector's response: photograph a white wall or card under each.",
+    [FFP_SHOW_GRAY_CODES] =
+        "For a calibration or an exact shape: every column (x) and row (y) of the panel in\n"
+        "Gray code, the coarsest bit first, each followed by its inverse.",
+};
+
+typedef struct Writing {
+    const FfpShow *show;
+    const char *folder;
+    FILE *text, *page;
+} Writing;
+
+static bool write_one(const Writing *w, int index, int *last_part, FfpError *err) {
+    char name[32], file[64], path[FFP_PATH_MAX];
+    FfpShowPart part;
+    unsigned char *bytes = NULL;
+    size_t size = 0;
+    FfpImage image = ffp_show_picture(w->show, index, name, &part);
+    snprintf(file, sizeof file, "%03d_%s.png", index + 1, name);
+    const bool ok =
+        ffp_join_path(path, w->folder, file)
+            ? ffp_image_encode_png(&image, &bytes, &size, err) && ffp_write_file(path, bytes, size, err)
+            : ffp_fail(err, FFP_ERROR_ARGUMENT, w->folder, "the path is too long");
+    ffp_image_free(&image);
+    if (ok) {
+        if (*last_part != (int)part) fprintf(w->text, "\n%s\n\n", what_for[part]);
+        *last_part = (int)part;
+        fprintf(w->text, "    %s\n", file);
+        fprintf(w->page, "['%s', '", name);
+        ffp_write_base64(w->page, bytes, size);
+        fputs("'],\n", w->page);
+    }
+    ffp_free(bytes);
+    return ok;
+}
+
+static void begin(const Writing *w) {
+    fprintf(
+        w->text,
+        "Patterns for a projector of %d x %d pixels\n\n"
+        "Show them full screen, one pixel of a picture on one of the projector's: set the projector as a "
+        "screen\n"
+        "of its own at its native resolution, no keystone correction, no overscan, no dynamic contrast, and\n"
+        "open show.html there (F: full screen, space bar: the next one). In a dark room, with the camera on "
+        "a\n"
+        "tripod: fixed focus, aperture, ISO, white balance and exposure time (a multiple of the projector's\n"
+        "frame time, 1/60 s or 1/30 s), so that white is bright but not clipped.\n\n"
+        "Afterwards `ffprocams import` takes the photographs in this order, for example\n\n"
+        "    -i 'black,white,lollipop_0=shots/{view}/*.JPG' -p lollipop_0=<this "
+        "folder>/<number>_lollipop_0.png\n"
+        "\n"
+        "with the photographs of a stop in a folder of its own (000, 045, ...). Gray codes of the object "
+        "come "
+        "from\n"
+        "folders of their own, and make depth exact where they decode:\n\n"
+        "    --graycode 'codes/{view}/*.JPG'\n\n"
+        "Masks are made of the light, and completed where the views tell what lies in shadow. Silhouettes "
+        "drawn "
+        "by\n"
+        "hand, white on black, one picture for each view, are better:\n\n"
+        "    -m 'masks/{view}.png'\n",
+        w->show->width, w->show->height);
+    fputs(page_head, w->page);
+}
+
+static bool write_all(Writing *w, FfpError *err) {
+    const int count = ffp_show_count(w->show);
+    const FfpTask task = ffp_task("drawing patterns", count);
+    int part = -1;
+    bool ok = true;
+    begin(w);
+    for (int i = 0; ok && i < count; i++) {
+        ffp_cancel_point();
+        ok = write_one(w, i, &part, err);
+        ffp_task_step(&task, i + 1, NULL);
+    }
+    fprintf(w->page, "];\nconst panel = [%d, %d", w->show->width, w->show->height);
+    fputs(page_tail, w->page);
+    ffp_task_end(&task);
+    return ok;
+}
+
+bool ffp_show_write(const FfpShow *show, const char *path, FfpError *err) {
+    char text[FFP_PATH_MAX], page[FFP_PATH_MAX];
+    FfpOutput out[2];
+    if (!ffp_join_path(text, path, "README.txt") || !ffp_join_path(page, path, "show.html"))
+        return ffp_fail(err, FFP_ERROR_ARGUMENT, path, "the path is too long");
+    if (!ffp_output_open(&out[0], text, err)) return false;
+    bool ok = ffp_output_open(&out[1], page, err);
+    if (ok) {
+        Writing writing = {show, path, out[0].stream, out[1].stream};
+        ok = write_all(&writing, err) && ffp_output_commit(&out[0], err) && ffp_output_commit(&out[1], err);
+        ffp_output_abort(&out[1]);
+    }
+    ffp_output_abort(&out[0]);
+    return ok;
+}
+
+bool ffp_show_write_folder(const FfpShow *show, const char *path, FfpError *err) {
+    FfpOutput folder;
+    if (!ffp_output_open_folder(&folder, path, true, err)) return false;
+    const bool ok = ffp_show_write(show, folder.temporary, err) && ffp_output_commit(&folder, err);
+    ffp_output_abort(&folder);
+    return ok;
+}

@@ -1,0 +1,198 @@
+// Packed products with vector instructions: a block of C stays in registers while k runs.
+#include "core/tensor/kernels/product.h"
+
+#ifndef FFP_TILES
+#include "core/tensor/kernels/exp2.h"
+#include "core/tensor/kernels/vector.h"
+
+// Rows and panels of a block: as many sums as leave registers for a panel of B and one number of A. Each sum
+// is a chain of additions; there must be more of them than the latency of a multiplication times its
+// throughput. 28 sums of 32 registers with AVX-512, 12 of 16 with AVX2 and SSE2, 24 of 32 with NEON.
+#ifdef __AVX512F__
+enum { ROWS = FFP_PRODUCT_ROWS, PANELS = 2 };
+#else
+enum { ROWS = FFP_PRODUCT_ROWS, PANELS = 1 };
+#endif
+enum { VECTORS = FFP_PACK_LINES / FFP_LANES }; // of one panel
+
+typedef struct Block {
+    const FfpPacked *a, *b;
+    size_t a_depth, b_depth;
+    int columns, groups; // groups: of k
+    real alpha, beta;
+    real *c;
+    int ldc;
+    FfpPacked *weights; // of product_weights, with rows this deep
+    size_t depth;
+    real *sums;
+} Block;
+
+// One group of k: of a row of A, the same for every lane, and of a vector of columns of B.
+#ifdef FFP_BF16
+typedef __m512i Number, Columns;
+static inline Number load_number(const FfpPacked *a) {
+    int32_t pair;
+    memcpy(&pair, a, sizeof pair);
+    return _mm512_set1_epi32(pair);
+}
+static inline Columns load_columns(const FfpPacked *b) {
+    return _mm512_loadu_si512(b);
+}
+static inline FfpVector multiply_add(FfpVector sum, Number a, Columns b) {
+    return (FfpVector)_mm512_dpbf16_ps((__m512)sum, (__m512bh)a, (__m512bh)b);
+}
+#else
+typedef real Number;
+typedef FfpVector Columns;
+static inline Number load_number(const FfpPacked *a) {
+    return *a;
+}
+static inline Columns load_columns(const FfpPacked *b) {
+    return ffp_load(b);
+}
+static inline FfpVector multiply_add(FfpVector sum, Number a, Columns b) {
+    return sum + a * b;
+}
+#endif
+
+// Sums of a row's vectors [first, first + count) go to C; `full`: all their columns exist.
+static inline __attribute__((always_inline)) void store_row(const Block *block, int row, const FfpVector *sum,
+                                                            int count, bool full) {
+    real *c = block->c + (size_t)row * block->ldc;
+#pragma GCC unroll 4
+    for (int v = 0; v < count; v++) {
+        const int left = full ? FFP_LANES : block->columns - v * FFP_LANES;
+        real *to = c + v * FFP_LANES;
+        FfpVector value = sum[v] * block->alpha;
+        if (block->beta != 0) value += block->beta * (full ? ffp_load(to) : ffp_load_masked(to, left));
+        if (full)
+            ffp_store(to, value);
+        else
+            ffp_store_masked(to, value, left);
+    }
+}
+
+#ifdef FFP_PRODUCT_WEIGHTS
+typedef uint32_t Bits __attribute__((vector_size(FFP_VECTOR_BYTES)));
+
+// ffp_exp2_packed of numbers that are not below -125
+static inline FfpVector raise(FfpVector x) {
+    const FfpVector shifted = x + 12582912.0F, r = x - (shifted - 12582912.0F);
+#ifdef FFP_BF16
+    const FfpVector p = FFP_EXP2_SHORT(r);
+#else
+    const FfpVector p = FFP_EXP2_LONG(r);
+#endif
+    return (FfpVector)((Bits)p + ((Bits)shifted << 23));
+}
+
+// Sums of a row's vectors, as many as make whole panels, become weights.
+static inline __attribute__((always_inline)) void weigh_row(const Block *block, int row, const FfpVector *sum,
+                                                            int count) {
+    FfpPacked *to = block->weights + (size_t)row * block->depth;
+    real *sums = block->sums + (size_t)row * FFP_PACK_LINES;
+    FfpVector all = ffp_load(sums), weight[PANELS * VECTORS];
+#pragma GCC unroll 4
+    for (int v = 0; v < count; v++) {
+        weight[v] = raise(sum[v]);
+        all += weight[v];
+    }
+    ffp_store(sums, all);
+#ifdef FFP_BF16
+    _mm512_storeu_si512(to, (__m512i)_mm512_cvtne2ps_pbh((__m512)weight[1], (__m512)weight[0]));
+#else
+#pragma GCC unroll 4
+    for (int v = 0; v < count; v++) ffp_store(to + v * FFP_LANES, weight[v]);
+#endif
+}
+#else
+static inline void weigh_row(const Block *block, int row, const FfpVector *sum, int count) {
+    (void)block, (void)row, (void)sum, (void)count; // never called
+}
+#endif
+
+// All loops over the block are unrolled, so that its sums never leave the registers.
+static inline __attribute__((always_inline)) void multiply(const Block *block, int rows, int panels,
+                                                           bool weigh) {
+    enum { WIDTH = PANELS * VECTORS };
+    FfpVector sum[ROWS][WIDTH];
+    const FfpPacked *a = block->a, *b = block->b;
+    const size_t b_panel = FFP_PACK_LINES * block->b_depth;
+    const int width = panels * VECTORS;
+#pragma GCC unroll 16
+    for (int r = 0; r < rows; r++)
+#pragma GCC unroll 4
+        for (int v = 0; v < width; v++) sum[r][v] = (FfpVector){0};
+    for (int l = 0; l < block->groups; l++) {
+        Columns columns[WIDTH];
+#pragma GCC unroll 4
+        for (int v = 0; v < width; v++)
+            columns[v] = load_columns(b + v / VECTORS * b_panel + v % VECTORS * FFP_LANES * FFP_PACK_GROUP);
+#pragma GCC unroll 16
+        for (int r = 0; r < rows; r++) {
+            const Number number = load_number(a + r * block->a_depth);
+#pragma GCC unroll 4
+            for (int v = 0; v < width; v++) sum[r][v] = multiply_add(sum[r][v], number, columns[v]);
+        }
+        a += FFP_PACK_GROUP;
+        b += FFP_PACK_GROUP * FFP_PACK_LINES;
+    }
+    if (weigh) {
+#pragma GCC unroll 16
+        for (int r = 0; r < rows; r++) weigh_row(block, r, sum[r], width);
+    } else if (block->columns >= width * FFP_LANES) {
+#pragma GCC unroll 16
+        for (int r = 0; r < rows; r++) store_row(block, r, sum[r], width, true);
+    } else {
+#pragma GCC unroll 16
+        for (int r = 0; r < rows; r++) store_row(block, r, sum[r], width, false);
+    }
+}
+
+// As many of the rows as one block takes; returns how many.
+static inline __attribute__((always_inline)) int multiply_rows(const Block *block, int rows, int panels,
+                                                               bool weigh) {
+    if (rows >= ROWS) return multiply(block, ROWS, panels, weigh), ROWS;
+    if (ROWS > 8 && rows >= 8) return multiply(block, 8 < ROWS ? 8 : ROWS, panels, weigh), 8;
+    if (ROWS > 4 && rows >= 4) return multiply(block, 4 < ROWS ? 4 : ROWS, panels, weigh), 4;
+    if (rows >= 2) return multiply(block, 2, panels, weigh), 2;
+    return multiply(block, 1, panels, weigh), 1;
+}
+
+// Panels of B outside, so that they stay in the first-level cache while the rows of A pass.
+void FFP_K(product)(int m, int n, int k, real alpha, const FfpPacked *a, size_t a_depth, const FfpPacked *b,
+                    size_t b_depth, real beta, real *c, int ldc) {
+    Block block = {.a_depth = a_depth, .b_depth = b_depth, .alpha = alpha, .beta = beta, .ldc = ldc};
+    block.groups = (k + FFP_PACK_GROUP - 1) / FFP_PACK_GROUP;
+    for (int column = 0; column < n;) {
+        const bool full = n - column > (PANELS - 1) * FFP_PACK_LINES;
+        block.b = b + (size_t)column * b_depth;
+        block.columns = n - column;
+        for (int row = 0; row < m;) {
+            block.a = a + (size_t)row * a_depth;
+            block.c = c + (size_t)row * ldc + column;
+            row += full ? multiply_rows(&block, m - row, PANELS, false)
+                        : multiply_rows(&block, m - row, 1, false);
+        }
+        column += full ? PANELS * FFP_PACK_LINES : FFP_PACK_LINES;
+    }
+}
+
+#ifdef FFP_PRODUCT_WEIGHTS
+void FFP_K(product_weights)(int m, int n, int k, const FfpPacked *a, size_t a_depth, const FfpPacked *b,
+                            size_t b_depth, FfpPacked *weights, real *sums) {
+    Block block = {.a_depth = a_depth, .b_depth = b_depth, .depth = (size_t)n};
+    block.groups = (k + FFP_PACK_GROUP - 1) / FFP_PACK_GROUP;
+    for (int column = 0; column < n; column += PANELS * FFP_PACK_LINES) {
+        block.b = b + (size_t)column * b_depth;
+        for (int row = 0; row < m;) {
+            block.a = a + (size_t)row * a_depth;
+            block.weights = weights + (size_t)row * block.depth + column;
+            block.sums = sums + (size_t)row * FFP_PACK_LINES;
+            row += multiply_rows(&block, m - row, PANELS, true);
+        }
+    }
+}
+#endif
+
+#endif

@@ -1,0 +1,106 @@
+// Kernels on plain arrays, row-major. Every *_forward has a *_backward that ADDS to gradients of parameters
+// (named dw, dgain, ...) and OVERWRITES gradients of inputs (dx). T is tokens (rows), no function allocates
+// unless its comment says so. All run in parallel over OpenMP threads and give the same bits for the same
+// thread count. On a thread that works on a device (core/base/device.h) the arrays are the device's, scratch
+// too.
+#ifndef FFP_TENSOR_TENSOR_H
+#define FFP_TENSOR_TENSOR_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include "core/base/real.h"
+
+// C[m,n] = alpha op(A) op(B) + beta C; op(A) is [m,k], op(B) is [k,n]; lda, ldb, ldc are the row strides as
+// stored.
+void ffp_gemm(bool transpose_a, bool transpose_b, int m, int n, int k, real alpha, const real *a, int lda,
+              const real *b, int ldb, real beta, real *c, int ldc);
+
+// The same with operands rounded to bf16 at the CPU levels that multiply those (core/base/cpu.h), sums in
+// real. Packs them in memory of the calling thread's that is kept: allocates only for larger operands than
+// ever before. C must not overlap A or B.
+void ffp_gemm_mixed(bool transpose_a, bool transpose_b, int m, int n, int k, real alpha, const real *a,
+                    int lda, const real *b, int ldb, real beta, real *c, int ldc);
+
+// Products of linear layers are ffp_gemm_mixed's.
+// y[T,out] = x[T,in] w^T (+ bias[out] if not NULL); w is [out,in].
+void ffp_linear_forward(real *y, const real *x, const real *w, const real *bias, int rows, int in, int out);
+// y[T,out] = residual[T,out] + x[T,in] w^T; y may be the residual itself.
+void ffp_linear_residual_forward(real *y, const real *residual, const real *x, const real *w, int rows,
+                                 int in, int out);
+// dx may be NULL (first layer); dbias may be NULL.
+void ffp_linear_backward(real *dx, real *dw, real *dbias, const real *dy, const real *x, const real *w,
+                         int rows, int in, int out);
+
+// y = (x - mean) rstd * gain, eps 1e-5; mean, rstd [T] are kept for the backward pass.
+void ffp_layernorm_forward(real *y, real *mean, real *rstd, const real *x, const real *gain, int rows,
+                           int dim);
+void ffp_layernorm_backward(real *dx, real *dgain, const real *dy, const real *x, const real *mean,
+                            const real *rstd, const real *gain, int rows, int dim);
+
+// y = x rstd * gain, rstd = 1 / sqrt(mean(x^2) + 1e-5)
+void ffp_rmsnorm_forward(real *y, real *rstd, const real *x, const real *gain, int rows, int dim);
+void ffp_rmsnorm_backward(real *dx, real *dgain, const real *dy, const real *x, const real *rstd,
+                          const real *gain, int rows, int dim);
+
+// Mamba2's gate: y = rmsnorm(x * silu(z)) * gain (norm after the gate). z has row stride ldz. Backward
+// recomputes.
+void ffp_gated_norm_forward(real *y, real *rstd, const real *x, const real *z, int ldz, const real *gain,
+                            int rows, int dim);
+// dx [rows,dim] overwritten; dz (row stride lddz) is ADDED to, because two scan directions share z.
+void ffp_gated_norm_backward(real *dx, real *dz, int lddz, real *dgain, const real *dy, const real *x,
+                             const real *z, int ldz, const real *rstd, const real *gain, int rows, int dim);
+
+void ffp_add(real *y, const real *x, size_t count); // y += x
+
+// Exact GELU (erf form), elementwise.
+void ffp_gelu_forward(real *y, const real *x, size_t count);
+void ffp_gelu_backward(real *dx, const real *dy, const real *x, size_t count);
+
+// Depthwise causal convolution of width `taps` with bias, then SiLU: y_t = silu(b + sum_k w[c,k]
+// x_{t-taps+1+k}). reverse: runs from the last token to the first (taps look at later tokens). x has row
+// stride ldx, y is [T,channels]. At most FFP_CONV_TAPS_MAX taps.
+enum { FFP_CONV_TAPS_MAX = 8 };
+void ffp_conv_forward(real *y, const real *x, int ldx, const real *w, const real *bias, int rows,
+                      int channels, int taps, bool reverse);
+// dx (row stride lddx) is ADDED to; dw, dbias too.
+void ffp_conv_backward(real *dx, int lddx, real *dw, real *dbias, const real *dy, const real *x, int ldx,
+                       const real *w, const real *bias, int rows, int channels, int taps, bool reverse);
+
+// State-space duality scan of Mamba2 (Dao & Gu 2024, Eq. 2 and Sec. 6): one direction, one B/C group.
+//   dt = softplus(dt_raw + dt_bias[h]), A = -exp(a_log[h]), h_t = exp(dt A) h_{t-1} + dt x_t (outer) B_t,
+//   y_t = h_t C_t + d[h] x_t
+// x: [T, heads*head_dim] inside rows of stride ldx (x, B, C are slices of one convolved row); dt_raw row
+// stride lddt.
+typedef struct FfpScanShape {
+    int rows, heads, head_dim, state, chunk;
+    bool reverse;
+} FfpScanShape;
+typedef struct FfpScanInput {
+    const real *x, *b, *c; // [T, heads*head_dim], [T, state], [T, state]; all with row stride ld
+    int ld;
+    const real *dt_raw; // [T, heads], row stride lddt
+    int lddt;
+    const real *dt_bias, *a_log, *d; // [heads]
+} FfpScanInput;
+typedef struct FfpScanGradient {
+    real *x, *b, *c; // overwritten, row stride ld as the input's
+    real *dt_raw;    // ADDED to, row stride lddt (each direction has its own slice or shares: adding is safe)
+    real *dt_bias, *a_log, *d; // ADDED to
+} FfpScanGradient;
+// Scratch: ffp_scan_scratch(shape) reals, used by both passes, contents need not be kept between them.
+size_t ffp_scan_scratch(const FfpScanShape *shape);
+void ffp_scan_forward(real *y, const FfpScanShape *shape, const FfpScanInput *in,
+                      real *scratch); // y [T, heads*head_dim]
+void ffp_scan_backward(const FfpScanGradient *grad, const FfpScanShape *shape, const FfpScanInput *in,
+                       const real *dy, real *scratch);
+// Softmax attention over all T tokens, `heads` heads of `head_dim`, with RMS QK-norm per head (gains
+// [head_dim] shared by the heads). qkv is [T, 3*heads*head_dim] (q, k, v); out [T, heads*head_dim]; log_sum
+// [heads,T] is kept for backward.
+size_t ffp_attention_scratch(int rows, int heads, int head_dim);
+void ffp_attention_forward(real *out, real *log_sum, const real *qkv, const real *q_gain, const real *k_gain,
+                           int rows, int heads, int head_dim, real *scratch);
+void ffp_attention_backward(real *dqkv, real *dq_gain, real *dk_gain, const real *dout, const real *out,
+                            const real *log_sum, const real *qkv, const real *q_gain, const real *k_gain,
+                            int rows, int heads, int head_dim, real *scratch);
+
+#endif

@@ -1,0 +1,240 @@
+// Building a stage: rasterise each camera once, map it to every projector, and take the response to white.
+#include "engine/apply/stage.h"
+#include <stdlib.h>
+#include <string.h>
+#include <tgmath.h>
+#include "core/base/arena.h"
+#include "core/base/vec.h"
+#include "engine/apply/surface.h"
+#include "engine/render/pass.h"
+
+#define WHITE_MIN 0.05F // a white pattern that is darker than this over a footprint tells no response
+
+typedef struct Builder {
+    FfpStage *stage;
+    const FfpGaussians *gaussians;
+    const FfpCapture *capture;
+    const FfpRenderSettings *settings;
+    FfpSummed white;
+    FfpRaster *raster;
+    bool photographs;
+} Builder;
+
+FfpLink *ffp_stage_link(const FfpStage *stage, int camera_view, int projection) {
+    return &stage->links[camera_view * stage->n_projections + projection];
+}
+
+// ffp_same_device is of captures in which the object's radius is 1.
+static FfpCamera in_radii(const FfpCamera *device, real radius) {
+    FfpCamera out = *device;
+    for (int k = 0; radius > 0 && k < 3; k++) out.pose[4 * k + 3] /= radius;
+    return out;
+}
+
+static bool same_projector(const FfpCapture *capture, const FfpCamera *a, const FfpCamera *b) {
+    const FfpCamera one = in_radii(a, capture->radius), other = in_radii(b, capture->radius);
+    return ffp_same_device(&one, &other);
+}
+
+static void find_projections(FfpStage *stage, const FfpCapture *capture, const FfpView *const *views) {
+    for (int v = 0; v < stage->n_camera_views; v++) {
+        int known = 0;
+        while (known < stage->n_projections &&
+               !same_projector(capture, &stage->projections[known].view->projector, &views[v]->projector))
+            known++;
+        if (known == stage->n_projections) stage->projections[stage->n_projections++].view = views[v];
+    }
+}
+
+static bool photographed(const Builder *b, const FfpView *view) {
+    return b->photographs && view->images && view->images[b->capture->black].data &&
+           view->images[b->capture->white].data;
+}
+
+static void fill_camera_view(const Builder *b, FfpCameraView *camera_view, const FfpGbuffer *g) {
+    const FfpCamera *camera = &camera_view->view->camera;
+    const bool has_pictures = photographed(b, camera_view->view);
+    camera_view->depth = ffp_image_new(g->width, g->height, 1);
+    camera_view->facing = ffp_image_new(g->width, g->height, 1);
+    camera_view->weight = ffp_image_new(g->width, g->height, 1);
+    camera_view->ambient = has_pictures ? ffp_image_copy(&camera_view->view->images[b->capture->black])
+                                        : ffp_image_new(g->width, g->height, 3);
+    for (int y = 0; y < g->height; y++)
+        for (int x = 0; x < g->width; x++) {
+            const int p = y * g->width + x;
+            const real opacity = g->opacity[p];
+            camera_view->weight.data[p] =
+                has_pictures ? camera_view->view->coverage.data[p] : fmin(opacity, 1);
+            if (!has_pictures)
+                memcpy(camera_view->ambient.data + 3 * p, g->ambient + 3 * p, 3 * sizeof(real));
+            if (!(opacity >= 0.5F)) continue;
+            real ray[3], normal[3];
+            memcpy(normal, g->normal + 3 * p, sizeof normal);
+            ffp_normalise3(normal);
+            ffp_pixel_ray(camera, (real)x + 0.5F, (real)y + 0.5F, ray);
+            camera_view->depth.data[p] = g->depth[p] / opacity;
+            camera_view->facing.data[p] = fmin(fabs(ffp_dot3(normal, ray)), 1);
+        }
+}
+
+// Pixels without light keep a position in the pattern: a photograph may know better than the shadow map.
+static bool in_pattern(const FfpLink *link, const FfpCamera *projector, int p) {
+    const real *uv = link->mapping.uv + 2 * p;
+    return uv[0] > 0 && uv[1] > 0 && uv[0] < (real)projector->width && uv[1] < (real)projector->height;
+}
+
+// Radiance under white less the ambient one, divided by the white pattern over the footprint. `lit` and
+// `dark` are linear pictures.
+static void divide_white(const Builder *b, FfpLink *link, const FfpCamera *projector, const real *lit,
+                         const real *dark, bool believe_shadows) {
+    const int pixels = link->mapping.width * link->mapping.height;
+    for (int p = 0; p < pixels; p++) {
+        const real *uv = link->mapping.uv + 2 * p, *extent = link->mapping.extent + 2 * p;
+        real white[3];
+        if (!in_pattern(link, projector, p) || (believe_shadows && !(link->mapping.visibility[p] > 0)))
+            continue;
+        ffp_lookup(&b->white, uv[0], uv[1], extent[0], extent[1], white);
+        for (int c = 0; c < 3; c++)
+            if (white[c] > WHITE_MIN)
+                link->response.data[3 * p + c] = fmax((lit[3 * p + c] - dark[3 * p + c]) / white[c], (real)0);
+    }
+}
+
+static void fill_link(const Builder *b, FfpCameraView *camera_view, const FfpProjection *projection,
+                      const FfpGbuffer *g, FfpLink *link) {
+    const FfpCamera *camera = &camera_view->view->camera, *projector = &projection->view->projector;
+    link->mapping = ffp_mapping_new(g->width, g->height);
+    link->response = ffp_image_new(g->width, g->height, 3);
+    ffp_map_to_projector(b->raster, b->gaussians, g, camera, projector, b->settings, &link->mapping);
+    const FfpView *view = camera_view->view;
+    if (photographed(b, view) && same_projector(b->capture, &view->projector, projector)) {
+        divide_white(b, link, projector, view->images[b->capture->white].data,
+                     view->images[b->capture->black].data, false);
+        return;
+    }
+    FfpImage lit = ffp_image_new(g->width, g->height, 3);
+    ffp_shade_once(g, &link->mapping, camera, projector, b->capture->intensity, &b->white, &lit);
+    divide_white(b, link, projector, lit.data, g->ambient, true);
+    ffp_image_free(&lit);
+}
+
+static void fill_views(const Builder *b) {
+    FfpViewPass *pass = ffp_view_pass_new(b->settings);
+    for (int s = 0; s < b->stage->n_camera_views; s++) {
+        FfpCameraView *camera_view = &b->stage->camera_views[s];
+        ffp_view_pass_draw(pass, b->gaussians, &camera_view->view->camera, &camera_view->view->projector);
+        const FfpGbuffer *g = ffp_view_pass_gbuffer(pass);
+        fill_camera_view(b, camera_view, g);
+        for (int k = 0; k < b->stage->n_projections; k++)
+            fill_link(b, camera_view, &b->stage->projections[k], g, ffp_stage_link(b->stage, s, k));
+    }
+    ffp_view_pass_free(pass);
+}
+
+static void fill_projections(const Builder *b) {
+    for (int k = 0; k < b->stage->n_projections; k++) {
+        FfpProjection *projection = &b->stage->projections[k];
+        const FfpCamera *projector = &projection->view->projector;
+        projection->pattern = ffp_image_new(projector->width, projector->height, 3);
+        projection->feather = ffp_image_new(projector->width, projector->height, 1);
+        const int pixels = projector->width * projector->height;
+        for (int p = 0; p < pixels; p++) projection->feather.data[p] = 1;
+        if (b->stage->n_projections == 1) continue;
+        FfpLitSurface surface = ffp_lit_surface_new(b->gaussians, projector, b->settings);
+        ffp_lit_surface_feather(&surface, projector, &projection->feather);
+        ffp_lit_surface_free(&surface);
+    }
+}
+
+FfpStage ffp_stage_new(const FfpGaussians *gaussians, const FfpCapture *capture, const FfpView *const *views,
+                       int n_views, const FfpRenderSettings *settings, bool photographs) {
+    FfpStage stage = {.n_camera_views = n_views};
+    stage.camera_views = ffp_alloc((size_t)n_views, sizeof *stage.camera_views);
+    stage.projections = ffp_alloc((size_t)n_views, sizeof *stage.projections);
+    for (int v = 0; v < n_views; v++) stage.camera_views[v].view = views[v];
+    find_projections(&stage, capture, views);
+    stage.links = ffp_alloc((size_t)n_views * (size_t)stage.n_projections, sizeof *stage.links);
+    Builder builder = {.stage = &stage,
+                       .gaussians = gaussians,
+                       .capture = capture,
+                       .settings = settings,
+                       .white = ffp_summed_new(&capture->patterns[capture->white].image),
+                       .raster = ffp_raster_new(),
+                       .photographs = photographs};
+    fill_views(&builder);
+    fill_projections(&builder);
+    ffp_summed_free(&builder.white);
+    ffp_raster_free(builder.raster);
+    return stage;
+}
+
+void ffp_stage_free(FfpStage *stage) {
+    for (int s = 0; s < stage->n_camera_views; s++) {
+        FfpCameraView *camera_view = &stage->camera_views[s];
+        FfpImage *images[] = {&camera_view->depth, &camera_view->facing, &camera_view->ambient,
+                              &camera_view->target, &camera_view->weight};
+        for (size_t i = 0; i < sizeof images / sizeof *images; i++) ffp_image_free(images[i]);
+    }
+    for (int k = 0; k < stage->n_projections; k++) {
+        ffp_image_free(&stage->projections[k].feather);
+        ffp_image_free(&stage->projections[k].pattern);
+    }
+    for (int l = 0; l < stage->n_camera_views * stage->n_projections; l++) {
+        ffp_mapping_free(&stage->links[l].mapping);
+        ffp_image_free(&stage->links[l].response);
+    }
+    ffp_free(stage->camera_views);
+    ffp_free(stage->projections);
+    ffp_free(stage->links);
+    *stage = (FfpStage){0};
+}
+
+void ffp_stage_aim(FfpStage *stage, int camera_view, const FfpImage *target, const FfpImage *alpha) {
+    FfpCameraView *s = &stage->camera_views[camera_view];
+    ffp_image_free(&s->target);
+    s->target = ffp_image_copy(target);
+    const int pixels = target->width * target->height;
+    for (int p = 0; alpha && p < pixels; p++) s->weight.data[p] *= alpha->data[p];
+}
+
+void ffp_stage_scale(FfpStage *stage, real gain) {
+    for (int s = 0; s < stage->n_camera_views; s++) {
+        FfpImage *target = &stage->camera_views[s].target;
+        const int count = target->width * target->height * 3;
+        for (int i = 0; i < count; i++) target->data[i] *= gain;
+    }
+}
+
+void ffp_stage_paint(FfpStage *stage) {
+    for (int s = 0; s < stage->n_camera_views; s++) {
+        FfpCameraView *camera_view = &stage->camera_views[s];
+        const int count = camera_view->target.width * camera_view->target.height * 3;
+        for (int i = 0; i < count; i++) {
+            real sum = 0;
+            for (int k = 0; k < stage->n_projections; k++)
+                sum += ffp_stage_link(stage, s, k)->response.data[i];
+            camera_view->target.data[i] =
+                camera_view->ambient.data[i] + sum * fmin(camera_view->target.data[i], (real)1);
+        }
+    }
+}
+
+FfpImage ffp_stage_picture(const FfpStage *stage, int camera_view) {
+    FfpImage picture = ffp_image_copy(&stage->camera_views[camera_view].ambient);
+    const int pixels = picture.width * picture.height;
+    for (int k = 0; k < stage->n_projections; k++) {
+        const FfpLink *link = ffp_stage_link(stage, camera_view, k);
+        FfpSummed summed = ffp_summed_new(&stage->projections[k].pattern);
+#pragma omp parallel for schedule(static)
+        for (int p = 0; p < pixels; p++) {
+            const real *uv = link->mapping.uv + 2 * p, *extent = link->mapping.extent + 2 * p;
+            const real *response = link->response.data + 3 * p;
+            real rgb[3];
+            if (!(response[0] > 0 || response[1] > 0 || response[2] > 0)) continue;
+            ffp_lookup(&summed, uv[0], uv[1], extent[0], extent[1], rgb);
+            for (int c = 0; c < 3; c++) picture.data[3 * p + c] += response[c] * rgb[c];
+        }
+        ffp_summed_free(&summed);
+    }
+    return picture;
+}

@@ -1,0 +1,83 @@
+// Cameras, projectors and the light between them: what compensation computes with and maps are drawn from.
+// For fixed Gaussians a camera's picture is linear in the patterns: with M the projectors that reach a pixel,
+//     C = ambient + sum over M of response * lookup(pattern, position, footprint),
+// which is the light model of docs/design/architecture.md with everything but the pattern put into
+// `response`.
+#ifndef FFP_APPLY_STAGE_H
+#define FFP_APPLY_STAGE_H
+
+#include <stdbool.h>
+#include "core/capture/capture.h"
+#include "core/gaussians/gaussians.h"
+#include "engine/render/render.h"
+
+// What one camera sees, and what it is meant to see. All images have the camera's size.
+typedef struct FfpCameraView {
+    const FfpView *view;
+    FfpImage depth;   // 1: camera z in world units, 0 where the opacity is below one half
+    FfpImage facing;  // 1: cosine between the normal and the ray to the camera, in [0,1]
+    FfpImage ambient; // 3: linear radiance under dark projectors
+    FfpImage target;  // 3: linear radiance wanted; empty until it is given
+    FfpImage weight;  // 1: in [0,1], how much a pixel matters: coverage, times the target's alpha
+} FfpCameraView;
+
+// What one projector lights. All images have the projector's size.
+typedef struct FfpProjection {
+    const FfpView *view; // the first view with this projector pose
+    FfpImage feather;    // 1: in (0,1], the projector's share where several overlap; 1 for a single one
+    FfpImage pattern;    // 3: linear, in [0,1]
+} FfpProjection;
+
+// What one projector does in one camera; the camera's size.
+typedef struct FfpLink {
+    FfpMapping mapping; // where each pixel lies in the pattern, and its footprint there
+    FfpImage response;  // 3: radiance for a pattern of 1, 0 where no light comes
+} FfpLink;
+
+typedef struct FfpStage {
+    int n_camera_views, n_projections;
+    FfpCameraView *camera_views;
+    FfpProjection *projections;
+    FfpLink *links; // [n_camera_views, n_projections]
+} FfpStage;
+
+// Borrows the views. Projectors in one place with one lens (ffp_same_device) are one projection. With
+// `photographs`, a view that has pictures under black and white takes its ambient light and its own
+// projector's response from them, which is what the camera really saw: the Gaussians then only say where the
+// light goes.
+FfpStage ffp_stage_new(const FfpGaussians *gaussians, const FfpCapture *capture, const FfpView *const *views,
+                       int n_views, const FfpRenderSettings *settings, bool photographs);
+void ffp_stage_free(FfpStage *stage);
+FfpLink *ffp_stage_link(const FfpStage *stage, int camera_view, int projection);
+
+// Gives a camera its target: linear RGB of the camera's size; alpha (1 channel) may be NULL.
+void ffp_stage_aim(FfpStage *stage, int camera_view, const FfpImage *target, const FfpImage *alpha);
+// Multiplies all targets.
+void ffp_stage_scale(FfpStage *stage, real gain);
+
+// Turns targets into light painted on the object: a target of 0 becomes what the camera sees under dark
+// projectors, 1 what it sees with all of them at white, pixel by pixel. All of it is within reach.
+void ffp_stage_paint(FfpStage *stage);
+
+// The camera's picture under the projections' patterns: linear, unclamped.
+FfpImage ffp_stage_picture(const FfpStage *stage, int camera_view);
+
+// Where a camera's pixels lie in a projector, the other way round: [projector's size, 3] camera x, y and the
+// depth from the projector; -1 -1 0 where the camera sees nothing that the projector lights. Cells between
+// four neighbouring pixels are laid into the projector with a depth buffer, so that going there and back
+// ends where it began; cells across a depth jump are left out.
+FfpImage ffp_stage_inverse(const FfpStage *stage, int camera_view, int projection);
+
+// Camera pixels that the projector lights, sent to it and back through an inverse (its depth-consistent
+// pixels among the four around the position, mixed bilinearly): the distance from where they began, in camera
+// pixels.
+typedef struct FfpRoundTrip {
+    int pixels; // that came back
+    int lost;   // lit, but with no pixel of the inverse at their depth: cells at outlines, and hidden parts
+    double within_half;  // share of those that came back, within half a pixel
+    double median, most; // pixels
+} FfpRoundTrip;
+FfpRoundTrip ffp_stage_round_trip(const FfpStage *stage, int camera_view, int projection,
+                                  const FfpImage *inverse);
+
+#endif

@@ -1,0 +1,26 @@
+// Memory of the device, for the other sources of this room.
+#ifndef FFP_CUDA_MEMORY_H
+#define FFP_CUDA_MEMORY_H
+
+#include <stddef.h>
+
+void *ffp_cuda_try_alloc(size_t bytes); // NULL when there is no room
+void *ffp_cuda_alloc(size_t bytes);     // of the room's own; without room the call ends (core/base/alloc.h)
+void ffp_cuda_release(void *block);
+void ffp_cuda_upload(void *to, const void *from_host, size_t bytes);
+void ffp_cuda_download(void *to_host, const void *from, size_t bytes);
+void ffp_cuda_copy(void *to, const void *from, size_t bytes);
+void ffp_cuda_zero(void *block, size_t bytes);
+void ffp_cuda_synchronise(void);
+
+// Memory of `bytes` at least that a caller keeps from call to call: *block, *capacity (0 at first) grow when
+// needed. What was in it is lost then, and it is empty when there is no room.
+template <typename T> void ffp_cuda_grow(T **block, size_t *capacity, size_t bytes) {
+    if (bytes <= *capacity) return;
+    ffp_cuda_release(*block);
+    *block = NULL, *capacity = 0;
+    *block = (T *)ffp_cuda_alloc(bytes);
+    *capacity = bytes;
+}
+
+#endif

@@ -1,0 +1,69 @@
+#include "engine/cuda/launch.h"
+#include "engine/cuda/products.h"
+
+#ifdef __CUDACC__
+
+#include <cublas_v2.h>
+
+static void check(cublasStatus_t status, const char *what) {
+    if (status == CUBLAS_STATUS_SUCCESS) return;
+    fprintf(stderr, "ffprocams: error: GPU: %s (%s)\n", cublasGetStatusString(status), what);
+    abort();
+}
+
+static cublasHandle_t handle(void) {
+    static cublasHandle_t made;
+    if (made) return made;
+    check(cublasCreate(&made), "cuBLAS");
+    check(cublasSetStream(made, ffp_cuda_stream()), "cuBLAS");
+    return made;
+}
+
+// cuBLAS is column-major, where a row-major matrix is its transpose: C^T = op(B)^T op(A)^T.
+void ffp_cuda_product(const FfpCudaProduct *p) {
+    if (p->m <= 0 || p->n <= 0 || p->count <= 0) return;
+    const cudaDataType_t type = p->operands == FFP_OPERANDS_BF16 ? CUDA_R_16BF : CUDA_R_32F;
+    const cublasComputeType_t compute =
+        p->operands == FFP_OPERANDS_TF32 ? CUBLAS_COMPUTE_32F_FAST_TF32 : CUBLAS_COMPUTE_32F;
+    const cublasOperation_t first = p->transpose_b ? CUBLAS_OP_T : CUBLAS_OP_N;
+    const cublasOperation_t second = p->transpose_a ? CUBLAS_OP_T : CUBLAS_OP_N;
+    check(cublasGemmStridedBatchedEx(handle(), first, second, p->n, p->m, p->k, &p->alpha, p->b, type, p->ldb,
+                                     (long long)p->stride_b, p->a, type, p->lda, (long long)p->stride_a,
+                                     &p->beta, p->c, CUDA_R_32F, p->ldc, (long long)p->stride_c, p->count,
+                                     compute, CUBLAS_GEMM_DEFAULT),
+          "product");
+}
+
+#else
+
+static float number(const void *matrix, FfpCudaOperands operands, size_t at) {
+    if (operands == FFP_OPERANDS_BF16) return __uint_as_float((unsigned)((const uint16_t *)matrix)[at] << 16);
+    const float x = ((const float *)matrix)[at];
+    if (operands == FFP_OPERANDS_F32) return x;
+    const unsigned bits = __float_as_uint(x);
+    return __uint_as_float((bits + 0x1000U) & ~0x1fffU); // to the nearest, as the hardware's conversion does
+}
+
+static void add_product(const FfpCudaProduct *p, int matrix) {
+    const size_t a = (size_t)matrix * p->stride_a, b = (size_t)matrix * p->stride_b;
+    for (int i = 0; i < p->m; i++) {
+        float *c = p->c + (size_t)matrix * p->stride_c + (size_t)i * p->ldc;
+        for (int j = 0; j < p->n; j++) c[j] = p->beta == 0 ? 0 : p->beta * c[j];
+        for (int k = 0; k < p->k; k++) {
+            const size_t at = p->transpose_a ? (size_t)k * p->lda + i : (size_t)i * p->lda + k;
+            const float factor = p->alpha * number(p->a, p->operands, a + at);
+            for (int j = 0; j < p->n; j++) {
+                const size_t from = p->transpose_b ? (size_t)j * p->ldb + k : (size_t)k * p->ldb + j;
+                c[j] += factor * number(p->b, p->operands, b + from);
+            }
+        }
+    }
+}
+
+void ffp_cuda_product(const FfpCudaProduct *p) {
+    ffp_emulated_memory(true);
+    for (int matrix = 0; matrix < p->count; matrix++) add_product(p, matrix);
+    ffp_emulated_memory(false);
+}
+
+#endif

@@ -1,0 +1,68 @@
+// What the other views say about a point that one view believes in.
+#ifndef FFP_MATCH_CONSISTENCY_H
+#define FFP_MATCH_CONSISTENCY_H
+
+#include <stdbool.h>
+#include "core/capture/capture.h"
+#include "engine/match/thresholds.h"
+
+// Depth maps of all views, [views, h, w] each: camera z (0: none), and how far it is trusted.
+typedef struct FfpDepths {
+    const FfpCapture *capture;
+    int width, height;
+    real *depth, *trust;
+} FfpDepths;
+
+// What a view knows around a point between four pixels' centres, of those that have trusted depth: their
+// least and greatest depth and greatest trust. All 0 where there is none.
+typedef struct FfpDepthBounds {
+    real low, high, trust;
+} FfpDepthBounds;
+
+typedef struct FfpSupportViews {
+    const FfpDepths *depths;
+    FfpDepthBounds *bounds; // [views,h,w], at the upper left of the four pixels
+} FfpSupportViews;
+
+FfpSupportViews ffp_support_views_new(const FfpDepths *depths);
+void ffp_support_views_free(FfpSupportViews *support_views);
+
+typedef struct FfpSupport {
+    real coverage; // least share that the silhouette of any other view leaves of the point
+    int views;     // other views with the point in their picture
+    int agree,
+        past; // of these: own surface at the point; own surface well behind it, so the point is in the way
+    real trust_agree, trust_past; // sums of their trust
+} FfpSupport;
+
+// Adds a cell of another view to those who see past a point of depth z, or to those who have a surface there,
+// give or take `slack`; behind the surface it says nothing.
+static inline void ffp_support_count(FfpSupport *out, const FfpDepthBounds *bounds, real z, real slack) {
+    if (bounds->high <= 0) return;
+    if (z < bounds->low - slack)
+        out->past++, out->trust_past += bounds->trust;
+    else if (z <= bounds->high + slack)
+        out->agree++, out->trust_agree += bounds->trust;
+}
+
+// Whether so many see past the point that there is nothing.
+static inline bool ffp_support_is_free_space(const FfpSupport *support) {
+    return support->trust_past > FFP_FREE_TRUST + support->trust_agree;
+}
+
+// What is known around position (x, y) of the view's picture; all 0 outside it.
+FfpDepthBounds ffp_depth_bounds_at(const FfpSupportViews *support_views, int view, real x, real y);
+
+// Asks the views other than `view` about the point at camera depth z of position (x, y) in the picture of
+// `camera`, which stands where the view's does.
+FfpSupport ffp_support_at(const FfpSupportViews *support_views, int view, const FfpCamera *camera, real x,
+                          real y, real z);
+
+// Takes the trust from depths that more trusted views see past than agree with.
+void ffp_reject_inconsistent(FfpDepths *depths);
+
+// Moves the near end of the range [views,h,w,2] of pixels without trusted depth to where no view's trusted
+// surface lies behind it any more: what is seen through is empty.
+void ffp_free_space(real *range, const FfpDepths *depths);
+
+#endif

@@ -1,0 +1,20 @@
+// Large captures are matched on reduced pictures: the work and the reach of every window then depend on the
+// object's size in the world, not on how finely it was photographed.
+#ifndef FFP_MATCH_REDUCE_H
+#define FFP_MATCH_REDUCE_H
+
+#include "engine/match/match.h"
+
+// A capture of reduced pictures and the start matched on it.
+typedef struct FfpReduced {
+    FfpCapture capture; // borrows patterns; its views have black, white, what they show of the
+                        // patterns, and the coverage
+    FfpInitialisation start;
+} FfpReduced;
+
+// Pixels a side that become one, at least 1: so many that a view shows the object, on average over the views,
+// in no more pixels than matching's costs have room for. 1 for any picture of 32,768 pixels or fewer.
+int ffp_reduction(const FfpCapture *capture);
+int ffp_reduction_of(double pixels); // the same from the object's mean number of pixels in a view
+
+#endif

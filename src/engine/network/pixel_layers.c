@@ -1,0 +1,106 @@
+// The layers that every pixel goes through by itself (pixel_skip), and what tells it of its context.
+#include <tgmath.h>
+#include "core/base/device.h"
+#include "core/tensor/tensor.h"
+#include "engine/network/head.h"
+
+#define RATIO_TOLD_MAX                                                                                       \
+    ((real)0.68)           // log2: what training shows (docs/lab/training.md); beyond it weights guess
+#define REACH_FOOTPRINTS 4 // of the context: depth differences beyond count as this
+
+bool ffp_head_has_context_inputs(const FfpModelConfig *config, const FfpGrid *grid,
+                                 const FfpInitialisation *context) {
+    return config->context_inputs && !grid->same && context;
+}
+
+void ffp_head_context_inputs(real *out, const int64_t *pixels, int64_t count, const FfpGrid *grid,
+                             const FfpInitialisation *near, const FfpInitialisation *far) {
+    const real ratio = sqrt((real)near->width * (real)near->height / ((real)far->width * (real)far->height));
+#pragma omp parallel for schedule(static)
+    for (int64_t i = 0; i < count; i++) {
+        const int64_t pixel = pixels[i];
+        const FfpTaps taps = ffp_grid_taps(grid, pixel);
+        real behind = near->t[pixel];
+        for (int t = 0; t < taps.count; t++) behind -= taps.weight[t] * far->t[taps.pixel[t]];
+        behind /= REACH_FOOTPRINTS * ratio * fmax(near->footprint[pixel], (real)1e-6);
+        out[FFP_CONTEXT_CHANNELS * i] = fmin(log2(ratio), RATIO_TOLD_MAX);
+        out[FFP_CONTEXT_CHANNELS * i + 1] = fmin(fmax(behind, -1), 1);
+    }
+}
+
+static bool uses_context_inputs(const FfpHead *head, const FfpModelConfig *config) {
+    return head->prepared ? head->prepared->has_context_inputs
+                          : ffp_head_has_context_inputs(config, &head->grid, head->context);
+}
+
+// What tells the pixels of a block context_inputs from their context, [count, context channels].
+static const real *context_inputs_of(FfpHead *head, int64_t first, int count) {
+    if (head->prepared) return head->prepared->context_inputs + FFP_CONTEXT_CHANNELS * first;
+    ffp_head_context_inputs(head->context_inputs, head->pixel + first, count, &head->grid, head->source.start,
+                            head->context);
+    return head->context_inputs;
+}
+
+// hidden [count, width] += context_inputs weight^T, weight [width, channels].
+static void add_context_inputs(real *hidden, const real *context_inputs, const real *weight, int count,
+                               int width) {
+    if (ffp_device()) {
+        ffp_device()->network->add_context_inputs(hidden, context_inputs, weight, count, width,
+                                                  FFP_CONTEXT_CHANNELS);
+        return;
+    }
+#pragma omp parallel for schedule(static)
+    for (int i = 0; i < count; i++)
+        for (int k = 0; k < width; k++)
+            for (int c = 0; c < FFP_CONTEXT_CHANNELS; c++)
+                hidden[(size_t)i * width + k] +=
+                    context_inputs[FFP_CONTEXT_CHANNELS * i + c] * weight[FFP_CONTEXT_CHANNELS * k + c];
+}
+
+// From head->gathered to the last layer's input.
+static void hidden_forward(FfpHead *head, int64_t first, int count, const FfpModel *model) {
+    const FfpLayout *at = model->layout;
+    const real *x = head->gathered;
+    const int width = head->widths.hidden;
+    int in = head->widths.gathered;
+    for (int i = 0; i < FFP_HIDDEN_LAYERS; i++) {
+        ffp_linear_forward(head->hidden[i], x, model->values + at->hidden[i],
+                           model->values + at->hidden_bias[i], count, in, width);
+        if (i == 0 && uses_context_inputs(head, &model->config))
+            add_context_inputs(head->hidden[0], context_inputs_of(head, first, count),
+                               model->values + at->context, count, width);
+        ffp_gelu_forward(head->activated[i], head->hidden[i], (size_t)count * width);
+        x = head->activated[i];
+        in = width;
+    }
+}
+
+void ffp_pixel_layers_forward(real *raw, FfpHead *head, int64_t first, int count, const FfpModel *model) {
+    const FfpLayout *at = model->layout;
+    hidden_forward(head, first, count, model);
+    ffp_linear_forward(raw, head->activated[FFP_HIDDEN_LAYERS - 1], model->values + at->last,
+                       model->values + at->last_bias, count, head->widths.hidden, head->widths.numbers);
+}
+
+void ffp_pixel_layers_backward(real *dfeatures, real *grad, FfpHead *head, int64_t first, int count,
+                               const real *draw, const FfpModel *model) {
+    const FfpHeadWidths *w = &head->widths;
+    const FfpLayout *at = model->layout;
+    const real *values = model->values;
+    const int top = FFP_HIDDEN_LAYERS - 1;
+    hidden_forward(head, first, count, model);
+    ffp_linear_backward(head->dactivated, grad + at->last, grad + at->last_bias, draw, head->activated[top],
+                        values + at->last, count, w->hidden, w->numbers);
+    for (int i = top; i >= 0; i--) {
+        ffp_gelu_backward(head->dhidden, head->dactivated, head->hidden[i], (size_t)count * w->hidden);
+        ffp_linear_backward(i ? head->dactivated : NULL, grad + at->hidden[i], grad + at->hidden_bias[i],
+                            head->dhidden, i ? head->activated[i - 1] : head->gathered,
+                            values + at->hidden[i], count, i ? w->hidden : w->gathered, w->hidden);
+    }
+    if (uses_context_inputs(head, &model->config))
+        ffp_gemm(true, false, w->hidden, FFP_CONTEXT_CHANNELS, count, 1, head->dhidden, w->hidden,
+                 context_inputs_of(head, first, count), FFP_CONTEXT_CHANNELS, 1, grad + at->context,
+                 FFP_CONTEXT_CHANNELS);
+    ffp_gemm_mixed(false, false, count, w->features, w->hidden, 1, head->dhidden, w->hidden,
+                   values + at->hidden[0], w->gathered, 0, dfeatures, w->features);
+}

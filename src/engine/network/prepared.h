@@ -1,0 +1,26 @@
+// All that the network takes from a capture, as arrays: made once by the CPU, brought to a device, there for
+// any number of passes. A pass of the CPU needs none of this: it makes numbers where they are needed.
+#ifndef FFP_NETWORK_PREPARED_H
+#define FFP_NETWORK_PREPARED_H
+
+#include "engine/network/context.h"
+#include "engine/network/table.h"
+
+struct FfpPrepared {
+    int tokens, across, down; // of the context; across and down a view
+    int64_t count;            // Gaussians
+    int64_t *pixel;           // [count] the host's: their pixels in the capture
+    size_t inputs_count;      // numbers of inputs
+    int channels;             // of own
+    int n_used;               // tokens that a Gaussian needs
+    bool has_context_inputs;  // `context_inputs` exists
+    // The CPU's as it was made, the device's in a copy that was brought there:
+    real *inputs;         // [tokens, patch^2, channels]
+    FfpPixelBase *base;   // [count]
+    int32_t *used;        // [n_used]
+    FfpTapTable taps;     // into a map of n_used * patch^2 rows
+    real *own;            // [count, channels]; NULL without pixel_skip
+    real *context_inputs; // [count, context channels]; NULL where there is nothing to tell
+};
+
+#endif

@@ -1,0 +1,193 @@
+// Compensation: views and targets in, patterns and predicted pictures out.
+#include "engine/pipeline/compensate.h"
+#include <stdio.h>
+#include <tgmath.h>
+#include "core/base/alloc.h"
+#include "core/base/log.h"
+#include "core/capture/panel.h"
+#include "engine/apply/choose.h"
+#include "engine/apply/solve.h"
+#include "engine/pipeline/relight.h"
+
+#define STEPS_MAX 100000
+#define DEVICE "projector.device"
+
+typedef struct Job {
+    const FfpCompensation *options;
+    const FfpRaw *pictures; // [n_targets] of the caller's memory; NULL: files
+    const FfpCapture *capture;
+    FfpChosen chosen;
+    FfpImage *targets, *alphas; // [n_targets]; an alpha is empty where the file has none
+    FfpStage stage;
+} Job;
+
+static bool check_options(const FfpCompensation *options, const FfpCapture *capture, FfpError *err) {
+    if (options->n_targets < 1) return ffp_fail(err, FFP_ERROR_ARGUMENT, NULL, "no target to compensate for");
+    if (!(options->gain >= 0) || !isfinite(options->gain))
+        return ffp_fail(err, FFP_ERROR_ARGUMENT, NULL, "a gain of %g is not above zero", options->gain);
+    if (options->steps < 0 || options->steps > STEPS_MAX)
+        return ffp_fail(err, FFP_ERROR_ARGUMENT, NULL, "%d steps are not in 0 to %d", options->steps,
+                        STEPS_MAX);
+    return !options->for_device || capture->panel.known ||
+           ffp_fail(err, FFP_ERROR_ARGUMENT, capture->folder,
+                    "the capture does not know the real projector (scene.json: " DEVICE
+                    "): its projector is the ideal one of a generated or older capture; import it again from "
+                    "the calibration");
+}
+
+// A target is a picture in the camera's frame: of its shape, if not of its size.
+static bool check_shape(const FfpImage *target, const FfpView *view, const char *path, FfpError *err) {
+    const double ratio = (double)target->width / target->height;
+    const double wanted = (double)view->camera.width / view->camera.height;
+    if (fabs(ratio / wanted - 1) <= 0.01) return true;
+    return ffp_fail(err, FFP_ERROR_ARGUMENT, path,
+                    "a target of %d x %d has not the shape of view %s's camera of %d x %d", target->width,
+                    target->height, view->id, view->camera.width, view->camera.height);
+}
+
+static int target_of(const Job *job, int v) {
+    return job->options->n_targets == 1 ? 0 : v;
+}
+
+static bool read_target(Job *job, int t, FfpError *err) {
+    const FfpCompensation *options = job->options;
+    if (!job->pictures)
+        return ffp_image_read_over_black(&job->targets[t], &job->alphas[t], options->targets[t], err);
+    const FfpRaw *raw = &job->pictures[t];
+    char name[32];
+    snprintf(name, sizeof name, "target %d", t);
+    if (!raw->data) return ffp_fail(err, FFP_ERROR_ARGUMENT, name, "the target has no pixels");
+    return ffp_raw_over_black(&job->targets[t], &job->alphas[t], raw, name, err);
+}
+
+static bool read_targets(Job *job, FfpError *err) {
+    const FfpCompensation *options = job->options;
+    const int n = options->n_targets, n_views = job->chosen.n_views;
+    if (n != 1 && n != n_views)
+        return ffp_fail(err, FFP_ERROR_ARGUMENT, NULL,
+                        "%d targets for %d views: give one for all views, or one for each", n, n_views);
+    job->targets = ffp_alloc((size_t)n, sizeof *job->targets);
+    job->alphas = ffp_alloc((size_t)n, sizeof *job->alphas);
+    for (int t = 0; t < n; t++)
+        if (!read_target(job, t, err)) return false;
+    for (int v = 0; v < n_views; v++) {
+        const int t = target_of(job, v);
+        const char *name = job->pictures ? "target" : options->targets[t];
+        if (!check_shape(&job->targets[t], job->chosen.views[v], name, err)) return false;
+    }
+    return true;
+}
+
+static void aim(Job *job) {
+    for (int v = 0; v < job->chosen.n_views; v++) {
+        const FfpCamera *camera = &job->chosen.views[v]->camera;
+        const int t = target_of(job, v);
+        FfpImage target = ffp_image_resize(&job->targets[t], camera->width, camera->height), alpha = {0};
+        if (job->alphas[t].data) alpha = ffp_image_resize(&job->alphas[t], camera->width, camera->height);
+        ffp_stage_aim(&job->stage, v, &target, alpha.data ? &alpha : NULL);
+        ffp_image_free(&target);
+        ffp_image_free(&alpha);
+    }
+}
+
+// A view without a lit pixel cannot be helped by any pattern.
+static bool check_light(const Job *job, FfpError *err) {
+    for (int s = 0; s < job->stage.n_camera_views; s++) {
+        FfpImage lit = ffp_stage_lit(&job->stage, s);
+        bool any = false;
+        for (int p = 0; p < lit.width * lit.height; p++) any |= lit.data[p] > 0;
+        ffp_image_free(&lit);
+        if (!any)
+            return ffp_fail(
+                err, FFP_ERROR_ARGUMENT, job->stage.camera_views[s].view->id,
+                "no projector lights anything that this view's camera sees and the target asks for");
+    }
+    return true;
+}
+
+static void solve(Job *job, FfpCompensationStats *stats) {
+    const FfpCompensation *options = job->options;
+    FfpStage *stage = &job->stage;
+    stats->gain = options->paint ? 1 : options->gain > 0 ? options->gain : (double)ffp_stage_brightest(stage);
+    if (options->paint)
+        ffp_stage_paint(stage);
+    else
+        ffp_stage_scale(stage, (real)stats->gain);
+    const FfpGamut gamut = ffp_stage_gamut(stage);
+    stats->unlit = gamut.unlit;
+    stats->too_dark = gamut.too_dark;
+    stats->too_bright = gamut.too_bright;
+    stats->psnr_dark = ffp_stage_psnr(stage);
+    ffp_stage_closed_form(stage);
+    stats->psnr_closed = ffp_stage_psnr(stage);
+    ffp_stage_descend(stage, options->steps);
+    ffp_stage_quantise(stage);
+    stats->psnr = ffp_stage_psnr(stage);
+    stats->patterns = stage->n_projections;
+}
+
+// The pattern of a projection as it is to be sent: to the ideal projector, or to the real one.
+static bool sent(const Job *job, int k, FfpImage *out, FfpError *err) {
+    const FfpProjection *projection = &job->stage.projections[k];
+    if (job->options->for_device)
+        return ffp_panel_picture(out, &job->capture->panel, &projection->view->projector,
+                                 &projection->pattern, DEVICE, err);
+    *out = ffp_image_copy(&projection->pattern);
+    return true;
+}
+
+static bool collect(const Job *job, FfpImages *images, FfpError *err) {
+    const FfpStage *stage = &job->stage;
+    for (int k = 0; k < stage->n_projections; k++) {
+        FfpImage pattern;
+        if (!sent(job, k, &pattern, err)) return false;
+        ffp_images_add(images, pattern, "pattern", stage->projections[k].view->id);
+    }
+    for (int s = 0; s < stage->n_camera_views; s++) {
+        const char *id = stage->camera_views[s].view->id;
+        ffp_images_add(images, ffp_stage_picture(stage, s), "seen", id);
+        ffp_images_add(images, ffp_image_copy(&stage->camera_views[s].target), "target", id);
+    }
+    return true;
+}
+
+static void free_job(Job *job) {
+    for (int t = 0; job->targets && t < job->options->n_targets; t++) {
+        ffp_image_free(&job->targets[t]);
+        ffp_image_free(&job->alphas[t]);
+    }
+    ffp_free(job->targets);
+    ffp_free(job->alphas);
+    ffp_stage_free(&job->stage);
+    ffp_chosen_free(&job->chosen);
+}
+
+FfpImages *ffp_compensation_run(const FfpGaussians *gaussians, const FfpCapture *capture,
+                                const FfpCompensation *options, const FfpRaw *pictures,
+                                FfpCompensationStats *stats, FfpError *err) {
+    Job job = {.options = options, .pictures = pictures, .capture = capture};
+    FfpCompensationStats found = {0};
+    FfpImages *images = NULL;
+    const double begin = ffp_seconds();
+    bool ok = check_options(options, capture, err) &&
+              ffp_choose_views(&job.chosen, capture, options->poses, options->views, options->n_views, err) &&
+              read_targets(&job, err);
+    if (ok) {
+        const FfpRenderSettings settings = ffp_drawing_settings(options->drawing, NULL);
+        job.stage = ffp_stage_new(gaussians, capture, job.chosen.views, job.chosen.n_views, &settings,
+                                  !options->gaussians_only);
+        aim(&job);
+        ok = check_light(&job, err);
+    }
+    if (ok) {
+        solve(&job, &found);
+        images = ffp_images_new();
+        ok = collect(&job, images, err);
+        found.seconds = ffp_seconds() - begin;
+        if (stats) *stats = found;
+    }
+    free_job(&job);
+    if (ok) return images;
+    ffp_images_free(images);
+    return NULL;
+}

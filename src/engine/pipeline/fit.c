@@ -1,0 +1,45 @@
+#include "engine/pipeline/fit.h"
+#include "core/base/file.h"
+#include "engine/denoise/denoise.h"
+#include "engine/pipeline/normalised.h"
+
+static bool fit_with_metrics(const FfpFitCall *fit, FILE *metrics, FfpError *err) {
+    FfpFitPhotographs photographs = {.source = fit->capture, .metrics = metrics};
+    int *patterns = photographs.patterns;
+    const int n = ffp_capture_photographs(fit->capture, fit->options->patterns, fit->options->n_patterns,
+                                          patterns, err);
+    if (n < 0) return false;
+    double noise = fit->options->noise;
+    FfpCapture normalised = ffp_normalised_alias(fit->capture);
+    FfpImage *clean = ffp_denoise_capture(&normalised, patterns, n, &noise);
+    photographs.capture = &normalised;
+    photographs.n_patterns = n;
+    const bool ok = fit->work(fit->argument, &photographs, err);
+    ffp_denoise_free(clean, fit->capture, patterns, n);
+    ffp_normalised_alias_free(&normalised);
+    return ok;
+}
+
+bool ffp_fit_call(const FfpFitCall *fit, FfpError *err) {
+    const char *path = fit->options->metrics;
+    FILE *metrics = NULL;
+    if (path && !(metrics = ffp_open_to_grow(path, fit->goes_on, err))) return false;
+    if (metrics) ffp_own_file(metrics);
+    const bool ok = fit_with_metrics(fit, metrics, err), lost = metrics && ferror(metrics);
+    if (metrics && (ffp_close_file(metrics) != 0 || lost))
+        return ffp_fail(err, FFP_ERROR_IO, path, "cannot write");
+    return ok;
+}
+
+void ffp_fit_done(FfpGaussians *gaussians, const char *made_from, const FfpFitPhotographs *photographs,
+                  const FfpRefineResult *result, FfpRefinementStats *stats) {
+    const FfpCapture *capture = photographs->source;
+    ffp_gaussians_transform(gaussians, capture->centre, capture->radius);
+    snprintf(gaussians->made_from, sizeof gaussians->made_from, "%s", made_from);
+    for (int i = 2; i < photographs->n_patterns; i++) // behind black and white
+        ffp_made_from_add(gaussians->made_from, capture->patterns[photographs->patterns[i]].name);
+    if (stats)
+        *stats =
+            (FfpRefinementStats){result->psnr_before, result->psnr_after, result->steps,  result->gaussians,
+                                 result->seconds,     result->stopped,    result->dropped};
+}

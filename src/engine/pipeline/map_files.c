@@ -1,0 +1,128 @@
+#include "engine/pipeline/map_files.h"
+#include <stdio.h>
+#include <string.h>
+#include "core/base/file.h"
+#include "engine/apply/choose.h"
+#include "engine/apply/view_maps.h"
+#include "engine/pipeline/relight.h"
+
+static FfpImages *map_view(const FfpGaussians *gaussians, const FfpCapture *capture, const FfpView *view,
+                           FfpDrawing drawing, FfpMapStats *stats) {
+    const FfpRenderSettings settings = ffp_drawing_settings(drawing, NULL);
+    FfpViewMapStats found = {.lit_share = 0};
+    FfpImages *images = ffp_view_maps(gaussians, capture, view, &settings, &found);
+    *stats = (FfpMapStats){.lit_pixels = found.trip.pixels,
+                           .lost_pixels = found.trip.lost,
+                           .within_half = found.trip.within_half,
+                           .median = found.trip.median,
+                           .most = found.trip.most,
+                           .lit_share = found.lit_share};
+    snprintf(stats->view, sizeof stats->view, "%s", view->id);
+    return images;
+}
+
+FfpImages *ffp_maps_of_view(const FfpGaussians *gaussians, const FfpCapture *capture, const FfpView *view,
+                            FfpDrawing drawing, FfpMapStats *stats, FfpError *err) {
+    FfpMapStats found;
+    const FfpImage *white = &capture->patterns[capture->white].image;
+    const FfpCamera *projector = &view->projector;
+    if (white->width != projector->width || white->height != projector->height) {
+        ffp_fail(err, FFP_ERROR_ARGUMENT, "projector", "%d x %d pixels are not the capture's %d x %d",
+                 projector->width, projector->height, white->width, white->height);
+        return NULL;
+    }
+    FfpImages *images = map_view(gaussians, capture, view, drawing, &found);
+    if (stats) *stats = found;
+    return images;
+}
+
+// --- Files. ---
+
+typedef struct Writer {
+    FfpOutput folder;
+    const char *view;
+    int written;
+} Writer;
+
+static bool write_map(Writer *writer, const FfpImage *image, const char *name, const char *ending,
+                      FfpError *err) {
+    char path[FFP_PATH_MAX];
+    if (snprintf(path, sizeof path, "%s/%s_%s%s", writer->folder.temporary, writer->view, name, ending) >=
+        FFP_PATH_MAX)
+        return ffp_fail(err, FFP_ERROR_ARGUMENT, writer->folder.path, "the path of %s_%s is too long",
+                        writer->view, name);
+    writer->written++;
+    if (strcmp(ending, ".exr") == 0) return ffp_image_write_exr(image, path, err);
+    return image->channels == 4 ? ffp_image_write_png16(image, path, err)
+                                : ffp_image_write_png(image, path, err);
+}
+
+// A correspondence map [.,3] (x, y, third; x < 0: none) as a 16-bit PNG: x and y as shares of the other
+// device's size, the third as it stands, alpha 0 where there is nothing.
+static bool write_shares(Writer *writer, const FfpImage *map, const FfpCamera *to, const char *name,
+                         FfpError *err) {
+    FfpImage picture = ffp_image_new(map->width, map->height, 4);
+    for (int p = 0; p < map->width * map->height; p++) {
+        const real *from = map->data + 3 * p;
+        if (from[0] < 0) continue;
+        const real pixel[4] = {from[0] / (real)to->width, from[1] / (real)to->height, from[2], 1};
+        memcpy(picture.data + 4 * p, pixel, sizeof pixel);
+    }
+    const bool ok = write_map(writer, &picture, name, ".png", err);
+    ffp_image_free(&picture);
+    return ok;
+}
+
+static bool write_encoded(Writer *writer, const FfpImage *linear, const char *name, FfpError *err) {
+    FfpImage picture = ffp_image_copy(linear);
+    ffp_image_to_srgb(&picture);
+    const bool ok = write_map(writer, &picture, name, ".png", err);
+    ffp_image_free(&picture);
+    return ok;
+}
+
+// Numbers go into EXR files; what people look at, into PNG files.
+static bool write_image(Writer *writer, const FfpImageEntry *entry, const FfpView *view, FfpError *err) {
+    const FfpImage *image = &entry->image;
+    const char *name = entry->name;
+    if (strcmp(name, "projector_sees") == 0) return write_encoded(writer, image, name, err);
+    if (strcmp(name, "lit") == 0) return write_map(writer, image, name, ".png", err);
+    if (!write_map(writer, image, name, ".exr", err)) return false;
+    if (strcmp(name, "illuminance") == 0) return write_map(writer, image, name, ".png", err);
+    if (strcmp(name, "camera_to_projector") == 0)
+        return write_shares(writer, image, &view->projector, name, err);
+    if (strcmp(name, "projector_to_camera") == 0)
+        return write_shares(writer, image, &view->camera, name, err);
+    return true;
+}
+
+static bool check_names(const FfpChosen *chosen, const char *folder, FfpError *err) {
+    for (int v = 0; v < chosen->n_views; v++) {
+        const char *id = chosen->views[v]->id;
+        if (!*id || *id == '.' || strchr(id, '/'))
+            return ffp_fail(err, FFP_ERROR_ARGUMENT, folder, "view %s is not a valid file name", id);
+    }
+    return true;
+}
+
+int ffp_maps_run(const FfpGaussians *gaussians, const FfpCapture *capture, const FfpMaps *options,
+                 FfpMapStats *stats, FfpError *err) {
+    FfpChosen chosen;
+    Writer writer = {.written = 0};
+    bool ok = ffp_choose_views(&chosen, capture, options->poses, options->views, options->n_views, err) &&
+              check_names(&chosen, options->folder, err) &&
+              ffp_output_open_folder(&writer.folder, options->folder, false, err);
+    for (int v = 0; ok && v < chosen.n_views; v++) {
+        FfpMapStats found = {0};
+        FfpImages *images = map_view(gaussians, capture, chosen.views[v], options->drawing, &found);
+        writer.view = chosen.views[v]->id;
+        for (const FfpImageEntry *entry = images->first; ok && entry; entry = entry->next)
+            ok = write_image(&writer, entry, chosen.views[v], err);
+        ffp_images_free(images);
+        if (ok && stats) stats[v] = found;
+    }
+    ok = ok && ffp_output_commit(&writer.folder, err);
+    ffp_output_abort(&writer.folder);
+    ffp_chosen_free(&chosen);
+    return ok ? writer.written : -1;
+}

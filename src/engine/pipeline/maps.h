@@ -1,0 +1,17 @@
+// A G-buffer's maps: as numbers, and as pictures to look at.
+#ifndef FFP_PIPELINE_MAPS_H
+#define FFP_PIPELINE_MAPS_H
+
+#include "engine/render/render.h"
+#include "ffprocams.h"
+
+const char *ffp_map_name(FfpMap map);
+// A viewable picture in [0,1]: depth near = bright over the view's own range, normals as (n + 1) / 2, colours
+// encoded.
+FfpImage ffp_map_picture(const FfpGbuffer *gbuffer, FfpMap map);
+// Camera z in world units, one channel, 0 where the opacity is below one half.
+FfpImage ffp_map_depth(const FfpGbuffer *gbuffer);
+// What ffp_renderer_map (ffprocams.h) gives out: means over each pixel.
+void ffp_map_values(const FfpGbuffer *gbuffer, FfpMap map, float *out);
+
+#endif

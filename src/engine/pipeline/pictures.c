@@ -1,0 +1,178 @@
+// Rendering to files: chosen views under chosen patterns, and the G-buffers.
+#include "engine/pipeline/pictures.h"
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include "core/base/alloc.h"
+#include "core/base/file.h"
+#include "core/base/log.h"
+#include "core/image/film.h"
+#include "engine/pipeline/maps.h"
+#include "engine/pipeline/picture_job.h"
+#include "engine/pipeline/relight.h"
+
+// --- What the files are called. ---
+
+typedef struct FileName {
+    char text[2 * FFP_NAME_MAX + 16];
+} FileName;
+
+static bool name_file(FileName *name, const FfpPictureJob *job, const FfpView *view, const char *rest,
+                      const char *ending, FfpError *err) {
+    char path[FFP_PATH_MAX], whole[FFP_NAME_MAX + 16];
+    snprintf(whole, sizeof whole, "%s%s", rest, ending);
+    snprintf(name->text, sizeof name->text, "%s_%s", view->id, whole);
+    return ffp_picture_path(path, sizeof path, job->options->folder, view->id, whole, err);
+}
+
+static int by_name(const void *a, const void *b) {
+    return strcmp(((const FileName *)a)->text, ((const FileName *)b)->text);
+}
+
+// Before the work: that every file has a name, and one of its own. Views and patterns may be called what they
+// like.
+static bool check_names(const FfpPictureJob *job, FfpError *err) {
+    if (ffp_is_sequence(job->options)) return true;
+    const int each = job->n_patterns + (job->options->maps ? FFP_MAP_COUNT + 1 : 0);
+    FileName *names = ffp_alloc((size_t)job->n_views * (size_t)each, sizeof *names), *next = names;
+    bool ok = true;
+    for (int v = 0; ok && v < job->n_views; v++) {
+        const FfpView *view = ffp_picture_view(job, v);
+        for (int p = 0; ok && p < job->n_patterns; p++)
+            ok = name_file(next++, job, view, job->patterns[p].name, ".png", err);
+        if (!job->options->maps) continue;
+        for (int m = 0; ok && m < FFP_MAP_COUNT; m++)
+            ok = name_file(next++, job, view, ffp_map_name((FfpMap)m), ".png", err);
+        ok = ok && name_file(next++, job, view, "depth", ".exr", err);
+    }
+    const size_t count = (size_t)(next - names);
+    if (ok) qsort(names, count, sizeof *names, by_name);
+    for (size_t i = 1; ok && i < count; i++)
+        if (by_name(&names[i - 1], &names[i]) == 0)
+            ok = ffp_fail(err, FFP_ERROR_ARGUMENT, job->options->folder, "two pictures would be called %s",
+                          names[i].text);
+    ffp_free(names);
+    return ok;
+}
+
+// --- Writing them. ---
+
+typedef struct Writer {
+    const FfpPictureJob *job;
+    const FfpGaussians *gaussians;
+    FfpViewPass *pass;
+    int written;
+} Writer;
+
+static bool write_picture(Writer *writer, const FfpView *view, const FfpImage *picture, const char *rest,
+                          FfpError *err) {
+    char path[FFP_PATH_MAX];
+    if (!ffp_picture_path(path, sizeof path, writer->job->options->folder, view->id, rest, err)) return false;
+    writer->written++;
+    return strstr(rest, ".exr") ? ffp_image_write_exr(picture, path, err)
+                                : ffp_image_write_png(picture, path, err);
+}
+
+static bool write_maps(Writer *writer, const FfpView *view, FfpError *err) {
+    const FfpGbuffer *gbuffer = ffp_view_pass_gbuffer(writer->pass);
+    FfpImage depth = ffp_map_depth(gbuffer);
+    bool ok = write_picture(writer, view, &depth, "depth.exr", err);
+    ffp_image_free(&depth);
+    for (int m = 0; ok && m < FFP_MAP_COUNT; m++) {
+        char rest[32];
+        snprintf(rest, sizeof rest, "%s.png", ffp_map_name((FfpMap)m));
+        FfpImage picture = ffp_map_picture(gbuffer, (FfpMap)m);
+        ok = write_picture(writer, view, &picture, rest, err);
+        ffp_image_free(&picture);
+    }
+    return ok;
+}
+
+static void draw(Writer *writer, const FfpView *view) {
+    ffp_view_pass_draw(writer->pass, writer->gaussians, &view->camera, &view->projector);
+}
+
+// What was drawn last, under a pattern.
+static FfpImage relit(const Writer *writer, int pattern) {
+    FfpSummed summed = ffp_summed_new(&writer->job->patterns[pattern].image);
+    FfpImage picture = ffp_relight(writer->pass, writer->job->intensity, &summed);
+    ffp_summed_free(&summed);
+    return picture;
+}
+
+static bool write_view(Writer *writer, const FfpView *view, FfpError *err) {
+    const FfpPictureJob *job = writer->job;
+    draw(writer, view);
+    bool ok = true;
+    for (int p = 0; ok && p < job->n_patterns; p++) {
+        char rest[FFP_NAME_MAX + 8];
+        snprintf(rest, sizeof rest, "%s.png", job->patterns[p].name);
+        FfpImage picture = relit(writer, p);
+        ok = write_picture(writer, view, &picture, rest, err);
+        ffp_image_free(&picture);
+    }
+    return ok && (!job->options->maps || write_maps(writer, view, err));
+}
+
+// One frame under one pattern, numbered.
+static bool write_frame(Writer *writer, int pattern, FfpFilm *film, FfpError *err) {
+    const FfpPictures *options = writer->job->options;
+    char name[32], path[FFP_PATH_MAX];
+    snprintf(name, sizeof name, "%04d.png", writer->written);
+    FfpImage picture = relit(writer, pattern);
+    const bool ok = ffp_picture_path(path, sizeof path, options->folder, "frame", name, err) &&
+                    ffp_image_write_png(&picture, path, err) &&
+                    (!options->video || ffp_film_add(film, &picture, err));
+    writer->written++;
+    ffp_image_free(&picture);
+    return ok;
+}
+
+// An orbit's frames share the patterns out; else each view is seen under each.
+static bool write_sequence(Writer *writer, FfpError *err) {
+    const FfpPictureJob *job = writer->job;
+    const bool orbit = job->options->orbit != FFP_ORBIT_NONE;
+    const int each = orbit ? 1 : job->n_patterns, frames = job->n_views * each;
+    const char *video = job->options->video;
+    FfpFilm film = {0};
+    bool ok = !video || ffp_film_open(&film, video, frames, job->options->rate, err);
+    FfpTask progress = ffp_task("rendering", frames);
+    for (int f = 0; ok && f < frames; f++) {
+        const int pattern = orbit ? (int)((int64_t)f * job->n_patterns / frames) : f % job->n_patterns;
+        if (f % each == 0) draw(writer, ffp_picture_view(job, f / each));
+        ok = write_frame(writer, pattern, &film, err);
+        ffp_task_step(&progress, f + 1, NULL);
+    }
+    ffp_task_end(&progress);
+    if (ok && video) ok = ffp_film_commit(&film, err);
+    if (video) ffp_film_abort(&film);
+    return ok;
+}
+
+static bool write_views(Writer *writer, FfpError *err) {
+    const FfpPictureJob *job = writer->job;
+    bool ok = true;
+    FfpTask progress = ffp_task("rendering", job->n_views);
+    for (int v = 0; ok && v < job->n_views; v++) {
+        ok = write_view(writer, ffp_picture_view(job, v), err);
+        ffp_task_step(&progress, v + 1, NULL);
+    }
+    ffp_task_end(&progress);
+    return ok;
+}
+
+int ffp_pictures_run(const FfpGaussians *gaussians, const FfpCapture *capture, const FfpPictures *options,
+                     FfpError *err) {
+    FfpPictureJob job;
+    Writer writer = {.job = &job, .gaussians = gaussians};
+    bool ok = ffp_picture_job_new(&job, gaussians, capture, options, err) && check_names(&job, err) &&
+              ffp_make_folders(options->folder, err);
+    if (ok) {
+        const FfpRenderSettings settings = ffp_drawing_settings(options->drawing, NULL);
+        writer.pass = ffp_view_pass_new(&settings);
+        ok = (ffp_is_sequence(options) ? write_sequence : write_views)(&writer, err);
+        ffp_view_pass_free(writer.pass);
+    }
+    ffp_picture_job_free(&job);
+    return ok ? writer.written : -1;
+}

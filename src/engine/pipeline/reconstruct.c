@@ -1,0 +1,235 @@
+// From a capture to Gaussians in its own units: normalise, match, (network,) back to the world.
+#include "engine/pipeline/reconstruct.h"
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include "core/base/arena.h"
+#include "core/base/call.h"
+#include "core/base/device.h"
+#include "core/base/log.h"
+#include "core/base/memory.h"
+#include "core/capture/capture.h"
+#include "core/capture/pad.h"
+#include "core/gaussians/gaussians.h"
+#include "engine/denoise/denoise.h"
+#include "engine/match/match.h"
+#include "engine/match/prune.h"
+#include "engine/network/network.h"
+#include "engine/pipeline/need.h"
+#include "engine/pipeline/normalised.h"
+#include "engine/pipeline/relight.h"
+#include "engine/refine/pyramid.h"
+#include "engine/refine/thin.h"
+
+_Static_assert(FFP_POLISH_STEPS == FFP_POLISH_DEFAULT_STEPS, "one number, in two headers");
+
+#define NETWORK_LOSS_MAX 1 // dB against the classical initialisation
+#define POLISH_VIEWS 8     // up to which the polish has FFP_POLISH_STEPS
+#define FEW_VIEWS 4        // fewer than these leave sides of any object out
+#define SPLATS_ALL 200000  // that are kept where nobody says how many,
+#define LAYERS_OF_MORE 2   // and of more
+
+// What a reconstruction passes on from step to step.
+typedef struct Work {
+    FfpCapture capture; // normalised, its photographs without noise
+    FfpCapture padded;  // the same with views of one size, of whole patches: for matching and the network
+    int *photographs;   // [n_photographs] black, white, the patterns (ffp_capture_photographs)
+    int n_photographs;
+    FfpInitialisation start;
+    FfpGaussians result;
+    int64_t *pixel; // [result.count] index of each Gaussian's pixel
+} Work;
+
+#define FIRST_PATTERN 2 // of the photographs; the network sees it
+
+static const int *patterns_of(const Work *w, int *n) {
+    *n = w->n_photographs - FIRST_PATTERN;
+    return w->photographs + FIRST_PATTERN;
+}
+
+// On the device that long work may use, or the CPU.
+static bool run_network(Work *w, const FfpModel *model, const FfpPixelContext *context, FfpError *err) {
+    const FfpDevice *device = ffp_device_offered();
+    ffp_device_use(device);
+    FfpModel there = device ? ffp_model_uploaded(model) : *model;
+    FfpRun *run = ffp_run_new(false);
+    const bool ok =
+        ffp_model_forward(&there, run, &w->padded, &w->start, context, w->photographs[FIRST_PATTERN], err);
+    if (ok) { // the run's own live only as long as the run
+        w->result = device ? ffp_gaussians_downloaded(&run->gaussians) : ffp_gaussians_copy(&run->gaussians);
+        w->pixel = ffp_alloc((size_t)w->result.count + 1, sizeof *w->pixel);
+        memcpy(w->pixel, run->pixel, (size_t)w->result.count * sizeof *w->pixel);
+    }
+    ffp_run_free(run);
+    if (device) ffp_memory_free(there.values);
+    ffp_device_use(NULL);
+    return ok;
+}
+
+// Its tokens are matched with all patterns.
+static bool predict_by_network(Work *w, const FfpModel *model, FfpError *err) {
+    int n;
+    const int *patterns = patterns_of(w, &n);
+    FfpPixelContext context;
+    if (!ffp_pixel_context_new(&context, &model->config, &w->padded, &w->start, patterns, n, err))
+        return false;
+    const bool ok = run_network(w, model, &context, err);
+    ffp_pixel_context_free(&context);
+    return ok;
+}
+
+// PSNR on the photographs that the reconstruction is made from.
+static double score(const Work *w, const FfpGaussians *gaussians, const int64_t *pixel,
+                    const FfpReconstruction *options) {
+    const FfpRenderSettings settings = ffp_drawing_settings(options->drawing, options->model);
+    const FfpOrigin origin = {w->start.views, w->start.width, w->start.height, pixel};
+    return ffp_pyramid_psnr(gaussians, &origin, &w->capture, w->photographs, w->n_photographs, &settings);
+}
+
+// Keeps the classical initialisation where the network shows the photographs clearly worse than it. A small
+// loss may buy better new poses, which nobody can score.
+static void keep_initial_if_better(Work *w, const FfpReconstruction *options, FfpReconstructionStats *stats) {
+    FfpGaussians start = ffp_initialisation_gaussians(&w->padded, &w->start);
+    int64_t *pixel = ffp_initialisation_pixels(&w->start);
+    const double before = score(w, &start, pixel, options), after = score(w, &w->result, w->pixel, options);
+    stats->network_dropped = start.count > 0 && after < before - NETWORK_LOSS_MAX;
+    if (stats->network_dropped) {
+        ffp_note("the network shows the photographs worse than the classical initialisation, %.1f against "
+                 "%.1f dB: "
+                 "the start is kept",
+                 after, before);
+        ffp_gaussians_free(&w->result);
+        ffp_free(w->pixel);
+        w->result = start;
+        w->pixel = pixel;
+    } else {
+        ffp_gaussians_free(&start);
+        ffp_free(pixel);
+    }
+}
+
+// Every step looks at one view.
+static int64_t polish_steps(const FfpReconstruction *options, int views) {
+    if (options->polish >= 0) return options->polish;
+    return FFP_POLISH_STEPS * (views > POLISH_VIEWS ? views : POLISH_VIEWS) / POLISH_VIEWS;
+}
+
+// Between the prediction and the way back to the world.
+static bool polish(Work *w, const FfpReconstruction *options, FfpReconstructionStats *stats, FfpError *err) {
+    FfpRefineSettings settings = ffp_polish_defaults(polish_steps(options, w->capture.n_views));
+    FfpRefineResult result;
+    const FfpOrigin origin = {w->start.views, w->start.width, w->start.height, w->pixel};
+    settings.render = ffp_drawing_settings(options->drawing, options->model);
+    if (!ffp_refine_pyramid(&w->result, &origin, &w->capture, w->photographs, w->n_photographs, &settings,
+                            &result, err))
+        return false;
+    stats->polish_dropped = result.dropped;
+    if (result.dropped) ffp_note("the polish shows the photographs worse than before: it is left out");
+    return true;
+}
+
+static bool predict(Work *w, const FfpReconstruction *options, FfpReconstructionStats *stats, FfpError *err) {
+    int n;
+    const int *patterns = patterns_of(w, &n);
+    const FfpMatchSettings settings = ffp_match_defaults();
+    double begin = ffp_seconds();
+    if (!ffp_initialisation_new(&w->start, &w->padded, patterns, n, &settings, err)) return false;
+    stats->initialisation_s = ffp_seconds() - begin;
+    if (!options->model) {
+        w->result = ffp_initialisation_gaussians(&w->padded, &w->start);
+        w->pixel = ffp_initialisation_pixels(&w->start);
+        return true;
+    }
+    begin = ffp_seconds();
+    if (!predict_by_network(w, options->model, err)) return false;
+    keep_initial_if_better(w, options, stats);
+    stats->network_s = ffp_seconds() - begin;
+    return true;
+}
+
+static bool repeated(const FfpCapture *capture, int view) {
+    const FfpView *views = capture->views;
+    for (int v = 0; v < view; v++)
+        if (ffp_same_device(&views[v].camera, &views[view].camera) &&
+            ffp_same_device(&views[v].projector, &views[view].projector))
+            return true;
+    return false;
+}
+
+// A view whose devices stand as in one before it shows nothing new, but would agree with that one whatever
+// either says.
+static void leave_repeated_views_out(FfpCapture *alias) {
+    const int before = alias->n_views;
+    int kept = 0;
+    for (int v = 0; v < before; v++) {
+        const FfpView view = alias->views[v];
+        alias->views[kept] = view;
+        if (repeated(alias, kept))
+            ffp_image_free(&alias->views[kept].depth);
+        else
+            kept++;
+    }
+    alias->n_views = kept;
+    if (kept < before)
+        ffp_note("%d of %d views repeat others' poses: they are left out", before - kept, before);
+}
+
+static void thin(Work *w, const FfpReconstruction *options) {
+    double layers = options->layers;
+    if (layers < 0) layers = w->result.count > SPLATS_ALL ? LAYERS_OF_MORE : 0;
+    ffp_thin(&w->result, w->pixel, &w->padded, w->start.confidence, layers);
+}
+
+static bool predict_and_polish(Work *w, const FfpReconstruction *options, FfpReconstructionStats *stats,
+                               FfpError *err) {
+    if (!predict(w, options, stats, err)) return false;
+    const double begin = ffp_seconds();
+    ffp_prune_contradicted(w->result.opacity, w->result.centre, w->result.count, &w->padded, &w->start);
+    thin(w, options);
+    if (options->polish != 0 && w->result.count > 0 && !polish(w, options, stats, err)) return false;
+    stats->polish_s = ffp_seconds() - begin;
+    stats->gaussians = w->result.count;
+    return true;
+}
+
+// What nobody can see, nobody should be led to believe.
+static void warn_of_gaps(const FfpCapture *capture) {
+    if (capture->n_views == 1)
+        ffp_note("one view shows one side of the object: the other side will be missing");
+    else if (capture->n_views < FEW_VIEWS)
+        ffp_note("%d views: sides of the object that none of them shows will be missing", capture->n_views);
+}
+
+FfpGaussians *ffp_reconstruction_run(const FfpCapture *capture, const FfpReconstruction *options,
+                                     FfpReconstructionStats *stats_out, FfpError *err) {
+    int photographs[FFP_PATTERNS_MAX];
+    const int n = ffp_capture_photographs(capture, options->patterns, options->n_patterns, photographs, err);
+    if (n < 0 || !ffp_check_memory(capture, options, ffp_memory_available(), err)) return NULL;
+    Work w = {.capture = ffp_normalised_alias(capture), .photographs = photographs, .n_photographs = n};
+    leave_repeated_views_out(&w.capture);
+    warn_of_gaps(&w.capture);
+    FfpReconstructionStats stats = {.patterns = n - FIRST_PATTERN, .noise = options->noise};
+    FfpGaussians *gaussians = NULL;
+    const double begin = ffp_seconds();
+    FfpImage *clean = ffp_denoise_capture(&w.capture, photographs, n, &stats.noise);
+    stats.denoise_s = ffp_seconds() - begin;
+    snprintf(stats.pattern, sizeof stats.pattern, "%s", capture->patterns[photographs[FIRST_PATTERN]].name);
+    w.padded =
+        ffp_padded_capture(&w.capture, photographs, n, options->model ? options->model->config.patch : 1);
+    if (predict_and_polish(&w, options, &stats, err)) {
+        ffp_gaussians_transform(&w.result, capture->centre, capture->radius);
+        gaussians = ffp_alloc(1, sizeof *gaussians);
+        *gaussians = w.result;
+        for (int i = FIRST_PATTERN; i < n; i++)
+            ffp_made_from_add(gaussians->made_from, capture->patterns[photographs[i]].name);
+        if (stats_out) *stats_out = stats;
+    } else {
+        ffp_gaussians_free(&w.result);
+    }
+    ffp_free(w.pixel);
+    ffp_initialisation_free(&w.start);
+    ffp_padded_capture_free(&w.padded, &w.capture);
+    ffp_denoise_free(clean, &w.capture, photographs, n);
+    ffp_normalised_alias_free(&w.capture);
+    return gaussians;
+}

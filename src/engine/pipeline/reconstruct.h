@@ -1,0 +1,17 @@
+// From a capture to Gaussians, step by step. The pipeline's options and results are types of the public
+// header: twins of theirs would have the same fields with the same meaning, and every new option three
+// places. What is taken from it are types alone: nothing in the engine calls a public function, and the room
+// links without them.
+#ifndef FFP_PIPELINE_RECONSTRUCT_H
+#define FFP_PIPELINE_RECONSTRUCT_H
+
+#include "core/capture/capture.h"
+#include "core/gaussians/gaussians.h"
+#include "engine/network/network.h"
+#include "ffprocams.h"
+
+// The work of ffp_reconstruct (ffprocams.h), in the capture's own units. `stats` may be NULL.
+FfpGaussians *ffp_reconstruction_run(const FfpCapture *capture, const FfpReconstruction *options,
+                                     FfpReconstructionStats *stats, FfpError *err);
+
+#endif

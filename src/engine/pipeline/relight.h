@@ -1,0 +1,19 @@
+// A view under a pattern as a file holds it. Shared by rendering, evaluation and the report.
+#ifndef FFP_PIPELINE_RELIGHT_H
+#define FFP_PIPELINE_RELIGHT_H
+
+#include "engine/network/network.h"
+#include "engine/render/pass.h"
+#include "ffprocams.h"
+
+// The view drawn last under a pattern: sRGB-encoded RGB rounded to 8 bits, so that metrics see what the file
+// will hold.
+FfpImage ffp_relight(FfpViewPass *pass, const real intensity[3], const FfpSummed *pattern);
+
+void ffp_quantise(FfpImage *encoded); // clamps to [0,1] and rounds to multiples of 1/255, in place
+
+// The settings that Gaussians are drawn with: the model's own form when there is one, and its samples unless
+// the drawing names others.
+FfpRenderSettings ffp_drawing_settings(FfpDrawing drawing, const FfpModel *model);
+
+#endif

@@ -1,0 +1,110 @@
+#include "engine/pipeline/renderer.h"
+#include <string.h>
+#include "core/base/alloc.h"
+#include "engine/pipeline/maps.h"
+#include "engine/pipeline/relight.h"
+
+static void forget_pass(void *owner) {
+    FfpRenderer *renderer = owner;
+    renderer->pass = NULL;
+    renderer->pattern = (FfpSummed){0};
+    renderer->aimed = false;
+}
+
+FfpRenderer *ffp_renderer_make(FfpDrawing drawing) {
+    FfpRenderer *renderer = ffp_alloc(1, sizeof *renderer);
+    renderer->settings = ffp_drawing_settings(drawing, NULL);
+    ffp_blocks_init(&renderer->blocks, renderer, forget_pass);
+    return renderer;
+}
+
+void ffp_renderer_free(FfpRenderer *renderer) {
+    ffp_blocks_close(&renderer->blocks);
+    ffp_free(renderer);
+}
+
+void ffp_renderer_draw(FfpRenderer *renderer, const FfpGaussians *gaussians, const FfpCamera *camera,
+                       const FfpCamera *projector) {
+    renderer->camera = *camera;
+    renderer->projector = *projector;
+    ffp_blocks_use(&renderer->blocks);
+    if (!renderer->pass) renderer->pass = ffp_view_pass_new(&renderer->settings);
+    ffp_view_pass_draw(renderer->pass, gaussians, &renderer->camera, &renderer->projector);
+    ffp_blocks_use(NULL);
+    renderer->aimed = true;
+}
+
+static bool check_aimed(const FfpRenderer *renderer, FfpError *err) {
+    return renderer->aimed ||
+           ffp_fail(err, FFP_ERROR_ARGUMENT, NULL, "the renderer is not aimed at anything");
+}
+
+// The pattern as the shader wants it.
+static bool take_pattern(FfpRenderer *renderer, const FfpRaw *pattern, FfpError *err) {
+    FfpImage image;
+    const FfpCamera *projector = &renderer->projector;
+    if (pattern->width != projector->width || pattern->height != projector->height)
+        return ffp_fail(err, FFP_ERROR_ARGUMENT, "pattern",
+                        "%d x %d pixels do not fit a projector of %d x %d", pattern->width, pattern->height,
+                        projector->width, projector->height);
+    if (!ffp_raw_over_black(&image, NULL, pattern, "pattern", err)) return false;
+    ffp_blocks_use(&renderer->blocks);
+    ffp_summed_fill(&renderer->pattern, &image);
+    ffp_blocks_use(NULL);
+    ffp_image_free(&image);
+    return true;
+}
+
+static bool check_out(const FfpPictureOut *out, size_t row, FfpError *err) {
+    if (out->type != FFP_PIXELS_F32 && out->type != FFP_PIXELS_U8)
+        return ffp_fail(err, FFP_ERROR_ARGUMENT, "type",
+                        "pictures are drawn as 8-bit or 32-bit float pixels");
+    return out->row_bytes == 0 || out->row_bytes >= row ||
+           ffp_fail(err, FFP_ERROR_ARGUMENT, "row_bytes", "rows of %zu bytes have no room for %zu",
+                    out->row_bytes, row);
+}
+
+static bool take_intensity(const double intensity[3], real strength[3], FfpError *err) {
+    for (int c = 0; c < 3; c++) {
+        if (!(intensity[c] >= 0 && intensity[c] <= 1e18))
+            return ffp_fail(err, FFP_ERROR_ARGUMENT, "intensity", "%g is out of range", intensity[c]);
+        strength[c] = (real)intensity[c];
+    }
+    return true;
+}
+
+static void put_picture(const FfpPictureOut *out, size_t row_bytes, const FfpImage *picture) {
+    const size_t count = 3 * (size_t)picture->width;
+    for (int y = 0; y < picture->height; y++) {
+        const real *from = picture->data + (size_t)y * count;
+        unsigned char *row = (unsigned char *)out->pixels + (size_t)y * row_bytes;
+        if (out->type == FFP_PIXELS_F32)
+            memcpy(row, from, count * sizeof(float));
+        else
+            for (size_t i = 0; i < count; i++) row[i] = (unsigned char)(from[i] * 255 + 0.5F);
+    }
+}
+
+bool ffp_renderer_relight(FfpRenderer *renderer, const FfpRaw *pattern, const double intensity[3],
+                          FfpPictureOut out, FfpError *err) {
+    if (!check_aimed(renderer, err)) return false;
+    const size_t row = 3 * (size_t)renderer->camera.width * (out.type == FFP_PIXELS_F32 ? sizeof(float) : 1);
+    real strength[3];
+    if (!check_out(&out, row, err) || !take_intensity(intensity, strength, err)) return false;
+    const bool dark = !pattern->data;
+    if (!dark && !take_pattern(renderer, pattern, err)) return false;
+    FfpImage picture = ffp_view_pass_picture_new(renderer->pass);
+    ffp_view_pass_shade(renderer->pass, strength, dark ? NULL : &renderer->pattern, &picture);
+    if (out.type == FFP_PIXELS_U8) ffp_quantise(&picture);
+    put_picture(&out, out.row_bytes ? out.row_bytes : row, &picture);
+    ffp_image_free(&picture);
+    return true;
+}
+
+bool ffp_renderer_values(FfpRenderer *renderer, FfpMap map, float *out, FfpError *err) {
+    if (!check_aimed(renderer, err)) return false;
+    if ((unsigned)map >= FFP_MAP_COUNT)
+        return ffp_fail(err, FFP_ERROR_ARGUMENT, "map", "unknown map %d", map);
+    ffp_map_values(ffp_view_pass_gbuffer(renderer->pass), map, out);
+    return true;
+}

@@ -1,0 +1,48 @@
+// One step of a fit, in parts: a view drawn, compared and taken back to the Gaussians; Adam.
+#ifndef FFP_REFINE_FIT_H
+#define FFP_REFINE_FIT_H
+
+#include "engine/refine/adam.h"
+#include "engine/refine/refine.h"
+
+// What the settings ask for that no device has code for, in words; NULL: nothing.
+const char *ffp_refine_beyond_devices(const FfpRefineSettings *settings);
+
+// What a view was worth, before the step that it caused.
+typedef struct FfpFitLoss {
+    double pictures, maps; // the pictures' terms, and those that look at G-buffers
+    double psnr;           // mean over the patterns
+} FfpFitLoss;
+
+// Draws views and compares; owns the buffers of one view and all pictures that are aimed at.
+typedef struct FfpPhotoLoss FfpPhotoLoss;
+FfpPhotoLoss *ffp_photo_loss_new(const FfpCapture *capture, const int *patterns, int n_patterns,
+                                 const FfpRefineSettings *settings);
+void ffp_photo_loss_free(FfpPhotoLoss *viewer);
+// PSNR of all views, mean over each view's photographs and over the views.
+double ffp_photo_loss_psnr(FfpPhotoLoss *viewer, const FfpGaussians *gaussians);
+
+typedef struct FfpFitView {
+    int view;
+    int64_t step; // says which terms count already
+    FfpGaussians *grad;
+    FfpFitLoss *loss;
+} FfpFitView;
+
+// The losses of one or two views. ADDS each one's gradient to its grad, and what it comes to to its *loss: by
+// ffp_loss_add (engine/loss/loss.h), so that a round need not wait for each. Two, which must not be the same,
+// are looked at at the same time where that pays; the numbers are those of one after the other.
+void ffp_photo_loss_backward(FfpPhotoLoss *viewer, const FfpGaussians *gaussians, const FfpFitView *looks,
+                             int n);
+
+// Of an order of all views: behind every other one (the first, the third, ...) comes the one of those left
+// that looks from the other side. What two views do not both see, neither's step changes for the other.
+void ffp_pair_opposites(const FfpCapture *capture, int *order);
+
+FfpGaussianAdam ffp_gaussian_adam_new(const FfpParameters *parameters, const FfpRefineSettings *settings);
+void ffp_gaussian_adam_free(FfpGaussianAdam *adam_state);
+// One step. `share` of the budget is spent, in [0,1].
+void ffp_gaussian_adam_step(FfpGaussianAdam *adam_state, FfpParameters *parameters, const FfpGaussians *grad,
+                            const FfpRefineSettings *settings, double share);
+
+#endif

@@ -1,0 +1,23 @@
+// A fit by whatever the program may use for long work.
+#include "core/base/device.h"
+#include "core/base/log.h"
+#include "core/capture/uploaded.h"
+#include "engine/refine/fit.h"
+
+bool ffp_refine_offered(FfpGaussians *gaussians, const FfpCapture *capture, const int *patterns,
+                        int n_patterns, const FfpRefineSettings *settings, FfpRefineResult *result,
+                        FfpError *err) {
+    const FfpDevice *device = ffp_device() ? NULL : ffp_device_offered();
+    const char *beyond = device ? ffp_refine_beyond_devices(settings) : NULL;
+    if (beyond) ffp_note("the fit works on the CPU: %s has no code for the GPU", beyond);
+    if (!device || beyond) return ffp_refine(gaussians, capture, patterns, n_patterns, settings, result, err);
+    ffp_device_use(device);
+    FfpCapture capture_there = ffp_capture_uploaded(capture);
+    FfpGaussians there = ffp_gaussians_uploaded(gaussians);
+    const bool ok = ffp_refine(&there, &capture_there, patterns, n_patterns, settings, result, err);
+    if (ok) ffp_gaussians_download(gaussians, &there);
+    ffp_gaussians_free(&there);
+    ffp_capture_free(&capture_there);
+    ffp_device_use(NULL);
+    return ok;
+}

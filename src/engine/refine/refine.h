@@ -1,0 +1,91 @@
+// Fits Gaussians to one object's photographs, held near to a prediction or free of it. The capture is
+// normalised (object in the unit sphere) and so are the Gaussians.
+#ifndef FFP_REFINE_REFINE_H
+#define FFP_REFINE_REFINE_H
+
+#include <stdbool.h>
+#include <stdio.h>
+#include "core/capture/capture.h"
+#include "core/gaussians/gaussians.h"
+#include "engine/refine/adam.h"
+#include "engine/render/render.h"
+
+// Changes the number of Gaussians while they are fitted: free of where they began, all in the world's axes.
+typedef struct FfpGrowth {
+    void *state;
+    // A view's gradient to the Gaussians, before it is pulled back.
+    void (*note)(void *state, const FfpGaussians *gaussians, const FfpGaussians *grad,
+                 const FfpCamera *camera);
+    // Behind each step, from 1. True when the number of parameters may have changed; Adam's state has
+    // followed.
+    bool (*step)(void *state, int64_t step, FfpParameters *parameters, const FfpGaussians *gaussians,
+                 FfpGaussianAdam *adam_state);
+} FfpGrowth;
+
+typedef struct FfpRefineSettings {
+    FfpRenderSettings render;
+    FfpRates rates;
+    double decay;               // all rates but the centre's fall by this factor over the budget, as a power
+    double centre_decay;        // the centre's rate falls by this factor over `centre_decay_steps`
+    int64_t centre_decay_steps; // 0: over the budget
+    real beta1, beta2, epsilon; // Adam's
+    real l1, ssim, mask, roughness_smooth, normal_smooth, distortion; // weights of the loss terms
+    int64_t distortion_from;                                          // step
+    real smooth; // share by which a step draws displacements along the normal towards the neighbours' mean
+    double mean; // share of the budget, its end, over which the numbers are averaged: that is then the result
+    int shadow_looks; // steps at a view that share a shadow map; up to 1: each draws its own
+    bool pairs;       // steps come in twos, both by gradients of the same state: of two views at a time
+    bool one_picture; // a step looks at one of the view's pictures, in turn, instead of all
+    const FfpGrowth *growth; // NULL: their number stays
+    int64_t steps;           // of one view each; 0: no limit
+    double seconds;          // of wall clock; 0: no limit
+    uint64_t seed;
+    bool may_stop;     // cancelled, the work ends with what it has
+    FILE *metrics;     // a line of JSON a round; NULL: none. What cannot be written ends the fit
+    bool measure;      // the PSNR before and after
+    bool quiet;        // tells no progress
+    const char *label; // of the progress; NULL: "refining"
+} FfpRefineSettings;
+FfpRefineSettings ffp_refine_defaults(void); // from a prediction
+#define FFP_POLISH_DEFAULT_STEPS 88          // of eight views
+// A short fit right behind a prediction: faster rates, nothing smoothed or measured.
+FfpRefineSettings ffp_polish_defaults(int64_t steps);
+
+// Of a pair's views that have no more pixels than these each is looked at by a thread of its own where there
+// are two or three, with buffers of its own.
+enum { FFP_AT_ONCE_PIXELS = 192 * 192 };
+
+typedef struct FfpRefineResult {
+    int64_t steps, gaussians;
+    double seconds;
+    double psnr_before, psnr_after; // dB on the pictures fitted, mean over pictures; without 8-bit rounding;
+                                    // 0 unless they are to be measured
+    bool stopped;                   // by the caller
+    bool dropped; // the fit showed the pictures worse than they were shown before: nothing was changed
+} FfpRefineResult;
+
+// Fits to the given patterns of all views (indices into the capture's), as far as a view has photographs
+// under them; it has one at least, and all of a view's count alike. Views come in rounds, each in an order
+// drawn from the seed. What is returned is the state after the round with the lowest loss, or the mean that
+// is asked for if that round was the last whole one or the one before it, or what was there before where that
+// has the better PSNR on the same pictures. With a limit in steps, the same seed and thread count give the
+// same bits. Errors: no Gaussians, no limit, a loss that is not finite. On a device: arrays of the Gaussians,
+// of pictures, coverage and patterns are that device's. Errors: growth or smoothing is asked for.
+bool ffp_refine(FfpGaussians *gaussians, const FfpCapture *capture, const int *patterns, int n_patterns,
+                const FfpRefineSettings *settings, FfpRefineResult *result, FfpError *err);
+
+// The same for a CPU's Gaussians and capture, on the device that long work may use (core/base/device.h) where
+// one is offered. What no device has code for the CPU does, and a note says so.
+bool ffp_refine_offered(FfpGaussians *gaussians, const FfpCapture *capture, const int *patterns,
+                        int n_patterns, const FfpRefineSettings *settings, FfpRefineResult *result,
+                        FfpError *err);
+
+// How well Gaussians show the given patterns' pictures of all views: PSNR in dB, mean over the pictures that
+// a view has, and over the views.
+double ffp_photographs_psnr(const FfpGaussians *gaussians, const FfpCapture *capture, const int *patterns,
+                            int n_patterns, const FfpRenderSettings *render);
+
+// ffp_summed_new on what the thread works on, pattern and table alike; released by ffp_summed_free.
+FfpSummed ffp_pattern_summed(const FfpImage *pattern);
+
+#endif

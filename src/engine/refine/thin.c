@@ -1,0 +1,189 @@
+#include "engine/refine/thin.h"
+#include <stdlib.h>
+#include "core/base/arena.h"
+#include "core/base/vec.h"
+#include "engine/refine/parameters.h"
+
+#define SLACK 1.5F  // footprints off another splat's plane within which a centre lies on the same surface
+#define FACING 0.5F // least cosine between normals of one surface
+#define STEEP 0.1F  // least cosine of incidence that counts
+#define WIDER 1.15F // a splat that stands alone, for a surface seen head-on;
+#define WIDEST_TILT 4.0F // largest 1 / cosine of incidence that widens it further
+
+typedef struct Piece { // of surface, that a splat's pixel shows
+    real normal[3];    // unit, towards the camera
+    int axis;          // the splat's that it lies along, its thinnest
+    real width;        // of a pixel there, the footprint
+    real area;         // footprint^2 / cosine of incidence
+} Piece;
+
+typedef struct Candidate {
+    real area;
+    int64_t splat;
+} Candidate;
+
+typedef struct Thinning {
+    const FfpGaussians *gaussians;
+    const int64_t *pixel;
+    const FfpCapture *capture;
+    int width, height;
+    int64_t area;  // pixels of a view
+    int64_t *at;   // [views,height,width] the pixel's splat, -1: none
+    Piece *pieces; // [count]
+    bool *kept;    // [count]
+} Thinning;
+
+static const FfpCamera *camera_of(const Thinning *t, int64_t splat) {
+    return &t->capture->views[t->pixel[splat] / t->area].camera;
+}
+
+static Piece piece_of(const Thinning *t, int64_t splat) {
+    const FfpCamera *camera = camera_of(t, splat);
+    const real *s = t->gaussians->scale + 3 * splat, *centre = t->gaussians->centre + 3 * splat;
+    real turn[9], x, y, back[3];
+    Piece out = {.axis = s[0] < s[1] ? (s[0] < s[2] ? 0 : 2) : s[1] < s[2] ? 1 : 2};
+    ffp_quaternion_matrix(t->gaussians->rotation + 4 * splat, turn);
+    for (int c = 0; c < 3; c++)
+        back[c] = camera->pose[4 * c + 3] - centre[c], out.normal[c] = turn[3 * c + out.axis];
+    ffp_normalise3(back);
+    const real cosine = ffp_dot3(out.normal, back);
+    if (cosine < 0)
+        for (int c = 0; c < 3; c++) out.normal[c] = -out.normal[c];
+    out.width = ffp_project(camera, centre, &x, &y) / camera->fx;
+    out.area = out.width * out.width / fmax(fabs(cosine), STEEP);
+    return out;
+}
+
+static Thinning thinning_new(const FfpGaussians *gaussians, const int64_t *pixel, const FfpCapture *capture) {
+    const FfpCamera *camera = &capture->views[0].camera;
+    const int64_t area = (int64_t)camera->width * camera->height, pixels = area * capture->n_views;
+    const size_t count = (size_t)gaussians->count + 1;
+    Thinning t = {gaussians,
+                  pixel,
+                  capture,
+                  camera->width,
+                  camera->height,
+                  area,
+                  ffp_alloc((size_t)pixels, sizeof *t.at),
+                  ffp_alloc(count, sizeof *t.pieces),
+                  ffp_alloc(count, sizeof *t.kept)};
+    for (int64_t p = 0; p < pixels; p++) t.at[p] = -1;
+#pragma omp parallel for schedule(static)
+    for (int64_t i = 0; i < gaussians->count; i++) {
+        t.pieces[i] = piece_of(&t, i);
+        if (gaussians->opacity[i] > 0) t.at[pixel[i]] = i;
+    }
+    return t;
+}
+
+static void thinning_free(Thinning *t) {
+    ffp_free(t->at), ffp_free(t->pieces), ffp_free(t->kept);
+}
+
+// Whether splat `a` lies on the surface that splat `b` is a piece of.
+static bool same_surface(const Thinning *t, int64_t a, int64_t b) {
+    const real *p = t->gaussians->centre + 3 * a, *q = t->gaussians->centre + 3 * b;
+    const Piece *piece = &t->pieces[b];
+    const real apart[3] = {p[0] - q[0], p[1] - q[1], p[2] - q[2]};
+    return fabs(ffp_dot3(piece->normal, apart)) <= SLACK * piece->width &&
+           ffp_dot3(piece->normal, t->pieces[a].normal) >= FACING;
+}
+
+// --- Views with one camera. ---
+
+// What a pixel and the same pixel of another view both have: one of them goes.
+static void drop_repeated(Thinning *t, const real *trust, int first, int second) {
+#pragma omp parallel for schedule(static)
+    for (int64_t p = 0; p < t->area; p++) {
+        const int64_t a = first * t->area + p, b = second * t->area + p;
+        if (t->at[a] < 0 || t->at[b] < 0 || !same_surface(t, t->at[b], t->at[a])) continue;
+        t->at[trust[b] > trust[a] ? a : b] = -1;
+    }
+}
+
+// --- Layers. ---
+
+// How many times the kept splats of view `view` describe the place of a splat: those of the four pixels
+// around it that lie on its surface, each by its share and by how much finer it is.
+static real described_in(const Thinning *t, int64_t splat, int view) {
+    real x, y, sum = 0;
+    const real z = ffp_project(&t->capture->views[view].camera, t->gaussians->centre + 3 * splat, &x, &y);
+    x -= 0.5F, y -= 0.5F;
+    if (!(z > 0 && x >= 0 && y >= 0 && x < (real)(t->width - 1) && y < (real)(t->height - 1))) return 0;
+    const int left = (int)x, top = (int)y;
+    const real a = x - (real)left, b = y - (real)top;
+    const int64_t first = view * t->area + (int64_t)top * t->width + left;
+    for (int n = 0; n < 4; n++) {
+        const int64_t other = t->at[first + (n / 2) * t->width + n % 2];
+        if (other < 0 || !t->kept[other] || !same_surface(t, splat, other)) continue;
+        const real share = (n % 2 ? a : 1 - a) * (n / 2 ? b : 1 - b);
+        sum += share * t->pieces[splat].area / t->pieces[other].area;
+    }
+    return sum;
+}
+
+static real described(const Thinning *t, int64_t splat) {
+    const int own = (int)(t->pixel[splat] / t->area);
+    real sum = 0;
+    for (int v = 0; v < t->capture->n_views; v++)
+        if (v != own) sum += described_in(t, splat, v);
+    return sum;
+}
+
+static int finer_first(const void *a, const void *b) {
+    const Candidate *x = a, *y = b;
+    if (x->area != y->area) return x->area < y->area ? -1 : 1;
+    return x->splat < y->splat ? -1 : x->splat > y->splat;
+}
+
+// One after the other, because whether a splat stays depends on which finer ones do.
+static void choose(Thinning *t, double layers) {
+    const int64_t pixels = t->area * t->capture->n_views;
+    Candidate *candidates = ffp_alloc((size_t)t->gaussians->count + 1, sizeof *candidates);
+    size_t count = 0;
+    for (int64_t p = 0; p < pixels; p++)
+        if (t->at[p] >= 0) candidates[count++] = (Candidate){t->pieces[t->at[p]].area, t->at[p]};
+    if (layers > 0) qsort(candidates, count, sizeof *candidates, finer_first);
+    for (size_t i = 0; i < count; i++) {
+        const int64_t splat = candidates[i].splat;
+        t->kept[splat] = !(layers > 0) || described(t, splat) < (real)layers;
+    }
+    ffp_free(candidates);
+}
+
+// A start's splats are as wide as a pixel that looks at them head-on, and leave gaps in a surface that no
+// other view's splats close.
+static void widen(const Thinning *t, real *scale) {
+#pragma omp parallel for schedule(static)
+    for (int64_t i = 0; i < t->gaussians->count; i++) {
+        if (!t->kept[i]) continue;
+        const real alone = 1 - fmin(described(t, i), 1), width = t->pieces[i].width;
+        const real tilt = fmin(t->pieces[i].area / (width * width), WIDEST_TILT);
+        const real wider = pow(WIDER * sqrt(tilt), alone);
+        for (int c = 0; c < 3; c++) scale[3 * i + c] *= c == t->pieces[i].axis ? 1 : wider;
+    }
+}
+
+static int64_t gather_kept(FfpGaussians *gaussians, int64_t *pixel, const bool *kept) {
+    const int64_t before = gaussians->count;
+    int64_t *from = ffp_alloc((size_t)before + 1, sizeof *from), count = 0;
+    for (int64_t i = 0; i < before; i++)
+        if (kept[i]) pixel[count] = pixel[i], from[count++] = i;
+    ffp_gaussians_gather(gaussians, from, count);
+    ffp_free(from);
+    return before - count;
+}
+
+int64_t ffp_thin(FfpGaussians *gaussians, int64_t *pixel, const FfpCapture *capture, const real *trust,
+                 double layers) {
+    Thinning t = thinning_new(gaussians, pixel, capture);
+    for (int v = 1; v < capture->n_views; v++)
+        for (int u = 0; u < v; u++)
+            if (ffp_same_device(&capture->views[u].camera, &capture->views[v].camera))
+                drop_repeated(&t, trust, u, v);
+    choose(&t, layers);
+    if (layers > 0) widen(&t, gaussians->scale);
+    const int64_t left_out = gather_kept(gaussians, pixel, t.kept);
+    thinning_free(&t);
+    return left_out;
+}

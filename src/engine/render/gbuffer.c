@@ -1,0 +1,59 @@
+#include <string.h>
+#include "core/base/device.h"
+#include "engine/render/render.h"
+#include "engine/render/table.h"
+
+FfpGbuffer ffp_gbuffer_new(int width, int height) {
+    const size_t pixels = (size_t)width * (size_t)height;
+    return (FfpGbuffer){.width = width,
+                        .height = height,
+                        .opacity = ffp_memory_new(pixels, sizeof(real)),
+                        .depth = ffp_memory_new(pixels, sizeof(real)),
+                        .normal = ffp_memory_new(pixels, 3 * sizeof(real)),
+                        .albedo = ffp_memory_new(pixels, 3 * sizeof(real)),
+                        .roughness = ffp_memory_new(pixels, sizeof(real)),
+                        .ambient = ffp_memory_new(pixels, 3 * sizeof(real)),
+                        .distortion = ffp_memory_new(pixels, sizeof(real))};
+}
+
+void ffp_gbuffer_clear(FfpGbuffer *g) {
+    if (ffp_render_table()) {
+        ffp_render_table()->gbuffer_clear(g);
+        return;
+    }
+    const size_t plane = (size_t)g->width * (size_t)g->height * sizeof(real);
+    memset(g->opacity, 0, plane);
+    memset(g->depth, 0, plane);
+    memset(g->normal, 0, 3 * plane);
+    memset(g->albedo, 0, 3 * plane);
+    memset(g->roughness, 0, plane);
+    memset(g->ambient, 0, 3 * plane);
+    memset(g->distortion, 0, plane);
+}
+
+void ffp_gbuffer_free(FfpGbuffer *g) {
+    ffp_memory_free(g->opacity);
+    ffp_memory_free(g->depth);
+    ffp_memory_free(g->normal);
+    ffp_memory_free(g->albedo);
+    ffp_memory_free(g->roughness);
+    ffp_memory_free(g->ambient);
+    ffp_memory_free(g->distortion);
+    *g = (FfpGbuffer){0};
+}
+
+FfpMapping ffp_mapping_new(int width, int height) {
+    const size_t pixels = (size_t)width * (size_t)height;
+    return (FfpMapping){.width = width,
+                        .height = height,
+                        .uv = ffp_memory_new(pixels, 2 * sizeof(real)),
+                        .extent = ffp_memory_new(pixels, 2 * sizeof(real)),
+                        .visibility = ffp_memory_new(pixels, sizeof(real))};
+}
+
+void ffp_mapping_free(FfpMapping *mapping) {
+    ffp_memory_free(mapping->uv);
+    ffp_memory_free(mapping->extent);
+    ffp_memory_free(mapping->visibility);
+    *mapping = (FfpMapping){0};
+}

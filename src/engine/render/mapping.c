@@ -1,0 +1,77 @@
+// All pixels of a G-buffer to the projector (map_pixel.h), and the shadow map.
+#include <tgmath.h>
+#include "core/base/arena.h"
+#include "core/base/device.h"
+#include "engine/render/kernels/kernels.h"
+#include "engine/render/table.h"
+
+// The projector as a camera whose longer side has `side` pixels.
+static FfpCamera shadow_camera(const FfpCamera *projector, int side) {
+    FfpCamera c = *projector;
+    const int longer = c.width > c.height ? c.width : c.height;
+    c.width = c.width * side / longer, c.height = c.height * side / longer;
+    c.width = c.width > 0 ? c.width : 1, c.height = c.height > 0 ? c.height : 1;
+    const real sx = (real)c.width / (real)projector->width, sy = (real)c.height / (real)projector->height;
+    c.fx *= sx, c.cx *= sx, c.fy *= sy, c.cy *= sy;
+    return c;
+}
+
+FfpGbuffer ffp_shadow_map(FfpRaster *raster, const FfpGaussians *gaussians, const FfpCamera *projector,
+                          const FfpRenderSettings *settings) {
+    if (!settings->shadows) return (FfpGbuffer){0};
+    const FfpCamera camera = shadow_camera(projector, settings->shadow_side > 0 ? settings->shadow_side : 1);
+    FfpGbuffer *shadow = &raster->shadow;
+    if (shadow->width != camera.width || shadow->height != camera.height) {
+        ffp_gbuffer_free(shadow);
+        const size_t pixels = (size_t)camera.width * (size_t)camera.height;
+        shadow->width = camera.width, shadow->height = camera.height;
+        shadow->opacity = ffp_memory_new(pixels, sizeof(real));
+        shadow->depth = ffp_memory_new(pixels, sizeof(real));
+    }
+    ffp_rasterise(raster, gaussians, &camera, settings, shadow);
+    return *shadow;
+}
+
+// How far the projector is from the mean of the centres.
+static real distance_to_middle(const FfpGaussians *gaussians, const FfpCamera *projector) {
+    const size_t count = (size_t)gaussians->count;
+    const real *centre = gaussians->centre;
+    real *host = NULL, square = 0;
+    if (ffp_device()) {
+        centre = host = ffp_alloc(3 * count, sizeof *host);
+        ffp_memory_download(host, gaussians->centre, 3 * count * sizeof *host);
+    }
+    for (int k = 0; k < 3; k++) {
+        double sum = 0;
+        for (size_t i = 0; i < count; i++) sum += (double)centre[3 * i + (size_t)k];
+        const real off = projector->pose[4 * k + 3] - (real)(sum / (double)(count ? count : 1));
+        square += off * off;
+    }
+    ffp_free(host);
+    return sqrt(square);
+}
+
+real ffp_even_light(const FfpGaussians *gaussians, const FfpCamera *projector,
+                    const FfpRenderSettings *settings) {
+    return settings->even_light ? distance_to_middle(gaussians, projector) : 0;
+}
+
+void ffp_map_with_shadow(const FfpGbuffer *shadow, const FfpGbuffer *gbuffer, const FfpCamera *camera,
+                         const FfpCamera *projector, const FfpRenderSettings *settings, FfpMapping *out) {
+    if (ffp_render_table()) {
+        ffp_render_table()->map_with_shadow(shadow, gbuffer, camera, projector, settings, out);
+        return;
+    }
+    const FfpMapper m = {gbuffer, camera, projector, settings, *shadow};
+    FfpMapRow *map = ffp_render_kernels()->map_row;
+#pragma omp parallel for schedule(static)
+    for (int y = 0; y < gbuffer->height; y++) map(&m, y, out);
+}
+
+void ffp_map_to_projector(FfpRaster *raster, const FfpGaussians *gaussians, const FfpGbuffer *gbuffer,
+                          const FfpCamera *camera, const FfpCamera *projector,
+                          const FfpRenderSettings *settings, FfpMapping *out) {
+    const FfpGbuffer shadow = ffp_shadow_map(raster, gaussians, projector, settings);
+    out->even = ffp_even_light(gaussians, projector, settings);
+    ffp_map_with_shadow(&shadow, gbuffer, camera, projector, settings, out);
+}

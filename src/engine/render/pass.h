@@ -1,0 +1,57 @@
+// One view of a set of Gaussians, from splats to the picture that a camera takes and back: rasterised and
+// mapped to the projector once, shaded under any number of patterns. Owns the buffers of the view.
+//
+// Every pixel is looked at in samples x samples places (FfpRenderSettings.samples). Its picture is what a
+// display of straight alpha shows of their means: with L the mean of the premultiplied linear radiance and O
+// that of the opacity, O enc(L / O), where enc is the sRGB curve; enc(L) where there is no surface to speak
+// of, and with one sample, where O says how opaque a splat is and not how much of the pixel it covers.
+//
+// A pass belongs to the device that the thread works on when it is made (core/base/device.h): Gaussians,
+// patterns, pictures and gradients are then arrays of that device's memory.
+#ifndef FFP_RENDER_PASS_H
+#define FFP_RENDER_PASS_H
+
+#include "engine/render/render.h"
+
+typedef struct FfpViewPass FfpViewPass;
+FfpViewPass *ffp_view_pass_new(const FfpRenderSettings *settings); // reusable between views and steps
+void ffp_view_pass_free(FfpViewPass *pass);                        // NULL is allowed
+// For who takes most pictures back: shading keeps what it saw of the pattern. Before the first draw.
+void ffp_view_pass_expect_gradients(FfpViewPass *pass);
+
+// Rasterises the Gaussians for the camera and maps them to the projector. The Gaussians must live until the
+// backward pass; camera and projector are copied.
+void ffp_view_pass_draw(FfpViewPass *pass, const FfpGaussians *gaussians, const FfpCamera *camera,
+                        const FfpCamera *projector);
+// The next draws see light by this shadow map, as it was drawn for the same projector before; if its size is
+// 0, the next draw fills it (the caller's to free by ffp_gbuffer_free). NULL: every draw makes its own.
+void ffp_view_pass_keep_shadow(FfpViewPass *pass, FfpGbuffer *shadow);
+// What was drawn, [height,width] of the camera: means over each pixel's samples of the raw sums.
+const FfpGbuffer *ffp_view_pass_gbuffer(FfpViewPass *pass);
+FfpImage ffp_view_pass_picture_new(const FfpViewPass *pass); // black, of the size of the view drawn last
+// The picture under a pattern (NULL: black): sRGB-encoded, in [0,1], [height,width,3].
+void ffp_view_pass_shade(FfpViewPass *pass, const real intensity[3], const FfpSummed *pattern, FfpImage *out);
+
+// Gradient of the loss with respect to ffp_view_pass_gbuffer, zero after each draw: terms that look at
+// G-buffers add theirs.
+FfpGbuffer *ffp_view_pass_grad_gbuffer(FfpViewPass *pass);
+// From the gradient of the picture shaded last to the samples; ADDS to the intensity and to the pattern's
+// summed-area adjoint where they are not NULL (on a device they must be). Intensity and pattern are those of
+// that picture.
+void ffp_view_pass_shade_backward(FfpViewPass *pass, const real intensity[3], const FfpSummed *pattern,
+                                  const FfpImage *grad_picture, real grad_intensity[3],
+                                  FfpSummed *grad_pattern);
+// All that was gathered since the draw, ADDED to grad (as many as the Gaussians drawn). Once a draw.
+void ffp_view_pass_backward(FfpViewPass *pass, FfpGaussians *grad);
+
+// The samples themselves, [samples height, samples width]; for who puts other numbers in, and says so.
+FfpGbuffer *ffp_view_pass_samples(FfpViewPass *pass);
+void ffp_view_pass_samples_changed(FfpViewPass *pass);            // maps and averages again
+const FfpMapping *ffp_view_pass_mapping(const FfpViewPass *pass); // of the samples
+
+// One picture and nothing else: the caller's to free.
+FfpImage ffp_render_view(const FfpGaussians *gaussians, const FfpCamera *camera, const FfpCamera *projector,
+                         const real intensity[3], const FfpSummed *pattern,
+                         const FfpRenderSettings *settings);
+
+#endif

@@ -1,0 +1,179 @@
+// The tensor room's kernels at the sizes of `small`, and the products of one larger layer.
+#include "core/tensor/tensor.h"
+#include <omp.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include "core/base/arena.h"
+#include "core/base/rng.h"
+#include "lab/bench/bench.h"
+
+enum { ROWS = 2048, DIM = 256, HEADS = 4, HEAD_DIM = 64, STATE = 64, CHUNK = 64, TAPS = 4 };
+enum { INNER = 2 * DIM, SCAN_HEADS = INNER / HEAD_DIM, CHANNELS = INNER + 2 * STATE, WIDE = 4 * DIM };
+enum { LARGE_IN = 384, LARGE_OUT = 1536, MOST = ROWS * LARGE_OUT };
+
+// Arrays that are large enough for every kernel.
+typedef struct Data {
+    float *a, *b, *c, *d, *w, *dw;                // [MOST]
+    float *small, *dsmall, *row, *row2, *scratch; // [4096], [4096], [ROWS * 16], [ROWS * 16]
+} Data;
+
+static const FfpScanShape scan_shape = {
+    .rows = ROWS, .heads = SCAN_HEADS, .head_dim = HEAD_DIM, .state = STATE, .chunk = CHUNK};
+
+static void gemm(void *data) {
+    const Data *x = data;
+    ffp_linear_forward(x->c, x->a, x->w, NULL, ROWS, LARGE_IN, LARGE_OUT);
+}
+static void gemm_dx(void *data) {
+    const Data *x = data;
+    ffp_gemm_mixed(false, false, ROWS, LARGE_IN, LARGE_OUT, 1, x->b, LARGE_OUT, x->w, LARGE_IN, 0, x->c,
+                   LARGE_IN);
+}
+static void gemm_dw(void *data) {
+    const Data *x = data;
+    ffp_gemm_mixed(true, false, LARGE_OUT, LARGE_IN, ROWS, 1, x->b, LARGE_OUT, x->a, LARGE_IN, 1, x->dw,
+                   LARGE_IN);
+}
+static void linear_forward(void *data) {
+    const Data *x = data;
+    ffp_linear_forward(x->c, x->a, x->w, NULL, ROWS, DIM, WIDE);
+}
+static void linear_backward(void *data) {
+    const Data *x = data;
+    ffp_linear_backward(x->c, x->dw, NULL, x->b, x->a, x->w, ROWS, DIM, WIDE);
+}
+static void attention_forward(void *data) {
+    const Data *x = data;
+    ffp_attention_forward(x->c, x->row, x->a, x->small, x->small, ROWS, HEADS, HEAD_DIM, x->scratch);
+}
+static void attention_backward(void *data) {
+    const Data *x = data;
+    ffp_attention_backward(x->d, x->dsmall, x->dsmall + HEAD_DIM, x->b, x->c, x->row, x->a, x->small,
+                           x->small, ROWS, HEADS, HEAD_DIM, x->scratch);
+}
+static FfpScanInput scan_input(const Data *x) {
+    return (FfpScanInput){.x = x->a,
+                          .b = x->a + INNER,
+                          .c = x->a + INNER + STATE,
+                          .ld = CHANNELS,
+                          .dt_raw = x->b,
+                          .lddt = SCAN_HEADS,
+                          .dt_bias = x->small,
+                          .a_log = x->small + SCAN_HEADS,
+                          .d = x->small + 2 * SCAN_HEADS};
+}
+static void scan_forward(void *data) {
+    const Data *x = data;
+    const FfpScanInput in = scan_input(x);
+    ffp_scan_forward(x->c, &scan_shape, &in, x->scratch);
+}
+static void scan_backward(void *data) {
+    const Data *x = data;
+    const FfpScanInput in = scan_input(x);
+    const FfpScanGradient grad = {.x = x->d,
+                                  .b = x->d + INNER,
+                                  .c = x->d + INNER + STATE,
+                                  .dt_raw = x->row,
+                                  .dt_bias = x->dsmall,
+                                  .a_log = x->dsmall + SCAN_HEADS,
+                                  .d = x->dsmall + 2 * SCAN_HEADS};
+    ffp_scan_backward(&grad, &scan_shape, &in, x->b, x->scratch);
+}
+static void conv_forward(void *data) {
+    const Data *x = data;
+    ffp_conv_forward(x->c, x->a, CHANNELS, x->w, x->small, ROWS, CHANNELS, TAPS, false);
+}
+static void conv_backward(void *data) {
+    const Data *x = data;
+    ffp_conv_backward(x->d, CHANNELS, x->dw, x->dsmall, x->b, x->a, CHANNELS, x->w, x->small, ROWS, CHANNELS,
+                      TAPS, false);
+}
+static void gelu_forward(void *data) {
+    const Data *x = data;
+    ffp_gelu_forward(x->c, x->a, (size_t)ROWS * WIDE);
+}
+static void gelu_backward(void *data) {
+    const Data *x = data;
+    ffp_gelu_backward(x->c, x->b, x->a, (size_t)ROWS * WIDE);
+}
+static void layernorm_forward(void *data) {
+    const Data *x = data;
+    ffp_layernorm_forward(x->c, x->row, x->row2, x->a, x->small, ROWS, DIM);
+}
+static void layernorm_backward(void *data) {
+    const Data *x = data;
+    ffp_layernorm_backward(x->c, x->dsmall, x->b, x->a, x->row, x->row2, x->small, ROWS, DIM);
+}
+static void gated_norm_forward(void *data) {
+    const Data *x = data;
+    ffp_gated_norm_forward(x->c, x->row2, x->a, x->b, INNER, x->small, ROWS, INNER);
+}
+static void gated_norm_backward(void *data) {
+    const Data *x = data;
+    ffp_gated_norm_backward(x->c, x->d, INNER, x->dsmall, x->b, x->a, x->b, INNER, x->row2, x->small, ROWS,
+                            INNER);
+}
+
+// Work of products in operations; of everything else in bytes read and written once.
+#define LARGE (2.0 * ROWS * LARGE_IN * LARGE_OUT)
+#define PAIRS (2.0 * ROWS * ROWS * DIM)
+#define LINEAR (2.0 * ROWS * DIM * WIDE)
+#define SCAN_STATE (2.0 * ROWS * INNER * STATE)
+#define SCAN_SQUARE (2.0 * ROWS * CHUNK * (INNER + STATE))
+static const struct {
+    const char *name, *shape;
+    void (*run)(void *);
+    FfpBound bound;
+    double work;
+} cases[] = {
+    {"gemm", "2048x384x1536, y = x w^T", gemm, FFP_BOUND_PRODUCTS, LARGE},
+    {"gemm_dx", "2048x1536x384, dx = dy w", gemm_dx, FFP_BOUND_PRODUCTS, LARGE},
+    {"gemm_dw", "1536x2048x384, dw += dy^T x", gemm_dw, FFP_BOUND_PRODUCTS, LARGE},
+    {"linear_forward", "2048x256x1024", linear_forward, FFP_BOUND_PRODUCTS, LINEAR},
+    {"linear_backward", "2048x256x1024", linear_backward, FFP_BOUND_PRODUCTS, 2 * LINEAR},
+    {"attention_forward", "2048 tokens, 4 heads of 64", attention_forward, FFP_BOUND_PRODUCTS, 2 * PAIRS},
+    {"attention_backward", "2048 tokens, 4 heads of 64", attention_backward, FFP_BOUND_PRODUCTS, 5 * PAIRS},
+    {"scan_forward", "2048 tokens, 8 heads of 64, state 64", scan_forward, FFP_BOUND_PRODUCTS,
+     2 * SCAN_STATE + SCAN_SQUARE},
+    {"scan_backward", "2048 tokens, 8 heads of 64, state 64", scan_backward, FFP_BOUND_PRODUCTS,
+     5 * SCAN_STATE + 2 * SCAN_SQUARE},
+    {"conv_forward", "2048x640, 4 taps", conv_forward, FFP_BOUND_COPY, 8.0 * ROWS *CHANNELS},
+    {"conv_backward", "2048x640, 4 taps", conv_backward, FFP_BOUND_COPY, 16.0 * ROWS *CHANNELS},
+    {"gelu_forward", "2048x1024", gelu_forward, FFP_BOUND_COPY, 8.0 * ROWS *WIDE},
+    {"gelu_backward", "2048x1024", gelu_backward, FFP_BOUND_COPY, 12.0 * ROWS *WIDE},
+    {"layernorm_forward", "2048x256", layernorm_forward, FFP_BOUND_COPY, 8.0 * ROWS *DIM},
+    {"layernorm_backward", "2048x256", layernorm_backward, FFP_BOUND_COPY, 12.0 * ROWS *DIM},
+    {"gated_norm_forward", "2048x512", gated_norm_forward, FFP_BOUND_COPY, 12.0 * ROWS *INNER},
+    {"gated_norm_backward", "2048x512", gated_norm_backward, FFP_BOUND_COPY, 24.0 * ROWS *INNER},
+};
+
+static float *numbers(FfpRng *rng, size_t count, float spread, float centre) {
+    float *x = ffp_alloc(count, sizeof *x);
+    for (size_t i = 0; i < count; i++) x[i] = centre + spread * ffp_rng_range(rng, -1, 1);
+    return x;
+}
+
+void ffp_bench_kernels(FfpBenchTable *table) {
+    FfpRng rng = ffp_rng(1, 0);
+    const size_t scan = ffp_scan_scratch(&scan_shape);
+    const size_t attention = ffp_attention_scratch(ROWS, HEADS, HEAD_DIM);
+    Data x = {.a = numbers(&rng, MOST, 1, 0),
+              .b = numbers(&rng, MOST, 1, 0),
+              .c = numbers(&rng, MOST, 1, 0),
+              .d = numbers(&rng, MOST, 1, 0),
+              .w = numbers(&rng, MOST, 0.1F, 0),
+              .dw = numbers(&rng, MOST, 1, 0),
+              .small = numbers(&rng, 4096, 0.1F, 1),
+              .dsmall = numbers(&rng, 4096, 0, 0),
+              .row = numbers(&rng, (size_t)ROWS * 16, 1, 0),
+              .row2 = numbers(&rng, (size_t)ROWS * 16, 0, 1),
+              .scratch = ffp_alloc(scan > attention ? scan : attention, sizeof(float))};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        FfpBenchRow row = {.name = cases[i].name, .bound = cases[i].bound, .work = cases[i].work};
+        snprintf(row.shape, sizeof row.shape, "%s", cases[i].shape);
+        row.ms = ffp_bench_time(cases[i].run, &x, 5, 0.3);
+        ffp_bench_add(table, &row);
+    }
+    float *all[] = {x.a, x.b, x.c, x.d, x.w, x.dw, x.small, x.dsmall, x.row, x.row2, x.scratch};
+    for (size_t i = 0; i < sizeof all / sizeof *all; i++) ffp_free(all[i]);
+}

@@ -1,0 +1,64 @@
+// One capture under evaluation, and the protocols that are run on it.
+#ifndef FFP_EVAL_SUBJECT_H
+#define FFP_EVAL_SUBJECT_H
+
+#include "core/base/file.h"
+#include "engine/loss/loss.h"
+#include "engine/pipeline/relight.h"
+#include "ffprocams/baselines.h"
+#include "lab/baselines/field.h"
+#include "lab/eval/report.h"
+
+typedef struct FfpEvaluating { // what all captures share
+    const FfpEvaluation *options;
+    FfpPerceptual *lpips;
+    FfpReport *report;
+    FfpScore *scores;
+    int n_scores;
+} FfpEvaluating;
+
+#define FFP_FIRST_GIVEN 2 // of the photographs, the first under structured light
+
+typedef struct FfpSubject { // one capture under evaluation
+    FfpEvaluating *shared;
+    FfpCapture *capture;
+    FfpCapture normalised; // lookup predictors only
+    FfpCapture targets;
+    bool has_targets;
+    int given[FFP_PATTERNS_MAX]; // [n_given] black, white and the patterns (ffp_capture_photographs)
+    int n_given;
+    FfpGaussians *gaussians; // or a field; both NULL for the lookup predictors
+    FfpViewPass *pass;
+    FfpNeuralField *field;
+    FfpFieldPass *field_pass;
+    real **depth; // lookup predictors: [n_views] camera z in the normalised capture
+    double reconstruct_s;
+    FfpReconstructionStats stats; // of the reconstruction, where one was made
+    char folder[FFP_PATH_MAX];    // where predictions are saved
+} FfpSubject;
+
+// Whether the predictor was given the photographs under a pattern.
+bool ffp_subject_given(const FfpSubject *subject, int pattern);
+
+// Whether there is something to be drawn: then ffp_subject_draw draws a view of it, which is shown under a
+// pattern, rounded to 8 bits, or as a G-buffer, valid until the next.
+bool ffp_subject_draws(const FfpSubject *subject);
+void ffp_subject_draw(FfpSubject *subject, const FfpCamera *camera, const FfpCamera *projector);
+FfpImage ffp_subject_relight(FfpSubject *subject, const FfpSummed *pattern);
+const FfpGbuffer *ffp_subject_gbuffer(const FfpSubject *subject);
+void ffp_subject_free_drawing(FfpSubject *subject);
+
+// Predicts, measures, reports and saves the pictures of "rendering", "novel_pattern" or "novel_pose"
+// (ffprocams.h), and adds a row to the scores when there are any. The explanation is for the report.
+bool ffp_run_protocol(FfpSubject *subject, const char *name, const char *explanation, FfpError *err);
+
+// One channel, 1 where the specular part of a view's light under white is above 0.05 (linear radiance, mean
+// of the channels) by the truth that it holds; 0 elsewhere, and everywhere in a view without truth.
+// `intensity`: [3], the projector's (FfpCapture).
+FfpImage ffp_gloss_mask(const FfpView *view, const real intensity[3]);
+
+// Depth and albedo of the subject's Gaussians against the capture's truth, into the score: NAN where it has
+// none.
+void ffp_measure_truth(FfpSubject *subject, FfpScore *score);
+
+#endif

@@ -1,0 +1,39 @@
+// One's own captures to learn from: photographs and calibrations, and nothing else that is true of them.
+#ifndef FFP_TRAIN_CAPTURES_H
+#define FFP_TRAIN_CAPTURES_H
+
+#include "lab/train/train.h"
+
+typedef struct FfpCaptureSet FfpCaptureSet;
+
+// All captures in the folder at config->captures (each a folder with scene.json or render_poses.json), sorted
+// by name and kept in memory: as they are reconstructed, in their bounding spheres, pictures without noise,
+// no side longer than config->resolution. Every fourth is held out, and the last where there are fewer than
+// four. Of the patterns that every view has, black, white and up to config->lollipops others are kept, the
+// one to reconstruct from first. Maps of depth and material that a capture may have are not looked at. Errors
+// name the capture: fewer than two of them, one view and one pattern alone, which leave nothing to predict,
+// no room in memory.
+FfpCaptureSet *ffp_captures_open(const FfpTrainConfig *config, FfpError *err);
+void ffp_captures_close(FfpCaptureSet *set); // NULL is allowed
+int ffp_captures_count(const FfpCaptureSet *set, bool held_out);
+
+// Scene `number` to learn from: the captures in turn, in an order of the seed. A random quarter of the views
+// (up to config->targets) are the new poses, to be predicted, and of the rest up to config->views are the
+// input; every fourth scene has all of them as input. The scene borrows from the set. A pure function of its
+// arguments, for any number of threads.
+bool ffp_captures_scene(FfpScene *scene, const FfpTrainConfig *config, const FfpCaptureSet *set,
+                        int64_t number, FfpError *err);
+// A held-out capture: every fourth view is a new pose.
+bool ffp_captures_held_scene(FfpScene *scene, const FfpTrainConfig *config, const FfpCaptureSet *set,
+                             int index, FfpError *err);
+
+// Mean PSNR on the held-out captures' photographs, each reconstructed without every fourth of its views: of
+// these views under all patterns, and of the others under patterns that were not given.
+typedef struct FfpHeldOut {
+    double alone, polished; // dB, full frame, the prediction and after a fit of config->polish_steps
+    int photographs;
+} FfpHeldOut;
+bool ffp_captures_score(const FfpModel *model, const FfpTrainConfig *config, const FfpCaptureSet *set,
+                        FfpHeldOut *result, FfpError *err);
+
+#endif

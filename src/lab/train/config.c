@@ -1,0 +1,370 @@
+// The training configuration: one table of fields serves reading, checking and writing.
+#include <jansson.h>
+#include <math.h>
+#include <stddef.h>
+#include <stdlib.h>
+#include <string.h>
+#include "core/base/call.h"
+#include "core/base/file.h"
+#include "lab/train/train.h"
+
+typedef enum Kind { INT, INT64, DOUBLE, BOOL, TEXT } Kind;
+typedef struct Field {
+    const char *name;
+    Kind kind;
+    size_t offset;
+    double low, high; // TEXT: high is the size of the char array
+} Field;
+
+#define AT(field) offsetof(FfpTrainConfig, field)
+#define MODEL_AT(field) offsetof(FfpModelConfig, field)
+
+static const Field train_fields[] = {
+    {"seed", INT64, AT(seed), 0, 9e15},
+    {"steps", INT64, AT(steps), 1, 1e9},
+    {"batch", INT, AT(batch), 1, 65536},
+    {"pool", INT, AT(pool), 1, 65536},
+    {"reuse", INT, AT(reuse), 1, 1000000},
+    {"views", INT, AT(views), 1, FFP_TRAIN_VIEWS_MAX},
+    {"targets", INT, AT(targets), 0, FFP_TRAIN_VIEWS_MAX},
+    {"lollipops", INT, AT(lollipops), 1, 16},
+    {"resolution", INT, AT(resolution), 8, 1024},
+    {"pattern_side", INT, AT(pattern_side), 64, 4096},
+    {"samples", INT, AT(samples), 1, 1024},
+    {"ambient_rays", INT, AT(ambient_rays), 1, 256},
+    {"sensor_share", DOUBLE, AT(sensor_share), 0, 1},
+    {"views_least", INT, AT(views_least), 0, FFP_TRAIN_VIEWS_MAX},
+    {"free_share", DOUBLE, AT(free_share), 0, 1},
+    {"large_share", DOUBLE, AT(large_share), 0, 1},
+    {"large_resolution", INT, AT(large_resolution), 8, 1024},
+    {"captures", TEXT, AT(captures), 0, sizeof(((FfpTrainConfig *)0)->captures)},
+    {"patience", INT, AT(patience), 0, 1e9},
+    {"scenes", TEXT, AT(scenes), 0, sizeof(((FfpTrainConfig *)0)->scenes)},
+    {"generators", INT, AT(generators), 0, 64},
+    {"queue", INT, AT(queue), 1, 1024},
+    {"supervised_inputs", INT, AT(supervised_inputs), 0, FFP_TRAIN_VIEWS_MAX},
+    {"supervised_targets", INT, AT(supervised_targets), 0, FFP_TRAIN_VIEWS_MAX},
+    {"polish_share", DOUBLE, AT(polish_share), 0, 1},
+    {"polish_steps", INT, AT(polish_steps), 1, 100000},
+    {"l1", DOUBLE, AT(l1), 0, 1e4},
+    {"ssim", DOUBLE, AT(ssim), 0, 1e4},
+    {"perceptual", DOUBLE, AT(perceptual), 0, 1e4},
+    {"mask", DOUBLE, AT(mask), 0, 1e4},
+    {"depth", DOUBLE, AT(depth), 0, 1e4},
+    {"distortion", DOUBLE, AT(distortion), 0, 1e4},
+    {"normal_smooth", DOUBLE, AT(normal_smooth), 0, 1e4},
+    {"roughness_smooth", DOUBLE, AT(roughness_smooth), 0, 1e4},
+    {"direct_t", DOUBLE, AT(direct_t), 0, 1e4},
+    {"truth_albedo", DOUBLE, AT(truth_albedo), 0, 1e4},
+    {"truth_normal", DOUBLE, AT(truth_normal), 0, 1e4},
+    {"truth_roughness", DOUBLE, AT(truth_roughness), 0, 1e4},
+    {"perceptual_from", INT, AT(perceptual_from), 0, 1e9},
+    {"learning_rate", DOUBLE, AT(learning_rate), 0, 1},
+    {"final_learning_rate", DOUBLE, AT(final_learning_rate), 0, 1},
+    {"beta1", DOUBLE, AT(beta1), 0, 0.99999},
+    {"beta2", DOUBLE, AT(beta2), 0, 0.99999},
+    {"weight_decay", DOUBLE, AT(weight_decay), 0, 10},
+    {"clip", DOUBLE, AT(clip), 1e-6, 1e6},
+    {"skip_above", DOUBLE, AT(skip_above), 1, 1e9},
+    {"ema", DOUBLE, AT(ema), 0, 0.999999},
+    {"warmup_steps", INT, AT(warmup_steps), 0, 1e9},
+    {"recompute", BOOL, AT(recompute), 0, 1},
+    {"validate_every", INT, AT(validate_every), 0, 1e9},
+    {"validation_scenes", INT, AT(validation_scenes), 1, 1000},
+    {"checkpoint_minutes", INT, AT(checkpoint_minutes), 1, 10000},
+    {"checkpoint_steps", INT, AT(checkpoint_steps), 0, 1e9},
+    {"log_every", INT, AT(log_every), 1, 1e6},
+};
+
+// Ranges of the model's fields are checked by the network room; here only that they fit their type.
+static const Field model_fields[] = {
+    {"name", TEXT, MODEL_AT(name), 0, sizeof(((FfpModelConfig *)0)->name)},
+    {"modules", TEXT, MODEL_AT(modules), 0, sizeof(((FfpModelConfig *)0)->modules)},
+    {"dim", INT, MODEL_AT(dim), 1, 1e5},
+    {"patch", INT, MODEL_AT(patch), 1, 1e3},
+    {"state", INT, MODEL_AT(state), 1, 1e4},
+    {"chunk", INT, MODEL_AT(chunk), 1, 1e4},
+    {"residual", BOOL, MODEL_AT(residual), 0, 1},
+    {"match_input", BOOL, MODEL_AT(match_input), 0, 1},
+    {"pixel_skip", BOOL, MODEL_AT(pixel_skip), 0, 1},
+    {"pixel_features", INT, MODEL_AT(pixel_features), 0, 1e4},
+    {"pixel_hidden", INT, MODEL_AT(pixel_hidden), 0, 1e4},
+    {"context_inputs", BOOL, MODEL_AT(context_inputs), 0, 1},
+    {"appearance_cnn", BOOL, MODEL_AT(appearance_cnn), 0, 1},
+    {"tokens", INT, MODEL_AT(tokens), 1, 1e6},
+    {"render", TEXT, MODEL_AT(render), 0, sizeof(((FfpModelConfig *)0)->render)},
+    {"samples", INT, MODEL_AT(samples), 1, 1e2},
+};
+
+#define COUNT(table) ((int)(sizeof(table) / sizeof((table)[0])))
+
+FfpTrainConfig ffp_train_defaults(void) {
+    FfpTrainConfig c = {
+        .seed = 1,
+        .steps = 20000,
+        .batch = 1,
+        .pool = 8,
+        .reuse = 12,
+        .views = 8,
+        .targets = 4,
+        .lollipops = 4,
+        .resolution = 128,
+        .pattern_side = 800,
+        .samples = 4,
+        .ambient_rays = 2,
+        .sensor_share = 0,
+        .views_least = 0,
+        .free_share = 0,
+        .large_share = 0,
+        .large_resolution = 256,
+        .generators = 0,
+        .queue = 2,
+        .supervised_inputs = 2,
+        .supervised_targets = 2,
+        .polish_share = 0,
+        .polish_steps = 24,
+        .l1 = 0.8,
+        .ssim = 0.2,
+        .perceptual = 0.05,
+        .mask = 0.1,
+        .depth = 0.1,
+        .distortion = 0.05,
+        .normal_smooth = 0.01,
+        .roughness_smooth = 0.002,
+        .direct_t = 0.5,
+        .truth_albedo = 0,
+        .truth_normal = 0,
+        .truth_roughness = 0,
+        .perceptual_from = 5000,
+        .learning_rate = 4e-4,
+        .final_learning_rate = 1e-6,
+        .beta1 = 0.9,
+        .beta2 = 0.95,
+        .weight_decay = 0.05,
+        .clip = 1,
+        .skip_above = 10,
+        .ema = 0.999,
+        .warmup_steps = 500,
+        .validate_every = 1000,
+        .validation_scenes = 6,
+        .checkpoint_minutes = 5,
+        .log_every = 20,
+    };
+    ffp_model_preset(&c.model, "small");
+    return c;
+}
+
+FfpTrainConfig ffp_fine_tuning_defaults(void) {
+    FfpTrainConfig c = ffp_train_defaults();
+    c.steps = 300, c.warmup_steps = 20, c.learning_rate = 1e-4, c.weight_decay = 0, c.ema = 0.98;
+    c.pool = 4, c.reuse = 4;
+    c.supervised_inputs = 1, c.supervised_targets = 2, c.polish_share = 0.4;
+    c.depth = 0, c.direct_t = 0, c.perceptual = 0;
+    c.validate_every = 50, c.patience = 150;
+    return c;
+}
+
+static bool read_number(double *out, const json_t *value, const Field *field, const char *where,
+                        FfpError *err) {
+    const bool whole = field->kind != DOUBLE;
+    if (whole ? !json_is_integer(value) : !json_is_number(value))
+        return ffp_fail(err, FFP_ERROR_FILE, where, "expected %s", whole ? "a whole number" : "a number");
+    *out = json_number_value(value);
+    if (!isfinite(*out) || *out < field->low || *out > field->high)
+        return ffp_fail(err, FFP_ERROR_FILE, where, "%g is not in [%g, %g]", *out, field->low, field->high);
+    return true;
+}
+
+static bool read_field(void *base, const Field *field, const json_t *value, const char *where,
+                       FfpError *err) {
+    char *at = (char *)base + field->offset;
+    double number = 0;
+    switch (field->kind) {
+    case BOOL:
+        if (!json_is_boolean(value)) return ffp_fail(err, FFP_ERROR_FILE, where, "expected true or false");
+        *(bool *)at = json_is_true(value);
+        return true;
+    case TEXT:
+        if (!json_is_string(value)) return ffp_fail(err, FFP_ERROR_FILE, where, "expected a string");
+        if (json_string_length(value) >= (size_t)field->high)
+            return ffp_fail(err, FFP_ERROR_FILE, where, "text is too long");
+        snprintf(at, (size_t)field->high, "%s", json_string_value(value));
+        return true;
+    case INT:
+        if (!read_number(&number, value, field, where, err)) return false;
+        *(int *)at = (int)number;
+        return true;
+    case INT64:
+        if (!read_number(&number, value, field, where, err)) return false;
+        *(int64_t *)at = (int64_t)number;
+        return true;
+    case DOUBLE:
+        return read_number((double *)at, value, field, where, err);
+    }
+    return false;
+}
+
+// Fields of former versions are read where they say what is always so now: checkpoints of then hold them all.
+static bool is_former(const char *key, const json_t *value) {
+    static const char *const zero[] = {"low_steps", "white_from", "active_from", "warmup_geometry"};
+    if (strcmp(key, "low_resolution") == 0) return true;
+    if (strcmp(key, "single_scene") == 0) return json_is_false(value);
+    for (int i = 0; i < 4; i++)
+        if (strcmp(key, zero[i]) == 0) return json_is_integer(value) && json_integer_value(value) == 0;
+    return false;
+}
+
+static bool read_fields(void *base, const Field *fields, int count, const json_t *object, const char *prefix,
+                        const char *skip, const char *where, FfpError *err) {
+    const char *key;
+    json_t *value;
+    json_object_foreach((json_t *)object, key, value) {
+        if (strcmp(key, skip) == 0) continue;
+        char name[128];
+        snprintf(name, sizeof name, "%s%.64s", prefix, key);
+        const FfpPlace place = ffp_place(where, name);
+        const Field *found = NULL;
+        for (int i = 0; i < count && !found; i++)
+            if (strcmp(fields[i].name, key) == 0) found = &fields[i];
+        if (!found && is_former(key, value)) continue;
+        if (!found) return ffp_fail(err, FFP_ERROR_FILE, place.text, "unknown field");
+        if (!read_field(base, found, value, place.text, err)) return false;
+    }
+    return true;
+}
+
+static bool read_model(FfpModelConfig *model, const json_t *value, const char *where, FfpError *err) {
+    const FfpPlace place = ffp_place(where, "model");
+    const json_t *preset = json_is_object(value) ? json_object_get(value, "preset") : value;
+    if (preset) {
+        if (!json_is_string(preset))
+            return ffp_fail(err, FFP_ERROR_FILE, place.text, "expected a preset's name");
+        if (!ffp_model_preset(model, json_string_value(preset)))
+            return ffp_fail(err, FFP_ERROR_FILE, place.text, "no preset '%.40s'", json_string_value(preset));
+    }
+    if (json_is_object(value) &&
+        !read_fields(model, model_fields, COUNT(model_fields), value, "model.", "preset", where, err))
+        return false;
+    return ffp_model_config_check(model, where, err);
+}
+
+// The fields that make scenes differ from each other.
+static bool check_mixture(const FfpTrainConfig *c, const char *where, FfpError *err) {
+    if (c->views_least > c->views)
+        return ffp_fail(err, FFP_ERROR_FILE, ffp_place(where, "views_least").text, "is above views");
+    if (c->large_share > 0 && c->large_resolution % c->model.patch)
+        return ffp_fail(err, FFP_ERROR_FILE, ffp_place(where, "large_resolution").text,
+                        "must be a multiple of the patch, %d", c->model.patch);
+    const char *mixed = c->views_least > 0    ? "views_least"
+                        : c->free_share > 0   ? "free_share"
+                        : c->large_share > 0  ? "large_share"
+                        : c->sensor_share > 0 ? "sensor_share"
+                                              : NULL;
+    if (mixed && (c->scenes[0] || c->captures[0]))
+        return ffp_fail(
+            err, FFP_ERROR_FILE, ffp_place(where, mixed).text,
+            "is for scenes made in training: those of a folder (scenes, captures) are as they are");
+    return true;
+}
+
+// What learning from captures asks for.
+static bool check_with_captures(const FfpTrainConfig *c, const char *where, FfpError *err) {
+    if (c->validate_every == 0)
+        return ffp_fail(err, FFP_ERROR_FILE, ffp_place(where, "validate_every").text,
+                        "is 0: with captures, weights are kept where they have a score");
+    if (c->patience > 0 && c->patience < c->validate_every)
+        return ffp_fail(err, FFP_ERROR_FILE, ffp_place(where, "patience").text,
+                        "is below validate_every, %d: no gain can be seen in so few steps",
+                        c->validate_every);
+    return true;
+}
+
+// What no single range can say.
+static bool check_together(const FfpTrainConfig *c, const char *where, FfpError *err) {
+    if (c->supervised_inputs + c->supervised_targets < 1)
+        return ffp_fail(err, FFP_ERROR_FILE, ffp_place(where, "supervised_inputs").text,
+                        "supervised_inputs and supervised_targets are both 0");
+    if (c->supervised_inputs > c->views)
+        return ffp_fail(err, FFP_ERROR_FILE, ffp_place(where, "supervised_inputs").text, "is above views");
+    if (c->supervised_targets > c->targets)
+        return ffp_fail(err, FFP_ERROR_FILE, ffp_place(where, "supervised_targets").text, "is above targets");
+    if (c->resolution % c->model.patch)
+        return ffp_fail(err, FFP_ERROR_FILE, ffp_place(where, "resolution").text,
+                        "must be a multiple of the patch, %d", c->model.patch);
+    if (c->captures[0] && c->scenes[0])
+        return ffp_fail(err, FFP_ERROR_FILE, ffp_place(where, "captures").text,
+                        "captures and scenes: only one of them can be learnt from");
+    return (!c->captures[0] || check_with_captures(c, where, err)) && check_mixture(c, where, err);
+}
+
+static bool parse_over(FfpTrainConfig *config, const char *text, const char *where, FfpError *err) {
+    json_error_t problem;
+    json_t *root = json_loads(text, JSON_REJECT_DUPLICATES, &problem);
+    if (!root)
+        return ffp_fail(err, FFP_ERROR_FILE, where, "broken JSON at line %d: %s", problem.line, problem.text);
+    bool ok = json_is_object(root) || ffp_fail(err, FFP_ERROR_FILE, where, "expected an object");
+    const json_t *model = ok ? json_object_get(root, "model") : NULL;
+    ok = ok && (!model || read_model(&config->model, model, where, err)) &&
+         read_fields(config, train_fields, COUNT(train_fields), root, "", "model", where, err) &&
+         check_together(config, where, err);
+    json_decref(root);
+    return ok;
+}
+
+bool ffp_train_config_parse(FfpTrainConfig *config, const char *text, const char *where, FfpError *err) {
+    *config = ffp_train_defaults();
+    return parse_over(config, text, where, err);
+}
+
+bool ffp_train_config_overlay(FfpTrainConfig *config, const char *path, FfpError *err) {
+    char *text = NULL;
+    size_t size = 0;
+    if (!ffp_read_text(path, 1 << 20, &text, &size, err)) return false;
+    const bool ok = strlen(text) == size
+                        ? parse_over(config, text, path, err)
+                        : ffp_fail(err, FFP_ERROR_FILE, path, "broken JSON: a zero byte in the text");
+    ffp_free(text);
+    return ok;
+}
+
+static json_t *value_of(const void *base, const Field *field) {
+    const char *at = (const char *)base + field->offset;
+    switch (field->kind) {
+    case BOOL:
+        return json_boolean(*(const bool *)at);
+    case TEXT:
+        return json_string(at);
+    case INT:
+        return json_integer(*(const int *)at);
+    case INT64:
+        return json_integer(*(const int64_t *)at);
+    case DOUBLE:
+        return json_real(*(const double *)at);
+    }
+    return NULL;
+}
+
+static bool print_fields(json_t *object, const void *base, const Field *fields, int count, FfpError *err) {
+    for (int i = 0; i < count; i++)
+        if (json_object_set_new(object, fields[i].name, value_of(base, &fields[i])) != 0)
+            return ffp_fail(err, FFP_ERROR_ARGUMENT, fields[i].name,
+                            fields[i].kind == TEXT ? "is not UTF-8, which the configuration is written in"
+                                                   : "cannot be written as a JSON number");
+    return true;
+}
+
+char *ffp_train_config_print(const FfpTrainConfig *config, FfpError *err) {
+    json_t *root = json_object(), *model = json_object();
+    const bool ok = print_fields(root, config, train_fields, COUNT(train_fields), err) &&
+                    print_fields(model, &config->model, model_fields, COUNT(model_fields), err);
+    json_object_set_new(root, "model", model);
+    char *text = ok ? json_dumps(root, JSON_INDENT(1) | JSON_PRESERVE_ORDER) : NULL;
+    json_decref(root);
+    if (ok && !text) ffp_fail(err, FFP_ERROR_MEMORY, NULL, "out of memory");
+    if (!text) return NULL;
+    ffp_own(text, free);
+    char *copy = ffp_copy_text(text);
+    ffp_disown(text);
+    free(text);
+    return copy;
+}

@@ -1,0 +1,28 @@
+#include "product/api/arguments.h"
+#include <stdio.h>
+#include "core/base/error.h"
+#include "engine/render/render.h"
+
+bool ffp_need(const void *thing, const char *name, FfpError *err) {
+    return thing || ffp_fail(err, FFP_ERROR_ARGUMENT, name, "is needed, and is missing");
+}
+
+bool ffp_need_texts(const char *const *texts, int n, const char *name, FfpError *err) {
+    if (n < 0) return ffp_fail(err, FFP_ERROR_ARGUMENT, name, "invalid count %d", n);
+    if (n > 0 && !ffp_need(texts, name, err)) return false;
+    for (int i = 0; i < n; i++) {
+        char place[64];
+        snprintf(place, sizeof place, "%s[%d]", name, i);
+        if (!ffp_need(texts[i], place, err)) return false;
+    }
+    return true;
+}
+
+bool ffp_check_drawing(FfpDrawing drawing, FfpError *err) {
+    if ((unsigned)drawing.form > FFP_FORM_GS_PROCAMS)
+        return ffp_fail(err, FFP_ERROR_ARGUMENT, "drawing.form", "%d is none", (int)drawing.form);
+    return (drawing.samples >= 0 && drawing.samples <= FFP_SAMPLES_MAX) ||
+           ffp_fail(err, FFP_ERROR_ARGUMENT, "drawing.samples",
+                    "%d samples a side of a pixel: 1 to %d are possible, or 0 for those of the form",
+                    drawing.samples, FFP_SAMPLES_MAX);
+}

@@ -1,0 +1,68 @@
+// Patterns under which cameras see their targets.
+#include "engine/pipeline/compensate.h"
+#include "core/base/call.h"
+#include "product/api/arguments.h"
+#include "product/api/memory.h"
+
+FfpCompensation ffp_compensation_defaults(void) {
+    return (FfpCompensation){.gain = 1, .steps = 30};
+}
+
+typedef struct Call {
+    const FfpGaussians *gaussians;
+    const FfpCapture *capture;
+    const FfpCompensation *options;
+    FfpCompensationStats *stats;
+    FfpImages *images;
+} Call;
+
+// The targets that the caller holds in memory; NULL: they are files.
+static FfpRaw *pictures_of(const FfpCompensation *options) {
+    if (!options->pictures || options->n_targets < 1) return NULL;
+    FfpRaw *pictures = ffp_alloc((size_t)options->n_targets, sizeof *pictures);
+    for (int i = 0; i < options->n_targets; i++) pictures[i] = ffp_raw_of(&options->pictures[i]);
+    return pictures;
+}
+
+static bool into_memory(void *argument, FfpError *err) {
+    Call *call = argument;
+    FfpRaw *pictures = pictures_of(call->options);
+    call->images =
+        ffp_compensation_run(call->gaussians, call->capture, call->options, pictures, call->stats, err);
+    ffp_free(pictures);
+    return call->images != NULL;
+}
+
+static bool check_arguments(const FfpGaussians *gaussians, const FfpCapture *capture,
+                            const FfpCompensation *options, FfpError *err) {
+    return ffp_need(gaussians, "gaussians", err) && ffp_need(capture, "capture", err) &&
+           ffp_need(options, "options", err) &&
+           ffp_need_texts(options->views, options->n_views, "views", err) &&
+           (options->pictures || ffp_need_texts(options->targets, options->n_targets, "targets", err)) &&
+           ffp_check_drawing(options->drawing, err);
+}
+
+FfpImages *ffp_compensate_images(FfpContext *context, const FfpGaussians *gaussians,
+                                 const FfpCapture *capture, const FfpCompensation *options,
+                                 FfpCompensationStats *stats, FfpError *err) {
+    Call call = {gaussians, capture, options, stats, NULL};
+    if (!check_arguments(gaussians, capture, options, err)) return NULL;
+    return ffp_call_run(context, into_memory, &call, err) ? call.images : NULL;
+}
+
+static bool into_files(void *argument, FfpError *err) {
+    const Call *call = argument;
+    FfpRaw *pictures = pictures_of(call->options);
+    const bool ok =
+        ffp_compensation_write(call->gaussians, call->capture, call->options, pictures, call->stats, err);
+    ffp_free(pictures);
+    return ok;
+}
+
+bool ffp_compensate(FfpContext *context, const FfpGaussians *gaussians, const FfpCapture *capture,
+                    const FfpCompensation *options, FfpCompensationStats *stats, FfpError *err) {
+    Call call = {gaussians, capture, options, stats, NULL};
+    if (!check_arguments(gaussians, capture, options, err) || !ffp_need(options->pattern, "pattern", err))
+        return false;
+    return ffp_call_run(context, into_files, &call, err);
+}

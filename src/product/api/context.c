@@ -1,0 +1,52 @@
+#include <stdlib.h>
+#include "core/base/call.h"
+#include "core/base/log.h"
+#include "ffprocams.h"
+#include "product/api/arguments.h"
+#ifdef FFP_WITH_CUDA
+#include "engine/cuda/cuda.h"
+#endif
+
+#define INTERVAL 0.05 // seconds
+
+FfpContextSettings ffp_context_defaults(void) {
+    return (FfpContextSettings){.interval = INTERVAL};
+}
+
+static bool open_cuda(void *argument, FfpError *err) {
+#ifdef FFP_WITH_CUDA
+    FfpContext *context = argument;
+    context->device = ffp_cuda_device(err);
+    if (context->device) ffp_note("%s", ffp_cuda_describe());
+    return context->device != NULL;
+#else
+    (void)argument;
+    return ffp_fail(err, FFP_ERROR_UNSUPPORTED, "cuda",
+                    "this library was built without GPU support (cmake -DFFPROCAMS_CUDA=ON)");
+#endif
+}
+
+static bool check(const FfpContextSettings *settings, FfpError *err) {
+    if (settings->threads < 0)
+        return ffp_fail(err, FFP_ERROR_ARGUMENT, "threads", "%d threads are too few", settings->threads);
+    if (settings->device != FFP_DEVICE_CPU && settings->device != FFP_DEVICE_CUDA)
+        return ffp_fail(err, FFP_ERROR_ARGUMENT, "device", "unknown device kind %d", (int)settings->device);
+    return true;
+}
+
+FfpContext *ffp_context_new(const FfpContextSettings *settings, FfpError *err) {
+    if (!ffp_need(settings, "settings", err) || !check(settings, err)) return NULL;
+    FfpContext *context = calloc(1, sizeof *context);
+    if (!context) {
+        ffp_fail(err, FFP_ERROR_MEMORY, NULL, "out of memory");
+        return NULL;
+    }
+    context->settings = *settings;
+    if (settings->device == FFP_DEVICE_CPU || ffp_call_run(context, open_cuda, context, err)) return context;
+    free(context);
+    return NULL;
+}
+
+void ffp_context_free(FfpContext *context) {
+    free(context);
+}

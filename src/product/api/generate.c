@@ -1,0 +1,69 @@
+// Generated captures on disk: the public settings as the training world's.
+#include "core/base/call.h"
+#include "core/base/error.h"
+#include "ffprocams.h"
+#include "product/api/arguments.h"
+#include "world/synth/dataset.h"
+
+#define DEGREE 0.017453292519943295
+
+FfpGeneration ffp_generation_defaults(void) {
+    return (FfpGeneration){.count = -1, .attitudes = 8};
+}
+
+static FfpSensor sensor_of(const FfpSensorFaults *faults) {
+    return (FfpSensor){.exposure = (float)faults->exposure,
+                       .shot = (float)faults->shot,
+                       .read = (float)faults->read,
+                       .defocus = (float)faults->defocus,
+                       .gamma = (float)faults->gamma,
+                       .black_level = (float)faults->black_level,
+                       .turn_error = (float)faults->turn_error * (float)DEGREE,
+                       .shift_error = (float)faults->shift_error};
+}
+
+// What a caller in C may pass though the type says otherwise.
+static bool check_choices(const FfpGeneration *options, FfpError *err) {
+    if ((unsigned)options->split > FFP_SPLIT_TEST)
+        return ffp_fail(err, FFP_ERROR_ARGUMENT, "split", "%d is none", (int)options->split);
+    if ((unsigned)options->preset > FFP_PRESET_TRAINING)
+        return ffp_fail(err, FFP_ERROR_ARGUMENT, "preset", "%d is none", (int)options->preset);
+    return (unsigned)options->rig <= FFP_RIG_SPHERE ||
+           ffp_fail(err, FFP_ERROR_ARGUMENT, "rig", "%d is none", (int)options->rig);
+}
+
+static bool generate(void *argument, FfpError *err) {
+    const FfpGeneration *options = *(const FfpGeneration *const *)argument;
+    static const char *const splits[] = {[FFP_SPLIT_ALL] = NULL,
+                                         [FFP_SPLIT_TRAIN] = "train",
+                                         [FFP_SPLIT_VALIDATION] = "validation",
+                                         [FFP_SPLIT_TEST] = "test"};
+    static const FfpDatasetPreset presets[] = {[FFP_PRESET_PAPER] = FFP_DATASET_PAPER,
+                                               [FFP_PRESET_SMOKE] = FFP_DATASET_SMOKE,
+                                               [FFP_PRESET_TRAINING] = FFP_DATASET_TRAINING};
+    static const FfpSceneRig rigs[] = {[FFP_RIG_TURNTABLE] = FFP_SCENE_TURNTABLE,
+                                       [FFP_RIG_FREE] = FFP_SCENE_FREE,
+                                       [FFP_RIG_SPHERE] = FFP_SCENE_SPHERE};
+    if (!check_choices(options, err)) return false;
+    const FfpDatasetSettings settings = {.folder = options->folder,
+                                         .split = splits[options->split],
+                                         .preset = presets[options->preset],
+                                         .first = options->first,
+                                         .count = options->count,
+                                         .resolution = options->resolution,
+                                         .rig = rigs[options->rig],
+                                         .views = options->views,
+                                         .seed = options->seed,
+                                         .mesh = options->mesh,
+                                         .material = options->material,
+                                         .photographs = options->photographs,
+                                         .attitudes = options->attitudes,
+                                         .sensor = sensor_of(&options->sensor)};
+    if (options->check) return ffp_dataset_check(&settings, err);
+    return ffp_dataset_write(&settings, err);
+}
+
+bool ffp_generate(FfpContext *context, const FfpGeneration *options, FfpError *err) {
+    if (!ffp_need(options, "options", err) || !ffp_need(options->folder, "folder", err)) return false;
+    return ffp_call_run(context, generate, &options, err);
+}

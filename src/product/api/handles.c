@@ -1,0 +1,125 @@
+// The handles of the public header: opening, saving, closing.
+#include <stdio.h>
+#include <stdlib.h>
+#include "core/base/arena.h"
+#include "core/base/call.h"
+#include "core/base/file.h"
+#include "core/capture/capture.h"
+#include "core/gaussians/gaussians.h"
+#include "engine/network/shipped.h"
+#include "ffprocams.h"
+#include "product/api/arguments.h"
+
+const char *ffp_version(void) {
+    return FFP_VERSION;
+}
+
+typedef struct OpenCapture {
+    const char *path;
+    FfpCapture *capture;
+} OpenCapture;
+
+static bool open_capture(void *argument, FfpError *err) {
+    OpenCapture *call = argument;
+    call->capture = ffp_capture_load(call->path, err);
+    return call->capture != NULL;
+}
+
+FfpCapture *ffp_capture_open(FfpContext *context, const char *path, FfpError *err) {
+    OpenCapture call = {.path = path};
+    if (!ffp_need(path, "path", err)) return NULL;
+    return ffp_call_run(context, open_capture, &call, err) ? call.capture : NULL;
+}
+
+typedef struct SaveCapture {
+    const FfpCapture *capture;
+    const char *folder;
+} SaveCapture;
+
+static bool save_capture(void *argument, FfpError *err) {
+    const SaveCapture *call = argument;
+    return ffp_capture_write_whole(call->capture, call->folder, NULL, NULL, err);
+}
+
+bool ffp_capture_save(FfpContext *context, const FfpCapture *capture, const char *folder, FfpError *err) {
+    SaveCapture call = {capture, folder};
+    if (!ffp_need(capture, "capture", err) || !ffp_need(folder, "folder", err)) return false;
+    return ffp_call_run(context, save_capture, &call, err);
+}
+
+bool ffp_can_save_capture(const char *folder, FfpError *err) {
+    return ffp_need(folder, "folder", err) && ffp_capture_probe(folder, err);
+}
+
+void ffp_capture_close(FfpCapture *capture) {
+    if (!capture) return;
+    ffp_capture_free(capture);
+    ffp_free(capture);
+}
+
+typedef struct OpenModel {
+    const char *path;
+    FfpModel *model;
+} OpenModel;
+
+static bool open_model(void *argument, FfpError *err) {
+    OpenModel *call = argument;
+    call->model = ffp_model_load(call->path, err);
+    return call->model != NULL;
+}
+
+FfpModel *ffp_model_open(FfpContext *context, const char *path, FfpError *err) {
+    OpenModel call = {.path = path};
+    return ffp_call_run(context, open_model, &call, err) ? call.model : NULL;
+}
+
+void ffp_model_close(FfpModel *model) {
+    if (model) ffp_model_free(model);
+}
+
+typedef struct OpenGaussians {
+    const char *path;
+    FfpGaussians *gaussians;
+} OpenGaussians;
+
+static bool open_gaussians(void *argument, FfpError *err) {
+    OpenGaussians *call = argument;
+    call->gaussians = ffp_gaussians_load(call->path, err);
+    return call->gaussians != NULL;
+}
+
+FfpGaussians *ffp_gaussians_open(FfpContext *context, const char *path, FfpError *err) {
+    OpenGaussians call = {.path = path};
+    if (!ffp_need(path, "path", err)) return NULL;
+    return ffp_call_run(context, open_gaussians, &call, err) ? call.gaussians : NULL;
+}
+
+typedef struct SaveGaussians {
+    const FfpGaussians *gaussians;
+    const char *path;
+} SaveGaussians;
+
+static bool save_gaussians(void *argument, FfpError *err) {
+    const SaveGaussians *call = argument;
+    return ffp_gaussians_write_drawn(call->gaussians, call->path, err);
+}
+
+bool ffp_gaussians_save(FfpContext *context, const FfpGaussians *gaussians, const char *path, FfpError *err) {
+    SaveGaussians call = {gaussians, path};
+    if (!ffp_need(gaussians, "gaussians", err) || !ffp_need(path, "path", err)) return false;
+    return ffp_call_run(context, save_gaussians, &call, err);
+}
+
+bool ffp_can_write(const char *path, FfpError *err) {
+    return ffp_output_probe(path, err);
+}
+
+int64_t ffp_gaussians_count(const FfpGaussians *gaussians) {
+    return gaussians->count;
+}
+
+void ffp_gaussians_close(FfpGaussians *gaussians) {
+    if (!gaussians) return;
+    ffp_gaussians_free(gaussians);
+    ffp_free(gaussians);
+}

@@ -1,0 +1,49 @@
+// What a projector shows while it is photographed.
+#include "core/patterns/patterns.h"
+#include "core/base/call.h"
+#include "ffprocams.h"
+#include "product/api/arguments.h"
+
+enum { SIDE_MIN = 64, SIDE_MAX = 16384, LOLLIPOPS_MAX = 100 };
+
+FfpPatterns ffp_patterns_defaults(void) {
+    return (FfpPatterns){.width = 1920,
+                         .height = 1080,
+                         .lollipops = 3,
+                         .focus = true,
+                         .capture = true,
+                         .gamma = true,
+                         .gray_codes = true};
+}
+
+static bool check(const FfpPatterns *o, FfpError *err) {
+    if (o->width < SIDE_MIN || o->width > SIDE_MAX || o->height < SIDE_MIN || o->height > SIDE_MAX)
+        return ffp_fail(err, FFP_ERROR_ARGUMENT, "projector", "a side of %d x %d is not in %d to %d pixels",
+                        o->width, o->height, SIDE_MIN, SIDE_MAX);
+    if (o->lollipops < 0 || o->lollipops > LOLLIPOPS_MAX)
+        return ffp_fail(err, FFP_ERROR_ARGUMENT, "lollipops", "%d are not in 0 to %d", o->lollipops,
+                        LOLLIPOPS_MAX);
+    return o->focus || o->capture || o->gamma || o->gray_codes ||
+           ffp_fail(err, FFP_ERROR_ARGUMENT, "patterns", "none of them is wanted");
+}
+
+typedef struct Call {
+    const FfpPatterns *options;
+    int count;
+} Call;
+
+static bool work(void *argument, FfpError *err) {
+    Call *call = argument;
+    const FfpPatterns *o = call->options;
+    const FfpShow show = {o->width, o->height, o->lollipops, o->focus, o->capture, o->gamma, o->gray_codes};
+    call->count = ffp_show_count(&show);
+    return ffp_show_write_folder(&show, o->folder, err);
+}
+
+int ffp_write_patterns(FfpContext *context, const FfpPatterns *options, FfpError *err) {
+    Call call = {options, 0};
+    if (!ffp_need(options, "options", err) || !ffp_need(options->folder, "folder", err) ||
+        !check(options, err))
+        return -1;
+    return ffp_call_run(context, work, &call, err) ? call.count : -1;
+}

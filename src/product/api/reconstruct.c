@@ -1,0 +1,32 @@
+// Gaussians of a capture.
+#include "engine/pipeline/reconstruct.h"
+#include "core/base/call.h"
+#include "product/api/arguments.h"
+
+FfpReconstruction ffp_reconstruction_defaults(void) {
+    return (FfpReconstruction){
+        .polish = FFP_POLISH_AUTO, .noise = FFP_NOISE_ESTIMATED, .layers = FFP_LAYERS_AUTO};
+}
+
+typedef struct Call {
+    const FfpCapture *capture;
+    const FfpReconstruction *options;
+    FfpReconstructionStats *stats;
+    FfpGaussians *gaussians;
+} Call;
+
+static bool work(void *argument, FfpError *err) {
+    Call *call = argument;
+    call->gaussians = ffp_reconstruction_run(call->capture, call->options, call->stats, err);
+    return call->gaussians != NULL;
+}
+
+FfpGaussians *ffp_reconstruct(FfpContext *context, const FfpCapture *capture,
+                              const FfpReconstruction *options, FfpReconstructionStats *stats,
+                              FfpError *err) {
+    Call call = {capture, options, stats, NULL};
+    if (!ffp_need(capture, "capture", err) || !ffp_need(options, "options", err) ||
+        !ffp_check_drawing(options->drawing, err))
+        return NULL;
+    return ffp_call_run(context, work, &call, err) ? call.gaussians : NULL;
+}

@@ -1,0 +1,96 @@
+#include <stdio.h>
+#include "cli.h"
+
+typedef struct Arguments {
+    const char *capture, *output;
+    FfpAlignment options;
+} Arguments;
+
+static void tell(const char *output, const FfpAlignmentStats *stats) {
+    if (stats->turntable)
+        printf("turntable   devices rotated by %.3f degrees towards the poses shared by all views\n",
+               stats->evened);
+    else
+        printf("turntable   none: each view has a pose of its own\n");
+    if (stats->own)
+        printf("each view   devices rotated by %.3f degrees; camera rays miss their projector pixels by %.3f "
+               "pixels\n"
+               "            (%.3f before); surfaces of different views are %.3f pixels apart (%.3f before)\n",
+               stats->turned, stats->off[1], stats->off[0], stats->apart[1], stats->apart[0]);
+    if (stats->focal[0] != 1 || stats->focal[1] != 1)
+        printf("focal       camera focal lengths scaled by %.4f, projector focal lengths by %.4f\n",
+               stats->focal[0], stats->focal[1]);
+    printf("all views   camera rotated by %+.3f degrees towards the projector and by %+.3f across, the "
+           "projector\n"
+           "            by as much the other way; both by %+.3f sideways\n"
+           "pictures    pattern values differ by %.4f (%.4f before)\n"
+           "%s: aligned in %.1f s\n",
+           stats->depth, stats->across, stats->side, stats->after, stats->before, output, stats->seconds);
+}
+
+static int run(void *data) {
+    const Arguments *arguments = data;
+    FfpError err = {0};
+    FfpAlignmentStats stats;
+    FfpCapture *capture = ffp_can_save_capture(arguments->output, &err)
+                              ? ffp_capture_open(ffp_cli_context(), arguments->capture, &err)
+                              : NULL;
+    const bool ok = capture &&
+                    ffp_align_poses(ffp_cli_context(), capture, &arguments->options, &stats, &err) &&
+                    ffp_capture_save(ffp_cli_context(), capture, arguments->output, &err);
+    if (ok) tell(arguments->output, &stats);
+    ffp_capture_close(capture);
+    return ok ? FFP_EXIT_OK : ffp_cli_fail(&err);
+}
+
+static const FfpOption options[] = {
+    {.name = "output",
+     .letter = 'o',
+     .argument = "DIR",
+     .type = FFP_OPTION_FOLDER,
+     .required = true,
+     .offset = offsetof(Arguments, output),
+     .help = "folder for the capture with corrected poses; it must be new or empty"},
+    {.name = "pattern",
+     .letter = 'p',
+     .argument = "NAME",
+     .type = FFP_OPTION_TEXT,
+     .offset = offsetof(Arguments, options.pattern),
+     .help = "the structured-light pattern to align by. Default: as for `reconstruct`"},
+    {.name = "focal",
+     .letter = 'f',
+     .type = FFP_OPTION_FLAG,
+     .offset = offsetof(Arguments, options.focal_lengths),
+     .help = "also correct the focal lengths of camera and projector, by the same factors in all views. "
+             "Needs views from more than one side of the object"},
+    {0},
+};
+
+const FfpCommand ffp_cli_align = {
+    .name = "align",
+    .group = FFP_CLI_CAPTURE,
+    .purpose = "corrects the poses of a capture's cameras and projectors from its photographs",
+    .prose = "An orientation that is off by a fifth of a degree, or a principal point by half a pixel, costs "
+             "more than anything else: run this after `import` when `info` doubts the calibration, or when "
+             "predictions look doubled.\n"
+             "- If the views come from a fixed rig around a turning object, their poses are replaced by the "
+             "ones they share, provided that the pictures agree at least as well. Poses calibrated one at a "
+             "time gain the most.\n"
+             "- Otherwise each view's poses are corrected separately, until camera rays meet the projector "
+             "pixels whose light they see and the surfaces of different views coincide.\n"
+             "- One rotation of the camera and one of the projector, the same in all views, are then "
+             "searched for: those that make the surfaces found in one view agree best with the surfaces "
+             "found in the others.\n"
+             "The object's position along the turntable's axis, which no picture reveals, stays as it was.",
+    .positional = {.name = "CAPTURE",
+                   .least = 1,
+                   .most = 1,
+                   .offset = offsetof(Arguments, capture),
+                   .help = "as for `reconstruct`"},
+    .options = options,
+    .examples = (const FfpExample[]){{.command = "ffprocams align vase -o vase-aligned\n"
+                                                 "ffprocams reconstruct vase-aligned -o vase.ply"},
+                                     {0}},
+    .size = sizeof(Arguments),
+    .run = run,
+};

@@ -1,0 +1,232 @@
+#include <limits.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include "cli.h"
+
+#define DOUBTFUL 1.0 // pixels of root mean square
+
+typedef struct Arguments {
+    FfpList attitudes, calibrations;
+    FfpAngles angles;
+    FfpRigCalibration rig;
+} Arguments;
+
+static void set_defaults(void *data) {
+    FfpRigCalibration *rig = &((Arguments *)data)->rig;
+    *rig = ffp_rig_calibration_defaults();
+    rig->width = rig->height = 0; // not given
+}
+
+static bool read_board(const char *text, void *destination) {
+    FfpRigCalibration *rig = destination;
+    return ffp_cli_pair(text, 'x', 1, &rig->columns, &rig->rows);
+}
+
+static bool read_size(const char *text, void *destination) {
+    FfpRigCalibration *rig = destination;
+    return ffp_cli_pair(text, 'x', 1, &rig->width, &rig->height);
+}
+
+static const FfpWord terms[] = {{"k1", FFP_FIX_K1},
+                                {"k2", FFP_FIX_K2},
+                                {"k3", FFP_FIX_K3},
+                                {"p", FFP_FIX_TANGENTIAL},
+                                {"centre", FFP_FIX_CENTRE},
+                                {"aspect", FFP_FIX_ASPECT},
+                                {0}};
+
+// [camera.|projector.]TERM
+static bool read_fix(const char *text, void *destination) {
+    FfpRigCalibration *rig = destination;
+    const bool camera = strncmp(text, "camera.", 7) == 0, projector = strncmp(text, "projector.", 10) == 0;
+    const char *term = text + (camera ? 7 : projector ? 10 : 0);
+    for (const FfpWord *word = terms; word->name; word++) {
+        if (strcmp(word->name, term) != 0) continue;
+        if (!projector) rig->fix_camera |= (unsigned)word->value;
+        if (!camera) rig->fix_projector |= (unsigned)word->value;
+        return true;
+    }
+    return false;
+}
+
+static bool read_angles(const char *text, void *destination) {
+    const char *where;
+    return !ffp_cli_angles(text, destination, &where);
+}
+
+static void print_rig(const FfpRigCalibration *rig, const FfpRigCalibrationStats *s) {
+    printf("%s: %d of %d attitudes, rms %.3f pixels (camera alone %.3f, projector alone %.3f), %d of %d "
+           "corners left "
+           "out\n",
+           rig->file, s->used, s->attitudes, s->both, s->camera, s->projector, s->left_out, s->corners);
+    if (rig->report) printf("%s: check this report before going on\n", rig->report);
+}
+
+static void print_axis(const FfpRigCalibration *rig, const FfpRigCalibrationStats *s) {
+    printf("turntable: %d of %d photographs, rms %.3f pixels; axis uncertainty %.3f degrees and %.3g units\n",
+           s->stops_used, s->stops, s->stops_rms, s->tilt, s->shift);
+    printf("import with -t %.6f,%.6f,%.6f,%.6g,%.6g,%.6g,ANGLES%s\n", s->axis[0], s->axis[1], s->axis[2],
+           s->point[0], s->point[1], s->point[2],
+           s->reversed ? " (the table turned clockwise as seen from above: 8x45 is 8x-45 there)" : "");
+    if (rig->turntable_file) printf("%s: axis, and the angles of these photographs\n", rig->turntable_file);
+}
+
+// A panel's size that nobody gave is the first thing to doubt where things do not fit.
+static void tell_default(const FfpRigCalibration *rig) {
+    fprintf(stderr, "ffprocams: no --projector given: assuming the default panel size, %d x %d\n", rig->width,
+            rig->height);
+}
+
+static int run(void *data) {
+    Arguments *arguments = data;
+    FfpRigCalibration *rig = &arguments->rig;
+    const bool by_default = rig->width == 0;
+    if (by_default) {
+        const FfpRigCalibration defaults = ffp_rig_calibration_defaults();
+        rig->width = defaults.width, rig->height = defaults.height;
+    }
+    FfpRigCalibrationStats stats = {0};
+    FfpError err = {0};
+    rig->attitudes = arguments->attitudes.values, rig->n_attitudes = arguments->attitudes.count;
+    rig->calibrations = arguments->calibrations.values, rig->n_calibrations = arguments->calibrations.count;
+    rig->angles = arguments->angles.degrees, rig->n_angles = arguments->angles.count;
+    if (!ffp_calibrate_rig(ffp_cli_context(), rig, &stats, &err)) {
+        const int status = ffp_cli_fail(&err);
+        if (by_default && err.code == FFP_ERROR_FILE && rig->n_attitudes > 0) tell_default(rig);
+        return status;
+    }
+    if (rig->file) print_rig(rig, &stats);
+    if (by_default && rig->file && (stats.used < stats.attitudes || stats.both > DOUBTFUL)) tell_default(rig);
+    if (stats.has_axis) print_axis(rig, &stats);
+    return FFP_EXIT_OK;
+}
+
+#define RIG "camera and projector"
+#define TURNTABLE "turntable"
+
+static const FfpOption options[] = {
+    {.name = "board",
+     .argument = "CxR",
+     .type = FFP_OPTION_PARSED,
+     .required = true,
+     .offset = offsetof(Arguments, rig),
+     .parse = read_board,
+     .takes = "columns x rows of corners (9x6)",
+     .help = "inner corners of the chessboard, where four squares meet: one fewer than squares each way"},
+    {.name = "square",
+     .argument = "LENGTH",
+     .type = FFP_OPTION_REAL,
+     .required = true,
+     .offset = offsetof(Arguments, rig.square),
+     .least = 1e-9,
+     .most = 1e9,
+     .help = "side of a square, measured on the print; the calibration uses its unit"},
+    {.name = "report",
+     .argument = "FILE.html",
+     .type = FFP_OPTION_FILE,
+     .offset = offsetof(Arguments, rig.report),
+     .help =
+         "HTML page that shows the corners, their errors (enlarged), and how much of both images they cover"},
+    {.name = "projector",
+     .argument = "WxH",
+     .type = FFP_OPTION_PARSED,
+     .offset = offsetof(Arguments, rig),
+     .parse = read_size,
+     .takes = "width x height in pixels (1920x1080)",
+     .group = RIG,
+     .help = "size of the projector's panel, as for `ffprocams patterns`. Default: 1920x1080"},
+    {.name = "output",
+     .letter = 'o',
+     .argument = "FILE",
+     .type = FFP_OPTION_FILE,
+     .offset = offsetof(Arguments, rig.file),
+     .group = RIG,
+     .help = "the calibration, for `ffprocams import -c FILE`: OpenCV FileStorage, in YAML if the name ends "
+             "in .yml or .yaml, otherwise in XML"},
+    {.name = "fix",
+     .argument = "TERM",
+     .type = FFP_OPTION_PARSED,
+     .repeated = true,
+     .offset = offsetof(Arguments, rig),
+     .words = terms,
+     .parse = read_fix,
+     .takes = "k1, k2, k3, p, centre or aspect, optionally prefixed with camera. or projector.",
+     .group = RIG,
+     .help = "hold this term fixed instead of fitting it; may be repeated. k1, k2, k3 and p (both tangential "
+             "terms) become 0, centre is the middle of the picture, aspect makes pixels square. camera.k3 "
+             "applies to the camera only"},
+    {.name = "turntable-board",
+     .argument = "DIR",
+     .type = FFP_OPTION_FOLDER,
+     .offset = offsetof(Arguments, rig.turntable_board),
+     .group = TURNTABLE,
+     .help = "photographs of the board on the turntable, one for each angle of --angles, in order"},
+    {.name = "angles",
+     .needs = "turntable-board",
+     .argument = "ANGLES",
+     .type = FFP_OPTION_PARSED,
+     .offset = offsetof(Arguments, angles),
+     .parse = read_angles,
+     .takes = "up to 512 angles in degrees, separated by commas, or 12x30 for twelve steps of 30",
+     .group = TURNTABLE,
+     .help = "angles of the table in these photographs, in degrees: 0,20,40 or 12x30"},
+    {.name = "turntable-output",
+     .needs = "turntable-board",
+     .argument = "FILE",
+     .type = FFP_OPTION_FILE,
+     .offset = offsetof(Arguments, rig.turntable_file),
+     .group = TURNTABLE,
+     .help = "JSON file for axis and angles, for `ffprocams import -t FILE`"},
+    {.name = "calibration",
+     .letter = 'c',
+     .argument = "FILE",
+     .type = FFP_OPTION_FILE,
+     .repeated = true,
+     .offset = offsetof(Arguments, calibrations),
+     .group = TURNTABLE,
+     .help = "an existing calibration of the camera, instead of FOLDERs"},
+    {0},
+};
+
+const FfpCommand ffp_cli_calibrate = {
+    .name = "calibrate",
+    .group = FFP_CLI_CAPTURE,
+    .purpose = "calibrates a camera and a projector from photographs of a chessboard",
+    .prose = "Put a flat printed chessboard before the rig in five to fifteen attitudes, tilted by 20 to 40 "
+             "degrees, each "
+             "time another way. In each, photograph the patterns of `ffprocams patterns --only capture "
+             "--lollipops 0 "
+             "--only graycode`, in order, into a folder of its own. The corners are found in the camera's "
+             "pictures, and "
+             "carried to the projector's panel by homographies of the codes around each (Moreno and Taubin "
+             "2012); then "
+             "both devices are fitted, with lens distortion, and the motion between them. Corners and "
+             "attitudes out of "
+             "line are left out, and said. docs/guide/own-rig.md shows how.\n"
+             "With --turntable-board, a chessboard that lies or stands on the turntable tells its axis.",
+    .positional = {.name = "FOLDER",
+                   .least = 0,
+                   .most = INT_MAX,
+                   .offset = offsetof(Arguments, attitudes),
+                   .help = "photographs of one attitude, ordered by the numbers in their names: the "
+                           "projector black and white, first or last, and the Gray codes of columns and rows "
+                           "with their inverses. Or a folder of such folders"},
+    .options = options,
+    .examples =
+        (const FfpExample[]){{.command =
+                                  "ffprocams calibrate shots -o calibration.xml --board 9x6 --square 25 "
+                                  "\\\n    --projector 1280x800 "
+                                  "--report calibration.html"},
+                             {.about = "Then the axis of the turntable. The file holds the angles of these "
+                                       "photographs; if the object was photographed at others, give the six "
+                                       "numbers printed to import, -t AX,AY,AZ,PX,PY,PZ,8x45:",
+                              .command = "ffprocams calibrate -c calibration.xml --board 9x6 --square 25 "
+                                         "\\\n    --turntable-board table "
+                                         "--angles 12x30 --turntable-output axis.json"},
+                             {0}},
+    .size = sizeof(Arguments),
+    .set_defaults = set_defaults,
+    .run = run,
+};

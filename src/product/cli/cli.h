@@ -1,0 +1,111 @@
+// The command line: main.c picks a command, each of which has a file with its table and what it runs.
+#ifndef FFP_CLI_CLI_H
+#define FFP_CLI_CLI_H
+
+#include "ffprocams.h"
+#include "options.h"
+
+enum { FFP_EXIT_OK = 0, FFP_EXIT_FAILURE = 1, FFP_EXIT_USAGE = 2 };
+
+extern const FfpCommand ffp_cli_import, ffp_cli_align, ffp_cli_info, ffp_cli_reconstruct, ffp_cli_refine,
+    ffp_cli_render, ffp_cli_compensate, ffp_cli_map, ffp_cli_export, ffp_cli_evaluate, ffp_cli_bench,
+    ffp_cli_generate, ffp_cli_train, ffp_cli_view, ffp_cli_patterns, ffp_cli_calibrate;
+
+int ffp_cli_fail(const FfpError *err); // "ffprocams: error: WHAT (WHERE)"; returns FFP_EXIT_FAILURE
+// The same, and a hint where one of the --pattern values looks like several: "-p a,b".
+int ffp_cli_fail_patterns(const FfpError *err, const FfpList *patterns);
+// "ffprocams: error: WHAT" and where to read more; returns FFP_EXIT_USAGE
+int ffp_cli_usage(const char *command, const char *what_format, ...) __attribute__((format(printf, 2, 3)));
+
+// Where others use the processors too, begins the program once more with threads that sleep while they wait
+// (OMP_WAIT_POLICY=passive); not where the user has set that, or nothing is gained. Returns in all other
+// cases.
+void ffp_cli_wait_passively(char **argv);
+
+// The program's one context, which writes to stderr and is cancelled by SIGINT and SIGTERM: they end a call
+// as soon as it can end cleanly; a second one ends the program at once. open: again, with another device.
+bool ffp_cli_open_context(FfpDeviceKind device, FfpError *err);
+FfpContext *ffp_cli_context(void);
+// A call has ended by a signal, and what comes next is to be done all the same.
+void ffp_cli_clear_interrupt(void);
+void ffp_cli_clear_progress(void); // takes the line of progress off the terminal
+// Releases it. Where a signal has ended a call for good, the program ends by it, as its parent expects.
+void ffp_cli_close_context(void);
+// Value of --device: all that follows runs there. NULL: where it does.
+bool ffp_cli_use_device(const char *name, FfpError *err);
+
+// Processes of an MPI job share the command's work: its calls then have their ranks, and words of what all do
+// come from the first alone. Nothing happens in a process that was started alone.
+bool ffp_cli_use_ranks(FfpError *err);
+// For that and the end of the program. join: finds the job; leave: all of it ends unless status is
+// FFP_EXIT_OK.
+bool ffp_cli_join_ranks(FfpError *err);
+const FfpRanks *ffp_cli_ranks(void); // NULL: alone
+int ffp_cli_leave_ranks(int status);
+const char *ffp_cli_rank_name(void); // "rank 3: "; "" alone
+
+// Headings of the commands in the program's help.
+#define FFP_CLI_CAPTURE "make a capture"
+#define FFP_CLI_RECONSTRUCT "reconstruct"
+#define FFP_CLI_LOOK "look"
+#define FFP_CLI_PROJECT "project"
+#define FFP_CLI_EVALUATE "evaluate"
+#define FFP_CLI_TRAIN "train"
+
+// What several commands take; `place` is where in their arguments it goes.
+extern const FfpWord ffp_cli_auto[], ffp_cli_layers[], ffp_cli_forms[], ffp_cli_page_forms[],
+    ffp_cli_devices[], ffp_cli_none[];
+#define FFP_CLI_GAUSSIANS(place)                                                                             \
+    {                                                                                                        \
+        .name = "FILE.ply", .least = 1, .most = 1, .offset = (place),                                        \
+        .help = "Gaussians written by `ffprocams reconstruct`"                                               \
+    }
+#define FFP_CLI_CAPTURE_OPTION(place, text)                                                                  \
+    {                                                                                                        \
+        .name = "capture", .letter = 'c', .argument = "CAPTURE", .type = FFP_OPTION_FILE, .required = true,  \
+        .offset = (place), .help = (text)                                                                    \
+    }
+#define FFP_CLI_POSES(place)                                                                                 \
+    {                                                                                                        \
+        .name = "poses", .argument = "FILE", .type = FFP_OPTION_FILE, .offset = (place),                     \
+        .help = "other poses of camera and projector (targets.json or scene.json)"                           \
+    }
+#define FFP_CLI_POLISH(place, text)                                                                          \
+    {                                                                                                        \
+        .name = "polish", .argument = "STEPS", .type = FFP_OPTION_INT64, .offset = (place), .low = 0,        \
+        .high = 1000000, .words = ffp_cli_auto, .takes = "auto or a number of steps from 0 to 1000000",      \
+        .help = (text)                                                                                       \
+    }
+#define FFP_CLI_NOISE(place, text)                                                                           \
+    {                                                                                                        \
+        .name = "noise", .argument = "S", .type = FFP_OPTION_REAL, .offset = (place), .least = 0,            \
+        .most = 0.2, .words = ffp_cli_auto, .help = (text)                                                   \
+    }
+#define FFP_CLI_LAYERS(place, text)                                                                          \
+    {                                                                                                        \
+        .name = "layers", .argument = "N", .type = FFP_OPTION_REAL, .offset = (place), .least = 0.5,         \
+        .most = 100, .words = ffp_cli_layers, .help = (text)                                                 \
+    }
+#define FFP_CLI_DRAWING(place, text)                                                                         \
+    {                                                                                                        \
+        .name = "drawing", .argument = "D", .type = FFP_OPTION_CHOICE, .offset = (place),                    \
+        .words = ffp_cli_forms, .help = (text)                                                               \
+    }
+#define FFP_CLI_FORM_HELP                                                                                    \
+    "ours (default), or paper for Gaussians from a model in the paper's form, or gs-procams for those "      \
+    "fitted in it: paper, in light without cosine and falloff"
+#define FFP_CLI_SAMPLES(place, text)                                                                         \
+    {                                                                                                        \
+        .name = "samples", .argument = "N", .type = FFP_OPTION_INT, .offset = (place), .low = 1, .high = 4,  \
+        .help = (text)                                                                                       \
+    }
+#define FFP_CLI_SAMPLES_HELP                                                                                 \
+    "draw with N x N samples a pixel, 1 to 4. More are smoother and slower. Default: as the model has it, "  \
+    "else 2 (1 in the paper's form)"
+#define FFP_CLI_DEVICE(place, text)                                                                          \
+    {                                                                                                        \
+        .name = "device", .argument = "cpu|cuda", .type = FFP_OPTION_NAME, .offset = (place),                \
+        .words = ffp_cli_devices, .help = (text)                                                             \
+    }
+
+#endif

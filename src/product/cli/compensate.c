@@ -1,0 +1,143 @@
+#include <float.h>
+#include <math.h>
+#include <stdio.h>
+#include "cli.h"
+
+typedef struct Arguments {
+    const char *gaussians, *capture;
+    FfpList views, targets;
+    FfpCompensation how;
+} Arguments;
+
+static void tell(const FfpCompensation *how, const FfpCompensationStats *stats) {
+    printf("patterns       %d\n", stats->patterns);
+    if (!how->paint) printf("gain           %.3f\n", stats->gain);
+    printf("unlit          %.1f %% of the object's pixels\n", 100 * stats->unlit);
+    printf("out of gamut   %.1f %% too dark, %.1f %% too bright\n", 100 * stats->too_dark,
+           100 * stats->too_bright);
+    printf("PSNR           %.2f dB dark, %.2f dB in closed form, %.2f dB after %d steps (predicted, lit "
+           "pixels)\n",
+           stats->psnr_dark, stats->psnr_closed, stats->psnr, how->steps);
+    printf("time           %.1f s\n", stats->seconds);
+}
+
+static int run(void *data) {
+    Arguments *arguments = data;
+    FfpCompensation *how = &arguments->how;
+    FfpError err = {0};
+    FfpCompensationStats stats;
+    bool ok = false;
+    how->views = arguments->views.values, how->n_views = arguments->views.count;
+    how->targets = arguments->targets.values, how->n_targets = arguments->targets.count;
+    if (how->n_targets > 1 && how->n_targets != how->n_views)
+        return ffp_cli_usage("compensate", "%d targets for %d views: give one for all views, or one for each",
+                             how->n_targets, how->n_views);
+    FfpGaussians *gaussians = ffp_gaussians_open(ffp_cli_context(), arguments->gaussians, &err);
+    FfpCapture *capture = gaussians ? ffp_capture_open(ffp_cli_context(), arguments->capture, &err) : NULL;
+    if (capture) ok = ffp_compensate(ffp_cli_context(), gaussians, capture, how, &stats, &err);
+    if (ok) tell(how, &stats);
+    ffp_capture_close(capture);
+    ffp_gaussians_close(gaussians);
+    return ok ? FFP_EXIT_OK : ffp_cli_fail(&err);
+}
+
+static void set_defaults(void *data) {
+    ((Arguments *)data)->how = ffp_compensation_defaults();
+}
+
+static const FfpOption options[] = {
+    FFP_CLI_CAPTURE_OPTION(offsetof(Arguments, capture),
+                           "the capture that the Gaussians come from: poses, patterns, photographs"),
+    {.name = "view",
+     .letter = 'v',
+     .argument = "ID",
+     .type = FFP_OPTION_TEXT,
+     .repeated = true,
+     .required = true,
+     .offset = offsetof(Arguments, views),
+     .help = "the view whose camera sees the target; may be repeated: all their projectors shine at once and "
+             "share the light where they overlap, each fading out towards the edge of the area it lights"},
+    {.name = "target",
+     .letter = 't',
+     .argument = "IMAGE",
+     .type = FFP_OPTION_FILE,
+     .repeated = true,
+     .required = true,
+     .offset = offsetof(Arguments, targets),
+     .help = "sRGB image that the camera should see, with the aspect ratio of the camera's frame. "
+             "Transparent pixels are unconstrained. Give one for all views, or one for each"},
+    {.name = "output",
+     .letter = 'o',
+     .argument = "FILE.png",
+     .type = FFP_OPTION_FILE,
+     .required = true,
+     .offset = offsetof(Arguments, how.pattern),
+     .help =
+         "the pattern to project; with several projectors FILE_<view>.png. Written beside it: "
+         "FILE_seen_<view>.png, what the camera will see, and FILE_target_<view>.png, what it should see"},
+    FFP_CLI_POSES(offsetof(Arguments, how.poses)),
+    {.name = "gain",
+     .excludes = "paint",
+     .letter = 'g',
+     .argument = "G|auto",
+     .type = FFP_OPTION_REAL,
+     .offset = offsetof(Arguments, how.gain),
+     .least = DBL_MIN,
+     .most = INFINITY,
+     .words = (const FfpWord[]){{"auto", 0}, {0}},
+     .takes = "auto or a number above 0",
+     .help = "factor on the target's linear light (default 1); auto: the gain that brings the target closest "
+             "to what projected light can reach, and the brightest of several equally good ones"},
+    {.name = "paint",
+     .type = FFP_OPTION_FLAG,
+     .offset = offsetof(Arguments, how.paint),
+     .help =
+         "treat the target as light on the object: black means each pixel's appearance with the projector "
+         "dark, white its appearance under full light. Always reachable; the object keeps its own colours"},
+    {.name = "steps",
+     .letter = 's',
+     .argument = "N",
+     .type = FFP_OPTION_INT,
+     .offset = offsetof(Arguments, how.steps),
+     .high = 100000,
+     .help = "steps of gradient descent (default 30); 0: the closed form only. More steps fit the Gaussians "
+             "better, but not the real object where the Gaussians are wrong"},
+    {.name = "gaussians-only",
+     .type = FFP_OPTION_FLAG,
+     .offset = offsetof(Arguments, how.gaussians_only),
+     .help =
+         "ignore the view's photographs under black and white, which otherwise give the range of each pixel"},
+    {.name = "for-device",
+     .type = FFP_OPTION_FLAG,
+     .offset = offsetof(Arguments, how.for_device),
+     .help = "write the pattern ready for the real projector: at its panel's size, with lens distortion "
+             "reapplied and gamma undone, as recorded by import in scene.json (projector.device)"},
+    FFP_CLI_DRAWING(offsetof(Arguments, how.drawing.form), FFP_CLI_FORM_HELP),
+    FFP_CLI_SAMPLES(offsetof(Arguments, how.drawing.samples), FFP_CLI_SAMPLES_HELP),
+    {0},
+};
+
+const FfpCommand ffp_cli_compensate = {
+    .name = "compensate",
+    .group = FFP_CLI_PROJECT,
+    .purpose = "computes the pattern that makes a camera see a target picture on the object",
+    .prose = "Compensates, as far as projected light allows, for the object's shape and colours, the angle "
+             "and distance of the light, and the ambient light: first in closed form, then by gradient "
+             "descent through the renderer.\n"
+             "A projector can only add light. A target that is darker than the black picture or brighter "
+             "than the white one cannot be reached; the command reports the percentage of such pixels. On a "
+             "dark or coloured object in a bright room that may be most of them; then use --paint.",
+    .positional = FFP_CLI_GAUSSIANS(offsetof(Arguments, gaussians)),
+    .options = options,
+    .examples =
+        (const FfpExample[]){
+            {.command = "ffprocams compensate spot.ply -c data/sample -v path_0_theta000 -t picture.png \\\n"
+                        "    --paint -o pattern.png\n"
+                        "ffprocams compensate spot.ply -c data/sample -v path_0_theta000 "
+                        "-v path_0_theta090 \\\n"
+                        "    -t grey.png -g auto -o both.png"},
+            {0}},
+    .size = sizeof(Arguments),
+    .set_defaults = set_defaults,
+    .run = run,
+};

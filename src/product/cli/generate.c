@@ -1,0 +1,201 @@
+#include <math.h>
+#include <string.h>
+#include "cli.h"
+
+typedef struct Arguments {
+    FfpGeneration generation;
+} Arguments;
+
+static void set_defaults(void *data) {
+    ((Arguments *)data)->generation = ffp_generation_defaults();
+}
+
+// "NAME=VALUE"
+static bool read_fault(const char *text, void *destination) {
+    FfpSensorFaults *sensor = destination;
+    const struct {
+        const char *name;
+        double *value;
+    } faults[] = {{"exposure=", &sensor->exposure},
+                  {"shot=", &sensor->shot},
+                  {"read=", &sensor->read},
+                  {"defocus=", &sensor->defocus},
+                  {"gamma=", &sensor->gamma},
+                  {"black_level=", &sensor->black_level},
+                  {"turn_error=", &sensor->turn_error},
+                  {"shift_error=", &sensor->shift_error}};
+    for (size_t i = 0; i < sizeof faults / sizeof *faults; i++) {
+        const size_t length = strlen(faults[i].name);
+        if (strncmp(faults[i].name, text, length) == 0)
+            return ffp_cli_real(text + length, -HUGE_VAL, HUGE_VAL, faults[i].value);
+    }
+    return false;
+}
+
+static int run(void *data) {
+    Arguments *arguments = data;
+    FfpGeneration *generation = &arguments->generation;
+    FfpError err = {0};
+    if (generation->split != FFP_SPLIT_ALL && generation->mesh)
+        return ffp_cli_usage("generate", "--split applies to generated objects, not to --mesh");
+    if (!generation->check && !ffp_cli_use_ranks(&err)) return ffp_cli_fail(&err);
+    return ffp_generate(ffp_cli_context(), generation, &err) ? FFP_EXIT_OK : ffp_cli_fail(&err);
+}
+
+static const FfpOption options[] = {
+    {.name = "split",
+     .letter = 's',
+     .argument = "S",
+     .type = FFP_OPTION_CHOICE,
+     .offset = offsetof(Arguments, generation.split),
+     .words =
+         (const FfpWord[]){
+             {"train", FFP_SPLIT_TRAIN}, {"validation", FFP_SPLIT_VALIDATION}, {"test", FFP_SPLIT_TEST}, {0}},
+     .help = "objects to use: train, validation or test. Default: all"},
+    {.name = "first",
+     .letter = 'a',
+     .argument = "A",
+     .type = FFP_OPTION_INT64,
+     .offset = offsetof(Arguments, generation.first),
+     .high = 1000000000,
+     .help = "number of the first scene. Default: 0"},
+    {.name = "count",
+     .letter = 'n',
+     .argument = "N",
+     .type = FFP_OPTION_INT64,
+     .offset = offsetof(Arguments, generation.count),
+     .low = 1,
+     .high = 1000000000,
+     .help = "number of scenes. Default: the whole split"},
+    {.name = "check",
+     .type = FFP_OPTION_FLAG,
+     .offset = offsetof(Arguments, generation.check),
+     .help =
+         "generate nothing; list the scenes that are still missing, and exit with status 1 if there are any"},
+    {.name = "preset",
+     .argument = "P",
+     .type = FFP_OPTION_CHOICE,
+     .offset = offsetof(Arguments, generation.preset),
+     .words = (const FfpWord[]){{"paper", FFP_PRESET_PAPER},
+                                {"smoke", FFP_PRESET_SMOKE},
+                                {"training", FFP_PRESET_TRAINING},
+                                {0}},
+     .help = "paper: 8 views at 128 x 128, 6 lollipops (default); smoke: small and quick; training: what "
+             "`train` generates for itself, with new poses and a different rig for each scene, to be read "
+             "through `scenes` in the configuration"},
+    {.name = "rig",
+     .argument = "KIND",
+     .type = FFP_OPTION_CHOICE,
+     .offset = offsetof(Arguments, generation.rig),
+     .words =
+         (const FfpWord[]){
+             {"turntable", FFP_RIG_TURNTABLE}, {"free", FFP_RIG_FREE}, {"sphere", FFP_RIG_SPHERE}, {0}},
+     .help = "turntable: the object turns before a fixed camera and projector (default); free: cameras all "
+             "around the object, with a projector placed anew beside each; sphere: the camera spirals around "
+             "a fixed object and projector"},
+    {.name = "views",
+     .argument = "N",
+     .type = FFP_OPTION_INT,
+     .offset = offsetof(Arguments, generation.views),
+     .low = 1,
+     .high = 360,
+     .help = "number of input views, 1 to 360, instead of the preset's 8"},
+    {.name = "mesh",
+     .letter = 'm',
+     .argument = "FILE",
+     .type = FFP_OPTION_FILE,
+     .offset = offsetof(Arguments, generation.mesh),
+     .help = "OBJ, PLY, STL or glTF file to use instead of generated objects, centred and scaled to a sphere "
+             "of radius 0.95; one scene unless --count asks for more"},
+    {.name = "material",
+     .argument = "FOLDER",
+     .type = FFP_OPTION_FOLDER,
+     .offset = offsetof(Arguments, generation.material),
+     .help = "folder of maps named basecolor (or albedo, diffuse, color), roughness and normal, instead of "
+             "generated materials; metallic maps are not used"},
+    {.name = "resolution",
+     .letter = 'r',
+     .argument = "R",
+     .type = FFP_OPTION_INT,
+     .offset = offsetof(Arguments, generation.resolution),
+     .low = 8,
+     .high = 4096,
+     .help = "image size in pixels, instead of the preset's"},
+    {.name = "seed",
+     .argument = "S",
+     .type = FFP_OPTION_INT64,
+     .offset = offsetof(Arguments, generation.seed),
+     .high = INT64_MAX,
+     .help = "random seed; each seed gives different scenes. Default: 0"},
+    {.name = "sensor",
+     .argument = "NAME=VALUE",
+     .type = FFP_OPTION_PARSED,
+     .repeated = true,
+     .offset = offsetof(Arguments, generation.sensor),
+     .parse = read_fault,
+     .takes = "NAME=NUMBER, NAME being exposure, shot, read, defocus, gamma, black_level, turn_error or "
+              "shift_error",
+     .words = (const FfpWord[]){{"read=", 0},
+                                {"shot=", 0},
+                                {"defocus=", 0},
+                                {"gamma=", 0},
+                                {"black_level=", 0},
+                                {"exposure=", 0},
+                                {"turn_error=", 0},
+                                {"shift_error=", 0},
+                                {0}},
+     .help = "imperfections of real devices, may be repeated: read noise (read=0.01, relative to white) and "
+             "shot noise (shot), the projector's defocus (defocus=1, standard deviation in its pixels), "
+             "gamma and black_level, exposure (stops), errors of the written poses (turn_error=0.2 degrees, "
+             "shift_error=0.004 units). The scenes are otherwise the same. Default: all 0"},
+    {.name = "photographs",
+     .argument = "PATTERNS",
+     .type = FFP_OPTION_FOLDER,
+     .offset = offsetof(Arguments, generation.photographs),
+     .help = "write photographs instead of captures: of one object (the first, or --mesh) on a turntable "
+             "under every pattern in this folder (from `patterns`), in view-DDD/ named by angle, and of a "
+             "chessboard of 9 x 6 corners for `calibrate`, in attitude-NN/ and turntable/. Camera and "
+             "projector have lens distortion. Photographs are numbered like their patterns. truth.json holds "
+             "the true calibration. --resolution sets their height (480), --views the number of stops"},
+    {.name = "attitudes",
+     .needs = "photographs",
+     .argument = "N",
+     .type = FFP_OPTION_INT,
+     .offset = offsetof(Arguments, generation.attitudes),
+     .high = 64,
+     .help = "with --photographs: number of attitudes of the chessboard; 0: no chessboard. Default: 8"},
+    {0},
+};
+
+const FfpCommand ffp_cli_generate = {
+    .name = "generate",
+    .group = FFP_CLI_TRAIN,
+    .purpose = "generates ray-traced captures of procedural objects, with ground truth",
+    .prose =
+        "A ray-traced light simulator writes DIR/<scene>/ in the project's capture format, together with "
+        "depth, normal, albedo, roughness and mask, and new poses for objects of the test split in "
+        "DIR/<scene>/targets/.\n"
+        "A scene depends only on its number, the seed and the preset; rig, views and resolution show the "
+        "same scene in a different way. Existing scenes are kept, so an interrupted run resumes where it "
+        "stopped, and several runs can share a job, each with its own --first and --count, as can the "
+        "processes of `mpirun -n N ffprocams generate ...`. Use a different DIR for different options.",
+    .positional = {.name = "DIR",
+                   .least = 1,
+                   .most = 1,
+                   .offset = offsetof(Arguments, generation.folder),
+                   .help = "folder for the captures"},
+    .options = options,
+    .examples =
+        (const FfpExample[]){{.command = "ffprocams generate scenes --preset smoke --count 2\n"
+                                         "ffprocams generate mine --mesh vase.obj --material "
+                                         "glazed_clay"},
+                             {.about = "The photographs that a real camera and projector would have given:",
+                              .command =
+                                  "ffprocams patterns -o patterns --projector 640x400\n"
+                                  "ffprocams generate shots --photographs patterns --views 16 --sensor "
+                                  "read=0.005"},
+                             {0}},
+    .size = sizeof(Arguments),
+    .set_defaults = set_defaults,
+    .run = run,
+};

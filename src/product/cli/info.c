@@ -1,0 +1,39 @@
+#include <stdio.h>
+#include <stdlib.h>
+#include "cli.h"
+
+typedef struct Arguments {
+    const char *file;
+} Arguments;
+
+static int run(void *data) {
+    const Arguments *arguments = data;
+    FfpError err = {0};
+    char *text = ffp_info(ffp_cli_context(), arguments->file, &err);
+    if (!text) return ffp_cli_fail(&err);
+    fputs(text, stdout);
+    ffp_free(text);
+    return FFP_EXIT_OK;
+}
+
+static const FfpOption options[] = {{0}};
+
+const FfpCommand ffp_cli_info = {
+    .name = "info",
+    .group = FFP_CLI_CAPTURE,
+    .purpose = "describes and checks a capture, a model, a PLY or a field",
+    .prose = "For a capture: views, patterns, sizes, bounds, intensity and whether it was given or "
+             "estimated, and advice on anything doubtful. For a model: configuration, parameters, training. "
+             "For Gaussians: count, bounds, opacity. For a neural field: parameters, bounds, occupancy. The "
+             "file is checked as by every other command.",
+    .positional =
+        {.name = "FILE",
+         .least = 1,
+         .most = 1,
+         .offset = offsetof(Arguments, file),
+         .help = "a capture's folder or JSON file, a safetensors model, a PLY, or a field from `refine`"},
+    .options = options,
+    .examples = (const FfpExample[]){{.command = "ffprocams info data/sample"}, {0}},
+    .size = sizeof(Arguments),
+    .run = run,
+};

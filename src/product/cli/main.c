@@ -1,0 +1,112 @@
+#include <stdio.h>
+#include <string.h>
+#include "cli.h"
+
+static const FfpCommand *const commands[] = {
+    &ffp_cli_patterns,
+    &ffp_cli_calibrate,
+    &ffp_cli_import,
+    &ffp_cli_align,
+    &ffp_cli_info,
+    &ffp_cli_reconstruct,
+    &ffp_cli_refine,
+    &ffp_cli_render,
+    &ffp_cli_view,
+    &ffp_cli_export,
+    &ffp_cli_compensate,
+    &ffp_cli_map,
+    &ffp_cli_evaluate,
+    &ffp_cli_bench,
+    &ffp_cli_generate,
+    &ffp_cli_train,
+    NULL,
+};
+
+// Beside --help, which everything has.
+static const FfpOption options[] = {
+    {.name = "version", .help = "the version"},
+    {.name = "pages",
+     .argument = "DIR",
+     .type = FFP_OPTION_FOLDER,
+     .help = "write the manual pages of all commands and ffprocams-completion.bash, for completion in bash, "
+             "to this folder"},
+    {0},
+};
+
+static const FfpProgram program = {
+    .name = "ffprocams",
+    .purpose = "turns photographs of an object under projected patterns into relightable 3D Gaussians",
+    .prose = "From eight photographed projector-camera views of an object to relightable 3D Gaussians, and "
+             "pictures of the object under any pattern, camera pose and projector pose.",
+    .commands = commands,
+    .options = options,
+    .environment = "The environment variable FFPROCAMS_CPU (portable, avx2, avx512, avx512bf16, amx) selects "
+                   "kernels other than the best that the processor supports. OMP_NUM_THREADS sets the number "
+                   "of threads and OMP_WAIT_POLICY (active, passive) how they wait for each other; by "
+                   "default that depends on how busy the machine is. FFPROCAMS_MODELS and FFPROCAMS_MODULES "
+                   "name the folders of the shipped weights and of the modules (Embree, Assimp, OpenCV, "
+                   "libtiff), if they lie elsewhere than where they were built or installed.",
+    .exit_status = "Exit status: 0 on success, 1 on an error (reported on stderr; no output is left "
+                   "half-written), 2 for incorrect usage.",
+    .examples = (const FfpExample[]){{.command = "ffprocams reconstruct data/sample -o spot.ply"},
+                                     {.command = "ffprocams render spot.ply --capture data/sample --pattern "
+                                                 "lollipop_3 -o relit"},
+                                     {0}},
+};
+
+// Output that was lost on the way (a full disk behind a pipe) is an error too.
+static int finish(int status) {
+    if (fflush(stdout) == 0 && !ferror(stdout)) return status;
+    fprintf(stderr, "ffprocams: error: cannot write (standard output)\n");
+    return FFP_EXIT_FAILURE;
+}
+
+static int unknown_command(const char *word) {
+    enum { COUNT = sizeof commands / sizeof *commands + sizeof options / sizeof *options };
+    const char *names[COUNT] = {"help"};
+    const bool dashes = strncmp(word, "--", 2) == 0;
+    int n = 1;
+    for (const FfpOption *option = options; option->name; option++) names[n++] = option->name;
+    const int first_command = n;
+    for (int i = 0; commands[i]; i++) names[n++] = commands[i]->name;
+    const char *nearest = ffp_cli_nearest(dashes ? word + 2 : word, names);
+    const char *what = dashes ? "unknown option" : "unknown command";
+    if (!nearest) return ffp_cli_usage(NULL, "%s %s", what, word);
+    bool option = false;
+    for (int i = 0; i < first_command; i++) option |= names[i] == nearest;
+    return ffp_cli_usage(NULL, "%s %s: did you mean %s%s?", what, word, option ? "--" : "", nearest);
+}
+
+static int run(const FfpCommand *command, int argc, char **argv) {
+    FfpError err;
+    if (!ffp_cpu_check(&err) || !ffp_cli_open_context(FFP_DEVICE_CPU, &err)) return ffp_cli_fail(&err);
+    const int status = ffp_cli_leave_ranks(finish(ffp_cli_run(command, argc, argv)));
+    ffp_cli_close_context();
+    return status;
+}
+
+int main(int argc, char **argv) {
+    FfpProgram here = program;
+    here.version = ffp_version();
+    if (argc < 2) {
+        ffp_cli_program_help(&here, stderr);
+        return FFP_EXIT_USAGE;
+    }
+    if (strcmp(argv[1], "--help") == 0 || strcmp(argv[1], "-h") == 0) {
+        ffp_cli_program_help(&here, stdout);
+        return finish(FFP_EXIT_OK);
+    }
+    if (strcmp(argv[1], "--version") == 0) {
+        printf("ffprocams %s\n", here.version);
+        return finish(FFP_EXIT_OK);
+    }
+    if (strcmp(argv[1], "--pages") == 0)
+        return argc == 3 ? ffp_cli_pages(&here, argv[2])
+                         : ffp_cli_usage(NULL, "--pages takes exactly one value: DIR");
+    for (int i = 0; commands[i]; i++)
+        if (strcmp(argv[1], commands[i]->name) == 0) {
+            ffp_cli_wait_passively(argv);
+            return run(commands[i], argc - 1, argv + 1);
+        }
+    return unknown_command(argv[1]);
+}

@@ -1,0 +1,92 @@
+#include <stdio.h>
+#include "cli.h"
+
+typedef struct Arguments {
+    const char *gaussians, *capture;
+    FfpList views;
+    FfpMaps maps;
+} Arguments;
+
+static void tell(const Arguments *arguments, const FfpMapStats *stats, int written) {
+    for (int v = 0; v < FFP_MAP_STATS && stats[v].view[0]; v++) {
+        const FfpMapStats *view = &stats[v];
+        printf("%s: %.1f %% of the projector's pixels fall on the object; round trip: %d camera pixels, %.2f "
+               "%% within half a pixel, median %.3f, maximum %.3f; %d more do not return\n",
+               view->view, 100 * view->lit_share, view->lit_pixels, 100 * view->within_half, view->median,
+               view->most, view->lost_pixels);
+    }
+    printf("%s: %d files\n", arguments->maps.folder, written);
+}
+
+static int run(void *data) {
+    static FfpMapStats stats[FFP_MAP_STATS];
+    Arguments *arguments = data;
+    FfpError err = {0};
+    int written = -1;
+    arguments->maps.views = arguments->views.values, arguments->maps.n_views = arguments->views.count;
+    FfpGaussians *gaussians = ffp_gaussians_open(ffp_cli_context(), arguments->gaussians, &err);
+    FfpCapture *capture = gaussians ? ffp_capture_open(ffp_cli_context(), arguments->capture, &err) : NULL;
+    if (capture)
+        written = ffp_write_maps(ffp_cli_context(), gaussians, capture, &arguments->maps, stats, &err);
+    if (written >= 0) tell(arguments, stats, written);
+    ffp_capture_close(capture);
+    ffp_gaussians_close(gaussians);
+    return written >= 0 ? FFP_EXIT_OK : ffp_cli_fail(&err);
+}
+
+static void set_defaults(void *data) {
+    ((Arguments *)data)->maps = ffp_maps_defaults();
+}
+
+static const FfpOption options[] = {
+    FFP_CLI_CAPTURE_OPTION(offsetof(Arguments, capture), "the capture they come from"),
+    {.name = "output",
+     .letter = 'o',
+     .argument = "DIR",
+     .type = FFP_OPTION_FOLDER,
+     .required = true,
+     .offset = offsetof(Arguments, maps.folder),
+     .help = "folder for the files"},
+    FFP_CLI_POSES(offsetof(Arguments, maps.poses)),
+    {.name = "view",
+     .letter = 'v',
+     .argument = "ID",
+     .type = FFP_OPTION_TEXT,
+     .repeated = true,
+     .offset = offsetof(Arguments, views),
+     .help = "view to map; may be repeated. Default: all views of the poses"},
+    FFP_CLI_DRAWING(offsetof(Arguments, maps.drawing.form), FFP_CLI_FORM_HELP),
+    FFP_CLI_SAMPLES(offsetof(Arguments, maps.drawing.samples), FFP_CLI_SAMPLES_HELP),
+    {0},
+};
+
+const FfpCommand ffp_cli_map = {
+    .name = "map",
+    .group = FFP_CLI_PROJECT,
+    .purpose = "maps projector pixels to camera pixels and back, with the light that arrives",
+    .prose =
+        "Also writes how much light falls on the object, how densely and at what angle. For each view, in "
+        "DIR:\n"
+        "<view>_camera_to_projector.exr\tfor each camera pixel: x, y in the projector (R, G, in pixels, "
+        "centres at + 0.5) and the unshadowed share of the light (B); -1 -1 0 off the object\n"
+        "<view>_projector_to_camera.exr\tfor each projector pixel: x, y in the camera (R, G), 1 (B); -1 -1 0 "
+        "where the camera does not see the lit point\n"
+        "both\talso as 16-bit PNG: x / width, y / height; alpha 0 off the object\n"
+        "<view>_projector_sees.png\tthe object seen from the projector, in its white light\n"
+        "<view>_lit.png\tprojector pixels that fall on the object\n"
+        "<view>_density.exr\tcamera pixels per projector pixel\n"
+        "<view>_resolution.exr\tprojector pixels per unit of length on the surface\n"
+        "<view>_incidence.exr\tangle of incidence in degrees, -1 off the object\n"
+        "<view>_illuminance.exr, .png\tlight arriving at the surface, normalised to 1 at its maximum in the "
+        "view\n"
+        "For each view the command prints how far camera pixels end up from where they started after a round "
+        "trip to the projector and back, which checks the two correspondence maps against each other.",
+    .positional = FFP_CLI_GAUSSIANS(offsetof(Arguments, gaussians)),
+    .options = options,
+    .examples =
+        (const FfpExample[]){
+            {.command = "ffprocams map spot.ply --capture data/sample --view path_0_theta000 -o maps"}, {0}},
+    .size = sizeof(Arguments),
+    .set_defaults = set_defaults,
+    .run = run,
+};

@@ -1,0 +1,100 @@
+#include <stdio.h>
+#include <string.h>
+#include "cli.h"
+
+enum { FOCUS = 1, CAPTURE = 2, GAMMA = 4, GRAY_CODES = 8 };
+
+typedef struct Arguments {
+    FfpPatterns patterns;
+    int parts; // those wanted; 0: all
+} Arguments;
+
+static bool read_size(const char *text, void *destination) {
+    FfpPatterns *patterns = destination;
+    return ffp_cli_pair(text, 'x', 1, &patterns->width, &patterns->height);
+}
+
+static const FfpWord parts[] = {
+    {"focus", FOCUS}, {"capture", CAPTURE}, {"gamma", GAMMA}, {"graycode", GRAY_CODES}, {0}};
+
+static bool read_part(const char *text, void *destination) {
+    for (const FfpWord *part = parts; part->name; part++) {
+        if (strcmp(part->name, text) != 0) continue;
+        *(int *)destination |= (int)part->value;
+        return true;
+    }
+    return false;
+}
+
+static int run(void *data) {
+    Arguments *arguments = data;
+    FfpPatterns *patterns = &arguments->patterns;
+    FfpError err = {0};
+    const int wanted = arguments->parts ? arguments->parts : FOCUS | CAPTURE | GAMMA | GRAY_CODES;
+    patterns->focus = wanted & FOCUS, patterns->capture = wanted & CAPTURE;
+    patterns->gamma = wanted & GAMMA, patterns->gray_codes = wanted & GRAY_CODES;
+    const int count = ffp_write_patterns(ffp_cli_context(), patterns, &err);
+    if (count < 0) return ffp_cli_fail(&err);
+    printf("%s: %d patterns of %d x %d; open show.html on the projector (README.txt explains how)\n",
+           patterns->folder, count, patterns->width, patterns->height);
+    return FFP_EXIT_OK;
+}
+
+static void set_defaults(void *data) {
+    ((Arguments *)data)->patterns = ffp_patterns_defaults();
+}
+
+static const FfpOption options[] = {
+    {.name = "output",
+     .letter = 'o',
+     .argument = "DIR",
+     .type = FFP_OPTION_FOLDER,
+     .required = true,
+     .offset = offsetof(Arguments, patterns.folder),
+     .help = "folder for the pictures, README.txt and show.html; it must be new or empty"},
+    {.name = "projector",
+     .argument = "WxH",
+     .type = FFP_OPTION_PARSED,
+     .offset = offsetof(Arguments, patterns),
+     .parse = read_size,
+     .takes = "width x height in pixels (1920x1080)",
+     .help = "native resolution of the projector's panel. Default: 1920x1080"},
+    {.name = "lollipops",
+     .argument = "N",
+     .type = FFP_OPTION_INT,
+     .offset = offsetof(Arguments, patterns.lollipops),
+     .high = 100,
+     .help = "number of lollipop patterns. Default: 3; one is enough for a reconstruction"},
+    {.name = "only",
+     .argument = "PART",
+     .type = FFP_OPTION_PARSED,
+     .repeated = true,
+     .offset = offsetof(Arguments, parts),
+     .words = parts,
+     .parse = read_part,
+     .takes = "focus, capture, gamma or graycode",
+     .help = "write only this part; may be repeated: focus (a chart), capture (black, white, lollipops), "
+             "gamma (16 greys), graycode. Default: all parts"},
+    {0},
+};
+
+const FfpCommand ffp_cli_patterns = {
+    .name = "patterns",
+    .group = FFP_CLI_CAPTURE,
+    .purpose = "draws the patterns for the projector to show",
+    .prose = "Writes the pictures that a projector shows while a rig is photographed, numbered in display "
+             "order: a chart for focusing; black, white and lollipops for a reconstruction; greys for the "
+             "projector's response; and Gray codes, each with its inverse, for a calibration. Lollipops are "
+             "round and as high as the panel. README.txt, written beside them, explains how to photograph "
+             "them. show.html shows them full screen in any browser, advancing with the space bar, and warns "
+             "if its window does not have the panel's size.",
+    .options = options,
+    .examples =
+        (const FfpExample[]){{.command = "ffprocams patterns -o patterns --projector 1280x800"},
+                             {.about = "For a capture alone:",
+                              .command = "ffprocams patterns -o patterns --only capture --lollipops 1"},
+                             {0}},
+    .size = sizeof(Arguments),
+    .set_defaults = set_defaults,
+    .run = run,
+};

@@ -1,0 +1,115 @@
+#include <stdio.h>
+#include <string.h>
+#include "cli.h"
+
+typedef struct Arguments {
+    const char *capture, *output, *model, *device;
+    FfpList patterns;
+    FfpReconstruction how;
+} Arguments;
+
+// Black, white and these patterns it was made from.
+static void tell(const char *output, const FfpList *patterns, const FfpReconstructionStats *stats) {
+    printf("%s: %lld Gaussians from %s", output, (long long)stats->gaussians, stats->pattern);
+    for (int i = 1; i < patterns->count; i++) printf(", %s", patterns->values[i]);
+    printf(" in %.2f s (%.2f %% noise filtered %.2f s, matching %.2f s, network %.2f s, polish %.2f s)\n",
+           stats->denoise_s + stats->initialisation_s + stats->network_s + stats->polish_s,
+           100 * stats->noise, stats->denoise_s, stats->initialisation_s, stats->network_s, stats->polish_s);
+}
+
+static int run(void *data) {
+    Arguments *arguments = data;
+    FfpError err = {0};
+    FfpReconstructionStats stats;
+    FfpGaussians *gaussians = NULL;
+    FfpModel *model = NULL;
+    const bool none = arguments->model && strcmp(arguments->model, "none") == 0;
+    bool ok = ffp_can_write(arguments->output, &err) && ffp_cli_use_device(arguments->device, &err);
+    FfpCapture *capture = ok ? ffp_capture_open(ffp_cli_context(), arguments->capture, &err) : NULL;
+    ok = capture && (none || (model = ffp_model_open(ffp_cli_context(), arguments->model, &err)));
+    if (ok) {
+        arguments->how.model = model;
+        arguments->how.patterns = arguments->patterns.values;
+        arguments->how.n_patterns = arguments->patterns.count;
+        gaussians = ffp_reconstruct(ffp_cli_context(), capture, &arguments->how, &stats, &err);
+        ok = gaussians && ffp_gaussians_save(ffp_cli_context(), gaussians, arguments->output, &err);
+    }
+    if (ok) tell(arguments->output, &arguments->patterns, &stats);
+    ffp_gaussians_close(gaussians);
+    ffp_model_close(model);
+    ffp_capture_close(capture);
+    return ok ? FFP_EXIT_OK : ffp_cli_fail_patterns(&err, &arguments->patterns);
+}
+
+static void set_defaults(void *data) {
+    ((Arguments *)data)->how = ffp_reconstruction_defaults();
+}
+
+static const FfpOption options[] = {
+    {.name = "output",
+     .letter = 'o',
+     .argument = "FILE.ply",
+     .type = FFP_OPTION_FILE,
+     .required = true,
+     .offset = offsetof(Arguments, output),
+     .help = "output file for the Gaussians (binary PLY, which splat viewers open too)"},
+    {.name = "model",
+     .letter = 'm',
+     .argument = "FILE|none",
+     .type = FFP_OPTION_FILE,
+     .offset = offsetof(Arguments, model),
+     .words = ffp_cli_none,
+     .help = "weights (safetensors), or `none` for the classical initialisation alone, which needs no "
+             "weights. Default: models/small.safetensors beside the program's folder or in the current one"},
+    {.name = "pattern",
+     .letter = 'p',
+     .argument = "NAME",
+     .type = FFP_OPTION_TEXT,
+     .repeated = true,
+     .offset = offsetof(Arguments, patterns),
+     .help = "a structured-light pattern to use; may be repeated: matching and fit use all those that a view "
+             "was photographed under, the network uses the first. Default: the first that every view has and "
+             "that is not held out"},
+    FFP_CLI_POLISH(offsetof(Arguments, how.polish),
+                   "steps of the fit, one view per step; for pictures above 192 pixels, steps at the "
+                   "smallest of several sizes, with fewer at larger ones. 0: the forward pass only. Default: "
+                   "auto, which is 88, or 11 per view with more than 8 views"),
+    FFP_CLI_NOISE(
+        offsetof(Arguments, how.noise),
+        "standard deviation of the noise that is first filtered from the photographs, in linear values from "
+        "0 to 1. 0: no filtering. Default: auto, estimated from the differences among a view's photographs"),
+    FFP_CLI_LAYERS(offsetof(Arguments, how.layers),
+                   "how many splats may cover the same place of the surface, keeping those of the views with "
+                   "the finest resolution there: a number of at least 0.5, or `all` for a splat for every "
+                   "pixel of every view. Default: auto: all for up to 200,000 splats, otherwise 2"),
+    FFP_CLI_SAMPLES(
+        offsetof(Arguments, how.drawing.samples),
+        "samples per side of a pixel while fitting, 1 to 4. Default: the model's setting, else 2"),
+    FFP_CLI_DEVICE(offsetof(Arguments, device),
+                   "where network and fit run: cpu, or cuda, the first NVIDIA GPU. Default: cpu"),
+    {0},
+};
+
+const FfpCommand ffp_cli_reconstruct = {
+    .name = "reconstruct",
+    .group = FFP_CLI_RECONSTRUCT,
+    .purpose = "turns a capture into relightable 3D Gaussians (PLY)",
+    .prose = "One forward pass and a short fit to the same photographs give geometry (centre, scale, "
+             "rotation, opacity) and material (albedo, roughness, ambient colour), in the capture's units.",
+    .positional = {.name = "CAPTURE",
+                   .least = 1,
+                   .most = 1,
+                   .offset = offsetof(Arguments, capture),
+                   .help =
+                       "folder with scene.json or render_poses.json, or such a file: views of one object, "
+                       "each under a black, a white and at least one coloured pattern"},
+    .options = options,
+    .examples =
+        (const FfpExample[]){
+            {.command = "ffprocams reconstruct data/sample -o spot.ply --pattern lollipop_0\n"
+                        "ffprocams reconstruct data/sample -o spot.ply -p lollipop_0 -p lollipop_3"},
+            {0}},
+    .size = sizeof(Arguments),
+    .set_defaults = set_defaults,
+    .run = run,
+};

@@ -1,0 +1,10 @@
+// Words that values of several commands' options may be.
+#include "cli.h"
+
+const FfpWord ffp_cli_auto[] = {{"auto", -1}, {0}}; // FFP_POLISH_AUTO and FFP_NOISE_ESTIMATED
+const FfpWord ffp_cli_layers[] = {{"auto", FFP_LAYERS_AUTO}, {"all", 0}, {0}};
+const FfpWord ffp_cli_forms[] = {
+    {"ours", FFP_FORM_OURS}, {"paper", FFP_FORM_PAPER}, {"gs-procams", FFP_FORM_GS_PROCAMS}, {0}};
+const FfpWord ffp_cli_page_forms[] = {{"ours", FFP_FORM_OURS}, {"paper", FFP_FORM_PAPER}, {0}};
+const FfpWord ffp_cli_devices[] = {{"cpu", 0}, {"cuda", 1}, {0}};
+const FfpWord ffp_cli_none[] = {{"none", 0}, {0}};

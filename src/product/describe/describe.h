@@ -1,0 +1,12 @@
+// What a file holds, as text for people.
+#ifndef FFP_DESCRIBE_DESCRIBE_H
+#define FFP_DESCRIBE_DESCRIBE_H
+
+#include <stdio.h>
+#include "core/base/error.h"
+
+// A capture, weights, Gaussians or a neural field, told by their first bytes.
+bool ffp_describe(FILE *out, const char *path, FfpError *err);
+bool ffp_describe_capture(FILE *out, const char *path, FfpError *err);
+
+#endif

@@ -1,0 +1,15 @@
+// The one colour that splats get.
+#ifndef FFP_EXPORT_LIGHT_H
+#define FFP_EXPORT_LIGHT_H
+
+#include "core/capture/capture.h"
+#include "core/gaussians/gaussians.h"
+#include "ffprocams.h"
+
+// Whether the options ask for light beside the ambient one.
+bool ffp_export_lights(const FfpExport *options);
+// Linear radiance of each Gaussian under the light that the options ask for, into colour [count,3].
+bool ffp_export_bake(const FfpGaussians *gaussians, const FfpCapture *capture, const FfpExport *options,
+                     real *colour, FfpError *err);
+
+#endif

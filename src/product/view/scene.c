@@ -1,0 +1,184 @@
+// What the page has to know, as JSON, and the pictures that go with it.
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+#include "core/base/text.h"
+#include "product/view/view.h"
+
+// Room for pictures, bytes before base64: together with 30,000 splats a page stays under 6 MB.
+#define PATTERNS_ROOM 1000000
+#define PHOTOGRAPHS_ROOM 1500000
+
+typedef struct Writer {
+    const FfpPageContent *source;
+    FfpByteBuffer *packed;
+    FfpPageCounts *stats;
+    FILE *out;
+    size_t patterns, photographs; // bytes so far
+} Writer;
+
+// A JSON string that may stand in HTML: "<" is escaped too.
+static void write_string(FILE *out, const char *text) {
+    fputc('"', out);
+    for (const unsigned char *c = (const unsigned char *)text; *c; c++) {
+        if (*c < 0x20 || *c == '"' || *c == '\\' || *c == '<' || *c == '>' || *c == '&' || *c == 0x7F)
+            fprintf(out, "\\u%04x", *c);
+        else
+            fputc(*c, out);
+    }
+    fputc('"', out);
+}
+
+static void write_numbers(FILE *out, const float *values, int n) {
+    for (int i = 0; i < n; i++) fprintf(out, "%s%.9g", i ? "," : "[", (double)values[i]);
+    fputc(']', out);
+}
+
+static void write_device(FILE *out, const char *name, const FfpCamera *c) {
+    fprintf(out,
+            "\"%s\":{\"width\":%d,\"height\":%d,\"fx\":%.9g,\"fy\":%.9g,\"cx\":%.9g,\"cy\":%.9g,\"pose\":",
+            name, c->width, c->height, (double)c->fx, (double)c->fy, (double)c->cx, (double)c->cy);
+    write_numbers(out, c->pose, 16);
+    fputc('}', out);
+}
+
+// Packs a linear picture as 8-bit sRGB PNG if it fits into what is left of `room`; says where it lies.
+static bool pack_picture(Writer *w, const FfpImage *linear, int longest, size_t *used, size_t room,
+                         bool *fits, FfpError *err) {
+    const int side = linear->width > linear->height ? linear->width : linear->height;
+    const double shrink = longest > 0 && side > longest ? (double)longest / side : 1;
+    const int width = (int)fmax(1, round(linear->width * shrink)),
+              height = (int)fmax(1, round(linear->height * shrink));
+    FfpImage picture = shrink < 1 ? ffp_image_resize(linear, width, height) : ffp_image_copy(linear);
+    unsigned char *bytes = NULL;
+    size_t size = 0;
+    ffp_image_to_srgb(&picture);
+    const bool ok = ffp_image_encode_png(&picture, &bytes, &size, err);
+    ffp_image_free(&picture);
+    if (!ok) return false;
+    *fits = size <= room - *used;
+    if (*fits) {
+        fprintf(w->out, "\"at\":%zu,\"size\":%zu", w->packed->size, size);
+        ffp_bytes_append(w->packed, bytes, size);
+        *used += size;
+    }
+    ffp_free(bytes);
+    return true;
+}
+
+static bool write_patterns(Writer *w, FfpError *err) {
+    const FfpCapture *capture = w->source->capture;
+    fputs("\"patterns\":[", w->out);
+    for (int i = 0; i < capture->n_patterns; i++) {
+        const FfpPattern *pattern = &capture->patterns[i];
+        bool fits = true;
+        fprintf(w->out, "%s{\"name\":", i ? "," : "");
+        write_string(w->out, pattern->name);
+        fprintf(w->out, ",\"role\":\"%s\",",
+                i == capture->black   ? "black"
+                : i == capture->white ? "white"
+                : pattern->novel      ? "novel"
+                                      : "active");
+        if (!pack_picture(w, &pattern->image, 0, &w->patterns, PATTERNS_ROOM, &fits, err)) return false;
+        fputs(fits ? "}" : "\"size\":0}", w->out);
+        w->stats->patterns += fits, w->stats->patterns_left += !fits;
+    }
+    fputs("],\n", w->out);
+    return true;
+}
+
+static bool write_photographs(Writer *w, const FfpView *view, FfpError *err) {
+    const FfpCapture *capture = w->source->capture;
+    int written = 0;
+    fputs(",\"photographs\":[", w->out);
+    for (int i = 0; view->images && i < capture->n_patterns; i++) {
+        bool fits = w->photographs < PHOTOGRAPHS_ROOM;
+        if (!view->images[i].data || w->source->photographs <= 0) continue;
+        if (!fits) {
+            w->stats->photographs_left++;
+            continue;
+        }
+        fprintf(w->out, "%s{\"pattern\":%d,", written++ ? "," : "", i);
+        if (!pack_picture(w, &view->images[i], w->source->photographs, &w->photographs, PHOTOGRAPHS_ROOM,
+                          &fits, err))
+            return false;
+        fputs(fits ? "}" : "\"size\":0}", w->out);
+        w->stats->photographs += fits, w->stats->photographs_left += !fits;
+    }
+    fputc(']', w->out);
+    return true;
+}
+
+static bool write_views(Writer *w, FfpError *err) {
+    int written = 0;
+    fputs("\"views\":[", w->out);
+    for (int pass = 0; pass < 2; pass++) {
+        const FfpCapture *from = pass ? w->source->poses : w->source->capture;
+        for (int v = 0; from && v < from->n_views; v++) {
+            const FfpView *view = &from->views[v];
+            fprintf(w->out, "%s\n{\"id\":", written++ ? "," : "");
+            write_string(w->out, view->id);
+            fprintf(w->out, ",\"new\":%s,", pass ? "true" : "false");
+            write_device(w->out, "camera", &view->camera);
+            fputc(',', w->out);
+            write_device(w->out, "projector", &view->projector);
+            if (!write_photographs(w, view, err)) return false;
+            fputc('}', w->out);
+        }
+    }
+    fputs("]}\n", w->out);
+    return true;
+}
+
+static void write_drawing(FILE *out, const FfpRenderSettings *s) {
+    fprintf(
+        out,
+        "\"drawing\":{\"samples\":%d,\"blur\":%.9g,\"compensation\":%s,\"firmness\":%.9g,\"footprint\":%s,"
+        "\"shadows\":%s,\"shadow_side\":%d,\"shadow_bias\":%.9g},\n",
+        s->samples, (double)s->blur, s->compensation ? "true" : "false", (double)s->firmness,
+        s->footprint ? "true" : "false", s->shadows ? "true" : "false", s->shadow_side,
+        (double)s->shadow_bias);
+}
+
+static void write_splats(Writer *w) {
+    float low[FFP_PAGE_COLUMNS], high[FFP_PAGE_COLUMNS];
+    const int64_t count = ffp_pack_splats(w->packed, w->source->gaussians, low, high);
+    fprintf(w->out, "\"count\":%lld,\"low\":", (long long)count);
+    write_numbers(w->out, low, FFP_PAGE_COLUMNS);
+    fputs(",\"high\":", w->out);
+    write_numbers(w->out, high, FFP_PAGE_COLUMNS);
+    fputs(",\n", w->out);
+}
+
+static void write_panel(FILE *out, const FfpPanel *p) {
+    if (!p->known) return;
+    fprintf(out,
+            "\"panel\":{\"width\":%d,\"height\":%d,\"fx\":%.9g,\"fy\":%.9g,\"cx\":%.9g,\"cy\":%.9g,\"lens\":",
+            p->width, p->height, (double)p->fx, (double)p->fy, (double)p->cx, (double)p->cy);
+    write_numbers(out, p->lens, 5);
+    if (p->power) {
+        fputs(",\"gamma\":", out);
+        write_numbers(out, p->gamma, 3);
+    }
+    fputs("},\n", out);
+}
+
+char *ffp_page_scene(const FfpPageContent *source, FfpByteBuffer *packed, FfpPageCounts *stats,
+                     FfpError *err) {
+    FfpText *text = ffp_text_new();
+    Writer w = {source, packed, stats, ffp_text_stream(text), 0, 0};
+    const FfpCapture *capture = source->capture;
+    fputs("{\"name\":", w.out);
+    write_string(w.out, capture->name);
+    fputs(",\"centre\":", w.out);
+    write_numbers(w.out, capture->centre, 3);
+    fprintf(w.out, ",\"radius\":%.9g,\"intensity\":", (double)capture->radius);
+    write_numbers(w.out, capture->intensity, 3);
+    fputs(",\n", w.out);
+    write_drawing(w.out, source->settings);
+    write_panel(w.out, &capture->panel);
+    write_splats(&w);
+    if (write_patterns(&w, err) && write_views(&w, err)) return ffp_text_end(text);
+    ffp_text_free(text);
+    return NULL;
+}

@@ -1,0 +1,123 @@
+// One attitude after another: black and white, the board, the codes.
+#include <stdio.h>
+#include <string.h>
+#include "core/base/alloc.h"
+#include "core/base/file.h"
+#include "core/base/log.h"
+#include "rig/calibrate/calibrate.h"
+#include "rig/calibrate/notes.h"
+#include "rig/graycode/graycode.h"
+
+// Text without the path to the attitude's folder, whose name stays.
+static void shorten_paths(char *text, const char *file, const char *folder) {
+    const size_t length = strlen(ffp_basename(file)) + strlen(folder) + 1, all = strlen(file);
+    const size_t before = all > length ? all - length : 0;
+    for (char *at; before > 0 && (at = strstr(text, file)) != NULL;)
+        memmove(at, at + before, strlen(at + before) + 1);
+}
+
+// An error of one attitude's pictures leaves that attitude out; all others end the call.
+static bool as_problem(FfpAttitude *a, const FfpShotFolder *folder, FfpError *error, FfpError *err) {
+    if (error->code == FFP_ERROR_FILE || error->code == FFP_ERROR_IO ||
+        error->code == FFP_ERROR_UNSUPPORTED) {
+        for (int i = 0; i < folder->n_files; i++) shorten_paths(error->text, folder->files[i], folder->name);
+        snprintf(a->problem, sizeof a->problem, "%s", error->text);
+        return true;
+    }
+    if (err) *err = *error;
+    return false;
+}
+
+static bool settle_size(FfpRigFit *fit, const FfpImage *white, const char *name, FfpError *err) {
+    FfpCvDevice *camera = &fit->devices[0];
+    if (camera->width == 0) camera->width = white->width, camera->height = white->height;
+    return (camera->width == white->width && camera->height == white->height) ||
+           ffp_fail(err, FFP_ERROR_FILE, name,
+                    "the photographs are of %d x %d pixels, those of other attitudes of %d x %d",
+                    white->width, white->height, camera->width, camera->height);
+}
+
+static bool read_codes(const FfpRigFit *fit, FfpAttitude *a, const FfpShotFolder *folder,
+                       const FfpGrayPhotographs *photographs, const FfpImage *white, FfpError *err) {
+    const int size[2] = {photographs->width, photographs->height};
+    FfpImage map, region = ffp_board_region(&fit->board, a, white->width, white->height);
+    FfpGrayReport report;
+    FfpError error = {0};
+    FfpGrayPhotographs of_board = *photographs;
+    of_board.region = &region;
+    const bool ok = ffp_gray_decode_view(&map, &report, &of_board, &error);
+    ffp_image_free(&region);
+    if (!ok) return as_problem(a, folder, &error, err);
+    a->clipped = report.clipped;
+    memcpy(a->dropped, report.dropped, sizeof a->dropped);
+    const bool done = ffp_board_project(&fit->board, &map, report.dropped, size, a, err);
+    ffp_image_free(&map);
+    return done;
+}
+
+// The white photograph as the corners' detector has it, off the cache.
+static FfpImage take_white(FfpGrayCache *cache) {
+    FfpImage white = {0};
+    for (int i = 0; i < cache->n && !white.data; i++) {
+        white = cache->files[i].luma;
+        cache->files[i].luma = (FfpImage){0};
+    }
+    return white;
+}
+
+static bool read_attitude(FfpRigFit *fit, FfpAttitude *a, const FfpShotFolder *folder, FfpImage *seen,
+                          FfpError *err) {
+    FfpGrayCache cache = {.n = 0}; // each photograph is read once
+    FfpGrayPhotographs photographs = {
+        .width = fit->devices[1].width, .height = fit->devices[1].height, .cache = &cache};
+    FfpError error = {0};
+    a->name = folder->name;
+    if (!ffp_gray_find_plain(&photographs, folder->files, folder->n_files, &error))
+        return as_problem(a, folder, &error, err);
+    FfpImage white = take_white(&cache);
+    bool ok = settle_size(fit, &white, folder->name, err) && ffp_board_find(&fit->board, &white, a, err);
+    if (ok && !a->problem[0]) ok = read_codes(fit, a, folder, &photographs, &white, err);
+    ffp_gray_cache_free(&cache);
+    if (ok && a->n == 0 && !seen->data) {
+        *seen = white;
+    } else {
+        ffp_image_free(&white);
+    }
+    return ok;
+}
+
+// The error where no folder shows the board.
+static bool check_seen(const FfpRigFit *fit, const FfpImage *unseen, FfpError *err) {
+    char guess[160] = "";
+    for (int i = 0; i < fit->n; i++)
+        if (fit->attitudes[i].n > 0) return true;
+    if (!unseen->data) return true; // nor did any have photographs to look at: that is told later
+    return ffp_board_guess(&fit->board, unseen, guess, err) &&
+           ffp_fail(err, FFP_ERROR_FILE, NULL,
+                    "no chessboard with %d x %d corners inside it is in any of %d attitudes%s (corners are "
+                    "counted where four squares meet; it must be whole in the picture, with a light margin)",
+                    fit->board.columns, fit->board.rows, fit->n, guess);
+}
+
+bool ffp_read_attitudes(FfpRigFit *fit, const FfpShotFolders *folders, FfpError *err) {
+    const FfpTask task = ffp_task("reading attitudes", folders->n);
+    FfpImage unseen = {0};
+    bool ok = true;
+    fit->n = folders->n;
+    fit->attitudes = ffp_alloc((size_t)folders->n, sizeof *fit->attitudes);
+    for (int i = 0; ok && i < folders->n; i++) {
+        ok = read_attitude(fit, &fit->attitudes[i], &folders->folders[i], &unseen, err);
+        ffp_task_step(&task, i + 1, NULL);
+    }
+    ffp_task_end(&task);
+    ok = ok && check_seen(fit, &unseen, err);
+    if (ok) ffp_note_photographs(fit);
+    ffp_image_free(&unseen);
+    return ok;
+}
+
+void ffp_rig_fit_free(FfpRigFit *fit) {
+    for (int i = 0; i < fit->n; i++) ffp_attitude_free(&fit->attitudes[i]);
+    ffp_free(fit->attitudes);
+    fit->attitudes = NULL, fit->n = 0;
+}

@@ -1,0 +1,36 @@
+// From corners to the optics of camera and projector and the motion between them.
+#ifndef FFP_CALIBRATE_FIT_H
+#define FFP_CALIBRATE_FIT_H
+
+#include "rig/calibrate/board.h"
+
+enum { FFP_FIT_ATTITUDES_LEAST = 3 }; // Zhang 2000: as many give all intrinsics
+
+typedef struct FfpRigFit {
+    FfpBoard board;
+    FfpAttitude *attitudes; // [n]; one with a problem is left out
+    int n;
+    unsigned fixed[2];      // of camera and projector: FFP_CV_FIX_...
+    FfpCvDevice devices[2]; // camera, projector: sizes given, the rest found
+    double r[9], t[3];      // X_projector = R X_camera + T
+    double rms;             // of all corners in both, with one pose of the board for both
+    double spread;          // largest angle between two boards, degrees
+} FfpRigFit;
+
+// Fits all, leaving out corners and attitudes that are out of line; each is given in a note. Errors: fewer
+// than FFP_FIT_ATTITUDES_LEAST attitudes are left (why, of each), boards all parallel, a focal length that
+// they do not tell.
+bool ffp_fit_rig(FfpRigFit *fit, FfpError *err);
+
+// Standard deviations are those of each device's own fit. A lens term is left open by the photographs where
+// its deviation is above half its value and moves the picture's corner by more than a pixel.
+enum { FFP_TERMS = 9 };
+extern const char *const ffp_term_names[FFP_TERMS]; // fx fy cx cy k1 k2 p1 p2 k3
+double ffp_term(const FfpCvDevice *device, int term);
+// By how many pixels a lens term of 1 moves the corner of the picture farthest from the principal point.
+double ffp_term_reach(const FfpCvDevice *device, int term);
+bool ffp_term_open(const FfpCvDevice *device, int term);
+
+int ffp_attitudes_used(const FfpRigFit *fit);
+
+#endif

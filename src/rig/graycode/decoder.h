@@ -1,0 +1,47 @@
+// What the files of this room share: a view that is being decoded.
+#ifndef FFP_GRAYCODE_DECODER_H
+#define FFP_GRAYCODE_DECODER_H
+
+#include <stddef.h>
+#include <stdint.h>
+#include "rig/graycode/graycode.h"
+
+enum {
+    FFP_GRAY_BITS_MAX = 15,
+    FFP_GRAY_WEAK = 15 // of 127: a code's bit is not told from its inverse
+};
+
+typedef struct FfpGrayDecoder {
+    const FfpGrayPhotographs *from;
+    int width, height, bits[2]; // of the photographs; that number columns and rows
+    size_t pixels;
+    float *light;                          // [h,w] grey, white - black; 0 where a pixel is not lit
+    float *black;                          // [h,w]
+    unsigned char *checked;                // [h,w] lit well, and in the region: what checks are made on
+    uint8_t *signal[2][FFP_GRAY_BITS_MAX]; // [h,w] ffp_gray_signal
+    int *code[2];                          // [h,w] blocks; -1: not decoded
+    int dropped[2];
+    FfpGrayReport *report;
+} FfpGrayDecoder;
+
+const char *ffp_gray_photograph(const FfpGrayDecoder *d, int axis, int bit, int inverse);
+
+// Mean of a file's channels as linear light, [h,w], released with ffp_free; its luma where that is not NULL.
+bool ffp_gray_read(float **grey, FfpImage *luma, int *width, int *height, const char *path, bool linear,
+                   FfpError *err);
+
+// Light, black, and where checks are made. Errors: another size, too little light.
+bool ffp_gray_find_light(FfpGrayDecoder *d, FfpError *err);
+
+// Every pair of photographs, checked, as signals. Errors: another size or exposure, no pairs.
+bool ffp_gray_read_signals(FfpGrayDecoder *d, FfpError *err);
+
+// The finest bits that most pixels cannot tell.
+void ffp_gray_drop_fine_bits(FfpGrayDecoder *d, int axis);
+
+// Whether an axis' photographs are in order, by its signals and the codes made of them (those beyond the
+// panel too). What is wrong is said with the two photographs or pairs that have changed places, where one
+// such exchange explains all.
+bool ffp_gray_check_order(const FfpGrayDecoder *d, int axis, FfpError *err);
+
+#endif

@@ -1,0 +1,309 @@
+// Photographs as light, and pairs of them as signals.
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+#include "core/base/alloc.h"
+#include "core/base/call.h"
+#include "core/base/file.h"
+#include "core/image/photograph.h"
+#include "rig/graycode/decoder.h"
+#include "rig/graycode/edges.h"
+
+enum { LEVELS = 1024 };
+
+#define LIGHT_LEAST 0.003 // linear, that white adds to black where a code can be read
+#define LIGHT_SHARE 0.02  // and of what it adds typically
+#define LIT_LEAST 64      // pixels
+#define BRIGHT 0.25       // of the typical light: pixels that checks are made on
+#define CLIPPED 0.98      // linear
+#define OVEREXPOSED 0.5   // under black, typically: nothing can be told
+#define BOTH_LIGHT 0.6    // of white: the darker of a pair where both are light
+#define BOTH_DARK 0.25    // what they add up to where both are dark
+#define ALIKE_SHARE 0.25  // of the pixels: that is not a pair
+#define RIGHT 0.25        // of white: by as much the sum of a pair may be off
+#define PAIR_SHARE 0.8    // of the pixels that must be right where two are each other's inverse
+#define PAIR_LOW 0.7      // what a pattern and its inverse add up to, in white
+#define PAIR_HIGH 1.4     // and against white
+
+void ffp_gray_cache_free(FfpGrayCache *cache) {
+    for (int i = 0; i < cache->n; i++) {
+        ffp_free(cache->files[i].grey);
+        ffp_image_free(&cache->files[i].luma);
+    }
+    *cache = (FfpGrayCache){.n = 0};
+}
+
+// What the cache holds of a file; NULL: nothing.
+static float *take_from_cache(FfpGrayCache *cache, const char *path, int *width, int *height) {
+    for (int i = 0; cache && i < cache->n; i++) {
+        float *grey = cache->files[i].grey;
+        if (!grey || strcmp(cache->files[i].path, path) != 0) continue;
+        cache->files[i].grey = NULL;
+        *width = cache->files[i].width, *height = cache->files[i].height;
+        return grey;
+    }
+    return NULL;
+}
+
+static bool read_light(float **grey, int *width, int *height, const FfpGrayDecoder *d, const char *path,
+                       FfpError *err) {
+    *grey = take_from_cache(d->from->cache, path, width, height);
+    return *grey || ffp_gray_read(grey, NULL, width, height, path, d->from->linear, err);
+}
+
+bool ffp_gray_read(float **grey, FfpImage *luma, int *width, int *height, const char *path, bool linear,
+                   FfpError *err) {
+    FfpImage rgb = {0};
+    if (!ffp_photograph_read(&rgb, NULL, path, linear, NULL, err)) return false;
+    const size_t pixels = (size_t)rgb.width * (size_t)rgb.height;
+    *width = rgb.width, *height = rgb.height;
+    *grey = ffp_alloc(pixels, sizeof(float));
+    for (size_t i = 0; i < pixels; i++)
+        (*grey)[i] = (float)(rgb.data[3 * i] + rgb.data[3 * i + 1] + rgb.data[3 * i + 2]) / 3;
+    if (luma) *luma = ffp_photograph_luma(&rgb);
+    ffp_image_free(&rgb);
+    return true;
+}
+
+// One that must be of the others' size.
+static bool read_next(float **grey, const FfpGrayDecoder *d, const char *path, FfpError *err) {
+    int width, height;
+    if (!read_light(grey, &width, &height, d, path, err)) return false;
+    return (width == d->width && height == d->height) ||
+           ffp_fail(err, FFP_ERROR_FILE, path, "image is %d x %d, the others have %d x %d", width, height,
+                    d->width, d->height);
+}
+
+// --- What white adds to black. ---
+
+static bool looked_at(const FfpGrayDecoder *d, size_t pixel) {
+    const FfpImage *region = d->from->region;
+    return !region || region->data[pixel] > 0;
+}
+
+bool ffp_gray_fail_dark(double black, double added, const char *white, FfpError *err) {
+    if (added < -LIGHT_LEAST)
+        return ffp_fail(err, FFP_ERROR_FILE, white, "white is darker than black: they have changed places");
+    if (black > OVEREXPOSED)
+        return ffp_fail(err, FFP_ERROR_FILE, white,
+                        "white is hardly brighter than black, and both are overexposed: expose shorter");
+    return ffp_fail(err, FFP_ERROR_FILE, white, "white is hardly brighter than black: nothing is lit");
+}
+
+static bool tell_dark(const FfpGrayDecoder *d, FfpError *err) {
+    double black = 0, added = 0;
+    for (size_t i = 0; i < d->pixels; i++)
+        black += (double)d->black[i] / (double)d->pixels, added += (double)d->light[i] / (double)d->pixels;
+    return ffp_gray_fail_dark(black, added, d->from->white, err);
+}
+
+// The light by which pixels are typical, over those that have any and are looked at.
+static double typical_light(const FfpGrayDecoder *d) {
+    double sum = 0, count = 0;
+    for (size_t i = 0; i < d->pixels; i++)
+        if (looked_at(d, i) && (double)d->light[i] >= LIGHT_LEAST) sum += (double)d->light[i], count++;
+    return sum / fmax(count, 1);
+}
+
+bool ffp_gray_find_light(FfpGrayDecoder *d, FfpError *err) {
+    const FfpImage *region = d->from->region;
+    if (!read_light(&d->light, &d->width, &d->height, d, d->from->white, err)) return false;
+    if (region && (region->width != d->width || region->height != d->height))
+        return ffp_fail(err, FFP_ERROR_FILE, d->from->white, "image is %d x %d, and was %d x %d before",
+                        d->width, d->height, region->width, region->height);
+    d->pixels = (size_t)d->width * (size_t)d->height;
+    if (!read_next(&d->black, d, d->from->black, err)) return false;
+    d->checked = ffp_alloc(d->pixels, 1);
+    size_t clipped = 0, checked = 0;
+    for (size_t i = 0; i < d->pixels; i++) {
+        d->checked[i] = (double)d->light[i] >= CLIPPED;
+        d->light[i] -= d->black[i];
+    }
+    const double typical = typical_light(d), least = fmax(LIGHT_LEAST, LIGHT_SHARE * typical);
+    if (!(typical > 0)) return tell_dark(d, err);
+    for (size_t i = 0; i < d->pixels; i++) {
+        const bool full = d->checked[i];
+        d->checked[i] = looked_at(d, i) && (double)d->light[i] >= BRIGHT * typical;
+        checked += d->checked[i], clipped += d->checked[i] && full;
+        if (looked_at(d, i) && (double)d->light[i] >= least)
+            d->report->lit++;
+        else
+            d->light[i] = 0;
+    }
+    d->report->clipped = (double)clipped / fmax(1, (double)checked);
+    return (d->report->lit >= LIT_LEAST && checked >= LIT_LEAST) || tell_dark(d, err);
+}
+
+// --- Pairs. ---
+
+typedef struct Pair {
+    int axis, bit;
+    float *grey[2]; // [h,w] of the pattern and of its inverse
+} Pair;
+
+static double sum_of(const FfpGrayDecoder *d, const Pair *pair, size_t pixel) {
+    return (double)((pair->grey[0][pixel] + pair->grey[1][pixel] - 2 * d->black[pixel]) / d->light[pixel]);
+}
+
+// The middle of what a pair adds up to, in white, over the pixels where picture k is the brighter one; 0
+// where there are few.
+static double middle_sum(const FfpGrayDecoder *d, const Pair *pair, int k) {
+    size_t histogram[LEVELS] = {0}, count = 0, below = 0;
+    for (size_t i = 0; i < d->pixels; i++) {
+        if (!d->checked[i] || pair->grey[k][i] <= pair->grey[1 - k][i]) continue;
+        histogram[(int)fmax(0, fmin(sum_of(d, pair, i) * LEVELS / 4, LEVELS - 1))]++, count++;
+    }
+    if (count < LIT_LEAST) return 0;
+    int level = 0;
+    for (; level < LEVELS - 1 && 2 * (below + histogram[level]) < count; level++) below += histogram[level];
+    return (level + 0.5) * 4 / LEVELS;
+}
+
+// Where the two are another view's, another code's or another exposure's, both are light in one place or both
+// dark; where it is the exposure, all is one way.
+static bool check_inverse(const FfpGrayDecoder *d, const Pair *pair, FfpError *err) {
+    size_t count = 0, light = 0, dark = 0, right = 0;
+    for (size_t i = 0; i < d->pixels; i++) {
+        if (!d->checked[i]) continue;
+        const double sum = sum_of(d, pair, i),
+                     inverse = (double)(pair->grey[1][i] - d->black[i]) / (double)d->light[i];
+        count++, right += fabs(sum - 1) < RIGHT;
+        light += fmin(inverse, sum - inverse) > BOTH_LIGHT, dark += sum < BOTH_DARK;
+    }
+    const double least = ALIKE_SHARE * (double)count, wrong = (double)(light + dark);
+    const bool one_way = fmin((double)light, (double)dark) < 0.15 * wrong && (double)right < least;
+    return wrong <= least || one_way ||
+           ffp_fail(err, FFP_ERROR_FILE, ffp_gray_photograph(d, pair->axis, pair->bit, 0),
+                    "it and '%.200s' are not each other's inverse: the numbering is not the order in which "
+                    "they were shown, or something moved",
+                    ffp_basename(ffp_gray_photograph(d, pair->axis, pair->bit, 1)));
+}
+
+// Where both were exposed as white and black were, a pattern and its inverse add up to white; less and less
+// so from bit to bit where stripes blur and values are not linear in light. `before`: of the coarser bit.
+static bool check_exposure(const FfpGrayDecoder *d, const Pair *pair, double *before, FfpError *err) {
+    double sum = 0;
+    for (int k = 0; k < 2; k++) {
+        const double here = middle_sum(d, pair, k);
+        if (here > PAIR_HIGH || (here > 0 && here < PAIR_LOW * *before))
+            return ffp_fail(
+                err, FFP_ERROR_FILE, ffp_gray_photograph(d, pair->axis, pair->bit, k),
+                "it and '%.200s' are together %s than black and white (%.2f of them): another exposure; "
+                "exposure, aperture, ISO and white balance must stay the same",
+                ffp_basename(ffp_gray_photograph(d, pair->axis, pair->bit, 1 - k)),
+                here > 1 ? "brighter" : "darker", here);
+        sum = fmax(sum, here);
+    }
+    if (sum > 0) *before = sum;
+    return true;
+}
+
+// --- Which have changed places. ---
+
+// One exchange of two photographs after which both pairs that it touches are pairs.
+typedef struct Exchange {
+    const char *first, *second;
+} Exchange;
+
+typedef struct Search {
+    const FfpGrayDecoder *d;
+    const Pair *broken;
+    Exchange found[2];
+    int count;
+} Search;
+
+// Whether two photographs are each other's inverse; *edges: neighbouring pixels between which the brighter
+// one changes.
+static bool are_inverse(const FfpGrayDecoder *d, float *a, float *b, size_t *edges) {
+    const Pair pair = {0, 0, {a, b}};
+    size_t count = 0, right = 0;
+    *edges = 0;
+    for (size_t i = 0; i < d->pixels; i++) {
+        if (!d->checked[i]) continue;
+        count++, right += fabs(sum_of(d, &pair, i) - 1) < RIGHT;
+        for (int n = 0; n < 2; n++) {
+            const size_t back = n ? (size_t)d->width : 1;
+            if (i >= back && d->checked[i - back]) *edges += (a[i] > b[i]) != (a[i - back] > b[i - back]);
+        }
+    }
+    return (double)right > PAIR_SHARE * (double)count;
+}
+
+// The broken pair with one of its photographs (k) exchanged for one (m) of another pair. Within an axis the
+// coarser code must have fewer edges.
+static void try_exchange(Search *s, const Pair *other, int k, int m) {
+    const FfpGrayDecoder *d = s->d;
+    float *here[2] = {s->broken->grey[0], s->broken->grey[1]}, *there[2] = {other->grey[0], other->grey[1]};
+    size_t edges[2];
+    here[k] = other->grey[m], there[m] = s->broken->grey[k];
+    if (!are_inverse(d, here[0], here[1], &edges[0]) || !are_inverse(d, there[0], there[1], &edges[1]))
+        return;
+    const bool same = other->axis == s->broken->axis, coarser = other->bit < s->broken->bit;
+    if (same && edges[0] != edges[1] && (edges[1] < edges[0]) != coarser) return;
+    if (s->count < 2)
+        s->found[s->count] = (Exchange){ffp_gray_photograph(d, s->broken->axis, s->broken->bit, k),
+                                        ffp_gray_photograph(d, other->axis, other->bit, m)};
+    s->count++;
+}
+
+static void try_pair(Search *s, int axis, int bit) {
+    const FfpGrayDecoder *d = s->d;
+    Pair other = {axis, bit, {NULL, NULL}};
+    bool ok = true;
+    for (int k = 0; ok && k < 2; k++)
+        ok = read_next(&other.grey[k], d, ffp_gray_photograph(d, axis, bit, k), NULL);
+    for (int n = 0; ok && n < 4; n++) try_exchange(s, &other, n / 2, n % 2);
+    ffp_free(other.grey[0]), ffp_free(other.grey[1]);
+    ffp_cancel_point();
+}
+
+// Where an exchange with another photograph (or either of two) mends a broken pair, that is the error.
+static void explain(const FfpGrayDecoder *d, const Pair *broken, FfpError *err) {
+    Search s = {.d = d, .broken = broken};
+    char other[280] = "";
+    for (int axis = 0; axis < 2; axis++)
+        for (int bit = 0; bit < d->bits[axis]; bit++)
+            if (axis != broken->axis || bit != broken->bit) try_pair(&s, axis, bit);
+    if (s.count < 1 || s.count > 2) return;
+    if (s.count == 2)
+        snprintf(other, sizeof other, ", or %.120s and %.120s", ffp_basename(s.found[1].first),
+                 ffp_basename(s.found[1].second));
+    ffp_fail(err, FFP_ERROR_FILE, ffp_gray_photograph(d, broken->axis, broken->bit, 0),
+             "it and '%.120s' are not each other's inverse: %.120s and %.120s seem to be swapped%s",
+             ffp_basename(ffp_gray_photograph(d, broken->axis, broken->bit, 1)),
+             ffp_basename(s.found[0].first), ffp_basename(s.found[0].second), other);
+}
+
+static void take_signal(FfpGrayDecoder *d, const Pair *pair) {
+    uint8_t *signal = d->signal[pair->axis][pair->bit] = ffp_alloc(d->pixels, 1);
+    for (size_t i = 0; i < d->pixels; i++) {
+        if (!(d->light[i] > 0)) continue;
+        const float s = (pair->grey[0][i] - pair->grey[1][i]) / d->light[i];
+        signal[i] = (uint8_t)(FFP_GRAY_NONE + lrintf(127 * fmaxf(-1, fminf(s, 1))));
+    }
+}
+
+static bool read_bit(FfpGrayDecoder *d, int axis, int bit, double *sum, FfpError *err) {
+    Pair pair = {axis, bit, {NULL, NULL}};
+    bool ok = true;
+    for (int k = 0; ok && k < 2; k++)
+        ok = read_next(&pair.grey[k], d, ffp_gray_photograph(d, axis, bit, k), err);
+    if (ok && !(check_inverse(d, &pair, err) && check_exposure(d, &pair, sum, err))) {
+        explain(d, &pair, err);
+        ok = false;
+    }
+    if (ok) take_signal(d, &pair);
+    ffp_free(pair.grey[0]), ffp_free(pair.grey[1]);
+    ffp_cancel_point();
+    return ok;
+}
+
+bool ffp_gray_read_signals(FfpGrayDecoder *d, FfpError *err) {
+    for (int axis = 0; axis < 2; axis++) {
+        double sum = 1;
+        for (int bit = 0; bit < d->bits[axis]; bit++)
+            if (!read_bit(d, axis, bit, &sum, err)) return false;
+        d->report->fine_sum += sum / 2;
+    }
+    return true;
+}

@@ -1,0 +1,211 @@
+// Whether photographs of Gray codes are in the order in which they were shown, and which are not.
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include "core/base/alloc.h"
+#include "core/base/file.h"
+#include "core/patterns/patterns.h"
+#include "rig/graycode/decoder.h"
+#include "rig/graycode/edges.h"
+
+#define RESOLVED 0.5     // of the pixels must tell a bit, or it counts as too fine
+#define LINES_CHECKED 3  // edges across what is lit, by which one bit may have more than the next
+#define EDGES_CHECKED 50 // of a bit, from which its edges say something
+#define JUMPS 0.5        // share of a bit's edges at which numbers jump
+#define JUMPS_RIGHT 0.1  // where the order is right
+#define BEYOND 0.05      // share of the pixels that a number beyond the panel may have
+#define BEYOND_RIGHT 0.01
+
+void ffp_gray_drop_fine_bits(FfpGrayDecoder *d, int axis) {
+    int bit = d->bits[axis] - 1;
+    for (; bit > 0; bit--) {
+        size_t told = 0, lit = 0;
+        for (size_t i = 0; i < d->pixels; i++) {
+            if (!d->checked[i]) continue;
+            lit++, told += abs(ffp_gray_signal(d->signal[axis][bit][i])) > FFP_GRAY_WEAK;
+        }
+        if ((double)told >= RESOLVED * (double)lit) break;
+    }
+    d->dropped[axis] = d->report->dropped[axis] = d->bits[axis] - 1 - bit;
+}
+
+// --- What tells the order. ---
+
+// Between neighbouring pixels one bit changes at a time. Which photograph stands for which bit changes what
+// the numbers are, but not that.
+typedef struct Seen {
+    int bits, block, size;           // used; panel pixels that share a code; the panel's
+    unsigned numbers;                // that so many bits tell apart
+    size_t lines[FFP_GRAY_BITS_MAX]; // pixels between which a bit changes
+    uint32_t *words;                 // [1 << bits] pixels with these bits, the coarsest highest
+    uint32_t *edges; // [bits, 1 << bits] of those, how many have a neighbour that differs in this bit alone
+    double line;     // pixels of an edge across what is checked
+    double count;    // of pixels with a code
+} Seen;
+
+// Two photographs or pairs changed over: a bit with another, or, the same twice, with its inverse.
+typedef struct Swap {
+    int first, second; // -1: none
+} Swap;
+
+static unsigned gray_of(int number) {
+    return (unsigned)number ^ (unsigned)number >> 1;
+}
+
+static int lowest(unsigned bits) {
+    int at = 0;
+    for (; !(bits & 1U); bits >>= 1) at++;
+    return at;
+}
+
+static void see_pair(const FfpGrayDecoder *d, int axis, size_t a, size_t b, Seen *seen) {
+    if (d->checked[a] && d->checked[b])
+        for (int bit = 0; bit < seen->bits; bit++)
+            seen->lines[bit] +=
+                (d->signal[axis][bit][a] > FFP_GRAY_NONE) != (d->signal[axis][bit][b] > FFP_GRAY_NONE);
+    if (d->code[axis][a] < 0 || d->code[axis][b] < 0) return;
+    const unsigned word = gray_of(d->code[axis][a]), difference = word ^ gray_of(d->code[axis][b]);
+    if (difference == 0 || (difference & (difference - 1)) != 0) return;
+    const size_t bit = (size_t)(seen->bits - 1 - lowest(difference));
+    seen->edges[bit * seen->numbers + word]++;
+}
+
+static void see(const FfpGrayDecoder *d, int axis, Seen *seen) {
+    const size_t width = (size_t)d->width, rows = (size_t)d->height;
+    const int bits =
+        d->bits[axis] > d->dropped[axis] ? d->bits[axis] - d->dropped[axis] : 1; // the coarsest stays
+    size_t checked = 0;
+    *seen = (Seen){.bits = bits,
+                   .numbers = 1U << bits,
+                   .block = 1 << d->dropped[axis],
+                   .size = axis ? d->from->height : d->from->width,
+                   .words = ffp_alloc(1U << bits, sizeof(uint32_t)),
+                   .edges = ffp_alloc((size_t)bits << bits, sizeof(uint32_t))};
+    for (size_t y = 0; y < rows; y++)
+        for (size_t x = 0; x < width; x++) {
+            const size_t i = y * width + x;
+            checked += d->checked[i];
+            if (d->checked[i] && d->code[axis][i] >= 0)
+                seen->words[gray_of(d->code[axis][i])]++, seen->count++;
+            if (x + 1 < width) see_pair(d, axis, i, i + 1, seen);
+            if (y + 1 < rows) see_pair(d, axis, i, i + width, seen);
+        }
+    seen->line = sqrt((double)checked);
+}
+
+// The number of a word of bits after a swap.
+static int number_of(const Seen *seen, unsigned word, const Swap *swap) {
+    bool bits[FFP_GRAY_BITS_MAX];
+    for (int k = 0; k < seen->bits; k++) bits[k] = word >> (seen->bits - 1 - k) & 1U;
+    if (swap->first >= 0) {
+        const bool held = bits[swap->first];
+        bits[swap->first] = swap->first == swap->second ? !held : bits[swap->second];
+        if (swap->first != swap->second) bits[swap->second] = held;
+    }
+    return ffp_gray_decode(bits, seen->bits);
+}
+
+// Each bit has twice the edges of the one before, give or take those at the rim of what is lit: the first
+// that has fewer, -1: none.
+static int broader_bit(const Seen *seen, const Swap *swap) {
+    double before = 0;
+    for (int bit = 0; bit < seen->bits; bit++) {
+        const int shown = bit == swap->first ? swap->second : bit == swap->second ? swap->first : bit;
+        const double here = (double)seen->lines[shown];
+        if (before > 1.5 * here + LINES_CHECKED * seen->line) return bit;
+        before = here;
+    }
+    return -1;
+}
+
+// Where one bit alone changes, a number must go on to the next. Where photographs have changed places, it
+// jumps at the edges of coarser bits: the finest bit with such edges, -1: none.
+static int jumping_bit(const Seen *seen, const Swap *swap, double most) {
+    for (int bit = seen->bits - 1; bit >= 0; bit--) {
+        double jumps = 0, edges = 0;
+        for (unsigned word = 0; word < seen->numbers; word++) {
+            const double n = seen->edges[(size_t)bit * seen->numbers + word];
+            if (!(n > 0)) continue;
+            const unsigned other = word ^ 1U << (seen->bits - 1 - bit);
+            edges += n;
+            jumps += abs(number_of(seen, word, swap) - number_of(seen, other, swap)) != 1 ? n : 0;
+        }
+        if (edges >= EDGES_CHECKED && jumps >= most * edges) return bit;
+    }
+    return -1;
+}
+
+// Share of the pixels whose number is beyond the panel.
+static double beyond_panel(const Seen *seen, const Swap *swap) {
+    double beyond = 0;
+    for (unsigned word = 0; word < seen->numbers; word++)
+        if (seen->words[word] > 0 && number_of(seen, word, swap) * seen->block >= seen->size)
+            beyond += seen->words[word];
+    return beyond / fmax(1, seen->count);
+}
+
+// --- What is said of it. ---
+
+// Puts the one swap after which everything is in order into words, with these before them; "" where there is
+// none, or several.
+static void explain(const FfpGrayDecoder *d, int axis, const Seen *seen, const char *before, char text[400]) {
+    Swap found = {-1, -1};
+    int explanations = 0;
+    for (int i = 0; i < seen->bits; i++)
+        for (int j = i; j < seen->bits; j++) {
+            const Swap swap = {i, j};
+            if (broader_bit(seen, &swap) >= 0 || beyond_panel(seen, &swap) > BEYOND_RIGHT ||
+                jumping_bit(seen, &swap, JUMPS_RIGHT) >= 0)
+                continue;
+            found = swap, explanations++;
+        }
+    text[0] = 0;
+    if (explanations != 1) return;
+    const bool inverse = found.first == found.second;
+    snprintf(text, 400, "%s%s%.120s and %.120s seem to be swapped%s", before, inverse ? "" : "the pairs of ",
+             ffp_basename(ffp_gray_photograph(d, axis, found.first, 0)),
+             ffp_basename(ffp_gray_photograph(d, axis, found.second, inverse)),
+             inverse ? ", a code and its inverse" : "");
+}
+
+static bool tell(const FfpGrayDecoder *d, int axis, const Seen *seen, FfpError *err) {
+    const Swap none = {-1, -1};
+    char swap[400];
+    const int broader = broader_bit(seen, &none), jumping = jumping_bit(seen, &none, JUMPS);
+    const double beyond = beyond_panel(seen, &none);
+    if (broader >= 0) {
+        explain(d, axis, seen, ": ", swap);
+        return ffp_fail(err, FFP_ERROR_FILE, ffp_gray_photograph(d, axis, broader, 0),
+                        "its stripes are broader than those of '%.200s', which comes before it%s",
+                        ffp_basename(ffp_gray_photograph(d, axis, broader - 1, 0)),
+                        swap[0] ? swap : ": codes must be ordered coarsest first, columns before rows");
+    }
+    if (jumping >= 0) {
+        const int after = jumping + 1 < seen->bits ? jumping + 1 : jumping;
+        explain(d, axis, seen, "", swap);
+        return ffp_fail(err, FFP_ERROR_FILE, ffp_gray_photograph(d, axis, after, 0),
+                        "the codes jump at its neighbour's edges: %s",
+                        swap[0] ? swap
+                                : "it and its inverse have changed places, or photographs are in another "
+                                  "order");
+    }
+    if (beyond > BEYOND) {
+        explain(d, axis, seen, ", or ", swap);
+        return ffp_fail(
+            err, FFP_ERROR_FILE, ffp_gray_photograph(d, axis, 0, 0),
+            "by it and its followers %.0f %% of the pixels see %s beyond the panel's %d: the panel "
+            "is of another size%s",
+            100 * beyond, axis ? "rows" : "columns", seen->size,
+            swap[0] ? swap : ", or photographs are in another order (columns come before rows)");
+    }
+    return true;
+}
+
+bool ffp_gray_check_order(const FfpGrayDecoder *d, int axis, FfpError *err) {
+    Seen seen;
+    see(d, axis, &seen);
+    const bool ok = tell(d, axis, &seen, err);
+    ffp_free(seen.words), ffp_free(seen.edges);
+    return ok;
+}

@@ -1,0 +1,129 @@
+// Which photographs are black and white.
+#include <math.h>
+#include "core/base/alloc.h"
+#include "core/base/file.h"
+#include "rig/graycode/decoder.h"
+
+#define LIT 0.003    // linear: what the brighter of two adds, where the projector's light falls
+#define NOISE 0.1    // of the brighter one: a smaller difference is noise
+#define OUTSIDE 0.05 // linear: a code is nowhere darker than black, or brighter than white, by as much
+#define BRIGHTER 0.9 // share of lit pixels of which white must be the brighter
+
+// Two photographs one after the other, as light.
+typedef struct Plain {
+    const char *const *files;
+    float *grey[2];   // black and white, if that is what they are
+    FfpImage luma[2]; // of files
+    bool turned;      // white comes first
+    bool lit;         // they differ
+    int width, height;
+    double share; // of the pixels that differ, of which white is the brighter
+    double added; // light, of all pixels together
+} Plain;
+
+static void compare(Plain *p) {
+    const size_t pixels = (size_t)p->width * (size_t)p->height;
+    size_t lit = 0, more = 0;
+    for (size_t i = 0; i < pixels; i++) {
+        const double a = (double)p->grey[0][i], b = (double)p->grey[1][i];
+        p->added += b - a;
+        if (fabs(b - a) < fmax(LIT, NOISE * fmax(a, b))) continue;
+        lit++, more += b > a;
+    }
+    p->lit = lit > pixels / 1000;
+    p->share = p->lit ? (double)more / (double)lit : 0.5;
+    p->turned = p->share < 0.5;
+    if (!p->turned) return;
+    float *const swap = p->grey[0];
+    p->grey[0] = p->grey[1], p->grey[1] = swap;
+    p->share = 1 - p->share, p->added = -p->added;
+}
+
+// With luma where there is a cache to keep it on.
+static bool read_plain(Plain *p, const FfpGrayPhotographs *from, FfpError *err) {
+    int width, height;
+    FfpImage *luma = from->cache ? p->luma : NULL;
+    if (!ffp_gray_read(&p->grey[0], luma, &p->width, &p->height, p->files[0], from->linear, err) ||
+        !ffp_gray_read(&p->grey[1], luma ? luma + 1 : NULL, &width, &height, p->files[1], from->linear, err))
+        return false;
+    if (width != p->width || height != p->height)
+        return ffp_fail(err, FFP_ERROR_FILE, p->files[1], "image is %d x %d, '%.200s' has %d x %d", width,
+                        height, ffp_basename(p->files[0]), p->width, p->height);
+    compare(p);
+    return true;
+}
+
+// Whether another picture is nowhere much darker than black nor brighter than white.
+static bool lies_between(const Plain *p, const Plain *other, int k) {
+    const size_t pixels = (size_t)p->width * (size_t)p->height;
+    size_t lit = 0, outside = 0;
+    if (p->width != other->width || p->height != other->height) return true; // is said later
+    for (size_t i = 0; i < pixels; i++) {
+        const double black = (double)p->grey[0][i], white = (double)p->grey[1][i],
+                     here = (double)other->grey[k][i];
+        lit += white - black > LIT, outside += here < black - OUTSIDE || here > white + OUTSIDE;
+    }
+    return (double)outside < (1 - BRIGHTER) * (double)lit;
+}
+
+// The pair that is black and white; NULL: neither.
+static const Plain *choose(const Plain *front, const Plain *back) {
+    // The coarsest code may be as plain where half of the panel is seen: then the contrast tells.
+    const bool both = front->share > BRIGHTER && back->share > BRIGHTER;
+    const bool at_front = both ? front->added > back->added : front->share > back->share;
+    const Plain *chosen = at_front ? front : back, *other = at_front ? back : front;
+    const bool plain =
+        chosen->share >= BRIGHTER && lies_between(chosen, other, 0) && lies_between(chosen, other, 1);
+    return plain ? chosen : NULL;
+}
+
+// Onto the cache, with the luma of white.
+static void keep_plain(FfpGrayCache *cache, Plain *p, const char *white) {
+    for (int k = 0; k < 2; k++) {
+        const int file = p->turned ? 1 - k : k, at = cache->n++;
+        const char *path = p->files[file];
+        cache->files[at].path = path, cache->files[at].grey = p->grey[k];
+        cache->files[at].width = p->width, cache->files[at].height = p->height;
+        p->grey[k] = NULL;
+        if (path != white) continue;
+        cache->files[at].luma = p->luma[file];
+        p->luma[file] = (FfpImage){0};
+    }
+}
+
+static void free_plain(Plain *p) {
+    for (int k = 0; k < 2; k++) ffp_free(p->grey[k]), ffp_image_free(&p->luma[k]);
+}
+
+bool ffp_gray_find_plain(FfpGrayPhotographs *photographs, const char *const *files, int n, FfpError *err) {
+    const int count = 2 + ffp_gray_photographs(photographs->width, photographs->height);
+    if (n != count)
+        return ffp_fail(err, FFP_ERROR_FILE, NULL,
+                        "%d photographs, but a projector of %d x %d pixels requires %d: black, white and %d "
+                        "pairs of Gray codes",
+                        n, photographs->width, photographs->height, count, count / 2 - 1);
+    Plain front = {.files = files}, back = {.files = files + count - 2};
+    const Plain *chosen = NULL;
+    const bool ok = read_plain(&front, photographs, err) && read_plain(&back, photographs, err);
+    if (ok) chosen = choose(&front, &back);
+    if (chosen) {
+        photographs->codes = files + (chosen == &front ? 2 : 0);
+        photographs->black = chosen->files[chosen->turned ? 1 : 0];
+        photographs->white = chosen->files[chosen->turned ? 0 : 1];
+        if (photographs->cache) {
+            keep_plain(photographs->cache, &front, photographs->white);
+            keep_plain(photographs->cache, &back, photographs->white);
+        }
+    }
+    free_plain(&front), free_plain(&back);
+    if (!ok) return false;
+    if (!chosen && !(front.lit || back.lit))
+        return ffp_fail(err, FFP_ERROR_FILE, files[0],
+                        "black and white cannot be told apart in the first two photographs or in the last "
+                        "two: nothing is lit, or everything is overexposed");
+    if (!chosen)
+        return ffp_fail(
+            err, FFP_ERROR_FILE, files[0],
+            "neither the first two photographs nor the last two are the projector black and white");
+    return true;
+}

@@ -1,0 +1,32 @@
+// Whether a capture can be reconstructed well: a page for the person who made it.
+#ifndef FFP_RIG_CHECKS_H
+#define FFP_RIG_CHECKS_H
+
+#include <stdio.h>
+#include "core/capture/capture.h"
+
+// Where the projector's frustum lies, exposure and clipping, ambient light, how far the rig is from what the
+// shipped model was trained on, and how well looking up the pattern explains the pictures. A line each, "ok"
+// or "LOOK", and what to do below the latter. Returns the number of the latter.
+int ffp_rig_checks(const FfpCapture *capture, FILE *out);
+
+// Share of the object's pixels through which no point of its sphere lies in all views' silhouettes (a pixel's
+// width is forgiven; what a view does not show contradicts nothing). 0 with poses and masks that fit.
+double ffp_rig_silhouette_misfit(const FfpCapture *capture);
+
+// How the pattern explains the active pictures of a capture. Errors are root mean squares of
+// (C - B) / (W - B) - pattern, per channel in linear values, with each pixel's best depth in the object's
+// sphere; they are small when poses, lenses, sizes and pattern file are right, and near `chance` when they
+// are not.
+typedef struct FfpExplanation {
+    int pixels;    // looked at; 0: no lit pixels, and nothing below holds
+    double error;  // as the capture is
+    double chance; // with the pattern moved by a third, wrapped round its edges: least of four directions
+    double best;   // least error with the pattern moved a little across the epipolar lines, and
+    double across; // by how many of its pixels along
+    double direction[2]; // in the first view
+    double mirrored[3];  // turned round left to right, upside down, both
+} FfpExplanation;
+FfpExplanation ffp_rig_explain(const FfpCapture *capture, int pattern);
+
+#endif

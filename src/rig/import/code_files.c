@@ -1,0 +1,47 @@
+// Which photograph shows which Gray code.
+#include <stdio.h>
+#include "core/base/arena.h"
+#include "core/patterns/patterns.h"
+#include "rig/graycode/graycode.h"
+#include "rig/import/file_names.h"
+#include "rig/import/pictures.h"
+
+#define WHERE "gray_codes"
+#define PATTERN_BIT 5 // of the code that serves as the pattern: 32 stripes
+
+// One code as the pattern that the network sees.
+static void add_pattern(FfpShots *shots, int stops, int width, int height, int axis) {
+    const int bits[2] = {ffp_gray_code_bits(width), ffp_gray_code_bits(height)};
+    const int bit = bits[axis] > PATTERN_BIT ? PATTERN_BIT : bits[axis] - 1;
+    const int index = 2 * ((axis ? bits[0] : 0) + bit), pattern = shots->n_patterns++;
+    ffp_gray_code_name(width, index, shots->patterns[pattern].name);
+    shots->patterns[pattern].code = index + 1;
+    for (int stop = 0; stop < stops; stop++)
+        shots->pictures[stop * FFP_PATTERNS_MAX + pattern] = shots->codes[stop * shots->n_codes + index];
+}
+
+bool ffp_shots_find_codes(FfpShots *shots, const FfpShotSources *sources, const FfpCalibration *calibration,
+                          int width, int height, int axis, FfpError *err) {
+    const char *template = sources->codes;
+    const int stops = calibration->n_stops;
+    if (!template) return true;
+    if (template[0] == 0) return ffp_fail(err, FFP_ERROR_ARGUMENT, WHERE, "no file is named");
+    shots->n_codes = ffp_gray_photographs(width, height);
+    shots->codes =
+        ffp_arena_alloc(shots->arena, (size_t)stops * (size_t)shots->n_codes, sizeof *shots->codes);
+    const char **names = ffp_arena_alloc(shots->arena, (size_t)shots->n_codes, sizeof *names);
+    char order[160];
+    for (int i = 0; i < shots->n_codes; i++) {
+        char name[32];
+        ffp_gray_code_name(width, i, name);
+        names[i] = ffp_arena_text(shots->arena, name);
+    }
+    snprintf(order, sizeof order,
+             ": each of %d, coarsest first, columns before rows, every one followed by its inverse",
+             shots->n_codes / 2);
+    const FfpFileSet set = {template,    calibration, names, shots->n_codes, "photographs of Gray codes",
+                            "Gray code", order};
+    if (!ffp_files_find(shots->codes, shots->arena, &set, err)) return false;
+    if (shots->n_patterns == 2) add_pattern(shots, stops, width, height, axis);
+    return true;
+}

@@ -1,0 +1,212 @@
+#include "rig/import/file_names.h"
+#include <ctype.h>
+#include <glob.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include "core/base/arena.h"
+#include "core/base/call.h"
+#include "core/base/file.h"
+#include "core/capture/node.h"
+#include "core/image/photograph.h"
+
+// --- Names in order. ---
+
+int ffp_natural_order(const char *a, const char *b) {
+    while (*a != 0 && *b != 0) {
+        if (isdigit((unsigned char)*a) && isdigit((unsigned char)*b)) {
+            a += strspn(a, "0"), b += strspn(b, "0");
+            const size_t m = strspn(a, "0123456789"), n = strspn(b, "0123456789");
+            if (m != n) return m < n ? -1 : 1;
+            const int order = strncmp(a, b, m);
+            if (order != 0) return order;
+            a += m, b += n;
+        } else {
+            if (*a != *b) return (unsigned char)*a < (unsigned char)*b ? -1 : 1;
+            a++, b++;
+        }
+    }
+    return (*a != 0) - (*b != 0);
+}
+
+static int compare_paths(const void *a, const void *b) {
+    const char *x = *(char *const *)a, *y = *(char *const *)b;
+    const int order = ffp_natural_order(x, y);
+    return order != 0 ? order : strcmp(x, y); // "1.png" and "01.png"
+}
+
+// --- Templates: {view}, {pattern}, {index}, {number}, the last two also as {number:3}. ---
+
+typedef struct Blanks {
+    const char *view, *pattern; // NULL: not to be filled in
+    int index;
+} Blanks;
+
+// The text of one placeholder, "view" or "number:3"; false when there is no such.
+static bool fill_blank(const Blanks *blanks, const char *blank, size_t length, char out[FFP_NAME_MAX + 16]) {
+    static const char *const words[2] = {"view", "pattern"}, *const counters[2] = {"index", "number"};
+    const char *const texts[2] = {blanks->view, blanks->pattern};
+    for (size_t i = 0; i < 2; i++) {
+        const size_t n = strlen(words[i]);
+        if (length != n || strncmp(blank, words[i], n) != 0 || !texts[i]) continue;
+        snprintf(out, FFP_NAME_MAX + 16, "%s", texts[i]);
+        return true;
+    }
+    for (int i = 0; i < 2; i++) {
+        const size_t n = strlen(counters[i]);
+        if (length < n || strncmp(blank, counters[i], n) != 0) continue;
+        const bool wide = length == n + 2 && blank[n] == ':' && blank[n + 1] >= '1' && blank[n + 1] <= '9';
+        if (length != n && !wide) continue;
+        snprintf(out, FFP_NAME_MAX + 16, "%0*d", wide ? blank[n + 1] - '0' : 1, blanks->index + i);
+        return true;
+    }
+    return false;
+}
+
+// `text` behind `length` bytes of a path of FFP_PATH_MAX, with a \\ before characters in `special`.
+static bool append(char *path, size_t *length, const char *text, const char *special) {
+    for (; *text != 0; text++) {
+        const bool escaped = strchr(special, *text) != NULL;
+        if (*length + escaped + 1 >= FFP_PATH_MAX) return false;
+        if (escaped) path[(*length)++] = '\\';
+        path[(*length)++] = *text;
+    }
+    path[*length] = 0;
+    return true;
+}
+
+// What in a name would be a wildcard: in what fills the placeholders, in the template itself.
+typedef struct Specials {
+    const char *filled, *written;
+} Specials;
+static const Specials as_written = {"", ""}, only_stars = {"*?[\\", "?[\\"}, all_wildcards = {"*?[\\", ""};
+
+static bool fill(const char *template, const Blanks *blanks, Specials specials, char path[FFP_PATH_MAX],
+                 FfpError *err) {
+    size_t length = 0;
+    path[0] = 0;
+    for (const char *at = template; *at != 0;) {
+        char text[FFP_NAME_MAX + 16] = {*at, 0};
+        const char *end = *at == '{' ? strchr(at, '}') : NULL;
+        if (*at == '{' && (!end || !fill_blank(blanks, at + 1, (size_t)(end - at - 1), text))) {
+            return ffp_fail(err, FFP_ERROR_FILE, template,
+                            "%.20s: the placeholders are {view}, {pattern}, {index}, {number}, {number:3}",
+                            at);
+        }
+        if (!append(path, &length, text, end ? specials.filled : specials.written))
+            return ffp_fail(err, FFP_ERROR_FILE, template, "the path is too long");
+        at = end ? end + 1 : at + 1;
+    }
+    return true;
+}
+
+// --- Files. ---
+
+static bool tells_view(const char *text) {
+    return strstr(text, "{view}") || strstr(text, "{index") || strstr(text, "{number") != NULL;
+}
+
+// One of the paths that a template stands for, and which files it must match: `count` of them, from paths[at]
+// on, every `stride`.
+typedef struct Part {
+    char path[FFP_PATH_MAX];
+    int at, stride, count;
+    bool by_view, by_name; // placeholders tell views, names
+} Part;
+
+static bool wrong_number(const FfpFileSet *set, const Part *part, size_t found, FfpError *err) {
+    char whose[64] = "a view has", each[96] = "";
+    const int views = set->calibration->n_stops;
+    if (!part->by_view && views > 1) snprintf(whose, sizeof whose, "%d views have", views);
+    if (part->by_name)
+        snprintf(each, sizeof each, " under a %s", set->name);
+    else if (set->n_names > 1 && !set->order[0])
+        snprintf(each, sizeof each, " (%d %ss each)", set->n_names, set->name);
+    return ffp_fail(err, FFP_ERROR_FILE, part->path, "%zu files match, but %s %d %s%s%s", found, whose,
+                    part->count, set->kind, each, set->order);
+}
+
+static void free_glob(void *found) {
+    globfree(found);
+    ffp_free(found);
+}
+
+// The paths that match: * alone being a wildcard or, where that finds none, ? and [...] as well.
+static bool find_files(glob_t *found, const FfpFileSet *set, const Blanks *blanks, FfpError *err) {
+    char path[FFP_PATH_MAX];
+    if (!fill(set->template, blanks, only_stars, path, err)) return false;
+    if (glob(path, GLOB_NOSORT, NULL, found) == 0) return true;
+    return fill(set->template, blanks, all_wildcards, path, err) &&
+           (glob(path, GLOB_NOSORT, NULL, found) == 0 ||
+            ffp_fail(err, FFP_ERROR_FILE, set->template, "no file matches, or the folder cannot be read"));
+}
+
+static bool match(const char **paths, FfpArena *arena, const FfpFileSet *set, const Blanks *blanks,
+                  const Part *part, FfpError *err) {
+    glob_t *found = ffp_alloc(1, sizeof *found);
+    if (ffp_photograph_names_part(part->path)) {
+        ffp_free(found);
+        return ffp_fail(err, FFP_ERROR_FILE, part->path,
+                        "* matches file names, which have no part of a film (@): name films by {view}, "
+                        "{index} or {number} to take parts of them");
+    }
+    if (!find_files(found, set, blanks, err)) {
+        ffp_free(found);
+        return false;
+    }
+    ffp_own(found, free_glob);
+    qsort(found->gl_pathv, found->gl_pathc, sizeof *found->gl_pathv, compare_paths);
+    const bool ok = found->gl_pathc == (size_t)part->count || wrong_number(set, part, found->gl_pathc, err);
+    for (int i = 0; ok && i < part->count; i++)
+        paths[part->at + i * part->stride] = ffp_arena_text(arena, found->gl_pathv[i]);
+    ffp_disown(found);
+    free_glob(found);
+    return ok;
+}
+
+static bool take(const char **paths, FfpArena *arena, const FfpFileSet *set, const Part *part,
+                 FfpError *err) {
+    const char *view = set->calibration->stops[part->at / set->n_names].id;
+    char what[2 * FFP_NAME_MAX + 64];
+    if (!part->by_view && set->calibration->n_stops > 1)
+        return ffp_fail(err, FFP_ERROR_FILE, set->template,
+                        "names one file for %d views: use {view}, {index}, {number} or *",
+                        set->calibration->n_stops);
+    if (!part->by_name && set->n_names > 1)
+        return ffp_fail(err, FFP_ERROR_FILE, set->template, "names one file for %d %ss: use {pattern} or *",
+                        set->n_names, set->name);
+    if (set->names)
+        snprintf(what, sizeof what, "view '%s' under %s '%s'", view, set->name,
+                 set->names[part->at % set->n_names]);
+    else
+        snprintf(what, sizeof what, "%s of view '%s'", set->kind, view);
+    if (!ffp_photograph_check(part->path, what, err)) return false;
+    paths[part->at] = ffp_arena_text(arena, part->path);
+    return true;
+}
+
+// A name in which ? or [ stand, and no *, is that of a file that is so called, or else has wildcards.
+static bool has_wildcards(const char *template, const char *path) {
+    FfpError none = {0};
+    return strchr(template, '*') || (strpbrk(template, "?[") && !ffp_photograph_check(path, "", &none));
+}
+
+bool ffp_files_find(const char **paths, FfpArena *arena, const FfpFileSet *set, FfpError *err) {
+    const int stops = set->calibration->n_stops, n = set->n_names;
+    Part part = {.by_view = tells_view(set->template),
+                 .by_name = set->names && strstr(set->template, "{pattern}")};
+    const int views = part.by_view ? stops : 1, names = part.by_name ? n : 1;
+    part.count = stops / views * (n / names);
+    part.stride = part.by_name ? n : 1;
+    for (int i = 0; i < views * names; i++) {
+        const int stop = i / names, name = i % names;
+        const FfpStop *of = &set->calibration->stops[stop];
+        const Blanks blanks = {of->id, set->names ? set->names[name] : NULL, of->index};
+        part.at = stop * n + name;
+        if (!fill(set->template, &blanks, as_written, part.path, err)) return false;
+        if (!(has_wildcards(set->template, part.path) ? match(paths, arena, set, &blanks, &part, err)
+                                                      : take(paths, arena, set, &part, err)))
+            return false;
+    }
+    return true;
+}

@@ -1,0 +1,28 @@
+// Names of files with placeholders and *: one rule for photographs, Gray codes and masks.
+#ifndef FFP_RIG_FILE_NAMES_H
+#define FFP_RIG_FILE_NAMES_H
+
+#include "core/base/arena.h"
+#include "rig/import/calibration.h"
+
+// Whether a comes before b when runs of digits count as numbers: "img_9" before "img_10".
+int ffp_natural_order(const char *a, const char *b);
+
+// A file of every view under every name.
+typedef struct FfpFileSet {
+    const char *template;
+    const FfpCalibration *calibration; // its stops are the views
+    const char *const *names;          // [n_names] what {pattern} stands for; NULL: nothing, n_names is 1
+    int n_names;
+    const char *kind;  // for errors: "photographs"
+    const char *name;  // and what a name is of: "pattern"
+    const char *order; // and in which order they must be; "": as the names are
+} FfpFileSet;
+
+// The paths, [n_stops, n_names]; each is known to exist. Placeholders are filled in first: {view}, {pattern},
+// {index} (from 0), {number} (from 1) and {number:3} (with zeros). What they do not tell apart is given by *,
+// whose files are taken in natural order: all names of the first view, then of the second. ? and [...] are
+// wildcards, too, where no file is called so.
+bool ffp_files_find(const char **paths, FfpArena *arena, const FfpFileSet *set, FfpError *err);
+
+#endif

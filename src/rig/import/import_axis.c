@@ -1,0 +1,74 @@
+// Import: the turntable's axis from the pictures.
+#include <string.h>
+#include <tgmath.h>
+#include "core/base/log.h"
+#include "rig/import/checks.h"
+#include "rig/import/fit_axis.h"
+#include "rig/import/import_steps.h"
+
+#define MISFIT_MAX 0.1 // of the object's pixels, which an axis that is right leaves unexplained by the others
+
+static FfpAxis guess_of(const FfpImportSettings *settings) {
+    FfpAxis guess;
+    FfpTurntable turntable = *settings->turntable; // its direction brought to length 1
+    ffp_turntable_check_axis(&turntable, NULL);
+    memcpy(guess.direction, turntable.axis, sizeof guess.direction);
+    memcpy(guess.point, turntable.point, sizeof guess.point);
+    return guess;
+}
+
+static void place_stops(FfpImporting *import, const FfpAxis *axis, bool reversed) {
+    FfpTurntable *turntable = ffp_alloc(1, sizeof *turntable);
+    memcpy(turntable->axis, axis->direction, sizeof turntable->axis);
+    memcpy(turntable->point, axis->point, sizeof turntable->point);
+    ffp_turntable_place(turntable, reversed, &import->calibration);
+    ffp_free(turntable);
+    ffp_importing_take_poses(import);
+}
+
+// What the whole capture says about the axis found, to the user; refuses one that explains it badly.
+static bool accept_axis(FfpImporting *import, const FfpAxis *axis, const FfpAxisReport *report, int active,
+                        FfpError *err) {
+    FfpCapture *capture = &import->capture;
+    ffp_capture_estimate_bounds(capture);
+    const double misfit = ffp_rig_silhouette_misfit(capture);
+    const FfpExplanation found = ffp_rig_explain(capture, active);
+    ffp_note("axis found: direction and point %.6g,%.6g,%.6g,%.6g,%.6g,%.6g%s", axis->direction[0],
+             axis->direction[1], axis->direction[2], axis->point[0], axis->point[1], axis->point[2],
+             report->reversed ? ", with the angles' signs changed: the object turned the other way" : "");
+    ffp_note("  uncertain by %.2g degrees and %.2g %% of the distance; silhouettes agree within %.2f pixels "
+             "(overlap with the visual hull %.1f %%), surfaces of neighbouring stops within %.2f %% of the "
+             "distance (%d points)",
+             report->tilt, 100 * report->shift, report->outline, 100 * (1 - misfit), 100 * report->surface,
+             report->surface_points);
+    ffp_note("  pattern lookup %.1f dB (by chance %.1f)", -20 * log10(found.error),
+             -20 * log10(found.chance));
+    if (misfit > MISFIT_MAX)
+        return ffp_fail(err, FFP_ERROR_FILE, "turntable.axis",
+                        "with the best axis %.0f %% of the object's pixels contradict the other views' "
+                        "silhouettes: check angles, order of pictures and masks",
+                        100 * misfit);
+    return (found.pixels > 0 && found.error < FFP_CHANCE_MAX * found.chance) ||
+           ffp_fail(
+               err, FFP_ERROR_FILE, "turntable.axis",
+               "with the best axis the pattern explains the pictures hardly better than chance: check the "
+               "pattern's file and the calibration");
+}
+
+bool ffp_importing_find_axis(FfpImporting *import, FfpError *err) {
+    const FfpCapture *capture = &import->capture;
+    if (import->settings->axis == FFP_AXIS_KNOWN) return true;
+    const bool guessed = import->settings->axis == FFP_AXIS_GUESSED;
+    const int active = ffp_capture_active_pattern(capture, NULL, err);
+    FfpAxis axis, guess;
+    FfpAxisReport report;
+    double angles[FFP_VIEWS_MAX];
+    if (active < 0) return false;
+    if (guessed) guess = guess_of(import->settings);
+    for (int v = 0; v < capture->n_views; v++) angles[v] = import->calibration.stops[v].angle;
+    if (!ffp_fit_axis(&axis, &report, capture, active, import->calibration.p2c, angles,
+                      guessed ? &guess : NULL, err))
+        return false;
+    place_stops(import, &axis, report.reversed);
+    return accept_axis(import, &axis, &report, active, err);
+}

@@ -1,0 +1,159 @@
+// Import: patterns and photographs as linear light without lens distortion.
+#include <string.h>
+#include <tgmath.h>
+#include "core/base/log.h"
+#include "core/patterns/patterns.h"
+#include "rig/import/import_steps.h"
+
+#define TOO_BRIGHT_MAX 0.001 // of the values
+
+// The light of the Gray code with this number.
+static FfpImage code_pattern(const FfpOptics *panel, int index) {
+    const int columns = ffp_gray_code_bits(panel->width), pair = index / 2, axis = pair >= columns;
+    FfpImage grey = ffp_pattern_gray_code(panel->width, panel->height, axis, axis ? pair - columns : pair,
+                                          index % 2 == 1);
+    FfpImage out = ffp_image_new(panel->width, panel->height, 3);
+    const size_t count = 3 * (size_t)out.width * (size_t)out.height;
+    for (size_t i = 0; i < count; i++) out.data[i] = grey.data[i / 3];
+    ffp_image_free(&grey);
+    return out;
+}
+
+static bool load_pattern(FfpImporting *import, int index, FfpError *err) {
+    FfpPattern *pattern = &import->capture.patterns[index];
+    const FfpShotPattern *shot = &import->shots.patterns[index];
+    const FfpOptics *optics = &import->calibration.projector;
+    const FfpCamera *pinhole = &import->capture.views[0].projector;
+    FfpImage raw = {0};
+    memcpy(pattern->name, shot->name, sizeof pattern->name);
+    pattern->novel = shot->novel;
+    if (shot->file) {
+        if (!ffp_importing_check_size(shot->file, optics, err) ||
+            !(import->settings->linear_patterns ? ffp_image_read_light
+                                                : ffp_image_read_over_black)(&raw, NULL, shot->file, err))
+            return false;
+    } else if (shot->code > 0) {
+        raw = code_pattern(optics, shot->code - 1);
+    } else {
+        raw = ffp_image_new(optics->width, optics->height, 3);
+        const ptrdiff_t count = (ptrdiff_t)raw.width * raw.height * 3;
+        for (ptrdiff_t i = 0; i < count; i++) raw.data[i] = index == import->shots.white;
+    }
+    pattern->image = ffp_optics_rectify(optics, pinhole, &raw);
+    ffp_image_free(&raw);
+    return true;
+}
+
+// Exposure of linear values; what then exceeds 1 is cut off when the capture is written, and counted.
+static void expose(FfpImporting *import, FfpImage *image) {
+    const real factor = (real)exp2(import->settings->exposure);
+    const ptrdiff_t count = (ptrdiff_t)image->width * image->height * 3;
+    for (ptrdiff_t i = 0; i < count; i++) {
+        image->data[i] *= factor;
+        import->too_bright += image->data[i] > 1.002F;
+    }
+    import->values += count;
+}
+
+// An alpha channel that is 1 everywhere tells nothing: programs add such to any picture.
+static bool tells_shape(const FfpImage *alpha) {
+    const ptrdiff_t pixels = alpha->data ? (ptrdiff_t)alpha->width * alpha->height : 0;
+    for (ptrdiff_t i = 0; i < pixels; i++) {
+        if (alpha->data[i] < 1) return true;
+    }
+    return false;
+}
+
+// *alpha stays empty when the file has none.
+static bool load_picture(FfpImporting *import, int stop, int pattern, FfpImage *alpha, FfpError *err) {
+    const char *path = import->shots.pictures[stop * FFP_PATTERNS_MAX + pattern];
+    const FfpOptics *optics = &import->calibration.stops[stop].camera;
+    FfpView *view = &import->capture.views[stop];
+    FfpImage raw = {0}, raw_alpha = {0};
+    if (!ffp_photograph_read(&raw, &raw_alpha, path, import->settings->linear_images, &import->developed,
+                             err) ||
+        !ffp_importing_has_size(path, raw.width, raw.height, optics, err)) {
+        ffp_image_free(&raw);
+        ffp_image_free(&raw_alpha);
+        return false;
+    }
+    expose(import, &raw);
+    view->images[pattern] = ffp_optics_rectify(optics, &view->camera, &raw);
+    if (tells_shape(&raw_alpha)) *alpha = ffp_optics_rectify(optics, &view->camera, &raw_alpha);
+    ffp_image_free(&raw);
+    ffp_image_free(&raw_alpha);
+    return true;
+}
+
+static bool load_view(FfpImporting *import, int stop, FfpError *err) {
+    const int n = import->shots.n_patterns;
+    FfpView *view = &import->capture.views[stop];
+    FfpImage *alphas = ffp_alloc((size_t)n, sizeof *alphas);
+    bool ok = true;
+    view->images = ffp_alloc((size_t)n, sizeof *view->images);
+    for (int p = 0; p < n && ok; p++) {
+        if (import->shots.pictures[stop * FFP_PATTERNS_MAX + p])
+            ok = load_picture(import, stop, p, &alphas[p], err);
+    }
+    ok = ok && ffp_importing_cover(import, stop, alphas, err);
+    for (int p = 0; p < n; p++) ffp_image_free(&alphas[p]);
+    ffp_free(alphas);
+    return ok;
+}
+
+static void note_developed(const FfpDeveloped *developed) {
+    if (developed->raws > 0)
+        ffp_note(
+            "%d raw photographs were developed by dcraw_emu to linear light, with one white balance for all",
+            developed->raws);
+    if (developed->films > 0)
+        ffp_note("%d films read by ffmpeg, each as the mean of its frames (%d frames)", developed->films,
+                 developed->frames);
+}
+
+static void note_too_bright(const FfpImporting *import) {
+    const double share = (double)import->too_bright / (double)import->values;
+    if (share > TOO_BRIGHT_MAX)
+        ffp_warning(
+            "%.1f %% of the photographs' values were brighter than a capture's pictures hold and are cut "
+            "off: a lower exposure keeps them",
+            100 * share);
+}
+
+// Files of masks that leave nothing of any view are the wrong way round, or other pictures.
+static bool check_masks(const FfpImporting *import, FfpError *err) {
+    const FfpCapture *capture = &import->capture;
+    if (!import->shots.masks) return true;
+    for (int v = 0; v < capture->n_views; v++) {
+        const FfpImage *mask = &capture->views[v].coverage;
+        const ptrdiff_t pixels = (ptrdiff_t)mask->width * mask->height;
+        for (ptrdiff_t i = 0; i < pixels; i++)
+            if (mask->data[i] > 0) return true;
+    }
+    return ffp_fail(err, FFP_ERROR_FILE, import->shots.masks[0],
+                    "the masks of all views are black: the object is white in them");
+}
+
+bool ffp_importing_load_pixels(FfpImporting *import, FfpError *err) {
+    FfpCapture *capture = &import->capture;
+    import->made = ffp_alloc((size_t)capture->n_views, sizeof *import->made);
+    import->holes = ffp_alloc((size_t)capture->n_views, sizeof *import->holes);
+    capture->n_patterns = import->shots.n_patterns;
+    capture->patterns = ffp_alloc((size_t)capture->n_patterns, sizeof *capture->patterns);
+    capture->black = import->shots.black, capture->white = import->shots.white;
+    for (int p = 0; p < capture->n_patterns; p++) {
+        if (!load_pattern(import, p, err)) return false;
+    }
+    FfpTask progress = ffp_task("importing", capture->n_views);
+    bool ok = true;
+    for (int v = 0; v < capture->n_views && ok; v++) {
+        ok = load_view(import, v, err);
+        if (ok) ffp_task_step(&progress, v + 1, capture->views[v].id);
+    }
+    ffp_task_end(&progress);
+    if (ok) note_developed(&import->developed);
+    if (ok) note_too_bright(import);
+    ok = ok && check_masks(import, err);
+    if (ok) ffp_importing_complete_masks(import);
+    return ok;
+}

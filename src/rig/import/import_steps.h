@@ -1,0 +1,59 @@
+// The steps of an import (ffp_import), in their order, and what each of them fills in. Private to import*.c.
+#ifndef FFP_RIG_IMPORT_STEPS_H
+#define FFP_RIG_IMPORT_STEPS_H
+
+#include "core/capture/capture.h"
+#include "core/image/photograph.h"
+#include "rig/import/import.h"
+#include "rig/import/response.h"
+
+#define FFP_CHANCE_MAX 0.75 // of what chance explains: more, and the pattern explains nothing
+
+// capture: name_capture gives its name, the other steps what is said at them.
+typedef struct FfpImporting {
+    const FfpImportSettings *settings; // before all steps
+    FfpCalibration calibration;        // read_rig; settle_views completes the optics' sizes
+    FfpOptics coded;                   // settle_views: the projector that shows the Gray codes
+    FfpShots shots;                    // ffp_shots_find: files; settle_views those of Gray codes
+    FfpCapture capture;
+    bool *made;             // load_pixels: [views] masks made by Otsu's method
+    FfpImage *holes;        // load_pixels: [views] and what was filled of them
+    int64_t values;         // load_pixels: of the photographs
+    int64_t too_bright;     // load_pixels: those that are cut off
+    FfpDeveloped developed; // load_pixels: photographs and films by other programs
+    FfpResponse response;   // find_response, where it is asked for
+} FfpImporting;
+
+// 1. The calibration; its stops are the views that are asked for, in their order, with poses wherever the
+// axis is known.
+bool ffp_importing_read_rig(FfpImporting *import, FfpError *err);
+// 2. (ffp_shots_find: which file is which picture.)
+// 3. The optics' sizes; of the capture: views with ids, cameras and projectors, and the panel. Which files
+// are Gray codes.
+bool ffp_importing_settle_views(FfpImporting *import, FfpError *err);
+// 4. (check_memory)
+// 5. Of the capture: patterns, black and white; the views' images and coverage.
+bool ffp_importing_load_pixels(FfpImporting *import, FfpError *err);
+// 6. The views' correspondence, where there are Gray codes. Needs coverage.
+bool ffp_importing_load_codes(FfpImporting *import, FfpError *err);
+// 7. The calibration's and the views' poses, where the axis is to be found. Needs images and coverage.
+bool ffp_importing_find_axis(FfpImporting *import, FfpError *err);
+// 8. (settle_object: centre and radius. Needs poses, coverage and correspondence.)
+// 9. Of the capture: the panel's response, the patterns' light, the intensity. Needs all before.
+bool ffp_importing_find_response(FfpImporting *import, FfpError *err);
+// 10. While the capture is written (ffp_capture_write_whole), `context` being the import: the response into
+// its JSON.
+bool ffp_importing_keep_response(const char *folder, void *context, FfpError *err);
+
+// Parts of steps. The poses of the calibration's stops to the views (3, 7).
+void ffp_importing_take_poses(FfpImporting *import);
+// Whether a picture has the size of the optics, as it must; check_size: of the picture in a file (5).
+bool ffp_importing_has_size(const char *path, int width, int height, const FfpOptics *optics, FfpError *err);
+bool ffp_importing_check_size(const char *path, const FfpOptics *optics, FfpError *err);
+// The coverage of a view whose images exist, and its images over black by it, unless it was made of light
+// (5).
+bool ffp_importing_cover(FfpImporting *import, int stop, const FfpImage *alphas, FfpError *err);
+// Coverage made of light: completed by what other views see, and applied to the images (5).
+void ffp_importing_complete_masks(FfpImporting *import);
+
+#endif

@@ -1,0 +1,208 @@
+#include "rig/import/pictures.h"
+#include <stdlib.h>
+#include <string.h>
+#include "core/base/arena.h"
+#include "core/base/call.h"
+#include "core/base/file.h"
+#include "core/image/photograph.h"
+#include "rig/import/file_names.h"
+
+// Settings, for errors.
+#define IMAGES "images"
+#define PATTERNS "patterns"
+#define HELD_OUT "held_out"
+
+// --- Photographs under some patterns. ---
+
+typedef struct Group {
+    int patterns[FFP_PATTERNS_MAX], count;
+    const char *template;
+} Group;
+
+static int pattern_index(FfpShots *shots, const char *name, FfpError *err) {
+    for (int i = 0; i < shots->n_patterns; i++) {
+        if (strcmp(shots->patterns[i].name, name) == 0) return i;
+    }
+    if (!ffp_is_name(name) || shots->n_patterns == FFP_PATTERNS_MAX) {
+        ffp_fail(err, FFP_ERROR_ARGUMENT, IMAGES, "invalid pattern name '%.100s', or too many patterns",
+                 name);
+        return -1;
+    }
+    snprintf(shots->patterns[shots->n_patterns].name, FFP_NAME_MAX, "%s", name);
+    const bool black = strcmp(name, "black") == 0 || strcmp(name, "all_black") == 0;
+    const bool white = strcmp(name, "white") == 0 || strcmp(name, "all_white") == 0;
+    if ((black && shots->black >= 0) || (white && shots->white >= 0)) {
+        ffp_fail(err, FFP_ERROR_ARGUMENT, IMAGES, "'%s' is a second %s pattern", name,
+                 black ? "black" : "white");
+        return -1;
+    }
+    if (black) shots->black = shots->n_patterns;
+    if (white) shots->white = shots->n_patterns;
+    return shots->n_patterns++;
+}
+
+static bool read_group(FfpShots *shots, const FfpShotFiles *source, Group *group, FfpError *err) {
+    if (!source->files || source->files[0] == 0)
+        return ffp_fail(err, FFP_ERROR_ARGUMENT, IMAGES, "no file is named");
+    if (source->n_patterns < 1 || source->n_patterns > FFP_PATTERNS_MAX)
+        return ffp_fail(err, FFP_ERROR_ARGUMENT, IMAGES, "%d patterns for '%.100s': 1 to %d are possible",
+                        source->n_patterns, source->files, FFP_PATTERNS_MAX);
+    group->template = source->files;
+    group->count = source->n_patterns;
+    for (int i = 0; i < source->n_patterns; i++) {
+        group->patterns[i] = pattern_index(shots, source->patterns[i], err);
+        if (group->patterns[i] < 0) return false;
+    }
+    return true;
+}
+
+static bool set_picture(FfpShots *shots, const FfpCalibration *calibration, int stop, int pattern,
+                        const char *path, FfpError *err) {
+    const char **place = &shots->pictures[stop * FFP_PATTERNS_MAX + pattern];
+    if (*place)
+        return ffp_fail(err, FFP_ERROR_ARGUMENT, IMAGES, "view '%s' has two pictures under '%s'",
+                        calibration->stops[stop].id, shots->patterns[pattern].name);
+    *place = path;
+    return true;
+}
+
+static bool find_group(FfpShots *shots, const Group *group, const FfpCalibration *calibration,
+                       FfpError *err) {
+    const int n = group->count, all = calibration->n_stops * n;
+    const char **names = ffp_arena_alloc(shots->arena, (size_t)n, sizeof *names),
+               **paths = ffp_arena_alloc(shots->arena, (size_t)all, sizeof *paths);
+    for (int i = 0; i < n; i++) names[i] = shots->patterns[group->patterns[i]].name;
+    const FfpFileSet set = {group->template, calibration, names, n, "photographs", "pattern", ""};
+    if (!ffp_files_find(paths, shots->arena, &set, err)) return false;
+    for (int i = 0; i < all; i++)
+        if (!set_picture(shots, calibration, i / n, group->patterns[i % n], paths[i], err)) return false;
+    return true;
+}
+
+// --- Patterns and masks. ---
+
+static bool take_projected(FfpShots *shots, const FfpProjected *projected, bool novel, FfpError *err) {
+    const char *where = novel ? HELD_OUT : PATTERNS;
+    for (int i = 0; i < shots->n_patterns; i++) {
+        FfpShotPattern *pattern = &shots->patterns[i];
+        if (strcmp(pattern->name, projected->name) != 0) continue;
+        if (pattern->file)
+            return ffp_fail(err, FFP_ERROR_ARGUMENT, where, "pattern '%s' comes twice", pattern->name);
+        if (!ffp_is_file(projected->file))
+            return ffp_fail(err, FFP_ERROR_ARGUMENT, projected->file, "no such file: pattern '%s'",
+                            pattern->name);
+        pattern->file = ffp_arena_text(shots->arena, projected->file);
+        pattern->novel = novel;
+        return true;
+    }
+    return ffp_fail(err, FFP_ERROR_ARGUMENT, IMAGES, "no picture under pattern '%.100s'", projected->name);
+}
+
+// Pictures that the calibration names itself, where the caller names none.
+static bool take_named(FfpShots *shots, const FfpCalibration *calibration, FfpError *err) {
+    for (int i = 0; i < calibration->n_pictures; i++) {
+        const FfpNamedPicture *picture = &calibration->pictures[i];
+        const int pattern = pattern_index(shots, picture->pattern, err);
+        char what[2 * FFP_NAME_MAX + 32];
+        snprintf(what, sizeof what, "view '%s' under pattern '%s'", calibration->stops[picture->stop].id,
+                 picture->pattern);
+        if (pattern < 0 || !ffp_photograph_check(picture->path, what, err) ||
+            !set_picture(shots, calibration, picture->stop, pattern,
+                         ffp_arena_text(shots->arena, picture->path), err))
+            return false;
+    }
+    return true;
+}
+
+// Patterns that lie where the calibration keeps them.
+static void take_kept_patterns(FfpShots *shots, const char *folder) {
+    for (int i = 0; i < shots->n_patterns && folder[0] != 0; i++) {
+        char name[FFP_NAME_MAX + 8], path[FFP_PATH_MAX];
+        snprintf(name, sizeof name, "%s.png", shots->patterns[i].name);
+        const bool plain = i == shots->black || i == shots->white;
+        if (!plain && !shots->patterns[i].file && ffp_join_path(path, folder, name) && ffp_is_file(path))
+            shots->patterns[i].file = ffp_arena_text(shots->arena, path);
+    }
+}
+
+static bool find_masks(FfpShots *shots, const char *template, const FfpCalibration *calibration,
+                       FfpError *err) {
+    if (!template || template[0] == 0)
+        return ffp_fail(err, FFP_ERROR_ARGUMENT, "mask_files", "no file is named");
+    shots->masks = ffp_arena_alloc(shots->arena, (size_t)calibration->n_stops, sizeof *shots->masks);
+    const FfpFileSet set = {template, calibration, NULL, 1, "masks", "", ""};
+    return ffp_files_find(shots->masks, shots->arena, &set, err);
+}
+
+// --- All of it. ---
+
+// No file of a view is its picture under two patterns.
+static bool check_single(const FfpShots *shots, const FfpCalibration *calibration, FfpError *err) {
+    for (int stop = 0; stop < calibration->n_stops; stop++) {
+        const char *const *pictures = shots->pictures + (ptrdiff_t)stop * FFP_PATTERNS_MAX;
+        for (int i = 0; i < shots->n_patterns; i++)
+            for (int k = 0; k < i; k++)
+                if (pictures[i] && pictures[k] && strcmp(pictures[i], pictures[k]) == 0)
+                    return ffp_fail(err, FFP_ERROR_FILE, pictures[i],
+                                    "is named twice: view '%s' under '%.64s' and under '%.64s'",
+                                    calibration->stops[stop].id, shots->patterns[k].name,
+                                    shots->patterns[i].name);
+    }
+    return true;
+}
+
+static bool check_complete(const FfpShots *shots, const FfpCalibration *calibration, FfpError *err) {
+    if (shots->black < 0)
+        return ffp_fail(err, FFP_ERROR_ARGUMENT, IMAGES, "no pictures under black are named");
+    if (shots->white < 0)
+        return ffp_fail(err, FFP_ERROR_ARGUMENT, IMAGES, "no pictures under white are named");
+    const int plain[2] = {shots->black, shots->white};
+    for (int i = 0; i < 2 * calibration->n_stops; i++) {
+        if (shots->pictures[i / 2 * FFP_PATTERNS_MAX + plain[i % 2]] != NULL) continue;
+        return ffp_fail(err, FFP_ERROR_ARGUMENT, IMAGES,
+                        "view '%s' has no picture under %s: every pose must be photographed under "
+                        "black, white and a pattern",
+                        calibration->stops[i / 2].id, i % 2 == 0 ? "black" : "white");
+    }
+    for (int i = 0; i < shots->n_patterns; i++) {
+        if (!shots->patterns[i].file && i != shots->black && i != shots->white)
+            return ffp_fail(err, FFP_ERROR_ARGUMENT, PATTERNS,
+                            "missing file of pattern '%s': name the image that was projected",
+                            shots->patterns[i].name);
+    }
+    return true;
+}
+
+static bool find_all(FfpShots *shots, const FfpShotSources *sources, const FfpCalibration *calibration,
+                     FfpError *err) {
+    Group *group = ffp_arena_alloc(shots->arena, 1, sizeof *group);
+    if (sources->n_images == 0 && !take_named(shots, calibration, err)) return false;
+    for (int i = 0; i < sources->n_images; i++) {
+        if (!read_group(shots, &sources->images[i], group, err) ||
+            !find_group(shots, group, calibration, err))
+            return false;
+    }
+    for (int i = 0; i < sources->n_patterns; i++) {
+        if (!take_projected(shots, &sources->patterns[i], false, err)) return false;
+    }
+    for (int i = 0; i < sources->n_held_out; i++) {
+        if (!take_projected(shots, &sources->held_out[i], true, err)) return false;
+    }
+    take_kept_patterns(shots, calibration->pattern_folder);
+    return (sources->mask != FFP_MASKS_FILES || find_masks(shots, sources->mask_files, calibration, err)) &&
+           check_complete(shots, calibration, err) && check_single(shots, calibration, err);
+}
+
+bool ffp_shots_find(FfpShots *shots, const FfpShotSources *sources, const FfpCalibration *calibration,
+                    FfpError *err) {
+    *shots = (FfpShots){.arena = ffp_arena_new(), .black = -1, .white = -1};
+    shots->patterns = ffp_arena_alloc(shots->arena, FFP_PATTERNS_MAX, sizeof *shots->patterns);
+    shots->pictures = ffp_arena_alloc(shots->arena, (size_t)calibration->n_stops * FFP_PATTERNS_MAX,
+                                      sizeof *shots->pictures);
+    return find_all(shots, sources, calibration, err);
+}
+
+void ffp_shots_free(FfpShots *shots) {
+    if (shots->arena) ffp_arena_free(shots->arena);
+    *shots = (FfpShots){0};
+}

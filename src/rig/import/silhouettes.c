@@ -1,0 +1,72 @@
+// Silhouettes as a test of the poses: a pixel that shows the object needs a point on its ray that no other
+// view shows as background (Laurentini 1994, the visual hull).
+#include <math.h>
+#include <stdlib.h>
+#include "core/base/arena.h"
+#include "rig/import/checks.h"
+#include "rig/import/chord.h"
+
+#define PIXELS_A_VIEW 400
+#define DEPTHS 160
+
+// Background in the pixel and all around it.
+static bool is_background(const FfpImage *coverage, real x, real y) {
+    const int column = (int)floor((double)x), row = (int)floor((double)y);
+    for (int k = 0; k < 9; k++) {
+        const int px = column + k % 3 - 1, py = row + k / 3 - 1;
+        if (px < 0 || py < 0 || px >= coverage->width || py >= coverage->height) return false;
+        if (coverage->data[(ptrdiff_t)py * coverage->width + px] > 0) return false;
+    }
+    return true;
+}
+
+static bool is_possible(const FfpCapture *capture, const real point[3]) {
+    for (int v = 0; v < capture->n_views; v++) {
+        const FfpView *view = &capture->views[v];
+        real x, y;
+        const bool ahead = ffp_project(&view->camera, point, &x, &y) > 0;
+        const bool shown =
+            ahead && x >= 0 && y >= 0 && x < (real)view->camera.width && y < (real)view->camera.height;
+        if (shown && is_background(&view->coverage, x, y)) return false;
+    }
+    return true;
+}
+
+static bool has_point(const FfpCapture *capture, const FfpView *view, size_t pixel) {
+    FfpChord chord;
+    const int parts = ffp_chord(capture, &view->camera, pixel, &chord) ? DEPTHS : 0;
+    for (int k = 0; k < parts; k++) {
+        real point[3];
+        ffp_chord_point(&chord, k, parts, point);
+        if (is_possible(capture, point)) return true;
+    }
+    return false;
+}
+
+// Evenly strided pixels of the object in *chosen (the caller frees it); returns their number.
+static ptrdiff_t choose_pixels(const FfpView *view, ptrdiff_t **chosen) {
+    const ptrdiff_t pixels = (ptrdiff_t)view->camera.width * view->camera.height;
+    ptrdiff_t covered = 0, seen = 0, count = 0;
+    for (ptrdiff_t i = 0; i < pixels; i++) covered += view->coverage.data[i] >= 0.5F;
+    const ptrdiff_t step = covered / PIXELS_A_VIEW + 1;
+    *chosen = ffp_alloc((size_t)(covered / step + 1), sizeof **chosen);
+    for (ptrdiff_t i = 0; i < pixels; i++) {
+        if (view->coverage.data[i] >= 0.5F && seen++ % step == 0) (*chosen)[count++] = i;
+    }
+    return count;
+}
+
+double ffp_rig_silhouette_misfit(const FfpCapture *capture) {
+    int looked = 0, bad = 0;
+    for (int v = 0; v < capture->n_views; v++) {
+        const FfpView *view = &capture->views[v];
+        ptrdiff_t *chosen = NULL;
+        const ptrdiff_t count = choose_pixels(view, &chosen);
+        int without = 0;
+#pragma omp parallel for schedule(static) reduction(+ : without)
+        for (ptrdiff_t k = 0; k < count; k++) without += !has_point(capture, view, (size_t)chosen[k]);
+        ffp_free(chosen);
+        looked += (int)count, bad += without;
+    }
+    return looked > 0 ? (double)bad / looked : 0;
+}

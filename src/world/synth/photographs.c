@@ -1,0 +1,459 @@
+#include "world/synth/photographs.h"
+#include <ctype.h>
+#include <errno.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include "core/base/call.h"
+#include "core/base/file.h"
+#include "core/base/listing.h"
+#include "core/base/log.h"
+#include "core/base/rigid.h"
+#include "world/synth/bare_rig.h"
+#include "world/synth/sensor.h"
+#include "world/synth/simulate.h"
+
+// One set of rays serves a batch of patterns, eight of them or as many as ROOM holds: four bytes of each for
+// every colour of their and the pictures' pixels are in memory at a time.
+enum { BATCH_LEAST = 8, BATCH_MOST = 64, HEIGHT_MIN = 64, BOARD_STOPS = 5, STOP_STEP = 20 };
+#define ROOM 128e6 // bytes
+
+typedef enum Wanted { WANTED_ALL, WANTED_CODES, WANTED_WHITE } Wanted;
+
+typedef struct Pattern {
+    int number;
+    char file[256]; // "002_black.png"
+} Pattern;
+
+// Something before the rig, photographed into a folder.
+typedef struct Subject {
+    char name[32];
+    int stop; // of the board on the turntable: the number of its one photograph, else -1
+    const FfpMesh *mesh;
+    const FfpTracer *tracer;
+    FfpMesh board_mesh;      // of a board alone; owned
+    FfpTracer *board_tracer; // likewise
+    FfpChessboard board;
+    double angle; // by which the turntable has turned
+    Wanted wanted;
+} Subject;
+
+typedef struct Job {
+    const FfpPhotographs *options;
+    const FfpSceneSpec *spec;
+    const FfpMesh *mesh;
+    FfpTracer *tracer;
+    FfpMaterial material;
+    FfpBareRig rig;
+    int n_patterns, n_subjects;
+    Pattern *patterns;
+    Subject *subjects;
+    const char *folder; // being written
+    FfpTask progress;
+    int64_t done;
+} Job;
+
+// --- Patterns. ---
+
+// "002_black.png"; a focus chart is to be looked at, not photographed.
+static bool parse_pattern(const char *file, Pattern *pattern) {
+    int digits = 0, number = 0;
+    for (; digits < 6 && isdigit((unsigned char)file[digits]); digits++)
+        number = 10 * number + file[digits] - '0';
+    const size_t length = strlen(file);
+    if (digits == 0 || file[digits] != '_' || length < 5 || length >= sizeof pattern->file ||
+        strcmp(file + length - 4, ".png") != 0 || strncmp(file + digits, "_focus", 6) == 0)
+        return false;
+    pattern->number = number;
+    snprintf(pattern->file, sizeof pattern->file, "%s", file);
+    return true;
+}
+
+static bool is_wanted(const Pattern *pattern, Wanted wanted) {
+    const char *name = strchr(pattern->file, '_');
+    if (wanted == WANTED_ALL || strcmp(name, "_white.png") == 0) return true;
+    return wanted == WANTED_CODES && (strcmp(name, "_black.png") == 0 || strncmp(name, "_gray_", 6) == 0);
+}
+
+static int by_number(const void *a, const void *b) {
+    return ((const Pattern *)a)->number - ((const Pattern *)b)->number;
+}
+
+static bool list_patterns(Job *job, FfpError *err) {
+    const char *folder = job->options->patterns;
+    job->patterns = ffp_alloc(FFP_PATTERNS_MAX, sizeof *job->patterns);
+    FfpListing listing;
+    if (!ffp_list_folder(&listing, folder))
+        return ffp_fail(err, FFP_ERROR_IO, folder, "cannot read the patterns' folder: %s", strerror(errno));
+    for (int i = 0; i < listing.count; i++)
+        if (job->n_patterns < FFP_PATTERNS_MAX &&
+            parse_pattern(listing.names[i], &job->patterns[job->n_patterns]))
+            job->n_patterns++;
+    ffp_free(listing.names);
+    if (job->n_patterns == 0)
+        return ffp_fail(err, FFP_ERROR_FILE, folder,
+                        "no pattern is called <number>_<name>.png, as those of `patterns` are");
+    qsort(job->patterns, (size_t)job->n_patterns, sizeof *job->patterns, by_number);
+    for (int i = 1; i < job->n_patterns; i++)
+        if (job->patterns[i].number == job->patterns[i - 1].number)
+            return ffp_fail(err, FFP_ERROR_FILE, folder, "%s and %s have the same number",
+                            job->patterns[i - 1].file, job->patterns[i].file);
+    return true;
+}
+
+static bool pattern_path(const Job *job, int index, char path[FFP_PATH_MAX], FfpError *err) {
+    return ffp_join_path(path, job->options->patterns, job->patterns[index].file) ||
+           ffp_fail(err, FFP_ERROR_ARGUMENT, job->options->patterns, "the path is too long");
+}
+
+// All sizes alike, told before the work.
+static bool panel_size(const Job *job, int *width, int *height, FfpError *err) {
+    for (int i = 0; i < job->n_patterns; i++) {
+        char path[FFP_PATH_MAX];
+        int w, h;
+        if (!pattern_path(job, i, path, err) || !ffp_image_read_size(&w, &h, path, err)) return false;
+        if (i == 0) *width = w, *height = h;
+        if (w != *width || h != *height)
+            return ffp_fail(err, FFP_ERROR_FILE, path, "%d x %d pixels, but %s has %d x %d", w, h,
+                            job->patterns[0].file, *width, *height);
+        if (w < HEIGHT_MIN || h < HEIGHT_MIN)
+            return ffp_fail(err, FFP_ERROR_FILE, path, "%d x %d pixels: a panel has at least %d a side", w, h,
+                            HEIGHT_MIN);
+    }
+    return true;
+}
+
+// What the projector sends out for a pattern, linear.
+static bool read_pattern(const Job *job, int index, FfpImage *emitted, FfpError *err) {
+    char path[FFP_PATH_MAX];
+    if (!pattern_path(job, index, path, err) || !ffp_image_read_over_black(emitted, NULL, path, err))
+        return false;
+    if (!ffp_sensor_changes_light(&job->spec->sensor)) return true;
+    FfpImage sent = *emitted;
+    *emitted = ffp_sensor_emit(&sent, &job->spec->sensor);
+    ffp_image_free(&sent);
+    return true;
+}
+
+// --- Subjects. ---
+
+static bool add_board(Subject *subject, FfpChessboard board, FfpError *err) {
+    subject->board = board;
+    subject->board_mesh = ffp_chessboard_mesh(&board);
+    subject->mesh = &subject->board_mesh;
+    subject->tracer = subject->board_tracer = ffp_tracer_new(&subject->board_mesh, err);
+    return subject->tracer != NULL;
+}
+
+static bool add_subjects(Job *job, FfpError *err) {
+    const int views = job->spec->views, attitudes = job->options->attitudes;
+    const int stops = attitudes > 0 ? BOARD_STOPS : 0;
+    job->subjects = ffp_alloc((size_t)views + (size_t)attitudes + (size_t)stops, sizeof *job->subjects);
+    for (int i = 0; i < views; i++) {
+        Subject *s = &job->subjects[job->n_subjects++];
+        *s = (Subject){.stop = -1,
+                       .mesh = job->mesh,
+                       .tracer = job->tracer,
+                       .angle = 360.0 * i / views,
+                       .wanted = WANTED_ALL};
+        snprintf(s->name, sizeof s->name, "view-%03d", (int)lround(s->angle)); // as `import` calls it
+    }
+    for (int i = 0; i < attitudes; i++) {
+        Subject *s = &job->subjects[job->n_subjects++];
+        s->wanted = WANTED_CODES, s->stop = -1;
+        snprintf(s->name, sizeof s->name, "attitude-%02d", i);
+        if (!add_board(s, ffp_bare_rig_attitude(&job->rig, i, job->spec->seed), err)) return false;
+    }
+    for (int i = 0; i < stops; i++) {
+        Subject *s = &job->subjects[job->n_subjects++];
+        s->wanted = WANTED_WHITE, s->angle = STOP_STEP * (i - (BOARD_STOPS - 1) / 2);
+        s->stop = i;
+        snprintf(s->name, sizeof s->name, "turntable");
+        if (!add_board(s, ffp_bare_rig_turntable_board(), err)) return false;
+    }
+    return true;
+}
+
+static void free_subjects(Job *job) {
+    for (int i = 0; i < job->n_subjects; i++) {
+        ffp_tracer_free(job->subjects[i].board_tracer);
+        ffp_mesh_free(&job->subjects[i].board_mesh);
+    }
+    ffp_free(job->subjects);
+}
+
+// --- Pictures. ---
+
+typedef struct Shot {
+    Job *job;
+    const Subject *subject;
+    FfpView *view;
+    int first;
+    bool failed;
+    FfpError *err; // of the first that failed
+} Shot;
+
+static bool write_photograph(const Shot *shot, int index, FfpError *err) {
+    char name[64], path[FFP_PATH_MAX];
+    const int stop = shot->subject->stop, number = stop >= 0 ? stop : shot->job->patterns[index].number;
+    snprintf(name, sizeof name, "%s/%0*d.png", shot->subject->name, stop >= 0 ? 2 : 3, number);
+    if (!ffp_join_path(path, shot->job->folder, name))
+        return ffp_fail(err, FFP_ERROR_ARGUMENT, shot->job->folder, "the path is too long");
+    FfpImage *image = &shot->view->images[index - shot->first];
+    ffp_image_to_srgb(image);
+    return ffp_image_write_png(image, path, err);
+}
+
+static void develop(void *argument, int64_t index) {
+    Shot *shot = argument;
+    const int pattern = shot->first + (int)index;
+    FfpError error = {0};
+    if (!is_wanted(&shot->job->patterns[pattern], shot->subject->wanted)) return;
+    const bool ok = write_photograph(shot, pattern, &error);
+#pragma omp critical(ffp_photographs_books)
+    {
+        if (!ok && !shot->failed && shot->err) *shot->err = error;
+        shot->failed |= !ok;
+        shot->job->done += ok;
+    }
+}
+
+// What of the pixels the object fills, as somebody who cuts it out by hand would have it.
+static bool write_mask(const Job *job, const Subject *subject, const FfpView *view, FfpError *err) {
+    char name[64], path[FFP_PATH_MAX];
+    snprintf(name, sizeof name, "masks/%s.png", subject->name);
+    return ffp_join_path(path, job->folder, name)
+               ? ffp_image_write_png(&view->coverage, path, err)
+               : ffp_fail(err, FFP_ERROR_ARGUMENT, job->folder, "the path is too long");
+}
+
+// The subject under the patterns of a batch.
+static bool photograph(Job *job, const Subject *subject, const FfpLight *light, int first, uint32_t stream,
+                       FfpError *err) {
+    const FfpSceneSpec *spec = job->spec;
+    const float gain = exp2f(spec->sensor.exposure), intensity = gain * job->rig.intensity;
+    const bool is_board = subject->wanted != WANTED_ALL;
+    const FfpSimulation simulation = {.tracer = subject->tracer,
+                                      .mesh = subject->mesh,
+                                      .material = &job->material,
+                                      .textures = spec->own_textures,
+                                      .board = is_board ? &subject->board : NULL,
+                                      .light = light,
+                                      .intensity = {intensity, intensity, intensity},
+                                      .ambient = gain * job->rig.ambient,
+                                      .samples = spec->samples,
+                                      .ambient_rays = spec->ambient_rays,
+                                      .shot = spec->sensor.shot,
+                                      .read = spec->sensor.read,
+                                      .camera_lens = job->rig.camera_lens,
+                                      .projector_lens = job->rig.projector_lens,
+                                      .photograph = true,
+                                      .first_pattern = first,
+                                      .seed = spec->seed};
+    FfpView view = {0};
+    ffp_bare_rig_devices(&job->rig, subject->angle, &view.camera, &view.projector);
+    ffp_simulate_view(&simulation, &view, stream, NULL);
+    Shot shot = {job, subject, &view, first, false, err};
+    ffp_parallel_for(light->n_patterns, 0, develop, &shot);
+    if (first == 0 && !is_board && !shot.failed) shot.failed = !write_mask(job, subject, &view, err);
+    ffp_view_free(&view, light->n_patterns);
+    ffp_task_step(&job->progress, job->done, subject->name);
+    return !shot.failed;
+}
+
+static bool wants_any(const Job *job, const Subject *subject, int first, int count) {
+    for (int i = first; i < first + count; i++)
+        if (is_wanted(&job->patterns[i], subject->wanted)) return true;
+    return false;
+}
+
+static bool photograph_batch(Job *job, int first, int count, FfpError *err) {
+    FfpImage emitted[BATCH_MOST] = {0};
+    const FfpImage *images[BATCH_MOST];
+    bool ok = true;
+    for (int i = 0; ok && i < count; i++) {
+        ok = read_pattern(job, first + i, &emitted[i], err);
+        images[i] = &emitted[i];
+    }
+    if (ok) {
+        FfpLight light = ffp_light_new(images, count);
+        for (int s = 0; ok && s < job->n_subjects; s++)
+            if (wants_any(job, &job->subjects[s], first, count))
+                ok = photograph(job, &job->subjects[s], &light, first, (uint32_t)s, err);
+        ffp_light_free(&light);
+    }
+    for (int i = 0; i < count; i++) ffp_image_free(&emitted[i]);
+    return ok;
+}
+
+static int batch_of(const Job *job) {
+    const FfpCamera *devices[2] = {&job->rig.camera, &job->rig.projector};
+    double bytes = 0;
+    for (int k = 0; k < 2; k++) bytes += 12.0 * devices[k]->width * devices[k]->height;
+    return (int)fmax(BATCH_LEAST, fmin(BATCH_MOST, ROOM / bytes));
+}
+
+static bool photograph_all(Job *job, FfpError *err) {
+    int64_t count = 0;
+    char path[FFP_PATH_MAX];
+    if (!ffp_join_path(path, job->folder, "masks") || !ffp_make_folders(path, err)) return false;
+    for (int s = 0; s < job->n_subjects; s++) {
+        if (!ffp_join_path(path, job->folder, job->subjects[s].name))
+            return ffp_fail(err, FFP_ERROR_ARGUMENT, job->folder, "the path is too long");
+        if (!ffp_make_folders(path, err)) return false;
+        for (int p = 0; p < job->n_patterns; p++)
+            count += is_wanted(&job->patterns[p], job->subjects[s].wanted);
+    }
+    job->progress = ffp_task("photographing", count);
+    bool ok = true;
+    const int batch = batch_of(job);
+    for (int first = 0; ok && first < job->n_patterns; first += batch) {
+        const int left = job->n_patterns - first;
+        ok = photograph_batch(job, first, left < batch ? left : batch, err);
+    }
+    ffp_task_end(&job->progress);
+    return ok;
+}
+
+// --- What is true. ---
+
+static void print_numbers(FILE *f, const char *name, const double *values, int count) {
+    fprintf(f, "  \"%s\": [", name);
+    for (int i = 0; i < count; i++) fprintf(f, "%s%.9g", i > 0 ? ", " : "", values[i]);
+    fputs("],\n", f);
+}
+
+// Intrinsics as OpenCV has them: pixel centres at integers.
+static void print_device(FILE *f, const char *name, const FfpCamera *device, const double lens[5]) {
+    char lens_name[16];
+    snprintf(lens_name, sizeof lens_name, "%skc", name);
+    fprintf(f, "  \"%sK\": [[%.9g, 0, %.9g], [0, %.9g, %.9g], [0, 0, 1]],\n", name, (double)device->fx,
+            (double)device->cx - 0.5, (double)device->fy, (double)device->cy - 0.5);
+    print_numbers(f, lens_name, lens, 5);
+    const char *size = strcmp(name, "cam_") == 0 ? "cam" : "prj";
+    fprintf(f, "  \"%sW\": %d,\n  \"%sH\": %d,\n", size, device->width, size, device->height);
+}
+
+// A point of the world, or a direction, in the frame of a device; lengths in millimetres.
+static void in_frame(const FfpCamera *device, const double v[3], bool is_point, double out[3]) {
+    const FfpRigid pose = ffp_rigid_from_pose(device->pose);
+    for (int k = 0; k < 3; k++) {
+        out[k] = 0;
+        for (int m = 0; m < 3; m++) out[k] += pose.r[3 * m + k] * (v[m] - (is_point ? pose.t[m] : 0));
+        if (is_point) out[k] *= FFP_BARE_RIG_UNIT;
+    }
+}
+
+// X_p = R X_c + T.
+static void print_motion(FILE *f, const FfpBareRig *rig) {
+    const FfpRigid camera = ffp_rigid_from_pose(rig->camera.pose),
+                   projector = ffp_rigid_from_pose(rig->projector.pose);
+    double r[9], t[3];
+    ffp_rotation_difference(projector.r, camera.r, r);
+    in_frame(&rig->projector, camera.t, true, t);
+    fputs("  \"R\": [", f);
+    for (int i = 0; i < 3; i++)
+        fprintf(f, "%s[%.12g, %.12g, %.12g]", i > 0 ? ", " : "", r[3 * i], r[3 * i + 1], r[3 * i + 2]);
+    fputs("],\n", f);
+    print_numbers(f, "T", t, 3);
+}
+
+static void print_turntable(FILE *f, const Job *job) {
+    const double up[3] = {0, 0, 1}, middle[3] = {0, 0, 0};
+    double axis[3], point[3], stops[BOARD_STOPS];
+    in_frame(&job->rig.camera, up, false, axis);
+    in_frame(&job->rig.camera, middle, true, point);
+    print_numbers(f, "axis", axis, 3);
+    print_numbers(f, "point", point, 3);
+    fputs("  \"angles\": [", f);
+    for (int i = 0; i < job->spec->views; i++)
+        fprintf(f, "%s%.9g", i > 0 ? ", " : "", 360.0 * i / job->spec->views);
+    fputs("],\n", f);
+    for (int i = 0; i < BOARD_STOPS; i++) stops[i] = STOP_STEP * (i - (BOARD_STOPS - 1) / 2);
+    if (job->options->attitudes > 0) print_numbers(f, "board_angles", stops, BOARD_STOPS);
+}
+
+// The board's first corner and the directions of its rows and columns, in the camera's frame.
+static void print_board(FILE *f, const Job *job, const Subject *subject, bool last) {
+    const FfpChessboard *b = &subject->board;
+    FfpCamera camera, projector;
+    double numbers[9];
+    ffp_bare_rig_devices(&job->rig, subject->angle, &camera, &projector);
+    const float *const from[3] = {b->origin, b->right, b->down};
+    for (int i = 0; i < 3; i++) {
+        const double v[3] = {(double)from[i][0], (double)from[i][1], (double)from[i][2]};
+        in_frame(&camera, v, i == 0, numbers + 3 * i);
+    }
+    fprintf(f, "    {\"folder\": \"%s\", \"origin_right_down\": [", subject->name);
+    for (int i = 0; i < 9; i++) fprintf(f, "%s%.9g", i > 0 ? ", " : "", numbers[i]);
+    fprintf(f, "]}%s\n", last ? "" : ",");
+}
+
+static bool write_truth(const Job *job, FfpError *err) {
+    char path[FFP_PATH_MAX];
+    FfpOutput out;
+    if (!ffp_join_path(path, job->folder, "truth.json"))
+        return ffp_fail(err, FFP_ERROR_ARGUMENT, job->folder, "the path is too long");
+    if (!ffp_output_open(&out, path, err)) return false;
+    FILE *f = out.stream;
+    fputs("{\n", f);
+    print_device(f, "cam_", &job->rig.camera, job->rig.camera_lens);
+    print_device(f, "proj_", &job->rig.projector, job->rig.projector_lens);
+    print_motion(f, &job->rig);
+    print_turntable(f, job);
+    const FfpChessboard board = ffp_bare_rig_turntable_board();
+    fprintf(f, "  \"board\": {\"corners\": [%d, %d], \"square\": %.9g},\n  \"boards\": [\n", board.columns,
+            board.rows, (double)board.square * FFP_BARE_RIG_UNIT);
+    for (int s = job->spec->views; s < job->n_subjects; s++)
+        print_board(f, job, &job->subjects[s], s + 1 == job->n_subjects);
+    fputs("  ]\n}\n", f);
+    const bool ok = ffp_output_commit(&out, err);
+    ffp_output_abort(&out);
+    return ok;
+}
+
+// --- All of it. ---
+
+static bool check(const FfpPhotographs *options, const FfpSceneSpec *spec, FfpError *err) {
+    if (spec->sensor.turn_error > 0 || spec->sensor.shift_error > 0)
+        return ffp_fail(err, FFP_ERROR_ARGUMENT, "sensor",
+                        "turn_error and shift_error are of written poses: photographs have none");
+    if (spec->resolution < HEIGHT_MIN || spec->resolution > 4096)
+        return ffp_fail(err, FFP_ERROR_ARGUMENT, "resolution", "%d is not in %d..4096", spec->resolution,
+                        HEIGHT_MIN);
+    return (options->attitudes >= 0 && options->attitudes <= 64) ||
+           ffp_fail(err, FFP_ERROR_ARGUMENT, "attitudes", "%d are not in 0..64", options->attitudes);
+}
+
+static bool write_folder(Job *job, FfpError *err) {
+    FfpOutput folder;
+    if (!ffp_capture_probe(job->options->folder, err) ||
+        !ffp_output_open_folder(&folder, job->options->folder, true, err))
+        return false;
+    job->folder = folder.temporary;
+    const bool ok = photograph_all(job, err) && write_truth(job, err) && ffp_output_commit(&folder, err);
+    ffp_output_abort(&folder);
+    job->folder = NULL;
+    return ok;
+}
+
+bool ffp_photographs_write(const FfpPhotographs *options, const FfpSceneSpec *spec, FfpError *err) {
+    Job job = {.options = options, .spec = spec, .material = ffp_material_make(spec->material, spec->seed)};
+    int width = 0, height = 0;
+    if (!check(options, spec, err) || !list_patterns(&job, err) || !panel_size(&job, &width, &height, err)) {
+        ffp_free(job.patterns);
+        return false;
+    }
+    FfpMesh made = {0};
+    if (!spec->own_mesh) made = ffp_mesh_make(spec->mesh);
+    job.mesh = spec->own_mesh ? spec->own_mesh : &made;
+    job.rig = ffp_bare_rig(spec->resolution, width, height);
+    job.tracer = ffp_tracer_new(job.mesh, err);
+    const bool ok = job.tracer && add_subjects(&job, err) && write_folder(&job, err);
+    free_subjects(&job);
+    ffp_tracer_free(job.tracer);
+    ffp_mesh_free(&made);
+    ffp_free(job.patterns);
+    return ok;
+}

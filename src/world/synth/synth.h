@@ -1,0 +1,68 @@
+// The training world: shapes, materials, patterns, the rig and the Embree light simulator. A scene is a pure
+// function of (mesh, material, seed): the same numbers give the same pixels whatever the thread count, and up
+// to floating-point rounding on every machine and compiler.
+#ifndef FFP_SYNTH_SYNTH_H
+#define FFP_SYNTH_SYNTH_H
+
+#include <stdbool.h>
+#include <stdint.h>
+#include "core/base/error.h"
+#include "core/capture/capture.h"
+
+// What real devices add to the ideal ones. All 0: nothing, bit for bit.
+typedef struct FfpSensor {
+    float exposure; // of the camera, in stops; lamp and ambient (and the capture's intensity) scale with it
+    float shot,
+        read;      // noise of a linear pixel value v: variance shot * v + read^2. 1/shot: electrons at v = 1
+    float defocus; // of the projector: deviation of a Gaussian, in its pixels
+    float gamma;   // the projector sends value^(1 + gamma) ...
+    float black_level;             // ... and this share of white where a pattern is black
+    float turn_error, shift_error; // of all written poses: deviation, radians and world units on each axis
+} FfpSensor;
+
+// How the input views are taken.
+typedef enum FfpSceneRig {
+    FFP_SCENE_TURNTABLE, // camera and projector fixed to each other; the object turns
+    FFP_SCENE_FREE,      // every view has a camera and a projector of its own, all around the object
+    FFP_SCENE_SPHERE     // the projector stays before the object, and the camera goes around it in a spiral
+} FfpSceneRig;
+
+typedef struct FfpSceneSpec {
+    int mesh, material; // 0 .. ffp_mesh_count()-1, 0 .. ffp_material_count()-1
+    uint64_t seed;
+    int resolution;            // camera image side
+    FfpSceneRig rig;           // of the input views (turntable)
+    int views;                 // input views (8)
+    int targets;               // further views with new camera and projector poses
+    int lollipops;             // patterns besides black and white
+    int naturals;              // and natural-looking ones, marked novel: for test scenes only
+    int pattern_side;          // 800
+    int samples, ambient_rays; // primary samples a pixel; ambient rays a sample
+    bool jitter; // training: vary ambient, intensity and a turntable's poses; false: the default rig exactly
+    FfpSensor sensor;
+    const struct FfpMesh *own_mesh; // instead of a numbered mesh or material; NULL: none
+    const struct FfpTextures *own_textures;
+    const char *own_name; // of the capture, with a mesh of the user's
+} FfpSceneSpec;
+FfpSceneSpec ffp_scene_defaults(void);
+
+// Input views first, then targets, in one capture (targets are views with ids "novel_NN"). Every view has
+// black, white, all lollipops and all natural patterns (natural.h), coverage, depth, normal, albedo,
+// roughness and direct_white. Bounds are exact, intensity known. Images are what a reader gets from 8-bit PNG
+// with straight alpha; truth maps are means over the samples that hit (not multiplied by coverage), depth is
+// that of the pixel's centre ray. With pose errors the written poses differ from those that images and truth
+// maps were made with. Rig and number of views and the resolution change nothing else: object, light,
+// patterns and the poses of the targets are those of (mesh, material, seed, jitter); targets of equal
+// resolution are equal to the bit.
+bool ffp_scene_make(FfpCapture *capture, const FfpSceneSpec *spec, FfpError *err);
+
+int ffp_mesh_count(void);
+const char *ffp_mesh_name(int mesh);
+int ffp_material_count(void);
+const char *ffp_material_name(int material);
+
+// The meshes of a split ("train", "validation", "test"), disjoint and together all. Returns the count, ids
+// into out.
+int ffp_split_meshes(const char *split, int *out, int capacity);
+
+#endif

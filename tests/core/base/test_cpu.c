@@ -1,0 +1,23 @@
+// Which kernels run: names, order, and what cannot run here.
+#include "core/base/cpu.h"
+#include "support.h"
+
+static void levels(void **state) {
+    (void)state;
+    assert_string_equal(ffp_cpu_name(FFP_CPU_PORTABLE), "portable");
+    assert_string_equal(ffp_cpu_name(FFP_CPU_AMX), "amx");
+    const FfpCpuLevel best = ffp_cpu_best(), first = ffp_cpu_level();
+    print_message("best level: %s\n", ffp_cpu_name(best));
+    assert_true(first <= best);
+    for (int level = 0; level < FFP_CPU_LEVELS; level++) {
+        const bool runs = level <= (int)best;
+        assert_true(ffp_cpu_set_level((FfpCpuLevel)level) == runs);
+        assert_int_equal(ffp_cpu_level(), runs ? level : (int)best);
+    }
+    assert_true(ffp_cpu_set_level(first));
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {cmocka_unit_test(levels)};
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

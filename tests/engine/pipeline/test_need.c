@@ -1,0 +1,123 @@
+// The memory that a reconstruction is said to need against what it takes.
+// Labels: slow
+#include <malloc.h>
+#include <stdlib.h>
+#include <string.h>
+#include "core/base/alloc.h"
+#include "core/base/memory.h"
+#include "core/capture/capture.h"
+#include "engine/network/network.h"
+#include "engine/pipeline/need.h"
+#include "engine/pipeline/reconstruct.h"
+#include "support.h"
+
+#define SAMPLE FFP_SOURCE_DIR "/data/sample"
+#define LEAST 0.8
+#define MOST 1.6
+
+static void enlarge(FfpImage *image, int times) {
+    if (!image->data) return;
+    const FfpImage larger = ffp_image_resize(image, times * image->width, times * image->height);
+    ffp_image_free(image);
+    *image = larger;
+}
+
+// The sample, photographed more finely.
+static FfpCapture *sample_times(int times) {
+    FfpError err = {0};
+    FfpCapture *capture = ffp_capture_load(SAMPLE, &err);
+    if (!capture) fail_msg("%s", err.text);
+    for (int v = 0; v < capture->n_views; v++) {
+        FfpView *view = &capture->views[v];
+        for (int p = 0; p < capture->n_patterns; p++) enlarge(&view->images[p], times);
+        enlarge(&view->coverage, times), enlarge(&view->depth, times);
+        view->camera.width *= times, view->camera.height *= times;
+        view->camera.fx *= (real)times, view->camera.fy *= (real)times;
+        view->camera.cx *= (real)times, view->camera.cy *= (real)times;
+    }
+    return capture;
+}
+
+static void close_capture(FfpCapture *capture) {
+    ffp_capture_free(capture);
+    ffp_free(capture);
+}
+
+static void compare(int times, const FfpModel *model, int64_t polish, int n_patterns) {
+    static const char *const names[] = {"lollipop_0", "lollipop_1", "lollipop_2", "lollipop_3"};
+    FfpError err = {0};
+    FfpCapture *capture = sample_times(times);
+    const FfpReconstruction how = {
+        .model = model, .patterns = names, .n_patterns = n_patterns, .polish = polish, .noise = 0.002};
+    const FfpProblemSize scale = ffp_problem_size(capture, &how);
+    malloc_trim(0);
+    const double before = ffp_memory_mark();
+    FfpGaussians *gaussians = ffp_reconstruction_run(capture, &how, NULL, &err);
+    if (!gaussians) fail_msg("%s", err.text);
+    const double taken = ffp_memory_peak() - before, said = ffp_reconstruction_bytes(&scale);
+    ffp_gaussians_free(gaussians);
+    ffp_free(gaussians);
+    close_capture(capture);
+    if (before < 0) skip();
+    print_message("%d x %d, %d patterns, %s, %d steps: %.0f MB said, %.0f MB taken\n", scale.width,
+                  scale.height, n_patterns, model ? "network" : "start", (int)polish, said / 1e6,
+                  taken / 1e6);
+    if (said < LEAST * taken || said > MOST * taken)
+        fail_msg("%.0f MB said, %.0f MB taken", said / 1e6, taken / 1e6);
+}
+
+// A sanitizer's own memory (shadow, freed blocks that it keeps) is many times the program's.
+static void only_without_sanitizers(void) {
+#ifdef FFP_SANITIZED
+    skip();
+#endif
+}
+
+static void test_start(void **state) {
+    (void)state;
+    only_without_sanitizers();
+    compare(2, NULL, 0, 1);
+    compare(4, NULL, 0, 1);
+    compare(3, NULL, 0, 4);
+}
+
+static void test_network_and_polish(void **state) {
+    (void)state;
+    only_without_sanitizers();
+    FfpError err = {0};
+    FfpModelConfig config;
+    assert_true(ffp_model_preset(&config, "tiny"));
+    FfpModel *model = ffp_model_new(&config, 1, &err);
+    compare(2, model, 0, 1);
+    compare(2, NULL, 1, 1);
+    compare(3, model, 1, 1);
+    compare(3, model, 1, 4);
+    ffp_model_free(model);
+}
+
+static void test_what_does_not_fit_is_refused(void **state) {
+    (void)state;
+    FfpError err = {0};
+    FfpCapture *capture = sample_times(2);
+    const FfpReconstruction how = {.polish = 1};
+    FfpProblemSize scale = ffp_problem_size(capture, &how);
+    const double need = ffp_reconstruction_bytes(&scale);
+    assert_true(ffp_check_memory(capture, &how, -1, &err));
+    assert_true(ffp_check_memory(capture, &how, need, &err));
+    assert_false(ffp_check_memory(capture, &how, 0.6 * need, &err));
+    const char *advice = strstr(err.text, "a resolution of ");
+    assert_non_null(advice);
+    assert_int_equal(sscanf(advice, "a resolution of %d x %d would fit", &scale.width, &scale.height), 2);
+    assert_in_range(scale.width, 96, 240);
+    assert_true(ffp_reconstruction_bytes(&scale) <= 0.6 * need);
+    assert_false(ffp_check_memory(capture, &how, 1e3, &err));
+    assert_non_null(strstr(err.text, "fewer views"));
+    close_capture(capture);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_start),
+                                       cmocka_unit_test(test_network_and_polish),
+                                       cmocka_unit_test(test_what_does_not_fit_is_refused)};
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

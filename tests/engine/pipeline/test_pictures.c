@@ -1,0 +1,58 @@
+// Pictures as files hold them, and devices that go round.
+#include <math.h>
+#include "core/base/alloc.h"
+#include "engine/pipeline/orbit.h"
+#include "engine/pipeline/relight.h"
+#include "support.h"
+
+static void test_quantised_values_are_those_of_a_byte(void **state) {
+    (void)state;
+    FfpImage image = ffp_image_new(7, 1, 1);
+    const real values[] = {-1, 0, 0.5F / 255 - 1e-5F, 0.5F / 255 + 1e-5F, 0.7004F, 1, 3};
+    const int expected[] = {0, 0, 0, 1, 179, 255, 255};
+    memcpy(image.data, values, sizeof values);
+    ffp_quantise(&image);
+    for (int i = 0; i < 7; i++) assert_float_equal(image.data[i] * 255, expected[i], 1e-3);
+    ffp_image_free(&image);
+}
+
+static double distance(const FfpCamera *device, const real centre[3]) {
+    double sum = 0;
+    for (int k = 0; k < 3; k++) {
+        const double along = (double)(device->pose[4 * k + 3] - centre[k]);
+        sum += along * along;
+    }
+    return sqrt(sum);
+}
+
+static FfpCamera device_at(real x, real y, real z) {
+    // looks along the world's y, its picture's up the world's z
+    return (FfpCamera){
+        .width = 8, .height = 8, .fx = 8, .fy = 8, .pose = {1, 0, 0, x, 0, 0, 1, y, 0, -1, 0, z, 0, 0, 0, 1}};
+}
+
+static void test_an_orbit_goes_once_round_the_centre(void **state) {
+    (void)state;
+    FfpView view = {.camera = device_at(1, -3, 0.5F), .projector = device_at(1.5F, -3, 0.5F)};
+    FfpCapture capture = {.n_views = 1, .views = &view, .centre = {1, 0, 0}};
+    FfpView *views = ffp_orbit_views(&capture, &view, FFP_ORBIT_CAMERA, 4);
+    for (int f = 0; f < 4; f++) {
+        const FfpCamera *camera = &views[f].camera;
+        assert_float_equal(distance(camera, capture.centre), distance(&view.camera, capture.centre), 1e-5);
+        assert_float_equal(camera->pose[11], 0.5, 1e-6);
+        assert_memory_equal(views[f].projector.pose, view.projector.pose, sizeof view.projector.pose);
+    }
+    assert_float_equal(views[0].camera.pose[7], -3, 1e-6);
+    assert_float_equal(views[1].camera.pose[3], 4, 1e-5); // a quarter of the way, right-handed about z
+    assert_float_equal(views[2].camera.pose[7], 3, 1e-5); // and looks back from the other side
+    assert_float_equal(views[2].camera.pose[6], -1, 1e-5);
+    ffp_free(views);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_quantised_values_are_those_of_a_byte),
+        cmocka_unit_test(test_an_orbit_goes_once_round_the_centre),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,154 @@
+// Gradients of the whole view pass, from Gaussians, pattern and intensity to pictures and G-buffers, against
+// central differences.
+#include "engine/render/gradients.h"
+#include "engine/render/pass.h"
+#include "engine/render/scenes.h"
+#include "support.h"
+
+enum { WIDTH = 17, HEIGHT = 11, PATTERN_WIDTH = 13, PATTERN_HEIGHT = 17 };
+
+typedef struct PassCase {
+    FfpViewPass *pass;
+    FfpGaussians gaussians;
+    FfpCamera camera, projector;
+    real intensity[3];
+    FfpImage pattern, weights[2], picture; // weights of the picture under black and under the pattern
+    FfpGbuffer gbuffer_weights;
+} PassCase;
+
+static double picture_loss(PassCase *c, const FfpSummed *pattern, const FfpImage *weights) {
+    double sum = 0;
+    ffp_view_pass_shade(c->pass, c->intensity, pattern, &c->picture);
+    for (int i = 0; i < 3 * WIDTH * HEIGHT; i++) sum += c->picture.data[i] * weights->data[i];
+    return sum;
+}
+
+static double pass_loss(void *context) {
+    PassCase *c = context;
+    FfpSummed summed = ffp_summed_new(&c->pattern);
+    ffp_view_pass_draw(c->pass, &c->gaussians, &c->camera, &c->projector);
+    const double sum = picture_loss(c, NULL, &c->weights[0]) + picture_loss(c, &summed, &c->weights[1]) +
+                       weighted(ffp_view_pass_gbuffer(c->pass), &c->gbuffer_weights);
+    ffp_summed_free(&summed);
+    return sum;
+}
+
+// Footprints and visibility are constants of the backward pass: here they do not change.
+static PassCase pass_case(int samples) {
+    static const real eye[3] = {2.1, -1.7, 1.1}, projector_eye[3] = {1.0, -1.6, 1.7}, origin[3] = {0};
+    FfpRenderSettings settings = ffp_render_defaults();
+    settings.samples = samples, settings.footprint = settings.shadows = false;
+    PassCase c = {.pass = ffp_view_pass_new(&settings),
+                  .gaussians = random_gaussians(20, 15, 0.5, 0.05, 0.3, 0.3, 0.95),
+                  .camera = look_at(WIDTH, HEIGHT, 12, eye, origin),
+                  .projector = look_at(PATTERN_WIDTH, PATTERN_HEIGHT, 14, projector_eye, origin),
+                  .intensity = {2, 2.5, 3},
+                  .pattern = ffp_image_new(PATTERN_WIDTH, PATTERN_HEIGHT, 3),
+                  .weights = {ffp_image_new(WIDTH, HEIGHT, 3), ffp_image_new(WIDTH, HEIGHT, 3)},
+                  .picture = ffp_image_new(WIDTH, HEIGHT, 3),
+                  .gbuffer_weights = ffp_gbuffer_new(WIDTH, HEIGHT)};
+    FfpRng rng = ffp_rng(9, 1);
+    for (int i = 0; i < 3 * PATTERN_WIDTH * PATTERN_HEIGHT; i++) c.pattern.data[i] = between(&rng, 0, 1);
+    for (int i = 0; i < 3 * WIDTH * HEIGHT; i++)
+        for (int k = 0; k < 2; k++) c.weights[k].data[i] = between(&rng, -1, 1);
+    randomise_gbuffer(&c.gbuffer_weights, 5);
+    return c;
+}
+
+static void pass_case_free(PassCase *c) {
+    ffp_view_pass_free(c->pass);
+    ffp_gaussians_free(&c->gaussians);
+    ffp_image_free(&c->pattern);
+    for (int k = 0; k < 2; k++) ffp_image_free(&c->weights[k]);
+    ffp_image_free(&c->picture);
+    ffp_gbuffer_free(&c->gbuffer_weights);
+}
+
+typedef struct PassGradient {
+    FfpGaussians gaussians;
+    FfpImage pattern;
+    real intensity[3];
+} PassGradient;
+
+static void add_gbuffer_gradient(PassCase *c) {
+    Field to[7], from[7];
+    gbuffer_fields(ffp_view_pass_grad_gbuffer(c->pass), to);
+    gbuffer_fields(&c->gbuffer_weights, from);
+    for (int k = 0; k < 7; k++)
+        for (int64_t i = 0; i < to[k].count; i++) to[k].data[i] += from[k].data[i];
+}
+
+// Twice, so that what an earlier draw left behind would show.
+static PassGradient pass_gradient(PassCase *c) {
+    PassGradient g = {.gaussians = ffp_gaussians_new(c->gaussians.count),
+                      .pattern = ffp_image_new(PATTERN_WIDTH, PATTERN_HEIGHT, 3)};
+    FfpSummed summed = ffp_summed_new(&c->pattern),
+              grad_sum = ffp_summed_zeros(PATTERN_WIDTH, PATTERN_HEIGHT);
+    FfpGaussians first = ffp_gaussians_new(c->gaussians.count);
+    for (int i = 0; i < 2; i++) {
+        ffp_view_pass_draw(c->pass, &c->gaussians, &c->camera, &c->projector);
+        ffp_view_pass_shade(c->pass, c->intensity, NULL, &c->picture);
+        ffp_view_pass_shade_backward(c->pass, c->intensity, NULL, &c->weights[0], NULL, NULL);
+        ffp_view_pass_shade(c->pass, c->intensity, &summed, &c->picture);
+        ffp_view_pass_shade_backward(c->pass, c->intensity, &summed, &c->weights[1], i ? g.intensity : NULL,
+                                     i ? &grad_sum : NULL);
+        add_gbuffer_gradient(c);
+        ffp_view_pass_backward(c->pass, i ? &g.gaussians : &first);
+    }
+    ffp_lookup_gather_pattern(&grad_sum, &g.pattern);
+    ffp_gaussians_free(&first);
+    ffp_summed_free(&summed);
+    ffp_summed_free(&grad_sum);
+    return g;
+}
+
+static void check_pass(int samples) {
+    char what[16];
+    snprintf(what, sizeof what, "%d a side", samples);
+    PassCase c = pass_case(samples);
+    const double loss = pass_loss(&c);
+    assert_true(isfinite(loss));
+    PassGradient g = pass_gradient(&c);
+    Field fields[7], analytic[7];
+    gaussian_fields(&c.gaussians, fields);
+    gaussian_fields(&g.gaussians, analytic);
+    for (int k = 0; k < 7; k++) check_field(what, &fields[k], analytic[k].data, pass_loss, &c);
+    const Field intensity = {"intensity", c.intensity, 3};
+    check_field(what, &intensity, g.intensity, pass_loss, &c);
+    const Field pattern = {"pattern", c.pattern.data, 3 * PATTERN_WIDTH * PATTERN_HEIGHT};
+    check_field(what, &pattern, g.pattern.data, pass_loss, &c);
+    for (int k = 0; k < 3; k++) assert_true(fabs(g.intensity[k]) > 1e-4);
+    ffp_gaussians_free(&g.gaussians);
+    ffp_image_free(&g.pattern);
+    pass_case_free(&c);
+}
+
+static void test_one_sample(void **state) {
+    (void)state;
+    check_pass(1);
+}
+
+static void test_two_samples(void **state) {
+    (void)state;
+    check_pass(2);
+}
+
+static void test_three_samples(void **state) {
+    (void)state;
+    check_pass(3);
+}
+
+static void test_four_samples(void **state) {
+    (void)state;
+    check_pass(4);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_one_sample),
+        cmocka_unit_test(test_two_samples),
+        cmocka_unit_test(test_three_samples),
+        cmocka_unit_test(test_four_samples),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,101 @@
+// A reconstruction is never worse on its photographs than the classical initialisation: weights that spoil it
+// are left out.
+#include <stdlib.h>
+#include "core/base/alloc.h"
+#include "core/base/rng.h"
+#include "core/gaussians/gaussians.h"
+#include "engine/network/network.h"
+#include "ffprocams.h"
+#include "product/cli/tiny.h"
+#include "scratch.h"
+
+static FfpGaussians *reconstruct(const FfpCapture *capture, const FfpModel *model, int64_t polish,
+                                 FfpReconstructionStats *stats) {
+    FfpError err = {0};
+    const FfpReconstruction how = {.model = model, .polish = polish};
+    FfpGaussians *gaussians = ffp_reconstruct(NULL, capture, &how, stats, &err);
+    if (!gaussians) fail_msg("%s", err.text);
+    return gaussians;
+}
+
+// An untrained network gives the classical initialisation, because its heads' last layers are zero; here they
+// are not.
+static FfpModel *spoilt_model(void) {
+    FfpModelConfig config;
+    FfpError err = {0};
+    assert_true(ffp_model_preset(&config, "tiny"));
+    FfpModel *model = ffp_model_new(&config, 1, &err);
+    FfpRng rng = ffp_rng(5, 1);
+    for (int64_t i = 0; i < model->count; i++)
+        if (model->values[i] == 0) model->values[i] = 0.3F * (real)ffp_rng_normal(&rng);
+    return model;
+}
+
+static void assert_same(const FfpGaussians *a, const FfpGaussians *b) {
+    assert_int_equal(a->count, b->count);
+    assert_memory_equal(a->centre, b->centre, sizeof(real) * 3 * (size_t)a->count);
+    assert_memory_equal(a->scale, b->scale, sizeof(real) * 3 * (size_t)a->count);
+    assert_memory_equal(a->albedo, b->albedo, sizeof(real) * 3 * (size_t)a->count);
+    assert_memory_equal(a->opacity, b->opacity, sizeof(real) * (size_t)a->count);
+}
+
+static void test_a_network_that_loses_is_dropped(void **state) {
+    (void)state;
+    FfpError err = {0};
+    FfpCapture *capture = ffp_capture_open(NULL, scratch, &err);
+    assert_non_null(capture);
+    FfpModel *spoilt = spoilt_model();
+    FfpReconstructionStats stats;
+    FfpGaussians *start = reconstruct(capture, NULL, 0, &stats);
+    assert_false(stats.network_dropped || stats.polish_dropped);
+    FfpGaussians *kept = reconstruct(capture, spoilt, 0, &stats);
+    assert_true(stats.network_dropped);
+    assert_same(start, kept);
+
+    FfpModelConfig config;
+    assert_true(ffp_model_preset(&config, "tiny"));
+    FfpModel *untrained = ffp_model_new(&config, 1, &err);
+    FfpGaussians *same = reconstruct(capture, untrained, 0, &stats);
+    assert_false(stats.network_dropped);
+    assert_same(start, same);
+    ffp_gaussians_close(start);
+    ffp_gaussians_close(kept);
+    ffp_gaussians_close(same);
+    ffp_model_close(spoilt);
+    ffp_model_close(untrained);
+    ffp_capture_close(capture);
+}
+
+// Whatever repeats is left out before anything looks at it.
+static void test_views_given_twice_change_nothing(void **state) {
+    (void)state;
+    FfpError err = {0};
+    FfpCapture *once = ffp_capture_open(NULL, scratch, &err);
+    assert_non_null(once);
+    FfpCapture twice = *once;
+    const size_t n = (size_t)once->n_views;
+    twice.n_views = 2 * once->n_views;
+    twice.views = ffp_alloc(2 * n, sizeof *twice.views);
+    for (size_t v = 0; v < 2 * n; v++) twice.views[v] = once->views[v % n];
+    FfpReconstructionStats stats;
+    FfpGaussians *a = reconstruct(once, NULL, 5, &stats), *b = reconstruct(&twice, NULL, 5, &stats);
+    assert_same(a, b);
+    ffp_gaussians_close(a);
+    ffp_gaussians_close(b);
+    ffp_free(twice.views);
+    ffp_capture_close(once);
+}
+
+static int setup(void **state) {
+    if (scratch_setup(state)) return 1;
+    tiny_capture(scratch, 48);
+    return 0;
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_a_network_that_loses_is_dropped),
+        cmocka_unit_test(test_views_given_twice_change_nothing),
+    };
+    return cmocka_run_group_tests(tests, setup, scratch_teardown);
+}

@@ -1,0 +1,62 @@
+#!/bin/bash
+# tests/product/cli/readme.sh PROGRAM LIBRARY: the examples of README.md, the guide and the reference, as printed. Blocks marked `sh` are run
+# one after the other, in a folder that looks like a repository with a finished build. Blocks marked `text` need what only the reader has
+# (photographs, root, hours): their commands and options must exist. The C program is compiled and run.
+set -euo pipefail
+program=$(realpath "$1")
+library=$(realpath "$2")
+source=$(realpath "$(dirname "$0")/../../..")
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+export OMP_WAIT_POLICY=passive
+
+documents=("$source"/README.md "$source"/docs/guide/*.md "$source"/docs/reference/{commands,library}.md)
+fail() { echo "the documents: $*" >&2; exit 1; }
+
+mkdir "$work/blocks" "$work/build"
+ln -s "$source"/data "$source"/docs "$source"/models "$work/"
+ln -s "$program" "$work/build/ffprocams"
+cd "$work"
+
+# blocks/NUMBER.LANGUAGE, in the order of the text
+awk '/^```/ { if (file) file = ""; else { language = substr($0, 4); file = sprintf("blocks/%03d.%s", ++n, language) } next }
+     file { print > file }
+     !file && /^    +(build\/|ffprocams|script\/)/ { print FILENAME ": outside of a marked block: " $0; bad = 1 }
+     END { if (file) print "a block without end"; exit bad || file != "" }' "${documents[@]}" >bad || fail "$(cat bad)"
+
+# Every option of a command that is not run must be one that its help names.
+check() { # command line
+    local words word command help
+    read -ra words <<<"$1"
+    command=${words[1]}
+    help=$(build/ffprocams "$command" --help) || fail "no such command: $1"
+    for word in "${words[@]:2}"; do
+        [[ $word == -?* && ! $word =~ ^-[0-9] ]] || continue
+        grep -qE -- "(^| )${word%%=*}[ ,=[]" <<<"$help " || fail "$command has no option $word: $1"
+    done
+}
+
+ran=0
+for block in blocks/*; do
+    case $block in
+    *.sh)
+        begin=$SECONDS
+        bash -eu "$block" >log 2>&1 </dev/null || { cat "$block" log >&2; fail "this example fails"; }
+        echo "$((SECONDS - begin)) s: $(head -1 "$block")"
+        ran=$((ran + 1))
+        ;;
+    *.c)
+        cc -std=c11 "$block" -o example -I "$source/include" "$library" -Wl,-rpath,"$(dirname "$library")"
+        ./example || fail "its C program fails"
+        echo "the C program"
+        ;;
+    *.text)
+        sed -e ':join; /\\$/ { N; s/\\\n//; b join }' "$block" | { grep '^build/ffprocams ' || true; } |
+            while read -r line; do check "$line"; done
+        ;;
+    *.python) ;; # python/tests/test_documents.py runs these
+    *.cmake) ;;  # script/test-install does what these say
+    *) fail "a block is marked neither sh, text, c, cmake nor python: $(head -1 "$block")" ;;
+    esac
+done
+[ "$ran" -gt 9 ] || fail "only $ran blocks to run"

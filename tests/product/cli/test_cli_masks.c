@@ -1,0 +1,98 @@
+// Masks made of the light against true ones, by commands alone: a watering can on a turntable, whose handle
+// is a ring, photographed by the generator. Its side in shadow is object, and one sees through the handle.
+#include "core/capture/capture.h"
+#include "product/cli/program.h"
+
+static ProgramRun run;
+
+typedef struct Agreement {
+    double common, either, missing, extra; // pixels
+} Agreement;
+
+static void must_run(const char *command) {
+    char line[3000] = "";
+    for (const char *at = command; *at; at++)
+        snprintf(line + strlen(line), sizeof line - strlen(line), *at == '@' ? "%s" : "%.1s",
+                 *at == '@' ? scratch : at);
+    run_program(&run, line);
+    if (run.status != 0) fail_msg("%s\n%s", line, run.err);
+}
+
+static int setup(void **state) {
+    if (scratch_setup(state) != 0) return -1;
+    must_run("patterns -o @/patterns --projector 128x80 --only capture --lollipops 1");
+    must_run("generate @/shots --photographs @/patterns --views 8 --attitudes 0 --split test --first 9 "
+             "--resolution 96 --sensor exposure=1 --sensor read=0.003 --sensor shot=0.0003");
+    return 0;
+}
+
+static void read_import(FfpCapture *capture, const char *name, const char *more) {
+    char line[2000];
+    FfpError err = {0};
+    snprintf(line, sizeof line,
+             "import -c @/shots/truth.json -t @/shots/truth.json -i 'black=@/shots/view-{view}/001.png' "
+             "-i 'white=@/shots/view-{view}/002.png' -i 'lollipop_0=@/shots/view-{view}/003.png' "
+             "-p lollipop_0=@/patterns/003_lollipop_0.png -o @/%s %s",
+             name, more);
+    must_run(line);
+    if (!ffp_capture_read(capture, in_scratch(name), &err)) fail_msg("%s", err.text);
+}
+
+static Agreement compare(const FfpCapture *truth, const FfpCapture *made) {
+    Agreement sum = {0};
+    for (int v = 0; v < made->n_views; v++) {
+        int like = 0;
+        while (strcmp(truth->views[like].id, made->views[v].id) != 0) like++;
+        const FfpImage *a = &truth->views[like].coverage, *b = &made->views[v].coverage;
+        for (int i = 0; i < a->width * a->height; i++) {
+            const bool in_a = a->data[i] >= 0.5F, in_b = b->data[i] >= 0.5F;
+            sum.common += in_a && in_b, sum.either += in_a || in_b;
+            sum.missing += in_a && !in_b, sum.extra += in_b && !in_a;
+        }
+    }
+    printf("%d views: overlap %.3f, missing %.3f, too much %.3f of the object\n", made->n_views,
+           sum.common / sum.either, sum.missing / (sum.common + sum.missing),
+           sum.extra / (sum.common + sum.missing));
+    return sum;
+}
+
+static void shadows_are_object_and_holes_are_none(void **state) {
+    (void)state;
+    FfpCapture truth, made, few;
+    read_import(&truth, "truth", "-m '@/shots/masks/view-*.png'");
+    read_import(&made, "made", "");
+    assert_non_null(strstr(run.err, "8 masks were made from white minus black"));
+    assert_non_null(strstr(run.err, "shadows that the other views show lit were added"));
+    read_import(&few, "few", "-v 045 -v 180 -v 270"); // too few to know of each other
+    assert_non_null(strstr(run.err, "what the projector does not reach is left out"));
+    const Agreement eight = compare(&truth, &made), three = compare(&truth, &few);
+    assert_true(eight.common > 0.88 * eight.either && eight.missing < 0.05 * eight.common);
+    assert_true(three.common < 0.85 * three.either);
+    for (int v = 0; v < made.n_views; v++) // masked pictures are black
+        for (int i = 0; i < made.views[v].coverage.width * made.views[v].coverage.height; i++)
+            assert_true(made.views[v].coverage.data[i] > 0 ||
+                        !(made.views[v].images[made.white].data[3 * i] > 0));
+    ffp_capture_free(&truth), ffp_capture_free(&made), ffp_capture_free(&few);
+}
+
+// The same bits whatever the number of threads.
+static void threads_do_not_matter(void **state) {
+    (void)state;
+    FfpCapture one, two;
+    setenv("OMP_NUM_THREADS", "1", 1);
+    read_import(&one, "one", "");
+    setenv("OMP_NUM_THREADS", "3", 1);
+    read_import(&two, "two", "");
+    unsetenv("OMP_NUM_THREADS");
+    for (int v = 0; v < one.n_views; v++)
+        assert_memory_equal(one.views[v].coverage.data, two.views[v].coverage.data,
+                            (size_t)one.views[v].coverage.width * (size_t)one.views[v].coverage.height *
+                                sizeof(real));
+    ffp_capture_free(&one), ffp_capture_free(&two);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {cmocka_unit_test(shadows_are_object_and_holes_are_none),
+                                       cmocka_unit_test(threads_do_not_matter)};
+    return cmocka_run_group_tests(tests, setup, scratch_teardown);
+}

@@ -1,0 +1,793 @@
+#!/usr/bin/env python3
+"""The page of `ffprocams view` in a headless browser: its pictures against those of `ffprocams render`, every
+control by what it changes in the pixels, what it does with broken input.
+
+    test_view.py PROGRAM DATA [FOLDER]     screenshots stay in FOLDER
+
+Exits with 77 and a line where there is no browser."""
+import base64
+import json
+import math
+import os
+import shutil
+import struct
+import subprocess
+import sys
+import tempfile
+import time
+import zlib
+
+import browser
+
+LEAST, MEAN = 55.0, 60.0  # dB of single pictures and of all; measured: 63 and 65, without shadows 53, without footprints 51
+
+
+# --- Pictures, standard library only. ---
+
+def png(width, height, pixel, channels=3):
+    rows = b"".join(b"\0" + b"".join(bytes(pixel(x, y)) for x in range(width)) for y in range(height))
+
+    def chunk(kind, data):
+        return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
+
+    head = struct.pack(">IIBBBBB", width, height, 8, {1: 0, 3: 2, 4: 6}[channels], 0, 0, 0)
+    return b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", head) + chunk(b"IDAT", zlib.compress(rows, 6)) + chunk(b"IEND", b"")
+
+
+def read_png(path):
+    """Width, height and bytes of an 8-bit RGB PNG."""
+    data = open(path, "rb").read()
+    at, packed, head = 8, b"", None
+    while at < len(data):
+        size, kind = struct.unpack(">I4s", data[at:at + 8])
+        body = data[at + 8:at + 8 + size]
+        if kind == b"IHDR":
+            head = struct.unpack(">IIBBBBB", body)
+        elif kind == b"IDAT":
+            packed += body
+        at += 12 + size
+    width, height, depth, colour = head[:4]
+    assert depth == 8 and colour == 2 and head[6] == 0, path
+    raw, stride, out = zlib.decompress(packed), 3 * width, bytearray()
+    before = bytearray(stride)
+    for y in range(height):
+        kind, row = raw[y * (stride + 1)], bytearray(raw[y * (stride + 1) + 1:(y + 1) * (stride + 1)])
+        for i in range(stride):
+            left, up, corner = (row[i - 3] if i >= 3 else 0), before[i], (before[i - 3] if i >= 3 else 0)
+            if kind == 4:
+                p = left + up - corner
+                a, b, c = abs(p - left), abs(p - up), abs(p - corner)
+                row[i] = (row[i] + (left if a <= b and a <= c else up if b <= c else corner)) & 255
+            elif kind:
+                row[i] = (row[i] + {1: left, 2: up, 3: (left + up) // 2}[kind]) & 255
+        out += row
+        before = row
+    return width, height, bytes(out)
+
+
+def psnr(a, b, channels_a=3, channels_b=3):
+    pixels = len(a) // channels_a
+    assert pixels == len(b) // channels_b
+    total = sum((x - y) ** 2 for k in range(3) for x, y in zip(a[k::channels_a], b[k::channels_b]))
+    return 10 * math.log10(255 ** 2 * 3 * pixels / total) if total else 99.0
+
+
+# --- The page. ---
+
+class Page(browser.Browser):
+    held = False
+
+    def start(self, path):
+        self.open(path)
+        self.wait("document.readyState === 'complete' && !!window.ready")
+        assert self.run("window.ready"), self.run("document.getElementById('failure').textContent")
+        self.run("""window.pixels = (width, height, camera) => {
+            const bytes = viewer.picture(width, height, camera);
+            let text = '';
+            for (let i = 0; i < bytes.length; i += 8192) text += String.fromCharCode(...bytes.subarray(i, i + 8192));
+            return btoa(text);
+        }; window.bytesOf = (canvas) => { const copy = makeCanvas(canvas.width, canvas.height);
+            const context = copy.getContext('2d', {willReadFrequently: true}); context.drawImage(canvas, 0, 0);
+            return context.getImageData(0, 0, copy.width, copy.height).data;
+        }; window.idle = () => new Promise((done) => {
+            const look = () => viewer.pending || viewer.stale || viewer.rough || viewer.moving ? setTimeout(look, 20) : done(true);
+            look();
+        }); true""")
+
+    def hold(self, on):
+        """Whether the window stays as it is while only pictures are looked at."""
+        self.run("viewer.schedule = () => {}; true" if on else "delete viewer.schedule; viewer.invalidate(); idle()")
+        self.held = on
+
+    def settle(self):
+        if not self.held:
+            self.run("idle()")
+
+    def pixels(self, width=128, height=128, camera="undefined"):
+        return base64.b64decode(self.run(f"pixels({width}, {height}, {camera})"))
+
+    def message(self):
+        return self.run("document.getElementById('toast').classList.contains('shown') ? "
+                        "document.getElementById('toast').textContent : ''")
+
+    def set(self, name, value):
+        """A control by its id, as a hand would."""
+        self.run(f"""(() => {{ const c = document.getElementById({name!r});
+            if (c.type === 'checkbox') c.checked = {str(bool(value)).lower()}; else c.value = {value!r};
+            c.dispatchEvent(new Event('input', {{bubbles: true}})); }})()""")
+
+    def click(self, selector):
+        self.run(f"document.querySelector({selector!r}).click()")
+
+    def drop(self, name, kind, data):
+        self.run(f"""(() => {{ document.getElementById('toast').classList.remove('shown');
+            const bytes = Uint8Array.from(atob({base64.b64encode(data).decode()!r}), (c) => c.charCodeAt(0));
+            const transfer = new DataTransfer();
+            transfer.items.add(new File([bytes], {name!r}, {{type: {kind!r}}}));
+            window.dispatchEvent(new DragEvent('drop', {{dataTransfer: transfer, bubbles: true, cancelable: true}})); }})()""")
+
+
+class Checks:
+    def __init__(self):
+        self.failed, self.began = 0, time.monotonic()
+
+    def __call__(self, what, good, measured=""):
+        self.failed += not good
+        print(f"{time.monotonic() - self.began:4.0f} s {'ok  ' if good else 'FAIL'} {what}{': ' if measured != '' else ''}{measured}", flush=True)
+
+
+def change(a, b):
+    """Mean difference of two pictures' bytes."""
+    return sum(abs(x - y) for x, y in zip(a, b)) / len(a)
+
+
+def check_pictures(check, page, program, ply, data, folder):
+    """The eight input poses and the six new ones under three patterns."""
+    patterns = ("all_white", "lollipop_0", "lollipop_3")
+    asked = [f"--pattern={pattern}" for pattern in patterns]
+    for poses in ([], ["--poses", os.path.join(data, "targets.json")]):
+        subprocess.run([program, "render", ply, "--capture", data, "-o", folder, *poses, *asked], check=True,
+                       stdout=subprocess.DEVNULL)
+    page.hold(True)
+    scores = []
+    for index in range(page.run("viewer.scene.views.length")):
+        name = page.run(f"viewer.jump(viewer.scene.views[{index}], true); viewer.at.id")
+        for pattern in patterns:
+            page.run(f"""(async () => viewer.setContent(await patternContent(viewer.scene,
+                viewer.scene.patterns.findIndex((p) => p.name === {pattern!r}))))()""")
+            width, height, wanted = read_png(os.path.join(folder, f"{name}_{pattern}.png"))
+            scores.append(psnr(page.pixels(width, height), wanted, 4))
+    page.hold(False)
+    check("pictures as ffprocams render draws them", len(scores) == 42 and min(scores) >= LEAST and
+          sum(scores) / len(scores) >= MEAN, f"{len(scores)} pictures, mean {sum(scores) / len(scores):.2f} dB, least {min(scores):.2f} dB")
+
+
+def check_halves(check, page):
+    """Drivers without float blending sum in 16 bits: as good as that must be."""
+    full = page.pixels()
+    page.run("""(() => { const r = viewer.renderer; window.format = r.sumFormat; r.sumFormat = viewer.graphics.gl.RGBA16F;
+        r.view = new GbufferView(r); viewer.projector.shadow = null; viewer.projector.shadowKey = ''; })()""")
+    half = page.pixels()
+    page.run("""(() => { const r = viewer.renderer; r.sumFormat = window.format; r.view = new GbufferView(r);
+        viewer.projector.shadow = null; viewer.projector.shadowKey = ''; })()""")
+    score = psnr(full, half, 4, 4)
+    check("sums in 16 bits", score >= MEAN and score < 99, f"{score:.2f} dB from those in 32")
+
+
+def check_maps(check, page, program, ply, data, folder):
+    subprocess.run([program, "render", ply, "--capture", data, "-o", folder, "--maps", "--view", "path_0_theta000"],
+                   check=True, stdout=subprocess.DEVNULL)
+    page.run("viewer.jump(viewer.scene.views[0], true)")
+    scores = []
+    for number, name in ((2, "normal"), (3, "albedo"), (5, "ambient")):
+        page.set("map", str(number))
+        width, height, wanted = read_png(os.path.join(folder, f"path_0_theta000_{name}.png"))
+        scores.append(psnr(page.pixels(width, height), wanted, 4))
+    page.set("map", "light")
+    check("G-buffers as render --maps draws them", min(scores) >= LEAST, " ".join(f"{s:.1f} dB" for s in scores))
+
+
+def check_compensation(check, page, program, ply, data, folder):
+    """The closed form, painted and in colours, against `ffprocams compensate --steps 0`."""
+    target = os.path.join(data, "..", "sun.png")
+    page.run("viewer.jump(viewer.scene.views[2], true)")
+    view = page.run("viewer.at.id")
+    option = page.run(f"[...document.getElementById('watcher').options].find((o) => o.textContent === shortName({view!r})).value")
+    page.drop("sun.png", "image/png", open(target, "rb").read())
+    page.wait("viewer.projector.content.name === 'sun.png'")
+    for how, options in (("paint", ["--paint"]), ("colours", [])):
+        file = os.path.join(folder, how + ".png")
+        subprocess.run([program, "compensate", ply, "--capture", data, "--view", view, "--target", target, "--steps", "0",
+                        "--gaussians-only", "-o", file, *options], check=True, stdout=subprocess.DEVNULL)
+        page.set("correction", how)
+        page.set("watcher", option)
+        page.run("viewer.updatePatterns()")
+        made = base64.b64decode(page.run("""(() => {
+            const {data} = panelPicture(viewer.graphics, viewer.projector, null, window.kept = window.kept || {});
+            let text = '';
+            for (let i = 0; i < data.length; i += 8192) text += String.fromCharCode(...data.subarray(i, i + 8192));
+            return btoa(text); })()"""))
+        score = psnr(made, read_png(file)[2], 4)
+        check(f"correction, {how}, as compensate's closed form", score >= 30, f"{score:.2f} dB")
+    page.set("correction", "none")
+
+
+def check_same_ids(check, page, path, folder):
+    """Poses of a file may have the ids of captured views, and the words of the page: each is its own."""
+    twins = os.path.join(folder, "twins.html")
+    text = open(path, encoding="utf-8").read()
+    for number, name in ((0, "path_0_theta000"), (1, "now")):
+        assert f'"id":"novel_0{number}"' in text
+        text = text.replace(f'"id":"novel_0{number}"', f'"id":"{name}"')
+    with open(twins, "w", encoding="utf-8") as file:
+        file.write(text)
+    page.start(twins)
+    first = page.run("viewer.scene.views.findIndex((v) => v.new)")
+    page.set("correction", "paint")
+    wrong = []
+    for index in range(page.run("viewer.scene.views.length")):
+        page.run(f"document.getElementById('watcher').selectedIndex = {index + 1}")
+        page.set("watcher", page.run("document.getElementById('watcher').value"))
+        if not page.run(f"viewer.watcherOf(viewer.projector) === viewer.scene.views[{index}].camera"):
+            wrong.append(index)
+    page.run("document.getElementById('watcher').selectedIndex = 0")
+    page.set("watcher", page.run("document.getElementById('watcher').value"))
+    if page.run("viewer.scene.views.some((v) => viewer.watcherOf(viewer.projector) === v.camera)"):
+        wrong.append("where I look from")
+    check("a correction is for the camera that was chosen", not wrong, f"not for views {wrong}" if wrong else "")
+    page.set("correction", "none")
+    chosen = page.run(f"""(() => {{ viewer.jump(viewer.scene.views[{first}], true);
+        return [...document.getElementById('views').children].map((t, i) => t.classList.contains('chosen') ? i : -1).filter((i) => i >= 0); }})()""")
+    check("one view is shown as chosen", chosen == [first], f"{chosen}")
+
+
+def check_controls(check, page):
+    """Each control changes the picture as it should."""
+    page.run("viewer.jump(viewer.scene.views[0], true)")
+    page.run("viewer.setContent(new TestContent('White'))")
+    page.hold(True)
+    base = page.pixels()
+    bright = sum(base)
+
+    def changes(what, do, undo, least=0.3):
+        do()
+        page.settle()
+        moved = change(base, page.pixels())
+        undo()
+        page.settle()
+        back = change(base, page.pixels())
+        check(what, moved >= least and back < 0.1, f"{moved:.2f} of 255 on average, and back to {back:.2f}")
+
+    middle = (260, 200)
+    home = lambda: page.run("viewer.jump(viewer.scene.views[0], true)")
+    changes("dragging turns the object", lambda: page.drag(middle, (340, 215)), home)
+    changes("dragging with the right button shifts it", lambda: page.drag(middle, (290, 225), "right"), home)
+    changes("the wheel goes nearer", lambda: page.call("Input.dispatchMouseEvent", {
+        "type": "mouseWheel", "x": 260, "y": 200, "deltaX": 0, "deltaY": -300}), home)
+    changes("arrow keys turn", lambda: page.key("ArrowLeft"), home)
+    changes("a number jumps to a view", lambda: page.key("4"), lambda: page.key("1"))
+    page.key("p")
+    changes("P: dragging moves the projector", lambda: page.drag(middle, (360, 200)), home)
+    page.key("c")
+    handle = page.run("handleOf(viewer, viewer.projector).at")
+    changes("the handle moves it in any mode", lambda: page.drag(handle, (handle[0] + 90, handle[1] + 60)), home)
+    changes("Lens", lambda: page.set("lens", "20"), home)
+    changes("Distance", lambda: page.set("distance", "4"), home)
+    page.run("viewer.setContent(new TestContent('Checker'))")
+    checker = page.pixels()
+    check("test pattern", change(base, checker) > 1, f"{change(base, checker):.2f}")
+    page.key("p")
+    page.drag(middle, (360, 200), modifiers=8)
+    check("P: dragging with Shift aims it", change(checker, page.pixels()) > 0.5, f"{change(checker, page.pixels()):.2f}")
+    page.key("c")
+    home()
+    page.set("roll", "30")
+    check("Roll", change(checker, page.pixels()) > 0.5, f"{change(checker, page.pixels()):.2f}")
+    home()
+    page.run("viewer.setContent(new TestContent('White'))")
+    changes("Brightness", lambda: page.set("brightness", "-2"), lambda: page.set("brightness", "0"))
+    changes("Exposure", lambda: page.set("exposure", "1"), lambda: page.set("exposure", "0"))
+    changes("Ambient light", lambda: page.set("ambient", False), lambda: page.set("ambient", True), 0.02)
+    changes("Lit", lambda: page.set("on", False), lambda: page.set("on", True))
+    changes("a colour", lambda: page.set("solid", "#3060ff"), lambda: page.run("viewer.setContent(new TestContent('White'))"))
+    changes("a text", lambda: page.set("text", "Hello"), lambda: page.run("viewer.setContent(new TestContent('White'))"))
+    page.key("n")
+    page.run("viewer.setContent(new SolidContent('#ff2020'))")
+    two = page.pixels()
+    check("a second projector adds its light", page.run("viewer.projectors.length") == 2 and sum(two) > bright * 1.02 and
+          change(base, two) > 0.3, f"{sum(two) / bright:.2f} times as bright")
+    page.click("#remove")
+    page.settle()
+    check("and is removed", change(base, page.pixels()) < 0.1)
+    page.hold(False) # the brush looks at what is drawn
+    page.key("b")
+    page.set("brush-colour", "#0040ff")
+    page.drag((240, 200), (290, 215))
+    page.settle()
+    painted = page.pixels()
+    check("the brush paints", change(base, painted) > 0.05, f"{change(base, painted):.2f}")
+    page.click("#clear")
+    page.settle()
+    check("and its paint is cleared", change(base, page.pixels()) < 0.1)
+    page.key("c")
+    page.key("b")
+    page.drag((240, 200), (290, 215))
+    page.set("erase", True)
+    page.set("brush-size", "60")
+    page.drag((230, 200), (300, 215))
+    page.set("erase", False)
+    page.settle()
+    check("the eraser takes it away", change(base, page.pixels()) < change(base, painted) / 4, f"{change(base, page.pixels()):.3f} left")
+    page.click("#clear")
+    page.key("c")
+
+    def pinch():
+        for kind, gap in (("touchStart", 40), ("touchMove", 60), ("touchMove", 90), ("touchEnd", 0)):
+            points = [{"x": 260 - gap, "y": 200, "id": 1}, {"x": 260 + gap, "y": 200, "id": 2}] if gap else []
+            page.call("Input.dispatchTouchEvent", {"type": kind, "touchPoints": points})
+
+    changes("two fingers go nearer", pinch, home)
+    overlay = "(() => { const c = viewer.overlay, d = bytesOf(c); let n = 0; for (let i = 3; i < d.length; i += 4) n += d[i] > 0; return n; })()"
+    shown = page.run(overlay)
+    page.key("x")
+    check("X hides the frusta", shown > 500 and page.run(overlay) == 0, f"{shown} pixels of them")
+    page.key("x")
+    page.run("viewer.setProjectorPose(turnPose(viewer.projector.device.pose, axisOf(viewer.projector.device.pose, 0), 0.3, positionOf(viewer.projector.device.pose)))")
+    page.click("#aim")
+    middle_of = page.run("project(viewer.projector.device, viewer.scene.centre)")
+    check("Aim looks at the object", abs(middle_of[0] - 400) < 1 and abs(middle_of[1] - 400) < 1)
+    home()
+    page.key("?")
+    opened = page.run("document.getElementById('keys').open")
+    page.run("document.getElementById('keys').close()")
+    check("? shows the keys", opened)
+    panel = page.run("document.body.classList.contains('with-panel')")
+    page.key("h")
+    check("H shows and hides the panel", page.run("document.body.classList.contains('with-panel')") != panel)
+    page.key("h")
+    page.key("f")
+    page.wait("!!document.fullscreenElement")
+    page.key("f")
+    page.wait("!document.fullscreenElement")
+    check("F is full screen and back", True)
+    shots = page.run("viewer.saved || 0")
+    page.key("s")
+    page.wait(f"(viewer.saved || 0) > {shots}")
+    check("S saves the picture", True)
+
+
+def check_photograph(check, page, folder):
+    page.run("viewer.jump(viewer.scene.views[1], true)")
+    page.key("v")
+    page.wait("!!viewer.photograph")
+    page.run("idle()")
+    page.screenshot(os.path.join(folder, "photograph.png"))
+    off = page.run(OFF_PHOTOGRAPH)
+    check("the photograph lies where the prediction does", off < 0.1, f"{off:.3f} pixels off at most")
+    page.drag((200, 200), (240, 200))
+    check("and goes when the view does", page.run("!viewer.photograph"))
+
+
+# Where the photograph and the camera that was drawn with show the same places, on the screen.
+OFF_PHOTOGRAPH = """(() => { const box = document.getElementById('photograph').getBoundingClientRect(), {base, scene} = viewer;
+    const drawn = viewer.drawn.camera, ratio = drawn.width / innerWidth;
+    let most = 0;
+    for (const by of [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1], [-1, -1, -1]]) {
+        const point = add3(scene.centre, scale3(by, 0.4 * scene.radius)), a = project(base, point), b = project(drawn, point);
+        most = Math.max(most, Math.abs(box.left + a[0] * box.width / base.width - b[0] / ratio), Math.abs(box.top + a[1] * box.height / base.height - b[1] / ratio));
+    }
+    return most; })()"""
+
+
+def check_comparison(check, page):
+    """Photograph and prediction are of the same light, whatever was set and whoever is chosen."""
+    page.run("viewer.jump(viewer.scene.views[1], true); viewer.setContent(new TestContent('White'))")
+    page.run("viewer.projector.dab(400, 400, 400, '#2030ff'); true")
+    for name, value in (("exposure", "1.5"), ("brightness", "-2"), ("ambient", False), ("correction", "paint"), ("map", "2")):
+        page.set(name, value)
+    page.key("v")
+    page.wait("!!viewer.photograph")
+    page.run("idle()")
+    photograph = base64.b64decode(page.run("(() => { let t = ''; for (const b of bytesOf(document.getElementById('photograph'))) "
+                                           "t += String.fromCharCode(b); return btoa(t); })()"))
+    lit = page.pixels()
+    score = psnr(photograph, lit, 4, 4)
+    check("beside its photograph the prediction has the photograph's light", score > 20, f"{score:.1f} dB")
+    page.run("viewer.addProjector(); viewer.select(viewer.projectors[1])")
+    page.settle()
+    check("whichever projector is chosen", page.run("!!viewer.photograph") and change(lit, page.pixels()) < 0.1)
+    page.run("viewer.showPhotograph(false)")
+    page.click("#remove")
+    kept = page.run("(() => { const p = viewer.projectors[0]; return [viewer.exposure, viewer.ambient, viewer.map, p.stops, p.correction, p.painted]; })()")
+    check("afterwards the settings are back", kept == [1.5, False, 2, -2, "paint", True], f"{kept}")
+    for name, value in (("exposure", "0"), ("brightness", "0"), ("ambient", True), ("correction", "none"), ("map", "light")):
+        page.set(name, value)
+    page.click("#clear")
+
+
+def check_keys(check, page):
+    """Keys that a control needs are its own; the others stay shortcuts."""
+    def press(key, on, code, number, look):
+        before = page.run(f"document.querySelector({on!r}).focus(), {look}")
+        page.key(key, code, windowsVirtualKeyCode=number)
+        return before, page.run(look)
+
+    page.run("viewer.jump(viewer.scene.views[0], true); document.body.classList.add('with-panel')")
+    page.run(STILL)
+    before, after = press(" ", "#ambient", "Space", 32, "viewer.ambient")
+    press(" ", "#ambient", "Space", 32, "viewer.ambient")
+    check("Space toggles a checkbox", before != after and page.run("viewer.ambient"), f"{before}, {after}")
+    before, after = press(" ", "details:nth-child(3) summary", "Space", 32, "document.querySelectorAll('details')[2].open")
+    check("Space opens what is folded", not before and after, f"{before}, {after}")
+    page.run("document.querySelectorAll('details')[2].open = false")
+    before, after = press("Home", "#exposure", "Home", 36, "viewer.exposure")
+    check("Home is a slider's own", before == 0 and after == -4, f"{before}, {after}")
+    page.run("document.activeElement.blur()")
+    page.set("exposure", "0")
+    before, after = press("4", "#bring", "Digit4", 52, "viewer.scene.views.indexOf(viewer.at)")
+    check("a number jumps beside a checkbox too", after == 3, f"{before}, {after}")
+    page.run("document.activeElement.blur(); viewer.jump(viewer.scene.views[0], true); document.body.classList.remove('with-panel'); idle()")
+
+
+def check_targets(check, page):
+    """What comes late comes to the projector that it was asked for, or not at all."""
+    page.run("""(() => { const real = window.realBitmap = createImageBitmap; window.waits = [];
+        window.createImageBitmap = async (...given) => { const wait = waits.shift() || 0, made = await real(...given);
+            await new Promise((done) => setTimeout(done, wait)); return made; }; })()""")
+    shown = "viewer.projectors.map((p) => p.content.name)"
+    page.run("viewer.setContent(new TestContent('White')); waits.push(300); true")
+    page.drop("late.png", "image/png", png(16, 16, lambda x, y: (0, 99, 0)))
+    page.wait("waits.length === 0")
+    page.click("#add")
+    page.wait(shown + ".includes('late.png')")
+    names = page.run(shown)
+    check("a file is for the projector that it was dropped on", names == ["late.png", "White"], " ".join(names))
+    page.click("#remove")
+    page.run("waits.push(300, 0); true")
+    tiles = page.run("""(async () => { const [slow, quick] = document.querySelectorAll('#contents .tile');
+        slow.click(); quick.click(); await new Promise((done) => setTimeout(done, 600)); return [quick.title, shortName(viewer.projector.content.name)]; })()""")
+    check("of two tiles the later wins", tiles[0] == tiles[1], " ".join(tiles))
+    page.run("window.createImageBitmap = realBitmap; true")
+    page.run("""(() => { const transfer = new DataTransfer(), slider = document.getElementById('exposure'); slider.focus();
+        transfer.items.add(new File([Uint8Array.from(atob('%s'), (c) => c.charCodeAt(0))], 'slid.png', {type: 'image/png'}));
+        slider.dispatchEvent(new ClipboardEvent('paste', {clipboardData: transfer, bubbles: true})); slider.blur(); })()""" %
+             base64.b64encode(png(32, 32, lambda x, y: (250, 0, 250))).decode())
+    time.sleep(0.3)
+    check("a picture is pasted after a slider was moved", page.run("viewer.projector.content.name === 'slid.png'"))
+    page.run("viewer.setContent(new TestContent('White'))")
+
+
+def check_turning(check, page):
+    """What starts overhead comes away from there, and nothing goes over the pole."""
+    angles = page.run("""(() => { const {up} = viewer, c = viewer.scene.centre, aside = normalise3(cross3(up, [0.3, 0.5, 0.7]));
+        const angle = (p) => Math.acos(clamp(dot3(normalise3(sub3(positionOf(p), c)), up), -1, 1));
+        const start = lookAt(add3(c, add3(scale3(up, 3), scale3(aside, 0.15))), c, up);
+        return [-0.02, 0.02].map((step) => { let pose = start; for (let i = 0; i < 10; i++) pose = orbit(pose, c, up, 0, step); return angle(pose) - angle(start); }); })()""")
+    check("a device overhead can be tilted away", max(angles) > 0.15 and min(angles) > -0.01, " ".join(f"{a:.2f}" for a in angles))
+
+
+def check_memory(check, page):
+    """Samples as far as the graphics memory goes."""
+    page.hold(True)
+    asked = page.run("""(() => { const {renderer: r, canvas} = viewer, ask = (width, height, most) => { let asked = null;
+            r.drawLight = (camera, side) => { asked = [camera.width, camera.height, side]; }; r.resolve = () => {};
+            viewer.canvas = {}; viewer.redrawOverlay = () => {}; viewer.changed = () => {};
+            const real = ['innerWidth', 'innerHeight', 'devicePixelRatio'].map((name) => [name, Object.getOwnPropertyDescriptor(window, name)]);
+            [width, height, 2].forEach((value, i) => Object.defineProperty(window, real[i][0], {value, configurable: true}));
+            const before = viewer.graphics.sideMax; viewer.graphics.sideMax = most;
+            viewer.draw(QUALITIES[0]);
+            viewer.graphics.sideMax = before;
+            real.forEach(([name, was]) => Object.defineProperty(window, name, was));
+            viewer.canvas = canvas; delete viewer.redrawOverlay; delete viewer.changed; delete r.drawLight; delete r.resolve;
+            return asked; };
+        return [ask(960, 540, 16384), ask(1920, 1080, 16384), ask(4320, 2400, 8192), ask(3000, 1000, 4096)]; })()""")
+    check("samples are as many as memory and driver allow", asked[0] == [1920, 1080, 2] and asked[1] == [3840, 2160, 1] and
+          all(w * s <= most and h * s <= most and w * h * s * s <= 1.01 * 2 ** 24 for (w, h, s), most in zip(asked, (16384, 16384, 8192, 4096))),
+          " ".join(f"{w} x {h} x {s}" for w, h, s in asked))
+    made = page.run("""(() => { const {graphics: g} = viewer; let made = 0;
+        g.target = (...given) => { made++; return Graphics.prototype.target.apply(g, given); };
+        const turn = () => { for (const q of [1, 0]) viewer.lastChange++, viewer.setCamera(movePose(viewer.pose, [1e-4, 0, 0])), viewer.draw(QUALITIES[q]); };
+        turn(); made = 0; turn(); delete g.target; return made; })()""")
+    check("moving and resting keep their memory", made == 0, f"{made} targets made anew")
+    page.hold(False)
+    page.run("""document.getElementById('toast').classList.remove('shown');
+        viewer.graphics.gl.checkFramebufferStatus = () => 0; viewer.renderer.view = new GbufferView(viewer.renderer); viewer.invalidate(); idle()""")
+    said = page.message()
+    check("a driver without room is said", "no room" in said, said)
+    page.run("delete viewer.graphics.gl.checkFramebufferStatus; viewer.jump(viewer.scene.views[0], true); idle()")
+    lit = sum(page.pixels())
+    check("and the page goes on", lit > 0)
+
+
+def check_contents(check, page, folder):
+    page.run("viewer.jump(viewer.scene.views[0], true); viewer.setContent(new TestContent('White'))")
+    white = page.pixels()
+    page.drop("wide.png", "image/png", png(1920, 1080, lambda x, y: (255, 40, 40) if x < 960 else (40, 40, 255)))
+    page.wait("viewer.projector.content.name === 'wide.png'", 30)
+    check("a pattern of 1920 x 1080 drops in", change(white, page.pixels()) > 1, f"{change(white, page.pixels()):.2f}")
+    wide = page.pixels()
+    page.set("fit", "stretch")
+    page.run("viewer.updatePatterns()")
+    check("Fit stretches it", change(wide, page.pixels()) > 0.1, f"{change(wide, page.pixels()):.2f}")
+    page.set("fit", "contain")
+    chosen = os.path.join(folder, "chosen.png")
+    with open(chosen, "wb") as file:
+        file.write(png(64, 64, lambda x, y: (0, 200, 0)))
+    root = page.call("DOM.getDocument")["root"]["nodeId"]
+    node = page.call("DOM.querySelector", {"nodeId": root, "selector": "#file"})["nodeId"]
+    page.call("DOM.setFileInputFiles", {"nodeId": node, "files": [os.path.abspath(chosen)]})
+    page.wait("viewer.projector.content.name === 'chosen.png'", 30)
+    check("a file is chosen", change(wide, page.pixels()) > 1)
+    page.run("""(() => { const transfer = new DataTransfer();
+        transfer.items.add(new File([Uint8Array.from(atob('%s'), (c) => c.charCodeAt(0))], 'pasted.png', {type: 'image/png'}));
+        window.dispatchEvent(new ClipboardEvent('paste', {clipboardData: transfer, bubbles: true})); })()""" %
+             base64.b64encode(png(32, 32, lambda x, y: (250, 0, 250))).decode())
+    page.wait("viewer.projector.content.name === 'pasted.png'", 30)
+    check("a picture is pasted", change(wide, page.pixels()) > 1)
+    film = page.run("""(async () => { const c = document.createElement('canvas'); c.width = 96, c.height = 64;
+        const context = c.getContext('2d'), recorder = new MediaRecorder(c.captureStream(20), {mimeType: 'video/webm'}), parts = [];
+        recorder.ondataavailable = (e) => parts.push(e.data);
+        const ended = new Promise((done) => { recorder.onstop = done; });
+        recorder.start();
+        const begun = performance.now(), elapsed = () => performance.now() - begun;
+        while (elapsed() < 1200) { context.fillStyle = elapsed() < 600 ? '#f00' : '#00f'; context.fillRect(0, 0, 96, 64);
+            await new Promise((done) => setTimeout(done, 50)); }
+        recorder.stop(); await ended;
+        const bytes = new Uint8Array(await new Blob(parts).arrayBuffer());
+        let text = ''; for (const b of bytes) text += String.fromCharCode(b);
+        return btoa(text); })()""")
+    page.drop("film.webm", "video/webm", base64.b64decode(film))
+    page.wait("viewer.projector.content.name === 'film.webm'", 30)
+    page.run("viewer.projector.content.video.pause(); true")
+    seen = []
+    for at in (0.2, 0.9):
+        page.run(f"""new Promise((done) => {{ const v = viewer.projector.content.video; v.onseeked = () => done(true); v.currentTime = {at}; }})""")
+        seen.append(page.pixels())
+    check("a film plays on the object", change(*seen) > 1, f"{change(*seen):.2f} between its halves")
+    frames = lambda: page.run("""(async () => { const after = (ms) => new Promise((done) => setTimeout(done, ms));
+        await Promise.race([idle(), after(4000)]);
+        const before = viewer.frames; await after(300); return viewer.frames - before + viewer.pending; })()""")
+    still, side = frames(), page.run("viewer.drawn.side")
+    check("stopped, it is drawn once and in full", still == 0 and side == 2, f"{still} more frames, {side} samples a side")
+    drawn = page.run("viewer.projector.content.toggle(), viewer.frames")
+    page.wait(f"viewer.frames > {drawn + 2}")
+    page.set("on", False)
+    dark = frames()
+    check("a film that lights nothing costs no frames", dark == 0, f"{dark} frames")
+    page.set("on", True)
+    page.run("document.getElementById('webcam').click()")
+    page.wait("viewer.projector.content.name === 'Camera'", 30)
+    check("the webcam", change(white, page.pixels()) > 0.3)
+    page.run("viewer.setContent(new TestContent('White'))")
+
+
+def check_broken(check, page):
+    page.run("idle()")
+    before = page.pixels()
+    giant = png(1, 1, lambda x, y: (0, 0, 0))
+    giant = giant[:16] + struct.pack(">II", 30000, 30000) + giant[24:]
+    jpeg = b"\xff\xd8" + 3 * (b"\xff\xe1\xff\xff" + bytes(65533)) + b"\xff\xff\xc0\0\x11\x08" + struct.pack(">HH", 30000, 30000) + bytes(12)
+    avif = b"\0\0\0\x14ftypavif\0\0\0\0mif1" + b"\0\0\0\x14ispe\0\0\0\0" + struct.pack(">II", 30000, 30000)
+    for name, kind, data in (("notes.txt", "text/plain", b"no picture at all"), ("text.png", "image/png", b"no picture either"),
+                             ("empty.png", "image/png", b""), ("giant.png", "image/png", giant), ("giant.jpg", "image/jpeg", jpeg),
+                             ("giant.avif", "image/avif", avif), ("broken.webm", "video/webm", b"\x1aE\xdf\xa3 no film")):
+        page.drop(name, kind, data)
+        page.wait("document.getElementById('toast').classList.contains('shown')", 30)
+        said = page.message()
+        check(f"{name} is refused in words", name in said and ("30000 × 30000" in said) == name.startswith("giant") and
+              change(before, page.pixels()) < 0.1, said)
+
+
+def check_window(check, page):
+    """The projector window is a page of its own; its canvas is looked at through ours."""
+    page.run("viewer.setContent(new TestContent('Lollipop'))")
+    page.click("#send")
+    page.wait("viewer.window.isOpen")
+    page.run("viewer.updatePatterns(); viewer.window.show(); true")
+    same = page.run("""(() => { const {canvas} = viewer.window, from = viewer.projector.canvas;
+        const a = bytesOf(canvas), b = bytesOf(from);
+        let most = a.length === b.length ? 0 : 255, light = 0;
+        for (let i = 0; i < a.length; i++) { most = Math.max(most, Math.abs(a[i] - b[i])); light += a[i]; }
+        return [most, light / a.length, canvas.width, canvas.height]; })()""")
+    check("the projector window shows the pattern", same[0] <= 1 and same[1] > 20, f"differs by {same[0]} of 255 at most, {same[2]} x {same[3]}")
+    mean = page.run("""(() => { const p = viewer.projector, d = p.device, {context} = p;
+        context.fillStyle = '#000', context.fillRect(0, 0, d.width, d.height), context.fillStyle = '#fff';
+        for (let x = 2; x < d.width; x += 4) context.fillRect(x, 0, 1, d.height);
+        p.pattern.set(p.canvas);
+        const {data} = panelPicture(viewer.graphics, p, {width: d.width / 4, height: d.height / 4, fx: d.fx / 4, fy: d.fy / 4, cx: d.cx / 4, cy: d.cy / 4, gamma: [1, 1, 1]}, {});
+        p.dirty = true;
+        let sum = 0; for (let i = 0; i < data.length; i += 4) sum += data[i];
+        return 4 * sum / data.length; })()""")
+    check("a panel that is coarser takes means", abs(mean - 63.75) < 0.5, f"{mean:.2f} of 255 where a quarter is white")
+    page.run("""Object.defineProperty(document, 'hidden', {value: true, configurable: true});
+        window.frameOf = requestAnimationFrame; window.requestAnimationFrame = () => 0; document.dispatchEvent(new Event('visibilitychange'));
+        viewer.setContent(new SolidContent('#00ff00')); true""")
+    colour = "String([...bytesOf(viewer.window.canvas).subarray(0, 3)])"
+    for _ in range(60):
+        if page.run(colour) == "0,255,0":
+            break
+        time.sleep(0.05)
+    check("the projector window goes on when the page is hidden", page.run(colour) == "0,255,0", page.run(colour))
+    page.run("delete document.hidden; window.requestAnimationFrame = frameOf; viewer.pending = false; "
+             "document.dispatchEvent(new Event('visibilitychange')); viewer.invalidate(); idle()")
+    page.click("#add")
+    page.run("viewer.setContent(new SolidContent('#ff0000')); viewer.window.open(viewer.projector); idle()")
+    before = page.run(colour)
+    page.click("#remove")
+    page.run("idle()")
+    after = page.run(colour)
+    check("it follows when its projector is removed", (before, after) == ("255,0,0", "0,255,0"), f"{before} and then {after}")
+    page.run("viewer.window.close(); true")
+
+
+def check_panel(check, page, program, ply, data, folder):
+    """The panel's picture against that of `ffprocams compensate --for-device`, on a panel a third as fine."""
+    scene = page.run("(() => { const {views, patterns, centre, radius, intensity} = viewer.scene; "
+                     "return {view: views[2], patterns, centre, radius, intensity}; })()")
+    view, rig = scene["view"], os.path.join(folder, "rig")
+    os.makedirs(rig)
+    pictures = {role: f"{view['id']}_all_{role}.png" for role in ("black", "white")}
+    for name in pictures.values():
+        shutil.copy(os.path.join(data, name), rig)
+    rows = lambda pose: [pose[4 * r:4 * r + 4] for r in range(4)]
+    flat = lambda device: {key: device[key] for key in ("width", "height", "fx", "fy", "cx", "cy")}
+    ideal = view["projector"]
+    panel = {"width": 260, "height": 240, "fx": ideal["fx"] / 3, "fy": ideal["fy"] / 3.5, "cx": 130, "cy": 118,
+             "lens": [0.1, -0.05, 0.01, -0.005, 0.02], "gamma": [2.2, 2, 1.8]}
+    with open(os.path.join(rig, "scene.json"), "w", encoding="utf-8") as file:
+        json.dump({"format": "ffprocams-capture", "version": 1, "object": {"centre": scene["centre"], "radius": scene["radius"]},
+                   "camera": flat(view["camera"]), "projector": {**flat(ideal), "intensity": scene["intensity"], "device": panel},
+                   "patterns": [{"name": role, "role": role} for role in pictures],
+                   "views": [{"id": view["id"], "c2w": rows(view["camera"]["pose"]), "p2w": rows(ideal["pose"]), "images": pictures}]}, file)
+    for name, more in (("plain", []), ("sent", ["--for-device"])):
+        subprocess.run([program, "compensate", ply, "--capture", rig, "--view", view["id"], "--target", os.path.join(data, "..", "sun.png"),
+                        "--steps", "0", "--gaussians-only", "-o", os.path.join(folder, name + ".png"), *more], check=True,
+                       stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    with open(os.path.join(folder, "plain.png"), "rb") as file:
+        pattern = base64.b64encode(file.read()).decode()
+    page.run("viewer.jump(viewer.scene.views[2], true)")
+    made = base64.b64decode(page.run(f"""(async () => {{
+        const p = viewer.projector, bytes = Uint8Array.from(atob({pattern!r}), (c) => c.charCodeAt(0));
+        p.context.drawImage(await createImageBitmap(new Blob([bytes]), {{colorSpaceConversion: 'none'}}), 0, 0);
+        p.pattern.set(p.canvas);
+        p.dirty = true;
+        const {{data}} = panelPicture(viewer.graphics, p, {json.dumps(panel)}, {{}});
+        let text = ''; for (let i = 0; i < data.length; i += 8192) text += String.fromCharCode(...data.subarray(i, i + 8192));
+        return btoa(text); }})()"""))
+    width, height, wanted = read_png(os.path.join(folder, "sent.png"))
+    score = psnr(made, wanted, 4)
+    check("the panel's picture as compensate --for-device makes it", (width, height) == (260, 240) and score > 45, f"{score:.2f} dB")
+
+
+STILL = "Promise.all(document.getAnimations().map((a) => a.finished.catch(() => {}))).then(() => true)"
+
+# Tools and panel that leave the window or lie on each other, and controls that leave them.
+OUTSIDE = """(() => { const out = [], rect = (e) => e.getBoundingClientRect(), named = (e) => e.id || e.title || e.textContent.trim();
+    const within = (e, box) => { const r = rect(e); if (!r.width || r.left < box.left - 0.5 || r.right > box.right + 0.5 ||
+        r.top < box.top - 0.5 || r.bottom > box.bottom + 0.5) out.push(named(e)); };
+    const page = {left: 0, top: 0, right: innerWidth, bottom: innerHeight}, tools = document.getElementById('tools'), panel = document.getElementById('panel');
+    for (const e of [tools, panel, ...tools.querySelectorAll('button')]) within(e, page);
+    for (const e of panel.querySelectorAll('button, input, select, .row')) // what lies in strips is scrolled to
+        if (e.checkVisibility() && !e.closest('.strip')) within(e, {...{left: rect(panel).left, right: rect(panel).right}, top: -1e9, bottom: 1e9});
+    const a = rect(tools), b = rect(panel);
+    if (a.left < b.right && b.left < a.right && a.top < b.bottom && b.top < a.bottom) out.push('tools and panel overlap');
+    return out; })()"""
+
+# The least contrast of texts, as WCAG 2 counts it.
+CONTRAST = """(() => { const style = (e) => getComputedStyle(e), root = style(document.documentElement);
+    const probe = document.createElement('i'); document.body.append(probe);
+    const light = (colour) => { probe.style.color = colour; const c = style(probe).color.match(/[0-9.]+/g).slice(0, 3).map((v) => v / 255)
+        .map((v) => v <= 0.04045 ? v / 12.92 : ((v + 0.055) / 1.055) ** 2.4); return 0.2126 * c[0] + 0.7152 * c[1] + 0.0722 * c[2]; };
+    const ratio = (a, b) => { const [x, y] = [light(a), light(b)]; return (Math.max(x, y) + 0.05) / (Math.min(x, y) + 0.05); };
+    const told = (name) => root.getPropertyValue(name).trim(), found = {}, wide = style(document.getElementById('send')), about = style(document.getElementById('about'));
+    found.button = ratio(wide.color, wide.backgroundColor);
+    for (const name of ['--near', '--far']) found['about on ' + name] = ratio(about.color, told(name));
+    const tab = document.querySelector('#projectors .chosen'), dot = tab.style.getPropertyValue('--dot');
+    tab.style.transition = 'none';
+    for (const colour of PROJECTOR_COLOURS) { tab.style.setProperty('--dot', colour); found['tab ' + colour] = ratio(style(tab).color, style(tab).backgroundColor); }
+    tab.style.setProperty('--dot', dot);
+    probe.remove();
+    return found; })()"""
+
+
+def check_access(check, page):
+    """Names and states for those who do not see them, contrast for those who see little."""
+    page.run("viewer.setContent(new TestContent('White')); document.body.classList.add('with-panel'); for (const d of document.querySelectorAll('details')) d.open = true; true")
+    nodes = page.call("Accessibility.getFullAXTree")["nodes"]
+    value = lambda node, key: node.get(key, {}).get("value", "")
+    controls = [n for n in nodes if not n.get("ignored") and
+                value(n, "role") in ("button", "checkbox", "slider", "ColorWell", "combobox", "textbox", "switch", "MenuListPopup", "PopUpButton")]
+    nameless = [value(n, "role") for n in controls if value(n, "role") != "MenuListPopup" and not value(n, "name")]
+    check("every control has a name", len(controls) > 40 and not nameless, f"{len(controls)} controls; without: {' '.join(nameless) or 'none'}")
+    pressed = page.run("['views', 'contents', 'projectors'].map((id) => [...document.getElementById(id).children].filter("
+                       "(b) => b.getAttribute('aria-pressed') === 'true').length)")
+    check("what is chosen is said", pressed == [1, 1, 1], f"{pressed}")
+    for scheme in ("dark", "light"):
+        page.scheme(scheme)
+        found = page.run(CONTRAST)
+        least = min(found, key=found.get)
+        check(f"contrast, {scheme}", found[least] >= 4.5, f"{found[least]:.2f} at least: {least}")
+
+
+def check_looks(check, page, folder):
+    for name, width, height, scale, mobile in (("wide", 1400, 900, 1, False), ("phone", 400, 800, 2, True)):
+        page.resize(width, height, scale, mobile)
+        page.run(f"document.body.classList.toggle('with-panel', {str(not mobile).lower()}); "
+                 "document.getElementById('toast').classList.remove('shown')")
+        for scheme in ("dark", "light"):
+            page.scheme(scheme)
+            page.run("viewer.invalidate(); idle()")
+            page.screenshot(os.path.join(folder, f"{name}-{scheme}.png"))
+        page.hold(True)
+        page.run("document.body.classList.remove('with-panel')")
+        page.run(STILL)
+        sliding = page.run("(async () => { togglePanel(viewer); const early = viewer.screenCamera(); await " + STILL +
+                           "; const late = viewer.screenCamera(); return Math.hypot(early.cx - late.cx, early.cy - late.cy); })()")
+        check(f"the picture stands still while the panel slides in, {name}", sliding < 1e-6, f"moves by {sliding:.1f} pixels")
+        page.screenshot(os.path.join(folder, f"{name}-panel.png"))
+        outside = page.run(OUTSIDE)
+        check(f"the page fits {width} pixels", not outside, "; ".join(outside))
+        page.hold(False)
+
+
+def check_no_webgl(check, program, path, folder):
+    page = browser.Browser(program, 800, 600, ["--disable-gpu", "--disable-webgl", "--disable-3d-apis"])
+    try:
+        page.open(path)
+        page.wait("document.readyState === 'complete' && !!window.ready")
+        page.run("window.ready")
+        said = page.run("document.getElementById('failure').hidden ? '' : document.getElementById('failure').textContent.trim()")
+        page.screenshot(os.path.join(folder, "no-webgl.png"))
+        check("without WebGL 2 the page says so", "WebGL 2" in said, said.replace("\n", " "))
+    finally:
+        page.close()
+
+
+def main():
+    program, data = sys.argv[1:3]
+    chromium = browser.find()
+    if not chromium:
+        print("skipped: no Chromium here")
+        return 77
+    check = Checks()
+    with tempfile.TemporaryDirectory() as scratch:
+        folder = sys.argv[3] if len(sys.argv) > 3 else scratch
+        os.makedirs(folder, exist_ok=True)
+        ply, path = os.path.join(scratch, "spot.ply"), os.path.join(folder, "spot.html")
+        subprocess.run([program, "reconstruct", data, "-o", ply, "--polish", "0"], check=True, stdout=subprocess.DEVNULL)
+        subprocess.run([program, "view", ply, "--capture", data, "--poses", os.path.join(data, "targets.json"), "-o", path],
+                       check=True, stdout=subprocess.DEVNULL)
+        check("the page's size", os.path.getsize(path) < 6e6, f"{os.path.getsize(path) / 1e6:.1f} MB")
+        page = Page(chromium, 520, 400) # small: every pixel is drawn in software
+        try:
+            page.start(path)
+            check_pictures(check, page, program, ply, data, scratch)
+            check_halves(check, page)
+            check_maps(check, page, program, ply, data, scratch)
+            check_compensation(check, page, program, ply, data, scratch)
+            check_controls(check, page)
+            check_photograph(check, page, folder)
+            check_comparison(check, page)
+            check_keys(check, page)
+            check_turning(check, page)
+            check_targets(check, page)
+            check_contents(check, page, folder)
+            check_broken(check, page)
+            check_window(check, page)
+            check_panel(check, page, program, ply, data, scratch)
+            check_memory(check, page)
+            check_looks(check, page, folder)
+            check_access(check, page)
+            check_same_ids(check, page, path, scratch)
+            check("nothing in the console", not page.console, "; ".join(page.console)[:600])
+            away = [url for url in page.requests if not url.startswith(("file:", "blob:", "data:", "about:"))]
+            check("no request leaves the page", not away, " ".join(away))
+        finally:
+            page.close()
+        check_no_webgl(check, chromium, path, folder)
+    print(f"{check.failed} failed" if check.failed else "all passed")
+    return 1 if check.failed else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

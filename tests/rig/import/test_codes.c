@@ -1,0 +1,633 @@
+// Photographs of Gray codes on a ball, seen through two lenses: positions, depth, and what is wrong with
+// them.
+#include <math.h>
+#include <stdio.h>
+#include "core/base/alloc.h"
+#include "core/base/rigid.h"
+#include "core/base/rng.h"
+#include "core/numerics/least_squares.h"
+#include "core/patterns/lollipop.h"
+#include "core/patterns/patterns.h"
+#include "engine/match/coded.h"
+#include "engine/match/line.h"
+#include "engine/match/match.h"
+#include "rig/graycode/graycode.h"
+#include "rig/import/import.h"
+#include "rig/import/matrix.h"
+#include "scratch.h"
+
+enum { WIDTH = 160, HEIGHT = 120, PANEL_WIDTH = 120, PANEL_HEIGHT = 90 };
+
+static FfpError err;
+static const FfpOptics camera = {.width = WIDTH,
+                                 .height = HEIGHT,
+                                 .fx = 190,
+                                 .fy = 189,
+                                 .cx = 79,
+                                 .cy = 61,
+                                 .lens = {-0.12, 0.05, 0.002, -0.001, 0}};
+static const FfpOptics projector = {.width = PANEL_WIDTH,
+                                    .height = PANEL_HEIGHT,
+                                    .fx = 150,
+                                    .fy = 151,
+                                    .cx = 58,
+                                    .cy = 47,
+                                    .lens = {0.05, -0.04, 0.001, 0.002, 0}};
+static const double centre[3] = {0.05, -0.02, 3}, radius = 0.85;
+static double p2c[16]; // the projector half a unit to the right, turned towards the ball
+
+// --- The ball. ---
+
+// Where the ray (x, y, 1) of the camera's frame meets the ball; false where it does not.
+static bool meet(double x, double y, double point[3]) {
+    const double d[3] = {x, y, 1}, a = x * x + y * y + 1;
+    double b = 0, c = -radius * radius;
+    for (int i = 0; i < 3; i++) b += d[i] * centre[i], c += centre[i] * centre[i];
+    if (b * b < a * c) return false;
+    const double z = (b - sqrt(b * b - a * c)) / a;
+    for (int i = 0; i < 3; i++) point[i] = z * d[i];
+    return true;
+}
+
+// The projector's ray (x, y, 1) to a point, and whether it lights it.
+static bool lights(const double point[3], double ray[2], double *strength) {
+    double c2p[16], local[3], towards = 0, square = 0;
+    ffp_pose_inverse(p2c, c2p);
+    for (int i = 0; i < 3; i++) {
+        local[i] =
+            c2p[4 * i] * point[0] + c2p[4 * i + 1] * point[1] + c2p[4 * i + 2] * point[2] + c2p[4 * i + 3];
+        const double to = p2c[4 * i + 3] - point[i];
+        towards += to * (point[i] - centre[i]) / radius, square += to * to;
+    }
+    ray[0] = local[0] / local[2], ray[1] = local[1] / local[2];
+    *strength = fmax(towards, 0) / sqrt(square) * 6 / square;
+    return towards > 0;
+}
+
+// Radiance under a pattern along the camera's ray: a speckled ball before a dark wall.
+static double radiance(const FfpImage *pattern, double x, double y) {
+    double point[3], ray[2], u, v, strength;
+    if (!meet(x, y, point) || !lights(point, ray, &strength)) return 0.003;
+    ffp_lens_distort(projector.lens, ray[0], ray[1], &u, &v);
+    u = projector.cx + projector.fx * u, v = projector.cy + projector.fy * v;
+    const double albedo = 0.5 + 0.3 * sin(23 * point[0]) * cos(19 * point[1]);
+    if (u < 0 || v < 0 || u >= PANEL_WIDTH || v >= PANEL_HEIGHT) return 0.01 * albedo;
+    const double light = (double)pattern->data[(int)v * pattern->width + (int)u];
+    return albedo * (0.01 + strength * light);
+}
+
+// 4 x 4 samples a pixel, a little noise.
+static void photograph(const char *name, const FfpImage *pattern, double exposure, uint64_t seed) {
+    FfpImage out = ffp_image_new(WIDTH, HEIGHT, 3);
+    FfpRng rng = ffp_rng(seed, 9);
+    for (int i = 0; i < WIDTH * HEIGHT; i++) {
+        double sum = 0;
+        for (int k = 0; k < 16; k++) {
+            const double u = i % WIDTH + (k % 4 + 0.5) / 4, v = i / WIDTH + (k / 4 + 0.5) / 4;
+            double ray[2];
+            assert_true(ffp_lens_undistort(camera.lens, (u - camera.cx) / camera.fx,
+                                           (v - camera.cy) / camera.fy, ray));
+            sum += radiance(pattern, ray[0], ray[1]) / 16;
+        }
+        const double noise = 0.002 * (double)ffp_rng_normal(&rng);
+        for (int c = 0; c < 3; c++) out.data[3 * i + c] = (real)fmax(0, fmin(exposure * sum + noise, 1));
+    }
+    ffp_image_to_srgb(&out);
+    assert_true(ffp_image_write_png(&out, in_scratch(name), NULL));
+    ffp_image_free(&out);
+}
+
+// Under Gray code `index`.
+static void take(int index, const char *file, double exposure) {
+    const FfpShow show = {.width = PANEL_WIDTH, .height = PANEL_HEIGHT, .gray_codes = true};
+    char title[32];
+    FfpShowPart part;
+    FfpImage pattern = ffp_show_picture(&show, index, title, &part);
+    photograph(file, &pattern, exposure, (uint64_t)index);
+    ffp_image_free(&pattern);
+}
+
+static void take_all(void) {
+    assert_true(ffp_make_folders(in_scratch("photos"), NULL));
+    const int n = ffp_gray_photographs(PANEL_WIDTH, PANEL_HEIGHT);
+    for (int i = 0; i < n; i++) {
+        char file[64];
+        snprintf(file, sizeof file, "photos/%03d.png", i);
+        take(i, file, 1);
+    }
+    for (int grey = 0; grey < 2; grey++) {
+        FfpImage plain = ffp_pattern_plain(PANEL_WIDTH, PANEL_HEIGHT, 255 * grey);
+        photograph(grey ? "white.png" : "black.png", &plain, 1, 77);
+        ffp_image_free(&plain);
+    }
+}
+
+// --- The import. ---
+
+static void put_matrix(FILE *out, const char *name, int rows, int cols, const double *values) {
+    fprintf(out, "%s: !!opencv-matrix\n   rows: %d\n   cols: %d\n   dt: d\n   data: [ ", name, rows, cols);
+    for (int i = 0; i < rows * cols; i++) fprintf(out, "%s%.16e", i ? ", " : "", values[i]);
+    fputs(" ]\n", out);
+}
+
+static void write_calibration(void) {
+    const FfpOptics *o[2] = {&camera, &projector};
+    double c2p[16], r[9], t[3];
+    ffp_pose_inverse(p2c, c2p);
+    for (int i = 0; i < 9; i++) r[i] = c2p[4 * (i / 3) + i % 3];
+    for (int i = 0; i < 3; i++) t[i] = c2p[4 * i + 3];
+    FILE *out = fopen(in_scratch("rig.yml"), "w");
+    assert_non_null(out);
+    fputs("%YAML:1.0\n---\n", out);
+    for (int k = 0; k < 2; k++) {
+        const double matrix[9] = {o[k]->fx, 0, o[k]->cx - 0.5, 0, o[k]->fy, o[k]->cy - 0.5, 0, 0, 1};
+        put_matrix(out, k ? "prjK" : "camK", 3, 3, matrix);
+        put_matrix(out, k ? "prjKc" : "camKc", 1, 5, o[k]->lens);
+    }
+    put_matrix(out, "R", 3, 3, r);
+    put_matrix(out, "T", 3, 1, t);
+    fprintf(out, "camW: %d\ncamH: %d\nprjW: %d\nprjH: %d\n", WIDTH, HEIGHT, PANEL_WIDTH, PANEL_HEIGHT);
+    fclose(out);
+}
+
+static int setup(void **state) {
+    const double turn = -0.17, c = cos(turn), s = sin(turn);
+    const double pose[16] = {c, 0, s, 0.5, 0, 1, 0, 0.1, -s, 0, c, 0, 0, 0, 0, 1};
+    memcpy(p2c, pose, sizeof pose);
+    if (scratch_setup(state)) return 1;
+    take_all();
+    write_calibration();
+    return 0;
+}
+
+typedef struct Call {
+    FfpImportSettings options;
+    char calibration[200], black[200], white[200], codes[200], folder[200];
+    const char *files[1];
+    FfpShotFiles images[2];
+} Call;
+static const char *const black[1] = {"black"}, *const white[1] = {"white"};
+
+static Call *call_of(const char *folder) {
+    static Call call;
+    call = (Call){0};
+    snprintf(call.calibration, sizeof call.calibration, "%s/rig.yml", scratch);
+    snprintf(call.black, sizeof call.black, "%s/black.png", scratch);
+    snprintf(call.white, sizeof call.white, "%s/white.png", scratch);
+    snprintf(call.codes, sizeof call.codes, "%s/photos/*.png", scratch);
+    snprintf(call.folder, sizeof call.folder, "%s/%s", scratch, folder);
+    call.files[0] = call.calibration;
+    call.images[0] = (FfpShotFiles){black, 1, call.black};
+    call.images[1] = (FfpShotFiles){white, 1, call.white};
+    call.options = (FfpImportSettings){
+        .calibrations = call.files,
+        .n_calibrations = 1,
+        .sources = {.images = call.images, .n_images = 2, .mask = FFP_MASKS_OTSU, .codes = call.codes},
+        .folder = call.folder};
+    return &call;
+}
+
+static void import(FfpCapture *capture, Call *call) {
+    if (!ffp_import(&call->options, &err)) fail_msg("%s", err.text);
+    if (!ffp_capture_read(capture, call->folder, &err)) fail_msg("%s", err.text);
+}
+
+// Median distance of the correspondences from where the ball has them, pixels of the ideal projector; how
+// many.
+static int compare(const void *a, const void *b) {
+    const double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+static double positions_off(const FfpView *view, double rank, int *known) {
+    const FfpCamera *c = &view->camera, *p = &view->projector;
+    double *offs = ffp_alloc((size_t)c->width * (size_t)c->height, sizeof *offs), point[3], ray[2], strength;
+    *known = 0;
+    for (int i = 0; i < c->width * c->height; i++) {
+        const real *at = view->correspondence.data + 3 * i;
+        const double x = (i % c->width + 0.5 - (double)c->cx) / (double)c->fx,
+                     y = (i / c->width + 0.5 - (double)c->cy) / (double)c->fy;
+        if (!(at[2] > 0) || !meet(x, y, point) || !lights(point, ray, &strength)) continue;
+        offs[(*known)++] = hypot((double)(p->cx + p->fx * (real)ray[0] - at[0]),
+                                 (double)(p->cy + p->fy * (real)ray[1] - at[1]));
+    }
+    qsort(offs, (size_t)*known, sizeof *offs, compare);
+    const double off = *known > 0 ? offs[(int)(rank * (*known - 1))] : INFINITY;
+    ffp_free(offs);
+    return off;
+}
+
+// --- The tests. ---
+
+static void test_positions(void **state) {
+    (void)state;
+    FfpCapture capture;
+    int known = 0;
+    import(&capture, call_of("ball"));
+    const FfpView *view = &capture.views[0];
+    const double middle = positions_off(view, 0.5, &known), most = positions_off(view, 0.99, &known);
+    int shown = 0;
+    for (int i = 0; i < WIDTH * HEIGHT; i++) shown += view->coverage.data[i] > 0.5F;
+    printf("%d of %d pixels decoded, off by %.3f (median), %.3f (99 %%) pixels of the projector\n", known,
+           shown, middle, most);
+    assert_true(known > 0.8 * shown && middle < 0.06 && most < 0.5);
+    // Its own pattern: one of the codes, whose picture the codes explain.
+    assert_int_equal(capture.n_patterns, 3);
+    assert_string_equal(capture.patterns[2].name, "gray_x_05");
+    ffp_capture_free(&capture);
+}
+
+// Smaller pictures take the same positions along.
+static void test_narrower(void **state) {
+    (void)state;
+    FfpCapture capture;
+    Call *call = call_of("narrow");
+    int known = 0;
+    call->options.width = WIDTH / 2;
+    import(&capture, call);
+    const double middle = positions_off(&capture.views[0], 0.5, &known);
+    printf("half as wide: %d pixels, off by %.3f\n", known, middle);
+    assert_true(known > 1200 && middle < 0.06);
+    ffp_capture_free(&capture);
+}
+
+// A pattern cut out of what the panel shows: the codes are the whole panel's, positions those in the pattern.
+static void test_cropped_pattern(void **state) {
+    (void)state;
+    enum { LEFT = 20, TOP = 8, CUT_WIDTH = 90, CUT_HEIGHT = 70 }; // 26 codes would be enough for so many
+    static const char *const lollipop[1] = {"lollipop"};
+    static char files[2][1100];
+    FfpImage cut = ffp_lollipop_pattern(CUT_WIDTH, CUT_HEIGHT, 3),
+             panel = ffp_image_new(PANEL_WIDTH, PANEL_HEIGHT, 1);
+    for (int i = 0; i < CUT_WIDTH * CUT_HEIGHT; i++)
+        panel.data[(TOP + i / CUT_WIDTH) * PANEL_WIDTH + LEFT + i % CUT_WIDTH] =
+            ffp_srgb_decode(cut.data[(size_t)cut.channels * (size_t)i]);
+    assert_true(ffp_image_write_png(&cut, in_scratch("cut.png"), NULL));
+    photograph("lollipop.png", &panel, 1, 78);
+    snprintf(files[0], sizeof files[0], "%s/cut.png", scratch);
+    snprintf(files[1], sizeof files[1], "%s/lollipop.png", scratch);
+    const FfpProjected pattern = {lollipop[0], files[0]};
+    Call *call = call_of("cropped");
+    FfpShotFiles images[3] = {call->images[0], call->images[1], {lollipop, 1, files[1]}};
+    call->options.sources.images = images, call->options.sources.n_images = 3;
+    call->options.sources.patterns = &pattern, call->options.sources.n_patterns = 1;
+    call->options.projector = (FfpPictureSize){.fit = FFP_PICTURES_CROPPED, .left = LEFT, .top = TOP};
+    FfpCapture capture;
+    int known = 0;
+    import(&capture, call);
+    assert_int_equal(capture.views[0].projector.width, CUT_WIDTH);
+    const double middle = positions_off(&capture.views[0], 0.5, &known);
+    printf("cropped: %d pixels, off by %.3f\n", known, middle);
+    assert_true(known > 4000 && middle < 0.06);
+    ffp_capture_free(&capture);
+    ffp_image_free(&cut), ffp_image_free(&panel);
+}
+
+// Characters that wildcards are made of, in the names of files and folders.
+static void test_names_with_brackets(void **state) {
+    (void)state;
+    FfpCapture capture;
+    Call *call = call_of("brackets");
+    static char places[3][1100], command[5000];
+    snprintf(
+        command, sizeof command,
+        "cd %s && mkdir 'set[1]' 'set1' && cp photos/*.png 'set[1]' && cp white.png 'set[1]/white?.png' && "
+        "cp black.png 'set[1]/[black].png' && cp white.png set1/000.png",
+        scratch);
+    assert_int_equal(system(command), 0);
+    snprintf(places[0], sizeof places[0], "%s/set[1]/[black].png", scratch);
+    snprintf(places[1], sizeof places[1], "%s/set[1]/white?.png", scratch);
+    snprintf(places[2], sizeof places[2], "%s/set[1]/0*.png", scratch);
+    call->images[0].files = places[0], call->images[1].files = places[1];
+    call->options.sources.codes = places[2];
+    import(&capture, call);
+    ffp_capture_free(&capture);
+}
+
+static double depth_off(const FfpCapture *capture, double *share) {
+    FfpCapture normalised = *capture;
+    FfpView view = capture->views[0];
+    const FfpMatchSettings settings = ffp_match_defaults();
+    FfpInitialisation start;
+    double sum = 0, n = 0, there = 0, point[3];
+    normalised.views = &view;
+    ffp_capture_normalise(&normalised, capture->centre, capture->radius);
+    assert_true(ffp_initialisation_new(&start, &normalised, &(int){2}, 1, &settings, &err));
+    for (int i = 0; i < start.width * start.height; i++) {
+        const double x = (i % start.width + 0.5 - (double)view.camera.cx) / (double)view.camera.fx,
+                     y = (i / start.width + 0.5 - (double)view.camera.cy) / (double)view.camera.fy;
+        if (view.coverage.data[i] < 1 || !meet(x, y, point)) continue;
+        const double z = (double)(start.footprint[i] * view.camera.fx * capture->radius);
+        n++;
+        if (!(start.confidence[i] > 0)) continue;
+        sum += pow(z - point[2], 2), there++;
+    }
+    *share = there / n;
+    ffp_initialisation_free(&start);
+    return sqrt(sum / there);
+}
+
+// Matching with codes, and with the one pattern alone.
+static void test_depth(void **state) {
+    (void)state;
+    FfpCapture capture;
+    double share, alone;
+    import(&capture, call_of("matched"));
+    const double coded = depth_off(&capture, &share);
+    ffp_image_free(&capture.views[0].correspondence);
+    const double matched = depth_off(&capture, &alone);
+    printf("depth off by %.4f with codes (%.0f %% of the pixels), %.4f without (%.0f %%)\n", coded,
+           100 * share, matched, 100 * alone);
+    assert_true(share > 0.8 && coded < 0.012 && coded < 0.3 * matched);
+    ffp_capture_free(&capture);
+}
+
+// Two stops of a table that turns about the ball's middle: both look alike.
+static void test_views(void **state) {
+    (void)state;
+    FfpCapture capture;
+    Call *call = call_of("turned");
+    FfpTurntable *turntable = ffp_alloc(1, sizeof *turntable);
+    *turntable = (FfpTurntable){.axis = {0, -1, 0}, .count = 2};
+    memcpy(turntable->point, centre, sizeof turntable->point);
+    turntable->angles[1] = 30;
+    for (int v = 0; v < 2; v++) {
+        char command[512];
+        snprintf(command, sizeof command, "cd '%s' && mkdir -p %s && cp photos/*.png black.png white.png %s/",
+                 scratch, v ? "030" : "000", v ? "030" : "000");
+        assert_int_equal(system(command), 0);
+    }
+    snprintf(call->black, sizeof call->black, "%s/{view}/black.png", scratch);
+    snprintf(call->white, sizeof call->white, "%s/{view}/white.png", scratch);
+    snprintf(call->codes, sizeof call->codes, "%s/{view}/[0-9]*.png", scratch);
+    call->options.turntable = turntable;
+    import(&capture, call);
+    int known[2] = {0};
+    const double first = positions_off(&capture.views[0], 0.5, &known[0]),
+                 second = positions_off(&capture.views[1], 0.5, &known[1]);
+    assert_true(first < 0.06 && second < 0.06 && known[0] == known[1]);
+    ffp_capture_free(&capture);
+    ffp_free(turntable);
+}
+
+// What a capture's file may hold.
+static void test_bad_correspondences(void **state) {
+    (void)state;
+    FfpCapture capture;
+    Call *call = call_of("spoilt");
+    char path[300];
+    import(&capture, call);
+    snprintf(path, sizeof path, "%s/000_correspondence.exr", call->folder);
+    FfpImage *map = &capture.views[0].correspondence;
+    map->data[2] = 1.5F;
+    FfpCapture again;
+    assert_true(ffp_image_write_exr(map, path, NULL));
+    assert_false(ffp_capture_read(&again, call->folder, &err));
+    assert_non_null(strstr(err.text, "trust (the third channel) is outside 0 to 1"));
+    assert_non_null(strstr(err.text, "000_correspondence.exr"));
+    map->data[2] = 1, map->data[0] = -5000;
+    assert_true(ffp_image_write_exr(map, path, NULL));
+    assert_false(ffp_capture_read(&again, call->folder, &err));
+    assert_non_null(strstr(err.text, "far outside the projector's"));
+    FfpImage small = ffp_image_new(8, 8, 3);
+    assert_true(ffp_image_write_exr(&small, path, NULL));
+    ffp_image_free(&small);
+    assert_false(ffp_capture_read(&again, call->folder, &err));
+    assert_non_null(strstr(err.text, "image is 8 x 8"));
+    ffp_capture_free(&capture);
+}
+
+// Root mean square distance of the board's points from their plane, the farthest hundredth left out.
+static double board_off(const FfpView *view, int *known) {
+    enum { LEFT = 250, TOP = 205, RIGHT = 955, BOTTOM = 765 };
+    double a[16] = {0}, b[4] = {0}, x[3], *offs = ffp_alloc((RIGHT - LEFT) * (BOTTOM - TOP), sizeof *offs),
+           sum = 0;
+    for (int round = 0; round < 2; round++) {
+        *known = 0;
+        for (int j = TOP; j < BOTTOM; j++)
+            for (int i = LEFT; i < RIGHT; i++) {
+                real off, point[3];
+                const real z =
+                    ffp_coded_depth(view, (size_t)j * (size_t)view->camera.width + (size_t)i, &off);
+                if (!(z > 0)) continue;
+                ffp_point_at(&view->camera, (real)i + 0.5F, (real)j + 0.5F, z, point);
+                // z = x0 + x1 u + x2 v in metres, u and v across the board
+                const double row[3] = {1, (double)point[0] / 1000, (double)point[1] / 1000};
+                const double height = (double)point[2] / 1000 - 3.6;
+                if (round == 0)
+                    for (int k = 0; k < 3; k++) {
+                        b[k] -= row[k] * height;
+                        for (int m = 0; m < 3; m++) a[3 * k + m] += row[k] * row[m];
+                    }
+                else
+                    offs[*known] = fabs(height - x[0] - x[1] * row[1] - x[2] * row[2]) /
+                                   sqrt(1 + x[1] * x[1] + x[2] * x[2]);
+                ++*known;
+            }
+        if (round == 0) ffp_solve_positive(a, b, 3, x);
+    }
+    qsort(offs, (size_t)*known, sizeof *offs, compare);
+    const int kept = (int)(0.99 * *known);
+    for (int i = 0; i < kept; i++) sum += offs[i] * offs[i];
+    ffp_free(offs);
+    return 1000 * sqrt(sum / kept);
+}
+
+// A real board 3.6 m away: millimetres.
+static void test_real_board(void **state) {
+    (void)state;
+    char root[1024], files[4][1100];
+    if (!shared_path(root, "real/kamino410/sample")) skip();
+    Call *call = call_of("board");
+    FfpCapture capture;
+    int known = 0;
+    static const char *const names[4] = {"opencv_reference.xml", "capture_0/graycode_41.jpg",
+                                         "capture_0/graycode_40.jpg", "capture_0/graycode_[0-3]*.jpg"};
+    for (int i = 0; i < 4; i++) snprintf(files[i], sizeof files[i], "%s/%s", root, names[i]);
+    call->files[0] = files[0];
+    call->images[0].files = files[1], call->images[1].files = files[2];
+    call->options.sources.codes = files[3];
+    call->options.projector = (FfpPictureSize){.width = 1024, .height = 768};
+    call->options.linear_images = true;
+    import(&capture, call);
+    const double off = board_off(&capture.views[0], &known);
+    printf("%d points of the board, %.2f mm from their plane\n", known, off);
+    assert_true(known > 300000 && off < 0.9);
+    ffp_capture_free(&capture);
+}
+
+// --- Faults. ---
+
+// What is done to a copy of the photographs, or to the call, and what the error must say, file or field with
+// it.
+typedef struct Fault {
+    const char *command; // of the shell, in the copy's folder
+    void (*change)(Call *call);
+    const char *words[3];
+} Fault;
+
+#define SWAP(a, b) "mv " a " x && mv " b " " a " && mv x " b
+
+static void by_name(Call *call) {
+    snprintf(call->codes, sizeof call->codes, "%s/fault/named/{pattern}.png", scratch);
+}
+static void one_file(Call *call) {
+    snprintf(call->codes, sizeof call->codes, "%s/fault/photos/005.png", scratch);
+}
+static void no_file(Call *call) {
+    call->codes[0] = 0;
+}
+static void nowhere(Call *call) {
+    snprintf(call->codes, sizeof call->codes, "%s/fault/nowhere/*.png", scratch);
+}
+static void same_plain(Call *call) {
+    memcpy(call->black, call->white, sizeof call->black);
+}
+static void other_rig(Call *call) {
+    snprintf(call->calibration, sizeof call->calibration, "%s/fault/other.yml", scratch);
+}
+
+// Two stops of a table, in the folders 000 and 030.
+static void two_stops(Call *call) {
+    static FfpTurntable turntable;
+    turntable = (FfpTurntable){.axis = {0, -1, 0}, .count = 2, .angles = {0, 30}};
+    memcpy(turntable.point, centre, sizeof turntable.point);
+    call->options.turntable = &turntable;
+    snprintf(call->black, sizeof call->black, "%s/fault/{view}/black.png", scratch);
+    snprintf(call->white, sizeof call->white, "%s/fault/{view}/white.png", scratch);
+}
+static void two_stops_alike(Call *call) {
+    two_stops(call);
+    snprintf(call->codes, sizeof call->codes, "%s/fault/named/{pattern}.png", scratch);
+}
+static void two_stops_named(Call *call) {
+    two_stops(call);
+    snprintf(call->codes, sizeof call->codes, "%s/fault/{view}/[0-9]*.png", scratch);
+}
+#define STOPS "mkdir 000 && cp photos/*.png black.png white.png 000/ && cp -r 000 030"
+
+static const Fault faults[] = {
+    {"rm photos/005.png", NULL, {"27 files match, but a view has 28 photographs", "photos/*.png"}},
+    {"cp photos/005.png photos/005b.png", NULL, {"29 files match, but a view has 28 photographs"}},
+    {"rm -r photos", NULL, {"no file matches, or the folder cannot be read", "photos/*.png"}},
+    {"true", nowhere, {"no file matches, or the folder cannot be read", "nowhere/*.png"}},
+    {"true", no_file, {"no file is named", "(gray_codes)"}},
+    {"true", one_file, {"names one file for 28 Gray codes: use {pattern} or *", "005.png"}},
+    {"mkdir named", by_name, {"view '000' under Gray code 'gray_x_00'", "named/gray_x_00.png"}},
+    {STOPS, two_stops_alike, {"names one file for 2 views: use {view}", "{pattern}.png"}},
+    {STOPS " && rm 030/004.png", two_stops_named, {"27 files match", "030/[0-9]*.png"}},
+    {STOPS " && rm -r 030", two_stops_named, {"no such file", "030/black.png"}},
+    // Numbers.
+    {SWAP("photos/004.png", "photos/010.png") " && " SWAP("photos/005.png", "photos/011.png"),
+     NULL,
+     {"its stripes are broader than those of", "the pairs of 004.png and 010.png seem to be swapped"}},
+    {SWAP("photos/006.png", "photos/007.png"),
+     NULL,
+     {"006.png and 007.png seem to be swapped, a code and its inverse", "photos/006.png"}},
+    {SWAP("photos/022.png", "photos/023.png"),
+     NULL,
+     {"022.png and 023.png seem to be swapped, a code and its inverse", "photos/022.png"}},
+    {SWAP("photos/008.png", "photos/020.png"),
+     NULL,
+     {"are not each other's inverse", "'009.png'", "photos/008.png"}},
+    // Two apart: a code and the next finer one, whose inverses stay.
+    {SWAP("photos/002.png", "photos/004.png"),
+     NULL,
+     {"002.png and 004.png seem to be swapped", "photos/002.png"}},
+    {SWAP("photos/004.png", "photos/006.png"),
+     NULL,
+     {"004.png and 006.png seem to be swapped", "photos/004.png"}},
+    {SWAP("photos/007.png", "photos/009.png"),
+     NULL,
+     {"007.png and 009.png seem to be swapped", "photos/006.png"}},
+    {SWAP("photos/000.png", "photos/002.png"),
+     NULL,
+     {"000.png and 002.png seem to be swapped", "photos/000.png"}},
+    {SWAP("photos/005.png", "photos/006.png"),
+     NULL,
+     {"005.png and 006.png seem to be swapped", "photos/004.png"}},
+    {"cp photos/009.png photos/008.png", NULL, {"are not each other's inverse", "photos/008.png"}},
+    {"rm photos/000.png && cp photos/027.png photos/028.png",
+     NULL,
+     {"are not each other's inverse", "photos/001.png"}},
+    // These mirror or turn everything: the calibration tells, or the panel where it ends early.
+    {SWAP("photos/000.png", "photos/001.png"), NULL, {"away from where the calibration puts them"}},
+    {"mkdir x && mv photos/00* photos/010.png photos/011.png photos/012.png photos/013.png x/ && i=0 && for "
+     "f "
+     "in photos/*.png x/*.png; do mv $f $(printf y%03d.png $i); i=$((i+1)); done && mv y*.png photos/",
+     NULL,
+     {"rows beyond the panel's 90", "columns come before rows"}},
+    {"sed 's/prjW: 120/prjW: 80/' ../rig.yml > other.yml",
+     other_rig,
+     {"columns beyond the panel's 80", "of another size"}},
+    {"sed 's/prjW: 120/prjW: 260/' ../rig.yml > other.yml",
+     other_rig,
+     {"28 files match, but a view has 32 photographs"}},
+    // Light.
+    {"cp ../spare/dim.png photos/008.png", NULL, {"darker than black and white", "photos/008.png"}},
+    {"cp ../spare/bright.png photos/009.png", NULL, {"brighter than black and white", "photos/009.png"}},
+    {SWAP("black.png", "white.png"),
+     NULL,
+     {"white is darker than black: they have changed places", "white.png"}},
+    {"cp black.png white.png", NULL, {"nothing is lit", "white.png"}},
+    {"true", same_plain, {"is named twice: view '000' under 'black' and under 'white'", "white.png"}},
+    {"cp ../spare/full.png white.png && cp ../spare/full.png black.png",
+     NULL,
+     {"both are overexposed: expose shorter", "white.png"}},
+    {"rm black.png", NULL, {"no such file", "black.png"}},
+    // Files.
+    {"cp ../spare/small.png photos/013.png",
+     NULL,
+     {"image is 80 x 120, the others have 160 x 120", "013.png"}},
+    {"printf GIF89a > photos/020.png", NULL, {"photos/020.png"}},
+    {"head -c 500 photos/020.png > x && mv x photos/020.png", NULL, {"photos/020.png"}},
+    {": > photos/021.png", NULL, {"file is empty", "photos/021.png"}},
+};
+
+static void make_spare(void) {
+    FfpImage small = ffp_image_new(WIDTH / 2, HEIGHT, 3), full = ffp_image_new(WIDTH, HEIGHT, 3);
+    for (int i = 0; i < 3 * WIDTH * HEIGHT; i++) full.data[i] = 1;
+    assert_true(ffp_make_folders(in_scratch("spare"), NULL));
+    assert_true(ffp_image_write_png(&small, in_scratch("spare/small.png"), NULL));
+    assert_true(ffp_image_write_png(&full, in_scratch("spare/full.png"), NULL));
+    ffp_image_free(&small), ffp_image_free(&full);
+    take(8, "spare/dim.png", 0.5), take(9, "spare/bright.png", 2);
+}
+
+static void must_fail(const Fault *fault) {
+    Call *call = call_of("never");
+    char command[1024];
+    snprintf(
+        command, sizeof command,
+        "cd '%s' && rm -rf fault && mkdir fault && cp -r photos black.png white.png fault/ && cd fault && "
+        "(%s)",
+        scratch, fault->command);
+    assert_int_equal(system(command), 0);
+    snprintf(call->black, sizeof call->black, "%s/fault/black.png", scratch);
+    snprintf(call->white, sizeof call->white, "%s/fault/white.png", scratch);
+    snprintf(call->codes, sizeof call->codes, "%s/fault/photos/*.png", scratch);
+    if (fault->change) fault->change(call);
+    err = (FfpError){0};
+    if (ffp_import(&call->options, &err)) fail_msg("no error after: %s", fault->command);
+    for (int i = 0; i < 3 && fault->words[i]; i++)
+        if (!strstr(err.text, fault->words[i]))
+            fail_msg("no \"%s\" after %s: %s", fault->words[i], fault->command, err.text);
+    assert_false(ffp_is_folder(call->folder));
+}
+
+static void test_faults(void **state) {
+    (void)state;
+    make_spare();
+    for (size_t i = 0; i < sizeof faults / sizeof *faults; i++) must_fail(&faults[i]);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_positions),       cmocka_unit_test(test_narrower),
+        cmocka_unit_test(test_cropped_pattern), cmocka_unit_test(test_names_with_brackets),
+        cmocka_unit_test(test_depth),           cmocka_unit_test(test_views),
+        cmocka_unit_test(test_faults),          cmocka_unit_test(test_bad_correspondences),
+        cmocka_unit_test(test_real_board),
+    };
+    return cmocka_run_group_tests(tests, setup, scratch_teardown);
+}
