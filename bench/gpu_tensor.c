@@ -51,8 +51,9 @@ static void fc1_back(Bench *x) {
     linear_backward(x, x->w.dim, FFP_MLP_RATIO * x->w.dim);
 }
 static void gemm(Bench *x) {
-    ffp_gemm(false, true, x->rows, FFP_MLP_RATIO * x->w.dim, x->w.dim, 1, x->a, x->w.dim, x->weight, x->w.dim,
-             0, x->c, FFP_MLP_RATIO * x->w.dim);
+    const int dim = x->w.dim, wide = FFP_MLP_RATIO * dim;
+    ffp_gemm(1, ffp_factor(x->a, x->rows, dim, dim), ffp_transposed(ffp_factor(x->weight, wide, dim, dim)), 0,
+             x->c, wide);
 }
 static void bias_back(Bench *x) {
     ffp_linear_backward(NULL, x->dweight, x->dsmall, x->b, x->a, x->weight, x->rows, 8,

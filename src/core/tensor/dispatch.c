@@ -20,14 +20,12 @@ static const FfpKernels *kernels(void) {
     return table ? table : tables[FFP_CPU_PORTABLE];
 }
 
-void ffp_gemm(bool transpose_a, bool transpose_b, int m, int n, int k, real alpha, const real *a, int lda,
-              const real *b, int ldb, real beta, real *c, int ldc) {
-    kernels()->gemm(transpose_a, transpose_b, m, n, k, alpha, a, lda, b, ldb, beta, c, ldc);
+void ffp_gemm(real alpha, FfpFactor a, FfpFactor b, real beta, real *c, int ldc) {
+    kernels()->gemm(alpha, a, b, beta, c, ldc);
 }
 
-void ffp_gemm_mixed(bool transpose_a, bool transpose_b, int m, int n, int k, real alpha, const real *a,
-                    int lda, const real *b, int ldb, real beta, real *c, int ldc) {
-    kernels()->gemm_mixed(transpose_a, transpose_b, m, n, k, alpha, a, lda, b, ldb, beta, c, ldc);
+void ffp_gemm_mixed(real alpha, FfpFactor a, FfpFactor b, real beta, real *c, int ldc) {
+    kernels()->gemm_mixed(alpha, a, b, beta, c, ldc);
 }
 
 void ffp_linear_forward(real *y, const real *x, const real *w, const real *bias, int rows, int in, int out) {

@@ -10,16 +10,36 @@
 #include <stddef.h>
 #include "core/base/real.h"
 
-// C[m,n] = alpha op(A) op(B) + beta C; op(A) is [m,k], op(B) is [k,n]; lda, ldb, ldc are the row strides as
-// stored.
-void ffp_gemm(bool transpose_a, bool transpose_b, int m, int n, int k, real alpha, const real *a, int lda,
-              const real *b, int ldb, real beta, real *c, int ldc);
+// A factor of a product, a matrix of rows x columns numbers: element (i, j) is data[i * stride + j], or
+// data[j * stride + i] if it is stored transposed.
+typedef struct FfpFactor {
+    const real *data;
+    int rows, columns, stride;
+    bool transposed;
+} FfpFactor;
+static inline FfpFactor ffp_factor(const real *data, int rows, int columns, int stride) {
+    const FfpFactor factor = {data, rows, columns, stride, false};
+    return factor;
+}
+static inline FfpFactor ffp_transposed(FfpFactor a) {
+    const FfpFactor factor = {a.data, a.columns, a.rows, a.stride, !a.transposed};
+    return factor;
+}
+// The part of it from element (row, column) on.
+static inline FfpFactor ffp_factor_part(FfpFactor a, int row, int column, int rows, int columns) {
+    a.data += a.transposed ? (size_t)column * a.stride + row : (size_t)row * a.stride + column;
+    a.rows = rows;
+    a.columns = columns;
+    return a;
+}
+
+// C[m,n] = alpha A B + beta C; A is [m,k], B is [k,n], ldc is the row stride of C.
+void ffp_gemm(real alpha, FfpFactor a, FfpFactor b, real beta, real *c, int ldc);
 
 // The same with operands rounded to bf16 at the CPU levels that multiply those (core/base/cpu.h), sums in
 // real. Packs them in memory of the calling thread's that is kept: allocates only for larger operands than
 // ever before. C must not overlap A or B.
-void ffp_gemm_mixed(bool transpose_a, bool transpose_b, int m, int n, int k, real alpha, const real *a,
-                    int lda, const real *b, int ldb, real beta, real *c, int ldc);
+void ffp_gemm_mixed(real alpha, FfpFactor a, FfpFactor b, real beta, real *c, int ldc);
 
 // Products of linear layers are ffp_gemm_mixed's.
 // y[T,out] = x[T,in] w^T (+ bias[out] if not NULL); w is [out,in].

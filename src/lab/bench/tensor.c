@@ -26,13 +26,13 @@ static void gemm(void *data) {
 }
 static void gemm_dx(void *data) {
     const Data *x = data;
-    ffp_gemm_mixed(false, false, ROWS, LARGE_IN, LARGE_OUT, 1, x->b, LARGE_OUT, x->w, LARGE_IN, 0, x->c,
-                   LARGE_IN);
+    ffp_gemm_mixed(1, ffp_factor(x->b, ROWS, LARGE_OUT, LARGE_OUT),
+                   ffp_factor(x->w, LARGE_OUT, LARGE_IN, LARGE_IN), 0, x->c, LARGE_IN);
 }
 static void gemm_dw(void *data) {
     const Data *x = data;
-    ffp_gemm_mixed(true, false, LARGE_OUT, LARGE_IN, ROWS, 1, x->b, LARGE_OUT, x->a, LARGE_IN, 1, x->dw,
-                   LARGE_IN);
+    ffp_gemm_mixed(1, ffp_transposed(ffp_factor(x->b, ROWS, LARGE_OUT, LARGE_OUT)),
+                   ffp_factor(x->a, ROWS, LARGE_IN, LARGE_IN), 1, x->dw, LARGE_IN);
 }
 static void linear_forward(void *data) {
     const Data *x = data;

@@ -129,17 +129,20 @@ typedef struct Product {
     float alpha, beta;
 } Product;
 
+static FfpFactor product_factor(Pass *pass, int rows, int columns, int more, bool transposed, double shift) {
+    if (transposed) return ffp_transposed(product_factor(pass, columns, rows, more, false, shift));
+    return ffp_factor(input(pass, (size_t)rows * (columns + more), 1, shift), rows, columns, columns + more);
+}
+
 static void product(Pass *pass, const void *shape) {
     const Product *p = shape;
-    const int lda = (p->transpose_a ? p->m : p->k) + p->more, ldb = (p->transpose_b ? p->k : p->n) + p->more,
-              ldc = p->n + p->more;
-    const float *a = input(pass, (size_t)(p->transpose_a ? p->k : p->m) * lda, 1, 0.1);
-    const float *b = input(pass, (size_t)(p->transpose_b ? p->n : p->k) * ldb, 1, -0.1);
+    const FfpFactor a = product_factor(pass, p->m, p->k, p->more, p->transpose_a, 0.1);
+    const FfpFactor b = product_factor(pass, p->k, p->n, p->more, p->transpose_b, -0.1);
+    const int ldc = p->n + p->more;
     const size_t size = (size_t)p->m * ldc;
     float *c = p->beta == 0 && p->more == 0 ? output(pass, "c", size, p->mixed ? BF16 : FP32)
                                             : sum(pass, "c", size, p->mixed ? BF16 : FP32);
-    (p->mixed ? ffp_gemm_mixed : ffp_gemm)(p->transpose_a, p->transpose_b, p->m, p->n, p->k, p->alpha, a, lda,
-                                           b, ldb, p->beta, c, ldc);
+    (p->mixed ? ffp_gemm_mixed : ffp_gemm)(p->alpha, a, b, p->beta, c, ldc);
 }
 
 static void products(void **state) {

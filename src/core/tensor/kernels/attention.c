@@ -48,11 +48,11 @@ static void weigh_safe(Block *block, FfpOperand q, FfpOperand k, int dim) {
 #ifdef FFP_PRODUCT_WEIGHTS
     if (block->keys % FFP_PACK_DEPTH == 0) {
         FFP_K(product_weights)
-        (block->queries, block->keys, dim, q.from, q.depth, k.from, k.depth, block->weights, block->parts);
+        (block->queries, block->keys, dim, q, k, block->weights, block->parts);
         return;
     }
 #endif
-    ffp_multiply(block->queries, block->keys, dim, 1, q, k, 0, block->scores, FFP_SEGMENT);
+    ffp_product(block->queries, block->keys, dim, 1, q, k, 0, block->scores, FFP_SEGMENT);
     for (int i = 0; i < block->queries; i++)
         block->sum[i] += FFP_K(softmax_row)(block->weights + (size_t)i * block->depth,
                                             block->scores + (size_t)i * FFP_SEGMENT, 0, block->keys);
@@ -75,7 +75,7 @@ static real greatest_score(const real *scores, int count, real top) {
 
 // Keeps each row's greatest score in `top`; what was gathered with an older one is scaled down to it.
 static void weigh_online(Block *block, FfpOperand q, FfpOperand k, real *out, const FfpAttention *a) {
-    ffp_multiply(block->queries, block->keys, a->dim, 1, q, k, 0, block->scores, FFP_SEGMENT);
+    ffp_product(block->queries, block->keys, a->dim, 1, q, k, 0, block->scores, FFP_SEGMENT);
     for (int i = 0; i < block->queries; i++) {
         const real *scores = block->scores + (size_t)i * FFP_SEGMENT;
         const real greatest = greatest_score(scores, block->keys, block->top[i]);
@@ -109,8 +109,8 @@ static void attend_block(real *out, real *log_sum, const FfpAttention *a, const 
             weigh_safe(&block, q, k, a->dim);
         else
             weigh_online(&block, q, k, out, a);
-        ffp_multiply(queries, a->dim, to.rows, 1, (FfpOperand){block.weights, block.depth},
-                     ffp_deep_columns(a, &to, FFP_V_DEEP, 0), index > 0 ? 1 : 0, out, a->width);
+        ffp_product(queries, a->dim, to.rows, 1, (FfpOperand){block.weights, block.depth},
+                    ffp_deep_columns(a, &to, FFP_V_DEEP, 0), index > 0 ? 1 : 0, out, a->width);
     }
     for (int i = 0; i < queries; i++) {
         for (int lane = 0; lane < FFP_PACK_LINES; lane++)

@@ -82,15 +82,15 @@ static void attend_keys(const Backward *pass, Block *block, const FfpSegment *ke
     const real fresh = from->first + queries->first > 0 ? 1 : 0;
     real *dv = pass->dqkv + ((size_t)(keys->first + first) * 3 + 2) * width + (size_t)keys->head * dim;
     real *dk = a->k + ffp_attention_stage(a, keys) + (size_t)first * dim;
-    ffp_multiply(count, n, dim, 1, ffp_flat_rows(a, keys, FFP_K_ROWS, first),
-                 ffp_flat_columns(a, from, FFP_Q_COLUMNS, queries->first), 0, block->scores, QUERIES);
-    ffp_multiply(count, n, dim, 1, ffp_flat_rows(a, keys, FFP_V_ROWS, first),
-                 ffp_flat_columns(a, from, FFP_DOUT_COLUMNS, queries->first), 0, block->dscores, QUERIES);
+    ffp_product(count, n, dim, 1, ffp_flat_rows(a, keys, FFP_K_ROWS, first),
+                ffp_flat_columns(a, from, FFP_Q_COLUMNS, queries->first), 0, block->scores, QUERIES);
+    ffp_product(count, n, dim, 1, ffp_flat_rows(a, keys, FFP_V_ROWS, first),
+                ffp_flat_columns(a, from, FFP_DOUT_COLUMNS, queries->first), 0, block->dscores, QUERIES);
     FFP_K(softmax_gradients)(&softmax);
-    ffp_multiply(count, dim, n, 1, (FfpOperand){block->weights, depth},
-                 ffp_deep_columns(a, from, FFP_DOUT_DEEP, queries->first), fresh, dv, 3 * width);
-    ffp_multiply(count, dim, n, (real)FFP_LN_2, (FfpOperand){block->dweights, depth},
-                 ffp_deep_columns(a, from, FFP_Q_DEEP, queries->first), fresh, dk, dim);
+    ffp_product(count, dim, n, 1, (FfpOperand){block->weights, depth},
+                ffp_deep_columns(a, from, FFP_DOUT_DEEP, queries->first), fresh, dv, 3 * width);
+    ffp_product(count, dim, n, (real)FFP_LN_2, (FfpOperand){block->dweights, depth},
+                ffp_deep_columns(a, from, FFP_Q_DEEP, queries->first), fresh, dk, dim);
 }
 
 // All keys of a segment against all queries of another; the latter's dq^T is added to.
@@ -106,8 +106,8 @@ static void attend_pair(const Backward *pass, int head, int key_segment, int que
         queries.count = ffp_smaller(QUERIES, queries.segment.rows - queries.first);
         for (int first = 0; first < keys.rows; first += KEYS)
             attend_keys(pass, &block, &keys, first, &queries);
-        ffp_multiply(a->dim, queries.count, keys.rows, 1, k, (FfpOperand){block.columns, depth},
-                     key_segment > 0 ? 1 : 0, dq + queries.first, FFP_SEGMENT);
+        ffp_product(a->dim, queries.count, keys.rows, 1, k, (FfpOperand){block.columns, depth},
+                    key_segment > 0 ? 1 : 0, dq + queries.first, FFP_SEGMENT);
     }
 }
 

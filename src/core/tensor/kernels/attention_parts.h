@@ -63,16 +63,6 @@ static inline FfpPacked *ffp_attention_operand(const FfpAttention *a, const FfpS
                                                FfpAttentionOperand part) {
     return a->packed + (segment->order * FFP_ATTENTION_OPERANDS + part) * a->part_size;
 }
-// A packed operand, or the part of it from some line and number on.
-typedef struct FfpOperand {
-    const FfpPacked *from;
-    size_t depth;
-} FfpOperand;
-
-static inline void ffp_multiply(int m, int n, int k, real alpha, FfpOperand a, FfpOperand b, real beta,
-                                real *c, int ldc) {
-    FFP_K(product)(m, n, k, alpha, a.from, a.depth, b.from, b.depth, beta, c, ldc);
-}
 
 // A part whose lines are the segment's rows, from `row` on; and one whose lines are the head's columns and
 // that has the segment's rows along k, from `row` on (a multiple of FFP_PACK_DEPTH), as B.

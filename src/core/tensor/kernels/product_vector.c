@@ -160,16 +160,15 @@ static inline __attribute__((always_inline)) int multiply_rows(const Block *bloc
 }
 
 // Panels of B outside, so that they stay in the first-level cache while the rows of A pass.
-void FFP_K(product)(int m, int n, int k, real alpha, const FfpPacked *a, size_t a_depth, const FfpPacked *b,
-                    size_t b_depth, real beta, real *c, int ldc) {
-    Block block = {.a_depth = a_depth, .b_depth = b_depth, .alpha = alpha, .beta = beta, .ldc = ldc};
+void ffp_product(int m, int n, int k, real alpha, FfpOperand a, FfpOperand b, real beta, real *c, int ldc) {
+    Block block = {.a_depth = a.depth, .b_depth = b.depth, .alpha = alpha, .beta = beta, .ldc = ldc};
     block.groups = (k + FFP_PACK_GROUP - 1) / FFP_PACK_GROUP;
     for (int column = 0; column < n;) {
         const bool full = n - column > (PANELS - 1) * FFP_PACK_LINES;
-        block.b = b + (size_t)column * b_depth;
+        block.b = b.from + (size_t)column * b.depth;
         block.columns = n - column;
         for (int row = 0; row < m;) {
-            block.a = a + (size_t)row * a_depth;
+            block.a = a.from + (size_t)row * a.depth;
             block.c = c + (size_t)row * ldc + column;
             row += full ? multiply_rows(&block, m - row, PANELS, false)
                         : multiply_rows(&block, m - row, 1, false);
@@ -179,14 +178,13 @@ void FFP_K(product)(int m, int n, int k, real alpha, const FfpPacked *a, size_t 
 }
 
 #ifdef FFP_PRODUCT_WEIGHTS
-void FFP_K(product_weights)(int m, int n, int k, const FfpPacked *a, size_t a_depth, const FfpPacked *b,
-                            size_t b_depth, FfpPacked *weights, real *sums) {
-    Block block = {.a_depth = a_depth, .b_depth = b_depth, .depth = (size_t)n};
+void FFP_K(product_weights)(int m, int n, int k, FfpOperand a, FfpOperand b, FfpPacked *weights, real *sums) {
+    Block block = {.a_depth = a.depth, .b_depth = b.depth, .depth = (size_t)n};
     block.groups = (k + FFP_PACK_GROUP - 1) / FFP_PACK_GROUP;
     for (int column = 0; column < n; column += PANELS * FFP_PACK_LINES) {
-        block.b = b + (size_t)column * b_depth;
+        block.b = b.from + (size_t)column * b.depth;
         for (int row = 0; row < m;) {
-            block.a = a + (size_t)row * a_depth;
+            block.a = a.from + (size_t)row * a.depth;
             block.weights = weights + (size_t)row * block.depth + column;
             block.sums = sums + (size_t)row * FFP_PACK_LINES;
             row += multiply_rows(&block, m - row, PANELS, true);
