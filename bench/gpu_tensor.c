@@ -59,13 +59,19 @@ static void bias_back(Bench *x) {
     ffp_linear_backward(NULL, x->dweight, x->dsmall, x->b, x->a, x->weight, x->rows, 8,
                         FFP_MLP_RATIO * x->w.dim);
 }
+static FfpAttentionShape attention_shape(const Bench *x) {
+    return (FfpAttentionShape){.rows = x->rows, .heads = x->w.attention_heads, .head_dim = FFP_HEAD_DIM};
+}
 static void attention(Bench *x) {
-    ffp_attention_forward(x->c, x->row, x->a, x->small, x->small, x->rows, x->w.attention_heads, FFP_HEAD_DIM,
-                          x->scratch);
+    const FfpAttentionShape shape = attention_shape(x);
+    const FfpAttentionInput in = {x->a, x->small, x->small};
+    ffp_attention_forward(x->c, x->row, &shape, &in, x->scratch);
 }
 static void attention_back(Bench *x) {
-    ffp_attention_backward(x->d, x->dsmall, x->dsmall + FFP_HEAD_DIM, x->b, x->c, x->row, x->a, x->small,
-                           x->small, x->rows, x->w.attention_heads, FFP_HEAD_DIM, x->scratch);
+    const FfpAttentionShape shape = attention_shape(x);
+    const FfpAttentionInput in = {x->a, x->small, x->small};
+    const FfpAttentionGradient grad = {x->d, x->dsmall, x->dsmall + FFP_HEAD_DIM};
+    ffp_attention_backward(&grad, &shape, &in, x->c, x->row, x->b, x->scratch);
 }
 static FfpScanShape scan_shape(Bench *x) {
     return (FfpScanShape){.rows = x->rows,
@@ -102,13 +108,23 @@ static void scan_back(Bench *x) {
                                   .d = x->dsmall + 2 * x->w.scan_heads};
     ffp_scan_backward(&grad, &shape, &in, x->b, x->scratch);
 }
+static FfpDepthwise conv_input(const Bench *x) {
+    return (FfpDepthwise){.x = x->a,
+                          .w = x->weight,
+                          .bias = x->small,
+                          .ldx = x->w.projected,
+                          .rows = x->rows,
+                          .channels = x->w.convolved,
+                          .taps = FFP_CONV_TAPS};
+}
 static void conv(Bench *x) {
-    ffp_conv_forward(x->c, x->a, x->w.projected, x->weight, x->small, x->rows, x->w.convolved, FFP_CONV_TAPS,
-                     false);
+    const FfpDepthwise in = conv_input(x);
+    ffp_conv_forward(x->c, &in);
 }
 static void conv_back(Bench *x) {
-    ffp_conv_backward(x->d, x->w.projected, x->dweight, x->dsmall, x->b, x->a, x->w.projected, x->weight,
-                      x->small, x->rows, x->w.convolved, FFP_CONV_TAPS, false);
+    const FfpDepthwise in = conv_input(x);
+    const FfpDepthwiseGradient grad = {.x = x->d, .w = x->dweight, .bias = x->dsmall, .ldx = x->w.projected};
+    ffp_conv_backward(&grad, &in, x->b);
 }
 static void gelu(Bench *x) {
     ffp_gelu_forward(x->c, x->a, (size_t)x->rows * FFP_MLP_RATIO * x->w.dim);
@@ -125,12 +141,18 @@ static void layernorm(Bench *x) {
 static void layernorm_back(Bench *x) {
     ffp_layernorm_backward(x->c, x->dsmall, x->b, x->a, x->row, x->row2, x->small, x->rows, x->w.dim);
 }
+static FfpGatedNorm gated_input(const Bench *x) {
+    return (FfpGatedNorm){
+        .x = x->a, .z = x->b, .ldz = x->w.projected, .gain = x->small, .rows = x->rows, .dim = x->w.inner};
+}
 static void gated(Bench *x) {
-    ffp_gated_norm_forward(x->c, x->row2, x->a, x->b, x->w.projected, x->small, x->rows, x->w.inner);
+    const FfpGatedNorm in = gated_input(x);
+    ffp_gated_norm_forward(x->c, x->row2, &in);
 }
 static void gated_back(Bench *x) {
-    ffp_gated_norm_backward(x->c, x->d, x->w.projected, x->dsmall, x->b, x->a, x->b, x->w.projected, x->row2,
-                            x->small, x->rows, x->w.inner);
+    const FfpGatedNorm in = gated_input(x);
+    const FfpGatedNormGradient grad = {.x = x->c, .z = x->d, .ldz = x->w.projected, .gain = x->dsmall};
+    ffp_gated_norm_backward(&grad, &in, x->b, x->row2);
 }
 
 static void *numbers(FfpRng *rng, size_t count, float spread, float centre) {
@@ -188,14 +210,14 @@ static void bench(const char *name, int rows, int dim, int state) {
     config.dim = dim, config.state = state;
     Bench x = {.name = name, .rows = rows, .w = ffp_widths(&config)};
     const FfpScanShape shape = scan_shape(&x);
+    const FfpAttentionShape heads = attention_shape(&x);
     x.most = greater((size_t)rows, (size_t)dim) * greater((size_t)x.w.projected, FFP_MLP_RATIO * (size_t)dim);
     x.a = numbers(&rng, x.most, 1, 0), x.b = numbers(&rng, x.most, 1, 0);
     x.c = numbers(&rng, x.most, 1, 0), x.d = numbers(&rng, x.most, 1, 0);
     x.weight = numbers(&rng, x.most, 0.1F, 0), x.dweight = numbers(&rng, x.most, 1, 0);
     x.small = numbers(&rng, 16384, 0.1F, 1), x.dsmall = numbers(&rng, 16384, 0, 0);
     x.row = numbers(&rng, (size_t)rows * 64, 1, 0), x.row2 = numbers(&rng, (size_t)rows * 64, 0, 1);
-    const size_t scratch =
-        greater(ffp_scan_scratch(&shape), ffp_attention_scratch(rows, x.w.attention_heads, FFP_HEAD_DIM));
+    const size_t scratch = greater(ffp_scan_scratch(&shape), ffp_attention_scratch(&heads));
     x.scratch = ffp_memory_new(scratch, sizeof(float));
     printf("%s: %d tokens of width %d, state %d; scratch %.0f MB\n", name, rows, dim, state,
            (double)scratch * 4e-6);

@@ -22,22 +22,21 @@ typedef struct Block {
     real parts[QUERIES * FFP_PACK_LINES];     // of those sums, where product_weights makes the weights
 } Block;
 
-static void pack_segment(const FfpAttention *a, const FfpSegment *segment, const real *qkv,
-                         const real *q_gain, const real *k_gain) {
+static void pack_segment(const FfpAttention *a, const FfpSegment *segment, const FfpAttentionInput *in) {
     const int rows = segment->rows, dim = a->dim;
-    const real *v = qkv + ((size_t)segment->first * 3 + 2) * a->width + (size_t)segment->head * dim;
+    const real *v = in->qkv + ((size_t)segment->first * 3 + 2) * a->width + (size_t)segment->head * dim;
     const size_t stage = ffp_attention_stage(a, segment);
-    FFP_K(attention_normalise)(a, segment, qkv, q_gain, k_gain);
+    FFP_K(attention_normalise)(a, segment, in);
     FFP_K(pack_rows)(ffp_attention_operand(a, segment, FFP_Q_ROWS), false, rows, dim, a->q + stage, dim);
     FFP_K(pack_columns)(ffp_attention_operand(a, segment, FFP_K_COLUMNS), true, dim, rows, a->k + stage, dim);
     FFP_K(pack_columns)(ffp_attention_operand(a, segment, FFP_V_DEEP), false, rows, dim, v, 3 * a->width);
 }
 
 // |q . k| / sqrt(dim) of normalised rows is at most sqrt(dim) max |gains' product| (Cauchy and Schwarz).
-static bool scores_are_safe(const real *q_gain, const real *k_gain, int dim) {
+static bool scores_are_safe(const FfpAttentionInput *in, int dim) {
     real greatest = 0;
     for (int i = 0; i < dim; i++) {
-        const real gain = fabs(q_gain[i] * k_gain[i]);
+        const real gain = fabs(in->q_gain[i] * in->k_gain[i]);
         if (!(gain <= greatest)) greatest = gain; // NaN is not safe
     }
     return sqrt((real)dim) * greatest <= SAFE_SCORE;
@@ -121,22 +120,22 @@ static void attend_block(real *out, real *log_sum, const FfpAttention *a, const 
     }
 }
 
-void FFP_K(attention_forward)(real *out, real *log_sum, const real *qkv, const real *q_gain,
-                              const real *k_gain, int rows, int heads, int head_dim, real *scratch) {
-    const FfpAttention a = FFP_K(attention_layout)(rows, heads, head_dim, scratch);
-    const bool safe = scores_are_safe(q_gain, k_gain, head_dim);
+void FFP_K(attention_forward)(real *out, real *log_sum, const FfpAttentionShape *shape,
+                              const FfpAttentionInput *in, real *scratch) {
+    const FfpAttention a = FFP_K(attention_layout)(shape, scratch);
+    const bool safe = scores_are_safe(in, a.dim);
 #pragma omp parallel for collapse(2) schedule(static)
-    for (int head = 0; head < heads; head++) {
+    for (int head = 0; head < a.heads; head++) {
         for (int index = 0; index < a.segments; index++) {
             const FfpSegment segment = FFP_K(attention_segment)(&a, head, index);
-            pack_segment(&a, &segment, qkv, q_gain, k_gain);
+            pack_segment(&a, &segment, in);
         }
     }
 #pragma omp parallel for collapse(2) schedule(static)
-    for (int head = 0; head < heads; head++) {
-        for (int row = 0; row < rows; row += QUERIES) {
+    for (int head = 0; head < a.heads; head++) {
+        for (int row = 0; row < a.rows; row += QUERIES) {
             const FfpSegment segment = FFP_K(attention_segment)(&a, head, row / FFP_SEGMENT);
-            attend_block(out, log_sum, &a, &segment, row % FFP_SEGMENT, ffp_smaller(QUERIES, rows - row),
+            attend_block(out, log_sum, &a, &segment, row % FFP_SEGMENT, ffp_smaller(QUERIES, a.rows - row),
                          safe);
         }
     }

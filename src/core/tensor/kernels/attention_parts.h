@@ -47,13 +47,13 @@ typedef struct FfpAttention {
     FfpPacked *packed;  // [heads, segments, FFP_ATTENTION_OPERANDS, part_size]
 } FfpAttention;
 
-FfpAttention FFP_K(attention_layout)(int rows, int heads, int dim, real *scratch);
+FfpAttention FFP_K(attention_layout)(const FfpAttentionShape *shape, real *scratch);
 FfpSegment FFP_K(attention_segment)(const FfpAttention *a, int head, int index);
 
 // q and k of a segment, normalised: q = x / rms(x) gain log2(e) / sqrt(dim), k = x / rms(x) gain. Fills
 // inverse.
-void FFP_K(attention_normalise)(const FfpAttention *a, const FfpSegment *segment, const real *qkv,
-                                const real *q_gain, const real *k_gain);
+void FFP_K(attention_normalise)(const FfpAttention *a, const FfpSegment *segment,
+                                const FfpAttentionInput *in);
 
 // Where a segment's rows begin in q and k.
 static inline size_t ffp_attention_stage(const FfpAttention *a, const FfpSegment *segment) {
