@@ -207,16 +207,22 @@ static void bench(const char *name, int rows, int dim, int state) {
     FfpModelConfig config;
     FfpRng rng = ffp_rng(1, 0);
     ffp_model_preset(&config, "small");
-    config.dim = dim, config.state = state;
+    config.dim = dim;
+    config.state = state;
     Bench x = {.name = name, .rows = rows, .w = ffp_widths(&config)};
     const FfpScanShape shape = scan_shape(&x);
     const FfpAttentionShape heads = attention_shape(&x);
     x.most = greater((size_t)rows, (size_t)dim) * greater((size_t)x.w.projected, FFP_MLP_RATIO * (size_t)dim);
-    x.a = numbers(&rng, x.most, 1, 0), x.b = numbers(&rng, x.most, 1, 0);
-    x.c = numbers(&rng, x.most, 1, 0), x.d = numbers(&rng, x.most, 1, 0);
-    x.weight = numbers(&rng, x.most, 0.1F, 0), x.dweight = numbers(&rng, x.most, 1, 0);
-    x.small = numbers(&rng, 16384, 0.1F, 1), x.dsmall = numbers(&rng, 16384, 0, 0);
-    x.row = numbers(&rng, (size_t)rows * 64, 1, 0), x.row2 = numbers(&rng, (size_t)rows * 64, 0, 1);
+    x.a = numbers(&rng, x.most, 1, 0);
+    x.b = numbers(&rng, x.most, 1, 0);
+    x.c = numbers(&rng, x.most, 1, 0);
+    x.d = numbers(&rng, x.most, 1, 0);
+    x.weight = numbers(&rng, x.most, 0.1F, 0);
+    x.dweight = numbers(&rng, x.most, 1, 0);
+    x.small = numbers(&rng, 16384, 0.1F, 1);
+    x.dsmall = numbers(&rng, 16384, 0, 0);
+    x.row = numbers(&rng, (size_t)rows * 64, 1, 0);
+    x.row2 = numbers(&rng, (size_t)rows * 64, 0, 1);
     const size_t scratch = greater(ffp_scan_scratch(&shape), ffp_attention_scratch(&heads));
     x.scratch = ffp_memory_new(scratch, sizeof(float));
     printf("%s: %d tokens of width %d, state %d; scratch %.0f MB\n", name, rows, dim, state,
@@ -263,12 +269,16 @@ static void measure_peaks(void) {
     FfpRng rng = ffp_rng(2, 0);
     const size_t side = gpu_emulated() ? 64 : 8192, count = side * side;
     Bench x = {.rows = (int)side, .most = count, .a = halves(&rng, side), .b = halves(&rng, side)};
-    x.c = ffp_memory_new(count, sizeof(float)), x.d = numbers(&rng, count, 1, 0);
+    x.c = ffp_memory_new(count, sizeof(float));
+    x.d = numbers(&rng, count, 1, 0);
     product_peak = 2.0 * (double)count * (double)side / seconds(large_product, &x);
     copy_peak = 8.0 * (double)count / seconds(large_copy, &x);
     printf("%s\nproduct of %zu^3 in bf16: %.0f TFLOP/s; copy of %.0f MB: %.0f GB/s read and written\n",
            ffp_cuda_describe(), side, product_peak * 1e-12, (double)count * 4e-6, copy_peak * 1e-9);
-    ffp_memory_free(x.a), ffp_memory_free(x.b), ffp_memory_free(x.c), ffp_memory_free(x.d);
+    ffp_memory_free(x.a);
+    ffp_memory_free(x.b);
+    ffp_memory_free(x.c);
+    ffp_memory_free(x.d);
 }
 
 int main(void) {

@@ -21,8 +21,12 @@ static FfpAttentionPlan make_shape(const FfpAttentionShape *shape) {
         abort();
     }
     FfpAttentionPlan plan = {};
-    plan.rows = rows, plan.heads = heads, plan.dim = dim, plan.width = heads * dim;
-    plan.pad = whole_eights(dim), plan.keys = whole_eights(rows);
+    plan.rows = rows;
+    plan.heads = heads;
+    plan.dim = dim;
+    plan.width = heads * dim;
+    plan.pad = whole_eights(dim);
+    plan.keys = whole_eights(rows);
     const size_t line = (size_t)plan.keys * 2 * (sizeof(float) + sizeof(uint16_t)),
                  most = ffp_cuda_attention_bytes / line;
     const size_t square = (size_t)(rows > 0 ? rows : 1);
@@ -138,12 +142,15 @@ void ffp_cuda_attention_prepare(const FfpAttentionPlan *plan, const FfpAttention
 }
 
 bool ffp_cuda_attention_next(FfpAttentionTile *part, const FfpAttentionPlan *plan) {
-    if (part->group == 0)
-        part->head = 0, part->query = 0;
-    else if (part->query + part->span < plan->rows)
+    if (part->group == 0) {
+        part->head = 0;
+        part->query = 0;
+    } else if (part->query + part->span < plan->rows) {
         part->query += part->span;
-    else
-        part->head += part->group, part->query = 0;
+    } else {
+        part->head += part->group;
+        part->query = 0;
+    }
     part->group = min(plan->group, plan->heads - part->head);
     part->span = min(plan->span, plan->rows - part->query);
     return part->group > 0 && part->span > 0;

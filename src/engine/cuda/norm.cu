@@ -21,7 +21,8 @@ static __global__ void norm_forward(float *y, float *mean, float *rstd, const fl
                                     int rows, int dim) {
     const int t = (int)(blockIdx.x * WARPS + threadIdx.x / FFP_WARP);
     if (t >= rows) return;
-    x += (size_t)t * dim, y += (size_t)t * dim;
+    x += (size_t)t * dim;
+    y += (size_t)t * dim;
     float centre = 0;
     if (mean) {
         for (int i = ffp_lane(); i < dim; i += FFP_WARP) centre += x[i];

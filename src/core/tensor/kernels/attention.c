@@ -98,11 +98,15 @@ static void attend_block(real *out, real *log_sum, const FfpAttention *a, const 
     block.queries = queries;
     out += (size_t)(from->first + first) * a->width + (size_t)from->head * a->dim;
     log_sum += (size_t)from->head * a->rows + from->first + first;
-    for (int i = 0; i < queries; i++) block.top[i] = safe ? 0 : -INFINITY, block.sum[i] = 0;
+    for (int i = 0; i < queries; i++) {
+        block.top[i] = safe ? 0 : -INFINITY;
+        block.sum[i] = 0;
+    }
     for (int i = 0; i < queries * FFP_PACK_LINES; i++) block.parts[i] = 0;
     for (int index = 0; index < a->segments; index++) {
         const FfpSegment to = FFP_K(attention_segment)(a, from->head, index);
-        block.keys = to.rows, block.depth = ffp_packed_depth(to.rows);
+        block.keys = to.rows;
+        block.depth = ffp_packed_depth(to.rows);
         const FfpOperand k = ffp_flat_columns(a, &to, FFP_K_COLUMNS, 0);
         if (safe)
             weigh_safe(&block, q, k, a->dim);

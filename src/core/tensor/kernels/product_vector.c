@@ -111,9 +111,9 @@ static inline void weigh_row(const Block *block, int row, const FfpVector *sum, 
 }
 #endif
 
-// All loops over the block are unrolled, so that its sums never leave the registers.
-static inline __attribute__((always_inline)) void multiply(const Block *block, int rows, int panels,
-                                                           bool weigh) {
+// All loops over the block are unrolled, so that its sums never leave the registers. Returns `rows`.
+static inline __attribute__((always_inline)) int multiply(const Block *block, int rows, int panels,
+                                                          bool weigh) {
     enum { WIDTH = PANELS * VECTORS };
     FfpVector sum[ROWS][WIDTH];
     const FfpPacked *a = block->a, *b = block->b;
@@ -147,16 +147,17 @@ static inline __attribute__((always_inline)) void multiply(const Block *block, i
 #pragma GCC unroll 16
         for (int r = 0; r < rows; r++) store_row(block, r, sum[r], width, false);
     }
+    return rows;
 }
 
 // As many of the rows as one block takes; returns how many.
 static inline __attribute__((always_inline)) int multiply_rows(const Block *block, int rows, int panels,
                                                                bool weigh) {
-    if (rows >= ROWS) return multiply(block, ROWS, panels, weigh), ROWS;
-    if (ROWS > 8 && rows >= 8) return multiply(block, 8 < ROWS ? 8 : ROWS, panels, weigh), 8;
-    if (ROWS > 4 && rows >= 4) return multiply(block, 4 < ROWS ? 4 : ROWS, panels, weigh), 4;
-    if (rows >= 2) return multiply(block, 2, panels, weigh), 2;
-    return multiply(block, 1, panels, weigh), 1;
+    if (rows >= ROWS) return multiply(block, ROWS, panels, weigh);
+    if (ROWS > 8 && rows >= 8) return multiply(block, 8 < ROWS ? 8 : ROWS, panels, weigh);
+    if (ROWS > 4 && rows >= 4) return multiply(block, 4 < ROWS ? 4 : ROWS, panels, weigh);
+    if (rows >= 2) return multiply(block, 2, panels, weigh);
+    return multiply(block, 1, panels, weigh);
 }
 
 // Panels of B outside, so that they stay in the first-level cache while the rows of A pass.

@@ -43,18 +43,25 @@ static Work make_work(const Backward *pass, int index) {
     FfpPacked *next = layout->packed + (size_t)w.chunk.desk * layout->pack_size;
     w.entering = layout->states + (size_t)index * layout->state_size;
     w.leaving_grad = layout->state_grads + (size_t)index * layout->state_size;
-    w.b_rows = ffp_scan_take(&next, rows, state), w.c_across = ffp_scan_take(&next, rows, state);
+    w.b_rows = ffp_scan_take(&next, rows, state);
+    w.c_across = ffp_scan_take(&next, rows, state);
     w.g_columns = ffp_scan_take(&next, layout->width, state);
-    w.x_rows = ffp_scan_take(&next, rows, dim), w.x_across = ffp_scan_take(&next, rows, dim);
-    w.dy_across = ffp_scan_take(&next, rows, dim), w.dy_columns = ffp_scan_take(&next, dim, rows);
-    w.state_rows = ffp_scan_take(&next, state, dim), w.mixed = ffp_scan_take(&next, rows, rows);
-    w.pair_rows = ffp_scan_take(&next, rows, rows), w.deep_columns = ffp_scan_take(&next, state, rows);
+    w.x_rows = ffp_scan_take(&next, rows, dim);
+    w.x_across = ffp_scan_take(&next, rows, dim);
+    w.dy_across = ffp_scan_take(&next, rows, dim);
+    w.dy_columns = ffp_scan_take(&next, dim, rows);
+    w.state_rows = ffp_scan_take(&next, state, dim);
+    w.mixed = ffp_scan_take(&next, rows, rows);
+    w.pair_rows = ffp_scan_take(&next, rows, rows);
+    w.deep_columns = ffp_scan_take(&next, state, rows);
     w.products = ffp_scan_square(layout->products, shape, &w.chunk);
     w.dots = ffp_scan_square(layout->dots, shape, &w.chunk);
     w.pairs = ffp_scan_square(layout->pairs, shape, &w.chunk);
     w.b_turned = layout->turned + (size_t)w.chunk.desk * 5 * turned;
-    w.c_turned = w.b_turned + turned, w.db_turned = w.c_turned + turned;
-    w.dc_turned = w.db_turned + turned, w.part = w.dc_turned + turned;
+    w.c_turned = w.b_turned + turned;
+    w.db_turned = w.c_turned + turned;
+    w.dc_turned = w.db_turned + turned;
+    w.part = w.dc_turned + turned;
     return w;
 }
 
