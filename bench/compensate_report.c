@@ -172,7 +172,10 @@ static void run_case(const Bench *bench, int v, const FfpImage *image, Figures *
            ffp_stage_psnr(&stage), (double)gain, 100 * gamut.unlit, 100 * gamut.too_dark,
            100 * gamut.too_bright, ended - started);
     fflush(stdout);
-    sum->unwarped += unwarped, sum->closed += closed_psnr, sum->descended += descended, sum->cases++;
+    sum->unwarped += unwarped;
+    sum->closed += closed_psnr;
+    sum->descended += descended;
+    sum->cases++;
     ffp_image_free(&closed);
     ffp_image_free(&target);
     ffp_image_free(&fitted);
@@ -186,8 +189,10 @@ static void add_row(const char *name, const Figures *f) {
 }
 
 static void add_figures(Figures *sum, const Figures *f) {
-    sum->unwarped += f->unwarped, sum->closed += f->closed, sum->descended += f->descended,
-        sum->cases += f->cases;
+    sum->unwarped += f->unwarped;
+    sum->closed += f->closed;
+    sum->descended += f->descended;
+    sum->cases += f->cases;
 }
 
 static bool run_target(const Bench *bench, const char *path, Figures *sum, FfpError *err) {

@@ -30,7 +30,8 @@ static Sheet sheet_new(int columns, int rows, int width, int height, int channel
 }
 
 static void corner(const Sheet *s, int index, int *x, int *y) {
-    *x = index % s->columns * s->cell_width, *y = index / s->columns * s->cell_height;
+    *x = index % s->columns * s->cell_width;
+    *y = index / s->columns * s->cell_height;
 }
 
 // A picture (linear) into the current cell, `left` pixels from its edge, on a dark ground.

@@ -65,9 +65,11 @@ static FfpSceneSpec spec_of(int object, unsigned faults) {
     FfpSceneSpec spec = ffp_scene_defaults();
     int meshes[64];
     const int n = ffp_split_meshes("test", meshes, 64);
-    spec.mesh = meshes[object % n], spec.material = 3 * object % ffp_material_count();
+    spec.mesh = meshes[object % n];
+    spec.material = 3 * object % ffp_material_count();
     spec.seed = 700 + (uint64_t)object;
-    spec.naturals = 2, spec.views = VIEWS;
+    spec.naturals = 2;
+    spec.views = VIEWS;
     if (faults & NOISE) spec.sensor.read = 0.01F;
     if (faults & DEFOCUS) spec.sensor.defocus = 2;
     return spec;
@@ -122,8 +124,10 @@ static bool save_pictures(const FfpCapture *seen, unsigned faults, const char *f
 }
 
 static void poses_of(const FfpView *view, double c2w[16], double p2w[16]) {
-    for (int i = 0; i < 16; i++)
-        c2w[i] = (double)view->camera.pose[i], p2w[i] = (double)view->projector.pose[i];
+    for (int i = 0; i < 16; i++) {
+        c2w[i] = (double)view->camera.pose[i];
+        p2w[i] = (double)view->projector.pose[i];
+    }
 }
 
 static void put(FILE *out, const char *key, int height, int width, const double *values) {
@@ -167,9 +171,12 @@ static bool save_calibration(const FfpView *view, unsigned faults, const char *p
     FfpOutput out;
     if (!ffp_output_open(&out, path, err)) return false;
     fputs("%YAML:1.0\n---\n", out.stream);
-    put(out.stream, "camK", 3, 3, k), put(out.stream, "camKc", 1, 5, none);
-    put(out.stream, "prjK", 3, 3, l), put(out.stream, "prjKc", 1, 5, none);
-    put(out.stream, "R", 3, 3, r), put(out.stream, "T", 3, 1, t);
+    put(out.stream, "camK", 3, 3, k);
+    put(out.stream, "camKc", 1, 5, none);
+    put(out.stream, "prjK", 3, 3, l);
+    put(out.stream, "prjKc", 1, 5, none);
+    put(out.stream, "R", 3, 3, r);
+    put(out.stream, "T", 3, 1, t);
     return ffp_output_commit(&out, err);
 }
 
@@ -209,7 +216,8 @@ static bool import(FfpCapture *capture, const FfpCapture *seen, unsigned faults,
         const int needed = snprintf(files[n], sizeof files[n], "%s/%s.png", folder, seen->patterns[p].name);
         if (needed < 0 || (size_t)needed >= sizeof files[n])
             return ffp_fail(err, FFP_ERROR_ARGUMENT, folder, "the path is too long");
-        patterns[n] = (FfpImportPattern){seen->patterns[p].name, files[n]}, n++;
+        patterns[n] = (FfpImportPattern){seen->patterns[p].name, files[n]};
+        n++;
     }
     snprintf(images, sizeof images, "%s/{index}_{pattern}.png", folder);
     snprintf(mask, sizeof mask, "%s/{index}_mask.png", folder);
@@ -268,7 +276,8 @@ static void score(Bench *bench, const FfpGaussians *gaussians, const FfpCapture 
             FfpImage picture = ffp_relight(pass, imported->intensity, &sums[p]),
                      clean = ffp_image_copy(&truth->views[v].images[p]);
             ffp_image_to_srgb(&clean);
-            scores->sum[form][protocol] += ffp_psnr(&picture, &clean), scores->count[form][protocol]++;
+            scores->sum[form][protocol] += ffp_psnr(&picture, &clean);
+            scores->count[form][protocol]++;
             ffp_image_free(&picture);
             ffp_image_free(&clean);
         }

@@ -66,7 +66,9 @@ static void count(Histogram *h, double value) {
     const int bin = (int)floor((value - h->low) / h->step);
     h->counts[bin < 0 ? 0 : bin >= h->bins ? h->bins - 1 : bin]++;
     h->total++;
-    h->sum += value, h->least = fmin(h->least, value), h->most = fmax(h->most, value);
+    h->sum += value;
+    h->least = fmin(h->least, value);
+    h->most = fmax(h->most, value);
 }
 
 static void print(const Histogram *h, bool whole) {
@@ -116,7 +118,9 @@ static void measure(const FfpMaterial *material, FfpRng *rng, double out[4]) {
         for (int k = 0; k < 3; k++) p[k] = ffp_rng_range(rng, -0.6F, 0.6F);
         ffp_material_look(material, p, albedo, &roughness);
         const double y = 0.2126 * (double)albedo[0] + 0.7152 * (double)albedo[1] + 0.0722 * (double)albedo[2];
-        sum += y, square += y * y, rough += (double)roughness;
+        sum += y;
+        square += y * y;
+        rough += (double)roughness;
         for (int k = 0; k < 3; k++) colour[k] += (double)albedo[k];
     }
     const double mean = sum / POINTS, high = fmax(colour[0], fmax(colour[1], colour[2]));

@@ -59,7 +59,10 @@ static void allocate(Encoder *e) {
     const size_t wide = (size_t)e->widths.projected > mlp ? (size_t)e->widths.projected : mlp;
     e->arena = ffp_arena_new();
     e->tokens = take(e, dim);
-    for (int i = 0; i < 2; i++) e->mean[i] = take(e, 1), e->rstd[i] = take(e, 1);
+    for (int i = 0; i < 2; i++) {
+        e->mean[i] = take(e, 1);
+        e->rstd[i] = take(e, 1);
+    }
     allocate_blocks(e);
     e->final = take(e, dim);
     e->scratch.inner = take(e, inner);

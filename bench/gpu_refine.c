@@ -85,7 +85,8 @@ int main(int argc, char **argv) {
     ffp_device_use(device);
     b.capture = ffp_capture_uploaded(&capture);
     b.start = ffp_gaussians_uploaded(&start);
-    b.decoded = ffp_gaussians_new(count), b.grad = ffp_gaussians_new(count);
+    b.decoded = ffp_gaussians_new(count);
+    b.grad = ffp_gaussians_new(count);
     b.parameters = ffp_parameters_new(&b.start, true, false);
     b.mover = ffp_gaussian_adam_new(&b.parameters, &b.settings);
     printf("%s\n%lld splats, %d views of %dx%d, patterns of %dx%d\n", ffp_cuda_describe(), (long long)count,

@@ -135,13 +135,18 @@ static void make_devices(Bench *b, int side, int pattern) {
 static void make_buffers(Bench *b, int side) {
     const int fine = b->fine.width;
     b->grad = ffp_gaussians_new(b->gaussians.count);
-    b->linear = ffp_image_new(side, side, 3), b->grad_linear = ffp_image_new(side, side, 3);
+    b->linear = ffp_image_new(side, side, 3);
+    b->grad_linear = ffp_image_new(side, side, 3);
     b->picture = ffp_image_new(side, side, 3);
-    b->raster = ffp_raster_new(), b->shadow_raster = ffp_raster_new();
-    b->samples = ffp_gbuffer_new(fine, fine), b->grad_samples = ffp_gbuffer_new(fine, fine);
-    b->averaged = ffp_gbuffer_new(side, side), b->grad_averaged = ffp_gbuffer_new(side, side);
+    b->raster = ffp_raster_new();
+    b->shadow_raster = ffp_raster_new();
+    b->samples = ffp_gbuffer_new(fine, fine);
+    b->grad_samples = ffp_gbuffer_new(fine, fine);
+    b->averaged = ffp_gbuffer_new(side, side);
+    b->grad_averaged = ffp_gbuffer_new(side, side);
     b->mapping = ffp_mapping_new(fine, fine);
-    b->transport = ffp_transport_new(fine, fine), b->grad_transport = ffp_transport_new(fine, fine);
+    b->transport = ffp_transport_new(fine, fine);
+    b->grad_transport = ffp_transport_new(fine, fine);
     b->pass = ffp_view_pass_new(&b->settings);
 }
 

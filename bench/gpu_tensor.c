@@ -51,20 +51,27 @@ static void fc1_back(Bench *x) {
     linear_backward(x, x->w.dim, FFP_MLP_RATIO * x->w.dim);
 }
 static void gemm(Bench *x) {
-    ffp_gemm(false, true, x->rows, FFP_MLP_RATIO * x->w.dim, x->w.dim, 1, x->a, x->w.dim, x->weight, x->w.dim,
-             0, x->c, FFP_MLP_RATIO * x->w.dim);
+    const int dim = x->w.dim, wide = FFP_MLP_RATIO * dim;
+    ffp_gemm(1, ffp_factor(x->a, x->rows, dim, dim), ffp_transposed(ffp_factor(x->weight, wide, dim, dim)), 0,
+             x->c, wide);
 }
 static void bias_back(Bench *x) {
     ffp_linear_backward(NULL, x->dweight, x->dsmall, x->b, x->a, x->weight, x->rows, 8,
                         FFP_MLP_RATIO * x->w.dim);
 }
+static FfpAttentionShape attention_shape(const Bench *x) {
+    return (FfpAttentionShape){.rows = x->rows, .heads = x->w.attention_heads, .head_dim = FFP_HEAD_DIM};
+}
 static void attention(Bench *x) {
-    ffp_attention_forward(x->c, x->row, x->a, x->small, x->small, x->rows, x->w.attention_heads, FFP_HEAD_DIM,
-                          x->scratch);
+    const FfpAttentionShape shape = attention_shape(x);
+    const FfpAttentionInput in = {x->a, x->small, x->small};
+    ffp_attention_forward(x->c, x->row, &shape, &in, x->scratch);
 }
 static void attention_back(Bench *x) {
-    ffp_attention_backward(x->d, x->dsmall, x->dsmall + FFP_HEAD_DIM, x->b, x->c, x->row, x->a, x->small,
-                           x->small, x->rows, x->w.attention_heads, FFP_HEAD_DIM, x->scratch);
+    const FfpAttentionShape shape = attention_shape(x);
+    const FfpAttentionInput in = {x->a, x->small, x->small};
+    const FfpAttentionGradient grad = {x->d, x->dsmall, x->dsmall + FFP_HEAD_DIM};
+    ffp_attention_backward(&grad, &shape, &in, x->c, x->row, x->b, x->scratch);
 }
 static FfpScanShape scan_shape(Bench *x) {
     return (FfpScanShape){.rows = x->rows,
@@ -101,13 +108,23 @@ static void scan_back(Bench *x) {
                                   .d = x->dsmall + 2 * x->w.scan_heads};
     ffp_scan_backward(&grad, &shape, &in, x->b, x->scratch);
 }
+static FfpDepthwise conv_input(const Bench *x) {
+    return (FfpDepthwise){.x = x->a,
+                          .w = x->weight,
+                          .bias = x->small,
+                          .ldx = x->w.projected,
+                          .rows = x->rows,
+                          .channels = x->w.convolved,
+                          .taps = FFP_CONV_TAPS};
+}
 static void conv(Bench *x) {
-    ffp_conv_forward(x->c, x->a, x->w.projected, x->weight, x->small, x->rows, x->w.convolved, FFP_CONV_TAPS,
-                     false);
+    const FfpDepthwise in = conv_input(x);
+    ffp_conv_forward(x->c, &in);
 }
 static void conv_back(Bench *x) {
-    ffp_conv_backward(x->d, x->w.projected, x->dweight, x->dsmall, x->b, x->a, x->w.projected, x->weight,
-                      x->small, x->rows, x->w.convolved, FFP_CONV_TAPS, false);
+    const FfpDepthwise in = conv_input(x);
+    const FfpDepthwiseGradient grad = {.x = x->d, .w = x->dweight, .bias = x->dsmall, .ldx = x->w.projected};
+    ffp_conv_backward(&grad, &in, x->b);
 }
 static void gelu(Bench *x) {
     ffp_gelu_forward(x->c, x->a, (size_t)x->rows * FFP_MLP_RATIO * x->w.dim);
@@ -124,12 +141,18 @@ static void layernorm(Bench *x) {
 static void layernorm_back(Bench *x) {
     ffp_layernorm_backward(x->c, x->dsmall, x->b, x->a, x->row, x->row2, x->small, x->rows, x->w.dim);
 }
+static FfpGatedNorm gated_input(const Bench *x) {
+    return (FfpGatedNorm){
+        .x = x->a, .z = x->b, .ldz = x->w.projected, .gain = x->small, .rows = x->rows, .dim = x->w.inner};
+}
 static void gated(Bench *x) {
-    ffp_gated_norm_forward(x->c, x->row2, x->a, x->b, x->w.projected, x->small, x->rows, x->w.inner);
+    const FfpGatedNorm in = gated_input(x);
+    ffp_gated_norm_forward(x->c, x->row2, &in);
 }
 static void gated_back(Bench *x) {
-    ffp_gated_norm_backward(x->c, x->d, x->w.projected, x->dsmall, x->b, x->a, x->b, x->w.projected, x->row2,
-                            x->small, x->rows, x->w.inner);
+    const FfpGatedNorm in = gated_input(x);
+    const FfpGatedNormGradient grad = {.x = x->c, .z = x->d, .ldz = x->w.projected, .gain = x->dsmall};
+    ffp_gated_norm_backward(&grad, &in, x->b, x->row2);
 }
 
 static void *numbers(FfpRng *rng, size_t count, float spread, float centre) {
@@ -184,17 +207,23 @@ static void bench(const char *name, int rows, int dim, int state) {
     FfpModelConfig config;
     FfpRng rng = ffp_rng(1, 0);
     ffp_model_preset(&config, "small");
-    config.dim = dim, config.state = state;
+    config.dim = dim;
+    config.state = state;
     Bench x = {.name = name, .rows = rows, .w = ffp_widths(&config)};
     const FfpScanShape shape = scan_shape(&x);
+    const FfpAttentionShape heads = attention_shape(&x);
     x.most = greater((size_t)rows, (size_t)dim) * greater((size_t)x.w.projected, FFP_MLP_RATIO * (size_t)dim);
-    x.a = numbers(&rng, x.most, 1, 0), x.b = numbers(&rng, x.most, 1, 0);
-    x.c = numbers(&rng, x.most, 1, 0), x.d = numbers(&rng, x.most, 1, 0);
-    x.weight = numbers(&rng, x.most, 0.1F, 0), x.dweight = numbers(&rng, x.most, 1, 0);
-    x.small = numbers(&rng, 16384, 0.1F, 1), x.dsmall = numbers(&rng, 16384, 0, 0);
-    x.row = numbers(&rng, (size_t)rows * 64, 1, 0), x.row2 = numbers(&rng, (size_t)rows * 64, 0, 1);
-    const size_t scratch =
-        greater(ffp_scan_scratch(&shape), ffp_attention_scratch(rows, x.w.attention_heads, FFP_HEAD_DIM));
+    x.a = numbers(&rng, x.most, 1, 0);
+    x.b = numbers(&rng, x.most, 1, 0);
+    x.c = numbers(&rng, x.most, 1, 0);
+    x.d = numbers(&rng, x.most, 1, 0);
+    x.weight = numbers(&rng, x.most, 0.1F, 0);
+    x.dweight = numbers(&rng, x.most, 1, 0);
+    x.small = numbers(&rng, 16384, 0.1F, 1);
+    x.dsmall = numbers(&rng, 16384, 0, 0);
+    x.row = numbers(&rng, (size_t)rows * 64, 1, 0);
+    x.row2 = numbers(&rng, (size_t)rows * 64, 0, 1);
+    const size_t scratch = greater(ffp_scan_scratch(&shape), ffp_attention_scratch(&heads));
     x.scratch = ffp_memory_new(scratch, sizeof(float));
     printf("%s: %d tokens of width %d, state %d; scratch %.0f MB\n", name, rows, dim, state,
            (double)scratch * 4e-6);
@@ -240,12 +269,16 @@ static void measure_peaks(void) {
     FfpRng rng = ffp_rng(2, 0);
     const size_t side = gpu_emulated() ? 64 : 8192, count = side * side;
     Bench x = {.rows = (int)side, .most = count, .a = halves(&rng, side), .b = halves(&rng, side)};
-    x.c = ffp_memory_new(count, sizeof(float)), x.d = numbers(&rng, count, 1, 0);
+    x.c = ffp_memory_new(count, sizeof(float));
+    x.d = numbers(&rng, count, 1, 0);
     product_peak = 2.0 * (double)count * (double)side / seconds(large_product, &x);
     copy_peak = 8.0 * (double)count / seconds(large_copy, &x);
     printf("%s\nproduct of %zu^3 in bf16: %.0f TFLOP/s; copy of %.0f MB: %.0f GB/s read and written\n",
            ffp_cuda_describe(), side, product_peak * 1e-12, (double)count * 4e-6, copy_peak * 1e-9);
-    ffp_memory_free(x.a), ffp_memory_free(x.b), ffp_memory_free(x.c), ffp_memory_free(x.d);
+    ffp_memory_free(x.a);
+    ffp_memory_free(x.b);
+    ffp_memory_free(x.c);
+    ffp_memory_free(x.d);
 }
 
 int main(void) {

@@ -84,9 +84,14 @@ static void put_silhouette(FfpGbuffer *g, const FfpGbuffer *means, const FfpImag
         const int p = pixel_of(g, i, coverage);
         if (means->opacity[p] <= 1e-3F) continue;
         const real scale = coverage->data[p] / means->opacity[p];
-        g->opacity[i] *= scale, g->depth[i] *= scale, g->roughness[i] *= scale;
-        for (int k = 0; k < 3; k++)
-            g->normal[3 * i + k] *= scale, g->albedo[3 * i + k] *= scale, g->ambient[3 * i + k] *= scale;
+        g->opacity[i] *= scale;
+        g->depth[i] *= scale;
+        g->roughness[i] *= scale;
+        for (int k = 0; k < 3; k++) {
+            g->normal[3 * i + k] *= scale;
+            g->albedo[3 * i + k] *= scale;
+            g->ambient[3 * i + k] *= scale;
+        }
     }
 }
 
@@ -95,7 +100,8 @@ static void put_maps(FfpGbuffer *g, const FfpView *view, const FfpImage *black) 
     for (int i = 0; i < g->width * g->height; i++) {
         const int p = pixel_of(g, i, black);
         const real c = view->depth.data[p] > 0 ? view->coverage.data[p] : 0;
-        g->opacity[i] = c, g->depth[i] = c * view->depth.data[p],
+        g->opacity[i] = c;
+        g->depth[i] = c * view->depth.data[p];
         g->roughness[i] = c * view->roughness.data[p];
         for (int k = 0; k < 3; k++) {
             g->normal[3 * i + k] = c * view->normal.data[3 * p + k];

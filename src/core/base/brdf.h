@@ -28,11 +28,13 @@ FFP_FORMULA real ffp_fresnel_exponent(real vh) {
 FFP_FORMULA FfpLobe ffp_lobe_of(real roughness, real nl, real nv, real nh, real power) {
     FfpLobe b;
     const real a = roughness * roughness;
-    b.a2 = a * a, b.k = (roughness + 1) * (roughness + 1) / 8;
+    b.a2 = a * a;
+    b.k = (roughness + 1) * (roughness + 1) / 8;
     const real square = nh * nh;
     b.c = square < 1 ? square : 1;
     b.q = (1 - b.c) + b.a2 * b.c; // so written it is at least a2, whatever is rounded
-    b.gv = nv * (1 - b.k) + b.k, b.gl = nl * (1 - b.k) + b.k;
+    b.gv = nv * (1 - b.k) + b.k;
+    b.gl = nl * (1 - b.k) + b.k;
     b.power = power;
     b.D = b.a2 / (FFP_PI * b.q * b.q);
     b.F = FFP_F0 + (1 - FFP_F0) * b.power;

@@ -82,10 +82,12 @@ static void point_ahead(const FfpCapture *capture, double centre[3]) {
             const real *pose = k % 2 == 0 ? view->camera.pose : view->projector.pose;
             double square = 0;
             for (int i = 0; i < 3; i++) {
-                if (pass == 0)
-                    mean[i] += (double)pose[4 * i + 3] / n, ahead[i] += (double)pose[4 * i + 2] / n;
-                else
+                if (pass == 0) {
+                    mean[i] += (double)pose[4 * i + 3] / n;
+                    ahead[i] += (double)pose[4 * i + 2] / n;
+                } else {
                     square += pow((double)pose[4 * i + 3] - mean[i], 2);
+                }
             }
             spread = fmax(spread, sqrt(square));
         }

@@ -121,7 +121,8 @@ int ffp_capture_photographs(const FfpCapture *capture, const char *const *names,
                      i);
             return -1;
         }
-    chosen[count++] = capture->black, chosen[count++] = capture->white;
+    chosen[count++] = capture->black;
+    chosen[count++] = capture->white;
     const int first = ffp_capture_active_pattern(capture, n > 0 ? names[0] : NULL, err);
     if (first < 0) return -1;
     chosen[count++] = first;

@@ -133,7 +133,8 @@ static void settle_depths(Sweep *sweep) {
     const FfpCamera *camera = &sweep->view->camera, *projector = &sweep->view->projector;
     real square = 0;
     for (int i = 0; i < 3; i++) square += pow(camera->pose[4 * i + 3] - projector->pose[4 * i + 3], (real)2);
-    sweep->near = (real)NEAREST * sqrt(square), sweep->far = FARTHEST * sqrt(square);
+    sweep->near = (real)NEAREST * sqrt(square);
+    sweep->far = FARTHEST * sqrt(square);
     const real travel = projector->fx / (real)NEAREST;
     sweep->n_depths = (int)fmin(fmax(travel / 1.5F, (real)64), (real)DEPTHS_MAX);
 }
@@ -193,7 +194,8 @@ static int common_depth(const Sweep *sweep, const double guess[3], real *cost) {
     real nearest = INFINITY, farthest = 0;
     for (int d = 0; d < sweep->n_depths; d++) {
         if (share_lit(sweep, d) < lit) continue;
-        nearest = fmin(nearest, depth_of(sweep, d)), farthest = fmax(farthest, depth_of(sweep, d));
+        nearest = fmin(nearest, depth_of(sweep, d));
+        farthest = fmax(farthest, depth_of(sweep, d));
         possible[n++] = means[d];
     }
     const bool clear = *cost < CLEARLY * ffp_median(possible, (size_t)n);
@@ -237,7 +239,8 @@ static int sweep_view(const FfpCapture *capture, const FfpView *view, const int 
         fill_costs(&sweep);
         n = add_points(&sweep, guess, points);
     }
-    ffp_free(sweep.samples), ffp_free(sweep.costs);
+    ffp_free(sweep.samples);
+    ffp_free(sweep.costs);
     return n;
 }
 

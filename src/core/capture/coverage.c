@@ -45,7 +45,8 @@ FfpCoverageSource ffp_cover_view(const FfpCapture *capture, FfpView *view, const
                                  FfpImage *mask, bool applied) {
     const FfpImage *alpha = best_alpha(capture, alphas);
     if (mask->data) {
-        view->coverage = *mask, *mask = (FfpImage){0};
+        view->coverage = *mask;
+        *mask = (FfpImage){0};
         clamp_to_unit(&view->coverage);
         for (int i = 0; i < capture->n_patterns && !applied; i++)
             ffp_mask_apply(&view->coverage, &view->images[i]);

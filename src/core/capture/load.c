@@ -15,7 +15,8 @@
 
 static bool source_size(const FfpSource *source, int *width, int *height, FfpError *err) {
     if (!source->raw) return ffp_image_read_size(width, height, source->path, err);
-    *width = source->raw->width, *height = source->raw->height;
+    *width = source->raw->width;
+    *height = source->raw->height;
     return ffp_raw_check(source->raw, source->path, err);
 }
 
@@ -71,7 +72,8 @@ static bool settle_pattern_size(FfpManifest *manifest, FfpError *err) {
                             "projector of %d x %d, but the capture's has %d x %d", width, height,
                             known->width, known->height);
         }
-        width = known->width, height = known->height;
+        width = known->width;
+        height = known->height;
     }
     for (int i = 0; i < capture->n_patterns && width == 0; i++) {
         if (!manifest->patterns[i].path) continue;
@@ -81,7 +83,10 @@ static bool settle_pattern_size(FfpManifest *manifest, FfpError *err) {
                             "a pattern of %d x %d pixels is too small", width, height);
         }
     }
-    if (width == 0) width = manifest->other_width, height = manifest->other_height;
+    if (width == 0) {
+        width = manifest->other_width;
+        height = manifest->other_height;
+    }
     if (width == 0)
         return ffp_fail(err, FFP_ERROR_FILE, manifest->file,
                         "neither a projector size nor a pattern image to take it from");
@@ -89,7 +94,8 @@ static bool settle_pattern_size(FfpManifest *manifest, FfpError *err) {
         capture->views[v].projector.width = width;
         capture->views[v].projector.height = height;
     }
-    manifest->pattern_width = width, manifest->pattern_height = height;
+    manifest->pattern_width = width;
+    manifest->pattern_height = height;
     return true;
 }
 
@@ -311,7 +317,8 @@ static bool load_poses(FfpManifest *manifest, FfpError *err) {
     for (int v = 0; v < capture->n_views; v++) {
         FfpView *view = &capture->views[v];
         view->images = ffp_alloc((size_t)capture->n_patterns, sizeof(FfpImage));
-        view->camera.width = ffp_frame_width(view), view->camera.height = ffp_frame_height(view);
+        view->camera.width = ffp_frame_width(view);
+        view->camera.height = ffp_frame_height(view);
         view->frame_width = view->frame_height = 0;
     }
     return true;

@@ -21,7 +21,8 @@ static FfpView padded_view(const FfpView *view, int n_patterns, const int *pictu
                    .frame_width = ffp_frame_width(view),
                    .frame_height = ffp_frame_height(view)};
     memcpy(out.id, view->id, sizeof out.id);
-    out.camera.width = width, out.camera.height = height;
+    out.camera.width = width;
+    out.camera.height = height;
     out.coverage = reframed_image(&view->coverage, width, height);
     out.correspondence = reframed_image(&view->correspondence, width, height);
     out.images = ffp_alloc((size_t)n_patterns, sizeof *out.images);
@@ -64,7 +65,8 @@ void ffp_padded_capture_free(FfpCapture *padded, const FfpCapture *capture) {
         ffp_image_free(&view->correspondence);
     }
     ffp_free(padded->views);
-    padded->views = NULL, padded->n_views = 0;
+    padded->views = NULL;
+    padded->n_views = 0;
 }
 
 FfpCamera ffp_whole_camera(const FfpCamera *camera) {
@@ -84,14 +86,16 @@ static void reframe_view(FfpView *out, const FfpView *view, int n_patterns, int 
     out->images = ffp_alloc((size_t)n_patterns, sizeof *out->images);
     for (int p = 0; p < n_patterns; p++) out->images[p] = reframed_image(&view->images[p], width, height);
     for (size_t i = 0; i < sizeof to / sizeof *to; i++) *to[i] = reframed_image(from[i], width, height);
-    out->camera.width = width, out->camera.height = height;
+    out->camera.width = width;
+    out->camera.height = height;
 }
 
 FfpView ffp_whole_view(const FfpView *view, int n_patterns) {
     const FfpCamera whole = ffp_whole_camera(&view->camera);
     FfpView out;
     reframe_view(&out, view, n_patterns, whole.width, whole.height);
-    out.frame_width = ffp_frame_width(view), out.frame_height = ffp_frame_height(view);
+    out.frame_width = ffp_frame_width(view);
+    out.frame_height = ffp_frame_height(view);
     return out;
 }
 

@@ -58,7 +58,8 @@ static bool read_manifest(FfpManifest *manifest, FfpError *err) {
 static bool read_file(FfpManifest *manifest, const char *json, FfpError *err) {
     FfpCapture *capture = manifest->capture;
     folder_of(capture->folder, json);
-    manifest->file = json, manifest->folder = capture->folder;
+    manifest->file = json;
+    manifest->folder = capture->folder;
     manifest->arena = ffp_arena_new();
     manifest->patterns = ffp_arena_alloc(manifest->arena, FFP_PATTERNS_MAX, sizeof(FfpSource));
     const bool ok = read_manifest(manifest, err);

@@ -7,8 +7,12 @@
 
 static void reduce_camera(FfpCamera *camera, int width, int height) {
     const real x = (real)width / (real)camera->width, y = (real)height / (real)camera->height;
-    camera->fx *= x, camera->cx *= x, camera->fy *= y, camera->cy *= y;
-    camera->width = width, camera->height = height;
+    camera->fx *= x;
+    camera->cx *= x;
+    camera->fy *= y;
+    camera->cy *= y;
+    camera->width = width;
+    camera->height = height;
 }
 
 // Picture over black -> coverage times the object's own linear radiance, averaged -> picture over black.
@@ -51,10 +55,19 @@ static void add_known(Mean *mean, const real *p, double x, double y) {
     mean->weight++;
     if (!(p[2] > 0)) return;
     const double u = (double)p[0], v = (double)p[1];
-    if (!(mean->known > 0)) mean->u_low = mean->u_high = u, mean->v_low = mean->v_high = v;
-    mean->known++, mean->x += x, mean->y += y, mean->u += u, mean->v += v;
-    mean->u_low = fmin(mean->u_low, u), mean->u_high = fmax(mean->u_high, u);
-    mean->v_low = fmin(mean->v_low, v), mean->v_high = fmax(mean->v_high, v);
+    if (!(mean->known > 0)) {
+        mean->u_low = mean->u_high = u;
+        mean->v_low = mean->v_high = v;
+    }
+    mean->known++;
+    mean->x += x;
+    mean->y += y;
+    mean->u += u;
+    mean->v += v;
+    mean->u_low = fmin(mean->u_low, u);
+    mean->u_high = fmax(mean->u_high, u);
+    mean->v_low = fmin(mean->v_low, v);
+    mean->v_high = fmax(mean->v_high, v);
 }
 
 // Positions are means over each pixel's area where they are known in most of it, evenly around its centre,
@@ -124,5 +137,6 @@ FfpCapture ffp_capture_reduced(const FfpCapture *capture, int views, const int *
 void ffp_capture_reduced_free(FfpCapture *reduced) {
     for (int v = 0; v < reduced->n_views; v++) ffp_view_reduced_free(&reduced->views[v], reduced->n_patterns);
     ffp_free(reduced->views);
-    reduced->views = NULL, reduced->n_views = 0;
+    reduced->views = NULL;
+    reduced->n_views = 0;
 }

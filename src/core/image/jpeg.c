@@ -124,7 +124,8 @@ bool ffp_jpeg_decode(const FfpBytes *file, FfpDecoded *out, FfpError *err) {
     Reading r = {0};
     const bool ok = read_jpeg(&r, file, true);
     out->orientation = r.orientation;
-    width = (int)r.jpeg.image_width, height = (int)r.jpeg.image_height; // as stored
+    width = (int)r.jpeg.image_width; // as stored
+    height = (int)r.jpeg.image_height;
     jpeg_destroy_decompress(&r.jpeg);
     if (!ok) {
         ffp_free(r.pixels);

@@ -19,10 +19,14 @@ typedef struct FfpEdge {
 
 FFP_FORMULA FfpEdge ffp_edge_at(double x, int n) {
     FfpEdge edge = {0, 0, 0};
-    if (x >= n)
-        edge.first = n - 1, edge.weight = 1;
-    else if (x > 0)
-        edge.first = (int)x, edge.weight = x - (int)x, edge.slope = 1;
+    if (x >= n) {
+        edge.first = n - 1;
+        edge.weight = 1;
+    } else if (x > 0) {
+        edge.first = (int)x;
+        edge.weight = x - (int)x;
+        edge.slope = 1;
+    }
     return edge;
 }
 
@@ -113,7 +117,10 @@ FFP_FORMULA void ffp_add_corner(const FfpSummed *summed, const FfpEdge *x, const
 FFP_FORMULA void ffp_box_slopes(const FfpSummed *summed, real u, real v, real du, real dv, real out[3],
                                 real along_u[3], real along_v[3]) {
     if (ffp_box_plain(summed, u, v, du, dv)) {
-        for (int c = 0; c < 3; c++) out[c] = (real)summed->colour[c], along_u[c] = along_v[c] = 0;
+        for (int c = 0; c < 3; c++) {
+            out[c] = (real)summed->colour[c];
+            along_u[c] = along_v[c] = 0;
+        }
         return;
     }
     const FfpBox box = ffp_box_at(summed, u, v, du, dv);
@@ -125,8 +132,11 @@ FFP_FORMULA void ffp_box_slopes(const FfpSummed *summed, real u, real v, real du
     for (int k = 0; k < 4; k++)
         ffp_add_corner(summed, &box.x[k & 1], &box.y[k >> 1], k == 0 || k == 3 ? box.scale : -box.scale,
                        sums);
-    for (int c = 0; c < 3; c++)
-        out[c] = (real)sums[0][c], along_u[c] = (real)sums[1][c], along_v[c] = (real)sums[2][c];
+    for (int c = 0; c < 3; c++) {
+        out[c] = (real)sums[0][c];
+        along_u[c] = (real)sums[1][c];
+        along_v[c] = (real)sums[2][c];
+    }
 }
 
 #endif

@@ -37,7 +37,8 @@ static const char *const film_endings[] = {".mp4", ".mov", ".mkv", ".avi", ".web
 static bool read_part(const char *text, double *from, double *to) {
     char *end;
     if (!isdigit((unsigned char)*text)) return false;
-    *from = strtod(text, &end), *to = -1;
+    *from = strtod(text, &end);
+    *to = -1;
     if (*end == '-' && isdigit((unsigned char)end[1])) {
         *to = strtod(end + 1, &end);
         if (!(*to > *from)) return false;
@@ -138,9 +139,15 @@ static bool start(FfpProcess **process, const Source *source, bool size_only, Ff
     const char *const after[] = {"-i",   file,  "-map",     "0:v:0", "-f",    "image2pipe",
                                  "-c:v", "ppm", "-pix_fmt", "rgb24", "pipe:1"};
     for (size_t i = 0; i < sizeof before / sizeof *before; i++) arguments[n++] = before[i];
-    if (source->part && !one) arguments[n++] = "-t", arguments[n++] = length;
+    if (source->part && !one) {
+        arguments[n++] = "-t";
+        arguments[n++] = length;
+    }
     for (size_t i = 0; i + 1 < sizeof after / sizeof *after; i++) arguments[n++] = after[i];
-    if (one) arguments[n++] = "-frames:v", arguments[n++] = "1";
+    if (one) {
+        arguments[n++] = "-frames:v";
+        arguments[n++] = "1";
+    }
     arguments[n] = after[sizeof after / sizeof *after - 1];
     return ffp_process_start(process, arguments, FFP_PROCESS_STDOUT, source->path, err);
 }
@@ -164,7 +171,8 @@ static bool read_header(FfpProcess *process, int most, int *width, int *height, 
     char magic[2];
     *more = ffp_process_read(process, magic, 2) == 2;
     if (!*more || memcmp(magic, "P6", 2) != 0) return false;
-    *width = read_number(process), *height = read_number(process);
+    *width = read_number(process);
+    *height = read_number(process);
     return read_number(process) == most && ffp_check_sides(*width, *height, "", NULL);
 }
 

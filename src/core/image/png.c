@@ -97,7 +97,10 @@ static void set_transformations(Reading *r, bool raw) {
 
 static void *take_pixels(Reading *r, size_t rows, size_t row) {
     void *memory = ffp_try_alloc(rows, row);
-    if (!memory) r->no_memory = true, png_error(r->png, "out of memory");
+    if (!memory) {
+        r->no_memory = true;
+        png_error(r->png, "out of memory");
+    }
     return memory;
 }
 
@@ -193,7 +196,10 @@ static void take_bytes(png_structp png, png_bytep from, size_t count) {
     if (count > w->capacity - w->size) {
         const size_t capacity = 2 * w->capacity + count + 4096;
         unsigned char *larger = ffp_try_grow(w->bytes, capacity, 1);
-        if (!larger) w->no_memory = true, png_error(png, "out of memory");
+        if (!larger) {
+            w->no_memory = true;
+            png_error(png, "out of memory");
+        }
         w->bytes = larger;
         w->capacity = capacity;
     }
@@ -219,7 +225,8 @@ static void quantise_row(const real *from, size_t count, int depth, unsigned cha
     }
     for (size_t i = 0; i < count; i++) {
         const int q = quantise(from[i], 65535);
-        to[2 * i] = (unsigned char)(q >> 8), to[2 * i + 1] = (unsigned char)(q & 255);
+        to[2 * i] = (unsigned char)(q >> 8);
+        to[2 * i + 1] = (unsigned char)(q & 255);
     }
 }
 

@@ -29,7 +29,10 @@ static void encode_row(real *row, int width, int channels) {
     for (int x = 0; x < width; x++) {
         for (int c = 0; c < colours; c++) {
             real *value = row + (ptrdiff_t)x * channels + c;
-            if (*value != from[c]) from[c] = *value, to[c] = ffp_srgb_encode(*value);
+            if (*value != from[c]) {
+                from[c] = *value;
+                to[c] = ffp_srgb_encode(*value);
+            }
             *value = to[c];
         }
     }
@@ -48,7 +51,10 @@ static void decode_row(real *row, int width, int channels, Decoded *known) {
             real *value = row + (ptrdiff_t)x * channels + c;
             const real inside = *value > 0 ? (*value < 1 ? *value : 1) : 0;
             const int k = (int)(255 * inside + (real)0.5);
-            if (*value != from[k]) from[k] = *value, to[k] = ffp_srgb_decode(*value);
+            if (*value != from[k]) {
+                from[k] = *value;
+                to[k] = ffp_srgb_decode(*value);
+            }
             *value = to[k];
         }
     }

@@ -62,7 +62,10 @@ static double cost_of(const Fit *fit, const double *differences) {
     const FfpLeastSquares *p = fit->problem;
     if (p->weigh) return p->weigh(p->state, differences, fit->weights);
     double sum = 0;
-    for (int i = 0; i < p->count; i++) sum += differences[i] * differences[i], fit->weights[i] = 1;
+    for (int i = 0; i < p->count; i++) {
+        sum += differences[i] * differences[i];
+        fit->weights[i] = 1;
+    }
     return sum;
 }
 
@@ -118,7 +121,8 @@ static bool descend(const Fit *fit, double *cost, double *damping) {
                 const bool worth = found < *cost * (1 - p->worth);
                 p->move(p->state, fit->by);
                 memcpy(fit->here, fit->there, (size_t)p->count * sizeof *fit->here);
-                *cost = found, *damping *= LESS;
+                *cost = found;
+                *damping *= LESS;
                 return worth;
             }
         }

@@ -62,7 +62,8 @@ void ffp_net_crossing(const FfpNetGrid *g, const int cell[3], float mean[3]) {
     for (int e = 0; e < 12; e++) {
         const int axis = e / 4, u = (axis + 1) % 3, v = (axis + 2) % 3;
         int at[3] = {cell[0], cell[1], cell[2]};
-        at[u] += e & 1, at[v] += e >> 1 & 1;
+        at[u] += e & 1;
+        at[v] += e >> 1 & 1;
         const size_t a = first + (size_t)(e & 1) * stride.of[u] + (size_t)(e >> 1 & 1) * stride.of[v],
                      b = a + stride.of[axis];
         if (g->inside[a] == g->inside[b]) continue;

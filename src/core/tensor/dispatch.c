@@ -20,14 +20,12 @@ static const FfpKernels *kernels(void) {
     return table ? table : tables[FFP_CPU_PORTABLE];
 }
 
-void ffp_gemm(bool transpose_a, bool transpose_b, int m, int n, int k, real alpha, const real *a, int lda,
-              const real *b, int ldb, real beta, real *c, int ldc) {
-    kernels()->gemm(transpose_a, transpose_b, m, n, k, alpha, a, lda, b, ldb, beta, c, ldc);
+void ffp_gemm(real alpha, FfpFactor a, FfpFactor b, real beta, real *c, int ldc) {
+    kernels()->gemm(alpha, a, b, beta, c, ldc);
 }
 
-void ffp_gemm_mixed(bool transpose_a, bool transpose_b, int m, int n, int k, real alpha, const real *a,
-                    int lda, const real *b, int ldb, real beta, real *c, int ldc) {
-    kernels()->gemm_mixed(transpose_a, transpose_b, m, n, k, alpha, a, lda, b, ldb, beta, c, ldc);
+void ffp_gemm_mixed(real alpha, FfpFactor a, FfpFactor b, real beta, real *c, int ldc) {
+    kernels()->gemm_mixed(alpha, a, b, beta, c, ldc);
 }
 
 void ffp_linear_forward(real *y, const real *x, const real *w, const real *bias, int rows, int in, int out) {
@@ -63,14 +61,13 @@ void ffp_rmsnorm_backward(real *dx, real *dgain, const real *dy, const real *x, 
     kernels()->rmsnorm_backward(dx, dgain, dy, x, rstd, gain, rows, dim);
 }
 
-void ffp_gated_norm_forward(real *y, real *rstd, const real *x, const real *z, int ldz, const real *gain,
-                            int rows, int dim) {
-    kernels()->gated_norm_forward(y, rstd, x, z, ldz, gain, rows, dim);
+void ffp_gated_norm_forward(real *y, real *rstd, const FfpGatedNorm *in) {
+    kernels()->gated_norm_forward(y, rstd, in);
 }
 
-void ffp_gated_norm_backward(real *dx, real *dz, int lddz, real *dgain, const real *dy, const real *x,
-                             const real *z, int ldz, const real *rstd, const real *gain, int rows, int dim) {
-    kernels()->gated_norm_backward(dx, dz, lddz, dgain, dy, x, z, ldz, rstd, gain, rows, dim);
+void ffp_gated_norm_backward(const FfpGatedNormGradient *grad, const FfpGatedNorm *in, const real *dy,
+                             const real *rstd) {
+    kernels()->gated_norm_backward(grad, in, dy, rstd);
 }
 
 void ffp_add(real *y, const real *x, size_t count) {
@@ -85,14 +82,12 @@ void ffp_gelu_backward(real *dx, const real *dy, const real *x, size_t count) {
     kernels()->gelu_backward(dx, dy, x, count);
 }
 
-void ffp_conv_forward(real *y, const real *x, int ldx, const real *w, const real *bias, int rows,
-                      int channels, int taps, bool reverse) {
-    kernels()->conv_forward(y, x, ldx, w, bias, rows, channels, taps, reverse);
+void ffp_conv_forward(real *y, const FfpDepthwise *conv) {
+    kernels()->conv_forward(y, conv);
 }
 
-void ffp_conv_backward(real *dx, int lddx, real *dw, real *dbias, const real *dy, const real *x, int ldx,
-                       const real *w, const real *bias, int rows, int channels, int taps, bool reverse) {
-    kernels()->conv_backward(dx, lddx, dw, dbias, dy, x, ldx, w, bias, rows, channels, taps, reverse);
+void ffp_conv_backward(const FfpDepthwiseGradient *grad, const FfpDepthwise *conv, const real *dy) {
+    kernels()->conv_backward(grad, conv, dy);
 }
 
 size_t ffp_scan_scratch(const FfpScanShape *shape) {
@@ -108,20 +103,19 @@ void ffp_scan_backward(const FfpScanGradient *grad, const FfpScanShape *shape, c
     kernels()->scan_backward(grad, shape, in, dy, scratch);
 }
 
-size_t ffp_attention_scratch(int rows, int heads, int head_dim) {
-    return kernels()->attention_scratch(rows, heads, head_dim);
+size_t ffp_attention_scratch(const FfpAttentionShape *shape) {
+    return kernels()->attention_scratch(shape);
 }
 
-void ffp_attention_forward(real *out, real *log_sum, const real *qkv, const real *q_gain, const real *k_gain,
-                           int rows, int heads, int head_dim, real *scratch) {
-    kernels()->attention_forward(out, log_sum, qkv, q_gain, k_gain, rows, heads, head_dim, scratch);
+void ffp_attention_forward(real *out, real *log_sum, const FfpAttentionShape *shape,
+                           const FfpAttentionInput *in, real *scratch) {
+    kernels()->attention_forward(out, log_sum, shape, in, scratch);
 }
 
-void ffp_attention_backward(real *dqkv, real *dq_gain, real *dk_gain, const real *dout, const real *out,
-                            const real *log_sum, const real *qkv, const real *q_gain, const real *k_gain,
-                            int rows, int heads, int head_dim, real *scratch) {
-    kernels()->attention_backward(dqkv, dq_gain, dk_gain, dout, out, log_sum, qkv, q_gain, k_gain, rows,
-                                  heads, head_dim, scratch);
+void ffp_attention_backward(const FfpAttentionGradient *grad, const FfpAttentionShape *shape,
+                            const FfpAttentionInput *in, const real *out, const real *log_sum,
+                            const real *dout, real *scratch) {
+    kernels()->attention_backward(grad, shape, in, out, log_sum, dout, scratch);
 }
 
 void ffp_adam(const FfpAdamArray *arrays, int n) {

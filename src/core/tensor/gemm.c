@@ -17,36 +17,34 @@ static int piece_size(int size, int pieces) {
     return at_least_one(((size + pieces - 1) / pieces + 15) / 16 * 16);
 }
 
-static void product(bool transpose_a, bool transpose_b, int m, int n, int k, real alpha, const real *a,
-                    int lda, const real *b, int ldb, real beta, real *c, int ldc) {
+static void product(real alpha, FfpFactor a, FfpFactor b, real beta, real *c, int ldc) {
     _Generic(alpha, float
              : cblas_sgemm, double
-             : cblas_dgemm)(CblasRowMajor, transpose_a ? CblasTrans : CblasNoTrans,
-                            transpose_b ? CblasTrans : CblasNoTrans, m, n, k, alpha, a, lda, b, ldb, beta, c,
-                            ldc);
+             : cblas_dgemm)(CblasRowMajor, a.transposed ? CblasTrans : CblasNoTrans,
+                            b.transposed ? CblasTrans : CblasNoTrans, a.rows, b.columns, a.columns, alpha,
+                            a.data, a.stride, b.data, b.stride, beta, c, ldc);
 }
 
 // Outside a parallel region C is cut into one rectangle a thread, each a
 // single-threaded product: with few threads that is up to a quarter faster
 // than OpenBLAS's own threading. Inside one, the caller's thread does it all.
-void ffp_blas_gemm(bool transpose_a, bool transpose_b, int m, int n, int k, real alpha, const real *a,
-                   int lda, const real *b, int ldb, real beta, real *c, int ldc) {
+void ffp_blas_gemm(real alpha, FfpFactor a, FfpFactor b, real beta, real *c, int ldc) {
+    const int m = a.rows, n = b.columns, k = a.columns;
     if (m <= 0 || n <= 0) return;
     const int threads = omp_in_parallel() ? 1 : omp_get_max_threads();
     const int down = at_least_one(smaller(m / PIECE, threads));
     const int across = at_least_one(smaller(n / PIECE, threads / down));
     if (down * across == 1) {
-        product(transpose_a, transpose_b, m, n, k, alpha, a, lda, b, ldb, beta, c, ldc);
+        product(alpha, a, b, beta, c, ldc);
         return;
     }
     const int height = piece_size(m, down), width = piece_size(n, across);
 #pragma omp parallel for collapse(2) schedule(static)
     for (int row = 0; row < m; row += height) {
         for (int column = 0; column < n; column += width) {
-            const real *rows = a + (transpose_a ? (size_t)row : (size_t)row * lda);
-            const real *columns = b + (transpose_b ? (size_t)column * ldb : (size_t)column);
-            product(transpose_a, transpose_b, smaller(height, m - row), smaller(width, n - column), k, alpha,
-                    rows, lda, columns, ldb, beta, c + (size_t)row * ldc + column, ldc);
+            const FfpFactor rows = ffp_factor_part(a, row, 0, smaller(height, m - row), k);
+            const FfpFactor columns = ffp_factor_part(b, 0, column, k, smaller(width, n - column));
+            product(alpha, rows, columns, beta, c + (size_t)row * ldc + column, ldc);
         }
     }
 }

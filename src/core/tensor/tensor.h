@@ -10,16 +10,36 @@
 #include <stddef.h>
 #include "core/base/real.h"
 
-// C[m,n] = alpha op(A) op(B) + beta C; op(A) is [m,k], op(B) is [k,n]; lda, ldb, ldc are the row strides as
-// stored.
-void ffp_gemm(bool transpose_a, bool transpose_b, int m, int n, int k, real alpha, const real *a, int lda,
-              const real *b, int ldb, real beta, real *c, int ldc);
+// A factor of a product, a matrix of rows x columns numbers: element (i, j) is data[i * stride + j], or
+// data[j * stride + i] if it is stored transposed.
+typedef struct FfpFactor {
+    const real *data;
+    int rows, columns, stride;
+    bool transposed;
+} FfpFactor;
+static inline FfpFactor ffp_factor(const real *data, int rows, int columns, int stride) {
+    const FfpFactor factor = {data, rows, columns, stride, false};
+    return factor;
+}
+static inline FfpFactor ffp_transposed(FfpFactor a) {
+    const FfpFactor factor = {a.data, a.columns, a.rows, a.stride, !a.transposed};
+    return factor;
+}
+// The part of it from element (row, column) on.
+static inline FfpFactor ffp_factor_part(FfpFactor a, int row, int column, int rows, int columns) {
+    a.data += a.transposed ? (size_t)column * a.stride + row : (size_t)row * a.stride + column;
+    a.rows = rows;
+    a.columns = columns;
+    return a;
+}
+
+// C[m,n] = alpha A B + beta C; A is [m,k], B is [k,n], ldc is the row stride of C.
+void ffp_gemm(real alpha, FfpFactor a, FfpFactor b, real beta, real *c, int ldc);
 
 // The same with operands rounded to bf16 at the CPU levels that multiply those (core/base/cpu.h), sums in
 // real. Packs them in memory of the calling thread's that is kept: allocates only for larger operands than
 // ever before. C must not overlap A or B.
-void ffp_gemm_mixed(bool transpose_a, bool transpose_b, int m, int n, int k, real alpha, const real *a,
-                    int lda, const real *b, int ldb, real beta, real *c, int ldc);
+void ffp_gemm_mixed(real alpha, FfpFactor a, FfpFactor b, real beta, real *c, int ldc);
 
 // Products of linear layers are ffp_gemm_mixed's.
 // y[T,out] = x[T,in] w^T (+ bias[out] if not NULL); w is [out,in].
@@ -42,13 +62,22 @@ void ffp_rmsnorm_forward(real *y, real *rstd, const real *x, const real *gain, i
 void ffp_rmsnorm_backward(real *dx, real *dgain, const real *dy, const real *x, const real *rstd,
                           const real *gain, int rows, int dim);
 
-// Mamba2's gate: y = rmsnorm(x * silu(z)) * gain (norm after the gate). z has row stride ldz. Backward
-// recomputes.
-void ffp_gated_norm_forward(real *y, real *rstd, const real *x, const real *z, int ldz, const real *gain,
-                            int rows, int dim);
-// dx [rows,dim] overwritten; dz (row stride lddz) is ADDED to, because two scan directions share z.
-void ffp_gated_norm_backward(real *dx, real *dz, int lddz, real *dgain, const real *dy, const real *x,
-                             const real *z, int ldz, const real *rstd, const real *gain, int rows, int dim);
+// Mamba2's gate: y = rmsnorm(x * silu(z)) * gain (norm after the gate). Backward recomputes.
+typedef struct FfpGatedNorm {
+    const real *x, *z; // [rows, dim], z with row stride ldz
+    int ldz;
+    const real *gain; // [dim]
+    int rows, dim;
+} FfpGatedNorm;
+typedef struct FfpGatedNormGradient {
+    real *x; // [rows, dim], overwritten
+    real *z; // row stride ldz, ADDED to, because two scan directions share z
+    int ldz;
+    real *gain; // ADDED to
+} FfpGatedNormGradient;
+void ffp_gated_norm_forward(real *y, real *rstd, const FfpGatedNorm *in);
+void ffp_gated_norm_backward(const FfpGatedNormGradient *grad, const FfpGatedNorm *in, const real *dy,
+                             const real *rstd);
 
 void ffp_add(real *y, const real *x, size_t count); // y += x
 
@@ -57,14 +86,19 @@ void ffp_gelu_forward(real *y, const real *x, size_t count);
 void ffp_gelu_backward(real *dx, const real *dy, const real *x, size_t count);
 
 // Depthwise causal convolution of width `taps` with bias, then SiLU: y_t = silu(b + sum_k w[c,k]
-// x_{t-taps+1+k}). reverse: runs from the last token to the first (taps look at later tokens). x has row
-// stride ldx, y is [T,channels]. At most FFP_CONV_TAPS_MAX taps.
+// x_{t-taps+1+k}). y is [T,channels].
 enum { FFP_CONV_TAPS_MAX = 8 };
-void ffp_conv_forward(real *y, const real *x, int ldx, const real *w, const real *bias, int rows,
-                      int channels, int taps, bool reverse);
-// dx (row stride lddx) is ADDED to; dw, dbias too.
-void ffp_conv_backward(real *dx, int lddx, real *dw, real *dbias, const real *dy, const real *x, int ldx,
-                       const real *w, const real *bias, int rows, int channels, int taps, bool reverse);
+typedef struct FfpDepthwise {
+    const real *x, *w, *bias; // [rows, channels] with row stride ldx, [channels, taps], [channels]
+    int ldx, rows, channels, taps;
+    bool reverse; // runs from the last token to the first (taps look at later tokens)
+} FfpDepthwise;
+typedef struct FfpDepthwiseGradient {
+    real *x, *w, *bias; // ADDED to
+    int ldx;
+} FfpDepthwiseGradient;
+void ffp_conv_forward(real *y, const FfpDepthwise *conv);
+void ffp_conv_backward(const FfpDepthwiseGradient *grad, const FfpDepthwise *conv, const real *dy);
 
 // State-space duality scan of Mamba2 (Dao & Gu 2024, Eq. 2 and Sec. 6): one direction, one B/C group.
 //   dt = softplus(dt_raw + dt_bias[h]), A = -exp(a_log[h]), h_t = exp(dt A) h_{t-1} + dt x_t (outer) B_t,
@@ -93,14 +127,25 @@ void ffp_scan_forward(real *y, const FfpScanShape *shape, const FfpScanInput *in
                       real *scratch); // y [T, heads*head_dim]
 void ffp_scan_backward(const FfpScanGradient *grad, const FfpScanShape *shape, const FfpScanInput *in,
                        const real *dy, real *scratch);
-// Softmax attention over all T tokens, `heads` heads of `head_dim`, with RMS QK-norm per head (gains
-// [head_dim] shared by the heads). qkv is [T, 3*heads*head_dim] (q, k, v); out [T, heads*head_dim]; log_sum
+
+// Softmax attention over all T tokens, with RMS QK-norm per head. out is [T, heads*head_dim]; log_sum
 // [heads,T] is kept for backward.
-size_t ffp_attention_scratch(int rows, int heads, int head_dim);
-void ffp_attention_forward(real *out, real *log_sum, const real *qkv, const real *q_gain, const real *k_gain,
-                           int rows, int heads, int head_dim, real *scratch);
-void ffp_attention_backward(real *dqkv, real *dq_gain, real *dk_gain, const real *dout, const real *out,
-                            const real *log_sum, const real *qkv, const real *q_gain, const real *k_gain,
-                            int rows, int heads, int head_dim, real *scratch);
+typedef struct FfpAttentionShape {
+    int rows, heads, head_dim;
+} FfpAttentionShape;
+typedef struct FfpAttentionInput {
+    const real *qkv;             // [T, 3*heads*head_dim]: q, k, v
+    const real *q_gain, *k_gain; // [head_dim], shared by the heads
+} FfpAttentionInput;
+typedef struct FfpAttentionGradient {
+    real *qkv;             // overwritten
+    real *q_gain, *k_gain; // ADDED to
+} FfpAttentionGradient;
+size_t ffp_attention_scratch(const FfpAttentionShape *shape);
+void ffp_attention_forward(real *out, real *log_sum, const FfpAttentionShape *shape,
+                           const FfpAttentionInput *in, real *scratch);
+void ffp_attention_backward(const FfpAttentionGradient *grad, const FfpAttentionShape *shape,
+                            const FfpAttentionInput *in, const real *out, const real *log_sum,
+                            const real *dout, real *scratch);
 
 #endif

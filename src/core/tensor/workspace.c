@@ -34,7 +34,8 @@ void *ffp_workspace(size_t bytes) {
     Workspace *workspace = own_workspace();
     if (bytes > workspace->bytes) {
         ffp_free(workspace->memory);
-        workspace->memory = NULL, workspace->bytes = 0;
+        workspace->memory = NULL;
+        workspace->bytes = 0;
         workspace->memory = ffp_alloc_kept(bytes, 1);
         workspace->bytes = bytes;
     }

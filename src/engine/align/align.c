@@ -93,8 +93,10 @@ static void rotate_device(const FfpCamera *from, const double v[3], FfpCamera *t
 static void place(const Search *s, const double x[WAYS]) {
     double camera[3] = {0}, projector[3] = {0};
     for (int w = 0; w < s->n_ways; w++)
-        for (int k = 0; k < 3; k++)
-            camera[k] += x[w] * s->way[w].camera[k], projector[k] += x[w] * s->way[w].projector[k];
+        for (int k = 0; k < 3; k++) {
+            camera[k] += x[w] * s->way[w].camera[k];
+            projector[k] += x[w] * s->way[w].projector[k];
+        }
     for (int v = 0; v < s->capture->n_views; v++) {
         rotate_device(&s->from[v].camera, camera, &s->capture->views[v].camera);
         rotate_device(&s->from[v].projector, projector, &s->capture->views[v].projector);
@@ -168,28 +170,41 @@ static bool adjust_each(Search *s, int active, const FfpAlignSettings *settings,
     const size_t size = (size_t)s->capture->n_views * sizeof(FfpView);
     FfpView *given = ffp_alloc(1, size), *best = ffp_alloc(1, size);
     FfpBundleReport here = {0}, kept = {0};
-    memcpy(given, s->capture->views, size), memcpy(best, given, size);
+    memcpy(given, s->capture->views, size);
+    memcpy(best, given, size);
     FfpTask progress = ffp_task("aligning each view", settings->steps);
     bool ok = true, better = false;
     for (int step = 0; ok && step <= settings->steps; step++) {
         double there = s->best;
         if (step > 0) ok = ffp_photo_consistency(s->looker, &there, err);
         const bool keep = ok && there < s->best;
-        if (keep) memcpy(best, s->capture->views, size), s->best = there, better = true;
+        if (keep) {
+            memcpy(best, s->capture->views, size);
+            s->best = there;
+            better = true;
+        }
         // What a step reports is of the poses before it.
         const double share = settings->focal > 0 && 2 * step < settings->steps ? FOCAL_FIRST : 1;
         const FfpPoseErrors expected = {share * settings->expected.turn, share * settings->expected.shift};
         ok = ok && ffp_bundle_step(s->capture, given, active, &expected, settings->focal, &here, err);
-        if (ok && step == 0) report->off[0] = here.off, report->apart[0] = here.apart, kept = here;
+        if (ok && step == 0) {
+            report->off[0] = here.off;
+            report->apart[0] = here.apart;
+            kept = here;
+        }
         if (ok && keep) kept = here;
         if (ok) ffp_task_step(&progress, step, NULL);
     }
     ffp_task_end(&progress);
     memcpy(s->capture->views, best, size);
-    report->own = better, report->turned = kept.turned;
-    report->off[1] = kept.off, report->apart[1] = kept.apart;
-    report->camera = kept.camera, report->projector = kept.projector;
-    ffp_free(given), ffp_free(best);
+    report->own = better;
+    report->turned = kept.turned;
+    report->off[1] = kept.off;
+    report->apart[1] = kept.apart;
+    report->camera = kept.camera;
+    report->projector = kept.projector;
+    ffp_free(given);
+    ffp_free(best);
     return ok;
 }
 

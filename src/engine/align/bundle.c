@@ -47,13 +47,18 @@ static void add_row(Bundle *bundle, const Row *row, double residual, double weig
 static void extend(Row *row, const Bundle *bundle, int view, const double by[FFP_TIE_POINT_NUMBERS],
                    double sign) {
     const int focals = NUMBERS * bundle->views;
-    for (int k = 0; k < NUMBERS; k++)
-        row->place[row->n] = NUMBERS * view + k, row->by[row->n++] = sign * by[k];
+    for (int k = 0; k < NUMBERS; k++) {
+        row->place[row->n] = NUMBERS * view + k;
+        row->by[row->n++] = sign * by[k];
+    }
     if (!(bundle->focal > 0)) return;
     for (int k = 0; k < FOCALS; k++) {
         int at = 0;
         while (at < row->n && row->place[at] != focals + k) at++;
-        if (at == row->n) row->place[row->n] = focals + k, row->by[row->n++] = 0;
+        if (at == row->n) {
+            row->place[row->n] = focals + k;
+            row->by[row->n++] = 0;
+        }
         row->by[at] += sign * by[NUMBERS + k];
     }
 }
@@ -62,7 +67,8 @@ static void add_across(Bundle *bundle, int view, const FfpTiePoint *s) {
     Row row = {0};
     extend(&row, bundle, view, s->off_by, 1);
     add_row(bundle, &row, s->off, s->weight);
-    bundle->off += s->weight * s->off * s->off, bundle->off_weight += s->weight;
+    bundle->off += s->weight * s->off * s->off;
+    bundle->off_weight += s->weight;
 }
 
 static void along_normal(double out[FFP_TIE_POINT_NUMBERS], const FfpTiePoint *s, const double normal[3]) {
@@ -94,7 +100,8 @@ static void add_spread(Bundle *bundle, int view, const FfpTiePoint *s, int other
     extend(&row, bundle, other, by, -1);
     const double trust = s->trust * t->trust, noise = APART_NOISE * unit;
     add_row(bundle, &row, apart, trust / (noise * noise));
-    bundle->apart += trust * apart * apart / (unit * unit), bundle->spread_weight += trust;
+    bundle->apart += trust * apart * apart / (unit * unit);
+    bundle->spread_weight += trust;
 }
 
 // --- What is expected. ---
@@ -158,7 +165,8 @@ static void move_device(FfpCamera *device, const double numbers[6], double focal
     memcpy(motion.r, turned, sizeof turned);
     for (int k = 0; k < 3; k++) motion.t[k] += numbers[3 + k];
     ffp_rigid_store(&motion, device->pose);
-    device->fx *= (real)exp(focal), device->fy *= (real)exp(focal);
+    device->fx *= (real)exp(focal);
+    device->fy *= (real)exp(focal);
 }
 
 typedef struct Looking {
@@ -239,7 +247,9 @@ bool ffp_bundle_step(FfpCapture *capture, const FfpView *given, int active, cons
     ffp_parallel_for(bundle.views, 0, look, &looking);
     step(&bundle, capture, report);
     for (int v = 0; v < bundle.views; v++) ffp_tie_points_free(&bundle.tie_points[v]);
-    ffp_free(bundle.a), ffp_free(bundle.b), ffp_free(bundle.tie_points);
+    ffp_free(bundle.a);
+    ffp_free(bundle.b);
+    ffp_free(bundle.tie_points);
     ffp_initialisation_free(&start);
     return true;
 }

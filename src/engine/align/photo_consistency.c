@@ -77,7 +77,8 @@ bool ffp_photo_consistency(FfpPhotoConsistency *l, double *disagreement, FfpErro
         ffp_view_pass_draw(l->pass, &splats, &view->camera, &view->projector);
         for (int p = 0; p < pixels; p++) {
             if (!(view->coverage.data[p] >= 1)) continue;
-            sum += pixel_difference(l, &l->seen[v], p), count += 3;
+            sum += pixel_difference(l, &l->seen[v], p);
+            count += 3;
         }
     }
     ffp_gaussians_free(&splats);

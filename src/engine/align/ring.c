@@ -45,7 +45,10 @@ static void difference(const FfpRigid *given, const FfpRigid *wanted, const FfpP
     const double far = e->shift * sqrt(ffp_dot(given->t, given->t));
     ffp_rotation_difference(given->r, wanted->r, r);
     ffp_rotation_to_vector(r, out);
-    for (int k = 0; k < 3; k++) out[k] /= e->turn, out[3 + k] = (wanted->t[k] - given->t[k]) / far;
+    for (int k = 0; k < 3; k++) {
+        out[k] /= e->turn;
+        out[3 + k] = (wanted->t[k] - given->t[k]) / far;
+    }
 }
 
 static void differences(const FfpRing *ring, const FfpCapture *capture, const FfpPoseErrors *e, double *out) {
@@ -142,7 +145,8 @@ static bool guess_axis(FfpRing *ring, const FfpCapture *capture) {
         ffp_rotation_to_vector(r, turn);
         const double sine = sin(sqrt(ffp_dot(turn, turn)));
         if (!(sine > most)) continue;
-        most = sine, found = true;
+        most = sine;
+        found = true;
         memcpy(ring->axis, turn, sizeof turn);
     }
     ffp_unit(ring->axis);

@@ -32,11 +32,14 @@ static void ray_in(const FfpDeviceAt *camera, const FfpDeviceAt *projector, doub
         from[i] = camera->at.t[i] - projector->at.t[i];
     }
     for (int i = 0; i < 3; i++)
-        for (int k = 0; k < 3; k++)
-            p[i] += projector->at.r[3 * k + i] * from[k], d[i] += projector->at.r[3 * k + i] * direction[k];
+        for (int k = 0; k < 3; k++) {
+            p[i] += projector->at.r[3 * k + i] * from[k];
+            d[i] += projector->at.r[3 * k + i] * direction[k];
+        }
     a[0] = projector->fx * p[0] + projector->cx * p[2], a[1] = projector->fy * p[1] + projector->cy * p[2];
     b[0] = projector->fx * d[0] + projector->cx * d[2], b[1] = projector->fy * d[1] + projector->cy * d[2];
-    a[2] = p[2], b[2] = d[2];
+    a[2] = p[2];
+    b[2] = d[2];
 }
 
 // The point of the camera's ray that is nearest to position (u, v), and how far (u, v) lies beside the ray.
@@ -67,12 +70,14 @@ static void turned(FfpDeviceAt *device, int axis, double by) {
 // The devices with number k moved by a step.
 static void move(FfpDeviceAt *camera, FfpDeviceAt *projector, int k, double step) {
     FfpDeviceAt *device = k < 6 || k == 12 ? camera : projector;
-    if (k >= 12)
-        device->fx *= exp(step), device->fy *= exp(step);
-    else if (k % 6 < 3)
+    if (k >= 12) {
+        device->fx *= exp(step);
+        device->fy *= exp(step);
+    } else if (k % 6 < 3) {
         turned(device, k % 6, step);
-    else
+    } else {
         device->at.t[k % 6 - 3] += step;
+    }
 }
 
 static bool differentiate(FfpTiePoint *s, const FfpDeviceAt *camera, const FfpDeviceAt *projector) {
@@ -153,7 +158,8 @@ static bool look_across(const Looking *l, FfpTiePoint *s, int x, int y, const Ff
     const double across = (gf - ge * ef / ee) / (known + DAMPING * fmax(ee, ff));
     s->weight = known / (NOISE * NOISE);
     if (!(fabs(across) <= MOVE_MAX * (double)l->box)) return false;
-    s->u += across * f[0], s->v += across * f[1];
+    s->u += across * f[0];
+    s->v += across * f[1];
     return true;
 }
 
@@ -167,10 +173,13 @@ static bool find_tie_point(const Looking *l, int x, int y, const FfpDeviceAt *ca
     s->footprint = (double)l->start->footprint[i];
     for (int k = 0; k < 3; k++) s->normal[k] = (double)l->start->normal[3 * i + (size_t)k];
     const real *code = l->view->correspondence.data ? l->view->correspondence.data + 3 * pixel : NULL;
-    if (code && code[2] > 0)
-        s->u = (double)code[0], s->v = (double)code[1], s->weight = 1 / (CODES_NOISE * CODES_NOISE);
-    else if (!look_across(l, s, x, y, camera, projector))
+    if (code && code[2] > 0) {
+        s->u = (double)code[0];
+        s->v = (double)code[1];
+        s->weight = 1 / (CODES_NOISE * CODES_NOISE);
+    } else if (!look_across(l, s, x, y, camera, projector)) {
         return false;
+    }
     return differentiate(s, camera, projector);
 }
 
@@ -178,7 +187,8 @@ FfpTiePoints ffp_tie_points_new(const FfpCapture *capture, const FfpInitialisati
                                 int active) {
     const size_t area = (size_t)start->width * (size_t)start->height;
     FfpTiePoints out = {.view = view, .width = start->width, .height = start->height};
-    out.all = ffp_alloc(area, sizeof *out.all), out.index = ffp_alloc(area, sizeof *out.index);
+    out.all = ffp_alloc(area, sizeof *out.all);
+    out.index = ffp_alloc(area, sizeof *out.index);
     Looking l = {.view = &capture->views[view],
                  .start = start,
                  .first = (size_t)view * area,
@@ -200,6 +210,7 @@ FfpTiePoints ffp_tie_points_new(const FfpCapture *capture, const FfpInitialisati
 }
 
 void ffp_tie_points_free(FfpTiePoints *tie_points) {
-    ffp_free(tie_points->all), ffp_free(tie_points->index);
+    ffp_free(tie_points->all);
+    ffp_free(tie_points->index);
     *tie_points = (FfpTiePoints){0};
 }

@@ -84,8 +84,10 @@ static int typical_footprint(const FfpStage *stage, int k) {
     for (int s = 0; s < stage->n_camera_views; s++) {
         const FfpMapping *mapping = &ffp_stage_link(stage, s, k)->mapping;
         for (int p = 0; p < mapping->width * mapping->height; p++)
-            if (mapping->visibility[p] > 0)
-                sum += (double)fmax(mapping->extent[2 * p], mapping->extent[2 * p + 1]), count++;
+            if (mapping->visibility[p] > 0) {
+                sum += (double)fmax(mapping->extent[2 * p], mapping->extent[2 * p + 1]);
+                count++;
+            }
     }
     return count > 0 ? (int)ceil(sum / count) : 1;
 }

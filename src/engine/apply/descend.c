@@ -96,7 +96,10 @@ static void adam_free(Adam *adam, int n_projections) {
         ffp_free(adam->mean[k]);
         ffp_free(adam->square[k]);
     }
-    ffp_free(adam->gradients), ffp_free(adam->mean), ffp_free(adam->square), ffp_free(adam->count);
+    ffp_free(adam->gradients);
+    ffp_free(adam->mean);
+    ffp_free(adam->square);
+    ffp_free(adam->count);
 }
 
 // One step of pattern k, within [0,1].
@@ -115,7 +118,10 @@ static real root_mean_square(const FfpImage *image) {
     const size_t n = (size_t)image->width * (size_t)image->height * 3;
     double sum = 0, count = 0;
     for (size_t i = 0; i < n; i++)
-        if (image->data[i] != 0) sum += (double)image->data[i] * (double)image->data[i], count++;
+        if (image->data[i] != 0) {
+            sum += (double)image->data[i] * (double)image->data[i];
+            count++;
+        }
     return count > 0 ? (real)sqrt(sum / count) : 1;
 }
 

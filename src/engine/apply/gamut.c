@@ -46,7 +46,8 @@ FfpGamut ffp_stage_gamut(const FfpStage *stage) {
             bool below = false, above = false;
             if (!(camera_view->weight.data[p] > 0.5F)) continue;
             const bool lit = is_lit(stage, s, p, most);
-            gamut.pixels++, unlit += !lit;
+            gamut.pixels++;
+            unlit += !lit;
             for (int c = 0; lit && c < 3; c++) {
                 const real wanted = ffp_srgb_encode(camera_view->target.data[3 * p + c]);
                 below |= wanted < ffp_srgb_encode(camera_view->ambient.data[3 * p + c]) - STEP;
@@ -54,11 +55,14 @@ FfpGamut ffp_stage_gamut(const FfpStage *stage) {
                     camera_view->target.data[3 * p + c] > most[c] &&
                     (wanted > ffp_srgb_encode(most[c]) + STEP || camera_view->target.data[3 * p + c] > 1);
             }
-            dark += below, bright += above;
+            dark += below;
+            bright += above;
         }
     }
     const double whole = gamut.pixels ? gamut.pixels : 1;
-    gamut.unlit = unlit / whole, gamut.too_dark = dark / whole, gamut.too_bright = bright / whole;
+    gamut.unlit = unlit / whole;
+    gamut.too_dark = dark / whole;
+    gamut.too_bright = bright / whole;
     return gamut;
 }
 
@@ -76,7 +80,8 @@ static double distance_at(const FfpStage *stage, real gain) {
                 const real low = ffp_srgb_encode(camera_view->ambient.data[3 * p + c]),
                            high = ffp_srgb_encode(most[c]);
                 const real off = wanted < low ? low - wanted : wanted > high ? wanted - high : 0;
-                sum += (double)off * (double)off, count++;
+                sum += (double)off * (double)off;
+                count++;
             }
         }
     }
@@ -105,7 +110,10 @@ double ffp_stage_psnr(const FfpStage *stage) {
         ffp_image_to_srgb(&picture);
         ffp_image_to_srgb(&target);
         const double psnr = ffp_psnr_masked(&picture, &target, &lit);
-        if (isfinite(psnr)) sum += psnr, counted++;
+        if (isfinite(psnr)) {
+            sum += psnr;
+            counted++;
+        }
         ffp_image_free(&picture);
         ffp_image_free(&target);
         ffp_image_free(&lit);

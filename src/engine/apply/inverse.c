@@ -67,7 +67,8 @@ static bool is_whole(const FfpCameraView *camera_view, int x, int y, const Corne
     for (int k = 0; k < 4; k++) {
         if (!(cell[k].z > 0)) return false;
         const real z = depth[(k >> 1) * camera->width + (k & 1)];
-        near = fmin(near, z), far = fmax(far, z);
+        near = fmin(near, z);
+        far = fmax(far, z);
     }
     return far - near <= ffp_depth_jump(camera, far);
 }

@@ -13,15 +13,20 @@ static int whole_eights(int count) {
     return (count + 7) / 8 * 8;
 }
 
-static FfpAttentionPlan make_shape(int rows, int heads, int dim) {
+static FfpAttentionPlan make_shape(const FfpAttentionShape *shape) {
+    const int rows = shape->rows, heads = shape->heads, dim = shape->head_dim;
     if (dim > FFP_ATTENTION_DIM_MAX) {
         fprintf(stderr, "ffprocams: error: GPU: attention heads of %d, at most %d\n", dim,
                 FFP_ATTENTION_DIM_MAX);
         abort();
     }
     FfpAttentionPlan plan = {};
-    plan.rows = rows, plan.heads = heads, plan.dim = dim, plan.width = heads * dim;
-    plan.pad = whole_eights(dim), plan.keys = whole_eights(rows);
+    plan.rows = rows;
+    plan.heads = heads;
+    plan.dim = dim;
+    plan.width = heads * dim;
+    plan.pad = whole_eights(dim);
+    plan.keys = whole_eights(rows);
     const size_t line = (size_t)plan.keys * 2 * (sizeof(float) + sizeof(uint16_t)),
                  most = ffp_cuda_attention_bytes / line;
     const size_t square = (size_t)(rows > 0 ? rows : 1);
@@ -48,16 +53,16 @@ static void part_sizes(size_t sizes[PARTS], const FfpAttentionPlan *p) {
     for (int i = 0; i < PARTS; i++) sizes[i] = (parts[i] + 63) / 64 * 64;
 }
 
-size_t ffp_cuda_attention_scratch(int rows, int heads, int head_dim) {
-    const FfpAttentionPlan plan = make_shape(rows, heads, head_dim);
+size_t ffp_cuda_attention_scratch(const FfpAttentionShape *shape) {
+    const FfpAttentionPlan plan = make_shape(shape);
     size_t sizes[PARTS], sum = 0;
     part_sizes(sizes, &plan);
     for (int i = 0; i < PARTS; i++) sum += sizes[i];
     return sum;
 }
 
-FfpAttentionPlan ffp_cuda_attention_plan(int rows, int heads, int dim, float *scratch) {
-    FfpAttentionPlan plan = make_shape(rows, heads, dim);
+FfpAttentionPlan ffp_cuda_attention_plan(const FfpAttentionShape *shape, float *scratch) {
+    FfpAttentionPlan plan = make_shape(shape);
     size_t sizes[PARTS];
     part_sizes(sizes, &plan);
     uint16_t **halves[HALVES] = {&plan.q, &plan.k, &plan.v, &plan.dout, &plan.weights, &plan.dweights};
@@ -104,19 +109,19 @@ static __device__ void normalise(float x[FFP_ATTENTION_EACH], const float *gain,
 }
 
 // A warp for each row of each head.
-static __global__ void prepare_rows(FfpAttentionPlan plan, const float *qkv, const float *q_gain,
-                                    const float *k_gain, const float *dout, const float *out) {
+static __global__ void prepare_rows(FfpAttentionPlan plan, FfpAttentionInput in, const float *dout,
+                                    const float *out) {
     const size_t line = (size_t)blockIdx.x * WARPS + threadIdx.x / FFP_WARP;
     if (line >= (size_t)plan.rows * plan.heads) return;
     const int t = (int)(line / plan.heads), head = (int)(line % plan.heads);
     const size_t place = (size_t)head * plan.rows + t, column = (size_t)head * plan.dim;
-    const float *row = qkv + (size_t)t * 3 * plan.width + column;
+    const float *row = in.qkv + (size_t)t * 3 * plan.width + column;
     float x[FFP_ATTENTION_EACH], other[FFP_ATTENTION_EACH];
     read_row(x, row, &plan);
-    normalise(x, q_gain, FFP_ATTENTION_LOG2_E / sqrtf((float)plan.dim), &plan);
+    normalise(x, in.q_gain, FFP_ATTENTION_LOG2_E / sqrtf((float)plan.dim), &plan);
     write_row(plan.q + place * plan.pad, x, &plan);
     read_row(x, row + plan.width, &plan);
-    normalise(x, k_gain, 1, &plan);
+    normalise(x, in.k_gain, 1, &plan);
     write_row(plan.k + place * plan.pad, x, &plan);
     read_row(x, row + 2 * plan.width, &plan);
     write_row(plan.v + place * plan.pad, x, &plan);
@@ -130,20 +135,22 @@ static __global__ void prepare_rows(FfpAttentionPlan plan, const float *qkv, con
     if (ffp_lane() == 0) plan.delta[place] = sum;
 }
 
-void ffp_cuda_attention_prepare(const FfpAttentionPlan *plan, const float *qkv, const float *q_gain,
-                                const float *k_gain, const float *dout, const float *out) {
+void ffp_cuda_attention_prepare(const FfpAttentionPlan *plan, const FfpAttentionInput *in, const float *dout,
+                                const float *out) {
     const size_t lines = (size_t)plan->rows * plan->heads;
-    ffp_launch_blocks(prepare_rows, dim3(ffp_blocks(lines, WARPS)), dim3(THREADS), 0, *plan, qkv, q_gain,
-                      k_gain, dout, out);
+    ffp_launch_blocks(prepare_rows, dim3(ffp_blocks(lines, WARPS)), dim3(THREADS), 0, *plan, *in, dout, out);
 }
 
 bool ffp_cuda_attention_next(FfpAttentionTile *part, const FfpAttentionPlan *plan) {
-    if (part->group == 0)
-        part->head = 0, part->query = 0;
-    else if (part->query + part->span < plan->rows)
+    if (part->group == 0) {
+        part->head = 0;
+        part->query = 0;
+    } else if (part->query + part->span < plan->rows) {
         part->query += part->span;
-    else
-        part->head += part->group, part->query = 0;
+    } else {
+        part->head += part->group;
+        part->query = 0;
+    }
     part->group = min(plan->group, plan->heads - part->head);
     part->span = min(plan->span, plan->rows - part->query);
     return part->group > 0 && part->span > 0;
@@ -224,11 +231,11 @@ void ffp_cuda_attention_sum(float *to, int ldt, size_t stride, const uint16_t *w
     ffp_cuda_product(&product);
 }
 
-void ffp_cuda_attention_forward(float *out, float *log_sum, const float *qkv, const float *q_gain,
-                                const float *k_gain, int rows, int heads, int head_dim, float *scratch) {
-    if (rows <= 0) return;
-    const FfpAttentionPlan plan = ffp_cuda_attention_plan(rows, heads, head_dim, scratch);
-    ffp_cuda_attention_prepare(&plan, qkv, q_gain, k_gain, NULL, NULL);
+void ffp_cuda_attention_forward(float *out, float *log_sum, const FfpAttentionShape *shape,
+                                const FfpAttentionInput *in, float *scratch) {
+    if (shape->rows <= 0) return;
+    const FfpAttentionPlan plan = ffp_cuda_attention_plan(shape, scratch);
+    ffp_cuda_attention_prepare(&plan, in, NULL, NULL);
     for (FfpAttentionTile part = {}; ffp_cuda_attention_next(&part, &plan);) {
         ffp_cuda_attention_scores(plan.scores, &plan, &part, plan.q, plan.k);
         ffp_launch_blocks(softmax_rows, dim3(ffp_blocks((size_t)part.group * part.span, WARPS)),

@@ -29,11 +29,11 @@ typedef struct FfpAttentionPlan {
 } FfpAttentionPlan;
 
 // Ends the program with a message when a head is wider than FFP_ATTENTION_DIM_MAX.
-FfpAttentionPlan ffp_cuda_attention_plan(int rows, int heads, int dim, float *scratch);
+FfpAttentionPlan ffp_cuda_attention_plan(const FfpAttentionShape *shape, float *scratch);
 
 // q, k (normalised, with gains), v as bf16; if dout is not NULL, that and delta, too.
-void ffp_cuda_attention_prepare(const FfpAttentionPlan *plan, const float *qkv, const float *q_gain,
-                                const float *k_gain, const float *dout, const float *out);
+void ffp_cuda_attention_prepare(const FfpAttentionPlan *plan, const FfpAttentionInput *in, const float *dout,
+                                const float *out);
 
 // `group` heads from `head` on and `span` queries from `query` on.
 typedef struct FfpAttentionTile {

@@ -76,8 +76,8 @@ static __device__ void norm_row(float *dx, float dgain[FFP_ATTENTION_EACH], cons
 }
 
 // Warps take rows of heads in turn. partial [blocks, 2 dim]: the block's share of dq_gain and dk_gain.
-static __global__ void norm_backward(float *dqkv, float *partial, const float *qkv, const float *q_gain,
-                                     const float *k_gain, FfpAttentionPlan plan) {
+static __global__ void norm_backward(float *dqkv, float *partial, FfpAttentionInput in,
+                                     FfpAttentionPlan plan) {
     __shared__ float sums[WARPS][2 * FFP_ATTENTION_DIM_MAX];
     const int warp = (int)threadIdx.x / FFP_WARP, dim = plan.dim;
     const size_t lines = (size_t)plan.rows * plan.heads;
@@ -85,8 +85,9 @@ static __global__ void norm_backward(float *dqkv, float *partial, const float *q
     for (size_t line = (size_t)blockIdx.x * WARPS + warp; line < lines; line += (size_t)gridDim.x * WARPS) {
         const size_t t = line / plan.heads, head = line % plan.heads;
         const size_t at = t * 3 * plan.width + head * dim, place = (head * plan.rows + t) * plan.pad;
-        norm_row(dqkv + at, dq_gain, plan.dq + place, qkv + at, q_gain, 1 / sqrtf((float)dim), dim);
-        norm_row(dqkv + at + plan.width, dk_gain, plan.dk + place, qkv + at + plan.width, k_gain, 1, dim);
+        norm_row(dqkv + at, dq_gain, plan.dq + place, in.qkv + at, in.q_gain, 1 / sqrtf((float)dim), dim);
+        norm_row(dqkv + at + plan.width, dk_gain, plan.dk + place, in.qkv + at + plan.width, in.k_gain, 1,
+                 dim);
     }
     for (int e = 0; e < FFP_ATTENTION_EACH; e++) {
         sums[warp][ffp_lane() + e * FFP_WARP] = dq_gain[e];
@@ -116,18 +117,17 @@ static void part_backward(float *dqkv, const float *log_sum, const FfpAttentionP
                            plan->dweights, plan->k, plan, part);
 }
 
-void ffp_cuda_attention_backward(float *dqkv, float *dq_gain, float *dk_gain, const float *dout,
-                                 const float *out, const float *log_sum, const float *qkv,
-                                 const float *q_gain, const float *k_gain, int rows, int heads, int head_dim,
-                                 float *scratch) {
-    if (rows <= 0) return;
-    const FfpAttentionPlan plan = ffp_cuda_attention_plan(rows, heads, head_dim, scratch);
-    ffp_cuda_attention_prepare(&plan, qkv, q_gain, k_gain, dout, out);
+void ffp_cuda_attention_backward(const FfpAttentionGradient *grad, const FfpAttentionShape *shape,
+                                 const FfpAttentionInput *in, const float *out, const float *log_sum,
+                                 const float *dout, float *scratch) {
+    const int dim = shape->head_dim;
+    if (shape->rows <= 0) return;
+    const FfpAttentionPlan plan = ffp_cuda_attention_plan(shape, scratch);
+    ffp_cuda_attention_prepare(&plan, in, dout, out);
     for (FfpAttentionTile part = {}; ffp_cuda_attention_next(&part, &plan);)
-        part_backward(dqkv, log_sum, &plan, &part);
-    const unsigned blocks = min((unsigned)NORM_BLOCKS, ffp_blocks((size_t)rows * heads, WARPS));
-    float *partial = ffp_cuda_column_partials((size_t)blocks * 2 * head_dim);
-    ffp_launch_blocks(norm_backward, dim3(blocks), dim3(THREADS), 0, dqkv, partial, qkv, q_gain, k_gain,
-                      plan);
-    ffp_cuda_add_columns(partial, (int)blocks, dq_gain, head_dim, dk_gain, head_dim);
+        part_backward(grad->qkv, log_sum, &plan, &part);
+    const unsigned blocks = min((unsigned)NORM_BLOCKS, ffp_blocks((size_t)shape->rows * shape->heads, WARPS));
+    float *partial = ffp_cuda_column_partials((size_t)blocks * 2 * dim);
+    ffp_launch_blocks(norm_backward, dim3(blocks), dim3(THREADS), 0, grad->qkv, partial, *in, plan);
+    ffp_cuda_add_columns(partial, (int)blocks, grad->q_gain, dim, grad->k_gain, dim);
 }

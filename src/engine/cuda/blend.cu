@@ -69,7 +69,8 @@ static __global__ void __launch_bounds__(FFP_TILE_PIXELS) blend_tiles(FfpTiling 
     const int64_t end = t.tile_first[blockIdx.x + 1];
     const int thread = (int)threadIdx.x, warp = thread / FFP_WARP;
     Sums sums;
-    sums.transmittance = pixel.index < 0 ? 0 : 1, sums.distortion = 0;
+    sums.transmittance = pixel.index < 0 ? 0 : 1;
+    sums.distortion = 0;
     for (int k = 0; k < CHANNELS; k++) sums.value[k] = 0;
     bool open = __any_sync(FFP_ALL_LANES, pixel.index >= 0);
     for (int64_t first = t.tile_first[blockIdx.x]; first < end; first += BATCH) {

@@ -31,7 +31,8 @@ static __device__ inline void load_pixel(const FfpTilePixel *at, const FfpGbuffe
                                          const FfpGbuffer *grad, Pixel *p) {
     const bool inside = at->index >= 0;
     const int i = inside ? at->index : 0;
-    p->x = (float)at->x + 0.5F, p->y = (float)at->y + 0.5F;
+    p->x = (float)at->x + 0.5F;
+    p->y = (float)at->y + 0.5F;
     p->transmittance = inside ? 1 : 0;
     p->spread = 2 * grad->distortion[i];
     // The distortion is of second degree in w, the rest of first: sum w dL/dw, by Euler.
@@ -40,7 +41,8 @@ static __device__ inline void load_pixel(const FfpTilePixel *at, const FfpGbuffe
         p->grad[k] = *ffp_channel(grad, k, i);
         p->rest += p->grad[k] * *ffp_channel(out, k, i);
     }
-    p->opacity = out->opacity[i], p->depth = out->depth[i];
+    p->opacity = out->opacity[i];
+    p->depth = out->depth[i];
     p->opacity_so_far = p->depth_so_far = 0;
 }
 

@@ -9,12 +9,6 @@ extern "C" {
 
 enum { CHANNELS = 128, RUN = 16, TAPS = 4 }; // a block's channels; rows of a run; the network's taps
 
-typedef struct Conv {
-    const float *x, *w, *bias;
-    int ldx, rows, channels, taps;
-    bool reverse;
-} Conv;
-
 // What a thread holds of its channel. W, at least conv's taps, is a constant; taps that do not exist come
 // first and have weight 0.
 template <int W> struct Column {
@@ -22,11 +16,11 @@ template <int W> struct Column {
     float x[W]; // rows i - W + 1 to i
 };
 
-static __device__ inline size_t row_at(const Conv *conv, int i) {
+static __device__ inline size_t row_at(const FfpDepthwise *conv, int i) {
     return (size_t)(conv->reverse ? conv->rows - 1 - i : i);
 }
 
-static __device__ inline float x_at(const Conv *conv, int i, int channel) {
+static __device__ inline float x_at(const FfpDepthwise *conv, int i, int channel) {
     return i < 0 || i >= conv->rows ? 0 : conv->x[row_at(conv, i) * conv->ldx + channel];
 }
 
@@ -36,7 +30,8 @@ template <int W> static __device__ inline void shift(float window[W], float next
 }
 
 // Just before row i.
-template <int W> static __device__ inline Column<W> column_before(const Conv *conv, int channel, int i) {
+template <int W>
+static __device__ inline Column<W> column_before(const FfpDepthwise *conv, int channel, int i) {
     Column<W> c;
     c.bias = conv->bias[channel];
     c.x[0] = 0;
@@ -49,14 +44,15 @@ template <int W> static __device__ inline Column<W> column_before(const Conv *co
 }
 
 // Slides to row i: what goes into the SiLU.
-template <int W> static __device__ inline float slide(Column<W> *c, const Conv *conv, int channel, int i) {
+template <int W>
+static __device__ inline float slide(Column<W> *c, const FfpDepthwise *conv, int channel, int i) {
     shift<W>(c->x, x_at(conv, i, channel));
     float pre = c->bias;
     for (int k = 0; k < W; k++) pre += c->weight[k] * c->x[k];
     return pre;
 }
 
-template <int W> static __global__ void run_forward(float *y, Conv conv) {
+template <int W> static __global__ void run_forward(float *y, FfpDepthwise conv) {
     const int channel = (int)(blockIdx.x * CHANNELS + threadIdx.x), first = (int)blockIdx.y * RUN;
     if (channel >= conv.channels) return;
     Column<W> c = column_before<W>(&conv, channel, first);
@@ -70,7 +66,8 @@ template <int W> static __global__ void run_forward(float *y, Conv conv) {
 // The thread adds to its own run of dx; dw and dbias of the run go to partial [runs, channels * taps +
 // channels].
 template <int W>
-static __global__ void run_backward(float *dx, int lddx, float *partial, const float *dy, Conv conv) {
+static __global__ void run_backward(FfpDepthwiseGradient grad, float *partial, const float *dy,
+                                    FfpDepthwise conv) {
     const int channel = (int)(blockIdx.x * CHANNELS + threadIdx.x), first = (int)blockIdx.y * RUN;
     if (channel >= conv.channels) return;
     const int end = min(first + RUN, conv.rows);
@@ -91,7 +88,7 @@ static __global__ void run_backward(float *dx, int lddx, float *partial, const f
         if (i < first) continue;
         float sum = 0;
         for (int k = 0; k < W; k++) sum += c.weight[k] * dpre[W - 1 - k];
-        dx[row_at(&conv, i) * lddx + channel] += sum;
+        grad.x[row_at(&conv, i) * grad.ldx + channel] += sum;
     }
     partial += (size_t)blockIdx.y * conv.channels * (conv.taps + 1);
     for (int k = 0; k < W; k++)
@@ -99,21 +96,17 @@ static __global__ void run_backward(float *dx, int lddx, float *partial, const f
     partial[(size_t)conv.channels * conv.taps + channel] = dbias;
 }
 
-void ffp_cuda_conv_forward(float *y, const float *x, int ldx, const float *w, const float *bias, int rows,
-                           int channels, int taps, bool reverse) {
-    const Conv conv = {x, w, bias, ldx, rows, channels, taps, reverse};
-    const dim3 grid(ffp_blocks((size_t)channels, CHANNELS), ffp_blocks((size_t)rows, RUN));
-    ffp_launch(taps <= TAPS ? run_forward<TAPS> : run_forward<FFP_CONV_TAPS_MAX>, grid, dim3(CHANNELS), y,
-               conv);
+void ffp_cuda_conv_forward(float *y, const FfpDepthwise *conv) {
+    const dim3 grid(ffp_blocks((size_t)conv->channels, CHANNELS), ffp_blocks((size_t)conv->rows, RUN));
+    ffp_launch(conv->taps <= TAPS ? run_forward<TAPS> : run_forward<FFP_CONV_TAPS_MAX>, grid, dim3(CHANNELS),
+               y, *conv);
 }
 
-void ffp_cuda_conv_backward(float *dx, int lddx, float *dw, float *dbias, const float *dy, const float *x,
-                            int ldx, const float *w, const float *bias, int rows, int channels, int taps,
-                            bool reverse) {
-    const Conv conv = {x, w, bias, ldx, rows, channels, taps, reverse};
-    const dim3 grid(ffp_blocks((size_t)channels, CHANNELS), ffp_blocks((size_t)rows, RUN));
+void ffp_cuda_conv_backward(const FfpDepthwiseGradient *grad, const FfpDepthwise *conv, const float *dy) {
+    const int channels = conv->channels, taps = conv->taps;
+    const dim3 grid(ffp_blocks((size_t)channels, CHANNELS), ffp_blocks((size_t)conv->rows, RUN));
     float *partial = ffp_cuda_column_partials((size_t)grid.y * channels * (taps + 1));
-    ffp_launch(taps <= TAPS ? run_backward<TAPS> : run_backward<FFP_CONV_TAPS_MAX>, grid, dim3(CHANNELS), dx,
-               lddx, partial, dy, conv);
-    ffp_cuda_add_columns(partial, (int)grid.y, dw, channels * taps, dbias, channels);
+    ffp_launch(taps <= TAPS ? run_backward<TAPS> : run_backward<FFP_CONV_TAPS_MAX>, grid, dim3(CHANNELS),
+               *grad, partial, dy, *conv);
+    ffp_cuda_add_columns(partial, (int)grid.y, grad->w, channels * taps, grad->bias, channels);
 }

@@ -154,7 +154,10 @@ void run_block(unsigned count) {
         for (unsigned w = 0; w * WARP < count; w++)
             run_warp(w * WARP, (w + 1) * WARP < count ? (w + 1) * WARP : count);
         for (unsigned t = 0; t < count; t++)
-            if (fibers[t].state == State::at_block) fibers[t].state = State::running, waits = true;
+            if (fibers[t].state == State::at_block) {
+                fibers[t].state = State::running;
+                waits = true;
+            }
     }
 }
 

@@ -13,11 +13,11 @@ static __device__ inline float gate(float x, float z) {
     return x * z * ffp_logistic(z);
 }
 
-static __global__ void gated_forward(float *y, float *rstd, const float *x, const float *z, int ldz,
-                                     const float *gain, int rows, int dim) {
-    const int t = (int)(blockIdx.x * WARPS + threadIdx.x / FFP_WARP);
-    if (t >= rows) return;
-    x += (size_t)t * dim, y += (size_t)t * dim, z += (size_t)t * ldz;
+static __global__ void gated_forward(float *y, float *rstd, FfpGatedNorm in) {
+    const int t = (int)(blockIdx.x * WARPS + threadIdx.x / FFP_WARP), dim = in.dim;
+    if (t >= in.rows) return;
+    const float *x = in.x + (size_t)t * dim, *z = in.z + (size_t)t * in.ldz;
+    y += (size_t)t * dim;
     float sum = 0;
     for (int i = ffp_lane(); i < dim; i += FFP_WARP) {
         const float u = gate(x[i], z[i]);
@@ -25,7 +25,7 @@ static __global__ void gated_forward(float *y, float *rstd, const float *x, cons
         sum += u * u;
     }
     const float scale = 1 / sqrtf(ffp_warp_sum(sum) / (float)dim + EPSILON);
-    for (int i = ffp_lane(); i < dim; i += FFP_WARP) y[i] *= scale * gain[i];
+    for (int i = ffp_lane(); i < dim; i += FFP_WARP) y[i] *= scale * in.gain[i];
     if (ffp_lane() == 0) rstd[t] = scale;
 }
 
@@ -44,36 +44,34 @@ static __device__ void row_backward(float *dx, float *dz, const float *dy, const
 }
 
 // As norm.cu's.
-static __global__ void gated_backward(float *dx, float *dz, int lddz, float *partial, const float *dy,
-                                      const float *x, const float *z, int ldz, const float *rstd,
-                                      const float *gain, int rows, int dim, int rows_a_block) {
-    const int first = (int)blockIdx.x * rows_a_block, end = min(first + rows_a_block, rows);
+static __global__ void gated_backward(FfpGatedNormGradient grad, float *partial, FfpGatedNorm in,
+                                      const float *dy, const float *rstd, int rows_a_block) {
+    const int first = (int)blockIdx.x * rows_a_block, end = min(first + rows_a_block, in.rows), dim = in.dim;
     for (int t = first + (int)threadIdx.x / FFP_WARP; t < end; t += WARPS) {
         const size_t row = (size_t)t * dim;
-        row_backward(dx + row, dz + (size_t)t * lddz, dy + row, x + row, z + (size_t)t * ldz, rstd[t], gain,
-                     dim);
+        row_backward(grad.x + row, grad.z + (size_t)t * grad.ldz, dy + row, in.x + row,
+                     in.z + (size_t)t * in.ldz, rstd[t], in.gain, dim);
     }
     for (int i = (int)threadIdx.x; i < dim; i += THREADS) {
         float sum = 0;
         for (int t = first; t < end; t++)
-            sum += dy[(size_t)t * dim + i] * gate(x[(size_t)t * dim + i], z[(size_t)t * ldz + i]) * rstd[t];
+            sum += dy[(size_t)t * dim + i] * gate(in.x[(size_t)t * dim + i], in.z[(size_t)t * in.ldz + i]) *
+                   rstd[t];
         partial[(size_t)blockIdx.x * dim + i] = sum;
     }
 }
 
-void ffp_cuda_gated_norm_forward(float *y, float *rstd, const float *x, const float *z, int ldz,
-                                 const float *gain, int rows, int dim) {
-    ffp_launch_blocks(gated_forward, dim3(ffp_blocks((size_t)rows, WARPS)), dim3(THREADS), 0, y, rstd, x, z,
-                      ldz, gain, rows, dim);
+void ffp_cuda_gated_norm_forward(float *y, float *rstd, const FfpGatedNorm *in) {
+    ffp_launch_blocks(gated_forward, dim3(ffp_blocks((size_t)in->rows, WARPS)), dim3(THREADS), 0, y, rstd,
+                      *in);
 }
 
-void ffp_cuda_gated_norm_backward(float *dx, float *dz, int lddz, float *dgain, const float *dy,
-                                  const float *x, const float *z, int ldz, const float *rstd,
-                                  const float *gain, int rows, int dim) {
-    const int rows_a_block = max((int)ROWS_LEAST, (rows + BLOCKS_MOST - 1) / BLOCKS_MOST);
-    const int blocks = (int)ffp_blocks((size_t)rows, (unsigned)rows_a_block);
-    float *partial = ffp_cuda_column_partials((size_t)blocks * dim);
-    ffp_launch_blocks(gated_backward, dim3((unsigned)blocks), dim3(THREADS), 0, dx, dz, lddz, partial, dy, x,
-                      z, ldz, rstd, gain, rows, dim, rows_a_block);
-    ffp_cuda_add_columns(partial, blocks, dgain, dim, NULL, 0);
+void ffp_cuda_gated_norm_backward(const FfpGatedNormGradient *grad, const FfpGatedNorm *in, const float *dy,
+                                  const float *rstd) {
+    const int rows_a_block = max((int)ROWS_LEAST, (in->rows + BLOCKS_MOST - 1) / BLOCKS_MOST);
+    const int blocks = (int)ffp_blocks((size_t)in->rows, (unsigned)rows_a_block);
+    float *partial = ffp_cuda_column_partials((size_t)blocks * in->dim);
+    ffp_launch_blocks(gated_backward, dim3((unsigned)blocks), dim3(THREADS), 0, *grad, partial, *in, dy, rstd,
+                      rows_a_block);
+    ffp_cuda_add_columns(partial, blocks, grad->gain, in->dim, NULL, 0);
 }

@@ -10,12 +10,13 @@ extern "C" {
 
 enum { GROUP = 8, OPERANDS_MAX = 3 }; // numbers a thread rounds: 16 bytes
 
-// A matrix as it is stored, and its place as bf16. Rows and columns there are whole groups, filled up with
+// A factor as it is stored, and its place as bf16. Rows and columns there are whole groups, filled up with
 // zeros: so they begin at multiples of 16 bytes, and a product may run over k rounded up.
 typedef struct Operand {
     const float *from;
     int ld, rows, columns;
-    bool aligned; // its rows begin at multiples of 16 bytes
+    bool transposed; // the product reads it so
+    bool aligned;    // its rows begin at multiples of 16 bytes
     uint16_t *to;
     int to_ld;
     size_t groups;
@@ -31,16 +32,23 @@ static int whole_groups(int count) {
     return (count + GROUP - 1) / GROUP * GROUP;
 }
 
-static Operand operand(const float *from, int ld, int rows, int columns) {
-    const int to_ld = whole_groups(columns);
-    return (Operand){.from = from,
-                     .ld = ld,
-                     .rows = rows,
-                     .columns = columns,
-                     .aligned = ld % 4 == 0 && (uintptr_t)from % 16 == 0,
+static Operand operand(FfpFactor factor) {
+    const FfpFactor stored = factor.transposed ? ffp_transposed(factor) : factor;
+    const int to_ld = whole_groups(stored.columns);
+    return (Operand){.from = stored.data,
+                     .ld = stored.stride,
+                     .rows = stored.rows,
+                     .columns = stored.columns,
+                     .transposed = factor.transposed,
+                     .aligned = stored.stride % 4 == 0 && (uintptr_t)stored.data % 16 == 0,
                      .to = NULL,
                      .to_ld = to_ld,
-                     .groups = (size_t)whole_groups(rows) * (size_t)(to_ld / GROUP)};
+                     .groups = (size_t)whole_groups(stored.rows) * (size_t)(to_ld / GROUP)};
+}
+
+static Operand transposed(Operand o) {
+    o.transposed = !o.transposed;
+    return o;
 }
 
 static __device__ void load_group(float out[GROUP], const Operand *o, int row, int column) {
@@ -85,20 +93,19 @@ static void round_all(Operands *operands) {
     ffp_launch_each(operands->groups, round_operands, *operands);
 }
 
-// C = alpha op(A) op(B) + beta C of two rounded operands
-static void multiply(bool transpose_a, bool transpose_b, int m, int n, int k, float alpha, const Operand *a,
-                     const Operand *b, float beta, float *c, int ldc) {
+// C = alpha A B + beta C of two rounded operands
+static void multiply(float alpha, Operand a, Operand b, float beta, float *c, int ldc) {
     const FfpCudaProduct product = {.operands = FFP_OPERANDS_BF16,
-                                    .transpose_a = transpose_a,
-                                    .transpose_b = transpose_b,
-                                    .m = m,
-                                    .n = n,
-                                    .k = whole_groups(k),
+                                    .transpose_a = a.transposed,
+                                    .transpose_b = b.transposed,
+                                    .m = a.transposed ? a.columns : a.rows,
+                                    .n = b.transposed ? b.rows : b.columns,
+                                    .k = whole_groups(a.transposed ? a.rows : a.columns),
                                     .alpha = alpha,
-                                    .a = a->to,
-                                    .lda = a->to_ld,
-                                    .b = b->to,
-                                    .ldb = b->to_ld,
+                                    .a = a.to,
+                                    .lda = a.to_ld,
+                                    .b = b.to,
+                                    .ldb = b.to_ld,
                                     .beta = beta,
                                     .c = c,
                                     .ldc = ldc,
@@ -109,38 +116,15 @@ static void multiply(bool transpose_a, bool transpose_b, int m, int n, int k, fl
     ffp_cuda_product(&product);
 }
 
-void ffp_cuda_gemm(bool transpose_a, bool transpose_b, int m, int n, int k, float alpha, const float *a,
-                   int lda, const float *b, int ldb, float beta, float *c, int ldc) {
-    const FfpCudaProduct product = {.operands = FFP_OPERANDS_F32,
-                                    .transpose_a = transpose_a,
-                                    .transpose_b = transpose_b,
-                                    .m = m,
-                                    .n = n,
-                                    .k = k,
-                                    .alpha = alpha,
-                                    .a = a,
-                                    .lda = lda,
-                                    .b = b,
-                                    .ldb = ldb,
-                                    .beta = beta,
-                                    .c = c,
-                                    .ldc = ldc,
-                                    .count = 1,
-                                    .stride_a = 0,
-                                    .stride_b = 0,
-                                    .stride_c = 0};
-    ffp_cuda_product(&product);
+void ffp_cuda_gemm(float alpha, FfpFactor a, FfpFactor b, float beta, float *c, int ldc) {
+    ffp_cuda_multiply(FFP_OPERANDS_F32, alpha, a, b, beta, c, ldc);
 }
 
-void ffp_cuda_gemm_mixed(bool transpose_a, bool transpose_b, int m, int n, int k, float alpha, const float *a,
-                         int lda, const float *b, int ldb, float beta, float *c, int ldc) {
-    if (m <= 0 || n <= 0) return;
-    Operands o = {.of = {operand(a, lda, transpose_a ? k : m, transpose_a ? m : k),
-                         operand(b, ldb, transpose_b ? n : k, transpose_b ? k : n)},
-                  .count = 2,
-                  .groups = 0};
+void ffp_cuda_gemm_mixed(float alpha, FfpFactor a, FfpFactor b, float beta, float *c, int ldc) {
+    if (a.rows <= 0 || b.columns <= 0) return;
+    Operands o = {.of = {operand(a), operand(b)}, .count = 2, .groups = 0};
     round_all(&o);
-    multiply(transpose_a, transpose_b, m, n, k, alpha, &o.of[0], &o.of[1], beta, c, ldc);
+    multiply(alpha, o.of[0], o.of[1], beta, c, ldc);
 }
 
 // y [rows, out] = bias in every row
@@ -151,9 +135,8 @@ static __global__ void spread_bias(size_t count, float *y, const float *bias, in
 
 // y = x w^T + beta y
 static void forward_product(float *y, const float *x, const float *w, int rows, int in, int out, float beta) {
-    Operands o = {.of = {operand(x, in, rows, in), operand(w, in, out, in)}, .count = 2, .groups = 0};
-    round_all(&o);
-    multiply(false, true, rows, out, in, 1, &o.of[0], &o.of[1], beta, y, out);
+    ffp_cuda_gemm_mixed(1, ffp_factor(x, rows, in, in), ffp_transposed(ffp_factor(w, out, in, in)), beta, y,
+                        out);
 }
 
 void ffp_cuda_linear_forward(float *y, const float *x, const float *w, const float *bias, int rows, int in,
@@ -174,11 +157,12 @@ void ffp_cuda_linear_residual_forward(float *y, const float *residual, const flo
 void ffp_cuda_linear_backward(float *dx, float *dw, float *dbias, const float *dy, const float *x,
                               const float *w, int rows, int in, int out) {
     if (rows <= 0) return;
-    Operands o = {.of = {operand(dy, out, rows, out), operand(x, in, rows, in), operand(w, in, out, in)},
+    Operands o = {.of = {operand(ffp_factor(dy, rows, out, out)), operand(ffp_factor(x, rows, in, in)),
+                         operand(ffp_factor(w, out, in, in))},
                   .count = dx ? 3 : 2,
                   .groups = 0};
     round_all(&o);
-    if (dx) multiply(false, false, rows, in, out, 1, &o.of[0], &o.of[2], 0, dx, in);
-    multiply(true, false, out, in, rows, 1, &o.of[0], &o.of[1], 1, dw, in);
+    if (dx) multiply(1, o.of[0], o.of[2], 0, dx, in);
+    multiply(1, transposed(o.of[0]), o.of[1], 1, dw, in);
     if (dbias) ffp_cuda_add_column_sums(dbias, dy, rows, out);
 }

@@ -23,7 +23,8 @@ static double mean_of(const double *totals, double scale, double divisor) {
 
 void ffp_cuda_losses_defer(bool on) {
     if (!late.totals) late.totals = (double *)ffp_cuda_alloc(MOST * QUANTITIES * sizeof(double));
-    late.on = on, late.count = 0;
+    late.on = on;
+    late.count = 0;
 }
 
 int ffp_cuda_deferred_count(void) {
@@ -77,7 +78,8 @@ void ffp_cuda_loss_totals(double *totals, const FfpPartials *sums, bool add) {
 double ffp_cuda_mean(const FfpPartials *sums, bool add, double scale, double count) {
     if (late.on) {
         if (add) ffp_cuda_loss_add(sums);
-        late.scale[late.count] = scale, late.divisor[late.count++] = count;
+        late.scale[late.count] = scale;
+        late.divisor[late.count++] = count;
         return 0;
     }
     double totals[FFP_SUM_QUANTITIES];

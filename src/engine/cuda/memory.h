@@ -18,7 +18,8 @@ void ffp_cuda_synchronise(void);
 template <typename T> void ffp_cuda_grow(T **block, size_t *capacity, size_t bytes) {
     if (bytes <= *capacity) return;
     ffp_cuda_release(*block);
-    *block = NULL, *capacity = 0;
+    *block = NULL;
+    *capacity = 0;
     *block = (T *)ffp_cuda_alloc(bytes);
     *capacity = bytes;
 }

@@ -21,7 +21,8 @@ static __global__ void norm_forward(float *y, float *mean, float *rstd, const fl
                                     int rows, int dim) {
     const int t = (int)(blockIdx.x * WARPS + threadIdx.x / FFP_WARP);
     if (t >= rows) return;
-    x += (size_t)t * dim, y += (size_t)t * dim;
+    x += (size_t)t * dim;
+    y += (size_t)t * dim;
     float centre = 0;
     if (mean) {
         for (int i = ffp_lane(); i < dim; i += FFP_WARP) centre += x[i];
@@ -49,15 +50,24 @@ static __device__ void row_backward(float *dx, const float *dy, const float *x, 
         dx[i] = scale * (dy[i] * gain[i] - along_one - (x[i] - centre) * along_n);
 }
 
+// What a backward pass takes from the forward one.
+typedef struct Norm {
+    const float *x;           // [rows, dim]
+    const float *mean, *rstd; // [rows]; mean NULL: RMSNorm
+    const float *gain;        // [dim]
+    int rows, dim;
+} Norm;
+
 // A block has some rows: its warps their dx, then its threads the columns' share of dgain, sum of dy n, while
 // the rows are in the cache.
-static __global__ void norm_backward(float *dx, float *partial, const float *dy, const float *x,
-                                     const float *mean, const float *rstd, const float *gain, int rows,
-                                     int dim, int rows_a_block) {
-    const int first = (int)blockIdx.x * rows_a_block, end = min(first + rows_a_block, rows);
+static __global__ void norm_backward(float *dx, float *partial, const float *dy, Norm norm,
+                                     int rows_a_block) {
+    const int first = (int)blockIdx.x * rows_a_block, end = min(first + rows_a_block, norm.rows),
+              dim = norm.dim;
+    const float *x = norm.x, *mean = norm.mean, *rstd = norm.rstd;
     for (int t = first + (int)threadIdx.x / FFP_WARP; t < end; t += WARPS) {
         const size_t row = (size_t)t * dim;
-        row_backward(dx + row, dy + row, x + row, mean ? mean[t] : 0, rstd[t], gain, dim, mean != NULL);
+        row_backward(dx + row, dy + row, x + row, mean ? mean[t] : 0, rstd[t], norm.gain, dim, mean != NULL);
     }
     for (int i = (int)threadIdx.x; i < dim; i += THREADS) {
         float sum = 0;
@@ -73,14 +83,13 @@ static void run_forward(float *y, float *mean, float *rstd, const float *x, cons
                       gain, rows, dim);
 }
 
-static void run_backward(float *dx, float *dgain, const float *dy, const float *x, const float *mean,
-                         const float *rstd, const float *gain, int rows, int dim) {
-    const int rows_a_block = max((int)ROWS_LEAST, (rows + BLOCKS_MOST - 1) / BLOCKS_MOST);
-    const int blocks = (int)ffp_blocks((size_t)rows, (unsigned)rows_a_block);
-    float *partial = ffp_cuda_column_partials((size_t)blocks * dim);
-    ffp_launch_blocks(norm_backward, dim3((unsigned)blocks), dim3(THREADS), 0, dx, partial, dy, x, mean, rstd,
-                      gain, rows, dim, rows_a_block);
-    ffp_cuda_add_columns(partial, blocks, dgain, dim, NULL, 0);
+static void run_backward(float *dx, float *dgain, const float *dy, const Norm *norm) {
+    const int rows_a_block = max((int)ROWS_LEAST, (norm->rows + BLOCKS_MOST - 1) / BLOCKS_MOST);
+    const int blocks = (int)ffp_blocks((size_t)norm->rows, (unsigned)rows_a_block);
+    float *partial = ffp_cuda_column_partials((size_t)blocks * norm->dim);
+    ffp_launch_blocks(norm_backward, dim3((unsigned)blocks), dim3(THREADS), 0, dx, partial, dy, *norm,
+                      rows_a_block);
+    ffp_cuda_add_columns(partial, blocks, dgain, norm->dim, NULL, 0);
 }
 
 void ffp_cuda_layernorm_forward(float *y, float *mean, float *rstd, const float *x, const float *gain,
@@ -90,7 +99,8 @@ void ffp_cuda_layernorm_forward(float *y, float *mean, float *rstd, const float 
 
 void ffp_cuda_layernorm_backward(float *dx, float *dgain, const float *dy, const float *x, const float *mean,
                                  const float *rstd, const float *gain, int rows, int dim) {
-    run_backward(dx, dgain, dy, x, mean, rstd, gain, rows, dim);
+    const Norm norm = {x, mean, rstd, gain, rows, dim};
+    run_backward(dx, dgain, dy, &norm);
 }
 
 void ffp_cuda_rmsnorm_forward(float *y, float *rstd, const float *x, const float *gain, int rows, int dim) {
@@ -99,5 +109,6 @@ void ffp_cuda_rmsnorm_forward(float *y, float *rstd, const float *x, const float
 
 void ffp_cuda_rmsnorm_backward(float *dx, float *dgain, const float *dy, const float *x, const float *rstd,
                                const float *gain, int rows, int dim) {
-    run_backward(dx, dgain, dy, x, NULL, rstd, gain, rows, dim);
+    const Norm norm = {x, NULL, rstd, gain, rows, dim};
+    run_backward(dx, dgain, dy, &norm);
 }

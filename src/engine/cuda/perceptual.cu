@@ -146,7 +146,10 @@ typedef struct Input {
 
 static Input input_of(const FfpPerceptual *net) {
     Input input;
-    for (int c = 0; c < 3; c++) input.gain[c] = net->gain[c], input.offset[c] = net->offset[c];
+    for (int c = 0; c < 3; c++) {
+        input.gain[c] = net->gain[c];
+        input.offset[c] = net->offset[c];
+    }
     return input;
 }
 

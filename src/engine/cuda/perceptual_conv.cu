@@ -19,18 +19,6 @@ void ffp_cuda_conv_exact(bool exact) {
     operands = exact ? FFP_OPERANDS_F32 : FFP_OPERANDS_TF32;
 }
 
-// C [m,n] = op(A) B + beta C; A transposed is [k,m].
-static void product(bool transpose_a, int m, int n, int k, const float *a, const float *b, int ldb,
-                    float beta, float *c, int ldc) {
-    FfpCudaProduct p = {};
-    p.operands = operands, p.transpose_a = transpose_a;
-    p.m = m, p.n = n, p.k = k, p.count = 1;
-    p.a = a, p.lda = transpose_a ? m : k;
-    p.b = b, p.ldb = ldb, p.c = c, p.ldc = ldc;
-    p.alpha = 1, p.beta = beta;
-    ffp_cuda_product(&p);
-}
-
 static bool is_direct(const FfpConv *conv) { // the input is its own unfolded form
     return conv->kernel == 1 && conv->stride == 1 && conv->pad == 0;
 }
@@ -102,16 +90,18 @@ void ffp_cuda_picture_conv_forward(float *y, const float *x, const float *w, con
     Strip strip = whole(conv, images);
     const size_t total = strip.count;
     const int depth = (int)depth_of(conv);
+    const FfpFactor weights = ffp_factor(w, conv->out, depth, depth);
     if (is_direct(conv)) {
-        product(false, conv->out, (int)total, depth, w, x, (int)total, 0, y, (int)total);
+        ffp_cuda_multiply(operands, 1, weights, ffp_factor(x, depth, (int)total, (int)total), 0, y,
+                          (int)total);
         return;
     }
     for (size_t first = 0; first < total; first += strip.count) {
         fit(&strip, first, total, columns);
         ffp_launch(unfold, dim3(ffp_blocks(strip.count, 256), (unsigned)conv->in), dim3(256), columns.values,
                    x, strip);
-        product(false, conv->out, (int)strip.count, depth, w, columns.values, (int)strip.count, 0, y + first,
-                (int)total);
+        const FfpFactor patches = ffp_factor(columns.values, depth, (int)strip.count, (int)strip.count);
+        ffp_cuda_multiply(operands, 1, weights, patches, 0, y + first, (int)total);
     }
 }
 
@@ -120,14 +110,16 @@ void ffp_cuda_picture_conv_backward(float *dx, const float *dy, const float *w, 
     Strip strip = whole(conv, 1);
     const size_t total = strip.count, pixels = (size_t)conv->width * conv->height;
     const int depth = (int)depth_of(conv);
+    const FfpFactor weights = ffp_transposed(ffp_factor(w, conv->out, depth, depth));
     if (is_direct(conv)) {
-        product(true, depth, (int)total, conv->out, w, dy, (int)total, add, dx, (int)total);
+        const FfpFactor gradients = ffp_factor(dy, conv->out, (int)total, (int)total);
+        ffp_cuda_multiply(operands, 1, weights, gradients, add, dx, (int)total);
         return;
     }
     for (size_t first = 0; first < total; first += strip.count) {
         fit(&strip, first, total, columns);
-        product(true, depth, (int)strip.count, conv->out, w, dy + first, (int)total, 0, columns.values,
-                (int)strip.count);
+        const FfpFactor gradients = ffp_factor(dy + first, conv->out, (int)strip.count, (int)total);
+        ffp_cuda_multiply(operands, 1, weights, gradients, 0, columns.values, (int)strip.count);
         ffp_launch(fold, dim3(ffp_blocks(pixels, 256), (unsigned)conv->in), dim3(256), dx, columns.values,
                    strip, add || first > 0);
     }

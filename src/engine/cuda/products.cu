@@ -67,3 +67,26 @@ void ffp_cuda_product(const FfpCudaProduct *p) {
 }
 
 #endif
+
+void ffp_cuda_multiply(FfpCudaOperands operands, float alpha, FfpFactor a, FfpFactor b, float beta, float *c,
+                       int ldc) {
+    const FfpCudaProduct product = {.operands = operands,
+                                    .transpose_a = a.transposed,
+                                    .transpose_b = b.transposed,
+                                    .m = a.rows,
+                                    .n = b.columns,
+                                    .k = a.columns,
+                                    .alpha = alpha,
+                                    .a = a.data,
+                                    .lda = a.stride,
+                                    .b = b.data,
+                                    .ldb = b.stride,
+                                    .beta = beta,
+                                    .c = c,
+                                    .ldc = ldc,
+                                    .count = 1,
+                                    .stride_a = 0,
+                                    .stride_b = 0,
+                                    .stride_c = 0};
+    ffp_cuda_product(&product);
+}

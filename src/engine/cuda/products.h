@@ -2,8 +2,10 @@
 #ifndef FFP_CUDA_PRODUCTS_H
 #define FFP_CUDA_PRODUCTS_H
 
-#include <stdbool.h>
-#include <stddef.h>
+#ifdef __cplusplus
+extern "C" {
+#endif
+#include "core/tensor/tensor.h"
 
 // What the operands are stored as, or rounded to. Sums and C are fp32.
 typedef enum FfpCudaOperands {
@@ -30,10 +32,10 @@ typedef struct FfpCudaProduct {
     size_t stride_a, stride_b, stride_c;
 } FfpCudaProduct;
 
-#ifdef __cplusplus
-extern "C" {
-#endif
 void ffp_cuda_product(const FfpCudaProduct *product);
+// One product of fp32 numbers, as FFP_OPERANDS_F32 or FFP_OPERANDS_TF32: C = alpha A B + beta C.
+void ffp_cuda_multiply(FfpCudaOperands operands, float alpha, FfpFactor a, FfpFactor b, float beta, float *c,
+                       int ldc);
 #ifdef __cplusplus
 }
 #endif

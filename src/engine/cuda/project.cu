@@ -77,7 +77,8 @@ static __device__ inline void make_covariance(float blur, Frame *f) {
     const float m0 = m[0] * m[4] - m[1] * m[3], m1 = m[0] * m[5] - m[2] * m[3],
                 m2 = m[1] * m[5] - m[2] * m[4];
     const float before = m0 * m0 + m1 * m1 + m2 * m2, det = before + blur * (a + c) + blur * blur;
-    f->a = a + blur, f->c = c + blur;
+    f->a = a + blur;
+    f->c = c + blur;
     f->per_det = 1 / det;
     f->ratio = before * f->per_det;
     f->drawn = f->drawn && det > 0 && f->a < 1e12F && f->c < 1e12F;

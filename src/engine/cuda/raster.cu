@@ -30,7 +30,8 @@ static void fit_to(FfpDeviceRaster *raster, const FfpGaussians *gaussians, const
                    const FfpRenderSettings *settings) {
     FfpTiling *t = &raster->tiling;
     const size_t n = (size_t)gaussians->count;
-    t->width = camera->width, t->height = camera->height;
+    t->width = camera->width;
+    t->height = camera->height;
     t->tiles_x = (camera->width + FFP_TILE - 1) / FFP_TILE;
     t->tiles_y = (camera->height + FFP_TILE - 1) / FFP_TILE;
     t->firmness = settings->firmness;

@@ -29,7 +29,8 @@ static Flat flat(const FfpGaussians *g) {
     Flat f;
     for (int a = 0; a < FFP_ATTRIBUTES; a++) {
         const FfpAttribute x = ffp_attribute(g, a);
-        f.data[a] = x.data, f.count[a] = (size_t)g->count * (size_t)x.width;
+        f.data[a] = x.data;
+        f.count[a] = (size_t)g->count * (size_t)x.width;
     }
     return f;
 }

@@ -50,7 +50,8 @@ static __global__ void column_kernel(size_t stride, int height, double *sum) {
 FfpSummed ffp_cuda_summed_new(const FfpImage *rgb) {
     const size_t stride = ((size_t)rgb->width + 1) * FFP_SUMMED_CHANNELS;
     FfpSummed summed = {};
-    summed.width = rgb->width, summed.height = rgb->height;
+    summed.width = rgb->width;
+    summed.height = rgb->height;
     summed.sum = (double *)ffp_memory_new(stride * ((size_t)rgb->height + 1), sizeof(double));
     ffp_launch_blocks(row_kernel, dim3(ffp_blocks((size_t)rgb->height, ROWS)), dim3(FFP_WARP, ROWS), 0,
                       (const real *)rgb->data, rgb->width, rgb->height, summed.sum);

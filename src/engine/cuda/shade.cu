@@ -30,7 +30,8 @@ static unsigned blocks_for(const FfpGbuffer *g) {
 }
 
 static __device__ inline void add_around(const FfpGbuffer *g, ptrdiff_t p, int place, FfpAround *around) {
-    around->opacity[place] = g->opacity[p], around->depth[place] = g->depth[p];
+    around->opacity[place] = g->opacity[p];
+    around->depth[place] = g->depth[p];
 }
 
 static __global__ void __launch_bounds__(BLOCK) map_pixels(const __grid_constant__ FfpLightScene scene) {
@@ -57,16 +58,22 @@ void ffp_cuda_map_with_shadow(const FfpGbuffer *shadow, const FfpGbuffer *gbuffe
                               const FfpCamera *projector, const FfpRenderSettings *settings,
                               FfpMapping *out) {
     FfpLightScene scene = {};
-    scene.gbuffer = *gbuffer, scene.shadow = *shadow, scene.mapping = *out;
-    scene.camera = *camera, scene.projector = *projector, scene.settings = *settings;
+    scene.gbuffer = *gbuffer;
+    scene.shadow = *shadow;
+    scene.mapping = *out;
+    scene.camera = *camera;
+    scene.projector = *projector;
+    scene.settings = *settings;
     ffp_launch(map_pixels, dim3(blocks_for(gbuffer)), dim3(BLOCK), scene);
 }
 
 static FfpLightScene light_scene(const FfpGbuffer *gbuffer, const FfpMapping *mapping,
                                  const FfpCamera *camera, const FfpCamera *projector) {
     FfpLightScene scene = {};
-    scene.gbuffer = *gbuffer, scene.mapping = *mapping;
-    scene.camera = *camera, scene.projector = *projector;
+    scene.gbuffer = *gbuffer;
+    scene.mapping = *mapping;
+    scene.camera = *camera;
+    scene.projector = *projector;
     return scene;
 }
 
@@ -112,7 +119,8 @@ static __global__ void __launch_bounds__(BLOCK)
     const FfpLitView view = view_of(&scene);
     const FfpSums sums = sums_at(&scene, p);
     const FfpSums d = ffp_arrival_backward(&view, (int)(p % width), (int)(p / width), &sums, &d_arrival);
-    grad_gbuffer.opacity[p] += d.opacity, grad_gbuffer.depth[p] += d.depth;
+    grad_gbuffer.opacity[p] += d.opacity;
+    grad_gbuffer.depth[p] += d.depth;
     grad_gbuffer.roughness[p] += d.roughness;
     for (int k = 0; k < 3; k++) {
         grad_gbuffer.normal[3 * p + k] += d.normal[k];
@@ -130,9 +138,11 @@ static FfpPatternScene pattern_scene(const FfpMapping *mapping, const FfpTranspo
                                      const real intensity[3], const FfpSummed *pattern,
                                      const FfpImage *picture) {
     FfpPatternScene scene = {};
-    scene.width = picture->width, scene.height = picture->height;
+    scene.width = picture->width;
+    scene.height = picture->height;
     scene.side = transport->width / picture->width;
-    scene.transport = *transport, scene.extent = mapping->extent;
+    scene.transport = *transport;
+    scene.extent = mapping->extent;
     for (int k = 0; k < 3; k++) scene.intensity[k] = intensity[k];
     scene.lit = pattern != NULL;
     if (pattern) scene.pattern = *pattern;

@@ -53,7 +53,10 @@ void ffp_cuda_sort_pairs(const uint64_t *keys, uint64_t *sorted_keys, const uint
     ffp_emulated_memory(true);
     std::stable_sort(order.begin(), order.end(),
                      [=](size_t a, size_t b) { return (keys[a] & mask) < (keys[b] & mask); });
-    for (size_t i = 0; i < count; i++) sorted_keys[i] = keys[order[i]], sorted_values[i] = values[order[i]];
+    for (size_t i = 0; i < count; i++) {
+        sorted_keys[i] = keys[order[i]];
+        sorted_values[i] = values[order[i]];
+    }
     ffp_emulated_memory(false);
 }
 

@@ -28,7 +28,8 @@ FfpScanPlan ffp_cuda_scan_plan(const FfpScanShape *shape, const FfpScanInput *in
         abort();
     }
     FfpScanPlan plan = {};
-    plan.shape = *shape, plan.in = *in;
+    plan.shape = *shape;
+    plan.in = *in;
     plan.chunks = (shape->rows + FFP_TILE_SIDE - 1) / FFP_TILE_SIDE;
     plan.slices = (shape->state + FFP_TILE_SIDE - 1) / FFP_TILE_SIDE;
     float **parts[PARTS] = {&plan.states, &plan.decays, &plan.state_grads, &plan.db, &plan.dc, &plan.sums};

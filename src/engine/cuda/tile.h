@@ -40,7 +40,9 @@ typedef struct FfpCover {
 static __device__ inline FfpCover ffp_cover_pixel(const FfpDeviceSplat *s, float x, float y, float firmness,
                                                   float *transmittance) {
     FfpCover c;
-    c.dx = s->x - x, c.dy = s->y - y, c.before = *transmittance;
+    c.dx = s->x - x;
+    c.dy = s->y - y;
+    c.before = *transmittance;
     const float t = (s->power[0] * c.dx + s->power[1] * c.dy) * c.dx + s->power[2] * c.dy * c.dy;
     c.density = s->opacity * exp2f(fmaxf(fminf(t, 0), -100)); // 2^-100 is far below 1/255 as well
     c.covered = c.density * (1 + firmness * (1 - c.density));

@@ -72,7 +72,10 @@ static uint16_t choose_values(const Samples *s) {
         int64_t least = INT64_MAX;
         for (int v = 0; v < FFP_VALUES; v++) {
             const int64_t count = values >> v & 1 ? count_bright(s, (uint16_t)(1U << v)) : INT64_MAX;
-            if (count < least) least = count, darkest = v;
+            if (count < least) {
+                least = count;
+                darkest = v;
+            }
         }
         values &= (uint16_t) ~(1U << darkest);
     }

@@ -54,7 +54,8 @@ void ffp_losses_defer(void) {
 bool ffp_loss_deferred_as(FfpDeferredKind kind, real scale) {
     const int count = kept();
     if (count == late.seen) return false;
-    late.due[count - 1].kind = kind, late.due[count - 1].scale = scale;
+    late.due[count - 1].kind = kind;
+    late.due[count - 1].scale = scale;
     return true;
 }
 
@@ -81,7 +82,8 @@ void ffp_loss_add(double *sum, double weight, double value) {
         *sum += weight * value;
         return;
     }
-    late.due[count - 1].sum = sum, late.due[count - 1].weight = weight;
+    late.due[count - 1].sum = sum;
+    late.due[count - 1].weight = weight;
     late.seen = count;
     if (count == FFP_DEFERRED_MAX) settle();
 }

@@ -104,7 +104,8 @@ static const void *weights_on_device(const FfpPerceptual *net) {
     if (copy->weights && copy->device == ffp_device()) return copy->weights;
     ffp_disown(copy->weights);
     if (copy->weights) copy->device->loss->perceptual_release(copy->weights);
-    copy->device = ffp_device(), copy->weights = NULL;
+    copy->device = ffp_device();
+    copy->weights = NULL;
     copy->weights = copy->device->loss->perceptual_upload(net);
     ffp_own(copy->weights, copy->device->loss->perceptual_release);
     return copy->weights;

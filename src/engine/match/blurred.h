@@ -38,7 +38,8 @@ static inline void ffp_find_cells(FfpCellPlaces *out, const FfpBlurred *blurred,
                    v1 = v0 <= blurred->height ? v0 : blurred->height;
         const real x = u1 * blurred->scale + 0.5F, y = v1 * blurred->scale + 0.5F; // the border: one cell
         const int i = (int)x, j = (int)y, off = (u1 != u[n]) | (v1 != v[n]);
-        out->right[n] = x - (real)i, out->low[n] = y - (real)j;
+        out->right[n] = x - (real)i;
+        out->low[n] = y - (real)j;
         out->first[n] = (j * blurred->stride + i) | -off;
     }
 }

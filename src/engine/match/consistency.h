@@ -39,10 +39,13 @@ typedef struct FfpSupport {
 // give or take `slack`; behind the surface it says nothing.
 static inline void ffp_support_count(FfpSupport *out, const FfpDepthBounds *bounds, real z, real slack) {
     if (bounds->high <= 0) return;
-    if (z < bounds->low - slack)
-        out->past++, out->trust_past += bounds->trust;
-    else if (z <= bounds->high + slack)
-        out->agree++, out->trust_agree += bounds->trust;
+    if (z < bounds->low - slack) {
+        out->past++;
+        out->trust_past += bounds->trust;
+    } else if (z <= bounds->high + slack) {
+        out->agree++;
+        out->trust_agree += bounds->trust;
+    }
 }
 
 // Whether so many see past the point that there is nothing.

@@ -28,7 +28,10 @@ static inline FfpLine ffp_line(const FfpCamera *camera, real x, real y, const Ff
 // positive.
 static inline real ffp_line_at(const FfpLine *line, real z, real *u, real *v) {
     const real w = line->w[0] + line->w[1] * z;
-    if (w > 1e-6F) *u = (line->u[0] + line->u[1] * z) / w, *v = (line->v[0] + line->v[1] * z) / w;
+    if (w > 1e-6F) {
+        *u = (line->u[0] + line->u[1] * z) / w;
+        *v = (line->v[0] + line->v[1] * z) / w;
+    }
     return w;
 }
 

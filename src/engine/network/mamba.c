@@ -43,6 +43,29 @@ static FfpScanInput scan_input(const FfpMambaActivations *at, const FfpMambaLayo
                           .d = values + layout->direction[i].d};
 }
 
+static FfpDepthwise conv_input(const FfpMambaActivations *at, const FfpMambaLayout *layout,
+                               const FfpBlockPass *pass, int i) {
+    const FfpWidths *widths = pass->widths;
+    return (FfpDepthwise){.x = at->projected + widths->inner,
+                          .w = pass->values + layout->direction[i].conv,
+                          .bias = pass->values + layout->direction[i].conv_bias,
+                          .ldx = widths->projected,
+                          .rows = pass->rows,
+                          .channels = widths->convolved,
+                          .taps = FFP_CONV_TAPS,
+                          .reverse = i == 1};
+}
+
+static FfpGatedNorm norm_input(const FfpMambaActivations *at, const FfpMambaLayout *layout,
+                               const FfpBlockPass *pass, int i) {
+    return (FfpGatedNorm){.x = at->direction[i].scanned,
+                          .z = at->projected,
+                          .ldz = pass->widths->projected,
+                          .gain = pass->values + layout->direction[i].norm,
+                          .rows = pass->rows,
+                          .dim = pass->widths->inner};
+}
+
 void ffp_mamba_forward(real *y, FfpMambaActivations *at, const real *x, const FfpMambaLayout *layout,
                        const FfpBlockPass *pass) {
     const FfpWidths *widths = pass->widths;
@@ -56,17 +79,15 @@ void ffp_mamba_forward(real *y, FfpMambaActivations *at, const real *x, const Ff
     ffp_linear_forward(at->projected, at->norm, values + layout->in_proj, NULL, rows, dim, ld);
     ffp_lap(&last, &times->products);
     for (int i = 0; i < 2; i++) {
-        ffp_conv_forward(at->direction[i].convolved, at->projected + inner, ld,
-                         values + layout->direction[i].conv, values + layout->direction[i].conv_bias, rows,
-                         widths->convolved, FFP_CONV_TAPS, i == 1);
+        const FfpDepthwise conv = conv_input(at, layout, pass, i);
+        ffp_conv_forward(at->direction[i].convolved, &conv);
         ffp_lap(&last, &times->other);
         const FfpScanShape shape = scan_shape(widths, rows, i);
         const FfpScanInput in = scan_input(at, layout, pass, i);
         ffp_scan_forward(at->direction[i].scanned, &shape, &in, scratch->kernel);
         ffp_lap(&last, &times->scan);
-        ffp_gated_norm_forward(i ? scratch->inner : at->summed, at->direction[i].rstd,
-                               at->direction[i].scanned, at->projected, ld,
-                               values + layout->direction[i].norm, rows, inner);
+        const FfpGatedNorm norm = norm_input(at, layout, pass, i);
+        ffp_gated_norm_forward(i ? scratch->inner : at->summed, at->direction[i].rstd, &norm);
     }
     ffp_add(at->summed, scratch->inner, (size_t)rows * inner);
     ffp_lap(&last, &times->other);
@@ -82,13 +103,13 @@ static void direction_backward(real *dprojected, const real *dsummed, real *grad
     const FfpWidths *widths = pass->widths;
     const FfpScratch *scratch = pass->scratch;
     FfpProfileTimes *times = pass->times;
-    const real *values = pass->values;
     const int rows = pass->rows, inner = widths->inner, ld = widths->projected;
     real *dscanned = scratch->inner, *dconvolved = scratch->dwide2;
     double last = ffp_seconds();
-    ffp_gated_norm_backward(dscanned, dprojected, ld, grad + layout->direction[i].norm, dsummed,
-                            at->direction[i].scanned, at->projected, ld, at->direction[i].rstd,
-                            values + layout->direction[i].norm, rows, inner);
+    const FfpGatedNorm norm = norm_input(at, layout, pass, i);
+    const FfpGatedNormGradient dnorm = {
+        .x = dscanned, .z = dprojected, .ldz = ld, .gain = grad + layout->direction[i].norm};
+    ffp_gated_norm_backward(&dnorm, &norm, dsummed, at->direction[i].rstd);
     ffp_lap(&last, &times->other);
     const FfpScanShape shape = scan_shape(widths, rows, i);
     const FfpScanInput in = scan_input(at, layout, pass, i);
@@ -101,10 +122,12 @@ static void direction_backward(real *dprojected, const real *dsummed, real *grad
                                  .d = grad + layout->direction[i].d};
     ffp_scan_backward(&out, &shape, &in, dscanned, scratch->kernel);
     ffp_lap(&last, &times->scan);
-    ffp_conv_backward(dprojected + inner, ld, grad + layout->direction[i].conv,
-                      grad + layout->direction[i].conv_bias, dconvolved, at->projected + inner, ld,
-                      values + layout->direction[i].conv, values + layout->direction[i].conv_bias, rows,
-                      widths->convolved, FFP_CONV_TAPS, i == 1);
+    const FfpDepthwise conv = conv_input(at, layout, pass, i);
+    const FfpDepthwiseGradient dconv = {.x = dprojected + inner,
+                                        .w = grad + layout->direction[i].conv,
+                                        .bias = grad + layout->direction[i].conv_bias,
+                                        .ldx = ld};
+    ffp_conv_backward(&dconv, &conv, dconvolved);
     ffp_lap(&last, &times->other);
 }
 

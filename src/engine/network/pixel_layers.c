@@ -97,10 +97,13 @@ void ffp_pixel_layers_backward(real *dfeatures, real *grad, FfpHead *head, int64
                             head->dhidden, i ? head->activated[i - 1] : head->gathered,
                             values + at->hidden[i], count, i ? w->hidden : w->gathered, w->hidden);
     }
-    if (uses_context_inputs(head, &model->config))
-        ffp_gemm(true, false, w->hidden, FFP_CONTEXT_CHANNELS, count, 1, head->dhidden, w->hidden,
-                 context_inputs_of(head, first, count), FFP_CONTEXT_CHANNELS, 1, grad + at->context,
+    const FfpFactor dhidden = ffp_factor(head->dhidden, count, w->hidden, w->hidden);
+    if (uses_context_inputs(head, &model->config)) {
+        const real *inputs = context_inputs_of(head, first, count);
+        ffp_gemm(1, ffp_transposed(dhidden),
+                 ffp_factor(inputs, count, FFP_CONTEXT_CHANNELS, FFP_CONTEXT_CHANNELS), 1, grad + at->context,
                  FFP_CONTEXT_CHANNELS);
-    ffp_gemm_mixed(false, false, count, w->features, w->hidden, 1, head->dhidden, w->hidden,
-                   values + at->hidden[0], w->gathered, 0, dfeatures, w->features);
+    }
+    ffp_gemm_mixed(1, dhidden, ffp_factor(values + at->hidden[0], w->hidden, w->features, w->gathered), 0,
+                   dfeatures, w->features);
 }

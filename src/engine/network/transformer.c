@@ -2,14 +2,18 @@
 #include "core/tensor/tensor.h"
 #include "engine/network/blocks.h"
 
+static FfpAttentionShape attention_shape(const FfpWidths *widths, int rows) {
+    return (FfpAttentionShape){.rows = rows, .heads = widths->attention_heads, .head_dim = FFP_HEAD_DIM};
+}
+
 size_t ffp_kernel_scratch(const FfpWidths *widths, int rows) {
     const FfpScanShape shape = {.rows = rows,
                                 .heads = widths->scan_heads,
                                 .head_dim = FFP_HEAD_DIM,
                                 .state = widths->state,
                                 .chunk = widths->chunk};
-    const size_t scan = ffp_scan_scratch(&shape);
-    const size_t attention = ffp_attention_scratch(rows, widths->attention_heads, FFP_HEAD_DIM);
+    const FfpAttentionShape heads = attention_shape(widths, rows);
+    const size_t scan = ffp_scan_scratch(&shape), attention = ffp_attention_scratch(&heads);
     return scan > attention ? scan : attention;
 }
 
@@ -28,20 +32,25 @@ void ffp_transformer_allocate(FfpTransformerActivations *at, const FfpWidths *wi
     at->activated = ffp_arena_take(arena, t * dim * FFP_MLP_RATIO, sizeof(real));
 }
 
+static FfpAttentionInput attention_input(const FfpTransformerActivations *at,
+                                         const FfpTransformerLayout *layout, const FfpBlockPass *pass) {
+    return (FfpAttentionInput){at->qkv, pass->values + layout->q_gain, pass->values + layout->k_gain};
+}
+
 void ffp_transformer_forward(real *y, FfpTransformerActivations *at, const real *x,
                              const FfpTransformerLayout *layout, const FfpBlockPass *pass) {
     const FfpScratch *scratch = pass->scratch;
     FfpProfileTimes *times = pass->times;
     const real *values = pass->values;
-    const int rows = pass->rows, heads = pass->widths->attention_heads;
-    const int dim = pass->widths->dim, wide = FFP_MLP_RATIO * dim;
+    const FfpAttentionShape shape = attention_shape(pass->widths, pass->rows);
+    const int rows = pass->rows, dim = pass->widths->dim, wide = FFP_MLP_RATIO * dim;
     double last = ffp_seconds();
     ffp_layernorm_forward(at->norm1, at->mean1, at->rstd1, x, values + layout->norm1, rows, dim);
     ffp_lap(&last, &times->other);
     ffp_linear_forward(at->qkv, at->norm1, values + layout->qkv, NULL, rows, dim, 3 * dim);
     ffp_lap(&last, &times->products);
-    ffp_attention_forward(at->attended, at->log_sum, at->qkv, values + layout->q_gain,
-                          values + layout->k_gain, rows, heads, FFP_HEAD_DIM, scratch->kernel);
+    const FfpAttentionInput in = attention_input(at, layout, pass);
+    ffp_attention_forward(at->attended, at->log_sum, &shape, &in, scratch->kernel);
     ffp_lap(&last, &times->attention);
     ffp_linear_residual_forward(at->middle, x, at->attended, values + layout->proj, rows, dim, dim);
     ffp_lap(&last, &times->products);
@@ -60,8 +69,8 @@ void ffp_transformer_backward(real *dx, real *grad, const FfpTransformerActivati
     const FfpScratch *scratch = pass->scratch;
     FfpProfileTimes *times = pass->times;
     const real *values = pass->values;
-    const int rows = pass->rows, heads = pass->widths->attention_heads;
-    const int dim = pass->widths->dim, wide = FFP_MLP_RATIO * dim;
+    const FfpAttentionShape shape = attention_shape(pass->widths, pass->rows);
+    const int rows = pass->rows, dim = pass->widths->dim, wide = FFP_MLP_RATIO * dim;
     const size_t count = (size_t)rows * dim;
     real *dactivated = scratch->dwide, *dhidden = scratch->dwide2, *dqkv = scratch->dwide;
     real *dnorm = scratch->dnarrow, *dattended = scratch->dnarrow, *dresidual = scratch->dnarrow2;
@@ -81,9 +90,9 @@ void ffp_transformer_backward(real *dx, real *grad, const FfpTransformerActivati
     ffp_linear_backward(dattended, grad + layout->proj, NULL, dx, at->attended, values + layout->proj, rows,
                         dim, dim);
     ffp_lap(&last, &times->products);
-    ffp_attention_backward(dqkv, grad + layout->q_gain, grad + layout->k_gain, dattended, at->attended,
-                           at->log_sum, at->qkv, values + layout->q_gain, values + layout->k_gain, rows,
-                           heads, FFP_HEAD_DIM, scratch->kernel);
+    const FfpAttentionInput in = attention_input(at, layout, pass);
+    const FfpAttentionGradient out = {dqkv, grad + layout->q_gain, grad + layout->k_gain};
+    ffp_attention_backward(&out, &shape, &in, at->attended, at->log_sum, dattended, scratch->kernel);
     ffp_lap(&last, &times->attention);
     ffp_linear_backward(dnorm, grad + layout->qkv, NULL, dqkv, at->norm1, values + layout->qkv, rows, dim,
                         3 * dim);

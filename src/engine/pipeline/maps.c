@@ -20,7 +20,10 @@ static FfpImage depth_picture(const FfpGbuffer *gbuffer) {
     const int pixels = depth.width * depth.height;
     real near = INFINITY, far = 0;
     for (int i = 0; i < pixels; i++)
-        if (depth.data[i] > 0) near = fmin(near, depth.data[i]), far = fmax(far, depth.data[i]);
+        if (depth.data[i] > 0) {
+            near = fmin(near, depth.data[i]);
+            far = fmax(far, depth.data[i]);
+        }
     const real range = far > near ? far - near : 1;
     for (int i = 0; i < pixels; i++)
         if (depth.data[i] > 0) depth.data[i] = 1 - 0.9F * (depth.data[i] - near) / range;

@@ -42,7 +42,10 @@ static Grid grid_new(const real *points, int64_t count) {
     grid.order = ffp_alloc((size_t)count + 1, sizeof *grid.order);
     int64_t *next = ffp_alloc((size_t)total, sizeof *next);
     for (int64_t i = 0; i < count; i++) grid.first[cell_index(&grid, points + 3 * i) + 1]++;
-    for (int64_t c = 0; c < total; c++) grid.first[c + 1] += grid.first[c], next[c] = grid.first[c];
+    for (int64_t c = 0; c < total; c++) {
+        grid.first[c + 1] += grid.first[c];
+        next[c] = grid.first[c];
+    }
     for (int64_t i = 0; i < count; i++) grid.order[next[cell_index(&grid, points + 3 * i)]++] = i;
     ffp_free(next);
     return grid;
@@ -51,9 +54,12 @@ static Grid grid_new(const real *points, int64_t count) {
 static void consider(Nearest *best, int64_t index, real squared) {
     if (best->found == best->k && !(squared < best->squared[best->k - 1])) return;
     int at = best->found < best->k ? best->found++ : best->k - 1;
-    for (; at > 0 && best->squared[at - 1] > squared; at--)
-        best->squared[at] = best->squared[at - 1], best->index[at] = best->index[at - 1];
-    best->squared[at] = squared, best->index[at] = index;
+    for (; at > 0 && best->squared[at - 1] > squared; at--) {
+        best->squared[at] = best->squared[at - 1];
+        best->index[at] = best->index[at - 1];
+    }
+    best->squared[at] = squared;
+    best->index[at] = index;
 }
 
 static void search_cell(const Grid *grid, int64_t cell, int64_t self, Nearest *best) {

@@ -95,7 +95,8 @@ static bool fit_levels(const Pyramid *p, FfpGaussians *gaussians, const FfpGauss
 
 static void swap(FfpGaussians *a, FfpGaussians *b) {
     const FfpGaussians c = *a;
-    *a = *b, *b = c;
+    *a = *b;
+    *b = c;
 }
 
 double ffp_pyramid_psnr(const FfpGaussians *gaussians, const FfpOrigin *origin, const FfpCapture *capture,

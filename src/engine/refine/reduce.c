@@ -26,8 +26,10 @@ static Window object_window(const FfpView *view) {
     for (int y = 0; y < coverage->height; y++)
         for (int x = 0; x < coverage->width; x++) {
             if (!(coverage->data[(size_t)y * coverage->width + x] > 0)) continue;
-            w.x0 = smaller(w.x0, x), w.x1 = larger(w.x1, x + 1);
-            w.y0 = smaller(w.y0, y), w.y1 = larger(w.y1, y + 1);
+            w.x0 = smaller(w.x0, x);
+            w.x1 = larger(w.x1, x + 1);
+            w.y0 = smaller(w.y0, y);
+            w.y1 = larger(w.y1, y + 1);
         }
     if (w.x1 == 0) return (Window){0, 0, 1, 1};
     return (Window){larger(w.x0 - MARGIN, 0), larger(w.y0 - MARGIN, 0),
@@ -50,8 +52,10 @@ static void cut_image(FfpImage *image, const Window *w) {
 
 static void cut(FfpView *view, int n_patterns, const Window *w) {
     FfpCamera *camera = &view->camera;
-    camera->cx -= (real)w->x0, camera->cy -= (real)w->y0;
-    camera->width = w->x1 - w->x0, camera->height = w->y1 - w->y0;
+    camera->cx -= (real)w->x0;
+    camera->cy -= (real)w->y0;
+    camera->width = w->x1 - w->x0;
+    camera->height = w->y1 - w->y0;
     view->frame_width = view->frame_height = 0;
     cut_image(&view->coverage, w);
     for (int p = 0; p < n_patterns; p++) cut_image(&view->images[p], w);
@@ -60,7 +64,8 @@ static void cut(FfpView *view, int n_patterns, const Window *w) {
 // To the given size, as far as the frame goes.
 static Window grown(Window w, const FfpView *view, int width, int height) {
     const int across = ffp_frame_width(view), down = ffp_frame_height(view);
-    w.x0 = larger(smaller(w.x0, across - width), 0), w.y0 = larger(smaller(w.y0, down - height), 0);
+    w.x0 = larger(smaller(w.x0, across - width), 0);
+    w.y0 = larger(smaller(w.y0, down - height), 0);
     return (Window){w.x0, w.y0, smaller(w.x0 + width, across), smaller(w.y0 + height, down)};
 }
 
@@ -70,7 +75,8 @@ static void cut_views(FfpCapture *capture) {
     int width = 1, height = 1;
     for (int v = 0; v < capture->n_views; v++) {
         const Window w = windows[v] = object_window(&capture->views[v]);
-        width = larger(width, w.x1 - w.x0), height = larger(height, w.y1 - w.y0);
+        width = larger(width, w.x1 - w.x0);
+        height = larger(height, w.y1 - w.y0);
     }
     for (int v = 0; v < capture->n_views; v++) {
         const Window w = grown(windows[v], &capture->views[v], width, height);

@@ -61,7 +61,8 @@ FfpRefineSettings ffp_polish_defaults(int64_t steps) {
     s.smooth = 0;
     s.decay = s.centre_decay = 0.2;
     s.mean = 0.3;
-    s.beta1 = 0.8F, s.beta2 = 0.95F; // of so few steps
+    s.beta1 = 0.8F; // for so few steps
+    s.beta2 = 0.95F;
     s.distortion = 0.3F;
     s.pairs = true;
     s.shadow_looks = 4;
@@ -95,7 +96,8 @@ typedef struct Fit { // one run of ffp_refine
 static void shuffle(Fit *fit) {
     for (int i = fit->capture->n_views - 1; i > 0; i--) {
         const int j = (int)ffp_rng_below(&fit->rng, (uint32_t)i + 1), swap = fit->order[i];
-        fit->order[i] = fit->order[j], fit->order[j] = swap;
+        fit->order[i] = fit->order[j];
+        fit->order[j] = swap;
     }
 }
 
@@ -221,17 +223,22 @@ static bool one_round(Fit *fit, FfpError *err) {
     const int n = fit->capture->n_views;
     const int done = step_through(fit);
     Round sum = {0};
-    for (int i = 0; i < done; i++)
-        sum.total += fit->losses[i].pictures + fit->losses[i].maps, sum.psnr += fit->losses[i].psnr;
+    for (int i = 0; i < done; i++) {
+        sum.total += fit->losses[i].pictures + fit->losses[i].maps;
+        sum.psnr += fit->losses[i].psnr;
+    }
     if (!isfinite(sum.total))
         return ffp_fail(err, FFP_ERROR_ARGUMENT, fit->capture->folder, "the loss is no longer a number");
     if (done < n) return true;
-    sum.total /= n, sum.psnr /= n;
+    sum.total /= n;
+    sum.psnr /= n;
     if (!tell(fit, &sum)) return ffp_fail(err, FFP_ERROR_IO, NULL, "cannot write the metrics");
     fit->rounds++;
     if (fit->rounds == 1) fit->first_psnr = sum.psnr;
     if (sum.total < fit->best_loss) {
-        fit->best_loss = sum.total, fit->best_psnr = sum.psnr, fit->best_round = fit->rounds;
+        fit->best_loss = sum.total;
+        fit->best_psnr = sum.psnr;
+        fit->best_round = fit->rounds;
         copy(&fit->best, &fit->gaussians);
     }
     return true;

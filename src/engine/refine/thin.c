@@ -43,8 +43,10 @@ static Piece piece_of(const Thinning *t, int64_t splat) {
     real turn[9], x, y, back[3];
     Piece out = {.axis = s[0] < s[1] ? (s[0] < s[2] ? 0 : 2) : s[1] < s[2] ? 1 : 2};
     ffp_quaternion_matrix(t->gaussians->rotation + 4 * splat, turn);
-    for (int c = 0; c < 3; c++)
-        back[c] = camera->pose[4 * c + 3] - centre[c], out.normal[c] = turn[3 * c + out.axis];
+    for (int c = 0; c < 3; c++) {
+        back[c] = camera->pose[4 * c + 3] - centre[c];
+        out.normal[c] = turn[3 * c + out.axis];
+    }
     ffp_normalise3(back);
     const real cosine = ffp_dot3(out.normal, back);
     if (cosine < 0)
@@ -77,7 +79,9 @@ static Thinning thinning_new(const FfpGaussians *gaussians, const int64_t *pixel
 }
 
 static void thinning_free(Thinning *t) {
-    ffp_free(t->at), ffp_free(t->pieces), ffp_free(t->kept);
+    ffp_free(t->at);
+    ffp_free(t->pieces);
+    ffp_free(t->kept);
 }
 
 // Whether splat `a` lies on the surface that splat `b` is a piece of.
@@ -108,7 +112,8 @@ static void drop_repeated(Thinning *t, const real *trust, int first, int second)
 static real described_in(const Thinning *t, int64_t splat, int view) {
     real x, y, sum = 0;
     const real z = ffp_project(&t->capture->views[view].camera, t->gaussians->centre + 3 * splat, &x, &y);
-    x -= 0.5F, y -= 0.5F;
+    x -= 0.5F;
+    y -= 0.5F;
     if (!(z > 0 && x >= 0 && y >= 0 && x < (real)(t->width - 1) && y < (real)(t->height - 1))) return 0;
     const int left = (int)x, top = (int)y;
     const real a = x - (real)left, b = y - (real)top;
@@ -168,7 +173,10 @@ static int64_t gather_kept(FfpGaussians *gaussians, int64_t *pixel, const bool *
     const int64_t before = gaussians->count;
     int64_t *from = ffp_alloc((size_t)before + 1, sizeof *from), count = 0;
     for (int64_t i = 0; i < before; i++)
-        if (kept[i]) pixel[count] = pixel[i], from[count++] = i;
+        if (kept[i]) {
+            pixel[count] = pixel[i];
+            from[count++] = i;
+        }
     ffp_gaussians_gather(gaussians, from, count);
     ffp_free(from);
     return before - count;

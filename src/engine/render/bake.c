@@ -35,9 +35,14 @@ static bool find_place(const FfpGaussians *g, int64_t i, const FfpBakeLight *lig
         for (int k = 0; k < 3; k++) p->v[k] = p->l[k];
     const real turn = ffp_dot3(p->n, p->v) < 0 ? -1 : 1;
     for (int k = 0; k < 3; k++) p->n[k] *= turn;
-    p->nl = ffp_dot3(p->n, p->l), p->nv = ffp_dot3(p->n, p->v);
+    p->nl = ffp_dot3(p->n, p->l);
+    p->nv = ffp_dot3(p->n, p->v);
     p->cosine = p->nl;
-    if (even > 0) p->distance = even, p->cosine = 1, p->nl = fmax(p->nl, FFP_COSINE_MIN);
+    if (even > 0) {
+        p->distance = even;
+        p->cosine = 1;
+        p->nl = fmax(p->nl, FFP_COSINE_MIN);
+    }
     p->depth = ffp_project(light->projector, p->centre, &p->uv[0], &p->uv[1]);
     const real a = scale[(shortest + 1) % 3], b = scale[(shortest + 2) % 3];
     p->side = BOX_SIDE * sqrt((a * a + b * b) / 2) * light->projector->fx / p->depth;

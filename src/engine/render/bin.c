@@ -81,7 +81,8 @@ static void sort_tile(FfpDepthKey *from, FfpDepthKey *to, int64_t count, int32_t
         for (int64_t i = 0; i < count; i++)
             to[start[((from[i].key - least) >> shift) & (DIGITS - 1)]++] = from[i];
         FfpDepthKey *swap = from;
-        from = to, to = swap;
+        from = to;
+        to = swap;
     }
     for (int64_t i = 0; i < count; i++) order[i] = from[i].splat;
 }

@@ -38,11 +38,11 @@ typedef struct FfpAround {
 
 // Change of the pattern position over one pixel step along an image axis: the one-sided difference to the
 // neighbour nearest in depth (the other may lie beyond a depth jump), no more than FFP_TILT_MAX times that at
-// constant depth, which also stands in where neither neighbour has a surface. `before`: which of `around` the
-// first neighbour on that axis is. No branches, here and below: the CPU takes a vector of pixels at a time.
-FFP_FORMULA void ffp_pattern_step(const FfpMapper *m, int x, int y, int along_x, int along_y,
-                                  const FfpAround *around, int before, const real here[2], real z,
-                                  real step[2]) {
+// constant depth, which also stands in where neither neighbour has a surface. `axis`: 0 along x, 1 along y.
+// No branches, here and below: the CPU takes a vector of pixels at a time.
+FFP_FORMULA void ffp_pattern_step(const FfpMapper *m, int x, int y, int axis, const FfpAround *around,
+                                  const real here[2], real z, real step[2]) {
+    const int along_x = 1 - axis, along_y = axis, before = 1 + 2 * axis; // the first neighbour of `around`
     real flat[2], least = INFINITY;
     const real ahead = ffp_pattern_position(m, x + along_x, y + along_y, z, flat);
     flat[0] -= here[0], flat[1] -= here[1];
@@ -78,8 +78,8 @@ FFP_FORMULA FfpMapPlace ffp_pattern_place(const FfpMapper *m, int x, int y, cons
     const bool surface = around->opacity[0] > FFP_OPACITY_MIN;
     const real z = around->depth[0] / around->opacity[0];
     p.depth = ffp_pattern_position(m, x, y, z, uv);
-    ffp_pattern_step(m, x, y, 1, 0, around, 1, uv, z, a);
-    ffp_pattern_step(m, x, y, 0, 1, around, 3, uv, z, b);
+    ffp_pattern_step(m, x, y, 0, around, uv, z, a);
+    ffp_pattern_step(m, x, y, 1, around, uv, z, b);
     p.inside = surface & (p.depth > 0) & (uv[0] >= 0) & (uv[1] >= 0) & (uv[0] <= (real)m->projector->width) &
                (uv[1] <= (real)m->projector->height);
     for (int k = 0; k < 2; k++) {

@@ -9,10 +9,15 @@
 static FfpCamera shadow_camera(const FfpCamera *projector, int side) {
     FfpCamera c = *projector;
     const int longer = c.width > c.height ? c.width : c.height;
-    c.width = c.width * side / longer, c.height = c.height * side / longer;
-    c.width = c.width > 0 ? c.width : 1, c.height = c.height > 0 ? c.height : 1;
+    c.width = c.width * side / longer;
+    c.height = c.height * side / longer;
+    c.width = c.width > 0 ? c.width : 1;
+    c.height = c.height > 0 ? c.height : 1;
     const real sx = (real)c.width / (real)projector->width, sy = (real)c.height / (real)projector->height;
-    c.fx *= sx, c.cx *= sx, c.fy *= sy, c.cy *= sy;
+    c.fx *= sx;
+    c.cx *= sx;
+    c.fy *= sy;
+    c.cy *= sy;
     return c;
 }
 
@@ -24,7 +29,8 @@ FfpGbuffer ffp_shadow_map(FfpRaster *raster, const FfpGaussians *gaussians, cons
     if (shadow->width != camera.width || shadow->height != camera.height) {
         ffp_gbuffer_free(shadow);
         const size_t pixels = (size_t)camera.width * (size_t)camera.height;
-        shadow->width = camera.width, shadow->height = camera.height;
+        shadow->width = camera.width;
+        shadow->height = camera.height;
         shadow->opacity = ffp_memory_new(pixels, sizeof(real));
         shadow->depth = ffp_memory_new(pixels, sizeof(real));
     }

@@ -88,15 +88,20 @@ static void fit_grad_buffers(FfpViewPass *pass) {
         ffp_gbuffer_clear(&pass->grad_mean);
         if (pass->grad_lit) ffp_transport_clear(&pass->grad_transport);
     }
-    pass->grad_clear = true, pass->grad_lit = false;
+    pass->grad_clear = true;
+    pass->grad_lit = false;
 }
 
 // The same camera with `side` x `side` pixels for each.
 static FfpCamera sample_camera(const FfpCamera *camera, int side) {
     FfpCamera c = *camera;
     const real s = (real)side;
-    c.width *= side, c.height *= side;
-    c.fx *= s, c.fy *= s, c.cx *= s, c.cy *= s;
+    c.width *= side;
+    c.height *= side;
+    c.fx *= s;
+    c.fy *= s;
+    c.cx *= s;
+    c.cy *= s;
     return c;
 }
 

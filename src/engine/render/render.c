@@ -30,7 +30,8 @@ FfpRenderSettings ffp_render_settings(bool paper, int samples) {
 }
 
 static void fit_to(FfpRaster *raster, const FfpCamera *camera, const FfpRenderSettings *settings) {
-    raster->width = camera->width, raster->height = camera->height;
+    raster->width = camera->width;
+    raster->height = camera->height;
     raster->firmness = settings->firmness;
     raster->tiles_x = (camera->width + FFP_TILE - 1) / FFP_TILE;
     raster->tiles_y = (camera->height + FFP_TILE - 1) / FFP_TILE;

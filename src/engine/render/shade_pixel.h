@@ -105,7 +105,8 @@ FFP_FORMULA void ffp_lit_geometry(const FfpLitView *view, int x, int y, const Ff
     s->nl = s->nl_held ? least : nl;
     s->lit = (visibility > 0) & (s->opacity > FFP_OPACITY_MIN) & (s->z > 0) & (s->nl > 0) &
              (s->h_length > 0) & (s->in_projector[2] > 0);
-    s->nh = ffp_dot3(s->n, s->h), s->vh = ffp_dot3(s->v, s->h);
+    s->nh = ffp_dot3(s->n, s->h);
+    s->vh = ffp_dot3(s->v, s->h);
     const real away = s->even ? view->even : s->distance;
     s->cosine = s->even ? 1 : s->nl;
     s->arrives = visibility / (away * away);

@@ -36,8 +36,10 @@ static bool read_counts(FfpFieldState *s, const FfpSafetensors *file, const char
         if (!(numbers[i] >= 0 && numbers[i] <= 1e12))
             return ffp_fail(err, FFP_ERROR_FILE, ffp_place(path, "numbers").text, "number %d is out of range",
                             i);
-    s->step = (int64_t)numbers[0], s->next_cell = (int64_t)numbers[1];
-    s->rays = (int)fmin(fmax(numbers[2], 1), 1e6), s->seconds = numbers[3];
+    s->step = (int64_t)numbers[0];
+    s->next_cell = (int64_t)numbers[1];
+    s->rays = (int)fmin(fmax(numbers[2], 1), 1e6);
+    s->seconds = numbers[3];
     s->field->step = (real)numbers[4];
     return (numbers[4] >= STEP_LEAST && numbers[4] <= 1) ||
            ffp_fail(err, FFP_ERROR_FILE, ffp_place(path, "numbers").text, "the step is out of range");

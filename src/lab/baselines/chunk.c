@@ -33,8 +33,10 @@ FfpFieldChunk ffp_field_chunk_new(const FfpFieldLayout *layout) {
                        .d_look = rows(1),
                        .d_look_encoded = rows(FFP_FIELD_ENCODED)};
     for (int i = 0; i < 3; i++) c.hidden[i] = rows(FFP_FIELD_WIDTH);
-    for (int i = 0; i < 2; i++)
-        c.scratch[i] = rows(FFP_FIELD_WIDTH), c.look_hidden[i] = rows(FFP_FIELD_WIDTH);
+    for (int i = 0; i < 2; i++) {
+        c.scratch[i] = rows(FFP_FIELD_WIDTH);
+        c.look_hidden[i] = rows(FFP_FIELD_WIDTH);
+    }
     c.gradient = ffp_alloc((size_t)(layout->count - layout->grid), sizeof(real));
     return c;
 }
@@ -61,7 +63,8 @@ void ffp_field_chunk_place(FfpFieldChunk *c, const FfpChunkRay *ray) {
 void ffp_field_chunk_draw(FfpFieldChunk *c, const FfpNeuralField *field, const FfpFieldScene *scene,
                           int n_rays, FfpRng *rng) {
     const FfpCapture *capture = scene->capture;
-    c->n_rays = 0, c->points = 0;
+    c->n_rays = 0;
+    c->points = 0;
     for (int i = 0; i < n_rays && i < FFP_CHUNK_RAYS; i++) {
         if (c->points + FFP_FIELD_ON_RAY > FFP_CHUNK_POINTS) break;
         FfpChunkRay *ray = &c->rays[c->n_rays++];

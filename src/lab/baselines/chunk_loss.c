@@ -135,7 +135,8 @@ static void ray_backward(FfpFieldChunk *c, const FfpNeuralField *field, Ray *ray
 static void ray_loss(FfpFieldChunk *c, const FfpNeuralField *field, const FfpFieldScene *scene,
                      const FfpFieldSettings *s, int n_patterns, real per_ray, Ray *ray) {
     real through = 1;
-    ray->count = ray->at->count, ray->d_opacity = 0;
+    ray->count = ray->at->count;
+    ray->d_opacity = 0;
     for (int i = 0; i < ray->count; i++) light_point(c, field, scene, ray, i, &through);
     ray->opacity = 1 - through;
     for (int p = 0; p < n_patterns; p++) compare_pattern(c, scene, ray, p, per_ray / (real)(3 * n_patterns));

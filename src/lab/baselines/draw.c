@@ -95,17 +95,20 @@ static void draw_ray(const Drawing *d, Part *part, const FfpFieldChunk *c, const
 
 // As many pixels from `pixel` on as the chunk has room for; returns the next.
 static int draw_some(const Drawing *d, Part *part, FfpFieldChunk *c, int pixel, int end) {
-    c->n_rays = 0, c->points = 0;
+    c->n_rays = 0;
+    c->points = 0;
     for (; pixel < end && c->n_rays < FFP_CHUNK_RAYS; pixel++) {
         if (c->points + FFP_FIELD_ON_RAY > FFP_CHUNK_POINTS) break;
         FfpChunkRay *ray = &c->rays[c->n_rays];
-        ray->pixel = pixel, ray->first = c->points;
+        ray->pixel = pixel;
+        ray->first = c->points;
         ray->ray = ffp_field_ray(d->camera, (real)(pixel % d->camera->width) + 0.5F,
                                  (real)(pixel / d->camera->width) + 0.5F);
         ray->count = ffp_field_march(d->field, &ray->ray, 0.5F, false, c->distance + c->points);
         if (ray->count == 0) continue;
         ffp_field_chunk_place(c, ray);
-        c->points += ray->count, c->n_rays++;
+        c->points += ray->count;
+        c->n_rays++;
     }
     const real lamp[3] = {d->projector->pose[3], d->projector->pose[7], d->projector->pose[11]};
     ffp_field_chunk_see(c, d->field, lamp);
@@ -138,7 +141,8 @@ void ffp_field_pass_draw(FfpFieldPass *pass, const FfpNeuralField *field, const 
     const real there[3] = {intensity[0] / square, intensity[1] / square, intensity[2] / square};
     Drawing drawing = {pass, field, &eye, &lamp, there, (camera->height + PARTS - 1) / PARTS};
     clear(pass);
-    pass->width = camera->width, pass->height = camera->height;
+    pass->width = camera->width;
+    pass->height = camera->height;
     pass->gbuffer = ffp_gbuffer_new(camera->width, camera->height);
     pass->parts = ffp_alloc(PARTS, sizeof *pass->parts);
     pass->n_parts = PARTS;

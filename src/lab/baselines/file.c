@@ -46,7 +46,8 @@ static bool read_all(FfpNeuralField *field, const FfpSafetensors *file, const ch
     if (!(place[0] >= 1e-3F && place[0] <= 1) || !(place[4] > 0))
         return ffp_fail(err, FFP_ERROR_FILE, ffp_place(path, "place").text,
                         "the step is not in 0.001..1, or the radius not positive");
-    field->step = place[0], field->radius = place[4];
+    field->step = place[0];
+    field->radius = place[4];
     memcpy(field->centre, place + 1, sizeof field->centre);
     return true;
 }

@@ -126,7 +126,10 @@ static void move_all(Fit *fit, double share) {
 // As many rays as will have the points that are asked for, by those of the last step.
 static void aim_at_samples(Fit *fit) {
     int64_t points = 0, rays = 0;
-    for (int c = 0; c < CHUNKS; c++) points += fit->chunks[c].points, rays += fit->chunks[c].n_rays;
+    for (int c = 0; c < CHUNKS; c++) {
+        points += fit->chunks[c].points;
+        rays += fit->chunks[c].n_rays;
+    }
     const double per_ray = fmax((double)points / (double)rays, 1);
     const double wanted = (double)fit->settings->samples / CHUNKS / per_ray;
     fit->rays = (int)fmin(fmax(0.5 * (fit->rays + wanted), 8), FFP_CHUNK_RAYS);
@@ -190,7 +193,8 @@ static bool tell(Fit *fit, FfpError *err) {
     snprintf(extra, sizeof extra, "step %lld, loss %.5f, %.2f dB, %d rays a step", (long long)fit->step, loss,
              psnr, CHUNKS * fit->rays);
     if (!fit->settings->quiet) ffp_task_step(&fit->progress, progress_of(fit), extra);
-    fit->loss = fit->square_error = fit->numbers = 0, fit->summed = 0;
+    fit->loss = fit->square_error = fit->numbers = 0;
+    fit->summed = 0;
     if (!fit->settings->metrics) return true;
     fprintf(fit->settings->metrics, "{\"step\": %lld, \"seconds\": %.3f, \"loss\": %.6f, \"psnr\": %.4f}\n",
             (long long)fit->step, ffp_seconds() - fit->started, loss, psnr);
@@ -264,7 +268,8 @@ static bool go_on(Fit *fit, FfpError *err) {
     FfpFieldState state = {.field = fit->field, .mean = fit->mean, .square = fit->square};
     if (!fit->name || !ffp_is_file(fit->settings->checkpoint)) return true;
     if (!ffp_field_state_read(&state, fit->name, fit->settings->checkpoint, err)) return false;
-    fit->step = state.step, fit->rays = state.rays < FFP_CHUNK_RAYS ? state.rays : FFP_CHUNK_RAYS;
+    fit->step = state.step;
+    fit->rays = state.rays < FFP_CHUNK_RAYS ? state.rays : FFP_CHUNK_RAYS;
     fit->cells.next = state.next_cell % fit->cells.count;
     fit->started -= state.seconds;
     ffp_note("%s: going on from step %lld", fit->settings->checkpoint, (long long)fit->step);

@@ -14,8 +14,10 @@ static FfpFieldNet net_of(const int *widths, int layers, int64_t *next) {
     for (int i = 0; i < layers; i++) {
         FfpFieldLayer *layer = &net.layers[i];
         *layer = (FfpFieldLayer){.inputs = widths[i], .outputs = widths[i + 1], .relu = i + 1 < layers};
-        layer->weights = *next, *next += (int64_t)layer->inputs * layer->outputs;
-        layer->biases = *next, *next += layer->outputs;
+        layer->weights = *next;
+        *next += (int64_t)layer->inputs * layer->outputs;
+        layer->biases = *next;
+        *next += layer->outputs;
     }
     return net;
 }

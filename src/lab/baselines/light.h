@@ -81,7 +81,8 @@ FFP_FORMULA bool ffp_field_lit(const FfpFieldPoint *p, const real at[3], const r
     if (!(s->nl > 0) || !(s->h_length > 0)) return false;
     const real nv = ffp_dot3(s->n, s->v);
     s->nv = nv > 0 ? nv : 0;
-    s->nh = ffp_dot3(s->n, s->h), s->vh = ffp_dot3(s->v, s->h);
+    s->nh = ffp_dot3(s->n, s->h);
+    s->vh = ffp_dot3(s->v, s->h);
     s->roughness = p->roughness;
     s->lobe = ffp_lobe(s->roughness, s->nl, s->nv, s->nh, s->vh);
     for (int k = 0; k < 3; k++) {

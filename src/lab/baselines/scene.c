@@ -44,7 +44,8 @@ FfpFieldScene ffp_field_scene_new(const FfpCapture *capture, const int *chosen, 
         const size_t pixels = (size_t)view->camera.width * (size_t)view->camera.height;
         scene.pixels[v] = ffp_alloc(pixels, sizeof **scene.pixels);
         scene.counts[v] = choose_pixels(view, scene.pixels[v]);
-        drawn += scene.counts[v], all += (int64_t)pixels;
+        drawn += scene.counts[v];
+        all += (int64_t)pixels;
     }
     scene.share = (double)drawn / (double)all;
     return scene;

@@ -95,7 +95,10 @@ static void place_splats(FfpGaussians *g, FfpRng *rng) {
             g->ambient[3 * i + k] = 0.2F;
         }
         real q[4], square = 0;
-        for (int k = 0; k < 4; k++) q[k] = (real)ffp_rng_normal(rng), square += q[k] * q[k];
+        for (int k = 0; k < 4; k++) {
+            q[k] = (real)ffp_rng_normal(rng);
+            square += q[k] * q[k];
+        }
         for (int k = 0; k < 4; k++) g->rotation[4 * i + k] = square > 0 ? q[k] / sqrt(square) : k == 0;
         g->opacity[i] = 0.1F;
         g->roughness[i] = 0.5F;

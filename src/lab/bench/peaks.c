@@ -59,7 +59,8 @@ static double measure_copy(void) {
         const double rate = 2e-9 * (double)size / (omp_get_wtime() - begin);
         if (repeat > 0 && rate > best) best = rate; // the first run pages the memory in
     }
-    ffp_free(from), ffp_free(to);
+    ffp_free(from);
+    ffp_free(to);
     return best;
 }
 

@@ -18,8 +18,10 @@ static FfpCamera device_at(int side, real focal_share, real radius, real azimuth
     real down[3];
     ffp_cross3(right, out, down);
     for (int i = 0; i < 3; i++) {
-        c.pose[4 * i] = right[i], c.pose[4 * i + 1] = down[i];
-        c.pose[4 * i + 2] = -out[i], c.pose[4 * i + 3] = radius * out[i];
+        c.pose[4 * i] = right[i];
+        c.pose[4 * i + 1] = down[i];
+        c.pose[4 * i + 2] = -out[i];
+        c.pose[4 * i + 3] = radius * out[i];
     }
     c.pose[15] = 1;
     return c;

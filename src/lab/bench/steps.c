@@ -87,7 +87,10 @@ static bool training(Steps *s, FfpBenchTable *table, FfpError *err) {
         const double begin = omp_get_wtime();
         if (!one_step(s, &losses, err)) return false;
         const double now = omp_get_wtime() - begin;
-        if (i > 0 && (i == 1 || network_seconds(&losses) < network_seconds(&best))) best = losses, took = now;
+        if (i > 0 && (i == 1 || network_seconds(&losses) < network_seconds(&best))) {
+            best = losses;
+            took = now;
+        }
     }
     const double memory = fmax(ffp_memory_peak(), 0) / (1 << 20);
     const int tokens = s->scene.start.views * s->scene.start.width * s->scene.start.height /

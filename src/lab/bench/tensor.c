@@ -20,19 +20,21 @@ typedef struct Data {
 static const FfpScanShape scan_shape = {
     .rows = ROWS, .heads = SCAN_HEADS, .head_dim = HEAD_DIM, .state = STATE, .chunk = CHUNK};
 
+static const FfpAttentionShape attention_shape = {.rows = ROWS, .heads = HEADS, .head_dim = HEAD_DIM};
+
 static void gemm(void *data) {
     const Data *x = data;
     ffp_linear_forward(x->c, x->a, x->w, NULL, ROWS, LARGE_IN, LARGE_OUT);
 }
 static void gemm_dx(void *data) {
     const Data *x = data;
-    ffp_gemm_mixed(false, false, ROWS, LARGE_IN, LARGE_OUT, 1, x->b, LARGE_OUT, x->w, LARGE_IN, 0, x->c,
-                   LARGE_IN);
+    ffp_gemm_mixed(1, ffp_factor(x->b, ROWS, LARGE_OUT, LARGE_OUT),
+                   ffp_factor(x->w, LARGE_OUT, LARGE_IN, LARGE_IN), 0, x->c, LARGE_IN);
 }
 static void gemm_dw(void *data) {
     const Data *x = data;
-    ffp_gemm_mixed(true, false, LARGE_OUT, LARGE_IN, ROWS, 1, x->b, LARGE_OUT, x->a, LARGE_IN, 1, x->dw,
-                   LARGE_IN);
+    ffp_gemm_mixed(1, ffp_transposed(ffp_factor(x->b, ROWS, LARGE_OUT, LARGE_OUT)),
+                   ffp_factor(x->a, ROWS, LARGE_IN, LARGE_IN), 1, x->dw, LARGE_IN);
 }
 static void linear_forward(void *data) {
     const Data *x = data;
@@ -44,12 +46,14 @@ static void linear_backward(void *data) {
 }
 static void attention_forward(void *data) {
     const Data *x = data;
-    ffp_attention_forward(x->c, x->row, x->a, x->small, x->small, ROWS, HEADS, HEAD_DIM, x->scratch);
+    const FfpAttentionInput in = {x->a, x->small, x->small};
+    ffp_attention_forward(x->c, x->row, &attention_shape, &in, x->scratch);
 }
 static void attention_backward(void *data) {
     const Data *x = data;
-    ffp_attention_backward(x->d, x->dsmall, x->dsmall + HEAD_DIM, x->b, x->c, x->row, x->a, x->small,
-                           x->small, ROWS, HEADS, HEAD_DIM, x->scratch);
+    const FfpAttentionInput in = {x->a, x->small, x->small};
+    const FfpAttentionGradient grad = {x->d, x->dsmall, x->dsmall + HEAD_DIM};
+    ffp_attention_backward(&grad, &attention_shape, &in, x->c, x->row, x->b, x->scratch);
 }
 static FfpScanInput scan_input(const Data *x) {
     return (FfpScanInput){.x = x->a,
@@ -79,14 +83,25 @@ static void scan_backward(void *data) {
                                   .d = x->dsmall + 2 * SCAN_HEADS};
     ffp_scan_backward(&grad, &scan_shape, &in, x->b, x->scratch);
 }
+static FfpDepthwise conv_input(const Data *x) {
+    return (FfpDepthwise){.x = x->a,
+                          .w = x->w,
+                          .bias = x->small,
+                          .ldx = CHANNELS,
+                          .rows = ROWS,
+                          .channels = CHANNELS,
+                          .taps = TAPS};
+}
 static void conv_forward(void *data) {
     const Data *x = data;
-    ffp_conv_forward(x->c, x->a, CHANNELS, x->w, x->small, ROWS, CHANNELS, TAPS, false);
+    const FfpDepthwise conv = conv_input(x);
+    ffp_conv_forward(x->c, &conv);
 }
 static void conv_backward(void *data) {
     const Data *x = data;
-    ffp_conv_backward(x->d, CHANNELS, x->dw, x->dsmall, x->b, x->a, CHANNELS, x->w, x->small, ROWS, CHANNELS,
-                      TAPS, false);
+    const FfpDepthwise conv = conv_input(x);
+    const FfpDepthwiseGradient grad = {.x = x->d, .w = x->dw, .bias = x->dsmall, .ldx = CHANNELS};
+    ffp_conv_backward(&grad, &conv, x->b);
 }
 static void gelu_forward(void *data) {
     const Data *x = data;
@@ -104,14 +119,19 @@ static void layernorm_backward(void *data) {
     const Data *x = data;
     ffp_layernorm_backward(x->c, x->dsmall, x->b, x->a, x->row, x->row2, x->small, ROWS, DIM);
 }
+static FfpGatedNorm gated_norm_input(const Data *x) {
+    return (FfpGatedNorm){.x = x->a, .z = x->b, .ldz = INNER, .gain = x->small, .rows = ROWS, .dim = INNER};
+}
 static void gated_norm_forward(void *data) {
     const Data *x = data;
-    ffp_gated_norm_forward(x->c, x->row2, x->a, x->b, INNER, x->small, ROWS, INNER);
+    const FfpGatedNorm in = gated_norm_input(x);
+    ffp_gated_norm_forward(x->c, x->row2, &in);
 }
 static void gated_norm_backward(void *data) {
     const Data *x = data;
-    ffp_gated_norm_backward(x->c, x->d, INNER, x->dsmall, x->b, x->a, x->b, INNER, x->row2, x->small, ROWS,
-                            INNER);
+    const FfpGatedNorm in = gated_norm_input(x);
+    const FfpGatedNormGradient grad = {.x = x->c, .z = x->d, .ldz = INNER, .gain = x->dsmall};
+    ffp_gated_norm_backward(&grad, &in, x->b, x->row2);
 }
 
 // Work of products in operations; of everything else in bytes read and written once.
@@ -156,7 +176,7 @@ static float *numbers(FfpRng *rng, size_t count, float spread, float centre) {
 void ffp_bench_kernels(FfpBenchTable *table) {
     FfpRng rng = ffp_rng(1, 0);
     const size_t scan = ffp_scan_scratch(&scan_shape);
-    const size_t attention = ffp_attention_scratch(ROWS, HEADS, HEAD_DIM);
+    const size_t attention = ffp_attention_scratch(&attention_shape);
     Data x = {.a = numbers(&rng, MOST, 1, 0),
               .b = numbers(&rng, MOST, 1, 0),
               .c = numbers(&rng, MOST, 1, 0),

@@ -67,7 +67,10 @@ static void score_gloss(const FfpSubject *subject, const FfpView *view, const Ff
     FfpImage mask = ffp_gloss_mask(view, subject->capture->intensity);
     const double psnr = ffp_psnr_masked(prediction, truth, &mask);
     ffp_image_free(&mask);
-    if (isfinite(psnr)) means->gloss += psnr, means->images_gloss++;
+    if (isfinite(psnr)) {
+        means->gloss += psnr;
+        means->images_gloss++;
+    }
 }
 
 static double score_picture(FfpSubject *subject, const Protocol *protocol, int view, int pattern,
@@ -79,13 +82,19 @@ static double score_picture(FfpSubject *subject, const Protocol *protocol, int v
     means->images++;
     means->psnr += psnr;
     means->ssim += ffp_ssim(prediction, truth);
-    if (isfinite(foreground)) means->foreground += foreground, means->images_foreground++;
+    if (isfinite(foreground)) {
+        means->foreground += foreground;
+        means->images_foreground++;
+    }
     if (subject->shared->lpips)
         means->lpips += ffp_perceptual_loss(subject->shared->lpips, prediction, truth, 1, NULL);
     const FfpCapture *views = protocol->views;
     if (pattern == views->white) score_gloss(subject, &views->views[view], truth, prediction, means);
     const bool given = ffp_subject_given(subject, pattern);
-    if (strcmp(protocol->name, "rendering") == 0 && !given) means->unseen += psnr, means->images_unseen++;
+    if (strcmp(protocol->name, "rendering") == 0 && !given) {
+        means->unseen += psnr;
+        means->images_unseen++;
+    }
     return psnr;
 }
 

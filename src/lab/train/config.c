@@ -156,11 +156,21 @@ FfpTrainConfig ffp_train_defaults(void) {
 
 FfpTrainConfig ffp_fine_tuning_defaults(void) {
     FfpTrainConfig c = ffp_train_defaults();
-    c.steps = 300, c.warmup_steps = 20, c.learning_rate = 1e-4, c.weight_decay = 0, c.ema = 0.98;
-    c.pool = 4, c.reuse = 4;
-    c.supervised_inputs = 1, c.supervised_targets = 2, c.polish_share = 0.4;
-    c.depth = 0, c.direct_t = 0, c.perceptual = 0;
-    c.validate_every = 50, c.patience = 150;
+    c.steps = 300;
+    c.warmup_steps = 20;
+    c.learning_rate = 1e-4;
+    c.weight_decay = 0;
+    c.ema = 0.98;
+    c.pool = 4;
+    c.reuse = 4;
+    c.supervised_inputs = 1;
+    c.supervised_targets = 2;
+    c.polish_share = 0.4;
+    c.depth = 0;
+    c.direct_t = 0;
+    c.perceptual = 0;
+    c.validate_every = 50;
+    c.patience = 150;
     return c;
 }
 

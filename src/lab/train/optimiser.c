@@ -39,7 +39,8 @@ void ffp_adam_keep(FfpAdam *adam, int64_t first, int64_t count) {
     keep(&adam->m, first - adam->first, count);
     keep(&adam->v, first - adam->first, count);
     keep(&adam->ema, first - adam->first, count);
-    adam->first = first, adam->count = count;
+    adam->first = first;
+    adam->count = count;
 }
 
 double ffp_learning_rate(const FfpTrainConfig *config, int64_t step) {

@@ -85,13 +85,17 @@ static int run(void *data) {
     const bool by_default = rig->width == 0;
     if (by_default) {
         const FfpRigCalibration defaults = ffp_rig_calibration_defaults();
-        rig->width = defaults.width, rig->height = defaults.height;
+        rig->width = defaults.width;
+        rig->height = defaults.height;
     }
     FfpRigCalibrationStats stats = {0};
     FfpError err = {0};
-    rig->attitudes = arguments->attitudes.values, rig->n_attitudes = arguments->attitudes.count;
-    rig->calibrations = arguments->calibrations.values, rig->n_calibrations = arguments->calibrations.count;
-    rig->angles = arguments->angles.degrees, rig->n_angles = arguments->angles.count;
+    rig->attitudes = arguments->attitudes.values;
+    rig->n_attitudes = arguments->attitudes.count;
+    rig->calibrations = arguments->calibrations.values;
+    rig->n_calibrations = arguments->calibrations.count;
+    rig->angles = arguments->angles.degrees;
+    rig->n_angles = arguments->angles.count;
     if (!ffp_calibrate_rig(ffp_cli_context(), rig, &stats, &err)) {
         const int status = ffp_cli_fail(&err);
         if (by_default && err.code == FFP_ERROR_FILE && rig->n_attitudes > 0) tell_default(rig);

@@ -27,8 +27,10 @@ static int run(void *data) {
     FfpError err = {0};
     FfpCompensationStats stats;
     bool ok = false;
-    how->views = arguments->views.values, how->n_views = arguments->views.count;
-    how->targets = arguments->targets.values, how->n_targets = arguments->targets.count;
+    how->views = arguments->views.values;
+    how->n_views = arguments->views.count;
+    how->targets = arguments->targets.values;
+    how->n_targets = arguments->targets.count;
     if (how->n_targets > 1 && how->n_targets != how->n_views)
         return ffp_cli_usage("compensate", "%d targets for %d views: give one for all views, or one for each",
                              how->n_targets, how->n_views);

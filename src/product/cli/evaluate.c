@@ -30,8 +30,10 @@ static void put_truth(const FfpScore *scores, int n_scores) {
                    "albedo");
         any = true;
         printf("%-20s", score->capture);
-        put_cell(score->depth_lit_median, 2), put_cell(score->depth_lit_p90, 2);
-        put_cell(score->depth_unlit_median, 2), put_cell(score->depth_unlit_p90, 2);
+        put_cell(score->depth_lit_median, 2);
+        put_cell(score->depth_lit_p90, 2);
+        put_cell(score->depth_unlit_median, 2);
+        put_cell(score->depth_unlit_p90, 2);
         put_cell(score->albedo_mse, 5);
         putchar('\n');
     }
@@ -91,10 +93,14 @@ static int run(void *data) {
     int n_scores = 0;
     FfpScore *scores = NULL;
     FfpModel *model = NULL;
-    evaluation->captures = arguments->captures.values, evaluation->n_captures = arguments->captures.count;
-    evaluation->targets = arguments->targets.values, evaluation->n_targets = arguments->targets.count;
-    evaluation->merged = arguments->merged.values, evaluation->n_merged = arguments->merged.count;
-    evaluation->patterns = arguments->patterns.values, evaluation->n_patterns = arguments->patterns.count;
+    evaluation->captures = arguments->captures.values;
+    evaluation->n_captures = arguments->captures.count;
+    evaluation->targets = arguments->targets.values;
+    evaluation->n_targets = arguments->targets.count;
+    evaluation->merged = arguments->merged.values;
+    evaluation->n_merged = arguments->merged.count;
+    evaluation->patterns = arguments->patterns.values;
+    evaluation->n_patterns = arguments->patterns.count;
     if (check(evaluation, arguments->model) >= 0) return FFP_EXIT_USAGE;
     bool ok = ffp_cli_use_device(arguments->device, &err) && ffp_cli_use_ranks(&err);
     ok = ok && open_model(evaluation, arguments->model, &model, &err);

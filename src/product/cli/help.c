@@ -42,11 +42,14 @@ FfpProse ffp_cli_prose(const char **at) {
     const char *tab = memchr(prose.text, '\t', (size_t)prose.length);
     if (tab) {
         prose.kind = FFP_PROSE_DEFINITION;
-        prose.term = prose.text, prose.term_length = (int)(tab - prose.text);
-        prose.length -= prose.term_length + 1, prose.text = tab + 1;
+        prose.term = prose.text;
+        prose.term_length = (int)(tab - prose.text);
+        prose.length -= prose.term_length + 1;
+        prose.text = tab + 1;
     } else if (strncmp(prose.text, "- ", 2) == 0) {
         prose.kind = FFP_PROSE_ITEM;
-        prose.text += 2, prose.length -= 2;
+        prose.text += 2;
+        prose.length -= 2;
     }
     return prose;
 }
@@ -56,10 +59,13 @@ static void put_words(FILE *out, const char *text, int length, int at, int inden
     for (int i = 0; i < length;) {
         const int word = (int)strcspn(text + i, " ");
         const int size = word < length - i ? word : length - i;
-        if (i > 0 && at + 1 + size > WIDTH)
-            fprintf(out, "\n%*s", indent, ""), at = indent;
-        else if (i > 0)
-            fputc(' ', out), at++;
+        if (i > 0 && at + 1 + size > WIDTH) {
+            fprintf(out, "\n%*s", indent, "");
+            at = indent;
+        } else if (i > 0) {
+            fputc(' ', out);
+            at++;
+        }
         fwrite(text + i, 1, (size_t)size, out);
         at += size;
         for (i += size; i < length && text[i] == ' ';) i++;

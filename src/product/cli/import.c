@@ -36,10 +36,14 @@ static bool read_texts(Arguments *arguments, FfpImportLists *read, FfpError *err
     if (arguments->mask) set_masks(import, arguments->mask);
     import->calibrations = arguments->calibrations.values;
     import->n_calibrations = arguments->calibrations.count;
-    import->images = read->images, import->n_images = read->n_images;
-    import->patterns = read->patterns, import->n_patterns = read->n_patterns;
-    import->held_out = read->held_out, import->n_held_out = read->n_held_out;
-    import->views = arguments->views.values, import->n_views = arguments->views.count;
+    import->images = read->images;
+    import->n_images = read->n_images;
+    import->patterns = read->patterns;
+    import->n_patterns = read->n_patterns;
+    import->held_out = read->held_out;
+    import->n_held_out = read->n_held_out;
+    import->views = arguments->views.values;
+    import->n_views = arguments->views.count;
     return true;
 }
 
@@ -75,7 +79,8 @@ static bool read_fit(const char *text, void *destination) {
 static bool read_linear(const char *text, void *destination) {
     FfpImport *import = destination;
     const bool images = strcmp(text, "images") == 0, patterns = strcmp(text, "patterns") == 0;
-    import->linear_images |= images, import->linear_patterns |= patterns;
+    import->linear_images |= images;
+    import->linear_patterns |= patterns;
     return images || patterns;
 }
 

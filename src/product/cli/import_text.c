@@ -33,7 +33,9 @@ static char *copy(FfpImportLists *lists, const char *text) {
 void ffp_cli_import_lists_free(FfpImportLists *lists) {
     for (int i = 0; i < lists->n_images; i++) free((void *)lists->images[i].patterns);
     for (int i = 0; i < lists->n_texts; i++) free(lists->texts[i]);
-    free(lists->images), free(lists->patterns), free(lists->held_out);
+    free(lists->images);
+    free(lists->patterns);
+    free(lists->held_out);
     free(lists->texts);
     *lists = (FfpImportLists){0};
 }
@@ -111,7 +113,8 @@ bool ffp_cli_turntable(FfpImportLists *lists, const char *text, FfpImportTurntab
     if (!*rest) return fail(err, "missing angles: expected %s, or the name of a file", needed);
     const char *wrong = ffp_cli_angles(rest, &lists->angles, &where);
     if (wrong) return fail(err, "'%.40s' %s: expected %s", where, wrong, needed);
-    turntable->angles = lists->angles.degrees, turntable->n_angles = lists->angles.count;
+    turntable->angles = lists->angles.degrees;
+    turntable->n_angles = lists->angles.count;
     return true;
 }
 
@@ -119,7 +122,8 @@ bool ffp_cli_fit_axis(const char *text, FfpImportTurntable *turntable, FfpError 
     static const char needed[] = "six numbers AX,AY,AZ,PX,PY,PZ";
     int commas = 0;
     for (const char *at = text; *at; at++) commas += *at == ',';
-    turntable->find_axis = true, turntable->guessed = *text;
+    turntable->find_axis = true;
+    turntable->guessed = *text;
     if (!*text) return true;
     const char *rest;
     if (commas != 5) return fail(err, "expected %s, not '%.80s' (--fit-axis)", needed, text);

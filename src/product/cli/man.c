@@ -179,8 +179,14 @@ static bool write_page(const FfpProgram *program, bool completion, const FfpComm
         ffp_cli_man(program, command, out);
     bool ok = fflush(out) == 0 && !ferror(out);
     int problem = errno;
-    if (fclose(out) != 0 && ok) ok = false, problem = errno;
-    if (ok && rename(temporary, path) != 0) ok = false, problem = errno;
+    if (fclose(out) != 0 && ok) {
+        ok = false;
+        problem = errno;
+    }
+    if (ok && rename(temporary, path) != 0) {
+        ok = false;
+        problem = errno;
+    }
     if (!ok) remove(temporary);
     errno = problem;
     return ok;

@@ -23,7 +23,8 @@ static int run(void *data) {
     Arguments *arguments = data;
     FfpError err = {0};
     int written = -1;
-    arguments->maps.views = arguments->views.values, arguments->maps.n_views = arguments->views.count;
+    arguments->maps.views = arguments->views.values;
+    arguments->maps.n_views = arguments->views.count;
     FfpGaussians *gaussians = ffp_gaussians_open(ffp_cli_context(), arguments->gaussians, &err);
     FfpCapture *capture = gaussians ? ffp_capture_open(ffp_cli_context(), arguments->capture, &err) : NULL;
     if (capture)

@@ -27,7 +27,8 @@ bool ffp_cli_pair(const char *text, char between, int64_t low, int *a, int *b) {
     first[place - text] = 0;
     if (!ffp_cli_number(first, low, 1000000, &x) || !ffp_cli_number(place + 1, low, 1000000, &y))
         return false;
-    *a = (int)x, *b = (int)y;
+    *a = (int)x;
+    *b = (int)y;
     return true;
 }
 
@@ -56,7 +57,9 @@ const char *ffp_cli_angles(const char *text, FfpAngles *angles, const char **whe
         *where = at;
         if (isnan(first)) return "is not a number";
         if (*end == 'x') {
-            count = first, first = 0, step = ffp_cli_decimal(end + 1, &end);
+            count = first;
+            first = 0;
+            step = ffp_cli_decimal(end + 1, &end);
             if (isnan(step)) return "is not a number";
             if (!(count >= 1 && count <= FFP_CLI_ANGLES_MAX) || count != floor(count))
                 return "must begin with a number of stops from 1 to 512";
@@ -192,7 +195,10 @@ const char *ffp_cli_nearest(const char *word, const char *const *names) {
     for (; *names; names++) {
         const bool begins = length >= 2 && strncmp(word, *names, length) == 0;
         const int far = begins ? 0 : distance(word, *names);
-        if (far < least || (far == least && !nearest)) nearest = *names, least = far;
+        if (far < least || (far == least && !nearest)) {
+            nearest = *names;
+            least = far;
+        }
     }
     return nearest;
 }
@@ -255,7 +261,8 @@ static const FfpOption *one_dash_too_few(const FfpCommand *command, const char *
 // --- The command line. ---
 
 static void describe(const FfpCommand *command, struct option *longs, char *shorts) {
-    *shorts++ = ':', *shorts++ = 'h';
+    *shorts++ = ':';
+    *shorts++ = 'h';
     for (int i = 0; command->options[i].name; i++, longs++) {
         const FfpOption *option = &command->options[i];
         const int argument = option->type == FFP_OPTION_FLAG ? no_argument

@@ -31,8 +31,10 @@ static int run(void *data) {
     FfpPatterns *patterns = &arguments->patterns;
     FfpError err = {0};
     const int wanted = arguments->parts ? arguments->parts : FOCUS | CAPTURE | GAMMA | GRAY_CODES;
-    patterns->focus = wanted & FOCUS, patterns->capture = wanted & CAPTURE;
-    patterns->gamma = wanted & GAMMA, patterns->gray_codes = wanted & GRAY_CODES;
+    patterns->focus = wanted & FOCUS;
+    patterns->capture = wanted & CAPTURE;
+    patterns->gamma = wanted & GAMMA;
+    patterns->gray_codes = wanted & GRAY_CODES;
     const int count = ffp_write_patterns(ffp_cli_context(), patterns, &err);
     if (count < 0) return ffp_cli_fail(&err);
     printf("%s: %d patterns of %d x %d; open show.html on the projector (README.txt explains how)\n",

@@ -27,8 +27,10 @@ static int run(void *data) {
     FfpPictures *pictures = &arguments->pictures;
     FfpError err = {0};
     int written = -1;
-    pictures->views = arguments->views.values, pictures->n_views = arguments->views.count;
-    pictures->patterns = arguments->patterns.values, pictures->n_patterns = arguments->patterns.count;
+    pictures->views = arguments->views.values;
+    pictures->n_views = arguments->views.count;
+    pictures->patterns = arguments->patterns.values;
+    pictures->n_patterns = arguments->patterns.count;
     if (check(arguments) >= 0) return FFP_EXIT_USAGE;
     FfpGaussians *gaussians = ffp_gaussians_open(ffp_cli_context(), arguments->gaussians, &err);
     const bool with = arguments->capture != NULL;
@@ -53,7 +55,8 @@ static bool read_orbit(const char *text, void *destination) {
         if (strncmp(text, names[orbit], length) != 0 ||
             !ffp_cli_number(text + length, 1, FRAMES_MAX, &frames))
             continue;
-        pictures->orbit = (FfpOrbit)orbit, pictures->frames = (int)frames;
+        pictures->orbit = (FfpOrbit)orbit;
+        pictures->frames = (int)frames;
         return true;
     }
     return false;
@@ -69,7 +72,8 @@ static bool read_size(const char *text, void *destination) {
     memcpy(first, text, length);
     if (!ffp_cli_number(first, 1, SIDE_MAX, &width)) return false;
     if (text[length] && !ffp_cli_number(text + length + 1, 1, SIDE_MAX, &height)) return false;
-    pictures->width = (int)width, pictures->height = (int)height;
+    pictures->width = (int)width;
+    pictures->height = (int)height;
     return true;
 }
 

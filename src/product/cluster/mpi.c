@@ -76,11 +76,13 @@ typedef struct Watch { // the watcher's own counts of sums
 static bool is_more(const Watch *watch, int64_t *asked, bool *waiting) {
     pthread_mutex_lock(&job.lock);
     if (job.done != watch->done || job.problem != watch->problem) {
-        job.done = watch->done, job.problem = watch->problem;
+        job.done = watch->done;
+        job.problem = watch->problem;
         pthread_cond_broadcast(&job.changed);
     }
     while (job.asked == watch->done && !job.closing) pthread_cond_wait(&job.changed, &job.lock);
-    *asked = job.asked, *waiting = job.waiting;
+    *asked = job.asked;
+    *waiting = job.waiting;
     const bool more = !job.closing;
     pthread_mutex_unlock(&job.lock);
     return more;
@@ -165,7 +167,10 @@ static bool gather(void *user, const float *part, float *whole, const int64_t *f
     if (first[n] > INT_MAX) return fail(err, "MPI_Allgatherv", MPI_ERR_COUNT); // MPI-3 counts in int
     int *counts = malloc(2 * (size_t)n * sizeof *counts);
     if (!counts) return fail(err, "malloc", MPI_ERR_NO_MEM);
-    for (int r = 0; r < n; r++) counts[r] = (int)(first[r + 1] - first[r]), counts[n + r] = (int)first[r];
+    for (int r = 0; r < n; r++) {
+        counts[r] = (int)(first[r + 1] - first[r]);
+        counts[n + r] = (int)first[r];
+    }
     const bool ok = gather_parts(part, whole, counts, counts + n, to, err);
     free(counts);
     return ok;
@@ -207,7 +212,10 @@ static bool start_watcher(FfpError *err) {
 const FfpRanks *ffp_cluster_join(FfpError *err) {
     int threads = 0;
     const int problem = MPI_Init_thread(NULL, NULL, MPI_THREAD_SERIALIZED, &threads);
-    if (problem != MPI_SUCCESS) return fail(err, "MPI_Init_thread", problem), NULL;
+    if (problem != MPI_SUCCESS) {
+        fail(err, "MPI_Init_thread", problem);
+        return NULL;
+    }
     job.ranks = (FfpRanks){.sum_begin = sum_begin,
                            .sum_finish = sum_finish,
                            .sum = sum,

@@ -63,7 +63,8 @@ static void add_bounds(json_t *accessor, const real *values, size_t count, int w
         float low = INFINITY, high = -INFINITY;
         for (size_t i = 0; i < count; i++) {
             const float value = (float)values[i * (size_t)width + (size_t)c];
-            low = fminf(low, value), high = fmaxf(high, value);
+            low = fminf(low, value);
+            high = fmaxf(high, value);
         }
         json_array_append_new(least, json_real((double)low));
         json_array_append_new(most, json_real((double)high));
@@ -120,7 +121,8 @@ static bool put_chunk(FILE *stream, const void *data, size_t size, uint32_t kind
     const size_t padded = (size + 3) / 4 * 4;
     const char rest[4] = {fill, fill, fill, fill};
     unsigned char head[8];
-    ffp_put_u32(head, (uint32_t)padded), ffp_put_u32(head + 4, kind);
+    ffp_put_u32(head, (uint32_t)padded);
+    ffp_put_u32(head + 4, kind);
     return fwrite(head, sizeof head, 1, stream) == 1 && fwrite(data, 1, size, stream) == size &&
            fwrite(rest, 1, padded - size, stream) == padded - size;
 }
@@ -131,7 +133,8 @@ static bool write_binary(const FfpGltf *gltf, const char *path, FfpError *err) {
     char *text = json_dumps(gltf->root, JSON_COMPACT | JSON_REAL_PRECISION(9));
     const size_t length = text ? strlen(text) : 0;
     unsigned char head[12];
-    ffp_put_u32(head, GLB_MAGIC), ffp_put_u32(head + 4, 2);
+    ffp_put_u32(head, GLB_MAGIC);
+    ffp_put_u32(head + 4, 2);
     ffp_put_u32(head + 8, (uint32_t)(12 + 8 + (length + 3) / 4 * 4 + 8 + (gltf->size + 3) / 4 * 4));
     const bool ok = text && fwrite(head, sizeof head, 1, out.stream) == 1 &&
                     put_chunk(out.stream, text, length, CHUNK_JSON, ' ') &&

@@ -29,14 +29,19 @@ void ffp_surface_rotate(FfpSurface *mesh, const real turn[4]) {
         real point[3], normal[3];
         ffp_quaternion_rotate(turn, mesh->position + 3 * i, point);
         ffp_quaternion_rotate(turn, mesh->normal + 3 * i, normal);
-        for (size_t k = 0; k < 3; k++)
-            mesh->position[3 * i + k] = point[k], mesh->normal[3 * i + k] = normal[k];
+        for (size_t k = 0; k < 3; k++) {
+            mesh->position[3 * i + k] = point[k];
+            mesh->normal[3 * i + k] = normal[k];
+        }
     }
 }
 
 void ffp_surface_free(FfpSurface *mesh) {
-    ffp_free(mesh->position), ffp_free(mesh->normal), ffp_free(mesh->quads);
-    ffp_image_free(&mesh->albedo), ffp_image_free(&mesh->roughness);
+    ffp_free(mesh->position);
+    ffp_free(mesh->normal);
+    ffp_free(mesh->quads);
+    ffp_image_free(&mesh->albedo);
+    ffp_image_free(&mesh->roughness);
     *mesh = (FfpSurface){0};
 }
 
@@ -61,7 +66,9 @@ static json_t *add_corners(FfpGltf *gltf, const FfpSurface *mesh) {
     const int places[3] = {ffp_gltf_floats(gltf, position, n, 3, true),
                            ffp_gltf_floats(gltf, normal, n, 3, false),
                            ffp_gltf_floats(gltf, uv, n, 2, false)};
-    ffp_free(position), ffp_free(normal), ffp_free(uv);
+    ffp_free(position);
+    ffp_free(normal);
+    ffp_free(uv);
     return json_pack("{s:i, s:i, s:i}", "POSITION", places[0], "NORMAL", places[1], "TEXCOORD_0", places[2]);
 }
 
@@ -88,7 +95,10 @@ static int add_texture(FfpGltf *gltf, const FfpImage *image, FfpError *err) {
 static int add_roughness(FfpGltf *gltf, const FfpSurface *mesh, FfpError *err) {
     FfpImage rgb = ffp_image_new(mesh->roughness.width, mesh->roughness.height, 3);
     const size_t texels = (size_t)rgb.width * (size_t)rgb.height;
-    for (size_t i = 0; i < texels; i++) rgb.data[3 * i] = 1, rgb.data[3 * i + 1] = mesh->roughness.data[i];
+    for (size_t i = 0; i < texels; i++) {
+        rgb.data[3 * i] = 1;
+        rgb.data[3 * i + 1] = mesh->roughness.data[i];
+    }
     const int texture = add_texture(gltf, &rgb, err);
     ffp_image_free(&rgb);
     return texture;
@@ -175,6 +185,7 @@ bool ffp_surface_write_obj(const FfpSurface *mesh, const char *path, FfpError *e
         print_obj(mesh, colours, number, out.stream);
         ok = ffp_output_commit(&out, err);
     }
-    ffp_free(colours), ffp_free(number);
+    ffp_free(colours);
+    ffp_free(number);
     return ok;
 }

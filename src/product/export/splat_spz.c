@@ -59,7 +59,9 @@ static void pack(const FfpSplats *splats, int bits, unsigned char *bytes) {
     const size_t n = (size_t)splats->count;
     unsigned char *position = bytes + HEADER, *alpha = position + 9 * n, *colour = alpha + n,
                   *scale = colour + 3 * n, *rotation = scale + 3 * n;
-    ffp_put_u32(bytes, MAGIC), ffp_put_u32(bytes + 4, VERSION), ffp_put_u32(bytes + 8, (uint32_t)n);
+    ffp_put_u32(bytes, MAGIC);
+    ffp_put_u32(bytes + 4, VERSION);
+    ffp_put_u32(bytes + 8, (uint32_t)n);
     bytes[12] = 0, bytes[13] = (unsigned char)bits, bytes[14] = bytes[15] = 0; // no harmonics, no flags
     for (size_t i = 0; i < n; i++) {
         put_position(position + 9 * i, splats->centre + 3 * i, bits);
@@ -78,8 +80,10 @@ static bool zip(unsigned char *bytes, size_t size, unsigned char *out, size_t *o
     z_stream stream = {0};
     if (deflateInit2(&stream, Z_BEST_COMPRESSION, Z_DEFLATED, 16 + MAX_WBITS, 9, Z_DEFAULT_STRATEGY) != Z_OK)
         return false;
-    stream.next_in = bytes, stream.avail_in = (uInt)size;
-    stream.next_out = out, stream.avail_out = (uInt)*out_size;
+    stream.next_in = bytes;
+    stream.avail_in = (uInt)size;
+    stream.next_out = out;
+    stream.avail_out = (uInt)*out_size;
     const bool ok = deflate(&stream, Z_FINISH) == Z_STREAM_END;
     *out_size = stream.total_out;
     deflateEnd(&stream);
@@ -99,6 +103,7 @@ bool ffp_splats_write_spz(const FfpSplats *splats, const char *path, FfpError *e
     const bool ok = zip(bytes, size, zipped, &zipped_size)
                         ? ffp_write_file(path, zipped, zipped_size, err)
                         : ffp_fail(err, FFP_ERROR_IO, path, "cannot compress");
-    ffp_free(bytes), ffp_free(zipped);
+    ffp_free(bytes);
+    ffp_free(zipped);
     return ok;
 }

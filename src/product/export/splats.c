@@ -21,8 +21,10 @@ FfpSplats ffp_splats_new(const FfpGaussians *gaussians, const real *colour, cons
     FfpSplats out = {0};
     for (int64_t i = 0; i < gaussians->count; i++) out.count += gaussians->opacity[i] >= OPACITY_MIN;
     const size_t room = (size_t)out.count + 1;
-    out.centre = ffp_alloc(room, 3 * sizeof(real)), out.scale = ffp_alloc(room, 3 * sizeof(real));
-    out.rotation = ffp_alloc(room, 4 * sizeof(real)), out.opacity = ffp_alloc(room, sizeof(real));
+    out.centre = ffp_alloc(room, 3 * sizeof(real));
+    out.scale = ffp_alloc(room, 3 * sizeof(real));
+    out.rotation = ffp_alloc(room, 4 * sizeof(real));
+    out.opacity = ffp_alloc(room, sizeof(real));
     out.colour = ffp_alloc(room, 3 * sizeof(real));
     int64_t n = 0;
     for (int64_t i = 0; i < gaussians->count; i++)
@@ -31,7 +33,10 @@ FfpSplats ffp_splats_new(const FfpGaussians *gaussians, const real *colour, cons
 }
 
 void ffp_splats_free(FfpSplats *splats) {
-    ffp_free(splats->centre), ffp_free(splats->scale), ffp_free(splats->rotation);
-    ffp_free(splats->opacity), ffp_free(splats->colour);
+    ffp_free(splats->centre);
+    ffp_free(splats->scale);
+    ffp_free(splats->rotation);
+    ffp_free(splats->opacity);
+    ffp_free(splats->colour);
     *splats = (FfpSplats){0};
 }

@@ -68,5 +68,6 @@ void ffp_surface_drop_loose(FfpSurface *mesh) {
         kept++;
     }
     mesh->n_quads = kept;
-    ffp_free(parent), ffp_free(quads);
+    ffp_free(parent);
+    ffp_free(quads);
 }

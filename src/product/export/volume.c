@@ -30,8 +30,12 @@ FfpDepthView ffp_depth_view(const FfpDepthSource *source, int view, real cell) {
                  fmin((real)LOOK_SCALE_MAX, fmax((real)LOOK_SIDE_MAX / (real)longer, (real)1)));
     const int width = (int)ceil((real)c->width * scale), height = (int)ceil((real)c->height * scale);
     const real across = (real)width / (real)c->width, down = (real)height / (real)c->height;
-    c->fx *= across, c->cx *= across, c->fy *= down, c->cy *= down;
-    c->width = width, c->height = height;
+    c->fx *= across;
+    c->cx *= across;
+    c->fy *= down;
+    c->cy *= down;
+    c->width = width;
+    c->height = height;
     seen.gbuffer = ffp_gbuffer_new(width, height);
     ffp_rasterise(source->raster, source->gaussians, c, source->settings, &seen.gbuffer);
     return seen;
@@ -54,7 +58,10 @@ real ffp_depth_view_facing(const FfpDepthView *seen, int pixel, const real point
     real to[3], along = 0, square = 0;
     for (int k = 0; k < 3; k++) to[k] = seen->camera.pose[4 * k + 3] - point[k];
     ffp_normalise3(to);
-    for (int k = 0; k < 3; k++) along += n[k] * to[k], square += n[k] * n[k];
+    for (int k = 0; k < 3; k++) {
+        along += n[k] * to[k];
+        square += n[k] * n[k];
+    }
     return square > 0 ? fmax(along / sqrt(square), (real)0) : 0;
 }
 
@@ -68,11 +75,13 @@ static FfpVolume place_grid(const FfpDepthSource *source, int resolution) {
     real high[3], longest = 0;
     for (int k = 0; k < 3; k++) {
         const real least = capture->centre[k] - capture->radius, most = capture->centre[k] + capture->radius;
-        volume.low[k] = most, high[k] = least;
+        volume.low[k] = most;
+        high[k] = least;
         for (int64_t i = 0; i < g->count; i++) {
             if (g->opacity[i] < SOLID) continue;
             const real x = fmin(fmax(g->centre[3 * i + k], least), most);
-            volume.low[k] = fmin(volume.low[k], x), high[k] = fmax(high[k], x);
+            volume.low[k] = fmin(volume.low[k], x);
+            high[k] = fmax(high[k], x);
         }
         longest = fmax(longest, high[k] - volume.low[k]);
     }
@@ -111,13 +120,15 @@ static void fuse_point(const FfpVolume *volume, const FfpDepthView *seen, size_t
     fused->held++;
     const real opacity = seen->gbuffer.opacity[pixel];
     if (!(opacity > SOLID)) {
-        fused->sum += 1, fused->weight += 1;
+        fused->sum += 1;
+        fused->weight += 1;
         return;
     }
     const real before = (seen->gbuffer.depth[pixel] / opacity - depth) / volume->truncation;
     if (before < -1) return;
     const real share = fmax(ffp_depth_view_facing(seen, pixel, point), FACING_MIN);
-    fused->sum += share * fmin(before, (real)1), fused->weight += share;
+    fused->sum += share * fmin(before, (real)1);
+    fused->weight += share;
 }
 
 // What is hidden from all is inside where at least three quarters of the pictures hold it; elsewhere the
@@ -152,7 +163,8 @@ static void smooth(FfpVolume *volume) {
         smooth_along(volume, row, other, volume->distance);
         smooth_along(volume, plane, volume->distance, other);
         real *swap = volume->distance;
-        volume->distance = other, other = swap;
+        volume->distance = other;
+        other = swap;
     }
     ffp_free(other);
 }

@@ -81,7 +81,8 @@ static bool write_patterns(Writer *w, FfpError *err) {
                                       : "active");
         if (!pack_picture(w, &pattern->image, 0, &w->patterns, PATTERNS_ROOM, &fits, err)) return false;
         fputs(fits ? "}" : "\"size\":0}", w->out);
-        w->stats->patterns += fits, w->stats->patterns_left += !fits;
+        w->stats->patterns += fits;
+        w->stats->patterns_left += !fits;
     }
     fputs("],\n", w->out);
     return true;
@@ -103,7 +104,8 @@ static bool write_photographs(Writer *w, const FfpView *view, FfpError *err) {
                           &fits, err))
             return false;
         fputs(fits ? "}" : "\"size\":0}", w->out);
-        w->stats->photographs += fits, w->stats->photographs_left += !fits;
+        w->stats->photographs += fits;
+        w->stats->photographs_left += !fits;
     }
     fputc(']', w->out);
     return true;

@@ -24,14 +24,19 @@ static void values_of(const FfpGaussians *g, int64_t i, float out[FFP_PAGE_COLUM
 
 static int64_t find_limits(const FfpGaussians *g, float low[FFP_PAGE_COLUMNS], float high[FFP_PAGE_COLUMNS]) {
     int64_t count = 0;
-    for (int k = 0; k < FFP_PAGE_COLUMNS; k++) low[k] = INFINITY, high[k] = -INFINITY;
+    for (int k = 0; k < FFP_PAGE_COLUMNS; k++) {
+        low[k] = INFINITY;
+        high[k] = -INFINITY;
+    }
     for (int64_t i = 0; i < g->count; i++) {
         float value[FFP_PAGE_COLUMNS];
         if (!is_drawn(g, i)) continue;
         values_of(g, i, value);
         count++;
-        for (int k = 0; k < FFP_PAGE_COLUMNS; k++)
-            low[k] = fminf(low[k], value[k]), high[k] = fmaxf(high[k], value[k]);
+        for (int k = 0; k < FFP_PAGE_COLUMNS; k++) {
+            low[k] = fminf(low[k], value[k]);
+            high[k] = fmaxf(high[k], value[k]);
+        }
     }
     for (int k = 0; count == 0 && k < FFP_PAGE_COLUMNS; k++) low[k] = high[k] = 0;
     return count;

@@ -39,17 +39,19 @@ static void free_case(Case *c) {
 
 // Both passes, the gains' gradients from zero, all scratch and outputs NaN before.
 static Result run(const Case *c) {
-    const size_t scratch_size = ffp_attention_scratch(c->rows, c->heads, c->dim), dim = (size_t)c->dim;
+    const FfpAttentionShape shape = {c->rows, c->heads, c->dim};
+    const FfpAttentionInput in = {c->qkv, c->q_gain, c->k_gain};
+    const size_t scratch_size = ffp_attention_scratch(&shape), dim = (size_t)c->dim;
     FfpRng rng = ffp_rng(0, 0);
     const double nan = (double)NAN;
     Result r = {random_reals(&rng, c->count, 0, nan), ffp_alloc((size_t)(c->rows * c->heads), sizeof(float)),
                 random_reals(&rng, 3 * c->count, 0, nan), random_reals(&rng, dim, 0, 0),
                 random_reals(&rng, dim, 0, 0)};
     float *scratch = random_reals(&rng, scratch_size, 0, nan);
-    ffp_attention_forward(r.out, r.log_sum, c->qkv, c->q_gain, c->k_gain, c->rows, c->heads, c->dim, scratch);
+    ffp_attention_forward(r.out, r.log_sum, &shape, &in, scratch);
     for (size_t i = 0; i < scratch_size; i++) scratch[i] = NAN; // nothing may be kept in between
-    ffp_attention_backward(r.dqkv, r.dq_gain, r.dk_gain, c->dout, r.out, r.log_sum, c->qkv, c->q_gain,
-                           c->k_gain, c->rows, c->heads, c->dim, scratch);
+    const FfpAttentionGradient grad = {r.dqkv, r.dq_gain, r.dk_gain};
+    ffp_attention_backward(&grad, &shape, &in, r.out, r.log_sum, c->dout, scratch);
     ffp_free(scratch);
     return r;
 }

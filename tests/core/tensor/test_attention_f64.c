@@ -5,30 +5,30 @@
 #include "core/tensor/tensor.h"
 
 typedef struct Attention {
+    FfpAttentionShape shape;
     real *qkv, *q_gain, *k_gain, *out, *log_sum, *weights, *scratch;
-    int rows, heads, head_dim;
 } Attention;
 
 static double attention_loss(void *context) {
     Attention *a = context;
-    ffp_attention_forward(a->out, a->log_sum, a->qkv, a->q_gain, a->k_gain, a->rows, a->heads, a->head_dim,
-                          a->scratch);
-    return dot_reals(a->out, a->weights, (size_t)a->rows * (size_t)a->heads * (size_t)a->head_dim);
+    const FfpAttentionShape *s = &a->shape;
+    const FfpAttentionInput in = {a->qkv, a->q_gain, a->k_gain};
+    ffp_attention_forward(a->out, a->log_sum, s, &in, a->scratch);
+    return dot_reals(a->out, a->weights, (size_t)s->rows * (size_t)s->heads * (size_t)s->head_dim);
 }
 
 static Attention make_attention(int rows, int heads, int dim) {
     FfpRng rng = ffp_rng(7, (uint64_t)(rows * 100 + heads));
     const size_t count = (size_t)rows * (size_t)heads * (size_t)dim;
-    return (Attention){random_reals(&rng, 3 * count, 1, 0),
+    const FfpAttentionShape shape = {rows, heads, dim};
+    return (Attention){shape,
+                       random_reals(&rng, 3 * count, 1, 0),
                        random_reals(&rng, (size_t)dim, 0.4, 1),
                        random_reals(&rng, (size_t)dim, 0.4, 1),
                        random_reals(&rng, count, 1, 0),
                        random_reals(&rng, (size_t)rows * (size_t)heads, 1, 0),
                        random_reals(&rng, count, 1, 0),
-                       random_reals(&rng, ffp_attention_scratch(rows, heads, dim), 1, 0),
-                       rows,
-                       heads,
-                       dim};
+                       random_reals(&rng, ffp_attention_scratch(&shape), 1, 0)};
 }
 
 static void free_attention(Attention *a) {
@@ -48,9 +48,10 @@ static void check_attention(int rows, int heads, int dim, size_t every) {
     attention_loss(&a);
     NaiveAttention naive = naive_attention(a.weights, a.qkv, a.q_gain, a.k_gain, rows, heads, dim);
     for (size_t i = 0; i < count; i++) assert_true(fabs(naive.out[i] - a.out[i]) < 1e-11);
-    for (size_t i = 0, n = ffp_attention_scratch(rows, heads, dim); i < n; i++) a.scratch[i] = NAN;
-    ffp_attention_backward(dqkv, dq_gain, dk_gain, a.weights, a.out, a.log_sum, a.qkv, a.q_gain, a.k_gain,
-                           rows, heads, dim, a.scratch);
+    for (size_t i = 0, n = ffp_attention_scratch(&a.shape); i < n; i++) a.scratch[i] = NAN;
+    const FfpAttentionInput in = {a.qkv, a.q_gain, a.k_gain};
+    const FfpAttentionGradient grad = {dqkv, dq_gain, dk_gain};
+    ffp_attention_backward(&grad, &a.shape, &in, a.out, a.log_sum, a.weights, a.scratch);
     for (size_t i = 0; i < 3 * count; i++) assert_true(fabs(naive.dqkv[i] - dqkv[i]) < 1e-11);
     const size_t checked = ((size_t)rows + every - 1) / every;
     check_gradient("attention q, k, v", attention_loss, &a, a.qkv, dqkv, 0, checked, width, every * width);

@@ -4,18 +4,18 @@
 #include "core/tensor/tensor.h"
 
 typedef struct Conv {
-    real *x, *w, *bias, *y, *weights;
-    int ldx, rows, channels, taps;
-    bool reverse;
+    FfpDepthwise in;
+    real *x, *w, *bias; // the input's, to be perturbed
+    real *y, *weights;
 } Conv;
 
 static double conv_loss(void *context) {
     Conv *c = context;
-    ffp_conv_forward(c->y, c->x, c->ldx, c->w, c->bias, c->rows, c->channels, c->taps, c->reverse);
-    return dot_reals(c->y, c->weights, (size_t)c->rows * (size_t)c->channels);
+    ffp_conv_forward(c->y, &c->in);
+    return dot_reals(c->y, c->weights, (size_t)c->in.rows * (size_t)c->in.channels);
 }
 
-static void check_values(const Conv *conv) {
+static void check_values(const FfpDepthwise *conv, const real *y) {
     for (int t = 0; t < conv->rows; t++) {
         for (int c = 0; c < conv->channels; c++) {
             double sum = conv->bias[c];
@@ -24,7 +24,7 @@ static void check_values(const Conv *conv) {
                 if (source >= 0 && source < conv->rows)
                     sum += conv->w[c * conv->taps + k] * conv->x[source * conv->ldx + c];
             }
-            assert_true(fabs(sum / (1 + exp(-sum)) - conv->y[t * conv->channels + c]) < 1e-12);
+            assert_true(fabs(sum / (1 + exp(-sum)) - y[t * conv->channels + c]) < 1e-12);
         }
     }
 }
@@ -34,23 +34,18 @@ static void check_conv(int rows, int channels, int taps, bool reverse) {
     const int ldx = channels + 5, lddx = channels + 2;
     const size_t count = (size_t)rows * (size_t)channels, nw = (size_t)channels * (size_t)taps,
                  nc = (size_t)channels;
-    Conv conv = {random_reals(&rng, (size_t)rows * (size_t)ldx, 1, 0),
-                 random_reals(&rng, nw, 0.5, 0),
-                 random_reals(&rng, nc, 0.5, 0),
-                 random_reals(&rng, count, 1, 0),
-                 random_reals(&rng, count, 1, 0),
-                 ldx,
-                 rows,
-                 channels,
-                 taps,
-                 reverse};
+    Conv conv = {.x = random_reals(&rng, (size_t)rows * (size_t)ldx, 1, 0)};
+    conv.w = random_reals(&rng, nw, 0.5, 0);
+    conv.bias = random_reals(&rng, nc, 0.5, 0);
+    conv.y = random_reals(&rng, count, 1, 0);
+    conv.weights = random_reals(&rng, count, 1, 0);
+    conv.in = (FfpDepthwise){conv.x, conv.w, conv.bias, ldx, rows, channels, taps, reverse};
     real *dx = random_reals(&rng, (size_t)rows * (size_t)lddx, 0, 2),
          *dx_as_x = random_reals(&rng, (size_t)rows * (size_t)ldx, 0, 0);
     real *dw = random_reals(&rng, nw, 0, 2), *dbias = random_reals(&rng, nc, 0, 2);
     conv_loss(&conv);
-    check_values(&conv);
-    ffp_conv_backward(dx, lddx, dw, dbias, conv.weights, conv.x, ldx, conv.w, conv.bias, rows, channels, taps,
-                      reverse);
+    check_values(&conv.in, conv.y);
+    ffp_conv_backward(&(FfpDepthwiseGradient){dx, dw, dbias, lddx}, &conv.in, conv.weights);
     for (int t = 0; t < rows; t++) {
         memcpy(dx_as_x + t * ldx, dx + t * lddx, sizeof(real) * nc);
         for (int j = channels; j < lddx; j++) assert_true(dx[t * lddx + j] == 2);

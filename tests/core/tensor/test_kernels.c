@@ -29,7 +29,8 @@ static void exponential(void **state) {
 static double worst_silu(const float *x, float *y, int rows, int channels, const float *one,
                          const float *zero) {
     double worst = 0;
-    ffp_conv_forward(y, x, channels, one, zero, rows, channels, 1, false);
+    const FfpDepthwise conv = {x, one, zero, channels, rows, channels, 1, false};
+    ffp_conv_forward(y, &conv);
     for (int i = 0; i < rows * channels; i++) {
         const double at = (double)x[i], expected = at / (1 + exp(-at));
         if (at >= -87)
@@ -53,7 +54,8 @@ static void silu(void **state) {
         printf("silu, %s: worst relative error %.2g\n", ffp_cpu_name((FfpCpuLevel)level), worst);
         assert_true(worst < 4e-7);
         x[60] = NAN;
-        ffp_conv_forward(y, x, CHANNELS, one, zero, ROWS, CHANNELS, 1, true);
+        const FfpDepthwise conv = {x, one, zero, CHANNELS, ROWS, CHANNELS, 1, true};
+        ffp_conv_forward(y, &conv);
         assert_true(isnan(y[60]) && !isnan(y[59]) && !isnan(y[61]));
         x[60] = 0;
     }
@@ -105,9 +107,9 @@ static size_t run_everything(float *out) {
         .rows = ROWS, .heads = HEADS, .head_dim = 32, .state = STATE, .chunk = 64, .reverse = true};
     float *x = random_reals(&rng, ROWS * 3 * DIM, 1, 0), *w = random_reals(&rng, DIM * DIM * 3, 0.1, 0);
     float *gain = random_reals(&rng, LD, 0.1, 1), *dy = random_reals(&rng, ROWS * 3 * DIM, 1, 0);
+    const FfpAttentionShape attention = {ROWS, HEADS, 32};
     size_t scratch_size = ffp_scan_scratch(&shape);
-    if (scratch_size < ffp_attention_scratch(ROWS, HEADS, 32))
-        scratch_size = ffp_attention_scratch(ROWS, HEADS, 32);
+    if (scratch_size < ffp_attention_scratch(&attention)) scratch_size = ffp_attention_scratch(&attention);
     float *scratch = ffp_alloc(scratch_size, sizeof(float)), *mean = ffp_alloc(ROWS * HEADS, sizeof(float));
     float *rstd = ffp_alloc(ROWS * HEADS, sizeof(float)), *y = ffp_alloc(ROWS * LD, sizeof(float));
     float *next = out, *dgain;
@@ -117,14 +119,16 @@ static size_t run_everything(float *out) {
     ffp_layernorm_forward(take(&next, ROWS * DIM), mean, rstd, x, gain, ROWS, DIM);
     dx = take(&next, ROWS * DIM), dgain = take(&next, DIM);
     ffp_layernorm_backward(dx, dgain, dy, x, mean, rstd, gain, ROWS, DIM);
-    ffp_gated_norm_forward(take(&next, ROWS * DIM), rstd, x, dy, DIM, gain, ROWS, DIM);
+    const FfpGatedNorm gated = {x, dy, DIM, gain, ROWS, DIM};
+    ffp_gated_norm_forward(take(&next, ROWS * DIM), rstd, &gated);
     dx = take(&next, ROWS * DIM), dw = take(&next, ROWS * DIM), dgain = take(&next, DIM);
-    ffp_gated_norm_backward(dx, dw, DIM, dgain, dy, x, dy, DIM, rstd, gain, ROWS, DIM);
+    ffp_gated_norm_backward(&(FfpGatedNormGradient){dx, dw, DIM, dgain}, &gated, dy, rstd);
     ffp_gelu_forward(take(&next, ROWS * DIM), x, ROWS * DIM);
     ffp_gelu_backward(take(&next, ROWS * DIM), dy, x, ROWS * DIM);
-    ffp_conv_forward(y, x, LD, w, gain, ROWS, LD, TAPS, true);
+    const FfpDepthwise conv = {x, w, gain, LD, ROWS, LD, TAPS, true};
+    ffp_conv_forward(y, &conv);
     dx = take(&next, ROWS * LD), dw = take(&next, LD * TAPS), dbias = take(&next, LD);
-    ffp_conv_backward(dx, LD, dw, dbias, dy, x, LD, w, gain, ROWS, LD, TAPS, true);
+    ffp_conv_backward(&(FfpDepthwiseGradient){dx, dw, dbias, LD}, &conv, dy);
     const FfpScanInput in = {y, y + DIM, y + DIM + STATE, LD, x, HEADS, gain, gain + HEADS, gain + 2 * HEADS};
     float *scanned = take(&next, ROWS * DIM), *drow = take(&next, ROWS * LD),
           *ddt = take(&next, ROWS * HEADS), *dsmall = take(&next, 3 * HEADS);
@@ -134,9 +138,10 @@ static size_t run_everything(float *out) {
     ffp_scan_backward(&grad, &shape, &in, dy, scratch);
     float *attended = take(&next, ROWS * DIM), *log_sum = take(&next, ROWS * HEADS),
           *dqkv = take(&next, 3 * ROWS * DIM), *dgains = take(&next, 64);
-    ffp_attention_forward(attended, log_sum, x, gain, gain, ROWS, HEADS, 32, scratch);
-    ffp_attention_backward(dqkv, dgains, dgains + 32, dy, attended, log_sum, x, gain, gain, ROWS, HEADS, 32,
-                           scratch);
+    const FfpAttentionInput qkv = {x, gain, gain};
+    const FfpAttentionGradient dattention = {dqkv, dgains, dgains + 32};
+    ffp_attention_forward(attended, log_sum, &attention, &qkv, scratch);
+    ffp_attention_backward(&dattention, &attention, &qkv, attended, log_sum, dy, scratch);
     float *all[] = {x, w, gain, dy, scratch, mean, rstd, y};
     for (size_t i = 0; i < sizeof(all) / sizeof(all[0]); i++) ffp_free(all[i]);
     return (size_t)(next - out);

@@ -39,20 +39,23 @@ static void run_norms(Outputs *o, const float *x, const float *z, const float *d
     dx = output(o, "rmsnorm dx");
     ffp_rmsnorm_backward(dx, output(o, "rmsnorm dgain"), dy, x, rstd, gain, ROWS, DIM);
     rstd = output(o, "gated rstd");
-    ffp_gated_norm_forward(output(o, "gated norm"), rstd, x, z, LD, gain, ROWS, DIM);
+    const FfpGatedNorm gated = {x, z, LD, gain, ROWS, DIM};
+    ffp_gated_norm_forward(output(o, "gated norm"), rstd, &gated);
     float *dz = output(o, "gated dz");
     dx = output(o, "gated dx");
-    ffp_gated_norm_backward(dx, dz, LD, output(o, "gated dgain"), dy, x, z, LD, rstd, gain, ROWS, DIM);
+    const FfpGatedNormGradient grad = {dx, dz, LD, output(o, "gated dgain")};
+    ffp_gated_norm_backward(&grad, &gated, dy, rstd);
 }
 
 static void run_rest(Outputs *o, const float *x, const float *dy, const float *w, const float *gain) {
     ffp_gelu_forward(output(o, "gelu"), x, SIZE - 5);
     ffp_gelu_backward(output(o, "gelu dx"), dy, x, SIZE - 5);
     for (int taps = 3; taps <= 4; taps++) {
-        const bool reverse = taps == 3;
-        ffp_conv_forward(output(o, "conv"), x, LD, w, gain, ROWS, DIM, taps, reverse);
+        const FfpDepthwise conv = {x, w, gain, LD, ROWS, DIM, taps, taps == 3};
+        ffp_conv_forward(output(o, "conv"), &conv);
         float *dx = output(o, "conv dx"), *dw = output(o, "conv dw");
-        ffp_conv_backward(dx, LD, dw, output(o, "conv dbias"), dy, x, LD, w, gain, ROWS, DIM, taps, reverse);
+        const FfpDepthwiseGradient grad = {dx, dw, output(o, "conv dbias"), LD};
+        ffp_conv_backward(&grad, &conv, dy);
     }
 }
 

@@ -47,9 +47,14 @@ static double rms_loss(void *context) {
     return dot_reals(n->y, n->weights, n->count);
 }
 
+static FfpGatedNorm gated_input(const Norm *n) {
+    return (FfpGatedNorm){n->x, n->z, n->ldz, n->gain, n->rows, n->dim};
+}
+
 static double gated_loss(void *context) {
     Norm *n = context;
-    ffp_gated_norm_forward(n->y, n->rstd, n->x, n->z, n->ldz, n->gain, n->rows, n->dim);
+    const FfpGatedNorm in = gated_input(n);
+    ffp_gated_norm_forward(n->y, n->rstd, &in);
     return dot_reals(n->y, n->weights, n->count);
 }
 
@@ -86,8 +91,8 @@ static void gated_norm_gradients(void **state) {
     for (int i = 0; i < SHAPES; i++) {
         Norm n = make_norm(shapes[i][0], shapes[i][1]);
         gated_loss(&n);
-        ffp_gated_norm_backward(n.dx, n.dz, n.ldz, n.dgain, n.weights, n.x, n.z, n.ldz, n.rstd, n.gain,
-                                n.rows, n.dim);
+        const FfpGatedNorm in = gated_input(&n);
+        ffp_gated_norm_backward(&(FfpGatedNormGradient){n.dx, n.dz, n.ldz, n.dgain}, &in, n.weights, n.rstd);
         check_gradient("gated norm x", gated_loss, &n, n.x, n.dx, 0, 1, n.count, n.count);
         check_gradient("gated norm z", gated_loss, &n, n.z, n.dz, 2, (size_t)n.rows, (size_t)n.dim,
                        (size_t)n.ldz);

@@ -42,8 +42,9 @@ static void run_once(void *argument, int64_t index) {
     const Work *w = argument;
     const Product *p = w->p;
     if (index > 0) return;
-    w->gemm(p->transpose_a, p->transpose_b, p->m, p->n, p->k, p->alpha, w->a, p->lda, w->b, p->ldb, p->beta,
-            w->c, p->ldc);
+    const FfpFactor a = {w->a, p->m, p->k, p->lda, p->transpose_a};
+    const FfpFactor b = {w->b, p->k, p->n, p->ldb, p->transpose_b};
+    w->gemm(p->alpha, a, b, p->beta, w->c, p->ldc);
 }
 
 static void run(Gemm gemm, const Product *p, const float *a, const float *b, float *c) {
@@ -163,9 +164,9 @@ static void nothing_to_add(void **state) {
     for (int level = 0; level < FFP_CPU_LEVELS; level++) {
         if (!ffp_cpu_set_level((FfpCpuLevel)level)) continue;
         float none[1] = {0}, c[4] = {1, 2, 3, 4};
-        ffp_gemm_mixed(false, false, 2, 2, 0, 1, none, 1, none, 2, 0.5F, c, 2);
-        ffp_gemm_mixed(false, false, 0, 2, 3, 1, none, 3, none, 2, 0, c, 2);
-        ffp_gemm_mixed(false, false, 2, 0, 3, 1, none, 3, none, 1, 0, c, 2);
+        ffp_gemm_mixed(1, ffp_factor(none, 2, 0, 1), ffp_factor(none, 0, 2, 2), 0.5F, c, 2);
+        ffp_gemm_mixed(1, ffp_factor(none, 0, 3, 3), ffp_factor(none, 3, 2, 2), 0, c, 2);
+        ffp_gemm_mixed(1, ffp_factor(none, 2, 3, 3), ffp_factor(none, 3, 0, 1), 0, c, 2);
         assert_true(c[0] == 0.5F && c[1] == 1 && c[2] == 1.5F && c[3] == 2);
     }
     ffp_cpu_set_level(ffp_cpu_best());
@@ -181,7 +182,8 @@ static void sums_with_products(void **state) {
     float *y = ffp_alloc(ROWS * OUT, sizeof(float)), *in_place = ffp_alloc(ROWS * OUT, sizeof(float));
     for (int level = 0; level < FFP_CPU_LEVELS; level++) {
         if (!ffp_cpu_set_level((FfpCpuLevel)level)) continue;
-        ffp_gemm_mixed(false, true, ROWS, OUT, IN, 1, x, IN, w, IN, 0, plain, OUT);
+        ffp_gemm_mixed(1, ffp_factor(x, ROWS, IN, IN), ffp_transposed(ffp_factor(w, OUT, IN, IN)), 0, plain,
+                       OUT);
         ffp_linear_residual_forward(y, added, x, w, ROWS, IN, OUT);
         memcpy(in_place, added, ROWS * OUT * sizeof(float));
         ffp_linear_residual_forward(in_place, in_place, x, w, ROWS, IN, OUT);

@@ -77,7 +77,7 @@ static void check(FfpRng *rng, const int size[3], bool transpose_a, bool transpo
     FFP_K(pack_rows)(a, transpose_a, m, k, x, lda);
     FFP_K(pack_columns)(b, transpose_b, k, n, y, ldb);
     check_packing(a, b, x, y, size, transpose_a, transpose_b, lda, ldb);
-    FFP_K(product)(m, n, k, alpha, a, ffp_packed_depth(k), b, ffp_packed_depth(k), beta, c, ldc);
+    ffp_product(m, n, k, alpha, ffp_operand(a, k), ffp_operand(b, k), beta, c, ldc);
     check_c(c, before, a, b, size, alpha, beta, ldc);
     ffp_free(x), ffp_free(y), ffp_free(before), ffp_free(c), ffp_free(a), ffp_free(b);
 }
@@ -103,9 +103,8 @@ static void parts(void **state) {
               *b = ffp_alloc(ffp_packed_size(N, K), sizeof *b);
     FFP_K(pack_rows)(a, false, M, K, x, K);
     FFP_K(pack_columns)(b, false, K, N, y, N);
-    FFP_K(product)
-    (ROWS_HERE, COLUMNS_HERE, 32, 1, ffp_packed_row(a, ROW, FROM, K), K,
-     ffp_packed_column(b, COLUMN, FROM, K), K, 0, c, COLUMNS_HERE);
+    ffp_product(ROWS_HERE, COLUMNS_HERE, 32, 1, (FfpOperand){ffp_packed_row(a, ROW, FROM, K), K},
+                (FfpOperand){ffp_packed_column(b, COLUMN, FROM, K), K}, 0, c, COLUMNS_HERE);
     for (int i = 0; i < ROWS_HERE; i++) {
         for (int j = 0; j < COLUMNS_HERE; j++) {
             double sum = 0, terms = 0;

@@ -129,17 +129,20 @@ typedef struct Product {
     float alpha, beta;
 } Product;
 
+static FfpFactor product_factor(Pass *pass, int rows, int columns, int more, bool transposed, double shift) {
+    if (transposed) return ffp_transposed(product_factor(pass, columns, rows, more, false, shift));
+    return ffp_factor(input(pass, (size_t)rows * (columns + more), 1, shift), rows, columns, columns + more);
+}
+
 static void product(Pass *pass, const void *shape) {
     const Product *p = shape;
-    const int lda = (p->transpose_a ? p->m : p->k) + p->more, ldb = (p->transpose_b ? p->k : p->n) + p->more,
-              ldc = p->n + p->more;
-    const float *a = input(pass, (size_t)(p->transpose_a ? p->k : p->m) * lda, 1, 0.1);
-    const float *b = input(pass, (size_t)(p->transpose_b ? p->n : p->k) * ldb, 1, -0.1);
+    const FfpFactor a = product_factor(pass, p->m, p->k, p->more, p->transpose_a, 0.1);
+    const FfpFactor b = product_factor(pass, p->k, p->n, p->more, p->transpose_b, -0.1);
+    const int ldc = p->n + p->more;
     const size_t size = (size_t)p->m * ldc;
     float *c = p->beta == 0 && p->more == 0 ? output(pass, "c", size, p->mixed ? BF16 : FP32)
                                             : sum(pass, "c", size, p->mixed ? BF16 : FP32);
-    (p->mixed ? ffp_gemm_mixed : ffp_gemm)(p->transpose_a, p->transpose_b, p->m, p->n, p->k, p->alpha, a, lda,
-                                           b, ldb, p->beta, c, ldc);
+    (p->mixed ? ffp_gemm_mixed : ffp_gemm)(p->alpha, a, b, p->beta, c, ldc);
 }
 
 static void products(void **state) {
@@ -215,10 +218,11 @@ static void gated_norm(Pass *pass, const void *shape) {
     const float *x = input(pass, size, 1, 0.3), *dy = input(pass, size, 1, 0);
     const float *z = input(pass, (size_t)rows * ldz, 2, 0), *gain = input(pass, (size_t)dim, 0.2, 1);
     float *rstd = output(pass, "rstd", (size_t)rows, FP32);
-    ffp_gated_norm_forward(output(pass, "gated norm", size, FP32), rstd, x, z, ldz, gain, rows, dim);
+    const FfpGatedNorm in = {x, z, ldz, gain, rows, dim};
+    ffp_gated_norm_forward(output(pass, "gated norm", size, FP32), rstd, &in);
     float *dx = output(pass, "gated dx", size, FP32), *dz = sum(pass, "gated dz", (size_t)rows * lddz, FP32);
-    ffp_gated_norm_backward(dx, dz, lddz, sum(pass, "gated dgain", (size_t)dim, FP32), dy, x, z, ldz, rstd,
-                            gain, rows, dim);
+    const FfpGatedNormGradient grad = {dx, dz, lddz, sum(pass, "gated dgain", (size_t)dim, FP32)};
+    ffp_gated_norm_backward(&grad, &in, dy, rstd);
 }
 
 static void elementwise(Pass *pass, const void *shape) {
@@ -252,10 +256,11 @@ static void conv(Pass *pass, const void *shape) {
     const size_t size = (size_t)rows * channels, weights = (size_t)channels * c->taps;
     const float *x = input(pass, (size_t)rows * ldx, 1, 0), *dy = input(pass, size, 1, 0);
     const float *w = input(pass, weights, 0.5, 0), *bias = input(pass, (size_t)channels, 0.5, 0);
-    ffp_conv_forward(output(pass, "conv", size, FP32), x, ldx, w, bias, rows, channels, c->taps, c->reverse);
+    const FfpDepthwise in = {x, w, bias, ldx, rows, channels, c->taps, c->reverse};
+    ffp_conv_forward(output(pass, "conv", size, FP32), &in);
     float *dx = sum(pass, "conv dx", (size_t)rows * lddx, FP32), *dw = sum(pass, "conv dw", weights, FP32);
-    ffp_conv_backward(dx, lddx, dw, sum(pass, "conv dbias", (size_t)channels, FP32), dy, x, ldx, w, bias,
-                      rows, channels, c->taps, c->reverse);
+    const FfpDepthwiseGradient grad = {dx, dw, sum(pass, "conv dbias", (size_t)channels, FP32), lddx};
+    ffp_conv_backward(&grad, &in, dy);
 }
 
 static void convolutions(void **state) {
@@ -333,28 +338,26 @@ static void extreme_scans(void **state) {
     }
 }
 
-typedef struct Attention {
-    int rows, heads, dim;
-} Attention;
-
 static void attention(Pass *pass, const void *shape) {
-    const Attention *a = shape;
-    const size_t rows = (size_t)a->rows, heads = (size_t)a->heads, dim = (size_t)a->dim, width = heads * dim;
+    const FfpAttentionShape *a = shape;
+    const size_t rows = (size_t)a->rows, heads = (size_t)a->heads, dim = (size_t)a->head_dim,
+                 width = heads * dim;
     const float *qkv = input(pass, rows * 3 * width, 1, 0), *q_gain = input(pass, dim, 0.2, 1),
                 *k_gain = input(pass, dim, 0.2, 1), *dout = input(pass, rows * width, 1, 0);
-    const size_t size = ffp_attention_scratch(a->rows, a->heads, a->dim);
+    const FfpAttentionInput in = {qkv, q_gain, k_gain};
+    const size_t size = ffp_attention_scratch(a);
     float *out = output(pass, "attention", rows * width, BF16),
           *log_sum = output(pass, "log_sum", rows * heads, BF16);
-    ffp_attention_forward(out, log_sum, qkv, q_gain, k_gain, a->rows, a->heads, a->dim, scratch(pass, size));
+    ffp_attention_forward(out, log_sum, a, &in, scratch(pass, size));
     float *dqkv = output(pass, "dqkv", rows * 3 * width, BF16), *dq_gain = sum(pass, "dq_gain", dim, BF16);
-    ffp_attention_backward(dqkv, dq_gain, sum(pass, "dk_gain", dim, BF16), dout, out, log_sum, qkv, q_gain,
-                           k_gain, a->rows, a->heads, a->dim, scratch(pass, size));
+    const FfpAttentionGradient grad = {dqkv, dq_gain, sum(pass, "dk_gain", dim, BF16)};
+    ffp_attention_backward(&grad, a, &in, out, log_sum, dout, scratch(pass, size));
 }
 
 static void attentions(void **state) {
     (void)state;
-    const Attention shapes[] = {{37, 2, 64},   {130, 1, 24},  {2, 3, 13},    {65, 3, 40},
-                                {100, 1, 128}, {2048, 6, 64}, {2047, 16, 64}};
+    const FfpAttentionShape shapes[] = {{37, 2, 64},   {130, 1, 24},  {2, 3, 13},    {65, 3, 40},
+                                        {100, 1, 128}, {2048, 6, 64}, {2047, 16, 64}};
     const size_t bytes = ffp_cuda_attention_bytes;
     for (int i = 0; i < (getenv("FFP_LARGE") ? 7 : 5); i++) check("attention", attention, &shapes[i]);
     ffp_cuda_attention_bytes = 20000; // some queries of one head at a time, or two heads

@@ -129,20 +129,25 @@ static void test_fill_is_harmonic(void **state) {
     for (int i = 0; i < 6; i++) assert_true(nothing[i] == 0);
 }
 
+typedef struct Costs {
+    const real *cost, *mask; // [h,w,n], [h,w]
+    int w, h, n;
+    real small, large; // penalties of a jump by one and by more
+} Costs;
+
 // One path at a time, as the recursion is written in the paper.
-static real brute_path(const real *cost, const real *mask, int w, int h, int n, int x, int y, int k, int dx,
-                       int dy, real small, real large) {
-    const int px = x - dx, py = y - dy;
-    const real own = cost[(y * w + x) * n + k];
-    if (px < 0 || py < 0 || px >= w || py >= h || mask[py * w + px] <= 0) return own;
+static real brute_path(const Costs *c, int x, int y, int k, const int way[2]) {
+    const int px = x - way[0], py = y - way[1];
+    const real own = c->cost[(y * c->w + x) * c->n + k];
+    if (px < 0 || py < 0 || px >= c->w || py >= c->h || c->mask[py * c->w + px] <= 0) return own;
     real before[8], least = 1e9F;
-    for (int j = 0; j < n; j++) {
-        before[j] = brute_path(cost, mask, w, h, n, px, py, j, dx, dy, small, large);
+    for (int j = 0; j < c->n; j++) {
+        before[j] = brute_path(c, px, py, j, way);
         least = fminf(least, before[j]);
     }
-    real best = fminf(before[k], least + large);
-    if (k > 0) best = fminf(best, before[k - 1] + small);
-    if (k + 1 < n) best = fminf(best, before[k + 1] + small);
+    real best = fminf(before[k], least + c->large);
+    if (k > 0) best = fminf(best, before[k - 1] + c->small);
+    if (k + 1 < c->n) best = fminf(best, before[k + 1] + c->small);
     return own + best - least;
 }
 
@@ -156,6 +161,7 @@ static void test_semi_global(void **state) {
         mask[i] = i == 7 || i == 13 ? 0 : 1;
         for (int k = 0; k < N; k++) cost[i * N + k] = mask[i] > 0 ? ffp_rng_uniform(&rng) : 0;
     }
+    const Costs costs = {cost, mask, W, H, N, 0.1F, 0.4F};
     const FfpImage coverage = {.width = W, .height = H, .channels = 1, .data = mask};
     FfpForeground foreground = ffp_foreground_new(&coverage);
     assert_int_equal(foreground.count, W * H - 2);
@@ -167,8 +173,7 @@ static void test_semi_global(void **state) {
         assert_true((slot == FFP_OFF) == (mask[i] <= 0));
         for (int k = 0; slot != FFP_OFF && k < N; k++) {
             real sum = 0;
-            for (int d = 0; d < 8; d++)
-                sum += brute_path(cost, mask, W, H, N, i % W, i / W, k, ways[d][0], ways[d][1], 0.1F, 0.4F);
+            for (int d = 0; d < 8; d++) sum += brute_path(&costs, i % W, i / W, k, ways[d]);
             assert_true(fabsf(sum - total[slot * N + (size_t)k]) < 1e-5F);
         }
     }

@@ -22,22 +22,21 @@ typedef struct Block {
     real parts[QUERIES * FFP_PACK_LINES];     // of those sums, where product_weights makes the weights
 } Block;
 
-static void pack_segment(const FfpAttention *a, const FfpSegment *segment, const real *qkv,
-                         const real *q_gain, const real *k_gain) {
+static void pack_segment(const FfpAttention *a, const FfpSegment *segment, const FfpAttentionInput *in) {
     const int rows = segment->rows, dim = a->dim;
-    const real *v = qkv + ((size_t)segment->first * 3 + 2) * a->width + (size_t)segment->head * dim;
+    const real *v = in->qkv + ((size_t)segment->first * 3 + 2) * a->width + (size_t)segment->head * dim;
     const size_t stage = ffp_attention_stage(a, segment);
-    FFP_K(attention_normalise)(a, segment, qkv, q_gain, k_gain);
+    FFP_K(attention_normalise)(a, segment, in);
     FFP_K(pack_rows)(ffp_attention_operand(a, segment, FFP_Q_ROWS), false, rows, dim, a->q + stage, dim);
     FFP_K(pack_columns)(ffp_attention_operand(a, segment, FFP_K_COLUMNS), true, dim, rows, a->k + stage, dim);
     FFP_K(pack_columns)(ffp_attention_operand(a, segment, FFP_V_DEEP), false, rows, dim, v, 3 * a->width);
 }
 
 // |q . k| / sqrt(dim) of normalised rows is at most sqrt(dim) max |gains' product| (Cauchy and Schwarz).
-static bool scores_are_safe(const real *q_gain, const real *k_gain, int dim) {
+static bool scores_are_safe(const FfpAttentionInput *in, int dim) {
     real greatest = 0;
     for (int i = 0; i < dim; i++) {
-        const real gain = fabs(q_gain[i] * k_gain[i]);
+        const real gain = fabs(in->q_gain[i] * in->k_gain[i]);
         if (!(gain <= greatest)) greatest = gain; // NaN is not safe
     }
     return sqrt((real)dim) * greatest <= SAFE_SCORE;
@@ -48,11 +47,11 @@ static void weigh_safe(Block *block, FfpOperand q, FfpOperand k, int dim) {
 #ifdef FFP_PRODUCT_WEIGHTS
     if (block->keys % FFP_PACK_DEPTH == 0) {
         FFP_K(product_weights)
-        (block->queries, block->keys, dim, q.from, q.depth, k.from, k.depth, block->weights, block->parts);
+        (block->queries, block->keys, dim, q, k, block->weights, block->parts);
         return;
     }
 #endif
-    ffp_multiply(block->queries, block->keys, dim, 1, q, k, 0, block->scores, FFP_SEGMENT);
+    ffp_product(block->queries, block->keys, dim, 1, q, k, 0, block->scores, FFP_SEGMENT);
     for (int i = 0; i < block->queries; i++)
         block->sum[i] += FFP_K(softmax_row)(block->weights + (size_t)i * block->depth,
                                             block->scores + (size_t)i * FFP_SEGMENT, 0, block->keys);
@@ -75,7 +74,7 @@ static real greatest_score(const real *scores, int count, real top) {
 
 // Keeps each row's greatest score in `top`; what was gathered with an older one is scaled down to it.
 static void weigh_online(Block *block, FfpOperand q, FfpOperand k, real *out, const FfpAttention *a) {
-    ffp_multiply(block->queries, block->keys, a->dim, 1, q, k, 0, block->scores, FFP_SEGMENT);
+    ffp_product(block->queries, block->keys, a->dim, 1, q, k, 0, block->scores, FFP_SEGMENT);
     for (int i = 0; i < block->queries; i++) {
         const real *scores = block->scores + (size_t)i * FFP_SEGMENT;
         const real greatest = greatest_score(scores, block->keys, block->top[i]);
@@ -99,18 +98,22 @@ static void attend_block(real *out, real *log_sum, const FfpAttention *a, const 
     block.queries = queries;
     out += (size_t)(from->first + first) * a->width + (size_t)from->head * a->dim;
     log_sum += (size_t)from->head * a->rows + from->first + first;
-    for (int i = 0; i < queries; i++) block.top[i] = safe ? 0 : -INFINITY, block.sum[i] = 0;
+    for (int i = 0; i < queries; i++) {
+        block.top[i] = safe ? 0 : -INFINITY;
+        block.sum[i] = 0;
+    }
     for (int i = 0; i < queries * FFP_PACK_LINES; i++) block.parts[i] = 0;
     for (int index = 0; index < a->segments; index++) {
         const FfpSegment to = FFP_K(attention_segment)(a, from->head, index);
-        block.keys = to.rows, block.depth = ffp_packed_depth(to.rows);
+        block.keys = to.rows;
+        block.depth = ffp_packed_depth(to.rows);
         const FfpOperand k = ffp_flat_columns(a, &to, FFP_K_COLUMNS, 0);
         if (safe)
             weigh_safe(&block, q, k, a->dim);
         else
             weigh_online(&block, q, k, out, a);
-        ffp_multiply(queries, a->dim, to.rows, 1, (FfpOperand){block.weights, block.depth},
-                     ffp_deep_columns(a, &to, FFP_V_DEEP, 0), index > 0 ? 1 : 0, out, a->width);
+        ffp_product(queries, a->dim, to.rows, 1, (FfpOperand){block.weights, block.depth},
+                    ffp_deep_columns(a, &to, FFP_V_DEEP, 0), index > 0 ? 1 : 0, out, a->width);
     }
     for (int i = 0; i < queries; i++) {
         for (int lane = 0; lane < FFP_PACK_LINES; lane++)
@@ -121,22 +124,22 @@ static void attend_block(real *out, real *log_sum, const FfpAttention *a, const 
     }
 }
 
-void FFP_K(attention_forward)(real *out, real *log_sum, const real *qkv, const real *q_gain,
-                              const real *k_gain, int rows, int heads, int head_dim, real *scratch) {
-    const FfpAttention a = FFP_K(attention_layout)(rows, heads, head_dim, scratch);
-    const bool safe = scores_are_safe(q_gain, k_gain, head_dim);
+void FFP_K(attention_forward)(real *out, real *log_sum, const FfpAttentionShape *shape,
+                              const FfpAttentionInput *in, real *scratch) {
+    const FfpAttention a = FFP_K(attention_layout)(shape, scratch);
+    const bool safe = scores_are_safe(in, a.dim);
 #pragma omp parallel for collapse(2) schedule(static)
-    for (int head = 0; head < heads; head++) {
+    for (int head = 0; head < a.heads; head++) {
         for (int index = 0; index < a.segments; index++) {
             const FfpSegment segment = FFP_K(attention_segment)(&a, head, index);
-            pack_segment(&a, &segment, qkv, q_gain, k_gain);
+            pack_segment(&a, &segment, in);
         }
     }
 #pragma omp parallel for collapse(2) schedule(static)
-    for (int head = 0; head < heads; head++) {
-        for (int row = 0; row < rows; row += QUERIES) {
+    for (int head = 0; head < a.heads; head++) {
+        for (int row = 0; row < a.rows; row += QUERIES) {
             const FfpSegment segment = FFP_K(attention_segment)(&a, head, row / FFP_SEGMENT);
-            attend_block(out, log_sum, &a, &segment, row % FFP_SEGMENT, ffp_smaller(QUERIES, rows - row),
+            attend_block(out, log_sum, &a, &segment, row % FFP_SEGMENT, ffp_smaller(QUERIES, a.rows - row),
                          safe);
         }
     }

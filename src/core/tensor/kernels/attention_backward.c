@@ -14,8 +14,9 @@
 enum { KEYS = 64, QUERIES = 128 }; // a block of scores, KEYS x QUERIES, lives on the thread's stack
 
 typedef struct Backward {
-    real *dqkv;
-    const real *dout, *out, *log_sum, *qkv, *q_gain, *k_gain;
+    const FfpAttentionGradient *grad;
+    const FfpAttentionInput *in;
+    const real *out, *log_sum, *dout;
     FfpAttention a;
 } Backward;
 
@@ -50,9 +51,9 @@ static void pack_segment(const Backward *pass, const FfpSegment *segment) {
     const FfpAttention *a = &pass->a;
     const int rows = segment->rows, dim = a->dim, width = a->width;
     const size_t column = (size_t)segment->head * dim, stage = ffp_attention_stage(a, segment);
-    const real *v = pass->qkv + ((size_t)segment->first * 3 + 2) * width + column, *q = a->q + stage,
+    const real *v = pass->in->qkv + ((size_t)segment->first * 3 + 2) * width + column, *q = a->q + stage,
                *k = a->k + stage, *dout = pass->dout + (size_t)segment->first * width + column;
-    FFP_K(attention_normalise)(a, segment, pass->qkv, pass->q_gain, pass->k_gain);
+    FFP_K(attention_normalise)(a, segment, pass->in);
     query_sums(pass, segment);
     FFP_K(pack_rows)(ffp_attention_operand(a, segment, FFP_K_ROWS), false, rows, dim, k, dim);
     FFP_K(pack_rows)(ffp_attention_operand(a, segment, FFP_V_ROWS), false, rows, dim, v, 3 * width);
@@ -80,17 +81,17 @@ static void attend_keys(const Backward *pass, Block *block, const FfpSegment *ke
                                      block->dweights, block->columns + (size_t)first * FFP_PACK_LINES,
                                      key_depth};
     const real fresh = from->first + queries->first > 0 ? 1 : 0;
-    real *dv = pass->dqkv + ((size_t)(keys->first + first) * 3 + 2) * width + (size_t)keys->head * dim;
+    real *dv = pass->grad->qkv + ((size_t)(keys->first + first) * 3 + 2) * width + (size_t)keys->head * dim;
     real *dk = a->k + ffp_attention_stage(a, keys) + (size_t)first * dim;
-    ffp_multiply(count, n, dim, 1, ffp_flat_rows(a, keys, FFP_K_ROWS, first),
-                 ffp_flat_columns(a, from, FFP_Q_COLUMNS, queries->first), 0, block->scores, QUERIES);
-    ffp_multiply(count, n, dim, 1, ffp_flat_rows(a, keys, FFP_V_ROWS, first),
-                 ffp_flat_columns(a, from, FFP_DOUT_COLUMNS, queries->first), 0, block->dscores, QUERIES);
+    ffp_product(count, n, dim, 1, ffp_flat_rows(a, keys, FFP_K_ROWS, first),
+                ffp_flat_columns(a, from, FFP_Q_COLUMNS, queries->first), 0, block->scores, QUERIES);
+    ffp_product(count, n, dim, 1, ffp_flat_rows(a, keys, FFP_V_ROWS, first),
+                ffp_flat_columns(a, from, FFP_DOUT_COLUMNS, queries->first), 0, block->dscores, QUERIES);
     FFP_K(softmax_gradients)(&softmax);
-    ffp_multiply(count, dim, n, 1, (FfpOperand){block->weights, depth},
-                 ffp_deep_columns(a, from, FFP_DOUT_DEEP, queries->first), fresh, dv, 3 * width);
-    ffp_multiply(count, dim, n, (real)FFP_LN_2, (FfpOperand){block->dweights, depth},
-                 ffp_deep_columns(a, from, FFP_Q_DEEP, queries->first), fresh, dk, dim);
+    ffp_product(count, dim, n, 1, (FfpOperand){block->weights, depth},
+                ffp_deep_columns(a, from, FFP_DOUT_DEEP, queries->first), fresh, dv, 3 * width);
+    ffp_product(count, dim, n, (real)FFP_LN_2, (FfpOperand){block->dweights, depth},
+                ffp_deep_columns(a, from, FFP_Q_DEEP, queries->first), fresh, dk, dim);
 }
 
 // All keys of a segment against all queries of another; the latter's dq^T is added to.
@@ -106,8 +107,8 @@ static void attend_pair(const Backward *pass, int head, int key_segment, int que
         queries.count = ffp_smaller(QUERIES, queries.segment.rows - queries.first);
         for (int first = 0; first < keys.rows; first += KEYS)
             attend_keys(pass, &block, &keys, first, &queries);
-        ffp_multiply(a->dim, queries.count, keys.rows, 1, k, (FfpOperand){block.columns, depth},
-                     key_segment > 0 ? 1 : 0, dq + queries.first, FFP_SEGMENT);
+        ffp_product(a->dim, queries.count, keys.rows, 1, k, (FfpOperand){block.columns, depth},
+                    key_segment > 0 ? 1 : 0, dq + queries.first, FFP_SEGMENT);
     }
 }
 
@@ -145,10 +146,10 @@ static void norm_segment_backward(const Backward *pass, const FfpSegment *segmen
         const int row = segment->first + i;
         const size_t at = (size_t)row * 3 * a->width + (size_t)segment->head * dim;
         const size_t place = (size_t)segment->head * a->rows + row;
-        norm_row_backward(pass->dqkv + at, a->gain_sum[0] + sum, dq + (size_t)i * dim, pass->qkv + at,
-                          pass->q_gain, a->inverse[0][place], scale, dim);
-        norm_row_backward(pass->dqkv + at + a->width, a->gain_sum[1] + sum, dk + (size_t)i * dim,
-                          pass->qkv + at + a->width, pass->k_gain, a->inverse[1][place], 1, dim);
+        norm_row_backward(pass->grad->qkv + at, a->gain_sum[0] + sum, dq + (size_t)i * dim,
+                          pass->in->qkv + at, pass->in->q_gain, a->inverse[0][place], scale, dim);
+        norm_row_backward(pass->grad->qkv + at + a->width, a->gain_sum[1] + sum, dk + (size_t)i * dim,
+                          pass->in->qkv + at + a->width, pass->in->k_gain, a->inverse[1][place], 1, dim);
     }
 }
 
@@ -193,14 +194,13 @@ static void for_segments(const Backward *pass, void (*run)(const Backward *, con
     }
 }
 
-void FFP_K(attention_backward)(real *dqkv, real *dq_gain, real *dk_gain, const real *dout, const real *out,
-                               const real *log_sum, const real *qkv, const real *q_gain, const real *k_gain,
-                               int rows, int heads, int head_dim, real *scratch) {
-    const Backward pass = {dqkv, dout,   out,    log_sum,
-                           qkv,  q_gain, k_gain, FFP_K(attention_layout)(rows, heads, head_dim, scratch)};
+void FFP_K(attention_backward)(const FfpAttentionGradient *grad, const FfpAttentionShape *shape,
+                               const FfpAttentionInput *in, const real *out, const real *log_sum,
+                               const real *dout, real *scratch) {
+    const Backward pass = {grad, in, out, log_sum, dout, FFP_K(attention_layout)(shape, scratch)};
     for_segments(&pass, pack_segment);
-    attend_all(&pass, heads % omp_get_max_threads() == 0 ? pass.a.segments : 1);
+    attend_all(&pass, shape->heads % omp_get_max_threads() == 0 ? pass.a.segments : 1);
     for_segments(&pass, norm_segment_backward);
-    add_sums(dq_gain, pass.a.gain_sum[0], &pass.a);
-    add_sums(dk_gain, pass.a.gain_sum[1], &pass.a);
+    add_sums(grad->q_gain, pass.a.gain_sum[0], &pass.a);
+    add_sums(grad->k_gain, pass.a.gain_sum[1], &pass.a);
 }

@@ -5,9 +5,10 @@
 #define EPSILON 1e-5F
 
 // Everything but the pointers into the scratch.
-static FfpAttention make_shape(int rows, int heads, int dim) {
-    FfpAttention a = {.rows = rows, .heads = heads, .dim = dim, .width = heads * dim};
-    a.segments = (rows + FFP_SEGMENT - 1) / FFP_SEGMENT;
+static FfpAttention make_shape(const FfpAttentionShape *shape) {
+    const int dim = shape->head_dim;
+    FfpAttention a = {.rows = shape->rows, .heads = shape->heads, .dim = dim, .width = shape->heads * dim};
+    a.segments = (shape->rows + FFP_SEGMENT - 1) / FFP_SEGMENT;
     a.depth = ffp_packed_depth(dim);
     const size_t flat = ffp_packed_size(FFP_SEGMENT, dim), deep = ffp_packed_size(dim, FFP_SEGMENT);
     a.part_size = flat > deep ? flat : deep;
@@ -26,16 +27,16 @@ static void part_sizes(size_t sizes[PARTS], const FfpAttention *a) {
     for (int i = 0; i < PARTS; i++) sizes[i] = (parts[i] + 15) / 16 * 16; // every part starts a cache line
 }
 
-size_t FFP_K(attention_scratch)(int rows, int heads, int head_dim) {
-    const FfpAttention a = make_shape(rows, heads, head_dim);
+size_t FFP_K(attention_scratch)(const FfpAttentionShape *shape) {
+    const FfpAttention a = make_shape(shape);
     size_t sizes[PARTS], sum = 0;
     part_sizes(sizes, &a);
     for (int i = 0; i < PARTS; i++) sum += sizes[i];
     return sum;
 }
 
-FfpAttention FFP_K(attention_layout)(int rows, int heads, int dim, real *scratch) {
-    FfpAttention a = make_shape(rows, heads, dim);
+FfpAttention FFP_K(attention_layout)(const FfpAttentionShape *shape, real *scratch) {
+    FfpAttention a = make_shape(shape);
     size_t sizes[PARTS];
     part_sizes(sizes, &a);
     real **parts[PARTS - 1] = {&a.q,    &a.k,     &a.inverse[0],  &a.inverse[1],
@@ -73,16 +74,16 @@ static void fetch_row(const FfpAttention *a, const real *q) {
         for (int d = 0; d < a->dim; d += NUMBERS_A_LINE) __builtin_prefetch(q + (size_t)part * a->width + d);
 }
 
-void FFP_K(attention_normalise)(const FfpAttention *a, const FfpSegment *segment, const real *qkv,
-                                const real *q_gain, const real *k_gain) {
+void FFP_K(attention_normalise)(const FfpAttention *a, const FfpSegment *segment,
+                                const FfpAttentionInput *in) {
     const int dim = a->dim;
     const real scale = (real)FFP_LOG2_E / sqrt((real)dim);
     const size_t stage = ffp_attention_stage(a, segment);
     for (int i = 0; i < segment->rows; i++) {
-        const real *q = qkv + (size_t)(segment->first + i) * 3 * a->width + (size_t)segment->head * dim;
+        const real *q = in->qkv + (size_t)(segment->first + i) * 3 * a->width + (size_t)segment->head * dim;
         if (i + ROWS_AHEAD < segment->rows) fetch_row(a, q + (size_t)ROWS_AHEAD * 3 * a->width);
         const size_t at = (size_t)segment->head * a->rows + segment->first + i, row = stage + (size_t)i * dim;
-        a->inverse[0][at] = normalise_row(a->q + row, q, q_gain, scale, dim);
-        a->inverse[1][at] = normalise_row(a->k + row, q + a->width, k_gain, 1, dim);
+        a->inverse[0][at] = normalise_row(a->q + row, q, in->q_gain, scale, dim);
+        a->inverse[1][at] = normalise_row(a->k + row, q + a->width, in->k_gain, 1, dim);
     }
 }

@@ -47,13 +47,13 @@ typedef struct FfpAttention {
     FfpPacked *packed;  // [heads, segments, FFP_ATTENTION_OPERANDS, part_size]
 } FfpAttention;
 
-FfpAttention FFP_K(attention_layout)(int rows, int heads, int dim, real *scratch);
+FfpAttention FFP_K(attention_layout)(const FfpAttentionShape *shape, real *scratch);
 FfpSegment FFP_K(attention_segment)(const FfpAttention *a, int head, int index);
 
 // q and k of a segment, normalised: q = x / rms(x) gain log2(e) / sqrt(dim), k = x / rms(x) gain. Fills
 // inverse.
-void FFP_K(attention_normalise)(const FfpAttention *a, const FfpSegment *segment, const real *qkv,
-                                const real *q_gain, const real *k_gain);
+void FFP_K(attention_normalise)(const FfpAttention *a, const FfpSegment *segment,
+                                const FfpAttentionInput *in);
 
 // Where a segment's rows begin in q and k.
 static inline size_t ffp_attention_stage(const FfpAttention *a, const FfpSegment *segment) {
@@ -62,16 +62,6 @@ static inline size_t ffp_attention_stage(const FfpAttention *a, const FfpSegment
 static inline FfpPacked *ffp_attention_operand(const FfpAttention *a, const FfpSegment *segment,
                                                FfpAttentionOperand part) {
     return a->packed + (segment->order * FFP_ATTENTION_OPERANDS + part) * a->part_size;
-}
-// A packed operand, or the part of it from some line and number on.
-typedef struct FfpOperand {
-    const FfpPacked *from;
-    size_t depth;
-} FfpOperand;
-
-static inline void ffp_multiply(int m, int n, int k, real alpha, FfpOperand a, FfpOperand b, real beta,
-                                real *c, int ldc) {
-    FFP_K(product)(m, n, k, alpha, a.from, a.depth, b.from, b.depth, beta, c, ldc);
 }
 
 // A part whose lines are the segment's rows, from `row` on; and one whose lines are the head's columns and

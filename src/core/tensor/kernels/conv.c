@@ -11,12 +11,6 @@ enum {
     TAPS = 4 // the network's; more are done as FFP_CONV_TAPS_MAX, those that do not exist with weight 0
 };
 
-typedef struct Conv {
-    const real *x, *w, *bias;
-    int ldx, rows, channels, taps;
-    bool reverse;
-} Conv;
-
 // Some channels, their weights tap by tap.
 typedef struct Strip {
     int channel, channels; // first and count
@@ -27,7 +21,7 @@ static int smaller(int a, int b) {
     return a < b ? a : b;
 }
 
-static void take_strip(Strip *strip, const Conv *conv, int channel, int most) {
+static void take_strip(Strip *strip, const FfpDepthwise *conv, int channel, int most) {
     strip->channel = channel;
     strip->channels = smaller(most, conv->channels - channel);
     for (int k = conv->taps; k < FFP_CONV_TAPS_MAX; k++)
@@ -41,14 +35,14 @@ static void take_strip(Strip *strip, const Conv *conv, int channel, int most) {
 
 // The row of x that tap k of output row t reads, or -1: before the start, behind the end when reversed, or no
 // such tap.
-static inline int source_row(const Conv *conv, int t, int k) {
+static inline int source_row(const FfpDepthwise *conv, int t, int k) {
     const int back = conv->taps - 1 - k;
     const int row = conv->reverse ? t + back : t - back;
     return k < conv->taps && row < conv->rows ? row : -1;
 }
 
 // What it reads of a strip; zeros where there is no row.
-static inline const real *source(const Conv *conv, const Strip *strip, int t, int k) {
+static inline const real *source(const FfpDepthwise *conv, const Strip *strip, int t, int k) {
     static const real zeros[CHANNELS];
     const int row = source_row(conv, t, k);
     return row < 0 ? zeros : conv->x + (size_t)row * conv->ldx + strip->channel;
@@ -67,8 +61,8 @@ static inline __attribute__((always_inline)) void forward_vector(real *y,
 }
 
 // Row t of a strip.
-static inline __attribute__((always_inline)) void forward_row(real *y, const Conv *conv, const Strip *strip,
-                                                              int t, int taps) {
+static inline __attribute__((always_inline)) void forward_row(real *y, const FfpDepthwise *conv,
+                                                              const Strip *strip, int t, int taps) {
     const real *x[FFP_CONV_TAPS_MAX];
     int c = 0;
     for (int k = 0; k < taps; k++) x[k] = source(conv, strip, t, k);
@@ -76,7 +70,7 @@ static inline __attribute__((always_inline)) void forward_row(real *y, const Con
     if (c < strip->channels) forward_vector(y, x, strip, c, strip->channels - c, taps);
 }
 
-static void forward_block(real *y, const Conv *conv, int row, int rows) {
+static void forward_block(real *y, const FfpDepthwise *conv, int row, int rows) {
     Strip strip;
     for (int channel = 0; channel < conv->channels; channel += CHANNELS) {
         take_strip(&strip, conv, channel, CHANNELS);
@@ -90,11 +84,10 @@ static void forward_block(real *y, const Conv *conv, int row, int rows) {
     }
 }
 
-void FFP_K(conv_forward)(real *y, const real *x, int ldx, const real *w, const real *bias, int rows,
-                         int channels, int taps, bool reverse) {
-    const Conv conv = {x, w, bias, ldx, rows, channels, taps, reverse};
+void FFP_K(conv_forward)(real *y, const FfpDepthwise *conv) {
 #pragma omp parallel for schedule(static)
-    for (int row = 0; row < rows; row += ROWS) forward_block(y, &conv, row, smaller(ROWS, rows - row));
+    for (int row = 0; row < conv->rows; row += ROWS)
+        forward_block(y, conv, row, smaller(ROWS, conv->rows - row));
 }
 
 typedef struct Sums {
@@ -127,15 +120,15 @@ backward_vector(Sums *sums, const Row *row, const Strip *strip, int c, int left,
     }
 }
 
-static inline __attribute__((always_inline)) void backward_row(real *dx, int lddx, Sums *sums, const real *dy,
-                                                               const Conv *conv, const Strip *strip, int t,
-                                                               int taps) {
+static inline __attribute__((always_inline)) void backward_row(const FfpDepthwiseGradient *grad, Sums *sums,
+                                                               const real *dy, const FfpDepthwise *conv,
+                                                               const Strip *strip, int t, int taps) {
     real nowhere[COLUMNS] = {0};
     Row row = {.dy = dy + (size_t)t * conv->channels + strip->channel};
     for (int k = 0; k < taps; k++) {
         const int from = source_row(conv, t, k);
         row.x[k] = source(conv, strip, t, k);
-        row.dx[k] = from < 0 ? nowhere : dx + (size_t)from * lddx + strip->channel;
+        row.dx[k] = from < 0 ? nowhere : grad->x + (size_t)from * grad->ldx + strip->channel;
     }
     int c = 0;
     for (; c + FFP_LANES <= strip->channels; c += FFP_LANES)
@@ -143,29 +136,28 @@ static inline __attribute__((always_inline)) void backward_row(real *dx, int ldd
     if (c < strip->channels) backward_vector(sums, &row, strip, c, strip->channels - c, taps);
 }
 
-static void add_sums(real *dw, real *dbias, const Sums *sums, const Conv *conv, const Strip *strip) {
+static void add_sums(const FfpDepthwiseGradient *grad, const Sums *sums, const FfpDepthwise *conv,
+                     const Strip *strip) {
     for (int c = 0; c < strip->channels; c++) {
-        dbias[strip->channel + c] += sums->bias[c];
+        grad->bias[strip->channel + c] += sums->bias[c];
         for (int k = 0; k < conv->taps; k++)
-            dw[(size_t)(strip->channel + c) * conv->taps + k] += sums->weights[k][c];
+            grad->w[(size_t)(strip->channel + c) * conv->taps + k] += sums->weights[k][c];
     }
 }
 
 // Neighbouring rows share rows of dx, so a thread owns whole columns: no two write the same place.
-void FFP_K(conv_backward)(real *dx, int lddx, real *dw, real *dbias, const real *dy, const real *x, int ldx,
-                          const real *w, const real *bias, int rows, int channels, int taps, bool reverse) {
-    const Conv conv = {x, w, bias, ldx, rows, channels, taps, reverse};
+void FFP_K(conv_backward)(const FfpDepthwiseGradient *grad, const FfpDepthwise *conv, const real *dy) {
 #pragma omp parallel for schedule(static)
-    for (int channel = 0; channel < channels; channel += COLUMNS) {
+    for (int channel = 0; channel < conv->channels; channel += COLUMNS) {
         Strip strip;
-        take_strip(&strip, &conv, channel, COLUMNS);
+        take_strip(&strip, conv, channel, COLUMNS);
         Sums sums = {0};
-        for (int t = 0; t < rows; t++) {
-            if (taps <= TAPS)
-                backward_row(dx, lddx, &sums, dy, &conv, &strip, t, TAPS);
+        for (int t = 0; t < conv->rows; t++) {
+            if (conv->taps <= TAPS)
+                backward_row(grad, &sums, dy, conv, &strip, t, TAPS);
             else
-                backward_row(dx, lddx, &sums, dy, &conv, &strip, t, FFP_CONV_TAPS_MAX);
+                backward_row(grad, &sums, dy, conv, &strip, t, FFP_CONV_TAPS_MAX);
         }
-        add_sums(dw, dbias, &sums, &conv, &strip);
+        add_sums(grad, &sums, conv, &strip);
     }
 }

@@ -5,15 +5,9 @@
 
 // y = x w^T, with nothing added yet
 static FfpMixed forward_product(real *y, const real *x, const real *w, int rows, int in, int out) {
-    return (FfpMixed){.transpose_b = true,
-                      .m = rows,
-                      .n = out,
-                      .k = in,
-                      .alpha = 1,
-                      .a = x,
-                      .lda = in,
-                      .b = w,
-                      .ldb = in,
+    return (FfpMixed){.alpha = 1,
+                      .a = ffp_factor(x, rows, in, in),
+                      .b = ffp_transposed(ffp_factor(w, out, in, in)),
                       .c = y,
                       .ldc = out};
 }
@@ -36,7 +30,8 @@ void FFP_K(linear_residual_forward)(real *y, const real *residual, const real *x
 // dx = dy w, dw += dy^T x, dbias += column sums of dy
 void FFP_K(linear_backward)(real *dx, real *dw, real *dbias, const real *dy, const real *x, const real *w,
                             int rows, int in, int out) {
-    if (dx) FFP_K(gemm_mixed)(false, false, rows, in, out, 1, dy, out, w, in, 0, dx, in);
-    FFP_K(gemm_mixed)(true, false, out, in, rows, 1, dy, out, x, in, 1, dw, in);
+    const FfpFactor from = ffp_factor(dy, rows, out, out);
+    if (dx) FFP_K(gemm_mixed)(1, from, ffp_factor(w, out, in, in), 0, dx, in);
+    FFP_K(gemm_mixed)(1, ffp_transposed(from), ffp_factor(x, rows, in, in), 1, dw, in);
     if (dbias) FFP_K(add_column_sums)(dbias, dy, NULL, NULL, NULL, rows, out);
 }

@@ -33,15 +33,16 @@ static int at_least_one(int value) {
 
 static Plan make_plan(const FfpMixed *mixed) {
     Plan plan;
+    const int m = mixed->a.rows, n = mixed->b.columns, k = mixed->a.columns;
     const int threads = omp_in_parallel() ? 1 : omp_get_max_threads();
-    plan.down = at_least_one(smaller(mixed->m / PIECE, threads));
-    plan.across = at_least_one(smaller(mixed->n / PIECE, threads / plan.down));
-    const int runs = at_least_one((mixed->k + BLOCK_DEPTH - 1) / BLOCK_DEPTH);
-    plan.depth = at_least_one((int)ffp_packed_depth((mixed->k + runs - 1) / runs));
-    plan.b_depth = ffp_packed_depth(mixed->k);
+    plan.down = at_least_one(smaller(m / PIECE, threads));
+    plan.across = at_least_one(smaller(n / PIECE, threads / plan.down));
+    const int runs = at_least_one((k + BLOCK_DEPTH - 1) / BLOCK_DEPTH);
+    plan.depth = at_least_one((int)ffp_packed_depth((k + runs - 1) / runs));
+    plan.b_depth = ffp_packed_depth(k);
     plan.rows = at_least_one(BLOCK_NUMBERS / plan.depth / FFP_PRODUCT_ROWS) * FFP_PRODUCT_ROWS;
     plan.a_size = ffp_packed_size(plan.rows, plan.depth);
-    const size_t b_size = ffp_packed_size(mixed->n, mixed->k);
+    const size_t b_size = ffp_packed_size(n, k);
     plan.b =
         ffp_workspace((b_size + plan.a_size * (size_t)plan.down * (size_t)plan.across) * sizeof(FfpPacked));
     plan.a = plan.b + b_size;
@@ -56,12 +57,13 @@ static int part_begin(int size, int unit, int index, int parts) {
 
 // A thread's share of B's panels.
 static void pack_share_of_b(const Plan *plan, const FfpMixed *mixed, int thread, int threads) {
-    const int begin = part_begin(mixed->n, FFP_PACK_LINES, thread, threads);
-    const int end = part_begin(mixed->n, FFP_PACK_LINES, thread + 1, threads);
-    const real *from = mixed->b + (mixed->transpose_b ? (size_t)begin * mixed->ldb : (size_t)begin);
+    const int n = mixed->b.columns, k = mixed->b.rows;
+    const int begin = part_begin(n, FFP_PACK_LINES, thread, threads);
+    const int end = part_begin(n, FFP_PACK_LINES, thread + 1, threads);
+    const FfpFactor from = ffp_factor_part(mixed->b, 0, begin, k, end - begin);
     if (begin == end) return;
     FFP_K(pack_columns)
-    (plan->b + (size_t)begin * plan->b_depth, mixed->transpose_b, mixed->k, end - begin, from, mixed->ldb);
+    (plan->b + (size_t)begin * plan->b_depth, from.transposed, k, end - begin, from.data, from.stride);
 }
 
 typedef struct Rectangle {
@@ -80,41 +82,36 @@ static real start_block(const FfpMixed *mixed, const Rectangle *at) {
     return 1;
 }
 
-// Rows of op(A) from `row` on, `depth` numbers of each from k on, and how far apart they lie: where they are,
-// if that is how a packed operand has them, otherwise packed into `to`.
-static const FfpPacked *rows_of_a(FfpPacked *to, const FfpMixed *mixed, int row, int rows, int k, int depth,
-                                  size_t *stride) {
-    const real *from =
-        mixed->a + (mixed->transpose_a ? (size_t)k * mixed->lda + row : (size_t)row * mixed->lda + k);
+// Some rows of A as an operand: where they are, if that is how a packed operand has them, otherwise packed
+// into `to`.
+static FfpOperand rows_of_a(FfpPacked *to, FfpFactor a) {
 #ifndef FFP_BF16
-    if (!mixed->transpose_a) return *stride = (size_t)mixed->lda, from;
+    if (!a.transposed) return (FfpOperand){a.data, (size_t)a.stride};
 #endif
-    *stride = ffp_packed_depth(depth);
-    FFP_K(pack_rows)(to, mixed->transpose_a, rows, depth, from, mixed->lda);
-    return to;
+    FFP_K(pack_rows)(to, a.transposed, a.rows, a.columns, a.data, a.stride);
+    return (FfpOperand){to, ffp_packed_depth(a.columns)};
 }
 
 static void multiply_block(const Plan *plan, const FfpMixed *mixed, FfpPacked *to, const Rectangle *at) {
     const int rows = at->row_end - at->row, columns = at->column_end - at->column;
+    real *c = mixed->c + (size_t)at->row * mixed->ldc + at->column;
     real beta = start_block(mixed, at);
-    for (int k = 0; k == 0 || k < mixed->k; k += plan->depth) {
-        const int depth = smaller(plan->depth, mixed->k - k);
-        size_t stride;
-        const FfpPacked *a = rows_of_a(to, mixed, at->row, rows, k, depth, &stride);
-        FFP_K(product)
-        (rows, columns, depth, mixed->alpha, a, stride,
-         ffp_packed_column(plan->b, at->column, k, plan->b_depth), plan->b_depth, beta,
-         mixed->c + (size_t)at->row * mixed->ldc + at->column, mixed->ldc);
+    for (int k = 0; k == 0 || k < mixed->a.columns; k += plan->depth) {
+        const int depth = smaller(plan->depth, mixed->a.columns - k);
+        const FfpOperand a = rows_of_a(to, ffp_factor_part(mixed->a, at->row, k, rows, depth));
+        const FfpOperand b = {ffp_packed_column(plan->b, at->column, k, plan->b_depth), plan->b_depth};
+        ffp_product(rows, columns, depth, mixed->alpha, a, b, beta, c, mixed->ldc);
         beta = 1;
     }
 }
 
 static void multiply_share(const Plan *plan, const FfpMixed *mixed, int thread) {
     const int down = thread / plan->across, across = thread % plan->across;
-    const int end = part_begin(mixed->m, FFP_PRODUCT_ROWS, down + 1, plan->down);
-    Rectangle at = {.row = part_begin(mixed->m, FFP_PRODUCT_ROWS, down, plan->down),
-                    .column = part_begin(mixed->n, 2 * FFP_PACK_LINES, across, plan->across),
-                    .column_end = part_begin(mixed->n, 2 * FFP_PACK_LINES, across + 1, plan->across)};
+    const int m = mixed->a.rows, n = mixed->b.columns;
+    const int end = part_begin(m, FFP_PRODUCT_ROWS, down + 1, plan->down);
+    Rectangle at = {.row = part_begin(m, FFP_PRODUCT_ROWS, down, plan->down),
+                    .column = part_begin(n, 2 * FFP_PACK_LINES, across, plan->across),
+                    .column_end = part_begin(n, 2 * FFP_PACK_LINES, across + 1, plan->across)};
     for (; at.row < end; at.row = at.row_end) {
         at.row_end = smaller(end, at.row + plan->rows);
         multiply_block(plan, mixed, plan->a + plan->a_size * (size_t)thread, &at);
@@ -122,7 +119,7 @@ static void multiply_share(const Plan *plan, const FfpMixed *mixed, int thread) 
 }
 
 void FFP_K(mixed)(const FfpMixed *mixed) {
-    if (mixed->m <= 0 || mixed->n <= 0) return;
+    if (mixed->a.rows <= 0 || mixed->b.columns <= 0) return;
     const Plan plan = make_plan(mixed);
     const int shares = plan.down * plan.across;
     // never fewer threads than usual: OpenMP would end the others and start them again later
@@ -138,31 +135,16 @@ void FFP_K(mixed)(const FfpMixed *mixed) {
 #else
 // At the portable level OpenBLAS, which looks at the processor itself, is faster.
 void FFP_K(mixed)(const FfpMixed *mixed) {
-    for (int row = 0; mixed->start && row < mixed->m; row++) {
+    for (int row = 0; mixed->start && row < mixed->a.rows; row++) {
         real *c = mixed->c + (size_t)row * mixed->ldc;
         const real *start = mixed->start + (size_t)row * mixed->start_stride;
-        if (c != start) memcpy(c, start, sizeof(real) * (size_t)mixed->n);
+        if (c != start) memcpy(c, start, sizeof(real) * (size_t)mixed->b.columns);
     }
-    ffp_blas_gemm(mixed->transpose_a, mixed->transpose_b, mixed->m, mixed->n, mixed->k, mixed->alpha,
-                  mixed->a, mixed->lda, mixed->b, mixed->ldb, mixed->start ? 1 : mixed->beta, mixed->c,
-                  mixed->ldc);
+    ffp_blas_gemm(mixed->alpha, mixed->a, mixed->b, mixed->start ? 1 : mixed->beta, mixed->c, mixed->ldc);
 }
 #endif
 
-void FFP_K(gemm_mixed)(bool transpose_a, bool transpose_b, int m, int n, int k, real alpha, const real *a,
-                       int lda, const real *b, int ldb, real beta, real *c, int ldc) {
-    const FfpMixed mixed = {.transpose_a = transpose_a,
-                            .transpose_b = transpose_b,
-                            .m = m,
-                            .n = n,
-                            .k = k,
-                            .alpha = alpha,
-                            .a = a,
-                            .lda = lda,
-                            .b = b,
-                            .ldb = ldb,
-                            .beta = beta,
-                            .c = c,
-                            .ldc = ldc};
+void FFP_K(gemm_mixed)(real alpha, FfpFactor a, FfpFactor b, real beta, real *c, int ldc) {
+    const FfpMixed mixed = {.alpha = alpha, .a = a, .b = b, .beta = beta, .c = c, .ldc = ldc};
     FFP_K(mixed)(&mixed);
 }

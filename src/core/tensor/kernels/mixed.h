@@ -3,20 +3,14 @@
 #ifndef FFP_TENSOR_KERNELS_MIXED_H
 #define FFP_TENSOR_KERNELS_MIXED_H
 
-#include <stdbool.h>
 #include "core/base/level.h"
-#include "core/base/real.h"
+#include "core/tensor/tensor.h"
 
-// C[m,n] = alpha op(A) op(B) + beta C, operands as ffp_gemm's. If `start` is set, C = alpha op(A) op(B) +
-// start, where start has rows start_stride apart (0: one row for all of C); it may be C itself.
+// C = alpha A B + beta C, as ffp_gemm. If `start` is set, C = alpha A B + start, where start has rows
+// start_stride apart (0: one row for all of C); it may be C itself.
 typedef struct FfpMixed {
-    bool transpose_a, transpose_b;
-    int m, n, k;
     real alpha;
-    const real *a;
-    int lda;
-    const real *b;
-    int ldb;
+    FfpFactor a, b;
     real beta;
     real *c;
     int ldc;

@@ -99,14 +99,14 @@ static real gate_row(real *out, const real *x, const real *z, int dim) {
     return all / (real)dim;
 }
 
-void FFP_K(gated_norm_forward)(real *y, real *rstd, const real *x, const real *z, int ldz, const real *gain,
-                               int rows, int dim) {
+void FFP_K(gated_norm_forward)(real *y, real *rstd, const FfpGatedNorm *in) {
+    const int dim = in->dim;
 #pragma omp parallel for schedule(static)
-    for (int t = 0; t < rows; t++) {
+    for (int t = 0; t < in->rows; t++) {
         real *y_row = y + (size_t)t * dim;
-        const real square = gate_row(y_row, x + (size_t)t * dim, z + (size_t)t * ldz, dim);
+        const real square = gate_row(y_row, in->x + (size_t)t * dim, in->z + (size_t)t * in->ldz, dim);
         const real scale = 1 / sqrt(square + EPSILON);
-        for (int i = 0; i < dim; i++) y_row[i] *= scale * gain[i];
+        for (int i = 0; i < dim; i++) y_row[i] *= scale * in->gain[i];
         rstd[t] = scale;
     }
 }
@@ -131,17 +131,17 @@ static void gated_row_backward(real *dx, real *dz, const real *dy, const real *x
     }
 }
 
-void FFP_K(gated_norm_backward)(real *dx, real *dz, int lddz, real *dgain, const real *dy, const real *x,
-                                const real *z, int ldz, const real *rstd, const real *gain, int rows,
-                                int dim) {
+void FFP_K(gated_norm_backward)(const FfpGatedNormGradient *grad, const FfpGatedNorm *in, const real *dy,
+                                const real *rstd) {
+    const int dim = in->dim;
 #pragma omp parallel for schedule(static)
-    for (int t = 0; t < rows; t++)
-        gate_row(dx + (size_t)t * dim, x + (size_t)t * dim, z + (size_t)t * ldz, dim);
-    FFP_K(add_column_sums)(dgain, dy, dx, NULL, rstd, rows, dim);
+    for (int t = 0; t < in->rows; t++)
+        gate_row(grad->x + (size_t)t * dim, in->x + (size_t)t * dim, in->z + (size_t)t * in->ldz, dim);
+    FFP_K(add_column_sums)(grad->gain, dy, grad->x, NULL, rstd, in->rows, dim);
 #pragma omp parallel for schedule(static)
-    for (int t = 0; t < rows; t++) {
+    for (int t = 0; t < in->rows; t++) {
         const size_t row = (size_t)t * dim;
-        gated_row_backward(dx + row, dz + (size_t)t * lddz, dy + row, x + row, z + (size_t)t * ldz, rstd[t],
-                           gain, dim);
+        gated_row_backward(grad->x + row, grad->z + (size_t)t * grad->ldz, dy + row, in->x + row,
+                           in->z + (size_t)t * in->ldz, rstd[t], in->gain, dim);
     }
 }

@@ -63,11 +63,19 @@ void FFP_K(pack_rows)(FfpPacked *out, bool transpose, int m, int k, const real *
 // out = B [k,n], given as stored: b[l * ldb + j], or b[j * ldb + l] when `transpose`.
 void FFP_K(pack_columns)(FfpPacked *out, bool transpose, int k, int n, const real *b, int ldb);
 
-// C[m,n] = alpha A B + beta C on the caller's thread, C with row stride ldc; accumulated in real. a_depth and
-// b_depth are the packed depths of the whole operands that a and b are parts of. A part that does not reach
-// the end of k has a multiple of FFP_PACK_DEPTH as its k. With beta 0, C is not read.
-void FFP_K(product)(int m, int n, int k, real alpha, const FfpPacked *a, size_t a_depth, const FfpPacked *b,
-                    size_t b_depth, real beta, real *c, int ldc);
+// A packed operand, or the part of it from some line and number on; `depth` is that of the whole.
+typedef struct FfpOperand {
+    const FfpPacked *from;
+    size_t depth;
+} FfpOperand;
+static inline FfpOperand ffp_operand(const FfpPacked *packed, int k) {
+    return (FfpOperand){packed, ffp_packed_depth(k)};
+}
+
+// C[m,n] = alpha A B + beta C on the caller's thread, C with row stride ldc; accumulated in real. A part that
+// does not reach the end of k has a multiple of FFP_PACK_DEPTH as its k. With beta 0, C is not read.
+#define ffp_product FFP_K(product)
+void ffp_product(int m, int n, int k, real alpha, FfpOperand a, FfpOperand b, real beta, real *c, int ldc);
 
 // Softmax weights straight from the sums in registers, where they are kept in vectors.
 #if !defined(FFP_TILES) && !defined(FFP_REAL_DOUBLE)
@@ -75,8 +83,7 @@ void FFP_K(product)(int m, int n, int k, real alpha, const FfpPacked *a, size_t 
 // weights[m,n] = 2^(A B), as packed rows of an operand that is n deep, n a multiple of FFP_PACK_DEPTH; no
 // number of A B above 126 or below -125. sums[m, FFP_PACK_LINES] is ADDED to: a row's numbers together become
 // greater by the sum of its weights before rounding.
-void FFP_K(product_weights)(int m, int n, int k, const FfpPacked *a, size_t a_depth, const FfpPacked *b,
-                            size_t b_depth, FfpPacked *weights, real *sums);
+void FFP_K(product_weights)(int m, int n, int k, FfpOperand a, FfpOperand b, FfpPacked *weights, real *sums);
 #endif
 
 #endif

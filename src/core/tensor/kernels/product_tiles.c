@@ -79,17 +79,16 @@ static int smaller(int a, int b) {
 }
 
 // The tiles are configured again where the number of rows changes, which is at the last block only.
-void FFP_K(product)(int m, int n, int k, real alpha, const FfpPacked *a, size_t a_depth, const FfpPacked *b,
-                    size_t b_depth, real beta, real *c, int ldc) {
+void ffp_product(int m, int n, int k, real alpha, FfpOperand a, FfpOperand b, real beta, real *c, int ldc) {
     _Alignas(FFP_TILE_BYTES) real sum[ROWS * COLUMNS] = {0};
-    Block block = {.a_depth = a_depth, .b_depth = b_depth, .k = k, .alpha = alpha, .beta = beta, .ldc = ldc};
+    Block block = {.a_depth = a.depth, .b_depth = b.depth, .k = k, .alpha = alpha, .beta = beta, .ldc = ldc};
     for (int configured = 0, row = 0; row < m; row += ROWS) {
         block.rows = smaller(ROWS, m - row);
-        block.a = a + (size_t)row * a_depth;
+        block.a = a.from + (size_t)row * a.depth;
         if (block.rows != configured) configure(configured = block.rows);
         for (int column = 0; column < n; column += COLUMNS) {
             block.columns = smaller(COLUMNS, n - column);
-            block.b = b + (size_t)column * b_depth;
+            block.b = b.from + (size_t)column * b.depth;
             block.c = c + (size_t)row * ldc + column;
             multiply(sum, &block);
             store(&block, sum);

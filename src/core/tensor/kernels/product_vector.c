@@ -111,9 +111,9 @@ static inline void weigh_row(const Block *block, int row, const FfpVector *sum, 
 }
 #endif
 
-// All loops over the block are unrolled, so that its sums never leave the registers.
-static inline __attribute__((always_inline)) void multiply(const Block *block, int rows, int panels,
-                                                           bool weigh) {
+// All loops over the block are unrolled, so that its sums never leave the registers. Returns `rows`.
+static inline __attribute__((always_inline)) int multiply(const Block *block, int rows, int panels,
+                                                          bool weigh) {
     enum { WIDTH = PANELS * VECTORS };
     FfpVector sum[ROWS][WIDTH];
     const FfpPacked *a = block->a, *b = block->b;
@@ -147,29 +147,29 @@ static inline __attribute__((always_inline)) void multiply(const Block *block, i
 #pragma GCC unroll 16
         for (int r = 0; r < rows; r++) store_row(block, r, sum[r], width, false);
     }
+    return rows;
 }
 
 // As many of the rows as one block takes; returns how many.
 static inline __attribute__((always_inline)) int multiply_rows(const Block *block, int rows, int panels,
                                                                bool weigh) {
-    if (rows >= ROWS) return multiply(block, ROWS, panels, weigh), ROWS;
-    if (ROWS > 8 && rows >= 8) return multiply(block, 8 < ROWS ? 8 : ROWS, panels, weigh), 8;
-    if (ROWS > 4 && rows >= 4) return multiply(block, 4 < ROWS ? 4 : ROWS, panels, weigh), 4;
-    if (rows >= 2) return multiply(block, 2, panels, weigh), 2;
-    return multiply(block, 1, panels, weigh), 1;
+    if (rows >= ROWS) return multiply(block, ROWS, panels, weigh);
+    if (ROWS > 8 && rows >= 8) return multiply(block, 8 < ROWS ? 8 : ROWS, panels, weigh);
+    if (ROWS > 4 && rows >= 4) return multiply(block, 4 < ROWS ? 4 : ROWS, panels, weigh);
+    if (rows >= 2) return multiply(block, 2, panels, weigh);
+    return multiply(block, 1, panels, weigh);
 }
 
 // Panels of B outside, so that they stay in the first-level cache while the rows of A pass.
-void FFP_K(product)(int m, int n, int k, real alpha, const FfpPacked *a, size_t a_depth, const FfpPacked *b,
-                    size_t b_depth, real beta, real *c, int ldc) {
-    Block block = {.a_depth = a_depth, .b_depth = b_depth, .alpha = alpha, .beta = beta, .ldc = ldc};
+void ffp_product(int m, int n, int k, real alpha, FfpOperand a, FfpOperand b, real beta, real *c, int ldc) {
+    Block block = {.a_depth = a.depth, .b_depth = b.depth, .alpha = alpha, .beta = beta, .ldc = ldc};
     block.groups = (k + FFP_PACK_GROUP - 1) / FFP_PACK_GROUP;
     for (int column = 0; column < n;) {
         const bool full = n - column > (PANELS - 1) * FFP_PACK_LINES;
-        block.b = b + (size_t)column * b_depth;
+        block.b = b.from + (size_t)column * b.depth;
         block.columns = n - column;
         for (int row = 0; row < m;) {
-            block.a = a + (size_t)row * a_depth;
+            block.a = a.from + (size_t)row * a.depth;
             block.c = c + (size_t)row * ldc + column;
             row += full ? multiply_rows(&block, m - row, PANELS, false)
                         : multiply_rows(&block, m - row, 1, false);
@@ -179,14 +179,13 @@ void FFP_K(product)(int m, int n, int k, real alpha, const FfpPacked *a, size_t 
 }
 
 #ifdef FFP_PRODUCT_WEIGHTS
-void FFP_K(product_weights)(int m, int n, int k, const FfpPacked *a, size_t a_depth, const FfpPacked *b,
-                            size_t b_depth, FfpPacked *weights, real *sums) {
-    Block block = {.a_depth = a_depth, .b_depth = b_depth, .depth = (size_t)n};
+void FFP_K(product_weights)(int m, int n, int k, FfpOperand a, FfpOperand b, FfpPacked *weights, real *sums) {
+    Block block = {.a_depth = a.depth, .b_depth = b.depth, .depth = (size_t)n};
     block.groups = (k + FFP_PACK_GROUP - 1) / FFP_PACK_GROUP;
     for (int column = 0; column < n; column += PANELS * FFP_PACK_LINES) {
-        block.b = b + (size_t)column * b_depth;
+        block.b = b.from + (size_t)column * b.depth;
         for (int row = 0; row < m;) {
-            block.a = a + (size_t)row * a_depth;
+            block.a = a.from + (size_t)row * a.depth;
             block.weights = weights + (size_t)row * block.depth + column;
             block.sums = sums + (size_t)row * FFP_PACK_LINES;
             row += multiply_rows(&block, m - row, PANELS, true);

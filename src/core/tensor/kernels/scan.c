@@ -70,24 +70,23 @@ static void scale_and_skip(real *y, const FfpScanLayout *layout, const FfpScanSh
 static void chunk_output(real *y, const FfpScanLayout *layout, const FfpScanShape *shape,
                          const FfpScanInput *in, const FfpScanChunk *chunk) {
     const int rows = chunk->rows, width = layout->width, state = shape->state, dim = shape->head_dim;
-    const size_t start = (size_t)chunk->row * in->ld, depth = ffp_packed_depth(state),
-                 row_depth = ffp_packed_depth(rows);
+    const size_t start = (size_t)chunk->row * in->ld;
     const Operands o = take_operands(layout, shape, chunk);
+    const FfpOperand c_rows = ffp_operand(o.c_rows, state);
     y += (size_t)chunk->row * width;
     FFP_K(pack_rows)(o.c_rows, false, rows, state, in->c + start, in->ld);
     FFP_K(pack_columns)(o.b_columns, true, state, rows, in->b + start, in->ld);
     FFP_K(pack_columns)
     (o.entering, false, state, width, layout->states + (size_t)chunk->index * layout->state_size, width);
-    FFP_K(product)
-    (rows, rows, state, 1, o.c_rows, depth, o.b_columns, depth, 0,
-     ffp_scan_square(layout->products, shape, chunk), shape->chunk);
-    FFP_K(product)(rows, width, state, 1, o.c_rows, depth, o.entering, depth, 0, y, width);
+    ffp_product(rows, rows, state, 1, c_rows, ffp_operand(o.b_columns, state), 0,
+                ffp_scan_square(layout->products, shape, chunk), shape->chunk);
+    ffp_product(rows, width, state, 1, c_rows, ffp_operand(o.entering, state), 0, y, width);
     scale_and_skip(y, layout, shape, in, chunk);
     for (int head = 0; head < shape->heads; head++) {
         FFP_K(pack_columns)(o.x_columns, false, rows, dim, in->x + start + (size_t)head * dim, in->ld);
         mix_chunk(o.mixed, layout, shape, chunk, head);
-        FFP_K(product)
-        (rows, dim, rows, 1, o.mixed, row_depth, o.x_columns, row_depth, 1, y + (size_t)head * dim, width);
+        ffp_product(rows, dim, rows, 1, ffp_operand(o.mixed, rows), ffp_operand(o.x_columns, rows), 1,
+                    y + (size_t)head * dim, width);
     }
 }
 

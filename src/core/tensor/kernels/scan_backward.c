@@ -43,18 +43,25 @@ static Work make_work(const Backward *pass, int index) {
     FfpPacked *next = layout->packed + (size_t)w.chunk.desk * layout->pack_size;
     w.entering = layout->states + (size_t)index * layout->state_size;
     w.leaving_grad = layout->state_grads + (size_t)index * layout->state_size;
-    w.b_rows = ffp_scan_take(&next, rows, state), w.c_across = ffp_scan_take(&next, rows, state);
+    w.b_rows = ffp_scan_take(&next, rows, state);
+    w.c_across = ffp_scan_take(&next, rows, state);
     w.g_columns = ffp_scan_take(&next, layout->width, state);
-    w.x_rows = ffp_scan_take(&next, rows, dim), w.x_across = ffp_scan_take(&next, rows, dim);
-    w.dy_across = ffp_scan_take(&next, rows, dim), w.dy_columns = ffp_scan_take(&next, dim, rows);
-    w.state_rows = ffp_scan_take(&next, state, dim), w.mixed = ffp_scan_take(&next, rows, rows);
-    w.pair_rows = ffp_scan_take(&next, rows, rows), w.deep_columns = ffp_scan_take(&next, state, rows);
+    w.x_rows = ffp_scan_take(&next, rows, dim);
+    w.x_across = ffp_scan_take(&next, rows, dim);
+    w.dy_across = ffp_scan_take(&next, rows, dim);
+    w.dy_columns = ffp_scan_take(&next, dim, rows);
+    w.state_rows = ffp_scan_take(&next, state, dim);
+    w.mixed = ffp_scan_take(&next, rows, rows);
+    w.pair_rows = ffp_scan_take(&next, rows, rows);
+    w.deep_columns = ffp_scan_take(&next, state, rows);
     w.products = ffp_scan_square(layout->products, shape, &w.chunk);
     w.dots = ffp_scan_square(layout->dots, shape, &w.chunk);
     w.pairs = ffp_scan_square(layout->pairs, shape, &w.chunk);
     w.b_turned = layout->turned + (size_t)w.chunk.desk * 5 * turned;
-    w.c_turned = w.b_turned + turned, w.db_turned = w.c_turned + turned;
-    w.dc_turned = w.db_turned + turned, w.part = w.dc_turned + turned;
+    w.c_turned = w.b_turned + turned;
+    w.db_turned = w.c_turned + turned;
+    w.dc_turned = w.db_turned + turned;
+    w.part = w.dc_turned + turned;
     return w;
 }
 
@@ -111,9 +118,9 @@ static void state_share(const Backward *pass, const Work *w, int head, const rea
                         real *along) {
     const FfpScanShape *shape = pass->shape;
     const int rows = w->chunk.rows, state = shape->state, dim = shape->head_dim, width = pass->layout.width;
-    const size_t depth = ffp_packed_depth(dim);
     FFP_K(pack_rows)(w->state_rows, false, state, dim, states + (size_t)head * dim, width);
-    FFP_K(product)(state, rows, dim, 1, w->state_rows, depth, across, depth, 0, w->part, shape->chunk);
+    ffp_product(state, rows, dim, 1, ffp_operand(w->state_rows, dim), ffp_operand(across, dim), 0, w->part,
+                shape->chunk);
     for (int t = 0; t < rows; t++) along[t] = 0;
     for (int n = 0; n < state; n++) {
         const size_t row = (size_t)n * shape->chunk;
@@ -129,7 +136,6 @@ static void state_share(const Backward *pass, const Work *w, int head, const rea
 static void head_x_grad(const Backward *pass, const Work *w, int head) {
     const FfpScanShape *shape = pass->shape;
     const int rows = w->chunk.rows, dim = shape->head_dim, width = pass->layout.width, ld = pass->in->ld;
-    const size_t depth = ffp_packed_depth(rows);
     const real *dy = pass->dy + (size_t)w->chunk.row * width + (size_t)head * dim;
     const real *feed = pass->layout.feed + (size_t)head * shape->rows + w->chunk.row,
                skip = pass->in->d[head];
@@ -137,7 +143,7 @@ static void head_x_grad(const Backward *pass, const Work *w, int head) {
     for (int t = 0; t < rows; t++)
         for (int p = 0; p < dim; p++)
             dx[(size_t)t * ld + p] = feed[t] * dx[(size_t)t * ld + p] + skip * dy[(size_t)t * width + p];
-    FFP_K(product)(rows, dim, rows, 1, w->mixed, depth, w->dy_columns, depth, 1, dx, ld);
+    ffp_product(rows, dim, rows, 1, ffp_operand(w->mixed, rows), ffp_operand(w->dy_columns, rows), 1, dx, ld);
 }
 
 // da of one head: the flow from before a step to behind it, one step of the scan after another from the end.
@@ -166,7 +172,7 @@ static void head_backward(const Backward *pass, const Work *w, int head) {
     const FfpScanShape *shape = pass->shape;
     const FfpScanLayout *layout = &pass->layout;
     const int rows = w->chunk.rows, dim = shape->head_dim, width = layout->width, ld = pass->in->ld;
-    const size_t start = (size_t)head * shape->rows + w->chunk.row, depth = ffp_packed_depth(dim);
+    const size_t start = (size_t)head * shape->rows + w->chunk.row;
     const real *x = pass->in->x + (size_t)w->chunk.row * ld + (size_t)head * dim;
     const real *dy = pass->dy + (size_t)w->chunk.row * width + (size_t)head * dim;
     real *da = layout->da + start, *x_grad_dot = layout->x_grad_dot + start, *inflow = layout->inflow + start;
@@ -174,7 +180,8 @@ static void head_backward(const Backward *pass, const Work *w, int head) {
     FFP_K(pack_columns)(w->x_across, true, dim, rows, x, ld);
     FFP_K(pack_columns)(w->dy_across, true, dim, rows, dy, width);
     FFP_K(pack_columns)(w->dy_columns, false, rows, dim, dy, width);
-    FFP_K(product)(rows, rows, dim, 1, w->x_rows, depth, w->dy_across, depth, 0, w->dots, shape->chunk);
+    ffp_product(rows, rows, dim, 1, ffp_operand(w->x_rows, dim), ffp_operand(w->dy_across, dim), 0, w->dots,
+                shape->chunk);
     state_share(pass, w, head, w->entering, w->dy_across, w->c_turned, layout->grow + start, w->dc_turned,
                 da);
     state_share(pass, w, head, w->leaving_grad, w->x_across, w->b_turned, layout->feed + start, w->db_turned,
@@ -194,11 +201,11 @@ static void finish_operand(const Backward *pass, const Work *w, real *total, con
                            bool transpose_pairs, const real *factor) {
     const FfpScanShape *shape = pass->shape;
     const int rows = w->chunk.rows, state = shape->state, ld = pass->in->ld;
-    const size_t depth = ffp_packed_depth(rows);
     turn(total, ld, turned, shape->chunk, state, rows);
     FFP_K(pack_rows)(w->pair_rows, transpose_pairs, rows, rows, w->pairs, shape->chunk);
     FFP_K(pack_columns)(w->deep_columns, false, rows, state, factor, ld);
-    FFP_K(product)(rows, state, rows, 1, w->pair_rows, depth, w->deep_columns, depth, 1, total, ld);
+    ffp_product(rows, state, rows, 1, ffp_operand(w->pair_rows, rows), ffp_operand(w->deep_columns, rows), 1,
+                total, ld);
 }
 
 static void chunk_backward(const Backward *pass, int index) {
@@ -206,13 +213,14 @@ static void chunk_backward(const Backward *pass, int index) {
     const FfpScanInput *in = pass->in;
     const Work w = make_work(pass, index);
     const int rows = w.chunk.rows, state = shape->state, width = pass->layout.width, chunk = shape->chunk;
-    const size_t start = (size_t)w.chunk.row * in->ld, depth = ffp_packed_depth(state);
+    const size_t start = (size_t)w.chunk.row * in->ld;
+    const FfpOperand b_rows = ffp_operand(w.b_rows, state);
     FFP_K(pack_rows)(w.b_rows, false, rows, state, in->b + start, in->ld);
     FFP_K(pack_columns)(w.c_across, true, state, rows, in->c + start, in->ld);
     FFP_K(pack_columns)(w.g_columns, false, state, width, w.leaving_grad, width);
-    FFP_K(product)(rows, rows, state, 1, w.b_rows, depth, w.c_across, depth, 0, w.products, chunk);
-    FFP_K(product)
-    (rows, width, state, 1, w.b_rows, depth, w.g_columns, depth, 0, pass->grad->x + start, in->ld);
+    ffp_product(rows, rows, state, 1, b_rows, ffp_operand(w.c_across, state), 0, w.products, chunk);
+    ffp_product(rows, width, state, 1, b_rows, ffp_operand(w.g_columns, state), 0, pass->grad->x + start,
+                in->ld);
     turn(w.b_turned, chunk, in->b + start, in->ld, rows, state);
     turn(w.c_turned, chunk, in->c + start, in->ld, rows, state);
     memset(w.db_turned, 0, 2 * (size_t)state * (size_t)chunk * sizeof(real)); // dc_turned lies behind it

@@ -126,15 +126,14 @@ void FFP_K(scan_scale_x)(const FfpScanLayout *layout, const FfpScanShape *shape,
 
 void FFP_K(scan_outer)(real *state, const FfpScanLayout *layout, const FfpScanShape *shape, const real *b,
                        int ld, const FfpScanChunk *chunk) {
-    const size_t depth = ffp_packed_depth(chunk->rows);
     FfpPacked *next = layout->packed + (size_t)chunk->desk * layout->pack_size;
     FfpPacked *rows = ffp_scan_take(&next, shape->state, chunk->rows);
     FfpPacked *columns = ffp_scan_take(&next, layout->width, chunk->rows);
     FFP_K(pack_rows)(rows, true, shape->state, chunk->rows, b + (size_t)chunk->row * ld, ld);
     FFP_K(pack_columns)
     (columns, false, chunk->rows, layout->width, ffp_scan_scaled(layout, shape, chunk), layout->width);
-    FFP_K(product)
-    (shape->state, layout->width, chunk->rows, 1, rows, depth, columns, depth, 0, state, layout->width);
+    ffp_product(shape->state, layout->width, chunk->rows, 1, ffp_operand(rows, chunk->rows),
+                ffp_operand(columns, chunk->rows), 0, state, layout->width);
 }
 
 // One row of all states, one chunk after another along the scan (against it when `backward`).

@@ -31,7 +31,8 @@ real FFP_K(softmax_row)(FfpPacked *weights, const real *scores, real top, int co
     for (int j = 0; j < count; j += FFP_PACK_DEPTH) {
         const __m512 low = weigh_lanes(scores + j, tops, first_lanes(count - j));
         const __m512 high = weigh_lanes(scores + j + 16, tops, first_lanes(count - j - 16));
-        low_sum = _mm512_add_ps(low_sum, low), high_sum = _mm512_add_ps(high_sum, high);
+        low_sum = _mm512_add_ps(low_sum, low);
+        high_sum = _mm512_add_ps(high_sum, high);
         _mm512_storeu_si512(weights + j, (__m512i)_mm512_cvtne2ps_pbh(high, low));
     }
     return _mm512_reduce_add_ps(_mm512_add_ps(low_sum, high_sum));

@@ -122,9 +122,10 @@ static void forward_strip(real *y, const real *x, const real *w, const real *bia
     const int rows = strip_rows(plan, first), pixels = rows * plan->width;
     real *out = y + (size_t)first * plan->width;
     if (!plan->direct) unfold(columns, x, conv, plan, first, rows);
-    ffp_gemm(false, false, conv->out, pixels, plan->depth, 1, w, plan->depth,
-             plan->direct ? x + (size_t)first * plan->width : columns,
-             plan->direct ? (int)plan->plane : pixels, 0, out, (int)plan->plane);
+    const FfpFactor patches =
+        plan->direct ? ffp_factor(x + (size_t)first * plan->width, plan->depth, pixels, (int)plan->plane)
+                     : ffp_factor(columns, plan->depth, pixels, pixels);
+    ffp_gemm(1, ffp_factor(w, conv->out, plan->depth, plan->depth), patches, 0, out, (int)plan->plane);
     for (int c = 0; c < conv->out; c++, out += plan->plane)
         for (int i = 0; i < pixels; i++) {
             const real sum = out[i] + bias[c];
@@ -165,13 +166,13 @@ static void backward_strip(real *dx, real *dy, const real *y, const real *w, con
         const real *o = y + start + c * plan->plane;
         for (int i = 0; i < pixels; i++) d[i] = o[i] > 0 ? d[i] : 0;
     }
+    const FfpFactor weights = ffp_transposed(ffp_factor(w, conv->out, plan->depth, plan->depth));
+    const FfpFactor gradients = ffp_factor(dy + start, conv->out, pixels, (int)plan->plane);
     if (plan->direct) {
-        ffp_gemm(true, false, plan->depth, pixels, conv->out, 1, w, plan->depth, dy + start, (int)plan->plane,
-                 1, dx + start, (int)plan->plane);
+        ffp_gemm(1, weights, gradients, 1, dx + start, (int)plan->plane);
         return;
     }
-    ffp_gemm(true, false, plan->depth, pixels, conv->out, 1, w, plan->depth, dy + start, (int)plan->plane, 0,
-             columns, pixels);
+    ffp_gemm(1, weights, gradients, 0, columns, pixels);
     fold(dx, columns, conv, plan, first, rows);
 }
 

@@ -36,14 +36,23 @@ static void add_row(Sums *sums, const FfpSheet *sheet, const Fit *fit, size_t fi
             const real off = (q - fit->q0[n] - fit->qx[n] * x - fit->qy[n] * y) * fit->per_unit[n];
             const real share = refit ? nearness / (1 + off * off) : nearness;
             const real w = ((step <= limit) & (-step <= limit)) ? weight[n] * share : 0;
-            w0[n] += w, w1[n] += w * x, w2[n] += w * x * x;
-            r0[n] += w * q, r1[n] += w * x * q;
+            w0[n] += w;
+            w1[n] += w * x;
+            w2[n] += w * x * x;
+            r0[n] += w * q;
+            r1[n] += w * x * q;
         }
     }
     for (int n = 0; n < FFP_MATCH_LANES; n++) {
-        sums->w[n] += w0[n], sums->x[n] += w1[n], sums->y[n] += y * w0[n];
-        sums->xx[n] += w2[n], sums->xy[n] += y * w1[n], sums->yy[n] += y * y * w0[n];
-        sums->q[n] += r0[n], sums->xq[n] += r1[n], sums->yq[n] += y * r0[n];
+        sums->w[n] += w0[n];
+        sums->x[n] += w1[n];
+        sums->y[n] += y * w0[n];
+        sums->xx[n] += w2[n];
+        sums->xy[n] += y * w1[n];
+        sums->yy[n] += y * y * w0[n];
+        sums->q[n] += r0[n];
+        sums->xq[n] += r1[n];
+        sums->yq[n] += y * r0[n];
     }
 }
 
@@ -68,7 +77,8 @@ void FFP_K(fit_planes)(FfpPlane planes[FFP_MATCH_LANES], const FfpSheet *sheet, 
                  own = first + (size_t)sheet->reach * ((size_t)sheet->stride + 1);
     Fit fit = {.q0 = {0}};
     for (int n = 0; n < FFP_MATCH_LANES; n++) {
-        fit.z[n] = sheet->depth[own + (size_t)n], fit.inverse[n] = sheet->inverse[own + (size_t)n];
+        fit.z[n] = sheet->depth[own + (size_t)n];
+        fit.inverse[n] = sheet->inverse[own + (size_t)n];
         fit.footprint[n] = fit.z[n] / sheet->focal;
         fit.per_unit[n] = fit.z[n] > 0 ? fit.z[n] * sheet->focal / RESIDUAL : 0;
     }

@@ -57,7 +57,8 @@ ALWAYS_INLINE void load_pixels(const FfpGbuffer *out, const FfpGbuffer *grad, in
     for (int l = 0; l < count; l++) {
         p->spread[lane + l] = 2 * grad->distortion[pixel + l];
         p->rest[lane + l] = p->spread[lane + l] * out->distortion[pixel + l];
-        p->opacity[lane + l] = out->opacity[pixel + l], p->depth[lane + l] = out->depth[pixel + l];
+        p->opacity[lane + l] = out->opacity[pixel + l];
+        p->depth[lane + l] = out->depth[pixel + l];
     }
 #pragma GCC unroll 12
     for (int k = 0; k < FFP_CHANNELS; k++)
@@ -91,9 +92,12 @@ ALWAYS_INLINE void cover_batch(const FfpSplat *splats, const int32_t *batch, con
     for (int i = 0; i < count; i++) {
         const Cover c = cover_block(&splats[batch[places[i]]], columns, rows, firmness, &T);
         const unsigned lanes = lanes_positive(c.alpha);
-        out->place[n] = places[i], out->lanes[n] = lanes;
-        out->density[n] = c.density, out->covered[n] = c.covered;
-        out->alpha[n] = c.alpha, out->before[n] = c.before;
+        out->place[n] = places[i];
+        out->lanes[n] = lanes;
+        out->density[n] = c.density;
+        out->covered[n] = c.covered;
+        out->alpha[n] = c.alpha;
+        out->before[n] = c.before;
         n += lanes != 0;
     }
     out->count = n;
@@ -209,8 +213,12 @@ static void block_backward(const FfpSplat *splats, const int32_t *batch, const T
 }
 
 static void fill_slot(const Gathered *sum, FfpSplatGrad *slot) {
-    slot->g = sum->g, slot->gx = sum->gx, slot->gy = sum->gy;
-    slot->gxx = sum->gxx, slot->gxy = sum->gxy, slot->gyy = sum->gyy;
+    slot->g = sum->g;
+    slot->gx = sum->gx;
+    slot->gy = sum->gy;
+    slot->gxx = sum->gxx;
+    slot->gxy = sum->gxy;
+    slot->gyy = sum->gyy;
     for (int k = 1; k < FFP_CHANNELS; k++) slot->value[k] = sum->value[k];
     slot->value[FFP_CHANNEL_DEPTH] = sum->value[FFP_CHANNEL_DEPTH] + sum->depth;
 }

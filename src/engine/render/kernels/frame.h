@@ -109,7 +109,8 @@ ALWAYS_INLINE void make_covariance(real blur, Frame *f) {
     const Lanes m0 = m[0] * m[4] - m[1] * m[3], m1 = m[0] * m[5] - m[2] * m[3],
                 m2 = m[1] * m[5] - m[2] * m[4];
     const Lanes before = m0 * m0 + m1 * m1 + m2 * m2, det = before + blur * (a + c) + blur * blur;
-    f->a = a + blur, f->c = c + blur;
+    f->a = a + blur;
+    f->c = c + blur;
     f->per_det = 1 / det;
     f->ratio = before * f->per_det;
     f->drawn &= (det > (Lanes){0}) & (f->a < lanes_all(1e12F)) & (f->c < lanes_all(1e12F));

@@ -49,7 +49,8 @@ __attribute__((flatten)) static void place_part(const FfpMapper *m, int x, int y
         const FfpMapPlace place = ffp_pattern_place(m, x + i, y, &around);
         out->uv[0][i] = place.uv[0], out->uv[1][i] = place.uv[1];
         out->extent[0][i] = place.extent[0], out->extent[1][i] = place.extent[1];
-        out->depth[i] = place.depth, out->inside[i] = place.inside ? 1 : 0;
+        out->depth[i] = place.depth;
+        out->inside[i] = place.inside ? 1 : 0;
     }
 }
 

@@ -135,16 +135,24 @@ static bool sum_slots(const FfpRaster *raster, int32_t s, FfpSplatGrad *sum) {
             continue;
         }
         const FfpSplatGrad *part = &raster->slots[j];
-        sum->g += part->g, sum->gx += part->gx, sum->gy += part->gy;
-        sum->gxx += part->gxx, sum->gxy += part->gxy, sum->gyy += part->gyy;
+        sum->g += part->g;
+        sum->gx += part->gx;
+        sum->gy += part->gy;
+        sum->gxx += part->gxx;
+        sum->gxy += part->gxy;
+        sum->gyy += part->gyy;
         for (int k = 1; k < FFP_CHANNELS; k++) sum->value[k] += part->value[k];
     }
     return any;
 }
 
 static void add_to_grads(const FfpSplatGrad *sum, int l, BatchGrad *d) {
-    d->g.at[l] = sum->g, d->gx.at[l] = sum->gx, d->gy.at[l] = sum->gy;
-    d->gxx.at[l] = sum->gxx, d->gxy.at[l] = sum->gxy, d->gyy.at[l] = sum->gyy;
+    d->g.at[l] = sum->g;
+    d->gx.at[l] = sum->gx;
+    d->gy.at[l] = sum->gy;
+    d->gxx.at[l] = sum->gxx;
+    d->gxy.at[l] = sum->gxy;
+    d->gyy.at[l] = sum->gyy;
     d->depth.at[l] = sum->value[FFP_CHANNEL_DEPTH];
     for (int k = 0; k < 3; k++) d->normal[k].at[l] = sum->value[FFP_CHANNEL_NORMAL + k];
 }

@@ -19,8 +19,10 @@ static void load_sums(const FfpLitScene *scene, ptrdiff_t p, int count, SumColum
     const FfpGbuffer *g = scene->gbuffer;
     if (count < PART) memset(c, 0, sizeof *c);
     for (int i = 0; i < count; i++) {
-        c->opacity[i] = g->opacity[p + i], c->depth[i] = g->depth[p + i];
-        c->roughness[i] = g->roughness[p + i], c->visibility[i] = scene->mapping->visibility[p + i];
+        c->opacity[i] = g->opacity[p + i];
+        c->depth[i] = g->depth[p + i];
+        c->roughness[i] = g->roughness[p + i];
+        c->visibility[i] = scene->mapping->visibility[p + i];
         for (int k = 0; k < 3; k++) {
             c->normal[k][i] = g->normal[3 * (p + i) + k];
             c->albedo[k][i] = g->albedo[3 * (p + i) + k];
@@ -99,7 +101,9 @@ __attribute__((flatten)) static void light_part_backward(const FfpLitView *view,
         const FfpArrival d = {{grad->factor[0][i], grad->factor[1][i], grad->factor[2][i]},
                               {grad->uv[0][i], grad->uv[1][i]}};
         const FfpSums s = ffp_arrival_backward(view, x + i, y, &here, &d);
-        out->opacity[i] = s.opacity, out->depth[i] = s.depth, out->roughness[i] = s.roughness;
+        out->opacity[i] = s.opacity;
+        out->depth[i] = s.depth;
+        out->roughness[i] = s.roughness;
         out->normal[0][i] = s.normal[0], out->normal[1][i] = s.normal[1], out->normal[2][i] = s.normal[2];
         out->albedo[0][i] = s.albedo[0], out->albedo[1][i] = s.albedo[1], out->albedo[2][i] = s.albedo[2];
     }
@@ -116,7 +120,8 @@ void FFP_K(light_row_backward)(const FfpLitScene *scene, int y, const FfpTranspo
         load_sums(scene, p, count, &sums);
         light_part_backward(&scene->view, x, y, &sums, &arrival, &d);
         for (int i = 0; i < count; i++) {
-            to->opacity[p + i] += d.opacity[i], to->depth[p + i] += d.depth[i];
+            to->opacity[p + i] += d.opacity[i];
+            to->depth[p + i] += d.depth[i];
             to->roughness[p + i] += d.roughness[i];
             for (int k = 0; k < 3; k++) {
                 to->normal[3 * (p + i) + k] += d.normal[k][i];

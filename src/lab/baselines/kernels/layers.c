@@ -70,13 +70,22 @@ static real sum_lanes(Lanes v) {
     return sum;
 }
 
-// Adds d out in^T to the weights' gradient: rows o.., columns i.. of it.
-ALWAYS_INLINE void weights_block(const real *d_out, const real *in, int64_t stride, int64_t columns, int o,
-                                 int rows, int i, int wide, int inputs, real *grad) {
+// The gradient of a layer's weights, to which d out in^T is added.
+typedef struct WeightsGradient {
+    const real *d_out, *in; // [outputs or inputs, stride]
+    int64_t stride, columns;
+    int inputs;
+    real *at; // [outputs, inputs]
+} WeightsGradient;
+
+// Rows o.., columns i.. of it.
+ALWAYS_INLINE void weights_block(const WeightsGradient *g, int o, int rows, int i, int wide) {
+    const real *d_out = g->d_out, *in = g->in;
+    const int64_t stride = g->stride;
     Lanes sum[ROWS][COLUMNS];
     for (int r = 0; r < rows; r++)
         for (int c = 0; c < wide; c++) sum[r][c] = (Lanes){0};
-    for (int64_t p = 0; p < columns; p += LANES) {
+    for (int64_t p = 0; p < g->columns; p += LANES) {
         Lanes x[COLUMNS];
         for (int c = 0; c < wide; c++) x[c] = *(const Lanes *)(in + (i + c) * stride + p);
         for (int r = 0; r < rows; r++) {
@@ -85,25 +94,22 @@ ALWAYS_INLINE void weights_block(const real *d_out, const real *in, int64_t stri
         }
     }
     for (int r = 0; r < rows; r++)
-        for (int c = 0; c < wide; c++) grad[(int64_t)(o + r) * inputs + i + c] += sum_lanes(sum[r][c]);
+        for (int c = 0; c < wide; c++) g->at[(int64_t)(o + r) * g->inputs + i + c] += sum_lanes(sum[r][c]);
 }
 
-static void weights_rows(const FfpFieldLayer *layer, const real *d_out, const real *in, int64_t stride,
-                         int64_t columns, int o, int rows, real *grad) {
+static void weights_rows(const WeightsGradient *g, int o, int rows) {
     int i = 0;
     if (rows == ROWS)
-        for (; i + COLUMNS <= layer->inputs; i += COLUMNS)
-            weights_block(d_out, in, stride, columns, o, ROWS, i, COLUMNS, layer->inputs, grad);
-    for (; i < layer->inputs; i++)
-        for (int r = 0; r < rows; r++)
-            weights_block(d_out, in, stride, columns, o + r, 1, i, 1, layer->inputs, grad);
+        for (; i + COLUMNS <= g->inputs; i += COLUMNS) weights_block(g, o, ROWS, i, COLUMNS);
+    for (; i < g->inputs; i++)
+        for (int r = 0; r < rows; r++) weights_block(g, o + r, 1, i, 1);
 }
 
 static void weights_backward(const FfpFieldLayer *layer, const real *d_out, const real *in, int64_t stride,
                              int64_t columns, real *grad) {
+    const WeightsGradient g = {d_out, in, stride, columns, layer->inputs, grad + layer->weights};
     for (int o = 0; o < layer->outputs; o += ROWS)
-        weights_rows(layer, d_out, in, stride, columns, o,
-                     layer->outputs - o < ROWS ? layer->outputs - o : ROWS, grad + layer->weights);
+        weights_rows(&g, o, layer->outputs - o < ROWS ? layer->outputs - o : ROWS);
     for (int o = 0; o < layer->outputs; o++) {
         Lanes sum = {0};
         for (int64_t p = 0; p < columns; p += LANES) sum += *(const Lanes *)(d_out + o * stride + p);

@@ -16,7 +16,10 @@ typedef float Lanes __attribute__((vector_size(LANES * sizeof(float))));
 
 static double fma_loop(int rounds, float *sink) {
     Lanes sum[SUMS], factor, term;
-    for (int l = 0; l < LANES; l++) factor[l] = 0.999F + 1e-6F * (float)l, term[l] = 1e-3F * *sink;
+    for (int l = 0; l < LANES; l++) {
+        factor[l] = 0.999F + 1e-6F * (float)l;
+        term[l] = 1e-3F * *sink;
+    }
     for (int i = 0; i < SUMS; i++) sum[i] = term * (float)i;
     for (int round = 0; round < rounds; round++)
 #pragma GCC unroll 32
@@ -34,7 +37,10 @@ static double product_loop(int rounds, float *sink) {
         unsigned short row_bytes[16];
         unsigned char rows[16];
     } config = {.palette = 1};
-    for (int i = 0; i < 8; i++) config.row_bytes[i] = 64, config.rows[i] = 16;
+    for (int i = 0; i < 8; i++) {
+        config.row_bytes[i] = 64;
+        config.rows[i] = 16;
+    }
     _tile_loadconfig(&config);
     _tile_zero(0);
     _tile_zero(1);
