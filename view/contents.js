@@ -173,7 +173,7 @@ function startVideo(video, name) {
   return new Promise((resolve, reject) => {
     const late = setTimeout(() => reject(new Message(`${name} does not start.`)), 20000);
     video.onloadeddata = () => { clearTimeout(late); video.play().catch(() => {}); resolve(video); };
-    video.onerror = () => { clearTimeout(late); reject(new Message(`${name} is no film that this browser plays.`)); };
+    video.onerror = () => { clearTimeout(late); reject(new Message(`${name} is not a film that this browser plays.`)); };
   });
 }
 

@@ -83,8 +83,8 @@ Mapped map_pixel(ivec2 p, float z) {
 }
 
 // ffp_box_mean: the mean over a box of a pattern that is constant within a pixel and black outside. Exact on
-// the pattern itself where the box is at most four pixels on its shorter and sixteen on its longer side, else
-// on the mip level on which it is.
+// the pattern itself where the box is at most four pixels on its shorter and sixteen on its longer side,
+// otherwise on the mip level on which it is.
 vec3 box_mean(vec2 at, vec2 extent) {
   if (u_white) return vec3(1.0);
   float shorter = min(extent.x, extent.y), longer = max(extent.x, extent.y);

@@ -332,7 +332,7 @@ class App {
     }
   }
 
-  // What the driver has no room for is said, and the page stays as it was.
+  // If the driver runs out of memory, a message says so and the page stays as it was.
   tryDraw(quality) {
     try {
       this.draw(quality);

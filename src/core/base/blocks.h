@@ -13,7 +13,7 @@ typedef struct FfpBlock {
 } FfpBlock;
 _Static_assert(sizeof(FfpBlock) == 64, "blocks stay aligned");
 
-typedef struct FfpOwned { // what is no memory
+typedef struct FfpOwned { // resources other than memory
     struct FfpOwned *older;
     void *thing;
     void (*release)(void *thing);

@@ -294,7 +294,7 @@ bool ffp_output_commit(FfpOutput *out, FfpError *err) {
     if (ok) return true;
     if (folder && (reason == ENOTEMPTY || reason == EEXIST || reason == ENOTDIR))
         return ffp_fail(err, FFP_ERROR_FILE, out->path,
-                        "is there already and not empty: choose another, or remove it");
+                        "already exists and is not empty: choose another, or remove it");
     return cannot_write(out, reason, err);
 }
 

@@ -12,10 +12,10 @@ typedef struct FfpCall {
     FfpBlocks blocks;
     pthread_mutex_t lock;    // of the log callback
     atomic_int failed;       // an FfpErrorCode
-    atomic_size_t wanted;    // bytes that were not there
-    atomic_bool cancelled;   // the caller said so
-    bool ending;             // what is left is given back
-    bool held_off;           // cancelled, the work ends by itself
+    atomic_size_t wanted;    // bytes that could not be allocated
+    atomic_bool cancelled;   // by the caller
+    bool ending;             // everything still held is being released
+    bool held_off;           // when cancelled, the work itself comes to an end
     FfpProgress progress;    // of the innermost task, but for:
     atomic_llong done;       // of it
     char extra[128];         // what was said with its last step

@@ -28,7 +28,7 @@ typedef struct FfpView {
     char id[FFP_NAME_MAX];
     FfpCamera camera, projector;
     int frame_width, frame_height; // the upper left part of the picture that the camera saw; 0: all of it.
-                                   // What lies beyond is not known to be empty
+                                   // Pixels beyond it are not known to be empty
     FfpImage
         *images; // [n_patterns] linear RGB over black, camera size; .data is NULL where this view has none
     FfpImage coverage;       // 1 channel in [0,1]: the object's share of each pixel (alpha); always there

@@ -9,9 +9,9 @@ typedef enum FfpCoverageSource {
     FFP_COVERAGE_MASK,    // a mask file; the pictures are multiplied by it, as if it were their alpha
     FFP_COVERAGE_ALPHA,   // the alpha channel of the white picture, otherwise of the black one, otherwise of
                           // any
-    FFP_COVERAGE_GUESSED, // what some picture shows brighter than the black one; the pictures stay as they
-                          // are
-    FFP_COVERAGE_NONE,    // no pictures: 0 everywhere
+    FFP_COVERAGE_GUESSED, // the pixels that some picture shows brighter than the black one; the pictures
+                          // are unchanged
+    FFP_COVERAGE_NONE,    // the view has no pictures: 0 everywhere
 } FfpCoverageSource;
 
 // Whether a view's mask is looked at: always when it is `mask_first`, otherwise where no picture has an alpha

@@ -3,7 +3,7 @@
 #include "core/base/file.h"
 #include "core/capture/capture.h"
 
-#define NOT_FREE "is there already and not empty: choose another, or remove it"
+#define NOT_FREE "already exists and is not empty: choose another, or remove it"
 
 // Reads what was written as every command will: a capture that could not be used must not appear.
 static bool verify(const char *folder, FfpError *err) {

@@ -55,8 +55,8 @@ FfpGaussians ffp_gaussians_new(int64_t count); // zeroed; also used for gradient
 FfpGaussians ffp_gaussians_copy(const FfpGaussians *from);
 void ffp_gaussians_free(FfpGaussians *gaussians);
 void ffp_gaussians_clear(FfpGaussians *gaussians); // all numbers become 0
-// Copies of the CPU's set on the device in use, and the other way; on the CPU they are plain copies. What was
-// downloaded is the CPU's: ffp_device_use(NULL) before ffp_gaussians_free.
+// Copies the CPU's set to the device in use, and back; on the CPU these are plain copies. A downloaded set
+// belongs to the CPU: call ffp_device_use(NULL) before ffp_gaussians_free.
 FfpGaussians ffp_gaussians_uploaded(const FfpGaussians *host);
 FfpGaussians ffp_gaussians_downloaded(const FfpGaussians *gaussians);
 void ffp_gaussians_download(FfpGaussians *host, const FfpGaussians *gaussians); // into a set of as many

@@ -35,7 +35,7 @@ static void put_chunk(FILE *stream, const char type[4], const unsigned char *hea
     fwrite(bytes, 1, 4, stream);
 }
 
-// fcTL: the frame's size, place and time; it replaces what was there.
+// fcTL: the frame's size, place and time; it replaces the frame before it.
 static void put_frame_control(FfpFilm *film) {
     unsigned char data[26] = {0};
     put_u32(data, film->sequence++);

@@ -7,8 +7,8 @@
 #include "core/base/process.h"
 #include "core/image/image.h"
 
-// Whether a film can be made, told before the work: its ending is .png or .apng (an animated PNG), or .gif,
-// .mp4, .webm or .mkv, and then ffmpeg is there.
+// Checks before the work that a film can be made: its extension is .png or .apng (an animated PNG), or it is
+// .gif, .mp4, .webm or .mkv and ffmpeg is installed.
 bool ffp_film_check(const char *path, FfpError *err);
 
 // An animated PNG (PNG third edition, W3C 2025, section 11.3.4 and 12): every frame a whole 8-bit RGB

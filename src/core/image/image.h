@@ -20,8 +20,8 @@ typedef struct FfpImage {
 FfpImage ffp_image_new(int width, int height, int channels); // zeroed; sizes must be checked by the caller
 void ffp_image_free(FfpImage *image);                        // also clears it; NULL and empty are allowed
 FfpImage ffp_image_copy(const FfpImage *image);
-// Copies of the CPU's image on the device in use, and the other way; on the CPU they are plain copies. What
-// was downloaded is the CPU's: ffp_device_use(NULL) before ffp_image_free.
+// Copies the CPU's image to the device in use, and back; on the CPU these are plain copies. A downloaded
+// image belongs to the CPU: call ffp_device_use(NULL) before ffp_image_free.
 FfpImage ffp_image_uploaded(const FfpImage *host);
 FfpImage ffp_image_downloaded(const FfpImage *image);
 

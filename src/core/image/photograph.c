@@ -80,7 +80,8 @@ static bool is_tiff_raw(const char *file) {
     return raw;
 }
 
-// What is named as a raw photograph or a film is one, or a picture, which is read as such, or named.
+// A file named like a raw photograph or a film must be one, or a picture, which is then read as such; any
+// other content is an error that names the file.
 static bool check_name(const char *file, const FfpBytes *head, FfpError *err) {
     const bool raw = has_one_of(file, raw_endings);
     if ((!raw && !has_one_of(file, film_endings)) || ffp_is_foreign(head) || ffp_png_is(head) ||

@@ -27,7 +27,7 @@ typedef struct FfpModelConfig {
     bool pixel_skip;  // a small MLP a pixel joins the token's features and the pixel's own inputs
     int pixel_features,
         pixel_hidden;    // widths of that MLP: features a pixel takes from its token, hidden units
-    bool context_inputs; // and what tells it apart from the context's pixels (inputs.h)
+    bool context_inputs; // and numbers that distinguish it from the context's pixels (inputs.h)
     bool appearance_cnn; // two 3x3 convolutions over the tokens ahead of albedo, roughness and ambient: the
                          // paper's ablation
     char render[16];     // "ours" or "paper": the render settings that the Gaussians are meant for,
@@ -151,11 +151,11 @@ bool ffp_model_forward(const FfpModel *model, FfpRun *run, const FfpCapture *cap
 void ffp_model_backward(const FfpModel *model, FfpRun *run, const FfpGaussians *grad, const real *grad_t,
                         real *grad_values);
 
-// While the thread works on a device (core/base/device.h) a run made there does its passes there:
-// model->values, grad_values and the run's Gaussians and distances are the device's, capture, start and
-// context the host's. What is taken from the capture can be prepared once, by the CPU, and brought to the
-// device in use for many passes: as ffp_model_forward, and what it was prepared from need not be there any
-// more. Errors besides: appearance_cnn, which no device has.
+// While the thread works on a device (core/base/device.h), a run created there does its passes there:
+// model->values, grad_values and the run's Gaussians and distances are in the device's memory; capture, start
+// and context are in the host's. The inputs taken from the capture can be prepared once, by the CPU, and
+// copied to the device in use for many passes: as ffp_model_forward, and their sources are no longer needed.
+// Further errors: appearance_cnn, which no device has.
 typedef struct FfpPrepared FfpPrepared;
 FfpPrepared *ffp_prepared_new(const FfpModelConfig *config, const FfpCapture *capture,
                               const FfpInitialisation *start, const FfpPixelContext *context, int active,

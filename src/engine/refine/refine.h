@@ -65,12 +65,13 @@ typedef struct FfpRefineResult {
 } FfpRefineResult;
 
 // Fits to the given patterns of all views (indices into the capture's), as far as a view has photographs
-// under them; it has one at least, and all of a view's count alike. Views come in rounds, each in an order
-// drawn from the seed. What is returned is the state after the round with the lowest loss, or the mean that
-// is asked for if that round was the last whole one or the one before it, or what was there before where that
-// has the better PSNR on the same pictures. With a limit in steps, the same seed and thread count give the
-// same bits. Errors: no Gaussians, no limit, a loss that is not finite. On a device: arrays of the Gaussians,
-// of pictures, coverage and patterns are that device's. Errors: growth or smoothing is asked for.
+// under them; it must have at least one, and all of a view's have the same weight. Views come in rounds, each
+// in an order drawn from the seed. The result is the state after the round with the lowest loss; or the mean,
+// if it is asked for and that round was the last complete one or the one before it; or the initial state if
+// that has the better PSNR on the same pictures. With a limit in steps, the same seed and thread count give
+// the same bits. Errors: no Gaussians, no limit, a loss that is not finite. On a device, the arrays of the
+// Gaussians, pictures, coverage and patterns are in that device's memory, and growth and smoothing are
+// errors.
 bool ffp_refine(FfpGaussians *gaussians, const FfpCapture *capture, const int *patterns, int n_patterns,
                 const FfpRefineSettings *settings, FfpRefineResult *result, FfpError *err);
 

@@ -12,9 +12,9 @@ extern const char *const ffp_protocols[FFP_PROTOCOLS]; // rendering, novel_patte
 // it. Images, and the seconds that all of them took, are added up.
 int ffp_scores_mean(FfpScore *mean, const FfpScore *scores, int n_scores, const char *protocol);
 
-// The rows of such a file behind the n_scores that exist; *predictor is the file's, whole, released with
-// ffp_free (NULL after an error). Errors name file and field: what is no such file, or a row that exists
-// already.
+// Appends the rows of such a file to the n_scores that exist; *predictor is the file's, not truncated,
+// released with ffp_free (NULL after an error). Errors name file and field: a file of another kind, or a row
+// that exists already.
 bool ffp_scores_read(FfpScore **scores, int *n_scores, char **predictor, const char *path, FfpError *err);
 
 // {"version", "predictor", "rows": [a row a capture and protocol], "means": [a row a protocol]} into

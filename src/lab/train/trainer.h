@@ -82,7 +82,7 @@ bool ffp_metrics_held_out(const Trainer *trainer, int64_t step, const FfpHeldOut
 bool ffp_held_out_open(Trainer *trainer, FfpError *err); // reads the captures
 // Scores the averaged weights, and writes them where they are the best: those at the start are the first.
 bool ffp_held_out_score(Trainer *trainer, FfpAdam *whole, int64_t step, FfpError *err);
-// A resumed run has the weights of its best step so far, which are scored anew.
+// A resumed run has the weights of its best step so far, which are scored again.
 bool ffp_held_out_resume(Trainer *trainer, FfpError *err);
 // Whether the last score was one too many without a gain (config.patience).
 bool ffp_held_out_is_over(const Trainer *trainer);

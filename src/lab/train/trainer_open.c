@@ -35,8 +35,8 @@ static void log_origin(Trainer *trainer, const char *path) {
         snprintf(trainer->origin, sizeof trainer->origin, "random, from the seed");
 }
 
-// The weights to start from, of their own configuration but for what is no matter of weights, and for
-// context_inputs, which begin at zero where the file has none.
+// The weights to start from, in their own configuration except for fields that do not concern weights, and
+// for context_inputs, whose weights begin at zero if the file has none.
 static FfpModel *read_initial(const char *path, const FfpTrainConfig *config, FfpError *err) {
     FfpModel *model = ffp_model_read(path, err);
     if (!model) return NULL;

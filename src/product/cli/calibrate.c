@@ -203,9 +203,9 @@ const FfpCommand ffp_cli_calibrate = {
              "carried to the projector's panel by homographies of the codes around each (Moreno and Taubin "
              "2012); then "
              "both devices are fitted, with lens distortion, and the motion between them. Corners and "
-             "attitudes out of "
-             "line are left out, and said. docs/guide/own-rig.md shows how.\n"
-             "With --turntable-board, a chessboard that lies or stands on the turntable tells its axis.",
+             "attitudes that "
+             "do not fit are left out, and listed. docs/guide/own-rig.md shows how.\n"
+             "With --turntable-board, a chessboard that lies or stands on the turntable gives its axis.",
     .positional = {.name = "FOLDER",
                    .least = 0,
                    .most = INT_MAX,

@@ -223,7 +223,7 @@ static const FfpOption options[] = {
      .group = PHOTOGRAPHS,
      .help = "the object's silhouettes (white on black), FILES as above; otsu: computed from white minus "
              "black and, with four or more views, completed where the projector does not reach. Default: "
-             "alpha channels if present, else otsu"},
+             "alpha channels if present, otherwise otsu"},
     {.name = "linear",
      .argument = "WHAT",
      .type = FFP_OPTION_PARSED,

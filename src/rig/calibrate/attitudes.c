@@ -91,7 +91,7 @@ static bool check_seen(const FfpRigFit *fit, const FfpImage *unseen, FfpError *e
     char guess[160] = "";
     for (int i = 0; i < fit->n; i++)
         if (fit->attitudes[i].n > 0) return true;
-    if (!unseen->data) return true; // nor did any have photographs to look at: that is told later
+    if (!unseen->data) return true; // nor had any of them photographs to look at, which is reported later
     return ffp_board_guess(&fit->board, unseen, guess, err) &&
            ffp_fail(err, FFP_ERROR_FILE, NULL,
                     "no chessboard with %d x %d corners inside it is in any of %d attitudes%s (corners are "

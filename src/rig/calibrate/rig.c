@@ -54,7 +54,7 @@ static bool check(const FfpRigCalibration *o, FfpError *err) {
                     o->width, o->height, SIDE_MIN, SIDE_MAX);
 }
 
-// The camera of a calibration that is there already, in OpenCV's pixels.
+// The camera of an existing calibration, in OpenCV's pixels.
 static bool read_camera(const FfpRigCalibration *o, FfpCvDevice *camera, FfpError *err) {
     FfpCalibration calibration;
     if (!ffp_calibration_read(&calibration, o->calibrations, o->n_calibrations, NULL, err)) return false;

@@ -141,7 +141,7 @@ static bool write_scene(const FfpCapture *capture, const FfpSceneSpec *spec, con
     if (ok && rename(part, folder) != 0) {
         const bool there = errno == ENOTEMPTY || errno == EEXIST || errno == ENOTDIR;
         ok = there ? ffp_fail(err, FFP_ERROR_ARGUMENT, folder,
-                              "is there already, but is not a whole scene: remove it")
+                              "already exists, but is not a complete scene: remove it")
                    : ffp_fail(err, FFP_ERROR_IO, folder, "cannot name the scene: %s", strerror(errno));
     }
     ffp_disown(owned);
@@ -219,7 +219,7 @@ static bool generate_all(Job *job, int64_t total) {
     job->progress = ffp_task("generating", count);
     ffp_parallel_for(count, omp_get_max_threads() + 1, work_on, job);
     ffp_task_end(&job->progress);
-    if (job->kept > 0) ffp_note("%lld scenes were there already and were kept", (long long)job->kept);
+    if (job->kept > 0) ffp_note("%lld scenes already existed and were kept", (long long)job->kept);
     return !job->failed;
 }
 

@@ -268,7 +268,7 @@ static void bad_truth_is_refused(void **state) {
 
 // --- Files that change while they are read. ---
 
-// From the first or a later opening of `name` on another file is there.
+// From the first or a later opening of `name` onwards, another file is in its place.
 static struct {
     const char *name, *other;
     int at; // the opening from which on

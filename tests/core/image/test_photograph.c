@@ -1,5 +1,5 @@
-// Raw photographs and films, by the real programs where they are there, and by scripts in their place that
-// do what programs should not.
+// Raw photographs and films, with the real programs if they are installed, and with scripts in their place
+// that do what programs should not.
 #include <math.h>
 #include <stdint.h>
 #include <sys/stat.h>

@@ -294,8 +294,8 @@ static void draws_are_disjoint(void **state) {
 static void activations_made_anew_change_no_bit(void **state) {
     (void)state;
     train_well(in_scratch("kept"), write_config("kept.json", ""), 1, 3, false);
-    train_well(in_scratch("anew"), write_config("anew.json", ", \"recompute\": true"), 1, 3, false);
-    assert_runs_agree(in_scratch("kept"), in_scratch("anew"), 0);
+    train_well(in_scratch("again"), write_config("again.json", ", \"recompute\": true"), 1, 3, false);
+    assert_runs_agree(in_scratch("kept"), in_scratch("again"), 0);
 }
 
 static void one_that_is_stopped_stops_all(void **state) {

@@ -209,8 +209,8 @@ static void refused(FfpRigCalibration *o, const char *const *words) {
 }
 #define REFUSED(o, ...) refused(o, (const char *const[]){__VA_ARGS__, NULL})
 
-// What is done to a copy of one attitude, of which photographs 1 and 2 are black and white, 3 to 18 codes of
-// columns and 19 to 34 of rows, and what must be said of it.
+// A change to a copy of one attitude, whose photographs 1 and 2 are black and white, 3 to 18 codes of columns
+// and 19 to 34 of rows, and the words that the error must contain.
 typedef struct Fault {
     const char *command;
     int width, height; // of the panel; 0: its own

@@ -240,7 +240,7 @@ static void test_opencv_samples(void **state) {
     import_rig("samples", "cal.yml", plain);
 }
 
-// Placeholders and * in one name: what a placeholder does not tell is told by *.
+// Placeholders and * in one name: * stands for whatever the placeholders do not.
 static void test_names_of_files(void **state) {
     (void)state;
     static const char *const ways[] = {

@@ -76,7 +76,7 @@ static void scores_of_parts_make_the_whole(void **state) {
 
 static void merging_refuses(void **state) {
     (void)state;
-    must_say(1, line("evaluate --merge %s/first.json --merge %s/first.json"), "was there already");
+    must_say(1, line("evaluate --merge %s/first.json --merge %s/first.json"), "duplicate row");
     must_say(1, line("evaluate --merge %s/scenes/train_00000/scene.json"), "predictor");
     must_say(1, line("evaluate --merge %s/none.json"), "none.json");
     must_say(2, line("evaluate %s/scenes/train_00000 --merge %s/first.json"), "no CAPTURE");

@@ -177,7 +177,7 @@ static void test_wrong_usage_exits_2_and_says_where_to_read(void **state) {
     assert_int_equal(run.status, 2);
 }
 
-// What is wrong is named, and what was probably meant.
+// Messages name the mistake, and what was probably meant.
 static void test_mistakes_are_told_as_what_they_are(void **state) {
     (void)state;
     static const struct {

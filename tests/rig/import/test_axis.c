@@ -81,7 +81,7 @@ static void test_with_guess(void **state) {
     check_found();
 }
 
-// Angles counted the other way round: the same axis, and it is said.
+// Angles counted the other way round: the same axis, with a note.
 static void test_reversed(void **state) {
     (void)state;
     SAME_WAY_AGAIN();
@@ -129,7 +129,7 @@ static void test_empty_masks(void **state) {
     must_fail(&truth, "look at the masks");
 }
 
-// What was projected is another picture than the file.
+// The projected picture differs from the file.
 static void test_wrong_pattern(void **state) {
     (void)state;
     SAME_WAY_AGAIN();

@@ -237,7 +237,7 @@ static void test_bad_documents(void **state) {
         const char *files[1] = {in_scratch("bad.any")};
         const bool ok = ffp_calibration_read(&calibration, files, 1, "calib", &err);
         ffp_calibration_free(&calibration);
-        // A list of numbers is no list of cameras, in whatever words.
+        // A list of numbers is not a list of cameras, in whatever words.
         if (ok || (i != 19 && !strstr(err.text, cases[i].what)))
             printf("%s: expected \"%s\", got: %s\n", cases[i].text, cases[i].what, err.text);
         assert_false(ok);
@@ -263,7 +263,7 @@ static void test_truncated(void **state) {
             refused += !ffp_calibration_read(&calibration, files, 1, "calib", &err);
             ffp_calibration_free(&calibration);
         }
-        // Cut behind the last bracket or within the last line's space the file is still whole.
+        // A file cut after the last bracket or within the last line's space is still complete.
         assert_true(refused >= (int)length - 2);
     }
 }

@@ -458,8 +458,8 @@ static void test_real_board(void **state) {
 
 // --- Faults. ---
 
-// What is done to a copy of the photographs, or to the call, and what the error must say, file or field with
-// it.
+// A change to a copy of the photographs, or to the call, and what the error must say, including the file or
+// field.
 typedef struct Fault {
     const char *command; // of the shell, in the copy's folder
     void (*change)(Call *call);

@@ -1,6 +1,6 @@
 // Whole imports of a simulated rig: a ball, seen through lenses, by a projector that has one too. The capture
-// must hold the true poses, and drawing the ball anew with the capture's ideal devices and patterns must give
-// the capture's pictures.
+// must hold the true poses, and drawing the ball again with the capture's ideal devices and patterns must
+// give the capture's pictures.
 #include <dirent.h>
 #include <math.h>
 #include <stdio.h>
@@ -288,7 +288,7 @@ static bool is_inside(const FfpImage *drawn, int i) {
     return true;
 }
 
-// PSNR over the ball's inside, in encoded values, of the capture's pictures against the ball drawn anew with
+// PSNR over the ball's inside, in encoded values, of the capture's pictures against the ball drawn again with
 // its ideal devices and its own patterns; the worst of all.
 static double explained(const FfpCapture *capture, Rig rig) {
     double worst = 100;
