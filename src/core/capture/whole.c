@@ -10,7 +10,7 @@ static bool verify(const char *folder, FfpError *err) {
     FfpCapture capture;
     FfpError why = {0};
     if (!ffp_capture_read(&capture, folder, &why))
-        return ffp_fail(err, why.code, NULL, "the capture made cannot be used: %s", why.text);
+        return ffp_fail(err, why.code, NULL, "the resulting capture cannot be used: %s", why.text);
     ffp_capture_free(&capture);
     return true;
 }

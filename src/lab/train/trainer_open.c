@@ -74,7 +74,7 @@ static bool open_model(Trainer *trainer, const FfpTrainRun *options, FfpError *e
     if (options->resume) {
         if (options->config || options->initial) {
             ffp_fail(err, FFP_ERROR_ARGUMENT, NULL,
-                     "a resumed run takes its configuration and weights from the checkpoint alone");
+                     "a resumed run takes its configuration and weights only from the checkpoint");
             return false;
         }
         if (!ffp_trainer_path(path, trainer, "checkpoint.safetensors", err)) return false;
@@ -101,7 +101,7 @@ static bool open_metrics(Trainer *trainer, bool resume, FfpError *err) {
         return false;
     if (!resume && ffp_is_file(path))
         return ffp_fail(err, FFP_ERROR_ARGUMENT, path,
-                        "a run is here already: resume it, or choose another folder to start afresh");
+                        "the folder already holds a run: resume it, or choose another folder");
     trainer->metrics = ffp_open_to_grow(path, true, err);
     if (trainer->metrics) ffp_own_file(trainer->metrics);
     return trainer->metrics != NULL;

@@ -93,15 +93,16 @@ extern const FfpWord ffp_cli_auto[], ffp_cli_layers[], ffp_cli_forms[], ffp_cli_
     }
 #define FFP_CLI_FORM_HELP                                                                                    \
     "ours (default), or paper for Gaussians from a model in the paper's form, or gs-procams for those "      \
-    "fitted in it: paper, in light without cosine and falloff"
+    "fitted in it: the paper's form, in light without cosine and falloff"
 #define FFP_CLI_SAMPLES(place, text)                                                                         \
     {                                                                                                        \
         .name = "samples", .argument = "N", .type = FFP_OPTION_INT, .offset = (place), .low = 1, .high = 4,  \
         .help = (text)                                                                                       \
     }
 #define FFP_CLI_SAMPLES_HELP                                                                                 \
-    "draw with N x N samples a pixel, 1 to 4. More are smoother and slower. Default: as the model has it, "  \
-    "else 2 (1 in the paper's form)"
+    "draw with N x N samples per pixel, 1 to 4. More are smoother and slower. Default: the model's "         \
+    "setting, "                                                                                              \
+    "otherwise 2 (1 in the paper's form)"
 #define FFP_CLI_DEVICE(place, text)                                                                          \
     {                                                                                                        \
         .name = "device", .argument = "cpu|cuda", .type = FFP_OPTION_NAME, .offset = (place),                \

@@ -47,7 +47,7 @@ static void what_diverges_is_refused(void **state) {
     FfpFieldSettings s = of_steps(7);
     s.grid_rate = s.net_rate = 1e30;
     s.checkpoint = in_scratch("diverged");
-    refused(&s, "no longer a number");
+    refused(&s, "no longer finite");
     assert_false(ffp_is_file(s.checkpoint));
 }
 

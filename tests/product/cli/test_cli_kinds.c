@@ -42,7 +42,7 @@ static void a_file_in_anothers_place_is_named(void **state) {
         {"reconstruct @/w.safetensors -o @/x.ply", "is weights (safetensors), not a capture: "},
         {"render @/tiny -c @/tiny -o @/x", "is a folder, as captures are, not Gaussians: "},
         {"refine @/tiny/render_poses.json -c @/tiny -o @/x.ply",
-         "is JSON, as captures have it, not Gaussians: "},
+         "is JSON, as in captures, not Gaussians: "},
         {"map @/tiny/view_0_stripes.png -c @/tiny -o @/x", "is a picture, not Gaussians: "},
         {"map @/w.safetensors -c @/tiny -o @/x", "is weights (safetensors), not Gaussians: "},
         {"reconstruct @/tiny -o @/x.ply --model @/tiny.ply", "is Gaussians (a PLY), not weights: "},

@@ -255,8 +255,9 @@ static void test_kernels_that_cannot_run_here_are_an_error(void **state) {
     run_program(&run, "info nothing");
     unsetenv("FFPROCAMS_CPU");
     assert_int_equal(run.status, 1);
-    assert_string_equal(run.err, "ffprocams: error: sse9 is none of portable, avx2, avx512, avx512bf16, amx "
-                                 "(FFPROCAMS_CPU)\n");
+    assert_string_equal(
+        run.err, "ffprocams: error: invalid value sse9: expected portable, avx2, avx512, avx512bf16 or amx "
+                 "(FFPROCAMS_CPU)\n");
     if (ffp_cpu_best() == FFP_CPU_AMX) return;
     setenv("FFPROCAMS_CPU", "amx", 1);
     run_program(&run, "info nothing");
