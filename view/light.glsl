@@ -1,5 +1,5 @@
-// Which point of the pattern lights a sample, how much of the pattern it covers and what is in the way:
-// engine/render/map_pixel.h. What light it then sends to the camera: engine/render/shade_pixel.h, core/base/brdf.h.
+// The point of the pattern that lights a sample, how much of the pattern the sample covers, and the visibility:
+// engine/render/map_pixel.h. The light it then sends to the camera: engine/render/shade_pixel.h, core/base/brdf.h.
 uniform mat3 camera_rotation, projector_rotation; // columns: the axes in the world
 uniform vec3 camera_position, projector_position;
 uniform vec2 camera_focal, camera_principal, camera_size;

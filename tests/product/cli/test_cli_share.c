@@ -35,7 +35,7 @@ static void a_folder_says_what_it_lacks(void **state) {
     must_say(1, line("generate %s/scenes " SCENES " --count 3 --check"),
              "1 of 3 scenes are missing: train_00001 ");
     must(line("generate %s/scenes " SCENES " --first 1 --count 1"));
-    must_say(0, line("generate %s/scenes " SCENES " --count 3 --check"), "all 3 scenes are there");
+    must_say(0, line("generate %s/scenes " SCENES " --count 3 --check"), "all 3 scenes exist");
     must_say(1, line("generate %s/scenes " SCENES " --count 9 --check"),
              "6 of 9 scenes are missing: train_00003, ");
 }
