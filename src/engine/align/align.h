@@ -28,7 +28,7 @@ typedef struct FfpAlignReport { // statistics
     double evened;            // rotation by sharing a pose, root mean square about an axis, radians
     double depth, across, side; // the camera's part of the rotations that all views share, radians: towards
                                 // the projector and back, across that, and sideways with the projector
-    double before, after; // disagreement (look.h)
+    double before, after;       // disagreement (photo_consistency.h)
 } FfpAlignReport;
 
 // Moves the poses of all views; the capture is normalised (object in the unit sphere). First, views of one
