@@ -245,7 +245,8 @@ typedef enum FfpMap {
     FFP_MAP_AMBIENT,   // 3: linear radiance, premultiplied by opacity
     FFP_MAP_COUNT
 } FfpMap;
-FFP_API int ffp_map_channels(FfpMap map);
+FFP_API int ffp_map_channels(FfpMap map); // 1 or 3
+// A map of the view that was aimed at, of the camera's size.
 FFP_API bool ffp_renderer_map(FfpContext *context, FfpRenderer *renderer, FfpMap map, float *out,
                               FfpError *err);
 
@@ -620,8 +621,8 @@ FFP_API int ffp_write_patterns(FfpContext *context, const FfpPatterns *options, 
 
 // --- Calibration of a rig. ---
 
-// Terms of a device to hold fixed: lens terms at 0, the principal point at the middle, fx = fy. Combined by
-// |.
+// Terms of a device to hold fixed: lens terms at 0, the principal point at the middle, fx = fy. They
+// may be combined with |.
 enum {
     FFP_FIX_K1 = 1,
     FFP_FIX_K2 = 2,
