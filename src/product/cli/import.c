@@ -141,7 +141,7 @@ static const FfpOption options[] = {
      .words = (const FfpWord[]){{"scaled", 0}, {"crop=", 0}, {0}},
      .group = CALIBRATION,
      .help = "how photographs of a different size relate to the calibrated picture: scaled, or crop=X,Y (cut "
-             "out, their first pixel being X,Y of the calibrated picture)"},
+             "out, where their first pixel is X,Y of the calibrated picture)"},
     {.name = "projector-fit",
      .argument = "FIT",
      .type = FFP_OPTION_PARSED,

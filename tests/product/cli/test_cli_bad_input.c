@@ -513,11 +513,11 @@ static void test_checkpoints_that_are_broken(void **state) {
         {"another format", "{\"__metadata__\":{\"format\":\"x\"}}", "checkpoint.safetensors: format"},
         {"no step", "{\"__metadata__\":{\"format\":\"ffprocams-checkpoint-1\"}}",
          "checkpoint.safetensors: step"},
-        {"a step that is none", "{\"__metadata__\":{\"format\":\"ffprocams-checkpoint-1\",\"step\":\"-4\"}}",
+        {"an invalid step", "{\"__metadata__\":{\"format\":\"ffprocams-checkpoint-1\",\"step\":\"-4\"}}",
          "checkpoint.safetensors: step"},
         {"no configuration", "{\"__metadata__\":{\"format\":\"ffprocams-checkpoint-1\",\"step\":\"4\"}}",
          "checkpoint.safetensors: config"},
-        {"a large model of which nothing is there",
+        {"a large model without any tensors",
          "{\"__metadata__\":{\"format\":\"ffprocams-checkpoint-1\",\"step\":\"4\",\"config\":\"{"
          "\\\"model\\\": "
          "\\\"paper\\\"}\"}}",
