@@ -165,7 +165,7 @@ static void a_rig_comes_back(void **state) {
         assert_true(stats.left_out < stats.corners / 10);
         check_file(file);
         assert_true(ffp_read_text(report, 1 << 24, &text, &size, &err));
-        assert_non_null(strstr(text, "pose_5: camera's errors"));
+        assert_non_null(strstr(text, "pose_5: the camera's errors"));
         assert_null(strstr(text, "http"));
         ffp_free(text);
     }
@@ -275,7 +275,7 @@ static const Fault faults[] = {
     {"cp ../small.png bad/shot_2.png",
      0,
      0,
-     {"image is 200 x 100, 'shot_1.png' has 480 x 360", "bad/shot_2.png"}},
+     {"image is 200 x 100, but 'shot_1.png' is 480 x 360", "bad/shot_2.png"}},
     {"rm -r bad && cp -r ../bare bad",
      0,
      0,
@@ -331,7 +331,7 @@ static void another_board(void **state) {
     const char *folder = in_scratch("shots");
     FfpRigCalibration o = settings_of(&folder, 1);
     o.columns = 8;
-    REFUSED(&o, "no chessboard with 8 x 5 corners", "there is one with 7 x 5");
+    REFUSED(&o, "no chessboard with 8 x 5 inner corners", "there is one with 7 x 5");
     o.columns = 6;
     REFUSED(&o, "0 of 6 attitudes", "more than 6 x 5 corners");
 }
@@ -518,7 +518,7 @@ static void wrong_turntables(void **state) {
     snprintf(folder, sizeof folder, "%s/stops", scratch);
     REFUSED(&o, "2 of 4 photographs show the board, but 3 are needed", "stops/2.png");
     in_folder(scratch, "cp small.png stops/1.png");
-    REFUSED(&o, "is of 200 x 100 pixels, the camera was calibrated at 480 x 360", "stops/1.png");
+    REFUSED(&o, "has 200 x 100 pixels, but the camera was calibrated at 480 x 360", "stops/1.png");
     in_folder(scratch, "printf GIF89a > stops/1.png");
     REFUSED(&o, "stops/1.png");
     snprintf(folder, sizeof folder, "%s/nowhere", scratch);
