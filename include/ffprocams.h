@@ -85,15 +85,18 @@ typedef struct FfpCaptureData {
     int n_patterns, n_views;
     const FfpPatternData *patterns;
     const FfpViewData *views;
-    int black, white;         // indices of these patterns
-    double intensity[3];      // the projector's radiant intensity at pattern value 1; all 0: estimated
+    int black, white; // indices of these patterns
+    // The projector's radiant intensity per channel at pattern value 1, W/sr with distances in world units;
+    // all 0: estimated.
+    double intensity[3];
     double centre[3], radius; // sphere around the object, world units; radius 0: estimated
 } FfpCaptureData;
 
 // Copies and checks everything. Errors name the view, pattern or field.
 FFP_API FfpCapture *ffp_capture_from_memory(FfpContext *context, const FfpCaptureData *data, FfpError *err);
 
-// Contents of a capture. An index out of range gives NULL or false.
+// Contents of a capture: the numbers of views and patterns, ids and names. An index out of range gives NULL
+// or false.
 FFP_API int ffp_capture_views(const FfpCapture *capture);
 FFP_API int ffp_capture_patterns(const FfpCapture *capture);
 FFP_API const char *ffp_capture_view_id(const FfpCapture *capture, int view);
@@ -112,8 +115,9 @@ FFP_API bool ffp_capture_view_devices(const FfpCapture *capture, int view, FfpPi
 // Linear RGB in the library's memory, valid until the capture is closed; data is NULL if the view has no such
 // picture. View -1: the pattern itself.
 FFP_API FfpPicture ffp_capture_picture(const FfpCapture *capture, int view, int pattern);
-// The object's share of each pixel.
+// The object's share of each pixel: one channel, from 0 to 1, likewise.
 FFP_API FfpPicture ffp_capture_coverage(const FfpCapture *capture, int view);
+// As in FfpCaptureData, given or estimated.
 FFP_API void ffp_capture_intensity(const FfpCapture *capture, double intensity[3]);
 FFP_API void ffp_capture_bounds(const FfpCapture *capture, double centre[3], double *radius);
 
@@ -128,9 +132,10 @@ typedef struct FfpModel FfpModel;
 FFP_API FfpModel *ffp_model_open(FfpContext *context, const char *path, FfpError *err);
 FFP_API void ffp_model_close(FfpModel *model);
 
-// How Gaussians are drawn: in the form of the shipped model (firm splats, footprint lookup, shadows), in the
-// paper's plain form (blur 0.3 px, bilinear lookup, no shadows), or in that of GS-ProCams' released program
-// (the paper's form, with light that has neither cosine nor falloff). Each model records its own form.
+// How Gaussians are drawn: in the form of the shipped model (firm splats, patterns averaged over a pixel's
+// footprint, shadows), in the paper's plain form (blur 0.3 px, bilinear lookup, no shadows), or in that of
+// GS-ProCams' released program (the paper's form, in light without cosine and falloff). Each model records
+// its own form (docs/design/architecture.md).
 typedef enum FfpForm { FFP_FORM_OURS, FFP_FORM_PAPER, FFP_FORM_GS_PROCAMS } FfpForm;
 typedef struct FfpDrawing {
     FfpForm form;
@@ -154,8 +159,8 @@ typedef struct FfpReconstruction {
     // Standard deviation of the noise to be filtered from the photographs first, in linear values from 0 to
     // 1. 0: no filtering. Or FFP_NOISE_ESTIMATED: estimated from the photographs.
     double noise;
-    // How many splats may cover the same place of the surface, those of the views with the finest resolution
-    // being kept. 0: a splat for every pixel of every view. Or FFP_LAYERS_AUTO: depends on their number.
+    // How many splats may cover the same place of the surface; those of the views with the finest resolution
+    // are kept. 0: a splat for every pixel of every view. Or FFP_LAYERS_AUTO: depends on their number.
     double layers;
     FfpDrawing drawing; // used by the polish
 } FfpReconstruction;
@@ -173,14 +178,15 @@ typedef struct FfpReconstructionStats { // times are wall-clock seconds
     int64_t gaussians;
     double initialisation_s, network_s; // projector matching and the classical estimates; the network
     double polish_s;                    // including the selection of the splats to polish
-    double noise, denoise_s;            // standard deviation that was filtered
+    double noise, denoise_s;            // standard deviation of the noise that was filtered, and the time
     // The network's prediction, or the polish, made the match with the photographs worse and was discarded.
     bool network_dropped, polish_dropped;
 } FfpReconstructionStats;
 
 // One forward pass and a short fit, each scored on the photographs: a prediction that reproduces them clearly
 // worse than the classical initialisation is replaced by it, and a fit that makes them worse is discarded;
-// the log says so. The Gaussians are in the capture's world units. `stats` may be NULL.
+// the log says so. The Gaussians are in the capture's world units. Fails with FFP_ERROR_MEMORY before any
+// work if the machine does not have enough memory. `stats` may be NULL.
 FFP_API FfpGaussians *ffp_reconstruct(FfpContext *context, const FfpCapture *capture,
                                       const FfpReconstruction *options, FfpReconstructionStats *stats,
                                       FfpError *err);
@@ -224,12 +230,12 @@ FFP_API void ffp_renderer_close(FfpRenderer *renderer);
 FFP_API bool ffp_renderer_aim(FfpContext *context, FfpRenderer *renderer, const FfpGaussians *gaussians,
                               const FfpPinhole *camera, const FfpPinhole *projector, FfpError *err);
 // The camera's picture of the object over black under `pattern` (of the projector's size; data NULL: a dark
-// projector), for a projector of the given radiant intensity. out [height,width,3], sRGB-encoded: U8 rounded
-// as in files, F32 in [0,1]; `row_bytes` 0: rows are contiguous.
+// projector), for a projector of the given radiant intensity (as in FfpCaptureData). out [height,width,3],
+// sRGB-encoded: U8 rounded as in files, F32 in [0,1]; `row_bytes` 0: rows are contiguous.
 FFP_API bool ffp_renderer_shade(FfpContext *context, FfpRenderer *renderer, const FfpPicture *pattern,
                                 const double intensity[3], void *out, FfpPixelType type, size_t row_bytes,
                                 FfpError *err);
-// Averages over each pixel, F32 [height,width,channels].
+// G-buffers: averages over each pixel, F32 [height,width,channels].
 typedef enum FfpMap {
     FFP_MAP_OPACITY,   // 1 channel, in [0,1]
     FFP_MAP_DEPTH,     // 1: camera z in world units, 0 where the opacity is below one half
@@ -239,7 +245,8 @@ typedef enum FfpMap {
     FFP_MAP_AMBIENT,   // 3: linear radiance, premultiplied by opacity
     FFP_MAP_COUNT
 } FfpMap;
-FFP_API int ffp_map_channels(FfpMap map);
+FFP_API int ffp_map_channels(FfpMap map); // 1 or 3
+// A map of the view that was aimed at, of the camera's size.
 FFP_API bool ffp_renderer_map(FfpContext *context, FfpRenderer *renderer, FfpMap map, float *out,
                               FfpError *err);
 
@@ -258,7 +265,7 @@ typedef struct FfpPictures {
     const char *const *patterns;
     int n_patterns;
     // Size of the pictures. The width scales them; an aspect ratio other than the camera's shows more or less
-    // above and below, the principal point keeping its relative height. 0, 0: the camera's size; height 0:
+    // above and below, and the principal point keeps its relative height. 0, 0: the camera's size; height 0:
     // the camera's aspect ratio.
     int width, height;
     // The projector's radiant intensity at pattern value 1; all 0: the capture's, or that of the file of
@@ -291,11 +298,12 @@ FFP_API int ffp_render_pictures(FfpContext *context, const FfpGaussians *gaussia
 // Named float images returned by a call.
 typedef struct FfpImages FfpImages;
 typedef struct FfpNamedImage {
-    const char *name; // NULL: no such image
+    const char *name;
     int width, height, channels;
     const float *data; // [height,width,channels], the library's, valid until the images are closed
 } FfpNamedImage;
 FFP_API int ffp_images_count(const FfpImages *images);
+// An index out of range or an unknown name gives an image whose name is NULL.
 FFP_API FfpNamedImage ffp_images_at(const FfpImages *images, int index);
 FFP_API FfpNamedImage ffp_images_find(const FfpImages *images, const char *name);
 FFP_API void ffp_images_close(FfpImages *images);
@@ -331,7 +339,7 @@ typedef struct FfpRefinement {
     double seconds; // of wall clock; 0: no limit. With neither limit: 30 s
     double noise;   // as FfpReconstruction.noise
     uint64_t seed;  // for the order of views
-    // File for one line of JSON per round (step, seconds, loss, psnr, gaussians), or NULL.
+    // File for one line of JSON per round of all views (step, seconds, loss, psnr, gaussians), or NULL.
     const char *metrics;
     FfpDrawing drawing;
 } FfpRefinement;
@@ -356,7 +364,7 @@ FFP_API bool ffp_refine_gaussians(FfpContext *context, FfpGaussians *gaussians, 
 
 typedef struct FfpCompensation {
     const char *poses; // as FfpPictures.poses
-    // Ids of the views whose cameras see a target, all projectors shining at once; none: all.
+    // Ids of the views whose cameras see a target, with all their projectors shining at once; none: all.
     const char *const *views;
     int n_views;
     const char *const *targets; // image files in the cameras' frames: one for all views, or one for each
@@ -380,9 +388,11 @@ typedef struct FfpCompensation {
 FFP_API FfpCompensation ffp_compensation_defaults(void); // all views, gain 1, 30 steps
 
 typedef struct FfpCompensationStats {
-    double gain;                        // the gain used
-    double unlit, too_dark, too_bright; // shares of the object's pixels that the targets constrain
-    // dB over the lit ones: with dark projectors, in closed form, at the end.
+    double gain; // the gain used
+    // Shares of the object's pixels that the targets constrain: those that no projector lights, and those
+    // whose target is darker or brighter than projected light can reach.
+    double unlit, too_dark, too_bright;
+    // dB over the lit ones: with dark projectors, after the closed form, at the end.
     double psnr_dark, psnr_closed, psnr;
     int patterns;
     double seconds;
@@ -412,7 +422,7 @@ typedef struct FfpMapStats { // of one view
     char view[96];
     // Camera pixels whose round trip to the projector succeeded, and lit ones for which it failed.
     int lit_pixels, lost_pixels;
-    // Error of the round trip: the share within half a pixel; pixels.
+    // Error of the round trip: the share within half a pixel; the median and the maximum, pixels.
     double within_half, median, most;
     double lit_share; // share of the projector's pixels that fall on the object
 } FfpMapStats;
@@ -502,8 +512,8 @@ FFP_API FfpEvaluation ffp_evaluation_defaults(void); // as ffp_reconstruction_de
 
 // One row of results: a capture under a protocol. `rendering`: black, white and lollipops at the input poses;
 // `novel_pattern`: every other pattern at these poses; `novel_pose`: all pictures of the targets. Measured on
-// the 8-bit prediction against the truth over black, sRGB-encoded. NAN where a figure does not apply. The
-// PSNR of identical pictures is 100.
+// the 8-bit prediction against the truth over black, sRGB-encoded. NAN where a figure does not apply. PSNR is
+// in dB, and 100 for identical pictures; SSIM is that of Wang et al. 2004, LPIPS that of Zhang et al. 2018.
 typedef struct FfpScore {
     char capture[96];
     const char *protocol;
@@ -597,9 +607,9 @@ FFP_API bool ffp_generate(FfpContext *context, const FfpGeneration *options, Ffp
 typedef struct FfpPatterns {
     const char *folder; // for the pictures, README.txt and show.html; must be new or empty
     int width, height;  // of the projector's panel, pixels, 64 to 16384
-    int lollipops;      // 0 to 100
+    int lollipops;      // number of the paper's structured-light patterns of coloured rings, 0 to 100
     bool focus;         // a chart for focusing and for placing the object
-    bool capture;       // black, white and the lollipops
+    bool capture;       // black, white and the lollipops: what a reconstruction needs
     bool gamma;         // 16 steps of grey
     bool gray_codes;    // of columns and rows, each with its inverse
 } FfpPatterns;
@@ -611,7 +621,8 @@ FFP_API int ffp_write_patterns(FfpContext *context, const FfpPatterns *options, 
 
 // --- Calibration of a rig. ---
 
-// Terms of a device to hold fixed: lens terms at 0, the principal point at the middle, fx = fy.
+// Terms of a device to hold fixed: lens terms at 0, the principal point at the middle, fx = fy. They
+// may be combined with |.
 enum {
     FFP_FIX_K1 = 1,
     FFP_FIX_K2 = 2,
@@ -626,12 +637,12 @@ typedef struct FfpRigCalibration {
     // only the turntable's board is used.
     const char *const *attitudes;
     int n_attitudes;
-    int columns, rows; // inner corners of the board, where four squares meet
-    double square;     // side of a square, which sets the unit of length of all results
-    int width, height; // of the projector's panel, pixels, 64 to 16384
-    unsigned fix_camera, fix_projector;
-    const char *file;   // for the calibration: OpenCV FileStorage, XML or (.yml, .yaml) YAML
-    const char *report; // for an HTML page, or NULL
+    int columns, rows;                  // inner corners of the board, where four squares meet
+    double square;                      // side of a square, which sets the unit of length of all results
+    int width, height;                  // of the projector's panel, pixels, 64 to 16384
+    unsigned fix_camera, fix_projector; // FFP_FIX_K1 and so on
+    const char *file;                   // for the calibration: OpenCV FileStorage, XML or (.yml, .yaml) YAML
+    const char *report;                 // for an HTML page, or NULL
     // The turntable's axis is found from a chessboard on it, photographed at known angles.
     const char *turntable_board; // folder of photographs in the order of the angles, or NULL
     const double *angles;        // of the table, degrees
@@ -646,7 +657,7 @@ typedef struct FfpRigCalibrationStats { // errors in pixels are root mean square
     int attitudes, used;
     double camera, projector; // errors of the separate fits
     double both;              // error of all corners in both devices, with one pose of the board for both
-    int corners, left_out;    // of the attitudes used, in camera and projector
+    int corners, left_out;    // their number in camera and projector together, in the attitudes used
     int open_terms;           // terms that the photographs do not determine; warnings name them
     bool has_axis;            // the turntable's axis was found; the following fields describe it
     double axis[3], point[3]; // camera coordinates; points up in the picture
@@ -662,7 +673,7 @@ FFP_API bool ffp_calibrate_rig(FfpContext *context, const FfpRigCalibration *opt
 
 // --- Import of photographs and calibrations from other tools. ---
 
-// How pictures relate to the size at which a device was calibrated.
+// How pictures relate to the size at which a device was calibrated: the same, scaled, or cut out of it.
 typedef enum FfpFit { FFP_FIT_EXACT, FFP_FIT_SCALED, FFP_FIT_CROPPED } FfpFit;
 
 typedef struct FfpCalibratedAt {
@@ -692,8 +703,9 @@ typedef enum FfpMasks {
     FFP_MASKS_FROM_FILES
 } FfpMasks;
 
-// An object that turned in front of a fixed camera and projector, in camera coordinates (x right, y down, z
-// forward) and the calibration's unit; angles in degrees, right-handed about the axis.
+// An object that turned in front of a fixed camera and projector and was photographed at several stops, in
+// camera coordinates (x right, y down, z forward) and the calibration's unit; angles in degrees, right-handed
+// about the axis.
 typedef struct FfpImportTurntable {
     // JSON or YAML {"axis", "point", "angles"}, or "count" and "step" instead of angles; NULL: the fields
     // below.
@@ -716,10 +728,10 @@ typedef struct FfpImport {
     int n_patterns;
     const FfpImportPattern *held_out; // likewise, for testing only
     int n_held_out;
-    // Photographs of the Gray codes of `ffp_write_patterns` in their order, as FfpImportImages.files,
-    // {pattern} being gray_x_00, gray_x_00_inverse and so on. The capture then holds the projector position
-    // that each pixel's light comes from. Without any other pattern besides black and white, one of the codes
-    // becomes the pattern. NULL: none.
+    // Photographs of the Gray codes of `ffp_write_patterns` in their order, as FfpImportImages.files, where
+    // {pattern} stands for gray_x_00, gray_x_00_inverse and so on. The capture then holds the projector
+    // position that each pixel's light comes from. Without any other pattern besides black and white, one of
+    // the codes becomes the pattern. NULL: none.
     const char *gray_codes;
     FfpMasks masks;
     const char *mask_files;   // FFP_MASKS_FROM_FILES: as FfpImportImages.files, white on black
@@ -744,7 +756,7 @@ FFP_API bool ffp_import_capture(FfpContext *context, const FfpImport *options, F
 
 typedef struct FfpAlignmentStats {
     bool turntable; // the views come from a fixed rig around a turning object, and share a common pose
-    double evened;  // rotation that sharing it took: root mean square about a device's axis, degrees
+    double evened;  // rotation needed to share it: root mean square about a device's axis, degrees
     // Rotation of the camera in all views, degrees: towards the projector and across (the projector rotates
     // by as much the other way), and sideways (both together).
     double depth, across, side;
@@ -756,7 +768,7 @@ typedef struct FfpAlignmentStats {
     double apart[2]; // before and after: distance between surfaces of different views, pixels of the camera
     double focal[2]; // factors on the focal lengths of camera and projector; 1: unchanged
     double before, after; // disagreement of the pictures: mean difference of pattern values, 0 to 1
-    double seconds;
+    double seconds;       // of wall clock
 } FfpAlignmentStats;
 typedef struct FfpAlignment {
     const char *pattern; // name of the structured-light pattern to use; NULL: the first that every view has

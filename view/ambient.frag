@@ -1,4 +1,4 @@
-// What a pixel shows under dark projectors, and in alpha how much of it is covered: means of the samples.
+// A pixel's light under dark projectors, with the covered share of the pixel as alpha: means over the samples.
 uniform sampler2D u_g2, u_g3;
 uniform int u_side;
 uniform float u_ambient; // 0 or 1: whether the ambient light is on

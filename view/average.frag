@@ -1,4 +1,4 @@
-// Means of side x side samples, as ffp_average_gbuffer.
+// Means over side x side samples, as ffp_average_gbuffer.
 uniform sampler2D u_g0, u_g1, u_g2, u_g3;
 uniform int u_side;
 layout(location = 0) out vec4 o_0;

@@ -1,4 +1,4 @@
-// The wish at the camera pixel that a projector pixel lights (gather of engine/apply/closed.c).
+// The requested level at the camera pixel that a projector pixel lights (gather of engine/apply/closed.c).
 in vec2 f_camera;
 uniform sampler2D u_wishes;
 layout(location = 0) out vec4 o_wish;

@@ -1,6 +1,6 @@
 'use strict';
 // The pattern that makes a camera see the projector's content on the object, in closed form (engine/apply/closed.c),
-// for one projector by itself: 'colours' asks for the content's light times a gain, 'paint' for the look of
+// for each projector separately: 'colours' asks for the content's light times a gain, 'paint' for the look of
 // the object between dark and full light.
 
 class Compensator {
@@ -9,7 +9,7 @@ class Compensator {
     this.view = new GbufferView(renderer);
   }
 
-  // What each camera pixel can get; kept while camera and projector stay.
+  // The light that each camera pixel can receive; kept while camera and projector do not move.
   drawResponse(projector, camera) {
     const {renderer, view} = this, {graphics} = renderer, {gl} = graphics, format = renderer.sumFormat;
     renderer.drawShadow(projector);
@@ -105,7 +105,7 @@ class Compensator {
 // samples_across of rig/import/panel.c
 const samplesAcross = (panelFocal, idealFocal) => clamp(Math.ceil(idealFocal / panelFocal - 1e-6), 1, 64);
 
-// What the real projector is sent for its pattern, RGBA bytes {width, height, data}. `panel`: the device of
+// The picture sent to the real projector for its pattern, RGBA bytes {width, height, data}. `panel`: the device of
 // scene.json (docs/reference/formats.md); none: the pattern itself.
 function panelPicture(graphics, projector, panel, kept) {
   const d = projector.device, original = projector.original || d;

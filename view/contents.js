@@ -1,14 +1,14 @@
 'use strict';
 // What a projector shows: pictures, films, the webcam, text, test patterns. Each has `draw(context, width,
-// height, fit)`, which covers a canvas that is empty, and `live` when it changes by itself.
+// height, fit)`, which fills an empty canvas, and `live` if it changes over time.
 
 const PICTURE_SIDE_MAX = 16384, PICTURE_PIXELS_MAX = 100e6;
 
-class Message extends Error {} // what goes wrong, in words for people
+class Message extends Error {} // an error whose text is shown to the user
 
 const HEAD = 65536, JPEG_SEGMENTS_MAX = 4096;
 
-// Size as the head of a PNG, GIF, WebP, BMP or AVIF file says; null for other files.
+// The size given by the header of a PNG, GIF, WebP, BMP or AVIF file; null for other files.
 function sizeInHead(bytes) {
   const view = new DataView(bytes.buffer, bytes.byteOffset, bytes.byteLength), n = bytes.length;
   const text = (at, length) => String.fromCharCode(...bytes.subarray(at, at + length));
@@ -36,7 +36,7 @@ function sizeInHead(bytes) {
   return null;
 }
 
-// A JPEG's size stands behind its metadata, which may be long: from segment to segment.
+// A JPEG's size comes after its metadata, which may be long: walks from segment to segment.
 async function sizeOfJpeg(file) {
   for (let at = 2, i = 0; i < JPEG_SEGMENTS_MAX; i++) {
     const view = new DataView(await file.slice(at, at + 9).arrayBuffer());
@@ -52,7 +52,7 @@ async function sizeOfJpeg(file) {
   return null;
 }
 
-// What a picture file says of its size, so that giants are refused before they are decoded; null: nothing.
+// The size that a picture file gives, so that huge pictures are refused before they are decoded; null: none.
 async function sizeOfFile(file) {
   const bytes = new Uint8Array(await file.slice(0, HEAD).arrayBuffer());
   return bytes[0] === 0xff && bytes[1] === 0xd8 ? sizeOfJpeg(file) : sizeInHead(bytes);
@@ -61,11 +61,11 @@ async function sizeOfFile(file) {
 function checkSize(name, size) {
   const [width, height] = size;
   if (width > PICTURE_SIDE_MAX || height > PICTURE_SIDE_MAX || width * height > PICTURE_PIXELS_MAX)
-    throw new Message(`${name} has ${width} × ${height} pixels: more than a projector shows, and than this page ` +
-                      `takes (100 million, ${PICTURE_SIDE_MAX} a side).`);
+    throw new Message(`${name} has ${width} × ${height} pixels, which is more than a projector shows and this page ` +
+                      `accepts (100 million, ${PICTURE_SIDE_MAX} per side).`);
 }
 
-// Where a picture of a given size goes in a canvas.
+// The rectangle of a canvas in which a picture of a given size is drawn.
 function placeOf(width, height, canvasWidth, canvasHeight, fit) {
   if (fit === 'stretch') return [0, 0, canvasWidth, canvasHeight];
   const pick = fit === 'cover' ? Math.max : Math.min;
@@ -108,7 +108,7 @@ class TextContent {
   free() {}
 }
 
-// Patterns drawn here; what they are made of is in their names.
+// Patterns drawn here; their names say what they consist of.
 const TEST_PATTERNS = {
   White(context, width, height) {
     context.fillStyle = '#fff';
@@ -173,7 +173,7 @@ function startVideo(video, name) {
   return new Promise((resolve, reject) => {
     const late = setTimeout(() => reject(new Message(`${name} does not start.`)), 20000);
     video.onloadeddata = () => { clearTimeout(late); video.play().catch(() => {}); resolve(video); };
-    video.onerror = () => { clearTimeout(late); reject(new Message(`${name} is no film that this browser plays.`)); };
+    video.onerror = () => { clearTimeout(late); reject(new Message(`This browser cannot play ${name}.`)); };
   });
 }
 
@@ -211,7 +211,7 @@ async function contentOfFile(file) {
 
 async function contentOfWebcam() {
   if (!navigator.mediaDevices || !navigator.mediaDevices.getUserMedia)
-    throw new Message('This browser lets no page from disk use a camera.');
+    throw new Message('This browser does not let a page opened from disk use a camera.');
   let stream = null;
   try {
     stream = await navigator.mediaDevices.getUserMedia({video: {width: {ideal: 1280}}, audio: false});

@@ -1,7 +1,7 @@
 'use strict';
-// Hands on camera, projectors and brush: mouse, touch and wheel.
+// Control of camera, projectors and brush by mouse, touch and wheel.
 
-const TURN = 0.0065; // radians a pixel
+const TURN = 0.0065; // radians per pixel
 
 // Like a turntable: across about `up`, and over towards the poles but not beyond.
 function orbit(pose, target, up, across, over) {

@@ -1,5 +1,5 @@
 'use strict';
-// What the file brings along: the scene as JSON, and bytes as base64 (src/product/view/view.h says how they lie).
+// The data in the file: the scene as JSON, and bytes as base64 (src/product/view/view.h describes their layout).
 
 function readBytes(text) {
   const clean = text.trim();
@@ -35,7 +35,7 @@ function readScene() {
   return scene;
 }
 
-// A picture of the file, decoded; null where the page has none.
+// A picture of the file, decoded; null if the page has none.
 async function readPicture(scene, entry) {
   if (!entry || !entry.size) return null;
   const bytes = scene.bytes.subarray(entry.at, entry.at + entry.size);

@@ -15,7 +15,7 @@ Sums sums_at(ivec2 p) {
   return Sums(a.w, a.x + u_depth * a.w, vec3(a.yz, b.x), vec3(b.yz, c.x), c.y, vec3(c.z, d.xy));
 }
 
-// The depth of the surface, 0 where there is none to speak of.
+// The depth of the surface, 0 where the opacity is too low for one.
 float depth_at(ivec2 p) {
   vec4 a = texelFetch(u_g0, p, 0);
   return a.w > OPACITY_MIN ? a.x / a.w + u_depth : 0.0;

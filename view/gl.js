@@ -5,8 +5,8 @@ class Graphics {
   constructor(canvas) {
     const gl = canvas.getContext('webgl2', {alpha: true, antialias: false, depth: false, premultipliedAlpha: true,
                                             preserveDrawingBuffer: false, powerPreference: 'high-performance'});
-    if (!gl) throw new Error('This browser shows no WebGL 2, which the page draws with. Try a current Firefox, ' +
-                             'Chromium or Safari, and look whether hardware acceleration is switched on.');
+    if (!gl) throw new Error('The page requires WebGL 2, which this browser does not offer. Try a current Firefox, ' +
+                             'Chromium or Safari, and check that hardware acceleration is switched on.');
     if (!gl.getExtension('EXT_color_buffer_float'))
       throw new Error('This graphics driver cannot draw into float textures (EXT_color_buffer_float).');
     this.gl = gl;
@@ -49,7 +49,7 @@ class Graphics {
     return made;
   }
 
-  // Sets uniforms by name; those that a shader does not use are left out. Textures take units in order.
+  // Sets uniforms by name; those that a shader does not use are skipped. Textures are bound to units in order.
   use(made, values) {
     const {gl} = this;
     let unit = 0;
@@ -117,7 +117,7 @@ class Graphics {
     target.textures.forEach((texture) => this.gl.deleteTexture(texture));
     if (target.depth) this.gl.deleteRenderbuffer(target.depth);
     this.gl.deleteFramebuffer(target.framebuffer);
-    target.width = target.height = 0; // fits nothing any more
+    target.width = target.height = 0; // so that it fits no size
   }
 
   // Draws a program over every pixel of a target (null: the canvas, of the given size).

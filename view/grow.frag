@@ -1,4 +1,4 @@
-// Grows what is known by one pixel: the mean of the known among the eight neighbours (grow of engine/apply/closed.c).
+// Grows the known area by one pixel: the mean of the known ones among the eight neighbours (grow of engine/apply/closed.c).
 uniform sampler2D u_known;
 layout(location = 0) out vec4 o_wish;
 

@@ -1,5 +1,5 @@
-// Which point of the pattern lights a sample, how much of the pattern it covers and what is in the way:
-// engine/render/map_pixel.h. What light it then sends to the camera: engine/render/shade_pixel.h, core/base/brdf.h.
+// The point of the pattern that lights a sample, how much of the pattern the sample covers, and the visibility:
+// engine/render/map_pixel.h. The light it then sends to the camera: engine/render/shade_pixel.h, core/base/brdf.h.
 uniform mat3 camera_rotation, projector_rotation; // columns: the axes in the world
 uniform vec3 camera_position, projector_position;
 uniform vec2 camera_focal, camera_principal, camera_size;
@@ -83,8 +83,8 @@ Mapped map_pixel(ivec2 p, float z) {
 }
 
 // ffp_box_mean: the mean over a box of a pattern that is constant within a pixel and black outside. Exact on
-// the pattern itself where the box is at most four pixels on its shorter and sixteen on its longer side, else
-// on the mip level on which it is.
+// the pattern itself where the box is at most four pixels on its shorter and sixteen on its longer side,
+// otherwise on the mip level on which it is.
 vec3 box_mean(vec2 at, vec2 extent) {
   if (u_white) return vec3(1.0);
   float shorter = min(extent.x, extent.y), longer = max(extent.x, extent.y);

@@ -1,14 +1,14 @@
 'use strict';
 // The state of the page, and when it is drawn.
 
-// Samples a side and share of the resolution, from the best down; while things move the page takes the best
-// that is fast enough.
+// Samples per side of a pixel and share of the resolution, from the best down; while things move, the page uses the
+// best that is fast enough.
 const QUALITIES = [{scale: 1, coarse: false}, {scale: 1, coarse: true}, {scale: 0.6, coarse: true}, {scale: 0.35, coarse: true}];
 const SLOW = 55, FAST = 18; // milliseconds a frame
 const FILLED = 0.88;       // share of the free part that the view's frame takes
 const WATCHER_MAX = 640;    // pixels across, of a camera that a picture is corrected for
 
-// What a photograph is compared under: nothing that the camera did not see.
+// The settings for comparison with a photograph: without anything that the camera did not see.
 const NEUTRAL = {exposure: 0, ambient: true, map: null}, NEUTRAL_PROJECTOR = {stops: 0, correction: 'none', painted: false};
 
 // Puts values into an object and returns those that existed.
@@ -36,7 +36,7 @@ class App {
     canvas.addEventListener('webglcontextlost', (event) => {
       event.preventDefault();
       this.lost = true;
-      say('The graphics driver gave up. Reload the page to go on.', true);
+      say('The graphics driver stopped working. Reload the page to continue.', true);
     });
   }
 
@@ -79,15 +79,15 @@ class App {
     this.setCamera(movePose(this.pose, by));
   }
 
-  // What the panel leaves free, CSS pixels.
+  // The part of the window that the panel leaves free, CSS pixels.
   freeSize() {
     const panel = document.getElementById('panel'), shown = document.body.classList.contains('with-panel');
     if (!shown) return [innerWidth, innerHeight];
-    // where it comes to lie: offsets leave out what slides it in
+    // its final place: offsets ignore the transform that slides it in
     return innerWidth > 700 ? [Math.max(panel.offsetLeft, 80), innerHeight] : [innerWidth, Math.max(panel.offsetTop, 80)];
   }
 
-  // The camera for the whole window; what it looks at lies in the free part.
+  // The camera for the whole window, whose view is centred in the free part.
   cameraOf(ratio) {
     const [freeWidth, freeHeight] = this.freeSize();
     const fitted = fitDevice({...this.base, pose: this.pose}, freeWidth * ratio, freeHeight * ratio, FILLED);
@@ -163,8 +163,8 @@ class App {
     this.changed('content');
   }
 
-  // Shows what is still to be read or decoded, on the projector that is chosen now; false when that has been
-  // given something else since then.
+  // Shows content that is still being read or decoded, on the projector that is selected now; false if that
+  // projector has received other content since then.
   async bring(promised, projector = this.projector) {
     const asked = ++projector.asked, content = await promised;
     if (!content) return false;
@@ -176,7 +176,7 @@ class App {
     return false;
   }
 
-  // Dabs along a way on the screen, on what lies under it, in the projector's pattern.
+  // Dabs of the brush along a path on the screen, drawn into the projector's pattern at the surface below it.
   stroke(at, before) {
     const {projector, brush} = this, camera = this.renderer.view.camera;
     if (!projector || !camera) return;
@@ -206,8 +206,8 @@ class App {
     return found.find((p) => p.pattern === shown) || found.find((p) => this.scene.patterns[p.pattern].role === 'white') || found[0] || null;
   }
 
-  // The photograph beside the prediction, which is drawn as it was taken: under one projector's pattern as it
-  // stands, with no changes of light. The settings come back afterwards.
+  // The photograph beside the prediction, which is drawn as the photograph was taken: under one projector's
+  // uncorrected pattern, without changes of light. The settings are restored afterwards.
   async showPhotograph(on) {
     const entry = on ? this.findPhotograph() : null, {projector} = this;
     this.endComparison();
@@ -217,7 +217,7 @@ class App {
     const asked = this.comparisons, shown = projector.content.pattern === entry.pattern;
     const content = shown ? null : await patternContent(this.scene, entry.pattern);
     const bitmap = await readPicture(this.scene, entry);
-    if (asked !== this.comparisons) { // something else was asked for since then
+    if (asked !== this.comparisons) { // there was another request since then
       bitmap.close();
       if (content) content.free();
       return;
@@ -227,7 +227,8 @@ class App {
     this.compared();
   }
 
-  // When something changes that the photograph was taken under. With a projector: if it is that one's.
+  // Called when a condition changes under which the photograph was taken. With a projector: only if it is the one
+  // that the photograph was taken under.
   endComparison(projector = null) {
     this.comparisons++;
     const {photograph} = this;
@@ -263,7 +264,7 @@ class App {
     this.cancel = () => { if (!source.closed) source.cancelAnimationFrame(frame); };
   }
 
-  // The page was hidden or shown: a frame is asked for where there are any.
+  // The page was hidden or shown: requests a frame from the window that has any.
   reschedule() {
     if (!this.pending) return;
     this.cancel();
@@ -304,7 +305,7 @@ class App {
     if (next !== this.quality) this.quality = next, this.average = 0;
   }
 
-  // Device pixels to a CSS pixel and samples a side, as a quality asks for them and the graphics memory allows.
+  // Device pixels per CSS pixel and samples per side, as the quality requires and the graphics memory allows.
   detail(quality) {
     const ratio = Math.min(devicePixelRatio || 1, 2) * quality.scale, wanted = quality.coarse ? 1 : this.scene.drawing.samples;
     const {side, scale} = affordable(Math.round(innerWidth * ratio), Math.round(innerHeight * ratio), wanted, this.graphics.sideMax);
@@ -332,7 +333,7 @@ class App {
     }
   }
 
-  // What the driver has no room for is said, and the page stays as it was.
+  // If the driver runs out of memory, a message says so and the page stays as it was.
   tryDraw(quality) {
     try {
       this.draw(quality);
@@ -362,7 +363,7 @@ class App {
   redrawOverlay() { if (this.base) drawOverlay(this); }
   blurPanel() { if (document.activeElement && document.activeElement !== document.body) document.activeElement.blur(); }
 
-  // What the page shows now, RGBA bytes with row 0 on top, at any size; for screenshots and tests.
+  // The picture that the page shows now, RGBA bytes with row 0 on top, at any size; for screenshots and tests.
   picture(width, height, camera = {...this.base, pose: this.pose}) {
     this.updatePatterns();
     const {side} = affordable(width, height, this.scene.drawing.samples, this.graphics.sideMax);

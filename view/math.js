@@ -63,7 +63,7 @@ function rayThrough(device, x, y) {
 // As ffp_surface_point.
 const pointAt = (device, x, y, z) => add3(positionOf(device.pose), scale3(rayThrough(device, x, y), z));
 
-// The same device for pictures of another size: what it saw fits in, the rest shows more.
+// The same device for pictures of another size: its field of view fits in, and the rest shows more.
 function fitDevice(device, width, height, zoom = 1) {
   const s = Math.min(width / device.width, height / device.height) * zoom;
   return {

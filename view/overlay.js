@@ -1,5 +1,5 @@
 'use strict';
-// What is drawn over the picture: the projectors' frusta with a handle each, and the brush.
+// Drawn over the picture: the projectors' frusta, each with a handle, and the brush.
 
 const HANDLE = 13; // radius on the screen, pixels
 
@@ -16,7 +16,7 @@ function onScreen(camera, point) {
   return z > 1e-6 ? [x, y] : null;
 }
 
-// Where a projector's handle is; at the screen's edge when its place is outside.
+// The place of a projector's handle; at the screen's edge if the projector is outside the screen.
 function handleOf(app, projector) {
   const camera = app.screenCamera(), at = onScreen(camera, positionOf(projector.device.pose));
   const [width, height] = app.freeSize(), margin = 26, middle = [width / 2, height / 2];

@@ -1,6 +1,6 @@
 'use strict';
 // A projector of the scene: where it is, what it shows, and the paint on top of that. Its content is either
-// its pattern as it stands, or a target in a camera's frame for which the pattern is found (compensate.js).
+// the pattern itself, or a target in a camera's frame for which the pattern is found (compensate.js).
 
 const PROJECTOR_COLOURS = ['#f5a524', '#3aa0ff', '#e0569b', '#45c46b', '#9d7bff', '#ff6b4a', '#18b8b0', '#c9c239'];
 
@@ -19,10 +19,10 @@ class Projector {
     this.on = true;
     this.stops = 0; // brightness, in doublings of the capture's
     this.content = new TestContent('White');
-    this.asked = 0; // how often something was to be shown: what comes late is not
+    this.asked = 0; // number of requests to show content, so that a late one is not shown
     this.fit = 'contain';
     this.correction = 'none'; // 'paint' and 'colours': see compensate.js
-    this.watcher = 'now';     // whose eyes a corrected picture is for: 'now' or a view's number from 0
+    this.watcher = 'now';     // the viewpoint that a correction is for: 'now' or a view's number from 0
     this.gain = 0;            // of a target's light, in doublings
     this.canvas = makeCanvas(device.width, device.height);
     this.context = this.canvas.getContext('2d', {alpha: false});
@@ -42,7 +42,7 @@ class Projector {
     this.dirty = true;
   }
 
-  // The pattern as it stands; in correction only the paint is.
+  // Draws the uncorrected pattern; with a correction, only the paint is uncorrected.
   drawPattern() {
     const {context, canvas} = this;
     context.fillStyle = '#000';
@@ -52,7 +52,7 @@ class Projector {
     this.pattern.set(canvas);
   }
 
-  // A dab of the brush at a pattern position; no colour: it takes paint away.
+  // A dab of the brush at a pattern position; without a colour it erases.
   dab(u, v, radius, colour) {
     const context = this.paint.getContext('2d');
     context.globalCompositeOperation = colour ? 'source-over' : 'destination-out';

@@ -1,11 +1,11 @@
 'use strict';
 // Draws a view: splats into G-buffers, shadow maps, each projector's light, the picture. The steps and their
-// names are those of engine/render/pass.c; what each computes stands in the shaders.
+// names are those of engine/render/pass.c; the shaders contain the formulas.
 
 const SAMPLES_MAX = 1 << 24; // of a frame, 64 bytes each: 1 GB
 
-// Samples a side and share of the resolution that a picture of a size can have: first the samples become
-// fewer, then the pixels.
+// Samples per side of a pixel and share of the resolution for a picture of this size: first the number of samples
+// is reduced, then that of pixels.
 function affordable(width, height, side, sideMax) {
   const fits = (n) => Math.max(width, height) * n <= sideMax && width * height * n * n <= SAMPLES_MAX;
   while (side > 1 && !fits(side)) side--;
@@ -35,7 +35,7 @@ class PatternTexture {
   free() { this.graphics.gl.deleteTexture(this.texture); }
 }
 
-// What one camera sees, rasterised once: the samples' G-buffer and its means. Kept while nothing changes.
+// The view of one camera, rasterised once: the samples' G-buffer and its means. Kept while nothing changes.
 class GbufferView {
   constructor(renderer) { this.renderer = renderer, this.targets = []; }
 
@@ -97,7 +97,7 @@ class Renderer {
   upload(s) {
     const {graphics} = this, {gl} = graphics, n = s.count, rows = Math.ceil((n + 1) / ROW);
     if (rows > gl.getParameter(gl.MAX_TEXTURE_SIZE))
-      throw new Error(`${n} splats are more than this graphics driver can hold.`);
+      throw new Error(`This graphics driver cannot hold ${n} splats.`);
     const put = (columns) => {
       const texels = new Float32Array(4 * ROW * rows);
       columns.forEach((column, k) => { for (let i = 0; i < n; i++) texels[4 * i + k] = column(i); });

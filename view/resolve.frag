@@ -1,4 +1,4 @@
-// From mean radiance to the picture: ffp_resolve_pixel, premultiplied by how much of the pixel is covered.
+// From mean radiance to the picture: ffp_resolve_pixel, premultiplied by the covered share of the pixel.
 uniform sampler2D u_mean;
 uniform int u_side;
 uniform float u_exposure;

@@ -1,5 +1,5 @@
-// For each camera pixel what a projector can do there (engine/apply/stage.c, fill_link): the radiance that a pattern
-// of 1 adds; where in the pattern it comes from and at which depth; the depth of the camera.
+// For each camera pixel, the effect of a projector there (engine/apply/stage.c, fill_link): the radiance that a pattern
+// of 1 adds; the position in the pattern that it comes from, and its depth; the depth from the camera.
 layout(location = 0) out vec4 o_response; // rgb, visibility
 layout(location = 1) out vec4 o_place;    // u, v, depth from the projector, depth from the camera
 layout(location = 2) out vec4 o_extent;   // of the footprint, its visibility, facing

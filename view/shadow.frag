@@ -1,4 +1,4 @@
-// Opacity and depth alone: what a shadow map holds.
+// Opacity and depth only, for a shadow map.
 flat in vec2 f_at;
 flat in vec4 f_power, f_a;
 uniform float u_firmness;

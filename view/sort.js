@@ -1,7 +1,7 @@
 'use strict';
 // The order of the splats as a device sees them, far to near. As in engine/render/bin.c keys are the bits of the
-// depth, which for positive numbers sort as the numbers do; splats of equal depth keep the set's order, which
-// from far to near is the other way round.
+// depth, which for positive numbers sort as the numbers do; splats of equal depth keep the set's order, reversed
+// from far to near.
 
 const ROW = 2048; // texels in a row of the splats' textures
 

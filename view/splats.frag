@@ -1,6 +1,6 @@
-// Alpha and what it weighs, as cover_block in engine/render/kernels/blocks.h. Splats come far to near and are laid
-// over each other, which gives the sums W_i b_i of front-to-back blending. Depths count from u_depth, so that
-// sums in 16 bits are fine enough. The layout: see gbuffer.glsl.
+// Alpha and the values weighted by it, as cover_block in engine/render/kernels/blocks.h. Splats are blended from far to
+// near, which gives the sums W_i b_i of front-to-back blending. Depths are relative to u_depth, so that sums in 16 bits
+// are precise enough. The layout: see gbuffer.glsl.
 flat in vec2 f_at;
 flat in vec4 f_power, f_a, f_b;
 flat in vec3 f_c;

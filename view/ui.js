@@ -1,5 +1,5 @@
 'use strict';
-// The panel, the tools, the keyboard, dropping and pasting, and what the page has to say.
+// The panel, the tools, the keyboard, dropping and pasting, and messages.
 
 const $ = (id) => document.getElementById(id);
 
@@ -26,7 +26,7 @@ function showFailure(error) {
   document.body.classList.add('failed');
 }
 
-// What a hand has asked for; when it goes wrong the page says so and stays as it was.
+// Runs an action of the user; if it fails, a message says so and the page stays as it was.
 function attempt(work) {
   return async (...given) => {
     try {
@@ -47,7 +47,7 @@ async function thumbnail(scene, entry, size = 96) {
   return canvas;
 }
 
-// One of several: for the eye, and for those who listen.
+// Marks one of several as selected, visibly and for screen readers.
 function choose(button, chosen) {
   button.classList.toggle('chosen', chosen);
   button.setAttribute('aria-pressed', chosen);
@@ -130,7 +130,7 @@ function buildProjectors(app) {
   show();
 }
 
-// A control and the state behind it: `get` shows it, `set` takes it over.
+// A control and the state behind it: `get` reads the state to show it, `set` changes it.
 function bind(app, id, get, set, shown = null) {
   const input = $(id), property = input.type === 'checkbox' ? 'checked' : 'value';
   const refresh = () => {
@@ -225,7 +225,7 @@ function savePicture(app) {
 
 function toggleFull() {
   if (document.fullscreenElement) document.exitFullscreen();
-  else document.documentElement.requestFullscreen().catch(() => say('This browser shows no page full screen.'));
+  else document.documentElement.requestFullscreen().catch(() => say('This browser cannot show the page full screen.'));
 }
 
 function togglePanel(app) {
@@ -295,7 +295,7 @@ const ARROWS = {ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowD
 
 const isText = (target) => target instanceof HTMLInputElement && target.type === 'text';
 
-// Whether a control needs a key for itself: what is typed into it, what moves it, what presses it.
+// Whether a control uses a key itself: to type into it, to move it or to press it.
 function takesKey(target, key) {
   if (isText(target) || target instanceof HTMLSelectElement) return true;
   if (target instanceof HTMLInputElement && target.type === 'range') return !!ARROWS[key] || key === 'Home';

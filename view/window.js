@@ -1,6 +1,6 @@
 'use strict';
 // The projector window: a second window, moved to the real projector and made full screen there, that shows
-// what it is to be sent.
+// the picture for it.
 
 class ProjectorWindow {
   constructor(app) {
@@ -18,7 +18,7 @@ class ProjectorWindow {
     this.projector = projector;
     if (!this.isOpen) {
       this.window = window.open('', '', 'popup,width=800,height=600');
-      if (!this.window) throw new Message('The browser held the projector window back: allow this page to open windows.');
+      if (!this.window) throw new Message('The browser blocked the projector window: allow this page to open windows.');
       this.furnish(this.window.document);
     }
     this.show();

@@ -1,4 +1,4 @@
-// What the camera asks for: level times certainty, and the certainty (levels of engine/apply/closed.c, for one
+// The levels that the camera asks for: level times certainty, and the certainty (levels of engine/apply/closed.c, for one
 // projector, whose feather is 1 everywhere).
 uniform sampler2D u_response, u_extent, u_target, u_g0, u_g2, u_g3;
 uniform bool u_paint;

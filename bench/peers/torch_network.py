@@ -47,7 +47,7 @@ def scan(x, b, c, dt, rate, skip, chunk, reverse):
         return values.flip(dim).cumsum(dim).flip(dim) if reverse else values.cumsum(dim)
 
     def decays(to, since, where):
-        """exp(to_i - since_j) where i sees j, else 0."""
+        """exp(to_i - since_j) where i sees j, otherwise 0."""
         return (to.unsqueeze(-1) - since.unsqueeze(-2)).masked_fill(~where, -torch.inf).exp()
 
     sums = running(dt_ * rate, 1)  # [chunks, chunk, heads], a row's own step included

@@ -11,7 +11,7 @@ extern "C" {
 
 // Fits Gaussians as GS-ProCams does: points in the visual hull grow, divide and vanish. The seed also selects
 // the initial points; the default limit is 20000 steps. Cancelling it before there are any points is a
-// failure.
+// failure, FFP_ERROR_CANCELLED. `stats` may be NULL.
 FFP_API FfpGaussians *ffp_fit_from_scratch(FfpContext *context, const FfpCapture *capture,
                                            const FfpRefinement *options, FfpRefinementStats *stats,
                                            FfpError *err);
@@ -21,12 +21,13 @@ FFP_API FfpGaussians *ffp_fit_from_scratch(FfpContext *context, const FfpCapture
 typedef struct FfpNeuralField FfpNeuralField;
 // Fits a field to the capture's pictures. Every view must have a picture under all patterns; `drawing` is
 // ignored; the default limit is 300 s. `checkpoint`: a file written every two minutes and at the end, from
-// which the same fit resumes if it exists; or NULL. In the stats, psnr_before and gaussians are 0 and
-// psnr_after covers up to 16 views. If only the number of steps is limited, the same seed gives identical
-// bits.
+// which the same fit resumes if it exists; or NULL. In `stats`, which may be NULL, psnr_before and gaussians
+// are 0 and psnr_after covers up to 16 views. If only the number of steps is limited, the same seed gives
+// identical bits.
 FFP_API FfpNeuralField *ffp_fit_neural_field(FfpContext *context, const FfpCapture *capture,
                                              const FfpRefinement *options, const char *checkpoint,
                                              FfpRefinementStats *stats, FfpError *err);
+// A field's file is safetensors (docs/reference/formats.md).
 FFP_API FfpNeuralField *ffp_neural_field_open(FfpContext *context, const char *path, FfpError *err);
 FFP_API bool ffp_neural_field_save(FfpContext *context, const FfpNeuralField *field, const char *path,
                                    FfpError *err);

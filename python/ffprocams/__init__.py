@@ -6,9 +6,9 @@
     renderer = ffprocams.Renderer().aim(gaussians, capture.camera(0), capture.projector(0))
     picture = renderer.shade(pattern, capture.intensity)
 
-Everything happens in the C library; arrays are numpy's. While the library works, other Python threads run; Ctrl-C ends
-it. One handle (Capture, Gaussians, Model, Renderer) serves one thread at a time, others wait. What the library has to
-say goes to the logger "ffprocams". Errors are subclasses of Error with code, file and field.
+All the work is done in the C library; arrays are NumPy's. Other Python threads run during a call, and Ctrl-C ends it.
+Each handle (Capture, Gaussians, Model, Renderer) serves one thread at a time; other threads wait. The library's
+messages go to the logger "ffprocams". Errors are subclasses of Error with the attributes code, file and field.
 """
 
 from . import protocols

@@ -1,7 +1,7 @@
-"""A call of the library: its context, progress, cancelling and errors; and handles.
+"""A call of the library: its context, progress, cancellation and errors; and handles.
 
-While the library works the GIL is released. It asks again and again, through a callback, whether to go on; that is
-where progress is shown, and where Ctrl-C and whatever the progress function raises end the call.
+The GIL is released during a call. The library calls back repeatedly to ask whether to continue; this is where progress
+is shown, and where Ctrl-C or an exception raised by the progress function ends the call.
 """
 
 from __future__ import annotations
@@ -22,25 +22,25 @@ from .errors import argument_error, error_of
 log = logging.getLogger("ffprocams")
 log.addHandler(logging.NullHandler())
 
-_INTERVAL = 0.1  # seconds between two looks at progress and Ctrl-C
+_INTERVAL = 0.1  # seconds between two checks for progress and Ctrl-C
 _LEVELS = {lib.FFP_LOG_NOTE: logging.INFO, lib.FFP_LOG_WARNING: logging.WARNING}
 _DEVICES = {"cpu": lib.FFP_DEVICE_CPU, "cuda": lib.FFP_DEVICE_CUDA}
 
 
 @dataclass(frozen=True)
 class Progress:
-    """How far a call is."""
+    """How far a call has got."""
 
-    stage: str  #: what is being done
-    done: int  #: of the stage's pictures, steps or scenes, or of its seconds
+    stage: str  #: such as "rendering"
+    done: int  #: pictures, steps, scenes or seconds of the stage
     total: int
     seconds: float  #: since the stage began
-    seconds_left: float  #: expected; negative: not known yet
-    extra: str  #: a few words about the last step, or nothing
+    seconds_left: float  #: estimate; negative: not known yet
+    extra: str  #: a few words about the last step, or ""
 
 
-#: What calls take as ``progress``: a function that gets reports and ends the call by returning False; True: a tqdm bar;
-#: False: nothing; None: a bar if tqdm is installed and somebody may be looking (a terminal, a notebook).
+#: The ``progress`` argument of calls: a function that receives reports and ends the call by returning False; True: a
+#: tqdm bar; False: nothing; None: a bar if tqdm is installed and the output is a terminal or a notebook.
 ProgressOption = Union[Callable[[Progress], Optional[bool]], bool, None]
 
 
@@ -77,7 +77,7 @@ def _bar_for(progress: bool | None) -> _Bar | None:
 
 
 class Call:
-    """A call at work. Pass ``context`` and ``error`` to the library, and its result to ``check``."""
+    """A call in progress. Pass ``context`` and ``error`` to the library, and its result to ``check``."""
 
     def __init__(self, progress: ProgressOption = False, threads: int = 0, device: str = "cpu") -> None:
         self._listener = progress if callable(progress) else _bar_for(progress)
@@ -85,7 +85,7 @@ class Call:
         self.inside = False  # in the progress function
         settings = ffi.new("FfpContextSettings *", lib.ffp_context_defaults())
         if device not in _DEVICES:
-            raise argument_error(f"'{device}' is none of {', '.join(_DEVICES)}", "device")
+            raise argument_error(f"'{device}' is not one of {', '.join(_DEVICES)}", "device")
         if not 0 <= threads <= 4096:
             raise argument_error(f"{threads} is not in 0 to 4096", "threads")
         settings.log, settings.progress = lib.ffp_python_log, lib.ffp_python_progress
@@ -97,7 +97,7 @@ class Call:
         self.context = ffi.gc(context, lib.ffp_context_free)
 
     def tell(self, progress: Any) -> bool:
-        """From the progress callback: False ends the call."""
+        """Called by the progress callback: False ends the call."""
         if self._raised is not None:
             return False
         if self._listener is None or progress.stage == ffi.NULL:
@@ -117,7 +117,7 @@ class Call:
             self.inside = False
 
     def keep(self, raised: BaseException) -> None:
-        """What a callback has raised: it ends the call, and is raised when that has returned."""
+        """Stores an exception raised by a callback: it ends the call, and is raised again after the call."""
         if self._raised is None:
             self._raised = raised
 
@@ -136,7 +136,7 @@ class Call:
         return result
 
     def take(self, result: Any, close: Callable[[Any], None]) -> Any:
-        """As check, of a call that makes something; it is closed when nobody holds it any more."""
+        """Like check, for a call that creates an object, which is closed when nothing refers to it any more."""
         if isinstance(result, ffi.CData) and result != ffi.NULL:
             result = ffi.gc(result, close)
         return self.check(result)
@@ -168,7 +168,7 @@ def _raised_in_callback(kind: Any, raised: BaseException, trace: Any) -> None:
     call = getattr(_at_work, "call", None)
     if call is not None:
         call.keep(raised)
-    else:  # a log handler's, in a thread of the library's own
+    else:  # raised by a log handler, in one of the library's own threads
         log.debug("a log handler failed", exc_info=raised)
 
 
@@ -184,7 +184,7 @@ def _on_progress(user: Any, progress: Any) -> bool:
 
 
 class Handle:
-    """Something of the library's, closed when nobody holds it any more. One thread at a time works with it."""
+    """An object of the library, closed when nothing refers to it any more. It serves one thread at a time."""
 
     def __init__(self, pointer: Any) -> None:
         self._pointer = pointer
@@ -196,7 +196,7 @@ class Handle:
 
 @contextlib.contextmanager
 def holding(*handles: Handle | None) -> Iterator[None]:
-    """Keeps other threads from the handles, in an order that cannot lock up."""
+    """Locks the handles against other threads, in an order that cannot deadlock."""
     with contextlib.ExitStack() as stack:
         for handle in sorted((h for h in handles if h is not None), key=id):
             stack.enter_context(handle._lock)
@@ -207,7 +207,7 @@ PathLike = Union[str, "os.PathLike[str]"]
 
 
 def path_of(path: PathLike) -> bytes:
-    """A path as the library takes it."""
+    """A path in the library's encoding."""
     return os.fsencode(path)
 
 
@@ -235,5 +235,5 @@ class Keep:
 
 
 def some(names: Any) -> list[Any]:
-    """One name or several as a list."""
+    """One or several names, as a list."""
     return [names] if isinstance(names, (str, os.PathLike)) else list(names)

@@ -1,4 +1,4 @@
-"""Pictures between numpy and the library, without copies where the memory's layout allows."""
+"""Conversion of pictures between NumPy and the library, without copies if the memory layout allows."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ _TYPES = {
 
 
 class Owned:
-    """Memory that belongs to the library: a numpy array made of it keeps its owner alive."""
+    """Memory that belongs to the library: a NumPy array made from it keeps its owner alive."""
 
     def __init__(self, pointer: Any, shape: tuple[int, ...], owner: object, writable: bool) -> None:
         self.owner = owner
@@ -36,7 +36,7 @@ class Owned:
 
 
 def floats_at(pointer: Any, shape: tuple[int, ...], owner: object, writable: bool = False) -> Floats:
-    """An array of the library's floats, not copied."""
+    """An array of floats in the library's memory, not copied."""
     if pointer == ffi.NULL or 0 in shape:
         return np.zeros(shape, np.float32)
     return np.asarray(Owned(pointer, shape, owner, writable))
@@ -51,7 +51,7 @@ def array_of(picture: Any, owner: object) -> Floats | None:
 
 
 def picture_of(picture: Array | None, keep: Keep, name: str) -> Any:
-    """An array as an FfpPicture. Copied only where pixels do not lie side by side, or the type is another: bool
+    """An array as an FfpPicture. It is copied only if its pixels are not contiguous or its type is not supported: bool
     becomes uint8, other floats float32."""
     out = ffi.new("FfpPicture *")
     if picture is None:
@@ -62,7 +62,7 @@ def picture_of(picture: Array | None, keep: Keep, name: str) -> Any:
     elif array.dtype.kind == "f" and array.dtype != np.float32:
         array = array.astype(np.float32)
     if array.dtype not in _TYPES:
-        raise argument_error(f"pictures are uint8, uint16 or float32, not {array.dtype}", name)
+        raise argument_error(f"pictures must be uint8, uint16 or float32, not {array.dtype}", name)
     if array.ndim == 2:
         array = array[:, :, None]
     if array.ndim != 3 or array.shape[2] not in (1, 3, 4) or 0 in array.shape:
@@ -83,7 +83,7 @@ def picture_of(picture: Array | None, keep: Keep, name: str) -> Any:
 
 
 def encode(linear: npt.ArrayLike) -> Floats:
-    """Linear light in [0,1] as sRGB-encoded values in [0,1] (IEC 61966-2-1); values beyond are cut off."""
+    """Linear light in [0,1] as sRGB-encoded values in [0,1] (IEC 61966-2-1); values outside are clipped."""
     x = np.clip(np.asarray(linear, np.float32), 0, 1)
     return np.where(x <= 0.0031308, 12.92 * x, 1.055 * x ** np.float32(1 / 2.4) - 0.055).astype(np.float32)
 

@@ -1,4 +1,4 @@
-"""What to do with Gaussians: compensated projections, and correspondence maps."""
+"""Applications: compensated projections and correspondence maps."""
 
 from __future__ import annotations
 
@@ -18,14 +18,14 @@ from .gaussians import Gaussians, drawing_of
 
 @dataclass
 class CompensationStats:
-    """How a compensation went."""
+    """Statistics of a compensation."""
 
-    gain: float  #: that was used
-    unlit: float  #: shares of the object's pixels that the targets ask about
-    too_dark: float
-    too_bright: float
-    psnr_dark: float  #: dB over the lit ones: with dark projectors
-    psnr_closed: float  #: in closed form
+    gain: float  #: the gain used
+    unlit: float  #: share of the object's pixels constrained by the targets that no projector lights
+    too_dark: float  #: share whose target is too dark to be reached
+    too_bright: float  #: share whose target is too bright
+    psnr_dark: float  #: dB over the lit pixels, with dark projectors
+    psnr_closed: float  #: after the closed form
     psnr: float  #: at the end
     patterns: int
     seconds: float
@@ -33,24 +33,24 @@ class CompensationStats:
 
 @dataclass
 class Compensation:
-    """Patterns under which cameras see what they should. Linear pictures [height,width,3], by view."""
+    """Patterns under which cameras see their targets. Linear pictures [height,width,3], by view."""
 
     patterns: dict[str, Floats]  #: of the projector's size, one for each projector
     seen: dict[str, Floats]  #: what the cameras will see
-    targets: dict[str, Floats]  #: what they were to see
+    targets: dict[str, Floats]  #: what they should see
     stats: CompensationStats
 
 
 @dataclass
 class MapStats:
-    """How well a view's maps go to and fro."""
+    """Accuracy of a view's maps over a round trip from the camera to the projector and back."""
 
-    lit_pixels: int  #: camera pixels that found the way to the projector and back
-    lost_pixels: int  #: lit ones that did not
-    within_half: float  #: share of the former that came back within half a pixel
-    median: float  #: pixels
-    most: float
-    lit_share: float  #: of the projector's pixels that fall on the object
+    lit_pixels: int  #: camera pixels whose round trip succeeded
+    lost_pixels: int  #: lit pixels for which it failed
+    within_half: float  #: share of the former that returned within half a pixel
+    median: float  #: error in pixels
+    most: float  #: the largest error, pixels
+    lit_share: float  #: share of the projector's pixels that fall on the object
 
 
 class _Images(Handle):
@@ -79,20 +79,21 @@ def compensate(
     progress: ProgressOption = None,
     threads: int = 0,
 ) -> Compensation:
-    """Finds the patterns under which cameras see their targets as nearly as light allows.
+    """Finds the patterns under which cameras see their targets as closely as light allows.
 
     Args:
-        targets: one for all views or one for each, arrays (as in View) or image files in the cameras' frames; where a
-            target is transparent it asks for nothing.
-        views: ids of the views whose cameras are to see a target, all projectors shining at once; none: all.
+        targets: one for all views or one for each, as arrays (see View) or image files in the cameras' frames;
+            transparent pixels are unconstrained.
+        views: ids of the views whose cameras see a target, with all their projectors shining at once; none: all.
         poses: file of camera and projector poses; None: the capture's.
-        gain: factor of the linear targets; 0: the brightest that light allows.
+        gain: factor on the linear targets; 0: the brightest that light allows.
         paint: targets are light on the object: 0 its look under black, 1 its look under white (no gain).
-        steps: of gradient descent after the closed form; 0: none.
-        gaussians_only: ambient light and response from the Gaussians even where the view has photographs.
+        steps: number of steps of gradient descent after the closed form; 0: none.
+        gaussians_only: take ambient light and response from the Gaussians even if the view has photographs under black
+            and white.
         form, samples: how Gaussians are drawn, as in Renderer.
         progress: see ffprocams.ProgressOption.
-        threads: that may work at a time; 0: all processors.
+        threads: number of threads; 0: all processors.
     """
     keep, options = Keep(), ffi.new("FfpCompensation *", lib.ffp_compensation_defaults())
     ids = [keep.text(v) for v in some(views)]
@@ -118,7 +119,7 @@ def compensate(
 def _fill_targets(options: Any, targets: list[Any], keep: Keep) -> None:
     arrays = [hasattr(t, "__array__") for t in targets]
     if not targets or (any(arrays) and not all(arrays)):
-        raise argument_error("arrays or files, one at least and not both", "targets")
+        raise argument_error("expected arrays or files, at least one and not both", "targets")
     options.n_targets = len(targets)
     if any(arrays):
         pictures = keep(ffi.new("FfpPicture[]", len(targets)))
@@ -140,14 +141,20 @@ def maps(
     progress: ProgressOption = None,
     threads: int = 0,
 ) -> tuple[dict[str, Floats], MapStats]:
-    """Correspondences, and what the projector lights.
+    """Correspondences and projected light for one camera and one projector.
+
+    Args:
+        form, samples: how Gaussians are drawn, as in Renderer.
+        progress: see ffprocams.ProgressOption.
+        threads: number of threads; 0: all processors.
 
     Returns:
         Arrays by name, the first of the camera's size, all others of the projector's: ``camera_to_projector`` and
-        ``projector_to_camera`` [height,width,3] (position in pixels, centres at + 0.5; share of light that is not
-        shadowed, or 1; -1 -1 0 where there is nothing), ``projector_sees`` [height,width,3] linear, ``lit``,
+        ``projector_to_camera`` [height,width,3] (position in pixels, centres at + 0.5; unshadowed share of the light,
+        or 1; -1 -1 0 where there is no correspondence), ``projector_sees`` [height,width,3] linear, ``lit``,
         ``incidence`` (degrees, -1: no surface), ``density`` (camera pixels per projector pixel), ``resolution``
-        (projector pixels per world unit), ``illuminance`` (cosine / distance^2 over its greatest) [height,width].
+        (projector pixels per world unit), ``illuminance`` (cosine / distance^2, normalised to a maximum of 1)
+        [height,width]. And the statistics of the round trip.
     """
     stats, drawing = ffi.new("FfpMapStats *"), drawing_of(form, samples)
     with holding(gaussians, capture), Call(progress, threads) as call:

@@ -1,4 +1,4 @@
-"""Captures: what a rig saw."""
+"""Captures: the photographs of an object by a projector-camera rig."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ class View:
     """One view of an object, for Capture.from_arrays.
 
     Pictures are arrays [height,width] or [height,width,1, 3 or 4]: uint8 or uint16 sRGB-encoded with straight alpha,
-    float32 linear light multiplied by alpha.
+    or float32 linear light premultiplied by alpha.
     """
 
     id: str
@@ -32,36 +32,36 @@ class View:
         str, Array
     ]  #: pattern name to photograph, of the camera's size; black and white are required
     mask: Array | None = None  #: the object's share of each pixel; None: alpha, or the pixels that white brightens
-    masked: bool = False  #: the photographs are over black already
+    masked: bool = False  #: the photographs already show the object over black
     depth: Array | None = (
         None  #: [height,width] float32 truth: camera z, world units, 0 where there is no surface
     )
     correspondence: Array | None = (
-        None  #: [height,width,3] float32: projector pixel that each pixel's light comes from, and trust, 0 to 1
+        None  #: [height,width,3] float32: projector pixel that each pixel's light comes from; confidence, 0 to 1
     )
 
 
 @dataclass
 class AlignStats:
-    """What align did."""
+    """Statistics of align."""
 
-    turntable: bool = False  #: the views are those of a fixed rig around a turning object
-    own: bool = False  #: each view got poses of its own
-    turned: float = 0.0  #: by how much, root mean square about a device's axis, degrees
-    evened: float = 0.0  #: turns that took, root mean square, degrees
-    depth: float = 0.0  #: turns of the camera in all views, degrees: along the line to the projector
-    across: float = 0.0  #: across it
+    turntable: bool = False  #: the views come from a fixed rig around a turning object, and share a common pose
+    own: bool = False  #: each view received separate poses
+    turned: float = 0.0  #: their rotation, root mean square about a device's axis, degrees
+    evened: float = 0.0  #: rotation that sharing a common pose took, root mean square, degrees
+    depth: float = 0.0  #: rotation of the camera in all views, degrees: towards the projector
+    across: float = 0.0  #: across that direction
     side: float = 0.0  #: sideways
-    off: tuple[float, ...] = ()  #: of own poses, before and after: rays pass the pattern by, projector pixels
-    apart: tuple[float, ...] = ()  #: and surfaces of different views lie apart by, camera pixels
-    focal: tuple[float, ...] = ()  #: factors by which the focal lengths of camera and projector grew
+    off: tuple[float, ...] = ()  #: separate poses, before and after: distance of rays from their projector pixels
+    apart: tuple[float, ...] = ()  #: before and after: distance between surfaces of different views, camera pixels
+    focal: tuple[float, ...] = ()  #: factors on the focal lengths of camera and projector; 1: unchanged
     before: float = 0.0  #: disagreement of the pictures: mean difference of pattern values, 0 to 1
     after: float = 0.0
     seconds: float = 0.0
 
 
 def plain(value: Any) -> Any:
-    """A number, text or tuple from a member of a C struct."""
+    """A number, string or tuple from a member of a C struct."""
     if not isinstance(value, ffi.CData):
         return value
     kind = ffi.typeof(value)
@@ -77,12 +77,12 @@ def record(kind: type[Any], c: Any) -> Any:
 class Capture(Handle):
     """Views of one object, each photographed under a black, a white and further patterns.
 
-    Views are called by their id or their index, patterns likewise. Arrays are the library's memory, read only, and
-    keep it alive.
+    Views and patterns are given by name or by index. Arrays are read-only views of the library's memory and keep it
+    alive.
     """
 
     def __init__(self, pointer: Any) -> None:
-        """Not to be called: see open and from_arrays."""
+        """Not to be called directly: use open or from_arrays."""
         super().__init__(pointer)
         self.view_ids: tuple[str, ...] = tuple(
             ffi.string(lib.ffp_capture_view_id(pointer, i)).decode()
@@ -119,14 +119,14 @@ class Capture(Handle):
         radius: float = 0.0,
         name: str = "capture",
     ) -> Capture:
-        """From photographs in memory, which are copied and checked; errors name the view, pattern or number.
+        """A capture of photographs in memory, which are copied and checked; errors name the view, pattern or field.
 
         Args:
-            views: 1 to 512.
-            patterns: name to picture of the projector's size (as in View; what it showed, as light); black and white
+            views: 1 to 512 views.
+            patterns: the projected picture for each pattern name, of the projector's size (as in View); black and white
                 may be None.
-            black, white: which of the patterns are those.
-            held_out: patterns that are only ever to be predicted.
+            black, white: names of these patterns.
+            held_out: patterns for testing only, never used for a reconstruction unless requested by name.
             intensity: [3] or one number, the projector's radiant intensity at pattern value 1; None: estimated.
             centre, radius: a sphere around the object, world units; radius 0: estimated.
             name: of the capture.
@@ -134,7 +134,7 @@ class Capture(Handle):
         names, keep = list(patterns), Keep()
         for what in (black, white, *held_out):
             if what not in patterns:
-                raise argument_error(f"there is no pattern '{what}'", "patterns")
+                raise argument_error(f"no pattern '{what}'", "patterns")
         data = ffi.new("FfpCaptureData *")
         data.name, data.n_patterns, data.n_views = keep.text(name), len(names), len(views)
         data.black, data.white = names.index(black), names.index(white)
@@ -174,7 +174,7 @@ class Capture(Handle):
 
     @property
     def held_out(self) -> tuple[str, ...]:
-        """Patterns that are only ever to be predicted."""
+        """Names of the patterns for testing only."""
         return tuple(self._with_role(lib.FFP_PATTERN_HELD_OUT))
 
     def camera(self, view: str | int = 0) -> Pinhole:
@@ -192,13 +192,13 @@ class Capture(Handle):
         return devices.from_c(camera), devices.from_c(projector)
 
     def photograph(self, view: str | int, pattern: str | int) -> Floats | None:
-        """[height,width,3] linear light over black; None where the view has none under that pattern."""
+        """[height,width,3] linear light over black; None if the view has no photograph under that pattern."""
         return array_of(
             lib.ffp_capture_picture(self._pointer, self._view(view), self._pattern(pattern)), self
         )
 
     def pattern(self, pattern: str | int) -> Floats | None:
-        """[height,width,3] linear, of the projector's size."""
+        """[height,width,3] linear, of the projector's size; None if the pattern has no picture."""
         return array_of(lib.ffp_capture_picture(self._pointer, -1, self._pattern(pattern)), self)
 
     def coverage(self, view: str | int) -> Floats:
@@ -230,7 +230,7 @@ class Capture(Handle):
         return np.array(list(centre)), float(radius[0])
 
     def save(self, folder: PathLike) -> None:
-        """Writes a capture folder, whole or not at all; it must be new or empty."""
+        """Writes a capture folder, completely or not at all; it must be new or empty."""
         keep = Keep()
         with holding(self), Call() as call:
             call.check(lib.ffp_capture_save(call.context, self._pointer, keep.path(folder), call.error))
@@ -255,9 +255,9 @@ def align(
 
     Args:
         pattern: name of the structured-light pattern; None: the first that every view has.
-        focal_lengths: correct those of camera and projector too, the same in all views.
+        focal_lengths: also correct those of camera and projector, by the same factors in all views.
         progress: see ffprocams.ProgressOption.
-        threads: that may work at a time; 0: all processors.
+        threads: number of threads; 0: all processors.
     """
     keep, stats = Keep(), ffi.new("FfpAlignmentStats *")
     with holding(capture), Call(progress, threads) as call:
@@ -272,14 +272,14 @@ def three(numbers: npt.ArrayLike) -> list[float]:
     """Three numbers, from as many or from one."""
     array = np.asarray(numbers, np.float64).reshape(-1)
     if array.size not in (1, 3):
-        raise argument_error(f"{array.size} numbers are neither one nor three", "intensity, centre")
+        raise argument_error(f"expected one number or three, not {array.size}", "intensity, centre")
     return [float(x) for x in np.broadcast_to(array, 3)]
 
 
 def _index(name: str | int, names: tuple[str, ...], what: str) -> int:
     if isinstance(name, str):
         if name not in names:
-            raise argument_error(f"there is no {what} '{name}'", what)
+            raise argument_error(f"no {what} '{name}'", what)
         return names.index(name)
     if not -len(names) <= name < len(names):
         raise IndexError(f"{what} {name} of {len(names)}")
@@ -293,7 +293,7 @@ def _fill_view(c: Any, view: View, patterns: list[str], keep: Keep) -> None:
     for name in view.photographs:
         if name not in patterns:
             raise argument_error(
-                f"a photograph under '{name}', which is none of the patterns", f"view {view.id}"
+                f"a photograph under '{name}', which is not among the patterns", f"view {view.id}"
             )
     photographs = keep(ffi.new("FfpPicture[]", len(patterns)))
     for i, name in enumerate(patterns):

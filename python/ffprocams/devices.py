@@ -1,7 +1,7 @@
-"""Cameras and projectors, and what Python users have for them: OpenCV's matrices, dicts and .npz files, COLMAP models.
+"""Cameras and projectors, from OpenCV's matrices, dicts and .npz files, or COLMAP models.
 
-Conventions here are the library's: axes x right, y down, z forward; poses are device to world; pixel centres lie at
-integer + 0.5. OpenCV's calibration counts them at integers, so half a pixel is added to its principal points.
+The conventions are the library's: axes x right, y down, z forward; poses are device to world; pixel centres are at
+integer + 0.5. OpenCV's calibration puts them at integers, so half a pixel is added to its principal points.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ Doubles = npt.NDArray[np.float64]
 
 
 def rotation_of(rotation: npt.ArrayLike) -> Doubles:
-    """A rotation matrix [3,3] from itself, or from OpenCV's rvec: axis times angle in radians (Rodrigues' formula)."""
+    """A rotation matrix [3,3], given as such or as OpenCV's rvec: axis times angle in radians (Rodrigues' formula)."""
     given = np.asarray(rotation, np.float64)
     if given.shape == (3, 3):
         return given
@@ -39,7 +39,7 @@ def rotation_of(rotation: npt.ArrayLike) -> Doubles:
 
 
 def rigid(rotation: npt.ArrayLike, translation: npt.ArrayLike) -> Doubles:
-    """A 4x4 motion x -> R x + t of a rotation ([3,3] or rvec) and a translation [3]."""
+    """The 4x4 rigid transform x -> R x + t, from a rotation ([3,3] or rvec) and a translation [3]."""
     out = np.eye(4)
     out[:3, :3] = rotation_of(rotation)
     out[:3, 3] = np.asarray(translation, np.float64).reshape(3)
@@ -47,14 +47,14 @@ def rigid(rotation: npt.ArrayLike, translation: npt.ArrayLike) -> Doubles:
 
 
 def inverse(motion: npt.ArrayLike) -> Doubles:
-    """The inverse of a rigid 4x4 motion."""
+    """The inverse of a rigid 4x4 transform."""
     m = np.asarray(motion, np.float64)
     return rigid(m[:3, :3].T, -m[:3, :3].T @ m[:3, 3])
 
 
 @dataclass(frozen=True, eq=False)
 class Pinhole:
-    """A camera without lens distortion; a projector is one whose light runs backwards."""
+    """A camera without lens distortion, or a projector, modelled as a camera with light travelling the other way."""
 
     width: int  #: pixels
     height: int
@@ -74,14 +74,14 @@ class Pinhole:
         *,
         centres_at_integers: bool = True,
     ) -> Pinhole:
-        """From what cv2.calibrateCamera and cv2.solvePnP give.
+        """From the results of cv2.calibrateCamera and cv2.solvePnP.
 
         Args:
             matrix: [3,3] camera matrix, pixels.
             rotation: rvec [3] or R [3,3], world to device.
             translation: tvec [3], world to device, world units.
             size: width and height in pixels.
-            centres_at_integers: whether the matrix counts pixel centres at integers, as OpenCV does.
+            centres_at_integers: whether the matrix puts pixel centres at integers, as OpenCV does.
         """
         k = np.asarray(matrix, np.float64)
         if k.shape != (3, 3) or abs(k[0, 1]) > 1e-9 * abs(k[0, 0]) or not np.allclose(k[2], (0, 0, 1)):
@@ -100,11 +100,11 @@ class Pinhole:
         fov: float,
         up: npt.ArrayLike = (0, 0, 1),
     ) -> Pinhole:
-        """A camera at ``eye`` that looks at ``target``: world units; ``fov`` the horizontal field of view in degrees."""
+        """A camera at ``eye`` looking at ``target``, world units; ``fov``: horizontal field of view, degrees."""
         e, z = np.asarray(eye, np.float64), np.asarray(target, np.float64) - np.asarray(eye, np.float64)
         x = np.cross(z, np.asarray(up, np.float64))
         if not np.linalg.norm(x) > 1e-12:
-            raise argument_error("it looks along 'up', or at itself", "target")
+            raise argument_error("the direction to it is zero or parallel to 'up'", "target")
         y = np.cross(z, x)
         axes = [a / np.linalg.norm(a) for a in (x, y, z)]
         width, height = (int(n) for n in size)
@@ -118,15 +118,15 @@ class Pinhole:
 
     @property
     def position(self) -> Doubles:
-        """[3] where the device is, world units."""
+        """[3] position of the device, world units."""
         return np.array(self.pose[:3, 3])
 
     def moved(self, motion: npt.ArrayLike) -> Pinhole:
-        """The device moved by a 4x4 motion of the world."""
+        """The device moved by a 4x4 rigid transform of the world."""
         return replace(self, pose=np.asarray(motion, np.float64) @ self.pose)
 
     def resized(self, width: int, height: int) -> Pinhole:
-        """The same view with another number of pixels."""
+        """The same view at another size in pixels."""
         x, y = width / self.width, height / self.height
         return replace(
             self, width=width, height=height, fx=self.fx * x, fy=self.fy * y, cx=self.cx * x, cy=self.cy * y
@@ -152,7 +152,7 @@ def from_c(p: Any) -> Pinhole:
     return Pinhole(p.width, p.height, p.fx, p.fy, p.cx, p.cy, np.array(list(p.pose)).reshape(4, 4))
 
 
-# What calibrations call things, in dicts and in .npz files.
+# The names that calibrations use, in dicts and in .npz files.
 _KEYS: dict[str, tuple[str, ...]] = {
     "camera_matrix": ("camera_matrix", "cam_int", "camK", "cam_K", "K_cam", "camIntrinsics", "cam1_intrinsics", "cameraMatrix1", "K1"),
     "camera_distortion": ("camera_distortion", "cam_dist", "camKc", "cam_kc", "camDistCoeffs", "cam1_distorsion", "cam1_distortion", "distCoeffs1", "D1"),
@@ -171,7 +171,7 @@ _SHAPES = {"camera_size": "img_shape"}
 
 @dataclass(frozen=True, eq=False)
 class Calibration:
-    """A camera and a projector that stand still beside each other. The world is the camera's frame.
+    """A camera and a projector fixed to each other. The world is the camera's frame.
 
     ``projector.pose`` is projector to camera. Distortion: OpenCV's k1 k2 p1 p2 k3, at most 5 numbers.
     """
@@ -191,17 +191,17 @@ class Calibration:
         centres_at_integers: bool = True,
         where: str = "calibration",
     ) -> Calibration:
-        """From what cv2.stereoCalibrate gives, under the names that tools use for it.
+        """From the results of cv2.stereoCalibrate, under the names that calibration tools use for them.
 
         Matrices [3,3], distortions, rotation (R or rvec) and translation from camera to projector, X_p = R X_c + T,
         and sizes as width, height, which can be arguments instead (img_shape is height, width, as the program and
-        procam-calibration write it). Other keys are passed over.
+        procam-calibration write it). Other keys are ignored.
         """
         found: dict[str, Any] = {}
         for what, names in _KEYS.items():
             there = [n for n in names if n in source]
             if len(there) > 1:
-                raise argument_error(f"'{there[0]}' and '{there[1]}' stand for the same: keep one", where)
+                raise argument_error(f"'{there[0]}' and '{there[1]}' mean the same: keep only one", where)
             if there:
                 found[what] = source[there[0]]
         for what, given in (("camera_size", camera_size), ("projector_size", projector_size)):
@@ -218,7 +218,7 @@ class Calibration:
         ):
             if what not in found:
                 names = _KEYS[what] + ((_SHAPES[what],) if what in _SHAPES else ()) + _SIDES.get(what, ())[:1]
-                raise argument_error(f"there is no {what}: none of {', '.join(names)}", where)
+                raise argument_error(f"no {what}: expected one of {', '.join(names)}", where)
         lens = {
             n: _lens(found.get(n, ()), f"{where}: {n}") for n in ("camera_distortion", "projector_distortion")
         }
@@ -264,20 +264,20 @@ class Calibration:
 
     @property
     def distorted(self) -> bool:
-        """Whether a lens bends anything: then photographs have to go through import_capture."""
+        """Whether a device has lens distortion: if so, photographs must go through import_capture."""
         return bool(np.any(self.camera_distortion) or np.any(self.projector_distortion))
 
     def turned(
         self, axis: npt.ArrayLike, point: npt.ArrayLike, angles: Sequence[float]
     ) -> list[tuple[Pinhole, Pinhole]]:
-        """Camera and projector around an object that turned before them, one pair a stop, in the object's frame.
+        """Camera and projector around an object that turned in front of them, one pair per stop, in the object's frame.
 
-        Its origin is ``point`` and its z axis ``axis``; at angle 0 it is the camera's frame shifted and turned there.
+        The frame's origin is ``point`` and its z axis is ``axis``; it turns with the object.
 
         Args:
-            axis: [3] the turntable's direction, camera coordinates.
-            point: [3] any point of the axis, camera coordinates, the calibration's unit.
-            angles: degrees by which the object had turned at each stop, right-handed about the axis.
+            axis: [3] direction of the turntable's axis, camera coordinates.
+            point: [3] any point on the axis, camera coordinates, the calibration's unit.
+            angles: rotation of the object at each stop, degrees, right-handed about the axis.
         """
         z = np.asarray(axis, np.float64) / np.linalg.norm(axis)
         x = np.cross((0.0, 1.0, 0.0) if abs(z[1]) < 0.9 else (1.0, 0.0, 0.0), z)
@@ -287,7 +287,7 @@ class Calibration:
         return [(self.camera.moved(m), self.projector.moved(m)) for m in turns]
 
     def save(self, path: PathLike) -> None:
-        """Writes it as JSON that import_capture and the program read (the names of OpenCV's samples)."""
+        """Writes JSON that import_capture and the program read (with the names of OpenCV's samples)."""
         motion = inverse(self.projector.pose)
         written: dict[str, Any] = {"R": motion[:3, :3].tolist(), "T": motion[:3, 3:].tolist()}
         devices = ((1, self.camera, self.camera_distortion), (2, self.projector, self.projector_distortion))
@@ -307,7 +307,7 @@ def _size(given: Any, where: str) -> tuple[int, int]:
 
 
 def _told_size(source: Mapping[str, Any], what: str, plain: Any, where: str) -> tuple[int, int] | None:
-    """The width and height that the source tells in one form or in several, which must agree then."""
+    """The width and height that the source gives, in one form or in several that must agree."""
     told = [] if plain is None else [_size(plain, where)]
     if all(key in source for key in _SIDES[what]):
         told.append(_size([np.asarray(source[key]).item() for key in _SIDES[what]], where))
@@ -329,12 +329,12 @@ def _lens(given: Any, where: str) -> Doubles:
 
 
 def pinholes_from_pycolmap(model: Any) -> dict[str, Pinhole]:
-    """The devices of a COLMAP model by the names of their images.
+    """The devices of a COLMAP model, by the names of their images.
 
     Args:
-        model: a pycolmap.Reconstruction, or the folder of one (then pycolmap must be installed). Its cameras must be
-            PINHOLE or SIMPLE_PINHOLE: undistort the images first (COLMAP's image_undistorter), or give the folder of
-            the text model to import_capture, which takes lenses away.
+        model: a pycolmap.Reconstruction, or the folder of one (which requires pycolmap). Its cameras must be PINHOLE or
+            SIMPLE_PINHOLE: undistort the images first (COLMAP's image_undistorter), or give the folder of the text
+            model to import_capture, which removes lens distortion.
     """
     if isinstance(model, (str, os.PathLike)):
         import pycolmap
@@ -346,7 +346,7 @@ def pinholes_from_pycolmap(model: Any) -> dict[str, Pinhole]:
         kind = getattr(camera.model, "name", str(camera.model))
         if kind not in ("PINHOLE", "SIMPLE_PINHOLE"):
             raise argument_error(
-                f"camera {image.camera_id} is {kind}: a pinhole without a lens is needed", image.name
+                f"camera {image.camera_id} is {kind}: expected PINHOLE or SIMPLE_PINHOLE", image.name
             )
         motion = image.cam_from_world  # a method since pycolmap 3.12
         rows = np.asarray((motion() if callable(motion) else motion).matrix())

@@ -1,4 +1,4 @@
-"""What goes wrong, as exceptions."""
+"""Errors of the library, as exceptions."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from ._library import ffi, lib
 
 
 class ErrorCode(IntEnum):
-    """What kind of thing went wrong (FfpErrorCode of the library)."""
+    """The kind of error (FfpErrorCode of the library)."""
 
     ARGUMENT = lib.FFP_ERROR_ARGUMENT
     FILE = lib.FFP_ERROR_FILE
@@ -21,10 +21,10 @@ class ErrorCode(IntEnum):
 
 
 class Error(Exception):
-    """What the library could not do. ``str(error)`` is its message, "WHAT (WHERE)".
+    """An error of the library. ``str(error)`` is its message, "WHAT (WHERE)".
 
     Attributes:
-        code: what kind of error.
+        code: the kind of error.
         what: the message without the place.
         file: the file concerned, or None.
         field: the field of that file, or the argument concerned, or None.
@@ -43,15 +43,15 @@ class Error(Exception):
 
 
 class ArgumentError(Error, ValueError):
-    """The caller's: a value out of range, a name that does not exist."""
+    """An error by the caller: a value out of range, an unknown name."""
 
 
 class FileFormatError(Error, ValueError):
-    """A file holds what it must not, or lacks what it must have."""
+    """An input file has invalid or missing content."""
 
 
 class UnsupportedError(Error):
-    """Sound, but not what this library, build or machine can do."""
+    """The input is valid, but not supported by this library, build or machine."""
 
 
 class OutOfMemoryError(Error, MemoryError):
@@ -59,7 +59,7 @@ class OutOfMemoryError(Error, MemoryError):
 
 
 class CancelledError(Error):
-    """The progress function said so."""
+    """The progress function ended the call."""
 
 
 class InputOutputError(Error, OSError):
@@ -77,7 +77,7 @@ _CLASSES: dict[ErrorCode, type[Error]] = {
 
 
 def argument_error(what: str, where: str = "") -> ArgumentError:
-    """An error that is found on this side of the library."""
+    """An error found by the Python package itself."""
     return ArgumentError(f"{what} ({where})" if where else what, ErrorCode.ARGUMENT)
 
 
@@ -91,7 +91,7 @@ def error_of(err: Any) -> Error:
 
 
 def _split(text: str) -> tuple[str, str]:
-    """ "WHAT (WHERE)" into WHAT and WHERE; WHERE may hold pairs of parentheses."""
+    """ "WHAT (WHERE)" as WHAT and WHERE; WHERE may contain pairs of parentheses."""
     if not text.endswith(")"):
         return text, ""
     depth = 0

@@ -1,4 +1,4 @@
-"""The program's own evaluation, scenes it generates, calibrations and photographs it imports, and what files hold."""
+"""Evaluation, generated scenes, import of photographs and calibrations, and descriptions of files."""
 
 from __future__ import annotations
 
@@ -35,29 +35,29 @@ _FITS = {"exact": lib.FFP_FIT_EXACT, "scaled": lib.FFP_FIT_SCALED, "cropped": li
 
 def _one_of(table: dict[str, int], name: str, what: str) -> int:
     if name not in table:
-        raise argument_error(f"'{name}' is none of {', '.join(table)}", what)
+        raise argument_error(f"'{name}' is not one of {', '.join(table)}", what)
     return table[name]
 
 
 @dataclass
 class Score:
-    """A capture under a protocol: means over its images. NaN where a figure does not apply."""
+    """The figures of a capture under a protocol: means over its images. NaN where a figure does not apply."""
 
-    capture: str  #: "mean" for that of several captures
+    capture: str  #: "mean" for the mean of several captures
     protocol: str  #: "rendering", "novel_pattern" or "novel_pose"
     psnr: float  #: dB, of the 8-bit sRGB prediction over black; 100 for identical pictures
     psnr_foreground: float  #: over pixels that the object covers
     ssim: float
     lpips: float
-    psnr_gloss: float  #: under white, over pixels whose specular part is above 0.05
-    psnr_unseen_lollipops: float  #: of "rendering": patterns that the predictor was not given
+    psnr_gloss: float  #: under white, over pixels whose true specular part is above 0.05 (linear radiance)
+    psnr_unseen_lollipops: float  #: "rendering" only: lollipops not given to the predictor
     images: int
     images_unseen: int
-    reconstruct_s: float  #: seconds
-    render_s: float
-    depth_lit_median: float  #: % of the object's radius
-    depth_lit_p90: float
-    depth_unlit_median: float
+    reconstruct_s: float  #: seconds for the reconstruction
+    render_s: float  #: seconds for all pictures of the row
+    depth_lit_median: float  #: error in % of the object's radius, over pixels lit by white
+    depth_lit_p90: float  #: 90th percentile
+    depth_unlit_median: float  #: likewise over pixels not lit by it
     depth_unlit_p90: float
     albedo_mse: float  #: linear
     albedo_lit_mse: float
@@ -88,19 +88,20 @@ def evaluate(
     threads: int = 0,
     device: str = "cpu",
 ) -> list[Score]:
-    """The paper's protocols on capture folders: a row for each capture and protocol, then the means of several.
+    """Evaluates capture folders by the paper's protocols: a row for each capture and protocol, then their means.
 
     Args:
+        captures: folders, or JSON files in them.
         predictor: "gaussians" (reconstruct, or read, and render), "depth" (lookup at the true depth) or "match" (at
             the depth that projector matching finds).
         model, pattern, polish, noise, layers, form, samples, threads, device: as in reconstruct.
-        model_name: what JSON and report call the predictor; None: as the program does, by its file or what it is.
+        model_name: name of the predictor in JSON and report; None: its file, or its kind.
         gaussians: PLY to evaluate instead of reconstructing.
-        field: neural field to evaluate instead, as `ffprocams refine --from-scratch=field` writes it.
-        targets: pose files of "novel_pose": none, one a capture, or one path looked up in each capture.
-        save: folder for <capture>/<view>_<pattern>.png of every prediction.
+        field: neural field to evaluate instead, as written by `ffprocams refine --from-scratch=field`.
+        targets: pose files for "novel_pose": none, one per capture, or one path that is looked up in each capture.
+        save: folder for every prediction, <capture>/<view>_<pattern>.png.
         json, report: files for the rows and for an HTML report.
-        show_pattern: image file that the report also shows views under.
+        show_pattern: image file; the report also shows views under it.
         perceptual: safetensors with LPIPS weights.
         progress: see ffprocams.ProgressOption.
     """
@@ -131,16 +132,16 @@ def evaluate(
 
 @dataclass
 class SensorFaults:
-    """Faults of the devices that scenes are seen with. All 0: none."""
+    """Imperfections of the devices that see generated scenes. All 0: none."""
 
     exposure: float = 0.0  #: of the camera, stops, -8 to 8
     shot: float = 0.0  #: noise of a linear value v has the variance shot * v + read^2; 0 to 1 each
     read: float = 0.0
-    defocus: float = 0.0  #: of the projector: deviation in its pixels, 0 to 64
+    defocus: float = 0.0  #: of the projector: standard deviation in its pixels, 0 to 64
     gamma: float = 0.0  #: the projector sends value^(1 + gamma), -0.9 to 4
     black_level: float = 0.0  #: and this share of white where a pattern is black, 0 to 0.9
-    turn_error: float = 0.0  #: deviation of the written poses' turns on each axis, degrees, 0 to 28
-    shift_error: float = 0.0  #: and of their places, world units, 0 to 0.5
+    turn_error: float = 0.0  #: standard deviation of the written poses' rotation about each axis, degrees, 0 to 28
+    shift_error: float = 0.0  #: and of their positions, world units, 0 to 0.5
 
 
 def generate(
@@ -163,25 +164,26 @@ def generate(
     progress: ProgressOption = None,
     threads: int = 0,
 ) -> list[Path]:
-    """Generates captures with their truth, one folder a scene. Existing scenes are kept.
+    """Generates captures with ground truth, one folder per scene. Existing scenes are kept.
 
     Args:
-        split: "all", "train", "validation" or "test": no mesh is in two of the last three.
+        folder: output, one capture folder per scene.
+        split: "all", "train", "validation" or "test"; no mesh is in two of the last three.
         preset: "paper" (8 views of 128 x 128 pixels and 6 lollipops), "smoke" (small and quick), "training".
-        first, count: scenes of the split; count -1: to the end; one scene with ``mesh``.
-        resolution: image side, pixels; 0: as the preset says.
+        first, count: scenes of the split; count -1: to the end, or one scene with ``mesh``.
+        resolution: image side, pixels; 0: the preset's.
         rig: "turntable", "free" (each view has its own devices) or "sphere" (only the camera moves).
-        views: input views, 1 to 360; 0: as the preset says.
-        seed: None: the program's.
-        mesh: a file of your own (OBJ, PLY, STL, glTF) instead of the generated meshes.
-        material: a folder of basecolor, roughness and normal maps.
-        sensor: faults of the devices.
-        photographs: folder of patterns (write_patterns): instead of captures, photographs of one object on a
+        views: number of input views, 1 to 360; 0: the preset's.
+        seed: of the scenes; None: the program's default.
+        mesh: OBJ, PLY, STL or glTF file to use instead of the generated meshes.
+        material: folder of basecolor, roughness and normal maps to use.
+        sensor: imperfections of the devices.
+        photographs: folder of patterns (write_patterns): instead of captures, write photographs of one object on a
             turntable under all of them, and of a chessboard, by a rig with lenses (docs/design/data.md, "Photographs").
-        attitudes: in which that chessboard is held, 0 to 64; None: the program's.
-        check: make nothing, and raise an error that names the scenes that are missing or incomplete.
+        attitudes: number of attitudes of that chessboard, 0 to 64; None: the program's default.
+        check: generate nothing, and raise an error that names the missing or incomplete scenes.
         progress: see ffprocams.ProgressOption.
-        threads: that may work at a time; 0: all processors.
+        threads: number of threads; 0: all processors.
 
     Returns:
         The capture folders in ``folder``.
@@ -205,22 +207,22 @@ def generate(
 
 @dataclass
 class Turntable:
-    """An object that turned before a fixed camera and projector: camera coordinates and the calibration's unit;
-    degrees, right-handed about the axis."""
+    """An object that turned in front of a fixed camera and projector, in camera coordinates and the calibration's unit;
+    angles in degrees, right-handed about the axis."""
 
-    angles: Sequence[float] = ()  #: by which the object had turned at each stop
+    angles: Sequence[float] = ()  #: rotation of the object at each stop
     axis: Sequence[float] = (0.0, 0.0, 0.0)  #: direction
-    point: Sequence[float] = (0.0, 0.0, 0.0)  #: any point of the axis
-    find_axis: bool = False  #: axis and point are found from the pictures
-    guessed: bool = False  #: the search begins at ``axis`` and ``point``
-    file: PathLike | None = None  #: JSON or YAML with these instead
+    point: Sequence[float] = (0.0, 0.0, 0.0)  #: any point on the axis
+    find_axis: bool = False  #: find axis and point from the pictures
+    guessed: bool = False  #: start the search at ``axis`` and ``point``
+    file: PathLike | None = None  #: JSON or YAML file that gives them instead
 
 
 @dataclass
 class CalibratedAt:
-    """The size that a device was calibrated at, and how its pictures came from that."""
+    """The size at which a device was calibrated, and how its pictures relate to that size."""
 
-    width: int = 0  #: pixels; 0: the calibration says it
+    width: int = 0  #: pixels; 0: given by the calibration's files
     height: int = 0
     fit: str = "exact"  #: "exact", "scaled" or "cropped"
     left: int = 0  #: pixels cut off
@@ -254,31 +256,33 @@ def import_capture(
     progress: ProgressOption = None,
     threads: int = 0,
 ) -> None:
-    """Writes a capture folder from photographs and a calibration, whole or not at all: poses in the object's frame,
-    pictures and patterns without lens distortion, masks applied.
+    """Writes a capture folder from photographs and a calibration, completely or not at all: poses in the object's
+    frame, pictures and patterns without lens distortion, masks applied.
 
     Args:
-        folder: must not hold anything yet.
-        calibrations: files of other tools (docs/reference/formats.md), a Calibration, or a dict of matrices (its from_dict).
-        images: pattern name ("black", "white" and those of ``patterns``) to files: a path with {view}, {pattern},
-            {index} or {number} in it, or *, or both. None: the pictures that the calibration names.
-        patterns: name to the image file of what the projector showed, besides black and white.
-        held_out: likewise, but held back for prediction.
-        gray_codes: photographs of the Gray codes of write_patterns, files as in ``images``, {pattern} being gray_x_00,
-            gray_x_00_inverse and so on: where codes decode depth is exact.
+        folder: must be new or empty.
+        calibrations: files of other tools (docs/reference/formats.md), a Calibration, or a dict of matrices as for
+            Calibration.from_dict.
+        images: the photographs under each pattern ("black", "white" and those of ``patterns``): a path that contains
+            {view}, {pattern}, {index} or {number}, or *, or both. None: the pictures named by the calibration.
+        patterns: the image that was projected, a file for each pattern name other than black and white.
+        held_out: likewise, for testing only.
+        gray_codes: photographs of the Gray codes of write_patterns, files as in ``images``, with {pattern} standing for
+            gray_x_00, gray_x_00_inverse and so on: where codes can be decoded, depth is exact.
         turntable: for a fixed rig with several views.
-        masks: None: the photographs' alpha, otherwise from light; "light"; or files, as in ``images``, white on black.
-        projector_image: COLMAP: the image that is the projector; None: "calib".
+        masks: None: the photographs' alpha if present, otherwise as "light"; "light": computed from white minus black;
+            or files, as in ``images``, white on black.
+        projector_image: COLMAP: the image that stands for the projector; None: "calib".
         views: ids to import; none: all.
-        camera, projector: sizes at calibration, and fits.
-        width: of the imported pictures, pixels; 0: as they are.
-        fit_response: finds the projector's gamma and black level from the pictures.
-        linear_images, linear_patterns: files of integers hold linear light instead of sRGB.
-        exposure: stops by which linear values are brightened.
-        sphere: centre and radius around the object, 4 numbers; None: estimated.
+        camera, projector: sizes at calibration, and how pictures relate to them.
+        width: of the imported pictures, pixels; 0: unchanged.
+        fit_response: estimate the projector's gamma and black level from the pictures.
+        linear_images, linear_patterns: integer files hold linear light instead of sRGB.
+        exposure: adjustment of linear values, in stops.
+        sphere: centre and radius of a sphere around the object, 4 numbers; None: estimated.
         name: of the capture; None: the folder's.
         progress: see ffprocams.ProgressOption.
-        threads: that may work at a time; 0: all processors.
+        threads: number of threads; 0: all processors.
     """
     keep, options = Keep(), ffi.new("FfpImport *", lib.ffp_import_defaults())
     options.folder, options.name, options.projector_image = (
@@ -314,7 +318,7 @@ def import_capture(
 
 
 def _calibration_files(given: list[Any], scratch: Path) -> tuple[list[PathLike], list[tuple[int, int]]]:
-    """Files of the calibrations, and the sizes of camera and projector that those from memory know."""
+    """Files of the calibrations, and the sizes of camera and projector given by those in memory."""
     files: list[PathLike] = []
     sizes = [(0, 0), (0, 0)]
     for i, one in enumerate(given):
@@ -357,7 +361,7 @@ def _fill_turntable(c: Any, turntable: Turntable, keep: Keep) -> None:
 
 
 def info(path: PathLike) -> str:
-    """What a capture, a weights file or a PLY holds, as text for people."""
+    """Describes a capture, a weights file or a PLY in readable text."""
     keep = Keep()
     with Call() as call:
         text = call.take(lib.ffp_info(call.context, keep.path(path), call.error), lib.ffp_free)

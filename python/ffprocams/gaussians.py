@@ -16,10 +16,10 @@ _WIDTHS = {"centre": 3, "scale": 3, "rotation": 4, "opacity": 1, "albedo": 3, "r
 
 
 class Gaussians(Handle):
-    """Splats that know how they reflect light. Arrays have one row a Gaussian.
+    """Splats with material properties. Arrays have one row per Gaussian.
 
-    They are the library's own memory: nothing is copied, they keep it alive, and they may be written to (what is
-    written is not checked: see check).
+    Arrays are views of the library's memory: nothing is copied, they keep it alive, and they may be written to (new
+    values are not checked: see check).
     """
 
     @classmethod
@@ -41,7 +41,7 @@ class Gaussians(Handle):
         roughness: npt.ArrayLike,
         ambient: npt.ArrayLike,
     ) -> Gaussians:
-        """A copy of the numbers, checked: finite, in range, rotations normalised. Errors name array and row.
+        """Copies the arrays and checks them (finite, in range), normalising rotations. Errors name array and row.
 
         Args:
             centre: [count,3] world units.
@@ -95,22 +95,22 @@ class Gaussians(Handle):
         return self._array("ambient")
 
     def arrays(self) -> dict[str, Floats]:
-        """All arrays by name, as from_arrays takes them."""
+        """All arrays by name, as for from_arrays."""
         return {name: self._array(name) for name in _WIDTHS}
 
     def copy(self) -> Gaussians:
-        """The same numbers in other memory, checked as by from_arrays."""
+        """A copy, checked as by from_arrays."""
         with holding(self):
             return Gaussians(_copy(tuple(self.arrays().values())))
 
     def check(self) -> None:
-        """Raises an error that names array and row if what was written to the arrays is no Gaussian."""
+        """Raises an error that names array and row if values written to the arrays are invalid."""
         self.copy()
 
     def to_3dgs(self) -> dict[str, Floats]:
-        """As 3DGS and gsplat hold them: ``means`` [count,3], ``scales`` [count,3] (natural logarithms), ``quats``
-        [count,4] (w x y z), ``opacities`` [count] (logits), ``sh0`` [count,1,3] (the object in ambient light,
-        sRGB-encoded). ``colors`` of a splat are 0.5 + 0.2820948 * sh0."""
+        """The parameters in the form of 3DGS and gsplat: ``means`` [count,3], ``scales`` [count,3] (natural
+        logarithms), ``quats`` [count,4] (w x y z), ``opacities`` [count] (logits), ``sh0`` [count,1,3] (the object in
+        ambient light, sRGB-encoded). A splat's ``colors`` are 0.5 + 0.2820948 * sh0."""
         share = np.clip(self.opacity.astype(np.float64), 1e-6, 1 - 1e-6)
         light = self.ambient.astype(np.float64)
         encoded = np.where(light <= 0.0031308, 12.92 * light, 1.055 * light ** (1 / 2.4) - 0.055)
@@ -124,8 +124,8 @@ class Gaussians(Handle):
         return {name: array.astype(np.float32) for name, array in out.items()}
 
     def save(self, path: PathLike) -> None:
-        """Writes the PLY that load reads, without Gaussians too faint to be drawn (opacity below 1/255): when all
-        are, that is an error."""
+        """Writes a PLY that load reads, without Gaussians too faint to be visible (opacity below 1/255); it is an error
+        if all of them are."""
         keep = Keep()
         with holding(self), Call() as call:
             call.check(lib.ffp_gaussians_save(call.context, self._pointer, keep.path(path), call.error))
@@ -138,7 +138,7 @@ class Gaussians(Handle):
 
 
 def _copy(given: tuple[npt.ArrayLike, ...]) -> Any:
-    """A handle of the library's own with a copy of the numbers, in the order of _WIDTHS."""
+    """A pointer to new Gaussians with a copy of the numbers, in the order of _WIDTHS."""
     arrays, keep = ffi.new("FfpGaussianArrays *"), Keep()
     count = len(np.atleast_1d(np.asarray(given[0])))
     for (name, width), numbers in zip(_WIDTHS.items(), given):
@@ -159,8 +159,8 @@ class Model(Handle):
 
     @classmethod
     def open(cls, path: PathLike | None = None) -> Model:
-        """Reads safetensors. None: the shipped weights, or small.safetensors in the folder that the environment
-        variable FFPROCAMS_MODELS names."""
+        """Reads safetensors. None: the shipped weights, or small.safetensors in the folder named by the environment
+        variable FFPROCAMS_MODELS."""
         keep = Keep()
         with Call() as call:
             return cls(
@@ -174,7 +174,7 @@ _FORMS = {"ours": lib.FFP_FORM_OURS, "paper": lib.FFP_FORM_PAPER, "gs-procams": 
 def drawing_of(form: str, samples: int) -> dict[str, int]:
     """An FfpDrawing."""
     if form not in _FORMS:
-        raise argument_error(f"'{form}' is none of {', '.join(_FORMS)}", "form")
+        raise argument_error(f"'{form}' is not one of {', '.join(_FORMS)}", "form")
     if not 0 <= samples <= 4:
         raise argument_error(f"{samples} is not in 0 to 4", "samples")
     return {"form": _FORMS[form], "samples": samples}

@@ -1,7 +1,7 @@
-"""The paper's protocols for any method that is a function, with the figures that evaluate gives.
+"""The paper's protocols for any method given as a function, with the same figures as evaluate.
 
-A method takes Inputs, which hold what it may see and nothing else, and returns a function that predicts: of a camera,
-a projector, and what the projector shows (linear, [height,width,3]), the camera's picture of the object over black
+A method takes Inputs, which contain only what it may use, and returns a prediction function. From a camera, a projector
+and the projected pattern (linear, [height,width,3]), this predicts the camera's picture of the object over black
 ([height,width,3], uint8 or floats in [0,1], sRGB-encoded).
 """
 
@@ -28,24 +28,24 @@ Predictor = Callable[[Pinhole, Pinhole, Floats], Array]
 
 @dataclass
 class Inputs:
-    """What a method may see of a capture: its views under black, white and one structured-light pattern."""
+    """What a method may use of a capture: its views under black, white and one structured-light pattern."""
 
     name: str
     view_ids: tuple[str, ...]
     cameras: list[Pinhole]
     projectors: list[Pinhole]
-    black: list[Floats]  #: a view each, [height,width,3] linear, over black
+    black: list[Floats]  #: one per view, [height,width,3] linear, over black
     white: list[Floats]
     structured: list[Floats]
     coverage: list[Floats]  #: [height,width] the object's share of each pixel
     pattern_name: str
     pattern: Floats  #: [height,width,3] linear, of the projector's size
-    intensity: Doubles  #: [3] W/sr at pattern value 1
-    centre: Doubles  #: [3] of a sphere around the object, world units
+    intensity: Doubles  #: [3] the projector's radiant intensity at pattern value 1, W/sr
+    centre: Doubles  #: [3] centre of a sphere around the object, world units
     radius: float
 
     def capture(self) -> Capture:
-        """The same as a Capture."""
+        """These inputs as a Capture."""
         names = ("black", "white", self.pattern_name)
         views = [
             View(i, camera, projector, dict(zip(names, photographs)), mask, masked=True)
@@ -66,7 +66,7 @@ class Inputs:
 
 @dataclass
 class Row:
-    """A method's figures on a capture under a protocol: means over the images."""
+    """The figures of a method on a capture under a protocol: means over the images."""
 
     method: str
     capture: str
@@ -80,8 +80,8 @@ class Row:
 
 
 def psnr(a: npt.ArrayLike, b: npt.ArrayLike, mask: Array | None = None) -> float:
-    """Peak signal to noise ratio in dB of pictures in [0,1], over pixels where the mask [height,width] is above 0;
-    100 for identical pictures, NaN where there is no pixel."""
+    """Peak signal-to-noise ratio in dB of pictures in [0,1], over pixels where the mask [height,width] is above 0;
+    100 for identical pictures, NaN if there are no pixels."""
     squares = (np.asarray(a, np.float64) - np.asarray(b, np.float64)) ** 2
     if mask is not None:
         squares = squares[mask > 0]
@@ -114,7 +114,7 @@ def ssim(a: npt.ArrayLike, b: npt.ArrayLike) -> float:
 
 
 def shown(capture: Capture, pattern: str) -> Floats:
-    """[height,width,3] linear: what the projector shows, black and white too."""
+    """[height,width,3] linear: the projected picture, also for black and white."""
     picture = capture.pattern(pattern)
     if picture is not None:
         return picture
@@ -123,7 +123,7 @@ def shown(capture: Capture, pattern: str) -> Floats:
 
 
 def structured_pattern(capture: Capture) -> str:
-    """The pattern a reconstruction takes: the first that every view has, and that is not black, white or held out."""
+    """A reconstruction's default pattern: the first that every view has, not black, white or held out."""
     for name in capture.pattern_names:
         if name in (capture.black, capture.white, *capture.held_out):
             continue
@@ -133,7 +133,7 @@ def structured_pattern(capture: Capture) -> str:
 
 
 def inputs_of(capture: Capture, pattern: str | None = None, name: str = "capture") -> Inputs:
-    """What a method may see of a capture. Pattern: of the structured light; None: see structured_pattern."""
+    """What a method may use of a capture. ``pattern``: of the structured light; None: structured_pattern."""
     pattern = structured_pattern(capture) if pattern is None else pattern
 
     def under(which: str) -> list[Floats]:
@@ -166,7 +166,7 @@ def _score(
             seconds += time.perf_counter() - begin
             if picture.shape != photograph.shape:
                 raise argument_error(
-                    f"a prediction {picture.shape} is not {photograph.shape}", f"{method}: {view}"
+                    f"a prediction has shape {picture.shape}, not {photograph.shape}", f"{method}: {view}"
                 )
             if picture.dtype != np.uint8:
                 picture = np.rint(np.clip(picture, 0, 1) * 255)
@@ -197,9 +197,9 @@ def run(
     Args:
         captures: folders, or JSON files in them.
         methods: by name.
-        targets: name of the file in each capture folder with the poses and pictures of "novel_pose"; None: none.
-            Its views must have pictures under black and white.
-        pattern: of the structured light; None: the first that every view has.
+        targets: name of the file in each capture folder with the poses and pictures for "novel_pose"; None: no such
+            protocol. Its views must have pictures under black and white.
+        pattern: name of the structured-light pattern; None: the first that every view has.
     """
     rows: list[Row] = []
     for path in [captures] if isinstance(captures, (str, os.PathLike)) else captures:
@@ -227,7 +227,7 @@ def run(
 
 
 def table(rows: Sequence[Row]) -> str:
-    """Rows as text for people."""
+    """The rows as a readable table."""
     lines = [
         f"{'capture':16} {'protocol':14} {'method':20} {'PSNR':>6} {'object':>6} {'SSIM':>7} {'images':>6} {'s':>8}"
     ]

@@ -12,47 +12,47 @@ from .capture import Capture, record
 from .errors import argument_error
 from .gaussians import Gaussians, Model, drawing_of
 
-#: Weights: a Model, a path, None for the shipped ones, or "none" for the classical initialisation alone, which needs none.
+#: Weights: a Model, a path, None for the shipped ones, or "none" for the classical initialisation alone.
 ModelOption = Union[Model, PathLike, None]
 
 
 @dataclass
 class ReconstructionStats:
-    """How a reconstruction went; seconds of wall clock."""
+    """Statistics of a reconstruction; times are wall-clock seconds."""
 
-    pattern: str  #: that was used, of several the first
-    patterns: int  #: how many were
+    pattern: str  #: the first pattern used
+    patterns: int  #: number of patterns used
     gaussians: int
     initialisation_s: float  #: projector matching and the classical estimates
     network_s: float
     polish_s: float
-    noise: float  #: deviation of the noise that was taken away
+    noise: float  #: standard deviation of the noise that was filtered
     denoise_s: float
-    network_dropped: bool  #: the prediction showed the photographs worse than the classical initialisation
-    polish_dropped: bool  #: the fit showed them worse than what it began with
+    network_dropped: bool  #: the prediction reproduced the photographs worse than the classical initialisation
+    polish_dropped: bool  #: the polish made the match with the photographs worse and was discarded
 
 
 @dataclass
 class RefinementStats:
-    """How a fit went."""
+    """Statistics of a fit."""
 
-    psnr_before: float  #: dB over the pictures fitted
+    psnr_before: float  #: dB over the fitted pictures
     psnr_after: float
     steps: int
     gaussians: int
     seconds: float
-    stopped: bool  #: the progress function ended it: the best state so far was kept
-    dropped: bool  #: the fit made the pictures worse: the Gaussians are what they were
+    stopped: bool  #: by the progress function; the best state so far was kept
+    dropped: bool  #: the fit made the pictures worse and was discarded
 
 
 class Reconstructed(Gaussians):
-    """Gaussians that know how they were made."""
+    """Gaussians with the statistics of their reconstruction."""
 
     stats: ReconstructionStats
 
 
 class Refined(Gaussians):
-    """Gaussians that know how they were fitted."""
+    """Gaussians with the statistics of their fit."""
 
     stats: RefinementStats
 
@@ -85,21 +85,24 @@ def reconstruct(
     threads: int = 0,
     device: str = "cpu",
 ) -> Reconstructed:
-    """One forward pass of the network and a short fit. The same bits as the program's `reconstruct`.
+    """Reconstructs Gaussians by one forward pass of the network and a short fit. The result has the same bits as that
+    of the program's `reconstruct`.
 
     Args:
         model: see ffprocams.ModelOption.
-        pattern: name of the structured-light pattern to use, or of several: every view has the first, which the
-            network sees, and matching and fit look at all; None: the first that every view has.
-        polish: gradient steps, of one view each; 0: the forward pass alone; None: 88, and of many views more.
-        noise: deviation of the photographs' noise (linear, of values up to 1) to be taken away; 0: none; None:
-            estimated.
-        layers: how many times splats may describe a place of the surface; 0: a splat for every pixel of every view;
-            None: by their number.
-        form: how Gaussians are drawn while fitting, "ours" or "paper".
-        samples: a side of the grid of samples in each pixel while fitting, 1 to 4; 0: as the model has it.
+        pattern: name or names of the structured-light patterns to use. Every view must have the first, which the
+            network sees; matching and the polish use all that a view has photographs under. None: the first that every
+            view has.
+        polish: gradient steps, one view each; 0: the forward pass alone; None: 88, or 11 per view with more than 8
+            views.
+        noise: standard deviation of the noise to be filtered from the photographs first, in linear values from 0 to 1;
+            0: no filtering; None: estimated.
+        layers: how many splats may cover the same place of the surface; 0: a splat for every pixel of every view;
+            None: depends on their number.
+        form: how Gaussians are drawn while fitting, "ours", "paper" or "gs-procams".
+        samples: per side of a pixel while fitting, 1 to 4; 0: the model's setting.
         progress: see ffprocams.ProgressOption.
-        threads: that may work at a time; 0: all processors.
+        threads: number of threads; 0: all processors.
         device: "cpu" or "cuda".
 
     Returns:
@@ -152,18 +155,19 @@ def refine(
     threads: int = 0,
     device: str = "cpu",
 ) -> Refined:
-    """Fits Gaussians to a capture's pictures. Those given stay as they are, and so do their arrays.
+    """Fits a copy of the Gaussians to a capture's pictures. The given Gaussians and their arrays are unchanged.
 
     Args:
-        patterns: structured-light patterns to use beside black and white; none: the one a reconstruction would take.
-        steps: of one view each; 0: no limit.
-        seconds: of wall clock; 0: no limit. With neither limit 30 s.
+        patterns: structured-light patterns to use in addition to black and white; none: the one that reconstruct uses.
+        steps: number of steps, one view each; 0: no limit.
+        seconds: of wall clock; 0: no limit. With neither limit: 30 s.
         noise: as in reconstruct.
-        seed: of the order of views. With a limit in steps alone the same seed and threads give the same bits.
-        metrics: file for a line of JSON a round, or None.
+        seed: for the order of views. If only the number of steps is limited, the same seed and number of threads give
+            identical bits.
+        metrics: file for one line of JSON per round, or None.
         form, samples, threads, device: as in reconstruct.
-        progress: see ffprocams.ProgressOption. A function that returns False ends the fit, which then gives the best
-            state so far; an exception, Ctrl-C among them, is raised, and nothing is given.
+        progress: see ffprocams.ProgressOption. A function that returns False ends the fit, which then returns the best
+            state so far; an exception, including Ctrl-C, is raised, and nothing is returned.
     """
     keep, stats = Keep(), ffi.new("FfpRefinementStats *")
     options = _refinement(patterns, steps, seconds, noise, seed, metrics, drawing_of(form, samples), keep)
@@ -191,8 +195,8 @@ def fit_from_scratch(
     threads: int = 0,
     device: str = "cpu",
 ) -> Refined:
-    """As refine without a prediction, the way GS-ProCams does it: for comparison, since it takes far longer. With
-    neither limit 20000 steps."""
+    """Fits Gaussians without a prediction, as GS-ProCams does; for comparison, since it takes far longer. Arguments as
+    for refine; with neither limit: 20000 steps."""
     keep, stats = Keep(), ffi.new("FfpRefinementStats *")
     options = _refinement(patterns, steps, seconds, noise, seed, metrics, drawing_of(form, samples), keep)
     with holding(capture), Call(progress, threads, device) as call:

@@ -1,4 +1,4 @@
-"""Pictures of Gaussians."""
+"""Rendering of Gaussians into arrays."""
 
 from __future__ import annotations
 
@@ -28,14 +28,15 @@ _MAPS = {
 
 
 class Renderer(Handle):
-    """One view of Gaussians, rasterised once (aim) and shown under any number of patterns (shade)."""
+    """One view of Gaussians, rasterised once (aim) and shaded under any number of patterns (shade)."""
 
     def __init__(self, *, form: str = "ours", samples: int = 0, threads: int = 0) -> None:
         """
         Args:
-            form: "ours" (firm splats, footprint lookup, shadows) or "paper" (blur, bilinear lookup, no shadows).
-            samples: a side of the grid of samples in each pixel, 1 to 4; 0: 2, or 1 in the paper's form.
-            threads: that may work at a time; 0: all processors.
+            form: "ours" (firm splats, footprint lookup, shadows), "paper" (blur, bilinear lookup, no shadows) or
+                "gs-procams" (the paper's form, in light without cosine and falloff).
+            samples: per side of a pixel, 1 to 4; 0: 2, or 1 in the paper's form.
+            threads: number of threads; 0: all processors.
         """
         self._call = Call(threads=threads)
         self._size: tuple[int, int] | None = None
@@ -45,8 +46,8 @@ class Renderer(Handle):
             super().__init__(call.take(made, lib.ffp_renderer_close))
 
     def aim(self, gaussians: Gaussians, camera: Pinhole, projector: Pinhole) -> Renderer:
-        """Rasterises for a camera and maps what it sees to a projector; sizes from 1 to 16384 a side. The Gaussians
-        are not looked at again. Returns itself."""
+        """Rasterises for a camera and maps the visible surface to a projector. Each side may have 1 to 16384 pixels.
+        The Gaussians are not accessed afterwards. Returns itself."""
         with holding(self, gaussians), self._call as call:
             self._size = None
             call.check(
@@ -64,7 +65,7 @@ class Renderer(Handle):
 
     def _aimed(self) -> tuple[int, int]:
         if self._size is None:
-            raise argument_error("it has not been aimed", "renderer")
+            raise argument_error("not aimed yet", "renderer")
         return self._size
 
     def shade(
@@ -81,9 +82,9 @@ class Renderer(Handle):
             pattern: [height,width,3] of the projector's size: uint8 or uint16 sRGB-encoded, float32 linear; None: a
                 dark projector.
             intensity: [3] or one number, the projector's radiant intensity at pattern value 1.
-            out: [height,width,3] of the camera's size, uint8 or float32, to be written into; pixels must lie side by
-                side, rows may be apart.
-            dtype: of the result without ``out``.
+            out: [height,width,3] of the camera's size, uint8 or float32, to write the result into; the pixels of a row
+                must be contiguous, rows need not be.
+            dtype: of the result if ``out`` is None.
 
         Returns:
             [height,width,3] sRGB-encoded: uint8, or float32 in [0,1].
@@ -98,7 +99,7 @@ class Renderer(Handle):
         *,
         dtype: npt.DTypeLike = np.uint8,
     ) -> Array:
-        """[n,height,width,3]: as shade under n patterns."""
+        """The pictures under n patterns, [n,height,width,3]; arguments as for shade."""
         light = three(intensity)
         with holding(self):
             out = np.empty((len(patterns), *self._aimed(), 3), dtype)
@@ -111,7 +112,7 @@ class Renderer(Handle):
         if out is None:
             out = np.empty(shape, dtype)
         if out.dtype not in (np.uint8, np.float32):
-            raise argument_error(f"pictures are made as uint8 or float32, not {out.dtype}", "out")
+            raise argument_error(f"pictures must be uint8 or float32, not {out.dtype}", "out")
         apart = 3 * shape[1] * out.itemsize
         sound = (
             out.strides[1:] == (3 * out.itemsize, out.itemsize) and out.strides[0] >= apart
@@ -119,7 +120,7 @@ class Renderer(Handle):
             else False
         )
         if out.shape != shape or not sound or not out.flags.writeable:
-            raise argument_error(f"not a writable array {shape} whose pixels lie side by side", "out")
+            raise argument_error(f"expected a writable array {shape} with contiguous rows", "out")
         return out
 
     def _shade(self, pattern: Array | None, intensity: list[float], out: Array) -> Array:
@@ -136,12 +137,12 @@ class Renderer(Handle):
         return out
 
     def map(self, name: str) -> Floats:
-        """One G-buffer, means over each pixel: "opacity" [height,width] in [0,1]; "depth" [height,width] camera z in
-        world units, 0 where the opacity is below one half; "normal" [height,width,3] world, unit length, 0 where there
-        is none; "albedo" [height,width,3] linear; "roughness" [height,width]; "ambient" [height,width,3] linear
+        """One G-buffer, averaged over each pixel: "opacity" [height,width] in [0,1]; "depth" [height,width] camera z in
+        world units, 0 where the opacity is below one half; "normal" [height,width,3] world, unit length, 0 off the
+        object; "albedo" [height,width,3] linear; "roughness" [height,width]; "ambient" [height,width,3] linear
         radiance, premultiplied by opacity."""
         if name not in _MAPS:
-            raise argument_error(f"'{name}' is none of {', '.join(_MAPS)}", "map")
+            raise argument_error(f"'{name}' is not one of {', '.join(_MAPS)}", "map")
         with holding(self):
             channels = lib.ffp_map_channels(_MAPS[name])
             out = np.empty((*self._aimed(), channels) if channels > 1 else self._aimed(), np.float32)

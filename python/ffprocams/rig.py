@@ -1,4 +1,4 @@
-"""Your own rig: what its projector shows, its calibration, and a network trained for it."""
+"""Your own rig: patterns for its projector, its calibration, and a network trained for it."""
 
 from __future__ import annotations
 
@@ -32,19 +32,20 @@ def write_patterns(
     gamma: bool = True,
     gray_codes: bool = True,
 ) -> list[Path]:
-    """Writes what a projector shows while it is photographed, with a text that says how and a page that shows it.
+    """Writes the patterns that a projector shows while a rig is photographed, instructions as text, and a page that
+    shows the patterns.
 
     Args:
         folder: must be new or empty.
         width, height: of the projector's panel, pixels.
-        lollipops: how many of these patterns; None: the program's.
-        focus: a chart to focus and to place the object by.
+        lollipops: number of these patterns; None: the program's default.
+        focus: a chart for focusing and for placing the object.
         capture: black, white and the lollipops.
         gamma: 16 steps of grey.
         gray_codes: of columns and rows, each with its inverse.
 
     Returns:
-        The pictures in the order to show them.
+        The pictures in display order.
     """
     keep, options = Keep(), ffi.new("FfpPatterns *", lib.ffp_patterns_defaults())
     options.folder, options.width, options.height = keep.path(folder), width, height
@@ -59,25 +60,25 @@ def write_patterns(
 
 @dataclass
 class RigCalibrationStats:
-    """What calibrate_rig found. Pixels are root mean squares."""
+    """Statistics of calibrate_rig. Errors in pixels are root mean squares."""
 
     attitudes: int = 0  #: of the board
     used: int = 0
-    camera: float = 0.0  #: pixels, of its fit alone
+    camera: float = 0.0  #: error of the separate fit, pixels
     projector: float = 0.0
-    both: float = 0.0  #: pixels, of all corners in both, with one pose of the board for both
-    corners: int = 0  #: of the attitudes used
+    both: float = 0.0  #: error of all corners in both devices, with one pose of the board for both, pixels
+    corners: int = 0  #: of the attitudes used, in camera and projector
     left_out: int = 0
-    open_terms: int = 0  #: that the photographs do not determine; warnings name them
-    has_axis: bool = False  #: and so on: of the turntable
+    open_terms: int = 0  #: terms that the photographs do not determine; warnings name them
+    has_axis: bool = False  #: the turntable's axis was found; the following fields describe it
     axis: tuple[float, ...] = ()  #: camera coordinates; points up in the picture
     point: tuple[float, ...] = ()
-    reversed: bool = False  #: the angles are left-handed about it: their signs change in the file
+    reversed: bool = False  #: the angles are left-handed about it: the file holds them with opposite sign
     stops: int = 0
     stops_used: int = 0
     stops_rms: float = 0.0
     tilt: float = 0.0  #: standard deviation, degrees
-    shift: float = 0.0  #: the square's unit
+    shift: float = 0.0  #: standard deviation, in the unit of ``square``
 
 
 def calibrate_rig(
@@ -98,22 +99,22 @@ def calibrate_rig(
     threads: int = 0,
 ) -> RigCalibrationStats:
     """Calibrates camera and projector from photographs of a chessboard under Gray codes in at least three attitudes,
-    and finds a turntable's axis. Nothing is written before all is found.
+    and finds a turntable's axis. Nothing is written until everything has been found.
 
     Args:
-        file: for the calibration, OpenCV's FileStorage (.xml, .yml); None: only the turntable's board is looked at.
-        attitudes: folders of one attitude of the board each, or of such folders (docs/guide/own-rig.md).
-        board: corners inside it, columns and rows.
-        square: side of a square: the unit of length of all that comes out.
+        file: for the calibration, OpenCV FileStorage (.xml, .yml); None: only the turntable's board is used.
+        attitudes: folders of one attitude of the board each, or folders of such folders (docs/guide/own-rig.md).
+        board: columns and rows of inner corners, where four squares meet.
+        square: side of a square, which sets the unit of length of all results.
         projector: width and height of its panel, pixels.
-        fix_camera, fix_projector: terms that are not fitted: "k1", "k2", "k3", "tangential", "centre", "aspect".
+        fix_camera, fix_projector: terms to hold fixed: "k1", "k2", "k3", "tangential", "centre", "aspect".
         report: file for an HTML page.
         turntable_board: folder of photographs of a chessboard on the table, in the order of ``angles``.
-        angles: degrees by which the table had turned.
-        turntable_file: for axis and angles, as import_capture reads them (JSON).
-        calibrations: without attitudes: files that hold the camera's calibration.
+        angles: of the table, degrees.
+        turntable_file: for axis and angles, as read by import_capture (JSON).
+        calibrations: without attitudes: files that contain the camera's calibration.
         progress: see ffprocams.ProgressOption.
-        threads: that may work at a time; 0: all processors.
+        threads: number of threads; 0: all processors.
 
     Raises:
         UnsupportedError: the library was built without OpenCV.
@@ -142,7 +143,7 @@ def calibrate_rig(
 def _terms(names: Sequence[str], what: str) -> int:
     for name in names:
         if name not in _TERMS:
-            raise argument_error(f"'{name}' is none of {', '.join(_TERMS)}", what)
+            raise argument_error(f"'{name}' is not one of {', '.join(_TERMS)}", what)
     return sum(_TERMS[name] for name in set(names))
 
 
@@ -160,20 +161,21 @@ def train(
     threads: int = 0,
     device: str = "cpu",
 ) -> Path:
-    """Trains a network to the end; cancelled, it writes a checkpoint first and returns.
+    """Trains a network to the end or until cancelled, in which case it writes a checkpoint first and returns.
 
     Args:
         out: folder for checkpoint.safetensors, weights.safetensors, metrics.jsonl and pictures.
-        captures: folder of your own captures, for fine-tuning on their photographs (docs/lab/training.md).
-            Every fourth is held out and chooses the weights that are written. None: scenes are generated or read.
+        captures: folder of your own captures, for fine-tuning to their photographs (docs/lab/training.md).
+            Every fourth is held out, and the weights written are those that predict its photographs best. None: scenes
+            are generated or read.
         config: JSON file; None: the defaults.
-        initial: weights to start from; None: with captures the shipped ones, otherwise none.
-        perceptual: safetensors of the perceptual term; None: without it.
-        steps: -1: as the configuration says.
-        stop_at: stop at this step with a checkpoint; 0: go to the end.
-        resume: go on from the checkpoint in ``out``.
+        initial: weights to start from; None: the shipped ones with ``captures``, otherwise random ones.
+        perceptual: safetensors for the perceptual loss; None: off.
+        steps: number of steps; -1: as in the configuration.
+        stop_at: stop at this step with a checkpoint; 0: run to the end.
+        resume: continue from the checkpoint in ``out``.
         progress: see ffprocams.ProgressOption.
-        threads: that may work at a time; 0: all processors.
+        threads: number of threads; 0: all processors.
         device: "cpu" or "cuda".
 
     Returns:

@@ -1,4 +1,4 @@
-// The configuration of a training run. What is taken must come back from its own print.
+// The configuration of a training run. An accepted one must be printed in a form that reads to the same.
 #include <stdlib.h>
 #include <string.h>
 #include "fuzz.h"

@@ -1,6 +1,6 @@
-// Memory that belongs to the call at work (call.h): a call that fails gives back all that it has taken, and
-// what is left when one succeeds belongs to whoever got it. Blocks are zeroed, 64-byte aligned and released
-// with ffp_free. In a parallel region memory is taken by the bodies of ffp_parallel_for alone.
+// Memory that belongs to the current call (call.h): a call that fails releases everything it has allocated;
+// if it succeeds, the remaining blocks belong to whoever received them. Blocks are zeroed, 64-byte aligned
+// and released with ffp_free. In a parallel region only the bodies of ffp_parallel_for may allocate.
 #ifndef FFP_BASE_ALLOC_H
 #define FFP_BASE_ALLOC_H
 
@@ -10,21 +10,20 @@
 extern "C" {
 #endif
 
-// count * size bytes; when there are not so many, or the product overflows, the call ends with
-// FFP_ERROR_MEMORY.
+// count * size bytes; if memory runs out or the product overflows, the call ends with FFP_ERROR_MEMORY.
 void *ffp_alloc(size_t count, size_t size);
-// The same; NULL then. For places that hold what only they can give back.
+// The same, but returns NULL in that case. For code that holds something only it can release.
 void *ffp_try_alloc(size_t count, size_t size);
-// A block (or NULL) made larger, what it held kept and the rest zeroed. When that fails the old one is as it
-// was.
+// Enlarges a block (or NULL), keeping its contents and zeroing the rest. If that fails, the old one is
+// unchanged.
 void *ffp_grow(void *memory, size_t count, size_t size);
 void *ffp_try_grow(void *memory, size_t count, size_t size);
-// Ends the call as ffp_alloc does: for what fails for lack of memory alone.
+// Ends the call as ffp_alloc does: for functions that can fail only for lack of memory.
 void ffp_no_memory(size_t bytes);
 char *ffp_copy_text(const char *text);
 void ffp_free(void *memory); // NULL is allowed
 
-// Memory that outlives the call, whatever becomes of it: a thread's own, kept from one call to the next.
+// Memory that outlives the call however it ends: a thread's own, kept from one call to the next.
 void *ffp_alloc_kept(size_t count, size_t size);
 
 // For arena.c and device_memory.c: a block of undefined contents; count * size rounded up to the alignment,

@@ -12,7 +12,8 @@ FfpArena *ffp_arena_new(void);
 void ffp_arena_free(FfpArena *arena); // NULL is allowed
 // count * size bytes, 64-byte aligned, zeroed; fails as ffp_alloc.
 void *ffp_arena_alloc(FfpArena *arena, size_t count, size_t size);
-// The same, of undefined contents: for what is written before it is read. Nobody touches its pages before.
+// The same, with undefined contents: for memory that is written before it is read. Its pages are not touched
+// before.
 void *ffp_arena_take(FfpArena *arena, size_t count, size_t size);
 const char *ffp_arena_text(FfpArena *arena, const char *text); // a copy
 void ffp_arena_reset(FfpArena *arena);                         // keeps the memory for the next step

@@ -1,4 +1,4 @@
-// What stands before every block of memory, and the lists of what one owner has (FfpBlocks, call.h).
+// The header in front of every block of memory, and the lists of an owner's blocks (FfpBlocks, call.h).
 #ifndef FFP_BASE_BLOCKS_H
 #define FFP_BASE_BLOCKS_H
 
@@ -13,7 +13,7 @@ typedef struct FfpBlock {
 } FfpBlock;
 _Static_assert(sizeof(FfpBlock) == 64, "blocks stay aligned");
 
-typedef struct FfpOwned { // what is no memory
+typedef struct FfpOwned { // resources other than memory
     struct FfpOwned *older;
     void *thing;
     void (*release)(void *thing);
@@ -26,7 +26,7 @@ void ffp_blocks_remove(FfpBlock *block);                 // from its owner's, if
 bool ffp_blocks_own(FfpBlocks *blocks, void *thing, void (*release)(void *thing));
 void ffp_blocks_disown(FfpBlocks *blocks, void *thing);
 
-// Of all that is left: it becomes its holders' own, or is given back.
+// For all that is left: blocks then belong to their holders, or are released.
 void ffp_blocks_set_free(FfpBlocks *blocks);
 void ffp_blocks_release(FfpBlocks *blocks);
 

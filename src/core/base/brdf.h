@@ -1,6 +1,6 @@
 // The reflectance of the light model (docs/design/architecture.md, "Light"), in real: Lambert plus a GGX lobe
 // with Schlick's Fresnel in its spherical-Gaussian form and the k = (rho + 1)^2 / 8 visibility of Karis 2013,
-// as GS-ProCams has it. The simulator, the classical initialisation and the renderer mean the same light.
+// as in GS-ProCams. The simulator, the classical initialisation and the renderer share this light model.
 #ifndef FFP_BASE_BRDF_H
 #define FFP_BASE_BRDF_H
 

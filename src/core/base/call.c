@@ -113,7 +113,7 @@ static void end(FfpCall *call, FfpFrame *frame, bool ok) {
 
 static bool tell(const FfpCall *call, FfpError *err) {
     if (call->failed == FFP_ERROR_CANCELLED) return ffp_fail(err, FFP_ERROR_CANCELLED, NULL, "cancelled");
-    return ffp_fail(err, FFP_ERROR_MEMORY, NULL, "out of memory: %zu bytes more were needed", call->wanted);
+    return ffp_fail(err, FFP_ERROR_MEMORY, NULL, "out of memory: %zu more bytes were needed", call->wanted);
 }
 
 bool ffp_call_run(FfpContext *context, bool (*work)(void *argument, FfpError *err), void *argument,

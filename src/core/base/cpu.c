@@ -90,7 +90,7 @@ bool ffp_cpu_check(FfpError *err) {
             return ffp_fail(err, FFP_ERROR_ARGUMENT, "FFPROCAMS_CPU",
                             "this processor cannot run %s; its best is %s", refused, names[best]);
     return ffp_fail(err, FFP_ERROR_ARGUMENT, "FFPROCAMS_CPU",
-                    "%s is none of portable, avx2, avx512, avx512bf16, amx", refused);
+                    "invalid value %s: expected portable, avx2, avx512, avx512bf16 or amx", refused);
 }
 
 bool ffp_cpu_set_level(FfpCpuLevel level) {

@@ -15,7 +15,7 @@ extern "C" {
 bool ffp_fail(FfpError *err, FfpErrorCode code, const char *where, const char *what_format, ...)
     __attribute__((format(printf, 4, 5)));
 
-// "FILE: FIELD" for an error's WHERE, as ffp_place(file, field).text; very long names are cut.
+// "FILE: FIELD" for an error's WHERE, as ffp_place(file, field).text; very long names are truncated.
 typedef struct FfpPlace {
     char text[1200];
 } FfpPlace;

@@ -29,15 +29,15 @@ static inline float ffp_raise(float p, float shifted) {
     return power.number;
 }
 
-// A polynomial for 2^r on |r| <= 1/2 of least greatest relative error (Remez exchange), of a number or a
-// vector: of degree 5, 7.5e-8.
+// The minimax polynomial (least maximum relative error) for 2^r on |r| <= 1/2 (Remez exchange), of a number
+// or a vector: of degree 5, 7.5e-8.
 #define FFP_EXP2_LONG(r)                                                                                     \
     (((((0.00132764720F * (r) + 0.00967554133F) * (r) + 0.0555071327F) * (r) + 0.240221197F) * (r) +         \
       0.693146967F) *                                                                                        \
          (r) +                                                                                               \
      1.00000007F)
 
-// For x < 127; what lies below -125 counts as -125; NaN stays NaN. Relative
+// For x < 127; values below -125 count as -125; NaN stays NaN. Relative
 // error with rounding below 2.5e-7.
 static inline float ffp_exp2_f32(float x) {
     x = x < -125.0F ? -125.0F : x;

@@ -130,7 +130,7 @@ int ffp_close_file(FILE *file) {
 static bool follow_links(char out[FFP_PATH_MAX], const char *path, FfpError *err) {
     size_t length = strlen(path);
     while (length > 1 && path[length - 1] == '/') length--;
-    if (length == 0) return ffp_fail(err, FFP_ERROR_ARGUMENT, path, "an empty path");
+    if (length == 0) return ffp_fail(err, FFP_ERROR_ARGUMENT, path, "the path is empty");
     if (length >= FFP_PATH_MAX) return ffp_fail(err, FFP_ERROR_ARGUMENT, path, "path is too long");
     memcpy(out, path, length);
     out[length] = 0;
@@ -145,7 +145,7 @@ static bool follow_links(char out[FFP_PATH_MAX], const char *path, FfpError *err
             return ffp_fail(err, FFP_ERROR_ARGUMENT, path, "the link's path is too long");
         memcpy(out + folder, link, (size_t)got + 1);
     }
-    return ffp_fail(err, FFP_ERROR_IO, path, "symbolic links that lead in a circle");
+    return ffp_fail(err, FFP_ERROR_IO, path, "symbolic links form a circle");
 }
 
 // The name that an output gets in the end into out->temporary, and what is there now (st_mode 0: nothing).
@@ -294,7 +294,7 @@ bool ffp_output_commit(FfpOutput *out, FfpError *err) {
     if (ok) return true;
     if (folder && (reason == ENOTEMPTY || reason == EEXIST || reason == ENOTDIR))
         return ffp_fail(err, FFP_ERROR_FILE, out->path,
-                        "is there already and not empty: choose another, or remove it");
+                        "already exists and is not empty: choose another, or remove it");
     return cannot_write(out, reason, err);
 }
 

@@ -12,7 +12,7 @@ FfpContext *ffp_call_context(void) {
 _Noreturn void ffp_leave(FfpErrorCode code, size_t bytes) {
     FfpCall *call = ffp_call();
     if (!call || call->ending || omp_get_level() != ffp_frame->level) {
-        // Only inside the library: a function that is no public one was called by a test or a bench.
+        // Only inside the library: a test or a benchmark called a function that is not public.
         fprintf(stderr, "ffprocams: error: out of memory outside of any call (%zu bytes)\n", bytes);
         abort();
     }

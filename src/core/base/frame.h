@@ -1,5 +1,5 @@
-// A call at work (call.h), as the files share it that make it: call.c begins and ends it, blocks.c keeps what
-// it has taken, alloc.c takes that, progress.c and log.c speak with its caller. Private to these.
+// The state of the current call (call.h), private to the files that implement it: call.c begins and ends it,
+// blocks.c keeps its blocks, alloc.c allocates them, and progress.c and log.c call its callbacks.
 #ifndef FFP_BASE_FRAME_H
 #define FFP_BASE_FRAME_H
 
@@ -12,20 +12,20 @@ typedef struct FfpCall {
     FfpBlocks blocks;
     pthread_mutex_t lock;    // of the log callback
     atomic_int failed;       // an FfpErrorCode
-    atomic_size_t wanted;    // bytes that were not there
-    atomic_bool cancelled;   // the caller said so
-    bool ending;             // what is left is given back
-    bool held_off;           // cancelled, the work ends by itself
-    FfpProgress progress;    // of the innermost task, but for:
-    atomic_llong done;       // of it
-    char extra[128];         // what was said with its last step
-    double began, asked;     // ffp_seconds(): that task; the progress callback, last
+    atomic_size_t wanted;    // bytes that could not be allocated
+    atomic_bool cancelled;   // by the caller
+    bool ending;             // everything still held is being released
+    bool held_off;           // when cancelled, the work itself comes to an end
+    FfpProgress progress;    // of the innermost task, except for:
+    atomic_llong done;       // its steps
+    char extra[128];         // the text of its last step
+    double began, asked;     // ffp_seconds() when that task began, and at the last progress callback
     const FfpDevice *device; // that the thread worked on before
     int threads;             // of OpenMP, before
     locale_t locale;         // of the thread, before: the callbacks' own
 } FfpCall;
 
-// Where a jump leads: the call's own frame, or that of a body of ffp_parallel_for.
+// The target of a jump: the call's own frame, or that of a body of ffp_parallel_for.
 typedef struct FfpFrame {
     jmp_buf jump;
     FfpCall *call;     // NULL: in a region of a thread that is in no call
@@ -45,7 +45,7 @@ static inline FfpCall *ffp_call(void) {
 // Jumps to the frame; the first to do so in a call says why.
 _Noreturn void ffp_leave(FfpErrorCode code, size_t bytes);
 
-// What only the library itself can get wrong: seen where it is built for tests.
+// Checks against mistakes inside the library itself, in builds for tests.
 void ffp_check(bool right, const char *what);
 
 #endif

@@ -1,4 +1,4 @@
-// A sum that tells one thing from another: FNV-1a of 64 bits (Fowler, Noll and Vo).
+// A hash: FNV-1a of 64 bits (Fowler, Noll and Vo).
 #ifndef FFP_BASE_HASH_H
 #define FFP_BASE_HASH_H
 
@@ -6,7 +6,7 @@
 #include <stdint.h>
 #include <string.h>
 
-#define FFP_HASH_NONE 0xcbf29ce484222325ULL // of nothing yet
+#define FFP_HASH_NONE 0xcbf29ce484222325ULL // of no bytes
 
 static inline uint64_t ffp_hash(uint64_t so_far, const void *data, size_t size) {
     const unsigned char *bytes = (const unsigned char *)data;
@@ -16,7 +16,7 @@ static inline uint64_t ffp_hash(uint64_t so_far, const void *data, size_t size) 
     return so_far;
 }
 
-// With its end, so that "ab", "c" is not "a", "bc".
+// Includes the terminating zero, so that "ab", "c" differs from "a", "bc".
 static inline uint64_t ffp_hash_text(uint64_t so_far, const char *text) {
     return ffp_hash(so_far, text, strlen(text) + 1);
 }

@@ -46,18 +46,18 @@ FfpKind ffp_file_kind(const char *path) {
 bool ffp_check_kind(const char *path, FfpExpectedKind wanted, FfpError *err) {
     static const char *const found[] = {
         [FFP_KIND_FOLDER] = "a folder, as captures are",
-        [FFP_KIND_JSON] = "JSON, as captures have it",
+        [FFP_KIND_JSON] = "JSON, as in captures",
         [FFP_KIND_PLY] = "Gaussians (a PLY)",
         [FFP_KIND_WEIGHTS] = "weights (safetensors)",
         [FFP_KIND_FIELD] = "a neural field, which only `info` and `evaluate --field` read",
         [FFP_KIND_IMAGE] = "a picture",
     };
     static const char *const wants[] = {
-        [FFP_WANTED_CAPTURE] = "a capture: its folder or its JSON file is wanted",
-        [FFP_WANTED_GAUSSIANS] = "Gaussians: a PLY is wanted",
-        [FFP_WANTED_WEIGHTS] = "weights: a safetensors file is wanted",
+        [FFP_WANTED_CAPTURE] = "a capture: expected its folder or its JSON file",
+        [FFP_WANTED_GAUSSIANS] = "Gaussians: expected a PLY",
+        [FFP_WANTED_WEIGHTS] = "weights: expected a safetensors file",
         [FFP_WANTED_FIELD] = "a neural field",
-        [FFP_WANTED_TENSORS] = "weights: a safetensors file is wanted",
+        [FFP_WANTED_TENSORS] = "weights: expected a safetensors file",
         [FFP_WANTED_IMAGE] = "a picture",
     };
     const FfpKind kind = ffp_file_kind(path);

@@ -1,4 +1,4 @@
-// What a file is, by its first bytes: so that one given in another's place is named.
+// The kind of a file, by its first bytes, for errors about a file of the wrong kind.
 #ifndef FFP_BASE_KIND_H
 #define FFP_BASE_KIND_H
 
@@ -16,7 +16,7 @@ typedef enum FfpKind {
 
 FfpKind ffp_file_kind(const char *path);
 
-// What a reader wants.
+// The kind that a reader expects.
 typedef enum FfpExpectedKind {
     FFP_WANTED_CAPTURE,
     FFP_WANTED_GAUSSIANS,
@@ -26,8 +26,8 @@ typedef enum FfpExpectedKind {
     FFP_WANTED_IMAGE
 } FfpExpectedKind;
 
-// False with "is Gaussians (a PLY), not a capture: ..." when the file is clearly of another kind. True says
-// nothing: it may be broken, unknown, or not there.
+// False with "is Gaussians (a PLY), not a capture: ..." if the file is clearly of another kind. True
+// guarantees nothing: the file may be broken, unknown or missing.
 bool ffp_check_kind(const char *path, FfpExpectedKind wanted, FfpError *err);
 
 #endif

@@ -12,7 +12,7 @@
 
 // Declares a room's tables of functions, ffp_<level>_<name> of type Table, and ffp_<name>_kernels(), which
 // gives that of the level in use. For loops in plain C, which gain nothing from bf16 and tiles: avx512 serves
-// the levels above it. What is built in double exists at one level only.
+// the levels above it. Rooms built in double exist at one level only.
 #if defined(FFP_ALL_LEVELS) && !defined(FFP_REAL_DOUBLE)
 #define FFP_LOOP_TABLES(Table, name)                                                                         \
     extern const Table ffp_portable_##name, ffp_avx2_##name, ffp_avx512_##name;                              \

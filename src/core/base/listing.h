@@ -1,10 +1,10 @@
-// What is in a folder.
+// The contents of a folder.
 #ifndef FFP_BASE_LISTING_H
 #define FFP_BASE_LISTING_H
 
 #include <stdbool.h>
 
-// The names in it but "." and "..", in alphabetical order. One block: ffp_free(names).
+// The names in it except "." and "..", in alphabetical order. One block: ffp_free(names).
 typedef struct FfpListing {
     char **names; // [count]
     int count;

@@ -1,5 +1,5 @@
-// Words and progress for the caller of the public function at work (core/base/call.h); outside of any, for
-// nobody.
+// Messages and progress for the caller of the current public function (core/base/call.h); discarded outside
+// of one.
 #ifndef FFP_BASE_LOG_H
 #define FFP_BASE_LOG_H
 

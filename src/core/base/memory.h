@@ -10,13 +10,13 @@
 // Negative: not known.
 double ffp_memory_available(void);
 
-// Whether so many bytes may be taken, asked before they are: an error says what needs them ("the images"),
-// how much there is, and, unless it is "", what else to do.
+// Checks before an allocation that this many bytes are available: the error says what needs them ("the
+// images"), how much memory is left and, unless `advice` is "", what to do about it.
 bool ffp_memory_suffices(double bytes, const char *what, const char *advice, const char *where,
                          FfpError *err);
 
-// The bytes that this process has in memory now, from which ffp_memory_peak counts from here on, and the most
-// that it has had since then (VmHWM of /proc/self/status). Negative: not known.
+// The bytes that this process has in memory now, at which ffp_memory_peak starts again, and the most that it
+// has had since then (VmHWM of /proc/self/status). Negative: not known.
 double ffp_memory_mark(void);
 double ffp_memory_peak(void);
 

@@ -6,8 +6,8 @@
 #include "core/base/file.h"
 
 // From the folder of the library, or of the program that it is linked into: a build's or a Python package's
-// folder holds both; an installed library's has one for its modules. The last is set by the build, and leads
-// there from where programs are installed.
+// folder holds both; an installed library's has one for its modules. The build sets the path to the latter
+// from the folder of installed programs.
 #ifndef FFP_PROGRAM_TO_MODULES
 #define FFP_PROGRAM_TO_MODULES "../lib/ffprocams"
 #endif

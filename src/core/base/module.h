@@ -1,6 +1,6 @@
-// Modules: what stands on a large library of somebody else's is a shared library of its own, loaded when a
-// call first asks for it. So neither libffprocams nor what links it needs those libraries, and only who asks
-// loads them. A module takes no memory of the call's, and no call is left from inside one.
+// Modules: code that needs a large third-party library is a separate shared library, loaded when a call first
+// asks for it. So neither libffprocams nor programs that link it depend on those libraries, and they are
+// loaded only on demand. A module allocates no memory from the call, and no call is aborted from inside one.
 #ifndef FFP_BASE_MODULE_H
 #define FFP_BASE_MODULE_H
 
@@ -16,9 +16,9 @@ typedef struct FfpModule {
     const void *table;   // for module.c: once it is loaded
 } FfpModule;
 
-// The module's table, which stays loaded; NULL with an error that says what to install. It is looked for
-// beside the library, or the program that it is linked into, and where it was installed; or in the folder
-// that FFPROCAMS_MODULES names, and there alone. Thread safe.
+// The module's table, which stays loaded; NULL with an error that says what to install. It is searched for
+// beside the library, or the program that it is linked into, and where it was installed; or only in the
+// folder named by FFPROCAMS_MODULES. Thread safe.
 const void *ffp_module_load(FfpModule *module, FfpError *err);
 
 // For what a module exports.

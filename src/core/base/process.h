@@ -1,5 +1,5 @@
-// Another program that works for a call: ffmpeg, dcraw_emu. One of its ends is ours, its stdin or its stdout;
-// a call that is left kills it.
+// Another program that works for a call: ffmpeg, dcraw_emu. We hold one end of a pipe to its stdin or its
+// stdout; aborting the call kills it.
 #ifndef FFP_BASE_PROCESS_H
 #define FFP_BASE_PROCESS_H
 
@@ -19,15 +19,15 @@ typedef enum FfpProcessEnd {
 // Whether a program of this name is in one of the folders of PATH.
 bool ffp_program_exists(const char *name);
 
-// Starts arguments[0] (NULL after the last), found on PATH, in a group of its own: Ctrl-C is for the caller.
-// `where` is for the error.
+// Starts arguments[0] (NULL after the last), found on PATH, in its own process group: Ctrl-C is for the
+// caller. `where` is for the error.
 bool ffp_process_start(FfpProcess **process, const char *const arguments[], FfpProcessEnd end,
                        const char *where, FfpError *err);
 bool ffp_process_write(FfpProcess *process, const void *bytes, size_t size); // false: it takes no more
-// How many bytes came: fewer than `size` only at the end.
+// Returns the number of bytes read: fewer than `size` only at the end.
 size_t ffp_process_read(FfpProcess *process, void *bytes, size_t size);
-// Waits for its end; true when it ended with status 0. *process becomes NULL, `said` the last line that it
-// wrote to stderr, "" where there is none.
+// Waits for its end; true if it ended with status 0. *process becomes NULL, `said` the last line that it
+// wrote to stderr, or "" if there is none.
 bool ffp_process_finish(FfpProcess **process, char said[FFP_PROCESS_SAID]);
 void ffp_process_kill(FfpProcess **process); // safe after finish, and when it was never started
 

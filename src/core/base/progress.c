@@ -97,7 +97,7 @@ void ffp_task_end(const FfpTask *task) {
     call->done = task->before.done;
     call->extra[0] = 0;
     call->began = task->before_began;
-    // What was shown of the task is over.
+    // The task that was shown has ended.
     if (is_asked() && call->asked >= task->started) ask(ffp_seconds());
     leave_if_cancelled();
 }

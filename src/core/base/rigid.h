@@ -1,5 +1,5 @@
-// Small vectors, rotations and rigid motions in double precision, for what is calculated once and must be
-// exact.
+// Small vectors, rotations and rigid transforms in double precision, for calculations that are done once and
+// must be exact.
 #ifndef FFP_BASE_RIGID_H
 #define FFP_BASE_RIGID_H
 
@@ -24,7 +24,7 @@ static inline void ffp_rigid_store(const FfpRigid *motion, real pose[16]) { // t
 double ffp_dot(const double a[3], const double b[3]);
 void ffp_cross(const double a[3], const double b[3], double out[3]);
 double ffp_unit(double v[3]); // makes it one, and returns the length it had; 0 stays
-// Two unit vectors across a unit vector, which stand across each other.
+// Two unit vectors perpendicular to a unit vector and to each other.
 void ffp_perpendiculars(const double v[3], double first[3], double second[3]);
 
 // Row-major 3x3 rotations. out may be none of the arguments.

@@ -5,15 +5,15 @@
 #include <stdio.h>
 #include "core/base/alloc.h"
 
-// For a page or one of its attributes: what stands for something there stands for itself.
+// For an HTML page or an attribute in it: escapes special characters.
 void ffp_put_html(FILE *out, const char *text);
-// For a terminal: strings from files may hold anything, and it should see only text.
+// For a terminal: strings from files may contain anything, and only text may reach it.
 void ffp_put_plain(FILE *out, const char *text);
 
 typedef struct FfpText FfpText;
 FfpText *ffp_text_new(void);
 FILE *ffp_text_stream(FfpText *text);
-const char *ffp_text_so_far(FfpText *text, size_t *size); // good until more is written
+const char *ffp_text_so_far(FfpText *text, size_t *size); // valid until more is written
 char *ffp_text_end(FfpText *text);                        // all of it, released with ffp_free; frees the rest
 void ffp_text_free(FfpText *text);                        // NULL is allowed
 

@@ -85,7 +85,7 @@ int ffp_capture_active_pattern(const FfpCapture *capture, const char *name, FfpE
             if (usable && view_without(capture, i) < 0) return i;
         }
         ffp_fail(err, FFP_ERROR_FILE, capture->name,
-                 "no structured-light pattern that every view was seen under");
+                 "no structured-light pattern under which every view has a picture");
         return -1;
     }
     const int found = find_structured(capture, name, err);
@@ -117,8 +117,8 @@ int ffp_capture_photographs(const FfpCapture *capture, const char *const *names,
     int count = 0;
     for (int i = 0; i < n; i++)
         if (!names || !names[i]) {
-            ffp_fail(err, FFP_ERROR_ARGUMENT, capture->name, "of %d patterns the one at %d has no name", n,
-                     i);
+            ffp_fail(err, FFP_ERROR_ARGUMENT, capture->name,
+                     "of %d patterns, the one at index %d has no name", n, i);
             return -1;
         }
     chosen[count++] = capture->black;

@@ -1,4 +1,5 @@
-// A capture: what a projector-camera rig saw of one object. See docs/reference/formats.md for the files.
+// A capture: the photographs of one object by a projector-camera rig. See docs/reference/formats.md for the
+// files.
 #ifndef FFP_CAPTURE_CAPTURE_H
 #define FFP_CAPTURE_CAPTURE_H
 
@@ -21,20 +22,20 @@ typedef struct FfpCamera {
 typedef struct FfpPattern {
     char name[FFP_NAME_MAX];
     FfpImage image; // linear RGB, 3 channels, size of the projector
-    bool novel; // held back: shown to the object, but never chosen for a reconstruction unless it is named
+    bool novel;     // held out for testing: never used for a reconstruction unless requested by name
 } FfpPattern;
 
 typedef struct FfpView {
     char id[FFP_NAME_MAX];
     FfpCamera camera, projector;
     int frame_width, frame_height; // the upper left part of the picture that the camera saw; 0: all of it.
-                                   // What lies beyond is not known to be empty
+                                   // Pixels beyond it are not known to be empty
     FfpImage
         *images; // [n_patterns] linear RGB over black, camera size; .data is NULL where this view has none
     FfpImage coverage;       // 1 channel in [0,1]: the object's share of each pixel (alpha); always there
     FfpImage correspondence; // 3 channels: the projector's pixel position (x, y) that Gray codes found for
-                             // the pixel's centre, and how far it is trusted, [0,1]; trust 0: nothing is
-                             // known. .data NULL: this view has none
+                             // the pixel's centre, and a confidence in [0,1]; 0: unknown. .data NULL: this
+                             // view has none
     // Truth, where the capture has it (.data NULL otherwise). Same size as the images:
     FfpImage depth;  // 1 channel, camera z in world units at the pixel's centre, 0 where there is no surface
     FfpImage normal; // 3 channels, world, unit
@@ -44,9 +45,9 @@ typedef struct FfpView {
         direct_white; // 3 channels, linear: direct projector light only, under the white pattern (generator)
 } FfpView;
 
-// The real projector behind the ideal ones of the views: what a picture has to be changed for before it is
-// shown on it. A ray (x, y, 1) in the projector's frame leaves the panel at (cx + fx x', cy + fy y'), x', y'
-// being x, y moved by the lens (core/base/lens.h); a value v of a picture sent to it becomes light in
+// The real projector behind the ideal ones of the views, for which a picture must be adjusted before it is
+// shown. A ray (x, y, 1) in the projector's frame leaves the panel at (cx + fx x', cy + fy y'), where x', y'
+// are x, y distorted by the lens (core/base/lens.h); a value v of a picture sent to it becomes light in
 // proportion to v^gamma, or to the sRGB curve of v.
 typedef struct FfpPanel {
     bool known;
@@ -67,7 +68,7 @@ typedef struct FfpCapture {
     real intensity[3]; // projector radiant intensity at pattern value 1, W/sr in world units (I of the light
                        // model)
     bool intensity_known;
-    FfpPanel panel; // the projector as it is, where an import has kept it
+    FfpPanel panel; // the real projector, if an import recorded it
     real centre[3],
         radius; // the object's bounding sphere, world units (given, or estimated from poses and masks)
 } FfpCapture;
@@ -84,10 +85,10 @@ FfpCapture *ffp_capture_load(const char *path, FfpError *err);
 // view without any image has coverage 0. `path` is the file, or a folder with targets.json.
 bool ffp_capture_read_targets(FfpCapture *targets, const char *path, const FfpCapture *reference,
                               FfpError *err);
-// Devices alone, of a targets file or a capture's JSON (or a folder with one) whose photographs need not be
-// there: views have no pictures and no coverage. Patterns have images where their files are; black and white
-// always. Intensity (intensity_known) and sphere (radius 0: none) are what the file says. `width` and
-// `height` are the projector's where the file says neither its size nor has a pattern; 0: an error.
+// The devices only, from a targets file or a capture's JSON (or a folder with one) whose photographs need not
+// exist: views have no pictures and no coverage. Patterns have images if their files exist; black and white
+// always do. Intensity (intensity_known) and sphere (radius 0: none) are those of the file. `width` and
+// `height` are the projector's if the file gives neither its size nor a pattern; 0: an error.
 bool ffp_capture_read_poses(FfpCapture *poses, const char *path, int width, int height, FfpError *err);
 void ffp_capture_free(FfpCapture *capture);
 void ffp_view_free(FfpView *view, int n_patterns); // what it holds
@@ -96,20 +97,21 @@ void ffp_view_free(FfpView *view, int n_patterns); // what it holds
 // has, and patterns/ (8-bit sRGB PNG). scene.json is written last: a folder without it is not a capture.
 bool ffp_capture_write(const FfpCapture *capture, const char *folder, FfpError *err);
 
-// The same into a folder that is new or empty, whole or not at all: written beside it, completed by `finish`
-// (NULL: there is no more to do), read back, and then renamed. Errors: the folder holds something; what was
-// written cannot be read.
+// The same into a folder that is new or empty, completely or not at all: written beside it, completed by
+// `finish` (NULL: nothing more to do), read back, and then renamed. Errors: the folder is not empty; the
+// capture written cannot be read back.
 bool ffp_capture_write_whole(const FfpCapture *capture, const char *folder,
                              bool (*finish)(const char *part, void *context, FfpError *err), void *context,
                              FfpError *err);
 
-// Whether the folder is new or empty, told before the work rather than after it: the renaming at the end is
-// what keeps an old folder whole.
+// Checks before the work that the folder is new or empty; an old folder stays intact until the final
+// renaming.
 bool ffp_capture_probe(const char *folder, FfpError *err);
 
 int ffp_capture_find_pattern(const FfpCapture *capture, const char *name); // index, or -1
 int ffp_capture_find_view(const FfpCapture *capture, const char *id);      // index, or -1
-// "000, 045, 090 and 61 more": names for the errors about one that is not there, ffp_list_views(capture).text
+// "000, 045, 090 and 61 more": the existing names, for errors about an unknown one,
+// ffp_list_views(capture).text
 enum { FFP_LISTED_MAX = 256 };
 typedef struct FfpListed {
     char text[FFP_LISTED_MAX];
@@ -128,16 +130,16 @@ bool ffp_pattern_read(FfpPattern *pattern, const char *path, int width, int heig
 // black, white nor novel and that every view has. -1 with an error when there is none.
 int ffp_capture_active_pattern(const FfpCapture *capture, const char *name, FfpError *err);
 // The photographs that a reconstruction is made from: black, white, and the n structured-light patterns named
-// (n 0: the one that is found as above), in their order, into chosen [FFP_PATTERNS_MAX]. Every
-// view has one under the first; under the others, some view. Returns how many they are, or -1 with an error.
+// (n 0: the one chosen as above), in their order, into chosen [FFP_PATTERNS_MAX]. Every view has a photograph
+// under the first, and at least one view under each of the others. Returns their number, or -1 with an error.
 int ffp_capture_photographs(const FfpCapture *capture, const char *const *names, int n, int *chosen,
                             FfpError *err);
 
-// The least-squares meeting point of all camera and projector axes, or where these are nearly parallel the
-// middle of the lit surfaces as the projected colours give them (coarse_depth.h); and the radius that the
-// masks reach around it (the largest distance between the centre and a foreground pixel's ray, over all
-// views, and 2 % more, so that rays along a silhouette pass through the sphere and do not just touch it).
-// Writes centre and radius.
+// The least-squares intersection of all camera and projector axes, or if these are nearly parallel the centre
+// of the lit surfaces found from the projected colours (coarse_depth.h); and the radius that the masks cover
+// around it (the largest distance between the centre and a foreground pixel's ray, over all views, plus 2 %,
+// so that rays along a silhouette pass through the sphere instead of just touching it). Writes centre and
+// radius.
 void ffp_capture_estimate_bounds(FfpCapture *capture);
 
 // World <- (world - centre) / radius for everything in the capture (poses, depth); the intensity is divided
@@ -148,14 +150,15 @@ void ffp_capture_normalise(FfpCapture *capture, const real centre[3], real radiu
 // (x, y in pixels, z = camera depth) of a world point; returns z. Behind the device z <= 0 and x, y are
 // meaningless.
 real ffp_project(const FfpCamera *camera, const real point[3], real *x, real *y);
-// Whether two devices stand in one place with one lens: every number of the poses alike to 1e-4, which is far
-// below a pixel in a normalised capture, and focal lengths and principal points to a hundredth of a pixel.
+// Whether two devices have the same pose and lens: every number of the poses equal to within 1e-4, which is
+// far below a pixel in a normalised capture, and focal lengths and principal points to within a hundredth of
+// a pixel.
 bool ffp_same_device(const FfpCamera *a, const FfpCamera *b);
 // Unit world direction of the ray through pixel position (x, y); returns its z component in the camera's
 // frame, so that camera depth z = t * returned value.
 real ffp_pixel_ray(const FfpCamera *camera, real x, real y, real direction[3]);
 
-// The part of a view's picture that its camera saw, pixels.
+// The part of a view's picture that its camera saw (frame_width), pixels.
 static inline int ffp_frame_width(const FfpView *view) {
     return view->frame_width > 0 ? view->frame_width : view->camera.width;
 }

@@ -1,5 +1,6 @@
-// Where lit surfaces are, from the colours that the projector sent there: coarse, but without any sphere to
-// search in. For captures whose devices look nearly the same way, so that their axes do not tell.
+// The positions of lit surfaces, from the colours projected on them: coarse, but without a sphere to search
+// in. For captures whose devices look in nearly the same direction, so that their axes do not give the
+// position.
 #ifndef FFP_CAPTURE_COARSE_DEPTH_H
 #define FFP_CAPTURE_COARSE_DEPTH_H
 
@@ -8,10 +9,10 @@
 #define FFP_COARSE_POINTS_MAX 2400
 
 // World points of lit surfaces, from the pictures under black, white and all other patterns that a view has.
-// Each view's pixels vote together: the camera depth at which all of them fit best, with some depth of the
-// object around it, is that at which each then takes its own best. Returns how many points; 0 when no view
-// has a pattern to look at, or when no depth fits clearly better than the others and `guess` (NULL: there is
-// none), a point that something else says the object to be at, is as good.
+// Each view's pixels vote together for the camera depth at which all of them fit best; each pixel then takes
+// its own best depth near it. Returns the number of points; 0 if no view has a pattern to use, or if no depth
+// fits clearly better than the others and `guess` (NULL: none), an independent estimate of the object's
+// position, is as good.
 int ffp_coarse_points(const FfpCapture *capture, const double guess[3],
                       real points[FFP_COARSE_POINTS_MAX][3]);
 

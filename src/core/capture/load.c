@@ -154,7 +154,7 @@ static bool check_correspondence(const FfpView *view, const char *path, FfpError
     for (ptrdiff_t i = 0; i < pixels; i++) {
         const real *p = map->data + 3 * i;
         if (!(p[2] >= 0 && p[2] <= 1))
-            return ffp_fail(err, FFP_ERROR_FILE, path, "trust (the third channel) is outside 0 to 1");
+            return ffp_fail(err, FFP_ERROR_FILE, path, "confidence (the third channel) is outside 0 to 1");
         if (p[2] > 0 && !(p[0] >= -width && p[0] <= 2 * width && p[1] >= -height && p[1] <= 2 * height))
             return ffp_fail(err, FFP_ERROR_FILE, path,
                             "position %g, %g is far outside the projector's %g x %g pixels", (double)p[0],

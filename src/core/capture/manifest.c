@@ -37,7 +37,7 @@ bool ffp_manifest_view_id(FfpManifest *manifest, int view, const FfpNode *field,
     if (!ffp_node_name(field, views[view].id, err)) return false;
     for (int i = 0; i < view; i++) {
         if (strcmp(views[i].id, views[view].id) == 0) {
-            return ffp_node_fail(field, err, "view '%s' comes twice", views[view].id);
+            return ffp_node_fail(field, err, "duplicate view '%s'", views[view].id);
         }
     }
     return true;

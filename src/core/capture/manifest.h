@@ -1,5 +1,5 @@
-// What is said about a capture before its pixels are looked at: poses, names, and where each picture comes
-// from. The readers of both kinds of JSON and memory.c fill it in, load.c takes the pixels.
+// The description of a capture before its pixels are read: poses, names, and the source of each picture. The
+// readers of both kinds of JSON and memory.c fill it in; load.c reads the pixels.
 #ifndef FFP_CAPTURE_MANIFEST_H
 #define FFP_CAPTURE_MANIFEST_H
 
@@ -10,9 +10,9 @@
 
 // Where a picture comes from: a file, or the caller's memory.
 typedef struct FfpSource {
-    const char *path;  // ready to be opened, or a name for messages; NULL: there is no picture
+    const char *path;  // to open, or a name for messages; NULL: there is no picture
     const FfpRaw *raw; // NULL: the file
-    bool applied;      // a mask: the pictures are over black with it already
+    bool applied;      // a mask by which the pictures are already over black
 } FfpSource;
 
 typedef struct FfpViewFiles {
@@ -23,10 +23,10 @@ typedef struct FfpViewFiles {
 typedef struct FfpManifest {
     FfpCapture *capture;
     bool targets;        // poses to predict: views may lack black and white, or any image
-    bool poses;          // likewise, and pictures that are named need not be there: none is read
+    bool poses;          // likewise, and the pictures named need not exist: none is read
     int known_patterns;  // the first patterns have their images already (copied from the reference)
     const char *file;    // the JSON, or a name, for messages
-    const char *folder;  // where it lies
+    const char *folder;  // that contains it
     FfpArena *arena;     // owns all paths
     FfpSource *patterns; // [FFP_PATTERNS_MAX]; none: black or white without a file
     FfpViewFiles *views; // [n_views]
@@ -42,12 +42,12 @@ typedef struct FfpManifest {
 bool ffp_manifest_from_scene(FfpManifest *manifest, const FfpNode *root, FfpError *err);
 bool ffp_manifest_from_render_poses(FfpManifest *manifest, const FfpNode *root, FfpError *err);
 
-// Shared by the two: room for n views; the index of a pattern, added when new (-1 with an error when there
-// are too many); a camera's numbers from the keys of either kind; a second view with one name is refused.
+// Shared by the two: allocates n views; the index of a pattern, added if new (-1 with an error if there are
+// too many); a camera's numbers from the keys of either kind; refuses a second view of the same name.
 void ffp_manifest_new_views(FfpManifest *manifest, int n);
 int ffp_manifest_pattern(FfpManifest *manifest, const char *name, const FfpNode *field, FfpError *err);
 bool ffp_manifest_view_id(FfpManifest *manifest, int view, const FfpNode *field, FfpError *err);
-// "folder/name" in the manifest's memory, or NULL when no such file exists.
+// "folder/name" in the manifest's memory, or NULL if no such file exists.
 const char *ffp_manifest_path(FfpManifest *manifest, const char *folder, const char *name);
 
 #define FFP_PIXELS_MAX 1e7 // of focal lengths and principal points, which may lie far outside the image

@@ -128,7 +128,7 @@ bool ffp_node_numbers(const FfpNode *field, int n, double low, double high, real
 
 bool ffp_node_text(const FfpNode *field, const char **out, FfpError *err) {
     *out = "";
-    if (!json_is_string(field->value)) return ffp_node_fail(field, err, "must be a text");
+    if (!json_is_string(field->value)) return ffp_node_fail(field, err, "must be a string");
     *out = json_string_value(field->value);
     // jansson refuses \u0000 by default, so the text ends where C says it does.
     return **out != 0 || ffp_node_fail(field, err, "must not be empty");
@@ -154,9 +154,10 @@ bool ffp_node_name(const FfpNode *field, char out[FFP_NAME_MAX], FfpError *err) 
     const char *text = NULL;
     if (!ffp_node_text(field, &text, err)) return false;
     if (!ffp_is_name(text)) {
-        return ffp_node_fail(field, err,
-                             "invalid name '%.100s': 1 to %d bytes without '/', '\\' and control characters",
-                             text, FFP_NAME_MAX - 1);
+        return ffp_node_fail(
+            field, err,
+            "invalid name '%.100s': expected 1 to %d bytes without '/', '\\' or control characters", text,
+            FFP_NAME_MAX - 1);
     }
     memcpy(out, text, strlen(text) + 1);
     return true;

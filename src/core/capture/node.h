@@ -1,6 +1,6 @@
-// Checked access to the fields of a JSON file that came from outside. A field knows its place, so that every
-// complaint reads "WHAT (FILE: views[3].c2w)". Numbers must be numbers, finite and in range; names and files
-// must be harmless.
+// Checked access to the fields of an untrusted JSON file. A field knows its place, so that every error reads
+// "WHAT (FILE: views[3].c2w)". Numbers must be numbers, finite and in range; names and files must be
+// harmless.
 #ifndef FFP_CAPTURE_NODE_H
 #define FFP_CAPTURE_NODE_H
 
@@ -17,7 +17,7 @@ typedef struct FfpNode {
 // Parses a JSON file whose root is an object. Released with ffp_node_close.
 bool ffp_node_open(FfpNode *root, const char *path, FfpError *err);
 void ffp_node_close(FfpNode *root);
-// The JSON belongs to the call at work (core/base/call.h) until it is released here.
+// The JSON belongs to the current call (core/base/call.h) until it is released here.
 void ffp_json_own(json_t *value);
 void ffp_json_release(json_t *value);
 bool ffp_node_fail(const FfpNode *field, FfpError *err, const char *format, ...)
@@ -38,7 +38,8 @@ bool ffp_node_text(const FfpNode *field, const char **out, FfpError *err);
 // bytes of UTF-8, no '/', no '\', no control character, not "." or "..".
 bool ffp_node_name(const FfpNode *field, char out[FFP_NAME_MAX], FfpError *err);
 bool ffp_is_name(const char *text);
-// Whether JSON can hold it: jansson takes no other text, and a field that it does not take is not there.
+// Whether JSON can contain the text: jansson accepts no other, and silently drops a field that it does not
+// accept.
 bool ffp_is_utf8(const char *text);
 // A file name relative to the JSON's folder: not absolute and without "..".
 bool ffp_node_file(const FfpNode *field, const char **out, FfpError *err);
@@ -48,7 +49,7 @@ bool ffp_is_inner_path(const char *text);
 // axes out.
 bool ffp_node_pose(const FfpNode *field, bool blender, real pose[16], FfpError *err);
 
-// The same for numbers that exist already; NULL, or what is wrong with them.
+// The same for numbers in memory; NULL, or a description of the fault.
 const char *ffp_pose_settle(real pose[16], bool blender);
 
 #define FFP_LENGTH_MAX 1e9 // of positions, world units; squares of it still fit a float

@@ -13,8 +13,8 @@ typedef struct FfpOptics {
     double lens[5];        // k1 k2 p1 p2 k3 of OpenCV's Brown-Conrady model; all 0: none
 } FfpOptics;
 
-// Refuses a lens that folds the picture over itself anywhere inside it (coefficients that were fitted to its
-// middle only, or are wrong).
+// Refuses a lens that folds the picture over itself anywhere inside it (because its coefficients were fitted
+// to the centre only, or are wrong).
 bool ffp_optics_check(const FfpOptics *optics, const char *what, FfpError *err);
 
 #endif

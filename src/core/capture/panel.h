@@ -5,14 +5,14 @@
 #include "core/capture/capture.h"
 #include "core/capture/optics.h"
 
-// What a capture keeps of a projector's calibration. Its gamma is not touched.
+// The part of a projector's calibration that a capture records. The gamma is not changed.
 void ffp_panel_describe(FfpPanel *panel, const FfpOptics *optics);
 
-// What to send to the projector so that it throws `pattern` (linear light of the pinhole `ideal`): the lens's
-// distortion is put in again, the picture brought to the panel's size, and light turned into the values that
-// make it; black where the ideal frame ends. Returned as linear numbers whose sRGB encoding is those values,
-// so that it is written as any picture is. Errors: a lens that folds the picture over itself; `where` is what
-// they name.
+// The picture to send to the projector so that it projects `pattern` (linear light of the pinhole `ideal`):
+// lens distortion is reapplied, the picture resampled to the panel's size, and light converted to the values
+// that produce it; black outside the ideal frame. Returned as linear numbers whose sRGB encoding is those
+// values, so that it is written like any picture. Errors, which name `where`: a lens that folds the picture
+// over itself.
 bool ffp_panel_picture(FfpImage *out, const FfpPanel *panel, const FfpCamera *ideal, const FfpImage *pattern,
                        const char *where, FfpError *err);
 

@@ -47,8 +47,7 @@ static const char *check_rigid(const double r[9], const real last_row[4]) {
         if (fabs((double)last_row[i] - (i == 3)) > 1e-6) return "last row is not 0 0 0 1";
     const double error = gram(r, g), det = determinant(r);
     if (fabs(det) < 1e-9) return "matrix is singular";
-    if (error > RIGID_TOLERANCE)
-        return "matrix is not rigid: its axes are not of length 1 and at right angles";
+    if (error > RIGID_TOLERANCE) return "matrix is not rigid: its axes are not orthonormal";
     return det > 0 ? NULL : "matrix mirrors: its axes are left-handed";
 }
 

@@ -5,14 +5,14 @@
 #include "core/base/vec.h"
 #include "core/capture/capture.h"
 
-// Where the camera sees a point of its own frame.
+// The pixel position at which the camera sees a point of its own frame.
 FFP_FORMULA void ffp_in_picture(const FfpCamera *camera, const real local[3], real *x, real *y) {
     *x = camera->cx + camera->fx * local[0] / local[2];
     *y = camera->cy + camera->fy * local[1] / local[2];
 }
 
-// The text of ffp_project. On the CPU that is a function of its own: which products are fused with which sums
-// depends on what it is inlined into.
+// The body of ffp_project, which on the CPU is a separate function, not inlined: inlining would change which
+// products are fused with which sums.
 FFP_FORMULA real ffp_projected(const FfpCamera *camera, const real point[3], real *x, real *y) {
     real local[3];
     ffp_inverse_transform_point(camera->pose, point, local);

@@ -7,7 +7,7 @@
 #include "core/base/kind.h"
 #include "core/capture/manifest.h"
 
-// The JSON's own path when `path` is one; in a folder the first of the names that is there.
+// `path` itself if it is a JSON file; in a folder, the first of the names that exists.
 static bool find_json(char json[FFP_PATH_MAX], const char *path, const char *const *names, int n,
                       FfpError *err) {
     if (strlen(path) >= FFP_PATH_MAX) return ffp_fail(err, FFP_ERROR_FILE, NULL, "path is too long");

@@ -67,7 +67,7 @@ static bool read_pictures(FfpManifest *manifest, const FfpNode *view, FfpViewFil
         const int pattern = ffp_manifest_pattern(manifest, name, &name_field, err);
         if (pattern < 0) return false;
         if (files->images[pattern].path)
-            return ffp_node_fail(&name_field, err, "pattern '%s' comes twice", name);
+            return ffp_node_fail(&name_field, err, "duplicate pattern '%s'", name);
         files->images[pattern].path = find_picture(manifest, file);
         if (!files->images[pattern].path && !manifest->poses) {
             return ffp_node_fail(&file_field, err, "no file '%.200s', nor '%.200s' beside the JSON", file,

@@ -96,7 +96,8 @@ static bool read_role(FfpManifest *manifest, const FfpNode *item, int pattern, F
     capture->patterns[pattern].novel = strcmp(role, "novel") == 0;
     if (!black && !white) {
         if (capture->patterns[pattern].novel || strcmp(role, "active") == 0) return true;
-        return ffp_node_fail(&field, err, "role '%.40s' is none of black, white, active, novel", role);
+        return ffp_node_fail(&field, err, "invalid role '%.40s': expected black, white, active or novel",
+                             role);
     }
     int *const place = black ? &capture->black : &capture->white;
     if (*place >= 0) return ffp_node_fail(&field, err, "a second pattern with the role %s", role);
@@ -114,7 +115,7 @@ static bool read_pattern(FfpManifest *manifest, const FfpNode *item, FfpError *e
               pattern = ffp_manifest_pattern(manifest, name, &field, err);
     if (pattern < 0) return false;
     if (pattern < manifest->known_patterns) return true;
-    if (pattern < before) return ffp_node_fail(&field, err, "pattern '%s' comes twice", name);
+    if (pattern < before) return ffp_node_fail(&field, err, "duplicate pattern '%s'", name);
     if (!read_role(manifest, item, pattern, err)) return false;
     if (!read_file(manifest, item, "file", &manifest->patterns[pattern].path, err)) return false;
     const bool plain = pattern == manifest->capture->black || pattern == manifest->capture->white;

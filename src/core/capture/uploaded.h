@@ -4,8 +4,9 @@
 
 #include "core/capture/capture.h"
 
-// A copy whose pictures, coverage, true maps and patterns are in the memory of what the thread works on
-// (core/base/device.h); everything else stays the host's. Released by ffp_capture_free, by who works there.
+// A copy whose pictures, coverage, true maps and patterns are in the memory of the device that the thread
+// works on (core/base/device.h); everything else stays on the host. Release with ffp_capture_free while
+// working there.
 FfpCapture ffp_capture_uploaded(const FfpCapture *host);
 
 #endif

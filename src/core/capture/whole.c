@@ -3,14 +3,14 @@
 #include "core/base/file.h"
 #include "core/capture/capture.h"
 
-#define NOT_FREE "is there already and not empty: choose another, or remove it"
+#define NOT_FREE "already exists and is not empty: choose another, or remove it"
 
 // Reads what was written as every command will: a capture that could not be used must not appear.
 static bool verify(const char *folder, FfpError *err) {
     FfpCapture capture;
     FfpError why = {0};
     if (!ffp_capture_read(&capture, folder, &why))
-        return ffp_fail(err, why.code, NULL, "the capture made cannot be used: %s", why.text);
+        return ffp_fail(err, why.code, NULL, "the resulting capture cannot be used: %s", why.text);
     ffp_capture_free(&capture);
     return true;
 }

@@ -21,10 +21,10 @@ typedef struct FfpGaussians {
     real *roughness;               // [count]
     real *ambient;                 // [count,3] linear radiance shown when the projector is black
     char made_from[FFP_MADE_FROM]; // structured-light patterns whose photographs they were fitted to, each
-                                   // name with a '\n' after it; "": nobody said
+                                   // name with a '\n' after it; "": not known
 } FfpGaussians;
 
-// The attributes, in one table: what is done to all of them alike goes through it (memory, gradients, files,
+// The attributes, in one table, through which code that treats them all alike goes (memory, gradients, files,
 // the optimiser), so that a new one is a member above and a row there.
 enum {
     FFP_CENTRE,
@@ -38,7 +38,7 @@ enum {
 };
 typedef struct FfpAttributeForm {
     const char *name; // as the public header calls its array
-    int width;        // numbers a Gaussian
+    int width;        // numbers per Gaussian
     size_t member;    // offset of its array in FfpGaussians
 } FfpAttributeForm;
 extern const FfpAttributeForm ffp_attributes[FFP_ATTRIBUTES];
@@ -49,14 +49,14 @@ typedef struct FfpAttribute {
 } FfpAttribute;
 FfpAttribute ffp_attribute(const FfpGaussians *gaussians, int attribute);
 
-// These four are of the device that the thread works on (core/base/device.h), the CPU unless it says
-// otherwise; all others here are the CPU's.
+// These four work on the device that the thread uses (core/base/device.h), by default the CPU; all others
+// here work on the CPU.
 FfpGaussians ffp_gaussians_new(int64_t count); // zeroed; also used for gradients, which have the same shape
 FfpGaussians ffp_gaussians_copy(const FfpGaussians *from);
 void ffp_gaussians_free(FfpGaussians *gaussians);
 void ffp_gaussians_clear(FfpGaussians *gaussians); // all numbers become 0
-// Copies of the CPU's set on the device in use, and the other way; on the CPU they are plain copies. What was
-// downloaded is the CPU's: ffp_device_use(NULL) before ffp_gaussians_free.
+// Copies the CPU's set to the device in use, and back; on the CPU these are plain copies. A downloaded set
+// belongs to the CPU: call ffp_device_use(NULL) before ffp_gaussians_free.
 FfpGaussians ffp_gaussians_uploaded(const FfpGaussians *host);
 FfpGaussians ffp_gaussians_downloaded(const FfpGaussians *gaussians);
 void ffp_gaussians_download(FfpGaussians *host, const FfpGaussians *gaussians); // into a set of as many
@@ -69,15 +69,14 @@ void ffp_gaussians_transform(FfpGaussians *gaussians, const real offset[3], real
 // encodings. Values are checked when read: counts, sizes, finite numbers. Splats of opacity below
 // `opacity_min` are left out when writing (0 keeps all).
 bool ffp_gaussians_write(const FfpGaussians *gaussians, const char *path, real opacity_min, FfpError *err);
-// Those that the rasteriser draws, of an opacity from 1/255: an error when there are none.
+// Writes those that the rasteriser draws, with an opacity of at least 1/255; an error if there are none.
 bool ffp_gaussians_write_drawn(const FfpGaussians *gaussians, const char *path, FfpError *err);
 bool ffp_gaussians_read(FfpGaussians *gaussians, const char *path, FfpError *err);
-// The same as a block of their own (ffp_gaussians_free, then ffp_free), to be worked with: an error when
-// there are none.
+// The same in a block of their own (ffp_gaussians_free, then ffp_free); an error if there are none.
 FfpGaussians *ffp_gaussians_load(const char *path, FfpError *err);
 // Which patterns a file names, as above.
 bool ffp_gaussians_read_made_from(char made_from[FFP_MADE_FROM], const char *path, FfpError *err);
-// Adds a pattern's name, once; what there is no room for is not said.
+// Adds a pattern's name, once; names beyond the buffer are silently dropped.
 void ffp_made_from_add(char made_from[FFP_MADE_FROM], const char *name);
 
 #endif

@@ -118,8 +118,8 @@ static bool check_size(const FfpPlyHeader *header, FILE *stream, const char *pat
                   want = header->count * header->stride;
     if (rest == want) return true;
     return ffp_fail(err, FFP_ERROR_FILE, path,
-                    "%lld Gaussians of %d bytes need %lld bytes, the file has %lld", (long long)header->count,
-                    header->stride, (long long)want, (long long)rest);
+                    "%lld Gaussians of %d bytes need %lld bytes, but the file has %lld",
+                    (long long)header->count, header->stride, (long long)want, (long long)rest);
 }
 
 bool ffp_gaussians_read(FfpGaussians *gaussians, const char *path, FfpError *err) {

@@ -39,14 +39,13 @@ static bool is_float(const char *type) {
 static bool read_property(FfpPlyHeader *header, const char *line, const char *path, FfpError *err) {
     char type[32], name[64], rest[2];
     if (sscanf(line, "property %31s %63s %1s", type, name, rest) != 2)
-        return ffp_fail(err, FFP_ERROR_FILE, path, "property \"%s\" is not one number", line);
+        return ffp_fail(err, FFP_ERROR_FILE, path, "property \"%s\" is not a single number", line);
     const int bytes = type_bytes(type);
     if (bytes == 0)
         return ffp_fail(err, FFP_ERROR_FILE, path, "property %s has the unknown type %s", name, type);
     for (int i = 0; i < FFP_ROW_NUMBERS; i++) {
         if (strcmp(name, ffp_row_names[i]) != 0) continue;
-        if (header->offset[i] >= 0)
-            return ffp_fail(err, FFP_ERROR_FILE, path, "property %s is there twice", name);
+        if (header->offset[i] >= 0) return ffp_fail(err, FFP_ERROR_FILE, path, "duplicate property %s", name);
         if (!is_float(type))
             return ffp_fail(err, FFP_ERROR_FILE, path, "property %s is %s, not float", name, type);
         header->offset[i] = header->stride;
@@ -63,8 +62,8 @@ static bool read_element(FfpPlyHeader *header, const char *line, const char *pat
     if (sscanf(line, "element %63s %31s %1s", name, number, rest) != 2)
         return ffp_fail(err, FFP_ERROR_FILE, path, "cannot understand \"%s\"", line);
     if (strcmp(name, "vertex") != 0 || header->count >= 0)
-        return ffp_fail(err, FFP_ERROR_FILE, path, "holds an element %s: Gaussians are one element vertex",
-                        name);
+        return ffp_fail(err, FFP_ERROR_FILE, path,
+                        "has an element %s: Gaussians are a single element, vertex", name);
     char *end = NULL;
     errno = 0;
     const long long count = strtoll(number, &end, 10);

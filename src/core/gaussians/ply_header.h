@@ -14,9 +14,9 @@ typedef struct FfpPlyHeader {
     char made_from[FFP_MADE_FROM];
 } FfpPlyHeader;
 
-// Reads up to and with the line "end_header". Accepts one element "vertex" with scalar properties in any
-// order; those that we do not know are passed over. Errors: no PLY, not binary little-endian, lists, other
-// elements, a property that is missing, given twice or no float, a count that is not a number or above
+// Reads up to and including the line "end_header". Accepts one element "vertex" with scalar properties in any
+// order, ignoring unknown ones. Errors: not a PLY, not binary little-endian, lists, other elements, a
+// property that is missing, duplicate or not a float, a count that is not a number or above
 // FFP_GAUSSIANS_MAX.
 bool ffp_ply_header_read(FfpPlyHeader *header, FILE *stream, const char *path, FfpError *err);
 void ffp_ply_header_write(FILE *stream, int64_t count, const char *made_from);

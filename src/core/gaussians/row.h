@@ -1,5 +1,4 @@
-// One Gaussian as the 18 numbers of a row in the PLY file, in the encodings that 3DGS and GS-ProCams gave
-// them.
+// One Gaussian as the 18 numbers of a row in the PLY file, in the encodings of 3DGS and GS-ProCams.
 #ifndef FFP_GAUSSIANS_ROW_H
 #define FFP_GAUSSIANS_ROW_H
 

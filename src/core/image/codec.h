@@ -1,5 +1,5 @@
-// The file formats behind image.h. Each reader takes the whole file in memory; which one is asked is decided
-// by content. Sizes are those of the picture as it is to be shown, after the orientation tag.
+// The file formats behind image.h. Each reader takes the whole file in memory; the content decides which
+// reader is used. Sizes are those of the displayed picture, after applying the orientation tag.
 #ifndef FFP_IMAGE_CODEC_H
 #define FFP_IMAGE_CODEC_H
 
@@ -42,9 +42,9 @@ bool ffp_exr_decode(const FfpBytes *file, FfpDecoded *out, FfpError *err);
 bool ffp_exr_decode_raw(const FfpBytes *file, FfpDecoded *out,
                         FfpError *err); // Z, otherwise Y, in whichever layer, otherwise the first channel
 
-// Says what a file is that this program does not read, and what to do about it; false always.
+// Fails with the name of a format that this program does not read, and what to do about it; always false.
 bool ffp_refuse_foreign(const FfpBytes *file, FfpError *err);
-bool ffp_is_foreign(const FfpBytes *file); // one that is known by its first bytes
+bool ffp_is_foreign(const FfpBytes *file); // a known one, by its first bytes
 typedef enum FfpForeign {
     FFP_FOREIGN_OTHER, // or not foreign at all
     FFP_FOREIGN_RAW,   // a camera's own format
@@ -55,7 +55,7 @@ bool ffp_tiff_is_raw(const FfpBytes *file);        // DNG, NEF, ARW and the like
 
 // The orientation tag (1 to 8) of EXIF data, which begin with a TIFF header; 1 where there is none.
 int ffp_exif_orientation(const unsigned char *bytes, size_t size);
-// Turns a picture as the tag says, in memory of its own, and a size as it is in a file.
+// Rotates or mirrors a picture as the tag says, into new memory, and likewise a size given by a file.
 void ffp_orient(FfpImage *image, int orientation);
 void ffp_orient_size(int *width, int *height, int orientation);
 const char *ffp_orientation_words(int orientation); // e.g. "turned by 180 degrees"

@@ -233,8 +233,10 @@ static bool open_exr(Reading *r, const FfpBytes *file, Choose *const *choices, i
     if (found) return measure_part(r, file, err);
     bool readable = false;
     look_at_part(r, 0, &readable);
-    if (!readable) return ffp_fail(err, FFP_ERROR_UNSUPPORTED, file->path, "deep EXR images are not read");
-    return ffp_fail(err, FFP_ERROR_FILE, file->path, "EXR has neither channels R, G, B nor Y");
+    if (!readable)
+        return ffp_fail(err, FFP_ERROR_UNSUPPORTED, file->path, "deep EXR images are not supported");
+    return ffp_fail(err, FFP_ERROR_FILE, file->path,
+                    "EXR has neither the channels R, G and B nor the channel Y");
 }
 
 // --- Pixels. ---
@@ -313,7 +315,7 @@ static bool decode_channels(const Reading *r, const FfpBytes *file, FfpImage *ou
     for (int k = 0; k < n; k++) {
         const exr_attr_chlist_entry_t *channel = &r->channels->entries[r->wanted[k]];
         if (channel->pixel_type == EXR_PIXEL_UINT || channel->x_sampling != 1 || channel->y_sampling != 1) {
-            return ffp_fail(err, FFP_ERROR_FILE, file->path, "EXR channel %s is subsampled or of integers",
+            return ffp_fail(err, FFP_ERROR_FILE, file->path, "EXR channel %s is subsampled or holds integers",
                             channel->name.str);
         }
     }

@@ -51,5 +51,5 @@ bool ffp_ffmpeg_start(FfpProcess **ffmpeg, const char *path, const char *file, i
 bool ffp_ffmpeg_finish(FfpProcess **ffmpeg, const char *path, FfpError *err) {
     char said[FFP_PROCESS_SAID];
     if (ffp_process_finish(ffmpeg, said)) return true;
-    return ffp_fail(err, FFP_ERROR_IO, path, "ffmpeg failed: %s", *said ? said : "it does not say why");
+    return ffp_fail(err, FFP_ERROR_IO, path, "ffmpeg failed: %s", *said ? said : "no reason given");
 }

@@ -1,15 +1,16 @@
-// The program ffmpeg, which makes the films that we do not write ourselves out of raw frames.
+// The program ffmpeg, which makes films in formats other than animated PNG from raw frames.
 #ifndef FFP_IMAGE_FFMPEG_H
 #define FFP_IMAGE_FFMPEG_H
 
 #include "core/base/process.h"
 
-bool ffp_ffmpeg_makes(const char *path); // whether the file has an ending that it makes: .gif .mp4 .webm .mkv
+bool ffp_ffmpeg_makes(const char *path); // whether the extension is one that it makes: .gif .mp4 .webm .mkv
 
-// Starts it on frames of width x height RGB bytes. It writes into `file`, as what the ending of `path` says.
+// Starts it on frames of width x height RGB bytes. It writes to `file`, in the format given by the extension
+// of `path`.
 bool ffp_ffmpeg_start(FfpProcess **ffmpeg, const char *path, const char *file, int width, int height,
                       int rate, FfpError *err);
-// Waits for its end; the error says what ffmpeg said. *ffmpeg becomes NULL.
+// Waits for its end; the error contains ffmpeg's message. *ffmpeg becomes NULL.
 bool ffp_ffmpeg_finish(FfpProcess **ffmpeg, const char *path, FfpError *err);
 
 #endif

@@ -35,7 +35,7 @@ static void put_chunk(FILE *stream, const char type[4], const unsigned char *hea
     fwrite(bytes, 1, 4, stream);
 }
 
-// fcTL: the frame's size, place and time; it replaces what was there.
+// fcTL: the frame's size, place and time; it replaces the frame before it.
 static void put_frame_control(FfpFilm *film) {
     unsigned char data[26] = {0};
     put_u32(data, film->sequence++);
@@ -89,11 +89,11 @@ bool ffp_film_check(const char *path, FfpError *err) {
     if (dot && (strcasecmp(dot, ".png") == 0 || strcasecmp(dot, ".apng") == 0)) return true;
     if (!ffp_ffmpeg_makes(path))
         return ffp_fail(err, FFP_ERROR_ARGUMENT, path,
-                        "a film ends in .png, .apng, .gif, .mp4, .webm or .mkv");
+                        "the extension of a film must be .png, .apng, .gif, .mp4, .webm or .mkv");
     if (ffp_program_exists("ffmpeg")) return true;
     return ffp_fail(err, FFP_ERROR_UNSUPPORTED, path,
-                    "the program ffmpeg, which makes %s films, is not here: install it, or choose .png, an "
-                    "animated PNG",
+                    "the program ffmpeg, which makes %s films, is not installed: install it, or choose .png, "
+                    "an animated PNG",
                     dot);
 }
 

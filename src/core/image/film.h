@@ -1,4 +1,4 @@
-// Films: pictures that follow each other, in one file.
+// Films: a sequence of pictures in one file.
 #ifndef FFP_IMAGE_FILM_H
 #define FFP_IMAGE_FILM_H
 
@@ -7,23 +7,23 @@
 #include "core/base/process.h"
 #include "core/image/image.h"
 
-// Whether a film can be made, told before the work: its ending is .png or .apng (an animated PNG), or .gif,
-// .mp4, .webm or .mkv, and then ffmpeg is there.
+// Checks before the work that a film can be made: its extension is .png or .apng (an animated PNG), or it is
+// .gif, .mp4, .webm or .mkv and ffmpeg is installed.
 bool ffp_film_check(const char *path, FfpError *err);
 
-// An animated PNG (PNG third edition, W3C 2025, section 11.3.4 and 12): every frame a whole 8-bit RGB
-// picture, shown for 1 / rate seconds, played without end. Programs that know no animation show the first.
-// Or a film of another kind, by ffmpeg.
+// An animated PNG (PNG third edition, W3C 2025, section 11.3.4 and 12): every frame is a complete 8-bit RGB
+// picture, shown for 1 / rate seconds and played in an endless loop. Programs without support for animation
+// show the first. Or a film in another format, made by ffmpeg.
 typedef struct FfpFilm {
     FfpOutput out;
-    int width, height, rate; // frames a second
+    int width, height, rate; // frames per second
     uint32_t frames, done;
     uint32_t sequence; // animated PNG: number of the next fcTL or fdAT chunk
     bool by_ffmpeg;
     FfpProcess *ffmpeg; // runs from the first frame on, into out's temporary file
 } FfpFilm;
 bool ffp_film_open(FfpFilm *film, const char *path, int frames, int rate, FfpError *err);
-// Frames must be of one size, and as many as were announced.
+// All frames must have the same size, and their number must be the one announced.
 bool ffp_film_add(FfpFilm *film, const FfpImage *encoded, FfpError *err);
 bool ffp_film_commit(FfpFilm *film, FfpError *err);
 void ffp_film_abort(FfpFilm *film); // safe after commit or a failed open

@@ -4,7 +4,7 @@
 
 #define SAVE "save it as PNG or TIFF", FFP_FOREIGN_OTHER
 #define DEVELOP "develop it to a 16-bit TIFF or PNG", FFP_FOREIGN_RAW
-#define EXTRACT "extract its frames, as by ffmpeg -i FILE frame_%04d.png", FFP_FOREIGN_FILM
+#define EXTRACT "extract its frames, for example by ffmpeg -i FILE frame_%04d.png", FFP_FOREIGN_FILM
 
 typedef struct Foreign {
     size_t length;
@@ -89,6 +89,6 @@ FfpForeign ffp_foreign_kind(const FfpBytes *head) {
 bool ffp_refuse_foreign(const FfpBytes *file, FfpError *err) {
     const Foreign *kind = find(file);
     if (!kind) return ffp_fail(err, FFP_ERROR_FILE, file->path, "is not a PNG, JPEG, TIFF or EXR image");
-    return ffp_fail(err, FFP_ERROR_UNSUPPORTED, file->path, "is %s, which is not read: %s", kind->name,
+    return ffp_fail(err, FFP_ERROR_UNSUPPORTED, file->path, "is %s, which is not supported: %s", kind->name,
                     kind->advice);
 }

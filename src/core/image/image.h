@@ -15,47 +15,47 @@ typedef struct FfpImage {
     real *data; // [height, width, channels], owned; NULL: no image
 } FfpImage;
 
-// These three are of the device that the thread works on (core/base/device.h), the CPU unless it says
-// otherwise; all others here are the CPU's.
+// These three work on the device that the thread uses (core/base/device.h), by default the CPU; all others
+// here work on the CPU.
 FfpImage ffp_image_new(int width, int height, int channels); // zeroed; sizes must be checked by the caller
 void ffp_image_free(FfpImage *image);                        // also clears it; NULL and empty are allowed
 FfpImage ffp_image_copy(const FfpImage *image);
-// Copies of the CPU's image on the device in use, and the other way; on the CPU they are plain copies. What
-// was downloaded is the CPU's: ffp_device_use(NULL) before ffp_image_free.
+// Copies the CPU's image to the device in use, and back; on the CPU these are plain copies. A downloaded
+// image belongs to the CPU: call ffp_device_use(NULL) before ffp_image_free.
 FfpImage ffp_image_uploaded(const FfpImage *host);
 FfpImage ffp_image_downloaded(const FfpImage *image);
 
-// How the colours of a file are to be understood when it is read.
+// How the colours of a file are interpreted when it is read.
 typedef enum FfpColour {
     FFP_COLOUR_ENCODED, // as they are in the file, scaled to [0,1] (linear files are sRGB-encoded, so
                         // clamped)
     FFP_COLOUR_LINEAR,  // sRGB files decoded to linear
-    FFP_COLOUR_STORED,  // as they stand in any file, integers scaled to [0,1]: for numbers that are not
+    FFP_COLOUR_STORED,  // unchanged from any file, integers scaled to [0,1]: for numbers that are not
                         // colours
 } FfpColour;
 
 // Reads PNG (8/16 bit, grey, RGB, with or without alpha, palette), JPEG (CMYK too), TIFF (8/16 bit, floats)
 // or EXR (lines or tiles, layers, parts) by its content, not its name. EXR and TIFF of floats are linear.
-// JPEG and TIFF are turned as their orientation tag says, with a note. Returns 4 channels: RGB and straight
-// alpha (1 where the file has none). Errors: not a file, no image, truncated, a side of 0 or above
+// JPEG and TIFF are rotated as their orientation tag says, with a note. Returns 4 channels: RGB and straight
+// alpha (1 if the file has none). Errors: not a file, not an image, truncated, a side of 0 or above
 // FFP_IMAGE_SIDE_MAX, values that are not finite. Gamma and colour profiles in files are ignored.
 bool ffp_image_read(FfpImage *image, const char *path, FfpColour colour, FfpError *err);
 // Linear RGB over black. Straight alpha is multiplied in before decoding (as pictures are composited in
-// viewers, and in the metrics of this field); a linear file's colours are premultiplied already. *alpha gets
-// the alpha channel, or stays empty when the file has none; alpha may be NULL.
+// viewers, and in the metrics of this field); a linear file's colours are already premultiplied. *alpha
+// receives the alpha channel, or stays empty if the file has none; alpha may be NULL.
 bool ffp_image_read_over_black(FfpImage *rgb, FfpImage *alpha, const char *path, FfpError *err);
 // The same for files whose numbers are linear light, whatever their kind: nothing is decoded.
 bool ffp_image_read_light(FfpImage *rgb, FfpImage *alpha, const char *path, FfpError *err);
 // One channel as raw numbers: 0..65535 of a 16-bit grey PNG or TIFF (0..255 of an 8-bit one), a grey TIFF's
 // floats, or an EXR's Z, Y or first channel: depth and roughness maps.
 bool ffp_image_read_raw16(FfpImage *image, const char *path, FfpError *err);
-// The size that a file is to have, and whose it is, for the message: of "camera", in "scene.json".
+// The size that a file must have and, for the message, whose size it is: of "camera", in "scene.json".
 typedef struct FfpSize {
     int width, height;
     const char *of, *in;
 } FfpSize;
-// The three above; an error: a file that has another size. Its header is asked before anything is decoded, so
-// that a huge file takes no memory; all of it in one reading.
+// The three above, failing if the file has another size. The header is checked before anything is decoded, so
+// that a huge file takes no memory; the file is read only once.
 bool ffp_image_read_sized(FfpImage *image, const char *path, FfpColour colour, const FfpSize *size,
                           FfpError *err);
 bool ffp_image_read_over_black_sized(FfpImage *rgb, FfpImage *alpha, const char *path, const FfpSize *size,
@@ -63,13 +63,12 @@ bool ffp_image_read_over_black_sized(FfpImage *rgb, FfpImage *alpha, const char 
 bool ffp_image_read_raw16_sized(FfpImage *image, const char *path, const FfpSize *size, FfpError *err);
 bool ffp_size_check(const FfpSize *size, int width, int height, const char *path, FfpError *err);
 
-// Whether a name ends as those of the kinds above do: for pictures among a folder's files.
+// Whether a name has the extension of a format above: for finding the pictures among a folder's files.
 bool ffp_image_has_ending(const char *name);
-// Only the size, turned as the orientation tag says, without decoding: for checks before memory is taken.
+// Only the size, after applying the orientation tag, without decoding: for checks before memory is allocated.
 bool ffp_image_read_size(int *width, int *height, const char *path, FfpError *err);
 
-// 8-bit PNG of 1, 3 or 4 channels; values are clamped to [0,1] and rounded; they are written as they are
-// (encoded).
+// 8-bit PNG of 1, 3 or 4 channels; values must be encoded, and are clamped to [0,1] and rounded.
 bool ffp_image_write_png(const FfpImage *image, const char *path, FfpError *err);
 bool ffp_image_write_png16(const FfpImage *image, const char *path,
                            FfpError *err); // values in [0,1] -> 0..65535
@@ -78,10 +77,10 @@ bool ffp_image_encode_png(const FfpImage *image, unsigned char **bytes, size_t *
 // 32-bit float EXR with channels named R G B [A], Y, or Z for one channel called depth.
 bool ffp_image_write_exr(const FfpImage *image, const char *path, FfpError *err);
 
-// Linear radiance of what the object fills of a pixel, from what the photograph shows there over black: the
+// Linear radiance of the part of a pixel that the object covers, from the photograph's value over black: the
 // photograph's encoded value is coverage (in [0,1]) times that of the object's own colour.
 void ffp_own_radiance(real own[3], const real shown[3], real coverage);
-// The way back, from coverage times that radiance: both may be the same array.
+// The inverse, from coverage times that radiance; both may be the same array.
 void ffp_shown_radiance(real shown[3], const real light[3], real coverage);
 // In place, RGB channels only (a fourth channel stays). On a device too.
 void ffp_image_to_srgb(FfpImage *image);
@@ -90,10 +89,10 @@ void ffp_image_to_linear(FfpImage *image);
 // RGB times alpha: a 4-channel image to a new 3-channel one over black.
 FfpImage ffp_image_over_black(const FfpImage *rgba);
 FfpImage ffp_image_channel(const FfpImage *image, int channel);
-// What a mask's file says is the object's share of each pixel, one channel: grey times alpha.
+// The object's share of each pixel according to a mask's file, one channel: grey times alpha.
 FfpImage ffp_mask_of(const FfpImage *rgba);
-// Puts a linear RGB picture over black with a mask of its size, in encoded values as everywhere; none stays
-// none.
+// Multiplies a linear RGB picture by a mask of its size, in encoded values as everywhere; an empty picture
+// stays empty.
 void ffp_mask_apply(const FfpImage *mask, FfpImage *image);
 // Area-averaging (down) or bilinear (up) resize, decided for each axis.
 FfpImage ffp_image_resize(const FfpImage *image, int width, int height);

@@ -18,7 +18,7 @@ typedef struct FfpSummed {
 
 FfpSummed ffp_summed_new(const FfpImage *rgb); // 3 channels; on the CPU only
 void ffp_summed_fill(FfpSummed *summed,
-                     const FfpImage *rgb);         // the same into a table there was, or an empty one
+                     const FfpImage *rgb);         // the same into an existing table, or an empty one
 FfpSummed ffp_summed_zeros(int width, int height); // for ffp_lookup_backward_pattern
 // A copy of the CPU's table on the device that the thread works on (core/base/device.h).
 FfpSummed ffp_summed_uploaded(const FfpSummed *host);

@@ -1,4 +1,4 @@
-// A list of named images that a call gives out.
+// A list of named images that a call returns.
 #ifndef FFP_IMAGE_NAMED_H
 #define FFP_IMAGE_NAMED_H
 
@@ -17,7 +17,7 @@ typedef struct FfpImages {
 
 FfpImages *ffp_images_new(void);
 void ffp_images_free(FfpImages *images); // NULL is allowed
-// Takes the image over. The name is "<what>" or "<what>_<view>" where view is not NULL.
+// Takes ownership of the image. The name is "<what>" or "<what>_<view>" where view is not NULL.
 void ffp_images_add(FfpImages *images, FfpImage image, const char *what, const char *view);
 
 #endif

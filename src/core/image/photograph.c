@@ -81,7 +81,8 @@ static bool is_tiff_raw(const char *file) {
     return raw;
 }
 
-// What is named as a raw photograph or a film is one, or a picture, which is read as such, or named.
+// A file named like a raw photograph or a film must be one, or a picture, which is then read as such; any
+// other content is an error that names the file.
 static bool check_name(const char *file, const FfpBytes *head, FfpError *err) {
     const bool raw = has_one_of(file, raw_endings);
     if ((!raw && !has_one_of(file, film_endings)) || ffp_is_foreign(head) || ffp_png_is(head) ||
@@ -121,9 +122,9 @@ static bool start(FfpProcess **process, const Source *source, bool size_only, Ff
         return ffp_fail(err, FFP_ERROR_UNSUPPORTED, source->path,
                         source->kind == FFP_FOREIGN_RAW
                             ? "is a raw photograph, and the program that develops them, dcraw_emu, is not "
-                              "here: install it (Debian: libraw-bin), or develop to 16-bit TIFF or PNG"
-                            : "is a film, and the program that reads them, ffmpeg, is not here: install it, "
-                              "or extract a frame");
+                              "installed: install it (Debian: libraw-bin), or develop to 16-bit TIFF or PNG"
+                            : "is a film, and the program that reads them, ffmpeg, is not installed: install "
+                              "it, or extract a frame");
     if (source->kind == FFP_FOREIGN_RAW) {
         snprintf(file, sizeof file, "%s%s", source->file[0] == '-' ? "./" : "", source->file);
         // Linear, 16 bits, nothing brightened, white at the sensor's own level and not at the picture's.
@@ -227,10 +228,10 @@ static Samples samples_of(const Source *source, bool linear) {
 
 static bool nothing_made(const Source *source, const char *said, FfpError *err) {
     if (source->part)
-        return ffp_fail(err, FFP_ERROR_FILE, source->path, "%s makes no frames of this part%s%s",
+        return ffp_fail(err, FFP_ERROR_FILE, source->path, "%s found no frames in this part%s%s",
                         program_of(source), *said ? ": " : ": the film may be shorter", said);
-    return ffp_fail(err, FFP_ERROR_FILE, source->path, "%s makes no picture of it%s%s", program_of(source),
-                    *said ? ": " : "", said);
+    return ffp_fail(err, FFP_ERROR_FILE, source->path, "%s could not make a picture of it%s%s",
+                    program_of(source), *said ? ": " : "", said);
 }
 
 // The mean of the source's pictures in linear light, and of how many.

@@ -13,9 +13,9 @@ bool ffp_raw_check(const FfpRaw *raw, const char *name, FfpError *err) {
             return ffp_fail(err, FFP_ERROR_ARGUMENT, name, "image size %d x %d is outside 1..%d", raw->width,
                             raw->height, FFP_IMAGE_SIDE_MAX);
     if (raw->channels != 1 && raw->channels != 3 && raw->channels != 4)
-        return ffp_fail(err, FFP_ERROR_ARGUMENT, name, "%d channels; 1, 3 or 4 are possible", raw->channels);
+        return ffp_fail(err, FFP_ERROR_ARGUMENT, name, "%d channels: expected 1, 3 or 4", raw->channels);
     if ((unsigned)raw->type > FFP_RAW_F32)
-        return ffp_fail(err, FFP_ERROR_ARGUMENT, name, "pixels of an unknown type");
+        return ffp_fail(err, FFP_ERROR_ARGUMENT, name, "unknown pixel type");
     const size_t bytes = value_bytes(raw->type), row = (size_t)raw->width * (size_t)raw->channels * bytes;
     if (raw->row_bytes != 0 && (raw->row_bytes < row || raw->row_bytes % bytes != 0))
         return ffp_fail(err, FFP_ERROR_ARGUMENT, name, "rows of %zu bytes do not hold %zu bytes of pixels",

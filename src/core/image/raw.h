@@ -1,4 +1,4 @@
-// Pictures that lie in the caller's memory: one more kind of source beside the file formats.
+// Pictures in the caller's memory: one more kind of source besides the file formats.
 #ifndef FFP_IMAGE_RAW_H
 #define FFP_IMAGE_RAW_H
 
@@ -8,7 +8,7 @@
 typedef enum FfpRawType {
     FFP_RAW_U8,  // sRGB-encoded, 0 to 255, straight alpha
     FFP_RAW_U16, // the same, 0 to 65535
-    FFP_RAW_F32, // linear, colours multiplied by alpha already
+    FFP_RAW_F32, // linear, premultiplied alpha
 } FfpRawType;
 
 typedef struct FfpRaw {
@@ -16,14 +16,14 @@ typedef struct FfpRaw {
     int width, height;
     int channels; // 1 grey, 3 RGB, 4 RGB and alpha
     FfpRawType type;
-    size_t row_bytes; // from one row to the next; 0: rows follow each other
+    size_t row_bytes; // from one row to the next; 0: rows are contiguous
 } FfpRaw;
 
-// Whether sizes and strides make sense; `name` is for the message.
+// Checks that sizes and strides are valid; `name` is for the message.
 bool ffp_raw_check(const FfpRaw *raw, const char *name, FfpError *err);
 // As ffp_image_read_over_black. Errors also: a value that is not finite.
 bool ffp_raw_over_black(FfpImage *rgb, FfpImage *alpha, const FfpRaw *raw, const char *name, FfpError *err);
-// The first channel as it stands (a mask, a depth): integers divided by their greatest value.
+// The first channel unchanged (a mask, a depth): integers divided by the maximum of their type.
 bool ffp_raw_channel(FfpImage *image, const FfpRaw *raw, const char *name, FfpError *err);
 
 #endif

@@ -67,7 +67,7 @@ static bool decode(FfpDecoded *out, const char *path, bool raw, const FfpSize *s
         ffp_orient(&out->image, out->orientation);
         ffp_note("%s: %s, as its orientation tag says", path, ffp_orientation_words(out->orientation));
     }
-    // What was decoded counts, whatever the header said.
+    // The size that was decoded counts, whatever the header said.
     if (ok && size && !ffp_size_check(size, out->image.width, out->image.height, path, err)) {
         ffp_image_free(&out->image);
         return false;

@@ -92,9 +92,9 @@ static bool broken(const Reading *r, FfpError *err) {
 }
 
 static bool unsupported(const Reading *r, FfpError *err, const char *what) {
-    return ffp_fail(err, FFP_ERROR_UNSUPPORTED, r->file->path,
-                    "TIFF %s, which is not read: save it as grey or RGB of 8 or 16 bits or 32-bit floats",
-                    what);
+    return ffp_fail(
+        err, FFP_ERROR_UNSUPPORTED, r->file->path,
+        "TIFF %s, which is not supported: save it as grey or RGB with 8 or 16 bits or 32-bit floats", what);
 }
 
 // --- What the picture is. ---
@@ -117,7 +117,7 @@ static bool refuse_raw(const Reading *r, FfpError *err) {
     const bool named = r->lib->get(r->tiff, TIFFTAG_MAKE, &make) && make;
     return ffp_fail(
         err, FFP_ERROR_UNSUPPORTED, r->file->path,
-        "is a raw photograph (DNG, NEF, ARW or the like%s%.40s), which is not read: develop it to a "
+        "is a raw photograph (DNG, NEF, ARW or the like%s%.40s), which is not supported: develop it to a "
         "16-bit TIFF or PNG",
         named ? ", of " : "", named ? make : "");
 }
@@ -141,16 +141,16 @@ static bool read_colours(Reading *r, FfpError *err) {
         break;
     default:
         return ffp_fail(err, FFP_ERROR_UNSUPPORTED, r->file->path,
-                        "TIFF of compression %d, which is not read: save it with LZW or Deflate",
+                        "TIFF with compression %d, which is not supported: save it with LZW or Deflate",
                         compression);
     }
     r->negative = photometric == PHOTOMETRIC_MINISWHITE;
     r->colours = photometric == PHOTOMETRIC_RGB ? 3 : 1;
     return photometric == PHOTOMETRIC_RGB || photometric == PHOTOMETRIC_MINISBLACK || r->negative ||
            unsupported(r, err,
-                       photometric == PHOTOMETRIC_SEPARATED ? "of CMYK"
+                       photometric == PHOTOMETRIC_SEPARATED ? "in CMYK"
                        : photometric == PHOTOMETRIC_PALETTE ? "with a palette"
-                                                            : "of other colours than grey and RGB");
+                                                            : "with colours other than grey and RGB");
 }
 
 static bool read_channels(Reading *r, FfpError *err) {
@@ -170,12 +170,12 @@ static bool read_channels(Reading *r, FfpError *err) {
         return unsupported(r, err, "with channels beyond colour and alpha");
     if (r->floats)
         return r->bits == 32 ? !r->negative || broken(r, err)
-                             : unsupported(r, err, "of 16- or 64-bit floats");
+                             : unsupported(r, err, "with 16- or 64-bit floats");
     if (format == SAMPLEFORMAT_INT || format == SAMPLEFORMAT_COMPLEXINT ||
         format == SAMPLEFORMAT_COMPLEXIEEEFP)
-        return unsupported(r, err, "of signed or complex numbers");
+        return unsupported(r, err, "with signed or complex numbers");
     return r->bits == 8 || r->bits == 16 || (r->bits == 1 && r->channels == 1) ||
-           unsupported(r, err, "of integers of other than 8 or 16 bits");
+           unsupported(r, err, "with integers of neither 8 nor 16 bits");
 }
 
 // Bytes of a row of a tile or strip.

@@ -1,4 +1,4 @@
-// Least squares in double: normal equations, and the descent to where differences are least.
+// Least squares in double: normal equations, and the minimisation of nonlinear differences.
 #ifndef FFP_NUMERICS_LEAST_SQUARES_H
 #define FFP_NUMERICS_LEAST_SQUARES_H
 
@@ -8,15 +8,15 @@
 // lost). False, and x is 0, where A is not.
 bool ffp_solve_positive(double *a, const double *b, int n, double *x);
 
-// Differences that are to be least, and what moves them.
+// The differences to minimise, and the numbers that change them.
 typedef struct FfpLeastSquares {
     void *state;
     int numbers, count;
     // The differences [count] at the state moved by `by` [numbers]; not finite: there is none.
     void (*differences)(const void *state, const double *by, double *out);
     void (*move)(void *state, const double *by);
-    // The cost of differences and, for what makes least squares of it, a weight of each, 0 where there is
-    // none. NULL: the sum of squares.
+    // The cost of the differences and, for iteratively reweighted least squares, the weight of each, 0 for
+    // those to ignore. NULL: the sum of squares.
     double (*weigh)(const void *state, const double *differences, double *weights);
     const double *step; // [numbers] of the numeric derivatives, either way
     int steps;          // at most
@@ -24,8 +24,8 @@ typedef struct FfpLeastSquares {
 } FfpLeastSquares;
 
 // Moves the state downhill by the method of Levenberg (1944) and Marquardt (1963). Returns the cost reached.
-// `covariance` [numbers^2] or NULL: of the numbers, from the differences left over; all INFINITY where they
-// do not tell.
+// `covariance` [numbers^2] or NULL: of the numbers, from the remaining differences; all INFINITY if they do
+// not determine it.
 double ffp_least_squares(const FfpLeastSquares *problem, double *covariance);
 
 #endif

@@ -4,11 +4,11 @@
 
 #include <stddef.h>
 
-// Of n floats or doubles, which are put into another order; n at least 1 for the first.
+// Of n floats or doubles, which are reordered; n must be at least 1 for the first.
 #define ffp_rank(values, n, place)                                                                           \
     FFP_OF_VALUES(values, rank)(values, n, place)                      // that of rank `place`, from 0 on
 #define ffp_median(values, n) FFP_OF_VALUES(values, median)(values, n) // the upper of two; 0 of none
-// The one below which a share of the others lies; 0 of none.
+// The quantile below which a share of the values lies; 0 of none.
 #define ffp_quantile(values, n, share) FFP_OF_VALUES(values, quantile)(values, n, share)
 
 #define FFP_OF_VALUES(values, what)                                                                          \

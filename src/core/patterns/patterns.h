@@ -1,5 +1,5 @@
-// What a projector shows while a rig is photographed. Pictures are of the projector's panel, encoded values
-// in [0,1] as they go into 8-bit files, [height,width,3] unless it says otherwise.
+// The patterns that a projector shows while a rig is photographed. Pictures have the size of its panel, with
+// encoded values in [0,1] as in 8-bit files, [height,width,3] unless stated otherwise.
 #ifndef FFP_PATTERNS_PATTERNS_H
 #define FFP_PATTERNS_PATTERNS_H
 
@@ -22,14 +22,14 @@ void ffp_gray_code_name(int width, int index, char name[32]);
 // The column or row whose code's bits these are, the coarsest first.
 int ffp_gray_decode(const bool *bits, int count);
 
-// A lollipop as wide as high, in the middle of the panel, black around: its rings stay circles.
+// A lollipop as wide as high, in the centre of the panel and black around it: its rings stay circles.
 FfpImage ffp_pattern_round_lollipop(int width, int height, uint64_t seed);
 
-// To focus and to place by: a frame and a cross one pixel wide, and nine stars of 36 sectors, whose spokes
-// run together where the projector resolves no more. [height,width,1]
+// For focusing and for placing the object: a frame and a cross one pixel wide, and nine stars of 36 sectors,
+// whose spokes merge where the projector no longer resolves them. [height,width,1]
 FfpImage ffp_pattern_focus(int width, int height);
 
-// --- In the order to show them. ---
+// --- In display order. ---
 
 typedef struct FfpShow {
     int width, height; // of the panel
@@ -51,7 +51,7 @@ FfpImage ffp_show_picture(const FfpShow *show, int index, char name[32], FfpShow
 // Everything into the folder at `path`, which exists: <number>_<name>.png, README.txt, which says how to
 // photograph them, and show.html, which shows them one by one.
 bool ffp_show_write(const FfpShow *show, const char *path, FfpError *err);
-// The same into a folder that is new or empty, whole or not at all.
+// The same into a folder that is new or empty, completely or not at all.
 bool ffp_show_write_folder(const FfpShow *show, const char *path, FfpError *err);
 
 #endif

@@ -18,9 +18,9 @@ static const char page_head[] =
     "kbd{border:1px solid #666;border-radius:4px;padding:0 .4em}\n.bad{color:#fa6}\n</style></head><body>\n"
     "<img id=\"picture\" alt=\"\">\n<div id=\"help\"><div><h1>Patterns to photograph</h1>\n"
     "<p>Move this window to the projector and press <kbd>F</kbd> for full screen.</p>\n"
-    "<p><kbd>Space</kbd> or a click: the next one. <kbd>Backspace</kbd>: back. <kbd>H</kbd>: this page, "
-    "which says "
-    "where you are. <kbd>Home</kbd>: from the start. A number and <kbd>Enter</kbd>: that one.</p>\n"
+    "<p><kbd>Space</kbd> or a click: next picture. <kbd>Backspace</kbd>: previous one. <kbd>H</kbd>: this "
+    "page, which shows "
+    "where you are. <kbd>Home</kbd>: first picture. A number and <kbd>Enter</kbd>: that picture.</p>\n"
     "<p id=\"where\"></p><p id=\"size\"></p></div></div>\n<script>\nconst pictures = [\n";
 
 static const char page_tail[] =
@@ -46,7 +46,7 @@ static const char page_tail[] =
     "  $('size').className = fits ? '' : 'bad';\n"
     "  $('size').textContent = fits ? 'This window has the size of the patterns.'\n"
     "    : 'This window has ' + window_size.join(' x ') + ' pixels, the patterns have ' + panel.join(' x ')\n"
-    "      + ': full screen on the projector they should agree.';\n"
+    "      + ': full screen on the projector, both should be the same.';\n"
     "}\n"
     "addEventListener('keydown', (event) => {\n"
     "  const key = event.key;\n"
@@ -67,12 +67,12 @@ static const char page_tail[] =
     "</script></body></html>\n";
 
 static const char *const what_for[] = {
-    [FFP_SHOW_FOCUS] = "Focus the projector until the spokes run together as near to the stars' middles as\n"
-                       "they can, and place the object inside the frame. Not photographed.",
+    [FFP_SHOW_FOCUS] = "Focus the projector until the spokes merge as close to the stars' centres as\n"
+                       "possible, and place the object inside the frame. Not photographed.",
     [FFP_SHOW_CAPTURE] =
         "For a reconstruction: photograph each of them, in this order, at every stop of the\n"
-        "turntable (or from every place of the devices). One lollipop is enough; the others\n"
-        "are to check the result with.",
+        "turntable (or from every position of the devices). One lollipop is enough; the others\n"
+        "serve to check the result.",
     [FFP_SHOW_GAMMA] = "For the projector's response: photograph a white wall or card under each.",
     [FFP_SHOW_GRAY_CODES] =
         "For a calibration or an exact shape: every column (x) and row (y) of the panel in\n"
@@ -113,26 +113,26 @@ static void begin(const Writing *w) {
     fprintf(
         w->text,
         "Patterns for a projector of %d x %d pixels\n\n"
-        "Show them full screen, one pixel of a picture on one of the projector's: set the projector as a "
-        "screen\n"
-        "of its own at its native resolution, no keystone correction, no overscan, no dynamic contrast, and\n"
-        "open show.html there (F: full screen, space bar: the next one). In a dark room, with the camera on "
-        "a\n"
-        "tripod: fixed focus, aperture, ISO, white balance and exposure time (a multiple of the projector's\n"
-        "frame time, 1/60 s or 1/30 s), so that white is bright but not clipped.\n\n"
+        "Show them full screen, so that each pixel of a picture falls on one of the projector: use the "
+        "projector\n"
+        "as a separate screen at its native resolution, without keystone correction, overscan or dynamic\n"
+        "contrast, and open show.html there (F: full screen, space bar: next picture). Photograph in a dark "
+        "room,\n"
+        "with the camera on a tripod and with fixed focus, aperture, ISO, white balance and exposure time "
+        "(a\n"
+        "multiple of the projector's frame time, 1/60 s or 1/30 s), so that white is bright but not "
+        "clipped.\n\n"
         "Afterwards `ffprocams import` takes the photographs in this order, for example\n\n"
         "    -i 'black,white,lollipop_0=shots/{view}/*.JPG' -p lollipop_0=<this "
         "folder>/<number>_lollipop_0.png\n"
         "\n"
-        "with the photographs of a stop in a folder of its own (000, 045, ...). Gray codes of the object "
-        "come "
-        "from\n"
-        "folders of their own, and make depth exact where they decode:\n\n"
+        "with the photographs of each stop in a separate folder (000, 045, ...). Photographs of the object "
+        "under\n"
+        "Gray codes come from other folders, and make depth exact where the codes can be decoded:\n\n"
         "    --graycode 'codes/{view}/*.JPG'\n\n"
-        "Masks are made of the light, and completed where the views tell what lies in shadow. Silhouettes "
-        "drawn "
-        "by\n"
-        "hand, white on black, one picture for each view, are better:\n\n"
+        "Masks are computed from the light, and completed where other views show what lies in shadow. "
+        "Silhouettes\n"
+        "drawn by hand, white on black, one picture for each view, are better:\n\n"
         "    -m 'masks/{view}.png'\n",
         w->show->width, w->show->height);
     fputs(page_head, w->page);

@@ -12,10 +12,10 @@ typedef struct FfpAdamStep {
     real rate, beta1, beta2, epsilon;
     real correction1, correction2; // factors of the moments, which begin at 0
     real scale;                    // of the gradients
-    real decay; // share of a number that the step takes away, as in AdamW (Loshchilov and Hutter 2019)
-    real pull; // share of the way back to `start`, behind the step. Through the loss Adam would scale it away
-    real average; // how much of the average stays
-    bool sparse;  // a number whose gradient is 0 stays as it is, its moments too
+    real decay;   // share of a number that the step takes away, as in AdamW (Loshchilov and Hutter 2019)
+    real pull;    // share of the way back to `start`, after the step. In the loss, Adam would scale it away
+    real average; // share of the running average that is kept
+    bool sparse;  // a number whose gradient is 0 is left unchanged, and so are its moments
 } FfpAdamStep;
 
 // Step number `step`, from 1 on; neither decay nor pull.

@@ -116,8 +116,7 @@ static bool check_cover(const FfpSafetensors *file, const char *data, size_t dat
                           begin < end ? "its data overlap another tensor's" : "a gap lies before its data");
         end = begin + (size_t)order[i]->count * dtypes[order[i]->dtype].size;
     }
-    if (ok && end != data + data_size)
-        ok = ffp_fail(err, FFP_ERROR_FILE, path, "data behind the last tensor");
+    if (ok && end != data + data_size) ok = ffp_fail(err, FFP_ERROR_FILE, path, "data after the last tensor");
     ffp_free(order);
     return ok;
 }

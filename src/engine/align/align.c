@@ -221,7 +221,7 @@ bool ffp_align(FfpCapture *capture, int active, const FfpAlignSettings *settings
     const bool each = !report->turntable || settings->focal > 0;
     const bool many = capture->n_views > FFP_BUNDLE_VIEWS_MAX;
     if (each && many)
-        ffp_note("%d views: of more than %d none gets a pose of its own", capture->n_views,
+        ffp_note("%d views: with more than %d, views do not get poses of their own", capture->n_views,
                  FFP_BUNDLE_VIEWS_MAX);
     if (ok && each && capture->n_views > 1 && !many) ok = adjust_each(&s, active, settings, report, err);
     memcpy(from, capture->views, size);

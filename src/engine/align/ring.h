@@ -1,4 +1,4 @@
-// Views of one fixed rig around a turning object: what their poses have in common.
+// Views of one fixed rig around a turning object: the parameters that their poses share.
 #ifndef FFP_ALIGN_RING_H
 #define FFP_ALIGN_RING_H
 
@@ -9,12 +9,12 @@ typedef struct FfpRing {
     int views;
     FfpRigid camera, projector;       // of the first view
     double axis[3], point[3], *angle; // unit axis, a point on it, [views] radians from the first view
-    double across[2][3];              // two directions across the axis
-    double misfit; // root mean square of what the given poses differ by, in units of what is expected
+    double across[2][3];              // two directions perpendicular to the axis
+    double misfit; // root mean square difference from the given poses, in units of the expected errors
 } FfpRing;
 
-// The ring nearest to the capture's poses, in the least squares of what is expected to be wrong with them.
-// False with fewer than four views, or when no two differ by a turn.
+// The ring nearest to the capture's poses, by least squares weighted with their expected errors. False with
+// fewer than four views, or if no two of them differ by a rotation.
 bool ffp_ring_fit(FfpRing *ring, const FfpCapture *capture, const FfpPoseErrors *expected);
 void ffp_ring_free(FfpRing *ring);
 void ffp_ring_place(const FfpRing *ring, FfpCapture *capture); // gives the capture the ring's poses

@@ -1,4 +1,4 @@
-// What one pixel of a view says about its devices.
+// The constraints that the pixels of a view place on its devices.
 #ifndef FFP_ALIGN_TIE_POINTS_H
 #define FFP_ALIGN_TIE_POINTS_H
 
@@ -32,9 +32,9 @@ typedef struct FfpTiePoints {
     int *index; // [h,w] of a pixel's tie point, -1: none
 } FfpTiePoints;
 
-// The pixels of a view whose depth is trusted. Where correspondences are known they say what a pixel sees;
-// else the matched position, moved to where the pattern around it fits best (Lucas and Kanade 1981): across
-// the ray matching does not look.
+// The pixels of a view whose depth is trusted. The position in the projector is that of the correspondences
+// if they are known, or otherwise the matched one, moved to where the pattern around it fits best (Lucas and
+// Kanade 1981), because matching does not search across the ray.
 FfpTiePoints ffp_tie_points_new(const FfpCapture *capture, const FfpInitialisation *start, int view,
                                 int active);
 void ffp_tie_points_free(FfpTiePoints *tie_points);

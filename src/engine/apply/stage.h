@@ -1,8 +1,7 @@
-// Cameras, projectors and the light between them: what compensation computes with and maps are drawn from.
+// Cameras, projectors and the light between them: the data for compensation and for the maps.
 // For fixed Gaussians a camera's picture is linear in the patterns: with M the projectors that reach a pixel,
 //     C = ambient + sum over M of response * lookup(pattern, position, footprint),
-// which is the light model of docs/design/architecture.md with everything but the pattern put into
-// `response`.
+// which is the light model of docs/design/architecture.md with everything but the pattern in `response`.
 #ifndef FFP_APPLY_STAGE_H
 #define FFP_APPLY_STAGE_H
 
@@ -11,14 +10,14 @@
 #include "core/gaussians/gaussians.h"
 #include "engine/render/render.h"
 
-// What one camera sees, and what it is meant to see. All images have the camera's size.
+// What one camera sees, and its target. All images have the camera's size.
 typedef struct FfpCameraView {
     const FfpView *view;
     FfpImage depth;   // 1: camera z in world units, 0 where the opacity is below one half
     FfpImage facing;  // 1: cosine between the normal and the ray to the camera, in [0,1]
     FfpImage ambient; // 3: linear radiance under dark projectors
-    FfpImage target;  // 3: linear radiance wanted; empty until it is given
-    FfpImage weight;  // 1: in [0,1], how much a pixel matters: coverage, times the target's alpha
+    FfpImage target;  // 3: linear radiance requested; empty until it is given
+    FfpImage weight;  // 1: in [0,1], the weight of a pixel: coverage times the target's alpha
 } FfpCameraView;
 
 // What one projector lights. All images have the projector's size.
@@ -28,7 +27,7 @@ typedef struct FfpProjection {
     FfpImage pattern;    // 3: linear, in [0,1]
 } FfpProjection;
 
-// What one projector does in one camera; the camera's size.
+// The effect of one projector in one camera; the camera's size.
 typedef struct FfpLink {
     FfpMapping mapping; // where each pixel lies in the pattern, and its footprint there
     FfpImage response;  // 3: radiance for a pattern of 1, 0 where no light comes
@@ -41,10 +40,10 @@ typedef struct FfpStage {
     FfpLink *links; // [n_camera_views, n_projections]
 } FfpStage;
 
-// Borrows the views. Projectors in one place with one lens (ffp_same_device) are one projection. With
+// Borrows the views. Projectors with the same pose and lens (ffp_same_device) are one projection. With
 // `photographs`, a view that has pictures under black and white takes its ambient light and its own
-// projector's response from them, which is what the camera really saw: the Gaussians then only say where the
-// light goes.
+// projector's response from them, which is what the camera really saw: the Gaussians then only determine
+// where the light goes.
 FfpStage ffp_stage_new(const FfpGaussians *gaussians, const FfpCapture *capture, const FfpView *const *views,
                        int n_views, const FfpRenderSettings *settings, bool photographs);
 void ffp_stage_free(FfpStage *stage);
@@ -56,7 +55,7 @@ void ffp_stage_aim(FfpStage *stage, int camera_view, const FfpImage *target, con
 void ffp_stage_scale(FfpStage *stage, real gain);
 
 // Turns targets into light painted on the object: a target of 0 becomes what the camera sees under dark
-// projectors, 1 what it sees with all of them at white, pixel by pixel. All of it is within reach.
+// projectors, 1 what it sees with all of them at white, pixel by pixel. All of these values can be reached.
 void ffp_stage_paint(FfpStage *stage);
 
 // The camera's picture under the projections' patterns: linear, unclamped.

@@ -199,7 +199,7 @@ void ffp_emulate_blocks(dim3 grid, dim3 block, size_t shared, const std::functio
     cooperating = true;
     body = &thread;
     each_block(grid, [&] {
-        memset(ffp_emulated_shared, 0xff, shared); // nobody may count on what was there
+        memset(ffp_emulated_shared, 0xff, shared); // nobody may rely on earlier contents
         run_block(count);
     });
 }

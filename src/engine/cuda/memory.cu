@@ -150,7 +150,7 @@ void ffp_cuda_release(void *block) {
     if (!block) return;
     auto at = blocks.find(block);
     if (at == blocks.end()) {
-        fprintf(stderr, "emulated device memory: %p was not taken from it\n", block);
+        fprintf(stderr, "emulated device memory: %p was not allocated from it\n", block);
         abort();
     }
     unused[at->second].insert({0, block});

@@ -13,8 +13,8 @@ void ffp_cuda_copy(void *to, const void *from, size_t bytes);
 void ffp_cuda_zero(void *block, size_t bytes);
 void ffp_cuda_synchronise(void);
 
-// Memory of `bytes` at least that a caller keeps from call to call: *block, *capacity (0 at first) grow when
-// needed. What was in it is lost then, and it is empty when there is no room.
+// At least `bytes` of memory that a caller keeps from call to call: *block and *capacity (0 at first) grow
+// when needed. Growing loses the contents, and leaves the block NULL if memory runs out.
 template <typename T> void ffp_cuda_grow(T **block, size_t *capacity, size_t bytes) {
     if (bytes <= *capacity) return;
     ffp_cuda_release(*block);

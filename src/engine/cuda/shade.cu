@@ -190,7 +190,8 @@ void ffp_cuda_shade_backward(const FfpMapping *mapping, const FfpTransport *tran
                              FfpGbuffer *grad_gbuffer, FfpTransport *grad_transport, real grad_intensity[3],
                              FfpSummed *grad_pattern) {
     if (grad_intensity || grad_pattern) {
-        fprintf(stderr, "ffprocams: error: GPU: gradients of intensity and pattern are the CPU's alone\n");
+        fprintf(stderr,
+                "ffprocams: error: GPU: gradients of intensity and pattern are computed on the CPU only\n");
         abort();
     }
     ffp_launch(shade_pixels_backward, dim3(blocks_for(grad_gbuffer)), dim3(BLOCK),

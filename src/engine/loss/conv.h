@@ -20,7 +20,7 @@ FFP_FORMULA int ffp_conv_side(int side, int kernel, int stride, int pad) {
     return span < 0 ? 0 : span / stride + 1;
 }
 
-// y = relu(w * x + bias) for `images` images, their x and y being x_step and y_step values apart.
+// y = relu(w * x + bias) for `images` images, whose x and y are x_step and y_step values apart.
 // w [out, in, kernel, kernel]; bias [out]. Allocates a strip of unfolded input per thread.
 void ffp_conv2d_forward(real *y, size_t y_step, const real *x, size_t x_step, const real *w, const real *bias,
                         const FfpConv *conv, int images);

@@ -1,4 +1,4 @@
-// Values that are taken late (loss.h), for the other sources of this room.
+// Deferred values (loss.h), for the other sources of this room.
 #ifndef FFP_LOSS_DEFERRED_H
 #define FFP_LOSS_DEFERRED_H
 
@@ -11,7 +11,7 @@ typedef enum FfpDeferredKind {
     FFP_DEFERRED_PSNR,       // of the mean squared error v
 } FfpDeferredKind;
 
-// What the value that the device kept last stands for; false when values are not taken late.
+// Sets the meaning of the value that the device kept last; false if values are not deferred.
 bool ffp_loss_deferred_as(FfpDeferredKind kind, real scale);
 // PSNR in dB of a mean squared error, up to the cap.
 double ffp_psnr_of(double mean_square);

@@ -1,7 +1,7 @@
 // The paper's loss terms (Sec. 3.6 there), each with its backward; SSIM; perceptual networks.
 // Every *_loss returns the loss's value times `weight` and ADDS weight * gradient to the grad argument, which
-// may be NULL. On a device (core/base/device.h) all pictures and maps are in its memory; values come back, at
-// the cost of waiting for them.
+// may be NULL. On a device (core/base/device.h) all pictures and maps are in its memory; values are returned
+// to the host, at the cost of waiting for them.
 #ifndef FFP_LOSS_LOSS_H
 #define FFP_LOSS_LOSS_H
 
@@ -46,9 +46,9 @@ real ffp_roughness_loss(const real *roughness_sum, const real *albedo_sum, const
                         real *grad_opacity);
 
 // On a device each value costs a wait for all work before it. Between ffp_losses_defer and ffp_losses_collect
-// the thread does without: what the functions here (not ffp_ssim) and ffp_psnr return is then good for
-// nothing but ffp_loss_add, which adds weight * value to *sum when they settle: one wait for all of them.
-// Pairs may stand inside each other. On the CPU ffp_loss_add adds at once.
+// the thread does not wait: the values returned by the functions here (except ffp_ssim) and by ffp_psnr may
+// then only be passed to ffp_loss_add, which adds weight * value to *sum at the collection: one wait for all
+// of them. Pairs may be nested. On the CPU ffp_loss_add adds at once.
 void ffp_losses_defer(void);
 void ffp_loss_add(double *sum, double weight, double value);
 void ffp_losses_collect(void);

@@ -1,5 +1,5 @@
-// This room's functions on a device (core/base/device.h). All but the values returned is the device's memory;
-// what the functions do is said in loss.h.
+// This room's functions on a device (core/base/device.h). All arrays are in the device's memory; only the
+// values returned are not. loss.h describes the functions.
 #ifndef FFP_LOSS_TABLE_H
 #define FFP_LOSS_TABLE_H
 
@@ -26,15 +26,15 @@ struct FfpLossTable {
     real (*roughness)(const real *roughness_sum, const real *albedo_sum, const real *opacity,
                       const real *mask, int width, int height, real weight, real *grad_roughness_sum,
                       real *grad_opacity);
-    // Sum of the squared differences over the pixels whose mask is above 0.5 (NULL: all); *count gets how
-    // many values that are.
+    // Sum of the squared differences over the pixels whose mask is above 0.5 (NULL: all); *count receives the
+    // number of these values.
     double (*squared_error)(const FfpImage *a, const FfpImage *b, const FfpImage *mask, size_t *count);
     // While it is on, values are kept on the device, up to FFP_DEFERRED_MAX of them, and 0 is returned:
     // squared_error without a mask keeps the mean, the others what they would have returned.
     void (*late)(bool on);
     int (*deferred_count)(void); // how many are kept
     void (*deferred_values)(
-        double *values); // in the order in which they were asked for; waits, and forgets them
+        double *values); // in the order in which they were computed; waits, and clears them
     // A perceptual network's weights on the device, and the loss with them; the pictures are large enough.
     void *(*perceptual_upload)(const FfpPerceptual *perceptual);
     void (*perceptual_release)(void *weights);

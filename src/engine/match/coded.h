@@ -1,4 +1,4 @@
-// Depth from correspondences that a capture has of itself (Gray codes).
+// Depth from the correspondences that a capture contains (Gray codes).
 #ifndef FFP_MATCH_CODED_H
 #define FFP_MATCH_CODED_H
 
@@ -15,7 +15,7 @@ real ffp_coded_depth(const FfpView *view, size_t pixel, real *off);
 // `bounds` radii, replaced: what is known needs no search. Nothing without correspondences.
 void ffp_coded_depths(real *depth, real *trust, const FfpCapture *capture, int view, real bounds);
 
-// cost [foreground, count] of such pixels: nothing at the plane that is known, and rising to both sides.
+// cost [foreground, count] of such pixels: 0 at the known plane, and rising on both sides.
 void ffp_coded_costs(real *cost, const FfpCapture *capture, int view, const FfpForeground *foreground,
                      const FfpPlanes *planes);
 

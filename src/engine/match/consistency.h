@@ -1,4 +1,4 @@
-// What the other views say about a point that one view believes in.
+// Support of the other views for a point that one view has found.
 #ifndef FFP_MATCH_CONSISTENCY_H
 #define FFP_MATCH_CONSISTENCY_H
 
@@ -6,15 +6,15 @@
 #include "core/capture/capture.h"
 #include "engine/match/thresholds.h"
 
-// Depth maps of all views, [views, h, w] each: camera z (0: none), and how far it is trusted.
+// Depth maps of all views, [views, h, w] each: camera z (0: none), and its confidence ("trust").
 typedef struct FfpDepths {
     const FfpCapture *capture;
     int width, height;
     real *depth, *trust;
 } FfpDepths;
 
-// What a view knows around a point between four pixels' centres, of those that have trusted depth: their
-// least and greatest depth and greatest trust. All 0 where there is none.
+// The trusted depths of a view at the four pixels around a point: their least and greatest depth and greatest
+// trust. All 0 if there are none.
 typedef struct FfpDepthBounds {
     real low, high, trust;
 } FfpDepthBounds;
@@ -35,8 +35,8 @@ typedef struct FfpSupport {
     real trust_agree, trust_past; // sums of their trust
 } FfpSupport;
 
-// Adds a cell of another view to those who see past a point of depth z, or to those who have a surface there,
-// give or take `slack`; behind the surface it says nothing.
+// Counts a cell of another view among those that see past a point of depth z, or among those that have a
+// surface there within `slack`; a point behind the surface is not counted.
 static inline void ffp_support_count(FfpSupport *out, const FfpDepthBounds *bounds, real z, real slack) {
     if (bounds->high <= 0) return;
     if (z < bounds->low - slack) {
@@ -48,7 +48,7 @@ static inline void ffp_support_count(FfpSupport *out, const FfpDepthBounds *boun
     }
 }
 
-// Whether so many see past the point that there is nothing.
+// Whether enough views see past the point for it to be free space.
 static inline bool ffp_support_is_free_space(const FfpSupport *support) {
     return support->trust_past > FFP_FREE_TRUST + support->trust_agree;
 }
@@ -61,11 +61,11 @@ FfpDepthBounds ffp_depth_bounds_at(const FfpSupportViews *support_views, int vie
 FfpSupport ffp_support_at(const FfpSupportViews *support_views, int view, const FfpCamera *camera, real x,
                           real y, real z);
 
-// Takes the trust from depths that more trusted views see past than agree with.
+// Sets the trust of depths to 0 if more trust sees past them than agrees with them.
 void ffp_reject_inconsistent(FfpDepths *depths);
 
-// Moves the near end of the range [views,h,w,2] of pixels without trusted depth to where no view's trusted
-// surface lies behind it any more: what is seen through is empty.
+// Moves the near end of the range [views,h,w,2] of pixels without trusted depth beyond the free space in
+// front of other views' trusted surfaces.
 void ffp_free_space(real *range, const FfpDepths *depths);
 
 #endif

@@ -8,7 +8,7 @@
 
 #define PLANE_REACH 2    // reduced pixels that a local plane is fitted to
 #define APART 3.0F       // footprints of a reduced pixel between planes that are of different surfaces
-#define CLEARLY 0.5F     // of the cost under the own surface, below which another is believed
+#define CLEARLY 0.5F     // of the cost under a pixel's own surface, below which another is believed
 #define OFF_PATTERN 1.0F // cost of a depth that leaves the pattern
 #define AROUND 9
 
@@ -49,7 +49,7 @@ static FfpPlane *fit_planes(const FfpReduced *reduced, int view) {
     return out;
 }
 
-// Shares of the cell before, the own and the next, of a position t beside the own centre, in cells.
+// Shares of the previous, this and the next cell, for a position at t cells from this cell's centre.
 static void spline(real share[3], real t) {
     share[0] = (0.5F - t) * (0.5F - t) / 2;
     share[1] = 0.75F - t * t;

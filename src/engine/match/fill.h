@@ -1,4 +1,4 @@
-// Depth where a pixel's own view says nothing.
+// Depth for pixels whose own view gives none.
 #ifndef FFP_MATCH_FILL_H
 #define FFP_MATCH_FILL_H
 

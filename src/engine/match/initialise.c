@@ -36,7 +36,8 @@ static bool check(const FfpCapture *capture, const int *patterns, int n, FfpErro
     for (int v = 0; v < capture->n_views; v++) {
         const FfpView *view = &capture->views[v];
         if (view->camera.width != first->width || view->camera.height != first->height)
-            return ffp_fail(err, FFP_ERROR_ARGUMENT, view->id, "the view's size is not that of the others");
+            return ffp_fail(err, FFP_ERROR_ARGUMENT, view->id,
+                            "the view's size differs from that of the others");
         if (!check_picture(&view->images[capture->black], first, 3, "black", view, err) ||
             !check_picture(&view->images[capture->white], first, 3, "white", view, err) ||
             !check_picture(&view->coverage, first, 1, "coverage", view, err))

@@ -1,4 +1,4 @@
-// Projector matching and the classical initialisation: what can be said per pixel without a network
+// Projector matching and the classical initialisation: per-pixel estimates without a network
 // (docs/design/architecture.md).
 #ifndef FFP_MATCH_MATCH_H
 #define FFP_MATCH_MATCH_H
@@ -22,11 +22,11 @@ typedef struct FfpInitialisation {
     real *coverage;  // [0,1]: 2 c - 1 of the pixel's own coverage c, and at least c / 5; or what another
                      // view's silhouette leaves of the point, whichever is less
     real *agreement; // [0,1]: of the other views that could see the point, the share whose own depth agrees
-    real *violation; // [0,1]: share of the other views that see past the point (their surface lies well
-                     // behind it)
+    real *violation; // [0,1]: share of the other views that see past the point (their surface is well behind
+                     // it)
     real *footprint; // world width of one camera pixel at the point, t_z / fx
     real *normal;    // 3, unit, world, facing the camera
-    real *albedo;    // 3, linear, in [0,1]; the gloss that the classical splats have is taken off
+    real *albedo;    // 3, linear, in [0,1]; without the gloss of the classical splats
     real *ambient;   // 3, linear: what the black image shows, of the object's own share of the pixel
     struct FfpReduced
         *reduced; // what a large capture was matched on (engine/match/reduce.h); NULL: its own pictures
@@ -59,8 +59,8 @@ void ffp_normal_frame(const real n[3], real quaternion[4]);
 // The two predictors of the quality table: picture of `view` under `pattern` as
 // sRGB(black + (white - black) * lookup(pattern, u_p(depth))), encoded RGB. depth: camera z [height,width].
 FfpImage ffp_predict_by_lookup(const FfpCapture *capture, int view, int pattern, const real *depth);
-// Matched depth (camera z) of one view, as the reference predictor has it (fills by the nearest hypothesis
-// everywhere); patterns as for ffp_initialisation_new.
+// Matched depth (camera z) of one view for the reference predictor, which uses the best hypothesis at every
+// pixel; patterns as for ffp_initialisation_new.
 void ffp_match_depth(const FfpCapture *capture, int view, const int *patterns, int n,
                      const FfpMatchSettings *settings, real *depth);
 

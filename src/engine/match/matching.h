@@ -7,8 +7,8 @@
 
 // depth [h,w]: camera z, 0 off the object. confidence [h,w]: 1 - best / second-best minimum's cost, times
 // lit; 0 where the pixel is not lit, or fits no hypothesis.
-// range [h,w,2], or NULL: the camera depths that the other views' silhouettes leave. *hull, if not NULL: what
-// ffp_hull says of the view's hypotheses, the caller's to free.
+// range [h,w,2], or NULL: the camera depths that the other views' silhouettes allow. *hull, if not NULL: the
+// result of ffp_hull for the view's hypotheses, which the caller frees.
 void ffp_match_view(real *depth, real *confidence, real *range, unsigned char **hull,
                     const FfpCapture *capture, int view, const FfpObservation *observed,
                     const FfpBlurred *patterns, const FfpMatchSettings *settings);

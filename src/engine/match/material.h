@@ -1,4 +1,4 @@
-// Colours of the classical initialisation: what the black and white images say once the surface is known.
+// Colours of the classical initialisation, from the black and white images once the surface is known.
 #ifndef FFP_MATCH_MATERIAL_H
 #define FFP_MATCH_MATERIAL_H
 

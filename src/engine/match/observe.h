@@ -1,4 +1,4 @@
-// What one view says about the projector's light: each pattern's colour at each pixel, whatever the albedo.
+// The projector's light observed by one view: each pattern's colour at each pixel, independent of the albedo.
 #ifndef FFP_MATCH_OBSERVE_H
 #define FFP_MATCH_OBSERVE_H
 
@@ -24,10 +24,10 @@ void ffp_observation_free(FfpObservation *observation);
 // hypotheses. The grid has a border of one repeated cell, and a cell four numbers, of which the last is 0: a
 // sample is four vector loads. All patterns have the grid's size, so that a position is found once for all.
 typedef struct FfpBlurred {
-    int stride;         // cells a row, border included
+    int stride;         // cells per row, including the border
     size_t area;        // cells of a pattern
     real *cells;        // [patterns,.,stride,4]
-    real scale;         // grid cells a pattern pixel
+    real scale;         // grid cells per pattern pixel
     real width, height; // of a pattern, pixels
 } FfpBlurred;
 // patterns [n]: indices into the capture's.

@@ -1,4 +1,4 @@
-// What a projector's light says about space: up to where it first meets a surface, it is empty.
+// Free space from a projector's light: its rays are empty up to the surface that they light.
 #ifndef FFP_MATCH_PROJECTOR_RAYS_H
 #define FFP_MATCH_PROJECTOR_RAYS_H
 
@@ -9,7 +9,7 @@
 // pixel.
 typedef struct FfpProjectorRays {
     int width, height;
-    real scale; // cells a pattern pixel
+    real scale; // cells per pattern pixel
     FfpDepthBounds
         *bounds; // [height,width], of the four cells whose upper left one it is; depths from the projector
 } FfpProjectorRays;
@@ -26,7 +26,7 @@ static inline bool ffp_projector_rays_cell(const FfpProjectorRays *projector_ray
     return true;
 }
 
-// What is known around the pattern's position (u, v); all 0 outside the grid.
+// The depths around the pattern's position (u, v); all 0 outside the grid.
 static inline FfpDepthBounds ffp_projector_rays_at(const FfpProjectorRays *projector_rays, real u, real v) {
     const real scale = projector_rays->scale;
     size_t cell;

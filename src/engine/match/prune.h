@@ -1,4 +1,4 @@
-// Splats that the photographs speak against.
+// Splats that contradict the photographs.
 #ifndef FFP_MATCH_PRUNE_H
 #define FFP_MATCH_PRUNE_H
 
@@ -6,8 +6,8 @@
 #include "engine/match/match.h"
 
 // Sets the opacity [count] of splats to 0 whose centres [count,3] lie where a silhouette or the rays of
-// matched points, a camera's or a projector's, show the space to be empty. Returns their number. A capture
-// that was matched on reduced pictures is asked in these.
+// matched points, a camera's or a projector's, show the space to be empty. Returns their number. For a
+// capture that was matched on reduced pictures, these are used.
 int64_t ffp_prune_contradicted(real *opacity, const real *centre, int64_t count, const FfpCapture *capture,
                                const FfpInitialisation *start);
 

@@ -12,8 +12,8 @@ typedef struct FfpReduced {
     FfpInitialisation start;
 } FfpReduced;
 
-// Pixels a side that become one, at least 1: so many that a view shows the object, on average over the views,
-// in no more pixels than matching's costs have room for. 1 for any picture of 32,768 pixels or fewer.
+// The factor by which each side is reduced, at least 1: such that a view shows the object, on average over
+// the views, in no more pixels than matching has memory for. 1 for any picture of 32,768 pixels or fewer.
 int ffp_reduction(const FfpCapture *capture);
 int ffp_reduction_of(double pixels); // the same from the object's mean number of pixels in a view
 

@@ -20,7 +20,7 @@ typedef struct FfpSheet {
                            // step in footprints beyond which it lies across a depth jump
 } FfpSheet;
 
-// depth [h,w]: camera z, 0 for none. weight [h,w]: 0 for pixels that say nothing about their neighbours.
+// depth [h,w]: camera z, 0 for none. weight [h,w]: 0 for pixels that must not influence their neighbours.
 FfpSheet ffp_sheet_new(const real *depth, const real *weight, const FfpCamera *camera, int reach);
 void ffp_sheet_free(FfpSheet *sheet);
 

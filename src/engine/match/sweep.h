@@ -22,7 +22,7 @@ void ffp_hull(unsigned char *inside, const FfpCapture *capture, int view, const 
 // never is, or off the object.
 void ffp_hull_range(real *range, const unsigned char *inside, const FfpForeground *foreground,
                     const FfpPlanes *planes);
-// The same of a view by itself.
+// The same for a single view.
 void ffp_hull_ranges(real *range, const FfpCapture *capture, int view);
 
 // cost [foreground, count] of a view's pixels: squared difference between the observed ratio and the pattern

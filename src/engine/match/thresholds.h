@@ -1,5 +1,4 @@
-// Inside the match room: what counts as lit, as on a surface and as seen through, which all its stages mean
-// alike.
+// Thresholds shared by all stages of the match room: for lit, for on a surface and for seen through.
 #ifndef FFP_MATCH_THRESHOLDS_H
 #define FFP_MATCH_THRESHOLDS_H
 

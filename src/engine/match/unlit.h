@@ -5,10 +5,10 @@
 #include "engine/match/consistency.h"
 #include "engine/match/match.h"
 
-// out [views,h,w]: the depth that `filled` [views,h,w] gives, and where the pixel has no trusted one, another
-// plane's if colours under black, silhouettes and the rays of trusted points, the cameras' and the
-// projectors', speak clearly for it. `threads` views are worked on at a time.
-// hulls [views], or NULL: what ffp_hull says of each view's hypotheses.
+// out [views,h,w]: the depth in `filled` [views,h,w] or, for a pixel without a trusted one, that of another
+// plane if colours under black, silhouettes and the rays of trusted points, of cameras and projectors,
+// clearly favour it. `threads` views are processed at a time. hulls [views], or NULL: the results of ffp_hull
+// for each view's hypotheses.
 void ffp_unlit_depths(real *out, const FfpDepths *depths, const real *filled, unsigned char *const *hulls,
                       const FfpMatchSettings *settings, int threads);
 

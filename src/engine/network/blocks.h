@@ -5,7 +5,7 @@
 #include "core/base/log.h"
 #include "engine/network/layout.h"
 
-// What a block keeps for its backward pass, T = rows. Its input x [T, dim] is the caller's.
+// The values that a block keeps for its backward pass, T = rows. Its input x [T, dim] belongs to the caller.
 typedef struct FfpMambaActivations {
     real *norm, *rstd; // [T, dim], [T]
     real *projected;   // [T, projected]
@@ -31,7 +31,7 @@ typedef struct FfpScratch {
     real *dnarrow, *dnarrow2; // [T, dim]
 } FfpScratch;
 
-// A pass through blocks: what all of them are given.
+// A pass through blocks: the arguments common to all of them.
 typedef struct FfpBlockPass {
     const real *values; // the model's, in which layouts are offsets
     const FfpWidths *widths;

@@ -1,10 +1,10 @@
-// Between a capture's pixels and those of its context, from which tokens are made.
+// The relation between a capture's pixels and those of its context, from which tokens are made.
 #ifndef FFP_NETWORK_CONTEXT_H
 #define FFP_NETWORK_CONTEXT_H
 
 #include "engine/network/network.h"
 
-// Where a pixel of the capture lies among the context's: up to four of these, with weights that sum to 1.
+// The position of a capture's pixel among the context's: up to four of them, with weights that sum to 1.
 typedef struct FfpTaps {
     int count;
     int64_t pixel[4]; // (view * height + y) * width + x, of the context

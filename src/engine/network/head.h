@@ -1,6 +1,6 @@
 // From the encoder's tokens to the raw numbers of each Gaussian, and back: features of the context's pixels
-// by a linear layer a token, their mean at the capture's pixel, and (with pixel_skip) the pixel MLP on them
-// and the pixel's own inputs. Works in blocks of Gaussians, so that what a pixel needs stays small.
+// by one linear layer per token, their mean at the capture's pixel, and (with pixel_skip) the pixel MLP on
+// them and the pixel's own inputs. Works in blocks of Gaussians, to limit the memory for pixels.
 #ifndef FFP_NETWORK_HEAD_H
 #define FFP_NETWORK_HEAD_H
 
@@ -9,7 +9,7 @@
 #include "engine/network/layout.h"
 #include "engine/network/prepared.h"
 
-// Gaussians a block: few on the CPU, for its caches; more on a device, where starting work costs.
+// Gaussians per block: few on the CPU, for its caches; more on a device, where starting work is expensive.
 int ffp_head_block(void);
 
 // Numbers of one token, pixel or Gaussian.
@@ -43,7 +43,7 @@ void ffp_head_allocate(FfpHead *head, const FfpModelConfig *config, int rows, Ff
 void ffp_head_allocate_backward(FfpHead *head, const FfpModelConfig *config, int rows, FfpArena *arena);
 size_t ffp_head_features_count(const FfpModelConfig *config, int rows); // numbers in a map of features
 
-// Whether a pixel has anything to be told about its context (inputs.h, context_inputs), and what:
+// Whether pixels have inputs about their context (inputs.h, context_inputs), and these inputs:
 // out [count, context channels]; near: the pixels' own start, far: the context's.
 bool ffp_head_has_context_inputs(const FfpModelConfig *config, const FfpGrid *grid,
                                  const FfpInitialisation *context);

@@ -38,7 +38,7 @@ bool ffp_inputs_check(const FfpModelConfig *config, const FfpInputSource *source
     }
     if (start && (start->width != width || start->height != height))
         return ffp_fail(err, FFP_ERROR_ARGUMENT, capture->name,
-                        "the classical initialisation has another size than the images");
+                        "the classical initialisation does not have the images' size");
     return true;
 }
 

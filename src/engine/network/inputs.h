@@ -1,4 +1,4 @@
-// The numbers that the network sees of each pixel.
+// The network's inputs for each pixel.
 #ifndef FFP_NETWORK_INPUTS_H
 #define FFP_NETWORK_INPUTS_H
 
@@ -22,7 +22,7 @@ typedef struct FfpInputSource { // what the numbers are of
     int views, active;              // the first views; the pattern
 } FfpInputSource;
 
-// Checks that the source is whole: views of one size with their images, a start of that size where the
+// Checks that the source is complete: views of one size with their images, and a start of that size if the
 // model needs one. Errors name the view.
 bool ffp_inputs_check(const FfpModelConfig *config, const FfpInputSource *source, FfpError *err);
 

@@ -1,5 +1,4 @@
-// Where each layer finds its parameters inside FfpModel.values, and the widths that follow from a
-// configuration.
+// The place of each layer's parameters in FfpModel.values, and the widths that follow from a configuration.
 #ifndef FFP_NETWORK_LAYOUT_H
 #define FFP_NETWORK_LAYOUT_H
 
@@ -11,7 +10,7 @@
 #define FFP_HIDDEN_LAYERS 2 // of the pixel MLP
 #define FFP_TOKENS_MAX 65536
 
-// All fields are offsets. Shapes stand beside them in parameters.c.
+// All fields are offsets. parameters.c gives their shapes.
 typedef struct FfpMambaLayout {
     int64_t norm, in_proj, out_proj;
     struct {

@@ -1,6 +1,6 @@
 // The convolutional head for appearance that the paper compares with (its "CNN App. Head"): albedo, roughness
-// and ambient colour are read off tokens that have passed two 3 x 3 convolutions over their view's grid of
-// tokens, everything else off the encoder's own.
+// and ambient colour are computed from tokens after two 3 x 3 convolutions over their view's grid of tokens,
+// everything else from the encoder's tokens.
 #ifndef FFP_NETWORK_MIXER_H
 #define FFP_NETWORK_MIXER_H
 
@@ -26,8 +26,8 @@ void ffp_mixer_forward(FfpMixer *mixer, const real *tokens, const FfpModel *mode
 void ffp_mixer_backward(FfpMixer *mixer, real *dtokens, real *grad, const real *tokens,
                         const FfpModel *model);
 
-// Between the numbers of `count` Gaussians from the tokens and those from the mixed tokens: the second's
-// appearance goes into the first; and the gradient of what came of it is parted again.
+// Combines the numbers of `count` Gaussians from the tokens with those from the mixed tokens: the appearance
+// of the second replaces that of the first; and splits the gradient of the result again.
 void ffp_mixer_concatenate(real *raw, const real *mixed, int64_t count, int numbers);
 void ffp_mixer_split(real *draw, real *dmixed, int64_t count, int numbers);
 

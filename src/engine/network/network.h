@@ -15,23 +15,23 @@
 
 typedef struct FfpModelConfig {
     char name[32];                 // "tiny", "small", "paper", ...
-    char modules[FFP_MODULES_MAX]; // one letter a block, first to last: M = Mamba2, T = Transformer
+    char modules[FFP_MODULES_MAX]; // one letter per block, first to last: M = Mamba2, T = Transformer
                                    // ("MTMTMTMT")
     int dim;                       // token width D
-    int patch;                     // pixels a token side (8)
-    int tokens;       // most tokens of 16 views: larger captures are reduced to fit (FfpPixelContext)
+    int patch;                     // pixels per side of a token (8)
+    int tokens;       // maximum for 16 views: larger captures are reduced to fit (FfpPixelContext)
     int state, chunk; // Mamba2: state 64, chunk 64 (expand 2, head_dim 64, conv 4 are fixed)
     bool residual;    // heads are residuals around the classical initialisation; otherwise the paper's plain
                       // heads
     bool match_input; // the start's maps are among the input channels
-    bool pixel_skip;  // a small MLP a pixel joins the token's features and the pixel's own inputs
+    bool pixel_skip;  // a small MLP per pixel combines the token's features with the pixel's own inputs
     int pixel_features,
         pixel_hidden;    // widths of that MLP: features a pixel takes from its token, hidden units
-    bool context_inputs; // and what tells it apart from the context's pixels (inputs.h)
-    bool appearance_cnn; // two 3x3 convolutions over the tokens ahead of albedo, roughness and ambient: the
+    bool context_inputs; // and numbers that distinguish it from the context's pixels (inputs.h)
+    bool appearance_cnn; // two 3x3 convolutions over the tokens before albedo, roughness and ambient: the
                          // paper's ablation
-    char render[16];     // "ours" or "paper": the render settings that the Gaussians are meant for,
-    int samples;         // and how many samples a side of a pixel
+    char render[16];     // "ours" or "paper": the form in which the Gaussians are to be drawn,
+    int samples;         // and the samples per side of a pixel
 } FfpModelConfig;
 // "tiny" (D 128, MTMT), "small", "paper-small" (small, but the paper's plain form), "paper". False: no such
 // name.
@@ -67,13 +67,13 @@ typedef struct FfpModel {
     int64_t count;            // all values
     real *values;             // [count]
     struct FfpLayout *layout; // where each layer finds its parameters
-    int metadata_count;       // pairs: what the file says about the training
+    int metadata_count;       // pairs: the file's description of the training
     char **metadata;          // key, value, key, value, ...
     char *file;               // as the caller named it (ffp_model_open), or NULL
 } FfpModel;
 
 FfpModel *ffp_model_new(const FfpModelConfig *config, uint64_t seed, FfpError *err);
-// The same without values (NULL; count is set): what a file is checked against before memory is taken.
+// The same without values (NULL; count is set): for checking a file before memory is allocated.
 // `where` names the configuration's file in errors.
 FfpModel *ffp_model_table(const FfpModelConfig *config, const char *where, FfpError *err);
 void ffp_model_free(FfpModel *model);
@@ -81,7 +81,7 @@ void ffp_model_free(FfpModel *model);
 void ffp_model_take_over(FfpModel *model, const FfpModel *from);
 // Weights file: safetensors with the configuration and metadata_count pairs of `metadata` (key, value, key,
 // value, ...). Matrices are bf16, or F32 when `exact`; vectors (gains, biases, Mamba2's rates) F32 always.
-// Keys "format", "format_version" and "model.*" are taken.
+// Keys "format", "format_version" and "model.*" are reserved.
 bool ffp_model_write(const FfpModel *model, const char *path, bool exact, const char *const *metadata,
                      int metadata_count, FfpError *err);
 FfpModel *ffp_model_read(const char *path, FfpError *err);
@@ -97,11 +97,11 @@ typedef struct FfpProfile {
 
 // One pass over one capture: activations live in the run until the next forward.
 typedef struct FfpRun {
-    // Blocks keep their inputs alone, and are run once more when their gradients are due (Chen et al. 2016,
-    // section 4): about a third more work, the memory of two blocks instead of all, the same bits.
+    // Blocks keep only their inputs, and are run again for their gradients (Chen et al. 2016, section 4):
+    // about a third more work, the memory of two blocks instead of all, the same bits.
     bool recompute;
-    // Called by ffp_model_backward as it goes, or NULL: what is in grad_values from `first` on is complete.
-    // `first` falls; 0 comes last.
+    // Called repeatedly by ffp_model_backward, or NULL: grad_values is complete from `first` on. `first`
+    // decreases down to 0.
     void (*ready)(void *user, int64_t first);
     void *ready_user;
     FfpArena *arena;
@@ -116,15 +116,15 @@ FfpRun *ffp_run_new(bool backward);
 void ffp_run_free(FfpRun *run);
 size_t ffp_run_memory(const FfpRun *run); // bytes, the most that its passes have taken
 
-// What tokens are made from: the capture itself, or, where its pixels would give more than config->tokens of
-// them or its sides are not multiples of the patch, the same views with fewer pixels and their own start.
+// The source of the tokens: the capture itself or, if its pixels would give more than config->tokens of them
+// or its sides are not multiples of the patch, the same views with fewer pixels and their own start.
 typedef struct FfpPixelContext {
     FfpCapture capture;      // the input views
     FfpInitialisation start; // all NULL: none
     bool reduced;            // both are the context's own memory
 } FfpPixelContext;
-// The most tokens that so many views are made into: config->tokens, and in proportion of more than 16 views,
-// whose matches would else be lost.
+// The maximum number of tokens for this many views: config->tokens, and proportionally more for more than 16
+// views, whose matches would otherwise be lost.
 double ffp_pixel_context_tokens(const FfpModelConfig *config, int views);
 // Sides of the context's views: multiples of the patch, their tokens no more than ffp_pixel_context_tokens
 // (one a view at least).
@@ -145,17 +145,17 @@ void ffp_pixel_context_free(FfpPixelContext *context); // safe on {0}
 bool ffp_model_forward(const FfpModel *model, FfpRun *run, const FfpCapture *capture,
                        const FfpInitialisation *start, const FfpPixelContext *context, int active,
                        FfpError *err);
-// Capture, start and context of the forward pass must still be there. grad: gradient with respect to
+// Capture, start and context of the forward pass must still exist. grad: gradient with respect to
 // run->gaussians; grad_t [count] or NULL: extra gradient with respect to
 // run->t. ADDS to grad_values [model->count].
 void ffp_model_backward(const FfpModel *model, FfpRun *run, const FfpGaussians *grad, const real *grad_t,
                         real *grad_values);
 
-// While the thread works on a device (core/base/device.h) a run made there does its passes there:
-// model->values, grad_values and the run's Gaussians and distances are the device's, capture, start and
-// context the host's. What is taken from the capture can be prepared once, by the CPU, and brought to the
-// device in use for many passes: as ffp_model_forward, and what it was prepared from need not be there any
-// more. Errors besides: appearance_cnn, which no device has.
+// While the thread works on a device (core/base/device.h), a run created there does its passes there:
+// model->values, grad_values and the run's Gaussians and distances are in the device's memory; capture, start
+// and context are in the host's. The inputs taken from the capture can be prepared once, by the CPU, and
+// copied to the device in use for many passes: as ffp_model_forward, and their sources are no longer needed.
+// Further errors: appearance_cnn, which no device has.
 typedef struct FfpPrepared FfpPrepared;
 FfpPrepared *ffp_prepared_new(const FfpModelConfig *config, const FfpCapture *capture,
                               const FfpInitialisation *start, const FfpPixelContext *context, int active,

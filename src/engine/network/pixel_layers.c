@@ -1,4 +1,4 @@
-// The layers that every pixel goes through by itself (pixel_skip), and what tells it of its context.
+// The layers that each pixel passes through separately (pixel_skip), and the features of its context.
 #include <tgmath.h>
 #include "core/base/device.h"
 #include "core/tensor/tensor.h"

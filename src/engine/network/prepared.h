@@ -1,5 +1,5 @@
-// All that the network takes from a capture, as arrays: made once by the CPU, brought to a device, there for
-// any number of passes. A pass of the CPU needs none of this: it makes numbers where they are needed.
+// All inputs that the network takes from a capture, as arrays: made once by the CPU and copied to a device
+// for any number of passes. A pass on the CPU needs none of this: it computes inputs where they are needed.
 #ifndef FFP_NETWORK_PREPARED_H
 #define FFP_NETWORK_PREPARED_H
 

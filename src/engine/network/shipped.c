@@ -46,7 +46,7 @@ bool ffp_find_weights(char path[FFP_PATH_MAX], FfpError *err) {
     if (is_installed(path, looked, sizeof looked) || is_in("models", path, looked, sizeof looked))
         return true;
     return ffp_fail(err, FFP_ERROR_IO, FILE_NAME,
-                    "the shipped weights are not in any of %s: name a file, none, or their folder in "
+                    "the shipped weights are not in any of %s: name a file, `none`, or their folder in "
                     "FFPROCAMS_MODELS",
                     looked);
 }

@@ -5,7 +5,7 @@
 #include "core/base/file.h"
 #include "engine/network/network.h"
 
-// Their path, by the rules of ffp_model_open (ffprocams.h); else an error that names all places looked at.
+// Finds the shipped weights by the rules of ffp_model_open (ffprocams.h). Errors name all places searched.
 bool ffp_find_weights(char path[FFP_PATH_MAX], FfpError *err);
 // Weights from a file, which the model names; `path` NULL: the shipped ones.
 FfpModel *ffp_model_load(const char *path, FfpError *err);

@@ -1,4 +1,4 @@
-// What a Gaussian's formulas start from, of a pixel of the classical initialisation; the formulas themselves
+// The base of a Gaussian's formulas, from a pixel of the classical initialisation; the formulas themselves
 // are in splat_formula.h.
 #ifndef FFP_NETWORK_SPLAT_H
 #define FFP_NETWORK_SPLAT_H

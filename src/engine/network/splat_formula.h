@@ -9,7 +9,7 @@
 
 enum { FFP_PLAIN_NUMBERS = 16, FFP_RESIDUAL_NUMBERS = 18 };
 
-// What the formulas start from.
+// The values that the formulas start from.
 typedef struct FfpPixelBase {
     real origin[3];             // the camera
     real direction[3], nearest; // the unit ray and -o.d, the distance to its point nearest to the origin
@@ -37,9 +37,9 @@ typedef struct FfpPixelSplat { // one Gaussian, or the gradient with respect to 
 #define FFP_SPLAT_INITIAL_OPACITY 0.924F         // of a pixel that the object fills
 #define FFP_SPLAT_OPACITY_MARGIN 1e-3F
 #define FFP_SPLAT_PLAIN_OPACITY (-2.0F)
-// The start's colours stay this far off 0 and 1, where a logit has no end. The ambient colour is seen, not
-// inferred, and dark objects go below a hundredth; an albedo that low is a failed estimate, which the network
-// must be able to lift.
+// The start's colours are kept this far from 0 and 1, where a logit is infinite. The ambient colour is seen,
+// not inferred, and dark objects go below a hundredth; an albedo that low is a failed estimate, which the
+// network must be able to raise.
 #define FFP_SPLAT_ALBEDO_MARGIN 0.01F
 #define FFP_SPLAT_AMBIENT_MARGIN 0.001F
 #define FFP_SPLAT_ROUGHNESS_MIN 0.05F

@@ -62,7 +62,7 @@ static bool read_field(FfpModelConfig *config, const Field *field, const char *t
                        FfpError *err) {
     char *at = (char *)config + field->offset;
     if (!text) text = field->absent;
-    if (!text) return ffp_fail(err, FFP_ERROR_FILE, where, "a model file without this key in its metadata");
+    if (!text) return ffp_fail(err, FFP_ERROR_FILE, where, "the model file's metadata lacks this key");
     if (field->kind == TEXT) {
         if (strlen(text) >= field->size)
             return ffp_fail(err, FFP_ERROR_FILE, where, "longer than %zu bytes", field->size - 1);
@@ -108,7 +108,7 @@ bool ffp_model_write(const FfpModel *model, const char *path, bool exact, const 
     for (int i = 0; i < 2 * metadata_count; i += 2)
         if (is_reserved(metadata[i]))
             return ffp_fail(err, FFP_ERROR_FILE, ffp_place(path, metadata[i]).text,
-                            "a metadata key that is taken");
+                            "this metadata key is reserved");
     char text[FIELDS][FFP_MODULES_MAX];
     const char **strings = ffp_alloc(2 * (OWN_KEYS + (size_t)metadata_count), sizeof *strings);
     int count = 0;
@@ -155,9 +155,9 @@ static bool check_parameter(const FfpParameter *p, const FfpSafetensors *file, c
     const FfpTensor *t = ffp_safetensors_find(file, p->name);
     if (!t)
         return ffp_fail(err, FFP_ERROR_FILE, where.text,
-                        "a tensor that the configuration asks for is missing");
+                        "a tensor that the configuration requires is missing");
     if (t->rank != p->rank || memcmp(t->shape, p->shape, (size_t)p->rank * sizeof *p->shape) != 0)
-        return ffp_fail(err, FFP_ERROR_FILE, where.text, "the configuration asks for shape %lld x %lld",
+        return ffp_fail(err, FFP_ERROR_FILE, where.text, "the configuration requires shape %lld x %lld",
                         (long long)p->shape[0], (long long)(p->rank == 2 ? p->shape[1] : 1));
     return true;
 }
@@ -174,7 +174,7 @@ static bool read_parameter(const FfpModel *model, const FfpParameter *p, const F
     const FfpPlace where = ffp_place(path, p->name);
     real *values = model->values + p->offset;
     if (!ffp_tensor_to_real(ffp_safetensors_find(file, p->name), values))
-        return ffp_fail(err, FFP_ERROR_FILE, where.text, "integers where numbers belong");
+        return ffp_fail(err, FFP_ERROR_FILE, where.text, "integers instead of real numbers");
     for (int64_t i = 0; i < p->count; i++)
         if (!isfinite(values[i]))
             return ffp_fail(err, FFP_ERROR_FILE, where.text, "value %lld is not finite", (long long)i);

@@ -30,7 +30,7 @@ static bool check_options(const FfpCompensation *options, const FfpCapture *capt
                         STEPS_MAX);
     return !options->for_device || capture->panel.known ||
            ffp_fail(err, FFP_ERROR_ARGUMENT, capture->folder,
-                    "the capture does not know the real projector (scene.json: " DEVICE
+                    "the capture does not describe the real projector (scene.json: " DEVICE
                     "): its projector is the ideal one of a generated or older capture; import it again from "
                     "the calibration");
 }
@@ -41,8 +41,8 @@ static bool check_shape(const FfpImage *target, const FfpView *view, const char 
     const double wanted = (double)view->camera.width / view->camera.height;
     if (fabs(ratio / wanted - 1) <= 0.01) return true;
     return ffp_fail(err, FFP_ERROR_ARGUMENT, path,
-                    "a target of %d x %d has not the shape of view %s's camera of %d x %d", target->width,
-                    target->height, view->id, view->camera.width, view->camera.height);
+                    "a target of %d x %d does not have the aspect ratio of view %s's camera, %d x %d",
+                    target->width, target->height, view->id, view->camera.width, view->camera.height);
 }
 
 static int target_of(const Job *job, int v) {

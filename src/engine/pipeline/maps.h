@@ -11,7 +11,7 @@ const char *ffp_map_name(FfpMap map);
 FfpImage ffp_map_picture(const FfpGbuffer *gbuffer, FfpMap map);
 // Camera z in world units, one channel, 0 where the opacity is below one half.
 FfpImage ffp_map_depth(const FfpGbuffer *gbuffer);
-// What ffp_renderer_map (ffprocams.h) gives out: means over each pixel.
+// The values of ffp_renderer_map (ffprocams.h): means over each pixel.
 void ffp_map_values(const FfpGbuffer *gbuffer, FfpMap map, float *out);
 
 #endif

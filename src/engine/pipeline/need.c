@@ -151,12 +151,12 @@ bool ffp_check_memory(const FfpCapture *capture, const FfpReconstruction *option
     if (share > 0)
         return ffp_fail(
             err, FFP_ERROR_MEMORY, capture->folder,
-            "%d views of %d x %d pixels need %.1f GB of memory, and %.1f GB are free: a resolution "
+            "%d views of %d x %d pixels need %.1f GB of memory, but only %.1f GB are free: a resolution "
             "of %d x %d would fit",
             s.views, s.width, s.height, need / GIGA, available / GIGA, (int)(share * s.width),
             (int)(share * s.height));
     return ffp_fail(
         err, FFP_ERROR_MEMORY, capture->folder,
-        "%d views of %d x %d pixels need %.1f GB of memory, and %.1f GB are free: give fewer views", s.views,
-        s.width, s.height, need / GIGA, available / GIGA);
+        "%d views of %d x %d pixels need %.1f GB of memory, but only %.1f GB are free: give fewer views",
+        s.views, s.width, s.height, need / GIGA, available / GIGA);
 }

@@ -1,4 +1,4 @@
-// How much memory a reconstruction needs, known before it begins.
+// The memory that a reconstruction needs, computed before it begins.
 #ifndef FFP_PIPELINE_NEED_H
 #define FFP_PIPELINE_NEED_H
 
@@ -6,27 +6,27 @@
 #include "engine/network/network.h"
 #include "ffprocams.h"
 
-// What the need depends on.
+// The quantities that it depends on.
 typedef struct FfpProblemSize {
     int views, width, height;      // of the widest and highest view
     int photographs;               // of a view: black, white and the patterns used
     double pattern;                // pixels of a pattern
     double share;                  // of the pixels that show the object
-    bool denoise, polish;          // whether noise is taken away, and whether the splats are fitted
-    int samples;                   // a side of a pixel, while fitting
-    int threads;                   // that match views at a time
+    bool denoise, polish;          // whether noise is filtered, and whether the splats are fitted
+    int samples;                   // per side of a pixel, while fitting
+    int threads;                   // that match views at the same time
     const FfpModelConfig *network; // NULL: the classical initialisation alone
 } FfpProblemSize;
 
 FfpProblemSize ffp_problem_size(const FfpCapture *capture, const FfpReconstruction *options);
 
-// The most bytes that a reconstruction takes at a time beside the capture: the sum of what stays (photographs
-// without noise, the start, splats) and the largest of what its stages take besides. Between 0.8 and 1.6
-// times what is measured.
+// The peak number of bytes that a reconstruction takes besides the capture: the sum of what it keeps
+// (filtered photographs, the start, splats) and the largest amount that a stage takes in addition. Between
+// 0.8 and 1.6 times the measured peak.
 double ffp_reconstruction_bytes(const FfpProblemSize *scale);
 
-// Whether that is at most `available` bytes (negative: nobody knows, and it is). The error says how much is
-// needed, how much there is, and which resolution would fit.
+// Checks that this is at most `available` bytes (negative: not known, and the check passes). The error says
+// how much is needed, how much is available, and which resolution would fit.
 bool ffp_check_memory(const FfpCapture *capture, const FfpReconstruction *options, double available,
                       FfpError *err);
 

@@ -10,8 +10,9 @@
 FfpCapture ffp_normalised_alias(const FfpCapture *capture);
 void ffp_normalised_alias_free(FfpCapture *alias);
 
-// Takes the noise out of the n photographs (ffp_capture_photographs) of an alias: of deviation *noise, which
-// is estimated, and set, when it is negative. Returns what ffp_denoise_free wants; NULL: nothing was changed.
+// Filters noise of standard deviation *noise, which is estimated and set if negative, from the n photographs
+// (ffp_capture_photographs) of an alias. Returns the argument for ffp_denoise_free; NULL: nothing was
+// changed.
 FfpImage *ffp_denoise_capture(FfpCapture *alias, const int *photographs, int n, double *noise);
 
 #endif

@@ -1,4 +1,4 @@
-// Devices that go round an object.
+// Devices that orbit an object.
 #ifndef FFP_PIPELINE_ORBIT_H
 #define FFP_PIPELINE_ORBIT_H
 

@@ -23,18 +23,19 @@ void ffp_picture_job_free(FfpPictureJob *job) {
 static bool check_sequence(const FfpPictures *options, FfpError *err) {
     if (!ffp_is_sequence(options)) return true;
     if (options->maps)
-        return ffp_fail(err, FFP_ERROR_ARGUMENT, options->folder, "frames of a sequence come without maps");
+        return ffp_fail(err, FFP_ERROR_ARGUMENT, options->folder,
+                        "maps cannot be written for an orbit or a video");
     if (options->video && !(ffp_film_check(options->video, err) && ffp_output_probe(options->video, err)))
         return false;
     if (options->video && (options->rate < 1 || options->rate > 1000))
-        return ffp_fail(err, FFP_ERROR_ARGUMENT, options->video, "%d frames a second: 1 to 1000 are possible",
+        return ffp_fail(err, FFP_ERROR_ARGUMENT, options->video, "%d frames per second: expected 1 to 1000",
                         options->rate);
     if (options->orbit == FFP_ORBIT_NONE) return true;
     if (options->n_views > 1)
         return ffp_fail(err, FFP_ERROR_ARGUMENT, options->folder, "an orbit starts from one view");
     if (options->frames < 1 || options->frames > ORBIT_FRAMES_MAX)
-        return ffp_fail(err, FFP_ERROR_ARGUMENT, options->folder,
-                        "an orbit of %d frames: 1 to %d are possible", options->frames, ORBIT_FRAMES_MAX);
+        return ffp_fail(err, FFP_ERROR_ARGUMENT, options->folder, "an orbit of %d frames: expected 1 to %d",
+                        options->frames, ORBIT_FRAMES_MAX);
     return true;
 }
 
@@ -127,8 +128,9 @@ static bool resize_views(FfpPictureJob *job, FfpError *err) {
     const int width = job->options->width, height = job->options->height;
     if (width == 0 && height == 0) return true;
     if (width < 1 || width > FFP_IMAGE_SIDE_MAX || height < 0 || height > FFP_IMAGE_SIDE_MAX)
-        return ffp_fail(err, FFP_ERROR_ARGUMENT, "width", "pictures of %d x %d pixels: 1 to %d a side", width,
-                        height, FFP_IMAGE_SIDE_MAX);
+        return ffp_fail(err, FFP_ERROR_ARGUMENT, "width",
+                        "pictures of %d x %d pixels: expected 1 to %d per side", width, height,
+                        FFP_IMAGE_SIDE_MAX);
     if (!job->own) {
         FfpView *own = ffp_alloc((size_t)job->n_views, sizeof *own);
         for (int v = 0; v < job->n_views; v++) own[v] = *ffp_picture_view(job, v);
@@ -155,7 +157,7 @@ static bool add_pattern(FfpPictureJob *job, const char *name, FfpError *err) {
     if (job->n_patterns == FFP_PATTERNS_MAX)
         return ffp_fail(err, FFP_ERROR_ARGUMENT, name, "more than %d patterns", FFP_PATTERNS_MAX);
     if (!from_file && !capture->patterns[known].image.data)
-        return ffp_fail(err, FFP_ERROR_FILE, job->options->poses, "the file of pattern %.96s is not there",
+        return ffp_fail(err, FFP_ERROR_FILE, job->options->poses, "the file of pattern %.96s does not exist",
                         name);
     if (!from_file)
         *pattern = capture->patterns[known];

@@ -1,4 +1,4 @@
-// Which pictures are to be drawn: views and patterns, of a capture, a file of poses, an orbit or image files.
+// The pictures to draw: views and patterns, from a capture, a file of poses, an orbit or image files.
 #ifndef FFP_PIPELINE_PICTURE_JOB_H
 #define FFP_PIPELINE_PICTURE_JOB_H
 
@@ -21,8 +21,8 @@ typedef struct FfpPictureJob {
     bool *owned;
 } FfpPictureJob;
 
-// Everything that can be wrong with it shows here. `capture` may be NULL where the options name poses. Freed
-// whether it succeeds or not.
+// Checks everything about the job. `capture` may be NULL if the options name poses. Must be freed whether it
+// succeeds or not.
 bool ffp_picture_job_new(FfpPictureJob *job, const FfpGaussians *gaussians, const FfpCapture *capture,
                          const FfpPictures *options, FfpError *err);
 void ffp_picture_job_free(FfpPictureJob *job);

@@ -128,7 +128,7 @@ static bool write_frame(Writer *writer, int pattern, FfpFilm *film, FfpError *er
     return ok;
 }
 
-// An orbit's frames share the patterns out; else each view is seen under each.
+// The frames of an orbit are divided among the patterns; without an orbit, each view is drawn under each.
 static bool write_sequence(Writer *writer, FfpError *err) {
     const FfpPictureJob *job = writer->job;
     const bool orbit = job->options->orbit != FFP_ORBIT_NONE;

@@ -94,9 +94,9 @@ static void keep_initial_if_better(Work *w, const FfpReconstruction *options, Ff
     const double before = score(w, &start, pixel, options), after = score(w, &w->result, w->pixel, options);
     stats->network_dropped = start.count > 0 && after < before - NETWORK_LOSS_MAX;
     if (stats->network_dropped) {
-        ffp_note("the network shows the photographs worse than the classical initialisation, %.1f against "
-                 "%.1f dB: "
-                 "the start is kept",
+        ffp_note("the network reproduces the photographs worse than the classical initialisation, %.1f "
+                 "against %.1f dB: "
+                 "the initialisation is used",
                  after, before);
         ffp_gaussians_free(&w->result);
         ffp_free(w->pixel);
@@ -124,7 +124,7 @@ static bool polish(Work *w, const FfpReconstruction *options, FfpReconstructionS
                             &result, err))
         return false;
     stats->polish_dropped = result.dropped;
-    if (result.dropped) ffp_note("the polish shows the photographs worse than before: it is left out");
+    if (result.dropped) ffp_note("the polish made the match with the photographs worse: it is discarded");
     return true;
 }
 
@@ -171,7 +171,7 @@ static void leave_repeated_views_out(FfpCapture *alias) {
     }
     alias->n_views = kept;
     if (kept < before)
-        ffp_note("%d of %d views repeat others' poses: they are left out", before - kept, before);
+        ffp_note("%d of %d views repeat the poses of others: they are left out", before - kept, before);
 }
 
 static void thin(Work *w, const FfpReconstruction *options) {

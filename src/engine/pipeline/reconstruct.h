@@ -1,7 +1,7 @@
 // From a capture to Gaussians, step by step. The pipeline's options and results are types of the public
-// header: twins of theirs would have the same fields with the same meaning, and every new option three
-// places. What is taken from it are types alone: nothing in the engine calls a public function, and the room
-// links without them.
+// header: twins of theirs would have the same fields with the same meaning, and every new option would have
+// to be added in three places. Only types are taken from the header: nothing in the engine calls a public
+// function, and the room links without them.
 #ifndef FFP_PIPELINE_RECONSTRUCT_H
 #define FFP_PIPELINE_RECONSTRUCT_H
 

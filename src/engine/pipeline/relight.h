@@ -1,4 +1,4 @@
-// A view under a pattern as a file holds it. Shared by rendering, evaluation and the report.
+// A view under a pattern, as stored in a file. Shared by rendering, evaluation and the report.
 #ifndef FFP_PIPELINE_RELIGHT_H
 #define FFP_PIPELINE_RELIGHT_H
 
@@ -12,8 +12,8 @@ FfpImage ffp_relight(FfpViewPass *pass, const real intensity[3], const FfpSummed
 
 void ffp_quantise(FfpImage *encoded); // clamps to [0,1] and rounds to multiples of 1/255, in place
 
-// The settings that Gaussians are drawn with: the model's own form when there is one, and its samples unless
-// the drawing names others.
+// The settings with which Gaussians are drawn: the model's own form if there is a model, and its samples
+// unless the drawing gives others.
 FfpRenderSettings ffp_drawing_settings(FfpDrawing drawing, const FfpModel *model);
 
 #endif

@@ -60,8 +60,8 @@ static bool check_out(const FfpPictureOut *out, size_t row, FfpError *err) {
         return ffp_fail(err, FFP_ERROR_ARGUMENT, "type",
                         "pictures are drawn as 8-bit or 32-bit float pixels");
     return out->row_bytes == 0 || out->row_bytes >= row ||
-           ffp_fail(err, FFP_ERROR_ARGUMENT, "row_bytes", "rows of %zu bytes have no room for %zu",
-                    out->row_bytes, row);
+           ffp_fail(err, FFP_ERROR_ARGUMENT, "row_bytes", "rows of %zu bytes cannot hold %zu", out->row_bytes,
+                    row);
 }
 
 static bool take_intensity(const double intensity[3], real strength[3], FfpError *err) {

@@ -12,7 +12,7 @@
 typedef struct FfpRenderer {
     FfpBlocks blocks; // the pass's, which grows from call to call
     FfpRenderSettings settings;
-    FfpViewPass *pass; // NULL: nothing was aimed at yet
+    FfpViewPass *pass; // NULL: not aimed yet
     FfpSummed pattern; // shown last
     FfpCamera camera, projector;
     bool aimed;
@@ -32,7 +32,7 @@ typedef struct FfpPictureOut {
     FfpPixelType type;
     size_t row_bytes;
 } FfpPictureOut;
-// What was drawn last under a pattern (no data: under a dark projector) of a projector of that intensity.
+// The view drawn last, under a pattern (without data: a dark projector) of a projector of that intensity.
 bool ffp_renderer_relight(FfpRenderer *renderer, const FfpRaw *pattern, const double intensity[3],
                           FfpPictureOut out, FfpError *err);
 // Its map, F32 [height,width,channels].

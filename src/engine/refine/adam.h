@@ -6,17 +6,17 @@
 #include "core/tensor/adam.h"
 #include "engine/refine/parameters.h"
 
-// What one step does to each attribute, and to the number that all roughness logits share.
+// The step for each attribute, and for the number that all roughness logits share.
 typedef struct FfpGaussianAdamStep {
     FfpAdamStep of[FFP_ATTRIBUTES], shared;
     bool shares;
 } FfpGaussianAdamStep;
 
-// What is kept of the number that all roughness logits share: its moments, and how far it went last.
+// The state of the number that all roughness logits share: its moments, and its last change.
 enum { FFP_SHARED_MEAN, FFP_SHARED_SQUARE, FFP_SHARED_MOVED, FFP_SHARED_NUMBERS };
 
-// Adam's state for parameters, and what holds them near to their start. Arrays are on what the thread works
-// on; a device has no neighbours.
+// Adam's state for the parameters, and the terms that keep them close to their start. Arrays are in the
+// memory of the device that the thread works on; on a GPU there are no neighbours.
 typedef struct FfpGaussianAdam {
     FfpGaussians mean, square, start; // start has no elements unless something pulls towards it
     real *shared;                     // [FFP_SHARED_NUMBERS]

@@ -1,10 +1,10 @@
-// Fewer, larger splats in place of many, and what was learnt on them carried back.
+// Fewer, larger splats in place of many, whose changes are carried back.
 #ifndef FFP_REFINE_COARSE_H
 #define FFP_REFINE_COARSE_H
 
 #include "core/gaussians/gaussians.h"
 
-// Where Gaussians come from: one for each of some pixels of views of one size.
+// The pixels that Gaussians come from, in views of one size.
 typedef struct FfpOrigin {
     int views, width, height;
     const int64_t *pixel; // [count] (view height + y) width + x, of each Gaussian; no pixel has two
@@ -23,8 +23,9 @@ typedef struct FfpCoarse {
 FfpCoarse ffp_coarse_new(const FfpGaussians *fine, const FfpOrigin *origin, int side);
 void ffp_coarse_free(FfpCoarse *coarse);
 
-// How the coarse Gaussians have changed from `before` is done to the fine ones, bilinearly between the blocks
-// whose Gaussians lie near: a displacement, factors of size, differences of logits, and a turn in world axes.
+// Applies the change of the coarse Gaussians from `before` to the fine ones, interpolated bilinearly between
+// the blocks whose Gaussians are near: a displacement, factors on the size, differences of logits, and a
+// rotation in world axes.
 void ffp_coarse_carry(const FfpCoarse *coarse, const FfpGaussians *before, const FfpOrigin *origin,
                       FfpGaussians *fine);
 

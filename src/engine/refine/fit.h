@@ -5,10 +5,10 @@
 #include "engine/refine/adam.h"
 #include "engine/refine/refine.h"
 
-// What the settings ask for that no device has code for, in words; NULL: nothing.
+// The setting that no device supports, in words for a message; NULL: none.
 const char *ffp_refine_beyond_devices(const FfpRefineSettings *settings);
 
-// What a view was worth, before the step that it caused.
+// The losses of a view, before its step.
 typedef struct FfpFitLoss {
     double pictures, maps; // the pictures' terms, and those that look at G-buffers
     double psnr;           // mean over the patterns
@@ -24,19 +24,20 @@ double ffp_photo_loss_psnr(FfpPhotoLoss *viewer, const FfpGaussians *gaussians);
 
 typedef struct FfpFitView {
     int view;
-    int64_t step; // says which terms count already
+    int64_t step; // determines which terms are already active
     FfpGaussians *grad;
     FfpFitLoss *loss;
 } FfpFitView;
 
-// The losses of one or two views. ADDS each one's gradient to its grad, and what it comes to to its *loss: by
-// ffp_loss_add (engine/loss/loss.h), so that a round need not wait for each. Two, which must not be the same,
-// are looked at at the same time where that pays; the numbers are those of one after the other.
+// The losses of one or two views. ADDS each one's gradient to its grad, and its value to its *loss, by
+// ffp_loss_add (engine/loss/loss.h), so that a round need not wait for each. Two views, which must differ,
+// are processed at the same time if that is faster; the numbers are the same as one after the other.
 void ffp_photo_loss_backward(FfpPhotoLoss *viewer, const FfpGaussians *gaussians, const FfpFitView *looks,
                              int n);
 
-// Of an order of all views: behind every other one (the first, the third, ...) comes the one of those left
-// that looks from the other side. What two views do not both see, neither's step changes for the other.
+// Rearranges an order of all views: after every other one (the first, the third, ...) comes the remaining one
+// that looks from the opposite side. The step of one such view does not change splats that only the other
+// sees.
 void ffp_pair_opposites(const FfpCapture *capture, int *order);
 
 FfpGaussianAdam ffp_gaussian_adam_new(const FfpParameters *parameters, const FfpRefineSettings *settings);

@@ -1,4 +1,4 @@
-// A fit by whatever the program may use for long work.
+// A fit on the device that is offered for long work, or on the CPU.
 #include "core/base/device.h"
 #include "core/base/log.h"
 #include "core/capture/uploaded.h"
@@ -9,7 +9,7 @@ bool ffp_refine_offered(FfpGaussians *gaussians, const FfpCapture *capture, cons
                         FfpError *err) {
     const FfpDevice *device = ffp_device() ? NULL : ffp_device_offered();
     const char *beyond = device ? ffp_refine_beyond_devices(settings) : NULL;
-    if (beyond) ffp_note("the fit works on the CPU: %s has no code for the GPU", beyond);
+    if (beyond) ffp_note("the fit runs on the CPU: %s has no code for the GPU", beyond);
     if (!device || beyond) return ffp_refine(gaussians, capture, patterns, n_patterns, settings, result, err);
     ffp_device_use(device);
     FfpCapture capture_there = ffp_capture_uploaded(capture);

@@ -1,4 +1,4 @@
-// Gaussians as unbounded numbers that an optimiser may move freely, and the way back: on the CPU, or on the
+// Gaussians as unconstrained parameters for an optimiser, and the inverse mapping: on the CPU, or on the
 // device that the thread works on, except the gathering.
 #ifndef FFP_REFINE_PARAMETERS_H
 #define FFP_REFINE_PARAMETERS_H

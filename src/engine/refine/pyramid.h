@@ -1,4 +1,4 @@
-// A fit from coarse to fine, for pictures whose pixels are too many for all steps to be taken at full size.
+// A fit from coarse to fine, for pictures too large for all steps at full size.
 #ifndef FFP_REFINE_PYRAMID_H
 #define FFP_REFINE_PYRAMID_H
 

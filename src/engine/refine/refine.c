@@ -228,7 +228,7 @@ static bool one_round(Fit *fit, FfpError *err) {
         sum.psnr += fit->losses[i].psnr;
     }
     if (!isfinite(sum.total))
-        return ffp_fail(err, FFP_ERROR_ARGUMENT, fit->capture->folder, "the loss is no longer a number");
+        return ffp_fail(err, FFP_ERROR_ARGUMENT, fit->capture->folder, "the loss is no longer finite");
     if (done < n) return true;
     sum.total /= n;
     sum.psnr /= n;
@@ -303,7 +303,7 @@ bool ffp_refine(FfpGaussians *gaussians, const FfpCapture *capture, const int *p
         return ffp_fail(err, FFP_ERROR_ARGUMENT, NULL, "a fit needs a limit of steps or seconds");
     const char *beyond = ffp_device() ? ffp_refine_beyond_devices(settings) : NULL;
     if (beyond)
-        return ffp_fail(err, FFP_ERROR_UNSUPPORTED, capture->folder, "%s works on the CPU only", beyond);
+        return ffp_fail(err, FFP_ERROR_UNSUPPORTED, capture->folder, "%s runs on the CPU only", beyond);
     Fit fit = fit_new(gaussians, capture, patterns, n_patterns, settings);
     *result = (FfpRefineResult){0};
     if (settings->measure) result->psnr_before = ffp_photo_loss_psnr(fit.viewer, gaussians);

@@ -1,4 +1,4 @@
-// Fits Gaussians to one object's photographs, held near to a prediction or free of it. The capture is
+// Fits Gaussians to one object's photographs, kept close to a prediction or free of it. The capture is
 // normalised (object in the unit sphere) and so are the Gaussians.
 #ifndef FFP_REFINE_REFINE_H
 #define FFP_REFINE_REFINE_H
@@ -16,8 +16,8 @@ typedef struct FfpGrowth {
     // A view's gradient to the Gaussians, before it is pulled back.
     void (*note)(void *state, const FfpGaussians *gaussians, const FfpGaussians *grad,
                  const FfpCamera *camera);
-    // Behind each step, from 1. True when the number of parameters may have changed; Adam's state has
-    // followed.
+    // After each step, from 1. True if the number of parameters may have changed; Adam's state has then been
+    // adapted.
     bool (*step)(void *state, int64_t step, FfpParameters *parameters, const FfpGaussians *gaussians,
                  FfpGaussianAdam *adam_state);
 } FfpGrowth;
@@ -40,15 +40,15 @@ typedef struct FfpRefineSettings {
     int64_t steps;           // of one view each; 0: no limit
     double seconds;          // of wall clock; 0: no limit
     uint64_t seed;
-    bool may_stop;     // cancelled, the work ends with what it has
-    FILE *metrics;     // a line of JSON a round; NULL: none. What cannot be written ends the fit
+    bool may_stop;     // when cancelled, the fit returns its result so far
+    FILE *metrics;     // a line of JSON per round; NULL: none. Failing to write one ends the fit
     bool measure;      // the PSNR before and after
-    bool quiet;        // tells no progress
+    bool quiet;        // reports no progress
     const char *label; // of the progress; NULL: "refining"
 } FfpRefineSettings;
 FfpRefineSettings ffp_refine_defaults(void); // from a prediction
 #define FFP_POLISH_DEFAULT_STEPS 88          // of eight views
-// A short fit right behind a prediction: faster rates, nothing smoothed or measured.
+// A short fit directly after a prediction: faster rates, nothing smoothed or measured.
 FfpRefineSettings ffp_polish_defaults(int64_t steps);
 
 // Of a pair's views that have no more pixels than these each is looked at by a thread of its own where there
@@ -61,27 +61,28 @@ typedef struct FfpRefineResult {
     double psnr_before, psnr_after; // dB on the pictures fitted, mean over pictures; without 8-bit rounding;
                                     // 0 unless they are to be measured
     bool stopped;                   // by the caller
-    bool dropped; // the fit showed the pictures worse than they were shown before: nothing was changed
+    bool dropped;                   // the fit made the pictures worse: nothing was changed
 } FfpRefineResult;
 
 // Fits to the given patterns of all views (indices into the capture's), as far as a view has photographs
-// under them; it has one at least, and all of a view's count alike. Views come in rounds, each in an order
-// drawn from the seed. What is returned is the state after the round with the lowest loss, or the mean that
-// is asked for if that round was the last whole one or the one before it, or what was there before where that
-// has the better PSNR on the same pictures. With a limit in steps, the same seed and thread count give the
-// same bits. Errors: no Gaussians, no limit, a loss that is not finite. On a device: arrays of the Gaussians,
-// of pictures, coverage and patterns are that device's. Errors: growth or smoothing is asked for.
+// under them; it must have at least one, and all of a view's have the same weight. Views come in rounds, each
+// in an order drawn from the seed. The result is the state after the round with the lowest loss; or the mean,
+// if it is asked for and that round was the last complete one or the one before it; or the initial state if
+// that has the better PSNR on the same pictures. With a limit in steps, the same seed and thread count give
+// the same bits. Errors: no Gaussians, no limit, a loss that is not finite. On a device, the arrays of the
+// Gaussians, pictures, coverage and patterns are in that device's memory, and growth and smoothing are
+// errors.
 bool ffp_refine(FfpGaussians *gaussians, const FfpCapture *capture, const int *patterns, int n_patterns,
                 const FfpRefineSettings *settings, FfpRefineResult *result, FfpError *err);
 
-// The same for a CPU's Gaussians and capture, on the device that long work may use (core/base/device.h) where
-// one is offered. What no device has code for the CPU does, and a note says so.
+// The same for Gaussians and a capture on the host, using the device offered for long work
+// (core/base/device.h), if any. Settings that no device supports run on the CPU, and a note says so.
 bool ffp_refine_offered(FfpGaussians *gaussians, const FfpCapture *capture, const int *patterns,
                         int n_patterns, const FfpRefineSettings *settings, FfpRefineResult *result,
                         FfpError *err);
 
-// How well Gaussians show the given patterns' pictures of all views: PSNR in dB, mean over the pictures that
-// a view has, and over the views.
+// How well Gaussians reproduce the given patterns' pictures of all views: PSNR in dB, mean over the pictures
+// that a view has, and over the views.
 double ffp_photographs_psnr(const FfpGaussians *gaussians, const FfpCapture *capture, const int *patterns,
                             int n_patterns, const FfpRenderSettings *render);
 

@@ -1,5 +1,5 @@
-// What a device does for a fit (core/base/device.h): all work on arrays that is not drawing or a loss.
-// Structs are the host's, their arrays the device's; nothing here waits for the device.
+// The functions that a device provides for a fit (core/base/device.h): all work on arrays except drawing and
+// losses. Structs are the host's, their arrays the device's; nothing here waits for the device.
 #ifndef FFP_REFINE_TABLE_H
 #define FFP_REFINE_TABLE_H
 

@@ -5,10 +5,10 @@
 #include "core/capture/capture.h"
 #include "core/gaussians/gaussians.h"
 
-// Leaves out splats that cannot be seen (opacity 0), those that repeat what a view with the same camera has,
-// and, unless `layers` is 0, those of places that other views' splats, finer ones first, describe `layers`
-// times already (docs/design/architecture.md, "Thinning"). Splats that then stand alone are widened to close
-// the surface.
+// Removes splats that cannot be seen (opacity 0), those that repeat splats of a view with the same camera,
+// and, unless `layers` is 0, those at places that other views' splats, finer ones first, already cover
+// `layers` times (docs/design/architecture.md, "Thinning"). Splats that are then isolated are widened to
+// close the surface.
 //   gaussians  in the capture's frame; the rows that stay, here and of `pixel`, keep their order
 //   pixel      [count] index (view * height + y) * width + x of the pixel whose ray each centre lies on; no
 //              two of one pixel

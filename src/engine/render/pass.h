@@ -1,10 +1,10 @@
 // One view of a set of Gaussians, from splats to the picture that a camera takes and back: rasterised and
 // mapped to the projector once, shaded under any number of patterns. Owns the buffers of the view.
 //
-// Every pixel is looked at in samples x samples places (FfpRenderSettings.samples). Its picture is what a
-// display of straight alpha shows of their means: with L the mean of the premultiplied linear radiance and O
-// that of the opacity, O enc(L / O), where enc is the sRGB curve; enc(L) where there is no surface to speak
-// of, and with one sample, where O says how opaque a splat is and not how much of the pixel it covers.
+// Every pixel has samples x samples samples (FfpRenderSettings.samples). Its value in the picture is that of
+// a display with straight alpha: with L the mean of the premultiplied linear radiance and O that of the
+// opacity, O enc(L / O), where enc is the sRGB curve; or enc(L) if there is hardly any surface, and with one
+// sample, where O is the opacity of a splat and not the share of the pixel that it covers.
 //
 // A pass belongs to the device that the thread works on when it is made (core/base/device.h): Gaussians,
 // patterns, pictures and gradients are then arrays of that device's memory.
@@ -16,7 +16,8 @@
 typedef struct FfpViewPass FfpViewPass;
 FfpViewPass *ffp_view_pass_new(const FfpRenderSettings *settings); // reusable between views and steps
 void ffp_view_pass_free(FfpViewPass *pass);                        // NULL is allowed
-// For who takes most pictures back: shading keeps what it saw of the pattern. Before the first draw.
+// For callers that need the gradients of most pictures: shading keeps its pattern lookups. Before the first
+// draw.
 void ffp_view_pass_expect_gradients(FfpViewPass *pass);
 
 // Rasterises the Gaussians for the camera and maps them to the projector. The Gaussians must live until the
@@ -44,7 +45,8 @@ void ffp_view_pass_shade_backward(FfpViewPass *pass, const real intensity[3], co
 // All that was gathered since the draw, ADDED to grad (as many as the Gaussians drawn). Once a draw.
 void ffp_view_pass_backward(FfpViewPass *pass, FfpGaussians *grad);
 
-// The samples themselves, [samples height, samples width]; for who puts other numbers in, and says so.
+// The samples themselves, [samples height, samples width]; callers that change them must call
+// samples_changed.
 FfpGbuffer *ffp_view_pass_samples(FfpViewPass *pass);
 void ffp_view_pass_samples_changed(FfpViewPass *pass);            // maps and averages again
 const FfpMapping *ffp_view_pass_mapping(const FfpViewPass *pass); // of the samples

@@ -2,9 +2,10 @@
 // "light"). Rasterise a view once to G-buffers, then shade it under any number of patterns. These are the
 // steps, at one sample a pixel; pass.h puts them together.
 //
-// All of it works on the device that the thread works on (core/base/device.h): the arrays behind Gaussians,
-// G-buffers, mappings, images and patterns are then the device's, everything else stays the host's. What one
-// device made, only that device uses and frees. The shadow map's planes are the raster's as on the CPU.
+// All of it works on the device that the thread uses (core/base/device.h): the arrays of Gaussians,
+// G-buffers, mappings, images and patterns are then in the device's memory, everything else stays on the
+// host. Objects made on a device can only be used and freed there. The shadow map's planes belong to the
+// raster, as on the CPU.
 #ifndef FFP_RENDER_RENDER_H
 #define FFP_RENDER_RENDER_H
 
@@ -25,7 +26,7 @@ typedef struct FfpRenderSettings {
     bool shadows;      // visibility from the projector
     int shadow_side;   // shadow map's longer side in pixels (160)
     real shadow_bias;  // depth slack as a share of the projector's distance (0.05)
-    bool even_light;   // light without n.l and falloff, as GS-ProCams' released program has it
+    bool even_light;   // light without n.l and falloff, as in GS-ProCams' released program
 } FfpRenderSettings;
 FfpRenderSettings ffp_render_defaults(void);
 FfpRenderSettings ffp_render_paper(void);      // blur 0.3, no compensation, bilinear, no shadows
@@ -94,8 +95,8 @@ FfpGbuffer ffp_shadow_map(FfpRaster *raster, const FfpGaussians *gaussians, cons
 void ffp_map_with_shadow(const FfpGbuffer *shadow, const FfpGbuffer *gbuffer, const FfpCamera *camera,
                          const FfpCamera *projector, const FfpRenderSettings *settings, FfpMapping *out);
 
-// What becomes of the projector's light in a view, whatever the pattern: a pixel's radiance is ambient +
-// factor * intensity * pattern around uv. Also used for gradients.
+// The transport of the projector's light in a view, independent of the pattern: a pixel's radiance is ambient
+// + factor * intensity * pattern around uv. Also used for gradients.
 typedef struct FfpTransport {
     int width, height;
     real *factor; // [.,3] f_r visibility max(n.l, 0) O / distance^2; 0 where no light comes to the camera

@@ -115,7 +115,7 @@ FFP_FORMULA void ffp_lit_geometry(const FfpLitView *view, int x, int y, const Ff
     for (int k = 0; k < 3; k++) s->f[k] = s->albedo[k] / FFP_PI + s->lobe.D * s->lobe.F * s->lobe.V;
 }
 
-// v where it is so, else 0.
+// v if `so`, otherwise 0.
 FFP_FORMULA real ffp_select(bool so, real v) {
     return so ? v : 0;
 }

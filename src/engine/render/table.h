@@ -1,5 +1,6 @@
-// What the render room asks of a device (core/base/device.h): the functions of render.h and resolve.h under
-// the same names, on arrays of the device's memory. Everything else of the room is built of these.
+// The functions that a device provides for the render room (core/base/device.h): those of render.h and
+// resolve.h under the same names, on arrays in the device's memory. Everything else in the room is built from
+// these.
 #ifndef FFP_RENDER_TABLE_H
 #define FFP_RENDER_TABLE_H
 

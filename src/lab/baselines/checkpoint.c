@@ -54,7 +54,7 @@ static bool read_all(FfpFieldState *s, const char *fit, const FfpSafetensors *fi
         return ffp_fail(err, FFP_ERROR_FILE, path,
                         "is not a checkpoint of a neural field, or comes from an older version");
     if (!theirs || strcmp(theirs, fit) != 0)
-        return ffp_fail(err, FFP_ERROR_ARGUMENT, path, "is of another fit (%s) than this one (%s)",
+        return ffp_fail(err, FFP_ERROR_ARGUMENT, path, "belongs to another fit (%s) than this one (%s)",
                         theirs ? theirs : "it does not say which", fit);
     return ffp_read_field_numbers(file, path, "parameters", count, -INFINITY, s->field->parameters, err) &&
            ffp_read_field_numbers(file, path, "mean", count, -INFINITY, s->mean, err) &&

@@ -82,9 +82,9 @@ typedef struct FfpFieldSettings {
     int64_t steps;  // 0: no limit
     double seconds; // of wall clock; 0: no limit
     uint64_t seed;
-    bool may_stop;            // cancelled, the work ends with what it has
-    FILE *metrics;            // a line of JSON now and then; NULL: none. What cannot be written ends the fit
-    bool quiet;               // tells no progress
+    bool may_stop;            // when cancelled, the fit returns what it has so far
+    FILE *metrics;            // a line of JSON now and then; NULL: none. Failing to write one ends the fit
+    bool quiet;               // reports no progress
     const FfpCapture *source; // what the capture is of, as it was before it was normalised and its noise,
     double noise;             // of this setting, taken away; tells whose a checkpoint is. NULL: the capture
     const char *checkpoint; // file that is written every two minutes and at the end, and from which the same
@@ -102,8 +102,8 @@ enum { FFP_FIELD_MEASURED = 16 };
 
 // Fits a field to the given patterns (indices into the capture's; a view lacks none of them) of all views of
 // a normalised capture, and puts it where that of the settings' source is. With a limit in steps alone the
-// same seed gives the same bits, whatever the number of threads. Errors: a picture or a limit that is not
-// there, silhouettes without room for an object, a loss that is no number, a device.
+// same seed gives the same bits, whatever the number of threads. Errors: a missing picture or limit,
+// silhouettes without room for an object, a loss that is not finite, a device.
 bool ffp_field_fit(FfpNeuralField *field, const FfpCapture *capture, const int *patterns, int n_patterns,
                    const FfpFieldSettings *settings, FfpFieldResult *result, FfpError *err);
 

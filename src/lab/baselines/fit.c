@@ -180,7 +180,7 @@ static bool check_numbers(const Fit *fit, FfpError *err) {
     for (int64_t i = 0; i < fit->field->layout.count && finite; i++)
         finite = isfinite(fit->field->parameters[i]);
     return finite ||
-           ffp_fail(err, FFP_ERROR_ARGUMENT, fit->scene.capture->folder, "the loss is no longer a number");
+           ffp_fail(err, FFP_ERROR_ARGUMENT, fit->scene.capture->folder, "the loss is no longer finite");
 }
 
 // What the last steps came to. The pixels that no ray is drawn from are black in the photographs and in the
@@ -272,7 +272,7 @@ static bool go_on(Fit *fit, FfpError *err) {
     fit->rays = state.rays < FFP_CHUNK_RAYS ? state.rays : FFP_CHUNK_RAYS;
     fit->cells.next = state.next_cell % fit->cells.count;
     fit->started -= state.seconds;
-    ffp_note("%s: going on from step %lld", fit->settings->checkpoint, (long long)fit->step);
+    ffp_note("%s: resuming from step %lld", fit->settings->checkpoint, (long long)fit->step);
     return true;
 }
 
@@ -368,7 +368,7 @@ bool ffp_field_fit(FfpNeuralField *field, const FfpCapture *capture, const int *
     if (ffp_field_carve(field, capture) == 0) {
         ffp_neural_field_free(field);
         return ffp_fail(err, FFP_ERROR_ARGUMENT, capture->folder,
-                        "the views' silhouettes have no room for an object in common");
+                        "the views' silhouettes leave no common room for an object");
     }
     Fit fit = fit_new(field, capture, patterns, n_patterns, settings);
     const bool ok = run(&fit, err);

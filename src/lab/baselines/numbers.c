@@ -15,9 +15,9 @@ bool ffp_read_field_numbers(const FfpSafetensors *file, const char *path, const 
     const FfpTensor *tensor = ffp_safetensors_find(file, name);
     if (!tensor) return ffp_fail(err, FFP_ERROR_FILE, ffp_place(path, name).text, "is missing");
     if (tensor->count != count)
-        return ffp_fail(err, FFP_ERROR_FILE, ffp_place(path, name).text, "has %lld numbers and not %lld",
+        return ffp_fail(err, FFP_ERROR_FILE, ffp_place(path, name).text, "has %lld numbers instead of %lld",
                         (long long)tensor->count, (long long)count);
     if (!ffp_tensor_to_real(tensor, out))
-        return ffp_fail(err, FFP_ERROR_FILE, ffp_place(path, name).text, "holds no real numbers");
+        return ffp_fail(err, FFP_ERROR_FILE, ffp_place(path, name).text, "does not hold real numbers");
     return check_numbers(out, count, least, path, name, err);
 }

@@ -110,7 +110,7 @@ static void place_splats(FfpGaussians *g, FfpRng *rng) {
 static bool check(const FfpCapture *capture, int64_t count, FfpError *err) {
     if (ffp_device())
         return ffp_fail(err, FFP_ERROR_UNSUPPORTED, capture->folder,
-                        "Gaussians from nothing are made on the CPU only");
+                        "Gaussians are fitted from scratch on the CPU only");
     if (count <= NEAREST)
         return ffp_fail(err, FFP_ERROR_ARGUMENT, capture->folder, "%lld points are too few to start from",
                         (long long)count);
@@ -128,7 +128,7 @@ bool ffp_scratch_gaussians(FfpGaussians *gaussians, const FfpCapture *capture,
     else if (!draw_points(gaussians->centre, capture, gaussians->count, &rng)) {
         ffp_gaussians_free(gaussians);
         return ffp_fail(err, FFP_ERROR_ARGUMENT, capture->folder,
-                        "the views' silhouettes have no room for an object in common");
+                        "the views' silhouettes leave no common room for an object");
     }
     place_splats(gaussians, &rng);
     return true;

@@ -8,12 +8,12 @@
 typedef struct FfpScratchSettings {
     FfpRefineSettings fit; // its growth is what `density` says
     FfpDensity density;
-    bool cube; // the points are drawn in the cube [-1.3,1.3]^3, whatever the silhouettes say, else in the
-               // visual hull: where every view that sees a point has it inside its coverage
+    bool cube; // the points are drawn in the cube [-1.3,1.3]^3, whatever the silhouettes say, instead of in
+               // the visual hull, where every view that sees a point has it inside its coverage
     int64_t points; // to start from
 } FfpScratchSettings;
-// GS-ProCams' losses, rates and densification; `released`: all as its released program does it where that has
-// no points of its own, else a start from the hull and all of a view's pictures a step.
+// GS-ProCams' losses, rates and densification. `released`: everything as in its released program when it is
+// given no points; otherwise points from the hull, and all of a view's pictures in each step.
 FfpScratchSettings ffp_scratch_defaults(bool released);
 
 // The points, drawn evenly: round splats as wide as the way to the three nearest, opacity 0.1, grey. Errors:

@@ -1,4 +1,4 @@
-// Measures kernels and whole steps against what this machine can do (`ffprocams bench`).
+// Measures kernels and whole steps against the limits of this machine (`ffprocams bench`).
 #ifndef FFP_BENCH_BENCH_H
 #define FFP_BENCH_BENCH_H
 
@@ -23,7 +23,7 @@ typedef enum FfpBound { FFP_BOUND_PRODUCTS, FFP_BOUND_FMA, FFP_BOUND_COPY } FfpB
 typedef struct FfpBenchRow {
     const char *name;
     char shape[64];
-    double ms; // the least of the repeats
+    double ms; // the minimum of the repetitions
     FfpBound bound;
     double work;    // operations, or bytes
     double peak_mb; // of memory, of whole steps; 0: not measured

@@ -243,7 +243,7 @@ static bool find_given(FfpSubject *subject, FfpError *err) {
     }
     if (by_file && n > 0) names = known;
     if (by_file && n == 0)
-        ffp_note("%s names no pattern of this capture that it was made from: the default is taken for it",
+        ffp_note("%s does not say from which pattern of this capture it was made: assuming the default",
                  options->gaussians);
     subject->n_given = ffp_capture_photographs(subject->capture, names, n, subject->given, err);
     return subject->n_given >= 0;
@@ -278,7 +278,7 @@ static bool open_perceptual(FfpEvaluating *shared, FfpError *err) {
     }
     if (!path) {
         ffp_note(
-            "no LPIPS: no file of its weights is named, and FFPROCAMS_PERCEPTUAL names no folder of them");
+            "LPIPS is not computed: no weights file given, and FFPROCAMS_PERCEPTUAL does not name a folder");
         return true;
     }
     shared->lpips = ffp_perceptual_read(path, err);
@@ -334,8 +334,8 @@ static bool check_options(const FfpEvaluation *options, FfpError *err) {
         ffp_note("this predictor sees only the input poses: novel_pose is left out");
     if (options->json && options->model_name && !ffp_is_utf8(options->model_name))
         return ffp_fail(err, FFP_ERROR_ARGUMENT, "model_name",
-                        "'%.200s' is not UTF-8, which %s is written in: another name for it is needed",
-                        options->model_name, options->json);
+                        "'%.200s' is not UTF-8, the encoding of %s: choose another name", options->model_name,
+                        options->json);
     return ffp_output_probe(options->json, err) && ffp_output_probe(options->report, err) &&
            check_shown_pattern(options->show_pattern, err);
 }
@@ -432,7 +432,7 @@ static bool merge(FfpEvaluating *shared, char **name, FfpError *err) {
         const bool same = !i || strcmp(*name, other) == 0;
         if (!same)
             ffp_fail(err, FFP_ERROR_FILE, ffp_place(options->merged[i], "predictor").text,
-                     "is %s, that of the files before it %s", other, *name);
+                     "is %s, but that of the files before it is %s", other, *name);
         ffp_free(other);
         if (!same) return false;
     }
@@ -444,7 +444,7 @@ static bool merge(FfpEvaluating *shared, char **name, FfpError *err) {
 static bool check_merging(const FfpEvaluation *options, FfpError *err) {
     if (options->n_captures > 0 || options->report || options->save)
         return ffp_fail(err, FFP_ERROR_ARGUMENT, NULL,
-                        "rows that are merged come without captures: no capture, report or saved pictures");
+                        "merging rows cannot be combined with captures, a report or saved pictures");
     return ffp_output_probe(options->json, err);
 }
 
@@ -463,7 +463,7 @@ static bool evaluate_and_write(FfpEvaluating *shared, FfpError *err) {
     const FfpRanks *ranks = ranks_at_work();
     if (!check_options(options, err)) return false;
     if (ranks && options->report)
-        return ffp_fail(err, FFP_ERROR_ARGUMENT, "report", "is made by one process: here are %d",
+        return ffp_fail(err, FFP_ERROR_ARGUMENT, "report", "requires a single process, but there are %d",
                         ranks->count);
     if (options->report) shared->report = ffp_report_new(options->model_name);
     bool ok = open_perceptual(shared, err) && check_captures(shared, err) && evaluate_all(shared, err);

@@ -109,13 +109,12 @@ void ffp_report_input(FfpReport *report, const FfpCapture *capture, const int *g
 }
 
 void ffp_report_stats(FfpReport *report, const FfpReconstructionStats *stats) {
-    fprintf(
-        report->body,
-        "<p>%lld Gaussians in %.2f s: noise of %.2f %% of white taken away %.2f s, projector matching and "
-        "the classical estimates %.2f s, network %.2f s, polish %.2f s.</p>\n",
-        (long long)stats->gaussians,
-        stats->denoise_s + stats->initialisation_s + stats->network_s + stats->polish_s, 100 * stats->noise,
-        stats->denoise_s, stats->initialisation_s, stats->network_s, stats->polish_s);
+    fprintf(report->body,
+            "<p>%lld Gaussians in %.2f s: filtering noise of %.2f %% of white %.2f s, projector matching and "
+            "the classical estimates %.2f s, network %.2f s, polish %.2f s.</p>\n",
+            (long long)stats->gaussians,
+            stats->denoise_s + stats->initialisation_s + stats->network_s + stats->polish_s,
+            100 * stats->noise, stats->denoise_s, stats->initialisation_s, stats->network_s, stats->polish_s);
 }
 
 void ffp_report_maps(FfpReport *report, const char *view, const FfpGbuffer *gbuffer) {
@@ -178,13 +177,13 @@ static void put_scores(FILE *out, const FfpScore *scores, int n_scores) {
         fputs("</tr>\n", out);
     }
     fputs(
-        "</table></div>\n<p>PSNR over all pixels and channels of sRGB-encoded pictures over black, mean over "
-        "pictures; foreground: "
+        "</table></div>\n<p>PSNR over all pixels and channels of sRGB-encoded pictures over black, averaged "
+        "over pictures; foreground: "
         "only the pixels that the object covers; highlights: under white, only those whose true specular "
         "part is above 0.05. rendering: black, white and lollipops at the input poses; "
         "unseen "
         "lollipops: those of them that the predictor was not given; novel_pattern: every other pattern "
-        "there; novel_pose: "
+        "at these poses; novel_pose: "
         "new camera and projector poses.</p>\n",
         out);
 }

@@ -1,4 +1,4 @@
-// One self-contained HTML page: what went in, what was built, predictions beside truth, figures and times.
+// One self-contained HTML page: input, G-buffers, predictions beside the truth, figures and times.
 #ifndef FFP_EVAL_REPORT_H
 #define FFP_EVAL_REPORT_H
 
@@ -8,13 +8,13 @@
 
 typedef struct FfpReport FfpReport;
 
-// `predictor`: what made the predictions, for the heading.
+// `predictor`: the name of the predictor, for the heading.
 FfpReport *ffp_report_new(const char *predictor);
 void ffp_report_free(FfpReport *report);
 
-// Sections follow each other in the order of the calls. Pictures are made small enough for a page.
+// Sections appear in the order of the calls. Pictures are reduced to a size suitable for a page.
 void ffp_report_title(FfpReport *report, const char *title); // of a capture's sections
-// A picture as large as the page allows, several side by side where there is room.
+// A picture as large as the page allows; several are side by side if there is room.
 void ffp_report_large(FfpReport *report, const FfpImage *encoded, const char *caption);
 // The n photographs given (indices into the capture's patterns) of the first views.
 void ffp_report_input(FfpReport *report, const FfpCapture *capture, const int *given, int n);

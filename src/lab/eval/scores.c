@@ -155,7 +155,7 @@ static bool read_rows(FfpScore **scores, int *n_scores, const FfpNode *rows, Ffp
         FfpScore *score = *scores + *n_scores;
         if (!ffp_node_item(rows, i, &row, err) || !read_row(&row, score, err)) return false;
         if (is_known(*scores, *n_scores, score))
-            return ffp_node_fail(&row, err, "%s under %s was there already", score->capture, score->protocol);
+            return ffp_node_fail(&row, err, "duplicate row: %s under %s", score->capture, score->protocol);
         (*n_scores)++;
     }
     return true;

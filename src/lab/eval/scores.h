@@ -7,17 +7,17 @@
 #define FFP_PROTOCOLS 3
 extern const char *const ffp_protocols[FFP_PROTOCOLS]; // rendering, novel_pattern, novel_pose
 
-// The means over captures of a protocol's rows, figure by figure; returns how many rows there are. A figure
+// The means over captures of a protocol's rows, figure by figure; returns the number of rows. A figure
 // missing from one row is missing from the mean; only that of highlights is averaged over the rows that have
-// it. Images, and the seconds that all of them took, are added up.
+// it. Numbers of images, and the seconds for all of them, are added up.
 int ffp_scores_mean(FfpScore *mean, const FfpScore *scores, int n_scores, const char *protocol);
 
-// The rows of such a file behind the n_scores that exist; *predictor is the file's, whole, released with
-// ffp_free (NULL after an error). Errors name file and field: what is no such file, or a row that exists
-// already.
+// Appends the rows of such a file to the n_scores that exist; *predictor is the file's, not truncated,
+// released with ffp_free (NULL after an error). Errors name file and field: a file of another kind, or a row
+// that exists already.
 bool ffp_scores_read(FfpScore **scores, int *n_scores, char **predictor, const char *path, FfpError *err);
 
-// {"version", "predictor", "rows": [a row a capture and protocol], "means": [a row a protocol]} into
+// {"version", "predictor", "rows": [one per capture and protocol], "means": [one per protocol]} into
 // options->json. Figures that do not apply are null.
 bool ffp_scores_write(const FfpScore *scores, int n_scores, const FfpEvaluation *options, FfpError *err);
 

@@ -9,7 +9,7 @@
 #include "lab/baselines/field.h"
 #include "lab/eval/report.h"
 
-typedef struct FfpEvaluating { // what all captures share
+typedef struct FfpEvaluating { // the data shared by all captures
     const FfpEvaluation *options;
     FfpPerceptual *lpips;
     FfpReport *report;
@@ -40,8 +40,8 @@ typedef struct FfpSubject { // one capture under evaluation
 // Whether the predictor was given the photographs under a pattern.
 bool ffp_subject_given(const FfpSubject *subject, int pattern);
 
-// Whether there is something to be drawn: then ffp_subject_draw draws a view of it, which is shown under a
-// pattern, rounded to 8 bits, or as a G-buffer, valid until the next.
+// Whether there are Gaussians or a field to draw: ffp_subject_draw then draws a view, which can be shaded
+// under a pattern, rounded to 8 bits, or returned as a G-buffer, valid until the next.
 bool ffp_subject_draws(const FfpSubject *subject);
 void ffp_subject_draw(FfpSubject *subject, const FfpCamera *camera, const FfpCamera *projector);
 FfpImage ffp_subject_relight(FfpSubject *subject, const FfpSummed *pattern);
@@ -49,7 +49,7 @@ const FfpGbuffer *ffp_subject_gbuffer(const FfpSubject *subject);
 void ffp_subject_free_drawing(FfpSubject *subject);
 
 // Predicts, measures, reports and saves the pictures of "rendering", "novel_pattern" or "novel_pose"
-// (ffprocams.h), and adds a row to the scores when there are any. The explanation is for the report.
+// (ffprocams.h), and adds a row to the scores if there are any. The explanation is for the report.
 bool ffp_run_protocol(FfpSubject *subject, const char *name, const char *explanation, FfpError *err);
 
 // One channel, 1 where the specular part of a view's light under white is above 0.05 (linear radiance, mean
@@ -57,8 +57,8 @@ bool ffp_run_protocol(FfpSubject *subject, const char *name, const char *explana
 // `intensity`: [3], the projector's (FfpCapture).
 FfpImage ffp_gloss_mask(const FfpView *view, const real intensity[3]);
 
-// Depth and albedo of the subject's Gaussians against the capture's truth, into the score: NAN where it has
-// none.
+// Compares depth and albedo of the subject's Gaussians with the capture's ground truth, and sets the score's
+// figures: NAN without ground truth.
 void ffp_measure_truth(FfpSubject *subject, FfpScore *score);
 
 #endif

@@ -118,8 +118,7 @@ static bool read_photographs(Member *member, const FfpTrainConfig *config, const
     if (!ffp_capture_read(capture, path, err)) return false;
     if (!keep_useful_patterns(capture, config->lollipops, err)) return false;
     if (capture->n_views == 1 && capture->n_patterns == 3)
-        return ffp_fail(err, FFP_ERROR_FILE, path,
-                        "one view under one pattern: nothing is left that could be predicted");
+        return ffp_fail(err, FFP_ERROR_FILE, path, "one view under one pattern leaves nothing to predict");
     reduce_views(capture, config->resolution);
     const real centre[3] = {capture->centre[0], capture->centre[1], capture->centre[2]};
     ffp_capture_normalise(capture, centre, capture->radius);
@@ -175,7 +174,7 @@ static bool check_room(const FfpCaptureSet *set, int read, const char *folder, F
     const double needed = bytes / read * (set->count - read), left = ffp_memory_available();
     return left < 0 || needed <= left ||
            ffp_fail(err, FFP_ERROR_MEMORY, folder,
-                    "its %d captures take about %.1f GB: fewer of them, or a smaller resolution", set->count,
+                    "its %d captures take about %.1f GB: use fewer, or a smaller resolution", set->count,
                     (bytes + needed) / 1e9);
 }
 

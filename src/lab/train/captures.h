@@ -1,4 +1,4 @@
-// One's own captures to learn from: photographs and calibrations, and nothing else that is true of them.
+// The user's own captures to learn from: photographs and calibrations, without ground truth.
 #ifndef FFP_TRAIN_CAPTURES_H
 #define FFP_TRAIN_CAPTURES_H
 
@@ -7,12 +7,12 @@
 typedef struct FfpCaptureSet FfpCaptureSet;
 
 // All captures in the folder at config->captures (each a folder with scene.json or render_poses.json), sorted
-// by name and kept in memory: as they are reconstructed, in their bounding spheres, pictures without noise,
-// no side longer than config->resolution. Every fourth is held out, and the last where there are fewer than
-// four. Of the patterns that every view has, black, white and up to config->lollipops others are kept, the
-// one to reconstruct from first. Maps of depth and material that a capture may have are not looked at. Errors
-// name the capture: fewer than two of them, one view and one pattern alone, which leave nothing to predict,
-// no room in memory.
+// by name and kept in memory: as for a reconstruction, in their bounding spheres, with noise filtered from
+// the pictures, and with no side longer than config->resolution. Every fourth is held out, or the last if
+// there are fewer than four. Of the patterns that every view has, black, white and up to config->lollipops
+// others are kept, the one to reconstruct from first. Maps of depth and material that a capture may have are
+// ignored. Errors name the capture: fewer than two of them; only one view and one pattern, which leave
+// nothing to predict; not enough memory.
 FfpCaptureSet *ffp_captures_open(const FfpTrainConfig *config, FfpError *err);
 void ffp_captures_close(FfpCaptureSet *set); // NULL is allowed
 int ffp_captures_count(const FfpCaptureSet *set, bool held_out);

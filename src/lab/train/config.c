@@ -273,15 +273,15 @@ static bool check_mixture(const FfpTrainConfig *c, const char *where, FfpError *
     if (mixed && (c->scenes[0] || c->captures[0]))
         return ffp_fail(
             err, FFP_ERROR_FILE, ffp_place(where, mixed).text,
-            "is for scenes made in training: those of a folder (scenes, captures) are as they are");
+            "applies to scenes generated in training, not to those of a folder (scenes, captures)");
     return true;
 }
 
-// What learning from captures asks for.
+// What learning from captures requires.
 static bool check_with_captures(const FfpTrainConfig *c, const char *where, FfpError *err) {
     if (c->validate_every == 0)
         return ffp_fail(err, FFP_ERROR_FILE, ffp_place(where, "validate_every").text,
-                        "is 0: with captures, weights are kept where they have a score");
+                        "is 0, but with captures weights are kept only when they are scored");
     if (c->patience > 0 && c->patience < c->validate_every)
         return ffp_fail(err, FFP_ERROR_FILE, ffp_place(where, "patience").text,
                         "is below validate_every, %d: no gain can be seen in so few steps",
@@ -289,7 +289,7 @@ static bool check_with_captures(const FfpTrainConfig *c, const char *where, FfpE
     return true;
 }
 
-// What no single range can say.
+// Conditions on several fields together.
 static bool check_together(const FfpTrainConfig *c, const char *where, FfpError *err) {
     if (c->supervised_inputs + c->supervised_targets < 1)
         return ffp_fail(err, FFP_ERROR_FILE, ffp_place(where, "supervised_inputs").text,
@@ -303,7 +303,7 @@ static bool check_together(const FfpTrainConfig *c, const char *where, FfpError 
                         "must be a multiple of the patch, %d", c->model.patch);
     if (c->captures[0] && c->scenes[0])
         return ffp_fail(err, FFP_ERROR_FILE, ffp_place(where, "captures").text,
-                        "captures and scenes: only one of them can be learnt from");
+                        "captures and scenes cannot be combined");
     return (!c->captures[0] || check_with_captures(c, where, err)) && check_mixture(c, where, err);
 }
 
@@ -358,7 +358,7 @@ static bool print_fields(json_t *object, const void *base, const Field *fields, 
     for (int i = 0; i < count; i++)
         if (json_object_set_new(object, fields[i].name, value_of(base, &fields[i])) != 0)
             return ffp_fail(err, FFP_ERROR_ARGUMENT, fields[i].name,
-                            fields[i].kind == TEXT ? "is not UTF-8, which the configuration is written in"
+                            fields[i].kind == TEXT ? "is not UTF-8, the encoding of the configuration"
                                                    : "cannot be written as a JSON number");
     return true;
 }

@@ -7,7 +7,7 @@
 
 bool ffp_held_out_open(Trainer *trainer, FfpError *err) {
     if (trainer->share.turn.count > 1)
-        return ffp_fail(err, FFP_ERROR_UNSUPPORTED, NULL, "learning from captures is one rank's work");
+        return ffp_fail(err, FFP_ERROR_UNSUPPORTED, NULL, "learning from captures requires a single process");
     trainer->captures = ffp_captures_open(&trainer->config, err);
     if (!trainer->captures) return false;
     ffp_note("%d captures to learn from, %d held out", ffp_captures_count(trainer->captures, false),

@@ -4,22 +4,22 @@
 
 #include "lab/train/train.h"
 
-// What a step needs of a scene that was made while the device was offered, on the device in use.
+// The data that a step needs from a scene made while the device was offered, on the device in use.
 void ffp_scene_upload(FfpScene *there, const FfpScene *scene);
 void ffp_scene_upload_free(FfpScene *there); // safe on {0}
 
 typedef struct FfpMirror {
     FfpModel model; // values on the device, all else the original's
     FfpAdam adam;
-    FfpScene *scenes; // [pool] {0}: not yet there
+    FfpScene *scenes; // [pool] {0}: not uploaded yet
 } FfpMirror;
 
 // All of these by a thread that works on the device.
 FfpMirror *ffp_mirror_new(const FfpModel *model, const FfpAdam *adam, const FfpTrainConfig *config);
 void ffp_mirror_free(FfpMirror *mirror, const FfpTrainConfig *config); // NULL is allowed
-// The scene of slot `slot` on the device, brought there when it is `fresh`.
+// The scene of slot `slot` on the device, uploaded if it is `fresh`.
 const FfpScene *ffp_mirror_scene(FfpMirror *mirror, int slot, bool fresh, const FfpScene *scene);
-// Weights, moments, averages and the step back to the host's.
+// Copies weights, moments, averages and the step back to the host.
 void ffp_mirror_download(const FfpMirror *mirror, FfpModel *model, FfpAdam *adam);
 
 #endif

@@ -1,4 +1,4 @@
-// What makers of scenes share.
+// Code shared by all sources of scenes.
 #ifndef FFP_TRAIN_PREPARE_H
 #define FFP_TRAIN_PREPARE_H
 
@@ -6,7 +6,7 @@
 
 // Completes a scene whose normalised captures exist: matches the input views. Closes it on failure.
 bool ffp_scene_match(FfpScene *scene, const FfpTrainConfig *config, FfpError *err);
-// Only the chosen patterns remain, in that order; black is the first, white the second.
+// Keeps only the chosen patterns, in that order; black is the first, white the second.
 void ffp_scene_keep_patterns(FfpCapture *capture, const int *chosen, int count);
 
 #endif

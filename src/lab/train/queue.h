@@ -1,5 +1,5 @@
-// A bounded queue of scenes, filled ahead of need by threads of its own and emptied in the order in which
-// they are needed. Who makes a scene, and when, leaves no trace in it.
+// A bounded queue of scenes, filled in advance by threads of its own and emptied in the order in which scenes
+// are needed. A scene does not depend on which thread makes it, or when.
 #ifndef FFP_TRAIN_QUEUE_H
 #define FFP_TRAIN_QUEUE_H
 
@@ -12,7 +12,7 @@ typedef struct FfpSceneSource {
     const void *context;
     // The first step from `from` on that needs a scene of its own; -1: there is none.
     int64_t (*next)(const void *context, int64_t from);
-    // The scene of such a step; nothing is left of it after a failure.
+    // The scene of such a step; on failure, everything is released.
     bool (*make)(const void *context, int64_t step, FfpScene *scene, FfpError *err);
 } FfpSceneSource;
 

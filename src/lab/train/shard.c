@@ -48,11 +48,11 @@ static bool check_same(const FfpShard *share, const FfpTrainConfig *config, int6
     if (differ == 0) return true;
     if (mine)
         return ffp_fail(err, FFP_ERROR_ARGUMENT, NULL,
-                        "rank %d has another configuration or checkpoint before it than rank 0: all need the "
-                        "same folder",
+                        "rank %d sees a different configuration or checkpoint from rank 0: all ranks need "
+                        "the same folder",
                         share->turn.rank);
     return ffp_fail(err, FFP_ERROR_ARGUMENT, NULL,
-                    "other ranks have another configuration or checkpoint before them: all need the same "
+                    "other ranks see a different configuration or checkpoint: all ranks need the same "
                     "folder");
 }
 
@@ -61,11 +61,11 @@ bool ffp_shard_check(const FfpShard *share, const FfpTrainConfig *config, int64_
     if (!share->ranks) return true;
     if (config->batch % count)
         return ffp_fail(err, FFP_ERROR_ARGUMENT, "batch",
-                        "%d scenes a step cannot be shared by %d ranks: a multiple of their number is needed",
+                        "%d scenes per step cannot be divided among %d ranks: use a multiple of their number",
                         config->batch, count);
     if (config->pool % count)
         return ffp_fail(err, FFP_ERROR_ARGUMENT, "pool",
-                        "%d scenes alive cannot be shared by %d ranks: a multiple of their number is needed",
+                        "%d scenes cannot be divided among %d ranks: use a multiple of their number",
                         config->pool, count);
     return check_same(share, config, step, err);
 }

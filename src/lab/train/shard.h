@@ -1,8 +1,8 @@
 // A run's share of the work among ranks (FfpRanks of ffprocams/context.h): data parallelism with a sharded
 // optimiser (stage 1 of ZeRO, Rajbhandari et al. 2020). Every rank has all weights and makes gradients of its
 // own scenes; gradients are added up while the backward pass goes on (Li et al. 2020, PyTorch's DDP); then
-// each rank updates the weights whose moments and averages it keeps, and all gather the weights. Alone,
-// everything here costs nothing.
+// each rank updates the weights whose moments and averages it keeps, and all gather the weights. For a
+// single process everything here costs nothing.
 #ifndef FFP_TRAIN_SHARD_H
 #define FFP_TRAIN_SHARD_H
 
@@ -14,16 +14,16 @@ typedef struct FfpShard {
     FfpRank turn;
     int64_t weights;
     int64_t *first; // [count + 1] the first weight of each rank's state
-    // Of the step at work:
+    // Of the current step:
     real *grad;    // [weights] the sum is taken here; on a device a copy of its gradient, on the host
     real *there;   // the device's; NULL on the CPU
     int64_t begun; // sums of all from here on have been begun
 } FfpShard;
 
-// Of the ranks of the call at work, for a model of so many weights.
+// For the ranks of the current call, and a model with this number of weights.
 void ffp_shard_open(FfpShard *share, int64_t weights);
 void ffp_shard_close(FfpShard *share); // safe on {0}
-// What can be shared: error where the ranks cannot draw disjoint scenes, or have different runs before them.
+// Checks that the run can be shared: fails if the ranks cannot draw disjoint scenes, or see different runs.
 bool ffp_shard_check(const FfpShard *share, const FfpTrainConfig *config, int64_t step, FfpError *err);
 
 int64_t ffp_shard_first(const FfpShard *share); // this rank's part of the weights

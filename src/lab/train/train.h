@@ -1,4 +1,4 @@
-// Training: scenes made as it goes, one step, the optimiser,
+// Training: scenes generated on the fly, one step, the optimiser,
 // checkpoints, validation. Everything random in a step is a pure function of (seed, draw), so a resumed run
 // repeats the bits of one that was never stopped.
 #ifndef FFP_TRAIN_TRAIN_H
@@ -36,15 +36,16 @@ typedef struct FfpTrainConfig {
     int large_resolution;
     char captures[FFP_PATH_MAX]; // folder of your own captures to learn from instead (captures.h); empty:
                                  // none
-    int patience;                // with captures: steps without a gain on those held out, after which to stop
+    int patience;                // with captures: steps without improvement on those held out before stopping
     char scenes[FFP_PATH_MAX];   // folder made by `ffprocams generate` to take scenes from; empty: made here
-    int generators; // threads that make scenes ahead; 0: the training thread makes each when it is needed
-    int queue;      // how many scenes ahead
+    int generators; // threads that make scenes in advance; 0: the training thread makes each when it is
+                    // needed
+    int queue;      // number of scenes made in advance
 
     // Supervision of a step: views drawn from the input views (all of a scene that has fewer) and from the
     // new-pose views.
     int supervised_inputs, supervised_targets;
-    double polish_share; // of the steps draw what a fit of polish_steps makes of the prediction
+    double polish_share; // of the steps supervise the prediction after a fit of polish_steps
     int polish_steps;
 
     // Weights of the terms (0 = off).
@@ -59,13 +60,14 @@ typedef struct FfpTrainConfig {
 
     // Reports.
     int validate_every, validation_scenes, log_every;
-    int checkpoint_minutes, checkpoint_steps; // both hold; checkpoint_steps 0: minutes alone
+    int checkpoint_minutes, checkpoint_steps; // both apply; checkpoint_steps 0: minutes only
 } FfpTrainConfig;
 
 FfpTrainConfig ffp_train_defaults(void);
-// Those for learning from your own captures: short, at a low rate, no terms that need a truth.
+// The defaults for learning from your own captures: short, at a low rate, without terms that need ground
+// truth.
 FfpTrainConfig ffp_fine_tuning_defaults(void);
-// What is in it overlaid with a JSON file. Unknown fields, wrong types and values out of range are errors
+// Overlays the configuration with a JSON file. Unknown fields, wrong types and values out of range are errors
 // "(FILE: FIELD)".
 bool ffp_train_config_overlay(FfpTrainConfig *config, const char *path, FfpError *err);
 // The same from text over the defaults; `where` names it in errors.
@@ -89,7 +91,7 @@ typedef struct FfpScene {
     int active;              // input pattern
     // Where a device is offered (core/base/device.h), else NULL. A scene on the device (mirror.h) lacks
     // `start` and `context`:
-    FfpPrepared *prepared; // what the network takes from the scene
+    FfpPrepared *prepared; // the network's inputs from the scene
     real *true_t;          // [its Gaussians] true distances (ffp_scene_distances)
 } FfpScene;
 // The scene of a number: mesh, material and jitter follow from (config->seed, split, number), and with them
@@ -190,8 +192,9 @@ typedef struct FfpLosses {
     double seconds[FFP_PHASES];  // of the step
     FfpProfile network;          // parts of FFP_PHASE_FORWARD and _BACKWARD
 } FfpLosses;
-// What a step needs besides the model; reused from step to step. Made, used and freed on a device
-// (core/base/device.h) it works there: model, scene (ffp_scene_upload) and gradient are the device's then.
+// The state of a step besides the model, reused from step to step. Created, used and freed on a device
+// (core/base/device.h), it works there: model, scene (ffp_scene_upload) and gradient are then in the device's
+// memory.
 typedef struct FfpTrainStep FfpTrainStep;
 FfpTrainStep *ffp_train_step_new(const FfpTrainConfig *config, const FfpPerceptual *perceptual);
 void ffp_train_step_free(FfpTrainStep *stepper);
@@ -211,8 +214,9 @@ void ffp_adam_free(FfpAdam *adam);
 void ffp_adam_keep(FfpAdam *adam, int64_t first, int64_t count); // of what it has, that alone
 double ffp_learning_rate(const FfpTrainConfig *config,
                          int64_t step); // linear warm-up, then cosine to the final rate
-// Clips, updates values and EMA; returns the raw gradient norm. A norm that is not finite or above skip_above
-// * clip leaves everything but the step count as it was (*skipped).
+// Clips, updates values and EMA; returns the raw gradient norm. If the norm is not finite or is above
+// skip_above
+// * clip, only the step count changes (*skipped).
 double ffp_adam_update(FfpAdam *adam, FfpModel *model, const real *grad, const FfpTrainConfig *config,
                        bool *skipped);
 // Its two halves: the sum of squares of its weights' gradients; and the update, given the norm of all. `grad`
@@ -247,15 +251,15 @@ bool ffp_checkpoint_write(const char *path, const FfpModel *model, const FfpAdam
 FfpModel *ffp_checkpoint_read(const char *path, FfpAdam *adam, FfpTrainConfig *config,
                               char origin[FFP_ORIGIN_MAX], FfpError *err);
 
-// A training run (FfpTraining of the public header says what the fields are).
+// A training run (the public header describes the fields, in FfpTraining).
 typedef struct FfpTrainRun {
     const char *out, *config, *initial, *perceptual; // only `out` is needed
     const char *captures;                            // NULL: none
     int64_t steps, stop_at;                          // -1 and 0: as the configuration says, to the end
     bool resume;
 } FfpTrainRun;
-// Runs to the end, or until the call is cancelled: then it writes a checkpoint first, and has succeeded. With
-// ranks (the context's) each makes its share of every step's scenes; rank 0 writes.
+// Runs to the end, or until the call is cancelled, in which case it writes a checkpoint first and succeeds.
+// With ranks (the context's) each processes its share of every step's scenes; rank 0 writes.
 bool ffp_train_run(const FfpTrainRun *options, FfpError *err);
 
 #endif

@@ -75,7 +75,7 @@ static bool run(Trainer *trainer, int64_t stop_at, FfpError *err) {
         if (outcome == FFP_STEP_LEARNT && !report(trainer, trainer->adam.step, save_due, err)) return false;
         stopped = trainer->stop || trainer->adam.step == stop_at;
         if (trainer->adam.step < config->steps && ffp_held_out_is_over(trainer)) {
-            ffp_note("no gain for %d steps: done", config->patience);
+            ffp_note("no improvement for %d steps: done", config->patience);
             return ffp_trainer_save(trainer, err) && end_held_out(trainer, err);
         }
     }
@@ -110,7 +110,7 @@ static bool settle_initial(FfpTrainRun *options, char shipped[FFP_PATH_MAX], Ffp
     if (!options->captures) return true;
     if (options->resume)
         return ffp_fail(err, FFP_ERROR_ARGUMENT, "captures",
-                        "a resumed run has those of its checkpoint: it takes no others");
+                        "a resumed run uses those of its checkpoint and accepts no others");
     if (options->initial) return true;
     options->initial = shipped;
     return ffp_find_weights(shipped, err);

@@ -1,5 +1,5 @@
-// A training run at work, as the files that make it share it: trainer.c has the run from beginning to end,
-// the others what it consists of.
+// The state of a training run, shared by the files that implement it: trainer.c has the run from beginning to
+// end, the others its parts.
 #ifndef FFP_TRAIN_TRAINER_H
 #define FFP_TRAIN_TRAINER_H
 
@@ -12,7 +12,7 @@
 typedef struct Trainer {
     FfpTrainConfig config;
     const char *out;
-    char origin[FFP_ORIGIN_MAX]; // what the run began with
+    char origin[FFP_ORIGIN_MAX]; // the weights that the run began with, in words
     FfpModel *model;
     FfpAdam adam;
     FfpPerceptual *perceptual;
@@ -50,7 +50,7 @@ typedef enum FfpStepOutcome {
     FFP_STEP_LEARNT,
     FFP_STEP_STOPPED, // nothing has changed
     FFP_STEP_FAILED,  // nothing has changed
-    FFP_STEP_BROKEN   // the ranks are out of touch, or cannot tell of it
+    FFP_STEP_BROKEN   // the ranks have lost contact, or cannot agree on the outcome
 } FfpStepOutcome;
 // *save_due: a checkpoint is.
 FfpStepOutcome ffp_trainer_step(Trainer *trainer, int64_t step, bool *save_due, FfpError *err);
@@ -82,9 +82,9 @@ bool ffp_metrics_held_out(const Trainer *trainer, int64_t step, const FfpHeldOut
 bool ffp_held_out_open(Trainer *trainer, FfpError *err); // reads the captures
 // Scores the averaged weights, and writes them where they are the best: those at the start are the first.
 bool ffp_held_out_score(Trainer *trainer, FfpAdam *whole, int64_t step, FfpError *err);
-// A resumed run has the weights of its best step so far, which are scored anew.
+// A resumed run has the weights of its best step so far, which are scored again.
 bool ffp_held_out_resume(Trainer *trainer, FfpError *err);
-// Whether the last score was one too many without a gain (config.patience).
+// Whether scores have not improved for too long (config.patience).
 bool ffp_held_out_is_over(const Trainer *trainer);
 void ffp_held_out_tell(const Trainer *trainer); // of the first weights and the best ones
 

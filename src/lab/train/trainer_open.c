@@ -35,8 +35,8 @@ static void log_origin(Trainer *trainer, const char *path) {
         snprintf(trainer->origin, sizeof trainer->origin, "random, from the seed");
 }
 
-// The weights to start from, of their own configuration but for what is no matter of weights, and for
-// context_inputs, which begin at zero where the file has none.
+// The weights to start from, in their own configuration except for fields that do not concern weights, and
+// for context_inputs, whose weights begin at zero if the file has none.
 static FfpModel *read_initial(const char *path, const FfpTrainConfig *config, FfpError *err) {
     FfpModel *model = ffp_model_read(path, err);
     if (!model) return NULL;
@@ -74,7 +74,7 @@ static bool open_model(Trainer *trainer, const FfpTrainRun *options, FfpError *e
     if (options->resume) {
         if (options->config || options->initial) {
             ffp_fail(err, FFP_ERROR_ARGUMENT, NULL,
-                     "a resumed run takes its configuration and weights from the checkpoint alone");
+                     "a resumed run takes its configuration and weights only from the checkpoint");
             return false;
         }
         if (!ffp_trainer_path(path, trainer, "checkpoint.safetensors", err)) return false;
@@ -101,7 +101,7 @@ static bool open_metrics(Trainer *trainer, bool resume, FfpError *err) {
         return false;
     if (!resume && ffp_is_file(path))
         return ffp_fail(err, FFP_ERROR_ARGUMENT, path,
-                        "a run is here already: resume it, or choose another folder to start afresh");
+                        "the folder already holds a run: resume it, or choose another folder");
     trainer->metrics = ffp_open_to_grow(path, true, err);
     if (trainer->metrics) ffp_own_file(trainer->metrics);
     return trainer->metrics != NULL;

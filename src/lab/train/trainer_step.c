@@ -57,7 +57,7 @@ static bool add_draw(Trainer *trainer, const FfpScene *scene, bool fresh, int64_
     return true;
 }
 
-// This rank's draws of a step. *missing: it was to stop, and not all are there.
+// This rank's draws of a step. *missing: it was told to stop before all of them were ready.
 static bool add_draws(Trainer *trainer, int64_t step, FfpLosses *sum, double *scene_s, bool *missing,
                       FfpError *err) {
     const FfpRank turn = trainer->share.turn;

@@ -4,7 +4,7 @@
 #include "engine/render/render.h"
 
 bool ffp_need(const void *thing, const char *name, FfpError *err) {
-    return thing || ffp_fail(err, FFP_ERROR_ARGUMENT, name, "is needed, and is missing");
+    return thing || ffp_fail(err, FFP_ERROR_ARGUMENT, name, "is required, but is NULL");
 }
 
 bool ffp_need_texts(const char *const *texts, int n, const char *name, FfpError *err) {
@@ -20,9 +20,9 @@ bool ffp_need_texts(const char *const *texts, int n, const char *name, FfpError 
 
 bool ffp_check_drawing(FfpDrawing drawing, FfpError *err) {
     if ((unsigned)drawing.form > FFP_FORM_GS_PROCAMS)
-        return ffp_fail(err, FFP_ERROR_ARGUMENT, "drawing.form", "%d is none", (int)drawing.form);
+        return ffp_fail(err, FFP_ERROR_ARGUMENT, "drawing.form", "invalid value %d", (int)drawing.form);
     return (drawing.samples >= 0 && drawing.samples <= FFP_SAMPLES_MAX) ||
            ffp_fail(err, FFP_ERROR_ARGUMENT, "drawing.samples",
-                    "%d samples a side of a pixel: 1 to %d are possible, or 0 for those of the form",
-                    drawing.samples, FFP_SAMPLES_MAX);
+                    "%d samples per side of a pixel: expected 1 to %d, or 0 for the default", drawing.samples,
+                    FFP_SAMPLES_MAX);
 }

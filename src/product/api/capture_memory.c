@@ -44,15 +44,15 @@ static bool take_patterns(Sources *s, const FfpCaptureData *data, FfpError *err)
     if (data->black < 0 || data->white < 0 || data->black >= data->n_patterns ||
         data->white >= data->n_patterns || data->black == data->white)
         return ffp_fail(err, FFP_ERROR_ARGUMENT, "patterns",
-                        "black %d and white %d are not two of %d patterns", data->black, data->white,
-                        data->n_patterns);
+                        "black %d and white %d are not two different patterns of %d", data->black,
+                        data->white, data->n_patterns);
     capture->black = data->black;
     capture->white = data->white;
     for (int i = 0; i < data->n_patterns; i++) {
         FfpPattern *pattern = &capture->patterns[i];
         if (!take_name(pattern->name, data->patterns[i].name, "patterns", i, err)) return false;
         if (ffp_capture_find_pattern(capture, pattern->name) >= 0)
-            return ffp_fail(err, FFP_ERROR_ARGUMENT, "patterns", "pattern '%s' comes twice", pattern->name);
+            return ffp_fail(err, FFP_ERROR_ARGUMENT, "patterns", "duplicate pattern '%s'", pattern->name);
         capture->n_patterns++;
         const bool plain = i == data->black || i == data->white;
         pattern->novel = data->patterns[i].held_out && !plain;
@@ -74,14 +74,14 @@ static bool take_view(Sources *s, const FfpCaptureData *data, int index, FfpErro
     if (!ffp_need(from->photographs, where, err)) return false;
     for (int i = 0; i < index; i++)
         if (strcmp(capture->views[i].id, view->id) == 0)
-            return ffp_fail(err, FFP_ERROR_ARGUMENT, "views", "view '%s' comes twice", view->id);
+            return ffp_fail(err, FFP_ERROR_ARGUMENT, "views", "duplicate view '%s'", view->id);
     snprintf(where, sizeof where, "view %s: camera", view->id);
     if (!ffp_camera_of(&view->camera, &from->camera, FFP_CAMERA_SIDE_MIN, where, err)) return false;
     snprintf(where, sizeof where, "view %s: projector", view->id);
     if (!ffp_camera_of(&view->projector, &from->projector, FFP_PATTERN_SIDE_MIN, where, err)) return false;
     if (view->projector.width != capture->views[0].projector.width ||
         view->projector.height != capture->views[0].projector.height)
-        return ffp_fail(err, FFP_ERROR_ARGUMENT, where, "all projectors must have one size");
+        return ffp_fail(err, FFP_ERROR_ARGUMENT, where, "all projectors must have the same size");
     for (int i = 0; i < data->n_patterns; i++)
         files->images[i] = source_of(s, &from->photographs[i], "view %s: photograph under %s", view->id,
                                      capture->patterns[i].name);

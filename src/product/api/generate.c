@@ -25,11 +25,11 @@ static FfpSensor sensor_of(const FfpSensorFaults *faults) {
 // What a caller in C may pass though the type says otherwise.
 static bool check_choices(const FfpGeneration *options, FfpError *err) {
     if ((unsigned)options->split > FFP_SPLIT_TEST)
-        return ffp_fail(err, FFP_ERROR_ARGUMENT, "split", "%d is none", (int)options->split);
+        return ffp_fail(err, FFP_ERROR_ARGUMENT, "split", "invalid value %d", (int)options->split);
     if ((unsigned)options->preset > FFP_PRESET_TRAINING)
-        return ffp_fail(err, FFP_ERROR_ARGUMENT, "preset", "%d is none", (int)options->preset);
+        return ffp_fail(err, FFP_ERROR_ARGUMENT, "preset", "invalid value %d", (int)options->preset);
     return (unsigned)options->rig <= FFP_RIG_SPHERE ||
-           ffp_fail(err, FFP_ERROR_ARGUMENT, "rig", "%d is none", (int)options->rig);
+           ffp_fail(err, FFP_ERROR_ARGUMENT, "rig", "invalid value %d", (int)options->rig);
 }
 
 static bool generate(void *argument, FfpError *err) {

@@ -22,7 +22,7 @@ static FfpPictureSize picture_size(const FfpCalibratedAt *at) {
 // The numbers of a turntable; false when there are more angles than it holds.
 static bool take_turntable(const FfpImportTurntable *from, FfpTurntable *to, FfpError *err) {
     if (from->n_angles < 0 || from->n_angles > FFP_VIEWS_MAX)
-        return ffp_fail(err, FFP_ERROR_ARGUMENT, "turntable.angles", "%d angles: up to %d are possible",
+        return ffp_fail(err, FFP_ERROR_ARGUMENT, "turntable.angles", "%d angles: expected at most %d",
                         from->n_angles, FFP_VIEWS_MAX);
     memcpy(to->axis, from->axis, sizeof to->axis);
     memcpy(to->point, from->point, sizeof to->point);
@@ -58,11 +58,12 @@ static FfpShotFiles *take_images(const FfpImportImages *from, int n) {
 // What a caller in C may pass though the type says otherwise.
 static bool check_choices(const FfpImport *options, FfpError *err) {
     if ((unsigned)options->masks > FFP_MASKS_FROM_FILES)
-        return ffp_fail(err, FFP_ERROR_ARGUMENT, "masks", "%d is none", (int)options->masks);
+        return ffp_fail(err, FFP_ERROR_ARGUMENT, "masks", "invalid value %d", (int)options->masks);
     if ((unsigned)options->camera.fit > FFP_FIT_CROPPED)
-        return ffp_fail(err, FFP_ERROR_ARGUMENT, "camera.fit", "%d is none", (int)options->camera.fit);
+        return ffp_fail(err, FFP_ERROR_ARGUMENT, "camera.fit", "invalid value %d", (int)options->camera.fit);
     return (unsigned)options->projector.fit <= FFP_FIT_CROPPED ||
-           ffp_fail(err, FFP_ERROR_ARGUMENT, "projector.fit", "%d is none", (int)options->projector.fit);
+           ffp_fail(err, FFP_ERROR_ARGUMENT, "projector.fit", "invalid value %d",
+                    (int)options->projector.fit);
 }
 
 static bool check_texts(const FfpImport *options, FfpError *err) {

@@ -18,9 +18,8 @@ typedef struct Call {
 
 static bool check(const FfpPage *options, FfpError *err) {
     if (options->drawing.form == FFP_FORM_GS_PROCAMS)
-        return ffp_fail(
-            err, FFP_ERROR_UNSUPPORTED, "drawing",
-            "the page draws light with its cosine and falloff only, which GS-ProCams' form has not");
+        return ffp_fail(err, FFP_ERROR_UNSUPPORTED, "drawing",
+                        "the page always draws light with cosine and falloff, which GS-ProCams' form lacks");
     return (options->photographs >= 0 && options->photographs <= PHOTOGRAPHS_MAX) ||
            ffp_fail(err, FFP_ERROR_ARGUMENT, "photographs", "%d pixels are not in 0 to %d",
                     options->photographs, PHOTOGRAPHS_MAX);

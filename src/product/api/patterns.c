@@ -24,7 +24,7 @@ static bool check(const FfpPatterns *o, FfpError *err) {
         return ffp_fail(err, FFP_ERROR_ARGUMENT, "lollipops", "%d are not in 0 to %d", o->lollipops,
                         LOLLIPOPS_MAX);
     return o->focus || o->capture || o->gamma || o->gray_codes ||
-           ffp_fail(err, FFP_ERROR_ARGUMENT, "patterns", "none of them is wanted");
+           ffp_fail(err, FFP_ERROR_ARGUMENT, "patterns", "none requested");
 }
 
 typedef struct Call {

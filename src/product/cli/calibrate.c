@@ -61,7 +61,7 @@ static void print_rig(const FfpRigCalibration *rig, const FfpRigCalibrationStats
            "corners left "
            "out\n",
            rig->file, s->used, s->attitudes, s->both, s->camera, s->projector, s->left_out, s->corners);
-    if (rig->report) printf("%s: check this report before going on\n", rig->report);
+    if (rig->report) printf("%s: check this report before you go on\n", rig->report);
 }
 
 static void print_axis(const FfpRigCalibration *rig, const FfpRigCalibrationStats *s) {
@@ -69,7 +69,7 @@ static void print_axis(const FfpRigCalibration *rig, const FfpRigCalibrationStat
            s->stops_used, s->stops, s->stops_rms, s->tilt, s->shift);
     printf("import with -t %.6f,%.6f,%.6f,%.6g,%.6g,%.6g,ANGLES%s\n", s->axis[0], s->axis[1], s->axis[2],
            s->point[0], s->point[1], s->point[2],
-           s->reversed ? " (the table turned clockwise as seen from above: 8x45 is 8x-45 there)" : "");
+           s->reversed ? " (the table turned clockwise as seen from above: for 8x45 write 8x-45 there)" : "");
     if (rig->turntable_file) printf("%s: axis, and the angles of these photographs\n", rig->turntable_file);
 }
 
@@ -198,18 +198,21 @@ const FfpCommand ffp_cli_calibrate = {
     .name = "calibrate",
     .group = FFP_CLI_CAPTURE,
     .purpose = "calibrates a camera and a projector from photographs of a chessboard",
-    .prose = "Put a flat printed chessboard before the rig in five to fifteen attitudes, tilted by 20 to 40 "
-             "degrees, each "
-             "time another way. In each, photograph the patterns of `ffprocams patterns --only capture "
-             "--lollipops 0 "
-             "--only graycode`, in order, into a folder of its own. The corners are found in the camera's "
-             "pictures, and "
-             "carried to the projector's panel by homographies of the codes around each (Moreno and Taubin "
-             "2012); then "
-             "both devices are fitted, with lens distortion, and the motion between them. Corners and "
-             "attitudes out of "
-             "line are left out, and said. docs/guide/own-rig.md shows how.\n"
-             "With --turntable-board, a chessboard that lies or stands on the turntable tells its axis.",
+    .prose =
+        "Put a flat printed chessboard in front of the rig in five to fifteen attitudes, tilted by 20 to 40 "
+        "degrees, each "
+        "time in a different direction. In each, photograph the patterns of `ffprocams patterns --only "
+        "capture "
+        "--lollipops 0 "
+        "--only graycode`, in order, and put the pictures in a folder of their own. The corners are found in "
+        "the camera's "
+        "pictures and "
+        "carried to the projector's panel by homographies of the codes around each (Moreno and Taubin "
+        "2012); then "
+        "both devices are fitted, with lens distortion, and the motion between them. Corners and "
+        "attitudes that "
+        "do not fit are left out, and listed. docs/guide/own-rig.md shows how.\n"
+        "With --turntable-board, a chessboard that lies or stands on the turntable gives its axis.",
     .positional = {.name = "FOLDER",
                    .least = 0,
                    .most = INT_MAX,

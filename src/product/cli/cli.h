@@ -1,4 +1,4 @@
-// The command line: main.c picks a command, each of which has a file with its table and what it runs.
+// The command line: main.c selects a command; each has a file with its table and the function it runs.
 #ifndef FFP_CLI_CLI_H
 #define FFP_CLI_CLI_H
 
@@ -17,25 +17,25 @@ int ffp_cli_fail_patterns(const FfpError *err, const FfpList *patterns);
 // "ffprocams: error: WHAT" and where to read more; returns FFP_EXIT_USAGE
 int ffp_cli_usage(const char *command, const char *what_format, ...) __attribute__((format(printf, 2, 3)));
 
-// Where others use the processors too, begins the program once more with threads that sleep while they wait
-// (OMP_WAIT_POLICY=passive); not where the user has set that, or nothing is gained. Returns in all other
-// cases.
+// If other programs also use the processors, restarts this one with threads that sleep while they wait
+// (OMP_WAIT_POLICY=passive), unless the user has set that variable or nothing would be gained. Otherwise
+// returns.
 void ffp_cli_wait_passively(char **argv);
 
 // The program's one context, which writes to stderr and is cancelled by SIGINT and SIGTERM: they end a call
 // as soon as it can end cleanly; a second one ends the program at once. open: again, with another device.
 bool ffp_cli_open_context(FfpDeviceKind device, FfpError *err);
 FfpContext *ffp_cli_context(void);
-// A call has ended by a signal, and what comes next is to be done all the same.
+// Continues after a call that was ended by a signal.
 void ffp_cli_clear_interrupt(void);
 void ffp_cli_clear_progress(void); // takes the line of progress off the terminal
-// Releases it. Where a signal has ended a call for good, the program ends by it, as its parent expects.
+// Releases it. If a signal has ended a call, the program ends by that signal, as its parent expects.
 void ffp_cli_close_context(void);
-// Value of --device: all that follows runs there. NULL: where it does.
+// The value of --device: everything from here on runs there. NULL: no change.
 bool ffp_cli_use_device(const char *name, FfpError *err);
 
-// Processes of an MPI job share the command's work: its calls then have their ranks, and words of what all do
-// come from the first alone. Nothing happens in a process that was started alone.
+// Processes of an MPI job share the command's work: its calls then have their ranks, and only the first
+// prints common messages. Does nothing in a process that was started alone.
 bool ffp_cli_use_ranks(FfpError *err);
 // For that and the end of the program. join: finds the job; leave: all of it ends unless status is
 // FFP_EXIT_OK.
@@ -52,7 +52,7 @@ const char *ffp_cli_rank_name(void); // "rank 3: "; "" alone
 #define FFP_CLI_EVALUATE "evaluate"
 #define FFP_CLI_TRAIN "train"
 
-// What several commands take; `place` is where in their arguments it goes.
+// Options and arguments of several commands; `place` is the offset of their destination.
 extern const FfpWord ffp_cli_auto[], ffp_cli_layers[], ffp_cli_forms[], ffp_cli_page_forms[],
     ffp_cli_devices[], ffp_cli_none[];
 #define FFP_CLI_GAUSSIANS(place)                                                                             \
@@ -93,15 +93,16 @@ extern const FfpWord ffp_cli_auto[], ffp_cli_layers[], ffp_cli_forms[], ffp_cli_
     }
 #define FFP_CLI_FORM_HELP                                                                                    \
     "ours (default), or paper for Gaussians from a model in the paper's form, or gs-procams for those "      \
-    "fitted in it: paper, in light without cosine and falloff"
+    "fitted in it: the paper's form, in light without cosine and falloff"
 #define FFP_CLI_SAMPLES(place, text)                                                                         \
     {                                                                                                        \
         .name = "samples", .argument = "N", .type = FFP_OPTION_INT, .offset = (place), .low = 1, .high = 4,  \
         .help = (text)                                                                                       \
     }
 #define FFP_CLI_SAMPLES_HELP                                                                                 \
-    "draw with N x N samples a pixel, 1 to 4. More are smoother and slower. Default: as the model has it, "  \
-    "else 2 (1 in the paper's form)"
+    "draw with N x N samples per pixel, 1 to 4. More are smoother and slower. Default: the model's "         \
+    "setting, "                                                                                              \
+    "otherwise 2 (1 in the paper's form)"
 #define FFP_CLI_DEVICE(place, text)                                                                          \
     {                                                                                                        \
         .name = "device", .argument = "cpu|cuda", .type = FFP_OPTION_NAME, .offset = (place),                \

@@ -141,7 +141,7 @@ static const FfpOption options[] = {
      .type = FFP_OPTION_CHOICE,
      .offset = offsetof(Arguments, evaluation.predictor),
      .words = (const FfpWord[]){{"depth", FFP_PREDICT_DEPTH}, {"match", FFP_PREDICT_MATCH}, {0}},
-     .help = "predict without Gaussians: black + (white - black) * pattern, the pattern being looked up at "
+     .help = "predict without Gaussians: black + (white - black) * pattern, with the pattern looked up at "
              "the true depth (depth) or at the depth found by matching (match)"},
     {.name = "targets",
      .letter = 't',

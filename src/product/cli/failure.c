@@ -10,7 +10,7 @@ int ffp_cli_fail(const FfpError *err) {
     return FFP_EXIT_FAILURE;
 }
 
-// A comma may be part of a name, so it is no mistake by itself.
+// A comma may be part of a name, so it is not always a mistake.
 int ffp_cli_fail_patterns(const FfpError *err, const FfpList *patterns) {
     const int status = ffp_cli_fail(err);
     for (int i = 0; i < patterns->count; i++) {

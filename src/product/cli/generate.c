@@ -91,8 +91,8 @@ static const FfpOption options[] = {
          (const FfpWord[]){
              {"turntable", FFP_RIG_TURNTABLE}, {"free", FFP_RIG_FREE}, {"sphere", FFP_RIG_SPHERE}, {0}},
      .help = "turntable: the object turns before a fixed camera and projector (default); free: cameras all "
-             "around the object, with a projector placed anew beside each; sphere: the camera spirals around "
-             "a fixed object and projector"},
+             "around the object, each with a projector of its own beside it; sphere: the camera spirals "
+             "around a fixed object and projector"},
     {.name = "views",
      .argument = "N",
      .type = FFP_OPTION_INT,

@@ -1,4 +1,4 @@
-// What help and man pages share.
+// Code shared by help and man pages.
 #ifndef FFP_CLI_HELP_H
 #define FFP_CLI_HELP_H
 
@@ -6,7 +6,7 @@
 
 // "-c, --capture CAPTURE", or four spaces in place of the letter; returns the length.
 int ffp_cli_option_label(const FfpOption *option, char *text, size_t size);
-// The i-th word behind the command's name in its usage line; false after the last.
+// The i-th word after the command's name in its usage line; false after the last.
 bool ffp_cli_usage_word(const FfpCommand *command, int i, char *text, size_t size);
 
 // A line of prose.

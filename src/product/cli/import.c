@@ -146,7 +146,7 @@ static const FfpOption options[] = {
      .words = (const FfpWord[]){{"scaled", 0}, {"crop=", 0}, {0}},
      .group = CALIBRATION,
      .help = "how photographs of a different size relate to the calibrated picture: scaled, or crop=X,Y (cut "
-             "out, their first pixel being X,Y of the calibrated picture)"},
+             "out, where their first pixel is X,Y of the calibrated picture)"},
     {.name = "projector-fit",
      .argument = "FIT",
      .type = FFP_OPTION_PARSED,
@@ -228,7 +228,7 @@ static const FfpOption options[] = {
      .group = PHOTOGRAPHS,
      .help = "the object's silhouettes (white on black), FILES as above; otsu: computed from white minus "
              "black and, with four or more views, completed where the projector does not reach. Default: "
-             "alpha channels if present, else otsu"},
+             "alpha channels if present, otherwise otsu"},
     {.name = "linear",
      .argument = "WHAT",
      .type = FFP_OPTION_PARSED,

@@ -4,7 +4,7 @@
 
 #include "cli.h"
 
-// What the options that may come several times make, owned; the strings' parts too.
+// The values of the options that may be repeated, owned, including the parts of strings.
 typedef struct FfpImportLists {
     FfpImportImages *images;
     FfpImportPattern *patterns, *held_out;

@@ -1,5 +1,5 @@
-// One table a command: what it is called, what it does, its arguments and options. Parsing, --help, the man
-// page and the completion of bash are all made of it.
+// One table per command: its name, its purpose, its arguments and options. Parsing, --help, the man page and
+// bash completion are all derived from it.
 #ifndef FFP_CLI_OPTIONS_H
 #define FFP_CLI_OPTIONS_H
 
@@ -8,7 +8,7 @@
 #include <stdint.h>
 #include <stdio.h>
 
-// What an option writes at its destination in the command's arguments.
+// The type of the value that an option writes to its destination in the command's arguments.
 typedef enum FfpOptionType {
     FFP_OPTION_FLAG,   // bool: true; it takes no value
     FFP_OPTION_INT,    // int in low..high, or a word's value
@@ -17,9 +17,9 @@ typedef enum FfpOptionType {
     FFP_OPTION_CHOICE, // int or enum: the value of one of the words
     FFP_OPTION_NAME,   // const char *: one of the words
     FFP_OPTION_TEXT,   // const char *
-    FFP_OPTION_FILE,   // const char *, completed as a file; words may stand in its place
+    FFP_OPTION_FILE,   // const char *, completed as a file; one of the words may take its place
     FFP_OPTION_FOLDER, // const char *, completed as a folder
-    FFP_OPTION_PARSED, // what its function makes of the text
+    FFP_OPTION_PARSED, // the result of its function
 } FfpOptionType;
 
 typedef struct FfpWord {
@@ -27,7 +27,7 @@ typedef struct FfpWord {
     double value;
 } FfpWord;
 
-// Values of an option or argument that may be given again and again.
+// Values of an option or argument that may be repeated.
 typedef struct FfpList {
     const char **values; // owned; the strings are argv's
     int count;
@@ -35,31 +35,31 @@ typedef struct FfpList {
 
 typedef struct FfpOption {
     const char *name;     // long, without its dashes; NULL ends the table
-    const char *argument; // what help calls its value; NULL of a flag
+    const char *argument; // the name of its value in help; NULL for a flag
     FfpOptionType type;
     char letter;          // short, or 0
-    bool repeated;        // given again and again: an FfpList of texts, or its function called again
-    bool required;        // an error when it is missing
-    bool optional_value;  // of text: "" when it is given without =VALUE
-    const char *needs;    // the option without which it says nothing, or NULL
-    const char *excludes; // the option beside which it says nothing, or NULL
+    bool repeated;        // may be repeated: an FfpList of texts, or its function called again
+    bool required;        // an error if it is missing
+    bool optional_value;  // for text: "" if it is given without =VALUE
+    const char *needs;    // the option that it requires, or NULL
+    const char *excludes; // the option with which it cannot be combined, or NULL
     size_t offset;        // of the destination
     int64_t low, high;    // INT64_MAX: no end
     double least, most;   // INFINITY: no end
     const FfpWord *words; // the last has no name. Of files, texts and parsed values: for completion alone
     bool (*parse)(const char *text, void *destination);
-    const char *takes; // "WxH pixels": what an error says that it takes; NULL: range and words say it
+    const char *takes; // "WxH pixels": the expected value, for errors; NULL: derived from range and words
     const char *group; // heading in help; options of one group follow each other
     const char *help;  // one paragraph
 } FfpOption;
 
-// What stands on the command line without dashes.
+// The arguments on the command line without dashes.
 typedef struct FfpPositional {
     const char *name; // NULL: the command takes none
     int least, most;  // most is 1 (a const char *) or INT_MAX (an FfpList)
     size_t offset;
     const char *help;
-    const char *excess; // what one too many may have been meant as, or NULL
+    const char *excess; // the probable meaning of one too many, or NULL
 } FfpPositional;
 
 typedef struct FfpExample {
@@ -70,12 +70,12 @@ typedef struct FfpExample {
 typedef struct FfpCommand {
     const char *name;
     const char *group;   // heading in the program's help
-    const char *purpose; // what it does, one sentence without capital and full stop
+    const char *purpose; // one sentence, without capital and full stop
     // Lines, each a paragraph, an item ("- TEXT") or a definition ("TERM\tTEXT"); or NULL.
     const char *prose;
     FfpPositional positional;
     const FfpOption *options;
-    const char *epilogue; // as the prose, behind the options; or NULL
+    const char *epilogue; // like the prose, after the options; or NULL
     const FfpExample *examples;
     size_t size;                           // of its arguments
     void (*set_defaults)(void *arguments); // NULL: all zero

@@ -5,9 +5,9 @@
 
 #include "ffprocams/context.h"
 
-// Joins the job that this process was started in; once in a process. NULL with an error.
+// Joins the job in which this process was started; once per process. NULL with an error.
 const FfpRanks *ffp_cluster_join(FfpError *err);
-// Waits for the other ranks, and leaves it; all is well.
+// Waits for the other ranks and leaves the job, after success.
 void ffp_cluster_leave(void);
 // Ends the job: the other ranks are killed. Does not return.
 void ffp_cluster_abort(void);

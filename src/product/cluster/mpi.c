@@ -227,7 +227,8 @@ const FfpRanks *ffp_cluster_join(FfpError *err) {
     MPI_Comm_size(MPI_COMM_WORLD, &job.ranks.count);
     if (threads < MPI_THREAD_SERIALIZED) {
         err->code = FFP_ERROR_UNSUPPORTED;
-        snprintf(err->text, sizeof err->text, "this MPI library has no threads (MPI_THREAD_SERIALIZED)");
+        snprintf(err->text, sizeof err->text,
+                 "this MPI library does not support threads (MPI_THREAD_SERIALIZED)");
         return NULL;
     }
     return start_watcher(err) ? &job.ranks : NULL;
@@ -243,8 +244,7 @@ void ffp_cluster_leave(void) {
 }
 
 void ffp_cluster_abort(void) {
-    fprintf(stderr, "ffprocams: rank %d of %d has failed, and the job ends\n", job.ranks.rank,
-            job.ranks.count);
+    fprintf(stderr, "ffprocams: rank %d of %d has failed: the job ends\n", job.ranks.rank, job.ranks.count);
     MPI_Abort(MPI_COMM_WORLD, 1);
     abort();
 }

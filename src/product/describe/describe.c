@@ -20,7 +20,7 @@ static bool print_model(FILE *out, const char *path, FfpError *err) {
             config->modules, strlen(config->modules));
     fprintf(out, "width        %d, patch %d, state %d, chunk %d, up to %d tokens\n", config->dim,
             config->patch, config->state, config->chunk, config->tokens);
-    fprintf(out, "heads        %s%s%s%s, drawn as %s with %d x %d samples a pixel\n",
+    fprintf(out, "heads        %s%s%s%s, drawn as %s with %d x %d samples per pixel\n",
             config->residual ? "residuals around the classical initialisation" : "plain",
             config->match_input ? ", matched depth among the inputs" : "",
             config->pixel_skip ? config->context_inputs ? ", pixel skip with context" : ", pixel skip" : "",
@@ -81,7 +81,7 @@ static bool print_gaussians(FILE *out, const char *path, FfpError *err) {
 static bool print_field(FILE *out, const char *path, FfpError *err) {
     FfpNeuralField field;
     if (!ffp_neural_field_read(&field, path, err)) return false;
-    fprintf(out, "neural field %" PRId64 " numbers, of these %" PRId64 " of a hash grid of %d levels\n",
+    fprintf(out, "neural field %" PRId64 " numbers, %" PRId64 " of them in a hash grid of %d levels\n",
             field.layout.count, field.layout.grid, FFP_FIELD_LEVELS);
     fprintf(out, "sphere       centre %.4g %.4g %.4g, radius %.4g\n", (double)field.centre[0],
             (double)field.centre[1], (double)field.centre[2], (double)field.radius);

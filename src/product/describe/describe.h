@@ -1,11 +1,11 @@
-// What a file holds, as text for people.
+// Descriptions of files in readable text.
 #ifndef FFP_DESCRIBE_DESCRIBE_H
 #define FFP_DESCRIBE_DESCRIBE_H
 
 #include <stdio.h>
 #include "core/base/error.h"
 
-// A capture, weights, Gaussians or a neural field, told by their first bytes.
+// A capture, weights, Gaussians or a neural field, distinguished by their first bytes.
 bool ffp_describe(FILE *out, const char *path, FfpError *err);
 bool ffp_describe_capture(FILE *out, const char *path, FfpError *err);
 

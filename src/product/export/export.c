@@ -25,7 +25,7 @@ static Kind kind_of(const char *file) {
 static bool check(const FfpExport *options, const FfpCapture *capture, FfpError *err) {
     const Kind kind = kind_of(options->file);
     if ((unsigned)options->up > FFP_UP_MINUS_Y)
-        return ffp_fail(err, FFP_ERROR_ARGUMENT, "up", "%d is none", (int)options->up);
+        return ffp_fail(err, FFP_ERROR_ARGUMENT, "up", "invalid value %d", (int)options->up);
     if (options->mesh && (kind == KIND_PLY || kind == KIND_SPZ || kind == KIND_NONE))
         return ffp_fail(err, FFP_ERROR_ARGUMENT, options->file, "a mesh is written as .glb, .gltf or .obj");
     if (!options->mesh && (kind == KIND_OBJ || kind == KIND_NONE))

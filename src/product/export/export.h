@@ -1,4 +1,4 @@
-// Gaussians for programs that know nothing of projectors.
+// Gaussians for programs that do not simulate projectors.
 #ifndef FFP_EXPORT_EXPORT_H
 #define FFP_EXPORT_EXPORT_H
 

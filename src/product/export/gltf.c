@@ -153,7 +153,7 @@ bool ffp_gltf_write(FfpGltf *gltf, json_t *primitive, const char *path, bool bin
     append(ffp_gltf_list(gltf, "scenes"), json_pack("{s:[i]}", "nodes", 0));
     json_object_set_new(gltf->root, "scene", json_integer(0));
     if (gltf->size > SIZE_MAX_GLB)
-        return ffp_fail(err, FFP_ERROR_UNSUPPORTED, path, "%.1f GB are more than glTF files hold",
+        return ffp_fail(err, FFP_ERROR_UNSUPPORTED, path, "%.1f GB exceed what a glTF file can hold",
                         (double)gltf->size / 1e9);
     if (binary) return write_binary(gltf, path, err);
     FfpText *uri = ffp_text_new();

@@ -20,8 +20,9 @@ bool ffp_surface_of_gaussians(FfpSurface *mesh, const FfpGaussians *gaussians, c
     ffp_raster_free(source.raster);
     if (ok) return true;
     ffp_surface_free(mesh);
-    return ffp_fail(err, FFP_ERROR_FILE, where,
-                    "the capture's cameras see no surface of these Gaussians: are they of this capture?");
+    return ffp_fail(
+        err, FFP_ERROR_FILE, where,
+        "the capture's cameras see no surface of these Gaussians: do they belong to this capture?");
 }
 
 void ffp_surface_rotate(FfpSurface *mesh, const real turn[4]) {

@@ -1,4 +1,4 @@
-// Turns as quaternions w x y z.
+// Rotations as quaternions w x y z.
 #ifndef FFP_EXPORT_QUATERNION_H
 #define FFP_EXPORT_QUATERNION_H
 

@@ -93,8 +93,9 @@ static bool zip(unsigned char *bytes, size_t size, unsigned char *out, size_t *o
 bool ffp_splats_write_spz(const FfpSplats *splats, const char *path, FfpError *err) {
     int bits = 0;
     if (splats->count > COUNT_MAX)
-        return ffp_fail(err, FFP_ERROR_UNSUPPORTED, path, "%lld Gaussians; readers of SPZ take up to %d",
-                        (long long)splats->count, COUNT_MAX);
+        return ffp_fail(err, FFP_ERROR_UNSUPPORTED, path,
+                        "%lld Gaussians, but readers of SPZ accept up to %d", (long long)splats->count,
+                        COUNT_MAX);
     if (!fraction_bits(splats, path, &bits, err)) return false;
     const size_t size = HEADER + SPLAT * (size_t)splats->count;
     size_t zipped_size = size + size / 1000 + 4096;

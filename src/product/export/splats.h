@@ -1,4 +1,4 @@
-// Gaussians as programs without projectors take them: one colour each, drawn in the plain form of 3DGS.
+// Gaussians for programs without projectors: one colour each, drawn in the plain form of 3DGS.
 #ifndef FFP_EXPORT_SPLATS_H
 #define FFP_EXPORT_SPLATS_H
 
@@ -15,9 +15,9 @@ typedef struct FfpSplats {
 
 // `colour` [count,3]: linear radiance; `turn`: quaternion w x y z from the world to the file's axes.
 // Gaussians of an opacity below 1/255, which no program draws, are left out; shapes and opacities stay as
-// they are. Other programs draw o exp(-r^2 / 2) where ours are drawn firmer (FfpRenderSettings.firmness) and
-// blur a pixel more; making splats wider or more opaque in return was measured to cost more likeness than it
-// gains.
+// they are. Other programs draw o exp(-r^2 / 2), while ours are drawn firmer (FfpRenderSettings.firmness),
+// and blur pixels more; measurements showed that making splats wider or more opaque to compensate loses more
+// accuracy than it gains.
 FfpSplats ffp_splats_new(const FfpGaussians *gaussians, const real *colour, const real turn[4]);
 void ffp_splats_free(FfpSplats *splats);
 

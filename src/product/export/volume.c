@@ -131,8 +131,8 @@ static void fuse_point(const FfpVolume *volume, const FfpDepthView *seen, size_t
     fused->weight += share;
 }
 
-// What is hidden from all is inside where at least three quarters of the pictures hold it; elsewhere the
-// object would have been cut off by their edges.
+// A point hidden from all views is inside if it lies within at least three quarters of the pictures;
+// elsewhere the object would have been cut off by their edges.
 static real settle(const Fused *fused, int views) {
     if (fused->weight > 0) return fused->sum / fused->weight;
     return 4 * fused->held < 3 * views ? 1 : -1;

@@ -13,7 +13,7 @@ typedef struct FfpVolume {
     real *distance; // [z,y,x] in truncations, -1 to 1, above 0 outside
 } FfpVolume;
 
-// What a camera sees of the Gaussians, with pixels about as fine as the cells.
+// A camera's view of the Gaussians, with pixels about as fine as the cells.
 typedef struct FfpDepthView {
     FfpCamera camera;
     FfpGbuffer gbuffer;

@@ -26,7 +26,7 @@ bool ffp_page_build(const FfpPageContent *source, const char *path, FfpPageCount
 
 // --- Inside the room. ---
 
-// Bytes in a row, each thing at the end of the last.
+// A growing sequence of bytes.
 typedef struct FfpByteBuffer {
     unsigned char *bytes;
     size_t size, room;
@@ -34,9 +34,9 @@ typedef struct FfpByteBuffer {
 void ffp_bytes_append(FfpByteBuffer *packed, const void *bytes, size_t size);
 
 // splats.c: the splats as the page reads them. First the centres, float [count,3]; then FFP_PAGE_COLUMNS
-// columns of uint16 [count], the share of the way from low to high: logarithms of the scales, rotation w x y
-// z, opacity, albedo, roughness, ambient. `low` and `high` are what the columns reach. Splats too faint to be
-// drawn (opacity below 1/255) are left out; returns how many are in.
+// columns of uint16 [count], scaled from low to high: logarithms of the scales, rotation w x y z, opacity,
+// albedo, roughness, ambient. `low` and `high` are the ranges of the columns. Splats too faint to be drawn
+// (opacity below 1/255) are left out; returns the number of the others.
 enum { FFP_PAGE_COLUMNS = 15 };
 int64_t ffp_pack_splats(FfpByteBuffer *packed, const FfpGaussians *gaussians, float low[FFP_PAGE_COLUMNS],
                         float high[FFP_PAGE_COLUMNS]);

@@ -33,7 +33,7 @@ static bool settle_size(FfpRigFit *fit, const FfpImage *white, const char *name,
     if (camera->width == 0) camera->width = white->width, camera->height = white->height;
     return (camera->width == white->width && camera->height == white->height) ||
            ffp_fail(err, FFP_ERROR_FILE, name,
-                    "the photographs are of %d x %d pixels, those of other attitudes of %d x %d",
+                    "the photographs have %d x %d pixels, but those of other attitudes have %d x %d",
                     white->width, white->height, camera->width, camera->height);
 }
 
@@ -86,16 +86,16 @@ static bool read_attitude(FfpRigFit *fit, FfpAttitude *a, const FfpShotFolder *f
     return ok;
 }
 
-// The error where no folder shows the board.
+// Fails if no folder shows the board.
 static bool check_seen(const FfpRigFit *fit, const FfpImage *unseen, FfpError *err) {
     char guess[160] = "";
     for (int i = 0; i < fit->n; i++)
         if (fit->attitudes[i].n > 0) return true;
-    if (!unseen->data) return true; // nor did any have photographs to look at: that is told later
+    if (!unseen->data) return true; // nor had any of them photographs to look at, which is reported later
     return ffp_board_guess(&fit->board, unseen, guess, err) &&
            ffp_fail(err, FFP_ERROR_FILE, NULL,
-                    "no chessboard with %d x %d corners inside it is in any of %d attitudes%s (corners are "
-                    "counted where four squares meet; it must be whole in the picture, with a light margin)",
+                    "no chessboard with %d x %d inner corners in any of %d attitudes%s (count corners where "
+                    "four squares meet; all of the board must be in the picture, with a light margin)",
                     fit->board.columns, fit->board.rows, fit->n, guess);
 }
 

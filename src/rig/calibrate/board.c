@@ -118,7 +118,7 @@ bool ffp_board_find(const FfpBoard *board, const FfpImage *grey, FfpAttitude *a,
     a->camera = ffp_alloc((size_t)n, 2 * sizeof *a->camera);
     if (!search(grey, board->columns, board->rows, a->camera, &found, err)) return false;
     if (!found) {
-        snprintf(a->problem, sizeof a->problem, "no chessboard with %d x %d corners inside it is seen",
+        snprintf(a->problem, sizeof a->problem, "no chessboard with %d x %d inner corners found",
                  board->columns, board->rows);
         return true;
     }

@@ -48,7 +48,7 @@ bool ffp_board_find(const FfpBoard *board, const FfpImage *grey, FfpAttitude *at
 // Which boards of other sizes are found there, as words for the user; "" for none.
 bool ffp_board_guess(const FfpBoard *board, const FfpImage *grey, char text[160], FfpError *err);
 
-// The board as far as the squares around its outermost corners go: 1, else 0. [height,width,1]
+// 1 on the board, up to the squares around its outermost corners, 0 elsewhere. [height,width,1]
 FfpImage ffp_board_region(const FfpBoard *board, const FfpAttitude *attitude, int width, int height);
 
 // Puts the corners on the projector's panel of `size` pixels by homographies of the positions around each

@@ -109,7 +109,8 @@ static void fill_views(const FfpRigFit *fit, unsigned devices, Views *v) {
 static bool too_few(const FfpRigFit *fit, FfpError *err) {
     char why[640];
     ffp_list_problems(fit, why, sizeof why);
-    return ffp_fail(err, FFP_ERROR_FILE, NULL, "%d of %d attitudes of the board can be used, %d are needed%s",
+    return ffp_fail(err, FFP_ERROR_FILE, NULL,
+                    "%d of %d attitudes of the board can be used, but %d are needed%s",
                     ffp_attitudes_used(fit), fit->n, FFP_FIT_ATTITUDES_LEAST, why);
 }
 
@@ -132,7 +133,7 @@ static void check_counts(FfpRigFit *fit) {
         if (a->problem[0]) continue;
         for (int k = 0; k < a->n; k++) kept += is_used(a, k, 3);
         if (kept < CORNERS_LEAST * a->n || kept < 8)
-            leave_out(a, "%d of %d corners are good enough", kept, a->n);
+            leave_out(a, "only %d of %d corners are good enough", kept, a->n);
     }
 }
 
@@ -255,8 +256,8 @@ static bool drop_attitude(const FfpRigFit *fit, const Views *views, const double
     if (most <= fmax(ATTITUDE_LEAST, ATTITUDE_FAR * middle)) return false;
     leave_out(
         &fit->attitudes[views->attitude[worst]],
-        "its corners are %.2f pixels (rms) away from %s, the others' typically %.2f: the board or a device "
-        "moved, or a photograph is out of order",
+        "its corners are %.2f pixels (rms) away from %s, those of others typically %.2f: the board or a "
+        "device moved, or a photograph is out of order",
         most, of, middle);
     return true;
 }
@@ -346,12 +347,11 @@ static bool check_focal(const FfpRigFit *fit, int which, FfpError *err) {
         return ffp_fail(
             err, FFP_ERROR_FILE, NULL,
             "the %s's focal length (%.0f pixels) is uncertain by %.0f %%: tilt the board more, by 20 "
-            "to 40 degrees, each time another way",
+            "to 40 degrees, in a different direction each time",
             device_names[which], d->matrix[0], 100 * open);
     if (open > FOCAL_VAGUE)
-        ffp_warning(
-            "the %s's focal length is uncertain by %.1f %%: more attitudes, tilted more, make it sure",
-            device_names[which], 100 * open);
+        ffp_warning("the %s's focal length is uncertain by %.1f %%: take more attitudes, tilted more",
+                    device_names[which], 100 * open);
     return true;
 }
 

@@ -91,7 +91,7 @@ static void tell_problems(const FfpRigFit *fit, bool *chosen) {
     }
 }
 
-// "the camera's corners, out of line: pose_0 3, pose_4 1 of 54"
+// "4 corners left out for the camera, far from the fit (of 54 each: pose_0 3, pose_4 1)"
 static void tell_corners(const FfpRigFit *fit, int device, int state, const char *why) {
     char text[640] = "";
     int used = 0, total = 0;
@@ -112,8 +112,8 @@ static void tell_corners(const FfpRigFit *fit, int device, int state, const char
 }
 
 void ffp_note_left_out(const FfpRigFit *fit) {
-    static const char *const why[FFP_CORNER_STATES] = {"", "not decoded around them",
-                                                       "codes around them in no plane", "out of line"};
+    static const char *const why[FFP_CORNER_STATES] = {
+        "", "no codes read around them", "codes around them not on a plane", "far from the fit"};
     bool *chosen = ffp_alloc((size_t)fit->n, sizeof *chosen);
     tell_problems(fit, chosen);
     ffp_free(chosen);
@@ -131,7 +131,8 @@ void ffp_note_photographs(const FfpRigFit *fit) {
     }
     name_chosen(fit, chosen, names);
     if (most > 0)
-        ffp_note("under white up to %.0f %% of the board's light pixels are overexposed: expose shorter (%s)",
+        ffp_note("under white up to %.0f %% of the board's light pixels are overexposed: shorten the "
+                 "exposure (%s)",
                  100 * most, names);
     for (int k = 0; k < 2 * 16; k++) {
         const int axis = k % 2, bits = k / 2;
@@ -142,8 +143,8 @@ void ffp_note_photographs(const FfpRigFit *fit) {
         }
         name_chosen(fit, chosen, names);
         if (any)
-            ffp_note("the finest %d bit%s of the %s cannot be told: they are known to %d pixels (%s)", bits,
-                     bits > 1 ? "s" : "", axis == 0 ? "columns" : "rows", 1 << bits, names);
+            ffp_note("the finest %d bit%s of the %s cannot be read: positions are known to %d pixels (%s)",
+                     bits, bits > 1 ? "s" : "", axis == 0 ? "columns" : "rows", 1 << bits, names);
     }
     ffp_free(chosen);
 }

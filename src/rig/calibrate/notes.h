@@ -1,4 +1,4 @@
-// What is said of the attitudes: the same once, with the names of those that it is true of.
+// Messages about the attitudes: each is given once, with the names of the attitudes that it applies to.
 #ifndef FFP_CALIBRATE_NOTES_H
 #define FFP_CALIBRATE_NOTES_H
 

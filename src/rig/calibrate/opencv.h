@@ -1,7 +1,7 @@
-// What is OpenCV's in a calibration: corners of a chessboard, homographies, and the fits of one device and of
-// two. Behind it stands a module (opencv_module.h), which is loaded when it is first wanted. Pixel centres
-// lie at integers here, as OpenCV has them. Nothing here takes memory of the call's, so that no call is left
-// from inside C++: what comes out goes into the caller's arrays.
+// The parts of a calibration done by OpenCV: corners of a chessboard, homographies, and the fits of one
+// device and of two. They are in a module (opencv_module.h), which is loaded on first use. Pixel centres are
+// at integers here, as in OpenCV. Nothing here allocates memory from the call, so that no call is aborted
+// from inside C++: results go into the caller's arrays.
 #ifndef FFP_CALIBRATE_OPENCV_H
 #define FFP_CALIBRATE_OPENCV_H
 

@@ -1,4 +1,4 @@
-// A known device before a board: its pose.
+// The pose of a known device in front of a board.
 #ifndef FFP_CALIBRATE_POSE_H
 #define FFP_CALIBRATE_POSE_H
 

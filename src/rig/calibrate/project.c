@@ -105,19 +105,19 @@ static void judge(FfpAttitude *a, const int states[FFP_CORNER_STATES], double sh
     if (good + uneven < ENOUGH * a->n)
         snprintf(
             a->problem, sizeof a->problem,
-            "the codes can be read around %d of %d corners alone: the projector does not reach the board, "
+            "the codes can be read around only %d of %d corners: the projector does not reach the board, "
             "or the stripes are too faint or too fine for the camera",
             good + uneven, a->n);
     else if (good < FITTING * (good + uneven) || share < FITTING)
         snprintf(
             a->problem, sizeof a->problem,
-            "the codes do not put the board into one plane: the photographs' numbering is not the order in "
-            "which the patterns were shown, the panel is of another size, or the board moved");
+            "the positions decoded on the board do not lie on a plane: the photographs are not numbered in "
+            "the order in which the patterns were shown, the panel has another size, or the board moved");
     else if (mirrored)
         snprintf(
             a->problem, sizeof a->problem,
-            "the codes put the board's mirror image onto the panel: the coarsest code of the columns, or "
-            "of the rows, and its inverse are swapped, columns and rows are, or the pictures are "
+            "the codes show the board's mirror image on the panel: the coarsest code of the columns, or of "
+            "the rows, is swapped with its inverse, columns are swapped with rows, or the pictures are "
             "mirrored");
 }
 

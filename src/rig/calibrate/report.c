@@ -13,7 +13,7 @@ enum { CELLS_X = 16, CELLS_Y = 12 };
 
 static const char *const device_names[2] = {"camera", "projector"};
 static const char *const state_names[FFP_CORNER_STATES] = {"used", "not decoded", "codes uneven",
-                                                           "out of line"};
+                                                           "far from the fit"};
 static const char *const state_colours[FFP_CORNER_STATES] = {"#0c4", "#28f", "#f80", "#f22"};
 
 static const char style[] =
@@ -112,7 +112,7 @@ static bool put_board(FILE *out, const FfpAttitude *a, const FfpCvDevice *camera
     fprintf(out, "<figure><svg viewBox='0 0 %.0f %.0f'>", w, h);
     if (!put_picture(out, &a->picture, w, h, err)) return false;
     for (int i = 0; i < a->n; i++) {
-        // Both devices in one dot: what is wrong with either. The arrow is the camera's.
+        // One dot for both devices, in the colour of the first fault. The arrow is the camera's error.
         const unsigned char both = a->camera_state[i] ? a->camera_state[i] : a->projector_state[i];
         put_corner(out, a->camera + 2 * (size_t)i, a->camera_off + 2 * (size_t)i, both, scale, size);
     }
@@ -122,7 +122,7 @@ static bool put_board(FILE *out, const FfpAttitude *a, const FfpCvDevice *camera
         fputs(": left out: ", out);
         ffp_put_html(out, a->problem);
     } else {
-        fprintf(out, ": camera's errors, %.0f times enlarged", scale);
+        fprintf(out, ": the camera's errors, enlarged %.0f times", scale);
     }
     fputs("</figcaption></figure>\n", out);
     return true;
@@ -167,7 +167,7 @@ static void put_field(FILE *out, const FfpRigFit *fit, int which) {
                            fmax(w, h) / 400);
     }
     fprintf(out,
-            "</svg><figcaption>the %s's field: %d of %d parts have corners; errors %.0f times enlarged. "
+            "</svg><figcaption>the %s's field: %d of %d parts have corners; errors enlarged %.0f times. "
             "Where there are none, the lens model extrapolates.</figcaption></figure>\n",
             device_names[which], covered, CELLS_X * CELLS_Y, scale);
 }
@@ -176,9 +176,10 @@ static void put_legend(FILE *out) {
     fputs("<p>", out);
     for (int s = 0; s < FFP_CORNER_STATES; s++)
         fprintf(out, "<i style='background:%s'></i> %s &nbsp; ", state_colours[s], state_names[s]);
-    fputs("Errors that all point one way, or swirl, indicate a board that is not flat or a lens that the "
-          "model does not fit.</p>\n",
-          out);
+    fputs(
+        "Errors that all point the same way, or swirl, indicate a board that is not flat or a lens that the "
+        "model does not fit.</p>\n",
+        out);
 }
 
 static bool put_table(FILE *out, const FfpTableFit *table, const FfpCvDevice *camera, FfpError *err) {

@@ -42,8 +42,8 @@ static bool check(const FfpRigCalibration *o, FfpError *err) {
         return (o->turntable_board && o->n_calibrations > 0 && !o->file) ||
                ffp_fail(err, FFP_ERROR_ARGUMENT, "attitudes",
                         o->turntable_board
-                            ? "without photographs of the board in several attitudes the camera's "
-                              "calibration is needed, and none is written"
+                            ? "without photographs of the board in several attitudes, give the camera's "
+                              "calibration, and no file for one"
                             : "no photographs given");
     if (o->n_calibrations > 0)
         return ffp_fail(err, FFP_ERROR_ARGUMENT, "calibration",
@@ -54,7 +54,7 @@ static bool check(const FfpRigCalibration *o, FfpError *err) {
                     o->width, o->height, SIDE_MIN, SIDE_MAX);
 }
 
-// The camera of a calibration that is there already, in OpenCV's pixels.
+// The camera of an existing calibration, in OpenCV's pixels.
 static bool read_camera(const FfpRigCalibration *o, FfpCvDevice *camera, FfpError *err) {
     FfpCalibration calibration;
     if (!ffp_calibration_read(&calibration, o->calibrations, o->n_calibrations, NULL, err)) return false;
@@ -65,9 +65,9 @@ static bool read_camera(const FfpRigCalibration *o, FfpCvDevice *camera, FfpErro
     memcpy(camera->lens, optics->lens, sizeof camera->lens);
     const bool known = calibration.has_camera;
     ffp_calibration_free(&calibration);
-    if (!known) return ffp_fail(err, FFP_ERROR_FILE, o->calibrations[0], "does not hold the camera");
+    if (!known) return ffp_fail(err, FFP_ERROR_FILE, o->calibrations[0], "does not contain a camera");
     return camera->width > 0 || ffp_fail(err, FFP_ERROR_FILE, o->calibrations[0],
-                                         "does not say at how many pixels the camera was calibrated");
+                                         "does not say at which image size the camera was calibrated");
 }
 
 // The attitudes' names are the folders'.

@@ -245,11 +245,11 @@ static bool drop_stop(Table *table) {
     ffp_free(off), ffp_free(sorted);
     if (table->n <= FFP_TABLE_STOPS_LEAST || most < fmax(STOP_LEAST, STOP_FAR * middle)) return false;
     FfpAttitude *a = table->stops[worst].attitude;
-    snprintf(
-        a->problem, sizeof a->problem,
-        "its corners are %.1f pixels (rms) away from where axis and angle put them, the others' typically "
-        "%.2f",
-        most, middle);
+    snprintf(a->problem, sizeof a->problem,
+             "its corners are %.1f pixels (rms) away from where axis and angle put them, those of others "
+             "typically "
+             "%.2f",
+             most, middle);
     memmove(table->stops + worst, table->stops + worst + 1, (size_t)(table->n - worst - 1) * sizeof(Stop));
     table->n--;
     return true;
@@ -287,8 +287,8 @@ static bool read_stop(FfpTableFit *fit, const FfpBoard *board, const FfpCvDevice
     const bool same = grey.width == camera->width && grey.height == camera->height;
     const bool ok = same ? ffp_board_find(board, &grey, a, err)
                          : ffp_fail(err, FFP_ERROR_FILE, file,
-                                    "is of %d x %d pixels, the camera was calibrated at %d x %d", grey.width,
-                                    grey.height, camera->width, camera->height);
+                                    "has %d x %d pixels, but the camera was calibrated at %d x %d",
+                                    grey.width, grey.height, camera->width, camera->height);
     ffp_image_free(&grey);
     return ok;
 }
@@ -305,7 +305,8 @@ static bool read_stops(FfpTableFit *fit, Table *table, const FfpShotFolder *fold
         if (ok && !a->problem[0])
             ok = ffp_board_pose(table->board, table->camera, a, &stop->pose, &found, err);
         if (ok && !found && !a->problem[0])
-            snprintf(a->problem, sizeof a->problem, "its corners lie in no plane before this camera");
+            snprintf(a->problem, sizeof a->problem,
+                     "its corners do not lie on a plane in front of this camera");
         if (found) {
             stop->attitude = a, stop->angle = fit->angles[i] * FFP_PI_DOUBLE / 180;
             table->n++;
@@ -346,10 +347,10 @@ static bool fit_axis(FfpTableFit *fit, Table *table, FfpError *err) {
         for (int i = 0; i < fit->n; i++)
             if (fit->attitudes[i].problem[0])
                 return ffp_fail(err, FFP_ERROR_FILE, PLACE,
-                                "%d of %d photographs show the board, %d are needed; %s: %s", table->n,
+                                "%d of %d photographs show the board, but %d are needed; %s: %s", table->n,
                                 fit->n, FFP_TABLE_STOPS_LEAST, fit->attitudes[i].name,
                                 fit->attitudes[i].problem);
-        return ffp_fail(err, FFP_ERROR_FILE, PLACE, "%d photographs, %d are needed", fit->n,
+        return ffp_fail(err, FFP_ERROR_FILE, PLACE, "%d photographs, but %d are needed", fit->n,
                         FFP_TABLE_STOPS_LEAST);
     }
     if (!first_axis(table, err)) return false;
@@ -357,7 +358,7 @@ static bool fit_axis(FfpTableFit *fit, Table *table, FfpError *err) {
     fit->off_angle = leftover(table);
     if (fit->off_angle > ANGLE_MAX)
         return ffp_fail(err, FFP_ERROR_FILE, PLACE,
-                        "the board's poses differ by %.1f degrees (rms) from turns by these angles",
+                        "the board's poses differ by %.1f degrees (rms) from rotations by these angles",
                         fit->off_angle);
     settle(table, fit);
     for (int i = 0; i < fit->n; i++)
@@ -375,8 +376,8 @@ bool ffp_fit_table(FfpTableFit *fit, const FfpBoard *board, const FfpCvDevice *c
     bool ok = true;
     if (folders.n != 1 || folder->n_files != n_angles)
         ok = ffp_fail(err, FFP_ERROR_FILE, path,
-                      "%d photographs in %d folders, and %d angles: one photograph an "
-                      "angle is needed, in one folder",
+                      "%d photographs in %d folders, and %d angles: one photograph per "
+                      "angle is needed, all in one folder",
                       folder->n_files, folders.n, n_angles);
     if (ok) {
         Table table = {.board = board, .camera = camera, .stops = ffp_alloc((size_t)n_angles, sizeof(Stop))};

@@ -39,9 +39,9 @@ bool ffp_gray_read_signals(FfpGrayDecoder *d, FfpError *err);
 // The finest bits that most pixels cannot tell.
 void ffp_gray_drop_fine_bits(FfpGrayDecoder *d, int axis);
 
-// Whether an axis' photographs are in order, by its signals and the codes made of them (those beyond the
-// panel too). What is wrong is said with the two photographs or pairs that have changed places, where one
-// such exchange explains all.
+// Checks that an axis' photographs are in order, by its signals and the codes made from them (also those
+// beyond the panel). The error names the two photographs or pairs that have changed places, if one such
+// exchange explains everything.
 bool ffp_gray_check_order(const FfpGrayDecoder *d, int axis, FfpError *err);
 
 #endif

@@ -70,7 +70,7 @@ static bool read_next(float **grey, const FfpGrayDecoder *d, const char *path, F
     int width, height;
     if (!read_light(grey, &width, &height, d, path, err)) return false;
     return (width == d->width && height == d->height) ||
-           ffp_fail(err, FFP_ERROR_FILE, path, "image is %d x %d, the others have %d x %d", width, height,
+           ffp_fail(err, FFP_ERROR_FILE, path, "image is %d x %d, but the others are %d x %d", width, height,
                     d->width, d->height);
 }
 
@@ -83,10 +83,11 @@ static bool looked_at(const FfpGrayDecoder *d, size_t pixel) {
 
 bool ffp_gray_fail_dark(double black, double added, const char *white, FfpError *err) {
     if (added < -LIGHT_LEAST)
-        return ffp_fail(err, FFP_ERROR_FILE, white, "white is darker than black: they have changed places");
+        return ffp_fail(err, FFP_ERROR_FILE, white, "white is darker than black: they seem to be swapped");
     if (black > OVEREXPOSED)
-        return ffp_fail(err, FFP_ERROR_FILE, white,
-                        "white is hardly brighter than black, and both are overexposed: expose shorter");
+        return ffp_fail(
+            err, FFP_ERROR_FILE, white,
+            "white is hardly brighter than black, and both are overexposed: shorten the exposure");
     return ffp_fail(err, FFP_ERROR_FILE, white, "white is hardly brighter than black: nothing is lit");
 }
 
@@ -109,7 +110,7 @@ bool ffp_gray_find_light(FfpGrayDecoder *d, FfpError *err) {
     const FfpImage *region = d->from->region;
     if (!read_light(&d->light, &d->width, &d->height, d, d->from->white, err)) return false;
     if (region && (region->width != d->width || region->height != d->height))
-        return ffp_fail(err, FFP_ERROR_FILE, d->from->white, "image is %d x %d, and was %d x %d before",
+        return ffp_fail(err, FFP_ERROR_FILE, d->from->white, "image is %d x %d, but was %d x %d before",
                         d->width, d->height, region->width, region->height);
     d->pixels = (size_t)d->width * (size_t)d->height;
     if (!read_next(&d->black, d, d->from->black, err)) return false;
@@ -174,8 +175,8 @@ static bool check_inverse(const FfpGrayDecoder *d, const Pair *pair, FfpError *e
     const bool one_way = fmin((double)light, (double)dark) < 0.15 * wrong && (double)right < least;
     return wrong <= least || one_way ||
            ffp_fail(err, FFP_ERROR_FILE, ffp_gray_photograph(d, pair->axis, pair->bit, 0),
-                    "it and '%.200s' are not each other's inverse: the numbering is not the order in which "
-                    "they were shown, or something moved",
+                    "it and '%.200s' are not each other's inverse: they are not numbered in the order in "
+                    "which they were shown, or something moved",
                     ffp_basename(ffp_gray_photograph(d, pair->axis, pair->bit, 1)));
 }
 
@@ -188,7 +189,7 @@ static bool check_exposure(const FfpGrayDecoder *d, const Pair *pair, double *be
         if (here > PAIR_HIGH || (here > 0 && here < PAIR_LOW * *before))
             return ffp_fail(
                 err, FFP_ERROR_FILE, ffp_gray_photograph(d, pair->axis, pair->bit, k),
-                "it and '%.200s' are together %s than black and white (%.2f of them): another exposure; "
+                "it and '%.200s' together are %s than black and white (%.2f of them): the exposure changed; "
                 "exposure, aperture, ISO and white balance must stay the same",
                 ffp_basename(ffp_gray_photograph(d, pair->axis, pair->bit, 1 - k)),
                 here > 1 ? "brighter" : "darker", here);

@@ -177,7 +177,7 @@ static bool tell(const FfpGrayDecoder *d, int axis, const Seen *seen, FfpError *
     if (broader >= 0) {
         explain(d, axis, seen, ": ", swap);
         return ffp_fail(err, FFP_ERROR_FILE, ffp_gray_photograph(d, axis, broader, 0),
-                        "its stripes are broader than those of '%.200s', which comes before it%s",
+                        "its stripes are wider than those of '%.200s', which comes before it%s",
                         ffp_basename(ffp_gray_photograph(d, axis, broader - 1, 0)),
                         swap[0] ? swap : ": codes must be ordered coarsest first, columns before rows");
     }
@@ -187,17 +187,17 @@ static bool tell(const FfpGrayDecoder *d, int axis, const Seen *seen, FfpError *
         return ffp_fail(err, FFP_ERROR_FILE, ffp_gray_photograph(d, axis, after, 0),
                         "the codes jump at its neighbour's edges: %s",
                         swap[0] ? swap
-                                : "it and its inverse have changed places, or photographs are in another "
+                                : "it and its inverse are swapped, or the photographs are in another "
                                   "order");
     }
     if (beyond > BEYOND) {
         explain(d, axis, seen, ", or ", swap);
         return ffp_fail(
             err, FFP_ERROR_FILE, ffp_gray_photograph(d, axis, 0, 0),
-            "by it and its followers %.0f %% of the pixels see %s beyond the panel's %d: the panel "
-            "is of another size%s",
+            "according to it and the codes after it, %.0f %% of the pixels see %s beyond the panel's %d: the "
+            "panel has another size%s",
             100 * beyond, axis ? "rows" : "columns", seen->size,
-            swap[0] ? swap : ", or photographs are in another order (columns come before rows)");
+            swap[0] ? swap : ", or the photographs are in another order (columns come before rows)");
     }
     return true;
 }

@@ -47,7 +47,7 @@ static bool read_plain(Plain *p, const FfpGrayPhotographs *from, FfpError *err) 
         !ffp_gray_read(&p->grey[1], luma ? luma + 1 : NULL, &width, &height, p->files[1], from->linear, err))
         return false;
     if (width != p->width || height != p->height)
-        return ffp_fail(err, FFP_ERROR_FILE, p->files[1], "image is %d x %d, '%.200s' has %d x %d", width,
+        return ffp_fail(err, FFP_ERROR_FILE, p->files[1], "image is %d x %d, but '%.200s' is %d x %d", width,
                         height, ffp_basename(p->files[0]), p->width, p->height);
     compare(p);
     return true;

@@ -86,7 +86,7 @@ static bool read_neighbour(FfpCalibration *calibration, const char *path, FfpErr
 bool ffp_calibration_read(FfpCalibration *calibration, const char *const *files, int n_files,
                           const char *projector_image, FfpError *err) {
     *calibration = (FfpCalibration){0};
-    if (n_files < 1) return ffp_fail(err, FFP_ERROR_FILE, "calibrations", "no calibration was given");
+    if (n_files < 1) return ffp_fail(err, FFP_ERROR_FILE, "calibrations", "no calibration given");
     for (int i = 0; i < n_files; i++) {
         if (!read_one(calibration, files[i], projector_image, err)) return false;
     }
@@ -97,13 +97,13 @@ bool ffp_calibration_read(FfpCalibration *calibration, const char *const *files,
     const char *where = files[n_files - 1];
     if (!calibration->has_camera && calibration->n_stops == 0)
         return ffp_fail(err, FFP_ERROR_FILE, where,
-                        "no camera in the calibration: give the file that holds it too");
+                        "no camera in the calibration: also give the file that contains it");
     if (!calibration->has_projector)
         return ffp_fail(err, FFP_ERROR_FILE, where,
-                        "no projector in the calibration: give the file that holds it too");
+                        "no projector in the calibration: also give the file that contains it");
     if (!calibration->has_projector_pose)
         return ffp_fail(err, FFP_ERROR_FILE, where,
-                        "the calibration does not say how camera and projector stand to each "
+                        "the calibration does not relate camera and projector to each "
                         "other (rotation R and translation T): stereo-calibrate them");
     for (int i = 0; i < calibration->n_stops; i++) {
         memcpy(calibration->stops[i].p2w, calibration->p2c, sizeof calibration->p2c);

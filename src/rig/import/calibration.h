@@ -1,4 +1,4 @@
-// What a calibration tool found out about camera and projector, in our conventions
+// The results of a calibration tool for camera and projector, in our conventions
 // (docs/reference/formats.md, "Import").
 #ifndef FFP_RIG_CALIBRATION_H
 #define FFP_RIG_CALIBRATION_H
@@ -34,9 +34,9 @@ typedef struct FfpCalibration {
     char pattern_folder[1024]; // where the calibration keeps patterns; "" when it names none
 } FfpCalibration;
 
-// Reads all files (COLMAP: also a folder), each of which tells a part; nothing may be told twice and
-// differently. `projector_image`: the name, without folder and ending, of the COLMAP image that is the
-// projector. Errors name file and field; what is missing when all are read names the files.
+// Reads all files (COLMAP: also a folder), each of which gives a part; they must not contradict each other.
+// `projector_image`: the name, without folder and extension, of the COLMAP image that stands for the
+// projector. Errors name file and field, or all files if something is missing from them.
 bool ffp_calibration_read(FfpCalibration *calibration, const char *const *files, int n_files,
                           const char *projector_image, FfpError *err);
 void ffp_calibration_free(FfpCalibration *calibration);

@@ -53,7 +53,7 @@ bool ffp_settle_size(FfpOptics *optics, const FfpNode *field, int width, int hei
 }
 
 bool ffp_calibration_new_stops(FfpCalibration *calibration, const FfpNode *field, int n, FfpError *err) {
-    if (calibration->n_stops > 0) return ffp_node_fail(field, err, "views were given before");
+    if (calibration->n_stops > 0) return ffp_node_fail(field, err, "the views were already given");
     if (n < 1 || n > FFP_VIEWS_MAX)
         return ffp_node_fail(field, err, "%d views; 1 to %d are allowed", n, FFP_VIEWS_MAX);
     calibration->stops = ffp_alloc((size_t)n, sizeof *calibration->stops);
@@ -67,10 +67,10 @@ static bool name_stop(FfpCalibration *calibration, int stop, const FfpNode *fiel
     const bool fits = length < FFP_NAME_MAX;
     memcpy(id, name, fits ? length : 0);
     id[fits ? length : 0] = 0;
-    if (!ffp_is_name(id)) return ffp_node_fail(field, err, "'%.100s' gives no name for a view", name);
+    if (!ffp_is_name(id)) return ffp_node_fail(field, err, "cannot derive a view's name from '%.100s'", name);
     for (int i = 0; i < stop; i++) {
         if (strcmp(calibration->stops[i].id, id) == 0)
-            return ffp_node_fail(field, err, "view '%s' comes twice", id);
+            return ffp_node_fail(field, err, "duplicate view '%s'", id);
     }
     return true;
 }

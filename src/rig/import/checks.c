@@ -172,8 +172,8 @@ static void check_frusta(Page *page, const FfpCapture *capture, const Light *lig
                 ffp_project(&view->projector, capture->centre, &x, &y) > 0;
     }
     line(page, ahead && camera > 0.9 && projector > 0.8, "frusta",
-         "of the object's sphere the camera holds %.0f %%, the pattern %.0f %% (worst views)", 100 * camera,
-         100 * projector);
+         "the camera sees %.0f %% of the object's sphere, the pattern covers %.0f %% (worst views)",
+         100 * camera, 100 * projector);
     if (!ahead)
         advise(page,
                "the object lies behind a device: the turntable's axis or the direction of R and T is wrong");
@@ -185,11 +185,10 @@ static void check_frusta(Page *page, const FfpCapture *capture, const Light *lig
             "the pattern does not reach all of the object: move or aim the projector, or check the size it "
             "was calibrated at");
     const double impossible = impossible_share(light);
-    line(page, impossible < IMPOSSIBLE_MAX, "lit pixels", "%.1f %% are lit where no projector light can be",
-         100 * impossible);
+    line(page, impossible < IMPOSSIBLE_MAX, "lit pixels",
+         "%.1f %% are lit where no projector light can reach", 100 * impossible);
     if (impossible >= IMPOSSIBLE_MAX)
-        advise(page,
-               "poses do not fit the pictures: check axis, angles and their sign, sizes, and the masks");
+        advise(page, "the poses do not fit the pictures: check axis, angles and their sign, sizes and masks");
 }
 
 static void check_silhouettes(Page *page, const FfpCapture *capture) {
@@ -198,7 +197,7 @@ static void check_silhouettes(Page *page, const FfpCapture *capture) {
          "%.1f %% of the object's pixels contradict the other views' silhouettes", 100 * misfit);
     if (misfit >= 0.03)
         advise(page, "the views are inconsistent: check the masks (those computed from white minus black "
-                     "lack what the projector does not reach; mask files are better), the turntable's axis, "
+                     "lack the parts in shadow; mask files are better), the turntable's axis, "
                      "its angles and their sign, and the order of the pictures");
 }
 
@@ -210,7 +209,8 @@ static void check_exposure(Page *page, Light *light) {
     if (clipped >= CLIPPED_SHARE) advise(page, "shorten the exposure until white clips in highlights only");
     line(page, bright > 0.1 && light->lit > 0, "exposure",
          "white's bright pixels (95 %%) reach %.2f of the range, linear", bright);
-    if (!(bright > 0.1)) advise(page, "expose longer, or come closer with the projector: noise will show");
+    if (!(bright > 0.1))
+        advise(page, "expose longer, or move the projector closer: otherwise noise will show");
 }
 
 static void check_black(Page *page, Light *light) {
@@ -219,11 +219,9 @@ static void check_black(Page *page, Light *light) {
     line(page, reversed < 0.01, "black level",
          "%.2f %% of the object's pixels are darker under white than under black", 100 * reversed);
     if (reversed >= 0.01)
-        advise(
-            page,
-            "black and white are swapped, the room's light changed, or camera and projector are not in step "
-            "(expose for whole frames of the projector)");
-    line(page, lit > 0.4, "lit share", "%.0f %% of the object's pixels get projector light", 100 * lit);
+        advise(page, "black and white are swapped, the room's light changed, or camera and projector are not "
+                     "synchronised (expose for whole frames of the projector)");
+    line(page, lit > 0.4, "lit share", "%.0f %% of the object's pixels receive projector light", 100 * lit);
     if (lit <= 0.4)
         advise(
             page,
@@ -252,19 +250,19 @@ enum {
 };
 static const Trained trained[] = {
     [CAMERA_DISTANCE] = {"camera", "object radii away", 2.9, 3.5, 0.6,
-                         "the model has not seen the object this near or far"},
+                         "the model was not trained at this distance"},
     [PROJECTOR_DISTANCE] = {"projector", "object radii away", 1.8, 2.5, 0.6,
-                            "the model has not seen light from this near or far"},
+                            "the model was not trained with light from this distance"},
     [CAMERA_HEIGHT] = {"height", "degrees above the object's equator (camera)", -10, 10, 8,
-                       "the model has looked from the side; check that the axis points up"},
+                       "the model was trained on views from the side; check that the axis points up"},
     [BETWEEN] = {"angle", "degrees between camera and projector, seen from the object", 15, 45, 5,
-                 "a smaller angle gives worse depth, a larger one more shadow"},
-    [CAMERA_FIELD] = {"camera field", "degrees", 40, 40, 20, "rays spread otherwise than in training"},
+                 "a smaller angle makes depth less accurate, a larger one casts more shadow"},
+    [CAMERA_FIELD] = {"camera field", "degrees", 40, 40, 20, "the field of view differs from training"},
     [PROJECTOR_FIELD] = {"projector field", "degrees", 55, 55, 30,
-                         "the light spreads otherwise than in training"},
+                         "the spread of the light differs from training"},
     [ROLL] = {"roll", "degrees of the camera about its axis", 0, 0, 10,
               "turn the photographs upright, or check the sign of the axis: the world's z must be up"},
-    [AMBIENT] = {"ambient", "of white's light is there under black too", 0.07, 0.66, 0.07,
+    [AMBIENT] = {"ambient", "of the light under white remains under black", 0.07, 0.66, 0.07,
                  "darken or lighten the room to get between"},
 };
 
@@ -326,14 +324,14 @@ static void check_rig(Page *page, const FfpCapture *capture, Light *light) {
     for (int i = 0; i < AMBIENT; i++) compare(page, i, ranges[i]);
     compare(page, AMBIENT, (Range){share, share});
     line(page, capture->n_views >= 6 && gap < 75, "views",
-         "%d, the widest gap being %.0f degrees (trained: 8 and 45)", capture->n_views, gap);
+         "%d, with a widest gap of %.0f degrees (trained: 8 and 45)", capture->n_views, gap);
     if (capture->n_views < 6 || gap >= 75)
         advise(page, "sides that no view sees are guessed: photograph all around");
     const double side = sqrt((double)camera->width * camera->height);
     line(page, side >= 90 && side <= 260, "size", "%d x %d pixels (trained: 128 x 128)", camera->width,
          camera->height);
     if (side > 260)
-        advise(page, "import narrower pictures, 128 pixels wide or so, or reconstruct without the network: "
+        advise(page, "import narrower pictures, about 128 pixels wide, or reconstruct without the network: "
                      "time and memory grow fast");
     if (side < 90) advise(page, "too few pixels for fine patterns");
 }
@@ -392,7 +390,7 @@ static bool try_other_sizes(const Page *page, const FfpCapture *capture, int act
     fprintf(
         page->out,
         "       -> it fits with %s the projector's focal lengths and principal point (%.3f): the projector "
-        "was calibrated at %.0f x %.0f pixels, and not at the pattern's %d x %d; import with that size, "
+        "was calibrated at %.0f x %.0f pixels, not at the pattern's %d x %d; import with that size, "
         "scaled\n",
         factor < 1 ? "half" : "twice", error, projector->width / factor, projector->height / factor,
         projector->width, projector->height);
@@ -404,8 +402,8 @@ static void check_pattern(Page *page, const FfpCapture *capture, const Light *li
     const int active = ffp_capture_active_pattern(capture, NULL, NULL);
     const FfpExplanation found = active >= 0 ? ffp_rig_explain(capture, active) : (FfpExplanation){0};
     if (found.pixels == 0) {
-        line(page, false, "pattern", "no lit pixels under a pattern that every view was seen under");
-        advise(page, "depth comes from such a pattern: take one more picture at each stop");
+        line(page, false, "pattern", "no lit pixels under a pattern that every view has");
+        advise(page, "depth requires such a pattern: take one more picture at each stop");
         return;
     }
     int mirror = 0;
@@ -419,7 +417,7 @@ static void check_pattern(Page *page, const FfpCapture *capture, const Light *li
     if ((mirrored || moved || nothing) && try_other_sizes(page, capture, active, light, &found)) return;
     if (mirrored)
         fprintf(page->out,
-                "       -> it fits when mirrored %s (%.3f): the projector mirrors, or the file does\n",
+                "       -> it fits when mirrored %s (%.3f): the projector or the file is mirrored\n",
                 ways[mirror], found.mirrored[mirror]);
     if (moved)
         fprintf(page->out,

@@ -1,4 +1,4 @@
-// Whether a capture can be reconstructed well: a page for the person who made it.
+// Checks whether a capture can be reconstructed well: a page for the person who made it.
 #ifndef FFP_RIG_CHECKS_H
 #define FFP_RIG_CHECKS_H
 

@@ -25,7 +25,7 @@ bool ffp_shots_find_codes(FfpShots *shots, const FfpShotSources *sources, const 
     const char *template = sources->codes;
     const int stops = calibration->n_stops;
     if (!template) return true;
-    if (template[0] == 0) return ffp_fail(err, FFP_ERROR_ARGUMENT, WHERE, "no file is named");
+    if (template[0] == 0) return ffp_fail(err, FFP_ERROR_ARGUMENT, WHERE, "no file given");
     shots->n_codes = ffp_gray_photographs(width, height);
     shots->codes =
         ffp_arena_alloc(shots->arena, (size_t)stops * (size_t)shots->n_codes, sizeof *shots->codes);

@@ -266,7 +266,7 @@ bool ffp_read_colmap(FfpCalibration *calibration, const char *folder, const char
     if (!ffp_join_path(cameras, folder, "cameras.txt") || !ffp_join_path(images, folder, "images.txt"))
         return ffp_fail(err, FFP_ERROR_FILE, folder, "the path is too long");
     if (calibration->has_projector)
-        return ffp_fail(err, FFP_ERROR_FILE, cameras, "the projector was given by another file already");
+        return ffp_fail(err, FFP_ERROR_FILE, cameras, "the projector was already given by another file");
     Lines camera_lines = {0}, image_lines = {0};
     Colmap colmap = {.cameras = ffp_alloc(CAMERAS_MAX, sizeof(ColmapCamera)),
                      .images = ffp_alloc(FFP_VIEWS_MAX + 1, sizeof(ColmapImage))};

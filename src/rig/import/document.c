@@ -29,5 +29,5 @@ bool ffp_document_open(FfpNode *root, const char *path, FfpError *err) {
     }
     json_decref(root->value);
     root->value = NULL;
-    return ffp_fail(err, FFP_ERROR_FILE, path, "holds no keys: is it a calibration in JSON, YAML or XML?");
+    return ffp_fail(err, FFP_ERROR_FILE, path, "contains no keys: is it a calibration in JSON, YAML or XML?");
 }

@@ -90,7 +90,7 @@ static bool fill(const char *template, const Blanks *blanks, Specials specials, 
         const char *end = *at == '{' ? strchr(at, '}') : NULL;
         if (*at == '{' && (!end || !fill_blank(blanks, at + 1, (size_t)(end - at - 1), text))) {
             return ffp_fail(err, FFP_ERROR_FILE, template,
-                            "%.20s: the placeholders are {view}, {pattern}, {index}, {number}, {number:3}",
+                            "%.20s: the placeholders are {view}, {pattern}, {index}, {number} and {number:3}",
                             at);
         }
         if (!append(path, &length, text, end ? specials.filled : specials.written))
@@ -131,7 +131,7 @@ static void free_glob(void *found) {
     ffp_free(found);
 }
 
-// The paths that match: * alone being a wildcard or, where that finds none, ? and [...] as well.
+// The paths that match, with only * as a wildcard or, if that finds none, ? and [...] as well.
 static bool find_files(glob_t *found, const FfpFileSet *set, const Blanks *blanks, FfpError *err) {
     char path[FFP_PATH_MAX];
     if (!fill(set->template, blanks, only_stars, path, err)) return false;
@@ -147,8 +147,8 @@ static bool match(const char **paths, FfpArena *arena, const FfpFileSet *set, co
     if (ffp_photograph_names_part(part->path)) {
         ffp_free(found);
         return ffp_fail(err, FFP_ERROR_FILE, part->path,
-                        "* matches file names, which have no part of a film (@): name films by {view}, "
-                        "{index} or {number} to take parts of them");
+                        "* cannot be combined with parts of films (@): name the films with {view}, {index} "
+                        "or {number}");
     }
     if (!find_files(found, set, blanks, err)) {
         ffp_free(found);

@@ -141,7 +141,7 @@ static bool check_outlines(const Search *search, const FfpAxis *axis, FfpError *
     if (there < FOUND * term.count)
         return ffp_fail(
             err, FFP_ERROR_FILE, PLACE,
-            "too few silhouettes lie whole in the pictures, or they are empty: look at the masks");
+            "too few silhouettes lie entirely within the pictures, or they are empty: check the masks");
     return median < OUTLINE_MAX * search->width ||
            ffp_fail(err, FFP_ERROR_FILE, PLACE,
                     "no axis makes the silhouettes agree (best: %.1f pixels apart): check the angles, the "
@@ -174,8 +174,8 @@ static bool find_distance(const Search *search, Candidate *candidates, int count
     *best = candidates[chosen];
     if (tried == 0)
         return ffp_fail(err, FFP_ERROR_FILE, PLACE,
-                        "the projector reaches the object at no distance: check R and T of the calibration, "
-                        "and its sizes");
+                        "the projector does not reach the object at any distance: check R, T and the sizes "
+                        "in the calibration");
     if (best->scan.error > CHANCE_MAX * best->scan.chance)
         return ffp_fail(
             err, FFP_ERROR_FILE, PLACE,
@@ -294,8 +294,8 @@ bool ffp_fit_axis(FfpAxis *axis, FfpAxisReport *report, const FfpCapture *captur
     if (!check_angles(angles, capture->n_views, err)) return false;
     if (!(baseline > 0))
         return ffp_fail(err, FFP_ERROR_FILE, "T",
-                        "camera and projector stand in one place, where no distance can be told: an axis "
-                        "cannot be found");
+                        "camera and projector are in the same place, so no distance can be measured and no "
+                        "axis found");
     if (guess && !(ffp_dot(guess->point, guess->point) > 0))
         return ffp_fail(err, FFP_ERROR_ARGUMENT, PLACE, "the initial axis passes through the camera");
     double *radians = ffp_alloc((size_t)capture->n_views, sizeof *radians);

@@ -30,19 +30,19 @@ static bool decode_view(FfpImporting *import, int stop, FfpError *err) {
         if (!(view->coverage.data[i] > 0)) memset(view->correspondence.data + 3 * i, 0, 3 * sizeof(real));
     const FfpCodesFit fit = ffp_codes_check(view);
     ffp_note(
-        "view '%s': Gray codes decode at %.1f %% of the lit pixels, %d of the object's; median distance from "
-        "the camera's rays %.2f pixels of the projector",
+        "view '%s': Gray codes decoded at %.1f %% of the lit pixels, %d of the object's; median distance "
+        "from the camera's rays %.2f pixels of the projector",
         view->id, 100.0 * report.decoded / report.lit, fit.kept, fit.off);
     if (report.dropped[0] > 0 || report.dropped[1] > 0)
         ffp_note("  the finest %d codes of columns and %d of rows are too fine for the photographs",
                  report.dropped[0], report.dropped[1]);
     if (report.clipped > CLIPPED_MAX)
-        ffp_note("  under white %.0f %% of the light pixels are overexposed: expose shorter",
+        ffp_note("  under white %.0f %% of the light pixels are overexposed: shorten the exposure",
                  100 * report.clipped);
     if (report.fine_sum < FINE_SUM_MIN && !import->settings->linear_images)
         ffp_note("  the finest codes and their inverses add up to %.2f of white: the photographs' values "
                  "look like "
-                 "linear light, which `linear` images are",
+                 "linear light: if they are, import them as linear images",
                  report.fine_sum);
     return (fit.known > 0 && fit.off <= CODES_OFF_MAX) ||
            ffp_fail(err, FFP_ERROR_FILE, "gray_codes",

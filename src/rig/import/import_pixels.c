@@ -115,8 +115,8 @@ static void note_too_bright(const FfpImporting *import) {
     const double share = (double)import->too_bright / (double)import->values;
     if (share > TOO_BRIGHT_MAX)
         ffp_warning(
-            "%.1f %% of the photographs' values were brighter than a capture's pictures hold and are cut "
-            "off: a lower exposure keeps them",
+            "%.1f %% of the photographs' values exceed the range of a capture's pictures and were clipped: "
+            "lower the exposure to keep them",
             100 * share);
 }
 
@@ -131,7 +131,7 @@ static bool check_masks(const FfpImporting *import, FfpError *err) {
             if (mask->data[i] > 0) return true;
     }
     return ffp_fail(err, FFP_ERROR_FILE, import->shots.masks[0],
-                    "the masks of all views are black: the object is white in them");
+                    "the masks of all views are black: they must be white on the object");
 }
 
 bool ffp_importing_load_pixels(FfpImporting *import, FfpError *err) {

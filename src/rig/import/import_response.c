@@ -10,13 +10,13 @@
 
 static void log_response(const FfpResponse *r, double before, double after) {
     ffp_note(
-        "projector gamma %.3f %.3f %.3f (+- %.2g %.2g %.2g), from %d pixels; pattern lookup %.1f dB, before "
-        "%.1f",
+        "projector gamma %.3f %.3f %.3f (+- %.2g %.2g %.2g), from %d pixels; pattern lookup %.1f dB (%.1f "
+        "before)",
         r->gamma[0], r->gamma[1], r->gamma[2], r->gamma_deviation[0], r->gamma_deviation[1],
         r->gamma_deviation[2], r->samples, -20 * log10(after), -20 * log10(before));
     ffp_note("  black level %s%.4f %.4f %.4f of white%s", r->black_known ? "" : "at most ", r->black[0],
              r->black[1], r->black[2],
-             r->black_known ? "" : " (the room's light hides it: photograph in the dark to know)");
+             r->black_known ? "" : " (hidden by the room's light: to measure it, photograph in the dark)");
 }
 
 // Patterns become the light that the projector made of them.

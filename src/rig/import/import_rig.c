@@ -8,8 +8,9 @@ static bool keep_chosen_stops(FfpImporting *import, FfpError *err) {
     for (int i = 0; i < calibration->n_stops; i++) calibration->stops[i].index = i;
     if (settings->n_views == 0) return true;
     if (calibration->n_pictures > 0 && settings->sources.n_images == 0)
-        return ffp_fail(err, FFP_ERROR_ARGUMENT, "views",
-                        "the calibration names the pictures itself: name them to choose among its views");
+        return ffp_fail(
+            err, FFP_ERROR_ARGUMENT, "views",
+            "the calibration itself names the pictures: to choose among its views, name the pictures too");
     bool twice = false;
     FfpStop *chosen = ffp_alloc((size_t)settings->n_views, sizeof *chosen);
     for (int i = 0; i < settings->n_views; i++) {
@@ -25,7 +26,7 @@ static bool keep_chosen_stops(FfpImporting *import, FfpError *err) {
     }
     if (twice) {
         ffp_free(chosen);
-        return ffp_fail(err, FFP_ERROR_ARGUMENT, "views", "a view is asked for twice");
+        return ffp_fail(err, FFP_ERROR_ARGUMENT, "views", "a view is named twice");
     }
     ffp_free(calibration->stops);
     calibration->stops = chosen;

@@ -61,13 +61,13 @@ static bool settle_camera(FfpImporting *import, int stop, FfpError *err) {
     const FfpCamera *camera = &import->capture.views[stop].camera;
     return (camera->width >= FFP_CAMERA_SIDE_MIN && camera->height >= FFP_CAMERA_SIDE_MIN &&
             camera->height <= FFP_IMAGE_SIDE_MAX) ||
-           ffp_fail(err, FFP_ERROR_ARGUMENT, "width", "pictures of %d x %d pixels", camera->width,
-                    camera->height);
+           ffp_fail(err, FFP_ERROR_ARGUMENT, "width", "pictures of %d x %d pixels are too small or too large",
+                    camera->width, camera->height);
 }
 
 bool ffp_importing_has_size(const char *path, int width, int height, const FfpOptics *optics, FfpError *err) {
     return (width == optics->width && height == optics->height) ||
-           ffp_fail(err, FFP_ERROR_FILE, path, "image is %d x %d, the others have %d x %d", width, height,
+           ffp_fail(err, FFP_ERROR_FILE, path, "image is %d x %d, but the others are %d x %d", width, height,
                     optics->width, optics->height);
 }
 

@@ -9,7 +9,7 @@
 
 #define FFP_CHANCE_MAX 0.75 // of what chance explains: more, and the pattern explains nothing
 
-// capture: name_capture gives its name, the other steps what is said at them.
+// capture: name_capture sets its name, and the other steps set the fields described with them.
 typedef struct FfpImporting {
     const FfpImportSettings *settings; // before all steps
     FfpCalibration calibration;        // read_rig; settle_views completes the optics' sizes

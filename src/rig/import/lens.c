@@ -26,8 +26,8 @@ static bool settle_cropped(FfpOptics *optics, const FfpPictureSize *at, int widt
     if (at->left < 0 || at->top < 0 || at->left > optics->width - width ||
         at->top > optics->height - height) {
         return ffp_fail(err, FFP_ERROR_FILE, path,
-                        "%d x %d pixels from %d,%d on do not lie within the %d x %d that the %s was "
-                        "calibrated at",
+                        "%d x %d pixels starting at %d,%d do not lie within the %d x %d at which the %s was "
+                        "calibrated",
                         width, height, at->left, at->top, optics->width, optics->height, what);
     }
     optics->cx -= at->left, optics->cy -= at->top;
@@ -42,7 +42,7 @@ bool ffp_optics_settle(FfpOptics *optics, const FfpPictureSize *at, int width, i
     if (at->width > 0 && !ffp_settle_size(optics, &place, at->width, at->height, err)) return false;
     if (optics->width == 0) {
         return ffp_fail(err, FFP_ERROR_ARGUMENT, setting,
-                        "the calibration does not say at how many pixels its %s was calibrated: "
+                        "the calibration does not say at which image size its %s was calibrated: "
                         "give that size",
                         what);
     }
@@ -53,7 +53,7 @@ bool ffp_optics_settle(FfpOptics *optics, const FfpPictureSize *at, int width, i
     } else if (width != optics->width || height != optics->height) {
         return ffp_fail(err, FFP_ERROR_FILE, path,
                         "%d x %d pixels, but the %s was calibrated at %d x %d: if pictures were scaled "
-                        "or cut since, say so (%s.fit)",
+                        "or cropped since, say so (%s.fit)",
                         width, height, what, optics->width, optics->height, what);
     }
     optics->width = width, optics->height = height;

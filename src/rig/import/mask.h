@@ -5,10 +5,11 @@
 #include <stdint.h>
 #include "core/image/image.h"
 
-// 1 where the projector's light reaches something, else 0, from linear pictures of one size: sRGB-encoded
-// luminance (Rec. 709) of white - black, smoothed by 1 2 1, in three classes between which the variance is
-// greatest (Otsu 1979, 256 bins), the darkest being background. Then holes are filled, which *holes tells
-// (1), and pieces below a twentieth of the largest dropped. Fails when white adds nothing anywhere.
+// 1 where the projector's light reaches something, otherwise 0, from linear pictures of one size: the
+// sRGB-encoded luminance (Rec. 709) of white - black, smoothed by 1 2 1, is divided into the three classes
+// between which the variance is greatest (Otsu 1979, 256 bins), and the darkest is background. Then holes are
+// filled (1 in *holes), and pieces below a twentieth of the largest dropped. Fails if white adds nothing
+// anywhere.
 bool ffp_mask_otsu(FfpImage *mask, FfpImage *holes, const FfpImage *black, const FfpImage *white,
                    const char *where, FfpError *err);
 

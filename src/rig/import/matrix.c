@@ -53,7 +53,8 @@ static bool read_opencv(const FfpNode *field, FfpMatrix *matrix, FfpError *err) 
         return false;
     }
     if (ffp_node_find(field, "dt", &type) && !ffp_node_text(&type, &dt, err)) return false;
-    if (strlen(dt) != 1) return ffp_node_fail(&type, err, "'%.20s': only matrices of one channel", dt);
+    if (strlen(dt) != 1)
+        return ffp_node_fail(&type, err, "'%.20s': only single-channel matrices are supported", dt);
     if (!append_row(&data, matrix, &count, err)) return false;
     return count == matrix->rows * matrix->cols ||
            ffp_node_fail(&data, err, "holds %d numbers, but the matrix has %d x %d", count, matrix->rows,

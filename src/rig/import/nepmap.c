@@ -120,7 +120,8 @@ bool ffp_read_nepmap(FfpCalibration *calibration, const FfpNode *root, FfpError 
         return false;
     }
     calibration->n_stops = 0; // so far: there is room for all
-    if (calibration->has_projector) return ffp_node_fail(root, err, "a projector was given already");
+    if (calibration->has_projector)
+        return ffp_node_fail(root, err, "the projector was already given by another file");
     if (!ffp_node_get(root, "K_cam", &field, err) || !ffp_node_intrinsics(&field, CENTRE, &camera, err) ||
         !read_size(root, &camera, err) || !ffp_node_get(root, "K_proj", &field, err) ||
         !ffp_node_intrinsics(&field, CENTRE, &calibration->projector, err) ||

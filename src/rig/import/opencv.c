@@ -25,7 +25,7 @@ static bool find_one(const FfpNode *root, const char *const *keys, FfpNode *out,
     for (int i = 0; keys[i] != NULL; i++) {
         FfpNode field;
         if (!ffp_node_find(root, keys[i], &field)) continue;
-        if (*found) return ffp_node_fail(&field, err, "stands for the same as %s: keep one", out->place);
+        if (*found) return ffp_node_fail(&field, err, "means the same as %s: keep only one", out->place);
         *out = field;
         *found = true;
     }
@@ -39,7 +39,7 @@ static bool read_device(const FfpNode *root, const char *const *keys, const char
     if (!find_one(root, keys, &matrix, &found, err) || !find_one(root, lens_keys, &lens, &distorted, err))
         return false;
     if (!found) return !distorted || ffp_node_fail(&lens, err, "lens coefficients without a camera matrix");
-    if (*has) return ffp_node_fail(&matrix, err, "was given by another file already");
+    if (*has) return ffp_node_fail(&matrix, err, "was already given by another file");
     *has = true;
     return ffp_node_intrinsics(&matrix, CENTRE, optics, err) &&
            (!distorted || ffp_node_lens(&lens, optics, err));
@@ -85,7 +85,7 @@ static bool read_motion(FfpCalibration *calibration, const FfpNode *root, FfpErr
         }
     }
     if (calibration->has_projector_pose)
-        return ffp_node_fail(&rotation, err, "was given by another file already");
+        return ffp_node_fail(&rotation, err, "was already given by another file");
     calibration->has_projector_pose = true;
     ffp_pose_inverse(c2p, calibration->p2c);
     return true;
@@ -110,7 +110,7 @@ static bool read_camera_config(FfpCalibration *calibration, const FfpNode *camer
     FfpNode field;
     int width = 0, height = 0;
     if (!ffp_node_get(camera, "P", &field, err)) return false;
-    if (calibration->has_camera) return ffp_node_fail(&field, err, "was given by another file already");
+    if (calibration->has_camera) return ffp_node_fail(&field, err, "was already given by another file");
     calibration->has_camera = true;
     return ffp_node_intrinsics(&field, CENTRE, &calibration->camera, err) &&
            ffp_node_get(camera, "distortion", &field, err) &&

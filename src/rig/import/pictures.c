@@ -43,9 +43,9 @@ static int pattern_index(FfpShots *shots, const char *name, FfpError *err) {
 
 static bool read_group(FfpShots *shots, const FfpShotFiles *source, Group *group, FfpError *err) {
     if (!source->files || source->files[0] == 0)
-        return ffp_fail(err, FFP_ERROR_ARGUMENT, IMAGES, "no file is named");
+        return ffp_fail(err, FFP_ERROR_ARGUMENT, IMAGES, "no file given");
     if (source->n_patterns < 1 || source->n_patterns > FFP_PATTERNS_MAX)
-        return ffp_fail(err, FFP_ERROR_ARGUMENT, IMAGES, "%d patterns for '%.100s': 1 to %d are possible",
+        return ffp_fail(err, FFP_ERROR_ARGUMENT, IMAGES, "%d patterns for '%.100s': expected 1 to %d",
                         source->n_patterns, source->files, FFP_PATTERNS_MAX);
     group->template = source->files;
     group->count = source->n_patterns;
@@ -87,7 +87,7 @@ static bool take_projected(FfpShots *shots, const FfpProjected *projected, bool 
         FfpShotPattern *pattern = &shots->patterns[i];
         if (strcmp(pattern->name, projected->name) != 0) continue;
         if (pattern->file)
-            return ffp_fail(err, FFP_ERROR_ARGUMENT, where, "pattern '%s' comes twice", pattern->name);
+            return ffp_fail(err, FFP_ERROR_ARGUMENT, where, "duplicate pattern '%s'", pattern->name);
         if (!ffp_is_file(projected->file))
             return ffp_fail(err, FFP_ERROR_ARGUMENT, projected->file, "no such file: pattern '%s'",
                             pattern->name);
@@ -128,7 +128,7 @@ static void take_kept_patterns(FfpShots *shots, const char *folder) {
 static bool find_masks(FfpShots *shots, const char *template, const FfpCalibration *calibration,
                        FfpError *err) {
     if (!template || template[0] == 0)
-        return ffp_fail(err, FFP_ERROR_ARGUMENT, "mask_files", "no file is named");
+        return ffp_fail(err, FFP_ERROR_ARGUMENT, "mask_files", "no file given");
     shots->masks = ffp_arena_alloc(shots->arena, (size_t)calibration->n_stops, sizeof *shots->masks);
     const FfpFileSet set = {template, calibration, NULL, 1, "masks", "", ""};
     return ffp_files_find(shots->masks, shots->arena, &set, err);
@@ -152,10 +152,8 @@ static bool check_single(const FfpShots *shots, const FfpCalibration *calibratio
 }
 
 static bool check_complete(const FfpShots *shots, const FfpCalibration *calibration, FfpError *err) {
-    if (shots->black < 0)
-        return ffp_fail(err, FFP_ERROR_ARGUMENT, IMAGES, "no pictures under black are named");
-    if (shots->white < 0)
-        return ffp_fail(err, FFP_ERROR_ARGUMENT, IMAGES, "no pictures under white are named");
+    if (shots->black < 0) return ffp_fail(err, FFP_ERROR_ARGUMENT, IMAGES, "no pictures under black given");
+    if (shots->white < 0) return ffp_fail(err, FFP_ERROR_ARGUMENT, IMAGES, "no pictures under white given");
     const int plain[2] = {shots->black, shots->white};
     for (int i = 0; i < 2 * calibration->n_stops; i++) {
         if (shots->pictures[i / 2 * FFP_PATTERNS_MAX + plain[i % 2]] != NULL) continue;
@@ -167,7 +165,7 @@ static bool check_complete(const FfpShots *shots, const FfpCalibration *calibrat
     for (int i = 0; i < shots->n_patterns; i++) {
         if (!shots->patterns[i].file && i != shots->black && i != shots->white)
             return ffp_fail(err, FFP_ERROR_ARGUMENT, PATTERNS,
-                            "missing file of pattern '%s': name the image that was projected",
+                            "no file given for pattern '%s': name the image that was projected",
                             shots->patterns[i].name);
     }
     return true;

@@ -49,8 +49,8 @@ typedef struct FfpShotSources {
     const char *codes;      // likewise, photographs of Gray codes; NULL: none
 } FfpShotSources;
 
-// Finds all files for the calibration's stops. Each picture is known to exist afterwards; black and white are
-// there, and every other pattern has its file.
+// Finds all files for the calibration's stops. Afterwards each picture is known to exist, and so are black
+// and white and the file of every other pattern.
 bool ffp_shots_find(FfpShots *shots, const FfpShotSources *sources, const FfpCalibration *calibration,
                     FfpError *err);
 // The photographs of the Gray codes of a panel of this size, where the sources name them. Where they name no

@@ -65,7 +65,8 @@ bool ffp_read_procams_projector(FfpCalibration *calibration, const FfpNode *root
         (!ffp_node_count(root, 1, 1, &n, err) || !ffp_node_item(root, 0, &entry, err))) {
         return false;
     }
-    if (calibration->has_projector) return ffp_node_fail(&entry, err, "a projector was given already");
+    if (calibration->has_projector)
+        return ffp_node_fail(&entry, err, "the projector was already given by another file");
     if (!ffp_node_get(&entry, "R", &rotation, err) || !ffp_node_matrix_of(&rotation, 3, 3, r, err) ||
         !ffp_node_get(&entry, "T", &translation, err) || !ffp_node_matrix_of(&translation, 3, 1, t, err) ||
         !read_optics(&entry, &calibration->projector, err)) {

@@ -230,7 +230,7 @@ static bool same_sizes(const FfpCapture *capture, FfpError *err) {
     for (int v = 1; v < capture->n_views; v++) {
         const FfpCamera *a = &capture->views[0].camera, *b = &capture->views[v].camera;
         if (a->width != b->width || a->height != b->height)
-            return ffp_fail(err, FFP_ERROR_FILE, PLACE, "the views' pictures are of different sizes");
+            return ffp_fail(err, FFP_ERROR_FILE, PLACE, "the views' pictures have different sizes");
     }
     return true;
 }

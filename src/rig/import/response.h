@@ -7,7 +7,7 @@
 typedef struct FfpResponse { // per channel: light = white's * (black + (1 - black) value^gamma)
     double gamma[3], gamma_deviation[3];
     double black[3];  // share of white's light under black ...
-    bool black_known; // ... because the room was dark; otherwise no more than that, the rest being the room's
+    bool black_known; // ... because the room was dark; otherwise at most this share: the rest is the room's
                       // light
     double intensity; // W/sr in world units, as a reader of captures would guess it (bright pixels have an
                       // albedo of 0.8), but with the distances and slants that were matched

@@ -172,7 +172,7 @@ void ffp_turntable_place(const FfpTurntable *turntable, bool reversed, FfpCalibr
 static bool check_fixed(const FfpCalibration *calibration, FfpError *err) {
     if (calibration->n_stops > 0)
         return ffp_fail(err, FFP_ERROR_FILE, PLACE,
-                        "the calibration has poses for all views itself: leave the turntable away");
+                        "the calibration already has poses for all views: omit the turntable");
     return true;
 }
 

@@ -76,7 +76,7 @@ static void on_entity(void *data, const XML_Char *name, int is_parameter, const 
                       const XML_Char *notation) {
     (void)name, (void)is_parameter, (void)value, (void)length, (void)base, (void)system, (void)public;
     (void)notation;
-    stop(data, "entities are not read here");
+    stop(data, "entities are not supported");
 }
 
 // A list of numbers when there are several and all are; otherwise one scalar.
@@ -105,7 +105,7 @@ static json_t *value_of(Reader *reader, Element *element) {
     const char *text = element->text ? element->text : "";
     if (!element->object && !element->array) {
         json_t *value = leaf(element);
-        if (!value) stop(reader, "a text that is not UTF-8");
+        if (!value) stop(reader, "text that is not UTF-8");
         return value;
     }
     if (element->object && element->array)
@@ -136,7 +136,7 @@ static void on_end(void *data, const XML_Char *name) {
         json_array_append_new(parent->array, value);
     } else {
         if (!parent->object) parent->object = json_object();
-        if (json_object_get(parent->object, element->name)) stop(reader, "an element comes twice");
+        if (json_object_get(parent->object, element->name)) stop(reader, "duplicate element");
         json_object_set_new(parent->object, element->name, value);
     }
     release(element);

@@ -46,10 +46,10 @@ static bool read_items(Reader *reader, json_t *array, int depth) {
 }
 
 static bool read_pair(Reader *reader, const yaml_event_t *key, json_t *object, int depth) {
-    if (key->type != YAML_SCALAR_EVENT) return fail_at(reader, &key->start_mark, "a key must be a text");
+    if (key->type != YAML_SCALAR_EVENT) return fail_at(reader, &key->start_mark, "a key must be a string");
     const char *name = (const char *)key->data.scalar.value;
     if (strlen(name) != key->data.scalar.length || json_object_get(object, name)) {
-        return fail_at(reader, &key->start_mark, "a key comes twice, or holds a zero byte");
+        return fail_at(reader, &key->start_mark, "a key is repeated, or contains a zero byte");
     }
     yaml_event_t event;
     if (!next(reader, &event)) return false;
@@ -77,7 +77,7 @@ static json_t *read_node(Reader *reader, const yaml_event_t *event, int depth) {
         fail_at(reader, &event->start_mark, "nested too deeply");
     } else if (event->type == YAML_SCALAR_EVENT) {
         value = scalar(event);
-        ok = value || fail_at(reader, &event->start_mark, "a text holds a zero byte");
+        ok = value || fail_at(reader, &event->start_mark, "a string contains a zero byte");
     } else if (event->type == YAML_SEQUENCE_START_EVENT) {
         value = json_array();
         ok = read_items(reader, value, depth);
@@ -85,7 +85,7 @@ static json_t *read_node(Reader *reader, const yaml_event_t *event, int depth) {
         value = json_object();
         ok = read_pairs(reader, value, depth);
     } else {
-        fail_at(reader, &event->start_mark, "aliases are not read here");
+        fail_at(reader, &event->start_mark, "aliases are not supported");
     }
     if (ok) return value;
     json_decref(value);

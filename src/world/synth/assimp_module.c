@@ -51,7 +51,7 @@ static bool count_parts(const struct aiScene *scene, FfpMesh *mesh, bool *with_u
     }
     if (triangles == 0) return fail(why, "holds no triangle");
     if (triangles > TRIANGLES_MAX || vertices > 3LL * TRIANGLES_MAX)
-        return fail(why, "%lld triangles are more than %d", triangles, TRIANGLES_MAX);
+        return fail(why, "%lld triangles exceed the limit of %d", triangles, TRIANGLES_MAX);
     mesh->n_vertices = (int)vertices, mesh->n_triangles = (int)triangles;
     return true;
 }
@@ -73,7 +73,7 @@ static bool take_vertices(const struct aiMesh *part, FfpMesh *mesh, int vertex, 
         if (part->mNormals) memcpy(mesh->normals + at, &part->mNormals[i], 3 * sizeof(float));
         for (size_t k = 0; k < 3; k++)
             if (!(fabsf(mesh->positions[at + k]) <= FURTHEST))
-                return fail(why, "vertex %zu is not a finite place", at / 3);
+                return fail(why, "vertex %zu is not finite", at / 3);
         for (size_t k = 0; mesh->uv && k < 2; k++) {
             const float value = ((const float *)&part->mTextureCoords[0][i])[k];
             mesh->uv[2 * ((size_t)vertex + i) + k] = fabsf(value) < 1e6F ? value : 0;
@@ -89,7 +89,7 @@ static bool take_faces(const struct aiMesh *part, FfpMesh *mesh, int vertex, int
         uint32_t *corner = mesh->triangles + 3 * (size_t)(*triangle)++;
         for (int k = 0; k < 3; k++) {
             if (face->mIndices[k] >= part->mNumVertices)
-                return fail(why, "a triangle asks for vertex %u of %u", face->mIndices[k],
+                return fail(why, "a triangle refers to vertex %u of %u", face->mIndices[k],
                             part->mNumVertices);
             corner[k] = (uint32_t)vertex + face->mIndices[k];
         }
@@ -121,7 +121,7 @@ static bool read_mesh(FfpMesh *mesh, const char *path, bool facets, char why[400
     if (!scene) return fail(why, "cannot be read: %s", aiGetErrorString());
     const bool ok = count_parts(scene, mesh, &with_uv, why) && allocate(mesh, with_uv, why) &&
                     take_parts(scene, mesh, why) &&
-                    (has_extent(mesh) || fail(why, "all its vertices lie in one place"));
+                    (has_extent(mesh) || fail(why, "all its vertices coincide"));
     aiReleaseImport(scene);
     return ok;
 }

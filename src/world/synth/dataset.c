@@ -141,8 +141,9 @@ static bool write_scene(const FfpCapture *capture, const FfpSceneSpec *spec, con
     if (ok && rename(part, folder) != 0) {
         const bool there = errno == ENOTEMPTY || errno == EEXIST || errno == ENOTDIR;
         ok = there ? ffp_fail(err, FFP_ERROR_ARGUMENT, folder,
-                              "is there already, but is not a whole scene: remove it")
-                   : ffp_fail(err, FFP_ERROR_IO, folder, "cannot name the scene: %s", strerror(errno));
+                              "already exists, but is not a complete scene: remove it")
+                   : ffp_fail(err, FFP_ERROR_IO, folder, "cannot rename the finished scene: %s",
+                              strerror(errno));
     }
     ffp_disown(owned);
     ffp_free(owned);
@@ -219,11 +220,11 @@ static bool generate_all(Job *job, int64_t total) {
     job->progress = ffp_task("generating", count);
     ffp_parallel_for(count, omp_get_max_threads() + 1, work_on, job);
     ffp_task_end(&job->progress);
-    if (job->kept > 0) ffp_note("%lld scenes were there already and were kept", (long long)job->kept);
+    if (job->kept > 0) ffp_note("%lld scenes already existed and were kept", (long long)job->kept);
     return !job->failed;
 }
 
-// The scenes there are, and how many of them are asked for.
+// Checks the range of scenes asked for, and counts them.
 static bool choose_scenes(const FfpDatasetSettings *options, int64_t *count, FfpError *err) {
     const int64_t size = options->mesh ? ASSET_SCENES : ffp_dataset_size(options->split);
     if (size == 0)
@@ -235,7 +236,7 @@ static bool choose_scenes(const FfpDatasetSettings *options, int64_t *count, Ffp
     const int64_t left = size - options->first;
     *count = options->count >= 0 ? options->count : options->mesh ? 1 : left;
     if (*count < 1 || *count > left)
-        return ffp_fail(err, FFP_ERROR_ARGUMENT, "count", "%lld scenes from %lld on are not in 1..%lld",
+        return ffp_fail(err, FFP_ERROR_ARGUMENT, "count", "%lld scenes starting at %lld are not in 1..%lld",
                         (long long)*count, (long long)options->first, (long long)left);
     return true;
 }
@@ -259,7 +260,7 @@ static bool photograph_object(const Job *job, FfpError *err) {
     const FfpDatasetSettings *options = job->options;
     FfpSceneSpec spec = job->spec;
     if (options->count > 1)
-        return ffp_fail(err, FFP_ERROR_ARGUMENT, "count", "photographs are of one object, not of %lld",
+        return ffp_fail(err, FFP_ERROR_ARGUMENT, "count", "photographs show one object, not %lld",
                         (long long)options->count);
     if (job->asset[0])
         asset_scene(options->first, options->seed, &spec);
@@ -277,8 +278,7 @@ static bool generate_job(Job *job, int64_t count, FfpError *err) {
 
 // Everything but the scenes themselves.
 static bool open_job(Job *job, int64_t *count, FfpError *err) {
-    if (!job->options->folder)
-        return ffp_fail(err, FFP_ERROR_ARGUMENT, NULL, "no folder to write to is given");
+    if (!job->options->folder) return ffp_fail(err, FFP_ERROR_ARGUMENT, NULL, "no output folder given");
     return preset_spec(job->options, &job->spec, err) && choose_scenes(job->options, count, err) &&
            open_assets(job, err);
 }
@@ -327,6 +327,6 @@ bool ffp_dataset_check(const FfpDatasetSettings *options, FfpError *err) {
     if (missing > 0)
         return ffp_fail(err, FFP_ERROR_FILE, options->folder, "%lld of %lld scenes are missing: %s",
                         (long long)missing, (long long)count, names);
-    ffp_note("all %lld scenes are there", (long long)count);
+    ffp_note("all %lld scenes exist", (long long)count);
     return true;
 }

@@ -220,7 +220,7 @@ static bool read_apart(FfpMesh *mesh, const Task *task, FfpError *err) {
     if (!silent) return ok;
     const bool slow = WIFSIGNALED(status) && (WTERMSIG(status) == SIGXCPU || WTERMSIG(status) == SIGKILL);
     return ffp_fail(err, FFP_ERROR_FILE, task->path, "is not a readable %s file: %s", task->format->ending,
-                    slow ? "its reader came to no end" : "its reader broke down");
+                    slow ? "its reader took too long" : "its reader crashed");
 }
 
 bool ffp_mesh_read(FfpMesh *mesh, const char *path, FfpError *err) {

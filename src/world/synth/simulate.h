@@ -31,8 +31,8 @@ typedef struct FfpSimulation {
 // maps are means over the samples that hit, depth belongs to the pixel's centre. The images pass through
 // 8-bit sRGB with straight 8-bit alpha, as a file would carry them, so that a scene in memory equals the same
 // scene read back from disk. visibility (may be NULL) receives the share of covered samples that lie
-// in the projector's rectangle and in nobody's shadow; one that faces away from it counts, its cosine being
-// 0. The result depends on the seed, `stream` and the arguments alone, not on the number of threads.
+// in the projector's rectangle and in nobody's shadow; one that faces away from it counts, with a cosine
+// of 0. The result depends on the seed, `stream` and the arguments alone, not on the number of threads.
 void ffp_simulate_view(const FfpSimulation *simulation, FfpView *view, uint32_t stream, FfpImage *visibility);
 
 #endif

@@ -142,7 +142,7 @@ FfpTextures *ffp_textures_read(const char *folder, FfpError *err) {
         return NULL;
     }
     if (found.name[ROLE_METALLIC][0])
-        ffp_warning("%s: metals are not known here: %s is not used, the surface is a dielectric", folder,
+        ffp_warning("%s: metals are not supported: %s is not used, the surface is a dielectric", folder,
                     found.name[ROLE_METALLIC]);
     if (!found.name[ROLE_ROUGHNESS][0])
         ffp_note("%s: no roughness map: %g everywhere", folder, (double)NO_MAP_ROUGHNESS);

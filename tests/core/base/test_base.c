@@ -288,7 +288,7 @@ static void folders_appear_whole_or_not_at_all(void **state) {
     put(&out, "a");
     assert_true(ffp_output_commit(&out, &err));
     assert_true(ffp_is_file(in_scratch("deep/maps/a")));
-    // a folder that is there is filled where it lies, and kept
+    // an existing folder is filled in place, and kept
     assert_true(ffp_output_open_folder(&out, in_scratch("deep/maps/"), false, &err));
     put(&out, "b");
     ffp_output_abort(&out);

@@ -193,8 +193,8 @@ static bool host_is_asked(void *user, const FfpProgress *progress) {
     return true;
 }
 
-// In the call numbers have points, by whichever thread; in the host's callbacks and behind the call, however
-// it ends, they have what the host has set.
+// During the call numbers have decimal points, in every thread; in the host's callbacks and after the call,
+// however it ends, they follow the host's locale.
 static void the_hosts_locale_stays_outside(void **state) {
     (void)state;
     FfpError err = {0};

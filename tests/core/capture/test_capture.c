@@ -377,7 +377,7 @@ static void sample_is_consistent(void **state) {
     ffp_capture_free(&capture);
 }
 
-// The second sample: all that it promises is there.
+// The second sample has everything that it promises.
 static void sculpture_is_consistent(void **state) {
     (void)state;
     FfpCapture capture, targets;

@@ -75,13 +75,13 @@ static void broken_scenes_are_refused(void **state) {
         {"\"intensity\"", "\"device\": {\"width\": 1e9}, \"intensity\"", "whole number",
          "projector.device.width"},
         {"\"intensity\"", "\"device\": 3, \"intensity\"", "must be an object", "projector.device"},
-        {"\"role\": \"black\"", "\"role\": \"dark\"", "role 'dark' is none of", "patterns[0].role"},
+        {"\"role\": \"black\"", "\"role\": \"dark\"", "invalid role 'dark'", "patterns[0].role"},
         {"\"role\": \"black\"", "\"role\": \"white\"", "a second pattern with the role white",
          "patterns[1].role"},
         {"\"role\": \"black\"", "\"role\": \"active\"", "missing field", "patterns[0].file"},
         {"\"role\": \"white\"", "\"role\": \"novel\", \"file\": \"p/dots.png\"",
          "no pattern has the role white", "patterns"},
-        {"\"name\": \"dots\"", "\"name\": \"earth\"", "pattern 'earth' comes twice", "patterns[3].name"},
+        {"\"name\": \"dots\"", "\"name\": \"earth\"", "duplicate pattern 'earth'", "patterns[3].name"},
         {"\"name\": \"dots\"", "\"name\": \"../dots\"", "invalid name", "patterns[3].name"},
         {"\"name\": \"dots\"", "\"name\": \"do\\nts\"", "invalid name", "patterns[3].name"},
         {"\"name\": \"dots\"", "\"name\": \"\"", "must not be empty", "patterns[3].name"},
@@ -95,9 +95,9 @@ static void broken_scenes_are_refused(void **state) {
          "patterns[3].file"},
         {"\"views\": [", "\"views\": [], \"x\": [", "has 0 entries; 1 to 512", "views"},
         {"\"views\": [", "\"views\": 8, \"x\": [", "must be an array", "views"},
-        {"\"id\": \"b\"", "\"id\": \"a\"", "view 'a' comes twice", "views[1].id"},
+        {"\"id\": \"b\"", "\"id\": \"a\"", "duplicate view 'a'", "views[1].id"},
         {"\"id\": \"b\"", "\"id\": \"..\"", "invalid name", "views[1].id"},
-        {"\"id\": \"b\"", "\"id\": 7", "must be a text", "views[1].id"},
+        {"\"id\": \"b\"", "\"id\": 7", "must be a string", "views[1].id"},
         {C2W_A, "[[0, 0, -2, 3], [2, 0, 0, 0], [0, -2, 0, 0], [0, 0, 0, 1]]", "is not rigid", "views[0].c2w"},
         {C2W_A, "[[0, 0, 0, 3], [1, 0, 0, 0], [0, -1, 0, 0], [0, 0, 0, 1]]", "is singular", "views[0].c2w"},
         {C2W_A, "[[0, 0, 0, 0], [0, 0, 0, 0], [0, 0, 0, 0], [0, 0, 0, 0]]", "last row", "views[0].c2w"},
@@ -122,7 +122,7 @@ static void broken_scenes_are_refused(void **state) {
          "views[0].images.dark"},
         {"\"dark\": \"a0.png\"", "\"night\": \"a0.png\"", "'night' is not among the patterns",
          "views[0].images.night"},
-        {"\"dark\": \"a0.png\"", "\"dark\": 0", "must be a text", "views[0].images.dark"},
+        {"\"dark\": \"a0.png\"", "\"dark\": 0", "must be a string", "views[0].images.dark"},
         {"\"images\": {\"dark\": \"b0", "\"images\": 5, \"x\": {\"dark\": \"b0", "must be an object",
          "views[1].images"},
     };
@@ -147,7 +147,7 @@ static void broken_render_poses_are_refused(void **state) {
         {"\"all_black\"", "\"gone\"", "no pattern is called all_black or black", "views"},
         {"\"all_white\"", "\"gone\"", "no pattern is called all_white or white", "views"},
         {"\"nature\"", "\"stripes\"", "no pattern image stripes.png", "views"},
-        {"\"nature\"", "\"lollipop_0\"", "pattern 'lollipop_0' comes twice",
+        {"\"nature\"", "\"lollipop_0\"", "duplicate pattern 'lollipop_0'",
          "views[0].patterns[3].projector_image"},
         {"\"nature\"", "\"../nature\"", "invalid name", "views[0].patterns[2].projector_image"},
         {"/far/away/a0.png", "/etc/gone.png", "nor 'gone.png' beside the JSON",
@@ -268,7 +268,7 @@ static void bad_truth_is_refused(void **state) {
 
 // --- Files that change while they are read. ---
 
-// From the first or a later opening of `name` on another file is there.
+// From the first or a later opening of `name` onwards, another file is in its place.
 static struct {
     const char *name, *other;
     int at; // the opening from which on

@@ -163,9 +163,9 @@ static void test_hostile(void **state) {
     expect_refused("vertex 5\n", "vertex 5\nelement vertex 5\n", 0, "element");
     expect_refused("float opacity", "float opacities", 0, "opacity");
     expect_refused("float opacity", "int opacity", 0, "opacity");
-    expect_refused("float opacity", "float x", 0, "twice");
+    expect_refused("float opacity", "float x", 0, "duplicate");
     expect_refused("float opacity", "float128 opacity", 0, "type");
-    expect_refused("float opacity", "list uchar int opacity", 0, "one number");
+    expect_refused("float opacity", "list uchar int opacity", 0, "a single number");
     expect_refused("float base_color_0", "float basecolor", 0, "base_color_0");
     expect_refused("end_header", "end_headex", 0, "end_headex");
     expect_refused("element vertex 5\n", "", 0, "property");

@@ -263,12 +263,12 @@ static void odd_tiff_is_refused(void **state) {
         TiffKind kind;
         const char *words;
     } cases[] = {
-        {{"w", 8, 4, PHOTOMETRIC_SEPARATED, COMPRESSION_NONE, .extra = -1}, "TIFF of CMYK"},
+        {{"w", 8, 4, PHOTOMETRIC_SEPARATED, COMPRESSION_NONE, .extra = -1}, "TIFF in CMYK"},
         {{"w", 8, 5, PHOTOMETRIC_RGB, COMPRESSION_NONE, .extra = -1}, "channels beyond colour and alpha"},
-        {{"w", 32, 1, PHOTOMETRIC_MINISBLACK, COMPRESSION_NONE, .extra = -1}, "other than 8 or 16 bits"},
+        {{"w", 32, 1, PHOTOMETRIC_MINISBLACK, COMPRESSION_NONE, .extra = -1}, "neither 8 nor 16 bits"},
         {{"w", 64, 1, PHOTOMETRIC_MINISBLACK, COMPRESSION_NONE, .floats = true, .extra = -1},
          "64-bit floats"},
-        {{"w", 8, 3, PHOTOMETRIC_CIELAB, COMPRESSION_NONE, .extra = -1}, "other colours than grey and RGB"},
+        {{"w", 8, 3, PHOTOMETRIC_CIELAB, COMPRESSION_NONE, .extra = -1}, "colours other than grey and RGB"},
         {{"w", 1, 1, PHOTOMETRIC_MINISBLACK, COMPRESSION_CCITTFAX4, .extra = -1}, "compression 4"},
         {{"w", 16, 1, PHOTOMETRIC_CFA, COMPRESSION_NONE, .extra = -1}, "raw photograph"},
     };
@@ -397,7 +397,7 @@ static void layers_of_exr_are_found(void **state) {
     }
     const ExrPart none = {.channels = {"N.X", "N.Y", "N.Z"}, .width = 4, .height = 4};
     write_exr_parts(in_scratch("layers.exr"), &none, 1);
-    expect_refusal("layers.exr", "neither channels R, G, B nor Y");
+    expect_refusal("layers.exr", "neither the channels R, G and B nor");
 }
 
 static void parts_of_exr_are_found(void **state) {

@@ -309,7 +309,7 @@ static void srgb_curves_agree(void **state) {
     assert_true(ffp_srgb_encode_slope(-0.1F) == 0 && ffp_srgb_encode_slope(1.1F) == 0);
 }
 
-// Rows in which values repeat, return and are no numbers go through the curve value by value.
+// Rows in which values repeat, return or are NaN go through the curve value by value.
 static void images_go_through_the_curve(void **state) {
     (void)state;
     const real values[8] = {0.5F, 0.5F, 0, -1, (real)NAN, 0.25F, 2, 2};

@@ -1,5 +1,5 @@
-// Raw photographs and films, by the real programs where they are there, and by scripts in their place that
-// do what programs should not.
+// Raw photographs and films, with the real programs if they are installed, and with scripts in their place
+// that do what programs should not.
 #include <math.h>
 #include <stdint.h>
 #include <sys/stat.h>
@@ -135,7 +135,7 @@ static void a_broken_raw_photograph_is_named(void **state) {
     need_program("dcraw_emu");
     const char bytes[64] = "FUJIFILMCCD-RAW 0201FF000000Test";
     assert_true(ffp_write_file(in_scratch("broken.raf"), bytes, sizeof bytes, NULL));
-    expect_refusal(in_scratch("broken.raf"), "dcraw_emu makes no picture of it");
+    expect_refusal(in_scratch("broken.raf"), "dcraw_emu could not make a picture of it");
 }
 
 static void without_the_program_it_says_which(void **state) {
@@ -146,7 +146,7 @@ static void without_the_program_it_says_which(void **state) {
     assert_true(ffp_write_file(in_scratch("a.mp4"), film, sizeof film, NULL));
     setenv("PATH", "/nonexistent", 1);
     expect_refusal(in_scratch("a.raf"), "libraw-bin");
-    expect_refusal(in_scratch("a.mp4"), "ffmpeg, is not here");
+    expect_refusal(in_scratch("a.mp4"), "ffmpeg, is not installed");
 }
 
 // --- Films. ---
@@ -246,7 +246,7 @@ static void a_broken_film_is_named(void **state) {
     const char film[64] = "\0\0\0\x20"
                           "ftypisom";
     assert_true(ffp_write_file(in_scratch("broken.mp4"), film, sizeof film, NULL));
-    expect_refusal(in_scratch("broken.mp4"), "ffmpeg makes no picture of it: ");
+    expect_refusal(in_scratch("broken.mp4"), "ffmpeg could not make a picture of it: ");
 }
 
 // --- What programs should not do. ---
@@ -254,12 +254,12 @@ static void a_broken_film_is_named(void **state) {
 static void odd_output_is_refused(void **state) {
     (void)state;
     static const char *const odd[][2] = {
-        {"true", "makes no picture of it"},
-        {"printf 'P5 2 2 255 '", "makes no picture of it"},
-        {"printf 'P6 2 2 65535 '; head -c 24 /dev/zero", "makes no picture of it"},
-        {"printf 'P6 2 2 255 '; head -c 11 /dev/zero", "makes no picture of it"},
-        {"printf 'P6 999999 999999 255 '; head -c 99 /dev/zero", "makes no picture of it"},
-        {"printf 'P6 99999999999999999999 2 255 '", "makes no picture of it"},
+        {"true", "could not make a picture of it"},
+        {"printf 'P5 2 2 255 '", "could not make a picture of it"},
+        {"printf 'P6 2 2 65535 '; head -c 24 /dev/zero", "could not make a picture of it"},
+        {"printf 'P6 2 2 255 '; head -c 11 /dev/zero", "could not make a picture of it"},
+        {"printf 'P6 999999 999999 255 '; head -c 99 /dev/zero", "could not make a picture of it"},
+        {"printf 'P6 99999999999999999999 2 255 '", "could not make a picture of it"},
         {"printf 'P6 2 2 255 '; head -c 12 /dev/zero; printf 'P6 2 1 255 '; head -c 6 /dev/zero",
          "several sizes, 2 x 2 and 2 x 1"},
         {"printf 'P6 2 2 255 '; head -c 12 /dev/zero; echo 'no memory' >&2; exit 3", "no memory"},

@@ -9,7 +9,7 @@
 
 enum { ROWS = 67, DIM = 83, LD = DIM + 6, SIZE = ROWS * LD, OUTPUTS = 24 };
 
-// What the kernels write, SIZE numbers each. Where they write nothing, what was there is the same.
+// What the kernels write, SIZE numbers each. Numbers that they do not write are the same for all.
 typedef struct Outputs {
     float *of[OUTPUTS];
     const char *name[OUTPUTS];

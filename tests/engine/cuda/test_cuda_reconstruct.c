@@ -129,7 +129,7 @@ typedef struct Notes {
 static void take_note(void *user, FfpLogLevel level, const char *text) {
     Notes *notes = user;
     (void)level;
-    if (!strstr(text, "works on the CPU")) return;
+    if (!strstr(text, "runs on the CPU")) return;
     notes->on_the_cpu++;
     snprintf(notes->last, sizeof notes->last, "%s", text);
 }

@@ -87,7 +87,7 @@ static void free_outputs(Pass *pass) {
     for (int i = 0; i < pass->n_out; i++) ffp_free(pass->out[i].before), ffp_free(pass->out[i].after);
 }
 
-// What was there before is taken away: only what kernels add counts.
+// The values from before are subtracted: only what the kernels add counts.
 static double relative_error(const float *found, const float *expected, const float *before, size_t count) {
     double error = 0, size = 0;
     for (size_t i = 0; i < count; i++) {

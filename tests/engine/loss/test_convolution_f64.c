@@ -29,7 +29,7 @@ static Sizes sizes_of(const FfpConv *s) {
     return z;
 }
 
-// Walks all (output, tap) pairs: y += w x when `forward`, else x += w y.
+// Walks all (output, tap) pairs: y += w x if `forward`, otherwise x += w y.
 static void plain_conv(real *y, real *x, const real *w, const FfpConv *s, const Sizes *z, bool forward) {
     for (int o = 0; o < s->out; o++)
         for (int p = 0; p < z->width * z->height; p++)

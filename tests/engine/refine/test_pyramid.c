@@ -313,7 +313,7 @@ static void test_pictures_are_cut_to_the_object(void **state) {
     for (int v = 0; v < 2; v++) ffp_image_free(&views[v].coverage), ffp_image_free(&images[v][0]);
 }
 
-// What is done to all coarse splats is done to all fine ones, and nothing else.
+// A change made to all coarse splats is made to all fine ones, and nothing else changes.
 static void test_changes_are_carried(void **state) {
     (void)state;
     Scene s = scene_new(60, 50);

@@ -417,7 +417,7 @@ static void test_neighbours_are_those_of_brute_force(void **state) {
     }
 }
 
-// Steps far too long destroy a fit. What was there before is then kept, bit for bit.
+// Steps far too long destroy a fit. The initial state is then kept, bit for bit.
 static void test_a_fit_that_loses_is_dropped(void **state) {
     (void)state;
     FfpCapture capture = ball_capture();

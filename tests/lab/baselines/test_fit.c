@@ -1,4 +1,4 @@
-// Fits from end to end: what diverges is no success, and a checkpoint is that of its fit alone, to the bit.
+// Fits from end to end: one that diverges fails, and a checkpoint serves its own fit only, to the bit.
 #include <math.h>
 #include "field_scene.h"
 #include "lab/baselines/field.h"
@@ -41,13 +41,13 @@ static void refused(const FfpFieldSettings *settings, const char *why) {
     if (!strstr(err.text, why)) fail_msg("no '%s' in: %s", why, err.text);
 }
 
-// However few steps there are since the loss was told, or until it is told first.
+// However few steps have passed since the loss was last reported, or remain until its first report.
 static void what_diverges_is_refused(void **state) {
     (void)state;
     FfpFieldSettings s = of_steps(7);
     s.grid_rate = s.net_rate = 1e30;
     s.checkpoint = in_scratch("diverged");
-    refused(&s, "no longer a number");
+    refused(&s, "no longer finite");
     assert_false(ffp_is_file(s.checkpoint));
 }
 

@@ -129,7 +129,7 @@ static void what_cannot_teach_is_refused(void **state) {
     assert_true(ffp_write_file(in_scratch("few/b/scene.json"), "{}", 2, &err));
     refused(&config, "few/b/scene.json");
     assert_false(ffp_train_config_parse(&config, "{\"captures\": \"a\", \"scenes\": \"b\"}", "both", &err));
-    assert_non_null(strstr(err.text, "only one of them"));
+    assert_non_null(strstr(err.text, "cannot be combined"));
     assert_false(ffp_train_config_parse(&config, "{\"captures\": \"a\", \"free_share\": 0.5}", "both", &err));
 }
 

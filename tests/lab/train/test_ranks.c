@@ -291,11 +291,12 @@ static void draws_are_disjoint(void **state) {
     }
 }
 
-static void activations_made_anew_change_no_bit(void **state) {
+static void recomputed_activations_change_no_bit(void **state) {
     (void)state;
     train_well(in_scratch("kept"), write_config("kept.json", ""), 1, 3, false);
-    train_well(in_scratch("anew"), write_config("anew.json", ", \"recompute\": true"), 1, 3, false);
-    assert_runs_agree(in_scratch("kept"), in_scratch("anew"), 0);
+    train_well(in_scratch("recomputed"), write_config("recomputed.json", ", \"recompute\": true"), 1, 3,
+               false);
+    assert_runs_agree(in_scratch("kept"), in_scratch("recomputed"), 0);
 }
 
 static void one_that_is_stopped_stops_all(void **state) {
@@ -325,9 +326,9 @@ static void train_badly(const char *config, const char *what[2]) {
 static void refusals(void **state) {
     (void)state;
     train_badly(write_config("odd.json", ", \"batch\": 3"),
-                (const char *[]){"3 scenes a step cannot be shared by 2 ranks", "batch"});
+                (const char *[]){"3 scenes per step cannot be divided among 2 ranks", "batch"});
     train_badly(write_config("pool.json", ", \"batch\": 2, \"pool\": 5"),
-                (const char *[]){"5 scenes alive cannot be shared by 2 ranks", "pool"});
+                (const char *[]){"5 scenes cannot be divided among 2 ranks", "pool"});
 }
 
 // The scene that rank 1 draws first is broken: it says which, and rank 0 does not wait for it.
@@ -425,7 +426,7 @@ int main(void) {
         cmocka_unit_test(draws_are_disjoint),
         cmocka_unit_test(ranks_make_the_run_of_one),
         cmocka_unit_test(another_number_of_ranks_goes_on),
-        cmocka_unit_test(activations_made_anew_change_no_bit),
+        cmocka_unit_test(recomputed_activations_change_no_bit),
         cmocka_unit_test(one_that_is_stopped_stops_all),
         cmocka_unit_test(refusals),
         cmocka_unit_test(a_failure_is_everybodys),

@@ -142,7 +142,7 @@ static void test_weights_of_any_name(void **state) {
 
 // --- Metrics. ---
 
-// Weights that predict something, but so large that their gradient is no number.
+// Weights that predict something, but are so large that their gradient is not finite.
 static void write_absurd_weights(const char *path) {
     FfpError err = {0};
     FfpModelConfig config;

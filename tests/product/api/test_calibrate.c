@@ -165,7 +165,7 @@ static void a_rig_comes_back(void **state) {
         assert_true(stats.left_out < stats.corners / 10);
         check_file(file);
         assert_true(ffp_read_text(report, 1 << 24, &text, &size, &err));
-        assert_non_null(strstr(text, "pose_5: camera's errors"));
+        assert_non_null(strstr(text, "pose_5: the camera's errors"));
         assert_null(strstr(text, "http"));
         ffp_free(text);
     }
@@ -209,8 +209,8 @@ static void refused(FfpRigCalibration *o, const char *const *words) {
 }
 #define REFUSED(o, ...) refused(o, (const char *const[]){__VA_ARGS__, NULL})
 
-// What is done to a copy of one attitude, of which photographs 1 and 2 are black and white, 3 to 18 codes of
-// columns and 19 to 34 of rows, and what must be said of it.
+// A change to a copy of one attitude, whose photographs 1 and 2 are black and white, 3 to 18 codes of columns
+// and 19 to 34 of rows, and the words that the error must contain.
 typedef struct Fault {
     const char *command;
     int width, height; // of the panel; 0: its own
@@ -259,8 +259,8 @@ static const Fault faults[] = {
      "bad/shot_$j.png; done",
      0,
      0,
-     {"the board's mirror image", "columns and rows are"}},
-    {"true", 130, PANEL_H, {"columns beyond the panel's 130", "of another size"}},
+     {"the board's mirror image", "columns are swapped with rows"}},
+    {"true", 130, PANEL_H, {"columns beyond the panel's 130", "has another size"}},
     {"true", 1024, PANEL_H, {"of 1024 x 190 pixels requires 38"}},
     // Light, size, board.
     {"cp ../dim_0.png bad/shot_9.png && cp ../dim_1.png bad/shot_10.png",
@@ -271,15 +271,15 @@ static const Fault faults[] = {
     {"cp ../small.png bad/shot_20.png",
      0,
      0,
-     {"image is 200 x 100, the others have 480 x 360", "bad/shot_20.png"}},
+     {"image is 200 x 100, but the others are 480 x 360", "bad/shot_20.png"}},
     {"cp ../small.png bad/shot_2.png",
      0,
      0,
-     {"image is 200 x 100, 'shot_1.png' has 480 x 360", "bad/shot_2.png"}},
+     {"image is 200 x 100, but 'shot_1.png' is 480 x 360", "bad/shot_2.png"}},
     {"rm -r bad && cp -r ../bare bad",
      0,
      0,
-     {"no chessboard with 7 x 5 corners inside it is in any of 1 attitudes"}},
+     {"no chessboard with 7 x 5 inner corners in any of 1 attitudes"}},
 };
 
 static void what_is_wrong_is_named(void **state) {
@@ -331,7 +331,7 @@ static void another_board(void **state) {
     const char *folder = in_scratch("shots");
     FfpRigCalibration o = settings_of(&folder, 1);
     o.columns = 8;
-    REFUSED(&o, "no chessboard with 8 x 5 corners", "there is one with 7 x 5");
+    REFUSED(&o, "no chessboard with 8 x 5 inner corners", "there is one with 7 x 5");
     o.columns = 6;
     REFUSED(&o, "0 of 6 attitudes", "more than 6 x 5 corners");
 }
@@ -342,7 +342,7 @@ static void too_few_and_too_alike(void **state) {
     const char *folder = three("few");
     in_folder(folder, "rm -r bad");
     FfpRigCalibration o = settings_of(&folder, 1);
-    REFUSED(&o, "2 of 2 attitudes", "3 are needed");
+    REFUSED(&o, "2 of 2 attitudes", "but 3 are needed");
     assert_int_equal(mkdir(in_scratch("parallel"), 0777), 0);
     for (int i = 0; i < 3; i++) {
         const Placed board = placed(0.3, 0.2, 0, 20 * i - 20, 5 * i, 560 + 40 * i);
@@ -516,9 +516,9 @@ static void wrong_turntables(void **state) {
     in_folder(scratch, "mkdir stops && cp table_0/[0-1].png stops/ && cp full.png stops/2.png && "
                        "cp stops/2.png stops/3.png");
     snprintf(folder, sizeof folder, "%s/stops", scratch);
-    REFUSED(&o, "2 of 4 photographs show the board, 3 are needed", "stops/2.png");
+    REFUSED(&o, "2 of 4 photographs show the board, but 3 are needed", "stops/2.png");
     in_folder(scratch, "cp small.png stops/1.png");
-    REFUSED(&o, "is of 200 x 100 pixels, the camera was calibrated at 480 x 360", "stops/1.png");
+    REFUSED(&o, "has 200 x 100 pixels, but the camera was calibrated at 480 x 360", "stops/1.png");
     in_folder(scratch, "printf GIF89a > stops/1.png");
     REFUSED(&o, "stops/1.png");
     snprintf(folder, sizeof folder, "%s/nowhere", scratch);

@@ -102,7 +102,7 @@ static void two_at_a_time_are_as_each_alone(void **state) {
             close_caller(&together[i]);
         }
     }
-    assert_true(alone[0].notes > 0); // three views are few, and it is said
+    assert_true(alone[0].notes > 0); // three views are few, and a note says so
     for (int i = 0; i < 2; i++) close_caller(&alone[i]);
 }
 

@@ -293,7 +293,7 @@ static void test_wrong_data_is_refused_by_name(void **state) {
     WRONG(r.views[2].camera.fx = NAN, "camera");
     WRONG(r.views[2].camera.pose[0] += 0.5, "not rigid");
     WRONG(r.views[2].projector.pose[3] = INFINITY, "pose");
-    WRONG(r.views[1].id = r.views[0].id, "twice");
+    WRONG(r.views[1].id = r.views[0].id, "duplicate");
     WRONG(r.views[1].id = "../a", "invalid name");
     WRONG(r.data.black = r.data.white, "patterns");
     WRONG(r.data.n_views = 0, "views");

@@ -321,7 +321,7 @@ static void wrong_compensations_say_what_is_wrong(void **state) {
                "compensate %s/tiny.ply -c %s/tiny -v view_1 -t %s/tiny/view_2_stripes.png -o %s/no.png "
                "--for-device",
                scratch, scratch, scratch, scratch);
-    must_fail(1, "does not know the real projector", "no.png");
+    must_fail(1, "does not describe the real projector", "no.png");
     const char *start = "compensate";
     char common[512];
     snprintf(common, sizeof common, "%s %s/tiny.ply -c %s/tiny -o %s/never.png", start, scratch, scratch,

@@ -39,7 +39,7 @@ static void must_fail(const char *what, const char *where, const char *arguments
     assert_true(ok);
 }
 
-// The output folder is there and empty, so that anything left behind shows, temporary files included.
+// The output folder exists and is empty, so that anything left behind shows, including temporary files.
 static void reconstruct_must_fail(const char *what, const char *where) {
     char arguments[1024];
     snprintf(arguments, sizeof arguments, "reconstruct %s -o %s/out.ply --model none", capture, output);
@@ -239,7 +239,7 @@ static void with_photograph(const char *what, const void *bytes, size_t size) {
     ffp_free(kept);
 }
 
-// A PNG of which only the header is there: enough to claim any size.
+// A PNG that consists of its header only: enough to claim any size.
 static size_t png_head(unsigned char out[64], uint32_t width, uint32_t height) {
     static const unsigned char start[] = {137, 80, 78, 71, 13, 10, 26, 10, 0, 0, 0, 13, 'I', 'H', 'D', 'R'};
     memcpy(out, start, sizeof start);
@@ -513,11 +513,11 @@ static void test_checkpoints_that_are_broken(void **state) {
         {"another format", "{\"__metadata__\":{\"format\":\"x\"}}", "checkpoint.safetensors: format"},
         {"no step", "{\"__metadata__\":{\"format\":\"ffprocams-checkpoint-1\"}}",
          "checkpoint.safetensors: step"},
-        {"a step that is none", "{\"__metadata__\":{\"format\":\"ffprocams-checkpoint-1\",\"step\":\"-4\"}}",
+        {"an invalid step", "{\"__metadata__\":{\"format\":\"ffprocams-checkpoint-1\",\"step\":\"-4\"}}",
          "checkpoint.safetensors: step"},
         {"no configuration", "{\"__metadata__\":{\"format\":\"ffprocams-checkpoint-1\",\"step\":\"4\"}}",
          "checkpoint.safetensors: config"},
-        {"a large model of which nothing is there",
+        {"a large model without any tensors",
          "{\"__metadata__\":{\"format\":\"ffprocams-checkpoint-1\",\"step\":\"4\",\"config\":\"{"
          "\\\"model\\\": "
          "\\\"paper\\\"}\"}}",

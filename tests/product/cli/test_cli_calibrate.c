@@ -48,7 +48,7 @@ static void what_is_refused(void **state) {
     assert_false(ffp_is_file("x.xml"));
 }
 
-// What is wrong with all of them is told once, and the panel's size that nobody gave is named.
+// A fault that all of them share is reported once, and names the panel's size that nobody gave.
 static void the_same_is_told_once(void **state) {
     (void)state;
     char command[1024];

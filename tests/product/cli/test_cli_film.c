@@ -82,7 +82,7 @@ static void a_failure_of_ffmpeg_is_told_and_leaves_nothing(void **state) {
     put_ffmpeg("#!/bin/sh\necho warming up >&2\necho 'unknown codec' >&2\nexit 3\n");
     must_refuse("failed.mp4", "ffmpeg failed: unknown codec");
     put_ffmpeg("#!/bin/sh\ncat >/dev/null\nkill -9 $$\n");
-    must_refuse("killed.mp4", "ffmpeg failed: it does not say why");
+    must_refuse("killed.mp4", "ffmpeg failed: no reason given");
 }
 
 static void what_cannot_be_made_is_told_before_the_work(void **state) {
@@ -91,10 +91,10 @@ static void what_cannot_be_made_is_told_before_the_work(void **state) {
     snprintf(command, sizeof command, "rm -rf -- '%s/frames'", scratch);
     assert_int_equal(system(command), 0);
     setenv("PATH", "/nowhere", 1);
-    must_refuse("absent.mp4", "ffmpeg, which makes .mp4 films, is not here");
+    must_refuse("absent.mp4", "ffmpeg, which makes .mp4 films, is not installed");
     setenv("PATH", path_before, 1);
-    must_refuse("film.avi", "a film ends in .png, .apng, .gif, .mp4, .webm or .mkv");
-    must_refuse("film", "a film ends in");
+    must_refuse("film.avi", "must be .png, .apng, .gif, .mp4, .webm or .mkv");
+    must_refuse("film", "the extension of a film");
     must_refuse("nowhere/film.png", "cannot write");
     assert_false(ffp_is_folder(in_scratch("frames")));
     assert_int_equal(film("film.apng"), 0); // needs nothing

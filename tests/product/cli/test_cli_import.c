@@ -240,7 +240,7 @@ static void test_opencv_samples(void **state) {
     import_rig("samples", "cal.yml", plain);
 }
 
-// Placeholders and * in one name: what a placeholder does not tell is told by *.
+// Placeholders and * in one name: * stands for whatever the placeholders do not.
 static void test_names_of_files(void **state) {
     (void)state;
     static const char *const ways[] = {
@@ -395,11 +395,11 @@ static void test_what_is_cut_off_is_told(void **state) {
     write_opencv("cal.yml", &single_shot, false, no_lens, no_lens);
     snprintf(arguments, sizeof arguments, "-c %s/cal.yml " SIZES TURNTABLE FIRST_TWO SHOTS PATTERN, scratch);
     import("dim", arguments);
-    assert_null(strstr(run.err, "are cut off"));
+    assert_null(strstr(run.err, "were clipped"));
     strcat(arguments, "--exposure 5 ");
     import("bright", arguments);
     assert_non_null(strstr(run.err, "% of the photographs' values"));
-    assert_non_null(strstr(run.err, "a lower exposure keeps them"));
+    assert_non_null(strstr(run.err, "lower the exposure to keep them"));
 }
 
 static void test_masks_that_leave_nothing_are_refused(void **state) {
@@ -413,7 +413,7 @@ static void test_masks_that_leave_nothing_are_refused(void **state) {
     snprintf(arguments, sizeof arguments,
              "-c %s/cal.yml " SIZES TURNTABLE FIRST_TWO SHOTS PATTERN "-m '%s/mask_{view}.png'", scratch,
              scratch);
-    must_fail(arguments, "the masks of all views are black: the object is white in them (");
+    must_fail(arguments, "the masks of all views are black: they must be white on the object (");
 }
 
 // sRGB's curve is nearly the power 2.2; patterns become light by what was found, which the file keeps.
@@ -511,7 +511,7 @@ static void test_refusals(void **state) {
          "2 files match, but a view has 1 photographs"},
         {SIZES TURNTABLE SHOTS PATTERN "-m '" SAMPLE "/path_0_theta0*_all_white.png'",
          "3 files match, but 8 views have 8 masks"},
-        {SIZES TURNTABLE PATTERN "-i 'black=shots/*.mp4@1-2'", "have no part of a film (@)"},
+        {SIZES TURNTABLE PATTERN "-i 'black=shots/*.mp4@1-2'", "cannot be combined with parts of films (@)"},
         {SIZES TURNTABLE PATTERN "-i 'black=" SAMPLE "/scene.json@1x'", "one file for 8 views"},
         {SIZES TURNTABLE SHOTS "-p lollipop_0,lollipop_1=" SAMPLE "/patterns/lollipop_0.png",
          "repeat -p for several: -p A -p B"},

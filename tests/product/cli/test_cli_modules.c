@@ -30,7 +30,7 @@ static void what_is_missing_is_named(void **state) {
     assert_int_equal(run.status, 0);
 }
 
-// Embree is there, Assimp is not.
+// Embree is installed, Assimp is not.
 static void meshes_need_a_module_of_their_own(void **state) {
     (void)state;
     char embree[FFP_PATH_MAX];

@@ -119,7 +119,7 @@ static void pages_that_cannot_be_written_are_an_error(void **state) {
     assert_int_equal(run.status, 1);
     assert_non_null(strstr(run.err, "Not a directory (")); // of the file itself, not of what was to be in it
     assert_non_null(strstr(run.err, "/pages/ffprocams.1)"));
-    // A disk that is full half-way: files may hold 4 KiB. What was there stays, and nothing lies beside it.
+    // A disk that fills up half-way: files may hold 4 KiB. The old file stays, with nothing beside it.
     snprintf(command, sizeof command, "bash -c \"trap '' XFSZ; ulimit -f 4; '%s' --pages %s/pages\" 2>%s.err",
              FFP_PROGRAM, scratch, scratch);
     if (system("command -v bash >/dev/null") == 0) {

@@ -60,7 +60,7 @@ static void no_capture_gives_the_same_pictures(void **state) {
              scratch, scratch);
     run_program(&run, line);
     assert_int_equal(run.status, 1);
-    assert_non_null(strstr(run.err, "the file of pattern lollipop_0 is not there"));
+    assert_non_null(strstr(run.err, "the file of pattern lollipop_0 does not exist"));
     run_program(&run, "render a.ply -o b");
     assert_int_equal(run.status, 2);
 }

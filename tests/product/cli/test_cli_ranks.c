@@ -121,7 +121,7 @@ static void a_wrong_number_of_processes_is_refused(void **state) {
     assert_true(ffp_write_file(in_scratch("odd.json"), "{\"batch\": 3}", 12, NULL));
     assert_true(shell(MPIRUN "train --out %s --config %s", in_scratch("odd"), in_scratch("odd.json")) != 0);
     read_log(text, sizeof text);
-    if (!strstr(text, "3 scenes a step cannot be shared by 2 ranks")) fail_msg("%s", text);
+    if (!strstr(text, "3 scenes per step cannot be divided among 2 ranks")) fail_msg("%s", text);
     assert_false(ffp_is_file(in_scratch("odd/metrics.jsonl")));
 }
 

@@ -235,7 +235,7 @@ static void test_wrong_requests_are_told_and_write_nothing(void **state) {
     assert_int_equal(
         run_format(&run, "refine %s/absent.ply -c %s/tiny -o %s/no.ply", scratch, scratch, scratch), 1);
     assert_non_null(strstr(run.err, "absent.ply"));
-    // What cannot be written is told before the work, and before anything else that is wrong.
+    // A file that cannot be written is reported before the work, and before any other fault.
     assert_int_equal(run_format(&run, "refine %s/absent.ply -c %s/tiny -o %s/nowhere/no.ply --seconds 100",
                                 scratch, scratch, scratch),
                      1);

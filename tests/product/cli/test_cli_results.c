@@ -350,7 +350,7 @@ static double now(void) {
     return (double)at.tv_sec + 1e-9 * (double)at.tv_nsec;
 }
 
-// Runs the program and kills it after so many seconds, if it has not ended by then.
+// Runs the program and kills it if it has not ended within the given seconds.
 static void run_and_kill(const char *const arguments[], double seconds) {
     const pid_t child = fork();
     if (child == 0) {

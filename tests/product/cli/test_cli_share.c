@@ -35,7 +35,7 @@ static void a_folder_says_what_it_lacks(void **state) {
     must_say(1, line("generate %s/scenes " SCENES " --count 3 --check"),
              "1 of 3 scenes are missing: train_00001 ");
     must(line("generate %s/scenes " SCENES " --first 1 --count 1"));
-    must_say(0, line("generate %s/scenes " SCENES " --count 3 --check"), "all 3 scenes are there");
+    must_say(0, line("generate %s/scenes " SCENES " --count 3 --check"), "all 3 scenes exist");
     must_say(1, line("generate %s/scenes " SCENES " --count 9 --check"),
              "6 of 9 scenes are missing: train_00003, ");
 }
@@ -76,7 +76,7 @@ static void scores_of_parts_make_the_whole(void **state) {
 
 static void merging_refuses(void **state) {
     (void)state;
-    must_say(1, line("evaluate --merge %s/first.json --merge %s/first.json"), "was there already");
+    must_say(1, line("evaluate --merge %s/first.json --merge %s/first.json"), "duplicate row");
     must_say(1, line("evaluate --merge %s/scenes/train_00000/scene.json"), "predictor");
     must_say(1, line("evaluate --merge %s/none.json"), "none.json");
     must_say(2, line("evaluate %s/scenes/train_00000 --merge %s/first.json"), "no CAPTURE");

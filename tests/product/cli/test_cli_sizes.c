@@ -55,8 +55,8 @@ static void check_size(const char *name, int width, int height) {
 static void files_hold_whole_patches(void **state) {
     (void)state;
     must_run("info %s/two");
-    assert_non_null(strstr(run.out, "camera 128 x 117 (filled up to 128 x 120, whole patches)"));
-    assert_non_null(strstr(run.out, "camera 125 x 109 (filled up to 128 x 112, whole patches)"));
+    assert_non_null(strstr(run.out, "camera 128 x 117 (padded to 128 x 120, whole patches)"));
+    assert_non_null(strstr(run.out, "camera 125 x 109 (padded to 128 x 112, whole patches)"));
     check_size("two/path_0_theta000_all_white.png", 128, 120);
     check_size("two/path_0_theta045_all_white.png", 128, 112);
 }

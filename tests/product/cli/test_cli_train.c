@@ -101,7 +101,7 @@ static void a_signal_ends_it_with_a_checkpoint(void **state) {
     interrupt(in_scratch("full"), in_scratch("quick.json"), SIGINT, 8, 0); // the queue is full
     go_on_for_two_steps(in_scratch("full"));
     interrupt(in_scratch("first"), in_scratch("slow.json"), SIGINT, 0,
-              100); // before the first scene is there
+              100); // before the first scene is ready
     assert_int_equal(steps_done(in_scratch("first")), 0);
     interrupt(in_scratch("middle"), in_scratch("slow.json"), SIGTERM, 1, 0); // others in the making
 }

@@ -177,7 +177,7 @@ static void test_wrong_usage_exits_2_and_says_where_to_read(void **state) {
     assert_int_equal(run.status, 2);
 }
 
-// What is wrong is named, and what was probably meant.
+// Messages name the mistake, and what was probably meant.
 static void test_mistakes_are_told_as_what_they_are(void **state) {
     (void)state;
     static const struct {
@@ -255,8 +255,9 @@ static void test_kernels_that_cannot_run_here_are_an_error(void **state) {
     run_program(&run, "info nothing");
     unsetenv("FFPROCAMS_CPU");
     assert_int_equal(run.status, 1);
-    assert_string_equal(run.err, "ffprocams: error: sse9 is none of portable, avx2, avx512, avx512bf16, amx "
-                                 "(FFPROCAMS_CPU)\n");
+    assert_string_equal(
+        run.err, "ffprocams: error: invalid value sse9: expected portable, avx2, avx512, avx512bf16 or amx "
+                 "(FFPROCAMS_CPU)\n");
     if (ffp_cpu_best() == FFP_CPU_AMX) return;
     setenv("FFPROCAMS_CPU", "amx", 1);
     run_program(&run, "info nothing");

@@ -122,7 +122,8 @@ class Page(browser.Browser):
     def set(self, name, value):
         """A control by its id, as a hand would."""
         self.run(f"""(() => {{ const c = document.getElementById({name!r});
-            if (c.type === 'checkbox') c.checked = {str(bool(value)).lower()}; else c.value = {value!r};
+            if (c.type === 'checkbox') c.checked = {str(bool(value)).lower()};
+            else c.value = {value!r};
             c.dispatchEvent(new Event('input', {{bubbles: true}})); }})()""")
 
     def click(self, selector):
@@ -497,7 +498,7 @@ def check_memory(check, page):
         g.target = (...given) => { made++; return Graphics.prototype.target.apply(g, given); };
         const turn = () => { for (const q of [1, 0]) viewer.lastChange++, viewer.setCamera(movePose(viewer.pose, [1e-4, 0, 0])), viewer.draw(QUALITIES[q]); };
         turn(); made = 0; turn(); delete g.target; return made; })()""")
-    check("moving and resting keep their memory", made == 0, f"{made} targets made anew")
+    check("moving and resting keep their memory", made == 0, f"{made} targets made again")
     page.hold(False)
     page.run("""document.getElementById('toast').classList.remove('shown');
         viewer.graphics.gl.checkFramebufferStatus = () => 0; viewer.renderer.view = new GbufferView(viewer.renderer); viewer.invalidate(); idle()""")

@@ -10,7 +10,7 @@ static FfpRigFit known_rig(const char *name) {
     for (int i = 0; i < 3; i++) fit.attitudes[i] = new_attitude(i < 2 ? name : "last", 0.1, &rng);
     memcpy(fit.devices, true_devices, sizeof fit.devices);
     ffp_rotation_from_vector(true_turn, fit.r), memcpy(fit.t, true_shift, sizeof fit.t);
-    snprintf(fit.attitudes[1].problem, sizeof fit.attitudes[1].problem, "%s is no name", name);
+    snprintf(fit.attitudes[1].problem, sizeof fit.attitudes[1].problem, "%s is not a name", name);
     return fit;
 }
 

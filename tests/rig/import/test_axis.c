@@ -81,7 +81,7 @@ static void test_with_guess(void **state) {
     check_found();
 }
 
-// Angles counted the other way round: the same axis, and it is said.
+// Angles counted the other way round: the same axis, with a note.
 static void test_reversed(void **state) {
     (void)state;
     SAME_WAY_AGAIN();
@@ -98,7 +98,7 @@ static void test_no_baseline(void **state) {
     (void)state;
     p2c[3] = p2c[7] = p2c[11] = 0;
     assert_false(fit(NULL));
-    assert_non_null(strstr(err.text, "camera and projector stand in one place"));
+    assert_non_null(strstr(err.text, "camera and projector are in the same place"));
     assert_non_null(strstr(err.text, "(T)"));
 }
 
@@ -126,10 +126,10 @@ static void test_empty_masks(void **state) {
     (void)state;
     for (int v = 0; v < capture.n_views; v++)
         for (int i = 0; i < 128 * 128; i++) capture.views[v].coverage.data[i] = 0;
-    must_fail(&truth, "look at the masks");
+    must_fail(&truth, "check the masks");
 }
 
-// What was projected is another picture than the file.
+// The projected picture differs from the file.
 static void test_wrong_pattern(void **state) {
     (void)state;
     SAME_WAY_AGAIN();
@@ -147,7 +147,7 @@ static void test_projector_elsewhere(void **state) {
     double kept[16];
     memcpy(kept, p2c, sizeof kept);
     for (int i = 0; i < 3; i++) p2c[4 * i] = -p2c[4 * i], p2c[4 * i + 2] = -p2c[4 * i + 2];
-    must_fail(&truth, "reaches the object at no distance");
+    must_fail(&truth, "does not reach the object at any distance");
     memcpy(p2c, kept, sizeof kept);
 }
 

@@ -184,7 +184,7 @@ static void test_bad_fields(void **state) {
     must_refuse("rows: 3", "rows: -3", "camK.rows");
     must_refuse("rows: 3", "rows: three", "must be a number");
     must_refuse("   rows: 3\n", "", "missing field");
-    must_refuse("dt: d", "dt: \"2d\"", "one channel");
+    must_refuse("dt: d", "dt: \"2d\"", "single-channel");
     must_refuse("[ 0.1, 0.2, 0., 0. ]", "[ 0.1, 0.2, 0. ]", "holds 3 numbers");
     must_refuse("cols: 4\n   dt: d\n   data: [ 0.1, 0.2, 0., 0. ]",
                 "cols: 8\n   dt: d\n   data: [ 0.1, 0.2, 0., 0., 0., 1., 0., 0. ]",
@@ -196,10 +196,10 @@ static void test_bad_fields(void **state) {
     must_refuse("T: [ 1, 0, 0 ]\n", "", "without a translation");
     must_refuse("T: [ 1, 0, 0 ]", "T: [ 1, 0 ]", "expected 3 x ");
     must_refuse("T: [ 1, 0, 0 ]", "T: { a: 1 }", "T.rows");
-    must_refuse("R: [", "rotation: [1]\nR: [", "stands for the same as rotation");
+    must_refuse("R: [", "rotation: [1]\nR: [", "means the same as rotation");
     must_refuse("prjK: [ [ 90, 0, 15 ], [ 0, 90, 11 ], [ 0, 0, 1 ] ]\n", "", "no projector");
     must_refuse("R: [ 1, 0, 0, 0, 1, 0, 0, 0, 1 ]\nT: [ 1, 0, 0 ]\n", "", "stereo-calibrate");
-    must_refuse("camK:", "prjK:", "comes twice");
+    must_refuse("camK:", "prjK:", "key is repeated");
     must_refuse("camK:", "camQ:", "without a camera matrix");
 }
 
@@ -210,25 +210,25 @@ static void test_bad_documents(void **state) {
     } cases[] = {
         {"", "empty"},
         {"\n\n", "empty"},
-        {"%YAML:1.0\n---\n", "holds no keys"},
-        {"just words", "holds no keys"},
+        {"%YAML:1.0\n---\n", "contains no keys"},
+        {"just words", "contains no keys"},
         {"a: 1\n---\nb: 2\n", "second document"},
         {"a: 1\nb: 2\n", "none of the keys"},
         {"camK: [1, 2", "broken YAML"},
         {"camK: &m [1]\nprjK: *m\n", "aliases"},
         {"a: [[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[", "broken YAML"},
-        {"? [a]\n: 1\n", "a key must be a text"},
+        {"? [a]\n: 1\n", "a key must be a string"},
         {"{\"camK\": ", "broken JSON"},
         {"{\"camK\": 1, \"camK\": 2}", "broken JSON"},
         {"[]", "missing item"},
         {"<a><b></a>", "broken XML"},
         {"<opencv_storage><camK><rows>3</rows>", "broken XML"},
         {"<a>text<b>1</b></a>", "both text and elements"},
-        {"<a><b>1</b><b>2</b></a>", "comes twice"},
+        {"<a><b>1</b><b>2</b></a>", "duplicate element"},
         {"<a><_>1</_><b>2</b></a>", "items called _"},
         {"<!DOCTYPE a [<!ENTITY x \"xxxx\">]><a>&x;</a>", "entities"},
         {"<a>1 2 3</a>", "1 entries"},
-        {"<a>nothing</a>", "holds no keys"},
+        {"<a>nothing</a>", "contains no keys"},
         {"\xff\xfe\x01", "UTF-16"},
         {"\xfd\x01", "broken YAML"},
     };
@@ -237,7 +237,7 @@ static void test_bad_documents(void **state) {
         const char *files[1] = {in_scratch("bad.any")};
         const bool ok = ffp_calibration_read(&calibration, files, 1, "calib", &err);
         ffp_calibration_free(&calibration);
-        // A list of numbers is no list of cameras, in whatever words.
+        // A list of numbers is not a list of cameras, in whatever words.
         if (ok || (i != 19 && !strstr(err.text, cases[i].what)))
             printf("%s: expected \"%s\", got: %s\n", cases[i].text, cases[i].what, err.text);
         assert_false(ok);
@@ -263,7 +263,7 @@ static void test_truncated(void **state) {
             refused += !ffp_calibration_read(&calibration, files, 1, "calib", &err);
             ffp_calibration_free(&calibration);
         }
-        // Cut behind the last bracket or within the last line's space the file is still whole.
+        // A file cut after the last bracket or within the last line's space is still complete.
         assert_true(refused >= (int)length - 2);
     }
 }
@@ -318,7 +318,7 @@ static void test_two_files(void **state) {
     ffp_calibration_free(&calibration);
     must_fail(files, 3, "64 x 48 were given before");
     const char *const twice[2] = {paths[0], paths[0]};
-    must_fail(twice, 2, "given by another file already");
+    must_fail(twice, 2, "already given by another file");
     const char *const none[1] = {"no/such/file.yml"};
     must_fail(none, 1, "no/such/file.yml");
     const char *const folder[1] = {"."};
@@ -356,7 +356,7 @@ static void test_bad_colmap(void **state) {
     must_refuse_colmap(cameras, "1 1 0 0\n", "seven numbers");
     must_refuse_colmap(
         cameras, "1 1 0 0 0 0 0 0 1 calib.png\n\n2 1 0 0 0 0 0 1 1 a.png\n\n3 1 0 0 0 0 0 1 1 a.jpg\n\n",
-        "view 'a' comes twice");
+        "duplicate view 'a'");
 }
 
 // --- Lists of cameras and frames. ---

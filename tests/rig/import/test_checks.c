@@ -156,7 +156,7 @@ static void test_unit(void **state) {
     (void)state;
     SAME_WAY_AGAIN();
     capture.radius *= 3;
-    must_doubt("camera", "near or far");
+    must_doubt("camera", "not trained at this distance");
 }
 
 static void test_upside_down(void **state) {

@@ -383,7 +383,7 @@ static void test_bad_correspondences(void **state) {
     FfpCapture again;
     assert_true(ffp_image_write_exr(map, path, NULL));
     assert_false(ffp_capture_read(&again, call->folder, &err));
-    assert_non_null(strstr(err.text, "trust (the third channel) is outside 0 to 1"));
+    assert_non_null(strstr(err.text, "confidence (the third channel) is outside 0 to 1"));
     assert_non_null(strstr(err.text, "000_correspondence.exr"));
     map->data[2] = 1, map->data[0] = -5000;
     assert_true(ffp_image_write_exr(map, path, NULL));
@@ -458,8 +458,8 @@ static void test_real_board(void **state) {
 
 // --- Faults. ---
 
-// What is done to a copy of the photographs, or to the call, and what the error must say, file or field with
-// it.
+// A change to a copy of the photographs, or to the call, and what the error must say, including the file or
+// field.
 typedef struct Fault {
     const char *command; // of the shell, in the copy's folder
     void (*change)(Call *call);
@@ -511,7 +511,7 @@ static const Fault faults[] = {
     {"cp photos/005.png photos/005b.png", NULL, {"29 files match, but a view has 28 photographs"}},
     {"rm -r photos", NULL, {"no file matches, or the folder cannot be read", "photos/*.png"}},
     {"true", nowhere, {"no file matches, or the folder cannot be read", "nowhere/*.png"}},
-    {"true", no_file, {"no file is named", "(gray_codes)"}},
+    {"true", no_file, {"no file given", "(gray_codes)"}},
     {"true", one_file, {"names one file for 28 Gray codes: use {pattern} or *", "005.png"}},
     {"mkdir named", by_name, {"view '000' under Gray code 'gray_x_00'", "named/gray_x_00.png"}},
     {STOPS, two_stops_alike, {"names one file for 2 views: use {view}", "{pattern}.png"}},
@@ -520,7 +520,7 @@ static const Fault faults[] = {
     // Numbers.
     {SWAP("photos/004.png", "photos/010.png") " && " SWAP("photos/005.png", "photos/011.png"),
      NULL,
-     {"its stripes are broader than those of", "the pairs of 004.png and 010.png seem to be swapped"}},
+     {"its stripes are wider than those of", "the pairs of 004.png and 010.png seem to be swapped"}},
     {SWAP("photos/006.png", "photos/007.png"),
      NULL,
      {"006.png and 007.png seem to be swapped, a code and its inverse", "photos/006.png"}},
@@ -559,7 +559,7 @@ static const Fault faults[] = {
      {"rows beyond the panel's 90", "columns come before rows"}},
     {"sed 's/prjW: 120/prjW: 80/' ../rig.yml > other.yml",
      other_rig,
-     {"columns beyond the panel's 80", "of another size"}},
+     {"columns beyond the panel's 80", "has another size"}},
     {"sed 's/prjW: 120/prjW: 260/' ../rig.yml > other.yml",
      other_rig,
      {"28 files match, but a view has 32 photographs"}},
@@ -568,17 +568,17 @@ static const Fault faults[] = {
     {"cp ../spare/bright.png photos/009.png", NULL, {"brighter than black and white", "photos/009.png"}},
     {SWAP("black.png", "white.png"),
      NULL,
-     {"white is darker than black: they have changed places", "white.png"}},
+     {"white is darker than black: they seem to be swapped", "white.png"}},
     {"cp black.png white.png", NULL, {"nothing is lit", "white.png"}},
     {"true", same_plain, {"is named twice: view '000' under 'black' and under 'white'", "white.png"}},
     {"cp ../spare/full.png white.png && cp ../spare/full.png black.png",
      NULL,
-     {"both are overexposed: expose shorter", "white.png"}},
+     {"both are overexposed: shorten the exposure", "white.png"}},
     {"rm black.png", NULL, {"no such file", "black.png"}},
     // Files.
     {"cp ../spare/small.png photos/013.png",
      NULL,
-     {"image is 80 x 120, the others have 160 x 120", "013.png"}},
+     {"image is 80 x 120, but the others are 160 x 120", "013.png"}},
     {"printf GIF89a > photos/020.png", NULL, {"photos/020.png"}},
     {"head -c 500 photos/020.png > x && mv x photos/020.png", NULL, {"photos/020.png"}},
     {": > photos/021.png", NULL, {"file is empty", "photos/021.png"}},

@@ -1,6 +1,6 @@
 // Whole imports of a simulated rig: a ball, seen through lenses, by a projector that has one too. The capture
-// must hold the true poses, and drawing the ball anew with the capture's ideal devices and patterns must give
-// the capture's pictures.
+// must hold the true poses, and drawing the ball again with the capture's ideal devices and patterns must
+// give the capture's pictures.
 #include <dirent.h>
 #include <math.h>
 #include <stdio.h>
@@ -288,7 +288,7 @@ static bool is_inside(const FfpImage *drawn, int i) {
     return true;
 }
 
-// PSNR over the ball's inside, in encoded values, of the capture's pictures against the ball drawn anew with
+// PSNR over the ball's inside, in encoded values, of the capture's pictures against the ball drawn again with
 // its ideal devices and its own patterns; the worst of all.
 static double explained(const FfpCapture *capture, Rig rig) {
     double worst = 100;
@@ -736,7 +736,7 @@ static void test_some_views(void **state) {
     Call *call = call_of("some", "model", NULL);
     const char *const views[3] = {"04", "02", "04"};
     call->options.views = views, call->options.n_views = 3;
-    must_fail(call, "asked for twice");
+    must_fail(call, "named twice");
     call->options.n_views = 2;
     FfpCapture capture;
     import(&capture, call);
@@ -769,7 +769,7 @@ static void test_bad_pictures(void **state) {
     FfpImage small = ffp_image_new(WIDTH / 2, HEIGHT, 3);
     assert_true(ffp_image_write_png(&small, path, NULL));
     ffp_image_free(&small);
-    must_fail(call, "the others have 96 x 72");
+    must_fail(call, "but the others are 96 x 72");
     assert_int_equal(remove(path), 0);
     must_fail(call, "no such file");
     assert_true(ffp_write_file(path, data, size, NULL));

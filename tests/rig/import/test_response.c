@@ -1,5 +1,5 @@
-// The projector's response found from photographs: pictures are made anew from a rendered capture's black and
-// white ones, its true depth and a projector of known gamma and black level.
+// The projector's response found from photographs: pictures are made again from a rendered capture's black
+// and white ones, its true depth and a projector of known gamma and black level.
 #include <math.h>
 #include "core/image/lookup.h"
 #include "rig/import/response.h"

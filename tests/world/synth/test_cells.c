@@ -16,8 +16,8 @@ static double distance(const double a[3], const double b[3]) {
     return hypot(hypot(a[0] - b[0], a[1] - b[1]), a[2] - b[2]);
 }
 
-// The distance falls by one a unit towards the cell's point: its slope leads there. Two cells may share an
-// id.
+// The distance falls by one per unit towards the cell's point, to which its slope points. Two cells may share
+// an id.
 static void add_site(Sites *sites, const float p[3], uint32_t seed) {
     const FfpCells here = ffp_cells(p, seed);
     if (here.nearest < 0.1F) return; // too near for differences: another start will do

@@ -1,5 +1,5 @@
 // Photographs of a bare rig: what a camera pixel of the board decodes to is where the projector has that
-// point, through both lenses; and what is no folder of patterns is refused by name.
+// point, through both lenses; and a folder without patterns is refused by name.
 #include <math.h>
 #include <unistd.h>
 #include "core/base/file.h"

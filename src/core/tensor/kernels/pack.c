@@ -113,7 +113,7 @@ pack_tile(FfpPacked *out, size_t depth, const Source *source, int line, int k, b
     for (int i = 0; i < TILE; i++) memcpy(out + i * step, &tile[i], sizeof tile[i]);
 }
 
-// Rows of memory that are far apart are beyond what the processor foresees: it is told of the next tile's.
+// The processor does not prefetch rows of memory that are far apart: this fetches those of the next tile.
 static inline __attribute__((always_inline)) void fetch_across(const Source *source, int line, int k) {
     for (int i = 0; i < TILE_DEPTH; i++) {
         if (k + i >= source->k) return;

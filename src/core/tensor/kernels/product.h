@@ -5,7 +5,8 @@
 // lines are the rows of A, one behind the other. B's lines are the columns of B, in panels of FFP_PACK_LINES:
 // a panel holds, for every group of FFP_PACK_GROUP consecutive k, the group of its first column, of its
 // second, and so on. The numbers are bf16 (rounded to nearest even) in groups of two where FFP_BF16 is set,
-// else reals in groups of one. Part of a packed operand begins at ffp_packed_row or ffp_packed_column.
+// and otherwise reals in groups of one. Part of a packed operand begins at ffp_packed_row or
+// ffp_packed_column.
 #ifndef FFP_TENSOR_KERNELS_PRODUCT_H
 #define FFP_TENSOR_KERNELS_PRODUCT_H
 

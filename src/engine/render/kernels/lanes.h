@@ -28,7 +28,7 @@ ALWAYS_INLINE Lanes lanes_all(real v) {
     return v - (Lanes){0};
 }
 
-// v where it is so, else 0.
+// v if `so`, otherwise 0.
 ALWAYS_INLINE Lanes lanes_keep(Lanes v, Where so) {
     return (Lanes)((Where)v & so);
 }
