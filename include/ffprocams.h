@@ -186,7 +186,9 @@ FFP_API FfpGaussians *ffp_reconstruct(FfpContext *context, const FfpCapture *cap
                                       FfpError *err);
 
 // Binary PLY with the 3DGS property names, plus base_color_0..2 and roughness (docs/reference/formats.md).
-// Gaussians too faint to be visible (opacity below 1/255) are omitted; it is an error if all of them are.
+// Plain splats of 3DGS, 2DGS and gsplat are opened too: their colour is taken as albedo and as ambient
+// colour, the roughness is 0.5, and a note says so. Gaussians too faint to be visible (opacity below 1/255)
+// are omitted; it is an error if all of them are.
 FFP_API FfpGaussians *ffp_gaussians_open(FfpContext *context, const char *path, FfpError *err);
 FFP_API bool ffp_gaussians_save(FfpContext *context, const FfpGaussians *gaussians, const char *path,
                                 FfpError *err);
@@ -450,6 +452,9 @@ typedef struct FfpExport {
     const char *camera_view;    // view for whose camera highlights are baked in; NULL: no highlights
     FfpUp up;                   // of the Gaussians' world; files use the axes of their format
     FfpForm form;               // in which the Gaussians are drawn
+    // Plain splats may replace a PLY of relightable Gaussians. Otherwise such a file is left alone, with
+    // FFP_ERROR_ARGUMENT, because its albedo and roughness would be lost.
+    bool force;
 } FfpExport;
 FFP_API FfpExport ffp_export_defaults(void); // ambient light, z up, a mesh of 128 cells
 

@@ -70,6 +70,7 @@ static const FfpOption options[] = {
      .letter = 'o',
      .argument = "FILE.png",
      .type = FFP_OPTION_FILE,
+     .writes = true,
      .required = true,
      .offset = offsetof(Arguments, how.pattern),
      .help =

@@ -50,6 +50,7 @@ static const FfpOption options[] = {
      .letter = 'o',
      .argument = "FILE.ply",
      .type = FFP_OPTION_FILE,
+     .writes = true,
      .required = true,
      .offset = offsetof(Arguments, output),
      .help = "output file for the Gaussians (binary PLY, which splat viewers open too)"},

@@ -162,6 +162,7 @@ static const FfpOption options[] = {
     {.name = "video",
      .argument = "FILE",
      .type = FFP_OPTION_FILE,
+     .writes = true,
      .offset = offsetof(Arguments, pictures.video),
      .group = "films",
      .help = "also write all pictures, in order, as one video. The extension selects its format: .png or "

@@ -42,6 +42,11 @@ static bool check(const FfpExport *options, const FfpCapture *capture, FfpError 
     if (options->mesh && (options->resolution < RESOLUTION_LEAST || options->resolution > RESOLUTION_MOST))
         return ffp_fail(err, FFP_ERROR_ARGUMENT, "resolution", "%d cells are not in %d to %d",
                         options->resolution, RESOLUTION_LEAST, RESOLUTION_MOST);
+    if (kind == KIND_PLY && !options->force && ffp_gaussians_are_relightable(options->file))
+        return ffp_fail(
+            err, FFP_ERROR_ARGUMENT, options->file,
+            "exists and holds relightable Gaussians, which plain splats would replace: choose another "
+            "name, or force it");
     return true;
 }
 
