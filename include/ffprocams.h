@@ -247,6 +247,17 @@ FFP_API bool ffp_renderer_map(FfpContext *context, FfpRenderer *renderer, FfpMap
 
 // --- Pictures. ---
 
+// How a picture goes into a frame of another shape (width over height), always centred: COVER fills the frame
+// and cuts off what is beyond it, CONTAIN shows all of the picture, with black beside it, STRETCH distorts
+// it, PIXEL shows it pixel for pixel, cut off or with black around it. Where the shapes differ by at most 1
+// %, the first three only change its size.
+typedef enum FfpFraming {
+    FFP_FRAMING_COVER,
+    FFP_FRAMING_CONTAIN,
+    FFP_FRAMING_STRETCH,
+    FFP_FRAMING_PIXEL
+} FfpFraming;
+
 // What makes one full turn around the object's centre: the camera, the projector, or the object itself (both
 // devices turning the other way).
 typedef enum FfpOrbit { FFP_ORBIT_NONE, FFP_ORBIT_CAMERA, FFP_ORBIT_PROJECTOR, FFP_ORBIT_OBJECT } FfpOrbit;
@@ -259,6 +270,7 @@ typedef struct FfpPictures {
     // Names of the capture's patterns, image files, or folders of image files; none: the white pattern.
     const char *const *patterns;
     int n_patterns;
+    FfpFraming framing; // of image files in the projector's frame
     // Size of the pictures. The width scales them; an aspect ratio other than the camera's shows more or less
     // above and below, the principal point keeping its relative height. 0, 0: the camera's size; height 0:
     // the camera's aspect ratio.
@@ -363,7 +375,9 @@ typedef struct FfpCompensation {
     int n_views;
     const char *const *targets; // image files in the cameras' frames: one for all views, or one for each
     const FfpPicture *pictures; // or targets from memory, in the same number
-    int n_targets;              // transparent pixels of a target are unconstrained
+    int n_targets;
+    FfpFraming framing;    // of targets in the cameras' frames
+    bool transparent_free; // transparent parts of a target are unconstrained; otherwise they are black
     // File for the pattern (PNG), or <pattern>_<view>.png for each of several projectors. Written beside it:
     // <pattern>_seen_<view>.png, the predicted picture, and <pattern>_target_<view>.png.
     const char *pattern;
@@ -447,6 +461,7 @@ typedef struct FfpExport {
     // capture's patterns or an image file: also the projector showing it, by the light model at each
     // Gaussian, with shadows.
     const char *light;
+    FfpFraming framing;         // of an image file in the projector's frame
     const char *poses;          // as FfpPictures.poses
     const char *projector_view; // view whose projector shines; NULL: the first
     const char *camera_view;    // view for whose camera highlights are baked in; NULL: no highlights

@@ -13,7 +13,10 @@ from ._pixels import Array, Floats, floats_at, picture_of
 from .capture import Capture, record
 from .devices import Pinhole
 from .errors import argument_error
-from .gaussians import Gaussians, drawing_of
+from .gaussians import Gaussians, choice, drawing_of
+
+_FITS = {"cover": lib.FFP_FRAMING_COVER, "contain": lib.FFP_FRAMING_CONTAIN, "stretch": lib.FFP_FRAMING_STRETCH, "pixel": lib.FFP_FRAMING_PIXEL}
+_TRANSPARENT = {"black": False, "free": True}
 
 
 @dataclass
@@ -70,6 +73,8 @@ def compensate(
     *,
     views: str | Sequence[str] = (),
     poses: PathLike | None = None,
+    fit: str = "cover",
+    transparent: str = "black",
     gain: float = 1.0,
     paint: bool = False,
     steps: int = 30,
@@ -82,10 +87,11 @@ def compensate(
     """Finds the patterns under which cameras see their targets as nearly as light allows.
 
     Args:
-        targets: one for all views or one for each, arrays (as in View) or image files in the cameras' frames; where a
-            target is transparent it asks for nothing.
+        targets: one for all views or one for each, arrays (as in View) or image files.
         views: ids of the views whose cameras are to see a target, all projectors shining at once; none: all.
         poses: file of camera and projector poses; None: the capture's.
+        fit: of targets to the cameras' frames where their shapes differ: cover, contain, stretch or pixel.
+        transparent: parts of a target: black, or free (anything may be seen there).
         gain: factor of the linear targets; 0: the brightest that light allows.
         paint: targets are light on the object: 0 its look under black, 1 its look under white (no gain).
         steps: of gradient descent after the closed form; 0: none.
@@ -101,6 +107,7 @@ def compensate(
     given: Any = targets
     listed: list[Any] = list(given) if several else [given]
     _fill_targets(options, listed, keep)
+    options.framing, options.transparent_free = choice(fit, _FITS, "fit"), choice(transparent, _TRANSPARENT, "transparent")
     options.gain, options.paint, options.steps, options.gaussians_only = gain, paint, steps, gaussians_only
     options.drawing, stats = drawing_of(form, samples), ffi.new("FfpCompensationStats *")
     with holding(gaussians, capture), Call(progress, threads) as call:

@@ -141,7 +141,7 @@ static bool report_pictures(FfpSubject *subject, FfpError *err) {
     FfpPattern pattern = subject->capture->patterns[subject->given[FFP_FIRST_GIVEN]];
     ffp_report_title(subject->shared->report, subject->capture->name);
     if (!ffp_subject_draws(subject)) return true;
-    if (path && !ffp_pattern_read(&pattern, path, projector->width, projector->height, err)) return false;
+    if (path && !ffp_pattern_read(&pattern, path, projector, FFP_FRAMING_COVER, err)) return false;
     FfpSummed summed = ffp_summed_new(&pattern.image);
     report_large_views(subject, &pattern, &summed);
     if (path) report_shown_pattern(subject, &pattern, &summed);

@@ -53,8 +53,8 @@ const char *ffp_cli_rank_name(void); // "rank 3: "; "" alone
 #define FFP_CLI_TRAIN "train"
 
 // What several commands take; `place` is where in their arguments it goes.
-extern const FfpWord ffp_cli_auto[], ffp_cli_layers[], ffp_cli_forms[], ffp_cli_page_forms[],
-    ffp_cli_devices[], ffp_cli_none[];
+extern const FfpWord ffp_cli_framings[], ffp_cli_auto[], ffp_cli_layers[], ffp_cli_forms[],
+    ffp_cli_page_forms[], ffp_cli_devices[], ffp_cli_none[];
 #define FFP_CLI_GAUSSIANS(place)                                                                             \
     {                                                                                                        \
         .name = "FILE.ply", .least = 1, .most = 1, .offset = (place),                                        \
@@ -90,6 +90,14 @@ extern const FfpWord ffp_cli_auto[], ffp_cli_layers[], ffp_cli_forms[], ffp_cli_
     {                                                                                                        \
         .name = "drawing", .argument = "D", .type = FFP_OPTION_CHOICE, .offset = (place),                    \
         .words = ffp_cli_forms, .help = (text)                                                               \
+    }
+#define FFP_CLI_FRAMING(place, text)                                                                         \
+    {                                                                                                        \
+        .name = "fit", .argument = "HOW", .type = FFP_OPTION_CHOICE, .offset = (place),                      \
+        .words = ffp_cli_framings,                                                                           \
+        .help = text " of another shape: cover (default) fills the frame and cuts off what is beyond it, "   \
+                     "contain shows all of the picture with black beside it, stretch distorts it, pixel "    \
+                     "shows it pixel for pixel"                                                              \
     }
 #define FFP_CLI_FORM_HELP                                                                                    \
     "ours (default), or paper for Gaussians from a model in the paper's form, or gs-procams for those "      \

@@ -67,6 +67,7 @@ static const FfpOption options[] = {
      .group = "light",
      .help = "light baked into the splats: ambient (default), or in addition a projector showing white, a "
              "pattern of the capture (by name), or an image file"},
+    FFP_CLI_FRAMING(offsetof(Arguments, how.framing), "an image file"),
     {.name = "projector-view",
      .needs = "light",
      .argument = "ID",

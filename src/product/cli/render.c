@@ -126,6 +126,7 @@ static const FfpOption options[] = {
      .offset = offsetof(Arguments, patterns),
      .help = "a pattern of the capture (by name), an image file, or a folder of images, taken in the order "
              "of their names; may be repeated. Default: white"},
+    FFP_CLI_FRAMING(offsetof(Arguments, pictures.framing), "image files"),
     {.name = "maps",
      .type = FFP_OPTION_FLAG,
      .offset = offsetof(Arguments, pictures.maps),
