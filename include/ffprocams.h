@@ -158,6 +158,11 @@ typedef struct FfpReconstruction {
     // being kept. 0: a splat for every pixel of every view. Or FFP_LAYERS_AUTO: depends on their number.
     double layers;
     FfpDrawing drawing; // used by the polish
+    // Go on although the capture has a fault that makes the result wrong: a device behind or inside the
+    // object, black and white exchanged, a view's photographs turned, mirrored or exchanged with another's, a
+    // turntable turned the other way. Otherwise such a capture fails with FFP_ERROR_ARGUMENT, which names
+    // view and fault.
+    bool force;
 } FfpReconstruction;
 #define FFP_POLISH_STEPS 88
 #define FFP_POLISH_AUTO (-1) // FFP_POLISH_STEPS, or 11 steps per view with more than 8 views
@@ -348,6 +353,7 @@ typedef struct FfpRefinement {
     // File for one line of JSON per round (step, seconds, loss, psnr, gaussians), or NULL.
     const char *metrics;
     FfpDrawing drawing;
+    bool force; // as FfpReconstruction.force
 } FfpRefinement;
 
 FFP_API FfpRefinement ffp_refinement_defaults(void); // 30 seconds, noise estimated
@@ -513,6 +519,7 @@ typedef struct FfpEvaluation {
     const char *viewer;     // page for the report to link to, relative to it, or NULL
     const char *perceptual; // safetensors with LPIPS weights, or NULL
     FfpDrawing drawing;
+    bool force; // as FfpReconstruction.force
     // JSON files of earlier evaluations: their rows are used, and no capture is evaluated.
     const char *const *merged;
     int n_merged;

@@ -172,15 +172,15 @@ class Model(Handle):
 _FORMS = {"ours": lib.FFP_FORM_OURS, "paper": lib.FFP_FORM_PAPER, "gs-procams": lib.FFP_FORM_GS_PROCAMS}
 
 
-def choice(value: str, names: Mapping[str, int], field: str) -> int:
-    """What a name stands for."""
-    if value not in names:
-        raise argument_error(f"'{value}' is none of {', '.join(names)}", field)
-    return names[value]
+def one_of(table: Mapping[str, int], name: str, what: str) -> int:
+    """The value that a name stands for."""
+    if name not in table:
+        raise argument_error(f"'{name}' is none of {', '.join(table)}", what)
+    return table[name]
 
 
 def drawing_of(form: str, samples: int) -> dict[str, int]:
     """An FfpDrawing."""
     if not 0 <= samples <= 4:
         raise argument_error(f"{samples} is not in 0 to 4", "samples")
-    return {"form": choice(form, _FORMS, "form"), "samples": samples}
+    return {"form": one_of(_FORMS, form, "form"), "samples": samples}

@@ -81,6 +81,7 @@ def reconstruct(
     layers: float | None = None,
     form: str = "ours",
     samples: int = 0,
+    force: bool = False,
     progress: ProgressOption = None,
     threads: int = 0,
     device: str = "cpu",
@@ -98,6 +99,8 @@ def reconstruct(
             None: by their number.
         form: how Gaussians are drawn while fitting, "ours" or "paper".
         samples: a side of the grid of samples in each pixel while fitting, 1 to 4; 0: as the model has it.
+        force: go on although a view's photographs contradict the others or its devices (turned, mirrored, exchanged,
+            black for white), which is otherwise an error that names the view.
         progress: see ffprocams.ProgressOption.
         threads: that may work at a time; 0: all processors.
         device: "cpu" or "cuda".
@@ -115,7 +118,7 @@ def reconstruct(
     options.patterns, options.n_patterns = keep.texts(names), len(names)
     options.polish = int(_automatic(polish, 0, "polish"))
     options.noise, options.layers = _automatic(noise, 0, "noise"), _automatic(layers, 0, "layers")
-    options.drawing = drawing_of(form, samples)
+    options.drawing, options.force = drawing_of(form, samples), force
     with holding(capture, weights), Call(progress, threads, device) as call:
         made = lib.ffp_reconstruct(call.context, capture._pointer, options, stats, call.error)
         out = Reconstructed(call.take(made, lib.ffp_gaussians_close))
@@ -148,6 +151,7 @@ def refine(
     metrics: PathLike | None = None,
     form: str = "ours",
     samples: int = 0,
+    force: bool = False,
     progress: ProgressOption = None,
     threads: int = 0,
     device: str = "cpu",
@@ -161,12 +165,13 @@ def refine(
         noise: as in reconstruct.
         seed: of the order of views. With a limit in steps alone the same seed and threads give the same bits.
         metrics: file for a line of JSON a round, or None.
-        form, samples, threads, device: as in reconstruct.
+        form, samples, force, threads, device: as in reconstruct.
         progress: see ffprocams.ProgressOption. A function that returns False ends the fit, which then gives the best
             state so far; an exception, Ctrl-C among them, is raised, and nothing is given.
     """
     keep, stats = Keep(), ffi.new("FfpRefinementStats *")
     options = _refinement(patterns, steps, seconds, noise, seed, metrics, drawing_of(form, samples), keep)
+    options.force = force
     out = Refined(gaussians.copy()._pointer)
     with holding(capture), Call(progress, threads, device) as call:
         call.check(

@@ -13,6 +13,7 @@
 #include "engine/pipeline/reconstruct.h"
 #include "lab/eval/scores.h"
 #include "lab/eval/subject.h"
+#include "rig/import/suspect.h"
 
 #define REPORT_MAPS 2     // views whose G-buffers are shown
 #define REPORT_LARGE 3    // views that are drawn large
@@ -46,6 +47,7 @@ static bool prepare_gaussians(FfpSubject *subject, FfpError *err) {
                                        .noise = options->noise,
                                        .layers = options->layers,
                                        .drawing = options->drawing};
+        if (!options->force && !ffp_rig_suspect(subject->capture, err)) return false;
         const double begin = ffp_seconds();
         subject->gaussians = ffp_reconstruction_run(subject->capture, &how, &subject->stats, err);
         subject->reconstruct_s = ffp_seconds() - begin;

@@ -110,6 +110,12 @@ extern const FfpWord ffp_cli_framings[], ffp_cli_auto[], ffp_cli_layers[], ffp_c
 #define FFP_CLI_SAMPLES_HELP                                                                                 \
     "draw with N x N samples a pixel, 1 to 4. More are smoother and slower. Default: as the model has it, "  \
     "else 2 (1 in the paper's form)"
+#define FFP_CLI_FORCE(place)                                                                                 \
+    {                                                                                                        \
+        .name = "force", .type = FFP_OPTION_FLAG, .offset = (place),                                         \
+        .help = "go on although a view's photographs contradict the others or its devices (turned, "         \
+                "mirrored, exchanged, black for white): otherwise that is an error, which names the view"    \
+    }
 #define FFP_CLI_DEVICE(place, text)                                                                          \
     {                                                                                                        \
         .name = "device", .argument = "cpu|cuda", .type = FFP_OPTION_NAME, .offset = (place),                \

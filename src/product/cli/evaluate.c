@@ -162,6 +162,7 @@ static const FfpOption options[] = {
     FFP_CLI_DRAWING(offsetof(Arguments, evaluation.drawing.form),
                     "form in which Gaussians are fitted and drawn: ours (default), paper or gs-procams"),
     FFP_CLI_SAMPLES(offsetof(Arguments, evaluation.drawing.samples), FFP_CLI_SAMPLES_HELP),
+    FFP_CLI_FORCE(offsetof(Arguments, evaluation.force)),
     FFP_CLI_DEVICE(offsetof(Arguments, device),
                    "where network and fit run: cpu (default), or cuda, the first NVIDIA GPU"),
     {.name = "perceptual",

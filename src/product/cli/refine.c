@@ -171,6 +171,7 @@ static const FfpOption options[] = {
      .help = "random seed for the order of views and for the initial points from scratch. Default: 1"},
     FFP_CLI_DRAWING(offsetof(Arguments, form), FFP_CLI_FORM_HELP),
     FFP_CLI_SAMPLES(offsetof(Arguments, refinement.drawing.samples), FFP_CLI_SAMPLES_HELP),
+    FFP_CLI_FORCE(offsetof(Arguments, refinement.force)),
     {0},
 };
 
