@@ -25,8 +25,12 @@ FfpProblemSize ffp_problem_size(const FfpCapture *capture, const FfpReconstructi
 // times what is measured.
 double ffp_reconstruction_bytes(const FfpProblemSize *scale);
 
-// Whether that is at most `available` bytes (negative: nobody knows, and it is). The error says how much is
-// needed, how much there is, and which resolution would fit.
+// The bytes that drawing a view takes, without its picture: projected splats, their order in every tile, and
+// G-buffers of samples x samples places a pixel.
+double ffp_drawing_bytes(double splats, double pixels, int samples);
+
+// Whether a reconstruction needs at most `available` bytes (negative: nobody knows, and it does). The error
+// says how much is needed, how much there is, and which resolution would fit.
 bool ffp_check_memory(const FfpCapture *capture, const FfpReconstruction *options, double available,
                       FfpError *err);
 
