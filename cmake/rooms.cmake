@@ -64,7 +64,7 @@ ffp_room(bench PRODUCTS DEPS train refine render network gaussians tensor base L
 # other methods, for comparison: Gaussians from scratch, a neural reflectance field
 ffp_room(baselines NUMERIC DEPS refine loss render tensor capture image base)
 # protocols, scores and reports
-ffp_room(eval CALLS DEPS baselines pipeline loss render match capture numerics base LIBS PkgConfig::JANSSON)
+ffp_room(eval CALLS DEPS import baselines pipeline loss render match capture numerics base LIBS PkgConfig::JANSSON)
 
 ffp_wing(product) # what people hold in their hands
 # the page for browsers: splats and scene as it reads them

@@ -163,6 +163,11 @@ typedef struct FfpReconstruction {
     // are kept. 0: a splat for every pixel of every view. Or FFP_LAYERS_AUTO: depends on their number.
     double layers;
     FfpDrawing drawing; // used by the polish
+    // Go on although the capture has a fault that makes the result wrong: a device behind or inside the
+    // object, black and white exchanged, a view's photographs turned, mirrored or exchanged with another's, a
+    // turntable turned the other way. Otherwise such a capture fails with FFP_ERROR_ARGUMENT, which names
+    // view and fault.
+    bool force;
 } FfpReconstruction;
 #define FFP_POLISH_STEPS 88
 #define FFP_POLISH_AUTO (-1) // FFP_POLISH_STEPS, or 11 steps per view with more than 8 views
@@ -192,7 +197,9 @@ FFP_API FfpGaussians *ffp_reconstruct(FfpContext *context, const FfpCapture *cap
                                       FfpError *err);
 
 // Binary PLY with the 3DGS property names, plus base_color_0..2 and roughness (docs/reference/formats.md).
-// Gaussians too faint to be visible (opacity below 1/255) are omitted; it is an error if all of them are.
+// Plain splats of 3DGS, 2DGS and gsplat are opened too: their colour is taken as albedo and as ambient
+// colour, the roughness is 0.5, and a note says so. Gaussians too faint to be visible (opacity below 1/255)
+// are omitted; it is an error if all of them are.
 FFP_API FfpGaussians *ffp_gaussians_open(FfpContext *context, const char *path, FfpError *err);
 FFP_API bool ffp_gaussians_save(FfpContext *context, const FfpGaussians *gaussians, const char *path,
                                 FfpError *err);
@@ -252,6 +259,17 @@ FFP_API bool ffp_renderer_map(FfpContext *context, FfpRenderer *renderer, FfpMap
 
 // --- Pictures. ---
 
+// How a picture goes into a frame of another shape (width over height), always centred: COVER fills the frame
+// and cuts off what is beyond it, CONTAIN shows all of the picture, with black beside it, STRETCH distorts
+// it, PIXEL shows it pixel for pixel, cut off or with black around it. Where the shapes differ by at most 1
+// %, the first three only change its size.
+typedef enum FfpFraming {
+    FFP_FRAMING_COVER,
+    FFP_FRAMING_CONTAIN,
+    FFP_FRAMING_STRETCH,
+    FFP_FRAMING_PIXEL
+} FfpFraming;
+
 // What makes one full turn around the object's centre: the camera, the projector, or the object itself (both
 // devices turning the other way).
 typedef enum FfpOrbit { FFP_ORBIT_NONE, FFP_ORBIT_CAMERA, FFP_ORBIT_PROJECTOR, FFP_ORBIT_OBJECT } FfpOrbit;
@@ -264,6 +282,7 @@ typedef struct FfpPictures {
     // Names of the capture's patterns, image files, or folders of image files; none: the white pattern.
     const char *const *patterns;
     int n_patterns;
+    FfpFraming framing; // of image files in the projector's frame
     // Size of the pictures. The width scales them; an aspect ratio other than the camera's shows more or less
     // above and below, and the principal point keeps its relative height. 0, 0: the camera's size; height 0:
     // the camera's aspect ratio.
@@ -342,6 +361,7 @@ typedef struct FfpRefinement {
     // File for one line of JSON per round of all views (step, seconds, loss, psnr, gaussians), or NULL.
     const char *metrics;
     FfpDrawing drawing;
+    bool force; // as FfpReconstruction.force
 } FfpRefinement;
 
 FFP_API FfpRefinement ffp_refinement_defaults(void); // 30 seconds, noise estimated
@@ -369,7 +389,9 @@ typedef struct FfpCompensation {
     int n_views;
     const char *const *targets; // image files in the cameras' frames: one for all views, or one for each
     const FfpPicture *pictures; // or targets from memory, in the same number
-    int n_targets;              // transparent pixels of a target are unconstrained
+    int n_targets;
+    FfpFraming framing;    // of targets in the cameras' frames
+    bool transparent_free; // transparent parts of a target are unconstrained; otherwise they are black
     // File for the pattern (PNG), or <pattern>_<view>.png for each of several projectors. Written beside it:
     // <pattern>_seen_<view>.png, the predicted picture, and <pattern>_target_<view>.png.
     const char *pattern;
@@ -455,11 +477,15 @@ typedef struct FfpExport {
     // capture's patterns or an image file: also the projector showing it, by the light model at each
     // Gaussian, with shadows.
     const char *light;
+    FfpFraming framing;         // of an image file in the projector's frame
     const char *poses;          // as FfpPictures.poses
     const char *projector_view; // view whose projector shines; NULL: the first
     const char *camera_view;    // view for whose camera highlights are baked in; NULL: no highlights
     FfpUp up;                   // of the Gaussians' world; files use the axes of their format
     FfpForm form;               // in which the Gaussians are drawn
+    // Plain splats may replace a PLY of relightable Gaussians. Otherwise such a file is left alone, with
+    // FFP_ERROR_ARGUMENT, because its albedo and roughness would be lost.
+    bool force;
 } FfpExport;
 FFP_API FfpExport ffp_export_defaults(void); // ambient light, z up, a mesh of 128 cells
 
@@ -503,6 +529,7 @@ typedef struct FfpEvaluation {
     const char *viewer;     // page for the report to link to, relative to it, or NULL
     const char *perceptual; // safetensors with LPIPS weights, or NULL
     FfpDrawing drawing;
+    bool force; // as FfpReconstruction.force
     // JSON files of earlier evaluations: their rows are used, and no capture is evaluated.
     const char *const *merged;
     int n_merged;

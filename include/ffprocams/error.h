@@ -1,5 +1,5 @@
 // Errors as values. Every function of the library that can fail returns false or NULL and fills the FfpError
-// passed to it.
+// passed to it; one that takes an FfpContext leaves it empty when it succeeds.
 #ifndef FFPROCAMS_ERROR_H
 #define FFPROCAMS_ERROR_H
 

@@ -13,7 +13,15 @@ from ._pixels import Array, Floats, floats_at, picture_of
 from .capture import Capture, record
 from .devices import Pinhole
 from .errors import argument_error
-from .gaussians import Gaussians, drawing_of
+from .gaussians import Gaussians, drawing_of, one_of
+
+_FRAMINGS = {
+    "cover": lib.FFP_FRAMING_COVER,
+    "contain": lib.FFP_FRAMING_CONTAIN,
+    "stretch": lib.FFP_FRAMING_STRETCH,
+    "pixel": lib.FFP_FRAMING_PIXEL,
+}
+_TRANSPARENT = {"black": False, "free": True}
 
 
 @dataclass
@@ -70,6 +78,8 @@ def compensate(
     *,
     views: str | Sequence[str] = (),
     poses: PathLike | None = None,
+    fit: str = "cover",
+    transparent: str = "black",
     gain: float = 1.0,
     paint: bool = False,
     steps: int = 30,
@@ -82,10 +92,11 @@ def compensate(
     """Finds the patterns under which cameras see their targets as closely as light allows.
 
     Args:
-        targets: one for all views or one for each, as arrays (see View) or image files in the cameras' frames;
-            transparent pixels are unconstrained.
+        targets: one for all views or one for each, as arrays (see View) or image files.
         views: ids of the views whose cameras see a target, with all their projectors shining at once; none: all.
         poses: file of camera and projector poses; None: the capture's.
+        fit: how targets go into the cameras' frames if their shapes differ: cover, contain, stretch or pixel.
+        transparent: transparent parts of a target are black, or free (unconstrained).
         gain: factor on the linear targets; 0: the brightest that light allows.
         paint: targets are light on the object: 0 its look under black, 1 its look under white (no gain).
         steps: number of steps of gradient descent after the closed form; 0: none.
@@ -102,6 +113,7 @@ def compensate(
     given: Any = targets
     listed: list[Any] = list(given) if several else [given]
     _fill_targets(options, listed, keep)
+    options.framing, options.transparent_free = one_of(_FRAMINGS, fit, "fit"), one_of(_TRANSPARENT, transparent, "transparent")
     options.gain, options.paint, options.steps, options.gaussians_only = gain, paint, steps, gaussians_only
     options.drawing, stats = drawing_of(form, samples), ffi.new("FfpCompensationStats *")
     with holding(gaussians, capture), Call(progress, threads) as call:

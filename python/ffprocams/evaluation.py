@@ -14,7 +14,7 @@ from ._library import ffi, lib
 from .capture import record, three
 from .devices import Calibration
 from .errors import argument_error
-from .gaussians import drawing_of
+from .gaussians import drawing_of, one_of
 from .reconstruction import ModelOption, _automatic, model_of
 
 _PREDICTORS = {
@@ -31,12 +31,6 @@ _SPLITS = {
 _PRESETS = {"paper": lib.FFP_PRESET_PAPER, "smoke": lib.FFP_PRESET_SMOKE, "training": lib.FFP_PRESET_TRAINING}
 _RIGS = {"turntable": lib.FFP_RIG_TURNTABLE, "free": lib.FFP_RIG_FREE, "sphere": lib.FFP_RIG_SPHERE}
 _FITS = {"exact": lib.FFP_FIT_EXACT, "scaled": lib.FFP_FIT_SCALED, "cropped": lib.FFP_FIT_CROPPED}
-
-
-def _one_of(table: dict[str, int], name: str, what: str) -> int:
-    if name not in table:
-        raise argument_error(f"'{name}' is not one of {', '.join(table)}", what)
-    return table[name]
 
 
 @dataclass
@@ -84,6 +78,7 @@ def evaluate(
     perceptual: PathLike | None = None,
     form: str = "ours",
     samples: int = 0,
+    force: bool = False,
     progress: ProgressOption = None,
     threads: int = 0,
     device: str = "cpu",
@@ -94,7 +89,7 @@ def evaluate(
         captures: folders, or JSON files in them.
         predictor: "gaussians" (reconstruct, or read, and render), "depth" (lookup at the true depth) or "match" (at
             the depth that projector matching finds).
-        model, pattern, polish, noise, layers, form, samples, threads, device: as in reconstruct.
+        model, pattern, polish, noise, layers, form, samples, force, threads, device: as in reconstruct.
         model_name: name of the predictor in JSON and report; None: its file, or its kind.
         gaussians: PLY to evaluate instead of reconstructing.
         field: neural field to evaluate instead, as written by `ffprocams refine --from-scratch=field`.
@@ -113,7 +108,7 @@ def evaluate(
     paths, poses = ([keep.path(p) for p in some(given)] for given in (captures, targets))
     options.captures, options.n_captures = keep.texts(paths), len(paths)
     options.targets, options.n_targets = keep.texts(poses), len(poses)
-    options.predictor = _one_of(_PREDICTORS, predictor, "predictor")
+    options.predictor = one_of(_PREDICTORS, predictor, "predictor")
     options.model = ffi.NULL if weights is None else weights._pointer
     options.model_name = keep.text(model_name)
     names = [keep.text(p) for p in some(pattern or ())]
@@ -124,7 +119,7 @@ def evaluate(
     files |= {"show_pattern": show_pattern, "perceptual": perceptual}
     for name, path in files.items():
         setattr(options, name, keep.path(path))
-    options.drawing, count = drawing_of(form, samples), ffi.new("int *")
+    options.drawing, options.force, count = drawing_of(form, samples), force, ffi.new("int *")
     with holding(weights), Call(progress, threads, device) as call:
         rows = call.take(lib.ffp_evaluate(call.context, options, count, call.error), lib.ffp_free)
     return [record(Score, rows[i]) for i in range(count[0])]
@@ -190,8 +185,8 @@ def generate(
     """
     keep, options = Keep(), ffi.new("FfpGeneration *", lib.ffp_generation_defaults())
     options.folder, options.mesh, options.material = keep.path(folder), keep.path(mesh), keep.path(material)
-    options.split, options.preset = _one_of(_SPLITS, split, "split"), _one_of(_PRESETS, preset, "preset")
-    options.rig, options.first, options.count = _one_of(_RIGS, rig, "rig"), first, count
+    options.split, options.preset = one_of(_SPLITS, split, "split"), one_of(_PRESETS, preset, "preset")
+    options.rig, options.first, options.count = one_of(_RIGS, rig, "rig"), first, count
     options.resolution, options.views = resolution, views
     options.photographs, options.check = keep.path(photographs), check
     if attitudes is not None:
@@ -312,7 +307,7 @@ def import_capture(
         for at, known, c in zip((camera, projector), sizes, (options.camera, options.projector)):
             at = at or CalibratedAt()
             c.width, c.height = (at.width, at.height) if at.width else known
-            c.fit, c.left, c.top = _one_of(_FITS, at.fit, "fit"), at.left, at.top
+            c.fit, c.left, c.top = one_of(_FITS, at.fit, "fit"), at.left, at.top
         with Call(progress, threads) as call:
             call.check(lib.ffp_import_capture(call.context, options, call.error))
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -171,10 +172,15 @@ class Model(Handle):
 _FORMS = {"ours": lib.FFP_FORM_OURS, "paper": lib.FFP_FORM_PAPER, "gs-procams": lib.FFP_FORM_GS_PROCAMS}
 
 
+def one_of(table: Mapping[str, int], name: str, what: str) -> int:
+    """The value that a name stands for."""
+    if name not in table:
+        raise argument_error(f"'{name}' is not one of {', '.join(table)}", what)
+    return table[name]
+
+
 def drawing_of(form: str, samples: int) -> dict[str, int]:
     """An FfpDrawing."""
-    if form not in _FORMS:
-        raise argument_error(f"'{form}' is not one of {', '.join(_FORMS)}", "form")
     if not 0 <= samples <= 4:
         raise argument_error(f"{samples} is not in 0 to 4", "samples")
-    return {"form": _FORMS[form], "samples": samples}
+    return {"form": one_of(_FORMS, form, "form"), "samples": samples}

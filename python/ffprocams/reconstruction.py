@@ -81,6 +81,7 @@ def reconstruct(
     layers: float | None = None,
     form: str = "ours",
     samples: int = 0,
+    force: bool = False,
     progress: ProgressOption = None,
     threads: int = 0,
     device: str = "cpu",
@@ -101,6 +102,8 @@ def reconstruct(
             None: depends on their number.
         form: how Gaussians are drawn while fitting, "ours", "paper" or "gs-procams".
         samples: per side of a pixel while fitting, 1 to 4; 0: the model's setting.
+        force: continue although a view's photographs contradict the others or its devices (turned, mirrored, exchanged,
+            black for white); otherwise that is an error, which names the view.
         progress: see ffprocams.ProgressOption.
         threads: number of threads; 0: all processors.
         device: "cpu" or "cuda".
@@ -118,7 +121,7 @@ def reconstruct(
     options.patterns, options.n_patterns = keep.texts(names), len(names)
     options.polish = int(_automatic(polish, 0, "polish"))
     options.noise, options.layers = _automatic(noise, 0, "noise"), _automatic(layers, 0, "layers")
-    options.drawing = drawing_of(form, samples)
+    options.drawing, options.force = drawing_of(form, samples), force
     with holding(capture, weights), Call(progress, threads, device) as call:
         made = lib.ffp_reconstruct(call.context, capture._pointer, options, stats, call.error)
         out = Reconstructed(call.take(made, lib.ffp_gaussians_close))
@@ -151,6 +154,7 @@ def refine(
     metrics: PathLike | None = None,
     form: str = "ours",
     samples: int = 0,
+    force: bool = False,
     progress: ProgressOption = None,
     threads: int = 0,
     device: str = "cpu",
@@ -165,12 +169,13 @@ def refine(
         seed: for the order of views. If only the number of steps is limited, the same seed and number of threads give
             identical bits.
         metrics: file for one line of JSON per round, or None.
-        form, samples, threads, device: as in reconstruct.
+        form, samples, force, threads, device: as in reconstruct.
         progress: see ffprocams.ProgressOption. A function that returns False ends the fit, which then returns the best
             state so far; an exception, including Ctrl-C, is raised, and nothing is returned.
     """
     keep, stats = Keep(), ffi.new("FfpRefinementStats *")
     options = _refinement(patterns, steps, seconds, noise, seed, metrics, drawing_of(form, samples), keep)
+    options.force = force
     out = Refined(gaussians.copy()._pointer)
     with holding(capture), Call(progress, threads, device) as call:
         call.check(

@@ -119,6 +119,7 @@ static bool tell(const FfpCall *call, FfpError *err) {
 bool ffp_call_run(FfpContext *context, bool (*work)(void *argument, FfpError *err), void *argument,
                   FfpError *err) {
     if (ffp_call()) return work(argument, err);
+    if (err) *err = (FfpError){.code = FFP_OK}; // of an earlier call
     FfpCall call = {.context = context};
     FfpFrame frame;
     bool ok = false;

@@ -5,6 +5,7 @@
 
 #include <stdbool.h>
 #include "core/base/error.h"
+#include "core/image/framing.h"
 #include "core/image/image.h"
 
 #define FFP_NAME_MAX 96
@@ -122,9 +123,10 @@ FfpListed ffp_list_patterns(const FfpCapture *capture);
 // are refused.
 bool ffp_picture_path(char *out, size_t size, const char *folder, const char *view, const char *rest,
                       FfpError *err);
-// An image file as a pattern of width x height: linear RGB over black, named after the file. Says so when it
-// is resized.
-bool ffp_pattern_read(FfpPattern *pattern, const char *path, int width, int height, FfpError *err);
+// An image file as a pattern for a projector: linear RGB over black, named after the file. Notes how it was
+// made to fit the projector's frame.
+bool ffp_pattern_read(FfpPattern *pattern, const char *path, const FfpCamera *projector, FfpFraming framing,
+                      FfpError *err);
 
 // The structured-light pattern a reconstruction uses: the named one, or (name NULL) the first that is neither
 // black, white nor novel and that every view has. -1 with an error when there is none.

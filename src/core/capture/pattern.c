@@ -2,18 +2,18 @@
 #include <stdio.h>
 #include <string.h>
 #include "core/base/file.h"
-#include "core/base/log.h"
 #include "core/capture/capture.h"
 
-bool ffp_pattern_read(FfpPattern *pattern, const char *path, int width, int height, FfpError *err) {
+bool ffp_pattern_read(FfpPattern *pattern, const char *path, const FfpCamera *projector, FfpFraming framing,
+                      FfpError *err) {
+    const int width = projector->width, height = projector->height;
     *pattern = (FfpPattern){.novel = true};
     if (!ffp_image_read_over_black(&pattern->image, NULL, path, err)) return false;
     if (pattern->image.width != width || pattern->image.height != height) {
-        ffp_note("pattern %s: resized from %d x %d to the projector's %d x %d", path, pattern->image.width,
-                 pattern->image.height, width, height);
-        FfpImage resized = ffp_image_resize(&pattern->image, width, height);
+        ffp_framing_note(path, &pattern->image, width, height, framing);
+        FfpImage fitted = ffp_image_framed(&pattern->image, width, height, framing);
         ffp_image_free(&pattern->image);
-        pattern->image = resized;
+        pattern->image = fitted;
     }
     snprintf(pattern->name, sizeof pattern->name, "%s", ffp_basename(path));
     char *dot = strrchr(pattern->name, '.');

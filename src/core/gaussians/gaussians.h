@@ -67,7 +67,9 @@ void ffp_gaussians_transform(FfpGaussians *gaussians, const real offset[3], real
 // Binary little-endian PLY with the 3DGS property names, plus base_color_0..2 and roughness (see
 // docs/reference/formats.md): opens in splat viewers and reads back exactly in fp32 up to the logit/log
 // encodings. Values are checked when read: counts, sizes, finite numbers. Splats of opacity below
-// `opacity_min` are left out when writing (0 keeps all).
+// `opacity_min` are left out when writing (0 keeps all). Plain splats of other programs (3DGS, 2DGS, gsplat)
+// are read too: their colour f_dc becomes albedo (within [0,1]) and ambient colour, the roughness is 0.5, and
+// discs become 1 % as thick as their smaller radius; a note says so. f_rest is not used.
 bool ffp_gaussians_write(const FfpGaussians *gaussians, const char *path, real opacity_min, FfpError *err);
 // Writes those that the rasteriser draws, with an opacity of at least 1/255; an error if there are none.
 bool ffp_gaussians_write_drawn(const FfpGaussians *gaussians, const char *path, FfpError *err);
@@ -76,6 +78,8 @@ bool ffp_gaussians_read(FfpGaussians *gaussians, const char *path, FfpError *err
 FfpGaussians *ffp_gaussians_load(const char *path, FfpError *err);
 // Which patterns a file names, as above.
 bool ffp_gaussians_read_made_from(char made_from[FFP_MADE_FROM], const char *path, FfpError *err);
+// Whether a file holds Gaussians with albedo and roughness; false for anything else, and if there is no file.
+bool ffp_gaussians_are_relightable(const char *path);
 // Adds a pattern's name, once; names beyond the buffer are silently dropped.
 void ffp_made_from_add(char made_from[FFP_MADE_FROM], const char *name);
 

@@ -5,11 +5,15 @@
 #include "core/base/arena.h"
 #include "core/base/file.h"
 #include "core/base/kind.h"
+#include "core/base/log.h"
 #include "core/gaussians/gaussians.h"
 #include "core/gaussians/ply_header.h"
 #include "core/gaussians/row.h"
 
 enum { BLOCK_ROWS = 1024 };
+
+#define PLAIN_ROUGHNESS 0.5F // of splats that have none: neither gloss nor chalk
+#define FLAT 0.01F           // thickness of discs, as a share of their smaller radius
 
 static float get_float(const unsigned char *bytes) {
     uint32_t bits = 0;
@@ -81,6 +85,29 @@ bool ffp_gaussians_write_drawn(const FfpGaussians *gaussians, const char *path, 
     return ffp_gaussians_write(gaussians, path, least, err);
 }
 
+static void get_row(const FfpPlyHeader *header, const unsigned char *bytes, float row[FFP_ROW_NUMBERS]) {
+    for (int i = 0; i < FFP_ROW_NUMBERS; i++) {
+        const unsigned char *at = bytes + header->offset[i];
+        if (header->offset[i] < 0)
+            row[i] = 0;
+        else
+            row[i] = header->wide >> i & 1U ? (float)get_double(at) : get_float(at);
+    }
+}
+
+// What splats of other programs do not say. Their colour is light and material in one: it becomes both the
+// albedo and, as it looks without a projector, the ambient colour.
+static void complete(FfpGaussians *gaussians, int64_t index, const FfpPlyHeader *header) {
+    real *scale = gaussians->scale + 3 * index, *albedo = gaussians->albedo + 3 * index;
+    if (header->flat) scale[2] = FLAT * (scale[0] < scale[1] ? scale[0] : scale[1]);
+    if (!header->plain) return;
+    for (int c = 0; c < 3; c++) {
+        const real colour = gaussians->ambient[3 * index + c];
+        albedo[c] = colour < 0 ? 0 : colour > 1 ? 1 : colour;
+    }
+    gaussians->roughness[index] = PLAIN_ROUGHNESS;
+}
+
 static bool read_rows(FfpGaussians *gaussians, const FfpPlyHeader *header, FILE *stream, const char *path,
                       FfpError *err) {
     const size_t stride = (size_t)header->stride;
@@ -92,12 +119,10 @@ static bool read_rows(FfpGaussians *gaussians, const FfpPlyHeader *header, FILE 
             ok = ffp_fail(err, FFP_ERROR_IO, path, "cannot read all rows");
         for (int64_t r = 0; ok && r < rows; r++) {
             float row[FFP_ROW_NUMBERS];
-            for (int i = 0; i < FFP_ROW_NUMBERS; i++) {
-                const unsigned char *bytes = block + (size_t)r * stride + header->offset[i];
-                row[i] = header->wide >> i & 1U ? (float)get_double(bytes) : get_float(bytes);
-            }
             const int64_t index = done + r;
+            get_row(header, block + (size_t)r * stride, row);
             const int bad = ffp_row_decode(row, gaussians, index);
+            complete(gaussians, index, header);
             if (bad >= 0)
                 ok = ffp_fail(err, FFP_ERROR_FILE, path, "Gaussian %lld: invalid %s", (long long)index,
                               ffp_row_names[bad]);
@@ -134,6 +159,10 @@ bool ffp_gaussians_read(FfpGaussians *gaussians, const char *path, FfpError *err
         *gaussians = ffp_gaussians_new(header.count);
         memcpy(gaussians->made_from, header.made_from, sizeof header.made_from);
         ok = read_rows(gaussians, &header, stream, path, err);
+        if (ok && header.plain)
+            ffp_note("%s: splats without material: their colour is taken as albedo and as ambient colour, "
+                     "roughness as %g",
+                     ffp_basename(path), (double)PLAIN_ROUGHNESS);
         if (!ok) ffp_gaussians_free(gaussians);
     }
     ffp_close_file(stream);
@@ -151,14 +180,24 @@ FfpGaussians *ffp_gaussians_load(const char *path, FfpError *err) {
     return NULL;
 }
 
-bool ffp_gaussians_read_made_from(char made_from[FFP_MADE_FROM], const char *path, FfpError *err) {
-    made_from[0] = 0;
+static bool read_header(FfpPlyHeader *header, const char *path, FfpError *err) {
     if (!ffp_check_kind(path, FFP_WANTED_GAUSSIANS, err)) return false;
     FILE *stream = ffp_open_to_read(path, err);
     if (!stream) return false;
-    FfpPlyHeader header;
-    const bool ok = ffp_ply_header_read(&header, stream, path, err);
+    const bool ok = ffp_ply_header_read(header, stream, path, err);
     fclose(stream);
-    if (ok) memcpy(made_from, header.made_from, sizeof header.made_from);
     return ok;
+}
+
+bool ffp_gaussians_read_made_from(char made_from[FFP_MADE_FROM], const char *path, FfpError *err) {
+    FfpPlyHeader header;
+    made_from[0] = 0;
+    if (!read_header(&header, path, err)) return false;
+    memcpy(made_from, header.made_from, sizeof header.made_from);
+    return true;
+}
+
+bool ffp_gaussians_are_relightable(const char *path) {
+    FfpPlyHeader header;
+    return read_header(&header, path, NULL) && !header.plain;
 }

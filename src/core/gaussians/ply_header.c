@@ -74,12 +74,17 @@ static bool read_element(FfpPlyHeader *header, const char *line, const char *pat
     return true;
 }
 
-static bool check_complete(const FfpPlyHeader *header, const char *path, FfpError *err) {
+static bool check_complete(FfpPlyHeader *header, const char *path, FfpError *err) {
     if (header->count < 0) return ffp_fail(err, FFP_ERROR_FILE, path, "holds no element vertex");
-    for (int i = 0; i < FFP_ROW_NUMBERS; i++)
-        if (header->offset[i] < 0)
-            return ffp_fail(err, FFP_ERROR_FILE, path,
-                            "property %s is missing: these Gaussians cannot be relit", ffp_row_names[i]);
+    header->plain = true;
+    for (int i = FFP_ROW_ALBEDO; i < FFP_ROW_NUMBERS; i++) header->plain &= header->offset[i] < 0;
+    header->flat = header->offset[FFP_ROW_SCALE + 2] < 0;
+    for (int i = 0; i < FFP_ROW_NUMBERS; i++) {
+        const bool optional =
+            (header->plain && i >= FFP_ROW_ALBEDO) || (header->flat && i == FFP_ROW_SCALE + 2);
+        if (header->offset[i] < 0 && !optional)
+            return ffp_fail(err, FFP_ERROR_FILE, path, "property %s is missing", ffp_row_names[i]);
+    }
     return true;
 }
 

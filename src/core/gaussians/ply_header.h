@@ -11,12 +11,15 @@ typedef struct FfpPlyHeader {
     int stride;                  // bytes of a row
     int offset[FFP_ROW_NUMBERS]; // of each number in a row, or -1
     unsigned wide;               // bit i: number i is a double in the file, otherwise a float
+    bool plain;                  // splats of other programs: without albedo and roughness
+    bool flat;                   // discs (2DGS): without the third scale
     char made_from[FFP_MADE_FROM];
 } FfpPlyHeader;
 
 // Reads up to and including the line "end_header". Accepts one element "vertex" with scalar properties in any
-// order, ignoring unknown ones. Errors: not a PLY, not binary little-endian, lists, other elements, a
-// property that is missing, duplicate or not a float, a count that is not a number or above
+// order, ignoring unknown ones; base_color_0..2 together with roughness, and scale_2, may be missing
+// (`plain`, `flat`). Errors: not a PLY, not binary little-endian, lists, other elements, any other property
+// that is missing, a property that is duplicate or not a float, a count that is not a number or above
 // FFP_GAUSSIANS_MAX.
 bool ffp_ply_header_read(FfpPlyHeader *header, FILE *stream, const char *path, FfpError *err);
 void ffp_ply_header_write(FILE *stream, int64_t count, const char *made_from);

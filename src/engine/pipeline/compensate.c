@@ -5,6 +5,7 @@
 #include "core/base/alloc.h"
 #include "core/base/log.h"
 #include "core/capture/panel.h"
+#include "core/image/framing.h"
 #include "engine/apply/choose.h"
 #include "engine/apply/solve.h"
 #include "engine/pipeline/relight.h"
@@ -28,21 +29,12 @@ static bool check_options(const FfpCompensation *options, const FfpCapture *capt
     if (options->steps < 0 || options->steps > STEPS_MAX)
         return ffp_fail(err, FFP_ERROR_ARGUMENT, NULL, "%d steps are not in 0 to %d", options->steps,
                         STEPS_MAX);
+    if (!ffp_framing_check(options->framing, err)) return false;
     return !options->for_device || capture->panel.known ||
            ffp_fail(err, FFP_ERROR_ARGUMENT, capture->folder,
                     "the capture does not describe the real projector (scene.json: " DEVICE
                     "): its projector is the ideal one of a generated or older capture; import it again from "
                     "the calibration");
-}
-
-// A target is a picture in the camera's frame: of its shape, if not of its size.
-static bool check_shape(const FfpImage *target, const FfpView *view, const char *path, FfpError *err) {
-    const double ratio = (double)target->width / target->height;
-    const double wanted = (double)view->camera.width / view->camera.height;
-    if (fabs(ratio / wanted - 1) <= 0.01) return true;
-    return ffp_fail(err, FFP_ERROR_ARGUMENT, path,
-                    "a target of %d x %d does not have the aspect ratio of view %s's camera, %d x %d",
-                    target->width, target->height, view->id, view->camera.width, view->camera.height);
 }
 
 static int target_of(const Job *job, int v) {
@@ -70,20 +62,19 @@ static bool read_targets(Job *job, FfpError *err) {
     job->alphas = ffp_alloc((size_t)n, sizeof *job->alphas);
     for (int t = 0; t < n; t++)
         if (!read_target(job, t, err)) return false;
-    for (int v = 0; v < n_views; v++) {
-        const int t = target_of(job, v);
-        const char *name = job->pictures ? "target" : options->targets[t];
-        if (!check_shape(&job->targets[t], job->chosen.views[v], name, err)) return false;
-    }
     return true;
 }
 
 static void aim(Job *job) {
+    const FfpCompensation *options = job->options;
     for (int v = 0; v < job->chosen.n_views; v++) {
         const FfpCamera *camera = &job->chosen.views[v]->camera;
-        const int t = target_of(job, v);
-        FfpImage target = ffp_image_resize(&job->targets[t], camera->width, camera->height), alpha = {0};
-        if (job->alphas[t].data) alpha = ffp_image_resize(&job->alphas[t], camera->width, camera->height);
+        const int t = target_of(job, v), width = camera->width, height = camera->height;
+        if (!job->pictures)
+            ffp_framing_note(options->targets[t], &job->targets[t], width, height, options->framing);
+        FfpImage target = ffp_image_framed(&job->targets[t], width, height, options->framing), alpha = {0};
+        if (options->transparent_free && job->alphas[t].data)
+            alpha = ffp_image_framed(&job->alphas[t], width, height, options->framing);
         ffp_stage_aim(&job->stage, v, &target, alpha.data ? &alpha : NULL);
         ffp_image_free(&target);
         ffp_image_free(&alpha);

@@ -61,9 +61,12 @@ static double start_bytes(const FfpProblemSize *s, double *besides) {
     return maps + kept;
 }
 
-// Drawing one view: its projected splats, their order in every tile, and G-buffers of its samples.
+double ffp_drawing_bytes(double splats, double pixels, int samples) {
+    return DRAWN * splats + 25 * REAL * pixels * samples * samples;
+}
+
 static double draw_bytes(const FfpProblemSize *s, int samples) {
-    return DRAWN * splats_of(s) + 25 * REAL * pixels_of(s) / s->views * samples * samples;
+    return ffp_drawing_bytes(splats_of(s), pixels_of(s) / s->views, samples);
 }
 
 // Of the context: inputs, activations of the blocks, features of its pixels, and where it is a capture of its

@@ -25,8 +25,12 @@ FfpProblemSize ffp_problem_size(const FfpCapture *capture, const FfpReconstructi
 // 0.8 and 1.6 times the measured peak.
 double ffp_reconstruction_bytes(const FfpProblemSize *scale);
 
-// Checks that this is at most `available` bytes (negative: not known, and the check passes). The error says
-// how much is needed, how much is available, and which resolution would fit.
+// The bytes that drawing a view takes, without its picture: projected splats, their order in every tile, and
+// G-buffers of samples x samples places per pixel.
+double ffp_drawing_bytes(double splats, double pixels, int samples);
+
+// Checks that a reconstruction needs at most `available` bytes (negative: not known, and the check passes).
+// The error says how much is needed, how much is available, and which resolution would fit.
 bool ffp_check_memory(const FfpCapture *capture, const FfpReconstruction *options, double available,
                       FfpError *err);
 

@@ -5,6 +5,7 @@
 #include "core/base/file.h"
 #include "core/base/listing.h"
 #include "core/image/film.h"
+#include "core/image/framing.h"
 #include "engine/apply/choose.h"
 #include "engine/pipeline/orbit.h"
 
@@ -21,6 +22,7 @@ void ffp_picture_job_free(FfpPictureJob *job) {
 }
 
 static bool check_sequence(const FfpPictures *options, FfpError *err) {
+    if (!ffp_framing_check(options->framing, err)) return false;
     if (!ffp_is_sequence(options)) return true;
     if (options->maps)
         return ffp_fail(err, FFP_ERROR_ARGUMENT, options->folder,
@@ -166,7 +168,7 @@ static bool add_pattern(FfpPictureJob *job, const char *name, FfpError *err) {
             err, FFP_ERROR_ARGUMENT, capture->folder,
             "%.256s is not an image file, a folder or a pattern of the capture; its patterns are %s", name,
             ffp_list_patterns(capture).text);
-    else if (!ffp_pattern_read(pattern, name, projector->width, projector->height, err))
+    else if (!ffp_pattern_read(pattern, name, projector, job->options->framing, err))
         return false;
     job->owned[job->n_patterns++] = from_file;
     for (int p = 0; !ffp_is_sequence(job->options) && p + 1 < job->n_patterns; p++)

@@ -1,15 +1,22 @@
 // Rendering to files: chosen views under chosen patterns, and the G-buffers.
 #include "engine/pipeline/pictures.h"
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include "core/base/alloc.h"
 #include "core/base/file.h"
 #include "core/base/log.h"
+#include "core/base/memory.h"
 #include "core/image/film.h"
 #include "engine/pipeline/maps.h"
+#include "engine/pipeline/need.h"
 #include "engine/pipeline/picture_job.h"
 #include "engine/pipeline/relight.h"
+
+#define WHOLE_PIXELS 2e6   // up to which a picture is drawn at once
+#define STRIP_PIXELS 1e6   // of a larger one, drawn at once
+#define PICTURE_BYTES 28.0 // of a pixel: linear and encoded, and as the file has it
 
 // --- What the files are called. ---
 
@@ -100,26 +107,79 @@ static FfpImage relit(const Writer *writer, int pattern) {
     return picture;
 }
 
+// --- Large pictures are drawn in strips: G-buffers take far more memory than what is seen of them. ---
+
+static bool is_large(const FfpView *view) {
+    return (double)view->camera.width * view->camera.height > WHOLE_PIXELS;
+}
+
+static int rows_of_strip(const FfpView *view) {
+    const int rows = (int)(STRIP_PIXELS / view->camera.width);
+    return rows < 1 ? 1 : rows > view->camera.height ? view->camera.height : rows;
+}
+
+// The same as draw and relit: rows from `top` on are what a camera of fewer rows sees, whose principal point
+// lies as much higher.
+static FfpImage draw_in_strips(const Writer *writer, const FfpView *view, int pattern) {
+    const FfpPictureJob *job = writer->job;
+    const FfpCamera *whole = &view->camera;
+    const int rows = rows_of_strip(view);
+    FfpSummed summed = ffp_summed_new(&job->patterns[pattern].image);
+    FfpImage picture = ffp_image_new(whole->width, whole->height, 3);
+    FfpGbuffer shadow = {0};
+    ffp_view_pass_keep_shadow(writer->pass, &shadow);
+    for (int top = 0; top < whole->height; top += rows) {
+        FfpCamera strip = *whole;
+        strip.height = top + rows < whole->height ? rows : whole->height - top;
+        strip.cy -= (real)top;
+        ffp_view_pass_draw(writer->pass, writer->gaussians, &strip, &view->projector);
+        FfpImage part = ffp_relight(writer->pass, job->intensity, &summed);
+        const size_t row = 3 * (size_t)whole->width;
+        memcpy(picture.data + (size_t)top * row, part.data, (size_t)part.height * row * sizeof *part.data);
+        ffp_image_free(&part);
+    }
+    ffp_view_pass_keep_shadow(writer->pass, NULL);
+    ffp_gbuffer_free(&shadow);
+    ffp_summed_free(&summed);
+    return picture;
+}
+
+// Before the work: that the largest picture fits into memory.
+static bool check_memory(const FfpPictureJob *job, const FfpGaussians *gaussians, int samples,
+                         FfpError *err) {
+    double most = 0;
+    for (int v = 0; v < job->n_views; v++) {
+        const FfpView *view = ffp_picture_view(job, v);
+        const double pixels = (double)view->camera.width * view->camera.height;
+        const bool strips = is_large(view) && !job->options->maps;
+        const double at_once = strips ? (double)rows_of_strip(view) * view->camera.width : pixels;
+        most = fmax(most,
+                    PICTURE_BYTES * pixels + ffp_drawing_bytes((double)gaussians->count, at_once, samples));
+    }
+    return ffp_memory_suffices(most, "pictures of this size", "make them smaller", "width", err);
+}
+
 static bool write_view(Writer *writer, const FfpView *view, FfpError *err) {
     const FfpPictureJob *job = writer->job;
-    draw(writer, view);
+    const bool strips = is_large(view) && !job->options->maps;
     bool ok = true;
+    if (!strips) draw(writer, view);
     for (int p = 0; ok && p < job->n_patterns; p++) {
         char rest[FFP_NAME_MAX + 8];
         snprintf(rest, sizeof rest, "%s.png", job->patterns[p].name);
-        FfpImage picture = relit(writer, p);
+        FfpImage picture = strips ? draw_in_strips(writer, view, p) : relit(writer, p);
         ok = write_picture(writer, view, &picture, rest, err);
         ffp_image_free(&picture);
     }
     return ok && (!job->options->maps || write_maps(writer, view, err));
 }
 
-// One frame under one pattern, numbered.
-static bool write_frame(Writer *writer, int pattern, FfpFilm *film, FfpError *err) {
+// One frame under one pattern, numbered; the view is drawn already unless it is large.
+static bool write_frame(Writer *writer, const FfpView *view, int pattern, FfpFilm *film, FfpError *err) {
     const FfpPictures *options = writer->job->options;
     char name[32], path[FFP_PATH_MAX];
     snprintf(name, sizeof name, "%04d.png", writer->written);
-    FfpImage picture = relit(writer, pattern);
+    FfpImage picture = is_large(view) ? draw_in_strips(writer, view, pattern) : relit(writer, pattern);
     const bool ok = ffp_picture_path(path, sizeof path, options->folder, "frame", name, err) &&
                     ffp_image_write_png(&picture, path, err) &&
                     (!options->video || ffp_film_add(film, &picture, err));
@@ -139,8 +199,9 @@ static bool write_sequence(Writer *writer, FfpError *err) {
     FfpTask progress = ffp_task("rendering", frames);
     for (int f = 0; ok && f < frames; f++) {
         const int pattern = orbit ? (int)((int64_t)f * job->n_patterns / frames) : f % job->n_patterns;
-        if (f % each == 0) draw(writer, ffp_picture_view(job, f / each));
-        ok = write_frame(writer, pattern, &film, err);
+        const FfpView *view = ffp_picture_view(job, f / each);
+        if (f % each == 0 && !is_large(view)) draw(writer, view);
+        ok = write_frame(writer, view, pattern, &film, err);
         ffp_task_step(&progress, f + 1, NULL);
     }
     ffp_task_end(&progress);
@@ -165,10 +226,10 @@ int ffp_pictures_run(const FfpGaussians *gaussians, const FfpCapture *capture, c
                      FfpError *err) {
     FfpPictureJob job;
     Writer writer = {.job = &job, .gaussians = gaussians};
+    const FfpRenderSettings settings = ffp_drawing_settings(options->drawing, NULL);
     bool ok = ffp_picture_job_new(&job, gaussians, capture, options, err) && check_names(&job, err) &&
-              ffp_make_folders(options->folder, err);
+              check_memory(&job, gaussians, settings.samples, err) && ffp_make_folders(options->folder, err);
     if (ok) {
-        const FfpRenderSettings settings = ffp_drawing_settings(options->drawing, NULL);
         writer.pass = ffp_view_pass_new(&settings);
         ok = (ffp_is_sequence(options) ? write_sequence : write_views)(&writer, err);
         ffp_view_pass_free(writer.pass);

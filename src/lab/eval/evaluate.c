@@ -13,6 +13,7 @@
 #include "engine/pipeline/reconstruct.h"
 #include "lab/eval/scores.h"
 #include "lab/eval/subject.h"
+#include "rig/import/suspect.h"
 
 #define REPORT_MAPS 2     // views whose G-buffers are shown
 #define REPORT_LARGE 3    // views that are drawn large
@@ -46,6 +47,7 @@ static bool prepare_gaussians(FfpSubject *subject, FfpError *err) {
                                        .noise = options->noise,
                                        .layers = options->layers,
                                        .drawing = options->drawing};
+        if (!options->force && !ffp_rig_suspect(subject->capture, err)) return false;
         const double begin = ffp_seconds();
         subject->gaussians = ffp_reconstruction_run(subject->capture, &how, &subject->stats, err);
         subject->reconstruct_s = ffp_seconds() - begin;
@@ -141,7 +143,7 @@ static bool report_pictures(FfpSubject *subject, FfpError *err) {
     FfpPattern pattern = subject->capture->patterns[subject->given[FFP_FIRST_GIVEN]];
     ffp_report_title(subject->shared->report, subject->capture->name);
     if (!ffp_subject_draws(subject)) return true;
-    if (path && !ffp_pattern_read(&pattern, path, projector->width, projector->height, err)) return false;
+    if (path && !ffp_pattern_read(&pattern, path, projector, FFP_FRAMING_COVER, err)) return false;
     FfpSummed summed = ffp_summed_new(&pattern.image);
     report_large_views(subject, &pattern, &summed);
     if (path) report_shown_pattern(subject, &pattern, &summed);

@@ -2,6 +2,7 @@
 #include "engine/pipeline/reconstruct.h"
 #include "core/base/call.h"
 #include "product/api/arguments.h"
+#include "rig/import/suspect.h"
 
 FfpReconstruction ffp_reconstruction_defaults(void) {
     return (FfpReconstruction){
@@ -17,6 +18,7 @@ typedef struct Call {
 
 static bool work(void *argument, FfpError *err) {
     Call *call = argument;
+    if (!call->options->force && !ffp_rig_suspect(call->capture, err)) return false;
     call->gaussians = ffp_reconstruction_run(call->capture, call->options, call->stats, err);
     return call->gaussians != NULL;
 }

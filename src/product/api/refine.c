@@ -2,6 +2,7 @@
 #include "engine/pipeline/refine.h"
 #include "core/base/call.h"
 #include "product/api/arguments.h"
+#include "rig/import/suspect.h"
 
 FfpRefinement ffp_refinement_defaults(void) {
     return (FfpRefinement){.seconds = FFP_REFINE_SECONDS, .noise = FFP_NOISE_ESTIMATED};
@@ -16,6 +17,7 @@ typedef struct Call {
 
 static bool work(void *argument, FfpError *err) {
     const Call *call = argument;
+    if (!call->options->force && !ffp_rig_suspect(call->capture, err)) return false;
     return ffp_refinement_run(call->gaussians, call->capture, call->options, call->stats, err);
 }
 

@@ -20,6 +20,7 @@ static const FfpOption options[] = {
     {.name = "json",
      .argument = "FILE",
      .type = FFP_OPTION_FILE,
+     .writes = true,
      .offset = offsetof(Arguments, json),
      .help = "write peaks, kernels and steps as JSON too"},
     {0},

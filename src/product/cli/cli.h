@@ -53,8 +53,8 @@ const char *ffp_cli_rank_name(void); // "rank 3: "; "" alone
 #define FFP_CLI_TRAIN "train"
 
 // Options and arguments of several commands; `place` is the offset of their destination.
-extern const FfpWord ffp_cli_auto[], ffp_cli_layers[], ffp_cli_forms[], ffp_cli_page_forms[],
-    ffp_cli_devices[], ffp_cli_none[];
+extern const FfpWord ffp_cli_framings[], ffp_cli_auto[], ffp_cli_layers[], ffp_cli_forms[],
+    ffp_cli_page_forms[], ffp_cli_devices[], ffp_cli_none[];
 #define FFP_CLI_GAUSSIANS(place)                                                                             \
     {                                                                                                        \
         .name = "FILE.ply", .least = 1, .most = 1, .offset = (place),                                        \
@@ -91,6 +91,14 @@ extern const FfpWord ffp_cli_auto[], ffp_cli_layers[], ffp_cli_forms[], ffp_cli_
         .name = "drawing", .argument = "D", .type = FFP_OPTION_CHOICE, .offset = (place),                    \
         .words = ffp_cli_forms, .help = (text)                                                               \
     }
+#define FFP_CLI_FRAMING(place, text)                                                                         \
+    {                                                                                                        \
+        .name = "fit", .argument = "HOW", .type = FFP_OPTION_CHOICE, .offset = (place),                      \
+        .words = ffp_cli_framings,                                                                           \
+        .help = text " of another shape: cover (default) fills the frame and cuts off what is beyond it, "   \
+                     "contain shows all of the picture with black beside it, stretch distorts it, pixel "    \
+                     "shows it pixel for pixel"                                                              \
+    }
 #define FFP_CLI_FORM_HELP                                                                                    \
     "ours (default), or paper for Gaussians from a model in the paper's form, or gs-procams for those "      \
     "fitted in it: the paper's form, in light without cosine and falloff"
@@ -103,6 +111,12 @@ extern const FfpWord ffp_cli_auto[], ffp_cli_layers[], ffp_cli_forms[], ffp_cli_
     "draw with N x N samples per pixel, 1 to 4. More are smoother and slower. Default: the model's "         \
     "setting, "                                                                                              \
     "otherwise 2 (1 in the paper's form)"
+#define FFP_CLI_FORCE(place)                                                                                 \
+    {                                                                                                        \
+        .name = "force", .type = FFP_OPTION_FLAG, .offset = (place),                                         \
+        .help = "continue although a view's photographs contradict the others or its devices (turned, "      \
+                "mirrored, exchanged, black for white): otherwise that is an error, which names the view"    \
+    }
 #define FFP_CLI_DEVICE(place, text)                                                                          \
     {                                                                                                        \
         .name = "device", .argument = "cpu|cuda", .type = FFP_OPTION_NAME, .offset = (place),                \

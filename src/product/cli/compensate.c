@@ -6,6 +6,7 @@
 typedef struct Arguments {
     const char *gaussians, *capture;
     FfpList views, targets;
+    int transparent;
     FfpCompensation how;
 } Arguments;
 
@@ -31,6 +32,7 @@ static int run(void *data) {
     how->n_views = arguments->views.count;
     how->targets = arguments->targets.values;
     how->n_targets = arguments->targets.count;
+    how->transparent_free = arguments->transparent == 1;
     if (how->n_targets > 1 && how->n_targets != how->n_views)
         return ffp_cli_usage("compensate", "%d targets for %d views: give one for all views, or one for each",
                              how->n_targets, how->n_views);
@@ -66,12 +68,21 @@ static const FfpOption options[] = {
      .repeated = true,
      .required = true,
      .offset = offsetof(Arguments, targets),
-     .help = "sRGB image that the camera should see, with the aspect ratio of the camera's frame. "
-             "Transparent pixels are unconstrained. Give one for all views, or one for each"},
+     .help = "sRGB image that the camera should see. Give one for all views, or one for each"},
+    FFP_CLI_FRAMING(offsetof(Arguments, how.framing), "targets"),
+    {.name = "transparent",
+     .argument = "black|free",
+     .type = FFP_OPTION_CHOICE,
+     .offset = offsetof(Arguments, transparent),
+     .words = (const FfpWord[]){{"black", 0}, {"free", 1}, {0}},
+     .help =
+         "transparent parts of a target: black (default), as around text and logos, or free: anything may "
+         "be seen there"},
     {.name = "output",
      .letter = 'o',
      .argument = "FILE.png",
      .type = FFP_OPTION_FILE,
+     .writes = true,
      .required = true,
      .offset = offsetof(Arguments, how.pattern),
      .help =

@@ -168,6 +168,7 @@ static const FfpOption options[] = {
     FFP_CLI_DRAWING(offsetof(Arguments, evaluation.drawing.form),
                     "form in which Gaussians are fitted and drawn: ours (default), paper or gs-procams"),
     FFP_CLI_SAMPLES(offsetof(Arguments, evaluation.drawing.samples), FFP_CLI_SAMPLES_HELP),
+    FFP_CLI_FORCE(offsetof(Arguments, evaluation.force)),
     FFP_CLI_DEVICE(offsetof(Arguments, device),
                    "where network and fit run: cpu (default), or cuda, the first NVIDIA GPU"),
     {.name = "perceptual",
@@ -185,6 +186,7 @@ static const FfpOption options[] = {
     {.name = "json",
      .argument = "FILE",
      .type = FFP_OPTION_FILE,
+     .writes = true,
      .offset = offsetof(Arguments, evaluation.json),
      .group = "results",
      .help = "write the rows as JSON: psnr, psnr_foreground, psnr_gloss, psnr_unseen_lollipops, ssim, lpips, "
@@ -200,6 +202,7 @@ static const FfpOption options[] = {
     {.name = "report",
      .argument = "FILE.html",
      .type = FFP_OPTION_FILE,
+     .writes = true,
      .offset = offsetof(Arguments, evaluation.report),
      .group = "results",
      .help = "write an HTML page: large pictures, predictions beside truth and error, G-buffers, input, "

@@ -35,6 +35,7 @@ static const FfpOption options[] = {
      .letter = 'o',
      .argument = "FILE",
      .type = FFP_OPTION_FILE,
+     .writes = true,
      .required = true,
      .offset = offsetof(Arguments, how.file),
      .help = "splats: .ply, .spz, .glb or .gltf; with --mesh: .glb, .gltf or .obj"},
@@ -53,6 +54,11 @@ static const FfpOption options[] = {
          "up direction of the Gaussians' world: z (default), or -y where the world is a camera's frame. The "
          "file uses its format's axes: y down and z forward in .ply, y up and z backwards in all others"},
     FFP_CLI_DRAWING(offsetof(Arguments, how.form), FFP_CLI_FORM_HELP),
+    {.name = "force",
+     .type = FFP_OPTION_FLAG,
+     .offset = offsetof(Arguments, how.force),
+     .help =
+         "let plain splats replace a PLY of relightable Gaussians, whose albedo and roughness are then lost"},
     {.name = "light",
      .argument = "ambient|white|PATTERN",
      .type = FFP_OPTION_FILE,
@@ -61,6 +67,7 @@ static const FfpOption options[] = {
      .group = "light",
      .help = "light baked into the splats: ambient (default), or in addition a projector showing white, a "
              "pattern of the capture (by name), or an image file"},
+    FFP_CLI_FRAMING(offsetof(Arguments, how.framing), "an image file"),
     {.name = "projector-view",
      .needs = "light",
      .argument = "ID",

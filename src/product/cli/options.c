@@ -364,7 +364,8 @@ static int parse(const FfpCommand *command, int argc, char **argv, void *argumen
     }
     int status = take_positionals(command, argc, argv, arguments);
     if (status < 0) status = check_required(command, seen);
-    return status >= 0 ? status : check_together(command, seen);
+    if (status < 0) status = check_together(command, seen);
+    return status >= 0 ? status : ffp_cli_check_outputs(command, arguments);
 }
 
 // --- Running. ---

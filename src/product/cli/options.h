@@ -41,6 +41,7 @@ typedef struct FfpOption {
     bool repeated;        // may be repeated: an FfpList of texts, or its function called again
     bool required;        // an error if it is missing
     bool optional_value;  // for text: "" if it is given without =VALUE
+    bool writes;          // an output file, which must not be an input: see ffp_cli_check_outputs
     const char *needs;    // the option that it requires, or NULL
     const char *excludes; // the option with which it cannot be combined, or NULL
     size_t offset;        // of the destination
@@ -92,6 +93,11 @@ typedef struct FfpProgram {
 
 // Parses and runs; returns the exit code. argv[0] is the command's name.
 int ffp_cli_run(const FfpCommand *command, int argc, char **argv);
+
+// Checks the files that a command is to write: none may be a file that it reads, or that it writes twice, and
+// where the option's argument has an extension ("FILE.ply"), a name with another one is refused. Prints what
+// is wrong; -1 to go on, otherwise the exit code.
+int ffp_cli_check_outputs(const FfpCommand *command, const void *arguments);
 
 // The name that `word` was probably meant as, or NULL. Names end with NULL.
 const char *ffp_cli_nearest(const char *word, const char *const *names);

@@ -50,6 +50,7 @@ static const FfpOption options[] = {
      .letter = 'o',
      .argument = "FILE.ply",
      .type = FFP_OPTION_FILE,
+     .writes = true,
      .required = true,
      .offset = offsetof(Arguments, output),
      .help = "output file for the Gaussians (binary PLY, which splat viewers open too)"},
@@ -85,6 +86,7 @@ static const FfpOption options[] = {
     FFP_CLI_SAMPLES(
         offsetof(Arguments, how.drawing.samples),
         "samples per side of a pixel while fitting, 1 to 4. Default: the model's setting, otherwise 2"),
+    FFP_CLI_FORCE(offsetof(Arguments, how.force)),
     FFP_CLI_DEVICE(offsetof(Arguments, device),
                    "where network and fit run: cpu, or cuda, the first NVIDIA GPU. Default: cpu"),
     {0},

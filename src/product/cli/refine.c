@@ -110,6 +110,7 @@ static const FfpOption options[] = {
      .letter = 'o',
      .argument = "FILE",
      .type = FFP_OPTION_FILE,
+     .writes = true,
      .required = true,
      .offset = offsetof(Arguments, output),
      .help = "output file for the refined Gaussians (.ply) or the field (.field)"},
@@ -152,6 +153,7 @@ static const FfpOption options[] = {
     {.name = "metrics",
      .argument = "FILE",
      .type = FFP_OPTION_FILE,
+     .writes = true,
      .offset = offsetof(Arguments, refinement.metrics),
      .help = "one line of JSON per pass over all views (for a field: every 100 steps): step, seconds, loss, "
              "psnr, gaussians"},
@@ -169,6 +171,7 @@ static const FfpOption options[] = {
      .help = "random seed for the order of views and for the initial points from scratch. Default: 1"},
     FFP_CLI_DRAWING(offsetof(Arguments, form), FFP_CLI_FORM_HELP),
     FFP_CLI_SAMPLES(offsetof(Arguments, refinement.drawing.samples), FFP_CLI_SAMPLES_HELP),
+    FFP_CLI_FORCE(offsetof(Arguments, refinement.force)),
     {0},
 };
 

@@ -130,6 +130,7 @@ static const FfpOption options[] = {
      .offset = offsetof(Arguments, patterns),
      .help = "a pattern of the capture (by name), an image file, or a folder of images, taken in the order "
              "of their names; may be repeated. Default: white"},
+    FFP_CLI_FRAMING(offsetof(Arguments, pictures.framing), "image files"),
     {.name = "maps",
      .type = FFP_OPTION_FLAG,
      .offset = offsetof(Arguments, pictures.maps),
@@ -166,6 +167,7 @@ static const FfpOption options[] = {
     {.name = "video",
      .argument = "FILE",
      .type = FFP_OPTION_FILE,
+     .writes = true,
      .offset = offsetof(Arguments, pictures.video),
      .group = "films",
      .help = "also write all pictures, in order, as one video. The extension selects its format: .png or "

@@ -35,6 +35,7 @@ static const FfpOption options[] = {
      .letter = 'o',
      .argument = "FILE.html",
      .type = FFP_OPTION_FILE,
+     .writes = true,
      .required = true,
      .offset = offsetof(Arguments, page.file),
      .help = "the page"},

@@ -1,6 +1,11 @@
 // Words that values of several commands' options may be.
 #include "cli.h"
 
+const FfpWord ffp_cli_framings[] = {{"cover", FFP_FRAMING_COVER},
+                                    {"contain", FFP_FRAMING_CONTAIN},
+                                    {"stretch", FFP_FRAMING_STRETCH},
+                                    {"pixel", FFP_FRAMING_PIXEL},
+                                    {0}};
 const FfpWord ffp_cli_auto[] = {{"auto", -1}, {0}}; // FFP_POLISH_AUTO and FFP_NOISE_ESTIMATED
 const FfpWord ffp_cli_layers[] = {{"auto", FFP_LAYERS_AUTO}, {"all", 0}, {0}};
 const FfpWord ffp_cli_forms[] = {

@@ -5,6 +5,7 @@
 #include <sys/stat.h>
 #include "core/base/alloc.h"
 #include "core/base/file.h"
+#include "core/image/framing.h"
 #include "engine/pipeline/relight.h"
 #include "product/export/light.h"
 #include "product/export/mesh.h"
@@ -24,6 +25,7 @@ static Kind kind_of(const char *file) {
 
 static bool check(const FfpExport *options, const FfpCapture *capture, FfpError *err) {
     const Kind kind = kind_of(options->file);
+    if (!ffp_framing_check(options->framing, err)) return false;
     if ((unsigned)options->up > FFP_UP_MINUS_Y)
         return ffp_fail(err, FFP_ERROR_ARGUMENT, "up", "invalid value %d", (int)options->up);
     if (options->mesh && (kind == KIND_PLY || kind == KIND_SPZ || kind == KIND_NONE))
@@ -42,6 +44,11 @@ static bool check(const FfpExport *options, const FfpCapture *capture, FfpError 
     if (options->mesh && (options->resolution < RESOLUTION_LEAST || options->resolution > RESOLUTION_MOST))
         return ffp_fail(err, FFP_ERROR_ARGUMENT, "resolution", "%d cells are not in %d to %d",
                         options->resolution, RESOLUTION_LEAST, RESOLUTION_MOST);
+    if (kind == KIND_PLY && !options->force && ffp_gaussians_are_relightable(options->file))
+        return ffp_fail(
+            err, FFP_ERROR_ARGUMENT, options->file,
+            "exists and holds relightable Gaussians, which plain splats would replace: choose another "
+            "name, or force it");
     return true;
 }
 

@@ -10,7 +10,8 @@ bool ffp_export_lights(const FfpExport *options) {
 }
 
 static bool choose_pattern(FfpPattern *pattern, const FfpCapture *capture, const FfpCamera *projector,
-                           const char *name, FfpError *err) {
+                           const FfpExport *options, FfpError *err) {
+    const char *name = options->light;
     const bool white = strcmp(name, "white") == 0;
     const int known = white ? capture->white : ffp_capture_find_pattern(capture, name);
     *pattern = (FfpPattern){0};
@@ -23,14 +24,14 @@ static bool choose_pattern(FfpPattern *pattern, const FfpCapture *capture, const
             err, FFP_ERROR_ARGUMENT, capture->folder,
             "%.256s is not ambient, white, an image file or a pattern of the capture; its patterns are %s",
             name, ffp_list_patterns(capture).text);
-    return ffp_pattern_read(pattern, name, projector->width, projector->height, err);
+    return ffp_pattern_read(pattern, name, projector, options->framing, err);
 }
 
 static bool bake_views(const FfpGaussians *gaussians, const FfpCapture *capture, const FfpExport *options,
                        const FfpView *light_view, const FfpView *camera_view, real *colour, FfpError *err) {
     FfpPattern pattern;
     const FfpRenderSettings settings = ffp_drawing_settings((FfpDrawing){.form = options->form}, NULL);
-    if (!choose_pattern(&pattern, capture, &light_view->projector, options->light, err)) return false;
+    if (!choose_pattern(&pattern, capture, &light_view->projector, options, err)) return false;
     FfpSummed summed = ffp_summed_new(&pattern.image);
     const real *pose = camera_view ? camera_view->camera.pose : NULL;
     const real eye[3] = {pose ? pose[3] : 0, pose ? pose[7] : 0, pose ? pose[11] : 0};

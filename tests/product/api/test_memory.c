@@ -270,6 +270,55 @@ static void test_drawing_into_memory_is_what_files_hold(void **state) {
     ffp_gaussians_close(gaussians), ffp_capture_close(capture);
 }
 
+// A picture too large to be drawn at once is the same as one that is: files draw it in strips, a renderer
+// whole.
+static void test_large_files_are_drawn_in_strips(void **state) {
+    (void)state;
+    enum { SIDE = 1600 };
+    FfpError err = {0};
+    FfpCapture *capture = ffp_capture_open(NULL, SAMPLE, &err);
+    assert_non_null(capture);
+    FfpGaussians *gaussians = start_of(capture);
+    const char *view = ffp_capture_view_id(capture, 0);
+    const FfpPictures options = {.views = &view, .n_views = 1, .width = SIDE, .folder = in_scratch("large")};
+    if (ffp_render_pictures(NULL, gaussians, capture, &options, &err) != 1) fail_msg("%s", err.text);
+
+    FfpPinhole camera, projector;
+    double intensity[3];
+    assert_true(ffp_capture_view_devices(capture, 0, &camera, &projector));
+    ffp_capture_intensity(capture, intensity);
+    const double scale = (double)SIDE / camera.width;
+    camera.width = camera.height = SIDE;
+    double *const lengths[] = {&camera.fx, &camera.fy, &camera.cx, &camera.cy};
+    for (int i = 0; i < 4; i++) *lengths[i] *= scale;
+    int white = 0;
+    while (ffp_capture_pattern_role(capture, white) != FFP_PATTERN_WHITE) white++;
+    const FfpPicture light = ffp_capture_picture(capture, -1, white);
+    char path[512];
+    snprintf(path, sizeof path, "large/%s_%s.png", view, ffp_capture_pattern_name(capture, white));
+    FfpImage file;
+    assert_true(ffp_image_read(&file, in_scratch(path), FFP_COLOUR_ENCODED, &err));
+    assert_int_equal(file.height, SIDE);
+    FfpRenderer *renderer = ffp_renderer_new(NULL, (FfpDrawing){0}, &err);
+    unsigned char *bytes = ffp_alloc((size_t)3 * SIDE * SIDE, 1);
+    assert_true(ffp_renderer_aim(NULL, renderer, gaussians, &camera, &projector, &err));
+    assert_true(ffp_renderer_shade(NULL, renderer, &light, intensity, bytes, FFP_PIXELS_U8, 0, &err));
+    int64_t lit = 0, different = 0;
+    for (size_t i = 0; i < (size_t)SIDE * SIDE; i++)
+        for (size_t c = 0; c < 3; c++) {
+            const int there = (int)(file.data[4 * i + c] * 255 + 0.5F), here = bytes[3 * i + c];
+            assert_true(abs(there - here) <= 2); // a strip's principal point is rounded otherwise
+            different += there != here;
+            lit += here > 0;
+        }
+    assert_true(lit > SIDE && different < lit / 100);
+    ffp_renderer_close(renderer);
+    ffp_image_free(&file);
+    ffp_free(bytes);
+    ffp_gaussians_close(gaussians);
+    ffp_capture_close(capture);
+}
+
 static void refuse(Rebuilt *r, const char *text) {
     FfpError err = {0};
     assert_null(ffp_capture_from_memory(NULL, &r->data, &err));
@@ -370,6 +419,7 @@ int main(void) {
         cmocka_unit_test(test_drawing_into_memory_is_what_files_hold),
         cmocka_unit_test(test_wrong_data_is_refused_by_name),
         cmocka_unit_test(test_patterns_have_their_roles),
+        cmocka_unit_test(test_large_files_are_drawn_in_strips),
     };
     return cmocka_run_group_tests(tests, scratch_setup, scratch_teardown);
 }

@@ -35,6 +35,55 @@ static void read_encoded(FfpImage *image, const char *name) {
     if (!ffp_image_read(image, in_scratch(name), FFP_COLOUR_ENCODED, &err)) fail_msg("%s", err.text);
 }
 
+// A wide picture with a transparent left half, as a logo is.
+static void write_logo(const char *name) {
+    FfpError err = {0};
+    FfpImage logo = ffp_image_new(160, 90, 4);
+    for (int i = 0; i < 160 * 90; i++)
+        for (int c = 0; c < 4; c++) logo.data[4 * i + c] = i % 160 < 80 ? 0 : 1;
+    if (!ffp_image_write_png(&logo, in_scratch(name), &err)) fail_msg("%s", err.text);
+    ffp_image_free(&logo);
+}
+
+// Any shape is taken, with a note; what is transparent is black.
+static void targets_of_any_shape_with_transparent_parts(void **state) {
+    (void)state;
+    FfpImage black, contained;
+    write_logo("logo.png");
+    run_format(&run,
+               "compensate %s/tiny.ply -c %s/tiny -v view_1 -t %s/logo.png --paint -s 0 -o %s/black.png",
+               scratch, scratch, scratch, scratch);
+    must_run();
+    assert_non_null(strstr(run.err, "160 x 90 is cropped to fill"));
+    run_format(&run,
+               "compensate %s/tiny.ply -c %s/tiny -v view_1 -t %s/logo.png --paint -s 0 --fit contain -o "
+               "%s/contain.png",
+               scratch, scratch, scratch, scratch);
+    must_run();
+    assert_non_null(strstr(run.err, "fitted inside"));
+    read_encoded(&black, "black.png");
+    read_encoded(&contained, "contain.png");
+    double cover = 0, contain = 0;
+    for (int i = 0; i < TINY_PATTERN * TINY_PATTERN; i++) {
+        cover += (double)black.data[4 * i];
+        contain += (double)contained.data[4 * i];
+    }
+    assert_true(contain > 0 && cover > contain); // the logo is smaller
+    ffp_image_free(&black);
+    ffp_image_free(&contained);
+
+    FfpImage clear = ffp_image_new(SIDE, SIDE, 4);
+    assert_true(ffp_image_write_png(&clear, in_scratch("clear.png"), NULL));
+    ffp_image_free(&clear);
+    run_format(&run, "compensate %s/tiny.ply -c %s/tiny -v view_1 -t %s/clear.png --paint -o %s/dark.png",
+               scratch, scratch, scratch, scratch);
+    must_run();
+    read_encoded(&black, "dark.png");
+    for (int i = 0; i < TINY_PATTERN * TINY_PATTERN; i++)
+        for (int c = 0; c < 3; c++) assert_true(black.data[4 * i + c] == 0);
+    ffp_image_free(&black);
+}
+
 static void compensate_writes_pattern_prediction_and_target(void **state) {
     (void)state;
     run_format(
@@ -342,18 +391,16 @@ static void wrong_compensations_say_what_is_wrong(void **state) {
     must_fail(2, "--gain", "never.png");
     run_format(&run, "%s -v view_0 -v view_1 -v view_2 -t a.png -t b.png", common);
     must_fail(2, "2 targets for 3 views", "never.png");
-    FfpImage wide = ffp_image_new(60, 20, 3), clear = ffp_image_new(SIDE, SIDE, 4);
-    assert_true(ffp_image_write_png(&wide, in_scratch("wide.png"), NULL));
+    FfpImage clear = ffp_image_new(SIDE, SIDE, 4);
     assert_true(ffp_image_write_png(&clear, in_scratch("clear.png"), NULL));
-    run_format(&run, "%s -v view_0 -t %s/wide.png", common, scratch);
-    must_fail(1, "60 x 20", "never.png");
-    run_format(&run, "%s -v view_0 -t %s/clear.png", common, scratch);
+    run_format(&run, "%s -v view_0 -t %s/tiny/view_0_stripes.png --fit some", common, scratch);
+    must_fail(2, "--fit takes cover, contain, stretch or pixel, not 'some'", "never.png");
+    run_format(&run, "%s -v view_0 -t %s/clear.png --transparent free", common, scratch);
     must_fail(1, "no projector lights anything", "never.png");
     run_format(&run,
                "compensate %s/tiny.ply -c %s/tiny -o %s/no/where.png -v view_0 -t %s/tiny/view_0_stripes.png",
                scratch, scratch, scratch, scratch);
     must_fail(1, "no/where.png", NULL);
-    ffp_image_free(&wide);
     ffp_image_free(&clear);
 }
 
@@ -417,6 +464,7 @@ static void help_teaches(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(targets_of_any_shape_with_transparent_parts),
         cmocka_unit_test(compensate_writes_pattern_prediction_and_target),
         cmocka_unit_test(compensate_writes_what_the_device_is_sent),
         cmocka_unit_test(several_projectors_get_a_pattern_each),

@@ -118,6 +118,59 @@ static void ply_is_the_reference_layout_with_y_down(void **state) {
     free(rows);
 }
 
+// Files that are read, or hold more than what would be written, survive.
+static void what_is_worth_more_is_not_overwritten(void **state) {
+    (void)state;
+    run_format(&run, "export %s/tiny.ply -o %s/tiny.ply", scratch, scratch);
+    must_fail(2, "--output would overwrite the input", NULL);
+    run_format(&run, "export %s/tiny.ply -o %s/./tiny.ply", scratch, scratch);
+    must_fail(2, "--output would overwrite the input", NULL);
+    run_format(&run, "view %s/tiny.ply -c %s/tiny -o %s/page.png", scratch, scratch, scratch);
+    must_fail(2, "--output writes a .html file, not '", "page.png");
+    run_format(&run, "refine %s/tiny.ply -c %s/tiny -o %s/both.ply --metrics %s/both.ply", scratch, scratch,
+               scratch, scratch);
+    must_fail(2, "--output and --metrics are the same file", "both.ply");
+
+    run_format(&run, "reconstruct %s/tiny -o %s/kept.ply --model none", scratch, scratch);
+    must_run();
+    run_format(&run, "export %s/tiny.ply -o %s/kept.ply", scratch, scratch);
+    must_fail(1, "exists and holds relightable Gaussians", NULL);
+    assert_true(ffp_gaussians_are_relightable(in_scratch("kept.ply")));
+    run_format(&run, "export %s/tiny.ply -o %s/kept.ply --force", scratch, scratch);
+    must_run();
+    assert_false(ffp_gaussians_are_relightable(in_scratch("kept.ply")));
+    run_format(&run, "export %s/tiny.ply -o %s/kept.ply", scratch, scratch); // its own kind
+    must_run();
+}
+
+// What `export` writes is what other programs write: it comes back with its colours as albedo, and is drawn.
+static void plain_splats_are_read(void **state) {
+    (void)state;
+    FfpGaussians plain;
+    FfpError err = {0};
+    run_format(&run, "export %s/tiny.ply -o %s/plain.ply --up=-y", scratch, scratch);
+    must_run();
+    assert_true(ffp_gaussians_read(&plain, in_scratch("plain.ply"), &err));
+    assert_int_equal(plain.count, count_kept());
+    for (int64_t k = 0; k < plain.count; k++) {
+        const int64_t i = kept(k);
+        assert_true(plain.roughness[k] == 0.5F);
+        for (int c = 0; c < 3; c++) {
+            assert_true(fabsf(plain.ambient[3 * k + c] - truth.ambient[3 * i + c]) < 1e-4F);
+            assert_true(near(plain.albedo[3 * k + c], fminf(plain.ambient[3 * k + c], 1)));
+        }
+    }
+    ffp_gaussians_free(&plain);
+    run_format(&run, "render %s/plain.ply -c %s/tiny -o %s/plain", scratch, scratch, scratch);
+    must_run();
+    assert_non_null(strstr(run.err, "splats without material"));
+    run_format(&run, "info %s/plain.ply", scratch);
+    must_run();
+    run_format(&run, "refine %s/plain.ply -c %s/tiny -o %s/fitted.ply --steps 24", scratch, scratch, scratch);
+    must_run();
+    assert_true(ffp_gaussians_are_relightable(in_scratch("fitted.ply")));
+}
+
 static void up_chooses_the_axes(void **state) {
     (void)state;
     int64_t n;
@@ -446,6 +499,8 @@ static void wrong_exports_say_what_is_wrong(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(ply_is_the_reference_layout_with_y_down),
+        cmocka_unit_test(what_is_worth_more_is_not_overwritten),
+        cmocka_unit_test(plain_splats_are_read),
         cmocka_unit_test(up_chooses_the_axes),
         cmocka_unit_test(baked_light_is_the_renderers),
         cmocka_unit_test(spz_unpacks_to_the_gaussians),

@@ -1,0 +1,71 @@
+// What a command is about to write, held against what it reads.
+#include <string.h>
+#include <strings.h>
+#include <sys/stat.h>
+#include "cli.h"
+
+// The values of an option or of the positional arguments: texts of argv.
+typedef struct Values {
+    const char *const *texts;
+    int count;
+} Values;
+
+static Values values_at(const void *arguments, size_t offset, bool list) {
+    const void *place = (const char *)arguments + offset;
+    if (list) return (Values){((const FfpList *)place)->values, ((const FfpList *)place)->count};
+    return (Values){place, *(const char *const *)place != NULL};
+}
+
+static bool holds_paths(const FfpOption *option) {
+    return option->type == FFP_OPTION_FILE || option->type == FFP_OPTION_FOLDER;
+}
+
+static bool same_file(const char *a, const char *b) {
+    struct stat x, y;
+    if (strcmp(a, b) == 0) return true;
+    return stat(a, &x) == 0 && stat(b, &y) == 0 && S_ISREG(x.st_mode) && x.st_dev == y.st_dev &&
+           x.st_ino == y.st_ino;
+}
+
+static const char *extension_of(const char *path) {
+    const char *slash = strrchr(path, '/'), *dot = strrchr(slash ? slash : path, '.');
+    return dot ? dot : "";
+}
+
+static bool among(Values values, const char *path) {
+    for (int i = 0; i < values.count; i++)
+        if (same_file(values.texts[i], path)) return true;
+    return false;
+}
+
+static int check_output(const FfpCommand *command, const void *arguments, const FfpOption *output,
+                        const char *path) {
+    const FfpPositional *inputs = &command->positional;
+    const char *wanted = extension_of(output->argument), *found = extension_of(path);
+    if (*wanted && *found && strcasecmp(wanted, found) != 0)
+        return ffp_cli_usage(command->name, "--%s writes a %s file, not '%s'", output->name, wanted, path);
+    if (inputs->name && among(values_at(arguments, inputs->offset, inputs->most > 1), path))
+        return ffp_cli_usage(command->name, "--%s would overwrite the input '%s'", output->name, path);
+    for (const FfpOption *other = command->options; other->name; other++) {
+        if (other == output || !holds_paths(other)) continue;
+        if (!among(values_at(arguments, other->offset, other->repeated), path)) continue;
+        if (other->writes)
+            return ffp_cli_usage(command->name, "--%s and --%s are the same file '%s'", output->name,
+                                 other->name, path);
+        return ffp_cli_usage(command->name, "--%s would overwrite the input '%s' (--%s)", output->name, path,
+                             other->name);
+    }
+    return -1;
+}
+
+int ffp_cli_check_outputs(const FfpCommand *command, const void *arguments) {
+    for (const FfpOption *option = command->options; option->name; option++) {
+        const Values values =
+            option->writes ? values_at(arguments, option->offset, option->repeated) : (Values){0};
+        for (int i = 0; i < values.count; i++) {
+            const int status = check_output(command, arguments, option, values.texts[i]);
+            if (status >= 0) return status;
+        }
+    }
+    return -1;
+}
