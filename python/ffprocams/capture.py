@@ -272,7 +272,7 @@ def three(numbers: npt.ArrayLike) -> list[float]:
     """Three numbers, from as many or from one."""
     array = np.asarray(numbers, np.float64).reshape(-1)
     if array.size not in (1, 3):
-        raise argument_error(f"expected one number or three, not {array.size}", "intensity, centre")
+        raise argument_error(f"expected one or three numbers, not {array.size}", "intensity, centre")
     return [float(x) for x in np.broadcast_to(array, 3)]
 
 
