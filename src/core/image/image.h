@@ -20,10 +20,14 @@ typedef struct FfpImage {
 FfpImage ffp_image_new(int width, int height, int channels); // zeroed; sizes must be checked by the caller
 void ffp_image_free(FfpImage *image);                        // also clears it; NULL and empty are allowed
 FfpImage ffp_image_copy(const FfpImage *image);
-// Copies of the CPU's image on the device in use, and the other way; on the CPU they are plain copies. What
-// was downloaded is the CPU's: ffp_device_use(NULL) before ffp_image_free.
-FfpImage ffp_image_uploaded(const FfpImage *host);
-FfpImage ffp_image_downloaded(const FfpImage *image);
+
+// The size that a file is to have, and whose it is, for the message: of "camera", in "scene.json". An error:
+// a file that has another one. Its header is asked before anything is decoded, so that a huge file takes no
+// memory; all of it in one reading.
+typedef struct FfpSize {
+    int width, height;
+    const char *of, *in;
+} FfpSize;
 
 // How the colours of a file are to be understood when it is read.
 typedef enum FfpColour {
@@ -47,20 +51,13 @@ bool ffp_image_read_over_black(FfpImage *rgb, FfpImage *alpha, const char *path,
 // The same for files whose numbers are linear light, whatever their kind: nothing is decoded.
 bool ffp_image_read_light(FfpImage *rgb, FfpImage *alpha, const char *path, FfpError *err);
 // One channel as raw numbers: 0..65535 of a 16-bit grey PNG or TIFF (0..255 of an 8-bit one), a grey TIFF's
-// floats, or an EXR's Z, Y or first channel: depth and roughness maps.
-bool ffp_image_read_raw16(FfpImage *image, const char *path, FfpError *err);
-// The size that a file is to have, and whose it is, for the message: of "camera", in "scene.json".
-typedef struct FfpSize {
-    int width, height;
-    const char *of, *in;
-} FfpSize;
-// The three above; an error: a file that has another size. Its header is asked before anything is decoded, so
-// that a huge file takes no memory; all of it in one reading.
+// floats, or an EXR's Z, Y or first channel: depth and roughness maps. size may be NULL.
+bool ffp_image_read_raw16(FfpImage *image, const char *path, const FfpSize *size, FfpError *err);
+// The pictures above with a size.
 bool ffp_image_read_sized(FfpImage *image, const char *path, FfpColour colour, const FfpSize *size,
                           FfpError *err);
 bool ffp_image_read_over_black_sized(FfpImage *rgb, FfpImage *alpha, const char *path, const FfpSize *size,
                                      FfpError *err);
-bool ffp_image_read_raw16_sized(FfpImage *image, const char *path, const FfpSize *size, FfpError *err);
 bool ffp_size_check(const FfpSize *size, int width, int height, const char *path, FfpError *err);
 
 // Whether a name ends as those of the kinds above do: for pictures among a folder's files.
