@@ -17,10 +17,6 @@ struct Bench {
     FfpRefineSettings settings;
 };
 
-static void report(const char *name, Bench *b, void (*run)(Bench *), int times, double bytes) {
-    gpu_report(name, gpu_seconds(run, b, times), bytes, 0);
-}
-
 static void clear(Bench *b) {
     ffp_device()->refine->clear(&b->grad);
 }
@@ -55,19 +51,19 @@ static void fit(Bench *b) {
 static void parts(Bench *b) {
     const double set = 18.0 * sizeof(real) * (double)b->start.count, own = 8.0 / 18 * set;
     const FfpImage *pattern = &b->capture.patterns[BALL_STRIPES].image;
-    report("clear", b, clear, 20, set);
-    report("encode", b, encode, 20, 2 * set + own);
-    report("decode", b, decode, 20, 2 * set + own);
-    report("pull back", b, pull_back, 20, 3 * set + own);
-    report("move", b, move, 20, 8 * set);
-    report("summed areas", b, summed, 20, pattern->width * pattern->height * 3 * (4.0 + 3 * 8));
+    gpu_report_run("clear", b, clear, 20, set);
+    gpu_report_run("encode", b, encode, 20, 2 * set + own);
+    gpu_report_run("decode", b, decode, 20, 2 * set + own);
+    gpu_report_run("pull back", b, pull_back, 20, 3 * set + own);
+    gpu_report_run("move", b, move, 20, 8 * set);
+    gpu_report_run("summed areas", b, summed, 20, pattern->width * pattern->height * 3 * (4.0 + 3 * 8));
 }
 
 static void whole(Bench *b) {
     char name[64];
     if (!ffp_device()->render || !ffp_device()->loss) return;
     snprintf(name, sizeof name, "a fit of %lld steps", (long long)b->settings.steps);
-    report(name, b, fit, 1, 0);
+    gpu_report_run(name, b, fit, 1, 0);
 }
 
 int main(int argc, char **argv) {

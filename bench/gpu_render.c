@@ -26,10 +26,6 @@ struct Bench {
 
 static const real intensity[3] = {4, 4, 4};
 
-static void report(const char *name, Bench *b, void (*run)(Bench *), int times, double bytes) {
-    gpu_report(name, gpu_seconds(run, b, times), bytes, 0);
-}
-
 static void rasterise(Bench *b) {
     ffp_rasterise(b->raster, &b->gaussians, &b->fine, &b->settings, &b->samples);
 }
@@ -99,22 +95,22 @@ static void step(Bench *b) {
 static void run(Bench *b) {
     const double pixels = (double)b->fine.width * b->fine.height, gbuffer = pixels * 13 * sizeof(real);
     const double small = gbuffer / (b->settings.samples * b->settings.samples);
-    report("rasterise", b, rasterise, 20, 0);
-    report("rasterise backward", b, rasterise_backward, 20, 0);
-    report("shadow map", b, shadow_map, 20, 0);
-    report("map", b, map, 20, 0);
-    report("light", b, light, 20, gbuffer + pixels * 10 * sizeof(real));
-    report("shade", b, shade, 20, pixels * 13 * sizeof(real));
-    report("shade backward", b, shade_backward, 20, pixels * 24 * sizeof(real));
-    report("light backward", b, light_backward, 20, 3 * gbuffer + pixels * 10 * sizeof(real));
-    report("average", b, average, 20, gbuffer + small);
-    report("average backward", b, average_backward, 20, 2 * gbuffer + small);
-    report("resolve", b, resolve, 20, 0);
-    report("resolve backward", b, resolve_backward, 20, 0);
-    report("clear", b, clear, 20, small);
-    report("a view drawn", b, draw, 10, 0);
-    report("a view and its pictures", b, forward, 10, 0);
-    report("a step's views, there and back", b, step, 3, 0);
+    gpu_report_run("rasterise", b, rasterise, 20, 0);
+    gpu_report_run("rasterise backward", b, rasterise_backward, 20, 0);
+    gpu_report_run("shadow map", b, shadow_map, 20, 0);
+    gpu_report_run("map", b, map, 20, 0);
+    gpu_report_run("light", b, light, 20, gbuffer + pixels * 10 * sizeof(real));
+    gpu_report_run("shade", b, shade, 20, pixels * 13 * sizeof(real));
+    gpu_report_run("shade backward", b, shade_backward, 20, pixels * 24 * sizeof(real));
+    gpu_report_run("light backward", b, light_backward, 20, 3 * gbuffer + pixels * 10 * sizeof(real));
+    gpu_report_run("average", b, average, 20, gbuffer + small);
+    gpu_report_run("average backward", b, average_backward, 20, 2 * gbuffer + small);
+    gpu_report_run("resolve", b, resolve, 20, 0);
+    gpu_report_run("resolve backward", b, resolve_backward, 20, 0);
+    gpu_report_run("clear", b, clear, 20, small);
+    gpu_report_run("a view drawn", b, draw, 10, 0);
+    gpu_report_run("a view and its pictures", b, forward, 10, 0);
+    gpu_report_run("a step's views, there and back", b, step, 3, 0);
 }
 
 static FfpImage stripes(int width, int height) {
@@ -167,7 +163,8 @@ int main(int argc, char **argv) {
     ffp_device_use(device);
     b.gaussians = ffp_gaussians_uploaded(&ball);
     b.light = ffp_summed_uploaded(&light);
-    b.grad_picture = ffp_image_uploaded(&grad);
+    b.grad_picture = grad;
+    b.grad_picture.data = ffp_memory_uploaded(grad.data, 3 * (size_t)(side * side), sizeof(real));
     make_buffers(&b, side);
     printf("%s\n%lld splats, views of %dx%d with %dx%d samples, shadow map %d\n", ffp_cuda_describe(),
            (long long)count, side, side, b.settings.samples, b.settings.samples, b.settings.shadow_side);

@@ -51,6 +51,11 @@ static inline void gpu_report(const char *name, double seconds, double bytes, do
     fflush(stdout);
 }
 
+static inline void gpu_report_run(const char *name, Bench *bench, void (*run)(Bench *), int times,
+                                  double bytes) {
+    gpu_report(name, gpu_seconds(run, bench, times), bytes, 0);
+}
+
 // The device, in use from now on; NULL with a line on stderr.
 static inline const FfpDevice *gpu_open(void) {
     FfpError err = {0};

@@ -1,4 +1,5 @@
 #include "core/base/log.h"
+#include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <time.h>
@@ -35,4 +36,11 @@ double ffp_seconds(void) {
     struct timespec now = {0};
     clock_gettime(CLOCK_MONOTONIC, &now);
     return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
+}
+
+double ffp_share_spent(int64_t step, int64_t steps, double started, double seconds) {
+    double share = 0;
+    if (steps > 0) share = (double)step / (double)steps;
+    if (seconds > 0) share = fmax(share, (ffp_seconds() - started) / seconds);
+    return fmin(share, 1);
 }

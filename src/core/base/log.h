@@ -22,5 +22,8 @@ void ffp_task_step(const FfpTask *task, int64_t done, const char *extra); // ext
 void ffp_task_end(const FfpTask *task);
 
 double ffp_seconds(void); // monotonic clock
+// How much of its time or of its steps a fit has used, whichever is more, from 0 to 1. started:
+// ffp_seconds(); steps or seconds 0: no such limit.
+double ffp_share_spent(int64_t step, int64_t steps, double started, double seconds);
 
 #endif

@@ -44,7 +44,7 @@ static bool source_over_black(FfpImage *rgb, FfpImage *alpha, const FfpSource *s
 
 // One channel of numbers as they stand.
 static bool source_numbers(FfpImage *image, const FfpSource *source, const FfpSize *size, FfpError *err) {
-    if (!source->raw) return ffp_image_read_raw16_sized(image, source->path, size, err);
+    if (!source->raw) return ffp_image_read_raw16(image, source->path, size, err);
     return raw_has_size(source, size, err) && ffp_raw_channel(image, source->raw, source->path, err);
 }
 

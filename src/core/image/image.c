@@ -26,20 +26,6 @@ FfpImage ffp_image_copy(const FfpImage *image) {
     return copy;
 }
 
-FfpImage ffp_image_uploaded(const FfpImage *host) {
-    FfpImage image = *host;
-    image.data = ffp_memory_uploaded(host->data, value_count(host), sizeof(real));
-    return image;
-}
-
-FfpImage ffp_image_downloaded(const FfpImage *image) {
-    FfpImage host = *image;
-    if (!image->data) return host;
-    host.data = ffp_alloc(value_count(image), sizeof(real));
-    ffp_memory_download(host.data, image->data, value_count(image) * sizeof(real));
-    return host;
-}
-
 FfpImage ffp_image_over_black(const FfpImage *rgba) {
     FfpImage out = ffp_image_new(rgba->width, rgba->height, 3);
     const ptrdiff_t pixels = (ptrdiff_t)rgba->width * rgba->height;

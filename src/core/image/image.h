@@ -20,10 +20,14 @@ typedef struct FfpImage {
 FfpImage ffp_image_new(int width, int height, int channels); // zeroed; sizes must be checked by the caller
 void ffp_image_free(FfpImage *image);                        // also clears it; NULL and empty are allowed
 FfpImage ffp_image_copy(const FfpImage *image);
-// Copies the CPU's image to the device in use, and back; on the CPU these are plain copies. A downloaded
-// image belongs to the CPU: call ffp_device_use(NULL) before ffp_image_free.
-FfpImage ffp_image_uploaded(const FfpImage *host);
-FfpImage ffp_image_downloaded(const FfpImage *image);
+
+// The size that a file must have and, for the message, whose size it is: of "camera", in "scene.json". A file
+// of another size is an error. The header is checked before anything is decoded, so that a huge file takes no
+// memory; the file is read only once.
+typedef struct FfpSize {
+    int width, height;
+    const char *of, *in;
+} FfpSize;
 
 // How the colours of a file are interpreted when it is read.
 typedef enum FfpColour {
@@ -47,20 +51,13 @@ bool ffp_image_read_over_black(FfpImage *rgb, FfpImage *alpha, const char *path,
 // The same for files whose numbers are linear light, whatever their kind: nothing is decoded.
 bool ffp_image_read_light(FfpImage *rgb, FfpImage *alpha, const char *path, FfpError *err);
 // One channel as raw numbers: 0..65535 of a 16-bit grey PNG or TIFF (0..255 of an 8-bit one), a grey TIFF's
-// floats, or an EXR's Z, Y or first channel: depth and roughness maps.
-bool ffp_image_read_raw16(FfpImage *image, const char *path, FfpError *err);
-// The size that a file must have and, for the message, whose size it is: of "camera", in "scene.json".
-typedef struct FfpSize {
-    int width, height;
-    const char *of, *in;
-} FfpSize;
-// The three above, failing if the file has another size. The header is checked before anything is decoded, so
-// that a huge file takes no memory; the file is read only once.
+// floats, or an EXR's Z, Y or first channel: depth and roughness maps. `size` may be NULL.
+bool ffp_image_read_raw16(FfpImage *image, const char *path, const FfpSize *size, FfpError *err);
+// The pictures above with a size.
 bool ffp_image_read_sized(FfpImage *image, const char *path, FfpColour colour, const FfpSize *size,
                           FfpError *err);
 bool ffp_image_read_over_black_sized(FfpImage *rgb, FfpImage *alpha, const char *path, const FfpSize *size,
                                      FfpError *err);
-bool ffp_image_read_raw16_sized(FfpImage *image, const char *path, const FfpSize *size, FfpError *err);
 bool ffp_size_check(const FfpSize *size, int width, int height, const char *path, FfpError *err);
 
 // Whether a name has the extension of a format above: for finding the pictures among a folder's files.

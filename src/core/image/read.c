@@ -133,15 +133,11 @@ bool ffp_image_read_light(FfpImage *rgb, FfpImage *alpha, const char *path, FfpE
     return read_over_black(rgb, alpha, path, true, NULL, err);
 }
 
-bool ffp_image_read_raw16_sized(FfpImage *image, const char *path, const FfpSize *size, FfpError *err) {
+bool ffp_image_read_raw16(FfpImage *image, const char *path, const FfpSize *size, FfpError *err) {
     FfpDecoded decoded;
     const bool ok = decode(&decoded, path, true, size, err);
     *image = decoded.image;
     return ok;
-}
-
-bool ffp_image_read_raw16(FfpImage *image, const char *path, FfpError *err) {
-    return ffp_image_read_raw16_sized(image, path, NULL, err);
 }
 
 bool ffp_image_has_ending(const char *name) {

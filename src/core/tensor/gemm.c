@@ -1,20 +1,14 @@
 // Matrix products over OpenBLAS.
 #include <cblas.h>
 #include <omp.h>
+#include "core/base/integer.h"
 #include "core/tensor/kernels/kernels.h"
 
 enum { PIECE = 64 }; // no thread gets fewer rows or columns than this
 
-static int at_least_one(int value) {
-    return value < 1 ? 1 : value;
-}
-static int smaller(int a, int b) {
-    return a < b ? a : b;
-}
-
 // Rows or columns a piece has when `size` is cut for `pieces` threads: a multiple of 16, the kernels' width.
 static int piece_size(int size, int pieces) {
-    return at_least_one(((size + pieces - 1) / pieces + 15) / 16 * 16);
+    return ffp_larger(1, ((size + pieces - 1) / pieces + 15) / 16 * 16);
 }
 
 static void product(real alpha, FfpFactor a, FfpFactor b, real beta, real *c, int ldc) {
@@ -32,8 +26,8 @@ void ffp_blas_gemm(real alpha, FfpFactor a, FfpFactor b, real beta, real *c, int
     const int m = a.rows, n = b.columns, k = a.columns;
     if (m <= 0 || n <= 0) return;
     const int threads = omp_in_parallel() ? 1 : omp_get_max_threads();
-    const int down = at_least_one(smaller(m / PIECE, threads));
-    const int across = at_least_one(smaller(n / PIECE, threads / down));
+    const int down = ffp_larger(1, ffp_smaller(m / PIECE, threads));
+    const int across = ffp_larger(1, ffp_smaller(n / PIECE, threads / down));
     if (down * across == 1) {
         product(alpha, a, b, beta, c, ldc);
         return;
@@ -42,8 +36,8 @@ void ffp_blas_gemm(real alpha, FfpFactor a, FfpFactor b, real beta, real *c, int
 #pragma omp parallel for collapse(2) schedule(static)
     for (int row = 0; row < m; row += height) {
         for (int column = 0; column < n; column += width) {
-            const FfpFactor rows = ffp_factor_part(a, row, 0, smaller(height, m - row), k);
-            const FfpFactor columns = ffp_factor_part(b, 0, column, k, smaller(width, n - column));
+            const FfpFactor rows = ffp_factor_part(a, row, 0, ffp_smaller(height, m - row), k);
+            const FfpFactor columns = ffp_factor_part(b, 0, column, k, ffp_smaller(width, n - column));
             product(alpha, rows, columns, beta, c + (size_t)row * ldc + column, ldc);
         }
     }

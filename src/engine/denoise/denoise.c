@@ -5,6 +5,7 @@
 #include <string.h>
 #include "core/base/arena.h"
 #include "core/base/call.h"
+#include "core/base/integer.h"
 #include "engine/denoise/kernels/kernels.h"
 #include "engine/denoise/stack.h"
 
@@ -79,14 +80,10 @@ static void measure(const FfpFilter *f, int x, int y, FfpWindow *window) {
     window->weight = (real)(1 / (TRUST + kept));
 }
 
-static int least(int a, int b) {
-    return a < b ? a : b;
-}
-
 // The windows that hold pixels of rows from `top` up to, not including, `bottom`.
 static void measure_strip(FfpFilter *f, int top, int bottom) {
     f->first = ffp_first_window(f, top);
-    f->rows = least((bottom - 1 + FFP_WINDOW_RADIUS) / f->stride + 1, f->down) - f->first;
+    f->rows = ffp_smaller((bottom - 1 + FFP_WINDOW_RADIUS) / f->stride + 1, f->down) - f->first;
     memset(f->windows, 0, (size_t)f->rows * (size_t)f->across * sizeof *f->windows);
 #pragma omp parallel for schedule(dynamic)
     for (int row = 0; row < f->rows; row++)
@@ -126,7 +123,7 @@ static void denoise_view(const FfpView *view, const int photographs[FFP_PHOTOGRA
     f.windows =
         ffp_alloc((size_t)f.across * ((STRIP + 2 * FFP_WINDOW_RADIUS) / stride + 2), sizeof *f.windows);
     for (int top = 0; top < f.height; top += STRIP) {
-        const int bottom = least(top + STRIP, f.height);
+        const int bottom = ffp_smaller(top + STRIP, f.height);
         ffp_cancel_point();
         measure_strip(&f, top, bottom);
         smooth_strip(&f, top, bottom, pictures);

@@ -46,10 +46,6 @@ FfpMatchSettings ffp_match_defaults(void);
 // Errors: a view without one of its first three photographs, views of different sizes.
 bool ffp_initialisation_new(FfpInitialisation *initial, const FfpCapture *capture, const int *patterns, int n,
                             const FfpMatchSettings *settings, FfpError *err);
-// As above, with the depth given ([views,height,width] camera z, 0 = none) instead of matched: the "true
-// depth" row.
-bool ffp_initialisation_from_depth(FfpInitialisation *initial, const FfpCapture *capture, int active,
-                                   const real *depth, FfpError *err);
 void ffp_initialisation_free(FfpInitialisation *initial);
 
 // Unit quaternion (w x y z) that turns the z axis into the unit vector n by the shortest way; a zero vector

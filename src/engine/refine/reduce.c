@@ -2,6 +2,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include "core/base/arena.h"
+#include "core/base/integer.h"
 #include "core/capture/reduce.h"
 
 #define MARGIN 16 // reduced pixels around the object: what sticks out of it must be seen to do so
@@ -11,14 +12,6 @@ typedef struct Window {
     int x0, y0, x1, y1; // the last ones not included
 } Window;
 
-static int smaller(int a, int b) {
-    return a < b ? a : b;
-}
-
-static int larger(int a, int b) {
-    return a > b ? a : b;
-}
-
 // What of the frame holds anything of the object, with a margin; a pixel of it where nothing does.
 static Window object_window(const FfpView *view) {
     const FfpImage *coverage = &view->coverage;
@@ -26,15 +19,15 @@ static Window object_window(const FfpView *view) {
     for (int y = 0; y < coverage->height; y++)
         for (int x = 0; x < coverage->width; x++) {
             if (!(coverage->data[(size_t)y * coverage->width + x] > 0)) continue;
-            w.x0 = smaller(w.x0, x);
-            w.x1 = larger(w.x1, x + 1);
-            w.y0 = smaller(w.y0, y);
-            w.y1 = larger(w.y1, y + 1);
+            w.x0 = ffp_smaller(w.x0, x);
+            w.x1 = ffp_larger(w.x1, x + 1);
+            w.y0 = ffp_smaller(w.y0, y);
+            w.y1 = ffp_larger(w.y1, y + 1);
         }
     if (w.x1 == 0) return (Window){0, 0, 1, 1};
-    return (Window){larger(w.x0 - MARGIN, 0), larger(w.y0 - MARGIN, 0),
-                    smaller(w.x1 + MARGIN, ffp_frame_width(view)),
-                    smaller(w.y1 + MARGIN, ffp_frame_height(view))};
+    return (Window){ffp_larger(w.x0 - MARGIN, 0), ffp_larger(w.y0 - MARGIN, 0),
+                    ffp_smaller(w.x1 + MARGIN, ffp_frame_width(view)),
+                    ffp_smaller(w.y1 + MARGIN, ffp_frame_height(view))};
 }
 
 static void cut_image(FfpImage *image, const Window *w) {
@@ -64,9 +57,9 @@ static void cut(FfpView *view, int n_patterns, const Window *w) {
 // To the given size, as far as the frame goes.
 static Window grown(Window w, const FfpView *view, int width, int height) {
     const int across = ffp_frame_width(view), down = ffp_frame_height(view);
-    w.x0 = larger(smaller(w.x0, across - width), 0);
-    w.y0 = larger(smaller(w.y0, down - height), 0);
-    return (Window){w.x0, w.y0, smaller(w.x0 + width, across), smaller(w.y0 + height, down)};
+    w.x0 = ffp_larger(ffp_smaller(w.x0, across - width), 0);
+    w.y0 = ffp_larger(ffp_smaller(w.y0, down - height), 0);
+    return (Window){w.x0, w.y0, ffp_smaller(w.x0 + width, across), ffp_smaller(w.y0 + height, down)};
 }
 
 // One size for all views where frames allow it: nothing is then allocated again from view to view.
@@ -75,8 +68,8 @@ static void cut_views(FfpCapture *capture) {
     int width = 1, height = 1;
     for (int v = 0; v < capture->n_views; v++) {
         const Window w = windows[v] = object_window(&capture->views[v]);
-        width = larger(width, w.x1 - w.x0);
-        height = larger(height, w.y1 - w.y0);
+        width = ffp_larger(width, w.x1 - w.x0);
+        height = ffp_larger(height, w.y1 - w.y0);
     }
     for (int v = 0; v < capture->n_views; v++) {
         const Window w = grown(windows[v], &capture->views[v], width, height);

@@ -129,11 +129,7 @@ typedef struct Round { // means over the views
 } Round;
 
 static double share_spent(const Fit *fit) {
-    const FfpRefineSettings *s = fit->settings;
-    double share = 0;
-    if (s->steps > 0) share = (double)fit->step / (double)s->steps;
-    if (s->seconds > 0) share = fmax(share, (ffp_seconds() - fit->started) / s->seconds);
-    return fmin(share, 1);
+    return ffp_share_spent(fit->step, fit->settings->steps, fit->started, fit->settings->seconds);
 }
 
 static int64_t steps_left(const Fit *fit) {

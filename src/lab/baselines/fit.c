@@ -58,11 +58,7 @@ typedef struct Fit {
 } Fit;
 
 static double share_spent(const Fit *fit) {
-    const FfpFieldSettings *s = fit->settings;
-    double share = 0;
-    if (s->steps > 0) share = (double)fit->step / (double)s->steps;
-    if (s->seconds > 0) share = fmax(share, (ffp_seconds() - fit->started) / s->seconds);
-    return fmin(share, 1);
+    return ffp_share_spent(fit->step, fit->settings->steps, fit->started, fit->settings->seconds);
 }
 
 // --- A step. ---

@@ -4,6 +4,7 @@
 #include <string.h>
 #include "core/base/alloc.h"
 #include "core/base/call.h"
+#include "core/base/integer.h"
 #include "core/base/listing.h"
 #include "core/base/log.h"
 #include "core/base/memory.h"
@@ -242,10 +243,6 @@ static int left_out(int views) {
     return views < 2 ? 0 : views < EVERY ? 1 : views / EVERY;
 }
 
-static int least(int a, int b) {
-    return a < b ? a : b;
-}
-
 bool ffp_captures_scene(FfpScene *scene, const FfpTrainConfig *config, const FfpCaptureSet *set,
                         int64_t number, FfpError *err) {
     int order[CAPTURES_MAX], views[FFP_VIEWS_MAX];
@@ -257,8 +254,8 @@ bool ffp_captures_scene(FfpScene *scene, const FfpTrainConfig *config, const Ffp
     const int n = member->capture.n_views;
     for (int v = 0; v < n; v++) views[v] = v;
     shuffle(views, n, &rng);
-    const int targets = ffp_rng_below(&rng, EVERY) == 0 ? 0 : least(left_out(n), config->targets);
-    const int inputs = least(n - targets, config->views);
+    const int targets = ffp_rng_below(&rng, EVERY) == 0 ? 0 : ffp_smaller(left_out(n), config->targets);
+    const int inputs = ffp_smaller(n - targets, config->views);
     return make_scene(scene, config, member, views, inputs, inputs + targets, err);
 }
 

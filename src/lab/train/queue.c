@@ -156,14 +156,6 @@ bool ffp_queue_take(FfpQueue *queue, FfpScene *scene, bool *stopped, FfpError *e
     return ok;
 }
 
-int ffp_queue_ready(FfpQueue *queue) {
-    int ready = 0;
-    pthread_mutex_lock(&queue->lock);
-    for (int i = 0; i < queue->capacity; i++) ready += queue->places[i].state == READY;
-    pthread_mutex_unlock(&queue->lock);
-    return ready;
-}
-
 void ffp_queue_free(FfpQueue *queue) {
     ffp_disown(queue);
     if (queue) free_queue(queue);

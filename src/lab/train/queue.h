@@ -28,8 +28,6 @@ FfpQueue *ffp_queue_new(const FfpSceneSource *source, int64_t first, int generat
 // The next scene needed, now the caller's; waits for it. *stopped: *stop was set while it was not ready, and
 // *scene is empty. False with the maker's error when it could not be made.
 bool ffp_queue_take(FfpQueue *queue, FfpScene *scene, bool *stopped, FfpError *err);
-// Scenes that are ready now; for reports and tests.
-int ffp_queue_ready(FfpQueue *queue);
 // Waits for the scenes in the making, at most one a thread, and frees what nobody took. NULL is allowed.
 void ffp_queue_free(FfpQueue *queue);
 

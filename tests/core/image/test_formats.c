@@ -18,7 +18,7 @@ static FfpImage read_as(const char *name, FfpColour colour) {
 static FfpImage read_raw(const char *name) {
     FfpImage image;
     FfpError err = {0};
-    if (!ffp_image_read_raw16(&image, in_scratch(name), &err)) fail_msg("%s", err.text);
+    if (!ffp_image_read_raw16(&image, in_scratch(name), NULL, &err)) fail_msg("%s", err.text);
     assert_int_equal(image.channels, 1);
     return image;
 }
@@ -484,7 +484,7 @@ static void try_bytes(const char *bytes, size_t size) {
     } else {
         assert_non_null(strstr(err.text, path));
     }
-    if (ffp_image_read_raw16(&image, path, NULL)) ffp_image_free(&image);
+    if (ffp_image_read_raw16(&image, path, NULL, NULL)) ffp_image_free(&image);
 }
 
 // Every truncation of a file, and its every byte turned over: an error or an image, no crash.

@@ -64,7 +64,7 @@ static void png_clamps_and_rounds(void **state) {
     const real values[5] = {-3, 1.5F, (real)NAN, 100.4F / 255, 100.6F / 255};
     memcpy(image.data, values, sizeof values);
     assert_true(ffp_image_write_png(&image, in_scratch("clamp.png"), NULL));
-    assert_true(ffp_image_read_raw16(&back, in_scratch("clamp.png"), NULL));
+    assert_true(ffp_image_read_raw16(&back, in_scratch("clamp.png"), NULL, NULL));
     const int want[5] = {0, 255, 0, 100, 101};
     for (int i = 0; i < 5; i++) assert_int_equal((int)back.data[i], want[i]);
     ffp_image_free(&back);
@@ -108,14 +108,14 @@ static void raw_depth_comes_back(void **state) {
     (void)state;
     FfpImage image = random_image(13, 9, 1, 65535, 3), back;
     assert_true(ffp_image_write_png16(&image, in_scratch("d.png"), NULL));
-    assert_true(ffp_image_read_raw16(&back, in_scratch("d.png"), NULL));
+    assert_true(ffp_image_read_raw16(&back, in_scratch("d.png"), NULL, NULL));
     for (int i = 0; i < 13 * 9; i++)
         assert_int_equal((int)back.data[i], (int)lround((double)image.data[i] * 65535));
     ffp_image_free(&back);
     FfpImage colour = random_image(4, 4, 3, 255, 4);
     FfpError err = {0};
     assert_true(ffp_image_write_png(&colour, in_scratch("rgb.png"), NULL));
-    assert_false(ffp_image_read_raw16(&back, in_scratch("rgb.png"), &err));
+    assert_false(ffp_image_read_raw16(&back, in_scratch("rgb.png"), NULL, &err));
     assert_non_null(strstr(err.text, "is not a grey image"));
     ffp_image_free(&colour);
     ffp_image_free(&image);
@@ -131,7 +131,7 @@ static void exr_comes_back(void **state) {
         FfpError err = {0};
         assert_true(ffp_image_write_exr(&image, in_scratch("a.exr"), &err));
         if (channels[k] == 1) {
-            assert_true(ffp_image_read_raw16(&back, in_scratch("a.exr"), &err));
+            assert_true(ffp_image_read_raw16(&back, in_scratch("a.exr"), NULL, &err));
             assert_memory_equal(back.data, image.data, sizeof(real) * 35 * 41);
         } else {
             assert_true(ffp_image_read(&back, in_scratch("a.exr"), FFP_COLOUR_LINEAR, &err));

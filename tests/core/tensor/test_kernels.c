@@ -21,7 +21,6 @@ static void exponential(void **state) {
     assert_true(ffp_exp(-INFINITY) >= 0 && ffp_exp(-INFINITY) < 2e-38F);
     assert_true(isfinite(ffp_exp(INFINITY)) && ffp_exp(INFINITY) > 1e38F);
     assert_true(isnan(ffp_exp(NAN)));
-    assert_true(ffp_sigmoid(-200) < 1e-37F && ffp_sigmoid(200) == 1);
 }
 
 // SiLU of x in steps of 1e-3 from -100 to 100, by a convolution of one tap with weight 1 at the CPU level in

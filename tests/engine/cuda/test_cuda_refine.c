@@ -229,7 +229,8 @@ static void check_summed(int width, int height) {
     for (int i = 0; i < width * height * 3; i++) image.data[i] = (real)ffp_rng_uniform(&rng);
     FfpSummed here = ffp_pattern_summed(&image);
     ffp_device_use(device);
-    FfpImage image_there = ffp_image_uploaded(&image);
+    FfpImage image_there = image;
+    image_there.data = ffp_memory_uploaded(image.data, (size_t)(width * height * 3), sizeof(real));
     FfpSummed there = ffp_pattern_summed(&image_there);
     assert_true(there.width == width && there.height == height);
     const size_t count = FFP_SUMMED_CHANNELS * (size_t)(width + 1) * (size_t)(height + 1);

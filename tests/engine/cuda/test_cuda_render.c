@@ -156,10 +156,14 @@ static void run_pictures(FfpViewPass *pass, const World *w, const FfpSummed *lig
     const real intensity[3] = {21, 19, 17};
     FfpImage picture = ffp_view_pass_picture_new(pass);
     for (int p = 0; p < PATTERNS; p++) {
-        FfpImage grad = ffp_image_uploaded(&w->grad_picture[p]);
-        poison(picture.data, 3 * (size_t)picture.width * (size_t)picture.height);
+        const size_t count = 3 * (size_t)picture.width * (size_t)picture.height;
+        FfpImage grad = w->grad_picture[p];
+        grad.data = ffp_memory_uploaded(grad.data, count, sizeof(real));
+        poison(picture.data, count);
         ffp_view_pass_shade(pass, intensity, p ? &light[p] : NULL, &picture);
-        r->picture[p] = ffp_image_downloaded(&picture);
+        r->picture[p] = picture;
+        r->picture[p].data = ffp_alloc(count, sizeof(real));
+        ffp_memory_download(r->picture[p].data, picture.data, count * sizeof(real));
         ffp_view_pass_shade_backward(pass, intensity, p ? &light[p] : NULL, &grad, NULL, NULL);
         ffp_image_free(&grad);
     }

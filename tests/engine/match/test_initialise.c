@@ -4,7 +4,9 @@
 #include <omp.h>
 #include "core/base/arena.h"
 #include "core/base/vec.h"
+#include "engine/match/derive.h"
 #include "engine/match/match.h"
+#include "engine/match/sweep.h"
 #include "support.h"
 
 #define SAMPLE FFP_SOURCE_DIR "/data/sample"
@@ -34,6 +36,27 @@ static FfpInitialisation start_of(const FfpCapture *capture, int active) {
 
 static size_t count_of(const FfpInitialisation *start) {
     return (size_t)start->views * (size_t)start->width * (size_t)start->height;
+}
+
+// All maps from depths [views,height,width] (camera z, 0: none) that are given instead of matched.
+static FfpInitialisation start_from_depth(const FfpCapture *capture, int active, const real *depth) {
+    FfpInitialisation start = start_of(capture, active);
+    const FfpMatchSettings settings = ffp_match_defaults();
+    const size_t count = count_of(&start), area = count / (size_t)start.views;
+    FfpDepths depths = {capture, start.width, start.height, ffp_alloc(count, sizeof(real)),
+                        ffp_alloc(count, sizeof(real))};
+    real *range = ffp_alloc(count, 2 * sizeof(real));
+    for (int v = 0; v < capture->n_views; v++) ffp_hull_ranges(range + 2 * (size_t)v * area, capture, v);
+    for (size_t i = 0; i < count; i++) {
+        const bool known = depth[i] > 0 && capture->views[i / area].coverage.data[i % area] > 0;
+        depths.depth[i] = known ? depth[i] : 0;
+        depths.trust[i] = known ? 1 : 0;
+    }
+    ffp_derive(&start, &depths, range, NULL, &settings, 1);
+    ffp_free(depths.depth);
+    ffp_free(depths.trust);
+    ffp_free(range);
+    return start;
 }
 
 static const FfpView *view_of(const FfpCapture *capture, const FfpInitialisation *start, size_t i,
@@ -215,15 +238,13 @@ static void test_same_bits_for_any_thread_count(void **state) {
 
 static void test_from_depth(void **state) {
     (void)state;
-    FfpError err = {0};
     int active;
     FfpCapture capture = open_capture(SAMPLE, &active);
     const size_t area = (size_t)capture.views[0].camera.width * (size_t)capture.views[0].camera.height;
     real *depth = ffp_alloc(area * (size_t)capture.n_views, sizeof *depth);
     for (int v = 0; v < capture.n_views; v++)
         memcpy(depth + (size_t)v * area, capture.views[v].depth.data, area * sizeof *depth);
-    FfpInitialisation start;
-    assert_true(ffp_initialisation_from_depth(&start, &capture, active, depth, &err));
+    FfpInitialisation start = start_from_depth(&capture, active, depth);
     check_maps(&capture, &start);
     double violated = 0, seen = 0;
     for (size_t i = 0; i < count_of(&start); i++) {
@@ -302,12 +323,10 @@ static FfpCapture disc_capture(void) {
 // Colours of pixels that the object fills in part are those of the pixels it fills.
 static void test_colours_at_the_outline(void **state) {
     (void)state;
-    FfpError err = {0};
     FfpCapture capture = disc_capture();
-    FfpInitialisation start;
     real depth[256];
     for (int i = 0; i < 256; i++) depth[i] = 3;
-    assert_true(ffp_initialisation_from_depth(&start, &capture, 2, depth, &err));
+    FfpInitialisation start = start_from_depth(&capture, 2, depth);
     const real *ambient = start.ambient + (ptrdiff_t)3 * (8 * 16 + 8),
                *albedo = start.albedo + (ptrdiff_t)3 * (8 * 16 + 8);
     int rim = 0;

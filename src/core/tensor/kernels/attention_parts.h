@@ -7,6 +7,7 @@
 #ifndef FFP_TENSOR_KERNELS_ATTENTION_PARTS_H
 #define FFP_TENSOR_KERNELS_ATTENTION_PARTS_H
 
+#include "core/base/integer.h"
 #include "core/tensor/kernels/kernels.h"
 #include "core/tensor/kernels/product.h"
 
@@ -79,9 +80,6 @@ static inline FfpOperand ffp_deep_columns(const FfpAttention *a, const FfpSegmen
                                           FfpAttentionOperand part, int row) {
     const size_t depth = ffp_packed_depth(segment->rows);
     return (FfpOperand){ffp_packed_column(ffp_attention_operand(a, segment, part), 0, row, depth), depth};
-}
-static inline int ffp_smaller(int a, int b) {
-    return a < b ? a : b;
 }
 
 #endif

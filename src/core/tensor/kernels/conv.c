@@ -1,6 +1,7 @@
 // Depthwise causal convolution with SiLU (Mamba2: Dao & Gu 2024, Sec. 7.1), forwards or backwards along the
 // tokens.
 #include <string.h>
+#include "core/base/integer.h"
 #include "core/tensor/kernels/kernels.h"
 #include "core/tensor/kernels/silu.h"
 
@@ -17,13 +18,9 @@ typedef struct Strip {
     real weights[FFP_CONV_TAPS_MAX][CHANNELS], bias[CHANNELS];
 } Strip;
 
-static int smaller(int a, int b) {
-    return a < b ? a : b;
-}
-
 static void take_strip(Strip *strip, const FfpDepthwise *conv, int channel, int most) {
     strip->channel = channel;
-    strip->channels = smaller(most, conv->channels - channel);
+    strip->channels = ffp_smaller(most, conv->channels - channel);
     for (int k = conv->taps; k < FFP_CONV_TAPS_MAX; k++)
         memset(strip->weights[k], 0, sizeof(real) * (size_t)strip->channels);
     for (int c = 0; c < strip->channels; c++) {
@@ -87,7 +84,7 @@ static void forward_block(real *y, const FfpDepthwise *conv, int row, int rows) 
 void FFP_K(conv_forward)(real *y, const FfpDepthwise *conv) {
 #pragma omp parallel for schedule(static)
     for (int row = 0; row < conv->rows; row += ROWS)
-        forward_block(y, conv, row, smaller(ROWS, conv->rows - row));
+        forward_block(y, conv, row, ffp_smaller(ROWS, conv->rows - row));
 }
 
 typedef struct Sums {

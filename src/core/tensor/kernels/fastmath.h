@@ -6,10 +6,6 @@
 #include <math.h>
 #include "core/base/exp2.h"
 
-static inline real ffp_sigmoid(real x) {
-    return 1.0F / (1.0F + ffp_exp(-x));
-}
-
 // Standard normal distribution Phi(x), and its density in *density. erfc by
 // Abramowitz & Stegun 7.1.26: with the rounding of fp32 the absolute error stays
 // below 3e-7. The small tail is computed as such, so that nothing cancels for x < 0.

@@ -6,6 +6,7 @@
 
 #ifdef __AVX2__
 #include <omp.h>
+#include "core/base/integer.h"
 #include "core/tensor/kernels/product.h"
 #include "core/tensor/workspace.h"
 
@@ -24,23 +25,16 @@ typedef struct Plan {
     size_t a_size;
 } Plan;
 
-static int smaller(int a, int b) {
-    return a < b ? a : b;
-}
-static int at_least_one(int value) {
-    return value < 1 ? 1 : value;
-}
-
 static Plan make_plan(const FfpMixed *mixed) {
     Plan plan;
     const int m = mixed->a.rows, n = mixed->b.columns, k = mixed->a.columns;
     const int threads = omp_in_parallel() ? 1 : omp_get_max_threads();
-    plan.down = at_least_one(smaller(m / PIECE, threads));
-    plan.across = at_least_one(smaller(n / PIECE, threads / plan.down));
-    const int runs = at_least_one((k + BLOCK_DEPTH - 1) / BLOCK_DEPTH);
-    plan.depth = at_least_one((int)ffp_packed_depth((k + runs - 1) / runs));
+    plan.down = ffp_larger(1, ffp_smaller(m / PIECE, threads));
+    plan.across = ffp_larger(1, ffp_smaller(n / PIECE, threads / plan.down));
+    const int runs = ffp_larger(1, (k + BLOCK_DEPTH - 1) / BLOCK_DEPTH);
+    plan.depth = ffp_larger(1, (int)ffp_packed_depth((k + runs - 1) / runs));
     plan.b_depth = ffp_packed_depth(k);
-    plan.rows = at_least_one(BLOCK_NUMBERS / plan.depth / FFP_PRODUCT_ROWS) * FFP_PRODUCT_ROWS;
+    plan.rows = ffp_larger(1, BLOCK_NUMBERS / plan.depth / FFP_PRODUCT_ROWS) * FFP_PRODUCT_ROWS;
     plan.a_size = ffp_packed_size(plan.rows, plan.depth);
     const size_t b_size = ffp_packed_size(n, k);
     plan.b =
@@ -52,7 +46,7 @@ static Plan make_plan(const FfpMixed *mixed) {
 // Where part `index` of `parts` begins, when `size` is cut into whole units.
 static int part_begin(int size, int unit, int index, int parts) {
     const int units = (size + unit - 1) / unit;
-    return smaller(size, (int)((long)units * index / parts) * unit);
+    return ffp_smaller(size, (int)((long)units * index / parts) * unit);
 }
 
 // A thread's share of B's panels.
@@ -97,7 +91,7 @@ static void multiply_block(const Plan *plan, const FfpMixed *mixed, FfpPacked *t
     real *c = mixed->c + (size_t)at->row * mixed->ldc + at->column;
     real beta = start_block(mixed, at);
     for (int k = 0; k == 0 || k < mixed->a.columns; k += plan->depth) {
-        const int depth = smaller(plan->depth, mixed->a.columns - k);
+        const int depth = ffp_smaller(plan->depth, mixed->a.columns - k);
         const FfpOperand a = rows_of_a(to, ffp_factor_part(mixed->a, at->row, k, rows, depth));
         const FfpOperand b = {ffp_packed_column(plan->b, at->column, k, plan->b_depth), plan->b_depth};
         ffp_product(rows, columns, depth, mixed->alpha, a, b, beta, c, mixed->ldc);
@@ -113,7 +107,7 @@ static void multiply_share(const Plan *plan, const FfpMixed *mixed, int thread) 
                     .column = part_begin(n, 2 * FFP_PACK_LINES, across, plan->across),
                     .column_end = part_begin(n, 2 * FFP_PACK_LINES, across + 1, plan->across)};
     for (; at.row < end; at.row = at.row_end) {
-        at.row_end = smaller(end, at.row + plan->rows);
+        at.row_end = ffp_smaller(end, at.row + plan->rows);
         multiply_block(plan, mixed, plan->a + plan->a_size * (size_t)thread, &at);
     }
 }

@@ -4,6 +4,7 @@
 #include "core/tensor/kernels/product.h"
 
 #ifdef FFP_TILES
+#include "core/base/integer.h"
 #include "core/tensor/kernels/tiles.h"
 #include "core/tensor/kernels/vector.h"
 
@@ -74,20 +75,16 @@ static void store(const Block *block, const real *sum) {
     }
 }
 
-static int smaller(int a, int b) {
-    return a < b ? a : b;
-}
-
 // The tiles are configured again where the number of rows changes, which is at the last block only.
 void ffp_product(int m, int n, int k, real alpha, FfpOperand a, FfpOperand b, real beta, real *c, int ldc) {
     _Alignas(FFP_TILE_BYTES) real sum[ROWS * COLUMNS] = {0};
     Block block = {.a_depth = a.depth, .b_depth = b.depth, .k = k, .alpha = alpha, .beta = beta, .ldc = ldc};
     for (int configured = 0, row = 0; row < m; row += ROWS) {
-        block.rows = smaller(ROWS, m - row);
+        block.rows = ffp_smaller(ROWS, m - row);
         block.a = a.from + (size_t)row * a.depth;
         if (block.rows != configured) configure(configured = block.rows);
         for (int column = 0; column < n; column += COLUMNS) {
-            block.columns = smaller(COLUMNS, n - column);
+            block.columns = ffp_smaller(COLUMNS, n - column);
             block.b = b.from + (size_t)column * b.depth;
             block.c = c + (size_t)row * ldc + column;
             multiply(sum, &block);
