@@ -159,6 +159,8 @@ def generate(
     sensor: SensorFaults | None = None,
     photographs: PathLike | None = None,
     attitudes: int | None = None,
+    room: bool = False,
+    quality: int | None = None,
     check: bool = False,
     progress: ProgressOption = None,
     threads: int = 0,
@@ -179,6 +181,9 @@ def generate(
         photographs: folder of patterns (write_patterns): instead of captures, photographs of one object on a
             turntable under all of them, and of a chessboard, by a rig with lenses (docs/design/data.md, "Photographs").
         attitudes: in which that chessboard is held, 0 to 64; None: the program's.
+        room: those photographs are taken in a real room that the seed decides, with the empty stage and the truth
+            (docs/design/data.md, "Rooms").
+        quality: of the room's JPEG files, 1 to 100; None: the program's.
         check: make nothing, and raise an error that names the scenes that are missing or incomplete.
         progress: see ffprocams.ProgressOption.
         threads: that may work at a time; 0: all processors.
@@ -194,6 +199,9 @@ def generate(
     options.photographs, options.check = keep.path(photographs), check
     if attitudes is not None:
         options.attitudes = attitudes
+    options.room = room
+    if quality is not None:
+        options.quality = quality
     if seed is not None:
         options.seed = seed
     for name, value in vars(sensor or SensorFaults()).items():

@@ -10,7 +10,7 @@ enum { COLUMNS = 9, ROWS = 6, STREAM_ATTITUDE = 7000 };
 static const double DEGREE = FFP_PI_DOUBLE / 180;
 static const double SQUARE = 0.16;
 
-static void optics(FfpCamera *device, int width, int height, double focal, double off_x, double off_y) {
+void ffp_bare_rig_optics(FfpCamera *device, int width, int height, double focal, double off_x, double off_y) {
     const int side = width < height ? width : height;
     device->width = width, device->height = height;
     device->fx = (real)(focal * side), device->fy = (real)(1.004 * focal * side);
@@ -24,8 +24,8 @@ FfpBareRig ffp_bare_rig(int height, int panel_width, int panel_height) {
                       .intensity = 17.9F,
                       .ambient = 0.04F};
     const double middle[3] = {0, 0, 0};
-    optics(&rig.camera, (4 * height + 2) / 3, height, 1.36, 0.013, -0.009);
-    optics(&rig.projector, panel_width, panel_height, 1.27, -0.01, 0.05);
+    ffp_bare_rig_optics(&rig.camera, (4 * height + 2) / 3, height, 1.36, 0.013, -0.009);
+    ffp_bare_rig_optics(&rig.projector, panel_width, panel_height, 1.27, -0.01, 0.05);
     ffp_rig_place(&rig.camera, 3, 75, 0, middle);
     ffp_rig_place(&rig.projector, 3, 55, 22, middle);
     return rig;
@@ -44,6 +44,15 @@ static void turn_back(const FfpCamera *device, double angle, FfpCamera *turned) 
 void ffp_bare_rig_devices(const FfpBareRig *rig, double angle, FfpCamera *camera, FfpCamera *projector) {
     turn_back(&rig->camera, angle, camera);
     turn_back(&rig->projector, angle, projector);
+}
+
+void ffp_bare_rig_in_frame(const FfpCamera *device, const double v[3], bool is_point, double out[3]) {
+    const FfpRigid pose = ffp_rigid_from_pose(device->pose);
+    for (int k = 0; k < 3; k++) {
+        out[k] = 0;
+        for (int m = 0; m < 3; m++) out[k] += pose.r[3 * m + k] * (v[m] - (is_point ? pose.t[m] : 0));
+        if (is_point) out[k] *= FFP_BARE_RIG_UNIT;
+    }
 }
 
 bool ffp_bare_rig_pixel(const FfpCamera *device, const double lens[5], const float point[3],
