@@ -118,7 +118,7 @@ static void draw_platter(Plan *plan) {
 }
 
 static void draw_table(Plan *plan) {
-    static const char *const kinds[] = {"wood", "parquet", "wood", "concrete", "slate", "plastic"};
+    static const char *const kinds[] = {"wood", "parquet", "wood", "concrete", "slate", "formwork"};
     FfpRng rng = ffp_rng(plan->seed, STREAM_TABLE);
     const float front = ffp_rng_range(&rng, 2, 3), side = ffp_rng_range(&rng, 3.5F, 5), thick = 0.2F;
     const float depth = 0.5F * (front + plan->wall + 1);

@@ -379,6 +379,10 @@ static void compose_pixel(const Work *w, size_t pixel, int pattern, const real d
         const int at = c * lanes + lane;
         const float lit = lane < 0 ? 0 : direct[at], incoming = ambient[c] + (lane < 0 ? 0 : bounce[at]);
         const float own = (float)(lit + albedo[c] * incoming), light = whole ? (float)cover * own : own;
+        if (w->sim->light_only) {
+            colour[c] = (real)light;
+            continue;
+        }
         const float seen = ffp_sensor_noise(light, w->sim->shot, w->sim->read,
                                             (uint32_t)(3 * pixel) + (uint32_t)c, w->seed + 0x3c6ef372U * key);
         const float encoded = roundf(255 * (float)ffp_srgb_encode((real)seen));
