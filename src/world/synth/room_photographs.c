@@ -216,7 +216,7 @@ static void add_subjects(Job *job, float floor) {
         Subject *s = add_subject(job, KIND_BETWEEN, between[i]);
         snprintf(s->name, sizeof s->name, "new%d", between[i]);
     }
-    add_subject(job, KIND_EMPTY, 0);
+    snprintf(add_subject(job, KIND_EMPTY, 0)->name, sizeof job->subjects->name, "empty");
     if (coded) add_boards(job, floor);
 }
 
