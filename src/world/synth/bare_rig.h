@@ -12,6 +12,7 @@ typedef struct FfpBareRig {
     FfpCamera camera, projector; // poses: in the world, whose z is the turntable's axis
     double camera_lens[5], projector_lens[5];
     float intensity, ambient; // of the projector, W/sr; radiance
+    double square;            // of its boards
 } FfpBareRig;
 
 // For pictures height * 4/3 x height and a panel of any size.
@@ -24,7 +25,7 @@ void ffp_bare_rig_devices(const FfpBareRig *rig, double angle, FfpCamera *camera
 // A board that is held before both devices, wholly seen and lit; another way for every index and seed.
 FfpChessboard ffp_bare_rig_attitude(const FfpBareRig *rig, int index, uint64_t seed);
 // One that leans on the turntable, facing the camera at angle 0.
-FfpChessboard ffp_bare_rig_turntable_board(void);
+FfpChessboard ffp_bare_rig_turntable_board(const FfpBareRig *rig);
 // That board's angles, degrees: -40, -20, 0, 20, 40.
 enum { FFP_BOARD_STOPS = 5 };
 static inline double ffp_board_angle(int stop) {

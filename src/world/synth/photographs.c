@@ -89,7 +89,7 @@ static bool add_subjects(Job *job, FfpError *err) {
         s->wanted = WANTED_WHITE, s->angle = ffp_board_angle(i);
         s->stop = i;
         snprintf(s->name, sizeof s->name, "turntable");
-        if (!add_board(s, ffp_bare_rig_turntable_board(), err)) return false;
+        if (!add_board(s, ffp_bare_rig_turntable_board(&job->rig), err)) return false;
     }
     return true;
 }
@@ -311,7 +311,7 @@ static bool write_truth(const Job *job, FfpError *err) {
     print_device(f, "proj_", &job->rig.projector, job->rig.projector_lens);
     print_motion(f, &job->rig);
     print_turntable(f, job);
-    const FfpChessboard board = ffp_bare_rig_turntable_board();
+    const FfpChessboard board = ffp_bare_rig_turntable_board(&job->rig);
     fprintf(f, "  \"board\": {\"corners\": [%d, %d], \"square\": %.9g},\n  \"boards\": [\n", board.columns,
             board.rows, (double)board.square * FFP_BARE_RIG_UNIT);
     for (int s = job->spec->views; s < job->n_subjects; s++)

@@ -86,6 +86,7 @@ static void draw_rig(Plan *plan, int height, int panel_width, int panel_height) 
     ffp_rig_place(&rig->projector, throw, polar - above, (double)plan->projector_azimuth, aim);
     rig->camera_lens[0] = bend[0], rig->camera_lens[1] = bend[1];
     rig->projector_lens[0] = bend[2];
+    rig->square = 0.2;
     rig->intensity = ffp_rng_range(&rng, 2.3F, 3) * (float)(throw *throw);
 }
 

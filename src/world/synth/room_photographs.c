@@ -196,7 +196,7 @@ static void add_boards(Job *job, float floor) {
         Subject *s = add_subject(job, KIND_TURNTABLE, ffp_board_angle(i));
         snprintf(s->name, sizeof s->name, "turntable");
         s->stop = i;
-        s->board = ffp_bare_rig_turntable_board();
+        s->board = ffp_bare_rig_turntable_board(&job->room.rig);
         lift(&s->board, floor);
     }
 }
@@ -303,9 +303,14 @@ static bool write_mask(const Job *job, const Subject *subject, const FfpView *vi
     return path_in(job, name, path, err) && ffp_image_write_png(&view->coverage, path, err);
 }
 
+// How much light the camera takes: of a board half as much, so that its paper is not clipped.
+static float exposure_of(const Job *job, const Subject *subject) {
+    return exp2f(job->sensor.exposure) * (is_board(subject) ? 0.5F : 1);
+}
+
 static FfpSimulation simulation_of(const Job *job, const Subject *subject, const FfpAround *around,
                                    const FfpLight *light) {
-    const float intensity = exp2f(job->sensor.exposure) * job->room.rig.intensity;
+    const float intensity = exposure_of(job, subject) * job->room.rig.intensity;
     return (FfpSimulation){.mesh = &around->mesh,
                            .material = &job->material,
                            .textures = job->spec->own_textures,
@@ -328,7 +333,7 @@ static bool photograph(Job *job, const Subject *subject, const FfpLight *light, 
     if (is_board(subject)) board = ffp_chessboard_mesh(&subject->board);
     const FfpMesh *object = is_board(subject) ? &board : subject->kind == KIND_EMPTY ? NULL : job->mesh;
     FfpAround around = ffp_around_new(&job->room, object, subject->angle);
-    around.lamp.radiance *= exp2f(job->sensor.exposure);
+    around.lamp.radiance *= exposure_of(job, subject);
     FfpSimulation simulation = simulation_of(job, subject, &around, light);
     FfpTracer *tracer = ffp_tracer_new(&around.mesh, err);
     simulation.tracer = tracer;
