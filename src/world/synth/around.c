@@ -7,24 +7,24 @@
 #define DEGREE (FFP_PI_DOUBLE / 180)
 
 // From the world to the frame of what has turned: R_z(-angle).
-static void into_frame(const FfpAround *a, const float from[3], float to[3]) {
+static void into_frame(const FfpSurroundings *a, const float from[3], float to[3]) {
     const float x = from[0], y = from[1];
     to[0] = a->cosine * x + a->sine * y, to[1] = a->cosine * y - a->sine * x, to[2] = from[2];
 }
 
-static void out_of_frame(const FfpAround *a, const float from[3], float to[3]) {
+static void out_of_frame(const FfpSurroundings *a, const float from[3], float to[3]) {
     const float x = from[0], y = from[1];
     to[0] = a->cosine * x - a->sine * y, to[1] = a->cosine * y + a->sine * x, to[2] = from[2];
 }
 
 // Appends a mesh, turned back with the room's unless it turns itself. There is room for it.
-static void append(FfpAround *a, const FfpMesh *from, bool turns) {
+static void append(FfpSurroundings *a, const FfpMesh *from, bool turns) {
     FfpMesh *to = &a->mesh;
     const size_t vertex = (size_t)to->n_vertices, triangle = (size_t)to->n_triangles;
     const size_t vertices = (size_t)from->n_vertices, corners = 3 * (size_t)from->n_triangles;
     memcpy(to->positions + 3 * vertex, from->positions, vertices * 3 * sizeof(float));
     memcpy(to->normals + 3 * vertex, from->normals, vertices * 3 * sizeof(float));
-    if (from->uv) memcpy(to->uv + 2 * vertex, from->uv, vertices * 2 * sizeof(float));
+    if (to->uv && from->uv) memcpy(to->uv + 2 * vertex, from->uv, vertices * 2 * sizeof(float));
     for (size_t i = 0; i < vertices && !turns; i++) {
         float *position = to->positions + 3 * (vertex + i), *normal = to->normals + 3 * (vertex + i);
         into_frame(a, position, position);
@@ -36,11 +36,11 @@ static void append(FfpAround *a, const FfpMesh *from, bool turns) {
     to->n_triangles += from->n_triangles;
 }
 
-FfpAround ffp_around_new(const FfpRoom *room, const FfpMesh *object, double angle) {
-    FfpAround a = {.room = room,
-                   .cosine = (float)cos(angle * DEGREE),
-                   .sine = (float)sin(angle * DEGREE),
-                   .lamp = room->lamp};
+FfpSurroundings ffp_around_new(const FfpRoom *room, const FfpMesh *object, double angle) {
+    FfpSurroundings a = {.room = room,
+                         .cosine = (float)cos(angle * DEGREE),
+                         .sine = (float)sin(angle * DEGREE),
+                         .lamp = room->lamp};
     size_t vertices = object ? (size_t)object->n_vertices : 0;
     size_t triangles = object ? (size_t)object->n_triangles : 0;
     for (int p = 0; p < room->n_parts; p++) {
@@ -62,26 +62,26 @@ FfpAround ffp_around_new(const FfpRoom *room, const FfpMesh *object, double angl
     return a;
 }
 
-void ffp_around_free(FfpAround *around) {
+void ffp_around_free(FfpSurroundings *around) {
     ffp_mesh_free(&around->mesh);
-    *around = (FfpAround){0};
+    *around = (FfpSurroundings){0};
 }
 
-static const FfpRoomPart *part_of(const FfpAround *a, const FfpHit *hit) {
+static const FfpRoomPart *part_of(const FfpSurroundings *a, const FfpHit *hit) {
     int p = 0;
     while (p + 1 < a->room->n_parts && hit->triangle >= (uint32_t)a->first[p + 1]) p++;
     return &a->room->parts[p];
 }
 
 // Where a hit lies in the part's own frame, which its texture is fixed to.
-static void part_point(const FfpAround *a, const FfpRoomPart *part, const float from[3], float to[3]) {
+static void part_point(const FfpSurroundings *a, const FfpRoomPart *part, const float from[3], float to[3]) {
     if (part->turns)
         memcpy(to, from, 3 * sizeof *to);
     else
         out_of_frame(a, from, to);
 }
 
-void ffp_around_look(const FfpAround *around, const FfpHit *hit, float albedo[3], float *roughness) {
+void ffp_around_look(const FfpSurroundings *around, const FfpHit *hit, float albedo[3], float *roughness) {
     const FfpRoomPart *part = part_of(around, hit);
     if (part->plain) {
         memcpy(albedo, part->albedo, sizeof part->albedo);
@@ -93,7 +93,7 @@ void ffp_around_look(const FfpAround *around, const FfpHit *hit, float albedo[3]
     ffp_material_look(&part->material, point, albedo, roughness);
 }
 
-void ffp_around_bump(const FfpAround *around, const FfpHit *hit, float normal[3]) {
+void ffp_around_bump(const FfpSurroundings *around, const FfpHit *hit, float normal[3]) {
     const FfpRoomPart *part = part_of(around, hit);
     if (part->plain) return;
     float point[3], bent[3];

@@ -3,14 +3,14 @@
 #include "core/base/lens.h"
 #include "world/synth/simulate_work.h"
 
-Device ffp_device_of(const FfpCamera *c, const double *lens) {
-    Device d = {.lens = lens && !ffp_lens_is_ideal(lens) ? lens : NULL,
-                .fx = (float)c->fx,
-                .fy = (float)c->fy,
-                .cx = (float)c->cx,
-                .cy = (float)c->cy,
-                .width = (float)c->width,
-                .height = (float)c->height};
+FfpTracedDevice ffp_device_of(const FfpCamera *c, const double *lens) {
+    FfpTracedDevice d = {.lens = lens && !ffp_lens_is_ideal(lens) ? lens : NULL,
+                         .fx = (float)c->fx,
+                         .fy = (float)c->fy,
+                         .cx = (float)c->cx,
+                         .cy = (float)c->cy,
+                         .width = (float)c->width,
+                         .height = (float)c->height};
     for (int a = 0; a < 3; a++) {
         d.origin[a] = (float)c->pose[4 * a + 3];
         for (int k = 0; k < 3; k++) d.axes[3 * k + a] = (float)c->pose[4 * a + k];
@@ -18,7 +18,7 @@ Device ffp_device_of(const FfpCamera *c, const double *lens) {
     return d;
 }
 
-void ffp_device_pixel(const Device *c, float x, float y, float z, float *u, float *v) {
+void ffp_device_pixel(const FfpTracedDevice *c, float x, float y, float z, float *u, float *v) {
     if (c->lens) {
         double a, b;
         ffp_lens_distort(c->lens, (double)(x / z), (double)(y / z), &a, &b);
@@ -28,7 +28,7 @@ void ffp_device_pixel(const Device *c, float x, float y, float z, float *u, floa
     }
 }
 
-void ffp_camera_ray(const Device *c, float x, float y, float d[3]) {
+void ffp_camera_ray(const FfpTracedDevice *c, float x, float y, float d[3]) {
     float a = (x - c->cx) / c->fx, b = (y - c->cy) / c->fy;
     double ray[2];
     if (c->lens && ffp_lens_undistort(c->lens, (double)a, (double)b, ray))
@@ -36,8 +36,9 @@ void ffp_camera_ray(const Device *c, float x, float y, float d[3]) {
     for (int k = 0; k < 3; k++) d[k] = a * c->axes[k] + b * c->axes[3 + k] + c->axes[6 + k];
 }
 
-bool ffp_arrive(const Work *w, const FfpHit *hit, const float normal[3], Arrival *a, FfpRays *shadow) {
-    const Device *p = &w->projector;
+bool ffp_arrive(const FfpViewWork *w, const FfpHit *hit, const float normal[3], FfpIncoming *a,
+                FfpRays *shadow) {
+    const FfpTracedDevice *p = &w->projector;
     float way[3], start[3];
     for (int k = 0; k < 3; k++) way[k] = p->origin[k] - hit->point[k];
     if (ffp_along(way, normal) <= 0) return false;

@@ -82,7 +82,8 @@ static void ask_lamp(const FfpLamp *lamp, const FfpHit *hit, int number, uint32_
 }
 
 // The lamp on the samples themselves, weighed as `each` rays of theirs.
-static void lamp_light(const Work *w, size_t pixel, const Sample *samples, int count, uint32_t shift) {
+static void lamp_light(const FfpViewWork *w, size_t pixel, const FfpSample *samples, int count,
+                       uint32_t shift) {
     const float each = (float)w->sim->ambient_rays;
     Lamplight lamp = {.shadow = {.count = 0}};
     for (int i = 0; i < count; i++)
@@ -97,8 +98,8 @@ static void lamp_light(const Work *w, size_t pixel, const Sample *samples, int c
 // --- Paths. ---
 
 // The projector's light that a surface sends on to the path that has met it.
-static void add_bounce(const Work *w, size_t pixel, const FfpHit *far, const float weight[3],
-                       const Arrival *a) {
+static void add_bounce(const FfpViewWork *w, size_t pixel, const FfpHit *far, const float weight[3],
+                       const FfpIncoming *a) {
     float colour[3];
     const float cosine = ffp_along(far->normal, a->towards);
     for (int c = 0; c < 3; c++) colour[c] = weight[c] / FFP_PI * cosine * a->fall * w->sim->intensity[c];
@@ -113,12 +114,12 @@ static void add_bounce(const Work *w, size_t pixel, const FfpHit *far, const flo
 typedef struct Received {
     FfpHit far[FFP_RAYS];
     FfpRays shadow; // of the projector
-    Arrival arrivals[FFP_RAYS];
+    FfpIncoming arrivals[FFP_RAYS];
     int lit[FFP_RAYS];
     Lamplight lamp;
 } Received;
 
-static void add_received(const Work *w, size_t pixel, const Paths *paths, const Received *in) {
+static void add_received(const FfpViewWork *w, size_t pixel, const Paths *paths, const Received *in) {
     if (in->shadow.count > 0) {
         const unsigned blocked = ffp_trace_blocked(w->sim->tracer, &in->shadow);
         for (int n = 0; n < in->shadow.count; n++)
@@ -133,13 +134,13 @@ static void add_received(const Work *w, size_t pixel, const Paths *paths, const 
     }
 }
 
-static void add_sky(const Work *w, size_t pixel, const float weight[3], float share) {
+static void add_sky(const FfpViewWork *w, size_t pixel, const float weight[3], float share) {
     for (size_t c = 0; c < 3; c++) w->sums.ambient[3 * pixel + c] += weight[c] * share * w->sim->ambient;
 }
 
 // One more surface for each path; afterwards `paths` are those that go on from there. The last surface
 // receives of the sky what most do.
-static void follow(const Work *w, size_t pixel, Paths *paths, uint32_t shift, bool last) {
+static void follow(const FfpViewWork *w, size_t pixel, Paths *paths, uint32_t shift, bool last) {
     Received in = {.shadow = {.count = 0}, .lamp = {.shadow = {.count = 0}}};
     Paths next = {.rays = {.count = 0}};
     const unsigned hits = ffp_trace_hits(w->sim->tracer, &paths->rays, false, in.far);
@@ -165,13 +166,14 @@ static void follow(const Work *w, size_t pixel, Paths *paths, uint32_t shift, bo
     *paths = next;
 }
 
-void ffp_indirect_light(const Work *w, size_t pixel, const Sample *samples, int count, uint32_t shift) {
+void ffp_indirect_light(const FfpViewWork *w, size_t pixel, const FfpSample *samples, int count,
+                        uint32_t shift) {
     static const float whole[3] = {1, 1, 1};
     const int each = w->sim->ambient_rays, bounces = w->sim->around ? ROOM_BOUNCES : BOUNCES;
     Paths paths = {.rays = {.count = 0}};
     if (w->sim->around) lamp_light(w, pixel, samples, count, shift);
     for (int i = 0; i < count * each; i++) {
-        const Sample *s = &samples[i / each];
+        const FfpSample *s = &samples[i / each];
         const uint32_t index = s->index * (uint32_t)each + (uint32_t)(i % each);
         uint32_t key = shift ^ 0x1b56c4e9U;
         add_path(&paths, &s->hit, whole, index, key);

@@ -70,7 +70,8 @@ static void draw_rig(Plan *plan, int height, int panel_width, int panel_height) 
     FfpRng rng = ffp_rng(plan->seed, STREAM_RIG);
     FfpBareRig *rig = &plan->room->rig;
     const double aim[3] = {0, 0, (double)ffp_rng_range(&rng, -0.15F, 0.05F)};
-    const double away = (double)ffp_rng_range(&rng, 6.5F, 8), throw = (double)ffp_rng_range(&rng, 6.2F, 7.8F);
+    const double away = (double)ffp_rng_range(&rng, 6.5F, 8),
+                 thrown = (double)ffp_rng_range(&rng, 6.2F, 7.8F);
     const double polar = (double)ffp_rng_range(&rng, 70, 80), above = (double)ffp_rng_range(&rng, 14, 24);
     const float side = ffp_rng_uniform(&rng) < 0.5F ? -1 : 1;
     plan->projector_azimuth = side * ffp_rng_range(&rng, 18, 30);
@@ -78,16 +79,15 @@ static void draw_rig(Plan *plan, int height, int panel_width, int panel_height) 
                  lit = (double)ffp_rng_range(&rng, 1.35F, 1.5F);
     const double off = (double)ffp_rng_range(&rng, -0.02F, 0.02F),
                  shift = (double)ffp_rng_range(&rng, 0, 0.06F);
-    const double bend[3] = {(double)ffp_rng_range(&rng, -0.12F, -0.04F),
-                            (double)ffp_rng_range(&rng, 0, 0.04F), (double)ffp_rng_range(&rng, -0.04F, 0)};
     ffp_bare_rig_optics(&rig->camera, (4 * height + 2) / 3, height, 0.5 * away / seen, off, -off);
-    ffp_bare_rig_optics(&rig->projector, panel_width, panel_height, 0.5 * throw / lit, 0.5 * off, shift);
+    ffp_bare_rig_optics(&rig->projector, panel_width, panel_height, 0.5 * thrown / lit, 0.5 * off, shift);
     ffp_rig_place(&rig->camera, away, polar, 0, aim);
-    ffp_rig_place(&rig->projector, throw, polar - above, (double)plan->projector_azimuth, aim);
-    rig->camera_lens[0] = bend[0], rig->camera_lens[1] = bend[1];
-    rig->projector_lens[0] = bend[2];
+    ffp_rig_place(&rig->projector, thrown, polar - above, (double)plan->projector_azimuth, aim);
+    rig->camera_lens[0] = (double)ffp_rng_range(&rng, -0.12F, -0.04F);
+    rig->camera_lens[1] = (double)ffp_rng_range(&rng, 0, 0.04F);
+    rig->projector_lens[0] = (double)ffp_rng_range(&rng, -0.04F, 0);
     rig->square = 0.2;
-    rig->intensity = ffp_rng_range(&rng, 2.3F, 3) * (float)(throw *throw);
+    rig->intensity = ffp_rng_range(&rng, 2.3F, 3) * (float)(thrown * thrown);
 }
 
 static void draw_faults(const Plan *plan, int height) {
@@ -168,8 +168,8 @@ static Place draw_place(const Plan *plan, const float half[3], float side, FfpRn
 
 static void dress_box(FfpRoomPart *part, FfpRng *rng) {
     if (ffp_rng_uniform(rng) < 0.35F) {
-        part->material =
-            ffp_material_make((int)ffp_rng_below(rng, (uint32_t)ffp_material_count()), ffp_rng_u32(rng));
+        const int kind = (int)ffp_rng_below(rng, (uint32_t)ffp_material_count());
+        part->material = ffp_material_make(kind, ffp_rng_u32(rng));
         return;
     }
     part->plain = true;
@@ -185,11 +185,12 @@ static void draw_boxes(Plan *plan) {
     FfpRng rng = ffp_rng(plan->seed, STREAM_BOXES);
     Place places[FFP_ROOM_BOXES];
     const int wanted = 2 + (int)ffp_rng_below(&rng, FFP_ROOM_BOXES - 1);
-    float side = ffp_rng_uniform(&rng) < 0.5F ? -1 : 1;
+    const int first = ffp_rng_uniform(&rng) < 0.5F ? 0 : 1;
     int count = 0;
-    for (int i = 0; i < wanted; i++, side = -side) {
-        const float half[3] = {ffp_rng_range(&rng, 0.2F, 0.6F), ffp_rng_range(&rng, 0.2F, 0.6F),
-                               ffp_rng_range(&rng, 0.25F, 0.9F)};
+    for (int i = 0; i < wanted; i++) {
+        const float side = (first + i) % 2 == 0 ? -1 : 1;
+        const float across = ffp_rng_range(&rng, 0.2F, 0.6F), deep = ffp_rng_range(&rng, 0.2F, 0.6F),
+                    high = ffp_rng_range(&rng, 0.25F, 0.9F), half[3] = {across, deep, high};
         const float turn = ffp_rng_range(&rng, -90, 90) * DEGREE;
         for (int tried = 0; tried < PLACES; tried++) {
             places[count] = draw_place(plan, half, side, &rng);
@@ -213,11 +214,11 @@ static void draw_lamp(const Plan *plan) {
     lamp->centre[1] = ffp_rng_range(&rng, -3, 3);
     lamp->centre[2] = plan->table + ffp_rng_range(&rng, 4, 6);
     lamp->radius = ffp_rng_range(&rng, 0.15F, 0.45F);
-    float square = 0, throw = 0;
+    float square = 0, thrown = 0;
     for (int k = 0; k < 3; k++) square += lamp->centre[k] * lamp->centre[k];
     for (int k = 0; k < 3; k++)
-        throw += (float)(rig->projector.pose[4 * k + 3] * rig->projector.pose[4 * k + 3]);
-    const float irradiance = ffp_rng_range(&rng, 0.012F, 0.028F) * rig->intensity / throw;
+        thrown += (float)(rig->projector.pose[4 * k + 3] * rig->projector.pose[4 * k + 3]);
+    const float irradiance = ffp_rng_range(&rng, 0.012F, 0.028F) * rig->intensity / thrown;
     lamp->radiance = irradiance * square / (FFP_PI * lamp->radius * lamp->radius);
 }
 

@@ -43,23 +43,23 @@ void ffp_room_free(FfpRoom *room);
 float ffp_room_floor(const FfpMesh *mesh);
 
 // An object in its room, in the frame of what has turned by an angle: one mesh for one tracer.
-typedef struct FfpAround {
+typedef struct FfpSurroundings {
     const FfpRoom *room;
     FfpMesh mesh;                  // the object's triangles, then those of each part
     int first[FFP_ROOM_PARTS + 1]; // each part's first triangle, and their number
     float cosine, sine;            // of the angle
     FfpLamp lamp;
-} FfpAround;
+} FfpSurroundings;
 
 // `object` NULL: the empty stage. Angle in degrees. The room must live as long. To be freed.
-FfpAround ffp_around_new(const FfpRoom *room, const FfpMesh *object, double angle);
-void ffp_around_free(FfpAround *around);
+FfpSurroundings ffp_around_new(const FfpRoom *room, const FfpMesh *object, double angle);
+void ffp_around_free(FfpSurroundings *around);
 // Whether a hit is the room's, not the object's; false for NULL.
-static inline bool ffp_around_has(const FfpAround *around, const FfpHit *hit) {
+static inline bool ffp_around_has(const FfpSurroundings *around, const FfpHit *hit) {
     return around && hit->triangle >= (uint32_t)around->first[0];
 }
 // Linear albedo and roughness at a hit of the room's, and the unit normal there bent by the relief.
-void ffp_around_look(const FfpAround *around, const FfpHit *hit, float albedo[3], float *roughness);
-void ffp_around_bump(const FfpAround *around, const FfpHit *hit, float normal[3]);
+void ffp_around_look(const FfpSurroundings *around, const FfpHit *hit, float albedo[3], float *roughness);
+void ffp_around_bump(const FfpSurroundings *around, const FfpHit *hit, float normal[3]);
 
 #endif

@@ -308,7 +308,7 @@ static float exposure_of(const Job *job, const Subject *subject) {
     return exp2f(job->sensor.exposure) * (is_board(subject) ? 0.5F : 1);
 }
 
-static FfpSimulation simulation_of(const Job *job, const Subject *subject, const FfpAround *around,
+static FfpSimulation simulation_of(const Job *job, const Subject *subject, const FfpSurroundings *around,
                                    const FfpLight *light) {
     const float intensity = exposure_of(job, subject) * job->room.rig.intensity;
     return (FfpSimulation){.mesh = &around->mesh,
@@ -332,7 +332,7 @@ static bool photograph(Job *job, const Subject *subject, const FfpLight *light, 
     FfpMesh board = {0};
     if (is_board(subject)) board = ffp_chessboard_mesh(&subject->board);
     const FfpMesh *object = is_board(subject) ? &board : subject->kind == KIND_EMPTY ? NULL : job->mesh;
-    FfpAround around = ffp_around_new(&job->room, object, subject->angle);
+    FfpSurroundings around = ffp_around_new(&job->room, object, subject->angle);
     around.lamp.radiance *= exposure_of(job, subject);
     FfpSimulation simulation = simulation_of(job, subject, &around, light);
     FfpTracer *tracer = ffp_tracer_new(&around.mesh, err);

@@ -6,35 +6,12 @@
 #include "core/base/arena.h"
 #include "core/base/brdf.h"
 #include "core/base/call.h"
-#include "world/synth/chessboard.h"
 #include "world/synth/room.h"
 #include "world/synth/sensor.h"
 #include "world/synth/simulate_work.h"
 
 enum { CELL = 4, LOOKUPS_MAX = 16 };
 static const float FACING = 0.02F; // least cosine between shading normal and view
-
-void ffp_surface_look(const FfpSimulation *sim, const FfpHit *hit, float footprint, float albedo[3],
-                      float *roughness) {
-    if (ffp_around_has(sim->around, hit))
-        ffp_around_look(sim->around, hit, albedo, roughness);
-    else if (sim->board)
-        ffp_chessboard_look(sim->board, hit->point, albedo, roughness);
-    else if (sim->textures)
-        ffp_textures_look(sim->textures, sim->mesh, hit, footprint, albedo, roughness);
-    else
-        ffp_material_look(sim->material, hit->point, albedo, roughness);
-}
-static void surface_bump(const FfpSimulation *sim, const FfpHit *hit, float footprint, float normal[3]) {
-    if (ffp_around_has(sim->around, hit))
-        ffp_around_bump(sim->around, hit, normal);
-    else if (sim->board)
-        return;
-    else if (sim->textures)
-        ffp_textures_bump(sim->textures, sim->mesh, hit, footprint, normal);
-    else
-        ffp_material_bump(sim->material, hit->point, normal);
-}
 
 // The lookups that a sample's cell of the pixel asks for: the cell's image on the tangent plane, projected,
 // spread evenly over so many that their tents overlap. Converges to one lookup as samples grow.
@@ -43,9 +20,9 @@ typedef struct Spread {
     FfpTexel texel[LOOKUPS_MAX];
 } Spread;
 
-static void pattern_slope(const Work *w, const Arrival *a, const float step[3], float side, float *du,
-                          float *dv) {
-    const Device *p = &w->projector;
+static void pattern_slope(const FfpViewWork *w, const FfpIncoming *a, const float step[3], float side,
+                          float *du, float *dv) {
+    const FfpTracedDevice *p = &w->projector;
     float local[3];
     for (int k = 0; k < 3; k++) local[k] = ffp_along(p->axes + 3 * k, step);
     const float z = a->local[2], s = side / (z * z);
@@ -53,9 +30,9 @@ static void pattern_slope(const Work *w, const Arrival *a, const float step[3], 
     *dv = s * p->fy * (local[1] * z - a->local[1] * local[2]);
 }
 
-static void spread_lookups(const Work *w, const Arrival *a, const FfpHit *hit, const float ray[3],
+static void spread_lookups(const FfpViewWork *w, const FfpIncoming *a, const FfpHit *hit, const float ray[3],
                            Spread *out) {
-    const Device *c = &w->camera;
+    const FfpTracedDevice *c = &w->camera;
     const float side = 1 / sqrtf((float)w->sim->samples);
     const float facing = ffp_along(hit->facet, ray);
     const float steep = fabsf(facing) < 0.05F ? copysignf(0.05F, facing) : facing;
@@ -82,7 +59,7 @@ static void spread_lookups(const Work *w, const Arrival *a, const FfpHit *hit, c
 }
 
 // Light of the projector that reaches a sample and goes on to the camera.
-static void light_sample(const Work *w, size_t pixel, const Sample *s, const Arrival *a) {
+static void light_sample(const FfpViewWork *w, size_t pixel, const FfpSample *s, const FfpIncoming *a) {
     const float scale = -1 / sqrtf(ffp_along(s->ray, s->ray)),
                 to_camera[3] = {s->ray[0] * scale, s->ray[1] * scale, s->ray[2] * scale};
     const float specular = ffp_brdf_specular(s->normal, a->towards, to_camera, s->roughness),
@@ -99,13 +76,13 @@ static void light_sample(const Work *w, size_t pixel, const Sample *s, const Arr
         ffp_light_add(w->sim->light, &spread.texel[i], colour, ffp_lanes_of(w, w->sums.direct, pixel));
 }
 
-static void direct_light(const Work *w, size_t pixel, const Sample *samples, int count) {
+static void direct_light(const FfpViewWork *w, size_t pixel, const FfpSample *samples, int count) {
     FfpRays shadow = {.count = 0};
-    Arrival arrivals[FFP_RAYS];
-    const Sample *lit[FFP_RAYS];
+    FfpIncoming arrivals[FFP_RAYS];
+    const FfpSample *lit[FFP_RAYS];
     int dark = 0, n = 0; // dark: by their cosine, not by a shadow
     for (int i = 0; i < count; i++) {
-        const Sample *s = &samples[i];
+        const FfpSample *s = &samples[i];
         float way[3];
         for (int k = 0; k < 3; k++) way[k] = w->projector.origin[k] - s->hit.point[k];
         if (ffp_along(way, s->normal) <= 0)
@@ -124,12 +101,12 @@ static void direct_light(const Work *w, size_t pixel, const Sample *samples, int
 }
 
 // Looks up what lies at a sample's hit, and adds it to the truth maps.
-static void look_at_sample(const Work *w, size_t pixel, Sample *s) {
+static void look_at_sample(const FfpViewWork *w, size_t pixel, FfpSample *s) {
     FfpView *view = w->view;
     const float cell = s->hit.t / (w->camera.fx * sqrtf((float)w->sim->samples));
     memcpy(s->normal, s->hit.normal, sizeof s->normal);
     ffp_surface_look(w->sim, &s->hit, cell, s->albedo, &s->roughness);
-    surface_bump(w->sim, &s->hit, cell, s->normal);
+    ffp_surface_bump(w->sim, &s->hit, cell, s->normal);
     const float length = sqrtf(ffp_along(s->ray, s->ray)), facing = -ffp_along(s->normal, s->ray) / length;
     if (facing < FACING) { // seen from behind by interpolation or bump: tilt it to the camera
         float square = 0;
@@ -163,8 +140,8 @@ typedef struct Counts {
     int hits, own;
 } Counts;
 
-// Sums to means over the samples that hit.
-static void finish_pixel(const Work *w, size_t pixel, Counts counts, int samples) {
+// FfpViewSums to means over the samples that hit.
+static void finish_pixel(const FfpViewWork *w, size_t pixel, Counts counts, int samples) {
     FfpView *view = w->view;
     const float hits = (float)counts.hits;
     w->sums.hits[pixel] = hits;
@@ -189,11 +166,11 @@ static void finish_pixel(const Work *w, size_t pixel, Counts counts, int samples
 }
 
 // Samples first..last - 1 of a pixel, side by side.
-static void trace_samples(const Work *w, int x, int y, int first, int last, Counts *counts) {
+static void trace_samples(const FfpViewWork *w, int x, int y, int first, int last, Counts *counts) {
     const size_t pixel = (size_t)y * (size_t)w->view->camera.width + (size_t)x;
     FfpRays rays = {.count = 0};
     FfpHit hits[FFP_RAYS];
-    Sample samples[FFP_RAYS] = {0};
+    FfpSample samples[FFP_RAYS] = {0};
     const uint32_t shift = ffp_hash32(w->seed ^ ffp_hash32((uint32_t)pixel));
     for (int s = first; s < last; s++) {
         float i, j, ray[3];
@@ -204,7 +181,7 @@ static void trace_samples(const Work *w, int x, int y, int first, int last, Coun
     const unsigned found = ffp_trace_hits(w->sim->tracer, &rays, true, hits);
     int count = 0;
     for (int i = 0; i < rays.count; i++) {
-        Sample *s = &samples[count];
+        FfpSample *s = &samples[count];
         for (int k = 0; k < 3; k++) s->ray[k] = rays.direction[k][i];
         if (!(found >> i & 1) || ffp_along(hits[i].facet, s->ray) >= 0) continue;
         s->hit = hits[i], s->index = (uint32_t)(first + i);
@@ -218,7 +195,7 @@ static void trace_samples(const Work *w, int x, int y, int first, int last, Coun
     ffp_indirect_light(w, pixel, samples, count, shift);
 }
 
-static void trace_pixel(const Work *w, int x, int y) {
+static void trace_pixel(const FfpViewWork *w, int x, int y) {
     const size_t pixel = (size_t)y * (size_t)w->view->camera.width + (size_t)x;
     const int samples = w->sim->samples;
     int limit = samples;
@@ -241,13 +218,13 @@ static void trace_pixel(const Work *w, int x, int y) {
 }
 
 // Which CELL x CELL blocks of pixels any triangle's bounding box touches: most of an image is background.
-static size_t busy_cells(const Work *w, int **cells) {
+static size_t busy_cells(const FfpViewWork *w, int **cells) {
     const FfpMesh *mesh = w->sim->mesh;
     const int across = (w->view->camera.width + CELL - 1) / CELL,
               down = (w->view->camera.height + CELL - 1) / CELL;
     float *xy = ffp_alloc((size_t)mesh->n_vertices * 2, sizeof *xy);
     uint8_t *busy = ffp_alloc((size_t)across * (size_t)down, 1);
-    const Device *c = &w->camera;
+    const FfpTracedDevice *c = &w->camera;
     bool behind = false;
     for (int i = 0; i < mesh->n_vertices; i++) {
         float d[3];
@@ -278,7 +255,7 @@ static size_t busy_cells(const Work *w, int **cells) {
     return count;
 }
 
-static void trace_cell(const Work *w, int cell) {
+static void trace_cell(const FfpViewWork *w, int cell) {
     const int width = w->view->camera.width, height = w->view->camera.height,
               across = (width + CELL - 1) / CELL, left = cell % across * CELL, top = cell / across * CELL;
     for (int y = top; y < top + CELL && y < height; y++)
@@ -286,14 +263,14 @@ static void trace_cell(const Work *w, int cell) {
 }
 
 // As tasks, which any thread of the team takes that has nothing else to do.
-static void trace_cells(const Work *w, const int *cells, size_t count) {
+static void trace_cells(const FfpViewWork *w, const int *cells, size_t count) {
 #pragma omp taskloop grainsize(8)
     for (size_t i = 0; i < count; i++) trace_cell(w, cells[i]);
 }
 
 // A team that makes a scene a thread shares the last scenes' views; without a team there is one for this
 // view.
-static void trace_all(const Work *w) {
+static void trace_all(const FfpViewWork *w) {
     int *cells;
     const size_t count = busy_cells(w, &cells);
     if (omp_in_parallel()) {
@@ -313,7 +290,7 @@ static int filter_radius(const FfpSimulation *sim) {
     return rays == 0 || rays >= 128 ? 0 : rays >= 64 ? 1 : rays >= 24 ? 2 : 3;
 }
 
-static float neighbour_weight(const Sums *s, size_t i, size_t j) {
+static float neighbour_weight(const FfpViewSums *s, size_t i, size_t j) {
     if (s->hits[j] <= 0) return 0;
     const float *n = s->smooth + 3 * i, *a = s->point + 3 * i, *b = s->point + 3 * j;
     const float d[3] = {b[0] - a[0], b[1] - a[1], b[2] - a[2]};
@@ -328,7 +305,7 @@ static void add_weighted(float *to, const float *from, float weight, int count) 
 }
 
 // One row of the filtered ambient and bounced light.
-static void filter_row(const Work *w, int y, float *ambient, float *bounce) {
+static void filter_row(const FfpViewWork *w, int y, float *ambient, float *bounce) {
     const int width = w->view->camera.width, height = w->view->camera.height, r = filter_radius(w->sim),
               lanes = 3 * w->sim->light->lanes;
     for (int x = 0; x < width; x++) {
@@ -349,7 +326,7 @@ static void filter_row(const Work *w, int y, float *ambient, float *bounce) {
     }
 }
 
-static void smooth_indirect(Work *w) {
+static void smooth_indirect(FfpViewWork *w) {
     ffp_cancel_point();
     if (filter_radius(w->sim) == 0) return;
     const int height = w->view->camera.height;
@@ -366,7 +343,7 @@ static void smooth_indirect(Work *w) {
 
 // Adds the indirect light and the noise, and passes the colour through what a PNG would keep of it.
 // `decoded`: the linear values of the 256 there are.
-static void compose_pixel(const Work *w, size_t pixel, int pattern, const real decoded[256]) {
+static void compose_pixel(const FfpViewWork *w, size_t pixel, int pattern, const real decoded[256]) {
     real *colour = w->view->images[pattern].data + 3 * pixel;
     const real *albedo = w->view->albedo.data + 3 * pixel, cover = (real)w->sums.share[pixel];
     const int lanes = w->sim->light->lanes, lane = w->sim->light->lane[pattern];
@@ -391,7 +368,7 @@ static void compose_pixel(const Work *w, size_t pixel, int pattern, const real d
     }
 }
 
-static void compose(const Work *w) {
+static void compose(const FfpViewWork *w) {
     const int width = w->view->camera.width, height = w->view->camera.height;
     real decoded[256];
     for (int i = 0; i < 256; i++) decoded[i] = ffp_srgb_decode((real)i / 255);
@@ -404,7 +381,7 @@ static void compose(const Work *w) {
         }
 }
 
-static void work_begin(Work *w) {
+static void work_begin(FfpViewWork *w) {
     const size_t pixels = (size_t)w->view->camera.width * (size_t)w->view->camera.height,
                  lanes = (size_t)w->sim->light->lanes;
     w->sums.direct = ffp_alloc(pixels * 3 * lanes, sizeof(float));
@@ -416,7 +393,7 @@ static void work_begin(Work *w) {
     w->sums.share = ffp_alloc(pixels, sizeof(float));
 }
 
-static void work_end(Work *w) {
+static void work_end(FfpViewWork *w) {
     ffp_free(w->sums.direct);
     ffp_free(w->sums.bounce);
     ffp_free(w->sums.ambient);
@@ -439,13 +416,14 @@ void ffp_simulate_view(const FfpSimulation *simulation, FfpView *view, uint32_t 
     view->roughness = ffp_image_new(width, height, 1);
     view->direct_white = ffp_image_new(width, height, 3);
     if (visibility) *visibility = ffp_image_new(width, height, 1);
-    Work w = {.sim = simulation,
-              .view = view,
-              .visibility = visibility,
-              .camera = ffp_device_of(&view->camera, simulation->camera_lens),
-              .projector = ffp_device_of(&view->projector, simulation->projector_lens),
-              .seed = ffp_hash32((uint32_t)simulation->seed ^
-                                 ffp_hash32((uint32_t)(simulation->seed >> 32) ^ ffp_hash32(stream + 1)))};
+    FfpViewWork w = {.sim = simulation,
+                     .view = view,
+                     .visibility = visibility,
+                     .camera = ffp_device_of(&view->camera, simulation->camera_lens),
+                     .projector = ffp_device_of(&view->projector, simulation->projector_lens),
+                     .seed =
+                         ffp_hash32((uint32_t)simulation->seed ^
+                                    ffp_hash32((uint32_t)(simulation->seed >> 32) ^ ffp_hash32(stream + 1)))};
     work_begin(&w);
     trace_all(&w);
     smooth_indirect(&w);

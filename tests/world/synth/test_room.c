@@ -49,7 +49,7 @@ static FfpImage see(const FfpRoom *room, const FfpCamera *camera, const FfpCamer
     for (int i = 0; i < SIDE * SIDE * 3; i++) white.data[i] = 1;
     const FfpImage *patterns[1] = {&white};
     FfpLight light = ffp_light_new(patterns, 1);
-    FfpAround around = ffp_around_new(room, NULL, 0);
+    FfpSurroundings around = ffp_around_new(room, NULL, 0);
     FfpError err = {0};
     FfpTracer *tracer = ffp_tracer_new(&around.mesh, &err);
     if (!tracer) fail_msg("%s", err.text);
@@ -164,7 +164,7 @@ static bool is_free(const FfpTracer *tracer, const float from[3], const FfpCamer
 
 // From every point where an object may have its surface both devices are seen, and in their pictures.
 static void check_room(const FfpRoom *room, float floor) {
-    FfpAround around = ffp_around_new(room, NULL, 0);
+    FfpSurroundings around = ffp_around_new(room, NULL, 0);
     FfpError err = {0};
     FfpTracer *tracer = ffp_tracer_new(&around.mesh, &err);
     assert_non_null(tracer);
@@ -217,7 +217,7 @@ static void a_seed_is_a_room(void **state) {
 static void the_room_stands_still(void **state) {
     (void)state;
     FfpRoom room = ffp_room_draw(1, -0.9F, 480, 640, 400);
-    FfpAround start = ffp_around_new(&room, NULL, 0), turned = ffp_around_new(&room, NULL, 90);
+    FfpSurroundings start = ffp_around_new(&room, NULL, 0), turned = ffp_around_new(&room, NULL, 90);
     const int platter = room.parts[0].mesh.n_vertices;
     assert_memory_equal(start.mesh.positions, turned.mesh.positions, (size_t)platter * 3 * sizeof(float));
     for (int i = platter; i < start.mesh.n_vertices; i++) {
