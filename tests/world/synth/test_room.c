@@ -154,6 +154,36 @@ static void a_sphere_keeps_what_it_does_not_swallow(void **state) {
 
 // --- Rooms. ---
 
+// The volume within a mesh, by the divergence theorem; every triangle looks where its corners' normals do.
+static double volume_of(const FfpMesh *mesh) {
+    double volume = 0;
+    for (int t = 0; t < mesh->n_triangles; t++) {
+        const uint32_t *corner = mesh->triangles + 3 * (size_t)t;
+        const float *p[3];
+        float n[3];
+        for (int i = 0; i < 3; i++) p[i] = mesh->positions + 3 * (size_t)corner[i];
+        for (int k = 0; k < 3; k++) {
+            const int i = (k + 1) % 3, j = (k + 2) % 3;
+            n[k] = (p[1][i] - p[0][i]) * (p[2][j] - p[0][j]) - (p[1][j] - p[0][j]) * (p[2][i] - p[0][i]);
+        }
+        for (int i = 0; i < 3; i++) {
+            const float *normal = mesh->normals + 3 * (size_t)corner[i];
+            assert_true(n[0] * normal[0] + n[1] * normal[1] + n[2] * normal[2] > 0);
+        }
+        volume += (double)(n[0] * p[0][0] + n[1] * p[0][1] + n[2] * p[0][2]) / 6;
+    }
+    return volume;
+}
+
+static void solids_are_closed_and_face_outwards(void **state) {
+    (void)state;
+    FfpMesh box = ffp_solid_box((float[3]){3, -2, 1}, (float[3]){0.5F, 1, 0.25F}, 0.7F),
+            cylinder = ffp_solid_cylinder(1.2F, -1, -0.7F);
+    assert_float_equal(volume_of(&box), 1, 1e-4);
+    assert_float_equal(volume_of(&cylinder), 0.3 * 1.44 * 3.1415927, 2e-3); // 128 sides
+    ffp_mesh_free(&box), ffp_mesh_free(&cylinder);
+}
+
 static bool is_free(const FfpTracer *tracer, const float from[3], const FfpCamera *device) {
     float way[3];
     FfpRays rays = {.count = 0};
@@ -419,6 +449,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_wall_lights_the_floor_before_it),
         cmocka_unit_test(a_sphere_keeps_what_it_does_not_swallow),
+        cmocka_unit_test(solids_are_closed_and_face_outwards),
         cmocka_unit_test(nothing_is_in_the_way),
         cmocka_unit_test(a_seed_is_a_room),
         cmocka_unit_test(the_room_stands_still),
