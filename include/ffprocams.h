@@ -622,7 +622,12 @@ typedef struct FfpGeneration {
     // is the photographs' height (0: 480). NULL: write captures.
     const char *photographs;
     int attitudes; // of the chessboard, at most 64; 0: no chessboard
-    bool check;    // generate nothing; fail with an error naming the scenes that are missing or incomplete
+    // The photographs are taken in a real room, with platter, table, wall, boxes and a lamp that the seed
+    // decides, as JPEG files of this quality (1 to 100), beside the empty stage, true masks and pictures
+    // without noise (docs/design/data.md, "Rooms"). Needs `photographs`.
+    bool room;
+    int quality;
+    bool check; // generate nothing; fail with an error naming the scenes that are missing or incomplete
 } FfpGeneration;
 FFP_API FfpGeneration ffp_generation_defaults(void); // all scenes of all splits by the paper's preset
 // Existing scenes are kept; a scene appears under its name only when it is complete. Any number of processes

@@ -155,6 +155,8 @@ def generate(
     sensor: SensorFaults | None = None,
     photographs: PathLike | None = None,
     attitudes: int | None = None,
+    room: bool = False,
+    quality: int | None = None,
     check: bool = False,
     progress: ProgressOption = None,
     threads: int = 0,
@@ -176,6 +178,9 @@ def generate(
         photographs: folder of patterns (write_patterns): instead of captures, write photographs of one object on a
             turntable under all of them, and of a chessboard, by a rig with lenses (docs/design/data.md, "Photographs").
         attitudes: number of attitudes of that chessboard, 0 to 64; None: the program's default.
+        room: take those photographs in a real room that the seed decides, with the empty stage and the truth
+            (docs/design/data.md, "Rooms").
+        quality: of the room's JPEG files, 1 to 100; None: the program's default.
         check: generate nothing, and raise an error that names the missing or incomplete scenes.
         progress: see ffprocams.ProgressOption.
         threads: number of threads; 0: all processors.
@@ -191,6 +196,9 @@ def generate(
     options.photographs, options.check = keep.path(photographs), check
     if attitudes is not None:
         options.attitudes = attitudes
+    options.room = room
+    if quality is not None:
+        options.quality = quality
     if seed is not None:
         options.seed = seed
     for name, value in vars(sensor or SensorFaults()).items():

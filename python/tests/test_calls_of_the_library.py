@@ -198,6 +198,26 @@ def test_a_simulated_rig_is_calibrated(tmp_path: Path) -> None:
         ffp.calibrate_rig(None, board=(9, 6), square=1, projector=(256, 160), fix_camera=["k9"])
 
 
+def test_photographs_in_a_room(tmp_path: Path) -> None:
+    ffp.write_patterns(tmp_path / "patterns", 96, 64, lollipops=1, focus=False, gamma=False, gray_codes=False)
+    for folder, quality in (("fine", None), ("coarse", 20)):
+        ffp.generate(
+            tmp_path / folder,
+            preset="smoke",
+            photographs=tmp_path / "patterns",
+            room=True,
+            quality=quality,
+            views=1,
+            resolution=64,
+            seed=5,
+        )
+    name = "photographs/000/white.JPG"
+    assert (tmp_path / "coarse" / name).stat().st_size < (tmp_path / "fine" / name).stat().st_size
+    assert (tmp_path / "fine" / "empty" / "lollipop_0.JPG").exists()
+    with pytest.raises(ffp.ArgumentError, match="room"):
+        ffp.generate(tmp_path / "none", room=True)
+
+
 def test_training_makes_weights(sample: Path, tmp_path: Path) -> None:
     config = tmp_path / "config.json"
     sizes = {

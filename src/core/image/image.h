@@ -69,7 +69,11 @@ bool ffp_image_read_size(int *width, int *height, const char *path, FfpError *er
 bool ffp_image_write_png(const FfpImage *image, const char *path, FfpError *err);
 bool ffp_image_write_png16(const FfpImage *image, const char *path,
                            FfpError *err); // values in [0,1] -> 0..65535
-// The same 8-bit PNG into memory (released with ffp_free): for reports.
+// 8-bit JPEG of 3 channels, clamped and rounded likewise, with a quality of 1 to 100 by libjpeg's scale and
+// half as many pixels of colour each way, as cameras write it. Errors: other channels or quality, a file that
+// cannot be written.
+bool ffp_image_write_jpeg(const FfpImage *image, int quality, const char *path, FfpError *err);
+// The same 8-bit PNG as above into memory (released with ffp_free): for reports.
 bool ffp_image_encode_png(const FfpImage *image, unsigned char **bytes, size_t *size, FfpError *err);
 // 32-bit float EXR with channels named R G B [A], Y, or Z for one channel called depth.
 bool ffp_image_write_exr(const FfpImage *image, const char *path, FfpError *err);

@@ -8,7 +8,7 @@
 #define DEGREE 0.017453292519943295
 
 FfpGeneration ffp_generation_defaults(void) {
-    return (FfpGeneration){.count = -1, .attitudes = 8};
+    return (FfpGeneration){.count = -1, .attitudes = 8, .quality = 92};
 }
 
 static FfpSensor sensor_of(const FfpSensorFaults *faults) {
@@ -58,6 +58,8 @@ static bool generate(void *argument, FfpError *err) {
                                          .material = options->material,
                                          .photographs = options->photographs,
                                          .attitudes = options->attitudes,
+                                         .room = options->room,
+                                         .quality = options->quality,
                                          .sensor = sensor_of(&options->sensor)};
     if (options->check) return ffp_dataset_check(&settings, err);
     return ffp_dataset_write(&settings, err);

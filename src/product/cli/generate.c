@@ -164,6 +164,25 @@ static const FfpOption options[] = {
      .offset = offsetof(Arguments, generation.attitudes),
      .high = 64,
      .help = "with --photographs: number of attitudes of the chessboard; 0: no chessboard. Default: 8"},
+    {.name = "room",
+     .needs = "photographs",
+     .type = FFP_OPTION_FLAG,
+     .offset = offsetof(Arguments, generation.room),
+     .help =
+         "with --photographs: in a real room, with platter, table, wall, boxes in the projector's light, "
+         "bounced light and a weak lamp, all of them decided by --seed. Photographs are "
+         "photographs/VIEW/NAME.JPG, VIEW being a stop's angle, new22 or new157; empty/ shows the stage "
+         "without the object; truth/, masks/, calibration.xml and axis.json are the truth; two patterns are "
+         "added and held out. The room's devices have their own imperfections, which --sensor replaces. The "
+         "chessboard is photographed if the patterns contain Gray codes"},
+    {.name = "quality",
+     .needs = "room",
+     .argument = "Q",
+     .type = FFP_OPTION_INT,
+     .offset = offsetof(Arguments, generation.quality),
+     .low = 1,
+     .high = 100,
+     .help = "with --room: quality of the JPEG files, 1 to 100. Default: 92"},
     {0},
 };
 
@@ -193,7 +212,9 @@ const FfpCommand ffp_cli_generate = {
                               .command =
                                   "ffprocams patterns -o patterns --projector 640x400\n"
                                   "ffprocams generate shots --photographs patterns --views 16 --sensor "
-                                  "read=0.005"},
+                                  "read=0.005\n"
+                                  "ffprocams generate room --photographs patterns --room --seed 7 "
+                                  "--attitudes 0"},
                              {0}},
     .size = sizeof(Arguments),
     .set_defaults = set_defaults,

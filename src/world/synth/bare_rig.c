@@ -8,9 +8,8 @@
 
 enum { COLUMNS = 9, ROWS = 6, STREAM_ATTITUDE = 7000 };
 static const double DEGREE = FFP_PI_DOUBLE / 180;
-static const double SQUARE = 0.16;
 
-static void optics(FfpCamera *device, int width, int height, double focal, double off_x, double off_y) {
+void ffp_bare_rig_optics(FfpCamera *device, int width, int height, double focal, double off_x, double off_y) {
     const int side = width < height ? width : height;
     device->width = width, device->height = height;
     device->fx = (real)(focal * side), device->fy = (real)(1.004 * focal * side);
@@ -22,10 +21,11 @@ FfpBareRig ffp_bare_rig(int height, int panel_width, int panel_height) {
     FfpBareRig rig = {.camera_lens = {-0.12, 0.05, 0.0008, -0.0006, 0},
                       .projector_lens = {-0.05, 0.02, -0.0005, 0.001, 0},
                       .intensity = 17.9F,
-                      .ambient = 0.04F};
+                      .ambient = 0.04F,
+                      .square = 0.16};
     const double middle[3] = {0, 0, 0};
-    optics(&rig.camera, (4 * height + 2) / 3, height, 1.36, 0.013, -0.009);
-    optics(&rig.projector, panel_width, panel_height, 1.27, -0.01, 0.05);
+    ffp_bare_rig_optics(&rig.camera, (4 * height + 2) / 3, height, 1.36, 0.013, -0.009);
+    ffp_bare_rig_optics(&rig.projector, panel_width, panel_height, 1.27, -0.01, 0.05);
     ffp_rig_place(&rig.camera, 3, 75, 0, middle);
     ffp_rig_place(&rig.projector, 3, 55, 22, middle);
     return rig;
@@ -46,6 +46,15 @@ void ffp_bare_rig_devices(const FfpBareRig *rig, double angle, FfpCamera *camera
     turn_back(&rig->projector, angle, projector);
 }
 
+void ffp_bare_rig_in_frame(const FfpCamera *device, const double v[3], bool is_point, double out[3]) {
+    const FfpRigid pose = ffp_rigid_from_pose(device->pose);
+    for (int k = 0; k < 3; k++) {
+        out[k] = 0;
+        for (int m = 0; m < 3; m++) out[k] += pose.r[3 * m + k] * (v[m] - (is_point ? pose.t[m] : 0));
+        if (is_point) out[k] *= FFP_BARE_RIG_UNIT;
+    }
+}
+
 bool ffp_bare_rig_pixel(const FfpCamera *device, const double lens[5], const float point[3],
                         double pixel[2]) {
     const FfpRigid pose = ffp_rigid_from_pose(device->pose);
@@ -62,12 +71,13 @@ bool ffp_bare_rig_pixel(const FfpCamera *device, const double lens[5], const flo
 // --- Boards. ---
 
 // A board about `middle` whose rows and columns run along two directions.
-static FfpChessboard board_at(const double middle[3], const double right[3], const double down[3]) {
-    FfpChessboard board = {.columns = COLUMNS, .rows = ROWS, .square = (float)SQUARE};
+static FfpChessboard board_at(double square, const double middle[3], const double right[3],
+                              const double down[3]) {
+    FfpChessboard board = {.columns = COLUMNS, .rows = ROWS, .square = (float)square};
     for (int k = 0; k < 3; k++) {
         board.right[k] = (float)right[k], board.down[k] = (float)down[k];
         board.origin[k] =
-            (float)(middle[k] - 0.5 * SQUARE * ((COLUMNS - 1) * right[k] + (ROWS - 1) * down[k]));
+            (float)(middle[k] - 0.5 * square * ((COLUMNS - 1) * right[k] + (ROWS - 1) * down[k]));
     }
     return board;
 }
@@ -127,7 +137,7 @@ FfpChessboard ffp_bare_rig_attitude(const FfpBareRig *rig, int index, uint64_t s
         for (int k = 0; k < 3; k++)
             middle[k] = shift[0] * (double)rig->camera.pose[4 * k] +
                         shift[1] * (double)rig->camera.pose[4 * k + 1] + shift[2] * normal[k];
-        board = board_at(middle, right, down);
+        board = board_at(rig->square, middle, right, down);
         if (holds(&rig->camera, rig->camera_lens, &board) &&
             holds(&rig->projector, rig->projector_lens, &board))
             break;
@@ -136,8 +146,8 @@ FfpChessboard ffp_bare_rig_attitude(const FfpBareRig *rig, int index, uint64_t s
     return board;
 }
 
-FfpChessboard ffp_bare_rig_turntable_board(void) {
+FfpChessboard ffp_bare_rig_turntable_board(const FfpBareRig *rig) {
     const double lean = 15 * DEGREE, middle[3] = {0.1, 0.05, 0}, right[3] = {0, 1, 0},
                  down[3] = {sin(lean), 0, -cos(lean)};
-    return board_at(middle, right, down);
+    return board_at(rig->square, middle, right, down);
 }

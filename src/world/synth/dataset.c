@@ -13,6 +13,7 @@
 #include "world/synth/mesh.h"
 #include "world/synth/natural.h"
 #include "world/synth/photographs.h"
+#include "world/synth/room_photographs.h"
 #include "world/synth/sensor.h"
 #include "world/synth/texture.h"
 #include "world/synth/trace.h"
@@ -255,7 +256,8 @@ static bool open_assets(Job *job, FfpError *err) {
     return job->textures != NULL;
 }
 
-// The first scene's object, or the user's, before a bare rig. Pictures are as high as asked for; 0: 480.
+// The first scene's object, or the user's, before a bare rig or in a room. Pictures are as high as asked for;
+// 0: 480.
 static bool photograph_object(const Job *job, FfpError *err) {
     const FfpDatasetSettings *options = job->options;
     FfpSceneSpec spec = job->spec;
@@ -267,6 +269,11 @@ static bool photograph_object(const Job *job, FfpError *err) {
     else
         ffp_dataset_scene(options->split, options->first, options->seed, &spec);
     spec.resolution = options->resolution > 0 ? options->resolution : 480;
+    if (options->room) {
+        const FfpRoomPhotographs room = {options->folder, options->photographs, options->seed,
+                                         options->attitudes, options->quality};
+        return ffp_room_photographs_write(&room, &spec, err);
+    }
     const FfpPhotographs photographs = {options->folder, options->photographs, options->attitudes};
     return ffp_photographs_write(&photographs, &spec, err);
 }
@@ -279,6 +286,8 @@ static bool generate_job(Job *job, int64_t count, FfpError *err) {
 // Everything but the scenes themselves.
 static bool open_job(Job *job, int64_t *count, FfpError *err) {
     if (!job->options->folder) return ffp_fail(err, FFP_ERROR_ARGUMENT, NULL, "no output folder given");
+    if (job->options->room && !job->options->photographs)
+        return ffp_fail(err, FFP_ERROR_ARGUMENT, "room", "requires the patterns of `photographs`");
     return preset_spec(job->options, &job->spec, err) && choose_scenes(job->options, count, err) &&
            open_assets(job, err);
 }

@@ -34,6 +34,8 @@ typedef struct FfpDatasetSettings {
     FfpSensor sensor;
     const char *photographs; // folder of patterns: one object before a bare rig (photographs.h); NULL: scenes
     int attitudes;           // of its chessboard
+    bool room;               // the rig stands in a room (room_photographs.h), with photographs only
+    int quality;             // of the room's JPEG files
 } FfpDatasetSettings;
 
 // Scenes that exist already are kept; one appears under its name only when it is whole. Of several ranks

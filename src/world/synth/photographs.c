@@ -1,30 +1,23 @@
 #include "world/synth/photographs.h"
-#include <ctype.h>
-#include <errno.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include "core/base/call.h"
 #include "core/base/file.h"
-#include "core/base/listing.h"
 #include "core/base/log.h"
 #include "core/base/rigid.h"
 #include "world/synth/bare_rig.h"
+#include "world/synth/pattern_folder.h"
 #include "world/synth/sensor.h"
 #include "world/synth/simulate.h"
 
 // One set of rays serves a batch of patterns, eight of them or as many as ROOM holds: four bytes of each for
 // every colour of their and the pictures' pixels are in memory at a time.
-enum { BATCH_LEAST = 8, BATCH_MOST = 64, HEIGHT_MIN = 64, BOARD_STOPS = 5, STOP_STEP = 20 };
+enum { BATCH_LEAST = 8, BATCH_MOST = 64, HEIGHT_MIN = 64 };
 #define ROOM 128e6 // bytes
 
 typedef enum Wanted { WANTED_ALL, WANTED_CODES, WANTED_WHITE } Wanted;
-
-typedef struct Pattern {
-    int number;
-    char file[256]; // "002_black.png"
-} Pattern;
 
 // Something before the rig, photographed into a folder.
 typedef struct Subject {
@@ -46,8 +39,8 @@ typedef struct Job {
     FfpTracer *tracer;
     FfpMaterial material;
     FfpBareRig rig;
-    int n_patterns, n_subjects;
-    Pattern *patterns;
+    FfpPatternFolder patterns;
+    int n_subjects;
     Subject *subjects;
     const char *folder; // being written
     FfpTask progress;
@@ -56,84 +49,10 @@ typedef struct Job {
 
 // --- Patterns. ---
 
-// "002_black.png"; a focus chart is to be looked at, not photographed.
-static bool parse_pattern(const char *file, Pattern *pattern) {
-    int digits = 0, number = 0;
-    for (; digits < 6 && isdigit((unsigned char)file[digits]); digits++)
-        number = 10 * number + file[digits] - '0';
-    const size_t length = strlen(file);
-    if (digits == 0 || file[digits] != '_' || length < 5 || length >= sizeof pattern->file ||
-        strcmp(file + length - 4, ".png") != 0 || strncmp(file + digits, "_focus", 6) == 0)
-        return false;
-    pattern->number = number;
-    snprintf(pattern->file, sizeof pattern->file, "%s", file);
-    return true;
-}
-
-static bool is_wanted(const Pattern *pattern, Wanted wanted) {
-    const char *name = strchr(pattern->file, '_');
-    if (wanted == WANTED_ALL || strcmp(name, "_white.png") == 0) return true;
-    return wanted == WANTED_CODES && (strcmp(name, "_black.png") == 0 || strncmp(name, "_gray_", 6) == 0);
-}
-
-static int by_number(const void *a, const void *b) {
-    return ((const Pattern *)a)->number - ((const Pattern *)b)->number;
-}
-
-static bool list_patterns(Job *job, FfpError *err) {
-    const char *folder = job->options->patterns;
-    job->patterns = ffp_alloc(FFP_PATTERNS_MAX, sizeof *job->patterns);
-    FfpListing listing;
-    if (!ffp_list_folder(&listing, folder))
-        return ffp_fail(err, FFP_ERROR_IO, folder, "cannot read the patterns' folder: %s", strerror(errno));
-    for (int i = 0; i < listing.count; i++)
-        if (job->n_patterns < FFP_PATTERNS_MAX &&
-            parse_pattern(listing.names[i], &job->patterns[job->n_patterns]))
-            job->n_patterns++;
-    ffp_free(listing.names);
-    if (job->n_patterns == 0)
-        return ffp_fail(err, FFP_ERROR_FILE, folder,
-                        "no pattern is called <number>_<name>.png, as those of `patterns` are");
-    qsort(job->patterns, (size_t)job->n_patterns, sizeof *job->patterns, by_number);
-    for (int i = 1; i < job->n_patterns; i++)
-        if (job->patterns[i].number == job->patterns[i - 1].number)
-            return ffp_fail(err, FFP_ERROR_FILE, folder, "%s and %s have the same number",
-                            job->patterns[i - 1].file, job->patterns[i].file);
-    return true;
-}
-
-static bool pattern_path(const Job *job, int index, char path[FFP_PATH_MAX], FfpError *err) {
-    return ffp_join_path(path, job->options->patterns, job->patterns[index].file) ||
-           ffp_fail(err, FFP_ERROR_ARGUMENT, job->options->patterns, "the path is too long");
-}
-
-// All sizes alike, told before the work.
-static bool panel_size(const Job *job, int *width, int *height, FfpError *err) {
-    for (int i = 0; i < job->n_patterns; i++) {
-        char path[FFP_PATH_MAX];
-        int w, h;
-        if (!pattern_path(job, i, path, err) || !ffp_image_read_size(&w, &h, path, err)) return false;
-        if (i == 0) *width = w, *height = h;
-        if (w != *width || h != *height)
-            return ffp_fail(err, FFP_ERROR_FILE, path, "%d x %d pixels, but %s has %d x %d", w, h,
-                            job->patterns[0].file, *width, *height);
-        if (w < HEIGHT_MIN || h < HEIGHT_MIN)
-            return ffp_fail(err, FFP_ERROR_FILE, path, "%d x %d pixels: a panel has at least %d a side", w, h,
-                            HEIGHT_MIN);
-    }
-    return true;
-}
-
-// What the projector sends out for a pattern, linear.
-static bool read_pattern(const Job *job, int index, FfpImage *emitted, FfpError *err) {
-    char path[FFP_PATH_MAX];
-    if (!pattern_path(job, index, path, err) || !ffp_image_read_over_black(emitted, NULL, path, err))
-        return false;
-    if (!ffp_sensor_changes_light(&job->spec->sensor)) return true;
-    FfpImage sent = *emitted;
-    *emitted = ffp_sensor_emit(&sent, &job->spec->sensor);
-    ffp_image_free(&sent);
-    return true;
+static bool is_wanted(const FfpNumbered *pattern, Wanted wanted) {
+    const char *name = pattern->name;
+    if (wanted == WANTED_ALL || strcmp(name, "white") == 0) return true;
+    return wanted == WANTED_CODES && (strcmp(name, "black") == 0 || strncmp(name, "gray_", 5) == 0);
 }
 
 // --- Subjects. ---
@@ -148,7 +67,7 @@ static bool add_board(Subject *subject, FfpChessboard board, FfpError *err) {
 
 static bool add_subjects(Job *job, FfpError *err) {
     const int views = job->spec->views, attitudes = job->options->attitudes;
-    const int stops = attitudes > 0 ? BOARD_STOPS : 0;
+    const int stops = attitudes > 0 ? FFP_BOARD_STOPS : 0;
     job->subjects = ffp_alloc((size_t)views + (size_t)attitudes + (size_t)stops, sizeof *job->subjects);
     for (int i = 0; i < views; i++) {
         Subject *s = &job->subjects[job->n_subjects++];
@@ -167,10 +86,10 @@ static bool add_subjects(Job *job, FfpError *err) {
     }
     for (int i = 0; i < stops; i++) {
         Subject *s = &job->subjects[job->n_subjects++];
-        s->wanted = WANTED_WHITE, s->angle = STOP_STEP * (i - (BOARD_STOPS - 1) / 2);
+        s->wanted = WANTED_WHITE, s->angle = ffp_board_angle(i);
         s->stop = i;
         snprintf(s->name, sizeof s->name, "turntable");
-        if (!add_board(s, ffp_bare_rig_turntable_board(), err)) return false;
+        if (!add_board(s, ffp_bare_rig_turntable_board(&job->rig), err)) return false;
     }
     return true;
 }
@@ -196,7 +115,7 @@ typedef struct Shot {
 
 static bool write_photograph(const Shot *shot, int index, FfpError *err) {
     char name[64], path[FFP_PATH_MAX];
-    const int stop = shot->subject->stop, number = stop >= 0 ? stop : shot->job->patterns[index].number;
+    const int stop = shot->subject->stop, number = stop >= 0 ? stop : shot->job->patterns.list[index].number;
     snprintf(name, sizeof name, "%s/%0*d.png", shot->subject->name, stop >= 0 ? 2 : 3, number);
     if (!ffp_join_path(path, shot->job->folder, name))
         return ffp_fail(err, FFP_ERROR_ARGUMENT, shot->job->folder, "the path is too long");
@@ -209,7 +128,7 @@ static void develop(void *argument, int64_t index) {
     Shot *shot = argument;
     const int pattern = shot->first + (int)index;
     FfpError error = {0};
-    if (!is_wanted(&shot->job->patterns[pattern], shot->subject->wanted)) return;
+    if (!is_wanted(&shot->job->patterns.list[pattern], shot->subject->wanted)) return;
     const bool ok = write_photograph(shot, pattern, &error);
 #pragma omp critical(ffp_photographs_books)
     {
@@ -264,7 +183,7 @@ static bool photograph(Job *job, const Subject *subject, const FfpLight *light, 
 
 static bool wants_any(const Job *job, const Subject *subject, int first, int count) {
     for (int i = first; i < first + count; i++)
-        if (is_wanted(&job->patterns[i], subject->wanted)) return true;
+        if (is_wanted(&job->patterns.list[i], subject->wanted)) return true;
     return false;
 }
 
@@ -273,7 +192,7 @@ static bool photograph_batch(Job *job, int first, int count, FfpError *err) {
     const FfpImage *images[BATCH_MOST];
     bool ok = true;
     for (int i = 0; ok && i < count; i++) {
-        ok = read_pattern(job, first + i, &emitted[i], err);
+        ok = ffp_pattern_folder_emit(&job->patterns, first + i, &job->spec->sensor, &emitted[i], err);
         images[i] = &emitted[i];
     }
     if (ok) {
@@ -302,14 +221,14 @@ static bool photograph_all(Job *job, FfpError *err) {
         if (!ffp_join_path(path, job->folder, job->subjects[s].name))
             return ffp_fail(err, FFP_ERROR_ARGUMENT, job->folder, "the path is too long");
         if (!ffp_make_folders(path, err)) return false;
-        for (int p = 0; p < job->n_patterns; p++)
-            count += is_wanted(&job->patterns[p], job->subjects[s].wanted);
+        for (int p = 0; p < job->patterns.count; p++)
+            count += is_wanted(&job->patterns.list[p], job->subjects[s].wanted);
     }
     job->progress = ffp_task("photographing", count);
     bool ok = true;
     const int batch = batch_of(job);
-    for (int first = 0; ok && first < job->n_patterns; first += batch) {
-        const int left = job->n_patterns - first;
+    for (int first = 0; ok && first < job->patterns.count; first += batch) {
+        const int left = job->patterns.count - first;
         ok = photograph_batch(job, first, left < batch ? left : batch, err);
     }
     ffp_task_end(&job->progress);
@@ -335,23 +254,13 @@ static void print_device(FILE *f, const char *name, const FfpCamera *device, con
     fprintf(f, "  \"%sW\": %d,\n  \"%sH\": %d,\n", size, device->width, size, device->height);
 }
 
-// A point of the world, or a direction, in the frame of a device; lengths in millimetres.
-static void in_frame(const FfpCamera *device, const double v[3], bool is_point, double out[3]) {
-    const FfpRigid pose = ffp_rigid_from_pose(device->pose);
-    for (int k = 0; k < 3; k++) {
-        out[k] = 0;
-        for (int m = 0; m < 3; m++) out[k] += pose.r[3 * m + k] * (v[m] - (is_point ? pose.t[m] : 0));
-        if (is_point) out[k] *= FFP_BARE_RIG_UNIT;
-    }
-}
-
 // X_p = R X_c + T.
 static void print_motion(FILE *f, const FfpBareRig *rig) {
     const FfpRigid camera = ffp_rigid_from_pose(rig->camera.pose),
                    projector = ffp_rigid_from_pose(rig->projector.pose);
     double r[9], t[3];
     ffp_rotation_difference(projector.r, camera.r, r);
-    in_frame(&rig->projector, camera.t, true, t);
+    ffp_bare_rig_in_frame(&rig->projector, camera.t, true, t);
     fputs("  \"R\": [", f);
     for (int i = 0; i < 3; i++)
         fprintf(f, "%s[%.12g, %.12g, %.12g]", i > 0 ? ", " : "", r[3 * i], r[3 * i + 1], r[3 * i + 2]);
@@ -361,17 +270,17 @@ static void print_motion(FILE *f, const FfpBareRig *rig) {
 
 static void print_turntable(FILE *f, const Job *job) {
     const double up[3] = {0, 0, 1}, middle[3] = {0, 0, 0};
-    double axis[3], point[3], stops[BOARD_STOPS];
-    in_frame(&job->rig.camera, up, false, axis);
-    in_frame(&job->rig.camera, middle, true, point);
+    double axis[3], point[3], stops[FFP_BOARD_STOPS];
+    ffp_bare_rig_in_frame(&job->rig.camera, up, false, axis);
+    ffp_bare_rig_in_frame(&job->rig.camera, middle, true, point);
     print_numbers(f, "axis", axis, 3);
     print_numbers(f, "point", point, 3);
     fputs("  \"angles\": [", f);
     for (int i = 0; i < job->spec->views; i++)
         fprintf(f, "%s%.9g", i > 0 ? ", " : "", 360.0 * i / job->spec->views);
     fputs("],\n", f);
-    for (int i = 0; i < BOARD_STOPS; i++) stops[i] = STOP_STEP * (i - (BOARD_STOPS - 1) / 2);
-    if (job->options->attitudes > 0) print_numbers(f, "board_angles", stops, BOARD_STOPS);
+    for (int i = 0; i < FFP_BOARD_STOPS; i++) stops[i] = ffp_board_angle(i);
+    if (job->options->attitudes > 0) print_numbers(f, "board_angles", stops, FFP_BOARD_STOPS);
 }
 
 // The board's first corner and the directions of its rows and columns, in the camera's frame.
@@ -383,7 +292,7 @@ static void print_board(FILE *f, const Job *job, const Subject *subject, bool la
     const float *const from[3] = {b->origin, b->right, b->down};
     for (int i = 0; i < 3; i++) {
         const double v[3] = {(double)from[i][0], (double)from[i][1], (double)from[i][2]};
-        in_frame(&camera, v, i == 0, numbers + 3 * i);
+        ffp_bare_rig_in_frame(&camera, v, i == 0, numbers + 3 * i);
     }
     fprintf(f, "    {\"folder\": \"%s\", \"origin_right_down\": [", subject->name);
     for (int i = 0; i < 9; i++) fprintf(f, "%s%.9g", i > 0 ? ", " : "", numbers[i]);
@@ -402,7 +311,7 @@ static bool write_truth(const Job *job, FfpError *err) {
     print_device(f, "proj_", &job->rig.projector, job->rig.projector_lens);
     print_motion(f, &job->rig);
     print_turntable(f, job);
-    const FfpChessboard board = ffp_bare_rig_turntable_board();
+    const FfpChessboard board = ffp_bare_rig_turntable_board(&job->rig);
     fprintf(f, "  \"board\": {\"corners\": [%d, %d], \"square\": %.9g},\n  \"boards\": [\n", board.columns,
             board.rows, (double)board.square * FFP_BARE_RIG_UNIT);
     for (int s = job->spec->views; s < job->n_subjects; s++)
@@ -440,20 +349,17 @@ static bool write_folder(Job *job, FfpError *err) {
 
 bool ffp_photographs_write(const FfpPhotographs *options, const FfpSceneSpec *spec, FfpError *err) {
     Job job = {.options = options, .spec = spec, .material = ffp_material_make(spec->material, spec->seed)};
-    int width = 0, height = 0;
-    if (!check(options, spec, err) || !list_patterns(&job, err) || !panel_size(&job, &width, &height, err)) {
-        ffp_free(job.patterns);
+    if (!check(options, spec, err) || !ffp_pattern_folder_open(&job.patterns, options->patterns, err))
         return false;
-    }
     FfpMesh made = {0};
     if (!spec->own_mesh) made = ffp_mesh_make(spec->mesh);
     job.mesh = spec->own_mesh ? spec->own_mesh : &made;
-    job.rig = ffp_bare_rig(spec->resolution, width, height);
+    job.rig = ffp_bare_rig(spec->resolution, job.patterns.width, job.patterns.height);
     job.tracer = ffp_tracer_new(job.mesh, err);
     const bool ok = job.tracer && add_subjects(&job, err) && write_folder(&job, err);
     free_subjects(&job);
     ffp_tracer_free(job.tracer);
     ffp_mesh_free(&made);
-    ffp_free(job.patterns);
+    ffp_pattern_folder_close(&job.patterns);
     return ok;
 }

@@ -46,7 +46,7 @@ static void blur_line(real *line, size_t step, int length, const float *kernel, 
     }
 }
 
-static void blur(FfpImage *image, float sigma) {
+void ffp_sensor_blur(FfpImage *image, float sigma) {
     const int radius = (int)ceilf(3 * sigma), width = image->width, height = image->height;
     const size_t row = (size_t)width * 3;
     float *kernel = ffp_alloc((size_t)radius * 2 + 1, sizeof *kernel), total = 0;
@@ -78,7 +78,7 @@ FfpImage ffp_sensor_emit(const FfpImage *pattern, const FfpSensor *s) {
         const float value = (float)out.data[i], bent = s->gamma != 0 ? powf(value, 1 + s->gamma) : value;
         out.data[i] = (real)(s->black_level + (1 - s->black_level) * bent);
     }
-    if (s->defocus > 0) blur(&out, s->defocus);
+    if (s->defocus > 0) ffp_sensor_blur(&out, s->defocus);
     return out;
 }
 
@@ -89,6 +89,13 @@ float ffp_sensor_noise(float value, float shot, float read, uint32_t pixel, uint
     // Box and Muller 1958; photons are counted in such numbers that a normal stands for their Poisson
     const float radius = sqrtf(-2 * logf(1 - ffp_hash_unit(a)));
     return value + sqrtf(variance) * radius * cosf(6.2831853F * ffp_hash_unit(b));
+}
+
+void ffp_sensor_expose(FfpImage *light, const FfpSensor *sensor, uint32_t picture) {
+    const size_t values = (size_t)light->width * (size_t)light->height * (size_t)light->channels;
+    for (size_t i = 0; i < values; i++)
+        light->data[i] =
+            (real)ffp_sensor_noise((float)light->data[i], sensor->shot, sensor->read, (uint32_t)i, picture);
 }
 
 void ffp_sensor_misplace(FfpCamera *device, float turn, float shift, FfpRng *rng) {

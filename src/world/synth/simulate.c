@@ -6,147 +6,12 @@
 #include "core/base/arena.h"
 #include "core/base/brdf.h"
 #include "core/base/call.h"
-#include "core/base/lens.h"
-#include "world/synth/chessboard.h"
-#include "world/synth/noise.h"
-#include "world/synth/scalar.h"
+#include "world/synth/room.h"
 #include "world/synth/sensor.h"
+#include "world/synth/simulate_work.h"
 
 enum { CELL = 4, LOOKUPS_MAX = 16 };
-static const float OFFSET = 1e-3F; // secondary rays start this far off the surface
-static const float CAVITY = 0.75F; // share of the ambient light that reaches a typical secondary hit
-static const float BLUR = 0.03F;   // of a texture that is seen by way of another surface
 static const float FACING = 0.02F; // least cosine between shading normal and view
-
-typedef struct Device {       // a camera or projector in float
-    float origin[3], axes[9]; // rows: x, y, z axis in the world
-    float fx, fy, cx, cy, width, height;
-    const double *lens; // NULL: none
-} Device;
-
-// Sums of one view before composition; [height, width, .] each.
-typedef struct Sums {
-    float *ambient;        // 3: incoming ambient radiance, cosine-weighted mean
-    float *bounce;         // 3 x lanes: the same of the projector's light off other surfaces, every pattern's
-    float *direct;         // 3 x lanes: what the samples send back of the projector's own light
-    float *point, *smooth; // 3: mean position and unbumped normal
-    float *hits;           // covered samples
-} Sums;
-
-typedef struct Work {
-    const FfpSimulation *sim;
-    FfpView *view;
-    FfpImage *visibility;
-    Device camera, projector;
-    Sums sums;
-    uint32_t seed;
-} Work;
-
-// Where a ray of the camera met the surface, and what lies there.
-typedef struct Sample {
-    uint32_t index; // of the pixel's samples
-    float ray[3];
-    FfpHit hit;
-    float albedo[3], roughness, normal[3]; // the normal with its relief
-} Sample;
-
-static Device device_of(const FfpCamera *c, const double *lens) {
-    Device d = {.lens = lens && !ffp_lens_is_ideal(lens) ? lens : NULL,
-                .fx = (float)c->fx,
-                .fy = (float)c->fy,
-                .cx = (float)c->cx,
-                .cy = (float)c->cy,
-                .width = (float)c->width,
-                .height = (float)c->height};
-    for (int a = 0; a < 3; a++) {
-        d.origin[a] = (float)c->pose[4 * a + 3];
-        for (int k = 0; k < 3; k++) d.axes[3 * k + a] = (float)c->pose[4 * a + k];
-    }
-    return d;
-}
-
-static float dot(const float a[3], const float b[3]) {
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
-// Where the device has the point (x, y, z) of its frame, pixels.
-static void device_pixel(const Device *c, float x, float y, float z, float *u, float *v) {
-    if (c->lens) {
-        double a, b;
-        ffp_lens_distort(c->lens, (double)(x / z), (double)(y / z), &a, &b);
-        *u = c->fx * (float)a + c->cx, *v = c->fy * (float)b + c->cy;
-    } else {
-        *u = c->fx * x / z + c->cx, *v = c->fy * y / z + c->cy;
-    }
-}
-
-// World direction through pixel position (x, y) with camera z = 1, so that a hit's t is its depth.
-static void camera_ray(const Device *c, float x, float y, float d[3]) {
-    float a = (x - c->cx) / c->fx, b = (y - c->cy) / c->fy;
-    double ray[2];
-    if (c->lens && ffp_lens_undistort(c->lens, (double)a, (double)b, ray))
-        a = (float)ray[0], b = (float)ray[1];
-    for (int k = 0; k < 3; k++) d[k] = a * c->axes[k] + b * c->axes[3 + k] + c->axes[6 + k];
-}
-
-// A pixel's values in an array of [height, width, 3, lanes].
-static float *lanes_of(const Work *w, float *values, size_t pixel) {
-    return values + pixel * 3 * (size_t)w->sim->light->lanes;
-}
-
-// Albedo and roughness of what lies at a hit, over about `footprint` world units.
-static void surface_look(const FfpSimulation *sim, const FfpHit *hit, float footprint, float albedo[3],
-                         float *roughness) {
-    if (sim->board)
-        ffp_chessboard_look(sim->board, hit->point, albedo, roughness);
-    else if (sim->textures)
-        ffp_textures_look(sim->textures, sim->mesh, hit, footprint, albedo, roughness);
-    else
-        ffp_material_look(sim->material, hit->point, albedo, roughness);
-}
-static void surface_bump(const FfpSimulation *sim, const FfpHit *hit, float footprint, float normal[3]) {
-    if (sim->board) return;
-    if (sim->textures)
-        ffp_textures_bump(sim->textures, sim->mesh, hit, footprint, normal);
-    else
-        ffp_material_bump(sim->material, hit->point, normal);
-}
-
-// The R2 sequence (Roberts 2018): any run of it covers the unit square evenly; shifted per pixel.
-static void even_pair(uint32_t index, uint32_t shift, float *x, float *y) {
-    const uint32_t a = shift + index * 3242174889U, b = ffp_hash32(shift ^ 0x68bc21ebU) + index * 2447445414U;
-    *x = (float)(a >> 8) * (1.0F / 16777216.0F), *y = (float)(b >> 8) * (1.0F / 16777216.0F);
-}
-
-// Light that leaves the projector towards a point, before the pattern and shadows: I / d^2 within its
-// rectangle.
-typedef struct Arrival {
-    float u, v;       // where in the pattern
-    float towards[3]; // unit, to the projector
-    float fall;       // 1 / d^2
-    float local[3];   // the point in the projector's frame
-} Arrival;
-
-// False where none does. Else the ray along which something may stand in the way is added to `shadow`.
-static bool arrive(const Work *w, const FfpHit *hit, const float normal[3], Arrival *a, FfpRays *shadow) {
-    const Device *p = &w->projector;
-    float way[3], start[3];
-    for (int k = 0; k < 3; k++) way[k] = p->origin[k] - hit->point[k];
-    if (dot(way, normal) <= 0) return false;
-    for (int k = 0; k < 3; k++) a->local[k] = -dot(p->axes + 3 * k, way);
-    if (a->local[2] <= 1e-6F) return false;
-    device_pixel(p, a->local[0], a->local[1], a->local[2], &a->u, &a->v);
-    if (!(a->u >= 0 && a->v >= 0 && a->u <= p->width && a->v <= p->height)) return false;
-    const float square = dot(way, way), scale = 1 / sqrtf(square);
-    a->fall = 1 / square;
-    for (int k = 0; k < 3; k++) {
-        start[k] = hit->point[k] + OFFSET * hit->facet[k];
-        a->towards[k] = way[k] * scale;
-        way[k] = p->origin[k] - start[k];
-    }
-    ffp_rays_add(shadow, start, way);
-    return true;
-}
 
 // The lookups that a sample's cell of the pixel asks for: the cell's image on the tangent plane, projected,
 // spread evenly over so many that their tents overlap. Converges to one lookup as samples grow.
@@ -155,28 +20,28 @@ typedef struct Spread {
     FfpTexel texel[LOOKUPS_MAX];
 } Spread;
 
-static void pattern_slope(const Work *w, const Arrival *a, const float step[3], float side, float *du,
-                          float *dv) {
-    const Device *p = &w->projector;
+static void pattern_slope(const FfpViewWork *w, const FfpIncoming *a, const float step[3], float side,
+                          float *du, float *dv) {
+    const FfpTracedDevice *p = &w->projector;
     float local[3];
-    for (int k = 0; k < 3; k++) local[k] = dot(p->axes + 3 * k, step);
+    for (int k = 0; k < 3; k++) local[k] = ffp_along(p->axes + 3 * k, step);
     const float z = a->local[2], s = side / (z * z);
     *du = s * p->fx * (local[0] * z - a->local[0] * local[2]);
     *dv = s * p->fy * (local[1] * z - a->local[1] * local[2]);
 }
 
-static void spread_lookups(const Work *w, const Arrival *a, const FfpHit *hit, const float ray[3],
+static void spread_lookups(const FfpViewWork *w, const FfpIncoming *a, const FfpHit *hit, const float ray[3],
                            Spread *out) {
-    const Device *c = &w->camera;
+    const FfpTracedDevice *c = &w->camera;
     const float side = 1 / sqrtf((float)w->sim->samples);
-    const float facing = dot(hit->facet, ray);
+    const float facing = ffp_along(hit->facet, ray);
     const float steep = fabsf(facing) < 0.05F ? copysignf(0.05F, facing) : facing;
     float du[2], dv[2];
     int n[2];
     for (int axis = 0; axis < 2;
          axis++) { // the hit's motion on its tangent plane as the pixel position moves
         const float *move = c->axes + 3 * axis, f = axis ? c->fy : c->fx;
-        const float along = dot(hit->facet, move) / steep;
+        const float along = ffp_along(hit->facet, move) / steep;
         float step[3];
         for (int k = 0; k < 3; k++) step[k] = hit->t / f * (move[k] - along * ray[k]);
         pattern_slope(w, a, step, side, &du[axis], &dv[axis]);
@@ -194,11 +59,11 @@ static void spread_lookups(const Work *w, const Arrival *a, const FfpHit *hit, c
 }
 
 // Light of the projector that reaches a sample and goes on to the camera.
-static void light_sample(const Work *w, size_t pixel, const Sample *s, const Arrival *a) {
-    const float scale = -1 / sqrtf(dot(s->ray, s->ray)),
+static void light_sample(const FfpViewWork *w, size_t pixel, const FfpSample *s, const FfpIncoming *a) {
+    const float scale = -1 / sqrtf(ffp_along(s->ray, s->ray)),
                 to_camera[3] = {s->ray[0] * scale, s->ray[1] * scale, s->ray[2] * scale};
     const float specular = ffp_brdf_specular(s->normal, a->towards, to_camera, s->roughness),
-                cosine = dot(s->normal, a->towards);
+                cosine = ffp_along(s->normal, a->towards);
     float colour[3];
     for (int c = 0; c < 3; c++) {
         colour[c] = (s->albedo[c] / FFP_PI + specular) * cosine * a->fall * w->sim->intensity[c];
@@ -208,21 +73,21 @@ static void light_sample(const Work *w, size_t pixel, const Sample *s, const Arr
     spread_lookups(w, a, &s->hit, s->ray, &spread);
     for (int c = 0; c < 3; c++) colour[c] /= (float)spread.count;
     for (int i = 0; i < spread.inside; i++)
-        ffp_light_add(w->sim->light, &spread.texel[i], colour, lanes_of(w, w->sums.direct, pixel));
+        ffp_light_add(w->sim->light, &spread.texel[i], colour, ffp_lanes_of(w, w->sums.direct, pixel));
 }
 
-static void direct_light(const Work *w, size_t pixel, const Sample *samples, int count) {
+static void direct_light(const FfpViewWork *w, size_t pixel, const FfpSample *samples, int count) {
     FfpRays shadow = {.count = 0};
-    Arrival arrivals[FFP_RAYS];
-    const Sample *lit[FFP_RAYS];
+    FfpIncoming arrivals[FFP_RAYS];
+    const FfpSample *lit[FFP_RAYS];
     int dark = 0, n = 0; // dark: by their cosine, not by a shadow
     for (int i = 0; i < count; i++) {
-        const Sample *s = &samples[i];
+        const FfpSample *s = &samples[i];
         float way[3];
         for (int k = 0; k < 3; k++) way[k] = w->projector.origin[k] - s->hit.point[k];
-        if (dot(way, s->normal) <= 0)
+        if (ffp_along(way, s->normal) <= 0)
             dark++;
-        else if (arrive(w, &s->hit, s->normal, &arrivals[n], &shadow))
+        else if (ffp_arrive(w, &s->hit, s->normal, &arrivals[n], &shadow))
             lit[n++] = s;
     }
     const unsigned blocked = ffp_trace_blocked(w->sim->tracer, &shadow);
@@ -235,83 +100,14 @@ static void direct_light(const Work *w, size_t pixel, const Sample *samples, int
     if (w->visibility) w->visibility->data[pixel] += (real)(dark + reached);
 }
 
-// A cosine-weighted direction around `normal`, turned above the facet where interpolation leads below it.
-static void ambient_direction(const FfpHit *hit, float x, float y, float d[3]) {
-    const float *n = hit->normal, sign = copysignf(1, n[2]), a = -1 / (sign + n[2]), b = n[0] * n[1] * a;
-    const float t[3] = {1 + sign * n[0] * n[0] * a, sign * b, -sign * n[0]}; // basis of Duff et al. 2017
-    const float s[3] = {b, sign + n[1] * n[1] * a, -n[1]};
-    const float r = sqrtf(x), phi = 6.2831853F * y, up = sqrtf(ffp_max(0, 1 - x)), i = r * cosf(phi),
-                j = r * sinf(phi);
-    for (int k = 0; k < 3; k++) d[k] = i * t[k] + j * s[k] + up * n[k];
-    const float below = dot(d, hit->facet);
-    for (int k = 0; k < 3 && below < 0; k++) d[k] -= 2 * below * hit->facet[k];
-}
-
-// The projector's light that a surface met by a secondary ray sends back.
-static void add_bounce(const Work *w, size_t pixel, const FfpHit *far, const float albedo[3],
-                       const Arrival *a) {
-    float colour[3];
-    const float cosine = dot(far->normal, a->towards);
-    for (int c = 0; c < 3; c++) colour[c] = albedo[c] / FFP_PI * cosine * a->fall * w->sim->intensity[c];
-    const FfpLight *light = w->sim->light;
-    FfpTexel texel;
-    if (ffp_light_texel(light->coarse_width, light->coarse_height, a->u / FFP_COARSE, a->v / FFP_COARSE,
-                        &texel))
-        ffp_light_add_coarse(light, &texel, colour, lanes_of(w, w->sums.bounce, pixel));
-}
-
-// Incoming light other than the projector's own, along some rays: sky where a ray is free, otherwise what the
-// surface there sends back.
-static void gather(const Work *w, size_t pixel, const FfpRays *rays) {
-    FfpHit far[FFP_RAYS];
-    FfpRays shadow = {.count = 0};
-    Arrival arrivals[FFP_RAYS];
-    float albedos[FFP_RAYS][3];
-    int lit[FFP_RAYS];
-    const unsigned hits = ffp_trace_hits(w->sim->tracer, rays, false, far);
-    float *ambient = w->sums.ambient + 3 * pixel;
-    for (int i = 0; i < rays->count; i++) {
-        if (!(hits >> i & 1)) {
-            for (int c = 0; c < 3; c++) ambient[c] += w->sim->ambient;
-            continue;
-        }
-        const float d[3] = {rays->direction[0][i], rays->direction[1][i], rays->direction[2][i]};
-        const int n = shadow.count;
-        float roughness;
-        surface_look(w->sim, &far[i], BLUR, albedos[n], &roughness);
-        for (int c = 0; c < 3; c++) ambient[c] += albedos[n][c] * CAVITY * w->sim->ambient;
-        if (dot(far[i].facet, d) <= 0 && arrive(w, &far[i], far[i].normal, &arrivals[n], &shadow)) lit[n] = i;
-    }
-    if (shadow.count == 0) return;
-    const unsigned blocked = ffp_trace_blocked(w->sim->tracer, &shadow);
-    for (int n = 0; n < shadow.count; n++)
-        if (!(blocked >> n & 1)) add_bounce(w, pixel, &far[lit[n]], albedos[n], &arrivals[n]);
-}
-
-static void indirect_light(const Work *w, size_t pixel, const Sample *samples, int count, uint32_t shift) {
-    const int each = w->sim->ambient_rays;
-    FfpRays rays = {.count = 0};
-    for (int i = 0; i < count * each; i++) {
-        const Sample *s = &samples[i / each];
-        float x, y, d[3], start[3];
-        even_pair(s->index * (uint32_t)each + (uint32_t)(i % each), shift ^ 0x1b56c4e9U, &x, &y);
-        ambient_direction(&s->hit, x, y, d);
-        for (int k = 0; k < 3; k++) start[k] = s->hit.point[k] + OFFSET * s->hit.facet[k];
-        ffp_rays_add(&rays, start, d);
-        if (rays.count < FFP_RAYS && i + 1 < count * each) continue;
-        gather(w, pixel, &rays);
-        rays.count = 0;
-    }
-}
-
 // Looks up what lies at a sample's hit, and adds it to the truth maps.
-static void look_at_sample(const Work *w, size_t pixel, Sample *s) {
+static void look_at_sample(const FfpViewWork *w, size_t pixel, FfpSample *s) {
     FfpView *view = w->view;
     const float cell = s->hit.t / (w->camera.fx * sqrtf((float)w->sim->samples));
     memcpy(s->normal, s->hit.normal, sizeof s->normal);
-    surface_look(w->sim, &s->hit, cell, s->albedo, &s->roughness);
-    surface_bump(w->sim, &s->hit, cell, s->normal);
-    const float length = sqrtf(dot(s->ray, s->ray)), facing = -dot(s->normal, s->ray) / length;
+    ffp_surface_look(w->sim, &s->hit, cell, s->albedo, &s->roughness);
+    ffp_surface_bump(w->sim, &s->hit, cell, s->normal);
+    const float length = sqrtf(ffp_along(s->ray, s->ray)), facing = -ffp_along(s->normal, s->ray) / length;
     if (facing < FACING) { // seen from behind by interpolation or bump: tilt it to the camera
         float square = 0;
         for (int k = 0; k < 3; k++)
@@ -339,11 +135,18 @@ static void unit(real v[3]) {
     if (n > 0) divide(v, 3, n);
 }
 
-// Sums to means over the samples that hit.
-static void finish_pixel(const Work *w, size_t pixel, float hits, int samples) {
+// How many samples of a pixel hit anything, and how many of those the object.
+typedef struct Counts {
+    int hits, own;
+} Counts;
+
+// FfpViewSums to means over the samples that hit.
+static void finish_pixel(const FfpViewWork *w, size_t pixel, Counts counts, int samples) {
     FfpView *view = w->view;
+    const float hits = (float)counts.hits;
     w->sums.hits[pixel] = hits;
-    view->coverage.data[pixel] = (real)(roundf(255 * hits / (float)samples) / 255);
+    w->sums.share[pixel] = roundf(255 * hits / (float)samples) / 255;
+    view->coverage.data[pixel] = (real)(roundf(255 * (float)counts.own / (float)samples) / 255);
     divide(view->albedo.data + 3 * pixel, 3, hits);
     divide(view->direct_white.data + 3 * pixel, 3, hits);
     divide(view->roughness.data + pixel, 1, hits);
@@ -351,82 +154,84 @@ static void finish_pixel(const Work *w, size_t pixel, float hits, int samples) {
     unit(view->normal.data + 3 * pixel);
     divide_sums(w->sums.point + 3 * pixel, 3, hits);
     float *smooth = w->sums.smooth + 3 * pixel;
-    divide_sums(smooth, 3, ffp_max(sqrtf(dot(smooth, smooth)), 1e-6F));
+    divide_sums(smooth, 3, ffp_max(sqrtf(ffp_along(smooth, smooth)), 1e-6F));
     const float rays = hits * (float)w->sim->ambient_rays;
     const int lanes = 3 * w->sim->light->lanes;
-    divide_sums(lanes_of(w, w->sums.direct, pixel), lanes, hits);
-    if (rays > 0) divide_sums(lanes_of(w, w->sums.bounce, pixel), lanes, rays);
+    divide_sums(ffp_lanes_of(w, w->sums.direct, pixel), lanes, hits);
+    if (rays > 0) divide_sums(ffp_lanes_of(w, w->sums.bounce, pixel), lanes, rays);
     if (rays > 0)
         divide_sums(w->sums.ambient + 3 * pixel, 3, rays);
     else
         for (int c = 0; c < 3; c++) w->sums.ambient[3 * pixel + (size_t)c] = w->sim->ambient;
 }
 
-// Samples first..last - 1 of a pixel, side by side. How many of them hit.
-static int trace_samples(const Work *w, int x, int y, int first, int last, uint32_t shift) {
+// Samples first..last - 1 of a pixel, side by side.
+static void trace_samples(const FfpViewWork *w, int x, int y, int first, int last, Counts *counts) {
     const size_t pixel = (size_t)y * (size_t)w->view->camera.width + (size_t)x;
     FfpRays rays = {.count = 0};
     FfpHit hits[FFP_RAYS];
-    Sample samples[FFP_RAYS] = {0};
+    FfpSample samples[FFP_RAYS] = {0};
+    const uint32_t shift = ffp_hash32(w->seed ^ ffp_hash32((uint32_t)pixel));
     for (int s = first; s < last; s++) {
         float i, j, ray[3];
-        even_pair((uint32_t)s, shift, &i, &j);
-        camera_ray(&w->camera, (float)x + i, (float)y + j, ray);
+        ffp_even_pair((uint32_t)s, shift, &i, &j);
+        ffp_camera_ray(&w->camera, (float)x + i, (float)y + j, ray);
         ffp_rays_add(&rays, w->camera.origin, ray);
     }
     const unsigned found = ffp_trace_hits(w->sim->tracer, &rays, true, hits);
     int count = 0;
     for (int i = 0; i < rays.count; i++) {
-        Sample *s = &samples[count];
+        FfpSample *s = &samples[count];
         for (int k = 0; k < 3; k++) s->ray[k] = rays.direction[k][i];
-        if (!(found >> i & 1) || dot(hits[i].facet, s->ray) >= 0) continue;
+        if (!(found >> i & 1) || ffp_along(hits[i].facet, s->ray) >= 0) continue;
         s->hit = hits[i], s->index = (uint32_t)(first + i);
         look_at_sample(w, pixel, s);
+        counts->own += !ffp_around_has(w->sim->around, &s->hit);
         count++;
     }
-    if (count == 0) return 0;
+    if (count == 0) return;
+    counts->hits += count;
     direct_light(w, pixel, samples, count);
-    indirect_light(w, pixel, samples, count, shift);
-    return count;
+    ffp_indirect_light(w, pixel, samples, count, shift);
 }
 
-static void trace_pixel(const Work *w, int x, int y) {
+static void trace_pixel(const FfpViewWork *w, int x, int y) {
     const size_t pixel = (size_t)y * (size_t)w->view->camera.width + (size_t)x;
-    const uint32_t shift = ffp_hash32(w->seed ^ ffp_hash32((uint32_t)pixel));
     const int samples = w->sim->samples;
-    int limit = samples, hits = 0;
+    int limit = samples;
+    Counts counts = {0, 0};
     for (int s = 0; s < limit;) {
         const int end = s < samples ? samples : limit, last = s + FFP_RAYS < end ? s + FFP_RAYS : end;
-        hits += trace_samples(w, x, y, s, last, shift);
+        trace_samples(w, x, y, s, last, &counts);
         s = last;
         // a silhouette's share is a mean of zeros and ones: it takes more samples than a colour
-        if (s == samples && hits > 0 && hits < s) limit *= 4;
+        if (s == samples && counts.own > 0 && counts.own < s) limit *= 4;
     }
-    if (hits == 0) return;
-    finish_pixel(w, pixel, (float)hits, limit);
+    if (counts.hits == 0) return;
+    finish_pixel(w, pixel, counts, limit);
     FfpRays centre = {.count = 0};
     FfpHit hit[FFP_RAYS];
     float ray[3];
-    camera_ray(&w->camera, (float)x + 0.5F, (float)y + 0.5F, ray);
+    ffp_camera_ray(&w->camera, (float)x + 0.5F, (float)y + 0.5F, ray);
     ffp_rays_add(&centre, w->camera.origin, ray);
     if (ffp_trace_hits(w->sim->tracer, &centre, true, hit)) w->view->depth.data[pixel] = (real)hit->t;
 }
 
 // Which CELL x CELL blocks of pixels any triangle's bounding box touches: most of an image is background.
-static size_t busy_cells(const Work *w, int **cells) {
+static size_t busy_cells(const FfpViewWork *w, int **cells) {
     const FfpMesh *mesh = w->sim->mesh;
     const int across = (w->view->camera.width + CELL - 1) / CELL,
               down = (w->view->camera.height + CELL - 1) / CELL;
     float *xy = ffp_alloc((size_t)mesh->n_vertices * 2, sizeof *xy);
     uint8_t *busy = ffp_alloc((size_t)across * (size_t)down, 1);
-    const Device *c = &w->camera;
+    const FfpTracedDevice *c = &w->camera;
     bool behind = false;
     for (int i = 0; i < mesh->n_vertices; i++) {
         float d[3];
         for (int k = 0; k < 3; k++) d[k] = mesh->positions[3 * (size_t)i + (size_t)k] - c->origin[k];
-        const float z = dot(c->axes + 6, d);
+        const float z = ffp_along(c->axes + 6, d);
         behind |= z < 1e-3F;
-        device_pixel(c, dot(c->axes, d), dot(c->axes + 3, d), z, &xy[2 * i], &xy[2 * i + 1]);
+        ffp_device_pixel(c, ffp_along(c->axes, d), ffp_along(c->axes + 3, d), z, &xy[2 * i], &xy[2 * i + 1]);
         xy[2 * i] /= CELL, xy[2 * i + 1] /= CELL;
     }
     for (int t = 0; t < mesh->n_triangles && !behind; t++) {
@@ -450,7 +255,7 @@ static size_t busy_cells(const Work *w, int **cells) {
     return count;
 }
 
-static void trace_cell(const Work *w, int cell) {
+static void trace_cell(const FfpViewWork *w, int cell) {
     const int width = w->view->camera.width, height = w->view->camera.height,
               across = (width + CELL - 1) / CELL, left = cell % across * CELL, top = cell / across * CELL;
     for (int y = top; y < top + CELL && y < height; y++)
@@ -458,14 +263,14 @@ static void trace_cell(const Work *w, int cell) {
 }
 
 // As tasks, which any thread of the team takes that has nothing else to do.
-static void trace_cells(const Work *w, const int *cells, size_t count) {
+static void trace_cells(const FfpViewWork *w, const int *cells, size_t count) {
 #pragma omp taskloop grainsize(8)
     for (size_t i = 0; i < count; i++) trace_cell(w, cells[i]);
 }
 
 // A team that makes a scene a thread shares the last scenes' views; without a team there is one for this
 // view.
-static void trace_all(const Work *w) {
+static void trace_all(const FfpViewWork *w) {
     int *cells;
     const size_t count = busy_cells(w, &cells);
     if (omp_in_parallel()) {
@@ -485,11 +290,11 @@ static int filter_radius(const FfpSimulation *sim) {
     return rays == 0 || rays >= 128 ? 0 : rays >= 64 ? 1 : rays >= 24 ? 2 : 3;
 }
 
-static float neighbour_weight(const Sums *s, size_t i, size_t j) {
+static float neighbour_weight(const FfpViewSums *s, size_t i, size_t j) {
     if (s->hits[j] <= 0) return 0;
     const float *n = s->smooth + 3 * i, *a = s->point + 3 * i, *b = s->point + 3 * j;
     const float d[3] = {b[0] - a[0], b[1] - a[1], b[2] - a[2]};
-    const float plane = 1 - fabsf(dot(n, d)) / 0.04F, cosine = dot(n, s->smooth + 3 * j);
+    const float plane = 1 - fabsf(ffp_along(n, d)) / 0.04F, cosine = ffp_along(n, s->smooth + 3 * j);
     if (plane <= 0 || cosine <= 0.5F) return 0;
     const float same = cosine * cosine * cosine * cosine;
     return plane * same * same * ffp_min(s->hits[j], 4);
@@ -500,13 +305,13 @@ static void add_weighted(float *to, const float *from, float weight, int count) 
 }
 
 // One row of the filtered ambient and bounced light.
-static void filter_row(const Work *w, int y, float *ambient, float *bounce) {
+static void filter_row(const FfpViewWork *w, int y, float *ambient, float *bounce) {
     const int width = w->view->camera.width, height = w->view->camera.height, r = filter_radius(w->sim),
               lanes = 3 * w->sim->light->lanes;
     for (int x = 0; x < width; x++) {
         const size_t i = (size_t)y * (size_t)width + (size_t)x;
         if (w->sums.hits[i] <= 0) continue;
-        float total = 0, *bounce_here = lanes_of(w, bounce, i);
+        float total = 0, *bounce_here = ffp_lanes_of(w, bounce, i);
         for (int v = y - r < 0 ? 0 : y - r; v <= y + r && v < height; v++)
             for (int u = x - r < 0 ? 0 : x - r; u <= x + r && u < width; u++) {
                 const size_t j = (size_t)v * (size_t)width + (size_t)u;
@@ -514,14 +319,14 @@ static void filter_row(const Work *w, int y, float *ambient, float *bounce) {
                 if (weight <= 0) continue;
                 total += weight;
                 add_weighted(ambient + 3 * i, w->sums.ambient + 3 * j, weight, 3);
-                add_weighted(bounce_here, lanes_of(w, w->sums.bounce, j), weight, lanes);
+                add_weighted(bounce_here, ffp_lanes_of(w, w->sums.bounce, j), weight, lanes);
             }
         divide_sums(ambient + 3 * i, 3, total);
         divide_sums(bounce_here, lanes, total);
     }
 }
 
-static void smooth_indirect(Work *w) {
+static void smooth_indirect(FfpViewWork *w) {
     ffp_cancel_point();
     if (filter_radius(w->sim) == 0) return;
     const int height = w->view->camera.height;
@@ -538,18 +343,23 @@ static void smooth_indirect(Work *w) {
 
 // Adds the indirect light and the noise, and passes the colour through what a PNG would keep of it.
 // `decoded`: the linear values of the 256 there are.
-static void compose_pixel(const Work *w, size_t pixel, int pattern, const real decoded[256]) {
+static void compose_pixel(const FfpViewWork *w, size_t pixel, int pattern, const real decoded[256]) {
     real *colour = w->view->images[pattern].data + 3 * pixel;
-    const real *albedo = w->view->albedo.data + 3 * pixel, cover = w->view->coverage.data[pixel];
+    const real *albedo = w->view->albedo.data + 3 * pixel, cover = (real)w->sums.share[pixel];
     const int lanes = w->sim->light->lanes, lane = w->sim->light->lane[pattern];
     const uint32_t key = (uint32_t)(w->sim->first_pattern + pattern) + 1;
     const bool whole = w->sim->photograph; // the pixel's light, not the share that is the object's
     const float *ambient = w->sums.ambient + 3 * pixel;
-    const float *direct = lanes_of(w, w->sums.direct, pixel), *bounce = lanes_of(w, w->sums.bounce, pixel);
+    const float *direct = ffp_lanes_of(w, w->sums.direct, pixel),
+                *bounce = ffp_lanes_of(w, w->sums.bounce, pixel);
     for (int c = 0; c < 3; c++) {
         const int at = c * lanes + lane;
         const float lit = lane < 0 ? 0 : direct[at], incoming = ambient[c] + (lane < 0 ? 0 : bounce[at]);
         const float own = (float)(lit + albedo[c] * incoming), light = whole ? (float)cover * own : own;
+        if (w->sim->light_only) {
+            colour[c] = (real)light;
+            continue;
+        }
         const float seen = ffp_sensor_noise(light, w->sim->shot, w->sim->read,
                                             (uint32_t)(3 * pixel) + (uint32_t)c, w->seed + 0x3c6ef372U * key);
         const float encoded = roundf(255 * (float)ffp_srgb_encode((real)seen));
@@ -558,7 +368,7 @@ static void compose_pixel(const Work *w, size_t pixel, int pattern, const real d
     }
 }
 
-static void compose(const Work *w) {
+static void compose(const FfpViewWork *w) {
     const int width = w->view->camera.width, height = w->view->camera.height;
     real decoded[256];
     for (int i = 0; i < 256; i++) decoded[i] = ffp_srgb_decode((real)i / 255);
@@ -571,7 +381,7 @@ static void compose(const Work *w) {
         }
 }
 
-static void work_begin(Work *w) {
+static void work_begin(FfpViewWork *w) {
     const size_t pixels = (size_t)w->view->camera.width * (size_t)w->view->camera.height,
                  lanes = (size_t)w->sim->light->lanes;
     w->sums.direct = ffp_alloc(pixels * 3 * lanes, sizeof(float));
@@ -580,15 +390,17 @@ static void work_begin(Work *w) {
     w->sums.point = ffp_alloc(pixels * 3, sizeof(float));
     w->sums.smooth = ffp_alloc(pixels * 3, sizeof(float));
     w->sums.hits = ffp_alloc(pixels, sizeof(float));
+    w->sums.share = ffp_alloc(pixels, sizeof(float));
 }
 
-static void work_end(Work *w) {
+static void work_end(FfpViewWork *w) {
     ffp_free(w->sums.direct);
     ffp_free(w->sums.bounce);
     ffp_free(w->sums.ambient);
     ffp_free(w->sums.point);
     ffp_free(w->sums.smooth);
     ffp_free(w->sums.hits);
+    ffp_free(w->sums.share);
 }
 
 void ffp_simulate_view(const FfpSimulation *simulation, FfpView *view, uint32_t stream,
@@ -604,13 +416,14 @@ void ffp_simulate_view(const FfpSimulation *simulation, FfpView *view, uint32_t 
     view->roughness = ffp_image_new(width, height, 1);
     view->direct_white = ffp_image_new(width, height, 3);
     if (visibility) *visibility = ffp_image_new(width, height, 1);
-    Work w = {.sim = simulation,
-              .view = view,
-              .visibility = visibility,
-              .camera = device_of(&view->camera, simulation->camera_lens),
-              .projector = device_of(&view->projector, simulation->projector_lens),
-              .seed = ffp_hash32((uint32_t)simulation->seed ^
-                                 ffp_hash32((uint32_t)(simulation->seed >> 32) ^ ffp_hash32(stream + 1)))};
+    FfpViewWork w = {.sim = simulation,
+                     .view = view,
+                     .visibility = visibility,
+                     .camera = ffp_device_of(&view->camera, simulation->camera_lens),
+                     .projector = ffp_device_of(&view->projector, simulation->projector_lens),
+                     .seed =
+                         ffp_hash32((uint32_t)simulation->seed ^
+                                    ffp_hash32((uint32_t)(simulation->seed >> 32) ^ ffp_hash32(stream + 1)))};
     work_begin(&w);
     trace_all(&w);
     smooth_indirect(&w);

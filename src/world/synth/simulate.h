@@ -1,5 +1,6 @@
 // What the camera of one view sees: direct projector light with hard shadows, uniform ambient light with
-// occlusion, one diffuse interreflection of both. One set of rays serves every pattern.
+// occlusion, one diffuse interreflection of both; in a room (room.h) a lamp's light, too, and two
+// interreflections. One set of rays serves every pattern.
 #ifndef FFP_SYNTH_SIMULATE_H
 #define FFP_SYNTH_SIMULATE_H
 
@@ -23,16 +24,19 @@ typedef struct FfpSimulation {
     // Real devices; all NULL or 0: ideal ones.
     const double *camera_lens, *projector_lens; // core/base/lens.h
     const struct FfpChessboard *board;          // instead of material and textures
+    const struct FfpSurroundings *around;       // the mesh goes on with a room; NULL: the object is alone
     bool photograph;   // images are what a camera without alpha takes: light, then noise, of every pixel
+    bool light_only;   // of a photograph: images are linear light, without noise and rounding
     int first_pattern; // of the light's among all that are photographed: by it noise is drawn
 } FfpSimulation;
 
-// Fills images (all patterns), coverage and the truth maps of a view whose cameras are set. Colours and truth
-// maps are means over the samples that hit, depth belongs to the pixel's centre. The images pass through
-// 8-bit sRGB with straight 8-bit alpha, as a file would carry them, so that a scene in memory equals the same
-// scene read back from disk. visibility (may be NULL) receives the share of covered samples that lie
-// in the projector's rectangle and in nobody's shadow; one that faces away from it counts, with a cosine
-// of 0. The result depends on the seed, `stream` and the arguments alone, not on the number of threads.
+// Fills images (all patterns), coverage (the object's share of each pixel, not the room's) and the truth maps
+// of a view whose cameras are set. Colours and truth maps are means over the samples that hit, depth belongs
+// to the pixel's centre. The images pass through 8-bit sRGB with straight 8-bit alpha, as a file would carry
+// them, so that a scene in memory equals the same scene read back from disk. visibility (may be NULL)
+// receives the share of covered samples that lie in the projector's rectangle and in nobody's shadow; one
+// that faces away from it counts, with a cosine of 0. The result depends on the seed, `stream` and the
+// arguments alone, not on the number of threads.
 void ffp_simulate_view(const FfpSimulation *simulation, FfpView *view, uint32_t stream, FfpImage *visibility);
 
 #endif

@@ -58,6 +58,53 @@ static void png_comes_back(void **state) {
     }
 }
 
+// A smooth picture with values beyond both ends of the range.
+static FfpImage smooth_image(int width, int height) {
+    FfpImage image = ffp_image_new(width, height, 3);
+    for (int i = 0; i < width * height * 3; i++)
+        image.data[i] =
+            (real)(0.5 + 0.55 * sin(0.07 * (i / 3 % width) + (i % 3)) * cos(0.05 * (double)(i / 3 / width)));
+    return image;
+}
+
+static double jpeg_error(const FfpImage *image, int quality, size_t *size) {
+    FfpError err = {0};
+    FfpImage back;
+    char *bytes;
+    const char *path = in_scratch("a.JPG");
+    if (!ffp_image_write_jpeg(image, quality, path, &err)) fail_msg("%s", err.text);
+    if (!ffp_image_read(&back, path, FFP_COLOUR_ENCODED, &err)) fail_msg("%s", err.text);
+    assert_true(ffp_read_file(path, 1 << 24, &bytes, size, &err));
+    assert_true(back.width == image->width && back.height == image->height);
+    double square = 0;
+    for (int i = 0; i < back.width * back.height * 3; i++) {
+        const double want = fmin(1, fmax(0, (double)image->data[i]));
+        const double error = (double)back.data[i / 3 * 4 + i % 3] - want;
+        square += error * error;
+    }
+    const double error = sqrt(square / (back.width * back.height * 3));
+    ffp_free(bytes);
+    ffp_image_free(&back);
+    return error;
+}
+
+static void jpeg_is_as_good_as_its_quality(void **state) {
+    (void)state;
+    FfpImage image = smooth_image(75, 61), grey = ffp_image_new(8, 8, 1);
+    FfpError err = {0};
+    size_t fine, coarse;
+    const double low = jpeg_error(&image, 97, &fine), high = jpeg_error(&image, 15, &coarse);
+    print_message("JPEG: error %.4f in %zu bytes, %.4f in %zu\n", low, fine, high, coarse);
+    assert_true(low < 0.01 && high > 1.5 * low && fine > coarse);
+    assert_false(ffp_image_write_jpeg(&grey, 90, in_scratch("b.JPG"), &err));
+    assert_non_null(strstr(err.text, "1 channels"));
+    assert_false(ffp_image_write_jpeg(&image, 101, in_scratch("b.JPG"), &err));
+    assert_false(ffp_image_write_jpeg(&image, 90, in_scratch("nowhere/b.JPG"), &err));
+    assert_int_equal(err.code, FFP_ERROR_IO);
+    ffp_image_free(&image);
+    ffp_image_free(&grey);
+}
+
 static void png_clamps_and_rounds(void **state) {
     (void)state;
     FfpImage image = ffp_image_new(5, 1, 1), back;
@@ -365,6 +412,7 @@ static void sampling_is_bilinear_and_clamped(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(png_comes_back),
+        cmocka_unit_test(jpeg_is_as_good_as_its_quality),
         cmocka_unit_test(png_clamps_and_rounds),
         cmocka_unit_test(png_is_compact),
         cmocka_unit_test(raw_depth_comes_back),

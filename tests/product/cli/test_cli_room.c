@@ -1,0 +1,76 @@
+// A room by commands alone: photographed, imported with its true masks, and refused where it could not be.
+#include "core/capture/capture.h"
+#include "product/cli/program.h"
+
+static ProgramRun run;
+
+static int setup(void **state) {
+    if (scratch_setup(state) != 0) return -1;
+    return run_format(&run, "patterns -o %s/patterns --projector 96x64 --only capture --lollipops 1",
+                      scratch);
+}
+
+// The options that import a room's stops, all but the masks and the output.
+static void import_line(char line[2000], const char *room) {
+    snprintf(
+        line, 2000,
+        "import -c %s/%s/calibration.xml -t %s/%s/axis.json -i 'black=%s/%s/photographs/{view}/black.JPG' "
+        "-i 'white=%s/%s/photographs/{view}/white.JPG' "
+        "-i 'lollipop_0=%s/%s/photographs/{view}/lollipop_0.JPG' -p lollipop_0=%s/%s/patterns/lollipop_0.png "
+        "-i 'map=%s/%s/truth/{view}/map.png' --held-out map=%s/%s/patterns/map.png --name room",
+        scratch, room, scratch, room, scratch, room, scratch, room, scratch, room, scratch, room, scratch,
+        room, scratch, room);
+}
+
+static void a_room_is_imported_as_it_stands(void **state) {
+    (void)state;
+    char line[2000];
+    FfpCapture capture;
+    FfpError err = {0};
+    assert_int_equal(
+        run_format(&run,
+                   "generate %s/room --photographs %s/patterns --room --seed 3 --views 3 --split "
+                   "test --first 15 --resolution 96 --preset smoke",
+                   scratch, scratch),
+        0);
+    import_line(line, "room");
+    assert_int_equal(
+        run_format(&run, "%s -m '%s/room/masks/{view}.png' -o %s/capture", line, scratch, scratch), 0);
+    if (!ffp_capture_read(&capture, in_scratch("capture"), &err)) fail_msg("%s", err.text);
+    assert_int_equal(capture.n_views, 3);
+    assert_int_equal(capture.n_patterns, 4);
+    double covered = 0;
+    for (int v = 0; v < 3; v++) {
+        const FfpImage *mask = &capture.views[v].coverage;
+        for (int i = 0; i < mask->width * mask->height; i++) covered += (double)mask->data[i];
+    }
+    assert_true(covered > 1000); // of 3 x 128 x 96 pixels
+    ffp_capture_free(&capture);
+}
+
+static void wrong_options_are_refused(void **state) {
+    (void)state;
+    assert_int_equal(run_format(&run, "generate %s/none --room", scratch), 2);
+    assert_non_null(strstr(run.err, "--photographs"));
+    assert_int_equal(
+        run_format(&run, "generate %s/none --photographs %s/patterns --quality 50", scratch, scratch), 2);
+    assert_non_null(strstr(run.err, "--room"));
+    assert_int_equal(
+        run_format(&run, "generate %s/none --photographs %s/patterns --room --quality 0", scratch, scratch),
+        2);
+    assert_int_equal(run_format(&run, "generate %s/none --photographs %s/nowhere --room", scratch, scratch),
+                     1);
+    assert_non_null(strstr(run.err, "nowhere"));
+    assert_int_equal(
+        run_format(&run, "generate %s/none --photographs %s/patterns --room --count 2", scratch, scratch), 1);
+    assert_non_null(strstr(run.err, "one object"));
+    assert_int_equal(run_format(&run, "generate %s/room --photographs %s/patterns --room", scratch, scratch),
+                     1); // is full
+    assert_false(ffp_is_folder(in_scratch("none")));
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {cmocka_unit_test(a_room_is_imported_as_it_stands),
+                                       cmocka_unit_test(wrong_options_are_refused)};
+    return cmocka_run_group_tests(tests, setup, scratch_teardown);
+}
