@@ -20,7 +20,7 @@ enum { BATCH_LEAST = 8, BATCH_MOST = 64, HEIGHT_MIN = 64, NAME = 256 };
 
 typedef enum Kind { KIND_STOP, KIND_BETWEEN, KIND_EMPTY, KIND_ATTITUDE, KIND_TURNTABLE } Kind;
 
-// What a picture before the camera is called, and what stands there.
+// What a picture before the camera is called, and what exists already.
 typedef struct Subject {
     Kind kind;
     char name[32];
