@@ -29,7 +29,6 @@ def write_patterns(
     lollipops: int | None = None,
     focus: bool = True,
     capture: bool = True,
-    gamma: bool = True,
     gray_codes: bool = True,
 ) -> list[Path]:
     """Writes what a projector shows while it is photographed, with a text that says how and a page that shows it.
@@ -40,7 +39,6 @@ def write_patterns(
         lollipops: how many of these patterns; None: the program's.
         focus: a chart to focus and to place the object by.
         capture: black, white and the lollipops.
-        gamma: 16 steps of grey.
         gray_codes: of columns and rows, each with its inverse.
 
     Returns:
@@ -48,7 +46,7 @@ def write_patterns(
     """
     keep, options = Keep(), ffi.new("FfpPatterns *", lib.ffp_patterns_defaults())
     options.folder, options.width, options.height = keep.path(folder), width, height
-    options.focus, options.capture, options.gamma, options.gray_codes = focus, capture, gamma, gray_codes
+    options.focus, options.capture, options.gray_codes = focus, capture, gray_codes
     if lollipops is not None:
         options.lollipops = lollipops
     with Call() as call:
@@ -86,7 +84,8 @@ def calibrate_rig(
     *,
     board: tuple[int, int],
     square: float,
-    projector: tuple[int, int],
+    projector: tuple[int, int] | None = None,
+    shown: PathLike | None = None,
     fix_camera: Sequence[str] = (),
     fix_projector: Sequence[str] = (),
     report: PathLike | None = None,
@@ -105,7 +104,8 @@ def calibrate_rig(
         attitudes: folders of one attitude of the board each, or of such folders (docs/guide/own-rig.md).
         board: corners inside it, columns and rows.
         square: side of a square: the unit of length of all that comes out.
-        projector: width and height of its panel, pixels.
+        projector: width and height of its panel, pixels; None: those of ``shown``, or 1920 x 1080.
+        shown: folder of write_patterns; the folders may then hold a photograph of each of its patterns.
         fix_camera, fix_projector: terms that are not fitted: "k1", "k2", "k3", "tangential", "centre", "aspect".
         report: file for an HTML page.
         turntable_board: folder of photographs of a chessboard on the table, in the order of ``angles``.
@@ -124,7 +124,9 @@ def calibrate_rig(
         setattr(options, name, keep.texts(paths))
         setattr(options, f"n_{name}", len(paths))
     options.columns, options.rows = board
-    options.square, (options.width, options.height) = square, projector
+    options.square, options.shown = square, keep.path(shown)
+    if projector is not None:
+        options.width, options.height = projector
     options.fix_camera, options.fix_projector = (
         _terms(fix_camera, "fix_camera"),
         _terms(fix_projector, "fix_projector"),

@@ -49,7 +49,8 @@ static bool check(const FfpRigCalibration *o, FfpError *err) {
         return ffp_fail(err, FFP_ERROR_ARGUMENT, "calibration",
                         "cannot be combined with photographs to calibrate from");
     if (!o->file) return ffp_fail(err, FFP_ERROR_ARGUMENT, "output", "no file to write to");
-    return (o->width >= SIDE_MIN && o->width <= SIDE_MAX && o->height >= SIDE_MIN && o->height <= SIDE_MAX) ||
+    return o->shown ||
+           (o->width >= SIDE_MIN && o->width <= SIDE_MAX && o->height >= SIDE_MIN && o->height <= SIDE_MAX) ||
            ffp_fail(err, FFP_ERROR_ARGUMENT, "projector", "a side of %d x %d is not in %d to %d pixels",
                     o->width, o->height, SIDE_MIN, SIDE_MAX);
 }
@@ -70,6 +71,21 @@ static bool read_camera(const FfpRigCalibration *o, FfpCvDevice *camera, FfpErro
                                          "does not say at how many pixels the camera was calibrated");
 }
 
+// The panel's size, and what of the folders' pictures is needed.
+static bool take_shown(const FfpRigCalibration *o, FfpShotFolders *folders, FfpCvDevice *panel,
+                       FfpError *err) {
+    FfpShown shown;
+    bool ok = ffp_shown_read(&shown, o->shown, err);
+    if (ok && shown.n_codes == 0)
+        ok = ffp_fail(err, FFP_ERROR_FILE, o->shown, "has no Gray codes, which a calibration is made from");
+    if (ok) {
+        panel->width = shown.width, panel->height = shown.height;
+        ffp_shot_folders_take(folders, &shown);
+    }
+    ffp_shown_free(&shown);
+    return ok;
+}
+
 // The attitudes' names are the folders'.
 static bool fit_rig(const FfpRigCalibration *o, FfpShotFolders *folders, FfpRigFit *fit, FfpError *err) {
     if (!ffp_shot_folders_find(folders, o->attitudes, o->n_attitudes, err)) return false;
@@ -77,6 +93,7 @@ static bool fit_rig(const FfpRigCalibration *o, FfpShotFolders *folders, FfpRigF
     fit->fixed[1] = o->fix_projector;
     fit->devices[1].width = o->width;
     fit->devices[1].height = o->height;
+    if (o->shown && !take_shown(o, folders, &fit->devices[1], err)) return false;
     return ffp_read_attitudes(fit, folders, err) && ffp_fit_rig(fit, err);
 }
 

@@ -14,6 +14,7 @@
 #define ANGLE_MAX 4.0    // degrees: root mean square of the turns that angles and axis leave over
 #define RIVAL 2.0        // times the least disagreement: the other sense is as good
 #define RIVAL_LEAST 0.01 // of the disagreement: radians
+#define NEAR_AXIS 1.0    // squares from the axis to the board's middle: nearer gives no direction
 #define STOP_FAR 4       // times the median of the stops' root mean squares
 #define STOP_LEAST 1.0   // pixels
 enum { TURNS = 8 };
@@ -316,7 +317,8 @@ static bool read_stops(FfpTableFit *fit, Table *table, const FfpShotFolder *fold
     return ok;
 }
 
-// Points up in the picture, and its point is the one nearest to the board.
+// Points up in the picture, and its point is the one nearest to the board, which gives the direction of angle
+// 0.
 static void settle(Table *table, FfpTableFit *fit) {
     FfpAxis *axis = &table->axis;
     double along = 0;
@@ -324,6 +326,8 @@ static void settle(Table *table, FfpTableFit *fit) {
     for (int i = 0; i < 3 && fit->reversed; i++) axis->direction[i] = -axis->direction[i];
     for (int i = 0; i < 3; i++) along += (table->t[i] - axis->point[i]) * axis->direction[i];
     for (int i = 0; i < 3; i++) axis->point[i] += along * axis->direction[i];
+    for (int i = 0; i < 3; i++) fit->zero[i] = table->t[i] - axis->point[i];
+    if (ffp_unit(fit->zero) < NEAR_AXIS * table->board->square) memset(fit->zero, 0, sizeof fit->zero);
     fit->axis = *axis;
 }
 

@@ -9,9 +9,10 @@
 enum { FFP_TABLE_STOPS_LEAST = 3 };
 
 typedef struct FfpTableFit {
-    FfpAxis axis;           // camera coordinates, the square's unit; points up in the picture
-    bool reversed;          // the angles given are left-handed about it
-    int n;                  // stops
+    FfpAxis axis;   // camera coordinates, the square's unit; points up in the picture
+    bool reversed;  // the angles given are left-handed about it
+    double zero[3]; // from the axis to the board's middle at angle 0, unit vector; all 0: they are too near
+    int n;          // stops
     const double *angles;   // [n] degrees, as given
     FfpAttitude *attitudes; // [n]; camera alone; owned
     int used;
@@ -27,7 +28,9 @@ bool ffp_fit_table(FfpTableFit *fit, const FfpBoard *board, const FfpCvDevice *c
                    const double *angles, int n_angles, FfpError *err);
 void ffp_table_free(FfpTableFit *fit);
 
-// {"axis", "point", "angles"}, as `import --turntable` reads it.
+// {"axis", "point", "zero", "clockwise"}, as `import --turntable` reads it, and how good it is. The point is
+// that of the axis beside the board's middle: a board that stays where it lies on the table gives every
+// calibration of the rig one world.
 bool ffp_write_table(const FfpTableFit *fit, const char *path, FfpError *err);
 
 #endif
