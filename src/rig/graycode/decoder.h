@@ -40,8 +40,8 @@ bool ffp_gray_read_signals(FfpGrayDecoder *d, FfpError *err);
 void ffp_gray_drop_fine_bits(FfpGrayDecoder *d, int axis);
 
 // Whether an axis' photographs are in order, by its signals and the codes made of them (those beyond the
-// panel too). What is wrong is said with the two photographs or pairs that have changed places, where one
-// such exchange explains all.
+// panel too); the other axis' codes, found before, tell where a surface goes on. What is wrong is said with
+// the two photographs or pairs that have changed places, where one such exchange explains all.
 bool ffp_gray_check_order(const FfpGrayDecoder *d, int axis, FfpError *err);
 
 #endif

@@ -11,6 +11,10 @@
 FfpImage ffp_codes_rectify(const FfpImage *map, double step, const FfpOptics *camera,
                            const FfpCamera *pinhole, const FfpOptics *projector, const FfpCamera *ideal);
 
+// Where in the photographs the object is that a pinhole's coverage shows, 1, else 0: each of its pixels
+// through the lens, as wide as it is there. [height,width,1] of the camera's size.
+FfpImage ffp_codes_region(const FfpImage *coverage, const FfpCamera *pinhole, const FfpOptics *camera);
+
 // How a view's correspondences fit its devices' poses. Positions that camera and projector disagree about by
 // more than OFF_MAX pixels lose their trust.
 typedef struct FfpCodesFit {
