@@ -5,6 +5,7 @@
 #include "core/base/alloc.h"
 #include "core/base/file.h"
 #include "rig/calibrate/calibrate.h"
+#include "rig/calibrate/terms.h"
 #include "rig/import/calibration.h"
 
 enum { SIDE_MIN = 64, SIDE_MAX = 16384, BOARD_MIN = 3, BOARD_MAX = 100, ANGLES_MIN = 3 };
@@ -64,6 +65,7 @@ static bool read_camera(const FfpRigCalibration *o, FfpCvDevice *camera, FfpErro
     *camera = (FfpCvDevice){.width = optics->width, .height = optics->height};
     memcpy(camera->matrix, matrix, sizeof matrix);
     memcpy(camera->lens, optics->lens, sizeof camera->lens);
+    memcpy(camera->deviation, calibration.camera_deviation, sizeof calibration.camera_deviation);
     const bool known = calibration.has_camera;
     ffp_calibration_free(&calibration);
     if (!known) return ffp_fail(err, FFP_ERROR_FILE, o->calibrations[0], "does not hold the camera");
@@ -94,7 +96,7 @@ static bool fit_rig(const FfpRigCalibration *o, FfpShotFolders *folders, FfpRigF
     fit->devices[1].width = o->width;
     fit->devices[1].height = o->height;
     if (o->shown && !take_shown(o, folders, &fit->devices[1], err)) return false;
-    return ffp_read_attitudes(fit, folders, err) && ffp_fit_rig(fit, err);
+    return ffp_read_attitudes(fit, folders, err) && ffp_fit_rig(fit, err) && ffp_judge_terms(fit, err);
 }
 
 static void tell(const FfpRigFit *fit, const FfpTableFit *table, FfpRigCalibrationStats *stats) {

@@ -17,11 +17,13 @@ typedef struct FfpTableFit {
     FfpAttitude *attitudes; // [n]; camera alone; owned
     int used;
     double rms;         // pixels, over all corners with one board and one axis
-    double tilt, shift; // standard deviations: of the direction, degrees; of the place, across it
-    double off_angle;   // root mean square of what each stop's own pose turns otherwise, degrees
+    double tilt, shift; // standard deviations, the camera's with them: of the direction, degrees; of the
+                        // place, across it
+    double off_angle; // root mean square of what each stop's own pose turns otherwise, degrees
 } FfpTableFit;
 
-// `folder` has one photograph for each angle, in natural order. The camera is known. Errors: another number
+// `folder` has one photograph for each angle, in natural order. The camera is known as well as its deviations
+// say (0: nothing is known of that). Errors: another number
 // of photographs, pictures of another size, fewer than FFP_TABLE_STOPS_LEAST with a board, angles all alike,
 // poses that no turn by these angles explains.
 bool ffp_fit_table(FfpTableFit *fit, const FfpBoard *board, const FfpCvDevice *camera, const char *folder,
