@@ -734,7 +734,7 @@ typedef struct FfpImport {
     FfpCalibratedAt camera, projector;
     int width; // of the imported pictures; 0: unchanged. Sides are padded to multiples of 8 pixels
     // Estimate the projector's gamma and black level from the pictures, and convert the patterns to the light
-    // that it emitted.
+    // that it emitted, if that explains views better that are held out from the estimate.
     bool fit_response;
     // Integer PNG, JPEG and TIFF files hold linear light instead of sRGB: photographs; patterns.
     bool linear_images, linear_patterns;

@@ -274,9 +274,11 @@ static const FfpOption options[] = {
      .type = FFP_OPTION_FLAG,
      .offset = offsetof(Arguments, import.fit_response),
      .group = PHOTOGRAPHS,
-     .help = "estimate the projector's gamma, black level and intensity from the pictures, for a projector "
-             "that does not follow sRGB, and convert the patterns to the light that it actually emitted. "
-             "Fails if the pattern lacks mid-range values in some channel or if depth cannot be matched"},
+     .help =
+         "estimate the projector's gamma, black level and intensity from the pictures, for a projector "
+         "that does not follow sRGB, and convert the patterns to the light that it actually emitted. "
+         "Kept only if the pattern then explains every other view better, which has no part in the estimate. "
+         "Fails if the pattern lacks mid-range values in some channel or if depth cannot be matched"},
     {.name = "output",
      .letter = 'o',
      .argument = "DIR",
