@@ -93,11 +93,12 @@ static bool goes_on(const FfpGrayDecoder *d, int axis, size_t a, size_t b) {
 }
 
 static void see_pair(const FfpGrayDecoder *d, int axis, size_t a, size_t b, Seen *seen) {
+    if (!goes_on(d, axis, a, b)) return;
     if (d->checked[a] && d->checked[b])
         for (int bit = 0; bit < seen->bits; bit++)
             seen->lines[bit] +=
                 (d->signal[axis][bit][a] > FFP_GRAY_NONE) != (d->signal[axis][bit][b] > FFP_GRAY_NONE);
-    if (d->code[axis][a] < 0 || d->code[axis][b] < 0 || !goes_on(d, axis, a, b)) return;
+    if (d->code[axis][a] < 0 || d->code[axis][b] < 0) return;
     const unsigned word = gray_of(d->code[axis][a]), difference = word ^ gray_of(d->code[axis][b]);
     if (difference == 0) return;
     const bool single = (difference & (difference - 1)) == 0;
