@@ -65,7 +65,8 @@ static void print_rig(const FfpRigCalibration *rig, const FfpRigCalibrationStats
 }
 
 static void print_axis(const FfpRigCalibration *rig, const FfpRigCalibrationStats *s) {
-    printf("turntable: %d of %d photographs, rms %.3f pixels; axis uncertainty %.3f degrees and %.3g units, the camera's included\n",
+    printf("turntable: %d of %d photographs, rms %.3f pixels; axis uncertainty %.3f degrees and %.3g units, "
+           "the camera's included\n",
            s->stops_used, s->stops, s->stops_rms, s->tilt, s->shift);
     printf("the axis points along %.6f,%.6f,%.6f through %.6g,%.6g,%.6g; the table turned %sclockwise as "
            "seen from "

@@ -19,7 +19,7 @@ typedef struct FfpTableFit {
     double rms;         // pixels, over all corners with one board and one axis
     double tilt, shift; // standard deviations, the camera's with them: of the direction, degrees; of the
                         // place, across it
-    double off_angle; // root mean square of what each stop's own pose turns otherwise, degrees
+    double off_angle;   // root mean square of what each stop's own pose turns otherwise, degrees
 } FfpTableFit;
 
 // `folder` has one photograph for each angle, in natural order. The camera is known as well as its deviations

@@ -448,8 +448,8 @@ static void test_fit_response(void **state) {
     assert_true(ffp_image_write_png(&pattern, in_scratch("pale.png"), &err));
     ffp_image_free(&pattern);
     snprintf(arguments, sizeof arguments,
-             "-c %s/cal.yml " SIZES TURNTABLE
-             "--fit-response -v 000 -v 045 -v 090 " SHOTS "-p lollipop_0=%s/pale.png",
+             "-c %s/cal.yml " SIZES TURNTABLE "--fit-response -v 000 -v 045 -v 090 " SHOTS
+             "-p lollipop_0=%s/pale.png",
              scratch, scratch);
     import("response", arguments);
     assert_non_null(strstr(run.err, "projector gamma 3."));
