@@ -213,7 +213,7 @@ class Turntable:
     point: Sequence[float] = (0.0, 0.0, 0.0)  #: any point of the axis
     find_axis: bool = False  #: axis and point are found from the pictures
     guessed: bool = False  #: the search begins at ``axis`` and ``point``
-    file: PathLike | None = None  #: JSON or YAML with these instead
+    file: PathLike | None = None  #: JSON or YAML with these instead; ``angles``, if any, replace its own
 
 
 @dataclass
@@ -234,7 +234,8 @@ def import_capture(
     folder: PathLike,
     calibrations: CalibrationOption | Sequence[CalibrationOption],
     *,
-    images: Mapping[str, PathLike] | None = None,
+    images: Mapping[str, PathLike] | PathLike | None = None,
+    shown: PathLike | None = None,
     patterns: Mapping[str, PathLike] | None = None,
     held_out: Mapping[str, PathLike] | None = None,
     gray_codes: PathLike | None = None,
@@ -261,7 +262,9 @@ def import_capture(
         folder: must not hold anything yet.
         calibrations: files of other tools (docs/reference/formats.md), a Calibration, or a dict of matrices (its from_dict).
         images: pattern name ("black", "white" and those of ``patterns``) to files: a path with {view}, {pattern},
-            {index} or {number} in it, or *, or both. None: the pictures that the calibration names.
+            {index} or {number} in it, or *, or both. Such a path alone: the photographs of all that is in ``shown``,
+            in its order, with the Gray codes or without. None: the pictures that the calibration names.
+        shown: folder of write_patterns, whose patterns the projector showed.
         patterns: name to the image file of what the projector showed, besides black and white.
         held_out: likewise, but held back for prediction.
         gray_codes: photographs of the Gray codes of write_patterns, files as in ``images``, {pattern} being gray_x_00,
@@ -272,7 +275,8 @@ def import_capture(
         views: ids to import; none: all.
         camera, projector: sizes at calibration, and fits.
         width: of the imported pictures, pixels; 0: as they are.
-        fit_response: finds the projector's gamma and black level from the pictures.
+        fit_response: finds the projector's gamma and black level from the pictures, and keeps them if views held out
+            from that gain by it.
         linear_images, linear_patterns: files of integers hold linear light instead of sRGB.
         exposure: stops by which linear values are brightened.
         sphere: centre and radius around the object, 4 numbers; None: estimated.
@@ -290,7 +294,7 @@ def import_capture(
     options.views, options.n_views = keep.texts(ids), len(ids)
     _fill_pictures(options, images, patterns, held_out, keep)
     _fill_turntable(options.turntable, turntable or Turntable(), keep)
-    options.gray_codes = keep.path(gray_codes)
+    options.gray_codes, options.shown = keep.path(gray_codes), keep.path(shown)
     options.masks = {None: lib.FFP_MASKS_FROM_ALPHA, "light": lib.FFP_MASKS_FROM_LIGHT}.get(
         masks, lib.FFP_MASKS_FROM_FILES
     )
@@ -331,22 +335,28 @@ def _calibration_files(given: list[Any], scratch: Path) -> tuple[list[PathLike],
 
 def _fill_pictures(
     options: Any,
-    images: Mapping[str, PathLike] | None,
+    images: Mapping[str, PathLike] | PathLike | None,
     patterns: Mapping[str, PathLike] | None,
     held_out: Mapping[str, PathLike] | None,
     keep: Keep,
 ) -> None:
-    listed = keep(ffi.new("FfpImportImages[]", len(images or {})))
-    for i, (pattern, files) in enumerate((images or {}).items()):
-        listed[i].patterns, listed[i].n_patterns = keep.texts([keep.text(pattern)]), 1
+    groups: list[tuple[str | None, PathLike]] = []
+    if isinstance(images, Mapping):
+        groups = list(images.items())
+    elif images is not None:
+        groups = [(None, images)]  # of all that was shown
+    listed = keep(ffi.new("FfpImportImages[]", len(groups)))
+    for i, (pattern, files) in enumerate(groups):
+        if pattern is not None:
+            listed[i].patterns, listed[i].n_patterns = keep.texts([keep.text(pattern)]), 1
         listed[i].files = keep.path(files)
-    options.images, options.n_images = listed, len(images or {})
-    for field, shown in (("patterns", patterns or {}), ("held_out", held_out or {})):
-        of = keep(ffi.new("FfpImportPattern[]", len(shown)))
-        for i, (pattern, file) in enumerate(shown.items()):
+    options.images, options.n_images = listed, len(groups)
+    for field, named in (("patterns", patterns or {}), ("held_out", held_out or {})):
+        of = keep(ffi.new("FfpImportPattern[]", len(named)))
+        for i, (pattern, file) in enumerate(named.items()):
             of[i].name, of[i].file = keep.text(pattern), keep.path(file)
         setattr(options, field, of)
-        setattr(options, f"n_{field}", len(shown))
+        setattr(options, f"n_{field}", len(named))
 
 
 def _fill_turntable(c: Any, turntable: Turntable, keep: Keep) -> None:

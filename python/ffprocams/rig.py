@@ -70,7 +70,7 @@ class RigCalibrationStats:
     has_axis: bool = False  #: and so on: of the turntable
     axis: tuple[float, ...] = ()  #: camera coordinates; points up in the picture
     point: tuple[float, ...] = ()
-    reversed: bool = False  #: the angles are left-handed about it: their signs change in the file
+    reversed: bool = False  #: the angles are left-handed about it: clockwise as seen from above
     stops: int = 0
     stops_used: int = 0
     stops_rms: float = 0.0
@@ -110,7 +110,7 @@ def calibrate_rig(
         report: file for an HTML page.
         turntable_board: folder of photographs of a chessboard on the table, in the order of ``angles``.
         angles: degrees by which the table had turned.
-        turntable_file: for axis and angles, as import_capture reads them (JSON).
+        turntable_file: for the axis, as import_capture reads it (Turntable.file, beside the object's angles).
         calibrations: without attitudes: files that hold the camera's calibration.
         progress: see ffprocams.ProgressOption.
         threads: that may work at a time; 0: all processors.

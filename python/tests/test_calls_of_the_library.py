@@ -184,7 +184,7 @@ def test_a_simulated_rig_is_calibrated(tmp_path: Path) -> None:
             sorted(boards.glob("attitude-*")),
             board=(9, 6),
             square=16,
-            projector=(256, 160),
+            shown=tmp_path / "codes",
             fix_camera=["k3"],
             fix_projector=["k3"],
         )

@@ -27,7 +27,7 @@ static int number_of(const char *file, size_t *digits) {
 static const char *name_of(FfpArena *arena, const char *file, size_t digits) {
     const size_t length = strlen(file) - digits - 5;
     char *name = ffp_arena_alloc(arena, length + 1, 1);
-    memcpy(name, file + digits + 1, length);
+    snprintf(name, length + 1, "%s", file + digits + 1); // cut before the ending
     return name;
 }
 
