@@ -73,7 +73,10 @@ static bool check_sizes(FfpShown *shown, FfpError *err) {
         const char *file = shown->patterns[i].file;
         int width, height;
         if (!ffp_image_read_size(&width, &height, file, err)) return false;
-        if (i == 0) shown->width = width, shown->height = height;
+        if (i == 0) {
+            shown->width = width;
+            shown->height = height;
+        }
         if (width != shown->width || height != shown->height)
             return ffp_fail(err, FFP_ERROR_FILE, file, "%d x %d pixels, but the first pattern has %d x %d",
                             width, height, shown->width, shown->height);

@@ -32,7 +32,7 @@ static bool read_texts(Arguments *arguments, FfpImportLists *read, FfpError *err
     for (int i = 0; i < arguments->held_out.count; i++)
         if (!ffp_cli_add_pattern(read, arguments->held_out.values[i], true, err)) return false;
     if (arguments->fit_axis && !ffp_cli_fit_axis(arguments->fit_axis, &import->turntable, err)) return false;
-    import->turntable.angles = arguments->angles.degrees,
+    import->turntable.angles = arguments->angles.degrees;
     import->turntable.n_angles = arguments->angles.count;
     if (arguments->turntable && !ffp_cli_turntable(read, arguments->turntable, &import->turntable, err))
         return false;

@@ -81,7 +81,8 @@ static bool take_shown(const FfpRigCalibration *o, FfpShotFolders *folders, FfpC
     if (ok && shown.n_codes == 0)
         ok = ffp_fail(err, FFP_ERROR_FILE, o->shown, "has no Gray codes, which a calibration is made from");
     if (ok) {
-        panel->width = shown.width, panel->height = shown.height;
+        panel->width = shown.width;
+        panel->height = shown.height;
         ffp_shot_folders_take(folders, &shown);
     }
     ffp_shown_free(&shown);

@@ -69,7 +69,9 @@ static bool add_fold(const FfpRigFit *fit, const FfpCvDevice *device, int which,
         bool found;
         take_corners(&seen, a, which, corners);
         ok = ffp_board_pose(&fit->board, device, &seen, &pose, &found, err);
-        if (ok && found) sum[0] += pose.rms * pose.rms, sum[1]++;
+        if (!ok || !found) continue;
+        sum[0] += pose.rms * pose.rms;
+        sum[1]++;
     }
     ffp_free(corners);
     return ok;
@@ -94,7 +96,8 @@ static bool held_out(const FfpRigFit *fit, int which, unsigned fixed, double *rm
         ok = ffp_cv_calibrate(&views.cv, fixed, &device, poses, err) &&
              add_fold(fit, &device, which, fold, sum, err);
     }
-    ffp_free(poses), ffp_free(rest.attitudes);
+    ffp_free(poses);
+    ffp_free(rest.attitudes);
     ffp_views_free(&views);
     *rms = sqrt(sum[0] / fmax(1, sum[1]));
     return ok;

@@ -54,7 +54,8 @@ static bool try_response(const FfpImporting *import, int active, double errors[2
         ffp_image_free(&patterns[active].image);
         ffp_free(patterns);
     }
-    ffp_free(fitted.views), ffp_free(checked.views);
+    ffp_free(fitted.views);
+    ffp_free(checked.views);
     return ok;
 }
 

@@ -483,6 +483,7 @@ static void test_usage(void **state) {
                                         "import -c cal.yml -o out --object 0,0,0",
                                         "import -c cal.yml -o out --object 0,0,0,-1",
                                         "import -c cal.yml -o out photographs.png",
+                                        "import -c cal.yml -o out --angles 8x0",
                                         "import -c cal.yml -o out --fitting"};
     for (size_t i = 0; i < sizeof wrong / sizeof *wrong; i++) {
         run_program(&run, wrong[i]);
@@ -513,6 +514,9 @@ static void test_refusals(void **state) {
         {SIZES "-t 0,0,0,0,0,3,8x45 " SHOTS PATTERN, "axis has no direction"},
         {SIZES "-t 0,1,0,0,0,3 " SHOTS PATTERN, "missing angles"},
         {SIZES "-t 0,1,0,0,0,3,1e9 " SHOTS PATTERN, "invalid angle: "},
+        {SIZES TURNTABLE "--angles 8x45 " SHOTS PATTERN, "--angles gives the angles already"},
+        {SIZES TURNTABLE SHOTS "--shown nowhere",
+         "cannot read the patterns' folder: No such file or directory (nowhere)"},
         {SIZES "-t 0,1,0,0,0,3,999x1 " SHOTS PATTERN, "must begin with a number of stops"},
         {SIZES "-t 0,1,0,0,0,3,8x0 " SHOTS PATTERN, "'8x0' puts all stops at the same angle"},
         {SIZES "-t 0,1,0,0,0,3,0x45 " SHOTS PATTERN, "'0x45' must begin with a number of stops"},

@@ -403,7 +403,8 @@ static void test_as_shown(void **state) {
     for (int i = 0; i < PANEL_WIDTH * PANEL_HEIGHT; i++) grey.data[i] = panel.data[3 * i];
     assert_true(ffp_make_folders(in_scratch("all"), NULL));
     photograph("all/img_3.png", &grey, 1, 78);
-    ffp_image_free(&panel), ffp_image_free(&grey);
+    ffp_image_free(&panel);
+    ffp_image_free(&grey);
     snprintf(command, sizeof command,
              "cd '%s' && cp black.png all/img_1.png && cp white.png all/img_2.png && mkdir few && cp all/* "
              "few/ && "
@@ -415,8 +416,10 @@ static void test_as_shown(void **state) {
         Call *call = call_of(codes ? "as_shown" : "as_shown_plain");
         snprintf(files[codes], sizeof files[codes], "%s/%s/*.png", scratch, codes ? "all" : "few");
         const FfpShotFiles images = {.files = files[codes]};
-        call->options.sources.images = &images, call->options.sources.n_images = 1;
-        call->options.sources.codes = NULL, call->options.sources.shown = patterns;
+        call->options.sources.images = &images;
+        call->options.sources.n_images = 1;
+        call->options.sources.codes = NULL;
+        call->options.sources.shown = patterns;
         import(&capture, call);
         assert_true(capture.n_patterns == 3 && strcmp(capture.patterns[2].name, "lollipop_0") == 0);
         assert_int_equal(capture.views[0].correspondence.data != NULL, codes);
@@ -426,7 +429,8 @@ static void test_as_shown(void **state) {
     // Another number of photographs, and a folder of no patterns.
     Call *call = call_of("as_shown_wrong");
     const FfpShotFiles images = {.files = files[1]};
-    call->options.sources.images = &images, call->options.sources.n_images = 1;
+    call->options.sources.images = &images;
+    call->options.sources.n_images = 1;
     call->options.sources.shown = patterns;
     assert_false(ffp_import(&call->options, &err)); // codes named as well
     assert_non_null(strstr(err.text, "the photographs include the Gray codes"));
@@ -450,7 +454,8 @@ static void test_as_shown(void **state) {
 // an outline of a bar, and numbers jump by 13. Columns and rows of the panel at a pixel; false: dark.
 static bool bars(int x, int y, int *column, int *row) {
     const bool bar = (x + y) / 4 % 2;
-    *column = 20 + x / 2 + (bar ? 13 : 0), *row = 10 + y / 2 + (bar ? 8 : 0);
+    *column = 20 + x / 2 + (bar ? 13 : 0);
+    *row = 10 + y / 2 + (bar ? 8 : 0);
     return *column < 61 || *column > 67;
 }
 
