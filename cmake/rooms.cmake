@@ -49,7 +49,7 @@ ffp_room(graycode DEPS patterns image numerics base)
 ffp_room(import DEPS match graycode patterns capture image numerics base LIBS PkgConfig::YAML PkgConfig::EXPAT PkgConfig::JANSSON
          READERS calibration calibration_parts colmap document document_parts explain file_names lens matrix nepmap opencv procams turntable xml yaml)
 # chessboards and Gray codes into calibrations; a turntable's axis
-ffp_room(calibrate CALLS DEPS import graycode capture image numerics base)
+ffp_room(calibrate CALLS DEPS import graycode patterns capture image numerics base)
 
 ffp_wing(world) # objects and rigs that do not exist
 # shapes, materials, rig and light simulator; scenes and data sets

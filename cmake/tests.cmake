@@ -96,7 +96,7 @@ if(FFP_PYTHON AND NOT FFPROCAMS_SANITIZE)
   add_test(NAME house COMMAND ${FFP_PYTHON} ${PROJECT_SOURCE_DIR}/script/test-house ${PROJECT_BINARY_DIR})
 endif()
 
-# From bare devices to new poses, on a simulated rig: calibrate's OpenCV is needed, and Python for a line of JSON.
+# From bare devices to new poses, on a simulated rig: calibrate's OpenCV is needed, and Python for the figures.
 if(TARGET ffprocams_opencv AND FFP_PYTHON AND NOT FFPROCAMS_SANITIZE)
   add_test(NAME simulated_rig COMMAND ${PROJECT_SOURCE_DIR}/script/simulated-rig ${PROJECT_BINARY_DIR})
   set_tests_properties(simulated_rig PROPERTIES ENVIRONMENT "HEIGHT=180;WIDTH=96;ATTITUDES=6") # in a minute

@@ -642,13 +642,13 @@ typedef struct FfpPatterns {
     int lollipops;      // number of the paper's structured-light patterns of coloured rings, 0 to 100
     bool focus;         // a chart for focusing and for placing the object
     bool capture;       // black, white and the lollipops: what a reconstruction needs
-    bool gamma;         // 16 steps of grey
     bool gray_codes;    // of columns and rows, each with its inverse
 } FfpPatterns;
 
-FFP_API FfpPatterns ffp_patterns_defaults(void); // everything, three lollipops, 1920 x 1080
-// Writes <number>_<name>.png in display order, instructions as text, and a page that shows them full screen
-// in a browser. Written completely or not at all. Returns the number of pictures, or -1.
+FFP_API FfpPatterns ffp_patterns_defaults(void); // everything, one lollipop, 1920 x 1080
+// Writes <number>_<name>.png in display order (the number is that of the photograph; the focus chart has 0),
+// instructions as text, and a page that shows them full screen in a browser. Written completely or not at
+// all. Returns the number of pictures, or -1.
 FFP_API int ffp_write_patterns(FfpContext *context, const FfpPatterns *options, FfpError *err);
 
 // --- Calibration of a rig. ---
@@ -669,9 +669,13 @@ typedef struct FfpRigCalibration {
     // only the turntable's board is used.
     const char *const *attitudes;
     int n_attitudes;
-    int columns, rows;                  // inner corners of the board, where four squares meet
-    double square;                      // side of a square, which sets the unit of length of all results
-    int width, height;                  // of the projector's panel, pixels, 64 to 16384
+    int columns, rows; // inner corners of the board, where four squares meet
+    double square;     // side of a square, which sets the unit of length of all results
+    int width, height; // of the projector's panel, pixels, 64 to 16384
+    // Folder of ffp_write_patterns, which then gives width and height: a folder of photographs may contain
+    // one of each of its patterns, of which black, white and the codes are used. NULL: black, white and the
+    // codes alone.
+    const char *shown;
     unsigned fix_camera, fix_projector; // FFP_FIX_K1 and so on
     const char *file;                   // for the calibration: OpenCV FileStorage, XML or (.yml, .yaml) YAML
     const char *report;                 // for an HTML page, or NULL
@@ -679,7 +683,7 @@ typedef struct FfpRigCalibration {
     const char *turntable_board; // folder of photographs in the order of the angles, or NULL
     const double *angles;        // of the table, degrees
     int n_angles;
-    const char *turntable_file;      // for axis and angles in the format read by `import` (JSON)
+    const char *turntable_file;      // for the axis in the format read by `import` (JSON)
     const char *const *calibrations; // without attitudes: files containing the camera's calibration
     int n_calibrations;
 } FfpRigCalibration;
@@ -693,7 +697,7 @@ typedef struct FfpRigCalibrationStats { // errors in pixels are root mean square
     int open_terms;           // terms that the photographs do not determine; warnings name them
     bool has_axis;            // the turntable's axis was found; the following fields describe it
     double axis[3], point[3]; // camera coordinates; points up in the picture
-    bool reversed;            // the angles are left-handed about it: the file holds them with opposite sign
+    bool reversed;            // the angles are left-handed about it: clockwise as seen from above
     int stops, stops_used;
     double stops_rms, tilt, shift; // standard deviations: degrees, unit of `square`
 } FfpRigCalibrationStats;
@@ -720,7 +724,7 @@ typedef struct FfpCalibratedAt {
 // those of the second. Masks and Gray codes are named likewise.
 typedef struct FfpImportImages {
     const char *const *patterns; // names: black, white, and the caller's names for the others
-    int n_patterns;
+    int n_patterns; // 0: those of FfpImport.shown, in their order, with the Gray codes or without
     const char *files;
 } FfpImportImages;
 
@@ -739,11 +743,11 @@ typedef enum FfpMasks {
 // camera coordinates (x right, y down, z forward) and the calibration's unit; angles in degrees, right-handed
 // about the axis.
 typedef struct FfpImportTurntable {
-    // JSON or YAML {"axis", "point", "angles"}, or "count" and "step" instead of angles; NULL: the fields
-    // below.
+    // JSON or YAML {"axis", "point", "angles"}, or "count" and "step" instead of angles, or that of
+    // ffp_calibrate_rig; NULL: the fields below.
     const char *file;
     double axis[3], point[3]; // direction, and any point on the axis
-    const double *angles;     // rotation of the object at each stop
+    const double *angles;     // rotation of the object at each stop; they replace those of the file
     int n_angles;             // 0, without a file: no turntable, and a fixed rig has one view
     bool find_axis;           // find axis and point from the pictures, ignoring those of the file
     bool guessed;             // start the search at `axis` and `point`
@@ -756,6 +760,9 @@ typedef struct FfpImport {
     FfpImportTurntable turntable;
     const FfpImportImages *images; // none: the pictures named by the calibration
     int n_images;
+    // Folder of ffp_write_patterns, which then says what the projector showed under each name. NULL:
+    // `patterns` and `held_out` alone.
+    const char *shown;
     const FfpImportPattern *patterns; // every pattern other than black and white
     int n_patterns;
     const FfpImportPattern *held_out; // likewise, for testing only
@@ -772,7 +779,7 @@ typedef struct FfpImport {
     FfpCalibratedAt camera, projector;
     int width; // of the imported pictures; 0: unchanged. Sides are padded to multiples of 8 pixels
     // Estimate the projector's gamma and black level from the pictures, and convert the patterns to the light
-    // that it emitted.
+    // that it emitted, if that explains views better that are held out from the estimate.
     bool fit_response;
     // Integer PNG, JPEG and TIFF files hold linear light instead of sRGB: photographs; patterns.
     bool linear_images, linear_patterns;

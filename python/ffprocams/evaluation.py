@@ -218,7 +218,7 @@ class Turntable:
     point: Sequence[float] = (0.0, 0.0, 0.0)  #: any point on the axis
     find_axis: bool = False  #: find axis and point from the pictures
     guessed: bool = False  #: start the search at ``axis`` and ``point``
-    file: PathLike | None = None  #: JSON or YAML file that gives them instead
+    file: PathLike | None = None  #: JSON or YAML file that gives them instead; ``angles``, if any, replace those of the file
 
 
 @dataclass
@@ -239,7 +239,8 @@ def import_capture(
     folder: PathLike,
     calibrations: CalibrationOption | Sequence[CalibrationOption],
     *,
-    images: Mapping[str, PathLike] | None = None,
+    images: Mapping[str, PathLike] | PathLike | None = None,
+    shown: PathLike | None = None,
     patterns: Mapping[str, PathLike] | None = None,
     held_out: Mapping[str, PathLike] | None = None,
     gray_codes: PathLike | None = None,
@@ -267,7 +268,9 @@ def import_capture(
         calibrations: files of other tools (docs/reference/formats.md), a Calibration, or a dict of matrices as for
             Calibration.from_dict.
         images: the photographs under each pattern ("black", "white" and those of ``patterns``): a path that contains
-            {view}, {pattern}, {index} or {number}, or *, or both. None: the pictures named by the calibration.
+            {view}, {pattern}, {index} or {number}, or *, or both. Such a path alone: the photographs of all patterns
+            in ``shown``, in their order, with or without the Gray codes. None: the pictures named by the calibration.
+        shown: folder of write_patterns whose patterns the projector showed.
         patterns: the image that was projected, a file for each pattern name other than black and white.
         held_out: likewise, for testing only.
         gray_codes: photographs of the Gray codes of write_patterns, files as in ``images``, with {pattern} standing for
@@ -279,7 +282,8 @@ def import_capture(
         views: ids to import; none: all.
         camera, projector: sizes at calibration, and how pictures relate to them.
         width: of the imported pictures, pixels; 0: unchanged.
-        fit_response: estimate the projector's gamma and black level from the pictures.
+        fit_response: estimate the projector's gamma and black level from the pictures, and keep them if held-out views
+            gain by it.
         linear_images, linear_patterns: integer files hold linear light instead of sRGB.
         exposure: adjustment of linear values, in stops.
         sphere: centre and radius of a sphere around the object, 4 numbers; None: estimated.
@@ -297,7 +301,7 @@ def import_capture(
     options.views, options.n_views = keep.texts(ids), len(ids)
     _fill_pictures(options, images, patterns, held_out, keep)
     _fill_turntable(options.turntable, turntable or Turntable(), keep)
-    options.gray_codes = keep.path(gray_codes)
+    options.gray_codes, options.shown = keep.path(gray_codes), keep.path(shown)
     options.masks = {None: lib.FFP_MASKS_FROM_ALPHA, "light": lib.FFP_MASKS_FROM_LIGHT}.get(
         masks, lib.FFP_MASKS_FROM_FILES
     )
@@ -338,22 +342,28 @@ def _calibration_files(given: list[Any], scratch: Path) -> tuple[list[PathLike],
 
 def _fill_pictures(
     options: Any,
-    images: Mapping[str, PathLike] | None,
+    images: Mapping[str, PathLike] | PathLike | None,
     patterns: Mapping[str, PathLike] | None,
     held_out: Mapping[str, PathLike] | None,
     keep: Keep,
 ) -> None:
-    listed = keep(ffi.new("FfpImportImages[]", len(images or {})))
-    for i, (pattern, files) in enumerate((images or {}).items()):
-        listed[i].patterns, listed[i].n_patterns = keep.texts([keep.text(pattern)]), 1
+    groups: list[tuple[str | None, PathLike]] = []
+    if isinstance(images, Mapping):
+        groups = list(images.items())
+    elif images is not None:
+        groups = [(None, images)]  # of all that was shown
+    listed = keep(ffi.new("FfpImportImages[]", len(groups)))
+    for i, (pattern, files) in enumerate(groups):
+        if pattern is not None:
+            listed[i].patterns, listed[i].n_patterns = keep.texts([keep.text(pattern)]), 1
         listed[i].files = keep.path(files)
-    options.images, options.n_images = listed, len(images or {})
-    for field, shown in (("patterns", patterns or {}), ("held_out", held_out or {})):
-        of = keep(ffi.new("FfpImportPattern[]", len(shown)))
-        for i, (pattern, file) in enumerate(shown.items()):
+    options.images, options.n_images = listed, len(groups)
+    for field, named in (("patterns", patterns or {}), ("held_out", held_out or {})):
+        of = keep(ffi.new("FfpImportPattern[]", len(named)))
+        for i, (pattern, file) in enumerate(named.items()):
             of[i].name, of[i].file = keep.text(pattern), keep.path(file)
         setattr(options, field, of)
-        setattr(options, f"n_{field}", len(shown))
+        setattr(options, f"n_{field}", len(named))
 
 
 def _fill_turntable(c: Any, turntable: Turntable, keep: Keep) -> None:

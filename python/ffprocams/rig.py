@@ -29,7 +29,6 @@ def write_patterns(
     lollipops: int | None = None,
     focus: bool = True,
     capture: bool = True,
-    gamma: bool = True,
     gray_codes: bool = True,
 ) -> list[Path]:
     """Writes the patterns that a projector shows while a rig is photographed, instructions as text, and a page that
@@ -41,7 +40,6 @@ def write_patterns(
         lollipops: number of these patterns; None: the program's default.
         focus: a chart for focusing and for placing the object.
         capture: black, white and the lollipops.
-        gamma: 16 steps of grey.
         gray_codes: of columns and rows, each with its inverse.
 
     Returns:
@@ -49,7 +47,7 @@ def write_patterns(
     """
     keep, options = Keep(), ffi.new("FfpPatterns *", lib.ffp_patterns_defaults())
     options.folder, options.width, options.height = keep.path(folder), width, height
-    options.focus, options.capture, options.gamma, options.gray_codes = focus, capture, gamma, gray_codes
+    options.focus, options.capture, options.gray_codes = focus, capture, gray_codes
     if lollipops is not None:
         options.lollipops = lollipops
     with Call() as call:
@@ -73,7 +71,7 @@ class RigCalibrationStats:
     has_axis: bool = False  #: the turntable's axis was found; the following fields describe it
     axis: tuple[float, ...] = ()  #: camera coordinates; points up in the picture
     point: tuple[float, ...] = ()
-    reversed: bool = False  #: the angles are left-handed about it: the file holds them with opposite sign
+    reversed: bool = False  #: the angles are left-handed about it: clockwise as seen from above
     stops: int = 0
     stops_used: int = 0
     stops_rms: float = 0.0
@@ -87,7 +85,8 @@ def calibrate_rig(
     *,
     board: tuple[int, int],
     square: float,
-    projector: tuple[int, int],
+    projector: tuple[int, int] | None = None,
+    shown: PathLike | None = None,
     fix_camera: Sequence[str] = (),
     fix_projector: Sequence[str] = (),
     report: PathLike | None = None,
@@ -106,12 +105,13 @@ def calibrate_rig(
         attitudes: folders of one attitude of the board each, or folders of such folders (docs/guide/own-rig.md).
         board: columns and rows of inner corners, where four squares meet.
         square: side of a square, which sets the unit of length of all results.
-        projector: width and height of its panel, pixels.
+        projector: width and height of its panel, pixels; None: those of ``shown``, or 1920 x 1080.
+        shown: folder of write_patterns; the folders may then contain a photograph of each of its patterns.
         fix_camera, fix_projector: terms to hold fixed: "k1", "k2", "k3", "tangential", "centre", "aspect".
         report: file for an HTML page.
         turntable_board: folder of photographs of a chessboard on the table, in the order of ``angles``.
         angles: of the table, degrees.
-        turntable_file: for axis and angles, as read by import_capture (JSON).
+        turntable_file: for the axis, as read by import_capture (Turntable.file, with the object's angles; JSON).
         calibrations: without attitudes: files that contain the camera's calibration.
         progress: see ffprocams.ProgressOption.
         threads: number of threads; 0: all processors.
@@ -125,7 +125,9 @@ def calibrate_rig(
         setattr(options, name, keep.texts(paths))
         setattr(options, f"n_{name}", len(paths))
     options.columns, options.rows = board
-    options.square, (options.width, options.height) = square, projector
+    options.square, options.shown = square, keep.path(shown)
+    if projector is not None:
+        options.width, options.height = projector
     options.fix_camera, options.fix_projector = (
         _terms(fix_camera, "fix_camera"),
         _terms(fix_projector, "fix_projector"),

@@ -173,7 +173,7 @@ def test_generated_captures_are_captures(tmp_path: Path) -> None:
 
 def test_a_simulated_rig_is_calibrated(tmp_path: Path) -> None:
     """What the projector shows, photographs of a board under it, and the calibration: near the truth that made them."""
-    shown = ffp.write_patterns(tmp_path / "codes", 256, 160, lollipops=0, focus=False, gamma=False)
+    shown = ffp.write_patterns(tmp_path / "codes", 256, 160, lollipops=0, focus=False)
     assert len(shown) == 2 + 2 * 8 + 2 * 8
     boards = tmp_path / "boards"
     ffp.generate(boards, photographs=tmp_path / "codes", attitudes=6, resolution=200, views=1, count=1)
@@ -184,7 +184,7 @@ def test_a_simulated_rig_is_calibrated(tmp_path: Path) -> None:
             sorted(boards.glob("attitude-*")),
             board=(9, 6),
             square=16,
-            projector=(256, 160),
+            shown=tmp_path / "codes",
             fix_camera=["k3"],
             fix_projector=["k3"],
         )

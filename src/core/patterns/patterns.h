@@ -34,22 +34,20 @@ FfpImage ffp_pattern_focus(int width, int height);
 typedef struct FfpShow {
     int width, height; // of the panel
     int lollipops;
-    bool focus, capture, gamma, gray_codes; // which parts
+    bool focus, capture, gray_codes; // which parts
 } FfpShow;
 
-typedef enum FfpShowPart {
-    FFP_SHOW_FOCUS,
-    FFP_SHOW_CAPTURE,
-    FFP_SHOW_GAMMA,
-    FFP_SHOW_GRAY_CODES
-} FfpShowPart;
+typedef enum FfpShowPart { FFP_SHOW_FOCUS, FFP_SHOW_CAPTURE, FFP_SHOW_GRAY_CODES } FfpShowPart;
 
 int ffp_show_count(const FfpShow *show);
 // The picture with number `index`, and its name ("lollipop_0").
 FfpImage ffp_show_picture(const FfpShow *show, int index, char name[32], FfpShowPart *part);
+// Its number in the names of files: that of its photograph, from 1. The focus chart, which nobody
+// photographs, has 0.
+int ffp_show_number(const FfpShow *show, int index);
 
 // Everything into the folder at `path`, which exists: <number>_<name>.png, README.txt, which says how to
-// photograph them, and show.html, which shows them one by one.
+// photograph them, and show.html, which shows them one by one. shown.h reads such a folder.
 bool ffp_show_write(const FfpShow *show, const char *path, FfpError *err);
 // The same into a folder that is new or empty, completely or not at all.
 bool ffp_show_write_folder(const FfpShow *show, const char *path, FfpError *err);

@@ -3,8 +3,6 @@
 #include <string.h>
 #include "core/patterns/patterns.h"
 
-enum { GREYS = 16 }; // steps of 17: 0, 17 .. 255
-
 static int gray_code_pictures(const FfpShow *show) {
     return 2 * (ffp_gray_code_bits(show->width) + ffp_gray_code_bits(show->height));
 }
@@ -15,8 +13,6 @@ static int part_count(const FfpShow *show, FfpShowPart part) {
         return show->focus ? 1 : 0;
     case FFP_SHOW_CAPTURE:
         return show->capture ? 2 + show->lollipops : 0;
-    case FFP_SHOW_GAMMA:
-        return show->gamma ? GREYS : 0;
     case FFP_SHOW_GRAY_CODES:
         return show->gray_codes ? gray_code_pictures(show) : 0;
     }
@@ -52,11 +48,10 @@ FfpImage ffp_show_picture(const FfpShow *show, int index, char name[32], FfpShow
     *part = (FfpShowPart)at;
     if (at == FFP_SHOW_CAPTURE) return for_capture(show, index, name);
     if (at == FFP_SHOW_GRAY_CODES) return gray_code(show, index, name);
-    if (at == FFP_SHOW_FOCUS) {
-        snprintf(name, 32, "focus");
-        return ffp_pattern_focus(show->width, show->height);
-    }
-    const int grey = index * (255 / (GREYS - 1));
-    snprintf(name, 32, "gamma_%03d", grey);
-    return ffp_pattern_plain(show->width, show->height, grey);
+    snprintf(name, 32, "focus");
+    return ffp_pattern_focus(show->width, show->height);
+}
+
+int ffp_show_number(const FfpShow *show, int index) {
+    return show->focus ? index : index + 1;
 }

@@ -39,8 +39,9 @@ static const char page_tail[] =
     "  image.hidden = at < 0;\n"
     "  $('help').hidden = !help && at >= 0;\n"
     "  $('help').style.display = $('help').hidden ? 'none' : 'grid';\n"
+    "  const last = first + pictures.length - 1;\n"
     "  $('where').textContent = at < 0 ? pictures.length + ' pictures.'\n"
-    "    : 'Now: ' + (at + 1) + ' of ' + pictures.length + ', ' + pictures[at][0] + '.';\n"
+    "    : 'Now: ' + (first + at) + ' of ' + last + ', ' + pictures[at][0] + '.';\n"
     "  const window_size = [Math.round(innerWidth / scale), Math.round(innerHeight / scale)];\n"
     "  const fits = window_size[0] === panel[0] && window_size[1] === panel[1];\n"
     "  $('size').className = fits ? '' : 'bad';\n"
@@ -51,7 +52,7 @@ static const char page_tail[] =
     "addEventListener('keydown', (event) => {\n"
     "  const key = event.key;\n"
     "  if (key >= '0' && key <= '9') { typed += key; return; }\n"
-    "  if (key === 'Enter' && typed) show(Number(typed) - 1);\n"
+    "  if (key === 'Enter' && typed) show(Number(typed) - first);\n"
     "  else if (key === ' ' || key === 'ArrowRight' || key === 'PageDown') show(at + 1);\n"
     "  else if (key === 'Backspace' || key === 'ArrowLeft' || key === 'PageUp') show(at - 1);\n"
     "  else if (key === 'Home') show(0);\n"
@@ -69,14 +70,10 @@ static const char page_tail[] =
 static const char *const what_for[] = {
     [FFP_SHOW_FOCUS] = "Focus the projector until the spokes merge as close to the stars' centres as\n"
                        "possible, and place the object inside the frame. Not photographed.",
-    [FFP_SHOW_CAPTURE] =
-        "For a reconstruction: photograph each of them, in this order, at every stop of the\n"
-        "turntable (or from every position of the devices). One lollipop is enough; the others\n"
-        "serve to check the result.",
-    [FFP_SHOW_GAMMA] = "For the projector's response: photograph a white wall or card under each.",
+    [FFP_SHOW_CAPTURE] = "For a reconstruction; one lollipop is enough:",
     [FFP_SHOW_GRAY_CODES] =
         "For a calibration or an exact shape: every column (x) and row (y) of the panel in\n"
-        "Gray code, the coarsest bit first, each followed by its inverse.",
+        "Gray code, the coarsest bit first, each followed by its inverse:",
 };
 
 typedef struct Writing {
@@ -91,7 +88,7 @@ static bool write_one(const Writing *w, int index, int *last_part, FfpError *err
     unsigned char *bytes = NULL;
     size_t size = 0;
     FfpImage image = ffp_show_picture(w->show, index, name, &part);
-    snprintf(file, sizeof file, "%03d_%s.png", index + 1, name);
+    snprintf(file, sizeof file, "%03d_%s.png", ffp_show_number(w->show, index), name);
     const bool ok =
         ffp_join_path(path, w->folder, file)
             ? ffp_image_encode_png(&image, &bytes, &size, err) && ffp_write_file(path, bytes, size, err)
@@ -109,32 +106,63 @@ static bool write_one(const Writing *w, int index, int *last_part, FfpError *err
     return ok;
 }
 
-static void begin(const Writing *w) {
+static const char setting_up[] =
+    "Show them full screen, one pixel of a picture on one of the projector's: set the projector as a screen\n"
+    "of its own at its native resolution, no keystone correction, no overscan, no dynamic contrast, and\n"
+    "open show.html there (F: full screen, space bar: the next one). In a dark room, with the camera on a\n"
+    "tripod: fixed focus, aperture, ISO, white balance and exposure time (a multiple of the projector's\n"
+    "frame time, 1/60 s or 1/30 s), so that white is bright but not clipped.\n\n";
+
+static const char import_by_hand[] =
+    "Gray codes in folders of their own are named by --graycode 'codes/{view}/*.JPG'. Masks are made of the\n"
+    "light, and completed where the views tell what lies in shadow. Silhouettes drawn by hand, white on\n"
+    "black, one picture for each view, are better: -m 'masks/{view}.png'\n";
+
+// What to photograph, folder by folder, in the order that wastes least: nothing is moved twice.
+static void list_photographs(const Writing *w) {
+    const FfpShow *show = w->show;
+    const int capture = show->capture ? 2 + show->lollipops : 0, all = ffp_show_count(show) - show->focus;
     fprintf(
         w->text,
-        "Patterns for a projector of %d x %d pixels\n\n"
-        "Show them full screen, so that each pixel of a picture falls on one of the projector: use the "
-        "projector\n"
-        "as a separate screen at its native resolution, without keystone correction, overscan or dynamic\n"
-        "contrast, and open show.html there (F: full screen, space bar: next picture). Photograph in a dark "
-        "room,\n"
-        "with the camera on a tripod and with fixed focus, aperture, ISO, white balance and exposure time "
-        "(a\n"
-        "multiple of the projector's frame time, 1/60 s or 1/30 s), so that white is bright but not "
-        "clipped.\n\n"
-        "Afterwards `ffprocams import` takes the photographs in this order, for example\n\n"
-        "    -i 'black,white,lollipop_0=shots/{view}/*.JPG' -p lollipop_0=<this "
-        "folder>/<number>_lollipop_0.png\n"
-        "\n"
-        "with the photographs of each stop in a separate folder (000, 045, ...). Photographs of the object "
-        "under\n"
-        "Gray codes come from other folders, and make depth exact where the codes can be decoded:\n\n"
-        "    --graycode 'codes/{view}/*.JPG'\n\n"
-        "Masks are computed from the light, and completed where other views show what lies in shadow. "
-        "Silhouettes\n"
-        "drawn by hand, white on black, one picture for each view, are better:\n\n"
-        "    -m 'masks/{view}.png'\n",
-        w->show->width, w->show->height);
+        "The photographs, in the order of the patterns' numbers, those of each place in a folder of their\n"
+        "own. What the camera calls them does not matter as long as the numbers count up:\n\n");
+    if (show->capture)
+        fprintf(w->text, "    empty/              the stage without the object: 001 to %03d\n", capture);
+    if (show->capture && show->gray_codes)
+        fprintf(
+            w->text,
+            "    attitude-00/ ...    a chessboard, five to fifteen times, tilted another way each time: 001 "
+            "to "
+            "%03d\n"
+            "    turntable/          the chessboard on the turntable, white, one photograph at each of some\n"
+            "                        angles (0, 15, 30, 45, 60)\n",
+            all);
+    if (show->capture)
+        fprintf(w->text,
+                "    view-000/           the object: 001 to %03d%s\n"
+                "    view-045/ ...       likewise, all the way round\n\n",
+                capture, all > capture ? "; with the Gray codes as well where depth is to be exact" : "");
+}
+
+static void list_commands(const Writing *w) {
+    fputs("Afterwards, with PATTERNS for the name of this folder:\n\n", w->text);
+    if (w->show->capture && w->show->gray_codes)
+        fputs("    ffprocams calibrate shots/attitude-* --shown PATTERNS -o calibration.xml --board 9x6 \\\n"
+              "        --square 25 --turntable-board shots/turntable --angles 0,15,30,45,60 \\\n"
+              "        --turntable-output axis.json\n",
+              w->text);
+    if (w->show->capture)
+        fputs("    ffprocams import -c calibration.xml -t axis.json --angles 8x45 --shown PATTERNS \\\n"
+              "        -i 'shots/view-{view}/*.JPG' -o vase\n\n",
+              w->text);
+    fputs(import_by_hand, w->text);
+}
+
+static void begin(const Writing *w) {
+    fprintf(w->text, "Patterns for a projector of %d x %d pixels\n\n%s", w->show->width, w->show->height,
+            setting_up);
+    list_photographs(w);
+    list_commands(w);
     fputs(page_head, w->page);
 }
 
@@ -149,7 +177,8 @@ static bool write_all(Writing *w, FfpError *err) {
         ok = write_one(w, i, &part, err);
         ffp_task_step(&task, i + 1, NULL);
     }
-    fprintf(w->page, "];\nconst panel = [%d, %d", w->show->width, w->show->height);
+    fprintf(w->page, "];\nconst first = %d, panel = [%d, %d", ffp_show_number(w->show, 0), w->show->width,
+            w->show->height);
     fputs(page_tail, w->page);
     ffp_task_end(&task);
     return ok;

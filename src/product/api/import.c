@@ -75,9 +75,11 @@ static bool check_texts(const FfpImport *options, FfpError *err) {
               (options->masks != FFP_MASKS_FROM_FILES || ffp_need(options->mask_files, "mask_files", err)) &&
               (options->n_images <= 0 || ffp_need(options->images, "images", err));
     for (int i = 0; ok && i < options->n_images; i++)
-        ok = ffp_need(options->images[i].files, "images.files", err) &&
-             ffp_need_texts(options->images[i].patterns, options->images[i].n_patterns, "images.patterns",
-                            err);
+        ok =
+            ffp_need(options->images[i].files, "images.files", err) &&
+            (options->shown || options->images[i].n_patterns > 0 || ffp_need(NULL, "images.patterns", err)) &&
+            ffp_need_texts(options->images[i].patterns, options->images[i].n_patterns, "images.patterns",
+                           err);
     for (int k = 0; ok && k < 2; k++) {
         ok = n[k] <= 0 || ffp_need(patterns[k], k ? "held_out" : "patterns", err);
         for (int i = 0; ok && i < n[k]; i++)
@@ -120,8 +122,9 @@ static bool import_capture(void *argument, FfpError *err) {
                                         options->n_held_out,
                                         mask_kind(options->masks),
                                         options->mask_files,
-                                        options->gray_codes};
-    if (turns->n_angles != 0 || turns->find_axis) settings.turntable = turntable;
+                                        options->gray_codes,
+                                        options->shown};
+    if (turns->n_angles != 0 || turns->find_axis) settings.turntable = turntable; // beside a file: its angles
     const bool ok = take_turntable(turns, turntable, err) && ffp_import(&settings, err);
     ffp_free(turntable);
     ffp_free(images);

@@ -7,13 +7,8 @@
 enum { SIDE_MIN = 64, SIDE_MAX = 16384, LOLLIPOPS_MAX = 100 };
 
 FfpPatterns ffp_patterns_defaults(void) {
-    return (FfpPatterns){.width = 1920,
-                         .height = 1080,
-                         .lollipops = 3,
-                         .focus = true,
-                         .capture = true,
-                         .gamma = true,
-                         .gray_codes = true};
+    return (FfpPatterns){
+        .width = 1920, .height = 1080, .lollipops = 1, .focus = true, .capture = true, .gray_codes = true};
 }
 
 static bool check(const FfpPatterns *o, FfpError *err) {
@@ -23,7 +18,7 @@ static bool check(const FfpPatterns *o, FfpError *err) {
     if (o->lollipops < 0 || o->lollipops > LOLLIPOPS_MAX)
         return ffp_fail(err, FFP_ERROR_ARGUMENT, "lollipops", "%d are not in 0 to %d", o->lollipops,
                         LOLLIPOPS_MAX);
-    return o->focus || o->capture || o->gamma || o->gray_codes ||
+    return o->focus || o->capture || o->gray_codes ||
            ffp_fail(err, FFP_ERROR_ARGUMENT, "patterns", "none requested");
 }
 
@@ -35,7 +30,7 @@ typedef struct Call {
 static bool work(void *argument, FfpError *err) {
     Call *call = argument;
     const FfpPatterns *o = call->options;
-    const FfpShow show = {o->width, o->height, o->lollipops, o->focus, o->capture, o->gamma, o->gray_codes};
+    const FfpShow show = {o->width, o->height, o->lollipops, o->focus, o->capture, o->gray_codes};
     call->count = ffp_show_count(&show);
     return ffp_show_write_folder(&show, o->folder, err);
 }

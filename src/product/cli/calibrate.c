@@ -65,12 +65,17 @@ static void print_rig(const FfpRigCalibration *rig, const FfpRigCalibrationStats
 }
 
 static void print_axis(const FfpRigCalibration *rig, const FfpRigCalibrationStats *s) {
-    printf("turntable: %d of %d photographs, rms %.3f pixels; axis uncertainty %.3f degrees and %.3g units\n",
+    printf("turntable: %d of %d photographs, rms %.3f pixels; axis uncertainty %.3f degrees and %.3g units, "
+           "the camera's included\n",
            s->stops_used, s->stops, s->stops_rms, s->tilt, s->shift);
-    printf("import with -t %.6f,%.6f,%.6f,%.6g,%.6g,%.6g,ANGLES%s\n", s->axis[0], s->axis[1], s->axis[2],
-           s->point[0], s->point[1], s->point[2],
-           s->reversed ? " (the table turned clockwise as seen from above: for 8x45 write 8x-45 there)" : "");
-    if (rig->turntable_file) printf("%s: axis, and the angles of these photographs\n", rig->turntable_file);
+    printf("the axis points along %.6f,%.6f,%.6f through %.6g,%.6g,%.6g; the table turned %sclockwise as "
+           "seen from "
+           "above\n",
+           s->axis[0], s->axis[1], s->axis[2], s->point[0], s->point[1], s->point[2],
+           s->reversed ? "" : "anti");
+    if (rig->turntable_file)
+        printf("%s: import with -t %s --angles ANGLES (those of the object's stops: 8x45)\n",
+               rig->turntable_file, rig->turntable_file);
 }
 
 // A panel's size that nobody gave is the first thing to doubt where things do not fit.
@@ -82,7 +87,7 @@ static void tell_default(const FfpRigCalibration *rig) {
 static int run(void *data) {
     Arguments *arguments = data;
     FfpRigCalibration *rig = &arguments->rig;
-    const bool by_default = rig->width == 0;
+    const bool by_default = rig->width == 0 && !rig->shown;
     if (by_default) {
         const FfpRigCalibration defaults = ffp_rig_calibration_defaults();
         rig->width = defaults.width;
@@ -142,6 +147,15 @@ static const FfpOption options[] = {
      .takes = "width x height in pixels (1920x1080)",
      .group = RIG,
      .help = "size of the projector's panel, as for `ffprocams patterns`. Default: 1920x1080"},
+    {.name = "shown",
+     .argument = "DIR",
+     .type = FFP_OPTION_FOLDER,
+     .excludes = "projector",
+     .offset = offsetof(Arguments, rig.shown),
+     .group = RIG,
+     .help =
+         "folder of `ffprocams patterns`: the panel's size is that of its pictures, and a FOLDER may hold a "
+         "photograph of each of them, lollipops too, in their order"},
     {.name = "output",
      .letter = 'o',
      .argument = "FILE",
@@ -185,7 +199,7 @@ static const FfpOption options[] = {
      .writes = true,
      .offset = offsetof(Arguments, rig.turntable_file),
      .group = TURNTABLE,
-     .help = "JSON file for axis and angles, for `ffprocams import -t FILE`"},
+     .help = "JSON file for the axis, for `ffprocams import -t FILE --angles ANGLES`"},
     {.name = "calibration",
      .letter = 'c',
      .argument = "FILE",

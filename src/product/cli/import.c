@@ -7,6 +7,7 @@
 
 typedef struct Arguments {
     FfpList calibrations, images, patterns, held_out, views;
+    FfpAngles angles;
     const char *turntable, *fit_axis, *mask; // NULL: not given
     FfpImport import;
 } Arguments;
@@ -25,12 +26,14 @@ static void set_masks(FfpImport *import, const char *text) {
 static bool read_texts(Arguments *arguments, FfpImportLists *read, FfpError *err) {
     FfpImport *import = &arguments->import;
     for (int i = 0; i < arguments->images.count; i++)
-        if (!ffp_cli_add_images(read, arguments->images.values[i], err)) return false;
+        if (!ffp_cli_add_images(read, arguments->images.values[i], import->shown != NULL, err)) return false;
     for (int i = 0; i < arguments->patterns.count; i++)
         if (!ffp_cli_add_pattern(read, arguments->patterns.values[i], false, err)) return false;
     for (int i = 0; i < arguments->held_out.count; i++)
         if (!ffp_cli_add_pattern(read, arguments->held_out.values[i], true, err)) return false;
     if (arguments->fit_axis && !ffp_cli_fit_axis(arguments->fit_axis, &import->turntable, err)) return false;
+    import->turntable.angles = arguments->angles.degrees;
+    import->turntable.n_angles = arguments->angles.count;
     if (arguments->turntable && !ffp_cli_turntable(read, arguments->turntable, &import->turntable, err))
         return false;
     if (arguments->mask) set_masks(import, arguments->mask);
@@ -67,6 +70,11 @@ static int run(void *data) {
 static bool read_size(const char *text, void *destination) {
     FfpCalibratedAt *at = destination;
     return ffp_cli_pair(text, 'x', 1, &at->width, &at->height);
+}
+
+static bool read_angles(const char *text, void *destination) {
+    const char *where;
+    return !ffp_cli_angles(text, destination, &where);
 }
 
 static bool read_fit(const char *text, void *destination) {
@@ -167,7 +175,18 @@ static const FfpOption options[] = {
              "calibration's unit); rotation angles of the object in degrees, separated by commas, or 8x45 "
              "for eight steps of 45; right-handed about the axis: with the axis up (0,-1,0), anticlockwise "
              "as seen from above. Or a JSON file {\"axis\": [..], \"point\": [..], \"angles\": [..]}, or "
-             "with \"count\" and \"step\" instead of angles. Without it a fixed rig has one view"},
+             "with \"count\" and \"step\" instead of angles, or that of `ffprocams calibrate`, whose angles "
+             "--angles gives. Without it a fixed rig has one view"},
+    {.name = "angles",
+     .argument = "ANGLES",
+     .type = FFP_OPTION_PARSED,
+     .offset = offsetof(Arguments, angles),
+     .parse = read_angles,
+     .takes = "up to 512 angles in degrees, separated by commas, or 8x45 for eight steps of 45",
+     .group = TURNTABLE,
+     .help =
+         "angles of the turntable at the object's stops, in degrees: 0,45,90 or 8x45; they replace those of "
+         "--turntable's file. After `ffprocams calibrate` they count as its angles did, clockwise or not"},
     {.name = "fit-axis",
      .argument = "GUESS",
      .type = FFP_OPTION_TEXT,
@@ -180,9 +199,16 @@ static const FfpOption options[] = {
          "fewer than three angles, an object that is symmetric about many axes, or silhouettes or patterns "
          "that no axis explains. In that case fit it on another object, or measure it (`ffprocams calibrate "
          "--turntable-board`: a chessboard on the table at several angles), and pass it in --turntable"},
+    {.name = "shown",
+     .argument = "DIR",
+     .type = FFP_OPTION_FOLDER,
+     .offset = offsetof(Arguments, import.shown),
+     .group = PHOTOGRAPHS,
+     .help = "folder of `ffprocams patterns`: --images FILES, without names, are then the photographs of its "
+             "patterns in their order, with the Gray codes or without, and --pattern is not needed"},
     {.name = "images",
      .letter = 'i',
-     .argument = "NAMES=FILES",
+     .argument = "[NAMES=]FILES",
      .type = FFP_OPTION_TEXT,
      .repeated = true,
      .offset = offsetof(Arguments, images),
@@ -253,9 +279,11 @@ static const FfpOption options[] = {
      .type = FFP_OPTION_FLAG,
      .offset = offsetof(Arguments, import.fit_response),
      .group = PHOTOGRAPHS,
-     .help = "estimate the projector's gamma, black level and intensity from the pictures, for a projector "
-             "that does not follow sRGB, and convert the patterns to the light that it actually emitted. "
-             "Fails if the pattern lacks mid-range values in some channel or if depth cannot be matched"},
+     .help =
+         "estimate the projector's gamma, black level and intensity from the pictures, for a projector "
+         "that does not follow sRGB, and convert the patterns to the light that it actually emitted. "
+         "Kept only if the pattern then explains every other view better, which has no part in the estimate. "
+         "Fails if the pattern lacks mid-range values in some channel or if depth cannot be matched"},
     {.name = "output",
      .letter = 'o',
      .argument = "DIR",
@@ -300,6 +328,9 @@ static const FfpOption options[] = {
 };
 
 static const FfpExample examples[] = {
+    {"`calibrate` and the photographs that `patterns` lists, eight stops in shots/view-000 to view-315:",
+     "ffprocams import -c calibration.xml -t axis.json --angles 8x45 --shown patterns \\\n"
+     "    -i 'shots/view-{view}/*.JPG' -w 160 -o vase"},
     {"procam-calibration (kamino410), eight stops, photographs IMG_0001 to IMG_0024 in the order black, "
      "white, lollipop at each stop; the file lacks the projector's size:",
      "ffprocams import -c calibration_result.xml --projector-size 1024x768 \\\n"
@@ -325,7 +356,7 @@ static const FfpExample examples[] = {
 const FfpCommand ffp_cli_import = {
     .name = "import",
     .group = FFP_CLI_CAPTURE,
-    .purpose = "makes a capture from photographs and an existing calibration",
+    .purpose = "makes a capture from photographs and a calibration",
     .prose = "Transforms poses to the object's frame, removes lens distortion and masks the background. DIR "
              "is written completely or not at all; `ffprocams info DIR` then checks it.",
     .positional = {.excess = "--images NAMES=FILES?"},

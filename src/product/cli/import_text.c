@@ -48,13 +48,14 @@ static char *cut_at_equals(char *text) {
     return equals + 1;
 }
 
-bool ffp_cli_add_images(FfpImportLists *lists, const char *text, FfpError *err) {
+bool ffp_cli_add_images(FfpImportLists *lists, const char *text, bool shown, FfpError *err) {
     char *names = copy(lists, text);
-    const char *files = cut_at_equals(names);
+    const bool unnamed = shown && !strchr(text, '=');
+    const char *files = unnamed ? names : cut_at_equals(names);
     if (!files) return fail(err, "expected NAME=FILES, not '%.100s' (--images)", text);
     const char **patterns = NULL;
     int n = 0;
-    for (char *at = names; at; n++) {
+    for (char *at = unnamed ? NULL : names; at; n++) {
         char *comma = strchr(at, ',');
         if (comma) *comma = 0;
         patterns = grown(patterns, n, sizeof *patterns);
@@ -110,7 +111,10 @@ bool ffp_cli_turntable(FfpImportLists *lists, const char *text, FfpImportTurntab
     }
     const char *rest = text, *where;
     if (!turntable->find_axis && !read_axis(text, needed, turntable, &rest, err)) return false;
+    const bool given = turntable->n_angles > 0; // by --angles
+    if (!*rest && given) return true;
     if (!*rest) return fail(err, "missing angles: expected %s, or the name of a file", needed);
+    if (given) return fail(err, "'%.40s': --angles gives the angles already (--turntable)", rest);
     const char *wrong = ffp_cli_angles(rest, &lists->angles, &where);
     if (wrong) return fail(err, "'%.40s' %s: expected %s", where, wrong, needed);
     turntable->angles = lists->angles.degrees;
@@ -141,6 +145,7 @@ const char *ffp_cli_import_option(const FfpError *err) {
         {"(camera.fit)", "--camera-fit F"},
         {"(projector.fit)", "--projector-fit F"},
         {"(images)", "--images NAMES=FILES"},
+        {"(shown)", "--shown DIR"},
         {"(patterns)", "--pattern NAME=FILE"},
         {"(held_out)", "--held-out NAME=FILE"},
         {"(gray_codes)", "--graycode FILES"},

@@ -15,7 +15,7 @@ typedef struct FfpImportLists {
 void ffp_cli_import_lists_free(FfpImportLists *lists);
 
 // "NAME[,NAME..]=FILES"
-bool ffp_cli_add_images(FfpImportLists *lists, const char *text, FfpError *err);
+bool ffp_cli_add_images(FfpImportLists *lists, const char *text, bool shown, FfpError *err);
 // "NAME=FILE"
 bool ffp_cli_add_pattern(FfpImportLists *lists, const char *text, bool held_out, FfpError *err);
 

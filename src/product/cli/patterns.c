@@ -2,7 +2,7 @@
 #include <string.h>
 #include "cli.h"
 
-enum { FOCUS = 1, CAPTURE = 2, GAMMA = 4, GRAY_CODES = 8 };
+enum { FOCUS = 1, CAPTURE = 2, GRAY_CODES = 4 };
 
 typedef struct Arguments {
     FfpPatterns patterns;
@@ -14,8 +14,7 @@ static bool read_size(const char *text, void *destination) {
     return ffp_cli_pair(text, 'x', 1, &patterns->width, &patterns->height);
 }
 
-static const FfpWord parts[] = {
-    {"focus", FOCUS}, {"capture", CAPTURE}, {"gamma", GAMMA}, {"graycode", GRAY_CODES}, {0}};
+static const FfpWord parts[] = {{"focus", FOCUS}, {"capture", CAPTURE}, {"graycode", GRAY_CODES}, {0}};
 
 static bool read_part(const char *text, void *destination) {
     for (const FfpWord *part = parts; part->name; part++) {
@@ -30,10 +29,9 @@ static int run(void *data) {
     Arguments *arguments = data;
     FfpPatterns *patterns = &arguments->patterns;
     FfpError err = {0};
-    const int wanted = arguments->parts ? arguments->parts : FOCUS | CAPTURE | GAMMA | GRAY_CODES;
+    const int wanted = arguments->parts ? arguments->parts : FOCUS | CAPTURE | GRAY_CODES;
     patterns->focus = wanted & FOCUS;
     patterns->capture = wanted & CAPTURE;
-    patterns->gamma = wanted & GAMMA;
     patterns->gray_codes = wanted & GRAY_CODES;
     const int count = ffp_write_patterns(ffp_cli_context(), patterns, &err);
     if (count < 0) return ffp_cli_fail(&err);
@@ -66,7 +64,7 @@ static const FfpOption options[] = {
      .type = FFP_OPTION_INT,
      .offset = offsetof(Arguments, patterns.lollipops),
      .high = 100,
-     .help = "number of lollipop patterns. Default: 3; one is enough for a reconstruction"},
+     .help = "number of lollipop patterns. Default: 1; two or three give a more exact surface"},
     {.name = "only",
      .argument = "PART",
      .type = FFP_OPTION_PARSED,
@@ -74,9 +72,9 @@ static const FfpOption options[] = {
      .offset = offsetof(Arguments, parts),
      .words = parts,
      .parse = read_part,
-     .takes = "focus, capture, gamma or graycode",
+     .takes = "focus, capture or graycode",
      .help = "write only this part; may be repeated: focus (a chart), capture (black, white, lollipops), "
-             "gamma (16 greys), graycode. Default: all parts"},
+             "graycode. Default: all parts"},
     {0},
 };
 
@@ -84,17 +82,19 @@ const FfpCommand ffp_cli_patterns = {
     .name = "patterns",
     .group = FFP_CLI_CAPTURE,
     .purpose = "draws the patterns for the projector to show",
-    .prose = "Writes the pictures that a projector shows while a rig is photographed, numbered in display "
-             "order: a chart for focusing; black, white and lollipops for a reconstruction; greys for the "
-             "projector's response; and Gray codes, each with its inverse, for a calibration. Lollipops are "
-             "round and as high as the panel. README.txt, written beside them, explains how to photograph "
-             "them. show.html shows them full screen in any browser, advancing with the space bar, and warns "
-             "if its window does not have the panel's size.",
+    .prose =
+        "Writes the pictures that a projector shows while a rig is photographed, numbered as their "
+        "photographs are: a chart for focusing (000, not photographed); black, white and lollipops for a "
+        "reconstruction; and Gray codes, each with its inverse, for a calibration. `calibrate` and "
+        "`import` take the photographs in this order (--shown DIR). Lollipops are round and as high as "
+        "the panel. README.txt, written beside them, lists the photographs to take. show.html shows them "
+        "full screen in any browser, advancing with the space bar, and warns "
+        "if its window does not have the panel's size.",
     .options = options,
     .examples =
         (const FfpExample[]){{.command = "ffprocams patterns -o patterns --projector 1280x800"},
                              {.about = "For a capture alone:",
-                              .command = "ffprocams patterns -o patterns --only capture --lollipops 1"},
+                              .command = "ffprocams patterns -o patterns --only focus --only capture"},
                              {0}},
     .size = sizeof(Arguments),
     .set_defaults = set_defaults,

@@ -72,6 +72,10 @@ static bool read_attitude(FfpRigFit *fit, FfpAttitude *a, const FfpShotFolder *f
         .width = fit->devices[1].width, .height = fit->devices[1].height, .cache = &cache};
     FfpError error = {0};
     a->name = folder->name;
+    if (folder->problem) {
+        snprintf(a->problem, sizeof a->problem, "%s", folder->problem);
+        return true;
+    }
     if (!ffp_gray_find_plain(&photographs, folder->files, folder->n_files, &error))
         return as_problem(a, folder, &error, err);
     FfpImage white = take_white(&cache);

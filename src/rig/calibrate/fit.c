@@ -8,7 +8,7 @@
 #include "core/base/rigid.h"
 #include "core/numerics/rank.h"
 #include "rig/calibrate/notes.h"
-#include "rig/calibrate/pose.h"
+#include "rig/calibrate/views.h"
 #include "rig/import/lens.h"
 
 #define CORNER_FAR 5        // times the deviation on an axis: Gauss passes it once in 270,000
@@ -19,89 +19,15 @@
 #define PARALLEL 3          // degrees between the boards farthest from parallel
 #define FOCAL_OPEN 0.1      // share of the focal length by which it may be uncertain
 #define FOCAL_VAGUE 0.02    // and where that is worth a warning
-#define OPEN_PIXELS 1.0     // at the corner of the picture: a lens term no better known than that
 #define GUESS_FOCAL 1.2     // of the picture's longer side: to see whether boards are parallel
 enum { ROUNDS = 12 };       // in which corners change and no attitude falls out
 
-const char *const ffp_term_names[FFP_TERMS] = {"fx", "fy", "cx", "cy", "k1", "k2", "p1", "p2", "k3"};
 static const char *const device_names[2] = {"camera", "projector"};
-
-double ffp_term(const FfpCvDevice *device, int term) {
-    static const int places[4] = {0, 4, 2, 5};
-    return term < 4 ? device->matrix[places[term]] : device->lens[term - 4];
-}
-
-double ffp_term_reach(const FfpCvDevice *device, int term) {
-    static const int powers[FFP_TERMS] = {0, 0, 0, 0, 3, 5, 2, 2, 7};
-    const double *m = device->matrix;
-    const double x = fmax(m[2], device->width - 1 - m[2]) / m[0],
-                 y = fmax(m[5], device->height - 1 - m[5]) / m[4];
-    if (term < 4) return 0;
-    return fmax(m[0], m[4]) * pow(hypot(x, y), powers[term]) * (term == 6 || term == 7 ? 3 : 1);
-}
-
-bool ffp_term_open(const FfpCvDevice *device, int term) {
-    const double deviation = device->deviation[term];
-    return deviation > 0.5 * fabs(ffp_term(device, term)) &&
-           deviation * ffp_term_reach(device, term) > OPEN_PIXELS;
-}
 
 int ffp_attitudes_used(const FfpRigFit *fit) {
     int n = 0;
     for (int i = 0; i < fit->n; i++) n += fit->attitudes[i].problem[0] == 0;
     return n;
-}
-
-// --- The corners as OpenCV's. ---
-
-typedef struct Views {
-    FfpCvViews cv;
-    int *counts;
-    double *board, *points[2];
-    int *attitude; // [cv.n] which
-} Views;
-
-static Views new_views(const FfpRigFit *fit) {
-    size_t corners = 1;
-    for (int i = 0; i < fit->n; i++) corners += (size_t)fit->attitudes[i].n;
-    Views v = {.counts = ffp_alloc((size_t)fit->n, sizeof(int)),
-               .attitude = ffp_alloc((size_t)fit->n, sizeof(int)),
-               .board = ffp_alloc(corners, 3 * sizeof(double))};
-    for (int k = 0; k < 2; k++) v.points[k] = ffp_alloc(corners, 2 * sizeof(double));
-    return v;
-}
-
-static void free_views(Views *v) {
-    ffp_free(v->counts), ffp_free(v->attitude), ffp_free(v->board);
-    ffp_free(v->points[0]), ffp_free(v->points[1]);
-}
-
-static bool is_used(const FfpAttitude *a, int corner, unsigned devices) {
-    return (!(devices & 1U) || a->camera_state[corner] == FFP_CORNER_USED) &&
-           (!(devices & 2U) || a->projector_state[corner] == FFP_CORNER_USED);
-}
-
-// Corners that every one of the devices (1 camera, 2 projector, 3 both) has.
-static void fill_views(const FfpRigFit *fit, unsigned devices, Views *v) {
-    int sum = 0;
-    v->cv = (FfpCvViews){.counts = v->counts, .board = v->board};
-    v->cv.first = v->points[devices == 2 ? 1 : 0], v->cv.second = v->points[1];
-    for (int i = 0; i < fit->n; i++) {
-        const FfpAttitude *a = &fit->attitudes[i];
-        if (a->problem[0]) continue;
-        const int before = sum;
-        for (int k = 0; k < a->n; k++) {
-            if (!is_used(a, k, devices)) continue;
-            v->board[3 * sum] = ffp_corner_column(&fit->board, k) * fit->board.square;
-            v->board[3 * sum + 1] = ffp_corner_row(&fit->board, k) * fit->board.square;
-            v->board[3 * sum + 2] = 0;
-            memcpy(v->points[0] + 2 * (size_t)sum, a->camera + 2 * (size_t)k, 2 * sizeof(double));
-            memcpy(v->points[1] + 2 * (size_t)sum, a->projector + 2 * (size_t)k, 2 * sizeof(double));
-            sum++;
-        }
-        v->attitude[v->cv.n] = i;
-        v->counts[v->cv.n++] = sum - before;
-    }
 }
 
 // --- Attitudes that cannot serve. ---
@@ -131,7 +57,7 @@ static void check_counts(FfpRigFit *fit) {
         FfpAttitude *a = &fit->attitudes[i];
         int kept = 0;
         if (a->problem[0]) continue;
-        for (int k = 0; k < a->n; k++) kept += is_used(a, k, 3);
+        for (int k = 0; k < a->n; k++) kept += ffp_corner_used(a, k, 3);
         if (kept < CORNERS_LEAST * a->n || kept < 8)
             leave_out(a, "only %d of %d corners are good enough", kept, a->n);
     }
@@ -191,7 +117,7 @@ static void project(const FfpCvDevice *device, const double pose[6], const doubl
     out[0] = device->matrix[0] * u + device->matrix[2], out[1] = device->matrix[4] * v + device->matrix[5];
 }
 
-static void corner_offsets(const FfpRigFit *fit, int which, const Views *views, const double *poses) {
+static void corner_offsets(const FfpRigFit *fit, int which, const FfpViews *views, const double *poses) {
     for (int v = 0; v < views->cv.n; v++) {
         FfpAttitude *a = &fit->attitudes[views->attitude[v]];
         double *off = which == 0 ? a->camera_off : a->projector_off, square = 0, at[2];
@@ -202,7 +128,7 @@ static void corner_offsets(const FfpRigFit *fit, int which, const Views *views, 
                                      ffp_corner_row(&fit->board, i) * fit->board.square, 0};
             project(&fit->devices[which], poses + 6 * (size_t)v, point, at);
             for (int k = 0; k < 2; k++) off[2 * i + k] = seen[2 * i + k] - at[k];
-            if (!is_used(a, i, 1U << which)) continue;
+            if (!ffp_corner_used(a, i, 1U << which)) continue;
             square += off[2 * i] * off[2 * i] + off[2 * i + 1] * off[2 * i + 1], n++;
         }
         *(which == 0 ? &a->camera_rms : &a->projector_rms) = sqrt(square / fmax(1, n));
@@ -216,7 +142,7 @@ static bool is_judged(unsigned char state) {
 
 // Corners farther off than the spread of those used explains fall out, and come back when a later fit, no
 // longer drawn aside by worse ones, puts them into line. Returns how many changed.
-static int judge_corners(const FfpRigFit *fit, int which, const Views *views) {
+static int judge_corners(const FfpRigFit *fit, int which, const FfpViews *views) {
     int total = 1, n = 0, changed = 0;
     for (int v = 0; v < views->cv.n; v++) total += views->counts[v];
     double *lengths = ffp_alloc((size_t)total, sizeof *lengths), limit = 0;
@@ -243,7 +169,7 @@ static int judge_corners(const FfpRigFit *fit, int which, const Views *views) {
 
 // The attitude farthest out of line, if one is: root mean squares `rms` of the attitudes used, in order,
 // every `stride`.
-static bool drop_attitude(const FfpRigFit *fit, const Views *views, const double *rms, int stride,
+static bool drop_attitude(const FfpRigFit *fit, const FfpViews *views, const double *rms, int stride,
                           const char *of) {
     double *sorted = ffp_alloc((size_t)views->cv.n, sizeof *sorted);
     int worst = 0;
@@ -265,10 +191,10 @@ static bool drop_attitude(const FfpRigFit *fit, const Views *views, const double
 // --- Fitting. ---
 
 static bool fit_device(FfpRigFit *fit, int which, bool *changed, FfpError *err) {
-    Views views = new_views(fit);
+    FfpViews views = ffp_views_new(fit);
     double *poses = ffp_alloc((size_t)fit->n, 6 * sizeof *poses),
            *rms = ffp_alloc((size_t)fit->n, sizeof *rms);
-    fill_views(fit, 1U << which, &views);
+    ffp_views_fill(fit, 1U << which, &views);
     const bool ok = ffp_cv_calibrate(&views.cv, fit->fixed[which], &fit->devices[which], poses, err);
     if (ok) {
         corner_offsets(fit, which, &views, poses);
@@ -285,14 +211,14 @@ static bool fit_device(FfpRigFit *fit, int which, bool *changed, FfpError *err) 
         *changed = drop_attitude(fit, &views, rms, 1, of) || judge_corners(fit, which, &views) > 0;
     }
     ffp_free(poses), ffp_free(rms);
-    free_views(&views);
+    ffp_views_free(&views);
     return ok;
 }
 
 static bool fit_pair(FfpRigFit *fit, bool *changed, FfpError *err) {
-    Views views = new_views(fit);
+    FfpViews views = ffp_views_new(fit);
     double *rms = ffp_alloc((size_t)fit->n, 2 * sizeof *rms);
-    fill_views(fit, 3, &views);
+    ffp_views_fill(fit, 3, &views);
     const bool ok =
         ffp_cv_pair(&views.cv, &fit->devices[0], &fit->devices[1], fit->r, fit->t, rms, &fit->rms, err);
     for (int v = 0; ok && v < views.cv.n; v++)
@@ -300,7 +226,7 @@ static bool fit_pair(FfpRigFit *fit, bool *changed, FfpError *err) {
     const char *of = "where camera and projector together put them";
     *changed = ok && (drop_attitude(fit, &views, rms, 2, of) || drop_attitude(fit, &views, rms + 1, 2, of));
     ffp_free(rms);
-    free_views(&views);
+    ffp_views_free(&views);
     return ok;
 }
 
@@ -355,39 +281,11 @@ static bool check_focal(const FfpRigFit *fit, int which, FfpError *err) {
     return true;
 }
 
-// One warning a device.
-static void tell_open_terms(const FfpRigFit *fit) {
-    for (int d = 0; d < 2; d++) {
-        const FfpCvDevice *device = &fit->devices[d];
-        char terms[320] = "", fix[160] = "";
-        double most = 0;
-        int n = 0, m = 0;
-        bool tangential = false;
-        for (int term = 4; term < FFP_TERMS; term++) {
-            const bool p = term == 6 || term == 7;
-            if (!ffp_term_open(device, term)) continue;
-            n += snprintf(terms + n, sizeof terms - (size_t)n, "%s%s (%.4g, deviation %.2g)",
-                          n > 0 ? ", " : "", ffp_term_names[term], ffp_term(device, term),
-                          device->deviation[term]);
-            if (!p || !tangential)
-                m += snprintf(fix + m, sizeof fix - (size_t)m, "%sfix %s.%s", m > 0 ? ", " : "",
-                              device_names[d], p ? "p" : ffp_term_names[term]);
-            tangential = tangential || p;
-            most = fmax(most, device->deviation[term] * ffp_term_reach(device, term));
-        }
-        if (n > 0)
-            ffp_warning("the photographs do not determine the %s's %s: up to %.0f pixels in the picture's "
-                        "corner; it can be fixed at 0 (%s)",
-                        device_names[d], terms, most, fix);
-    }
-}
-
 bool ffp_fit_rig(FfpRigFit *fit, FfpError *err) {
     if (!enough(fit, err)) return false;
     const bool ok = fit_all(fit, err) && check_focal(fit, 0, err) && check_focal(fit, 1, err);
     if (!ok) return false;
     measure_spread(fit);
     ffp_note_left_out(fit);
-    tell_open_terms(fit);
     return true;
 }

@@ -22,15 +22,6 @@ typedef struct FfpRigFit {
 // they do not tell.
 bool ffp_fit_rig(FfpRigFit *fit, FfpError *err);
 
-// Standard deviations are those of each device's own fit. A lens term is left open by the photographs where
-// its deviation is above half its value and moves the picture's corner by more than a pixel.
-enum { FFP_TERMS = 9 };
-extern const char *const ffp_term_names[FFP_TERMS]; // fx fy cx cy k1 k2 p1 p2 k3
-double ffp_term(const FfpCvDevice *device, int term);
-// By how many pixels a lens term of 1 moves the corner of the picture farthest from the principal point.
-double ffp_term_reach(const FfpCvDevice *device, int term);
-bool ffp_term_open(const FfpCvDevice *device, int term);
-
 int ffp_attitudes_used(const FfpRigFit *fit);
 
 #endif

@@ -5,6 +5,7 @@
 #include "core/base/alloc.h"
 #include "core/base/file.h"
 #include "rig/calibrate/calibrate.h"
+#include "rig/calibrate/terms.h"
 #include "rig/import/calibration.h"
 
 enum { SIDE_MIN = 64, SIDE_MAX = 16384, BOARD_MIN = 3, BOARD_MAX = 100, ANGLES_MIN = 3 };
@@ -49,7 +50,8 @@ static bool check(const FfpRigCalibration *o, FfpError *err) {
         return ffp_fail(err, FFP_ERROR_ARGUMENT, "calibration",
                         "cannot be combined with photographs to calibrate from");
     if (!o->file) return ffp_fail(err, FFP_ERROR_ARGUMENT, "output", "no file to write to");
-    return (o->width >= SIDE_MIN && o->width <= SIDE_MAX && o->height >= SIDE_MIN && o->height <= SIDE_MAX) ||
+    return o->shown ||
+           (o->width >= SIDE_MIN && o->width <= SIDE_MAX && o->height >= SIDE_MIN && o->height <= SIDE_MAX) ||
            ffp_fail(err, FFP_ERROR_ARGUMENT, "projector", "a side of %d x %d is not in %d to %d pixels",
                     o->width, o->height, SIDE_MIN, SIDE_MAX);
 }
@@ -63,11 +65,28 @@ static bool read_camera(const FfpRigCalibration *o, FfpCvDevice *camera, FfpErro
     *camera = (FfpCvDevice){.width = optics->width, .height = optics->height};
     memcpy(camera->matrix, matrix, sizeof matrix);
     memcpy(camera->lens, optics->lens, sizeof camera->lens);
+    memcpy(camera->deviation, calibration.camera_deviation, sizeof calibration.camera_deviation);
     const bool known = calibration.has_camera;
     ffp_calibration_free(&calibration);
     if (!known) return ffp_fail(err, FFP_ERROR_FILE, o->calibrations[0], "does not contain a camera");
     return camera->width > 0 || ffp_fail(err, FFP_ERROR_FILE, o->calibrations[0],
                                          "does not say at which image size the camera was calibrated");
+}
+
+// The panel's size, and what of the folders' pictures is needed.
+static bool take_shown(const FfpRigCalibration *o, FfpShotFolders *folders, FfpCvDevice *panel,
+                       FfpError *err) {
+    FfpShown shown;
+    bool ok = ffp_shown_read(&shown, o->shown, err);
+    if (ok && shown.n_codes == 0)
+        ok = ffp_fail(err, FFP_ERROR_FILE, o->shown, "has no Gray codes, which a calibration is made from");
+    if (ok) {
+        panel->width = shown.width;
+        panel->height = shown.height;
+        ffp_shot_folders_take(folders, &shown);
+    }
+    ffp_shown_free(&shown);
+    return ok;
 }
 
 // The attitudes' names are the folders'.
@@ -77,7 +96,8 @@ static bool fit_rig(const FfpRigCalibration *o, FfpShotFolders *folders, FfpRigF
     fit->fixed[1] = o->fix_projector;
     fit->devices[1].width = o->width;
     fit->devices[1].height = o->height;
-    return ffp_read_attitudes(fit, folders, err) && ffp_fit_rig(fit, err);
+    if (o->shown && !take_shown(o, folders, &fit->devices[1], err)) return false;
+    return ffp_read_attitudes(fit, folders, err) && ffp_fit_rig(fit, err) && ffp_judge_terms(fit, err);
 }
 
 static void tell(const FfpRigFit *fit, const FfpTableFit *table, FfpRigCalibrationStats *stats) {

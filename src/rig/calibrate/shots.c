@@ -1,6 +1,7 @@
 #include "rig/calibrate/shots.h"
 #include <dirent.h>
 #include <errno.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -58,8 +59,11 @@ static bool add(FfpShotFolders *out, const char *path, const char **files, int n
     char name[FFP_PATH_MAX];
     snprintf(name, sizeof name, "%s", path);
     for (size_t end = strlen(name); end > 1 && name[end - 1] == '/';) name[--end] = 0;
-    out->folders[out->n++] = (FfpShotFolder){ffp_arena_text(out->arena, ffp_basename(name)), files, n_files,
-                                             status.st_dev, status.st_ino};
+    out->folders[out->n++] = (FfpShotFolder){.name = ffp_arena_text(out->arena, ffp_basename(name)),
+                                             .files = files,
+                                             .n_files = n_files,
+                                             .device = status.st_dev,
+                                             .inode = status.st_ino};
     return true;
 }
 
@@ -84,6 +88,25 @@ bool ffp_shot_folders_find(FfpShotFolders *out, const char *const *paths, int n_
     for (int i = 0; i < n_paths; i++)
         if (!find(out, paths[i], err)) return false;
     return true;
+}
+
+void ffp_shot_folders_take(FfpShotFolders *folders, const FfpShown *shown) {
+    const int coded = 2 + shown->n_codes, skipped = shown->n - coded;
+    for (int i = 0; i < folders->n; i++) {
+        FfpShotFolder *folder = &folders->folders[i];
+        if (folder->n_files == shown->n) {
+            for (int k = 2; k < coded; k++) folder->files[k] = folder->files[k + skipped];
+            folder->n_files = coded;
+        } else if (folder->n_files != coded) {
+            char problem[FFP_PATH_MAX + 160];
+            snprintf(problem, sizeof problem,
+                     "%d photographs, but %s has %d patterns: one photograph of each is needed, or of black, "
+                     "white "
+                     "and the %d Gray codes alone",
+                     folder->n_files, shown->folder, shown->n, shown->n_codes);
+            folder->problem = ffp_arena_text(folders->arena, problem);
+        }
+    }
 }
 
 void ffp_shot_folders_free(FfpShotFolders *out) {

@@ -14,6 +14,7 @@
 #define ANGLE_MAX 4.0    // degrees: root mean square of the turns that angles and axis leave over
 #define RIVAL 2.0        // times the least disagreement: the other sense is as good
 #define RIVAL_LEAST 0.01 // of the disagreement: radians
+#define NEAR_AXIS 1.0    // squares from the axis to the board's middle: nearer gives no direction
 #define STOP_FAR 4       // times the median of the stops' root mean squares
 #define STOP_LEAST 1.0   // pixels
 enum { TURNS = 8 };
@@ -255,25 +256,60 @@ static bool drop_stop(Table *table) {
     return true;
 }
 
+// The cost reached.
+static double descend(Table *table, double *covariance) {
+    const double far = sqrt(ffp_dot(table->t, table->t)), s = 1e-6 * far;
+    const double step[NUMBERS] = {1e-6, 1e-6, 1e-6, s, s, s, 1e-6, 1e-6, s, s};
+    const FfpLeastSquares least = {.state = table,
+                                   .numbers = NUMBERS,
+                                   .count = 2 * table->n * corners_of(table),
+                                   .differences = differences,
+                                   .move = move,
+                                   .step = step,
+                                   .steps = FFP_FIT_STEPS,
+                                   .worth = FFP_FIT_WORTH};
+    return ffp_least_squares(&least, covariance);
+}
+
+// Adds the squares of what the axis turns and moves by where the camera is off by a deviation: in its focal
+// lengths, which err together, and in either coordinate of its principal point.
+static void add_camera(const Table *table, double *tilt, double *shift) {
+    static const int places[4] = {0, 4, 2, 5};
+    const double *deviation = table->camera->deviation, *u = table->axis.direction;
+    const double focal = deviation[0] / table->camera->matrix[0];
+    const double by[3][4] = {{deviation[0], focal * table->camera->matrix[4], 0, 0},
+                             {0, 0, deviation[2], 0},
+                             {0, 0, 0, deviation[3]}};
+    for (int k = 0; k < 3; k++) {
+        FfpCvDevice camera = *table->camera;
+        Table other = *table;
+        double off[3], across[3];
+        for (int i = 0; i < 4; i++) camera.matrix[places[i]] += by[k][i];
+        other.camera = &camera;
+        descend(&other, NULL);
+        for (int i = 0; i < 3; i++) off[i] = other.axis.point[i] - table->axis.point[i];
+        ffp_cross(off, u, across);
+        *shift += ffp_dot(across, across);
+        ffp_cross(other.axis.direction, u, across);
+        *tilt += ffp_dot(across, across);
+    }
+}
+
 static void refine(Table *table, FfpTableFit *fit) {
     double covariance[NUMBERS * NUMBERS], cost;
-    do {
-        const double far = sqrt(ffp_dot(table->t, table->t)), s = 1e-6 * far;
-        const double step[NUMBERS] = {1e-6, 1e-6, 1e-6, s, s, s, 1e-6, 1e-6, s, s};
-        const FfpLeastSquares least = {.state = table,
-                                       .numbers = NUMBERS,
-                                       .count = 2 * table->n * corners_of(table),
-                                       .differences = differences,
-                                       .move = move,
-                                       .step = step,
-                                       .steps = FFP_FIT_STEPS,
-                                       .worth = FFP_FIT_WORTH};
-        cost = ffp_least_squares(&least, covariance);
-    } while (drop_stop(table));
+    do cost = descend(table, covariance);
+    while (drop_stop(table));
     fit->used = table->n;
     fit->rms = sqrt(cost / (table->n * corners_of(table)));
-    fit->tilt = sqrt(covariance[NUMBERS * 6 + 6] + covariance[NUMBERS * 7 + 7]) * 180 / FFP_PI_DOUBLE;
-    fit->shift = sqrt(covariance[NUMBERS * 8 + 8] + covariance[NUMBERS * 9 + 9]);
+    double tilt = covariance[NUMBERS * 6 + 6] + covariance[NUMBERS * 7 + 7],
+           shift = covariance[NUMBERS * 8 + 8] + covariance[NUMBERS * 9 + 9];
+    if (table->camera->deviation[0] > 0)
+        add_camera(table, &tilt, &shift);
+    else
+        ffp_note(
+            "the camera's calibration does not say how uncertain it is: neither does the axis' uncertainty");
+    fit->tilt = sqrt(tilt) * 180 / FFP_PI_DOUBLE;
+    fit->shift = sqrt(shift);
 }
 
 // --- The photographs. ---
@@ -317,7 +353,8 @@ static bool read_stops(FfpTableFit *fit, Table *table, const FfpShotFolder *fold
     return ok;
 }
 
-// Points up in the picture, and its point is the one nearest to the board.
+// Points up in the picture, and its point is the one nearest to the board, which gives the direction of angle
+// 0.
 static void settle(Table *table, FfpTableFit *fit) {
     FfpAxis *axis = &table->axis;
     double along = 0;
@@ -325,6 +362,12 @@ static void settle(Table *table, FfpTableFit *fit) {
     for (int i = 0; i < 3 && fit->reversed; i++) axis->direction[i] = -axis->direction[i];
     for (int i = 0; i < 3; i++) along += (table->t[i] - axis->point[i]) * axis->direction[i];
     for (int i = 0; i < 3; i++) axis->point[i] += along * axis->direction[i];
+    for (int i = 0; i < 3; i++) fit->zero[i] = table->t[i] - axis->point[i];
+    if (ffp_unit(fit->zero) < NEAR_AXIS * table->board->square) memset(fit->zero, 0, sizeof fit->zero);
+    if (!(ffp_dot(fit->zero, fit->zero) > 0))
+        ffp_note("the board's middle lies on the axis and gives angle 0 no direction: another calibration of "
+                 "this rig "
+                 "has another world");
     fit->axis = *axis;
 }
 

@@ -5,9 +5,11 @@
 #include <string.h>
 #include "core/base/alloc.h"
 #include "core/base/file.h"
+#include "core/base/rigid.h"
 #include "core/base/text.h"
 #include "core/capture/node.h"
 #include "rig/calibrate/calibrate.h"
+#include "rig/calibrate/terms.h"
 
 typedef struct Writer {
     FILE *out;
@@ -188,10 +190,12 @@ bool ffp_write_table(const FfpTableFit *fit, const char *path, FfpError *err) {
     FfpOutput out;
     if (!ffp_output_open(&out, path, err)) return false;
     const double *u = fit->axis.direction, *p = fit->axis.point;
-    fprintf(out.stream, "{\n \"axis\": [%.9g, %.9g, %.9g],\n \"point\": [%.9g, %.9g, %.9g],\n \"angles\": [",
-            u[0], u[1], u[2], p[0], p[1], p[2]);
-    for (int i = 0; i < fit->n; i++)
-        fprintf(out.stream, "%s%.9g", i > 0 ? ", " : "", fit->reversed ? -fit->angles[i] : fit->angles[i]);
+    const double *x = fit->zero;
+    fprintf(out.stream, "{\n \"axis\": [%.9g, %.9g, %.9g],\n \"point\": [%.9g, %.9g, %.9g],\n", u[0], u[1],
+            u[2], p[0], p[1], p[2]);
+    if (ffp_dot(x, x) > 0) fprintf(out.stream, " \"zero\": [%.9g, %.9g, %.9g],\n", x[0], x[1], x[2]);
+    fprintf(out.stream, " \"clockwise\": %s,\n \"board_angles\": [", fit->reversed ? "true" : "false");
+    for (int i = 0; i < fit->n; i++) fprintf(out.stream, "%s%.9g", i > 0 ? ", " : "", fit->angles[i]);
     fprintf(out.stream, "],\n \"rms\": %.6g,\n \"tilt\": %.6g,\n \"shift\": %.6g\n}\n", fit->rms, fit->tilt,
             fit->shift);
     return ffp_output_commit(&out, err);

@@ -143,8 +143,9 @@ static bool decode(FfpGrayDecoder *d, FfpImage *map, FfpError *err) {
     for (int axis = 0; axis < 2; axis++) {
         ffp_gray_drop_fine_bits(d, axis);
         find_codes(d, axis);
-        if (!ffp_gray_check_order(d, axis, err)) return false;
     }
+    for (int axis = 0; axis < 2; axis++)
+        if (!ffp_gray_check_order(d, axis, err)) return false;
     drop_half_codes(d);
     find_positions(d, map);
     return true;

@@ -40,8 +40,9 @@ bool ffp_gray_read_signals(FfpGrayDecoder *d, FfpError *err);
 void ffp_gray_drop_fine_bits(FfpGrayDecoder *d, int axis);
 
 // Checks that an axis' photographs are in order, by its signals and the codes made from them (also those
-// beyond the panel). The error names the two photographs or pairs that have changed places, if one such
-// exchange explains everything.
+// beyond the panel); the other axis' codes, which must have been found before, show where a surface
+// continues. The error names the two photographs or pairs that have changed places, if one such exchange
+// explains everything.
 bool ffp_gray_check_order(const FfpGrayDecoder *d, int axis, FfpError *err);
 
 #endif

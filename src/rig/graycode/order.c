@@ -9,24 +9,50 @@
 #include "rig/graycode/decoder.h"
 #include "rig/graycode/edges.h"
 
-#define RESOLVED 0.5     // of the pixels must tell a bit, or it counts as too fine
-#define LINES_CHECKED 3  // edges across what is lit, by which one bit may have more than the next
+#define RESOLVED 0.5    // of the pixels must tell a bit, or it counts as too fine
+#define RESTLESS 0.3    // of the pixels at which a bit changes, from which on it may do so at random:
+#define FINER 1.5       // that is where it has fewer edges than so many times the next coarser bit's
+#define LINES_CHECKED 3 // edges across what is lit, by which one bit may have more than the next
+#define STEPS_OVER                                                                                           \
+    0.1            // of the neighbours that differ, those that do by several bits: codes are stepped over,
+#define NEXT_MAX 7 // and numbers go on by up to as much
 #define EDGES_CHECKED 50 // of a bit, from which its edges say something
+#define GOES_ON 4        // blocks by which the other axis' code may change between neighbours on one surface
+#define LONG 0.1         // of a line: what a bit's edge has of a stripe's at one place of the panel
 #define JUMPS 0.5        // share of a bit's edges at which numbers jump
 #define JUMPS_RIGHT 0.1  // where the order is right
 #define BEYOND 0.05      // share of the pixels that a number beyond the panel may have
 #define BEYOND_RIGHT 0.01
 
+// Neighbours between which a bit changes, along rows and columns.
+static size_t changes_of(const FfpGrayDecoder *d, int axis, int bit) {
+    const uint8_t *signal = d->signal[axis][bit];
+    size_t changes = 0;
+    for (size_t i = (size_t)d->width; i < d->pixels; i++)
+        for (size_t back = 1; d->checked[i]; back = (size_t)d->width) {
+            changes +=
+                d->checked[i - back] && (signal[i] > FFP_GRAY_NONE) != (signal[i - back] > FFP_GRAY_NONE);
+            if (back > 1) break;
+        }
+    return changes;
+}
+
+// Whether most pixels tell a bit from its inverse, and its stripes are not so fine that the camera's pixels
+// show them at random: each bit has twice as many edges as the one before.
+static bool is_resolved(const FfpGrayDecoder *d, int axis, int bit) {
+    size_t told = 0, lit = 0;
+    for (size_t i = 0; i < d->pixels; i++) {
+        if (!d->checked[i]) continue;
+        lit++, told += abs(ffp_gray_signal(d->signal[axis][bit][i])) > FFP_GRAY_WEAK;
+    }
+    if ((double)told < RESOLVED * (double)lit) return false;
+    const double here = (double)changes_of(d, axis, bit), before = (double)changes_of(d, axis, bit - 1);
+    return here < RESTLESS * (double)lit || here >= FINER * before;
+}
+
 void ffp_gray_drop_fine_bits(FfpGrayDecoder *d, int axis) {
     int bit = d->bits[axis] - 1;
-    for (; bit > 0; bit--) {
-        size_t told = 0, lit = 0;
-        for (size_t i = 0; i < d->pixels; i++) {
-            if (!d->checked[i]) continue;
-            lit++, told += abs(ffp_gray_signal(d->signal[axis][bit][i])) > FFP_GRAY_WEAK;
-        }
-        if ((double)told >= RESOLVED * (double)lit) break;
-    }
+    while (bit > 0 && !is_resolved(d, axis, bit)) bit--;
     d->dropped[axis] = d->report->dropped[axis] = d->bits[axis] - 1 - bit;
 }
 
@@ -42,6 +68,7 @@ typedef struct Seen {
     uint32_t *edges; // [bits, 1 << bits] of those, how many have a neighbour that differs in this bit alone
     double line;     // pixels of an edge across what is checked
     double count;    // of pixels with a code
+    double singles, several; // neighbours that differ in one bit, and in more: a camera that steps over codes
 } Seen;
 
 // Two photographs or pairs changed over: a bit with another, or, the same twice, with its inverse.
@@ -59,14 +86,24 @@ static int lowest(unsigned bits) {
     return at;
 }
 
+// Whether two neighbours may lie on one surface: at a silhouette the other axis' code jumps as well.
+static bool goes_on(const FfpGrayDecoder *d, int axis, size_t a, size_t b) {
+    const int *other = d->code[1 - axis];
+    return other[a] >= 0 && other[b] >= 0 && abs(other[a] - other[b]) <= GOES_ON;
+}
+
 static void see_pair(const FfpGrayDecoder *d, int axis, size_t a, size_t b, Seen *seen) {
+    if (!goes_on(d, axis, a, b)) return;
     if (d->checked[a] && d->checked[b])
         for (int bit = 0; bit < seen->bits; bit++)
             seen->lines[bit] +=
                 (d->signal[axis][bit][a] > FFP_GRAY_NONE) != (d->signal[axis][bit][b] > FFP_GRAY_NONE);
     if (d->code[axis][a] < 0 || d->code[axis][b] < 0) return;
     const unsigned word = gray_of(d->code[axis][a]), difference = word ^ gray_of(d->code[axis][b]);
-    if (difference == 0 || (difference & (difference - 1)) != 0) return;
+    if (difference == 0) return;
+    const bool single = (difference & (difference - 1)) == 0;
+    *(single ? &seen->singles : &seen->several) += 1;
+    if (!single) return;
     const size_t bit = (size_t)(seen->bits - 1 - lowest(difference));
     seen->edges[bit * seen->numbers + word]++;
 }
@@ -119,17 +156,20 @@ static int broader_bit(const Seen *seen, const Swap *swap) {
     return -1;
 }
 
-// Where one bit alone changes, a number must go on to the next. Where photographs have changed places, it
-// jumps at the edges of coarser bits: the finest bit with such edges, -1: none.
+// Where one bit alone changes, a number must go on to the next, or to one near it where the camera steps over
+// codes. Where photographs have changed places, it
+// jumps at the edges of coarser bits: the finest bit with such edges, -1: none. The edge of a stripe is one
+// and the same change along a line; single changes, as silhouettes have them, do not count.
 static int jumping_bit(const Seen *seen, const Swap *swap, double most) {
+    const int next = seen->several > STEPS_OVER * seen->singles ? NEXT_MAX : 1;
     for (int bit = seen->bits - 1; bit >= 0; bit--) {
         double jumps = 0, edges = 0;
         for (unsigned word = 0; word < seen->numbers; word++) {
             const double n = seen->edges[(size_t)bit * seen->numbers + word];
-            if (!(n > 0)) continue;
+            if (!(n > LONG * seen->line)) continue;
             const unsigned other = word ^ 1U << (seen->bits - 1 - bit);
             edges += n;
-            jumps += abs(number_of(seen, word, swap) - number_of(seen, other, swap)) != 1 ? n : 0;
+            jumps += abs(number_of(seen, word, swap) - number_of(seen, other, swap)) > next ? n : 0;
         }
         if (edges >= EDGES_CHECKED && jumps >= most * edges) return bit;
     }

@@ -25,6 +25,7 @@ typedef struct FfpNamedPicture {
 typedef struct FfpCalibration {
     bool has_camera, has_projector; // intrinsics are known
     FfpOptics camera, projector;
+    double camera_deviation[4]; // of fx fy cx cy, pixels; 0: the files do not say
     bool has_projector_pose;
     double p2c[16]; // projector to camera of a fixed rig; with stops, projector to world
     int n_stops;    // 0: a fixed rig, which a turntable multiplies

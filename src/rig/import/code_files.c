@@ -20,10 +20,23 @@ static void add_pattern(FfpShots *shots, int stops, int width, int height, int a
         shots->pictures[stop * FFP_PATTERNS_MAX + pattern] = shots->codes[stop * shots->n_codes + index];
 }
 
+// The codes were found with the other photographs (pictures.c).
+static bool take_shown(FfpShots *shots, const char *template, int stops, int width, int height, int axis,
+                       FfpError *err) {
+    if (template) return ffp_fail(err, FFP_ERROR_ARGUMENT, WHERE, "the photographs include the Gray codes");
+    if (width != shots->shown.width || height != shots->shown.height)
+        return ffp_fail(err, FFP_ERROR_FILE, shots->shown.folder,
+                        "the patterns are of %d x %d pixels, the panel is of %d x %d", shots->shown.width,
+                        shots->shown.height, width, height);
+    if (shots->n_patterns == 2) add_pattern(shots, stops, width, height, axis);
+    return true;
+}
+
 bool ffp_shots_find_codes(FfpShots *shots, const FfpShotSources *sources, const FfpCalibration *calibration,
                           int width, int height, int axis, FfpError *err) {
     const char *template = sources->codes;
     const int stops = calibration->n_stops;
+    if (shots->codes) return take_shown(shots, template, stops, width, height, axis, err);
     if (!template) return true;
     if (template[0] == 0) return ffp_fail(err, FFP_ERROR_ARGUMENT, WHERE, "no file given");
     shots->n_codes = ffp_gray_photographs(width, height);

@@ -95,6 +95,26 @@ FfpImage ffp_codes_rectify(const FfpImage *map, double step, const FfpOptics *ca
     return out;
 }
 
+FfpImage ffp_codes_region(const FfpImage *coverage, const FfpCamera *pinhole, const FfpOptics *camera) {
+    FfpImage region = ffp_image_new(camera->width, camera->height, 1);
+    const int reach =
+        (int)ceil(0.5 * fmax(camera->fx / (double)pinhole->fx, camera->fy / (double)pinhole->fy));
+    for (int y = 0; y < coverage->height; y++)
+        for (int x = 0; x < coverage->width; x++) {
+            double u, v;
+            if (!(coverage->data[(size_t)y * (size_t)coverage->width + (size_t)x] > 0)) continue;
+            ffp_lens_distort(camera->lens, (x + 0.5 - (double)pinhole->cx) / (double)pinhole->fx,
+                             (y + 0.5 - (double)pinhole->cy) / (double)pinhole->fy, &u, &v);
+            const int column = (int)floor(camera->cx + camera->fx * u),
+                      row = (int)floor(camera->cy + camera->fy * v);
+            for (int j = row > reach ? row - reach : 0; j <= row + reach && j < camera->height; j++)
+                for (int i = column > reach ? column - reach : 0; i <= column + reach && i < camera->width;
+                     i++)
+                    region.data[(size_t)j * (size_t)camera->width + (size_t)i] = 1;
+        }
+    return region;
+}
+
 // --- Against the poses. ---
 
 FfpCodesFit ffp_codes_check(FfpView *view) {

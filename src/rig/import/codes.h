@@ -11,6 +11,10 @@
 FfpImage ffp_codes_rectify(const FfpImage *map, double step, const FfpOptics *camera,
                            const FfpCamera *pinhole, const FfpOptics *projector, const FfpCamera *ideal);
 
+// The region of the photographs that shows what a pinhole's coverage shows, 1 inside it and 0 outside: each
+// pixel is projected through the lens, at its width there. [height,width,1] of the camera's size.
+FfpImage ffp_codes_region(const FfpImage *coverage, const FfpCamera *pinhole, const FfpOptics *camera);
+
 // How a view's correspondences fit its devices' poses. Positions that camera and projector disagree about by
 // more than OFF_MAX pixels lose their trust.
 typedef struct FfpCodesFit {

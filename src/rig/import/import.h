@@ -15,8 +15,9 @@ typedef enum FfpAxisKnown {
 typedef struct FfpImportSettings {
     const char *const *calibrations; // files (and folders) of one calibration
     int n_calibrations;
-    const char *projector_image;   // COLMAP: the image that is the projector; NULL: "calib"
-    const char *turntable_file;    // angles, and axis and point unless they are to be found; NULL: as below
+    const char *projector_image; // COLMAP: the image that is the projector; NULL: "calib"
+    const char *turntable_file;  // axis and point unless they are to be found, and angles unless `turntable`
+                                 // has some; NULL: as below
     const FfpTurntable *turntable; // NULL: neither angles nor a guess are given
     FfpAxisKnown axis;
     FfpShotSources sources;

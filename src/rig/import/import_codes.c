@@ -8,42 +8,36 @@
 #define CLIPPED_MAX 0.2   // of the light pixels, under white
 #define CODES_OFF_MAX 3.0 // pixels: median by which the codes may contradict the calibration
 
-static bool decode_view(FfpImporting *import, int stop, FfpError *err) {
-    const FfpShots *shots = &import->shots;
-    const FfpOptics *camera = &import->calibration.stops[stop].camera, *panel = &import->coded;
+// What a view's photographs of the codes are like.
+static void note_report(const FfpImporting *import, const FfpView *view, const FfpGrayReport *report,
+                        const FfpCodesFit *fit) {
+    ffp_note(
+        "view '%s': Gray codes decoded at %.1f %% of the lit pixels, %d of the object's; median distance from "
+        "the camera's rays %.2f pixels of the projector",
+        view->id, 100.0 * report->decoded / report->lit, fit->kept, fit->off);
+    if (report->dropped[0] > 0 || report->dropped[1] > 0)
+        ffp_note("  the finest %d codes of columns and %d of rows are too fine for the photographs",
+                 report->dropped[0], report->dropped[1]);
+    if (report->clipped > CLIPPED_MAX)
+        ffp_note("  under white %.0f %% of the light pixels are overexposed: shorten the exposure",
+                 100 * report->clipped);
+    if (report->fine_sum < FINE_SUM_MIN && !import->settings->linear_images)
+        ffp_note("  the finest codes and their inverses add up to %.2f of white: the photographs' values "
+                 "look like linear light: if they are, import them as linear images",
+                 report->fine_sum);
+}
+
+// The view's correspondence from the decoded map, checked against the poses.
+static bool place_codes(const FfpImporting *import, int stop, const FfpImage *map,
+                        const FfpGrayReport *report, FfpError *err) {
     FfpView *view = &import->capture.views[stop];
-    const char *const *pictures = shots->pictures + (ptrdiff_t)stop * FFP_PATTERNS_MAX;
-    const FfpGrayPhotographs from = {.width = panel->width,
-                                     .height = panel->height,
-                                     .codes = shots->codes + (ptrdiff_t)stop * shots->n_codes,
-                                     .black = pictures[shots->black],
-                                     .white = pictures[shots->white],
-                                     .linear = import->settings->linear_images};
-    FfpImage map = {0};
-    FfpGrayReport report;
-    if (!ffp_gray_decode_view(&map, &report, &from, err)) return false;
-    view->correspondence =
-        ffp_codes_rectify(&map, report.step, camera, &view->camera, panel, &view->projector);
-    ffp_image_free(&map);
+    view->correspondence = ffp_codes_rectify(map, report->step, &import->calibration.stops[stop].camera,
+                                             &view->camera, &import->coded, &view->projector);
     const ptrdiff_t pixels = (ptrdiff_t)view->camera.width * view->camera.height;
     for (ptrdiff_t i = 0; i < pixels; i++)
         if (!(view->coverage.data[i] > 0)) memset(view->correspondence.data + 3 * i, 0, 3 * sizeof(real));
     const FfpCodesFit fit = ffp_codes_check(view);
-    ffp_note(
-        "view '%s': Gray codes decoded at %.1f %% of the lit pixels, %d of the object's; median distance "
-        "from the camera's rays %.2f pixels of the projector",
-        view->id, 100.0 * report.decoded / report.lit, fit.kept, fit.off);
-    if (report.dropped[0] > 0 || report.dropped[1] > 0)
-        ffp_note("  the finest %d codes of columns and %d of rows are too fine for the photographs",
-                 report.dropped[0], report.dropped[1]);
-    if (report.clipped > CLIPPED_MAX)
-        ffp_note("  under white %.0f %% of the light pixels are overexposed: shorten the exposure",
-                 100 * report.clipped);
-    if (report.fine_sum < FINE_SUM_MIN && !import->settings->linear_images)
-        ffp_note("  the finest codes and their inverses add up to %.2f of white: the photographs' values "
-                 "look like "
-                 "linear light: if they are, import them as linear images",
-                 report.fine_sum);
+    note_report(import, view, report, &fit);
     return (fit.known > 0 && fit.off <= CODES_OFF_MAX) ||
            ffp_fail(err, FFP_ERROR_FILE, "gray_codes",
                     "view '%s': half of %d decoded positions are %.1f or more projector pixels away from "
@@ -52,14 +46,56 @@ static bool decode_view(FfpImporting *import, int stop, FfpError *err) {
                     view->id, fit.known, fit.off);
 }
 
+static bool decode_view(FfpImporting *import, int stop, FfpError *err) {
+    const FfpShots *shots = &import->shots;
+    FfpView *view = &import->capture.views[stop];
+    const char *const *pictures = shots->pictures + (ptrdiff_t)stop * FFP_PATTERNS_MAX;
+    FfpImage map = {0}, region = ffp_codes_region(&view->coverage, &view->camera,
+                                                  &import->calibration.stops[stop].camera);
+    const FfpGrayPhotographs from = {.width = import->coded.width,
+                                     .height = import->coded.height,
+                                     .codes = shots->codes + (ptrdiff_t)stop * shots->n_codes,
+                                     .black = pictures[shots->black],
+                                     .white = pictures[shots->white],
+                                     .linear = import->settings->linear_images,
+                                     .region = &region};
+    FfpGrayReport report;
+    const bool ok =
+        ffp_gray_decode_view(&map, &report, &from, err) && place_codes(import, stop, &map, &report, err);
+    ffp_image_free(&map);
+    ffp_image_free(&region);
+    return ok;
+}
+
+// A view whose photographs are at fault does without codes: its depth is matched. Other errors end the call.
+static bool leave_out(FfpView *view, const FfpError *error, FfpError *err) {
+    if (error->code != FFP_ERROR_FILE && error->code != FFP_ERROR_IO &&
+        error->code != FFP_ERROR_UNSUPPORTED) {
+        if (err) *err = *error;
+        return false;
+    }
+    ffp_image_free(&view->correspondence);
+    ffp_warning("the Gray codes of view '%s' are left out: %s", view->id, error->text);
+    return true;
+}
+
 bool ffp_importing_load_codes(FfpImporting *import, FfpError *err) {
     if (!import->shots.codes) return true;
     FfpTask progress = ffp_task("decoding", import->capture.n_views);
-    bool ok = true;
+    FfpError first = {0};
+    int decoded = 0;
+    bool ok = true, failed = false;
     for (int v = 0; v < import->capture.n_views && ok; v++) {
-        ok = decode_view(import, v, err);
-        if (ok) ffp_task_step(&progress, v + 1, import->capture.views[v].id);
+        FfpView *view = &import->capture.views[v];
+        FfpError error = {0};
+        const bool done = decode_view(import, v, &error);
+        if (!done && !failed) first = error;
+        failed = failed || !done;
+        decoded += done;
+        ok = done || import->capture.n_views == 1 || leave_out(view, &error, err);
+        if (ok) ffp_task_step(&progress, v + 1, view->id);
     }
     ffp_task_end(&progress);
-    return ok;
+    if (ok && decoded == 0 && err) *err = first;
+    return ok && decoded > 0;
 }

@@ -8,42 +8,98 @@
 #include "rig/import/checks.h"
 #include "rig/import/import_steps.h"
 
-static void log_response(const FfpResponse *r, double before, double after) {
-    ffp_note(
-        "projector gamma %.3f %.3f %.3f (+- %.2g %.2g %.2g), from %d pixels; pattern lookup %.1f dB (%.1f "
-        "before)",
-        r->gamma[0], r->gamma[1], r->gamma[2], r->gamma_deviation[0], r->gamma_deviation[1],
-        r->gamma_deviation[2], r->samples, -20 * log10(after), -20 * log10(before));
+#define BETTER 0.99       // of the error without a response: what one must reach to be kept
+enum { HALVES_FROM = 4 }; // views, of which every other one is held out
+
+static double decibels(double error) {
+    return -20 * log10(error);
+}
+
+static void log_response(const FfpResponse *r, const double errors[2]) {
+    ffp_note("projector gamma %.3f %.3f %.3f (+- %.2g %.2g %.2g), from %d pixels; pattern lookup in views "
+             "held out "
+             "%.1f dB, before %.1f",
+             r->gamma[0], r->gamma[1], r->gamma[2], r->gamma_deviation[0], r->gamma_deviation[1],
+             r->gamma_deviation[2], r->samples, decibels(errors[1]), decibels(errors[0]));
     ffp_note("  black level %s%.4f %.4f %.4f of white%s", r->black_known ? "" : "at most ", r->black[0],
              r->black[1], r->black[2],
              r->black_known ? "" : " (hidden by the room's light: to measure it, photograph in the dark)");
 }
 
-// Patterns become the light that the projector made of them.
-bool ffp_importing_find_response(FfpImporting *import, FfpError *err) {
-    FfpCapture *capture = &import->capture;
+// Every other view of a capture, from `first` on; all of them where they are few. Only the list is owned.
+static FfpCapture half_of(const FfpCapture *capture, int first) {
+    FfpCapture half = *capture;
+    const int step = capture->n_views < HALVES_FROM ? 1 : 2;
+    half.views = ffp_alloc((size_t)capture->n_views, sizeof *half.views);
+    half.n_views = 0;
+    for (int v = step == 1 ? 0 : first; v < capture->n_views; v += step)
+        half.views[half.n_views++] = capture->views[v];
+    return half;
+}
+
+// How far the pattern is from explaining views, without a response and with the one of the other views.
+static bool try_response(const FfpImporting *import, int active, double errors[2], FfpError *err) {
     const bool linear = import->settings->linear_patterns;
-    capture->panel.power = linear || import->settings->fit_response;
-    for (int c = 0; c < 3; c++) capture->panel.gamma[c] = 1;
-    if (!import->settings->fit_response) return true;
-    const int active = ffp_capture_active_pattern(capture, NULL, err);
-    if (active < 0 || !ffp_fit_response(&import->response, capture, active, linear, err)) return false;
-    const double before = ffp_rig_explain(capture, active).error;
-    for (int p = 0; p < capture->n_patterns; p++) {
-        if (p != capture->black && p != capture->white)
-            ffp_response_apply(&import->response, linear, &capture->patterns[p].image);
+    FfpCapture fitted = half_of(&import->capture, 0), checked = half_of(&import->capture, 1);
+    FfpResponse response;
+    const bool ok = ffp_fit_response(&response, &fitted, active, linear, err);
+    if (ok) {
+        errors[0] = ffp_rig_explain(&checked, active).error;
+        FfpPattern *patterns = ffp_alloc((size_t)checked.n_patterns, sizeof *patterns);
+        memcpy(patterns, checked.patterns, (size_t)checked.n_patterns * sizeof *patterns);
+        patterns[active].image = ffp_image_copy(&checked.patterns[active].image);
+        ffp_response_apply(&response, linear, &patterns[active].image);
+        checked.patterns = patterns;
+        errors[1] = ffp_rig_explain(&checked, active).error;
+        ffp_image_free(&patterns[active].image);
+        ffp_free(patterns);
     }
+    ffp_free(fitted.views);
+    ffp_free(checked.views);
+    return ok;
+}
+
+static void take_response(FfpImporting *import) {
+    FfpCapture *capture = &import->capture;
+    for (int p = 0; p < capture->n_patterns; p++)
+        if (p != capture->black && p != capture->white)
+            ffp_response_apply(&import->response, import->settings->linear_patterns,
+                               &capture->patterns[p].image);
     for (int c = 0; c < 3; c++) {
         capture->intensity[c] = (real)import->response.intensity;
         capture->panel.gamma[c] = (real)import->response.gamma[c];
     }
-    capture->intensity_known = true;
+    capture->intensity_known = capture->panel.power = import->has_response = true;
+}
+
+// Patterns become the light that the projector made of them, where that makes them explain views better that
+// had no part in it.
+bool ffp_importing_find_response(FfpImporting *import, FfpError *err) {
+    FfpCapture *capture = &import->capture;
+    double errors[2];
+    capture->panel.power = import->settings->linear_patterns;
+    for (int c = 0; c < 3; c++) capture->panel.gamma[c] = 1;
+    if (!import->settings->fit_response) return true;
+    const int active = ffp_capture_active_pattern(capture, NULL, err);
+    if (active < 0 ||
+        !ffp_fit_response(&import->response, capture, active, import->settings->linear_patterns, err) ||
+        !try_response(import, active, errors, err))
+        return false;
+    if (!(errors[1] < BETTER * errors[0])) {
+        ffp_warning(
+            "the projector's response is not kept (gamma %.2f %.2f %.2f): with it the pattern explains views "
+            "held out no better, %.1f dB, than the %.1f without; patterns count as %s",
+            import->response.gamma[0], import->response.gamma[1], import->response.gamma[2],
+            decibels(errors[1]), decibels(errors[0]), import->settings->linear_patterns ? "linear" : "sRGB");
+        return true;
+    }
+    take_response(import);
     const FfpExplanation found = ffp_rig_explain(capture, active);
     if (!(found.error < FFP_CHANCE_MAX * found.chance))
         return ffp_fail(err, FFP_ERROR_FILE, "fit_response",
                         "with the best response the pattern explains the pictures hardly better than chance: "
                         "check poses and the pattern's file");
-    log_response(&import->response, before, found.error);
+    log_response(&import->response, errors);
     return true;
 }
 
@@ -53,7 +109,7 @@ bool ffp_importing_keep_response(const char *folder, void *context, FfpError *er
     char path[FFP_PATH_MAX];
     FfpNode root;
     const FfpResponse *r = &import->response;
-    if (!import->settings->fit_response) return true;
+    if (!import->has_response) return true;
     if (!ffp_join_path(path, folder, "scene.json"))
         return ffp_fail(err, FFP_ERROR_FILE, folder, "the path is too long");
     if (!ffp_node_open(&root, path, err)) return false;

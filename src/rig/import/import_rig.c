@@ -38,8 +38,11 @@ static bool keep_chosen_stops(FfpImporting *import, FfpError *err) {
 static bool read_turntable(const FfpImportSettings *settings, FfpTurntable *turntable, FfpError *err) {
     const bool known = settings->axis == FFP_AXIS_KNOWN;
     if (settings->turntable_file) {
-        return known ? ffp_turntable_read(turntable, settings->turntable_file, err)
-                     : ffp_turntable_read_angles(turntable, settings->turntable_file, err);
+        const char *path = settings->turntable_file;
+        const bool read = known ? ffp_turntable_read(turntable, path, err)
+                                : ffp_turntable_read_angles(turntable, path, err);
+        return read && ffp_turntable_set_angles(turntable, settings->turntable, path, err) &&
+               ffp_turntable_check_angles(turntable, err);
     }
     const FfpTurntable unknown = ffp_turntable_unknown();
     *turntable = settings->turntable ? *settings->turntable : unknown;

@@ -12,12 +12,12 @@ static bool settle_projector(FfpImporting *import, FfpCamera *pinhole, FfpError 
     int width = 0, height = 0;
     const char *path = NULL;
     for (int i = 0; i < import->shots.n_patterns && !path; i++) path = import->shots.patterns[i].file;
-    const bool coded = !path && import->settings->sources.codes;
+    const bool coded = !path && (import->settings->sources.codes || import->shots.codes);
     if (!path && !coded)
         return ffp_fail(err, FFP_ERROR_ARGUMENT, "patterns",
                         "no pattern besides black and white: matching is impossible");
     if (coded) { // as many pixels as it was calibrated at
-        path = import->settings->sources.codes;
+        path = import->shots.codes ? import->shots.shown.folder : import->settings->sources.codes;
         width = at->width > 0 ? at->width : optics->width,
         height = at->width > 0 ? at->height : optics->height;
         if (width == 0)

@@ -22,6 +22,7 @@ typedef struct FfpImporting {
     int64_t too_bright;     // load_pixels: those that are cut off
     FfpDeveloped developed; // load_pixels: photographs and films by other programs
     FfpResponse response;   // find_response, where it is asked for
+    bool has_response;      // and kept
 } FfpImporting;
 
 // 1. The calibration; its stops are the views that are asked for, in their order, with poses wherever the

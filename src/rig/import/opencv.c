@@ -120,6 +120,20 @@ static bool read_camera_config(FfpCalibration *calibration, const FfpNode *camer
            ffp_settle_size(&calibration->camera, camera, width, height, err);
 }
 
+// `ffprocams calibrate`: standard deviations of fx fy cx cy k1 k2 p1 p2 k3.
+static bool read_deviations(FfpCalibration *calibration, const FfpNode *root, FfpError *err) {
+    FfpNode field;
+    double deviations[9];
+    if (!ffp_node_find(root, "cam_deviations", &field)) return true;
+    if (!ffp_node_matrix_of(&field, 1, 9, deviations, err)) return false;
+    for (int i = 0; i < 4; i++) {
+        if (!(deviations[i] >= 0 && deviations[i] <= FFP_IMAGE_SIDE_MAX))
+            return ffp_node_fail(&field, err, "invalid standard deviation %g", deviations[i]);
+        calibration->camera_deviation[i] = deviations[i];
+    }
+    return true;
+}
+
 // single-shot's calib-info.yml, or any file with these keys.
 static bool read_sizes(FfpCalibration *calibration, const FfpNode *root, bool *found, FfpError *err) {
     static const char *const keys[2][2] = {{"camW", "camH"}, {"prjW", "prjH"}};
@@ -149,7 +163,8 @@ bool ffp_read_opencv(FfpCalibration *calibration, const FfpNode *root, FfpError 
                      err) ||
         !read_device(root, projector_keys, projector_lens_keys, &calibration->projector,
                      &calibration->has_projector, err) ||
-        !read_motion(calibration, root, err) || !read_shape(calibration, root, err)) {
+        !read_motion(calibration, root, err) || !read_shape(calibration, root, err) ||
+        !read_deviations(calibration, root, err)) {
         return false;
     }
     told = told || before[0] != calibration->has_camera || before[1] != calibration->has_projector ||

@@ -1,4 +1,5 @@
 #include "rig/import/pictures.h"
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include "core/base/arena.h"
@@ -79,6 +80,53 @@ static bool find_group(FfpShots *shots, const Group *group, const FfpCalibration
     return true;
 }
 
+// --- Photographs of everything that was shown. ---
+
+// The paths [n_stops, *n]: of all patterns or, where there are fewer photographs, of those before the codes.
+static const char **find_shown(FfpShots *shots, const char *template, const FfpCalibration *calibration,
+                               int *n, FfpError *err) {
+    const FfpShown *shown = &shots->shown;
+    const size_t stops = (size_t)calibration->n_stops;
+    const char **names = ffp_arena_alloc(shots->arena, (size_t)shown->n, sizeof *names),
+               **paths = ffp_arena_alloc(shots->arena, stops * (size_t)shown->n, sizeof *paths);
+    const int plain = shown->n - shown->n_codes;
+    char order[160] = "";
+    FfpError error = {0};
+    for (int i = 0; i < shown->n; i++) names[i] = shown->patterns[i].name;
+    if (shown->n_codes > 0)
+        snprintf(order, sizeof order, " for all that was shown, or %d without the Gray codes", plain);
+    FfpFileSet set = {template, calibration, names, shown->n, "photographs", "pattern", order};
+    *n = shown->n;
+    if (ffp_files_find(paths, shots->arena, &set, err)) return paths;
+    set.n_names = *n = plain;
+    return shown->n_codes > 0 && ffp_files_find(paths, shots->arena, &set, &error) ? paths : NULL;
+}
+
+static bool take_all_shown(FfpShots *shots, const char *template, const FfpCalibration *calibration,
+                           FfpError *err) {
+    const int stops = calibration->n_stops, plain = shots->shown.n - shots->shown.n_codes;
+    int n;
+    if (!template || template[0] == 0) return ffp_fail(err, FFP_ERROR_ARGUMENT, IMAGES, "no file is named");
+    if (!shots->shown.arena)
+        return ffp_fail(err, FFP_ERROR_ARGUMENT, IMAGES, "'%.100s' is without names of patterns", template);
+    const char **paths = find_shown(shots, template, calibration, &n, err);
+    if (!paths) return false;
+    for (int p = 0; p < plain; p++) {
+        const int pattern = pattern_index(shots, shots->shown.patterns[p].name, err);
+        if (pattern < 0) return false;
+        for (int stop = 0; stop < stops; stop++)
+            if (!set_picture(shots, calibration, stop, pattern, paths[stop * n + p], err)) return false;
+    }
+    if (n == plain) return true;
+    if (shots->codes) return ffp_fail(err, FFP_ERROR_ARGUMENT, IMAGES, "the Gray codes come twice");
+    shots->n_codes = n - plain;
+    shots->codes =
+        ffp_arena_alloc(shots->arena, (size_t)stops * (size_t)shots->n_codes, sizeof *shots->codes);
+    for (int i = 0; i < stops * shots->n_codes; i++)
+        shots->codes[i] = paths[i / shots->n_codes * n + plain + i % shots->n_codes];
+    return true;
+}
+
 // --- Patterns and masks. ---
 
 static bool take_projected(FfpShots *shots, const FfpProjected *projected, bool novel, FfpError *err) {
@@ -112,6 +160,15 @@ static bool take_named(FfpShots *shots, const FfpCalibration *calibration, FfpEr
             return false;
     }
     return true;
+}
+
+// Patterns as they were shown.
+static void take_shown_patterns(FfpShots *shots) {
+    for (int i = 0; i < shots->n_patterns; i++)
+        for (int k = 0; k < shots->shown.n; k++)
+            if (!shots->patterns[i].file && i != shots->black && i != shots->white &&
+                strcmp(shots->patterns[i].name, shots->shown.patterns[k].name) == 0)
+                shots->patterns[i].file = ffp_arena_text(shots->arena, shots->shown.patterns[k].file);
 }
 
 // Patterns that lie where the calibration keeps them.
@@ -176,9 +233,11 @@ static bool find_all(FfpShots *shots, const FfpShotSources *sources, const FfpCa
     Group *group = ffp_arena_alloc(shots->arena, 1, sizeof *group);
     if (sources->n_images == 0 && !take_named(shots, calibration, err)) return false;
     for (int i = 0; i < sources->n_images; i++) {
-        if (!read_group(shots, &sources->images[i], group, err) ||
-            !find_group(shots, group, calibration, err))
-            return false;
+        const FfpShotFiles *images = &sources->images[i];
+        const bool ok = images->n_patterns == 0 ? take_all_shown(shots, images->files, calibration, err)
+                                                : read_group(shots, images, group, err) &&
+                                                      find_group(shots, group, calibration, err);
+        if (!ok) return false;
     }
     for (int i = 0; i < sources->n_patterns; i++) {
         if (!take_projected(shots, &sources->patterns[i], false, err)) return false;
@@ -186,6 +245,7 @@ static bool find_all(FfpShots *shots, const FfpShotSources *sources, const FfpCa
     for (int i = 0; i < sources->n_held_out; i++) {
         if (!take_projected(shots, &sources->held_out[i], true, err)) return false;
     }
+    take_shown_patterns(shots);
     take_kept_patterns(shots, calibration->pattern_folder);
     return (sources->mask != FFP_MASKS_FILES || find_masks(shots, sources->mask_files, calibration, err)) &&
            check_complete(shots, calibration, err) && check_single(shots, calibration, err);
@@ -197,10 +257,12 @@ bool ffp_shots_find(FfpShots *shots, const FfpShotSources *sources, const FfpCal
     shots->patterns = ffp_arena_alloc(shots->arena, FFP_PATTERNS_MAX, sizeof *shots->patterns);
     shots->pictures = ffp_arena_alloc(shots->arena, (size_t)calibration->n_stops * FFP_PATTERNS_MAX,
                                       sizeof *shots->pictures);
-    return find_all(shots, sources, calibration, err);
+    return (!sources->shown || ffp_shown_read(&shots->shown, sources->shown, err)) &&
+           find_all(shots, sources, calibration, err);
 }
 
 void ffp_shots_free(FfpShots *shots) {
     if (shots->arena) ffp_arena_free(shots->arena);
+    ffp_shown_free(&shots->shown);
     *shots = (FfpShots){0};
 }

@@ -3,6 +3,7 @@
 #define FFP_RIG_PICTURES_H
 
 #include "core/base/arena.h"
+#include "core/patterns/shown.h"
 #include "rig/import/calibration.h"
 
 typedef struct FfpShotPattern {
@@ -20,12 +21,13 @@ typedef struct FfpShots {
     const char **masks;       // [n_stops]; NULL: there are no mask files
     const char **codes;       // [n_stops, n_codes] photographs of Gray codes; NULL: there are none
     int n_codes;
+    FfpShown shown; // empty where the sources name none
 } FfpShots;
 
 // Photographs under one pattern or several. `files` is a template (file_names.h).
 typedef struct FfpShotFiles {
     const char *const *patterns; // names
-    int n_patterns;
+    int n_patterns;              // 0: those that were shown
     const char *files;
 } FfpShotFiles;
 
@@ -47,6 +49,7 @@ typedef struct FfpShotSources {
     FfpMaskKind mask;
     const char *mask_files; // as FfpShotFiles.files
     const char *codes;      // likewise, photographs of Gray codes; NULL: none
+    const char *shown;      // folder of patterns (core/patterns/shown.h); NULL: none
 } FfpShotSources;
 
 // Finds all files for the calibration's stops. Afterwards each picture is known to exist, and so are black

@@ -52,6 +52,7 @@ static bool read_angles(FfpTurntable *turntable, const FfpNode *root, FfpError *
     FfpNode list, item;
     int n = 0;
     if (!ffp_node_find(root, "angles", &list)) {
+        if (!ffp_node_find(root, "count", &list)) return true;
         int count = 0;
         real step = 0;
         return ffp_get_whole(root, "count", 1, FFP_VIEWS_MAX, &count, err) &&
@@ -70,14 +71,30 @@ static bool read_angles(FfpTurntable *turntable, const FfpNode *root, FfpError *
     return true;
 }
 
+static bool read_sense(FfpTurntable *turntable, const FfpNode *root, FfpError *err) {
+    FfpNode field;
+    double square = 0;
+    if (ffp_node_find(root, "clockwise", &field)) {
+        if (!json_is_boolean(field.value)) return ffp_node_fail(&field, err, "not true or false");
+        turntable->clockwise = json_is_true(field.value);
+    }
+    if (!ffp_node_find(root, "zero", &field)) return true;
+    if (!ffp_node_matrix_of(&field, 3, 1, turntable->zero, err)) return false;
+    for (int i = 0; i < 3; i++) square += turntable->zero[i] * turntable->zero[i];
+    return (square > 1e-12 && square < 1e18) || ffp_node_fail(&field, err, "has no direction");
+}
+
+static bool read_axis(FfpTurntable *turntable, const FfpNode *root, FfpError *err) {
+    FfpNode axis, point;
+    return ffp_node_get(root, "axis", &axis, err) && ffp_node_matrix_of(&axis, 3, 1, turntable->axis, err) &&
+           ffp_node_get(root, "point", &point, err) &&
+           ffp_node_matrix_of(&point, 3, 1, turntable->point, err) && read_sense(turntable, root, err);
+}
+
 static bool read_file(FfpTurntable *turntable, const char *path, bool with_axis, FfpError *err) {
-    FfpNode root, axis, point;
+    FfpNode root;
     if (!ffp_document_open(&root, path, err)) return false;
-    const bool ok = (!with_axis || (ffp_node_get(&root, "axis", &axis, err) &&
-                                    ffp_node_matrix_of(&axis, 3, 1, turntable->axis, err) &&
-                                    ffp_node_get(&root, "point", &point, err) &&
-                                    ffp_node_matrix_of(&point, 3, 1, turntable->point, err))) &&
-                    read_angles(turntable, &root, err);
+    const bool ok = (!with_axis || read_axis(turntable, &root, err)) && read_angles(turntable, &root, err);
     ffp_node_close(&root);
     return ok;
 }
@@ -90,6 +107,17 @@ bool ffp_turntable_read(FfpTurntable *turntable, const char *path, FfpError *err
 bool ffp_turntable_read_angles(FfpTurntable *turntable, const char *path, FfpError *err) {
     *turntable = ffp_turntable_unknown();
     return read_file(turntable, path, false, err);
+}
+
+bool ffp_turntable_set_angles(FfpTurntable *turntable, const FfpTurntable *given, const char *path,
+                              FfpError *err) {
+    if (given && given->count > 0) {
+        turntable->count = given->count;
+        memcpy(turntable->angles, given->angles, sizeof turntable->angles);
+    }
+    return turntable->count > 0 || ffp_fail(err, FFP_ERROR_FILE, path,
+                                            "the file has no angles (those by which the object had turned at "
+                                            "its stops), and none are given");
 }
 
 // --- Numbers. ---
@@ -126,13 +154,13 @@ static bool across(const double axis[3], const double v[3], double out[3]) {
     return square > 1e-12 * whole && square > 0;
 }
 
-// World axes in camera coordinates: rows x, y, z. x points from the axis to the camera; where that has no
-// direction, any will do.
+// World axes in camera coordinates: rows x, y, z. Without `zero`, x points from the axis to the camera; where
+// that has no direction, any will do.
 static void world_axes(const FfpTurntable *turntable, double rows[9]) {
     double to_camera[3];
     for (int i = 0; i < 3; i++) to_camera[i] = -turntable->point[i];
     memcpy(rows + 6, turntable->axis, 3 * sizeof *rows);
-    if (!across(turntable->axis, to_camera, rows)) {
+    if (!across(turntable->axis, turntable->zero, rows) && !across(turntable->axis, to_camera, rows)) {
         const bool steep = fabs(turntable->axis[0]) > 0.9;
         const double any[3] = {!steep, steep, 0};
         across(turntable->axis, any, rows);
@@ -191,7 +219,7 @@ bool ffp_turntable_apply(const FfpTurntable *turntable, FfpCalibration *calibrat
         stop->camera = calibration->camera;
         stop->angle = turntable->angles[i];
     }
-    ffp_turntable_place(turntable, false, calibration);
+    ffp_turntable_place(turntable, turntable->clockwise, calibration);
     for (int i = 0; i < turntable->count && twice; i++)
         snprintf(calibration->stops[i].id, sizeof calibration->stops[i].id, "stop_%03d", i);
     return true;

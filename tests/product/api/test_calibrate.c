@@ -374,6 +374,47 @@ static void a_bad_one_is_left_out(void **state) {
     assert_non_null(strstr(notes, "fix camera.k3"));
 }
 
+// Folders with a photograph of everything that was shown give what black, white and the codes alone do; of
+// others the number is told.
+static void everything_that_was_shown(void **state) {
+    NEEDS_OPENCV();
+    const char *folder = in_scratch("whole"), *plain = in_scratch("shots");
+    char file[2][FFP_PATH_MAX], patterns[FFP_PATH_MAX], command[2048], *text[2];
+    size_t size[2];
+    FfpPatterns show = ffp_patterns_defaults();
+    FfpError err = {0};
+    snprintf(patterns, sizeof patterns, "%s/patterns", scratch);
+    show.folder = patterns, show.width = PANEL_W, show.height = PANEL_H;
+    assert_int_equal(ffp_write_patterns(NULL, &show, &err), 2 + 2 + 2 * PAIRS);
+    snprintf(command, sizeof command,
+             "cp -r '%s' '%s' && cd '%s' && for p in *; do for i in $(seq %d -1 3); do "
+             "mv $p/shot_$i.png $p/shot_$((i + 1)).png; done; cp $p/shot_1.png $p/shot_3.png; done",
+             plain, folder, folder, 2 * PAIRS + 2);
+    assert_int_equal(system(command), 0);
+    for (int whole = 0; whole < 2; whole++) {
+        FfpRigCalibration o = settings_of(whole ? &folder : &plain, 1);
+        FfpRigCalibrationStats stats;
+        snprintf(file[whole], sizeof file[whole], "%s/whole_%d.xml", scratch, whole);
+        o.file = file[whole], o.width = o.height = 0, o.shown = patterns;
+        FfpContext *context = listening();
+        if (!ffp_calibrate_rig(context, &o, &stats, &err)) fail_msg("%s", err.text);
+        ffp_context_free(context);
+        assert_true(stats.used == ATTITUDES);
+        assert_true(ffp_read_text(file[whole], 1 << 20, &text[whole], &size[whole], &err));
+    }
+    assert_string_equal(text[0], text[1]);
+    ffp_free(text[0]), ffp_free(text[1]);
+    // The terms that are open were tried on boards held out.
+    printf("%s", notes);
+    assert_non_null(strstr(notes, "calibrate again with --fix "));
+    assert_non_null(strstr(notes, "tried, and it holds: boards held out are off by 0."));
+    snprintf(command, sizeof command, "rm '%s'/pose_[1-4]/shot_[89].png", folder);
+    assert_int_equal(system(command), 0);
+    FfpRigCalibration o = settings_of(&folder, 1);
+    o.file = file[0], o.shown = patterns;
+    REFUSED(&o, "33 photographs, but ", "has 35 patterns: one photograph of each is needed");
+}
+
 // --- The turntable. ---
 
 static const double axis_turn[3] = {0.45, 0.1, 0.05}, axis_point[3] = {15, 60, 640};
@@ -461,8 +502,43 @@ static void a_turntable_comes_back(void **state) {
                stats.stops_rms);
         assert_true(stats.has_axis && stats.stops_used == STOPS && stats.reversed == (reversed == 1));
         assert_true(degrees_between(read.axis, u) < 0.2 && sqrt(ffp_dot(across, across)) < 1.5);
-        assert_true(fabs(read.angles[6] - (reversed ? -50 : 50)) < 1e-9 && stats.stops_rms < 0.2);
+        // The object's angles count as the board's did; the board's are not the object's.
+        assert_true(read.count == 0 && read.clockwise == (reversed == 1) && stats.stops_rms < 0.2);
+        assert_true(fabs(ffp_dot(read.zero, read.zero) - 1) < 1e-6 &&
+                    fabs(ffp_dot(read.zero, read.axis)) < 1e-6);
     }
+}
+
+// What the camera's calibration leaves open is in the axis' uncertainty: a focal length that is known to a
+// hundredth puts the axis a hundredth nearer or farther.
+static void the_camera_is_uncertain_too(void **state) {
+    NEEDS_OPENCV();
+    static const double angles[STOPS] = {-40, -25, -10, 5, 20, 35, 50};
+    char truth[FFP_PATH_MAX];
+    const char *calibration = truth;
+    double shift[2];
+    snprintf(truth, sizeof truth, "%s/uncertain.yml", scratch);
+    for (int known = 0; known < 2; known++) {
+        FfpRigCalibration o = settings_of(NULL, 0);
+        FfpRigCalibrationStats stats;
+        FfpError err = {0};
+        write_truth(truth);
+        FILE *out = fopen(truth, "a");
+        assert_non_null(out);
+        if (known)
+            fprintf(out, "cam_deviations: [%g, %g, 0.5, 0.5, 0, 0, 0, 0, 0]\n", camera.fx / 100,
+                    camera.fy / 100);
+        fclose(out);
+        o.calibrations = &calibration, o.n_calibrations = 1;
+        o.turntable_board = in_scratch("table_0"), o.angles = angles, o.n_angles = STOPS;
+        FfpContext *context = listening();
+        if (!ffp_calibrate_rig(context, &o, &stats, &err)) fail_msg("%s", err.text);
+        ffp_context_free(context);
+        assert_int_equal(strstr(notes, "does not say how uncertain it is") == NULL, known);
+        shift[known] = stats.shift;
+    }
+    printf("axis uncertain by %.2f units, with the camera's by %.2f\n", shift[0], shift[1]);
+    assert_true(shift[0] < 0.5 && shift[1] > 4 && shift[1] < 9);
 }
 
 // Two stops of seven at which the board had moved are left out, and each is told.
@@ -551,6 +627,7 @@ static void wrong_settings(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(a_rig_comes_back),
+                                       cmocka_unit_test(everything_that_was_shown),
                                        cmocka_unit_test(what_is_wrong_is_named),
                                        cmocka_unit_test(mixed_sizes),
                                        cmocka_unit_test(a_folder_twice),
@@ -558,6 +635,7 @@ int main(void) {
                                        cmocka_unit_test(too_few_and_too_alike),
                                        cmocka_unit_test(a_bad_one_is_left_out),
                                        cmocka_unit_test(a_turntable_comes_back),
+                                       cmocka_unit_test(the_camera_is_uncertain_too),
                                        cmocka_unit_test(stops_out_of_line_are_left_out),
                                        cmocka_unit_test(wrong_turntables),
                                        cmocka_unit_test(wrong_settings)};

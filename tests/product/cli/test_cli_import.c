@@ -416,16 +416,43 @@ static void test_masks_that_leave_nothing_are_refused(void **state) {
     must_fail(arguments, "the masks of all views are black: they must be white on the object (");
 }
 
-// sRGB's curve is nearly the power 2.2; patterns become light by what was found, which the file keeps.
-static void test_fit_response(void **state) {
+// sRGB's curve is nearly the power 2.2, and another answer is no better: patterns stay as they are.
+static void test_a_response_that_does_not_help(void **state) {
     (void)state;
     char arguments[3000], *text = NULL;
     size_t size = 0;
     write_opencv("cal.yml", &single_shot, false, no_lens, no_lens);
+    snprintf(arguments, sizeof arguments, "-c %s/cal.yml " SIZES TURNTABLE "--fit-response " SHOTS PATTERN,
+             scratch);
+    import("as_it_was", arguments);
+    assert_non_null(strstr(run.err, "the projector's response is not kept (gamma 2."));
+    assert_non_null(strstr(run.err, "patterns count as sRGB"));
+    assert_true(ffp_read_file(in_scratch("as_it_was/scene.json"), 1 << 20, &text, &size, NULL));
+    assert_null(strstr(text, "\"response\""));
+    ffp_free(text);
+}
+
+// A projector of gamma 3.3 that was sent a paler pattern: patterns become light by what was found, which the
+// file keeps.
+static void test_fit_response(void **state) {
+    (void)state;
+    char arguments[3000], *text = NULL;
+    size_t size = 0;
+    FfpImage pattern = {0};
+    FfpError err = {0};
+    write_opencv("cal.yml", &single_shot, false, no_lens, no_lens);
+    assert_true(ffp_image_read(&pattern, SAMPLE "/patterns/lollipop_0.png", FFP_COLOUR_ENCODED, &err));
+    const size_t count = (size_t)pattern.width * (size_t)pattern.height * (size_t)pattern.channels;
+    for (size_t i = 0; i < count; i++)
+        if (pattern.channels < 4 || i % 4 < 3) pattern.data[i] = powf(pattern.data[i], 2 / 3.0F);
+    assert_true(ffp_image_write_png(&pattern, in_scratch("pale.png"), &err));
+    ffp_image_free(&pattern);
     snprintf(arguments, sizeof arguments,
-             "-c %s/cal.yml " SIZES TURNTABLE "--fit-response -v 000 -v 045 -v 090 " SHOTS PATTERN, scratch);
+             "-c %s/cal.yml " SIZES TURNTABLE "--fit-response -v 000 -v 045 -v 090 " SHOTS
+             "-p lollipop_0=%s/pale.png",
+             scratch, scratch);
     import("response", arguments);
-    assert_non_null(strstr(run.err, "projector gamma 2."));
+    assert_non_null(strstr(run.err, "projector gamma 3."));
     assert_non_null(strstr(run.err, "black level at most 0."));
     assert_true(ffp_read_file(in_scratch("response/scene.json"), 1 << 20, &text, &size, NULL));
     assert_non_null(strstr(text, "\"response\""));
@@ -456,6 +483,7 @@ static void test_usage(void **state) {
                                         "import -c cal.yml -o out --object 0,0,0",
                                         "import -c cal.yml -o out --object 0,0,0,-1",
                                         "import -c cal.yml -o out photographs.png",
+                                        "import -c cal.yml -o out --angles 8x0",
                                         "import -c cal.yml -o out --fitting"};
     for (size_t i = 0; i < sizeof wrong / sizeof *wrong; i++) {
         run_program(&run, wrong[i]);
@@ -486,6 +514,9 @@ static void test_refusals(void **state) {
         {SIZES "-t 0,0,0,0,0,3,8x45 " SHOTS PATTERN, "axis has no direction"},
         {SIZES "-t 0,1,0,0,0,3 " SHOTS PATTERN, "missing angles"},
         {SIZES "-t 0,1,0,0,0,3,1e9 " SHOTS PATTERN, "invalid angle: "},
+        {SIZES TURNTABLE "--angles 8x45 " SHOTS PATTERN, "--angles gives the angles already"},
+        {SIZES TURNTABLE SHOTS "--shown nowhere",
+         "cannot read the patterns' folder: No such file or directory (nowhere)"},
         {SIZES "-t 0,1,0,0,0,3,999x1 " SHOTS PATTERN, "must begin with a number of stops"},
         {SIZES "-t 0,1,0,0,0,3,8x0 " SHOTS PATTERN, "'8x0' puts all stops at the same angle"},
         {SIZES "-t 0,1,0,0,0,3,0x45 " SHOTS PATTERN, "'0x45' must begin with a number of stops"},
@@ -540,6 +571,7 @@ int main(void) {
         cmocka_unit_test(test_deprocams),
         cmocka_unit_test(test_films),
         cmocka_unit_test(test_fit_axis),
+        cmocka_unit_test(test_a_response_that_does_not_help),
         cmocka_unit_test(test_fit_response),
         cmocka_unit_test(test_usage),
         cmocka_unit_test(test_refusals),

@@ -3,6 +3,7 @@
 #include "core/base/rng.h"
 #include "rig/import/calibration.h"
 #include "rig/import/document.h"
+#include "rig/import/matrix.h"
 #include "rig/import/turntable.h"
 #include "scratch.h"
 
@@ -463,15 +464,89 @@ static void test_turntable(void **state) {
     ffp_calibration_free(&calibration);
 }
 
+// A turntable seen by two cameras gives both one world where its zero is known. `m`: first camera to second.
+static void stops_of(FfpTurntable *turntable, const double m[16], double c2w[16]) {
+    write_text("good.yml", good);
+    const char *files[1] = {in_scratch("good.yml")};
+    FfpTurntable seen = *turntable;
+    must_read(files, 1);
+    for (int i = 0; i < 3; i++) {
+        seen.axis[i] = seen.zero[i] = 0, seen.point[i] = m[4 * i + 3];
+        for (int k = 0; k < 3; k++) {
+            seen.axis[i] += m[4 * i + k] * turntable->axis[k],
+                seen.zero[i] += m[4 * i + k] * turntable->zero[k];
+            seen.point[i] += m[4 * i + k] * turntable->point[k];
+        }
+    }
+    assert_true(ffp_turntable_check_axis(&seen, &err) && ffp_turntable_apply(&seen, &calibration, &err));
+    memcpy(c2w, calibration.stops[1].c2w, 16 * sizeof *c2w);
+    ffp_calibration_free(&calibration);
+}
+
+static void test_one_world(void **state) {
+    (void)state;
+    static FfpTurntable turntable;
+    const double c = cos(0.4), s = sin(0.4);
+    const double same[16] = {[0] = 1, [5] = 1, [10] = 1, [15] = 1},
+                 moved[16] = {c, 0, s, -12, 0, 1, 0, 3, -s, 0, c, 5, 0, 0, 0, 1};
+    double first[16], second[16], back[16];
+    turntable = (FfpTurntable){.axis = {0, -1, 0},
+                               .point = {3, 4, 50},
+                               .zero = {0.6, 0, 0.8},
+                               .clockwise = true,
+                               .count = 2,
+                               .angles = {0, 30}};
+    stops_of(&turntable, same, first);
+    stops_of(&turntable, moved, second);
+    ffp_pose_product(second, moved, back); // what the first camera sees, by the second's world
+    for (int i = 0; i < 16; i++) assert_true(fabs(back[i] - first[i]) < 1e-9);
+    // Clockwise by 30 degrees is -30 about the axis.
+    turntable.clockwise = false, turntable.angles[1] = -30;
+    stops_of(&turntable, same, second);
+    for (int i = 0; i < 16; i++) assert_true(fabs(second[i] - first[i]) < 1e-9);
+}
+
+static void test_files_of_turntables(void **state) {
+    (void)state;
+    static FfpTurntable turntable, given;
+    static const char *const wrong[][2] = {
+        {"{\"axis\": [0,-1,0], \"point\": [0,0,9], \"clockwise\": 1}", "table.json: clockwise"},
+        {"{\"axis\": [0,-1,0], \"point\": [0,0,9], \"zero\": [0,0,0]}", "table.json: zero"},
+        {"{\"axis\": [0,-1,0], \"point\": [0,0,9], \"zero\": [1,0]}", "table.json: zero"}};
+    write_text("table.json",
+               "{\"axis\": [0,-1,0], \"point\": [0,0,9], \"zero\": [1,0,0], \"clockwise\": true, "
+               "\"board_angles\": [0, 15, 30]}");
+    if (!ffp_turntable_read(&turntable, in_scratch("table.json"), &err)) fail_msg("%s", err.text);
+    assert_true(turntable.clockwise && turntable.zero[0] == 1 && turntable.count == 0);
+    assert_false(ffp_turntable_set_angles(&turntable, &given, "table.json", &err));
+    assert_non_null(strstr(err.text, "the file has no angles"));
+    given.count = 2, given.angles[1] = 45;
+    assert_true(ffp_turntable_set_angles(&turntable, &given, "table.json", &err));
+    assert_true(turntable.count == 2 && turntable.angles[1] == 45);
+    for (size_t i = 0; i < sizeof wrong / sizeof *wrong; i++) {
+        write_text("table.json", wrong[i][0]);
+        assert_false(ffp_turntable_read(&turntable, in_scratch("table.json"), &err));
+        if (!strstr(err.text, wrong[i][1])) fail_msg("'%s' is not in '%s'", wrong[i][1], err.text);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_kamino),      cmocka_unit_test(test_kamino_camera),
-        cmocka_unit_test(test_single_shot), cmocka_unit_test(test_good),
-        cmocka_unit_test(test_bad_fields),  cmocka_unit_test(test_bad_documents),
-        cmocka_unit_test(test_truncated),   cmocka_unit_test(test_two_files),
-        cmocka_unit_test(test_mutated),     cmocka_unit_test(test_bad_colmap),
-        cmocka_unit_test(test_bad_lists),   cmocka_unit_test(test_names_of_views),
+        cmocka_unit_test(test_kamino),
+        cmocka_unit_test(test_kamino_camera),
+        cmocka_unit_test(test_single_shot),
+        cmocka_unit_test(test_good),
+        cmocka_unit_test(test_bad_fields),
+        cmocka_unit_test(test_bad_documents),
+        cmocka_unit_test(test_truncated),
+        cmocka_unit_test(test_two_files),
+        cmocka_unit_test(test_mutated),
+        cmocka_unit_test(test_bad_colmap),
+        cmocka_unit_test(test_bad_lists),
+        cmocka_unit_test(test_names_of_views),
         cmocka_unit_test(test_turntable),
+        cmocka_unit_test(test_one_world),
+        cmocka_unit_test(test_files_of_turntables),
     };
     return cmocka_run_group_tests(tests, scratch_setup, scratch_teardown);
 }

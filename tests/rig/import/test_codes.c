@@ -343,14 +343,12 @@ static void test_depth(void **state) {
 }
 
 // Two stops of a table that turns about the ball's middle: both look alike.
-static void test_views(void **state) {
-    (void)state;
-    FfpCapture capture;
-    Call *call = call_of("turned");
-    FfpTurntable *turntable = ffp_alloc(1, sizeof *turntable);
-    *turntable = (FfpTurntable){.axis = {0, -1, 0}, .count = 2};
-    memcpy(turntable->point, centre, sizeof turntable->point);
-    turntable->angles[1] = 30;
+static Call *two_turns(const char *folder) {
+    static FfpTurntable turntable;
+    Call *call = call_of(folder);
+    turntable = (FfpTurntable){.axis = {0, -1, 0}, .count = 2};
+    memcpy(turntable.point, centre, sizeof turntable.point);
+    turntable.angles[1] = 30;
     for (int v = 0; v < 2; v++) {
         char command[512];
         snprintf(command, sizeof command, "cd '%s' && mkdir -p %s && cp photos/*.png black.png white.png %s/",
@@ -360,14 +358,140 @@ static void test_views(void **state) {
     snprintf(call->black, sizeof call->black, "%s/{view}/black.png", scratch);
     snprintf(call->white, sizeof call->white, "%s/{view}/white.png", scratch);
     snprintf(call->codes, sizeof call->codes, "%s/{view}/[0-9]*.png", scratch);
-    call->options.turntable = turntable;
-    import(&capture, call);
+    call->options.turntable = &turntable;
+    return call;
+}
+
+static void test_views(void **state) {
+    (void)state;
+    FfpCapture capture;
+    import(&capture, two_turns("turned"));
     int known[2] = {0};
     const double first = positions_off(&capture.views[0], 0.5, &known[0]),
                  second = positions_off(&capture.views[1], 0.5, &known[1]);
     assert_true(first < 0.06 && second < 0.06 && known[0] == known[1]);
     ffp_capture_free(&capture);
-    ffp_free(turntable);
+}
+
+// A stop whose photographs are out of order goes without codes; the other keeps its own.
+static void test_a_doubtful_stop_is_left_out(void **state) {
+    (void)state;
+    FfpCapture capture;
+    char command[512];
+    int known = 0;
+    Call *call = two_turns("doubtful");
+    snprintf(command, sizeof command, "cd '%s/030' && mv 022.png x && mv 023.png 022.png && mv x 023.png",
+             scratch);
+    assert_int_equal(system(command), 0);
+    import(&capture, call);
+    assert_true(positions_off(&capture.views[0], 0.5, &known) < 0.06 && known > 1000);
+    assert_null(capture.views[1].correspondence.data);
+    ffp_capture_free(&capture);
+}
+
+// All photographs of what `patterns` wrote in one folder, with the codes and without.
+static void test_as_shown(void **state) {
+    (void)state;
+    FfpCapture capture;
+    char command[512], files[2][200], patterns[200];
+    const FfpShow show = {PANEL_WIDTH, PANEL_HEIGHT, 1, true, true, true};
+    int known = 0;
+    assert_true(ffp_show_write_folder(&show, in_scratch("shown"), &err));
+    FfpImage panel = ffp_pattern_round_lollipop(PANEL_WIDTH, PANEL_HEIGHT, 0);
+    ffp_image_to_linear(&panel);
+    FfpImage grey = ffp_image_new(PANEL_WIDTH, PANEL_HEIGHT, 1);
+    for (int i = 0; i < PANEL_WIDTH * PANEL_HEIGHT; i++) grey.data[i] = panel.data[3 * i];
+    assert_true(ffp_make_folders(in_scratch("all"), NULL));
+    photograph("all/img_3.png", &grey, 1, 78);
+    ffp_image_free(&panel);
+    ffp_image_free(&grey);
+    snprintf(command, sizeof command,
+             "cd '%s' && cp black.png all/img_1.png && cp white.png all/img_2.png && mkdir few && cp all/* "
+             "few/ && "
+             "i=4; for f in photos/*.png; do cp $f all/img_$i.png; i=$((i+1)); done",
+             scratch);
+    assert_int_equal(system(command), 0);
+    snprintf(patterns, sizeof patterns, "%s/shown", scratch);
+    for (int codes = 0; codes < 2; codes++) {
+        Call *call = call_of(codes ? "as_shown" : "as_shown_plain");
+        snprintf(files[codes], sizeof files[codes], "%s/%s/*.png", scratch, codes ? "all" : "few");
+        const FfpShotFiles images = {.files = files[codes]};
+        call->options.sources.images = &images;
+        call->options.sources.n_images = 1;
+        call->options.sources.codes = NULL;
+        call->options.sources.shown = patterns;
+        import(&capture, call);
+        assert_true(capture.n_patterns == 3 && strcmp(capture.patterns[2].name, "lollipop_0") == 0);
+        assert_int_equal(capture.views[0].correspondence.data != NULL, codes);
+        if (codes) assert_true(positions_off(&capture.views[0], 0.5, &known) < 0.06 && known > 1000);
+        ffp_capture_free(&capture);
+    }
+    // Another number of photographs, and a folder of no patterns.
+    Call *call = call_of("as_shown_wrong");
+    const FfpShotFiles images = {.files = files[1]};
+    call->options.sources.images = &images;
+    call->options.sources.n_images = 1;
+    call->options.sources.shown = patterns;
+    assert_false(ffp_import(&call->options, &err)); // codes named as well
+    assert_non_null(strstr(err.text, "the photographs include the Gray codes"));
+    call->options.sources.codes = NULL;
+    assert_int_equal(remove(in_scratch("all/img_9.png")), 0);
+    assert_false(ffp_import(&call->options, &err));
+    assert_non_null(strstr(err.text,
+                           "30 files match, but a view has 31 photographs for all that was shown, or 3 "
+                           "without the Gray codes"));
+    call->options.sources.shown = scratch;
+    assert_false(ffp_import(&call->options, &err));
+    assert_non_null(strstr(err.text, "no picture is called <number>_<name>.png"));
+    call->options.sources.shown = NULL;
+    assert_false(ffp_import(&call->options, &err));
+    assert_non_null(strstr(err.text, "without names of patterns"));
+}
+
+// --- A surface behind bars. ---
+
+// Slanting bars before a wall, nowhere lit by the middle of the panel: where one bit alone changes, it is at
+// an outline of a bar, and numbers jump by 13. Columns and rows of the panel at a pixel; false: dark.
+static bool bars(int x, int y, int *column, int *row) {
+    const bool bar = (x + y) / 4 % 2;
+    *column = 20 + x / 2 + (bar ? 13 : 0);
+    *row = 10 + y / 2 + (bar ? 8 : 0);
+    return *column < 61 || *column > 67;
+}
+
+static void test_outlines_are_no_disorder(void **state) {
+    (void)state;
+    const int n = ffp_gray_photographs(PANEL_WIDTH, PANEL_HEIGHT);
+    char files[32][200];
+    const char *codes[32];
+    assert_true(ffp_make_folders(in_scratch("bars"), NULL) && n + 2 <= 32);
+    for (int i = 0; i < n + 2; i++) { // then black and white
+        FfpImage out = ffp_image_new(WIDTH, HEIGHT, 3);
+        int axis, bit;
+        ffp_gray_code_place(PANEL_WIDTH, i, &axis, &bit);
+        const int bits = ffp_gray_code_bits(axis ? PANEL_HEIGHT : PANEL_WIDTH);
+        for (int p = 0; p < WIDTH * HEIGHT; p++) {
+            int at[2];
+            const bool lit = bars(p % WIDTH, p / WIDTH, &at[0], &at[1]);
+            const unsigned word = (unsigned)at[axis] ^ (unsigned)at[axis] >> 1;
+            const bool on = i < n ? (word >> (bits - 1 - bit) & 1U) != (i % 2 == 1) : i == n + 1;
+            for (int c = 0; c < 3; c++) out.data[3 * p + c] = lit && on ? 0.8F : 0.05F;
+        }
+        snprintf(files[i], sizeof files[i], "%s/bars/%03d.png", scratch, i);
+        codes[i] = files[i];
+        assert_true(ffp_image_write_png(&out, files[i], &err));
+        ffp_image_free(&out);
+    }
+    const FfpGrayPhotographs from = {.width = PANEL_WIDTH,
+                                     .height = PANEL_HEIGHT,
+                                     .codes = codes,
+                                     .black = files[n],
+                                     .white = files[n + 1]};
+    FfpGrayReport report;
+    FfpImage map;
+    if (!ffp_gray_decode_view(&map, &report, &from, &err)) fail_msg("%s", err.text);
+    assert_true(report.decoded > 0.8 * report.lit);
+    ffp_image_free(&map);
 }
 
 // What a capture's file may hold.
@@ -623,10 +747,17 @@ static void test_faults(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_positions),       cmocka_unit_test(test_narrower),
-        cmocka_unit_test(test_cropped_pattern), cmocka_unit_test(test_names_with_brackets),
-        cmocka_unit_test(test_depth),           cmocka_unit_test(test_views),
-        cmocka_unit_test(test_faults),          cmocka_unit_test(test_bad_correspondences),
+        cmocka_unit_test(test_positions),
+        cmocka_unit_test(test_narrower),
+        cmocka_unit_test(test_cropped_pattern),
+        cmocka_unit_test(test_names_with_brackets),
+        cmocka_unit_test(test_depth),
+        cmocka_unit_test(test_views),
+        cmocka_unit_test(test_a_doubtful_stop_is_left_out),
+        cmocka_unit_test(test_as_shown),
+        cmocka_unit_test(test_outlines_are_no_disorder),
+        cmocka_unit_test(test_faults),
+        cmocka_unit_test(test_bad_correspondences),
         cmocka_unit_test(test_real_board),
     };
     return cmocka_run_group_tests(tests, setup, scratch_teardown);

@@ -62,12 +62,12 @@ static FfpImage read_number(const char *subject, int number) {
     return image;
 }
 
-// Column (axis 0) or row of the panel that lit each pixel of the attitude. The codes begin behind focus,
-// black and white, and each is followed by its inverse.
+// Column (axis 0) or row of the panel that lit each pixel of the attitude. The codes begin behind black and
+// white, and each is followed by its inverse.
 static int *decode(const char *subject, int axis) {
     const int columns = ffp_gray_code_bits(PANEL_WIDTH),
               bits = axis == 0 ? columns : ffp_gray_code_bits(PANEL_HEIGHT);
-    const int first = 4 + (axis == 0 ? 0 : 2 * columns);
+    const int first = 3 + (axis == 0 ? 0 : 2 * columns);
     int *code = NULL;
     bool *seen = NULL;
     size_t pixels = 0;
@@ -151,11 +151,11 @@ static void noise_comes_last(void **state) {
     FfpSceneSpec spec = small_spec();
     FfpError err = {0};
     spec.sensor.read = 0.02F;
-    FfpImage clean = read_number("view-000", 3);
+    FfpImage clean = read_number("view-000", 2);
     if (!photograph("noisy", "patterns", &spec, &err)) fail_msg("%s", err.text);
     char path[FFP_PATH_MAX];
     FfpImage noisy = {0};
-    path_of(path, "noisy/view-000/003.png");
+    path_of(path, "noisy/view-000/002.png");
     assert_true(ffp_image_read(&noisy, path, FFP_COLOUR_LINEAR, &err));
     ffp_image_to_linear(&clean);
     double square = 0;
@@ -200,12 +200,12 @@ static void what_is_no_set_of_patterns_is_refused(void **state) {
     path_of(path, "empty");
     assert_true(ffp_make_folders(path, &err));
     refused("empty", &spec, "no pattern is called");
-    copy_file("patterns/003_white.png", "empty/003_white.png");
-    copy_file("patterns/002_black.png", "empty/003_black.png");
+    copy_file("patterns/002_white.png", "empty/003_white.png");
+    copy_file("patterns/001_black.png", "empty/003_black.png");
     refused("empty", &spec, "003_black.png and 003_white.png have the same number");
     path_of(path, "mixed");
     assert_true(ffp_make_folders(path, &err));
-    copy_file("patterns/003_white.png", "mixed/003_white.png");
+    copy_file("patterns/002_white.png", "mixed/003_white.png");
     copy_file("shots/view-000/002.png", "mixed/002_black.png");
     refused("mixed", &spec, "003_white.png");
     spec.sensor.turn_error = 0.01F;
