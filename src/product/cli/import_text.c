@@ -32,8 +32,9 @@ static char *copy(FfpImportLists *lists, const char *text) {
 
 void ffp_cli_import_lists_free(FfpImportLists *lists) {
     for (int i = 0; i < lists->n_images; i++) free((void *)lists->images[i].patterns);
+    for (int i = 0; i < lists->n_empty; i++) free((void *)lists->empty[i].patterns);
     for (int i = 0; i < lists->n_texts; i++) free(lists->texts[i]);
-    free(lists->images), free(lists->patterns), free(lists->held_out);
+    free(lists->images), free(lists->empty), free(lists->patterns), free(lists->held_out);
     free(lists->texts);
     *lists = (FfpImportLists){0};
 }
@@ -46,10 +47,11 @@ static char *cut_at_equals(char *text) {
     return equals + 1;
 }
 
-bool ffp_cli_add_images(FfpImportLists *lists, const char *text, FfpError *err) {
+bool ffp_cli_add_images(FfpImportLists *lists, const char *text, bool empty, FfpError *err) {
     char *names = copy(lists, text);
     const char *files = cut_at_equals(names);
-    if (!files) return fail(err, "expected NAME=FILES, not '%.100s' (--images)", text);
+    if (!files)
+        return fail(err, "expected NAME=FILES, not '%.100s' (%s)", text, empty ? "--empty" : "--images");
     const char **patterns = NULL;
     int n = 0;
     for (char *at = names; at; n++) {
@@ -59,8 +61,10 @@ bool ffp_cli_add_images(FfpImportLists *lists, const char *text, FfpError *err) 
         patterns[n] = at;
         at = comma ? comma + 1 : NULL;
     }
-    lists->images = grown(lists->images, lists->n_images, sizeof *lists->images);
-    lists->images[lists->n_images++] = (FfpImportImages){patterns, n, files};
+    FfpImportImages **list = empty ? &lists->empty : &lists->images;
+    int *count = empty ? &lists->n_empty : &lists->n_images;
+    *list = grown(*list, *count, sizeof **list);
+    (*list)[(*count)++] = (FfpImportImages){patterns, n, files};
     return true;
 }
 
@@ -140,6 +144,7 @@ const char *ffp_cli_import_option(const FfpError *err) {
         {"(patterns)", "--pattern NAME=FILE"},
         {"(held_out)", "--held-out NAME=FILE"},
         {"(gray_codes)", "--graycode FILES"},
+        {"(empty)", "--empty NAMES=FILES"},
         {"(views)", "--view ID"},
         {"(width)", "--width W"},
         {"(object)", "--object X,Y,Z,R"},

@@ -17,6 +17,7 @@ static bool check_memory(const FfpImporting *import, FfpError *err) {
         const FfpOptics *optics = &import->calibration.stops[v].camera;
         values += (3.0 * import->shots.n_patterns + 8) * camera->width * camera->height;
         if (v == 0) values += 8.0 * optics->width * optics->height;
+        if (import->shots.empty) values += 3.0 * import->shots.n_patterns * camera->width * camera->height;
     }
     return ffp_memory_suffices(values * sizeof(real), "the pictures", "make them narrower", "width", err);
 }
@@ -79,6 +80,7 @@ bool ffp_import(const FfpImportSettings *settings, FfpError *err) {
     const bool ok = run(import, err);
     for (int v = 0; import->holes && v < import->capture.n_views; v++) ffp_image_free(&import->holes[v]);
     ffp_free(import->holes), ffp_free(import->made);
+    ffp_importing_free_stage(import);
     ffp_capture_free(&import->capture);
     ffp_shots_free(&import->shots);
     ffp_calibration_free(&import->calibration);

@@ -1,9 +1,13 @@
 // Import: which pixels are the object: from files, alpha channels or light.
 #include <tgmath.h>
+#include "core/base/arena.h"
 #include "core/base/log.h"
 #include "rig/import/grow_masks.h"
 #include "rig/import/import_steps.h"
 #include "rig/import/mask.h"
+#include "rig/import/stage_masks.h"
+
+#define GAIN_MOST 1.1 // either way, by which the light may have changed without a word
 
 static bool load_mask(FfpImporting *import, int stop, FfpError *err) {
     const char *path = import->shots.masks[stop];
@@ -19,15 +23,19 @@ static bool load_mask(FfpImporting *import, int stop, FfpError *err) {
     return true;
 }
 
-// The mask as it was asked for: a file; otherwise the white picture's alpha channel, unless Otsu's was named;
-// otherwise Otsu's. Pictures that are over black by an alpha channel of their own are left alone in the
-// second case.
+// The mask as it was asked for: later, from the empty stage; a file; otherwise the white picture's alpha
+// channel, unless Otsu's was named; otherwise Otsu's. Pictures that are over black by an alpha channel of
+// their own are left alone in the second case.
 bool ffp_importing_cover(FfpImporting *import, int stop, const FfpImage *alphas, FfpError *err) {
     const FfpShots *shots = &import->shots;
     FfpView *view = &import->capture.views[stop];
-    const bool by_alpha = !shots->masks && import->settings->sources.mask == FFP_MASKS_ALPHA &&
+    const bool by_alpha = !shots->masks && !shots->empty &&
+                          import->settings->sources.mask == FFP_MASKS_ALPHA &&
                           alphas[shots->white].data != NULL;
-    if (shots->masks) {
+    if (shots->empty) {
+        view->coverage = ffp_image_new(view->camera.width, view->camera.height, 1);
+        import->made[stop] = true; // when all views are known
+    } else if (shots->masks) {
         if (!load_mask(import, stop, err)) return false;
     } else if (by_alpha) {
         view->coverage = ffp_image_copy(&alphas[shots->white]);
@@ -42,6 +50,35 @@ bool ffp_importing_cover(FfpImporting *import, int stop, const FfpImage *alphas,
     for (int p = 0; p < shots->n_patterns && !import->made[stop]; p++) {
         if (!by_alpha || !alphas[p].data) ffp_mask_apply(&view->coverage, &view->images[p]);
     }
+    return true;
+}
+
+// From the empty stage.
+static bool mask_by_stage(FfpImporting *import, FfpError *err) {
+    FfpCapture *capture = &import->capture;
+    const bool posed = import->settings->axis == FFP_AXIS_KNOWN;
+    const FfpStage **stages = ffp_alloc((size_t)capture->n_views, sizeof *stages);
+    const char **paths = ffp_alloc((size_t)capture->n_views, sizeof *paths);
+    FfpStageMasks report;
+    for (int v = 0; v < capture->n_views; v++) {
+        stages[v] = &import->stages[v];
+        paths[v] = import->shots.pictures[v * FFP_PATTERNS_MAX + import->shots.white];
+    }
+    const bool ok = ffp_stage_masks(&report, capture, stages, posed, paths, err);
+    ffp_free(stages), ffp_free(paths);
+    if (!ok) return false;
+    ffp_note(
+        "%d masks were made from the empty stage: %.0f %% of the pictures are stage, %.1f %% object, and "
+        "%.1f %% object by the other views",
+        capture->n_views, 100 * report.stage, 100 * report.object, 100 * report.decided);
+    if (report.shade > 0)
+        ffp_note("  %.1f %% are shadows of the object on the stage that only their colour tells",
+                 100 * report.shade);
+    if (report.gain_least < 1 / GAIN_MOST || report.gain_most > GAIN_MOST)
+        ffp_warning(
+            "the stage's light is %.2f to %.2f times that of the empty stage: photograph all with one "
+            "exposure and a warm lamp",
+            report.gain_least, report.gain_most);
     return true;
 }
 
@@ -65,21 +102,34 @@ static void add_shadows(FfpImporting *import) {
         ffp_note("  too much of the object is in shadow for the other views to complete them");
 }
 
-// Masks made of light, completed where there are views enough and their poses are known, and applied.
-void ffp_importing_complete_masks(FfpImporting *import) {
+static void apply_masks(FfpImporting *import) {
     const FfpCapture *capture = &import->capture;
-    int made = 0;
-    for (int v = 0; v < capture->n_views; v++) made += import->made[v];
-    if (made == 0) return;
+    for (int v = 0; v < capture->n_views; v++)
+        for (int p = 0; p < capture->n_patterns && import->made[v]; p++)
+            ffp_mask_apply(&capture->views[v].coverage, &capture->views[v].images[p]);
+}
+
+static void complete_otsu(FfpImporting *import, int made) {
     ffp_note(
         "%d masks were made from white minus black (Otsu): look at them, and give files of masks if they "
         "are wrong",
         made);
-    if (import->settings->axis == FFP_AXIS_KNOWN && capture->n_views >= VIEWS_GROWN)
+    if (import->settings->axis == FFP_AXIS_KNOWN && import->capture.n_views >= VIEWS_GROWN)
         add_shadows(import);
     else
         ffp_note("  what the projector does not reach is left out");
-    for (int v = 0; v < capture->n_views; v++)
-        for (int p = 0; p < capture->n_patterns && import->made[v]; p++)
-            ffp_mask_apply(&capture->views[v].coverage, &capture->views[v].images[p]);
+}
+
+// Masks made of light, completed where there are views enough and their poses are known, and applied.
+bool ffp_importing_complete_masks(FfpImporting *import, FfpError *err) {
+    const FfpCapture *capture = &import->capture;
+    int made = 0;
+    for (int v = 0; v < capture->n_views; v++) made += import->made[v];
+    if (made == 0) return true;
+    if (!import->stages)
+        complete_otsu(import, made);
+    else if (!mask_by_stage(import, err))
+        return false;
+    apply_masks(import);
+    return true;
 }

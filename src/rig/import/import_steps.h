@@ -6,6 +6,7 @@
 #include "core/image/photograph.h"
 #include "rig/import/import.h"
 #include "rig/import/response.h"
+#include "rig/import/stage.h"
 
 #define FFP_CHANCE_MAX 0.75 // of what chance explains: more, and the pattern explains nothing
 
@@ -18,6 +19,7 @@ typedef struct FfpImporting {
     FfpCapture capture;
     bool *made;             // load_pixels: [views] masks made by Otsu's method
     FfpImage *holes;        // load_pixels: [views] and what was filled of them
+    FfpStage *stages;       // load_pixels: [views] the empty stage, where it was photographed; NULL: was not
     int64_t values;         // load_pixels: of the photographs
     int64_t too_bright;     // load_pixels: those that are cut off
     FfpDeveloped developed; // load_pixels: photographs and films by other programs
@@ -54,6 +56,13 @@ bool ffp_importing_check_size(const char *path, const FfpOptics *optics, FfpErro
 // (5).
 bool ffp_importing_cover(FfpImporting *import, int stop, const FfpImage *alphas, FfpError *err);
 // Coverage made of light: completed by what other views see, and applied to the images (5).
-void ffp_importing_complete_masks(FfpImporting *import);
+bool ffp_importing_complete_masks(FfpImporting *import, FfpError *err);
+// A photograph as linear light without lens distortion, as the settings have it (5); *alpha (or NULL) stays
+// empty when the file has none or its alpha channel tells nothing.
+bool ffp_importing_read_picture(FfpImporting *import, const char *path, int stop, FfpImage *picture,
+                                FfpImage *alpha, FfpError *err);
+// The empty stage, where there are photographs of it; and its memory (5).
+bool ffp_importing_load_stage(FfpImporting *import, FfpError *err);
+void ffp_importing_free_stage(FfpImporting *import);
 
 #endif

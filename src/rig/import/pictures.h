@@ -18,6 +18,7 @@ typedef struct FfpShots {
     FfpShotPattern *patterns; // [FFP_PATTERNS_MAX]
     const char **pictures;    // [n_stops, FFP_PATTERNS_MAX]; NULL: none
     const char **masks;       // [n_stops]; NULL: there are no mask files
+    const char **empty;       // as pictures, of the stage without the object; NULL: there are none
     const char **codes;       // [n_stops, n_codes] photographs of Gray codes; NULL: there are none
     int n_codes;
 } FfpShots;
@@ -47,6 +48,9 @@ typedef struct FfpShotSources {
     FfpMaskKind mask;
     const char *mask_files; // as FfpShotFiles.files
     const char *codes;      // likewise, photographs of Gray codes; NULL: none
+    // The stage without the object; files without placeholders are of all views.
+    const FfpShotFiles *empty;
+    int n_empty;
 } FfpShotSources;
 
 // Finds all files for the calibration's stops. Each picture is known to exist afterwards; black and white are
