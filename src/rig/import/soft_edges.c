@@ -42,9 +42,10 @@ static void free_edge(Edge *e) {
 }
 
 // The stage's light at a pixel, as bright as it is around.
-static double behind(const Edge *e, const FfpImage *stage, ptrdiff_t pixel, int c) {
-    const double before = (double)e->stage.data[4 * pixel + c], now = (double)e->around.data[4 * pixel + c];
-    return (double)stage->data[3 * pixel + c] * fmin(fmax(now / fmax(before, 1e-4), 0), BRIGHTEST);
+static double behind(const FfpImage *around, const FfpImage *before, const FfpImage *stage, ptrdiff_t pixel,
+                     int c) {
+    const double then = (double)before->data[4 * pixel + c], now = (double)around->data[4 * pixel + c];
+    return (double)stage->data[3 * pixel + c] * fmin(fmax(now / fmax(then, 1e-4), 0), BRIGHTEST);
 }
 
 // A pixel's share, and how sure it is, from 0 to 1.
@@ -54,7 +55,8 @@ static double share_of(const Edge *e, const FfpImage *white, const FfpImage *sta
     *sure = 0;
     if (!(e->object.data[4 * pixel + 3] > 1e-4F) || !(e->around.data[4 * pixel + 3] > 1e-4F)) return 0;
     for (int c = 0; c < 3; c++) {
-        const double object = (double)e->object.data[4 * pixel + c], back = behind(e, stage, pixel, c);
+        const double object = (double)e->object.data[4 * pixel + c],
+                     back = behind(&e->around, &e->stage, stage, pixel, c);
         const double here = (double)white->data[3 * pixel + c];
         const double s = noise * noise + pow(RELATIVE * fmax(object, back), 2);
         across += (here - back) * (object - back) / s, square += pow(object - back, 2) / s;
@@ -62,6 +64,25 @@ static double share_of(const Edge *e, const FfpImage *white, const FfpImage *sta
     *sure = fmin(fmax(sqrt(square) / CONTRAST - 0.5, 0), 1);
     const double share = square > 0 ? fmin(fmax(across / square, 0), 1) : 0;
     return e->deep[pixel] ? fmax(share, INSIDE) : share;
+}
+
+// Takes the stage's share out of a picture: what is left is the object's own light, within what it has
+// nearby.
+static void take_out(const Edge *e, const FfpImage *mask, const FfpImage *stage, FfpImage *picture) {
+    FfpImage object = ffp_local_mean_where(picture, e->inner, SIGMA);
+    FfpImage around = ffp_local_mean_where(picture, e->outer, SIGMA),
+             before = ffp_local_mean_where(stage, e->outer, SIGMA);
+    for (ptrdiff_t i = 0; i < (ptrdiff_t)e->width * e->height; i++) {
+        const double share = (double)mask->data[i];
+        if (!(share > 0) || share >= 1) continue;
+        for (int c = 0; c < 3; c++) {
+            const double back = behind(&around, &before, stage, i, c),
+                         own = ((double)picture->data[3 * i + c] - (1 - share) * back) / share;
+            const double most = fmax(2 * (double)object.data[4 * i + c], (double)picture->data[3 * i + c]);
+            picture->data[3 * i + c] = (real)fmin(fmax(own, 0), most);
+        }
+    }
+    ffp_image_free(&object), ffp_image_free(&around), ffp_image_free(&before);
 }
 
 void ffp_soften_edges(const FfpCapture *capture, FfpView *view, const FfpStage *stage, double noise) {
@@ -75,5 +96,8 @@ void ffp_soften_edges(const FfpCapture *capture, FfpView *view, const FfpStage *
         const double mixed = sure * share + (1 - sure) * (double)mask->data[i];
         mask->data[i] = (real)(mixed < SHARE_LEAST ? 0 : mixed > 1 - SHARE_LEAST ? 1 : mixed);
     }
+    for (int p = 0; p < capture->n_patterns; p++)
+        if (view->images[p].data && stage->images[p].data)
+            take_out(&e, mask, &stage->images[p], &view->images[p]);
     free_edge(&e);
 }
