@@ -6,6 +6,7 @@
 
 #define SMOOTH 0.7       // pixels
 #define NOISE_LEAST 6e-4 // linear: two steps of an 8-bit picture where it is dark
+#define NOISE_MOST 0.1   // of what pictures can hold: more is another room
 #define NOISE_FACTOR 2.2 // times the differences' deviation
 #define RELATIVE 0.06    // of the light: bounces, and noise where it is bright
 #define EDGE 0.15        // of what a pixel's neighbours differ by
@@ -180,17 +181,21 @@ bool ffp_stage_compare(FfpCompared *compared, const FfpCapture *capture, int vie
     const FfpView *of = &capture->views[view];
     Layers *mine = layers_of(capture, of->images, stage->images),
            *theirs = layers_of(capture, stage->images, of->images);
-    Comparison c = {mine, theirs, &stage->known, 0, 1};
-    c.noise = find_noise(mine, theirs);
+    Comparison c = {mine, theirs, &stage->known, find_noise(mine, theirs), 1};
     c.gain = find_gain(&c);
     *compared = (FfpCompared){.noise = c.noise, .gain = c.gain};
-    compare_pixels(compared, &c, of);
+    if (c.noise <= NOISE_MOST) compare_pixels(compared, &c, of);
     free_layers(mine), free_layers(theirs);
+    if (c.noise > NOISE_MOST)
+        return ffp_fail(err, FFP_ERROR_FILE, where,
+                        "under black this view differs from the empty stage by %.2f of full scale: was the "
+                        "room's light or the exposure changed?",
+                        c.noise);
     if (compared->stage >= STAGE_LEAST) return true;
     ffp_free(compared->kinds);
     compared->kinds = NULL;
     return ffp_fail(err, FFP_ERROR_FILE, where,
-                    "only %.0f %% of this view look like the empty stage: was the camera moved, or another "
-                    "exposure or another room's light used?",
+                    "only %.0f %% of this view looks like the empty stage: was the camera moved, or another "
+                    "exposure or other light used?",
                     100 * compared->stage);
 }
