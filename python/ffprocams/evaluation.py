@@ -238,6 +238,7 @@ def import_capture(
     patterns: Mapping[str, PathLike] | None = None,
     held_out: Mapping[str, PathLike] | None = None,
     gray_codes: PathLike | None = None,
+    empty: Mapping[str, PathLike] | None = None,
     turntable: Turntable | None = None,
     masks: str | None = None,
     projector_image: str | None = None,
@@ -266,6 +267,8 @@ def import_capture(
         held_out: likewise, but held back for prediction.
         gray_codes: photographs of the Gray codes of write_patterns, files as in ``images``, {pattern} being gray_x_00,
             gray_x_00_inverse and so on: where codes decode depth is exact.
+        empty: the stage without the object under "black", "white" and, better, every other pattern, files as in
+            ``images`` or one for all stops of a turntable: what looks like it is background. Not with files of masks.
         turntable: for a fixed rig with several views.
         masks: None: the photographs' alpha, otherwise from light; "light"; or files, as in ``images``, white on black.
         projector_image: COLMAP: the image that is the projector; None: "calib".
@@ -289,6 +292,7 @@ def import_capture(
     ids = [keep.text(v) for v in views]
     options.views, options.n_views = keep.texts(ids), len(ids)
     _fill_pictures(options, images, patterns, held_out, keep)
+    options.empty, options.n_empty = _listed_images(empty or {}, keep), len(empty or {})
     _fill_turntable(options.turntable, turntable or Turntable(), keep)
     options.gray_codes = keep.path(gray_codes)
     options.masks = {None: lib.FFP_MASKS_FROM_ALPHA, "light": lib.FFP_MASKS_FROM_LIGHT}.get(
@@ -329,6 +333,14 @@ def _calibration_files(given: list[Any], scratch: Path) -> tuple[list[PathLike],
     return files, sizes
 
 
+def _listed_images(images: Mapping[str, PathLike], keep: Keep) -> Any:
+    listed = keep(ffi.new("FfpImportImages[]", len(images)))
+    for i, (pattern, files) in enumerate(images.items()):
+        listed[i].patterns, listed[i].n_patterns = keep.texts([keep.text(pattern)]), 1
+        listed[i].files = keep.path(files)
+    return listed
+
+
 def _fill_pictures(
     options: Any,
     images: Mapping[str, PathLike] | None,
@@ -336,11 +348,7 @@ def _fill_pictures(
     held_out: Mapping[str, PathLike] | None,
     keep: Keep,
 ) -> None:
-    listed = keep(ffi.new("FfpImportImages[]", len(images or {})))
-    for i, (pattern, files) in enumerate((images or {}).items()):
-        listed[i].patterns, listed[i].n_patterns = keep.texts([keep.text(pattern)]), 1
-        listed[i].files = keep.path(files)
-    options.images, options.n_images = listed, len(images or {})
+    options.images, options.n_images = _listed_images(images or {}, keep), len(images or {})
     for field, shown in (("patterns", patterns or {}), ("held_out", held_out or {})):
         of = keep(ffi.new("FfpImportPattern[]", len(shown)))
         for i, (pattern, file) in enumerate(shown.items()):

@@ -143,8 +143,28 @@ static int known_pattern(const FfpShots *shots, const char *name) {
     return -1;
 }
 
-static bool has_placeholders(const char *template) {
-    return strpbrk(template, "{*") != NULL;
+static bool tells_view(const char *template) {
+    return strstr(template, "{view}") || strstr(template, "{index}") || strstr(template, "{number") ||
+           strchr(template, '*');
+}
+
+// Paths [n_stops, n]: of each view, or the same for all of them.
+static bool find_empty_files(const char **paths, FfpShots *shots, const FfpShotFiles *source,
+                             const FfpCalibration *calibration, FfpError *err) {
+    const bool of_all = !tells_view(source->files);
+    const int n = source->n_patterns, stops = calibration->n_stops;
+    FfpCalibration first = *calibration; // which stands for all
+    if (of_all) first.n_stops = 1;
+    const FfpFileSet set = {source->files,
+                            of_all ? &first : calibration,
+                            source->patterns,
+                            n,
+                            "photographs of the empty stage",
+                            "pattern",
+                            ""};
+    if (!ffp_files_find(paths, shots->arena, &set, err)) return false;
+    for (int i = n; of_all && i < stops * n; i++) paths[i] = paths[i - n];
+    return true;
 }
 
 // Files of one pattern of the empty stage, or of several.
@@ -153,13 +173,8 @@ static bool find_empty(FfpShots *shots, const FfpShotFiles *source, const FfpCal
     const int n = source->n_patterns, stops = calibration->n_stops;
     if (!source->files || source->files[0] == 0 || n < 1)
         return ffp_fail(err, FFP_ERROR_ARGUMENT, EMPTY, "no file is named");
-    const bool of_all = !has_placeholders(source->files) && n == 1;
     const char **paths = ffp_arena_alloc(shots->arena, (size_t)stops * (size_t)n, sizeof *paths);
-    const FfpFileSet set = {source->files, calibration, source->patterns, n, "photographs of the empty stage",
-                            "pattern",     ""};
-    if (of_all && !ffp_photograph_check(source->files, "the empty stage", err)) return false;
-    for (int i = 0; of_all && i < stops; i++) paths[i] = ffp_arena_text(shots->arena, source->files);
-    if (!of_all && !ffp_files_find(paths, shots->arena, &set, err)) return false;
+    if (!find_empty_files(paths, shots, source, calibration, err)) return false;
     for (int i = 0; i < n; i++) {
         const int pattern = known_pattern(shots, source->patterns[i]);
         if (pattern < 0)
