@@ -99,7 +99,8 @@ static bool is_possible(const FfpHull *h, const real point[3]) {
         const size_t pixel = (size_t)y * (size_t)view->camera.width + (size_t)x;
         const unsigned char kind = h->compared[v].kinds[pixel];
         if (kind == FFP_PIXEL_STAGE || h->shaded[v][pixel]) return false;
-        seen++, object += kind == FFP_PIXEL_OBJECT, stage += kind == FFP_PIXEL_DIM_STAGE;
+        seen++, object += kind == FFP_PIXEL_OBJECT || kind == FFP_PIXEL_LIT,
+            stage += kind == FFP_PIXEL_DIM_STAGE;
     }
     return stage < STAGE_MOST && seen >= SEEN_SHARE * n && object >= OBJECT_SHARE * seen;
 }

@@ -1,13 +1,19 @@
 // Import: which pixels are the object: from files, alpha channels or light.
+#include <string.h>
 #include <tgmath.h>
 #include "core/base/arena.h"
 #include "core/base/log.h"
+#include "rig/import/checks.h"
+#include "rig/import/common_stage.h"
 #include "rig/import/grow_masks.h"
 #include "rig/import/import_steps.h"
 #include "rig/import/mask.h"
 #include "rig/import/stage_masks.h"
 
-#define GAIN_MOST 1.1 // either way, by which the light may have changed without a word
+#define MISFIT_LEAST 0.2 // of the pixels, which contradict the other views' masks: those show a wall
+#define LIT_LEAST 0.03   // of the picture that must be lit background
+#define VIEWS_TURNED 5   // that tell it
+#define GAIN_MOST 1.1    // either way, by which the light may have changed without a word
 
 static bool load_mask(FfpImporting *import, int stop, FfpError *err) {
     const char *path = import->shots.masks[stop];
@@ -53,33 +59,88 @@ bool ffp_importing_cover(FfpImporting *import, int stop, const FfpImage *alphas,
     return true;
 }
 
-// From the empty stage.
-static bool mask_by_stage(FfpImporting *import, FfpError *err) {
+static void note_stage(const FfpImporting *import, const FfpStageMasks *report, const char *from) {
+    ffp_note(
+        "%d masks were made from %s: %.0f %% of the pictures are stage, %.1f %% object, and %.1f %% object "
+        "by the other views",
+        import->capture.n_views, from, 100 * report->stage, 100 * report->object, 100 * report->decided);
+    if (report->shade > 0)
+        ffp_note("  %.1f %% are shadows of the object on the stage that only their colour tells",
+                 100 * report->shade);
+    if (report->gain_least < 1 / GAIN_MOST || report->gain_most > GAIN_MOST)
+        ffp_warning(
+            "the stage's light is %.2f to %.2f times that of the empty stage: photograph all with one "
+            "exposure and a warm lamp",
+            report->gain_least, report->gain_most);
+}
+
+// From the empty stage of each view; NULL: from the one that all share.
+static bool mask_by_stage(FfpImporting *import, const FfpStage *shared, FfpStageMasks *report,
+                          FfpError *err) {
     FfpCapture *capture = &import->capture;
     const bool posed = import->settings->axis == FFP_AXIS_KNOWN;
     const FfpStage **stages = ffp_alloc((size_t)capture->n_views, sizeof *stages);
     const char **paths = ffp_alloc((size_t)capture->n_views, sizeof *paths);
-    FfpStageMasks report;
     for (int v = 0; v < capture->n_views; v++) {
-        stages[v] = &import->stages[v];
+        stages[v] = shared ? shared : &import->stages[v];
         paths[v] = import->shots.pictures[v * FFP_PATTERNS_MAX + import->shots.white];
     }
-    const bool ok = ffp_stage_masks(&report, capture, stages, posed, paths, err);
+    const bool ok = ffp_stage_masks(report, capture, stages, posed, paths, err);
     ffp_free(stages), ffp_free(paths);
-    if (!ok) return false;
-    ffp_note(
-        "%d masks were made from the empty stage: %.0f %% of the pictures are stage, %.1f %% object, and "
-        "%.1f %% object by the other views",
-        capture->n_views, 100 * report.stage, 100 * report.object, 100 * report.decided);
-    if (report.shade > 0)
-        ffp_note("  %.1f %% are shadows of the object on the stage that only their colour tells",
-                 100 * report.shade);
-    if (report.gain_least < 1 / GAIN_MOST || report.gain_most > GAIN_MOST)
-        ffp_warning(
-            "the stage's light is %.2f to %.2f times that of the empty stage: photograph all with one "
-            "exposure and a warm lamp",
-            report.gain_least, report.gain_most);
-    return true;
+    return ok;
+}
+
+// --- A lit background that nobody photographed alone. ---
+
+static bool has_one_camera(const FfpImporting *import) {
+    const FfpImportSettings *settings = import->settings;
+    const FfpStop *stops = import->calibration.stops;
+    const bool turns = settings->turntable_file || settings->turntable;
+    for (int v = 1; v < import->capture.n_views; v++)
+        if (memcmp(&stops[v].camera, &stops[0].camera, sizeof stops[0].camera) != 0) return false;
+    for (int v = 0; v < import->capture.n_views; v++)
+        if (!import->made[v]) return false; // masked by its alpha channel already
+    return turns && settings->axis == FFP_AXIS_KNOWN;
+}
+
+static void free_coverages(FfpCapture *capture) {
+    for (int v = 0; v < capture->n_views; v++) ffp_image_free(&capture->views[v].coverage);
+}
+
+// Whether the light's masks contradict each other, as they do when they show a wall, and what stays the same
+// over the stops tells them better: they are replaced then.
+static bool mask_by_common_stage(FfpImporting *import) {
+    FfpCapture *capture = &import->capture;
+    FfpStage stage = {0};
+    FfpCommon found;
+    FfpStageMasks report;
+    FfpError none = {0};
+    if (!has_one_camera(import) || capture->n_views < VIEWS_TURNED) return false;
+    ffp_capture_estimate_bounds(capture);
+    const double misfit = ffp_rig_silhouette_misfit(capture);
+    if (misfit < MISFIT_LEAST || !ffp_common_stage(&stage, &found, capture)) return false;
+    bool ok = found.lit > LIT_LEAST;
+    FfpImage *before = ffp_alloc((size_t)capture->n_views, sizeof *before);
+    for (int v = 0; v < capture->n_views; v++)
+        before[v] = capture->views[v].coverage, capture->views[v].coverage = (FfpImage){0};
+    ok = ok && mask_by_stage(import, &stage, &report, &none);
+    if (ok) {
+        ffp_warning("lit background: white lights %.0f %% of the picture that stay the same at all stops. "
+                    "Photograph the stage without the object (empty) for better masks",
+                    100 * found.lit);
+        note_stage(import, &report, "what stays the same over the stops");
+    } else {
+        free_coverages(capture);
+    }
+    for (int v = 0; v < capture->n_views; v++) {
+        if (ok)
+            ffp_image_free(&before[v]);
+        else
+            capture->views[v].coverage = before[v];
+    }
+    ffp_free(before);
+    ffp_common_stage_free(&stage, capture->n_patterns);
+    return ok;
 }
 
 #define VIEWS_GROWN 4 // from which on views know enough of each other
@@ -126,10 +187,13 @@ bool ffp_importing_complete_masks(FfpImporting *import, FfpError *err) {
     int made = 0;
     for (int v = 0; v < capture->n_views; v++) made += import->made[v];
     if (made == 0) return true;
-    if (!import->stages)
+    if (import->stages) {
+        FfpStageMasks report;
+        if (!mask_by_stage(import, NULL, &report, err)) return false;
+        note_stage(import, &report, "the empty stage");
+    } else if (!mask_by_common_stage(import)) {
         complete_otsu(import, made);
-    else if (!mask_by_stage(import, err))
-        return false;
+    }
     apply_masks(import);
     return true;
 }

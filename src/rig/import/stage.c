@@ -2,59 +2,19 @@
 #include <tgmath.h>
 #include "core/base/arena.h"
 #include "core/numerics/rank.h"
-#include "rig/import/local_mean.h"
+#include "rig/import/layers.h"
 
-#define SMOOTH 0.7       // pixels
-#define NOISE_LEAST 6e-4 // linear: two steps of an 8-bit picture where it is dark
-#define NOISE_MOST 0.1   // of what pictures can hold: more is another room
-#define NOISE_FACTOR 2.2 // times the differences' deviation
-#define RELATIVE 0.06    // of the light: bounces, and noise where it is bright
-#define EDGE 0.15        // of what a pixel's neighbours differ by
-#define LIT 10           // times the noise that white adds
-#define SAME 2.0         // mean squared error of what is alike, and
-#define OTHER 6.0        // of what is not
-#define FULL_LEAST 0.8   // factors of what has all of the stage's light
-#define FULL_MOST 1.25   //
-#define GAIN_MOST 1.5    // either way
-#define STAGE_LEAST 0.1  // of the pixels
-#define LAYERS_MAX FFP_PATTERNS_MAX
-
-// What is compared: black, and what the other patterns add to it, smoothed.
-typedef struct Layers {
-    int n, width, height;
-    FfpImage of[LAYERS_MAX];
-} Layers;
-
-static FfpImage difference(const FfpImage *image, const FfpImage *black) {
-    FfpImage out = ffp_image_copy(image);
-    const ptrdiff_t count = (ptrdiff_t)image->width * image->height * 3;
-    for (ptrdiff_t i = 0; i < count; i++) out.data[i] -= black->data[i];
-    return out;
-}
-
-// Of the pictures that both have: black, white, and then the others.
-static Layers *layers_of(const FfpCapture *capture, const FfpImage *images, const FfpImage *others) {
-    Layers *out = ffp_alloc(1, sizeof *out);
-    out->width = images[capture->black].width, out->height = images[capture->black].height;
-    out->of[out->n++] = ffp_local_mean(&images[capture->black], SMOOTH);
-    for (int k = -1; k < capture->n_patterns; k++) {
-        const int p = k < 0 ? capture->white : k;
-        if (k >= 0 && (p == capture->black || p == capture->white)) continue;
-        if (!images[p].data || !others[p].data) continue;
-        FfpImage added = difference(&images[p], &images[capture->black]);
-        out->of[out->n++] = ffp_local_mean(&added, SMOOTH);
-        ffp_image_free(&added);
-    }
-    return out;
-}
-
-static void free_layers(Layers *layers) {
-    for (int k = 0; k < layers->n; k++) ffp_image_free(&layers->of[k]);
-    ffp_free(layers);
-}
+#define NOISE_MOST 0.1  // of what pictures can hold: more is another room
+#define LIT 10          // times the noise that white adds
+#define SAME 2.0        // mean squared error of what is alike, and
+#define OTHER 6.0       // of what is not
+#define FULL_LEAST 0.8  // factors of what has all of the stage's light
+#define FULL_MOST 1.25  //
+#define GAIN_MOST 1.5   // either way
+#define STAGE_LEAST 0.1 // of the pixels
 
 typedef struct Comparison {
-    const Layers *view, *stage;
+    const FfpLayers *view, *stage;
     const FfpImage *known; // of the stage; .data NULL: everywhere
     double noise, gain;
 } Comparison;
@@ -62,16 +22,6 @@ typedef struct Comparison {
 static double grey(const FfpImage *image, ptrdiff_t pixel) {
     const real *p = image->data + 3 * pixel;
     return ((double)p[0] + (double)p[1] + (double)p[2]) / 3;
-}
-
-// What two pictures under black differ by.
-static double find_noise(const Layers *view, const Layers *stage) {
-    const size_t count = 3 * (size_t)view->width * (size_t)view->height;
-    double *off = ffp_alloc(count, sizeof *off);
-    for (size_t i = 0; i < count; i++) off[i] = fabs((double)(view->of[0].data[i] - stage->of[0].data[i]));
-    const double deviation = 1.4826 * ffp_median(off, count);
-    ffp_free(off);
-    return fmax(NOISE_FACTOR * deviation, NOISE_LEAST);
 }
 
 // The median of what white adds here over what it adds to the stage: most of a picture is stage.
@@ -102,7 +52,7 @@ static double spread(const FfpImage *image, int x, int y, int channel) {
 
 typedef struct Values { // of one pixel, layer by layer and channel by channel; black first
     int n;
-    double view[3 * LAYERS_MAX], stage[3 * LAYERS_MAX], spread[3 * LAYERS_MAX];
+    double view[3 * FFP_LAYERS_MAX], stage[3 * FFP_LAYERS_MAX], spread[3 * FFP_LAYERS_MAX];
 } Values;
 
 static void take_values(const Comparison *c, int x, int y, Values *v) {
@@ -116,21 +66,17 @@ static void take_values(const Comparison *c, int x, int y, Values *v) {
     }
 }
 
-static double variance(double noise, double light, double edge) {
-    return noise * noise + RELATIVE * RELATIVE * light * light + EDGE * EDGE * edge * edge;
-}
-
 // The factor by which the stage's light explains the pixel's best, and the mean squared error left.
 static double explain(const Values *v, double noise, double *error) {
     double across = 0, square = 0, sum = 0;
     for (int i = 3; i < v->n; i++) {
-        const double s = variance(noise, fmax(v->view[i], v->stage[i]), v->spread[i]);
+        const double s = ffp_layers_variance(noise, fmax(v->view[i], v->stage[i]), v->spread[i]);
         across += v->view[i] * v->stage[i] / s, square += v->stage[i] * v->stage[i] / s;
     }
     const double a = square > 0 ? fmin(fmax(across / square, 0), FULL_MOST) : 0;
     for (int i = 3; i < v->n; i++) {
         const double off = v->view[i] - a * v->stage[i];
-        sum += off * off / variance(noise, fmax(v->view[i], a * v->stage[i]), a * v->spread[i]);
+        sum += off * off / ffp_layers_variance(noise, fmax(v->view[i], a * v->stage[i]), a * v->spread[i]);
     }
     *error = sum / (v->n - 3);
     return a;
@@ -143,7 +89,7 @@ static double difference_of(const Values *v, double noise) {
         const double black = i < 3 ? 0 : 1;
         const double here = v->view[i] + black * v->view[i % 3],
                      there = v->stage[i] + black * v->stage[i % 3];
-        sum += (here - there) * (here - there) / variance(0.67 * noise, there, v->spread[i]);
+        sum += (here - there) * (here - there) / ffp_layers_variance(0.67 * noise, there, v->spread[i]);
     }
     return sum / v->n;
 }
@@ -151,7 +97,7 @@ static double difference_of(const Values *v, double noise) {
 static FfpPixelKind kind_of(const Comparison *c, int x, int y) {
     const ptrdiff_t at = (ptrdiff_t)y * c->view->width + x;
     const bool lit = grey(&c->view->of[1], at) > LIT * c->noise;
-    if (c->known->data && !(c->known->data[at] > 0)) return lit ? FFP_PIXEL_OBJECT : FFP_PIXEL_UNKNOWN;
+    if (c->known->data && !(c->known->data[at] > 0)) return lit ? FFP_PIXEL_LIT : FFP_PIXEL_UNKNOWN;
     const bool stage_lit = grey(&c->stage->of[1], at) > LIT * c->noise;
     Values v;
     double error;
@@ -179,13 +125,13 @@ static void compare_pixels(FfpCompared *out, const Comparison *c, const FfpView 
 bool ffp_stage_compare(FfpCompared *compared, const FfpCapture *capture, int view, const FfpStage *stage,
                        const char *where, FfpError *err) {
     const FfpView *of = &capture->views[view];
-    Layers *mine = layers_of(capture, of->images, stage->images),
-           *theirs = layers_of(capture, stage->images, of->images);
-    Comparison c = {mine, theirs, &stage->known, find_noise(mine, theirs), 1};
+    FfpLayers *mine = ffp_layers_new(capture, of->images, stage->images),
+              *theirs = ffp_layers_new(capture, stage->images, of->images);
+    Comparison c = {mine, theirs, &stage->known, ffp_layers_noise(mine, theirs), 1};
     c.gain = find_gain(&c);
     *compared = (FfpCompared){.noise = c.noise, .gain = c.gain};
     if (c.noise <= NOISE_MOST) compare_pixels(compared, &c, of);
-    free_layers(mine), free_layers(theirs);
+    ffp_layers_free(mine), ffp_layers_free(theirs);
     if (c.noise > NOISE_MOST)
         return ffp_fail(err, FFP_ERROR_FILE, where,
                         "under black this view differs from the empty stage by %.2f of full scale: was the "

@@ -15,6 +15,7 @@ typedef enum FfpPixelKind {
     FFP_PIXEL_STAGE,     // lit, and as the stage is under every pattern
     FFP_PIXEL_DIM_STAGE, // like the stage, but so little light says less
     FFP_PIXEL_OBJECT,    // lit, and unlike the stage
+    FFP_PIXEL_LIT,       // lit where the stage is not known
 } FfpPixelKind;
 
 typedef struct FfpCompared {

@@ -61,7 +61,7 @@ static bool shows_object(const Work *w) {
 
 static bool may_be_object(const Work *w, int v, size_t pixel) {
     const unsigned char kind = w->compared[v].kinds[pixel];
-    return (kind == FFP_PIXEL_UNKNOWN || kind == FFP_PIXEL_DIM_STAGE) && !w->shaded[v][pixel];
+    return kind != FFP_PIXEL_STAGE && kind != FFP_PIXEL_OBJECT && !w->shaded[v][pixel];
 }
 
 // What is not sure is object where the hull is.

@@ -1,0 +1,122 @@
+#include "rig/import/common_stage.h"
+#include <tgmath.h>
+#include "core/base/alloc.h"
+#include "core/base/call.h"
+#include "rig/import/layers.h"
+
+#define SAME 2.0        // mean squared error of looks that are alike
+#define SHARE_LEAST 0.3 // of the views, which must share a look
+#define BRIGHTER 2.0    // times as much of white: the other look is a shadow
+#define LIT 10          // times the noise that white adds
+enum { VIEWS_LEAST = 5, VIEWS_MOST = 16, SHARED_LEAST = 3 };
+
+typedef struct Common {
+    const FfpCapture *capture;
+    int n, views[VIEWS_MOST]; // compared
+    FfpLayers *layers[VIEWS_MOST];
+    double noise;
+} Common;
+
+static double white_at(const FfpLayers *layers, ptrdiff_t pixel) {
+    const real *p = layers->of[1].data + 3 * pixel;
+    return ((double)p[0] + (double)p[1] + (double)p[2]) / 3;
+}
+
+static bool is_alike(const Common *c, int a, int b, ptrdiff_t pixel) {
+    const FfpLayers *one = c->layers[a], *two = c->layers[b];
+    double sum = 0;
+    for (int k = 0; k < one->n; k++)
+        for (int i = 0; i < 3; i++) {
+            const double x = (double)one->of[k].data[3 * pixel + i],
+                         y = (double)two->of[k].data[3 * pixel + i];
+            sum += (x - y) * (x - y) / ffp_layers_variance(c->noise, fmax(x, y), 0);
+        }
+    return sum < SAME * 3 * one->n;
+}
+
+// The view whose look at a pixel most others share, and how many do; a brighter one before its shadow.
+static int choose(const Common *c, ptrdiff_t pixel, int *shared) {
+    const int least = (int)fmax(SHARED_LEAST, ceil(SHARE_LEAST * c->n));
+    int counts[VIEWS_MOST] = {0}, best = -1;
+    for (int a = 0; a < c->n; a++)
+        for (int b = 0; b < c->n; b++) counts[a] += a == b || is_alike(c, a, b, pixel);
+    for (int a = 0; a < c->n; a++) {
+        if (counts[a] < least) continue;
+        const double here = white_at(c->layers[a], pixel),
+                     before = best < 0 ? 0 : white_at(c->layers[best], pixel);
+        const bool lit = here > LIT * c->noise;
+        if (best < 0 || (lit && here > BRIGHTER * before) ||
+            (counts[a] > counts[best] && !(before > LIT * c->noise && before > BRIGHTER * here)))
+            best = a;
+    }
+    *shared = best < 0 ? 0 : counts[best];
+    return best;
+}
+
+// The mean of the views that share a look.
+static void take_mean(const Common *c, FfpStage *stage, int like, int shared, ptrdiff_t pixel) {
+    for (int a = 0; a < c->n; a++) {
+        if (a != like && !is_alike(c, like, a, pixel)) continue;
+        for (int p = 0; p < c->capture->n_patterns; p++) {
+            const FfpImage *from = &c->capture->views[c->views[a]].images[p];
+            for (int i = 0; stage->images[p].data && i < 3; i++)
+                stage->images[p].data[3 * pixel + i] += from->data[3 * pixel + i] / (real)shared;
+        }
+    }
+    stage->known.data[pixel] = 1;
+}
+
+static bool all_have(const FfpCapture *capture, int pattern) {
+    for (int v = 0; v < capture->n_views; v++)
+        if (!capture->views[v].images[pattern].data) return false;
+    return true;
+}
+
+static FfpStage new_stage(const FfpCapture *capture) {
+    const FfpCamera *camera = &capture->views[0].camera;
+    FfpStage out = {.images = ffp_alloc((size_t)capture->n_patterns, sizeof *out.images)};
+    out.known = ffp_image_new(camera->width, camera->height, 1);
+    for (int p = 0; p < capture->n_patterns; p++)
+        if (all_have(capture, p)) out.images[p] = ffp_image_new(camera->width, camera->height, 3);
+    return out;
+}
+
+static Common new_common(const FfpCapture *capture, const FfpStage *stage) {
+    Common c = {.capture = capture, .n = capture->n_views < VIEWS_MOST ? capture->n_views : VIEWS_MOST};
+    for (int a = 0; a < c.n; a++) {
+        c.views[a] = (int)((int64_t)a * capture->n_views / c.n);
+        c.layers[a] = ffp_layers_new(capture, capture->views[c.views[a]].images, stage->images);
+    }
+    c.noise = ffp_layers_noise(c.layers[0], c.layers[c.n / 2]);
+    return c;
+}
+
+bool ffp_common_stage(FfpStage *stage, FfpCommon *found, const FfpCapture *capture) {
+    *found = (FfpCommon){0};
+    if (capture->n_views < VIEWS_LEAST) return false;
+    *stage = new_stage(capture);
+    Common c = new_common(capture, stage);
+    const ptrdiff_t pixels = (ptrdiff_t)stage->known.width * stage->known.height;
+    int64_t known = 0, lit = 0;
+    ffp_cancel_point();
+#pragma omp parallel for schedule(static) reduction(+ : known, lit)
+    for (ptrdiff_t i = 0; i < pixels; i++) {
+        int shared;
+        const int like = choose(&c, i, &shared);
+        if (like < 0) continue;
+        take_mean(&c, stage, like, shared, i);
+        known++;
+        lit += white_at(c.layers[like], i) > LIT * c.noise;
+    }
+    for (int a = 0; a < c.n; a++) ffp_layers_free(c.layers[a]);
+    found->known = (double)known / (double)pixels;
+    found->lit = (double)lit / (double)pixels;
+    return true;
+}
+
+void ffp_common_stage_free(FfpStage *stage, int n_patterns) {
+    for (int p = 0; stage->images && p < n_patterns; p++) ffp_image_free(&stage->images[p]);
+    ffp_free(stage->images);
+    ffp_image_free(&stage->known);
+    *stage = (FfpStage){0};
+}
