@@ -3,11 +3,15 @@
 #include "core/base/alloc.h"
 #include "core/base/call.h"
 #include "rig/import/layers.h"
+#include "rig/import/local_mean.h"
+#include "rig/import/mask.h"
 
 #define SAME 2.0        // mean squared error of looks that are alike
 #define SHARE_LEAST 0.3 // of the views, which must share a look
 #define BRIGHTER 2.0    // times as much of white: the other look is a shadow
 #define LIT 10          // times the noise that white adds
+#define SURE 0.02       // share of a Gaussian that must be known
+static const double near_and_far[3] = {0.05, 0.02, 0.008}; // Gaussians, of the picture's longer side
 enum { VIEWS_LEAST = 5, VIEWS_MOST = 16, SHARED_LEAST = 3 };
 
 typedef struct Common {
@@ -66,6 +70,30 @@ static void take_mean(const Common *c, FfpStage *stage, int like, int shared, pt
     stage->known.data[pixel] = 1;
 }
 
+// Where the stage is not known its pictures get means of what is around, near or farther: for shadows, which
+// are compared with what the stage would be.
+static void fill_in(FfpImage *image, const unsigned char *known) {
+    const ptrdiff_t pixels = (ptrdiff_t)image->width * image->height;
+    const double longest = fmax(image->width, image->height);
+    for (int k = 0; k < 3; k++) {
+        FfpImage means = ffp_local_mean_where(image, known, fmax(longest * near_and_far[k], 1));
+        for (ptrdiff_t i = 0; i < pixels; i++)
+            for (int c = 0; c < 3 && !known[i] && means.data[4 * i + 3] > SURE; c++)
+                image->data[3 * i + c] = means.data[4 * i + c];
+        ffp_image_free(&means);
+    }
+}
+
+static void complete(FfpStage *stage, int n_patterns) {
+    const ptrdiff_t pixels = (ptrdiff_t)stage->known.width * stage->known.height;
+    unsigned char *known = ffp_alloc((size_t)pixels, 1);
+    ffp_mask_drop_pieces(&stage->known); // parts of the object that are alike by chance
+    for (ptrdiff_t i = 0; i < pixels; i++) known[i] = stage->known.data[i] > 0;
+    for (int p = 0; p < n_patterns; p++)
+        if (stage->images[p].data) fill_in(&stage->images[p], known);
+    ffp_free(known);
+}
+
 static bool all_have(const FfpCapture *capture, int pattern) {
     for (int v = 0; v < capture->n_views; v++)
         if (!capture->views[v].images[pattern].data) return false;
@@ -109,6 +137,7 @@ bool ffp_common_stage(FfpStage *stage, FfpCommon *found, const FfpCapture *captu
         lit += white_at(c.layers[like], i) > LIT * c.noise;
     }
     for (int a = 0; a < c.n; a++) ffp_layers_free(c.layers[a]);
+    complete(stage, capture->n_patterns);
     found->known = (double)known / (double)pixels;
     found->lit = (double)lit / (double)pixels;
     return true;

@@ -55,9 +55,8 @@ static void mark_dark(Shade *s, const FfpView *view, const FfpStage *stage, cons
     for (ptrdiff_t i = 0; i < (ptrdiff_t)s->width * s->height; i++) {
         const double here = sum_of(&images[0], i) - sum_of(&images[1], i),
                      there = sum_of(&images[2], i) - sum_of(&images[3], i);
-        const bool known = !stage->known.data || stage->known.data[i] > 0;
         const bool sure = compared->kinds[i] == FFP_PIXEL_STAGE || compared->kinds[i] == FFP_PIXEL_DIM_STAGE;
-        s->dark[i] = known && !sure && there > 3 * LIT * compared->noise && here < DARK * there;
+        s->dark[i] = !sure && there > 3 * LIT * compared->noise && here < DARK * there;
     }
     for (int k = 0; k < 4; k++) ffp_image_free(&images[k]);
 }
