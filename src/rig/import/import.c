@@ -62,6 +62,11 @@ static bool check_settings(const FfpImportSettings *settings, FfpError *err) {
     return ffp_turntable_check_axis(&turntable, err);
 }
 
+bool ffp_importing_finish(const char *folder, void *context, FfpError *err) {
+    return ffp_importing_keep_response(folder, context, err) &&
+           ffp_importing_write_sheet(folder, context, err);
+}
+
 static bool run(FfpImporting *import, FfpError *err) {
     return check_settings(import->settings, err) && name_capture(import, err) &&
            ffp_importing_read_rig(import, err) &&
@@ -70,8 +75,8 @@ static bool run(FfpImporting *import, FfpError *err) {
            ffp_importing_load_pixels(import, err) && ffp_importing_load_codes(import, err) &&
            ffp_importing_find_axis(import, err) && settle_object(import, err) &&
            ffp_importing_find_response(import, err) &&
-           ffp_capture_write_whole(&import->capture, import->settings->folder, ffp_importing_keep_response,
-                                   import, err);
+           ffp_capture_write_whole(&import->capture, import->settings->folder, ffp_importing_finish, import,
+                                   err);
 }
 
 bool ffp_import(const FfpImportSettings *settings, FfpError *err) {
@@ -80,6 +85,8 @@ bool ffp_import(const FfpImportSettings *settings, FfpError *err) {
     const bool ok = run(import, err);
     for (int v = 0; import->holes && v < import->capture.n_views; v++) ffp_image_free(&import->holes[v]);
     ffp_free(import->holes), ffp_free(import->made);
+    for (int v = 0; import->thumbs && v < import->capture.n_views; v++) ffp_image_free(&import->thumbs[v]);
+    ffp_free(import->thumbs);
     ffp_importing_free_stage(import);
     ffp_capture_free(&import->capture);
     ffp_shots_free(&import->shots);

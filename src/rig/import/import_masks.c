@@ -2,9 +2,11 @@
 #include <string.h>
 #include <tgmath.h>
 #include "core/base/arena.h"
+#include "core/base/file.h"
 #include "core/base/log.h"
 #include "rig/import/checks.h"
 #include "rig/import/common_stage.h"
+#include "rig/import/contact_sheet.h"
 #include "rig/import/grow_masks.h"
 #include "rig/import/import_steps.h"
 #include "rig/import/mask.h"
@@ -170,6 +172,17 @@ static void apply_masks(FfpImporting *import) {
             ffp_mask_apply(&capture->views[v].coverage, &capture->views[v].images[p]);
 }
 
+// How well the masks go together.
+static void note_agreement(FfpImporting *import) {
+    FfpCapture *capture = &import->capture;
+    if (import->settings->axis != FFP_AXIS_KNOWN || capture->n_views < 2) return;
+    ffp_capture_estimate_bounds(capture);
+    ffp_note("  %.1f %% of their pixels agree with the other views' masks; masks.png in the capture's folder "
+             "shows "
+             "all of them",
+             100 * (1 - ffp_rig_silhouette_misfit(capture)));
+}
+
 static void complete_otsu(FfpImporting *import, int made) {
     ffp_note(
         "%d masks were made from white minus black (Otsu): look at them, and give files of masks if they "
@@ -194,6 +207,17 @@ bool ffp_importing_complete_masks(FfpImporting *import, FfpError *err) {
     } else if (!mask_by_common_stage(import)) {
         complete_otsu(import, made);
     }
+    note_agreement(import);
     apply_masks(import);
     return true;
+}
+
+bool ffp_importing_write_sheet(const char *folder, const FfpImporting *import, FfpError *err) {
+    char path[FFP_PATH_MAX];
+    if (!ffp_join_path(path, folder, "masks.png"))
+        return ffp_fail(err, FFP_ERROR_FILE, folder, "the path is too long");
+    FfpImage sheet = ffp_contact_sheet(&import->capture, import->thumbs);
+    const bool ok = ffp_image_write_png(&sheet, path, err);
+    ffp_image_free(&sheet);
+    return ok;
 }

@@ -3,6 +3,7 @@
 #include <tgmath.h>
 #include "core/base/log.h"
 #include "core/patterns/patterns.h"
+#include "rig/import/contact_sheet.h"
 #include "rig/import/import_steps.h"
 
 #define TOO_BRIGHT_MAX 0.001 // of the values
@@ -95,6 +96,7 @@ static bool load_view(FfpImporting *import, int stop, FfpError *err) {
             ok = ffp_importing_read_picture(import, import->shots.pictures[stop * FFP_PATTERNS_MAX + p], stop,
                                             &view->images[p], &alphas[p], err);
     }
+    if (ok) import->thumbs[stop] = ffp_contact_thumb(&view->images[import->shots.white]);
     ok = ok && ffp_importing_cover(import, stop, alphas, err);
     for (int p = 0; p < n; p++) ffp_image_free(&alphas[p]);
     ffp_free(alphas);
@@ -138,6 +140,7 @@ bool ffp_importing_load_pixels(FfpImporting *import, FfpError *err) {
     FfpCapture *capture = &import->capture;
     import->made = ffp_alloc((size_t)capture->n_views, sizeof *import->made);
     import->holes = ffp_alloc((size_t)capture->n_views, sizeof *import->holes);
+    import->thumbs = ffp_alloc((size_t)capture->n_views, sizeof *import->thumbs);
     capture->n_patterns = import->shots.n_patterns;
     capture->patterns = ffp_alloc((size_t)capture->n_patterns, sizeof *capture->patterns);
     capture->black = import->shots.black, capture->white = import->shots.white;

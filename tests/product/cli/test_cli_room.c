@@ -69,7 +69,28 @@ static void the_empty_stage_tells_the_object(void **state) {
     ffp_capture_free(&truth), ffp_capture_free(&made);
 }
 
+static void what_stays_the_same_tells_the_object(void **state) {
+    (void)state;
+    char masks[1100];
+    FfpCapture truth, made;
+    double missing;
+    if (!shared_path(room, "real-room")) skip();
+    snprintf(masks, sizeof masks, "-m '%s/masks/{view}.png'", room);
+    import(&truth, "true", masks);
+    import(&made, "common", "");
+    assert_non_null(strstr(run.err, "lit background"));
+    assert_non_null(strstr(run.err, "agree with the other views' masks"));
+    const double least = compare(&truth, &made, &missing);
+    printf("missing %.4f\n", missing);
+    assert_true(least > 0.75);
+    assert_true(missing < 0.04);
+    struct stat sheet;
+    assert_int_equal(stat(in_scratch("common/masks.png"), &sheet), 0);
+    ffp_capture_free(&truth), ffp_capture_free(&made);
+}
+
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(the_empty_stage_tells_the_object)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(the_empty_stage_tells_the_object),
+                                       cmocka_unit_test(what_stays_the_same_tells_the_object)};
     return cmocka_run_group_tests(tests, scratch_setup, scratch_teardown);
 }

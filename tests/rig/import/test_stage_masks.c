@@ -3,6 +3,8 @@
 #include <math.h>
 #include "core/base/alloc.h"
 #include "core/base/call.h"
+#include "rig/import/common_stage.h"
+#include "rig/import/contact_sheet.h"
 #include "rig/import/stage_masks.h"
 #include "support.h"
 
@@ -205,12 +207,67 @@ static void other_light_is_told(void **state) {
     free_room(room);
 }
 
+// What the views share is the stage as it is alone, and makes nearly as good masks.
+static void what_stays_the_same_is_the_stage(void **state) {
+    (void)state;
+    Room *room = new_room(true);
+    FfpStage stage;
+    FfpCommon found;
+    FfpStageMasks report;
+    double off = 0, n = 0;
+    assert_true(ffp_common_stage(&stage, &found, &room->capture));
+    assert_true(found.known > 0.8 && found.lit > 0.5 && found.lit <= found.known);
+    for (int i = 0; i < 3 * WIDTH * HEIGHT; i++) {
+        if (!(stage.known.data[i / 3] > 0)) continue;
+        off += fabs((double)(stage.images[1].data[i] - room->stage.images[1].data[i])), n++;
+    }
+    assert_true(off / n < 0.005);
+    for (int v = 0; v < VIEWS; v++) room->stages[v] = &stage;
+    assert_true(ffp_stage_masks(&report, &room->capture, room->stages, true, room->paths, &err));
+    const Agreement agreement = compare(room);
+    assert_true(agreement.overlap > 0.85);
+    assert_true(agreement.missing < 0.04);
+    ffp_common_stage_free(&stage, PATTERNS);
+    room->capture.n_views = 4;
+    assert_false(ffp_common_stage(&stage, &found, &room->capture));
+    room->capture.n_views = VIEWS;
+    free_room(room);
+}
+
+// Dark and blue beside the object, a red line round it, its own colours in it.
+static void the_contact_sheet_shows_the_masks(void **state) {
+    (void)state;
+    Room *room = new_room(true);
+    FfpImage thumbs[VIEWS];
+    for (int v = 0; v < VIEWS; v++) {
+        room->capture.views[v].coverage = ffp_image_copy(&room->truth[v]);
+        thumbs[v] = ffp_contact_thumb(&room->capture.views[v].images[1]);
+    }
+    FfpImage sheet = ffp_contact_sheet(&room->capture, thumbs);
+    assert_int_equal(sheet.width, 3 * (WIDTH + 4));
+    assert_int_equal(sheet.height, 3 * (HEIGHT + 4));
+    int red = 0, object = 0, beside = 0;
+    for (int i = 0; i < WIDTH * HEIGHT; i++) {
+        const real *p = sheet.data + 3 * ((ptrdiff_t)(i / WIDTH) * sheet.width + i % WIDTH);
+        const bool in = room->truth[0].data[i] >= 0.5F;
+        const bool line = p[0] > 0.99F && p[1] < 0.01F;
+        red += line, object += in && !line, beside += !in && p[2] > p[0];
+        if (!in) assert_false(line);
+    }
+    assert_true(red > 40 && object > 400 && beside > WIDTH * HEIGHT / 2);
+    for (int v = 0; v < VIEWS; v++) ffp_image_free(&thumbs[v]);
+    ffp_image_free(&sheet);
+    free_room(room);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_ball_is_found_in_its_room),
         cmocka_unit_test(without_poses_light_alone_decides),
         cmocka_unit_test(a_view_like_the_stage_is_refused),
         cmocka_unit_test(other_light_is_told),
+        cmocka_unit_test(what_stays_the_same_is_the_stage),
+        cmocka_unit_test(the_contact_sheet_shows_the_masks),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
