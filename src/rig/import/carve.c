@@ -44,8 +44,9 @@ static bool middle_of(const FfpView *view, const FfpCompared *compared, real dir
         if (compared->kinds[i] != FFP_PIXEL_OBJECT) continue;
         n++, x += i % width + 0.5, y += i / width + 0.5;
     }
-    if (n > 0) ffp_pixel_ray(&view->camera, (real)(x / n), (real)(y / n), direction);
-    return n > 0;
+    if (!(n > 0)) return false;
+    ffp_pixel_ray(&view->camera, (real)(x / n), (real)(y / n), direction);
+    return true;
 }
 
 // The largest distance between the sphere's middle and the ray of an object's pixel.
@@ -69,7 +70,7 @@ bool ffp_hull_bounds(FfpCapture *capture, const FfpCompared *compared) {
     double a[3][3] = {{0}}, b[3] = {0}, centre[3], radius = 0;
     int views = 0;
     for (int v = 0; v < capture->n_views; v++) {
-        real origin[3], direction[3];
+        real origin[3], direction[3] = {0};
         if (!middle_of(&capture->views[v], &compared[v], direction)) continue;
         origin_of(&capture->views[v].camera, origin);
         add_ray(a, b, origin, direction);

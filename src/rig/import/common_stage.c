@@ -12,6 +12,8 @@
 #define LIT 10          // times the noise that white adds
 #define SURE 0.02       // share of a Gaussian that must be known
 static const double near_and_far[3] = {0.05, 0.02, 0.008}; // Gaussians, of the picture's longer side
+#define GOES_ON 0.12 // of the light, by which a look may differ from the stage beside it
+enum { SIDE = 5, AROUND_LEAST = 4, ROUNDS = 200 }; // pixels around one; which must be known
 enum { VIEWS_LEAST = 5, VIEWS_MOST = 16, SHARED_LEAST = 3 };
 
 typedef struct Common {
@@ -39,8 +41,7 @@ static bool is_alike(const Common *c, int a, int b, ptrdiff_t pixel) {
 }
 
 // The view whose look at a pixel most others share, and how many do; a brighter one before its shadow.
-static int choose(const Common *c, ptrdiff_t pixel, int *shared) {
-    const int least = (int)fmax(SHARED_LEAST, ceil(SHARE_LEAST * c->n));
+static int choose(const Common *c, ptrdiff_t pixel, int least, int *shared) {
     int counts[VIEWS_MOST] = {0}, best = -1;
     for (int a = 0; a < c->n; a++)
         for (int b = 0; b < c->n; b++) counts[a] += a == b || is_alike(c, a, b, pixel);
@@ -70,6 +71,50 @@ static void take_mean(const Common *c, FfpStage *stage, int like, int shared, pt
     stage->known.data[pixel] = 1;
 }
 
+// Whether a look under white goes on from the known stage around a pixel.
+static bool goes_on(const Common *c, const FfpStage *stage, int like, ptrdiff_t pixel) {
+    const FfpImage *white = &stage->images[c->capture->white];
+    const int x = (int)(pixel % white->width), y = (int)(pixel / white->width);
+    double sum[3] = {0}, n = 0;
+    for (int k = 0; k < SIDE * SIDE; k++) {
+        const int px = x + k % SIDE - SIDE / 2, py = y + k / SIDE - SIDE / 2;
+        if (px < 0 || py < 0 || px >= white->width || py >= white->height) continue;
+        const ptrdiff_t at = (ptrdiff_t)py * white->width + px;
+        if (!(stage->known.data[at] > 0)) continue;
+        for (int i = 0; i < 3; i++) sum[i] += (double)white->data[3 * at + i];
+        n++;
+    }
+    for (int i = 0; i < 3 && n > 0; i++) {
+        const FfpLayers *of = c->layers[like];
+        const double here = (double)of->of[0].data[3 * pixel + i] + (double)of->of[1].data[3 * pixel + i];
+        if (fabs(here - sum[i] / n) > c->noise + GOES_ON * fmax(here, sum[i] / n)) return false;
+    }
+    return n >= AROUND_LEAST;
+}
+
+// Pixels that only two views show alike are stage where they go on from it.
+static void grow(const Common *c, FfpStage *stage) {
+    const ptrdiff_t pixels = (ptrdiff_t)stage->known.width * stage->known.height;
+    int *likes = ffp_alloc((size_t)pixels, sizeof *likes),
+        *shared = ffp_alloc((size_t)pixels, sizeof *shared);
+    unsigned char *found = ffp_alloc((size_t)pixels, 1);
+#pragma omp parallel for schedule(static)
+    for (ptrdiff_t i = 0; i < pixels; i++)
+        likes[i] = stage->known.data[i] > 0 ? -1 : choose(c, i, 2, &shared[i]);
+    for (int added = 1, round = 0; added > 0 && round < ROUNDS; round++) {
+        added = 0;
+        ffp_cancel_point();
+        for (ptrdiff_t i = 0; i < pixels; i++)
+            found[i] = likes[i] >= 0 && !(stage->known.data[i] > 0) && goes_on(c, stage, likes[i], i);
+        for (ptrdiff_t i = 0; i < pixels; i++) {
+            if (!found[i]) continue;
+            take_mean(c, stage, likes[i], shared[i], i);
+            added++;
+        }
+    }
+    ffp_free(likes), ffp_free(shared), ffp_free(found);
+}
+
 // Where the stage is not known its pictures get means of what is around, near or farther: for shadows, which
 // are compared with what the stage would be.
 static void fill_in(FfpImage *image, const unsigned char *known) {
@@ -87,7 +132,6 @@ static void fill_in(FfpImage *image, const unsigned char *known) {
 static void complete(FfpStage *stage, int n_patterns) {
     const ptrdiff_t pixels = (ptrdiff_t)stage->known.width * stage->known.height;
     unsigned char *known = ffp_alloc((size_t)pixels, 1);
-    ffp_mask_drop_pieces(&stage->known); // parts of the object that are alike by chance
     for (ptrdiff_t i = 0; i < pixels; i++) known[i] = stage->known.data[i] > 0;
     for (int p = 0; p < n_patterns; p++)
         if (stage->images[p].data) fill_in(&stage->images[p], known);
@@ -130,12 +174,14 @@ bool ffp_common_stage(FfpStage *stage, FfpCommon *found, const FfpCapture *captu
 #pragma omp parallel for schedule(static) reduction(+ : known, lit)
     for (ptrdiff_t i = 0; i < pixels; i++) {
         int shared;
-        const int like = choose(&c, i, &shared);
+        const int like = choose(&c, i, (int)fmax(SHARED_LEAST, ceil(SHARE_LEAST * c.n)), &shared);
         if (like < 0) continue;
         take_mean(&c, stage, like, shared, i);
         known++;
         lit += white_at(c.layers[like], i) > LIT * c.noise;
     }
+    ffp_mask_drop_pieces(&stage->known); // parts of the object that are alike by chance
+    grow(&c, stage);
     for (int a = 0; a < c.n; a++) ffp_layers_free(c.layers[a]);
     complete(stage, capture->n_patterns);
     found->known = (double)known / (double)pixels;
