@@ -10,6 +10,7 @@
 #define OTHER 6.0       // of what is not
 #define FULL_LEAST 0.8  // factors of what has all of the stage's light
 #define FULL_MOST 1.25  //
+#define CONTINUES 0.2     // of the light, by which a look may differ from the stage around
 #define GAIN_MOST 1.5   // either way
 #define STAGE_LEAST 0.1 // of the pixels
 
@@ -94,10 +95,20 @@ static double difference_of(const Values *v, double noise) {
     return sum / v->n;
 }
 
+// Whether what white adds is as on the stage around, where the stage itself is not known.
+static bool continues(const Comparison *c, ptrdiff_t pixel) {
+    for (int i = 0; i < 3; i++) {
+        const double here = (double)c->view->of[1].data[3 * pixel + i],
+                     there = c->gain * (double)c->stage->of[1].data[3 * pixel + i];
+        if (fabs(here - there) > c->noise + CONTINUES * fmax(here, there)) return false;
+    }
+    return true;
+}
+
 static FfpPixelKind kind_of(const Comparison *c, int x, int y) {
     const ptrdiff_t at = (ptrdiff_t)y * c->view->width + x;
     const bool lit = grey(&c->view->of[1], at) > LIT * c->noise;
-    if (c->known->data && !(c->known->data[at] > 0)) return lit ? FFP_PIXEL_LIT : FFP_PIXEL_UNKNOWN;
+    if (c->known->data && !(c->known->data[at] > 0)) return lit && !continues(c, at) ? FFP_PIXEL_LIT : FFP_PIXEL_UNKNOWN;
     const bool stage_lit = grey(&c->stage->of[1], at) > LIT * c->noise;
     Values v;
     double error;
