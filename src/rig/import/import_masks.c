@@ -12,10 +12,10 @@
 #include "rig/import/mask.h"
 #include "rig/import/stage_masks.h"
 
-#define MISFIT_LEAST 0.2 // of the pixels, which contradict the other views' masks: those show a wall
-#define LIT_LEAST 0.03   // of the picture that must be lit background
-#define VIEWS_TURNED 5   // that tell it
-#define GAIN_MOST 1.1    // either way, by which the light may have changed without a word
+#define MISFIT_LEAST 0.12 // of the pixels, which contradict the other views' masks: those show a wall
+#define LIT_LEAST 0.5     // of what is lit that must stay the same
+#define VIEWS_TURNED 5    // that tell it
+#define GAIN_MOST 1.1     // either way, by which the light may have changed without a word
 
 static bool load_mask(FfpImporting *import, int stop, FfpError *err) {
     const char *path = import->shots.masks[stop];
@@ -109,6 +109,17 @@ static void free_coverages(FfpCapture *capture) {
     for (int v = 0; v < capture->n_views; v++) ffp_image_free(&capture->views[v].coverage);
 }
 
+// The mean share of the pictures that the masks take.
+static double masked_share(const FfpCapture *capture) {
+    double sum = 0, pixels = 0;
+    for (int v = 0; v < capture->n_views; v++) {
+        const FfpImage *mask = &capture->views[v].coverage;
+        for (ptrdiff_t i = 0; i < (ptrdiff_t)mask->width * mask->height; i++) sum += mask->data[i] >= 0.5F;
+        pixels += (double)mask->width * mask->height;
+    }
+    return sum / pixels;
+}
+
 // Whether the light's masks contradict each other, as they do when they show a wall, and what stays the same
 // over the stops tells them better: they are replaced then.
 static bool mask_by_common_stage(FfpImporting *import) {
@@ -121,7 +132,7 @@ static bool mask_by_common_stage(FfpImporting *import) {
     ffp_capture_estimate_bounds(capture);
     const double misfit = ffp_rig_silhouette_misfit(capture);
     if (misfit < MISFIT_LEAST || !ffp_common_stage(&stage, &found, capture)) return false;
-    bool ok = found.lit > LIT_LEAST;
+    bool ok = found.lit > LIT_LEAST * masked_share(capture);
     FfpImage *before = ffp_alloc((size_t)capture->n_views, sizeof *before);
     for (int v = 0; v < capture->n_views; v++)
         before[v] = capture->views[v].coverage, capture->views[v].coverage = (FfpImage){0};

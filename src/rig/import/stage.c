@@ -10,7 +10,7 @@
 #define OTHER 6.0       // of what is not
 #define FULL_LEAST 0.8  // factors of what has all of the stage's light
 #define FULL_MOST 1.25  //
-#define CONTINUES 0.2     // of the light, by which a look may differ from the stage around
+#define CONTINUES 0.2   // of the light, by which a look may differ from the stage around
 #define GAIN_MOST 1.5   // either way
 #define STAGE_LEAST 0.1 // of the pixels
 
@@ -108,7 +108,8 @@ static bool continues(const Comparison *c, ptrdiff_t pixel) {
 static FfpPixelKind kind_of(const Comparison *c, int x, int y) {
     const ptrdiff_t at = (ptrdiff_t)y * c->view->width + x;
     const bool lit = grey(&c->view->of[1], at) > LIT * c->noise;
-    if (c->known->data && !(c->known->data[at] > 0)) return lit && !continues(c, at) ? FFP_PIXEL_LIT : FFP_PIXEL_UNKNOWN;
+    if (c->known->data && !(c->known->data[at] > 0))
+        return lit && !continues(c, at) ? FFP_PIXEL_LIT : FFP_PIXEL_UNKNOWN;
     const bool stage_lit = grey(&c->stage->of[1], at) > LIT * c->noise;
     Values v;
     double error;
