@@ -59,7 +59,7 @@ static int choose(const Common *c, ptrdiff_t pixel, int least, int *shared) {
 }
 
 // The mean of the views that share a look.
-static void take_mean(const Common *c, FfpStage *stage, int like, int shared, ptrdiff_t pixel) {
+static void take_mean(const Common *c, FfpEmptyStage *stage, int like, int shared, ptrdiff_t pixel) {
     for (int a = 0; a < c->n; a++) {
         if (a != like && !is_alike(c, like, a, pixel)) continue;
         for (int p = 0; p < c->capture->n_patterns; p++) {
@@ -72,7 +72,7 @@ static void take_mean(const Common *c, FfpStage *stage, int like, int shared, pt
 }
 
 // Whether a look under white goes on from the known stage around a pixel.
-static bool goes_on(const Common *c, const FfpStage *stage, int like, ptrdiff_t pixel) {
+static bool goes_on(const Common *c, const FfpEmptyStage *stage, int like, ptrdiff_t pixel) {
     const FfpImage *white = &stage->images[c->capture->white];
     const int x = (int)(pixel % white->width), y = (int)(pixel / white->width);
     double sum[3] = {0}, n = 0;
@@ -93,7 +93,7 @@ static bool goes_on(const Common *c, const FfpStage *stage, int like, ptrdiff_t 
 }
 
 // Pixels that only two views show alike are stage where they go on from it.
-static void grow(const Common *c, FfpStage *stage) {
+static void grow(const Common *c, FfpEmptyStage *stage) {
     const ptrdiff_t pixels = (ptrdiff_t)stage->known.width * stage->known.height;
     int *likes = ffp_alloc((size_t)pixels, sizeof *likes),
         *shared = ffp_alloc((size_t)pixels, sizeof *shared);
@@ -129,7 +129,7 @@ static void fill_in(FfpImage *image, const unsigned char *known) {
     }
 }
 
-static void complete(FfpStage *stage, int n_patterns) {
+static void complete(FfpEmptyStage *stage, int n_patterns) {
     const ptrdiff_t pixels = (ptrdiff_t)stage->known.width * stage->known.height;
     unsigned char *known = ffp_alloc((size_t)pixels, 1);
     for (ptrdiff_t i = 0; i < pixels; i++) known[i] = stage->known.data[i] > 0;
@@ -144,16 +144,16 @@ static bool all_have(const FfpCapture *capture, int pattern) {
     return true;
 }
 
-static FfpStage new_stage(const FfpCapture *capture) {
+static FfpEmptyStage new_stage(const FfpCapture *capture) {
     const FfpCamera *camera = &capture->views[0].camera;
-    FfpStage out = {.images = ffp_alloc((size_t)capture->n_patterns, sizeof *out.images)};
+    FfpEmptyStage out = {.images = ffp_alloc((size_t)capture->n_patterns, sizeof *out.images)};
     out.known = ffp_image_new(camera->width, camera->height, 1);
     for (int p = 0; p < capture->n_patterns; p++)
         if (all_have(capture, p)) out.images[p] = ffp_image_new(camera->width, camera->height, 3);
     return out;
 }
 
-static Common new_common(const FfpCapture *capture, const FfpStage *stage) {
+static Common new_common(const FfpCapture *capture, const FfpEmptyStage *stage) {
     Common c = {.capture = capture, .n = capture->n_views < VIEWS_MOST ? capture->n_views : VIEWS_MOST};
     for (int a = 0; a < c.n; a++) {
         c.views[a] = (int)((int64_t)a * capture->n_views / c.n);
@@ -163,7 +163,7 @@ static Common new_common(const FfpCapture *capture, const FfpStage *stage) {
     return c;
 }
 
-bool ffp_common_stage(FfpStage *stage, FfpCommon *found, const FfpCapture *capture) {
+bool ffp_common_stage(FfpEmptyStage *stage, FfpCommon *found, const FfpCapture *capture) {
     *found = (FfpCommon){0};
     if (capture->n_views < VIEWS_LEAST) return false;
     *stage = new_stage(capture);
@@ -189,9 +189,9 @@ bool ffp_common_stage(FfpStage *stage, FfpCommon *found, const FfpCapture *captu
     return true;
 }
 
-void ffp_common_stage_free(FfpStage *stage, int n_patterns) {
+void ffp_common_stage_free(FfpEmptyStage *stage, int n_patterns) {
     for (int p = 0; stage->images && p < n_patterns; p++) ffp_image_free(&stage->images[p]);
     ffp_free(stage->images);
     ffp_image_free(&stage->known);
-    *stage = (FfpStage){0};
+    *stage = (FfpEmptyStage){0};
 }

@@ -13,7 +13,7 @@ typedef struct FfpCommon {
 // share under all patterns, three and a third of them at least, as the mean over these. A look that is as
 // common, or nearly, and twice as bright is taken before a darker one, which then is a shadow. *stage (to be
 // freed by ffp_common_stage_free) knows only such pixels. False when there are fewer than five views.
-bool ffp_common_stage(FfpStage *stage, FfpCommon *found, const FfpCapture *capture);
-void ffp_common_stage_free(FfpStage *stage, int n_patterns);
+bool ffp_common_stage(FfpEmptyStage *stage, FfpCommon *found, const FfpCapture *capture);
+void ffp_common_stage_free(FfpEmptyStage *stage, int n_patterns);
 
 #endif

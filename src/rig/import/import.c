@@ -72,7 +72,8 @@ static bool run(FfpImporting *import, FfpError *err) {
            ffp_importing_read_rig(import, err) &&
            ffp_shots_find(&import->shots, &import->settings->sources, &import->calibration, err) &&
            ffp_importing_settle_views(import, err) && check_memory(import, err) &&
-           ffp_importing_load_pixels(import, err) && ffp_importing_load_codes(import, err) &&
+           ffp_importing_load_pixels(import, err) && ffp_importing_load_stage(import, err) &&
+           ffp_importing_complete_masks(import, err) && ffp_importing_load_codes(import, err) &&
            ffp_importing_find_axis(import, err) && settle_object(import, err) &&
            ffp_importing_find_response(import, err) &&
            ffp_capture_write_whole(&import->capture, import->settings->folder, ffp_importing_finish, import,

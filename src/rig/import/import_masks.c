@@ -77,11 +77,11 @@ static void note_stage(const FfpImporting *import, const FfpStageMasks *report, 
 }
 
 // From the empty stage of each view; NULL: from the one that all share.
-static bool mask_by_stage(FfpImporting *import, const FfpStage *shared, FfpStageMasks *report,
+static bool mask_by_stage(FfpImporting *import, const FfpEmptyStage *shared, FfpStageMasks *report,
                           FfpError *err) {
     FfpCapture *capture = &import->capture;
     const bool posed = import->settings->axis == FFP_AXIS_KNOWN;
-    const FfpStage **stages = ffp_alloc((size_t)capture->n_views, sizeof *stages);
+    const FfpEmptyStage **stages = ffp_alloc((size_t)capture->n_views, sizeof *stages);
     const char **paths = ffp_alloc((size_t)capture->n_views, sizeof *paths);
     for (int v = 0; v < capture->n_views; v++) {
         stages[v] = shared ? shared : &import->stages[v];
@@ -124,7 +124,7 @@ static double masked_share(const FfpCapture *capture) {
 // over the stops tells them better: they are replaced then.
 static bool mask_by_common_stage(FfpImporting *import) {
     FfpCapture *capture = &import->capture;
-    FfpStage stage = {0};
+    FfpEmptyStage stage = {0};
     FfpCommon found;
     FfpStageMasks report;
     FfpError none = {0};

@@ -156,6 +156,5 @@ bool ffp_importing_load_pixels(FfpImporting *import, FfpError *err) {
     ffp_task_end(&progress);
     if (ok) note_developed(&import->developed);
     if (ok) note_too_bright(import);
-    return ok && check_masks(import, err) && ffp_importing_load_stage(import, err) &&
-           ffp_importing_complete_masks(import, err);
+    return ok && check_masks(import, err);
 }

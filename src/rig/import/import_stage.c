@@ -33,7 +33,7 @@ static bool check_camera(const FfpImporting *import, FfpError *err) {
 }
 
 static bool load(FfpImporting *import, int stop, FfpError *err) {
-    FfpStage *stage = &import->stages[stop];
+    FfpEmptyStage *stage = &import->stages[stop];
     stage->images = ffp_alloc((size_t)import->shots.n_patterns, sizeof *stage->images);
     for (int p = 0; p < import->shots.n_patterns; p++) {
         const char *path = files_of(import, stop)[p];

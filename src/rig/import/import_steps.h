@@ -19,7 +19,7 @@ typedef struct FfpImporting {
     FfpCapture capture;
     bool *made;             // load_pixels: [views] masks made by Otsu's method
     FfpImage *holes;        // load_pixels: [views] and what was filled of them
-    FfpStage *stages;       // load_pixels: [views] the empty stage, where it was photographed; NULL: was not
+    FfpEmptyStage *stages;  // load_pixels: [views] the empty stage, where it was photographed; NULL: was not
     FfpImage *thumbs;       // load_pixels: [views] small photographs under white, not masked
     int64_t values;         // load_pixels: of the photographs
     int64_t too_bright;     // load_pixels: those that are cut off

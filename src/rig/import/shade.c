@@ -47,7 +47,7 @@ static double darkness(const Shade *s, ptrdiff_t pixel) {
 }
 
 // What white adds is far less than on the stage, and the pixel is neither stage nor object for sure.
-static void mark_dark(Shade *s, const FfpView *view, const FfpStage *stage, const FfpCapture *capture,
+static void mark_dark(Shade *s, const FfpView *view, const FfpEmptyStage *stage, const FfpCapture *capture,
                       const FfpCompared *compared) {
     FfpImage images[4] = {view->images[capture->white], view->images[capture->black],
                           stage->images[capture->white], stage->images[capture->black]};
@@ -114,7 +114,7 @@ static unsigned char *inside(const FfpCompared *compared, int width, int height)
     return out;
 }
 
-unsigned char *ffp_shade_find(const FfpCapture *capture, int view, const FfpStage *stage,
+unsigned char *ffp_shade_find(const FfpCapture *capture, int view, const FfpEmptyStage *stage,
                               const FfpCompared *compared, const unsigned char *mask,
                               const unsigned char *around) {
     const FfpView *of = &capture->views[view];

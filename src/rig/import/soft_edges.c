@@ -85,7 +85,7 @@ static void take_out(const Edge *e, const FfpImage *mask, const FfpImage *stage,
     ffp_image_free(&object), ffp_image_free(&around), ffp_image_free(&before);
 }
 
-void ffp_soften_edges(const FfpCapture *capture, FfpView *view, const FfpStage *stage, double noise) {
+void ffp_soften_edges(const FfpCapture *capture, FfpView *view, const FfpEmptyStage *stage, double noise) {
     FfpImage *mask = &view->coverage;
     const FfpImage *white = &view->images[capture->white], *empty = &stage->images[capture->white];
     Edge e = edge_of(mask, white, empty);

@@ -8,6 +8,6 @@
 // view's pictures. A pixel two steps or less from the outline shows, under white, a mean of the object inside
 // and of the stage there, which is known and as bright here as it is outside; its share is that which
 // explains it best. Where both are alike, the mask stays as it is.
-void ffp_soften_edges(const FfpCapture *capture, FfpView *view, const FfpStage *stage, double noise);
+void ffp_soften_edges(const FfpCapture *capture, FfpView *view, const FfpEmptyStage *stage, double noise);
 
 #endif

@@ -134,7 +134,7 @@ static void compare_pixels(FfpCompared *out, const Comparison *c, const FfpView 
     out->stage = (double)alike / ((double)ffp_frame_width(view) * ffp_frame_height(view));
 }
 
-bool ffp_stage_compare(FfpCompared *compared, const FfpCapture *capture, int view, const FfpStage *stage,
+bool ffp_stage_compare(FfpCompared *compared, const FfpCapture *capture, int view, const FfpEmptyStage *stage,
                        const char *where, FfpError *err) {
     const FfpView *of = &capture->views[view];
     FfpLayers *mine = ffp_layers_new(capture, of->images, stage->images),

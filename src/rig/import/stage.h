@@ -4,10 +4,10 @@
 
 #include "core/capture/capture.h"
 
-typedef struct FfpStage {
+typedef struct FfpEmptyStage {
     FfpImage *images; // [n_patterns] as FfpView.images, without the object; .data NULL: not photographed
     FfpImage known;   // 1 channel, above 0 where the stage is known; .data NULL: everywhere
-} FfpStage;
+} FfpEmptyStage;
 
 // What a pixel of a view is, as far as it can be told from the stage alone.
 typedef enum FfpPixelKind {
@@ -31,7 +31,7 @@ typedef struct FfpCompared {
 // are unknown. Errors allowed are those of the noise, of 6 % of the light, and of a pixel's neighbours, since
 // lens and pixel blur edges. `where` names the view's pictures in errors: of the stage hardly anything is
 // seen.
-bool ffp_stage_compare(FfpCompared *compared, const FfpCapture *capture, int view, const FfpStage *stage,
+bool ffp_stage_compare(FfpCompared *compared, const FfpCapture *capture, int view, const FfpEmptyStage *stage,
                        const char *where, FfpError *err);
 
 #endif

@@ -13,7 +13,7 @@
 
 typedef struct Work {
     FfpCapture *capture;
-    const FfpStage *const *stages;
+    const FfpEmptyStage *const *stages;
     FfpCompared *compared;  // [n_views]
     unsigned char **shaded; // [n_views][height*width]
 } Work;
@@ -135,8 +135,8 @@ static bool run(Work *w, bool posed, const char *const *paths, FfpError *err) {
     return true;
 }
 
-bool ffp_stage_masks(FfpStageMasks *report, FfpCapture *capture, const FfpStage *const *stages, bool posed,
-                     const char *const *paths, FfpError *err) {
+bool ffp_stage_masks(FfpStageMasks *report, FfpCapture *capture, const FfpEmptyStage *const *stages,
+                     bool posed, const char *const *paths, FfpError *err) {
     const int n = capture->n_views;
     Work w = {capture, stages, ffp_alloc((size_t)n, sizeof *w.compared),
               ffp_alloc((size_t)n, sizeof *w.shaded)};

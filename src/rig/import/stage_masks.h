@@ -15,7 +15,7 @@ typedef struct FfpStageMasks {
 // names the views' pictures for errors. Where poses are known (`posed`) and three views or more, what is
 // neither stage nor object for sure is object where the rays run through a hull that the stage carves.
 // Errors: a view shows hardly anything of the stage, or no view an object.
-bool ffp_stage_masks(FfpStageMasks *report, FfpCapture *capture, const FfpStage *const *stages, bool posed,
-                     const char *const *paths, FfpError *err);
+bool ffp_stage_masks(FfpStageMasks *report, FfpCapture *capture, const FfpEmptyStage *const *stages,
+                     bool posed, const char *const *paths, FfpError *err);
 
 #endif

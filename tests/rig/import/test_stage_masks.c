@@ -16,8 +16,8 @@ static FfpError err;
 typedef struct Room {
     FfpCapture capture;
     FfpImage truth[VIEWS];
-    FfpStage stage;
-    const FfpStage *stages[VIEWS];
+    FfpEmptyStage stage;
+    const FfpEmptyStage *stages[VIEWS];
     const char *paths[VIEWS];
 } Room;
 
@@ -211,7 +211,7 @@ static void other_light_is_told(void **state) {
 static void what_stays_the_same_is_the_stage(void **state) {
     (void)state;
     Room *room = new_room(true);
-    FfpStage stage;
+    FfpEmptyStage stage;
     FfpCommon found;
     FfpStageMasks report;
     double off = 0, n = 0;
