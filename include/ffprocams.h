@@ -735,7 +735,9 @@ typedef struct FfpImportPattern {
 
 typedef enum FfpMasks {
     FFP_MASKS_FROM_ALPHA, // the photographs' alpha channels if present, otherwise as below
-    FFP_MASKS_FROM_LIGHT, // white minus black (Otsu 1979), with shadows completed from four or more views
+    // White minus black (Otsu 1979), with shadows completed from four or more views. Where these masks
+    // contradict each other and a turntable's stops share a lit background: from what stays the same.
+    FFP_MASKS_FROM_LIGHT,
     FFP_MASKS_FROM_FILES
 } FfpMasks;
 
@@ -772,6 +774,11 @@ typedef struct FfpImport {
     // position that each pixel's light comes from. Without any other pattern besides black and white, one of
     // the codes becomes the pattern. NULL: none.
     const char *gray_codes;
+    // The stage without the object, photographed like the views under black, white and, better, every other
+    // pattern: what looks like it is background. On a turntable one picture each serves all views; elsewhere
+    // `files` tells views apart. None: masks as below. Not with FFP_MASKS_FROM_FILES.
+    const FfpImportImages *empty;
+    int n_empty;
     FfpMasks masks;
     const char *mask_files;   // FFP_MASKS_FROM_FILES: as FfpImportImages.files, white on black
     const char *const *views; // ids to import; none: all

@@ -244,6 +244,7 @@ def import_capture(
     patterns: Mapping[str, PathLike] | None = None,
     held_out: Mapping[str, PathLike] | None = None,
     gray_codes: PathLike | None = None,
+    empty: Mapping[str, PathLike] | None = None,
     turntable: Turntable | None = None,
     masks: str | None = None,
     projector_image: str | None = None,
@@ -275,6 +276,9 @@ def import_capture(
         held_out: likewise, for testing only.
         gray_codes: photographs of the Gray codes of write_patterns, files as in ``images``, with {pattern} standing for
             gray_x_00, gray_x_00_inverse and so on: where codes can be decoded, depth is exact.
+        empty: photographs of the stage without the object under "black", "white" and preferably every other pattern,
+            files as in ``images``, or one for all stops of a turntable; what looks like it is background. Cannot be
+            combined with files of masks.
         turntable: for a fixed rig with several views.
         masks: None: the photographs' alpha if present, otherwise as "light"; "light": computed from white minus black;
             or files, as in ``images``, white on black.
@@ -300,6 +304,7 @@ def import_capture(
     ids = [keep.text(v) for v in views]
     options.views, options.n_views = keep.texts(ids), len(ids)
     _fill_pictures(options, images, patterns, held_out, keep)
+    options.empty, options.n_empty = _listed_images(list((empty or {}).items()), keep), len(empty or {})
     _fill_turntable(options.turntable, turntable or Turntable(), keep)
     options.gray_codes, options.shown = keep.path(gray_codes), keep.path(shown)
     options.masks = {None: lib.FFP_MASKS_FROM_ALPHA, "light": lib.FFP_MASKS_FROM_LIGHT}.get(
@@ -340,6 +345,16 @@ def _calibration_files(given: list[Any], scratch: Path) -> tuple[list[PathLike],
     return files, sizes
 
 
+def _listed_images(groups: Sequence[tuple[str | None, PathLike]], keep: Keep) -> Any:
+    """Files of photographs by pattern; without a name, of all that was shown."""
+    listed = keep(ffi.new("FfpImportImages[]", len(groups)))
+    for i, (pattern, files) in enumerate(groups):
+        if pattern is not None:
+            listed[i].patterns, listed[i].n_patterns = keep.texts([keep.text(pattern)]), 1
+        listed[i].files = keep.path(files)
+    return listed
+
+
 def _fill_pictures(
     options: Any,
     images: Mapping[str, PathLike] | PathLike | None,
@@ -351,13 +366,8 @@ def _fill_pictures(
     if isinstance(images, Mapping):
         groups = list(images.items())
     elif images is not None:
-        groups = [(None, images)]  # of all that was shown
-    listed = keep(ffi.new("FfpImportImages[]", len(groups)))
-    for i, (pattern, files) in enumerate(groups):
-        if pattern is not None:
-            listed[i].patterns, listed[i].n_patterns = keep.texts([keep.text(pattern)]), 1
-        listed[i].files = keep.path(files)
-    options.images, options.n_images = listed, len(groups)
+        groups = [(None, images)]
+    options.images, options.n_images = _listed_images(groups, keep), len(groups)
     for field, named in (("patterns", patterns or {}), ("held_out", held_out or {})):
         of = keep(ffi.new("FfpImportPattern[]", len(named)))
         for i, (pattern, file) in enumerate(named.items()):

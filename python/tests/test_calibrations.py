@@ -106,6 +106,17 @@ def test_a_shape_is_height_and_width(tmp_path: Path) -> None:
             patterns={"x": tmp_path / "shown.png"},
             projector=ffp.CalibratedAt(128, 80),
         )
+    for name, picture in (("black", grey // 9), ("white", 2 * grey)):
+        write_png(tmp_path / f"empty_{name}.png", picture)
+    ffp.import_capture(
+        tmp_path / "by_stage",
+        tmp_path / "rig.json",
+        images=images,
+        patterns={"x": tmp_path / "shown.png"},
+        empty={name: tmp_path / f"empty_{name}.png" for name in ("black", "white")},
+        projector=ffp.CalibratedAt(128, 80),
+    )
+    assert ffp.Capture.open(tmp_path / "by_stage").coverage(0)[22:38, 32:58].min() > 0.9
     one, other = (ffp.Capture.open(tmp_path / out).camera(0) for out in ("by_program", "by_python"))
     assert (one.width, one.height) == (other.width, other.height) == (96, 60)
     assert (one.fx, one.cx, one.cy) == pytest.approx((other.fx, other.cx, other.cy))

@@ -66,6 +66,19 @@ static bool check_choices(const FfpImport *options, FfpError *err) {
                     (int)options->projector.fit);
 }
 
+// Only images of all that was shown need no names.
+static bool check_images(const FfpImportImages *images, int n, const char *what, bool unnamed,
+                         FfpError *err) {
+    const char *const fields[2][2] = {{"images.files", "images.patterns"}, {"empty.files", "empty.patterns"}};
+    const int k = strcmp(what, "empty") == 0;
+    bool ok = n <= 0 || ffp_need(images, what, err);
+    for (int i = 0; ok && i < n; i++)
+        ok = ffp_need(images[i].files, fields[k][0], err) &&
+             (unnamed || images[i].n_patterns > 0 || ffp_need(NULL, fields[k][1], err)) &&
+             ffp_need_texts(images[i].patterns, images[i].n_patterns, fields[k][1], err);
+    return ok;
+}
+
 static bool check_texts(const FfpImport *options, FfpError *err) {
     const FfpImportPattern *const patterns[2] = {options->patterns, options->held_out};
     const int n[2] = {options->n_patterns, options->n_held_out};
@@ -73,13 +86,8 @@ static bool check_texts(const FfpImport *options, FfpError *err) {
               ffp_need_texts(options->calibrations, options->n_calibrations, "calibrations", err) &&
               ffp_need_texts(options->views, options->n_views, "views", err) &&
               (options->masks != FFP_MASKS_FROM_FILES || ffp_need(options->mask_files, "mask_files", err)) &&
-              (options->n_images <= 0 || ffp_need(options->images, "images", err));
-    for (int i = 0; ok && i < options->n_images; i++)
-        ok =
-            ffp_need(options->images[i].files, "images.files", err) &&
-            (options->shown || options->images[i].n_patterns > 0 || ffp_need(NULL, "images.patterns", err)) &&
-            ffp_need_texts(options->images[i].patterns, options->images[i].n_patterns, "images.patterns",
-                           err);
+              check_images(options->images, options->n_images, "images", options->shown != NULL, err) &&
+              check_images(options->empty, options->n_empty, "empty", false, err);
     for (int k = 0; ok && k < 2; k++) {
         ok = n[k] <= 0 || ffp_need(patterns[k], k ? "held_out" : "patterns", err);
         for (int i = 0; ok && i < n[k]; i++)
@@ -113,6 +121,7 @@ static bool import_capture(void *argument, FfpError *err) {
     FfpShotFiles *images = take_images(options->images, options->n_images);
     FfpProjected *patterns = take_patterns(options->patterns, options->n_patterns);
     FfpProjected *held_out = take_patterns(options->held_out, options->n_held_out);
+    FfpShotFiles *empty = take_images(options->empty, options->n_empty);
     memcpy(settings.object, options->object, sizeof settings.object);
     settings.sources = (FfpShotSources){images,
                                         options->n_images,
@@ -123,11 +132,14 @@ static bool import_capture(void *argument, FfpError *err) {
                                         mask_kind(options->masks),
                                         options->mask_files,
                                         options->gray_codes,
-                                        options->shown};
+                                        options->shown,
+                                        empty,
+                                        options->n_empty};
     if (turns->n_angles != 0 || turns->find_axis) settings.turntable = turntable; // beside a file: its angles
     const bool ok = take_turntable(turns, turntable, err) && ffp_import(&settings, err);
     ffp_free(turntable);
     ffp_free(images);
+    ffp_free(empty);
     ffp_free(patterns);
     ffp_free(held_out);
     return ok;

@@ -6,7 +6,7 @@
 #include "import_text.h"
 
 typedef struct Arguments {
-    FfpList calibrations, images, patterns, held_out, views;
+    FfpList calibrations, images, empty, patterns, held_out, views;
     FfpAngles angles;
     const char *turntable, *fit_axis, *mask; // NULL: not given
     FfpImport import;
@@ -27,6 +27,8 @@ static bool read_texts(Arguments *arguments, FfpImportLists *read, FfpError *err
     FfpImport *import = &arguments->import;
     for (int i = 0; i < arguments->images.count; i++)
         if (!ffp_cli_add_images(read, arguments->images.values[i], import->shown != NULL, err)) return false;
+    for (int i = 0; i < arguments->empty.count; i++)
+        if (!ffp_cli_add_empty(read, arguments->empty.values[i], err)) return false;
     for (int i = 0; i < arguments->patterns.count; i++)
         if (!ffp_cli_add_pattern(read, arguments->patterns.values[i], false, err)) return false;
     for (int i = 0; i < arguments->held_out.count; i++)
@@ -41,6 +43,8 @@ static bool read_texts(Arguments *arguments, FfpImportLists *read, FfpError *err
     import->n_calibrations = arguments->calibrations.count;
     import->images = read->images;
     import->n_images = read->n_images;
+    import->empty = read->empty;
+    import->n_empty = read->n_empty;
     import->patterns = read->patterns;
     import->n_patterns = read->n_patterns;
     import->held_out = read->held_out;
@@ -245,6 +249,16 @@ static const FfpOption options[] = {
              "rows, coarsest first, each followed by its inverse. FILES as above; {pattern} is gray_x_00, "
              "gray_x_00_inverse and so on. Where codes can be decoded, depth is exact and needs no matching. "
              "Without any other pattern, one of the codes becomes the capture's pattern"},
+    {.name = "empty",
+     .argument = "NAMES=FILES",
+     .type = FFP_OPTION_TEXT,
+     .repeated = true,
+     .offset = offsetof(Arguments, empty),
+     .group = PHOTOGRAPHS,
+     .help =
+         "the stage without the object, under black, white and, better, every other pattern: a photograph "
+         "each, which serves all stops of a turntable ({view} if the camera moves). What looks like it "
+         "is background, and no masks are needed in a lit room"},
     {.name = "mask",
      .letter = 'm',
      .argument = "FILES|otsu",

@@ -32,8 +32,10 @@ static char *copy(FfpImportLists *lists, const char *text) {
 
 void ffp_cli_import_lists_free(FfpImportLists *lists) {
     for (int i = 0; i < lists->n_images; i++) free((void *)lists->images[i].patterns);
+    for (int i = 0; i < lists->n_empty; i++) free((void *)lists->empty[i].patterns);
     for (int i = 0; i < lists->n_texts; i++) free(lists->texts[i]);
     free(lists->images);
+    free(lists->empty);
     free(lists->patterns);
     free(lists->held_out);
     free(lists->texts);
@@ -48,11 +50,13 @@ static char *cut_at_equals(char *text) {
     return equals + 1;
 }
 
-bool ffp_cli_add_images(FfpImportLists *lists, const char *text, bool shown, FfpError *err) {
+// "NAME[,NAME..]=FILES", or with `shown` files alone.
+static bool read_images(FfpImportLists *lists, const char *text, bool shown, FfpImportImages *images,
+                        const char *option, FfpError *err) {
     char *names = copy(lists, text);
     const bool unnamed = shown && !strchr(text, '=');
     const char *files = unnamed ? names : cut_at_equals(names);
-    if (!files) return fail(err, "expected NAME=FILES, not '%.100s' (--images)", text);
+    if (!files) return fail(err, "expected NAME=FILES, not '%.100s' (%s)", text, option);
     const char **patterns = NULL;
     int n = 0;
     for (char *at = unnamed ? NULL : names; at; n++) {
@@ -62,9 +66,20 @@ bool ffp_cli_add_images(FfpImportLists *lists, const char *text, bool shown, Ffp
         patterns[n] = at;
         at = comma ? comma + 1 : NULL;
     }
-    lists->images = grown(lists->images, lists->n_images, sizeof *lists->images);
-    lists->images[lists->n_images++] = (FfpImportImages){patterns, n, files};
+    *images = (FfpImportImages){patterns, n, files};
     return true;
+}
+
+bool ffp_cli_add_images(FfpImportLists *lists, const char *text, bool shown, FfpError *err) {
+    lists->images = grown(lists->images, lists->n_images, sizeof *lists->images);
+    FfpImportImages *images = &lists->images[lists->n_images];
+    return read_images(lists, text, shown, images, "--images", err) && ++lists->n_images;
+}
+
+bool ffp_cli_add_empty(FfpImportLists *lists, const char *text, FfpError *err) {
+    lists->empty = grown(lists->empty, lists->n_empty, sizeof *lists->empty);
+    FfpImportImages *images = &lists->empty[lists->n_empty];
+    return read_images(lists, text, false, images, "--empty", err) && ++lists->n_empty;
 }
 
 bool ffp_cli_add_pattern(FfpImportLists *lists, const char *text, bool held_out, FfpError *err) {
@@ -149,6 +164,7 @@ const char *ffp_cli_import_option(const FfpError *err) {
         {"(patterns)", "--pattern NAME=FILE"},
         {"(held_out)", "--held-out NAME=FILE"},
         {"(gray_codes)", "--graycode FILES"},
+        {"(empty)", "--empty NAMES=FILES"},
         {"(views)", "--view ID"},
         {"(width)", "--width W"},
         {"(object)", "--object X,Y,Z,R"},

@@ -6,16 +6,18 @@
 
 // The values of the options that may be repeated, owned, including the parts of strings.
 typedef struct FfpImportLists {
-    FfpImportImages *images;
+    FfpImportImages *images, *empty;
     FfpImportPattern *patterns, *held_out;
     FfpAngles angles;
     char **texts; // copies that were cut into parts
-    int n_images, n_patterns, n_held_out, n_texts;
+    int n_images, n_empty, n_patterns, n_held_out, n_texts;
 } FfpImportLists;
 void ffp_cli_import_lists_free(FfpImportLists *lists);
 
-// "NAME[,NAME..]=FILES"
+// "NAME[,NAME..]=FILES"; with `shown`, files alone are of all patterns that were shown.
 bool ffp_cli_add_images(FfpImportLists *lists, const char *text, bool shown, FfpError *err);
+// "NAME[,NAME..]=FILES", of the empty stage
+bool ffp_cli_add_empty(FfpImportLists *lists, const char *text, FfpError *err);
 // "NAME=FILE"
 bool ffp_cli_add_pattern(FfpImportLists *lists, const char *text, bool held_out, FfpError *err);
 

@@ -17,6 +17,7 @@ static bool check_memory(const FfpImporting *import, FfpError *err) {
         const FfpOptics *optics = &import->calibration.stops[v].camera;
         values += (3.0 * import->shots.n_patterns + 8) * camera->width * camera->height;
         if (v == 0) values += 8.0 * optics->width * optics->height;
+        if (import->shots.empty) values += 3.0 * import->shots.n_patterns * camera->width * camera->height;
     }
     return ffp_memory_suffices(values * sizeof(real), "the pictures", "make them narrower", "width", err);
 }
@@ -61,16 +62,22 @@ static bool check_settings(const FfpImportSettings *settings, FfpError *err) {
     return ffp_turntable_check_axis(&turntable, err);
 }
 
+bool ffp_importing_finish(const char *folder, void *context, FfpError *err) {
+    return ffp_importing_keep_response(folder, context, err) &&
+           ffp_importing_write_sheet(folder, context, err);
+}
+
 static bool run(FfpImporting *import, FfpError *err) {
     return check_settings(import->settings, err) && name_capture(import, err) &&
            ffp_importing_read_rig(import, err) &&
            ffp_shots_find(&import->shots, &import->settings->sources, &import->calibration, err) &&
            ffp_importing_settle_views(import, err) && check_memory(import, err) &&
-           ffp_importing_load_pixels(import, err) && ffp_importing_load_codes(import, err) &&
+           ffp_importing_load_pixels(import, err) && ffp_importing_load_stage(import, err) &&
+           ffp_importing_complete_masks(import, err) && ffp_importing_load_codes(import, err) &&
            ffp_importing_find_axis(import, err) && settle_object(import, err) &&
            ffp_importing_find_response(import, err) &&
-           ffp_capture_write_whole(&import->capture, import->settings->folder, ffp_importing_keep_response,
-                                   import, err);
+           ffp_capture_write_whole(&import->capture, import->settings->folder, ffp_importing_finish, import,
+                                   err);
 }
 
 bool ffp_import(const FfpImportSettings *settings, FfpError *err) {
@@ -79,6 +86,9 @@ bool ffp_import(const FfpImportSettings *settings, FfpError *err) {
     const bool ok = run(import, err);
     for (int v = 0; import->holes && v < import->capture.n_views; v++) ffp_image_free(&import->holes[v]);
     ffp_free(import->holes), ffp_free(import->made);
+    for (int v = 0; import->thumbs && v < import->capture.n_views; v++) ffp_image_free(&import->thumbs[v]);
+    ffp_free(import->thumbs);
+    ffp_importing_free_stage(import);
     ffp_capture_free(&import->capture);
     ffp_shots_free(&import->shots);
     ffp_calibration_free(&import->calibration);

@@ -1,9 +1,21 @@
 // Import: which pixels are the object: from files, alpha channels or light.
+#include <string.h>
 #include <tgmath.h>
+#include "core/base/arena.h"
+#include "core/base/file.h"
 #include "core/base/log.h"
+#include "rig/import/checks.h"
+#include "rig/import/common_stage.h"
+#include "rig/import/contact_sheet.h"
 #include "rig/import/grow_masks.h"
 #include "rig/import/import_steps.h"
 #include "rig/import/mask.h"
+#include "rig/import/stage_masks.h"
+
+#define MISFIT_LEAST 0.12 // of the pixels, which contradict the other views' masks: those show a wall
+#define LIT_LEAST 0.5     // of what is lit that must stay the same
+#define VIEWS_TURNED 5    // that tell it
+#define GAIN_MOST 1.1     // either way, by which the light may have changed without a word
 
 static bool load_mask(FfpImporting *import, int stop, FfpError *err) {
     const char *path = import->shots.masks[stop];
@@ -19,15 +31,19 @@ static bool load_mask(FfpImporting *import, int stop, FfpError *err) {
     return true;
 }
 
-// The mask as it was asked for: a file; otherwise the white picture's alpha channel, unless Otsu's was named;
-// otherwise Otsu's. Pictures that are over black by an alpha channel of their own are left alone in the
-// second case.
+// The mask as it was asked for: later, from the empty stage; a file; otherwise the white picture's alpha
+// channel, unless Otsu's was named; otherwise Otsu's. Pictures that are over black by an alpha channel of
+// their own are left alone in the second case.
 bool ffp_importing_cover(FfpImporting *import, int stop, const FfpImage *alphas, FfpError *err) {
     const FfpShots *shots = &import->shots;
     FfpView *view = &import->capture.views[stop];
-    const bool by_alpha = !shots->masks && import->settings->sources.mask == FFP_MASKS_ALPHA &&
+    const bool by_alpha = !shots->masks && !shots->empty &&
+                          import->settings->sources.mask == FFP_MASKS_ALPHA &&
                           alphas[shots->white].data != NULL;
-    if (shots->masks) {
+    if (shots->empty) {
+        view->coverage = ffp_image_new(view->camera.width, view->camera.height, 1);
+        import->made[stop] = true; // when all views are known
+    } else if (shots->masks) {
         if (!load_mask(import, stop, err)) return false;
     } else if (by_alpha) {
         view->coverage = ffp_image_copy(&alphas[shots->white]);
@@ -43,6 +59,101 @@ bool ffp_importing_cover(FfpImporting *import, int stop, const FfpImage *alphas,
         if (!by_alpha || !alphas[p].data) ffp_mask_apply(&view->coverage, &view->images[p]);
     }
     return true;
+}
+
+static void note_stage(const FfpImporting *import, const FfpStageMasks *report, const char *from) {
+    ffp_note(
+        "%d masks were made from %s: %.0f %% of the pictures are stage, %.1f %% object, and %.1f %% object "
+        "by the other views",
+        import->capture.n_views, from, 100 * report->stage, 100 * report->object, 100 * report->decided);
+    if (report->shade > 0)
+        ffp_note("  %.1f %% are shadows of the object on the stage that only their colour tells",
+                 100 * report->shade);
+    if (report->gain_least < 1 / GAIN_MOST || report->gain_most > GAIN_MOST)
+        ffp_warning(
+            "the stage's light is %.2f to %.2f times that of the empty stage: photograph all with one "
+            "exposure and a warm lamp",
+            report->gain_least, report->gain_most);
+}
+
+// From the empty stage of each view; NULL: from the one that all share.
+static bool mask_by_stage(FfpImporting *import, const FfpEmptyStage *shared, FfpStageMasks *report,
+                          FfpError *err) {
+    FfpCapture *capture = &import->capture;
+    const bool posed = import->settings->axis == FFP_AXIS_KNOWN;
+    const FfpEmptyStage **stages = ffp_alloc((size_t)capture->n_views, sizeof *stages);
+    const char **paths = ffp_alloc((size_t)capture->n_views, sizeof *paths);
+    for (int v = 0; v < capture->n_views; v++) {
+        stages[v] = shared ? shared : &import->stages[v];
+        paths[v] = import->shots.pictures[v * FFP_PATTERNS_MAX + import->shots.white];
+    }
+    const bool ok = ffp_stage_masks(report, capture, stages, posed, paths, err);
+    ffp_free(stages), ffp_free(paths);
+    return ok;
+}
+
+// --- A lit background that nobody photographed alone. ---
+
+static bool has_one_camera(const FfpImporting *import) {
+    const FfpImportSettings *settings = import->settings;
+    const FfpStop *stops = import->calibration.stops;
+    const bool turns = settings->turntable_file || settings->turntable;
+    for (int v = 1; v < import->capture.n_views; v++)
+        if (memcmp(&stops[v].camera, &stops[0].camera, sizeof stops[0].camera) != 0) return false;
+    for (int v = 0; v < import->capture.n_views; v++)
+        if (!import->made[v]) return false; // masked by its alpha channel already
+    return turns && settings->axis == FFP_AXIS_KNOWN;
+}
+
+static void free_coverages(FfpCapture *capture) {
+    for (int v = 0; v < capture->n_views; v++) ffp_image_free(&capture->views[v].coverage);
+}
+
+// The mean share of the pictures that the masks take.
+static double masked_share(const FfpCapture *capture) {
+    double sum = 0, pixels = 0;
+    for (int v = 0; v < capture->n_views; v++) {
+        const FfpImage *mask = &capture->views[v].coverage;
+        for (ptrdiff_t i = 0; i < (ptrdiff_t)mask->width * mask->height; i++) sum += mask->data[i] >= 0.5F;
+        pixels += (double)mask->width * mask->height;
+    }
+    return sum / pixels;
+}
+
+// Whether the light's masks contradict each other, as they do when they show a wall, and what stays the same
+// over the stops tells them better: they are replaced then.
+static bool mask_by_common_stage(FfpImporting *import) {
+    FfpCapture *capture = &import->capture;
+    FfpEmptyStage stage = {0};
+    FfpCommon found;
+    FfpStageMasks report;
+    FfpError none = {0};
+    if (!has_one_camera(import) || capture->n_views < VIEWS_TURNED) return false;
+    ffp_capture_estimate_bounds(capture);
+    const double misfit = ffp_rig_silhouette_misfit(capture);
+    if (misfit < MISFIT_LEAST || !ffp_common_stage(&stage, &found, capture)) return false;
+    bool ok = found.lit > LIT_LEAST * masked_share(capture);
+    FfpImage *before = ffp_alloc((size_t)capture->n_views, sizeof *before);
+    for (int v = 0; v < capture->n_views; v++)
+        before[v] = capture->views[v].coverage, capture->views[v].coverage = (FfpImage){0};
+    ok = ok && mask_by_stage(import, &stage, &report, &none);
+    if (ok) {
+        ffp_warning("lit background: white lights %.0f %% of the picture that stay the same at all stops. "
+                    "Photograph the stage without the object (empty) for better masks",
+                    100 * found.lit);
+        note_stage(import, &report, "what stays the same over the stops");
+    } else {
+        free_coverages(capture);
+    }
+    for (int v = 0; v < capture->n_views; v++) {
+        if (ok)
+            ffp_image_free(&before[v]);
+        else
+            capture->views[v].coverage = before[v];
+    }
+    ffp_free(before);
+    ffp_common_stage_free(&stage, capture->n_patterns);
+    return ok;
 }
 
 #define VIEWS_GROWN 4 // from which on views know enough of each other
@@ -65,21 +176,59 @@ static void add_shadows(FfpImporting *import) {
         ffp_note("  too much of the object is in shadow for the other views to complete them");
 }
 
-// Masks made of light, completed where there are views enough and their poses are known, and applied.
-void ffp_importing_complete_masks(FfpImporting *import) {
+static void apply_masks(FfpImporting *import) {
     const FfpCapture *capture = &import->capture;
-    int made = 0;
-    for (int v = 0; v < capture->n_views; v++) made += import->made[v];
-    if (made == 0) return;
+    for (int v = 0; v < capture->n_views; v++)
+        for (int p = 0; p < capture->n_patterns && import->made[v]; p++)
+            ffp_mask_apply(&capture->views[v].coverage, &capture->views[v].images[p]);
+}
+
+// How well the masks go together.
+static void note_agreement(FfpImporting *import) {
+    FfpCapture *capture = &import->capture;
+    if (import->settings->axis != FFP_AXIS_KNOWN || capture->n_views < 2) return;
+    ffp_capture_estimate_bounds(capture);
+    ffp_note("  %.1f %% of their pixels agree with the other views' masks; masks.png in the capture's folder "
+             "shows "
+             "all of them",
+             100 * (1 - ffp_rig_silhouette_misfit(capture)));
+}
+
+static void complete_otsu(FfpImporting *import, int made) {
     ffp_note(
         "%d masks were made from white minus black (Otsu): look at them, and give files of masks if they "
         "are wrong",
         made);
-    if (import->settings->axis == FFP_AXIS_KNOWN && capture->n_views >= VIEWS_GROWN)
+    if (import->settings->axis == FFP_AXIS_KNOWN && import->capture.n_views >= VIEWS_GROWN)
         add_shadows(import);
     else
         ffp_note("  what the projector does not reach is left out");
-    for (int v = 0; v < capture->n_views; v++)
-        for (int p = 0; p < capture->n_patterns && import->made[v]; p++)
-            ffp_mask_apply(&capture->views[v].coverage, &capture->views[v].images[p]);
+}
+
+// Masks made of light, completed where there are views enough and their poses are known, and applied.
+bool ffp_importing_complete_masks(FfpImporting *import, FfpError *err) {
+    const FfpCapture *capture = &import->capture;
+    int made = 0;
+    for (int v = 0; v < capture->n_views; v++) made += import->made[v];
+    if (made == 0) return true;
+    if (import->stages) {
+        FfpStageMasks report;
+        if (!mask_by_stage(import, NULL, &report, err)) return false;
+        note_stage(import, &report, "the empty stage");
+    } else if (!mask_by_common_stage(import)) {
+        complete_otsu(import, made);
+    }
+    note_agreement(import);
+    apply_masks(import);
+    return true;
+}
+
+bool ffp_importing_write_sheet(const char *folder, const FfpImporting *import, FfpError *err) {
+    char path[FFP_PATH_MAX];
+    if (!ffp_join_path(path, folder, "masks.png"))
+        return ffp_fail(err, FFP_ERROR_FILE, folder, "the path is too long");
+    FfpImage sheet = ffp_contact_sheet(&import->capture, import->thumbs);
+    const bool ok = ffp_image_write_png(&sheet, path, err);
+    ffp_image_free(&sheet);
+    return ok;
 }

@@ -3,6 +3,7 @@
 #include <tgmath.h>
 #include "core/base/log.h"
 #include "core/patterns/patterns.h"
+#include "rig/import/contact_sheet.h"
 #include "rig/import/import_steps.h"
 
 #define TOO_BRIGHT_MAX 0.001 // of the values
@@ -64,11 +65,10 @@ static bool tells_shape(const FfpImage *alpha) {
     return false;
 }
 
-// *alpha stays empty when the file has none.
-static bool load_picture(FfpImporting *import, int stop, int pattern, FfpImage *alpha, FfpError *err) {
-    const char *path = import->shots.pictures[stop * FFP_PATTERNS_MAX + pattern];
+bool ffp_importing_read_picture(FfpImporting *import, const char *path, int stop, FfpImage *picture,
+                                FfpImage *alpha, FfpError *err) {
     const FfpOptics *optics = &import->calibration.stops[stop].camera;
-    FfpView *view = &import->capture.views[stop];
+    const FfpCamera *camera = &import->capture.views[stop].camera;
     FfpImage raw = {0}, raw_alpha = {0};
     if (!ffp_photograph_read(&raw, &raw_alpha, path, import->settings->linear_images, &import->developed,
                              err) ||
@@ -78,8 +78,8 @@ static bool load_picture(FfpImporting *import, int stop, int pattern, FfpImage *
         return false;
     }
     expose(import, &raw);
-    view->images[pattern] = ffp_optics_rectify(optics, &view->camera, &raw);
-    if (tells_shape(&raw_alpha)) *alpha = ffp_optics_rectify(optics, &view->camera, &raw_alpha);
+    *picture = ffp_optics_rectify(optics, camera, &raw);
+    if (alpha && tells_shape(&raw_alpha)) *alpha = ffp_optics_rectify(optics, camera, &raw_alpha);
     ffp_image_free(&raw);
     ffp_image_free(&raw_alpha);
     return true;
@@ -93,8 +93,10 @@ static bool load_view(FfpImporting *import, int stop, FfpError *err) {
     view->images = ffp_alloc((size_t)n, sizeof *view->images);
     for (int p = 0; p < n && ok; p++) {
         if (import->shots.pictures[stop * FFP_PATTERNS_MAX + p])
-            ok = load_picture(import, stop, p, &alphas[p], err);
+            ok = ffp_importing_read_picture(import, import->shots.pictures[stop * FFP_PATTERNS_MAX + p], stop,
+                                            &view->images[p], &alphas[p], err);
     }
+    if (ok) import->thumbs[stop] = ffp_contact_thumb(&view->images[import->shots.white]);
     ok = ok && ffp_importing_cover(import, stop, alphas, err);
     for (int p = 0; p < n; p++) ffp_image_free(&alphas[p]);
     ffp_free(alphas);
@@ -138,6 +140,7 @@ bool ffp_importing_load_pixels(FfpImporting *import, FfpError *err) {
     FfpCapture *capture = &import->capture;
     import->made = ffp_alloc((size_t)capture->n_views, sizeof *import->made);
     import->holes = ffp_alloc((size_t)capture->n_views, sizeof *import->holes);
+    import->thumbs = ffp_alloc((size_t)capture->n_views, sizeof *import->thumbs);
     capture->n_patterns = import->shots.n_patterns;
     capture->patterns = ffp_alloc((size_t)capture->n_patterns, sizeof *capture->patterns);
     capture->black = import->shots.black, capture->white = import->shots.white;
@@ -153,7 +156,5 @@ bool ffp_importing_load_pixels(FfpImporting *import, FfpError *err) {
     ffp_task_end(&progress);
     if (ok) note_developed(&import->developed);
     if (ok) note_too_bright(import);
-    ok = ok && check_masks(import, err);
-    if (ok) ffp_importing_complete_masks(import);
-    return ok;
+    return ok && check_masks(import, err);
 }

@@ -104,8 +104,7 @@ bool ffp_importing_find_response(FfpImporting *import, FfpError *err) {
 }
 
 // Puts the response into the capture's JSON: what was found is kept though patterns hold it already.
-bool ffp_importing_keep_response(const char *folder, void *context, FfpError *err) {
-    const FfpImporting *import = context;
+bool ffp_importing_keep_response(const char *folder, const FfpImporting *import, FfpError *err) {
     char path[FFP_PATH_MAX];
     FfpNode root;
     const FfpResponse *r = &import->response;

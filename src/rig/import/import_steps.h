@@ -6,6 +6,7 @@
 #include "core/image/photograph.h"
 #include "rig/import/import.h"
 #include "rig/import/response.h"
+#include "rig/import/stage.h"
 
 #define FFP_CHANCE_MAX 0.75 // of what chance explains: more, and the pattern explains nothing
 
@@ -18,6 +19,8 @@ typedef struct FfpImporting {
     FfpCapture capture;
     bool *made;             // load_pixels: [views] masks made by Otsu's method
     FfpImage *holes;        // load_pixels: [views] and what was filled of them
+    FfpEmptyStage *stages;  // load_pixels: [views] the empty stage, where it was photographed; NULL: was not
+    FfpImage *thumbs;       // load_pixels: [views] small photographs under white, not masked
     int64_t values;         // load_pixels: of the photographs
     int64_t too_bright;     // load_pixels: those that are cut off
     FfpDeveloped developed; // load_pixels: photographs and films by other programs
@@ -43,8 +46,9 @@ bool ffp_importing_find_axis(FfpImporting *import, FfpError *err);
 // 9. Of the capture: the panel's response, the patterns' light, the intensity. Needs all before.
 bool ffp_importing_find_response(FfpImporting *import, FfpError *err);
 // 10. While the capture is written (ffp_capture_write_whole), `context` being the import: the response into
-// its JSON.
-bool ffp_importing_keep_response(const char *folder, void *context, FfpError *err);
+// its JSON, and the masks' contact sheet.
+bool ffp_importing_finish(const char *folder, void *context, FfpError *err);
+bool ffp_importing_keep_response(const char *folder, const FfpImporting *import, FfpError *err);
 
 // Parts of steps. The poses of the calibration's stops to the views (3, 7).
 void ffp_importing_take_poses(FfpImporting *import);
@@ -55,6 +59,14 @@ bool ffp_importing_check_size(const char *path, const FfpOptics *optics, FfpErro
 // (5).
 bool ffp_importing_cover(FfpImporting *import, int stop, const FfpImage *alphas, FfpError *err);
 // Coverage made of light: completed by what other views see, and applied to the images (5).
-void ffp_importing_complete_masks(FfpImporting *import);
+bool ffp_importing_complete_masks(FfpImporting *import, FfpError *err);
+bool ffp_importing_write_sheet(const char *folder, const FfpImporting *import, FfpError *err);
+// A photograph as linear light without lens distortion, as the settings have it (5); *alpha (or NULL) stays
+// empty when the file has none or its alpha channel tells nothing.
+bool ffp_importing_read_picture(FfpImporting *import, const char *path, int stop, FfpImage *picture,
+                                FfpImage *alpha, FfpError *err);
+// The empty stage, where there are photographs of it; and its memory (5).
+bool ffp_importing_load_stage(FfpImporting *import, FfpError *err);
+void ffp_importing_free_stage(FfpImporting *import);
 
 #endif

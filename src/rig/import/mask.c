@@ -136,6 +136,35 @@ static void tidy(FfpImage *mask, FfpImage *holes) {
     ffp_free(open);
 }
 
+void ffp_mask_fill_holes(FfpImage *mask) {
+    FfpImage holes = ffp_image_new(mask->width, mask->height, 1);
+    tidy(mask, &holes);
+    ffp_image_free(&holes);
+}
+
+// Background where a piece is smaller than `least` pixels and than the largest's `share`.
+static void drop(FfpImage *mask, ptrdiff_t least, double share) {
+    const ptrdiff_t pixels = (ptrdiff_t)mask->width * mask->height;
+    int *labels = ffp_alloc((size_t)pixels, sizeof *labels);
+    ptrdiff_t *stack = ffp_alloc((size_t)pixels, sizeof *stack);
+    ptrdiff_t *sizes = ffp_alloc((size_t)pixels + 1, sizeof *sizes), largest = 0;
+    const int n = label_regions(mask, 1, labels, stack, sizes);
+    for (int k = 1; k <= n; k++) largest = sizes[k] > largest ? sizes[k] : largest;
+    for (ptrdiff_t i = 0; i < pixels; i++) {
+        const ptrdiff_t size = labels[i] > 0 ? sizes[labels[i]] : pixels;
+        if (size < least || (double)size < share * (double)largest) mask->data[i] = 0;
+    }
+    ffp_free(labels), ffp_free(stack), ffp_free(sizes);
+}
+
+void ffp_mask_drop_pieces(FfpImage *mask) {
+    drop(mask, 0, 1.0 / PIECE_LEAST);
+}
+
+void ffp_mask_drop_specks(FfpImage *mask, int64_t least) {
+    drop(mask, (ptrdiff_t)least, 0);
+}
+
 int64_t ffp_mask_fill_specks(FfpImage *mask) {
     const ptrdiff_t pixels = (ptrdiff_t)mask->width * mask->height;
     int *labels = ffp_alloc((size_t)pixels, sizeof *labels);

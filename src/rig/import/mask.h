@@ -16,4 +16,10 @@ bool ffp_mask_otsu(FfpImage *mask, FfpImage *holes, const FfpImage *black, const
 // Fills enclosed background of less than a two-hundredth of the largest piece; returns how many pixels.
 int64_t ffp_mask_fill_specks(FfpImage *mask);
 
+// Fills background that does not reach the picture's edge.
+void ffp_mask_fill_holes(FfpImage *mask);
+// Drops pieces that have less than a twentieth of the largest's pixels; those that have fewer than `least`.
+void ffp_mask_drop_pieces(FfpImage *mask);
+void ffp_mask_drop_specks(FfpImage *mask, int64_t least);
+
 #endif

@@ -12,6 +12,7 @@
 #define IMAGES "images"
 #define PATTERNS "patterns"
 #define HELD_OUT "held_out"
+#define EMPTY "empty"
 
 // --- Photographs under some patterns. ---
 
@@ -191,6 +192,74 @@ static bool find_masks(FfpShots *shots, const char *template, const FfpCalibrati
     return ffp_files_find(shots->masks, shots->arena, &set, err);
 }
 
+// --- The empty stage. ---
+
+static int known_pattern(const FfpShots *shots, const char *name) {
+    for (int i = 0; i < shots->n_patterns; i++)
+        if (strcmp(shots->patterns[i].name, name) == 0) return i;
+    return -1;
+}
+
+static bool tells_view(const char *template) {
+    return strstr(template, "{view}") || strstr(template, "{index}") || strstr(template, "{number") ||
+           strchr(template, '*');
+}
+
+// Paths [n_stops, n]: of each view, or the same for all of them.
+static bool find_empty_files(const char **paths, FfpShots *shots, const FfpShotFiles *source,
+                             const FfpCalibration *calibration, FfpError *err) {
+    const bool of_all = !tells_view(source->files);
+    const int n = source->n_patterns, stops = calibration->n_stops;
+    FfpCalibration first = *calibration; // which stands for all
+    if (of_all) first.n_stops = 1;
+    const FfpFileSet set = {source->files,
+                            of_all ? &first : calibration,
+                            source->patterns,
+                            n,
+                            "photographs of the empty stage",
+                            "pattern",
+                            ""};
+    if (!ffp_files_find(paths, shots->arena, &set, err)) return false;
+    for (int i = n; of_all && i < stops * n; i++) paths[i] = paths[i - n];
+    return true;
+}
+
+// Files of one pattern of the empty stage, or of several.
+static bool find_empty(FfpShots *shots, const FfpShotFiles *source, const FfpCalibration *calibration,
+                       FfpError *err) {
+    const int n = source->n_patterns, stops = calibration->n_stops;
+    if (!source->files || source->files[0] == 0 || n < 1)
+        return ffp_fail(err, FFP_ERROR_ARGUMENT, EMPTY, "no file is named");
+    const char **paths = ffp_arena_alloc(shots->arena, (size_t)stops * (size_t)n, sizeof *paths);
+    if (!find_empty_files(paths, shots, source, calibration, err)) return false;
+    for (int i = 0; i < n; i++) {
+        const int pattern = known_pattern(shots, source->patterns[i]);
+        if (pattern < 0)
+            return ffp_fail(err, FFP_ERROR_ARGUMENT, EMPTY, "no photographs under pattern '%.100s' (images)",
+                            source->patterns[i]);
+        if (shots->empty[pattern])
+            return ffp_fail(err, FFP_ERROR_ARGUMENT, EMPTY, "two pictures of the stage under '%s'",
+                            shots->patterns[pattern].name);
+        for (int v = 0; v < stops; v++) shots->empty[v * FFP_PATTERNS_MAX + pattern] = paths[v * n + i];
+    }
+    return true;
+}
+
+static bool find_stage(FfpShots *shots, const FfpShotSources *sources, const FfpCalibration *calibration,
+                       FfpError *err) {
+    if (sources->n_empty == 0) return true;
+    if (sources->mask == FFP_MASKS_FILES)
+        return ffp_fail(err, FFP_ERROR_ARGUMENT, EMPTY,
+                        "files of masks are given, too: either these or the empty stage tells the object");
+    shots->empty =
+        ffp_arena_alloc(shots->arena, (size_t)calibration->n_stops * FFP_PATTERNS_MAX, sizeof *shots->empty);
+    for (int i = 0; i < sources->n_empty; i++)
+        if (!find_empty(shots, &sources->empty[i], calibration, err)) return false;
+    return (shots->empty[shots->black] && shots->empty[shots->white]) ||
+           ffp_fail(err, FFP_ERROR_ARGUMENT, EMPTY, "no picture of the stage under %s",
+                    shots->empty[shots->black] ? "white" : "black");
+}
+
 // --- All of it. ---
 
 // No file of a view is its picture under two patterns.
@@ -248,7 +317,8 @@ static bool find_all(FfpShots *shots, const FfpShotSources *sources, const FfpCa
     take_shown_patterns(shots);
     take_kept_patterns(shots, calibration->pattern_folder);
     return (sources->mask != FFP_MASKS_FILES || find_masks(shots, sources->mask_files, calibration, err)) &&
-           check_complete(shots, calibration, err) && check_single(shots, calibration, err);
+           check_complete(shots, calibration, err) && check_single(shots, calibration, err) &&
+           find_stage(shots, sources, calibration, err);
 }
 
 bool ffp_shots_find(FfpShots *shots, const FfpShotSources *sources, const FfpCalibration *calibration,

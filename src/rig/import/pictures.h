@@ -19,6 +19,7 @@ typedef struct FfpShots {
     FfpShotPattern *patterns; // [FFP_PATTERNS_MAX]
     const char **pictures;    // [n_stops, FFP_PATTERNS_MAX]; NULL: none
     const char **masks;       // [n_stops]; NULL: there are no mask files
+    const char **empty;       // as pictures, of the stage without the object; NULL: there are none
     const char **codes;       // [n_stops, n_codes] photographs of Gray codes; NULL: there are none
     int n_codes;
     FfpShown shown; // empty where the sources name none
@@ -50,6 +51,9 @@ typedef struct FfpShotSources {
     const char *mask_files; // as FfpShotFiles.files
     const char *codes;      // likewise, photographs of Gray codes; NULL: none
     const char *shown;      // folder of patterns (core/patterns/shown.h); NULL: none
+    // The stage without the object; files without placeholders are of all views.
+    const FfpShotFiles *empty;
+    int n_empty;
 } FfpShotSources;
 
 // Finds all files for the calibration's stops. Afterwards each picture is known to exist, and so are black

@@ -91,8 +91,37 @@ static void threads_do_not_matter(void **state) {
     ffp_capture_free(&one), ffp_capture_free(&two);
 }
 
+static void must_refuse(const char *empty, const char *what) {
+    run_format(&run,
+               "import -c %s/shots/truth.json -t %s/shots/truth.json -i "
+               "'black=%s/shots/view-{view}/001.png' -i 'white=%s/shots/view-{view}/002.png' -o %s/none -i "
+               "'lollipop_0=%s/shots/view-{view}/003.png' -p lollipop_0=%s/patterns/003_lollipop_0.png %s",
+               scratch, scratch, scratch, scratch, scratch, scratch, scratch, empty);
+    assert_int_equal(run.status, 1);
+    if (!strstr(run.err, what)) fail_msg("expected \"%s\", got: %s", what, run.err);
+}
+
+static void wrong_pictures_of_the_stage_are_refused(void **state) {
+    (void)state;
+    char text[600];
+    must_refuse("--empty black", "expected NAME=FILES");
+    must_refuse("--empty black=/none.png", "/none.png");
+    snprintf(text, sizeof text, "--empty black=%s/shots/view-000/001.png", scratch);
+    must_refuse(text, "no picture of the stage under white");
+    snprintf(text, sizeof text, "--empty earth=%s/shots/view-000/001.png", scratch);
+    must_refuse(text, "no photographs under pattern 'earth'");
+    snprintf(text, sizeof text, "--empty black=%s/shots/view-000/001.png -m %s/shots/masks/view-{view}.png",
+             scratch, scratch);
+    must_refuse(text, "masks are given, too");
+    snprintf(text, sizeof text,
+             "--empty black=%s/shots/view-000/001.png --empty white=%s/patterns/002_white.png", scratch,
+             scratch);
+    must_refuse(text, "002_white.png");
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(shadows_are_object_and_holes_are_none),
+                                       cmocka_unit_test(wrong_pictures_of_the_stage_are_refused),
                                        cmocka_unit_test(threads_do_not_matter)};
     return cmocka_run_group_tests(tests, setup, scratch_teardown);
 }

@@ -1,0 +1,273 @@
+// Masks from the empty stage: a red ball that a turntable carries round in front of a lit, chequered wall, on
+// which its shadow falls; drawn here, so that every pixel is known.
+#include <math.h>
+#include "core/base/alloc.h"
+#include "core/base/call.h"
+#include "rig/import/common_stage.h"
+#include "rig/import/contact_sheet.h"
+#include "rig/import/stage_masks.h"
+#include "support.h"
+
+enum { VIEWS = 8, WIDTH = 120, HEIGHT = 96, PATTERNS = 3 };
+
+static const double ball_radius = 0.6, axis_far = 5, wall_far = 7.5, lamp[3] = {2.4, -1.2, 0};
+static FfpError err;
+
+typedef struct Room {
+    FfpCapture capture;
+    FfpImage truth[VIEWS];
+    FfpEmptyStage stage;
+    const FfpEmptyStage *stages[VIEWS];
+    const char *paths[VIEWS];
+} Room;
+
+// Distance along a ray to a ball; INFINITY when it misses.
+static double hit(const double from[3], const double d[3], const double centre[3]) {
+    double b = 0, c = -ball_radius * ball_radius;
+    for (int i = 0; i < 3; i++) b += (from[i] - centre[i]) * d[i], c += pow(from[i] - centre[i], 2);
+    const double root = b * b - c, t = -b - sqrt(fmax(root, 0));
+    return root > 0 && t > 1e-4 ? t : INFINITY;
+}
+
+// What the projector sends towards a point under a pattern: black, white, stripes.
+static double sent(const double point[3], int pattern) {
+    if (pattern < 2) return pattern;
+    const double depth = point[2] - lamp[2];
+    return 0.5 + 0.5 * sin(40 * (point[0] - lamp[0]) / depth);
+}
+
+// Linear light of a point of a surface with this normal; a shadow leaves the room's.
+static void light(const double point[3], const double normal[3], const double albedo[3], bool shadow,
+                  int pattern, double out[3]) {
+    double to[3], square = 0, cosine = 0;
+    for (int i = 0; i < 3; i++) to[i] = lamp[i] - point[i], square += to[i] * to[i];
+    for (int i = 0; i < 3; i++) cosine += to[i] * normal[i] / sqrt(square);
+    const double lit = shadow ? 0 : fmax(cosine, 0) * 12 / square * sent(point, pattern);
+    for (int c = 0; c < 3; c++) out[c] = albedo[c] * (0.02 + lit + 0.01 * (pattern > 0));
+}
+
+// The light along a pixel's ray; whether it is the ball's. NULL: there is no ball.
+static bool shade(const double d[3], const double centre[3], int pattern, double out[3]) {
+    static const double red[3] = {0.7, 0.2, 0.1}, forward[3] = {0, 0, -1}, origin[3] = {0, 0, 0};
+    double point[3], normal[3], to[3], length = 0;
+    const double near = centre ? hit(origin, d, centre) : INFINITY;
+    const double t = isfinite(near) ? near : wall_far / d[2];
+    for (int i = 0; i < 3; i++) point[i] = t * d[i];
+    if (isfinite(near)) {
+        for (int i = 0; i < 3; i++) normal[i] = (point[i] - centre[i]) / ball_radius;
+        light(point, normal, red, false, pattern, out);
+        return true;
+    }
+    for (int i = 0; i < 3; i++) to[i] = lamp[i] - point[i], length += to[i] * to[i];
+    for (int i = 0; i < 3; i++) to[i] /= sqrt(length);
+    const bool dark = ((int)floor(point[0]) + (int)floor(point[1])) % 2 != 0;
+    const double grey[3] = {dark ? 0.3 : 0.6, dark ? 0.3 : 0.6, dark ? 0.28 : 0.6};
+    light(point, forward, grey, centre && isfinite(hit(point, to, centre)), pattern, out);
+    return false;
+}
+
+// 3 x 3 samples a pixel, and noise that repeats.
+static FfpImage draw(const double centre[3], int pattern, FfpImage *share) {
+    FfpImage out = ffp_image_new(WIDTH, HEIGHT, 3);
+    for (int i = 0; i < 9 * WIDTH * HEIGHT; i++) {
+        const int pixel = i / 9, k = i % 9;
+        double d[3] = {(pixel % WIDTH + (k % 3 + 0.5) / 3 - WIDTH / 2.0) / 130,
+                       (pixel / WIDTH + (k / 3 + 0.5) / 3 - HEIGHT / 2.0) / 130, 1},
+               colour[3];
+        const double length = sqrt(d[0] * d[0] + d[1] * d[1] + 1);
+        for (int c = 0; c < 3; c++) d[c] /= length;
+        const bool ball = shade(d, centre, pattern, colour);
+        for (int c = 0; c < 3; c++) out.data[3 * pixel + c] += (real)(colour[c] / 9);
+        if (share) share->data[pixel] += ball ? 1.0F / 9 : 0;
+    }
+    for (int i = 0; i < 3 * WIDTH * HEIGHT; i++)
+        out.data[i] = (real)fmax(0, (double)out.data[i] + 0.0015 * sin(12.9898 * i + 78.233 * pattern));
+    return out;
+}
+
+static void place(FfpCamera *camera, double angle) {
+    const double c = cos(angle), s = sin(angle);
+    const double pose[16] = {c, 0, s, -s * axis_far, 0, 1, 0, 0, -s, 0, c, -c * axis_far, 0, 0, 0, 1};
+    *camera = (FfpCamera){
+        .width = WIDTH, .height = HEIGHT, .fx = 130, .fy = 130, .cx = WIDTH / 2.0F, .cy = HEIGHT / 2.0F};
+    for (int i = 0; i < 16; i++) camera->pose[i] = (real)pose[i];
+}
+
+static Room *new_room(bool with_ball) {
+    Room *room = ffp_alloc(1, sizeof *room);
+    FfpCapture *capture = &room->capture;
+    capture->n_views = VIEWS, capture->n_patterns = PATTERNS, capture->white = 1;
+    capture->views = ffp_alloc(VIEWS, sizeof *capture->views);
+    room->stage.images = ffp_alloc(PATTERNS, sizeof(FfpImage));
+    for (int p = 0; p < PATTERNS; p++) room->stage.images[p] = draw(NULL, p, NULL);
+    for (int v = 0; v < VIEWS; v++) {
+        FfpView *view = &capture->views[v];
+        const double angle = v * acos(-1.0) / 4; // of the camera; the ball turns the other way
+        const double centre[3] = {0.5 * cos(angle), 0.1, axis_far + 0.5 * sin(angle)};
+        place(&view->camera, angle);
+        view->projector = view->camera;
+        view->images = ffp_alloc(PATTERNS, sizeof(FfpImage));
+        room->truth[v] = ffp_image_new(WIDTH, HEIGHT, 1);
+        for (int p = 0; p < PATTERNS; p++)
+            view->images[p] = draw(with_ball ? centre : NULL, p, p == 0 ? &room->truth[v] : NULL);
+        room->stages[v] = &room->stage, room->paths[v] = "white.png";
+    }
+    return room;
+}
+
+static void free_room(Room *room) {
+    for (int p = 0; p < PATTERNS; p++) ffp_image_free(&room->stage.images[p]);
+    for (int v = 0; v < VIEWS; v++) ffp_image_free(&room->truth[v]);
+    ffp_free(room->stage.images);
+    room->capture.patterns = ffp_alloc(PATTERNS, sizeof(FfpPattern));
+    ffp_capture_free(&room->capture);
+    ffp_free(room);
+}
+
+typedef struct Agreement {
+    double overlap, missing, extra, edge; // shares of the object; mean difference on the outline
+} Agreement;
+
+static Agreement compare(const Room *room) {
+    double both = 0, either = 0, object = 0, off = 0, n = 0;
+    for (int v = 0; v < VIEWS; v++)
+        for (int i = 0; i < WIDTH * HEIGHT; i++) {
+            const double t = (double)room->truth[v].data[i],
+                         m = (double)room->capture.views[v].coverage.data[i];
+            both += t >= 0.5 && m >= 0.5, either += t >= 0.5 || m >= 0.5, object += t >= 0.5;
+            if (t > 0.05 && t < 0.95) off += fabs(t - m), n++;
+        }
+    const Agreement out = {both / either, 1 - both / object, (either - object) / object, off / n};
+    printf("overlap %.3f, missing %.4f, extra %.4f, outline off by %.3f\n", out.overlap, out.missing,
+           out.extra, out.edge);
+    return out;
+}
+
+// The ball's dark side and its shadow are told apart, and its outline is soft.
+static void the_ball_is_found_in_its_room(void **state) {
+    (void)state;
+    Room *room = new_room(true);
+    FfpStageMasks report;
+    if (!ffp_stage_masks(&report, &room->capture, room->stages, true, room->paths, &err))
+        fail_msg("%s", err.text);
+    const Agreement found = compare(room);
+    assert_true(found.overlap > 0.96);
+    assert_true(found.missing < 0.02);
+    assert_true(found.edge < 0.25);
+    assert_true(report.stage > 0.5 && report.object > 0.01);
+    assert_float_equal(report.gain_least, 1, 0.02);
+    free_room(room);
+}
+
+// Without poses there is no hull: what is lit is there, and nothing of the shadow.
+static void without_poses_light_alone_decides(void **state) {
+    (void)state;
+    Room *room = new_room(true);
+    FfpStageMasks report;
+    assert_true(ffp_stage_masks(&report, &room->capture, room->stages, false, room->paths, &err));
+    const Agreement found = compare(room);
+    assert_true(found.extra < 0.03);
+    assert_true(found.missing < 0.3);
+    free_room(room);
+}
+
+static void a_view_like_the_stage_is_refused(void **state) {
+    (void)state;
+    Room *room = new_room(false);
+    FfpStageMasks report;
+    assert_false(ffp_stage_masks(&report, &room->capture, room->stages, true, room->paths, &err));
+    assert_non_null(strstr(err.text, "is the object missing"));
+    free_room(room);
+}
+
+static void turn_over(FfpImage *image) {
+    for (int i = 0; i < 3 * WIDTH * HEIGHT / 2; i++) {
+        const real kept = image->data[i];
+        image->data[i] = image->data[3 * WIDTH * HEIGHT - 1 - i];
+        image->data[3 * WIDTH * HEIGHT - 1 - i] = kept;
+    }
+}
+
+// Another exposure is made up for, up to a point; a moved camera is refused.
+static void other_light_is_told(void **state) {
+    (void)state;
+    Room *room = new_room(true);
+    FfpStageMasks report;
+    for (int p = 0; p < PATTERNS; p++)
+        for (int i = 0; i < 3 * WIDTH * HEIGHT; i++) room->stage.images[p].data[i] *= 1.25F;
+    assert_true(ffp_stage_masks(&report, &room->capture, room->stages, true, room->paths, &err));
+    assert_float_equal(report.gain_least, 0.8, 0.03);
+    for (int p = 1; p < PATTERNS; p++) turn_over(&room->stage.images[p]);
+    assert_false(ffp_stage_masks(&report, &room->capture, room->stages, true, room->paths, &err));
+    assert_non_null(strstr(err.text, "white.png"));
+    assert_non_null(strstr(err.text, "of this view looks like the empty stage"));
+    for (int i = 0; i < 3 * WIDTH * HEIGHT; i++) room->stage.images[0].data[i] = 0.5F;
+    assert_false(ffp_stage_masks(&report, &room->capture, room->stages, true, room->paths, &err));
+    assert_non_null(strstr(err.text, "room's light"));
+    free_room(room);
+}
+
+// What the views share is the stage as it is alone, and makes nearly as good masks.
+static void what_stays_the_same_is_the_stage(void **state) {
+    (void)state;
+    Room *room = new_room(true);
+    FfpEmptyStage stage;
+    FfpCommon found;
+    FfpStageMasks report;
+    double off = 0, n = 0;
+    assert_true(ffp_common_stage(&stage, &found, &room->capture));
+    assert_true(found.known > 0.8 && found.lit > 0.5 && found.lit <= found.known);
+    for (int i = 0; i < 3 * WIDTH * HEIGHT; i++) {
+        if (!(stage.known.data[i / 3] > 0)) continue;
+        off += fabs((double)(stage.images[1].data[i] - room->stage.images[1].data[i])), n++;
+    }
+    assert_true(off / n < 0.005);
+    for (int v = 0; v < VIEWS; v++) room->stages[v] = &stage;
+    assert_true(ffp_stage_masks(&report, &room->capture, room->stages, true, room->paths, &err));
+    const Agreement agreement = compare(room);
+    assert_true(agreement.overlap > 0.85);
+    assert_true(agreement.missing < 0.04);
+    ffp_common_stage_free(&stage, PATTERNS);
+    room->capture.n_views = 4;
+    assert_false(ffp_common_stage(&stage, &found, &room->capture));
+    room->capture.n_views = VIEWS;
+    free_room(room);
+}
+
+// Dark and blue beside the object, a red line round it, its own colours in it.
+static void the_contact_sheet_shows_the_masks(void **state) {
+    (void)state;
+    Room *room = new_room(true);
+    FfpImage thumbs[VIEWS];
+    for (int v = 0; v < VIEWS; v++) {
+        room->capture.views[v].coverage = ffp_image_copy(&room->truth[v]);
+        thumbs[v] = ffp_contact_thumb(&room->capture.views[v].images[1]);
+    }
+    FfpImage sheet = ffp_contact_sheet(&room->capture, thumbs);
+    assert_int_equal(sheet.width, 3 * (WIDTH + 4));
+    assert_int_equal(sheet.height, 3 * (HEIGHT + 4));
+    int red = 0, object = 0, beside = 0;
+    for (int i = 0; i < WIDTH * HEIGHT; i++) {
+        const real *p = sheet.data + 3 * ((ptrdiff_t)(i / WIDTH) * sheet.width + i % WIDTH);
+        const bool in = room->truth[0].data[i] >= 0.5F;
+        const bool line = p[0] > 0.99F && p[1] < 0.01F;
+        red += line, object += in && !line, beside += !in && p[2] > p[0];
+        if (!in) assert_false(line);
+    }
+    assert_true(red > 40 && object > 400 && beside > WIDTH * HEIGHT / 2);
+    for (int v = 0; v < VIEWS; v++) ffp_image_free(&thumbs[v]);
+    ffp_image_free(&sheet);
+    free_room(room);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(the_ball_is_found_in_its_room),
+        cmocka_unit_test(without_poses_light_alone_decides),
+        cmocka_unit_test(a_view_like_the_stage_is_refused),
+        cmocka_unit_test(other_light_is_told),
+        cmocka_unit_test(what_stays_the_same_is_the_stage),
+        cmocka_unit_test(the_contact_sheet_shows_the_masks),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
