@@ -15,8 +15,8 @@ typedef struct FfpHull {
 // Poses are known.
 bool ffp_hull_bounds(FfpCapture *capture, const FfpCompared *compared);
 
-// Carves anew. A point is carved away where one view shows lit stage or stage in the object's shadow, or two
-// show any stage, or where less than 0.6 of the views that have it in their pictures show the object.
+// Carves from scratch. A point is carved away where one view shows lit stage or stage in the object's shadow,
+// or two show any stage, or where less than 0.6 of the views that have it in their pictures show the object.
 FfpHull ffp_hull_new(const FfpCapture *capture, const FfpCompared *compared, unsigned char *const *shaded);
 void ffp_hull_free(FfpHull *hull);
 

@@ -64,7 +64,7 @@ static bool may_be_object(const Work *w, int v, size_t pixel) {
     return kind != FFP_PIXEL_STAGE && kind != FFP_PIXEL_OBJECT && !w->shaded[v][pixel];
 }
 
-// What is not sure is object where the hull is.
+// Uncertain pixels are object inside the hull.
 static void fill_by_hull(Work *w) {
     FfpHull hull = ffp_hull_new(w->capture, w->compared, w->shaded);
     for (int v = 0; v < w->capture->n_views; v++) {

@@ -68,8 +68,7 @@ enum { HELD_OUT = sizeof held_out_kinds / sizeof *held_out_kinds };
 
 // Where patterns of a series are kept apart, so that `*` names them all; "": among the others.
 static const char *series_of(const char *name) {
-    if (strncmp(name, "gray_", 5) == 0) return "graycode";
-    return strncmp(name, "gamma_", 6) == 0 ? "gamma" : "";
+    return strncmp(name, "gray_", 5) == 0 ? "graycode" : "";
 }
 
 static bool is_sent(const Job *job, const char *name) {
@@ -132,7 +131,7 @@ static bool draw_held_out(const Job *job, int index, const char *path, FfpError 
 }
 
 static bool write_patterns(const Job *job, FfpError *err) {
-    if (!make_folder(job, "patterns/graycode", err) || !make_folder(job, "patterns/gamma", err)) return false;
+    if (!make_folder(job, "patterns/graycode", err)) return false;
     for (int i = 0; i < job->n_sent; i++) {
         char name[NAME + 32], path[FFP_PATH_MAX];
         snprintf(name, sizeof name, "patterns/%s", job->sent[i].file);

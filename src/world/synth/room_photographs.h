@@ -17,7 +17,7 @@ typedef struct FfpRoomPhotographs {
 //   photographs/VIEW/NAME.JPG   by camera and projector with the room's faults; those that spec->sensor sets
 //                               take their place
 //   empty/NAME.JPG              the stage without the object
-//   graycode/, gamma/VIEW/      the patterns that are called gray_ and gamma_, at the stops alone
+//   graycode/VIEW/              the patterns that are called gray_, at the stops alone
 //   truth/VIEW/NAME.png         the photographs without noise and JPEG
 //   masks/VIEW.png              the object's share of each pixel
 //   patterns/NAME.png           what was sent to the projector, in folders likewise; "photograph" and "map"

@@ -159,7 +159,7 @@ static void the_ball_is_found_in_its_room(void **state) {
     free_room(room);
 }
 
-// Without poses there is no hull: what is lit is there, and nothing of the shadow.
+// Without poses there is no hull: what is lit is object, and nothing in the shadow.
 static void without_poses_light_alone_decides(void **state) {
     (void)state;
     Room *room = new_room(true);

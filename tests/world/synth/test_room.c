@@ -432,12 +432,12 @@ static void what_gives_no_room_is_refused(void **state) {
     refused("few", &spec, 0, "quality");
     path_of(path, "wrong");
     assert_true(ffp_make_folders(path, &err));
-    copy_pattern("002_black.png", "wrong/001_black.png");
+    copy_pattern("001_black.png", "wrong/001_black.png");
     refused("wrong", &spec, 92, "no white");
-    copy_pattern("003_white.png", "wrong/002_white.png");
-    copy_pattern("003_white.png", "wrong/003_map.png");
+    copy_pattern("002_white.png", "wrong/002_white.png");
+    copy_pattern("002_white.png", "wrong/003_map.png");
     refused("wrong", &spec, 92, "a pattern is called map");
-    copy_pattern("003_white.png", "wrong/003_white.png");
+    copy_pattern("002_white.png", "wrong/003_white.png");
     refused("wrong", &spec, 92, "have the same number");
     spec.sensor.shift_error = 0.01F;
     refused("few", &spec, 92, "shift_error");
