@@ -11,10 +11,10 @@
 // What a view's photographs of the codes are like.
 static void note_report(const FfpImporting *import, const FfpView *view, const FfpGrayReport *report,
                         const FfpCodesFit *fit) {
-    ffp_note(
-        "view '%s': Gray codes decoded at %.1f %% of the lit pixels, %d of the object's; median distance from "
-        "the camera's rays %.2f pixels of the projector",
-        view->id, 100.0 * report->decoded / report->lit, fit->kept, fit->off);
+    ffp_note("view '%s': Gray codes decoded at %.1f %% of the lit pixels, %d of the object's; median "
+             "distance from "
+             "the camera's rays %.2f pixels of the projector",
+             view->id, 100.0 * report->decoded / report->lit, fit->kept, fit->off);
     if (report->dropped[0] > 0 || report->dropped[1] > 0)
         ffp_note("  the finest %d codes of columns and %d of rows are too fine for the photographs",
                  report->dropped[0], report->dropped[1]);
