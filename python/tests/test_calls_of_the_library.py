@@ -199,7 +199,7 @@ def test_a_simulated_rig_is_calibrated(tmp_path: Path) -> None:
 
 
 def test_photographs_in_a_room(tmp_path: Path) -> None:
-    ffp.write_patterns(tmp_path / "patterns", 96, 64, lollipops=1, focus=False, gamma=False, gray_codes=False)
+    ffp.write_patterns(tmp_path / "patterns", 96, 64, lollipops=1, focus=False, gray_codes=False)
     for folder, quality in (("fine", None), ("coarse", 20)):
         ffp.generate(
             tmp_path / folder,
