@@ -46,6 +46,7 @@ static bool compare_all(Work *w, const char *const *paths, FfpError *err) {
 static void take_object(Work *w) {
     for (int v = 0; v < w->capture->n_views; v++) {
         FfpView *view = &w->capture->views[v];
+        ffp_image_free(&view->coverage);
         view->coverage = ffp_image_new(view->camera.width, view->camera.height, 1);
         for (size_t i = 0; i < pixels_of(view); i++)
             view->coverage.data[i] = w->compared[v].kinds[i] == FFP_PIXEL_OBJECT;
