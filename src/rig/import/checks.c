@@ -193,9 +193,9 @@ static void check_frusta(Page *page, const FfpCapture *capture, const Light *lig
 
 static void check_silhouettes(Page *page, const FfpCapture *capture) {
     const double misfit = ffp_rig_silhouette_misfit(capture);
-    line(page, misfit < 0.03, "silhouettes",
+    line(page, misfit < FFP_RIG_MISFIT_MAX, "silhouettes",
          "%.1f %% of the object's pixels contradict the other views' silhouettes", 100 * misfit);
-    if (misfit >= 0.03)
+    if (misfit >= FFP_RIG_MISFIT_MAX)
         advise(page, "the views are inconsistent: check the masks (those computed from white minus black "
                      "lack the parts in shadow; mask files are better), the turntable's axis, "
                      "its angles and their sign, and the order of the pictures");

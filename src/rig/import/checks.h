@@ -10,6 +10,8 @@
 // or "LOOK", and what to do below the latter. Returns the number of the latter.
 int ffp_rig_checks(const FfpCapture *capture, FILE *out);
 
+// The share from which on the views are said to contradict each other.
+#define FFP_RIG_MISFIT_MAX 0.03
 // Share of the object's pixels through which no point of its sphere lies in all views' silhouettes (a pixel's
 // width is forgiven; what a view does not show contradicts nothing). 0 with poses and masks that fit.
 double ffp_rig_silhouette_misfit(const FfpCapture *capture);

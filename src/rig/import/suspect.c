@@ -7,8 +7,7 @@
 
 #define DARKER 0.02F          // linear: by how much white is darker than black where they are exchanged
 #define EXCHANGED_SHARE 0.25  // of a view's object pixels
-#define MISFIT_SUSPECT 0.03   // share of pixels that contradict other views: as the page of checks has it
-#define MISFIT_EXPLAINED 0.25 // of that: what leaves less explains it
+#define MISFIT_EXPLAINED 0.25 // of the pixels that contradict other views: what leaves less explains them
 #define VIEWS_TO_ACCUSE 4     // fewer views than these cannot outvote one
 
 // --- Devices and light. ---
@@ -206,7 +205,7 @@ static int odd_one_out(const FfpCapture *capture, double *misfit) {
 
 static bool check_silhouettes(const FfpCapture *capture, FfpError *err) {
     const double misfit = ffp_rig_silhouette_misfit(capture), enough = MISFIT_EXPLAINED * misfit;
-    if (misfit < MISFIT_SUSPECT || capture->n_views < VIEWS_TO_ACCUSE) return true;
+    if (misfit < FFP_RIG_MISFIT_MAX || capture->n_views < VIEWS_TO_ACCUSE) return true;
     double without;
     const int odd = odd_one_out(capture, &without);
     if (without < enough && !try_mishaps(capture, odd, enough, err)) return false;
