@@ -622,6 +622,9 @@ typedef struct FfpGeneration {
     // is the photographs' height (0: 480). NULL: write captures.
     const char *photographs;
     int attitudes; // of the chessboard, at most 64; 0: no chessboard
+    // One folder of the photographs, the same as among all of them: view-DDD (DDD being one of `views` even
+    // angles in degrees), attitude-NN or turntable. NULL: all. Not in a room.
+    const char *only;
     // The photographs are taken in a real room, with platter, table, wall, boxes and a lamp that the seed
     // decides, as JPEG files of this quality (1 to 100), beside the empty stage, true masks and pictures
     // without noise (docs/design/data.md, "Rooms"). Needs `photographs`.

@@ -58,6 +58,7 @@ static bool generate(void *argument, FfpError *err) {
                                          .material = options->material,
                                          .photographs = options->photographs,
                                          .attitudes = options->attitudes,
+                                         .only = options->only,
                                          .room = options->room,
                                          .quality = options->quality,
                                          .sensor = sensor_of(&options->sensor)};

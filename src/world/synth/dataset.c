@@ -274,7 +274,8 @@ static bool photograph_object(const Job *job, FfpError *err) {
                                          options->attitudes, options->quality};
         return ffp_room_photographs_write(&room, &spec, err);
     }
-    const FfpPhotographs photographs = {options->folder, options->photographs, options->attitudes};
+    const FfpPhotographs photographs = {options->folder, options->photographs, options->attitudes,
+                                        options->only};
     return ffp_photographs_write(&photographs, &spec, err);
 }
 
@@ -288,6 +289,8 @@ static bool open_job(Job *job, int64_t *count, FfpError *err) {
     if (!job->options->folder) return ffp_fail(err, FFP_ERROR_ARGUMENT, NULL, "no output folder given");
     if (job->options->room && !job->options->photographs)
         return ffp_fail(err, FFP_ERROR_ARGUMENT, "room", "requires the patterns of `photographs`");
+    if (job->options->only && (!job->options->photographs || job->options->room))
+        return ffp_fail(err, FFP_ERROR_ARGUMENT, "only", "requires `photographs`, and no room");
     return preset_spec(job->options, &job->spec, err) && choose_scenes(job->options, count, err) &&
            open_assets(job, err);
 }

@@ -22,7 +22,8 @@ typedef enum Wanted { WANTED_ALL, WANTED_CODES, WANTED_WHITE } Wanted;
 // Something before the rig, photographed into a folder.
 typedef struct Subject {
     char name[32];
-    int stop; // of the board on the turntable: the number of its one photograph, else -1
+    uint32_t stream; // its place among all, whether they are photographed or not
+    int stop;        // of the board on the turntable: the number of its one photograph, else -1
     const FfpMesh *mesh;
     const FfpTracer *tracer;
     FfpMesh board_mesh;      // of a board alone; owned
@@ -65,33 +66,48 @@ static bool add_board(Subject *subject, FfpChessboard board, FfpError *err) {
     return subject->tracer != NULL;
 }
 
+// The next of all subjects; NULL if it is not to be photographed.
+static Subject *next_subject(Job *job, uint32_t *stream, const char *name) {
+    const char *only = job->options->only;
+    const uint32_t own = (*stream)++;
+    if (only && strcmp(only, name) != 0) return NULL;
+    Subject *s = &job->subjects[job->n_subjects++];
+    *s = (Subject){.stream = own, .stop = -1};
+    snprintf(s->name, sizeof s->name, "%s", name);
+    return s;
+}
+
 static bool add_subjects(Job *job, FfpError *err) {
     const int views = job->spec->views, attitudes = job->options->attitudes;
     const int stops = attitudes > 0 ? FFP_BOARD_STOPS : 0;
+    uint32_t stream = 0;
+    char name[32];
     job->subjects = ffp_alloc((size_t)views + (size_t)attitudes + (size_t)stops, sizeof *job->subjects);
     for (int i = 0; i < views; i++) {
-        Subject *s = &job->subjects[job->n_subjects++];
-        *s = (Subject){.stop = -1,
-                       .mesh = job->mesh,
-                       .tracer = job->tracer,
-                       .angle = 360.0 * i / views,
-                       .wanted = WANTED_ALL};
-        snprintf(s->name, sizeof s->name, "view-%03d", (int)lround(s->angle)); // as `import` calls it
+        const double angle = 360.0 * i / views;
+        snprintf(name, sizeof name, "view-%03d", (int)lround(angle)); // as `import` calls it
+        Subject *s = next_subject(job, &stream, name);
+        if (!s) continue;
+        s->mesh = job->mesh, s->tracer = job->tracer;
+        s->angle = angle, s->wanted = WANTED_ALL;
     }
     for (int i = 0; i < attitudes; i++) {
-        Subject *s = &job->subjects[job->n_subjects++];
-        s->wanted = WANTED_CODES, s->stop = -1;
-        snprintf(s->name, sizeof s->name, "attitude-%02d", i);
+        snprintf(name, sizeof name, "attitude-%02d", i);
+        Subject *s = next_subject(job, &stream, name);
+        if (!s) continue;
+        s->wanted = WANTED_CODES;
         if (!add_board(s, ffp_bare_rig_attitude(&job->rig, i, job->spec->seed), err)) return false;
     }
     for (int i = 0; i < stops; i++) {
-        Subject *s = &job->subjects[job->n_subjects++];
+        Subject *s = next_subject(job, &stream, "turntable");
+        if (!s) continue;
         s->wanted = WANTED_WHITE, s->angle = ffp_board_angle(i);
         s->stop = i;
-        snprintf(s->name, sizeof s->name, "turntable");
         if (!add_board(s, ffp_bare_rig_turntable_board(&job->rig), err)) return false;
     }
-    return true;
+    return job->n_subjects > 0 ||
+           ffp_fail(err, FFP_ERROR_ARGUMENT, "only", "nothing is called \"%s\" among what is photographed",
+                    job->options->only);
 }
 
 static void free_subjects(Job *job) {
@@ -148,8 +164,7 @@ static bool write_mask(const Job *job, const Subject *subject, const FfpView *vi
 }
 
 // The subject under the patterns of a batch.
-static bool photograph(Job *job, const Subject *subject, const FfpLight *light, int first, uint32_t stream,
-                       FfpError *err) {
+static bool photograph(Job *job, const Subject *subject, const FfpLight *light, int first, FfpError *err) {
     const FfpSceneSpec *spec = job->spec;
     const float gain = exp2f(spec->sensor.exposure), intensity = gain * job->rig.intensity;
     const bool is_board = subject->wanted != WANTED_ALL;
@@ -172,7 +187,7 @@ static bool photograph(Job *job, const Subject *subject, const FfpLight *light, 
                                       .seed = spec->seed};
     FfpView view = {0};
     ffp_bare_rig_devices(&job->rig, subject->angle, &view.camera, &view.projector);
-    ffp_simulate_view(&simulation, &view, stream, NULL);
+    ffp_simulate_view(&simulation, &view, subject->stream, NULL);
     Shot shot = {job, subject, &view, first, false, err};
     ffp_parallel_for(light->n_patterns, 0, develop, &shot);
     if (first == 0 && !is_board && !shot.failed) shot.failed = !write_mask(job, subject, &view, err);
@@ -199,7 +214,7 @@ static bool photograph_batch(Job *job, int first, int count, FfpError *err) {
         FfpLight light = ffp_light_new(images, count);
         for (int s = 0; ok && s < job->n_subjects; s++)
             if (wants_any(job, &job->subjects[s], first, count))
-                ok = photograph(job, &job->subjects[s], &light, first, (uint32_t)s, err);
+                ok = photograph(job, &job->subjects[s], &light, first, err);
         ffp_light_free(&light);
     }
     for (int i = 0; i < count; i++) ffp_image_free(&emitted[i]);
@@ -314,7 +329,9 @@ static bool write_truth(const Job *job, FfpError *err) {
     const FfpChessboard board = ffp_bare_rig_turntable_board(&job->rig);
     fprintf(f, "  \"board\": {\"corners\": [%d, %d], \"square\": %.9g},\n  \"boards\": [\n", board.columns,
             board.rows, (double)board.square * FFP_BARE_RIG_UNIT);
-    for (int s = job->spec->views; s < job->n_subjects; s++)
+    int first_board = 0;
+    while (first_board < job->n_subjects && job->subjects[first_board].wanted == WANTED_ALL) first_board++;
+    for (int s = first_board; s < job->n_subjects; s++)
         print_board(f, job, &job->subjects[s], s + 1 == job->n_subjects);
     fputs("  ]\n}\n", f);
     const bool ok = ffp_output_commit(&out, err);

@@ -9,6 +9,7 @@ typedef struct FfpPhotographs {
     const char *folder;   // new or empty
     const char *patterns; // folder of <number>_<name>.png
     int attitudes;        // of the board
+    const char *only;     // one of the folders below; NULL: all
 } FfpPhotographs;
 
 // Written are <number>.png, 8-bit sRGB, of the same numbers as the patterns':
@@ -21,7 +22,8 @@ typedef struct FfpPhotographs {
 //   truth.json      the rig as it is: calibration and turntable as `import` reads both, board, attitudes.
 //                   Lengths in millimetres
 // Whole or not at all. Pictures are spec->resolution high and 4/3 as wide. Of the sensor, errors of poses are
-// refused: no pose is written. Errors name the pattern's file.
+// refused: no pose is written. Errors name the pattern's
+// file, or `only` that is none of them.
 bool ffp_photographs_write(const FfpPhotographs *options, const FfpSceneSpec *spec, FfpError *err);
 
 #endif

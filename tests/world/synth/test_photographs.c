@@ -41,7 +41,7 @@ static void draw_patterns(const char *name) {
 static bool photograph(const char *to, const char *patterns, const FfpSceneSpec *spec, FfpError *err) {
     char folder[FFP_PATH_MAX], from[FFP_PATH_MAX];
     path_of(folder, to), path_of(from, patterns);
-    const FfpPhotographs options = {folder, from, 2};
+    const FfpPhotographs options = {.folder = folder, .patterns = from, .attitudes = 2};
     return ffp_photographs_write(&options, spec, err);
 }
 
@@ -172,6 +172,39 @@ static void noise_comes_last(void **state) {
     ffp_image_free(&noisy);
 }
 
+static void expect_same_file(const char *a, const char *b) {
+    char path[2][FFP_PATH_MAX], *data[2];
+    size_t size[2];
+    FfpError err = {0};
+    path_of(path[0], a), path_of(path[1], b);
+    for (int i = 0; i < 2; i++)
+        if (!ffp_read_file(path[i], 1 << 24, &data[i], &size[i], &err)) fail_msg("%s", err.text);
+    assert_int_equal(size[0], size[1]);
+    assert_memory_equal(data[0], data[1], size[0]);
+    ffp_free(data[0]);
+    ffp_free(data[1]);
+}
+
+// One folder alone has the same bits as among all, noise included.
+static void one_folder_is_as_among_all(void **state) {
+    (void)state;
+    FfpSceneSpec spec = small_spec();
+    FfpError err = {0};
+    char folder[FFP_PATH_MAX], from[FFP_PATH_MAX], path[FFP_PATH_MAX];
+    spec.sensor.read = 0.02F;
+    path_of(folder, "only"), path_of(from, "patterns");
+    const FfpPhotographs only = {.folder = folder, .patterns = from, .attitudes = 2, .only = "attitude-01"},
+                         none = {.folder = folder, .patterns = from, .attitudes = 2, .only = "attitude-02"};
+    if (!ffp_photographs_write(&only, &spec, &err)) fail_msg("%s", err.text);
+    expect_same_file("only/attitude-01/007.png", "noisy/attitude-01/007.png");
+    path_of(path, "only/attitude-00");
+    assert_false(ffp_is_folder(path));
+    ffp_remove_tree(folder);
+    assert_false(ffp_photographs_write(&none, &spec, &err));
+    assert_non_null(strstr(err.text, "attitude-02"));
+    assert_false(ffp_is_folder(folder));
+}
+
 static void refused(const char *patterns, const FfpSceneSpec *spec, const char *text) {
     FfpError err = {0};
     char folder[FFP_PATH_MAX];
@@ -218,6 +251,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(codes_say_where_the_projector_has_a_point),
         cmocka_unit_test(noise_comes_last),
+        cmocka_unit_test(one_folder_is_as_among_all),
         cmocka_unit_test(what_is_no_set_of_patterns_is_refused),
     };
     return cmocka_run_group_tests(tests, make_root, remove_root);
