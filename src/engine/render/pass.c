@@ -16,9 +16,10 @@ struct FfpViewPass {
     FfpGbuffer samples, mean;      // the same memory when there is one sample a pixel; means of opacity and
     bool averaged;                 // ambient colour are always there, the others once they are asked for
     FfpTransport transport;
-    bool keeps_look; // the transport keeps what shading sees
-    bool lit;        // the transport is this view's
-    FfpImage linear; // radiance of the picture shaded last
+    bool keeps_look;         // the transport keeps what shading sees
+    bool lit;                // the transport is this view's
+    const FfpSummed *looked; // the pattern that is kept
+    FfpImage linear;         // radiance of the picture shaded last
     // Made by the first backward pass of a size:
     FfpGbuffer grad_samples, grad_mean; // the same memory likewise
     FfpTransport grad_transport;
@@ -133,6 +134,7 @@ void ffp_view_pass_samples_changed(FfpViewPass *pass) {
                         &pass->mapping);
     const int side = pass->settings.samples;
     pass->lit = false;
+    pass->looked = NULL;
     pass->averaged = side == 1;
     if (side == 1) return;
     const FfpGbuffer *mean = &pass->mean;
@@ -171,14 +173,24 @@ FfpImage ffp_view_pass_picture_new(const FfpViewPass *pass) {
     return ffp_image_new(pass->linear.width, pass->linear.height, 3);
 }
 
-void ffp_view_pass_shade(FfpViewPass *pass, const real intensity[3], const FfpSummed *pattern,
-                         FfpImage *out) {
+void ffp_view_pass_radiance(FfpViewPass *pass, const real intensity[3], const FfpSummed *pattern,
+                            FfpImage *linear) {
     if (pattern && !pass->lit) {
         ffp_light(&pass->samples, &pass->mapping, &pass->camera, &pass->projector, &pass->transport);
         pass->lit = true;
     }
-    ffp_shade(&pass->mean, &pass->mapping, &pass->transport, intensity, pattern, &pass->linear);
-    ffp_resolve(&pass->linear, pass->mean.opacity, pass->settings.samples, out);
+    if (pattern && !pattern->plain) pass->looked = pattern;
+    ffp_shade(&pass->mean, &pass->mapping, &pass->transport, intensity, pattern, linear);
+}
+
+void ffp_view_pass_resolve(FfpViewPass *pass, const FfpImage *linear, FfpImage *out) {
+    ffp_resolve(linear, pass->mean.opacity, pass->settings.samples, out);
+}
+
+void ffp_view_pass_shade(FfpViewPass *pass, const real intensity[3], const FfpSummed *pattern,
+                         FfpImage *out) {
+    ffp_view_pass_radiance(pass, intensity, pattern, &pass->linear);
+    ffp_view_pass_resolve(pass, &pass->linear, out);
 }
 
 FfpGbuffer *ffp_view_pass_grad_gbuffer(FfpViewPass *pass) {
@@ -186,15 +198,31 @@ FfpGbuffer *ffp_view_pass_grad_gbuffer(FfpViewPass *pass) {
     return &pass->grad_mean;
 }
 
+void ffp_view_pass_resolve_backward(FfpViewPass *pass, const FfpImage *linear, const FfpImage *grad_picture,
+                                    FfpImage *grad_linear) {
+    FfpGbuffer *grad_mean = ffp_view_pass_grad_gbuffer(pass);
+    ffp_resolve_backward(linear, pass->mean.opacity, pass->settings.samples, grad_picture, grad_linear,
+                         grad_mean->opacity);
+}
+
+void ffp_view_pass_radiance_backward(FfpViewPass *pass, const real intensity[3], const FfpSummed *pattern,
+                                     const FfpImage *grad_linear, real grad_intensity[3],
+                                     FfpSummed *grad_pattern) {
+    FfpGbuffer *grad_mean = ffp_view_pass_grad_gbuffer(pass);
+    FfpTransport seen = pass->transport;
+    if (pattern != pass->looked) seen.look = NULL; // what is kept there is another pattern's
+    ffp_shade_backward(&pass->mapping, &seen, intensity, pattern, grad_linear, grad_mean,
+                       &pass->grad_transport, grad_intensity, grad_pattern);
+    if (pattern) pass->grad_lit = true;
+}
+
 void ffp_view_pass_shade_backward(FfpViewPass *pass, const real intensity[3], const FfpSummed *pattern,
                                   const FfpImage *grad_picture, real grad_intensity[3],
                                   FfpSummed *grad_pattern) {
-    FfpGbuffer *grad_mean = ffp_view_pass_grad_gbuffer(pass);
-    ffp_resolve_backward(&pass->linear, pass->mean.opacity, pass->settings.samples, grad_picture,
-                         &pass->grad_linear, grad_mean->opacity);
-    ffp_shade_backward(&pass->mapping, &pass->transport, intensity, pattern, &pass->grad_linear, grad_mean,
-                       &pass->grad_transport, grad_intensity, grad_pattern);
-    if (pattern) pass->grad_lit = true;
+    ffp_view_pass_grad_gbuffer(pass); // makes grad_linear
+    ffp_view_pass_resolve_backward(pass, &pass->linear, grad_picture, &pass->grad_linear);
+    ffp_view_pass_radiance_backward(pass, intensity, pattern, &pass->grad_linear, grad_intensity,
+                                    grad_pattern);
 }
 
 void ffp_view_pass_backward(FfpViewPass *pass, FfpGaussians *grad) {
@@ -206,6 +234,25 @@ void ffp_view_pass_backward(FfpViewPass *pass, FfpGaussians *grad) {
                            &pass->grad_transport, &pass->grad_samples);
     ffp_rasterise_backward(pass->raster, pass->gaussians, &pass->camera, &pass->settings, &pass->samples,
                            &pass->grad_samples, grad);
+}
+
+void ffp_view_pass_forget_gradients(FfpViewPass *pass) {
+    pass->grad_clear = false;
+}
+
+void ffp_view_pass_backward_aim(FfpViewPass *pass, const FfpGaussians *grad, FfpAimGradient *aim) {
+    FfpAimGradient of_samples = {0};
+    if (pass->grad_lit)
+        ffp_light_backward_aim(&pass->samples, &pass->mapping, &pass->camera, &pass->projector,
+                               &pass->grad_transport, &of_samples);
+    ffp_rasterise_backward_aim(pass->raster, pass->gaussians, &pass->camera, &pass->settings, &pass->samples,
+                               &pass->grad_samples, grad, &of_samples);
+    for (int k = 0; k < 6; k++) aim->camera[k] += of_samples.camera[k];
+    for (int k = 0; k < 6; k++) aim->projector[k] += of_samples.projector[k];
+    for (int k = 0; k < 2; k++) { // the samples' camera is `samples` times as long
+        aim->camera_focal[k] += pass->settings.samples * of_samples.camera_focal[k];
+        aim->projector_focal[k] += of_samples.projector_focal[k];
+    }
 }
 
 FfpImage ffp_render_view(const FfpGaussians *gaussians, const FfpCamera *camera, const FfpCamera *projector,

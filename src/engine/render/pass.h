@@ -11,6 +11,7 @@
 #ifndef FFP_RENDER_PASS_H
 #define FFP_RENDER_PASS_H
 
+#include "engine/render/aim.h"
 #include "engine/render/render.h"
 
 typedef struct FfpViewPass FfpViewPass;
@@ -33,6 +34,12 @@ FfpImage ffp_view_pass_picture_new(const FfpViewPass *pass); // black, of the si
 // The picture under a pattern (NULL: black): sRGB-encoded, in [0,1], [height,width,3].
 void ffp_view_pass_shade(FfpViewPass *pass, const real intensity[3], const FfpSummed *pattern, FfpImage *out);
 
+// Its two halves, for callers that keep several pictures until their gradients come: the linear radiance,
+// unclamped, premultiplied, and from there to the picture.
+void ffp_view_pass_radiance(FfpViewPass *pass, const real intensity[3], const FfpSummed *pattern,
+                            FfpImage *linear);
+void ffp_view_pass_resolve(FfpViewPass *pass, const FfpImage *linear, FfpImage *out);
+
 // Gradient of the loss with respect to ffp_view_pass_gbuffer, zero after each draw: terms that look at
 // G-buffers add theirs.
 FfpGbuffer *ffp_view_pass_grad_gbuffer(FfpViewPass *pass);
@@ -42,8 +49,18 @@ FfpGbuffer *ffp_view_pass_grad_gbuffer(FfpViewPass *pass);
 void ffp_view_pass_shade_backward(FfpViewPass *pass, const real intensity[3], const FfpSummed *pattern,
                                   const FfpImage *grad_picture, real grad_intensity[3],
                                   FfpSummed *grad_pattern);
-// All that was gathered since the draw, ADDED to grad (as many as the Gaussians drawn). Once a draw.
+// The first half of it backwards, of a picture drawn as `linear`, and the second: the gradient of radiance.
+void ffp_view_pass_resolve_backward(FfpViewPass *pass, const FfpImage *linear, const FfpImage *grad_picture,
+                                    FfpImage *grad_linear);
+void ffp_view_pass_radiance_backward(FfpViewPass *pass, const real intensity[3], const FfpSummed *pattern,
+                                     const FfpImage *grad_linear, real grad_intensity[3],
+                                     FfpSummed *grad_pattern);
+// All that was gathered since the draw, ADDED to grad (as many as the Gaussians drawn). Once a draw, or once
+// for each time that the gathered gradients are forgotten.
 void ffp_view_pass_backward(FfpViewPass *pass, FfpGaussians *grad);
+void ffp_view_pass_forget_gradients(FfpViewPass *pass);
+// After that, where `grad` was 0 before it: ADDS the gradients of both devices. On the CPU alone.
+void ffp_view_pass_backward_aim(FfpViewPass *pass, const FfpGaussians *grad, FfpAimGradient *aim);
 
 // The samples themselves, [samples height, samples width]; callers that change them must call
 // samples_changed.

@@ -135,6 +135,7 @@ FFP_FORMULA FfpArrival ffp_arrival(const FfpLitView *view, int x, int y, const F
 typedef struct FfpLitGrad {
     real opacity, roughness;
     real albedo[3], n[3], l[3], h[3];
+    real v[3]; // of the view direction: moves when the camera does
     real point[3];
 } FfpLitGrad;
 
@@ -174,7 +175,9 @@ FFP_FORMULA void ffp_reflect_backward(const FfpLit *s, const real grad[3], FfpLi
         along_h += d->h[k] * s->h[k];
     }
     for (int k = 0; k < 3; k++) {
-        d->l[k] = d_nl * s->n[k] + (d->h[k] - along_h * s->h[k]) / s->h_length;
+        const real through_h = (d->h[k] - along_h * s->h[k]) / s->h_length;
+        d->l[k] = d_nl * s->n[k] + through_h;
+        d->v[k] = d_nv * s->n[k] + d_vh * s->h[k] + through_h;
         along_l += d->l[k] * s->l[k];
     }
     // l = (projector - point) / distance; v does not move when the point slides along the camera's ray

@@ -4,6 +4,7 @@
 #define FFP_RENDER_KERNELS_KERNELS_H
 
 #include "core/base/level.h"
+#include "engine/render/aim.h"
 #include "engine/render/map_pixel.h"
 #include "engine/render/raster.h"
 #include "engine/render/shade_pixel.h"
@@ -36,6 +37,12 @@ typedef struct FfpLitScene {
     FfpLitView view;
 } FfpLitScene;
 
+// Of a row's samples: adds to out what the row's light gives to the devices' gradients; of a chunk's splats:
+// what their projection gives to the focal lengths, [2].
+typedef void FfpAimRow(const FfpLitScene *scene, int y, const FfpTransport *grad, FfpAimGradient *out);
+typedef void FfpFocalChunk(const FfpRaster *raster, const FfpGaussians *gaussians, const FfpCamera *camera,
+                           const FfpRenderSettings *settings, const FfpChunk *chunk, double focal[2]);
+
 // Row y of the transport, of the picture, of their gradients (grad_intensity is the row's own), of the
 // mapping.
 typedef void FfpLightRow(const FfpLitScene *scene, int y, FfpTransport *out);
@@ -62,6 +69,8 @@ typedef struct FfpRenderKernels {
     FfpBlendTileBackward *blend_tile_backward;
     FfpLightRow *light_row;
     FfpLightRowBackward *light_row_backward;
+    FfpAimRow *aim_row;
+    FfpFocalChunk *focal_chunk;
     FfpShadeRow *shade_row;
     FfpShadeRowBackward *shade_row_backward;
     FfpMapRow *map_row;
@@ -79,6 +88,8 @@ FfpBlendTile FFP_K(blend_tile);
 FfpBlendTileBackward FFP_K(blend_tile_backward);
 FfpLightRow FFP_K(light_row);
 FfpLightRowBackward FFP_K(light_row_backward);
+FfpAimRow FFP_K(aim_row);
+FfpFocalChunk FFP_K(focal_chunk);
 FfpShadeRow FFP_K(shade_row);
 FfpShadeRowBackward FFP_K(shade_row_backward);
 FfpMapRow FFP_K(map_row);

@@ -101,17 +101,23 @@ ALWAYS_INLINE Lanes opacity_backward(const Frame *f, const View *view, Lanes giv
     return lanes_keep(d, given <= lanes_all(1));
 }
 
+// From the moments to the opacity and, by G, to M.
+ALWAYS_INLINE void moments_backward(const Batch *in, int group, const View *view, const Frame *f,
+                                    BatchGrad *d, Chain *c) {
+    conic_backward(f, d->gxx.group[group], d->gxy.group[group], d->gyy.group[group], c->G);
+    d->opacity.group[group] = opacity_backward(f, view, in->opacity.group[group], d->g.group[group], c->G);
+    for (int k = 0; k < 3; k++) {
+        c->dM[k] = 2 * (c->G[0] * f->M[k] + c->G[1] * f->M[3 + k]);
+        c->dM[3 + k] = 2 * (c->G[1] * f->M[k] + c->G[2] * f->M[3 + k]);
+    }
+}
+
 static void group_backward(const Batch *in, int group, const View *view, BatchGrad *d) {
     const FfpCamera *camera = &view->camera;
     const Frame f = make_frame(in, group, view);
     Chain c;
     Lanes ds[3];
-    conic_backward(&f, d->gxx.group[group], d->gxy.group[group], d->gyy.group[group], c.G);
-    d->opacity.group[group] = opacity_backward(&f, view, in->opacity.group[group], d->g.group[group], c.G);
-    for (int k = 0; k < 3; k++) {
-        c.dM[k] = 2 * (c.G[0] * f.M[k] + c.G[1] * f.M[3 + k]);
-        c.dM[3 + k] = 2 * (c.G[1] * f.M[k] + c.G[2] * f.M[3 + k]);
-    }
+    moments_backward(in, group, view, &f, d, &c);
     axes_backward(&f, camera, &c, ds);
     position_backward(&f, camera, d, group, c.dt);
     rotation_backward(&f, camera, &c, group, d);
@@ -191,4 +197,46 @@ void FFP_K(project_chunk_backward)(const FfpRaster *raster, const FfpGaussians *
         if (batch.count == BATCH) batch_backward(&batch, &view, &d, grad);
     }
     batch_backward(&batch, &view, &d, grad);
+}
+
+// x = fx t0 / z + cx, and the row of M that fx scales: all of it, or where t0 / z is held at the edge, which
+// moves with fx the other way, its first part alone.
+ALWAYS_INLINE void focal_group(const Batch *in, int group, const View *view, BatchGrad *d, Lanes focal[2]) {
+    const Frame f = make_frame(in, group, view);
+    const Lanes gx = d->gx.group[group], gy = d->gy.group[group], none = {0};
+    Chain c;
+    moments_backward(in, group, view, &f, d, &c);
+    Lanes along_x = (f.c * gx - f.b * gy) * f.per_det * f.t[0],
+          along_y = (f.a * gy - f.b * gx) * f.per_det * f.t[1];
+    for (int k = 0; k < 3; k++) {
+        const Lanes s = f.scale[k];
+        along_x += c.dM[k] * s * (f.K[k] - lanes_pick(f.held_x, none, f.slope_x) * f.K[6 + k]);
+        along_y += c.dM[3 + k] * s * (f.K[3 + k] - lanes_pick(f.held_y, none, f.slope_y) * f.K[6 + k]);
+    }
+    focal[0] = along_x * f.per_z, focal[1] = along_y * f.per_z;
+}
+
+static void focal_batch(Batch *batch, const View *view, BatchGrad *d, double focal[2]) {
+    for (int group = 0; group * LANES < batch->count; group++) {
+        Lanes part[2];
+        focal_group(batch, group, view, d, part);
+        for (int l = 0; l < LANES && group * LANES + l < batch->count; l++)
+            for (int k = 0; k < 2; k++) focal[k] += (double)part[k][l];
+    }
+    batch->count = 0;
+}
+
+void FFP_K(focal_chunk)(const FfpRaster *raster, const FfpGaussians *g, const FfpCamera *camera,
+                        const FfpRenderSettings *settings, const FfpChunk *chunk, double focal[2]) {
+    const View view = {*camera, settings->blur, settings->compensation, settings->firmness};
+    Batch batch = {0};
+    BatchGrad d = {0};
+    for (int32_t s = chunk->first; s < chunk->first + chunk->drawn; s++) {
+        FfpSplatGrad sum;
+        if (!sum_slots(raster, s, &sum)) continue;
+        add_to_grads(&sum, batch.count, &d);
+        add_to_batch(g, raster->splats[s].gaussian, &batch);
+        if (batch.count == BATCH) focal_batch(&batch, &view, &d, focal);
+    }
+    focal_batch(&batch, &view, &d, focal);
 }
