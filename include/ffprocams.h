@@ -257,6 +257,51 @@ FFP_API int ffp_map_channels(FfpMap map); // 1 or 3
 FFP_API bool ffp_renderer_map(FfpContext *context, FfpRenderer *renderer, FfpMap map, float *out,
                               FfpError *err);
 
+// --- Drawing with gradients. ---
+
+// Views of one set of Gaussians under the same patterns, drawn together: each is rasterised once, whatever
+// the number of patterns, and several are worked on at the same time. All arrays are the caller's.
+typedef struct FfpRenderBatch {
+    // Checked as by ffp_gaussians_from_arrays, but rotations may have any length other than 0. Not copied:
+    // the arrays must stay unchanged until the last ffp_renderer_backward for this drawing.
+    FfpGaussianArrays gaussians;
+    int n_views;
+    const FfpPinhole *cameras, *projectors; // [n_views]; all cameras of one size, all projectors of one size
+    int n_patterns;                         // may be 0, for maps alone
+    const FfpPicture *patterns;             // [n_patterns] of the projectors' size; data NULL: dark
+    bool same_patterns; // those of the renderer's last ffp_renderer_forward; `patterns` is ignored
+    double intensity[3];
+    bool linear;    // pictures are linear radiance over black, not clipped; otherwise sRGB-encoded in [0,1]
+    bool gradients; // ffp_renderer_backward may follow: what it needs is kept
+} FfpRenderBatch;
+// Draws pictures [n_views,n_patterns,height,width,3] (NULL without patterns) and, where not NULL, maps
+// [n_views,height,width,channels], indexed by FfpMap (`maps` NULL: none), F32. What ffp_renderer_aim was
+// aimed at is unaffected. If the call fails, the contents of pictures and maps are undefined.
+FFP_API bool ffp_renderer_forward(FfpContext *context, FfpRenderer *renderer, const FfpRenderBatch *batch,
+                                  float *pictures, float *const *maps, FfpError *err);
+
+// Gradients of a loss, in the caller's arrays, which they replace; NULL: not wanted. Gaussians: with respect
+// to the numbers as given, rotations of any length. `count` is ignored. Poses: with respect to xi in exp(xi)
+// pose at xi = 0 (se(3), perturbed from the left): translation x y z (world units), rotation x y z (radians).
+typedef struct FfpRenderGradients {
+    FfpGaussianArrays gaussians;
+    float *patterns;                          // [n_patterns,height,width,3]; 0 where a pattern is dark
+    double *intensity;                        // [3]
+    double *cameras, *projectors;             // [n_views,6]
+    double *camera_focals, *projector_focals; // [n_views,2]: fx, fy
+} FfpRenderGradients;
+// From the gradients of the pictures and maps of the last ffp_renderer_forward (which must have announced
+// them; arrays of the same shapes, NULL where there are none) to those of everything that was drawn from. May
+// be called again.
+//
+// Constants of the backward pass: how much light a point gets past what stands in its way (shadows), and
+// whether it is inside the pattern; the size of a pixel's footprint in the pattern; the order of the splats,
+// which of them a pixel sees, and the side from which a normal is seen; which axis of a splat is its
+// shortest; whether a map's pixel has a surface; in the form of GS-ProCams, the distance of the light.
+// Gradients of pixels that are clipped (encoded pictures only) are 0.
+FFP_API bool ffp_renderer_backward(FfpContext *context, FfpRenderer *renderer, const float *pictures,
+                                   const float *const *maps, const FfpRenderGradients *out, FfpError *err);
+
 // --- Pictures. ---
 
 // How a picture goes into a frame of another shape (width over height), always centred: COVER fills the frame

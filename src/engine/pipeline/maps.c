@@ -69,6 +69,10 @@ FfpImage ffp_map_picture(const FfpGbuffer *gbuffer, FfpMap map) {
     }
 }
 
+int ffp_map_width(FfpMap map) {
+    return map == FFP_MAP_NORMAL || map == FFP_MAP_ALBEDO || map == FFP_MAP_AMBIENT ? 3 : 1;
+}
+
 // Raw sums become means over what covers the pixel; opacity and ambient light are sums as they stand.
 static void put_values(float *out, const FfpGbuffer *g, FfpMap map, size_t i) {
     const float opacity = g->opacity[i], share = opacity > 1e-3F ? 1 / opacity : 0;
@@ -87,4 +91,37 @@ static void put_values(float *out, const FfpGbuffer *g, FfpMap map, size_t i) {
 void ffp_map_values(const FfpGbuffer *gbuffer, FfpMap map, float *out) {
     const size_t pixels = (size_t)gbuffer->width * (size_t)gbuffer->height;
     for (size_t i = 0; i < pixels; i++) put_values(out, gbuffer, map, i);
+}
+
+// A mean's gradient: to its sum, and to the opacity.
+static void mean_backward(float grad, float sum, float share, float *to_sum, float *to_opacity) {
+    *to_sum += grad * share;
+    *to_opacity -= grad * sum * share * share;
+}
+
+static void normal_backward(const float *n, const float *grad, float *to) {
+    const float length = sqrtf(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
+    if (!(length > 1e-3F)) return;
+    const float along = (grad[0] * n[0] + grad[1] * n[1] + grad[2] * n[2]) / (length * length);
+    for (int c = 0; c < 3; c++) to[c] += (grad[c] - along * n[c]) / length;
+}
+
+static void values_backward(const FfpGbuffer *g, FfpMap map, size_t i, const float *grad, FfpGbuffer *to) {
+    const float opacity = g->opacity[i], share = opacity > 1e-3F ? 1 / opacity : 0;
+    float *to_opacity = &to->opacity[i];
+    if (map == FFP_MAP_OPACITY) *to_opacity += grad[i];
+    if (map == FFP_MAP_DEPTH && opacity >= 0.5F)
+        mean_backward(grad[i], g->depth[i], share, &to->depth[i], to_opacity);
+    if (map == FFP_MAP_NORMAL) normal_backward(g->normal + 3 * i, grad + 3 * i, to->normal + 3 * i);
+    if (map == FFP_MAP_ROUGHNESS)
+        mean_backward(grad[i], g->roughness[i], share, &to->roughness[i], to_opacity);
+    for (size_t c = 3 * i; c < 3 * i + 3; c++) {
+        if (map == FFP_MAP_ALBEDO) mean_backward(grad[c], g->albedo[c], share, &to->albedo[c], to_opacity);
+        if (map == FFP_MAP_AMBIENT) to->ambient[c] += grad[c];
+    }
+}
+
+void ffp_map_values_backward(const FfpGbuffer *gbuffer, FfpMap map, const float *grad, FfpGbuffer *to) {
+    const size_t pixels = (size_t)gbuffer->width * (size_t)gbuffer->height;
+    for (size_t i = 0; i < pixels; i++) values_backward(gbuffer, map, i, grad, to);
 }

@@ -9,6 +9,7 @@ static void forget_pass(void *owner) {
     renderer->pass = NULL;
     renderer->pattern = (FfpSummed){0};
     renderer->aimed = false;
+    renderer->batch = NULL;
 }
 
 FfpRenderer *ffp_renderer_make(FfpDrawing drawing) {
@@ -32,6 +33,12 @@ void ffp_renderer_draw(FfpRenderer *renderer, const FfpGaussians *gaussians, con
     ffp_view_pass_draw(renderer->pass, gaussians, &renderer->camera, &renderer->projector);
     ffp_blocks_use(NULL);
     renderer->aimed = true;
+}
+
+FfpBatch *ffp_renderer_batch(FfpRenderer *renderer) {
+    ffp_blocks_use(&renderer->blocks);
+    if (!renderer->batch) renderer->batch = ffp_batch_new(&renderer->settings);
+    return renderer->batch;
 }
 
 static bool check_aimed(const FfpRenderer *renderer, FfpError *err) {

@@ -6,6 +6,7 @@
 #include "core/capture/capture.h"
 #include "core/gaussians/gaussians.h"
 #include "core/image/raw.h"
+#include "engine/pipeline/batch.h"
 #include "engine/render/pass.h"
 #include "ffprocams.h" // drawing, maps and pixels, types alone (reconstruct.h says why)
 
@@ -16,10 +17,14 @@ typedef struct FfpRenderer {
     FfpSummed pattern; // shown last
     FfpCamera camera, projector;
     bool aimed;
+    FfpBatch *batch; // of views drawn together; NULL: none yet
 } FfpRenderer;
 
 FfpRenderer *ffp_renderer_make(FfpDrawing drawing);
 void ffp_renderer_free(FfpRenderer *renderer);
+
+// The handle's batch, with its blocks in use until the caller takes them out again (ffp_blocks_use(NULL)).
+FfpBatch *ffp_renderer_batch(FfpRenderer *renderer);
 
 // Rasterises for the camera and maps what it sees to the projector.
 void ffp_renderer_draw(FfpRenderer *renderer, const FfpGaussians *gaussians, const FfpCamera *camera,

@@ -7,6 +7,7 @@
 #include "core/gaussians/gaussians.h"
 #include "ffprocams.h"
 #include "product/api/arguments.h"
+#include "product/api/memory.h"
 
 FfpGaussianArrays ffp_gaussians_arrays(FfpGaussians *gaussians) {
     return (FfpGaussianArrays){gaussians->count,     gaussians->centre,  gaussians->scale,
@@ -20,41 +21,44 @@ typedef struct Range {
     double low, high;
 } Range;
 
-static bool copy_attribute(FfpGaussians *to, int attribute, const Range *range, FfpError *err) {
+// Without a branch, so that a vector is looked at at a time: this is done before every step of a fit.
+static bool all_within(const Range *range, int64_t count) {
+    const float low = (float)range->low, high = (float)range->high;
+    unsigned outside = 0;
+    for (int64_t i = 0; i < count; i++) outside |= !((range->from[i] >= low) & (range->from[i] <= high));
+    return !outside;
+}
+
+static bool check_attribute(int64_t count, int attribute, const Range *range, FfpError *err) {
     const char *name = ffp_attributes[attribute].name;
-    const FfpAttribute into = ffp_attribute(to, attribute);
+    const int width = ffp_attributes[attribute].width;
     if (!range->from) return ffp_fail(err, FFP_ERROR_ARGUMENT, name, "the array is missing");
-    for (int64_t i = 0; i < to->count * into.width; i++) {
+    if (all_within(range, count * width)) return true;
+    for (int64_t i = 0; i < count * width; i++) {
         const double value = (double)range->from[i];
         if (!(value >= range->low && value <= range->high))
             return ffp_fail(err, FFP_ERROR_ARGUMENT, name, "row %lld: %g is not in %g to %g",
-                            (long long)(i / into.width), value, range->low, range->high);
-        into.data[i] = range->from[i];
+                            (long long)(i / width), value, range->low, range->high);
     }
     return true;
 }
 
-static bool normalise_rotations(FfpGaussians *gaussians, FfpError *err) {
-    for (int64_t i = 0; i < gaussians->count; i++) {
-        float *q = gaussians->rotation + 4 * i, square = 0;
-        for (int c = 0; c < 4; c++) square += q[c] * q[c];
-        if (!(square > 1e-12F))
+static float square_of(const float q[4]) {
+    return q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
+}
+
+static bool check_rotations(int64_t count, const float *rotation, FfpError *err) {
+    for (int64_t i = 0; i < count; i++)
+        if (!(square_of(rotation + 4 * i) > 1e-12F))
             return ffp_fail(err, FFP_ERROR_ARGUMENT, "rotation", "row %lld: the quaternion is 0",
                             (long long)i);
-        if (fabsf(square - 1) < 1e-6F) continue; // what came from here goes back bit by bit
-        for (int c = 0; c < 4; c++) q[c] /= sqrtf(square);
-    }
     return true;
 }
 
-static FfpGaussians *copy_arrays(const FfpGaussianArrays *a, FfpError *err) {
-    if (a->count < 1 || a->count > FFP_GAUSSIANS_MAX) {
-        ffp_fail(err, FFP_ERROR_ARGUMENT, "count", "%lld Gaussians are not in 1 to %d", (long long)a->count,
-                 FFP_GAUSSIANS_MAX);
-        return NULL;
-    }
-    FfpGaussians *g = ffp_alloc(1, sizeof *g);
-    *g = ffp_gaussians_new(a->count);
+bool ffp_check_arrays(const FfpGaussianArrays *a, FfpError *err) {
+    if (a->count < 1 || a->count > FFP_GAUSSIANS_MAX)
+        return ffp_fail(err, FFP_ERROR_ARGUMENT, "count", "%lld Gaussians are not in 1 to %d",
+                        (long long)a->count, FFP_GAUSSIANS_MAX);
     const Range ranges[FFP_ATTRIBUTES] = {
         [FFP_CENTRE] = {a->centre, -1e9, 1e9},     [FFP_SCALE] = {a->scale, 1e-20, 1e9},
         [FFP_ROTATION] = {a->rotation, -1e3, 1e3}, [FFP_OPACITY] = {a->opacity, 0, 1},
@@ -62,11 +66,37 @@ static FfpGaussians *copy_arrays(const FfpGaussianArrays *a, FfpError *err) {
         [FFP_AMBIENT] = {a->ambient, 0, 1e6},
     };
     bool ok = true;
-    for (int i = 0; ok && i < FFP_ATTRIBUTES; i++) ok = copy_attribute(g, i, &ranges[i], err);
-    if (ok && normalise_rotations(g, err)) return g;
-    ffp_gaussians_free(g);
-    ffp_free(g);
-    return NULL;
+    for (int i = 0; ok && i < FFP_ATTRIBUTES; i++) ok = check_attribute(a->count, i, &ranges[i], err);
+    return ok && check_rotations(a->count, a->rotation, err);
+}
+
+FfpGaussians ffp_gaussians_of(const FfpGaussianArrays *a) {
+    return (FfpGaussians){.count = a->count,
+                          .centre = a->centre,
+                          .scale = a->scale,
+                          .rotation = a->rotation,
+                          .opacity = a->opacity,
+                          .albedo = a->albedo,
+                          .roughness = a->roughness,
+                          .ambient = a->ambient};
+}
+
+static void normalise_rotations(FfpGaussians *gaussians) {
+    for (int64_t i = 0; i < gaussians->count; i++) {
+        float *q = gaussians->rotation + 4 * i;
+        const float square = square_of(q);
+        if (fabsf(square - 1) < 1e-6F) continue; // what came from here goes back bit by bit
+        for (int c = 0; c < 4; c++) q[c] /= sqrtf(square);
+    }
+}
+
+static FfpGaussians *copy_arrays(const FfpGaussianArrays *a, FfpError *err) {
+    if (!ffp_check_arrays(a, err)) return NULL;
+    const FfpGaussians given = ffp_gaussians_of(a);
+    FfpGaussians *g = ffp_alloc(1, sizeof *g);
+    *g = ffp_gaussians_copy(&given);
+    normalise_rotations(g);
+    return g;
 }
 
 typedef struct Call {

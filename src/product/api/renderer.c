@@ -1,5 +1,6 @@
 // Drawing into the caller's memory.
 #include "engine/pipeline/renderer.h"
+#include "engine/pipeline/maps.h"
 #include "product/api/arguments.h"
 #include "product/api/memory.h"
 
@@ -75,7 +76,7 @@ bool ffp_renderer_shade(FfpContext *context, FfpRenderer *renderer, const FfpPic
 }
 
 int ffp_map_channels(FfpMap map) {
-    return map == FFP_MAP_NORMAL || map == FFP_MAP_ALBEDO || map == FFP_MAP_AMBIENT ? 3 : 1;
+    return ffp_map_width(map);
 }
 
 typedef struct MapCall {

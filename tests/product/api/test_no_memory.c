@@ -104,6 +104,36 @@ static bool draw(FfpContext *context, const char *out, FfpError *err) {
     return ok;
 }
 
+// Two views, and the gradients of one number.
+static bool differentiate(FfpContext *context, const char *out, FfpError *err) {
+    FfpCapture *capture = ffp_capture_open(context, in_scratch("capture"), err);
+    FfpGaussians *gaussians = capture ? given(context, err) : NULL;
+    bool ok = gaussians && (renderer || (renderer = ffp_renderer_new(context, (FfpDrawing){0}, err)));
+    static float pictures[2 * 2 * 3 * SMALL_SIDE * SMALL_SIDE];
+    double intensity[3], poses[12];
+    FfpPinhole cameras[2], projectors[2];
+    const FfpPicture patterns[2] = {{.data = NULL},
+                                    capture ? ffp_capture_picture(capture, -1, 2) : (FfpPicture){0}};
+    for (int v = 0; ok && v < 2; v++) ffp_capture_view_devices(capture, v, &cameras[v], &projectors[v]);
+    const FfpRenderGradients grad = {.intensity = intensity, .cameras = poses};
+    if (ok) {
+        const FfpRenderBatch batch = {.gaussians = ffp_gaussians_arrays(gaussians),
+                                      .n_views = 2,
+                                      .cameras = cameras,
+                                      .projectors = projectors,
+                                      .n_patterns = 2,
+                                      .patterns = patterns,
+                                      .intensity = {5, 5, 5},
+                                      .gradients = true};
+        ok = ffp_renderer_forward(context, renderer, &batch, pictures, NULL, err) &&
+             ffp_renderer_backward(context, renderer, pictures, NULL, &grad, err) &&
+             ffp_write_file(out, poses, sizeof poses, err);
+    }
+    ffp_gaussians_close(gaussians);
+    ffp_capture_close(capture);
+    return ok;
+}
+
 static bool compensate(FfpContext *context, const char *out, FfpError *err) {
     FfpCapture *capture = ffp_capture_open(context, in_scratch("capture"), err);
     FfpGaussians *gaussians = capture ? given(context, err) : NULL;
@@ -339,10 +369,10 @@ static void no_memory_elsewhere(void **state) {
     static const struct {
         Work *work;
         int stride;
-    } works[] = {{refine, 3},     {render, 3},      {draw, 1},       {compensate, 3},   {map, 3},
-                 {page, 1},       {evaluate, 7},    {export_ply, 1}, {export_spz, 1},   {export_gltf, 1},
-                 {export_obj, 3}, {export_mesh, 3}, {inform, 1},     {copy_capture, 3}, {align, 199},
-                 {generate, 13},  {train, 29}};
+    } works[] = {{refine, 3},      {render, 3},     {draw, 1},        {differentiate, 1}, {compensate, 3},
+                 {map, 3},         {page, 1},       {evaluate, 7},    {export_ply, 1},    {export_spz, 1},
+                 {export_gltf, 1}, {export_obj, 3}, {export_mesh, 3}, {inform, 1},        {copy_capture, 3},
+                 {align, 199},     {generate, 13},  {train, 29}};
     for (size_t i = 0; i < sizeof works / sizeof *works; i++)
         without_memory(works[i].work, 2, works[i].stride);
     ffp_renderer_close(renderer);
