@@ -186,6 +186,11 @@ typedef struct FfpReconstructionStats { // times are wall-clock seconds
     double noise, denoise_s;            // standard deviation of the noise that was filtered, and the time
     // The network's prediction, or the polish, made the match with the photographs worse and was discarded.
     bool network_dropped, polish_dropped;
+    // How well the Gaussians reproduce the photographs they were made from: PSNR in dB, mean over a view's
+    // photographs and over the views; that of the view with the least, and its name; and the time this took.
+    double psnr, least_psnr;
+    char least_view[96];
+    double score_s;
 } FfpReconstructionStats;
 
 // One forward pass and a short fit, each scored on the photographs: a prediction that reproduces them clearly
@@ -582,10 +587,12 @@ typedef struct FfpEvaluation {
 
 FFP_API FfpEvaluation ffp_evaluation_defaults(void); // as ffp_reconstruction_defaults
 
-// One row of results: a capture under a protocol. `rendering`: black, white and lollipops at the input poses;
-// `novel_pattern`: every other pattern at these poses; `novel_pose`: all pictures of the targets. Measured on
-// the 8-bit prediction against the truth over black, sRGB-encoded. NAN where a figure does not apply. PSNR is
-// in dB, and 100 for identical pictures; SSIM is that of Wang et al. 2004, LPIPS that of Zhang et al. 2018.
+// One row of results: a capture under a protocol, in this order. `novel_pattern`: held-out patterns at the
+// input poses; `novel_pose`: all pictures of the targets; `rendering`: black, white and lollipops at the
+// input poses, before it `unseen`, those of them that the predictor was not given, and after it `given`,
+// those that it was. Measured on the 8-bit prediction against the truth over black, sRGB-encoded. NAN where a
+// figure does not apply. PSNR is in dB, and 100 for identical pictures; SSIM is that of Wang et al. 2004,
+// LPIPS that of Zhang et al. 2018.
 typedef struct FfpScore {
     char capture[96];
     const char *protocol;

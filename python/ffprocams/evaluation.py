@@ -38,7 +38,7 @@ class Score:
     """The figures of a capture under a protocol: means over its images. NaN where a figure does not apply."""
 
     capture: str  #: "mean" for the mean of several captures
-    protocol: str  #: "rendering", "novel_pattern" or "novel_pose"
+    protocol: str  #: "novel_pattern", "novel_pose", "unseen", "rendering" or "given"
     psnr: float  #: dB, of the 8-bit sRGB prediction over black; 100 for identical pictures
     psnr_foreground: float  #: over pixels that the object covers
     ssim: float

@@ -30,6 +30,10 @@ class ReconstructionStats:
     denoise_s: float
     network_dropped: bool  #: the prediction reproduced the photographs worse than the classical initialisation
     polish_dropped: bool  #: the polish made the match with the photographs worse and was discarded
+    psnr: float  #: dB on the photographs it was made from, mean over a view's photographs and over the views
+    least_psnr: float  #: that of the view with the least
+    least_view: str
+    score_s: float  #: comparing with the photographs
 
 
 @dataclass

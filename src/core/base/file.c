@@ -315,6 +315,14 @@ bool ffp_output_probe(const char *path, FfpError *err) {
     return ok;
 }
 
+bool ffp_output_prepare(const char *path, FfpError *err) {
+    FfpOutput out;
+    struct stat there;
+    if (!path) return true;
+    if (!find_target(&out, path, &there, err) || !make_parents(&out, err)) return false;
+    return ffp_output_probe(path, err);
+}
+
 // The folder itself, or the first above it that exists, must be one that can be written to.
 bool ffp_output_probe_folder(const char *path, FfpError *err) {
     FfpOutput out;

@@ -42,6 +42,9 @@ void ffp_output_abort(FfpOutput *out);                 // safe after commit or a
 // write.
 bool ffp_output_probe(const char *path, FfpError *err);
 bool ffp_output_probe_folder(const char *path, FfpError *err);
+// The same for a file whose folders are made if they do not exist: for figures, which name no input to be
+// beside.
+bool ffp_output_prepare(const char *path, FfpError *err);
 
 // The current call closes the file if it is aborted (core/base/call.h); otherwise it is closed here: as
 // fclose.

@@ -93,3 +93,18 @@ void ffp_gaussians_transform(FfpGaussians *gaussians, const real offset[3], real
         }
     }
 }
+
+void ffp_gaussians_keep_drawn(FfpGaussians *gaussians) {
+    int64_t kept = 0;
+    for (int64_t i = 0; i < gaussians->count; i++) {
+        if (gaussians->opacity[i] < FFP_OPACITY_LEAST) continue;
+        for (int a = 0; kept < i && a < FFP_ATTRIBUTES; a++) {
+            const FfpAttribute attribute = ffp_attribute(gaussians, a);
+            const size_t width = (size_t)attribute.width;
+            memcpy(attribute.data + (size_t)kept * width, attribute.data + (size_t)i * width,
+                   width * sizeof(real));
+        }
+        kept++;
+    }
+    if (kept > 0) gaussians->count = kept;
+}

@@ -64,6 +64,10 @@ void ffp_gaussians_download(FfpGaussians *host, const FfpGaussians *gaussians); 
 // world.
 void ffp_gaussians_transform(FfpGaussians *gaussians, const real offset[3], real radius);
 
+// Takes out those of an opacity below FFP_OPACITY_LEAST, which no file holds (ffp_gaussians_write_drawn); the
+// others keep their order. None is taken out where all are that faint.
+void ffp_gaussians_keep_drawn(FfpGaussians *gaussians);
+
 // Binary little-endian PLY with the 3DGS property names, plus base_color_0..2 and roughness (see
 // docs/reference/formats.md): opens in splat viewers and reads back exactly in fp32 up to the logit/log
 // encodings. Values are checked when read: counts, sizes, finite numbers. Splats of opacity below
@@ -71,7 +75,9 @@ void ffp_gaussians_transform(FfpGaussians *gaussians, const real offset[3], real
 // are read too: their colour f_dc becomes albedo (within [0,1]) and ambient colour, the roughness is 0.5, and
 // discs become 1 % as thick as their smaller radius; a note says so. f_rest is not used.
 bool ffp_gaussians_write(const FfpGaussians *gaussians, const char *path, real opacity_min, FfpError *err);
-// Writes those that the rasteriser draws, with an opacity of at least 1/255; an error if there are none.
+#define FFP_OPACITY_LEAST ((real)1 / 255)
+// Writes those that the rasteriser draws, with an opacity of at least FFP_OPACITY_LEAST; an error if there
+// are none.
 bool ffp_gaussians_write_drawn(const FfpGaussians *gaussians, const char *path, FfpError *err);
 bool ffp_gaussians_read(FfpGaussians *gaussians, const char *path, FfpError *err);
 // The same in a block of their own (ffp_gaussians_free, then ffp_free); an error if there are none.

@@ -78,11 +78,10 @@ bool ffp_gaussians_write(const FfpGaussians *gaussians, const char *path, real o
 }
 
 bool ffp_gaussians_write_drawn(const FfpGaussians *gaussians, const char *path, FfpError *err) {
-    const real least = (real)1 / 255;
     bool any = false;
-    for (int64_t i = 0; i < gaussians->count && !any; i++) any = gaussians->opacity[i] >= least;
+    for (int64_t i = 0; i < gaussians->count && !any; i++) any = gaussians->opacity[i] >= FFP_OPACITY_LEAST;
     if (!any) return ffp_fail(err, FFP_ERROR_ARGUMENT, path, "no Gaussian is opaque enough to be seen");
-    return ffp_gaussians_write(gaussians, path, least, err);
+    return ffp_gaussians_write(gaussians, path, FFP_OPACITY_LEAST, err);
 }
 
 static void get_row(const FfpPlyHeader *header, const unsigned char *bytes, float row[FFP_ROW_NUMBERS]) {

@@ -34,12 +34,13 @@ bool ffp_fit_call(const FfpFitCall *fit, FfpError *err) {
 void ffp_fit_done(FfpGaussians *gaussians, const char *made_from, const FfpFitPhotographs *photographs,
                   const FfpRefineResult *result, FfpRefinementStats *stats) {
     const FfpCapture *capture = photographs->source;
+    ffp_gaussians_keep_drawn(gaussians);
     ffp_gaussians_transform(gaussians, capture->centre, capture->radius);
     snprintf(gaussians->made_from, sizeof gaussians->made_from, "%s", made_from);
     for (int i = 2; i < photographs->n_patterns; i++) // behind black and white
         ffp_made_from_add(gaussians->made_from, capture->patterns[photographs->patterns[i]].name);
     if (stats)
         *stats =
-            (FfpRefinementStats){result->psnr_before, result->psnr_after, result->steps,  result->gaussians,
+            (FfpRefinementStats){result->psnr_before, result->psnr_after, result->steps,  gaussians->count,
                                  result->seconds,     result->stopped,    result->dropped};
 }

@@ -188,7 +188,6 @@ static bool predict_and_polish(Work *w, const FfpReconstruction *options, FfpRec
     thin(w, options);
     if (options->polish != 0 && w->result.count > 0 && !polish(w, options, stats, err)) return false;
     stats->polish_s = ffp_seconds() - begin;
-    stats->gaussians = w->result.count;
     return true;
 }
 
@@ -217,6 +216,8 @@ FfpGaussians *ffp_reconstruction_run(const FfpCapture *capture, const FfpReconst
     w.padded =
         ffp_padded_capture(&w.capture, photographs, n, options->model ? options->model->config.patch : 1);
     if (predict_and_polish(&w, options, &stats, err)) {
+        ffp_gaussians_keep_drawn(&w.result);
+        stats.gaussians = w.result.count;
         ffp_gaussians_transform(&w.result, capture->centre, capture->radius);
         gaussians = ffp_alloc(1, sizeof *gaussians);
         *gaussians = w.result;
@@ -232,4 +233,26 @@ FfpGaussians *ffp_reconstruction_run(const FfpCapture *capture, const FfpReconst
     ffp_denoise_free(clean, &w.capture, photographs, n);
     ffp_normalised_alias_free(&w.capture);
     return gaussians;
+}
+
+bool ffp_reconstruction_score(const FfpGaussians *gaussians, const FfpCapture *capture,
+                              const FfpReconstruction *options, FfpReconstructionStats *stats,
+                              FfpError *err) {
+    int photographs[FFP_PATTERNS_MAX], least = 0;
+    const double begin = ffp_seconds();
+    const int n = ffp_capture_photographs(capture, options->patterns, options->n_patterns, photographs, err);
+    if (n < 0) return false;
+    const FfpRenderSettings settings = ffp_drawing_settings(options->drawing, options->model);
+    double *psnr = ffp_alloc((size_t)capture->n_views, sizeof *psnr), sum = 0;
+    ffp_photographs_psnr_by_view(gaussians, capture, photographs, n, &settings, psnr);
+    for (int v = 0; v < capture->n_views; v++) {
+        sum += psnr[v];
+        if (psnr[v] < psnr[least]) least = v;
+    }
+    stats->psnr = sum / capture->n_views;
+    stats->least_psnr = psnr[least];
+    snprintf(stats->least_view, sizeof stats->least_view, "%s", capture->views[least].id);
+    ffp_free(psnr);
+    stats->score_s = ffp_seconds() - begin;
+    return true;
 }

@@ -14,4 +14,9 @@
 FfpGaussians *ffp_reconstruction_run(const FfpCapture *capture, const FfpReconstruction *options,
                                      FfpReconstructionStats *stats, FfpError *err);
 
+// How well its Gaussians reproduce the capture's photographs, with their noise, under the patterns that it
+// used: sets psnr, least_psnr, least_view and score_s of `stats`.
+bool ffp_reconstruction_score(const FfpGaussians *gaussians, const FfpCapture *capture,
+                              const FfpReconstruction *options, FfpReconstructionStats *stats, FfpError *err);
+
 #endif

@@ -86,6 +86,12 @@ bool ffp_refine_offered(FfpGaussians *gaussians, const FfpCapture *capture, cons
 double ffp_photographs_psnr(const FfpGaussians *gaussians, const FfpCapture *capture, const int *patterns,
                             int n_patterns, const FfpRenderSettings *render);
 
+// The same for each view, into psnr[n_views], on the CPU. Memory: a view's pass, two pictures and the
+// patterns.
+void ffp_photographs_psnr_by_view(const FfpGaussians *gaussians, const FfpCapture *capture,
+                                  const int *patterns, int n_patterns, const FfpRenderSettings *render,
+                                  double *psnr);
+
 // ffp_summed_new on what the thread works on, pattern and table alike; released by ffp_summed_free.
 FfpSummed ffp_pattern_summed(const FfpImage *pattern);
 

@@ -70,7 +70,7 @@ static bool write_json(const char *path, const FfpPeaks *peaks, const FfpBenchTa
 
 bool ffp_bench(FILE *out, const char *json, FfpError *err) {
     FfpBenchTable kernels = {0}, steps = {0};
-    if (!ffp_output_probe(json, err)) return false;
+    if (!ffp_output_prepare(json, err)) return false;
     fprintf(out, "kernels for %s, %d threads\n", ffp_cpu_name(ffp_cpu_level()), omp_get_max_threads());
     const FfpPeaks peaks = ffp_bench_peaks();
     fprintf(out, "peaks: %.0f GFLOP/s in products, %.0f in fp32 multiply-adds, %.1f GB/s copied\n",

@@ -179,14 +179,14 @@ static bool run_subject(FfpSubject *subject, FfpError *err) {
         return false;
     const bool ok =
         (!report || report_pictures(subject, err)) && open_save_folder(subject, err) &&
-        ffp_run_protocol(
-            subject, "rendering",
-            "Input poses under black, white and lollipops. Each: prediction, truth, error times 4.", err) &&
         ffp_run_protocol(subject, "novel_pattern",
                          "Input poses under other patterns. Each: prediction, truth, error times 4.", err) &&
         (!subject->has_targets || lookup ||
          ffp_run_protocol(subject, "novel_pose",
-                          "New camera and projector poses. Each: prediction, truth, error times 4.", err));
+                          "New camera and projector poses. Each: prediction, truth, error times 4.", err)) &&
+        ffp_run_protocol(
+            subject, "rendering",
+            "Input poses under black, white and lollipops. Each: prediction, truth, error times 4.", err);
     if (ok && report) report_making(subject);
     return ok;
 }
@@ -338,7 +338,7 @@ static bool check_options(const FfpEvaluation *options, FfpError *err) {
         return ffp_fail(err, FFP_ERROR_ARGUMENT, "model_name",
                         "'%.200s' is not UTF-8, the encoding of %s: choose another name", options->model_name,
                         options->json);
-    return ffp_output_probe(options->json, err) && ffp_output_probe(options->report, err) &&
+    return ffp_output_prepare(options->json, err) && ffp_output_prepare(options->report, err) &&
            check_shown_pattern(options->show_pattern, err);
 }
 
@@ -447,7 +447,7 @@ static bool check_merging(const FfpEvaluation *options, FfpError *err) {
     if (options->n_captures > 0 || options->report || options->save)
         return ffp_fail(err, FFP_ERROR_ARGUMENT, NULL,
                         "merging rows cannot be combined with captures, a report or saved pictures");
-    return ffp_output_probe(options->json, err);
+    return ffp_output_prepare(options->json, err);
 }
 
 static bool merge_and_write(FfpEvaluating *shared, FfpError *err) {

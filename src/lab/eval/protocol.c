@@ -8,6 +8,7 @@
 #include "core/base/log.h"
 #include "engine/loss/metrics.h"
 #include "engine/match/match.h"
+#include "lab/eval/scores.h"
 #include "lab/eval/subject.h"
 
 #define PATTERN_BLOCK 16   // patterns whose summed areas are held at once (15 MB each at 800 x 800)
@@ -20,12 +21,23 @@ typedef struct Protocol {
     int total;               // pictures there are
 } Protocol;
 
-typedef struct Means {
-    double psnr, foreground, gloss, ssim, lpips, unseen;
-    int images, images_foreground, images_gloss, images_unseen;
+typedef struct Figures { // of a picture; NAN: none
+    double psnr, foreground, gloss, ssim, lpips;
+} Figures;
+
+typedef struct Means { // sums, until they are divided by their numbers
+    Figures sum;
+    int images, images_foreground, images_gloss;
 } Means;
 
+// The pictures of a protocol, and of "rendering" those apart that the predictor was not given, and was.
+enum { ALL, UNSEEN, GIVEN, SETS };
+
 // --- Which pictures a protocol asks for. ---
+
+static bool is_rendering(const char *protocol) {
+    return strcmp(protocol, "rendering") == 0;
+}
 
 // Black, white, lollipops, and whatever else the capture does not hold back.
 static bool is_input(const FfpSubject *subject, const FfpCapture *views, int pattern) {
@@ -34,7 +46,7 @@ static bool is_input(const FfpSubject *subject, const FfpCapture *views, int pat
 
 static Protocol protocol_new(const char *name, const FfpSubject *subject) {
     Protocol protocol = {name, subject->capture, NULL, 0};
-    const bool poses = strcmp(name, "novel_pose") == 0, rendering = strcmp(name, "rendering") == 0;
+    const bool poses = strcmp(name, "novel_pose") == 0, rendering = is_rendering(name);
     if (poses) protocol.views = &subject->targets;
     const FfpCapture *views = protocol.views;
     protocol.wanted = ffp_alloc(views->n_patterns, sizeof *protocol.wanted);
@@ -62,40 +74,34 @@ static FfpImage foreground_mask(const FfpView *view) {
     return mask;
 }
 
-static void score_gloss(const FfpSubject *subject, const FfpView *view, const FfpImage *truth,
-                        const FfpImage *prediction, Means *means) {
+static double gloss(const FfpSubject *subject, const FfpView *view, const FfpImage *truth,
+                    const FfpImage *prediction) {
     FfpImage mask = ffp_gloss_mask(view, subject->capture->intensity);
     const double psnr = ffp_psnr_masked(prediction, truth, &mask);
     ffp_image_free(&mask);
-    if (isfinite(psnr)) {
-        means->gloss += psnr;
-        means->images_gloss++;
-    }
+    return psnr;
 }
 
-static double score_picture(FfpSubject *subject, const Protocol *protocol, int view, int pattern,
-                            const FfpImage *truth, const FfpImage *prediction, Means *means) {
-    const double psnr = ffp_psnr(prediction, truth);
-    FfpImage mask = foreground_mask(&protocol->views->views[view]);
-    const double foreground = ffp_psnr_masked(prediction, truth, &mask);
+static Figures measure(const FfpSubject *subject, const FfpView *view, bool white, const FfpImage *truth,
+                       const FfpImage *prediction) {
+    FfpImage mask = foreground_mask(view);
+    const FfpPerceptual *lpips = subject->shared->lpips;
+    const Figures figures = {.psnr = ffp_psnr(prediction, truth),
+                             .foreground = ffp_psnr_masked(prediction, truth, &mask),
+                             .gloss = white ? gloss(subject, view, truth, prediction) : NAN,
+                             .ssim = ffp_ssim(prediction, truth),
+                             .lpips = lpips ? ffp_perceptual_loss(lpips, prediction, truth, 1, NULL) : NAN};
     ffp_image_free(&mask);
+    return figures;
+}
+
+static void add_figures(Means *means, const Figures *of) {
     means->images++;
-    means->psnr += psnr;
-    means->ssim += ffp_ssim(prediction, truth);
-    if (isfinite(foreground)) {
-        means->foreground += foreground;
-        means->images_foreground++;
-    }
-    if (subject->shared->lpips)
-        means->lpips += ffp_perceptual_loss(subject->shared->lpips, prediction, truth, 1, NULL);
-    const FfpCapture *views = protocol->views;
-    if (pattern == views->white) score_gloss(subject, &views->views[view], truth, prediction, means);
-    const bool given = ffp_subject_given(subject, pattern);
-    if (strcmp(protocol->name, "rendering") == 0 && !given) {
-        means->unseen += psnr;
-        means->images_unseen++;
-    }
-    return psnr;
+    means->sum.psnr += of->psnr;
+    means->sum.ssim += of->ssim;
+    means->sum.lpips += of->lpips;
+    if (isfinite(of->foreground)) means->sum.foreground += of->foreground, means->images_foreground++;
+    if (isfinite(of->gloss)) means->sum.gloss += of->gloss, means->images_gloss++;
 }
 
 static bool save_prediction(const FfpSubject *subject, const FfpView *view, const char *pattern,
@@ -120,10 +126,13 @@ static bool handle_picture(FfpSubject *subject, const Protocol *protocol, int v,
     const char *name = protocol->views->patterns[p].name;
     FfpImage truth = ffp_image_copy(&view->images[p]);
     ffp_image_to_srgb(&truth);
-    const int index = means->images;
-    const double psnr = score_picture(subject, protocol, v, p, &truth, prediction, means);
+    const int index = means[ALL].images;
+    const Figures figures = measure(subject, view, p == protocol->views->white, &truth, prediction);
+    add_figures(&means[ALL], &figures);
+    if (is_rendering(protocol->name))
+        add_figures(&means[ffp_subject_given(subject, p) ? GIVEN : UNSEEN], &figures);
     if (subject->shared->report && shown_in_report(protocol, index))
-        ffp_report_prediction(subject->shared->report, view->id, name, &truth, prediction, psnr);
+        ffp_report_prediction(subject->shared->report, view->id, name, &truth, prediction, figures.psnr);
     ffp_image_free(&truth);
     return !subject->shared->options->save || save_prediction(subject, view, name, prediction, err);
 }
@@ -149,29 +158,43 @@ static bool run_view(FfpSubject *subject, const Protocol *protocol, int v, int f
     return ok;
 }
 
-static void add_score(FfpSubject *subject, const Protocol *protocol, const Means *means, double seconds) {
+// A row of its own for the pictures of a set, if there are any.
+static FfpScore *add_score(FfpSubject *subject, const char *protocol, const Means *means, double seconds) {
+    if (!means->images) return NULL;
     FfpScore *score = &subject->shared->scores[subject->shared->n_scores++];
-    *score = (FfpScore){
-        .protocol = protocol->name, .images = means->images, .images_unseen = means->images_unseen};
+    const Figures *sum = &means->sum;
+    *score = (FfpScore){.protocol = protocol, .images = means->images};
     snprintf(score->capture, sizeof score->capture, "%s", subject->capture->name);
-    score->psnr = means->psnr / means->images;
-    score->psnr_foreground = means->images_foreground ? means->foreground / means->images_foreground : NAN;
-    score->psnr_gloss = means->images_gloss ? means->gloss / means->images_gloss : NAN;
-    score->ssim = means->ssim / means->images;
-    score->lpips = subject->shared->lpips ? means->lpips / means->images : NAN;
-    score->psnr_unseen_lollipops = means->images_unseen ? means->unseen / means->images_unseen : NAN;
+    score->psnr = sum->psnr / means->images;
+    score->psnr_foreground = means->images_foreground ? sum->foreground / means->images_foreground : NAN;
+    score->psnr_gloss = means->images_gloss ? sum->gloss / means->images_gloss : NAN;
+    score->ssim = sum->ssim / means->images;
+    score->lpips = sum->lpips / means->images;
+    score->psnr_unseen_lollipops = NAN;
     score->reconstruct_s = subject->reconstruct_s;
     score->render_s = seconds;
     score->depth_lit_median = score->depth_lit_p90 = score->depth_unlit_median = score->depth_unlit_p90 = NAN;
     score->albedo_mse = score->albedo_lit_mse = score->albedo_unlit_mse = NAN;
-    if (ffp_subject_draws(subject) && strcmp(protocol->name, "rendering") == 0)
-        ffp_measure_truth(subject, score);
+    return score;
+}
+
+// Of "rendering" first what the predictor did not know, last what it was given. The time for drawing is
+// shared out by the number of pictures.
+static void add_scores(FfpSubject *subject, const char *protocol, const Means means[SETS], double seconds) {
+    const double each = seconds / means[ALL].images;
+    const Means *unseen = &means[UNSEEN], *given = &means[GIVEN];
+    add_score(subject, FFP_UNSEEN, unseen, each * unseen->images);
+    FfpScore *all = add_score(subject, protocol, &means[ALL], seconds);
+    all->images_unseen = unseen->images;
+    if (unseen->images) all->psnr_unseen_lollipops = unseen->sum.psnr / unseen->images;
+    if (ffp_subject_draws(subject) && is_rendering(protocol)) ffp_measure_truth(subject, all);
+    add_score(subject, FFP_GIVEN, given, each * given->images);
 }
 
 bool ffp_run_protocol(FfpSubject *subject, const char *name, const char *explanation, FfpError *err) {
     Protocol protocol = protocol_new(name, subject);
     const FfpCapture *views = protocol.views;
-    Means means = {0};
+    Means means[SETS] = {0};
     double seconds = 0;
     bool ok = true;
     if (protocol.total && subject->shared->report)
@@ -182,10 +205,10 @@ bool ffp_run_protocol(FfpSubject *subject, const char *name, const char *explana
             if (ffp_subject_draws(subject) && protocol.wanted[p])
                 sums[p - first] = ffp_summed_new(&views->patterns[p].image);
         for (int v = 0; ok && v < views->n_views; v++)
-            ok = run_view(subject, &protocol, v, first, sums, &means, &seconds, err);
+            ok = run_view(subject, &protocol, v, first, sums, means, &seconds, err);
         for (int p = 0; p < PATTERN_BLOCK; p++) ffp_summed_free(&sums[p]);
     }
-    if (ok && means.images) add_score(subject, &protocol, &means, seconds);
+    if (ok && means[ALL].images) add_scores(subject, protocol.name, means, seconds);
     ffp_free(protocol.wanted);
     return ok;
 }

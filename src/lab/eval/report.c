@@ -157,8 +157,8 @@ static void put_scores(FILE *out, const FfpScore *scores, int n_scores) {
     fputs("<h2>Figures</h2>\n<div "
           "class=wide><table><tr><th>capture</th><th>protocol</th><th>pictures</th><th>PSNR, "
           "dB</th><th>foreground, "
-          "dB</th><th>highlights, dB</th><th>unseen "
-          "lollipops, dB</th><th>SSIM</th><th>LPIPS</th><th>reconstruct, s</th><th>render, s a "
+          "dB</th><th>highlights, dB</th>"
+          "<th>SSIM</th><th>LPIPS</th><th>reconstruct, s</th><th>render, s a "
           "picture</th></tr>\n",
           out);
     for (int i = 0; i < n_scores; i++) {
@@ -169,7 +169,6 @@ static void put_scores(FILE *out, const FfpScore *scores, int n_scores) {
         put_figure(out, score->psnr, 2);
         put_figure(out, score->psnr_foreground, 2);
         put_figure(out, score->psnr_gloss, 2);
-        put_figure(out, score->psnr_unseen_lollipops, 2);
         put_figure(out, score->ssim, 4);
         put_figure(out, score->lpips, 4);
         put_figure(out, score->reconstruct_s, 2);
@@ -180,11 +179,9 @@ static void put_scores(FILE *out, const FfpScore *scores, int n_scores) {
         "</table></div>\n<p>PSNR over all pixels and channels of sRGB-encoded pictures over black, averaged "
         "over pictures; foreground: "
         "only the pixels that the object covers; highlights: under white, only those whose true specular "
-        "part is above 0.05. rendering: black, white and lollipops at the input poses; "
-        "unseen "
-        "lollipops: those of them that the predictor was not given; novel_pattern: every other pattern "
-        "at these poses; novel_pose: "
-        "new camera and projector poses.</p>\n",
+        "part is above 0.05. novel_pattern: held-out patterns at the input poses; novel_pose: new camera and "
+        "projector poses; rendering: black, white and lollipops at the input poses; unseen: those of them "
+        "that the predictor was not given; given: those that it was.</p>\n",
         out);
 }
 

@@ -9,7 +9,8 @@
 #include "core/base/file.h"
 #include "core/capture/node.h"
 
-const char *const ffp_protocols[FFP_PROTOCOLS] = {"rendering", "novel_pattern", "novel_pose"};
+const char *const ffp_protocols[FFP_PROTOCOLS] = {"novel_pattern", "novel_pose", FFP_UNSEEN, "rendering",
+                                                  FFP_GIVEN};
 
 static const struct {
     const char *name;

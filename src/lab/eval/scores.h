@@ -4,8 +4,11 @@
 
 #include "ffprocams.h"
 
-#define FFP_PROTOCOLS 3
-extern const char *const ffp_protocols[FFP_PROTOCOLS]; // rendering, novel_pattern, novel_pose
+#define FFP_PROTOCOLS 5
+#define FFP_UNSEEN "unseen" // of the pictures of "rendering" those that the predictor was not given,
+#define FFP_GIVEN "given"   // and those that it was given
+// In the order of the rows: novel_pattern, novel_pose, unseen, rendering, given.
+extern const char *const ffp_protocols[FFP_PROTOCOLS];
 
 // The means over captures of a protocol's rows, figure by figure; returns the number of rows. A figure
 // missing from one row is missing from the mean; only that of highlights is averaged over the rows that have

@@ -49,7 +49,8 @@ const FfpGbuffer *ffp_subject_gbuffer(const FfpSubject *subject);
 void ffp_subject_free_drawing(FfpSubject *subject);
 
 // Predicts, measures, reports and saves the pictures of "rendering", "novel_pattern" or "novel_pose"
-// (ffprocams.h), and adds a row to the scores if there are any. The explanation is for the report.
+// (ffprocams.h), and adds a row to the scores if there are any; for "rendering" also "unseen" and
+// "given". The explanation is for the report.
 bool ffp_run_protocol(FfpSubject *subject, const char *name, const char *explanation, FfpError *err);
 
 // One channel, 1 where the specular part of a view's light under white is above 0.05 (linear radiance, mean

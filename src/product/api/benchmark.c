@@ -11,7 +11,7 @@ typedef struct Call {
 
 static bool benchmark(void *argument, FfpError *err) {
     Call *call = argument;
-    if (!ffp_output_probe(call->json, err)) return false; // not when a minute is over
+    if (!ffp_output_prepare(call->json, err)) return false; // not when a minute is over
     FfpText *text = ffp_text_new();
     if (!ffp_bench(ffp_text_stream(text), call->json, err)) return false;
     call->text = ffp_text_end(text);

@@ -20,7 +20,11 @@ static bool work(void *argument, FfpError *err) {
     Call *call = argument;
     if (!call->options->force && !ffp_rig_suspect(call->capture, err)) return false;
     call->gaussians = ffp_reconstruction_run(call->capture, call->options, call->stats, err);
-    return call->gaussians != NULL;
+    if (!call->gaussians || !call->stats) return call->gaussians != NULL;
+    if (ffp_reconstruction_score(call->gaussians, call->capture, call->options, call->stats, err))
+        return true;
+    ffp_gaussians_close(call->gaussians);
+    return false;
 }
 
 FfpGaussians *ffp_reconstruct(FfpContext *context, const FfpCapture *capture,

@@ -5,6 +5,8 @@
 #include "ffprocams.h"
 #include "options.h"
 
+#define FFP_CLI_S(count) ((count) == 1 ? "" : "s") // "1 picture", "2 pictures"
+
 enum { FFP_EXIT_OK = 0, FFP_EXIT_FAILURE = 1, FFP_EXIT_USAGE = 2 };
 
 extern const FfpCommand ffp_cli_import, ffp_cli_align, ffp_cli_info, ffp_cli_reconstruct, ffp_cli_refine,

@@ -40,15 +40,14 @@ static void put_truth(const FfpScore *scores, int n_scores) {
 }
 
 static void put_table(const FfpScore *scores, int n_scores) {
-    printf("%-20s %-14s %6s %8s %8s %8s %8s %8s %8s %8s %8s\n", "capture", "protocol", "images", "PSNR",
-           "object", "gloss", "unseen", "SSIM", "LPIPS", "rec. s", "ms/image");
+    printf("%-20s %-14s %6s %8s %8s %8s %8s %8s %8s %8s\n", "capture", "protocol", "images", "PSNR", "object",
+           "gloss", "SSIM", "LPIPS", "rec. s", "ms/image");
     for (int i = 0; i < n_scores; i++) {
         const FfpScore *score = &scores[i];
         printf("%-20s %-14s %6d", score->capture, score->protocol, score->images);
         put_cell(score->psnr, 2);
         put_cell(score->psnr_foreground, 2);
         put_cell(score->psnr_gloss, 2);
-        put_cell(score->psnr_unseen_lollipops, 2);
         put_cell(score->ssim, 4);
         put_cell(score->lpips, 4);
         put_cell(score->reconstruct_s, 2);
@@ -230,10 +229,11 @@ const FfpCommand ffp_cli_evaluate = {
     .purpose = "compares predictions with a capture's photographs, in tables, pictures and a report",
     .prose = "The capture's pictures are predicted by a model (--model), by given Gaussians or a given field "
              "(--gaussians, --field), or by pattern lookup (--predictor). Protocols:\n"
-             "rendering\tblack, white and lollipop patterns at the input poses (`unseen`: lollipops not "
-             "given to the predictor)\n"
-             "novel_pattern\tevery other pattern at the input poses\n"
+             "novel_pattern\theld-out patterns at the input poses\n"
              "novel_pose\tall pictures of --targets: new poses of camera and projector\n"
+             "rendering\tblack, white and lollipop patterns at the input poses, and of these\n"
+             "unseen\tthe lollipops that were not given to the predictor\n"
+             "given\tthe photographs that were given: how well they are reproduced says little about others\n"
              "PSNR is computed over all pixels and channels of 8-bit sRGB predictions against the truth over "
              "black, then averaged over the pictures; `object` counts only pixels covered by the object. "
              "Identical pictures count as 100 dB.",

@@ -15,7 +15,7 @@ static void tell(const Arguments *arguments, const FfpMapStats *stats, int writt
                view->view, 100 * view->lit_share, view->lit_pixels, 100 * view->within_half, view->median,
                view->most, view->lost_pixels);
     }
-    printf("%s: %d files\n", arguments->maps.folder, written);
+    printf("%s: %d file%s\n", arguments->maps.folder, written, FFP_CLI_S(written));
 }
 
 static int run(void *data) {

@@ -35,8 +35,8 @@ static int run(void *data) {
     patterns->gray_codes = wanted & GRAY_CODES;
     const int count = ffp_write_patterns(ffp_cli_context(), patterns, &err);
     if (count < 0) return ffp_cli_fail(&err);
-    printf("%s: %d patterns of %d x %d; open show.html on the projector (README.txt explains how)\n",
-           patterns->folder, count, patterns->width, patterns->height);
+    printf("%s: %d pattern%s of %d x %d; open show.html on the projector (README.txt explains how)\n",
+           patterns->folder, count, FFP_CLI_S(count), patterns->width, patterns->height);
     return FFP_EXIT_OK;
 }
 

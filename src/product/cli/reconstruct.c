@@ -10,11 +10,14 @@ typedef struct Arguments {
 
 // Black, white and these patterns it was made from.
 static void tell(const char *output, const FfpList *patterns, const FfpReconstructionStats *stats) {
+    const double seconds =
+        stats->denoise_s + stats->initialisation_s + stats->network_s + stats->polish_s + stats->score_s;
     printf("%s: %lld Gaussians from %s", output, (long long)stats->gaussians, stats->pattern);
     for (int i = 1; i < patterns->count; i++) printf(", %s", patterns->values[i]);
-    printf(" in %.2f s (%.2f %% noise filtered %.2f s, matching %.2f s, network %.2f s, polish %.2f s)\n",
-           stats->denoise_s + stats->initialisation_s + stats->network_s + stats->polish_s,
-           100 * stats->noise, stats->denoise_s, stats->initialisation_s, stats->network_s, stats->polish_s);
+    printf(": %.2f dB on its photographs (least: %s, %.2f dB), %.2f s (%.2f %% noise filtered %.2f s, "
+           "matching %.2f s, network %.2f s, polish %.2f s, comparing %.2f s)\n",
+           stats->psnr, stats->least_view, stats->least_psnr, seconds, 100 * stats->noise, stats->denoise_s,
+           stats->initialisation_s, stats->network_s, stats->polish_s, stats->score_s);
 }
 
 static int run(void *data) {

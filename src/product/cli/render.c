@@ -38,7 +38,7 @@ static int run(void *data) {
         gaussians && with ? ffp_capture_open(ffp_cli_context(), arguments->capture, &err) : NULL;
     if (gaussians && (capture || !with))
         written = ffp_render_pictures(ffp_cli_context(), gaussians, capture, pictures, &err);
-    if (written >= 0) printf("%s: %d pictures\n", pictures->folder, written);
+    if (written >= 0) printf("%s: %d picture%s\n", pictures->folder, written, FFP_CLI_S(written));
     ffp_capture_close(capture);
     ffp_gaussians_close(gaussians);
     return written >= 0 ? FFP_EXIT_OK : ffp_cli_fail_patterns(&err, &arguments->patterns);

@@ -15,9 +15,9 @@ static int run(void *data) {
     FfpCapture *capture = gaussians ? ffp_capture_open(ffp_cli_context(), arguments->capture, &err) : NULL;
     if (capture) ok = ffp_write_page(ffp_cli_context(), gaussians, capture, &arguments->page, &stats, &err);
     if (ok)
-        printf("%s: %lld Gaussians, %d patterns, %d photographs, %.1f MB; open it in a browser\n",
-               arguments->page.file, (long long)stats.gaussians, stats.patterns, stats.photographs,
-               (double)stats.bytes * 1e-6);
+        printf("%s: %lld Gaussians, %d pattern%s, %d photograph%s, %.1f MB; open it in a browser\n",
+               arguments->page.file, (long long)stats.gaussians, stats.patterns, FFP_CLI_S(stats.patterns),
+               stats.photographs, FFP_CLI_S(stats.photographs), (double)stats.bytes * 1e-6);
     ffp_capture_close(capture);
     ffp_gaussians_close(gaussians);
     return ok ? FFP_EXIT_OK : ffp_cli_fail(&err);

@@ -25,8 +25,9 @@ static void print_views(FILE *out, const FfpCapture *capture) {
         const FfpCamera whole = ffp_whole_camera(&view->camera);
         if (whole.width != view->camera.width || whole.height != view->camera.height)
             fprintf(out, " (padded to %d x %d, whole patches)", whole.width, whole.height);
-        fprintf(out, ", f %.1f; projector %d x %d, f %.1f; %d pictures\n", (double)view->camera.fx,
-                view->projector.width, view->projector.height, (double)view->projector.fx, pictures);
+        fprintf(out, ", f %.1f; projector %d x %d, f %.1f; %d picture%s\n", (double)view->camera.fx,
+                view->projector.width, view->projector.height, (double)view->projector.fx, pictures,
+                pictures == 1 ? "" : "s");
     }
 }
 

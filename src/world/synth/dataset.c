@@ -211,6 +211,19 @@ static void work_on(void *argument, int64_t index) {
     }
 }
 
+// What there is now.
+static void tell(const Job *job, int64_t count) {
+    const int64_t made = count - job->kept;
+    char name[FFP_NAME_MAX + 32];
+    scene_name(job, job->options->first + job->rank, name);
+    if (made > 0)
+        ffp_note("%s: %lld scene%s generated, the first is %s", job->options->folder, (long long)made,
+                 made == 1 ? "" : "s", name);
+    if (job->kept > 0)
+        ffp_note("%lld scene%s already existed and %s kept", (long long)job->kept, job->kept == 1 ? "" : "s",
+                 job->kept == 1 ? "was" : "were");
+}
+
 // Whole scenes in parallel, each on one thread: no part of a scene is left to one core alone. A worker more
 // than cores fills the time in which a scene waits for the disk.
 static bool generate_all(Job *job, int64_t total) {
@@ -221,8 +234,9 @@ static bool generate_all(Job *job, int64_t total) {
     job->progress = ffp_task("generating", count);
     ffp_parallel_for(count, omp_get_max_threads() + 1, work_on, job);
     ffp_task_end(&job->progress);
-    if (job->kept > 0) ffp_note("%lld scenes already existed and were kept", (long long)job->kept);
-    return !job->failed;
+    if (job->failed) return false;
+    tell(job, count);
+    return true;
 }
 
 // Checks the range of scenes asked for, and counts them.

@@ -422,6 +422,9 @@ static bool photograph_all(Job *job, FfpError *err) {
         ok = photograph_batch(job, first, left < batch ? left : batch, err);
     }
     ffp_task_end(&job->progress);
+    if (ok)
+        ffp_note("%s: %lld photographs of %s", job->options->folder, (long long)count,
+                 job->options->attitudes > 0 ? "the object and of the chessboard" : "the object");
     return ok;
 }
 

@@ -153,8 +153,10 @@ static void a_saved_field_is_evaluated(void **state) {
     int count = 0;
     FfpScore *scores = ffp_evaluate(NULL, &options, &count, &err);
     if (!scores) fail_msg("%s", err.text);
-    assert_int_equal(count, 1);
+    assert_int_equal(count, 2);
     assert_string_equal(scores[0].protocol, "rendering");
+    assert_string_equal(scores[1].protocol, "given");
+    assert_true(scores[0].psnr == scores[1].psnr);
     assert_true(fabs(scores[0].psnr - stats.psnr_after) < 0.3); // rounded to 8 bits, densities to bf16
     assert_true(isfinite(scores[0].depth_lit_median) && isfinite(scores[0].albedo_mse));
     ffp_free(scores);

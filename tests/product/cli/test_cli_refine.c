@@ -48,6 +48,46 @@ static void test_refining_gains_and_tells_of_each_round(void **state) {
     assert_int_equal(lines, 96 / TINY_VIEWS);
 }
 
+static const json_t *row_of(const json_t *root, const char *protocol) {
+    size_t i;
+    const json_t *row;
+    json_array_foreach(json_object_get(root, "rows"), i,
+                       row) if (strcmp(json_string_value(json_object_get(row, "protocol")), protocol) ==
+                                0) return row;
+    fail_msg("no row %s", protocol);
+    return NULL;
+}
+
+// The line that a reconstruction ends with: as many Gaussians as the file has, and the PSNR that `evaluate`
+// finds on the photographs that were given (there rounded to 8 bits).
+static void test_a_reconstruction_says_how_good_it_is(void **state) {
+    (void)state;
+    char least[64];
+    long long said, held;
+    double psnr, worst, seconds;
+    assert_int_equal(
+        run_format(&run, "reconstruct %s/tiny -o %s/said.ply --model none --polish 8", scratch, scratch), 0);
+    assert_int_equal(sscanf(strrchr(run.out, '/'),
+                            "/said.ply: %lld Gaussians from lollipop_0: %lf dB on its photographs (least: "
+                            "%63[^,], %lf dB), %lf s (",
+                            &said, &psnr, least, &worst, &seconds),
+                     5);
+    assert_string_equal(strchr(run.out, '\n'), "\n"); // one line
+    assert_true(worst < psnr && worst > psnr - 6 && seconds > 0);
+    assert_int_equal(run_format(&run, "info %s/said.ply", scratch), 0);
+    assert_int_equal(sscanf(run.out, "Gaussians %lld", &held), 1);
+    assert_true(held == said);
+    assert_int_equal(
+        run_format(&run, "evaluate %s/tiny -g %s/said.ply --json %s/said.json", scratch, scratch, scratch),
+        0);
+    json_t *root = json_load_file(in_scratch("said.json"), 0, NULL);
+    const double given = json_number_value(json_object_get(row_of(root, "given"), "psnr"));
+    json_decref(root);
+    assert_true(fabs(given - psnr) < 0.1);
+    assert_int_equal(run_format(&run, "info %s/tiny", scratch), 0);
+    assert_non_null(strstr(run.out, least));
+}
+
 static void test_several_patterns(void **state) {
     (void)state;
     const char *at;
@@ -57,7 +97,7 @@ static void test_several_patterns(void **state) {
                                 "-p lollipop_1",
                                 scratch, scratch),
                      0);
-    assert_non_null(strstr(run.out, " Gaussians from lollipop_0, lollipop_1 in "));
+    assert_non_null(strstr(run.out, " Gaussians from lollipop_0, lollipop_1: "));
     assert_int_equal(run_format(&run,
                                 "refine %s/both.ply -c %s/tiny -o %s/both_2.ply --steps 8 -p lollipop_0 "
                                 "-p lollipop_1",
@@ -77,7 +117,7 @@ static void test_several_patterns(void **state) {
                                     scratch, scratch, kinds[k], scratch),
                          0);
         json_t *rows = json_load_file(in_scratch("of_file.json"), 0, NULL);
-        const json_t *row = json_array_get(json_object_get(rows, "rows"), 0);
+        const json_t *row = row_of(rows, "rendering");
         assert_int_equal(json_is_null(json_object_get(row, "psnr_unseen_lollipops")), k == 0);
         json_decref(rows);
     }
@@ -97,9 +137,9 @@ static void test_several_patterns(void **state) {
     json_t *one = json_load_file(in_scratch("one.json"), 0, NULL),
            *two = json_load_file(in_scratch("two.json"), 0, NULL);
     at = "psnr_unseen_lollipops";
-    unseen = json_number_value(json_object_get(json_array_get(json_object_get(one, "rows"), 0), at));
+    unseen = json_number_value(json_object_get(row_of(one, "rendering"), at));
     assert_true(unseen > 10);
-    assert_true(json_is_null(json_object_get(json_array_get(json_object_get(two, "rows"), 0), at)));
+    assert_true(json_is_null(json_object_get(row_of(two, "rendering"), at)));
     json_decref(one), json_decref(two);
     assert_int_equal(
         run_format(&run, "reconstruct %s/tiny -o %s/never.ply --model none -p lollipop_1 -p lollipop_1",
@@ -171,7 +211,7 @@ static double psnr_of_gaussians(const char *name) {
                                 scratch, scratch, name, scratch),
                      0);
     json_t *root = json_load_file(in_scratch("of_file.json"), 0, NULL);
-    const json_t *row = json_array_get(json_object_get(root, "rows"), 0);
+    const json_t *row = row_of(root, "rendering");
     const double psnr = json_number_value(json_object_get(row, "psnr"));
     printf("%s: %.2f dB\n", name, psnr);
     json_decref(root);
@@ -353,6 +393,7 @@ static void test_patterns_of_a_folder_make_a_film(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_refining_gains_and_tells_of_each_round),
+        cmocka_unit_test(test_a_reconstruction_says_how_good_it_is),
         cmocka_unit_test(test_several_patterns),
         cmocka_unit_test(test_from_scratch_needs_no_gaussians),
         cmocka_unit_test(test_a_field_is_fitted_and_evaluated),
