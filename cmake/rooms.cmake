@@ -78,5 +78,7 @@ ffp_room(api CALLS DEPS describe eval pipeline bench view export calibrate impor
          network gaussians capture image base cuda LIBS PkgConfig::JANSSON PkgConfig::ZLIB)
 # the ranks of an MPI job: part of the program where it is built with MPI
 ffp_room(cluster IN library.cmake)
+# a server and its page, from a bare rig to the relit object, by the program's other commands
+ffp_room(studio IN library.cmake)
 # the program, a file per command; like anybody's, it sees the public header alone
-ffp_room(cli IN library.cmake DEPS cluster)
+ffp_room(cli IN library.cmake DEPS cluster studio)

@@ -91,6 +91,17 @@ elseif(NOT FFP_PYTHON)
   message(STATUS "The page of `ffprocams view` is not tested: there is no python3")
 endif()
 
+# The studio in a headless Chromium, from a bare simulated rig to the relit object.
+if(TARGET PkgConfig::MICROHTTPD AND TARGET ffprocams_opencv AND TARGET ffprocams_embree AND FFP_PYTHON AND NOT FFPROCAMS_SANITIZE)
+  add_test(NAME studio_page COMMAND ${FFP_PYTHON} ${PROJECT_SOURCE_DIR}/tests/product/studio/test_studio.py $<TARGET_FILE:ffprocams>
+           ${PROJECT_BINARY_DIR}/studio-page)
+  set_tests_properties(studio_page PROPERTIES SKIP_RETURN_CODE 77 TIMEOUT 900)
+endif()
+if(TARGET PkgConfig::MICROHTTPD AND FFP_PYTHON)
+  add_test(NAME studio_server COMMAND ${FFP_PYTHON} ${PROJECT_SOURCE_DIR}/tests/product/studio/test_server.py $<TARGET_FILE:ffprocams>
+           ${PROJECT_BINARY_DIR}/studio-server)
+endif()
+
 # Includes and symbols against the plan of the rooms.
 if(FFP_PYTHON AND NOT FFPROCAMS_SANITIZE)
   add_test(NAME house COMMAND ${FFP_PYTHON} ${PROJECT_SOURCE_DIR}/script/test-house ${PROJECT_BINARY_DIR})
@@ -117,8 +128,8 @@ function(ffp_label labels)
 endfunction()
 ffp_label(unit headers house links words)
 ffp_label(cli example_reconstruct example_roles example_relight example_progress example_cancel)
-ffp_label("cli;slow" readme simulated_rig)
-ffp_label("browser;slow" view_page)
+ffp_label("cli;slow" readme simulated_rig studio_server)
+ffp_label("browser;slow" view_page studio_page)
 ffp_label("install;slow" install)
 
 get_property(tests DIRECTORY PROPERTY TESTS)

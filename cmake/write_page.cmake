@@ -1,8 +1,9 @@
-# view/page.html with everything it names put in, written as a C array: cmake -DFROM=view -DTO=page.c -P write_page.cmake
+# A page with everything it names put in, written as a C array:
+# cmake -DFROM=view -DPAGE=page -DARRAY=ffp_page_template -DTO=page.c -P write_page.cmake
 #   <link rel="stylesheet" href="NAME">  the style sheet
 #   <script src="NAME"></script>         the script; all scripts share one scope
 #   <script type="x-shader" src="NAME">  the shader's text, as an element whose id is NAME
-file(READ ${FROM}/page.html page)
+file(READ ${FROM}/${PAGE}.html page)
 
 function(ffp_put_in pattern before after)
   string(REGEX MATCHALL "${pattern}" places "${page}")
@@ -23,4 +24,4 @@ file(WRITE ${TO}.html "${page}")
 file(READ ${TO}.html bytes HEX)
 string(REGEX REPLACE "(................................................................)" "\\1\n" bytes "${bytes}")
 string(REGEX REPLACE "([0-9a-f][0-9a-f])" "0x\\1," bytes "${bytes}")
-file(WRITE ${TO} "#include \"product/view/view.h\"\n\nconst unsigned char ffp_page_template[] = {\n${bytes}\n0};\n")
+file(WRITE ${TO} "#include <stddef.h>\n\nconst unsigned char ${ARRAY}[] = {\n${bytes}\n0};\nconst size_t ${ARRAY}_size = sizeof ${ARRAY} - 1;\n")

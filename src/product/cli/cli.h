@@ -11,7 +11,7 @@ enum { FFP_EXIT_OK = 0, FFP_EXIT_FAILURE = 1, FFP_EXIT_USAGE = 2 };
 
 extern const FfpCommand ffp_cli_import, ffp_cli_align, ffp_cli_info, ffp_cli_reconstruct, ffp_cli_refine,
     ffp_cli_render, ffp_cli_compensate, ffp_cli_map, ffp_cli_export, ffp_cli_evaluate, ffp_cli_bench,
-    ffp_cli_generate, ffp_cli_train, ffp_cli_view, ffp_cli_patterns, ffp_cli_calibrate;
+    ffp_cli_generate, ffp_cli_train, ffp_cli_view, ffp_cli_patterns, ffp_cli_calibrate, ffp_cli_studio;
 
 int ffp_cli_fail(const FfpError *err); // "ffprocams: error: WHAT (WHERE)"; returns FFP_EXIT_FAILURE
 // The same, and a hint where one of the --pattern values looks like several: "-p a,b".

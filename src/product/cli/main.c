@@ -3,6 +3,7 @@
 #include "cli.h"
 
 static const FfpCommand *const commands[] = {
+    &ffp_cli_studio,
     &ffp_cli_patterns,
     &ffp_cli_calibrate,
     &ffp_cli_import,

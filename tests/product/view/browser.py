@@ -118,7 +118,7 @@ class Browser:
         self.call("Emulation.setEmulatedMedia", {"features": [{"name": "prefers-color-scheme", "value": name}]})
 
     def open(self, path):
-        self.call("Page.navigate", {"url": "file://" + os.path.abspath(path)})
+        self.call("Page.navigate", {"url": path if "://" in path else "file://" + os.path.abspath(path)})
 
     def run(self, script, timeout=120):
         """The value of an expression, which may be a promise."""

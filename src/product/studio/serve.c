@@ -1,0 +1,363 @@
+// The server: who may speak to it, and what is answered. Everything is refused that does not come from this
+// machine, from the page itself and with the key that its address holds.
+#define _GNU_SOURCE
+#include <arpa/inet.h>
+#include <errno.h>
+#include <fcntl.h>
+#include <microhttpd.h>
+#include <poll.h>
+#include <signal.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/resource.h>
+#include <sys/signalfd.h>
+#include <sys/stat.h>
+#include <unistd.h>
+#include "work.h"
+
+#define BODY_MOST ((size_t)1 << 26)              // bytes of a photograph
+#define REQUEST_MOST ((size_t)1 << 16)           // of any other body
+#define UPLOADS_MOST ((size_t)1 << 27)           // of all bodies that are on their way
+enum { CONNECTIONS_MOST = 2000, PATIENCE = 15 }; // seconds
+
+// What the page may load and do; the viewer, a page of its own, sits in a frame.
+static const char policy[] = "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; "
+                             "img-src 'self' blob: data:; media-src blob: mediastream:; connect-src 'self'; "
+                             "frame-src 'self'; frame-ancestors 'none'; base-uri 'none'; form-action 'none'";
+
+typedef struct Request {
+    char *body;
+    size_t size, room, most;
+    bool refused;
+} Request;
+
+typedef struct Server {
+    FfpStudio *studio;
+    size_t uploading; // bytes; the server's one thread alone counts them
+} Server;
+
+// --- Answers. ---
+
+static enum MHD_Result answer(struct MHD_Connection *connection, unsigned status,
+                              struct MHD_Response *response, const char *type) {
+    if (!response) return MHD_NO;
+    MHD_add_response_header(response, "Content-Type", type);
+    MHD_add_response_header(response, "Cache-Control", "no-store");
+    MHD_add_response_header(response, "X-Content-Type-Options", "nosniff");
+    MHD_add_response_header(response, "Referrer-Policy", "no-referrer");
+    MHD_add_response_header(response, "Cross-Origin-Resource-Policy", "same-origin");
+    MHD_add_response_header(response, "Cross-Origin-Opener-Policy", "same-origin");
+    const enum MHD_Result result = MHD_queue_response(connection, status, response);
+    MHD_destroy_response(response);
+    return result;
+}
+
+static enum MHD_Result answer_text(struct MHD_Connection *connection, unsigned status, const char *text) {
+    return answer(
+        connection, status,
+        MHD_create_response_from_buffer(strlen(text), (void *)(uintptr_t)text, MHD_RESPMEM_MUST_COPY),
+        "text/plain; charset=utf-8");
+}
+
+static enum MHD_Result answer_json(struct MHD_Connection *connection, unsigned status, json_t *value) {
+    char *text = value ? json_dumps(value, JSON_COMPACT) : NULL;
+    json_decref(value);
+    if (!text) return answer_text(connection, MHD_HTTP_INTERNAL_SERVER_ERROR, "no memory");
+    return answer(connection, status,
+                  MHD_create_response_from_buffer(strlen(text), text, MHD_RESPMEM_MUST_FREE),
+                  "application/json");
+}
+
+static enum MHD_Result answer_page(struct MHD_Connection *connection, const unsigned char *page,
+                                   size_t size) {
+    struct MHD_Response *response =
+        MHD_create_response_from_buffer(size, (void *)(uintptr_t)page, MHD_RESPMEM_PERSISTENT);
+    if (response) MHD_add_response_header(response, "Content-Security-Policy", policy);
+    return answer(connection, MHD_HTTP_OK, response, "text/html; charset=utf-8");
+}
+
+// --- Who may speak. ---
+
+static const char *header(struct MHD_Connection *connection, const char *name) {
+    return MHD_lookup_connection_value(connection, MHD_HEADER_KIND, name);
+}
+
+// "127.0.0.1:PORT" or "localhost:PORT"; `before` stands before it.
+static bool is_here(const FfpStudio *studio, const char *text, const char *before) {
+    char here[64];
+    const char *const names[] = {"127.0.0.1", "localhost"};
+    for (int i = 0; text && i < 2; i++) {
+        snprintf(here, sizeof here, "%s%s:%d", before, names[i], studio->port);
+        if (strcasecmp(text, here) == 0) return true;
+    }
+    return false;
+}
+
+// The rest of a path behind the key, in a time that does not tell how much of it was right; NULL: another.
+static const char *behind_key(const FfpStudio *studio, const char *url) {
+    const size_t length = sizeof studio->token - 1;
+    unsigned differs = 0;
+    if (strlen(url) < length + 2) return NULL;
+    for (size_t i = 0; i < length; i++)
+        differs |= (unsigned char)url[i + 1] ^ (unsigned char)studio->token[i];
+    return differs == 0 && url[0] == '/' && url[length + 1] == '/' ? url + length + 2 : NULL;
+}
+
+// What is wrong with a request; NULL: nothing.
+static const char *refusal(const FfpStudio *studio, struct MHD_Connection *connection, const char *url,
+                           bool changes) {
+    const char *origin = header(connection, "Origin"), *site = header(connection, "Sec-Fetch-Site");
+    if (!is_here(studio, header(connection, "Host"), "")) return "this is not the address of the studio";
+    if (origin && !is_here(studio, origin, "http://")) return "another page may not ask the studio";
+    if (changes && !origin) return "a request that changes something must say where it comes from";
+    if (site && strcmp(site, "same-origin") != 0 && strcmp(site, "none") != 0)
+        return "another site may not ask the studio";
+    return behind_key(studio, url) ? NULL : "the address lacks its key: open the one that the studio printed";
+}
+
+// --- Files of the folder. ---
+
+static const char *type_of(const char *path) {
+    static const char *const types[][2] = {{".png", "image/png"},
+                                           {".jpg", "image/jpeg"},
+                                           {".json", "application/json"},
+                                           {".txt", "text/plain; charset=utf-8"},
+                                           {".ply", "application/octet-stream"},
+                                           {".xml", "text/plain; charset=utf-8"},
+                                           {".svg", "image/svg+xml"},
+                                           {".html", "text/html; charset=utf-8"}};
+    const char *dot = strrchr(path, '.');
+    for (size_t i = 0; dot && i < sizeof types / sizeof *types; i++)
+        if (strcmp(dot, types[i][0]) == 0) return types[i][1];
+    return NULL;
+}
+
+// Pages run scripts: those that the program wrote, and no others.
+static bool is_own_page(const char *path) {
+    const char *last = strrchr(path, '/');
+    return strcmp(path, "calibration/report.html") == 0 ||
+           (strncmp(path, "objects/", 8) == 0 && last && strcmp(last, "/view.html") == 0);
+}
+
+static enum MHD_Result answer_file(FfpStudio *studio, struct MHD_Connection *connection, const char *path) {
+    struct stat about;
+    const char *type = ffp_studio_path(path) ? type_of(path) : NULL;
+    if (!type || (strcmp(type_of(path), "text/html; charset=utf-8") == 0 && !is_own_page(path)))
+        return answer_text(connection, MHD_HTTP_NOT_FOUND, "there is no such file");
+    const int file = ffp_studio_open(studio, path);
+    if (file < 0 || fstat(file, &about) != 0 || !S_ISREG(about.st_mode)) {
+        if (file >= 0) close(file);
+        return answer_text(connection, MHD_HTTP_NOT_FOUND, "there is no such file");
+    }
+    struct MHD_Response *response = MHD_create_response_from_fd((uint64_t)about.st_size, file);
+    if (!response) close(file);
+    // a picture that is a page (SVG) may run nothing; our own pages name what they may do themselves
+    if (response && strncmp(type, "text/html", 9) != 0)
+        MHD_add_response_header(response, "Content-Security-Policy",
+                                "default-src 'none'; style-src 'unsafe-inline'");
+    return answer(connection, MHD_HTTP_OK, response, type);
+}
+
+// --- Requests. ---
+
+static enum MHD_Result answer_get(Server *server, struct MHD_Connection *connection, const char *path) {
+    FfpStudio *studio = server->studio;
+    if (!*path) return answer_page(connection, ffp_page_studio, ffp_page_studio_size);
+    if (strcmp(path, "projector") == 0)
+        return answer_page(connection, ffp_page_projector, ffp_page_projector_size);
+    if (strncmp(path, "file/", 5) == 0) return answer_file(studio, connection, path + 5);
+    if (strcmp(path, "state") != 0)
+        return answer_text(connection, MHD_HTTP_NOT_FOUND, "there is no such page");
+    const char *known = MHD_lookup_connection_value(connection, MHD_GET_ARGUMENT_KIND, "known");
+    pthread_mutex_lock(&studio->lock);
+    const bool same = known && strtoull(known, NULL, 10) == studio->version;
+    json_t *state = same ? json_object() : ffp_studio_state(studio);
+    pthread_mutex_unlock(&studio->lock);
+    return answer_json(connection, MHD_HTTP_OK, state);
+}
+
+static bool store(FfpStudio *studio, struct MHD_Connection *connection, const Request *request, char *said) {
+    const char *set = MHD_lookup_connection_value(connection, MHD_GET_ARGUMENT_KIND, "set"),
+               *number = MHD_lookup_connection_value(connection, MHD_GET_ARGUMENT_KIND, "number");
+    char *end;
+    const long shot = number ? strtol(number, &end, 10) : -1;
+    if (!set || !number || *end || shot < 0 || shot > 999)
+        return ffp_studio_say(said, "a photograph needs its set and its number");
+    return ffp_studio_store(studio, set, (int)shot, request->body ? request->body : "", request->size, said);
+}
+
+static enum MHD_Result answer_post(Server *server, struct MHD_Connection *connection, const char *path,
+                                   const Request *request) {
+    FfpStudio *studio = server->studio;
+    char said[FFP_STUDIO_SAID] = "";
+    bool ok;
+    pthread_mutex_lock(&studio->lock);
+    if (strcmp(path, "photograph") == 0) {
+        ok = store(studio, connection, request, said);
+    } else {
+        json_t *asked =
+            json_loadb(request->body ? request->body : "", request->size, JSON_REJECT_DUPLICATES, NULL);
+        ok = json_is_object(asked) ? ffp_studio_do(studio, asked, said)
+                                   : ffp_studio_say(said, "this is not JSON");
+        json_decref(asked);
+    }
+    json_t *state = ffp_studio_state(studio);
+    pthread_mutex_unlock(&studio->lock);
+    if (!ok && state) json_object_set_new(state, "error", json_string(said));
+    return answer_json(connection, ok ? MHD_HTTP_OK : MHD_HTTP_CONFLICT, state);
+}
+
+// More of a body; false: it is too long, or too much is on its way.
+static bool take_in(Server *server, Request *request, const char *bytes, size_t size) {
+    if (size > request->most - request->size) return false;
+    if (request->size + size > request->room) {
+        size_t room = request->room > 0 ? 2 * request->room : 1 << 16;
+        while (room < request->size + size) room *= 2;
+        if (server->uploading - request->room + room > UPLOADS_MOST) return false;
+        char *body = realloc(request->body, room);
+        if (!body) return false;
+        server->uploading += room - request->room;
+        request->body = body, request->room = room;
+    }
+    memcpy(request->body + request->size, bytes, size);
+    request->size += size;
+    return true;
+}
+
+// The head of a request: what can be refused is refused before its body comes.
+static enum MHD_Result begin(Server *server, struct MHD_Connection *connection, const char *url,
+                             const char *method, void **mine) {
+    const bool get = strcmp(method, "GET") == 0, post = strcmp(method, "POST") == 0;
+    if (!get && !post) return answer_text(connection, MHD_HTTP_METHOD_NOT_ALLOWED, "GET or POST");
+    const char *wrong = refusal(server->studio, connection, url, post);
+    if (wrong) return answer_text(connection, MHD_HTTP_FORBIDDEN, wrong);
+    const char *path = behind_key(server->studio, url), *length = header(connection, "Content-Length");
+    if (post && strcmp(path, "photograph") != 0 && strcmp(path, "do") != 0)
+        return answer_text(connection, MHD_HTTP_NOT_FOUND, "there is no such page");
+    const size_t most = get ? 0 : strcmp(path, "photograph") == 0 ? BODY_MOST : REQUEST_MOST;
+    if (length && strtoull(length, NULL, 10) > most)
+        return answer_text(connection, MHD_HTTP_CONTENT_TOO_LARGE, "the body is too long");
+    Request *request = calloc(1, sizeof *request);
+    if (!request) return MHD_NO;
+    request->most = most;
+    *mine = request;
+    return MHD_YES;
+}
+
+static enum MHD_Result handle(void *argument, struct MHD_Connection *connection, const char *url,
+                              const char *method, const char *version, const char *bytes, size_t *size,
+                              void **mine) {
+    Server *server = argument;
+    Request *request = *mine;
+    (void)version;
+    if (!request) return begin(server, connection, url, method, mine);
+    if (*size > 0) {
+        if (!request->refused && !take_in(server, request, bytes, *size)) request->refused = true;
+        *size = 0;
+        return request->refused ? MHD_NO : MHD_YES; // closes the connection
+    }
+    const char *path = behind_key(server->studio, url);
+    return strcmp(method, "GET") == 0 ? answer_get(server, connection, path)
+                                      : answer_post(server, connection, path, request);
+}
+
+static void completed(void *argument, struct MHD_Connection *connection, void **mine,
+                      enum MHD_RequestTerminationCode code) {
+    Server *server = argument;
+    Request *request = *mine;
+    (void)connection, (void)code;
+    if (!request) return;
+    server->uploading -= request->room;
+    free(request->body);
+    free(request);
+    *mine = NULL;
+}
+
+// --- The server at work. ---
+
+// Names in the folder need no escapes, so none is read: %2e stays what it is, and is refused.
+static size_t keep_escapes(void *argument, struct MHD_Connection *connection, char *text) {
+    (void)argument, (void)connection;
+    return strlen(text);
+}
+
+// One descriptor for each connection, and one for the file that it is sent.
+static void raise_limit(void) {
+    struct rlimit limit;
+    if (getrlimit(RLIMIT_NOFILE, &limit) != 0) return;
+    const rlim_t wanted = 2 * CONNECTIONS_MOST + 100;
+    if (limit.rlim_cur >= wanted) return;
+    limit.rlim_cur = limit.rlim_max == RLIM_INFINITY || limit.rlim_max > wanted ? wanted : limit.rlim_max;
+    setrlimit(RLIMIT_NOFILE, &limit);
+}
+
+static struct MHD_Daemon *start(Server *server, int port) {
+    struct sockaddr_in here = {.sin_family = AF_INET, .sin_port = htons((uint16_t)port)};
+    here.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    return MHD_start_daemon(MHD_USE_INTERNAL_POLLING_THREAD | MHD_USE_EPOLL, 0, NULL, NULL, handle, server,
+                            MHD_OPTION_SOCK_ADDR, (struct sockaddr *)&here, MHD_OPTION_CONNECTION_LIMIT,
+                            (unsigned)CONNECTIONS_MOST, MHD_OPTION_CONNECTION_TIMEOUT, (unsigned)PATIENCE,
+                            MHD_OPTION_NOTIFY_COMPLETED, completed, server, MHD_OPTION_UNESCAPE_CALLBACK,
+                            keep_escapes, NULL, MHD_OPTION_CONNECTION_MEMORY_LIMIT, (size_t)1 << 15,
+                            MHD_OPTION_END);
+}
+
+// Without a browser to be found nothing is opened: the address is printed anyway.
+static void open_browser(const char *address) {
+    const pid_t child = fork();
+    if (child != 0) return;
+    sigset_t none;
+    sigemptyset(&none);
+    sigprocmask(SIG_SETMASK, &none, NULL);
+    const int nothing = open("/dev/null", O_RDWR);
+    if (nothing >= 0) dup2(nothing, 0), dup2(nothing, 1), dup2(nothing, 2);
+    execlp("xdg-open", "xdg-open", address, (char *)NULL);
+    _exit(127);
+}
+
+// Until SIGINT or SIGTERM comes.
+static void wait_for_the_end(FfpStudio *studio, int signals) {
+    struct pollfd from[2] = {{.fd = signals, .events = POLLIN}, {.fd = studio->changes, .events = POLLIN}};
+    for (;;) {
+        if (poll(from, 2, -1) < 0 && errno != EINTR) return;
+        struct signalfd_siginfo which; // read, or it would come again at the end
+        if (from[0].revents) return (void)!read(signals, &which, sizeof which);
+        if (!from[1].revents) continue;
+        pthread_mutex_lock(&studio->lock);
+        ffp_studio_arrived(studio);
+        pthread_mutex_unlock(&studio->lock);
+    }
+}
+
+bool ffp_studio_serve(FfpStudio *studio, bool opens, char said[FFP_STUDIO_SAID]) {
+    sigset_t ends, before;
+    Server server = {.studio = studio};
+    char address[128];
+    sigemptyset(&ends), sigaddset(&ends, SIGINT), sigaddset(&ends, SIGTERM);
+    pthread_sigmask(SIG_BLOCK, &ends, &before);         // the server's threads inherit it
+    signal(SIGPIPE, SIG_IGN), signal(SIGXFSZ, SIG_IGN); // they are errors where they happen
+    raise_limit();
+    const int signals = signalfd(-1, &ends, SFD_CLOEXEC);
+    struct MHD_Daemon *daemon = signals >= 0 ? start(&server, studio->port) : NULL;
+    const union MHD_DaemonInfo *info = daemon ? MHD_get_daemon_info(daemon, MHD_DAEMON_INFO_BIND_PORT) : NULL;
+    if (info) {
+        studio->port = info->port;
+        snprintf(address, sizeof address, "http://127.0.0.1:%d/%s/", studio->port, studio->token);
+        printf("%s: open %s (Ctrl-C ends the studio)\n", studio->folder, address);
+        fflush(stdout);
+        if (opens) open_browser(address);
+        wait_for_the_end(studio, signals);
+    } else {
+        ffp_studio_say(said, "port %d of this machine cannot be served: %s", studio->port, strerror(errno));
+    }
+    pthread_mutex_lock(&studio->lock);
+    studio->closing = true;
+    pthread_mutex_unlock(&studio->lock);
+    if (daemon) MHD_stop_daemon(daemon);
+    ffp_studio_join(studio, &studio->job);
+    ffp_studio_join(studio, &studio->camera);
+    if (signals >= 0) close(signals);
+    pthread_sigmask(SIG_SETMASK, &before, NULL);
+    return info != NULL;
+}

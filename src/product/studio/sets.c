@@ -1,0 +1,188 @@
+// Which photographs are to be taken, and which there are: a set is a folder, a shot a file in it. The folder
+// is all there is to know of a set, so that whatever happens, the next shot is the first that is missing.
+#define _GNU_SOURCE
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include "work.h"
+
+static const char *const endings[] = {"png", "jpg"};
+
+const char *ffp_studio_setting(const FfpStudio *studio, const char *name, const char *otherwise) {
+    const char *text = json_string_value(json_object_get(studio->settings, name));
+    return text ? text : otherwise;
+}
+
+long long ffp_studio_number(const FfpStudio *studio, const char *name, int index, long long otherwise) {
+    const json_t *value = json_object_get(studio->settings, name);
+    if (index >= 0) value = json_array_get(value, (size_t)index);
+    return json_is_integer(value) ? json_integer_value(value) : otherwise;
+}
+
+json_t *ffp_studio_object(const FfpStudio *studio, const char *name) {
+    return json_object_get(json_object_get(studio->settings, "objects"), name);
+}
+
+// --- What a set consists of. ---
+
+typedef enum Wanted { WANTED_CAPTURE, WANTED_CODES, WANTED_ALL } Wanted;
+
+// "004_gray_x_00.png": its number; the chart to focus by, and other files, have none.
+static int pattern_number(const char *file) {
+    char *end;
+    const long number = strtol(file, &end, 10);
+    return *end == '_' && number > 0 && number < 1000 && strlen(file) < sizeof((FfpStudioShot *)0)->pattern &&
+                   strcmp(file + strlen(file) - 4, ".png") == 0
+               ? (int)number
+               : 0;
+}
+
+static bool is_wanted(const char *file, Wanted wanted) {
+    const char *name = strchr(file, '_') + 1;
+    const bool code = strncmp(name, "gray_", 5) == 0, lollipop = strncmp(name, "lollipop_", 9) == 0;
+    return wanted == WANTED_ALL || (wanted == WANTED_CODES ? !lollipop : !code);
+}
+
+static void add_patterns(const FfpStudio *studio, FfpStudioSet *set, Wanted wanted) {
+    char *names[FFP_STUDIO_SHOTS];
+    const int count = ffp_studio_list(studio, "patterns", names, FFP_STUDIO_SHOTS);
+    for (int i = 0; i < count; i++) {
+        const int number = pattern_number(names[i]);
+        if (number == 0 || !is_wanted(names[i], wanted)) continue;
+        FfpStudioShot *shot = &set->shots[set->count++];
+        *shot = (FfpStudioShot){.number = number};
+        snprintf(shot->pattern, sizeof shot->pattern, "%s", names[i]);
+    }
+    ffp_studio_free_names(names, count);
+}
+
+static void add_board_stops(const FfpStudio *studio, FfpStudioSet *set) {
+    FfpStudioSet all = {.count = 0};
+    const FfpStudioShot *white = NULL;
+    add_patterns(studio, &all, WANTED_CAPTURE);
+    for (int i = 0; i < all.count; i++)
+        if (strstr(all.shots[i].pattern, "_white.png")) white = &all.shots[i];
+    const json_t *angles = json_object_get(studio->settings, "board_angles");
+    for (size_t i = 0; white && i < json_array_size(angles) && i < FFP_STUDIO_SHOTS; i++) {
+        FfpStudioShot *shot = &set->shots[set->count++];
+        *shot = *white;
+        shot->number = (int)i, shot->has_angle = true;
+        shot->angle = json_number_value(json_array_get(angles, i));
+    }
+}
+
+// The angle of the stop that a folder of an object is called for; -1: none.
+static double stop_angle(const json_t *object, const char *folder) {
+    const int stops = (int)json_integer_value(json_object_get(object, "stops"));
+    for (int i = 0; i < stops; i++) {
+        char name[32];
+        snprintf(name, sizeof name, "view-%03d", (int)lround(360.0 * i / stops)); // as `import` calls it
+        if (strcmp(name, folder) == 0) return 360.0 * i / stops;
+    }
+    return -1;
+}
+
+static bool object_set(const FfpStudio *studio, const char *rest, FfpStudioSet *set) {
+    char name[FFP_STUDIO_NAME];
+    const char *slash = strchr(rest, '/');
+    if (!slash) return false;
+    snprintf(name, sizeof name, "%.*s", (int)(slash - rest), rest);
+    const json_t *object = ffp_studio_object(studio, name);
+    if (!object) return false;
+    const bool coded = json_is_true(json_object_get(object, "coded"));
+    if (strcmp(slash + 1, "empty") == 0) {
+        if (!json_is_true(json_object_get(object, "empty"))) return false;
+        add_patterns(studio, set, WANTED_CAPTURE);
+        return true;
+    }
+    const double angle = stop_angle(object, slash + 1);
+    if (angle < 0) return false;
+    add_patterns(studio, set, coded ? WANTED_ALL : WANTED_CAPTURE);
+    for (int i = 0; i < set->count; i++) set->shots[i].angle = angle, set->shots[i].has_angle = true;
+    snprintf(set->stage, sizeof set->stage, "%.31s", slash + 1);
+    return true;
+}
+
+static void see_what_is_there(const FfpStudio *studio, FfpStudioSet *set) {
+    char *names[2 * FFP_STUDIO_SHOTS];
+    const int count = ffp_studio_list(studio, set->name, names, 2 * FFP_STUDIO_SHOTS);
+    for (int n = 0; n < count; n++) {
+        char *end;
+        const long number = strtol(names[n], &end, 10);
+        if (end != names[n] + 3 || *end != '.') continue;
+        for (size_t e = 0; e < sizeof endings / sizeof *endings; e++) {
+            if (strcmp(end + 1, endings[e]) != 0) continue;
+            for (int i = 0; i < set->count; i++)
+                if (set->shots[i].number == number && !set->there[i]) {
+                    set->there[i] = true, set->done++;
+                    snprintf(set->ending, sizeof set->ending, "%s", endings[e]);
+                }
+        }
+    }
+    ffp_studio_free_names(names, count);
+}
+
+bool ffp_studio_set(const FfpStudio *studio, const char *name, FfpStudioSet *set) {
+    int number, end = 0;
+    memset(set, 0, sizeof *set);
+    if (!ffp_studio_path(name)) return false;
+    snprintf(set->name, sizeof set->name, "%s", name);
+    if (sscanf(name, "calibration/attitude-%2d%n", &number, &end) == 1 && !name[end] && end == 23) {
+        add_patterns(studio, set, WANTED_CODES);
+        snprintf(set->stage, sizeof set->stage, "attitude-%02d", number);
+    } else if (strcmp(name, "calibration/turntable") == 0) {
+        add_board_stops(studio, set);
+        snprintf(set->stage, sizeof set->stage, "turntable");
+    } else if (strncmp(name, "objects/", 8) != 0 || !object_set(studio, name + 8, set)) {
+        return false;
+    }
+    see_what_is_there(studio, set);
+    return true;
+}
+
+int ffp_studio_set_names(const FfpStudio *studio, const char *object, char names[][FFP_STUDIO_NAME],
+                         int most) {
+    const json_t *about = object ? ffp_studio_object(studio, object) : NULL;
+    int count = 0;
+    if (!object) {
+        const int attitudes = (int)ffp_studio_number(studio, "attitudes", -1, 8);
+        for (int i = 0; i < attitudes && count < most; i++)
+            snprintf(names[count++], FFP_STUDIO_NAME, "calibration/attitude-%02d", i);
+        if (count < most) snprintf(names[count++], FFP_STUDIO_NAME, "calibration/turntable");
+        return count;
+    }
+    if (json_is_true(json_object_get(about, "empty")) && count < most)
+        snprintf(names[count++], FFP_STUDIO_NAME, "objects/%.60s/empty", object);
+    const int stops = (int)json_integer_value(json_object_get(about, "stops"));
+    for (int i = 0; i < stops && count < most; i++)
+        snprintf(names[count++], FFP_STUDIO_NAME, "objects/%.60s/view-%03d", object,
+                 (int)lround(360.0 * i / stops));
+    return count;
+}
+
+int ffp_studio_next(const FfpStudioSet *set) {
+    for (int i = 0; i < set->count; i++)
+        if (!set->there[i]) return i;
+    return -1;
+}
+
+static bool any_of(const FfpStudio *studio, const char *object) {
+    char(*names)[FFP_STUDIO_NAME] = calloc(FFP_STUDIO_SETS, sizeof *names);
+    FfpStudioSet set;
+    bool any = false;
+    const int count = names ? ffp_studio_set_names(studio, object, names, FFP_STUDIO_SETS) : 0;
+    for (int i = 0; i < count && !any; i++) any = ffp_studio_set(studio, names[i], &set) && set.done > 0;
+    free(names);
+    return any;
+}
+
+bool ffp_studio_photographed(const FfpStudio *studio) {
+    const char *name;
+    json_t *object;
+    if (any_of(studio, NULL)) return true;
+    json_object_foreach(json_object_get(studio->settings, "objects"), name, object) {
+        if (any_of(studio, name)) return true;
+    }
+    return false;
+}

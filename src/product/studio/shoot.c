@@ -1,0 +1,183 @@
+// Photographs on their way to disk: of the shot that is due and no other, so that a second window, a reload
+// or a camera that fires twice changes nothing.
+#define _GNU_SOURCE
+#include <errno.h>
+#include <fcntl.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+#include <sys/inotify.h>
+#include <sys/stat.h>
+#include <unistd.h>
+#include "work.h"
+
+#define PHOTOGRAPH_MOST ((size_t)1 << 28) // bytes of a file in a folder that is watched
+
+// The shot of this number, if it is due now.
+static const FfpStudioShot *due_shot(const FfpStudio *studio, const char *name, int number, FfpStudioSet *set,
+                                     char *said) {
+    const char *active = ffp_studio_setting(studio, "active", "");
+    if (strcmp(active, name) != 0 || !ffp_studio_set(studio, name, set)) {
+        ffp_studio_say(said, "%s is not being photographed", name);
+        return NULL;
+    }
+    const int next = ffp_studio_next(set);
+    if (next >= 0 && set->shots[next].number == number) return &set->shots[next];
+    ffp_studio_say(said, "number %d of %s is not due: another window may have gone on", number, name);
+    return NULL;
+}
+
+// All photographs of a studio have one size: another means that the camera or its settings are others now.
+static bool check_size(FfpStudio *studio, int width, int height, char *said) {
+    const long long w = ffp_studio_number(studio, "photograph", 0, 0),
+                    h = ffp_studio_number(studio, "photograph", 1, 0);
+    if (w == width && h == height) return true;
+    if (w > 0 && ffp_studio_photographed(studio))
+        return ffp_studio_say(said,
+                              "the photograph has %d x %d pixels, those before it %lld x %lld: the camera "
+                              "must stay as it was",
+                              width, height, w, h);
+    json_object_set_new(studio->settings, "photograph", json_pack("[ii]", width, height));
+    return ffp_studio_save(studio, said);
+}
+
+bool ffp_studio_store(FfpStudio *studio, const char *name, int number, const void *bytes, size_t size,
+                      char said[FFP_STUDIO_SAID]) {
+    FfpStudioSet set;
+    char path[FFP_STUDIO_NAME + 16];
+    int width, height;
+    const char *ending;
+    const FfpStudioShot *shot = due_shot(studio, name, number, &set, said);
+    if (!shot) return false;
+    if (!ffp_studio_picture(bytes, size, &width, &height, &ending))
+        return ffp_studio_say(said, "this is not a whole PNG or JPEG picture");
+    if (!check_size(studio, width, height, said)) return false;
+    snprintf(path, sizeof path, "%s/%03d.%s", name, shot->number, ending);
+    if (!ffp_studio_write(studio, path, bytes, size))
+        return ffp_studio_say(said, "%s cannot be written: %s", path, strerror(errno));
+    studio->notice[0] = 0;
+    if (set.done + 1 == set.count) {
+        json_object_del(studio->settings, "active");
+        if (!ffp_studio_save(studio, said)) return false;
+    }
+    studio->version++;
+    return true;
+}
+
+// --- The virtual camera. ---
+
+static char *read_whole(int file, size_t *size) {
+    struct stat about;
+    if (fstat(file, &about) != 0 || !S_ISREG(about.st_mode) || (size_t)about.st_size > PHOTOGRAPH_MOST)
+        return NULL;
+    char *bytes = malloc((size_t)about.st_size + 1);
+    *size = 0;
+    for (ssize_t got; bytes && *size < (size_t)about.st_size; *size += (size_t)got)
+        if ((got = read(file, bytes + *size, (size_t)about.st_size - *size)) <= 0) return free(bytes), NULL;
+    return bytes;
+}
+
+// The simulator photographs a stage under all patterns at once: its rays are the same for all of them.
+static void simulate_stage(const FfpStudio *studio, const char *stage, int stops, FfpStudioCommand *c) {
+    ffp_studio_word(c, "ffprocams");
+    ffp_studio_word(c, "generate");
+    ffp_studio_word(c, "virtual/%s", stage);
+    ffp_studio_word(c, "--photographs");
+    ffp_studio_word(c, "patterns");
+    ffp_studio_word(c, "--only");
+    ffp_studio_word(c, "%s", stage);
+    ffp_studio_word(c, "--attitudes");
+    ffp_studio_word(c, "%lld", ffp_studio_number(studio, "attitudes", -1, 8));
+    ffp_studio_word(c, "--views");
+    ffp_studio_word(c, "%d", stops);
+    const json_t *options = json_object_get(studio->settings, "simulator");
+    for (size_t i = 0; i < json_array_size(options); i++)
+        ffp_studio_word(c, "%s", json_string_value(json_array_get(options, i)));
+}
+
+static int stops_of(const FfpStudio *studio, const char *set) {
+    char name[FFP_STUDIO_NAME] = "";
+    if (sscanf(set, "objects/%100[^/]", name) != 1) return 1;
+    return (int)json_integer_value(json_object_get(ffp_studio_object(studio, name), "stops"));
+}
+
+bool ffp_studio_take(FfpStudio *studio, const char *name, int number, char said[FFP_STUDIO_SAID]) {
+    FfpStudioSet set;
+    char path[2 * FFP_STUDIO_NAME];
+    const FfpStudioShot *shot = due_shot(studio, name, number, &set, said);
+    if (!shot) return false;
+    if (strcmp(ffp_studio_setting(studio, "camera", ""), "virtual") != 0 || !set.stage[0])
+        return ffp_studio_say(said, "the virtual camera cannot photograph this");
+    const bool table = strcmp(set.stage, "turntable") == 0;
+    snprintf(path, sizeof path, table ? "virtual/%s/%s/%02d.png" : "virtual/%s/%s/%03d.png", set.stage,
+             set.stage, shot->number);
+    const int file = ffp_studio_open(studio, path);
+    if (file >= 0) {
+        size_t size;
+        char *bytes = read_whole(file, &size);
+        close(file);
+        const bool ok = bytes ? ffp_studio_store(studio, name, number, bytes, size, said)
+                              : ffp_studio_say(said, "%s cannot be read", path);
+        free(bytes);
+        return ok;
+    }
+    if (studio->camera.end == FFP_JOB_RUNNING) return true; // asked again in a moment
+    if (studio->camera.end == FFP_JOB_FAILED && strcmp(studio->camera.name, "virtual") == 0) {
+        studio->camera.end = FFP_JOB_NONE;
+        return ffp_studio_say(said, "the virtual camera has failed; logs/virtual.txt says why");
+    }
+    ffp_studio_clear(&studio->camera);
+    simulate_stage(studio, set.stage, stops_of(studio, name), &studio->camera.commands[0]);
+    studio->camera.n_commands = 1;
+    return ffp_studio_start(studio, &studio->camera, "virtual") ||
+           ffp_studio_say(said, "the virtual camera cannot be started");
+}
+
+// --- A folder that a camera fills. ---
+
+// Raw files beside JPEG ones, and what a camera's program writes besides, are left where they are.
+static bool is_photograph(const char *file) {
+    const char *dot = strrchr(file, '.');
+    return file[0] != '.' && dot &&
+           (strcasecmp(dot, ".png") == 0 || strcasecmp(dot, ".jpg") == 0 || strcasecmp(dot, ".jpeg") == 0);
+}
+
+static void take_file(FfpStudio *studio, const char *folder, const char *file) {
+    char path[8192], *bytes;
+    size_t size;
+    FfpStudioSet set;
+    const char *active = ffp_studio_setting(studio, "active", NULL);
+    const int next = active && ffp_studio_set(studio, active, &set) ? ffp_studio_next(&set) : -1;
+    if (next < 0 || !is_photograph(file)) return;
+    snprintf(path, sizeof path, "%s/%s", folder, file);
+    const int from = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK);
+    if (from < 0) return;
+    bytes = read_whole(from, &size);
+    close(from);
+    char said[FFP_STUDIO_SAID] = "it cannot be read";
+    if (!bytes || !ffp_studio_store(studio, set.name, set.shots[next].number, bytes, size, said)) {
+        snprintf(studio->notice, sizeof studio->notice, "%.120s: %.250s", file, said);
+        studio->version++;
+    }
+    free(bytes);
+}
+
+bool ffp_studio_watch(FfpStudio *studio, const char *folder, char said[FFP_STUDIO_SAID]) {
+    if (studio->watch >= 0) inotify_rm_watch(studio->changes, studio->watch);
+    studio->watch = inotify_add_watch(studio->changes, folder, IN_CLOSE_WRITE | IN_MOVED_TO | IN_ONLYDIR);
+    return studio->watch >= 0 ||
+           ffp_studio_say(said, "the folder %s cannot be watched: %s", folder, strerror(errno));
+}
+
+void ffp_studio_arrived(FfpStudio *studio) {
+    _Alignas(struct inotify_event) char events[16384];
+    const ssize_t got = read(studio->changes, events, sizeof events);
+    const char *folder = ffp_studio_setting(studio, "watched", NULL);
+    const bool watching = strcmp(ffp_studio_setting(studio, "camera", ""), "folder") == 0;
+    for (ssize_t at = 0; folder && watching && at < got;) {
+        const struct inotify_event *event = (const struct inotify_event *)(events + at);
+        if (event->len > 0 && !(event->mask & IN_ISDIR)) take_file(studio, folder, event->name);
+        at += (ssize_t)(sizeof *event + event->len);
+    }
+}

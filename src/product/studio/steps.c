@@ -1,0 +1,191 @@
+// The steps as commands, which the page shows and the shell understands: they run in the studio's folder.
+#define _GNU_SOURCE
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include "work.h"
+
+static FfpStudioCommand *command(FfpStudioJob *job, const char *name) {
+    FfpStudioCommand *c = &job->commands[job->n_commands++];
+    ffp_studio_word(c, "ffprocams");
+    ffp_studio_word(c, "%s", name);
+    return c;
+}
+
+static void words(FfpStudioCommand *c, const char *const list[]) {
+    for (int i = 0; list[i]; i++) ffp_studio_word(c, "%s", list[i]);
+}
+
+static void option(FfpStudioCommand *c, const char *name, const char *value) {
+    ffp_studio_word(c, "%s", name);
+    ffp_studio_word(c, "%s", value);
+}
+
+// --- Patterns. ---
+
+static bool patterns(FfpStudio *studio, FfpStudioJob *job, char *said) {
+    if (ffp_studio_photographed(studio))
+        return ffp_studio_say(
+            said, "there are photographs of the patterns as they are; begin a new folder for others");
+    if (!ffp_studio_set_aside(studio, "patterns") || !ffp_studio_set_aside(studio, "virtual"))
+        return ffp_studio_say(said, "the patterns cannot be moved to discarded/");
+    FfpStudioCommand *c = command(job, "patterns");
+    words(c, (const char *const[]){"-o", "patterns", "--projector", NULL});
+    ffp_studio_word(c, "%lldx%lld", ffp_studio_number(studio, "projector", 0, 0),
+                    ffp_studio_number(studio, "projector", 1, 0));
+    ffp_studio_word(c, "--lollipops");
+    ffp_studio_word(c, "%lld", ffp_studio_number(studio, "lollipops", -1, 1));
+    return true;
+}
+
+// --- The calibration. ---
+
+static int add_attitudes(const FfpStudio *studio, FfpStudioCommand *c) {
+    char names[64][FFP_STUDIO_NAME];
+    FfpStudioSet set;
+    int complete = 0;
+    const int count = ffp_studio_set_names(studio, NULL, names, 64);
+    for (int i = 0; i < count; i++) {
+        if (strncmp(names[i], "calibration/attitude-", 21) != 0 || !ffp_studio_set(studio, names[i], &set))
+            continue;
+        if (set.count == 0 || set.done < set.count) continue;
+        ffp_studio_word(c, "%s", names[i]);
+        complete++;
+    }
+    return complete;
+}
+
+static void add_table(const FfpStudio *studio, FfpStudioCommand *c) {
+    FfpStudioSet set;
+    char list[2048] = "";
+    size_t length = 0;
+    if (!ffp_studio_set(studio, "calibration/turntable", &set) || set.count < 3 || set.done < set.count)
+        return;
+    for (int i = 0; i < set.count && length < sizeof list; i++)
+        length += (size_t)snprintf(list + length, sizeof list - length, "%s%.9g", i > 0 ? "," : "",
+                                   set.shots[i].angle);
+    option(c, "--turntable-board", set.name);
+    ffp_studio_word(c, "--angles=%s", list); // the first may be negative
+    option(c, "--turntable-output", "calibration/axis.json");
+}
+
+static bool calibrate(FfpStudio *studio, FfpStudioJob *job, char *said) {
+    FfpStudioCommand *c = command(job, "calibrate");
+    const int attitudes = add_attitudes(studio, c);
+    if (attitudes < 3)
+        return ffp_studio_say(said, "%d attitudes of the board are photographed; three are the least",
+                              attitudes);
+    words(c, (const char *const[]){"--shown", "patterns", "-o", "calibration/calibration.xml", "--report",
+                                   "calibration/report.html", "--board", NULL});
+    ffp_studio_word(c, "%lldx%lld", ffp_studio_number(studio, "board", 0, 0),
+                    ffp_studio_number(studio, "board", 1, 0));
+    ffp_studio_word(c, "--square");
+    ffp_studio_word(c, "%.9g", json_number_value(json_object_get(studio->settings, "square")));
+    const json_t *fix = json_object_get(studio->settings, "fix");
+    for (size_t i = 0; i < json_array_size(fix); i++)
+        option(c, "--fix", json_string_value(json_array_get(fix, i)));
+    add_table(studio, c);
+    return true;
+}
+
+// --- The object. ---
+
+// Patterns' names for `import`: black,white,lollipop_0. The last of several lollipops is to be predicted.
+static void pattern_names(const FfpStudioSet *set, char *names, size_t size, const char **last,
+                          int *lollipops) {
+    size_t length = 0;
+    *lollipops = 0, names[0] = 0;
+    for (int i = 0; i < set->count; i++) {
+        const char *name = strchr(set->shots[i].pattern, '_') + 1, *dot = strrchr(name, '.');
+        if (strncmp(name, "gray_", 5) == 0 || length >= size) continue;
+        length += (size_t)snprintf(names + length, size - length, "%s%.*s", length > 0 ? "," : "",
+                                   (int)(dot - name), name);
+        if (strncmp(name, "lollipop_", 9) == 0) *last = set->shots[i].pattern, (*lollipops)++;
+    }
+}
+
+static void add_photographs(const FfpStudio *studio, FfpStudioCommand *c, const char *object,
+                            const FfpStudioSet *stop) {
+    char names[1024];
+    const char *last = "";
+    int lollipops;
+    FfpStudioSet empty;
+    ffp_studio_word(c, "-i");
+    ffp_studio_word(c, "objects/%s/view-{view}/*.%s", object, stop->ending);
+    pattern_names(stop, names, sizeof names, &last, &lollipops);
+    if (lollipops > 1) {
+        const char *name = strchr(last, '_') + 1;
+        ffp_studio_word(c, "--held-out");
+        ffp_studio_word(c, "%.*s=patterns/%s", (int)(strrchr(name, '.') - name), name, last);
+    }
+    char path[FFP_STUDIO_NAME];
+    snprintf(path, sizeof path, "objects/%.60s/empty", object);
+    if (!ffp_studio_set(studio, path, &empty)) return;
+    ffp_studio_word(c, "--empty");
+    ffp_studio_word(c, "%s=%s/*.%s", names, path, empty.ending);
+}
+
+// All stops, and the empty stage where one is wanted.
+static bool all_there(const FfpStudio *studio, const char *object, FfpStudioSet *stop, char *said) {
+    char names[FFP_STUDIO_SETS][FFP_STUDIO_NAME];
+    const int count = ffp_studio_set_names(studio, object, names, FFP_STUDIO_SETS);
+    for (int i = 0; i < count; i++) {
+        if (!ffp_studio_set(studio, names[i], stop) || stop->count == 0 || stop->done < stop->count)
+            return ffp_studio_say(said, "%s has %d of %d photographs", names[i], stop->done, stop->count);
+    }
+    return count > 0;
+}
+
+static bool make(FfpStudio *studio, FfpStudioJob *job, char *said) {
+    const char *object = ffp_studio_setting(studio, "object", "");
+    const json_t *about = ffp_studio_object(studio, object);
+    FfpStudioSet stop;
+    char capture[FFP_STUDIO_NAME], ply[FFP_STUDIO_NAME], page[FFP_STUDIO_NAME];
+    if (!about) return ffp_studio_say(said, "no object is chosen");
+    if (!ffp_studio_exists(studio, "calibration/axis.json"))
+        return ffp_studio_say(said, "the rig is not calibrated yet");
+    if (!all_there(studio, object, &stop, said)) return false;
+    snprintf(capture, sizeof capture, "objects/%.60s/capture", object);
+    snprintf(ply, sizeof ply, "objects/%.60s/object.ply", object);
+    snprintf(page, sizeof page, "objects/%.60s/view.html", object);
+    if (!ffp_studio_set_aside(studio, capture))
+        return ffp_studio_say(said, "%s cannot be moved to discarded/", capture);
+    const int stops = (int)json_integer_value(json_object_get(about, "stops"));
+    FfpStudioCommand *c = command(job, "import");
+    words(c, (const char *const[]){"-c", "calibration/calibration.xml", "-t", "calibration/axis.json",
+                                   "--angles", NULL});
+    ffp_studio_word(c, "%dx%.9g", stops, 360.0 / stops);
+    option(c, "--shown", "patterns");
+    add_photographs(studio, c, object, &stop);
+    ffp_studio_word(c, "--fit-response");
+    ffp_studio_word(c, "-w");
+    ffp_studio_word(c, "%lld", ffp_studio_number(studio, "width", -1, 128));
+    option(c, "--name", object);
+    option(c, "-o", capture);
+    ffp_studio_word(command(job, "info"), "%s", capture);
+    words(command(job, "reconstruct"), (const char *const[]){capture, "-o", ply, NULL});
+    words(command(job, "view"), (const char *const[]){ply, "--capture", capture, "-o", page, NULL});
+    return true;
+}
+
+static bool evaluate(FfpStudio *studio, FfpStudioJob *job, char *said) {
+    const char *object = ffp_studio_setting(studio, "object", "");
+    char capture[FFP_STUDIO_NAME], scores[FFP_STUDIO_NAME], scene[FFP_STUDIO_NAME + 16];
+    snprintf(capture, sizeof capture, "objects/%.60s/capture", object);
+    snprintf(scores, sizeof scores, "objects/%.60s/scores.json", object);
+    snprintf(scene, sizeof scene, "%s/scene.json", capture);
+    if (!ffp_studio_exists(studio, scene)) return ffp_studio_say(said, "the object is not reconstructed yet");
+    words(command(job, "evaluate"), (const char *const[]){capture, "--json", scores, NULL});
+    return true;
+}
+
+bool ffp_studio_step(FfpStudio *studio, const char *step, FfpStudioJob *job, char said[FFP_STUDIO_SAID]) {
+    static const struct {
+        const char *name;
+        bool (*make)(FfpStudio *, FfpStudioJob *, char *);
+    } steps[] = {{"patterns", patterns}, {"calibrate", calibrate}, {"make", make}, {"evaluate", evaluate}};
+    for (size_t i = 0; i < sizeof steps / sizeof *steps; i++)
+        if (strcmp(steps[i].name, step) == 0) return steps[i].make(studio, job, said);
+    return ffp_studio_say(said, "there is no step called %.40s", step);
+}

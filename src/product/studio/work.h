@@ -1,0 +1,165 @@
+// What the files of this room share.
+#ifndef FFP_STUDIO_WORK_H
+#define FFP_STUDIO_WORK_H
+
+#include <jansson.h>
+#include <pthread.h>
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <sys/types.h>
+
+enum {
+    FFP_STUDIO_NAME = 160,   // of a path inside the folder, with its 0
+    FFP_STUDIO_SAID = 400,   // of a message
+    FFP_STUDIO_SHOTS = 256,  // of a set
+    FFP_STUDIO_SETS = 256,   // of an object or the calibration
+    FFP_STUDIO_WORDS = 128,  // of a command
+    FFP_STUDIO_LINES = 6,    // commands of a job
+    FFP_STUDIO_LOG = 1 << 15 // what a job wrote last
+};
+
+// --- Commands and jobs (job.c). ---
+
+typedef struct FfpStudioCommand {
+    char *words[FFP_STUDIO_WORDS + 1]; // owned; NULL ends them. The first is "ffprocams"
+    int count;
+    bool failed; // no room
+} FfpStudioCommand;
+
+void ffp_studio_word(FfpStudioCommand *command, const char *format, ...)
+    __attribute__((format(printf, 2, 3)));
+// As one would type it in the folder; to be freed.
+char *ffp_studio_typed(const FfpStudioCommand *command);
+
+typedef enum FfpJobEnd {
+    FFP_JOB_NONE,
+    FFP_JOB_RUNNING,
+    FFP_JOB_DONE,
+    FFP_JOB_FAILED,
+    FFP_JOB_STOPPED
+} FfpJobEnd;
+
+typedef struct FfpStudioJob {
+    char name[32]; // "calibrate"; its log is logs/NAME.txt
+    FfpStudioCommand commands[FFP_STUDIO_LINES];
+    int n_commands, current;
+    FfpJobEnd end;
+    pid_t process;  // 0: none
+    bool stop;      // asked for
+    char stage[80]; // of the progress; "" without any
+    long long done, total;
+    char log[FFP_STUDIO_LOG];
+    size_t logged;
+    double began, seconds;
+    bool joinable;
+    pthread_t thread;
+} FfpStudioJob;
+
+// --- The studio. ---
+
+typedef struct FfpStudio {
+    char folder[4096]; // absolute
+    int root;          // the open folder
+    int lock_file;
+    int changes, watch; // inotify, and the folder that it looks at; -1: none
+    char token[33];
+    int port;
+    pthread_mutex_t lock; // of all that follows
+    json_t *settings;     // studio.json
+    uint64_t version;     // of what the page is told; grows with every change
+    char notice[FFP_STUDIO_SAID];
+    FfpStudioJob job, camera; // what the user began; the virtual camera
+    bool closing;
+} FfpStudio;
+
+// Begins a job of the commands that it holds already; false if one runs. To be called with the lock.
+bool ffp_studio_start(FfpStudio *studio, FfpStudioJob *job, const char *name);
+void ffp_studio_stop(FfpStudioJob *job);                    // with the lock; it ends as soon as it can
+void ffp_studio_join(FfpStudio *studio, FfpStudioJob *job); // without the lock
+void ffp_studio_clear(FfpStudioJob *job);                   // its commands; not while it runs
+
+// --- The folder (disk.c). Paths are inside it; every function refuses others. ---
+
+// Words of letters, digits, '-', '_' and '.' that do not begin with '.', with '/' between.
+bool ffp_studio_path(const char *path);
+// Opens for reading, following no links; -1: there is none.
+int ffp_studio_open(const FfpStudio *studio, const char *path);
+bool ffp_studio_exists(const FfpStudio *studio, const char *path);
+bool ffp_studio_make(const FfpStudio *studio, const char *folder); // and those above it
+// Whole or not at all, and on disk when it returns true; the folder above it is made. False: errno.
+bool ffp_studio_write(const FfpStudio *studio, const char *path, const void *bytes, size_t size);
+// Moves it to discarded/NAME-N, NAME being its path with dashes. True if there is nothing.
+bool ffp_studio_set_aside(const FfpStudio *studio, const char *path);
+// Names in a folder in the alphabet's order, at most `most`; each to be freed. 0: none, or no folder.
+int ffp_studio_list(const FfpStudio *studio, const char *folder, char **names, int most);
+void ffp_studio_free_names(char **names, int count);
+json_t *ffp_studio_read_json(const FfpStudio *studio,
+                             const char *path); // NULL: none, or none that can be read
+
+// --- Sets of photographs (sets.c). ---
+
+typedef struct FfpStudioShot {
+    int number;       // of the file: NNN.png
+    char pattern[80]; // the file of patterns/
+    double angle;     // of the table, where has_angle
+    bool has_angle;
+} FfpStudioShot;
+
+typedef struct FfpStudioSet {
+    char name[FFP_STUDIO_NAME]; // its folder: calibration/attitude-03
+    char stage[32];             // what `generate --only` calls it
+    FfpStudioShot shots[FFP_STUDIO_SHOTS];
+    int count, done;
+    bool there[FFP_STUDIO_SHOTS];
+    char ending[8]; // of its photographs; "" without any
+} FfpStudioSet;
+
+// The set of that name as it is on disk; false: there can be none.
+bool ffp_studio_set(const FfpStudio *studio, const char *name, FfpStudioSet *set);
+// All sets that there are or are to be: of the calibration (object NULL) or of an object.
+int ffp_studio_set_names(const FfpStudio *studio, const char *object, char names[][FFP_STUDIO_NAME],
+                         int most);
+int ffp_studio_next(const FfpStudioSet *set);          // index of the first missing shot; -1: complete
+bool ffp_studio_photographed(const FfpStudio *studio); // anything at all
+const char *ffp_studio_setting(const FfpStudio *studio, const char *name, const char *otherwise);
+long long ffp_studio_number(const FfpStudio *studio, const char *name, int index, long long otherwise);
+json_t *ffp_studio_object(const FfpStudio *studio, const char *name); // borrowed; NULL: none of that name
+
+// --- Pictures that come from outside (picture.c). ---
+
+// What a PNG or JPEG says of itself; false: neither, or not whole. ending: "png" or "jpg".
+bool ffp_studio_picture(const unsigned char *bytes, size_t size, int *width, int *height,
+                        const char **ending);
+
+// --- What the page is told, and what it asks for (state.c, verbs.c, shoot.c, steps.c); all with the lock.
+// ---
+
+bool ffp_studio_load(FfpStudio *studio, bool virtual_rig, char said[FFP_STUDIO_SAID]);
+bool ffp_studio_save(FfpStudio *studio, char said[FFP_STUDIO_SAID]);
+json_t *ffp_studio_state(const FfpStudio *studio);
+// {"verb": ...}; false: why not.
+bool ffp_studio_do(FfpStudio *studio, const json_t *request, char said[FFP_STUDIO_SAID]);
+// The commands of a step ("patterns", "calibrate", "make", "evaluate") into the job; false: what it lacks.
+bool ffp_studio_step(FfpStudio *studio, const char *step, FfpStudioJob *job, char said[FFP_STUDIO_SAID]);
+// A photograph for the shot that is due; it is on disk when this is true.
+bool ffp_studio_store(FfpStudio *studio, const char *set, int number, const void *bytes, size_t size,
+                      char said[FFP_STUDIO_SAID]);
+// The virtual camera takes the shot that is due, or begins to.
+bool ffp_studio_take(FfpStudio *studio, const char *set, int number, char said[FFP_STUDIO_SAID]);
+// A folder that a camera fills: every new picture in it is the shot that is due.
+bool ffp_studio_watch(FfpStudio *studio, const char *folder, char said[FFP_STUDIO_SAID]);
+void ffp_studio_arrived(FfpStudio *studio); // when `changes` can be read
+
+bool ffp_studio_say(char said[FFP_STUDIO_SAID], const char *format, ...)
+    __attribute__((format(printf, 2, 3)));
+
+// --- The server (serve.c). ---
+
+bool ffp_studio_serve(FfpStudio *studio, bool opens, char said[FFP_STUDIO_SAID]);
+
+// The pages, made of view/ (cmake/page.cmake), each ended by a 0.
+extern const unsigned char ffp_page_studio[], ffp_page_projector[];
+extern const size_t ffp_page_studio_size, ffp_page_projector_size;
+
+#endif

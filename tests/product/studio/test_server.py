@@ -1,0 +1,455 @@
+#!/usr/bin/env python3
+"""The studio's server without a browser: who may speak to it, what it refuses, and what is on disk whatever happens.
+
+    test_server.py PROGRAM FOLDER [SECONDS]     SECONDS of mangled requests (2)
+
+Exits with 77 where the program was built without the studio."""
+import http.client
+import json
+import os
+import random
+import resource
+import shutil
+import signal
+import socket
+import struct
+import subprocess
+import sys
+import time
+import zlib
+from pathlib import Path
+
+
+class Studio:
+    def __init__(self, program, folder, *options, limit=0):
+        def prepare():
+            if limit:
+                resource.setrlimit(resource.RLIMIT_FSIZE, (limit, limit))
+
+        self.process = subprocess.Popen([program, "studio", str(folder), "--no-browser", *options], stdout=subprocess.PIPE,
+                                        stderr=subprocess.PIPE, text=True, preexec_fn=prepare)
+        line = self.process.stdout.readline()
+        if "open http://" not in line:
+            self.error = self.process.stderr.read()
+            self.process.wait()
+            return
+        self.error, url = "", line.split("open ")[1].split()[0]
+        self.port, self.key = int(url.split(":")[2].split("/")[0]), url.rstrip("/").split("/")[-1]
+        self.folder = folder
+
+    def ask(self, method, path, body=None, key=None, **headers):
+        """Status and body of a request as the page makes it, but for what is given; a header that is None is left out."""
+        sent = {"Host": f"127.0.0.1:{self.port}", "Origin": f"http://127.0.0.1:{self.port}"}
+        sent.update({name.replace("_", "-"): value for name, value in headers.items()})
+        link = http.client.HTTPConnection("127.0.0.1", self.port, timeout=20)
+        link.putrequest(method, f"/{self.key if key is None else key}/{path}", skip_host=True)
+        if body is not None and "Content_Length" not in headers:
+            sent["Content-Length"] = str(len(body))
+        for name, value in sent.items():
+            if value is not None:
+                link.putheader(name, value)
+        link.endheaders(body)
+        answer = link.getresponse()
+        data = answer.read()
+        link.close()
+        return answer.status, data
+
+    def do(self, **request):
+        status, data = self.ask("POST", "do", json.dumps(request).encode())
+        return status, json.loads(data)
+
+    def state(self):
+        return json.loads(self.ask("GET", "state")[1])
+
+    def wait(self, end="done"):
+        stop = time.monotonic() + 60
+        while (state := self.state())["job"]["end"] == "running":
+            assert time.monotonic() < stop
+            time.sleep(0.05)
+        assert state["job"]["end"] == end, state["job"]
+        return state
+
+    def photograph(self, name, number, picture):
+        status, data = self.ask("POST", f"photograph?set={name}&number={number}", picture)
+        return status, json.loads(data)
+
+    def raw(self, data, wait=5.0):
+        """What comes back for bytes."""
+        with socket.create_connection(("127.0.0.1", self.port), timeout=wait) as link:
+            got = b""
+            try:
+                link.sendall(data)
+                link.shutdown(socket.SHUT_WR)
+                while more := link.recv(65536):
+                    got += more
+            except OSError:
+                pass
+            return got
+
+    def memory(self):
+        """Resident, MB."""
+        return int(Path(f"/proc/{self.process.pid}/statm").read_text().split()[1]) * resource.getpagesize() / 1e6
+
+    def kill(self):
+        self.process.kill()
+        self.process.wait()
+
+    def stop(self):
+        self.process.terminate()
+        assert self.process.wait(timeout=30) == 0, self.process.returncode
+
+
+def png(width=64, height=48, grey=128):
+    rows = b"".join(b"\0" + bytes((grey, grey, grey)) * width for _ in range(height))
+
+    def chunk(kind, data):
+        return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
+
+    return (b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", struct.pack(">IIBBBBB", width, height, 8, 2, 0, 0, 0)) +
+            chunk(b"IDAT", zlib.compress(rows)) + chunk(b"IEND", b""))
+
+
+# --- Who may speak. ---
+
+def strangers_are_refused(studio):
+    here = f"127.0.0.1:{studio.port}"
+    assert studio.ask("GET", "")[0] == 200
+    assert studio.ask("GET", "", Host=f"localhost:{studio.port}", Origin=None)[0] == 200
+    refused = [
+        ("GET", "state", {"key": ""}), ("GET", "state", {"key": "0" * 32}), ("GET", "state", {"key": studio.key[:-1]}),
+        ("GET", "state", {"key": studio.key + "0"}), ("GET", "state", {"key": studio.key.upper() + "x"}),
+        ("GET", "state", {"Host": "example.org"}), ("GET", "state", {"Host": f"example.org:{studio.port}"}),
+        ("GET", "state", {"Host": "127.0.0.1"}), ("GET", "state", {"Host": f"127.0.0.1:{studio.port}.example.org"}),
+        ("GET", "state", {"Origin": "http://example.org"}), ("GET", "state", {"Origin": "null"}),
+        ("GET", "state", {"Origin": f"https://{here}"}), ("GET", "state", {"Origin": f"http://{here}0"}),
+        ("GET", "state", {"Sec_Fetch_Site": "cross-site"}), ("GET", "state", {"Sec_Fetch_Site": "same-site"}),
+        ("POST", "do", {"Origin": None}), ("POST", "do", {"Origin": "http://example.org"}),
+        ("POST", "photograph", {"Origin": None}),
+    ]
+    for method, path, how in refused:
+        status, data = studio.ask(method, path, b"{}" if method == "POST" else None, **how)
+        assert status == 403, (method, path, how, status)
+        assert studio.key.encode() not in data
+    for method in ("PUT", "DELETE", "OPTIONS", "TRACE", "CONNECT", "PATCH", "HEAD", "get"):
+        assert studio.ask(method, "state")[0] in (400, 405), method
+    # no Host at all, HTTP/1.0
+    assert b" 40" in studio.raw(f"GET /{studio.key}/state HTTP/1.0\r\n\r\n".encode()).split(b"\r\n")[0]
+    headers = studio.raw(f"GET /{studio.key}/ HTTP/1.1\r\nHost: {here}\r\nConnection: close\r\n\r\n".encode()).split(b"\r\n\r\n")[0]
+    for needed in (b"frame-ancestors 'none'", b"nosniff", b"no-referrer", b"no-store", b"Opener-Policy: same-origin"):
+        assert needed in headers, needed
+    return len(refused) + 9
+
+
+def no_path_leads_out(studio):
+    secret = studio.folder.parent / "secret.txt"
+    secret.write_text("secret")
+    (studio.folder / "link.txt").symlink_to(secret)
+    (studio.folder / "out").symlink_to(studio.folder.parent)
+    os.mkfifo(studio.folder / "pipe.txt")
+    (studio.folder / "evil.html").write_text("<script>1</script>")
+    assert studio.ask("GET", "file/studio.json")[0] == 200
+    paths = ["../secret.txt", "%2e%2e/secret.txt", "..%2fsecret.txt", "patterns/../../secret.txt", "link.txt", "out/secret.txt", "/etc/passwd",
+             "//etc/passwd", "%2fetc%2fpasswd", ".studio-lock", ".", "..", "", "/", "patterns", "patterns/", "pipe.txt", "evil.html",
+             "studio.json/", "studio.json%00.png", "a" * 300 + ".txt", "\\..\\secret.txt", "patterns/./001_black.png", "~/.profile", "none.txt"]
+    for path in paths:
+        status, data = studio.ask("GET", "file/" + path)
+        assert status in (400, 404) and b"secret" not in data and b"root:" not in data, (path, status)
+    for path in ("../state", "%2e%2e/state", "x", "do", "photograph"):
+        assert studio.ask("GET", path)[0] in (400, 403, 404), path
+    for name in ("link.txt", "out", "pipe.txt", "evil.html"):
+        (studio.folder / name).unlink()
+    return len(paths) + 5
+
+
+def bodies_are_bounded(studio):
+    before = studio.memory()
+    head = f"POST /{studio.key}/%s HTTP/1.1\r\nHost: 127.0.0.1:{studio.port}\r\nOrigin: http://127.0.0.1:{studio.port}\r\n"
+    for path, length in (("photograph?set=a&number=1", 10 << 30), ("do", 10 << 30), ("do", (1 << 16) + 1), ("photograph", (1 << 26) + 1),
+                         ("do", 1 << 62)):
+        assert b" 413 " in studio.raw((head % path + f"Content-Length: {length}\r\n\r\n").encode()).split(b"\r\n")[0], (path, length)
+    assert b" 200 " not in studio.raw((head % "do" + "Content-Length: 99999999999999999999999\r\n\r\n").encode())
+    # chunks without an end
+    with socket.create_connection(("127.0.0.1", studio.port), timeout=10) as link:
+        link.sendall((head % "do" + "Transfer-Encoding: chunked\r\n\r\n").encode())
+        sent, chunk = 0, b"4000\r\n" + b"x" * 0x4000 + b"\r\n"
+        try:
+            while sent < 1 << 24:
+                link.sendall(chunk)
+                sent += 0x4000
+        except OSError:
+            pass
+    assert sent < 1 << 24, "a request's body has no end"
+    assert b" 200 " not in studio.raw(f"GET /{studio.key}/state HTTP/1.1\r\n".encode() + b"X: " + b"y" * (1 << 17) + b"\r\n\r\n")
+    assert studio.ask("GET", "state")[0] == 200
+    grown = studio.memory() - before
+    assert grown < 40, grown
+    return grown
+
+
+def thousand_connections(studio):
+    """Idle ones and halves of requests; another is answered meanwhile, and they are gone in the end."""
+    soft, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
+    resource.setrlimit(resource.RLIMIT_NOFILE, (min(hard, 4096), hard))
+    links = []
+    for i in range(1000):
+        link = socket.create_connection(("127.0.0.1", studio.port), timeout=20)
+        if i % 2:
+            link.sendall(b"POST /x HTTP/1.1\r\nHo")
+        links.append(link)
+    began = time.monotonic()
+    assert studio.ask("GET", "state")[0] == 200
+    meanwhile = time.monotonic() - began
+    ended = sum(1 for link in links[::50] if ended_by_server(link))
+    assert ended == len(links[::50]), ended
+    for link in links:
+        link.close()
+    resource.setrlimit(resource.RLIMIT_NOFILE, (soft, hard))
+    assert studio.ask("GET", "state")[0] == 200
+    return meanwhile, time.monotonic() - began
+
+
+def ended_by_server(link):
+    link.settimeout(40)
+    try:
+        while link.recv(65536):
+            pass
+        return True
+    except TimeoutError:
+        return False
+    except OSError:
+        return True
+
+
+def mangled_requests(studio, seconds):
+    """The server outlives them, and the settings are as before."""
+    dice, count = random.Random(36), 0
+    before = (studio.folder / "studio.json").read_bytes()
+    here = f"127.0.0.1:{studio.port}"
+    body = json.dumps({"verb": "none", "settings": {"projector": [320, 200]}, "set": "calibration/attitude-00", "number": 1}).encode()
+    seeds = [
+        f"GET /{studio.key}/state?known=1 HTTP/1.1\r\nHost: {here}\r\n\r\n".encode(),
+        f"GET /{studio.key}/file/studio.json HTTP/1.1\r\nHost: {here}\r\n\r\n".encode(),
+        f"POST /{studio.key}/do HTTP/1.1\r\nHost: {here}\r\nOrigin: http://{here}\r\nContent-Length: {len(body)}\r\n\r\n".encode() + body,
+        f"POST /{studio.key}/photograph?set=calibration/attitude-00&number=1 HTTP/1.1\r\nHost: {here}\r\nOrigin: http://{here}\r\n"
+        f"Content-Length: 300\r\n\r\n".encode() + png()[:300],
+    ]
+    end = time.monotonic() + seconds
+    while time.monotonic() < end:
+        data = bytearray(dice.choice(seeds))
+        for _ in range(dice.randint(1, 8)):
+            at = dice.randrange(len(data))
+            what = dice.random()
+            if what < 0.5:
+                data[at] = dice.randrange(256)
+            elif what < 0.7:
+                del data[at:at + dice.randint(1, 12)]
+            elif what < 0.9:
+                data[at:at] = dice.choice([b"\r\n", b"\0", b"%00", b"../", b"{", b"9" * 30, bytes(dice.randrange(256) for _ in range(9))])
+            else:
+                data[at:] = b""
+            data = data or bytearray(b"\n")
+        studio.raw(bytes(data), wait=0.1)
+        count += 1
+    assert studio.process.poll() is None, "the server is gone"
+    assert studio.ask("GET", "state")[0] == 200
+    assert (studio.folder / "studio.json").read_bytes() == before
+    return count
+
+
+# --- What is asked for. ---
+
+def wrong_requests_change_nothing(studio):
+    before = (studio.folder / "studio.json").read_bytes()
+    settings = [{"projector": [63, 200]}, {"projector": [320]}, {"projector": "320x200"}, {"projector": [320, 16385]}, {"projector": [320.5, 200]},
+                {"board": [2, 6]}, {"board": None}, {"square": 0}, {"square": -1}, {"square": "16"}, {"board_angles": [0, 1]},
+                {"board_angles": [0, 1, "2"]}, {"board_angles": [0, 1, 1e9]}, {"attitudes": 2}, {"attitudes": 41}, {"lollipops": 0}, {"width": 10},
+                {"fix": ["k4"]}, {"fix": ["camera.--output"]}, {"fix": "k1"}, {"camera": "other"}, {"watched": "relative"}, {"watched": "/nowhere/at/all"},
+                {"simulator": ["--mesh", "/etc/passwd"]}, {"virtual": False}, {"object": "x"}, {"version": 2}, {"../x": 1}]
+    requests = [{"verb": "set", "settings": s} for s in settings]
+    requests += [{"verb": "set"}, {"verb": "set", "settings": []}, {}, {"verb": 7}, {"verb": "none"}, {"verb": "object"},
+                 {"verb": "object", "name": "../x", "stops": 8}, {"verb": "object", "name": "-o", "stops": 8}, {"verb": "object", "name": "x" * 41, "stops": 8},
+                 {"verb": "object", "name": "x", "stops": 2}, {"verb": "object", "name": "x", "stops": "8"}, {"verb": "shoot", "set": "calibration/none"},
+                 {"verb": "shoot", "set": "calibration/attitude-99999"}, {"verb": "shoot", "set": "../calibration/turntable"},
+                 {"verb": "shoot", "set": "objects/none/view-000"}, {"verb": "take", "set": "calibration/attitude-00", "number": 1},
+                 {"verb": "take", "set": 1, "number": "1"}, {"verb": "discard", "set": "patterns"}, {"verb": "discard", "set": "../secret.txt"},
+                 {"verb": "run"}, {"verb": "run", "step": "rm"}, {"verb": "run", "step": "calibrate"}, {"verb": "run", "step": "make"},
+                 {"verb": "run", "step": "evaluate"}]
+    for request in requests:
+        status, answer = studio.do(**request)
+        assert status == 409 and answer["error"], (request, status)
+        assert (studio.folder / "studio.json").read_bytes() == before, request
+    for text in (b"", b"{", b"[]", b"null", b"\xff\xfe", b'{"verb": "set", "verb": "run"}', b"{" * 60000):
+        assert studio.ask("POST", "do", text)[0] == 409, text[:20]
+    return len(requests) + 7
+
+
+def photographs_are_checked(studio):
+    name = "calibration/attitude-00"
+    assert studio.photograph(name, 1, png())[0] == 409  # nobody photographs it
+    assert studio.do(verb="shoot", set=name)[0] == 200
+    whole = png()
+    wrong = [b"", b"x" * 100, whole[:-5], whole[:60], whole[:8], b"\xff\xd8\xff\xd9", b"GIF89a" + bytes(100), whole.replace(b"IEND", b"IENX"),
+             whole[:16] + struct.pack(">I", 0) + whole[20:]]
+    for picture in wrong:
+        status, answer = studio.photograph(name, 1, picture)
+        assert status == 409 and "whole PNG or JPEG" in answer["error"], (picture[:12], answer.get("error"))
+    for number, said in ((2, "not due"), (0, "not due"), (999, "not due")):
+        status, answer = studio.photograph(name, number, whole)
+        assert status == 409 and said in answer["error"], answer.get("error")
+    for query in ("set=calibration/attitude-00", "number=1", "set=calibration/attitude-00&number=x", "set=calibration/attitude-00&number=-1"):
+        assert studio.ask("POST", "photograph?" + query, whole)[0] == 409
+    assert studio.photograph("calibration/attitude-01", 1, whole)[0] == 409
+    assert not (studio.folder / name).exists()
+    status, state = studio.photograph(name, 1, whole)
+    assert status == 200 and state["active"]["done"] == 1 and (studio.folder / name / "001.png").read_bytes() == whole
+    status, answer = studio.photograph(name, 1, whole)  # a second window, or a camera that fires twice
+    assert status == 409 and "another window" in answer["error"]
+    status, answer = studio.photograph(name, 2, png(80, 48))
+    assert status == 409 and "80 x 48" in answer["error"] and "64 x 48" in answer["error"]
+    status, answer = studio.do(verb="set", settings={"projector": [640, 400]})
+    assert status == 409 and "photographs" in answer["error"]
+    assert studio.do(verb="run", step="patterns")[0] == 409
+    return len(wrong) + 11
+
+
+# --- Whatever happens. ---
+
+def killed_at_any_moment(program, folder, studio):
+    """kill -9 between and amid photographs: those that were confirmed are there, and it goes on with the next."""
+    dice, confirmed = random.Random(1), 1
+    name = "calibration/attitude-00"
+    for life in range(6):
+        if life % 2 == 0:
+            for _ in range(dice.randint(1, 3)):
+                due = studio.state()["active"]["next"]["number"]
+                assert studio.photograph(name, due, png(grey=due))[0] == 200
+                confirmed += 1
+            studio.kill()
+        else:  # a request on its way
+            due = studio.state()["active"]["next"]["number"]
+            link = socket.create_connection(("127.0.0.1", studio.port))
+            body = png(grey=due)
+            link.sendall(f"POST /{studio.key}/photograph?set={name}&number={due} HTTP/1.1\r\nHost: 127.0.0.1:{studio.port}\r\n"
+                         f"Origin: http://127.0.0.1:{studio.port}\r\nContent-Length: {len(body)}\r\n\r\n".encode() + body[:dice.randrange(len(body))])
+            time.sleep(0.05)
+            studio.kill()
+            link.close()
+        studio = Studio(program, folder)
+        state = studio.state()
+        assert state["active"]["name"] == name and state["active"]["done"] == confirmed, (state["active"]["done"], confirmed)
+    return studio, confirmed
+
+
+def one_studio_for_a_folder(program, folder):
+    second = Studio(program, folder)
+    assert "another studio works in this folder" in second.error, second.error
+
+
+def full_disk(program, folder, studio):
+    studio.stop()
+    studio = Studio(program, folder, limit=2000)
+    noise = random.Random(2)
+    due = studio.state()["active"]["next"]["number"]
+    rows = b"".join(b"\0" + bytes(noise.randrange(256) for _ in range(64 * 3)) for _ in range(48))
+    picture = png()
+    at = picture.index(b"IDAT") - 4
+    data = zlib.compress(rows)
+    picture = picture[:at] + struct.pack(">I", len(data)) + b"IDAT" + data + struct.pack(">I", zlib.crc32(b"IDAT" + data)) + picture[-12:]
+    done = studio.state()["active"]["done"]
+    status, answer = studio.photograph("calibration/attitude-00", due, picture)
+    assert status == 409 and "cannot be written" in answer["error"], answer
+    left = sorted(os.listdir(folder / "calibration/attitude-00"))
+    assert len(left) == done and not any(name.startswith(".") for name in left), left
+    studio.stop()
+    return Studio(program, folder)
+
+
+def damaged_settings(program, folder):
+    """Refused by name, and left as they are."""
+    whole = json.loads((folder / "studio.json").read_text())
+    for change, said in (({"projector": [1]}, "projector"), ({"square": "x"}, "square"), ({"objects": []}, "objects"), ({"camera": 5}, "camera")):
+        (folder / "studio.json").write_text(json.dumps({**whole, **change}))
+        error = Studio(program, folder).error
+        assert "studio.json" in error and said in error, error
+    for text in ("", "{", "[]", "null", "{}"):
+        (folder / "studio.json").write_text(text)
+        assert "studio.json" in Studio(program, folder).error
+    (folder / "studio.json").write_text(json.dumps(whole))
+
+
+def jobs_end(studio):
+    """A failing command is told with its log; one that is stopped stops."""
+    assert studio.do(verb="cancel")[0] == 200
+    log = (studio.folder / "logs/patterns.txt").read_text()
+    assert log.startswith("$ ffprocams patterns -o patterns --projector 320x200")
+
+
+def a_watched_folder(program, folder):
+    """Every new picture is the shot that is due; other files are not."""
+    place = folder.parent / "camera"
+    place.mkdir()
+    studio = Studio(program, folder, "--virtual")
+    assert studio.do(verb="set", settings={"camera": "folder", "watched": str(place)})[0] == 200
+    studio.do(verb="run", step="patterns")
+    studio.wait()
+    name = "calibration/attitude-00"
+    studio.do(verb="shoot", set=name)
+
+    def wait_for(condition, said):
+        end = time.monotonic() + 5
+        while not condition(studio.state()):
+            assert time.monotonic() < end, said
+            time.sleep(0.02)
+
+    (place / "IMG_0001.png").write_bytes(png(grey=1))
+    wait_for(lambda s: s["active"]["done"] == 1, "a new file")
+    (place / "IMG_0002.CR2").write_bytes(b"raw")
+    (place / ".hidden.png").write_bytes(png())
+    (place / "part").write_bytes(png(grey=2))
+    os.rename(place / "part", place / "IMG_0002.PNG")
+    wait_for(lambda s: s["active"]["done"] == 2, "a file that was renamed")
+    (place / "IMG_0003.jpg").write_bytes(b"\xff\xd8 not a picture")
+    wait_for(lambda s: "IMG_0003.jpg" in s["notice"] and s["active"]["done"] == 2, "a damaged file")
+    (place / "IMG_0004.png").write_bytes(png(grey=4))
+    wait_for(lambda s: s["active"]["done"] == 3 and s["notice"] == "", "it goes on")
+    assert (folder / name / "002.png").read_bytes() == png(grey=2)
+    studio.stop()
+    studio = Studio(program, folder)  # it watches again
+    (place / "IMG_0005.png").write_bytes(png(grey=5))
+    wait_for(lambda s: s["active"]["done"] == 4, "after a new start")
+    studio.stop()
+
+
+def main():
+    program, folder = os.path.abspath(sys.argv[1]), Path(sys.argv[2])
+    seconds = float(sys.argv[3]) if len(sys.argv) > 3 else 2.0
+    shutil.rmtree(folder, ignore_errors=True)
+    folder.mkdir(parents=True)
+    rig = folder / "rig"
+    studio = Studio(program, rig, "--virtual")
+    if "without the studio" in studio.error:
+        print("built without the studio")
+        return 77
+    print(f"{strangers_are_refused(studio)} strangers are refused")
+    assert studio.do(verb="run", step="patterns")[0] == 200
+    studio.wait()
+    print(f"{no_path_leads_out(studio)} paths lead nowhere")
+    print(f"long bodies cost {bodies_are_bounded(studio):.1f} MB")
+    print(f"{wrong_requests_change_nothing(studio)} wrong requests change nothing")
+    print("beside 1000 connections an answer takes %.3f s; they are gone after %.1f s" % thousand_connections(studio))
+    print(f"{mangled_requests(studio, seconds)} mangled requests")
+    print(f"{photographs_are_checked(studio)} photographs are checked")
+    jobs_end(studio)
+    one_studio_for_a_folder(program, rig)
+    studio, confirmed = killed_at_any_moment(program, rig, studio)
+    print(f"killed six times, {confirmed} photographs confirmed and there")
+    studio = full_disk(program, rig, studio)
+    studio.stop()
+    damaged_settings(program, rig)
+    a_watched_folder(program, folder / "watched")
+    return 0
+
+
+if __name__ == "__main__":
+    signal.signal(signal.SIGPIPE, signal.SIG_IGN)
+    sys.exit(main())

@@ -1,0 +1,182 @@
+#!/usr/bin/env python3
+"""The studio in a headless browser, driven by its buttons: from nothing to the relit object on the simulated rig, and what that
+is worth against the truth.
+
+    test_studio.py PROGRAM FOLDER     screenshots and the studio's folder stay in FOLDER
+
+Exits with 77 and a line where there is no browser, and where the program was built without the studio."""
+import json
+import math
+import os
+import shutil
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parent.parent / "view"))
+import browser  # noqa: E402
+
+STOPS = 8
+MINUTES = 6.0  # of two cores, from the bare rig to the relit object
+
+
+class Studio:
+    """The program's server."""
+
+    def __init__(self, program, folder, *options):
+        self.process = subprocess.Popen([program, "studio", str(folder), "--no-browser", *options], stdout=subprocess.PIPE,
+                                        stderr=subprocess.PIPE, text=True)
+        line = self.process.stdout.readline()
+        if "open http://" not in line:
+            raise SystemExit(line + self.process.stderr.read())
+        self.url = line.split("open ")[1].split()[0]
+
+    def stop(self):
+        self.process.terminate()
+        assert self.process.wait(timeout=30) == 0, self.process.returncode
+
+
+class Page(browser.Browser):
+    def start(self, url):
+        self.open(url)
+        self.wait("document.readyState === 'complete' && !!window.ready")
+
+    def click(self, selector):
+        """The middle of an element, by the mouse, where a person would press it."""
+        x, y = self.run(f"""(() => {{ const e = document.querySelector({json.dumps(selector)}); e.scrollIntoView({{block: 'center'}});
+            const r = e.getBoundingClientRect(); return [r.left + r.width / 2, r.top + r.height / 2]; }})()""")
+        assert self.run(f"(() => {{ const e = document.querySelector({json.dumps(selector)}); return !e.disabled && "
+                        f"e.contains(document.elementFromPoint({x}, {y})); }})()"), f"{selector} cannot be pressed"
+        self.mouse("mousePressed", x, y)
+        self.mouse("mouseReleased", x, y, buttons=0)
+
+    def shots(self, folder, name):
+        """Screenshots of the whole page: wide and narrow, dark and light."""
+        for width, height in ((1400, 900), (400, 800)):
+            self.resize(width, height)
+            for scheme in ("dark", "light"):
+                self.scheme(scheme)
+                self.run("new Promise((done) => requestAnimationFrame(() => setTimeout(done, 150)))")
+                self.screenshot(str(folder / f"{name}-{width}-{scheme}.png"))
+        self.resize(1400, 900)
+        self.scheme("light")
+
+
+def go_through(page, pictures):
+    """Every step by its buttons; seconds of each."""
+    times, began = {}, time.monotonic()
+
+    def done(name):
+        nonlocal began
+        times[name] = time.monotonic() - began
+        page.shots(pictures, name)
+        began = time.monotonic()
+
+    page.shots(pictures, "rig")
+    began = time.monotonic()
+    page.click("#draw")
+    page.wait("!document.getElementById('board').hidden && !document.getElementById('board-shoot').disabled")
+    done("patterns")
+    page.click("#board-shoot")
+    page.wait("studio.state.active && studio.state.active.done > 5", 60)
+    page.shots(pictures, "photographing")
+    page.wait("studio.state.sets.every(complete) && !shooting.running", 240)
+    done("boards")
+    page.click("#calibrate")
+    page.wait("studio.state.axis && studio.state.job.end === 'done' && document.getElementById('calibration-figures').children.length > 0", 120)
+    if not page.run("document.getElementById('fix').hidden"):
+        page.click("#fix")
+        page.wait("studio.state.settings.fix.length > 0 && studio.state.job.end === 'done'", 120)
+    done("calibration")
+    page.click("#steps [data-step=object]")
+    page.click("#object-add")
+    page.wait("!document.getElementById('object-shoot').hidden && !document.getElementById('object-shoot').disabled")
+    page.click("#object-shoot")
+    page.wait("objectNow(studio.state).sets.every(complete) && !shooting.running", 240)
+    done("object")
+    page.click("#make")
+    page.wait("!document.getElementById('look').hidden && !!document.getElementById('viewer').contentWindow.ready", 240)
+    done("relit")
+    page.click("#evaluate")
+    page.wait("!document.getElementById('scores').hidden", 120)
+    done("compared")
+    return times
+
+
+# --- What it is worth. ---
+
+def numbers_of(xml, name):
+    data = xml.split(f"<{name} ")[1].split("<data>")[1].split("</data>")[0]
+    return [float(word) for word in data.split()]
+
+
+def check_calibration(folder):
+    """Worst relative error of the focal lengths; angle between the axes, degrees."""
+    truth = json.loads((folder / "virtual/attitude-00/truth.json").read_text())
+    xml = (folder / "calibration/calibration.xml").read_text()
+    worst = 0.0
+    for ours, theirs in (("cam_int", "cam_K"), ("proj_int", "proj_K")):
+        found, true = numbers_of(xml, ours), truth[theirs]
+        worst = max(worst, abs(found[0] / true[0][0] - 1), abs(found[4] / true[1][1] - 1))
+    axis = json.loads((folder / "calibration/axis.json").read_text())["axis"]
+    cosine = sum(a * b for a, b in zip(axis, truth["axis"])) / math.sqrt(sum(a * a for a in axis) * sum(b * b for b in truth["axis"]))
+    return worst, math.degrees(math.acos(min(1.0, cosine)))
+
+
+def new_poses(program, folder):
+    """dB at the stops between those of the studio: its own calibration and masks; both true."""
+    settings = json.loads((folder / "studio.json").read_text())
+
+    def run(*words):
+        subprocess.run([program, *words], cwd=folder, check=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+
+    run("generate", "truth", "--photographs", "patterns", "--views", "16", "--attitudes", "0", *settings["simulator"])
+    stops = [f"{math.floor(22.5 * i + 0.5):03d}" for i in range(16)]
+    common = ["--angles", "16x22.5", "--shown", "patterns", "-i", "black,white,lollipop_0,lollipop_1=truth/view-{view}/00[1-4].png",
+              "-m", "truth/masks/view-{view}.png", "--held-out", "lollipop_1=patterns/004_lollipop_1.png", "-w", str(settings["width"]), "--name", "object"]
+    true = ["-c", "truth/truth.json", "-t", "truth/truth.json"]
+    found = ["-c", "calibration/calibration.xml", "-t", "calibration/axis.json"]
+    for name, rig, views in (("true", true, stops[::2]), ("true-new", true, stops[1::2]), ("found-new", found, stops[1::2])):
+        run("import", *rig, *common, "-o", name, *(word for view in views for word in ("-v", view)))
+    scores = []
+    for capture, targets in (("objects/object/capture", "found-new"), ("true", "true-new")):
+        run("evaluate", capture, "--targets", targets + "/scene.json", "--json", "new.json")
+        rows = json.loads((folder / "new.json").read_text())
+        rows = rows["rows"] if isinstance(rows, dict) else rows
+        scores.append(next(row["psnr"] for row in rows if row["protocol"] == "novel_pose"))
+    return scores
+
+
+def main():
+    program, folder = sys.argv[1], Path(sys.argv[2])
+    found = browser.find()
+    if not found:
+        print("no browser: the studio is not tested")
+        return 77
+    if subprocess.run([program, "studio", "/nowhere/at/all", "--no-browser"], capture_output=True, text=True).stderr.count("without the studio"):
+        print("built without the studio")
+        return 77
+    shutil.rmtree(folder, ignore_errors=True)
+    pictures = folder / "pictures"
+    pictures.mkdir(parents=True)
+    studio = Studio(program, folder / "rig", "--virtual")
+    page = Page(found, 1400, 900)
+    try:
+        page.start(studio.url)
+        times = go_through(page, pictures)
+        assert not page.console, page.console
+    finally:
+        page.close()
+        studio.stop()
+    focal, axis = check_calibration(folder / "rig")
+    ours, true = new_poses(os.path.abspath(program), folder / "rig")
+    total = sum(times.values())
+    print(", ".join(f"{name} {seconds:.1f} s" for name, seconds in times.items()) + f"; {total:.0f} s together")
+    print(f"focal lengths within {100 * focal:.2f} %, the axis within {axis:.3f} degrees; new poses {ours:.2f} dB, {true:.2f} with true calibration and masks")
+    assert total < 60 * MINUTES and focal < 0.003 and axis < 0.2 and ours > true - 1
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,152 @@
+'use strict';
+// Cameras, and the window on the projector.
+
+// --- The projector's window, by a channel that only pages of this studio share. ---
+
+const projector = {
+  channel: new BroadcastChannel('studio ' + location.pathname),
+  window: null, panel: null, waiting: new Map(), last: 0,
+  get isOpen() { return !!this.panel; },
+};
+
+projector.channel.onmessage = ({data}) => {
+  if (data.from !== 'projector') return;
+  projector.panel = data.closed ? null : data.panel;
+  const wait = projector.waiting.get(data.id);
+  if (wait) {
+    projector.waiting.delete(data.id);
+    if (data.failed) wait.fail(new Error(data.failed)); else wait.done(data);
+  }
+  if (data.closed) for (const w of projector.waiting.values()) w.fail(new Error('The projector window was closed.'));
+  for (const listener of studio.listeners) if (studio.state) listener(studio.state);
+};
+projector.channel.postMessage({from: 'studio'}); // one that was open before a reload answers
+
+function project(what) {
+  const id = ++projector.last;
+  return new Promise((done, fail) => {
+    if (!projector.isOpen) return fail(new Error('Open the projector window first.'));
+    projector.waiting.set(id, {done, fail});
+    projector.channel.postMessage({from: 'studio', id, ...what});
+    setTimeout(() => projector.waiting.delete(id) && fail(new Error('The projector window does not answer.')), 5000);
+  });
+}
+
+// On the second display where the browser tells of one (Window Management API).
+async function openProjector() {
+  let place = 'popup,width=960,height=600';
+  if (window.getScreenDetails && screen.isExtended) {
+    const details = await getScreenDetails().catch(() => null);
+    const other = details && details.screens.find((s) => s !== details.currentScreen);
+    if (other) place = `popup,left=${other.availLeft},top=${other.availTop},width=${other.availWidth},height=${other.availHeight}`;
+  }
+  projector.window = window.open('projector', 'ffp-projector', place);
+  if (!projector.window) throw new Error('The browser blocked the projector window: allow this page to open windows.');
+}
+
+// --- This browser's camera. ---
+
+const AVERAGED = 4; // frames of one photograph
+
+const webcam = {stream: null, held: '', latency: 250};
+
+async function listCameras() {
+  const devices = (await navigator.mediaDevices.enumerateDevices()).filter((d) => d.kind === 'videoinput');
+  $('devices').replaceChildren(...devices.map((d, i) => new Option(d.label || `Camera ${i + 1}`, d.deviceId)));
+  if (webcam.stream) $('devices').value = webcam.stream.getVideoTracks()[0].getSettings().deviceId;
+}
+
+// What the browser lets be held: with exposure, white balance and focus on their own, codes cannot be read.
+async function holdStill(track) {
+  const can = track.getCapabilities ? track.getCapabilities() : {}, held = [];
+  for (const mode of ['exposureMode', 'whiteBalanceMode', 'focusMode']) {
+    if (!can[mode] || !can[mode].includes('manual')) continue;
+    await track.applyConstraints({advanced: [{[mode]: 'manual'}]}).then(() => held.push(mode), () => {});
+  }
+  const names = {exposureMode: 'exposure', whiteBalanceMode: 'white balance', focusMode: 'focus'};
+  const free = Object.keys(names).filter((mode) => !held.includes(mode)).map((mode) => names[mode]);
+  return free.length === 0 ? 'Exposure, white balance and focus are held.'
+    : `This browser cannot hold ${free.join(', ')}: switch the automatic off in the camera's own program.`;
+}
+
+async function openCamera() {
+  if (webcam.stream) for (const track of webcam.stream.getTracks()) track.stop();
+  const device = $('devices').value;
+  const video = {width: {ideal: 4096}, height: {ideal: 2160}, ...(device ? {deviceId: {exact: device}} : {})};
+  try {
+    webcam.stream = await navigator.mediaDevices.getUserMedia({video, audio: false});
+  } catch (error) {
+    webcam.stream = null;
+    throw new Error(`The camera cannot be opened: ${error.message}`);
+  }
+  const track = webcam.stream.getVideoTracks()[0];
+  track.addEventListener('ended', () => { webcam.stream = null; say('The camera is gone: plug it in, and open it again.'); });
+  webcam.held = await holdStill(track);
+  $('preview').srcObject = webcam.stream;
+  $('preview').hidden = false;
+  await $('preview').play();
+  $('camera-size').textContent = `${$('preview').videoWidth} x ${$('preview').videoHeight} pixels`;
+  $('camera-held').textContent = webcam.held;
+  await listCameras();
+}
+
+const nextFrame = (video) => new Promise((done) => {
+  if (video.requestVideoFrameCallback) video.requestVideoFrameCallback(() => done());
+  else setTimeout(done, 40);
+});
+
+function frameOf(video) {
+  const canvas = element('canvas', {width: video.videoWidth, height: video.videoHeight});
+  const context = canvas.getContext('2d', {willReadFrequently: true});
+  context.drawImage(video, 0, 0);
+  return {canvas, context, pixels: context.getImageData(0, 0, canvas.width, canvas.height)};
+}
+
+// The mean of some frames, as a PNG.
+async function grab() {
+  const video = $('preview');
+  if (!webcam.stream) throw new Error('Open the camera first.');
+  await nextFrame(video); // the one that is there may be older than the pattern
+  const first = frameOf(video), sum = new Uint16Array(first.pixels.data);
+  for (let n = 1; n < AVERAGED; n++) {
+    await nextFrame(video);
+    const more = frameOf(video).pixels.data;
+    for (let i = 0; i < sum.length; i++) sum[i] += more[i];
+  }
+  for (let i = 0; i < sum.length; i++) first.pixels.data[i] = Math.round(sum[i] / AVERAGED);
+  first.context.putImageData(first.pixels, 0, 0);
+  return new Promise((done, fail) => first.canvas.toBlob((blob) => blob ? done(blob) : fail(new Error('No memory.')), 'image/png'));
+}
+
+const brightness = (video) => {
+  const canvas = element('canvas', {width: 64, height: 48}), context = canvas.getContext('2d', {willReadFrequently: true});
+  context.drawImage(video, 0, 0, 64, 48);
+  const data = context.getImageData(0, 0, 64, 48).data;
+  let sum = 0;
+  for (let i = 0; i < data.length; i += 4) sum += data[i] + data[i + 1] + data[i + 2];
+  return sum / (data.length / 4 * 3);
+};
+
+// From the pattern on the screen until the camera's picture has settled: flashes, the slowest of which counts.
+async function measureLatency() {
+  const video = $('preview');
+  if (!webcam.stream) throw new Error('Open the camera first.');
+  let slowest = 0;
+  for (let flash = 0; flash < 3; flash++) {
+    await project({colour: '#000'});
+    await sleep(1200);
+    const dark = brightness(video);
+    await project({colour: '#fff'});
+    const start = performance.now(), seen = [];
+    while (performance.now() - start < 1500) {
+      await nextFrame(video);
+      seen.push([performance.now() - start, brightness(video)]);
+    }
+    const light = seen[seen.length - 1][1];
+    if (light - dark < 3) throw new Error('The camera does not see the projector flash: is its window on the projector, and the camera turned to it?');
+    const settled = seen.findIndex(([, value]) => value > dark + 0.95 * (light - dark));
+    slowest = Math.max(slowest, seen[settled][0]);
+  }
+  webcam.latency = Math.round(slowest * 1.25 + 34);
+  return webcam.latency;
+}

@@ -1,0 +1,153 @@
+'use strict';
+// Taking a set of photographs: the server says what is due, the projector shows it, the camera takes it. Whatever
+// ends this in the middle, the next photograph is the first that is not on disk.
+
+const shooting = {running: false, pause: false, go: null};
+
+const DARK = 8, CLIPPED = 250; // of 255
+const isVirtual = () => studio.state.settings.camera === 'virtual';
+
+// "calibration/attitude-03": "Board 4"
+function titleOf(set) {
+  const name = set.name.slice(set.name.lastIndexOf('/') + 1), [kind, number] = name.split('-');
+  if (kind === 'attitude') return `Board ${Number(number) + 1}`;
+  return kind === 'turntable' ? 'On the turntable' : kind === 'empty' ? 'Empty stage' : `${Number(number)}\u00b0`;
+}
+
+// What a person has to do before a set, or before each photograph of the board on the turntable.
+function wishFor(set) {
+  const name = set.name.slice(set.name.lastIndexOf('/') + 1);
+  if (name.startsWith('attitude')) return set.done === 0 ? 'Hold the board still, tilted another way than before.' : '';
+  if (name === 'turntable') return `Turn the table with the board on it to ${set.angle}\u00b0.`;
+  if (name === 'empty') return set.done === 0 ? 'Take the object off the stage.' : '';
+  return set.done === 0 ? `Turn the table with the object on it to ${set.angle}\u00b0.` : '';
+}
+
+function waitForHand(wish) {
+  $('shooting-ask').hidden = false;
+  $('shooting-ask').firstElementChild.textContent = wish;
+  $('shooting-go').focus();
+  return new Promise((done) => { shooting.go = done; }).finally(() => { $('shooting-ask').hidden = true; shooting.go = null; });
+}
+
+async function takeOne(active) {
+  const {name, next} = active;
+  if (isVirtual()) {
+    const state = await doIt({verb: 'take', set: name, number: next.number});
+    if (state.active && state.active.name === name && state.active.done === active.done) await sleep(120); // being simulated
+    return;
+  }
+  await project({file: 'file/patterns/' + next.pattern});
+  if (studio.state.settings.camera === 'folder') {
+    while (!shooting.pause && studio.state.active && studio.state.active.name === name && studio.state.active.done === active.done) await sleep(100);
+    return;
+  }
+  await sleep(webcam.latency);
+  const photograph = await grab();
+  await ask(`photograph?set=${name}&number=${next.number}`, photograph);
+}
+
+// With the codes done: is everything where it was at the first black?
+async function checkStill(name, ending) {
+  if (studio.state.settings.camera !== 'browser' || !projector.isOpen) return;
+  await project({colour: '#000'});
+  await sleep(webcam.latency);
+  const [before, after] = await Promise.all([
+    fetch(`file/${name}/001.${ending}`).then((answer) => answer.blob()).then(createImageBitmap), grab().then(createImageBitmap)]);
+  const pixels = (image) => {
+    const context = element('canvas', {width: 160, height: 120}).getContext('2d', {willReadFrequently: true});
+    context.drawImage(image, 0, 0, 160, 120);
+    return context.getImageData(0, 0, 160, 120).data;
+  };
+  const a = pixels(before), b = pixels(after);
+  let sum = 0;
+  for (let i = 0; i < a.length; i += 4) for (let k = 0; k < 3; k++) sum += Math.abs(a[i + k] - b[i + k]);
+  const mean = sum / (a.length / 4 * 3);
+  if (mean > 3) say(`Something moved, or the light changed, while this was photographed (${mean.toFixed(1)} of 255 between the first black and now): take it again.`);
+}
+
+async function shootSet(name) {
+  let state = await doIt({verb: 'shoot', set: name}), ending = 'png';
+  while (state.active && state.active.name === name && !shooting.pause) {
+    const wish = isVirtual() ? '' : wishFor(state.active);
+    if (wish) await waitForHand(wish);
+    if (shooting.pause) break;
+    await takeOne(studio.state.active);
+    state = studio.state;
+    if (state.active) ending = state.active.ending || ending;
+  }
+  if (!shooting.pause && name.includes('attitude')) await checkStill(name, ending);
+}
+
+// Sets one after the other, as far as they are not complete.
+async function shootAll(names) {
+  if (shooting.running) return;
+  shooting.running = true, shooting.pause = false;
+  await attempt(async () => {
+    if (!isVirtual() && !projector.isOpen) throw new Error('Open the projector window first (step 1).');
+    if (studio.state.settings.camera === 'browser' && !webcam.stream) throw new Error('Open the camera first (step 1).');
+    for (const name of names) if (!shooting.pause) await shootSet(name);
+  });
+  shooting.running = false;
+  for (const listener of studio.listeners) listener(studio.state);
+}
+
+$('shooting-go').addEventListener('click', () => shooting.go && shooting.go());
+$('shooting-stop').addEventListener('click', () => {
+  if (shooting.running) {
+    shooting.pause = true;
+    if (shooting.go) shooting.go();
+  } else shootAll([studio.state.active.name]);
+});
+
+// --- What is seen meanwhile. ---
+
+let drawn = '';
+
+function drawHistogram(pixels) {
+  const counts = new Float64Array(256), canvas = $('histogram'), context = canvas.getContext('2d');
+  let clipped = 0, dark = 0;
+  for (let i = 0; i < pixels.length; i += 4) {
+    const most = Math.max(pixels[i], pixels[i + 1], pixels[i + 2]);
+    counts[most]++;
+    clipped += most >= CLIPPED, dark += most <= DARK;
+  }
+  const number = pixels.length / 4, height = Math.sqrt(Math.max(...counts.subarray(1, 255)) || 1);
+  context.clearRect(0, 0, 256, 120);
+  for (let v = 0; v < 256; v++) {
+    context.fillStyle = v >= CLIPPED ? '#e5484d' : v <= DARK ? '#5b7fde' : '#c9c5bd';
+    const h = Math.min(120, 114 * Math.sqrt(counts[v]) / height);
+    context.fillRect(v, 120 - h, 1, h);
+  }
+  const share = (n) => (100 * n / number).toFixed(1) + ' %';
+  $('exposure').textContent = `under white: ${share(clipped)} clipped, ${share(dark)} drowned` +
+    (clipped > 0.02 * number ? ' \u2013 expose for less long' : dark > 0.9 * number ? ' \u2013 hardly any light arrives' : '');
+}
+
+// The newest photograph, and the histogram of the newest under white.
+async function drawTaken(set, shot) {
+  const path = `file/${set.name}/${String(shot.number).padStart(3, '0')}.${set.ending}`;
+  if (drawn === path) return;
+  drawn = path;
+  const answer = await fetch(path);
+  if (!answer.ok) return;
+  const image = await createImageBitmap(await answer.blob()), canvas = $('taken');
+  canvas.width = 320, canvas.height = Math.max(1, Math.round(320 * image.height / image.width));
+  const context = canvas.getContext('2d', {willReadFrequently: true});
+  context.drawImage(image, 0, 0, canvas.width, canvas.height);
+  $('taken-name').textContent = `photograph ${shot.number}, ${image.width} x ${image.height}`;
+  if (shot.pattern.includes('_white.')) drawHistogram(context.getImageData(0, 0, canvas.width, canvas.height).data);
+}
+
+studio.listeners.push((state) => {
+  const active = state.active;
+  $('shooting').hidden = !active;
+  if (!active) return;
+  $('shooting-what').textContent = `${titleOf(active)}: ${active.done} of ${active.count}`;
+  $('shooting-bar').style.width = 100 * active.done / active.count + '%';
+  $('shooting-stop').textContent = shooting.running ? 'Pause' : 'Go on';
+  if ($('shown').dataset.file !== active.next.pattern) $('shown').src = 'file/patterns/' + ($('shown').dataset.file = active.next.pattern);
+  $('shown-name').textContent = active.next.pattern.replace(/^\d+_|\.png$/g, '');
+  const there = active.shots.filter((shot) => shot.there);
+  if (there.length > 0) drawTaken(active, there[there.length - 1]).catch(() => {});
+});

@@ -1,0 +1,303 @@
+'use strict';
+// The steps: what each shows for the state that the server tells, and what its buttons ask for.
+
+const STEPS = ['rig', 'board', 'object', 'look'];
+let step = '';
+
+function showStep(name) {
+  step = name;
+  for (const id of STEPS) $(id).hidden = id !== name;
+  for (const button of document.querySelectorAll('#steps button'))
+    if (button.dataset.step === name) button.setAttribute('aria-current', 'step'); else button.removeAttribute('aria-current');
+  if (studio.state) drawState(studio.state);
+}
+
+const complete = (set) => set.count > 0 && set.done === set.count;
+const objectNow = (state) => state.objects.find((object) => object.name === state.settings.object);
+const isRunning = (state, name) => state.job.end === 'running' && (!name || state.job.name === name);
+
+// Where one goes on when the page is opened.
+function firstOpen(state) {
+  const object = objectNow(state);
+  if (state.patterns.length === 0) return 'rig';
+  if (!state.axis) return 'board';
+  return object && object.view ? 'look' : 'object';
+}
+
+function drawSteps(state) {
+  const object = objectNow(state), boards = state.sets.filter(complete).length;
+  const done = {rig: state.patterns.length > 0, board: state.calibrated && state.axis, object: !!object && object.sets.every(complete), look: !!object && object.view};
+  const says = {rig: done.rig ? `${state.settings.projector.join(' x ')}` : 'camera, projector, patterns',
+    board: done.board ? 'done' : `${boards} of ${state.sets.length}`,
+    object: object ? `${object.name}: ${object.sets.filter(complete).length} of ${object.sets.length}` : 'photograph it',
+    look: done.look ? 'light it as you like' : 'not yet'};
+  for (const button of document.querySelectorAll('#steps button')) {
+    button.classList.toggle('done', done[button.dataset.step]);
+    button.querySelector('small').textContent = says[button.dataset.step];
+  }
+}
+
+// --- 1: the rig. ---
+
+const setTo = (settings) => attempt(() => doIt({verb: 'set', settings}));
+const number = (id) => Number($(id).value);
+
+function fill(id, value) {
+  if (document.activeElement !== $(id) && $(id).value !== String(value)) $(id).value = value;
+}
+
+function drawRig(state) {
+  const {settings} = state, virtual = !!settings.virtual;
+  $('rig-lead').textContent = virtual
+    ? 'This rig is simulated: nothing has to be built or held. Draw the patterns, and go on.'
+    : 'Camera and projector stay where they are from now on: focus, aperture and zoom fixed, no keystone correction.';
+  for (const button of document.querySelectorAll('#cameras button')) {
+    button.hidden = button.dataset.camera === 'virtual' && !virtual;
+    button.setAttribute('aria-pressed', button.dataset.camera === settings.camera);
+  }
+  for (const kind of ['browser', 'folder', 'virtual']) $('camera-' + kind).hidden = settings.camera !== kind;
+  $('projector-card').hidden = settings.camera === 'virtual';
+  $('latency-row').hidden = settings.camera !== 'browser';
+  $('latency-is').textContent = `${webcam.latency} ms between showing and photographing`;
+  const fits = projector.isOpen && projector.panel.every((side, i) => side === settings.projector[i]);
+  $('projector-size').textContent = !projector.isOpen ? 'Put it on the projector’s display, and press F there.'
+    : `The window has ${projector.panel.join(' x ')} pixels` + (fits ? ', as the patterns have.' : `, the patterns ${settings.projector.join(' x ')}: full screen on the projector's display, at 100 %?`);
+  fill('watched', settings.watched || '');
+  fill('panel-w', settings.projector[0]), fill('panel-h', settings.projector[1]);
+  fill('board-c', settings.board[0]), fill('board-r', settings.board[1]);
+  fill('square', settings.square), fill('attitudes', settings.attitudes), fill('angles', settings.board_angles.join(', '));
+  for (const id of ['panel-w', 'panel-h']) $(id).disabled = state.photographed;
+  for (const id of ['board-c', 'board-r', 'square', 'attitudes', 'angles']) $(id).disabled = virtual;
+  $('draw').disabled = state.photographed || isRunning(state);
+  $('drawn').textContent = state.patterns.length > 0 ? `${state.patterns.length} patterns in patterns/` : '';
+}
+
+for (const button of document.querySelectorAll('#cameras button'))
+  button.addEventListener('click', () => setTo({camera: button.dataset.camera}));
+$('watched').addEventListener('change', () => setTo({watched: $('watched').value.trim()}));
+for (const id of ['panel-w', 'panel-h']) $(id).addEventListener('change', () => setTo({projector: [number('panel-w'), number('panel-h')]}));
+for (const id of ['board-c', 'board-r']) $(id).addEventListener('change', () => setTo({board: [number('board-c'), number('board-r')]}));
+$('square').addEventListener('change', () => setTo({square: number('square')}));
+$('attitudes').addEventListener('change', () => setTo({attitudes: number('attitudes')}));
+$('angles').addEventListener('change', () => setTo({board_angles: $('angles').value.split(/[\s,;]+/).filter(Boolean).map(Number)}));
+$('open-camera').addEventListener('click', () => attempt(openCamera));
+$('projector-open').addEventListener('click', () => attempt(openProjector));
+$('latency').addEventListener('click', () => attempt(async () => {
+  $('latency').disabled = true;
+  try { await measureLatency(); } finally { $('latency').disabled = false; }
+  drawRig(studio.state);
+}));
+const runStep = (name) => attempt(() => doIt({verb: 'run', step: name}));
+$('draw').addEventListener('click', () => runStep('patterns'));
+
+// --- Sets of photographs. ---
+
+// The photograph that shows a set: under white.
+function pictureOf(set) {
+  if (set.done < 3 && !set.name.endsWith('turntable')) return '';
+  return `file/${set.name}/${set.name.endsWith('turntable') ? '000' : '002'}.${set.ending}`;
+}
+
+function drawSets(id, sets, state) {
+  const place = $(id);
+  while (place.children.length > sets.length) place.lastChild.remove();
+  sets.forEach((set, i) => {
+    if (!place.children[i]) {
+      const tile = element('div', {className: 'set'}, element('div', {className: 'none'}), element('div', {className: 'text'}, element('b'), element('small')));
+      tile.append(element('button', {className: 'again', textContent: 'Again', onclick: () => attempt(() => doIt({verb: 'discard', set: tile.dataset.set}))}));
+      place.append(tile);
+    }
+    const tile = place.children[i], picture = set.done > 0 ? pictureOf(set) : '';
+    tile.dataset.set = set.name;
+    tile.classList.toggle('active', !!state.active && state.active.name === set.name);
+    tile.querySelector('b').textContent = titleOf(set);
+    tile.querySelector('small').textContent = complete(set) ? 'done' : set.done > 0 ? `${set.done} of ${set.count}` : set.count > 0 ? `${set.count} photographs` : '';
+    tile.querySelector('.again').hidden = set.done === 0 || shooting.running;
+    const shown = tile.firstChild.tagName === 'IMG' ? tile.firstChild.getAttribute('src') : '';
+    if (shown !== picture) tile.firstChild.replaceWith(picture ? element('img', {src: picture, alt: ''}) : element('div', {className: 'none'}));
+  });
+}
+
+function drawShoot(id, sets, state) {
+  const missing = sets.filter((set) => !complete(set));
+  $(id).disabled = missing.length === 0 || shooting.running || missing[0].count === 0 || isRunning(state);
+  $(id).textContent = missing.length === 0 ? 'Everything is photographed' : isVirtual() ? `Photograph ${missing.length === sets.length ? 'all' : 'the rest'}` : `Photograph: ${titleOf(missing[0])}`;
+}
+
+// The simulated rig changes the board and turns the table by itself.
+function shootMissing(sets) {
+  const missing = sets.filter((set) => !complete(set)).map((set) => set.name);
+  shootAll(isVirtual() ? missing : missing.slice(0, 1));
+}
+
+// --- 2: the chessboard. ---
+
+function drawBoard(state) {
+  const boards = state.sets.filter((set) => set.name.includes('attitude') && complete(set)).length;
+  drawSets('board-sets', state.sets, state);
+  drawShoot('board-shoot', state.sets, state);
+  $('calibrate').disabled = boards < 3 || isRunning(state) || shooting.running;
+  $('calibrate').classList.toggle('primary', state.sets.every(complete) && !state.axis);
+  $('board-note').textContent = boards < 3 ? 'Three attitudes are the least to calibrate with.' : state.axis ? '' : 'More attitudes determine more; the turntable is still needed.';
+  $('calibration').hidden = !state.calibrated;
+  if (state.calibrated && told.calibrate !== stamp(state, 'calibrate')) tellCalibration(state);
+}
+
+// A job's log is read again when one has ended.
+const told = {};
+const stamp = (state, name) => `${state.settings.object} ${state.job.name === name ? state.job.end + state.job.seconds : 'before'}`;
+
+async function tellCalibration(state) {
+  told.calibrate = stamp(state, 'calibrate');
+  const log = await textOf('logs/calibrate.txt'), figures = [], says = [];
+  const rms = log.match(/: (\d+) of (\d+) attitudes, rms ([\d.]+) pixels \(camera alone ([\d.]+), projector alone ([\d.]+)\), (\d+) of (\d+) corners/);
+  if (rms) figures.push(['attitudes used', `${rms[1]} of ${rms[2]}`], ['error of all corners', `${rms[3]} pixels`],
+    ['camera alone, projector alone', `${rms[4]}, ${rms[5]} pixels`], ['corners left out', `${rms[6]} of ${rms[7]}`]);
+  const axis = log.match(/axis uncertainty ([\d.]+) degrees/);
+  if (axis) figures.push(['the turntable’s axis', `known to ${axis[1]} degrees`]);
+  for (const line of log.split('\n')) {
+    const warning = line.match(/^ffprocams: (?:warning: )(.*)/);
+    if (warning) says.push(element('li', {className: 'doubt', textContent: warning[1]}));
+  }
+  if (says.length === 0 && rms) says.push(element('li', {textContent: 'The photographs determine all terms.'}));
+  const fix = log.match(/calibrate again with ((?:--fix [a-z0-9.]+ ?)+)/);
+  const held = log.includes('tried, and it holds');
+  $('fix').hidden = !fix || !held;
+  $('fix').dataset.terms = fix ? fix[1].replaceAll('--fix', ' ').trim().split(/\s+/).join(' ') : '';
+  $('calibration-figures').replaceChildren(...figures.flatMap(([name, value]) => [element('dt', {textContent: name}), element('dd', {textContent: value})]));
+  $('calibration-says').replaceChildren(...says);
+}
+
+$('board-shoot').addEventListener('click', () => shootMissing(studio.state.sets));
+$('calibrate').addEventListener('click', () => runStep('calibrate'));
+$('fix').addEventListener('click', () => attempt(async () => {
+  const fix = [...new Set([...studio.state.settings.fix, ...$('fix').dataset.terms.split(' ')])];
+  await doIt({verb: 'set', settings: {fix}});
+  await doIt({verb: 'run', step: 'calibrate'});
+}));
+
+// --- 3: the object. ---
+
+function drawObject(state) {
+  const object = objectNow(state);
+  $('object-lead').textContent = isVirtual() ? 'The simulated turntable turns by itself.'
+    : 'Put the object on the turntable. At each stop the patterns are photographed; then turn it to the next angle.';
+  $('object-empty-row').hidden = isVirtual();
+  $('object-new').hidden = !!object && !$('object-new').dataset.wanted;
+  $('object-tabs').replaceChildren(...state.objects.map((o) => {
+    const tab = element('button', {className: 'small', textContent: o.name, onclick: () => attempt(() => doIt({verb: 'object', name: o.name}))});
+    tab.setAttribute('aria-pressed', o.name === state.settings.object);
+    return tab;
+  }), ...(object ? [element('button', {className: 'small', textContent: 'Another', onclick: () => { $('object-new').dataset.wanted = 'yes'; drawObject(studio.state); }})] : []));
+  drawSets('object-sets', object ? object.sets : [], state);
+  $('object-shoot').hidden = $('make').hidden = !object;
+  if (!object) return;
+  drawShoot('object-shoot', object.sets, state);
+  const all = object.sets.every(complete);
+  $('make').disabled = !all || !state.axis || isRunning(state) || shooting.running;
+  $('make').classList.toggle('primary', all && !object.view);
+  $('object-note').textContent = all && !state.axis ? 'The rig is not calibrated yet (step 2).' : '';
+}
+
+$('object-add').addEventListener('click', () => attempt(async () => {
+  const empty = !isVirtual() && $('object-empty').checked;
+  await doIt({verb: 'object', name: $('object-name').value.trim(), stops: number('object-stops'), coded: $('object-coded').checked, empty});
+  delete $('object-new').dataset.wanted;
+  drawObject(studio.state);
+}));
+$('object-shoot').addEventListener('click', () => shootMissing(objectNow(studio.state).sets));
+$('make').addEventListener('click', () => runStep('make'));
+
+// --- 4: the relit object. ---
+
+function drawLook(state) {
+  const object = objectNow(state), making = isRunning(state, 'make');
+  $('viewer').hidden = !object || !object.view || making;
+  if (!object || !object.view || making) return;
+  const page = `file/objects/${object.name}/view.html`, mark = page + stamp(state, 'make');
+  if (step === 'look' && $('viewer').dataset.mark !== mark) $('viewer').dataset.mark = mark, $('viewer').src = page;
+  $('viewer-alone').href = page;
+  $('download').href = `file/objects/${object.name}/object.ply`, $('download').download = object.name + '.ply';
+  $('evaluate').disabled = isRunning(state);
+  if (told.make !== stamp(state, 'make')) tellChecks(state, object);
+  if (told.evaluate !== stamp(state, 'evaluate')) tellScores(state, object);
+}
+
+async function tellChecks(state, object) {
+  told.make = stamp(state, 'make');
+  const log = await textOf('logs/make.txt'), own = log.includes(`objects/${object.name}/`), at = log.indexOf('\nchecks\n');
+  const lines = own && at >= 0 ? log.slice(at).split('\n').filter((line) => /^ {2}\S/.test(line)) : [];
+  $('checks-card').hidden = lines.length === 0;
+  $('checks').replaceChildren(...lines.map((line) => {
+    const good = line.startsWith('  ok');
+    return element('li', {className: good ? '' : 'doubt', textContent: line.replace(/^ {2}(ok|\S+)\s+/, '').replace(/\s{2,}/, ': ')});
+  }));
+  $('masks-card').hidden = false;
+  $('masks').onerror = () => { $('masks-card').hidden = true; };
+  $('masks').src = `file/objects/${object.name}/capture/masks.png`;
+}
+
+const PROTOCOLS = {rendering: 'the photographs it was made from', novel_pattern: 'the pattern that was kept from it', novel_pose: 'views that were kept from it'};
+
+async function tellScores(state, object) {
+  told.evaluate = stamp(state, 'evaluate');
+  $('scores').hidden = true;
+  if (!object.scores) return;
+  const rows = JSON.parse(await textOf(`objects/${object.name}/scores.json`));
+  $('scores').tBodies[0].replaceChildren(...(rows.rows || rows).filter((row) => PROTOCOLS[row.protocol]).map((row) => element('tr', {},
+    ...[PROTOCOLS[row.protocol], row.images, row.psnr.toFixed(2), row.ssim.toFixed(4)].map((text) => element('td', {textContent: text})))));
+  $('scores').hidden = false;
+}
+
+$('evaluate').addEventListener('click', () => runStep('evaluate'));
+
+// --- What works, and the shell. ---
+
+const WORK = {patterns: 'Drawing the patterns', calibrate: 'Calibrating', make: 'Making the capture, and reconstructing', evaluate: 'Comparing'};
+let before = '';
+
+function drawWork(state) {
+  const {job} = state, running = job.end === 'running';
+  $('working').hidden = !running;
+  $('working-what').textContent = (WORK[job.name] || job.name) + (job.stage ? `: ${job.stage}` : '');
+  $('working-bar').style.width = job.total > 0 ? 100 * job.done / job.total + '%' : 100 * job.current / Math.max(1, job.commands.length) + '%';
+  $('working-left').textContent = job.total > 0 ? `${job.done} of ${job.total}` : '';
+  $('commands').textContent = job.commands.join('\n');
+  $('log').textContent = job.log;
+  const ended = before === job.name + 'running' && !running;
+  before = job.name + job.end;
+  if (ended) {
+    if (job.end === 'failed') {
+      const errors = job.log.split('\n').filter((line) => line.includes('error: '));
+      say(errors.length > 0 ? errors[errors.length - 1].replace(/^.*error: /, '') : `${job.name} has failed; the log below says why.`);
+      $('shell').open = true;
+    } else if (job.end === 'done' && job.name === 'make') showStep('look');
+    else if (job.end === 'done' && job.name === 'patterns') showStep('board');
+  }
+}
+
+$('cancel').addEventListener('click', () => attempt(() => doIt({verb: 'cancel'})));
+
+function drawState(state) {
+  $('folder').textContent = state.folder;
+  $('folder').title = state.folder;
+  $('notice').hidden = !state.notice;
+  $('notice').textContent = state.notice;
+  drawWork(state);
+  drawSteps(state);
+  drawRig(state);
+  drawBoard(state);
+  drawObject(state);
+  drawLook(state);
+}
+studio.listeners.push(drawState);
+
+for (const button of document.querySelectorAll('#steps button'))
+  button.addEventListener('click', () => showStep(button.dataset.step));
+
+refresh().then(() => {
+  if (studio.state) showStep(firstOpen(studio.state));
+  window.ready = true;
+  if (navigator.mediaDevices) listCameras().catch(() => {});
+  follow();
+});
