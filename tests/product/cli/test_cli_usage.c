@@ -34,9 +34,9 @@ static int group_setup(void **state) {
 
 static void test_help_of_the_program_names_every_command(void **state) {
     (void)state;
-    static const char *const groups[] = {
-        "\nmake a capture:\n  patterns ", "\nreconstruct:\n  reconstruct ", "\nlook:\n  render ",
-        "\nproject:\n  compensate ",      "\nevaluate:\n  evaluate ",       "\ntrain:\n  generate "};
+    static const char *const groups[] = {"\nmake a capture:\n  studio ", "\nreconstruct:\n  reconstruct ",
+                                         "\nlook:\n  render ",           "\nproject:\n  compensate ",
+                                         "\nevaluate:\n  evaluate ",     "\ntrain:\n  generate "};
     run_program(&run, "--help");
     assert_int_equal(run.status, 0);
     assert_string_equal(run.err, "");

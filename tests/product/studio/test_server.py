@@ -315,7 +315,7 @@ def photographs_are_checked(studio):
 # --- Whatever happens. ---
 
 def killed_at_any_moment(program, folder, studio):
-    """kill -9 between and amid photographs: those that were confirmed are there, and it goes on with the next."""
+    """kill -9 between and amid photographs: those that were confirmed exist, and it goes on with the next."""
     dice, confirmed = random.Random(1), 1
     name = "calibration/attitude-00"
     for life in range(6):
@@ -378,7 +378,7 @@ def damaged_settings(program, folder):
 
 
 def jobs_end(studio):
-    """A failing command is told with its log; one that is stopped stops."""
+    """What a step said is kept beside its command."""
     assert studio.do(verb="cancel")[0] == 200
     log = (studio.folder / "logs/patterns.txt").read_text()
     assert log.startswith("$ ffprocams patterns -o patterns --projector 320x200")
