@@ -642,8 +642,15 @@ typedef enum FfpSplit { FFP_SPLIT_ALL, FFP_SPLIT_TRAIN, FFP_SPLIT_VALIDATION, FF
 typedef enum FfpPreset { FFP_PRESET_PAPER, FFP_PRESET_SMOKE, FFP_PRESET_TRAINING } FfpPreset;
 
 // The object turns before a fixed camera and projector; each view has separate devices, all around the
-// object; or the camera spirals around a fixed object and projector (docs/design/data.md, "Rigs").
-typedef enum FfpRig { FFP_RIG_TURNTABLE, FFP_RIG_FREE, FFP_RIG_SPHERE } FfpRig;
+// object; or the camera spirals around a fixed object and projector; or a whole scene, with one projector or
+// two, before which the camera walks along an arc (docs/design/data.md, "Rigs").
+typedef enum FfpRig {
+    FFP_RIG_TURNTABLE,
+    FFP_RIG_FREE,
+    FFP_RIG_SPHERE,
+    FFP_RIG_WALK,
+    FFP_RIG_WALK_TWO
+} FfpRig;
 
 // Imperfections of the devices (docs/design/data.md, "Sensor model"). All 0: none.
 typedef struct FfpSensorFaults {
@@ -845,8 +852,11 @@ typedef struct FfpImport {
     bool fit_response;
     // Integer PNG, JPEG and TIFF files hold linear light instead of sRGB: photographs; patterns.
     bool linear_images, linear_patterns;
-    double exposure;    // exposure adjustment of linear values, in stops
-    double object[4];   // centre and radius of a sphere around the object; radius 0: estimated
+    double exposure;  // exposure adjustment of linear values, in stops
+    double object[4]; // centre and radius of a sphere around the object; radius 0: estimated
+    // A whole scene, before which the projector stands and the camera walks: everything in view belongs to
+    // it, lit or not. No masks, no turntable; depth is looked for without a sphere.
+    bool scene;
     const char *name;   // of the capture; NULL: that of the folder
     const char *folder; // for the capture; must be new or empty
 } FfpImport;

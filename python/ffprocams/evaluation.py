@@ -29,7 +29,13 @@ _SPLITS = {
     "test": lib.FFP_SPLIT_TEST,
 }
 _PRESETS = {"paper": lib.FFP_PRESET_PAPER, "smoke": lib.FFP_PRESET_SMOKE, "training": lib.FFP_PRESET_TRAINING}
-_RIGS = {"turntable": lib.FFP_RIG_TURNTABLE, "free": lib.FFP_RIG_FREE, "sphere": lib.FFP_RIG_SPHERE}
+_RIGS = {
+    "turntable": lib.FFP_RIG_TURNTABLE,
+    "free": lib.FFP_RIG_FREE,
+    "sphere": lib.FFP_RIG_SPHERE,
+    "walk": lib.FFP_RIG_WALK,
+    "walk-two": lib.FFP_RIG_WALK_TWO,
+}
 _FITS = {"exact": lib.FFP_FIT_EXACT, "scaled": lib.FFP_FIT_SCALED, "cropped": lib.FFP_FIT_CROPPED}
 
 
@@ -256,6 +262,7 @@ def import_capture(
     projector: CalibratedAt | None = None,
     width: int = 0,
     fit_response: bool = False,
+    scene: bool = False,
     linear_images: bool = False,
     linear_patterns: bool = False,
     exposure: float = 0.0,
@@ -289,6 +296,7 @@ def import_capture(
         views: ids to import; none: all.
         camera, projector: sizes at calibration, and how pictures relate to them.
         width: of the imported pictures, pixels; 0: unchanged.
+        scene: a whole scene before which the projector stands and the camera walks: no masks, no turntable.
         fit_response: estimate the projector's gamma and black level from the pictures, and keep them if held-out views
             gain by it.
         linear_images, linear_patterns: integer files hold linear light instead of sRGB.
@@ -316,6 +324,7 @@ def import_capture(
     if options.masks == lib.FFP_MASKS_FROM_FILES:
         options.mask_files = keep.text(masks)
     options.width, options.fit_response, options.exposure = width, fit_response, exposure
+    options.scene = scene
     options.linear_images, options.linear_patterns = linear_images, linear_patterns
     if sphere is not None:
         options.object = [float(x) for x in sphere]

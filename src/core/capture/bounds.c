@@ -149,7 +149,66 @@ static void match_surfaces(const FfpCapture *capture, bool guessed, double centr
     ffp_free(points);
 }
 
+// --- Whole scenes. ---
+
+#define SCENE_LOW 0.02 // share of the lit points that may be wrong, at the near and at the far end
+#define NEARER 0.5F    // what is not lit may lie so much nearer than anything that is,
+#define FARTHER 10     // and so much farther
+#define NEVER 100      // near end of a view that sees no lit point: far end over this
+
+// Near and far end of a view from the lit points that lie in its picture; false if there are too few.
+static bool range_of_view(FfpView *view, real (*points)[3], int n) {
+    enum { LEAST = 20 };
+    const FfpCamera *camera = &view->camera;
+    real *depths = ffp_alloc((size_t)n + 1, sizeof *depths);
+    size_t count = 0;
+    for (int i = 0; i < n; i++) {
+        real x, y;
+        const real z = ffp_project(camera, points[i], &x, &y);
+        if (z > 0 && x >= 0 && y >= 0 && x < (real)camera->width && y < (real)camera->height)
+            depths[count++] = z;
+    }
+    const bool enough = count >= LEAST;
+    if (enough) {
+        const size_t skipped = (size_t)(SCENE_LOW * (double)count);
+        view->near = NEARER * ffp_rank(depths, count, skipped);
+        view->far = FARTHER * ffp_rank(depths, count, count - 1 - skipped);
+    }
+    ffp_free(depths);
+    return enough;
+}
+
+// The middle of the lit points, and their reach.
+static void estimate_scene(FfpCapture *capture, bool sphere) {
+    real(*points)[3] = ffp_alloc(FFP_COARSE_POINTS_MAX, sizeof *points);
+    const int n = ffp_clear_points(capture, points);
+    double centre[3], reach = 0;
+    if (!meeting_point(capture, centre)) point_ahead(capture, centre);
+    if (n > 0) enclose(points, n, centre, &reach);
+    if (sphere) {
+        for (int i = 0; i < 3; i++) capture->centre[i] = (real)centre[i];
+        capture->radius = (real)(reach > 0 ? MARGIN * reach : silhouette_radius(capture, centre));
+    }
+    for (int v = 0; v < capture->n_views; v++) {
+        FfpView *view = &capture->views[v];
+        real x, y;
+        if (view->near > 0 || range_of_view(view, points, n)) continue;
+        const real middle = ffp_project(&view->camera, capture->centre, &x, &y);
+        view->far = FARTHER * (real)fmax((double)(middle + capture->radius), (double)capture->radius);
+        view->near = view->far / NEVER;
+    }
+    ffp_free(points);
+}
+
+void ffp_capture_estimate_ranges(FfpCapture *capture) {
+    estimate_scene(capture, false);
+}
+
 void ffp_capture_estimate_bounds(FfpCapture *capture) {
+    if (capture->scene) {
+        estimate_scene(capture, true);
+        return;
+    }
     double centre[3], reach = 0;
     const bool meet = meeting_point(capture, centre);
     if (!meet) point_ahead(capture, centre);

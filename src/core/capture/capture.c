@@ -142,6 +142,8 @@ void ffp_capture_normalise(FfpCapture *capture, const real centre[3], real radiu
             view->camera.pose[4 * i + 3] = (view->camera.pose[4 * i + 3] - origin[i]) / radius;
             view->projector.pose[4 * i + 3] = (view->projector.pose[4 * i + 3] - origin[i]) / radius;
         }
+        view->near /= radius;
+        view->far /= radius;
         const ptrdiff_t pixels = view->depth.data ? (ptrdiff_t)view->depth.width * view->depth.height : 0;
         for (ptrdiff_t i = 0; i < pixels; i++) view->depth.data[i] /= radius;
     }

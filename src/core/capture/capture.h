@@ -29,6 +29,7 @@ typedef struct FfpPattern {
 typedef struct FfpView {
     char id[FFP_NAME_MAX];
     FfpCamera camera, projector;
+    real near, far; // of a whole scene: camera depths between which surfaces are looked for; 0: not known yet
     int frame_width, frame_height; // the upper left part of the picture that the camera saw; 0: all of it.
                                    // Pixels beyond it are not known to be empty
     FfpImage
@@ -70,6 +71,8 @@ typedef struct FfpCapture {
                        // model)
     bool intensity_known;
     FfpPanel panel; // the real projector, if an import recorded it
+    bool scene; // a whole scene: all that is in view belongs to it, and depth has no bounds but those that
+                // the photographs give
     real centre[3],
         radius; // the object's bounding sphere, world units (given, or estimated from poses and masks)
 } FfpCapture;
@@ -143,6 +146,10 @@ int ffp_capture_photographs(const FfpCapture *capture, const char *const *names,
 // so that rays along a silhouette pass through the sphere instead of just touching it). Writes centre and
 // radius.
 void ffp_capture_estimate_bounds(FfpCapture *capture);
+
+// The depths near and far of those views of a whole scene that have none, from the colours projected on lit
+// surfaces, with room for what is not lit. ffp_capture_estimate_bounds does it too.
+void ffp_capture_estimate_ranges(FfpCapture *capture);
 
 // World <- (world - centre) / radius for everything in the capture (poses, depth); the intensity is divided
 // by radius^2, which leaves I / d^2 as it was. The result has centre 0 and radius 1. `centre`/`radius` come

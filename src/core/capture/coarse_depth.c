@@ -22,6 +22,7 @@
 #define REACHED 0.9F   // of the samples that the projector reaches at the best depth: no fewer
 #define TRUSTED 2      // times the mean cost: more, and a pixel has found nothing
 #define LEAST 20       // samples
+#define ALONE 0.15F // of the median of a sample's costs: at most, for it to tell its depth without the others
 
 typedef struct Sample {
     real ray[WINDOW][3]; // camera's frame, z = 1
@@ -204,22 +205,42 @@ static int common_depth(const Sweep *sweep, const double guess[3], real *cost) {
     return clear || guessed < nearest || guessed > farthest ? best : -1;
 }
 
-static int add_points(const Sweep *sweep, const double guess[3], real points[][3]) {
+static void add_point(const Sweep *sweep, int s, real depth, real point[3]) {
     const FfpCamera *camera = &sweep->view->camera;
+    for (int i = 0; i < 3; i++) {
+        point[i] = camera->pose[4 * i + 3];
+        for (int j = 0; j < 3; j++) point[i] += camera->pose[4 * i + j] * sweep->samples[s].ray[0][j] * depth;
+    }
+}
+
+static int add_points(const Sweep *sweep, const double guess[3], real points[][3]) {
     real mean;
     const int common = common_depth(sweep, guess, &mean);
     int n = 0;
     for (int s = 0; common >= 0 && s < sweep->n_samples; s++) {
         int at;
         if (least_near(sweep, s, common, WIDE, &at) > TRUSTED * mean) continue;
-        const real depth = depth_of(sweep, at);
-        for (int i = 0; i < 3; i++) {
-            points[n][i] = camera->pose[4 * i + 3];
-            for (int j = 0; j < 3; j++)
-                points[n][i] += camera->pose[4 * i + j] * sweep->samples[s].ray[0][j] * depth;
-        }
-        n++;
+        add_point(sweep, s, depth_of(sweep, at), points[n++]);
     }
+    return n;
+}
+
+// Of each sample alone, the depth that fits it best, if it does so clearly better than most.
+static int add_clear_points(const Sweep *sweep, const double guess[3], real points[][3]) {
+    (void)guess;
+    real *sorted = ffp_alloc((size_t)sweep->n_depths, sizeof *sorted);
+    int n = 0;
+    for (int s = 0; s < sweep->n_samples; s++) {
+        const real *costs = sweep->costs + (size_t)s * (size_t)sweep->n_depths;
+        int best = 0, possible = 0;
+        for (int d = 0; d < sweep->n_depths; d++) {
+            if (costs[d] < costs[best]) best = d;
+            if (costs[d] <= COST_MAX) sorted[possible++] = costs[d];
+        }
+        if (possible < 2 || costs[best] > ALONE * ffp_median(sorted, (size_t)possible)) continue;
+        add_point(sweep, s, depth_of(sweep, best), points[n++]);
+    }
+    ffp_free(sorted);
     return n;
 }
 
@@ -228,8 +249,11 @@ static int choice(int k, int count, int most) {
     return count <= most ? k : (int)((int64_t)k * count / most);
 }
 
+// What the samples of a view say: their number of points.
+typedef int Say(const Sweep *sweep, const double guess[3], real points[][3]);
+
 static int sweep_view(const FfpCapture *capture, const FfpView *view, const int *usable, int n_usable,
-                      const FfpSummed *summed, const double guess[3], real points[][3]) {
+                      const FfpSummed *summed, Say *say, const double guess[3], real points[][3]) {
     Sweep sweep = {.view = view, .patterns = summed, .n_patterns = n_usable};
     for (int p = 0; p < n_usable; p++) sweep.indices[p] = usable[p];
     collect(&sweep, capture);
@@ -237,7 +261,7 @@ static int sweep_view(const FfpCapture *capture, const FfpView *view, const int 
     int n = 0;
     if (sweep.n_samples >= LEAST && sweep.near > 0) {
         fill_costs(&sweep);
-        n = add_points(&sweep, guess, points);
+        n = say(&sweep, guess, points);
     }
     ffp_free(sweep.samples);
     ffp_free(sweep.costs);
@@ -261,8 +285,8 @@ static int usable_patterns(const FfpCapture *capture, int usable[PATTERNS]) {
     return count;
 }
 
-int ffp_coarse_points(const FfpCapture *capture, const double guess[3],
-                      real points[FFP_COARSE_POINTS_MAX][3]) {
+static int points_of(const FfpCapture *capture, Say *say, const double guess[3],
+                     real points[FFP_COARSE_POINTS_MAX][3]) {
     int usable[PATTERNS], n = 0;
     const int n_usable = usable_patterns(capture, usable),
               n_views = capture->n_views < VIEWS ? capture->n_views : VIEWS;
@@ -273,8 +297,17 @@ int ffp_coarse_points(const FfpCapture *capture, const double guess[3],
         const FfpView *view = &capture->views[choice(k, capture->n_views, VIEWS)];
         const bool complete = has_picture(view, capture->black) && has_picture(view, capture->white) &&
                               view->coverage.data != NULL;
-        if (complete) n += sweep_view(capture, view, usable, n_usable, summed, guess, points + n);
+        if (complete) n += sweep_view(capture, view, usable, n_usable, summed, say, guess, points + n);
     }
     for (int p = 0; p < n_usable; p++) ffp_summed_free(&summed[p]);
     return n;
+}
+
+int ffp_coarse_points(const FfpCapture *capture, const double guess[3],
+                      real points[FFP_COARSE_POINTS_MAX][3]) {
+    return points_of(capture, add_points, guess, points);
+}
+
+int ffp_clear_points(const FfpCapture *capture, real points[FFP_COARSE_POINTS_MAX][3]) {
+    return points_of(capture, add_clear_points, NULL, points);
 }

@@ -16,4 +16,8 @@
 int ffp_coarse_points(const FfpCapture *capture, const double guess[3],
                       real points[FFP_COARSE_POINTS_MAX][3]);
 
+// The same without a common depth, for scenes that have none: the points of those samples whose colours fit
+// one depth clearly better than most others.
+int ffp_clear_points(const FfpCapture *capture, real points[FFP_COARSE_POINTS_MAX][3]);
+
 #endif

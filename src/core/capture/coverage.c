@@ -25,6 +25,10 @@ static FfpCoverageSource guess(const FfpCapture *capture, FfpView *view) {
     const ptrdiff_t pixels = (ptrdiff_t)view->camera.width * view->camera.height;
     const real *black = capture->black >= 0 ? view->images[capture->black].data : NULL;
     bool any = false;
+    if (capture->scene) { // nothing to guess: everything belongs to it
+        for (ptrdiff_t k = 0; k < pixels; k++) view->coverage.data[k] = 1;
+        return FFP_COVERAGE_MASK;
+    }
     for (int i = 0; i < capture->n_patterns; i++) {
         const real *image = view->images[i].data;
         any = any || image;

@@ -339,6 +339,9 @@ bool ffp_manifest_load(FfpManifest *manifest, FfpError *err) {
                  "brightens",
                  capture->name, guessed, capture->n_views);
     }
-    if (!manifest->has_bounds) ffp_capture_estimate_bounds(capture);
+    if (!manifest->has_bounds)
+        ffp_capture_estimate_bounds(capture);
+    else if (capture->scene)
+        ffp_capture_estimate_ranges(capture);
     return capture->intensity_known || ffp_estimate_intensity(capture, manifest->file, err);
 }

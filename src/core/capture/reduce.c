@@ -98,7 +98,8 @@ static FfpImage reduce_correspondence(const FfpImage *map, int width, int height
 
 FfpView ffp_view_reduced(const FfpView *view, int n_patterns, const int *patterns, int n, int width,
                          int height) {
-    FfpView out = {.camera = view->camera, .projector = view->projector};
+    FfpView out = {
+        .camera = view->camera, .projector = view->projector, .near = view->near, .far = view->far};
     memcpy(out.id, view->id, sizeof out.id);
     reduce_camera(&out.camera, width, height);
     out.frame_width = frame_side(ffp_frame_width(view), view->camera.width, width);

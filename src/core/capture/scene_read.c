@@ -76,6 +76,15 @@ static bool read_bounds(FfpManifest *manifest, const FfpNode *root, FfpError *er
            ffp_get_number(&object, "radius", 1e-9, RADIUS_MAX, &manifest->capture->radius, err);
 }
 
+// Whether it is a whole scene.
+static bool read_kind(FfpManifest *manifest, const FfpNode *root, FfpError *err) {
+    FfpNode field;
+    if (!ffp_node_find(root, "scene", &field)) return true;
+    if (!json_is_boolean(field.value)) return ffp_node_fail(&field, err, "not true or false");
+    manifest->capture->scene = json_is_true(field.value);
+    return true;
+}
+
 // An optional file of a view: named means that it must be there, unless poses alone are read.
 static bool read_file(FfpManifest *manifest, const FfpNode *view, const char *key, const char **path,
                       FfpError *err) {
@@ -169,6 +178,18 @@ static bool read_frame(const FfpNode *view_field, FfpView *view, FfpError *err) 
     return true;
 }
 
+// Camera depths between which a scene's surfaces are looked for.
+static bool read_range(const FfpNode *view_field, FfpView *view, FfpError *err) {
+    FfpNode field;
+    real range[2];
+    if (!ffp_node_find(view_field, "range", &field)) return true;
+    if (!ffp_node_numbers(&field, 2, 1e-9, RADIUS_MAX, range, err)) return false;
+    if (!(range[1] > range[0])) return ffp_node_fail(&field, err, "the far end is not beyond the near one");
+    view->near = range[0];
+    view->far = range[1];
+    return true;
+}
+
 static bool read_view(FfpManifest *manifest, const FfpNode *field, int index, const FfpCamera *camera,
                       const FfpCamera *projector, FfpError *err) {
     FfpView *view = &manifest->capture->views[index];
@@ -182,7 +203,7 @@ static bool read_view(FfpManifest *manifest, const FfpNode *field, int index, co
         !read_device(&part, false, FFP_CAMERA_SIDE_MIN, &view->camera, err)) {
         return false;
     }
-    if (!read_frame(field, view, err)) return false;
+    if (!read_frame(field, view, err) || !read_range(field, view, err)) return false;
     if (ffp_node_find(field, "projector", &part)) {
         if (!read_device(&part, false, FFP_PATTERN_SIDE_MIN, &view->projector, err)) return false;
         if (view->projector.width != projector->width || view->projector.height != projector->height) {
@@ -226,7 +247,7 @@ bool ffp_manifest_from_scene(FfpManifest *manifest, const FfpNode *root, FfpErro
     if (!check_version(root, err)) return false;
     if (ffp_node_find(root, "name", &field) && !ffp_node_name(&field, manifest->capture->name, err))
         return false;
-    if (!read_bounds(manifest, root, err)) return false;
+    if (!read_bounds(manifest, root, err) || !read_kind(manifest, root, err)) return false;
     manifest->depth_scale = 1;
     if (ffp_node_find(root, "depth_scale", &field) &&
         !ffp_node_number(&field, 1e-12, 1e12, &manifest->depth_scale, err)) {

@@ -126,6 +126,8 @@ static bool write_whole_view(Writer *writer, const FfpView *view, json_t *views,
     }
     if (ffp_frame_width(view) != view->camera.width || ffp_frame_height(view) != view->camera.height)
         json_object_set_new(json, "frame", json_pack("[i,i]", ffp_frame_width(view), ffp_frame_height(view)));
+    if (view->near > 0)
+        json_object_set_new(json, "range", json_pack("[f,f]", (double)view->near, (double)view->far));
     json_object_set_new(json, "c2w", matrix(view->camera.pose));
     json_object_set_new(json, "p2w", matrix(view->projector.pose));
     json_object_set_new(json, "images", images);
@@ -178,6 +180,7 @@ static void describe_rig(const FfpCapture *capture, json_t *root) {
     json_object_set_new(object, "centre", numbers(capture->centre, 3));
     json_object_set_new(object, "radius", json_real((double)capture->radius));
     json_object_set_new(root, "object", object);
+    if (capture->scene) json_object_set_new(root, "scene", json_true());
     json_object_set_new(root, "camera", device(&camera));
     json_object_set_new(root, "projector", projector);
 }

@@ -32,6 +32,11 @@ static real believed(const FfpView *view, size_t pixel, real low, real high) {
 
 static void range_of(real range[2], const FfpCapture *capture, int view, real bounds) {
     real x, y;
+    if (capture->scene) {
+        range[0] = capture->views[view].near;
+        range[1] = capture->views[view].far;
+        return;
+    }
     const real middle = ffp_project(&capture->views[view].camera, capture->centre, &x, &y);
     range[0] = middle - bounds * capture->radius;
     range[1] = middle + bounds * capture->radius;
@@ -56,12 +61,13 @@ void ffp_coded_costs(real *cost, const FfpCapture *capture, int view, const FfpF
                      const FfpPlanes *planes) {
     const FfpView *self = &capture->views[view];
     if (!self->correspondence.data) return;
-    const real last = planes->first + (real)(planes->count - 1) * planes->step;
+    const real first = ffp_plane_depth(planes, 0), last = ffp_plane_depth(planes, (real)(planes->count - 1));
+    const real low = fmin(first, last), high = fmax(first, last);
     for (size_t slot = 0; slot < foreground->count; slot++) {
-        const real z = believed(self, foreground->pixel[slot], planes->first, last);
+        const real z = believed(self, foreground->pixel[slot], low, high);
         real *row = cost + slot * (size_t)planes->count;
         if (!(z > 0)) continue;
-        const real at = (z - planes->first) / planes->step;
+        const real at = ffp_plane_at(planes, z);
         for (int k = 0; k < planes->count; k++) row[k] = fmin(COST_A_PLANE * fabs((real)k - at), COST_MOST);
     }
 }

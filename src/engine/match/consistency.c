@@ -86,7 +86,7 @@ static void ask(FfpSupport *out, const FfpSupportViews *support_views, int other
     const FfpView *seer = &depths->capture->views[other];
     Place at;
     if (!find_place(&at, line, z, seer)) return;
-    const real share = share_inside(&seer->coverage, &at);
+    const real share = depths->capture->scene ? 1 : share_inside(&seer->coverage, &at);
     const size_t first = (size_t)other * (size_t)depths->height * (size_t)depths->width;
     out->views++;
     out->coverage = share < out->coverage ? share : out->coverage;
@@ -121,6 +121,24 @@ void ffp_reject_inconsistent(FfpDepths *depths) {
             // The support views have their own copy of what is trusted.
             if (support.trust_past > depths->trust[i] + support.trust_agree || support.coverage <= 0)
                 depths->trust[i] = 0;
+        }
+    }
+    ffp_support_views_free(&support_views);
+}
+
+void ffp_require_support(FfpDepths *depths, const real *lit, int least) {
+    const int rows = depths->capture->n_views * depths->height;
+    FfpSupportViews support_views = ffp_support_views_new(depths);
+#pragma omp parallel for schedule(static)
+    for (int row = 0; row < rows; row++) {
+        for (int x = 0; x < depths->width; x++) {
+            const size_t i = (size_t)row * (size_t)depths->width + (size_t)x;
+            if (depths->trust[i] <= 0 || lit[i] >= FFP_LIT_MIN) continue;
+            const int view = row / depths->height, y = row % depths->height;
+            const FfpSupport support =
+                ffp_support_at(&support_views, view, &depths->capture->views[view].camera, (real)x + 0.5F,
+                               (real)y + 0.5F, depths->depth[i]);
+            if (support.agree < least) depths->trust[i] = 0;
         }
     }
     ffp_support_views_free(&support_views);

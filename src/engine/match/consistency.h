@@ -64,6 +64,10 @@ FfpSupport ffp_support_at(const FfpSupportViews *support_views, int view, const 
 // Sets the trust of depths to 0 if more trust sees past them than agrees with them.
 void ffp_reject_inconsistent(FfpDepths *depths);
 
+// Sets the trust of depths that no pattern told (lit [views,h,w] below FFP_LIT_MIN) to 0 unless as many other
+// views agree.
+void ffp_require_support(FfpDepths *depths, const real *lit, int least);
+
 // Moves the near end of the range [views,h,w,2] of pixels without trusted depth beyond the free space in
 // front of other views' trusted surfaces.
 void ffp_free_space(real *range, const FfpDepths *depths);

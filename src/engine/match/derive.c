@@ -4,6 +4,7 @@
 #include "core/base/arena.h"
 #include "core/base/call.h"
 #include "engine/match/fill.h"
+#include "engine/match/layout.h"
 #include "engine/match/line.h"
 #include "engine/match/material.h"
 #include "engine/match/surface.h"
@@ -68,6 +69,8 @@ static void fill_view(void *argument, int64_t index) {
     real *out = f->filled + (size_t)v * area;
     const FfpCamera *camera = &capture->views[v].camera;
     ffp_fill_from_others(out, depths, f->normals, v);
+    for (size_t i = 0; i < area && capture->scene; i++)
+        if (out[i] <= 0) out[i] = depths->depth[(size_t)v * area + i];
     ffp_fill_smoothly(out, capture->views[v].coverage.data, f->range + 2 * (size_t)v * area, depths->width,
                       depths->height);
     real x, y;
@@ -90,10 +93,13 @@ static void fill(FfpDepths *depths, real *range, unsigned char *const *hulls,
     real *normals = ffp_alloc(area * (size_t)capture->n_views, 3 * sizeof(real));
     real *filled = ffp_alloc(area * (size_t)capture->n_views, sizeof(real));
     find_normals(normals, depths);
-    ffp_free_space(range, depths);
+    if (!capture->scene) ffp_free_space(range, depths);
     ffp_parallel_for(capture->n_views, 0, fill_view, &(Filling){filled, normals, range, depths});
     real *found = ffp_alloc(area * (size_t)capture->n_views, sizeof(real));
-    ffp_unlit_depths(found, depths, filled, hulls, settings, threads);
+    if (capture->scene)
+        ffp_layout_depths(found, depths, normals, filled);
+    else
+        ffp_unlit_depths(found, depths, filled, hulls, settings, threads);
     memcpy(depths->depth, found, area * (size_t)capture->n_views * sizeof(real));
     ffp_free(found);
     ffp_free(filled);

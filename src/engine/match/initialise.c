@@ -16,6 +16,7 @@
 #include "engine/match/reduce.h"
 #include "engine/match/sweep.h"
 
+#define SUPPORT 2 // other views that must agree with a depth in a scene that no pattern told
 #define MATCH_BYTES ((size_t)2 << 30) // of working memory for the hypotheses of all views matched at a time
 
 static bool check_picture(const FfpImage *image, const FfpCamera *camera, int channels, const char *what,
@@ -122,6 +123,7 @@ typedef struct Matching {
     const int *patterns;
     int n_patterns;
     const FfpBlurred *blurred;
+    const FfpStereo *stereo; // of a whole scene
     const FfpMatchSettings *settings;
 } Matching;
 
@@ -131,9 +133,12 @@ static void match_one(void *argument, int64_t index) {
     const size_t area = (size_t)m->initial->width * (size_t)m->initial->height;
     FfpObservation observed = ffp_observe(m->capture, v, m->patterns, m->n_patterns);
     memcpy(m->initial->lit + (size_t)v * area, observed.lit, area * sizeof(real));
-    ffp_match_view(m->depths->depth + (size_t)v * area, m->depths->trust + (size_t)v * area,
-                   m->range + 2 * (size_t)v * area, &m->hulls[v], m->capture, v, &observed, m->blurred,
-                   m->settings);
+    real *depth = m->depths->depth + (size_t)v * area, *trust = m->depths->trust + (size_t)v * area;
+    if (m->capture->scene)
+        ffp_match_scene_view(depth, trust, m->stereo, v, &observed, m->blurred, m->settings);
+    else
+        ffp_match_view(depth, trust, m->range + 2 * (size_t)v * area, &m->hulls[v], m->capture, v, &observed,
+                       m->blurred, m->settings);
     ffp_observation_free(&observed);
     ffp_cancel_point();
 }
@@ -148,10 +153,15 @@ static void match(FfpInitialisation *initial, const FfpCapture *capture, const i
     const size_t area = (size_t)initial->width * (size_t)initial->height;
     real *range = ffp_alloc((size_t)initial->views * area, 2 * sizeof(real));
     unsigned char **hulls = ffp_alloc((size_t)initial->views, sizeof *hulls);
-    ffp_parallel_for(capture->n_views, threads, match_one,
-                     &(Matching){initial, &depths, range, hulls, capture, patterns, n, &blurred, settings});
+    FfpStereo stereo = {0};
+    if (capture->scene) stereo = ffp_stereo_new(capture, patterns[0]);
+    ffp_parallel_for(
+        capture->n_views, threads, match_one,
+        &(Matching){initial, &depths, range, hulls, capture, patterns, n, &blurred, &stereo, settings});
+    ffp_stereo_free(&stereo);
     ffp_blurred_free(&blurred);
     ffp_reject_inconsistent(&depths);
+    if (capture->scene) ffp_require_support(&depths, initial->lit, SUPPORT);
     ffp_derive(initial, &depths, range, hulls, settings, threads);
     for (int v = 0; v < capture->n_views; v++) ffp_free(hulls[v]);
     free_depths(&depths);

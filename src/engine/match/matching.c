@@ -13,12 +13,10 @@
 #define LARGE_STEP 0.3F  // and of any longer one
 #define COST_MAX 0.1F    // mean squared difference above which no hypothesis fits
 #define APART 3          // planes between two separate minima
-#define FAR_COST 1e6F    // more than any hypothesis costs
 #define ROUNDS 2         // of the fine search
 
-// Cost of a pixel's hypotheses summed over 3 x 3 pixels, and the sum of their weights.
-static real sum_window(real *restrict sum, const real *cost, const FfpForeground *foreground,
-                       const FfpObservation *observed, int x, int y, int count) {
+real ffp_window_costs(real *restrict sum, const real *cost, const FfpForeground *foreground,
+                      const FfpObservation *observed, int x, int y, int count) {
     real weight = 0;
     memset(sum, 0, (size_t)count * sizeof(real));
     for (int j = y > 0 ? y - 1 : y; j <= y + 1 && j < observed->height; j++) {
@@ -34,22 +32,20 @@ static real sum_window(real *restrict sum, const real *cost, const FfpForeground
     return weight;
 }
 
-// Least value at a minimum at least APART from `chosen`; the greatest value when there is none. `sum` has a
-// cell of FAR_COST before and behind.
-static real rival(const real *sum, int count, int chosen) {
-    real least = FAR_COST, greatest = 0;
+real ffp_rival_cost(const real *sum, int count, int chosen) {
+    real least = FFP_FAR_COST, greatest = 0;
 #pragma omp simd reduction(min : least) reduction(max : greatest)
     for (int k = 0; k < count; k++) {
         const bool minimum = (sum[k - 1] >= sum[k]) & (sum[k + 1] >= sum[k]),
                    apart = (k <= chosen - APART) | (k >= chosen + APART);
-        const real value = (minimum & apart) ? sum[k] : FAR_COST;
+        const real value = (minimum & apart) ? sum[k] : FFP_FAR_COST;
         least = value < least ? value : least;
         greatest = sum[k] > greatest ? sum[k] : greatest;
     }
-    return least < FAR_COST ? least : greatest;
+    return least < FFP_FAR_COST ? least : greatest;
 }
 
-static int least_index(const real *values, int count) {
+int ffp_least_cost(const real *values, int count) {
     real least = values[0];
 #pragma omp simd reduction(min : least)
     for (int k = 1; k < count; k++) least = values[k] < least ? values[k] : least;
@@ -63,16 +59,16 @@ static void choose(real *depth, real *confidence, const real *total, const real 
                    const FfpForeground *foreground, const FfpObservation *observed, const FfpPlanes *planes) {
     const int count = planes->count;
     real *row = ffp_alloc((size_t)count + 2, sizeof(real)), *sum = row + 1;
-    row[0] = row[count + 1] = FAR_COST;
+    row[0] = row[count + 1] = FFP_FAR_COST;
     for (size_t slot = 0; slot < foreground->count; slot++) {
         const size_t i = foreground->pixel[slot];
         const int x = (int)(i % (size_t)observed->width), y = (int)(i / (size_t)observed->width);
-        const int best = least_index(total + slot * (size_t)count, count);
-        depth[i] = planes->first + (real)best * planes->step;
+        const int best = ffp_least_cost(total + slot * (size_t)count, count);
+        depth[i] = ffp_plane_depth(planes, (real)best);
         if (observed->lit[i] < FFP_LIT_MIN) continue;
-        const real weight = sum_window(sum, cost, foreground, observed, x, y, count);
+        const real weight = ffp_window_costs(sum, cost, foreground, observed, x, y, count);
         if (sum[best] > COST_MAX * weight) continue;
-        const real second = rival(sum, count, best);
+        const real second = ffp_rival_cost(sum, count, best);
         confidence[i] = second > 0 ? fmax(1 - sum[best] / second, 0) * observed->lit[i] : 0;
     }
     ffp_free(row);
@@ -120,7 +116,7 @@ void ffp_match_view(real *depth, real *confidence, real *range, unsigned char **
     ffp_coded_depths(depth, confidence, capture, view, settings->bounds);
     const int steps =
         settings->fine_steps < FFP_REFINE_STEPS_MAX ? settings->fine_steps : FFP_REFINE_STEPS_MAX;
-    const FfpFineSearch fine = {&capture->views[view], observed, patterns, steps};
+    const FfpFineSearch fine = {&capture->views[view], observed, patterns, steps, false};
     real *finer = ffp_alloc(pixels, sizeof(real)), span = 2 * planes.step;
     for (int round = 0; round < ROUNDS; round++) {
         ffp_cancel_point();

@@ -4,6 +4,10 @@
 
 #include "engine/match/match.h"
 #include "engine/match/observe.h"
+#include "engine/match/stereo.h"
+#include "engine/match/sweep.h"
+
+#define FFP_FAR_COST 1e6F // more than any hypothesis costs
 
 // depth [h,w]: camera z, 0 off the object. confidence [h,w]: 1 - best / second-best minimum's cost, times
 // lit; 0 where the pixel is not lit, or fits no hypothesis.
@@ -12,6 +16,21 @@
 void ffp_match_view(real *depth, real *confidence, real *range, unsigned char **hull,
                     const FfpCapture *capture, int view, const FfpObservation *observed,
                     const FfpBlurred *patterns, const FfpMatchSettings *settings);
+
+// The same for a view of a whole scene, without hull or silhouettes: costs of the patterns and of the other
+// views' photographs are added, so that what is not lit has depth and confidence, too.
+void ffp_match_scene_view(real *depth, real *confidence, const FfpStereo *stereo, int view,
+                          const FfpObservation *observed, const FfpBlurred *patterns,
+                          const FfpMatchSettings *settings);
+
+// What both share. Cost of a pixel's hypotheses summed over 3 x 3 pixels into `sum` [count]; returns the sum
+// of their weights.
+real ffp_window_costs(real *restrict sum, const real *cost, const FfpForeground *foreground,
+                      const FfpObservation *observed, int x, int y, int count);
+// Least value at a minimum some planes away from `chosen`; the greatest value when there is none. `sum` has a
+// cell of FFP_FAR_COST before and behind.
+real ffp_rival_cost(const real *sum, int count, int chosen);
+int ffp_least_cost(const real *values, int count); // its index, the first
 
 // Bytes of working memory that one view takes at most while it is matched.
 size_t ffp_match_bytes(const FfpCamera *camera, const FfpMatchSettings *settings);

@@ -19,7 +19,7 @@ static bool contradicted(const FfpSupportViews *support_views, const FfpProjecto
     for (int v = 0; v < depths->capture->n_views; v++) {
         const FfpView *view = &depths->capture->views[v];
         real x, y, z = ffp_project(&view->camera, point, &x, &y);
-        if (z > 0 && off_silhouette(view, x, y)) return true;
+        if (z > 0 && !depths->capture->scene && off_silhouette(view, x, y)) return true;
         if (z > 0) {
             const FfpDepthBounds bounds = ffp_depth_bounds_at(support_views, v, x, y);
             ffp_support_count(&support, &bounds, z, FFP_SUPPORT_SLACK * z / view->camera.fx);

@@ -19,7 +19,7 @@ static void refine_strip(real *out, const real *weight, const FfpSheet *sheet, c
     for (int n = 0; n < lanes; n++) {
         const FfpPlane *plane = &planes[n];
         if (weight[first + (size_t)n] <= 0 || plane->q0 <= 0) continue;
-        const real step = range * plane->q0 * plane->q0 / (real)half;
+        const real step = (search->inverse ? range : range * plane->q0 * plane->q0) / (real)half;
         const real q = refine(search, plane, x + n, y, step);
         if (q > 0) out[first + (size_t)n] = 1 / q;
     }

@@ -10,14 +10,15 @@ typedef struct FfpFineSearch {
     const FfpView *view;
     const FfpObservation *observed;
     const FfpBlurred *patterns;
-    int steps; // hypotheses, up to FFP_REFINE_STEPS_MAX
+    int steps;    // hypotheses, up to FFP_REFINE_STEPS_MAX
+    bool inverse; // the range searched is of inverse depth
 } FfpFineSearch;
 
 enum { FFP_REFINE_STEPS_MAX = 256 };
 
-// Searches `steps` hypotheses about each pixel's local plane, range / (steps / 2) apart (camera depth), from
-// -range to one step below +range; the pixels around it move along with that plane. Reads `depth` and writes
-// `out` [h,w]; pixels without depth or with weight 0 keep theirs.
+// Searches `steps` hypotheses about each pixel's local plane, range / (steps / 2) apart (camera depth, or its
+// inverse), from -range to one step below +range; the pixels around it move along with that plane. Reads
+// `depth` and writes `out` [h,w]; pixels without depth or with weight 0 keep theirs.
 void ffp_refine_depth(real *out, const real *depth, const real *weight, const FfpFineSearch *search,
                       real range);
 

@@ -8,6 +8,7 @@
 
 #define OUTSIDE_COST                                                                                         \
     1.0F // a channel and a pattern, off the pattern or off a silhouette: as much as a clearly wrong colour
+#define SCENE_STEPS 192 // hypotheses between the near and the far end of a scene
 
 FfpMatchSettings ffp_match_defaults(void) {
     return (FfpMatchSettings){128, 16, 1.05F};
@@ -16,9 +17,14 @@ FfpMatchSettings ffp_match_defaults(void) {
 FfpPlanes ffp_planes(const FfpCapture *capture, int view, const FfpMatchSettings *settings) {
     const FfpCamera *camera = &capture->views[view].camera;
     real x, y;
+    if (capture->scene) {
+        const real first = 1 / capture->views[view].far, last = 1 / capture->views[view].near;
+        return (FfpPlanes){SCENE_STEPS, true, first, (last - first) / (SCENE_STEPS - 1)};
+    }
     const real z = ffp_project(camera, capture->centre, &x, &y), reach = settings->bounds * capture->radius;
     const real first = fmax(z - reach, 0.02F * reach), last = fmax(z + reach, 2 * first);
-    return (FfpPlanes){settings->coarse_steps, first, (last - first) / (real)(settings->coarse_steps - 1)};
+    return (FfpPlanes){settings->coarse_steps, false, first,
+                       (last - first) / (real)(settings->coarse_steps - 1)};
 }
 
 // What a pixel saw under all of its patterns.
@@ -61,7 +67,7 @@ void ffp_sweep(real *cost, const FfpView *view, const FfpForeground *foreground,
     for (size_t slot = 0; slot < foreground->count; slot++) {
         const size_t i = foreground->pixel[slot], first = slot * count;
         const real x = (real)(i % width) + 0.5F, y = (real)(i / width) + 0.5F;
-        const FfpLine line = ffp_line(&view->camera, x, y, &view->projector);
+        const FfpLine line = ffp_plane_line(planes, ffp_line(&view->camera, x, y, &view->projector));
         for (int k = 0; k < observed->count; k++) here[k] = ffp_observed_pixel(observed, patterns, k, i);
         const real *w = observed->weight + 3 * i;
         const Pixel pixel = {here, observed->count, outside * ((w[0] + w[1]) + w[2])};

@@ -4,14 +4,30 @@
 #define FFP_MATCH_SWEEP_H
 
 #include "engine/match/foreground.h"
+#include "engine/match/line.h"
 #include "engine/match/match.h"
 #include "engine/match/observe.h"
 
-// Hypotheses: planes of equal camera depth, evenly spaced over the object's sphere.
+// Hypotheses: planes of equal camera depth, evenly spaced over the object's sphere; of a whole scene, evenly
+// spaced in inverse depth between the view's far and near end, so that all are as far apart in pictures.
 typedef struct FfpPlanes {
     int count;
-    real first, step; // camera depth
+    bool inverse;     // of inverse camera depth,
+    real first, step; // otherwise of camera depth
 } FfpPlanes;
+static inline real ffp_plane_depth(const FfpPlanes *planes, real k) {
+    const real at = planes->first + k * planes->step;
+    return planes->inverse ? 1 / at : at;
+}
+// The number, with its fraction, of the plane at a depth.
+static inline real ffp_plane_at(const FfpPlanes *planes, real depth) {
+    return ((planes->inverse ? 1 / depth : depth) - planes->first) / planes->step;
+}
+// A pixel's ray in the planes' own unit, for ffp_line_positions.
+static inline FfpLine ffp_plane_line(const FfpPlanes *planes, FfpLine line) {
+    if (!planes->inverse) return line;
+    return (FfpLine){{line.u[1], line.u[0]}, {line.v[1], line.v[0]}, {line.w[1], line.w[0]}};
+}
 FfpPlanes ffp_planes(const FfpCapture *capture, int view, const FfpMatchSettings *settings);
 
 // inside [foreground, count]: 1 where a hypothesis lies within the silhouettes of all other views, widened by

@@ -4,10 +4,9 @@
 #include <tgmath.h>
 #include "core/base/arena.h"
 #include "core/base/call.h"
-#include "engine/match/line.h"
 #include "engine/match/observe.h"
-#include "engine/match/projector_rays.h"
 #include "engine/match/sweep.h"
+#include "engine/match/unlit_work.h"
 
 #define UNLIKE 0.25F // difference of encoded colours beyond which they are of different surfaces
 #define COMPARED 2   // views that see a point best: of the others something may hide it
@@ -20,20 +19,6 @@
 #define SMALL_STEP 0.02F // smoothness, as in matching
 #define LARGE_STEP 0.4F
 #define MARGIN 0.8F // of the aggregated costs by which a plane must be better than the filled depth's
-
-typedef struct Scene {
-    const FfpDepths *depths;
-    FfpSupportViews support_views;
-    FfpProjectorRays *projector_rays; // [views]
-    real *encoded;                    // [views,h,w,3]: the object's own colour under black
-} Scene;
-
-// A pixel's ray as cameras and projectors see it.
-typedef struct Ray {
-    int view;
-    const real *colour;          // encoded
-    FfpLine *camera, *projector; // [views]
-} Ray;
 
 // What the other views say about a point on a ray.
 typedef struct Said {
@@ -56,7 +41,7 @@ static void keep_least(Said *said, real unlike) {
 
 // Compares with the colour between the four pixels from `first` on, of those on the object; (a, b) is the
 // way to the right and down.
-static void compare(Said *said, const Scene *scene, const real *colour, int other, size_t first, real a,
+static void compare(Said *said, const FfpUnlit *scene, const real *colour, int other, size_t first, real a,
                     real b) {
     const size_t width = (size_t)scene->depths->width, height = (size_t)scene->depths->height;
     const real *coverage = scene->depths->capture->views[other].coverage.data + first,
@@ -74,7 +59,7 @@ static void compare(Said *said, const Scene *scene, const real *colour, int othe
     keep_least(said, at_most(off / UNLIKE, 1));
 }
 
-static void ask_camera(Said *said, const Scene *scene, const Ray *ray, int other, real z) {
+static void ask_camera(Said *said, const FfpUnlit *scene, const FfpUnlitRay *ray, int other, real z) {
     const int width = scene->depths->width, height = scene->depths->height;
     const FfpView *seer = &scene->depths->capture->views[other];
     real u = -1, v = -1;
@@ -93,7 +78,7 @@ static void ask_camera(Said *said, const Scene *scene, const Ray *ray, int other
     if (bounds->high <= 0) compare(said, scene, ray->colour, other, first, u - (real)x, v - (real)y);
 }
 
-static void ask_projector(Said *said, const Scene *scene, const Ray *ray, int other, real z) {
+static void ask_projector(Said *said, const FfpUnlit *scene, const FfpUnlitRay *ray, int other, real z) {
     const FfpProjectorRays *projector_rays = &scene->projector_rays[other];
     real u = -1, v = -1;
     const real depth = ffp_line_at(&ray->projector[other], z, &u, &v);
@@ -103,8 +88,7 @@ static void ask_projector(Said *said, const Scene *scene, const Ray *ray, int ot
     if (depth < bounds.low - slack) said->support.trust_past += bounds.trust;
 }
 
-// Cost of the ray's point at camera depth z, [0,1].
-static real point_cost(const Scene *scene, const Ray *ray, real z) {
+real ffp_unlit_cost(const FfpUnlit *scene, const FfpUnlitRay *ray, real z) {
     Said said = {0};
     for (int other = 0; other < scene->depths->capture->n_views; other++) {
         if (other != ray->view) ask_camera(&said, scene, ray, other, z);
@@ -117,38 +101,45 @@ static real point_cost(const Scene *scene, const Ray *ray, real z) {
     return said.support.trust_agree > said.support.trust_past ? at_most(cost, AGREED) : cost;
 }
 
+FfpUnlitRay ffp_unlit_ray(const FfpUnlit *scene, int view, size_t pixel, FfpLine *lines) {
+    const FfpCapture *capture = scene->depths->capture;
+    const FfpCamera *camera = &capture->views[view].camera;
+    const size_t width = (size_t)scene->depths->width, area = width * (size_t)scene->depths->height;
+    const size_t views = (size_t)capture->n_views;
+    const real x = (real)(pixel % width) + 0.5F, y = (real)(pixel / width) + 0.5F;
+    for (size_t other = 0; other < views; other++) {
+        lines[other] = ffp_line(camera, x, y, &capture->views[other].camera);
+        lines[views + other] = ffp_line(camera, x, y, &capture->views[other].projector);
+    }
+    return (FfpUnlitRay){view, scene->encoded + 3 * ((size_t)view * area + pixel), lines, lines + views};
+}
+
 // Costs of an unlit pixel's planes; `at` is the plane of its filled depth.
-static void ray_costs(real *cost, const Scene *scene, const Ray *ray, const unsigned char *inside,
+static void ray_costs(real *cost, const FfpUnlit *scene, const FfpUnlitRay *ray, const unsigned char *inside,
                       const FfpPlanes *planes, real at) {
     for (int k = 0; k < planes->count; k++) {
         const real off = fabs((real)k - at) * planes->step;
-        cost[k] = inside[k] ? point_cost(scene, ray, planes->first + (real)k * planes->step) : EMPTY;
+        cost[k] = inside[k] ? ffp_unlit_cost(scene, ray, planes->first + (real)k * planes->step) : EMPTY;
         cost[k] += LEAN * at_most(off / LEAN_REACH, 1);
     }
 }
 
 // Costs of all planes of a view's pixels. Trusted ones hold their plane.
-static void view_costs(real *cost, const Scene *scene, int view, const FfpForeground *foreground,
+static void view_costs(real *cost, const FfpUnlit *scene, int view, const FfpForeground *foreground,
                        const FfpPlanes *planes, const unsigned char *inside, const real *filled) {
     const FfpCapture *capture = scene->depths->capture;
-    const FfpCamera *camera = &capture->views[view].camera;
-    const size_t width = (size_t)foreground->width, area = width * (size_t)foreground->height;
+    const size_t area = (size_t)foreground->width * (size_t)foreground->height;
     const size_t views = (size_t)capture->n_views, count = (size_t)planes->count;
     FfpLine *lines = ffp_alloc(2 * views, sizeof *lines);
     for (size_t slot = 0; slot < foreground->count; slot++) {
         const size_t i = foreground->pixel[slot], pixel = (size_t)view * area + i;
-        const real x = (real)(i % width) + 0.5F, y = (real)(i / width) + 0.5F,
-                   at = (filled[pixel] - planes->first) / planes->step;
+        const real at = (filled[pixel] - planes->first) / planes->step;
         real *row = cost + slot * count;
         if (scene->depths->trust[pixel] > 0) {
             for (size_t k = 0; k < count; k++) row[k] = at_most(fabs((real)k - at), 1);
             continue;
         }
-        for (size_t other = 0; other < views; other++) {
-            lines[other] = ffp_line(camera, x, y, &capture->views[other].camera);
-            lines[views + other] = ffp_line(camera, x, y, &capture->views[other].projector);
-        }
-        const Ray ray = {view, scene->encoded + 3 * pixel, lines, lines + views};
+        const FfpUnlitRay ray = ffp_unlit_ray(scene, view, i, lines);
         ray_costs(row, scene, &ray, inside + slot * count, planes, at);
     }
     ffp_free(lines);
@@ -171,8 +162,8 @@ static real choose(const real *total, const FfpPlanes *planes, real filled) {
     return planes->first + ((real)best + shift) * planes->step;
 }
 
-static void find_view(real *out, const Scene *scene, int view, const real *filled, const unsigned char *hull,
-                      const FfpMatchSettings *settings) {
+static void find_view(real *out, const FfpUnlit *scene, int view, const real *filled,
+                      const unsigned char *hull, const FfpMatchSettings *settings) {
     const FfpCapture *capture = scene->depths->capture;
     const FfpPlanes planes = ffp_planes(capture, view, settings);
     FfpForeground foreground = ffp_foreground_new(&capture->views[view].coverage);
@@ -198,7 +189,7 @@ static void find_view(real *out, const Scene *scene, int view, const real *fille
 }
 
 typedef struct Views {
-    Scene *scene;
+    FfpUnlit *scene;
     real *out;
     const real *filled;
     unsigned char *const *hulls;
@@ -206,7 +197,7 @@ typedef struct Views {
 } Views;
 
 static void prepare_view(void *argument, int64_t v) {
-    const Scene *scene = ((const Views *)argument)->scene;
+    const FfpUnlit *scene = ((const Views *)argument)->scene;
     const FfpDepths *depths = scene->depths;
     const FfpView *view = &depths->capture->views[v];
     const size_t area = (size_t)depths->width * (size_t)depths->height;
@@ -224,23 +215,28 @@ static void find_one(void *argument, int64_t view) {
     ffp_cancel_point();
 }
 
-static Scene scene_new(const FfpDepths *depths) {
+FfpUnlit ffp_unlit_new(const FfpDepths *depths) {
     const FfpCapture *capture = depths->capture;
     const size_t views = (size_t)capture->n_views, area = (size_t)depths->width * (size_t)depths->height;
-    Scene out = {depths, ffp_support_views_new(depths), ffp_alloc(views, sizeof(FfpProjectorRays)),
-                 ffp_alloc(views * area, 3 * sizeof(real))};
+    FfpUnlit out = {depths, ffp_support_views_new(depths), ffp_alloc(views, sizeof(FfpProjectorRays)),
+                    ffp_alloc(views * area, 3 * sizeof(real))};
     ffp_parallel_for(capture->n_views, 0, prepare_view, &(Views){.scene = &out});
     return out;
+}
+
+void ffp_unlit_free(FfpUnlit *scene) {
+    for (int v = 0; v < scene->depths->capture->n_views; v++)
+        ffp_projector_rays_free(&scene->projector_rays[v]);
+    ffp_free(scene->projector_rays);
+    ffp_free(scene->encoded);
+    ffp_support_views_free(&scene->support_views);
 }
 
 void ffp_unlit_depths(real *out, const FfpDepths *depths, const real *filled, unsigned char *const *hulls,
                       const FfpMatchSettings *settings, int threads) {
     const int views = depths->capture->n_views;
-    Scene scene = scene_new(depths);
+    FfpUnlit scene = ffp_unlit_new(depths);
     memcpy(out, filled, (size_t)views * (size_t)depths->width * (size_t)depths->height * sizeof(real));
     ffp_parallel_for(views, threads, find_one, &(Views){&scene, out, filled, hulls, settings});
-    for (int v = 0; v < views; v++) ffp_projector_rays_free(&scene.projector_rays[v]);
-    ffp_free(scene.projector_rays);
-    ffp_free(scene.encoded);
-    ffp_support_views_free(&scene.support_views);
+    ffp_unlit_free(&scene);
 }

@@ -135,7 +135,7 @@ static bool predict(Work *w, const FfpReconstruction *options, FfpReconstruction
     double begin = ffp_seconds();
     if (!ffp_initialisation_new(&w->start, &w->padded, patterns, n, &settings, err)) return false;
     stats->initialisation_s = ffp_seconds() - begin;
-    if (!options->model) {
+    if (!options->model || w->capture.scene) { // the network has learned objects
         w->result = ffp_initialisation_gaussians(&w->padded, &w->start);
         w->pixel = ffp_initialisation_pixels(&w->start);
         return true;

@@ -28,7 +28,7 @@ static bool check_choices(const FfpGeneration *options, FfpError *err) {
         return ffp_fail(err, FFP_ERROR_ARGUMENT, "split", "invalid value %d", (int)options->split);
     if ((unsigned)options->preset > FFP_PRESET_TRAINING)
         return ffp_fail(err, FFP_ERROR_ARGUMENT, "preset", "invalid value %d", (int)options->preset);
-    return (unsigned)options->rig <= FFP_RIG_SPHERE ||
+    return (unsigned)options->rig <= FFP_RIG_WALK_TWO ||
            ffp_fail(err, FFP_ERROR_ARGUMENT, "rig", "invalid value %d", (int)options->rig);
 }
 
@@ -43,7 +43,9 @@ static bool generate(void *argument, FfpError *err) {
                                                [FFP_PRESET_TRAINING] = FFP_DATASET_TRAINING};
     static const FfpSceneRig rigs[] = {[FFP_RIG_TURNTABLE] = FFP_SCENE_TURNTABLE,
                                        [FFP_RIG_FREE] = FFP_SCENE_FREE,
-                                       [FFP_RIG_SPHERE] = FFP_SCENE_SPHERE};
+                                       [FFP_RIG_SPHERE] = FFP_SCENE_SPHERE,
+                                       [FFP_RIG_WALK] = FFP_SCENE_WALK,
+                                       [FFP_RIG_WALK_TWO] = FFP_SCENE_WALK_TWO};
     if (!check_choices(options, err)) return false;
     const FfpDatasetSettings settings = {.folder = options->folder,
                                          .split = splits[options->split],

@@ -115,6 +115,7 @@ static bool import_capture(void *argument, FfpError *err) {
                                   .linear_images = options->linear_images,
                                   .linear_patterns = options->linear_patterns,
                                   .exposure = options->exposure,
+                                  .scene = options->scene,
                                   .name = options->name,
                                   .folder = options->folder};
     FfpTurntable *turntable = ffp_alloc(1, sizeof *turntable);

@@ -87,12 +87,19 @@ static const FfpOption options[] = {
      .argument = "KIND",
      .type = FFP_OPTION_CHOICE,
      .offset = offsetof(Arguments, generation.rig),
-     .words =
-         (const FfpWord[]){
-             {"turntable", FFP_RIG_TURNTABLE}, {"free", FFP_RIG_FREE}, {"sphere", FFP_RIG_SPHERE}, {0}},
-     .help = "turntable: the object turns before a fixed camera and projector (default); free: cameras all "
-             "around the object, each with a projector of its own beside it; sphere: the camera spirals "
-             "around a fixed object and projector"},
+     .words = (const FfpWord[]){{"turntable", FFP_RIG_TURNTABLE},
+                                {"free", FFP_RIG_FREE},
+                                {"sphere", FFP_RIG_SPHERE},
+                                {"walk", FFP_RIG_WALK},
+                                {"walk-two", FFP_RIG_WALK_TWO},
+                                {0}},
+     .help =
+         "turntable: the object turns before a fixed camera and projector (default); free: cameras all "
+         "around the object, each with a projector of its own beside it; sphere: the camera spirals "
+         "around a fixed object and projector; walk: a whole scene (a corner, a table, columns, a facade or "
+         "a "
+         "stage), before which the projector stands and the camera walks along an arc of some 80 degrees; "
+         "walk-two: the same with two projectors, in turn, so two views of each place of the camera"},
     {.name = "views",
      .argument = "N",
      .type = FFP_OPTION_INT,

@@ -289,6 +289,16 @@ static const FfpOption options[] = {
      .group = PHOTOGRAPHS,
      .help = "exposure adjustment of linear pictures, in stops: EXR values may exceed the range 0 to 1, the "
              "capture's 8-bit pictures cannot. Default: 0"},
+    {.name = "scene",
+     .type = FFP_OPTION_FLAG,
+     .offset = offsetof(Arguments, import.scene),
+     .group = PHOTOGRAPHS,
+     .help =
+         "a whole scene, such as a stage, a room or a facade, before which the projector stands and the "
+         "camera "
+         "walks: everything in view belongs to it, lit or not. There are no masks and no turntable; depth "
+         "is found from the pattern and, where no projector reaches, from the photographs of neighbouring "
+         "views, so keep them within some 15 degrees of each other"},
     {.name = "fit-response",
      .type = FFP_OPTION_FLAG,
      .offset = offsetof(Arguments, import.fit_response),

@@ -215,12 +215,15 @@ static void check_exposure(Page *page, Light *light) {
 
 static void check_black(Page *page, Light *light) {
     const double reversed = light->object > 0 ? (double)light->reversed / (double)light->object : 0;
-    const double lit = light->object > 0 ? (double)light->lit / (double)light->object : 0;
     line(page, reversed < 0.01, "black level",
          "%.2f %% of the object's pixels are darker under white than under black", 100 * reversed);
     if (reversed >= 0.01)
         advise(page, "black and white are swapped, the room's light changed, or camera and projector are not "
                      "synchronised (expose for whole frames of the projector)");
+}
+
+static void check_lit_share(Page *page, const Light *light) {
+    const double lit = light->object > 0 ? (double)light->lit / (double)light->object : 0;
     line(page, lit > 0.4, "lit share", "%.0f %% of the object's pixels receive projector light", 100 * lit);
     if (lit <= 0.4)
         advise(
@@ -432,15 +435,71 @@ static void check_pattern(Page *page, const FfpCapture *capture, const Light *li
                      "sign, R and T from camera to projector)");
 }
 
+// --- Whole scenes. ---
+
+#define APART_MAX 20 // degrees between a camera and the nearest other one, seen from the scene's middle
+#define REACHED 0.1  // of the pixels that white brightens
+
+static double angle_between(const double a[3], const double b[3]) {
+    return degrees(acos(fmax(-1, fmin(1, a[0] * b[0] + a[1] * b[1] + a[2] * b[2]))));
+}
+
+// The widest angle from a camera to the nearest that stands elsewhere; 0: all stand in one place.
+static double widest_step(const FfpCapture *capture) {
+    double widest = 0;
+    for (int v = 0; v < capture->n_views; v++) {
+        double own[3], other[3], nearest = INFINITY;
+        direction_to(capture, &capture->views[v].camera, own);
+        for (int w = 0; w < capture->n_views; w++) {
+            if (ffp_same_device(&capture->views[v].camera, &capture->views[w].camera)) continue;
+            direction_to(capture, &capture->views[w].camera, other);
+            nearest = fmin(nearest, angle_between(own, other));
+        }
+        if (isfinite(nearest)) widest = fmax(widest, nearest);
+    }
+    return widest;
+}
+
+static void check_walk(Page *page, const FfpCapture *capture, const Light *light) {
+    Range depth = no_range();
+    for (int v = 0; v < capture->n_views; v++) {
+        widen(&depth, (double)capture->views[v].near);
+        widen(&depth, (double)capture->views[v].far);
+    }
+    line(page, true, "depth", "a whole scene, looked for %.3g to %.3g units before the cameras", depth.low,
+         depth.high);
+    const double step = widest_step(capture);
+    line(page, step > 0 && step <= APART_MAX, "parallax",
+         "at most %.1f degrees from a camera to the next, seen from the scene's middle", step);
+    if (!(step > 0))
+        advise(page,
+               "one place of the camera: what the projector does not reach will have no depth of its own");
+    else if (step > APART_MAX)
+        advise(page,
+               "take more views in between: depth where no projector reaches comes from neighbours that "
+               "look alike");
+    const double lit = light->object > 0 ? (double)light->lit / (double)light->object : 0;
+    line(page, lit > REACHED, "lit share", "%.0f %% of the pixels receive projector light", 100 * lit);
+    if (lit <= REACHED)
+        advise(page, "most of the pictures show what the projector does not reach: move closer");
+}
+
 int ffp_rig_checks(const FfpCapture *capture, FILE *out) {
     Page page = {out, 0};
     Light light = measure(capture);
     fputs("checks\n", out);
-    check_frusta(&page, capture, &light);
-    check_silhouettes(&page, capture);
+    if (capture->scene) {
+        check_walk(&page, capture, &light);
+    } else {
+        check_frusta(&page, capture, &light);
+        check_silhouettes(&page, capture);
+    }
     check_exposure(&page, &light);
     check_black(&page, &light);
-    check_rig(&page, capture, &light);
+    if (!capture->scene) {
+        check_lit_share(&page, &light);
+        check_rig(&page, capture, &light);
+    }
     check_pattern(&page, capture, &light);
     ffp_free(light.white);
     ffp_free(light.share);

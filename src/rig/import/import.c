@@ -27,7 +27,7 @@ static bool settle_object(FfpImporting *import, FfpError *err) {
     const double *object = import->settings->object;
     ffp_capture_estimate_bounds(capture);
     if (!(object[3] > 0)) {
-        if (import->shots.codes) ffp_codes_bounds(capture);
+        if (import->shots.codes && !capture->scene) ffp_codes_bounds(capture);
         return true;
     }
     for (int i = 0; i < 4; i++) {
@@ -68,8 +68,9 @@ bool ffp_importing_finish(const char *folder, void *context, FfpError *err) {
 }
 
 static bool run(FfpImporting *import, FfpError *err) {
-    return check_settings(import->settings, err) && name_capture(import, err) &&
-           ffp_importing_read_rig(import, err) &&
+    import->capture.scene = import->settings->scene;
+    return check_settings(import->settings, err) && ffp_importing_check_scene(import, err) &&
+           name_capture(import, err) && ffp_importing_read_rig(import, err) &&
            ffp_shots_find(&import->shots, &import->settings->sources, &import->calibration, err) &&
            ffp_importing_settle_views(import, err) && check_memory(import, err) &&
            ffp_importing_load_pixels(import, err) && ffp_importing_load_stage(import, err) &&

@@ -29,6 +29,7 @@ typedef struct FfpImportSettings {
     bool linear_images, linear_patterns; // PNG and JPEG files hold linear light
     double exposure;                     // stops
     double object[4]; // centre and radius of a sphere around the object; radius 0: estimated
+    bool scene;       // a whole scene: no masks, and depth without a sphere
     const char *name; // of the capture; NULL: the folder's
     const char *folder;
 } FfpImportSettings;

@@ -97,7 +97,10 @@ static bool load_view(FfpImporting *import, int stop, FfpError *err) {
                                             &view->images[p], &alphas[p], err);
     }
     if (ok) import->thumbs[stop] = ffp_contact_thumb(&view->images[import->shots.white]);
-    ok = ok && ffp_importing_cover(import, stop, alphas, err);
+    if (ok && import->settings->scene)
+        ffp_importing_cover_scene(import, stop);
+    else
+        ok = ok && ffp_importing_cover(import, stop, alphas, err);
     for (int p = 0; p < n; p++) ffp_image_free(&alphas[p]);
     ffp_free(alphas);
     return ok;

@@ -58,6 +58,10 @@ bool ffp_importing_check_size(const char *path, const FfpOptics *optics, FfpErro
 // The coverage of a view whose images exist, and its images over black by it, unless it was made of light
 // (5).
 bool ffp_importing_cover(FfpImporting *import, int stop, const FfpImage *alphas, FfpError *err);
+// The same for a whole scene (settings->scene), whose settings check_scene has checked:
+// everything that the camera saw, less what the correction of its lens has moved in from outside the picture.
+bool ffp_importing_check_scene(const FfpImporting *import, FfpError *err);
+void ffp_importing_cover_scene(FfpImporting *import, int stop);
 // Coverage made of light: completed by what other views see, and applied to the images (5).
 bool ffp_importing_complete_masks(FfpImporting *import, FfpError *err);
 bool ffp_importing_write_sheet(const char *folder, const FfpImporting *import, FfpError *err);

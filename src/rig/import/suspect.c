@@ -26,7 +26,7 @@ static bool check_device(const FfpCapture *capture, const FfpView *view, const F
         return ffp_fail(
             err, FFP_ERROR_ARGUMENT, view->id,
             "the object is behind the %s: check the turntable's axis, and the direction of R and T", name);
-    if (distance_to_centre(capture, device) < 0.5 * (double)capture->radius)
+    if (!capture->scene && distance_to_centre(capture, device) < 0.5 * (double)capture->radius)
         return ffp_fail(err, FFP_ERROR_ARGUMENT, view->id,
                         "the %s is inside the object: check its position, and the unit of lengths", name);
     return true;
@@ -227,5 +227,5 @@ bool ffp_rig_suspect(const FfpCapture *capture, FfpError *err) {
             !check_device(capture, view, &view->projector, "projector", err))
             return false;
     }
-    return check_light(capture, err) && check_silhouettes(capture, err);
+    return check_light(capture, err) && (capture->scene || check_silhouettes(capture, err));
 }

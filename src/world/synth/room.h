@@ -9,7 +9,7 @@
 #include "world/synth/synth.h"
 #include "world/synth/trace.h"
 
-enum { FFP_ROOM_BOXES = 4, FFP_ROOM_PARTS = 3 + FFP_ROOM_BOXES };
+enum { FFP_ROOM_BOXES = 4, FFP_ROOM_PARTS = 32 };
 
 // A thing of one material, or of one colour.
 typedef struct FfpRoomPart {
@@ -27,7 +27,7 @@ typedef struct FfpLamp {
 
 typedef struct FfpRoom {
     int n_parts;
-    FfpRoomPart parts[FFP_ROOM_PARTS]; // platter, table, wall, boxes
+    FfpRoomPart parts[FFP_ROOM_PARTS]; // platter, table, wall, boxes; or those of a whole scene (walk.h)
     FfpLamp lamp;
     FfpBareRig rig;
     FfpSensor sensor;     // the devices' faults

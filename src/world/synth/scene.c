@@ -8,6 +8,7 @@
 #include "world/synth/rig.h"
 #include "world/synth/sensor.h"
 #include "world/synth/simulate.h"
+#include "world/synth/walk.h"
 
 FfpSceneSpec ffp_scene_defaults(void) {
     return (FfpSceneSpec){.resolution = 128,
@@ -24,6 +25,9 @@ static bool check_spec(const FfpSceneSpec *s, FfpError *err) {
         return ffp_fail(err, FFP_ERROR_ARGUMENT, NULL, "unknown mesh %d", s->mesh);
     if (s->material < 0 || s->material >= ffp_material_count())
         return ffp_fail(err, FFP_ERROR_ARGUMENT, NULL, "unknown material %d", s->material);
+    if ((s->own_mesh || s->own_textures) && (s->rig == FFP_SCENE_WALK || s->rig == FFP_SCENE_WALK_TWO))
+        return ffp_fail(err, FFP_ERROR_ARGUMENT, NULL,
+                        "a whole scene is made of generated objects: it takes no mesh or material");
     if (s->resolution < 8 || s->resolution > 4096)
         return ffp_fail(err, FFP_ERROR_ARGUMENT, NULL, "resolution %d is not in 8..4096", s->resolution);
     if (s->pattern_side < 60 || s->pattern_side > 8192)
@@ -104,19 +108,29 @@ static void misplace(FfpView *view, const FfpSceneSpec *spec, uint32_t stream) {
     ffp_sensor_misplace(&view->projector, s->turn_error, s->shift_error, &rng);
 }
 
+// Where a view's devices stand. walk NULL: before an object.
+static void place_view(const FfpSceneSpec *spec, const FfpWalk *walk, int index, FfpView *view) {
+    const int target = index - spec->views;
+    if (walk && target < 0)
+        ffp_walk_input(walk, spec, index, view);
+    else if (walk)
+        ffp_walk_target(walk, spec, target, view);
+    else if (target < 0)
+        ffp_rig_input(spec, index, view);
+    else
+        ffp_rig_target(spec, target, view);
+}
+
 // Poses and pictures of all views.
-static void make_views(FfpCapture *capture, const FfpSceneSpec *spec, FfpSimulation *simulation,
-                       FfpImage *visibility) {
+static void make_views(FfpCapture *capture, const FfpSceneSpec *spec, const FfpWalk *walk,
+                       FfpSimulation *simulation, FfpImage *visibility) {
     FfpImage *emitted = ffp_alloc((size_t)capture->n_patterns, sizeof *emitted);
     FfpLight light = make_light(capture, &spec->sensor, emitted);
     simulation->light = &light;
     capture->n_views = spec->views + spec->targets;
     capture->views = ffp_alloc((size_t)capture->n_views, sizeof *capture->views);
     for (int i = 0; i < capture->n_views; i++) {
-        if (i < spec->views)
-            ffp_rig_input(spec, i, &capture->views[i]);
-        else
-            ffp_rig_target(spec, i - spec->views, &capture->views[i]);
+        place_view(spec, walk, i, &capture->views[i]);
         const uint32_t stream = stream_of(spec, i);
         ffp_simulate_view(simulation, &capture->views[i], stream, visibility ? &visibility[i] : NULL);
         misplace(&capture->views[i], spec, stream);
@@ -127,45 +141,97 @@ static void make_views(FfpCapture *capture, const FfpSceneSpec *spec, FfpSimulat
     ffp_free(emitted);
 }
 
-bool ffp_scene_make_lit(FfpCapture *capture, const FfpSceneSpec *spec, FfpImage *visibility, FfpError *err) {
-    *capture = (FfpCapture){0};
-    if (!check_spec(spec, err)) return false;
-    FfpMesh made = {0};
-    if (!spec->own_mesh) made = ffp_mesh_make(spec->mesh);
-    const FfpMesh *mesh = spec->own_mesh ? spec->own_mesh : &made;
-    FfpTracer *tracer = ffp_tracer_new(mesh, err);
-    if (!tracer) {
-        ffp_mesh_free(&made);
-        return false;
+// What is photographed: an object, or a whole scene around it.
+typedef struct Subject {
+    FfpMesh made;
+    FfpWalk walk;
+    FfpSurroundings around;
+    const FfpMesh *mesh; // for the rays
+    bool whole;
+} Subject;
+
+static void make_subject(Subject *out, const FfpSceneSpec *spec) {
+    *out = (Subject){.whole = spec->rig == FFP_SCENE_WALK || spec->rig == FFP_SCENE_WALK_TWO};
+    if (out->whole) {
+        out->walk = ffp_walk_draw(spec);
+        out->around = ffp_around_new(&out->walk.room, NULL, 0);
+        out->mesh = &out->around.mesh;
+        return;
     }
-    const FfpMaterial material = ffp_material_make(spec->material, spec->seed);
+    if (!spec->own_mesh) out->made = ffp_mesh_make(spec->mesh);
+    out->mesh = spec->own_mesh ? spec->own_mesh : &out->made;
+}
+
+static void free_subject(Subject *subject) {
+    if (subject->whole) {
+        ffp_around_free(&subject->around);
+        ffp_walk_free(&subject->walk);
+    }
+    ffp_mesh_free(&subject->made);
+}
+
+static void name_capture(FfpCapture *capture, const FfpSceneSpec *spec, bool whole) {
+    if (whole)
+        snprintf(capture->name, sizeof capture->name, "%.40s_%.40s", ffp_walk_name(spec),
+                 ffp_mesh_name(spec->mesh));
+    else
+        snprintf(capture->name, sizeof capture->name, "%.40s_%.40s",
+                 spec->own_mesh ? spec->own_name : ffp_mesh_name(spec->mesh),
+                 spec->own_textures ? "own" : ffp_material_name(spec->material));
+}
+
+static FfpSimulation simulation_of(const FfpSceneSpec *spec, Subject *subject, const FfpMaterial *material) {
     FfpRigLight rig = ffp_rig_light(spec);
+    if (subject->whole) {
+        rig.ambient = subject->walk.ambient;
+        for (int c = 0; c < 3; c++) rig.intensity[c] = subject->walk.intensity;
+    }
     const float gain =
         exp2f(spec->sensor.exposure); // of all light alike, so that every map agrees with the images
     for (int c = 0; c < 3; c++) rig.intensity[c] *= gain;
     rig.ambient *= gain;
-    FfpSimulation simulation = {.tracer = tracer,
-                                .mesh = mesh,
-                                .material = &material,
-                                .textures = spec->own_textures,
-                                .ambient = rig.ambient,
-                                .intensity = {rig.intensity[0], rig.intensity[1], rig.intensity[2]},
-                                .samples = spec->samples,
-                                .ambient_rays = spec->ambient_rays,
-                                .shot = spec->sensor.shot,
-                                .read = spec->sensor.read,
-                                .seed = spec->seed};
-    snprintf(capture->name, sizeof capture->name, "%.40s_%.40s",
-             spec->own_mesh ? spec->own_name : ffp_mesh_name(spec->mesh),
-             spec->own_textures ? "own" : ffp_material_name(spec->material));
-    for (int c = 0; c < 3; c++) capture->intensity[c] = rig.intensity[c];
+    subject->around.lamp.radiance *= gain;
+    return (FfpSimulation){.mesh = subject->mesh,
+                           .material = material,
+                           .textures = spec->own_textures,
+                           .ambient = rig.ambient,
+                           .intensity = {rig.intensity[0], rig.intensity[1], rig.intensity[2]},
+                           .samples = spec->samples,
+                           .ambient_rays = spec->ambient_rays,
+                           .shot = spec->sensor.shot,
+                           .read = spec->sensor.read,
+                           .seed = spec->seed,
+                           .around = subject->whole ? &subject->around : NULL,
+                           .whole = subject->whole};
+}
+
+static bool make_lit(FfpCapture *capture, const FfpSceneSpec *spec, Subject *subject, FfpImage *visibility,
+                     FfpError *err) {
+    FfpTracer *tracer = ffp_tracer_new(subject->mesh, err);
+    if (!tracer) return false;
+    const FfpMaterial material = ffp_material_make(spec->material, spec->seed);
+    FfpSimulation simulation = simulation_of(spec, subject, &material);
+    simulation.tracer = tracer;
+    name_capture(capture, spec, subject->whole);
+    for (int c = 0; c < 3; c++) capture->intensity[c] = simulation.intensity[c];
     capture->intensity_known = true;
     capture->radius = FFP_MESH_RADIUS;
+    capture->scene = subject->whole;
     make_patterns(capture, spec);
-    make_views(capture, spec, &simulation, visibility);
+    make_views(capture, spec, subject->whole ? &subject->walk : NULL, &simulation, visibility);
+    if (capture->scene) ffp_capture_estimate_bounds(capture);
     ffp_tracer_free(tracer);
-    ffp_mesh_free(&made);
     return true;
+}
+
+bool ffp_scene_make_lit(FfpCapture *capture, const FfpSceneSpec *spec, FfpImage *visibility, FfpError *err) {
+    *capture = (FfpCapture){0};
+    if (!check_spec(spec, err)) return false;
+    Subject subject;
+    make_subject(&subject, spec);
+    const bool ok = make_lit(capture, spec, &subject, visibility, err);
+    free_subject(&subject);
+    return ok;
 }
 
 bool ffp_scene_make(FfpCapture *capture, const FfpSceneSpec *spec, FfpError *err) {

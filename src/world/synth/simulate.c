@@ -186,7 +186,7 @@ static void trace_samples(const FfpViewWork *w, int x, int y, int first, int las
         if (!(found >> i & 1) || ffp_along(hits[i].facet, s->ray) >= 0) continue;
         s->hit = hits[i], s->index = (uint32_t)(first + i);
         look_at_sample(w, pixel, s);
-        counts->own += !ffp_around_has(w->sim->around, &s->hit);
+        counts->own += w->sim->whole || !ffp_around_has(w->sim->around, &s->hit);
         count++;
     }
     if (count == 0) return;

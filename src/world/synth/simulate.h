@@ -25,6 +25,7 @@ typedef struct FfpSimulation {
     const double *camera_lens, *projector_lens; // core/base/lens.h
     const struct FfpChessboard *board;          // instead of material and textures
     const struct FfpSurroundings *around;       // the mesh goes on with a room; NULL: the object is alone
+    bool whole;        // what is around is not the object's room but part of it: all of it has coverage
     bool photograph;   // images are what a camera without alpha takes: light, then noise, of every pixel
     bool light_only;   // of a photograph: images are linear light, without noise and rounding
     int first_pattern; // of the light's among all that are photographed: by it noise is drawn

@@ -24,7 +24,9 @@ typedef struct FfpSensor {
 typedef enum FfpSceneRig {
     FFP_SCENE_TURNTABLE, // camera and projector fixed to each other; the object turns
     FFP_SCENE_FREE,      // every view has a camera and a projector of its own, all around the object
-    FFP_SCENE_SPHERE     // the projector stays before the object, and the camera goes around it in a spiral
+    FFP_SCENE_SPHERE,    // the projector stays before the object, and the camera goes around it in a spiral
+    FFP_SCENE_WALK,      // a whole scene around the object (walk.h): a projector stands, the camera walks
+    FFP_SCENE_WALK_TWO   // the same with two projectors; two views of each place of the camera
 } FfpSceneRig;
 
 typedef struct FfpSceneSpec {

@@ -43,6 +43,30 @@ static void scene_is_read(void **state) {
     ffp_capture_free(&capture);
 }
 
+// A scene keeps that it is one, and how deep its views look.
+static void whole_scenes_are_written_and_read_back(void **state) {
+    (void)state;
+    FfpCapture capture, back;
+    FfpError err = {0};
+    char *text = replaced(scene_text, "\"name\": \"tiny\"", "\"scene\": true");
+    char *whole = replaced(text, "{\"id\": \"a\"", "{\"range\": [1.5, 40], \"id\": \"a\"");
+    write_text("whole.json", whole);
+    if (!ffp_capture_read(&capture, in_scratch("whole.json"), &err)) fail_msg("%s", err.text);
+    assert_true(capture.scene && capture.views[0].near == 1.5F && capture.views[0].far == 40);
+    // Nothing is lit, so the other view's are as wide as can be.
+    assert_true(capture.views[1].near > 0 && capture.views[1].far > 10 * capture.views[1].near);
+    if (!ffp_capture_write(&capture, in_scratch("whole"), &err)) fail_msg("%s", err.text);
+    if (!ffp_capture_read(&back, in_scratch("whole"), &err)) fail_msg("%s", err.text);
+    assert_true(back.scene && back.views[0].near == 1.5F && back.views[0].far == 40);
+    const real centre[3] = {0, 0, 0};
+    ffp_capture_normalise(&back, centre, 0.5F);
+    assert_true(back.views[0].near == 3 && back.views[0].far == 80);
+    ffp_capture_free(&back);
+    ffp_capture_free(&capture);
+    ffp_free(whole);
+    ffp_free(text);
+}
+
 static void names_are_listed_as_far_as_they_fit(void **state) {
     (void)state;
     static FfpView views[100];
@@ -424,6 +448,7 @@ int main(void) {
         cmocka_unit_test(scene_is_read),
         cmocka_unit_test(scene_with_a_byte_order_mark_is_read),
         cmocka_unit_test(active_pattern_is_found),
+        cmocka_unit_test(whole_scenes_are_written_and_read_back),
         cmocka_unit_test(names_are_listed_as_far_as_they_fit),
         cmocka_unit_test(names_that_would_leave_the_folder_are_refused),
         cmocka_unit_test(render_poses_are_read),

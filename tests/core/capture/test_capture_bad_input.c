@@ -38,6 +38,9 @@ static void expect_damage_refused(const char *text, const Damage *damage, const 
 static void broken_scenes_are_refused(void **state) {
     (void)state;
     static const Damage damages[] = {
+        {"\"name\": \"tiny\"", "\"scene\": 1", "not true or false", "scene"},
+        {"{\"id\": \"a\"", "{\"range\": [2, 1], \"id\": \"a\"", "not beyond the near", "views[0].range"},
+        {"{\"id\": \"a\"", "{\"range\": [0, 1], \"id\": \"a\"", "is outside", "views[0].range[0]"},
         {"\"format\": \"ffprocams-capture\"", "\"format\": \"gltf\"", "is not ffprocams-capture", "format"},
         {"\"version\": 1", "\"version\": 2", "version 2 is newer", "version"},
         {"\"version\": 1", "\"version\": \"1\"", "must be a number", "version"},

@@ -1,0 +1,226 @@
+#include "engine/match/layout.h"
+#include <tgmath.h>
+#include "core/base/arena.h"
+#include "core/base/call.h"
+#include "engine/match/foreground.h"
+#include "engine/match/sweep.h"
+#include "engine/match/unlit_work.h"
+
+enum { PLANES_MAX = 14, POINTS_MAX = 8000, SEEDS = 400, FITS = 3 };
+#define NEAR_PLANE 2.0F   // footprints off a plane within which a point lies on it
+#define FACING 0.9F       // least cosine between its normal and the plane's
+#define LEAST_SHARE 0.02F // of all points that make a plane
+#define CHANGE 0.25F      // cost of another plane, or of none, beside a pixel
+#define ODD 0.15F         // cost of lying on no plane
+#define BEYOND 0.1F       // cost of lying e times as far from a plane's middle as its points do,
+#define USUAL 1.5F        // in units of the root of their mean squared distance
+#define SMALLER 0.03F     // cost of a plane that has e times fewer points than the largest
+#define OUTSIDE 1.0F      // cost of a plane that the ray does not meet from its front
+
+typedef struct Plane { // normal . x = away; the normal faces the cameras
+    real normal[3], away;
+    real middle[3], reach; // of its points: mean, and root of the mean squared distance from there
+    int points;
+} Plane;
+
+typedef struct Point {
+    real at[3], normal[3], footprint;
+} Point;
+
+// --- Planes. ---
+
+static int list_points(Point *points, const FfpDepths *depths, const real *normals) {
+    const size_t width = (size_t)depths->width, area = width * (size_t)depths->height,
+                 pixels = area * (size_t)depths->capture->n_views;
+    size_t trusted = 0, seen = 0;
+    int count = 0;
+    for (size_t i = 0; i < pixels; i++) trusted += depths->trust[i] > 0 && depths->depth[i] > 0;
+    const size_t every = trusted / POINTS_MAX + 1;
+    for (size_t i = 0; i < pixels; i++) {
+        if (!(depths->trust[i] > 0 && depths->depth[i] > 0) || seen++ % every != 0) continue;
+        const FfpCamera *camera = &depths->capture->views[i / area].camera;
+        const size_t p = i % area;
+        Point *to = &points[count++];
+        ffp_point_at(camera, (real)(p % width) + 0.5F, (real)(p / width) + 0.5F, depths->depth[i], to->at);
+        for (int k = 0; k < 3; k++) to->normal[k] = normals[3 * i + (size_t)k];
+        to->footprint = depths->depth[i] / camera->fx;
+    }
+    return count;
+}
+
+static bool lies_on(const Point *point, const Plane *plane) {
+    return fabs(ffp_dot3(plane->normal, point->at) - plane->away) <= NEAR_PLANE * point->footprint &&
+           ffp_dot3(plane->normal, point->normal) >= FACING;
+}
+
+static int count_on(const Plane *plane, const Point *points, int n) {
+    int count = 0;
+    for (int i = 0; i < n; i++) count += lies_on(&points[i], plane);
+    return count;
+}
+
+// Least squares of the heights over the plane: height = a + b u + c v about the points' mean, where a is 0.
+static void fit(Plane *plane, const Point *points, int n) {
+    real mean[3] = {0, 0, 0}, u[3], v[3], uu = 0, uv = 0, vv = 0, uh = 0, vh = 0;
+    real square = 0;
+    int count = 0;
+    for (int i = 0; i < n; i++) {
+        if (!lies_on(&points[i], plane)) continue;
+        for (int k = 0; k < 3; k++) mean[k] += points[i].at[k];
+        count++;
+    }
+    if (count < 3) return;
+    for (int k = 0; k < 3; k++) mean[k] /= (real)count;
+    const int least = fabs(plane->normal[0]) < fabs(plane->normal[1]) ? 0 : 1;
+    real axis[3] = {0, 0, 0};
+    axis[least] = 1;
+    ffp_cross3(plane->normal, axis, u);
+    ffp_normalise3(u);
+    ffp_cross3(plane->normal, u, v);
+    for (int i = 0; i < n; i++) {
+        if (!lies_on(&points[i], plane)) continue;
+        real off[3];
+        for (int k = 0; k < 3; k++) off[k] = points[i].at[k] - mean[k];
+        const real a = ffp_dot3(off, u), b = ffp_dot3(off, v), h = ffp_dot3(off, plane->normal);
+        uu += a * a, uv += a * b, vv += b * b, uh += a * h, vh += b * h;
+        square += ffp_dot3(off, off);
+    }
+    const real det = uu * vv - uv * uv;
+    if (!(det > 1e-6F * uu * vv)) return;
+    const real b = (vv * uh - uv * vh) / det, c = (uu * vh - uv * uh) / det;
+    for (int k = 0; k < 3; k++) plane->normal[k] -= b * u[k] + c * v[k];
+    ffp_normalise3(plane->normal);
+    plane->away = ffp_dot3(plane->normal, mean);
+    plane->points = count;
+    plane->reach = sqrt(square / (real)count);
+    for (int k = 0; k < 3; k++) plane->middle[k] = mean[k];
+}
+
+// The planes of most points, one after the other (Fischler and Bolles 1981, with a point and its normal for a
+// sample). Returns how many there are.
+static int find_planes(Plane planes[PLANES_MAX], Point *points, int n) {
+    const int least = (int)(LEAST_SHARE * (real)n) + 3;
+    int count = 0;
+    while (count < PLANES_MAX && n >= least) {
+        Plane best = {.points = 0};
+        for (int s = 0; s < SEEDS && s < n; s++) {
+            const Point *seed = &points[(int64_t)s * n / (SEEDS < n ? SEEDS : n)];
+            Plane tried = {.normal = {seed->normal[0], seed->normal[1], seed->normal[2]}};
+            tried.away = ffp_dot3(tried.normal, seed->at);
+            tried.points = count_on(&tried, points, n);
+            if (tried.points > best.points) best = tried;
+        }
+        if (best.points < least) break;
+        for (int round = 0; round < FITS; round++) fit(&best, points, n);
+        planes[count++] = best;
+        int left = 0;
+        for (int i = 0; i < n; i++)
+            if (!lies_on(&points[i], &best)) points[left++] = points[i];
+        if (left == n) break; // the fit has moved off them
+        n = left;
+    }
+    return count;
+}
+
+// --- Labels. ---
+
+typedef struct Layout {
+    const FfpUnlit *scene;
+    const Plane *planes;
+    int count;
+    const real *filled;
+    real *depth;
+} Layout;
+
+// Camera depth at which a pixel's ray meets a plane from its front, within the view's range; 0: it does not.
+static real depth_on(const Plane *plane, const FfpView *view, size_t pixel) {
+    const FfpCamera *camera = &view->camera;
+    const size_t width = (size_t)camera->width;
+    const real local[3] = {((real)(pixel % width) + 0.5F - camera->cx) / camera->fx,
+                           ((real)(pixel / width) + 0.5F - camera->cy) / camera->fy, 1};
+    const real eye[3] = {camera->pose[3], camera->pose[7], camera->pose[11]};
+    real direction[3];
+    ffp_rotate(camera->pose, local, direction);
+    const real towards = ffp_dot3(plane->normal, direction);
+    if (!(towards < -1e-4F)) return 0;
+    const real z = (plane->away - ffp_dot3(plane->normal, eye)) / towards;
+    return z >= view->near && z <= view->far ? z : 0;
+}
+
+// How far beyond the points that make a plane its point at depth z of a pixel lies: 0 among them, 1 at e
+// times their usual reach.
+static real beyond(const Plane *plane, const FfpView *view, size_t pixel, real z) {
+    const size_t width = (size_t)view->camera.width;
+    real at[3], off[3];
+    ffp_point_at(&view->camera, (real)(pixel % width) + 0.5F, (real)(pixel / width) + 0.5F, z, at);
+    for (int k = 0; k < 3; k++) off[k] = at[k] - plane->middle[k];
+    const real far = sqrt(ffp_dot3(off, off)) / (USUAL * plane->reach + 1e-6F);
+    return far > 1 ? log(far) : 0;
+}
+
+// Costs of a pixel's labels: the planes, and none of them last.
+static void label_costs(real *cost, const Layout *l, int view, size_t pixel, FfpLine *lines) {
+    const FfpDepths *depths = l->scene->depths;
+    const FfpView *self = &depths->capture->views[view];
+    const size_t i = (size_t)view * (size_t)depths->width * (size_t)depths->height + pixel;
+    const bool trusted = depths->trust[i] > 0;
+    const FfpUnlitRay ray = ffp_unlit_ray(l->scene, view, pixel, lines);
+    for (int k = 0; k < l->count; k++) {
+        const real z = depth_on(&l->planes[k], self, pixel);
+        const real slack = 2 * NEAR_PLANE * z / self->camera.fx;
+        if (!(z > 0))
+            cost[k] = OUTSIDE;
+        else if (trusted)
+            cost[k] = fabs(z - depths->depth[i]) <= slack ? 0 : OUTSIDE;
+        else
+            cost[k] = ffp_unlit_cost(l->scene, &ray, z);
+        if (z > 0 && !trusted) cost[k] += BEYOND * beyond(&l->planes[k], self, pixel, z);
+        cost[k] += SMALLER * log((real)l->planes[0].points / (real)l->planes[k].points);
+    }
+    cost[l->count] = ODD + (trusted ? 0 : ffp_unlit_cost(l->scene, &ray, l->filled[i]));
+}
+
+static void label_view(void *argument, int64_t index) {
+    const Layout *l = argument;
+    const FfpDepths *depths = l->scene->depths;
+    const int view = (int)index;
+    const size_t first = (size_t)view * (size_t)depths->width * (size_t)depths->height;
+    const FfpView *self = &depths->capture->views[view];
+    const int labels = l->count + 1;
+    FfpForeground foreground = ffp_foreground_new(&self->coverage);
+    const size_t cells = foreground.count * (size_t)labels;
+    real *cost = ffp_alloc(cells, sizeof(real)), *total = ffp_alloc(cells, sizeof(real));
+    FfpLine *lines = ffp_alloc(2 * (size_t)depths->capture->n_views, sizeof *lines);
+    for (size_t slot = 0; slot < foreground.count; slot++)
+        label_costs(cost + slot * (size_t)labels, l, view, foreground.pixel[slot], lines);
+    ffp_semi_global(total, cost, &foreground, labels, CHANGE, CHANGE);
+    for (size_t slot = 0; slot < foreground.count; slot++) {
+        const size_t i = first + foreground.pixel[slot];
+        const real *here = total + slot * (size_t)labels;
+        int best = l->count;
+        if (depths->trust[i] > 0) continue;
+        for (int k = 0; k < l->count; k++)
+            if (here[k] < here[best]) best = k;
+        const real z = best < l->count ? depth_on(&l->planes[best], self, foreground.pixel[slot]) : 0;
+        if (z > 0) l->depth[i] = z;
+    }
+    ffp_free(lines);
+    ffp_free(total);
+    ffp_free(cost);
+    ffp_foreground_free(&foreground);
+    ffp_cancel_point();
+}
+
+void ffp_layout_depths(real *depth, const FfpDepths *depths, const real *normals, const real *filled) {
+    const size_t area = (size_t)depths->width * (size_t)depths->height;
+    for (size_t i = 0; i < area * (size_t)depths->capture->n_views; i++) depth[i] = filled[i];
+    Point *points = ffp_alloc(POINTS_MAX + 1, sizeof *points);
+    Plane planes[PLANES_MAX];
+    const int count = find_planes(planes, points, list_points(points, depths, normals));
+    ffp_free(points);
+    if (count == 0) return;
+    FfpUnlit scene = ffp_unlit_new(depths);
+    ffp_parallel_for(depths->capture->n_views, 0, label_view,
+                     &(Layout){&scene, planes, count, filled, depth});
+    ffp_unlit_free(&scene);
+}

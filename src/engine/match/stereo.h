@@ -1,0 +1,28 @@
+// Plane sweep over the photographs of a whole scene: what no projector reaches has its depth from the
+// cameras' own parallax. Under a projector that stands, its light is texture like any other.
+#ifndef FFP_MATCH_STEREO_H
+#define FFP_MATCH_STEREO_H
+
+#include "engine/match/foreground.h"
+#include "engine/match/sweep.h"
+
+// A pixel's encoded colours: black, the first pattern, and the mean of white; one number is spare.
+enum { FFP_STEREO_CHANNELS = 8 };
+typedef real FfpStereoCell __attribute__((vector_size(FFP_STEREO_CHANNELS * sizeof(real))));
+
+typedef struct FfpStereo {
+    const FfpCapture *capture;
+    FfpStereoCell *cells; // [views,h,w]
+} FfpStereo;
+
+// The view's pictures as they are compared; `pattern` is an index into the capture's.
+FfpStereo ffp_stereo_new(const FfpCapture *capture, int pattern);
+void ffp_stereo_free(FfpStereo *stereo);
+
+// cost [foreground, count] of a view's pixels: added, `share` times the difference, in [0,1], between what
+// the view and its neighbours show around the point, of the two most alike of up to four neighbours, since
+// something may hide it from the others. Views that another projector lights are compared under black alone.
+void ffp_stereo_costs(real *cost, const FfpStereo *stereo, int view, const FfpForeground *foreground,
+                      const FfpPlanes *planes, real share);
+
+#endif
