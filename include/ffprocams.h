@@ -39,9 +39,10 @@ FFP_API void ffp_capture_close(FfpCapture *capture);
 
 // A picture in the caller's memory, which the library only reads. No pointer to it is kept after the call.
 typedef enum FfpPixelType {
-    FFP_PIXELS_U8,  // sRGB-encoded, 0 to 255, straight alpha: as in PNG files
-    FFP_PIXELS_U16, // the same, 0 to 65535
-    FFP_PIXELS_F32, // linear light, premultiplied alpha: as in EXR files
+    FFP_PIXELS_U8,       // sRGB-encoded, 0 to 255, straight alpha: as in PNG files
+    FFP_PIXELS_U16,      // the same, 0 to 65535
+    FFP_PIXELS_F32,      // linear light, premultiplied alpha: as in EXR files
+    FFP_PIXELS_RADIANCE, // for results of ffp_renderer_shade alone: F32, linear radiance, not clipped
 } FfpPixelType;
 typedef struct FfpPicture {
     const void *data;            // rows from the top; NULL: no picture
@@ -243,7 +244,8 @@ FFP_API bool ffp_renderer_aim(FfpContext *context, FfpRenderer *renderer, const 
                               const FfpPinhole *camera, const FfpPinhole *projector, FfpError *err);
 // The camera's picture of the object over black under `pattern` (of the projector's size; data NULL: a dark
 // projector), for a projector of the given radiant intensity (as in FfpCaptureData). out [height,width,3],
-// sRGB-encoded: U8 rounded as in files, F32 in [0,1]; `row_bytes` 0: rows are contiguous.
+// sRGB-encoded: U8 rounded as in files, F32 in [0,1]; or RADIANCE, linear and not clipped, premultiplied by
+// opacity. `row_bytes` 0: rows are contiguous.
 FFP_API bool ffp_renderer_shade(FfpContext *context, FfpRenderer *renderer, const FfpPicture *pattern,
                                 const double intensity[3], void *out, FfpPixelType type, size_t row_bytes,
                                 FfpError *err);

@@ -26,6 +26,7 @@ from .errors import (
     ErrorCode,
     FileFormatError,
     InputOutputError,
+    MissingFileError,
     OutOfMemoryError,
     UnsupportedError,
 )
@@ -49,7 +50,7 @@ __version__: str = _ffi.string(_lib.ffp_version()).decode()
 __all__ = [
     "AlignStats", "ArgumentError", "Array", "CalibratedAt", "Calibration", "CancelledError", "Capture",
     "Compensation", "CompensationStats", "Error", "ErrorCode", "FileFormatError", "Floats", "Gaussians",
-    "InputOutputError", "MapStats", "Model", "ModelOption", "OutOfMemoryError", "PathLike", "Pinhole", "Progress",
+    "InputOutputError", "MapStats", "MissingFileError", "Model", "ModelOption", "OutOfMemoryError", "PathLike", "Pinhole", "Progress",
     "ProgressOption", "Reconstructed", "ReconstructionStats", "Refined", "RefinementStats", "Renderer",
     "RigCalibrationStats", "Score", "SensorFaults", "Turntable", "UnsupportedError", "View", "align", "calibrate_rig",
     "compensate", "decode", "encode", "evaluate", "fit_from_scratch", "generate", "import_capture", "info", "maps",

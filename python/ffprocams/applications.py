@@ -10,10 +10,10 @@ from . import devices
 from ._call import Call, Handle, Keep, PathLike, ProgressOption, holding, some
 from ._library import ffi, lib
 from ._pixels import Array, Floats, floats_at, picture_of
-from .capture import Capture, record
+from .capture import Capture, capture_of, record
 from .devices import Pinhole
 from .errors import argument_error
-from .gaussians import Gaussians, drawing_of, one_of
+from .gaussians import Gaussians, drawing_of, gaussians_of, one_of
 
 _FRAMINGS = {
     "cover": lib.FFP_FRAMING_COVER,
@@ -72,8 +72,8 @@ class _Images(Handle):
 
 
 def compensate(
-    gaussians: Gaussians,
-    capture: Capture,
+    gaussians: Gaussians | PathLike,
+    capture: Capture | PathLike,
     targets: Array | PathLike | Sequence[Array] | Sequence[PathLike],
     *,
     views: str | Sequence[str] = (),
@@ -92,6 +92,7 @@ def compensate(
     """Finds the patterns under which cameras see their targets as closely as light allows.
 
     Args:
+        gaussians, capture: or the paths of their files.
         targets: one for all views or one for each, as arrays (see View) or image files.
         views: ids of the views whose cameras see a target, with all their projectors shining at once; none: all.
         poses: file of camera and projector poses; None: the capture's.
@@ -106,6 +107,7 @@ def compensate(
         progress: see ffprocams.ProgressOption.
         threads: number of threads; 0: all processors.
     """
+    gaussians, capture = gaussians_of(gaussians), capture_of(capture)
     keep, options = Keep(), ffi.new("FfpCompensation *", lib.ffp_compensation_defaults())
     ids = [keep.text(v) for v in some(views)]
     options.poses, options.views, options.n_views = keep.path(poses), keep.texts(ids), len(ids)
@@ -143,8 +145,8 @@ def _fill_targets(options: Any, targets: list[Any], keep: Keep) -> None:
 
 
 def maps(
-    gaussians: Gaussians,
-    capture: Capture,
+    gaussians: Gaussians | PathLike,
+    capture: Capture | PathLike,
     camera: Pinhole,
     projector: Pinhole,
     *,
@@ -156,6 +158,7 @@ def maps(
     """Correspondences and projected light for one camera and one projector.
 
     Args:
+        gaussians, capture: or the paths of their files.
         form, samples: how Gaussians are drawn, as in Renderer.
         progress: see ffprocams.ProgressOption.
         threads: number of threads; 0: all processors.
@@ -168,6 +171,7 @@ def maps(
         (projector pixels per world unit), ``illuminance`` (cosine / distance^2, normalised to a maximum of 1)
         [height,width]. And the statistics of the round trip.
     """
+    gaussians, capture = gaussians_of(gaussians), capture_of(capture)
     stats, drawing = ffi.new("FfpMapStats *"), drawing_of(form, samples)
     with holding(gaussians, capture), Call(progress, threads) as call:
         made = lib.ffp_map_images(

@@ -41,6 +41,11 @@ class View:
     )
 
 
+def capture_of(given: Capture | PathLike) -> Capture:
+    """A capture, or that of a folder."""
+    return given if isinstance(given, Capture) else Capture.open(given)
+
+
 @dataclass
 class AlignStats:
     """Statistics of align."""

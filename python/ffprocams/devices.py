@@ -64,6 +64,12 @@ class Pinhole:
     cy: float
     pose: Doubles = field(default_factory=lambda: np.eye(4))  #: [4,4] device to world, rigid
 
+    @property
+    def K(self) -> Doubles:  # noqa: N802: as everybody calls it
+        """[3,3] the calibration matrix: a point x of the device's frame appears at K x (homogeneous, in pixels, whose
+        centres are at integer + 0.5; OpenCV's has principal points half a pixel smaller)."""
+        return np.array([[self.fx, 0, self.cx], [0, self.fy, self.cy], [0, 0, 1]], np.float64)
+
     @classmethod
     def from_opencv(
         cls,

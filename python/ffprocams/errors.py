@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import os
 from enum import IntEnum
 from typing import Any
@@ -35,6 +36,9 @@ class Error(Exception):
     file: str | None
     field: str | None
 
+    def __str__(self) -> str:
+        return str(self.args[0])
+
     def __init__(self, text: str, code: ErrorCode) -> None:
         super().__init__(text)
         self.code = code
@@ -66,6 +70,14 @@ class InputOutputError(Error, OSError):
     """The system could not open, read, write or rename a file."""
 
 
+class MissingFileError(InputOutputError, FileNotFoundError):
+    """A file or folder does not exist."""
+
+    def __init__(self, text: str, code: ErrorCode) -> None:
+        super().__init__(text, code)
+        self.errno, self.filename, self.strerror = errno.ENOENT, self.file, self.what
+
+
 _CLASSES: dict[ErrorCode, type[Error]] = {
     ErrorCode.ARGUMENT: ArgumentError,
     ErrorCode.FILE: FileFormatError,
@@ -87,7 +99,11 @@ def error_of(err: Any) -> Error:
         code = ErrorCode(err.code)
     except ValueError:
         code = ErrorCode.UNSUPPORTED
-    return _CLASSES[code](ffi.string(err.text).decode("utf-8", "replace"), code)
+    text = ffi.string(err.text).decode("utf-8", "replace")
+    missing = _split(text)[0].endswith((os.strerror(errno.ENOENT), "no such file or folder"))
+    if missing and code in (ErrorCode.IO, ErrorCode.FILE):
+        return MissingFileError(text, ErrorCode.IO)
+    return _CLASSES[code](text, code)
 
 
 def _split(text: str) -> tuple[str, str]:

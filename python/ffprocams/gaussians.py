@@ -99,6 +99,20 @@ class Gaussians(Handle):
         """All arrays by name, as for from_arrays."""
         return {name: self._array(name) for name in _WIDTHS}
 
+    def __getitem__(self, rows: slice | npt.ArrayLike) -> Gaussians:
+        """A copy of some of the Gaussians: a slice, a mask [count] of bool, or indices."""
+        if isinstance(rows, (int, np.integer)):
+            rows = [int(rows)]
+        with holding(self):
+            chosen: Any = rows if isinstance(rows, slice) else np.asarray(rows)
+            return Gaussians(_copy(tuple(array[chosen] for array in self.arrays().values())))
+
+    def __reduce__(self) -> Any:
+        """Pickles the arrays, bit by bit, and the statistics; not the names of the patterns that save writes."""
+        with holding(self):
+            arrays = tuple(array.copy() for array in self.arrays().values())
+        return _restored, (type(self), arrays, getattr(self, "stats", None))
+
     def copy(self) -> Gaussians:
         """A copy, checked as by from_arrays."""
         with holding(self):
@@ -153,6 +167,19 @@ def _copy(given: tuple[npt.ArrayLike, ...]) -> Any:
         return call.take(
             lib.ffp_gaussians_from_arrays(call.context, arrays, call.error), lib.ffp_gaussians_close
         )
+
+
+def _restored(kind: type[Any], arrays: tuple[Floats, ...], stats: Any) -> Any:
+    """What __reduce__ took apart."""
+    out = kind(_copy(arrays))
+    if stats is not None:
+        out.stats = stats
+    return out
+
+
+def gaussians_of(given: Gaussians | PathLike) -> Gaussians:
+    """Gaussians, or those of a file."""
+    return given if isinstance(given, Gaussians) else Gaussians.load(given)
 
 
 class Model(Handle):

@@ -8,9 +8,9 @@ from typing import Any, Union
 
 from ._call import Call, Keep, PathLike, ProgressOption, holding, some
 from ._library import ffi, lib
-from .capture import Capture, record
+from .capture import Capture, capture_of, record
 from .errors import argument_error
-from .gaussians import Gaussians, Model, drawing_of
+from .gaussians import Gaussians, Model, drawing_of, gaussians_of
 
 #: Weights: a Model, a path, None for the shipped ones, or "none" for the classical initialisation alone.
 ModelOption = Union[Model, PathLike, None]
@@ -76,7 +76,7 @@ def _automatic(value: float | None, least: float, what: str) -> float:
 
 
 def reconstruct(
-    capture: Capture,
+    capture: Capture | PathLike,
     model: ModelOption = None,
     *,
     pattern: str | Sequence[str] | None = None,
@@ -94,6 +94,7 @@ def reconstruct(
     of the program's `reconstruct`.
 
     Args:
+        capture: a Capture, or a folder that holds one.
         model: see ffprocams.ModelOption.
         pattern: name or names of the structured-light patterns to use. Every view must have the first, which the
             network sees; matching and the polish use all that a view has photographs under. None: the first that every
@@ -115,7 +116,7 @@ def reconstruct(
     Returns:
         Gaussians in the capture's world units, with ``stats``.
     """
-    keep, weights = Keep(), model_of(model)
+    capture, keep, weights = capture_of(capture), Keep(), model_of(model)
     options, stats = (
         ffi.new("FfpReconstruction *", lib.ffp_reconstruction_defaults()),
         ffi.new("FfpReconstructionStats *"),
@@ -147,8 +148,8 @@ def _refinement(
 
 
 def refine(
-    gaussians: Gaussians,
-    capture: Capture,
+    gaussians: Gaussians | PathLike,
+    capture: Capture | PathLike,
     *,
     patterns: str | Sequence[str] = (),
     steps: int = 0,
@@ -166,6 +167,7 @@ def refine(
     """Fits a copy of the Gaussians to a capture's pictures. The given Gaussians and their arrays are unchanged.
 
     Args:
+        gaussians, capture: or the paths of their files.
         patterns: structured-light patterns to use in addition to black and white; none: the one that reconstruct uses.
         steps: number of steps, one view each; 0: no limit.
         seconds: of wall clock; 0: no limit. With neither limit: 30 s.
@@ -177,10 +179,10 @@ def refine(
         progress: see ffprocams.ProgressOption. A function that returns False ends the fit, which then returns the best
             state so far; an exception, including Ctrl-C, is raised, and nothing is returned.
     """
-    keep, stats = Keep(), ffi.new("FfpRefinementStats *")
+    capture, keep, stats = capture_of(capture), Keep(), ffi.new("FfpRefinementStats *")
     options = _refinement(patterns, steps, seconds, noise, seed, metrics, drawing_of(form, samples), keep)
     options.force = force
-    out = Refined(gaussians.copy()._pointer)
+    out = Refined(gaussians_of(gaussians).copy()._pointer)
     with holding(capture), Call(progress, threads, device) as call:
         call.check(
             lib.ffp_refine_gaussians(call.context, out._pointer, capture._pointer, options, stats, call.error)
@@ -190,7 +192,7 @@ def refine(
 
 
 def fit_from_scratch(
-    capture: Capture,
+    capture: Capture | PathLike,
     *,
     patterns: str | Sequence[str] = (),
     steps: int = 0,
@@ -206,7 +208,7 @@ def fit_from_scratch(
 ) -> Refined:
     """Fits Gaussians without a prediction, as GS-ProCams does; for comparison, since it takes far longer. Arguments as
     for refine; with neither limit: 20000 steps."""
-    keep, stats = Keep(), ffi.new("FfpRefinementStats *")
+    capture, keep, stats = capture_of(capture), Keep(), ffi.new("FfpRefinementStats *")
     options = _refinement(patterns, steps, seconds, noise, seed, metrics, drawing_of(form, samples), keep)
     with holding(capture), Call(progress, threads, device) as call:
         made = lib.ffp_fit_from_scratch(call.context, capture._pointer, options, stats, call.error)

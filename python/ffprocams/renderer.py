@@ -9,13 +9,13 @@ import numpy as np
 import numpy.typing as npt
 
 from . import devices
-from ._call import Call, Handle, Keep, holding
+from ._call import Call, Handle, Keep, PathLike, holding
 from ._library import ffi, lib
 from ._pixels import Array, Floats, picture_of
 from .capture import three
 from .devices import Pinhole
 from .errors import argument_error
-from .gaussians import Gaussians, drawing_of
+from .gaussians import Gaussians, drawing_of, gaussians_of
 
 _MAPS = {
     "opacity": lib.FFP_MAP_OPACITY,
@@ -25,6 +25,12 @@ _MAPS = {
     "roughness": lib.FFP_MAP_ROUGHNESS,
     "ambient": lib.FFP_MAP_AMBIENT,
 }
+
+
+def _dtype(dtype: npt.DTypeLike | None, linear: bool) -> npt.DTypeLike:
+    if dtype is None:
+        return np.float32 if linear else np.uint8
+    return dtype
 
 
 class Renderer(Handle):
@@ -45,9 +51,10 @@ class Renderer(Handle):
             made = lib.ffp_renderer_new(call.context, drawing, call.error)
             super().__init__(call.take(made, lib.ffp_renderer_close))
 
-    def aim(self, gaussians: Gaussians, camera: Pinhole, projector: Pinhole) -> Renderer:
+    def aim(self, gaussians: Gaussians | PathLike, camera: Pinhole, projector: Pinhole) -> Renderer:
         """Rasterises for a camera and maps the visible surface to a projector. Each side may have 1 to 16384 pixels.
         The Gaussians are not accessed afterwards. Returns itself."""
+        gaussians = gaussians_of(gaussians)
         with holding(self, gaussians), self._call as call:
             self._size = None
             call.check(
@@ -74,7 +81,8 @@ class Renderer(Handle):
         intensity: npt.ArrayLike,
         *,
         out: Array | None = None,
-        dtype: npt.DTypeLike = np.uint8,
+        dtype: npt.DTypeLike | None = None,
+        linear: bool = False,
     ) -> Array:
         """The camera's picture of the object over black under one pattern.
 
@@ -84,33 +92,37 @@ class Renderer(Handle):
             intensity: [3] or one number, the projector's radiant intensity at pattern value 1.
             out: [height,width,3] of the camera's size, uint8 or float32, to write the result into; the pixels of a row
                 must be contiguous, rows need not be.
-            dtype: of the result if ``out`` is None.
+            dtype: of the result if ``out`` is None: uint8 (default) or float32.
+            linear: linear radiance, premultiplied by opacity and not clipped, as float32.
 
         Returns:
-            [height,width,3] sRGB-encoded: uint8, or float32 in [0,1].
+            [height,width,3] sRGB-encoded: uint8, or float32 in [0,1]; or float32 of linear radiance.
         """
         with holding(self):
-            return self._shade(pattern, three(intensity), self._out(out, dtype))
+            return self._shade(pattern, three(intensity), self._out(out, dtype, linear), linear)
 
     def shade_many(
         self,
         patterns: Sequence[Array | None] | Array,
         intensity: npt.ArrayLike,
         *,
-        dtype: npt.DTypeLike = np.uint8,
+        dtype: npt.DTypeLike | None = None,
+        linear: bool = False,
     ) -> Array:
         """The pictures under n patterns, [n,height,width,3]; arguments as for shade."""
         light = three(intensity)
         with holding(self):
-            out = np.empty((len(patterns), *self._aimed(), 3), dtype)
+            out = np.empty((len(patterns), *self._aimed(), 3), _dtype(dtype, linear))
             for picture, pattern in zip(out, patterns):
-                self._shade(pattern, light, self._out(picture, dtype))
+                self._shade(pattern, light, self._out(picture, dtype, linear), linear)
         return out
 
-    def _out(self, out: Array | None, dtype: npt.DTypeLike) -> Array:
+    def _out(self, out: Array | None, dtype: npt.DTypeLike | None, linear: bool) -> Array:
         shape = (*self._aimed(), 3)
         if out is None:
-            out = np.empty(shape, dtype)
+            out = np.empty(shape, _dtype(dtype, linear))
+        if linear and out.dtype != np.float32:
+            raise argument_error(f"linear radiance is float32, not {out.dtype}", "out")
         if out.dtype not in (np.uint8, np.float32):
             raise argument_error(f"pictures must be uint8 or float32, not {out.dtype}", "out")
         apart = 3 * shape[1] * out.itemsize
@@ -123,9 +135,9 @@ class Renderer(Handle):
             raise argument_error(f"expected a writable array {shape} with contiguous rows", "out")
         return out
 
-    def _shade(self, pattern: Array | None, intensity: list[float], out: Array) -> Array:
+    def _shade(self, pattern: Array | None, intensity: list[float], out: Array, linear: bool) -> Array:
         keep = Keep()
-        kind = lib.FFP_PIXELS_U8 if out.dtype == np.uint8 else lib.FFP_PIXELS_F32
+        kind = lib.FFP_PIXELS_RADIANCE if linear else lib.FFP_PIXELS_U8 if out.dtype == np.uint8 else lib.FFP_PIXELS_F32
         picture = picture_of(pattern, keep, "pattern")
         memory = ffi.cast("void *", out.__array_interface__["data"][0])
         with self._call as call:

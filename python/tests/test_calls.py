@@ -103,9 +103,11 @@ def test_bars(capture: ffp.Capture, capsys: pytest.CaptureFixture[str]) -> None:
 
 
 def test_errors_know_code_file_and_field(tmp_path: Path, sample: Path, capture: ffp.Capture) -> None:
+    (tmp_path / "render_poses.json").write_text("{")
     with pytest.raises(ffp.FileFormatError) as wrong:
-        ffp.Capture.open(tmp_path / "nowhere")
-    assert wrong.value.code == ffp.ErrorCode.FILE and wrong.value.file == str(tmp_path / "nowhere")
+        ffp.Capture.open(tmp_path / "render_poses.json")
+    assert wrong.value.code == ffp.ErrorCode.FILE
+    assert wrong.value.file == str(tmp_path / "render_poses.json")
     assert isinstance(wrong.value, ValueError) and isinstance(wrong.value, ffp.Error)
     (tmp_path / "scene.json").write_text('{"format": "ffprocams-capture", "version": 99}')
     with pytest.raises(ffp.Error) as wrong:
@@ -197,8 +199,79 @@ def test_one_handle_serves_many_threads(capture: ffp.Capture, gaussians: ffp.Gau
     assert not wrong
 
 
-def test_nothing_is_pickled_in_silence(gaussians: ffp.Gaussians) -> None:
+def test_gaussians_are_pickled_and_other_handles_are_not(gaussians: ffp.Reconstructed, capture: ffp.Capture) -> None:
     import pickle
 
+    again = pickle.loads(pickle.dumps(gaussians))
+    assert isinstance(again, ffp.Reconstructed) and again.stats == gaussians.stats
+    for name, array in gaussians.arrays().items():
+        np.testing.assert_array_equal(again.arrays()[name], array, name)
     with pytest.raises(TypeError, match="save"):
-        pickle.dumps(gaussians)
+        pickle.dumps(capture)
+
+
+def test_gaussians_are_sliced(gaussians: ffp.Gaussians) -> None:
+    upper = gaussians.centre[:, 1] > 0
+    assert 0 < len(gaussians[upper]) == int(upper.sum()) < len(gaussians)
+    np.testing.assert_array_equal(gaussians[upper].albedo, gaussians.albedo[upper])
+    np.testing.assert_array_equal(gaussians[10:40:3].centre, gaussians.centre[10:40:3])
+    np.testing.assert_array_equal(gaussians[[7, 3]].opacity, gaussians.opacity[[7, 3]])
+    np.testing.assert_array_equal(gaussians[-1].scale, gaussians.scale[-1:])
+    with pytest.raises(IndexError):
+        gaussians[len(gaussians)]
+
+
+def test_paths_serve_as_handles(capture: ffp.Capture, sample: Path, tmp_path: Path) -> None:
+    by_path, by_handle = (ffp.reconstruct(c, "none", polish=0) for c in (sample, capture))
+    np.testing.assert_array_equal(by_path.centre, by_handle.centre)
+    assert by_path.stats.gaussians == len(by_path) and by_path.stats.least_view in capture.view_ids
+    assert 20 < by_path.stats.least_psnr < by_path.stats.psnr
+    by_path.save(tmp_path / "a.ply")
+    fitted = ffp.refine(tmp_path / "a.ply", str(sample), steps=2)
+    assert fitted.stats.steps == 2
+    _, stats = ffp.maps(tmp_path / "a.ply", sample, capture.camera(0), capture.projector(0))
+    assert 0 < stats.lit_share < 1
+
+
+def test_what_is_not_there(tmp_path: Path, capture: ffp.Capture) -> None:
+    for call in (
+        lambda: ffp.reconstruct(tmp_path / "no"),
+        lambda: ffp.Capture.open(tmp_path / "no"),
+        lambda: ffp.Gaussians.load(tmp_path / "no"),
+        lambda: ffp.Model.open(tmp_path / "no"),
+        lambda: ffp.info(tmp_path / "no"),
+    ):
+        with pytest.raises(FileNotFoundError) as missing:
+            call()
+        assert isinstance(missing.value, ffp.Error) and missing.value.filename == str(tmp_path / "no")
+        assert missing.value.errno == 2 and str(tmp_path / "no") in str(missing.value)
+    (tmp_path / "empty.ply").touch()
+    with pytest.raises(ffp.FileFormatError) as wrong:
+        ffp.Gaussians.load(tmp_path / "empty.ply")
+    assert not isinstance(wrong.value, FileNotFoundError)
+
+
+def test_linear_radiance(capture: ffp.Capture, gaussians: ffp.Gaussians) -> None:
+    renderer = ffp.Renderer().aim(gaussians, capture.camera(0), capture.projector(0))
+    pattern = capture.pattern("lollipop_0")
+    dark = renderer.shade(None, capture.intensity, linear=True)
+    once = renderer.shade(pattern, capture.intensity, linear=True)
+    twice = renderer.shade(pattern, 2 * capture.intensity, linear=True)
+    assert once.dtype == np.float32
+    np.testing.assert_allclose(twice - dark, 2 * (once - dark), atol=1e-4)  # light adds up
+    full = renderer.map("opacity") > 0.999
+    shown = renderer.shade(pattern, capture.intensity, dtype=np.float32)
+    np.testing.assert_allclose(ffp.encode(once)[full], shown[full], atol=2e-3)
+    assert renderer.shade_many([None], 1, linear=True).dtype == np.float32
+    with pytest.raises(ffp.ArgumentError, match="float32"):
+        renderer.shade(None, 1, dtype=np.uint8, linear=True)
+
+
+def test_the_calibration_matrix(capture: ffp.Capture) -> None:
+    camera = capture.camera(0)
+    point = np.array([0.1, -0.2, 2.0])
+    x, y, w = camera.K @ point
+    assert (x / w, y / w) == (
+        pytest.approx(camera.fx * 0.05 + camera.cx),
+        pytest.approx(camera.cy - camera.fy * 0.1),
+    )

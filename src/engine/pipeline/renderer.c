@@ -63,7 +63,7 @@ static bool take_pattern(FfpRenderer *renderer, const FfpRaw *pattern, FfpError 
 }
 
 static bool check_out(const FfpPictureOut *out, size_t row, FfpError *err) {
-    if (out->type != FFP_PIXELS_F32 && out->type != FFP_PIXELS_U8)
+    if (out->type != FFP_PIXELS_F32 && out->type != FFP_PIXELS_RADIANCE && out->type != FFP_PIXELS_U8)
         return ffp_fail(err, FFP_ERROR_ARGUMENT, "type",
                         "pictures are drawn as 8-bit or 32-bit float pixels");
     return out->row_bytes == 0 || out->row_bytes >= row ||
@@ -85,7 +85,7 @@ static void put_picture(const FfpPictureOut *out, size_t row_bytes, const FfpIma
     for (int y = 0; y < picture->height; y++) {
         const real *from = picture->data + (size_t)y * count;
         unsigned char *row = (unsigned char *)out->pixels + (size_t)y * row_bytes;
-        if (out->type == FFP_PIXELS_F32)
+        if (out->type != FFP_PIXELS_U8)
             memcpy(row, from, count * sizeof(float));
         else
             for (size_t i = 0; i < count; i++) row[i] = (unsigned char)(from[i] * 255 + 0.5F);
@@ -95,13 +95,17 @@ static void put_picture(const FfpPictureOut *out, size_t row_bytes, const FfpIma
 bool ffp_renderer_relight(FfpRenderer *renderer, const FfpRaw *pattern, const double intensity[3],
                           FfpPictureOut out, FfpError *err) {
     if (!check_aimed(renderer, err)) return false;
-    const size_t row = 3 * (size_t)renderer->camera.width * (out.type == FFP_PIXELS_F32 ? sizeof(float) : 1);
+    const size_t row = 3 * (size_t)renderer->camera.width * (out.type == FFP_PIXELS_U8 ? 1 : sizeof(float));
     real strength[3];
     if (!check_out(&out, row, err) || !take_intensity(intensity, strength, err)) return false;
     const bool dark = !pattern->data;
     if (!dark && !take_pattern(renderer, pattern, err)) return false;
     FfpImage picture = ffp_view_pass_picture_new(renderer->pass);
-    ffp_view_pass_shade(renderer->pass, strength, dark ? NULL : &renderer->pattern, &picture);
+    const FfpSummed *light = dark ? NULL : &renderer->pattern;
+    if (out.type == FFP_PIXELS_RADIANCE)
+        ffp_view_pass_radiance(renderer->pass, strength, light, &picture);
+    else
+        ffp_view_pass_shade(renderer->pass, strength, light, &picture);
     if (out.type == FFP_PIXELS_U8) ffp_quantise(&picture);
     put_picture(&out, out.row_bytes ? out.row_bytes : row, &picture);
     ffp_image_free(&picture);

@@ -30,8 +30,8 @@ FfpBatch *ffp_renderer_batch(FfpRenderer *renderer);
 void ffp_renderer_draw(FfpRenderer *renderer, const FfpGaussians *gaussians, const FfpCamera *camera,
                        const FfpCamera *projector);
 
-// A picture in the caller's memory: sRGB-encoded RGB, U8 or F32 in [0,1]; row_bytes 0: rows follow each
-// other.
+// A picture in the caller's memory: sRGB-encoded RGB, U8 or F32 in [0,1], or linear RADIANCE; row_bytes 0:
+// rows follow each other.
 typedef struct FfpPictureOut {
     void *pixels;
     FfpPixelType type;
