@@ -6,11 +6,19 @@
 #include "core/base/rigid.h"
 #include "rig/import/chord.h"
 
-#define REACH 1.1        // of the radius that bounds what is surely object
-#define OBJECT_SHARE 0.6 // of the views that have a point in their pictures
-#define SEEN_SHARE 0.5   // of all views, which must have it there
-#define STAGE_MOST 2     // views that show stage, dim or not: as many carve
-enum { CELLS = 112, SAMPLES = 160 };
+#define REACH 1.1      // of the radius that bounds what is surely object
+#define SEEN_SHARE 0.5 // of all views, which must have a point in their pictures
+#define MARGIN 0.04    // of the radius that a point must lie before a surface to be seen through
+enum {
+    SIDE = 112,       // voxels
+    MAP = 160,        // cells of a projector's map
+    SAMPLES = 160,    // along a ray
+    BEHIND = 3,       // voxels that a point must lie behind what shadows it
+    ROUNDS = 3,       // the hull's own shadows are known after the first
+    STAGE_MOST = 2,   // as many views that show dim stage carve,
+    THROUGH_MOST = 2, // as many cameras and projectors that see through a point,
+    UNLIT_MOST = 2    // and so many more views that show a point unlit, in no shadow, than that show object
+};
 
 // --- The sphere. ---
 
@@ -87,42 +95,86 @@ bool ffp_hull_bounds(FfpCapture *capture, const FfpCompared *compared) {
 
 // --- The voxels. ---
 
-// Whether a point of the world can be the object's.
-static bool is_possible(const FfpHull *h, const real point[3]) {
-    const int n = h->capture->n_views;
-    int seen = 0, object = 0, stage = 0;
-    for (int v = 0; v < n; v++) {
-        const FfpView *view = &h->capture->views[v];
-        real x, y;
-        if (!(ffp_project(&view->camera, point, &x, &y) > 0) || x < 0 || y < 0 ||
-            x >= (real)ffp_frame_width(view) || y >= (real)ffp_frame_height(view))
-            continue;
-        const size_t pixel = (size_t)y * (size_t)view->camera.width + (size_t)x;
-        const unsigned char kind = h->compared[v].kinds[pixel];
-        if (kind == FFP_PIXEL_STAGE || h->shaded[v][pixel]) return false;
-        seen++, object += kind == FFP_PIXEL_OBJECT || kind == FFP_PIXEL_LIT,
-            stage += kind == FFP_PIXEL_DIM_STAGE;
+typedef struct Evidence { // of the views about a point
+    int seen, object, stage, through, unlit;
+} Evidence;
+
+// Whether a pixel and the eight around it are lit stage: outlines are known to a pixel.
+static bool is_stage(const FfpView *view, const unsigned char *kinds, int x, int y) {
+    for (int k = 0; k < 9; k++) {
+        const int px = x + k % 3 - 1, py = y + k / 3 - 1;
+        if (px < 0 || py < 0 || px >= view->camera.width || py >= view->camera.height) continue;
+        if (kinds[(size_t)py * (size_t)view->camera.width + (size_t)px] != FFP_PIXEL_STAGE) return false;
     }
-    return stage < STAGE_MOST && seen >= SEEN_SHARE * n && object >= OBJECT_SHARE * seen;
+    return true;
 }
 
-FfpHull ffp_hull_new(const FfpCapture *capture, const FfpCompared *compared, unsigned char *const *shaded) {
-    FfpHull h = {capture, compared, shaded, ffp_alloc((size_t)CELLS * CELLS * CELLS, 1)};
-    const real step = 2 * capture->radius / CELLS;
-    ffp_cancel_point();
+// Whether a surface at a point would get the projector's light, as far as the hull's shadows are known.
+static bool would_be_lit(const FfpHull *h, int v, const real point[3]) {
+    int cell;
+    real z;
+    if (!ffp_depth_map_find(&h->shadows[v], point, &cell, &z)) return false;
+    return z <= h->shadows[v].z[cell] + BEHIND * h->voxels.step;
+}
+
+// Adds what a view shows at a point; false where it is stage for sure.
+static bool ask(const FfpHull *h, int v, const real point[3], bool with_shadows, Evidence *e) {
+    const FfpView *view = &h->capture->views[v];
+    real x, y;
+    if (!(ffp_project(&view->camera, point, &x, &y) > 0) || x < 0 || y < 0 ||
+        x >= (real)ffp_frame_width(view) || y >= (real)ffp_frame_height(view))
+        return true;
+    const size_t pixel = (size_t)y * (size_t)view->camera.width + (size_t)x;
+    const unsigned char *kinds = h->compared[v].kinds, kind = kinds[pixel];
+    if (h->shaded[v][pixel]) return false;
+    if (kind == FFP_PIXEL_STAGE && is_stage(view, kinds, (int)x, (int)y)) return false;
+    e->seen++, e->object += kind == FFP_PIXEL_OBJECT || kind == FFP_PIXEL_LIT,
+        e->stage += kind == FFP_PIXEL_DIM_STAGE;
+    e->through += ffp_free_space_votes(h->space, v, point, (real)MARGIN * h->capture->radius);
+    if (with_shadows && (kind == FFP_PIXEL_UNKNOWN || kind == FFP_PIXEL_DIM_STAGE))
+        e->unlit += would_be_lit(h, v, point);
+    return true;
+}
+
+// Whether a point of the world can be the object's.
+static bool is_possible(const FfpHull *h, const real point[3], bool with_shadows) {
+    const int n = h->capture->n_views;
+    Evidence e = {0};
+    for (int v = 0; v < n; v++)
+        if (!ask(h, v, point, with_shadows, &e)) return false;
+    return e.seen >= SEEN_SHARE * n && e.stage < STAGE_MOST && e.through < THROUGH_MOST &&
+           e.unlit < UNLIT_MOST + e.object;
+}
+
+static void draw_shadows(FfpHull *h) {
 #pragma omp parallel for schedule(static)
-    for (int i = 0; i < CELLS * CELLS * CELLS; i++) {
-        const int at[3] = {i % CELLS, i / CELLS % CELLS, i / (CELLS * CELLS)};
-        real point[3];
-        for (int k = 0; k < 3; k++)
-            point[k] = capture->centre[k] - capture->radius + ((real)at[k] + 0.5F) * step;
-        h.solid[i] = is_possible(&h, point);
+    for (int v = 0; v < h->capture->n_views; v++) ffp_voxels_draw(&h->voxels, &h->shadows[v]);
+}
+
+FfpHull ffp_hull_new(const FfpCapture *capture, const FfpCompared *compared, unsigned char *const *shaded,
+                     const FfpFreeSpace *space) {
+    const int n = capture->n_views;
+    FfpHull h = {capture, compared, shaded, space, ffp_voxels_new(capture, SIDE), NULL};
+    h.shadows = ffp_alloc((size_t)n, sizeof *h.shadows);
+    for (int v = 0; v < n; v++) h.shadows[v] = ffp_depth_map_new(&capture->views[v].projector, MAP, MAP);
+    for (int round = 0; round < ROUNDS; round++) {
+        ffp_cancel_point();
+        if (round > 0) draw_shadows(&h);
+#pragma omp parallel for schedule(dynamic, SIDE *SIDE)
+        for (int i = 0; i < SIDE * SIDE * SIDE; i++) {
+            real point[3];
+            if (round > 0 && !h.voxels.solid[i]) continue;
+            ffp_voxels_point(&h.voxels, i, point);
+            h.voxels.solid[i] = is_possible(&h, point, round > 0);
+        }
     }
     return h;
 }
 
 void ffp_hull_free(FfpHull *hull) {
-    ffp_free(hull->solid);
+    for (int v = 0; v < hull->capture->n_views; v++) ffp_depth_map_free(&hull->shadows[v]);
+    ffp_free(hull->shadows);
+    ffp_voxels_free(&hull->voxels);
     *hull = (FfpHull){0};
 }
 
@@ -133,13 +185,8 @@ double ffp_hull_length(const FfpHull *hull, int view, size_t pixel) {
     if (!ffp_chord(capture, &capture->views[view].camera, pixel, &chord)) return 0;
     for (int k = 0; k < SAMPLES; k++) {
         real point[3];
-        int at[3];
         ffp_chord_point(&chord, k, SAMPLES, point);
-        for (int c = 0; c < 3; c++) {
-            const real share = (point[c] - capture->centre[c]) / capture->radius;
-            at[c] = (int)fmin(fmax((share + 1) / 2 * CELLS, (real)0), (real)(CELLS - 1));
-        }
-        inside += hull->solid[(at[2] * CELLS + at[1]) * CELLS + at[0]];
+        inside += hull->voxels.solid[ffp_voxels_find(&hull->voxels, point)];
     }
     return inside * (double)(chord.far - chord.near) / (SAMPLES * (double)capture->radius);
 }

@@ -5,6 +5,7 @@
 #include "core/base/call.h"
 #include "rig/import/chord.h"
 #include "rig/import/mask.h"
+#include "rig/import/voxels.h"
 
 #define REACH 1.1F     // of the radius that bounds what is lit: the rest lies a little outside
 #define NEAR 3         // voxels that a point must lie behind what shadows it
@@ -19,9 +20,8 @@ enum { OUT, LIT, HOLE, DARK }; // what a view shows at a point
 typedef struct Hull {
     const FfpCapture *capture;
     const FfpImage *holes;
-    real low[3], step;    // of the voxels
-    unsigned char *solid; // [CELLS,CELLS,CELLS]
-    real **nearest;       // [n_views][MAP,MAP] distance of what the projector sees
+    FfpVoxels voxels;
+    FfpDepthMap *nearest; // [n_views] what the projectors see
 } Hull;
 
 static int shown(const Hull *h, int v, const real point[3]) {
@@ -36,17 +36,11 @@ static int shown(const Hull *h, int v, const real point[3]) {
     return mask->data[pixel] >= 0.5F ? LIT : DARK;
 }
 
-// Where a projector's field has a point; false outside.
-static bool cell_of(const FfpCamera *projector, const real point[3], real *x, real *y, real *far) {
-    *far = ffp_project(projector, point, x, y);
-    *x *= MAP / (real)projector->width, *y *= MAP / (real)projector->height;
-    return *far > 0 && *x >= 0 && *y >= 0 && *x < MAP && *y < MAP;
-}
-
 static bool in_shadow(const Hull *h, int v, const real point[3]) {
-    real x, y, far;
-    if (!cell_of(&h->capture->views[v].projector, point, &x, &y, &far)) return true;
-    return far > h->nearest[v][(int)y * MAP + (int)x] + NEAR * h->step;
+    int cell;
+    real far;
+    if (!ffp_depth_map_find(&h->nearest[v], point, &cell, &far)) return true;
+    return far > h->nearest[v].z[cell] + NEAR * h->voxels.step;
 }
 
 // Whether the views but one (-1: all) allow the object at a point; without shadows all must show it.
@@ -62,31 +56,9 @@ static bool is_possible(const Hull *h, const real point[3], int but, bool with_s
 
 // --- The hull and its shadows. ---
 
-static void voxel_point(const Hull *h, int i, real point[3]) {
-    const int at[3] = {i % CELLS, i / CELLS % CELLS, i / (CELLS * CELLS)};
-    for (int k = 0; k < 3; k++) point[k] = h->low[k] + ((real)at[k] + 0.5F) * h->step;
-}
-
-static void cast_shadows(Hull *h, int v) {
-    const FfpCamera *projector = &h->capture->views[v].projector;
-    real *map = h->nearest[v];
-    for (int i = 0; i < MAP * MAP; i++) map[i] = INFINITY;
-    for (int i = 0; i < CELLS * CELLS * CELLS; i++) {
-        real point[3], x, y, far;
-        if (!h->solid[i]) continue;
-        voxel_point(h, i, point);
-        if (!cell_of(projector, point, &x, &y, &far)) continue;
-        const real size = 0.5F * h->step * projector->fx * MAP / ((real)projector->width * far);
-        const int left = (int)fmax(0, x - size), right = (int)fmin(MAP - 1, x + size);
-        const int top = (int)fmax(0, y - size), bottom = (int)fmin(MAP - 1, y + size);
-        for (int r = top; r <= bottom; r++)
-            for (int c = left; c <= right; c++) map[r * MAP + c] = fmin(map[r * MAP + c], far);
-    }
-}
-
 static void cast_all(Hull *h) {
 #pragma omp parallel for schedule(static)
-    for (int v = 0; v < h->capture->n_views; v++) cast_shadows(h, v);
+    for (int v = 0; v < h->capture->n_views; v++) ffp_voxels_draw(&h->voxels, &h->nearest[v]);
 }
 
 // First what all views show, then also what lies in its shadows.
@@ -97,10 +69,10 @@ static void build_hull(Hull *h) {
 #pragma omp parallel for schedule(static) reduction(+ : added)
         for (int i = 0; i < CELLS * CELLS * CELLS; i++) {
             real point[3];
-            if (h->solid[i]) continue;
-            voxel_point(h, i, point);
-            h->solid[i] = is_possible(h, point, -1, round > 0);
-            added += h->solid[i];
+            if (h->voxels.solid[i]) continue;
+            ffp_voxels_point(&h->voxels, i, point);
+            h->voxels.solid[i] = is_possible(h, point, -1, round > 0);
+            added += h->voxels.solid[i];
         }
         cast_all(h);
         if (added == 0) break;
@@ -182,18 +154,18 @@ static int64_t grow(FfpView *view, const FfpImage *holes, const FfpImage *possib
 }
 
 static Hull new_hull(const FfpCapture *capture, const FfpImage *holes) {
-    Hull h = {capture, holes, {0}, 2 * capture->radius / CELLS, NULL, NULL};
-    for (int k = 0; k < 3; k++) h.low[k] = capture->centre[k] - capture->radius;
-    h.solid = ffp_alloc((size_t)CELLS * CELLS * CELLS, 1);
+    Hull h = {capture, holes, ffp_voxels_new(capture, CELLS), NULL};
     h.nearest = ffp_alloc((size_t)capture->n_views, sizeof *h.nearest);
-    for (int v = 0; v < capture->n_views; v++) h.nearest[v] = ffp_alloc((size_t)MAP * MAP, sizeof(real));
+    for (int v = 0; v < capture->n_views; v++)
+        h.nearest[v] = ffp_depth_map_new(&capture->views[v].projector, MAP, MAP);
     cast_all(&h);
     return h;
 }
 
 static void free_hull(Hull *h) {
-    for (int v = 0; v < h->capture->n_views; v++) ffp_free(h->nearest[v]);
-    ffp_free(h->nearest), ffp_free(h->solid);
+    for (int v = 0; v < h->capture->n_views; v++) ffp_depth_map_free(&h->nearest[v]);
+    ffp_free(h->nearest);
+    ffp_voxels_free(&h->voxels);
 }
 
 bool ffp_grow_masks(FfpCapture *capture, const bool *made, const FfpImage *holes, int64_t *added) {

@@ -11,13 +11,17 @@
 #define FULL_LEAST 0.8  // factors of what has all of the stage's light
 #define FULL_MOST 1.25  //
 #define CONTINUES 0.2   // of the light, by which a look may differ from the stage around
+#define INDIRECT 0.1    // of what white adds where the stage is well lit: less comes from other surfaces
+#define DIMMED 0.3      // factor of that light which an object leaves at least
+#define SHADOW_MOST 0.3 // factor of the stage's light that is left in a shadow
+#define ROOM_LEAST 0.5  // and of the room's light
 #define GAIN_MOST 1.5   // either way
 #define STAGE_LEAST 0.1 // of the pixels
 
 typedef struct Comparison {
     const FfpLayers *view, *stage;
-    const FfpImage *known; // of the stage; .data NULL: everywhere
-    double noise, gain;
+    const FfpImage *known;      // of the stage; .data NULL: everywhere
+    double noise, gain, bright; // what white adds where the stage is well lit
 } Comparison;
 
 static double grey(const FfpImage *image, ptrdiff_t pixel) {
@@ -37,6 +41,15 @@ static double find_gain(const Comparison *c) {
     const double gain = n > 0 ? ffp_median(ratios, n) : 1;
     ffp_free(ratios);
     return fmin(fmax(gain, 1 / GAIN_MOST), GAIN_MOST);
+}
+
+static double bright_of(const FfpLayers *stage) {
+    const size_t pixels = (size_t)stage->width * (size_t)stage->height;
+    double *levels = ffp_alloc(pixels + 1, sizeof *levels);
+    for (size_t i = 0; i < pixels; i++) levels[i] = grey(&stage->of[1], (ptrdiff_t)i);
+    const double out = ffp_quantile(levels, pixels, 0.95);
+    ffp_free(levels);
+    return out;
 }
 
 // How much a layer of the stage varies in one channel around a pixel.
@@ -67,20 +80,28 @@ static void take_values(const Comparison *c, int x, int y, Values *v) {
     }
 }
 
-// The factor by which the stage's light explains the pixel's best, and the mean squared error left.
-static double explain(const Values *v, double noise, double *error) {
+// The factor by which the stage's light explains the first n values' best, and the mean squared error left.
+static double explain(const Values *v, int n, double noise, double *error) {
     double across = 0, square = 0, sum = 0;
-    for (int i = 3; i < v->n; i++) {
+    for (int i = 3; i < n; i++) {
         const double s = ffp_layers_variance(noise, fmax(v->view[i], v->stage[i]), v->spread[i]);
         across += v->view[i] * v->stage[i] / s, square += v->stage[i] * v->stage[i] / s;
     }
     const double a = square > 0 ? fmin(fmax(across / square, 0), FULL_MOST) : 0;
-    for (int i = 3; i < v->n; i++) {
+    for (int i = 3; i < n; i++) {
         const double off = v->view[i] - a * v->stage[i];
         sum += off * off / ffp_layers_variance(noise, fmax(v->view[i], a * v->stage[i]), a * v->spread[i]);
     }
-    *error = sum / (v->n - 3);
+    *error = sum / (n - 3);
     return a;
+}
+
+// Whether white looks as it does in a shadow of the projector, which light from other surfaces reaches: their
+// mixture of a pattern is not the pattern's colour here. The room's own light is left.
+static bool may_be_shadow(const Values *v, double noise) {
+    double error, here = 0, there = 0;
+    for (int i = 0; i < 3; i++) here += v->view[i], there += v->stage[i];
+    return here > ROOM_LEAST * there && explain(v, 6, noise, &error) < SHADOW_MOST && error < SAME;
 }
 
 // How the pictures themselves differ, whatever lit them.
@@ -93,6 +114,15 @@ static double difference_of(const Values *v, double noise) {
         sum += (here - there) * (here - there) / ffp_layers_variance(0.67 * noise, there, v->spread[i]);
     }
     return sum / v->n;
+}
+
+static bool is_alike_under_black(const Values *v, double noise) {
+    double sum = 0;
+    for (int i = 0; i < 3; i++) {
+        const double off = v->view[i] - v->stage[i];
+        sum += off * off / ffp_layers_variance(noise, v->stage[i], v->spread[i]);
+    }
+    return sum < 3 * SAME;
 }
 
 // Whether what white adds is as on the stage around, where the stage itself is not known.
@@ -114,9 +144,12 @@ static FfpPixelKind kind_of(const Comparison *c, int x, int y) {
     Values v;
     double error;
     take_values(c, x, y, &v);
-    const double a = explain(&v, c->noise, &error);
+    const double a = explain(&v, v.n, c->noise, &error);
     if (stage_lit && a > FULL_LEAST && error < SAME) return FFP_PIXEL_STAGE;
-    if (lit && error > OTHER) return FFP_PIXEL_OBJECT;
+    if (lit && error > OTHER && !may_be_shadow(&v, c->noise)) return FFP_PIXEL_OBJECT;
+    if (grey(&c->stage->of[1], at) < INDIRECT * c->bright && a > DIMMED && error < SAME &&
+        is_alike_under_black(&v, c->noise))
+        return FFP_PIXEL_DIM_STAGE;
     return difference_of(&v, c->noise) < SAME ? FFP_PIXEL_DIM_STAGE : FFP_PIXEL_UNKNOWN;
 }
 
@@ -139,7 +172,7 @@ bool ffp_stage_compare(FfpCompared *compared, const FfpCapture *capture, int vie
     const FfpView *of = &capture->views[view];
     FfpLayers *mine = ffp_layers_new(capture, of->images, stage->images),
               *theirs = ffp_layers_new(capture, stage->images, of->images);
-    Comparison c = {mine, theirs, &stage->known, ffp_layers_noise(mine, theirs), 1};
+    Comparison c = {mine, theirs, &stage->known, ffp_layers_noise(mine, theirs), 1, bright_of(theirs)};
     c.gain = find_gain(&c);
     *compared = (FfpCompared){.noise = c.noise, .gain = c.gain};
     if (c.noise <= NOISE_MOST) compare_pixels(compared, &c, of);

@@ -8,14 +8,15 @@
 #include "rig/import/shade.h"
 #include "rig/import/soft_edges.h"
 
-#define VIEWS_LEAST 3  // that carve
-#define RUN_LEAST 0.09 // of the sphere's radius that a ray must run through the hull
+#define VIEWS_LEAST 3   // that carve
+#define RUN_LEAST 0.045 // of the sphere's radius that a ray must run through the hull
 
 typedef struct Work {
     FfpCapture *capture;
     const FfpEmptyStage *const *stages;
     FfpCompared *compared;  // [n_views]
     unsigned char **shaded; // [n_views][height*width]
+    FfpFreeSpace space;
 } Work;
 
 static size_t pixels_of(const FfpView *view) {
@@ -67,7 +68,7 @@ static bool may_be_object(const Work *w, int v, size_t pixel) {
 
 // Uncertain pixels are object inside the hull.
 static void fill_by_hull(Work *w) {
-    FfpHull hull = ffp_hull_new(w->capture, w->compared, w->shaded);
+    FfpHull hull = ffp_hull_new(w->capture, w->compared, w->shaded, &w->space);
     for (int v = 0; v < w->capture->n_views; v++) {
         FfpView *view = &w->capture->views[v];
         ffp_cancel_point();
@@ -97,8 +98,11 @@ static void find_shade(Work *w, int v) {
     ffp_free(mask), ffp_free(around);
 }
 
+// Matching within the first masks tells which space is free; the second masks show more of the
+// shadows, with which the third ones are made.
 static void complete(Work *w) {
     fill_by_hull(w);
+    if (ffp_free_space_new(&w->space, w->capture)) fill_by_hull(w);
     for (int v = 0; v < w->capture->n_views; v++) find_shade(w, v);
     fill_by_hull(w);
 }
@@ -139,8 +143,11 @@ static bool run(Work *w, bool posed, const char *const *paths, FfpError *err) {
 bool ffp_stage_masks(FfpStageMasks *report, FfpCapture *capture, const FfpEmptyStage *const *stages,
                      bool posed, const char *const *paths, FfpError *err) {
     const int n = capture->n_views;
-    Work w = {capture, stages, ffp_alloc((size_t)n, sizeof *w.compared),
-              ffp_alloc((size_t)n, sizeof *w.shaded)};
+    Work w = {capture,
+              stages,
+              ffp_alloc((size_t)n, sizeof *w.compared),
+              ffp_alloc((size_t)n, sizeof *w.shaded),
+              {0}};
     for (int v = 0; v < n; v++) w.shaded[v] = ffp_alloc(pixels_of(&capture->views[v]), 1);
     const bool ok = run(&w, posed, paths, err);
     if (ok) *report = report_of(&w);
@@ -149,5 +156,6 @@ bool ffp_stage_masks(FfpStageMasks *report, FfpCapture *capture, const FfpEmptyS
         ffp_free(w.compared[v].kinds), ffp_free(w.shaded[v]);
     }
     ffp_free(w.compared), ffp_free(w.shaded);
+    ffp_free_space_free(&w.space);
     return ok;
 }
