@@ -684,7 +684,8 @@ typedef struct FfpGeneration {
     const char *photographs;
     int attitudes; // of the chessboard, at most 64; 0: no chessboard
     // One folder of the photographs, the same as among all of them: view-DDD (DDD being one of `views` even
-    // angles in degrees), attitude-NN or turntable. NULL: all. Not in a room.
+    // angles in degrees), attitude-NN, turntable or empty. NULL: all. Not in a
+    // room.
     const char *only;
     // The photographs are taken in a real room, with platter, table, wall, boxes and a lamp that the seed
     // decides, as JPEG files of this quality (1 to 100), beside the empty stage, true masks and pictures
@@ -707,9 +708,13 @@ typedef struct FfpPatterns {
     bool focus;         // a chart for focusing and for placing the object
     bool capture;       // black, white and the lollipops: what a reconstruction needs
     bool gray_codes;    // of columns and rows, each with its inverse
+    // The chessboard on paper, chessboard.pdf and chessboard.svg at true size, beside Gray codes: inner
+    // corners, 3 to 64 each way (0: no paper), and the side of a square, 1 to 500 mm.
+    int columns, rows;
+    double square;
 } FfpPatterns;
 
-FFP_API FfpPatterns ffp_patterns_defaults(void); // everything, one lollipop, 1920 x 1080
+FFP_API FfpPatterns ffp_patterns_defaults(void); // everything, one lollipop, 1920 x 1080; 9 x 6, 25 mm
 // Writes <number>_<name>.png in display order (the number is that of the photograph; the focus chart has 0),
 // instructions as text, and a page that shows them full screen in a browser. Written completely or not at
 // all. Returns the number of pictures, or -1.

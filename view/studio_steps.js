@@ -69,6 +69,7 @@ function drawRig(state) {
   for (const id of ['panel-w', 'panel-h']) $(id).disabled = state.photographed;
   for (const id of ['board-c', 'board-r', 'square', 'attitudes', 'angles']) $(id).disabled = virtual;
   $('draw').disabled = state.photographed || isRunning(state);
+  $('paper').hidden = virtual || state.patterns.length === 0;
   $('drawn').textContent = state.patterns.length > 0 ? `${state.patterns.length} patterns in patterns/` : '';
 }
 
@@ -182,7 +183,6 @@ function drawObject(state) {
   const object = objectNow(state);
   $('object-lead').textContent = isVirtual() ? 'The simulated turntable turns by itself.'
     : 'Put the object on the turntable. At each stop the patterns are photographed; then turn it to the next angle.';
-  $('object-empty-row').hidden = isVirtual();
   $('object-new').hidden = !!object && !$('object-new').dataset.wanted;
   $('object-tabs').replaceChildren(...state.objects.map((o) => {
     const tab = element('button', {className: 'small', textContent: o.name, onclick: () => attempt(() => doIt({verb: 'object', name: o.name}))});
@@ -200,8 +200,7 @@ function drawObject(state) {
 }
 
 $('object-add').addEventListener('click', () => attempt(async () => {
-  const empty = !isVirtual() && $('object-empty').checked;
-  await doIt({verb: 'object', name: $('object-name').value.trim(), stops: number('object-stops'), coded: $('object-coded').checked, empty});
+  await doIt({verb: 'object', name: $('object-name').value.trim(), stops: number('object-stops'), coded: $('object-coded').checked, empty: $('object-empty').checked});
   delete $('object-new').dataset.wanted;
   drawObject(studio.state);
 }));

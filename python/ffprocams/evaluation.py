@@ -185,7 +185,7 @@ def generate(
         photographs: folder of patterns (write_patterns): instead of captures, write photographs of one object on a
             turntable under all of them, and of a chessboard, by a rig with lenses (docs/design/data.md, "Photographs").
         attitudes: number of attitudes of that chessboard, 0 to 64; None: the program's default.
-        only: of those photographs only this folder (view-045, attitude-03 or turntable), the same as among all of them.
+        only: of those photographs only this folder (view-045, attitude-03, turntable or empty), the same as among all of them.
         room: take those photographs in a real room that the seed decides, with the empty stage and the truth
             (docs/design/data.md, "Rooms").
         quality: of the room's JPEG files, 1 to 100; None: the program's default.

@@ -35,6 +35,8 @@ typedef struct FfpShow {
     int width, height; // of the panel
     int lollipops;
     bool focus, capture, gray_codes; // which parts
+    int columns, rows;               // inner corners of the chessboard on paper; 0: none
+    double square;                   // side of its squares, mm
 } FfpShow;
 
 typedef enum FfpShowPart { FFP_SHOW_FOCUS, FFP_SHOW_CAPTURE, FFP_SHOW_GRAY_CODES } FfpShowPart;
@@ -47,9 +49,16 @@ FfpImage ffp_show_picture(const FfpShow *show, int index, char name[32], FfpShow
 int ffp_show_number(const FfpShow *show, int index);
 
 // Everything into the folder at `path`, which exists: <number>_<name>.png, README.txt, which says how to
-// photograph them, and show.html, which shows them one by one. shown.h reads such a folder.
+// photograph them, show.html, which shows them one by one, and the
+// chessboard on paper. shown.h reads such a folder.
 bool ffp_show_write(const FfpShow *show, const char *path, FfpError *err);
 // The same into a folder that is new or empty, completely or not at all.
 bool ffp_show_write_folder(const FfpShow *show, const char *path, FfpError *err);
+
+// --- On paper. ---
+
+// chessboard.svg and chessboard.pdf at true size, on A4 if it fits, with a ruler below: columns x rows inner
+// corners, squares of `square` mm.
+bool ffp_board_write(const char *folder, int columns, int rows, double square, FfpError *err);
 
 #endif

@@ -145,13 +145,23 @@ static void list_photographs(const Writing *w) {
 }
 
 static void list_commands(const Writing *w) {
+    const FfpShow *show = w->show;
+    if (show->columns > 0)
+        fprintf(w->text,
+                "The chessboard, for printing at 100 %%, is in chessboard.pdf and chessboard.svg: %d x %d "
+                "inner corners,\n"
+                "squares of %.6g mm. Measure them on the print, over as many as you can.\n\n",
+                show->columns, show->rows, show->square);
     fputs("Afterwards, with PATTERNS for the name of this folder:\n\n", w->text);
-    if (w->show->capture && w->show->gray_codes)
-        fputs("    ffprocams calibrate shots/attitude-* --shown PATTERNS -o calibration.xml --board 9x6 \\\n"
-              "        --square 25 --turntable-board shots/turntable --angles 0,15,30,45,60 \\\n"
-              "        --turntable-output axis.json\n",
-              w->text);
-    if (w->show->capture)
+    if (show->capture && show->gray_codes)
+        fprintf(
+            w->text,
+            "    ffprocams calibrate shots/attitude-* --shown PATTERNS -o calibration.xml --board %dx%d \\\n"
+            "        --square %.6g --turntable-board shots/turntable --angles 0,15,30,45,60 \\\n"
+            "        --turntable-output axis.json\n",
+            show->columns > 0 ? show->columns : 9, show->columns > 0 ? show->rows : 6,
+            show->columns > 0 ? show->square : 25);
+    if (show->capture)
         fputs("    ffprocams import -c calibration.xml -t axis.json --angles 8x45 --shown PATTERNS \\\n"
               "        -i 'shots/view-{view}/*.JPG' -o vase\n\n",
               w->text);
@@ -203,7 +213,10 @@ bool ffp_show_write(const FfpShow *show, const char *path, FfpError *err) {
 bool ffp_show_write_folder(const FfpShow *show, const char *path, FfpError *err) {
     FfpOutput folder;
     if (!ffp_output_open_folder(&folder, path, true, err)) return false;
-    const bool ok = ffp_show_write(show, folder.temporary, err) && ffp_output_commit(&folder, err);
+    const bool ok = ffp_show_write(show, folder.temporary, err) &&
+                    (show->columns == 0 ||
+                     ffp_board_write(folder.temporary, show->columns, show->rows, show->square, err)) &&
+                    ffp_output_commit(&folder, err);
     ffp_output_abort(&folder);
     return ok;
 }

@@ -7,8 +7,15 @@
 enum { SIDE_MIN = 64, SIDE_MAX = 16384, LOLLIPOPS_MAX = 100 };
 
 FfpPatterns ffp_patterns_defaults(void) {
-    return (FfpPatterns){
-        .width = 1920, .height = 1080, .lollipops = 1, .focus = true, .capture = true, .gray_codes = true};
+    return (FfpPatterns){.width = 1920,
+                         .height = 1080,
+                         .lollipops = 1,
+                         .focus = true,
+                         .capture = true,
+                         .gray_codes = true,
+                         .columns = 9,
+                         .rows = 6,
+                         .square = 25};
 }
 
 static bool check(const FfpPatterns *o, FfpError *err) {
@@ -18,6 +25,11 @@ static bool check(const FfpPatterns *o, FfpError *err) {
     if (o->lollipops < 0 || o->lollipops > LOLLIPOPS_MAX)
         return ffp_fail(err, FFP_ERROR_ARGUMENT, "lollipops", "%d are not in 0 to %d", o->lollipops,
                         LOLLIPOPS_MAX);
+    if (o->columns != 0 && (o->columns < 3 || o->columns > 64 || o->rows < 3 || o->rows > 64))
+        return ffp_fail(err, FFP_ERROR_ARGUMENT, "board", "%d x %d corners are not in 3 to 64", o->columns,
+                        o->rows);
+    if (o->columns != 0 && !(o->square >= 1 && o->square <= 500))
+        return ffp_fail(err, FFP_ERROR_ARGUMENT, "square", "%g is not in 1 to 500 mm", o->square);
     return o->focus || o->capture || o->gray_codes ||
            ffp_fail(err, FFP_ERROR_ARGUMENT, "patterns", "none requested");
 }
@@ -30,7 +42,15 @@ typedef struct Call {
 static bool work(void *argument, FfpError *err) {
     Call *call = argument;
     const FfpPatterns *o = call->options;
-    const FfpShow show = {o->width, o->height, o->lollipops, o->focus, o->capture, o->gray_codes};
+    const FfpShow show = {.width = o->width,
+                          .height = o->height,
+                          .lollipops = o->lollipops,
+                          .focus = o->focus,
+                          .capture = o->capture,
+                          .gray_codes = o->gray_codes,
+                          .columns = o->gray_codes ? o->columns : 0,
+                          .rows = o->rows,
+                          .square = o->square};
     call->count = ffp_show_count(&show);
     return ffp_show_write_folder(&show, o->folder, err);
 }

@@ -177,7 +177,8 @@ static const FfpOption options[] = {
      .type = FFP_OPTION_TEXT,
      .excludes = "room",
      .offset = offsetof(Arguments, generation.only),
-     .help = "with --photographs: only this folder of them, view-DDD, attitude-NN or turntable, the same as "
+     .help = "with --photographs: only this folder of them, view-DDD, attitude-NN, turntable or empty, the "
+             "same as "
              "among all of them"},
     {.name = "room",
      .needs = "photographs",

@@ -14,6 +14,11 @@ static bool read_size(const char *text, void *destination) {
     return ffp_cli_pair(text, 'x', 1, &patterns->width, &patterns->height);
 }
 
+static bool read_board(const char *text, void *destination) {
+    FfpPatterns *patterns = destination;
+    return ffp_cli_pair(text, 'x', 1, &patterns->columns, &patterns->rows);
+}
+
 static const FfpWord parts[] = {{"focus", FOCUS}, {"capture", CAPTURE}, {"graycode", GRAY_CODES}, {0}};
 
 static bool read_part(const char *text, void *destination) {
@@ -65,6 +70,20 @@ static const FfpOption options[] = {
      .offset = offsetof(Arguments, patterns.lollipops),
      .high = 100,
      .help = "number of lollipop patterns. Default: 1; two or three give a more exact surface"},
+    {.name = "board",
+     .argument = "CxR",
+     .type = FFP_OPTION_PARSED,
+     .offset = offsetof(Arguments, patterns),
+     .parse = read_board,
+     .takes = "columns x rows of corners (9x6)",
+     .help = "inner corners of the chessboard that is written for printing, 3 to 64 each way. Default: 9x6"},
+    {.name = "square",
+     .argument = "MM",
+     .type = FFP_OPTION_REAL,
+     .offset = offsetof(Arguments, patterns.square),
+     .least = 1,
+     .most = 500,
+     .help = "side of its squares, mm. Default: 25"},
     {.name = "only",
      .argument = "PART",
      .type = FFP_OPTION_PARSED,
@@ -89,7 +108,9 @@ const FfpCommand ffp_cli_patterns = {
         "`import` take the photographs in this order (--shown DIR). Lollipops are round and as high as "
         "the panel. README.txt, written beside them, lists the photographs to take. show.html shows them "
         "full screen in any browser, advancing with the space bar, and warns "
-        "if its window does not have the panel's size.",
+        "if its window does not have the panel's size. With the Gray codes comes the chessboard, "
+        "chessboard.pdf "
+        "and chessboard.svg, to be printed at 100 %.",
     .options = options,
     .examples =
         (const FfpExample[]){{.command = "ffprocams patterns -o patterns --projector 1280x800"},

@@ -126,6 +126,7 @@ static const char *type_of(const char *path) {
                                            {".ply", "application/octet-stream"},
                                            {".xml", "text/plain; charset=utf-8"},
                                            {".svg", "image/svg+xml"},
+                                           {".pdf", "application/pdf"},
                                            {".html", "text/html; charset=utf-8"}};
     const char *dot = strrchr(path, '.');
     for (size_t i = 0; dot && i < sizeof types / sizeof *types; i++)

@@ -94,6 +94,7 @@ static bool object_set(const FfpStudio *studio, const char *rest, FfpStudioSet *
     if (strcmp(slash + 1, "empty") == 0) {
         if (!json_is_true(json_object_get(object, "empty"))) return false;
         add_patterns(studio, set, WANTED_CAPTURE);
+        snprintf(set->stage, sizeof set->stage, "empty");
         return true;
     }
     const double angle = stop_angle(object, slash + 1);

@@ -34,6 +34,11 @@ static bool patterns(FfpStudio *studio, FfpStudioJob *job, char *said) {
     words(c, (const char *const[]){"-o", "patterns", "--projector", NULL});
     ffp_studio_word(c, "%lldx%lld", ffp_studio_number(studio, "projector", 0, 0),
                     ffp_studio_number(studio, "projector", 1, 0));
+    ffp_studio_word(c, "--board");
+    ffp_studio_word(c, "%lldx%lld", ffp_studio_number(studio, "board", 0, 9),
+                    ffp_studio_number(studio, "board", 1, 6));
+    ffp_studio_word(c, "--square");
+    ffp_studio_word(c, "%.9g", json_number_value(json_object_get(studio->settings, "square")));
     ffp_studio_word(c, "--lollipops");
     ffp_studio_word(c, "%lld", ffp_studio_number(studio, "lollipops", -1, 1));
     return true;
@@ -91,39 +96,46 @@ static bool calibrate(FfpStudio *studio, FfpStudioJob *job, char *said) {
 
 // --- The object. ---
 
-// Patterns' names for `import`: black,white,lollipop_0. The last of several lollipops is to be predicted.
-static void pattern_names(const FfpStudioSet *set, char *names, size_t size, const char **last,
-                          int *lollipops) {
-    size_t length = 0;
-    *lollipops = 0, names[0] = 0;
-    for (int i = 0; i < set->count; i++) {
-        const char *name = strchr(set->shots[i].pattern, '_') + 1, *dot = strrchr(name, '.');
-        if (strncmp(name, "gray_", 5) == 0 || length >= size) continue;
-        length += (size_t)snprintf(names + length, size - length, "%s%.*s", length > 0 ? "," : "",
-                                   (int)(dot - name), name);
-        if (strncmp(name, "lollipop_", 9) == 0) *last = set->shots[i].pattern, (*lollipops)++;
-    }
+// "lollipop_0" of "003_lollipop_0.png".
+static int name_of(const char *pattern, const char **name) {
+    *name = strchr(pattern, '_') + 1;
+    return (int)(strrchr(*name, '.') - *name);
+}
+
+static bool is_lollipop(const FfpStudioShot *shot) {
+    return strstr(shot->pattern, "_lollipop_") != NULL;
+}
+
+// The last of several lollipops, which is to be predicted; NULL: there is one only.
+static const FfpStudioShot *held_out(const FfpStudioSet *set) {
+    const FfpStudioShot *last = NULL;
+    int count = 0;
+    for (int i = 0; i < set->count; i++)
+        if (is_lollipop(&set->shots[i])) last = &set->shots[i], count++;
+    return count > 1 ? last : NULL;
 }
 
 static void add_photographs(const FfpStudio *studio, FfpStudioCommand *c, const char *object,
                             const FfpStudioSet *stop) {
-    char names[1024];
-    const char *last = "";
-    int lollipops;
     FfpStudioSet empty;
+    char path[FFP_STUDIO_NAME];
+    const char *name;
+    const FfpStudioShot *kept = held_out(stop);
     ffp_studio_word(c, "-i");
     ffp_studio_word(c, "objects/%s/view-{view}/*.%s", object, stop->ending);
-    pattern_names(stop, names, sizeof names, &last, &lollipops);
-    if (lollipops > 1) {
-        const char *name = strchr(last, '_') + 1;
+    if (kept) {
+        const int length = name_of(kept->pattern, &name);
         ffp_studio_word(c, "--held-out");
-        ffp_studio_word(c, "%.*s=patterns/%s", (int)(strrchr(name, '.') - name), name, last);
+        ffp_studio_word(c, "%.*s=patterns/%s", length, name, kept->pattern);
     }
-    char path[FFP_STUDIO_NAME];
     snprintf(path, sizeof path, "objects/%.60s/empty", object);
     if (!ffp_studio_set(studio, path, &empty)) return;
-    ffp_studio_word(c, "--empty");
-    ffp_studio_word(c, "%s=%s/*.%s", names, path, empty.ending);
+    for (int i = 0; i < empty.count; i++) {
+        const int length = name_of(empty.shots[i].pattern, &name);
+        if (kept && kept->number == empty.shots[i].number) continue;
+        ffp_studio_word(c, "--empty");
+        ffp_studio_word(c, "%.*s=%s/%03d.%s", length, name, path, empty.shots[i].number, empty.ending);
+    }
 }
 
 // All stops, and the empty stage where one is wanted.

@@ -17,7 +17,7 @@
 enum { BATCH_LEAST = 8, BATCH_MOST = 64, HEIGHT_MIN = 64 };
 #define ROOM 128e6 // bytes
 
-typedef enum Wanted { WANTED_ALL, WANTED_CODES, WANTED_WHITE } Wanted;
+typedef enum Wanted { WANTED_ALL, WANTED_CAPTURE, WANTED_CODES, WANTED_WHITE } Wanted;
 
 // Something before the rig, photographed into a folder.
 typedef struct Subject {
@@ -53,6 +53,7 @@ typedef struct Job {
 static bool is_wanted(const FfpNumbered *pattern, Wanted wanted) {
     const char *name = pattern->name;
     if (wanted == WANTED_ALL || strcmp(name, "white") == 0) return true;
+    if (wanted == WANTED_CAPTURE) return strncmp(name, "gray_", 5) != 0;
     return wanted == WANTED_CODES && (strcmp(name, "black") == 0 || strncmp(name, "gray_", 5) == 0);
 }
 
@@ -82,7 +83,7 @@ static bool add_subjects(Job *job, FfpError *err) {
     const int stops = attitudes > 0 ? FFP_BOARD_STOPS : 0;
     uint32_t stream = 0;
     char name[32];
-    job->subjects = ffp_alloc((size_t)views + (size_t)attitudes + (size_t)stops, sizeof *job->subjects);
+    job->subjects = ffp_alloc((size_t)views + (size_t)attitudes + (size_t)stops + 1, sizeof *job->subjects);
     for (int i = 0; i < views; i++) {
         const double angle = 360.0 * i / views;
         snprintf(name, sizeof name, "view-%03d", (int)lround(angle)); // as `import` calls it
@@ -105,6 +106,8 @@ static bool add_subjects(Job *job, FfpError *err) {
         s->stop = i;
         if (!add_board(s, ffp_bare_rig_turntable_board(&job->rig), err)) return false;
     }
+    Subject *empty = next_subject(job, &stream, "empty");
+    if (empty) empty->wanted = WANTED_CAPTURE;
     return job->n_subjects > 0 ||
            ffp_fail(err, FFP_ERROR_ARGUMENT, "only", "nothing is called \"%s\" among what is photographed",
                     job->options->only);
@@ -163,6 +166,22 @@ static bool write_mask(const Job *job, const Subject *subject, const FfpView *vi
                : ffp_fail(err, FFP_ERROR_ARGUMENT, job->folder, "the path is too long");
 }
 
+// Nothing stands before the rig, and nothing is around it: the dark, and the camera's noise.
+static bool photograph_nothing(Job *job, const Subject *subject, int first, int count, FfpError *err) {
+    FfpView view = {.camera = job->rig.camera};
+    view.images = ffp_alloc((size_t)count, sizeof *view.images);
+    for (int i = 0; i < count; i++) {
+        view.images[i] = ffp_image_new(view.camera.width, view.camera.height, 3);
+        const uint32_t key = subject->stream * FFP_PATTERNS_MAX + (uint32_t)(first + i);
+        ffp_sensor_expose(&view.images[i], &job->spec->sensor, key ^ (uint32_t)job->spec->seed);
+    }
+    Shot shot = {job, subject, &view, first, false, err};
+    ffp_parallel_for(count, 0, develop, &shot);
+    ffp_view_free(&view, count);
+    ffp_task_step(&job->progress, job->done, subject->name);
+    return !shot.failed;
+}
+
 // The subject under the patterns of a batch.
 static bool photograph(Job *job, const Subject *subject, const FfpLight *light, int first, FfpError *err) {
     const FfpSceneSpec *spec = job->spec;
@@ -214,7 +233,8 @@ static bool photograph_batch(Job *job, int first, int count, FfpError *err) {
         FfpLight light = ffp_light_new(images, count);
         for (int s = 0; ok && s < job->n_subjects; s++)
             if (wants_any(job, &job->subjects[s], first, count))
-                ok = photograph(job, &job->subjects[s], &light, first, err);
+                ok = job->subjects[s].mesh ? photograph(job, &job->subjects[s], &light, first, err)
+                                           : photograph_nothing(job, &job->subjects[s], first, count, err);
         ffp_light_free(&light);
     }
     for (int i = 0; i < count; i++) ffp_image_free(&emitted[i]);
@@ -302,7 +322,7 @@ static void print_turntable(FILE *f, const Job *job) {
 }
 
 // The board's first corner and the directions of its rows and columns, in the camera's frame.
-static void print_board(FILE *f, const Job *job, const Subject *subject, bool last) {
+static void print_board(FILE *f, const Job *job, const Subject *subject, const char *between) {
     const FfpChessboard *b = &subject->board;
     FfpCamera camera, projector;
     double numbers[9];
@@ -312,9 +332,9 @@ static void print_board(FILE *f, const Job *job, const Subject *subject, bool la
         const double v[3] = {(double)from[i][0], (double)from[i][1], (double)from[i][2]};
         ffp_bare_rig_in_frame(&camera, v, i == 0, numbers + 3 * i);
     }
-    fprintf(f, "    {\"folder\": \"%s\", \"origin_right_down\": [", subject->name);
+    fprintf(f, "%s    {\"folder\": \"%s\", \"origin_right_down\": [", between, subject->name);
     for (int i = 0; i < 9; i++) fprintf(f, "%s%.9g", i > 0 ? ", " : "", numbers[i]);
-    fprintf(f, "]}%s\n", last ? "" : ",");
+    fputs("]}", f);
 }
 
 static bool write_truth(const Job *job, FfpError *err) {
@@ -332,11 +352,13 @@ static bool write_truth(const Job *job, FfpError *err) {
     const FfpChessboard board = ffp_bare_rig_turntable_board(&job->rig);
     fprintf(f, "  \"board\": {\"corners\": [%d, %d], \"square\": %.9g},\n  \"boards\": [\n", board.columns,
             board.rows, (double)board.square * FFP_BARE_RIG_UNIT);
-    int first_board = 0;
-    while (first_board < job->n_subjects && job->subjects[first_board].wanted == WANTED_ALL) first_board++;
-    for (int s = first_board; s < job->n_subjects; s++)
-        print_board(f, job, &job->subjects[s], s + 1 == job->n_subjects);
-    fputs("  ]\n}\n", f);
+    const char *between = "";
+    for (int s = 0; s < job->n_subjects; s++)
+        if (job->subjects[s].board.columns > 0) {
+            print_board(f, job, &job->subjects[s], between);
+            between = ",\n";
+        }
+    fputs("\n  ]\n}\n", f);
     const bool ok = ffp_output_commit(&out, err);
     ffp_output_abort(&out);
     return ok;

@@ -15,6 +15,7 @@ typedef struct FfpPhotographs {
 // Written are <number>.png, 8-bit sRGB, of the same numbers as the patterns':
 //   view-DDD/       the object turned by DDD degrees, one of spec->views, under all patterns but those called
 //                   focus
+//   empty/          nothing, under all patterns but focus and Gray codes: darkness and noise
 //   masks/          view-DDD.png: what of each pixel the object fills there
 //   attitude-NN/    the board held before the devices, under black, white and Gray codes
 //   turntable/      00.png and so on: the board on the turntable under white, at each of truth.json's

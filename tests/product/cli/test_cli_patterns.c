@@ -34,6 +34,41 @@ static void a_folder_to_show(void **state) {
     ffp_free(text);
 }
 
+// At true size: the page's box in points, the first square in millimetres, objects where the table says.
+static void the_chessboard_on_paper(void **state) {
+    (void)state;
+    char *text;
+    size_t size;
+    FfpError err = {0};
+    assert_int_equal(
+        run_format(&run, "patterns -o %s/board --projector 160x90 --board 7x5 --square 30", scratch), 0);
+    assert_true(ffp_read_text(in_scratch("board/chessboard.svg"), 1 << 20, &text, &size, &err));
+    assert_non_null(strstr(text, "width=\"297mm\" height=\"210mm\" viewBox=\"0 0 297 210\""));
+    assert_non_null(strstr(text, "M28.5 9h30v30h-30zM88.5 9h30v30h-30z"));
+    ffp_free(text);
+    assert_true(ffp_read_file(in_scratch("board/chessboard.pdf"), 1 << 20, &text, &size, &err));
+    assert_memory_equal(text, "%PDF-1.4", 8);
+    assert_non_null(strstr(text, "/MediaBox [0 0 841.889764 595.275591]"));
+    assert_non_null(strstr(text, "\n28.5 9 30 30 re\n"));
+    assert_non_null(strstr(text, "7 x 5 inner corners, squares of 30 mm."));
+    const char *table = text + strtol(strstr(text, "startxref\n") + 10, NULL, 10);
+    assert_memory_equal(table, "xref\n0 7\n", 9);
+    for (int i = 1; i < 7; i++) {
+        char begin[16];
+        snprintf(begin, sizeof begin, "%d 0 obj", i);
+        assert_memory_equal(text + strtol(table + 9 + 20 * i, NULL, 10), begin, strlen(begin));
+    }
+    ffp_free(text);
+    assert_true(ffp_read_text(in_scratch("board/README.txt"), 1 << 20, &text, &size, &err));
+    assert_non_null(strstr(text, "--board 7x5"));
+    assert_non_null(strstr(text, "--square 30"));
+    ffp_free(text);
+    assert_false(ffp_is_file(in_scratch("q/chessboard.pdf")));
+    assert_int_equal(run_format(&run, "patterns -o %s/r --board 2x6", scratch), 1);
+    assert_non_null(strstr(run.err, "2 x 6 corners"));
+    assert_int_equal(run_format(&run, "patterns -o %s/r --square 501", scratch), 2);
+}
+
 static void a_part_of_them(void **state) {
     (void)state;
     assert_int_equal(run_format(&run, "patterns -o %s/q --only capture --lollipops 1 --only focus", scratch),
@@ -54,6 +89,7 @@ static void what_is_refused(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(a_folder_to_show), cmocka_unit_test(a_part_of_them),
+                                       cmocka_unit_test(the_chessboard_on_paper),
                                        cmocka_unit_test(what_is_refused)};
     return cmocka_run_group_tests(tests, scratch_setup, scratch_teardown);
 }

@@ -199,10 +199,33 @@ static void one_folder_is_as_among_all(void **state) {
     expect_same_file("only/attitude-01/007.png", "noisy/attitude-01/007.png");
     path_of(path, "only/attitude-00");
     assert_false(ffp_is_folder(path));
+    path_of(path, "only/empty");
+    assert_false(ffp_is_folder(path));
     ffp_remove_tree(folder);
     assert_false(ffp_photographs_write(&none, &spec, &err));
     assert_non_null(strstr(err.text, "attitude-02"));
     assert_false(ffp_is_folder(folder));
+}
+
+// The stage without the object: the sensor's noise and nothing else, half of it cut off at black.
+static void the_empty_stage_is_dark(void **state) {
+    (void)state;
+    char path[FFP_PATH_MAX];
+    FfpError err = {0};
+    for (int number = 1; number <= 2; number++) {
+        char name[64];
+        FfpImage image = {0};
+        snprintf(name, sizeof name, "noisy/empty/%03d.png", number);
+        path_of(path, name);
+        if (!ffp_image_read(&image, path, FFP_COLOUR_LINEAR, &err)) fail_msg("%s", err.text);
+        double sum = 0;
+        const int pixels = image.width * image.height;
+        for (int i = 0; i < pixels; i++) sum += (double)image.data[4 * i];
+        assert_true(fabs(sum / pixels - 0.02 / sqrt(2 * 3.14159265)) < 0.001); // mean of max(0, N(0, 0.02))
+        ffp_image_free(&image);
+    }
+    path_of(path, "noisy/empty/003.png");
+    assert_false(ffp_is_file(path));
 }
 
 static void refused(const char *patterns, const FfpSceneSpec *spec, const char *text) {
@@ -252,6 +275,7 @@ int main(void) {
         cmocka_unit_test(codes_say_where_the_projector_has_a_point),
         cmocka_unit_test(noise_comes_last),
         cmocka_unit_test(one_folder_is_as_among_all),
+        cmocka_unit_test(the_empty_stage_is_dark),
         cmocka_unit_test(what_is_no_set_of_patterns_is_refused),
     };
     return cmocka_run_group_tests(tests, make_root, remove_root);
