@@ -49,7 +49,8 @@ static void a_lollipop_stays_round(void **state) {
 
 static void the_order_is_that_of_the_parts(void **state) {
     (void)state;
-    const FfpShow show = {80, 70, 2, true, true, true};
+    const FfpShow show = {
+        .width = 80, .height = 70, .lollipops = 2, .focus = true, .capture = true, .gray_codes = true};
     static const char *const first[] = {"focus", "black", "white", "lollipop_0", "lollipop_1", "gray_x_00"};
     const int count = ffp_show_count(&show);
     assert_int_equal(count, 1 + 4 + 2 * (7 + 7));

@@ -8,7 +8,12 @@ static FfpError err;
 static FfpShown shown;
 
 static void draw(const char *name, int lollipops, bool codes) {
-    const FfpShow show = {80, 70, lollipops, true, true, codes};
+    const FfpShow show = {.width = 80,
+                          .height = 70,
+                          .lollipops = lollipops,
+                          .focus = true,
+                          .capture = true,
+                          .gray_codes = codes};
     if (!ffp_show_write_folder(&show, in_scratch(name), &err)) fail_msg("%s", err.text);
 }
 

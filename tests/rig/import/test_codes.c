@@ -394,7 +394,12 @@ static void test_as_shown(void **state) {
     (void)state;
     FfpCapture capture;
     char command[512], files[2][200], patterns[200];
-    const FfpShow show = {PANEL_WIDTH, PANEL_HEIGHT, 1, true, true, true};
+    const FfpShow show = {.width = PANEL_WIDTH,
+                          .height = PANEL_HEIGHT,
+                          .lollipops = 1,
+                          .focus = true,
+                          .capture = true,
+                          .gray_codes = true};
     int known = 0;
     assert_true(ffp_show_write_folder(&show, in_scratch("shown"), &err));
     FfpImage panel = ffp_pattern_round_lollipop(PANEL_WIDTH, PANEL_HEIGHT, 0);
