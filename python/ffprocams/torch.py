@@ -1,0 +1,556 @@
+"""The renderer as a layer of PyTorch, and what it takes to fit Gaussians with it. Needs ``torch``; nothing else in the
+package does.
+
+    import ffprocams
+    from ffprocams import torch as layer
+
+    splats = layer.Splats(ffprocams.reconstruct(capture, polish=0))
+    pictures = layer.render(splats(), [capture.camera(0)], [capture.projector(0)], [pattern], capture.intensity)
+    layer.photometric_loss(pictures[0, 0], target).backward()
+
+Tensors are float32 on the CPU. They are read where they are, and gradients are written where autograd finds them: nothing
+is copied unless a tensor is not contiguous. Other Python threads run meanwhile.
+"""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import Any, NamedTuple, Union
+
+import torch
+from torch import Tensor
+from torch.autograd.function import FunctionCtx
+
+from ._call import Call, Handle
+from ._library import ffi, lib
+from .devices import Pinhole
+from .errors import argument_error
+from .gaussians import Gaussians, drawing_of
+from .renderer import _MAPS
+
+__all__ = [
+    "Devices", "Parts", "Splats", "decode", "depth_loss", "encode", "l1_loss", "mask_loss", "normal_smooth_loss",
+    "photometric_loss", "psnr", "render", "roughness_smooth_loss", "se3_exp", "ssim",
+]  # fmt: skip
+
+_ROUGHNESS_FLOOR, _SIGMOID_LEAST = 0.05, 1e-4  # as in the library's own fits
+
+
+class Parts(NamedTuple):
+    """The numbers of Gaussians, as ffprocams.Gaussians has them. Rotations may have any length other than 0."""
+
+    centre: Tensor  #: [count,3] world
+    scale: Tensor  #: [count,3] standard deviations along the rotated axes, world units, above 0
+    rotation: Tensor  #: [count,4] quaternions w x y z: the splat's axes to the world
+    opacity: Tensor  #: [count] in [0,1]
+    albedo: Tensor  #: [count,3] linear
+    roughness: Tensor  #: [count] in [0,1]
+    ambient: Tensor  #: [count,3] linear radiance with the projector black
+
+    @classmethod
+    def of(cls, gaussians: Gaussians) -> Parts:
+        """Copies of the arrays."""
+        return cls(*(torch.from_numpy(array.copy()) for array in gaussians.arrays().values()))
+
+
+@dataclass
+class Devices:
+    """Cameras or projectors of one size whose poses and focal lengths are tensors, for gradients with respect to them.
+
+    Gradients of poses are those of rigid motions: let ``pose`` be se3_exp(xi) @ start and optimise xi.
+    """
+
+    width: int
+    height: int
+    pose: Tensor  #: [views,4,4] device to world, rigid
+    focal: Tensor  #: [views,2] fx, fy in pixels
+    centre: Tensor  #: [views,2] principal points in pixels; constants
+
+    @classmethod
+    def of(cls, pinholes: Sequence[Pinhole]) -> Devices:
+        """Cameras or projectors of one size."""
+        if not pinholes:
+            raise argument_error("there are none", "devices")
+        first = pinholes[0]
+        for i, p in enumerate(pinholes):
+            if (p.width, p.height) != (first.width, first.height):
+                raise argument_error(
+                    f"device {i} has {p.width} x {p.height} pixels, the first {first.width} x {first.height}",
+                    "devices",
+                )
+        return cls(
+            first.width,
+            first.height,
+            torch.stack([torch.as_tensor(p.pose, dtype=torch.float64) for p in pinholes]),
+            torch.tensor([[p.fx, p.fy] for p in pinholes], dtype=torch.float64),
+            torch.tensor([[p.cx, p.cy] for p in pinholes], dtype=torch.float64),
+        )
+
+
+AnyDevices = Union[Devices, Sequence[Pinhole]]
+
+
+def se3_exp(xi: Tensor) -> Tensor:
+    """[...,4,4] rigid motions exp(xi) of [...,6] numbers: translation, then rotation in radians."""
+    rho, x, y, z = xi[..., :3], xi[..., 3], xi[..., 4], xi[..., 5]
+    none = torch.zeros_like(x)
+    rows = [torch.stack(row, -1) for row in ((none, -z, y), (z, none, -x), (-y, x, none))]
+    top = torch.cat((torch.stack(rows, -2), rho.unsqueeze(-1)), -1)
+    return torch.linalg.matrix_exp(torch.cat((top, torch.zeros_like(top[..., :1, :])), -2))
+
+
+class _Canvas(Handle):
+    """A renderer of the library, and whose patterns it holds."""
+
+    def __init__(self, form: str, samples: int, threads: int) -> None:
+        self.call = Call(threads=threads)
+        self.patterns: Any = None
+        drawing = drawing_of(form, samples)
+        with self.call as call:
+            super().__init__(
+                call.take(lib.ffp_renderer_new(call.context, drawing, call.error), lib.ffp_renderer_close)
+            )
+
+
+_IDLE = 2  # canvases of a kind that are kept for the next drawing
+_idle: dict[tuple[str, int, int], list[_Canvas]] = {}
+_idle_lock = threading.Lock()
+
+
+class _Lease:
+    """A canvas until nothing refers to the lease any more: a graph's nodes keep theirs."""
+
+    def __init__(self, *kind: Any) -> None:
+        self._kind = kind
+        with _idle_lock:
+            idle = _idle.get(self._kind)
+            canvas = idle.pop() if idle else None
+        self.canvas = canvas or _Canvas(*kind)
+
+    def __del__(self) -> None:
+        canvas = getattr(self, "canvas", None)
+        if canvas is None or _idle_lock is None:
+            return
+        if _idle_lock.acquire(blocking=False):  # the collector may run while this thread has it
+            try:
+                idle = _idle.setdefault(self._kind, [])
+                if len(idle) < _IDLE:
+                    idle.append(canvas)
+            finally:
+                _idle_lock.release()
+
+
+def _floats(tensor: Tensor, name: str, shape: tuple[int, ...]) -> Tensor:
+    if not isinstance(tensor, Tensor):
+        raise argument_error(f"expected a tensor, not {type(tensor).__name__}", name)
+    if tensor.device.type != "cpu":
+        raise argument_error(f"expected a tensor on the CPU, not on {tensor.device}", name)
+    if tensor.dtype != torch.float32:
+        raise argument_error(f"expected float32, not {tensor.dtype}", name)
+    if tuple(tensor.shape) != shape:
+        raise argument_error(f"shape {tuple(tensor.shape)} is not {shape}", name)
+    return tensor.contiguous()
+
+
+def _at(tensor: Tensor | None, kind: str = "float *") -> Any:
+    return ffi.NULL if tensor is None else ffi.cast(kind, tensor.data_ptr())
+
+
+def _arrays(parts: Sequence[Tensor | None]) -> dict[str, Any]:
+    arrays: dict[str, Any] = {name: _at(t) for name, t in zip(Parts._fields, parts)}
+    arrays["count"] = 0 if parts[0] is None else len(parts[0])
+    return arrays
+
+
+@dataclass
+class _Job:
+    """What autograd does not look at."""
+
+    cameras: Devices
+    projectors: Devices
+    dark: list[bool]  # of each pattern
+    maps: list[str]
+    linear: bool
+    lease: _Lease
+    gradients: bool
+
+
+def _pinholes(d: Devices, pose: Tensor, focal: Tensor) -> Any:
+    out = ffi.new("FfpPinhole[]", len(pose))
+    for p, m, f, c in zip(out, pose.reshape(-1, 16).tolist(), focal.tolist(), d.centre.tolist()):
+        p.width, p.height, p.pose = d.width, d.height, m
+        p.fx, p.fy, p.cx, p.cy = f[0], f[1], c[0], c[1]
+    return out
+
+
+def _same(canvas: _Canvas, patterns: Sequence[Tensor], dark: list[bool], projectors: Devices) -> bool:
+    """Whether the canvas has these patterns. It keeps references to those it has, so addresses are theirs alone; a
+    version changes with the numbers."""
+    marks = [(t.data_ptr(), t._version) for t in patterns]
+    held = canvas.patterns
+    canvas.patterns = (list(patterns), marks, dark, projectors.width, projectors.height)
+    return held is not None and held[1:] == canvas.patterns[1:]
+
+
+def _maps_at(tensors: dict[str, Tensor]) -> Any:
+    table = ffi.new("float *[]", lib.FFP_MAP_COUNT)
+    for name, tensor in tensors.items():
+        table[_MAPS[name]] = _at(tensor)
+    return table
+
+
+def _draw(
+    job: _Job, parts: Sequence[Tensor], intensity: Tensor, posed: Sequence[Tensor], patterns: Sequence[Tensor]
+) -> list[Tensor]:
+    canvas, cameras, projectors = job.lease.canvas, job.cameras, job.projectors
+    views, height, width = len(posed[0]), cameras.height, cameras.width
+    pictures = torch.empty(views, len(job.dark), height, width, 3)
+    maps = {
+        name: torch.empty(views, height, width, *((3,) if lib.ffp_map_channels(_MAPS[name]) == 3 else ()))
+        for name in job.maps
+    }
+    batch = ffi.new("FfpRenderBatch *")
+    shown, lit = ffi.new("FfpPicture[]", max(len(job.dark), 1)), iter(patterns)
+    for picture, dark in zip(shown, job.dark):
+        if not dark:
+            picture.data = _at(next(lit), "void *")
+            picture.width, picture.height, picture.channels = projectors.width, projectors.height, 3
+            picture.type = lib.FFP_PIXELS_F32
+    devices_ = _pinholes(cameras, posed[0], posed[1]), _pinholes(projectors, posed[2], posed[3])
+    batch.gaussians = _arrays(parts)
+    batch.n_views, batch.cameras, batch.projectors = views, devices_[0], devices_[1]
+    batch.n_patterns, batch.patterns = len(job.dark), shown
+    batch.intensity = intensity.tolist()
+    batch.linear, batch.gradients = job.linear, job.gradients
+    table = _maps_at(maps)
+    with canvas._lock, canvas.call as call:
+        batch.same_patterns = _same(canvas, patterns, job.dark, projectors)
+        try:
+            call.check(
+                lib.ffp_renderer_forward(
+                    call.context, canvas._pointer, batch, _at(pictures), table, call.error
+                )
+            )
+        except BaseException:
+            canvas.patterns = None
+            raise
+    return [pictures, *maps.values()]
+
+
+def _pose_gradient(xi: Tensor, pose: Tensor) -> Tensor:
+    """[views,4,4] whose product with d pose = hat(xi) pose is that of xi with its gradient [views,6]."""
+    moved, turned, t = xi[:, :3], xi[:, 3:], pose[:, :3, 3].to(xi.dtype)
+    x, y, z = (turned - torch.linalg.cross(t, moved)).unbind(1)
+    none = torch.zeros_like(x)
+    hat = torch.stack((none, -z, y, z, none, -x, -y, x, none), 1).view(-1, 3, 3)
+    out = torch.zeros(len(xi), 4, 4, dtype=xi.dtype)
+    out[:, :3, :3] = 0.5 * hat @ pose[:, :3, :3].to(xi.dtype)
+    out[:, :3, 3] = moved
+    return out
+
+
+class _Render(torch.autograd.Function):
+    """7 attributes, intensity, pose and focal lengths of cameras and of projectors, then the patterns that are not dark."""
+
+    @staticmethod
+    def forward(ctx: Any, job: _Job, *given: Tensor) -> Any:
+        ctx.job = job
+        ctx.set_materialize_grads(False)
+        ctx.save_for_backward(*given)
+        return tuple(_draw(job, given[:7], given[7], given[8:12], given[12:]))
+
+    @staticmethod
+    def backward(ctx: Any, *grads: Tensor | None) -> Any:
+        if torch.is_grad_enabled():
+            raise RuntimeError("ffprocams.torch.render has no second derivatives: create_graph must be False")
+        given, job = ctx.saved_tensors, ctx.job
+        wanted = ctx.needs_input_grad[1:]
+        grads = tuple(g if g is None else g.contiguous() for g in grads)
+        views, canvas, projectors = len(given[8]), job.lease.canvas, job.projectors
+        parts = [torch.empty_like(t) if want else None for t, want in zip(given[:7], wanted)]
+        numbers = [
+            torch.empty(3 if i == 0 else views * (6 if i % 2 else 2), dtype=torch.float64) if want else None
+            for i, want in enumerate(wanted[7:12])
+        ]
+        patterns = (
+            torch.empty(len(job.dark), projectors.height, projectors.width, 3) if any(wanted[12:]) else None
+        )
+        out = ffi.new("FfpRenderGradients *")
+        out.gaussians, out.patterns = _arrays(parts), _at(patterns)
+        for name, tensor in zip(
+            ("intensity", "cameras", "camera_focals", "projectors", "projector_focals"), numbers
+        ):
+            setattr(out, name, _at(tensor, "double *"))
+        maps = _maps_at({name: g for name, g in zip(job.maps, grads[1:]) if g is not None})
+        with canvas._lock, canvas.call as call:
+            call.check(
+                lib.ffp_renderer_backward(call.context, canvas._pointer, _at(grads[0]), maps, out, call.error)
+            )
+        rest: list[Any] = [numbers[0]]
+        for i in (1, 3):
+            pose, focal = numbers[i], numbers[i + 1]
+            rest.append(None if pose is None else _pose_gradient(pose.view(-1, 6), given[7 + i]))
+            rest.append(None if focal is None else focal.view(-1, 2))
+        lit = [p for p, dark in enumerate(job.dark) if not dark]
+        shown = [patterns[p] if patterns is not None and want else None for p, want in zip(lit, wanted[12:])]
+        rest = [g if g is None else g.to(t.dtype) for g, t in zip(rest, given[7:12])]
+        return (None, *parts, *rest, *shown)
+
+
+def _devices_of(given: AnyDevices, name: str) -> Devices:
+    d = given if isinstance(given, Devices) else Devices.of(given)
+    views = len(d.pose)
+    if (
+        tuple(d.pose.shape[1:]) != (4, 4)
+        or tuple(d.focal.shape) != (views, 2)
+        or tuple(d.centre.shape) != (views, 2)
+    ):
+        raise argument_error("expected pose [views,4,4], focal [views,2] and centre [views,2]", name)
+    return d
+
+
+def render(
+    gaussians: Parts | Gaussians,
+    cameras: AnyDevices,
+    projectors: AnyDevices,
+    patterns: Sequence[Tensor | None] | Tensor,
+    intensity: Tensor | Sequence[float] | Any,
+    *,
+    maps: Sequence[str] = (),
+    linear: bool = False,
+    form: str = "ours",
+    samples: int = 0,
+    threads: int = 0,
+) -> Any:
+    """Pictures [views,patterns,height,width,3] of Gaussians over black, differentiable with respect to all tensors.
+
+    Args:
+        gaussians: tensors, or ffprocams.Gaussians, which then are constants.
+        cameras: of one size, one for each view: pinholes, or Devices for gradients.
+        projectors: likewise.
+        patterns: each [height,width,3] of the projectors' size, float32, linear; None: a dark projector.
+        intensity: [3] or one number, the projector's radiant intensity at pattern value 1.
+        maps: G-buffers to return as well, by the names of Renderer.map.
+        linear: linear radiance, premultiplied, not clipped; otherwise sRGB-encoded in [0,1].
+        form, samples, threads: as for Renderer.
+
+    Returns:
+        The pictures; with ``maps``: the pictures and a dict of maps [views,height,width(,3)].
+
+    Constants of the backward pass are shadows, the size of a pixel's footprint in the pattern, and which splats a pixel
+    sees in which order. Tensors that are written to between the forward and the backward pass raise an error.
+    """
+    parts = Parts.of(gaussians) if isinstance(gaussians, Gaussians) else gaussians
+    seen, lit = _devices_of(cameras, "cameras"), _devices_of(projectors, "projectors")
+    if len(seen.pose) != len(lit.pose):
+        raise argument_error(f"{len(seen.pose)} cameras but {len(lit.pose)} projectors", "cameras")
+    for name in maps:
+        if name not in _MAPS:
+            raise argument_error(f"'{name}' is not one of {', '.join(_MAPS)}", "maps")
+    count = len(parts.centre)
+    widths = ((3,), (3,), (4,), (), (3,), (), (3,))
+    arrays = [_floats(t, name, (count, *w)) for t, name, w in zip(parts, Parts._fields, widths)]
+    shape = (lit.height, lit.width, 3)
+    shown = [_floats(p, f"patterns[{i}]", shape) for i, p in enumerate(patterns) if p is not None]
+    light = (
+        torch.as_tensor(intensity, dtype=torch.float32) if not isinstance(intensity, Tensor) else intensity
+    )
+    light = light.expand(3) if light.dim() == 0 else light
+    if tuple(light.shape) != (3,):
+        raise argument_error(f"shape {tuple(light.shape)} is not (3,)", "intensity")
+    given = (*arrays, light, seen.pose, seen.focal, lit.pose, lit.focal, *shown)
+    gradients = torch.is_grad_enabled() and any(t.requires_grad for t in given)
+    lease = _Lease(form, samples, threads)
+    job = _Job(seen, lit, [p is None for p in patterns], list(dict.fromkeys(maps)), linear, lease, gradients)
+    drawn = _Render.apply(job, *given)  # type: ignore[no-untyped-call]
+    return (drawn[0], dict(zip(job.maps, drawn[1:]))) if maps else drawn[0]
+
+
+def _logit(p: Tensor) -> Tensor:
+    inside = p.clamp(_SIGMOID_LEAST, 1 - _SIGMOID_LEAST)
+    return torch.log(inside / (1 - inside))
+
+
+def _turn(q: Tensor, v: Tensor) -> Tensor:
+    """v turned by the unit quaternions q."""
+    w, axis = q[:, :1], q[:, 1:]
+    twice = 2 * torch.linalg.cross(axis, v)
+    return v + w * twice + torch.linalg.cross(axis, twice)
+
+
+class Splats(torch.nn.Module):
+    """Gaussians whose parameters are unbounded numbers, those of the library's own fits: logarithms of the scales, logits
+    of opacity, albedo, ambient colour and roughness (from 0.05), quaternions, and the displacement of each centre from its
+    start in the splat's own frame, in units of its largest scale. Called without arguments it gives Parts for render."""
+
+    def __init__(self, gaussians: Gaussians | Parts) -> None:
+        super().__init__()
+        start = (
+            Parts.of(gaussians)
+            if isinstance(gaussians, Gaussians)
+            else Parts(*(t.detach() for t in gaussians))
+        )
+        frame = torch.nn.functional.normalize(start.rotation, dim=1)
+        self.origin: Tensor
+        self.frame: Tensor
+        self.unit: Tensor
+        self.register_buffer("origin", start.centre.clone())
+        self.register_buffer("frame", frame.clone())
+        self.register_buffer("unit", start.scale.amax(1, keepdim=True))
+        self.centre = torch.nn.Parameter(torch.zeros_like(start.centre))
+        self.scale = torch.nn.Parameter(start.scale.clamp_min(1e-12).log())
+        self.rotation = torch.nn.Parameter(frame)
+        self.opacity = torch.nn.Parameter(_logit(start.opacity))
+        self.albedo = torch.nn.Parameter(_logit(start.albedo))
+        self.roughness = torch.nn.Parameter(
+            _logit((start.roughness - _ROUGHNESS_FLOOR) / (1 - _ROUGHNESS_FLOOR))
+        )
+        self.ambient = torch.nn.Parameter(_logit(start.ambient))
+
+    def forward(self) -> Parts:
+        return Parts(
+            torch.addcmul(self.origin, self.unit, _turn(self.frame, self.centre)),
+            self.scale.exp(),
+            self.rotation,  # the renderer normalises
+            self.opacity.sigmoid(),
+            self.albedo.sigmoid(),
+            _ROUGHNESS_FLOOR + (1 - _ROUGHNESS_FLOOR) * self.roughness.sigmoid(),
+            self.ambient.sigmoid(),
+        )
+
+    def rates(self, factor: float = 1.0) -> list[dict[str, Any]]:
+        """Parameter groups for torch.optim.Adam with the learning rates of ffprocams.refine times ``factor``."""
+        rates = {"centre": 0.02, "scale": 0.01, "rotation": 0.005, "opacity": 0.02, "albedo": 0.02,
+                 "roughness": 0.0025, "ambient": 0.02}  # fmt: skip
+        return [{"params": [getattr(self, name)], "lr": factor * rate} for name, rate in rates.items()]
+
+    def gaussians(self) -> Gaussians:
+        """What the parameters stand for, as Gaussians of the package."""
+        with torch.no_grad():
+            return Gaussians.from_arrays(*(t.numpy() for t in self()))
+
+
+# --- Losses, on encoded pictures [...,height,width,3] in [0,1] and on maps. ---
+
+
+def encode(linear: Tensor) -> Tensor:
+    """Linear light in [0,1] as sRGB-encoded values in [0,1] (IEC 61966-2-1); values outside are clipped."""
+    x = linear.clamp(0, 1)
+    return torch.where(x <= 0.0031308, 12.92 * x, 1.055 * x.clamp_min(0.0031308) ** (1 / 2.4) - 0.055)
+
+
+def decode(encoded: Tensor) -> Tensor:
+    """sRGB-encoded values in [0,1] as linear light in [0,1]."""
+    x = encoded.clamp(0, 1)
+    return torch.where(x <= 0.04045, x / 12.92, ((x + 0.055) / 1.055) ** 2.4)
+
+
+def psnr(picture: Tensor, target: Tensor) -> Tensor:
+    """dB, over all pixels and channels."""
+    return -10 * torch.log10((picture - target).square().mean())
+
+
+def l1_loss(picture: Tensor, target: Tensor) -> Tensor:
+    """Mean absolute difference (FF-ProCams, Eq. 18)."""
+    return (picture - target).abs().mean()
+
+
+_TAPS, _RADIUS = 11, 5
+_windows: dict[int, Tensor] = {}
+
+
+def _window(side: int) -> Tensor:
+    """[side,side] matrix that blurs a column by a Gaussian of sigma 1.5 over 11 pixels, with zeros beyond its ends."""
+    if side not in _windows:
+        x = torch.arange(_TAPS) - _RADIUS
+        taps = torch.exp(-0.5 * (x / 1.5) ** 2)
+        off = torch.arange(side)[:, None] - torch.arange(side)[None, :] + _RADIUS
+        inside = (off >= 0) & (off < _TAPS)
+        _windows[side] = torch.where(inside, (taps / taps.sum())[off.clamp(0, _TAPS - 1)], torch.zeros(()))
+    return _windows[side]
+
+
+def _blur(planes: Tensor) -> Tensor:
+    """[n,height,width]; symmetric, so that it is its own adjoint. Small pictures as products with a band matrix."""
+    height, width = planes.shape[1:]
+    if max(height, width) <= 256:
+        return _window(height).to(planes.dtype) @ planes @ _window(width).to(planes.dtype)
+    taps = _window(_TAPS)[_RADIUS].to(planes.dtype)
+    rows = torch.nn.functional.conv2d(planes[:, None], taps.view(1, 1, 1, -1), padding=(0, _RADIUS))
+    return torch.nn.functional.conv2d(rows, taps.view(1, 1, -1, 1), padding=(_RADIUS, 0))[:, 0]
+
+
+class _Ssim(torch.autograd.Function):
+    """Means over [n,height,width] planes; the slopes with respect to the local moments are found on the way."""
+
+    @staticmethod
+    def forward(ctx: FunctionCtx, a: Tensor, b: Tensor) -> Tensor:
+        n, c1, c2 = len(a), 1e-4, 9e-4
+        mean_a, mean_b, aa, bb, ab = _blur(torch.cat((a, b, a * a, b * b, a * b))).split(n)
+        product, squares = mean_a * mean_b, mean_a * mean_a + mean_b * mean_b
+        top1, top2 = 2 * product + c1, 2 * (ab - product) + c2
+        bottom1, bottom2 = squares + c1, aa + bb - squares + c2
+        inverse = 1 / (bottom1 * bottom2)
+        index = top1 * top2 * inverse
+        if ctx.needs_input_grad[0]:  # type: ignore[attr-defined]
+            slope_a = 2 * mean_b * (top2 - top1) * inverse + 2 * mean_a * index * (1 / bottom2 - 1 / bottom1)
+            ctx.save_for_backward(a, b, slope_a, -index / bottom2, 2 * top1 * inverse)
+        return index.mean()
+
+    @staticmethod
+    @torch.autograd.function.once_differentiable
+    def backward(ctx: Any, grad: Tensor) -> tuple[Tensor, None]:
+        a, b, *slopes = ctx.saved_tensors
+        by_a, by_aa, by_ab = _blur(torch.cat(slopes)).split(len(a))
+        return grad / a.numel() * (by_a + 2 * a * by_aa + b * by_ab), None
+
+
+def _planes(picture: Tensor) -> Tensor:
+    return picture.reshape(-1, *picture.shape[-3:]).permute(0, 3, 1, 2).reshape(-1, *picture.shape[-3:-1])
+
+
+def ssim(picture: Tensor, target: Tensor) -> Tensor:
+    """Mean structural similarity (Wang et al. 2004): 11 x 11 Gaussian, sigma 1.5, zero padding. The target is a
+    constant."""
+    return _Ssim.apply(_planes(picture), _planes(target.detach()))  # type: ignore[no-any-return, no-untyped-call]
+
+
+def photometric_loss(picture: Tensor, target: Tensor) -> Tensor:
+    """0.8 L1 + 0.2 (1 - SSIM), as the paper and the library's fits have it."""
+    return 0.8 * l1_loss(picture, target) + 0.2 * (1 - ssim(picture, target))
+
+
+def mask_loss(opacity: Tensor, mask: Tensor) -> Tensor:
+    """Mean binary cross-entropy of the opacity map against the object's share of each pixel (FF-ProCams, Eq. 20)."""
+    o = opacity.clamp(1e-6, 1 - 1e-6)
+    return -(mask * o.log() + (1 - mask) * (1 - o).log()).mean()
+
+
+def depth_loss(depth: Tensor, truth: Tensor) -> Tensor:
+    """Mean squared error of the depth map over pixels where both have a surface (0: none)."""
+    both = (truth > 0) & (depth > 0)
+    return (depth - truth)[both].square().mean() if bool(both.any()) else depth.sum() * 0
+
+
+def _neighbours(values: Tensor, mask: Tensor) -> Iterator[tuple[Tensor, Tensor]]:
+    """[...,height,width,channels] to its neighbours below and on the right, and where both are foreground."""
+    yield values[..., 1:, :, :] - values[..., :-1, :, :], (mask[..., 1:, :] > 0.5) & (mask[..., :-1, :] > 0.5)
+    yield values[..., 1:, :] - values[..., :-1, :], (mask[..., 1:] > 0.5) & (mask[..., :-1] > 0.5)
+
+
+def normal_smooth_loss(normal: Tensor, mask: Tensor) -> Tensor:
+    """Mean |grad N|_1 of the normal map between neighbouring foreground pixels (FF-ProCams, Eq. 23)."""
+    there = mask * (normal.abs().sum(-1) > 0)
+    pairs = [(step.abs().sum(-1) * both, both.sum()) for step, both in _neighbours(normal, there)]
+    return sum(total.sum() for total, _ in pairs) / sum(n for _, n in pairs).clamp_min(1)  # type: ignore[return-value, union-attr]
+
+
+def roughness_smooth_loss(roughness: Tensor, albedo: Tensor, mask: Tensor) -> Tensor:
+    """Mean |grad R|_1 exp(-|grad A|_1) between neighbouring foreground pixels (FF-ProCams, Eq. 24); the albedo map is a
+    constant."""
+    steps = list(_neighbours(roughness.unsqueeze(-1), mask))
+    trust = [torch.exp(-step.abs().sum(-1)) for step, _ in _neighbours(albedo.detach(), mask)]
+    total = sum((step.abs().sum(-1) * t * both).sum() for (step, both), t in zip(steps, trust))
+    return total / sum(both.sum() for _, both in steps).clamp_min(1)  # type: ignore[return-value, union-attr, operator]
