@@ -8,7 +8,9 @@ bool ffp_pattern_read(FfpPattern *pattern, const char *path, const FfpCamera *pr
                       FfpError *err) {
     const int width = projector->width, height = projector->height;
     *pattern = (FfpPattern){.novel = true};
-    if (!ffp_image_read_over_black(&pattern->image, NULL, path, err)) return false;
+    if (!ffp_framed_check(path, width, height, err) ||
+        !ffp_image_read_over_black(&pattern->image, NULL, path, err))
+        return false;
     if (pattern->image.width != width || pattern->image.height != height) {
         ffp_framing_note(path, &pattern->image, width, height, framing);
         FfpImage fitted = ffp_image_framed(&pattern->image, width, height, framing);

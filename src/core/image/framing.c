@@ -72,3 +72,16 @@ void ffp_framing_note(const char *name, const FfpImage *image, int width, int he
              resized ? "resized to" : how[framing], width, height,
              !resized && framing == FFP_FRAMING_COVER ? " (fit: contain shows all of it)" : "");
 }
+
+bool ffp_framed_check(const char *path, int width, int height, FfpError *err) {
+    int w, h;
+    const long long least = 4LL * width * height;
+    const long long most = least > FFP_FRAMED_PIXELS_MAX ? least : FFP_FRAMED_PIXELS_MAX;
+    if (!ffp_image_read_size(&w, &h, path, err)) return false;
+    if ((long long)w * h <= most) return true;
+    const double share = sqrt((double)most / ((double)w * h));
+    return ffp_fail(
+        err, FFP_ERROR_FILE, path,
+        "%d x %d pixels are too many for a frame of %d x %d: make it smaller first, at most %d x %d", w, h,
+        width, height, (int)(share * w), (int)(share * h));
+}

@@ -43,8 +43,10 @@ static int target_of(const Job *job, int v) {
 
 static bool read_target(Job *job, int t, FfpError *err) {
     const FfpCompensation *options = job->options;
+    const FfpCamera *camera = &job->chosen.views[t]->camera; // its frame, or one of those
     if (!job->pictures)
-        return ffp_image_read_over_black(&job->targets[t], &job->alphas[t], options->targets[t], err);
+        return ffp_framed_check(options->targets[t], camera->width, camera->height, err) &&
+               ffp_image_read_over_black(&job->targets[t], &job->alphas[t], options->targets[t], err);
     const FfpRaw *raw = &job->pictures[t];
     char name[32];
     snprintf(name, sizeof name, "target %d", t);

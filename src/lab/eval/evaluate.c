@@ -321,7 +321,8 @@ static bool check_captures(FfpEvaluating *shared, FfpError *err) {
 
 static bool check_shown_pattern(const char *path, FfpError *err) {
     FfpImage image = {0};
-    const bool ok = !path || ffp_image_read_over_black(&image, NULL, path, err);
+    const bool ok =
+        !path || (ffp_framed_check(path, 1, 1, err) && ffp_image_read_over_black(&image, NULL, path, err));
     ffp_image_free(&image);
     return ok;
 }

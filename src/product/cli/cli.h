@@ -24,6 +24,10 @@ int ffp_cli_usage(const char *command, const char *what_format, ...) __attribute
 // returns.
 void ffp_cli_wait_passively(char **argv);
 
+// Calls the function on a stack of 8 MB, and gives later threads as much, if the user's limit (ulimit -s) is
+// lower; otherwise it just calls it. Returns what it returns.
+int ffp_cli_on_large_stack(int (*function)(void *argument), void *argument);
+
 // The program's one context, which writes to stderr and is cancelled by SIGINT and SIGTERM: they end a call
 // as soon as it can end cleanly; a second one ends the program at once. open: again, with another device.
 bool ffp_cli_open_context(FfpDeviceKind device, FfpError *err);

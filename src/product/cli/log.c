@@ -88,6 +88,7 @@ bool ffp_cli_open_context(FfpDeviceKind device, FfpError *err) {
     struct sigaction action = {.sa_handler = on_signal, .sa_flags = (int)(SA_RESETHAND | SA_RESTART)};
     sigaction(SIGINT, &action, NULL);
     sigaction(SIGTERM, &action, NULL);
+    signal(SIGXFSZ, SIG_IGN); // a file that grows beyond ulimit -f: an error where it is written
     return context != NULL;
 }
 

@@ -66,10 +66,17 @@ static int unknown_command(const char *word) {
     return ffp_cli_usage(NULL, "%s %s: did you mean %s%s?", what, word, option ? "--" : "", nearest);
 }
 
-static int run(const FfpCommand *command, int argc, char **argv) {
+typedef struct Given {
+    const FfpCommand *command;
+    int argc;
+    char **argv;
+} Given;
+
+static int run(void *argument) {
+    const Given *given = argument;
     FfpError err;
     if (!ffp_cpu_check(&err) || !ffp_cli_open_context(FFP_DEVICE_CPU, &err)) return ffp_cli_fail(&err);
-    const int status = ffp_cli_leave_ranks(finish(ffp_cli_run(command, argc, argv)));
+    const int status = ffp_cli_leave_ranks(finish(ffp_cli_run(given->command, given->argc, given->argv)));
     ffp_cli_close_context();
     return status;
 }
@@ -95,7 +102,7 @@ int main(int argc, char **argv) {
     for (int i = 0; commands[i]; i++)
         if (strcmp(argv[1], commands[i]->name) == 0) {
             ffp_cli_wait_passively(argv);
-            return run(commands[i], argc - 1, argv + 1);
+            return ffp_cli_on_large_stack(run, &(Given){commands[i], argc - 1, argv + 1});
         }
     return unknown_command(argv[1]);
 }
