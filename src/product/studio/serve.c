@@ -54,10 +54,9 @@ static enum MHD_Result answer(struct MHD_Connection *connection, unsigned status
 }
 
 static enum MHD_Result answer_text(struct MHD_Connection *connection, unsigned status, const char *text) {
-    return answer(
-        connection, status,
-        MHD_create_response_from_buffer(strlen(text), (void *)(uintptr_t)text, MHD_RESPMEM_MUST_COPY),
-        "text/plain; charset=utf-8");
+    return answer(connection, status,
+                  MHD_create_response_from_buffer(strlen(text), (void *)text, MHD_RESPMEM_MUST_COPY),
+                  "text/plain; charset=utf-8");
 }
 
 static enum MHD_Result answer_json(struct MHD_Connection *connection, unsigned status, json_t *value) {
@@ -72,7 +71,7 @@ static enum MHD_Result answer_json(struct MHD_Connection *connection, unsigned s
 static enum MHD_Result answer_page(struct MHD_Connection *connection, const unsigned char *page,
                                    size_t size) {
     struct MHD_Response *response =
-        MHD_create_response_from_buffer(size, (void *)(uintptr_t)page, MHD_RESPMEM_PERSISTENT);
+        MHD_create_response_from_buffer(size, (void *)page, MHD_RESPMEM_PERSISTENT);
     if (response) MHD_add_response_header(response, "Content-Security-Policy", policy);
     return answer(connection, MHD_HTTP_OK, response, "text/html; charset=utf-8");
 }

@@ -125,13 +125,15 @@ static void see_what_is_there(const FfpStudio *studio, FfpStudioSet *set) {
 }
 
 bool ffp_studio_set(const FfpStudio *studio, const char *name, FfpStudioSet *set) {
-    int number, end = 0;
+    static const char attitude[] = "calibration/attitude-";
+    const size_t before = sizeof attitude - 1;
     memset(set, 0, sizeof *set);
     if (!ffp_studio_path(name)) return false;
     snprintf(set->name, sizeof set->name, "%s", name);
-    if (sscanf(name, "calibration/attitude-%2d%n", &number, &end) == 1 && !name[end] && end == 23) {
+    if (strncmp(name, attitude, before) == 0 && strlen(name) == before + 2 &&
+        strspn(name + before, "0123456789") == 2) {
         add_patterns(studio, set, WANTED_CODES);
-        snprintf(set->stage, sizeof set->stage, "attitude-%02d", number);
+        snprintf(set->stage, sizeof set->stage, "attitude-%s", name + before);
     } else if (strcmp(name, "calibration/turntable") == 0) {
         add_board_stops(studio, set);
         snprintf(set->stage, sizeof set->stage, "turntable");

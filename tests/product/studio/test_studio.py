@@ -238,6 +238,107 @@ def fake_camera(program, found, folder, first):
     return focal_error(folder / "browser", json.loads((first / "virtual/attitude-00/truth.json").read_text()))
 
 
+# --- What goes wrong. ---
+
+def count_of(folder):
+    return len(list((folder / "calibration").glob("*/*.png")))
+
+
+def faults(program, found, folder, first):
+    """Each as it happens to people: what the page says, and what is on disk."""
+    rig, told = folder / "faults", 0
+    rig.mkdir()
+    for part in ("patterns", "virtual"):  # what the first rig has drawn and simulated already
+        shutil.copytree(first / part, rig / part)
+    studio, page = Studio(program, rig, "--virtual"), Page(found, 1400, 900)
+    try:
+        # The page is reloaded while it photographs: it goes on with the next.
+        page.start(studio.url)
+        page.click("#board-shoot")
+        page.wait("studio.state.active && studio.state.active.done > 3")
+        page.start(studio.url)
+        before = count_of(rig)
+        page.wait("!document.getElementById('shooting').hidden && document.getElementById('shooting-stop').textContent === 'Go on'")
+        assert count_of(rig) <= before + 1
+        # A second window presses the button too: one of them goes on, the other says so, and no photograph is lost or doubled.
+        other = Page(found, 1000, 800)
+        try:
+            other.start(studio.url)
+            page.click("#shooting-stop")
+            other.click("#shooting-stop")
+            page.wait("studio.state.sets[0].done === studio.state.sets[0].count", 60)
+            other.wait("!shooting.running")
+        finally:
+            other.close()
+        assert len(list((rig / "calibration/attitude-00").iterdir())) == 36
+        told += 2
+        # Pause, and on.
+        page.click("#board-shoot")
+        page.wait("studio.state.active && studio.state.active.done > 2")
+        page.click("#shooting-stop")
+        page.wait("!shooting.running && document.getElementById('shooting-stop').textContent === 'Go on'")
+        told += 1
+        # Taken again: the photographs are moved, not deleted.
+        page.click("#board-sets .set .again")
+        page.wait("studio.state.sets[0].done === 0")
+        assert len(list((rig / "discarded/calibration-attitude-00-1").iterdir())) == 36
+        told += 1
+        # The studio is killed while the page photographs: the page says so; what it showed is on disk.
+        page.click("#board-shoot")
+        page.wait("studio.state.active && studio.state.active.name.endsWith('00') && studio.state.active.done > 3")
+        studio.process.kill()
+        studio.process.wait()
+        page.wait("document.getElementById('toast').textContent.includes('does not answer')")
+        shown = page.run("studio.state.active.done")
+        assert len(list((rig / "calibration/attitude-00").glob("[0-9]*.png"))) >= shown
+        studio = Studio(program, rig)
+        page.start(studio.url)
+        assert page.run("studio.state.active.done") >= shown
+        told += 1
+        # A step that cannot be done says what is lacking.
+        said = page.run("doIt({verb: 'run', step: 'calibrate'}).catch((error) => error.message)")
+        assert "three are the least" in said, said
+        told += 1
+        # The camera of the browser without a projector window; the window is closed while photographs are taken.
+        page.run("doIt({verb: 'discard', set: 'calibration/attitude-00'}).then(() => true)")
+        page.run("doIt({verb: 'discard', set: 'calibration/attitude-01'}).then(() => true)")
+        page.click("#steps [data-step=rig]")
+        page.click("[data-camera=browser]")
+        page.wait("studio.state.settings.camera === 'browser'")
+        page.click("#steps [data-step=board]")
+        page.click("#board-shoot")
+        page.wait("document.getElementById('toast').textContent.includes('Open the projector window')")
+        open_projector(page)
+        assert "full screen" in page.run("document.getElementById('projector-size').textContent")  # it has other pixels than the patterns
+        page.click("#steps [data-step=board]")
+        page.click("#board-shoot")
+        page.wait("document.getElementById('toast').textContent.includes('Open the camera first')")
+        page.click("#steps [data-step=rig]")
+        page.click("#open-camera")
+        page.wait("!!webcam.stream && document.getElementById('camera-held').textContent")
+        # The camera does not see the projector.
+        page.run("webcam.stream.getVideoTracks()[0].enabled = false")
+        page.click("#latency")
+        page.wait("document.getElementById('toast').textContent.includes('does not see the projector')")
+        page.run("webcam.stream.getVideoTracks()[0].enabled = true")
+        page.click("#steps [data-step=board]")
+        page.click("#board-shoot")
+        page.wait("!document.getElementById('shooting-ask').hidden")
+        page.click("#shooting-go")
+        page.wait("studio.state.active && studio.state.active.done > 1")
+        page.run("projector.window.close()")
+        page.wait("!shooting.running && /projector window/.test(document.getElementById('toast').textContent)")
+        told += 5
+        # The camera is unplugged.
+        page.run("webcam.stream.getVideoTracks()[0].dispatchEvent(new Event('ended'))")
+        page.wait("document.getElementById('toast').textContent.includes('camera is gone')")
+        told += 1
+    finally:
+        page.close()
+        studio.stop()
+    return told
+
+
 # --- What it is worth. ---
 
 def numbers_of(xml, name):
@@ -315,6 +416,7 @@ def main():
     print(", ".join(f"{name} {seconds:.1f} s" for name, seconds in times.items()) + f"; {total:.0f} s together")
     print(f"focal lengths within {100 * focal:.2f} %, the axis within {axis:.3f} degrees; new poses {ours:.2f} dB, {true:.2f} with true calibration and masks")
     print(f"a watched folder: {watched_folder(program, found, folder, folder / 'rig')} photographs, the same calibration to the bit")
+    print(f"{faults(program, found, folder, folder / 'rig')} faults are named, and nothing is lost")
     if shutil.which("ffmpeg"):
         error = fake_camera(program, found, folder, folder / "rig")
         print(f"the browser's camera: focal lengths within {100 * error:.2f} % by four boards")
