@@ -292,11 +292,28 @@ static void raise_limit(void) {
     setrlimit(RLIMIT_NOFILE, &limit);
 }
 
-static struct MHD_Daemon *start(Server *server, int port) {
-    struct sockaddr_in here = {.sin_family = AF_INET, .sin_port = htons((uint16_t)port)};
+// A socket on the loopback address alone; port 0 becomes one that is free. -1: errno.
+static int listen_here(int *port) {
+    struct sockaddr_in here = {.sin_family = AF_INET, .sin_port = htons((uint16_t)*port)};
+    socklen_t size = sizeof here;
+    const int on = 1, file = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
     here.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    if (file < 0) return -1;
+    setsockopt(file, SOL_SOCKET, SO_REUSEADDR, &on, sizeof on);
+    if (bind(file, (struct sockaddr *)&here, size) != 0 || listen(file, SOMAXCONN) != 0 ||
+        getsockname(file, (struct sockaddr *)&here, &size) != 0) {
+        const int why = errno;
+        close(file);
+        errno = why;
+        return -1;
+    }
+    *port = ntohs(here.sin_port);
+    return file;
+}
+
+static struct MHD_Daemon *start(Server *server, int listening) {
     return MHD_start_daemon(MHD_USE_INTERNAL_POLLING_THREAD | MHD_USE_EPOLL, 0, NULL, NULL, handle, server,
-                            MHD_OPTION_SOCK_ADDR, (struct sockaddr *)&here, MHD_OPTION_CONNECTION_LIMIT,
+                            MHD_OPTION_LISTEN_SOCKET, listening, MHD_OPTION_CONNECTION_LIMIT,
                             (unsigned)CONNECTIONS_MOST, MHD_OPTION_CONNECTION_TIMEOUT, (unsigned)PATIENCE,
                             MHD_OPTION_NOTIFY_COMPLETED, completed, server, MHD_OPTION_UNESCAPE_CALLBACK,
                             keep_escapes, NULL, MHD_OPTION_CONNECTION_MEMORY_LIMIT, (size_t)1 << 15,
@@ -339,10 +356,9 @@ bool ffp_studio_serve(FfpStudio *studio, bool opens, char said[FFP_STUDIO_SAID])
     signal(SIGPIPE, SIG_IGN), signal(SIGXFSZ, SIG_IGN); // they are errors where they happen
     raise_limit();
     const int signals = signalfd(-1, &ends, SFD_CLOEXEC);
-    struct MHD_Daemon *daemon = signals >= 0 ? start(&server, studio->port) : NULL;
-    const union MHD_DaemonInfo *info = daemon ? MHD_get_daemon_info(daemon, MHD_DAEMON_INFO_BIND_PORT) : NULL;
-    if (info) {
-        studio->port = info->port;
+    const int listening = listen_here(&studio->port); // known before the first request comes
+    struct MHD_Daemon *daemon = signals >= 0 && listening >= 0 ? start(&server, listening) : NULL;
+    if (daemon) {
         snprintf(address, sizeof address, "http://127.0.0.1:%d/%s/", studio->port, studio->token);
         printf("%s: open %s (Ctrl-C ends the studio)\n", studio->folder, address);
         fflush(stdout);
@@ -354,10 +370,13 @@ bool ffp_studio_serve(FfpStudio *studio, bool opens, char said[FFP_STUDIO_SAID])
     pthread_mutex_lock(&studio->lock);
     studio->closing = true;
     pthread_mutex_unlock(&studio->lock);
-    if (daemon) MHD_stop_daemon(daemon);
+    if (daemon)
+        MHD_stop_daemon(daemon); // closes the socket, too
+    else if (listening >= 0)
+        close(listening);
     ffp_studio_join(studio, &studio->job);
     ffp_studio_join(studio, &studio->camera);
     if (signals >= 0) close(signals);
     pthread_sigmask(SIG_SETMASK, &before, NULL);
-    return info != NULL;
+    return daemon != NULL;
 }
