@@ -138,6 +138,44 @@ class Gaussians(Handle):
         }
         return {name: array.astype(np.float32) for name, array in out.items()}
 
+    @classmethod
+    def from_3dgs(
+        cls,
+        means: npt.ArrayLike,
+        scales: npt.ArrayLike,
+        quats: npt.ArrayLike,
+        opacities: npt.ArrayLike,
+        sh0: npt.ArrayLike,
+        *,
+        roughness: float = 0.5,
+    ) -> Gaussians:
+        """Plain splats in the form of to_3dgs: logarithms of the scales, logits of the opacities. Their colour becomes
+        albedo (within [0,1]) and ambient colour, as when a PLY of 3DGS is read."""
+        encoded = np.clip(0.5 + 0.28209479177387814 * np.asarray(sh0, np.float64).reshape(-1, 3), 0, None)
+        linear = np.where(encoded <= 0.04045, encoded / 12.92, ((encoded + 0.055) / 1.055) ** 2.4)
+        logits = np.asarray(opacities, np.float64).reshape(-1)
+        return cls.from_arrays(
+            means,
+            np.exp(np.asarray(scales, np.float64)),
+            quats,
+            1 / (1 + np.exp(-np.clip(logits, -80, 80))),
+            np.minimum(linear, 1),
+            np.full(len(logits), roughness),
+            linear,
+        )
+
+    def to_gsplat(self) -> dict[str, Floats]:
+        """Keyword arguments of gsplat.rasterization, as arrays: ``means``, ``quats``, ``scales``, ``opacities``, and
+        ``colors`` [count,3] (the object in ambient light, sRGB-encoded)."""
+        plain = self.to_3dgs()
+        return {
+            "means": plain["means"],
+            "quats": plain["quats"],
+            "scales": self.scale.copy(),
+            "opacities": self.opacity.copy(),
+            "colors": (0.5 + np.float32(0.28209479177387814) * plain["sh0"][:, 0]).astype(np.float32),
+        }
+
     def save(self, path: PathLike) -> None:
         """Writes a PLY that load reads, without Gaussians too faint to be visible (opacity below 1/255); it is an error
         if all of them are."""
