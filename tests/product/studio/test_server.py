@@ -4,6 +4,7 @@
     test_server.py PROGRAM FOLDER [SECONDS]     SECONDS of mangled requests (2)
 
 Exits with 77 where the program was built without the studio."""
+import atexit
 import http.client
 import json
 import os
@@ -28,6 +29,7 @@ class Studio:
 
         self.process = subprocess.Popen([program, "studio", str(folder), "--no-browser", *options], stdout=subprocess.PIPE,
                                         stderr=subprocess.PIPE, text=True, preexec_fn=prepare)
+        atexit.register(self.process.kill)  # after a failure
         line = self.process.stdout.readline()
         if "open http://" not in line:
             self.error = self.process.stderr.read()
