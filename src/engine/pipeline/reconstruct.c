@@ -15,6 +15,7 @@
 #include "engine/match/match.h"
 #include "engine/match/prune.h"
 #include "engine/network/network.h"
+#include "engine/pipeline/margins.h"
 #include "engine/pipeline/need.h"
 #include "engine/pipeline/normalised.h"
 #include "engine/pipeline/relight.h"
@@ -187,6 +188,7 @@ static bool predict_and_polish(Work *w, const FfpReconstruction *options, FfpRec
     ffp_prune_contradicted(w->result.opacity, w->result.centre, w->result.count, &w->padded, &w->start);
     thin(w, options);
     if (options->polish != 0 && w->result.count > 0 && !polish(w, options, stats, err)) return false;
+    if (w->capture.scene) ffp_margins_add(&w->result, &w->padded, &w->start);
     stats->polish_s = ffp_seconds() - begin;
     return true;
 }
