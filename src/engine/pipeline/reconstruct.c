@@ -195,7 +195,12 @@ static bool predict_and_polish(Work *w, const FfpReconstruction *options, FfpRec
 
 // What nobody can see, nobody should be led to believe.
 static void warn_of_gaps(const FfpCapture *capture) {
-    if (capture->n_views == 1)
+    if (capture->scene && capture->n_views < FEW_VIEWS)
+        ffp_note(
+            "%d view%s of a whole scene: what they do not see will be missing, and what the projector does "
+            "not reach has little depth",
+            capture->n_views, capture->n_views > 1 ? "s" : "");
+    else if (capture->n_views == 1)
         ffp_note("one view shows one side of the object: the other side will be missing");
     else if (capture->n_views < FEW_VIEWS)
         ffp_note("%d views: sides of the object that none of them shows will be missing", capture->n_views);
