@@ -5,6 +5,7 @@
 #include "core/base/call.h"
 #include "rig/import/common_stage.h"
 #include "rig/import/contact_sheet.h"
+#include "rig/import/free_space.h"
 #include "rig/import/stage_masks.h"
 #include "support.h"
 
@@ -181,6 +182,37 @@ static void the_ball_is_found_in_its_room(void **state) {
     free_room(room);
 }
 
+// Camera and projector see through what lies before the ball, and not through the ball.
+static void space_before_the_ball_is_free(void **state) {
+    (void)state;
+    Room *room = new_room(true);
+    FfpCapture *capture = &room->capture;
+    FfpFreeSpace space;
+    capture->radius = 0.8F, capture->centre[0] = 0.5F, capture->centre[1] = 0.1F; // where the ball stands
+    for (int v = 0; v < VIEWS; v++) {
+        ffp_image_free(&capture->views[v].coverage);
+        capture->views[v].coverage = ffp_image_copy(&room->truth[v]);
+    }
+    assert_true(ffp_free_space_new(&space, capture));
+    int before = 0, inside = 0;
+    for (int v = 0; v < VIEWS; v++) {
+        const FfpCamera *camera = &capture->views[v].camera;
+        real to[3], point[3], length = 0;
+        for (int k = 0; k < 3; k++) {
+            to[k] = camera->pose[4 * k + 3] - capture->centre[k];
+            length += to[k] * to[k];
+        }
+        for (int k = 0; k < 3; k++)
+            point[k] = capture->centre[k] + 1.4F * (real)ball_radius * to[k] / sqrtf((float)length);
+        before += ffp_free_space_votes(&space, v, point, 0.05F);
+        inside += ffp_free_space_votes(&space, v, capture->centre, 0.05F);
+    }
+    assert_true(before >= VIEWS); // of two witnesses each, the camera at least
+    assert_int_equal(inside, 0);
+    ffp_free_space_free(&space);
+    free_room(room);
+}
+
 // Without poses there is no hull: what is lit is object, and nothing in the shadow.
 static void without_poses_light_alone_decides(void **state) {
     (void)state;
@@ -285,6 +317,7 @@ static void the_contact_sheet_shows_the_masks(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_ball_is_found_in_its_room),
+        cmocka_unit_test(space_before_the_ball_is_free),
         cmocka_unit_test(without_poses_light_alone_decides),
         cmocka_unit_test(a_view_like_the_stage_is_refused),
         cmocka_unit_test(other_light_is_told),
