@@ -13,7 +13,6 @@ from ._call import Call, Keep, PathLike, ProgressOption, holding, some
 from ._library import ffi, lib
 from .capture import record, three
 from .devices import Calibration
-from .errors import argument_error
 from .gaussians import drawing_of, one_of
 from .reconstruction import ModelOption, _automatic, model_of
 
