@@ -559,11 +559,37 @@ static void test_refusals(void **state) {
     assert_non_null(strstr(run.err, "not empty"));
 }
 
+// Everything in view belongs to a whole scene, which has depths instead of masks.
+static void test_whole_scene(void **state) {
+    (void)state;
+    FfpCapture capture;
+    FfpError err = {0};
+    char arguments[3000];
+    write_opencv("cal.yml", &single_shot, false, no_lens, no_lens);
+    snprintf(arguments, sizeof arguments, "-c %s/cal.yml " SIZES TURNTABLE SHOTS PATTERN "--scene", scratch);
+    import("scene", arguments);
+    if (!ffp_capture_read(&capture, in_scratch("scene"), &err)) fail_msg("%s", err.text);
+    assert_true(capture.scene);
+    for (int v = 0; v < capture.n_views; v++) {
+        const FfpView *view = &capture.views[v];
+        for (int i = 0; i < 128 * 128; i++) assert_float_equal(view->coverage.data[i], 1, 0);
+        // The range holds the object.
+        for (int i = 0; i < 128 * 128; i++) {
+            const real z = sample.views[v].depth.data[i];
+            if (sample.views[v].coverage.data[i] >= 1) assert_true(z > view->near && z < view->far);
+        }
+    }
+    ffp_capture_free(&capture);
+    strcat(arguments, " -m otsu");
+    must_fail(arguments, "a whole scene has no masks (masks)");
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_what_is_cut_off_is_told),
         cmocka_unit_test(test_masks_that_leave_nothing_are_refused),
         cmocka_unit_test(test_single_shot),
+        cmocka_unit_test(test_whole_scene),
         cmocka_unit_test(test_procam_calibration),
         cmocka_unit_test(test_calibrator),
         cmocka_unit_test(test_opencv_samples),
