@@ -118,20 +118,19 @@ static size_t pixels_of(const FfpBatch *batch) {
     return (size_t)batch->width * (size_t)batch->height;
 }
 
-// Picture p of view i in an array of them all.
-static FfpImage picture_at(const FfpBatch *batch, float *pictures, int64_t i, int p) {
-    const size_t picture = (size_t)(i * batch->n_patterns + p);
-    return (FfpImage){batch->width, batch->height, 3, pictures + picture * pixels_of(batch) * 3};
+// Where picture p of view i begins in an array of them all.
+static size_t picture_at(const FfpBatch *batch, int64_t i, int p) {
+    return (size_t)(i * batch->n_patterns + p) * pixels_of(batch) * 3;
 }
 
-static float *map_at(const FfpBatch *batch, float *maps, int64_t i, int map) {
-    return maps + (size_t)i * pixels_of(batch) * (size_t)ffp_map_width((FfpMap)map);
+static size_t map_at(const FfpBatch *batch, int64_t i, int map) {
+    return (size_t)i * pixels_of(batch) * (size_t)ffp_map_width((FfpMap)map);
 }
 
 static void draw_picture(const Forward *f, int64_t i, int p) {
     FfpBatch *batch = f->batch;
     FfpViewPass *pass = batch->passes[i];
-    FfpImage out = picture_at(batch, f->pictures, i, p);
+    FfpImage out = {batch->width, batch->height, 3, f->pictures + picture_at(batch, i, p)};
     const FfpSummed *pattern = pattern_of(batch, p);
     if (batch->is_linear) {
         ffp_view_pass_radiance(pass, batch->intensity, pattern, &out);
@@ -152,7 +151,7 @@ static void draw_view(void *argument, int64_t i) {
     for (int p = 0; p < batch->n_patterns; p++) draw_picture(f, i, p);
     for (int m = 0; f->maps && m < FFP_MAP_COUNT; m++)
         if (f->maps[m])
-            ffp_map_values(ffp_view_pass_gbuffer(pass), (FfpMap)m, map_at(batch, f->maps[m], i, m));
+            ffp_map_values(ffp_view_pass_gbuffer(pass), (FfpMap)m, f->maps[m] + map_at(batch, i, m));
 }
 
 // With a view for at least every second thread, each belongs to one thread, which waits for no other;
@@ -195,8 +194,10 @@ typedef struct Backward {
 static void picture_backward(const Backward *b, Slot *slot, int64_t i, int p) {
     FfpBatch *batch = b->batch;
     FfpViewPass *pass = batch->passes[i];
-    // Read only, as the pass declares it.
-    const FfpImage grad = picture_at(batch, (float *)(uintptr_t)b->grad_pictures, i, p), *radiance = &grad;
+    const float *given = b->grad_pictures + picture_at(batch, i, p);
+    FfpImage grad = {batch->width, batch->height, 3, NULL}; // of read-only numbers, as the pass declares it
+    const FfpImage *radiance = &grad;
+    memcpy(&grad.data, &given, sizeof given);
     if (!batch->is_linear) {
         ffp_view_pass_resolve_backward(pass, &batch->linear[i * batch->n_patterns + p], &grad,
                                        &slot->grad_linear);
@@ -220,8 +221,7 @@ static void view_backward(void *argument, int64_t k) {
     for (int m = 0; b->grad_maps && m < FFP_MAP_COUNT; m++)
         if (b->grad_maps[m])
             ffp_map_values_backward(ffp_view_pass_gbuffer(pass), (FfpMap)m,
-                                    map_at(batch, (float *)(uintptr_t)b->grad_maps[m], i, m),
-                                    ffp_view_pass_grad_gbuffer(pass));
+                                    b->grad_maps[m] + map_at(batch, i, m), ffp_view_pass_grad_gbuffer(pass));
     ffp_view_pass_backward(pass, &slot->gaussians);
     if (b->aim) ffp_view_pass_backward_aim(pass, &slot->gaussians, &slot->aim);
 }

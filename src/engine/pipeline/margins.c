@@ -33,7 +33,7 @@ static bool is_seen(const Wide *w, int view, const real point[3]) {
     const size_t area = (size_t)start->width * (size_t)start->height;
     for (int v = 0; v < start->views; v++) {
         const FfpView *seer = &w->capture->views[v];
-        real x, y;
+        real x = 0, y = 0;
         const real z = v == view ? 0 : ffp_project(&seer->camera, point, &x, &y);
         if (!(z > 0) ||
             !(x >= 0 && y >= 0 && x < (real)ffp_frame_width(seer) && y < (real)ffp_frame_height(seer)))

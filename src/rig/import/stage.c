@@ -141,7 +141,7 @@ static FfpPixelKind kind_of(const Comparison *c, int x, int y) {
     if (c->known->data && !(c->known->data[at] > 0))
         return lit && !continues(c, at) ? FFP_PIXEL_LIT : FFP_PIXEL_UNKNOWN;
     const bool stage_lit = grey(&c->stage->of[1], at) > LIT * c->noise;
-    Values v;
+    Values v = {0};
     double error;
     take_values(c, x, y, &v);
     const double a = explain(&v, v.n, c->noise, &error);
