@@ -1,9 +1,11 @@
 // Import: which pixels are the object: from files, alpha channels or light.
 #include <string.h>
 #include <tgmath.h>
+#include "core/base/alloc.h"
 #include "core/base/arena.h"
 #include "core/base/file.h"
 #include "core/base/log.h"
+#include "core/numerics/rank.h"
 #include "rig/import/checks.h"
 #include "rig/import/common_stage.h"
 #include "rig/import/contact_sheet.h"
@@ -15,6 +17,9 @@
 #define MISFIT_LEAST 0.12 // of the pixels, which contradict the other views' masks: those show a wall
 #define LIT_LEAST 0.5     // of what is lit that must stay the same
 #define VIEWS_TURNED 5    // that tell it
+#define LIGHT_LEAST 0.01  // of full scale, by which the light under black may change, and
+#define LIGHT_CHANGE 0.25 // of itself
+#define AGREE_LEAST 0.9   // of the masks' pixels
 #define GAIN_MOST 1.1     // either way, by which the light may have changed without a word
 
 static bool load_mask(FfpImporting *import, int stop, FfpError *err) {
@@ -183,15 +188,51 @@ static void apply_masks(FfpImporting *import) {
             ffp_mask_apply(&capture->views[v].coverage, &capture->views[v].images[p]);
 }
 
+// The median over a view's pixels under black, which is the room's light on what is around the object.
+static double room_light(const FfpImporting *import, int v) {
+    const FfpImage *black = &import->capture.views[v].images[import->shots.black];
+    const ptrdiff_t pixels = (ptrdiff_t)black->width * black->height;
+    double *levels = ffp_alloc((size_t)pixels, sizeof *levels);
+    for (ptrdiff_t i = 0; i < pixels; i++)
+        levels[i] = (double)(black->data[3 * i] + black->data[3 * i + 1] + black->data[3 * i + 2]) / 3;
+    const double median = ffp_median(levels, (size_t)pixels);
+    ffp_free(levels);
+    return median;
+}
+
+// Lamps that were switched on or off between the views, and daylight that changed.
+static void warn_of_other_light(const FfpImporting *import) {
+    const int n = import->capture.n_views;
+    double *lights = ffp_alloc(2 * (size_t)n, sizeof *lights), *sorted = lights + n;
+    int odd = -1;
+    for (int v = 0; v < n; v++) lights[v] = sorted[v] = room_light(import, v);
+    const double usual = ffp_median(sorted, (size_t)n), most = fmax(LIGHT_LEAST, LIGHT_CHANGE * usual);
+    for (int v = 0; v < n; v++)
+        if (fabs(lights[v] - usual) > most &&
+            (odd < 0 || fabs(lights[v] - usual) > fabs(lights[odd] - usual)))
+            odd = v;
+    if (odd >= 0)
+        ffp_warning(
+            "view '%s': under black it has %.3f of full scale where other views have %.3f: was a lamp "
+            "switched, or did daylight change? Photograph all views in the same light",
+            import->capture.views[odd].id, lights[odd], usual);
+    ffp_free(lights);
+}
+
 // How well the masks go together.
 static void note_agreement(FfpImporting *import) {
     FfpCapture *capture = &import->capture;
     if (import->settings->axis != FFP_AXIS_KNOWN || capture->n_views < 2) return;
     ffp_capture_estimate_bounds(capture);
-    ffp_note("  %.1f %% of their pixels agree with the other views' masks; masks.png in the capture's folder "
-             "shows "
-             "all of them",
-             100 * (1 - ffp_rig_silhouette_misfit(capture)));
+    const double share = 1 - ffp_rig_silhouette_misfit(capture);
+    static const char text[] =
+        "%s%.1f %% of the masks' pixels agree with the other views' masks; masks.png in the "
+        "capture's folder shows all of them%s";
+    if (!import->stages || share >= AGREE_LEAST)
+        ffp_note(text, "  ", 100 * share, "");
+    else
+        ffp_warning(text, "only ", 100 * share,
+                    ". Was the camera moved, or anything else, between the empty stage and the object?");
 }
 
 static void complete_otsu(FfpImporting *import, int made) {
@@ -211,6 +252,7 @@ bool ffp_importing_complete_masks(FfpImporting *import, FfpError *err) {
     int made = 0;
     for (int v = 0; v < capture->n_views; v++) made += import->made[v];
     if (made == 0) return true;
+    if (made == capture->n_views && has_one_camera(import)) warn_of_other_light(import);
     if (import->stages) {
         FfpStageMasks report;
         if (!mask_by_stage(import, NULL, &report, err)) return false;

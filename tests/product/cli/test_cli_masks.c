@@ -75,6 +75,34 @@ static void shadows_are_object_and_holes_are_none(void **state) {
     ffp_capture_free(&truth), ffp_capture_free(&made), ffp_capture_free(&few);
 }
 
+static void a_lamp_between_views_is_named(void **state) {
+    (void)state;
+    char path[FFP_PATH_MAX];
+    FfpError err = {0};
+    for (int angle = 0; angle < 360; angle += 45) {
+        FfpImage black = {0};
+        snprintf(path, sizeof path, "%s/shots/view-%03d/001.png", scratch, angle);
+        if (!ffp_image_read(&black, path, FFP_COLOUR_ENCODED, &err)) fail_msg("%s", err.text);
+        FfpImage rgb = ffp_image_new(black.width, black.height, 3);
+        for (int i = 0; i < 3 * rgb.width * rgb.height; i++)
+            rgb.data[i] = black.data[i / 3 * black.channels + i % 3] + (angle == 135 ? 0.25F : 0);
+        snprintf(path, sizeof path, "%s/black-%03d.png", scratch, angle);
+        if (!ffp_image_write_png(&rgb, path, &err)) fail_msg("%s", err.text);
+        ffp_image_free(&black), ffp_image_free(&rgb);
+    }
+    static const char form[] =
+        "import -c @/shots/truth.json -t @/shots/truth.json -i 'black=@/%s.png' "
+        "-i 'white=@/shots/view-{view}/002.png' -i 'lollipop_0=@/shots/view-{view}/003.png' "
+        "-p lollipop_0=@/patterns/003_lollipop_0.png -o @/%s";
+    char line[2000];
+    snprintf(line, sizeof line, form, "shots/view-{view}/001", "same_light");
+    must_run(line);
+    assert_null(strstr(run.err, "was a lamp switched"));
+    snprintf(line, sizeof line, form, "black-{view}", "other_light");
+    must_run(line);
+    assert_non_null(strstr(run.err, "view '135': under black it has 0.0"));
+}
+
 // The same bits whatever the number of threads.
 static void threads_do_not_matter(void **state) {
     (void)state;
@@ -121,6 +149,7 @@ static void wrong_pictures_of_the_stage_are_refused(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(shadows_are_object_and_holes_are_none),
+                                       cmocka_unit_test(a_lamp_between_views_is_named),
                                        cmocka_unit_test(wrong_pictures_of_the_stage_are_refused),
                                        cmocka_unit_test(threads_do_not_matter)};
     return cmocka_run_group_tests(tests, setup, scratch_teardown);
