@@ -15,9 +15,12 @@ projector.channel.onmessage = ({data}) => {
   const wait = projector.waiting.get(data.id);
   if (wait) {
     projector.waiting.delete(data.id);
-    if (data.failed) wait.fail(new Error(data.failed)); else wait.done(data);
+    if (data.failed) wait.fail(new Error(`The projector window cannot show the pattern: ${data.failed}`)); else wait.done(data);
   }
-  if (data.closed) for (const w of projector.waiting.values()) w.fail(new Error('The projector window was closed.'));
+  if (data.closed) {
+    for (const w of projector.waiting.values()) w.fail(new Error('The projector window was closed: open it again (step 1).'));
+    projector.waiting.clear();
+  }
   for (const listener of studio.listeners) if (studio.state) listener(studio.state);
 };
 projector.channel.postMessage({from: 'studio'}); // one that was open before a reload answers
@@ -28,7 +31,7 @@ function project(what) {
     if (!projector.isOpen) return fail(new Error('Open the projector window first.'));
     projector.waiting.set(id, {done, fail});
     projector.channel.postMessage({from: 'studio', id, ...what});
-    setTimeout(() => projector.waiting.delete(id) && fail(new Error('The projector window does not answer.')), 5000);
+    setTimeout(() => projector.waiting.delete(id) && fail(new Error('The projector window does not answer: is it hidden, or closed? Open it again (step 1).')), 5000);
   });
 }
 

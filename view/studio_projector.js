@@ -37,7 +37,8 @@ function fullScreen() {
 
 channel.onmessage = ({data}) => {
   if (data.from !== 'studio') return;
-  if (data.file) show(data.id, data.file).catch((error) => tell({id: data.id, failed: String(error)}));
+  // A window that closes stops loading first, so a failure waits until the window would have said that it is closed.
+  if (data.file) show(data.id, data.file).catch((error) => setTimeout(() => tell({id: data.id, failed: String(error)}), 300));
   else if (data.colour) fill(data.id, data.colour);
   else tell({});
 };

@@ -141,7 +141,7 @@ function drawBoard(state) {
   $('calibrate').classList.toggle('primary', state.sets.every(complete) && !state.axis);
   $('board-note').textContent = boards < 3 ? 'Three attitudes are the least to calibrate with.' : state.axis ? '' : 'More attitudes determine more; the turntable is still needed.';
   $('calibration').hidden = !state.calibrated;
-  if (state.calibrated && told.calibrate !== stamp(state, 'calibrate')) tellCalibration(state);
+  if (state.calibrated && !isRunning(state, 'calibrate') && told.calibrate !== stamp(state, 'calibrate')) tellCalibration(state); // its log comes last
 }
 
 // A job's log is read again when one has ended.

@@ -9,6 +9,7 @@ import atexit
 import json
 import math
 import os
+import resource
 import shutil
 import subprocess
 import sys
@@ -21,7 +22,8 @@ sys.path.insert(0, str(Path(__file__).resolve().parent.parent / "view"))
 import browser  # noqa: E402
 
 STOPS = 8
-MINUTES = 6.0  # of two cores, from the bare rig to the relit object
+MINUTES = 6.0  # of one processor, from the bare rig to the relit object: on two idle cores it takes less
+LONG = 600  # seconds of patience where other programs may want the processors, too
 MASKS = 1.8  # dB that masks of the empty stage cost at new poses; measured: 1.3, and the calibration nothing
 
 
@@ -43,6 +45,9 @@ class Studio:
 
 
 class Page(browser.Browser):
+    def __init__(self, program, width, height, arguments=()):
+        super().__init__(program, width, height, ["--disable-gpu", *arguments])  # WebGL is there nevertheless; the page costs half
+
     def start(self, url):
         self.open(url)
         self.wait("document.readyState === 'complete' && !!window.ready")
@@ -68,6 +73,12 @@ class Page(browser.Browser):
         self.scheme("light")
 
 
+def processors():
+    """Seconds of them that the programs took that have ended."""
+    used = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return used.ru_utime + used.ru_stime
+
+
 def go_through(page, pictures):
     """Every step by its buttons; seconds of each."""
     times, began = {}, time.monotonic()
@@ -86,25 +97,25 @@ def go_through(page, pictures):
     page.click("#board-shoot")
     page.wait("studio.state.active && studio.state.active.done > 5", 60)
     page.shots(pictures, "photographing")
-    page.wait("studio.state.sets.every(complete) && !shooting.running", 240)
+    page.wait("studio.state.sets.every(complete) && !shooting.running", LONG)
     done("boards")
     page.click("#calibrate")
-    page.wait("studio.state.axis && studio.state.job.end === 'done' && document.getElementById('calibration-figures').children.length > 0", 120)
+    page.wait("studio.state.axis && studio.state.job.end === 'done' && document.getElementById('calibration-figures').children.length > 0", LONG)
     if not page.run("document.getElementById('fix').hidden"):
         page.click("#fix")
-        page.wait("studio.state.settings.fix.length > 0 && studio.state.job.end === 'done'", 120)
+        page.wait("studio.state.job.commands.join().includes('--fix') && studio.state.job.end === 'done'", LONG)
     done("calibration")
     page.click("#steps [data-step=object]")
     page.click("#object-add")
     page.wait("!document.getElementById('object-shoot').hidden && !document.getElementById('object-shoot').disabled")
     page.click("#object-shoot")
-    page.wait("objectNow(studio.state).sets.every(complete) && !shooting.running", 240)
+    page.wait("objectNow(studio.state).sets.every(complete) && !shooting.running", LONG)
     done("object")
     page.click("#make")
-    page.wait("!document.getElementById('look').hidden && !!document.getElementById('viewer').contentWindow.ready", 240)
+    page.wait("!document.getElementById('look').hidden && !!document.getElementById('viewer').contentWindow.ready", LONG)
     done("relit")
     page.click("#evaluate")
-    page.wait("!document.getElementById('scores').hidden", 120)
+    page.wait("!document.getElementById('scores').hidden", LONG)
     done("compared")
     return times
 
@@ -181,11 +192,11 @@ def watched_folder(program, found, folder, first):
         page.wait("studio.state.patterns.length > 0 && studio.state.job.end === 'done'")
         open_projector(page)
         seen = Seen(studio, first / "virtual", show)
-        photograph_boards(page, 9, 120)
+        photograph_boards(page, 9, LONG)
         seen.stop()
         page.run("doIt({verb: 'set', settings: {fix: " + json.dumps(json.loads((first / "studio.json").read_text())["fix"]) + "}}).then(() => true)")
         page.click("#calibrate")
-        page.wait("studio.state.axis && studio.state.job.end === 'done'", 120)
+        page.wait("studio.state.axis && studio.state.job.end === 'done'", LONG)
         assert not page.console, page.console
     finally:
         page.close()
@@ -228,11 +239,11 @@ def fake_camera(program, found, folder, first):
         page.run("webcam.latency = 300")
         open_projector(page)
         seen = Seen(studio, first / "virtual", show)
-        photograph_boards(page, 4, 200)
+        photograph_boards(page, 4, LONG)
         seen.stop()
         page.run("doIt({verb: 'set', settings: {fix: ['k3', 'k2']}}).then(() => true)")
         page.click("#calibrate")
-        page.wait("studio.state.calibrated && studio.state.job.end === 'done'", 120)
+        page.wait("studio.state.calibrated && studio.state.job.end === 'done'", LONG)
         assert not page.console, page.console
     finally:
         page.close()
@@ -268,7 +279,7 @@ def faults(program, found, folder, first):
             other.start(studio.url)
             page.click("#shooting-stop")
             other.click("#shooting-stop")
-            page.wait("studio.state.sets[0].done === studio.state.sets[0].count", 60)
+            page.wait("studio.state.sets[0].done === studio.state.sets[0].count", LONG)
             other.wait("!shooting.running")
         finally:
             other.close()
@@ -328,8 +339,9 @@ def faults(program, found, folder, first):
         page.wait("!document.getElementById('shooting-ask').hidden")
         page.click("#shooting-go")
         page.wait("studio.state.active && studio.state.active.done > 1")
-        page.run("projector.window.close()")
-        page.wait("!shooting.running && /projector window/.test(document.getElementById('toast').textContent)")
+        # amid the loading of a pattern, which then fails, too: what counts is that the window is gone
+        page.run("projector.channel.postMessage = function (what) { delete this.postMessage; this.postMessage(what); projector.window.close(); }")
+        page.wait("!shooting.running && document.getElementById('toast').textContent.includes('projector window was closed')")
         told += 5
         # The camera is unplugged.
         page.run("webcam.stream.getVideoTracks()[0].dispatchEvent(new Event('ended'))")
@@ -412,10 +424,11 @@ def main():
     finally:
         page.close()
         studio.stop()
+    used = processors()
     focal, axis = check_calibration(folder / "rig")
     ours, true = new_poses(os.path.abspath(program), folder / "rig")
-    total = sum(times.values())
-    print(", ".join(f"{name} {seconds:.1f} s" for name, seconds in times.items()) + f"; {total:.0f} s together")
+    print(", ".join(f"{name} {seconds:.1f} s" for name, seconds in times.items()) +
+          f"; {sum(times.values()):.0f} s together, {used:.0f} s of processors")
     print(f"focal lengths within {100 * focal:.2f} %, the axis within {axis:.3f} degrees; new poses {ours:.2f} dB, {true:.2f} with true calibration and masks")
     print(f"a watched folder: {watched_folder(program, found, folder, folder / 'rig')} photographs, the same calibration to the bit")
     print(f"{faults(program, found, folder, folder / 'rig')} faults are named, and nothing is lost")
@@ -423,7 +436,7 @@ def main():
         error = fake_camera(program, found, folder, folder / "rig")
         print(f"the browser's camera: focal lengths within {100 * error:.2f} % by four boards")
         assert error < 0.02
-    assert total < 60 * MINUTES and focal < 0.003 and axis < 0.2 and ours > true - MASKS
+    assert used < 60 * MINUTES and focal < 0.003 and axis < 0.2 and ours > true - MASKS
     return 0
 
 

@@ -74,7 +74,7 @@ class Browser:
             self.console.append(told["type"] + ": " + " ".join(str(a.get("value", a.get("description")))
                                                                for a in told["args"]))
         elif method == "Log.entryAdded" and told["entry"]["level"] in ("error", "warning"):
-            self.console.append(told["entry"]["level"] + ": " + told["entry"]["text"])
+            self.console.append(" ".join((told["entry"]["level"] + ":", told["entry"]["text"], told["entry"].get("url", ""))))
         elif method == "Network.requestWillBeSent":
             self.requests.append(told["request"]["url"])
 
