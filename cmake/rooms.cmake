@@ -74,7 +74,7 @@ ffp_room(export CALLS DEPS pipeline apply render gaussians capture image numeric
 # what a file holds, as text for people
 ffp_room(describe CALLS DEPS import baselines network gaussians capture base)
 # the calls of the public header, one file per call: arguments checked, the call entered, structs translated, one function called
-ffp_room(api CALLS DEPS describe eval pipeline bench view export calibrate import baselines train synth patterns render
+ffp_room(api CALLS DEPS describe eval pipeline bench view export calibrate import baselines train synth patterns loss render
          network gaussians capture image base cuda LIBS PkgConfig::JANSSON PkgConfig::ZLIB)
 # the ranks of an MPI job: part of the program where it is built with MPI
 ffp_room(cluster IN library.cmake)

@@ -309,6 +309,70 @@ typedef struct FfpRenderGradients {
 FFP_API bool ffp_renderer_backward(FfpContext *context, FfpRenderer *renderer, const float *pictures,
                                    const float *const *maps, const FfpRenderGradients *out, FfpError *err);
 
+// --- For training and fitting in other programs. ---
+
+// A model's configuration (docs/reference/formats.md, "Weights").
+typedef struct FfpModelForm {
+    const char *modules; // one letter per block: M = Mamba2, T = Transformer
+    int dim, patch, state, chunk, pixel_features, pixel_hidden;
+    bool residual, match_input, pixel_skip, context_inputs, appearance_cnn;
+} FfpModelForm;
+FFP_API FfpModelForm ffp_model_form(const FfpModel *model);
+// The weights by number, from 0 to one less than the count, in the file's order. They are the model's own
+// memory and may be written to between calls; the caller answers for finite numbers.
+typedef struct FfpWeights {
+    const char *name;
+    int64_t rows, columns; // columns 0: a vector
+    float *values;         // [rows,columns]
+} FfpWeights;
+FFP_API int ffp_model_weights_count(const FfpModel *model);
+FFP_API FfpWeights ffp_model_weights(FfpModel *model, int number); // all 0: no such number
+// Writes safetensors that ffp_model_open reads; `exact`: matrices in F32, not in bf16. What the file said of
+// its training is kept.
+FFP_API bool ffp_model_save(FfpContext *context, const FfpModel *model, const char *path, bool exact,
+                            FfpError *err);
+
+// What the network sees of a capture. All arrays are the handle's.
+typedef struct FfpPrepared FfpPrepared;
+typedef struct FfpPreparedArrays {
+    int tokens, token_width; // token_width: a patch's pixels times `channels` of the inputs
+    int64_t count;           // Gaussians, one for each pixel that gets one
+    int taps;                // rows of the map of features that each of them takes
+    int n_used, channels;    // tokens that a Gaussian needs; a pixel's own inputs, 0: none
+    const float *inputs;     // [tokens,token_width]
+    const int32_t *used;     // [n_used] those tokens; the map of features is theirs, a row for each pixel
+    const int32_t *row;      // [count,taps] in that map
+    const float *weight;     // [count,taps] of the rows, sum 1
+    const float *own;        // [count,channels]; NULL: none
+    const float *context;    // [count,2] what tells a pixel from the tokens' pixels; NULL: they are the same
+    // [count,FFP_PREPARED_BASE] what the heads start from, in the capture's bounding sphere
+    // (ffp_capture_bounds) as unit: camera 3, unit ray 3, distance of the ray's point nearest to the centre,
+    // footprint; and of the classical initialisation: distance, its logit, logit of the opacity,
+    // quaternion 4, logits of albedo 3 and ambient colour 3 (src/engine/network/splat_formula.h).
+    const float *base;
+} FfpPreparedArrays;
+#define FFP_PREPARED_BASE 21
+// Works as ffp_reconstruct does up to the network of `options->model`: noise filter, matching, classical
+// initialisation; `polish`, `layers`, `drawing` are ignored. Errors: as there; a capture of a whole scene, or
+// a model with `appearance_cnn` (FFP_ERROR_UNSUPPORTED).
+FFP_API FfpPrepared *ffp_prepare(FfpContext *context, const FfpCapture *capture,
+                                 const FfpReconstruction *options, FfpError *err);
+FFP_API FfpPreparedArrays ffp_prepared_arrays(const FfpPrepared *prepared);
+FFP_API void ffp_prepared_close(FfpPrepared *prepared);
+
+// The loss of sRGB-encoded pictures that all fits here share (FF-ProCams, Eqs. 18, 19):
+// l1 mean |P - T| + ssim (1 - mean SSIM(P, T)), SSIM by Wang et al. 2004 with an 11 x 11 Gaussian of
+// sigma 1.5 and zero padding.
+typedef struct FfpPictureLoss {
+    int count, width, height; // at least 1
+    const float *pictures;    // [count,height,width,3] in [0,1]
+    const float *targets;     // likewise
+    double l1, ssim;          // weights
+    float *gradients;         // [count,height,width,3] with respect to `pictures`, replaced; NULL: not wanted
+} FfpPictureLoss;
+FFP_API bool ffp_picture_loss(FfpContext *context, const FfpPictureLoss *pictures, double *loss,
+                              FfpError *err);
+
 // --- Pictures. ---
 
 // How a picture goes into a frame of another shape (width over height), always centred: COVER fills the frame

@@ -233,6 +233,22 @@ class Model(Handle):
                 call.take(lib.ffp_model_open(call.context, keep.path(path), call.error), lib.ffp_model_close)
             )
 
+    def weights(self) -> dict[str, Floats]:
+        """The weights by name, in the file's order: matrices [rows,columns] and vectors. They are views of the
+        library's memory and may be written to; new values are not checked."""
+        out = {}
+        for i in range(lib.ffp_model_weights_count(self._pointer)):
+            w = lib.ffp_model_weights(self._pointer, i)
+            shape = (w.rows, w.columns) if w.columns else (w.rows,)
+            out[ffi.string(w.name).decode()] = floats_at(w.values, shape, self, writable=True)
+        return out
+
+    def save(self, path: PathLike, *, exact: bool = False) -> None:
+        """Writes safetensors that open reads. exact: matrices in float32, not in bfloat16."""
+        keep = Keep()
+        with holding(self), Call() as call:
+            call.check(lib.ffp_model_save(call.context, self._pointer, keep.path(path), exact, call.error))
+
 
 _FORMS = {"ours": lib.FFP_FORM_OURS, "paper": lib.FFP_FORM_PAPER, "gs-procams": lib.FFP_FORM_GS_PROCAMS}
 

@@ -17,11 +17,10 @@ from __future__ import annotations
 import threading
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import Any, NamedTuple, Union
+from typing import Any, ClassVar, Union
 
 import torch
 from torch import Tensor
-from torch.autograd.function import FunctionCtx
 
 from ._call import Call, Handle
 from ._library import ffi, lib
@@ -29,30 +28,14 @@ from .devices import Pinhole
 from .errors import argument_error
 from .gaussians import Gaussians, drawing_of
 from .renderer import _MAPS
+from .torch_network import Network, Parts, Prepared
 
 __all__ = [
-    "Devices", "Parts", "Splats", "decode", "depth_loss", "encode", "l1_loss", "mask_loss", "normal_smooth_loss",
+    "Devices", "Network", "Parts", "Prepared", "SplatAdam", "Splats", "decode", "depth_loss", "encode", "l1_loss", "mask_loss", "normal_smooth_loss",
     "photometric_loss", "psnr", "render", "roughness_smooth_loss", "se3_exp", "ssim",
 ]  # fmt: skip
 
 _ROUGHNESS_FLOOR, _SIGMOID_LEAST = 0.05, 1e-4  # as in the library's own fits
-
-
-class Parts(NamedTuple):
-    """The numbers of Gaussians, as ffprocams.Gaussians has them. Rotations may have any length other than 0."""
-
-    centre: Tensor  #: [count,3] world
-    scale: Tensor  #: [count,3] standard deviations along the rotated axes, world units, above 0
-    rotation: Tensor  #: [count,4] quaternions w x y z: the splat's axes to the world
-    opacity: Tensor  #: [count] in [0,1]
-    albedo: Tensor  #: [count,3] linear
-    roughness: Tensor  #: [count] in [0,1]
-    ambient: Tensor  #: [count,3] linear radiance with the projector black
-
-    @classmethod
-    def of(cls, gaussians: Gaussians) -> Parts:
-        """Copies of the arrays."""
-        return cls(*(torch.from_numpy(array.copy()) for array in gaussians.arrays().values()))
 
 
 @dataclass
@@ -432,6 +415,49 @@ class Splats(torch.nn.Module):
             return Gaussians.from_arrays(*(t.numpy() for t in self()))
 
 
+class SplatAdam(torch.optim.Adam):
+    """Adam as ffprocams.refine takes its steps: rates that fall to a tenth, numbers that are drawn back towards their start
+    after each step (``pull`` of 1), and a number that all roughness logits share, because a highlight is in few pixels.
+    ``pull`` 0 leaves the splats free."""
+
+    _PULLS: ClassVar = {
+        "centre": 2,
+        "scale": 2,
+        "rotation": 2,
+        "opacity": 2,
+        "albedo": 0.4,
+        "roughness": 2,
+        "ambient": 0.4,
+    }
+
+    def __init__(self, splats: Splats, steps: int, pull: float = 1.0) -> None:
+        """steps: how many step() will be called."""
+        if not steps > 0:
+            raise argument_error(f"{steps} is below 1", "steps")
+        self._splats, self._steps, self._taken, self._pull = splats, steps, 0, pull
+        self._shared = torch.nn.Parameter(torch.zeros(()))
+        groups = [*splats.rates(), {"params": [self._shared], "lr": 0.05}]
+        super().__init__(groups, betas=(0.9, 0.99), eps=1e-12, fused=True)
+        self._rates = [group["lr"] for group in self.param_groups]
+        self._start = {name: getattr(splats, name).detach().clone() for name in self._PULLS}
+
+    @torch.no_grad()
+    def step(self, closure: Any = None) -> Any:
+        """One step; closure as for torch.optim.Adam."""
+        for group, rate in zip(self.param_groups, self._rates):
+            group["lr"] = rate * 0.1 ** min(self._taken / self._steps, 1)
+        self._taken += 1
+        roughness, before = self._splats.roughness, self._shared.clone()
+        self._shared.grad = None if roughness.grad is None else roughness.grad.sum()
+        out = super().step(closure)
+        moved = self._shared - before
+        roughness.add_(moved)
+        self._start["roughness"] += moved
+        for group, (name, pull) in zip(self.param_groups, self._PULLS.items()):
+            getattr(self._splats, name).lerp_(self._start[name], min(group["lr"] * pull * self._pull, 1))
+        return out
+
+
 # --- Losses, on encoded pictures [...,height,width,3] in [0,1] and on maps. ---
 
 
@@ -452,74 +478,64 @@ def psnr(picture: Tensor, target: Tensor) -> Tensor:
     return -10 * torch.log10((picture - target).square().mean())
 
 
-def l1_loss(picture: Tensor, target: Tensor) -> Tensor:
-    """Mean absolute difference (FF-ProCams, Eq. 18)."""
-    return (picture - target).abs().mean()
-
-
-_TAPS, _RADIUS = 11, 5
-_windows: dict[int, Tensor] = {}
-
-
-def _window(side: int) -> Tensor:
-    """[side,side] matrix that blurs a column by a Gaussian of sigma 1.5 over 11 pixels, with zeros beyond its ends."""
-    if side not in _windows:
-        x = torch.arange(_TAPS) - _RADIUS
-        taps = torch.exp(-0.5 * (x / 1.5) ** 2)
-        off = torch.arange(side)[:, None] - torch.arange(side)[None, :] + _RADIUS
-        inside = (off >= 0) & (off < _TAPS)
-        _windows[side] = torch.where(inside, (taps / taps.sum())[off.clamp(0, _TAPS - 1)], torch.zeros(()))
-    return _windows[side]
-
-
-def _blur(planes: Tensor) -> Tensor:
-    """[n,height,width]; symmetric, so that it is its own adjoint. Small pictures as products with a band matrix."""
-    height, width = planes.shape[1:]
-    if max(height, width) <= 256:
-        return _window(height).to(planes.dtype) @ planes @ _window(width).to(planes.dtype)
-    taps = _window(_TAPS)[_RADIUS].to(planes.dtype)
-    rows = torch.nn.functional.conv2d(planes[:, None], taps.view(1, 1, 1, -1), padding=(0, _RADIUS))
-    return torch.nn.functional.conv2d(rows, taps.view(1, 1, -1, 1), padding=(_RADIUS, 0))[:, 0]
-
-
-class _Ssim(torch.autograd.Function):
-    """Means over [n,height,width] planes; the slopes with respect to the local moments are found on the way."""
+class _PictureLoss(torch.autograd.Function):
+    """The library's loss of pictures (ffp_picture_loss); its gradient is found on the way."""
 
     @staticmethod
-    def forward(ctx: FunctionCtx, a: Tensor, b: Tensor) -> Tensor:
-        n, c1, c2 = len(a), 1e-4, 9e-4
-        mean_a, mean_b, aa, bb, ab = _blur(torch.cat((a, b, a * a, b * b, a * b))).split(n)
-        product, squares = mean_a * mean_b, mean_a * mean_a + mean_b * mean_b
-        top1, top2 = 2 * product + c1, 2 * (ab - product) + c2
-        bottom1, bottom2 = squares + c1, aa + bb - squares + c2
-        inverse = 1 / (bottom1 * bottom2)
-        index = top1 * top2 * inverse
-        if ctx.needs_input_grad[0]:  # type: ignore[attr-defined]
-            slope_a = 2 * mean_b * (top2 - top1) * inverse + 2 * mean_a * index * (1 / bottom2 - 1 / bottom1)
-            ctx.save_for_backward(a, b, slope_a, -index / bottom2, 2 * top1 * inverse)
-        return index.mean()
+    def forward(ctx: Any, picture: Tensor, target: Tensor, l1: float, ssim: float) -> Tensor:
+        if picture.dim() < 3 or picture.shape[-1] != 3 or picture.numel() == 0:
+            raise argument_error(f"shape {tuple(picture.shape)} is not [...,height,width,3]", "picture")
+        shape = tuple(picture.shape)
+        given, wanted = _floats(picture, "picture", shape), _floats(target, "target", shape)
+        gradient = torch.empty_like(given) if ctx.needs_input_grad[0] else None
+        pictures, loss = ffi.new("FfpPictureLoss *"), ffi.new("double *")
+        pictures.count, pictures.height, pictures.width = (
+            given.numel() // (3 * shape[-2] * shape[-3]),
+            *shape[-3:-1],
+        )
+        pictures.pictures, pictures.targets, pictures.gradients = _at(given), _at(wanted), _at(gradient)
+        pictures.l1, pictures.ssim = l1, ssim
+        with _call_of(torch.get_num_threads()) as call:
+            call.check(lib.ffp_picture_loss(call.context, pictures, loss, call.error))
+        ctx.gradient = gradient
+        return torch.tensor(loss[0], dtype=picture.dtype)
 
     @staticmethod
     @torch.autograd.function.once_differentiable
-    def backward(ctx: Any, grad: Tensor) -> tuple[Tensor, None]:
-        a, b, *slopes = ctx.saved_tensors
-        by_a, by_aa, by_ab = _blur(torch.cat(slopes)).split(len(a))
-        return grad / a.numel() * (by_a + 2 * a * by_aa + b * by_ab), None
+    def backward(ctx: Any, grad: Tensor) -> tuple[Tensor | None, None, None, None]:
+        gradient = ctx.gradient
+        return gradient if gradient is None or float(grad) == 1 else gradient * grad, None, None, None
 
 
-def _planes(picture: Tensor) -> Tensor:
-    return picture.reshape(-1, *picture.shape[-3:]).permute(0, 3, 1, 2).reshape(-1, *picture.shape[-3:-1])
+def _call_of(threads: int) -> Call:
+    """One call a thread, which is made once."""
+    calls: dict[Any, Call] = _calls.__dict__
+    if threads not in calls:
+        calls[threads] = Call(threads=threads)
+    return calls[threads]
+
+
+_calls = threading.local()
+
+
+def _picture_loss(picture: Tensor, target: Tensor, l1: float, ssim: float) -> Tensor:
+    return _PictureLoss.apply(picture, target.detach(), l1, ssim)  # type: ignore[no-any-return, no-untyped-call]
+
+
+def l1_loss(picture: Tensor, target: Tensor) -> Tensor:
+    """Mean absolute difference of pictures [...,height,width,3] (FF-ProCams, Eq. 18). The target is a constant."""
+    return _picture_loss(picture, target, 1, 0)
 
 
 def ssim(picture: Tensor, target: Tensor) -> Tensor:
     """Mean structural similarity (Wang et al. 2004): 11 x 11 Gaussian, sigma 1.5, zero padding. The target is a
     constant."""
-    return _Ssim.apply(_planes(picture), _planes(target.detach()))  # type: ignore[no-any-return, no-untyped-call]
+    return 1 - _picture_loss(picture, target, 0, 1)
 
 
 def photometric_loss(picture: Tensor, target: Tensor) -> Tensor:
-    """0.8 L1 + 0.2 (1 - SSIM), as the paper and the library's fits have it."""
-    return 0.8 * l1_loss(picture, target) + 0.2 * (1 - ssim(picture, target))
+    """0.8 L1 + 0.2 (1 - SSIM), as the paper and the library's fits have it. The target is a constant."""
+    return _picture_loss(picture, target, 0.8, 0.2)
 
 
 def mask_loss(opacity: Tensor, mask: Tensor) -> Tensor:

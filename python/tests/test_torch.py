@@ -112,6 +112,22 @@ def test_gradients_of_gaussians(few, devices, pattern, name) -> None:  # type: i
     assert numeric == pytest.approx(analytic, rel=0.06)
 
 
+@pytest.mark.parametrize("name", ["albedo", "roughness", "ambient", "intensity", "pattern"])
+def test_gradients_with_shadows(few, devices, pattern, name) -> None:  # type: ignore[no-untyped-def]
+    """In the shipped form, of what leaves shadows and footprints where they are."""
+    light = torch.tensor([6.0, 7.0, 8.0])
+    at = {"intensity": light, "pattern": pattern}.get(name, getattr(few, name, None))
+
+    def loss(x: torch.Tensor) -> torch.Tensor:
+        parts = few._replace(**{name: x}) if name in few._fields else few
+        shown, power = x if name == "pattern" else pattern, x if name == "intensity" else light
+        drawn = layer.render(parts, *devices, [None, shown], power, samples=2, linear=True)
+        return drawn.double().square().sum()
+
+    analytic, numeric = slope(loss, at, STEPS.get(name, 1e-2))
+    assert numeric == pytest.approx(analytic, rel=0.02)
+
+
 def test_gradients_of_light(few, devices, pattern) -> None:  # type: ignore[no-untyped-def]
     def by_pattern(x: torch.Tensor) -> torch.Tensor:
         return render_of(few, devices, pattern, shown=x).double().square().sum()
@@ -176,21 +192,137 @@ def test_losses_against_differences() -> None:
     target = torch.rand(1, 12, 14, 3, dtype=torch.float64)
     picture = torch.rand(1, 12, 14, 3, dtype=torch.float64, requires_grad=True)
     mask = (torch.rand(12, 14, dtype=torch.float64) > 0.3).double()
-    assert torch.autograd.gradcheck(lambda x: layer.ssim(x, target), picture)
-    assert torch.autograd.gradcheck(lambda x: layer.photometric_loss(x, target), picture)
     assert torch.autograd.gradcheck(lambda x: layer.normal_smooth_loss(x[0], mask), picture)
     assert torch.autograd.gradcheck(lambda x: layer.mask_loss(x[0, ..., 0], mask), picture)
     assert torch.autograd.gradcheck(lambda x: layer.depth_loss(x[0, ..., 1], mask), picture)
     assert torch.autograd.gradcheck(
         lambda x: layer.roughness_smooth_loss(x[0, ..., 1], target[0], mask), picture
     )
-    wide = torch.rand(300, 8, 3)  # by convolution
-    assert float(layer.ssim(wide, wide)) == pytest.approx(1)
-    small = torch.rand(8, 8, 3)
-    assert float(layer.ssim(wide[:200], wide[:200] * 0.5)) == pytest.approx(
-        float(layer._Ssim.apply(layer._planes(wide[:200]), layer._planes(wide[:200] * 0.5)))
+
+
+@pytest.mark.parametrize("loss", ["l1_loss", "ssim", "photometric_loss"])
+def test_losses_of_pictures(loss: str) -> None:
+    """Those of the library, in single precision; several pictures are a mean."""
+    torch.manual_seed(4)
+    pictures, targets = torch.rand(2, 2, 20, 14, 3), torch.rand(2, 2, 20, 14, 3)
+    of = getattr(layer, loss)
+    parts = [float(of(p, t)) for p, t in zip(pictures.flatten(0, 1), targets.flatten(0, 1))]
+    assert float(of(pictures, targets)) == pytest.approx(np.mean(parts), rel=1e-5)
+    analytic, numeric = slope(lambda x: of(x, targets).double(), pictures, 1e-3)
+    assert numeric == pytest.approx(analytic, rel=0.02)
+    x = pictures.clone().requires_grad_()
+    (once,) = torch.autograd.grad(of(x, targets), x)
+    (twice,) = torch.autograd.grad(2 * of(x, targets), x)
+    assert torch.allclose(twice, 2 * once)
+    with pytest.raises(ffprocams.ArgumentError, match="float32"):
+        of(pictures.double(), targets)
+    with pytest.raises(ffprocams.ArgumentError, match="target"):
+        of(pictures, targets[:1])
+    with pytest.raises(ffprocams.ArgumentError, match="picture"):
+        of(pictures[..., :2], targets[..., :2])
+
+
+def test_ssim_is_a_likeness() -> None:
+    shown = torch.rand(64, 48, 3, generator=torch.Generator().manual_seed(5))
+    assert float(layer.ssim(shown, shown)) == pytest.approx(1)
+    assert float(layer.ssim(shown, 1 - shown)) < 0.5
+    # Of two even pictures nothing but their means counts, away from the border.
+    a, b = torch.full((41, 41, 3), 0.3), torch.full((41, 41, 3), 0.6)
+    inner = (2 * 0.3 * 0.6 + 1e-4) / (0.3**2 + 0.6**2 + 1e-4)
+    assert float(layer.ssim(a, b)) == pytest.approx(inner, abs=0.12)
+    assert float(layer.l1_loss(a, b)) == pytest.approx(0.3, rel=1e-5)
+    assert float(layer.photometric_loss(a, b)) == pytest.approx(
+        0.8 * 0.3 + 0.2 * (1 - float(layer.ssim(a, b))), rel=1e-5
     )
-    assert float(layer.ssim(small, 1 - small)) < 0.5
+
+
+def test_the_fit_keeps_near_its_start(capture, gaussians) -> None:  # type: ignore[no-untyped-def]
+    """SplatAdam draws back towards the start, and moves all roughness together."""
+    moved = []
+    for pull in (0.0, 20.0):
+        splats = layer.Splats(gaussians)
+        adam, before = layer.SplatAdam(splats, 10, pull=pull), splats.albedo.detach().clone()
+        for _ in range(10):
+            adam.zero_grad()
+            parts = splats()
+            (parts.albedo.sum() + parts.roughness[:5].sum()).backward()
+            adam.step()
+        moved.append(float((splats.albedo.detach() - before).abs().mean()))
+        rough = splats.roughness.detach() - layer.Splats(gaussians).roughness.detach()
+        assert float(rough[5:].max()) < -0.05 and float(rough[5:].std()) < 1e-5
+    assert 0 < moved[1] < 0.8 * moved[0]
+    with pytest.raises(ffprocams.ArgumentError, match="steps"):
+        layer.SplatAdam(layer.Splats(gaussians), 0)
+
+
+@pytest.fixture(scope="module")
+def prepared(capture: ffprocams.Capture) -> layer.Prepared:
+    return layer.Prepared.of(capture)
+
+
+def in_order(found: np.ndarray, all_of: np.ndarray, apart: float) -> list[int]:
+    """The row of all_of for each row of found, which are some of them in the same order."""
+    rows, at = [], 0
+    for centre in found:
+        while np.abs(all_of[at] - centre).max() > apart:
+            at += 1
+        rows.append(at)
+        at += 1
+    return rows
+
+
+def test_the_network_gives_the_library_s_numbers(capture, prepared, tmp_path) -> None:  # type: ignore[no-untyped-def]
+    """With the shipped weights, and with others that went back into the library and through a file."""
+    network, worst = layer.Network(), {}
+    for tuned in (False, True):
+        if tuned:
+            with torch.no_grad():
+                for weight in network.heads():
+                    weight.mul_(1.02)
+            network.model().save(tmp_path / "tuned.safetensors", exact=True)
+        with torch.no_grad():
+            parts = network(prepared)
+        model = tmp_path / "tuned.safetensors" if tuned else None
+        theirs = ffprocams.reconstruct(capture, model, polish=0, layers=0)
+        rows = in_order(theirs.centre, parts.centre.numpy(), 1e-4 * capture.radius)
+        assert len(rows) > 0.9 * len(prepared)
+        for name, array in theirs.arrays().items():
+            worst[name] = np.abs(getattr(parts, name).numpy()[rows] - array).max()
+            assert worst[name] < 3e-5 * (capture.radius if name in ("centre", "scale") else 1), (name, worst)
+
+
+def test_the_network_learns(prepared: layer.Prepared) -> None:
+    """Gradients reach every weight that has a part in the result, and agree with a difference."""
+    network = layer.Network()
+    rows = torch.arange(0, len(prepared), 40)
+    few = layer.Prepared(prepared.inputs, prepared.used, prepared.row[rows], prepared.weight[rows],
+                         prepared.own[rows], prepared.context, prepared.base[rows], prepared.centre, prepared.radius)  # fmt: skip
+
+    def loss() -> torch.Tensor:
+        parts = network(few)
+        return parts.albedo.double().square().sum() + parts.centre.double().square().sum()
+
+    loss().backward()
+    without = {name for name, p in network.named_parameters() if p.grad is None or not p.grad.abs().max() > 0}
+    assert without == {"pixel_context"}  # the sample's tokens are of its own pixels
+    for name in ("blocks.3.qkv", "blocks.2.reverse.a_log"):
+        weight = network.at(name)
+        assert weight.grad is not None
+        way = weight.grad / weight.grad.norm()
+        slope_of, ends, step = float((weight.grad * way).sum()), [], 2e-3 / float(weight.grad.norm() + 1)
+        for sign in (1, -1):
+            with torch.no_grad():
+                weight += sign * step * way
+                ends.append(float(loss()))
+                weight -= sign * step * way
+        assert (ends[0] - ends[1]) / (2 * step) == pytest.approx(slope_of, rel=0.05), name
+
+
+def test_what_the_network_refuses(capture: ffprocams.Capture, tmp_path) -> None:  # type: ignore[no-untyped-def]
+    with pytest.raises(ffprocams.Error, match="nowhere.safetensors"):
+        layer.Network(tmp_path / "nowhere.safetensors")
+    with pytest.raises(ffprocams.Error, match="stripes"):
+        layer.Prepared.of(capture, pattern="stripes")
 
 
 def test_what_is_refused(few, devices, pattern) -> None:  # type: ignore[no-untyped-def]

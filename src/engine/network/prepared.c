@@ -97,7 +97,7 @@ static void prepare_taps(FfpPrepared *p, const Source *s) {
 static bool check(const FfpModelConfig *config, const FfpInputSource *source, FfpError *err) {
     if (config->appearance_cnn)
         return ffp_fail(err, FFP_ERROR_UNSUPPORTED, "appearance_cnn",
-                        "this head does not run on the device: use the CPU");
+                        "this head runs inside the library, on the CPU, alone");
     return ffp_inputs_check(config, source, err);
 }
 

@@ -206,40 +206,85 @@ static void warn_of_gaps(const FfpCapture *capture) {
         ffp_note("%d views: sides of the object that none of them shows will be missing", capture->n_views);
 }
 
+// The photographs to work on, normalised, without noise, of one size. False: an option or the memory does not
+// fit. *clean and photographs are end's.
+static bool begin(Work *w, const FfpCapture *capture, const FfpReconstruction *options, int *photographs,
+                  FfpImage **clean, FfpReconstructionStats *stats, FfpError *err) {
+    const int n = ffp_capture_photographs(capture, options->patterns, options->n_patterns, photographs, err);
+    if (n < 0 || !ffp_check_memory(capture, options, ffp_memory_available(), err)) return false;
+    *w = (Work){.capture = ffp_normalised_alias(capture), .photographs = photographs, .n_photographs = n};
+    leave_repeated_views_out(&w->capture);
+    warn_of_gaps(&w->capture);
+    *stats = (FfpReconstructionStats){.patterns = n - FIRST_PATTERN, .noise = options->noise};
+    const double started = ffp_seconds();
+    *clean = ffp_denoise_capture(&w->capture, photographs, n, &stats->noise);
+    stats->denoise_s = ffp_seconds() - started;
+    snprintf(stats->pattern, sizeof stats->pattern, "%s", capture->patterns[photographs[FIRST_PATTERN]].name);
+    w->padded =
+        ffp_padded_capture(&w->capture, photographs, n, options->model ? options->model->config.patch : 1);
+    return true;
+}
+
+static void end(Work *w, FfpImage *clean) {
+    ffp_free(w->pixel);
+    ffp_initialisation_free(&w->start);
+    ffp_padded_capture_free(&w->padded, &w->capture);
+    ffp_denoise_free(clean, &w->capture, w->photographs, w->n_photographs);
+    ffp_normalised_alias_free(&w->capture);
+}
+
 FfpGaussians *ffp_reconstruction_run(const FfpCapture *capture, const FfpReconstruction *options,
                                      FfpReconstructionStats *stats_out, FfpError *err) {
     int photographs[FFP_PATTERNS_MAX];
-    const int n = ffp_capture_photographs(capture, options->patterns, options->n_patterns, photographs, err);
-    if (n < 0 || !ffp_check_memory(capture, options, ffp_memory_available(), err)) return NULL;
-    Work w = {.capture = ffp_normalised_alias(capture), .photographs = photographs, .n_photographs = n};
-    leave_repeated_views_out(&w.capture);
-    warn_of_gaps(&w.capture);
-    FfpReconstructionStats stats = {.patterns = n - FIRST_PATTERN, .noise = options->noise};
+    Work w;
+    FfpImage *clean;
+    FfpReconstructionStats stats;
     FfpGaussians *gaussians = NULL;
-    const double begin = ffp_seconds();
-    FfpImage *clean = ffp_denoise_capture(&w.capture, photographs, n, &stats.noise);
-    stats.denoise_s = ffp_seconds() - begin;
-    snprintf(stats.pattern, sizeof stats.pattern, "%s", capture->patterns[photographs[FIRST_PATTERN]].name);
-    w.padded =
-        ffp_padded_capture(&w.capture, photographs, n, options->model ? options->model->config.patch : 1);
+    if (!begin(&w, capture, options, photographs, &clean, &stats, err)) return NULL;
     if (predict_and_polish(&w, options, &stats, err)) {
         ffp_gaussians_keep_drawn(&w.result);
         stats.gaussians = w.result.count;
         ffp_gaussians_transform(&w.result, capture->centre, capture->radius);
         gaussians = ffp_alloc(1, sizeof *gaussians);
         *gaussians = w.result;
-        for (int i = FIRST_PATTERN; i < n; i++)
+        for (int i = FIRST_PATTERN; i < w.n_photographs; i++)
             ffp_made_from_add(gaussians->made_from, capture->patterns[photographs[i]].name);
         if (stats_out) *stats_out = stats;
     } else {
         ffp_gaussians_free(&w.result);
     }
-    ffp_free(w.pixel);
-    ffp_initialisation_free(&w.start);
-    ffp_padded_capture_free(&w.padded, &w.capture);
-    ffp_denoise_free(clean, &w.capture, photographs, n);
-    ffp_normalised_alias_free(&w.capture);
+    end(&w, clean);
     return gaussians;
+}
+
+static FfpPrepared *prepare(Work *w, const FfpModelConfig *config, FfpError *err) {
+    int n;
+    const int *patterns = patterns_of(w, &n);
+    const FfpMatchSettings settings = ffp_match_defaults();
+    FfpPixelContext context;
+    if (!ffp_initialisation_new(&w->start, &w->padded, patterns, n, &settings, err) ||
+        !ffp_pixel_context_new(&context, config, &w->padded, &w->start, patterns, n, err))
+        return NULL;
+    FfpPrepared *prepared = ffp_prepared_new(config, &w->padded, &w->start, &context, patterns[0], err);
+    ffp_pixel_context_free(&context);
+    return prepared;
+}
+
+FfpPrepared *ffp_reconstruction_inputs(const FfpCapture *capture, const FfpReconstruction *options,
+                                       FfpError *err) {
+    int photographs[FFP_PATTERNS_MAX];
+    Work w;
+    FfpImage *clean;
+    FfpReconstructionStats stats;
+    if (capture->scene) {
+        ffp_fail(err, FFP_ERROR_UNSUPPORTED, capture->folder,
+                 "a capture of a whole scene: the network has learned objects");
+        return NULL;
+    }
+    if (!begin(&w, capture, options, photographs, &clean, &stats, err)) return NULL;
+    FfpPrepared *prepared = prepare(&w, &options->model->config, err);
+    end(&w, clean);
+    return prepared;
 }
 
 bool ffp_reconstruction_score(const FfpGaussians *gaussians, const FfpCapture *capture,

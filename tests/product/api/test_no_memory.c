@@ -55,6 +55,20 @@ static bool by_network(FfpContext *context, const char *out, FfpError *err) {
     return reconstruct(context, in_scratch("weights"), out, err);
 }
 
+static bool prepare(FfpContext *context, const char *out, FfpError *err) {
+    FfpCapture *capture = ffp_capture_open(context, in_scratch("capture"), err);
+    FfpModel *model = capture ? ffp_model_open(context, in_scratch("weights"), err) : NULL;
+    const FfpReconstruction how = {.model = model};
+    FfpPrepared *prepared = model ? ffp_prepare(context, capture, &how, err) : NULL;
+    const FfpPreparedArrays a = prepared ? ffp_prepared_arrays(prepared) : (FfpPreparedArrays){0};
+    const size_t size = (size_t)a.tokens * (size_t)a.token_width * sizeof *a.inputs;
+    const bool ok = prepared && ffp_write_file(out, a.inputs, size, err);
+    ffp_prepared_close(prepared);
+    ffp_model_close(model);
+    ffp_capture_close(capture);
+    return ok;
+}
+
 static FfpGaussians *given(FfpContext *context, FfpError *err) {
     return ffp_gaussians_open(context, in_scratch("given.ply"), err);
 }
@@ -369,10 +383,10 @@ static void no_memory_elsewhere(void **state) {
     static const struct {
         Work *work;
         int stride;
-    } works[] = {{refine, 3},      {render, 3},     {draw, 1},        {differentiate, 1}, {compensate, 3},
-                 {map, 3},         {page, 1},       {evaluate, 7},    {export_ply, 1},    {export_spz, 1},
-                 {export_gltf, 1}, {export_obj, 3}, {export_mesh, 3}, {inform, 1},        {copy_capture, 3},
-                 {align, 199},     {generate, 13},  {train, 29}};
+    } works[] = {{prepare, 11},     {refine, 3},      {render, 3},     {draw, 1},        {differentiate, 1},
+                 {compensate, 3},   {map, 3},         {page, 1},       {evaluate, 7},    {export_ply, 1},
+                 {export_spz, 1},   {export_gltf, 1}, {export_obj, 3}, {export_mesh, 3}, {inform, 1},
+                 {copy_capture, 3}, {align, 199},     {generate, 13},  {train, 29}};
     for (size_t i = 0; i < sizeof works / sizeof *works; i++)
         without_memory(works[i].work, 2, works[i].stride);
     ffp_renderer_close(renderer);
