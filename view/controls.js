@@ -10,6 +10,13 @@ function orbit(pose, target, up, across, over) {
   return height(tilted) > 0.995 && height(tilted) > height(turned) ? turned : tilted; // what starts there comes away
 }
 
+// Like a head: across about `up`, and over towards zenith and nadir but not beyond.
+function lookAround(pose, up, across, over) {
+  const eye = positionOf(pose), turned = turnPose(pose, up, across, eye), tilted = turnPose(turned, axisOf(turned, 0), over, eye);
+  const height = (p) => Math.abs(dot3(axisOf(p, 2), up));
+  return height(tilted) > 0.995 && height(tilted) > height(turned) ? turned : tilted;
+}
+
 class Controls {
   constructor(app, element) {
     this.app = app;
@@ -75,7 +82,7 @@ class Controls {
 
   drag(action, dx, dy) {
     const {app} = this;
-    if (action === 'orbit') app.setCamera(orbit(app.pose, app.target, app.up, -dx * TURN, -dy * TURN));
+    if (action === 'orbit') app.turn(dx * TURN, dy * TURN);
     if (action === 'pan') app.pan(dx, dy);
     if (action === 'projector')
       app.setProjectorPose(orbit(app.projector.device.pose, app.target, app.up, dx * TURN, dy * TURN));

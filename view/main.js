@@ -66,16 +66,31 @@ class App {
     this.invalidate(true);
   }
 
+  // By a drag of so many radians: around the object, or, in a whole scene, as if the picture were taken hold of.
+  turn(across, over) {
+    if (this.scene.whole) this.setCamera(lookAround(this.pose, this.up, across / 2, over / 2));
+    else this.setCamera(orbit(this.pose, this.target, this.up, -across, -over));
+  }
+
+  // In a whole scene: so many radii forward and to the right, at the same height.
+  walk(ahead, aside) {
+    const level = (axis) => normalise3(sub3(axis, scale3(this.up, dot3(axis, this.up))));
+    const right = level(axisOf(this.pose, 0)), forward = cross3(this.up, right), radius = this.scene.radius || 1;
+    this.setCamera(movePose(this.pose, add3(scale3(forward, ahead * radius), scale3(right, aside * radius))));
+  }
+
+  // Closer to the object or farther from it; forward and back in a whole scene.
   dolly(factor) {
+    if (this.scene.whole) return this.walk(-Math.log(factor), 0);
     const away = sub3(positionOf(this.pose), this.target), distance = length3(away), radius = this.scene.radius || 1;
     const next = clamp(distance * factor, 0.2 * radius, 40 * radius);
     this.setCamera(movePose(this.pose, scale3(away, next / distance - 1)));
   }
 
   pan(dx, dy) {
-    const camera = this.screenCamera(), depth = length3(sub3(positionOf(this.pose), this.target));
+    const {whole} = this.scene, camera = this.screenCamera(), depth = whole ? this.scene.radius || 1 : length3(sub3(positionOf(this.pose), this.target));
     const by = add3(scale3(axisOf(this.pose, 0), -dx * depth / camera.fx), scale3(axisOf(this.pose, 1), -dy * depth / camera.fy));
-    this.target = add3(this.target, by);
+    if (!whole) this.target = add3(this.target, by);
     this.setCamera(movePose(this.pose, by));
   }
 
@@ -136,9 +151,12 @@ class App {
     this.changed('device');
   }
 
+  // How near to the middle a projector may come: an object is solid, a whole scene is not.
+  get nearest() { return (this.scene.whole ? 0.2 : 1.05) * (this.scene.radius || 1); }
+
   moveProjectorAway(factor) {
     const {pose} = this.projector.device, away = sub3(positionOf(pose), this.scene.centre), radius = this.scene.radius || 1;
-    const next = clamp(length3(away) * factor, 1.05 * radius, 30 * radius);
+    const next = clamp(length3(away) * factor, this.nearest, 30 * radius);
     this.setProjectorPose(movePose(pose, scale3(away, next / length3(away) - 1)));
   }
 

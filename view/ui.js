@@ -160,7 +160,7 @@ function buildSettings(app) {
   }, () => `${fieldOf(app.projector.device).toFixed(0)}°`);
   const distance = () => length3(sub3(positionOf(app.projector.device.pose), app.scene.centre));
   const radius = app.scene.radius || 1;
-  Object.assign($('distance'), {min: 1.05 * radius, max: 8 * radius, step: radius / 100});
+  Object.assign($('distance'), {min: app.nearest, max: 8 * radius, step: radius / 100});
   bind(app, 'distance', distance, (wanted) => app.moveProjectorAway(wanted / distance()), () => `${(distance() / radius).toFixed(1)} r`);
   let roll = 0;
   bind(app, 'roll', () => roll, (degrees) => {
@@ -302,13 +302,26 @@ function takesKey(target, key) {
   return key === ' ' && !!target.closest && !!target.closest('input, button, summary');
 }
 
+// Turns, or moves what is chosen; in a whole scene the camera walks ahead and back.
+function arrow(app, controls, event) {
+  const [x, y] = ARROWS[event.key].map((d) => 16 * d), {whole} = app.scene;
+  if (app.mode === 'projector') controls.drag(event.shiftKey ? 'aim' : 'projector', x, y);
+  else if (whole && !event.shiftKey && y) app.walk(-y / 200, 0);
+  else if (whole && event.shiftKey && x) app.walk(0, x / 200);
+  else controls.drag(event.shiftKey ? 'pan' : 'orbit', whole && !event.shiftKey ? -x : x, y);
+}
+
+// What the page says about a whole scene in place of an object (data-whole, data-whole-title).
+function nameWhole() {
+  for (const told of document.querySelectorAll('[data-whole]')) told.textContent = told.dataset.whole;
+  for (const told of document.querySelectorAll('[data-whole-title]')) told.title = told.dataset.wholeTitle;
+}
+
 function buildKeys(app, controls) {
   addEventListener('keydown', (event) => {
     if (takesKey(event.target, event.key) || event.ctrlKey || event.metaKey || event.altKey || $('keys').open) return;
     if (ARROWS[event.key]) {
-      const [x, y] = ARROWS[event.key].map((d) => 16 * d);
-      const action = app.mode === 'projector' ? (event.shiftKey ? 'aim' : 'projector') : event.shiftKey ? 'pan' : 'orbit';
-      controls.drag(action, x, y);
+      arrow(app, controls, event);
     } else if (/^[1-9]$/.test(event.key)) {
       const view = app.scene.views[Number(event.key) - 1];
       if (view) jumpTo(app, view);
@@ -347,8 +360,9 @@ function buildPhotograph(app) {
 function buildPage(app) {
   const {scene} = app;
   document.title = scene.name || 'FF-ProCams';
-  $('name').textContent = scene.name || 'Object';
+  $('name').textContent = scene.name || (scene.whole ? 'Scene' : 'Object');
   $('about').textContent = `${scene.splats.count.toLocaleString('en')} splats`;
+  if (scene.whole) nameWhole();
   if (innerWidth > 700) document.body.classList.add('with-panel');
   buildViews(app);
   buildProjectors(app);

@@ -174,7 +174,8 @@ char *ffp_page_scene(const FfpPageContent *source, FfpByteBuffer *packed, FfpPag
     write_string(w.out, capture->name);
     fputs(",\"centre\":", w.out);
     write_numbers(w.out, capture->centre, 3);
-    fprintf(w.out, ",\"radius\":%.9g,\"intensity\":", (double)capture->radius);
+    fprintf(w.out, ",\"radius\":%.9g,\"whole\":%s,\"intensity\":", (double)capture->radius,
+            capture->scene ? "true" : "false");
     write_numbers(w.out, capture->intensity, 3);
     fputs(",\n", w.out);
     write_drawing(w.out, source->settings);

@@ -476,6 +476,25 @@ def check_turning(check, page):
     check("a device overhead can be tilted away", max(angles) > 0.15 and min(angles) > -0.01, " ".join(f"{a:.2f}" for a in angles))
 
 
+def check_walking(check, page):
+    """In a whole scene the camera turns where it stands and walks at its height; an object is gone around."""
+    page.run("viewer.scene.whole = true; viewer.jump(viewer.scene.views[0], false); true")
+    stands, turned, right = page.run("""(() => { const before = viewer.pose, ahead = axisOf(before, 2);
+        viewer.turn(0.4, 0); const after = viewer.pose, seen = axisOf(after, 2);
+        return [length3(sub3(positionOf(after), positionOf(before))), Math.acos(dot3(ahead, seen)), dot3(seen, axisOf(before, 0))]; })()""")
+    check("in a scene a drag turns the camera where it stands", stands < 1e-6 and 0.15 < turned <= 0.2001 and right < 0, f"{turned:.3f} rad, moved {stands:.1g}")
+    far, rise, ahead = page.run("""(() => { const before = positionOf(viewer.pose), look = axisOf(viewer.pose, 2); viewer.dolly(Math.exp(-0.5));
+        const by = sub3(positionOf(viewer.pose), before); return [length3(by) / viewer.scene.radius, dot3(by, viewer.up), dot3(by, look)]; })()""")
+    check("the wheel walks at one height", abs(far - 0.5) < 1e-3 and abs(rise) < 1e-3 * far and ahead > 0, f"{far:.3f} radii, rises {rise:.1g}")
+    page.run("document.activeElement.blur(); window.stood = viewer.pose; true")
+    page.key("ArrowUp", "ArrowUp", windowsVirtualKeyCode=38)
+    check("an arrow walks ahead", page.run("dot3(sub3(positionOf(viewer.pose), positionOf(stood)), axisOf(stood, 2)) > 0.05 * viewer.scene.radius"))
+    over = page.run("""(() => { const {up} = viewer; let pose = viewer.pose; for (let i = 0; i < 200; i++) pose = lookAround(pose, up, 0, 0.05);
+        return [dot3(axisOf(pose, 2), up), dot3(axisOf(pose, 1), up)]; })()""")
+    check("nobody looks over the zenith", over[0] > 0.9 and over[1] < 0, " ".join(f"{a:.2f}" for a in over))
+    page.run("viewer.scene.whole = false; viewer.jump(viewer.scene.views[0], true); idle()")
+
+
 def check_memory(check, page):
     """Samples as far as the graphics memory goes."""
     page.hold(True)
@@ -772,6 +791,7 @@ def main():
             check_comparison(check, page)
             check_keys(check, page)
             check_turning(check, page)
+            check_walking(check, page)
             check_targets(check, page)
             check_contents(check, page, folder)
             check_broken(check, page)
