@@ -1,12 +1,14 @@
 // How much nearer a compensated projection brings what a camera sees to its target.
-//   compensate_report [-m WEIGHTS] [-t TARGET].. [-v VIEWS] [-s STEPS] [-a] [-g] [-o REPORT.html] CAPTURE..
+//   compensate_report [-m WEIGHTS] [-t TARGET].. [-v VIEWS] [-s STEPS] [-a] [-g] [-p] [-o REPORT.html]
+//   CAPTURE..
 // -m: weights of the reconstruction (default: the classical initialisation alone). -t: target images. -v: how
 // many views of a capture (default 2). -a: absolute targets with automatic gain (default: light painted on
-// the object). -g: Gaussians only, no photographs for the response. Patterns are computed from the
-// reconstruction alone. The judge knows nothing of it: it looks the pattern up at the capture's true depth,
-// black + (white - black) * pattern, with the photographs' black and white. PSNR is over the object's pixels
-// that the projector lights in the photographs, of encoded 8-bit pictures. The unwarped projection has the
-// brightness that suits it best.
+// the object). -g: Gaussians only, no photographs for the response. -p: all projectors at once, where several
+// views have the same camera and each another projector. Patterns are computed from the reconstruction alone.
+// The judge knows nothing of it: it looks the pattern up at the capture's true depth, black + (white - black)
+// * pattern, with the photographs' black and white. PSNR is over the object's pixels that the projector
+// lights in the photographs, of encoded 8-bit pictures. The light of several projectors adds up. The unwarped
+// projection has the brightness that suits it best.
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -22,6 +24,7 @@
 #include "lab/eval/report.h"
 
 #define TARGETS_MAX 16
+#define PROJECTORS_MAX 4
 #define BRIGHTNESSES 24 // tried for the unwarped projection, each 0.8 times the one before
 
 typedef struct Figures {
@@ -31,7 +34,7 @@ typedef struct Figures {
 typedef struct Bench {
     const char *targets[TARGETS_MAX];
     int n_targets, views, steps;
-    bool photographs, paint; // options of the compensation
+    bool photographs, paint, together; // options of the compensation
     FfpModel *model;
     FfpReport *report;
     FfpRenderSettings settings;
@@ -41,8 +44,22 @@ typedef struct Bench {
     FfpGaussians *gaussians;
 } Bench;
 
-// What the camera sees under a pattern.
-static FfpImage judge(const Bench *bench, int view, const FfpImage *pattern) {
+// Views of one camera, each lit by another projector.
+typedef struct Place {
+    int count, view[PROJECTORS_MAX];
+} Place;
+
+static Place place_of(const Bench *bench, int view) {
+    Place place = {1, {view}};
+    const FfpView *views = bench->capture->views;
+    for (int v = 0; bench->together && v < bench->capture->n_views && place.count < PROJECTORS_MAX; v++)
+        if (v != view && ffp_same_device(&views[v].camera, &views[view].camera))
+            place.view[place.count++] = v;
+    return place;
+}
+
+// What the camera sees under one projector's pattern, encoded.
+static FfpImage judge_one(const Bench *bench, int view, const FfpImage *pattern) {
     FfpCapture seen = bench->normalised;
     FfpPattern ours = {.image = *pattern};
     FfpView *own = &seen.views[view];
@@ -51,26 +68,43 @@ static FfpImage judge(const Bench *bench, int view, const FfpImage *pattern) {
     patterns[seen.n_patterns] = ours;
     seen.patterns = patterns;
     FfpImage picture = ffp_predict_by_lookup(&seen, view, seen.n_patterns, own->depth.data);
-    ffp_quantise(&picture);
     ffp_free(patterns);
     return picture;
 }
 
-static FfpImage photographed_light(const Bench *bench, int view) {
-    const FfpView *v = &bench->capture->views[view];
-    const real *black = v->images[bench->capture->black].data, *white = v->images[bench->capture->white].data;
-    FfpImage lit = ffp_image_new(v->camera.width, v->camera.height, 1);
-    for (int p = 0; p < lit.width * lit.height; p++)
-        for (int c = 0; c < 3; c++)
-            if (v->coverage.data[p] > 0.5F &&
-                ffp_srgb_encode(white[3 * p + c]) - ffp_srgb_encode(black[3 * p + c]) >= 2.0F / 255)
-                lit.data[p] = 1;
+// What the camera sees under the projectors' patterns [place->count].
+static FfpImage judge(const Bench *bench, const Place *place, const FfpImage *patterns) {
+    FfpImage picture = judge_one(bench, place->view[0], &patterns[0]);
+    for (int k = 1; k < place->count; k++) {
+        const real *black = bench->capture->views[place->view[k]].images[bench->capture->black].data;
+        FfpImage more = judge_one(bench, place->view[k], &patterns[k]);
+        for (int i = 0; i < 3 * more.width * more.height; i++)
+            picture.data[i] =
+                ffp_srgb_encode(ffp_srgb_decode(picture.data[i]) + ffp_srgb_decode(more.data[i]) - black[i]);
+        ffp_image_free(&more);
+    }
+    ffp_quantise(&picture);
+    return picture;
+}
+
+static FfpImage photographed_light(const Bench *bench, const Place *place) {
+    const FfpCamera *camera = &bench->capture->views[place->view[0]].camera;
+    FfpImage lit = ffp_image_new(camera->width, camera->height, 1);
+    for (int k = 0; k < place->count; k++) {
+        const FfpView *v = &bench->capture->views[place->view[k]];
+        const real *black = v->images[bench->capture->black].data,
+                   *white = v->images[bench->capture->white].data;
+        for (int i = 0; i < 3 * lit.width * lit.height; i++)
+            if (v->coverage.data[i / 3] > 0.5F &&
+                ffp_srgb_encode(white[i]) - ffp_srgb_encode(black[i]) >= 2.0F / 255)
+                lit.data[i / 3] = 1;
+    }
     return lit;
 }
 
-static double judged_psnr(const Bench *bench, int view, const FfpImage *pattern, const FfpImage *target,
-                          FfpImage *picture) {
-    FfpImage seen = judge(bench, view, pattern), lit = photographed_light(bench, view);
+static double judged_psnr(const Bench *bench, const Place *place, const FfpImage *patterns,
+                          const FfpImage *target, FfpImage *picture) {
+    FfpImage seen = judge(bench, place, patterns), lit = photographed_light(bench, place);
     const double psnr = ffp_psnr_masked(&seen, target, &lit);
     ffp_image_free(&lit);
     if (picture)
@@ -80,36 +114,45 @@ static double judged_psnr(const Bench *bench, int view, const FfpImage *pattern,
     return psnr;
 }
 
-// The target itself as a pattern, as bright as is best.
-static double unwarped_psnr(const Bench *bench, int view, const FfpImage *image, const FfpImage *target,
-                            FfpImage *picture) {
-    const FfpCamera *projector = &bench->capture->views[view].projector;
-    FfpImage pattern = ffp_image_resize(image, projector->width, projector->height);
-    FfpImage best = ffp_image_copy(&pattern);
+// The target itself as every projector's pattern, as bright as is best.
+static double unwarped_psnr(const Bench *bench, const Place *place, const FfpImage *image,
+                            const FfpImage *target, FfpImage *picture) {
+    FfpImage pattern[PROJECTORS_MAX];
+    real brightness = 1, best = 1;
     double most = -INFINITY;
-    const size_t count = (size_t)pattern.width * (size_t)pattern.height * 3;
-    for (int k = 0; k < BRIGHTNESSES; k++) {
-        const double psnr = judged_psnr(bench, view, &pattern, target, NULL);
+    for (int trial = 0; trial <= BRIGHTNESSES; trial++, brightness *= 0.8F) {
+        if (trial == BRIGHTNESSES) brightness = best;
+        for (int k = 0; k < place->count; k++) {
+            const FfpCamera *projector = &bench->capture->views[place->view[k]].projector;
+            pattern[k] = ffp_image_resize(image, projector->width, projector->height);
+            for (int i = 0; i < 3 * pattern[k].width * pattern[k].height; i++)
+                pattern[k].data[i] *= brightness;
+        }
+        const double psnr =
+            judged_psnr(bench, place, pattern, target, trial == BRIGHTNESSES ? picture : NULL);
+        for (int k = 0; k < place->count; k++) ffp_image_free(&pattern[k]);
         if (psnr > most) {
             most = psnr;
-            memcpy(best.data, pattern.data, count * sizeof(real));
+            best = brightness;
         }
-        for (size_t i = 0; i < count; i++) pattern.data[i] *= 0.8F;
     }
-    judged_psnr(bench, view, &best, target, picture);
-    ffp_image_free(&pattern);
-    ffp_image_free(&best);
     return most;
 }
 
 // The target as the judge means it: painted between the photographs under black and white.
-static FfpImage encoded_target(const Bench *bench, int view, const FfpImage *fitted, real gain) {
-    const FfpView *v = &bench->capture->views[view];
-    const real *black = v->images[bench->capture->black].data, *white = v->images[bench->capture->white].data;
+static FfpImage encoded_target(const Bench *bench, const Place *place, const FfpImage *fitted, real gain) {
+    const int black = bench->capture->black, white = bench->capture->white;
     FfpImage target = ffp_image_copy(fitted);
-    for (int i = 0; i < 3 * target.width * target.height; i++)
+    for (int i = 0; i < 3 * target.width * target.height; i++) {
+        const FfpView *first = &bench->capture->views[place->view[0]];
+        real light = 0;
+        for (int k = 0; k < place->count; k++) {
+            const FfpView *v = &bench->capture->views[place->view[k]];
+            light += v->images[white].data[i] - v->images[black].data[i];
+        }
         target.data[i] =
-            bench->paint ? black[i] + (white[i] - black[i]) * target.data[i] : gain * target.data[i];
+            bench->paint ? first->images[black].data[i] + light * target.data[i] : gain * target.data[i];
+    }
     ffp_image_to_srgb(&target);
     return target;
 }
@@ -129,43 +172,55 @@ static void show_pattern(const Bench *bench, const FfpView *view, const FfpImage
     ffp_image_free(&encoded);
 }
 
-static double judged(const Bench *bench, int view, FfpStage *stage, const FfpImage *target,
+static double judged(const Bench *bench, const Place *place, const FfpStage *stage, const FfpImage *target,
                      const char *what) {
-    FfpImage picture;
-    ffp_stage_quantise(stage);
-    const double psnr = judged_psnr(bench, view, &stage->projections[0].pattern, target, &picture);
-    show(bench, &bench->capture->views[view], what, psnr, &picture);
+    FfpImage picture, patterns[PROJECTORS_MAX];
+    for (int k = 0; k < place->count; k++) {
+        patterns[k] = ffp_image_copy(&stage->projections[k].pattern);
+        ffp_image_to_srgb(&patterns[k]);
+        ffp_quantise(&patterns[k]);
+        for (int i = 0; i < 3 * patterns[k].width * patterns[k].height; i++)
+            patterns[k].data[i] = ffp_srgb_decode(patterns[k].data[i]);
+    }
+    const double psnr = judged_psnr(bench, place, patterns, target, &picture);
+    show(bench, &bench->capture->views[place->view[0]], what, psnr, &picture);
     ffp_image_free(&picture);
+    for (int k = 0; k < place->count; k++) ffp_image_free(&patterns[k]);
     return psnr;
 }
 
-static void run_case(const Bench *bench, int v, const FfpImage *image, Figures *sum) {
-    const FfpView *view = &bench->capture->views[v];
-    FfpStage stage =
-        ffp_stage_new(bench->gaussians, bench->capture, &view, 1, &bench->settings, bench->photographs);
-    FfpImage fitted = ffp_image_resize(image, view->camera.width, view->camera.height);
-    ffp_stage_aim(&stage, 0, &fitted, NULL);
-    const real gain = bench->paint ? 1 : ffp_stage_brightest(&stage);
+// Every camera of the place is aimed at the target; returns the gain.
+static real aim(const Bench *bench, FfpStage *stage, const FfpImage *fitted) {
+    for (int c = 0; c < stage->n_camera_views; c++) ffp_stage_aim(stage, c, fitted, NULL);
+    const real gain = bench->paint ? 1 : ffp_stage_brightest(stage);
     if (bench->paint)
-        ffp_stage_paint(&stage);
+        ffp_stage_paint(stage);
     else
-        ffp_stage_scale(&stage, gain);
-    FfpImage target = encoded_target(bench, v, &fitted, gain), picture;
+        ffp_stage_scale(stage, gain);
+    return gain;
+}
+
+static void run_case(const Bench *bench, int v, const FfpImage *image, Figures *sum) {
+    const FfpView *view = &bench->capture->views[v], *views[PROJECTORS_MAX];
+    const Place place = place_of(bench, v);
+    for (int k = 0; k < place.count; k++) views[k] = &bench->capture->views[place.view[k]];
+    FfpStage stage = ffp_stage_new(bench->gaussians, bench->capture, views, place.count, &bench->settings,
+                                   bench->photographs);
+    FfpImage fitted = ffp_image_resize(image, view->camera.width, view->camera.height);
+    const real gain = aim(bench, &stage, &fitted);
+    FfpImage target = encoded_target(bench, &place, &fitted, gain), picture;
     show(bench, view, "target", NAN, &target);
-    const double unwarped = unwarped_psnr(bench, v, image, &target, &picture);
+    const double unwarped = unwarped_psnr(bench, &place, image, &target, &picture);
     show(bench, view, "unwarped", unwarped, &picture);
     ffp_image_free(&picture);
     const FfpGamut gamut = ffp_stage_gamut(&stage);
     ffp_stage_closed_form(&stage);
     const double own_closed = ffp_stage_psnr(&stage);
-    FfpImage closed = ffp_image_copy(&stage.projections[0].pattern);
-    const double closed_psnr = judged(bench, v, &stage, &target, "closed form");
-    memcpy(stage.projections[0].pattern.data, closed.data,
-           (size_t)closed.width * (size_t)closed.height * 3 * sizeof(real));
+    const double closed_psnr = judged(bench, &place, &stage, &target, "closed form");
     const double started = ffp_seconds();
     ffp_stage_descend(&stage, bench->steps);
-    const double ended = ffp_seconds(), descended = judged(bench, v, &stage, &target, "descended");
-    show_pattern(bench, view, &stage.projections[0].pattern);
+    const double ended = ffp_seconds(), descended = judged(bench, &place, &stage, &target, "descended");
+    for (int k = 0; k < place.count; k++) show_pattern(bench, views[k], &stage.projections[k].pattern);
     printf("%-8s %-18s %6.2f %6.2f %6.2f | predicted %6.2f %6.2f | gain %.3f unlit %.1f dark %.1f bright "
            "%.1f %% | %.1f s\n",
            bench->capture->name, view->id, unwarped, closed_psnr, descended, own_closed,
@@ -176,7 +231,6 @@ static void run_case(const Bench *bench, int v, const FfpImage *image, Figures *
     sum->closed += closed_psnr;
     sum->descended += descended;
     sum->cases++;
-    ffp_image_free(&closed);
     ffp_image_free(&target);
     ffp_image_free(&fitted);
     ffp_stage_free(&stage);
@@ -246,7 +300,7 @@ int main(int argc, char **argv) {
     const char *weights = NULL, *page = NULL;
     Figures all = {0};
     FfpError err = {0};
-    for (int option; (option = getopt(argc, argv, "m:t:v:s:ago:")) != -1;) {
+    for (int option; (option = getopt(argc, argv, "m:t:v:s:agpo:")) != -1;) {
         if (option == '?') return 2;
         if (option == 'm') weights = optarg;
         if (option == 't' && bench.n_targets < TARGETS_MAX) bench.targets[bench.n_targets++] = optarg;
@@ -254,11 +308,13 @@ int main(int argc, char **argv) {
         if (option == 's') bench.steps = atoi(optarg);
         if (option == 'a') bench.paint = false;
         if (option == 'g') bench.photographs = false;
+        if (option == 'p') bench.together = true;
         if (option == 'o') page = optarg;
     }
     if (optind == argc || !bench.n_targets || bench.views < 1 || bench.steps < 0) {
-        fprintf(stderr, "usage: compensate_report [-m WEIGHTS] -t TARGET.. [-v VIEWS] [-s STEPS] [-a] [-g] "
-                        "[-o REPORT.html] CAPTURE..\n");
+        fprintf(stderr,
+                "usage: compensate_report [-m WEIGHTS] -t TARGET.. [-v VIEWS] [-s STEPS] [-a] [-g] [-p] "
+                "[-o REPORT.html] CAPTURE..\n");
         return 2;
     }
     if (weights && !(bench.model = ffp_model_open(NULL, weights, &err))) return fail(&err);

@@ -201,7 +201,11 @@ static void estimate_scene(FfpCapture *capture, bool sphere) {
 }
 
 void ffp_capture_estimate_ranges(FfpCapture *capture) {
-    estimate_scene(capture, false);
+    for (int v = 0; v < capture->n_views; v++) {
+        if (capture->views[v].near > 0) continue;
+        estimate_scene(capture, false);
+        return;
+    }
 }
 
 void ffp_capture_estimate_bounds(FfpCapture *capture) {
