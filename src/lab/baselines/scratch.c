@@ -11,13 +11,15 @@
 
 #define NEAREST 3
 #define TRIES 1000 // points drawn for one that is wanted, before the hull counts as empty
-#define OFTEN 4096 // tries after which the caller is asked whether to go on
+#define OBJECT_EXTENT 4
+#define SCENE_POINTS 20000 // about as many as structure from motion gives
+#define OFTEN 4096         // tries after which the caller is asked whether to go on
 
 // Rates and densification of GS-ProCams' released program, whose scene extent is 1.1 times the cameras'
 // distance from their mean: about 4 in the unit sphere's units. Its distortion is a square of a depth
 // compressed to 1 - 0.2 / z; its weight of 1000 there is about this one here for layers 0.02 apart.
 FfpScratchSettings ffp_scratch_defaults(bool released) {
-    const real extent = 4;
+    const real extent = OBJECT_EXTENT;
     return (FfpScratchSettings){
         .fit = {.render = ffp_render_defaults(),
                 .rates = {.rate = {[FFP_CENTRE] = 1.6e-4F * extent,
@@ -83,6 +85,21 @@ static bool draw_points(real *points, const FfpCapture *capture, int64_t count, 
     return found == count;
 }
 
+// In a whole scene: on random pixels' rays, evenly in inverse depth over the view's range.
+static void draw_before_cameras(real *points, const FfpCapture *capture, int64_t count, FfpRng *rng) {
+    for (int64_t i = 0; i < count; i++) {
+        const FfpView *view = &capture->views[ffp_rng_below(rng, (uint32_t)capture->n_views)];
+        const FfpCamera *camera = &view->camera;
+        const real x = ffp_rng_range(rng, 0, (float)camera->width),
+                   y = ffp_rng_range(rng, 0, (float)camera->height);
+        const real depth = 1 / ffp_rng_range(rng, 1 / view->far, 1 / view->near);
+        real ray[3], along = 0;
+        ffp_pixel_ray(camera, x, y, ray);
+        for (int k = 0; k < 3; k++) along += ray[k] * camera->pose[4 * k + 2];
+        for (int k = 0; k < 3; k++) points[3 * i + k] = camera->pose[4 * k + 3] + ray[k] * depth / along;
+    }
+}
+
 static void place_splats(FfpGaussians *g, FfpRng *rng) {
     int64_t *neighbour = ffp_alloc((size_t)g->count, NEAREST * sizeof *neighbour);
     real *squared = ffp_alloc((size_t)g->count, NEAREST * sizeof *squared);
@@ -120,9 +137,12 @@ static bool check(const FfpCapture *capture, int64_t count, FfpError *err) {
 bool ffp_scratch_gaussians(FfpGaussians *gaussians, const FfpCapture *capture,
                            const FfpScratchSettings *settings, FfpError *err) {
     FfpRng rng = ffp_rng(settings->fit.seed, settings->cube ? 4 : 3);
+    const bool scene = settings->cube && capture->scene;
     if (!check(capture, settings->points, err)) return false;
-    *gaussians = ffp_gaussians_new(settings->points);
-    if (settings->cube)
+    *gaussians = ffp_gaussians_new(scene ? SCENE_POINTS : settings->points);
+    if (scene)
+        draw_before_cameras(gaussians->centre, capture, gaussians->count, &rng);
+    else if (settings->cube)
         for (int64_t i = 0; i < 3 * gaussians->count; i++)
             gaussians->centre[i] = ffp_rng_range(&rng, -1.3F, 1.3F);
     else if (!draw_points(gaussians->centre, capture, gaussians->count, &rng)) {
@@ -134,13 +154,33 @@ bool ffp_scratch_gaussians(FfpGaussians *gaussians, const FfpCapture *capture,
     return true;
 }
 
+// Before a whole scene the cameras stand nearer to each other than around an object.
+static real scene_extent(const FfpCapture *capture) {
+    real mean[3] = {0}, most = 0;
+    for (int v = 0; v < capture->n_views; v++)
+        for (int k = 0; k < 3; k++)
+            mean[k] += capture->views[v].camera.pose[4 * k + 3] / (real)capture->n_views;
+    for (int v = 0; v < capture->n_views; v++) {
+        real square = 0;
+        for (int k = 0; k < 3; k++) {
+            const real away = capture->views[v].camera.pose[4 * k + 3] - mean[k];
+            square += away * away;
+        }
+        most = fmax(most, sqrt(square));
+    }
+    return most > 0 ? 1.1F * most : OBJECT_EXTENT;
+}
+
 bool ffp_scratch_fit(FfpGaussians *gaussians, const FfpCapture *capture, const int *patterns, int n_patterns,
                      const FfpScratchSettings *settings, FfpRefineResult *result, FfpError *err) {
     if (!ffp_scratch_gaussians(gaussians, capture, settings, err)) return false;
-    FfpDensityControl control =
-        ffp_density_control_new(&settings->density, gaussians->count, settings->fit.seed);
+    const real extent = capture->scene ? scene_extent(capture) / OBJECT_EXTENT : 1;
+    FfpDensity density = settings->density;
+    density.small *= extent;
+    FfpDensityControl control = ffp_density_control_new(&density, gaussians->count, settings->fit.seed);
     const FfpGrowth growth = ffp_density_growth(&control);
     FfpRefineSettings fit = settings->fit;
+    fit.rates.rate[FFP_CENTRE] *= extent;
     fit.growth = &growth;
     ffp_cancel_hold_off(true);
     const bool ok = ffp_refine_offered(gaussians, capture, patterns, n_patterns, &fit, result, err);

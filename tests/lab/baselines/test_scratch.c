@@ -31,6 +31,31 @@ static void test_a_fit_from_scratch_finds_the_ball(void **state) {
     ffp_capture_free(&c);
 }
 
+// Each point of a scene lies in the view's picture, between its ends; half of them nearer than the harmonic
+// mean of these.
+static void test_a_scene_starts_before_its_cameras(void **state) {
+    (void)state;
+    FfpCapture c = ball_capture(400, 4, 40, 40, 32);
+    const FfpScratchSettings s = ffp_scratch_defaults(true);
+    const int views = c.n_views;
+    const real near = 2, far = 50;
+    FfpGaussians g;
+    int64_t nearer = 0;
+    c.scene = true, c.n_views = 1, c.views[0].near = near, c.views[0].far = far;
+    assert_true(ffp_scratch_gaussians(&g, &c, &s, NULL));
+    for (int64_t i = 0; i < g.count; i++) {
+        real x, y;
+        const real z = ffp_project(&c.views[0].camera, g.centre + 3 * i, &x, &y);
+        assert_true(z > 0.999F * near && z < 1.001F * far);
+        assert_true(x > -0.01F && y > -0.01F && x < 40.01F && y < 40.01F);
+        nearer += z < 2 / (1 / near + 1 / far);
+    }
+    assert_true(fabs((double)nearer / (double)g.count - 0.5) < 0.02);
+    ffp_gaussians_free(&g);
+    c.n_views = views;
+    ffp_capture_free(&c);
+}
+
 // Clones, halves and removals, one of each.
 static void test_density_doubles_and_removes(void **state) {
     (void)state;
@@ -64,6 +89,7 @@ static void test_density_doubles_and_removes(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(test_a_fit_from_scratch_finds_the_ball),
+                                       cmocka_unit_test(test_a_scene_starts_before_its_cameras),
                                        cmocka_unit_test(test_density_doubles_and_removes)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
