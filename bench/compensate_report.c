@@ -120,7 +120,7 @@ static double unwarped_psnr(const Bench *bench, const Place *place, const FfpIma
     FfpImage pattern[PROJECTORS_MAX];
     real brightness = 1, best = 1;
     double most = -INFINITY;
-    for (int trial = 0; trial <= BRIGHTNESSES; trial++, brightness *= 0.8F) {
+    for (int trial = 0; trial <= BRIGHTNESSES; trial++) {
         if (trial == BRIGHTNESSES) brightness = best;
         for (int k = 0; k < place->count; k++) {
             const FfpCamera *projector = &bench->capture->views[place->view[k]].projector;
@@ -135,6 +135,7 @@ static double unwarped_psnr(const Bench *bench, const Place *place, const FfpIma
             most = psnr;
             best = brightness;
         }
+        brightness *= 0.8F;
     }
     return most;
 }
