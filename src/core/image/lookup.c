@@ -27,11 +27,18 @@ static void find_plain(const FfpImage *rgb, FfpSummed *summed) {
 void ffp_summed_fill(FfpSummed *summed, const FfpImage *rgb) {
     enum { N = FFP_SUMMED_CHANNELS };
     const size_t stride = ((size_t)rgb->width + 1) * N;
+    find_plain(rgb, summed);
+    if (summed->plain) {
+        ffp_memory_free(summed->sum);
+        summed->sum = NULL;
+        summed->width = rgb->width;
+        summed->height = rgb->height;
+        return;
+    }
     if (!summed->sum || summed->width != rgb->width || summed->height != rgb->height) {
-        ffp_summed_free(summed);
+        ffp_memory_free(summed->sum);
         *summed = ffp_summed_zeros(rgb->width, rgb->height);
     }
-    find_plain(rgb, summed);
     for (int y = 0; y < rgb->height; y++) {
         const real *from = rgb->data + (size_t)y * (size_t)rgb->width * 3;
         const double *above = summed->sum + (size_t)y * stride;
@@ -53,6 +60,7 @@ FfpSummed ffp_summed_new(const FfpImage *rgb) {
 
 FfpSummed ffp_summed_uploaded(const FfpSummed *host) {
     FfpSummed there = *host;
+    if (host->plain) return there;
     there.sum = ffp_memory_uploaded(host->sum, entries_of(host->width, host->height),
                                     FFP_SUMMED_CHANNELS * sizeof(double));
     return there;

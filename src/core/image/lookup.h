@@ -11,8 +11,8 @@ enum { FFP_SUMMED_CHANNELS = 4 }; // the last is 0: an entry is one vector
 // Summed areas in double: an 800x800 sum in fp32 would lose the last bits that differences need.
 typedef struct FfpSummed {
     int width, height;
-    double *sum; // [height+1, width+1, FFP_SUMMED_CHANNELS]
-    bool plain;  // one colour everywhere, as white is: its boxes need no table
+    double *sum; // [height+1, width+1, FFP_SUMMED_CHANNELS]; NULL where
+    bool plain;  // one colour is everywhere, as in white: its boxes need no table
     double colour[3];
 } FfpSummed;
 

@@ -18,7 +18,7 @@ struct FfpBatch {
     FfpRenderSettings settings;
     FfpViewPass **passes; // [room]
     int room;
-    FfpSummed *patterns; // [n_patterns]; no table: dark
+    FfpSummed *patterns; // [n_patterns]; width 0: dark
     FfpImage *linear;    // [views, patterns] radiance of encoded pictures, until their gradients
     int n_views, n_patterns, width, height, pattern_width, pattern_height;
     int64_t kept; // pictures that `linear` has
@@ -104,7 +104,7 @@ static void fit_linear(FfpBatch *batch, const FfpBatchJob *job) {
 }
 
 static const FfpSummed *pattern_of(const FfpBatch *batch, int p) {
-    return batch->patterns[p].sum ? &batch->patterns[p] : NULL;
+    return batch->patterns[p].width ? &batch->patterns[p] : NULL;
 }
 
 typedef struct Forward {
@@ -277,7 +277,7 @@ static void add_patterns(const Backward *b, float *out) {
     FfpImage part = ffp_image_new(width, height, 3);
     memset(out, 0, (size_t)batch->n_patterns * numbers * sizeof *out);
     for (int p = 0; p < batch->n_patterns; p++)
-        for (int s = 0; batch->patterns[p].sum && s < b->n_slots; s++) {
+        for (int s = 0; batch->patterns[p].width && s < b->n_slots; s++) {
             ffp_lookup_gather_pattern(&b->slots[s].scatter[p], &part);
             for (size_t j = 0; j < numbers; j++) out[(size_t)p * numbers + j] += part.data[j];
         }

@@ -126,9 +126,12 @@ static void plain_as_by_table(void **state) {
     (void)state;
     FfpImage pattern = ffp_image_new(WIDTH, HEIGHT, 3);
     for (int i = 0; i < WIDTH * HEIGHT * 3; i++) pattern.data[i] = 0.3 + 0.2 * (i % 3);
-    FfpSummed summed = ffp_summed_new(&pattern), table = summed;
-    assert_true(summed.plain);
-    table.plain = false;
+    FfpSummed summed = ffp_summed_new(&pattern), table = ffp_summed_zeros(WIDTH, HEIGHT);
+    assert_true(summed.plain && !summed.sum);
+    for (int i = 0; i < (WIDTH + 1) * (HEIGHT + 1); i++)
+        for (int c = 0; c < 3; c++)
+            table.sum[FFP_SUMMED_CHANNELS * i + c] =
+                pattern.data[c] * (i % (WIDTH + 1)) * (double)(i / (WIDTH + 1));
     FfpRng rng = ffp_rng(8, 0);
     const double grad[3] = {0.7, -1.3, 0.4};
     for (int k = 0; k < 500; k++) {
@@ -141,6 +144,7 @@ static void plain_as_by_table(void **state) {
         slopes_at(&table, box, grad, slopes + 2);
         for (int i = 0; i < 2; i++) assert_true(fabs(slopes[i] - slopes[2 + i]) < 1e-12);
     }
+    ffp_summed_free(&table);
     ffp_summed_free(&summed);
     ffp_image_free(&pattern);
     FfpImage other = random_pattern(9);
