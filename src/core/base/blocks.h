@@ -9,7 +9,8 @@ typedef struct FfpBlock {
     FfpBlocks *owner; // NULL: nobody's but its holder's
     struct FfpBlock *before, *after;
     size_t bytes;
-    uint64_t unused[3], magic;
+    unsigned char unused[64 - 4 * sizeof(void *) - sizeof(uint64_t)];
+    uint64_t magic;
 } FfpBlock;
 _Static_assert(sizeof(FfpBlock) == 64, "blocks stay aligned");
 

@@ -2,22 +2,26 @@
 #include "core/base/cpu.h"
 #include <pthread.h>
 #include <stdint.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#ifdef __x86_64__
+#if defined(__x86_64__)
 #include <cpuid.h>
 #include <sys/syscall.h>
 #include <unistd.h>
+#elif defined(__aarch64__) && defined(__linux__)
+#include <sys/auxv.h>
 #endif
 #include "core/base/error.h"
 
-static const char *const names[FFP_CPU_LEVELS] = {"portable", "avx2", "avx512", "avx512bf16", "amx"};
+#define LEVEL_NAME(NAME, name, ...) #name,
+static const char *const names[FFP_CPU_LEVELS] = {FFP_EACH_LEVEL(LEVEL_NAME, )};
 
 static pthread_once_t once = PTHREAD_ONCE_INIT;
 static FfpCpuLevel best, chosen;
 static const char *refused; // the value of FFPROCAMS_CPU that cannot be followed
 
-#ifdef __x86_64__
+#if defined(__x86_64__)
 // Register state that the operating system saves (XCR0): bit 1 SSE, 2 AVX, 5..7 AVX-512, 17, 18 tiles.
 static uint64_t saved_state(void) {
     uint32_t low, high;
@@ -50,9 +54,20 @@ static FfpCpuLevel detect(void) {
     const bool tiles = has(d, 1U << 22 | 1U << 24) && (state & 0x60000) == 0x60000;
     return tiles && grant_tiles() ? FFP_CPU_AMX : FFP_CPU_AVX512BF16;
 }
+#elif defined(__aarch64__)
+// Bits of getauxval(3): the kernel's Documentation/arm64/elf_hwcaps.rst. Elsewhere than under Linux, what
+// every 64-bit ARM processor of a desktop or telephone has.
+static FfpCpuLevel detect(void) {
+#ifdef __linux__
+    const unsigned long simd = 1UL << 1, bf16 = 1UL << 14;
+    if (!(getauxval(AT_HWCAP) & simd)) return FFP_CPU_PORTABLE;
+    if (getauxval(AT_HWCAP2) & bf16) return FFP_CPU_NEONBF16;
+#endif
+    return FFP_CPU_NEON;
+}
 #else
 static FfpCpuLevel detect(void) {
-    return FFP_CPU_PORTABLE;
+    return (FfpCpuLevel)(FFP_CPU_LEVELS - 1);
 }
 #endif
 
@@ -72,6 +87,11 @@ const char *ffp_cpu_name(FfpCpuLevel level) {
     return names[level];
 }
 
+bool ffp_cpu_bf16(FfpCpuLevel level) {
+#define IS_LEVEL(NAME, name, ...) || level == FFP_CPU_##NAME
+    return level == FFP_CPU_LEVELS FFP_EACH_BF16_LEVEL(IS_LEVEL, );
+}
+
 FfpCpuLevel ffp_cpu_best(void) {
     pthread_once(&once, decide);
     return best;
@@ -89,8 +109,15 @@ bool ffp_cpu_check(FfpError *err) {
         if (strcmp(refused, names[level]) == 0)
             return ffp_fail(err, FFP_ERROR_ARGUMENT, "FFPROCAMS_CPU",
                             "this processor cannot run %s; its best is %s", refused, names[best]);
-    return ffp_fail(err, FFP_ERROR_ARGUMENT, "FFPROCAMS_CPU",
-                    "invalid value %s: expected portable, avx2, avx512, avx512bf16 or amx", refused);
+    char list[128] = "";
+    for (int level = 0; level < FFP_CPU_LEVELS; level++) {
+        const size_t used = strlen(list);
+        snprintf(list + used, sizeof list - used, "%s%s", names[level],
+                 level < FFP_CPU_LEVELS - 2   ? ", "
+                 : level < FFP_CPU_LEVELS - 1 ? " or "
+                                              : "");
+    }
+    return ffp_fail(err, FFP_ERROR_ARGUMENT, "FFPROCAMS_CPU", "invalid value %s: expected %s", refused, list);
 }
 
 bool ffp_cpu_set_level(FfpCpuLevel level) {

@@ -5,17 +5,31 @@
 #include "core/base/error.h"
 #include "ffprocams/api.h"
 
-// Each level contains those before it. On processors other than x86-64 only the first exists.
-typedef enum FfpCpuLevel {
-    FFP_CPU_PORTABLE,
-    FFP_CPU_AVX2,       // AVX2, FMA
-    FFP_CPU_AVX512,     // AVX-512 F, BW, CD, DQ, VL
-    FFP_CPU_AVX512BF16, // and products of bf16 pairs (vdpbf16ps)
-    FFP_CPU_AMX,        // and bf16 tile products, granted by the operating system
-    FFP_CPU_LEVELS
-} FfpCpuLevel;
+// The levels of the processors that this is compiled for, as X(NAME, name, ...), each containing those before
+// it. FFP_EACH_LEVEL names those of products, FFP_EACH_BF16_LEVEL those among them that round operands to
+// bf16, and FFP_EACH_LOOP_LEVEL those of loops in plain C, which gain nothing from bf16 and tiles.
+#define FFP_PORTABLE_LEVEL(X, ...) X(PORTABLE, portable, __VA_ARGS__)
+#if defined(__x86_64__)
+// AVX2, FMA; AVX-512 F, BW, CD, DQ, VL; products of bf16 pairs (vdpbf16ps); bf16 tile products, granted by
+// the operating system
+#define FFP_EACH_LOOP_LEVEL(X, ...)                                                                          \
+    FFP_PORTABLE_LEVEL(X, __VA_ARGS__) X(AVX2, avx2, __VA_ARGS__) X(AVX512, avx512, __VA_ARGS__)
+#define FFP_EACH_BF16_LEVEL(X, ...) X(AVX512BF16, avx512bf16, __VA_ARGS__) X(AMX, amx, __VA_ARGS__)
+#elif defined(__aarch64__)
+// NEON; products of bf16 pairs (bfdot)
+#define FFP_EACH_LOOP_LEVEL(X, ...) FFP_PORTABLE_LEVEL(X, __VA_ARGS__) X(NEON, neon, __VA_ARGS__)
+#define FFP_EACH_BF16_LEVEL(X, ...) X(NEONBF16, neonbf16, __VA_ARGS__)
+#else
+#define FFP_EACH_LOOP_LEVEL FFP_PORTABLE_LEVEL
+#define FFP_EACH_BF16_LEVEL(X, ...)
+#endif
+#define FFP_EACH_LEVEL(X, ...) FFP_EACH_LOOP_LEVEL(X, __VA_ARGS__) FFP_EACH_BF16_LEVEL(X, __VA_ARGS__)
 
-const char *ffp_cpu_name(FfpCpuLevel level); // portable, avx2, avx512, avx512bf16, amx
+#define FFP_CPU_ENTRY(NAME, name, ...) FFP_CPU_##NAME,
+typedef enum FfpCpuLevel { FFP_EACH_LEVEL(FFP_CPU_ENTRY, ) FFP_CPU_LEVELS } FfpCpuLevel;
+
+const char *ffp_cpu_name(FfpCpuLevel level); // portable, avx2, neon, ...
+bool ffp_cpu_bf16(FfpCpuLevel level);        // whether products of this level take operands rounded to bf16
 FfpCpuLevel ffp_cpu_best(void);              // the highest level that this processor and kernel can run
 
 // The level in use: the best, or the one that the environment variable FFPROCAMS_CPU names if it can run here

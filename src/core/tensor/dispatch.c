@@ -5,19 +5,18 @@
 #include "core/tensor/kernels/kernels.h"
 
 static const FfpKernels *const tables[FFP_CPU_LEVELS] = {
+#ifdef FFP_REAL_DOUBLE
     [FFP_CPU_PORTABLE] = &ffp_portable_kernels,
-#if defined(FFP_ALL_LEVELS) && !defined(FFP_REAL_DOUBLE)
-    [FFP_CPU_AVX2] = &ffp_avx2_kernels,
-    [FFP_CPU_AVX512] = &ffp_avx512_kernels,
-    [FFP_CPU_AVX512BF16] = &ffp_avx512bf16_kernels,
-    [FFP_CPU_AMX] = &ffp_amx_kernels,
+#else
+#define ENTRY(NAME, name, ...) [FFP_CPU_##NAME] = &ffp_##name##_kernels,
+    FFP_EACH_LEVEL(ENTRY, )
 #endif
 };
 
 static const FfpKernels *kernels(void) {
     if (ffp_device()) return ffp_device()->tensor;
     const FfpKernels *table = tables[ffp_cpu_level()];
-    return table ? table : tables[FFP_CPU_PORTABLE];
+    return table ? table : tables[0]; // in double there is no other
 }
 
 void ffp_gemm(real alpha, FfpFactor a, FfpFactor b, real beta, real *c, int ldc) {

@@ -8,13 +8,8 @@
 #include "lab/bench/kernels/peak.h"
 
 static const FfpPeakKernels *const tables[FFP_CPU_LEVELS] = {
-    [FFP_CPU_PORTABLE] = &ffp_portable_peaks,
-#ifdef FFP_ALL_LEVELS
-    [FFP_CPU_AVX2] = &ffp_avx2_peaks,
-    [FFP_CPU_AVX512] = &ffp_avx512_peaks,
-    [FFP_CPU_AVX512BF16] = &ffp_avx512bf16_peaks,
-    [FFP_CPU_AMX] = &ffp_amx_peaks,
-#endif
+#define ENTRY(NAME, name, ...) [FFP_CPU_##NAME] = &ffp_##name##_peaks,
+    FFP_EACH_LEVEL(ENTRY, ) //
 };
 
 enum { REPEATS = 12 };
@@ -66,7 +61,6 @@ static double measure_copy(void) {
 
 FfpPeaks ffp_bench_peaks(void) {
     const FfpPeakKernels *table = tables[ffp_cpu_level()];
-    if (!table) table = tables[FFP_CPU_PORTABLE];
     return (FfpPeaks){
         .products = measure(table->products), .fma = measure(table->fma), .copy = measure_copy()};
 }

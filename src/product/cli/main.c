@@ -29,9 +29,10 @@ static const FfpProgram program = {
              "pictures of the object under any pattern, camera pose and projector pose.",
     .commands = commands,
     .options = options,
-    .environment = "The environment variable FFPROCAMS_CPU (portable, avx2, avx512, avx512bf16, amx) selects "
-                   "kernels other than the best that the processor supports. OMP_NUM_THREADS sets the number "
-                   "of threads and OMP_WAIT_POLICY (active, passive) how they wait for each other; by "
+    .environment = "The environment variable FFPROCAMS_CPU (portable, avx2, avx512, avx512bf16, amx; on "
+                   "ARM portable, neon, neonbf16) selects kernels other than the best that the processor "
+                   "supports. OMP_NUM_THREADS sets the number of threads and OMP_WAIT_POLICY (active, "
+                   "passive) how they wait for each other; by "
                    "default that depends on how busy the machine is. FFPROCAMS_MODELS and FFPROCAMS_MODULES "
                    "name the folders of the shipped weights and of the modules (Embree, Assimp, OpenCV, "
                    "libtiff), if they lie elsewhere than where they were built or installed.",

@@ -5,7 +5,13 @@
 static void levels(void **state) {
     (void)state;
     assert_string_equal(ffp_cpu_name(FFP_CPU_PORTABLE), "portable");
+#if defined(__x86_64__)
     assert_string_equal(ffp_cpu_name(FFP_CPU_AMX), "amx");
+    assert_true(ffp_cpu_bf16(FFP_CPU_AMX) && !ffp_cpu_bf16(FFP_CPU_AVX512));
+#elif defined(__aarch64__)
+    assert_string_equal(ffp_cpu_name(FFP_CPU_NEONBF16), "neonbf16");
+    assert_true(ffp_cpu_bf16(FFP_CPU_NEONBF16) && !ffp_cpu_bf16(FFP_CPU_NEON));
+#endif
     const FfpCpuLevel best = ffp_cpu_best(), first = ffp_cpu_level();
     print_message("best level: %s\n", ffp_cpu_name(best));
     assert_true(first <= best);

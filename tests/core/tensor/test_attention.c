@@ -86,7 +86,7 @@ static void check_small(const char *name, double error, double bound) {
 static void check_result(const Case *c, const Result *r, const NaiveAttention *n, FfpCpuLevel level,
                          double gain) {
     const size_t rows = (size_t)c->rows, width = (size_t)(c->heads * c->dim), dim = (size_t)c->dim;
-    const double u = level >= FFP_CPU_AVX512BF16 ? 0x1p-9 : 0x1p-21;
+    const double u = ffp_cpu_bf16(level) ? 0x1p-9 : 0x1p-21;
     check_small("out", relative_error(r->out, n->out, 1, c->count, c->count), (3 + gain / 2) * u);
     const char *names[] = {"dq", "dk", "dv"};
     for (size_t part = 0; part < 3; part++)

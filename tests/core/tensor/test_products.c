@@ -151,7 +151,7 @@ static void mixed_products(void **state) {
         printf("%s\n", ffp_cpu_name((FfpCpuLevel)level));
         for (int count = 1; count <= 3; count++) {
             omp_set_num_threads(count);
-            check_shapes(ffp_gemm_mixed, level >= FFP_CPU_AVX512BF16);
+            check_shapes(ffp_gemm_mixed, ffp_cpu_bf16((FfpCpuLevel)level));
         }
     }
     omp_set_num_threads(threads);

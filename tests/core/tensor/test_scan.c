@@ -119,7 +119,7 @@ static void check_levels(FfpScanShape shape) {
         printf("%s, %d rows, %d heads of %d, state %d, chunk %d%s\n", ffp_cpu_name(level), shape.rows,
                shape.heads, shape.head_dim, shape.state, shape.chunk, shape.reverse ? ", reversed" : "");
         Result r = run(&c);
-        check_result(&c, &r, &n, level >= FFP_CPU_AVX512BF16);
+        check_result(&c, &r, &n, ffp_cpu_bf16(level));
         free_result(&r);
     }
     assert_true(ffp_cpu_set_level(kept));
@@ -168,7 +168,7 @@ static void extremes(void **state) {
     const FfpCpuLevel kept = ffp_cpu_level();
     for (FfpCpuLevel level = FFP_CPU_PORTABLE; level <= ffp_cpu_best(); level++) {
         assert_true(ffp_cpu_set_level(level));
-        check_extremes(level >= FFP_CPU_AVX512BF16);
+        check_extremes(ffp_cpu_bf16(level));
     }
     assert_true(ffp_cpu_set_level(kept));
 }

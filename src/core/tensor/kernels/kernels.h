@@ -37,8 +37,8 @@ typedef struct FfpKernels {
     __typeof__(ffp_squared_norm) *squared_norm;
 } FfpKernels;
 
-extern const FfpKernels ffp_portable_kernels, ffp_avx2_kernels, ffp_avx512_kernels, ffp_avx512bf16_kernels,
-    ffp_amx_kernels;
+#define FFP_DECLARE_KERNELS(NAME, name, ...) extern const FfpKernels ffp_##name##_kernels;
+FFP_EACH_LEVEL(FFP_DECLARE_KERNELS, )
 
 // Every CPU level's gemm, for which OpenBLAS picks its own instructions, and squared norm.
 __typeof__(ffp_gemm) ffp_blas_gemm;

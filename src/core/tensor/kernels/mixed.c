@@ -3,11 +3,11 @@
 #include "core/tensor/kernels/mixed.h"
 #include <string.h>
 #include "core/tensor/kernels/kernels.h"
+#include "core/tensor/kernels/product.h"
 
-#ifdef __AVX2__
+#ifdef FFP_OWN_PRODUCTS
 #include <omp.h>
 #include "core/base/integer.h"
-#include "core/tensor/kernels/product.h"
 #include "core/tensor/workspace.h"
 
 // A block of A takes up to 224 KB, a run of B's panels of one depth 32 or 64 KB: with what passes of C they
@@ -127,7 +127,6 @@ void FFP_K(mixed)(const FfpMixed *mixed) {
 }
 
 #else
-// At the portable level OpenBLAS, which looks at the processor itself, is faster.
 void FFP_K(mixed)(const FfpMixed *mixed) {
     for (int row = 0; mixed->start && row < mixed->a.rows; row++) {
         real *c = mixed->c + (size_t)row * mixed->ldc;

@@ -29,6 +29,14 @@ static inline Cells narrow_pairs(FfpVector even, FfpVector odd) {
     const __m512i high = _mm512_cvtepu16_epi32((__m256i)_mm512_cvtneps_pbh((__m512)odd));
     return (Cells)_mm512_or_si512(low, _mm512_slli_epi32(high, 16));
 }
+#elif defined(FFP_BF16) && defined(__ARM_FEATURE_BF16_VECTOR_ARITHMETIC)
+static inline Cells narrow_run(FfpVector low, FfpVector high) {
+    return vreinterpretq_u32_bf16(vcvtq_high_bf16_f32(vcvtq_low_bf16_f32(low), high));
+}
+static inline Cells narrow_pairs(FfpVector even, FfpVector odd) {
+    const uint16x8_t all = vreinterpretq_u16_u32(narrow_run(even, odd));
+    return vreinterpretq_u32_u16(vzip1q_u16(all, vextq_u16(all, all, 4)));
+}
 #elif defined(FFP_BF16)
 static inline uint32_t narrow(real x) {
     uint32_t bits;

@@ -21,6 +21,12 @@
 #define FFP_TILES
 #endif
 
+// Levels whose linear layers are made of these products; at the others they go to OpenBLAS, which looks at
+// the processor itself and is faster than portable C.
+#if defined(__AVX2__) || defined(__ARM_NEON)
+#define FFP_OWN_PRODUCTS
+#endif
+
 #ifdef FFP_BF16
 typedef uint16_t FfpPacked;
 enum { FFP_PACK_GROUP = 2 };
@@ -35,7 +41,7 @@ enum { FFP_PACK_DEPTH = 32, FFP_PACK_LINES = 16 };
 enum { FFP_PRODUCT_ROWS = 32 };
 #elif defined(__AVX512F__)
 enum { FFP_PRODUCT_ROWS = 14 };
-#elif defined(__AVX2__) || defined(__aarch64__)
+#elif defined(__AVX2__) || defined(__ARM_NEON)
 enum { FFP_PRODUCT_ROWS = 6 };
 #else
 enum { FFP_PRODUCT_ROWS = 3 };

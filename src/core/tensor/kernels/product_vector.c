@@ -28,7 +28,20 @@ typedef struct Block {
 } Block;
 
 // One group of k: of a row of A, the same for every lane, and of a vector of columns of B.
-#ifdef FFP_BF16
+#if defined(FFP_BF16) && defined(__ARM_FEATURE_BF16_VECTOR_ARITHMETIC)
+typedef bfloat16x8_t Number, Columns;
+static inline Number load_number(const FfpPacked *a) {
+    uint32_t pair;
+    memcpy(&pair, a, sizeof pair);
+    return vreinterpretq_bf16_u32(vdupq_n_u32(pair));
+}
+static inline Columns load_columns(const FfpPacked *b) {
+    return vreinterpretq_bf16_u16(vld1q_u16(b));
+}
+static inline FfpVector multiply_add(FfpVector sum, Number a, Columns b) {
+    return vbfdotq_f32(sum, a, b);
+}
+#elif defined(FFP_BF16)
 typedef __m512i Number, Columns;
 static inline Number load_number(const FfpPacked *a) {
     int32_t pair;
@@ -98,7 +111,12 @@ static inline __attribute__((always_inline)) void weigh_row(const Block *block, 
         all += weight[v];
     }
     ffp_store(sums, all);
-#ifdef FFP_BF16
+#if defined(FFP_BF16) && defined(__ARM_FEATURE_BF16_VECTOR_ARITHMETIC)
+#pragma GCC unroll 4
+    for (int v = 0; v < count; v += 2)
+        vst1q_u16(to + v * FFP_LANES,
+                  vreinterpretq_u16_bf16(vcvtq_high_bf16_f32(vcvtq_low_bf16_f32(weight[v]), weight[v + 1])));
+#elif defined(FFP_BF16)
     _mm512_storeu_si512(to, (__m512i)_mm512_cvtne2ps_pbh((__m512)weight[1], (__m512)weight[0]));
 #else
 #pragma GCC unroll 4

@@ -6,18 +6,11 @@
 #include "core/tensor/kernels/fastmath.h"
 #include "core/tensor/kernels/vector.h"
 
-#if defined(__AVX2__) && !defined(FFP_REAL_DOUBLE)
-#include <immintrin.h>
-
+#ifndef FFP_REAL_DOUBLE
 // x within +-limit; NaN stays NaN
 static inline FfpVector ffp_clamp_vector(FfpVector x, float limit) {
-#ifdef __AVX512F__
-    const __m512 top = _mm512_set1_ps(limit), bottom = _mm512_set1_ps(-limit);
-    return (FfpVector)_mm512_max_ps(bottom, _mm512_min_ps(top, (__m512)x));
-#else
-    const __m256 top = _mm256_set1_ps(limit), bottom = _mm256_set1_ps(-limit);
-    return (FfpVector)_mm256_max_ps(bottom, _mm256_min_ps(top, (__m256)x));
-#endif
+    const FfpVector zero = {0};
+    return ffp_floats_max(zero - limit, ffp_floats_min(zero + limit, x));
 }
 
 // 1 + e^-x, with e^-x = 2^n 2^r, n = round(-x log2(e)); ln 2 in two parts, the first exact in 9 bits, so that

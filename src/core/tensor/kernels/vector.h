@@ -6,9 +6,6 @@
 #include <string.h>
 #include "core/base/real.h"
 #include "core/base/vector.h"
-#ifdef __AVX512F__
-#include <immintrin.h>
-#endif
 
 enum { FFP_LANES = FFP_VECTOR_BYTES / sizeof(real) };
 typedef real FfpVector __attribute__((vector_size(FFP_VECTOR_BYTES)));

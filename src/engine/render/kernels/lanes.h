@@ -8,9 +8,6 @@
 #include <tgmath.h>
 #include "core/base/real.h"
 #include "core/base/vector.h"
-#if defined(__AVX2__)
-#include <immintrin.h>
-#endif
 
 enum { LANES = FFP_VECTOR_BYTES / sizeof(float) }; // in the double build as many
 
@@ -38,58 +35,33 @@ ALWAYS_INLINE Lanes lanes_pick(Where so, Lanes a, Lanes b) {
     return (Lanes)(((Where)a & so) | ((Where)b & ~so));
 }
 
-// a < b ? a : b, and a > b ? a : b: where one is not a number, b.
+// core/base/vector.h, in both builds.
+#ifdef FFP_REAL_DOUBLE
 ALWAYS_INLINE Lanes lanes_min(Lanes a, Lanes b) {
-#if defined(__AVX512F__)
-    return (Lanes)_mm512_min_ps((__m512)a, (__m512)b);
-#elif defined(__AVX2__)
-    return (Lanes)_mm256_min_ps((__m256)a, (__m256)b);
-#else
     return lanes_pick(a < b, a, b);
-#endif
 }
-
 ALWAYS_INLINE Lanes lanes_max(Lanes a, Lanes b) {
-#if defined(__AVX512F__)
-    return (Lanes)_mm512_max_ps((__m512)a, (__m512)b);
-#elif defined(__AVX2__)
-    return (Lanes)_mm256_max_ps((__m256)a, (__m256)b);
-#else
     return lanes_pick(a > b, a, b);
-#endif
 }
-
 ALWAYS_INLINE Lanes lanes_sqrt(Lanes v) {
-#if defined(__AVX512F__)
-    return (Lanes)_mm512_sqrt_ps((__m512)v);
-#elif defined(__AVX2__)
-    return (Lanes)_mm256_sqrt_ps((__m256)v);
-#else
     for (int l = 0; l < LANES; l++) v[l] = sqrt(v[l]);
     return v;
-#endif
 }
-
-// Bit l is set where lane l is so.
 ALWAYS_INLINE unsigned lanes_bits(Where so) {
-#if defined(__AVX512F__)
-    return _mm512_movepi32_mask((__m512i)so);
-#elif defined(__AVX2__)
-    return (unsigned)_mm256_movemask_ps((__m256)so);
-#else
     unsigned bits = 0;
     for (int l = 0; l < LANES; l++) bits |= (unsigned)(so[l] & 1) << l;
     return bits;
-#endif
 }
+#else
+#define lanes_min ffp_floats_min
+#define lanes_max ffp_floats_max
+#define lanes_sqrt ffp_floats_sqrt
+#define lanes_bits ffp_floats_bits
+#endif
 
 // Bit l is set where lane l is above 0.
 ALWAYS_INLINE unsigned lanes_positive(Lanes v) {
-#if defined(__AVX512F__)
-    return _mm512_cmp_ps_mask((__m512)v, _mm512_setzero_ps(), _CMP_GT_OQ);
-#else
     return lanes_bits(v > (Lanes){0});
-#endif
 }
 
 // 2^t for -126 < t <= 0. In fp32 2^n from the exponent's bits and 2^f from its series, |f| <= 1/2: relative

@@ -2,6 +2,8 @@
 
 #if defined(__AVX512BF16__) || defined(__AMX_BF16__)
 #include <immintrin.h>
+#elif defined(__ARM_FEATURE_BF16_VECTOR_ARITHMETIC)
+#include <arm_neon.h>
 #endif
 
 // As many independent sums as hide the latency and still fit the registers.
@@ -9,6 +11,8 @@
 enum { LANES = 16, SUMS = 20 };
 #elif defined(__AVX2__)
 enum { LANES = 8, SUMS = 12 };
+#elif defined(__aarch64__)
+enum { LANES = 4, SUMS = 24 };
 #else
 enum { LANES = 4, SUMS = 12 };
 #endif
@@ -74,6 +78,18 @@ static double product_loop(int rounds, float *sink) {
     for (int i = 1; i < SUMS; i++) sum[0] = _mm512_add_ps(sum[0], sum[i]);
     *sink = _mm512_reduce_add_ps(sum[0]);
     return 4.0 * 16 * SUMS * rounds;
+}
+#elif defined(__ARM_FEATURE_BF16_VECTOR_ARITHMETIC)
+static double product_loop(int rounds, float *sink) {
+    float32x4_t sum[SUMS];
+    const bfloat16x8_t a = vcvtq_low_bf16_f32(vdupq_n_f32(*sink));
+    for (int i = 0; i < SUMS; i++) sum[i] = vdupq_n_f32((float)i);
+    for (int round = 0; round < rounds; round++)
+#pragma GCC unroll 32
+        for (int i = 0; i < SUMS; i++) sum[i] = vbfdotq_f32(sum[i], a, a);
+    for (int i = 1; i < SUMS; i++) sum[0] = vaddq_f32(sum[0], sum[i]);
+    *sink = vaddvq_f32(sum[0]);
+    return 4.0 * LANES * SUMS * rounds;
 }
 #else
 static double product_loop(int rounds, float *sink) {

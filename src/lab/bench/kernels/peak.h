@@ -9,7 +9,7 @@ typedef struct FfpPeakKernels {
     double (*products)(int rounds, float *sink); // what the level's products are made of
 } FfpPeakKernels;                                // each returns the operations done by the calling thread
 
-extern const FfpPeakKernels ffp_portable_peaks, ffp_avx2_peaks, ffp_avx512_peaks, ffp_avx512bf16_peaks,
-    ffp_amx_peaks;
+#define FFP_DECLARE_PEAKS(NAME, name, ...) extern const FfpPeakKernels ffp_##name##_peaks;
+FFP_EACH_LEVEL(FFP_DECLARE_PEAKS, )
 
 #endif

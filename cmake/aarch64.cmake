@@ -1,0 +1,21 @@
+# Toolchain: Debian's cross compiler for 64-bit ARM, the libraries in a folder of their own (script/test-arm makes it), and qemu-user to
+# run what is built.
+set(FFP_SYSROOT ${CMAKE_BINARY_DIR}/sysroot CACHE PATH "A folder with Debian's packages for arm64")
+list(APPEND CMAKE_TRY_COMPILE_PLATFORM_VARIABLES FFP_SYSROOT)
+set(CMAKE_SYSTEM_NAME Linux)
+set(CMAKE_SYSTEM_PROCESSOR aarch64)
+set(CMAKE_C_COMPILER aarch64-linux-gnu-gcc)
+set(CMAKE_CXX_COMPILER aarch64-linux-gnu-g++)
+set(CMAKE_SYSROOT ${FFP_SYSROOT})
+set(CMAKE_FIND_ROOT_PATH_MODE_PROGRAM NEVER)
+set(CMAKE_FIND_ROOT_PATH_MODE_LIBRARY ONLY)
+set(CMAKE_FIND_ROOT_PATH_MODE_INCLUDE ONLY)
+set(CMAKE_FIND_ROOT_PATH_MODE_PACKAGE ONLY)
+# Packages are unpacked, not configured: OpenBLAS lies where Debian's alternatives would otherwise lead.
+set(libraries ${FFP_SYSROOT}/usr/lib/aarch64-linux-gnu)
+set(blas ${libraries}/openblas-openmp)
+set(ENV{PKG_CONFIG_SYSROOT_DIR} ${FFP_SYSROOT})
+set(ENV{PKG_CONFIG_LIBDIR} ${libraries}/pkgconfig:${blas}/pkgconfig:${FFP_SYSROOT}/usr/share/pkgconfig)
+set(CMAKE_EXE_LINKER_FLAGS_INIT "-Wl,-rpath-link,${blas}")
+set(CMAKE_SHARED_LINKER_FLAGS_INIT "-Wl,-rpath-link,${blas}")
+set(CMAKE_CROSSCOMPILING_EMULATOR qemu-aarch64 -L ${FFP_SYSROOT} -E LD_LIBRARY_PATH=${blas})
