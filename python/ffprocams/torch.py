@@ -356,11 +356,13 @@ def _logit(p: Tensor) -> Tensor:
     return torch.log(inside / (1 - inside))
 
 
-def _turn(q: Tensor, v: Tensor) -> Tensor:
-    """v turned by the unit quaternions q."""
-    w, axis = q[:, :1], q[:, 1:]
-    twice = 2 * torch.linalg.cross(axis, v)
-    return v + w * twice + torch.linalg.cross(axis, twice)
+def _matrices(q: Tensor) -> Tensor:
+    """[n,3,3] of unit quaternions."""
+    w, x, y, z = q.unbind(1)
+    rows = (1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y), 2 * (x * y + w * z),
+            1 - 2 * (x * x + z * z), 2 * (y * z - w * x), 2 * (x * z - w * y), 2 * (y * z + w * x),
+            1 - 2 * (x * x + y * y))  # fmt: skip
+    return torch.stack(rows, 1).view(-1, 3, 3)
 
 
 class Splats(torch.nn.Module):
@@ -378,10 +380,8 @@ class Splats(torch.nn.Module):
         frame = torch.nn.functional.normalize(start.rotation, dim=1)
         self.origin: Tensor
         self.frame: Tensor
-        self.unit: Tensor
         self.register_buffer("origin", start.centre.clone())
-        self.register_buffer("frame", frame.clone())
-        self.register_buffer("unit", start.scale.amax(1, keepdim=True))
+        self.register_buffer("frame", _matrices(frame) * start.scale.amax(1).view(-1, 1, 1))
         self.centre = torch.nn.Parameter(torch.zeros_like(start.centre))
         self.scale = torch.nn.Parameter(start.scale.clamp_min(1e-12).log())
         self.rotation = torch.nn.Parameter(frame)
@@ -394,7 +394,7 @@ class Splats(torch.nn.Module):
 
     def forward(self) -> Parts:
         return Parts(
-            torch.addcmul(self.origin, self.unit, _turn(self.frame, self.centre)),
+            torch.baddbmm(self.origin.unsqueeze(2), self.frame, self.centre.unsqueeze(2)).squeeze(2),
             self.scale.exp(),
             self.rotation,  # the renderer normalises
             self.opacity.sigmoid(),
