@@ -868,8 +868,9 @@ typedef struct FfpImportPattern {
 
 typedef enum FfpMasks {
     FFP_MASKS_FROM_ALPHA, // the photographs' alpha channels if present, otherwise as below
-    // White minus black (Otsu 1979), with shadows completed from four or more views. Where these masks
-    // contradict each other and a turntable's stops share a lit background: from what stays the same.
+    // All light, where nothing but the object is bright. Otherwise white minus black (Otsu 1979), with
+    // shadows completed from four or more views; where these masks contradict each other and a turntable's
+    // stops share a lit background: from what stays the same.
     FFP_MASKS_FROM_LIGHT,
     FFP_MASKS_FROM_FILES
 } FfpMasks;

@@ -289,7 +289,7 @@ def import_capture(
             files as in ``images``, or one for all stops of a turntable; what looks like it is background. Cannot be
             combined with files of masks.
         turntable: for a fixed rig with several views.
-        masks: None: the photographs' alpha if present, otherwise as "light"; "light": computed from white minus black;
+        masks: None: the photographs' alpha if present, otherwise as "light"; "light": computed from light;
             or files, as in ``images``, white on black.
         projector_image: COLMAP: the image that stands for the projector; None: "calib".
         views: ids to import; none: all.

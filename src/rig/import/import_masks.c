@@ -9,13 +9,16 @@
 #include "rig/import/checks.h"
 #include "rig/import/common_stage.h"
 #include "rig/import/contact_sheet.h"
+#include "rig/import/dark.h"
 #include "rig/import/grow_masks.h"
 #include "rig/import/import_steps.h"
+#include "rig/import/local_mean.h"
 #include "rig/import/mask.h"
 #include "rig/import/stage_masks.h"
 
 #define MISFIT_LEAST 0.12 // of the pixels, which contradict the other views' masks: those show a wall
 #define LIT_LEAST 0.5     // of what is lit that must stay the same
+#define LACKING_MOST 0.02 // of the masks' pixels, which all light does not show
 #define VIEWS_TURNED 5    // that tell it
 #define LIGHT_LEAST 0.01  // of full scale, by which the light under black may change, and
 #define LIGHT_CHANGE 0.25 // of itself
@@ -163,22 +166,26 @@ static bool mask_by_common_stage(FfpImporting *import) {
 
 #define VIEWS_GROWN 4 // from which on views know enough of each other
 
-// The shadows in them, from what the other views show.
-static void add_shadows(FfpImporting *import) {
+typedef struct Grown {
+    bool asked, sure; // whether other views could say, and did
+    double added;     // share of the object's pixels
+} Grown;
+
+// The shadows in Otsu's masks, from what the other views show.
+static Grown add_shadows(FfpImporting *import) {
     FfpCapture *capture = &import->capture;
     int64_t covered = 0, added;
+    Grown out = {.asked = import->settings->axis == FFP_AXIS_KNOWN && capture->n_views >= VIEWS_GROWN};
+    if (!out.asked) return out;
     for (int v = 0; v < capture->n_views; v++) {
         const FfpImage *mask = &capture->views[v].coverage;
         for (ptrdiff_t i = 0; i < (ptrdiff_t)mask->width * mask->height; i++)
             covered += mask->data[i] >= 0.5F;
     }
     ffp_capture_estimate_bounds(capture);
-    if (ffp_grow_masks(capture, import->made, import->holes, &added))
-        ffp_note("  shadows that the other views show lit were added to them, and holes opened that they see "
-                 "through: %+.1f %% of the object's pixels",
-                 100 * (double)added / fmax(1, (double)covered));
-    else
-        ffp_note("  too much of the object is in shadow for the other views to complete them");
+    out.sure = ffp_grow_masks(capture, import->made, import->holes, &added);
+    out.added = (double)added / fmax(1, (double)covered);
+    return out;
 }
 
 static void apply_masks(FfpImporting *import) {
@@ -235,15 +242,76 @@ static void note_agreement(FfpImporting *import) {
                     ". Was the camera moved, or anything else, between the empty stage and the object?");
 }
 
-static void complete_otsu(FfpImporting *import, int made) {
+static void note_otsu(const Grown *grown, int made) {
     ffp_note(
         "%d masks were made from white minus black (Otsu): look at them, and give files of masks if they "
         "are wrong",
         made);
-    if (import->settings->axis == FFP_AXIS_KNOWN && import->capture.n_views >= VIEWS_GROWN)
-        add_shadows(import);
+    if (grown->sure)
+        ffp_note("  shadows that the other views show lit were added to them, and holes opened that they see "
+                 "through: %+.1f %% of the object's pixels",
+                 100 * grown->added);
+    else if (grown->asked)
+        ffp_note("  too much of the object is in shadow for the other views to complete them");
     else
         ffp_note("  what the projector does not reach is left out");
+}
+
+// --- An object in the dark. ---
+
+static void exchange_masks(FfpCapture *capture, FfpImage *masks) {
+    for (int v = 0; v < capture->n_views; v++) {
+        const FfpImage before = capture->views[v].coverage;
+        capture->views[v].coverage = masks[v];
+        masks[v] = before;
+    }
+}
+
+// The share of the views' masks that other ones lack, beside their outlines.
+static double lacking(const FfpCapture *capture, const FfpImage *masks) {
+    double missing = 0, all = 0;
+    for (int v = 0; v < capture->n_views; v++) {
+        const FfpImage *view = &capture->views[v].coverage;
+        const size_t pixels = (size_t)view->width * (size_t)view->height;
+        unsigned char *there = ffp_alloc(pixels, 1);
+        for (size_t i = 0; i < pixels; i++) there[i] = masks[v].data[i] > 0;
+        ffp_marks_grow(there, view->width, view->height, 1);
+        for (size_t i = 0; i < pixels; i++) {
+            missing += view->data[i] >= 0.5F && !there[i];
+            all += view->data[i] >= 0.5F;
+        }
+        ffp_free(there);
+    }
+    return missing / fmax(all, 1);
+}
+
+// Whether masks of all light are better than those that the views have: the empty stage must be as dark, or
+// they must show the shadows that the views have found in each other, if they have (`completed`).
+static bool is_better(const FfpImporting *import, const FfpImage *masks, bool completed) {
+    const FfpCapture *capture = &import->capture;
+    if (!import->stages) return !completed || lacking(capture, masks) < LACKING_MOST;
+    for (int v = 0; v < capture->n_views; v++)
+        if (!ffp_dark_stage(capture, v, &import->stages[v])) return false;
+    return true;
+}
+
+// Where nothing but the object sends light to the camera, all light together shows it, and its shadows too.
+static bool mask_in_the_dark(FfpImporting *import, bool completed) {
+    FfpCapture *capture = &import->capture;
+    FfpImage *masks = ffp_alloc((size_t)capture->n_views, sizeof *masks);
+    const bool found = ffp_dark_masks(masks, capture) && is_better(import, masks, completed);
+    if (found) exchange_masks(capture, masks);
+    for (int v = 0; v < capture->n_views; v++) {
+        if (found) ffp_dark_soften(capture, &capture->views[v]);
+        ffp_image_free(&masks[v]);
+    }
+    ffp_free(masks);
+    if (found)
+        ffp_note(
+            "%d masks were made from all light, since nothing but the object is bright: look at them, and "
+            "give files of masks if they are wrong",
+            capture->n_views);
+    return found;
 }
 
 // Masks made of light, completed where there are views enough and their poses are known, and applied.
@@ -255,10 +323,13 @@ bool ffp_importing_complete_masks(FfpImporting *import, FfpError *err) {
     if (made == capture->n_views && has_one_camera(import)) warn_of_other_light(import);
     if (import->stages) {
         FfpStageMasks report;
-        if (!mask_by_stage(import, NULL, &report, err)) return false;
-        note_stage(import, &report, "the empty stage");
-    } else if (!mask_by_common_stage(import)) {
-        complete_otsu(import, made);
+        if (!mask_in_the_dark(import, false)) {
+            if (!mask_by_stage(import, NULL, &report, err)) return false;
+            note_stage(import, &report, "the empty stage");
+        }
+    } else if (made < capture->n_views || !mask_by_common_stage(import)) {
+        const Grown grown = add_shadows(import);
+        if (made < capture->n_views || !mask_in_the_dark(import, grown.sure)) note_otsu(&grown, made);
     }
     note_agreement(import);
     apply_masks(import);

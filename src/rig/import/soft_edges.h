@@ -5,9 +5,9 @@
 #include "rig/import/stage.h"
 
 // A mask of 0 and 1 gets shares of pixels along its outline, and what is not the object's there leaves the
-// view's pictures. A pixel two steps or less from the outline shows, under white, a mean of the object inside
-// and of the stage there, which is known and as bright here as it is outside; its share is that which
-// explains it best. Where both are alike, the mask stays as it is.
+// view's pictures. In each picture a pixel two steps or less from the outline shows a mean of the object
+// inside and of the stage there, which is known and as bright here as it is outside; its share is that which
+// explains all pictures best. Where both are alike, the mask stays as it is.
 void ffp_soften_edges(const FfpCapture *capture, FfpView *view, const FfpEmptyStage *stage, double noise);
 
 #endif
