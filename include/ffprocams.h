@@ -819,6 +819,9 @@ typedef struct FfpRigCalibration {
     const char *turntable_file;      // for the axis in the format read by `import` (JSON)
     const char *const *calibrations; // without attitudes: files containing the camera's calibration
     int n_calibrations;
+    // JSON file for where the board is in photographs: `attitudes` are files then, one photograph of the
+    // board each, and nothing is calibrated. NULL: not wanted
+    const char *seen;
 } FfpRigCalibration;
 FFP_API FfpRigCalibration ffp_rig_calibration_defaults(void); // nothing named or fixed, 1920 x 1080
 

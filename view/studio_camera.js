@@ -83,19 +83,22 @@ async function openCamera() {
     throw new Error(`The camera cannot be opened: ${error.message}`);
   }
   const track = webcam.stream.getVideoTracks()[0];
-  track.addEventListener('ended', () => { webcam.stream = null; say('The camera is gone: plug it in, and open it again.'); });
+  track.addEventListener('ended', () => { webcam.stream = null; $('live').hidden = true; say('The camera is gone: plug it in, and open it again.'); });
   webcam.held = await holdStill(track);
   $('preview').srcObject = webcam.stream;
   $('preview').hidden = false;
   await $('preview').play();
   $('camera-size').textContent = `${$('preview').videoWidth} x ${$('preview').videoHeight} pixels`;
   $('camera-held').textContent = webcam.held;
+  $('live').hidden = false;
+  watchLive();
   await listCameras();
 }
 
-const nextFrame = (video) => new Promise((done) => {
-  if (video.requestVideoFrameCallback) video.requestVideoFrameCallback(() => done());
-  else setTimeout(done, 40);
+const nextFrame = (video) => new Promise((done, fail) => {
+  if (!video.requestVideoFrameCallback) return setTimeout(done, 40);
+  const late = setTimeout(() => fail(new Error('The camera gives no new picture: is it unplugged, in use elsewhere, or this page hidden?')), 6000);
+  video.requestVideoFrameCallback(() => { clearTimeout(late); done(); });
 });
 
 function frameOf(video) {
@@ -153,3 +156,63 @@ async function measureLatency() {
   webcam.latency = Math.round(slowest * 1.25 + 34);
   return webcam.latency;
 }
+
+// --- What the camera sees now, before anything is photographed. ---
+
+const live = {best: 0, means: [], running: false};
+
+// Mean square of the Laplacian of the middle of the picture, at full resolution: relative to the best so far it tells how
+// sharp the picture is (Pertuz et al. 2013, LAPM).
+function sharpness(video) {
+  const side = Math.min(384, video.videoWidth, video.videoHeight), canvas = element('canvas', {width: side, height: side});
+  const context = canvas.getContext('2d', {willReadFrequently: true});
+  context.drawImage(video, (video.videoWidth - side) / 2, (video.videoHeight - side) / 2, side, side, 0, 0, side, side);
+  const data = context.getImageData(0, 0, side, side).data, green = (x, y) => data[4 * (y * side + x) + 1];
+  let sum = 0;
+  for (let y = 1; y < side - 1; y++)
+    for (let x = 1; x < side - 1; x++) {
+      const l = 4 * green(x, y) - green(x - 1, y) - green(x + 1, y) - green(x, y - 1) - green(x, y + 1);
+      sum += l * l;
+    }
+  return sum / (side * side);
+}
+
+// Standard deviation of the brightness of the last frames, relative to their mean: lamps and projectors flicker.
+function flicker(means) {
+  const mean = means.reduce((a, b) => a + b, 0) / means.length;
+  return mean > 0 ? Math.sqrt(means.reduce((a, b) => a + (b - mean) ** 2, 0) / means.length) / mean : 0;
+}
+
+function tellLive(video) {
+  const canvas = element('canvas', {width: 320, height: 240}), context = canvas.getContext('2d', {willReadFrequently: true});
+  context.drawImage(video, 0, 0, 320, 240);
+  const {clipped, dark} = drawHistogram($('live-histogram'), context.getImageData(0, 0, 320, 240).data);
+  const sharp = sharpness(video), shake = live.means.length === 30 ? flicker(live.means) : 0;
+  live.best = Math.max(live.best, sharp);
+  const says = [[`${share(clipped)} clipped`, clipped > 0.02 && 'expose for less long'], [`${share(dark)} drowned`, dark > 0.9 && 'hardly any light arrives'],
+    [`${Math.round(100 * sharp / live.best)} % as sharp as at best so far`, sharp < 0.7 * live.best && 'turn the focus back'],
+    [`brightness varies by ${(100 * shake).toFixed(1)} %`, shake > 0.01 && 'the light flickers: expose for a multiple of 1/100 or 1/120 s, or of the projector\u2019s frame']];
+  $('live-says').replaceChildren(...says.map(([text, advice]) => element('li', {className: advice ? 'doubt' : '', textContent: advice ? `${text} \u2013 ${advice}` : text})));
+}
+
+// While the first step is on the screen.
+async function watchLive() {
+  if (live.running) return;
+  live.running = true, live.best = 0, live.means = [];
+  const video = $('preview');
+  for (let told = 0; webcam.stream && !$('rig').hidden;) {
+    try { await nextFrame(video); } catch { continue; }
+    live.means = [...live.means.slice(-29), brightness(video)];
+    if (performance.now() - told > 250) told = performance.now(), tellLive(video);
+    await sleep(20);
+  }
+  live.running = false;
+}
+
+async function showForLive(what) {
+  await project(what);
+  live.best = 0, live.means = []; // of another picture
+}
+$('live-white').addEventListener('click', () => attempt(() => showForLive({colour: '#fff'})));
+$('live-black').addEventListener('click', () => attempt(() => showForLive({colour: '#000'})));
+$('live-chart').addEventListener('click', () => attempt(() => showForLive({file: 'file/patterns/000_focus.png'})));

@@ -2,7 +2,7 @@
 // Taking a set of photographs: the server says what is due, the projector shows it, the camera takes it. Whatever
 // ends this in the middle, the next photograph is the first that is not on disk.
 
-const shooting = {running: false, pause: false, go: null};
+const shooting = {running: false, pause: false, go: null, asked: false}; // asked: a person has just said that all is ready
 
 const DARK = 8, CLIPPED = 250; // of 255
 const isVirtual = () => studio.state.settings.camera === 'virtual';
@@ -34,7 +34,7 @@ async function takeOne(active) {
   const {name, next} = active;
   if (isVirtual()) {
     const state = await doIt({verb: 'take', set: name, number: next.number});
-    if (state.active && state.active.name === name && state.active.done === active.done) await sleep(120); // being simulated
+    if (state.active && state.active.name === name && state.active.done === active.done) await sleep(400); // being simulated
     return;
   }
   await project({file: 'file/patterns/' + next.pattern});
@@ -66,15 +66,48 @@ async function checkStill(name, ending) {
   if (mean > 3) say(`Something moved, or the light changed, while this was photographed (${mean.toFixed(1)} of 255 between the first black and now): take it again.`);
 }
 
+// The board in the photograph under white, as soon as there is one; null: it cannot be looked for (a build without OpenCV).
+async function lookForBoard(name) {
+  for (let begun = false; ;) {
+    const {active, eye} = studio.state;
+    if (!active || active.name !== name) return null;
+    if (active.looked) return boardOf(name);
+    if (eye.end !== 'running') {
+      if (begun) return null;
+      begun = true;
+      await doIt({verb: 'look', set: name});
+    }
+    await sleep(150);
+    await refresh();
+  }
+}
+
+// Whether this board is worth its codes. Without a board in it the set begins again; what was photographed is kept in discarded/.
+async function isBoardGood(name) {
+  const seen = await lookForBoard(name);
+  if (!seen) return true;
+  if (seen.found && seen.clipped > 0.05) say(`${share(seen.clipped)} of the board is overexposed under white: expose for less long, and take it again.`);
+  if (seen.found) return true;
+  await doIt({verb: 'discard', set: name});
+  await doIt({verb: 'shoot', set: name});
+  await waitForHand(`This cannot be used: ${seen.problem}. Hold the whole board into the light of the projector, before the camera.`);
+  return false;
+}
+
 async function shootSet(name) {
-  let state = await doIt({verb: 'shoot', set: name}), ending = 'png';
+  let state = await doIt({verb: 'shoot', set: name}), ending = 'png', looked = !name.includes('attitude');
   while (state.active && state.active.name === name && !shooting.pause) {
     const wish = isVirtual() ? '' : wishFor(state.active);
-    if (wish) await waitForHand(wish);
+    if (wish && !shooting.asked) await waitForHand(wish);
+    shooting.asked = false;
     if (shooting.pause) break;
     await takeOne(studio.state.active);
     state = studio.state;
     if (state.active) ending = state.active.ending || ending;
+    if (looked || !state.active || !state.active.shots.some((shot) => shot.there && shot.pattern.includes('_white.'))) continue;
+    looked = await isBoardGood(name);
+    shooting.asked = !looked;
+    state = studio.state;
   }
   if (!shooting.pause && name.includes('attitude')) await checkStill(name, ending);
 }
@@ -82,7 +115,7 @@ async function shootSet(name) {
 // Sets one after the other, as far as they are not complete.
 async function shootAll(names) {
   if (shooting.running) return;
-  shooting.running = true, shooting.pause = false;
+  shooting.running = true, shooting.pause = shooting.asked = false;
   await attempt(async () => {
     if (!isVirtual() && !projector.isOpen) throw new Error('Open the projector window first (step 1).');
     if (studio.state.settings.camera === 'browser' && !webcam.stream) throw new Error('Open the camera first (step 1).');
@@ -104,24 +137,31 @@ $('shooting-stop').addEventListener('click', () => {
 
 let drawn = '';
 
-function drawHistogram(pixels) {
-  const counts = new Float64Array(256), canvas = $('histogram'), context = canvas.getContext('2d');
+const share = (part) => (100 * part).toFixed(1) + ' %';
+
+// Of the brightest channel of each pixel; the shares that are clipped and drowned.
+function drawHistogram(canvas, pixels) {
+  const counts = new Float64Array(256), context = canvas.getContext('2d'), number = pixels.length / 4;
   let clipped = 0, dark = 0;
   for (let i = 0; i < pixels.length; i += 4) {
     const most = Math.max(pixels[i], pixels[i + 1], pixels[i + 2]);
     counts[most]++;
     clipped += most >= CLIPPED, dark += most <= DARK;
   }
-  const number = pixels.length / 4, height = Math.sqrt(Math.max(...counts.subarray(1, 255)) || 1);
+  const height = Math.sqrt(Math.max(...counts.subarray(1, 255)) || 1);
   context.clearRect(0, 0, 256, 120);
   for (let v = 0; v < 256; v++) {
     context.fillStyle = v >= CLIPPED ? '#e5484d' : v <= DARK ? '#5b7fde' : '#c9c5bd';
     const h = Math.min(120, 114 * Math.sqrt(counts[v]) / height);
     context.fillRect(v, 120 - h, 1, h);
   }
-  const share = (n) => (100 * n / number).toFixed(1) + ' %';
+  return {clipped: clipped / number, dark: dark / number};
+}
+
+function tellExposure(pixels) {
+  const {clipped, dark} = drawHistogram($('histogram'), pixels);
   $('exposure').textContent = `under white: ${share(clipped)} clipped, ${share(dark)} drowned` +
-    (clipped > 0.02 * number ? ' \u2013 expose for less long' : dark > 0.9 * number ? ' \u2013 hardly any light arrives' : '');
+    (clipped > 0.02 ? ' \u2013 expose for less long' : dark > 0.9 ? ' \u2013 hardly any light arrives' : '');
 }
 
 // The newest photograph, and the histogram of the newest under white.
@@ -136,7 +176,7 @@ async function drawTaken(set, shot) {
   const context = canvas.getContext('2d', {willReadFrequently: true});
   context.drawImage(image, 0, 0, canvas.width, canvas.height);
   $('taken-name').textContent = `photograph ${shot.number}, ${image.width} x ${image.height}`;
-  if (shot.pattern.includes('_white.')) drawHistogram(context.getImageData(0, 0, canvas.width, canvas.height).data);
+  if (shot.pattern.includes('_white.')) tellExposure(context.getImageData(0, 0, canvas.width, canvas.height).data);
 }
 
 studio.listeners.push((state) => {

@@ -10,6 +10,7 @@ function showStep(name) {
   for (const button of document.querySelectorAll('#steps button'))
     if (button.dataset.step === name) button.setAttribute('aria-current', 'step'); else button.removeAttribute('aria-current');
   if (studio.state) drawState(studio.state);
+  if (name === 'rig' && webcam.stream) watchLive();
 }
 
 const complete = (set) => set.count > 0 && set.done === set.count;
@@ -112,7 +113,8 @@ function drawSets(id, sets, state) {
     tile.dataset.set = set.name;
     tile.classList.toggle('active', !!state.active && state.active.name === set.name);
     tile.querySelector('b').textContent = titleOf(set);
-    tile.querySelector('small').textContent = complete(set) ? 'done' : set.done > 0 ? `${set.done} of ${set.count}` : set.count > 0 ? `${set.count} photographs` : '';
+    const board = boards.get(set.name);
+    tile.querySelector('small').textContent = complete(set) ? board && board.found ? `tilted by ${Math.round(board.tilt)}\u00b0` : 'done' : set.done > 0 ? `${set.done} of ${set.count}` : set.count > 0 ? `${set.count} photographs` : '';
     tile.querySelector('.again').hidden = set.done === 0 || shooting.running;
     const shown = tile.firstChild.tagName === 'IMG' ? tile.firstChild.getAttribute('src') : '';
     if (shown !== picture) tile.firstChild.replaceWith(picture ? element('img', {src: picture, alt: ''}) : element('div', {className: 'none'}));
@@ -133,6 +135,46 @@ function shootMissing(sets) {
 
 // --- 2: the chessboard. ---
 
+const boards = new Map(); // by set: where the board is in its photograph under white, as `calibrate --seen` found it
+
+async function boardOf(name) {
+  if (!boards.has(name)) boards.set(name, JSON.parse(await textOf(name + '/board.json')).photographs[0]);
+  return boards.get(name);
+}
+
+const SIDES = [['left', -1, 0], ['right', 1, 0], ['top', 0, -1], ['bottom', 0, 1]];
+
+// What the boards so far leave open: parts of the picture that no corner has reached, and sides that were never the nearer one.
+function openBoards(seen) {
+  const cells = new Set(seen.flatMap((b) => b.corners.map(([x, y]) => Math.floor(3 * y / b.height) * 3 + Math.floor(3 * x / b.width))));
+  const parts = ['the left top', 'the top', 'the right top', 'the left', 'the middle', 'the right', 'the left bottom', 'the bottom', 'the right bottom'];
+  const tilted = seen.filter((b) => b.tilt > 12);
+  return {parts: parts.filter((_, i) => !cells.has(i)),
+    sides: SIDES.filter(([, x, y]) => !tilted.some((b) => b.towards[0] * x + b.towards[1] * y > 0.15)).map(([name]) => name)};
+}
+
+function drawBoards(state) {
+  for (const set of state.sets) {
+    if (!set.looked) boards.delete(set.name);
+    else if (!boards.has(set.name)) boardOf(set.name).then(() => drawBoard(studio.state), () => {});
+  }
+  const seen = state.sets.map((set) => boards.get(set.name)).filter((b) => b && b.found);
+  $('seen').hidden = seen.length === 0;
+  if (seen.length === 0) return;
+  const canvas = $('seen-map'), context = canvas.getContext('2d'), scale = 320 / seen[0].width;
+  canvas.height = Math.round(seen[0].height * scale);
+  seen.forEach((b, i) => {
+    context.fillStyle = `hsl(${i * 47 % 360} 70% 62%)`;
+    for (const [x, y] of b.corners) context.fillRect(x * scale - 1.5, y * scale - 1.5, 3, 3);
+  });
+  const open = openBoards(seen), tilts = seen.map((b) => b.tilt), says = [];
+  says.push(['', `tilted by ${Math.round(Math.min(...tilts))} to ${Math.round(Math.max(...tilts))} degrees`]);
+  if (open.sides.length > 0) says.push(['doubt', `never nearer to the camera: its ${open.sides.join(', ')}`]);
+  if (open.parts.length > 0) says.push(['doubt', `no corner yet in ${open.parts.join(', ')} of the picture`]);
+  if (open.sides.length + open.parts.length === 0) says.push(['', 'corners in every part of the picture, tilts to every side']);
+  $('seen-says').replaceChildren(...says.map(([className, textContent]) => element('li', {className, textContent})));
+}
+
 function drawBoard(state) {
   const boards = state.sets.filter((set) => set.name.includes('attitude') && complete(set)).length;
   drawSets('board-sets', state.sets, state);
@@ -140,6 +182,7 @@ function drawBoard(state) {
   $('calibrate').disabled = boards < 3 || isRunning(state) || shooting.running;
   $('calibrate').classList.toggle('primary', state.sets.every(complete) && !state.axis);
   $('board-note').textContent = boards < 3 ? 'Three attitudes are the least to calibrate with.' : state.axis ? '' : 'More attitudes determine more; the turntable is still needed.';
+  drawBoards(state);
   $('calibration').hidden = !state.calibrated;
   if (state.calibrated && !isRunning(state, 'calibrate') && told.calibrate !== stamp(state, 'calibrate')) tellCalibration(state); // its log comes last
 }

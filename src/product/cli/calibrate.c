@@ -87,7 +87,7 @@ static void tell_default(const FfpRigCalibration *rig) {
 static int run(void *data) {
     Arguments *arguments = data;
     FfpRigCalibration *rig = &arguments->rig;
-    const bool by_default = rig->width == 0 && !rig->shown;
+    const bool by_default = rig->width == 0 && !rig->shown && !rig->seen;
     if (by_default) {
         const FfpRigCalibration defaults = ffp_rig_calibration_defaults();
         rig->width = defaults.width;
@@ -106,6 +106,7 @@ static int run(void *data) {
         if (by_default && err.code == FFP_ERROR_FILE && rig->n_attitudes > 0) tell_default(rig);
         return status;
     }
+    if (rig->seen) printf("%s: where the board is\n", rig->seen);
     if (rig->file) print_rig(rig, &stats);
     if (by_default && rig->file && (stats.used < stats.attitudes || stats.both > DOUBTFUL)) tell_default(rig);
     if (stats.has_axis) print_axis(rig, &stats);
@@ -139,6 +140,15 @@ static const FfpOption options[] = {
      .offset = offsetof(Arguments, rig.report),
      .help =
          "HTML page that shows the corners, their errors (enlarged), and how much of both images they cover"},
+    {.name = "seen",
+     .argument = "FILE.json",
+     .type = FFP_OPTION_FILE,
+     .writes = true,
+     .excludes = "output",
+     .offset = offsetof(Arguments, rig.seen),
+     .help = "calibrate nothing, but write where the board is in photographs, given instead of FOLDERs: "
+             "whether it was found, its corners, its tilt and which way, and what is clipped. Tells in a "
+             "second whether a board is worth its 40 photographs"},
     {.name = "projector",
      .argument = "WxH",
      .type = FFP_OPTION_PARSED,

@@ -376,6 +376,7 @@ bool ffp_studio_serve(FfpStudio *studio, bool opens, char said[FFP_STUDIO_SAID])
         close(listening);
     ffp_studio_join(studio, &studio->job);
     ffp_studio_join(studio, &studio->camera);
+    ffp_studio_join(studio, &studio->eye);
     if (signals >= 0) close(signals);
     pthread_sigmask(SIG_SETMASK, &before, NULL);
     return daemon != NULL;

@@ -170,6 +170,14 @@ bool ffp_studio_watch(FfpStudio *studio, const char *folder, char said[FFP_STUDI
            ffp_studio_say(said, "the folder %s cannot be watched: %s", folder, strerror(errno));
 }
 
+// It was deleted, or its disk was taken out.
+static void lose_watch(FfpStudio *studio, const char *folder) {
+    studio->watch = -1;
+    snprintf(studio->notice, sizeof studio->notice,
+             "The folder %.300s is gone: make it again, or name another (step 1).", folder);
+    studio->version++;
+}
+
 void ffp_studio_arrived(FfpStudio *studio) {
     _Alignas(struct inotify_event) char events[16384];
     const ssize_t got = read(studio->changes, events, sizeof events);
@@ -177,6 +185,7 @@ void ffp_studio_arrived(FfpStudio *studio) {
     const bool watching = strcmp(ffp_studio_setting(studio, "camera", ""), "folder") == 0;
     for (ssize_t at = 0; folder && watching && at < got;) {
         const struct inotify_event *event = (const struct inotify_event *)(events + at);
+        if (event->wd == studio->watch && (event->mask & IN_IGNORED)) lose_watch(studio, folder);
         if (event->len > 0 && !(event->mask & IN_ISDIR)) take_file(studio, folder, event->name);
         at += (ssize_t)(sizeof *event + event->len);
     }

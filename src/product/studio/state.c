@@ -104,10 +104,13 @@ static json_t *job_state(const FfpStudioJob *job) {
                      text(job->log, job->logged), "seconds", job->seconds);
 }
 
-static json_t *set_state(const FfpStudioSet *set) {
+static json_t *set_state(const FfpStudio *studio, const FfpStudioSet *set) {
+    char board[FFP_STUDIO_NAME + 16];
     const int next = ffp_studio_next(set);
-    json_t *state = json_pack("{s:s, s:i, s:i, s:s, s:b}", "name", set->name, "count", set->count, "done",
-                              set->done, "ending", set->ending, "simulated", set->stage[0] != 0);
+    snprintf(board, sizeof board, "%s/board.json", set->name);
+    json_t *state = json_pack("{s:s, s:i, s:i, s:s, s:b, s:b}", "name", set->name, "count", set->count,
+                              "done", set->done, "ending", set->ending, "simulated", set->stage[0] != 0,
+                              "looked", ffp_studio_exists(studio, board));
     if (set->count > 0 && set->shots[0].has_angle)
         json_object_set_new(state, "angle", json_real(set->shots[next >= 0 ? next : 0].angle));
     if (next >= 0 && set->count > 0)
@@ -131,7 +134,7 @@ static json_t *sets_state(const FfpStudio *studio, const char *object) {
     json_t *sets = json_array();
     const int count = names ? ffp_studio_set_names(studio, object, names, FFP_STUDIO_SETS) : 0;
     for (int i = 0; i < count; i++)
-        if (ffp_studio_set(studio, names[i], &set)) json_array_append_new(sets, set_state(&set));
+        if (ffp_studio_set(studio, names[i], &set)) json_array_append_new(sets, set_state(studio, &set));
     free(names);
     return sets;
 }
@@ -171,15 +174,16 @@ json_t *ffp_studio_state(const FfpStudio *studio) {
     json_t *settings = json_deep_copy(studio->settings), *active = json_null();
     const char *name = ffp_studio_setting(studio, "active", NULL);
     if (name && ffp_studio_set(studio, name, &set)) {
-        active = set_state(&set);
+        active = set_state(studio, &set);
         json_object_set_new(active, "shots", shots_state(&set));
     }
     json_object_del(settings, "simulator");
-    return json_pack("{s:I, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:b, s:b, s:b, s:o}", "version",
+    return json_pack("{s:I, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:b, s:b, s:b, s:o}", "version",
                      (json_int_t)studio->version, "folder", text(studio->folder, strlen(studio->folder)),
                      "settings", settings, "patterns", patterns_state(studio), "sets",
                      sets_state(studio, NULL), "objects", objects_state(studio), "active", active, "job",
-                     job_state(&studio->job), "camera", job_state(&studio->camera), "calibrated",
+                     job_state(&studio->job), "camera", job_state(&studio->camera), "eye",
+                     job_state(&studio->eye), "calibrated",
                      ffp_studio_exists(studio, "calibration/calibration.xml"), "axis",
                      ffp_studio_exists(studio, "calibration/axis.json"), "photographed",
                      ffp_studio_photographed(studio), "notice", text(studio->notice, strlen(studio->notice)));

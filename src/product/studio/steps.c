@@ -22,6 +22,15 @@ static void option(FfpStudioCommand *c, const char *name, const char *value) {
     ffp_studio_word(c, "%s", value);
 }
 
+// The chessboard that is used.
+static void add_board(const FfpStudio *studio, FfpStudioCommand *c) {
+    ffp_studio_word(c, "--board");
+    ffp_studio_word(c, "%lldx%lld", ffp_studio_number(studio, "board", 0, 9),
+                    ffp_studio_number(studio, "board", 1, 6));
+    ffp_studio_word(c, "--square");
+    ffp_studio_word(c, "%.9g", json_number_value(json_object_get(studio->settings, "square")));
+}
+
 // --- Patterns. ---
 
 static bool patterns(FfpStudio *studio, FfpStudioJob *job, char *said) {
@@ -34,11 +43,7 @@ static bool patterns(FfpStudio *studio, FfpStudioJob *job, char *said) {
     words(c, (const char *const[]){"-o", "patterns", "--projector", NULL});
     ffp_studio_word(c, "%lldx%lld", ffp_studio_number(studio, "projector", 0, 0),
                     ffp_studio_number(studio, "projector", 1, 0));
-    ffp_studio_word(c, "--board");
-    ffp_studio_word(c, "%lldx%lld", ffp_studio_number(studio, "board", 0, 9),
-                    ffp_studio_number(studio, "board", 1, 6));
-    ffp_studio_word(c, "--square");
-    ffp_studio_word(c, "%.9g", json_number_value(json_object_get(studio->settings, "square")));
+    add_board(studio, c);
     ffp_studio_word(c, "--lollipops");
     ffp_studio_word(c, "%lld", ffp_studio_number(studio, "lollipops", -1, 1));
     return true;
@@ -75,6 +80,25 @@ static void add_table(const FfpStudio *studio, FfpStudioCommand *c) {
     option(c, "--turntable-output", "calibration/axis.json");
 }
 
+bool ffp_studio_look(FfpStudio *studio, const char *name, char said[FFP_STUDIO_SAID]) {
+    FfpStudioSet set;
+    int white = -1;
+    if (strncmp(name, "calibration/attitude-", 21) != 0 || !ffp_studio_set(studio, name, &set))
+        return ffp_studio_say(said, "set: there is no such set of photographs of the board");
+    for (int i = 0; i < set.count; i++)
+        if (set.there[i] && strstr(set.shots[i].pattern, "_white.png")) white = set.shots[i].number;
+    if (white < 0) return ffp_studio_say(said, "%s has no photograph under white yet", name);
+    if (studio->eye.end == FFP_JOB_RUNNING) return true; // asked again in a moment
+    ffp_studio_clear(&studio->eye);
+    FfpStudioCommand *c = command(&studio->eye, "calibrate");
+    ffp_studio_word(c, "%s/%03d.%s", name, white, set.ending);
+    add_board(studio, c);
+    ffp_studio_word(c, "--seen");
+    ffp_studio_word(c, "%s/board.json", name);
+    return ffp_studio_start(studio, &studio->eye, "board") ||
+           ffp_studio_say(said, "the board cannot be looked for");
+}
+
 static bool calibrate(FfpStudio *studio, FfpStudioJob *job, char *said) {
     FfpStudioCommand *c = command(job, "calibrate");
     const int attitudes = add_attitudes(studio, c);
@@ -82,11 +106,8 @@ static bool calibrate(FfpStudio *studio, FfpStudioJob *job, char *said) {
         return ffp_studio_say(said, "%d attitudes of the board are photographed; three are the least",
                               attitudes);
     words(c, (const char *const[]){"--shown", "patterns", "-o", "calibration/calibration.xml", "--report",
-                                   "calibration/report.html", "--board", NULL});
-    ffp_studio_word(c, "%lldx%lld", ffp_studio_number(studio, "board", 0, 0),
-                    ffp_studio_number(studio, "board", 1, 0));
-    ffp_studio_word(c, "--square");
-    ffp_studio_word(c, "%.9g", json_number_value(json_object_get(studio->settings, "square")));
+                                   "calibration/report.html", NULL});
+    add_board(studio, c);
     const json_t *fix = json_object_get(studio->settings, "fix");
     for (size_t i = 0; i < json_array_size(fix); i++)
         option(c, "--fix", json_string_value(json_array_get(fix, i)));

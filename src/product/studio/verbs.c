@@ -148,6 +148,11 @@ static bool shoot(FfpStudio *studio, const json_t *request, char *said) {
     if (!ffp_studio_set(studio, name, &set)) return say(said, "set", "there is no such set of photographs");
     if (set.count == 0) return ffp_studio_say(said, "the patterns are not drawn yet");
     if (ffp_studio_next(&set) < 0) return ffp_studio_say(said, "%s is complete", name);
+    const char *watched = ffp_studio_setting(studio, "watched", NULL);
+    if (strcmp(ffp_studio_setting(studio, "camera", ""), "folder") == 0 && studio->watch < 0 &&
+        !(watched ? ffp_studio_watch(studio, watched, said)
+                  : ffp_studio_say(said, "name the folder that the camera fills (step 1)")))
+        return false;
     json_object_set_new(studio->settings, "active", json_string(name));
     studio->notice[0] = 0;
     return ffp_studio_save(studio, said);
@@ -158,6 +163,11 @@ static bool take(FfpStudio *studio, const json_t *request, char *said) {
     const json_t *number = json_object_get(request, "number");
     if (!name || !json_is_integer(number)) return say(said, "take", "takes a set and a number");
     return ffp_studio_take(studio, name, (int)json_integer_value(number), said);
+}
+
+static bool look(FfpStudio *studio, const json_t *request, char *said) {
+    const char *name = json_string_value(json_object_get(request, "set"));
+    return name ? ffp_studio_look(studio, name, said) : say(said, "set", "is missing");
 }
 
 static bool discard(FfpStudio *studio, const json_t *request, char *said) {
@@ -195,9 +205,8 @@ bool ffp_studio_do(FfpStudio *studio, const json_t *request, char said[FFP_STUDI
     static const struct {
         const char *name;
         bool (*act)(FfpStudio *, const json_t *, char *);
-    } verbs[] = {{"set", set_up},   {"object", choose_object}, {"shoot", shoot},
-                 {"take", take},    {"discard", discard},      {"run", run},
-                 {"cancel", cancel}};
+    } verbs[] = {{"set", set_up}, {"object", choose_object}, {"shoot", shoot}, {"take", take},
+                 {"look", look},  {"discard", discard},      {"run", run},     {"cancel", cancel}};
     const char *verb = json_string_value(json_object_get(request, "verb"));
     said[0] = 0;
     for (size_t i = 0; verb && i < sizeof verbs / sizeof *verbs; i++)

@@ -69,7 +69,7 @@ typedef struct FfpStudio {
     json_t *settings;     // studio.json
     uint64_t version;     // of what the page is told; grows with every change
     char notice[FFP_STUDIO_SAID];
-    FfpStudioJob job, camera; // what the user began; the virtual camera
+    FfpStudioJob job, camera, eye; // what the user began; the virtual camera; what looks for the board
     bool closing;
 } FfpStudio;
 
@@ -147,6 +147,9 @@ bool ffp_studio_store(FfpStudio *studio, const char *set, int number, const void
                       char said[FFP_STUDIO_SAID]);
 // The virtual camera takes the shot that is due, or begins to.
 bool ffp_studio_take(FfpStudio *studio, const char *set, int number, char said[FFP_STUDIO_SAID]);
+// Looks for the board in the photograph under white of a set, which then has SET/board.json (`calibrate
+// --seen`).
+bool ffp_studio_look(FfpStudio *studio, const char *set, char said[FFP_STUDIO_SAID]);
 // A folder that a camera fills: every new picture in it is the shot that is due.
 bool ffp_studio_watch(FfpStudio *studio, const char *folder, char said[FFP_STUDIO_SAID]);
 void ffp_studio_arrived(FfpStudio *studio); // when `changes` can be read

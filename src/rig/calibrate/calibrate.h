@@ -11,6 +11,11 @@
 bool ffp_read_attitudes(FfpRigFit *fit, const FfpShotFolders *folders, FfpError *err);
 void ffp_rig_fit_free(FfpRigFit *fit); // its attitudes
 
+// Where the board is in each of `n` photographs, as JSON (docs/reference/formats.md, "Where a board is").
+// Photographs without a board are listed, too, with what is wrong. Errors: a picture that cannot be read.
+bool ffp_write_boards_seen(const FfpBoard *board, const char *const *photographs, int n, const char *path,
+                           FfpError *err);
+
 // The calibration as OpenCV's FileStorage: XML or, by the name's ending (.yml, .yaml), YAML.
 bool ffp_write_calibration(const FfpRigFit *fit, const char *path, FfpError *err);
 

@@ -63,24 +63,22 @@ static void check_counts(FfpRigFit *fit) {
     }
 }
 
-// The normal of a board as a pinhole of a guessed focal length sees it. Boards that are parallel in truth
-// have the same normals at any focal length, since these are those of their common horizon.
-static bool normal_of(const FfpRigFit *fit, const FfpAttitude *a, double normal[3], FfpError *err) {
-    const FfpCvDevice *camera = &fit->devices[0];
-    const double focal = GUESS_FOCAL * fmax(camera->width, camera->height);
+bool ffp_board_normal(const FfpBoard *board, const FfpAttitude *a, int width, int height, double normal[3],
+                      FfpError *err) {
+    const double focal = GUESS_FOCAL * fmax(width, height);
     double *flat = ffp_alloc((size_t)a->n, 2 * sizeof *flat), h[9];
     unsigned char *inside = ffp_alloc((size_t)a->n, 1);
     bool found;
     for (int i = 0; i < a->n; i++)
-        flat[2 * i] = ffp_corner_column(&fit->board, i), flat[2 * i + 1] = ffp_corner_row(&fit->board, i);
+        flat[2 * i] = ffp_corner_column(board, i), flat[2 * i + 1] = ffp_corner_row(board, i);
     const bool ok = ffp_cv_homography(flat, a->camera, a->n, 5, h, inside, &found, err);
     ffp_free(flat), ffp_free(inside);
     normal[0] = normal[1] = 0, normal[2] = 1;
     if (!ok || !found) return ok;
     double columns[2][3];
     for (int k = 0; k < 2; k++) {
-        columns[k][0] = (h[k] - 0.5 * camera->width * h[6 + k]) / focal;
-        columns[k][1] = (h[3 + k] - 0.5 * camera->height * h[6 + k]) / focal;
+        columns[k][0] = (h[k] - 0.5 * width * h[6 + k]) / focal;
+        columns[k][1] = (h[3 + k] - 0.5 * height * h[6 + k]) / focal;
         columns[k][2] = h[6 + k];
     }
     ffp_cross(columns[0], columns[1], normal);
@@ -93,7 +91,9 @@ static bool check_parallel(FfpRigFit *fit, FfpError *err) {
     bool ok = true;
     int n = 0;
     for (int i = 0; ok && i < fit->n; i++)
-        if (!fit->attitudes[i].problem[0]) ok = normal_of(fit, &fit->attitudes[i], normals[n++], err);
+        if (!fit->attitudes[i].problem[0])
+            ok = ffp_board_normal(&fit->board, &fit->attitudes[i], fit->devices[0].width,
+                                  fit->devices[0].height, normals[n++], err);
     for (int i = 0; i < n; i++)
         for (int k = 0; k < i; k++)
             widest = fmax(widest, acos(fmin(1, fabs(ffp_dot(normals[i], normals[k])))) * 180 / FFP_PI_DOUBLE);

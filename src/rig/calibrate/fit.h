@@ -24,4 +24,10 @@ bool ffp_fit_rig(FfpRigFit *fit, FfpError *err);
 
 int ffp_attitudes_used(const FfpRigFit *fit);
 
+// The normal of a board as a pinhole of a guessed focal length sees it in pictures of this size. Boards that
+// are parallel in truth have the same normals at any focal length, since these are those of their common
+// horizon.
+bool ffp_board_normal(const FfpBoard *board, const FfpAttitude *attitude, int width, int height,
+                      double normal[3], FfpError *err);
+
 #endif

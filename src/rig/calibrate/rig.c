@@ -135,7 +135,18 @@ static bool probe(const FfpRigCalibration *o, FfpError *err) {
            ffp_output_probe(o->turntable_file, err);
 }
 
+// The photographs are looked at, and nothing is fitted.
+static bool look(const FfpRigCalibration *o, FfpError *err) {
+    const FfpBoard board = {o->columns, o->rows, o->square};
+    if (o->file || o->report || o->turntable_board || o->n_calibrations > 0 || o->n_attitudes == 0)
+        return ffp_fail(err, FFP_ERROR_ARGUMENT, "seen",
+                        "takes photographs of the board, and writes no calibration, report or axis");
+    return ffp_cv_available(err) && check_board(o, err) && ffp_output_probe(o->seen, err) &&
+           ffp_write_boards_seen(&board, o->attitudes, o->n_attitudes, o->seen, err);
+}
+
 bool ffp_calibration_run(const FfpRigCalibration *o, FfpRigCalibrationStats *stats, FfpError *err) {
+    if (o->seen) return look(o, err);
     FfpRigFit *fit = ffp_alloc(1, sizeof *fit);
     FfpTableFit *table = ffp_alloc(1, sizeof *table);
     FfpShotFolders folders = {0};

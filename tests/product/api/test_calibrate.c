@@ -336,6 +336,50 @@ static void another_board(void **state) {
     REFUSED(&o, "0 of 6 attitudes", "more than 6 x 5 corners");
 }
 
+// Where the board is in single photographs, with its tilt by a guessed focal length; nothing is calibrated.
+static void a_board_is_seen(void **state) {
+    NEEDS_OPENCV();
+    char photographs[2][FFP_PATH_MAX], file[FFP_PATH_MAX], *text;
+    size_t size;
+    FfpError err = {0};
+    for (int i = 0; i < 2; i++)
+        snprintf(photographs[i], sizeof photographs[i], "%s/shots/pose_%d/shot_2.png", scratch, 2 + 2 * i);
+    const char *both[2] = {photographs[0], photographs[1]};
+    snprintf(file, sizeof file, "%s/seen.json", scratch);
+    FfpRigCalibration o = settings_of(both, 2);
+    o.seen = file;
+    for (int wrong = 0; wrong < 2; wrong++) {
+        o.columns = COLUMNS + wrong;
+        if (!ffp_calibrate_rig(NULL, &o, NULL, &err)) fail_msg("%s", err.text);
+        assert_true(ffp_read_text(file, 1 << 20, &text, &size, &err));
+        assert_non_null(strstr(text, wrong ? "there is one with 7 x 5" : "\"found\": true"));
+        assert_null(strstr(text, wrong ? "\"found\": true" : "\"found\": false"));
+        const char *at = text;
+        for (int i = 0; i < 2 && !wrong; i++) {
+            const Placed truth = attitude(2 + 2 * i);
+            double tilt, towards[2];
+            at = strstr(at + 1, "\"tilt\": ");
+            assert_int_equal(
+                sscanf(at, "\"tilt\": %lf, \"towards\": [%lf, %lf]", &tilt, towards, towards + 1), 3);
+            printf("tilt %.1f degrees, truly %.1f\n", tilt, acos(fabs(truth.r[8])) * 180 / FFP_PI_DOUBLE);
+            assert_true(fabs(tilt - acos(fabs(truth.r[8])) * 180 / FFP_PI_DOUBLE) < 10);
+            const double sense = truth.r[8] < 0 ? -1 : 1; // r's third column is the board's normal
+            assert_true(sense * (truth.r[2] * towards[0] + truth.r[5] * towards[1]) > 0);
+        }
+        ffp_free(text);
+    }
+    o.file = file;
+    REFUSED(&o, "(seen)");
+    o = settings_of(NULL, 0), o.seen = file;
+    REFUSED(&o, "(seen)");
+    snprintf(photographs[0], sizeof photographs[0], "%s/shots", scratch); // a folder
+    snprintf(file, sizeof file, "%s/none.json", scratch);
+    o = settings_of(both, 1), o.seen = file;
+    assert_false(ffp_calibrate_rig(NULL, &o, NULL, &err));
+    assert_non_null(strstr(err.text, "shots"));
+    assert_int_not_equal(access(file, F_OK), 0);
+}
+
 static void too_few_and_too_alike(void **state) {
     NEEDS_OPENCV();
     char path[FFP_PATH_MAX];
@@ -632,6 +676,7 @@ int main(void) {
                                        cmocka_unit_test(mixed_sizes),
                                        cmocka_unit_test(a_folder_twice),
                                        cmocka_unit_test(another_board),
+                                       cmocka_unit_test(a_board_is_seen),
                                        cmocka_unit_test(too_few_and_too_alike),
                                        cmocka_unit_test(a_bad_one_is_left_out),
                                        cmocka_unit_test(a_turntable_comes_back),

@@ -273,7 +273,9 @@ def wrong_requests_change_nothing(studio):
                  {"verb": "object", "name": "x", "stops": 2}, {"verb": "object", "name": "x", "stops": "8"}, {"verb": "shoot", "set": "calibration/none"},
                  {"verb": "shoot", "set": "calibration/attitude-99999"}, {"verb": "shoot", "set": "../calibration/turntable"},
                  {"verb": "shoot", "set": "objects/none/view-000"}, {"verb": "take", "set": "calibration/attitude-00", "number": 1},
-                 {"verb": "take", "set": 1, "number": "1"}, {"verb": "discard", "set": "patterns"}, {"verb": "discard", "set": "../secret.txt"},
+                 {"verb": "take", "set": 1, "number": "1"}, {"verb": "look"}, {"verb": "look", "set": "patterns"},
+                 {"verb": "look", "set": "calibration/turntable"}, {"verb": "look", "set": "calibration/attitude-00"},
+                 {"verb": "discard", "set": "patterns"}, {"verb": "discard", "set": "../secret.txt"},
                  {"verb": "run"}, {"verb": "run", "step": "rm"}, {"verb": "run", "step": "calibrate"}, {"verb": "run", "step": "make"},
                  {"verb": "run", "step": "evaluate"}]
     for request in requests:
@@ -342,9 +344,14 @@ def killed_at_any_moment(program, folder, studio):
     return studio, confirmed
 
 
-def one_studio_for_a_folder(program, folder):
+def one_studio_for_a_folder(program, folder, port):
     second = Studio(program, folder)
     assert "another studio works in this folder" in second.error, second.error
+    other = Studio(program, folder.parent / "other", "--port", str(port))
+    assert f"port {port}" in other.error and "in use" in other.error, other.error
+    other = Studio(program, folder.parent / "other", "--virtual")  # begun above as a real rig's
+    assert "a real rig's" in other.error, other.error
+    assert "cannot be made" in Studio(program, "/proc/none").error
 
 
 def full_disk(program, folder, studio):
@@ -419,6 +426,14 @@ def a_watched_folder(program, folder):
     studio = Studio(program, folder)  # it watches again
     (place / "IMG_0005.png").write_bytes(png(grey=5))
     wait_for(lambda s: s["active"]["done"] == 4, "after a new start")
+    shutil.rmtree(place)  # its disk was taken out
+    wait_for(lambda s: "is gone" in s["notice"], "the folder is gone")
+    status, answer = studio.do(verb="shoot", set=name)
+    assert status == 409 and "cannot be watched" in answer["error"], answer
+    place.mkdir()
+    assert studio.do(verb="shoot", set=name)[0] == 200
+    (place / "IMG_0006.png").write_bytes(png(grey=6))
+    wait_for(lambda s: s["active"]["done"] == 5, "it is there again")
     studio.stop()
 
 
@@ -442,7 +457,7 @@ def main():
     print(f"{mangled_requests(studio, seconds)} mangled requests")
     print(f"{photographs_are_checked(studio)} photographs are checked")
     jobs_end(studio)
-    one_studio_for_a_folder(program, rig)
+    one_studio_for_a_folder(program, rig, studio.port)
     studio, confirmed = killed_at_any_moment(program, rig, studio)
     print(f"killed six times, {confirmed} photographs confirmed and there")
     studio = full_disk(program, rig, studio)
