@@ -181,7 +181,7 @@ function drawBoard(state) {
   drawShoot('board-shoot', state.sets, state);
   $('calibrate').disabled = boards < 3 || isRunning(state) || shooting.running;
   $('calibrate').classList.toggle('primary', state.sets.every(complete) && !state.axis);
-  $('board-note').textContent = boards < 3 ? 'Three attitudes are the least to calibrate with.' : state.axis ? '' : 'More attitudes determine more; the turntable is still needed.';
+  $('board-note').textContent = boards < 3 ? 'Three attitudes are the least to calibrate with.' : state.sets.every(complete) ? '' : 'More attitudes determine more; the turntable needs its own.';
   drawBoards(state);
   $('calibration').hidden = !state.calibrated;
   if (state.calibrated && !isRunning(state, 'calibrate') && told.calibrate !== stamp(state, 'calibrate')) tellCalibration(state); // its log comes last
