@@ -17,17 +17,55 @@ function titleOf(set) {
 // What a person has to do before a set, or before each photograph of the board on the turntable.
 function wishFor(set) {
   const name = set.name.slice(set.name.lastIndexOf('/') + 1);
-  if (name.startsWith('attitude')) return set.done === 0 ? 'Hold the board still, tilted another way than before.' : '';
+  if (name.startsWith('attitude')) return set.done === 0 ? 'Hold the board still, tilted another way than before' + (studio.state.settings.camera === 'browser' ? ': it begins as soon as it is still.' : '.') : '';
   if (name === 'turntable') return `Turn the table with the board on it to ${set.angle}\u00b0.`;
   if (name === 'empty') return set.done === 0 ? 'Take the object off the stage.' : '';
   return set.done === 0 ? `Turn the table with the object on it to ${set.angle}\u00b0.` : '';
 }
 
-function waitForHand(wish) {
+// A picture to compare with others: 160 x 120.
+function smallOf(image) {
+  const context = element('canvas', {width: 160, height: 120}).getContext('2d', {willReadFrequently: true});
+  context.drawImage(image, 0, 0, 160, 120);
+  return context.getImageData(0, 0, 160, 120).data;
+}
+
+// Mean absolute difference of two of them, of 255.
+function difference(a, b) {
+  let sum = 0;
+  for (let i = 0; i < a.length; i += 4) for (let k = 0; k < 3; k++) sum += Math.abs(a[i + k] - b[i + k]);
+  return sum / (a.length / 4 * 3);
+}
+
+const MOVED = 2.5, STILL = 1.2, HELD = 1500; // of 255; ms
+
+// Under white: true once something has moved before the camera and then kept still. Whoever holds a board has no hand for a button.
+async function heldStill(over) {
+  await project({colour: '#fff'});
+  await sleep(webcam.latency);
+  for (let before = null, moved = false, since = 0; !over() && webcam.stream; await sleep(200)) {
+    const now = smallOf($('preview')), differs = before ? difference(before, now) : 0;
+    before = now;
+    moved ||= differs > MOVED;
+    if (!moved || differs > STILL) since = performance.now();
+    else if (performance.now() - since > HELD) return true;
+  }
+  return false;
+}
+
+async function waitForHand(wish, isBoard) {
+  let over = false;
   $('shooting-ask').hidden = false;
   $('shooting-ask').firstElementChild.textContent = wish;
   $('shooting-go').focus();
-  return new Promise((done) => { shooting.go = done; }).finally(() => { $('shooting-ask').hidden = true; shooting.go = null; });
+  const pressed = new Promise((done) => { shooting.go = done; });
+  const held = isBoard && studio.state.settings.camera === 'browser' ? heldStill(() => over) : pressed;
+  try {
+    await Promise.race([pressed, held.then((still) => still === false ? pressed : still)]);
+  } finally {
+    over = true;
+    $('shooting-ask').hidden = true, shooting.go = null;
+  }
 }
 
 async function takeOne(active) {
@@ -54,15 +92,7 @@ async function checkStill(name, ending) {
   await sleep(webcam.latency);
   const [before, after] = await Promise.all([
     fetch(`file/${name}/001.${ending}`).then((answer) => answer.blob()).then(createImageBitmap), grab().then(createImageBitmap)]);
-  const pixels = (image) => {
-    const context = element('canvas', {width: 160, height: 120}).getContext('2d', {willReadFrequently: true});
-    context.drawImage(image, 0, 0, 160, 120);
-    return context.getImageData(0, 0, 160, 120).data;
-  };
-  const a = pixels(before), b = pixels(after);
-  let sum = 0;
-  for (let i = 0; i < a.length; i += 4) for (let k = 0; k < 3; k++) sum += Math.abs(a[i + k] - b[i + k]);
-  const mean = sum / (a.length / 4 * 3);
+  const mean = difference(smallOf(before), smallOf(after));
   if (mean > 3) say(`Something moved, or the light changed, while this was photographed (${mean.toFixed(1)} of 255 between the first black and now): take it again.`);
 }
 
@@ -90,7 +120,7 @@ async function isBoardGood(name) {
   if (seen.found) return true;
   await doIt({verb: 'discard', set: name});
   await doIt({verb: 'shoot', set: name});
-  await waitForHand(`This cannot be used: ${seen.problem}. Hold the whole board into the light of the projector, before the camera.`);
+  await waitForHand(`This cannot be used: ${seen.problem}. Hold the whole board into the light of the projector, before the camera.`, true);
   return false;
 }
 
@@ -98,7 +128,7 @@ async function shootSet(name) {
   let state = await doIt({verb: 'shoot', set: name}), ending = 'png', looked = !name.includes('attitude');
   while (state.active && state.active.name === name && !shooting.pause) {
     const wish = isVirtual() ? '' : wishFor(state.active);
-    if (wish && !shooting.asked) await waitForHand(wish);
+    if (wish && !shooting.asked) await waitForHand(wish, !looked);
     shooting.asked = false;
     if (shooting.pause) break;
     await takeOne(studio.state.active);

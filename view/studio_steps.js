@@ -283,12 +283,13 @@ const PROTOCOLS = {rendering: 'the photographs it was made from', novel_pattern:
 
 async function tellScores(state, object) {
   told.evaluate = stamp(state, 'evaluate');
-  $('scores').hidden = true;
+  $('scores').hidden = $('compared').hidden = true;
   if (!object.scores) return;
   const rows = JSON.parse(await textOf(`objects/${object.name}/scores.json`));
   $('scores').tBodies[0].replaceChildren(...(rows.rows || rows).filter((row) => PROTOCOLS[row.protocol]).map((row) => element('tr', {},
     ...[PROTOCOLS[row.protocol], row.images, row.psnr.toFixed(2), row.ssim.toFixed(4)].map((text) => element('td', {textContent: text})))));
-  $('scores').hidden = false;
+  $('compared').href = `file/objects/${object.name}/report.html`;
+  $('scores').hidden = $('compared').hidden = false;
 }
 
 $('evaluate').addEventListener('click', () => runStep('evaluate'));

@@ -137,7 +137,8 @@ static const char *type_of(const char *path) {
 static bool is_own_page(const char *path) {
     const char *last = strrchr(path, '/');
     return strcmp(path, "calibration/report.html") == 0 ||
-           (strncmp(path, "objects/", 8) == 0 && last && strcmp(last, "/view.html") == 0);
+           (strncmp(path, "objects/", 8) == 0 && last &&
+            (strcmp(last, "/view.html") == 0 || strcmp(last, "/report.html") == 0));
 }
 
 static enum MHD_Result answer_file(FfpStudio *studio, struct MHD_Connection *connection, const char *path) {

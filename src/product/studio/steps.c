@@ -204,12 +204,18 @@ static bool make(FfpStudio *studio, FfpStudioJob *job, char *said) {
 
 static bool evaluate(FfpStudio *studio, FfpStudioJob *job, char *said) {
     const char *object = ffp_studio_setting(studio, "object", "");
-    char capture[FFP_STUDIO_NAME], scores[FFP_STUDIO_NAME], scene[FFP_STUDIO_NAME + 16];
-    snprintf(capture, sizeof capture, "objects/%.60s/capture", object);
-    snprintf(scores, sizeof scores, "objects/%.60s/scores.json", object);
-    snprintf(scene, sizeof scene, "%s/scene.json", capture);
-    if (!ffp_studio_exists(studio, scene)) return ffp_studio_say(said, "the object is not reconstructed yet");
-    words(command(job, "evaluate"), (const char *const[]){capture, "--json", scores, NULL});
+    char folder[FFP_STUDIO_NAME], ply[FFP_STUDIO_NAME + 16];
+    snprintf(folder, sizeof folder, "objects/%.60s", object);
+    snprintf(ply, sizeof ply, "%s/object.ply", folder);
+    if (!ffp_studio_exists(studio, ply)) return ffp_studio_say(said, "the object is not reconstructed yet");
+    FfpStudioCommand *c = command(job, "evaluate");
+    ffp_studio_word(c, "%s/capture", folder);
+    option(c, "--gaussians", ply); // those that the viewer shows
+    ffp_studio_word(c, "--json");
+    ffp_studio_word(c, "%s/scores.json", folder);
+    ffp_studio_word(c, "--report");
+    ffp_studio_word(c, "%s/report.html", folder);
+    option(c, "--viewer", "view.html");
     return true;
 }
 

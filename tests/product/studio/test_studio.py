@@ -117,6 +117,7 @@ def go_through(page, pictures):
     done("relit")
     page.click("#evaluate")
     page.wait("!document.getElementById('scores').hidden", LONG)
+    assert page.run("fetch(document.getElementById('compared').href).then((answer) => answer.text())").count("<img") > 10  # the report
     done("compared")
     return times
 
@@ -153,6 +154,9 @@ def open_projector(page):
     page.click("#projector-open")
     page.wait("projector.isOpen")
     assert page.run("document.getElementById('projector-size').textContent.includes('pixels')")
+
+
+BY_BUTTON = "window.heldStill = () => new Promise(() => {}); true"  # nothing begins because it is still
 
 
 def photograph_boards(page, boards, seconds):
@@ -240,7 +244,19 @@ def fake_camera(program, found, folder, first):
         page.run("webcam.latency = 300")
         open_projector(page)
         seen = Seen(studio, first / "virtual", show)
-        photograph_boards(page, 4, LONG)
+        # The first board is moved, and held still: nobody presses a button.
+        page.click("#steps [data-step=board]")
+        page.click("#board-shoot")
+        page.wait("!document.getElementById('shooting-ask').hidden")
+        time.sleep(1)
+        assert page.run("studio.state.active.done === 0")
+        for stage in ("attitude-01", "attitude-02", "attitude-00"):
+            show(first / "virtual" / stage / stage / "002.png")
+            time.sleep(0.4)
+        show(first / "virtual/attitude-00/attitude-00/001.png")
+        page.wait("studio.state.sets.filter(complete).length > 0 && !shooting.running", LONG)
+        page.run(BY_BUTTON)
+        photograph_boards(page, 3, LONG)
         seen.stop()
         page.run("doIt({verb: 'set', settings: {fix: ['k3', 'k2']}}).then(() => true)")
         page.click("#calibrate")
@@ -317,11 +333,22 @@ def faults(program, found, folder, first):
         page.run("doIt({verb: 'discard', set: 'calibration/attitude-00'}).then(() => true)")
         page.run("doIt({verb: 'discard', set: 'calibration/attitude-01'}).then(() => true)")
         page.click("#steps [data-step=rig]")
+        page.run(BY_BUTTON)
         page.click("[data-camera=browser]")
         page.wait("studio.state.settings.camera === 'browser'")
         page.click("#steps [data-step=board]")
         page.click("#board-shoot")
         page.wait("document.getElementById('toast').textContent.includes('Open the projector window')")
+        # The browser opens no window, and gives no camera.
+        page.run("window.openWas = window.open; window.open = () => null; true")
+        page.click("#steps [data-step=rig]")
+        page.click("#projector-open")
+        page.wait("document.getElementById('toast').textContent.includes('allow this page to open windows')")
+        page.run("window.open = window.openWas; navigator.mediaDevices.getUserMedia = () => Promise.reject(new DOMException('Permission denied', 'NotAllowedError')); true")
+        page.click("#open-camera")
+        page.wait("document.getElementById('toast').textContent.includes('cannot be opened: Permission denied')")
+        page.run("delete navigator.mediaDevices.getUserMedia")
+        told += 2
         open_projector(page)
         assert "full screen" in page.run("document.getElementById('projector-size').textContent")  # it has other pixels than the patterns
         page.click("#steps [data-step=board]")
@@ -365,6 +392,13 @@ def faults(program, found, folder, first):
         # The camera is unplugged.
         page.run("webcam.stream.getVideoTracks()[0].dispatchEvent(new Event('ended'))")
         page.wait("document.getElementById('toast').textContent.includes('camera is gone')")
+        told += 1
+        # The board has other corners than were given.
+        for i in range(3, 6):
+            shutil.copytree(first / f"calibration/attitude-{i:02d}", rig / f"calibration/attitude-{i:02d}")
+        page.run("doIt({verb: 'set', settings: {board: [8, 6]}}).then(() => doIt({verb: 'run', step: 'calibrate'})).then(() => true)")
+        page.wait("studio.state.job.end === 'failed' && document.getElementById('toast').textContent.includes('8 x 6')", LONG)
+        assert "there is one with 9 x 6" in (rig / "logs/calibrate.txt").read_text() and not (rig / "calibration/calibration.xml").exists()
         told += 1
     finally:
         page.close()
