@@ -64,7 +64,7 @@ static bool check_settings(const FfpImportSettings *settings, FfpError *err) {
 
 bool ffp_importing_finish(const char *folder, void *context, FfpError *err) {
     return ffp_importing_keep_response(folder, context, err) &&
-           ffp_importing_write_sheet(folder, context, err);
+           ffp_importing_write_sheet(folder, context, err) && ffp_importing_write_masks(folder, context, err);
 }
 
 static bool run(FfpImporting *import, FfpError *err) {

@@ -345,3 +345,29 @@ bool ffp_importing_write_sheet(const char *folder, const FfpImporting *import, F
     ffp_image_free(&sheet);
     return ok;
 }
+
+// The size and lens of the photographs, so that they can be painted on and given back (--mask).
+static bool write_mask(const char *folder, const FfpImporting *import, int v, FfpError *err) {
+    const FfpView *view = &import->capture.views[v];
+    char name[FFP_NAME_MAX + 16], path[FFP_PATH_MAX];
+    snprintf(name, sizeof name, "masks/%s.png", view->id);
+    if (!ffp_join_path(path, folder, name))
+        return ffp_fail(err, FFP_ERROR_FILE, folder, "the path is too long");
+    FfpImage mask = ffp_optics_distort(&import->calibration.stops[v].camera, &view->camera, &view->coverage);
+    const bool ok = ffp_image_write_png(&mask, path, err);
+    ffp_image_free(&mask);
+    return ok;
+}
+
+bool ffp_importing_write_masks(const char *folder, const FfpImporting *import, FfpError *err) {
+    char path[FFP_PATH_MAX];
+    bool made = false;
+    for (int v = 0; v < import->capture.n_views; v++) made = made || import->made[v];
+    if (!made) return true;
+    if (!ffp_join_path(path, folder, "masks"))
+        return ffp_fail(err, FFP_ERROR_FILE, folder, "the path is too long");
+    if (!ffp_make_folders(path, err)) return false;
+    for (int v = 0; v < import->capture.n_views; v++)
+        if (!write_mask(folder, import, v, err)) return false;
+    return true;
+}

@@ -46,7 +46,7 @@ bool ffp_importing_find_axis(FfpImporting *import, FfpError *err);
 // 9. Of the capture: the panel's response, the patterns' light, the intensity. Needs all before.
 bool ffp_importing_find_response(FfpImporting *import, FfpError *err);
 // 10. While the capture is written (ffp_capture_write_whole), `context` being the import: the response into
-// its JSON, and the masks' contact sheet.
+// its JSON, the masks' contact sheet, and the masks that were made.
 bool ffp_importing_finish(const char *folder, void *context, FfpError *err);
 bool ffp_importing_keep_response(const char *folder, const FfpImporting *import, FfpError *err);
 
@@ -65,6 +65,8 @@ void ffp_importing_cover_scene(FfpImporting *import, int stop);
 // Coverage made of light: completed by what other views see, and applied to the images (5).
 bool ffp_importing_complete_masks(FfpImporting *import, FfpError *err);
 bool ffp_importing_write_sheet(const char *folder, const FfpImporting *import, FfpError *err);
+// masks/VIEW.png, if masks were made.
+bool ffp_importing_write_masks(const char *folder, const FfpImporting *import, FfpError *err);
 // A photograph as linear light without lens distortion, as the settings have it (5); *alpha (or NULL) stays
 // empty when the file has none or its alpha channel tells nothing.
 bool ffp_importing_read_picture(FfpImporting *import, const char *path, int stop, FfpImage *picture,

@@ -113,3 +113,31 @@ FfpImage ffp_optics_rectify(const FfpOptics *optics, const FfpCamera *pinhole, c
     }
     return out;
 }
+
+enum { NEWTON_STEPS = 8 };
+
+// Where the pinhole sees what the optics see at (x, y).
+static void find_undistorted(const FfpOptics *optics, const FfpCamera *pinhole, double x, double y, double *u,
+                             double *v) {
+    const double at_x = (x - optics->cx) / optics->fx, at_y = (y - optics->cy) / optics->fy;
+    double ray[2] = {at_x, at_y};
+    for (int k = 0; k < NEWTON_STEPS; k++) ffp_lens_improve(optics->lens, at_x, at_y, ray);
+    *u = (double)pinhole->cx + (double)pinhole->fx * ray[0];
+    *v = (double)pinhole->cy + (double)pinhole->fy * ray[1];
+}
+
+FfpImage ffp_optics_distort(const FfpOptics *optics, const FfpCamera *pinhole, const FfpImage *image) {
+    FfpImage out = ffp_image_new(optics->width, optics->height, image->channels);
+#pragma omp parallel for schedule(static)
+    for (int row = 0; row < out.height; row++) {
+        for (int column = 0; column < out.width; column++) {
+            double u, v;
+            find_undistorted(optics, pinhole, column + 0.5, row + 0.5, &u, &v);
+            if (!(u >= 0 && v >= 0 && u <= image->width && v <= image->height)) continue;
+            ffp_image_sample(image, (real)u, (real)v,
+                             out.data +
+                                 ((size_t)row * (size_t)out.width + (size_t)column) * (size_t)out.channels);
+        }
+    }
+    return out;
+}

@@ -23,5 +23,8 @@ void ffp_optics_pinhole(const FfpOptics *optics, int width, FfpCamera *pinhole);
 // n being how many old pixels a new one spans. Taken on the values given, which should be linear radiance:
 // what a pixel's area receives adds up. Black beyond the old picture. A pinhole that changes nothing copies.
 FfpImage ffp_optics_rectify(const FfpOptics *optics, const FfpCamera *pinhole, const FfpImage *image);
+// The way back, for masks: the pinhole's picture as the optics would have seen it, one bilinear sample a
+// pixel; 0 beyond the pinhole's picture.
+FfpImage ffp_optics_distort(const FfpOptics *optics, const FfpCamera *pinhole, const FfpImage *image);
 
 #endif

@@ -70,7 +70,7 @@ static void masked_pictures_are_black(const FfpCapture *made) {
 // The room's weak light shows what the projector does not reach, and outlines are as soft as the camera's.
 static void the_dark_shows_the_object(void **state) {
     (void)state;
-    FfpCapture truth, made, few;
+    FfpCapture truth, made, few, again;
     read_import(&truth, "truth", "-m '@/shots/masks/view-*.png'");
     read_import(&made, "made", "");
     assert_non_null(strstr(run.err, "8 masks were made from all light"));
@@ -83,7 +83,10 @@ static void the_dark_shows_the_object(void **state) {
         soft += made.views[0].coverage.data[i] > 0.1F && made.views[0].coverage.data[i] < 0.9F;
     assert_true(soft > 50);
     masked_pictures_are_black(&made);
-    ffp_capture_free(&truth), ffp_capture_free(&made), ffp_capture_free(&few);
+    read_import(&again, "again", "-m '@/made/masks/{view}.png'"); // as after painting on them
+    const Agreement same = compare(&made, &again);
+    assert_true(same.common > 0.97 * same.either);
+    ffp_capture_free(&truth), ffp_capture_free(&made), ffp_capture_free(&few), ffp_capture_free(&again);
 }
 
 // Photographs from which what is seen under black was taken out, as without any light of the room.
