@@ -19,6 +19,9 @@
 // NEON; products of bf16 pairs (bfdot)
 #define FFP_EACH_LOOP_LEVEL(X, ...) FFP_PORTABLE_LEVEL(X, __VA_ARGS__) X(NEON, neon, __VA_ARGS__)
 #define FFP_EACH_BF16_LEVEL(X, ...) X(NEONBF16, neonbf16, __VA_ARGS__)
+#elif defined(__wasm__) // a module with vectors runs as a whole or not at all: there is nothing to choose
+#define FFP_EACH_LOOP_LEVEL(X, ...) X(SIMD128, simd128, __VA_ARGS__)
+#define FFP_EACH_BF16_LEVEL(X, ...)
 #else
 #define FFP_EACH_LOOP_LEVEL FFP_PORTABLE_LEVEL
 #define FFP_EACH_BF16_LEVEL(X, ...)

@@ -9,6 +9,8 @@
 #include <immintrin.h>
 #elif defined(__ARM_NEON)
 #include <arm_neon.h>
+#elif defined(__wasm_simd128__)
+#include <wasm_simd128.h>
 #endif
 
 #if defined(__AVX512F__)
@@ -63,6 +65,19 @@ static inline FfpFloats ffp_floats_sqrt(FfpFloats v) {
 static inline unsigned ffp_floats_bits(FfpFloatsWhere so) {
     const uint32x4_t bit = {1, 2, 4, 8};
     return vaddvq_u32(vandq_u32((uint32x4_t)so, bit));
+}
+#elif defined(__wasm_simd128__)
+static inline FfpFloats ffp_floats_min(FfpFloats a, FfpFloats b) {
+    return (FfpFloats)wasm_f32x4_pmin((v128_t)b, (v128_t)a); // b, unless a < b
+}
+static inline FfpFloats ffp_floats_max(FfpFloats a, FfpFloats b) {
+    return (FfpFloats)wasm_f32x4_pmax((v128_t)b, (v128_t)a);
+}
+static inline FfpFloats ffp_floats_sqrt(FfpFloats v) {
+    return (FfpFloats)wasm_f32x4_sqrt((v128_t)v);
+}
+static inline unsigned ffp_floats_bits(FfpFloatsWhere so) {
+    return (unsigned)wasm_i32x4_bitmask((v128_t)so);
 }
 #else
 static inline FfpFloats ffp_floats_min(FfpFloats a, FfpFloats b) {

@@ -23,7 +23,7 @@
 
 // Levels whose linear layers are made of these products; at the others they go to OpenBLAS, which looks at
 // the processor itself and is faster than portable C.
-#if defined(__AVX2__) || defined(__ARM_NEON)
+#if defined(__AVX2__) || defined(__ARM_NEON) || defined(FFP_NO_BLAS)
 #define FFP_OWN_PRODUCTS
 #endif
 

@@ -1,0 +1,172 @@
+'use strict';
+// The page that reconstructs: drop a capture, watch, look, save. The engine works in a worker (engine_worker.js), so that the page stays
+// alive and cancelling is ending the worker.
+
+const $ = (id) => document.getElementById(id);
+
+function payload(id) {
+  const text = $(id).textContent;
+  if (Uint8Array.fromBase64) return Uint8Array.fromBase64(text);
+  return Uint8Array.from(atob(text), (c) => c.charCodeAt(0));
+}
+
+class Engine {
+  constructor() {
+    this.worker = null;
+    this.waiting = null;
+    this.tell = () => {};
+  }
+
+  start() {
+    if (this.worker) return Promise.resolve();
+    const script = new Blob([payload('module.js'), $('engine_worker.js').textContent], { type: 'text/javascript' });
+    this.worker = new Worker(URL.createObjectURL(script));
+    this.worker.onmessage = ({ data }) => {
+      if (data.kind !== 'answer') { this.tell(data); return; }
+      const { done, fail } = this.waiting;
+      this.waiting = null;
+      if (data.error) fail(new Message(data.error)); else done(data);
+    };
+    this.worker.onerror = (event) => {
+      if (this.waiting) this.waiting.fail(new Message(`The engine stopped: ${event.message}`));
+      this.stop();
+    };
+    return this.ask({ kind: 'start', wasm: payload('module.wasm'), weights: payload('small.safetensors') });
+  }
+
+  // One request at a time.
+  ask(message, moved = []) {
+    return new Promise((done, fail) => {
+      this.waiting = { done, fail };
+      this.worker.postMessage(message, moved);
+    });
+  }
+
+  stop() {
+    if (this.worker) this.worker.terminate();
+    if (this.waiting) this.waiting.fail(new Message('Cancelled.'));
+    this.worker = this.waiting = null;
+  }
+}
+
+const engine = new Engine();
+const state = { name: '', files: null };
+
+function note(text) {
+  const line = document.createElement('li');
+  line.textContent = text;
+  $('notes').append(line);
+}
+
+engine.tell = (data) => {
+  if (data.kind === 'log') { note(data.text); return; }
+  $('stage').textContent = data.stage ? data.stage[0].toUpperCase() + data.stage.slice(1) : 'Working';
+  if (data.total > 0) $('bar').value = data.done / data.total; else $('bar').removeAttribute('value');
+  $('detail').textContent = (data.total > 0 ? `${data.done} of ${data.total}` : '') + (data.left > 1 ? `, about ${Math.ceil(data.left)} s left` : '');
+};
+
+function showWork(text) {
+  $('problem').hidden = $('force').hidden = true;
+  $('work').hidden = false;
+  $('stage').textContent = text;
+  $('detail').textContent = '';
+  $('bar').removeAttribute('value');
+}
+
+function showProblem(error) {
+  $('work').hidden = true;
+  $('problem').hidden = false;
+  $('why').textContent = error instanceof Message ? error.message : `That did not work: ${error.message}`;
+  if (!(error instanceof Message)) console.warn(error);
+}
+
+// The folder nearest to the top that has one of the files by which a capture is known (docs/reference/formats.md).
+function captureRoot(files) {
+  const scenes = files.map(({ path }) => path).filter((path) => /(^|\/)(scene|render_poses)\.json$/.test(path));
+  if (!scenes.length)
+    throw new Message('There is no scene.json or render_poses.json among these files: the folder of a capture has one of them. The program makes captures from photographs and a calibration (ffprocams import).');
+  scenes.sort((a, b) => a.split('/').length - b.split('/').length || (a < b ? -1 : 1));
+  return scenes[0].replace(/\/?[a-z_]+\.json$/, '');
+}
+
+function showResult(root, { stats, page }) {
+  const seconds = stats.initialisation + stats.network + stats.polish + stats.noise;
+  state.name = root.split('/').pop() || 'object';
+  $('title').textContent = state.name;
+  $('figures').textContent = `${stats.gaussians.toLocaleString('en')} splats, ${stats.psnr.toFixed(1)} dB on the photographs, ${seconds.toFixed(1)} s`;
+  $('start').hidden = true;
+  $('result').hidden = false;
+  $('viewer').srcdoc = new TextDecoder().decode(page);
+  document.body.dataset.stats = JSON.stringify(stats);
+}
+
+async function reconstruct(force) {
+  const { files } = state;
+  try {
+    const root = captureRoot(files);
+    showWork('Starting the engine');
+    await engine.start();
+    showWork('Reading the capture');
+    await engine.ask({ kind: 'open', files, root });
+    $('notes').textContent = '';
+    const answer = await engine.ask({ kind: 'run', polish: $('polish').checked ? -1 : 0, force });
+    $('work').hidden = true;
+    showResult(root, answer);
+  } catch (error) {
+    showProblem(error);
+    // The engine refuses captures with a fault; whoever knows better goes on.
+    $('force').hidden = force || !/--force/.test(error.message);
+  }
+}
+
+async function take(reading) {
+  if (!$('work').hidden) return;
+  try {
+    showWork('Reading the files');
+    state.files = await reading();
+    await reconstruct(false);
+  } catch (error) {
+    showProblem(error);
+  }
+}
+
+async function save(kind) {
+  const bytes = (await engine.ask({ kind: 'save', name: `${state.name}.${kind}` })).bytes;
+  const link = document.createElement('a');
+  link.href = URL.createObjectURL(new Blob([bytes]));
+  link.download = `${state.name}.${kind}`;
+  link.click();
+  setTimeout(() => URL.revokeObjectURL(link.href), 60000);
+}
+
+addEventListener('dragover', (event) => { event.preventDefault(); $('drop').classList.add('over'); });
+addEventListener('dragleave', () => $('drop').classList.remove('over'));
+addEventListener('drop', (event) => {
+  event.preventDefault();
+  $('drop').classList.remove('over');
+  const reading = readDropped(event.dataTransfer); // now: afterwards the browser forgets what was dropped
+  reading.catch(() => {});
+  take(() => reading);
+});
+$('folder').onclick = () => $('folder-input').click();
+$('zip').onclick = () => $('zip-input').click();
+$('folder-input').onchange = ({ target }) => {
+  const files = [...target.files].map((file) => ({ path: file.webkitRelativePath || file.name, file }));
+  target.value = '';
+  take(() => readFiles(files));
+};
+$('zip-input').onchange = ({ target }) => {
+  const [file] = target.files;
+  target.value = '';
+  if (file) take(() => readZip(file));
+};
+$('cancel').onclick = () => engine.stop();
+$('force').onclick = () => reconstruct(true);
+$('again').onclick = () => {
+  $('viewer').removeAttribute('srcdoc');
+  $('result').hidden = true;
+  $('start').hidden = false;
+  $('notes').textContent = '';
+};
+for (const button of document.querySelectorAll('[data-save]'))
+  button.onclick = () => save(button.dataset.save).catch((error) => alert(error.message));

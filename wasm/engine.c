@@ -1,0 +1,107 @@
+// The engine of the page (view/engine.html): what view/engine_worker.js calls. One capture and its Gaussians
+// at a time; messages and progress go to the worker's listener.
+#include <emscripten.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include "ffprocams.h"
+
+const char *engine_open(const char *path);
+const char *engine_run(int polish, int force);
+const char *engine_save(const char *path);
+double engine_peak(void);
+
+static FfpContext *context;
+static FfpModel *model;
+static FfpCapture *capture;
+static FfpGaussians *gaussians;
+static char answer[2048];
+
+// clang-format off
+EM_JS(void, tell_log, (int level, const char *text), {
+    postMessage({kind: "log", level: level, text: UTF8ToString(text)});
+})
+EM_JS(void, tell_progress, (const char *stage, double done, double total, double left), {
+    postMessage({kind: "progress", stage: stage ? UTF8ToString(stage) : "", done: done, total: total, left: left});
+})
+// clang-format on
+
+static void log_line(void *user, FfpLogLevel level, const char *text) {
+    (void)user;
+    tell_log((int)level, text);
+}
+
+static bool show_progress(void *user, const FfpProgress *progress) {
+    (void)user;
+    tell_progress(progress->stage, (double)progress->done, (double)progress->total, progress->seconds_left);
+    return true;
+}
+
+static const char *failed(const FfpError *err) {
+    snprintf(answer, sizeof answer, "error: %s", err->text);
+    return answer;
+}
+
+static bool start(FfpError *err) {
+    FfpContextSettings settings = ffp_context_defaults();
+    settings.log = log_line;
+    settings.progress = show_progress;
+    settings.interval = 0.2;
+    if (!context) context = ffp_context_new(&settings, err);
+    if (context && !model) model = ffp_model_open(context, "/models/small.safetensors", err);
+    return model != NULL;
+}
+
+// Opens the capture in a folder or at a scene.json. Returns what it holds, or "error: ...".
+EMSCRIPTEN_KEEPALIVE const char *engine_open(const char *path) {
+    FfpError err = {0};
+    if (!start(&err)) return failed(&err);
+    ffp_gaussians_close(gaussians);
+    gaussians = NULL;
+    ffp_capture_close(capture);
+    capture = ffp_capture_open(context, path, &err);
+    if (!capture) return failed(&err);
+    return "";
+}
+
+// Reconstructs; `polish` as FfpReconstruction's, `force` to go on although the capture has a fault. Returns
+// JSON, or "error: ...".
+EMSCRIPTEN_KEEPALIVE const char *engine_run(int polish, int force) {
+    FfpError err = {0};
+    FfpReconstruction options = ffp_reconstruction_defaults();
+    FfpReconstructionStats stats = {0};
+    options.model = model;
+    options.force = force != 0;
+    if (polish >= 0) options.polish = polish;
+    ffp_gaussians_close(gaussians);
+    gaussians = ffp_reconstruct(context, capture, &options, &stats, &err);
+    if (!gaussians) return failed(&err);
+    snprintf(answer, sizeof answer,
+             "{\"gaussians\": %lld, \"patterns\": %d, \"psnr\": %.3f, \"initialisation\": %.3f, \"network\": "
+             "%.3f, "
+             "\"polish\": %.3f, \"noise\": %.3f, \"score\": %.3f}",
+             (long long)stats.gaussians, stats.patterns, stats.psnr, stats.initialisation_s, stats.network_s,
+             stats.polish_s, stats.denoise_s, stats.score_s);
+    return answer;
+}
+
+static bool save(const char *path, FfpError *err) {
+    const char *dot = strrchr(path, '.');
+    if (dot && strcmp(dot, ".html") == 0) {
+        FfpPage page = ffp_page_defaults();
+        page.file = path;
+        return ffp_write_page(context, gaussians, capture, &page, NULL, err);
+    }
+    return ffp_gaussians_save(context, gaussians, path, err);
+}
+
+// Writes the Gaussians: .html the page that shows them, or .ply. Returns "", or "error: ...".
+EMSCRIPTEN_KEEPALIVE const char *engine_save(const char *path) {
+    FfpError err = {0};
+    return save(path, &err) ? "" : failed(&err);
+}
+
+// Bytes of memory that the engine has taken, which WebAssembly never gives back.
+EMSCRIPTEN_KEEPALIVE double engine_peak(void) {
+    return (double)(__builtin_wasm_memory_size(0) * (size_t)65536);
+}
