@@ -85,12 +85,13 @@ class PictureContent {
 
 // A film, or a stream of the webcam.
 class VideoContent {
-  constructor(name, video, free) { this.name = name, this.video = video, this.free = free; }
+  constructor(name, video, release) { this.name = name, this.video = video, this.release = release; }
   get live() { return !this.video.paused && !this.video.ended; }
   draw(context, width, height, fit) {
     const {video} = this;
     if (video.videoWidth) context.drawImage(video, ...placeOf(video.videoWidth, video.videoHeight, width, height, fit));
   }
+  free() { if (this.shared) this.video.pause(); else this.release(); } // shared: it is the library's
   toggle() { if (this.video.paused) this.video.play().catch(() => {}); else this.video.pause(); }
 }
 
@@ -132,6 +133,23 @@ const TEST_PATTERNS = {
     context.fillStyle = '#fff';
     for (let y = 0; y * step < height; y++)
       for (let x = y & 1; x * step < width; x += 2) context.fillRect(x * step, y * step, step, step);
+  },
+  // To be admired: a sky, the sun and its light on water.
+  Sunset(context, width, height) {
+    const sky = context.createLinearGradient(0, 0, 0, height), x = width / 2, y = 0.5 * height, side = Math.min(width, height);
+    [[0, '#1a1450'], [0.22, '#5b2a86'], [0.38, '#d8436e'], [0.5, '#ff9a3d'], [0.56, '#ffd56b'], [0.57, '#b8455f'], [0.75, '#47307a'],
+     [1, '#101a4a']].forEach((stop) => sky.addColorStop(...stop));
+    context.fillStyle = sky;
+    context.fillRect(0, 0, width, height);
+    const glow = context.createRadialGradient(x, y, 0, x, y, 0.45 * side);
+    [[0, '#fff6d8'], [0.22, '#ffe9a0'], [0.26, '#ffb45299'], [1, '#ff7a4000']].forEach((stop) => glow.addColorStop(...stop));
+    context.fillStyle = glow;
+    context.fillRect(0, 0, width, 0.565 * height);
+    context.fillStyle = '#ffd98acc';
+    for (let i = 0; i < 14; i++) {
+      const half = side * (0.16 - 0.009 * i) * (1 + 0.35 * Math.sin(2.4 * i));
+      context.fillRect(x - half + 0.03 * side * Math.sin(5.1 * i), height * (0.585 + 0.029 * i), 2 * half, 0.012 * height);
+    }
   },
   // Rings and sectors of strong colours, as the structured light of the captures.
   Lollipop(context, width, height) {

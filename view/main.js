@@ -25,6 +25,8 @@ class App {
     this.renderer = new Renderer(this.graphics, scene);
     this.compensator = new Compensator(this.renderer);
     this.window = new ProjectorWindow(this);
+    this.library = new Library(this);
+    this.show = new Show(this);
     this.up = this.findUp();
     this.exposure = 0, this.ambient = true, this.map = null;
     this.mode = 'camera', this.frusta = true;
@@ -170,15 +172,45 @@ class App {
   setContent(content, projector = this.projector) {
     this.endComparison(projector);
     projector.setContent(content);
-    if (content.video)
-      for (const event of ['play', 'pause', 'ended', 'seeked'])
-        content.video.addEventListener(event, () => {
-          if (projector.content !== content || (event === 'seeked' && content.live)) return;
-          projector.dirty = true;
-          this.invalidate();
-        });
+    this.watch(content, projector);
     this.invalidate();
     this.changed('content');
+  }
+
+  // Turns what a projector shows into other content within some seconds.
+  fadeTo(content, projector, seconds) {
+    if (!(seconds > 0)) return this.setContent(content, projector);
+    this.endComparison(projector);
+    projector.content = new FadeContent(projector.content, content, seconds);
+    projector.asked++, projector.dirty = true;
+    this.watch(content, projector);
+    this.invalidate();
+    this.changed('content');
+  }
+
+  // Fades that have come to their end leave what they led to.
+  endFades() {
+    for (const projector of this.projectors) {
+      const {content} = projector;
+      if (!(content instanceof FadeContent) || !content.done) continue;
+      projector.content = content.to, projector.dirty = true;
+      if (content.from !== content.to) content.from.free();
+      this.changed('content');
+    }
+  }
+
+  // A film plays when it is shown, and a frame is drawn whenever it starts or stops.
+  watch(content, projector) {
+    if (!content.video) return;
+    if (content.shared && content.video.paused) content.video.play().catch(() => {});
+    if (content.watched && content.watched.has(projector)) return;
+    (content.watched = content.watched || new Set()).add(projector);
+    for (const event of ['play', 'pause', 'ended', 'seeked'])
+      content.video.addEventListener(event, () => {
+        if (projector.content !== content || (event === 'seeked' && content.live)) return;
+        projector.dirty = true;
+        this.invalidate();
+      });
   }
 
   // Shows content that is still being read or decoded, on the projector that is selected now; false if that
@@ -301,6 +333,7 @@ class App {
   frame(now) {
     this.pending = false;
     if (this.lost) return;
+    this.endFades();
     const live = this.playing, moving = this.moving;
     if (this.stale || live || this.rough) {
       if (moving) this.adapt(now);
@@ -400,11 +433,14 @@ async function start() {
   window.viewer = app; // for scripts: tests/product/view
   app.at = scene.views[0], app.base = app.at.camera, app.pose = app.base.pose, app.target = scene.centre;
   app.addProjector();
-  const best = ['active', 'novel', 'white'].map((role) => scene.patterns.findIndex((p) => p.role === role && p.size)).find((i) => i >= 0);
-  if (best !== undefined) app.setContent(await patternContent(scene, best));
+  app.setContent(new TestContent('Sunset'));
   buildPage(app);
   app.jump(scene.views[0], false);
   app.draw(QUALITIES[0]);
+  app.history = new Undo(app), app.store = new Store(app);
+  if (new URLSearchParams(location.search).has('fresh') || !await app.store.restore().catch(() => false)) return;
+  app.history.note();
+  say('As you left it. Undo brings the page as it came.');
 }
 
 window.ready = start().then(() => { document.body.classList.add('ready'); return true; }, (error) => {

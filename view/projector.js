@@ -28,6 +28,7 @@ class Projector {
     this.context = this.canvas.getContext('2d', {alpha: false});
     this.paint = makeCanvas(device.width, device.height);
     this.painted = false;
+    this.paintVersion = 0; // counts its changes
     this.pattern = new PatternTexture(graphics, device.width, device.height);
     this.dirty = true;
   }
@@ -61,11 +62,13 @@ class Projector {
     context.arc(u, v, Math.max(radius, 0.5), 0, 2 * Math.PI);
     context.fill();
     this.painted = this.dirty = true;
+    this.paintVersion++;
   }
 
   clearPaint() {
     this.paint.getContext('2d').clearRect(0, 0, this.paint.width, this.paint.height);
     this.painted = false, this.dirty = true;
+    this.paintVersion++;
   }
 
   // The lens: a change of focal length about the pattern's principal point.

@@ -97,16 +97,27 @@ function buildContents(app) {
     addTile(box, pattern.name, canvas, () => app.bring(patternContent(scene, index)), index);
     thumbnail(scene, pattern).then((picture) => canvas.getContext('2d').drawImage(picture, 0, 0));
   });
+  const white = scene.patterns.some((p) => p.size && p.role === 'white');
   for (const name of Object.keys(TEST_PATTERNS)) {
+    if (name === 'White' && white) continue; // the capture's is the same
     const canvas = makeCanvas(96, 96), context = canvas.getContext('2d');
     context.fillRect(0, 0, 96, 96);
     TEST_PATTERNS[name](context, 96, 96);
     addTile(box, name, canvas, () => app.setContent(new TestContent(name)), name);
   }
+  const addFile = ({id, name, content}) => {
+    const canvas = makeCanvas(96, 96), context = canvas.getContext('2d');
+    content.draw(context, 96, 96, 'cover');
+    addTile(box, name, canvas, () => app.bring(content), `file ${id}`);
+    box.lastChild.scrollIntoView({block: 'nearest', inline: 'nearest'});
+  };
+  let added = 0;
   app.listeners.push((what) => {
+    if (what === 'library') app.library.entries.slice(added).forEach(addFile), added = app.library.entries.length;
     if (what !== 'content' && what !== 'projector') return;
-    const {content} = app.projector;
-    const key = content instanceof TestContent ? content.name : String(content.pattern); // names may be those of patterns or files
+    const content = app.projector.content instanceof FadeContent ? app.projector.content.to : app.projector.content;
+    const test = white && content.name === 'White' ? String(scene.patterns.findIndex((p) => p.role === 'white')) : content.name;
+    const key = content instanceof TestContent ? test : content.file !== undefined ? `file ${content.file}` : String(content.pattern); // names may be those of patterns or files
     for (const tile of box.children) choose(tile, tile.dataset.content === key);
     $('content-name').textContent = shortName(content.name);
   });
@@ -191,6 +202,7 @@ function buildCorrection(app) {
   bind(app, 'watcher', () => app.projector.watcher, (which) => { app.projector.watcher = which; app.invalidate(); });
   bind(app, 'gain', () => app.projector.gain, (stops) => { app.projector.gain = stops; app.invalidate(); }, () => stopsText(app.projector.gain));
   $('send').onclick = attempt(() => app.window.open(app.projector));
+  $('export').onclick = attempt(() => savePattern(app));
   app.listeners.push((what) => {
     if (what === 'drawn') return;
     $('gain-row').hidden = app.projector.correction !== 'colours';
@@ -241,6 +253,13 @@ function buildTools(app) {
   $('help').onclick = () => $('keys').showModal();
   $('keys').onclick = () => $('keys').close();
   $('toggle').onclick = () => togglePanel(app);
+  $('undo').onclick = attempt(() => app.history.go(-1));
+  $('redo').onclick = attempt(() => app.history.go(1));
+  $('save-stage').onclick = attempt(() => saveStage(app));
+  $('load-stage').onclick = () => $('file').click();
+  app.listeners.push((what) => {
+    if (what === 'history') $('undo').disabled = app.history.at === 0, $('redo').disabled = app.history.at === app.history.states.length - 1;
+  });
   setMode(app, 'camera');
 }
 
@@ -273,8 +292,10 @@ function buildSources(app) {
   });
 }
 
+// A picture or a film is projected, a stage takes the place of what is here.
 async function showFile(app, file) {
-  if (await app.bring(contentOfFile(file))) app.shown = (app.shown || 0) + 1;
+  if (/\.json$/i.test(file.name) || file.type === 'application/json') return loadStage(app, await file.text());
+  if (await app.bring(app.library.take(file))) app.shown = (app.shown || 0) + 1;
 }
 
 const KEYS = {
@@ -288,6 +309,7 @@ const KEYS = {
   '+': (app) => app.dolly(0.9), '=': (app) => app.dolly(0.9), '-': (app) => app.dolly(1 / 0.9),
   '[': (app) => { app.brush.size = Math.max(2, app.brush.size - 2); app.changed('brush'); app.redrawOverlay(); },
   ']': (app) => { app.brush.size = Math.min(120, app.brush.size + 2); app.changed('brush'); app.redrawOverlay(); },
+  k: (app) => attempt(() => app.show.playing ? app.show.stop() : app.show.play())(),
   e: (app) => { app.brush.erase = !app.brush.erase; app.changed('brush'); app.redrawOverlay(); },
   ' ': (app) => { if (app.projector.content.toggle) { app.projector.content.toggle(); app.invalidate(); } },
 };
@@ -319,6 +341,11 @@ function nameWhole() {
 
 function buildKeys(app, controls) {
   addEventListener('keydown', (event) => {
+    if ((event.ctrlKey || event.metaKey) && /^[zy]$/i.test(event.key) && !isText(event.target) && !$('keys').open) {
+      attempt(() => app.history.go(event.key.toLowerCase() === 'y' || event.shiftKey ? 1 : -1))();
+      event.preventDefault();
+      return;
+    }
     if (takesKey(event.target, event.key) || event.ctrlKey || event.metaKey || event.altKey || $('keys').open) return;
     if (ARROWS[event.key]) {
       arrow(app, controls, event);
@@ -369,6 +396,7 @@ function buildPage(app) {
   buildContents(app);
   buildSettings(app);
   buildCorrection(app);
+  buildShow(app);
   buildSources(app);
   buildTools(app);
   buildPhotograph(app);

@@ -86,8 +86,9 @@ def two_colours():
 class Page(browser.Browser):
     held = False
 
-    def start(self, path):
-        self.open(path)
+    def start(self, path, fresh=True):
+        """`fresh`: as it came, whatever the browser kept of it."""
+        self.open(path if "://" in path else "file://" + os.path.abspath(path) + ("?fresh" if fresh else ""))
         self.wait("document.readyState === 'complete' && !!window.ready")
         assert self.run("window.ready"), self.run("document.getElementById('failure').textContent")
         self.run("""window.pixels = (width, height, camera) => {
@@ -413,6 +414,112 @@ def check_comparison(check, page):
     for name, value in (("exposure", "0"), ("brightness", "0"), ("ambient", True), ("correction", "none"), ("map", "light")):
         page.set(name, value)
     page.click("#clear")
+
+
+def check_kept(check, page, path, folder):
+    """What was made stays: tiles, undo, a file, the browser's store, the exported picture."""
+    page.start(path)
+    sun = png(24, 16, lambda x, y: (255, 10 * y, 9 * x))
+    tiles = page.run("document.getElementById('contents').children.length")
+    whites = page.run("[...document.getElementById('contents').children].filter((t) => /white/i.test(t.title)).length")
+    check("one white tile", whites == 1, f"{whites}")
+    check("opens on something other than structured light", page.run("viewer.projector.content.name") == "Sunset")
+    page.drop("kept.png", "image/png", sun)
+    page.wait("viewer.projector.content.name === 'kept.png'")
+    page.run("viewer.setContent(new TestContent('Grid')); true")
+    page.click("#contents .tile:last-child")
+    page.wait("viewer.projector.content.name === 'kept.png'")
+    check("a dropped picture has a tile and can be shown again", page.run("document.getElementById('contents').children.length") == tiles + 1)
+    page.run("idle().then(() => viewer.history.note())")
+    before = page.pixels()
+    page.run("viewer.projector.dab(400, 400, 200, '#20ff30'); viewer.history.note()")
+    painted = page.pixels()
+    page.set("brightness", "-3")
+    page.run("viewer.history.note()")
+    page.run("viewer.history.go(-1)")
+    one = change(painted, page.pixels())
+    page.run("viewer.history.go(-1)")
+    two = change(before, page.pixels())
+    page.run("viewer.history.go(1)")
+    again = change(painted, page.pixels())
+    check("undo takes a setting and paint back, redo brings it again", change(before, painted) > 0.5 and one < 0.1 and two < 0.1 and again < 0.1,
+          f"{one:.2f} {two:.2f} {again:.2f}")
+    page.run("viewer.show.add()")
+    text = page.run("stageText(viewer)")
+    page.run("viewer.addProjector(); viewer.setContent(new SolidContent('#ff0000')); viewer.show.remove(0); true")
+    page.drop("show.stage.json", "application/json", text.encode())
+    page.wait("viewer.projectors.length === 1 && viewer.show.cues.length === 1")
+    check("a stage is loaded from its file", change(painted, page.pixels()) < 0.1)
+    bad = json.loads(text)
+    bad["projectors"][0]["stops"] = "bright"
+    for name, data, told in (("bad.json", json.dumps(bad), "projectors: stops"), ("other.json", "{}", "not a stage"), ("no.json", "{", "not a stage")):
+        page.drop(name, "application/json", data.encode())
+        page.wait(f"document.getElementById('toast').textContent.includes({told!r})")
+    check("files that are no stage are refused, and nothing changes", change(painted, page.pixels()) < 0.1)
+    exports = page.run("viewer.exports || 0")
+    page.click("#export")
+    page.wait(f"(viewer.exports || 0) > {exports}")
+    check("the projector's picture is exported", True)
+    page.run("viewer.store.keep()")
+    page.start(path, fresh=False)
+    page.wait("viewer.projector.content.name === 'kept.png'")
+    check("the browser keeps the stage", change(painted, page.pixels()) < 0.1 and page.run("viewer.show.cues.length") == 1)
+    page.run("viewer.store.forget()")
+
+
+def check_cues(check, page):
+    """A show fades from cue to cue, under correction too."""
+    page.run("viewer.jump(viewer.scene.views[0], true); viewer.show.cues = []; true")
+    page.set("correction", "paint")
+    page.hold(True)
+    seen = []
+    for colour in ("#ff0000", "#0000ff"):
+        page.run(f"viewer.setContent(new SolidContent('{colour}')); viewer.show.add()")
+        seen.append(page.pixels())
+    page.run("viewer.show.cues[0].fade = 20; viewer.show.go(0)")
+    page.run("viewer.projector.content.began -= 10000; true")  # half of the fade later
+    half = page.pixels()
+    page.run("viewer.projector.content.began -= 20000; viewer.endFades()")
+    last = page.pixels()
+    check("a cue fades in, corrected", change(seen[0], half) > 0.5 and change(seen[1], half) > 0.5 and change(seen[0], last) < 0.1,
+          f"{change(seen[0], half):.2f} {change(seen[1], half):.2f} {change(seen[0], last):.2f}")
+    page.run("viewer.show.cues.forEach((cue) => { cue.fade = 0; cue.hold = 0.2; }); viewer.show.play()")
+    page.wait("viewer.show.at === 1")
+    page.wait("viewer.show.at === 0")
+    check("a show plays in a loop", page.run("viewer.show.playing"))
+    page.run("viewer.show.stop(); viewer.show.cues = []; viewer.changed('cues'); true")
+    page.hold(False)
+    page.set("correction", "none")
+
+
+SMALL = """(() => { const small = [];
+    for (const d of document.querySelectorAll('details')) d.open = true;
+    for (const c of document.querySelectorAll('button, select, input:not([hidden]), summary')) {
+        const box = (c.closest('.check, label.row') || c).getBoundingClientRect();
+        if (c.closest('dialog') || !c.offsetParent || c.id === 'split') continue;
+        if (box.height < 39.5 || (c.tagName === 'BUTTON' && box.width < 39.5)) small.push((c.id || c.textContent || c.className) + ' ' + box.width + 'x' + box.height);
+    }
+    return small; })()"""
+
+
+def check_touch(check, page, folder):
+    page.resize(390, 844, 2, mobile=True)
+    page.call("Emulation.setTouchEmulationEnabled", {"enabled": True})
+    page.run("document.body.classList.add('with-panel'); idle()")
+    small = page.run(SMALL)
+    check("what fingers press is at least 40 pixels high", not small, "; ".join(small))
+    wide = page.run("document.getElementById('tools').scrollWidth <= innerWidth && [...document.querySelectorAll('#tools button')].every((b) => b.getBoundingClientRect().right <= innerWidth)")
+    check("all tools are on a phone's screen", wide)
+    page.run("document.getElementById('keys').showModal()")
+    page.screenshot(os.path.join(folder, "fingers.png"))
+    page.run("document.getElementById('keys').close()")
+    page.call("Emulation.setTouchEmulationEnabled", {"enabled": False})
+    page.resize(1280, 720)
+    page.run("idle()")
+    out = page.run("""[...document.querySelectorAll('#panel select')].filter((s) => {
+        const box = s.getBoundingClientRect(), panel = document.getElementById('panel').getBoundingClientRect();
+        return box.width && (box.right > panel.right || box.left < panel.left); }).map((s) => s.id)""")
+    check("menus are inside their panel", not out, f"{out}")
 
 
 def check_keys(check, page):
@@ -800,7 +907,10 @@ def main():
             check_memory(check, page)
             check_looks(check, page, folder)
             check_access(check, page)
+            check_cues(check, page)
+            check_touch(check, page, folder)
             check_same_ids(check, page, path, scratch)
+            check_kept(check, page, path, scratch)
             check("nothing in the console", not page.console, "; ".join(page.console)[:600])
             away = [url for url in page.requests if not url.startswith(("file:", "blob:", "data:", "about:"))]
             check("no request leaves the page", not away, " ".join(away))

@@ -1,0 +1,331 @@
+'use strict';
+// What a person makes here, as plain data: projectors, what they show, paint, cues and the view. From it come undo,
+// the stage's file, and what the browser keeps.
+
+const STAGE_FORMAT = 'ffprocams stage', PROJECTORS_MAX = 16, CUES_MAX = 200, UNDO_MAX = 60, QUIET = 350, KEEP_AFTER = 1500; // ms
+
+// Pictures and films that were brought in: each keeps its tile, and its file.
+class Library {
+  constructor(app) {
+    this.app = app;
+    this.entries = []; // {id, name, blob, content}
+  }
+
+  // The content of a file, which belongs to the library from now on.
+  async take(file, id = null) {
+    const content = await contentOfFile(file);
+    const entry = {id: id || this.freeId(), name: content.name, blob: file, content};
+    content.shared = true, content.file = entry.id;
+    this.entries.push(entry);
+    this.app.changed('library');
+    return content;
+  }
+
+  freeId() {
+    let n = this.entries.length + 1;
+    while (this.find(String(n))) n++;
+    return String(n);
+  }
+
+  find(id) { return this.entries.find((entry) => entry.id === id); }
+}
+
+// What a content can be made from again; null: it cannot (the webcam).
+function describeContent(app, content) {
+  if (content instanceof FadeContent) return describeContent(app, content.to);
+  if (content instanceof TestContent) return {test: content.name};
+  if (content instanceof TextContent) return {text: content.text, colour: content.colour};
+  if (content instanceof SolidContent) return {colour: content.colour};
+  if (content.pattern !== undefined) return {pattern: app.scene.patterns[content.pattern].name};
+  return content.file !== undefined ? {file: content.file} : null;
+}
+
+async function contentOf(app, described) {
+  const {test, text, colour, pattern, file} = described || {};
+  if (test !== undefined && Object.hasOwn(TEST_PATTERNS, test)) return new TestContent(test);
+  if (text !== undefined) return new TextContent(String(text).slice(0, 200), checkColour(colour));
+  if (colour !== undefined) return new SolidContent(checkColour(colour));
+  if (file !== undefined && app.library.find(file)) return app.library.find(file).content;
+  const index = app.scene.patterns.findIndex((p) => p.name === pattern);
+  return (index >= 0 && await patternContent(app.scene, index)) || new TestContent('White');
+}
+
+const checkColour = (colour) => /^#[0-9a-f]{6}$/i.test(colour) ? colour : '#ffffff';
+
+// --- The state. ---
+
+// A copy of a projector's paint, the same as long as nobody paints; null: none.
+function paintOf(projector) {
+  if (!projector.painted) return null;
+  if (projector.paintCopied !== projector.paintVersion) {
+    const copy = makeCanvas(projector.paint.width, projector.paint.height);
+    copy.getContext('2d').drawImage(projector.paint, 0, 0);
+    projector.paintCopy = copy, projector.paintCopied = projector.paintVersion;
+  }
+  return projector.paintCopy;
+}
+
+function stateOf(app) {
+  const projectors = app.projectors.map((p) => ({
+    device: p.device, on: p.on, stops: p.stops, fit: p.fit, correction: p.correction, watcher: p.watcher, gain: p.gain,
+    content: describeContent(app, p.content), paint: paintOf(p),
+  }));
+  return {
+    projectors, selected: app.projectors.indexOf(app.projector), exposure: app.exposure, ambient: app.ambient,
+    cues: app.show.cues.map((cue) => ({...cue})), view: app.scene.views.indexOf(app.at), pose: app.pose, target: app.target,
+  };
+}
+
+// Two states are the same to undo if they differ in the view and the selection only.
+function sameWork(a, b) {
+  const work = (s) => JSON.stringify([s.projectors.map((p) => ({...p, paint: null})), s.exposure, s.ambient, s.cues]);
+  return work(a) === work(b) && a.projectors.every((p, i) => p.paint === b.projectors[i].paint);
+}
+
+// Makes the page show a state; of undo and redo the view stays.
+async function applyState(app, state, withView) {
+  const contents = await Promise.all(state.projectors.map((p) => contentOf(app, p.content)));
+  app.endComparison();
+  while (app.projectors.length < state.projectors.length) app.addProjector();
+  while (app.projectors.length > state.projectors.length) {
+    app.select(app.projectors[app.projectors.length - 1]);
+    app.removeProjector();
+  }
+  state.projectors.forEach((kept, i) => {
+    const p = app.projectors[i];
+    const {on, stops, fit, correction, watcher, gain} = kept;
+    Object.assign(p, {on, stops, fit, correction, watcher, gain, device: {...kept.device}});
+    if (JSON.stringify(describeContent(app, p.content)) !== JSON.stringify(kept.content)) app.setContent(contents[i], p);
+    else if (contents[i] !== p.content) contents[i].free();
+    if (paintOf(p) !== kept.paint) {
+      p.clearPaint();
+      if (kept.paint) p.paint.getContext('2d').drawImage(kept.paint, 0, 0), p.painted = true, p.paintVersion++;
+    }
+    p.dirty = true;
+  });
+  app.exposure = state.exposure, app.ambient = state.ambient;
+  app.show.cues = state.cues.map((cue) => ({...cue}));
+  app.select(app.projectors[clamp(state.selected, 0, app.projectors.length - 1)]);
+  if (withView && app.scene.views[state.view]) {
+    app.jump(app.scene.views[state.view], false);
+    app.pose = state.pose, app.target = state.target;
+  }
+  for (const what of ['content', 'device', 'settings', 'cues']) app.changed(what);
+  app.patternsChanged = true;
+  app.invalidate();
+}
+
+// --- Undo. ---
+
+// States as they were whenever nothing had changed for a moment.
+class Undo {
+  constructor(app) {
+    this.app = app, this.states = [stateOf(app)], this.at = 0, this.busy = false;
+    app.listeners.push((what) => { if (what === 'drawn' || what === 'cues') this.soon(); });
+  }
+
+  soon() {
+    clearTimeout(this.timer);
+    this.timer = setTimeout(() => this.note(), QUIET);
+  }
+
+  note() {
+    const {app} = this;
+    if (this.busy || app.show.playing || app.photograph) return;
+    const state = stateOf(app);
+    if (sameWork(state, this.states[this.at])) return;
+    this.states.splice(this.at + 1, this.states.length, state);
+    if (this.states.length > UNDO_MAX) this.states.shift();
+    this.at = this.states.length - 1;
+    app.changed('history');
+  }
+
+  async go(step) {
+    clearTimeout(this.timer);
+    this.app.show.stop();
+    this.note();
+    const to = this.at + step;
+    if (this.busy || !this.states[to]) return;
+    this.busy = true;
+    try {
+      await applyState(this.app, this.states[to], false);
+      this.at = to;
+    } finally {
+      this.busy = false;
+    }
+    this.app.changed('history');
+  }
+}
+
+// --- Files. ---
+
+function bytesToText(bytes) {
+  let text = '';
+  for (let i = 0; i < bytes.length; i += 8192) text += String.fromCharCode(...bytes.subarray(i, i + 8192));
+  return btoa(text);
+}
+
+// Paint as PNG in base64, so that it can be written down.
+function plainState(state) {
+  return {...state, projectors: state.projectors.map((p) => ({...p, paint: p.paint && p.paint.toDataURL('image/png').split(',')[1]}))};
+}
+
+async function stageText(app) {
+  const files = [];
+  for (const {id, name, blob} of app.library.entries)
+    files.push({id, name, type: blob.type, data: bytesToText(new Uint8Array(await blob.arrayBuffer()))});
+  return JSON.stringify({format: STAGE_FORMAT, object: app.scene.name, ...plainState(stateOf(app)), files});
+}
+
+// Checks of what comes from outside, by the name of the field.
+const number = (field, value, low, high) => {
+  if (!(typeof value === 'number' && value >= low && value <= high)) throw new Message(`The stage's ${field} is not a number from ${low} to ${high}.`);
+  return value;
+};
+const list = (field, value, most) => {
+  if (!Array.isArray(value) || value.length > most) throw new Message(`The stage's ${field} is not a list of up to ${most}.`);
+  return value;
+};
+const oneOf = (field, value, words) => {
+  if (!words.includes(value)) throw new Message(`The stage's ${field} is none of ${words.join(', ')}.`);
+  return value;
+};
+
+function checkDevice(device, size) {
+  const d = device || {}, out = {width: size.width, height: size.height};
+  for (const name of ['fx', 'fy']) out[name] = number(`projectors: ${name}`, d[name], 1e-3, 1e7);
+  for (const name of ['cx', 'cy']) out[name] = number(`projectors: ${name}`, d[name], -1e7, 1e7);
+  out.pose = list('projectors: pose', d.pose, 16).map((x) => number('projectors: pose', x, -1e9, 1e9));
+  if (out.pose.length !== 16) throw new Message("The stage's projectors: pose has not 16 numbers.");
+  return out;
+}
+
+async function checkPaint(paint, size) {
+  if (!paint) return null;
+  const bytes = readBytes(String(paint)), bitmap = await createImageBitmap(new Blob([bytes], {type: 'image/png'}));
+  checkSize('The paint', [bitmap.width, bitmap.height]);
+  const canvas = makeCanvas(size.width, size.height);
+  canvas.getContext('2d').drawImage(bitmap, 0, 0);
+  bitmap.close();
+  return canvas;
+}
+
+// A state from a file or from the browser's store.
+async function checkState(app, plain) {
+  const size = app.projectors[0].device, projectors = [];
+  for (const p of list('projectors', plain.projectors, PROJECTORS_MAX))
+    projectors.push({
+      device: checkDevice(p.device, size), on: p.on !== false, stops: number('projectors: stops', p.stops, -20, 20),
+      gain: number('projectors: gain', p.gain, -20, 20), fit: oneOf('projectors: fit', p.fit, ['contain', 'cover', 'stretch']),
+      correction: oneOf('projectors: correction', p.correction, ['none', 'paint', 'colours']),
+      watcher: app.scene.views[p.watcher] ? p.watcher : 'now', content: p.content || null, paint: await checkPaint(p.paint, size),
+    });
+  if (!projectors.length) throw new Message('The stage has no projectors.');
+  return {
+    projectors, selected: number('selected', plain.selected, 0, PROJECTORS_MAX), exposure: number('exposure', plain.exposure, -20, 20),
+    ambient: plain.ambient !== false, cues: list('cues', plain.cues || [], CUES_MAX).map(checkCue),
+    view: number('view', plain.view, 0, 1e6), pose: checkDevice({...size, pose: plain.pose}, size).pose,
+    target: list('target', plain.target, 3).map((x) => number('target', x, -1e9, 1e9)),
+  };
+}
+
+// A file of stageText: it replaces what the page shows, or a message says why not and nothing changes.
+async function loadStage(app, text) {
+  let plain = null;
+  try {
+    plain = JSON.parse(text);
+  } catch {
+    // told below
+  }
+  if (!plain || plain.format !== STAGE_FORMAT) throw new Message('This file is not a stage that this page saved.');
+  const state = await checkState(app, plain);
+  for (const {id, name, type, data} of list('files', plain.files || [], 200)) {
+    if (app.library.find(String(id))) continue;
+    await app.library.take(new File([readBytes(String(data))], String(name), {type: String(type)}), String(id));
+  }
+  await applyState(app, state, true);
+}
+
+function offer(blob, name) {
+  const link = element('a', {href: URL.createObjectURL(blob), download: name});
+  link.click();
+  setTimeout(() => URL.revokeObjectURL(link.href), 10000);
+}
+
+async function saveStage(app) {
+  const name = `${app.scene.name || 'object'}.stage.json`;
+  offer(new Blob([await stageText(app)], {type: 'application/json'}), name);
+  say(`Saved ${name}: projectors, pictures, paint, cues and view. Open it here again, or drop it on the page.`);
+}
+
+// The picture for the real projector, as its window shows it.
+function savePattern(app) {
+  app.updatePatterns();
+  const {width, height, data} = panelPicture(app.graphics, app.projector, app.scene.panel, app.exported = app.exported || {});
+  const canvas = makeCanvas(width, height);
+  canvas.getContext('2d').putImageData(new ImageData(data, width, height), 0, 0);
+  const name = `${app.scene.name || 'object'}-projector-${app.projector.number}.png`;
+  canvas.toBlob((blob) => {
+    offer(blob, name);
+    say(`Saved ${name}, ${width} × ${height}: send it to the projector pixel for pixel.`);
+    app.exports = (app.exports || 0) + 1;
+  }, 'image/png');
+}
+
+// --- The browser's store. ---
+
+// Keeps the stage of each page by what it shows; where the browser stores nothing (private windows), nothing is kept.
+class Store {
+  constructor(app) {
+    this.app = app, this.key = JSON.stringify([app.scene.name, app.scene.splats.count, app.scene.high]);
+    app.listeners.push((what) => { if (what === 'history') this.soon(); });
+  }
+
+  open() {
+    return new Promise((resolve, reject) => {
+      const request = indexedDB.open('ffprocams', 1);
+      request.onupgradeneeded = () => request.result.createObjectStore('stages');
+      request.onsuccess = () => resolve(request.result);
+      request.onerror = () => reject(request.error);
+    });
+  }
+
+  async transact(mode, work) {
+    const base = await this.open();
+    try {
+      return await new Promise((resolve, reject) => {
+        const transaction = base.transaction('stages', mode), request = work(transaction.objectStore('stages'));
+        transaction.oncomplete = () => resolve(request.result);
+        transaction.onerror = transaction.onabort = () => reject(transaction.error);
+      });
+    } finally {
+      base.close();
+    }
+  }
+
+  soon() {
+    clearTimeout(this.timer);
+    this.timer = setTimeout(() => this.keep(), KEEP_AFTER);
+  }
+
+  async keep() {
+    const {app} = this, files = app.library.entries.map(({id, name, blob}) => ({id, name, blob}));
+    const kept = {text: JSON.stringify(plainState(stateOf(app))), files};
+    await this.transact('readwrite', (store) => store.put(kept, this.key)).then(() => { app.kept = (app.kept || 0) + 1; }, () => {});
+  }
+
+  // The page as it was left, if this browser kept it; false: it did not.
+  async restore() {
+    const kept = await this.transact('readonly', (store) => store.get(this.key)).catch(() => null);
+    if (!kept) return false;
+    const state = await checkState(this.app, JSON.parse(kept.text));
+    for (const {id, name, blob} of kept.files) await this.app.library.take(new File([blob], name, {type: blob.type}), id).catch(() => null);
+    await applyState(this.app, state, true);
+    return true;
+  }
+
+  forget() {
+    clearTimeout(this.timer);
+    return this.transact('readwrite', (store) => store.delete(this.key)).catch(() => {});
+  }
+}
