@@ -5,9 +5,11 @@
 // (which may be NULL). Passing NULL for a required argument (a handle, the options, an output file) fails
 // with FFP_ERROR_ARGUMENT, which names it. Functions that take long, log or allocate much take an FfpContext
 // first (NULL: silent, all processors, no GPU). Handles are freed by their *_close functions, which accept
-// NULL. Handles share no state, but each may be used by only one thread at a time. Files are written under a
-// temporary name and then renamed, so an old file stays intact until the new one is complete. Numbers in
-// files and texts use a decimal point regardless of setlocale().
+// NULL. Handles share no state. Captures, models, fields and Gaussians may be used by several threads at a time
+// as long as none of them changes or closes the handle: calls that take it as const only read it. A renderer
+// belongs to one thread at a time. Files are written under a temporary name and then renamed, so an old file
+// stays intact until the new one is complete. Numbers in files and texts use a decimal point regardless of
+// setlocale().
 #ifndef FFPROCAMS_H
 #define FFPROCAMS_H
 
@@ -215,7 +217,9 @@ FFP_API int64_t ffp_gaussians_count(const FfpGaussians *gaussians);
 FFP_API void ffp_gaussians_close(FfpGaussians *gaussians);
 
 // The parameters, one row per Gaussian. The library owns the arrays, which may be written to and are valid
-// until the Gaussians are closed, refined or replaced.
+// until the Gaussians are closed, refined or replaced. Calls that use the Gaussians check what was written:
+// numbers that are not finite, opacities outside [0,1], scales of 0 and rotations of 0 are errors that name
+// array and row.
 typedef struct FfpGaussianArrays {
     int64_t count;
     float *centre;    // [count,3] world

@@ -35,7 +35,7 @@ static bool into_memory(void *argument, FfpError *err) {
 
 static bool check_arguments(const FfpGaussians *gaussians, const FfpCapture *capture,
                             const FfpCompensation *options, FfpError *err) {
-    return ffp_need(gaussians, "gaussians", err) && ffp_need(capture, "capture", err) &&
+    return ffp_need_gaussians(gaussians, err) && ffp_need(capture, "capture", err) &&
            ffp_need(options, "options", err) &&
            ffp_need_texts(options->views, options->n_views, "views", err) &&
            (options->pictures || ffp_need_texts(options->targets, options->n_targets, "targets", err)) &&

@@ -22,7 +22,7 @@ static bool work(void *argument, FfpError *err) {
 bool ffp_export(FfpContext *context, const FfpGaussians *gaussians, const FfpCapture *capture,
                 const FfpExport *options, FfpExportStats *stats, FfpError *err) {
     Call call = {gaussians, capture, options, stats};
-    if (!ffp_need(gaussians, "gaussians", err) || !ffp_need(options, "options", err) ||
+    if (!ffp_need_gaussians(gaussians, err) || !ffp_need(options, "options", err) ||
         !ffp_need(options->file, "file", err) || !ffp_check_drawing((FfpDrawing){.form = options->form}, err))
         return false;
     return ffp_call_run(context, work, &call, err);

@@ -1,4 +1,5 @@
 // The Gaussians' numbers, out of the library and into it.
+#include <float.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -68,6 +69,19 @@ bool ffp_check_arrays(const FfpGaussianArrays *a, FfpError *err) {
     bool ok = true;
     for (int i = 0; ok && i < FFP_ATTRIBUTES; i++) ok = check_attribute(a->count, i, &ranges[i], err);
     return ok && check_rotations(a->count, a->rotation, err);
+}
+
+bool ffp_need_gaussians(const FfpGaussians *g, FfpError *err) {
+    if (!ffp_need(g, "gaussians", err)) return false;
+    const Range any = {NULL, -(double)FLT_MAX, (double)FLT_MAX}, share = {NULL, 0, 1};
+    bool ok = true;
+    for (int i = 0; ok && i < FFP_ATTRIBUTES; i++) {
+        Range range = i == FFP_OPACITY ? share : any;
+        range.from = ffp_attribute(g, i).data;
+        if (i == FFP_SCALE) range.low = (double)FLT_MIN;
+        ok = check_attribute(g->count, i, &range, err);
+    }
+    return ok && check_rotations(g->count, g->rotation, err);
 }
 
 FfpGaussians ffp_gaussians_of(const FfpGaussianArrays *a) {

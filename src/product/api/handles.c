@@ -106,7 +106,7 @@ static bool save_gaussians(void *argument, FfpError *err) {
 
 bool ffp_gaussians_save(FfpContext *context, const FfpGaussians *gaussians, const char *path, FfpError *err) {
     SaveGaussians call = {gaussians, path};
-    if (!ffp_need(gaussians, "gaussians", err) || !ffp_need(path, "path", err)) return false;
+    if (!ffp_need_gaussians(gaussians, err) || !ffp_need(path, "path", err)) return false;
     return ffp_call_run(context, save_gaussians, &call, err);
 }
 

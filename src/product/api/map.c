@@ -31,7 +31,7 @@ FfpImages *ffp_map_images(FfpContext *context, const FfpGaussians *gaussians, co
                           const FfpPinhole *camera, const FfpPinhole *projector, FfpDrawing drawing,
                           FfpMapStats *stats, FfpError *err) {
     MemoryCall call = {gaussians, capture, camera, projector, drawing, stats, NULL};
-    if (!ffp_need(gaussians, "gaussians", err) || !ffp_need(capture, "capture", err) ||
+    if (!ffp_need_gaussians(gaussians, err) || !ffp_need(capture, "capture", err) ||
         !ffp_need(camera, "camera", err) || !ffp_need(projector, "projector", err) ||
         !ffp_check_drawing(drawing, err))
         return NULL;
@@ -55,7 +55,7 @@ static bool into_files(void *argument, FfpError *err) {
 int ffp_write_maps(FfpContext *context, const FfpGaussians *gaussians, const FfpCapture *capture,
                    const FfpMaps *options, FfpMapStats *stats, FfpError *err) {
     FilesCall call = {gaussians, capture, options, stats, 0};
-    if (!ffp_need(gaussians, "gaussians", err) || !ffp_need(capture, "capture", err) ||
+    if (!ffp_need_gaussians(gaussians, err) || !ffp_need(capture, "capture", err) ||
         !ffp_need(options, "options", err) || !ffp_need(options->folder, "folder", err) ||
         !ffp_need_texts(options->views, options->n_views, "views", err) ||
         !ffp_check_drawing(options->drawing, err))

@@ -33,7 +33,7 @@ static bool work(void *argument, FfpError *err) {
 bool ffp_write_page(FfpContext *context, const FfpGaussians *gaussians, const FfpCapture *capture,
                     const FfpPage *options, FfpPageStats *stats, FfpError *err) {
     Call call = {gaussians, capture, options, stats};
-    if (!ffp_need(gaussians, "gaussians", err) || !ffp_need(capture, "capture", err) ||
+    if (!ffp_need_gaussians(gaussians, err) || !ffp_need(capture, "capture", err) ||
         !ffp_need(options, "options", err) || !ffp_need(options->file, "file", err) ||
         !ffp_check_drawing(options->drawing, err) || !check(options, err))
         return false;

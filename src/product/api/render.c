@@ -23,7 +23,7 @@ static bool work(void *argument, FfpError *err) {
 int ffp_render_pictures(FfpContext *context, const FfpGaussians *gaussians, const FfpCapture *capture,
                         const FfpPictures *options, FfpError *err) {
     Call call = {gaussians, capture, options, 0};
-    if (!ffp_need(gaussians, "gaussians", err) || !ffp_need(options, "options", err) ||
+    if (!ffp_need_gaussians(gaussians, err) || !ffp_need(options, "options", err) ||
         !ffp_need(options->folder, "folder", err) ||
         !ffp_need_texts(options->views, options->n_views, "views", err) ||
         !ffp_need_texts(options->patterns, options->n_patterns, "patterns", err) ||

@@ -46,7 +46,7 @@ static bool aim(void *argument, FfpError *err) {
 bool ffp_renderer_aim(FfpContext *context, FfpRenderer *renderer, const FfpGaussians *gaussians,
                       const FfpPinhole *camera, const FfpPinhole *projector, FfpError *err) {
     AimCall call = {renderer, gaussians, camera, projector};
-    if (!ffp_need(renderer, "renderer", err) || !ffp_need(gaussians, "gaussians", err) ||
+    if (!ffp_need(renderer, "renderer", err) || !ffp_need_gaussians(gaussians, err) ||
         !ffp_need(camera, "camera", err) || !ffp_need(projector, "projector", err))
         return false;
     return ffp_call_run(context, aim, &call, err);

@@ -184,6 +184,34 @@ static void faint_gaussians_are_not_saved(void **state) {
     ffp_gaussians_close(made);
 }
 
+// --- Numbers written through the arrays. ---
+
+static void numbers_from_outside_are_checked_at_use(void **state) {
+    (void)state;
+    FfpGaussianArrays arrays = ffp_gaussians_arrays(gaussians);
+    float *const places[] = {arrays.centre + 7,    arrays.rotation + 9, arrays.albedo + 8, arrays.ambient + 6,
+                             arrays.roughness + 2, arrays.opacity + 2,  arrays.scale + 6};
+    const char *const names[] = {"centre", "rotation", "albedo", "ambient", "roughness", "opacity", "scale"};
+    FfpPinhole camera, projector;
+    assert_true(ffp_capture_view_devices(capture, 0, &camera, &projector));
+    FfpRenderer *renderer = ffp_renderer_new(NULL, (FfpDrawing){0}, &err);
+    for (int i = 0; i < 7; i++) {
+        const float kept = *places[i];
+        FfpPictures how = ffp_pictures_defaults();
+        how.folder = in_scratch("pictures");
+        *places[i] = NAN;
+        assert_false(ffp_renderer_aim(NULL, renderer, gaussians, &camera, &projector, &err));
+        assert_int_equal(err.code, FFP_ERROR_ARGUMENT);
+        if (!strstr(err.text, names[i]) || !strstr(err.text, "row 2")) fail_msg("%s: %s", names[i], err.text);
+        assert_int_equal(ffp_render_pictures(NULL, gaussians, capture, &how, &err), -1);
+        assert_false(ffp_is_folder(in_scratch("pictures")));
+        assert_false(ffp_gaussians_save(NULL, gaussians, in_scratch("nan.ply"), &err));
+        *places[i] = kept;
+    }
+    assert_true(ffp_renderer_aim(NULL, renderer, gaussians, &camera, &projector, &err));
+    ffp_renderer_close(renderer);
+}
+
 // --- Pictures' names. ---
 
 static int render(const char *const *views, int n_views, const char *const *patterns, int n_patterns,
@@ -234,6 +262,7 @@ int main(void) {
         cmocka_unit_test(pictures_are_told_where_to_go),
         cmocka_unit_test(sources_are_named),
         cmocka_unit_test(drawings_are_checked),
+        cmocka_unit_test(numbers_from_outside_are_checked_at_use),
         cmocka_unit_test(faint_gaussians_are_not_saved),
         cmocka_unit_test(pictures_have_names_of_their_own),
     };

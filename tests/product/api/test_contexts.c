@@ -106,7 +106,78 @@ static void two_at_a_time_are_as_each_alone(void **state) {
     for (int i = 0; i < 2; i++) close_caller(&alone[i]);
 }
 
+// --- Handles that threads share. ---
+
+enum { SHARERS = 4 };
+
+typedef struct Shared {
+    const FfpCapture *capture;
+    const FfpModel *model;
+    const FfpGaussians *gaussians;
+} Shared;
+
+typedef struct Sharer {
+    const Shared *shared;
+    pthread_t id;
+    FfpGaussians *made;
+    unsigned char picture[PIXELS];
+    FfpError err;
+} Sharer;
+
+// Reads all three handles: a reconstruction from capture and model, and a picture of the Gaussians.
+static void *share(void *argument) {
+    Sharer *s = argument;
+    FfpContextSettings settings = ffp_context_defaults();
+    settings.threads = 1;
+    FfpContext *context = ffp_context_new(&settings, &s->err);
+    const FfpReconstruction how = {.model = s->shared->model};
+    FfpPinhole camera, projector;
+    const double intensity[3] = {5, 5, 5};
+    const FfpPicture pattern = ffp_capture_picture(s->shared->capture, -1, 2);
+    FfpRenderer *renderer = ffp_renderer_new(context, (FfpDrawing){0}, &s->err);
+    s->made = ffp_reconstruct(context, s->shared->capture, &how, NULL, &s->err);
+    const bool ok =
+        s->made && renderer && ffp_capture_view_devices(s->shared->capture, 0, &camera, &projector) &&
+        ffp_renderer_aim(context, renderer, s->shared->gaussians, &camera, &projector, &s->err) &&
+        ffp_renderer_shade(context, renderer, &pattern, intensity, s->picture, FFP_PIXELS_U8, 0, &s->err);
+    ffp_renderer_close(renderer);
+    ffp_context_free(context);
+    return ok ? s : NULL;
+}
+
+static void threads_share_what_they_read(void **state) {
+    (void)state;
+    char path[FFP_PATH_MAX];
+    FfpError err = {0};
+    snprintf(path, sizeof path, "%s/capture", scratch);
+    FfpCapture *capture = ffp_capture_open(NULL, path, &err);
+    snprintf(path, sizeof path, "%s/weights", scratch);
+    FfpModel *model = ffp_model_open(NULL, path, &err);
+    assert_true(capture && model);
+    FfpGaussians *gaussians =
+        ffp_reconstruct(NULL, capture, &(FfpReconstruction){.model = model}, NULL, &err);
+    assert_non_null(gaussians);
+    const Shared shared = {capture, model, gaussians};
+    Sharer sharers[SHARERS] = {0};
+    for (int i = 0; i < SHARERS; i++) {
+        sharers[i].shared = &shared;
+        assert_int_equal(pthread_create(&sharers[i].id, NULL, share, &sharers[i]), 0);
+    }
+    for (int i = 0; i < SHARERS; i++) {
+        void *done;
+        pthread_join(sharers[i].id, &done);
+        if (!done) fail_msg("%s", sharers[i].err.text);
+        assert_same_gaussians(sharers[i].made, sharers[0].made);
+        assert_memory_equal(sharers[i].picture, sharers[0].picture, PIXELS);
+    }
+    for (int i = 0; i < SHARERS; i++) ffp_gaussians_close(sharers[i].made);
+    ffp_gaussians_close(gaussians);
+    ffp_model_close(model);
+    ffp_capture_close(capture);
+}
+
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(two_at_a_time_are_as_each_alone)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(two_at_a_time_are_as_each_alone),
+                                       cmocka_unit_test(threads_share_what_they_read)};
     return cmocka_run_group_tests(tests, small_setup, scratch_teardown);
 }
