@@ -53,3 +53,10 @@ if(CMAKE_SYSTEM_NAME STREQUAL "Linux")
   add_executable(slow_link EXCLUDE_FROM_ALL bench/slow_link.c)
   target_link_libraries(slow_link PRIVATE ffp_compile)
 endif()
+
+# Faults of rigs and captures: what the checks before the work say of them.
+if(TARGET ffp_api AND TARGET ffp_synth)
+  add_executable(rig_faults EXCLUDE_FROM_ALL bench/rig_faults.c)
+  target_include_directories(rig_faults PRIVATE ${PROJECT_SOURCE_DIR})
+  target_link_libraries(rig_faults PRIVATE ffp_api ffp_import ffp_synth)
+endif()

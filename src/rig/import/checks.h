@@ -4,6 +4,7 @@
 
 #include <stdio.h>
 #include "core/capture/capture.h"
+#include "core/image/lookup.h"
 
 // Where the projector's frustum lies, exposure and clipping, ambient light, how far the rig is from what the
 // shipped model was trained on, and how well looking up the pattern explains the pictures. A line each, "ok"
@@ -30,5 +31,16 @@ typedef struct FfpExplanation {
     double mirrored[3];  // turned round left to right, upside down, both
 } FfpExplanation;
 FfpExplanation ffp_rig_explain(const FfpCapture *capture, int pattern);
+
+// What might have been photographed.
+typedef struct FfpGuess {
+    const FfpImage *photograph; // under the pattern, of the view's size
+    const FfpSummed *pattern;   // that was shown
+    int mirror;                 // bit 0: left to right, bit 1: upside down
+    int third;                  // 1 to 4: moved by a third of the pattern to one of four sides; 0: not moved
+    bool reversed;              // red and blue exchanged
+} FfpGuess;
+// The root mean square error of that in one view, of up to 80 of its pixels; NAN if fewer than 16 are lit.
+double ffp_rig_guess(const FfpCapture *capture, const FfpView *view, const FfpGuess *guess);
 
 #endif

@@ -8,6 +8,8 @@
 #include "rig/import/chord.h"
 
 #define PIXELS_A_VIEW 300
+#define PIXELS_A_GUESS 80
+#define PIXELS_LEAST 16 // fewer are not asked
 #define DEPTHS 128
 #define LIT 0.04F      // linear radiance that white must add in every channel
 #define ERROR_MAX 0.25 // of a pixel's mean square: highlights and shadow edges must not decide
@@ -37,11 +39,11 @@ static void make_variants(int width, Variant variants[VARIANTS]) {
     for (int i = 0; i < FAR; i++) variants[MIRRORS + SHIFTS + i] = (Variant){.far = i + 1};
 }
 
-static bool make_sample(const FfpCapture *capture, const FfpView *view, int pattern, size_t i,
+static bool make_sample(const FfpCapture *capture, const FfpView *view, const FfpImage *photograph, size_t i,
                         Sample *sample) {
     const real *black = view->images[capture->black].data + 3 * i,
                *white = view->images[capture->white].data + 3 * i;
-    const real *seen = view->images[pattern].data + 3 * i;
+    const real *seen = photograph->data + 3 * i;
     if (view->coverage.data[i] < 1) return false;
     for (int c = 0; c < 3; c++) {
         if (!(white[c] - black[c] > LIT) || white[c] > 0.98F) return false; // a clipped pixel tells no ratio
@@ -50,16 +52,17 @@ static bool make_sample(const FfpCapture *capture, const FfpView *view, int patt
     return ffp_chord(capture, &view->camera, i, &sample->chord);
 }
 
-// Evenly strided lit pixels of a view, up to PIXELS_A_VIEW.
-static int collect(const FfpCapture *capture, const FfpView *view, int pattern, Sample *samples) {
+// Evenly strided lit pixels of a view, up to `most`.
+static int collect(const FfpCapture *capture, const FfpView *view, const FfpImage *photograph, int most,
+                   Sample *samples) {
     const size_t pixels = (size_t)view->camera.width * (size_t)view->camera.height;
     Sample sample;
     size_t lit = 0, seen = 0;
     int count = 0;
-    for (size_t i = 0; i < pixels; i++) lit += make_sample(capture, view, pattern, i, &sample);
-    const size_t step = lit / PIXELS_A_VIEW + 1;
-    for (size_t i = 0; i < pixels && count < PIXELS_A_VIEW; i++) {
-        if (make_sample(capture, view, pattern, i, &samples[count]) && seen++ % step == 0) count++;
+    for (size_t i = 0; i < pixels; i++) lit += make_sample(capture, view, photograph, i, &sample);
+    const size_t step = lit / (size_t)most + 1;
+    for (size_t i = 0; i < pixels && count < most; i++) {
+        if (make_sample(capture, view, photograph, i, &samples[count]) && seen++ % step == 0) count++;
     }
     return count;
 }
@@ -104,15 +107,15 @@ static void vary(const Variant *variant, const FfpSummed *pattern, const double 
     *v = wrapped(*v + (real)(third[1] * pattern->height) / 3, pattern->height);
 }
 
-// Mean square of a pixel's best depth, for each variant.
+// Mean square of a pixel's best depth, for each of n variants.
 static void judge(const FfpView *view, const FfpSummed *pattern, const Sample *sample,
-                  const Variant *variants, const double across[2], real side, double best[VARIANTS]) {
-    for (int k = 0; k < VARIANTS; k++) best[k] = ERROR_MAX;
+                  const Variant *variants, int n, const double across[2], real side, double *best) {
+    for (int k = 0; k < n; k++) best[k] = ERROR_MAX;
     for (int d = 0; d < DEPTHS; d++) {
         real point[3], u, v;
         ffp_chord_point(&sample->chord, d, DEPTHS, point);
         if (!(ffp_project(&view->projector, point, &u, &v) > 0)) continue;
-        for (int k = 0; k < VARIANTS; k++) {
+        for (int k = 0; k < n; k++) {
             real colour[3], x = u, y = v;
             double sum = 0;
             vary(&variants[k], pattern, across, &x, &y);
@@ -127,12 +130,12 @@ static void add_view(const FfpCapture *capture, const FfpView *view, const FfpSu
                      const Variant *variants, double sums[VARIANTS], int *pixels) {
     Sample *samples = ffp_alloc(PIXELS_A_VIEW, sizeof *samples);
     double(*best)[VARIANTS] = ffp_alloc(PIXELS_A_VIEW, sizeof *best);
-    const int n = collect(capture, view, pattern, samples);
+    const int n = collect(capture, view, &view->images[pattern], PIXELS_A_VIEW, samples);
     const real side = footprint(capture, view);
     double across[2];
     across_line(capture, view, across);
 #pragma omp parallel for schedule(static)
-    for (int i = 0; i < n; i++) judge(view, summed, &samples[i], variants, across, side, best[i]);
+    for (int i = 0; i < n; i++) judge(view, summed, &samples[i], variants, VARIANTS, across, side, best[i]);
     for (int i = 0; i < n; i++) {
         for (int k = 0; k < VARIANTS; k++) sums[k] += best[i][k];
     }
@@ -164,4 +167,27 @@ FfpExplanation ffp_rig_explain(const FfpCapture *capture, int pattern) {
     for (int k = 1; k < FAR; k++) out.chance = fmin(out.chance, errors[MIRRORS + SHIFTS + k]);
     across_line(capture, &capture->views[0], out.direction);
     return out;
+}
+
+static void reverse_channels(Sample *sample) {
+    const real red = sample->colour[0];
+    sample->colour[0] = sample->colour[2];
+    sample->colour[2] = red;
+}
+
+double ffp_rig_guess(const FfpCapture *capture, const FfpView *view, const FfpGuess *guess) {
+    static const double across[2] = {0, 0};
+    const Variant variant = {.mirror = guess->mirror, .far = guess->third};
+    const real side = footprint(capture, view);
+    Sample *samples = ffp_alloc(PIXELS_A_GUESS, sizeof *samples);
+    const int n = collect(capture, view, guess->photograph, PIXELS_A_GUESS, samples);
+    double sum = 0;
+    for (int i = 0; i < n; i++) {
+        double best;
+        if (guess->reversed) reverse_channels(&samples[i]);
+        judge(view, guess->pattern, &samples[i], &variant, 1, across, side, &best);
+        sum += best;
+    }
+    ffp_free(samples);
+    return n >= PIXELS_LEAST ? sqrt(sum / n) : NAN;
 }

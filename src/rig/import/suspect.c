@@ -4,13 +4,13 @@
 #include "core/base/alloc.h"
 #include "core/base/log.h"
 #include "rig/import/checks.h"
+#include "rig/import/suspect_parts.h"
 
-#define DARKER 0.02F          // linear: by how much white is darker than black where they are exchanged
-#define EXCHANGED_SHARE 0.25  // of a view's object pixels
+#define FAR_RADII 100         // from the object to a device, in its radii: more is another unit
 #define MISFIT_EXPLAINED 0.25 // of the pixels that contradict other views: what leaves less explains them
 #define VIEWS_TO_ACCUSE 4     // fewer views than these cannot outvote one
 
-// --- Devices and light. ---
+// --- Devices. ---
 
 static double distance_to_centre(const FfpCapture *capture, const FfpCamera *device) {
     double square = 0;
@@ -19,46 +19,49 @@ static double distance_to_centre(const FfpCapture *capture, const FfpCamera *dev
     return sqrt(square);
 }
 
+static bool is_behind(const FfpCapture *capture, const FfpCamera *device) {
+    real x, y;
+    return !(ffp_project(device, capture->centre, &x, &y) > 0);
+}
+
 static bool check_device(const FfpCapture *capture, const FfpView *view, const FfpCamera *device,
                          const char *name, FfpError *err) {
-    real x, y;
-    if (!(ffp_project(device, capture->centre, &x, &y) > 0))
+    const double radii = distance_to_centre(capture, device) / (double)capture->radius;
+    if (!capture->scene && radii < 0.5)
+        return ffp_fail(err, FFP_ERROR_ARGUMENT, view->id,
+                        "the %s is inside the object: check its position, the direction of R and T, and the "
+                        "unit of lengths",
+                        name);
+    if (is_behind(capture, device))
         return ffp_fail(
             err, FFP_ERROR_ARGUMENT, view->id,
             "the object is behind the %s: check the turntable's axis, and the direction of R and T", name);
-    if (!capture->scene && distance_to_centre(capture, device) < 0.5 * (double)capture->radius)
+    if (!capture->scene && radii > FAR_RADII)
         return ffp_fail(err, FFP_ERROR_ARGUMENT, view->id,
-                        "the %s is inside the object: check its position, and the unit of lengths", name);
+                        "the %s is %.0f times the object's radius away: check the unit of lengths", name,
+                        radii);
     return true;
 }
 
-// Share of the object's pixels that are darker under white than under black.
-static double reversed_share(const FfpCapture *capture, const FfpView *view) {
-    const FfpImage *black = &view->images[capture->black], *white = &view->images[capture->white];
-    const ptrdiff_t pixels = (ptrdiff_t)view->camera.width * view->camera.height;
-    double object = 0, reversed = 0;
-    for (ptrdiff_t i = 0; i < pixels; i++) {
-        if (view->coverage.data[i] < 0.5F) continue;
-        real difference = 0;
-        for (int c = 0; c < 3; c++) difference += (black->data[3 * i + c] - white->data[3 * i + c]) / 3;
-        object++;
-        reversed += difference > DARKER;
-    }
-    return object > 0 ? reversed / object : 0;
+// Cameras that all look away look the right way in OpenGL's axes.
+static bool check_axes(const FfpCapture *capture, FfpError *err) {
+    for (int v = 0; v < capture->n_views; v++)
+        if (!is_behind(capture, &capture->views[v].camera)) return true;
+    return ffp_fail(
+        err, FFP_ERROR_ARGUMENT, capture->folder,
+        "the object is behind every camera: the poses have OpenGL's axes (y up, z backwards), or R "
+        "and T have the other direction");
 }
 
-static bool check_light(const FfpCapture *capture, FfpError *err) {
-    int count = 0, first = 0;
+static bool check_devices(const FfpCapture *capture, FfpError *err) {
+    if (!check_axes(capture, err)) return false;
     for (int v = 0; v < capture->n_views; v++) {
-        if (!(reversed_share(capture, &capture->views[v]) > EXCHANGED_SHARE)) continue;
-        if (count++ == 0) first = v;
+        const FfpView *view = &capture->views[v];
+        if (!check_device(capture, view, &view->camera, "camera", err) ||
+            !check_device(capture, view, &view->projector, "projector", err))
+            return false;
     }
-    if (count == 0) return true;
-    if (count == capture->n_views && count > 1)
-        return ffp_fail(err, FFP_ERROR_ARGUMENT, capture->folder,
-                        "black and white are exchanged: the object is darker under white");
-    return ffp_fail(err, FFP_ERROR_ARGUMENT, capture->views[first].id,
-                    "the photographs under black and white are exchanged: the object is darker under white");
+    return true;
 }
 
 // --- Silhouettes under a hypothesis. ---
@@ -71,10 +74,10 @@ static const char *const mishaps[MISHAPS] = {[TURNED_HALF] = "turned by 180 degr
                                              [MIRRORED] = "mirrored left to right",
                                              [FLIPPED] = "mirrored upside down"};
 
-// The mask with the mishap undone.
-static FfpImage undone(const FfpImage *mask, Mishap mishap) {
-    FfpImage out = ffp_image_new(mask->width, mask->height, 1);
-    const int w = mask->width, h = mask->height;
+// The picture with the mishap undone.
+static FfpImage undone(const FfpImage *image, Mishap mishap) {
+    const int w = image->width, h = image->height, n = image->channels;
+    FfpImage out = ffp_image_new(w, h, n);
     for (int y = 0; y < h; y++)
         for (int x = 0; x < w; x++) {
             const int from[MISHAPS][2] = {[TURNED_HALF] = {w - 1 - x, h - 1 - y},
@@ -82,13 +85,14 @@ static FfpImage undone(const FfpImage *mask, Mishap mishap) {
                                           [TURNED_RIGHT] = {h - 1 - y, x},
                                           [MIRRORED] = {w - 1 - x, y},
                                           [FLIPPED] = {x, h - 1 - y}};
-            out.data[(ptrdiff_t)y * w + x] = mask->data[(ptrdiff_t)from[mishap][1] * w + from[mishap][0]];
+            memcpy(out.data + n * ((ptrdiff_t)y * w + x),
+                   image->data + n * ((ptrdiff_t)from[mishap][1] * w + from[mishap][0]),
+                   (size_t)n * sizeof *out.data);
         }
     return out;
 }
 
-// A capture with views of its own, to be rearranged: everything they point to stays the capture's.
-static FfpCapture alias_new(const FfpCapture *capture) {
+FfpCapture ffp_rig_alias(const FfpCapture *capture) {
     FfpCapture alias = *capture;
     alias.views = ffp_alloc((size_t)capture->n_views, sizeof *alias.views);
     memcpy(alias.views, capture->views, (size_t)capture->n_views * sizeof *alias.views);
@@ -96,7 +100,7 @@ static FfpCapture alias_new(const FfpCapture *capture) {
 }
 
 static double misfit_without(const FfpCapture *capture, int view) {
-    FfpCapture alias = alias_new(capture);
+    FfpCapture alias = ffp_rig_alias(capture);
     alias.n_views--;
     memmove(alias.views + view, alias.views + view + 1, (size_t)(alias.n_views - view) * sizeof *alias.views);
     const double misfit = ffp_rig_silhouette_misfit(&alias);
@@ -107,7 +111,7 @@ static double misfit_without(const FfpCapture *capture, int view) {
 static double misfit_undone(const FfpCapture *capture, int view, Mishap mishap) {
     const FfpImage *mask = &capture->views[view].coverage;
     if ((mishap == TURNED_LEFT || mishap == TURNED_RIGHT) && mask->width != mask->height) return INFINITY;
-    FfpCapture alias = alias_new(capture);
+    FfpCapture alias = ffp_rig_alias(capture);
     alias.views[view].coverage = undone(mask, mishap);
     const double misfit = ffp_rig_silhouette_misfit(&alias);
     ffp_image_free(&alias.views[view].coverage);
@@ -122,7 +126,7 @@ static bool same_size(const FfpImage *a, const FfpImage *b) {
 static double misfit_exchanged(const FfpCapture *capture, int a, int b) {
     const FfpView *views = capture->views;
     if (!same_size(&views[a].coverage, &views[b].coverage)) return INFINITY;
-    FfpCapture alias = alias_new(capture);
+    FfpCapture alias = ffp_rig_alias(capture);
     alias.views[a].coverage = views[b].coverage;
     alias.views[b].coverage = views[a].coverage;
     const double misfit = ffp_rig_silhouette_misfit(&alias);
@@ -133,7 +137,7 @@ static double misfit_exchanged(const FfpCapture *capture, int a, int b) {
 // With the photographs in the other direction round the object, the first staying where it is.
 static double misfit_reversed(const FfpCapture *capture) {
     const int n = capture->n_views;
-    FfpCapture alias = alias_new(capture);
+    FfpCapture alias = ffp_rig_alias(capture);
     bool fits = true;
     for (int v = 1; v < n; v++) {
         fits = fits && same_size(&capture->views[v].coverage, &capture->views[n - v].coverage);
@@ -144,20 +148,56 @@ static double misfit_reversed(const FfpCapture *capture) {
     return misfit;
 }
 
+// With the cameras' intrinsics as of a picture `factor` times as large.
+static double misfit_of_size(const FfpCapture *capture, real factor) {
+    FfpCapture alias = ffp_rig_alias(capture);
+    for (int v = 0; v < alias.n_views; v++) {
+        FfpCamera *c = &alias.views[v].camera;
+        c->fx *= factor, c->fy *= factor;
+        c->cx *= factor, c->cy *= factor;
+    }
+    const double misfit = ffp_rig_silhouette_misfit(&alias);
+    ffp_free(alias.views);
+    return misfit;
+}
+
 // --- Who is to blame. ---
+
+// Whether structured light explains the view as well or better once the mishap is undone: of objects that are
+// nearly symmetric, silhouettes alone would accept a mirrored view for a wrong mask.
+static bool light_agrees(const FfpCapture *capture, int odd, Mishap mishap) {
+    const FfpView *view = &capture->views[odd];
+    const int active = ffp_capture_active_pattern(capture, NULL, NULL);
+    const int shown[3] = {capture->black, capture->white, active};
+    if (active < 0) return true;
+    FfpSummed pattern = ffp_summed_new(&capture->patterns[active].image);
+    const double before =
+        ffp_rig_guess(capture, view, &(FfpGuess){.photograph = &view->images[active], .pattern = &pattern});
+    FfpView mended = *view;
+    mended.images = ffp_alloc((size_t)capture->n_patterns, sizeof *mended.images);
+    for (int k = 0; k < 3; k++) mended.images[shown[k]] = undone(&view->images[shown[k]], mishap);
+    mended.coverage = undone(&view->coverage, mishap);
+    const double after = ffp_rig_guess(
+        capture, &mended, &(FfpGuess){.photograph = &mended.images[active], .pattern = &pattern});
+    ffp_image_free(&mended.coverage);
+    for (int k = 0; k < 3; k++) ffp_image_free(&mended.images[shown[k]]);
+    ffp_free(mended.images);
+    ffp_summed_free(&pattern);
+    return !(after > before);
+}
 
 // Fails if a mishap of this view explains it.
 static bool try_mishaps(const FfpCapture *capture, int view, double enough, FfpError *err) {
     double least = INFINITY;
-    int best = 0;
-    for (int m = 0; m < MISHAPS; m++) {
-        const double misfit = misfit_undone(capture, view, (Mishap)m);
+    Mishap best = TURNED_HALF;
+    for (Mishap m = TURNED_HALF; m < MISHAPS; m++) {
+        const double misfit = misfit_undone(capture, view, m);
         if (misfit < least) {
             least = misfit;
             best = m;
         }
     }
-    if (!(least < enough)) return true;
+    if (!(least < enough) || !light_agrees(capture, view, best)) return true;
     return ffp_fail(err, FFP_ERROR_ARGUMENT, capture->views[view].id,
                     "its photographs contradict the other views, and fit when they are taken as %s",
                     mishaps[best]);
@@ -190,6 +230,17 @@ static bool try_reversal(const FfpCapture *capture, double enough, FfpError *err
                     "angles");
 }
 
+static bool try_sizes(const FfpCapture *capture, double enough, FfpError *err) {
+    for (int twice = 0; twice < 2; twice++)
+        if (misfit_of_size(capture, twice ? 2 : 0.5F) < enough)
+            return ffp_fail(
+                err, FFP_ERROR_ARGUMENT, capture->folder,
+                "the silhouettes fit with %s the camera's focal lengths and principal point: it was "
+                "calibrated with photographs of another size",
+                twice ? "twice" : "half");
+    return true;
+}
+
 // The view without which the others agree best.
 static int odd_one_out(const FfpCapture *capture, double *misfit) {
     int odd = -1;
@@ -209,7 +260,9 @@ static bool check_silhouettes(const FfpCapture *capture, FfpError *err) {
     double without;
     const int odd = odd_one_out(capture, &without);
     if (without < enough && !try_mishaps(capture, odd, enough, err)) return false;
-    if (!try_exchanges(capture, enough, err) || !try_reversal(capture, enough, err)) return false;
+    if (!try_reversal(capture, enough, err) || !try_sizes(capture, enough, err) ||
+        !try_exchanges(capture, enough, err))
+        return false;
     if (without < enough)
         ffp_note("view %s contradicts the others' silhouettes: look at its mask and pose",
                  capture->views[odd].id);
@@ -221,11 +274,8 @@ static bool check_silhouettes(const FfpCapture *capture, FfpError *err) {
 }
 
 bool ffp_rig_suspect(const FfpCapture *capture, FfpError *err) {
-    for (int v = 0; v < capture->n_views; v++) {
-        const FfpView *view = &capture->views[v];
-        if (!check_device(capture, view, &view->camera, "camera", err) ||
-            !check_device(capture, view, &view->projector, "projector", err))
-            return false;
-    }
-    return check_light(capture, err) && (capture->scene || check_silhouettes(capture, err));
+    const int active = ffp_capture_active_pattern(capture, NULL, NULL);
+    return check_devices(capture, err) && ffp_rig_suspect_light(capture, active, err) &&
+           (capture->scene || check_silhouettes(capture, err)) &&
+           (active < 0 || ffp_rig_suspect_pattern(capture, active, err));
 }

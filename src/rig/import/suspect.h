@@ -4,11 +4,13 @@
 
 #include "core/capture/capture.h"
 
-// Looks for a device behind or inside the object, black and white exchanged, and views that contradict the
-// others' silhouettes; of the latter it tries what people do: one view's photographs turned or mirrored, two
-// views exchanged, all of them in the other direction. Fails with FFP_ERROR_ARGUMENT, naming view and remedy,
-// where one of these explains what is wrong; what is doubtful but unexplained is noted in the log. Takes some
-// milliseconds for a capture without fault.
+// Looks at devices (behind or inside the object, in another unit or with other axes), at brightness
+// (photographs exchanged or taken twice, a dark projector, an inverted mask), at silhouettes that contradict
+// the others', and at how well structured light explains the photographs. What people do is tried: a view's
+// photographs turned, mirrored or exchanged, a turntable that turned the other way, a picture mirrored by the
+// projector, a calibration at another size, another pattern. Fails with FFP_ERROR_ARGUMENT, naming view and
+// remedy, where one of these explains what is wrong; what is doubtful but unexplained, and what only makes
+// the result worse, is noted in the log.
 bool ffp_rig_suspect(const FfpCapture *capture, FfpError *err);
 
 #endif

@@ -109,10 +109,10 @@ static void exchange_black_and_white(FfpView *view) {
 static void black_and_white_exchanged(void **state) {
     (void)state;
     exchange_black_and_white(&capture.views[VIEW]);
-    must_name(capture.views[VIEW].id, "black and white are exchanged");
+    must_name(capture.views[VIEW].id, "all_black and all_white are exchanged");
     for (int v = 0; v < capture.n_views; v++)
         if (v != VIEW) exchange_black_and_white(&capture.views[v]);
-    must_name(capture.folder, "black and white are exchanged");
+    must_name(capture.folder, "all_black and all_white are exchanged");
 }
 
 static void devices_where_they_cannot_be(void **state) {
@@ -131,6 +131,56 @@ static void devices_where_they_cannot_be(void **state) {
     must_name(capture.views[OTHER].id, "behind the camera");
 }
 
+// --- Photographs of another pattern, of another view, or of nothing. ---
+
+static void exchange_pictures(FfpImage *a, FfpImage *b) {
+    const FfpImage kept = *a;
+    *a = *b;
+    *b = kept;
+}
+
+static void photographs_of_something_else(void **state) {
+    (void)state;
+    FfpView *view = &capture.views[VIEW], *other = &capture.views[OTHER];
+    const int active = ffp_capture_active_pattern(&capture, NULL, NULL);
+    exchange_pictures(&view->images[active], &other->images[active]);
+    must_name(view->id, other->id);
+    exchange_pictures(&view->images[active], &other->images[active]);
+    exchange_pictures(&view->images[active], &view->images[capture.white]);
+    must_name(view->id, "lollipop_0 and all_white are exchanged");
+    exchange_pictures(&view->images[active], &view->images[capture.white]);
+    const FfpImage kept = view->images[active];
+    view->images[active] = ffp_image_copy(&view->images[capture.white]);
+    must_name(view->id, "one and the same");
+    ffp_image_free(&view->images[active]);
+    view->images[active] = kept;
+    exchange_pictures(&capture.patterns[active].image, &capture.patterns[active + 1].image);
+    must_name(capture.folder, "show lollipop_1");
+    exchange_pictures(&capture.patterns[active].image, &capture.patterns[active + 1].image);
+    move_picture(&capture.patterns[active].image, MIRROR);
+    must_name(capture.folder, "mirrored left to right");
+}
+
+static void calibrations_of_another_size(void **state) {
+    (void)state;
+    for (int v = 0; v < capture.n_views; v++) {
+        FfpCamera *p = &capture.views[v].projector;
+        p->fx *= 0.5F, p->fy *= 0.5F;
+        p->cx *= 0.5F, p->cy *= 0.5F;
+    }
+    must_name(capture.folder, "calibrated at 400 x 400 pixels");
+}
+
+static void masks_that_are_none(void **state) {
+    (void)state;
+    FfpImage *mask = &capture.views[VIEW].coverage;
+    const ptrdiff_t pixels = (ptrdiff_t)mask->width * mask->height;
+    for (ptrdiff_t i = 0; i < pixels; i++) mask->data[i] = 1 - mask->data[i];
+    must_name(capture.views[VIEW].id, "inverted");
+    for (ptrdiff_t i = 0; i < pixels; i++) mask->data[i] = 0;
+    must_name(capture.views[VIEW].id, "mask is empty");
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(nothing_is_wrong, setup, teardown),
@@ -138,6 +188,9 @@ int main(void) {
         cmocka_unit_test_setup_teardown(two_views_exchanged, setup, teardown),
         cmocka_unit_test_setup_teardown(a_turntable_that_turned_the_other_way, setup, teardown),
         cmocka_unit_test_setup_teardown(black_and_white_exchanged, setup, teardown),
+        cmocka_unit_test_setup_teardown(photographs_of_something_else, setup, teardown),
+        cmocka_unit_test_setup_teardown(calibrations_of_another_size, setup, teardown),
+        cmocka_unit_test_setup_teardown(masks_that_are_none, setup, teardown),
         cmocka_unit_test_setup_teardown(devices_where_they_cannot_be, setup, teardown),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -1,0 +1,20 @@
+// The parts of suspect.c, each of which fails where it can name a fault.
+#ifndef FFP_RIG_SUSPECT_PARTS_H
+#define FFP_RIG_SUSPECT_PARTS_H
+
+#include "core/capture/capture.h"
+
+// What brightness says: photographs exchanged or taken twice, a projector that stayed dark, an inverted mask,
+// and in notes a lamp, an exposure or a room that costs quality. `active`: the structured light's pattern,
+// -1: none.
+bool ffp_rig_suspect_light(const FfpCapture *capture, int active, FfpError *err);
+// Whether structured light explains the photographs; where it does not, what people do is tried: the
+// projector or its file mirrored, calibrated at another size, another pattern of the capture, red and blue
+// exchanged, and in one view another view's photograph.
+bool ffp_rig_suspect_pattern(const FfpCapture *capture, int active, FfpError *err);
+
+// A capture with views of its own, to be rearranged; everything they point to stays the capture's. Free
+// `views` only.
+FfpCapture ffp_rig_alias(const FfpCapture *capture);
+
+#endif
