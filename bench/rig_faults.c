@@ -424,7 +424,8 @@ static bool look(FfpContext *context, FfpCapture *capture, Moment *took) {
     const bool passed = ffp_call_run(context, check, capture, &err);
     const Moment ended = moment_now();
     *took = (Moment){ended.processor - began.processor, ended.wall - began.wall};
-    if (!passed) snprintf(said, sizeof said, "%s", err.text);
+    const size_t n = strlen(said);
+    if (!passed) snprintf(said + n, sizeof said - n, "%s", err.text);
     return passed;
 }
 

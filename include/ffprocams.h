@@ -5,11 +5,11 @@
 // (which may be NULL). Passing NULL for a required argument (a handle, the options, an output file) fails
 // with FFP_ERROR_ARGUMENT, which names it. Functions that take long, log or allocate much take an FfpContext
 // first (NULL: silent, all processors, no GPU). Handles are freed by their *_close functions, which accept
-// NULL. Handles share no state. Captures, models, fields and Gaussians may be used by several threads at a time
-// as long as none of them changes or closes the handle: calls that take it as const only read it. A renderer
-// belongs to one thread at a time. Files are written under a temporary name and then renamed, so an old file
-// stays intact until the new one is complete. Numbers in files and texts use a decimal point regardless of
-// setlocale().
+// NULL. Handles share no state. Captures, models, fields and Gaussians may be used by several threads at a
+// time as long as none of them changes or closes the handle: calls that take it as const only read it. A
+// renderer belongs to one thread at a time. Files are written under a temporary name and then renamed, so an
+// old file stays intact until the new one is complete. Numbers in files and texts use a decimal point
+// regardless of setlocale().
 #ifndef FFPROCAMS_H
 #define FFPROCAMS_H
 
@@ -515,6 +515,11 @@ typedef struct FfpCompensation {
     // File for the pattern (PNG), or <pattern>_<view>.png for each of several projectors. Written beside it:
     // <pattern>_seen_<view>.png, the predicted picture, and <pattern>_target_<view>.png.
     const char *pattern;
+    // With a film as the only target, for one view and one projector: the corrected film (as
+    // FfpPictures.video), of `rate` frames a second (0: 15); `pattern` and what is beside it show its first
+    // frame, the figures are means over the frames. NULL: targets are pictures.
+    const char *video;
+    int rate;
     double gain; // factor on the linear targets; 0: the brightest that light allows
     bool paint;  // targets are light on the object: 0 its look under black, 1 its look under white (no gain)
     int steps;   // of gradient descent after the closed form; 0: none

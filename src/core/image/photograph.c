@@ -9,6 +9,7 @@
 #include "core/base/file.h"
 #include "core/base/process.h"
 #include "core/image/codec.h"
+#include "core/image/frames.h"
 
 #define RAW_BYTES_MAX ((size_t)1 << 30)
 enum { HEAD = 32, SAMPLE_MAX = 65535 };
@@ -25,6 +26,7 @@ typedef struct Source {
     FfpForeign kind;
     bool part;       // of a film
     double from, to; // seconds; to < from: one frame
+    int rate;        // of a film's frames, a second; 0: its own
 } Source;
 
 // --- What it is. ---
@@ -115,8 +117,8 @@ static const char *program_of(const Source *source) {
 
 // `size_only`: a picture of the same size will do, soon.
 static bool start(FfpProcess **process, const Source *source, bool size_only, FfpError *err) {
-    char file[FFP_PATH_MAX + 8], from[32], length[32];
-    const char *arguments[32] = {program_of(source)};
+    char file[FFP_PATH_MAX + 8], from[32], length[32], rate[16];
+    const char *arguments[34] = {program_of(source)};
     int n = 1;
     if (!ffp_program_exists(arguments[0]))
         return ffp_fail(err, FFP_ERROR_UNSUPPORTED, source->path,
@@ -145,6 +147,11 @@ static bool start(FfpProcess **process, const Source *source, bool size_only, Ff
         arguments[n++] = length;
     }
     for (size_t i = 0; i + 1 < sizeof after / sizeof *after; i++) arguments[n++] = after[i];
+    if (source->rate > 0) {
+        snprintf(rate, sizeof rate, "%d", source->rate);
+        arguments[n++] = "-r";
+        arguments[n++] = rate;
+    }
     if (one) {
         arguments[n++] = "-frames:v";
         arguments[n++] = "1";
@@ -317,4 +324,68 @@ bool ffp_photograph_names_part(const char *path) {
     if (!at || (size_t)(at - path) >= sizeof file) return false;
     snprintf(file, sizeof file, "%.*s", (int)(at - path), path);
     return has_one_of(file, film_endings);
+}
+
+// --- Frames. ---
+
+bool ffp_frames_are_in(const char *path) {
+    Source source;
+    return open_source(&source, path, NULL) && source.kind == FFP_FOREIGN_FILM;
+}
+
+bool ffp_frames_open(FfpFrames *frames, const char *path, int rate, FfpError *err) {
+    Source source;
+    *frames = (FfpFrames){.path = path};
+    if (!open_source(&source, path, err)) return false;
+    source.rate = rate;
+    if (source.kind != FFP_FOREIGN_FILM) return ffp_fail(err, FFP_ERROR_FILE, path, "is not a film");
+    return start(&frames->process, &source, false, err);
+}
+
+// Of no more frames: whether that is the end, or something went wrong.
+static int end_of_frames(FfpFrames *frames, bool more, FfpError *err) {
+    char said[FFP_PROCESS_SAID];
+    const bool ended = ffp_process_finish(&frames->process, said);
+    if (!more && ended && frames->count > 0) return 0;
+    ffp_fail(err, FFP_ERROR_FILE, frames->path, "ffmpeg could not read all of the film%s%s",
+             *said ? ": " : "", said);
+    return -1;
+}
+
+int ffp_frames_next(FfpFrames *frames, FfpRaw *out, FfpError *err) {
+    int width, height;
+    bool more;
+    ffp_cancel_point();
+    if (!read_header(frames->process, UCHAR_MAX, &width, &height, &more))
+        return end_of_frames(frames, more, err);
+    const size_t size = 3 * (size_t)width * (size_t)height;
+    if (!frames->rgb) {
+        frames->width = width;
+        frames->height = height;
+        frames->rgb = ffp_alloc(size, 1);
+    }
+    if (width != frames->width || height != frames->height) {
+        ffp_fail(err, FFP_ERROR_FILE, frames->path, "its frames have several sizes, %d x %d and %d x %d",
+                 frames->width, frames->height, width, height);
+        return -1;
+    }
+    if (ffp_process_read(frames->process, frames->rgb, size) != size) return end_of_frames(frames, true, err);
+    frames->count++;
+    *out = (FfpRaw){.data = frames->rgb, .width = width, .height = height, .channels = 3, .type = FFP_RAW_U8};
+    return 1;
+}
+
+void ffp_frames_close(FfpFrames *frames) {
+    ffp_process_kill(&frames->process);
+    ffp_free(frames->rgb);
+    frames->rgb = NULL;
+}
+
+int ffp_frames_count(const char *path, int rate, FfpError *err) {
+    FfpFrames frames;
+    FfpRaw raw;
+    int status = ffp_frames_open(&frames, path, rate, err) ? 1 : -1;
+    while (status > 0) status = ffp_frames_next(&frames, &raw, err);
+    ffp_frames_close(&frames);
+    return status < 0 ? -1 : frames.count;
 }

@@ -4,7 +4,9 @@
 #include "core/base/alloc.h"
 #include "core/base/file.h"
 #include "core/base/listing.h"
+#include "core/base/memory.h"
 #include "core/image/film.h"
+#include "core/image/frames.h"
 #include "core/image/framing.h"
 #include "engine/apply/choose.h"
 #include "engine/pipeline/orbit.h"
@@ -45,7 +47,7 @@ static bool check_sequence(const FfpPictures *options, FfpError *err) {
 static bool size_of_patterns(const FfpPictures *options, int *width, int *height, FfpError *err) {
     *width = *height = 0;
     for (int p = 0; p < options->n_patterns; p++)
-        if (ffp_is_file(options->patterns[p]))
+        if (ffp_is_file(options->patterns[p]) && !ffp_frames_are_in(options->patterns[p]))
             return ffp_image_read_size(width, height, options->patterns[p], err);
     return true;
 }
@@ -178,6 +180,48 @@ static bool add_pattern(FfpPictureJob *job, const char *name, FfpError *err) {
     return true;
 }
 
+#define RATE 15 // frames a second of a film, where no rate is given
+
+// Frame `number` of a film as a pattern.
+static bool add_frame(FfpPictureJob *job, const char *film, const FfpRaw *raw, int number, FfpError *err) {
+    const FfpFraming framing = job->options->framing;
+    const FfpCamera *projector = &ffp_picture_view(job, 0)->projector;
+    const int width = projector->width, height = projector->height;
+    FfpImage image;
+    FfpPattern *pattern = next_pattern(job);
+    if (job->n_patterns == FFP_PATTERNS_MAX)
+        return ffp_fail(
+            err, FFP_ERROR_ARGUMENT, film,
+            "has more than %d frames: give a part of it, FILM@FROM-TO in seconds, or a lower rate",
+            FFP_PATTERNS_MAX);
+    if (!ffp_raw_over_black(&image, NULL, raw, film, err)) return false;
+    if (number == 0) ffp_framing_note(film, &image, width, height, framing);
+    *pattern = (FfpPattern){.novel = true, .image = ffp_image_framed(&image, width, height, framing)};
+    ffp_image_free(&image);
+    snprintf(pattern->name, sizeof pattern->name, "%.*s_%04u", FFP_NAME_MAX - 8, ffp_basename(film),
+             (unsigned)number % 10000U);
+    job->owned[job->n_patterns++] = true;
+    return true;
+}
+
+static bool add_film(FfpPictureJob *job, const char *film, FfpError *err) {
+    const int rate = job->options->rate > 0 ? job->options->rate : RATE;
+    const FfpCamera *projector = &ffp_picture_view(job, 0)->projector;
+    const double bytes = 3.0 * sizeof(real) * projector->width * projector->height;
+    FfpFrames frames;
+    FfpRaw raw;
+    const int count = ffp_frames_count(film, rate, err);
+    if (count < 0 ||
+        !ffp_memory_suffices(count * bytes, "the film's frames",
+                             "give a part of it, FILM@FROM-TO in seconds, or a lower rate", film, err))
+        return false;
+    int status = ffp_frames_open(&frames, film, rate, err) ? 1 : -1;
+    for (int i = 0; status > 0 && (status = ffp_frames_next(&frames, &raw, err)) > 0; i++)
+        if (!add_frame(job, film, &raw, i, err)) status = -1;
+    ffp_frames_close(&frames);
+    return status == 0;
+}
+
 // A folder's pictures in the order of their names.
 static bool add_pattern_folder(FfpPictureJob *job, const char *folder, FfpError *err) {
     FfpListing listing;
@@ -202,8 +246,10 @@ static bool choose_patterns(FfpPictureJob *job, FfpError *err) {
     if (!wanted) return add_pattern(job, capture->patterns[capture->white].name, err);
     for (int p = 0; p < wanted; p++) {
         const char *name = job->options->patterns[p];
-        const bool folder = ffp_capture_find_pattern(capture, name) < 0 && ffp_is_folder(name);
-        if (!(folder ? add_pattern_folder : add_pattern)(job, name, err)) return false;
+        const bool known = ffp_capture_find_pattern(capture, name) >= 0;
+        const bool folder = !known && ffp_is_folder(name),
+                   film = !known && !folder && ffp_frames_are_in(name);
+        if (!(folder ? add_pattern_folder : film ? add_film : add_pattern)(job, name, err)) return false;
     }
     return true;
 }

@@ -124,12 +124,14 @@ static const FfpOption options[] = {
      .help = "view to draw; may be repeated. Default: all views of the poses"},
     {.name = "pattern",
      .letter = 'p',
-     .argument = "NAME|FILE|FOLDER",
+     .argument = "NAME|FILE|FOLDER|FILM",
      .type = FFP_OPTION_FILE,
      .repeated = true,
      .offset = offsetof(Arguments, patterns),
-     .help = "a pattern of the capture (by name), an image file, or a folder of images, taken in the order "
-             "of their names; may be repeated. Default: white"},
+     .help =
+         "a pattern of the capture (by name), an image file, a folder of images, taken in the order "
+         "of their names, or a film (FILM@FROM-TO: that part, in seconds), of which --rate frames a second "
+         "are taken, by ffmpeg; may be repeated. Default: white"},
     FFP_CLI_FRAMING(offsetof(Arguments, pictures.framing), "image files"),
     {.name = "maps",
      .type = FFP_OPTION_FLAG,

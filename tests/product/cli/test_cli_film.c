@@ -100,6 +100,86 @@ static void what_cannot_be_made_is_told_before_the_work(void **state) {
     assert_int_equal(film("film.apng"), 0); // needs nothing
 }
 
+// --- Films that are projected. ---
+
+// A film of a red and a blue frame, twice as wide as high, by a script in place of ffmpeg.
+static void put_film(void) {
+    static const char bytes[16] = "\0\0\0\x10"
+                                  "ftypisom";
+    assert_true(ffp_write_file(in_scratch("two.mp4"), bytes, sizeof bytes, NULL));
+    put_ffmpeg("#!/bin/sh\necho \"$*\" >\"${0%/*}/told\"\n"
+               "printf 'P6\\n2 1\\n255\\n\\377\\000\\000\\377\\000\\000'\n"
+               "printf 'P6\\n2 1\\n255\\n\\000\\000\\377\\000\\000\\377'\n");
+}
+
+static FfpImage plain(int red, int blue) {
+    FfpImage image = ffp_image_new(TINY_PATTERN, TINY_PATTERN, 3);
+    for (int i = 0; i < TINY_PATTERN * TINY_PATTERN; i++) {
+        image.data[3 * i] = (float)red;
+        image.data[3 * i + 2] = (float)blue;
+    }
+    return image;
+}
+
+static void assert_same_file(const char *a, const char *b) {
+    char *one, *other;
+    size_t n, m;
+    assert_true(ffp_read_file(in_scratch(a), 1 << 20, &one, &n, NULL));
+    assert_true(ffp_read_file(in_scratch(b), 1 << 20, &other, &m, NULL));
+    assert_int_equal(n, m);
+    assert_memory_equal(one, other, n);
+    ffp_free(one);
+    ffp_free(other);
+}
+
+static void a_film_is_a_sequence_of_patterns(void **state) {
+    (void)state;
+    char told[4096];
+    put_film();
+    FfpImage red = plain(1, 0), blue = plain(0, 1);
+    assert_true(ffp_image_write_png(&red, in_scratch("red.png"), NULL));
+    assert_true(ffp_image_write_png(&blue, in_scratch("blue.png"), NULL));
+    ffp_image_free(&red);
+    ffp_image_free(&blue);
+    assert_int_equal(
+        run_format(&run, "render %s/tiny.ply -c %s/tiny -v view_0 -p %s/red.png -p %s/blue.png -o %s/still",
+                   scratch, scratch, scratch, scratch, scratch),
+        0);
+    assert_int_equal(run_format(&run, "render %s/tiny.ply -c %s/tiny -v view_0 -p %s/two.mp4@1-2 -o %s/lit",
+                                scratch, scratch, scratch, scratch),
+                     0);
+    assert_same_file("lit/view_0_two.mp4@1-2_0000.png", "still/view_0_red.png");
+    assert_same_file("lit/view_0_two.mp4@1-2_0001.png", "still/view_0_blue.png");
+    read_text(in_scratch("bin/told"), told, sizeof told);
+    assert_non_null(strstr(told, "-ss 1.000000 -t 1.000000 -i file:"));
+    assert_non_null(strstr(told, "-r 15 "));
+}
+
+static void a_film_is_corrected_frame_by_frame(void **state) {
+    (void)state;
+    put_film();
+    const char *const command =
+        "compensate %s/tiny.ply -c %s/tiny -v view_0 --paint --steps 0 -o %s/%s.png -t %s/%s";
+    assert_int_equal(run_format(&run, command, scratch, scratch, scratch, "one", scratch, "red.png"), 0);
+    assert_int_equal(
+        run_format(&run,
+                   "compensate %s/tiny.ply -c %s/tiny -v view_0 --paint --steps 0 -o %s/first.png -t "
+                   "%s/two.mp4 --video %s/corrected.png --rate 5",
+                   scratch, scratch, scratch, scratch, scratch),
+        0);
+    assert_same_file("first.png", "one.png");
+    assert_true(ffp_is_file(in_scratch("corrected.png")));
+    assert_int_equal(run_format(&run, command, scratch, scratch, scratch, "none", scratch, "two.mp4"), 1);
+    assert_non_null(strstr(run.err, "say with video"));
+    assert_false(ffp_is_file(in_scratch("none.png")));
+    put_ffmpeg("#!/bin/sh\nprintf 'P6\\n2 1\\n255\\n\\377'\necho broken >&2\nexit 1\n");
+    assert_int_equal(run_format(&run, "render %s/tiny.ply -c %s/tiny -p %s/two.mp4 -o %s/none", scratch,
+                                scratch, scratch, scratch),
+                     1);
+    assert_non_null(strstr(run.err, "could not read all of the film: broken"));
+    assert_false(ffp_is_folder(in_scratch("none")));
+}
+
 // With the real program, where there is one.
 static void ffmpeg_makes_films(void **state) {
     (void)state;
@@ -129,6 +209,8 @@ int main(void) {
         cmocka_unit_test(ffmpeg_gets_every_frame_as_it_is),
         cmocka_unit_test(a_failure_of_ffmpeg_is_told_and_leaves_nothing),
         cmocka_unit_test(what_cannot_be_made_is_told_before_the_work),
+        cmocka_unit_test(a_film_is_a_sequence_of_patterns),
+        cmocka_unit_test(a_film_is_corrected_frame_by_frame),
         cmocka_unit_test(ffmpeg_makes_films),
     };
     return cmocka_run_group_tests(tests, group_setup, scratch_teardown);

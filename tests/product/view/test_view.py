@@ -481,7 +481,7 @@ def check_cues(check, page):
     half = page.pixels()
     page.run("viewer.projector.content.began -= 20000; viewer.endFades()")
     last = page.pixels()
-    check("a cue fades in, corrected", change(seen[0], half) > 0.5 and change(seen[1], half) > 0.5 and change(seen[0], last) < 0.1,
+    check("a cue fades in, corrected", change(seen[0], half) > 0.2 and change(seen[1], half) > 0.2 and change(seen[0], last) < 0.1,
           f"{change(seen[0], half):.2f} {change(seen[1], half):.2f} {change(seen[0], last):.2f}")
     page.run("viewer.show.cues.forEach((cue) => { cue.fade = 0; cue.hold = 0.2; }); viewer.show.play()")
     page.wait("viewer.show.at === 1")
@@ -794,7 +794,7 @@ OUTSIDE = """(() => { const out = [], rect = (e) => e.getBoundingClientRect(), n
     const within = (e, box) => { const r = rect(e); if (!r.width || r.left < box.left - 0.5 || r.right > box.right + 0.5 ||
         r.top < box.top - 0.5 || r.bottom > box.bottom + 0.5) out.push(named(e)); };
     const page = {left: 0, top: 0, right: innerWidth, bottom: innerHeight}, tools = document.getElementById('tools'), panel = document.getElementById('panel');
-    for (const e of [tools, panel, ...tools.querySelectorAll('button')]) within(e, page);
+    for (const e of [tools, panel, ...tools.querySelectorAll('button')]) if (e.checkVisibility()) within(e, page);
     for (const e of panel.querySelectorAll('button, input, select, .row')) // what lies in strips is scrolled to
         if (e.checkVisibility() && !e.closest('.strip')) within(e, {...{left: rect(panel).left, right: rect(panel).right}, top: -1e9, bottom: 1e9});
     const a = rect(tools), b = rect(panel);
@@ -809,7 +809,7 @@ CONTRAST = """(() => { const style = (e) => getComputedStyle(e), root = style(do
     const ratio = (a, b) => { const [x, y] = [light(a), light(b)]; return (Math.max(x, y) + 0.05) / (Math.min(x, y) + 0.05); };
     const told = (name) => root.getPropertyValue(name).trim(), found = {}, wide = style(document.getElementById('send')), about = style(document.getElementById('about'));
     found.button = ratio(wide.color, wide.backgroundColor);
-    for (const name of ['--near', '--far']) found['about on ' + name] = ratio(about.color, told(name));
+    for (const name of ['--stage-near', '--stage-far']) found['about on ' + name] = ratio(about.color, told(name));
     const tab = document.querySelector('#projectors .chosen'), dot = tab.style.getPropertyValue('--dot');
     tab.style.transition = 'none';
     for (const colour of PROJECTOR_COLOURS) { tab.style.setProperty('--dot', colour); found['tab ' + colour] = ratio(style(tab).color, style(tab).backgroundColor); }
