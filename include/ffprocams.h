@@ -430,7 +430,7 @@ FFP_API FfpPictures ffp_pictures_defaults(void); // all views under white, 15 fr
 // view. `capture` may be NULL if `poses` names a file: views, projector size, intensity and patterns then
 // come from that file, whose photographs need not exist. What it lacks is taken from the options: the
 // intensity, and the size of the first pattern that is an image file. Returns the number of pictures written,
-// or -1, in which case there is no video.
+// or -1, in which case there is no video, and a file INCOMPLETE in the folder says that pictures are missing.
 FFP_API int ffp_render_pictures(FfpContext *context, const FfpGaussians *gaussians, const FfpCapture *capture,
                                 const FfpPictures *options, FfpError *err);
 

@@ -40,7 +40,8 @@ class Compensator {
       this.target = new PatternTexture(graphics, camera.width, camera.height);
     }
     const context = this.canvas.getContext('2d');
-    context.clearRect(0, 0, camera.width, camera.height);
+    context.fillStyle = '#000'; // what is transparent, as around text and logos, is to stay dark
+    context.fillRect(0, 0, camera.width, camera.height);
     projector.content.draw(context, camera.width, camera.height, projector.fit);
     this.target.set(this.canvas);
   }

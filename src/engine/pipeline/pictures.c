@@ -222,17 +222,30 @@ static bool write_views(Writer *writer, FfpError *err) {
     return ok;
 }
 
+// A folder whose pictures are being written says so until all of them are there, whatever ends the work.
+#define MARK "INCOMPLETE"
+
+static bool mark_folder(char path[FFP_PATH_MAX], const char *folder, FfpError *err) {
+    static const char text[] = "The pictures in this folder are being written, or the work was stopped.\n";
+    return ffp_make_folders(folder, err) &&
+           (ffp_join_path(path, folder, MARK) ||
+            ffp_fail(err, FFP_ERROR_ARGUMENT, folder, "the path is too long")) &&
+           ffp_write_file(path, text, sizeof text - 1, err);
+}
+
 int ffp_pictures_run(const FfpGaussians *gaussians, const FfpCapture *capture, const FfpPictures *options,
                      FfpError *err) {
     FfpPictureJob job;
     Writer writer = {.job = &job, .gaussians = gaussians};
+    char mark[FFP_PATH_MAX];
     const FfpRenderSettings settings = ffp_drawing_settings(options->drawing, NULL);
     bool ok = ffp_picture_job_new(&job, gaussians, capture, options, err) && check_names(&job, err) &&
-              check_memory(&job, gaussians, settings.samples, err) && ffp_make_folders(options->folder, err);
+              check_memory(&job, gaussians, settings.samples, err) && mark_folder(mark, options->folder, err);
     if (ok) {
         writer.pass = ffp_view_pass_new(&settings);
         ok = (ffp_is_sequence(options) ? write_sequence : write_views)(&writer, err);
         ffp_view_pass_free(writer.pass);
+        if (ok) remove(mark);
     }
     ffp_picture_job_free(&job);
     return ok ? writer.written : -1;

@@ -12,7 +12,7 @@
 #define BORDER_MOST 0.9      // of the frame's edge that a mask may call object
 #define LAMP 3               // times the others' median: ambient light that another lamp made
 #define CLIPPED 0.998F       // linear
-#define CLIPPED_MOST 0.25    // of the object's pixels
+#define CLIPPED_MOST 0.4     // of the object's pixels
 #define DARK 0.02F           // linear: brightest channel under white, of the bright pixels
 #define AMBIENT_MOST 0.9     // of the light under white, that remains under black
 

@@ -81,6 +81,7 @@ static void a_failure_of_ffmpeg_is_told_and_leaves_nothing(void **state) {
     (void)state;
     put_ffmpeg("#!/bin/sh\necho warming up >&2\necho 'unknown codec' >&2\nexit 3\n");
     must_refuse("failed.mp4", "ffmpeg failed: unknown codec");
+    assert_true(ffp_is_file(in_scratch("frames/INCOMPLETE")));
     put_ffmpeg("#!/bin/sh\ncat >/dev/null\nkill -9 $$\n");
     must_refuse("killed.mp4", "ffmpeg failed: no reason given");
 }
@@ -192,6 +193,7 @@ static void ffmpeg_makes_films(void **state) {
     for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
         char command[512], text[256];
         assert_int_equal(film(names[i]), 0);
+        assert_false(ffp_is_file(in_scratch("frames/INCOMPLETE")));
         snprintf(
             command, sizeof command,
             "ffprobe -v error -count_frames -show_entries stream=width,height,nb_read_frames -of csv=p=0 "

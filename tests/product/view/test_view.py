@@ -492,6 +492,23 @@ def check_cues(check, page):
     page.set("correction", "none")
 
 
+def check_letters(check, page, folder):
+    """Around a corrected logo with alpha the pattern is black: nothing grows beyond its edge."""
+    page.run("viewer.jump(viewer.scene.views[0], true); true")
+    disc = png(128, 128, lambda x, y: (255, 255, 255, 255 if (x - 64) ** 2 + (y - 64) ** 2 < 400 else 0), 4)
+    solid = png(128, 128, lambda x, y: (255, 255, 255) if (x - 64) ** 2 + (y - 64) ** 2 < 400 else (0, 0, 0))
+    page.set("correction", "paint")
+    page.set("watcher", "0")
+    made = []
+    for name, data in (("disc.png", disc), ("solid.png", solid)):
+        page.drop(name, "image/png", data)
+        page.wait(f"viewer.projector.content.name === '{name}'")
+        page.run("viewer.updatePatterns()")
+        made.append(page.pixels())
+    check("transparent is black under correction", change(made[0], made[1]) < 0.05, f"{change(made[0], made[1]):.3f}")
+    page.set("correction", "none")
+
+
 SMALL = """(() => { const small = [];
     for (const d of document.querySelectorAll('details')) d.open = true;
     for (const c of document.querySelectorAll('button, select, input:not([hidden]), summary')) {
@@ -908,6 +925,7 @@ def main():
             check_looks(check, page, folder)
             check_access(check, page)
             check_cues(check, page)
+            check_letters(check, page, folder)
             check_touch(check, page, folder)
             check_same_ids(check, page, path, scratch)
             check_kept(check, page, path, scratch)
