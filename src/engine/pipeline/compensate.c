@@ -4,10 +4,12 @@
 #include <tgmath.h>
 #include "core/base/alloc.h"
 #include "core/base/log.h"
+#include "core/base/memory.h"
 #include "core/capture/panel.h"
 #include "core/image/framing.h"
 #include "engine/apply/choose.h"
 #include "engine/apply/solve.h"
+#include "engine/pipeline/need.h"
 #include "engine/pipeline/relight.h"
 
 #define STEPS_MAX 100000
@@ -81,6 +83,22 @@ static void aim(Job *job) {
         ffp_image_free(&target);
         ffp_image_free(&alpha);
     }
+}
+
+// Before the work: that all views fit into memory.
+static bool check_memory(const Job *job, const FfpGaussians *gaussians, int samples, FfpError *err) {
+    double largest = 0, cameras = 0, projectors = 0;
+    for (int v = 0; v < job->chosen.n_views; v++) {
+        const FfpView *view = job->chosen.views[v];
+        const double pixels = (double)view->camera.width * view->camera.height;
+        largest = fmax(largest, pixels);
+        cameras += pixels;
+        projectors += (double)view->projector.width * view->projector.height;
+    }
+    return ffp_memory_suffices(
+        ffp_stage_bytes((double)gaussians->count, largest, cameras, projectors, samples),
+        "compensating for pictures of this size", "use fewer views or a smaller camera picture",
+        job->chosen.views[0]->id, err);
 }
 
 // A view without a lit pixel cannot be helped by any pattern.
@@ -165,8 +183,9 @@ FfpImages *ffp_compensation_run(const FfpGaussians *gaussians, const FfpCapture 
     bool ok = check_options(options, capture, err) &&
               ffp_choose_views(&job.chosen, capture, options->poses, options->views, options->n_views, err) &&
               read_targets(&job, err);
+    const FfpRenderSettings settings = ffp_drawing_settings(options->drawing, NULL);
+    ok = ok && check_memory(&job, gaussians, settings.samples, err);
     if (ok) {
-        const FfpRenderSettings settings = ffp_drawing_settings(options->drawing, NULL);
         job.stage = ffp_stage_new(gaussians, capture, job.chosen.views, job.chosen.n_views, &settings,
                                   !options->gaussians_only);
         aim(&job);

@@ -2,8 +2,10 @@
 #include <stdio.h>
 #include <string.h>
 #include "core/base/file.h"
+#include "core/base/memory.h"
 #include "engine/apply/choose.h"
 #include "engine/apply/view_maps.h"
+#include "engine/pipeline/need.h"
 #include "engine/pipeline/relight.h"
 
 static FfpImages *map_view(const FfpGaussians *gaussians, const FfpCapture *capture, const FfpView *view,
@@ -21,6 +23,16 @@ static FfpImages *map_view(const FfpGaussians *gaussians, const FfpCapture *capt
     return images;
 }
 
+// Before the work: that the view's maps fit into memory.
+static bool check_memory(const FfpGaussians *gaussians, const FfpView *view, FfpDrawing drawing,
+                         FfpError *err) {
+    const double camera = (double)view->camera.width * view->camera.height,
+                 projector = (double)view->projector.width * view->projector.height;
+    const int samples = ffp_drawing_settings(drawing, NULL).samples;
+    return ffp_memory_suffices(ffp_stage_bytes((double)gaussians->count, camera, camera, projector, samples),
+                               "maps of this size", "use a smaller camera picture", view->id, err);
+}
+
 FfpImages *ffp_maps_of_view(const FfpGaussians *gaussians, const FfpCapture *capture, const FfpView *view,
                             FfpDrawing drawing, FfpMapStats *stats, FfpError *err) {
     FfpMapStats found;
@@ -31,6 +43,7 @@ FfpImages *ffp_maps_of_view(const FfpGaussians *gaussians, const FfpCapture *cap
                  projector->width, projector->height, white->width, white->height);
         return NULL;
     }
+    if (!check_memory(gaussians, view, drawing, err)) return NULL;
     FfpImages *images = map_view(gaussians, capture, view, drawing, &found);
     if (stats) *stats = found;
     return images;
@@ -112,6 +125,8 @@ int ffp_maps_run(const FfpGaussians *gaussians, const FfpCapture *capture, const
     bool ok = ffp_choose_views(&chosen, capture, options->poses, options->views, options->n_views, err) &&
               check_names(&chosen, options->folder, err) &&
               ffp_output_open_folder(&writer.folder, options->folder, false, err);
+    for (int v = 0; ok && v < chosen.n_views; v++)
+        ok = check_memory(gaussians, chosen.views[v], options->drawing, err);
     for (int v = 0; ok && v < chosen.n_views; v++) {
         FfpMapStats found = {0};
         FfpImages *images = map_view(gaussians, capture, chosen.views[v], options->drawing, &found);

@@ -11,6 +11,8 @@
 #define REAL ((double)sizeof(real))
 #define SPLAT (18 * REAL) // of a set of Gaussians
 #define DRAWN 162.0       // of a splat in a view: as projected, and 1.7 pairs with tiles, a quarter roomier
+#define STAGED 150.0      // of a camera's pixel, for maps and compensation
+#define PROJECTED 60.0    // of a projector's
 #define SUMMED 24.0       // of a pattern's pixel, with a margin
 #define PULLED 155.0      // of a splat's gradients in its tiles
 
@@ -63,6 +65,10 @@ static double start_bytes(const FfpProblemSize *s, double *besides) {
 
 double ffp_drawing_bytes(double splats, double pixels, int samples) {
     return DRAWN * splats + 25 * REAL * pixels * samples * samples;
+}
+
+double ffp_stage_bytes(double splats, double largest, double cameras, double projectors, int samples) {
+    return ffp_drawing_bytes(splats, largest, samples) + STAGED * cameras + PROJECTED * projectors;
 }
 
 static double draw_bytes(const FfpProblemSize *s, int samples) {

@@ -7,6 +7,7 @@
 #include "core/base/memory.h"
 #include "core/capture/capture.h"
 #include "engine/network/network.h"
+#include "engine/pipeline/map_files.h"
 #include "engine/pipeline/need.h"
 #include "engine/pipeline/reconstruct.h"
 #include "support.h"
@@ -95,6 +96,40 @@ static void test_network_and_polish(void **state) {
     ffp_model_free(model);
 }
 
+// Maps of a single view, seen ever more finely.
+static void test_maps(void **state) {
+    (void)state;
+    only_without_sanitizers();
+    FfpError err = {0};
+    FfpCapture *capture = sample_times(1);
+    FfpGaussians *gaussians = ffp_reconstruction_run(capture, &(FfpReconstruction){.noise = 0}, NULL, &err);
+    if (!gaussians) fail_msg("%s", err.text);
+    for (int times = 4; times <= 8; times += 2) {
+        FfpView view = capture->views[0];
+        FfpCamera *c = &view.camera;
+        c->width *= times, c->height *= times;
+        c->fx *= (real)times, c->fy *= (real)times;
+        c->cx *= (real)times, c->cy *= (real)times;
+        view.images = NULL;
+        malloc_trim(0);
+        const double before = ffp_memory_mark(), pixels = (double)c->width * c->height,
+                     said = ffp_stage_bytes((double)gaussians->count, pixels, pixels,
+                                            (double)view.projector.width * view.projector.height, 2);
+        FfpImages *images =
+            ffp_maps_of_view(gaussians, capture, &view, (FfpDrawing){.samples = 2}, NULL, &err);
+        if (!images) fail_msg("%s", err.text);
+        const double taken = ffp_memory_peak() - before;
+        ffp_images_free(images);
+        print_message("maps of %d x %d: %.0f MB said, %.0f MB taken\n", c->width, c->height, said / 1e6,
+                      taken / 1e6);
+        if (before >= 0 && (said < LEAST * taken || said > MOST * taken))
+            fail_msg("%.0f MB said, %.0f MB taken", said / 1e6, taken / 1e6);
+    }
+    ffp_gaussians_free(gaussians);
+    ffp_free(gaussians);
+    close_capture(capture);
+}
+
 static void test_what_does_not_fit_is_refused(void **state) {
     (void)state;
     FfpError err = {0};
@@ -117,7 +152,7 @@ static void test_what_does_not_fit_is_refused(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(test_start),
-                                       cmocka_unit_test(test_network_and_polish),
+                                       cmocka_unit_test(test_network_and_polish), cmocka_unit_test(test_maps),
                                        cmocka_unit_test(test_what_does_not_fit_is_refused)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
