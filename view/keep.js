@@ -187,7 +187,7 @@ const list = (field, value, most) => {
   return value;
 };
 const oneOf = (field, value, words) => {
-  if (!words.includes(value)) throw new Message(`The stage's ${field} is none of ${words.join(', ')}.`);
+  if (!words.includes(value)) throw new Message(`The stage's ${field} must be one of ${words.join(', ')}.`);
   return value;
 };
 

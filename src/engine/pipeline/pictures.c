@@ -222,7 +222,7 @@ static bool write_views(Writer *writer, FfpError *err) {
     return ok;
 }
 
-// A folder whose pictures are being written says so until all of them are there, whatever ends the work.
+// A folder whose pictures are being written says so until the last one is written, whatever ends the work.
 #define MARK "INCOMPLETE"
 
 static bool mark_folder(char path[FFP_PATH_MAX], const char *folder, FfpError *err) {

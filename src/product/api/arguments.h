@@ -7,8 +7,8 @@
 
 // A handle, a struct, a text: not NULL.
 bool ffp_need(const void *thing, const char *name, FfpError *err);
-// Gaussians, all of whose numbers are finite, with scales above 0 and rotations other than 0: their arrays may
-// be written to from outside.
+// Gaussians, all of whose numbers are finite, with scales above 0 and rotations other than 0: their arrays
+// may be written to from outside.
 bool ffp_need_gaussians(const FfpGaussians *gaussians, FfpError *err);
 // n texts, none of them NULL; n 0: the list is ignored.
 bool ffp_need_texts(const char *const *texts, int n, const char *name, FfpError *err);

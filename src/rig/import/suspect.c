@@ -92,13 +92,6 @@ static FfpImage undone(const FfpImage *image, Mishap mishap) {
     return out;
 }
 
-FfpCapture ffp_rig_alias(const FfpCapture *capture) {
-    FfpCapture alias = *capture;
-    alias.views = ffp_alloc((size_t)capture->n_views, sizeof *alias.views);
-    memcpy(alias.views, capture->views, (size_t)capture->n_views * sizeof *alias.views);
-    return alias;
-}
-
 static double misfit_without(const FfpCapture *capture, int view) {
     FfpCapture alias = ffp_rig_alias(capture);
     alias.n_views--;

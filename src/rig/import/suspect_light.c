@@ -115,7 +115,7 @@ static bool check_lit(const FfpCapture *capture, const Brightness *b, FfpError *
                             "its mask is empty: no pixel belongs to the object");
         if (!capture->scene && b[v].lit < LIT_LEAST * b[v].object)
             return ffp_fail(err, FFP_ERROR_ARGUMENT, capture->views[v].id,
-                            "white is no brighter than black: the projector was dark, or its light does not "
+                            "white adds no light to black: the projector was dark, or its light does not "
                             "reach the object");
     }
     return true;

@@ -378,7 +378,7 @@ static void wrong_compensations_say_what_is_wrong(void **state) {
     run_format(&run, "%s -t %s/tiny/view_0_stripes.png", common, scratch);
     must_fail(2, "--view ID is missing", "never.png");
     run_format(&run, "%s -v view_0", common);
-    must_fail(2, "--target IMAGE is missing", "never.png");
+    must_fail(2, "--target IMAGE|FILM is missing", "never.png");
     run_format(&run, "%s -v view_9 -t %s/tiny/view_0_stripes.png", common, scratch);
     must_fail(1, "no view view_9", "never.png");
     run_format(&run, "%s -v view_0 -v view_0 -t %s/tiny/view_0_stripes.png", common, scratch);

@@ -455,7 +455,7 @@ def check_kept(check, page, path, folder):
     for name, data, told in (("bad.json", json.dumps(bad), "projectors: stops"), ("other.json", "{}", "not a stage"), ("no.json", "{", "not a stage")):
         page.drop(name, "application/json", data.encode())
         page.wait(f"document.getElementById('toast').textContent.includes({told!r})")
-    check("files that are no stage are refused, and nothing changes", change(painted, page.pixels()) < 0.1)
+    check("other files are refused, and nothing changes", change(painted, page.pixels()) < 0.1)
     exports = page.run("viewer.exports || 0")
     page.click("#export")
     page.wait(f"(viewer.exports || 0) > {exports}")
