@@ -223,9 +223,32 @@ static bool try_reversal(const FfpCapture *capture, double enough, FfpError *err
                     "angles");
 }
 
+// Whether structured light explains the views clearly better with the cameras' intrinsics of that size: masks
+// that are wrong fit some sizes better, too.
+static bool light_prefers_size(const FfpCapture *capture, real factor) {
+    const int active = ffp_capture_active_pattern(capture, NULL, NULL);
+    if (active < 0) return true;
+    FfpSummed pattern = ffp_summed_new(&capture->patterns[active].image);
+    double before = 0, after = 0;
+    for (int v = 0; v < capture->n_views; v++) {
+        const FfpGuess guess = {.photograph = &capture->views[v].images[active], .pattern = &pattern};
+        FfpView scaled = capture->views[v];
+        scaled.camera.fx *= factor, scaled.camera.fy *= factor;
+        scaled.camera.cx *= factor, scaled.camera.cy *= factor;
+        const double a = ffp_rig_guess(capture, &capture->views[v], &guess),
+                     b = ffp_rig_guess(capture, &scaled, &guess);
+        if (isnan(b)) continue;
+        before += isnan(a) ? 1 : a; // rays that miss the object explain nothing
+        after += b;
+    }
+    ffp_summed_free(&pattern);
+    return after > 0 && after < 0.7 * before;
+}
+
 static bool try_sizes(const FfpCapture *capture, double enough, FfpError *err) {
     for (int twice = 0; twice < 2; twice++)
-        if (misfit_of_size(capture, twice ? 2 : 0.5F) < enough)
+        if (misfit_of_size(capture, twice ? 2 : 0.5F) < enough &&
+            light_prefers_size(capture, twice ? 2 : 0.5F))
             return ffp_fail(
                 err, FFP_ERROR_ARGUMENT, capture->folder,
                 "the silhouettes fit with %s the camera's focal lengths and principal point: it was "

@@ -169,6 +169,14 @@ static void calibrations_of_another_size(void **state) {
         p->cx *= 0.5F, p->cy *= 0.5F;
     }
     must_name(capture.folder, "calibrated at 400 x 400 pixels");
+    teardown(state);
+    assert_int_equal(setup(state), 0);
+    for (int v = 0; v < capture.n_views; v++) {
+        FfpCamera *c = &capture.views[v].camera;
+        c->fx *= 2, c->fy *= 2;
+        c->cx *= 2, c->cy *= 2;
+    }
+    must_name(capture.folder, "fit with half the camera's");
 }
 
 static void masks_that_are_none(void **state) {
