@@ -18,6 +18,7 @@
 
 #define MISFIT_LEAST 0.12 // of the pixels, which contradict the other views' masks: those show a wall
 #define LIT_LEAST 0.5     // of what is lit that must stay the same
+#define MISFIT_MORE 0.01  // by which masks of all light may contradict each other more than others
 #define LACKING_MOST 0.02 // of the masks' pixels, which all light does not show
 #define VIEWS_TURNED 5    // that tell it
 #define LIGHT_LEAST 0.01  // of full scale, by which the light under black may change, and
@@ -285,14 +286,25 @@ static double lacking(const FfpCapture *capture, const FfpImage *masks) {
     return missing / fmax(all, 1);
 }
 
-// Whether masks of all light are better than those that the views have: the empty stage must be as dark, or
-// they must show the shadows that the views have found in each other, if they have (`completed`).
-static bool is_better(const FfpImporting *import, const FfpImage *masks, bool completed) {
-    const FfpCapture *capture = &import->capture;
-    if (!import->stages) return !completed || lacking(capture, masks) < LACKING_MOST;
-    for (int v = 0; v < capture->n_views; v++)
+static double misfit_of(FfpCapture *capture) {
+    ffp_capture_estimate_bounds(capture);
+    return ffp_rig_silhouette_misfit(capture);
+}
+
+// Whether masks of all light are better than those that the views have: the empty stage must be as dark; or,
+// if the views have completed each other's masks, they must show the shadows that were found, and contradict
+// each other no more, as they would with a window or a hand in a picture.
+static bool is_better(FfpImporting *import, FfpImage *masks, bool completed) {
+    FfpCapture *capture = &import->capture;
+    for (int v = 0; import->stages && v < capture->n_views; v++)
         if (!ffp_dark_stage(capture, v, &import->stages[v])) return false;
-    return true;
+    if (!completed) return true;
+    if (lacking(capture, masks) >= LACKING_MOST) return false;
+    const double before = misfit_of(capture);
+    exchange_masks(capture, masks);
+    const double after = misfit_of(capture);
+    exchange_masks(capture, masks);
+    return after < before + MISFIT_MORE;
 }
 
 // Where nothing but the object sends light to the camera, all light together shows it, and its shadows too.
