@@ -24,8 +24,8 @@ target_compile_definitions(OpenMP::OpenMP_C INTERFACE FFP_NO_BLAS)
 # Whole rooms, and of others what the page calls.
 set(FFP_WASM_ROOMS base numerics image tensor gaussians capture denoise match network render loss refine view)
 set(FFP_WASM_pipeline fit margins need normalised reconstruct refine relight)
-set(FFP_WASM_import checks chord explain silhouettes suspect)
-set(FFP_WASM_api arguments context handles memory page reconstruct)
+set(FFP_WASM_import checks chord explain silhouettes suspect suspect_alias suspect_light suspect_pattern)
+set(FFP_WASM_api arguments context gaussian_arrays handles memory page reconstruct)
 
 # The room's sources in a page: those under src, or the files of the same name under wasm, and what wasm adds. None: the page has no such room.
 function(ffp_wasm_sources out name)
