@@ -266,9 +266,11 @@ static const FfpOption options[] = {
      .offset = offsetof(Arguments, mask),
      .words = (const FfpWord[]){{"otsu", 0}, {0}},
      .group = PHOTOGRAPHS,
-     .help = "the object's silhouettes (white on black), FILES as above; otsu: computed from white minus "
-             "black and, with four or more views, completed where the projector does not reach. Default: "
-             "alpha channels if present, otherwise otsu"},
+     .help =
+         "the object's silhouettes (white on black), FILES as above; otsu: made from the photographs: "
+         "in the dark from all light, otherwise from white minus black (Otsu 1979) and, with four or more "
+         "views, completed where the projector does not reach. Default: alpha channels if present, "
+         "otherwise otsu"},
     {.name = "linear",
      .argument = "WHAT",
      .type = FFP_OPTION_PARSED,

@@ -48,9 +48,11 @@ static Edge edge_of(const FfpCapture *capture, const FfpView *view, const FfpEmp
 
 static void free_edge(Edge *e) {
     ffp_free(e->inner), ffp_free(e->outer), ffp_free(e->deep);
-    for (int p = 0; p < e->n; p++)
-        ffp_image_free(&e->lights[p].object), ffp_image_free(&e->lights[p].around),
-            ffp_image_free(&e->lights[p].stage);
+    for (int p = 0; p < e->n; p++) {
+        ffp_image_free(&e->lights[p].object);
+        ffp_image_free(&e->lights[p].around);
+        ffp_image_free(&e->lights[p].stage);
+    }
     ffp_free(e->lights);
 }
 

@@ -61,14 +61,12 @@ static bool check_repeated(const FfpCapture *capture, int active, FfpError *err)
     for (int v = 0; v < capture->n_views; v++) {
         const FfpView *view = &capture->views[v];
         const int shown[3] = {capture->black, capture->white, active};
-        for (int k = 0; k < (active >= 0 ? 3 : 1); k++) {
+        for (int k = 0; k < (active >= 0 ? 3 : 1); k++) { // the first two are black and white
             const int a = shown[k], b = shown[(k + 1) % 3];
-            if (active < 0 ? same_picture(&view->images[capture->black], &view->images[capture->white])
-                           : same_picture(&view->images[a], &view->images[b]))
+            if (same_picture(&view->images[a], &view->images[b]))
                 return ffp_fail(err, FFP_ERROR_ARGUMENT, view->id,
                                 "the photographs under %s and %s are one and the same: take it again",
-                                capture->patterns[a].name,
-                                capture->patterns[active < 0 ? capture->white : b].name);
+                                capture->patterns[a].name, capture->patterns[b].name);
         }
         for (int w = 0; w < v; w++) // drawn objects may look the same from two sides
             if (!ffp_same_device(&view->camera, &capture->views[w].camera) &&
