@@ -749,6 +749,10 @@ typedef struct FfpGeneration {
     uint64_t seed;
     const char *mesh;     // OBJ, PLY, STL or glTF file to use instead of the generated meshes; NULL: none
     const char *material; // folder of basecolor, roughness and normal maps to use; NULL: none
+    // Or folder of pictures, each of which is a material, the base colour; so is each folder of such maps in
+    // it. A scene's seed draws one and lays it on the object in its own way (docs/design/data.md, "Materials
+    // from pictures"). NULL: none.
+    const char *materials;
     FfpSensorFaults sensor;
     // Folder of patterns (ffp_write_patterns): instead of captures, write photographs of one object on a
     // turntable under all of them, and of a chessboard, taken by a rig with lenses, to `folder`, which must

@@ -33,6 +33,8 @@ static const Field train_fields[] = {
     {"samples", INT, AT(samples), 1, 1024},
     {"ambient_rays", INT, AT(ambient_rays), 1, 256},
     {"sensor_share", DOUBLE, AT(sensor_share), 0, 1},
+    {"material_share", DOUBLE, AT(material_share), 0, 1},
+    {"materials", TEXT, AT(materials), 0, sizeof(((FfpTrainConfig *)0)->materials)},
     {"views_least", INT, AT(views_least), 0, FFP_TRAIN_VIEWS_MAX},
     {"free_share", DOUBLE, AT(free_share), 0, 1},
     {"large_share", DOUBLE, AT(large_share), 0, 1},
@@ -113,6 +115,7 @@ FfpTrainConfig ffp_train_defaults(void) {
         .samples = 4,
         .ambient_rays = 2,
         .sensor_share = 0,
+        .material_share = 0,
         .views_least = 0,
         .free_share = 0,
         .large_share = 0,
@@ -265,11 +268,16 @@ static bool check_mixture(const FfpTrainConfig *c, const char *where, FfpError *
     if (c->large_share > 0 && c->large_resolution % c->model.patch)
         return ffp_fail(err, FFP_ERROR_FILE, ffp_place(where, "large_resolution").text,
                         "must be a multiple of the patch, %d", c->model.patch);
-    const char *mixed = c->views_least > 0    ? "views_least"
-                        : c->free_share > 0   ? "free_share"
-                        : c->large_share > 0  ? "large_share"
-                        : c->sensor_share > 0 ? "sensor_share"
-                                              : NULL;
+    if ((c->material_share > 0) != (c->materials[0] != 0))
+        return ffp_fail(err, FFP_ERROR_FILE, ffp_place(where, "materials").text,
+                        c->materials[0] ? "is given, but material_share is 0"
+                                        : "names no folder, but material_share is above 0");
+    const char *mixed = c->views_least > 0      ? "views_least"
+                        : c->free_share > 0     ? "free_share"
+                        : c->large_share > 0    ? "large_share"
+                        : c->sensor_share > 0   ? "sensor_share"
+                        : c->material_share > 0 ? "material_share"
+                                                : NULL;
     if (mixed && (c->scenes[0] || c->captures[0]))
         return ffp_fail(
             err, FFP_ERROR_FILE, ffp_place(where, mixed).text,

@@ -6,6 +6,7 @@
 #include "core/base/device.h"
 #include "core/base/rng.h"
 #include "lab/train/prepare.h"
+#include "world/synth/material_folder.h"
 #include "world/synth/synth.h"
 
 // The devices of a careful rig that is not ideal: each strength anywhere up to the given.
@@ -32,6 +33,25 @@ static void mix(FfpSceneSpec *spec, const FfpTrainConfig *config, int64_t number
     if (config->views_least > 0)
         spec->views = config->views_least +
                       (int)ffp_rng_below(&rng, (uint32_t)(config->views - config->views_least + 1));
+}
+
+// Whether training scene `number` has a material from a picture.
+static bool has_picture(const FfpTrainConfig *config, const char *split, int64_t number) {
+    FfpRng rng = ffp_rng((uint64_t)config->seed * 3 + 2, (uint64_t)number ^ (1ULL << 62));
+    return split[0] == 't' && ffp_rng_uniform(&rng) < config->material_share;
+}
+
+// The scene of `spec`, under a material from the configuration's folder if `picture`.
+static bool make_scene(FfpCapture *capture, FfpSceneSpec *spec, const char *picture, FfpError *err) {
+    if (!picture) return ffp_scene_make(capture, spec, err);
+    FfpMaterialFolder materials;
+    if (!ffp_material_folder_open(&materials, picture, err)) return false;
+    FfpTextures *drawn = ffp_material_folder_draw(&materials, spec->seed, &spec->own_material, err);
+    spec->own_textures = drawn;
+    const bool ok = drawn && ffp_scene_make(capture, spec, err);
+    ffp_textures_free(drawn);
+    ffp_material_folder_close(&materials);
+    return ok;
 }
 
 // Mesh, material and jitter of scene `number` of a split: independent draws from its own random stream.
@@ -117,7 +137,8 @@ static bool open_rig(FfpScene *scene, const FfpTrainConfig *config, const char *
     *scene = (FfpScene){0};
     const bool ok = scene_spec(&spec, config, split, number, &why);
     if (ok && free_rig) spec.rig = FFP_SCENE_FREE;
-    if (ok && ffp_scene_make(&scene->capture, &spec, &why) && prepare(scene, config, spec.views, &why))
+    const char *picture = has_picture(config, split, number) ? config->materials : NULL;
+    if (ok && make_scene(&scene->capture, &spec, picture, &why) && prepare(scene, config, spec.views, &why))
         return true;
     char where[64];
     snprintf(where, sizeof where, "scene %lld of the %.16s split", (long long)number, split);

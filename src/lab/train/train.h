@@ -29,10 +29,12 @@ typedef struct FfpTrainConfig {
     int pool, reuse;
     int views, targets, lollipops; // input views, new-pose views, patterns besides black and white
     int resolution, pattern_side, samples, ambient_rays;
-    double sensor_share; // of the training scenes: seen through a sensor model of random strength
-    int views_least;     // a training scene has views_least..views input views; 0: all have views
-    double free_share;   // of the training scenes: with a free rig
-    double large_share;  // of the training scenes: at large_resolution instead
+    double sensor_share;   // of the training scenes: seen through a sensor model of random strength
+    double material_share; // of the training scenes: their material is a picture of the folder `materials`
+    char materials[FFP_PATH_MAX]; // world/synth/material_folder.h; empty: none
+    int views_least;              // a training scene has views_least..views input views; 0: all have views
+    double free_share;            // of the training scenes: with a free rig
+    double large_share;           // of the training scenes: at large_resolution instead
     int large_resolution;
     char captures[FFP_PATH_MAX]; // folder of your own captures to learn from instead (captures.h); empty:
                                  // none

@@ -58,6 +58,7 @@ static bool generate(void *argument, FfpError *err) {
                                          .seed = options->seed,
                                          .mesh = options->mesh,
                                          .material = options->material,
+                                         .materials = options->materials,
                                          .photographs = options->photographs,
                                          .attitudes = options->attitudes,
                                          .only = options->only,

@@ -120,6 +120,13 @@ static const FfpOption options[] = {
      .offset = offsetof(Arguments, generation.material),
      .help = "folder of maps named basecolor (or albedo, diffuse, color), roughness and normal, instead of "
              "generated materials; metallic maps are not used"},
+    {.name = "materials",
+     .argument = "FOLDER",
+     .type = FFP_OPTION_FOLDER,
+     .excludes = "material",
+     .offset = offsetof(Arguments, generation.materials),
+     .help = "folder of pictures, each of which is a material, and of folders as of --material; each scene "
+             "draws one of them by its seed, with its own size, direction and (for pictures) roughness"},
     {.name = "resolution",
      .letter = 'r',
      .argument = "R",

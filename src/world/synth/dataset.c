@@ -1,7 +1,6 @@
 // Scenes on disk. A scene is written under a hidden name and renamed when it is whole, so that a folder with
 // a scene's own name is always complete, whatever happened to the process that made it.
 #include "world/synth/dataset.h"
-#include <ctype.h>
 #include <errno.h>
 #include <omp.h>
 #include <stdio.h>
@@ -10,6 +9,7 @@
 #include "core/base/call.h"
 #include "core/base/file.h"
 #include "core/base/log.h"
+#include "world/synth/material_folder.h"
 #include "world/synth/mesh.h"
 #include "world/synth/natural.h"
 #include "world/synth/photographs.h"
@@ -27,6 +27,7 @@ typedef struct Job {
     FfpSceneSpec spec; // what all scenes have in common
     FfpMesh mesh;      // the user's, where one is given
     FfpTextures *textures;
+    FfpMaterialFolder materials;
     char asset[FFP_NAME_MAX]; // the user's mesh's name; empty: none
     int rank, ranks;          // this rank makes every `ranks`-th scene, from its own number on
     int64_t done, kept;
@@ -68,15 +69,6 @@ static bool is_test_mesh(int mesh) {
 static void asset_scene(int64_t number, uint64_t seed, FfpSceneSpec *spec) {
     spec->material = (int)(number % ffp_material_count());
     spec->seed = seed * 0x9e3779b97f4a7c15ULL + (uint64_t)number;
-}
-
-// The file's name without folder and ending, with nothing in it that a folder's name had better not have.
-static void asset_name(const char *path, char name[FFP_NAME_MAX]) {
-    snprintf(name, FFP_NAME_MAX, "%s", ffp_basename(path));
-    char *dot = strrchr(name, '.');
-    if (dot && dot != name) *dot = 0;
-    for (char *c = name; *c; c++)
-        if (!isalnum((unsigned char)*c) && *c != '-') *c = '_';
 }
 
 static bool rig_spec(const FfpDatasetSettings *options, FfpSceneSpec *spec, FfpError *err) {
@@ -168,6 +160,15 @@ static void scene_name(const Job *job, int64_t number, char name[FFP_NAME_MAX + 
     snprintf(name, FFP_NAME_MAX + 32, "%s_%05lld", kind, (long long)number);
 }
 
+// The material that a scene's seed draws from the user's pictures; NULL without an error if there are none.
+static bool dress(const Job *job, FfpSceneSpec *spec, FfpTextures **drawn, FfpError *err) {
+    *drawn = NULL;
+    if (!job->options->materials) return true;
+    *drawn = ffp_material_folder_draw(&job->materials, spec->seed, &spec->own_material, err);
+    spec->own_textures = *drawn;
+    return *drawn != NULL;
+}
+
 // Scene `number` under `name` in the job's folder; *made tells whether it was not there yet.
 static bool generate_scene(const Job *job, int64_t number, const char *name, bool *made, FfpError *err) {
     char folder[FFP_PATH_MAX], part[FFP_PATH_MAX], hidden[FFP_NAME_MAX + 64];
@@ -175,11 +176,15 @@ static bool generate_scene(const Job *job, int64_t number, const char *name, boo
     if (!ffp_join_path(folder, job->options->folder, name) ||
         !ffp_join_path(part, job->options->folder, hidden))
         return ffp_fail(err, FFP_ERROR_ARGUMENT, job->options->folder, "the path is too long");
-    const FfpSceneSpec spec = spec_of(job, number);
+    FfpSceneSpec spec = spec_of(job, number);
     *made = !is_complete(folder, spec.targets > 0);
     if (!*made) return true;
+    FfpTextures *drawn;
+    if (!dress(job, &spec, &drawn, err)) return false;
     FfpCapture capture;
-    if (!ffp_scene_make(&capture, &spec, err)) return false;
+    const bool made_it = ffp_scene_make(&capture, &spec, err);
+    ffp_textures_free(drawn);
+    if (!made_it) return false;
     const bool ok = write_scene(&capture, &spec, part, folder, err);
     ffp_capture_free(&capture);
     return ok;
@@ -260,14 +265,29 @@ static bool open_assets(Job *job, FfpError *err) {
     const FfpDatasetSettings *options = job->options;
     if (options->mesh) {
         if (!ffp_mesh_read(&job->mesh, options->mesh, err)) return false;
-        asset_name(options->mesh, job->asset);
+        ffp_asset_name(options->mesh, job->asset);
         job->spec.own_mesh = &job->mesh;
         job->spec.own_name = job->asset;
     }
+    if (options->material && options->materials)
+        return ffp_fail(err, FFP_ERROR_ARGUMENT, "materials", "`material` is given as well");
+    if (options->materials) return ffp_material_folder_open(&job->materials, options->materials, err);
     if (!options->material) return true;
     job->textures = ffp_textures_read(options->material, err);
     job->spec.own_textures = job->textures;
     return job->textures != NULL;
+}
+
+static bool photograph_dressed(const Job *job, const FfpSceneSpec *spec, FfpError *err) {
+    const FfpDatasetSettings *options = job->options;
+    if (options->room) {
+        const FfpRoomPhotographs room = {options->folder, options->photographs, options->seed,
+                                         options->attitudes, options->quality};
+        return ffp_room_photographs_write(&room, spec, err);
+    }
+    const FfpPhotographs photographs = {options->folder, options->photographs, options->attitudes,
+                                        options->only};
+    return ffp_photographs_write(&photographs, spec, err);
 }
 
 // The first scene's object, or the user's, before a bare rig or in a room. Pictures are as high as asked for;
@@ -283,14 +303,11 @@ static bool photograph_object(const Job *job, FfpError *err) {
     else
         ffp_dataset_scene(options->split, options->first, options->seed, &spec);
     spec.resolution = options->resolution > 0 ? options->resolution : 480;
-    if (options->room) {
-        const FfpRoomPhotographs room = {options->folder, options->photographs, options->seed,
-                                         options->attitudes, options->quality};
-        return ffp_room_photographs_write(&room, &spec, err);
-    }
-    const FfpPhotographs photographs = {options->folder, options->photographs, options->attitudes,
-                                        options->only};
-    return ffp_photographs_write(&photographs, &spec, err);
+    FfpTextures *drawn;
+    if (!dress(job, &spec, &drawn, err)) return false;
+    const bool ok = photograph_dressed(job, &spec, err);
+    ffp_textures_free(drawn);
+    return ok;
 }
 
 static bool generate_job(Job *job, int64_t count, FfpError *err) {
@@ -312,6 +329,7 @@ static bool open_job(Job *job, int64_t *count, FfpError *err) {
 static void close_job(Job *job) {
     ffp_mesh_free(&job->mesh);
     ffp_textures_free(job->textures);
+    ffp_material_folder_close(&job->materials);
 }
 
 bool ffp_dataset_write(const FfpDatasetSettings *options, FfpError *err) {

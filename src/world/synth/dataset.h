@@ -29,8 +29,9 @@ typedef struct FfpDatasetSettings {
     FfpSceneRig rig;
     int views; // input views, 1..360; 0: as the preset says
     uint64_t seed;
-    const char *mesh;     // a user's file instead of the generated meshes; NULL: none
-    const char *material; // a user's folder instead of the generated materials; NULL: none
+    const char *mesh;      // a user's file instead of the generated meshes; NULL: none
+    const char *material;  // a user's folder instead of the generated materials; NULL: none
+    const char *materials; // or a folder of pictures, each of them a material (material_folder.h)
     FfpSensor sensor;
     const char *photographs; // folder of patterns: one object before a bare rig (photographs.h); NULL: scenes
     int attitudes;           // of its chessboard

@@ -1,8 +1,11 @@
 #include "world/synth/scene.h"
+#include <ctype.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 #include "core/base/arena.h"
+#include "core/base/file.h"
 #include "core/patterns/lollipop.h"
 #include "world/synth/natural.h"
 #include "world/synth/rig.h"
@@ -170,14 +173,24 @@ static void free_subject(Subject *subject) {
     ffp_mesh_free(&subject->made);
 }
 
+void ffp_asset_name(const char *path, char name[FFP_NAME_MAX]) {
+    snprintf(name, FFP_NAME_MAX, "%s", ffp_basename(path));
+    char *dot = strrchr(name, '.');
+    if (dot && dot != name) *dot = 0;
+    for (char *c = name; *c; c++)
+        if (!isalnum((unsigned char)*c) && *c != '-') *c = '_';
+}
+
 static void name_capture(FfpCapture *capture, const FfpSceneSpec *spec, bool whole) {
+    char material[FFP_NAME_MAX] = "own";
+    if (spec->own_material) ffp_asset_name(spec->own_material, material);
     if (whole)
         snprintf(capture->name, sizeof capture->name, "%.40s_%.40s", ffp_walk_name(spec),
                  ffp_mesh_name(spec->mesh));
     else
         snprintf(capture->name, sizeof capture->name, "%.40s_%.40s",
                  spec->own_mesh ? spec->own_name : ffp_mesh_name(spec->mesh),
-                 spec->own_textures ? "own" : ffp_material_name(spec->material));
+                 spec->own_textures ? material : ffp_material_name(spec->material));
 }
 
 static FfpSimulation simulation_of(const FfpSceneSpec *spec, Subject *subject, const FfpMaterial *material) {

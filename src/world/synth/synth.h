@@ -44,9 +44,12 @@ typedef struct FfpSceneSpec {
     FfpSensor sensor;
     const struct FfpMesh *own_mesh; // instead of a numbered mesh or material; NULL: none
     const struct FfpTextures *own_textures;
-    const char *own_name; // of the capture, with a mesh of the user's
+    const char *own_name;     // of the capture, with a mesh of the user's
+    const char *own_material; // the file that own_textures are of, for the capture's name; NULL: "own"
 } FfpSceneSpec;
 FfpSceneSpec ffp_scene_defaults(void);
+// A file's name without folder and ending, with nothing in it that a folder's name had better not have.
+void ffp_asset_name(const char *path, char name[FFP_NAME_MAX]);
 
 // Input views first, then targets, in one capture (targets are views with ids "novel_NN"). Every view has
 // black, white, all lollipops and all natural patterns (natural.h), coverage, depth, normal, albedo,

@@ -12,8 +12,8 @@
 #include "world/synth/scalar.h"
 
 enum { LEVELS = 16, SIDE_MAX = 4096 };
-static const float TILE = 1; // world units that a map covers where the mesh has no texture coordinates
-static const float NO_MAP_ROUGHNESS = 0.6F;
+static const FfpLaying straight = {
+    .axes = {1, 0, 0, 0, 1, 0, 0, 0, 1}, .tile = 1, .roughness = 0.6F, .span = 1};
 
 typedef enum Role { ROLE_COLOUR, ROLE_ROUGHNESS, ROLE_NORMAL, ROLE_METALLIC, ROLES } Role;
 
@@ -25,6 +25,8 @@ typedef struct Map { // means over 2 x 2 pixels from level to level
 struct FfpTextures {
     Map map[ROLE_METALLIC];
     bool down; // the normal map's green grows downwards (DirectX)
+    FfpLaying laying;
+    float height; // of a map where its width is 1
 };
 
 // --- Finding. ---
@@ -104,10 +106,7 @@ static FfpImage halve(const FfpImage *from) {
 }
 
 // Three channels of the file at all levels.
-static bool read_map(Map *map, const char *folder, const char *name, Role role, FfpError *err) {
-    char path[FFP_PATH_MAX];
-    if (!ffp_join_path(path, folder, name))
-        return ffp_fail(err, FFP_ERROR_FILE, folder, "the path is too long");
+static bool read_map(Map *map, const char *path, Role role, FfpError *err) {
     int width, height;
     if (!ffp_image_read_size(&width, &height, path, err)) return false;
     if (width > FFP_IMAGE_SIDE_MAX / 2 || height > FFP_IMAGE_SIDE_MAX / 2)
@@ -134,26 +133,68 @@ static bool read_map(Map *map, const char *folder, const char *name, Role role, 
     return true;
 }
 
-FfpTextures *ffp_textures_read(const char *folder, FfpError *err) {
-    Found found = {0};
-    if (!find_maps(folder, &found, err)) return NULL;
-    if (!found.name[ROLE_COLOUR][0]) {
-        ffp_fail(err, FFP_ERROR_FILE, folder, "no map is called basecolor, albedo, diffuse or color");
-        return NULL;
-    }
-    if (found.name[ROLE_METALLIC][0])
-        ffp_warning("%s: metals are not supported: %s is not used, the surface is a dielectric", folder,
-                    found.name[ROLE_METALLIC]);
-    if (!found.name[ROLE_ROUGHNESS][0])
-        ffp_note("%s: no roughness map: %g everywhere", folder, (double)NO_MAP_ROUGHNESS);
+static bool read_named(Map *map, const char *folder, const char *name, Role role, FfpError *err) {
+    char path[FFP_PATH_MAX];
+    if (!ffp_join_path(path, folder, name))
+        return ffp_fail(err, FFP_ERROR_FILE, folder, "the path is too long");
+    return read_map(map, path, role, err);
+}
+
+static FfpTextures *new_textures(void) {
     FfpTextures *textures = ffp_alloc(1, sizeof *textures);
-    textures->down = found.down;
+    textures->laying = straight, textures->height = 1;
+    return textures;
+}
+
+static bool find_colour(const char *folder, Found *found, FfpError *err) {
+    return find_maps(folder, found, err) &&
+           (found->name[ROLE_COLOUR][0] ||
+            ffp_fail(err, FFP_ERROR_FILE, folder, "no map is called basecolor, albedo, diffuse or color"));
+}
+
+bool ffp_textures_check(const char *folder, FfpError *err) {
+    Found found = {0};
+    return find_colour(folder, &found, err);
+}
+
+static FfpTextures *read_found(const char *folder, const Found *found, FfpError *err) {
+    FfpTextures *textures = new_textures();
+    textures->down = found->down;
     for (Role role = ROLE_COLOUR; role < ROLE_METALLIC; role++)
-        if (found.name[role][0] && !read_map(&textures->map[role], folder, found.name[role], role, err)) {
+        if (found->name[role][0] && !read_named(&textures->map[role], folder, found->name[role], role, err)) {
             ffp_textures_free(textures);
             return NULL;
         }
     return textures;
+}
+
+FfpTextures *ffp_textures_read(const char *folder, FfpError *err) {
+    Found found = {0};
+    if (!find_colour(folder, &found, err)) return NULL;
+    if (found.name[ROLE_METALLIC][0])
+        ffp_warning("%s: metals are not supported: %s is not used, the surface is a dielectric", folder,
+                    found.name[ROLE_METALLIC]);
+    if (!found.name[ROLE_ROUGHNESS][0])
+        ffp_note("%s: no roughness map: %g everywhere", folder, (double)straight.roughness);
+    return read_found(folder, &found, err);
+}
+
+FfpTextures *ffp_textures_read_silently(const char *folder, FfpError *err) {
+    Found found = {0};
+    return find_colour(folder, &found, err) ? read_found(folder, &found, err) : NULL;
+}
+
+FfpTextures *ffp_textures_read_picture(const char *path, FfpError *err) {
+    FfpTextures *textures = new_textures();
+    if (read_map(&textures->map[ROLE_COLOUR], path, ROLE_COLOUR, err)) return textures;
+    ffp_textures_free(textures);
+    return NULL;
+}
+
+void ffp_textures_lay(FfpTextures *textures, const FfpLaying *laying) {
+    const FfpImage *colour = &textures->map[ROLE_COLOUR].level[0];
+    textures->laying = *laying;
+    textures->height = (float)colour->height / (float)colour->width;
 }
 
 void ffp_textures_free(FfpTextures *textures) {
@@ -197,18 +238,28 @@ static void place_by_coordinates(const FfpMesh *mesh, const FfpHit *hit, Place *
     place->units = right > 0 && up > 0 ? 1 / ffp_min(right, up) : 0;
 }
 
-// The three projections along the axes, blended by the fourth power of the normal's parts.
-static void place_by_axes(const FfpHit *hit, Place *place) {
-    *place = (Place){.count = 3, .units = 1 / TILE};
-    float total = 0;
+// The three projections along the maps' axes, blended by the fourth power of the normal's parts.
+static void place_by_axes(const FfpTextures *textures, const FfpHit *hit, Place *place) {
+    const FfpLaying *laying = &textures->laying;
+    const float width = laying->tile, height = laying->tile * textures->height;
+    *place = (Place){.count = 3, .units = 1 / ffp_min(width, height)};
+    float normal[3], point[3], total = 0;
     for (int a = 0; a < 3; a++) {
-        const float square = hit->normal[a] * hit->normal[a], sign = hit->normal[a] < 0 ? -1 : 1;
+        const float *axis = laying->axes + 3 * a;
+        normal[a] = axis[0] * hit->normal[0] + axis[1] * hit->normal[1] + axis[2] * hit->normal[2];
+        point[a] = axis[0] * hit->point[0] + axis[1] * hit->point[1] + axis[2] * hit->point[2];
+    }
+    for (int a = 0; a < 3; a++) {
+        const float square = normal[a] * normal[a], sign = normal[a] < 0 ? -1 : 1;
         const int r = a == 0 ? 1 : 0, u = a == 2 ? 1 : 2;
         const float mirror = a == 1 ? -sign : sign; // so that a picture is not seen from behind
         place->weight[a] = square * square;
         total += place->weight[a];
-        place->uv[a][0] = mirror * hit->point[r] / TILE, place->uv[a][1] = hit->point[u] / TILE;
-        place->right[a][r] = mirror, place->up[a][u] = 1;
+        place->uv[a][0] = mirror * point[r] / width, place->uv[a][1] = point[u] / height;
+        for (int k = 0; k < 3; k++) {
+            place->right[a][k] = mirror * laying->axes[3 * r + k];
+            place->up[a][k] = laying->axes[3 * u + k];
+        }
     }
     float kept = 0; // what would hardly show is not looked up
     for (int a = 0; a < 3; a++) {
@@ -218,11 +269,11 @@ static void place_by_axes(const FfpHit *hit, Place *place) {
     for (int a = 0; a < 3; a++) place->weight[a] /= kept;
 }
 
-static void place_hit(const FfpMesh *mesh, const FfpHit *hit, Place *place) {
+static void place_hit(const FfpTextures *textures, const FfpMesh *mesh, const FfpHit *hit, Place *place) {
     if (mesh->uv)
         place_by_coordinates(mesh, hit, place);
     else
-        place_by_axes(hit, place);
+        place_by_axes(textures, hit, place);
 }
 
 static int wrap(int i, int side) {
@@ -250,7 +301,7 @@ static void add_sample(const Map *map, const float uv[2], float width, float wei
 void ffp_textures_look(const FfpTextures *textures, const FfpMesh *mesh, const FfpHit *hit, float footprint,
                        float albedo[3], float *roughness) {
     Place place;
-    place_hit(mesh, hit, &place);
+    place_hit(textures, mesh, hit, &place);
     const Map *rough = &textures->map[ROLE_ROUGHNESS];
     float colour[3] = {0, 0, 0}, value[3] = {0, 0, 0};
     for (int i = 0; i < place.count; i++) {
@@ -259,8 +310,10 @@ void ffp_textures_look(const FfpTextures *textures, const FfpMesh *mesh, const F
         add_sample(&textures->map[ROLE_COLOUR], place.uv[i], width, place.weight[i], colour);
         if (rough->levels > 0) add_sample(rough, place.uv[i], width, place.weight[i], value);
     }
-    for (int c = 0; c < 3; c++) albedo[c] = ffp_min(1, ffp_max(0, colour[c]));
-    *roughness = rough->levels > 0 ? ffp_min(1, ffp_max(0.05F, value[0])) : NO_MAP_ROUGHNESS;
+    const FfpLaying *laying = &textures->laying;
+    for (int c = 0; c < 3; c++)
+        albedo[c] = laying->darkest + laying->span * ffp_min(1, ffp_max(0, colour[c]));
+    *roughness = rough->levels > 0 ? ffp_min(1, ffp_max(0.05F, value[0])) : laying->roughness;
 }
 
 void ffp_textures_bump(const FfpTextures *textures, const FfpMesh *mesh, const FfpHit *hit, float footprint,
@@ -268,7 +321,7 @@ void ffp_textures_bump(const FfpTextures *textures, const FfpMesh *mesh, const F
     const Map *map = &textures->map[ROLE_NORMAL];
     if (map->levels == 0) return;
     Place place;
-    place_hit(mesh, hit, &place);
+    place_hit(textures, mesh, hit, &place);
     float bent[3] = {0, 0, 0};
     for (int i = 0; i < place.count; i++) {
         if (place.weight[i] <= 0) continue;

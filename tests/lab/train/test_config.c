@@ -41,6 +41,10 @@ static void test_bad_fields(void **state) {
     refused("{\"free_share\": 0.2, \"scenes\": \"made\"}", "c.json: free_share", "of a folder");
     refused("{\"large_share\": 0.2, \"scenes\": \"made\"}", "c.json: large_share", "of a folder");
     refused("{\"sensor_share\": 0.2, \"scenes\": \"made\"}", "c.json: sensor_share", "of a folder");
+    refused("{\"material_share\": 0.2}", "c.json: materials", "names no folder");
+    refused("{\"materials\": \"stock\"}", "c.json: materials", "material_share is 0");
+    refused("{\"material_share\": 0.2, \"materials\": \"stock\", \"scenes\": \"made\"}",
+            "c.json: material_share", "of a folder");
     refused("{\"sensor_share\": 0.2, \"captures\": \"mine\"}", "c.json: sensor_share", "of a folder");
     refused("{\"captures\": \"mine\", \"validate_every\": 0}", "c.json: validate_every", "is 0");
     refused("{\"captures\": \"mine\", \"validate_every\": 50, \"patience\": 49}", "c.json: patience",

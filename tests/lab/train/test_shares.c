@@ -1,6 +1,10 @@
-// The share of training scenes that are seen through a sensor model.
+// The shares of training scenes that are seen through a sensor model, and whose material is a picture.
 #include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
+#include "core/base/file.h"
+#include "core/image/image.h"
 #include "lab/train/train.h"
 #include "support.h"
 
@@ -39,7 +43,48 @@ static void share(void **state) {
     assert_true(changed > 4 && changed < 20);
 }
 
+// Whether a training scene is all green, as its true albedo has it.
+static bool is_green(const FfpTrainConfig *config, const char *split, int64_t number) {
+    FfpScene scene;
+    FfpError err = {0};
+    if (!ffp_scene_open(&scene, config, split, number, &err)) fail_msg("%s", err.text);
+    const FfpView *view = &scene.capture.views[0];
+    int seen = 0, green = 0;
+    for (int i = 0; i < 16 * 16; i++) {
+        const real *albedo = view->albedo.data + 3 * i;
+        if (view->coverage.data[i] < 1) continue;
+        seen++;
+        green += fabs(albedo[0] - 0.02) < 1e-3 && fabs(albedo[1] - 0.92) < 1e-3;
+    }
+    ffp_scene_close(&scene);
+    assert_true(seen > 10 && (green == 0 || green == seen));
+    return green > 0;
+}
+
+static void pictures(void **state) {
+    (void)state;
+    FfpError err = {0};
+    FfpTrainConfig config = configuration(0);
+    char root[] = "/tmp/ffp_pictures_XXXXXX", file[64];
+    assert_non_null(mkdtemp(root));
+    snprintf(file, sizeof file, "%s/green.png", root);
+    FfpImage image = ffp_image_new(8, 8, 3);
+    for (int i = 0; i < 64; i++) image.data[3 * i + 1] = 1;
+    assert_true(ffp_image_write_png(&image, file, &err));
+    ffp_image_free(&image);
+    snprintf(config.materials, sizeof config.materials, "%s", root);
+    assert_false(is_green(&config, "train", 3));
+    config.material_share = 1;
+    assert_true(is_green(&config, "train", 3));
+    assert_false(is_green(&config, "validation", 3));
+    config.material_share = 0.5;
+    int green = 0;
+    for (int64_t number = 0; number < 24; number++) green += is_green(&config, "train", number);
+    assert_true(green > 4 && green < 20);
+    ffp_remove_tree(root);
+}
+
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(share)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(share), cmocka_unit_test(pictures)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

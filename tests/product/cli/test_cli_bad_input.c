@@ -504,6 +504,37 @@ static void test_training_files_that_are_broken(void **state) {
     must_fail("a file where the scenes' folder belongs", "bad.json", arguments);
 }
 
+// A folder of pictures is looked through before a scene is made; a name may have any bytes.
+static void test_pictures_that_are_no_materials(void **state) {
+    (void)state;
+    static const char torn[] = "\x89PNG\r\n\x1a\n and no more";
+    char stock[128], path[256], arguments[1024];
+    snprintf(stock, sizeof stock, "%s/stock", scratch);
+    snprintf(arguments, sizeof arguments, "generate %s/scenes --preset smoke -r 16 --count 1 --materials %s",
+             output, stock);
+    must_fail("no folder of pictures", "stock", arguments);
+    assert_true(ffp_make_folders(stock, NULL));
+    must_fail("a folder without pictures", "stock", arguments);
+    snprintf(path, sizeof path, "%s/r\xff \"k\n.png", stock);
+    FfpImage image = ffp_image_new(4, 4, 3);
+    assert_true(ffp_image_write_png(&image, path, NULL));
+    ffp_image_free(&image);
+    snprintf(path, sizeof path, "%s/torn.png", stock);
+    assert_true(ffp_write_file(path, torn, sizeof torn - 1, NULL));
+    must_fail("a broken picture", "torn.png", arguments);
+    assert_int_equal(remove(path), 0);
+    snprintf(arguments, sizeof arguments, "generate %s/scenes --preset smoke -r 16 --count 1 --materials %s",
+             scratch, stock);
+    assert_int_equal(run_format(&run, "%s", arguments), 0);
+    FfpCapture made;
+    FfpError err = {0};
+    if (!ffp_capture_read(&made, in_scratch("scenes/all_00000"), &err)) fail_msg("%s", err.text);
+    const char *name = strrchr(made.name, 'r');
+    assert_non_null(name);
+    assert_string_equal(name, "r___k_");
+    ffp_capture_free(&made);
+}
+
 static void test_checkpoints_that_are_broken(void **state) {
     (void)state;
     static const struct {
@@ -562,6 +593,7 @@ int main(void) {
         cmocka_unit_test(test_targets_of_another_capture),
         cmocka_unit_test(test_nothing_is_saved_when_a_later_file_is_bad),
         cmocka_unit_test(test_training_files_that_are_broken),
+        cmocka_unit_test(test_pictures_that_are_no_materials),
         cmocka_unit_test(test_checkpoints_that_are_broken),
     };
     return cmocka_run_group_tests(tests, group_setup, scratch_teardown);

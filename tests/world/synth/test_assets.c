@@ -12,6 +12,7 @@
 #include "core/base/file.h"
 #include "core/image/image.h"
 #include "support.h"
+#include "world/synth/material_folder.h"
 #include "world/synth/mesh.h"
 #include "world/synth/synth.h"
 #include "world/synth/texture.h"
@@ -427,6 +428,123 @@ static void folders_that_are_no_material_are_refused(void **state) {
     assert_non_null(strstr(err.text, "albedo.png"));
 }
 
+// Albedo and roughness of the material that a seed draws, at one place; its name.
+static const char *drawn_look(const FfpMaterialFolder *folder, uint64_t seed, float albedo[3],
+                              float *roughness) {
+    FfpError err = {0};
+    const char *name = NULL;
+    FfpTextures *textures = ffp_material_folder_draw(folder, seed, &name, &err);
+    if (!textures) fail_msg("%s", err.text);
+    const FfpMesh mesh = {0};
+    const FfpHit hit = hit_at(0, 0, 1);
+    ffp_textures_look(textures, &mesh, &hit, 0.01F, albedo, roughness);
+    ffp_textures_free(textures);
+    return name;
+}
+
+// Pictures and folders of maps are all drawn, each as its files say; the seed alone decides.
+static void seeds_draw_materials_from_pictures(void **state) {
+    (void)state;
+    assert_int_equal(mkdir(path_of("stock"), 0777), 0);
+    assert_int_equal(mkdir(path_of("stock/tin"), 0777), 0);
+    write_map("stock/bark.png", 1, 0.5F, 0);
+    write_map("stock/moss.png", 0, 1, 0);
+    write_map("stock/tin/basecolor.png", 0, 0, 1);
+    write_map("stock/tin/roughness.png", 0.4F, 0.4F, 0.4F);
+    write_words("stock/licences.txt", "free");
+    write_words("stock/.hidden.png", "no picture");
+    FfpError err = {0};
+    FfpMaterialFolder folder;
+    if (!ffp_material_folder_open(&folder, path_of("stock"), &err)) fail_msg("%s", err.text);
+    int seen[3] = {0};
+    float least = 1, most = 0;
+    for (uint64_t seed = 0; seed < 60; seed++) {
+        float albedo[3], again[3], roughness, repeated;
+        const char *name = drawn_look(&folder, seed, albedo, &roughness);
+        assert_string_equal(drawn_look(&folder, seed, again, &repeated), name);
+        assert_memory_equal(albedo, again, sizeof albedo);
+        assert_true(roughness == repeated);
+        const int which = name[0] == 'b' ? 0 : name[0] == 'm' ? 1 : 2;
+        const float encoded[3] = {which == 0, which == 0 ? 0.2140F : (float)(which == 1), which == 2};
+        for (int c = 0; c < 3; c++) assert_float_equal(albedo[c], 0.02 + 0.9 * (double)encoded[c], 3e-3);
+        seen[which]++;
+        if (which == 2) {
+            assert_float_equal(roughness, 0.4, 3e-3);
+        } else {
+            least = fminf(least, roughness), most = fmaxf(most, roughness);
+        }
+    }
+    assert_true(seen[0] > 8 && seen[1] > 8 && seen[2] > 8);
+    assert_true(least >= 0.25F && least < 0.4F && most <= 0.9F && most > 0.75F);
+    ffp_material_folder_close(&folder);
+}
+
+// Half as high as it is wide, left half white: a seed's picture repeats at its own width in both directions
+// of the world that it is turned to, so the share of white along any line is a half, and it has its
+// proportions.
+static void pictures_keep_their_shape(void **state) {
+    (void)state;
+    FfpError err = {0};
+    FfpImage image = ffp_image_new(64, 32, 3);
+    for (int i = 0; i < 64 * 32; i++)
+        for (int c = 0; c < 3; c++)
+            image.data[3 * i + c] = c == 0 ? (real)(i % 64 < 32) : (real)(i < 16 * 64);
+    assert_true(ffp_image_write_png(&image, path_of("wide.png"), &err));
+    ffp_image_free(&image);
+    FfpTextures *textures = ffp_textures_read_picture(path_of("wide.png"), &err);
+    if (!textures) fail_msg("%s", err.text);
+    const FfpLaying laying = {.axes = {0, 1, 0, -1, 0, 0, 0, 0, 1}, .tile = 2, .roughness = 0.3F, .span = 1};
+    ffp_textures_lay(textures, &laying);
+    const FfpMesh mesh = {0};
+    enum { STEPS = 400 };
+    int changes[2][2] = {{0}}; // of red and of green, along y (the pictures' u) and along x
+    for (int along = 0; along < 2; along++) {
+        float last[2] = {-1, -1};
+        for (int i = 0; i < STEPS; i++) { // four world units
+            FfpHit hit = hit_at(0, 0, 1);
+            hit.point[along == 0 ? 1 : 0] = 0.013F + 4 * (float)i / STEPS;
+            float albedo[3], roughness;
+            ffp_textures_look(textures, &mesh, &hit, 0.001F, albedo, &roughness);
+            assert_float_equal(roughness, 0.3, 1e-6);
+            for (int c = 0; c < 2; c++) {
+                const float side = albedo[c] > 0.5F ? 1 : 0;
+                changes[along][c] += last[c] >= 0 && side != last[c];
+                last[c] = side;
+            }
+        }
+    }
+    assert_int_equal(changes[0][0], 4); // two widths of 2 units
+    assert_int_equal(changes[0][1], 0);
+    assert_int_equal(changes[1][0], 0);
+    assert_int_equal(changes[1][1], 8); // four heights of 1 unit
+    ffp_textures_free(textures);
+}
+
+static void folders_of_no_pictures_are_refused(void **state) {
+    (void)state;
+    FfpError err = {0};
+    FfpMaterialFolder folder;
+    assert_false(ffp_material_folder_open(&folder, path_of("not_there"), &err));
+    assert_int_equal(mkdir(path_of("empty"), 0777), 0);
+    write_words("empty/notes.txt", "nothing");
+    assert_false(ffp_material_folder_open(&folder, path_of("empty"), &err));
+    assert_non_null(strstr(err.text, "pictures"));
+    write_map("empty/good.png", 1, 1, 1);
+    write_words("empty/torn.png", "\x89PNG\r\n\x1a\n and no more");
+    assert_false(ffp_material_folder_open(&folder, path_of("empty"), &err));
+    assert_non_null(strstr(err.text, "torn.png"));
+    assert_int_equal(unlink(path_of("empty/torn.png")), 0);
+    assert_int_equal(mkdir(path_of("empty/maps"), 0777), 0);
+    assert_false(ffp_material_folder_open(&folder, path_of("empty"), &err));
+    assert_non_null(strstr(err.text, "maps"));
+    assert_int_equal(rmdir(path_of("empty/maps")), 0);
+    if (!ffp_material_folder_open(&folder, path_of("empty"), &err)) fail_msg("%s", err.text);
+    write_words("empty/good.png", "gone bad since");
+    assert_null(ffp_material_folder_draw(&folder, 1, NULL, &err));
+    assert_non_null(strstr(err.text, "good.png"));
+    ffp_material_folder_close(&folder);
+}
+
 // A whole scene of a user's mesh and material: seen, lit and with the albedo of the map.
 static void a_scene_of_users_assets(void **state) {
     (void)state;
@@ -468,6 +586,9 @@ int main(void) {
         cmocka_unit_test(maps_are_found_and_understood),
         cmocka_unit_test(coordinates_lay_the_map),
         cmocka_unit_test(folders_that_are_no_material_are_refused),
+        cmocka_unit_test(seeds_draw_materials_from_pictures),
+        cmocka_unit_test(pictures_keep_their_shape),
+        cmocka_unit_test(folders_of_no_pictures_are_refused),
         cmocka_unit_test(a_scene_of_users_assets),
     };
     return cmocka_run_group_tests(tests, make_root, remove_root);
