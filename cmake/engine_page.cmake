@@ -3,18 +3,31 @@ include(cmake/page.cmake)
 target_compile_options(ffp_native INTERFACE -msimd128)
 
 add_executable(engine wasm/engine.c)
-set_target_properties(engine PROPERTIES OUTPUT_NAME module)
+set_target_properties(engine PROPERTIES OUTPUT_NAME module C_EXTENSIONS ON) # MAIN_THREAD_EM_ASM
 target_link_libraries(engine PRIVATE ffp_api ffp_compile)
 target_include_directories(engine PRIVATE include)
-# -O1: the objects are optimised already, and more takes minutes here. One thread; memory as it is needed, up to what 32-bit addresses reach.
+# -O1: the objects are optimised already, and more takes minutes here. Memory as it is needed, up to what 32-bit addresses reach.
 target_link_options(engine PRIVATE -O1 -sMODULARIZE=1 -sEXPORT_NAME=makeEngine -sENVIRONMENT=worker -sALLOW_MEMORY_GROWTH=1 -sINITIAL_MEMORY=268435456 -sMAXIMUM_MEMORY=4294967296
                     -sTOTAL_STACK=8388608 -sFORCE_FILESYSTEM=1 -sEXPORTED_RUNTIME_METHODS=FS,ccall,UTF8ToString
-                    -sEXPORTED_FUNCTIONS=_engine_open,_engine_run,_engine_save,_engine_peak --no-entry)
+                    -sEXPORTED_FUNCTIONS=_engine_import,_engine_open,_engine_run,_engine_save,_engine_peak --no-entry)
 
-set(payload ${PROJECT_BINARY_DIR}/module.wasm ${PROJECT_SOURCE_DIR}/models/small.safetensors)
+if(FFP_WASM_THREADS) # a worker for each processor beside the engine's own, made before it begins
+  target_sources(engine PRIVATE wasm/openmp.c)
+  set_target_properties(engine PROPERTIES OUTPUT_NAME threads)
+  target_link_options(engine PRIVATE -pthread -Wno-pthreads-mem-growth "-sPTHREAD_POOL_SIZE=Math.min(navigator.hardwareConcurrency, 16) - 1")
+  return()
+endif()
+
+set(FFP_WASM_WITH_THREADS "" CACHE PATH "Build folder of the module with threads, which the page gets too")
+set(payload ${PROJECT_SOURCE_DIR}/models/small.safetensors)
+if(FFP_WASM_WITH_THREADS)
+  list(APPEND payload threads.js threads.worker.js threads.wasm)
+  list(TRANSFORM payload PREPEND ${FFP_WASM_WITH_THREADS}/ REGEX "^threads")
+endif()
 ffp_page(engine ffp_page_engine ${PROJECT_BINARY_DIR}/page_engine.c)
 add_custom_command(OUTPUT ${PROJECT_BINARY_DIR}/ffprocams.html
-                   COMMAND sh ${PROJECT_SOURCE_DIR}/wasm/join ${PROJECT_BINARY_DIR}/page_engine.c.html ${PROJECT_BINARY_DIR}/module.js ${payload}
+                   COMMAND sh ${PROJECT_SOURCE_DIR}/wasm/join ${PROJECT_BINARY_DIR}/page_engine.c.html ${PROJECT_BINARY_DIR}/module.js
+                           ${PROJECT_BINARY_DIR}/module.wasm ${payload}
                            > ${PROJECT_BINARY_DIR}/ffprocams.html
-                   DEPENDS ${PROJECT_BINARY_DIR}/page_engine.c engine wasm/join models/small.safetensors)
+                   DEPENDS ${PROJECT_BINARY_DIR}/page_engine.c engine wasm/join ${payload})
 add_custom_target(engine_page DEPENDS ${PROJECT_BINARY_DIR}/ffprocams.html)

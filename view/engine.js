@@ -19,7 +19,9 @@ class Engine {
 
   start() {
     if (this.worker) return Promise.resolve();
-    const script = new Blob([payload('module.js'), $('engine_worker.js').textContent], { type: 'text/javascript' });
+    // Memory may be shared among threads where the page is isolated; opened from disk it is not.
+    const many = self.crossOriginIsolated && navigator.hardwareConcurrency > 1 && $('threads.wasm'), module = many ? 'threads' : 'module';
+    const script = new Blob([payload(`${module}.js`), $('engine_worker.js').textContent], { type: 'text/javascript' });
     this.worker = new Worker(URL.createObjectURL(script));
     this.worker.onmessage = ({ data }) => {
       if (data.kind !== 'answer') { this.tell(data); return; }
@@ -31,7 +33,9 @@ class Engine {
       if (this.waiting) this.waiting.fail(new Message(`The engine stopped: ${event.message}`));
       this.stop();
     };
-    return this.ask({ kind: 'start', wasm: payload('module.wasm'), weights: payload('small.safetensors') });
+    const threads = many ? { script: payload('threads.js'), worker: payload('threads.worker.js') } : null;
+    document.body.dataset.threads = many ? navigator.hardwareConcurrency : 1;
+    return this.ask({ kind: 'start', wasm: payload(`${module}.wasm`), weights: payload('small.safetensors'), threads });
   }
 
   // One request at a time.
@@ -80,18 +84,21 @@ function showProblem(error) {
   if (!(error instanceof Message)) console.warn(error);
 }
 
-// The folder nearest to the top that has one of the files by which a capture is known (docs/reference/formats.md).
+// The folder nearest to the top that has one of the files by which a capture is known (docs/reference/formats.md); null: none has.
 function captureRoot(files) {
   const scenes = files.map(({ path }) => path).filter((path) => /(^|\/)(scene|render_poses)\.json$/.test(path));
-  if (!scenes.length)
-    throw new Message('There is no scene.json or render_poses.json among these files: the folder of a capture has one of them. The program makes captures from photographs and a calibration (ffprocams import).');
   scenes.sort((a, b) => a.split('/').length - b.split('/').length || (a < b ? -1 : 1));
-  return scenes[0].replace(/\/?[a-z_]+\.json$/, '');
+  return scenes.length ? scenes[0].replace(/\/?[a-z_]+\.json$/, '') : null;
 }
 
-function showResult(root, { stats, page }) {
+// What `ffprocams info` says of the capture: all of it behind a button, and what it advises to change among the messages.
+function showChecks(text) {
+  $('checks-text').textContent = text;
+  for (const [, what, advice] of text.matchAll(/^ *LOOK (.*)\n(?: *-> (.*))?/gm)) note(`${what.replace(/ +/g, ' ')}${advice ? `: ${advice}` : ''}`);
+}
+
+function showResult({ stats, page }) {
   const seconds = stats.initialisation + stats.network + stats.polish + stats.noise;
-  state.name = root.split('/').pop() || 'object';
   $('title').textContent = state.name;
   $('figures').textContent = `${stats.gaussians.toLocaleString('en')} splats, ${stats.psnr.toFixed(1)} dB on the photographs, ${seconds.toFixed(1)} s`;
   $('start').hidden = true;
@@ -101,17 +108,19 @@ function showResult(root, { stats, page }) {
 }
 
 async function reconstruct(force) {
-  const { files } = state;
+  const { files, folder } = state;
   try {
-    const root = captureRoot(files);
     showWork('Starting the engine');
     await engine.start();
     showWork('Reading the capture');
-    await engine.ask({ kind: 'open', files, root });
+    if (state.put !== engine.worker) await engine.ask({ kind: 'put', files });
+    state.put = engine.worker;
+    const { text } = await engine.ask({ kind: 'open', folder });
     $('notes').textContent = '';
+    showChecks(text);
     const answer = await engine.ask({ kind: 'run', polish: $('polish').checked ? -1 : 0, force });
     $('work').hidden = true;
-    showResult(root, answer);
+    showResult(answer);
   } catch (error) {
     showProblem(error);
     // The engine refuses captures with a fault; whoever knows better goes on.
@@ -119,12 +128,39 @@ async function reconstruct(force) {
   }
 }
 
+// Photographs become a capture first.
+async function makeCapture(choices) {
+  try {
+    $('photographs').hidden = true;
+    showWork('Starting the engine');
+    await engine.start();
+    await engine.ask({ kind: 'put', files: state.files });
+    state.put = engine.worker;
+    showWork('Making a capture of the photographs');
+    state.folder = (await engine.ask({ kind: 'make', name: state.name, ...choices })).folder;
+    await reconstruct(false);
+  } catch (error) {
+    $('photographs').hidden = false;
+    showProblem(error);
+  }
+}
+
 async function take(reading) {
   if (!$('work').hidden) return;
+  $('photographs').hidden = true;
   try {
     showWork('Reading the files');
     state.files = await reading();
-    await reconstruct(false);
+    state.put = null;
+    const root = captureRoot(state.files);
+    state.name = (root ?? state.files[0]?.path.split('/')[0])?.split('/').pop() || 'object';
+    state.folder = `/dropped/${root}`;
+    if (root !== null) {
+      await reconstruct(false);
+    } else {
+      askAboutPhotographs(state.files);
+      $('work').hidden = true;
+    }
   } catch (error) {
     showProblem(error);
   }
@@ -160,6 +196,15 @@ $('zip-input').onchange = ({ target }) => {
   target.value = '';
   if (file) take(() => readZip(file));
 };
+$('photographs').onsubmit = (event) => {
+  event.preventDefault();
+  try {
+    makeCapture(photographChoices());
+  } catch (error) {
+    showProblem(error);
+  }
+};
+$('checks').onclick = () => $('checks-dialog').showModal();
 $('cancel').onclick = () => engine.stop();
 $('force').onclick = () => reconstruct(true);
 $('again').onclick = () => {

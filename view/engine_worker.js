@@ -5,9 +5,12 @@
 let Module = null;
 const lines = []; // that the engine wrote to stderr
 
-async function start({ wasm, weights }) {
+// `threads`: the scripts of the module and of its threads, where it has some.
+async function start({ wasm, weights, threads }) {
   Module = await makeEngine({
     wasmBinary: wasm,
+    mainScriptUrlOrBlob: threads ? new Blob([threads.script]) : undefined,
+    locateFile: (name) => (threads && name.endsWith('.worker.js') ? URL.createObjectURL(new Blob([threads.worker])) : name),
     print: (text) => postMessage({ kind: 'log', text }),
     printErr: (text) => lines.push(text),
   });
@@ -32,16 +35,30 @@ function removeFolder(path) {
   Module.FS.rmdir(path);
 }
 
-function open({ files, root }) {
-  if (Module.FS.analyzePath('/capture').exists) removeFolder('/capture');
-  Module.FS.mkdir('/capture');
+function put({ files }) {
+  if (Module.FS.analyzePath('/dropped').exists) removeFolder('/dropped');
+  Module.FS.mkdir('/dropped');
   for (const { path, bytes } of files) {
-    const folder = `/capture/${path}`.replace(/\/[^/]*$/, '');
+    const folder = `/dropped/${path}`.replace(/\/[^/]*$/, '');
     if (!Module.FS.analyzePath(folder).exists) Module.FS.mkdirTree(folder);
-    Module.FS.writeFile(`/capture/${path}`, bytes);
+    Module.FS.writeFile(`/dropped/${path}`, bytes);
   }
-  call('engine_open', ['string'], [root ? `/capture/${root}` : '/capture']);
   return {};
+}
+
+// A capture from what was dropped; its folder takes its place. Paths are those of the dropped files.
+function make({ calibration, turntable, angles, shown, images, width, response, name }) {
+  const at = (path) => (path ? `/dropped/${path}` : '');
+  const folder = `/made/${name}`, numbers = new Uint8Array(new Float64Array(angles).buffer);
+  if (Module.FS.analyzePath('/made').exists) removeFolder('/made');
+  Module.FS.mkdir('/made');
+  call('engine_import', ['string', 'string', 'array', 'number', 'string', 'string', 'number', 'number', 'string'],
+    [at(calibration), at(turntable), numbers, angles.length, at(shown), at(images), width, response ? 1 : 0, folder]);
+  return { folder };
+}
+
+function open({ folder }) {
+  return { text: call('engine_open', ['string'], [folder]) };
 }
 
 function save(name) {
@@ -59,7 +76,7 @@ function run({ polish, force }) {
   return { stats, page: save('view.html').bytes };
 }
 
-const requests = { start, open, run, save: ({ name }) => save(name) };
+const requests = { start, put, make, open, run, save: ({ name }) => save(name) };
 
 self.onmessage = async ({ data }) => {
   try {

@@ -6,6 +6,9 @@
 #include <string.h>
 #include "ffprocams.h"
 
+const char *engine_import(const char *calibration, const char *turntable, const double *angles, int n_angles,
+                          const char *shown, const char *images, int width, int fit_response,
+                          const char *folder);
 const char *engine_open(const char *path);
 const char *engine_run(int polish, int force);
 const char *engine_save(const char *path);
@@ -15,20 +18,20 @@ static FfpContext *context;
 static FfpModel *model;
 static FfpCapture *capture;
 static FfpGaussians *gaussians;
+static char *description;
 static char answer[2048];
 
 // clang-format off
-EM_JS(void, tell_log, (int level, const char *text), {
-    postMessage({kind: "log", level: level, text: UTF8ToString(text)});
-})
 EM_JS(void, tell_progress, (const char *stage, double done, double total, double left), {
     postMessage({kind: "progress", stage: stage ? UTF8ToString(stage) : "", done: done, total: total, left: left});
 })
 // clang-format on
 
+// Threads of the pool have messages too; the worker's listener hears the engine's own alone.
 static void log_line(void *user, FfpLogLevel level, const char *text) {
     (void)user;
-    tell_log((int)level, text);
+    MAIN_THREAD_EM_ASM({ postMessage({kind : "log", level : $0, text : UTF8ToString($1)}); }, (int)level,
+                       text);
 }
 
 static bool show_progress(void *user, const FfpProgress *progress) {
@@ -52,7 +55,31 @@ static bool start(FfpError *err) {
     return model != NULL;
 }
 
-// Opens the capture in a folder or at a scene.json. Returns what it holds, or "error: ...".
+// Makes a capture in `folder` from photographs, as `ffprocams import` does: -c, -t, --angles (degrees),
+// --shown, -i, -w, --fit-response. "" and 0: not given. Returns "", or "error: ...".
+EMSCRIPTEN_KEEPALIVE const char *engine_import(const char *calibration, const char *turntable,
+                                               const double *angles, int n_angles, const char *shown,
+                                               const char *images, int width, int fit_response,
+                                               const char *folder) {
+    FfpError err = {0};
+    FfpImport options = ffp_import_defaults();
+    const FfpImportImages photographs = {.files = images};
+    options.calibrations = &calibration;
+    options.n_calibrations = 1;
+    options.turntable.file = *turntable ? turntable : NULL;
+    options.turntable.angles = angles;
+    options.turntable.n_angles = n_angles;
+    options.shown = *shown ? shown : NULL;
+    options.images = *images ? &photographs : NULL;
+    options.n_images = *images ? 1 : 0;
+    options.width = width;
+    options.fit_response = fit_response != 0;
+    options.folder = folder;
+    return start(&err) && ffp_import_capture(context, &options, &err) ? "" : failed(&err);
+}
+
+// Opens the capture in a folder or at a scene.json. Returns what `ffprocams info` says of it, or "error:
+// ...".
 EMSCRIPTEN_KEEPALIVE const char *engine_open(const char *path) {
     FfpError err = {0};
     if (!start(&err)) return failed(&err);
@@ -60,8 +87,9 @@ EMSCRIPTEN_KEEPALIVE const char *engine_open(const char *path) {
     gaussians = NULL;
     ffp_capture_close(capture);
     capture = ffp_capture_open(context, path, &err);
-    if (!capture) return failed(&err);
-    return "";
+    ffp_free(description);
+    description = capture ? ffp_info(context, path, &err) : NULL;
+    return description ? description : failed(&err);
 }
 
 // Reconstructs; `polish` as FfpReconstruction's, `force` to go on although the capture has a fault. Returns
@@ -92,10 +120,16 @@ static bool save(const char *path, FfpError *err) {
         page.file = path;
         return ffp_write_page(context, gaussians, capture, &page, NULL, err);
     }
+    if (dot && (strcmp(dot, ".spz") == 0 || strcmp(dot, ".glb") == 0)) {
+        FfpExport splats = ffp_export_defaults();
+        splats.file = path;
+        return ffp_export(context, gaussians, capture, &splats, NULL, err);
+    }
     return ffp_gaussians_save(context, gaussians, path, err);
 }
 
-// Writes the Gaussians: .html the page that shows them, or .ply. Returns "", or "error: ...".
+// Writes the Gaussians: .html the page that shows them; .spz and .glb splats in ambient light; or .ply.
+// Returns "", or "error: ...".
 EMSCRIPTEN_KEEPALIVE const char *engine_save(const char *path) {
     FfpError err = {0};
     return save(path, &err) ? "" : failed(&err);

@@ -4,7 +4,7 @@
 
 static bool refuse(const char *path, FfpError *err) {
     return ffp_fail(err, FFP_ERROR_UNSUPPORTED, path,
-                    "EXR files need the program: the page reads and writes PNG");
+                    "EXR files need the program: the page reads PNG and JPEG");
 }
 
 bool ffp_exr_is(const FfpBytes *file) {

@@ -4,7 +4,7 @@
 
 static bool refuse(const FfpBytes *file, FfpError *err) {
     return ffp_fail(err, FFP_ERROR_UNSUPPORTED, file->path,
-                    "TIFF files need the program: the page reads PNG");
+                    "TIFF files need the program: the page reads PNG and JPEG");
 }
 
 bool ffp_tiff_is(const FfpBytes *file) {
