@@ -9,12 +9,13 @@
 extern "C" {
 #endif
 
-// Fits Gaussians as GS-ProCams does: points in the visual hull grow, divide and vanish. The seed also selects
-// the initial points; the default limit is 20000 steps. Cancelling it before there are any points is a
-// failure, FFP_ERROR_CANCELLED. `stats` may be NULL.
+// Fits Gaussians as GS-ProCams does: points grow, divide and vanish. They are the centres of `points`, at
+// least four, or, if that is NULL, drawn in the visual hull (in the form of GS-ProCams in a cube about the
+// object). The seed also selects the points that are drawn; the default limit is 20000 steps. Cancelling it
+// before there are any points is a failure, FFP_ERROR_CANCELLED. `stats` may be NULL.
 FFP_API FfpGaussians *ffp_fit_from_scratch(FfpContext *context, const FfpCapture *capture,
-                                           const FfpRefinement *options, FfpRefinementStats *stats,
-                                           FfpError *err);
+                                           const FfpGaussians *points, const FfpRefinement *options,
+                                           FfpRefinementStats *stats, FfpError *err);
 
 // A neural reflectance field in the form of Nepmap: small networks give density, material and the light that
 // reaches each point. Only ffp_evaluate draws it.

@@ -194,6 +194,7 @@ def refine(
 def fit_from_scratch(
     capture: Capture | PathLike,
     *,
+    points: Gaussians | PathLike | None = None,
     patterns: str | Sequence[str] = (),
     steps: int = 0,
     seconds: float = 0,
@@ -206,12 +207,15 @@ def fit_from_scratch(
     threads: int = 0,
     device: str = "cpu",
 ) -> Refined:
-    """Fits Gaussians without a prediction, as GS-ProCams does; for comparison, since it takes far longer. Arguments as
-    for refine; with neither limit: 20000 steps."""
+    """Fits Gaussians without a prediction, as GS-ProCams does; for comparison, since it takes far longer. It begins
+    with the centres of `points`, or with points in the visual hull. Other arguments as for refine; with neither limit:
+    20000 steps."""
     capture, keep, stats = capture_of(capture), Keep(), ffi.new("FfpRefinementStats *")
     options = _refinement(patterns, steps, seconds, noise, seed, metrics, drawing_of(form, samples), keep)
-    with holding(capture), Call(progress, threads, device) as call:
-        made = lib.ffp_fit_from_scratch(call.context, capture._pointer, options, stats, call.error)
+    begin = None if points is None else gaussians_of(points)
+    with holding(capture, begin), Call(progress, threads, device) as call:
+        at = ffi.NULL if begin is None else begin._pointer
+        made = lib.ffp_fit_from_scratch(call.context, capture._pointer, at, options, stats, call.error)
         out = Refined(call.take(made, lib.ffp_gaussians_close))
     out.stats = record(RefinementStats, stats)
     return out

@@ -88,6 +88,8 @@ def test_refine_gains(capture: ffp.Capture, gaussians: ffp.Gaussians, tmp_path: 
     assert better.stats.psnr_after > better.stats.psnr_before + 1 and better.stats.steps == 24
     assert json.loads((tmp_path / "metrics.jsonl").read_text().splitlines()[-1])["step"] == 24
     scratch = ffp.fit_from_scratch(capture, steps=8)
+    given = ffp.fit_from_scratch(capture, points=scratch, steps=8)
+    assert given.stats.gaussians <= scratch.stats.gaussians
     assert len(scratch) == scratch.stats.gaussians > 100
 
 

@@ -1,6 +1,8 @@
-// A fit without a prediction: points in the visual hull, which adaptive density turns into a surface.
+// A fit without a prediction: points, in the visual hull or given, which adaptive density turns into a
+// surface.
 #include "lab/baselines/scratch.h"
 #include <stdlib.h>
+#include <string.h>
 #include "core/base/arena.h"
 #include "core/base/call.h"
 #include "core/base/device.h"
@@ -12,8 +14,7 @@
 #define NEAREST 3
 #define TRIES 1000 // points drawn for one that is wanted, before the hull counts as empty
 #define OBJECT_EXTENT 4
-#define SCENE_POINTS 20000 // about as many as structure from motion gives
-#define OFTEN 4096         // tries after which the caller is asked whether to go on
+#define OFTEN 4096 // tries after which the caller is asked whether to go on
 
 // Rates and densification of GS-ProCams' released program, whose scene extent is 1.1 times the cameras'
 // distance from their mean: about 4 in the unit sphere's units. Its distortion is a square of a depth
@@ -85,21 +86,6 @@ static bool draw_points(real *points, const FfpCapture *capture, int64_t count, 
     return found == count;
 }
 
-// In a whole scene: on random pixels' rays, evenly in inverse depth over the view's range.
-static void draw_before_cameras(real *points, const FfpCapture *capture, int64_t count, FfpRng *rng) {
-    for (int64_t i = 0; i < count; i++) {
-        const FfpView *view = &capture->views[ffp_rng_below(rng, (uint32_t)capture->n_views)];
-        const FfpCamera *camera = &view->camera;
-        const real x = ffp_rng_range(rng, 0, (float)camera->width),
-                   y = ffp_rng_range(rng, 0, (float)camera->height);
-        const real depth = 1 / ffp_rng_range(rng, 1 / view->far, 1 / view->near);
-        real ray[3], along = 0;
-        ffp_pixel_ray(camera, x, y, ray);
-        for (int k = 0; k < 3; k++) along += ray[k] * camera->pose[4 * k + 2];
-        for (int k = 0; k < 3; k++) points[3 * i + k] = camera->pose[4 * k + 3] + ray[k] * depth / along;
-    }
-}
-
 static void place_splats(FfpGaussians *g, FfpRng *rng) {
     int64_t *neighbour = ffp_alloc((size_t)g->count, NEAREST * sizeof *neighbour);
     real *squared = ffp_alloc((size_t)g->count, NEAREST * sizeof *squared);
@@ -137,11 +123,12 @@ static bool check(const FfpCapture *capture, int64_t count, FfpError *err) {
 bool ffp_scratch_gaussians(FfpGaussians *gaussians, const FfpCapture *capture,
                            const FfpScratchSettings *settings, FfpError *err) {
     FfpRng rng = ffp_rng(settings->fit.seed, settings->cube ? 4 : 3);
-    const bool scene = settings->cube && capture->scene;
-    if (!check(capture, settings->points, err)) return false;
-    *gaussians = ffp_gaussians_new(scene ? SCENE_POINTS : settings->points);
-    if (scene)
-        draw_before_cameras(gaussians->centre, capture, gaussians->count, &rng);
+    const FfpGaussians *given = settings->given;
+    const int64_t count = given ? given->count : settings->points;
+    if (!check(capture, count, err)) return false;
+    *gaussians = ffp_gaussians_new(count);
+    if (given)
+        memcpy(gaussians->centre, given->centre, 3 * (size_t)count * sizeof(real));
     else if (settings->cube)
         for (int64_t i = 0; i < 3 * gaussians->count; i++)
             gaussians->centre[i] = ffp_rng_range(&rng, -1.3F, 1.3F);

@@ -8,18 +8,18 @@
 typedef struct FfpScratchSettings {
     FfpRefineSettings fit; // its growth is what `density` says
     FfpDensity density;
-    bool cube; // the points are drawn in the cube [-1.3,1.3]^3, whatever the silhouettes say, or in a whole
-               // scene before the cameras, evenly in inverse depth over their ranges; instead of in the
-               // visual hull, where every view that sees a point has it inside its coverage
-    int64_t points; // to start from; 20000 before the cameras of a scene
+    const FfpGaussians *given; // whose centres are the points to start from; NULL: points are drawn
+    bool cube;      // in the cube [-1.3,1.3]^3, whatever the silhouettes say, instead of in the visual hull,
+                    // where every view that sees a point has it inside its coverage
+    int64_t points; // as many
 } FfpScratchSettings;
 // GS-ProCams' losses, rates and densification, for objects: a fit of a whole scene takes the cameras' own
 // extent. `released`: everything as in its released program when it is given no points; otherwise points from
 // the hull, and all of a view's pictures in each step.
 FfpScratchSettings ffp_scratch_defaults(bool released);
 
-// The points, drawn evenly: round splats as wide as the way to the three nearest, opacity 0.1, grey. Errors:
-// an empty hull, a device.
+// The points, given or drawn evenly: round splats as wide as the way to the three nearest, opacity 0.1, grey.
+// Errors: an empty hull, three points or fewer, a device.
 bool ffp_scratch_gaussians(FfpGaussians *gaussians, const FfpCapture *capture,
                            const FfpScratchSettings *settings, FfpError *err);
 

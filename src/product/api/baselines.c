@@ -15,8 +15,9 @@
 typedef struct Call {
     const FfpCapture *capture;
     const FfpRefinement *options;
-    const char *checkpoint;  // of a field
-    FfpGaussians *gaussians; // the result, or
+    const FfpGaussians *points; // where Gaussians begin, or NULL
+    const char *checkpoint;     // of a field
+    FfpGaussians *gaussians;    // the result, or
     FfpNeuralField *field;
     FfpRefinementStats *stats;
 } Call;
@@ -33,12 +34,27 @@ static FfpScratchSettings scratch_settings(const FfpRefinement *options, FILE *m
     return s;
 }
 
+// From world units to those of the normalised capture, as ffp_fit_done goes the other way.
+static void into_the_sphere(real *centres, int64_t count, const FfpCapture *capture) {
+    for (int64_t i = 0; i < count; i++)
+        for (int k = 0; k < 3; k++)
+            centres[3 * i + k] = (centres[3 * i + k] - capture->centre[k]) / capture->radius;
+}
+
 static bool fit_scratch(void *argument, const FfpFitPhotographs *p, FfpError *err) {
     const Call *call = argument;
-    const FfpScratchSettings settings = scratch_settings(call->options, p->metrics);
+    FfpScratchSettings settings = scratch_settings(call->options, p->metrics);
+    FfpGaussians points = {0};
+    if (call->points) {
+        points = ffp_gaussians_copy(call->points);
+        into_the_sphere(points.centre, points.count, p->source);
+        settings.given = &points;
+    }
     FfpRefineResult result = {0};
-    if (!ffp_scratch_fit(call->gaussians, p->capture, p->patterns, p->n_patterns, &settings, &result, err))
-        return false;
+    const bool ok =
+        ffp_scratch_fit(call->gaussians, p->capture, p->patterns, p->n_patterns, &settings, &result, err);
+    ffp_gaussians_free(&points);
+    if (!ok) return false;
     ffp_fit_done(call->gaussians, "", p, &result, call->stats);
     return true;
 }
@@ -51,11 +67,11 @@ static bool scratch_call(void *argument, FfpError *err) {
     return false;
 }
 
-FfpGaussians *ffp_fit_from_scratch(FfpContext *context, const FfpCapture *capture,
+FfpGaussians *ffp_fit_from_scratch(FfpContext *context, const FfpCapture *capture, const FfpGaussians *points,
                                    const FfpRefinement *options, FfpRefinementStats *stats, FfpError *err) {
-    Call call = {.capture = capture, .options = options, .stats = stats};
+    Call call = {.capture = capture, .options = options, .points = points, .stats = stats};
     if (!ffp_need(capture, "capture", err) || !ffp_need(options, "options", err) ||
-        !ffp_check_drawing(options->drawing, err))
+        !ffp_check_drawing(options->drawing, err) || (points && !ffp_need_gaussians(points, err)))
         return NULL;
     return ffp_call_run(context, scratch_call, &call, err) ? call.gaussians : NULL;
 }

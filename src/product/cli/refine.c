@@ -43,9 +43,15 @@ static bool run_gaussians(const Arguments *arguments, const FfpCapture *capture,
     FfpRefinementStats stats = {0};
     FfpGaussians *gaussians = NULL;
     bool ok = true;
-    if (arguments->scratch)
-        gaussians = ffp_fit_from_scratch(ffp_cli_context(), capture, &arguments->refinement, &stats, err);
-    else if ((gaussians = ffp_gaussians_open(ffp_cli_context(), arguments->gaussians, err)))
+    if (arguments->gaussians &&
+        !(gaussians = ffp_gaussians_open(ffp_cli_context(), arguments->gaussians, err)))
+        return false;
+    if (arguments->scratch) {
+        FfpGaussians *points = gaussians;
+        gaussians =
+            ffp_fit_from_scratch(ffp_cli_context(), capture, points, &arguments->refinement, &stats, err);
+        ffp_gaussians_close(points);
+    } else
         ok = ffp_refine_gaussians(ffp_cli_context(), gaussians, capture, &arguments->refinement, &stats, err);
     if (stats.stopped) ffp_cli_clear_interrupt(); // the best so far is to be saved
     ok = ok && gaussians && ffp_gaussians_save(ffp_cli_context(), gaussians, arguments->output, err);
@@ -62,8 +68,8 @@ static bool ends(const char *path, const char *ending) {
 // An exit code, or -1: all options go together.
 static int check(const Arguments *arguments) {
     const bool field = arguments->scratch == FROM_FIELD;
-    if (arguments->scratch && arguments->gaussians)
-        return ffp_cli_usage("refine", "--from-scratch takes no FILE.ply: %s", arguments->gaussians);
+    if (field && arguments->gaussians)
+        return ffp_cli_usage("refine", "--from-scratch=field takes no FILE.ply: %s", arguments->gaussians);
     if (!arguments->scratch && !arguments->gaussians)
         return ffp_cli_usage("refine", "give exactly one FILE.ply");
     if (arguments->checkpoint && !field)
@@ -119,9 +125,10 @@ static const FfpOption options[] = {
      .type = FFP_OPTION_CHOICE,
      .offset = offsetof(Arguments, scratch),
      .words = (const FfpWord[]){{"gaussians", FROM_GAUSSIANS}, {"field", FROM_FIELD}, {0}},
-     .help = "fit without a prediction (and without FILE.ply). gaussians: as GS-ProCams does, with points in "
-             "the visual hull that grow, divide and vanish. field: as Nepmap does, with a neural reflectance "
-             "field, whose file only `info` and `evaluate --field` read. Both take far longer"},
+     .help = "fit without a prediction. gaussians: as GS-ProCams does, with points that grow, divide and "
+             "vanish; they are the centres of FILE.ply if it is given, otherwise drawn in the visual hull. "
+             "field: as Nepmap does, with a neural reflectance field, whose file only `info` and `evaluate "
+             "--field` read. Both take far longer"},
     {.name = "seconds",
      .letter = 's',
      .argument = "S",
@@ -187,7 +194,8 @@ const FfpCommand ffp_cli_refine = {
                    .least = 0,
                    .most = 1,
                    .offset = offsetof(Arguments, gaussians),
-                   .help = "Gaussians written by `ffprocams reconstruct`"},
+                   .help = "Gaussians written by `ffprocams reconstruct`; with --from-scratch=gaussians the "
+                           "points to begin with"},
     .options = options,
     .examples =
         (const FfpExample[]){

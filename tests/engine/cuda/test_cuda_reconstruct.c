@@ -153,7 +153,7 @@ static void test_fits_on_their_own(void **state) {
     assert_same_bits(here, &there);
     ffp_gaussians_close(here);
     ffp_gaussians_free(&there);
-    here = ffp_fit_from_scratch(&with, &capture, &how, NULL, &err);
+    here = ffp_fit_from_scratch(&with, &capture, NULL, &how, NULL, &err);
     assert_non_null(here);
     assert_int_equal(notes.on_the_cpu, 2);
     assert_non_null(strstr(notes.last, "density"));

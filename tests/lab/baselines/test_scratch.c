@@ -31,28 +31,25 @@ static void test_a_fit_from_scratch_finds_the_ball(void **state) {
     ffp_capture_free(&c);
 }
 
-// Each point of a scene lies in the view's picture, between its ends; half of them nearer than the harmonic
-// mean of these.
-static void test_a_scene_starts_before_its_cameras(void **state) {
+// The centres given are the points, however many and wherever they lie.
+static void test_given_points_are_where_a_fit_begins(void **state) {
     (void)state;
     FfpCapture c = ball_capture(400, 4, 40, 40, 32);
-    const FfpScratchSettings s = ffp_scratch_defaults(true);
-    const int views = c.n_views;
-    const real near = 2, far = 50;
-    FfpGaussians g;
-    int64_t nearer = 0;
-    c.scene = true, c.n_views = 1, c.views[0].near = near, c.views[0].far = far;
+    FfpGaussians points = ffp_gaussians_new(4), g;
+    FfpScratchSettings s = ffp_scratch_defaults(true);
+    FfpError err;
+    for (int i = 0; i < 12; i++) points.centre[i] = (real)(i * i);
+    s.given = &points;
     assert_true(ffp_scratch_gaussians(&g, &c, &s, NULL));
-    for (int64_t i = 0; i < g.count; i++) {
-        real x, y;
-        const real z = ffp_project(&c.views[0].camera, g.centre + 3 * i, &x, &y);
-        assert_true(z > 0.999F * near && z < 1.001F * far);
-        assert_true(x > -0.01F && y > -0.01F && x < 40.01F && y < 40.01F);
-        nearer += z < 2 / (1 / near + 1 / far);
-    }
-    assert_true(fabs((double)nearer / (double)g.count - 0.5) < 0.02);
+    assert_int_equal(g.count, 4);
+    assert_memory_equal(g.centre, points.centre, 12 * sizeof(real));
+    assert_true(g.scale[0] > 1);
     ffp_gaussians_free(&g);
-    c.n_views = views;
+    points.count = 3;
+    assert_false(ffp_scratch_gaussians(&g, &c, &s, &err));
+    assert_non_null(strstr(err.text, "3 points are too few"));
+    points.count = 4;
+    ffp_gaussians_free(&points);
     ffp_capture_free(&c);
 }
 
@@ -89,7 +86,7 @@ static void test_density_doubles_and_removes(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(test_a_fit_from_scratch_finds_the_ball),
-                                       cmocka_unit_test(test_a_scene_starts_before_its_cameras),
+                                       cmocka_unit_test(test_given_points_are_where_a_fit_begins),
                                        cmocka_unit_test(test_density_doubles_and_removes)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

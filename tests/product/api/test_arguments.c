@@ -46,8 +46,8 @@ static void fits_are_told_what_to_fit(void **state) {
     refused(!ffp_refine_gaussians(NULL, NULL, capture, &fine, NULL, &err), "gaussians");
     refused(!ffp_refine_gaussians(NULL, gaussians, NULL, &fine, NULL, &err), "capture");
     refused(!ffp_refine_gaussians(NULL, gaussians, capture, &further, NULL, &err), capture->name);
-    refused(!ffp_fit_from_scratch(NULL, NULL, &fine, NULL, &err), "capture");
-    refused(!ffp_fit_from_scratch(NULL, capture, NULL, NULL, &err), "options");
+    refused(!ffp_fit_from_scratch(NULL, NULL, NULL, &fine, NULL, &err), "capture");
+    refused(!ffp_fit_from_scratch(NULL, capture, NULL, NULL, NULL, &err), "options");
     refused(!ffp_fit_neural_field(NULL, NULL, &fine, NULL, NULL, &err), "capture");
     refused(!ffp_fit_neural_field(NULL, capture, &further, NULL, NULL, &err), capture->name);
     refused(!ffp_align_poses(NULL, NULL, &aligning, NULL, &err), "capture");
@@ -140,7 +140,7 @@ static void drawings_are_checked(void **state) {
         refused(ffp_write_maps(NULL, gaussians, capture, &maps, NULL, &err) < 0, field);
         refused(!ffp_map_images(NULL, gaussians, capture, &camera, &projector, bad[i], NULL, &err), field);
         refused(!ffp_refine_gaussians(NULL, gaussians, capture, &how, NULL, &err), field);
-        refused(!ffp_fit_from_scratch(NULL, capture, &how, NULL, &err), field);
+        refused(!ffp_fit_from_scratch(NULL, capture, NULL, &how, NULL, &err), field);
         refused(!ffp_evaluate(NULL, &evaluation, &n, &err), field);
     }
     refused(!ffp_export(NULL, gaussians, capture, &export, NULL, &err), "drawing.form");

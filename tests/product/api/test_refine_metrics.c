@@ -39,7 +39,7 @@ static void refuse(const char *metrics) {
     assert_memory_equal(gaussians->centre, before.centre, 3 * (size_t)before.count * sizeof(real));
     assert_memory_equal(gaussians->scale, before.scale, 3 * (size_t)before.count * sizeof(real));
     ffp_gaussians_free(&before);
-    assert_null(ffp_fit_from_scratch(NULL, capture, &how, NULL, &err));
+    assert_null(ffp_fit_from_scratch(NULL, capture, NULL, &how, NULL, &err));
     assert_int_equal(err.code, FFP_ERROR_IO);
 }
 

@@ -158,7 +158,7 @@ static void test_several_patterns(void **state) {
 
 static void test_from_scratch_needs_no_gaussians(void **state) {
     (void)state;
-    double before, after;
+    double before, after, given;
     assert_int_equal(
         run_format(&run,
                    "refine --from-scratch=gaussians -c %s/tiny -o %s/scratch.ply --steps 24 --pattern "
@@ -168,6 +168,13 @@ static void test_from_scratch_needs_no_gaussians(void **state) {
     read_gain(&before, &after);
     assert_true(after > before + 1);
     assert_true(ffp_is_file(in_scratch("scratch.ply")));
+    assert_int_equal(
+        run_format(&run, "refine %s/tiny.ply --from-scratch=gaussians -c %s/tiny -o %s/given.ply --steps 24",
+                   scratch, scratch, scratch),
+        0);
+    read_gain(&before, &given);
+    assert_true(given > before + 1);
+    assert_true(ffp_is_file(in_scratch("given.ply")));
 }
 
 static void test_a_field_is_fitted_and_evaluated(void **state) {
@@ -249,7 +256,7 @@ static void test_wrong_requests_are_told_and_write_nothing(void **state) {
     assert_int_equal(run_format(&run, "refine %s/tiny.ply -c %s/tiny", scratch, scratch), 2);
     assert_int_equal(run_format(&run, "refine -c %s/tiny -o a.ply", scratch), 2);
     assert_int_equal(
-        run_format(&run, "refine %s/tiny.ply --from-scratch=gaussians -c %s/tiny -o a.ply", scratch, scratch),
+        run_format(&run, "refine %s/tiny.ply --from-scratch=field -c %s/tiny -o a.field", scratch, scratch),
         2);
     static const char *const wrong[][2] = {
         {"refine --from-scratch=field -c %s/tiny -o %s/b.PLY", "a field is not a PLY file: name "},

@@ -4,6 +4,7 @@
 #include "core/base/alloc.h"
 #include "core/base/vec.h"
 #include "rig/import/checks.h"
+#include "rig/import/chord.h"
 #include "support.h"
 
 static FfpCapture capture;
@@ -191,6 +192,24 @@ static void test_few_views(void **state) {
     capture.n_views = all;
 }
 
+// What is lit in a scene may lie beyond its sphere: rays that pass just beside that are looked along too.
+static void test_a_scene_reaches_beyond_its_sphere(void **state) {
+    (void)state;
+    const FfpCamera *camera = &capture.views[0].camera;
+    const size_t pixels = (size_t)camera->width * (size_t)camera->height;
+    size_t objects = 0, scenes = 0;
+    FfpChord narrow, wide;
+    for (size_t i = 0; i < pixels; i++) {
+        capture.scene = false;
+        const bool in = ffp_chord(&capture, camera, i, &narrow);
+        capture.scene = true;
+        const bool also = ffp_chord(&capture, camera, i, &wide);
+        objects += in, scenes += also;
+        assert_true(!in || (also && wide.near < narrow.near && wide.far > narrow.far));
+    }
+    assert_true(objects > 0 && scenes > objects);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(test_good, setup, teardown),
@@ -206,6 +225,7 @@ int main(void) {
         cmocka_unit_test_setup_teardown(test_upside_down, setup, teardown),
         cmocka_unit_test_setup_teardown(test_light, setup, teardown),
         cmocka_unit_test_setup_teardown(test_few_views, setup, teardown),
+        cmocka_unit_test_setup_teardown(test_a_scene_reaches_beyond_its_sphere, setup, teardown),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
