@@ -74,11 +74,12 @@ static bool read_capture(FfpCapture *capture, const char *json, bool targets, Ff
     return read_file(&manifest, json, err);
 }
 
+static const char *const capture_names[2] = {"scene.json", "render_poses.json"};
+
 bool ffp_capture_read(FfpCapture *capture, const char *path, FfpError *err) {
-    static const char *const names[2] = {"scene.json", "render_poses.json"};
     char json[FFP_PATH_MAX];
     *capture = (FfpCapture){.black = -1, .white = -1};
-    if (!find_json(json, path, names, 2, err)) return false;
+    if (!find_json(json, path, capture_names, 2, err)) return false;
     capture->patterns = ffp_alloc(FFP_PATTERNS_MAX, sizeof(FfpPattern));
     return read_capture(capture, json, false, err);
 }
@@ -109,6 +110,29 @@ bool ffp_capture_read_targets(FfpCapture *targets, const char *path, const FfpCa
     targets->intensity_known = reference->intensity_known;
     targets->panel = reference->panel;
     return true;
+}
+
+// Whether the file says all that the photographs would be looked at for.
+static bool says_enough(const FfpCapture *devices) {
+    bool enough = devices->intensity_known;
+    for (int p = 0; p < devices->n_patterns; p++) enough &= devices->patterns[p].image.data != NULL;
+    return enough;
+}
+
+FfpCapture *ffp_capture_load_devices(const char *path, FfpError *err) {
+    char json[FFP_PATH_MAX];
+    FfpCapture *devices = ffp_alloc(1, sizeof *devices);
+    FfpManifest manifest = {.capture = devices, .targets = true, .poses = true, .whole_frames = true};
+    *devices = (FfpCapture){.black = -1, .white = -1};
+    devices->patterns = ffp_alloc(FFP_PATTERNS_MAX, sizeof(FfpPattern));
+    FfpError why = {0}; // what is wrong is found again, and told, by reading all of it
+    const bool found = find_json(json, path, capture_names, 2, &why);
+    const bool read = found && read_file(&manifest, json, &why);
+    if (read && says_enough(devices)) return devices;
+    if (read) ffp_capture_free(devices);
+    if (!found) ffp_free(devices->patterns);
+    ffp_free(devices);
+    return ffp_capture_load(path, err);
 }
 
 bool ffp_capture_read_poses(FfpCapture *poses, const char *path, int width, int height, FfpError *err) {

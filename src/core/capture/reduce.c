@@ -104,7 +104,7 @@ FfpView ffp_view_reduced(const FfpView *view, int n_patterns, const int *pattern
     reduce_camera(&out.camera, width, height);
     out.frame_width = frame_side(ffp_frame_width(view), view->camera.width, width);
     out.frame_height = frame_side(ffp_frame_height(view), view->camera.height, height);
-    out.coverage = ffp_image_resize(&view->coverage, width, height);
+    if (view->coverage.data) out.coverage = ffp_image_resize(&view->coverage, width, height);
     const real spread =
         SPREAD * fmax(view->projector.fx, view->projector.fy) / fmin(out.camera.fx, out.camera.fy);
     out.correspondence = reduce_correspondence(&view->correspondence, width, height, (double)fmax(spread, 2));

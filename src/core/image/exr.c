@@ -429,12 +429,20 @@ static exr_result_t compress(exr_encode_pipeline_t *encoder) {
     return code;
 }
 
-static exr_result_t write_chunks(exr_context_t exr, const FfpImage *image, const float *values) {
+static void convert(const FfpImage *image, int line, int lines, float *values) {
+    const size_t row = (size_t)image->width * (size_t)image->channels;
+    const real *from = image->data + (size_t)line * row;
+    const size_t count = (size_t)(lines < image->height - line ? lines : image->height - line) * row;
+    for (size_t i = 0; i < count; i++) values[i] = (float)from[i];
+}
+
+static exr_result_t write_chunks(exr_context_t exr, const FfpImage *image) {
     const size_t n = (size_t)image->channels, row = (size_t)image->width * n;
     exr_encode_pipeline_t encoder = EXR_ENCODE_PIPELINE_INITIALIZER;
     Compress *usual = NULL;
     int lines = 0;
     exr_result_t code = exr_get_scanlines_per_chunk(exr, 0, &lines);
+    float *values = ffp_alloc(code == EXR_ERR_SUCCESS ? (size_t)lines * row : 1, sizeof *values);
     for (int line = 0; line < image->height && code == EXR_ERR_SUCCESS; line += lines) {
         exr_chunk_info_t chunk;
         code = exr_write_scanline_chunk_info(exr, 0, line, &chunk);
@@ -442,12 +450,13 @@ static exr_result_t write_chunks(exr_context_t exr, const FfpImage *image, const
         code = line == 0 ? exr_encoding_initialize(exr, 0, &chunk, &encoder)
                          : exr_encoding_update(exr, 0, &chunk, &encoder);
         if (code != EXR_ERR_SUCCESS) break;
+        convert(image, line, lines, values);
         for (int c = 0; c < encoder.channel_count; c++) {
             exr_coding_channel_info_t *channel = &encoder.channels[c];
             size_t source = 0;
             while (source < n - 1 && strcmp(channel->channel_name, channel_name((int)n, (int)source)) != 0)
                 source++;
-            channel->encode_from_ptr = (const uint8_t *)(values + (size_t)line * row + source);
+            channel->encode_from_ptr = (const uint8_t *)(values + source);
             channel->user_data_type = EXR_PIXEL_FLOAT;
             channel->user_bytes_per_element = sizeof(float);
             channel->user_pixel_stride = (int32_t)(n * sizeof(float));
@@ -462,10 +471,11 @@ static exr_result_t write_chunks(exr_context_t exr, const FfpImage *image, const
         if (code == EXR_ERR_SUCCESS) code = exr_encoding_run(exr, 0, &encoder);
     }
     exr_encoding_destroy(exr, &encoder);
+    ffp_free(values);
     return code;
 }
 
-static exr_result_t write_exr(FfpOutput *out, const FfpImage *image, const float *values) {
+static exr_result_t write_exr(FfpOutput *out, const FfpImage *image) {
     exr_context_initializer_t settings = EXR_DEFAULT_CONTEXT_INITIALIZER;
     settings.error_handler_fn = keep_quiet;
     settings.user_data = out->stream;
@@ -474,7 +484,7 @@ static exr_result_t write_exr(FfpOutput *out, const FfpImage *image, const float
     exr_context_t exr = NULL;
     exr_result_t code = exr_start_write(&exr, out->path, EXR_WRITE_FILE_DIRECTLY, &settings);
     if (code == EXR_ERR_SUCCESS) code = write_header(exr, image);
-    if (code == EXR_ERR_SUCCESS) code = write_chunks(exr, image, values);
+    if (code == EXR_ERR_SUCCESS) code = write_chunks(exr, image);
     const exr_result_t closed = exr_finish(&exr); // writes the table of chunks
     return code == EXR_ERR_SUCCESS ? closed : code;
 }
@@ -486,11 +496,7 @@ bool ffp_image_write_exr(const FfpImage *image, const char *path, FfpError *err)
     }
     FfpOutput out;
     if (!ffp_output_open(&out, path, err)) return false;
-    const size_t count = (size_t)image->width * (size_t)image->height * (size_t)n;
-    float *values = ffp_alloc(count, sizeof(float));
-    for (size_t i = 0; i < count; i++) values[i] = (float)image->data[i];
-    const exr_result_t code = write_exr(&out, image, values);
-    ffp_free(values);
+    const exr_result_t code = write_exr(&out, image);
     if (code == EXR_ERR_SUCCESS) return ffp_output_commit(&out, err);
     ffp_output_abort(&out);
     return ffp_fail(err, FFP_ERROR_IO, path, "cannot write EXR: %s", exr_get_default_error_message(code));

@@ -69,6 +69,17 @@ bool ffp_image_read_size(int *width, int *height, const char *path, FfpError *er
 bool ffp_image_write_png(const FfpImage *image, const char *path, FfpError *err);
 bool ffp_image_write_png16(const FfpImage *image, const char *path,
                            FfpError *err); // values in [0,1] -> 0..65535
+// The same from rows that are made when they are needed, each twice, so that a large picture is not in memory
+// as the file has it: `make` writes row y, [width, channels].
+typedef void FfpImageRow(void *context, int y, real *row);
+typedef struct FfpPngRows {
+    int width, height, channels, depth; // depth: 8 or 16 bits
+    FfpImageRow *make;
+    void *context;
+} FfpPngRows;
+bool ffp_image_write_png_rows(const FfpPngRows *rows, const char *path, FfpError *err);
+// A linear RGB picture as an 8-bit sRGB PNG.
+bool ffp_image_write_png_encoded(const FfpImage *linear, const char *path, FfpError *err);
 // 8-bit JPEG of 3 channels, clamped and rounded likewise, with a quality of 1 to 100 by libjpeg's scale and
 // half as many pixels of colour each way, as cameras write it. Errors: other channels or quality, a file that
 // cannot be written.

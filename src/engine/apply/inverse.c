@@ -10,15 +10,11 @@ typedef struct Corner {
     real x, y;    // in the camera
 } Corner;
 
-static Corner corner_at(const FfpCameraView *camera_view, const FfpLink *link, const FfpCamera *projector,
-                        int x, int y) {
-    const FfpCamera *camera = &camera_view->view->camera;
-    const int p = y * camera->width + x;
-    const real *response = link->response.data + 3 * p, z = camera_view->depth.data[p];
+static Corner corner_at(const FfpImage *lit, const FfpCamera *camera, const FfpCamera *projector, int x,
+                        int y) {
+    const real z = lit->data[(size_t)y * (size_t)lit->width + (size_t)x];
     Corner corner = {.x = (real)x + 0.5F, .y = (real)y + 0.5F};
-    if (!(z > 0) || !(link->mapping.visibility[p] >= 0.5F) ||
-        !(response[0] > 0 || response[1] > 0 || response[2] > 0))
-        return corner;
+    if (!(z > 0)) return corner;
     real ray[3], point[3];
     const real along = ffp_pixel_ray(camera, corner.x, corner.y, ray);
     for (int k = 0; k < 3; k++) point[k] = camera->pose[4 * k + 3] + z / along * ray[k];
@@ -60,40 +56,73 @@ static void draw_triangle(FfpImage *out, const Corner *a, const Corner *b, const
 }
 
 // One surface, as far as the depths of its corners tell.
-static bool is_whole(const FfpCameraView *camera_view, int x, int y, const Corner cell[4]) {
-    const FfpCamera *camera = &camera_view->view->camera;
-    const real *depth = camera_view->depth.data + (size_t)y * (size_t)camera->width + (size_t)x;
+static bool is_whole(const FfpImage *lit, const FfpCamera *camera, int x, int y, const Corner cell[4]) {
+    const real *depth = lit->data + (size_t)y * (size_t)lit->width + (size_t)x;
     real near = INFINITY, far = 0;
     for (int k = 0; k < 4; k++) {
         if (!(cell[k].z > 0)) return false;
-        const real z = depth[(k >> 1) * camera->width + (k & 1)];
+        const real z = depth[(k >> 1) * lit->width + (k & 1)];
         near = fmin(near, z);
         far = fmax(far, z);
     }
     return far - near <= ffp_depth_jump(camera, far);
 }
 
-FfpImage ffp_stage_inverse(const FfpStage *stage, int camera_view_index, int projection) {
-    const FfpCameraView *camera_view = &stage->camera_views[camera_view_index];
-    const FfpLink *link = ffp_stage_link(stage, camera_view_index, projection);
-    const FfpCamera *camera = &camera_view->view->camera,
-                    *projector = &stage->projections[projection].view->projector;
-    const int width = camera->width, height = camera->height;
-    FfpImage out = ffp_image_new(projector->width, projector->height, 3);
-    for (int p = 0; p < out.width * out.height; p++) out.data[3 * p] = out.data[3 * p + 1] = -1;
-    Corner *corners = ffp_alloc((size_t)width * (size_t)height, sizeof *corners);
+FfpImage ffp_stage_lit_depth(const FfpStage *stage, int camera_view, int projection) {
+    const FfpImage *depth = &stage->camera_views[camera_view].depth;
+    const FfpLink *link = ffp_stage_link(stage, camera_view, projection);
+    const size_t pixels = (size_t)depth->width * (size_t)depth->height;
+    FfpImage lit = ffp_image_new(depth->width, depth->height, 1);
 #pragma omp parallel for schedule(static)
-    for (int y = 0; y < height; y++)
-        for (int x = 0; x < width; x++)
-            corners[y * width + x] = corner_at(camera_view, link, projector, x, y);
-    for (int y = 0; y + 1 < height; y++)
-        for (int x = 0; x + 1 < width; x++) {
-            const Corner *at = corners + y * width + x;
-            const Corner cell[4] = {at[0], at[1], at[width], at[width + 1]};
-            if (!is_whole(camera_view, x, y, cell)) continue;
-            draw_triangle(&out, &cell[0], &cell[1], &cell[2]);
-            draw_triangle(&out, &cell[1], &cell[3], &cell[2]);
+    for (size_t p = 0; p < pixels; p++) {
+        const real *response = link->response.data + 3 * p;
+        if (link->mapping.visibility[p] >= 0.5F && (response[0] > 0 || response[1] > 0 || response[2] > 0))
+            lit.data[p] = depth->data[p];
+    }
+    return lit;
+}
+
+FfpImage ffp_inverse_new(const FfpCamera *projector) {
+    FfpImage out = ffp_image_new(projector->width, projector->height, 3);
+    const size_t pixels = (size_t)out.width * (size_t)out.height;
+    for (size_t p = 0; p < pixels; p++) out.data[3 * p] = out.data[3 * p + 1] = -1;
+    return out;
+}
+
+// A row of corners, in the whole picture's pixels.
+static void fill_corners(Corner *corners, const FfpImage *lit, const FfpCamera *camera,
+                         const FfpCamera *projector, int y, int top) {
+#pragma omp parallel for schedule(static)
+    for (int x = 0; x < lit->width; x++) {
+        corners[x] = corner_at(lit, camera, projector, x, y);
+        corners[x].y += (real)top;
+    }
+}
+
+void ffp_inverse_draw(FfpImage *inverse, const FfpImage *lit, const FfpCamera *camera,
+                      const FfpCamera *projector, int top) {
+    const size_t width = (size_t)lit->width;
+    Corner *corners = ffp_alloc(2 * width, sizeof *corners), *above = corners, *below = corners + width;
+    fill_corners(above, lit, camera, projector, 0, top);
+    for (int y = 0; y + 1 < lit->height; y++) {
+        fill_corners(below, lit, camera, projector, y + 1, top);
+        for (int x = 0; x + 1 < lit->width; x++) {
+            const Corner cell[4] = {above[x], above[x + 1], below[x], below[x + 1]};
+            if (!is_whole(lit, camera, x, y, cell)) continue;
+            draw_triangle(inverse, &cell[0], &cell[1], &cell[2]);
+            draw_triangle(inverse, &cell[1], &cell[3], &cell[2]);
         }
+        Corner *const done = above;
+        above = below;
+        below = done;
+    }
     ffp_free(corners);
+}
+
+FfpImage ffp_stage_inverse(const FfpStage *stage, int camera_view, int projection) {
+    const FfpCamera *projector = &stage->projections[projection].view->projector;
+    FfpImage lit = ffp_stage_lit_depth(stage, camera_view, projection), out = ffp_inverse_new(projector);
+    ffp_inverse_draw(&out, &lit, &stage->camera_views[camera_view].view->camera, projector, 0);
+    ffp_image_free(&lit);
     return out;
 }

@@ -29,15 +29,9 @@ static bool way_back(const FfpImage *inverse, const FfpCamera *projector, real u
     return true;
 }
 
-// Distance in pixels, -1 when the pixel is not lit, -2 when there is no way back.
-static real one_trip(const FfpCameraView *camera_view, const FfpLink *link, const FfpCamera *projector,
-                     const FfpImage *inverse, int x, int y) {
-    const FfpCamera *camera = &camera_view->view->camera;
-    const int p = y * camera->width + x;
-    const real px = (real)x + 0.5F, py = (real)y + 0.5F, z = camera_view->depth.data[p];
-    const real *response = link->response.data + 3 * p;
-    if (!(z > 0) || !(link->mapping.visibility[p] >= 0.5F) || !(response[0] + response[1] + response[2] > 0))
-        return -1;
+// Distance in pixels, -2 when there is no way back.
+static real one_trip(const FfpCamera *camera, const FfpCamera *projector, const FfpImage *inverse, real px,
+                     real py, real z) {
     real ray[3], point[3], u, v, back[2];
     const real along = ffp_pixel_ray(camera, px, py, ray);
     for (int k = 0; k < 3; k++) point[k] = camera->pose[4 * k + 3] + z / along * ray[k];
@@ -46,19 +40,17 @@ static real one_trip(const FfpCameraView *camera_view, const FfpLink *link, cons
     return hypot(back[0] - px, back[1] - py);
 }
 
-FfpRoundTrip ffp_stage_round_trip(const FfpStage *stage, int camera_view, int projection,
-                                  const FfpImage *inverse) {
-    const FfpCameraView *seen = &stage->camera_views[camera_view];
-    const FfpLink *link = ffp_stage_link(stage, camera_view, projection);
-    const FfpCamera *camera = &seen->view->camera;
+FfpRoundTrip ffp_round_trip(const FfpCamera *camera, const FfpCamera *projector, FfpImage *lit,
+                            const FfpImage *inverse) {
     FfpRoundTrip trip = {0};
-    real *errors = ffp_alloc((size_t)camera->width * (size_t)camera->height, sizeof *errors);
+    real *errors = lit->data; // each behind the depths that are still needed
     int within = 0;
     for (int y = 0; y < camera->height; y++)
         for (int x = 0; x < camera->width; x++) {
-            const real error =
-                one_trip(seen, link, &stage->projections[projection].view->projector, inverse, x, y);
-            trip.lost += error == -2;
+            const real z = lit->data[(size_t)y * (size_t)camera->width + (size_t)x];
+            if (!(z > 0)) continue;
+            const real error = one_trip(camera, projector, inverse, (real)x + 0.5F, (real)y + 0.5F, z);
+            trip.lost += error < 0;
             if (!(error >= 0)) continue;
             within += error <= 0.5F;
             errors[trip.pixels++] = error;
@@ -69,6 +61,5 @@ FfpRoundTrip ffp_stage_round_trip(const FfpStage *stage, int camera_view, int pr
         trip.median = (double)ffp_median(errors, n);
         trip.most = (double)ffp_rank(errors, n, n - 1);
     }
-    ffp_free(errors);
     return trip;
 }

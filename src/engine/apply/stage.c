@@ -7,6 +7,7 @@
 #include "core/base/vec.h"
 #include "engine/apply/surface.h"
 #include "engine/render/pass.h"
+#include "engine/render/strip.h"
 
 #define WHITE_MIN 0.05F // a white pattern that is darker than this over a footprint tells no response
 
@@ -51,83 +52,130 @@ static bool photographed(const Builder *b, const FfpView *view) {
            view->images[b->capture->white].data;
 }
 
-static void fill_camera_view(const Builder *b, FfpCameraView *camera_view, const FfpGbuffer *g) {
-    const FfpCamera *camera = &camera_view->view->camera;
-    const bool has_pictures = photographed(b, camera_view->view);
-    camera_view->depth = ffp_image_new(g->width, g->height, 1);
-    camera_view->facing = ffp_image_new(g->width, g->height, 1);
-    camera_view->weight = ffp_image_new(g->width, g->height, 1);
-    camera_view->ambient = has_pictures ? ffp_image_copy(&camera_view->view->images[b->capture->black])
-                                        : ffp_image_new(g->width, g->height, 3);
-    for (int y = 0; y < g->height; y++)
-        for (int x = 0; x < g->width; x++) {
-            const int p = y * g->width + x;
-            const real opacity = g->opacity[p];
-            camera_view->weight.data[p] =
-                has_pictures ? camera_view->view->coverage.data[p] : fmin(opacity, 1);
-            if (!has_pictures)
-                memcpy(camera_view->ambient.data + 3 * p, g->ambient + 3 * p, 3 * sizeof(real));
-            if (!(opacity >= 0.5F)) continue;
-            real ray[3], normal[3];
-            memcpy(normal, g->normal + 3 * p, sizeof normal);
-            ffp_normalise3(normal);
-            ffp_pixel_ray(camera, (real)x + 0.5F, (real)y + 0.5F, ray);
-            camera_view->depth.data[p] = g->depth[p] / opacity;
-            camera_view->facing.data[p] = fmin(fabs(ffp_dot3(normal, ray)), 1);
+static void new_camera_view(const Builder *b, FfpCameraView *camera_view) {
+    const FfpView *view = camera_view->view;
+    const int width = view->camera.width, height = view->camera.height;
+    camera_view->depth = ffp_image_new(width, height, 1);
+    camera_view->facing = ffp_image_new(width, height, 1);
+    if (photographed(b, view)) {
+        camera_view->weight = ffp_image_copy(&view->coverage);
+        camera_view->ambient = ffp_image_copy(&view->images[b->capture->black]);
+    } else {
+        camera_view->weight = ffp_image_new(width, height, 1);
+        camera_view->ambient = ffp_image_new(width, height, 3);
+    }
+}
+
+// A strip of a view, drawn: its camera, and the first of its pixels in the view's arrays.
+typedef struct Strip {
+    const FfpGbuffer *g;
+    FfpCamera camera;
+    size_t first;
+} Strip;
+
+static void fill_row(const FfpCameraView *camera_view, const Strip *strip, bool has_pictures, int y) {
+    const FfpGbuffer *g = strip->g;
+    for (int x = 0; x < g->width; x++) {
+        const size_t i = (size_t)y * (size_t)g->width + (size_t)x, p = strip->first + i;
+        const real opacity = g->opacity[i];
+        if (!has_pictures) {
+            camera_view->weight.data[p] = fmin(opacity, 1);
+            memcpy(camera_view->ambient.data + 3 * p, g->ambient + 3 * i, 3 * sizeof(real));
         }
+        if (!(opacity >= 0.5F)) continue;
+        real ray[3], normal[3];
+        memcpy(normal, g->normal + 3 * i, sizeof normal);
+        ffp_normalise3(normal);
+        ffp_pixel_ray(&strip->camera, (real)x + 0.5F, (real)y + 0.5F, ray);
+        camera_view->depth.data[p] = g->depth[i] / opacity;
+        camera_view->facing.data[p] = fmin(fabs(ffp_dot3(normal, ray)), 1);
+    }
 }
 
 // Pixels without light keep a position in the pattern: a photograph may know better than the shadow map.
-static bool in_pattern(const FfpLink *link, const FfpCamera *projector, int p) {
-    const real *uv = link->mapping.uv + 2 * p;
+static bool in_pattern(const FfpMapping *mapping, const FfpCamera *projector, size_t p) {
+    const real *uv = mapping->uv + 2 * p;
     return uv[0] > 0 && uv[1] > 0 && uv[0] < (real)projector->width && uv[1] < (real)projector->height;
 }
 
-// Radiance under white less the ambient one, divided by the white pattern over the footprint. `lit` and
-// `dark` are linear pictures.
-static void divide_white(const Builder *b, FfpLink *link, const FfpCamera *projector, const real *lit,
-                         const real *dark, bool believe_shadows) {
-    const int pixels = link->mapping.width * link->mapping.height;
-    for (int p = 0; p < pixels; p++) {
-        const real *uv = link->mapping.uv + 2 * p, *extent = link->mapping.extent + 2 * p;
+// Radiance under white less the ambient one, divided by the white pattern over the footprint: of a strip's
+// mapping into its response. `lit` and `dark` are linear pictures.
+static void divide_white(const Builder *b, const FfpMapping *mapping, const FfpCamera *projector,
+                         const real *lit, const real *dark, bool believe_shadows, real *response) {
+    const size_t pixels = (size_t)mapping->width * (size_t)mapping->height;
+    for (size_t p = 0; p < pixels; p++) {
+        const real *uv = mapping->uv + 2 * p, *extent = mapping->extent + 2 * p;
         real white[3];
-        if (!in_pattern(link, projector, p) || (believe_shadows && !(link->mapping.visibility[p] > 0)))
+        if (!in_pattern(mapping, projector, p) || (believe_shadows && !(mapping->visibility[p] > 0)))
             continue;
         ffp_lookup(&b->white, uv[0], uv[1], extent[0], extent[1], white);
         for (int c = 0; c < 3; c++)
             if (white[c] > WHITE_MIN)
-                link->response.data[3 * p + c] = fmax((lit[3 * p + c] - dark[3 * p + c]) / white[c], (real)0);
+                response[3 * p + c] = fmax((lit[3 * p + c] - dark[3 * p + c]) / white[c], (real)0);
     }
 }
 
-static void fill_link(const Builder *b, FfpCameraView *camera_view, const FfpProjection *projection,
-                      const FfpGbuffer *g, FfpLink *link) {
-    const FfpCamera *camera = &camera_view->view->camera, *projector = &projection->view->projector;
-    link->mapping = ffp_mapping_new(g->width, g->height);
-    link->response = ffp_image_new(g->width, g->height, 3);
-    ffp_map_to_projector(b->raster, b->gaussians, g, camera, projector, b->settings, &link->mapping);
-    const FfpView *view = camera_view->view;
+static FfpMapping rows_of(const FfpMapping *whole, const Strip *strip) {
+    return (FfpMapping){.width = strip->g->width,
+                        .height = strip->g->height,
+                        .uv = whole->uv + 2 * strip->first,
+                        .extent = whole->extent + 2 * strip->first,
+                        .visibility = whole->visibility + strip->first};
+}
+
+static void fill_link(const Builder *b, const FfpView *view, const FfpProjection *projection,
+                      const Strip *strip, FfpLink *link) {
+    const FfpGbuffer *g = strip->g;
+    const FfpCamera *projector = &projection->view->projector;
+    real *response = link->response.data + 3 * strip->first;
+    FfpMapping part = rows_of(&link->mapping, strip);
+    ffp_map_to_projector(b->raster, b->gaussians, g, &strip->camera, projector, b->settings, &part);
+    link->mapping.even = part.even;
     if (photographed(b, view) && same_projector(b->capture, &view->projector, projector)) {
-        divide_white(b, link, projector, view->images[b->capture->white].data,
-                     view->images[b->capture->black].data, false);
+        divide_white(b, &part, projector, view->images[b->capture->white].data + 3 * strip->first,
+                     view->images[b->capture->black].data + 3 * strip->first, false, response);
         return;
     }
     FfpImage lit = ffp_image_new(g->width, g->height, 3);
-    ffp_shade_once(g, &link->mapping, camera, projector, b->capture->intensity, &b->white, &lit);
-    divide_white(b, link, projector, lit.data, g->ambient, true);
+    ffp_shade_once(g, &part, &strip->camera, projector, b->capture->intensity, &b->white, &lit);
+    divide_white(b, &part, projector, lit.data, g->ambient, true, response);
     ffp_image_free(&lit);
+}
+
+static void fill_strip(const Builder *b, int s, const Strip *strip) {
+    FfpCameraView *camera_view = &b->stage->camera_views[s];
+    const bool has_pictures = photographed(b, camera_view->view);
+#pragma omp parallel for schedule(static)
+    for (int y = 0; y < strip->g->height; y++) fill_row(camera_view, strip, has_pictures, y);
+    for (int k = 0; k < b->stage->n_projections; k++)
+        fill_link(b, camera_view->view, &b->stage->projections[k], strip, ffp_stage_link(b->stage, s, k));
+}
+
+static void fill_view(const Builder *b, FfpViewPass *pass, int s) {
+    FfpCameraView *camera_view = &b->stage->camera_views[s];
+    const FfpCamera *camera = &camera_view->view->camera;
+    const int rows = ffp_strip_rows(camera);
+    FfpGbuffer shadow = {0};
+    new_camera_view(b, camera_view);
+    for (int k = 0; k < b->stage->n_projections; k++)
+        *ffp_stage_link(b->stage, s, k) =
+            (FfpLink){.mapping = ffp_mapping_new(camera->width, camera->height),
+                      .response = ffp_image_new(camera->width, camera->height, 3)};
+    ffp_view_pass_keep_shadow(pass, &shadow);
+    for (int top = 0; top < camera->height; top += rows) {
+        Strip strip = {.camera = ffp_strip_of(camera, top, rows),
+                       .first = (size_t)top * (size_t)camera->width};
+        ffp_view_pass_draw(pass, b->gaussians, &strip.camera, &camera_view->view->projector);
+        strip.g = ffp_view_pass_gbuffer(pass);
+        fill_strip(b, s, &strip);
+    }
+    ffp_view_pass_keep_shadow(pass, NULL);
+    ffp_gbuffer_free(&shadow);
 }
 
 static void fill_views(const Builder *b) {
     FfpViewPass *pass = ffp_view_pass_new(b->settings);
-    for (int s = 0; s < b->stage->n_camera_views; s++) {
-        FfpCameraView *camera_view = &b->stage->camera_views[s];
-        ffp_view_pass_draw(pass, b->gaussians, &camera_view->view->camera, &camera_view->view->projector);
-        const FfpGbuffer *g = ffp_view_pass_gbuffer(pass);
-        fill_camera_view(b, camera_view, g);
-        for (int k = 0; k < b->stage->n_projections; k++)
-            fill_link(b, camera_view, &b->stage->projections[k], g, ffp_stage_link(b->stage, s, k));
-    }
+    for (int s = 0; s < b->stage->n_camera_views; s++) fill_view(b, pass, s);
     ffp_view_pass_free(pass);
 }
 
@@ -193,23 +241,23 @@ void ffp_stage_aim(FfpStage *stage, int camera_view, const FfpImage *target, con
     FfpCameraView *s = &stage->camera_views[camera_view];
     ffp_image_free(&s->target);
     s->target = ffp_image_copy(target);
-    const int pixels = target->width * target->height;
-    for (int p = 0; alpha && p < pixels; p++) s->weight.data[p] *= alpha->data[p];
+    const ptrdiff_t pixels = (ptrdiff_t)target->width * target->height;
+    for (ptrdiff_t p = 0; alpha && p < pixels; p++) s->weight.data[p] *= alpha->data[p];
 }
 
 void ffp_stage_scale(FfpStage *stage, real gain) {
     for (int s = 0; s < stage->n_camera_views; s++) {
         FfpImage *target = &stage->camera_views[s].target;
-        const int count = target->width * target->height * 3;
-        for (int i = 0; i < count; i++) target->data[i] *= gain;
+        const ptrdiff_t count = (ptrdiff_t)target->width * target->height * 3;
+        for (ptrdiff_t i = 0; i < count; i++) target->data[i] *= gain;
     }
 }
 
 void ffp_stage_paint(FfpStage *stage) {
     for (int s = 0; s < stage->n_camera_views; s++) {
         FfpCameraView *camera_view = &stage->camera_views[s];
-        const int count = camera_view->target.width * camera_view->target.height * 3;
-        for (int i = 0; i < count; i++) {
+        const ptrdiff_t count = (ptrdiff_t)camera_view->target.width * camera_view->target.height * 3;
+        for (ptrdiff_t i = 0; i < count; i++) {
             real sum = 0;
             for (int k = 0; k < stage->n_projections; k++)
                 sum += ffp_stage_link(stage, s, k)->response.data[i];
@@ -221,12 +269,12 @@ void ffp_stage_paint(FfpStage *stage) {
 
 FfpImage ffp_stage_picture(const FfpStage *stage, int camera_view) {
     FfpImage picture = ffp_image_copy(&stage->camera_views[camera_view].ambient);
-    const int pixels = picture.width * picture.height;
+    const ptrdiff_t pixels = (ptrdiff_t)picture.width * picture.height;
     for (int k = 0; k < stage->n_projections; k++) {
         const FfpLink *link = ffp_stage_link(stage, camera_view, k);
         FfpSummed summed = ffp_summed_new(&stage->projections[k].pattern);
 #pragma omp parallel for schedule(static)
-        for (int p = 0; p < pixels; p++) {
+        for (ptrdiff_t p = 0; p < pixels; p++) {
             const real *uv = link->mapping.uv + 2 * p, *extent = link->mapping.extent + 2 * p;
             const real *response = link->response.data + 3 * p;
             real rgb[3];

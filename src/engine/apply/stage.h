@@ -43,7 +43,7 @@ typedef struct FfpStage {
 // Borrows the views. Projectors with the same pose and lens (ffp_same_device) are one projection. With
 // `photographs`, a view that has pictures under black and white takes its ambient light and its own
 // projector's response from them, which is what the camera really saw: the Gaussians then only determine
-// where the light goes.
+// where the light goes. Views are drawn in strips of ffp_strip_rows.
 FfpStage ffp_stage_new(const FfpGaussians *gaussians, const FfpCapture *capture, const FfpView *const *views,
                        int n_views, const FfpRenderSettings *settings, bool photographs);
 void ffp_stage_free(FfpStage *stage);
@@ -61,22 +61,30 @@ void ffp_stage_paint(FfpStage *stage);
 // The camera's picture under the projections' patterns: linear, unclamped.
 FfpImage ffp_stage_picture(const FfpStage *stage, int camera_view);
 
+// The depth of a camera's pixels that a projector lights, 0 elsewhere: the camera's size, 1 channel.
+FfpImage ffp_stage_lit_depth(const FfpStage *stage, int camera_view, int projection);
+
 // Where a camera's pixels lie in a projector, the other way round: [projector's size, 3] camera x, y and the
 // depth from the projector; -1 -1 0 where the camera sees nothing that the projector lights. Cells between
 // four neighbouring pixels are laid into the projector with a depth buffer, so that going there and back
 // ends where it began; cells across a depth jump are left out.
 FfpImage ffp_stage_inverse(const FfpStage *stage, int camera_view, int projection);
+// The same in parts: an inverse in which nothing is seen yet, and the cells of a strip's lit pixels. `camera`
+// is the strip's (ffp_strip_of), and row 0 is row `top` of the picture; strips share a row with the next.
+FfpImage ffp_inverse_new(const FfpCamera *projector);
+void ffp_inverse_draw(FfpImage *inverse, const FfpImage *lit, const FfpCamera *camera,
+                      const FfpCamera *projector, int top);
 
 // Camera pixels that the projector lights, sent to it and back through an inverse (its depth-consistent
 // pixels among the four around the position, mixed bilinearly): the distance from where they began, in camera
-// pixels.
+// pixels. Overwrites the lit depths.
 typedef struct FfpRoundTrip {
     int pixels; // that came back
     int lost;   // lit, but with no pixel of the inverse at their depth: cells at outlines, and hidden parts
     double within_half;  // share of those that came back, within half a pixel
     double median, most; // pixels
 } FfpRoundTrip;
-FfpRoundTrip ffp_stage_round_trip(const FfpStage *stage, int camera_view, int projection,
-                                  const FfpImage *inverse);
+FfpRoundTrip ffp_round_trip(const FfpCamera *camera, const FfpCamera *projector, FfpImage *lit,
+                            const FfpImage *inverse);
 
 #endif

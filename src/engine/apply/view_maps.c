@@ -1,31 +1,67 @@
 #include "engine/apply/view_maps.h"
 #include <string.h>
 #include <tgmath.h>
+#include "core/base/log.h"
 #include "engine/apply/surface.h"
+#include "engine/render/strip.h"
 
-// u, v and the share of the light that comes through; -1 -1 0 without a surface inside the pattern.
-static FfpImage forward_map(const FfpStage *stage) {
+// u, v and the share of the light that comes through; -1 -1 0 without a surface inside the pattern. Of the
+// stage's first rows, into `map` [rows, width, 3].
+static void forward_map(const FfpStage *stage, int rows, real *map) {
     const FfpCameraView *camera_view = &stage->camera_views[0];
     const FfpMapping *mapping = &stage->links[0].mapping;
     const FfpCamera *projector = &stage->projections[0].view->projector;
-    FfpImage map = ffp_image_new(mapping->width, mapping->height, 3);
-    for (int p = 0; p < map.width * map.height; p++) {
+    const size_t pixels = (size_t)mapping->width * (size_t)rows;
+    for (size_t p = 0; p < pixels; p++) {
         const real *uv = mapping->uv + 2 * p;
         const bool there = camera_view->depth.data[p] > 0 && uv[0] > 0 && uv[1] > 0 &&
                            uv[0] < (real)projector->width && uv[1] < (real)projector->height;
         const real pixel[3] = {there ? uv[0] : -1, there ? uv[1] : -1, there ? mapping->visibility[p] : 0};
-        memcpy(map.data + 3 * p, pixel, sizeof pixel);
+        memcpy(map + 3 * p, pixel, sizeof pixel);
     }
-    return map;
 }
 
-static void add_correspondences(FfpImages *images, const FfpStage *stage, FfpViewMapStats *stats) {
-    FfpImage inverse = ffp_stage_inverse(stage, 0, 0);
-    stats->trip = ffp_stage_round_trip(stage, 0, 0, &inverse);
-    for (int p = 0; p < inverse.width * inverse.height; p++)
-        inverse.data[3 * p + 2] = inverse.data[3 * p] >= 0;
-    ffp_images_add(images, forward_map(stage), "camera_to_projector", NULL);
-    ffp_images_add(images, inverse, "projector_to_camera", NULL);
+typedef struct Correspondences {
+    FfpImage forward, inverse, lit; // lit: depths of the camera's lit pixels
+} Correspondences;
+
+// Rows from `top` on: what they add to the maps. One more is drawn, for the cells between them and the next.
+static void add_strip(Correspondences *maps, const FfpGaussians *gaussians, const FfpCapture *capture,
+                      const FfpView *view, const FfpRenderSettings *settings, int top) {
+    const FfpCamera *camera = &view->camera;
+    const size_t width = (size_t)camera->width, first = (size_t)top * width;
+    const int rows = ffp_strip_of(camera, top, ffp_strip_rows(camera)).height;
+    FfpView part = {.camera = ffp_strip_of(camera, top, rows + 1), .projector = view->projector};
+    const FfpView *parts = &part;
+    FfpStage stage = ffp_stage_new(gaussians, capture, &parts, 1, settings, false);
+    FfpImage lit = ffp_stage_lit_depth(&stage, 0, 0);
+    forward_map(&stage, rows, maps->forward.data + 3 * first);
+    ffp_inverse_draw(&maps->inverse, &lit, &part.camera, &part.projector, top);
+    memcpy(maps->lit.data + first, lit.data, (size_t)rows * width * sizeof *lit.data);
+    ffp_image_free(&lit);
+    ffp_stage_free(&stage);
+}
+
+static void add_correspondences(FfpImages *images, const FfpGaussians *gaussians, const FfpCapture *capture,
+                                const FfpView *view, const FfpRenderSettings *settings,
+                                FfpViewMapStats *stats) {
+    const FfpCamera *camera = &view->camera;
+    const int rows = ffp_strip_rows(camera);
+    Correspondences maps = {.forward = ffp_image_new(camera->width, camera->height, 3),
+                            .inverse = ffp_inverse_new(&view->projector),
+                            .lit = ffp_image_new(camera->width, camera->height, 1)};
+    const FfpTask task = ffp_task("mapping", camera->height);
+    for (int top = 0; top < camera->height; top += rows) {
+        add_strip(&maps, gaussians, capture, view, settings, top);
+        ffp_task_step(&task, top + rows < camera->height ? top + rows : camera->height, NULL);
+    }
+    ffp_task_end(&task);
+    stats->trip = ffp_round_trip(camera, &view->projector, &maps.lit, &maps.inverse);
+    ffp_image_free(&maps.lit);
+    const size_t pixels = (size_t)maps.inverse.width * (size_t)maps.inverse.height;
+    for (size_t p = 0; p < pixels; p++) maps.inverse.data[3 * p + 2] = maps.inverse.data[3 * p] >= 0;
+    ffp_images_add(images, maps.forward, "camera_to_projector", NULL);
+    ffp_images_add(images, maps.inverse, "projector_to_camera", NULL);
 }
 
 // The object from the projector's place, in its own white light.
@@ -70,9 +106,7 @@ static void add_light(FfpImages *images, const FfpLitSurface *surface, const Ffp
 FfpImages *ffp_view_maps(const FfpGaussians *gaussians, const FfpCapture *capture, const FfpView *view,
                          const FfpRenderSettings *settings, FfpViewMapStats *stats) {
     FfpImages *images = ffp_images_new();
-    FfpStage stage = ffp_stage_new(gaussians, capture, &view, 1, settings, false);
-    add_correspondences(images, &stage, stats);
-    ffp_stage_free(&stage);
+    add_correspondences(images, gaussians, capture, view, settings, stats);
     FfpLitSurface surface = ffp_lit_surface_new(gaussians, &view->projector, settings);
     ffp_images_add(images, projector_sees(&surface, gaussians, capture, &view->projector, settings),
                    "projector_sees", NULL);

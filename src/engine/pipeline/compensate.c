@@ -6,6 +6,7 @@
 #include "core/base/log.h"
 #include "core/base/memory.h"
 #include "core/capture/panel.h"
+#include "core/capture/reduce.h"
 #include "core/image/framing.h"
 #include "engine/apply/choose.h"
 #include "engine/apply/solve.h"
@@ -13,6 +14,7 @@
 #include "engine/pipeline/relight.h"
 
 #define STEPS_MAX 100000
+#define SOLVED_PIXELS (4096.0 * 4096) // of a camera's picture, for which patterns are solved at most
 #define DEVICE "projector.device"
 
 typedef struct Job {
@@ -20,6 +22,7 @@ typedef struct Job {
     const FfpRaw *pictures; // [n_targets] of the caller's memory; NULL: files
     const FfpCapture *capture;
     FfpChosen chosen;
+    FfpView *reduced;           // [n_views] that stand in for larger ones; NULL: there are none
     FfpImage *targets, *alphas; // [n_targets]; an alpha is empty where the file has none
     FfpStage stage;
 } Job;
@@ -37,6 +40,46 @@ static bool check_options(const FfpCompensation *options, const FfpCapture *capt
                     "the capture does not describe the real projector (scene.json: " DEVICE
                     "): its projector is the ideal one of a generated or older capture; import it again from "
                     "the calibration");
+}
+
+// --- Views of more pixels than a pattern has use for. ---
+
+static int reduction_of(const FfpCamera *camera) {
+    int factor = 1;
+    while ((double)camera->width * camera->height > SOLVED_PIXELS * factor * factor) factor++;
+    return factor;
+}
+
+static FfpView reduced_view(const Job *job, const FfpView *view, int factor) {
+    const FfpCapture *capture = job->capture;
+    const int plain[2] = {capture->black, capture->white};
+    const int width = (view->camera.width + factor - 1) / factor,
+              height = (view->camera.height + factor - 1) / factor;
+    const bool pictures = !job->options->gaussians_only && view->images && view->coverage.data;
+    FfpView bare = *view;
+    bare.correspondence = (FfpImage){0};
+    if (!pictures) bare.images = NULL;
+    if (!pictures) bare.coverage = (FfpImage){0};
+    if (factor > 1)
+        ffp_note("%s: %d x %d camera pixels are more than patterns are solved for; they are taken as %d x %d",
+                 view->id, view->camera.width, view->camera.height, width, height);
+    return ffp_view_reduced(&bare, capture->n_patterns, plain, pictures ? 2 : 0, width, height);
+}
+
+// From here on all work is for the smaller cameras; the predicted pictures have their sizes.
+static void reduce_views(Job *job) {
+    int most = 1;
+    for (int v = 0; v < job->chosen.n_views; v++) {
+        const int factor = reduction_of(&job->chosen.views[v]->camera);
+        most = factor > most ? factor : most;
+    }
+    if (most == 1) return;
+    job->reduced = ffp_alloc((size_t)job->chosen.n_views, sizeof *job->reduced);
+    for (int v = 0; v < job->chosen.n_views; v++) {
+        const FfpView *view = job->chosen.views[v];
+        job->reduced[v] = reduced_view(job, view, reduction_of(&view->camera));
+        job->chosen.views[v] = &job->reduced[v];
+    }
 }
 
 static int target_of(const Job *job, int v) {
@@ -87,16 +130,8 @@ static void aim(Job *job) {
 
 // Before the work: that all views fit into memory.
 static bool check_memory(const Job *job, const FfpGaussians *gaussians, int samples, FfpError *err) {
-    double largest = 0, cameras = 0, projectors = 0;
-    for (int v = 0; v < job->chosen.n_views; v++) {
-        const FfpView *view = job->chosen.views[v];
-        const double pixels = (double)view->camera.width * view->camera.height;
-        largest = fmax(largest, pixels);
-        cameras += pixels;
-        projectors += (double)view->projector.width * view->projector.height;
-    }
     return ffp_memory_suffices(
-        ffp_stage_bytes((double)gaussians->count, largest, cameras, projectors, samples),
+        ffp_compensation_bytes((double)gaussians->count, job->chosen.views, job->chosen.n_views, samples),
         "compensating for pictures of this size", "use fewer views or a smaller camera picture",
         job->chosen.views[0]->id, err);
 }
@@ -170,6 +205,9 @@ static void free_job(Job *job) {
     ffp_free(job->targets);
     ffp_free(job->alphas);
     ffp_stage_free(&job->stage);
+    for (int v = 0; job->reduced && v < job->chosen.n_views; v++)
+        ffp_view_reduced_free(&job->reduced[v], job->capture->n_patterns);
+    ffp_free(job->reduced);
     ffp_chosen_free(&job->chosen);
 }
 
@@ -180,11 +218,11 @@ FfpImages *ffp_compensation_run(const FfpGaussians *gaussians, const FfpCapture 
     FfpCompensationStats found = {0};
     FfpImages *images = NULL;
     const double begin = ffp_seconds();
-    bool ok = check_options(options, capture, err) &&
-              ffp_choose_views(&job.chosen, capture, options->poses, options->views, options->n_views, err) &&
-              read_targets(&job, err);
     const FfpRenderSettings settings = ffp_drawing_settings(options->drawing, NULL);
-    ok = ok && check_memory(&job, gaussians, settings.samples, err);
+    bool ok = check_options(options, capture, err) &&
+              ffp_choose_views(&job.chosen, capture, options->poses, options->views, options->n_views, err);
+    if (ok) reduce_views(&job);
+    ok = ok && check_memory(&job, gaussians, settings.samples, err) && read_targets(&job, err);
     if (ok) {
         job.stage = ffp_stage_new(gaussians, capture, job.chosen.views, job.chosen.n_views, &settings,
                                   !options->gaussians_only);

@@ -21,14 +21,6 @@ static bool name_beside(char out[FFP_PATH_MAX], const char *pattern, const char 
     return true;
 }
 
-static bool write_encoded(const FfpImage *linear, const char *path, FfpError *err) {
-    FfpImage picture = ffp_image_copy(linear);
-    ffp_image_to_srgb(&picture);
-    const bool ok = ffp_image_write_png(&picture, path, err);
-    ffp_image_free(&picture);
-    return ok;
-}
-
 // A single pattern takes the file's name; everything else stands beside it.
 static bool write_image(const FfpImageEntry *entry, const char *file, int patterns, FfpError *err) {
     static const char *const kinds[3][2] = {{"pattern_", "_"}, {"seen_", "_seen_"}, {"target_", "_target_"}};
@@ -36,9 +28,9 @@ static bool write_image(const FfpImageEntry *entry, const char *file, int patter
     for (int k = 0; k < 3; k++) {
         const size_t length = strlen(kinds[k][0]);
         if (strncmp(entry->name, kinds[k][0], length) != 0) continue;
-        if (k == 0 && patterns == 1) return write_encoded(&entry->image, file, err);
+        if (k == 0 && patterns == 1) return ffp_image_write_png_encoded(&entry->image, file, err);
         return name_beside(path, file, kinds[k][1], entry->name + length, err) &&
-               write_encoded(&entry->image, path, err);
+               ffp_image_write_png_encoded(&entry->image, path, err);
     }
     return true;
 }

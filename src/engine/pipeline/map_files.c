@@ -26,11 +26,9 @@ static FfpImages *map_view(const FfpGaussians *gaussians, const FfpCapture *capt
 // Before the work: that the view's maps fit into memory.
 static bool check_memory(const FfpGaussians *gaussians, const FfpView *view, FfpDrawing drawing,
                          FfpError *err) {
-    const double camera = (double)view->camera.width * view->camera.height,
-                 projector = (double)view->projector.width * view->projector.height;
     const int samples = ffp_drawing_settings(drawing, NULL).samples;
-    return ffp_memory_suffices(ffp_stage_bytes((double)gaussians->count, camera, camera, projector, samples),
-                               "maps of this size", "use a smaller camera picture", view->id, err);
+    return ffp_memory_suffices(ffp_maps_bytes((double)gaussians->count, view, samples), "maps of this size",
+                               "use a smaller camera picture or pattern", view->id, err);
 }
 
 FfpImages *ffp_maps_of_view(const FfpGaussians *gaussians, const FfpCapture *capture, const FfpView *view,
@@ -57,48 +55,60 @@ typedef struct Writer {
     int written;
 } Writer;
 
-static bool write_map(Writer *writer, const FfpImage *image, const char *name, const char *ending,
-                      FfpError *err) {
-    char path[FFP_PATH_MAX];
-    if (snprintf(path, sizeof path, "%s/%s_%s%s", writer->folder.temporary, writer->view, name, ending) >=
+static bool name_map(char path[FFP_PATH_MAX], Writer *writer, const char *name, const char *ending,
+                     FfpError *err) {
+    writer->written++;
+    if (snprintf(path, FFP_PATH_MAX, "%s/%s_%s%s", writer->folder.temporary, writer->view, name, ending) >=
         FFP_PATH_MAX)
         return ffp_fail(err, FFP_ERROR_ARGUMENT, writer->folder.path, "the path of %s_%s is too long",
                         writer->view, name);
-    writer->written++;
-    if (strcmp(ending, ".exr") == 0) return ffp_image_write_exr(image, path, err);
-    return image->channels == 4 ? ffp_image_write_png16(image, path, err)
-                                : ffp_image_write_png(image, path, err);
+    return true;
+}
+
+static bool write_map(Writer *writer, const FfpImage *image, const char *name, const char *ending,
+                      FfpError *err) {
+    char path[FFP_PATH_MAX];
+    if (!name_map(path, writer, name, ending, err)) return false;
+    return strcmp(ending, ".exr") == 0 ? ffp_image_write_exr(image, path, err)
+                                       : ffp_image_write_png(image, path, err);
+}
+
+// A correspondence map, to a device.
+typedef struct Shares {
+    const FfpImage *map;
+    const FfpCamera *to;
+} Shares;
+
+static void row_of_shares(void *context, int y, real *row) {
+    const Shares *shares = context;
+    const FfpImage *map = shares->map;
+    const real *from = map->data + 3 * (size_t)y * (size_t)map->width;
+    memset(row, 0, 4 * (size_t)map->width * sizeof *row);
+    for (int x = 0; x < map->width; x++, from += 3) {
+        if (from[0] < 0) continue;
+        const real pixel[4] = {from[0] / (real)shares->to->width, from[1] / (real)shares->to->height, from[2],
+                               1};
+        memcpy(row + 4 * (size_t)x, pixel, sizeof pixel);
+    }
 }
 
 // A correspondence map [.,3] (x, y, third; x < 0: none) as a 16-bit PNG: x and y as shares of the other
 // device's size, the third as it stands, alpha 0 where there is nothing.
 static bool write_shares(Writer *writer, const FfpImage *map, const FfpCamera *to, const char *name,
                          FfpError *err) {
-    FfpImage picture = ffp_image_new(map->width, map->height, 4);
-    for (int p = 0; p < map->width * map->height; p++) {
-        const real *from = map->data + 3 * p;
-        if (from[0] < 0) continue;
-        const real pixel[4] = {from[0] / (real)to->width, from[1] / (real)to->height, from[2], 1};
-        memcpy(picture.data + 4 * p, pixel, sizeof pixel);
-    }
-    const bool ok = write_map(writer, &picture, name, ".png", err);
-    ffp_image_free(&picture);
-    return ok;
-}
-
-static bool write_encoded(Writer *writer, const FfpImage *linear, const char *name, FfpError *err) {
-    FfpImage picture = ffp_image_copy(linear);
-    ffp_image_to_srgb(&picture);
-    const bool ok = write_map(writer, &picture, name, ".png", err);
-    ffp_image_free(&picture);
-    return ok;
+    char path[FFP_PATH_MAX];
+    Shares shares = {map, to};
+    const FfpPngRows rows = {map->width, map->height, 4, 16, row_of_shares, &shares};
+    return name_map(path, writer, name, ".png", err) && ffp_image_write_png_rows(&rows, path, err);
 }
 
 // Numbers go into EXR files; what people look at, into PNG files.
 static bool write_image(Writer *writer, const FfpImageEntry *entry, const FfpView *view, FfpError *err) {
     const FfpImage *image = &entry->image;
     const char *name = entry->name;
-    if (strcmp(name, "projector_sees") == 0) return write_encoded(writer, image, name, err);
+    char path[FFP_PATH_MAX];
+    if (strcmp(name, "projector_sees") == 0)
+        return name_map(path, writer, name, ".png", err) && ffp_image_write_png_encoded(image, path, err);
     if (strcmp(name, "lit") == 0) return write_map(writer, image, name, ".png", err);
     if (!write_map(writer, image, name, ".exr", err)) return false;
     if (strcmp(name, "illuminance") == 0) return write_map(writer, image, name, ".png", err);

@@ -5,14 +5,17 @@
 #include "engine/match/reduce.h"
 #include "engine/pipeline/relight.h"
 #include "engine/refine/pyramid.h"
+#include "engine/render/strip.h"
 
 #define GIGA 1e9
 #define ROOM 1.15 // for what the allocator and the threads take besides
 #define REAL ((double)sizeof(real))
 #define SPLAT (18 * REAL) // of a set of Gaussians
 #define DRAWN 162.0       // of a splat in a view: as projected, and 1.7 pairs with tiles, a quarter roomier
-#define STAGED 150.0      // of a camera's pixel, for maps and compensation
-#define PROJECTED 60.0    // of a projector's
+#define MAPPED 16.0       // of a camera's pixel, for its map and the depths of lit pixels
+#define STAGED 130.0      // of a camera's pixel, for compensation
+#define SEEN 150.0        // of a projector's pixel, for maps of it
+#define PROJECTED 60.0    // of a projector's pixel, for compensation
 #define SUMMED 24.0       // of a pattern's pixel, with a margin
 #define PULLED 155.0      // of a splat's gradients in its tiles
 
@@ -67,8 +70,26 @@ double ffp_drawing_bytes(double splats, double pixels, int samples) {
     return DRAWN * splats + 25 * REAL * pixels * samples * samples;
 }
 
-double ffp_stage_bytes(double splats, double largest, double cameras, double projectors, int samples) {
-    return ffp_drawing_bytes(splats, largest, samples) + STAGED * cameras + PROJECTED * projectors;
+// Of a strip, and of what is kept of its pixels while it is drawn.
+static double strip_bytes(double splats, const FfpCamera *camera, int samples, double kept) {
+    const double pixels = (double)(ffp_strip_rows(camera) + 1) * camera->width;
+    return ffp_drawing_bytes(splats, pixels, samples) + kept * pixels;
+}
+
+double ffp_maps_bytes(double splats, const FfpView *view, int samples) {
+    const double camera = (double)view->camera.width * view->camera.height,
+                 projector = (double)view->projector.width * view->projector.height;
+    return strip_bytes(splats, &view->camera, samples, STAGED) + MAPPED * camera + SEEN * projector;
+}
+
+double ffp_compensation_bytes(double splats, const FfpView *const *views, int n_views, int samples) {
+    double strip = 0, kept = 0;
+    for (int v = 0; v < n_views; v++) {
+        strip = fmax(strip, strip_bytes(splats, &views[v]->camera, samples, 0));
+        kept += STAGED * views[v]->camera.width * views[v]->camera.height +
+                PROJECTED * views[v]->projector.width * views[v]->projector.height;
+    }
+    return strip + kept;
 }
 
 static double draw_bytes(const FfpProblemSize *s, int samples) {

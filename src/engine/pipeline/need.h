@@ -29,10 +29,11 @@ double ffp_reconstruction_bytes(const FfpProblemSize *scale);
 // G-buffers of samples x samples places per pixel.
 double ffp_drawing_bytes(double splats, double pixels, int samples);
 
-// The bytes that maps and compensation take (engine/apply/stage.h): drawing the largest of the cameras'
-// pictures, and what is kept of all cameras' and projectors' pixels. Measured: 550 bytes per pixel of a
-// single camera from 1024 x 1024 to 4096 x 4096.
-double ffp_stage_bytes(double splats, double largest, double cameras, double projectors, int samples);
+// The bytes that the maps of a view take: the picture that is kept, and a strip while it is drawn.
+double ffp_maps_bytes(double splats, const FfpView *view, int samples);
+// The bytes that compensation takes (engine/apply/stage.h): all that is kept of all cameras' and projectors'
+// pixels, and the largest strip while it is drawn.
+double ffp_compensation_bytes(double splats, const FfpView *const *views, int n_views, int samples);
 
 // Checks that a reconstruction needs at most `available` bytes (negative: not known, and the check passes).
 // The error says how much is needed, how much is available, and which resolution would fit.

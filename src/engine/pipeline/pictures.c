@@ -13,9 +13,8 @@
 #include "engine/pipeline/need.h"
 #include "engine/pipeline/picture_job.h"
 #include "engine/pipeline/relight.h"
+#include "engine/render/strip.h"
 
-#define WHOLE_PIXELS 2e6   // up to which a picture is drawn at once
-#define STRIP_PIXELS 1e6   // of a larger one, drawn at once
 #define PICTURE_BYTES 28.0 // of a pixel: linear and encoded, and as the file has it
 
 // --- What the files are called. ---
@@ -107,31 +106,23 @@ static FfpImage relit(const Writer *writer, int pattern) {
     return picture;
 }
 
-// --- Large pictures are drawn in strips: G-buffers take far more memory than what is seen of them. ---
+// --- In strips. ---
 
 static bool is_large(const FfpView *view) {
-    return (double)view->camera.width * view->camera.height > WHOLE_PIXELS;
+    return ffp_strip_rows(&view->camera) < view->camera.height;
 }
 
-static int rows_of_strip(const FfpView *view) {
-    const int rows = (int)(STRIP_PIXELS / view->camera.width);
-    return rows < 1 ? 1 : rows > view->camera.height ? view->camera.height : rows;
-}
-
-// The same as draw and relit: rows from `top` on are what a camera of fewer rows sees, whose principal point
-// lies as much higher.
+// The same as draw and relit.
 static FfpImage draw_in_strips(const Writer *writer, const FfpView *view, int pattern) {
     const FfpPictureJob *job = writer->job;
     const FfpCamera *whole = &view->camera;
-    const int rows = rows_of_strip(view);
+    const int rows = ffp_strip_rows(whole);
     FfpSummed summed = ffp_summed_new(&job->patterns[pattern].image);
     FfpImage picture = ffp_image_new(whole->width, whole->height, 3);
     FfpGbuffer shadow = {0};
     ffp_view_pass_keep_shadow(writer->pass, &shadow);
     for (int top = 0; top < whole->height; top += rows) {
-        FfpCamera strip = *whole;
-        strip.height = top + rows < whole->height ? rows : whole->height - top;
-        strip.cy -= (real)top;
+        const FfpCamera strip = ffp_strip_of(whole, top, rows);
         ffp_view_pass_draw(writer->pass, writer->gaussians, &strip, &view->projector);
         FfpImage part = ffp_relight(writer->pass, job->intensity, &summed);
         const size_t row = 3 * (size_t)whole->width;
@@ -152,7 +143,7 @@ static bool check_memory(const FfpPictureJob *job, const FfpGaussians *gaussians
         const FfpView *view = ffp_picture_view(job, v);
         const double pixels = (double)view->camera.width * view->camera.height;
         const bool strips = is_large(view) && !job->options->maps;
-        const double at_once = strips ? (double)rows_of_strip(view) * view->camera.width : pixels;
+        const double at_once = strips ? (double)ffp_strip_rows(&view->camera) * view->camera.width : pixels;
         most = fmax(most,
                     PICTURE_BYTES * pixels + ffp_drawing_bytes((double)gaussians->count, at_once, samples));
     }

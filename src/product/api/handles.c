@@ -16,17 +16,24 @@ const char *ffp_version(void) {
 
 typedef struct OpenCapture {
     const char *path;
+    bool devices; // without photographs
     FfpCapture *capture;
 } OpenCapture;
 
 static bool open_capture(void *argument, FfpError *err) {
     OpenCapture *call = argument;
-    call->capture = ffp_capture_load(call->path, err);
+    call->capture = (call->devices ? ffp_capture_load_devices : ffp_capture_load)(call->path, err);
     return call->capture != NULL;
 }
 
 FfpCapture *ffp_capture_open(FfpContext *context, const char *path, FfpError *err) {
     OpenCapture call = {.path = path};
+    if (!ffp_need(path, "path", err)) return NULL;
+    return ffp_call_run(context, open_capture, &call, err) ? call.capture : NULL;
+}
+
+FfpCapture *ffp_capture_open_devices(FfpContext *context, const char *path, FfpError *err) {
+    OpenCapture call = {.path = path, .devices = true};
     if (!ffp_need(path, "path", err)) return NULL;
     return ffp_call_run(context, open_capture, &call, err) ? call.capture : NULL;
 }

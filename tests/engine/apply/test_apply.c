@@ -2,9 +2,11 @@
 #include <math.h>
 #include "engine/apply/solve.h"
 #include "engine/apply/surface.h"
+#include "engine/apply/view_maps.h"
 #include "engine/loss/metrics.h"
 #include "engine/render/pass.h"
 #include "engine/render/scenes.h"
+#include "engine/render/strip.h"
 #include "support.h"
 
 enum { SIDE = 40, PATTERN = 96, BOARD = 60 };
@@ -380,13 +382,50 @@ static void the_inverse_is_where_geometry_says(void **state) {
     world_free(&w);
 }
 
+// A picture just small enough to be drawn at once, and a slightly wider one, which is drawn in strips: what
+// both see is the same, across the strips' edges too.
+static void strips_show_what_a_whole_picture_does(void **state) {
+    (void)state;
+    enum { HEIGHT = 1400, WIDTH = 1428, MORE = 8 };
+    World w;
+    world_new(&w, true);
+    const FfpRenderSettings settings = ffp_render_defaults();
+    const real eye[3] = {0.3F, -0.6F, 3}, origin[3] = {0, 0, 0};
+    FfpView whole = w.views[0], wider = w.views[0];
+    whole.camera = wider.camera = look_at(WIDTH, HEIGHT, WIDTH * 1.4, eye, origin);
+    wider.camera.width += MORE;
+    assert_int_equal(ffp_strip_rows(&whole.camera), HEIGHT);
+    assert_true(ffp_strip_rows(&wider.camera) < HEIGHT);
+    FfpViewMapStats stats[2];
+    FfpImages *one = ffp_view_maps(&w.gaussians, &w.capture, &whole, &settings, &stats[0]),
+              *two = ffp_view_maps(&w.gaussians, &w.capture, &wider, &settings, &stats[1]);
+    const FfpImage *a = &one->first->image, *b = &two->first->image;
+    int apart = 0, there = 0;
+    for (int y = 0; y < HEIGHT; y++)
+        for (int x = 0; x < WIDTH; x++) {
+            const real *p = a->data + 3 * (y * WIDTH + x), *q = b->data + 3 * (y * (WIDTH + MORE) + x);
+            there += p[0] >= 0;
+            apart += !(fabsf(p[0] - q[0]) < 0.01F && fabsf(p[1] - q[1]) < 0.01F);
+        }
+    print_message("%d of %d pixels lie elsewhere; round trips %.4f and %.4f\n", apart, there,
+                  stats[0].trip.median, stats[1].trip.median);
+    assert_true(there > WIDTH * HEIGHT / 4);
+    assert_true(apart < there / 10000);
+    assert_true(fabs(stats[0].trip.median - stats[1].trip.median) < 1e-3);
+    assert_in_range(stats[1].trip.pixels - stats[0].trip.pixels, 0, MORE * HEIGHT);
+    ffp_images_free(one);
+    ffp_images_free(two);
+    world_free(&w);
+}
+
 static void pixels_come_back_from_the_projector(void **state) {
     (void)state;
     World w;
     world_new(&w, true);
     FfpStage stage = stage_of(&w, 1);
-    FfpImage inverse = ffp_stage_inverse(&stage, 0, 0);
-    const FfpRoundTrip trip = ffp_stage_round_trip(&stage, 0, 0, &inverse);
+    const FfpCamera *camera = &w.views[0].camera, *projector = &w.views[0].projector;
+    FfpImage inverse = ffp_stage_inverse(&stage, 0, 0), lit = ffp_stage_lit_depth(&stage, 0, 0);
+    const FfpRoundTrip trip = ffp_round_trip(camera, projector, &lit, &inverse);
     print_message("round trip: %d pixels, %d lost, median %.3f, most %.3f\n", trip.pixels, trip.lost,
                   trip.median, trip.most);
     assert_true(trip.pixels > SIDE * SIDE / 4);
@@ -394,7 +433,10 @@ static void pixels_come_back_from_the_projector(void **state) {
     assert_true(trip.median < 0.1);
     assert_true(trip.lost < trip.pixels / 10);
     for (int p = 0; p < PATTERN * PATTERN; p++) inverse.data[3 * p] += 0.6F; // a wrong map is found out
-    assert_true(ffp_stage_round_trip(&stage, 0, 0, &inverse).within_half < 0.1);
+    ffp_image_free(&lit);
+    lit = ffp_stage_lit_depth(&stage, 0, 0);
+    assert_true(ffp_round_trip(camera, projector, &lit, &inverse).within_half < 0.1);
+    ffp_image_free(&lit);
     ffp_image_free(&inverse);
     ffp_stage_free(&stage);
     world_free(&w);
@@ -441,6 +483,7 @@ int main(void) {
         cmocka_unit_test(projectors_share_where_they_overlap),
         cmocka_unit_test(views_of_one_projector_share_its_pattern),
         cmocka_unit_test(the_inverse_is_where_geometry_says),
+        cmocka_unit_test(strips_show_what_a_whole_picture_does),
         cmocka_unit_test(pixels_come_back_from_the_projector),
         cmocka_unit_test(light_on_the_board_is_measured),
     };

@@ -7,6 +7,7 @@
 #include "core/base/memory.h"
 #include "core/capture/capture.h"
 #include "engine/network/network.h"
+#include "engine/pipeline/compensate.h"
 #include "engine/pipeline/map_files.h"
 #include "engine/pipeline/need.h"
 #include "engine/pipeline/reconstruct.h"
@@ -96,35 +97,66 @@ static void test_network_and_polish(void **state) {
     ffp_model_free(model);
 }
 
-// Maps of a single view, seen ever more finely.
-static void test_maps(void **state) {
+// The first view, seen more finely.
+static FfpView finer(const FfpCapture *capture, int times) {
+    FfpView view = capture->views[0];
+    FfpCamera *c = &view.camera;
+    c->width *= times;
+    c->height *= times;
+    c->fx *= (real)times;
+    c->fy *= (real)times;
+    c->cx *= (real)times;
+    c->cy *= (real)times;
+    view.images = NULL;
+    return view;
+}
+
+static void hold(const char *what, const FfpView *view, double before, double said) {
+    const double taken = ffp_memory_peak() - before;
+    print_message("%s of %d x %d: %.0f MB said, %.0f MB taken\n", what, view->camera.width,
+                  view->camera.height, said / 1e6, taken / 1e6);
+    if (before >= 0 && (said < LEAST * taken || said > MOST * taken))
+        fail_msg("%.0f MB said, %.0f MB taken", said / 1e6, taken / 1e6);
+}
+
+static void map(const FfpCapture *capture, const FfpGaussians *gaussians, int times) {
+    FfpError err = {0};
+    const FfpView view = finer(capture, times);
+    malloc_trim(0);
+    const double before = ffp_memory_mark();
+    FfpImages *images = ffp_maps_of_view(gaussians, capture, &view, (FfpDrawing){.samples = 2}, NULL, &err);
+    if (!images) fail_msg("%s", err.text);
+    ffp_images_free(images);
+    hold("maps", &view, before, ffp_maps_bytes((double)gaussians->count, &view, 2));
+}
+
+static void compensate(FfpCapture *capture, const FfpGaussians *gaussians, int times) {
+    static const unsigned char grey[3] = {90, 90, 90};
+    const FfpRaw target = {.data = grey, .width = 1, .height = 1, .channels = 3, .row_bytes = 3};
+    const FfpView usual = capture->views[0], view = finer(capture, times), *views = &view;
+    const FfpCompensation options = {
+        .n_targets = 1, .n_views = 1, .views = (const char *const[]){usual.id}, .paint = true, .steps = 1};
+    FfpError err = {0};
+    capture->views[0] = view;
+    malloc_trim(0);
+    const double before = ffp_memory_mark();
+    FfpImages *images = ffp_compensation_run(gaussians, capture, &options, &target, NULL, &err);
+    capture->views[0] = usual;
+    if (!images) fail_msg("%s", err.text);
+    ffp_images_free(images);
+    hold("compensation", &view, before, ffp_compensation_bytes((double)gaussians->count, &views, 1, 2));
+}
+
+// Of a single view, seen ever more finely: pictures of more than two million pixels are drawn in strips.
+static void test_maps_and_compensation(void **state) {
     (void)state;
     only_without_sanitizers();
     FfpError err = {0};
     FfpCapture *capture = sample_times(1);
     FfpGaussians *gaussians = ffp_reconstruction_run(capture, &(FfpReconstruction){.noise = 0}, NULL, &err);
     if (!gaussians) fail_msg("%s", err.text);
-    for (int times = 4; times <= 8; times += 2) {
-        FfpView view = capture->views[0];
-        FfpCamera *c = &view.camera;
-        c->width *= times, c->height *= times;
-        c->fx *= (real)times, c->fy *= (real)times;
-        c->cx *= (real)times, c->cy *= (real)times;
-        view.images = NULL;
-        malloc_trim(0);
-        const double before = ffp_memory_mark(), pixels = (double)c->width * c->height,
-                     said = ffp_stage_bytes((double)gaussians->count, pixels, pixels,
-                                            (double)view.projector.width * view.projector.height, 2);
-        FfpImages *images =
-            ffp_maps_of_view(gaussians, capture, &view, (FfpDrawing){.samples = 2}, NULL, &err);
-        if (!images) fail_msg("%s", err.text);
-        const double taken = ffp_memory_peak() - before;
-        ffp_images_free(images);
-        print_message("maps of %d x %d: %.0f MB said, %.0f MB taken\n", c->width, c->height, said / 1e6,
-                      taken / 1e6);
-        if (before >= 0 && (said < LEAST * taken || said > MOST * taken))
-            fail_msg("%.0f MB said, %.0f MB taken", said / 1e6, taken / 1e6);
-    }
+    for (int times = 8; times <= 16; times += 4) map(capture, gaussians, times);
+    for (int times = 8; times <= 16; times += 8) compensate(capture, gaussians, times);
     ffp_gaussians_free(gaussians);
     ffp_free(gaussians);
     close_capture(capture);
@@ -151,8 +183,8 @@ static void test_what_does_not_fit_is_refused(void **state) {
 }
 
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_start),
-                                       cmocka_unit_test(test_network_and_polish), cmocka_unit_test(test_maps),
-                                       cmocka_unit_test(test_what_does_not_fit_is_refused)};
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_start), cmocka_unit_test(test_network_and_polish),
+        cmocka_unit_test(test_maps_and_compensation), cmocka_unit_test(test_what_does_not_fit_is_refused)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
