@@ -5,6 +5,8 @@ usage: tests/fuzz/make_seeds.py      (needs Pillow, for JPEG)
 
 What a fuzzer found and was mended lies there too, under names that begin with "found_"; those files stay.
 """
+import base64
+import gzip
 import io
 import json
 import math
@@ -25,6 +27,67 @@ def write(parser, name, content):
 
 def as_json(value):
     return json.dumps(value) + '\n'
+
+
+# --- Splats of other programs: two, at (0.5, -1, 2) and (0, 0, 0), turned by 60 degrees about x. ---
+
+def spz(version, count=2, zipped=True, size=None):
+    positions = [0.5, -1.0, 2.0, 0.0, 0.0, 0.0]
+    if version == 1:
+        data = struct.pack('<6e', *positions)
+        rotation = bytes([191, 128, 128])
+    else:
+        data = b''.join(struct.pack('<i', round(p * 4096))[:3] for p in positions)
+        rotation = bytes([191, 128, 128]) if version == 2 else struct.pack('<I', 3 << 30 | 361 << 20)
+    data += bytes([204, 51]) + 2 * bytes([166, 128, 90]) + 2 * bytes([96, 96, 80]) + 2 * rotation
+    header = struct.pack('<IIIBBBB', 0x5053474e, version, count, 0, 12, 0, 0)
+    return gzip.compress((header + data)[:size], mtime=0) if zipped else header + data
+
+
+def gltf_splats(binary, extension='KHR_gaussian_splatting', space='srgb_rec709_display', moved=False):
+    half, dc = math.sqrt(0.75), 1.0
+    columns = {
+        'POSITION': ([0.5, -1, 2, 0, 0, 0], 'VEC3'),
+        'KHR_gaussian_splatting:ROTATION': (2 * [0.5, 0, 0, half], 'VEC4'),
+        'KHR_gaussian_splatting:SCALE': (2 * [math.exp(-4), math.exp(-4), math.exp(-5)], 'VEC3'),
+        'KHR_gaussian_splatting:SH_DEGREE_0_COEF_0': (2 * [dc, 0, -dc], 'VEC3'),
+    }
+    data, views, accessors, attributes = b'', [], [], {}
+
+    def add(name, content, kind, **more):
+        nonlocal data
+        attributes[name] = len(accessors)
+        views.append({'buffer': 0, 'byteOffset': len(data), 'byteLength': len(content)})
+        accessors.append({'bufferView': len(views) - 1, 'count': 2, 'type': kind, **more})
+        data += content + bytes(-len(content) % 4)
+
+    for name, (values, kind) in columns.items():
+        add(name, struct.pack(f'<{len(values)}f', *values), kind, componentType=5126)
+    add('KHR_gaussian_splatting:OPACITY', bytes([204, 51]), 'SCALAR', componentType=5121, normalized=True)
+    primitive = {'mode': 0, 'attributes': attributes, 'extensions': {extension: {'colorSpace': space}}}
+    root = {'asset': {'version': '2.0'}, 'bufferViews': views, 'accessors': accessors,
+            'meshes': [{'primitives': [primitive]}], 'buffers': [{'byteLength': len(data)}],
+            'nodes': [{'mesh': 0, **({'translation': [1, 0, 0]} if moved else {})}]}
+    if not binary:
+        root['buffers'][0]['uri'] = 'data:application/octet-stream;base64,' + base64.b64encode(data).decode()
+        return as_json(root)
+    text = json.dumps(root).encode()
+    text += b' ' * (-len(text) % 4)
+    chunks = b''.join(struct.pack('<II', len(c), k) + c for k, c in ((0x4e4f534a, text), (0x004e4942, data)))
+    return struct.pack('<III', 0x46546c67, 2, 12 + len(chunks)) + chunks
+
+
+def splats():
+    for version in (1, 2, 3, 4):
+        write('spz', f'version{version}.spz', spz(version))
+    write('spz', 'short.spz', spz(2, size=40))
+    write('spz', 'many.spz', spz(2, count=40000000))
+    write('spz', 'plain.spz', spz(3, zipped=False))
+    write('gltf', 'splats.glb', gltf_splats(True))
+    write('gltf', 'splats.gltf', gltf_splats(False))
+    write('gltf', 'linear.glb', gltf_splats(True, space='lin_rec709_display'))
+    write('gltf', 'moved.glb', gltf_splats(True, moved=True))
+    write('gltf', 'none.glb', gltf_splats(True, extension='KHR_other'))
 
 
 # --- Pictures. ---
@@ -363,5 +426,5 @@ def turntables():
     write('turntable', 'steps.yml', 'axis: [0, -1, 0]\npoint: [0, 40, 600]\ncount: 8\nstep: 45\n')
 
 
-for make in (pngs, jpegs, tiffs, exrs, plys, safetensors, captures, configurations, documents, nepmaps, colmaps, turntables):
+for make in (splats, pngs, jpegs, tiffs, exrs, plys, safetensors, captures, configurations, documents, nepmaps, colmaps, turntables):
     make()

@@ -17,3 +17,25 @@ void ffp_write_base64(FILE *out, const unsigned char *bytes, size_t size) {
         }
     }
 }
+
+static int value_of(char digit) {
+    if (digit >= 'A' && digit <= 'Z') return digit - 'A';
+    if (digit >= 'a' && digit <= 'z') return digit - 'a' + 26;
+    if (digit >= '0' && digit <= '9') return digit - '0' + 52;
+    return digit == '+' ? 62 : digit == '/' ? 63 : -1;
+}
+
+ptrdiff_t ffp_read_base64(unsigned char *out, const char *text, size_t length) {
+    unsigned bits = 0;
+    ptrdiff_t size = 0;
+    size_t digits = length;
+    while (digits > 0 && length - digits < 2 && text[digits - 1] == '=') digits--;
+    if (digits % 4 == 1 || (digits < length && length % 4 != 0)) return -1;
+    for (size_t i = 0; i < digits; i++) {
+        const int value = value_of(text[i]);
+        if (value < 0) return -1;
+        bits = bits << 6 | (unsigned)value;
+        if (i % 4 > 0) out[size++] = (unsigned char)(bits >> (6 - 2 * (i % 4)));
+    }
+    return size;
+}

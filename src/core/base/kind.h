@@ -9,6 +9,8 @@ typedef enum FfpKind {
     FFP_KIND_FOLDER,
     FFP_KIND_JSON,
     FFP_KIND_PLY,
+    FFP_KIND_SPZ,     // gzip, as SPZ is
+    FFP_KIND_GLTF,    // GLB, or JSON called .gltf
     FFP_KIND_WEIGHTS, // safetensors
     FFP_KIND_FIELD,   // likewise, of a neural field
     FFP_KIND_IMAGE,

@@ -5,15 +5,13 @@
 #include "core/base/arena.h"
 #include "core/base/file.h"
 #include "core/base/kind.h"
-#include "core/base/log.h"
-#include "core/gaussians/gaussians.h"
+#include "core/gaussians/elsewhere.h"
 #include "core/gaussians/ply_header.h"
 #include "core/gaussians/row.h"
 
 enum { BLOCK_ROWS = 1024 };
 
-#define PLAIN_ROUGHNESS 0.5F // of splats that have none: neither gloss nor chalk
-#define FLAT 0.01F           // thickness of discs, as a share of their smaller radius
+#define FLAT 0.01F // thickness of discs, as a share of their smaller radius
 
 static float get_float(const unsigned char *bytes) {
     uint32_t bits = 0;
@@ -94,17 +92,10 @@ static void get_row(const FfpPlyHeader *header, const unsigned char *bytes, floa
     }
 }
 
-// What splats of other programs do not say. Their colour is light and material in one: it becomes both the
-// albedo and, as it looks without a projector, the ambient colour.
 static void complete(FfpGaussians *gaussians, int64_t index, const FfpPlyHeader *header) {
-    real *scale = gaussians->scale + 3 * index, *albedo = gaussians->albedo + 3 * index;
+    real *scale = gaussians->scale + 3 * index;
     if (header->flat) scale[2] = FLAT * (scale[0] < scale[1] ? scale[0] : scale[1]);
-    if (!header->plain) return;
-    for (int c = 0; c < 3; c++) {
-        const real colour = gaussians->ambient[3 * index + c];
-        albedo[c] = colour < 0 ? 0 : colour > 1 ? 1 : colour;
-    }
-    gaussians->roughness[index] = PLAIN_ROUGHNESS;
+    if (header->plain) ffp_splat_complete(gaussians, index);
 }
 
 static bool read_rows(FfpGaussians *gaussians, const FfpPlyHeader *header, FILE *stream, const char *path,
@@ -146,9 +137,7 @@ static bool check_size(const FfpPlyHeader *header, FILE *stream, const char *pat
                     (long long)header->count, header->stride, (long long)want, (long long)rest);
 }
 
-bool ffp_gaussians_read(FfpGaussians *gaussians, const char *path, FfpError *err) {
-    *gaussians = (FfpGaussians){0};
-    if (!ffp_check_kind(path, FFP_WANTED_GAUSSIANS, err)) return false;
+static bool read_ply(FfpGaussians *gaussians, const char *path, FfpError *err) {
     FILE *stream = ffp_open_to_read(path, err);
     if (!stream) return false;
     ffp_own_file(stream);
@@ -158,14 +147,24 @@ bool ffp_gaussians_read(FfpGaussians *gaussians, const char *path, FfpError *err
         *gaussians = ffp_gaussians_new(header.count);
         memcpy(gaussians->made_from, header.made_from, sizeof header.made_from);
         ok = read_rows(gaussians, &header, stream, path, err);
-        if (ok && header.plain)
-            ffp_note("%s: splats without material: their colour is taken as albedo and as ambient colour, "
-                     "roughness as %g",
-                     ffp_basename(path), (double)PLAIN_ROUGHNESS);
+        if (ok && header.plain) ffp_splats_note(path);
         if (!ok) ffp_gaussians_free(gaussians);
     }
     ffp_close_file(stream);
     return ok;
+}
+
+bool ffp_gaussians_read(FfpGaussians *gaussians, const char *path, FfpError *err) {
+    *gaussians = (FfpGaussians){0};
+    if (!ffp_check_kind(path, FFP_WANTED_GAUSSIANS, err)) return false;
+    switch (ffp_file_kind(path)) {
+    case FFP_KIND_SPZ:
+        return ffp_gaussians_read_spz(gaussians, path, err);
+    case FFP_KIND_GLTF:
+        return ffp_gaussians_read_gltf(gaussians, path, err);
+    default:
+        return read_ply(gaussians, path, err);
+    }
 }
 
 FfpGaussians *ffp_gaussians_load(const char *path, FfpError *err) {
@@ -180,7 +179,6 @@ FfpGaussians *ffp_gaussians_load(const char *path, FfpError *err) {
 }
 
 static bool read_header(FfpPlyHeader *header, const char *path, FfpError *err) {
-    if (!ffp_check_kind(path, FFP_WANTED_GAUSSIANS, err)) return false;
     FILE *stream = ffp_open_to_read(path, err);
     if (!stream) return false;
     const bool ok = ffp_ply_header_read(header, stream, path, err);
@@ -191,6 +189,9 @@ static bool read_header(FfpPlyHeader *header, const char *path, FfpError *err) {
 bool ffp_gaussians_read_made_from(char made_from[FFP_MADE_FROM], const char *path, FfpError *err) {
     FfpPlyHeader header;
     made_from[0] = 0;
+    if (!ffp_check_kind(path, FFP_WANTED_GAUSSIANS, err)) return false;
+    const FfpKind kind = ffp_file_kind(path);
+    if (kind == FFP_KIND_SPZ || kind == FFP_KIND_GLTF) return true;
     if (!read_header(&header, path, err)) return false;
     memcpy(made_from, header.made_from, sizeof header.made_from);
     return true;

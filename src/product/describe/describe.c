@@ -99,6 +99,8 @@ bool ffp_describe(FILE *out, const char *path, FfpError *err) {
     case FFP_KIND_JSON:
         return ffp_describe_capture(out, path, err);
     case FFP_KIND_PLY:
+    case FFP_KIND_SPZ:
+    case FFP_KIND_GLTF:
         return print_gaussians(out, path, err);
     case FFP_KIND_WEIGHTS:
         return print_model(out, path, err);
