@@ -25,7 +25,8 @@ class Gaussians(Handle):
 
     @classmethod
     def load(cls, path: PathLike) -> Gaussians:
-        """Reads a PLY with the property names of 3DGS, plus base_color_0..2 and roughness."""
+        """Reads a PLY with the property names of 3DGS, plus base_color_0..2 and roughness; or the plain splats of
+        other programs (PLY, SPZ, glTF)."""
         keep = Keep()
         with Call() as call:
             made = lib.ffp_gaussians_open(call.context, keep.path(path), call.error)
