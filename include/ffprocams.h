@@ -211,8 +211,8 @@ FFP_API FfpGaussians *ffp_reconstruct(FfpContext *context, const FfpCapture *cap
 
 // Binary PLY with the 3DGS property names, plus base_color_0..2 and roughness (docs/reference/formats.md).
 // Plain splats are opened too (PLY of 3DGS, 2DGS and gsplat, SPZ, glTF with KHR_gaussian_splatting): their
-// colour is taken as albedo and as ambient colour, the roughness is 0.5, and a note says so. Gaussians too faint to be visible (opacity below 1/255)
-// are omitted; it is an error if all of them are.
+// colour is taken as albedo and as ambient colour, the roughness is 0.5, and a note says so. Gaussians too
+// faint to be visible (opacity below 1/255) are omitted; it is an error if all of them are.
 FFP_API FfpGaussians *ffp_gaussians_open(FfpContext *context, const char *path, FfpError *err);
 FFP_API bool ffp_gaussians_save(FfpContext *context, const FfpGaussians *gaussians, const char *path,
                                 FfpError *err);
