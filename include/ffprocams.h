@@ -996,6 +996,9 @@ FFP_API char *ffp_benchmark(FfpContext *context, const char *json, FfpError *err
 
 // Describes a capture, a weights file or a PLY in readable text (release with ffp_free); NULL on failure.
 FFP_API char *ffp_info(FfpContext *context, const char *path, FfpError *err);
+// Writes the same of a capture as an HTML page, with a contact sheet of its masks in which doubtful views are
+// marked. Errors: `path` is not a capture.
+FFP_API bool ffp_info_report(FfpContext *context, const char *path, const char *html, FfpError *err);
 
 #ifdef __cplusplus
 }

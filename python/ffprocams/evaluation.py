@@ -397,10 +397,16 @@ def _fill_turntable(c: Any, turntable: Turntable, keep: Keep) -> None:
     c.find_axis, c.guessed = turntable.find_axis, turntable.guessed
 
 
-def info(path: PathLike) -> str:
-    """Describes a capture, a weights file or a PLY in readable text."""
+def info(path: PathLike, report: PathLike | None = None) -> str:
+    """Describes a capture, a weights file or a PLY in readable text.
+
+    ``report`` names an HTML page to write of a capture: the same text, and a contact sheet of its
+    masks in which doubtful views are marked.
+    """
     keep = Keep()
     with Call() as call:
+        if report is not None:
+            call.check(lib.ffp_info_report(call.context, keep.path(path), keep.path(report), call.error))
         text = call.take(lib.ffp_info(call.context, keep.path(path), call.error), lib.ffp_free)
     out: str = ffi.string(text).decode("utf-8", "replace")
     return out

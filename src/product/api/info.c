@@ -7,6 +7,7 @@
 
 typedef struct Call {
     const char *path;
+    const char *html;
     char *text;
 } Call;
 
@@ -22,7 +23,18 @@ static bool work(void *argument, FfpError *err) {
 }
 
 char *ffp_info(FfpContext *context, const char *path, FfpError *err) {
-    Call call = {path, NULL};
+    Call call = {path, NULL, NULL};
     if (!ffp_need(path, "path", err)) return NULL;
     return ffp_call_run(context, work, &call, err) ? call.text : NULL;
+}
+
+static bool report(void *argument, FfpError *err) {
+    const Call *call = argument;
+    return ffp_describe_report(call->path, call->html, err);
+}
+
+bool ffp_info_report(FfpContext *context, const char *path, const char *html, FfpError *err) {
+    Call call = {path, html, NULL};
+    return ffp_need(path, "path", err) && ffp_need(html, "html", err) &&
+           ffp_call_run(context, report, &call, err);
 }

@@ -3,7 +3,7 @@
 #include "cli.h"
 
 typedef struct Arguments {
-    const char *file;
+    const char *file, *report;
 } Arguments;
 
 static int run(void *data) {
@@ -13,10 +13,21 @@ static int run(void *data) {
     if (!text) return ffp_cli_fail(&err);
     fputs(text, stdout);
     ffp_free(text);
+    if (arguments->report && !ffp_info_report(ffp_cli_context(), arguments->file, arguments->report, &err))
+        return ffp_cli_fail(&err);
     return FFP_EXIT_OK;
 }
 
-static const FfpOption options[] = {{0}};
+static const FfpOption options[] = {
+    {.name = "report",
+     .argument = "FILE.html",
+     .type = FFP_OPTION_FILE,
+     .writes = true,
+     .offset = offsetof(Arguments, report),
+     .help = "also write an HTML page of a capture: the checks, and a contact sheet of the masks in which "
+             "doubtful views are marked"},
+    {0},
+};
 
 const FfpCommand ffp_cli_info = {
     .name = "info",
@@ -33,7 +44,7 @@ const FfpCommand ffp_cli_info = {
          .offset = offsetof(Arguments, file),
          .help = "a capture's folder or JSON file, a safetensors model, a PLY, or a field from `refine`"},
     .options = options,
-    .examples = (const FfpExample[]){{.command = "ffprocams info data/sample"}, {0}},
+    .examples = (const FfpExample[]){{.command = "ffprocams info data/sample --report sample.html"}, {0}},
     .size = sizeof(Arguments),
     .run = run,
 };

@@ -3,7 +3,7 @@
 #include <stdio.h>
 #include "core/base/text.h"
 #include "core/capture/pad.h"
-#include "product/describe/describe.h"
+#include "product/describe/print.h"
 #include "rig/import/checks.h"
 
 static void print_truth(FILE *out, const FfpCapture *capture) {
@@ -56,26 +56,30 @@ static void print_structured_light(FILE *out, const FfpCapture *capture) {
     }
 }
 
+void ffp_print_capture(FILE *out, const FfpCapture *capture) {
+    fputs("capture      ", out);
+    ffp_put_plain(out, capture->name);
+    fprintf(out, "\nviews        %d\npatterns     %d:", capture->n_views, capture->n_patterns);
+    for (int p = 0; p < capture->n_patterns; p++) {
+        fputc(' ', out);
+        ffp_put_plain(out, capture->patterns[p].name);
+        if (capture->patterns[p].novel) fputs(" (held back)", out);
+    }
+    print_structured_light(out, capture);
+    fprintf(out, "\nbounds       centre %.4g %.4g %.4g, radius %.4g\n", (double)capture->centre[0],
+            (double)capture->centre[1], (double)capture->centre[2], (double)capture->radius);
+    fprintf(out, "intensity    %.4g %.4g %.4g (%s)\n", (double)capture->intensity[0],
+            (double)capture->intensity[1], (double)capture->intensity[2],
+            capture->intensity_known ? "given" : "unknown: estimated or assumed");
+    print_truth(out, capture);
+    print_views(out, capture);
+    ffp_rig_checks(capture, out);
+}
+
 bool ffp_describe_capture(FILE *out, const char *path, FfpError *err) {
     FfpCapture capture;
     if (!ffp_capture_read(&capture, path, err)) return false;
-    fputs("capture      ", out);
-    ffp_put_plain(out, capture.name);
-    fprintf(out, "\nviews        %d\npatterns     %d:", capture.n_views, capture.n_patterns);
-    for (int p = 0; p < capture.n_patterns; p++) {
-        fputc(' ', out);
-        ffp_put_plain(out, capture.patterns[p].name);
-        if (capture.patterns[p].novel) fputs(" (held back)", out);
-    }
-    print_structured_light(out, &capture);
-    fprintf(out, "\nbounds       centre %.4g %.4g %.4g, radius %.4g\n", (double)capture.centre[0],
-            (double)capture.centre[1], (double)capture.centre[2], (double)capture.radius);
-    fprintf(out, "intensity    %.4g %.4g %.4g (%s)\n", (double)capture.intensity[0],
-            (double)capture.intensity[1], (double)capture.intensity[2],
-            capture.intensity_known ? "given" : "unknown: estimated or assumed");
-    print_truth(out, &capture);
-    print_views(out, &capture);
-    ffp_rig_checks(&capture, out);
+    ffp_print_capture(out, &capture);
     ffp_capture_free(&capture);
     return true;
 }

@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include "core/base/arena.h"
+#include "core/base/text.h"
 #include "core/numerics/rank.h"
 #include "rig/import/chord.h"
 
@@ -193,12 +194,22 @@ static void check_frusta(Page *page, const FfpCapture *capture, const Light *lig
 
 static void check_silhouettes(Page *page, const FfpCapture *capture) {
     const double misfit = ffp_rig_silhouette_misfit(capture);
-    line(page, misfit < FFP_RIG_MISFIT_MAX, "silhouettes",
+    double without;
+    const int odd = ffp_rig_odd_view(capture, misfit, &without);
+    line(page, misfit < FFP_RIG_MISFIT_MAX && odd < 0, "silhouettes",
          "%.1f %% of the object's pixels contradict the other views' silhouettes", 100 * misfit);
-    if (misfit >= FFP_RIG_MISFIT_MAX)
+    if (odd >= 0) {
+        fputs("       -> without view ", page->out);
+        ffp_put_plain(page->out, capture->views[odd].id);
+        fprintf(page->out,
+                " it is %.1f %%: look at its mask; was the camera bumped, a hand in the picture, or the "
+                "turntable not where its angle says?\n",
+                100 * without);
+    } else if (misfit >= FFP_RIG_MISFIT_MAX) {
         advise(page, "the views are inconsistent: check the masks (those computed from white minus black "
                      "lack the parts in shadow; mask files are better), the turntable's axis, "
                      "its angles and their sign, and the order of the pictures");
+    }
 }
 
 static void check_exposure(Page *page, Light *light) {
@@ -400,6 +411,20 @@ static bool try_other_sizes(const Page *page, const FfpCapture *capture, int act
     return true;
 }
 
+static void advise_odd_view(const Page *page, const FfpCapture *capture, const FfpExplanation *found) {
+    fputs("       -> view ", page->out);
+    ffp_put_plain(page->out, capture->views[found->odd].id);
+    if (found->odd_across != 0)
+        fprintf(page->out,
+                " fits better when its pattern is moved by %.0f pixels, which few others do: was the camera "
+                "or the projector bumped, or the turntable not where its angle says? Take it again\n",
+                fabs(found->odd_across));
+    else
+        fputs(" fits far worse than the others: was something in front of the object or of the projector, or "
+              "the room's light changed? Take it again\n",
+              page->out);
+}
+
 static void check_pattern(Page *page, const FfpCapture *capture, const Light *light) {
     static const char *const ways[3] = {"left to right", "upside down", "both ways"};
     const int active = ffp_capture_active_pattern(capture, NULL, NULL);
@@ -414,7 +439,8 @@ static void check_pattern(Page *page, const FfpCapture *capture, const Light *li
     const bool mirrored = found.mirrored[mirror] < FITS * found.error;
     const bool moved = !mirrored && found.best < 0.85 * found.error;
     const bool nothing = !mirrored && !moved && found.error > CHANCE_MAX * found.chance;
-    line(page, !mirrored && !moved && !nothing, "pattern",
+    const bool odd = !mirrored && !moved && !nothing && found.odd >= 0;
+    line(page, !mirrored && !moved && !nothing && !odd, "pattern",
          "'%s' explains the pictures with error %.3f; chance gives %.3f (%d pixels)",
          capture->patterns[active].name, found.error, found.chance, found.pixels);
     if ((mirrored || moved || nothing) && try_other_sizes(page, capture, active, light, &found)) return;
@@ -429,6 +455,7 @@ static void check_pattern(Page *page, const FfpCapture *capture, const Light *li
                 "turntable's axis is off by as much; `ffprocams align` can correct it\n",
                 round(found.across * found.direction[0]), round(found.across * found.direction[1]),
                 found.best);
+    if (odd) advise_odd_view(page, capture, &found);
     if (nothing)
         advise(page, "no better than chance: another pattern was shown, views are mixed up, or poses are "
                      "wrong (angles' "

@@ -16,6 +16,14 @@ int ffp_rig_checks(const FfpCapture *capture, FILE *out);
 // Share of the object's pixels through which no point of its sphere lies in all views' silhouettes (a pixel's
 // width is forgiven; what a view does not show contradicts nothing). 0 with poses and masks that fit.
 double ffp_rig_silhouette_misfit(const FfpCapture *capture);
+// The same of one view's pixels.
+double ffp_rig_view_misfit(const FfpCapture *capture, int view);
+// Fewer views than these cannot outvote one, and what leaves so much of the misfit explains it.
+#define FFP_RIG_VIEWS_TO_ACCUSE 4
+#define FFP_RIG_EXPLAINED 0.25
+// The view without which the others agree, with their misfit; -1: there is none. `misfit` is that of all, of
+// which less than 1 % accuses nobody.
+int ffp_rig_odd_view(const FfpCapture *capture, double misfit, double *without);
 
 // How the pattern explains the active pictures of a capture. Errors are root mean squares of
 // (C - B) / (W - B) - pattern, per channel in linear values, with each pixel's best depth in the object's
@@ -29,6 +37,8 @@ typedef struct FfpExplanation {
     double across; // by how many of its pixels along
     double direction[2]; // in the first view
     double mirrored[3];  // turned round left to right, upside down, both
+    int odd;             // the view that is unlike the others; -1: none
+    double odd_across;   // pattern pixels by which it fits better when moved; 0: its error is just larger
 } FfpExplanation;
 FfpExplanation ffp_rig_explain(const FfpCapture *capture, int pattern);
 

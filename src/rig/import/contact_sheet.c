@@ -46,6 +46,12 @@ static void put_view(FfpImage *sheet, const FfpImage *thumb, const FfpImage *cov
     ffp_image_free(&mask);
 }
 
+FfpImage ffp_contact_picture(const FfpImage *thumb, const FfpImage *coverage) {
+    FfpImage out = ffp_image_new(thumb->width, thumb->height, 3);
+    put_view(&out, thumb, coverage, 0, 0);
+    return out;
+}
+
 FfpImage ffp_contact_sheet(const FfpCapture *capture, const FfpImage *thumbs) {
     const int n = capture->n_views, columns = (int)ceil(sqrt((double)n)), rows = (n + columns - 1) / columns;
     int width = 1, height = 1;

@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include "core/base/arena.h"
 #include "core/image/lookup.h"
+#include "core/numerics/rank.h"
 #include "rig/import/checks.h"
 #include "rig/import/chord.h"
 
@@ -16,6 +17,9 @@
 #define MIRRORS 4      // as it is, left to right, upside down, both
 #define SHIFTS 6       // across the epipolar lines; along them the depth takes a shift up
 #define FAR 4          // shifts by a third of the pattern and round its edges: what chance explains
+#define ODD 0.93       // of a view's own error: a shift that leaves less explains it
+#define WORSE 2.5      // times the median error of the views
+#define ODD_MOST 3     // one view in so many may be odd
 enum { VARIANTS = MIRRORS + SHIFTS + FAR };
 
 typedef struct Variant {
@@ -126,8 +130,9 @@ static void judge(const FfpView *view, const FfpSummed *pattern, const Sample *s
     }
 }
 
-static void add_view(const FfpCapture *capture, const FfpView *view, const FfpSummed *summed, int pattern,
-                     const Variant *variants, double sums[VARIANTS], int *pixels) {
+// Sums of a view's squared errors for each variant; returns the number of its pixels.
+static int look_at_view(const FfpCapture *capture, const FfpView *view, const FfpSummed *summed, int pattern,
+                        const Variant *variants, double sums[VARIANTS]) {
     Sample *samples = ffp_alloc(PIXELS_A_VIEW, sizeof *samples);
     double(*best)[VARIANTS] = ffp_alloc(PIXELS_A_VIEW, sizeof *best);
     const int n = collect(capture, view, &view->images[pattern], PIXELS_A_VIEW, samples);
@@ -139,21 +144,66 @@ static void add_view(const FfpCapture *capture, const FfpView *view, const FfpSu
     for (int i = 0; i < n; i++) {
         for (int k = 0; k < VARIANTS; k++) sums[k] += best[i][k];
     }
-    *pixels += n;
     ffp_free(samples);
     ffp_free(best);
+    return n;
+}
+
+// The shift across that explains a view best, 0: none does clearly better, and what it leaves of the error.
+static double shift_of(const Variant *variants, const double sums[VARIANTS], double *left) {
+    int best = 0;
+    for (int k = MIRRORS; k < MIRRORS + SHIFTS; k++) best = sums[k] < sums[best] ? k : best;
+    *left = sums[0] > 0 ? sqrt(sums[best] / sums[0]) : 1;
+    return *left < ODD ? variants[best].across : 0;
+}
+
+// The view that is explained worse than most, when it is far worse.
+static int worst_view(const double *errors, int n) {
+    double *sorted = ffp_alloc((size_t)n, sizeof *sorted);
+    int worst = 0;
+    for (int v = 0; v < n; v++) {
+        sorted[v] = errors[v];
+        worst = errors[v] > errors[worst] ? v : worst;
+    }
+    const double usual = ffp_median(sorted, (size_t)n);
+    ffp_free(sorted);
+    return errors[worst] > WORSE * usual ? worst : -1;
+}
+
+// The views one by one: their sum, and the one that a shift mends most, if few need one; otherwise the one
+// that nothing mends.
+static void look_at_views(FfpExplanation *out, const FfpCapture *capture, int pattern,
+                          const FfpSummed *summed, const Variant *variants, double sums[VARIANTS]) {
+    double least = 1, left;
+    int odd = 0;
+    double *errors = ffp_alloc((size_t)capture->n_views, sizeof *errors);
+    for (int v = 0; v < capture->n_views; v++) {
+        double own[VARIANTS] = {0};
+        if (!capture->views[v].images[pattern].data) continue;
+        const int n = look_at_view(capture, &capture->views[v], summed, pattern, variants, own);
+        for (int k = 0; k < VARIANTS; k++) sums[k] += own[k];
+        out->pixels += n;
+        errors[v] = n >= PIXELS_LEAST ? sqrt(own[0] / n) : 0;
+        const double across = n >= PIXELS_LEAST ? shift_of(variants, own, &left) : 0;
+        odd += across != 0;
+        if (across == 0 || left >= least) continue;
+        least = left, out->odd = v, out->odd_across = across;
+    }
+    if (odd * ODD_MOST > capture->n_views) {
+        out->odd = -1;
+        out->odd_across = 0;
+    }
+    if (odd == 0) out->odd = worst_view(errors, capture->n_views);
+    ffp_free(errors);
 }
 
 FfpExplanation ffp_rig_explain(const FfpCapture *capture, int pattern) {
     Variant variants[VARIANTS];
     double sums[VARIANTS] = {0};
-    FfpExplanation out = {0};
+    FfpExplanation out = {.odd = -1};
     FfpSummed summed = ffp_summed_new(&capture->patterns[pattern].image);
     make_variants(summed.width, variants);
-    for (int v = 0; v < capture->n_views; v++) {
-        if (!capture->views[v].images[pattern].data) continue;
-        add_view(capture, &capture->views[v], &summed, pattern, variants, sums, &out.pixels);
-    }
+    look_at_views(&out, capture, pattern, &summed, variants, sums);
     ffp_summed_free(&summed);
     if (out.pixels == 0) return out;
     double errors[VARIANTS];

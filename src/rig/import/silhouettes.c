@@ -2,12 +2,15 @@
 // view shows as background (Laurentini 1994, the visual hull).
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 #include "core/base/arena.h"
 #include "rig/import/checks.h"
 #include "rig/import/chord.h"
+#include "rig/import/suspect_parts.h"
 
 #define PIXELS_A_VIEW 400
 #define DEPTHS 160
+#define ODD_LEAST 0.01 // of the pixels: less says nothing about any view
 
 // Background in the pixel and all around it.
 static bool is_background(const FfpImage *coverage, real x, real y) {
@@ -56,17 +59,48 @@ static ptrdiff_t choose_pixels(const FfpView *view, ptrdiff_t **chosen) {
     return count;
 }
 
+// Adds a view's pixels that were looked at, and those of them that have no point.
+static void count_misfit(const FfpCapture *capture, int v, int *looked, int *bad) {
+    const FfpView *view = &capture->views[v];
+    ptrdiff_t *chosen = NULL;
+    const ptrdiff_t count = choose_pixels(view, &chosen);
+    int without = 0;
+#pragma omp parallel for schedule(static) reduction(+ : without)
+    for (ptrdiff_t k = 0; k < count; k++) without += !has_point(capture, view, (size_t)chosen[k]);
+    ffp_free(chosen);
+    *looked += (int)count, *bad += without;
+}
+
+double ffp_rig_view_misfit(const FfpCapture *capture, int view) {
+    int looked = 0, bad = 0;
+    count_misfit(capture, view, &looked, &bad);
+    return looked > 0 ? (double)bad / looked : 0;
+}
+
 double ffp_rig_silhouette_misfit(const FfpCapture *capture) {
     int looked = 0, bad = 0;
-    for (int v = 0; v < capture->n_views; v++) {
-        const FfpView *view = &capture->views[v];
-        ptrdiff_t *chosen = NULL;
-        const ptrdiff_t count = choose_pixels(view, &chosen);
-        int without = 0;
-#pragma omp parallel for schedule(static) reduction(+ : without)
-        for (ptrdiff_t k = 0; k < count; k++) without += !has_point(capture, view, (size_t)chosen[k]);
-        ffp_free(chosen);
-        looked += (int)count, bad += without;
-    }
+    for (int v = 0; v < capture->n_views; v++) count_misfit(capture, v, &looked, &bad);
     return looked > 0 ? (double)bad / looked : 0;
+}
+
+static double misfit_without(const FfpCapture *capture, int view) {
+    FfpCapture alias = ffp_rig_alias(capture);
+    alias.n_views--;
+    memmove(alias.views + view, alias.views + view + 1, (size_t)(alias.n_views - view) * sizeof *alias.views);
+    const double misfit = ffp_rig_silhouette_misfit(&alias);
+    ffp_free(alias.views);
+    return misfit;
+}
+
+int ffp_rig_odd_view(const FfpCapture *capture, double misfit, double *without) {
+    int odd = -1;
+    *without = misfit;
+    if (misfit < ODD_LEAST || capture->n_views < FFP_RIG_VIEWS_TO_ACCUSE) return -1;
+    for (int v = 0; v < capture->n_views; v++) {
+        const double others = misfit_without(capture, v);
+        if (!(others < *without)) continue;
+        *without = others;
+        odd = v;
+    }
+    return *without < FFP_RIG_EXPLAINED * misfit ? odd : -1;
 }

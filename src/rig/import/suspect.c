@@ -6,9 +6,7 @@
 #include "rig/import/checks.h"
 #include "rig/import/suspect_parts.h"
 
-#define FAR_RADII 100         // from the object to a device, in its radii: more is another unit
-#define MISFIT_EXPLAINED 0.25 // of the pixels that contradict other views: what leaves less explains them
-#define VIEWS_TO_ACCUSE 4     // fewer views than these cannot outvote one
+#define FAR_RADII 100 // from the object to a device, in its radii: more is another unit
 
 // --- Devices. ---
 
@@ -90,15 +88,6 @@ static FfpImage undone(const FfpImage *image, Mishap mishap) {
                    (size_t)n * sizeof *out.data);
         }
     return out;
-}
-
-static double misfit_without(const FfpCapture *capture, int view) {
-    FfpCapture alias = ffp_rig_alias(capture);
-    alias.n_views--;
-    memmove(alias.views + view, alias.views + view + 1, (size_t)(alias.n_views - view) * sizeof *alias.views);
-    const double misfit = ffp_rig_silhouette_misfit(&alias);
-    ffp_free(alias.views);
-    return misfit;
 }
 
 static double misfit_undone(const FfpCapture *capture, int view, Mishap mishap) {
@@ -257,32 +246,19 @@ static bool try_sizes(const FfpCapture *capture, double enough, FfpError *err) {
     return true;
 }
 
-// The view without which the others agree best.
-static int odd_one_out(const FfpCapture *capture, double *misfit) {
-    int odd = -1;
-    *misfit = INFINITY;
-    for (int v = 0; v < capture->n_views; v++) {
-        const double without = misfit_without(capture, v);
-        if (!(without < *misfit)) continue;
-        *misfit = without;
-        odd = v;
-    }
-    return odd;
-}
-
 static bool check_silhouettes(const FfpCapture *capture, FfpError *err) {
-    const double misfit = ffp_rig_silhouette_misfit(capture), enough = MISFIT_EXPLAINED * misfit;
-    if (misfit < FFP_RIG_MISFIT_MAX || capture->n_views < VIEWS_TO_ACCUSE) return true;
+    const double misfit = ffp_rig_silhouette_misfit(capture), enough = FFP_RIG_EXPLAINED * misfit;
     double without;
-    const int odd = odd_one_out(capture, &without);
-    if (without < enough && !try_mishaps(capture, odd, enough, err)) return false;
-    if (!try_reversal(capture, enough, err) || !try_sizes(capture, enough, err) ||
-        !try_exchanges(capture, enough, err))
+    const int odd = ffp_rig_odd_view(capture, misfit, &without);
+    const bool much = misfit >= FFP_RIG_MISFIT_MAX && capture->n_views >= FFP_RIG_VIEWS_TO_ACCUSE;
+    if (much && odd >= 0 && !try_mishaps(capture, odd, enough, err)) return false;
+    if (much && (!try_reversal(capture, enough, err) || !try_sizes(capture, enough, err) ||
+                 !try_exchanges(capture, enough, err)))
         return false;
-    if (without < enough)
+    if (odd >= 0)
         ffp_note("view %s contradicts the others' silhouettes: look at its mask and pose",
                  capture->views[odd].id);
-    else
+    else if (much)
         ffp_note("%.0f %% of the object's pixels contradict the other views' silhouettes: `info` says what "
                  "to look at",
                  100 * misfit);

@@ -30,6 +30,8 @@ static void handles_are_asked_for(void **state) {
     refused(!ffp_neural_field_open(NULL, NULL, &err), "path");
     refused(!ffp_neural_field_save(NULL, NULL, "file", &err), "field");
     refused(!ffp_info(NULL, NULL, &err), "path");
+    refused(!ffp_info_report(NULL, NULL, "file.html", &err), "path");
+    refused(!ffp_info_report(NULL, "capture", NULL, &err), "html");
 }
 
 static void fits_are_told_what_to_fit(void **state) {

@@ -1,5 +1,7 @@
 // Masks made of the light against true ones, by commands alone: a watering can on a turntable, whose handle
 // is a ring, photographed by the generator. Its side in shadow is object, and one sees through the handle.
+#include <unistd.h>
+#include "core/base/file.h"
 #include "core/capture/capture.h"
 #include "product/cli/program.h"
 
@@ -87,6 +89,23 @@ static void the_dark_shows_the_object(void **state) {
     const Agreement same = compare(&made, &again);
     assert_true(same.common > 0.97 * same.either);
     ffp_capture_free(&truth), ffp_capture_free(&made), ffp_capture_free(&few), ffp_capture_free(&again);
+}
+
+static void the_report_shows_the_masks(void **state) {
+    (void)state;
+    size_t size;
+    char *text = NULL;
+    FfpError err = {0};
+    must_run("info @/made --report @/made.html");
+    if (!ffp_read_file(in_scratch("made.html"), 1 << 24, &text, &size, &err)) fail_msg("%s", err.text);
+    assert_non_null(strstr(text, "Masks on the photographs"));
+    assert_non_null(strstr(text, "<figcaption>315: "));
+    assert_null(strstr(text, "class=look>"));
+    ffp_free(text);
+    run_format(&run, "info %s/models/small.safetensors --report %s/model.html", FFP_SOURCE_DIR, scratch);
+    assert_int_equal(run.status, 1);
+    assert_non_null(strstr(run.err, "only captures have a report"));
+    assert_int_equal(access(in_scratch("model.html"), F_OK), -1);
 }
 
 // Photographs from which what is seen under black was taken out, as without any light of the room.
@@ -200,9 +219,11 @@ static void wrong_pictures_of_the_stage_are_refused(void **state) {
 }
 
 int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(the_dark_shows_the_object), cmocka_unit_test(shadows_are_object_and_holes_are_none),
-        cmocka_unit_test(a_lamp_between_views_is_named),
-        cmocka_unit_test(wrong_pictures_of_the_stage_are_refused), cmocka_unit_test(threads_do_not_matter)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(the_dark_shows_the_object),
+                                       cmocka_unit_test(the_report_shows_the_masks),
+                                       cmocka_unit_test(shadows_are_object_and_holes_are_none),
+                                       cmocka_unit_test(a_lamp_between_views_is_named),
+                                       cmocka_unit_test(wrong_pictures_of_the_stage_are_refused),
+                                       cmocka_unit_test(threads_do_not_matter)};
     return cmocka_run_group_tests(tests, setup, scratch_teardown);
 }

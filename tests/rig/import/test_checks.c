@@ -1,6 +1,7 @@
 // The page of checks: a good capture passes, and each thing that people get wrong is found under its name.
 // Labels: slow
 #include <math.h>
+#include <string.h>
 #include "core/base/alloc.h"
 #include "core/base/vec.h"
 #include "rig/import/checks.h"
@@ -105,6 +106,39 @@ static void test_pattern_mirrored(void **state) {
                 *a = *b, *b = kept;
             }
     must_doubt("pattern", "mirrored left to right");
+}
+
+// A view whose camera was bumped by two pixels, and one with something in front of it under the pattern.
+static void test_one_view(void **state) {
+    (void)state;
+    const int active = ffp_capture_active_pattern(&capture, NULL, NULL);
+    const int shown[3] = {capture.black, capture.white, active};
+    FfpView *view = &capture.views[3];
+    for (int k = 0; k < 4; k++) {
+        FfpImage *image = k < 3 ? &view->images[shown[k]] : &view->coverage;
+        const ptrdiff_t step = 2 * (image->width + 1) * image->channels,
+                        count = (ptrdiff_t)image->width * image->height * image->channels;
+        memmove(image->data + step, image->data, (size_t)(count - step) * sizeof *image->data);
+    }
+    must_doubt("pattern", "theta135 fits better when its pattern is moved by");
+    teardown(NULL);
+    assert_int_equal(setup(NULL), 0);
+    FfpImage *seen = &capture.views[2].images[active];
+    const FfpImage *white = &capture.views[2].images[capture.white];
+    for (int i = 0; i < 3 * seen->width * seen->height / 2; i++) seen->data[i] = 0.7F * white->data[i];
+    must_doubt("pattern", "theta090 fits far worse than the others");
+}
+
+// A mask in which a hand is left.
+static void test_hand_in_a_mask(void **state) {
+    (void)state;
+    FfpImage *mask = &capture.views[1].coverage;
+    for (int i = 0; i < mask->width * mask->height; i++)
+        if (i % mask->width < 30 && i / mask->width > 80) mask->data[i] = 1;
+    must_doubt("silhouettes", "without view path_0_theta045 it is 0.");
+    double without;
+    assert_int_equal(ffp_rig_odd_view(&capture, ffp_rig_silhouette_misfit(&capture), &without), 1);
+    assert_true(ffp_rig_view_misfit(&capture, 1) > 0.03);
 }
 
 static void test_projector_off(void **state) {
@@ -217,6 +251,8 @@ int main(void) {
         cmocka_unit_test_setup_teardown(test_angles_reversed, setup, teardown),
         cmocka_unit_test_setup_teardown(test_axis_moved, setup, teardown),
         cmocka_unit_test_setup_teardown(test_pattern_mirrored, setup, teardown),
+        cmocka_unit_test_setup_teardown(test_one_view, setup, teardown),
+        cmocka_unit_test_setup_teardown(test_hand_in_a_mask, setup, teardown),
         cmocka_unit_test_setup_teardown(test_projector_off, setup, teardown),
         cmocka_unit_test_setup_teardown(test_another_pattern, setup, teardown),
         cmocka_unit_test_setup_teardown(test_projector_counted_otherwise, setup, teardown),

@@ -1,0 +1,132 @@
+// The page of `info --report`.
+#include <string.h>
+#include "core/base/base64.h"
+#include "core/base/file.h"
+#include "core/base/kind.h"
+#include "core/base/text.h"
+#include "product/describe/print.h"
+#include "rig/import/checks.h"
+#include "rig/import/contact_sheet.h"
+
+static const char style[] =
+    "*{box-sizing:border-box}body{font:15px/1.45 system-ui,sans-serif;max-width:1300px;margin:1em auto;"
+    "padding:0 1em;color:#222;background:#fff}h2{border-bottom:1px solid #bbb;margin-top:1.5em}"
+    "pre{overflow-x:auto;font-size:13px}img{max-width:100%;background:#000}"
+    "figure{display:inline-block;width:250px;margin:0 6px 12px 0;vertical-align:top}"
+    "figcaption{font-size:13px;color:#555;overflow-wrap:anywhere}.look{color:#b40;font-weight:bold}";
+
+static bool put_image(FILE *out, const FfpImage *encoded, const char *text, FfpError *err) {
+    unsigned char *bytes;
+    size_t size;
+    if (!ffp_image_encode_png(encoded, &bytes, &size, err)) return false;
+    fputs("<img alt=\"", out);
+    ffp_put_html(out, text);
+    fputs("\" src=\"data:image/png;base64,", out);
+    ffp_write_base64(out, bytes, size);
+    fputs("\">", out);
+    ffp_free(bytes);
+    return true;
+}
+
+static void put_checks(FILE *out, const FfpCapture *capture) {
+    FfpText *text = ffp_text_new();
+    ffp_print_capture(ffp_text_stream(text), capture);
+    char *said = ffp_text_end(text);
+    fputs("<pre>", out);
+    ffp_put_html(out, said);
+    fputs("</pre>\n", out);
+    ffp_free(said);
+}
+
+// The sheet shows the photographs themselves, of which the capture has only the object; captures of other
+// programs have none.
+static bool put_sheet(FILE *out, const FfpCapture *capture, FfpError *err) {
+    char path[FFP_PATH_MAX];
+    FfpImage sheet = {0};
+    if (!ffp_join_path(path, capture->folder, "masks.png") || ffp_file_kind(path) != FFP_KIND_IMAGE)
+        return true;
+    if (!ffp_image_read(&sheet, path, FFP_COLOUR_ENCODED, err)) return false;
+    fputs(
+        "<h2>Masks on the photographs</h2><p>The views in their order, row by row. Dark and blue is what is "
+        "left out.</p>\n",
+        out);
+    const bool ok = put_image(out, &sheet, "contact sheet of the masks", err);
+    ffp_image_free(&sheet);
+    return ok;
+}
+
+// --- The views. ---
+
+static double covered_share(const FfpView *view) {
+    const ptrdiff_t pixels = (ptrdiff_t)view->camera.width * view->camera.height;
+    double covered = 0;
+    for (ptrdiff_t i = 0; i < pixels; i++) covered += (double)view->coverage.data[i];
+    return covered / ((double)ffp_frame_width(view) * ffp_frame_height(view));
+}
+
+typedef struct Doubts { // views, -1: none
+    int shape, light;
+} Doubts;
+
+static Doubts find_doubts(const FfpCapture *capture) {
+    const int active = ffp_capture_active_pattern(capture, NULL, NULL);
+    double without;
+    return (Doubts){
+        capture->scene ? -1 : ffp_rig_odd_view(capture, ffp_rig_silhouette_misfit(capture), &without),
+        active >= 0 ? ffp_rig_explain(capture, active).odd : -1,
+    };
+}
+
+static bool put_view(FILE *out, const FfpCapture *capture, int v, const Doubts *doubts, FfpError *err) {
+    const FfpView *view = &capture->views[v];
+    FfpImage thumb = ffp_contact_thumb(&view->images[capture->white]);
+    FfpImage picture = ffp_contact_picture(&thumb, &view->coverage);
+    const double misfit = capture->scene ? 0 : ffp_rig_view_misfit(capture, v);
+    const bool look = misfit >= FFP_RIG_MISFIT_MAX || v == doubts->shape || v == doubts->light;
+    fputs("<figure>", out);
+    const bool ok = put_image(out, &picture, view->id, err);
+    fprintf(out, "<figcaption>%s", look ? "<span class=look>LOOK</span> " : "");
+    ffp_put_html(out, view->id);
+    fprintf(out, ": %.1f %% of the picture", 100 * covered_share(view));
+    if (misfit > 0) fprintf(out, "; %.1f %% of it contradicts the other views", 100 * misfit);
+    if (v == doubts->shape) fputs("; without it the others agree", out);
+    if (v == doubts->light) fputs("; the pattern fits it worse than the others", out);
+    fputs("</figcaption></figure>\n", out);
+    ffp_image_free(&thumb);
+    ffp_image_free(&picture);
+    return ok;
+}
+
+static bool put_page(FILE *out, const FfpCapture *capture, FfpError *err) {
+    const Doubts doubts = find_doubts(capture);
+    fputs("<!DOCTYPE html>\n<html lang=en><meta charset=utf-8><meta name=viewport "
+          "content=\"width=device-width,initial-scale=1\"><title>",
+          out);
+    ffp_put_html(out, capture->name);
+    fprintf(out, "</title>\n<style>%s</style>\n<h1>", style);
+    ffp_put_html(out, capture->name);
+    fputs("</h1>\n", out);
+    put_checks(out, capture);
+    if (!put_sheet(out, capture, err)) return false;
+    fputs("<h2>Views</h2><p>What is reconstructed, under white; a red line goes round each mask.</p>\n", out);
+    for (int v = 0; v < capture->n_views; v++)
+        if (!put_view(out, capture, v, &doubts, err)) return false;
+    fputs("</html>\n", out);
+    return true;
+}
+
+bool ffp_describe_report(const char *path, const char *html, FfpError *err) {
+    const FfpKind kind = ffp_file_kind(path);
+    FfpCapture capture;
+    FfpOutput out;
+    if (kind == FFP_KIND_PLY || kind == FFP_KIND_WEIGHTS || kind == FFP_KIND_FIELD)
+        return ffp_fail(err, FFP_ERROR_ARGUMENT, path, "only captures have a report");
+    if (!ffp_capture_read(&capture, path, err)) return false;
+    bool ok = ffp_output_open(&out, html, err);
+    if (ok && !put_page(out.stream, &capture, err)) {
+        ffp_output_abort(&out);
+        ok = false;
+    }
+    ffp_capture_free(&capture);
+    return ok && ffp_output_commit(&out, err);
+}
