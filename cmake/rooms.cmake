@@ -39,7 +39,7 @@ ffp_room(align DEPS network match render capture image numerics base)
 # compensated projections and correspondence maps
 ffp_room(apply DEPS loss render gaussians tensor capture image numerics base)
 # what the calls of the public header do, from end to end: reconstruct, draw pictures, and what it takes
-ffp_room(pipeline CALLS DEPS align apply refine render network match denoise gaussians capture image base)
+ffp_room(pipeline CALLS DEPS align apply refine render network match denoise gaussians capture image numerics base)
 # the GPU: kernels of the numeric rooms, and their emulation for tests
 ffp_room(cuda IN cuda.cmake DEPS refine loss network render tensor image base)
 

@@ -95,7 +95,7 @@ endif()
 if(TARGET PkgConfig::MICROHTTPD AND TARGET ffprocams_opencv AND TARGET ffprocams_embree AND FFP_PYTHON AND NOT FFPROCAMS_SANITIZE)
   add_test(NAME studio_page COMMAND ${FFP_PYTHON} ${PROJECT_SOURCE_DIR}/tests/product/studio/test_studio.py $<TARGET_FILE:ffprocams>
            ${PROJECT_BINARY_DIR}/studio-page)
-  set_tests_properties(studio_page PROPERTIES SKIP_RETURN_CODE 77 TIMEOUT 900)
+  set_tests_properties(studio_page PROPERTIES SKIP_RETURN_CODE 77 TIMEOUT 1500)
 endif()
 if(TARGET PkgConfig::MICROHTTPD AND FFP_PYTHON)
   add_test(NAME studio_server COMMAND ${FFP_PYTHON} ${PROJECT_SOURCE_DIR}/tests/product/studio/test_server.py $<TARGET_FILE:ffprocams>

@@ -973,14 +973,23 @@ typedef struct FfpAlignmentStats {
     double focal[2]; // factors on the focal lengths of camera and projector; 1: unchanged
     double before, after; // disagreement of the pictures: mean difference of pattern values, 0 to 1
     double seconds;       // of wall clock
+    // With FfpAlignment.gaussians, when `before` and `after` compare photographs with drawn pictures,
+    // sRGB-encoded: how far camera and projector were rotated about their centres, degrees, and moved, world
+    // units; means over the views.
+    bool known;
+    double camera_turned, camera_moved, projector_turned, projector_moved;
 } FfpAlignmentStats;
 typedef struct FfpAlignment {
     const char *pattern; // name of the structured-light pattern to use; NULL: the first that every view has
     bool focal_lengths;  // also correct those of camera and projector, by the same factors in all views
+    // The object as it is known, in the capture's world: each view's camera and projector are found again by
+    // it, from that view's photographs alone, so one view is enough. Not with focal_lengths; `pattern` is
+    // ignored. NULL: the poses are found from what the views have in common.
+    const FfpGaussians *gaussians;
 } FfpAlignment;
 FFP_API FfpAlignment ffp_alignment_defaults(void); // only poses
 // Corrects the poses of all cameras and projectors from the photographs, in place. Takes as long as about 75
-// projector matchings. `stats` may be NULL.
+// projector matchings, or with Gaussians as some 600 drawings of each view. `stats` may be NULL.
 FFP_API bool ffp_align_poses(FfpContext *context, FfpCapture *capture, const FfpAlignment *options,
                              FfpAlignmentStats *stats, FfpError *err);
 

@@ -11,6 +11,7 @@ const isVirtual = () => studio.state.settings.camera === 'virtual';
 function titleOf(set) {
   const name = set.name.slice(set.name.lastIndexOf('/') + 1), [kind, number] = name.split('-');
   if (kind === 'attitude') return `Board ${Number(number) + 1}`;
+  if (kind === 'now') return 'As it is now';
   return kind === 'turntable' ? 'On the turntable' : kind === 'empty' ? 'Empty stage' : `${Number(number)}\u00b0`;
 }
 
@@ -20,7 +21,7 @@ function wishFor(set) {
   if (name.startsWith('attitude')) return set.done === 0 ? 'Hold the board still, tilted another way than before' + (studio.state.settings.camera === 'browser' ? ': it begins as soon as it is still.' : '.') : '';
   if (name === 'turntable') return `Turn the table with the board on it to ${set.angle}\u00b0.`;
   if (name === 'empty') return set.done === 0 ? 'Take the object off the stage.' : '';
-  return set.done === 0 ? `Turn the table with the object on it to ${set.angle}\u00b0.` : '';
+  return set.done === 0 ? `Turn the table with the object on it to ${set.angle}\u00b0.${name === 'now' ? ' What was moved stays as it is.' : ''}` : '';
 }
 
 // A picture to compare with others: 160 x 120.
@@ -75,7 +76,7 @@ async function takeOne(active) {
     if (state.active && state.active.name === name && state.active.done === active.done) await sleep(400); // being simulated
     return;
   }
-  await project({file: 'file/patterns/' + next.pattern});
+  await project({file: 'file/' + next.pattern});
   if (studio.state.settings.camera === 'folder') {
     while (!shooting.pause && studio.state.active && studio.state.active.name === name && studio.state.active.done === active.done) await sleep(100);
     return;
@@ -150,6 +151,7 @@ async function shootAll(names) {
     if (!isVirtual() && !projector.isOpen) throw new Error('Open the projector window first (step 1).');
     if (studio.state.settings.camera === 'browser' && !webcam.stream) throw new Error('Open the camera first (step 1).');
     for (const name of names) if (!shooting.pause) await shootSet(name);
+    if (!shooting.pause && isTrial(names[names.length - 1])) await doIt({verb: 'run', step: 'now'});
   });
   shooting.running = false;
   for (const listener of studio.listeners) listener(studio.state);
@@ -216,8 +218,8 @@ studio.listeners.push((state) => {
   $('shooting-what').textContent = `${titleOf(active)}: ${active.done} of ${active.count}`;
   $('shooting-bar').style.width = 100 * active.done / active.count + '%';
   $('shooting-stop').textContent = shooting.running ? 'Pause' : 'Go on';
-  if ($('shown').dataset.file !== active.next.pattern) $('shown').src = 'file/patterns/' + ($('shown').dataset.file = active.next.pattern);
-  $('shown-name').textContent = active.next.pattern.replace(/^\d+_|\.png$/g, '');
+  if ($('shown').dataset.file !== active.next.pattern) $('shown').src = 'file/' + ($('shown').dataset.file = active.next.pattern);
+  $('shown-name').textContent = patternName(active.next.pattern);
   const there = active.shots.filter((shot) => shot.there);
   if (there.length > 0) drawTaken(active, there[there.length - 1]).catch(() => {});
 });

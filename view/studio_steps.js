@@ -123,8 +123,9 @@ function drawSets(id, sets, state) {
 
 function drawShoot(id, sets, state) {
   const missing = sets.filter((set) => !complete(set));
+  $(id).hidden = missing.length === 0;
   $(id).disabled = missing.length === 0 || shooting.running || missing[0].count === 0 || isRunning(state);
-  $(id).textContent = missing.length === 0 ? 'Everything is photographed' : isVirtual() ? `Photograph ${missing.length === sets.length ? 'all' : 'the rest'}` : `Photograph: ${titleOf(missing[0])}`;
+  if (missing.length > 0) $(id).textContent = isVirtual() ? `Photograph ${missing.length === sets.length ? 'all' : 'the rest'}` : `Photograph: ${titleOf(missing[0])}`;
 }
 
 // The simulated rig changes the board and turns the table by itself.
@@ -263,17 +264,19 @@ function drawLook(state) {
   $('evaluate').disabled = isRunning(state);
   if (told.make !== stamp(state, 'make')) tellChecks(state, object);
   if (told.evaluate !== stamp(state, 'evaluate')) tellScores(state, object);
+  drawNow(state, object);
 }
 
 async function tellChecks(state, object) {
   told.make = stamp(state, 'make');
   const log = await textOf('logs/make.txt'), own = log.includes(`objects/${object.name}/`), at = log.indexOf('\nchecks\n');
   const lines = own && at >= 0 ? log.slice(at).split('\n').filter((line) => /^ {2}\S/.test(line)) : [];
+  const isGood = (line) => line.startsWith('  ok'), passed = lines.filter(isGood), doubts = lines.filter((line) => !isGood(line));
+  const item = (className) => (line) => element('li', {className, textContent: line.replace(/^ {2}(ok|\S+)\s+/, '').replace(/\s{2,}/, ': ')});
   $('checks-card').hidden = lines.length === 0;
-  $('checks').replaceChildren(...lines.map((line) => {
-    const good = line.startsWith('  ok');
-    return element('li', {className: good ? '' : 'doubt', textContent: line.replace(/^ {2}(ok|\S+)\s+/, '').replace(/\s{2,}/, ': ')});
-  }));
+  $('doubts').replaceChildren(...doubts.map(item('doubt')));
+  $('checks').replaceChildren(...passed.map(item('')));
+  $('passed').textContent = `${passed.length} of ${lines.length} checks are passed`;
   $('masks-card').hidden = false;
   $('masks').onerror = () => { $('masks-card').hidden = true; };
   $('masks').src = `file/objects/${object.name}/capture/masks.png`;
@@ -296,7 +299,7 @@ $('evaluate').addEventListener('click', () => runStep('evaluate'));
 
 // --- What works, and the shell. ---
 
-const WORK = {patterns: 'Drawing the patterns', calibrate: 'Calibrating', make: 'Making the capture, and reconstructing', evaluate: 'Comparing'};
+const WORK = {patterns: 'Drawing the patterns', calibrate: 'Calibrating', make: 'Making the capture, and reconstructing', evaluate: 'Comparing', now: 'Comparing with the photographs of now', register: 'Finding camera and projector again'};
 let before = '';
 
 function drawWork(state) {
@@ -322,7 +325,7 @@ function drawWork(state) {
 $('cancel').addEventListener('click', () => attempt(() => doIt({verb: 'cancel'})));
 
 function drawState(state) {
-  $('folder').textContent = state.folder;
+  $('folder').textContent = state.folder.slice(state.folder.lastIndexOf('/') + 1) || '/';
   $('folder').title = state.folder;
   $('notice').hidden = !state.notice;
   $('notice').textContent = state.notice;

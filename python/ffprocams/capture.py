@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import numpy.typing as npt
@@ -15,6 +15,9 @@ from ._library import ffi, lib
 from ._pixels import Array, Floats, array_of, picture_of
 from .devices import Doubles, Pinhole
 from .errors import argument_error
+
+if TYPE_CHECKING:
+    from .gaussians import Gaussians
 
 
 @dataclass
@@ -63,6 +66,11 @@ class AlignStats:
     before: float = 0.0  #: disagreement of the pictures: mean difference of pattern values, 0 to 1
     after: float = 0.0
     seconds: float = 0.0
+    known: bool = False  #: found by Gaussians: before and after compare photographs with drawn pictures, sRGB-encoded
+    camera_turned: float = 0.0  #: by Gaussians: rotation of the camera about its centre, degrees, mean over the views
+    camera_moved: float = 0.0  #: its way, world units
+    projector_turned: float = 0.0
+    projector_moved: float = 0.0
 
 
 def plain(value: Any) -> Any:
@@ -253,6 +261,7 @@ def align(
     pattern: str | None = None,
     *,
     focal_lengths: bool = False,
+    gaussians: Gaussians | None = None,
     progress: ProgressOption = None,
     threads: int = 0,
 ) -> AlignStats:
@@ -261,12 +270,15 @@ def align(
     Args:
         pattern: name of the structured-light pattern; None: the first that every view has.
         focal_lengths: also correct those of camera and projector, by the same factors in all views.
+        gaussians: the object as it is known, in the capture's world: each view's camera and projector are found again
+            by it, from that view's photographs alone. Not with focal_lengths; ``pattern`` is ignored.
         progress: see ffprocams.ProgressOption.
         threads: number of threads; 0: all processors.
     """
     keep, stats = Keep(), ffi.new("FfpAlignmentStats *")
-    with holding(capture), Call(progress, threads) as call:
+    with holding(capture, gaussians), Call(progress, threads) as call:
         options = ffi.new("FfpAlignment *", lib.ffp_alignment_defaults())
+        options.gaussians = ffi.NULL if gaussians is None else gaussians._pointer
         options.pattern, options.focal_lengths = keep.text(pattern), focal_lengths
         call.check(lib.ffp_align_poses(call.context, capture._pointer, options, stats, call.error))
     out: AlignStats = record(AlignStats, stats)

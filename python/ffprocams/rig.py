@@ -94,6 +94,7 @@ def calibrate_rig(
     angles: Sequence[float] = (),
     turntable_file: PathLike | None = None,
     calibrations: PathLike | Sequence[PathLike] = (),
+    seen: PathLike | None = None,
     progress: ProgressOption = None,
     threads: int = 0,
 ) -> RigCalibrationStats:
@@ -113,6 +114,8 @@ def calibrate_rig(
         angles: of the table, degrees.
         turntable_file: for the axis, as read by import_capture (Turntable.file, with the object's angles; JSON).
         calibrations: without attitudes: files that contain the camera's calibration.
+        seen: JSON file for where the board is in photographs (docs/reference/formats.md, "Where a board is");
+            ``attitudes`` are photographs of the board then, ``file`` is None, and nothing is calibrated.
         progress: see ffprocams.ProgressOption.
         threads: number of threads; 0: all processors.
 
@@ -132,7 +135,7 @@ def calibrate_rig(
         _terms(fix_camera, "fix_camera"),
         _terms(fix_projector, "fix_projector"),
     )
-    options.file, options.report = keep.path(file), keep.path(report)
+    options.file, options.report, options.seen = keep.path(file), keep.path(report), keep.path(seen)
     options.turntable_board, options.turntable_file = keep.path(turntable_board), keep.path(turntable_file)
     options.angles, options.n_angles = keep(ffi.new("double[]", [float(a) for a in angles])), len(angles)
     stats = ffi.new("FfpRigCalibrationStats *")

@@ -172,6 +172,8 @@ def test_generated_captures_are_captures(tmp_path: Path) -> None:
     stats = ffp.align(capture)
     assert stats.after <= stats.before and stats.seconds > 0
     assert np.abs(capture.camera(1).pose - before).max() < 0.5
+    known = ffp.align(again, gaussians=ffp.reconstruct(again, model="none", polish=0))
+    assert known.known and not stats.known and 0 < known.after <= known.before
     with pytest.raises(ffp.ArgumentError, match="preset"):
         ffp.generate(tmp_path, preset="huge")
 
@@ -199,6 +201,10 @@ def test_a_simulated_rig_is_calibrated(tmp_path: Path) -> None:
     written = (tmp_path / "rig.xml").read_text()
     found = float(written.split("<cam_int")[1].split("<data>")[1].split()[0])
     assert found == pytest.approx(truth["cam_K"][0][0], rel=0.02)
+    whites = [boards / f"attitude-0{i}" / "002.png" for i in (0, 1)]
+    ffp.calibrate_rig(None, whites, board=(9, 6), square=16, seen=tmp_path / "seen.json")
+    seen = json.loads((tmp_path / "seen.json").read_text())["photographs"]
+    assert [board["found"] for board in seen] == [True, True] and all(len(board["corners"]) == 54 for board in seen)
     with pytest.raises(ffp.ArgumentError, match="k9"):
         ffp.calibrate_rig(None, board=(9, 6), square=1, projector=(256, 160), fix_camera=["k9"])
 

@@ -2,9 +2,18 @@
 #include "cli.h"
 
 typedef struct Arguments {
-    const char *capture, *output;
+    const char *capture, *output, *gaussians;
     FfpAlignment options;
 } Arguments;
+
+static void tell_known(const char *output, const FfpAlignmentStats *stats) {
+    printf("camera      rotated by %.3f degrees and moved by %.4g (means over the views)\n"
+           "projector   rotated by %.3f degrees and moved by %.4g\n"
+           "pictures    drawn and photographed values differ by %.4f (%.4f before)\n"
+           "%s: aligned in %.1f s\n",
+           stats->camera_turned, stats->camera_moved, stats->projector_turned, stats->projector_moved,
+           stats->after, stats->before, output, stats->seconds);
+}
 
 static void tell(const char *output, const FfpAlignmentStats *stats) {
     if (stats->turntable)
@@ -29,16 +38,21 @@ static void tell(const char *output, const FfpAlignmentStats *stats) {
 }
 
 static int run(void *data) {
-    const Arguments *arguments = data;
+    Arguments *arguments = data;
     FfpError err = {0};
     FfpAlignmentStats stats;
     FfpCapture *capture = ffp_can_save_capture(arguments->output, &err)
                               ? ffp_capture_open(ffp_cli_context(), arguments->capture, &err)
                               : NULL;
-    const bool ok = capture &&
+    FfpGaussians *known = capture && arguments->gaussians
+                              ? ffp_gaussians_open(ffp_cli_context(), arguments->gaussians, &err)
+                              : NULL;
+    arguments->options.gaussians = known;
+    const bool ok = capture && (known || !arguments->gaussians) &&
                     ffp_align_poses(ffp_cli_context(), capture, &arguments->options, &stats, &err) &&
                     ffp_capture_save(ffp_cli_context(), capture, arguments->output, &err);
-    if (ok) tell(arguments->output, &stats);
+    if (ok) (stats.known ? tell_known : tell)(arguments->output, &stats);
+    ffp_gaussians_close(known);
     ffp_capture_close(capture);
     return ok ? FFP_EXIT_OK : ffp_cli_fail(&err);
 }
@@ -57,6 +71,14 @@ static const FfpOption options[] = {
      .type = FFP_OPTION_TEXT,
      .offset = offsetof(Arguments, options.pattern),
      .help = "the structured-light pattern to align by. Default: as for `reconstruct`"},
+    {.name = "gaussians",
+     .letter = 'g',
+     .argument = "FILE.ply",
+     .type = FFP_OPTION_FILE,
+     .excludes = "focal",
+     .offset = offsetof(Arguments, gaussians),
+     .help = "the object as it is known, from `reconstruct`, in the capture's world: find camera and "
+             "projector again by it. One view is enough"},
     {.name = "focal",
      .letter = 'f',
      .type = FFP_OPTION_FLAG,
@@ -70,18 +92,23 @@ const FfpCommand ffp_cli_align = {
     .name = "align",
     .group = FFP_CLI_CAPTURE,
     .purpose = "corrects the poses of a capture's cameras and projectors from its photographs",
-    .prose = "An orientation that is off by a fifth of a degree, or a principal point by half a pixel, costs "
-             "more than anything else: run this after `import` when `info` doubts the calibration, or when "
-             "predictions look doubled.\n"
-             "- If the views come from a fixed rig around a turning object, their poses are replaced by the "
-             "ones they share, provided that the pictures agree at least as well. Poses calibrated one at a "
-             "time gain the most.\n"
-             "- Otherwise each view's poses are corrected separately, until camera rays meet the projector "
-             "pixels whose light they see and the surfaces of different views coincide.\n"
-             "- One rotation of the camera and one of the projector, the same in all views, are then "
-             "searched for: those that make the surfaces found in one view agree best with the surfaces "
-             "found in the others.\n"
-             "The object's position along the turntable's axis, which no picture reveals, stays as it was.",
+    .prose =
+        "An orientation that is off by a fifth of a degree, or a principal point by half a pixel, costs "
+        "more than anything else: run this after `import` when `info` doubts the calibration, or when "
+        "predictions look doubled.\n"
+        "- If the views come from a fixed rig around a turning object, their poses are replaced by the "
+        "ones they share, provided that the pictures agree at least as well. Poses calibrated one at a "
+        "time gain the most.\n"
+        "- Otherwise each view's poses are corrected separately, until camera rays meet the projector "
+        "pixels whose light they see and the surfaces of different views coincide.\n"
+        "- One rotation of the camera and one of the projector, the same in all views, are then "
+        "searched for: those that make the surfaces found in one view agree best with the surfaces "
+        "found in the others.\n"
+        "The object's position along the turntable's axis, which no picture reveals, stays as it was.\n"
+        "With --gaussians, camera and projector of each view are moved until the photographs look as the "
+        "object is drawn: for a device that was bumped, or an object that was moved, since it was "
+        "reconstructed. Import photographs of one stop under black, white and one pattern as they are "
+        "now, align them, and give the result to `compensate`, `map` or `view` as --capture.",
     .positional = {.name = "CAPTURE",
                    .least = 1,
                    .most = 1,
@@ -90,6 +117,8 @@ const FfpCommand ffp_cli_align = {
     .options = options,
     .examples = (const FfpExample[]){{.command = "ffprocams align vase -o vase-aligned\n"
                                                  "ffprocams reconstruct vase-aligned -o vase.ply"},
+                                     {.about = "The projector was bumped:",
+                                      .command = "ffprocams align now -g vase.ply -o now-aligned"},
                                      {0}},
     .size = sizeof(Arguments),
     .run = run,

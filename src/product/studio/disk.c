@@ -11,6 +11,7 @@
 #include <unistd.h>
 #include "work.h"
 
+#define FILE_MOST ((size_t)1 << 28) // bytes of a photograph
 enum { JSON_MOST = 1 << 20, SET_ASIDE_MOST = 10000 };
 
 bool ffp_studio_path(const char *path) {
@@ -50,6 +51,16 @@ int ffp_studio_open(const FfpStudio *studio, const char *path) {
     const int file = openat(at, name, O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
     close(at);
     return file;
+}
+
+char *ffp_studio_read_whole(int file, size_t *size) {
+    struct stat about;
+    if (fstat(file, &about) != 0 || !S_ISREG(about.st_mode) || (size_t)about.st_size > FILE_MOST) return NULL;
+    char *bytes = malloc((size_t)about.st_size + 1);
+    *size = 0;
+    for (ssize_t got; bytes && *size < (size_t)about.st_size; *size += (size_t)got)
+        if ((got = read(file, bytes + *size, (size_t)about.st_size - *size)) <= 0) return free(bytes), NULL;
+    return bytes;
 }
 
 bool ffp_studio_exists(const FfpStudio *studio, const char *path) {

@@ -39,6 +39,13 @@ static bool is_plain(const char *word) {
                strlen(word);
 }
 
+FfpStudioCommand *ffp_studio_command(FfpStudioJob *job, const char *name) {
+    FfpStudioCommand *c = &job->commands[job->n_commands++];
+    ffp_studio_word(c, "ffprocams");
+    ffp_studio_word(c, "%s", name);
+    return c;
+}
+
 char *ffp_studio_typed(const FfpStudioCommand *command) {
     char *text = NULL;
     size_t size = 0;

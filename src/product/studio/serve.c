@@ -196,6 +196,8 @@ static enum MHD_Result answer_post(Server *server, struct MHD_Connection *connec
     pthread_mutex_lock(&studio->lock);
     if (strcmp(path, "photograph") == 0) {
         ok = store(studio, connection, request, said);
+    } else if (strcmp(path, "own") == 0) {
+        ok = ffp_studio_store_own(studio, request->body ? request->body : "", request->size, said);
     } else {
         json_t *asked =
             json_loadb(request->body ? request->body : "", request->size, JSON_REJECT_DUPLICATES, NULL);
@@ -234,9 +236,10 @@ static enum MHD_Result begin(Server *server, struct MHD_Connection *connection, 
     const char *wrong = refusal(server->studio, connection, url, post);
     if (wrong) return answer_text(connection, MHD_HTTP_FORBIDDEN, wrong);
     const char *path = behind_key(server->studio, url), *length = header(connection, "Content-Length");
-    if (post && strcmp(path, "photograph") != 0 && strcmp(path, "do") != 0)
+    const bool picture = strcmp(path, "photograph") == 0 || strcmp(path, "own") == 0;
+    if (post && !picture && strcmp(path, "do") != 0)
         return answer_text(connection, MHD_HTTP_NOT_FOUND, "there is no such page");
-    const size_t most = get ? 0 : strcmp(path, "photograph") == 0 ? BODY_MOST : REQUEST_MOST;
+    const size_t most = get ? 0 : picture ? BODY_MOST : REQUEST_MOST;
     if (length && strtoull(length, NULL, 10) > most)
         return answer_text(connection, MHD_HTTP_CONTENT_TOO_LARGE, "the body is too long");
     Request *request = calloc(1, sizeof *request);

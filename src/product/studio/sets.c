@@ -28,12 +28,13 @@ json_t *ffp_studio_object(const FfpStudio *studio, const char *name) {
 
 typedef enum Wanted { WANTED_CAPTURE, WANTED_CODES, WANTED_ALL } Wanted;
 
-// "004_gray_x_00.png": its number; the chart to focus by, and other files, have none.
-static int pattern_number(const char *file) {
+int ffp_studio_pattern_number(const char *file) {
     char *end;
     const long number = strtol(file, &end, 10);
-    return *end == '_' && number > 0 && number < 1000 && strlen(file) < sizeof((FfpStudioShot *)0)->pattern &&
-                   strcmp(file + strlen(file) - 4, ".png") == 0
+    const size_t length = strlen(file);
+    return end == file + 3 && *end == '_' && number > 0 && ffp_studio_path(file) && length > 8 &&
+                   length + sizeof "patterns/" <= sizeof((FfpStudioShot *)0)->pattern &&
+                   strcmp(file + length - 4, ".png") == 0
                ? (int)number
                : 0;
 }
@@ -48,11 +49,11 @@ static void add_patterns(const FfpStudio *studio, FfpStudioSet *set, Wanted want
     char *names[FFP_STUDIO_SHOTS];
     const int count = ffp_studio_list(studio, "patterns", names, FFP_STUDIO_SHOTS);
     for (int i = 0; i < count; i++) {
-        const int number = pattern_number(names[i]);
+        const int number = ffp_studio_pattern_number(names[i]);
         if (number == 0 || !is_wanted(names[i], wanted)) continue;
         FfpStudioShot *shot = &set->shots[set->count++];
         *shot = (FfpStudioShot){.number = number};
-        snprintf(shot->pattern, sizeof shot->pattern, "%s", names[i]);
+        snprintf(shot->pattern, sizeof shot->pattern, "patterns/%s", names[i]);
     }
     ffp_studio_free_names(names, count);
 }
@@ -72,8 +73,7 @@ static void add_board_stops(const FfpStudio *studio, FfpStudioSet *set) {
     }
 }
 
-// The angle of the stop that a folder of an object is called for; -1: none.
-static double stop_angle(const json_t *object, const char *folder) {
+double ffp_studio_stop_angle(const json_t *object, const char *folder) {
     const int stops = (int)json_integer_value(json_object_get(object, "stops"));
     for (int i = 0; i < stops; i++) {
         char name[32];
@@ -81,6 +81,53 @@ static double stop_angle(const json_t *object, const char *folder) {
         if (strcmp(name, folder) == 0) return 360.0 * i / stops;
     }
     return -1;
+}
+
+// --- The object as it stands now: under black, white and one pattern. ---
+
+bool ffp_studio_read_trial(const FfpStudio *studio, const char *object, FfpStudioTrial *t) {
+    const json_t *trial = json_object_get(studio->settings, "trial");
+    *t = (FfpStudioTrial){.object = json_string_value(json_object_get(trial, "object")),
+                          .view = json_string_value(json_object_get(trial, "view")),
+                          .pattern = json_string_value(json_object_get(trial, "pattern")),
+                          .turned = (int)json_integer_value(json_object_get(trial, "turned"))};
+    if (!t->object || !t->view || !t->pattern || strcmp(t->object, object) != 0 ||
+        ffp_studio_stop_angle(ffp_studio_object(studio, object), t->view) < 0)
+        return false;
+    t->is_own = strcmp(t->pattern, "own") == 0;
+    if (t->is_own) {
+        snprintf(t->name, sizeof t->name, "own");
+        snprintf(t->file, sizeof t->file, "objects/%.60s/own.png", object);
+    } else {
+        if (ffp_studio_pattern_number(t->pattern) == 0) return false;
+        const char *begins = strchr(t->pattern, '_') + 1;
+        snprintf(t->name, sizeof t->name, "%.*s", (int)strlen(begins) - 4, begins);
+        snprintf(t->file, sizeof t->file, "patterns/%s", t->pattern);
+    }
+    return true;
+}
+
+static bool is_of(const FfpStudioShot *shot, const FfpStudioTrial *t) {
+    return strstr(shot->pattern, "_black.png") || strstr(shot->pattern, "_white.png") ||
+           strcmp(shot->pattern, t->file) == 0;
+}
+
+// Of a set that has every pattern, the photographs of the trial remain; false: there is none of the object.
+static bool trial_set(const FfpStudio *studio, const char *object, FfpStudioSet *set) {
+    FfpStudioTrial t;
+    if (!ffp_studio_read_trial(studio, object, &t)) return false;
+    const int all = set->count; // every pattern: those that are not of it go
+    set->count = 0;
+    for (int i = 0; i < all; i++)
+        if (is_of(&set->shots[i], &t)) set->shots[set->count++] = set->shots[i];
+    if (t.is_own && set->count < FFP_STUDIO_SHOTS) {
+        set->shots[set->count] = (FfpStudioShot){.number = FFP_STUDIO_OWN};
+        snprintf(set->shots[set->count++].pattern, sizeof set->shots->pattern, "%.79s", t.file);
+    }
+    const double angle = ffp_studio_stop_angle(ffp_studio_object(studio, object), t.view);
+    for (int i = 0; i < set->count; i++) set->shots[i].angle = angle, set->shots[i].has_angle = true;
+    snprintf(set->stage, sizeof set->stage, "now");
+    return true;
 }
 
 static bool object_set(const FfpStudio *studio, const char *rest, FfpStudioSet *set) {
@@ -97,7 +144,11 @@ static bool object_set(const FfpStudio *studio, const char *rest, FfpStudioSet *
         snprintf(set->stage, sizeof set->stage, "empty");
         return true;
     }
-    const double angle = stop_angle(object, slash + 1);
+    if (strcmp(slash + 1, "now") == 0) {
+        add_patterns(studio, set, WANTED_ALL);
+        return trial_set(studio, name, set);
+    }
+    const double angle = ffp_studio_stop_angle(object, slash + 1);
     if (angle < 0) return false;
     add_patterns(studio, set, coded ? WANTED_ALL : WANTED_CAPTURE);
     for (int i = 0; i < set->count; i++) set->shots[i].angle = angle, set->shots[i].has_angle = true;

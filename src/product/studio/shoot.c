@@ -12,11 +12,9 @@
 #include <unistd.h>
 #include "work.h"
 
-#define PHOTOGRAPH_MOST ((size_t)1 << 28) // bytes of a file in a folder that is watched
-
 // The shot of this number, if it is due now.
-static const FfpStudioShot *due_shot(const FfpStudio *studio, const char *name, int number, FfpStudioSet *set,
-                                     char *said) {
+const FfpStudioShot *ffp_studio_due(const FfpStudio *studio, const char *name, int number, FfpStudioSet *set,
+                                    char *said) {
     const char *active = ffp_studio_setting(studio, "active", "");
     if (strcmp(active, name) != 0 || !ffp_studio_set(studio, name, set)) {
         ffp_studio_say(said, "%s is not being photographed", name);
@@ -48,7 +46,7 @@ bool ffp_studio_store(FfpStudio *studio, const char *name, int number, const voi
     char path[FFP_STUDIO_NAME + 16];
     int width, height;
     const char *ending;
-    const FfpStudioShot *shot = due_shot(studio, name, number, &set, said);
+    const FfpStudioShot *shot = ffp_studio_due(studio, name, number, &set, said);
     if (!shot) return false;
     if (!ffp_studio_picture(bytes, size, &width, &height, &ending))
         return ffp_studio_say(said, "this is not a whole PNG or JPEG picture");
@@ -63,75 +61,6 @@ bool ffp_studio_store(FfpStudio *studio, const char *name, int number, const voi
     }
     studio->version++;
     return true;
-}
-
-// --- The virtual camera. ---
-
-static char *read_whole(int file, size_t *size) {
-    struct stat about;
-    if (fstat(file, &about) != 0 || !S_ISREG(about.st_mode) || (size_t)about.st_size > PHOTOGRAPH_MOST)
-        return NULL;
-    char *bytes = malloc((size_t)about.st_size + 1);
-    *size = 0;
-    for (ssize_t got; bytes && *size < (size_t)about.st_size; *size += (size_t)got)
-        if ((got = read(file, bytes + *size, (size_t)about.st_size - *size)) <= 0) return free(bytes), NULL;
-    return bytes;
-}
-
-// The simulator photographs a stage under all patterns at once: its rays are the same for all of them.
-static void simulate_stage(const FfpStudio *studio, const char *stage, int stops, FfpStudioCommand *c) {
-    ffp_studio_word(c, "ffprocams");
-    ffp_studio_word(c, "generate");
-    ffp_studio_word(c, "virtual/%s", stage);
-    ffp_studio_word(c, "--photographs");
-    ffp_studio_word(c, "patterns");
-    ffp_studio_word(c, "--only");
-    ffp_studio_word(c, "%s", stage);
-    ffp_studio_word(c, "--attitudes");
-    ffp_studio_word(c, "%lld", ffp_studio_number(studio, "attitudes", -1, 8));
-    ffp_studio_word(c, "--views");
-    ffp_studio_word(c, "%d", stops);
-    const json_t *options = json_object_get(studio->settings, "simulator");
-    for (size_t i = 0; i < json_array_size(options); i++)
-        ffp_studio_word(c, "%s", json_string_value(json_array_get(options, i)));
-}
-
-static int stops_of(const FfpStudio *studio, const char *set) {
-    char name[FFP_STUDIO_NAME] = "";
-    if (sscanf(set, "objects/%100[^/]", name) != 1) return 1;
-    return (int)json_integer_value(json_object_get(ffp_studio_object(studio, name), "stops"));
-}
-
-bool ffp_studio_take(FfpStudio *studio, const char *name, int number, char said[FFP_STUDIO_SAID]) {
-    FfpStudioSet set;
-    char path[2 * FFP_STUDIO_NAME];
-    const FfpStudioShot *shot = due_shot(studio, name, number, &set, said);
-    if (!shot) return false;
-    if (strcmp(ffp_studio_setting(studio, "camera", ""), "virtual") != 0 || !set.stage[0])
-        return ffp_studio_say(said, "the virtual camera cannot photograph this");
-    const bool table = strcmp(set.stage, "turntable") == 0;
-    snprintf(path, sizeof path, table ? "virtual/%s/%s/%02d.png" : "virtual/%s/%s/%03d.png", set.stage,
-             set.stage, shot->number);
-    const int file = ffp_studio_open(studio, path);
-    if (file >= 0) {
-        size_t size;
-        char *bytes = read_whole(file, &size);
-        close(file);
-        const bool ok = bytes ? ffp_studio_store(studio, name, number, bytes, size, said)
-                              : ffp_studio_say(said, "%s cannot be read", path);
-        free(bytes);
-        return ok;
-    }
-    if (studio->camera.end == FFP_JOB_RUNNING) return true; // asked again in a moment
-    if (studio->camera.end == FFP_JOB_FAILED && strcmp(studio->camera.name, "virtual") == 0) {
-        studio->camera.end = FFP_JOB_NONE;
-        return ffp_studio_say(said, "the virtual camera has failed; logs/virtual.txt says why");
-    }
-    ffp_studio_clear(&studio->camera);
-    simulate_stage(studio, set.stage, stops_of(studio, name), &studio->camera.commands[0]);
-    studio->camera.n_commands = 1;
-    return ffp_studio_start(studio, &studio->camera, "virtual") ||
-           ffp_studio_say(said, "the virtual camera cannot be started");
 }
 
 // --- A folder that a camera fills. ---
@@ -153,7 +82,7 @@ static void take_file(FfpStudio *studio, const char *folder, const char *file) {
     snprintf(path, sizeof path, "%s/%s", folder, file);
     const int from = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK);
     if (from < 0) return;
-    bytes = read_whole(from, &size);
+    bytes = ffp_studio_read_whole(from, &size);
     close(from);
     char said[FFP_STUDIO_SAID] = "it cannot be read";
     if (!bytes || !ffp_studio_store(studio, set.name, set.shots[next].number, bytes, size, said)) {

@@ -149,11 +149,14 @@ static json_t *objects_state(const FfpStudio *studio) {
     json_t *objects = json_array(), *about;
     const char *name;
     json_object_foreach(json_object_get(studio->settings, "objects"), name, about) {
-        json_array_append_new(objects, json_pack("{s:s, s:O, s:o, s:b, s:b, s:b}", "name", name, "about",
-                                                 about, "sets", sets_state(studio, name), "capture",
-                                                 in_object(studio, name, "capture/scene.json"), "view",
-                                                 in_object(studio, name, "view.html"), "scores",
-                                                 in_object(studio, name, "scores.json")));
+        json_array_append_new(objects,
+                              json_pack("{s:s, s:O, s:o, s:b, s:b, s:b, s:b, s:b}", "name", name, "about",
+                                        about, "sets", sets_state(studio, name), "capture",
+                                        in_object(studio, name, "capture/scene.json"), "view",
+                                        in_object(studio, name, "view.html"), "scores",
+                                        in_object(studio, name, "scores.json"), "now",
+                                        in_object(studio, name, "now/capture/scores.json"), "aligned",
+                                        in_object(studio, name, "now/aligned/scores.json")));
     }
     return objects;
 }

@@ -6,13 +6,6 @@
 #include <string.h>
 #include "work.h"
 
-static FfpStudioCommand *command(FfpStudioJob *job, const char *name) {
-    FfpStudioCommand *c = &job->commands[job->n_commands++];
-    ffp_studio_word(c, "ffprocams");
-    ffp_studio_word(c, "%s", name);
-    return c;
-}
-
 static void words(FfpStudioCommand *c, const char *const list[]) {
     for (int i = 0; list[i]; i++) ffp_studio_word(c, "%s", list[i]);
 }
@@ -39,7 +32,7 @@ static bool patterns(FfpStudio *studio, FfpStudioJob *job, char *said) {
             said, "there are photographs of the patterns as they are; begin a new folder for others");
     if (!ffp_studio_set_aside(studio, "patterns") || !ffp_studio_set_aside(studio, "virtual"))
         return ffp_studio_say(said, "the patterns cannot be moved to discarded/");
-    FfpStudioCommand *c = command(job, "patterns");
+    FfpStudioCommand *c = ffp_studio_command(job, "patterns");
     words(c, (const char *const[]){"-o", "patterns", "--projector", NULL});
     ffp_studio_word(c, "%lldx%lld", ffp_studio_number(studio, "projector", 0, 0),
                     ffp_studio_number(studio, "projector", 1, 0));
@@ -90,7 +83,7 @@ bool ffp_studio_look(FfpStudio *studio, const char *name, char said[FFP_STUDIO_S
     if (white < 0) return ffp_studio_say(said, "%s has no photograph under white yet", name);
     if (studio->eye.end == FFP_JOB_RUNNING) return true; // asked again in a moment
     ffp_studio_clear(&studio->eye);
-    FfpStudioCommand *c = command(&studio->eye, "calibrate");
+    FfpStudioCommand *c = ffp_studio_command(&studio->eye, "calibrate");
     ffp_studio_word(c, "%s/%03d.%s", name, white, set.ending);
     add_board(studio, c);
     ffp_studio_word(c, "--seen");
@@ -100,7 +93,7 @@ bool ffp_studio_look(FfpStudio *studio, const char *name, char said[FFP_STUDIO_S
 }
 
 static bool calibrate(FfpStudio *studio, FfpStudioJob *job, char *said) {
-    FfpStudioCommand *c = command(job, "calibrate");
+    FfpStudioCommand *c = ffp_studio_command(job, "calibrate");
     const int attitudes = add_attitudes(studio, c);
     if (attitudes < 3)
         return ffp_studio_say(said, "%d attitudes of the board are photographed; three are the least",
@@ -117,7 +110,7 @@ static bool calibrate(FfpStudio *studio, FfpStudioJob *job, char *said) {
 
 // --- The object. ---
 
-// "lollipop_0" of "003_lollipop_0.png".
+// "lollipop_0" of "patterns/003_lollipop_0.png".
 static int name_of(const char *pattern, const char **name) {
     *name = strchr(pattern, '_') + 1;
     return (int)(strrchr(*name, '.') - *name);
@@ -147,7 +140,7 @@ static void add_photographs(const FfpStudio *studio, FfpStudioCommand *c, const 
     if (kept) {
         const int length = name_of(kept->pattern, &name);
         ffp_studio_word(c, "--held-out");
-        ffp_studio_word(c, "%.*s=patterns/%s", length, name, kept->pattern);
+        ffp_studio_word(c, "%.*s=%s", length, name, kept->pattern);
     }
     snprintf(path, sizeof path, "objects/%.60s/empty", object);
     if (!ffp_studio_set(studio, path, &empty)) return;
@@ -170,12 +163,24 @@ static bool all_there(const FfpStudio *studio, const char *object, FfpStudioSet 
     return count > 0;
 }
 
+FfpStudioCommand *ffp_studio_import(const FfpStudio *studio, FfpStudioJob *job, const char *object) {
+    const int stops = (int)json_integer_value(json_object_get(ffp_studio_object(studio, object), "stops"));
+    FfpStudioCommand *c = ffp_studio_command(job, "import");
+    words(c, (const char *const[]){"-c", "calibration/calibration.xml", "-t", "calibration/axis.json",
+                                   "--angles", NULL});
+    ffp_studio_word(c, "%dx%.9g", stops, 360.0 / stops);
+    ffp_studio_word(c, "--fit-response");
+    ffp_studio_word(c, "-w");
+    ffp_studio_word(c, "%lld", ffp_studio_number(studio, "width", -1, 128));
+    option(c, "--name", object);
+    return c;
+}
+
 static bool make(FfpStudio *studio, FfpStudioJob *job, char *said) {
     const char *object = ffp_studio_setting(studio, "object", "");
-    const json_t *about = ffp_studio_object(studio, object);
     FfpStudioSet stop;
     char capture[FFP_STUDIO_NAME], ply[FFP_STUDIO_NAME], page[FFP_STUDIO_NAME];
-    if (!about) return ffp_studio_say(said, "no object is chosen");
+    if (!ffp_studio_object(studio, object)) return ffp_studio_say(said, "no object is chosen");
     if (!ffp_studio_exists(studio, "calibration/axis.json"))
         return ffp_studio_say(said, "the rig is not calibrated yet");
     if (!all_there(studio, object, &stop, said)) return false;
@@ -184,21 +189,14 @@ static bool make(FfpStudio *studio, FfpStudioJob *job, char *said) {
     snprintf(page, sizeof page, "objects/%.60s/view.html", object);
     if (!ffp_studio_set_aside(studio, capture))
         return ffp_studio_say(said, "%s cannot be moved to discarded/", capture);
-    const int stops = (int)json_integer_value(json_object_get(about, "stops"));
-    FfpStudioCommand *c = command(job, "import");
-    words(c, (const char *const[]){"-c", "calibration/calibration.xml", "-t", "calibration/axis.json",
-                                   "--angles", NULL});
-    ffp_studio_word(c, "%dx%.9g", stops, 360.0 / stops);
+    FfpStudioCommand *c = ffp_studio_import(studio, job, object);
     option(c, "--shown", "patterns");
     add_photographs(studio, c, object, &stop);
-    ffp_studio_word(c, "--fit-response");
-    ffp_studio_word(c, "-w");
-    ffp_studio_word(c, "%lld", ffp_studio_number(studio, "width", -1, 128));
-    option(c, "--name", object);
     option(c, "-o", capture);
-    ffp_studio_word(command(job, "info"), "%s", capture);
-    words(command(job, "reconstruct"), (const char *const[]){capture, "-o", ply, NULL});
-    words(command(job, "view"), (const char *const[]){ply, "--capture", capture, "-o", page, NULL});
+    ffp_studio_word(ffp_studio_command(job, "info"), "%s", capture);
+    words(ffp_studio_command(job, "reconstruct"), (const char *const[]){capture, "-o", ply, NULL});
+    words(ffp_studio_command(job, "view"),
+          (const char *const[]){ply, "--capture", capture, "-o", page, NULL});
     return true;
 }
 
@@ -208,7 +206,7 @@ static bool evaluate(FfpStudio *studio, FfpStudioJob *job, char *said) {
     snprintf(folder, sizeof folder, "objects/%.60s", object);
     snprintf(ply, sizeof ply, "%s/object.ply", folder);
     if (!ffp_studio_exists(studio, ply)) return ffp_studio_say(said, "the object is not reconstructed yet");
-    FfpStudioCommand *c = command(job, "evaluate");
+    FfpStudioCommand *c = ffp_studio_command(job, "evaluate");
     ffp_studio_word(c, "%s/capture", folder);
     option(c, "--gaussians", ply); // those that the viewer shows
     ffp_studio_word(c, "--json");

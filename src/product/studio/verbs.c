@@ -188,8 +188,10 @@ static bool run(FfpStudio *studio, const json_t *request, char *said) {
     if (studio->job.end == FFP_JOB_RUNNING)
         return ffp_studio_say(said, "%s is still running", studio->job.name);
     ffp_studio_clear(&studio->job);
-    if (ffp_studio_step(studio, step, &studio->job, said) && ffp_studio_start(studio, &studio->job, step))
-        return true;
+    const bool ready = ffp_studio_is_trial_step(step)
+                           ? ffp_studio_trial_step(studio, step, &studio->job, said)
+                           : ffp_studio_step(studio, step, &studio->job, said);
+    if (ready && ffp_studio_start(studio, &studio->job, step)) return true;
     ffp_studio_clear(&studio->job);
     return said[0] ? false : ffp_studio_say(said, "%s cannot be started", step);
 }
@@ -205,8 +207,9 @@ bool ffp_studio_do(FfpStudio *studio, const json_t *request, char said[FFP_STUDI
     static const struct {
         const char *name;
         bool (*act)(FfpStudio *, const json_t *, char *);
-    } verbs[] = {{"set", set_up}, {"object", choose_object}, {"shoot", shoot}, {"take", take},
-                 {"look", look},  {"discard", discard},      {"run", run},     {"cancel", cancel}};
+    } verbs[] = {{"set", set_up},        {"object", choose_object}, {"shoot", shoot}, {"take", take},
+                 {"look", look},         {"discard", discard},      {"run", run},     {"cancel", cancel},
+                 {"try", ffp_studio_try}};
     const char *verb = json_string_value(json_object_get(request, "verb"));
     said[0] = 0;
     for (size_t i = 0; verb && i < sizeof verbs / sizeof *verbs; i++)

@@ -73,6 +73,8 @@ typedef struct FfpStudio {
     bool closing;
 } FfpStudio;
 
+// A new command of a job, which has its name already; its words follow.
+FfpStudioCommand *ffp_studio_command(FfpStudioJob *job, const char *name);
 // Begins a job of the commands that it holds already; false if one runs. To be called with the lock.
 bool ffp_studio_start(FfpStudio *studio, FfpStudioJob *job, const char *name);
 void ffp_studio_stop(FfpStudioJob *job);                    // with the lock; it ends as soon as it can
@@ -85,6 +87,7 @@ void ffp_studio_clear(FfpStudioJob *job);                   // its commands; not
 bool ffp_studio_path(const char *path);
 // Opens for reading, following no links; -1: there is none.
 int ffp_studio_open(const FfpStudio *studio, const char *path);
+char *ffp_studio_read_whole(int file, size_t *size); // to be freed; NULL: it cannot be read
 bool ffp_studio_exists(const FfpStudio *studio, const char *path);
 bool ffp_studio_make(const FfpStudio *studio, const char *folder); // and those above it
 // Whole or not at all, and on disk when it returns true; the folder above it is made. False: errno.
@@ -101,7 +104,7 @@ json_t *ffp_studio_read_json(const FfpStudio *studio,
 
 typedef struct FfpStudioShot {
     int number;       // of the file: NNN.png
-    char pattern[80]; // the file of patterns/
+    char pattern[80]; // its picture: patterns/004_gray_x_00.png
     double angle;     // of the table, where has_angle
     bool has_angle;
 } FfpStudioShot;
@@ -120,6 +123,21 @@ bool ffp_studio_set(const FfpStudio *studio, const char *name, FfpStudioSet *set
 // All sets that there are or are to be: of the calibration (object NULL) or of an object.
 int ffp_studio_set_names(const FfpStudio *studio, const char *object, char names[][FFP_STUDIO_NAME],
                          int most);
+// "004_gray_x_00.png": its number; 0: of the chart to focus by and of any other file.
+int ffp_studio_pattern_number(const char *file);
+// The angle of the stop that a folder of an object is called for, "view-045"; -1: none.
+double ffp_studio_stop_angle(const json_t *object, const char *folder);
+
+// What studio.json says of objects/NAME/now; false: nothing, or nothing of this object.
+enum { FFP_STUDIO_OWN = 999 }; // number of the photograph under a picture of the user's
+typedef struct FfpStudioTrial {
+    const char *object, *view, *pattern; // "view-045"; a file of patterns/, or "own"
+    int turned;                          // degrees by which the simulated turntable is off
+    bool is_own;
+    char name[80], file[FFP_STUDIO_NAME]; // of the pattern: what `import` calls it, and its picture
+} FfpStudioTrial;
+bool ffp_studio_read_trial(const FfpStudio *studio, const char *object, FfpStudioTrial *t);
+
 int ffp_studio_next(const FfpStudioSet *set);          // index of the first missing shot; -1: complete
 bool ffp_studio_photographed(const FfpStudio *studio); // anything at all
 const char *ffp_studio_setting(const FfpStudio *studio, const char *name, const char *otherwise);
@@ -140,11 +158,17 @@ bool ffp_studio_save(FfpStudio *studio, char said[FFP_STUDIO_SAID]);
 json_t *ffp_studio_state(const FfpStudio *studio);
 // {"verb": ...}; false: why not.
 bool ffp_studio_do(FfpStudio *studio, const json_t *request, char said[FFP_STUDIO_SAID]);
-// The commands of a step ("patterns", "calibrate", "make", "evaluate") into the job; false: what it lacks.
+// `import` with all that holds for every capture of an object, but for its photographs and its folder.
+FfpStudioCommand *ffp_studio_import(const FfpStudio *studio, FfpStudioJob *job, const char *object);
+// The commands of a step ("patterns", "calibrate", "make", "evaluate") into the job;
+// false: what it lacks.
 bool ffp_studio_step(FfpStudio *studio, const char *step, FfpStudioJob *job, char said[FFP_STUDIO_SAID]);
 // A photograph for the shot that is due; it is on disk when this is true.
 bool ffp_studio_store(FfpStudio *studio, const char *set, int number, const void *bytes, size_t size,
                       char said[FFP_STUDIO_SAID]);
+// The shot of this number, if it is due now; NULL: why not.
+const FfpStudioShot *ffp_studio_due(const FfpStudio *studio, const char *name, int number, FfpStudioSet *set,
+                                    char *said);
 // The virtual camera takes the shot that is due, or begins to.
 bool ffp_studio_take(FfpStudio *studio, const char *set, int number, char said[FFP_STUDIO_SAID]);
 // Looks for the board in the photograph under white of a set, which then has SET/board.json (`calibrate
@@ -153,6 +177,18 @@ bool ffp_studio_look(FfpStudio *studio, const char *set, char said[FFP_STUDIO_SA
 // A folder that a camera fills: every new picture in it is the shot that is due.
 bool ffp_studio_watch(FfpStudio *studio, const char *folder, char said[FFP_STUDIO_SAID]);
 void ffp_studio_arrived(FfpStudio *studio); // when `changes` can be read
+
+// --- Prediction against reality, now (trial.c): objects/NAME/now. ---
+
+// {"verb": "try", "view": "view-045", "pattern": "004_lollipop_1.png" or "own", "turned": degrees}: what is
+// to be photographed as objects/NAME/now; what was photographed there before is set aside.
+bool ffp_studio_try(FfpStudio *studio, const json_t *request, char said[FFP_STUDIO_SAID]);
+// A picture of the user's, a PNG of the panel's size, as objects/NAME/own.png.
+bool ffp_studio_store_own(FfpStudio *studio, const void *bytes, size_t size, char said[FFP_STUDIO_SAID]);
+// The steps "now", which compares, and "register", which finds the devices again, as ffp_studio_step.
+bool ffp_studio_is_trial_step(const char *step);
+bool ffp_studio_trial_step(FfpStudio *studio, const char *step, FfpStudioJob *job,
+                           char said[FFP_STUDIO_SAID]);
 
 bool ffp_studio_say(char said[FFP_STUDIO_SAID], const char *format, ...)
     __attribute__((format(printf, 2, 3)));

@@ -1,4 +1,5 @@
 // Aligning through the command line only: what it writes, and what it refuses before the work.
+#include "core/base/rigid.h"
 #include "product/cli/program.h"
 #include "product/cli/tiny.h"
 
@@ -96,6 +97,59 @@ static void test_focal_lengths(void **state) {
     ffp_capture_free(&aligned);
 }
 
+// Radians between two rotations a^T b, each of a projector as its camera sees it.
+static double turn_between(const FfpView *a, const FfpView *b) {
+    const FfpRigid devices[4] = {ffp_rigid_from_pose(a->camera.pose), ffp_rigid_from_pose(a->projector.pose),
+                                 ffp_rigid_from_pose(b->camera.pose), ffp_rigid_from_pose(b->projector.pose)};
+    double first[9], second[9], between[9], vector[3];
+    ffp_rotation_difference(devices[0].r, devices[1].r, first);
+    ffp_rotation_difference(devices[2].r, devices[3].r, second);
+    ffp_rotation_difference(first, second, between);
+    ffp_rotation_to_vector(between, vector);
+    return sqrt(ffp_dot(vector, vector));
+}
+
+// A projector that was bumped is found again by the object as it is known, from one view: to a fifth of the
+// bump, as the camera sees it. A ball looks the same from everywhere, so that both devices may go round it.
+static void test_a_bumped_projector(void **state) {
+    (void)state;
+    FfpCapture truth, given, found;
+    double after, before;
+    const double bump[3] = {0.02, -0.015, 0.01};
+    assert_int_equal(run_format(&run, "reconstruct %s/tiny -o %s/ball.ply --polish 20", scratch, scratch), 0);
+    assert_true(ffp_capture_read(&truth, in_scratch("tiny"), NULL));
+    assert_true(ffp_capture_read(&given, in_scratch("tiny"), NULL));
+    double turn[9];
+    ffp_rotation_from_vector(bump, turn);
+    FfpRigid pose = ffp_rigid_from_pose(given.views[0].projector.pose), turned = pose;
+    ffp_rotation_product(pose.r, turn, turned.r);
+    ffp_rigid_store(&turned, given.views[0].projector.pose);
+    const int views = given.n_views;
+    given.n_views = 1; // the others are not needed
+    assert_true(ffp_capture_write(&given, in_scratch("bumped"), NULL));
+    given.n_views = views;
+    assert_int_equal(
+        run_format(&run, "align %s/bumped -g %s/ball.ply -o %s/found", scratch, scratch, scratch), 0);
+    printf("%s", run.out);
+    const char *told = strstr(run.out, "values differ by ");
+    assert_non_null(told);
+    assert_int_equal(sscanf(told, "values differ by %lf (%lf before)", &after, &before), 2);
+    assert_true(after < before / 2);
+    assert_true(ffp_capture_read(&found, in_scratch("found"), NULL));
+    const double off = turn_between(&truth.views[0], &given.views[0]),
+                 left = turn_between(&truth.views[0], &found.views[0]);
+    printf("off by %.3f degrees, then by %.3f\n", 180 / FFP_PI_DOUBLE * off, 180 / FFP_PI_DOUBLE * left);
+    assert_true(off > 0.025 && left < off / 5);
+    ffp_capture_free(&truth);
+    ffp_capture_free(&given);
+    ffp_capture_free(&found);
+    assert_int_equal(
+        run_format(&run, "align %s/bumped -g %s/ball.ply -o %s/new --focal", scratch, scratch, scratch), 2);
+    assert_int_equal(run_format(&run, "align %s/bumped -g %s/none.ply -o %s/new", scratch, scratch, scratch),
+                     1);
+    assert_non_null(strstr(run.err, "none.ply"));
+}
+
 static void test_refusals_come_before_the_work(void **state) {
     (void)state;
     assert_int_equal(run_format(&run, "align %s/tiny -o %s/tiny", scratch, scratch), 1);
@@ -117,6 +171,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_a_capture_like_the_given_one),
         cmocka_unit_test(test_focal_lengths),
+        cmocka_unit_test(test_a_bumped_projector),
         cmocka_unit_test(test_refusals_come_before_the_work),
     };
     return cmocka_run_group_tests(tests, group_setup, scratch_teardown);

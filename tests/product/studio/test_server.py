@@ -222,9 +222,18 @@ def ended_by_server(link):
         return True
 
 
+def send_only(studio, data):
+    link = socket.create_connection(("127.0.0.1", studio.port), timeout=5)
+    try:
+        link.sendall(data)
+    except OSError:  # it was refused before its end
+        pass
+    return link
+
+
 def mangled_requests(studio, seconds):
     """The server outlives them, and the settings are as before."""
-    dice, count = random.Random(36), 0
+    dice, count, waiting = random.Random(36), 0, []
     before = (studio.folder / "studio.json").read_bytes()
     here = f"127.0.0.1:{studio.port}"
     body = json.dumps({"verb": "none", "settings": {"projector": [320, 200]}, "set": "calibration/attitude-00", "number": 1}).encode()
@@ -250,8 +259,16 @@ def mangled_requests(studio, seconds):
             else:
                 data[at:] = b""
             data = data or bytearray(b"\n")
-        studio.raw(bytes(data), wait=0.1)
+        waiting.append(send_only(studio, bytes(data)))
         count += 1
+        if len(waiting) < 50:
+            continue
+        time.sleep(0.02)
+        for link in waiting:
+            link.close()  # whether it was answered or waits for more
+        waiting.clear()
+    for link in waiting:
+        link.close()
     assert studio.process.poll() is None, "the server is gone"
     assert studio.ask("GET", "state")[0] == 200
     assert (studio.folder / "studio.json").read_bytes() == before
@@ -277,14 +294,44 @@ def wrong_requests_change_nothing(studio):
                  {"verb": "look", "set": "calibration/turntable"}, {"verb": "look", "set": "calibration/attitude-00"},
                  {"verb": "discard", "set": "patterns"}, {"verb": "discard", "set": "../secret.txt"},
                  {"verb": "run"}, {"verb": "run", "step": "rm"}, {"verb": "run", "step": "calibrate"}, {"verb": "run", "step": "make"},
-                 {"verb": "run", "step": "evaluate"}]
+                 {"verb": "run", "step": "evaluate"}, {"verb": "run", "step": "now"}, {"verb": "run", "step": "register"}, {"verb": "try"},
+                 {"verb": "try", "view": "view-000", "pattern": "003_lollipop_0.png"}, {"verb": "shoot", "set": "objects/none/now"}]
     for request in requests:
         status, answer = studio.do(**request)
         assert status == 409 and answer["error"], (request, status)
         assert (studio.folder / "studio.json").read_bytes() == before, request
     for text in (b"", b"{", b"[]", b"null", b"\xff\xfe", b'{"verb": "set", "verb": "run"}', b"{" * 60000):
         assert studio.ask("POST", "do", text)[0] == 409, text[:20]
-    return len(requests) + 7
+    for picture in (png(320, 200), b"", b"x" * 100):  # of no object
+        assert studio.ask("POST", "own", picture)[0] == 409
+    return len(requests) + 10
+
+
+def trials_are_checked(studio):
+    """What an object is compared with later: a stop of it and a pattern, or a picture of the panel's size. Makes an object."""
+    studio.do(verb="object", name="x", stops=8)
+    (studio.folder / "objects/x").mkdir(parents=True)
+    assert "not reconstructed" in studio.do(verb="try", view="view-045", pattern="003_lollipop_0.png")[1]["error"]
+    (studio.folder / "objects/x/object.ply").write_bytes(b"")
+    before = (studio.folder / "studio.json").read_bytes()
+    wrong = [("view-046", "003_lollipop_0.png", 0), ("../x", "003_lollipop_0.png", 0), (None, "003_lollipop_0.png", 0), ("view-045", "001_black.png", 0),
+             ("view-045", "002_white.png", 0), ("view-045", "000_focus.png", 0), ("view-045", "003_../../x.png", 0), ("view-045", "/etc/passwd", 0),
+             ("view-045", "099_none.png", 0), ("view-045", "own", 0), ("view-045", None, 0), ("view-045", "003_lollipop_0.png", 181),
+             ("view-045", "003_lollipop_0.png", "1"), ("view-045", "003_lollipop_0.png", 0.5)]
+    for view, pattern, turned in wrong:
+        status, answer = studio.do(verb="try", view=view, pattern=pattern, turned=turned)
+        assert status == 409 and answer["error"] and (studio.folder / "studio.json").read_bytes() == before, (view, pattern, turned)
+    for picture in (b"", png(319, 200), png(320, 200)[:-5], b"\xff\xd8" + bytes(100) + b"\xff\xd9"):
+        assert studio.ask("POST", "own", picture)[0] == 409
+    assert studio.ask("POST", "own", png(320, 200))[0] == 200
+    for pattern, numbers in (("own", [1, 2, 999]), ("004_lollipop_1.png", [1, 2, 4])):
+        assert studio.do(verb="try", view="view-045", pattern=pattern)[0] == 200
+        status, answer = studio.do(verb="shoot", set="objects/x/now")
+        assert status == 200 and [shot["number"] for shot in answer["active"]["shots"]] == numbers and answer["active"]["angle"] == 45, answer
+        assert "not photographed" in studio.do(verb="run", step="now")[1]["error"]
+    assert "not photographed" in studio.do(verb="run", step="register")[1]["error"]
+    studio.do(verb="shoot", set="calibration/attitude-00")  # as it was
+    return len(wrong) + 7
 
 
 def photographs_are_checked(studio):
@@ -456,6 +503,7 @@ def main():
     print("beside 1000 connections an answer takes %.3f s; they are gone after %.1f s" % thousand_connections(studio))
     print(f"{mangled_requests(studio, seconds)} mangled requests")
     print(f"{photographs_are_checked(studio)} photographs are checked")
+    print(f"{trials_are_checked(studio)} comparisons are checked")
     jobs_end(studio)
     one_studio_for_a_folder(program, rig, studio.port)
     studio, confirmed = killed_at_any_moment(program, rig, studio)

@@ -1,0 +1,181 @@
+// Prediction against reality: the object as it stands now, under one pattern on the real projector, beside
+// what its Gaussians predict; and where the devices are if something was moved since.
+#define _GNU_SOURCE
+#include <errno.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+#include "work.h"
+
+// A numbered file of patterns/ beside black and white.
+static bool is_pattern(const FfpStudio *studio, const char *name) {
+    char path[FFP_STUDIO_NAME];
+    if (!name || ffp_studio_pattern_number(name) == 0 || strstr(name, "_black.png") ||
+        strstr(name, "_white.png"))
+        return false;
+    snprintf(path, sizeof path, "patterns/%s", name);
+    return ffp_studio_exists(studio, path);
+}
+
+bool ffp_studio_try(FfpStudio *studio, const json_t *request, char said[FFP_STUDIO_SAID]) {
+    const char *object = ffp_studio_setting(studio, "object", ""),
+               *view = json_string_value(json_object_get(request, "view")),
+               *pattern = json_string_value(json_object_get(request, "pattern"));
+    const json_t *about = ffp_studio_object(studio, object), *turned = json_object_get(request, "turned");
+    char path[FFP_STUDIO_NAME];
+    snprintf(path, sizeof path, "objects/%.60s/object.ply", object);
+    if (!about || !ffp_studio_exists(studio, path))
+        return ffp_studio_say(said, "the object is not reconstructed yet");
+    if (!view || ffp_studio_stop_angle(about, view) < 0)
+        return ffp_studio_say(said, "view: takes a stop of the object");
+    snprintf(path, sizeof path, "objects/%.60s/own.png", object);
+    const bool own = pattern && strcmp(pattern, "own") == 0;
+    if (own ? !ffp_studio_exists(studio, path) : !is_pattern(studio, pattern))
+        return ffp_studio_say(
+            said, "pattern: takes one of patterns/ beside black and white, or a picture of your own");
+    if (turned && (!json_is_integer(turned) || llabs(json_integer_value(turned)) > 180))
+        return ffp_studio_say(said, "turned: takes -180 to 180 whole degrees");
+    snprintf(path, sizeof path, "objects/%.60s/now", object);
+    if (!ffp_studio_set_aside(studio, path) || !ffp_studio_set_aside(studio, "virtual/now") ||
+        !ffp_studio_set_aside(studio, "virtual/shown"))
+        return ffp_studio_say(said, "%s cannot be moved to discarded/", path);
+    json_object_set_new(studio->settings, "trial",
+                        json_pack("{s:s, s:s, s:s, s:I}", "object", object, "view", view, "pattern", pattern,
+                                  "turned", json_integer_value(turned)));
+    return ffp_studio_save(studio, said);
+}
+
+bool ffp_studio_store_own(FfpStudio *studio, const void *bytes, size_t size, char said[FFP_STUDIO_SAID]) {
+    char path[FFP_STUDIO_NAME];
+    int width, height;
+    const char *ending, *object = ffp_studio_setting(studio, "object", "");
+    if (!ffp_studio_object(studio, object)) return ffp_studio_say(said, "no object is chosen");
+    if (!ffp_studio_picture(bytes, size, &width, &height, &ending) || strcmp(ending, "png") != 0)
+        return ffp_studio_say(said, "this is not a whole PNG picture");
+    if (width != ffp_studio_number(studio, "projector", 0, 0) ||
+        height != ffp_studio_number(studio, "projector", 1, 0))
+        return ffp_studio_say(said, "the picture has %d x %d pixels, the projector others", width, height);
+    snprintf(path, sizeof path, "objects/%.60s/own.png", object);
+    if (!ffp_studio_write(studio, path, bytes, size))
+        return ffp_studio_say(said, "%s cannot be written: %s", path, strerror(errno));
+    studio->version++;
+    return true;
+}
+
+// --- The commands. ---
+
+// The sphere around the object that its capture was made with; false: there is none.
+static bool add_sphere(const FfpStudio *studio, const char *object, FfpStudioCommand *c) {
+    char path[FFP_STUDIO_NAME];
+    snprintf(path, sizeof path, "objects/%.60s/capture/scene.json", object);
+    json_t *scene = ffp_studio_read_json(studio, path);
+    const json_t *sphere = json_object_get(scene, "object"), *centre = json_object_get(sphere, "centre");
+    const bool ok = json_array_size(centre) == 3 && json_is_number(json_object_get(sphere, "radius"));
+    if (ok)
+        ffp_studio_word(c, "--object=%.9g,%.9g,%.9g,%.9g", json_number_value(json_array_get(centre, 0)),
+                        json_number_value(json_array_get(centre, 1)),
+                        json_number_value(json_array_get(centre, 2)),
+                        json_number_value(json_object_get(sphere, "radius")));
+    json_decref(scene);
+    return ok;
+}
+
+// "black" of "patterns/001_black.png"; the user's picture is "own".
+static void name_shot(const FfpStudioShot *shot, const FfpStudioTrial *t, char name[80]) {
+    const char *begins = strchr(shot->pattern, '_') + 1;
+    if (strcmp(shot->pattern, t->file) == 0)
+        snprintf(name, 80, "%s", t->name);
+    else
+        snprintf(name, 80, "%.*s", (int)strlen(begins) - 4, begins);
+}
+
+static void add_shots(const FfpStudio *studio, const FfpStudioTrial *t, const FfpStudioSet *now,
+                      FfpStudioCommand *c) {
+    FfpStudioSet empty;
+    char path[FFP_STUDIO_NAME], name[80];
+    snprintf(path, sizeof path, "objects/%.60s/empty", t->object);
+    const bool has_empty = ffp_studio_set(studio, path, &empty);
+    for (int i = 0; i < now->count; i++) {
+        name_shot(&now->shots[i], t, name);
+        ffp_studio_word(c, "-i");
+        ffp_studio_word(c, "%s=%s/%03d.%s", name, now->name, now->shots[i].number, now->ending);
+        for (int k = 0; has_empty && k < empty.count; k++) {
+            if (empty.shots[k].number != now->shots[i].number) continue;
+            ffp_studio_word(c, "--empty");
+            ffp_studio_word(c, "%s=%s/%03d.%s", name, path, empty.shots[k].number, empty.ending);
+        }
+    }
+    ffp_studio_word(c, "-p");
+    ffp_studio_word(c, "%s=%s", t->name, t->file);
+}
+
+// `evaluate` of objects/NAME/now/WHAT, with the predicted pictures beside it.
+static void add_comparison(FfpStudioJob *job, const char *object, const char *what) {
+    FfpStudioCommand *c = ffp_studio_command(job, "evaluate");
+    const char *const options[][2] = {{"--save", "predicted"}, {"--json", "scores"}, {"--report", "report"}};
+    const char *const endings[] = {"", ".json", ".html"};
+    ffp_studio_word(c, "objects/%.60s/now/%s", object, what);
+    ffp_studio_word(c, "--gaussians");
+    ffp_studio_word(c, "objects/%.60s/object.ply", object);
+    for (int i = 0; i < 3; i++) {
+        ffp_studio_word(c, "%s", options[i][0]);
+        ffp_studio_word(c, "objects/%.60s/now/%s/%s%s", object, what, options[i][1], endings[i]);
+    }
+}
+
+static bool set_made_aside(const FfpStudio *studio, const char *object, const char *what, char *said) {
+    char path[FFP_STUDIO_NAME];
+    snprintf(path, sizeof path, "objects/%.60s/now/%s", object, what);
+    return ffp_studio_set_aside(studio, path) ||
+           ffp_studio_say(said, "%s cannot be moved to discarded/", path);
+}
+
+static bool compare_now(FfpStudio *studio, FfpStudioJob *job, char *said) {
+    const char *object = ffp_studio_setting(studio, "object", "");
+    FfpStudioSet now;
+    FfpStudioTrial t;
+    char path[FFP_STUDIO_NAME];
+    snprintf(path, sizeof path, "objects/%.60s/now", object);
+    if (!ffp_studio_read_trial(studio, object, &t) || !ffp_studio_set(studio, path, &now) ||
+        now.done < now.count)
+        return ffp_studio_say(said, "it is not photographed as it is now");
+    if (!set_made_aside(studio, object, "capture", said) || !set_made_aside(studio, object, "aligned", said))
+        return false;
+    FfpStudioCommand *c = ffp_studio_import(studio, job, object);
+    ffp_studio_word(c, "-v");
+    ffp_studio_word(c, "%s", t.view + 5); // behind "view-"
+    add_shots(studio, &t, &now, c);
+    if (!add_sphere(studio, object, c))
+        return ffp_studio_say(said, "objects/%s/capture/scene.json has no object", object);
+    ffp_studio_word(c, "-o");
+    ffp_studio_word(c, "%s/capture", path);
+    add_comparison(job, object, "capture");
+    return true;
+}
+
+static bool find_devices(FfpStudio *studio, FfpStudioJob *job, char *said) {
+    const char *object = ffp_studio_setting(studio, "object", "");
+    char path[FFP_STUDIO_NAME];
+    snprintf(path, sizeof path, "objects/%.60s/now/capture/scene.json", object);
+    if (!ffp_studio_exists(studio, path)) return ffp_studio_say(said, "it is not photographed as it is now");
+    if (!set_made_aside(studio, object, "aligned", said)) return false;
+    FfpStudioCommand *c = ffp_studio_command(job, "align");
+    ffp_studio_word(c, "objects/%.60s/now/capture", object);
+    ffp_studio_word(c, "--gaussians");
+    ffp_studio_word(c, "objects/%.60s/object.ply", object);
+    ffp_studio_word(c, "-o");
+    ffp_studio_word(c, "objects/%.60s/now/aligned", object);
+    add_comparison(job, object, "aligned");
+    return true;
+}
+
+bool ffp_studio_trial_step(FfpStudio *studio, const char *step, FfpStudioJob *job,
+                           char said[FFP_STUDIO_SAID]) {
+    return strcmp(step, "now") == 0 ? compare_now(studio, job, said) : find_devices(studio, job, said);
+}
+
+bool ffp_studio_is_trial_step(const char *step) {
+    return strcmp(step, "now") == 0 || strcmp(step, "register") == 0;
+}
