@@ -176,7 +176,8 @@ json_t *ffp_studio_state(const FfpStudio *studio) {
     FfpStudioSet set;
     json_t *settings = json_deep_copy(studio->settings), *active = json_null();
     const char *name = ffp_studio_setting(studio, "active", NULL);
-    if (name && ffp_studio_set(studio, name, &set)) {
+    // a set that is complete: the studio was ended between its last photograph and this note of it
+    if (name && ffp_studio_set(studio, name, &set) && ffp_studio_next(&set) >= 0) {
         active = set_state(studio, &set);
         json_object_set_new(active, "shots", shots_state(&set));
     }

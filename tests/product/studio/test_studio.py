@@ -101,7 +101,7 @@ def go_through(page, pictures):
     page.wait("!document.getElementById('board').hidden && !document.getElementById('board-shoot').disabled")
     done("patterns")
     page.click("#board-shoot")
-    page.wait("studio.state.active && studio.state.active.done > 5", 60)
+    page.wait("studio.state.active && studio.state.active.done > 5", LONG)
     page.shots(pictures, "photographing")
     page.wait("studio.state.sets.every(complete) && !shooting.running", LONG)
     done("boards")
