@@ -239,8 +239,8 @@ static bool check_memory(const FfpManifest *manifest, FfpError *err) {
     for (int v = 0; v < capture->n_views; v++)
         values += channels_of(&manifest->views[v], capture->n_patterns) * capture->views[v].camera.width *
                   capture->views[v].camera.height;
-    return ffp_memory_suffices(values * sizeof(real), "the images",
-                               "import them smaller (import --width)", manifest->file, err);
+    return ffp_memory_suffices(values * sizeof(real), "the images", "import them smaller (import --width)",
+                               manifest->file, err);
 }
 
 static bool check_pictures(const FfpManifest *manifest, FfpError *err) {

@@ -206,9 +206,9 @@ static void check_silhouettes(Page *page, const FfpCapture *capture) {
                 "turntable not where its angle says?\n",
                 100 * without);
     } else if (misfit >= FFP_RIG_MISFIT_MAX) {
-        advise(page, "the views are inconsistent: check the masks (those computed from white minus black "
-                     "lack the parts in shadow; mask files are better), the turntable's axis, "
-                     "its angles and their sign, and the order of the pictures");
+        advise(page, "the views are inconsistent: check the masks (computed ones may lack parts in "
+                     "shadow, or hold parts of the stage), the turntable's axis, its angles and their "
+                     "sign, and the order of the pictures");
     }
 }
 
