@@ -318,7 +318,6 @@ static bool load_poses(FfpManifest *manifest, FfpError *err) {
     for (int v = 0; v < capture->n_views; v++) {
         FfpView *view = &capture->views[v];
         view->images = ffp_alloc((size_t)capture->n_patterns, sizeof(FfpImage));
-        if (manifest->whole_frames) continue;
         view->camera.width = ffp_frame_width(view);
         view->camera.height = ffp_frame_height(view);
         view->frame_width = view->frame_height = 0;

@@ -24,7 +24,6 @@ typedef struct FfpManifest {
     FfpCapture *capture;
     bool targets;        // poses to predict: views may lack black and white, or any image
     bool poses;          // likewise, and the pictures named need not exist: none is read
-    bool whole_frames;   // of poses: pictures keep the pixels that their cameras did not see
     int known_patterns;  // the first patterns have their images already (copied from the reference)
     const char *file;    // the JSON, or a name, for messages
     const char *folder;  // that contains it

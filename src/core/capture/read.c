@@ -122,7 +122,7 @@ static bool says_enough(const FfpCapture *devices) {
 FfpCapture *ffp_capture_load_devices(const char *path, FfpError *err) {
     char json[FFP_PATH_MAX];
     FfpCapture *devices = ffp_alloc(1, sizeof *devices);
-    FfpManifest manifest = {.capture = devices, .targets = true, .poses = true, .whole_frames = true};
+    FfpManifest manifest = {.capture = devices, .targets = true, .poses = true};
     *devices = (FfpCapture){.black = -1, .white = -1};
     devices->patterns = ffp_alloc(FFP_PATTERNS_MAX, sizeof(FfpPattern));
     FfpError why = {0}; // what is wrong is found again, and told, by reading all of it
