@@ -178,7 +178,7 @@ typedef struct FfpReconstruction {
     bool force;
 } FfpReconstruction;
 #define FFP_POLISH_STEPS 88
-#define FFP_POLISH_AUTO (-1) // FFP_POLISH_STEPS, or 11 steps per view with more than 8 views
+#define FFP_POLISH_AUTO (-1) // FFP_POLISH_STEPS, or 11 steps per view with more than 8; scenes: twice that
 #define FFP_NOISE_ESTIMATED (-1.0)
 #define FFP_LAYERS_AUTO (-1.0) // all for up to 200,000 splats, otherwise two layers
 

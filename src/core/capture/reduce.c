@@ -109,7 +109,7 @@ FfpView ffp_view_reduced(const FfpView *view, int n_patterns, const int *pattern
         SPREAD * fmax(view->projector.fx, view->projector.fy) / fmin(out.camera.fx, out.camera.fy);
     out.correspondence = reduce_correspondence(&view->correspondence, width, height, (double)fmax(spread, 2));
     out.images = ffp_alloc((size_t)n_patterns, sizeof *out.images);
-    for (int k = 0; k < n; k++) {
+    for (int k = 0; k < n && view->coverage.data; k++) { // none: devices alone, without photographs
         FfpImage *image = &out.images[patterns[k]];
         if (view->images[patterns[k]].data && !image->data)
             *image = reduce_photograph(&view->images[patterns[k]], &view->coverage, &out.coverage);

@@ -275,7 +275,7 @@ static void take_linear(FfpGaussians *gaussians, int64_t i, const float row[FFP_
 }
 
 static bool read_splats(FfpGaussians *gaussians, const Gltf *gltf, FfpError *err) {
-    Splats splats;
+    Splats splats = {0};
     if (!check_nodes(gltf, err) || !find_splats(gltf, &splats, err)) return false;
     *gaussians = ffp_gaussians_new(splats.position.count);
     for (int64_t i = 0; i < gaussians->count; i++) {

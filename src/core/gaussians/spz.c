@@ -158,7 +158,7 @@ static bool read_parts(FfpGaussians *gaussians, Spz *spz, const char *zipped, si
 }
 
 bool ffp_gaussians_read_spz(FfpGaussians *gaussians, const char *path, FfpError *err) {
-    unsigned char header[HEADER];
+    unsigned char header[HEADER] = {0};
     char *zipped;
     size_t size;
     Spz spz = {0};

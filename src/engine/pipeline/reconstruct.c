@@ -109,15 +109,16 @@ static void keep_initial_if_better(Work *w, const FfpReconstruction *options, Ff
     }
 }
 
-// Every step looks at one view.
-static int64_t polish_steps(const FfpReconstruction *options, int views) {
+// Every step looks at one view. Scenes gain from twice as many (docs/lab/baselines.md).
+static int64_t polish_steps(const FfpReconstruction *options, const FfpCapture *capture) {
     if (options->polish >= 0) return options->polish;
-    return FFP_POLISH_STEPS * (views > POLISH_VIEWS ? views : POLISH_VIEWS) / POLISH_VIEWS;
+    const int views = capture->n_views > POLISH_VIEWS ? capture->n_views : POLISH_VIEWS;
+    return (capture->scene ? 2 : 1) * FFP_POLISH_STEPS * views / POLISH_VIEWS;
 }
 
 // Between the prediction and the way back to the world.
 static bool polish(Work *w, const FfpReconstruction *options, FfpReconstructionStats *stats, FfpError *err) {
-    FfpRefineSettings settings = ffp_polish_defaults(polish_steps(options, w->capture.n_views));
+    FfpRefineSettings settings = ffp_polish_defaults(polish_steps(options, &w->capture));
     FfpRefineResult result;
     const FfpOrigin origin = {w->start.views, w->start.width, w->start.height, w->pixel};
     settings.render = ffp_drawing_settings(options->drawing, options->model);
