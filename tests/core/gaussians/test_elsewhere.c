@@ -76,8 +76,9 @@ static void test_what_is_not_read_is_refused_by_name(void **state) {
     refused("gltf/none.glb", "holds no splats");
 }
 
-// Without waiting for the disk, as ffp_write_file does.
+// Into a new file: ext4 writes one at once that replaces what it held, and ffp_write_file waits for the disk.
 static void put(const char *path, const char *bytes, size_t size) {
+    unlink(path);
     FILE *file = fopen(path, "wb");
     assert_non_null(file);
     assert_int_equal(fwrite(bytes, 1, size, file), size);
