@@ -48,7 +48,8 @@ static void release(void *value) {
 }
 
 static bool fail(const Gltf *gltf, FfpError *err, const char *what) {
-    return ffp_fail(err, FFP_ERROR_FILE, gltf->path, "%s", what);
+    ffp_fail(err, FFP_ERROR_FILE, gltf->path, "%s", what);
+    return false;
 }
 
 // --- The file: JSON and buffers. ---
@@ -151,6 +152,7 @@ static bool lies_inside(const Gltf *gltf, const json_t *view, int64_t offset, Nu
     const Buffer *from = &gltf->buffers[buffer];
     const int64_t size = (int64_t)from->size;
     if (begin > size || length > size - begin || offset > length) return false;
+    if (out->count > 0 && !from->bytes) return false;
     if (out->count > 0 && (out->count - 1) * stride + element > length - offset) return false;
     out->bytes = from->bytes ? from->bytes + begin + offset : NULL;
     out->stride = (size_t)stride;
@@ -160,8 +162,10 @@ static bool lies_inside(const Gltf *gltf, const json_t *view, int64_t offset, Nu
 static bool find_numbers(const Gltf *gltf, const json_t *attributes, const char *name, int width,
                          Numbers *out, FfpError *err) {
     const json_t *index = json_object_get(attributes, name);
-    if (!json_is_integer(index))
-        return ffp_fail(err, FFP_ERROR_FILE, gltf->path, "attribute %s is missing", name);
+    if (!json_is_integer(index)) {
+        ffp_fail(err, FFP_ERROR_FILE, gltf->path, "attribute %s is missing", name);
+        return false;
+    }
     const json_int_t at = json_integer_value(index);
     const json_t *accessor =
         at < 0 ? NULL : json_array_get(json_object_get(gltf->root, "accessors"), (size_t)at);
@@ -175,9 +179,9 @@ static bool find_numbers(const Gltf *gltf, const json_t *attributes, const char 
     const json_t *of =
         view < 0 ? NULL : json_array_get(json_object_get(gltf->root, "bufferViews"), (size_t)view);
     if (sound && lies_inside(gltf, of, whole(accessor, "byteOffset", 0), out)) return true;
-    return ffp_fail(err, FFP_ERROR_FILE, gltf->path,
-                    "attribute %s: its accessor does not give %d numbers a splat inside a buffer", name,
-                    width);
+    ffp_fail(err, FFP_ERROR_FILE, gltf->path,
+             "attribute %s: its accessor does not give %d numbers a splat inside a buffer", name, width);
+    return false;
 }
 
 static double number_at(const Numbers *numbers, int64_t i, int c) {
@@ -236,9 +240,11 @@ static bool find_splats(const Gltf *gltf, Splats *splats, FfpError *err) {
     const json_t *primitive = find_primitive(gltf);
     if (!primitive) return fail(gltf, err, "holds no splats (" EXTENSION ")");
     const json_t *how = json_object_get(json_object_get(primitive, "extensions"), EXTENSION);
-    if (json_object_get(how, "extensions"))
-        return ffp_fail(err, FFP_ERROR_UNSUPPORTED, gltf->path,
-                        "its splats are compressed: export them uncompressed, or as SPZ");
+    if (json_object_get(how, "extensions")) {
+        ffp_fail(err, FFP_ERROR_UNSUPPORTED, gltf->path,
+                 "its splats are compressed: export them uncompressed, or as SPZ");
+        return false;
+    }
     const char *space = json_string_value(json_object_get(how, "colorSpace"));
     const json_t *of = json_object_get(primitive, "attributes");
     splats->linear = space && strncmp(space, "lin_", 4) == 0;

@@ -392,6 +392,8 @@ bool ffp_exr_decode_raw(const FfpBytes *file, FfpDecoded *out, FfpError *err) {
 
 // --- Writing: ZIP-compressed float scanlines. ---
 
+enum { ZIP_LINES = 16 }; // of a chunk
+
 static int64_t take_bytes(exr_const_context_t exr, void *user, const void *from, uint64_t count,
                           uint64_t offset, exr_stream_error_func_ptr_t on_stream_error) {
     (void)exr;
@@ -436,13 +438,14 @@ static void convert(const FfpImage *image, int line, int lines, float *values) {
     for (size_t i = 0; i < count; i++) values[i] = (float)from[i];
 }
 
-static exr_result_t write_chunks(exr_context_t exr, const FfpImage *image) {
+// `values`: room for a chunk.
+static exr_result_t write_chunks(exr_context_t exr, const FfpImage *image, float *values) {
     const size_t n = (size_t)image->channels, row = (size_t)image->width * n;
     exr_encode_pipeline_t encoder = EXR_ENCODE_PIPELINE_INITIALIZER;
     Compress *usual = NULL;
     int lines = 0;
     exr_result_t code = exr_get_scanlines_per_chunk(exr, 0, &lines);
-    float *values = ffp_alloc(code == EXR_ERR_SUCCESS ? (size_t)lines * row : 1, sizeof *values);
+    if (code == EXR_ERR_SUCCESS && (lines < 1 || lines > ZIP_LINES)) code = EXR_ERR_INVALID_ATTR;
     for (int line = 0; line < image->height && code == EXR_ERR_SUCCESS; line += lines) {
         exr_chunk_info_t chunk;
         code = exr_write_scanline_chunk_info(exr, 0, line, &chunk);
@@ -471,11 +474,10 @@ static exr_result_t write_chunks(exr_context_t exr, const FfpImage *image) {
         if (code == EXR_ERR_SUCCESS) code = exr_encoding_run(exr, 0, &encoder);
     }
     exr_encoding_destroy(exr, &encoder);
-    ffp_free(values);
     return code;
 }
 
-static exr_result_t write_exr(FfpOutput *out, const FfpImage *image) {
+static exr_result_t write_exr(FfpOutput *out, const FfpImage *image, float *values) {
     exr_context_initializer_t settings = EXR_DEFAULT_CONTEXT_INITIALIZER;
     settings.error_handler_fn = keep_quiet;
     settings.user_data = out->stream;
@@ -484,7 +486,7 @@ static exr_result_t write_exr(FfpOutput *out, const FfpImage *image) {
     exr_context_t exr = NULL;
     exr_result_t code = exr_start_write(&exr, out->path, EXR_WRITE_FILE_DIRECTLY, &settings);
     if (code == EXR_ERR_SUCCESS) code = write_header(exr, image);
-    if (code == EXR_ERR_SUCCESS) code = write_chunks(exr, image);
+    if (code == EXR_ERR_SUCCESS) code = write_chunks(exr, image, values);
     const exr_result_t closed = exr_finish(&exr); // writes the table of chunks
     return code == EXR_ERR_SUCCESS ? closed : code;
 }
@@ -496,7 +498,10 @@ bool ffp_image_write_exr(const FfpImage *image, const char *path, FfpError *err)
     }
     FfpOutput out;
     if (!ffp_output_open(&out, path, err)) return false;
-    const exr_result_t code = write_exr(&out, image);
+    // Taken while no EXR is open: nothing would finish it if memory ran out.
+    float *values = ffp_alloc((size_t)ZIP_LINES * (size_t)image->width * (size_t)n, sizeof *values);
+    const exr_result_t code = write_exr(&out, image, values);
+    ffp_free(values);
     if (code == EXR_ERR_SUCCESS) return ffp_output_commit(&out, err);
     ffp_output_abort(&out);
     return ffp_fail(err, FFP_ERROR_IO, path, "cannot write EXR: %s", exr_get_default_error_message(code));
