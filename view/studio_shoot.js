@@ -76,8 +76,11 @@ async function takeOne(active) {
     if (state.active && state.active.name === name && state.active.done === active.done) await sleep(400); // being simulated
     return;
   }
-  await project({file: 'file/' + next.pattern});
-  if (studio.state.settings.camera === 'folder') {
+  const {panel} = await project({file: 'file/' + next.pattern}), {settings} = studio.state;
+  if (!settings.virtual && panel.some((side, i) => side !== settings.projector[i]))
+    throw new Error(`The projector window has ${panel.join(' x ')} pixels, the patterns ${settings.projector.join(' x ')}: put it full screen on the projector's display (F), at 100 %.`);
+  if (settings.camera === 'folder') {
+    await doIt({verb: 'show', set: name, number: next.number});
     while (!shooting.pause && studio.state.active && studio.state.active.name === name && studio.state.active.done === active.done) await sleep(100);
     return;
   }

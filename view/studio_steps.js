@@ -150,7 +150,9 @@ function openBoards(seen) {
   const cells = new Set(seen.flatMap((b) => b.corners.map(([x, y]) => Math.floor(3 * y / b.height) * 3 + Math.floor(3 * x / b.width))));
   const parts = ['the left top', 'the top', 'the right top', 'the left', 'the middle', 'the right', 'the left bottom', 'the bottom', 'the right bottom'];
   const tilted = seen.filter((b) => b.tilt > 12);
-  return {parts: parts.filter((_, i) => !cells.has(i)),
+  const all = seen.flatMap((b) => b.corners.map(([x, y]) => [x / b.width, y / b.height])), far = 0.15;
+  const edges = [['left', ([x]) => x], ['right', ([x]) => 1 - x], ['top', ([, y]) => y], ['bottom', ([, y]) => 1 - y]];
+  return {parts: parts.filter((_, i) => !cells.has(i)), edges: edges.filter(([, from]) => all.every((corner) => from(corner) > far)).map(([name]) => name),
     sides: SIDES.filter(([, x, y]) => !tilted.some((b) => b.towards[0] * x + b.towards[1] * y > 0.15)).map(([name]) => name)};
 }
 
@@ -172,7 +174,8 @@ function drawBoards(state) {
   says.push(['', `tilted by ${Math.round(Math.min(...tilts))} to ${Math.round(Math.max(...tilts))} degrees`]);
   if (open.sides.length > 0) says.push(['doubt', `never nearer to the camera: its ${open.sides.join(', ')}`]);
   if (open.parts.length > 0) says.push(['doubt', `no corner yet in ${open.parts.join(', ')} of the picture`]);
-  if (open.sides.length + open.parts.length === 0) says.push(['', 'corners in every part of the picture, tilts to every side']);
+  if (open.edges.length > 0) says.push(['doubt', `no corner yet near the picture's ${open.edges.join(', ')} edge: what a lens bends there is then a guess`]);
+  if (open.sides.length + open.parts.length + open.edges.length === 0) says.push(['', 'corners in every part of the picture, tilts to every side']);
   $('seen-says').replaceChildren(...says.map(([className, textContent]) => element('li', {className, textContent})));
 }
 

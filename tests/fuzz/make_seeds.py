@@ -44,12 +44,12 @@ def spz(version, count=2, zipped=True, size=None):
     return gzip.compress((header + data)[:size], mtime=0) if zipped else header + data
 
 
-def gltf_splats(binary, extension='KHR_gaussian_splatting', space='srgb_rec709_display', moved=False):
+def gltf_splats(binary, extension='KHR_gaussian_splatting', space='srgb_rec709_display', moved='', times=1, size=math.exp(-4)):
     half, dc = math.sqrt(0.75), 1.0
     columns = {
         'POSITION': ([0.5, -1, 2, 0, 0, 0], 'VEC3'),
         'KHR_gaussian_splatting:ROTATION': (2 * [0.5, 0, 0, half], 'VEC4'),
-        'KHR_gaussian_splatting:SCALE': (2 * [math.exp(-4), math.exp(-4), math.exp(-5)], 'VEC3'),
+        'KHR_gaussian_splatting:SCALE': (2 * [size, math.exp(-4), math.exp(-5)], 'VEC3'),
         'KHR_gaussian_splatting:SH_DEGREE_0_COEF_0': (2 * [dc, 0, -dc], 'VEC3'),
     }
     data, views, accessors, attributes = b'', [], [], {}
@@ -66,8 +66,10 @@ def gltf_splats(binary, extension='KHR_gaussian_splatting', space='srgb_rec709_d
     add('KHR_gaussian_splatting:OPACITY', bytes([204, 51]), 'SCALAR', componentType=5121, normalized=True)
     primitive = {'mode': 0, 'attributes': attributes, 'extensions': {extension: {'colorSpace': space}}}
     root = {'asset': {'version': '2.0'}, 'bufferViews': views, 'accessors': accessors,
-            'meshes': [{'primitives': [primitive]}], 'buffers': [{'byteLength': len(data)}],
-            'nodes': [{'mesh': 0, **({'translation': [1, 0, 0]} if moved else {})}]}
+            'meshes': [{'primitives': times * [primitive]}], 'buffers': [{'byteLength': len(data)}],
+            'nodes': [{'mesh': 0}, {'children': [0]}, {'camera': 0}]}
+    if moved:
+        root['nodes'][{'splats': 0, 'parent': 1, 'camera': 2}[moved]]['translation'] = [1, 0, 0]
     if not binary:
         root['buffers'][0]['uri'] = 'data:application/octet-stream;base64,' + base64.b64encode(data).decode()
         return as_json(root)
@@ -86,7 +88,11 @@ def splats():
     write('gltf', 'splats.glb', gltf_splats(True))
     write('gltf', 'splats.gltf', gltf_splats(False))
     write('gltf', 'linear.glb', gltf_splats(True, space='lin_rec709_display'))
-    write('gltf', 'moved.glb', gltf_splats(True, moved=True))
+    write('gltf', 'moved.glb', gltf_splats(True, moved='splats'))
+    write('gltf', 'carried.glb', gltf_splats(True, moved='parent'))
+    write('gltf', 'camera.glb', gltf_splats(True, moved='camera'))
+    write('gltf', 'twice.glb', gltf_splats(True, times=2))
+    write('gltf', 'size.glb', gltf_splats(True, size=math.nan))
     write('gltf', 'none.glb', gltf_splats(True, extension='KHR_other'))
 
 

@@ -9,13 +9,12 @@
 #include "core/gaussians/elsewhere.h"
 
 #define EXTENSION "KHR_gaussian_splatting"
-#define FILE_MAX ((size_t)4 << 30)
 #define GLB_HEAD 12
 #define CHUNK_HEAD 8
 #define CHUNK_JSON 0x4e4f534aU
 #define CHUNK_BINARY 0x004e4942U
 #define SH_C0 0.28209479177387814
-enum { BUFFERS_MAX = 16, KIND_FLOAT = 5126 };
+enum { BUFFERS_MAX = 16, DEPTH_MAX = 16, KIND_FLOAT = 5126 };
 
 typedef struct Buffer {
     const unsigned char *bytes;
@@ -101,7 +100,7 @@ static bool read_beside(const Gltf *gltf, Buffer *buffer, const char *uri, FfpEr
     if (strchr(uri, '/') || strchr(uri, '\\') || strchr(uri, ':') || uri[0] == '.' ||
         snprintf(path, sizeof path, "%.*s%s", (int)(base - gltf->path), gltf->path, uri) >= FFP_PATH_MAX)
         return ffp_fail(err, FFP_ERROR_FILE, gltf->path, "buffers: '%.100s' is not a file beside it", uri);
-    if (!ffp_read_file(path, FILE_MAX, &data, &buffer->size, err)) return false;
+    if (!ffp_read_file(path, FFP_SPLAT_FILE_MAX, &data, &buffer->size, err)) return false;
     buffer->bytes = buffer->own = data;
     return true;
 }
@@ -207,28 +206,52 @@ static double number_at(const Numbers *numbers, int64_t i, int c) {
 
 // --- Splats. ---
 
-static const json_t *find_primitive(const Gltf *gltf) {
-    const json_t *meshes = json_object_get(gltf->root, "meshes");
+// Its mesh comes back too; NULL: there is none, or more than one.
+static const json_t *find_primitive(const Gltf *gltf, json_int_t *mesh, FfpError *err) {
+    const json_t *meshes = json_object_get(gltf->root, "meshes"), *found = NULL;
     for (size_t m = 0; m < json_array_size(meshes); m++) {
         const json_t *list = json_object_get(json_array_get(meshes, m), "primitives");
-        for (size_t p = 0; p < json_array_size(list); p++)
-            if (json_object_get(json_object_get(json_array_get(list, p), "extensions"), EXTENSION))
-                return json_array_get(list, p);
+        for (size_t p = 0; p < json_array_size(list); p++) {
+            const json_t *one = json_array_get(list, p);
+            if (!json_object_get(json_object_get(one, "extensions"), EXTENSION)) continue;
+            if (found) {
+                fail(gltf, err, "holds several sets of splats: export them as one");
+                return NULL;
+            }
+            found = one;
+            *mesh = (json_int_t)m;
+        }
     }
-    return NULL;
+    if (!found) fail(gltf, err, "holds no splats (" EXTENSION ")");
+    return found;
 }
 
-// Nodes with a transform would need it applied to centres, sizes and rotations.
-static bool check_nodes(const Gltf *gltf, FfpError *err) {
+static bool holds(const json_t *node, json_int_t mesh, const bool *on_way, size_t n) {
+    const json_t *own = json_object_get(node, "mesh"), *children = json_object_get(node, "children");
+    bool yes = json_is_integer(own) && json_integer_value(own) == mesh;
+    for (size_t c = 0; c < json_array_size(children); c++) {
+        const json_int_t child = json_integer_value(json_array_get(children, c));
+        yes = yes || (child >= 0 && (size_t)child < n && on_way[child]);
+    }
+    return yes;
+}
+
+// Nodes on the way to the mesh whose transform would need to be applied to centres, sizes and rotations.
+static bool check_nodes(const Gltf *gltf, json_int_t mesh, FfpError *err) {
     static const char *const moves[] = {"matrix", "translation", "rotation", "scale"};
     const json_t *nodes = json_object_get(gltf->root, "nodes");
-    for (size_t n = 0; n < json_array_size(nodes); n++)
-        for (int k = 0; k < 4; k++)
-            if (json_object_get(json_array_get(nodes, n), moves[k]))
-                return ffp_fail(err, FFP_ERROR_UNSUPPORTED, gltf->path,
-                                "nodes[%zu] has a %s: apply it in the program that wrote the file", n,
-                                moves[k]);
-    return true;
+    const size_t n = json_array_size(nodes);
+    bool *on_way = ffp_alloc(n, sizeof *on_way), ok = true;
+    for (int depth = 0; depth < DEPTH_MAX; depth++)
+        for (size_t i = 0; i < n; i++) on_way[i] |= holds(json_array_get(nodes, i), mesh, on_way, n);
+    for (size_t i = 0; i < n && ok; i++)
+        for (int k = 0; k < 4 && ok; k++)
+            if (on_way[i] && json_object_get(json_array_get(nodes, i), moves[k]))
+                ok =
+                    ffp_fail(err, FFP_ERROR_UNSUPPORTED, gltf->path,
+                             "nodes[%zu] has a %s: apply it in the program that wrote the file", i, moves[k]);
+    ffp_free(on_way);
+    return ok;
 }
 
 typedef struct Splats {
@@ -237,8 +260,9 @@ typedef struct Splats {
 } Splats;
 
 static bool find_splats(const Gltf *gltf, Splats *splats, FfpError *err) {
-    const json_t *primitive = find_primitive(gltf);
-    if (!primitive) return fail(gltf, err, "holds no splats (" EXTENSION ")");
+    json_int_t mesh = 0;
+    const json_t *primitive = find_primitive(gltf, &mesh, err);
+    if (!primitive || !check_nodes(gltf, mesh, err)) return false;
     const json_t *how = json_object_get(json_object_get(primitive, "extensions"), EXTENSION);
     if (json_object_get(how, "extensions")) {
         ffp_fail(err, FFP_ERROR_UNSUPPORTED, gltf->path,
@@ -261,11 +285,14 @@ static bool find_splats(const Gltf *gltf, Splats *splats, FfpError *err) {
 }
 
 static void get_row(const Splats *splats, int64_t i, float row[FFP_ROW_NUMBERS]) {
-    const double opacity = fmin(fmax(number_at(&splats->opacity, i, 0), 1e-6), 1 - 1e-6);
+    // NaN, which fmax would hide, stays one, and ffp_splat_put names it; so does the logarithm of a scale
+    // below 0
+    const double given = number_at(&splats->opacity, i, 0),
+                 opacity = isnan(given) ? given : fmin(fmax(given, 1e-6), 1 - 1e-6);
     memset(row, 0, FFP_ROW_NUMBERS * sizeof *row);
     for (int k = 0; k < 3; k++) {
         row[FFP_ROW_POSITION + k] = (float)number_at(&splats->position, i, k);
-        row[FFP_ROW_SCALE + k] = (float)log(fmax(number_at(&splats->scale, i, k), 1e-30));
+        row[FFP_ROW_SCALE + k] = (float)log(number_at(&splats->scale, i, k));
         row[FFP_ROW_AMBIENT + k] = (float)number_at(&splats->colour, i, k);
     }
     row[FFP_ROW_OPACITY] = (float)log(opacity / (1 - opacity));
@@ -282,7 +309,7 @@ static void take_linear(FfpGaussians *gaussians, int64_t i, const float row[FFP_
 
 static bool read_splats(FfpGaussians *gaussians, const Gltf *gltf, FfpError *err) {
     Splats splats = {0};
-    if (!check_nodes(gltf, err) || !find_splats(gltf, &splats, err)) return false;
+    if (!find_splats(gltf, &splats, err)) return false;
     *gaussians = ffp_gaussians_new(splats.position.count);
     for (int64_t i = 0; i < gaussians->count; i++) {
         float row[FFP_ROW_NUMBERS];
@@ -301,7 +328,7 @@ bool ffp_gaussians_read_gltf(FfpGaussians *gaussians, const char *path, FfpError
     char *data;
     size_t size;
     *gaussians = (FfpGaussians){0};
-    if (!ffp_read_file(path, FILE_MAX, &data, &size, err)) return false;
+    if (!ffp_read_file(path, FFP_SPLAT_FILE_MAX, &data, &size, err)) return false;
     const bool binary = size >= 4 && memcmp(data, "glTF", 4) == 0;
     const bool ok = (binary ? open_binary(&gltf, (const unsigned char *)data, size, err)
                             : parse(&gltf, data, size, err)) &&

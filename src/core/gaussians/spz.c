@@ -8,7 +8,7 @@
 #define MAGIC 0x5053474eU // "NGSP"
 #define VERSION_MAX 3
 #define HEADER 16
-#define FILE_MAX ((size_t)4 << 30)
+#define HARMONICS_MAX 45          // bytes of a splat
 #define RATIO_MAX 1032            // of deflate: no file grows by more
 #define COLOUR_SCALE 0.15         // of f_dc in a byte
 #define SHORT 0.70710678118654752 // the largest that the three smaller parts of a unit quaternion get
@@ -38,23 +38,33 @@ static double get_fixed(const unsigned char *bytes, int bits) {
 
 // --- Unzipping. inflate's memory is zlib's own, and nothing here jumps while it has some. ---
 
-// The first `size` bytes; how many there were.
-static size_t unzip(const char *zipped, size_t zipped_size, unsigned char *out, size_t size) {
+typedef struct Zipped {
+    const char *bytes;
+    size_t size;
+} Zipped;
+
+// The first `size` bytes; how many there were. `whole`, unless NULL: whether the data ends after at most
+// `rest` more, and agrees with its checksum, which stands behind them.
+static size_t unzip(const Zipped *zipped, unsigned char *out, size_t size, size_t rest, bool *whole) {
+    unsigned char scratch[4096];
     z_stream stream = {0};
     size_t done = 0;
     int code = Z_OK;
     if (inflateInit2(&stream, 16 + MAX_WBITS) != Z_OK) return 0;
-    while (code == Z_OK && done < size) {
-        const size_t in_left = zipped_size - stream.total_in, out_left = size - done;
-        stream.next_in = (z_const Bytef *)zipped + stream.total_in;
+    while (code == Z_OK && (done < size || (whole && done <= size + rest))) {
+        const bool wanted = done < size;
+        const size_t in_left = zipped->size - stream.total_in,
+                     out_left = wanted ? size - done : sizeof scratch;
+        stream.next_in = (z_const Bytef *)zipped->bytes + stream.total_in;
         stream.avail_in = (uInt)(in_left < 1U << 30 ? in_left : 1U << 30);
-        stream.next_out = out + done;
+        stream.next_out = wanted ? out + done : scratch;
         stream.avail_out = (uInt)(out_left < 1U << 30 ? out_left : 1U << 30);
         code = inflate(&stream, Z_NO_FLUSH);
         done = stream.total_out;
     }
     inflateEnd(&stream);
-    return done;
+    if (whole) *whole = code == Z_STREAM_END;
+    return done < size ? done : size;
 }
 
 // --- The parts. ---
@@ -136,15 +146,17 @@ static void get_row(const Spz *spz, size_t i, float row[FFP_ROW_NUMBERS]) {
         get_three(spz->rotation + 3 * i, row + FFP_ROW_ROTATION);
 }
 
-static bool read_parts(FfpGaussians *gaussians, Spz *spz, const char *zipped, size_t zipped_size,
-                       const char *path, FfpError *err) {
+static bool read_parts(FfpGaussians *gaussians, Spz *spz, const Zipped *zipped, const char *path,
+                       FfpError *err) {
     const size_t size = HEADER + (position_bytes(spz) + 7 + rotation_bytes(spz)) * (size_t)spz->count;
-    if (size / RATIO_MAX > zipped_size)
+    if (size / RATIO_MAX > zipped->size)
         return ffp_fail(err, FFP_ERROR_FILE, path, "%u Gaussians do not fit into its %zu bytes",
-                        (unsigned)spz->count, zipped_size);
+                        (unsigned)spz->count, zipped->size);
     unsigned char *bytes = ffp_alloc(size, 1);
-    bool ok = unzip(zipped, zipped_size, bytes, size) == size ||
+    bool whole;
+    bool ok = unzip(zipped, bytes, size, (size_t)HARMONICS_MAX * spz->count, &whole) == size ||
               ffp_fail(err, FFP_ERROR_FILE, path, "ends before its %u Gaussians do", (unsigned)spz->count);
+    ok = ok && (whole || ffp_fail(err, FFP_ERROR_FILE, path, "is damaged: its checksum differs"));
     find_parts(spz, bytes);
     if (ok) *gaussians = ffp_gaussians_new(spz->count);
     for (size_t i = 0; ok && i < spz->count; i++) {
@@ -159,16 +171,16 @@ static bool read_parts(FfpGaussians *gaussians, Spz *spz, const char *zipped, si
 
 bool ffp_gaussians_read_spz(FfpGaussians *gaussians, const char *path, FfpError *err) {
     unsigned char header[HEADER] = {0};
-    char *zipped;
-    size_t size;
+    char *bytes;
+    Zipped zipped;
     Spz spz = {0};
     *gaussians = (FfpGaussians){0};
-    if (!ffp_read_file(path, FILE_MAX, &zipped, &size, err)) return false;
-    const bool ok = (unzip(zipped, size, header, HEADER) == HEADER ||
+    if (!ffp_read_file(path, FFP_SPLAT_FILE_MAX, &bytes, &zipped.size, err)) return false;
+    zipped.bytes = bytes;
+    const bool ok = (unzip(&zipped, header, HEADER, 0, NULL) == HEADER ||
                      ffp_fail(err, FFP_ERROR_FILE, path, "is not an SPZ file")) &&
-                    read_header(&spz, header, path, err) &&
-                    read_parts(gaussians, &spz, zipped, size, path, err);
-    ffp_free(zipped);
+                    read_header(&spz, header, path, err) && read_parts(gaussians, &spz, &zipped, path, err);
+    ffp_free(bytes);
     if (ok) ffp_splats_note(path);
     return ok;
 }

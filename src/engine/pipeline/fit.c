@@ -3,18 +3,13 @@
 #include "engine/denoise/denoise.h"
 #include "engine/pipeline/normalised.h"
 
-static bool fit_with_metrics(const FfpFitCall *fit, FILE *metrics, FfpError *err) {
-    FfpFitPhotographs photographs = {.source = fit->capture, .metrics = metrics};
-    int *patterns = photographs.patterns;
-    const int n = ffp_capture_photographs(fit->capture, fit->options->patterns, fit->options->n_patterns,
-                                          patterns, err);
-    if (n < 0) return false;
+static bool fit_with_metrics(const FfpFitCall *fit, FfpFitPhotographs *photographs, FfpError *err) {
+    const int n = photographs->n_patterns, *patterns = photographs->patterns;
     double noise = fit->options->noise;
     FfpCapture normalised = ffp_normalised_alias(fit->capture);
     FfpImage *clean = ffp_denoise_capture(&normalised, patterns, n, &noise);
-    photographs.capture = &normalised;
-    photographs.n_patterns = n;
-    const bool ok = fit->work(fit->argument, &photographs, err);
+    photographs->capture = &normalised;
+    const bool ok = fit->work(fit->argument, photographs, err);
     ffp_denoise_free(clean, fit->capture, patterns, n);
     ffp_normalised_alias_free(&normalised);
     return ok;
@@ -23,9 +18,14 @@ static bool fit_with_metrics(const FfpFitCall *fit, FILE *metrics, FfpError *err
 bool ffp_fit_call(const FfpFitCall *fit, FfpError *err) {
     const char *path = fit->options->metrics;
     FILE *metrics = NULL;
+    FfpFitPhotographs photographs = {.source = fit->capture};
+    photographs.n_patterns = ffp_capture_photographs(fit->capture, fit->options->patterns,
+                                                     fit->options->n_patterns, photographs.patterns, err);
+    if (photographs.n_patterns < 0) return false; // before an old file of metrics is emptied
     if (path && !(metrics = ffp_open_to_grow(path, fit->goes_on, err))) return false;
     if (metrics) ffp_own_file(metrics);
-    const bool ok = fit_with_metrics(fit, metrics, err), lost = metrics && ferror(metrics);
+    photographs.metrics = metrics;
+    const bool ok = fit_with_metrics(fit, &photographs, err), lost = metrics && ferror(metrics);
     if (metrics && (ffp_close_file(metrics) != 0 || lost))
         return ffp_fail(err, FFP_ERROR_IO, path, "cannot write");
     return ok;

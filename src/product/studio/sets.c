@@ -39,6 +39,12 @@ int ffp_studio_pattern_number(const char *file) {
                : 0;
 }
 
+void ffp_studio_pattern_name(const char *file, char *name, size_t size) {
+    const char *slash = strrchr(file, '/'), *last = slash ? slash + 1 : file, *number = strchr(last, '_'),
+               *begins = number ? number + 1 : last, *dot = strrchr(begins, '.');
+    snprintf(name, size, "%.*s", (int)(dot ? dot - begins : (ptrdiff_t)strlen(begins)), begins);
+}
+
 static bool is_wanted(const char *file, Wanted wanted) {
     const char *name = strchr(file, '_') + 1;
     const bool code = strncmp(name, "gray_", 5) == 0, lollipop = strncmp(name, "lollipop_", 9) == 0;
@@ -100,8 +106,7 @@ bool ffp_studio_read_trial(const FfpStudio *studio, const char *object, FfpStudi
         snprintf(t->file, sizeof t->file, "objects/%.60s/own.png", object);
     } else {
         if (ffp_studio_pattern_number(t->pattern) == 0) return false;
-        const char *begins = strchr(t->pattern, '_') + 1;
-        snprintf(t->name, sizeof t->name, "%.*s", (int)strlen(begins) - 4, begins);
+        ffp_studio_pattern_name(t->pattern, t->name, sizeof t->name);
         snprintf(t->file, sizeof t->file, "patterns/%s", t->pattern);
     }
     return true;

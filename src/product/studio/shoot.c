@@ -1,5 +1,6 @@
 // Photographs on their way to disk: of the shot that is due and no other, so that a second window, a reload
-// or a camera that fires twice changes nothing.
+// or a camera that fires twice changes nothing. A folder's photographs have no numbers: of those, the first
+// after a pattern is on the projector is taken.
 #define _GNU_SOURCE
 #include <errno.h>
 #include <fcntl.h>
@@ -55,6 +56,7 @@ bool ffp_studio_store(FfpStudio *studio, const char *name, int number, const voi
     if (!ffp_studio_write(studio, path, bytes, size))
         return ffp_studio_say(said, "%s cannot be written: %s", path, strerror(errno));
     studio->notice[0] = 0;
+    studio->shown = 0;
     if (set.done + 1 == set.count) {
         json_object_del(studio->settings, "active");
         if (!ffp_studio_save(studio, said)) return false;
@@ -65,11 +67,24 @@ bool ffp_studio_store(FfpStudio *studio, const char *name, int number, const voi
 
 // --- A folder that a camera fills. ---
 
+bool ffp_studio_show(FfpStudio *studio, const char *name, int number, char said[FFP_STUDIO_SAID]) {
+    FfpStudioSet set;
+    if (!ffp_studio_due(studio, name, number, &set, said)) return false;
+    studio->shown = number;
+    studio->version++;
+    return true;
+}
+
 // Raw files beside JPEG ones, and what a camera's program writes besides, are left where they are.
 static bool is_photograph(const char *file) {
     const char *dot = strrchr(file, '.');
     return file[0] != '.' && dot &&
            (strcasecmp(dot, ".png") == 0 || strcasecmp(dot, ".jpg") == 0 || strcasecmp(dot, ".jpeg") == 0);
+}
+
+static void leave_file(FfpStudio *studio, const char *file, const char *why) {
+    snprintf(studio->notice, sizeof studio->notice, "%.120s: %.250s", file, why);
+    studio->version++;
 }
 
 static void take_file(FfpStudio *studio, const char *folder, const char *file) {
@@ -79,24 +94,29 @@ static void take_file(FfpStudio *studio, const char *folder, const char *file) {
     const char *active = ffp_studio_setting(studio, "active", NULL);
     const int next = active && ffp_studio_set(studio, active, &set) ? ffp_studio_next(&set) : -1;
     if (next < 0 || !is_photograph(file)) return;
+    if (set.shots[next].number != studio->shown) {
+        leave_file(studio, file, "left where it is, since it came before the next pattern was shown");
+        return;
+    }
     snprintf(path, sizeof path, "%s/%s", folder, file);
     const int from = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK);
     if (from < 0) return;
     bytes = ffp_studio_read_whole(from, &size);
     close(from);
     char said[FFP_STUDIO_SAID] = "it cannot be read";
-    if (!bytes || !ffp_studio_store(studio, set.name, set.shots[next].number, bytes, size, said)) {
-        snprintf(studio->notice, sizeof studio->notice, "%.120s: %.250s", file, said);
-        studio->version++;
-    }
+    if (!bytes || !ffp_studio_store(studio, set.name, set.shots[next].number, bytes, size, said))
+        leave_file(studio, file, said);
     free(bytes);
 }
 
 bool ffp_studio_watch(FfpStudio *studio, const char *folder, char said[FFP_STUDIO_SAID]) {
-    if (studio->watch >= 0) inotify_rm_watch(studio->changes, studio->watch);
-    studio->watch = inotify_add_watch(studio->changes, folder, IN_CLOSE_WRITE | IN_MOVED_TO | IN_ONLYDIR);
-    return studio->watch >= 0 ||
-           ffp_studio_say(said, "the folder %s cannot be watched: %s", folder, strerror(errno));
+    const int watch = inotify_add_watch(studio->changes, folder, IN_CLOSE_WRITE | IN_MOVED_TO | IN_ONLYDIR);
+    if (watch < 0)
+        return ffp_studio_say(said, "the folder %s cannot be watched: %s", folder, strerror(errno));
+    if (studio->watch >= 0 && studio->watch != watch) // the same folder has the same watch
+        inotify_rm_watch(studio->changes, studio->watch);
+    studio->watch = watch;
+    return true;
 }
 
 // It was deleted, or its disk was taken out.

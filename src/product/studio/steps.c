@@ -110,12 +110,6 @@ static bool calibrate(FfpStudio *studio, FfpStudioJob *job, char *said) {
 
 // --- The object. ---
 
-// "lollipop_0" of "patterns/003_lollipop_0.png".
-static int name_of(const char *pattern, const char **name) {
-    *name = strchr(pattern, '_') + 1;
-    return (int)(strrchr(*name, '.') - *name);
-}
-
 static bool is_lollipop(const FfpStudioShot *shot) {
     return strstr(shot->pattern, "_lollipop_") != NULL;
 }
@@ -132,23 +126,22 @@ static const FfpStudioShot *held_out(const FfpStudioSet *set) {
 static void add_photographs(const FfpStudio *studio, FfpStudioCommand *c, const char *object,
                             const FfpStudioSet *stop) {
     FfpStudioSet empty;
-    char path[FFP_STUDIO_NAME];
-    const char *name;
+    char path[FFP_STUDIO_NAME], name[80];
     const FfpStudioShot *kept = held_out(stop);
     ffp_studio_word(c, "-i");
     ffp_studio_word(c, "objects/%s/view-{view}/*.%s", object, stop->ending);
     if (kept) {
-        const int length = name_of(kept->pattern, &name);
+        ffp_studio_pattern_name(kept->pattern, name, sizeof name);
         ffp_studio_word(c, "--held-out");
-        ffp_studio_word(c, "%.*s=%s", length, name, kept->pattern);
+        ffp_studio_word(c, "%s=%s", name, kept->pattern);
     }
     snprintf(path, sizeof path, "objects/%.60s/empty", object);
     if (!ffp_studio_set(studio, path, &empty)) return;
     for (int i = 0; i < empty.count; i++) {
-        const int length = name_of(empty.shots[i].pattern, &name);
         if (kept && kept->number == empty.shots[i].number) continue;
+        ffp_studio_pattern_name(empty.shots[i].pattern, name, sizeof name);
         ffp_studio_word(c, "--empty");
-        ffp_studio_word(c, "%.*s=%s/%03d.%s", length, name, path, empty.shots[i].number, empty.ending);
+        ffp_studio_word(c, "%s=%s/%03d.%s", name, path, empty.shots[i].number, empty.ending);
     }
 }
 

@@ -82,15 +82,6 @@ static bool add_sphere(const FfpStudio *studio, const char *object, FfpStudioCom
     return ok;
 }
 
-// "black" of "patterns/001_black.png"; the user's picture is "own".
-static void name_shot(const FfpStudioShot *shot, const FfpStudioTrial *t, char name[80]) {
-    const char *begins = strchr(shot->pattern, '_') + 1;
-    if (strcmp(shot->pattern, t->file) == 0)
-        snprintf(name, 80, "%s", t->name);
-    else
-        snprintf(name, 80, "%.*s", (int)strlen(begins) - 4, begins);
-}
-
 static void add_shots(const FfpStudio *studio, const FfpStudioTrial *t, const FfpStudioSet *now,
                       FfpStudioCommand *c) {
     FfpStudioSet empty;
@@ -98,7 +89,7 @@ static void add_shots(const FfpStudio *studio, const FfpStudioTrial *t, const Ff
     snprintf(path, sizeof path, "objects/%.60s/empty", t->object);
     const bool has_empty = ffp_studio_set(studio, path, &empty);
     for (int i = 0; i < now->count; i++) {
-        name_shot(&now->shots[i], t, name);
+        ffp_studio_pattern_name(now->shots[i].pattern, name, sizeof name);
         ffp_studio_word(c, "-i");
         ffp_studio_word(c, "%s=%s/%03d.%s", name, now->name, now->shots[i].number, now->ending);
         for (int k = 0; has_empty && k < empty.count; k++) {

@@ -86,7 +86,7 @@ static bool check_setting(FfpStudio *studio, const char *name, const json_t *val
         const char *folder = json_string_value(value);
         if (!folder || folder[0] != '/' || strlen(folder) > 3000)
             return say(said, name, "takes a folder's whole path, from /");
-        return ffp_studio_watch(studio, folder, said);
+        return true;
     }
     return say(said, name, "there is no such setting");
 }
@@ -109,6 +109,8 @@ static bool set_up(FfpStudio *studio, const json_t *request, char *said) {
             return ffp_studio_say(
                 said, "%s: there are photographs of the patterns as they are; begin a new folder", name);
     }
+    const char *watched = json_string_value(json_object_get(values, "watched"));
+    if (watched && !ffp_studio_watch(studio, watched, said)) return false;
     json_object_update(studio->settings, (json_t *)values);
     return ffp_studio_save(studio, said);
 }
@@ -155,7 +157,15 @@ static bool shoot(FfpStudio *studio, const json_t *request, char *said) {
         return false;
     json_object_set_new(studio->settings, "active", json_string(name));
     studio->notice[0] = 0;
+    studio->shown = 0;
     return ffp_studio_save(studio, said);
+}
+
+static bool show(FfpStudio *studio, const json_t *request, char *said) {
+    const char *name = json_string_value(json_object_get(request, "set"));
+    const json_t *number = json_object_get(request, "number");
+    if (!name || !json_is_integer(number)) return say(said, "show", "takes a set and a number");
+    return ffp_studio_show(studio, name, (int)json_integer_value(number), said);
 }
 
 static bool take(FfpStudio *studio, const json_t *request, char *said) {
@@ -207,9 +217,11 @@ bool ffp_studio_do(FfpStudio *studio, const json_t *request, char said[FFP_STUDI
     static const struct {
         const char *name;
         bool (*act)(FfpStudio *, const json_t *, char *);
-    } verbs[] = {{"set", set_up},        {"object", choose_object}, {"shoot", shoot}, {"take", take},
-                 {"look", look},         {"discard", discard},      {"run", run},     {"cancel", cancel},
-                 {"try", ffp_studio_try}};
+    } verbs[] = {{"set", set_up},      {"object", choose_object},
+                 {"shoot", shoot},     {"show", show},
+                 {"take", take},       {"look", look},
+                 {"discard", discard}, {"run", run},
+                 {"cancel", cancel},   {"try", ffp_studio_try}};
     const char *verb = json_string_value(json_object_get(request, "verb"));
     said[0] = 0;
     for (size_t i = 0; verb && i < sizeof verbs / sizeof *verbs; i++)

@@ -69,6 +69,7 @@ typedef struct FfpStudio {
     json_t *settings;     // studio.json
     uint64_t version;     // of what the page is told; grows with every change
     char notice[FFP_STUDIO_SAID];
+    int shown; // the number of the shot whose pattern is on the projector, for a camera that fills a folder
     FfpStudioJob job, camera, eye; // what the user began; the virtual camera; what looks for the board
     bool closing;
 } FfpStudio;
@@ -125,6 +126,9 @@ int ffp_studio_set_names(const FfpStudio *studio, const char *object, char names
                          int most);
 // "004_gray_x_00.png": its number; 0: of the chart to focus by and of any other file.
 int ffp_studio_pattern_number(const char *file);
+// What the file of a pattern is called for, "lollipop_0" of "patterns/003_lollipop_0.png", in `size` bytes;
+// the user's own picture: "own".
+void ffp_studio_pattern_name(const char *file, char *name, size_t size);
 // The angle of the stop that a folder of an object is called for, "view-045"; -1: none.
 double ffp_studio_stop_angle(const json_t *object, const char *folder);
 
@@ -174,7 +178,10 @@ bool ffp_studio_take(FfpStudio *studio, const char *set, int number, char said[F
 // Looks for the board in the photograph under white of a set, which then has SET/board.json (`calibrate
 // --seen`).
 bool ffp_studio_look(FfpStudio *studio, const char *set, char said[FFP_STUDIO_SAID]);
-// A folder that a camera fills: every new picture in it is the shot that is due.
+// The pattern of the shot that is due is on the projector: the next new picture in the folder is its
+// photograph.
+bool ffp_studio_show(FfpStudio *studio, const char *set, int number, char said[FFP_STUDIO_SAID]);
+// A folder that a camera fills, in place of the one before, which stays if this one cannot be watched.
 bool ffp_studio_watch(FfpStudio *studio, const char *folder, char said[FFP_STUDIO_SAID]);
 void ffp_studio_arrived(FfpStudio *studio); // when `changes` can be read
 

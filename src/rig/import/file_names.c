@@ -138,7 +138,8 @@ static bool find_files(glob_t *found, const FfpFileSet *set, const Blanks *blank
     if (glob(path, GLOB_NOSORT, NULL, found) == 0) return true;
     return fill(set->template, blanks, all_wildcards, path, err) &&
            (glob(path, GLOB_NOSORT, NULL, found) == 0 ||
-            ffp_fail(err, FFP_ERROR_FILE, set->template, "no file matches, or the folder cannot be read"));
+            ffp_fail(err, FFP_ERROR_FILE, set->template,
+                     "no file matches (.JPG is not .jpg), or the folder cannot be read"));
 }
 
 static bool match(const char **paths, FfpArena *arena, const FfpFileSet *set, const Blanks *blanks,

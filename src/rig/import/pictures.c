@@ -99,8 +99,13 @@ static const char **find_shown(FfpShots *shots, const char *template, const FfpC
     FfpFileSet set = {template, calibration, names, shown->n, "photographs", "pattern", order};
     *n = shown->n;
     if (ffp_files_find(paths, shots->arena, &set, err)) return paths;
+    if (shown->n_codes == 0) return NULL;
     set.n_names = *n = plain;
-    return shown->n_codes > 0 && ffp_files_find(paths, shots->arena, &set, &error) ? paths : NULL;
+    set.order = "";
+    paths[0] = NULL;
+    if (ffp_files_find(paths, shots->arena, &set, &error)) return paths;
+    if (paths[0] && err) *err = error; // the first view has no codes: another one is to blame
+    return NULL;
 }
 
 static bool take_all_shown(FfpShots *shots, const char *template, const FfpCalibration *calibration,

@@ -36,7 +36,8 @@ static bool add_steps(FfpTurntable *turntable, double count, double step, const 
 static bool check_axis(FfpTurntable *turntable, const char *where, FfpError *err) {
     const double *a = turntable->axis, length = sqrt(a[0] * a[0] + a[1] * a[1] + a[2] * a[2]);
     if (!(length > 1e-6 && length < 1e9))
-        return ffp_fail(err, FFP_ERROR_FILE, where, "the axis has no direction");
+        return ffp_fail(err, FFP_ERROR_FILE, where,
+                        "the axis has no direction: angles need the axis.json that `calibrate` writes");
     for (int i = 0; i < 3; i++) turntable->axis[i] /= length;
     for (int i = 0; i < 3; i++) {
         if (!(fabs(turntable->point[i]) < 1e9))

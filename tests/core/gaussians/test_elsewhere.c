@@ -56,6 +56,7 @@ static void test_every_form(void **state) {
     hold("gltf/splats.glb", floats, false, 1e-6);
     hold("gltf/splats.gltf", floats, false, 1e-6);
     hold("gltf/linear.glb", floats, true, 1e-6);
+    hold("gltf/camera.glb", floats, false, 1e-6);
 }
 
 static void refused(const char *name, const char *why) {
@@ -73,6 +74,9 @@ static void test_what_is_not_read_is_refused_by_name(void **state) {
     refused("spz/short.spz", "ends before its 2 Gaussians do");
     refused("spz/many.spz", "40000000 Gaussians do not fit");
     refused("gltf/moved.glb", "nodes[0] has a translation");
+    refused("gltf/carried.glb", "nodes[1] has a translation");
+    refused("gltf/twice.glb", "holds several sets of splats");
+    refused("gltf/size.glb", "Gaussian 0: invalid scale_0");
     refused("gltf/none.glb", "holds no splats");
 }
 
@@ -101,11 +105,13 @@ static void damage(const char *name, const char *as) {
         if (i % 2) bytes[at] = (char)(kept ^ 0x5a);
         put(as, bytes, i % 2 ? size : at);
         bytes[at] = kept;
-        if (ffp_gaussians_read(&g, as, &why))
+        const bool read = ffp_gaussians_read(&g, as, &why);
+        if (read)
             ffp_gaussians_free(&g);
         else
             assert_non_null(strstr(why.text, as));
-        if (i % 2 == 0 && strstr(name, "spz")) assert_int_equal(g.count, 0);
+        // zlib checks all of a gzip file but its head's time, flags and system
+        if (strstr(name, "spz") && (i % 2 == 0 || at >= 10) && read) fail_msg("byte %zu of %s", at, name);
     }
     ffp_free(bytes);
     unlink(as);

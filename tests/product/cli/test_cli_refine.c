@@ -1,5 +1,6 @@
 // Refining, fits from scratch and films, through the command line only.
 #include <signal.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
 #include <time.h>
 #include "core/gaussians/gaussians.h"
@@ -46,6 +47,13 @@ static void test_refining_gains_and_tells_of_each_round(void **state) {
     }
     fclose(file);
     assert_int_equal(lines, 96 / TINY_VIEWS);
+    // A fit that fails leaves the file as it is.
+    run_format(&run, "refine %s/tiny.ply -c %s/tiny -o %s/better.ply -p none --metrics %s/m.json", scratch,
+               scratch, scratch, scratch);
+    assert_non_null(strstr(run.err, "none"));
+    struct stat kept;
+    assert_int_equal(stat(in_scratch("m.json"), &kept), 0);
+    assert_true(kept.st_size > 0);
 }
 
 static const json_t *row_of(const json_t *root, const char *protocol) {

@@ -457,13 +457,25 @@ def a_watched_folder(program, folder):
             assert time.monotonic() < end, said
             time.sleep(0.02)
 
+    def shown():
+        assert studio.do(verb="show", set=name, number=studio.state()["active"]["next"]["number"])[0] == 200
+
+    (place / "IMG_0000.png").write_bytes(png(grey=0))
+    wait_for(lambda s: "IMG_0000.png" in s["notice"] and s["active"]["done"] == 0, "no pattern is shown yet")
+    shown()
     (place / "IMG_0001.png").write_bytes(png(grey=1))
     wait_for(lambda s: s["active"]["done"] == 1, "a new file")
+    (place / "IMG_0001.png").write_bytes(png(grey=1))
+    wait_for(lambda s: "IMG_0001.png" in s["notice"] and s["active"]["done"] == 1, "it is written again, before the next pattern")
+    assert studio.do(verb="show", set=name, number=1)[0] == 409
+    shown()
+    assert studio.do(verb="set", settings={"watched": str(place / "nowhere")})[0] == 409  # the old folder stays
     (place / "IMG_0002.CR2").write_bytes(b"raw")
     (place / ".hidden.png").write_bytes(png())
     (place / "part").write_bytes(png(grey=2))
     os.rename(place / "part", place / "IMG_0002.PNG")
     wait_for(lambda s: s["active"]["done"] == 2, "a file that was renamed")
+    shown()
     (place / "IMG_0003.jpg").write_bytes(b"\xff\xd8 not a picture")
     wait_for(lambda s: "IMG_0003.jpg" in s["notice"] and s["active"]["done"] == 2, "a damaged file")
     (place / "IMG_0004.png").write_bytes(png(grey=4))
@@ -471,6 +483,7 @@ def a_watched_folder(program, folder):
     assert (folder / name / "002.png").read_bytes() == png(grey=2)
     studio.stop()
     studio = Studio(program, folder)  # it watches again
+    shown()
     (place / "IMG_0005.png").write_bytes(png(grey=5))
     wait_for(lambda s: s["active"]["done"] == 4, "after a new start")
     shutil.rmtree(place)  # its disk was taken out
@@ -479,6 +492,7 @@ def a_watched_folder(program, folder):
     assert status == 409 and "cannot be watched" in answer["error"], answer
     place.mkdir()
     assert studio.do(verb="shoot", set=name)[0] == 200
+    shown()
     (place / "IMG_0006.png").write_bytes(png(grey=6))
     wait_for(lambda s: s["active"]["done"] == 5, "it is there again")
     studio.stop()

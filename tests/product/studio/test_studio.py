@@ -161,7 +161,7 @@ class Seen(threading.Thread):
         while not self.ends:
             with urllib.request.urlopen(self.url) as answer:
                 active = json.load(answer)["active"]
-            due = active and (active["name"].split("/")[-1], active["next"]["number"])
+            due = active and active["shown"] and (active["name"].split("/")[-1], active["next"]["number"])
             if due and due != before:
                 stage, number = due
                 self.show(self.virtual / stage / stage / (f"{number:02d}.png" if stage == "turntable" else f"{number:03d}.png"))
@@ -399,6 +399,10 @@ def faults(program, found, folder, first):
         told += 2
         open_projector(page)
         assert "full screen" in page.run("document.getElementById('projector-size').textContent")  # it has other pixels than the patterns
+        said = page.run("studio.state.settings.virtual = false; takeOne({name: 'x', next: {number: 1, pattern: 'patterns/001_black.png'}})"
+                        ".catch((error) => error.message)")
+        assert "full screen on the projector's display" in said, said
+        page.run("refresh().then(() => true)")
         page.click("#steps [data-step=board]")
         page.click("#board-shoot")
         page.wait("document.getElementById('toast').textContent.includes('Open the camera first')")

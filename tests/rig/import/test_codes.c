@@ -638,8 +638,10 @@ static void two_stops_named(Call *call) {
 static const Fault faults[] = {
     {"rm photos/005.png", NULL, {"27 files match, but a view has 28 photographs", "photos/*.png"}},
     {"cp photos/005.png photos/005b.png", NULL, {"29 files match, but a view has 28 photographs"}},
-    {"rm -r photos", NULL, {"no file matches, or the folder cannot be read", "photos/*.png"}},
-    {"true", nowhere, {"no file matches, or the folder cannot be read", "nowhere/*.png"}},
+    {"rm -r photos",
+     NULL,
+     {"no file matches (.JPG is not .jpg), or the folder cannot be read", "photos/*.png"}},
+    {"true", nowhere, {"no file matches (.JPG is not .jpg), or the folder cannot be read", "nowhere/*.png"}},
     {"true", no_file, {"no file given", "(gray_codes)"}},
     {"true", one_file, {"names one file for 28 Gray codes: use {pattern} or *", "005.png"}},
     {"mkdir named", by_name, {"view '000' under Gray code 'gray_x_00'", "named/gray_x_00.png"}},
