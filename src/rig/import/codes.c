@@ -138,7 +138,22 @@ FfpCodesFit ffp_codes_check(FfpView *view) {
 
 // --- The object's sphere. ---
 
-// World points of all known positions, [count,3].
+// Whether most of the other views that have a point in their pictures show background there.
+static bool is_background(const FfpCapture *capture, int own, const real point[3]) {
+    int seen = 0, empty = 0;
+    for (int v = 0; v < capture->n_views; v++) {
+        const FfpView *view = &capture->views[v];
+        real x, y;
+        if (v == own || !(ffp_project(&view->camera, point, &x, &y) > 0) || x < 0 || y < 0 ||
+            x >= (real)view->camera.width || y >= (real)view->camera.height)
+            continue;
+        seen++;
+        empty += !(view->coverage.data[(ptrdiff_t)y * view->camera.width + (ptrdiff_t)x] > 0);
+    }
+    return 2 * empty > seen;
+}
+
+// World points of all known positions, [count,3], less those of the wall at a silhouette's edge.
 static real *surface_points(const FfpCapture *capture, size_t *count) {
     size_t room = 1;
     for (int v = 0; v < capture->n_views; v++)
@@ -150,9 +165,10 @@ static real *surface_points(const FfpCapture *capture, size_t *count) {
         const size_t width = (size_t)view->camera.width, pixels = width * (size_t)view->camera.height;
         for (size_t i = 0; view->correspondence.data && i < pixels; i++) {
             const real z = ffp_coded_depth(view, i, &off);
-            if (z > 0)
-                ffp_point_at(&view->camera, (real)(i % width) + 0.5F, (real)(i / width) + 0.5F, z,
-                             points + 3 * (*count)++);
+            real *point = points + 3 * *count;
+            if (!(z > 0)) continue;
+            ffp_point_at(&view->camera, (real)(i % width) + 0.5F, (real)(i / width) + 0.5F, z, point);
+            *count += !is_background(capture, v, point);
         }
     }
     return points;
