@@ -1,20 +1,22 @@
 #!/usr/bin/env python3
-"""Faults of rooms, put into photographs of a room one at a time: the messages of `import` and `info` on each, and what it does to the masks.
+"""Faults of rooms, put into photographs of a room one at a time: the messages of `import` and `info` on each, and what it costs.
 
     bench/room_faults.py ROOM FFPROCAMS WORK [--width 240]
 
-ROOM: as `ffprocams generate ROOM --photographs PATTERNS --room --seed N` writes it, with empty/ and masks/; FFPROCAMS: the program; WORK: a new folder.
-Prints a table in Markdown: pixels of the true masks that are missing, and those too many, in percent of the object, and the messages that
-the sound room does not get. Needs numpy and Pillow.
+ROOM: as `ffprocams generate ROOM --photographs PATTERNS --room --seed N` writes it; FFPROCAMS: the program; WORK: a new folder.
+Prints a table in Markdown: pixels of the true masks that are missing, and those too many, in percent of the object; by how many dB the
+object's pixels at two new turns (three patterns, without noise) are worse than in the sound room; and the messages that the sound room
+does not get. Needs numpy and Pillow.
 """
 import argparse
+import functools
 import json
 import pathlib
 import shutil
 import subprocess
 
 import numpy as np
-from PIL import Image
+from PIL import Image, ImageFilter
 
 parser = argparse.ArgumentParser()
 parser.add_argument("room", type=pathlib.Path)
@@ -25,7 +27,21 @@ arguments = parser.parse_args()
 room, work = arguments.room.resolve(), arguments.work.resolve()
 axis = json.loads((room / "axis.json").read_text())
 names, stops, odd = ["black", "white", "lollipop_0"], [f"{t:03d}" for t in range(0, 360, 45)], "090"
-turntable = ",".join(repr(float(v)) for v in [*axis["axis"], *axis["point"], *map(int, stops)])
+
+
+def turntable(angles):
+    return ",".join(repr(float(v)) for v in [*axis["axis"], *axis["point"], *angles])
+
+
+@functools.lru_cache(None)
+def photograph(folder, name):
+    source = room / "empty" if folder == "empty" else room / "photographs" / folder
+    return np.asarray(Image.open(next(source.glob(f"*{name}.*"))).convert("RGB"), float)
+
+
+@functools.lru_cache(None)
+def mask(folder):
+    return (np.asarray(Image.open(room / "masks" / f"{folder}.png").convert("L"), float) / 255)[..., None]
 
 
 def block(picture, colour, left, top, right, bottom):
@@ -38,6 +54,51 @@ def block(picture, colour, left, top, right, bottom):
 def brighter(picture, factor=1.0, plus=0.0):
     linear = (picture / 255.0)**2.2
     return 255 * np.clip(factor * linear + plus, 0, 1)**(1 / 2.2)
+
+
+def linear(picture):
+    return (picture / 255.0)**2.2
+
+
+def encoded(light):
+    return 255 * np.clip(light, 0, 1)**(1 / 2.2)
+
+
+def blended(folder, thing):
+    """The picture with another thing where the object is."""
+    return lambda picture: mask(folder) * thing + (1 - mask(folder)) * picture
+
+
+def slipped(folder, name, picture):
+    """The object stands elsewhere, its shadow where it was."""
+    moved, there = (np.roll(a, (0, int(.03 * picture.shape[1])), (0, 1)) for a in (picture, mask(folder)))
+    behind = blended(folder, photograph("empty", name))(picture)
+    return there * moved + (1 - there) * behind
+
+
+def like_the_wall(folder, name, picture):
+    """The object's colours and shading give way to the wall's mean white: what is left is the pattern on it."""
+    black, white = linear(photograph(folder, "black")), linear(photograph(folder, "white"))
+    stage = linear(photograph("empty", "white")) - linear(photograph("empty", "black"))
+    wall = np.median(stage[stage.mean(-1) > .02], 0)
+    lit = white - black > .02
+    share = np.where(lit, (linear(picture) - black) / np.maximum(white - black, .02), 0)
+    return blended(folder, encoded(black + share * wall * .9))(picture)
+
+
+def blurred(picture, radius):
+    return np.asarray(Image.fromarray(np.clip(picture, 0, 255).astype(np.uint8)).filter(ImageFilter.GaussianBlur(radius)), float)
+
+
+def noisy(picture):
+    return picture + np.random.default_rng(1).normal(0, 1, picture.shape)
+
+
+def half(picture, factor):
+    out = picture.copy()
+    w = picture.shape[1]
+    out[:, :w // 2] = encoded(factor * linear(picture[:, :w // 2]))
+    return out
 
 
 # Each takes the folder ("empty" or a stop), the pattern and the picture.
@@ -56,7 +117,20 @@ FAULTS = {
     "a window that opens after the empty stage": lambda f, n, p: p if f == "empty" else block(p, 235, .8, .05, .97, .25),
     "a mirror that shows the object beside it": lambda f, n, p: p if f == "empty" else mirror(p),
     "a cup put down after the empty stage": lambda f, n, p: p if f == "empty" else block(p, brighter(p, 1.8)[int(.7 * p.shape[0]), int(.8 * p.shape[1])], .8, .6, .87, .75),
+    "the empty stage from a little farther (by half a percent of the width)": lambda f, n, p: np.roll(p, max(1, round(.005 * p.shape[1])), 1) if f == "empty" else p,
+    "a lamp switched on after the empty stage": lambda f, n, p: p if f == "empty" else brighter(p, 1, .05),
+    "a weak lamp switched on after the empty stage": lambda f, n, p: p if f == "empty" else brighter(p, 1, .01),
+    "the room's light out after the empty stage": lambda f, n, p: p if f == "empty" else encoded(linear(p) - .9 * linear(photograph("empty", "black"))),
+    "the table not turned before one stop": lambda f, n, p: noisy(photograph("045", n)) if f == odd else p,
+    "the object slipped from the fifth stop on, by 3 % of the width": lambda f, n, p: slipped(f, n, p) if f != "empty" and f >= "180" else p,
+    "a black object": lambda f, n, p: p if f == "empty" else blended(f, encoded(.08 * linear(p)))(p),
+    "an object as bright as the wall": lambda f, n, p: p if f == "empty" else like_the_wall(f, n, p),
+    "camera out of focus at one stop": lambda f, n, p: blurred(p, .006 * p.shape[1]) if f == odd else p,
+    "somebody's shadow over half of one stop": lambda f, n, p: half(p, .4) if f == odd else p,
+    "the empty stage's black and white exchanged": lambda f, n, p: photograph(f, {"black": "white", "white": "black"}.get(n, n)) if f == "empty" else p,
+    "one stop's angle noted 5 degrees wrong": lambda f, n, p: p,
 }
+ANGLES = {"one stop's angle noted 5 degrees wrong": [int(s) + 5 * (s == odd) for s in stops]}
 
 
 def mirror(picture):
@@ -68,12 +142,10 @@ def mirror(picture):
 
 def put(fault, into):
     for folder in ["empty", *stops]:
-        source = room / "empty" if folder == "empty" else room / "photographs" / folder
         (into / folder).mkdir(parents=True)
         for name in names:
-            found = next(source.glob(f"*{name}.*"))
-            picture = np.asarray(Image.open(found).convert("RGB"), float).copy()
-            Image.fromarray(np.clip(FAULTS[fault](folder, name, picture), 0, 255).astype(np.uint8)).save(into / folder / f"{name}.png")
+            picture = FAULTS[fault](folder, name, photograph(folder, name).copy())
+            Image.fromarray(np.clip(picture, 0, 255).astype(np.uint8)).save(into / folder / f"{name}.png")
 
 
 def said_by(*command):
@@ -84,35 +156,69 @@ def said_by(*command):
 
 
 def masks_of(capture):
-    out = {}
-    for view in json.loads((capture / "scene.json").read_text())["views"]:
-        out[view["id"]] = np.asarray(Image.open(capture / view["images"]["white"]).convert("RGBA"))[..., 3] > 127
-    return out
+    return [np.asarray(Image.open(capture / view["images"]["white"]).convert("RGBA"))[..., 3] > 127 for view in json.loads((capture / "scene.json").read_text())["views"]]
 
 
-def take(photographs, out, *more):
+def take(photographs, out, angles, *more):
+    """Imports the stops, from links that are named by the angles."""
+    links = out.parent / f"{out.name}-links"
+    links.mkdir()
+    for stop, angle in zip(stops, angles):
+        (links / f"{angle:03d}").symlink_to(photographs / stop)
     lollipop = next((room / "patterns").glob("*lollipop_0.png"))
-    return said_by("import", "-c", room / "calibration.xml", "-t", turntable, *[x for n in names for x in ("-i", f"{n}={photographs}/{{view}}/{n}.png")],
+    return said_by("import", "-c", room / "calibration.xml", "-t", turntable(angles), *[x for n in names for x in ("-i", f"{n}={links}/{{view}}/{n}.png")],
                    "-p", f"lollipop_0={lollipop}", "-w", arguments.width, "--name", "rig", "-o", out, *more)
 
 
+def make_truth(out):
+    """Two turns that are not photographed, without noise, under white and two other patterns."""
+    held = sorted(f.stem for f in (room / "truth" / "new22").glob("*.png") if (room / "patterns" / f.name).exists() and f.stem not in names)
+    for turn, name in (("new22", "022"), ("new157", "157")):
+        for kind, source in (("views", room / "truth" / turn), ("masks", room / "masks" / f"{turn}.png")):
+            (out / kind).mkdir(parents=True, exist_ok=True)
+            (out / kind / (name if kind == "views" else f"{name}.png")).symlink_to(source)
+    status, said = said_by("import", "-c", room / "calibration.xml", "-t", turntable([22, 157]), *[x for n in ["black", "white", *held] for x in ("-i", f"{n}={out}/views/{{view}}/{n}.png")],
+                           "-p", f"{held[0]}={room}/patterns/{held[0]}.png", *[x for n in held[1:] for x in ("--held-out", f"{n}={room}/patterns/{n}.png")],
+                           "-m", f"{out}/masks/{{view}}.png", "-w", arguments.width, "--name", "rig", "-o", out / "capture")
+    if status:
+        raise SystemExit("; ".join(said))
+
+
+def quality(capture):
+    """dB of the object's pixels at the turns of `truth`, or what reconstruct says."""
+    status, said = said_by("reconstruct", capture, "-o", capture.parent / "object.ply")
+    if status:
+        return None, said
+    subprocess.run([arguments.program, "evaluate", capture, "--gaussians", capture.parent / "object.ply", "--targets", work / "truth" / "capture" / "scene.json",
+                    "--json", capture.parent / "scores.json"], capture_output=True, check=True)
+    rows = json.loads((capture.parent / "scores.json").read_text())["rows"]
+    return next(row["psnr_foreground"] for row in rows if row["protocol"] == "novel_pose"), said
+
+
 work.mkdir(parents=True)
-usual, truth = set(), None
-print("| fault | missing / surplus | said |\n|---|---|---|")
+make_truth(work / "truth")
+usual, truth, sound = set(), None, None
+print("| fault | missing / surplus | lost | said |\n|---|---|---|---|")
 for fault in FAULTS:
     here = work / "fault"
     shutil.rmtree(here, ignore_errors=True)
     put(fault, here / "photographs")
+    angles = ANGLES.get(fault, list(map(int, stops)))
     if truth is None:
-        take(here / "photographs", here / "true", "-m", f"{room}/masks/{{view}}.png")
+        take(here / "photographs", here / "true", angles, "-m", f"{room}/masks/{{view}}.png")
         truth = masks_of(here / "true")
-    status, said = take(here / "photographs", here / "capture", *[x for n in names for x in ("--empty", f"{n}={here}/photographs/empty/{n}.png")])
-    share = "refused"
+        print(f"| (true masks) | 0 / 0 % | {quality(here / 'true')[0]:.2f} dB | |")
+    status, said = take(here / "photographs", here / "capture", angles, *[x for n in names for x in ("--empty", f"{n}={here}/photographs/empty/{n}.png")])
+    share, lost = "refused", "–"
     if status == 0:
         said += said_by("info", here / "capture")[1]
         made = masks_of(here / "capture")
-        area = sum(m.sum() for m in truth.values())
-        share = " / ".join(f"{100 * sum(pixels) / area:.1f}" for pixels in ([(truth[v] & ~made[v]).sum() for v in truth], [(made[v] & ~truth[v]).sum() for v in truth])) + " %"
+        area = sum(m.sum() for m in truth)
+        share = " / ".join(f"{100 * pixels / area:.1f}" for pixels in (sum((t & ~m).sum() for t, m in zip(truth, made)), sum((m & ~t).sum() for t, m in zip(truth, made)))) + " %"
+        db, more = quality(here / "capture")
+        said += more
+        sound = sound or db
+        lost = "reconstruct refuses" if db is None else f"{db:.2f} dB" if fault == "none" else f"{sound - db:.1f} dB"
     if fault == "none":
         usual = {line[:40] for line in said}
-    print(f"| {fault} | {share} | {'; '.join(line for line in said if line[:40] not in usual) or 'nothing'} |", flush=True)
+    print(f"| {fault} | {share} | {lost} | {'; '.join(dict.fromkeys(line for line in said if line[:40] not in usual)) or 'nothing'} |", flush=True)

@@ -1,9 +1,8 @@
 """compare_methods.py CAPTURE..: the paper's protocols for methods that are functions from photographs to predictors."""
 import sys
 
-import numpy as np
-
 import ffprocams
+import numpy as np
 from ffprocams import Array, Floats, Pinhole
 from ffprocams.protocols import Inputs, Predictor, run, table
 

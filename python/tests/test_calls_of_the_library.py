@@ -165,6 +165,8 @@ def test_generated_captures_are_captures(tmp_path: Path) -> None:
     capture = ffp.Capture.open(folders[0])
     assert len(capture.view_ids) == 2 and capture.camera(0).width == 32
     assert "views" in ffp.info(folders[0])
+    assert "views" in ffp.info(folders[0], report=tmp_path / "report.html")
+    assert (tmp_path / "report.html").read_text(encoding="utf-8").startswith("<!DOCTYPE html>")
     capture.save(tmp_path / "again")
     again = ffp.Capture.open(tmp_path / "again")
     assert again.pattern_names == capture.pattern_names and again.view_ids == capture.view_ids

@@ -1,7 +1,10 @@
 // Import: the empty stage, as each view's camera sees it.
 #include <string.h>
+#include <tgmath.h>
 #include "core/base/alloc.h"
+#include "core/base/log.h"
 #include "rig/import/import_steps.h"
+#include "rig/import/stage_moved.h"
 
 static const char *const *files_of(const FfpImporting *import, int stop) {
     return import->shots.empty + (ptrdiff_t)stop * FFP_PATTERNS_MAX;
@@ -43,6 +46,34 @@ static bool load(FfpImporting *import, int stop, FfpError *err) {
     return true;
 }
 
+// Names what was bumped or photographed from another place: most views, then it is the stage, or one of them.
+static void warn_of_displacement(const FfpImporting *import) {
+    const FfpCapture *capture = &import->capture;
+    const int black = import->shots.black, white = import->shots.white;
+    int count = 0, odd = 0, most[2] = {0, 0};
+    for (int v = 0; v < capture->n_views; v++) {
+        const FfpImage *images = capture->views[v].images, *stage = import->stages[v].images;
+        int moved[2];
+        if (!import->made[v] || !stage[black].data || !stage[white].data) continue;
+        ffp_stage_moved(moved, &images[black], &images[white], &stage[black], &stage[white]);
+        if (moved[0] == 0 && moved[1] == 0) continue;
+        count++;
+        if (hypot(moved[0], moved[1]) > hypot(most[0], most[1]))
+            most[0] = moved[0], most[1] = moved[1], odd = v;
+    }
+    if (2 * count > capture->n_views)
+        ffp_warning(
+            "the empty stage was photographed from another place, or the camera was moved since: it looks "
+            "like view '%s' if it is moved by %d, %d pixels (right, down). The masks are wrong: "
+            "photograph the stage and the object again without moving the camera in between",
+            capture->views[odd].id, most[0], most[1]);
+    else if (count > 0)
+        ffp_warning(
+            "view '%s' was photographed from another place: the empty stage looks like it if it is moved "
+            "by %d, %d pixels (right, down). Photograph this view again, or leave it out",
+            capture->views[odd].id, most[0], most[1]);
+}
+
 bool ffp_importing_load_stage(FfpImporting *import, FfpError *err) {
     const int n = import->capture.n_views;
     if (!import->shots.empty) return true;
@@ -54,6 +85,7 @@ bool ffp_importing_load_stage(FfpImporting *import, FfpError *err) {
         else if (!load(import, v, err))
             return false;
     }
+    warn_of_displacement(import);
     return true;
 }
 

@@ -246,6 +246,10 @@ static bool inform(FfpContext *context, const char *out, FfpError *err) {
     return ok;
 }
 
+static bool inform_as_a_page(FfpContext *context, const char *out, FfpError *err) {
+    return ffp_info_report(context, in_scratch("capture"), out, err);
+}
+
 static bool copy_capture(FfpContext *context, const char *out, FfpError *err) {
     char command[FFP_PATH_MAX + 16];
     const char *copy = in_scratch("copy");
@@ -383,10 +387,11 @@ static void no_memory_elsewhere(void **state) {
     static const struct {
         Work *work;
         int stride;
-    } works[] = {{prepare, 11},     {refine, 3},      {render, 3},     {draw, 1},        {differentiate, 1},
-                 {compensate, 3},   {map, 3},         {page, 1},       {evaluate, 7},    {export_ply, 1},
-                 {export_spz, 1},   {export_gltf, 1}, {export_obj, 3}, {export_mesh, 3}, {inform, 1},
-                 {copy_capture, 3}, {align, 199},     {generate, 13},  {train, 29}};
+    } works[] = {{prepare, 11},      {refine, 3},      {render, 3},     {draw, 1},
+                 {differentiate, 1}, {compensate, 3},  {map, 3},        {page, 1},
+                 {evaluate, 7},      {export_ply, 1},  {export_spz, 1}, {export_gltf, 1},
+                 {export_obj, 3},    {export_mesh, 3}, {inform, 1},     {inform_as_a_page, 3},
+                 {copy_capture, 3},  {align, 199},     {generate, 13},  {train, 29}};
     for (size_t i = 0; i < sizeof works / sizeof *works; i++)
         without_memory(works[i].work, 2, works[i].stride);
     ffp_renderer_close(renderer);

@@ -68,4 +68,24 @@ for block in blocks/*; do
     *) fail "a block is marked neither sh, text, c, cmake nor python: $(head -1 "$block")" ;;
     esac
 done
+# How well own-rig's chain does in its room: turns that were not photographed, against pictures without noise, by true masks.
+[ "$without" = own-rig.md ] || {
+    mkdir -p truth/masks truth/views
+    for turn in 022:new22 157:new157; do
+        ln -s "$work/out/shots/truth/${turn#*:}" "truth/views/${turn%:*}"
+        cp "out/shots/masks/${turn#*:}.png" "truth/masks/${turn%:*}.png"
+    done
+    patterns=out/shots/patterns
+    build/ffprocams import -c out/calibration.xml -t out/axis.json --angles 22,157 --name object -w 128 -o truth/capture \
+        -i 'black,white,photograph,map=truth/views/{view}/{pattern}.png' -m 'truth/masks/{view}.png' \
+        -p "photograph=$patterns/photograph.png" --held-out "map=$patterns/map.png" >log 2>&1 || { cat log >&2; fail "no truth"; }
+    build/ffprocams evaluate out/object --gaussians out/object.ply --targets truth/capture/scene.json --json scores.json >log 2>&1 ||
+        { cat log >&2; fail "the chain's result cannot be evaluated"; }
+    python3 - <<'END' || fail "own-rig's chain: the object is too unlike the truth at new turns"
+import json
+row = next(row for row in json.load(open("scores.json"))["rows"] if row["protocol"] == "novel_pose")
+print(f"own-rig's chain, new turns: {row['psnr_foreground']:.2f} dB of the object's pixels, {row['psnr']:.2f} of the full frame")
+raise SystemExit(row["psnr_foreground"] < 28.5 or row["psnr"] < 37)
+END
+}
 [ "$ran" -gt 9 ] || fail "only $ran blocks to run"
