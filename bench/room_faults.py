@@ -149,7 +149,7 @@ def put(fault, into):
 
 
 def said_by(*command):
-    run = subprocess.run([arguments.program, *map(str, command)], capture_output=True, text=True)
+    run = subprocess.run([arguments.program, *map(str, command)], capture_output=True, text=True, check=False)
     text = run.stdout + run.stderr
     lines = [line.replace("ffprocams: ", "").strip() for line in text.splitlines()]
     return run.returncode, [line for line in lines if line.startswith(("warning", "error", "->"))]

@@ -12,92 +12,116 @@
 #define SHARE_LEAST 0.06
 #define BRIGHTEST 1.3 // of the stage near the object over the empty one
 
-typedef struct Light {              // local means of one picture, 4 channels
-    FfpImage object, around, stage; // the object, the background around it, the stage there
-} Light;
+typedef struct Sample {          // of one picture at a pixel
+    bool known;                  // whether there is object as well as background nearby
+    double object[3], behind[3]; // the object's light; the stage's, as bright as it is around
+} Sample;
 
 typedef struct Edge {
-    int width, height, n;
-    unsigned char *inner, *outer, *deep; // [height*width] away from the outline on either side; not at it
-    Light *lights;                       // [n] of each pattern; empty where view or stage lack its picture
+    int n;
+    size_t count;      // pixels within BAND of an outline, where the stage is known
+    ptrdiff_t *pixels; // [count]
+    bool *deep;        // [count] object, but not at the outline itself
+    Sample **samples;  // [n][count] of each pattern; NULL where view or stage lack its picture
 } Edge;
 
-static unsigned char *marks_of(const FfpImage *mask, bool of_object) {
+static unsigned char *marks_of(const FfpImage *mask, bool of_object, int shrink) {
     const ptrdiff_t pixels = (ptrdiff_t)mask->width * mask->height;
     unsigned char *out = ffp_alloc((size_t)pixels, 1);
     for (ptrdiff_t i = 0; i < pixels; i++) out[i] = (mask->data[i] >= 0.5F) == of_object;
+    ffp_marks_shrink(out, mask->width, mask->height, shrink);
     return out;
+}
+
+// A picture at the pixels of an edge. Local means of whole pictures are large: only one pattern's exist at a
+// time.
+static Sample *sample(const Edge *e, const FfpImage *picture, const FfpImage *stage,
+                      const unsigned char *inner, const unsigned char *outer) {
+    Sample *out = ffp_alloc(e->count + 1, sizeof *out);
+    FfpImage object = ffp_local_mean_where(picture, inner, SIGMA),
+             around = ffp_local_mean_where(picture, outer, SIGMA),
+             then = ffp_local_mean_where(stage, outer, SIGMA);
+    for (size_t k = 0; k < e->count; k++) {
+        const ptrdiff_t i = e->pixels[k];
+        out[k].known = object.data[4 * i + 3] > 1e-4F && around.data[4 * i + 3] > 1e-4F;
+        for (int c = 0; c < 3; c++) {
+            const double before = (double)then.data[4 * i + c], now = (double)around.data[4 * i + c];
+            out[k].object[c] = (double)object.data[4 * i + c];
+            out[k].behind[c] =
+                (double)stage->data[3 * i + c] * fmin(fmax(now / fmax(before, 1e-4), 0), BRIGHTEST);
+        }
+    }
+    ffp_image_free(&object), ffp_image_free(&around), ffp_image_free(&then);
+    return out;
+}
+
+static void find_pixels(Edge *e, const FfpImage *mask, const FfpEmptyStage *stage, const unsigned char *inner,
+                        const unsigned char *outer) {
+    const ptrdiff_t pixels = (ptrdiff_t)mask->width * mask->height;
+    unsigned char *deep = marks_of(mask, true, 1);
+    for (int round = 0; round < 2; round++) { // counts, then lists
+        e->count = 0;
+        for (ptrdiff_t i = 0; i < pixels; i++) {
+            if (inner[i] || outer[i] || (stage->known.data && !(stage->known.data[i] > 0))) continue;
+            if (e->pixels) e->pixels[e->count] = i, e->deep[e->count] = deep[i];
+            e->count++;
+        }
+        if (e->pixels) break;
+        e->pixels = ffp_alloc(e->count + 1, sizeof *e->pixels);
+        e->deep = ffp_alloc(e->count + 1, sizeof *e->deep);
+    }
+    ffp_free(deep);
 }
 
 static Edge edge_of(const FfpCapture *capture, const FfpView *view, const FfpEmptyStage *stage) {
     const FfpImage *mask = &view->coverage;
-    Edge e = {.width = mask->width, .height = mask->height, .n = capture->n_patterns};
-    e.inner = marks_of(mask, true), e.outer = marks_of(mask, false), e.deep = marks_of(mask, true);
-    ffp_marks_shrink(e.inner, e.width, e.height, BAND);
-    ffp_marks_shrink(e.outer, e.width, e.height, BAND);
-    ffp_marks_shrink(e.deep, e.width, e.height, 1);
-    e.lights = ffp_alloc((size_t)e.n, sizeof *e.lights);
-    for (int p = 0; p < e.n; p++) {
-        if (!view->images[p].data || !stage->images[p].data) continue;
-        e.lights[p] = (Light){ffp_local_mean_where(&view->images[p], e.inner, SIGMA),
-                              ffp_local_mean_where(&view->images[p], e.outer, SIGMA),
-                              ffp_local_mean_where(&stage->images[p], e.outer, SIGMA)};
-    }
+    unsigned char *inner = marks_of(mask, true, BAND), *outer = marks_of(mask, false, BAND);
+    Edge e = {.n = capture->n_patterns};
+    find_pixels(&e, mask, stage, inner, outer);
+    e.samples = ffp_alloc((size_t)e.n, sizeof *e.samples);
+    for (int p = 0; p < e.n; p++)
+        if (view->images[p].data && stage->images[p].data)
+            e.samples[p] = sample(&e, &view->images[p], &stage->images[p], inner, outer);
+    ffp_free(inner), ffp_free(outer);
     return e;
 }
 
 static void free_edge(Edge *e) {
-    ffp_free(e->inner), ffp_free(e->outer), ffp_free(e->deep);
-    for (int p = 0; p < e->n; p++) {
-        ffp_image_free(&e->lights[p].object);
-        ffp_image_free(&e->lights[p].around);
-        ffp_image_free(&e->lights[p].stage);
-    }
-    ffp_free(e->lights);
+    for (int p = 0; p < e->n; p++) ffp_free(e->samples[p]);
+    ffp_free(e->samples), ffp_free(e->pixels), ffp_free(e->deep);
 }
 
-// The stage's light at a pixel, as bright as it is around.
-static double behind(const Light *light, const FfpImage *stage, ptrdiff_t pixel, int c) {
-    const double then = (double)light->stage.data[4 * pixel + c],
-                 now = (double)light->around.data[4 * pixel + c];
-    return (double)stage->data[3 * pixel + c] * fmin(fmax(now / fmax(then, 1e-4), 0), BRIGHTEST);
-}
-
-// A pixel's share, and how sure it is, from 0 to 1.
-static double share_of(const Edge *e, const FfpView *view, const FfpEmptyStage *stage, double noise,
-                       ptrdiff_t pixel, double *sure) {
+// The share of the k-th pixel, and how sure it is, from 0 to 1.
+static double share_of(const Edge *e, const FfpView *view, double noise, size_t k, double *sure) {
     double across = 0, square = 0, contrast = 0;
     *sure = 0;
-    for (int k = 0; k < 3 * e->n; k++) {
-        const Light *light = &e->lights[k / 3];
-        const int c = k % 3;
-        if (!light->object.data) continue;
-        if (!(light->object.data[4 * pixel + 3] > 1e-4F) || !(light->around.data[4 * pixel + 3] > 1e-4F))
-            return 0;
-        const double object = (double)light->object.data[4 * pixel + c],
-                     back = behind(light, &stage->images[k / 3], pixel, c);
-        const double here = (double)view->images[k / 3].data[3 * pixel + c], most = fmax(object, back);
+    for (int i = 0; i < 3 * e->n; i++) {
+        if (!e->samples[i / 3]) continue;
+        const Sample *at = &e->samples[i / 3][k];
+        if (!at->known) return 0;
+        const double object = at->object[i % 3], back = at->behind[i % 3];
+        const double here = (double)view->images[i / 3].data[3 * e->pixels[k] + i % 3],
+                     most = fmax(object, back);
         const double s = noise * noise + pow(UNEVEN * most, 2);
         across += (here - back) * (object - back) / s, square += pow(object - back, 2) / s;
         contrast += pow(object - back, 2) / (noise * noise + pow(RELATIVE * most, 2));
     }
     *sure = fmin(fmax(sqrt(contrast) / CONTRAST - 0.5, 0), 1);
     const double share = square > 0 ? fmin(fmax(across / square, 0), 1) : 0;
-    return e->deep[pixel] ? fmax(share, INSIDE) : share;
+    return e->deep[k] ? fmax(share, INSIDE) : share;
 }
 
 // Takes the stage's share out of a picture: what is left is the object's own light, within what it has
 // nearby.
-static void take_out(const Light *light, const FfpImage *mask, const FfpImage *stage, FfpImage *picture) {
-    for (ptrdiff_t i = 0; i < (ptrdiff_t)mask->width * mask->height; i++) {
+static void take_out(const Edge *e, const Sample *samples, const FfpImage *mask, FfpImage *picture) {
+    for (size_t k = 0; k < e->count; k++) {
+        const ptrdiff_t i = e->pixels[k];
         const double share = (double)mask->data[i];
         if (!(share > 0) || share >= 1) continue;
         for (int c = 0; c < 3; c++) {
-            const double back = behind(light, stage, i, c),
-                         own = ((double)picture->data[3 * i + c] - (1 - share) * back) / share;
-            const double most =
-                fmax(2 * (double)light->object.data[4 * i + c], (double)picture->data[3 * i + c]);
-            picture->data[3 * i + c] = (real)fmin(fmax(own, 0), most);
+            const double here = (double)picture->data[3 * i + c],
+                         own = (here - (1 - share) * samples[k].behind[c]) / share;
+            picture->data[3 * i + c] = (real)fmin(fmax(own, 0), fmax(2 * samples[k].object[c], here));
         }
     }
 }
@@ -105,14 +129,14 @@ static void take_out(const Light *light, const FfpImage *mask, const FfpImage *s
 void ffp_soften_edges(const FfpCapture *capture, FfpView *view, const FfpEmptyStage *stage, double noise) {
     FfpImage *mask = &view->coverage;
     Edge e = edge_of(capture, view, stage);
-    for (ptrdiff_t i = 0; i < (ptrdiff_t)e.width * e.height; i++) {
+    for (size_t k = 0; k < e.count; k++) {
+        real *at = &mask->data[e.pixels[k]];
         double sure;
-        if (e.inner[i] || e.outer[i] || (stage->known.data && !(stage->known.data[i] > 0))) continue;
-        const double share = share_of(&e, view, stage, noise, i, &sure);
-        const double mixed = sure * share + (1 - sure) * (double)mask->data[i];
-        mask->data[i] = (real)(mixed < SHARE_LEAST ? 0 : mixed > 1 - SHARE_LEAST ? 1 : mixed);
+        const double share = share_of(&e, view, noise, k, &sure),
+                     mixed = sure * share + (1 - sure) * (double)*at;
+        *at = (real)(mixed < SHARE_LEAST ? 0 : mixed > 1 - SHARE_LEAST ? 1 : mixed);
     }
     for (int p = 0; p < e.n; p++)
-        if (e.lights[p].object.data) take_out(&e.lights[p], mask, &stage->images[p], &view->images[p]);
+        if (e.samples[p]) take_out(&e, e.samples[p], mask, &view->images[p]);
     free_edge(&e);
 }
