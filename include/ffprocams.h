@@ -37,11 +37,13 @@ typedef struct FfpCapture FfpCapture;
 
 // Reads a folder with scene.json or render_poses.json, or such a file, and checks all of its contents.
 FFP_API FfpCapture *ffp_capture_open(FfpContext *context, const char *path, FfpError *err);
-// The same without photographs, for rendering known views, maps and exported splats: a capture of many
-// megapixels then takes hardly any memory. Views have no pictures and no coverage; for work that needs them
-// (reconstructing, fitting, evaluating, an orbit, a mesh, the page) open all of it. Photographs are read only
-// if the file lacks the projector's intensity or a pattern's picture.
-FFP_API FfpCapture *ffp_capture_open_devices(FfpContext *context, const char *path, FfpError *err);
+// The same with the photographs left in their files: a capture of many megapixels then takes hardly any
+// memory. It is enough for rendering, maps, exporting, the page and compensation, which read the few
+// photographs that they need; for reconstructing, fitting, evaluating and aligning open all of it. All
+// photographs are read if the file lacks the projector's intensity or a pattern's picture, or, with `sphere`,
+// the object's sphere, which an orbit, a mesh, the page and compensation need.
+FFP_API FfpCapture *ffp_capture_open_devices(FfpContext *context, const char *path, bool sphere,
+                                             FfpError *err);
 FFP_API void ffp_capture_close(FfpCapture *capture);
 
 // A picture in the caller's memory, which the library only reads. No pointer to it is kept after the call.

@@ -110,6 +110,26 @@ void *ffp_grow(void *memory, size_t count, size_t size) {
     return larger;
 }
 
+void *ffp_shrink(void *memory, size_t count, size_t size) {
+    FfpBlock *block = block_of(memory);
+    FfpBlocks *owner = block->owner;
+    const size_t bytes = ffp_checked_bytes(count, size);
+    if (bytes >= block->bytes) return memory;
+    ffp_blocks_remove(block);
+    block->bytes = bytes;
+    FfpBlock *moved = realloc(block, sizeof *block + bytes);
+    if (moved) block = moved;
+    if ((uintptr_t)block % ALIGNMENT != 0) {
+        moved = aligned_alloc(ALIGNMENT, sizeof *block + bytes);
+        if (moved) memcpy(moved, block, sizeof *block + bytes);
+        free(block);
+        if (!moved) ffp_leave(FFP_ERROR_MEMORY, bytes);
+        block = moved;
+    }
+    ffp_blocks_add(owner, block);
+    return block + 1;
+}
+
 void ffp_free(void *memory) {
     if (!memory) return;
     FfpBlock *block = block_of(memory);

@@ -18,6 +18,9 @@ void *ffp_try_alloc(size_t count, size_t size);
 // unchanged.
 void *ffp_grow(void *memory, size_t count, size_t size);
 void *ffp_try_grow(void *memory, size_t count, size_t size);
+// Gives back the end of a block of which count * size bytes are kept: in place, unless the allocator moves
+// it.
+void *ffp_shrink(void *memory, size_t count, size_t size);
 // Ends the call as ffp_alloc does: for functions that can fail only for lack of memory.
 void ffp_no_memory(size_t bytes);
 char *ffp_copy_text(const char *text);

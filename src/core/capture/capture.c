@@ -4,6 +4,7 @@
 #include <tgmath.h>
 #include "core/base/alloc.h"
 #include "core/base/vec.h"
+#include "core/capture/photograph_files.h"
 #include "core/capture/project.h"
 
 #define SAME_POSE 1e-4F
@@ -31,6 +32,7 @@ void ffp_capture_free(FfpCapture *capture) {
     }
     ffp_free(capture->views);
     ffp_free(capture->patterns);
+    ffp_photographs_forget(capture);
     *capture = (FfpCapture){0};
 }
 

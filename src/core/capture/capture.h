@@ -75,6 +75,7 @@ typedef struct FfpCapture {
                 // the photographs give
     real centre[3],
         radius; // the object's bounding sphere, world units (given, or estimated from poses and masks)
+    struct FfpPhotographFiles *files; // of photographs that were left in them (photographs.h); NULL: none
 } FfpCapture;
 
 // Reads CAPTURE: a folder (scene.json preferred, otherwise render_poses.json) or a JSON file of either kind.
@@ -83,10 +84,11 @@ typedef struct FfpCapture {
 bool ffp_capture_read(FfpCapture *capture, const char *path, FfpError *err);
 // The same as a block of its own: ffp_capture_free, then ffp_free.
 FfpCapture *ffp_capture_load(const char *path, FfpError *err);
-// Devices and patterns, for work that does not look at photographs: none is read, and views have neither
-// pictures nor coverage. What the file does not say (the intensity, a pattern's picture) takes reading it
-// all, as ffp_capture_load does. The sphere is the file's (radius 0: none).
-FfpCapture *ffp_capture_load_devices(const char *path, FfpError *err);
+// Devices and patterns, for work that looks at few photographs or none: they stay in their files, and views
+// have neither pictures nor coverage (photographs.h reads a view's). What the file does not say (the
+// intensity, a pattern's picture, and with `sphere` the object's) takes reading it all, as ffp_capture_load
+// does. Without `sphere` it is the file's (radius 0: none).
+FfpCapture *ffp_capture_load_devices(const char *path, bool sphere, FfpError *err);
 // As above for a targets file (poses to be predicted): views need not have black and white. Patterns are
 // looked up in the capture that it belongs to: `targets` gets copies of all patterns of `reference`, at the
 // same indices, and then those that are new in the file; centre, radius and intensity are the reference's. A

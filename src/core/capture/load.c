@@ -10,6 +10,8 @@
 #include "core/capture/coverage.h"
 #include "core/capture/manifest.h"
 #include "core/capture/pad.h"
+#include "core/capture/photograph_files.h"
+#include "core/capture/photographs.h"
 
 // --- Sources. ---
 
@@ -194,7 +196,7 @@ static bool load_truth(FfpManifest *manifest, int index, FfpError *err) {
     return check_truth(view, files, err);
 }
 
-static bool load_view(FfpManifest *manifest, int index, FfpCoverageSource *source, FfpError *err) {
+bool ffp_manifest_load_view(FfpManifest *manifest, int index, FfpCoverageSource *source, FfpError *err) {
     const FfpCapture *capture = manifest->capture;
     const FfpViewFiles *files = &manifest->views[index];
     FfpView *view = &manifest->capture->views[index];
@@ -282,7 +284,7 @@ static void load_one(void *argument, int64_t index) {
     else if (v < 0)
         l->ok[i] = load_pattern(l->manifest, i, &l->errors[i]);
     else
-        l->ok[i] = load_view(l->manifest, v, &l->sources[v], &l->errors[i]);
+        l->ok[i] = ffp_manifest_load_view(l->manifest, v, &l->sources[v], &l->errors[i]);
     ffp_cancel_point();
 }
 
@@ -315,6 +317,7 @@ static bool load_poses(FfpManifest *manifest, FfpError *err) {
         const bool there = manifest->patterns[p].path || p == capture->black || p == capture->white;
         if (there && !load_pattern(manifest, p, err)) return false;
     }
+    if (manifest->keep) ffp_photographs_leave(manifest);
     for (int v = 0; v < capture->n_views; v++) {
         FfpView *view = &capture->views[v];
         view->images = ffp_alloc((size_t)capture->n_patterns, sizeof(FfpImage));

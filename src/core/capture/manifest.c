@@ -4,11 +4,15 @@
 #include <string.h>
 #include "core/base/file.h"
 
+const char *ffp_manifest_join(FfpManifest *manifest, const char *folder, const char *name) {
+    char path[FFP_PATH_MAX];
+    return ffp_join_path(path, folder, name) ? ffp_arena_text(manifest->arena, path) : NULL;
+}
+
 const char *ffp_manifest_path(FfpManifest *manifest, const char *folder, const char *name) {
     char path[FFP_PATH_MAX];
     if (!ffp_join_path(path, folder, name) || !ffp_is_file(path)) return NULL;
-    const size_t size = strlen(path) + 1;
-    return memcpy(ffp_arena_alloc(manifest->arena, size, 1), path, size);
+    return ffp_arena_text(manifest->arena, path);
 }
 
 int ffp_manifest_pattern(FfpManifest *manifest, const char *name, const FfpNode *field, FfpError *err) {

@@ -24,6 +24,7 @@ typedef struct FfpManifest {
     FfpCapture *capture;
     bool targets;        // poses to predict: views may lack black and white, or any image
     bool poses;          // likewise, and the pictures named need not exist: none is read
+    bool keep;           // of poses: the places of the photographs stay with the capture (photographs.h)
     int known_patterns;  // the first patterns have their images already (copied from the reference)
     const char *file;    // the JSON, or a name, for messages
     const char *folder;  // that contains it
@@ -47,7 +48,8 @@ bool ffp_manifest_from_render_poses(FfpManifest *manifest, const FfpNode *root, 
 void ffp_manifest_new_views(FfpManifest *manifest, int n);
 int ffp_manifest_pattern(FfpManifest *manifest, const char *name, const FfpNode *field, FfpError *err);
 bool ffp_manifest_view_id(FfpManifest *manifest, int view, const FfpNode *field, FfpError *err);
-// "folder/name" in the manifest's memory, or NULL if no such file exists.
+// "folder/name" in the manifest's memory (NULL: too long); the second returns NULL if no such file exists.
+const char *ffp_manifest_join(FfpManifest *manifest, const char *folder, const char *name);
 const char *ffp_manifest_path(FfpManifest *manifest, const char *folder, const char *name);
 
 #define FFP_PIXELS_MAX 1e7 // of focal lengths and principal points, which may lie far outside the image

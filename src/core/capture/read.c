@@ -63,7 +63,7 @@ static bool read_file(FfpManifest *manifest, const char *json, FfpError *err) {
     manifest->arena = ffp_arena_new();
     manifest->patterns = ffp_arena_alloc(manifest->arena, FFP_PATTERNS_MAX, sizeof(FfpSource));
     const bool ok = read_manifest(manifest, err);
-    ffp_arena_free(manifest->arena);
+    if (!capture->files) ffp_arena_free(manifest->arena);
     if (!ok) ffp_capture_free(capture);
     return ok;
 }
@@ -113,22 +113,22 @@ bool ffp_capture_read_targets(FfpCapture *targets, const char *path, const FfpCa
 }
 
 // Whether the file says all that the photographs would be looked at for.
-static bool says_enough(const FfpCapture *devices) {
-    bool enough = devices->intensity_known;
+static bool says_enough(const FfpCapture *devices, bool sphere) {
+    bool enough = devices->intensity_known && (!sphere || devices->radius > 0);
     for (int p = 0; p < devices->n_patterns; p++) enough &= devices->patterns[p].image.data != NULL;
     return enough;
 }
 
-FfpCapture *ffp_capture_load_devices(const char *path, FfpError *err) {
+FfpCapture *ffp_capture_load_devices(const char *path, bool sphere, FfpError *err) {
     char json[FFP_PATH_MAX];
     FfpCapture *devices = ffp_alloc(1, sizeof *devices);
-    FfpManifest manifest = {.capture = devices, .targets = true, .poses = true};
+    FfpManifest manifest = {.capture = devices, .targets = true, .poses = true, .keep = true};
     *devices = (FfpCapture){.black = -1, .white = -1};
     devices->patterns = ffp_alloc(FFP_PATTERNS_MAX, sizeof(FfpPattern));
     FfpError why = {0}; // what is wrong is found again, and told, by reading all of it
     const bool found = find_json(json, path, capture_names, 2, &why);
     const bool read = found && read_file(&manifest, json, &why);
-    if (read && says_enough(devices)) return devices;
+    if (read && says_enough(devices, sphere)) return devices;
     if (read) ffp_capture_free(devices);
     if (!found) ffp_free(devices->patterns);
     ffp_free(devices);

@@ -15,23 +15,32 @@ static void reduce_camera(FfpCamera *camera, int width, int height) {
     camera->height = height;
 }
 
+typedef struct Photograph {
+    const FfpImage *shown, *coverage;
+} Photograph;
+
+// Coverage times the object's own linear radiance.
+static void row_of_light(void *context, int y, real *row) {
+    const Photograph *photograph = context;
+    const size_t width = (size_t)photograph->shown->width, first = (size_t)y * width;
+    memset(row, 0, 3 * width * sizeof *row);
+    for (size_t x = 0; x < width; x++) {
+        const real share = photograph->coverage->data[first + x];
+        if (share <= 0) continue;
+        ffp_own_radiance(row + 3 * x, photograph->shown->data + 3 * (first + x), share);
+        for (int c = 0; c < 3; c++) row[3 * x + c] *= share;
+    }
+}
+
 // Picture over black -> coverage times the object's own linear radiance, averaged -> picture over black.
 static FfpImage reduce_photograph(const FfpImage *shown, const FfpImage *coverage,
                                   const FfpImage *coverage_out) {
     if (coverage_out->width == shown->width && coverage_out->height == shown->height)
         return ffp_image_copy(shown);
-    FfpImage light = ffp_image_new(shown->width, shown->height, 3);
-    const size_t pixels = (size_t)shown->width * (size_t)shown->height,
-                 pixels_out = (size_t)coverage_out->width * (size_t)coverage_out->height;
-#pragma omp parallel for schedule(static)
-    for (size_t i = 0; i < pixels; i++) {
-        const real share = coverage->data[i];
-        if (share <= 0) continue;
-        ffp_own_radiance(light.data + 3 * i, shown->data + 3 * i, share);
-        for (int c = 0; c < 3; c++) light.data[3 * i + c] *= share;
-    }
-    FfpImage out = ffp_image_resize(&light, coverage_out->width, coverage_out->height);
-    ffp_image_free(&light);
+    const size_t pixels_out = (size_t)coverage_out->width * (size_t)coverage_out->height;
+    Photograph photograph = {shown, coverage};
+    const FfpRows rows = {shown->width, shown->height, 3, row_of_light, &photograph};
+    FfpImage out = ffp_image_resize_rows(&rows, coverage_out->width, coverage_out->height);
 #pragma omp parallel for schedule(static)
     for (size_t i = 0; i < pixels_out; i++)
         ffp_shown_radiance(out.data + 3 * i, out.data + 3 * i, coverage_out->data[i]);

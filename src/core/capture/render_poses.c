@@ -69,6 +69,9 @@ static bool read_pictures(FfpManifest *manifest, const FfpNode *view, FfpViewFil
         if (files->images[pattern].path)
             return ffp_node_fail(&name_field, err, "duplicate pattern '%s'", name);
         files->images[pattern].path = find_picture(manifest, file);
+        if (!files->images[pattern].path && manifest->keep)
+            files->images[pattern].path =
+                ffp_manifest_join(manifest, manifest->folder, ffp_basename(file)); // reading it will say so
         if (!files->images[pattern].path && !manifest->poses) {
             return ffp_node_fail(&file_field, err, "no file '%.200s', nor '%.200s' beside the JSON", file,
                                  ffp_basename(file));

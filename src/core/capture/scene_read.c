@@ -85,7 +85,7 @@ static bool read_kind(FfpManifest *manifest, const FfpNode *root, FfpError *err)
     return true;
 }
 
-// An optional file of a view: named means that it must be there, unless poses alone are read.
+// An optional file: named means that it must be there, unless poses alone are read.
 static bool read_file(FfpManifest *manifest, const FfpNode *view, const char *key, const char **path,
                       FfpError *err) {
     FfpNode field;
@@ -147,6 +147,18 @@ static bool read_patterns(FfpManifest *manifest, const FfpNode *root, FfpError *
     return true;
 }
 
+// Of a view. One that is left for later and is not there keeps its name: reading it will say so.
+static bool read_view_file(FfpManifest *manifest, const FfpNode *view, const char *key, FfpSource *source,
+                           FfpError *err) {
+    FfpNode field;
+    const char *name = NULL;
+    if (!read_file(manifest, view, key, &source->path, err)) return false;
+    if (source->path || !manifest->keep || !ffp_node_find(view, key, &field)) return true;
+    if (!ffp_node_file(&field, &name, err)) return false;
+    source->path = ffp_manifest_join(manifest, manifest->folder, name);
+    return true;
+}
+
 static bool read_pictures(FfpManifest *manifest, const FfpNode *view, FfpViewFiles *files, FfpError *err) {
     FfpNode images, field;
     if (manifest->targets && !ffp_node_find(view, "images", &images)) return true;
@@ -158,7 +170,7 @@ static bool read_pictures(FfpManifest *manifest, const FfpNode *view, FfpViewFil
         const int pattern = ffp_capture_find_pattern(manifest->capture, name);
         ffp_node_find(&images, name, &field);
         if (pattern < 0) return ffp_node_fail(&field, err, "'%.100s' is not among the patterns", name);
-        if (!read_file(manifest, &images, name, &files->images[pattern].path, err)) return false;
+        if (!read_view_file(manifest, &images, name, &files->images[pattern], err)) return false;
     }
     return true;
 }
@@ -215,15 +227,15 @@ static bool read_view(FfpManifest *manifest, const FfpNode *field, int index, co
         return false;
     if (!ffp_node_get(field, "p2w", &part, err) || !ffp_node_pose(&part, false, view->projector.pose, err))
         return false;
-    if (manifest->poses) return true;
+    if (manifest->poses && !manifest->keep) return true;
     return read_pictures(manifest, field, files, err) &&
-           read_file(manifest, field, "coverage", &files->coverage.path, err) &&
-           read_file(manifest, field, "correspondence", &files->correspondence.path, err) &&
-           read_file(manifest, field, "depth", &files->depth.path, err) &&
-           read_file(manifest, field, "normal", &files->normal.path, err) &&
-           read_file(manifest, field, "albedo", &files->albedo.path, err) &&
-           read_file(manifest, field, "roughness", &files->roughness.path, err) &&
-           read_file(manifest, field, "direct_white", &files->direct_white.path, err);
+           read_view_file(manifest, field, "coverage", &files->coverage, err) &&
+           read_view_file(manifest, field, "correspondence", &files->correspondence, err) &&
+           read_view_file(manifest, field, "depth", &files->depth, err) &&
+           read_view_file(manifest, field, "normal", &files->normal, err) &&
+           read_view_file(manifest, field, "albedo", &files->albedo, err) &&
+           read_view_file(manifest, field, "roughness", &files->roughness, err) &&
+           read_view_file(manifest, field, "direct_white", &files->direct_white, err);
 }
 
 static bool check_version(const FfpNode *root, FfpError *err) {

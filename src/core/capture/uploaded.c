@@ -22,6 +22,7 @@ static FfpView view_uploaded(const FfpView *host, int n_patterns) {
 
 FfpCapture ffp_capture_uploaded(const FfpCapture *host) {
     FfpCapture capture = *host;
+    capture.files = NULL;
     capture.views = ffp_alloc((size_t)host->n_views, sizeof *capture.views);
     capture.patterns = ffp_alloc((size_t)host->n_patterns, sizeof *capture.patterns);
     for (int v = 0; v < host->n_views; v++)

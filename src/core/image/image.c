@@ -1,4 +1,5 @@
 #include "core/image/image.h"
+#include <string.h>
 #include <tgmath.h>
 #include "core/base/arena.h"
 #include "core/base/device.h"
@@ -26,15 +27,15 @@ FfpImage ffp_image_copy(const FfpImage *image) {
     return copy;
 }
 
-FfpImage ffp_image_over_black(const FfpImage *rgba) {
-    FfpImage out = ffp_image_new(rgba->width, rgba->height, 3);
-    const ptrdiff_t pixels = (ptrdiff_t)rgba->width * rgba->height;
-#pragma omp parallel for schedule(static)
-    for (ptrdiff_t i = 0; i < pixels; i++) {
-        const real alpha = rgba->data[4 * i + 3];
-        for (int c = 0; c < 3; c++) out.data[3 * i + c] = rgba->data[4 * i + c] * alpha;
+void ffp_image_put_over_black(FfpImage *image) {
+    const size_t pixels = (size_t)image->width * (size_t)image->height;
+    for (size_t i = 0; i < pixels; i++) {
+        const real *from = image->data + 4 * i, alpha = from[3];
+        const real rgb[3] = {from[0] * alpha, from[1] * alpha, from[2] * alpha};
+        memcpy(image->data + 3 * i, rgb, sizeof rgb);
     }
-    return out;
+    image->channels = 3;
+    image->data = ffp_shrink(image->data, 3 * pixels, sizeof *image->data);
 }
 
 FfpImage ffp_image_channel(const FfpImage *image, int channel) {

@@ -21,6 +21,13 @@ FfpImage ffp_image_new(int width, int height, int channels); // zeroed; sizes mu
 void ffp_image_free(FfpImage *image);                        // also clears it; NULL and empty are allowed
 FfpImage ffp_image_copy(const FfpImage *image);
 
+// A picture whose rows are made when they are needed, so that a large one is never in memory as a whole.
+typedef struct FfpRows {
+    int width, height, channels;
+    void (*make)(void *context, int y, real *row); // writes row y, [width, channels]; any thread may call it
+    void *context;
+} FfpRows;
+
 // The size that a file must have and, for the message, whose size it is: of "camera", in "scene.json". A file
 // of another size is an error. The header is checked before anything is decoded, so that a huge file takes no
 // memory; the file is read only once.
@@ -69,15 +76,8 @@ bool ffp_image_read_size(int *width, int *height, const char *path, FfpError *er
 bool ffp_image_write_png(const FfpImage *image, const char *path, FfpError *err);
 bool ffp_image_write_png16(const FfpImage *image, const char *path,
                            FfpError *err); // values in [0,1] -> 0..65535
-// The same from rows that are made when they are needed, each twice, so that a large picture is not in memory
-// as the file has it: `make` writes row y, [width, channels].
-typedef void FfpImageRow(void *context, int y, real *row);
-typedef struct FfpPngRows {
-    int width, height, channels, depth; // depth: 8 or 16 bits
-    FfpImageRow *make;
-    void *context;
-} FfpPngRows;
-bool ffp_image_write_png_rows(const FfpPngRows *rows, const char *path, FfpError *err);
+// The same from rows that are made when they are needed, each twice; `depth`: 8 or 16 bits.
+bool ffp_image_write_png_rows(const FfpRows *rows, int depth, const char *path, FfpError *err);
 // A linear RGB picture as an 8-bit sRGB PNG.
 bool ffp_image_write_png_encoded(const FfpImage *linear, const char *path, FfpError *err);
 // 8-bit JPEG of 3 channels, clamped and rounded likewise, with a quality of 1 to 100 by libjpeg's scale and
@@ -98,8 +98,8 @@ void ffp_shown_radiance(real shown[3], const real light[3], real coverage);
 void ffp_image_to_srgb(FfpImage *image);
 void ffp_image_to_linear(FfpImage *image);
 
-// RGB times alpha: a 4-channel image to a new 3-channel one over black.
-FfpImage ffp_image_over_black(const FfpImage *rgba);
+// RGB times alpha: turns a 4-channel image into a 3-channel one over black, in its own memory.
+void ffp_image_put_over_black(FfpImage *image);
 FfpImage ffp_image_channel(const FfpImage *image, int channel);
 // The object's share of each pixel according to a mask's file, one channel: grey times alpha.
 FfpImage ffp_mask_of(const FfpImage *rgba);
@@ -108,6 +108,7 @@ FfpImage ffp_mask_of(const FfpImage *rgba);
 void ffp_mask_apply(const FfpImage *mask, FfpImage *image);
 // Area-averaging (down) or bilinear (up) resize, decided for each axis.
 FfpImage ffp_image_resize(const FfpImage *image, int width, int height);
+FfpImage ffp_image_resize_rows(const FfpRows *rows, int width, int height);
 
 // Bilinear sample at (u,v) in pixels, centres at +0.5, edge clamped, into out[channels].
 void ffp_image_sample(const FfpImage *image, real u, real v, real *out);

@@ -54,7 +54,9 @@ typedef struct Reading {
     png_infop info;
     int width, height, channels, depth; // depth: 8 or 16 bits as delivered
     bool grey, has_alpha;               // as in the file
-    unsigned char *pixels;              // [height, width, channels] of depth bits, big endian
+    unsigned char *pixels; // [height, width, channels] of depth bits, big endian; one row where that will do
+    real *values;          // [height, width, 4] of [0,1], or [height, width] as they stand if `raw`
+    bool raw;
     char message[160];
 } Reading;
 
@@ -80,7 +82,9 @@ static void give_bytes(png_structp png, png_bytep to, size_t count) {
 }
 
 // Asks libpng for 8 or 16 bits a channel; all kinds but grey ones when `raw` become RGB or RGBA.
-static void set_transformations(Reading *r, bool raw) {
+// Returns the number of passes in which the rows come.
+static int set_transformations(Reading *r) {
+    const bool raw = r->raw;
     const int type = png_get_color_type(r->png, r->info);
     r->grey = (type & (PNG_COLOR_MASK_COLOR | PNG_COLOR_MASK_ALPHA)) == 0;
     const bool transparency = !raw && png_get_valid(r->png, r->info, PNG_INFO_tRNS) != 0;
@@ -89,10 +93,11 @@ static void set_transformations(Reading *r, bool raw) {
     if (r->grey && png_get_bit_depth(r->png, r->info) < 8) png_set_expand_gray_1_2_4_to_8(r->png);
     if (transparency) png_set_tRNS_to_alpha(r->png);
     if (!raw) png_set_gray_to_rgb(r->png);
-    png_set_interlace_handling(r->png);
+    const int passes = png_set_interlace_handling(r->png);
     png_read_update_info(r->png, r->info);
     r->channels = png_get_channels(r->png, r->info);
     r->depth = png_get_bit_depth(r->png, r->info);
+    return passes;
 }
 
 static void *take_pixels(Reading *r, size_t rows, size_t row) {
@@ -104,39 +109,62 @@ static void *take_pixels(Reading *r, size_t rows, size_t row) {
     return memory;
 }
 
-static bool read_pixels(Reading *r, bool raw) {
-    png_byte **rows = NULL;
+static unsigned value_at(const Reading *r, const unsigned char *row, size_t index) {
+    return r->depth == 16 ? (unsigned)(row[2 * index] << 8 | row[2 * index + 1]) : row[index];
+}
+
+static void convert_row(const Reading *r, const unsigned char *row, size_t y) {
+    const size_t width = (size_t)r->width, n = (size_t)r->channels;
+    const real scale = r->depth == 16 ? 65535 : 255;
+    if (r->raw) {
+        for (size_t x = 0; x < width; x++) r->values[y * width + x] = (real)value_at(r, row, n * x);
+        return;
+    }
+    real *to = r->values + 4 * y * width;
+    for (size_t x = 0; x < width; x++)
+        for (size_t c = 0; c < 4; c++) to[4 * x + c] = c < n ? (real)value_at(r, row, x * n + c) / scale : 1;
+}
+
+// In one pass a row at a time; interlaced pictures are taken as a whole.
+static void read_rows(Reading *r, int passes) {
+    const size_t stride = png_get_rowbytes(r->png, r->info), height = (size_t)r->height;
+    const bool single = passes == 1;
+    r->values = take_pixels(r, height, (size_t)r->width * (r->raw ? 1 : 4) * sizeof *r->values);
+    r->pixels = take_pixels(r, single ? 1 : height, stride);
+    for (int pass = 0; pass < passes; pass++)
+        for (size_t y = 0; y < height; y++) {
+            unsigned char *row = r->pixels + (single ? 0 : y * stride);
+            png_read_row(r->png, row, NULL);
+            if (pass == passes - 1) convert_row(r, row, y);
+        }
+}
+
+static bool read_pixels(Reading *r) {
     r->png = png_create_read_struct_2(PNG_LIBPNG_VER_STRING, r->message, on_error, on_warning, &r->no_memory,
                                       take_memory, give_memory);
     r->info = r->png ? png_create_info_struct(r->png) : NULL;
     if (!r->info) return false;
-    png_byte **volatile held = NULL;
-    if (setjmp(png_jmpbuf(r->png))) {
-        ffp_free((void *)held);
-        return false;
-    }
+    if (setjmp(png_jmpbuf(r->png))) return false;
     png_set_read_fn(r->png, r, give_bytes);
     png_read_info(r->png, r->info);
     // of the rows as they are in the file, with a byte for each row's filter
     const size_t raw_bytes = (1 + png_get_rowbytes(r->png, r->info)) * (size_t)r->height;
     if (raw_bytes / DEFLATE_RATIO_MAX > r->file.size) png_error(r->png, "truncated PNG");
-    set_transformations(r, raw);
-    const size_t stride = png_get_rowbytes(r->png, r->info);
-    r->pixels = take_pixels(r, (size_t)r->height, stride);
-    held = rows = take_pixels(r, (size_t)r->height, sizeof *rows);
-    for (size_t y = 0; y < (size_t)r->height; y++) rows[y] = r->pixels + y * stride;
-    png_read_image(r->png, rows);
-    png_read_end(r->png, NULL);
-    ffp_free((void *)rows);
+    const int passes = set_transformations(r);
+    if (!r->raw || (r->grey && r->channels == 1)) {
+        read_rows(r, passes);
+        png_read_end(r->png, NULL);
+    }
     return true;
 }
 
 static bool read_png(Reading *r, const FfpBytes *file, bool raw, FfpError *err) {
-    *r = (Reading){.file = *file};
+    *r = (Reading){.file = *file, .raw = raw};
     if (!ffp_png_size(file, &r->width, &r->height, err)) return false;
-    const bool ok = read_pixels(r, raw);
+    const bool ok = read_pixels(r);
     png_destroy_read_struct(&r->png, &r->info, NULL);
-    if (!ok) ffp_free(r->pixels);
+    ffp_free(r->pixels);
+    if (!ok) ffp_free(r->values);
     if (r->no_memory) return ffp_fail(err, FFP_ERROR_MEMORY, file->path, "out of memory");
     if (!ok) {
         ffp_fail(err, FFP_ERROR_FILE, file->path, "%s%s",
@@ -145,38 +173,19 @@ static bool read_png(Reading *r, const FfpBytes *file, bool raw, FfpError *err) 
     return ok;
 }
 
-static unsigned value_at(const Reading *r, size_t index) {
-    return r->depth == 16 ? (unsigned)(r->pixels[2 * index] << 8 | r->pixels[2 * index + 1])
-                          : r->pixels[index];
-}
-
 bool ffp_png_decode(const FfpBytes *file, FfpDecoded *out, FfpError *err) {
     Reading r;
     if (!read_png(&r, file, false, err)) return false;
-    out->image = ffp_image_new(r.width, r.height, 4);
+    out->image = (FfpImage){r.width, r.height, 4, r.values};
     out->has_alpha = r.has_alpha;
-    const size_t pixels = (size_t)r.width * (size_t)r.height, n = (size_t)r.channels;
-    const real scale = r.depth == 16 ? 65535 : 255;
-    for (size_t i = 0; i < pixels; i++) {
-        for (size_t c = 0; c < 4; c++) {
-            out->image.data[4 * i + c] = c < n ? (real)value_at(&r, i * n + c) / scale : 1;
-        }
-    }
-    ffp_free(r.pixels);
     return true;
 }
 
 bool ffp_png_decode_raw(const FfpBytes *file, FfpDecoded *out, FfpError *err) {
     Reading r;
     if (!read_png(&r, file, true, err)) return false;
-    if (!r.grey || r.channels != 1) {
-        ffp_free(r.pixels);
-        return ffp_fail(err, FFP_ERROR_FILE, file->path, "is not a grey image");
-    }
-    out->image = ffp_image_new(r.width, r.height, 1);
-    const size_t pixels = (size_t)r.width * (size_t)r.height;
-    for (size_t i = 0; i < pixels; i++) out->image.data[i] = (real)value_at(&r, i);
-    ffp_free(r.pixels);
+    if (!r.values) return ffp_fail(err, FFP_ERROR_FILE, file->path, "is not a grey image");
+    out->image = (FfpImage){r.width, r.height, 1, r.values};
     return true;
 }
 
@@ -186,7 +195,7 @@ bool ffp_png_decode_raw(const FfpBytes *file, FfpDecoded *out, FfpError *err) {
 typedef struct Rows {
     int width, height, channels;
     const FfpImage *image; // NULL: rows are made
-    FfpImageRow *make;
+    void (*make)(void *context, int y, real *row);
     void *context;
     real *made; // room for one of them
 } Rows;
@@ -346,13 +355,13 @@ bool ffp_image_write_png16(const FfpImage *image, const char *path, FfpError *er
     return write_png(rows_of(image), 16, path, err);
 }
 
-bool ffp_image_write_png_rows(const FfpPngRows *made, const char *path, FfpError *err) {
+bool ffp_image_write_png_rows(const FfpRows *made, int depth, const char *path, FfpError *err) {
     const Rows rows = {.width = made->width,
                        .height = made->height,
                        .channels = made->channels,
                        .make = made->make,
                        .context = made->context};
-    return write_png(rows, made->depth, path, err);
+    return write_png(rows, depth, path, err);
 }
 
 static void encode_row(void *context, int y, real *row) {
@@ -365,6 +374,6 @@ static void encode_row(void *context, int y, real *row) {
 
 bool ffp_image_write_png_encoded(const FfpImage *linear, const char *path, FfpError *err) {
     FfpImage image = *linear;
-    const FfpPngRows rows = {image.width, image.height, image.channels, 8, encode_row, &image};
-    return ffp_image_write_png_rows(&rows, path, err);
+    const FfpRows rows = {image.width, image.height, image.channels, encode_row, &image};
+    return ffp_image_write_png_rows(&rows, 8, path, err);
 }

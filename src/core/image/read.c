@@ -114,9 +114,9 @@ static bool read_over_black(FfpImage *rgb, FfpImage *alpha, const char *path, bo
         const ptrdiff_t pixels = (ptrdiff_t)image->width * image->height;
         for (ptrdiff_t i = 0; i < pixels; i++) image->data[4 * i + 3] = 1;
     }
-    *rgb = ffp_image_over_black(image);
+    ffp_image_put_over_black(image);
+    *rgb = *image;
     if (!decoded.linear && !light) ffp_image_to_linear(rgb);
-    ffp_image_free(image);
     return true;
 }
 

@@ -1,5 +1,7 @@
 // Resizing, one axis after the other: area averages when an axis shrinks, linear interpolation when it grows.
+#include <omp.h>
 #include <stdlib.h>
+#include <string.h>
 #include <tgmath.h>
 #include "core/base/arena.h"
 #include "core/image/image.h"
@@ -43,22 +45,29 @@ static void taps_free(Taps *taps) {
     ffp_free(taps->weights);
 }
 
-FfpImage ffp_image_resize(const FfpImage *image, int width, int height) {
-    const int n = image->channels;
-    Taps across = taps_new(image->width, width), down = taps_new(image->height, height);
-    FfpImage narrow = ffp_image_new(width, image->height, n), out = ffp_image_new(width, height, n);
-#pragma omp parallel for schedule(static)
-    for (int y = 0; y < image->height; y++) {
-        for (int x = 0; x < width; x++) {
-            real *to = narrow.data + ((size_t)y * (size_t)width + (size_t)x) * (size_t)n;
-            const real *from =
-                image->data + ((size_t)y * (size_t)image->width + (size_t)across.first[x]) * (size_t)n;
-            const real *weights = across.weights + (size_t)x * (size_t)across.most;
-            for (int k = 0; k < across.count[x]; k++) {
-                for (int c = 0; c < n; c++) to[c] += weights[k] * from[k * n + c];
-            }
+static void narrow_row(const Taps *across, const real *row, int n, int width, real *to) {
+    for (int x = 0; x < width; x++, to += n) {
+        const real *from = row + (size_t)across->first[x] * (size_t)n;
+        const real *weights = across->weights + (size_t)x * (size_t)across->most;
+        for (int k = 0; k < across->count[x]; k++) {
+            for (int c = 0; c < n; c++) to[c] += weights[k] * from[k * n + c];
         }
     }
+}
+
+FfpImage ffp_image_resize_rows(const FfpRows *rows, int width, int height) {
+    const int n = rows->channels;
+    Taps across = taps_new(rows->width, width), down = taps_new(rows->height, height);
+    FfpImage narrow = ffp_image_new(width, rows->height, n), out = ffp_image_new(width, height, n);
+    const size_t row_in = (size_t)rows->width * (size_t)n;
+    real *made = ffp_alloc((size_t)omp_get_max_threads(), row_in * sizeof *made);
+#pragma omp parallel for schedule(static)
+    for (int y = 0; y < rows->height; y++) {
+        real *own = made + (size_t)omp_get_thread_num() * row_in;
+        rows->make(rows->context, y, own);
+        narrow_row(&across, own, n, width, narrow.data + (size_t)y * (size_t)width * (size_t)n);
+    }
+    ffp_free(made);
     const size_t row = (size_t)width * (size_t)n;
 #pragma omp parallel for schedule(static)
     for (int y = 0; y < height; y++) {
@@ -73,4 +82,16 @@ FfpImage ffp_image_resize(const FfpImage *image, int width, int height) {
     taps_free(&across);
     taps_free(&down);
     return out;
+}
+
+static void row_of(void *context, int y, real *row) {
+    const FfpImage *image = context;
+    const size_t count = (size_t)image->width * (size_t)image->channels;
+    memcpy(row, image->data + (size_t)y * count, count * sizeof *row);
+}
+
+FfpImage ffp_image_resize(const FfpImage *image, int width, int height) {
+    FfpImage from = *image;
+    const FfpRows rows = {image->width, image->height, image->channels, row_of, &from};
+    return ffp_image_resize_rows(&rows, width, height);
 }

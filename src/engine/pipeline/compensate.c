@@ -1,11 +1,13 @@
 // Compensation: views and targets in, patterns and predicted pictures out.
 #include "engine/pipeline/compensate.h"
 #include <stdio.h>
+#include <string.h>
 #include <tgmath.h>
 #include "core/base/alloc.h"
 #include "core/base/log.h"
 #include "core/base/memory.h"
 #include "core/capture/panel.h"
+#include "core/capture/photographs.h"
 #include "core/capture/reduce.h"
 #include "core/image/framing.h"
 #include "engine/apply/choose.h"
@@ -50,19 +52,26 @@ static int reduction_of(const FfpCamera *camera) {
     return factor;
 }
 
-static FfpView reduced_view(const Job *job, const FfpView *view, int factor) {
+// The size that a camera's picture is reduced to, with a note where it is smaller.
+static void reduced_size(const FfpView *view, int *width, int *height) {
+    const int factor = reduction_of(&view->camera);
+    *width = (view->camera.width + factor - 1) / factor;
+    *height = (view->camera.height + factor - 1) / factor;
+    if (factor > 1)
+        ffp_note("%s: %d x %d camera pixels are more than patterns are solved for; they are taken as %d x %d",
+                 view->id, view->camera.width, view->camera.height, *width, *height);
+}
+
+static FfpView reduced_view(const Job *job, const FfpView *view) {
     const FfpCapture *capture = job->capture;
     const int plain[2] = {capture->black, capture->white};
-    const int width = (view->camera.width + factor - 1) / factor,
-              height = (view->camera.height + factor - 1) / factor;
+    int width, height;
     const bool pictures = !job->options->gaussians_only && view->images && view->coverage.data;
     FfpView bare = *view;
     bare.correspondence = (FfpImage){0};
     if (!pictures) bare.images = NULL;
     if (!pictures) bare.coverage = (FfpImage){0};
-    if (factor > 1)
-        ffp_note("%s: %d x %d camera pixels are more than patterns are solved for; they are taken as %d x %d",
-                 view->id, view->camera.width, view->camera.height, width, height);
+    reduced_size(view, &width, &height);
     return ffp_view_reduced(&bare, capture->n_patterns, plain, pictures ? 2 : 0, width, height);
 }
 
@@ -77,9 +86,50 @@ static void reduce_views(Job *job) {
     job->reduced = ffp_alloc((size_t)job->chosen.n_views, sizeof *job->reduced);
     for (int v = 0; v < job->chosen.n_views; v++) {
         const FfpView *view = job->chosen.views[v];
-        job->reduced[v] = reduced_view(job, view, reduction_of(&view->camera));
+        job->reduced[v] = reduced_view(job, view);
         job->chosen.views[v] = &job->reduced[v];
     }
+}
+
+// --- Photographs that are still in their files. ---
+
+static bool reads_photographs(const FfpCapture *capture, const FfpCompensation *options) {
+    return capture->files && !options->gaussians_only && !options->poses;
+}
+
+static bool hold_view(FfpCapture *held, const FfpCapture *capture, int v, FfpError *err) {
+    const int plain[2] = {capture->black, capture->white};
+    int width, height;
+    if (v < 0 || held->views[v].images[capture->black].data) return true; // choosing the views refuses them
+    reduced_size(&capture->views[v], &width, &height);
+    FfpView read;
+    if (!ffp_photographs_read(&read, capture, v, plain, 2, width, height, err)) return false;
+    held->views[v] = read;
+    return true;
+}
+
+bool ffp_compensation_hold(FfpCapture *held, const FfpCapture *capture, const FfpCompensation *options,
+                           FfpError *err) {
+    *held = *capture;
+    held->files = NULL;
+    held->views = ffp_alloc((size_t)capture->n_views, sizeof *held->views);
+    memcpy(held->views, capture->views, (size_t)capture->n_views * sizeof *held->views);
+    bool ok = true;
+    const int n = !reads_photographs(capture, options) ? 0
+                  : options->n_views                   ? options->n_views
+                                                       : capture->n_views;
+    for (int i = 0; ok && i < n; i++)
+        ok = hold_view(held, capture,
+                       options->n_views ? ffp_capture_find_view(capture, options->views[i]) : i, err);
+    if (!ok) ffp_compensation_release(held, capture);
+    return ok;
+}
+
+void ffp_compensation_release(FfpCapture *held, const FfpCapture *capture) {
+    for (int v = 0; v < held->n_views; v++)
+        if (held->views[v].images != capture->views[v].images)
+            ffp_view_reduced_free(&held->views[v], held->n_patterns);
+    ffp_free(held->views);
 }
 
 static int target_of(const Job *job, int v) {
@@ -211,9 +261,9 @@ static void free_job(Job *job) {
     ffp_chosen_free(&job->chosen);
 }
 
-FfpImages *ffp_compensation_run(const FfpGaussians *gaussians, const FfpCapture *capture,
-                                const FfpCompensation *options, const FfpRaw *pictures,
-                                FfpCompensationStats *stats, FfpError *err) {
+static FfpImages *run(const FfpGaussians *gaussians, const FfpCapture *capture,
+                      const FfpCompensation *options, const FfpRaw *pictures, FfpCompensationStats *stats,
+                      FfpError *err) {
     Job job = {.options = options, .pictures = pictures, .capture = capture};
     FfpCompensationStats found = {0};
     FfpImages *images = NULL;
@@ -240,4 +290,15 @@ FfpImages *ffp_compensation_run(const FfpGaussians *gaussians, const FfpCapture 
     if (ok) return images;
     ffp_images_free(images);
     return NULL;
+}
+
+FfpImages *ffp_compensation_run(const FfpGaussians *gaussians, const FfpCapture *capture,
+                                const FfpCompensation *options, const FfpRaw *pictures,
+                                FfpCompensationStats *stats, FfpError *err) {
+    FfpCapture held;
+    if (!reads_photographs(capture, options)) return run(gaussians, capture, options, pictures, stats, err);
+    if (!ffp_compensation_hold(&held, capture, options, err)) return NULL;
+    FfpImages *images = run(gaussians, &held, options, pictures, stats, err);
+    ffp_compensation_release(&held, capture);
+    return images;
 }

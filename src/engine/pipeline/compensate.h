@@ -13,6 +13,13 @@
 FfpImages *ffp_compensation_run(const FfpGaussians *gaussians, const FfpCapture *capture,
                                 const FfpCompensation *options, const FfpRaw *pictures,
                                 FfpCompensationStats *stats, FfpError *err);
+// A copy that holds the photographs under black and white of the views that are solved for, at the size that
+// patterns are solved for, where the capture has them in files (core/capture/photographs.h): for many runs,
+// since each would read them. It shares everything else with the capture. If it fails, nothing has to be
+// released.
+bool ffp_compensation_hold(FfpCapture *held, const FfpCapture *capture, const FfpCompensation *options,
+                           FfpError *err);
+void ffp_compensation_release(FfpCapture *held, const FfpCapture *capture);
 // The same into files: the work of ffp_compensate.
 bool ffp_compensation_write(const FfpGaussians *gaussians, const FfpCapture *capture,
                             const FfpCompensation *options, const FfpRaw *pictures,

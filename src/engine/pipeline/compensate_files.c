@@ -129,10 +129,13 @@ bool ffp_compensation_write(const FfpGaussians *gaussians, const FfpCapture *cap
     FfpCompensationStats found = {0};
     if (!ffp_output_probe(options->pattern, err)) return false;
     if (!pictures && options->n_targets == 1 && ffp_frames_are_in(options->targets[0])) {
-        FilmJob job = {.gaussians = gaussians, .capture = capture, .options = options};
-        if (!check_film(options, err) || !write_film(&job, err)) return false;
-        if (stats) *stats = job.sum;
-        return true;
+        FfpCapture held;
+        FilmJob job = {.gaussians = gaussians, .capture = &held, .options = options};
+        if (!check_film(options, err) || !ffp_compensation_hold(&held, capture, options, err)) return false;
+        const bool written = write_film(&job, err);
+        ffp_compensation_release(&held, capture);
+        if (written && stats) *stats = job.sum;
+        return written;
     }
     if (options->video) return ffp_fail(err, FFP_ERROR_ARGUMENT, options->video, "the target is not a film");
     FfpImages *images = ffp_compensation_run(gaussians, capture, options, pictures, &found, err);

@@ -98,8 +98,8 @@ static bool write_shares(Writer *writer, const FfpImage *map, const FfpCamera *t
                          FfpError *err) {
     char path[FFP_PATH_MAX];
     Shares shares = {map, to};
-    const FfpPngRows rows = {map->width, map->height, 4, 16, row_of_shares, &shares};
-    return name_map(path, writer, name, ".png", err) && ffp_image_write_png_rows(&rows, path, err);
+    const FfpRows rows = {map->width, map->height, 4, row_of_shares, &shares};
+    return name_map(path, writer, name, ".png", err) && ffp_image_write_png_rows(&rows, 16, path, err);
 }
 
 // Numbers go into EXR files; what people look at, into PNG files.

@@ -16,13 +16,15 @@ const char *ffp_version(void) {
 
 typedef struct OpenCapture {
     const char *path;
-    bool devices; // without photographs
+    bool devices; // photographs stay in their files
+    bool sphere;
     FfpCapture *capture;
 } OpenCapture;
 
 static bool open_capture(void *argument, FfpError *err) {
     OpenCapture *call = argument;
-    call->capture = (call->devices ? ffp_capture_load_devices : ffp_capture_load)(call->path, err);
+    call->capture = call->devices ? ffp_capture_load_devices(call->path, call->sphere, err)
+                                  : ffp_capture_load(call->path, err);
     return call->capture != NULL;
 }
 
@@ -32,8 +34,8 @@ FfpCapture *ffp_capture_open(FfpContext *context, const char *path, FfpError *er
     return ffp_call_run(context, open_capture, &call, err) ? call.capture : NULL;
 }
 
-FfpCapture *ffp_capture_open_devices(FfpContext *context, const char *path, FfpError *err) {
-    OpenCapture call = {.path = path, .devices = true};
+FfpCapture *ffp_capture_open_devices(FfpContext *context, const char *path, bool sphere, FfpError *err) {
+    OpenCapture call = {.path = path, .devices = true, .sphere = sphere};
     if (!ffp_need(path, "path", err)) return NULL;
     return ffp_call_run(context, open_capture, &call, err) ? call.capture : NULL;
 }

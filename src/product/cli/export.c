@@ -13,11 +13,10 @@ static int run(void *data) {
     bool ok = false;
     FfpGaussians *gaussians = ffp_gaussians_open(ffp_cli_context(), arguments->gaussians, &err);
     const bool with = arguments->capture != NULL;
-    const bool all = arguments->how.mesh; // inside the sphere that the photographs tell
-    FfpCapture *capture =
-        gaussians && with
-            ? (all ? ffp_capture_open : ffp_capture_open_devices)(ffp_cli_context(), arguments->capture, &err)
-            : NULL;
+    const bool sphere = arguments->how.mesh; // that the mesh lies in
+    FfpCapture *capture = gaussians && with
+                              ? ffp_capture_open_devices(ffp_cli_context(), arguments->capture, sphere, &err)
+                              : NULL;
     if (gaussians && (capture || !with))
         ok = ffp_export(ffp_cli_context(), gaussians, capture, &arguments->how, &stats, &err);
     if (ok)

@@ -27,7 +27,7 @@ static int run(void *data) {
     arguments->maps.n_views = arguments->views.count;
     FfpGaussians *gaussians = ffp_gaussians_open(ffp_cli_context(), arguments->gaussians, &err);
     FfpCapture *capture =
-        gaussians ? ffp_capture_open_devices(ffp_cli_context(), arguments->capture, &err) : NULL;
+        gaussians ? ffp_capture_open_devices(ffp_cli_context(), arguments->capture, false, &err) : NULL;
     if (capture)
         written = ffp_write_maps(ffp_cli_context(), gaussians, capture, &arguments->maps, stats, &err);
     if (written >= 0) tell(arguments, stats, written);

@@ -34,11 +34,10 @@ static int run(void *data) {
     if (check(arguments) >= 0) return FFP_EXIT_USAGE;
     FfpGaussians *gaussians = ffp_gaussians_open(ffp_cli_context(), arguments->gaussians, &err);
     const bool with = arguments->capture != NULL;
-    const bool all = pictures->orbit != FFP_ORBIT_NONE; // around the sphere that the photographs tell
-    FfpCapture *capture =
-        gaussians && with
-            ? (all ? ffp_capture_open : ffp_capture_open_devices)(ffp_cli_context(), arguments->capture, &err)
-            : NULL;
+    const bool sphere = pictures->orbit != FFP_ORBIT_NONE; // that the orbit leads around
+    FfpCapture *capture = gaussians && with
+                              ? ffp_capture_open_devices(ffp_cli_context(), arguments->capture, sphere, &err)
+                              : NULL;
     if (gaussians && (capture || !with))
         written = ffp_render_pictures(ffp_cli_context(), gaussians, capture, pictures, &err);
     if (written >= 0) printf("%s: %d picture%s\n", pictures->folder, written, FFP_CLI_S(written));

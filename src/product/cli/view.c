@@ -12,7 +12,8 @@ static int run(void *data) {
     FfpPageStats stats;
     bool ok = false;
     FfpGaussians *gaussians = ffp_gaussians_open(ffp_cli_context(), arguments->gaussians, &err);
-    FfpCapture *capture = gaussians ? ffp_capture_open(ffp_cli_context(), arguments->capture, &err) : NULL;
+    FfpCapture *capture =
+        gaussians ? ffp_capture_open_devices(ffp_cli_context(), arguments->capture, true, &err) : NULL;
     if (capture) ok = ffp_write_page(ffp_cli_context(), gaussians, capture, &arguments->page, &stats, &err);
     if (ok)
         printf("%s: %lld Gaussians, %d pattern%s, %d photograph%s, %.1f MB; open it in a browser\n",

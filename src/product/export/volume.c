@@ -25,9 +25,9 @@ FfpDepthView ffp_depth_view(const FfpDepthSource *source, int view, real cell) {
         square += d * d;
     }
     const int longer = c->width > c->height ? c->width : c->height;
+    const real most = (real)LOOK_SIDE_MAX / (real)longer; // of larger pictures the cells have no use
     real scale = sqrt(square) / (cell * c->fx);
-    scale = fmin(fmax(scale, (real)1),
-                 fmin((real)LOOK_SCALE_MAX, fmax((real)LOOK_SIDE_MAX / (real)longer, (real)1)));
+    scale = fmin(fmax(scale, (real)1), fmin((real)LOOK_SCALE_MAX, most));
     const int width = (int)ceil((real)c->width * scale), height = (int)ceil((real)c->height * scale);
     const real across = (real)width / (real)c->width, down = (real)height / (real)c->height;
     c->fx *= across;

@@ -3,11 +3,14 @@
 #include <stdio.h>
 #include <string.h>
 #include "core/base/text.h"
+#include "core/capture/photographs.h"
+#include "core/capture/reduce.h"
 #include "product/view/view.h"
 
 // Room for pictures, bytes before base64: together with 30,000 splats a page stays under 6 MB.
 #define PATTERNS_ROOM 1000000
 #define PHOTOGRAPHS_ROOM 1500000
+#define READ_SIDE 2048 // pixels: larger photographs are reduced one by one
 
 typedef struct Writer {
     const FfpPageContent *source;
@@ -88,27 +91,48 @@ static bool write_patterns(Writer *w, FfpError *err) {
     return true;
 }
 
-static bool write_photographs(Writer *w, const FfpView *view, FfpError *err) {
-    const FfpCapture *capture = w->source->capture;
+// The view's photographs at no more than the size that the page takes, unless there is no room for any.
+static bool read_photographs(const Writer *w, const FfpCapture *from, int v, FfpView *read, FfpError *err) {
+    const FfpCamera *camera = &from->views[v].camera;
+    const int longest = camera->width > camera->height ? camera->width : camera->height;
+    const int factor = (longest + READ_SIDE - 1) / READ_SIDE;
+    int patterns[FFP_PATTERNS_MAX], n = 0;
+    for (int p = 0; p < w->source->capture->n_patterns; p++)
+        if (ffp_photographs_has(from, v, p)) patterns[n++] = p;
+    *read = (FfpView){0};
+    return n == 0 || w->photographs >= PHOTOGRAPHS_ROOM || w->source->photographs <= 0 ||
+           ffp_photographs_read(read, from, v, patterns, n, (camera->width + factor - 1) / factor,
+                                (camera->height + factor - 1) / factor, err);
+}
+
+static bool pack_photographs(Writer *w, const FfpCapture *from, int v, const FfpView *read, FfpError *err) {
     int written = 0;
-    fputs(",\"photographs\":[", w->out);
-    for (int i = 0; view->images && i < capture->n_patterns; i++) {
+    for (int i = 0; i < w->source->capture->n_patterns && w->source->photographs > 0; i++) {
         bool fits = w->photographs < PHOTOGRAPHS_ROOM;
-        if (!view->images[i].data || w->source->photographs <= 0) continue;
+        if (!ffp_photographs_has(from, v, i)) continue;
         if (!fits) {
             w->stats->photographs_left++;
             continue;
         }
         fprintf(w->out, "%s{\"pattern\":%d,", written++ ? "," : "", i);
-        if (!pack_picture(w, &view->images[i], w->source->photographs, &w->photographs, PHOTOGRAPHS_ROOM,
+        if (!pack_picture(w, &read->images[i], w->source->photographs, &w->photographs, PHOTOGRAPHS_ROOM,
                           &fits, err))
             return false;
         fputs(fits ? "}" : "\"size\":0}", w->out);
         w->stats->photographs += fits;
         w->stats->photographs_left += !fits;
     }
-    fputc(']', w->out);
     return true;
+}
+
+static bool write_photographs(Writer *w, const FfpCapture *from, int v, FfpError *err) {
+    FfpView read;
+    fputs(",\"photographs\":[", w->out);
+    if (!read_photographs(w, from, v, &read, err)) return false;
+    const bool ok = pack_photographs(w, from, v, &read, err);
+    ffp_view_reduced_free(&read, from->n_patterns);
+    fputc(']', w->out);
+    return ok;
 }
 
 static bool write_views(Writer *w, FfpError *err) {
@@ -124,7 +148,7 @@ static bool write_views(Writer *w, FfpError *err) {
             write_device(w->out, "camera", &view->camera);
             fputc(',', w->out);
             write_device(w->out, "projector", &view->projector);
-            if (!write_photographs(w, view, err)) return false;
+            if (!write_photographs(w, from, v, err)) return false;
             fputc('}', w->out);
         }
     }

@@ -3,6 +3,8 @@
 #include <math.h>
 #include "core/base/alloc.h"
 #include "core/base/vec.h"
+#include "core/capture/photographs.h"
+#include "core/capture/reduce.h"
 #include "tiny_capture.h"
 
 static void assert_near(double got, double want, double tolerance) {
@@ -443,6 +445,59 @@ static void names_that_would_leave_the_folder_are_refused(void **state) {
     assert_string_equal(path, "out/view_white.png");
 }
 
+static void photographs_come_from_their_files_when_asked_for(void **state) {
+    (void)state;
+    FfpError err;
+    FfpCapture whole;
+    if (!ffp_capture_read(&whole, in_scratch("scene.json"), &err)) fail_msg("%s", err.text);
+    FfpCapture *left = ffp_capture_load_devices(in_scratch("scene.json"), true, &err);
+    if (!left) fail_msg("%s", err.text);
+    assert_null(left->views[0].coverage.data);
+    assert_non_null(left->files);
+    const int patterns[3] = {whole.black, whole.white, ffp_capture_find_pattern(&whole, "dots")};
+    for (int v = 0; v < 2; v++)
+        for (int size = 1; size <= 2; size++) {
+            FfpView want =
+                ffp_view_reduced(&whole.views[v], whole.n_patterns, patterns, 3, 12 / size, 10 / size);
+            FfpView got;
+            if (!ffp_photographs_read(&got, left, v, patterns, 3, 12 / size, 10 / size, &err))
+                fail_msg("%s", err.text);
+            assert_same_image(&got.coverage, &want.coverage, 0);
+            for (int k = 0; k < 3; k++)
+                assert_same_image(&got.images[patterns[k]], &want.images[patterns[k]], 0);
+            assert_float_equal(got.camera.fx, want.camera.fx, 0);
+            ffp_view_reduced_free(&want, whole.n_patterns);
+            ffp_view_reduced_free(&got, left->n_patterns);
+        }
+    assert_true(ffp_photographs_has(left, 0, ffp_capture_find_pattern(left, "earth")));
+    assert_false(ffp_photographs_has(left, 1, ffp_capture_find_pattern(left, "earth")));
+    ffp_capture_free(left);
+    ffp_free(left);
+    ffp_capture_free(&whole);
+}
+
+static void a_missing_photograph_is_told_when_it_is_read(void **state) {
+    (void)state;
+    FfpError err;
+    FfpView got;
+    char there[1024], away[1024];
+    snprintf(there, sizeof there, "%s", in_scratch("b1.png"));
+    snprintf(away, sizeof away, "%s", in_scratch("away.png"));
+    assert_int_equal(rename(there, away), 0);
+    FfpCapture *left = ffp_capture_load_devices(in_scratch("scene.json"), false, &err);
+    if (!left) fail_msg("%s", err.text);
+    const int white = left->white;
+    assert_true(ffp_photographs_read(&got, left, 0, &white, 1, 12, 10, &err));
+    ffp_view_reduced_free(&got, left->n_patterns);
+    for (int size = 1; size <= 2; size++) {
+        assert_false(ffp_photographs_read(&got, left, 1, &white, 1, 12 / size, 10 / size, &err));
+        assert_non_null(strstr(err.text, "b1.png"));
+    }
+    ffp_capture_free(left);
+    ffp_free(left);
+    assert_int_equal(rename(away, there), 0);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(scene_is_read),
@@ -461,6 +516,8 @@ int main(void) {
         cmocka_unit_test(pixels_and_points_agree),
         cmocka_unit_test(sample_is_consistent),
         cmocka_unit_test(sculpture_is_consistent),
+        cmocka_unit_test(photographs_come_from_their_files_when_asked_for),
+        cmocka_unit_test(a_missing_photograph_is_told_when_it_is_read),
     };
     return cmocka_run_group_tests(tests, make_capture_files, scratch_teardown);
 }

@@ -17,11 +17,10 @@ static FfpImage read_picture(const char *name) {
     char path[1024], relative[512];
     snprintf(relative, sizeof relative, "captures/%s", name);
     assert_true(shared_path(path, relative));
-    FfpImage rgba;
+    FfpImage image;
     FfpError err;
-    if (!ffp_image_read(&rgba, path, FFP_COLOUR_ENCODED, &err)) fail_msg("%s", err.text);
-    FfpImage image = ffp_image_over_black(&rgba);
-    ffp_image_free(&rgba);
+    if (!ffp_image_read(&image, path, FFP_COLOUR_ENCODED, &err)) fail_msg("%s", err.text);
+    ffp_image_put_over_black(&image);
     for (int i = 0; i < image.width * image.height * image.channels; i++)
         image.data[i] = roundf(image.data[i] * 255) / 255;
     return image;
