@@ -60,3 +60,21 @@ int64_t ffp_prune_contradicted(real *opacity, const real *centre, int64_t count,
     ffp_support_views_free(&support_views);
     return n_contradicted;
 }
+
+int64_t ffp_prune_off_silhouettes(real *opacity, const real *centre, int64_t count,
+                                  const FfpCapture *capture) {
+    int64_t off = 0;
+#pragma omp parallel for schedule(static) reduction(+ : off)
+    for (int64_t i = 0; i < count; i++) {
+        bool out = false;
+        for (int v = 0; v < capture->n_views && !out && opacity[i] > 0; v++) {
+            real x, y;
+            out = ffp_project(&capture->views[v].camera, centre + 3 * i, &x, &y) > 0 &&
+                  off_silhouette(&capture->views[v], x, y);
+        }
+        if (!out) continue;
+        opacity[i] = 0;
+        off++;
+    }
+    return off;
+}

@@ -116,6 +116,12 @@ static int64_t polish_steps(const FfpReconstruction *options, const FfpCapture *
     return (capture->scene ? 2 : 1) * FFP_POLISH_STEPS * views / POLISH_VIEWS;
 }
 
+// What a fit has moved onto a view's background would be seen beside the object from elsewhere.
+static void keep_to_silhouettes(Work *w) {
+    if (!w->capture.scene)
+        ffp_prune_off_silhouettes(w->result.opacity, w->result.centre, w->result.count, &w->capture);
+}
+
 // Between the prediction and the way back to the world.
 static bool polish(Work *w, const FfpReconstruction *options, FfpReconstructionStats *stats, FfpError *err) {
     FfpRefineSettings settings = ffp_polish_defaults(polish_steps(options, &w->capture));
@@ -127,6 +133,7 @@ static bool polish(Work *w, const FfpReconstruction *options, FfpReconstructionS
         return false;
     stats->polish_dropped = result.dropped;
     if (result.dropped) ffp_note("the polish made the match with the photographs worse: it is discarded");
+    keep_to_silhouettes(w);
     return true;
 }
 
