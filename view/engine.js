@@ -14,6 +14,7 @@ class Engine {
   constructor() {
     this.worker = null;
     this.waiting = null;
+    this.last = Promise.resolve(); // of the requests: the next is sent when it is answered
     this.tell = () => {};
   }
 
@@ -38,12 +39,15 @@ class Engine {
     return this.ask({ kind: 'start', wasm: payload(`${module}.wasm`), weights: payload('small.safetensors'), threads });
   }
 
-  // One request at a time.
+  // One request at a time, in their order.
   ask(message, moved = []) {
-    return new Promise((done, fail) => {
+    const { worker } = this, send = () => new Promise((done, fail) => {
+      if (!this.worker || this.worker !== worker) { fail(new Message('Cancelled.')); return; }
       this.waiting = { done, fail };
-      this.worker.postMessage(message, moved);
+      worker.postMessage(message, moved);
     });
+    this.last = this.last.then(send, send);
+    return this.last;
   }
 
   stop() {

@@ -14,7 +14,7 @@
 enum {
     THREADS_MAX = 16,
     DEPTH_MAX = 8,      // regions inside each other
-    ARGUMENTS_MAX = 24, // of a region: what it shares with its surroundings
+    ARGUMENTS_MAX = 18, // of a region: what it shares with its surroundings
     SPINS = 4000,       // looks at a word before its thread goes to sleep
     STATIC = 34,        // clang's numbers of schedules
     DYNAMIC = 35,

@@ -86,17 +86,18 @@ class Page(browser.Browser):
         said = self.run("document.getElementById('why').textContent")
         assert why in said, f"{path}: {said}"
 
-    def save(self, kind, folder):
-        """The file that the button writes."""
+    def save(self, kinds, folder):
+        """The files that the buttons write, pressed without waiting for each other."""
         self.call("Browser.setDownloadBehavior", {"behavior": "allow", "downloadPath": folder}, session=None)
         before = set(os.listdir(folder))
-        self.run(f"document.querySelector('[data-save={kind}]').click()")
+        for kind in kinds:
+            self.run(f"document.querySelector('[data-save={kind}]').click()")
         for _ in range(600):
-            new = [name for name in set(os.listdir(folder)) - before if name.endswith("." + kind)]
-            if new:
-                return os.path.join(folder, new[0])
+            new = {name.rsplit(".", 1)[-1]: os.path.join(folder, name) for name in set(os.listdir(folder)) - before}
+            if set(kinds) <= set(new):
+                return new
             time.sleep(0.1)
-        raise AssertionError(f"{kind} was not saved")
+        raise AssertionError(f"of {kinds} only {list(new)} were saved")
 
 
 def native(program, capture, folder, threads):
@@ -119,8 +120,10 @@ def zipped(capture, path):
 
 def check_files(page, folder):
     # SPZ 2 is packed by gzip and begins with NGSP.
-    for kind, magic in (("ply", b"ply\n"), ("html", b"<!doctype html>"), ("spz", b"NGSP"), ("glb", b"glTF\2\0\0\0")):
-        path = page.save(kind, folder)
+    magics = {"ply": b"ply\n", "html": b"<!doctype html>", "spz": b"NGSP", "glb": b"glTF\2\0\0\0"}
+    saved = page.save(list(magics), folder)
+    for kind, magic in magics.items():
+        path = saved[kind]
         with (gzip.open if kind == "spz" else open)(path, "rb") as file:
             assert file.read(len(magic)) == magic, path
         print(f"saved {kind}: {os.path.getsize(path) / 1e6:.2f} MB")
