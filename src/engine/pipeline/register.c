@@ -13,6 +13,7 @@
 
 enum { NUMBERS = 12, SMALLEST = 32 }; // of both devices; width of the smallest pictures, pixels
 enum { STEPS = 12 };                  // at most, of each size of pictures
+enum { MOST_PIXELS = 1 << 18 };       // of the largest: more tell no more of two poses, and take memory
 #define PROBE 0.3                     // of the numeric derivatives, pixels
 #define WORTH 1e-3                    // share of the cost that a step must save for another
 
@@ -136,12 +137,13 @@ static void add_motion(const FfpCamera *from, const FfpCamera *to, double *turne
 static void register_view(Fit *fit, FfpView *view, const int *patterns, FfpAlignmentStats *sums) {
     const FfpView given = *view;
     const int width = view->camera.width, height = view->camera.height;
+    const int64_t pixels = (int64_t)width * height;
     int smaller = 1;
     while (width / (2 * smaller) >= SMALLEST && height / (2 * smaller) > 0) smaller *= 2;
     fit_open(fit, view, patterns, width, height);
     const double before = disagreement(fit);
     fit_close(fit);
-    for (; smaller >= 1; smaller /= 2) {
+    for (; smaller >= 1 && pixels / smaller / smaller <= MOST_PIXELS; smaller /= 2) {
         fit_open(fit, view, patterns, width / smaller, height / smaller);
         descend(fit, view);
         fit_close(fit);

@@ -51,6 +51,8 @@ static bool make_scene(FfpCapture *capture, FfpSceneSpec *spec, const char *pict
     const bool ok = drawn && ffp_scene_make(capture, spec, err);
     ffp_textures_free(drawn);
     ffp_material_folder_close(&materials);
+    spec->own_textures = NULL;
+    spec->own_material = NULL;
     return ok;
 }
 
