@@ -39,9 +39,9 @@ typedef struct FfpCapture FfpCapture;
 FFP_API FfpCapture *ffp_capture_open(FfpContext *context, const char *path, FfpError *err);
 // The same with the photographs left in their files: a capture of many megapixels then takes hardly any
 // memory. It is enough for rendering, maps, exporting, the page and compensation, which read the few
-// photographs that they need; for reconstructing, fitting, evaluating and aligning open all of it. All
-// photographs are read if the file lacks the projector's intensity or a pattern's picture, or, with `sphere`,
-// the object's sphere, which an orbit, a mesh, the page and compensation need.
+// photographs that they need; reconstructing, fitting, aligning and saving refuse it (FFP_ERROR_ARGUMENT).
+// All photographs are read if the file lacks the projector's intensity or a pattern's picture, or, with
+// `sphere`, the object's sphere, which an orbit, a mesh, the page and compensation need.
 FFP_API FfpCapture *ffp_capture_open_devices(FfpContext *context, const char *path, bool sphere,
                                              FfpError *err);
 FFP_API void ffp_capture_close(FfpCapture *capture);

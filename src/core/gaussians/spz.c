@@ -153,7 +153,7 @@ static bool read_parts(FfpGaussians *gaussians, Spz *spz, const Zipped *zipped, 
         return ffp_fail(err, FFP_ERROR_FILE, path, "%u Gaussians do not fit into its %zu bytes",
                         (unsigned)spz->count, zipped->size);
     unsigned char *bytes = ffp_alloc(size, 1);
-    bool whole;
+    bool whole = false;
     bool ok = unzip(zipped, bytes, size, (size_t)HARMONICS_MAX * spz->count, &whole) == size ||
               ffp_fail(err, FFP_ERROR_FILE, path, "ends before its %u Gaussians do", (unsigned)spz->count);
     ok = ok && (whole || ffp_fail(err, FFP_ERROR_FILE, path, "is damaged: its checksum differs"));

@@ -26,7 +26,7 @@ static bool work(void *argument, FfpError *err) {
 bool ffp_align_poses(FfpContext *context, FfpCapture *capture, const FfpAlignment *options,
                      FfpAlignmentStats *stats, FfpError *err) {
     Call call = {capture, options, stats};
-    if (!ffp_need(capture, "capture", err) || !ffp_need(options, "options", err)) return false;
+    if (!ffp_need_photographs(capture, err) || !ffp_need(options, "options", err)) return false;
     if (options->gaussians && !ffp_need_gaussians(options->gaussians, err)) return false;
     if (options->gaussians && options->focal_lengths)
         return ffp_fail(err, FFP_ERROR_ARGUMENT, "focal_lengths", "are not found from known Gaussians");

@@ -1,10 +1,18 @@
 #include "product/api/arguments.h"
 #include <stdio.h>
 #include "core/base/error.h"
+#include "core/capture/capture.h"
 #include "engine/render/render.h"
 
 bool ffp_need(const void *thing, const char *name, FfpError *err) {
     return thing || ffp_fail(err, FFP_ERROR_ARGUMENT, name, "is required, but is NULL");
+}
+
+bool ffp_need_photographs(const FfpCapture *capture, FfpError *err) {
+    if (!ffp_need(capture, "capture", err)) return false;
+    return (capture->n_views > 0 && capture->views[0].coverage.data) ||
+           ffp_fail(err, FFP_ERROR_ARGUMENT, "capture",
+                    "its photographs were left in their files (ffp_capture_open_devices): open all of it");
 }
 
 bool ffp_need_texts(const char *const *texts, int n, const char *name, FfpError *err) {

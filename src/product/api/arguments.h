@@ -7,6 +7,8 @@
 
 // A handle, a struct, a text: not NULL.
 bool ffp_need(const void *thing, const char *name, FfpError *err);
+// A capture with its photographs in memory: not NULL, and not from ffp_capture_open_devices.
+bool ffp_need_photographs(const FfpCapture *capture, FfpError *err);
 // Gaussians, all of whose numbers are finite, with scales above 0 and rotations other than 0: their arrays
 // may be written to from outside.
 bool ffp_need_gaussians(const FfpGaussians *gaussians, FfpError *err);

@@ -70,7 +70,7 @@ static bool scratch_call(void *argument, FfpError *err) {
 FfpGaussians *ffp_fit_from_scratch(FfpContext *context, const FfpCapture *capture, const FfpGaussians *points,
                                    const FfpRefinement *options, FfpRefinementStats *stats, FfpError *err) {
     Call call = {.capture = capture, .options = options, .points = points, .stats = stats};
-    if (!ffp_need(capture, "capture", err) || !ffp_need(options, "options", err) ||
+    if (!ffp_need_photographs(capture, err) || !ffp_need(options, "options", err) ||
         !ffp_check_drawing(options->drawing, err) || (points && !ffp_need_gaussians(points, err)))
         return NULL;
     return ffp_call_run(context, scratch_call, &call, err) ? call.gaussians : NULL;
@@ -118,7 +118,7 @@ FfpNeuralField *ffp_fit_neural_field(FfpContext *context, const FfpCapture *capt
                                      const FfpRefinement *options, const char *checkpoint,
                                      FfpRefinementStats *stats, FfpError *err) {
     Call call = {.capture = capture, .options = options, .checkpoint = checkpoint, .stats = stats};
-    if (!ffp_need(capture, "capture", err) || !ffp_need(options, "options", err)) return NULL;
+    if (!ffp_need_photographs(capture, err) || !ffp_need(options, "options", err)) return NULL;
     return ffp_call_run(context, field_call, &call, err) ? call.field : NULL;
 }
 

@@ -52,7 +52,7 @@ static bool save_capture(void *argument, FfpError *err) {
 
 bool ffp_capture_save(FfpContext *context, const FfpCapture *capture, const char *folder, FfpError *err) {
     SaveCapture call = {capture, folder};
-    if (!ffp_need(capture, "capture", err) || !ffp_need(folder, "folder", err)) return false;
+    if (!ffp_need_photographs(capture, err) || !ffp_need(folder, "folder", err)) return false;
     return ffp_call_run(context, save_capture, &call, err);
 }
 

@@ -75,7 +75,7 @@ static bool prepare(void *argument, FfpError *err) {
 FfpPrepared *ffp_prepare(FfpContext *context, const FfpCapture *capture, const FfpReconstruction *options,
                          FfpError *err) {
     PrepareCall call = {capture, options, NULL};
-    if (!ffp_need(capture, "capture", err) || !ffp_need(options, "options", err) ||
+    if (!ffp_need_photographs(capture, err) || !ffp_need(options, "options", err) ||
         !ffp_need(options->model, "options.model", err))
         return NULL;
     return ffp_call_run(context, prepare, &call, err) ? call.prepared : NULL;

@@ -31,7 +31,7 @@ FfpGaussians *ffp_reconstruct(FfpContext *context, const FfpCapture *capture,
                               const FfpReconstruction *options, FfpReconstructionStats *stats,
                               FfpError *err) {
     Call call = {capture, options, stats, NULL};
-    if (!ffp_need(capture, "capture", err) || !ffp_need(options, "options", err) ||
+    if (!ffp_need_photographs(capture, err) || !ffp_need(options, "options", err) ||
         !ffp_check_drawing(options->drawing, err))
         return NULL;
     return ffp_call_run(context, work, &call, err) ? call.gaussians : NULL;

@@ -24,7 +24,7 @@ static bool work(void *argument, FfpError *err) {
 bool ffp_refine_gaussians(FfpContext *context, FfpGaussians *gaussians, const FfpCapture *capture,
                           const FfpRefinement *options, FfpRefinementStats *stats, FfpError *err) {
     Call call = {.gaussians = gaussians, .capture = capture, .options = options, .stats = stats};
-    if (!ffp_need_gaussians(gaussians, err) || !ffp_need(capture, "capture", err) ||
+    if (!ffp_need_gaussians(gaussians, err) || !ffp_need_photographs(capture, err) ||
         !ffp_need(options, "options", err) || !ffp_check_drawing(options->drawing, err))
         return false;
     return ffp_call_run(context, work, &call, err);

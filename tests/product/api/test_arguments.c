@@ -54,6 +54,16 @@ static void fits_are_told_what_to_fit(void **state) {
     refused(!ffp_fit_neural_field(NULL, capture, &further, NULL, NULL, &err), capture->name);
     refused(!ffp_align_poses(NULL, NULL, &aligning, NULL, &err), "capture");
     refused(!ffp_align_poses(NULL, capture, NULL, NULL, &err), "options");
+    // A capture whose photographs were left in their files.
+    FfpCapture *devices = ffp_capture_open_devices(NULL, FFP_SOURCE_DIR "/data/sample", false, &err);
+    const FfpReconstruction plain = ffp_reconstruction_defaults();
+    assert_non_null(devices);
+    refused(!ffp_reconstruct(NULL, devices, &plain, NULL, &err), "ffp_capture_open_devices");
+    refused(!ffp_refine_gaussians(NULL, gaussians, devices, &fine, NULL, &err), "ffp_capture_open_devices");
+    refused(!ffp_fit_from_scratch(NULL, devices, NULL, &fine, NULL, &err), "ffp_capture_open_devices");
+    refused(!ffp_align_poses(NULL, devices, &aligning, NULL, &err), "ffp_capture_open_devices");
+    refused(!ffp_capture_save(NULL, devices, "folder", &err), "ffp_capture_open_devices");
+    ffp_capture_close(devices);
 }
 
 static void pictures_are_told_where_to_go(void **state) {
