@@ -67,6 +67,15 @@ void *ffp_alloc(size_t count, size_t size) {
     return memset(ffp_alloc_undefined(bytes), 0, bytes);
 }
 
+void *ffp_take(size_t count, size_t size) {
+    const size_t bytes = ffp_checked_bytes(count, size);
+    void *memory = ffp_alloc_undefined(bytes);
+#ifdef FFP_SANITIZED
+    memset(memory, 0xFF, bytes); // NaN: reading it before it is written shows
+#endif
+    return memory;
+}
+
 void *ffp_try_alloc(size_t count, size_t size) {
     size_t bytes;
     if (!bytes_of(count, size, &bytes)) return NULL;

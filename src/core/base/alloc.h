@@ -1,6 +1,7 @@
 // Memory that belongs to the current call (call.h): a call that fails releases everything it has allocated;
-// if it succeeds, the remaining blocks belong to whoever received them. Blocks are zeroed, 64-byte aligned
-// and released with ffp_free. In a parallel region only the bodies of ffp_parallel_for may allocate.
+// if it succeeds, the remaining blocks belong to whoever received them. Blocks are zeroed (but those of
+// ffp_take), 64-byte aligned and released with ffp_free. In a parallel region only the bodies of
+// ffp_parallel_for may allocate.
 #ifndef FFP_BASE_ALLOC_H
 #define FFP_BASE_ALLOC_H
 
@@ -12,7 +13,10 @@ extern "C" {
 
 // count * size bytes; if memory runs out or the product overflows, the call ends with FFP_ERROR_MEMORY.
 void *ffp_alloc(size_t count, size_t size);
-// The same, but returns NULL in that case. For code that holds something only it can release.
+// The same, with undefined contents: for memory that is written before it is read. Its pages are not touched
+// before.
+void *ffp_take(size_t count, size_t size);
+// As ffp_alloc, but returns NULL in that case. For code that holds something only it can release.
 void *ffp_try_alloc(size_t count, size_t size);
 // Enlarges a block (or NULL), keeping its contents and zeroing the rest. If that fails, the old one is
 // unchanged.

@@ -1,6 +1,7 @@
 // Summed-area tables on the CPU; what is made of them is in lookup_box.h.
 #include "core/image/lookup.h"
 #include <stdlib.h>
+#include <string.h>
 #include "core/base/arena.h"
 #include "core/base/device.h"
 #include "core/image/lookup_box.h"
@@ -37,17 +38,21 @@ void ffp_summed_fill(FfpSummed *summed, const FfpImage *rgb) {
     }
     if (!summed->sum || summed->width != rgb->width || summed->height != rgb->height) {
         ffp_memory_free(summed->sum);
-        *summed = ffp_summed_zeros(rgb->width, rgb->height);
+        *summed = (FfpSummed){.width = rgb->width, .height = rgb->height};
+        summed->sum = ffp_take(entries_of(rgb->width, rgb->height), N * sizeof(double));
+        memset(summed->sum, 0, stride * sizeof(double));
     }
     for (int y = 0; y < rgb->height; y++) {
         const real *from = rgb->data + (size_t)y * (size_t)rgb->width * 3;
         const double *above = summed->sum + (size_t)y * stride;
         double *to = summed->sum + (size_t)(y + 1) * stride, row[3] = {0, 0, 0};
+        memset(to, 0, N * sizeof *to);
         for (size_t x = 0; x < (size_t)rgb->width; x++) {
             for (size_t c = 0; c < 3; c++) {
                 row[c] += (double)from[3 * x + c];
                 to[N * (x + 1) + c] = above[N * (x + 1) + c] + row[c];
             }
+            to[N * (x + 1) + 3] = 0;
         }
     }
 }

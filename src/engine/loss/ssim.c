@@ -34,9 +34,9 @@ static double mean_ssim(const FfpImage *a, const FfpImage *b, real scale, FfpIma
     if (map == 0) return 1;
     if (ffp_device()) return ffp_device()->loss->ssim(a, b, scale, grad);
     const FfpLossKernels *ssim = ffp_loss_kernels();
-    real *moments = ffp_alloc((FFP_SSIM_MOMENTS + (grad ? FFP_SSIM_SLOPES : 0)) * map, sizeof *moments);
+    real *moments = ffp_take((FFP_SSIM_MOMENTS + (grad ? FFP_SSIM_SLOPES : 0)) * map, sizeof *moments);
     real *slopes = grad ? moments + FFP_SSIM_MOMENTS * map : NULL;
-    double *row_sums = ffp_alloc(window.height, sizeof *row_sums), sum = 0;
+    double *row_sums = ffp_take(window.height, sizeof *row_sums), sum = 0;
     ssim->blur_moments(&window, moments, a, b);
     ssim->compare(&window, row_sums, slopes, moments);
     for (int y = 0; y < window.height; y++) sum += row_sums[y];

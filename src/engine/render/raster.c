@@ -35,6 +35,6 @@ void ffp_raster_reserve(void **block, size_t *held, size_t count, size_t size) {
     *block = NULL;
     *held = 0;
     const size_t roomy = count + count / 4; // views differ a little: do not reallocate for each
-    *block = ffp_alloc(roomy, size);
+    *block = ffp_take(roomy, size);
     *held = roomy * size;
 }
