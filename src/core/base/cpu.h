@@ -16,7 +16,7 @@
     FFP_PORTABLE_LEVEL(X, __VA_ARGS__) X(AVX2, avx2, __VA_ARGS__) X(AVX512, avx512, __VA_ARGS__)
 #define FFP_EACH_BF16_LEVEL(X, ...) X(AVX512BF16, avx512bf16, __VA_ARGS__) X(AMX, amx, __VA_ARGS__)
 #elif defined(__aarch64__)
-// NEON; products of bf16 pairs (bfdot)
+// NEON; products of bf16 (bfmmla)
 #define FFP_EACH_LOOP_LEVEL(X, ...) FFP_PORTABLE_LEVEL(X, __VA_ARGS__) X(NEON, neon, __VA_ARGS__)
 #define FFP_EACH_BF16_LEVEL(X, ...) X(NEONBF16, neonbf16, __VA_ARGS__)
 #elif defined(__wasm__) // a module with vectors runs as a whole or not at all: there is nothing to choose

@@ -11,6 +11,15 @@
 #define FFP_EXPAND_LEVEL(level, name) FFP_PASTE_LEVEL(level, name)
 #define FFP_K(name) FFP_EXPAND_LEVEL(FFP_LEVEL, name)
 
+// Ahead of a loop of at most n rounds, a number that is known: all of them in a row, so that arrays which it
+// counts through are registers. Each compiler passes over the other's word for it.
+#define FFP_PRAGMA(words) _Pragma(#words)
+#ifdef __clang__
+#define FFP_UNROLL(n) FFP_PRAGMA(unroll)
+#else
+#define FFP_UNROLL(n) FFP_PRAGMA(GCC unroll n)
+#endif
+
 // Declares a room's tables of functions, ffp_<level>_<name> of type Table, and ffp_<name>_kernels(), which
 // gives that of the level in use: of loops' levels the highest that it contains. Rooms built in double exist
 // at one level only.

@@ -52,7 +52,7 @@ static inline __attribute__((always_inline)) void forward_vector(real *y,
                                                                  const Strip *strip, int c, int left,
                                                                  int taps) {
     FfpVector pre = ffp_load(strip->bias + c);
-#pragma GCC unroll 8
+    FFP_UNROLL(8)
     for (int k = 0; k < taps; k++) pre += ffp_load(strip->weights[k] + c) * ffp_load_masked(x[k] + c, left);
     ffp_store_masked(y + c, ffp_silu_vector(pre), left);
 }
@@ -101,7 +101,7 @@ typedef struct Row {
 static inline __attribute__((always_inline)) void
 backward_vector(Sums *sums, const Row *row, const Strip *strip, int c, int left, int taps) {
     FfpVector pre = ffp_load(strip->bias + c), seen[FFP_CONV_TAPS_MAX];
-#pragma GCC unroll 8
+    FFP_UNROLL(8)
     for (int k = 0; k < taps; k++) {
         seen[k] = ffp_load_masked(row->x[k] + c, left);
         pre += ffp_load(strip->weights[k] + c) * seen[k];
@@ -109,7 +109,7 @@ backward_vector(Sums *sums, const Row *row, const Strip *strip, int c, int left,
     const FfpVector s = ffp_sigmoid_vector(pre);
     const FfpVector dpre = ffp_load_masked(row->dy + c, left) * s * (1 + pre * (1 - s));
     ffp_store(sums->bias + c, ffp_load(sums->bias + c) + dpre);
-#pragma GCC unroll 8
+    FFP_UNROLL(8)
     for (int k = 0; k < taps; k++) {
         const FfpVector dx = ffp_load_masked(row->dx[k] + c, left) + ffp_load(strip->weights[k] + c) * dpre;
         ffp_store(sums->weights[k] + c, ffp_load(sums->weights[k] + c) + dpre * seen[k]);

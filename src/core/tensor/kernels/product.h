@@ -43,6 +43,8 @@ enum { FFP_PRODUCT_ROWS = 32 };
 enum { FFP_PRODUCT_ROWS = 14 };
 #elif defined(__AVX2__) || defined(__ARM_NEON)
 enum { FFP_PRODUCT_ROWS = 6 };
+#elif defined(__wasm_simd128__)
+enum { FFP_PRODUCT_ROWS = 5 };
 #else
 enum { FFP_PRODUCT_ROWS = 3 };
 #endif

@@ -8,12 +8,16 @@
 // Rows and panels of a block: as many sums as leave registers for a panel of B and one number of A. Each sum
 // is a chain of additions; there must be more of them than the latency of a multiplication times its
 // throughput. 28 sums of 32 registers with AVX-512, 12 of 16 with AVX2 and SSE2, 24 of 32 with NEON.
-#ifdef __AVX512F__
-enum { ROWS = FFP_PRODUCT_ROWS, PANELS = 2 };
-#else
-enum { ROWS = FFP_PRODUCT_ROWS, PANELS = 1 };
-#endif
+// Compilers of WebAssembly load all that they multiply into registers, of which x86 has 15 for them: 10 sums
+// there, of half a panel.
 enum { VECTORS = FFP_PACK_LINES / FFP_LANES }; // of one panel
+#if defined(__AVX512F__)
+enum { ROWS = FFP_PRODUCT_ROWS, PANELS = 2, WIDTH = PANELS * VECTORS };
+#elif defined(__wasm_simd128__)
+enum { ROWS = FFP_PRODUCT_ROWS, PANELS = 1, WIDTH = VECTORS / 2 };
+#else
+enum { ROWS = FFP_PRODUCT_ROWS, PANELS = 1, WIDTH = VECTORS };
+#endif
 
 typedef struct Block {
     const FfpPacked *a, *b;
@@ -72,7 +76,7 @@ static inline FfpVector multiply_add(FfpVector sum, Number a, Columns b) {
 static inline __attribute__((always_inline)) void store_row(const Block *block, int row, const FfpVector *sum,
                                                             int count, bool full) {
     real *c = block->c + (size_t)row * block->ldc;
-#pragma GCC unroll 4
+    FFP_UNROLL(4)
     for (int v = 0; v < count; v++) {
         const int left = full ? FFP_LANES : block->columns - v * FFP_LANES;
         real *to = c + v * FFP_LANES;
@@ -104,22 +108,22 @@ static inline __attribute__((always_inline)) void weigh_row(const Block *block, 
                                                             int count) {
     FfpPacked *to = block->weights + (size_t)row * block->depth;
     real *sums = block->sums + (size_t)row * FFP_PACK_LINES;
-    FfpVector all = ffp_load(sums), weight[PANELS * VECTORS];
-#pragma GCC unroll 4
+    FfpVector all = ffp_load(sums), weight[WIDTH];
+    FFP_UNROLL(4)
     for (int v = 0; v < count; v++) {
         weight[v] = raise(sum[v]);
         all += weight[v];
     }
     ffp_store(sums, all);
 #if defined(FFP_BF16) && defined(__ARM_FEATURE_BF16_VECTOR_ARITHMETIC)
-#pragma GCC unroll 4
+    FFP_UNROLL(4)
     for (int v = 0; v < count; v += 2)
         vst1q_u16(to + v * FFP_LANES,
                   vreinterpretq_u16_bf16(vcvtq_high_bf16_f32(vcvtq_low_bf16_f32(weight[v]), weight[v + 1])));
 #elif defined(FFP_BF16)
     _mm512_storeu_si512(to, (__m512i)_mm512_cvtne2ps_pbh((__m512)weight[1], (__m512)weight[0]));
 #else
-#pragma GCC unroll 4
+    FFP_UNROLL(4)
     for (int v = 0; v < count; v++) ffp_store(to + v * FFP_LANES, weight[v]);
 #endif
 }
@@ -129,40 +133,93 @@ static inline void weigh_row(const Block *block, int row, const FfpVector *sum, 
 }
 #endif
 
-// All loops over the block are unrolled, so that its sums never leave the registers. Returns `rows`.
-static inline __attribute__((always_inline)) int multiply(const Block *block, int rows, int panels,
-                                                          bool weigh) {
-    enum { WIDTH = PANELS * VECTORS };
-    FfpVector sum[ROWS][WIDTH];
+// All loops over the block are unrolled, so that its sums never leave the registers.
+static inline __attribute__((always_inline)) void add_up(const Block *block, int rows, int width,
+                                                         FfpVector sum[ROWS][WIDTH]) {
     const FfpPacked *a = block->a, *b = block->b;
     const size_t b_panel = FFP_PACK_LINES * block->b_depth;
-    const int width = panels * VECTORS;
-#pragma GCC unroll 16
-    for (int r = 0; r < rows; r++)
-#pragma GCC unroll 4
-        for (int v = 0; v < width; v++) sum[r][v] = (FfpVector){0};
+    FFP_UNROLL(16)
+    for (int r = 0; r < rows; r++) FFP_UNROLL(4)
+    for (int v = 0; v < width; v++) sum[r][v] = (FfpVector){0};
     for (int l = 0; l < block->groups; l++) {
         Columns columns[WIDTH];
-#pragma GCC unroll 4
+        FFP_UNROLL(4)
         for (int v = 0; v < width; v++)
             columns[v] = load_columns(b + v / VECTORS * b_panel + v % VECTORS * FFP_LANES * FFP_PACK_GROUP);
-#pragma GCC unroll 16
+        FFP_UNROLL(16)
         for (int r = 0; r < rows; r++) {
             const Number number = load_number(a + r * block->a_depth);
-#pragma GCC unroll 4
+            FFP_UNROLL(4)
             for (int v = 0; v < width; v++) sum[r][v] = multiply_add(sum[r][v], number, columns[v]);
         }
         a += FFP_PACK_GROUP;
         b += FFP_PACK_GROUP * FFP_PACK_LINES;
     }
+}
+
+#if defined(FFP_BF16) && defined(__ARM_FEATURE_BF16_VECTOR_ARITHMETIC)
+// The same for pairs of rows: bfmmla multiplies 2 x 4 by 4 x 2 numbers and adds to 2 x 2 sums, in the order
+// in which bfdot would. Two groups of k are taken at once; zeros are packed after the last one.
+static inline __attribute__((always_inline)) void add_up_pairs(const Block *block, int rows,
+                                                               FfpVector sum[ROWS][WIDTH]) {
+    const FfpPacked *a = block->a, *b = block->b;
+    FfpVector squares[ROWS / 2][2 * WIDTH]; // two rows of two columns each
+    FFP_UNROLL(16)
+    for (int r = 0; r < rows / 2; r++) FFP_UNROLL(8)
+    for (int v = 0; v < 2 * WIDTH; v++) squares[r][v] = (FfpVector){0};
+    for (int l = 0; l < block->groups; l += 2) {
+        bfloat16x8_t numbers[ROWS / 2];
+        FFP_UNROLL(16)
+        for (int r = 0; r < rows / 2; r++)
+            numbers[r] = vreinterpretq_bf16_u16(vcombine_u16(vld1_u16(a + 2 * r * block->a_depth),
+                                                             vld1_u16(a + (2 * r + 1) * block->a_depth)));
+        FFP_UNROLL(4)
+        for (int v = 0; v < WIDTH; v++) {
+            const FfpPacked *from = b + v * FFP_LANES * FFP_PACK_GROUP;
+            const uint32x4_t first = vreinterpretq_u32_u16(vld1q_u16(from));
+            const uint32x4_t second =
+                vreinterpretq_u32_u16(vld1q_u16(from + FFP_PACK_GROUP * FFP_PACK_LINES));
+            const bfloat16x8_t low = vreinterpretq_bf16_u32(vzip1q_u32(first, second));
+            const bfloat16x8_t high = vreinterpretq_bf16_u32(vzip2q_u32(first, second));
+            FFP_UNROLL(16)
+            for (int r = 0; r < rows / 2; r++) {
+                squares[r][2 * v] = vbfmmlaq_f32(squares[r][2 * v], numbers[r], low);
+                squares[r][2 * v + 1] = vbfmmlaq_f32(squares[r][2 * v + 1], numbers[r], high);
+            }
+        }
+        a += 2 * FFP_PACK_GROUP;
+        b += 2 * FFP_PACK_GROUP * FFP_PACK_LINES;
+    }
+    FFP_UNROLL(16)
+    for (int r = 0; r < rows / 2; r++) FFP_UNROLL(4)
+    for (int v = 0; v < WIDTH; v++) {
+        const float64x2_t left = vreinterpretq_f64_f32(squares[r][2 * v]);
+        const float64x2_t right = vreinterpretq_f64_f32(squares[r][2 * v + 1]);
+        sum[2 * r][v] = vreinterpretq_f32_f64(vzip1q_f64(left, right));
+        sum[2 * r + 1][v] = vreinterpretq_f32_f64(vzip2q_f64(left, right));
+    }
+}
+#endif
+
+// Returns `rows`.
+static inline __attribute__((always_inline)) int multiply(const Block *block, int rows, int panels,
+                                                          bool weigh) {
+    FfpVector sum[ROWS][WIDTH];
+    const int width = panels < PANELS ? panels * VECTORS : WIDTH;
+#if defined(FFP_BF16) && defined(__ARM_FEATURE_BF16_VECTOR_ARITHMETIC)
+    if (rows % 2 == 0)
+        add_up_pairs(block, rows, sum);
+    else
+#endif
+        add_up(block, rows, width, sum);
     if (weigh) {
-#pragma GCC unroll 16
+        FFP_UNROLL(16)
         for (int r = 0; r < rows; r++) weigh_row(block, r, sum[r], width);
     } else if (block->columns >= width * FFP_LANES) {
-#pragma GCC unroll 16
+        FFP_UNROLL(16)
         for (int r = 0; r < rows; r++) store_row(block, r, sum[r], width, true);
     } else {
-#pragma GCC unroll 16
+        FFP_UNROLL(16)
         for (int r = 0; r < rows; r++) store_row(block, r, sum[r], width, false);
     }
     return rows;
@@ -178,13 +235,19 @@ static inline __attribute__((always_inline)) int multiply_rows(const Block *bloc
     return multiply(block, 1, panels, weigh);
 }
 
+// Columns from `column` on, which begin a panel or lie within one.
+static inline const FfpPacked *columns_from(const FfpOperand *b, int column) {
+    const int within = column % FFP_PACK_LINES;
+    return b->from + (size_t)(column - within) * b->depth + (size_t)within * FFP_PACK_GROUP;
+}
+
 // Panels of B outside, so that they stay in the first-level cache while the rows of A pass.
 void ffp_product(int m, int n, int k, real alpha, FfpOperand a, FfpOperand b, real beta, real *c, int ldc) {
     Block block = {.a_depth = a.depth, .b_depth = b.depth, .alpha = alpha, .beta = beta, .ldc = ldc};
     block.groups = (k + FFP_PACK_GROUP - 1) / FFP_PACK_GROUP;
     for (int column = 0; column < n;) {
         const bool full = n - column > (PANELS - 1) * FFP_PACK_LINES;
-        block.b = b.from + (size_t)column * b.depth;
+        block.b = columns_from(&b, column);
         block.columns = n - column;
         for (int row = 0; row < m;) {
             block.a = a.from + (size_t)row * a.depth;
@@ -192,7 +255,7 @@ void ffp_product(int m, int n, int k, real alpha, FfpOperand a, FfpOperand b, re
             row += full ? multiply_rows(&block, m - row, PANELS, false)
                         : multiply_rows(&block, m - row, 1, false);
         }
-        column += full ? PANELS * FFP_PACK_LINES : FFP_PACK_LINES;
+        column += full ? WIDTH * FFP_LANES : FFP_PACK_LINES;
     }
 }
 
@@ -200,8 +263,8 @@ void ffp_product(int m, int n, int k, real alpha, FfpOperand a, FfpOperand b, re
 void FFP_K(product_weights)(int m, int n, int k, FfpOperand a, FfpOperand b, FfpPacked *weights, real *sums) {
     Block block = {.a_depth = a.depth, .b_depth = b.depth, .depth = (size_t)n};
     block.groups = (k + FFP_PACK_GROUP - 1) / FFP_PACK_GROUP;
-    for (int column = 0; column < n; column += PANELS * FFP_PACK_LINES) {
-        block.b = b.from + (size_t)column * b.depth;
+    for (int column = 0; column < n; column += WIDTH * FFP_LANES) {
+        block.b = columns_from(&b, column);
         for (int row = 0; row < m;) {
             block.a = a.from + (size_t)row * a.depth;
             block.weights = weights + (size_t)row * block.depth + column;

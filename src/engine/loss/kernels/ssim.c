@@ -17,7 +17,7 @@ static void blur(const FfpSsimWindow *window, real *restrict out, const real *re
     for (int k = 0; k < FFP_SSIM_TAPS; k++) row[k] = rows[k];
     for (int i = 0; i < window->row; i++) {
         real sum = 0;
-#pragma GCC unroll 11
+        FFP_UNROLL(11)
         for (int k = 0; k < FFP_SSIM_TAPS; k++) sum += taps[k] * row[k][i];
         out[i] = sum;
     }

@@ -60,7 +60,7 @@ ALWAYS_INLINE void load_pixels(const FfpGbuffer *out, const FfpGbuffer *grad, in
         p->opacity[lane + l] = out->opacity[pixel + l];
         p->depth[lane + l] = out->depth[pixel + l];
     }
-#pragma GCC unroll 12
+    FFP_UNROLL(12)
     for (int k = 0; k < FFP_CHANNELS; k++)
         for (int l = 0; l < count; l++) {
             const int64_t at = (pixel + l) * grads.stride[k];
@@ -112,7 +112,7 @@ ALWAYS_INLINE Local splat_in_block(const FfpSplat *s, const Covering *c, int i, 
     const real z = s->value[FFP_CHANNEL_DEPTH];
     Local d;
     Lanes slope = p->grad[0];
-#pragma GCC unroll 12
+    FFP_UNROLL(12)
     for (int k = 1; k < FFP_CHANNELS; k++) slope += s->value[k] * p->grad[k];
     const Lanes w = d.weight = alpha * before;
     Lanes dw = slope;
@@ -148,7 +148,7 @@ ALWAYS_INLINE void add_all_lanes(const Local *d, const bool spreads, const Row *
     real weight[LANES], g[LANES];
     memcpy(weight, &d->weight, sizeof weight);
     memcpy(g, &d->g, sizeof g);
-#pragma GCC unroll 8
+    FFP_UNROLL(8)
     for (int l = 0; l < LANES; l++) {
         rows[l % 2] += weight[l] * channels[l];
         moments[l % 2] += g[l] * monomials->lane[l];
