@@ -3,8 +3,12 @@
 #include <tgmath.h>
 #include "core/base/alloc.h"
 #include "core/base/log.h"
+#include "core/numerics/rank.h"
 #include "rig/import/import_steps.h"
 #include "rig/import/stage_moved.h"
+
+#define LIGHT_LEAST 0.001 // of full scale, by which the room's light must differ, and
+#define LIGHT_CHANGE 0.25 // of the brighter one
 
 static const char *const *files_of(const FfpImporting *import, int stop) {
     return import->shots.empty + (ptrdiff_t)stop * FFP_PATTERNS_MAX;
@@ -74,6 +78,36 @@ static void warn_of_displacement(const FfpImporting *import) {
             capture->views[odd].id, most[0], most[1]);
 }
 
+static double median_of(const FfpImage *black) {
+    const size_t pixels = (size_t)black->width * (size_t)black->height;
+    double *levels = ffp_alloc(pixels + 1, sizeof *levels);
+    for (size_t i = 0; i < pixels; i++)
+        levels[i] = (double)(black->data[3 * i] + black->data[3 * i + 1] + black->data[3 * i + 2]) / 3;
+    const double out = ffp_median(levels, pixels);
+    ffp_free(levels);
+    return out;
+}
+
+// Lamps that were switched, and daylight that changed, after the stage was photographed.
+static void warn_of_other_room_light(const FfpImporting *import) {
+    const int black = import->shots.black;
+    int odd = -1;
+    double here = 0, there = 0, most = 0;
+    for (int v = 0; v < import->capture.n_views; v++) {
+        if (!import->made[v] || !import->stages[v].images[black].data) continue;
+        const double view = median_of(&import->capture.views[v].images[black]),
+                     stage = median_of(&import->stages[v].images[black]), off = fabs(view - stage);
+        if (off > fmax(LIGHT_LEAST, LIGHT_CHANGE * fmax(view, stage)) && off > most)
+            odd = v, most = off, here = view, there = stage;
+    }
+    if (odd >= 0)
+        ffp_warning(
+            "view '%s': under black it has %.4f of full scale where the empty stage has %.4f: was a lamp "
+            "switched since, or did daylight change? The masks are unreliable; photograph stage and object "
+            "in the same light",
+            import->capture.views[odd].id, here, there);
+}
+
 bool ffp_importing_load_stage(FfpImporting *import, FfpError *err) {
     const int n = import->capture.n_views;
     if (!import->shots.empty) return true;
@@ -86,6 +120,7 @@ bool ffp_importing_load_stage(FfpImporting *import, FfpError *err) {
             return false;
     }
     warn_of_displacement(import);
+    warn_of_other_room_light(import);
     return true;
 }
 
