@@ -169,6 +169,8 @@ def _score(
                     f"a prediction has shape {picture.shape}, not {photograph.shape}", f"{method}: {view}"
                 )
             if picture.dtype != np.uint8:
+                if not np.abs(picture).max() < 2:  # NaN, or 0 to 255
+                    raise argument_error("a prediction is not uint8 or floats in [0,1]", f"{method}: {view}")
                 picture = np.rint(np.clip(picture, 0, 1) * 255)
             predicted, true = picture.astype(np.float64) / 255, encode(photograph)
             figures.append(

@@ -133,6 +133,10 @@ def test_protocols_give_the_figures_of_evaluate(capture: ffp.Capture, sample: Pa
         assert row.ssim == pytest.approx(score.ssim, abs=2e-5)
     assert math.isnan(scores[0].lpips) and scores[0].capture == "spot"
     assert "novel_pose" in protocols.table(rows)
+    for wrong in (math.nan, 255.0):
+        picture = np.full((128, 128, 3), wrong)
+        with pytest.raises(ffp.ArgumentError, match="floats in .0,1."):
+            protocols.run(sample, {"wrong": lambda inputs, picture=picture: lambda *_: picture})
 
 
 def test_rows_say_what_predicted(gaussians: ffp.Gaussians, sample: Path, tmp_path: Path) -> None:
