@@ -59,6 +59,7 @@ class Engine {
 
 const engine = new Engine();
 const state = { name: '', files: null };
+const TRUTH = ['depth', 'normal', 'albedo', 'roughness', 'direct_white']; // of a view in scene.json
 
 function note(text) {
   const line = document.createElement('li');
@@ -95,10 +96,12 @@ function captureRoot(files) {
   return scenes.length ? scenes[0].replace(/\/?[a-z_]+\.json$/, '') : null;
 }
 
-// What `ffprocams info` says of the capture: all of it behind a button, and what it advises to change among the messages.
+// What `ffprocams info` says of the capture: all of it behind a button, the checks first, and what it advises to change among the messages.
 function showChecks(text) {
-  $('checks-text').textContent = text;
-  for (const [, what, advice] of text.matchAll(/^ *LOOK (.*)\n(?: *-> (.*))?/gm)) note(`${what.replace(/ +/g, ' ')}${advice ? `: ${advice}` : ''}`);
+  const [about, checks = ''] = text.split(/^checks\n/m), advice = [...checks.matchAll(/^ *LOOK (.+?)(?: {2,}| (?=[^a-z])|$)(.*)\n(?: *-> (.*))?/gm)];
+  $('checks-text').textContent = `${checks}\n${about}`;
+  $('checks').textContent = advice.length ? `Checks (${advice.length})\u2026` : 'Checks\u2026';
+  for (const [, what, found, change] of advice) note(`${what[0].toUpperCase()}${what.slice(1)}: ${found}${change ? `; ${change}` : ''}`);
 }
 
 function showResult({ stats, page }) {
@@ -111,6 +114,29 @@ function showResult({ stats, page }) {
   document.body.dataset.stats = JSON.stringify(stats);
 }
 
+// Depth and the like, by which results are judged, the engine does not need: where they are files that a page cannot read, they are left out.
+function withoutTruth(files, root) {
+  const scene = files.find(({ path }) => path === (root ? `${root}/scene.json` : 'scene.json'));
+  if (!scene) return files;
+  const left = new Set();
+  let description;
+  try {
+    description = JSON.parse(new TextDecoder().decode(scene.bytes));
+    for (const view of description.views) {
+      for (const key of TRUTH.filter((one) => /\.(exr|tiff?)$/i.test(view[one]))) {
+        left.add(key.replace('_', ' '));
+        delete view[key];
+      }
+    }
+  } catch {
+    return files; // the engine says what is wrong with it
+  }
+  if (!left.size) return files;
+  note(`Left out, because a page reads no EXR or TIFF: ${[...left].join(', ')} (true values, to compare with; the reconstruction needs none)`);
+  const bytes = new TextEncoder().encode(JSON.stringify(description));
+  return files.map((file) => (file === scene ? { path: file.path, bytes } : file));
+}
+
 async function reconstruct(force) {
   const { files, folder } = state;
   try {
@@ -120,8 +146,7 @@ async function reconstruct(force) {
     if (state.put !== engine.worker) await engine.ask({ kind: 'put', files });
     state.put = engine.worker;
     const { text } = await engine.ask({ kind: 'open', folder });
-    $('notes').textContent = '';
-    showChecks(text);
+    if (!force) showChecks(text);
     const answer = await engine.ask({ kind: 'run', polish: $('polish').checked ? -1 : 0, force });
     $('work').hidden = true;
     showResult(answer);
@@ -136,6 +161,7 @@ async function reconstruct(force) {
 async function makeCapture(choices) {
   try {
     $('photographs').hidden = true;
+    $('notes').textContent = '';
     showWork('Starting the engine');
     await engine.start();
     await engine.ask({ kind: 'put', files: state.files });
@@ -154,9 +180,10 @@ async function take(reading) {
   $('photographs').hidden = true;
   try {
     showWork('Reading the files');
-    state.files = await reading();
+    const files = await reading(), root = captureRoot(files);
+    $('notes').textContent = '';
+    state.files = root === null ? files : withoutTruth(files, root);
     state.put = null;
-    const root = captureRoot(state.files);
     state.name = (root ?? state.files[0]?.path.split('/')[0])?.split('/').pop() || 'object';
     state.folder = `/dropped/${root}`;
     if (root !== null) {

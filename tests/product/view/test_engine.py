@@ -3,9 +3,10 @@
 reconstructed, shown and saved; photographs with a calibration; what the program makes of the same capture; what is refused.
 Then the same page from a server that isolates it, with threads.
 
-    test_engine.py PAGE CAPTURE FOLDER [PROGRAM]     screenshots and files stay in FOLDER
+    test_engine.py PAGE CAPTURE CAPTURE-WITH-EXR-TRUTH FOLDER [PROGRAM]     screenshots and files stay in FOLDER
 
 Exits with 77 and a line where there is no browser."""
+import base64
 import functools
 import gzip
 import http.server
@@ -25,6 +26,10 @@ import browser
 # dB on the photographs it was fitted to, between the page and the program. Moving the camera's centre by 1e-5 of a pixel changes the
 # result by as much as 0.14 at any level (docs/design/portability.md), and their means over eight such moves by 0.02.
 PSNR_MOST = 0.2
+
+
+# Of a function of the module with threads: wasm/openmp.c hands 18 (ARGUMENTS_MAX) of a region's variables on, behind two of its own.
+PARAMETERS_MOST = 20
 
 
 class Isolating(http.server.SimpleHTTPRequestHandler):
@@ -114,7 +119,7 @@ def zipped(capture, path):
         for folder, _, names in os.walk(capture):
             for name in names:
                 whole = os.path.join(folder, name)
-                archive.write(whole, os.path.join("sample", os.path.relpath(whole, capture)))
+                archive.write(whole, os.path.relpath(whole, os.path.dirname(capture)))
     return path
 
 
@@ -146,13 +151,14 @@ def check_refusals(page, folder):
     page.refuses(broken, "scene.json")
 
 
-def from_disk(page, program, capture, folder):
+def from_disk(page, program, capture, with_truth, folder):
     page.screenshot(os.path.join(folder, "start.png"))
     check_refusals(page, folder)
     before = seconds_of(page.process.pid)
     stats = page.reconstruct(capture, 1800)
     print(f"page: {seconds_of(page.process.pid) - before:.1f} s of processor with the browser's;", json.dumps(stats))
     assert page.run("document.body.dataset.threads") == "1"
+    assert "Clipping: " in page.run("document.getElementById('notes').textContent")
     page.wait("document.getElementById('viewer').contentDocument?.body?.classList.contains('ready')", 600)
     time.sleep(5)  # until it has drawn
     page.screenshot(os.path.join(folder, "result.png"))
@@ -163,8 +169,9 @@ def from_disk(page, program, capture, folder):
     check_files(page, folder)
     page.run("document.getElementById('again').click()")
     page.run("document.getElementById('polish').checked = false")
-    again = page.reconstruct(zipped(capture, os.path.join(folder, "sample.zip")), 900)
+    again = page.reconstruct(zipped(with_truth, os.path.join(folder, "with_truth.zip")), 900)
     print("page, a ZIP file, without polish:", json.dumps(again))
+    assert "no EXR or TIFF: depth (" in page.run("document.getElementById('notes').textContent")
     if program:
         check_photographs(page, program, folder)
     return stats
@@ -206,6 +213,36 @@ def with_page(source, checks):
     return stats
 
 
+def parameters_most(module):
+    """The most parameters of a function type of a WebAssembly module (core specification, 5.3.6 and 5.5.4)."""
+    def number(at):
+        value = shift = 0
+        while True:
+            value, shift, at = value | (module[at] & 127) << shift, shift + 7, at + 1
+            if module[at - 1] < 128:
+                return value, at
+
+    at = 8
+    while module[at] != 1:  # the section of types
+        size, at = number(at + 1)
+        at += size
+    types, at = number(number(at + 1)[1])
+    most = 0
+    for _ in range(types):
+        for part in ("parameters", "results"):
+            count, at = number(at + (part == "parameters"))  # behind 0x60
+            most = max(most, count) if part == "parameters" else most
+            at += count
+    return most
+
+
+def check_regions(source):
+    """Every region of the engine fits into what wasm/openmp.c hands on; a larger one would end the page."""
+    with open(source, encoding="utf-8") as file:
+        module = re.search(r'id="threads\.wasm"[^>]*>([^<]*)<', file.read())
+    assert module and parameters_most(base64.b64decode(module[1])) <= PARAMETERS_MOST
+
+
 def isolated(source, capture):
     server = serve(os.path.dirname(source))
 
@@ -222,8 +259,8 @@ def isolated(source, capture):
 
 
 def main():
-    source, capture, folder = (os.path.abspath(path) for path in sys.argv[1:4])
-    program = os.path.abspath(sys.argv[4]) if len(sys.argv) > 4 else None
+    source, capture, with_truth, folder = (os.path.abspath(path) for path in sys.argv[1:5])
+    program = os.path.abspath(sys.argv[5]) if len(sys.argv) > 5 else None
     if not browser.find():
         print("skipped: there is no Chromium")
         return 77
@@ -232,7 +269,8 @@ def main():
     size = os.path.getsize(source)
     print(f"the page has {size / 1e6:.1f} MB")
     assert size < 25e6
-    stats = with_page(source, lambda page: from_disk(page, program, capture, folder))
+    check_regions(source)
+    stats = with_page(source, lambda page: from_disk(page, program, capture, with_truth, folder))
     figures = [("one thread", 1, stats)]
     if os.cpu_count() > 1:
         figures.append(("threads", os.cpu_count(), isolated(source, capture)))
