@@ -108,6 +108,11 @@ static void warn_of_other_room_light(const FfpImporting *import) {
             import->capture.views[odd].id, here, there);
 }
 
+void ffp_importing_compare_stage(const FfpImporting *import) {
+    warn_of_displacement(import);
+    warn_of_other_room_light(import);
+}
+
 bool ffp_importing_load_stage(FfpImporting *import, FfpError *err) {
     const int n = import->capture.n_views;
     if (!import->shots.empty) return true;
@@ -119,8 +124,7 @@ bool ffp_importing_load_stage(FfpImporting *import, FfpError *err) {
         else if (!load(import, v, err))
             return false;
     }
-    warn_of_displacement(import);
-    warn_of_other_room_light(import);
+    ffp_importing_compare_stage(import);
     return true;
 }
 

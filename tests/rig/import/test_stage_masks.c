@@ -6,6 +6,7 @@
 #include "rig/import/common_stage.h"
 #include "rig/import/contact_sheet.h"
 #include "rig/import/free_space.h"
+#include "rig/import/import_steps.h"
 #include "rig/import/stage_masks.h"
 #include "support.h"
 
@@ -261,6 +262,65 @@ static void other_light_is_told(void **state) {
     free_room(room);
 }
 
+static char warned[1024]; // by the last call
+
+static void keep_warning(void *user, FfpLogLevel level, const char *text) {
+    (void)user;
+    const size_t length = strlen(warned);
+    if (level == FFP_LOG_WARNING) snprintf(warned + length, sizeof warned - length, "%s\n", text);
+}
+
+static bool compare_with_stage(void *room, FfpError *e) {
+    (void)e;
+    Room *r = room;
+    bool made[VIEWS];
+    FfpEmptyStage stages[VIEWS];
+    for (int v = 0; v < VIEWS; v++) made[v] = true, stages[v] = r->stage;
+    ffp_importing_compare_stage(
+        &(FfpImporting){.capture = r->capture, .shots = {.white = 1}, .made = made, .stages = stages});
+    return true;
+}
+
+// What is said of the room's stage.
+static const char *warning_of(Room *room) {
+    FfpContext context = {.settings = {.log = keep_warning}};
+    warned[0] = 0;
+    assert_true(ffp_call_run(&context, compare_with_stage, room, &err));
+    return warned;
+}
+
+// Picture content to the right by n pixels; what leaves comes back on the left.
+static void push(FfpImage *image, int n) {
+    FfpImage before = ffp_image_copy(image);
+    for (int i = 0; i < WIDTH * HEIGHT; i++)
+        for (int c = 0; c < 3; c++)
+            image->data[3 * (i - i % WIDTH + (i + n) % WIDTH) + c] = before.data[3 * i + c];
+    ffp_image_free(&before);
+}
+
+// A lamp, a stage from another place, and one view from another place each have their own warning.
+static void what_changed_since_the_stage_is_named(void **state) {
+    (void)state;
+    Room *room = new_room(true);
+    FfpImage *images = room->stage.images;
+    assert_string_equal(warning_of(room), "");
+    for (int p = 0; p < PATTERNS; p++) push(&room->capture.views[3].images[p], 4);
+    snprintf(room->capture.views[3].id, FFP_NAME_MAX, "135");
+    assert_non_null(strstr(warning_of(room), "view '135' was photographed from another place: the empty "
+                                             "stage looks like it if it is moved by 4, 0 pixels"));
+    assert_null(strchr(strchr(warned, '\n') + 1, '\n')); // and nothing else
+    for (int p = 0; p < PATTERNS; p++) push(&room->capture.views[3].images[p], WIDTH - 4);
+    for (int p = 0; p < PATTERNS; p++) push(&images[p], 4);
+    assert_non_null(strstr(warning_of(room), "the empty stage was photographed from another place"));
+    assert_non_null(strstr(warned, "moved by -4, 0 pixels"));
+    for (int p = 0; p < PATTERNS; p++) push(&images[p], WIDTH - 4);
+    for (int p = 0; p < PATTERNS; p++)
+        for (int i = 0; i < 3 * WIDTH * HEIGHT; i++) images[p].data[i] += 0.01F;
+    assert_non_null(strstr(warning_of(room), "was a lamp switched since, or did daylight change?"));
+    assert_null(strstr(warned, "another place"));
+    free_room(room);
+}
+
 // What the views share is the stage as it is alone, and makes nearly as good masks.
 static void what_stays_the_same_is_the_stage(void **state) {
     (void)state;
@@ -321,6 +381,7 @@ int main(void) {
         cmocka_unit_test(without_poses_light_alone_decides),
         cmocka_unit_test(a_view_like_the_stage_is_refused),
         cmocka_unit_test(other_light_is_told),
+        cmocka_unit_test(what_changed_since_the_stage_is_named),
         cmocka_unit_test(what_stays_the_same_is_the_stage),
         cmocka_unit_test(the_contact_sheet_shows_the_masks),
     };
