@@ -16,7 +16,9 @@
 #define FITS 0.8       // of the error: what explains so much better is right
 #define FITS_WELL 0.08 // error of colours that are looked up rightly, at most
 #define IMPOSSIBLE_MAX 0.02
-#define CHANCE_MAX 0.75 // of what chance explains: more, and the pattern explains nothing
+#define CAMERA_LEAST 0.9    // of the object's sphere, which the camera must see, and
+#define PROJECTOR_LEAST 0.8 // the pattern cover
+#define CHANCE_MAX 0.75     // of what chance explains: more, and the pattern explains nothing
 
 typedef struct Page {
     FILE *out;
@@ -161,26 +163,34 @@ static double impossible_share(const Light *light) {
 
 // --- The lines. ---
 
-static void check_frusta(Page *page, const FfpCapture *capture, const Light *light) {
-    double camera = 1, projector = 1;
-    bool ahead = true;
+FfpFrusta ffp_rig_frusta(const FfpCapture *capture) {
+    FfpFrusta out = {.camera = 1, .projector = 1, .ahead = true};
     for (int v = 0; v < capture->n_views; v++) {
         const FfpView *view = &capture->views[v];
         real x, y;
-        camera = fmin(camera, share_inside(capture, &view->camera));
-        projector = fmin(projector, share_inside(capture, &view->projector));
-        ahead = ahead && ffp_project(&view->camera, capture->centre, &x, &y) > 0 &&
-                ffp_project(&view->projector, capture->centre, &x, &y) > 0;
+        out.camera = fmin(out.camera, share_inside(capture, &view->camera));
+        out.projector = fmin(out.projector, share_inside(capture, &view->projector));
+        out.ahead = out.ahead && ffp_project(&view->camera, capture->centre, &x, &y) > 0 &&
+                    ffp_project(&view->projector, capture->centre, &x, &y) > 0;
     }
-    line(page, ahead && camera > 0.9 && projector > 0.8, "frusta",
+    return out;
+}
+
+bool ffp_rig_frusta_hold(FfpFrusta frusta) {
+    return frusta.ahead && frusta.camera > CAMERA_LEAST && frusta.projector > PROJECTOR_LEAST;
+}
+
+static void check_frusta(Page *page, const FfpCapture *capture, const Light *light) {
+    const FfpFrusta frusta = ffp_rig_frusta(capture);
+    line(page, ffp_rig_frusta_hold(frusta), "frusta",
          "the camera sees %.0f %% of the object's sphere, the pattern covers %.0f %% (worst views)",
-         100 * camera, 100 * projector);
-    if (!ahead)
+         100 * frusta.camera, 100 * frusta.projector);
+    if (!frusta.ahead)
         advise(page,
                "the object lies behind a device: the turntable's axis or the direction of R and T is wrong");
-    else if (camera <= 0.9)
+    else if (frusta.camera <= CAMERA_LEAST)
         advise(page, "the object leaves the picture: move the camera back, or give the object's sphere");
-    else if (projector <= 0.8)
+    else if (frusta.projector <= PROJECTOR_LEAST)
         advise(
             page,
             "the pattern does not reach all of the object: move or aim the projector, or check the size it "

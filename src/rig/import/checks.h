@@ -11,6 +11,15 @@
 // or "LOOK", and what to do below the latter. Returns the number of the latter.
 int ffp_rig_checks(const FfpCapture *capture, FILE *out);
 
+// What the devices see of the object's sphere.
+typedef struct FfpFrusta {
+    double camera, projector; // share of the sphere's surface within the device's field, in the worst view
+    bool ahead;               // whether its centre lies before all of them
+} FfpFrusta;
+FfpFrusta ffp_rig_frusta(const FfpCapture *capture);
+// Whether that is enough: more than 90 % for the camera, 80 % for the projector.
+bool ffp_rig_frusta_hold(FfpFrusta frusta);
+
 // The share from which on the views are said to contradict each other.
 #define FFP_RIG_MISFIT_MAX 0.03
 // Share of the object's pixels through which no point of its sphere lies in all views' silhouettes (a pixel's

@@ -129,8 +129,15 @@ static double masked_share(const FfpCapture *capture) {
     return sum / pixels;
 }
 
-// Whether the light's masks contradict each other, as they do when they show a wall, and what stays the same
-// over the stops tells them better: they are replaced then.
+// Masks that show a wall contradict each other; if they show nothing but walls they do not, but what they
+// hold then does not fit into the devices' fields.
+static bool may_show_background(const FfpCapture *capture) {
+    return !ffp_rig_frusta_hold(ffp_rig_frusta(capture)) ||
+           ffp_rig_silhouette_misfit(capture) >= MISFIT_LEAST;
+}
+
+// Whether the light's masks show a background, and what stays the same over the stops tells the object
+// better: they are replaced then.
 static bool mask_by_common_stage(FfpImporting *import) {
     FfpCapture *capture = &import->capture;
     FfpEmptyStage stage = {0};
@@ -139,8 +146,7 @@ static bool mask_by_common_stage(FfpImporting *import) {
     FfpError none = {0};
     if (!has_one_camera(import) || capture->n_views < VIEWS_TURNED) return false;
     ffp_capture_estimate_bounds(capture);
-    const double misfit = ffp_rig_silhouette_misfit(capture);
-    if (misfit < MISFIT_LEAST || !ffp_common_stage(&stage, &found, capture)) return false;
+    if (!may_show_background(capture) || !ffp_common_stage(&stage, &found, capture)) return false;
     bool ok = found.lit > LIT_LEAST * masked_share(capture);
     FfpImage *before = ffp_alloc((size_t)capture->n_views, sizeof *before);
     for (int v = 0; v < capture->n_views; v++)

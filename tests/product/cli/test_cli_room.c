@@ -1,4 +1,5 @@
-// A room by commands alone: photographed, imported with its true masks, and refused where it could not be.
+// A room by commands alone: photographed, imported with its true masks and without any, and refused where it
+// could not be.
 #include "core/capture/capture.h"
 #include "product/cli/program.h"
 
@@ -48,6 +49,42 @@ static void a_room_is_imported_as_it_stands(void **state) {
     ffp_capture_free(&capture);
 }
 
+static void import_masked(FfpCapture *capture, const char *line, const char *name, const char *masks) {
+    FfpError err = {0};
+    if (run_format(&run, "%s %s -o %s/%s", line, masks, scratch, name) != 0) fail_msg("%s", run.err);
+    if (!ffp_capture_read(capture, in_scratch(name), &err)) fail_msg("%s", err.text);
+}
+
+// Here the light's masks hold nearly all that is lit, at all stops, and so agree with each other.
+static void masks_that_hold_the_room_are_told(void **state) {
+    (void)state;
+    char line[2000], masks[1100];
+    FfpCapture truth, made;
+    double missing = 0, surplus = 0, object = 0;
+    assert_int_equal(
+        run_format(&run,
+                   "generate %s/stops --photographs %s/patterns --room --seed 5 --views 8 --split "
+                   "test --first 30 --resolution 96 --preset smoke",
+                   scratch, scratch),
+        0);
+    import_line(line, "stops");
+    snprintf(masks, sizeof masks, "-m '%s/stops/masks/{view}.png'", scratch);
+    import_masked(&truth, line, "truth", masks);
+    import_masked(&made, line, "made", "");
+    assert_non_null(strstr(run.err, "lit background"));
+    for (int v = 0; v < made.n_views; v++) {
+        const FfpImage *a = &truth.views[v].coverage, *b = &made.views[v].coverage;
+        for (int i = 0; i < a->width * a->height; i++) {
+            const bool in_a = a->data[i] >= 0.5F, in_b = b->data[i] >= 0.5F;
+            object += in_a, missing += in_a && !in_b, surplus += in_b && !in_a;
+        }
+    }
+    printf("missing %.3f, surplus %.3f\n", missing / object, surplus / object);
+    assert_true(missing < 0.3 * object);
+    assert_true(surplus < 0.3 * object); // the room is 7 times the object
+    ffp_capture_free(&truth), ffp_capture_free(&made);
+}
+
 static void wrong_options_are_refused(void **state) {
     (void)state;
     assert_int_equal(run_format(&run, "generate %s/none --room", scratch), 2);
@@ -71,6 +108,7 @@ static void wrong_options_are_refused(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(a_room_is_imported_as_it_stands),
+                                       cmocka_unit_test(masks_that_hold_the_room_are_told),
                                        cmocka_unit_test(wrong_options_are_refused)};
     return cmocka_run_group_tests(tests, setup, scratch_teardown);
 }
