@@ -1,12 +1,16 @@
 #!/usr/bin/env python3
 """Faults of rooms, put into photographs of a room one at a time: the messages of `import` and `info` on each, and what it costs.
 
-    bench/room_faults.py ROOM FFPROCAMS WORK [--width 240]
+    bench/room_faults.py ROOM FFPROCAMS WORK [--width 240] [--only WORDS]..
 
 ROOM: as `ffprocams generate ROOM --photographs PATTERNS --room --seed N` writes it; FFPROCAMS: the program; WORK: a new folder.
 Prints a table in Markdown: pixels of the true masks that are missing, and those too many, in percent of the object; by how many dB the
 object's pixels at two new turns (three patterns, without noise) are worse than in the sound room; and the messages that the sound room
-does not get. Needs numpy and Pillow.
+does not get. Where the fault is the object's own look (RENDERED), its truth is the new turns with the same look, and what is printed is
+the dB there, and the dB with true masks of the same photographs: another object's dB say nothing next to the sound room's. Where it
+moves (SLIPPED), the truth is where it stood first, and views after the slip have the poses that were noted, which are no longer right:
+poses that are wrong by the displacement are the same fault as an object that moved, light and all; masks are those of the sound room.
+Faults of the void (VOID) have no empty stage and no room, and are compared with the sound void. Needs numpy and Pillow.
 """
 import argparse
 import functools
@@ -23,9 +27,11 @@ parser.add_argument("room", type=pathlib.Path)
 parser.add_argument("program")
 parser.add_argument("work", type=pathlib.Path)
 parser.add_argument("--width", default="240")
+parser.add_argument("--only", action="append", default=[], help="faults whose names contain this (and none); may be repeated")
 arguments = parser.parse_args()
 room, work = arguments.room.resolve(), arguments.work.resolve()
 axis = json.loads((room / "axis.json").read_text())
+TURNS = {"new22": "022", "new157": "157"}  # not photographed; without noise
 names, stops, odd = ["black", "white", "lollipop_0"], [f"{t:03d}" for t in range(0, 360, 45)], "090"
 
 
@@ -35,7 +41,7 @@ def turntable(angles):
 
 @functools.lru_cache(None)
 def photograph(folder, name):
-    source = room / "empty" if folder == "empty" else room / "photographs" / folder
+    source = room / ("empty" if folder == "empty" else f"truth/{folder}" if folder in TURNS else f"photographs/{folder}")
     return np.asarray(Image.open(next(source.glob(f"*{name}.*"))).convert("RGB"), float)
 
 
@@ -67,13 +73,6 @@ def encoded(light):
 def blended(folder, thing):
     """The picture with another thing where the object is."""
     return lambda picture: mask(folder) * thing + (1 - mask(folder)) * picture
-
-
-def slipped(folder, name, picture):
-    """The object stands elsewhere, its shadow where it was."""
-    moved, there = (np.roll(a, (0, int(.03 * picture.shape[1])), (0, 1)) for a in (picture, mask(folder)))
-    behind = blended(folder, photograph("empty", name))(picture)
-    return there * moved + (1 - there) * behind
 
 
 def like_the_wall(folder, name, picture):
@@ -122,14 +121,19 @@ FAULTS = {
     "a weak lamp switched on after the empty stage": lambda f, n, p: p if f == "empty" else brighter(p, 1, .01),
     "the room's light out after the empty stage": lambda f, n, p: p if f == "empty" else encoded(linear(p) - .9 * linear(photograph("empty", "black"))),
     "the table not turned before one stop": lambda f, n, p: noisy(photograph("045", n)) if f == odd else p,
-    "the object slipped from the fifth stop on, by 3 % of the width": lambda f, n, p: slipped(f, n, p) if f != "empty" and f >= "180" else p,
+    "the object slipped from the fifth stop on, by 3 % of the width": lambda f, n, p: p,
     "a black object": lambda f, n, p: p if f == "empty" else blended(f, encoded(.08 * linear(p)))(p),
     "an object as bright as the wall": lambda f, n, p: p if f == "empty" else like_the_wall(f, n, p),
     "camera out of focus at one stop": lambda f, n, p: blurred(p, .006 * p.shape[1]) if f == odd else p,
     "somebody's shadow over half of one stop": lambda f, n, p: half(p, .4) if f == odd else p,
     "the empty stage's black and white exchanged": lambda f, n, p: photograph(f, {"black": "white", "white": "black"}.get(n, n)) if f == "empty" else p,
     "one stop's angle noted 5 degrees wrong": lambda f, n, p: p,
+    "(void) none": lambda f, n, p: mask(f) * p,
+    "(void) one stop exposed for 1.2 times as long": lambda f, n, p: mask(f) * (brighter(p, 1.2) if f == odd else p),
+    "(void) camera bumped at one stop": lambda f, n, p: np.roll(mask(f) * p, (6, 9), (0, 1)) if f == odd else mask(f) * p,
 }
+RENDERED = {"a black object", "an object as bright as the wall"}
+SLIPPED = {"the object slipped from the fifth stop on, by 3 % of the width": (4, .03)}  # first stop after, and how far
 ANGLES = {"one stop's angle noted 5 degrees wrong": [int(s) + 5 * (s == odd) for s in stops]}
 
 
@@ -141,7 +145,7 @@ def mirror(picture):
 
 
 def put(fault, into):
-    for folder in ["empty", *stops]:
+    for folder in stops if fault.startswith("(void)") else ["empty", *stops]:
         (into / folder).mkdir(parents=True)
         for name in names:
             picture = FAULTS[fault](folder, name, photograph(folder, name).copy())
@@ -170,13 +174,31 @@ def take(photographs, out, angles, *more):
                    "-p", f"lollipop_0={lollipop}", "-w", arguments.width, "--name", "rig", "-o", out, *more)
 
 
-def make_truth(out):
+def slip(capture, first, share):
+    """The object on the platter: from view `first` on, devices are noted where they stand beside the object as it stood before."""
+    scene = json.loads((capture / "scene.json").read_text())
+    views = scene["views"]
+    centres = [np.array(v["c2w"])[:3, 3] for v in views]
+    along = centres[len(views) // 2] - centres[0]
+    width = int(arguments.width) / scene["camera"]["fx"] * np.linalg.norm(centres[0])  # of the picture, where the object is
+    for view in views[first:]:
+        for pose in ("c2w", "p2w"):
+            matrix = np.array(view[pose])
+            matrix[:3, 3] += share * width * along / np.linalg.norm(along)
+            view[pose] = matrix.tolist()
+    (capture / "scene.json").write_text(json.dumps(scene))
+
+
+def make_truth(out, fault="none"):
     """Two turns that are not photographed, without noise, under white and two other patterns."""
     held = sorted(f.stem for f in (room / "truth" / "new22").glob("*.png") if (room / "patterns" / f.name).exists() and f.stem not in names)
-    for turn, name in (("new22", "022"), ("new157", "157")):
-        for kind, source in (("views", room / "truth" / turn), ("masks", room / "masks" / f"{turn}.png")):
-            (out / kind).mkdir(parents=True, exist_ok=True)
-            (out / kind / (name if kind == "views" else f"{name}.png")).symlink_to(source)
+    (out / "masks").mkdir(parents=True)
+    for turn, name in TURNS.items():
+        (out / "views" / name).mkdir(parents=True)
+        for pattern in ["black", "white", *held]:
+            picture = FAULTS[fault](turn, pattern, photograph(turn, pattern).copy())
+            Image.fromarray(np.clip(picture, 0, 255).astype(np.uint8)).save(out / "views" / name / f"{pattern}.png")
+        (out / "masks" / f"{name}.png").symlink_to(room / "masks" / f"{turn}.png")
     status, said = said_by("import", "-c", room / "calibration.xml", "-t", turntable([22, 157]), *[x for n in ["black", "white", *held] for x in ("-i", f"{n}={out}/views/{{view}}/{n}.png")],
                            "-p", f"{held[0]}={room}/patterns/{held[0]}.png", *[x for n in held[1:] for x in ("--held-out", f"{n}={room}/patterns/{n}.png")],
                            "-m", f"{out}/masks/{{view}}.png", "-w", arguments.width, "--name", "rig", "-o", out / "capture")
@@ -184,41 +206,71 @@ def make_truth(out):
         raise SystemExit("; ".join(said))
 
 
-def quality(capture):
-    """dB of the object's pixels at the turns of `truth`, or what reconstruct says."""
+def quality(capture, truth):
+    """dB of the object's pixels at the turns of the capture `truth`, or what reconstruct says."""
     status, said = said_by("reconstruct", capture, "-o", capture.parent / "object.ply")
     if status:
         return None, said
-    subprocess.run([arguments.program, "evaluate", capture, "--gaussians", capture.parent / "object.ply", "--targets", work / "truth" / "capture" / "scene.json",
+    subprocess.run([arguments.program, "evaluate", capture, "--gaussians", capture.parent / "object.ply", "--targets", truth / "capture" / "scene.json",
                     "--json", capture.parent / "scores.json"], capture_output=True, check=True)
     rows = json.loads((capture.parent / "scores.json").read_text())["rows"]
     return next(row["psnr_foreground"] for row in rows if row["protocol"] == "novel_pose"), said
 
 
-work.mkdir(parents=True)
-make_truth(work / "truth")
-usual, truth, sound = set(), None, None
-print("| fault | missing / surplus | lost | said |\n|---|---|---|---|")
-for fault in FAULTS:
+def with_true_masks(photographs, out, angles, truth):
+    status, said = take(photographs, out, angles, "-m", f"{room}/masks/{{view}}.png")
+    if status:
+        raise SystemExit("; ".join(said))
+    return masks_of(out), quality(out, truth)[0]
+
+
+def missing_and_surplus(true, made):
+    area = sum(m.sum() for m in true)
+    return " / ".join(f"{100 * sum((a & ~b).sum() for a, b in pairs) / area:.1f}" for pairs in (list(zip(true, made)), list(zip(made, true)))) + " %"
+
+
+def lost_by(fault, here, angles, db, sound):
+    """What the table says of `db`; `sound`: that without a fault."""
+    if db is None:
+        return "reconstruct refuses"
+    if fault in RENDERED:
+        return f"({db:.1f} dB; true masks: {with_true_masks(here / 'photographs', here / 'true', angles, here / 'truth')[1]:.1f} dB)"
+    return f"({db:.1f} dB)" if sound is None else f"{sound - db:.1f} dB"
+
+
+def try_fault(fault, usual, sound):
+    """Prints the table's row; returns messages and dB."""
     here = work / "fault"
     shutil.rmtree(here, ignore_errors=True)
     put(fault, here / "photographs")
     angles = ANGLES.get(fault, list(map(int, stops)))
-    if truth is None:
-        take(here / "photographs", here / "true", angles, "-m", f"{room}/masks/{{view}}.png")
-        truth = masks_of(here / "true")
-        print(f"| (true masks) | 0 / 0 % | {quality(here / 'true')[0]:.2f} dB | |")
-    status, said = take(here / "photographs", here / "capture", angles, *[x for n in names for x in ("--empty", f"{n}={here}/photographs/empty/{n}.png")])
-    share, lost = "refused", "–"
+    if fault in RENDERED:
+        make_truth(here / "truth", fault)
+    empty = [] if fault.startswith("(void)") else [x for n in names for x in ("--empty", f"{n}={here}/photographs/empty/{n}.png")]
+    status, said = take(here / "photographs", here / "capture", angles, *empty)
+    share, lost, db = "refused", "–", None
     if status == 0:
+        share = missing_and_surplus(true, masks_of(here / "capture"))
+        if fault in SLIPPED:
+            slip(here / "capture", *SLIPPED[fault])
         said += said_by("info", here / "capture")[1]
-        made = masks_of(here / "capture")
-        area = sum(m.sum() for m in truth)
-        share = " / ".join(f"{100 * pixels / area:.1f}" for pixels in (sum((t & ~m).sum() for t, m in zip(truth, made)), sum((m & ~t).sum() for t, m in zip(truth, made)))) + " %"
-        db, more = quality(here / "capture")
+        db, more = quality(here / "capture", here / "truth" if fault in RENDERED else work / "truth")
         said += more
-        sound = sound or db
-        lost = "reconstruct refuses" if db is None else f"{db:.2f} dB" if fault == "none" else f"{sound - db:.1f} dB"
-    if fault == "none":
-        usual = {line[:40] for line in said}
-    print(f"| {fault} | {share} | {lost} | {'; '.join(dict.fromkeys(line for line in said if line[:40] not in usual)) or 'nothing'} |", flush=True)
+        lost = lost_by(fault, here, angles, db, sound)
+    new = [line for line in dict.fromkeys(said) if sound is not None and line[:40] not in usual]
+    print(f"| {fault} | {share} | {lost} | {'; '.join(new) or 'nothing'} |", flush=True)
+    return {line[:40] for line in said}, db
+
+
+work.mkdir(parents=True)
+make_truth(work / "truth")
+put("none", work / "sound")
+true, best = with_true_masks(work / "sound", work / "true", list(map(int, stops)), work / "truth")
+print(f"| fault | missing / surplus | lost | said |\n|---|---|---|---|\n| (true masks) | 0 / 0 % | ({best:.1f} dB) | |")
+ordinary = {}
+for name in FAULTS:
+    kind = name.startswith("(void)")
+    if name in ("none", "(void) none"):
+        ordinary[kind] = try_fault(name, set(), None)
+    elif not arguments.only or any(words in name for words in arguments.only):
+        try_fault(name, *ordinary[kind])
