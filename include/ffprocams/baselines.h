@@ -1,5 +1,5 @@
 // Other methods, for comparison: fits to one object's photographs without a prediction. They take far longer
-// than ffp_refine_gaussians, whose options and statistics they share.
+// than ffp_refine_gaussians, whose options and statistics they share. And a figure to compare any method by.
 #ifndef FFPROCAMS_BASELINES_H
 #define FFPROCAMS_BASELINES_H
 
@@ -33,6 +33,12 @@ FFP_API FfpNeuralField *ffp_neural_field_open(FfpContext *context, const char *p
 FFP_API bool ffp_neural_field_save(FfpContext *context, const FfpNeuralField *field, const char *path,
                                    FfpError *err);
 FFP_API void ffp_neural_field_close(FfpNeuralField *field);
+
+// LPIPS (Zhang et al. 2018, version 0.1) as in FfpScore, of n pairs of pictures over black, sRGB-encoded:
+// distances[i] is that of a[i] and b[i], which have one size; NAN below 31 x 31 pixels (AlexNet) or 17 x 17
+// (SqueezeNet). `weights`: safetensors as FfpEvaluation.perceptual. Errors: no weights of LPIPS; other sizes.
+FFP_API bool ffp_lpips(FfpContext *context, const char *weights, const FfpPicture *a, const FfpPicture *b,
+                       int n, double *distances, FfpError *err);
 
 #ifdef __cplusplus
 }

@@ -17,8 +17,9 @@ from typing import Callable
 import numpy as np
 import numpy.typing as npt
 
-from ._call import PathLike
-from ._pixels import Array, Floats, encode
+from ._call import Call, Keep, PathLike
+from ._library import ffi, lib
+from ._pixels import Array, Floats, encode, picture_of
 from .capture import Capture, View
 from .devices import Doubles, Pinhole
 from .errors import argument_error
@@ -74,6 +75,7 @@ class Row:
     psnr: float  #: dB
     psnr_foreground: float  #: over pixels that the object covers
     ssim: float
+    lpips: float  #: NaN without weights
     images: int
     reconstruct_s: float  #: seconds
     render_s: float
@@ -111,6 +113,28 @@ def ssim(a: npt.ArrayLike, b: npt.ArrayLike) -> float:
         (2 * mean_x * mean_y + c1) * (2 * both + c2) / ((mean_x**2 + mean_y**2 + c1) * (var_x + var_y + c2))
     )
     return float(index.mean())
+
+
+def lpips(a: Sequence[Array], b: Sequence[Array], weights: PathLike) -> Doubles:
+    """[n] perceptual distances (Zhang et al. 2018, version 0.1) of n pairs of pictures [height,width,3] over black:
+    uint8 and uint16 sRGB-encoded, floats linear. ``weights``: safetensors as ``python -m ffprocams.perceptual`` writes."""
+    if len(a) != len(b):
+        raise argument_error(f"{len(b)} pictures for {len(a)}", "b")
+    keep, distances = Keep(), np.full(len(a), np.nan)
+    one, other = (
+        keep(ffi.new("FfpPicture[]", [picture_of(p, keep, f"{name}[{i}]")[0] for i, p in enumerate(pictures)]))
+        for name, pictures in (("a", a), ("b", b))
+    )
+    with Call() as call:
+        out = ffi.cast("double *", distances.ctypes.data)
+        call.check(lib.ffp_lpips(call.context, keep.path(weights), one, other, len(a), out, call.error))
+    return distances
+
+
+def _weights(perceptual: PathLike | None) -> PathLike | None:
+    """As evaluate finds them."""
+    folder = os.environ.get("FFPROCAMS_PERCEPTUAL")
+    return perceptual if perceptual or not folder else Path(folder) / "lpips_alex.safetensors"
 
 
 def shown(capture: Capture, pattern: str) -> Floats:
@@ -151,11 +175,17 @@ def inputs_of(capture: Capture, pattern: str | None = None, name: str = "capture
 
 
 def _score(
-    method: str, name: str, protocol: str, truth: Capture, patterns: Iterable[str], predict: Predictor
+    method: str,
+    name: str,
+    protocol: str,
+    truth: Capture,
+    patterns: Iterable[str],
+    predict: Predictor,
+    weights: PathLike | None,
 ) -> Row:
-    figures, seconds = [], 0.0
+    figures, distances, seconds = [], [np.empty(0)], 0.0
     for pattern in patterns:
-        light = shown(truth, pattern)
+        light, pictures, photographs = shown(truth, pattern), [], []
         for view in truth.view_ids:
             photograph = truth.photograph(view, pattern)
             if photograph is None:
@@ -171,19 +201,33 @@ def _score(
             if picture.dtype != np.uint8:
                 if not np.abs(picture).max() < 2:  # NaN, or 0 to 255
                     raise argument_error("a prediction is not uint8 or floats in [0,1]", f"{method}: {view}")
-                picture = np.rint(np.clip(picture, 0, 1) * 255)
+                picture = np.rint(np.clip(picture, 0, 1) * 255).astype(np.uint8)
+            pictures.append(picture)
+            photographs.append(photograph)
             predicted, true = picture.astype(np.float64) / 255, encode(photograph)
             figures.append(
                 (psnr(predicted, true), psnr(predicted, true, truth.coverage(view)), ssim(predicted, true))
             )
+        if weights is not None:
+            distances.append(lpips(pictures, photographs, weights))
     if not figures:
         nan = float("nan")
-        return Row(method, name, protocol, nan, nan, nan, 0, nan, nan)
+        return Row(method, name, protocol, nan, nan, nan, nan, 0, nan, nan)
     columns = np.array(figures)
     foreground = columns[np.isfinite(columns[:, 1]), 1]
     mean = float(foreground.mean()) if foreground.size else float("nan")
+    perceived = float(np.concatenate(distances).mean()) if weights is not None else float("nan")
     return Row(
-        method, name, protocol, columns[:, 0].mean(), mean, columns[:, 2].mean(), len(figures), 0.0, seconds
+        method,
+        name,
+        protocol,
+        columns[:, 0].mean(),
+        mean,
+        columns[:, 2].mean(),
+        perceived,
+        len(figures),
+        0.0,
+        seconds,
     )
 
 
@@ -193,6 +237,7 @@ def run(
     *,
     targets: str | None = None,
     pattern: str | None = None,
+    perceptual: PathLike | None = None,
 ) -> list[Row]:
     """Runs methods on captures under the three protocols; protocols without images are left out.
 
@@ -202,8 +247,11 @@ def run(
         targets: name of the file in each capture folder with the poses and pictures for "novel_pose"; None: no such
             protocol. Its views must have pictures under black and white.
         pattern: name of the structured-light pattern; None: the first that every view has.
+        perceptual: safetensors with LPIPS weights; None: lpips_alex.safetensors in the folder that the environment
+            variable FFPROCAMS_PERCEPTUAL names; without either there is no LPIPS.
     """
     rows: list[Row] = []
+    weights = _weights(perceptual)
     for path in [captures] if isinstance(captures, (str, os.PathLike)) else captures:
         capture, folder = Capture.open(path), Path(os.fspath(path))
         folder = folder if folder.is_dir() else folder.parent
@@ -217,11 +265,11 @@ def run(
             predict = reconstruct(given)
             took = time.perf_counter() - begin
             of_method = [
-                _score(method, name, "rendering", capture, seen, predict),
-                _score(method, name, "novel_pattern", capture, held_out, predict),
+                _score(method, name, "rendering", capture, seen, predict, weights),
+                _score(method, name, "novel_pattern", capture, held_out, predict, weights),
             ]
             if poses:
-                of_method.append(_score(method, name, "novel_pose", poses, poses.pattern_names, predict))
+                of_method.append(_score(method, name, "novel_pose", poses, poses.pattern_names, predict, weights))
             for row in of_method:
                 row.reconstruct_s = took
             rows += [row for row in of_method if row.images]
@@ -229,13 +277,15 @@ def run(
 
 
 def table(rows: Sequence[Row]) -> str:
-    """The rows as a readable table."""
+    """The rows as a readable table; with a column of LPIPS where there are weights for it."""
+    perceived = any(np.isfinite(r.lpips) for r in rows)
     lines = [
-        f"{'capture':16} {'protocol':14} {'method':20} {'PSNR':>6} {'object':>6} {'SSIM':>7} {'images':>6} {'s':>8}"
+        f"{'capture':16} {'protocol':14} {'method':20} {'PSNR':>6} {'object':>6} {'SSIM':>7}"
+        f"{'   LPIPS' if perceived else ''} {'images':>6} {'s':>8}"
     ]
     lines += [
-        f"{r.capture:16} {r.protocol:14} {r.method:20} {r.psnr:6.2f} {r.psnr_foreground:6.2f} {r.ssim:7.4f} "
-        f"{r.images:6d} {r.reconstruct_s:8.2f}"
+        f"{r.capture:16} {r.protocol:14} {r.method:20} {r.psnr:6.2f} {r.psnr_foreground:6.2f} {r.ssim:7.4f}"
+        f"{f' {r.lpips:7.4f}' if perceived else ''} {r.images:6d} {r.reconstruct_s:8.2f}"
         for r in rows
     ]
     return "\n".join(lines)

@@ -131,8 +131,9 @@ def test_protocols_give_the_figures_of_evaluate(capture: ffp.Capture, sample: Pa
         assert row.psnr == pytest.approx(score.psnr, abs=2e-3)
         assert row.psnr_foreground == pytest.approx(score.psnr_foreground, abs=2e-3)
         assert row.ssim == pytest.approx(score.ssim, abs=2e-5)
+        assert math.isnan(row.lpips)
     assert math.isnan(scores[0].lpips) and scores[0].capture == "spot"
-    assert "novel_pose" in protocols.table(rows)
+    assert "novel_pose" in protocols.table(rows) and "LPIPS" not in protocols.table(rows)
     for wrong in (math.nan, 255.0):
         picture = np.full((128, 128, 3), wrong)
         with pytest.raises(ffp.ArgumentError, match="floats in .0,1."):

@@ -19,9 +19,10 @@ static bool find_json(char json[FFP_PATH_MAX], const char *path, const char *con
     for (int i = 0; i < n; i++) {
         if (ffp_join_path(json, path, names[i]) && ffp_is_file(json)) return true;
     }
+    if (n == 1) return ffp_fail(err, FFP_ERROR_FILE, path, "the folder has no %s", names[0]);
     return ffp_fail(err, FFP_ERROR_FILE, path,
-                    n == 1 ? "the folder has no %s" : "the folder has neither %s nor %s", names[0],
-                    names[n - 1]);
+                    "the folder has neither %s nor %s; photographs become a capture with `ffprocams import`",
+                    names[0], names[n - 1]);
 }
 
 static void folder_of(char folder[FFP_PATH_MAX], const char *file) {

@@ -1,4 +1,4 @@
-// Perceptual networks out of safetensors files (docs/reference/formats.md; script/convert_perceptual.py
+// Perceptual networks out of safetensors files (docs/reference/formats.md; python/ffprocams/perceptual.py
 // writes them).
 #include <stdio.h>
 #include <tgmath.h>

@@ -270,6 +270,14 @@ static bool evaluate_capture(FfpEvaluating *shared, int index, FfpError *err) {
 
 // --- All of them. ---
 
+FfpPerceptual *ffp_lpips_read(const char *path, FfpError *err) {
+    FfpPerceptual *net = ffp_perceptual_read(path, err);
+    if (!net || ffp_perceptual_is_lpips(net)) return net;
+    ffp_perceptual_free(net);
+    ffp_fail(err, FFP_ERROR_FILE, path, "holds no LPIPS weights");
+    return NULL;
+}
+
 static bool open_perceptual(FfpEvaluating *shared, FfpError *err) {
     const char *path = shared->options->perceptual, *folder = getenv("FFPROCAMS_PERCEPTUAL");
     char found[FFP_PATH_MAX];
@@ -283,9 +291,7 @@ static bool open_perceptual(FfpEvaluating *shared, FfpError *err) {
             "LPIPS is not computed: no weights file given, and FFPROCAMS_PERCEPTUAL does not name a folder");
         return true;
     }
-    shared->lpips = ffp_perceptual_read(path, err);
-    if (shared->lpips && !ffp_perceptual_is_lpips(shared->lpips))
-        return ffp_fail(err, FFP_ERROR_FILE, path, "holds no LPIPS weights");
+    shared->lpips = ffp_lpips_read(path, err);
     return shared->lpips != NULL;
 }
 

@@ -1,7 +1,11 @@
-// The protocols of evaluation on captures, or rows of earlier ones.
+// The protocols of evaluation on captures, or rows of earlier ones; and LPIPS of given pictures.
 #include "lab/eval/evaluate.h"
+#include <math.h>
+#include <stdio.h>
 #include "core/base/call.h"
+#include "ffprocams/baselines.h"
 #include "product/api/arguments.h"
+#include "product/api/memory.h"
 
 FfpEvaluation ffp_evaluation_defaults(void) {
     return (FfpEvaluation){
@@ -30,4 +34,61 @@ FfpScore *ffp_evaluate(FfpContext *context, const FfpEvaluation *options, int *n
         !ffp_check_drawing(options->drawing, err))
         return NULL;
     return ffp_call_run(context, work, &call, err) ? call.scores : NULL;
+}
+
+// --- LPIPS of given pictures. ---
+
+typedef struct LpipsCall {
+    const char *weights;
+    const FfpPicture *a, *b;
+    int n;
+    double *distances;
+} LpipsCall;
+
+// sRGB-encoded RGB over black.
+static bool take_picture(FfpImage *to, const FfpPicture *from, const char *list, int i, FfpError *err) {
+    const FfpRaw raw = ffp_raw_of(from);
+    char place[32];
+    snprintf(place, sizeof place, "%s[%d]", list, i);
+    if (!ffp_need(raw.data, place, err) || !ffp_raw_over_black(to, NULL, &raw, place, err)) return false;
+    ffp_image_to_srgb(to);
+    return true;
+}
+
+static bool compare(const FfpPerceptual *net, const LpipsCall *call, int i, FfpError *err) {
+    FfpImage a, b;
+    if (!take_picture(&a, &call->a[i], "a", i, err) || !take_picture(&b, &call->b[i], "b", i, err))
+        return false;
+    char place[32];
+    snprintf(place, sizeof place, "b[%d]", i);
+    if (a.width != b.width || a.height != b.height)
+        return ffp_fail(err, FFP_ERROR_ARGUMENT, place, "%d x %d pixels; its counterpart has %d x %d",
+                        b.width, b.height, a.width, a.height);
+    const int side = ffp_perceptual_least_side(net);
+    const bool large = a.width >= side && a.height >= side;
+    call->distances[i] = large ? (double)ffp_perceptual_loss(net, &a, &b, 1, NULL) : (double)NAN;
+    ffp_image_free(&a);
+    ffp_image_free(&b);
+    return true;
+}
+
+static bool lpips_work(void *argument, FfpError *err) {
+    const LpipsCall *call = argument;
+    FfpPerceptual *net = ffp_lpips_read(call->weights, err);
+    bool ok = net != NULL;
+    for (int i = 0; ok && i < call->n; i++) {
+        ffp_cancel_point();
+        ok = compare(net, call, i, err);
+    }
+    ffp_perceptual_free(net);
+    return ok;
+}
+
+bool ffp_lpips(FfpContext *context, const char *weights, const FfpPicture *a, const FfpPicture *b, int n,
+               double *distances, FfpError *err) {
+    LpipsCall call = {weights, a, b, n, distances};
+    if (n < 0) return ffp_fail(err, FFP_ERROR_ARGUMENT, "n", "%d is below 0", n);
+    return ffp_need(weights, "weights", err) && (n == 0 || ffp_need(a, "a", err)) &&
+           (n == 0 || ffp_need(b, "b", err)) && (n == 0 || ffp_need(distances, "distances", err)) &&
+           ffp_call_run(context, lpips_work, &call, err);
 }

@@ -16,6 +16,9 @@ static void tell(const FfpCompensation *how, const FfpCompensationStats *stats) 
     printf("unlit          %.1f %% of the object's pixels\n", 100 * stats->unlit);
     printf("out of gamut   %.1f %% too dark, %.1f %% too bright\n", 100 * stats->too_dark,
            100 * stats->too_bright);
+    if (!how->paint && stats->too_dark + stats->too_bright > 0.5)
+        printf("               most of this target is out of reach: try --paint%s\n",
+               how->gain == 0 ? "" : ", or --gain auto");
     printf("PSNR           %.2f dB dark, %.2f dB in closed form, %.2f dB after %d steps (predicted, lit "
            "pixels)\n",
            stats->psnr_dark, stats->psnr_closed, stats->psnr, how->steps);

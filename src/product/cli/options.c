@@ -209,6 +209,14 @@ static int count_options(const FfpCommand *command) {
     return n;
 }
 
+// --output, which most commands have, for one that takes where it writes without an option.
+static int tell_no_output(const FfpCommand *command, const char *word) {
+    const FfpPositional *positional = &command->positional;
+    if (!positional->name) return ffp_cli_usage(command->name, "unknown option %s", word);
+    return ffp_cli_usage(command->name, "unknown option %s: %s stands alone, ffprocams %s %s", word,
+                         positional->name, command->name, positional->name);
+}
+
 // A word in place of an option's name: what is wrong with it.
 static int tell_unknown(const FfpCommand *command, const char *word) {
     const char *names[OPTIONS_MAX + 2] = {"help"};
@@ -229,6 +237,7 @@ static int tell_unknown(const FfpCommand *command, const char *word) {
     const char *nearest = ffp_cli_nearest(name, names);
     if (nearest)
         return ffp_cli_usage(command->name, "unknown option --%s: did you mean --%s?", word, nearest);
+    if (strcmp(name, "output") == 0) return tell_no_output(command, "--output");
     return ffp_cli_usage(command->name, "unknown option --%s", word);
 }
 
@@ -247,6 +256,7 @@ static int tell_wrong(const FfpCommand *command, int got, char **argv) {
         return ffp_cli_usage(command->name, "--%s needs a value: %s", option->name, option->argument);
     }
     if (strncmp(word, "--", 2) == 0) return tell_unknown(command, word + 2);
+    if (optopt == 'o') return tell_no_output(command, "-o");
     return ffp_cli_usage(command->name, "unknown option -%c", optopt);
 }
 

@@ -58,10 +58,27 @@ static int check_output(const FfpCommand *command, const void *arguments, const 
     return -1;
 }
 
+// A new folder that is called as one picture would be: what was meant is a file.
+static int check_folder(const FfpCommand *command, const FfpOption *option, const char *path) {
+    static const char *const endings[] = {".png", ".jpg", ".jpeg", ".tif", ".tiff", ".exr", ".webp"};
+    struct stat there;
+    if (stat(path, &there) == 0) return -1;
+    for (size_t i = 0; i < sizeof endings / sizeof *endings; i++)
+        if (strcasecmp(extension_of(path), endings[i]) == 0)
+            return ffp_cli_usage(command->name, "--%s is a folder for all pictures, not one picture: '%.*s'?",
+                                 option->name, (int)(strlen(path) - strlen(endings[i])), path);
+    return -1;
+}
+
 int ffp_cli_check_outputs(const FfpCommand *command, const void *arguments) {
     for (const FfpOption *option = command->options; option->name; option++) {
         const Values values =
             option->writes ? values_at(arguments, option->offset, option->repeated) : (Values){0};
+        if (option->type == FFP_OPTION_FOLDER && strcmp(option->name, "output") == 0) {
+            const Values folder = values_at(arguments, option->offset, false);
+            const int status = folder.count ? check_folder(command, option, folder.texts[0]) : -1;
+            if (status >= 0) return status;
+        }
         for (int i = 0; i < values.count; i++) {
             const int status = check_output(command, arguments, option, values.texts[i]);
             if (status >= 0) return status;

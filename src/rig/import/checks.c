@@ -299,10 +299,14 @@ static void compare(Page *page, int which, Range found) {
         snprintf(range, sizeof range, "%g", high);
     else
         snprintf(range, sizeof range, "%g to %g", low, high);
+    char of_training[64], limits[64] = ""; // the latter are told where they decide
     if (t->low == t->high)
-        line(page, good, t->subject, "%s %s (trained: %.3g)", range, t->unit, t->low);
+        snprintf(of_training, sizeof of_training, "%.3g", t->low);
     else
-        line(page, good, t->subject, "%s %s (trained: %.3g to %.3g)", range, t->unit, t->low, t->high);
+        snprintf(of_training, sizeof of_training, "%.3g to %.3g", t->low, t->high);
+    if (low < t->low || high > t->high)
+        snprintf(limits, sizeof limits, "; ok from %.3g to %.3g", t->low - t->margin, t->high + t->margin);
+    line(page, good, t->subject, "%s %s (trained: %s%s)", range, t->unit, of_training, limits);
     if (!good) advise(page, t->advice);
 }
 

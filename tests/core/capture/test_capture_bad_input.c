@@ -177,7 +177,7 @@ static void json_itself_is_checked(void **state) {
     write_text("cut.json", "{}");
     expect_refusal(in_scratch("cut.json"), "missing field", "cut.json: camera)");
     expect_refusal(in_scratch("absent.json"), "no such file", "absent.json)");
-    expect_refusal(in_scratch("p"), "the folder has neither scene.json nor render_poses.json", "/p)");
+    expect_refusal(in_scratch("p"), "neither scene.json nor render_poses.json; photographs become", "/p)");
     char *deep = ffp_alloc(1, 200001);
     memset(deep, '[', 200000);
     write_text("cut.json", deep);

@@ -111,6 +111,9 @@ static void sources_are_named(void **state) {
     refused(!ffp_evaluate(NULL, &evaluation, &n, &err), "captures[0]");
     assert_int_equal(n, 0);
     refused(!ffp_evaluate(NULL, NULL, &n, &err), "options");
+    refused(!ffp_lpips(NULL, NULL, NULL, NULL, 0, NULL, &err), "weights");
+    refused(!ffp_lpips(NULL, "weights", NULL, NULL, 1, NULL, &err), "a");
+    refused(!ffp_lpips(NULL, "weights", NULL, NULL, -1, NULL, &err), "n");
     refused(!ffp_train_model(NULL, &training, &err), "out");
     refused(!ffp_generate(NULL, &generation, &err), "folder");
     refused(ffp_write_patterns(NULL, &patterns, &err) < 0, "folder");
