@@ -139,8 +139,10 @@ static inline __attribute__((always_inline)) void add_up(const Block *block, int
     const FfpPacked *a = block->a, *b = block->b;
     const size_t b_panel = FFP_PACK_LINES * block->b_depth;
     FFP_UNROLL(16)
-    for (int r = 0; r < rows; r++) FFP_UNROLL(4)
-    for (int v = 0; v < width; v++) sum[r][v] = (FfpVector){0};
+    for (int r = 0; r < rows; r++) {
+        FFP_UNROLL(4)
+        for (int v = 0; v < width; v++) sum[r][v] = (FfpVector){0};
+    }
     for (int l = 0; l < block->groups; l++) {
         Columns columns[WIDTH];
         FFP_UNROLL(4)
@@ -165,8 +167,10 @@ static inline __attribute__((always_inline)) void add_up_pairs(const Block *bloc
     const FfpPacked *a = block->a, *b = block->b;
     FfpVector squares[ROWS / 2][2 * WIDTH]; // two rows of two columns each
     FFP_UNROLL(16)
-    for (int r = 0; r < rows / 2; r++) FFP_UNROLL(8)
-    for (int v = 0; v < 2 * WIDTH; v++) squares[r][v] = (FfpVector){0};
+    for (int r = 0; r < rows / 2; r++) {
+        FFP_UNROLL(8)
+        for (int v = 0; v < 2 * WIDTH; v++) squares[r][v] = (FfpVector){0};
+    }
     for (int l = 0; l < block->groups; l += 2) {
         bfloat16x8_t numbers[ROWS / 2];
         FFP_UNROLL(16)
@@ -191,12 +195,14 @@ static inline __attribute__((always_inline)) void add_up_pairs(const Block *bloc
         b += 2 * FFP_PACK_GROUP * FFP_PACK_LINES;
     }
     FFP_UNROLL(16)
-    for (int r = 0; r < rows / 2; r++) FFP_UNROLL(4)
-    for (int v = 0; v < WIDTH; v++) {
-        const float64x2_t left = vreinterpretq_f64_f32(squares[r][2 * v]);
-        const float64x2_t right = vreinterpretq_f64_f32(squares[r][2 * v + 1]);
-        sum[2 * r][v] = vreinterpretq_f32_f64(vzip1q_f64(left, right));
-        sum[2 * r + 1][v] = vreinterpretq_f32_f64(vzip2q_f64(left, right));
+    for (int r = 0; r < rows / 2; r++) {
+        FFP_UNROLL(4)
+        for (int v = 0; v < WIDTH; v++) {
+            const float64x2_t left = vreinterpretq_f64_f32(squares[r][2 * v]);
+            const float64x2_t right = vreinterpretq_f64_f32(squares[r][2 * v + 1]);
+            sum[2 * r][v] = vreinterpretq_f32_f64(vzip1q_f64(left, right));
+            sum[2 * r + 1][v] = vreinterpretq_f32_f64(vzip2q_f64(left, right));
+        }
     }
 }
 #endif
