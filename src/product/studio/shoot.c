@@ -56,7 +56,7 @@ bool ffp_studio_store(FfpStudio *studio, const char *name, int number, const voi
     if (!ffp_studio_write(studio, path, bytes, size))
         return ffp_studio_say(said, "%s cannot be written: %s", path, strerror(errno));
     studio->notice[0] = 0;
-    studio->shown = 0;
+    studio->shown = -1;
     if (set.done + 1 == set.count) {
         json_object_del(studio->settings, "active");
         if (!ffp_studio_save(studio, said)) return false;

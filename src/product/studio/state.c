@@ -180,7 +180,7 @@ json_t *ffp_studio_state(const FfpStudio *studio) {
     if (name && ffp_studio_set(studio, name, &set) && ffp_studio_next(&set) >= 0) {
         active = set_state(studio, &set);
         json_object_set_new(active, "shots", shots_state(&set));
-        json_object_set_new(active, "shown", json_boolean(studio->shown > 0));
+        json_object_set_new(active, "shown", json_boolean(studio->shown >= 0));
     }
     json_object_del(settings, "simulator");
     return json_pack("{s:I, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:b, s:b, s:b, s:o}", "version",

@@ -51,7 +51,7 @@ bool ffp_studio_run(const FfpStudioOptions *options, char *error, size_t size) {
     FfpStudio *studio = calloc(1, sizeof *studio);
     bool ok = false;
     if (studio) {
-        studio->root = studio->lock_file = studio->changes = studio->watch = -1;
+        studio->root = studio->lock_file = studio->changes = studio->watch = studio->shown = -1;
         studio->port = options->port;
         pthread_mutex_init(&studio->lock, NULL);
         ok = prepare(studio, options, said) && ffp_studio_serve(studio, !options->stays_closed, said);

@@ -157,7 +157,7 @@ static bool shoot(FfpStudio *studio, const json_t *request, char *said) {
         return false;
     json_object_set_new(studio->settings, "active", json_string(name));
     studio->notice[0] = 0;
-    studio->shown = 0;
+    studio->shown = -1;
     return ffp_studio_save(studio, said);
 }
 

@@ -69,7 +69,8 @@ typedef struct FfpStudio {
     json_t *settings;     // studio.json
     uint64_t version;     // of what the page is told; grows with every change
     char notice[FFP_STUDIO_SAID];
-    int shown; // the number of the shot whose pattern is on the projector, for a camera that fills a folder
+    int shown; // number of the shot whose pattern is on the projector, where a camera fills a folder; -1:
+               // none
     FfpStudioJob job, camera, eye; // what the user began; the virtual camera; what looks for the board
     bool closing;
 } FfpStudio;
