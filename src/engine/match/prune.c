@@ -66,13 +66,13 @@ int64_t ffp_prune_off_silhouettes(real *opacity, const real *centre, int64_t cou
     int64_t off = 0;
 #pragma omp parallel for schedule(static) reduction(+ : off)
     for (int64_t i = 0; i < count; i++) {
-        bool out = false;
-        for (int v = 0; v < capture->n_views && !out && opacity[i] > 0; v++) {
+        int against = 0;
+        for (int v = 0; v < capture->n_views && against < 2 && opacity[i] > 0; v++) {
             real x, y;
-            out = ffp_project(&capture->views[v].camera, centre + 3 * i, &x, &y) > 0 &&
-                  off_silhouette(&capture->views[v], x, y);
+            against += ffp_project(&capture->views[v].camera, centre + 3 * i, &x, &y) > 0 &&
+                       off_silhouette(&capture->views[v], x, y);
         }
-        if (!out) continue;
+        if (against < 2) continue;
         opacity[i] = 0;
         off++;
     }

@@ -11,7 +11,8 @@
 int64_t ffp_prune_contradicted(real *opacity, const real *centre, int64_t count, const FfpCapture *capture,
                                const FfpInitialisation *start);
 
-// The same for silhouettes alone: after a fit, which moves splats. Not for whole scenes, which have none.
+// The same for the silhouettes of two views alone: after a fit, which moves splats, also past an outline that
+// one view has a little too narrow. Not for whole scenes, which have none.
 int64_t ffp_prune_off_silhouettes(real *opacity, const real *centre, int64_t count,
                                   const FfpCapture *capture);
 

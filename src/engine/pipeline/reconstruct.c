@@ -116,7 +116,7 @@ static int64_t polish_steps(const FfpReconstruction *options, const FfpCapture *
     return (capture->scene ? 2 : 1) * FFP_POLISH_STEPS * views / POLISH_VIEWS;
 }
 
-// What a fit has moved onto a view's background would be seen beside the object from elsewhere.
+// What a fit has moved onto the background of views would be seen beside the object from elsewhere.
 static void keep_to_silhouettes(Work *w) {
     if (!w->capture.scene)
         ffp_prune_off_silhouettes(w->result.opacity, w->result.centre, w->result.count, &w->capture);

@@ -226,10 +226,14 @@ static void test_refute(void **state) {
     assert_int_equal(ffp_prune_contradicted(opacity, centre[0], 5, &capture, &start), 2);
     static const bool stays[5] = {true, true, false, false, true};
     for (int i = 0; i < 5; i++) assert_true(opacity[i] == (stays[i] ? 0.9F : 0));
-    for (int i = 0; i < 5; i++) opacity[i] = 0.9F; // by the silhouette alone
-    assert_int_equal(ffp_prune_off_silhouettes(opacity, centre[0], 5, &capture), 1);
-    for (int i = 0; i < 5; i++) assert_true(opacity[i] == (i == 3 ? 0 : 0.9F));
+    // By silhouettes alone, of two views.
+    FfpView both[2] = {view, view};
+    const FfpCapture seen_twice = {.n_views = 2, .views = both, .radius = 1};
+    for (int i = 0; i < 5; i++) opacity[i] = 0.9F;
     assert_int_equal(ffp_prune_off_silhouettes(opacity, centre[0], 5, &capture), 0);
+    assert_int_equal(ffp_prune_off_silhouettes(opacity, centre[0], 5, &seen_twice), 1);
+    for (int i = 0; i < 5; i++) assert_true(opacity[i] == (i == 3 ? 0 : 0.9F));
+    assert_int_equal(ffp_prune_off_silhouettes(opacity, centre[0], 5, &seen_twice), 0);
 }
 
 // Two for three reduced pixels a side: the middle of every third pixel lies on the line between two reduced

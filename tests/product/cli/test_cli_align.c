@@ -134,7 +134,7 @@ static void test_a_bumped_projector(void **state) {
     const char *told = strstr(run.out, "values differ by ");
     assert_non_null(told);
     assert_int_equal(sscanf(told, "values differ by %lf (%lf before)", &after, &before), 2);
-    assert_true(after < 0.6 * before); // what is left is the fit of twenty steps itself
+    assert_true(after < before / 2);
     assert_true(ffp_capture_read(&found, in_scratch("found"), NULL));
     const double off = turn_between(&truth.views[0], &given.views[0]),
                  left = turn_between(&truth.views[0], &found.views[0]);
