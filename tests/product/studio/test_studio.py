@@ -160,8 +160,9 @@ class Seen(threading.Thread):
         before = None
         while not self.ends:
             with urllib.request.urlopen(self.url) as answer:
-                active = json.load(answer)["active"]
-            due = active and active["shown"] and (active["name"].split("/")[-1], active["next"]["number"])
+                state = json.load(answer)
+            active, folder = state["active"], state["settings"]["camera"] == "folder"
+            due = active and (active["shown"] or not folder) and (active["name"].split("/")[-1], active["next"]["number"])
             if due and due != before:
                 stage, number = due
                 self.show(self.virtual / stage / stage / (f"{number:02d}.png" if stage == "turntable" else f"{number:03d}.png"))
