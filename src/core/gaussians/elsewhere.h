@@ -17,6 +17,15 @@ bool ffp_splat_put(FfpGaussians *gaussians, int64_t index, const float row[FFP_R
                    FfpError *err);
 void ffp_splats_note(const char *path); // says what was assumed
 
+// The extension of glTF that splats are in.
+#define FFP_SPLAT_EXTENSION "KHR_gaussian_splatting"
+
+// What an SPZ file is made of.
+#define FFP_SPZ_MAGIC 0x5053474eU         // "NGSP"
+#define FFP_SPZ_HEADER 16                 // bytes
+#define FFP_SPZ_COLOUR 0.15               // of f_dc in a byte, around the middle
+#define FFP_SPZ_SHORT 0.70710678118654752 // the largest that the three smaller parts of a unit quaternion get
+
 // SPZ, versions 1 to 3, as Niantic published it (github.com/nianticlabs/spz, README). Spherical harmonics
 // beyond the constant are not used. Errors: not gzip, another magic or version, counts beyond the file or
 // FFP_GAUSSIANS_MAX, data that ends early or differs from its checksum.

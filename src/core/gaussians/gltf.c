@@ -8,12 +8,10 @@
 #include "core/base/file.h"
 #include "core/gaussians/elsewhere.h"
 
-#define EXTENSION "KHR_gaussian_splatting"
 #define GLB_HEAD 12
 #define CHUNK_HEAD 8
 #define CHUNK_JSON 0x4e4f534aU
 #define CHUNK_BINARY 0x004e4942U
-#define SH_C0 0.28209479177387814
 enum { BUFFERS_MAX = 16, DEPTH_MAX = 16, KIND_FLOAT = 5126 };
 
 typedef struct Buffer {
@@ -213,7 +211,7 @@ static const json_t *find_primitive(const Gltf *gltf, json_int_t *mesh, FfpError
         const json_t *list = json_object_get(json_array_get(meshes, m), "primitives");
         for (size_t p = 0; p < json_array_size(list); p++) {
             const json_t *one = json_array_get(list, p);
-            if (!json_object_get(json_object_get(one, "extensions"), EXTENSION)) continue;
+            if (!json_object_get(json_object_get(one, "extensions"), FFP_SPLAT_EXTENSION)) continue;
             if (found) {
                 fail(gltf, err, "holds several sets of splats: export them as one");
                 return NULL;
@@ -222,7 +220,7 @@ static const json_t *find_primitive(const Gltf *gltf, json_int_t *mesh, FfpError
             *mesh = (json_int_t)m;
         }
     }
-    if (!found) fail(gltf, err, "holds no splats (" EXTENSION ")");
+    if (!found) fail(gltf, err, "holds no splats (" FFP_SPLAT_EXTENSION ")");
     return found;
 }
 
@@ -263,7 +261,7 @@ static bool find_splats(const Gltf *gltf, Splats *splats, FfpError *err) {
     json_int_t mesh = 0;
     const json_t *primitive = find_primitive(gltf, &mesh, err);
     if (!primitive || !check_nodes(gltf, mesh, err)) return false;
-    const json_t *how = json_object_get(json_object_get(primitive, "extensions"), EXTENSION);
+    const json_t *how = json_object_get(json_object_get(primitive, "extensions"), FFP_SPLAT_EXTENSION);
     if (json_object_get(how, "extensions")) {
         ffp_fail(err, FFP_ERROR_UNSUPPORTED, gltf->path,
                  "its splats are compressed: export them uncompressed, or as SPZ");
@@ -273,10 +271,10 @@ static bool find_splats(const Gltf *gltf, Splats *splats, FfpError *err) {
     const json_t *of = json_object_get(primitive, "attributes");
     splats->linear = space && strncmp(space, "lin_", 4) == 0;
     if (!find_numbers(gltf, of, "POSITION", 3, &splats->position, err) ||
-        !find_numbers(gltf, of, EXTENSION ":ROTATION", 4, &splats->rotation, err) ||
-        !find_numbers(gltf, of, EXTENSION ":SCALE", 3, &splats->scale, err) ||
-        !find_numbers(gltf, of, EXTENSION ":OPACITY", 1, &splats->opacity, err) ||
-        !find_numbers(gltf, of, EXTENSION ":SH_DEGREE_0_COEF_0", 3, &splats->colour, err))
+        !find_numbers(gltf, of, FFP_SPLAT_EXTENSION ":ROTATION", 4, &splats->rotation, err) ||
+        !find_numbers(gltf, of, FFP_SPLAT_EXTENSION ":SCALE", 3, &splats->scale, err) ||
+        !find_numbers(gltf, of, FFP_SPLAT_EXTENSION ":OPACITY", 1, &splats->opacity, err) ||
+        !find_numbers(gltf, of, FFP_SPLAT_EXTENSION ":SH_DEGREE_0_COEF_0", 3, &splats->colour, err))
         return false;
     const int64_t n = splats->position.count;
     return (splats->rotation.count == n && splats->scale.count == n && splats->opacity.count == n &&
@@ -303,7 +301,7 @@ static void get_row(const Splats *splats, int64_t i, float row[FFP_ROW_NUMBERS])
 // Colours in linear light were decoded as if they were encoded.
 static void take_linear(FfpGaussians *gaussians, int64_t i, const float row[FFP_ROW_NUMBERS]) {
     for (int k = 0; k < 3; k++)
-        gaussians->ambient[3 * i + k] = (real)(0.5 + SH_C0 * (double)row[FFP_ROW_AMBIENT + k]);
+        gaussians->ambient[3 * i + k] = (real)(0.5 + FFP_SH_C0 * (double)row[FFP_ROW_AMBIENT + k]);
     ffp_splat_complete(gaussians, i);
 }
 

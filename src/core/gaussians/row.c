@@ -1,10 +1,9 @@
 #include "core/gaussians/row.h"
 #include <math.h>
 
-#define SH_C0 0.28209479177387814 // the constant spherical harmonic, 1 / (2 sqrt(pi))
-#define MARGIN 1e-6               // shares stay this far off 0 and 1, where a logit has no end
-#define SCALE_MIN 1e-30           // smaller ones would not survive the square in a covariance
-#define LOG_SCALE_MAX 80.0        // exp of it fits a float
+#define MARGIN 1e-6        // shares stay this far off 0 and 1, where a logit has no end
+#define SCALE_MIN 1e-30    // smaller ones would not survive the square in a covariance
+#define LOG_SCALE_MAX 80.0 // exp of it fits a float
 
 const char *const ffp_row_names[FFP_ROW_NUMBERS] = {"x",
                                                     "y",
@@ -50,11 +49,11 @@ static double as_it_is(double x) {
 }
 
 static double encode_ambient(double c) {
-    return (encode_colour(c) - 0.5) / SH_C0;
+    return (encode_colour(c) - 0.5) / FFP_SH_C0;
 }
 
 static double decode_ambient(double c) {
-    return decode_colour(0.5 + SH_C0 * c);
+    return decode_colour(0.5 + FFP_SH_C0 * c);
 }
 
 static double encode_scale(double scale) {

@@ -4,6 +4,8 @@
 
 #include "core/gaussians/gaussians.h"
 
+#define FFP_SH_C0 0.28209479177387814 // the constant spherical harmonic, 1 / (2 sqrt(pi))
+
 // Order of the numbers in the files that we write.
 enum {
     FFP_ROW_POSITION = 0,

@@ -5,13 +5,9 @@
 #include "core/base/file.h"
 #include "core/gaussians/elsewhere.h"
 
-#define MAGIC 0x5053474eU // "NGSP"
 #define VERSION_MAX 3
-#define HEADER 16
-#define HARMONICS_MAX 45          // bytes of a splat
-#define RATIO_MAX 1032            // of deflate: no file grows by more
-#define COLOUR_SCALE 0.15         // of f_dc in a byte
-#define SHORT 0.70710678118654752 // the largest that the three smaller parts of a unit quaternion get
+#define HARMONICS_MAX 45 // bytes of a splat
+#define RATIO_MAX 1032   // of deflate: no file grows by more
 
 typedef struct Spz {
     uint32_t version, count;
@@ -78,7 +74,8 @@ static size_t rotation_bytes(const Spz *spz) {
 }
 
 static bool read_header(Spz *spz, const unsigned char *bytes, const char *path, FfpError *err) {
-    if (get_u32(bytes) != MAGIC) return ffp_fail(err, FFP_ERROR_FILE, path, "is gzipped, but not SPZ");
+    if (get_u32(bytes) != FFP_SPZ_MAGIC)
+        return ffp_fail(err, FFP_ERROR_FILE, path, "is gzipped, but not SPZ");
     spz->version = get_u32(bytes + 4);
     spz->count = get_u32(bytes + 8);
     spz->bits = bytes[13];
@@ -94,7 +91,7 @@ static bool read_header(Spz *spz, const unsigned char *bytes, const char *path, 
 
 static void find_parts(Spz *spz, const unsigned char *bytes) {
     const size_t n = spz->count;
-    spz->position = bytes + HEADER;
+    spz->position = bytes + FFP_SPZ_HEADER;
     spz->alpha = spz->position + position_bytes(spz) * n;
     spz->colour = spz->alpha + n;
     spz->scale = spz->colour + 3 * n;
@@ -120,7 +117,7 @@ static void get_smallest_three(const unsigned char *bytes, float wxyz[4]) {
     double xyzw[4] = {0}, square = 0;
     for (int i = 3; i >= 0; i--) {
         if (i == largest) continue;
-        const double size = SHORT * (packed & 511) / 511;
+        const double size = FFP_SPZ_SHORT * (packed & 511) / 511;
         xyzw[i] = packed >> 9 & 1 ? -size : size;
         square += size * size;
         packed >>= 10;
@@ -136,7 +133,7 @@ static void get_row(const Spz *spz, size_t i, float row[FFP_ROW_NUMBERS]) {
         row[FFP_ROW_POSITION + k] =
             (float)(spz->version == 1 ? get_half(spz->position + 2 * (3 * i + k))
                                       : get_fixed(spz->position + 3 * (3 * i + k), spz->bits));
-        row[FFP_ROW_AMBIENT + k] = (float)((spz->colour[3 * i + k] / 255.0 - 0.5) / COLOUR_SCALE);
+        row[FFP_ROW_AMBIENT + k] = (float)((spz->colour[3 * i + k] / 255.0 - 0.5) / FFP_SPZ_COLOUR);
         row[FFP_ROW_SCALE + k] = (float)(spz->scale[3 * i + k] / 16.0 - 10);
     }
     row[FFP_ROW_OPACITY] = (float)log(alpha / (1 - alpha));
@@ -148,7 +145,7 @@ static void get_row(const Spz *spz, size_t i, float row[FFP_ROW_NUMBERS]) {
 
 static bool read_parts(FfpGaussians *gaussians, Spz *spz, const Zipped *zipped, const char *path,
                        FfpError *err) {
-    const size_t size = HEADER + (position_bytes(spz) + 7 + rotation_bytes(spz)) * (size_t)spz->count;
+    const size_t size = FFP_SPZ_HEADER + (position_bytes(spz) + 7 + rotation_bytes(spz)) * (size_t)spz->count;
     if (size / RATIO_MAX > zipped->size)
         return ffp_fail(err, FFP_ERROR_FILE, path, "%u Gaussians do not fit into its %zu bytes",
                         (unsigned)spz->count, zipped->size);
@@ -170,14 +167,14 @@ static bool read_parts(FfpGaussians *gaussians, Spz *spz, const Zipped *zipped, 
 }
 
 bool ffp_gaussians_read_spz(FfpGaussians *gaussians, const char *path, FfpError *err) {
-    unsigned char header[HEADER] = {0};
+    unsigned char header[FFP_SPZ_HEADER] = {0};
     char *bytes;
     Zipped zipped;
     Spz spz = {0};
     *gaussians = (FfpGaussians){0};
     if (!ffp_read_file(path, FFP_SPLAT_FILE_MAX, &bytes, &zipped.size, err)) return false;
     zipped.bytes = bytes;
-    const bool ok = (unzip(&zipped, header, HEADER, 0, NULL) == HEADER ||
+    const bool ok = (unzip(&zipped, header, FFP_SPZ_HEADER, 0, NULL) == FFP_SPZ_HEADER ||
                      ffp_fail(err, FFP_ERROR_FILE, path, "is not an SPZ file")) &&
                     read_header(&spz, header, path, err) && read_parts(gaussians, &spz, &zipped, path, err);
     ffp_free(bytes);

@@ -1,12 +1,12 @@
 // The PLY that the reference implementation of 3DGS writes (Kerbl et al. 2023), and viewers of splats read.
 #include <math.h>
 #include "core/base/file.h"
+#include "core/gaussians/row.h"
 #include "product/export/bytes.h"
 #include "product/export/splats.h"
 
-#define SH_C0 0.28209479177387814 // the constant spherical harmonic
-#define MARGIN 1e-6               // of opacities, whose logit has no end at 0 and 1
-#define REST 45 // coefficients of higher degrees, all 0: the colour is one for all directions
+#define MARGIN 1e-6 // of opacities, whose logit has no end at 0 and 1
+#define REST 45     // coefficients of higher degrees, all 0: the colour is one for all directions
 #define NUMBERS (17 + REST)
 
 static void write_header(FILE *stream, int64_t count) {
@@ -25,7 +25,7 @@ static void encode(const FfpSplats *splats, int64_t i, unsigned char *bytes) {
     float row[NUMBERS] = {0};
     for (int k = 0; k < 3; k++) {
         row[k] = (float)splats->centre[3 * i + k];
-        row[6 + k] = (float)(((double)splats->colour[3 * i + k] - 0.5) / SH_C0);
+        row[6 + k] = (float)(((double)splats->colour[3 * i + k] - 0.5) / FFP_SH_C0);
         row[10 + REST + k] = (float)log((double)splats->scale[3 * i + k]);
     }
     const double o = fmin(fmax((double)splats->opacity[i], MARGIN), 1 - MARGIN);

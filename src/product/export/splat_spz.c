@@ -3,17 +3,13 @@
 #include <math.h>
 #include <zlib.h>
 #include "core/base/file.h"
+#include "core/gaussians/elsewhere.h"
 #include "product/export/bytes.h"
 #include "product/export/splats.h"
 
-#define MAGIC 0x5053474eU // "NGSP"
 #define VERSION 3
-#define HEADER 16
 #define SPLAT 20           // bytes: 9 of position, 1 of opacity, 3 of colour, 3 of scale, 4 of rotation
 #define COUNT_MAX 10000000 // what readers of this version accept
-#define SH_C0 0.28209479177387814
-#define COLOUR_SCALE 0.15         // of f_dc in a byte
-#define SHORT 0.70710678118654752 // the largest that the three smaller parts of a unit quaternion get
 
 static unsigned char byte_of(double value) {
     const double rounded = round(value);
@@ -49,7 +45,7 @@ static void put_rotation(unsigned char *bytes, const real *q) {
     for (uint32_t i = 0; i < 4; i++) {
         if (i == largest) continue;
         const uint32_t negative = (xyzw[i] < 0) != (xyzw[largest] < 0);
-        const uint32_t size = (uint32_t)(511 * fmin(fabs(xyzw[i]) / SHORT, 1) + 0.5);
+        const uint32_t size = (uint32_t)(511 * fmin(fabs(xyzw[i]) / FFP_SPZ_SHORT, 1) + 0.5);
         packed = packed << 10 | negative << 9 | size;
     }
     ffp_put_u32(bytes, packed);
@@ -57,9 +53,9 @@ static void put_rotation(unsigned char *bytes, const real *q) {
 
 static void pack(const FfpSplats *splats, int bits, unsigned char *bytes) {
     const size_t n = (size_t)splats->count;
-    unsigned char *position = bytes + HEADER, *alpha = position + 9 * n, *colour = alpha + n,
+    unsigned char *position = bytes + FFP_SPZ_HEADER, *alpha = position + 9 * n, *colour = alpha + n,
                   *scale = colour + 3 * n, *rotation = scale + 3 * n;
-    ffp_put_u32(bytes, MAGIC);
+    ffp_put_u32(bytes, FFP_SPZ_MAGIC);
     ffp_put_u32(bytes + 4, VERSION);
     ffp_put_u32(bytes + 8, (uint32_t)n);
     bytes[12] = 0, bytes[13] = (unsigned char)bits, bytes[14] = bytes[15] = 0; // no harmonics, no flags
@@ -68,8 +64,8 @@ static void pack(const FfpSplats *splats, int bits, unsigned char *bytes) {
         put_rotation(rotation + 4 * i, splats->rotation + 4 * i);
         alpha[i] = byte_of((double)splats->opacity[i] * 255);
         for (size_t k = 3 * i; k < 3 * i + 3; k++) {
-            const double dc = ((double)splats->colour[k] - 0.5) / SH_C0;
-            colour[k] = byte_of(255 * (dc * COLOUR_SCALE + 0.5));
+            const double dc = ((double)splats->colour[k] - 0.5) / FFP_SH_C0;
+            colour[k] = byte_of(255 * (dc * FFP_SPZ_COLOUR + 0.5));
             scale[k] = byte_of((log((double)splats->scale[k]) + 10) * 16);
         }
     }
@@ -97,7 +93,7 @@ bool ffp_splats_write_spz(const FfpSplats *splats, const char *path, FfpError *e
                         "%lld Gaussians, but readers of SPZ accept up to %d", (long long)splats->count,
                         COUNT_MAX);
     if (!fraction_bits(splats, path, &bits, err)) return false;
-    const size_t size = HEADER + SPLAT * (size_t)splats->count;
+    const size_t size = FFP_SPZ_HEADER + SPLAT * (size_t)splats->count;
     size_t zipped_size = size + size / 1000 + 4096;
     unsigned char *bytes = ffp_alloc(size, 1), *zipped = ffp_alloc(zipped_size, 1);
     pack(splats, bits, bytes);
