@@ -9,8 +9,8 @@
 #include <string.h>
 #include "bench/diversity.h"
 #include "core/base/alloc.h"
+#include "world/shapes/mesh.h"
 #include "world/synth/material.h"
-#include "world/synth/mesh.h"
 #include "world/synth/natural.h"
 #include "world/synth/rig.h"
 #include "world/synth/simulate.h"

@@ -10,7 +10,8 @@
 #include "core/base/file.h"
 #include "engine/loss/metrics.h"
 #include "engine/pipeline/relight.h"
-#include "rig/import/matrix.h"
+#include "rig/calibration/matrix.h"
+#include "world/shapes/mesh.h"
 #include "world/synth/synth.h"
 
 #define OFF_CENTRE 200 // pixels that the projector's panel is wider to the left of the light

@@ -3,9 +3,9 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include "core/base/rng.h"
+#include "world/shapes/mesh.h"
+#include "world/shapes/mesh_measure.h"
 #include "world/synth/material.h"
-#include "world/synth/mesh.h"
-#include "world/synth/mesh_measure.h"
 #include "world/synth/rig.h"
 #include "world/synth/synth.h"
 #include "world/synth/trace.h"

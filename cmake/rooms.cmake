@@ -46,26 +46,36 @@ ffp_room(cuda IN cuda.cmake DEPS refine loss network render tensor image base)
 ffp_wing(rig) # from a bare projector and a camera to a capture
 # photographs of Gray codes into positions on the projector's panel
 ffp_room(graycode DEPS patterns image numerics base)
-# calibrations of other tools and photographs into captures; checks of a capture
-ffp_room(import DEPS match graycode patterns capture image numerics base LIBS PkgConfig::YAML PkgConfig::EXPAT PkgConfig::JANSSON
-         READERS calibration calibration_parts colmap document document_parts explain file_names lens matrix nepmap opencv procams turntable xml yaml)
+# calibrations and turntables as other tools write them
+ffp_room(calibration DEPS capture base LIBS PkgConfig::YAML PkgConfig::EXPAT PkgConfig::JANSSON
+         READERS calibration calibration_parts colmap document document_parts lens matrix nepmap opencv procams turntable xml yaml)
+# a turntable's axis from what is seen at its stops
+ffp_room(axis DEPS calibration match capture image numerics base)
+# the object told from what it stands on
+ffp_room(masks DEPS match graycode capture image numerics base)
+# what is wrong with a capture
+ffp_room(checks DEPS masks capture image numerics base READERS explain)
+# photographs into captures
+ffp_room(import DEPS checks masks axis calibration match graycode patterns capture image numerics base READERS file_names)
 # chessboards and Gray codes into calibrations; a turntable's axis
-ffp_room(calibrate CALLS DEPS import graycode patterns capture image numerics base)
+ffp_room(calibrate CALLS DEPS import axis calibration graycode patterns capture image numerics base)
 
 ffp_wing(world) # objects and rigs that do not exist
-# shapes, materials, rig and light simulator; scenes and data sets
-ffp_room(synth DEPS patterns capture image numerics base READERS mesh_file)
+# shapes, generated or read, as meshes; solid noise
+ffp_room(shapes DEPS numerics base READERS mesh_file)
+# materials, rig and light simulator; scenes and data sets
+ffp_room(synth DEPS shapes patterns capture image base)
 
 ffp_wing(lab) # training, measuring, comparing
 # steps, optimiser, checkpoints, validation
-ffp_room(train DEPS denoise refine synth loss render network match capture tensor numerics base LIBS PkgConfig::JANSSON
+ffp_room(train DEPS denoise refine synth shapes loss render network match capture tensor numerics base LIBS PkgConfig::JANSSON
          READERS config)
 # the machine's peaks; kernels and steps as shares of them
 ffp_room(bench PRODUCTS DEPS train refine render network gaussians tensor base LIBS PkgConfig::JANSSON)
 # other methods, for comparison: Gaussians from scratch, a neural reflectance field
 ffp_room(baselines NUMERIC DEPS refine loss render tensor capture image base)
 # protocols, scores and reports
-ffp_room(eval CALLS DEPS import baselines pipeline loss render match capture numerics base LIBS PkgConfig::JANSSON)
+ffp_room(eval CALLS DEPS checks baselines pipeline loss render match capture numerics base LIBS PkgConfig::JANSSON)
 
 ffp_wing(product) # what people hold in their hands
 # the page for browsers: splats and scene as it reads them
@@ -73,9 +83,9 @@ ffp_room(view CALLS DEPS pipeline render gaussians capture base)
 # splats and meshes for other programs
 ffp_room(export CALLS DEPS pipeline apply render gaussians capture image numerics base LIBS PkgConfig::JANSSON PkgConfig::ZLIB)
 # what a file holds, as text for people
-ffp_room(describe CALLS DEPS import baselines network gaussians capture base)
+ffp_room(describe CALLS DEPS checks masks baselines network gaussians capture base)
 # the calls of the public header, one file per call: arguments checked, the call entered, structs translated, one function called
-ffp_room(api CALLS DEPS describe eval pipeline bench view export calibrate import baselines train synth patterns loss render
+ffp_room(api CALLS DEPS describe eval pipeline bench view export calibrate import checks baselines train synth patterns loss render
          network gaussians capture image base cuda LIBS PkgConfig::JANSSON PkgConfig::ZLIB)
 # the ranks of an MPI job: part of the program where it is built with MPI
 ffp_room(cluster IN library.cmake)

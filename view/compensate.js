@@ -103,7 +103,7 @@ class Compensator {
   }
 }
 
-// samples_across of rig/import/panel.c
+// samples_across of core/capture/panel.c
 const samplesAcross = (panelFocal, idealFocal) => clamp(Math.ceil(idealFocal / panelFocal - 1e-6), 1, 64);
 
 // The picture sent to the real projector for its pattern, RGBA bytes {width, height, data}. `panel`: the device of

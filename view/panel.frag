@@ -1,5 +1,5 @@
 // The picture sent to the real projector: the pattern at its panel's size, with the inverse of its lens distortion
-// (rig/import/lens.h has the formula) and of its gamma.
+// (rig/calibration/lens.h has the formula) and of its gamma.
 uniform sampler2D u_pattern;
 uniform vec2 projector_focal, projector_principal, projector_size;
 uniform vec2 u_panel_focal, u_panel_principal;
@@ -14,7 +14,7 @@ vec2 distort(vec2 x) {
                            2.0 * u_tangential.y * x.x * x.y + u_tangential.x * (r2 + 2.0 * x.y * x.y));
 }
 
-// The pattern's light at the position where a panel position sends its ray: add_sample of rig/import/panel.c.
+// The pattern's light at the position where a panel position sends its ray: add_sample of core/capture/panel.c.
 vec3 light_at(vec2 place) {
   vec2 wanted = (place - u_panel_principal) / u_panel_focal, x = wanted;
   for (int i = 0; i < 20; i++) x += wanted - distort(x);

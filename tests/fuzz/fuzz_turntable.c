@@ -1,6 +1,6 @@
 // The turntable's axis and angles, in JSON or YAML.
 #include "fuzz.h"
-#include "rig/import/turntable.h"
+#include "rig/calibration/turntable.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
     FfpTurntable turntable;

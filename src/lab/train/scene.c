@@ -6,6 +6,7 @@
 #include "core/base/device.h"
 #include "core/base/rng.h"
 #include "lab/train/prepare.h"
+#include "world/shapes/mesh.h"
 #include "world/synth/material_folder.h"
 #include "world/synth/synth.h"
 

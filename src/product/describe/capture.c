@@ -4,7 +4,7 @@
 #include "core/base/text.h"
 #include "core/capture/pad.h"
 #include "product/describe/print.h"
-#include "rig/import/checks.h"
+#include "rig/checks/checks.h"
 
 static void print_truth(FILE *out, const FfpCapture *capture) {
     const FfpView *view = &capture->views[0];

@@ -5,8 +5,8 @@
 #include "core/base/kind.h"
 #include "core/base/text.h"
 #include "product/describe/print.h"
-#include "rig/import/checks.h"
-#include "rig/import/contact_sheet.h"
+#include "rig/checks/checks.h"
+#include "rig/masks/contact_sheet.h"
 
 static const char style[] =
     "*{box-sizing:border-box}body{font:15px/1.45 system-ui,sans-serif;max-width:1300px;margin:1em auto;"

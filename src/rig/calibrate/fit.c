@@ -9,7 +9,7 @@
 #include "core/numerics/rank.h"
 #include "rig/calibrate/notes.h"
 #include "rig/calibrate/views.h"
-#include "rig/import/lens.h"
+#include "rig/calibration/lens.h"
 
 #define CORNER_FAR 5        // times the deviation on an axis: Gauss passes it once in 270,000
 #define CORNER_LEAST 0.25   // pixels: nothing nearer is out of line

@@ -5,7 +5,7 @@
 #include "core/base/alloc.h"
 #include "core/base/rigid.h"
 #include "core/numerics/least_squares.h"
-#include "rig/import/lens.h"
+#include "rig/calibration/lens.h"
 
 // --- A device. ---
 

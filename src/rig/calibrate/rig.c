@@ -6,7 +6,7 @@
 #include "core/base/file.h"
 #include "rig/calibrate/calibrate.h"
 #include "rig/calibrate/terms.h"
-#include "rig/import/calibration.h"
+#include "rig/calibration/calibration.h"
 
 enum { SIDE_MIN = 64, SIDE_MAX = 16384, BOARD_MIN = 3, BOARD_MAX = 100, ANGLES_MIN = 3 };
 

@@ -2,9 +2,9 @@
 #ifndef FFP_CALIBRATE_TABLE_H
 #define FFP_CALIBRATE_TABLE_H
 
+#include "rig/axis/axis.h"
 #include "rig/calibrate/board.h"
 #include "rig/calibrate/shots.h"
-#include "rig/import/axis.h"
 
 enum { FFP_TABLE_STOPS_LEAST = 3 };
 

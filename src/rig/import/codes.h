@@ -2,8 +2,8 @@
 #ifndef FFP_RIG_CODES_H
 #define FFP_RIG_CODES_H
 
+#include "rig/calibration/lens.h"
 #include "rig/graycode/graycode.h"
-#include "rig/import/lens.h"
 
 // Positions on the panel that the camera's pixels saw, map [h,w,3] of the photographs' size, as those of the
 // pinhole camera's pixels in the ideal projector's picture: both lenses taken away. Trust is 1 or 0. `step`:

@@ -3,7 +3,7 @@
 #define FFP_RIG_FILE_NAMES_H
 
 #include "core/base/arena.h"
-#include "rig/import/calibration.h"
+#include "rig/calibration/calibration.h"
 
 // Whether a comes before b when runs of digits count as numbers: "img_9" before "img_10".
 int ffp_natural_order(const char *a, const char *b);

@@ -2,9 +2,9 @@
 #ifndef FFP_RIG_IMPORT_H
 #define FFP_RIG_IMPORT_H
 
-#include "rig/import/lens.h"
+#include "rig/calibration/lens.h"
+#include "rig/calibration/turntable.h"
 #include "rig/import/pictures.h"
-#include "rig/import/turntable.h"
 
 typedef enum FfpAxisKnown {
     FFP_AXIS_KNOWN,   // axis and point of the turntable

@@ -2,8 +2,8 @@
 #include <string.h>
 #include <tgmath.h>
 #include "core/base/log.h"
-#include "rig/import/checks.h"
-#include "rig/import/fit_axis.h"
+#include "rig/axis/fit_axis.h"
+#include "rig/checks/checks.h"
 #include "rig/import/import_steps.h"
 
 #define MISFIT_MAX 0.1 // of the object's pixels, which an axis that is right leaves unexplained by the others

@@ -6,15 +6,15 @@
 #include "core/base/file.h"
 #include "core/base/log.h"
 #include "core/numerics/rank.h"
-#include "rig/import/checks.h"
-#include "rig/import/common_stage.h"
-#include "rig/import/contact_sheet.h"
-#include "rig/import/dark.h"
-#include "rig/import/grow_masks.h"
+#include "rig/checks/checks.h"
 #include "rig/import/import_steps.h"
-#include "rig/import/local_mean.h"
-#include "rig/import/mask.h"
-#include "rig/import/stage_masks.h"
+#include "rig/masks/common_stage.h"
+#include "rig/masks/contact_sheet.h"
+#include "rig/masks/dark.h"
+#include "rig/masks/grow_masks.h"
+#include "rig/masks/local_mean.h"
+#include "rig/masks/mask.h"
+#include "rig/masks/stage_masks.h"
 
 #define MISFIT_LEAST 0.12 // of the pixels, which contradict the other views' masks: those show a wall
 #define LIT_LEAST 0.5     // of what is lit that must stay the same

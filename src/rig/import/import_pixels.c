@@ -3,8 +3,8 @@
 #include <tgmath.h>
 #include "core/base/log.h"
 #include "core/patterns/patterns.h"
-#include "rig/import/contact_sheet.h"
 #include "rig/import/import_steps.h"
+#include "rig/masks/contact_sheet.h"
 
 #define TOO_BRIGHT_MAX 0.001 // of the values
 

@@ -5,7 +5,7 @@
 #include "core/base/file.h"
 #include "core/base/log.h"
 #include "core/capture/manifest.h"
-#include "rig/import/checks.h"
+#include "rig/checks/checks.h"
 #include "rig/import/import_steps.h"
 
 #define BETTER 0.99       // of the error without a response: what one must reach to be kept

@@ -1,6 +1,6 @@
 // Import of a whole scene: everything that a camera saw belongs to it.
 #include "rig/import/import_steps.h"
-#include "rig/import/mask.h"
+#include "rig/masks/mask.h"
 
 bool ffp_importing_check_scene(const FfpImporting *import, FfpError *err) {
     const FfpImportSettings *settings = import->settings;

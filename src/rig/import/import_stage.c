@@ -5,7 +5,7 @@
 #include "core/base/log.h"
 #include "core/numerics/rank.h"
 #include "rig/import/import_steps.h"
-#include "rig/import/stage_moved.h"
+#include "rig/masks/stage_moved.h"
 
 #define LIGHT_LEAST 0.001 // of full scale, by which the room's light must differ, and
 #define LIGHT_CHANGE 0.25 // of the brighter one

@@ -6,7 +6,7 @@
 #include "core/image/photograph.h"
 #include "rig/import/import.h"
 #include "rig/import/response.h"
-#include "rig/import/stage.h"
+#include "rig/masks/stage.h"
 
 #define FFP_CHANCE_MAX 0.75 // of what chance explains: more, and the pattern explains nothing
 

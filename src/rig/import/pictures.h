@@ -4,7 +4,7 @@
 
 #include "core/base/arena.h"
 #include "core/patterns/shown.h"
-#include "rig/import/calibration.h"
+#include "rig/calibration/calibration.h"
 
 typedef struct FfpShotPattern {
     char name[FFP_NAME_MAX];

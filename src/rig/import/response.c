@@ -4,10 +4,10 @@
 #include "core/base/real.h"
 #include "core/base/vec.h"
 #include "core/capture/reduce.h"
+#include "core/capture/small.h"
 #include "core/image/lookup.h"
 #include "core/numerics/rank.h"
 #include "engine/match/match.h"
-#include "rig/import/small.h"
 
 #define PLACE "fit_response"
 #define ROUNDS 3 // of matching and fitting

@@ -2,7 +2,7 @@
 #ifndef FFP_SYNTH_CHESSBOARD_H
 #define FFP_SYNTH_CHESSBOARD_H
 
-#include "world/synth/mesh.h"
+#include "world/shapes/mesh.h"
 
 typedef struct FfpChessboard {
     int columns, rows;       // inner corners

@@ -1,7 +1,7 @@
 #include "world/synth/light.h"
 #include <stdlib.h>
 #include "core/base/arena.h"
-#include "world/synth/scalar.h"
+#include "world/shapes/scalar.h"
 
 enum { LANES = 8 };
 

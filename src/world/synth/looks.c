@@ -3,7 +3,7 @@
 // finer ones are noise to a camera of 128 pixels.
 #include "world/synth/looks.h"
 #include <math.h>
-#include "world/synth/noise.h"
+#include "world/shapes/noise.h"
 
 void ffp_look_marble(const FfpMaterial *m, const float q[3], FfpLook *out) {
     const float warp = ffp_fbm(q, m->seed, 4), x = q[0] + (1.2F + 2 * m->vary[0]) * warp;

@@ -2,8 +2,8 @@
 #ifndef FFP_SYNTH_LOOKS_H
 #define FFP_SYNTH_LOOKS_H
 
+#include "world/shapes/scalar.h"
 #include "world/synth/material.h"
-#include "world/synth/scalar.h"
 
 enum { FFP_MATERIAL_KINDS = 43, FFP_TUNE = 4 };
 

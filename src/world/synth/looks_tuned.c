@@ -1,8 +1,8 @@
 // Procedures that several kinds of material share: what tune[] means stands before each. A relief reads the
 // same numbers as its look, so that bumps lie where colours change.
 #include <math.h>
+#include "world/shapes/noise.h"
 #include "world/synth/looks.h"
-#include "world/synth/noise.h"
 
 static void scaled(const float q[3], float x, float y, float z, float out[3]) {
     out[0] = x * q[0], out[1] = y * q[1], out[2] = z * q[2];

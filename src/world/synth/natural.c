@@ -3,8 +3,8 @@
 #include <stdbool.h>
 #include <stdio.h>
 #include "core/base/rng.h"
-#include "world/synth/noise.h"
-#include "world/synth/scalar.h"
+#include "world/shapes/noise.h"
+#include "world/shapes/scalar.h"
 #include "world/synth/stroke.h"
 
 // All painters work in sRGB values on a canvas whose smaller side is `size` pixels.

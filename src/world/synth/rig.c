@@ -9,7 +9,7 @@
 #include <string.h>
 #include "core/base/real.h"
 #include "core/base/rng.h"
-#include "world/synth/mesh.h"
+#include "world/shapes/mesh.h"
 
 static const double DEGREE = FFP_PI_DOUBLE / 180;
 enum {

@@ -4,8 +4,8 @@
 #include <string.h>
 #include "core/base/real.h"
 #include "core/base/rng.h"
+#include "world/shapes/solids.h"
 #include "world/synth/rig.h"
-#include "world/synth/solids.h"
 
 // One stream for each thing, so that a change of one leaves the others as they are.
 enum {

@@ -3,9 +3,9 @@
 #ifndef FFP_SYNTH_ROOM_H
 #define FFP_SYNTH_ROOM_H
 
+#include "world/shapes/mesh.h"
 #include "world/synth/bare_rig.h"
 #include "world/synth/material.h"
-#include "world/synth/mesh.h"
 #include "world/synth/synth.h"
 #include "world/synth/trace.h"
 

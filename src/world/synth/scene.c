@@ -7,6 +7,7 @@
 #include "core/base/arena.h"
 #include "core/base/file.h"
 #include "core/patterns/lollipop.h"
+#include "world/shapes/mesh.h"
 #include "world/synth/natural.h"
 #include "world/synth/rig.h"
 #include "world/synth/sensor.h"

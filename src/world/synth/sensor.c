@@ -3,8 +3,8 @@
 #include <omp.h>
 #include <stdlib.h>
 #include "core/base/arena.h"
-#include "world/synth/noise.h"
-#include "world/synth/scalar.h"
+#include "world/shapes/noise.h"
+#include "world/shapes/scalar.h"
 
 static bool in_range(float value, float low, float high) {
     return value >= low && value <= high; // false for NaN

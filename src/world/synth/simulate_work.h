@@ -2,8 +2,8 @@
 #ifndef FFP_SYNTH_SIMULATE_WORK_H
 #define FFP_SYNTH_SIMULATE_WORK_H
 
-#include "world/synth/noise.h"
-#include "world/synth/scalar.h"
+#include "world/shapes/noise.h"
+#include "world/shapes/scalar.h"
 #include "world/synth/simulate.h"
 
 #define FFP_RAY_OFFSET 1e-3F // secondary rays start this far off the surface

@@ -2,7 +2,7 @@
 #include <ctype.h>
 #include <math.h>
 #include <string.h>
-#include "world/synth/scalar.h"
+#include "world/shapes/scalar.h"
 
 // The font: polylines on a grid of 5 x 7 points. Two digits are a point, column 0..4 and row 0..6 from the
 // top (7: below the line); a space lifts the pen.

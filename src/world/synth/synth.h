@@ -61,13 +61,7 @@ void ffp_asset_name(const char *path, char name[FFP_NAME_MAX]);
 // resolution are equal to the bit.
 bool ffp_scene_make(FfpCapture *capture, const FfpSceneSpec *spec, FfpError *err);
 
-int ffp_mesh_count(void);
-const char *ffp_mesh_name(int mesh);
 int ffp_material_count(void);
 const char *ffp_material_name(int material);
-
-// The meshes of a split ("train", "validation", "test"), disjoint and together all. Returns the count, ids
-// into out.
-int ffp_split_meshes(const char *split, int *out, int capacity);
 
 #endif

@@ -9,7 +9,7 @@
 #include "core/base/listing.h"
 #include "core/base/log.h"
 #include "core/image/image.h"
-#include "world/synth/scalar.h"
+#include "world/shapes/scalar.h"
 
 enum { LEVELS = 16, SIDE_MAX = 4096 };
 static const FfpLaying straight = {

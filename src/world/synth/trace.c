@@ -1,8 +1,8 @@
 #include "world/synth/trace.h"
 #include <math.h>
 #include "core/base/call.h"
+#include "world/shapes/scalar.h"
 #include "world/synth/embree_module.h"
-#include "world/synth/scalar.h"
 
 struct FfpTracer {
     const FfpEmbreeModule *embree;

@@ -4,7 +4,7 @@
 
 #include <stdbool.h>
 #include "core/base/error.h"
-#include "world/synth/mesh.h"
+#include "world/shapes/mesh.h"
 
 typedef struct FfpTracer FfpTracer;
 

@@ -4,9 +4,10 @@
 #include <string.h>
 #include "core/base/real.h"
 #include "core/base/rng.h"
-#include "world/synth/noise.h"
+#include "world/shapes/mesh.h"
+#include "world/shapes/noise.h"
+#include "world/shapes/solids.h"
 #include "world/synth/rig.h"
-#include "world/synth/solids.h"
 
 // One stream for each thing, so that a change of one leaves the others as they are.
 enum { STREAM_SHELL = 8100, STREAM_THINGS, STREAM_LIGHT, STREAM_WALK, STREAM_TARGET = 8200 };

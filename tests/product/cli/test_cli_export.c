@@ -6,7 +6,7 @@
 #include "core/image/image.h"
 #include "product/cli/program.h"
 #include "product/cli/tiny.h"
-#include "world/synth/mesh.h"
+#include "world/shapes/mesh.h"
 
 #define SIDE 48
 #define NUMBERS 62 // floats in a row of the PLY

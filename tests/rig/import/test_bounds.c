@@ -5,7 +5,7 @@
 #include "core/base/arena.h"
 #include "core/base/rng.h"
 #include "core/image/lookup.h"
-#include "rig/import/checks.h"
+#include "rig/checks/checks.h"
 #include "rig/import/import.h"
 #include "scratch.h"
 

@@ -3,11 +3,11 @@
 #include <math.h>
 #include "core/base/alloc.h"
 #include "core/base/call.h"
-#include "rig/import/common_stage.h"
-#include "rig/import/contact_sheet.h"
-#include "rig/import/free_space.h"
 #include "rig/import/import_steps.h"
-#include "rig/import/stage_masks.h"
+#include "rig/masks/common_stage.h"
+#include "rig/masks/contact_sheet.h"
+#include "rig/masks/free_space.h"
+#include "rig/masks/stage_masks.h"
 #include "support.h"
 
 enum { VIEWS = 8, WIDTH = 120, HEIGHT = 96, PATTERNS = 3, PANEL_WIDTH = 256, PANEL_HEIGHT = 128 };

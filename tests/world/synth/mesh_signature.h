@@ -6,7 +6,7 @@
 #include <string.h>
 #include "core/base/alloc.h"
 #include "core/base/rng.h"
-#include "world/synth/mesh.h"
+#include "world/shapes/mesh.h"
 
 enum { SIGNATURE_DISTANCES = 24, SIGNATURE_ANGLES = 8, SIGNATURE = SIGNATURE_DISTANCES * SIGNATURE_ANGLES };
 

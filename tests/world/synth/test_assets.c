@@ -12,8 +12,8 @@
 #include "core/base/file.h"
 #include "core/image/image.h"
 #include "support.h"
+#include "world/shapes/mesh.h"
 #include "world/synth/material_folder.h"
-#include "world/synth/mesh.h"
 #include "world/synth/synth.h"
 #include "world/synth/texture.h"
 

@@ -5,9 +5,9 @@
 #include <omp.h>
 #include "core/base/alloc.h"
 #include "support.h"
+#include "world/shapes/mesh.h"
+#include "world/shapes/mesh_measure.h"
 #include "world/synth/dataset.h"
-#include "world/synth/mesh.h"
-#include "world/synth/mesh_measure.h"
 #include "world/synth/mesh_signature.h"
 #include "world/synth/synth.h"
 

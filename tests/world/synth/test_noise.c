@@ -3,6 +3,7 @@
 #include "core/base/alloc.h"
 #include "core/patterns/lollipop.h"
 #include "support.h"
+#include "world/shapes/mesh.h"
 #include "world/synth/rig.h"
 #include "world/synth/simulate.h"
 #include "world/synth/synth.h"

@@ -1,7 +1,7 @@
 // Free rigs: where the devices stand, what they see, and that nothing but the devices changes.
 #include <math.h>
 #include "support.h"
-#include "world/synth/mesh.h"
+#include "world/shapes/mesh.h"
 #include "world/synth/rig.h"
 #include "world/synth/scene.h"
 

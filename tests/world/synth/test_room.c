@@ -7,10 +7,10 @@
 #include "core/base/listing.h"
 #include "core/patterns/patterns.h"
 #include "support.h"
+#include "world/shapes/solids.h"
 #include "world/synth/room.h"
 #include "world/synth/room_photographs.h"
 #include "world/synth/simulate.h"
-#include "world/synth/solids.h"
 
 enum { SIDE = 24, HEIGHT = 64, PANEL_WIDTH = 96, PANEL_HEIGHT = 64 };
 

@@ -1,0 +1,243 @@
+// Structured light as a test of the calibration: along the right ray through the projector's picture there is
+// a point of the colour that the camera saw; along a wrong one only by chance.
+#include <math.h>
+#include <stdlib.h>
+#include "core/base/arena.h"
+#include "core/image/lookup.h"
+#include "core/numerics/rank.h"
+#include "rig/checks/checks.h"
+#include "rig/masks/chord.h"
+
+#define PIXELS_A_VIEW 300
+#define PIXELS_A_GUESS 80
+#define PIXELS_LEAST 16 // fewer are not asked
+#define DEPTHS 128
+#define LIT 0.04F      // linear radiance that white must add in every channel
+#define ERROR_MAX 0.25 // of a pixel's mean square: highlights and shadow edges must not decide
+#define MIRRORS 4      // as it is, left to right, upside down, both
+#define SHIFTS 6       // across the epipolar lines; along them the depth takes a shift up
+#define FAR 4          // shifts by a third of the pattern and round its edges: what chance explains
+#define ODD 0.93       // of a view's own error: a shift that leaves less explains it
+#define WORSE 2.5      // times the median error of the views
+#define ODD_MOST 3     // one view in so many may be odd
+enum { VARIANTS = MIRRORS + SHIFTS + FAR };
+
+typedef struct Variant {
+    double across; // pattern pixels
+    int mirror;    // bit 0: left to right, bit 1: upside down
+    int far;       // 1 .. FAR: which third; 0: none
+} Variant;
+
+typedef struct Sample { // a lit pixel
+    real colour[3];
+    FfpChord chord;
+} Sample;
+
+static void make_variants(int width, Variant variants[VARIANTS]) {
+    static const double shares[SHIFTS] = {-0.05, -0.025, -0.01, 0.01, 0.025, 0.05};
+    for (int i = 0; i < MIRRORS; i++) variants[i] = (Variant){.mirror = i};
+    for (int i = 0; i < SHIFTS; i++) {
+        const double step = fmax(1, round(fabs(shares[i]) * width));
+        variants[MIRRORS + i] = (Variant){.across = shares[i] < 0 ? -step : step};
+    }
+    for (int i = 0; i < FAR; i++) variants[MIRRORS + SHIFTS + i] = (Variant){.far = i + 1};
+}
+
+static bool make_sample(const FfpCapture *capture, const FfpView *view, const FfpImage *photograph, size_t i,
+                        Sample *sample) {
+    const real *black = view->images[capture->black].data + 3 * i,
+               *white = view->images[capture->white].data + 3 * i;
+    const real *seen = photograph->data + 3 * i;
+    if (view->coverage.data[i] < 1) return false;
+    for (int c = 0; c < 3; c++) {
+        if (!(white[c] - black[c] > LIT) || white[c] > 0.98F) return false; // a clipped pixel tells no ratio
+        sample->colour[c] = (seen[c] - black[c]) / (white[c] - black[c]);
+    }
+    return ffp_chord(capture, &view->camera, i, &sample->chord);
+}
+
+// Evenly strided lit pixels of a view, up to `most`.
+static int collect(const FfpCapture *capture, const FfpView *view, const FfpImage *photograph, int most,
+                   Sample *samples) {
+    const size_t pixels = (size_t)view->camera.width * (size_t)view->camera.height;
+    Sample sample;
+    size_t lit = 0, seen = 0;
+    int count = 0;
+    for (size_t i = 0; i < pixels; i++) lit += make_sample(capture, view, photograph, i, &sample);
+    const size_t step = lit / (size_t)most + 1;
+    for (size_t i = 0; i < pixels && count < most; i++) {
+        if (make_sample(capture, view, photograph, i, &samples[count]) && seen++ % step == 0) count++;
+    }
+    return count;
+}
+
+// How many pattern pixels one camera pixel covers, side by side, at the object's centre.
+static real footprint(const FfpCapture *capture, const FfpView *view) {
+    real x, y;
+    const real camera = ffp_project(&view->camera, capture->centre, &x, &y);
+    const real projector = ffp_project(&view->projector, capture->centre, &x, &y);
+    const real side = projector > 0 ? camera / view->camera.fx * view->projector.fx / projector : 1;
+    return side > 1 ? side : 1;
+}
+
+// The direction on the pattern across the epipolar line of the camera's ray to the object's centre.
+static void across_line(const FfpCapture *capture, const FfpView *view, double out[2]) {
+    real near[3], far[3], a[2] = {0, 0}, b[2] = {0, 0};
+    for (int i = 0; i < 3; i++) {
+        const real step = 0.01F * (capture->centre[i] - view->camera.pose[4 * i + 3]);
+        near[i] = capture->centre[i] - step, far[i] = capture->centre[i] + step;
+    }
+    ffp_project(&view->projector, near, &a[0], &a[1]);
+    ffp_project(&view->projector, far, &b[0], &b[1]);
+    out[0] = (double)(a[1] - b[1]), out[1] = (double)(b[0] - a[0]);
+    const double length = hypot(out[0], out[1]), sign = out[0] < 0 || (out[0] == 0 && out[1] < 0) ? -1 : 1;
+    for (int i = 0; i < 2 && length > 0; i++) out[i] *= sign / length;
+}
+
+static real wrapped(real x, int size) {
+    const real n = (real)size;
+    return x - n * (real)floor((double)(x / n));
+}
+
+// Where the variant looks instead of at (u, v).
+static void vary(const Variant *variant, const FfpSummed *pattern, const double across[2], real *u, real *v) {
+    static const int thirds[FAR][2] = {{1, 0}, {-1, 0}, {0, 1}, {0, -1}};
+    if (variant->mirror & 1) *u = (real)pattern->width - *u;
+    if (variant->mirror & 2) *v = (real)pattern->height - *v;
+    *u -= (real)(variant->across * across[0]), *v -= (real)(variant->across * across[1]);
+    if (variant->far == 0) return;
+    const int *third = thirds[variant->far - 1];
+    *u = wrapped(*u + (real)(third[0] * pattern->width) / 3, pattern->width);
+    *v = wrapped(*v + (real)(third[1] * pattern->height) / 3, pattern->height);
+}
+
+// Mean square of a pixel's best depth, for each of n variants.
+static void judge(const FfpView *view, const FfpSummed *pattern, const Sample *sample,
+                  const Variant *variants, int n, const double across[2], real side, double *best) {
+    for (int k = 0; k < n; k++) best[k] = ERROR_MAX;
+    for (int d = 0; d < DEPTHS; d++) {
+        real point[3], u, v;
+        ffp_chord_point(&sample->chord, d, DEPTHS, point);
+        if (!(ffp_project(&view->projector, point, &u, &v) > 0)) continue;
+        for (int k = 0; k < n; k++) {
+            real colour[3], x = u, y = v;
+            double sum = 0;
+            vary(&variants[k], pattern, across, &x, &y);
+            ffp_lookup(pattern, x, y, side, side, colour);
+            for (int c = 0; c < 3; c++) sum += pow((double)(colour[c] - sample->colour[c]), 2) / 3;
+            best[k] = fmin(best[k], sum);
+        }
+    }
+}
+
+// Sums of a view's squared errors for each variant; returns the number of its pixels.
+static int look_at_view(const FfpCapture *capture, const FfpView *view, const FfpSummed *summed, int pattern,
+                        const Variant *variants, double sums[VARIANTS]) {
+    Sample *samples = ffp_alloc(PIXELS_A_VIEW, sizeof *samples);
+    double(*best)[VARIANTS] = ffp_alloc(PIXELS_A_VIEW, sizeof *best);
+    const int n = collect(capture, view, &view->images[pattern], PIXELS_A_VIEW, samples);
+    const real side = footprint(capture, view);
+    double across[2];
+    across_line(capture, view, across);
+#pragma omp parallel for schedule(static)
+    for (int i = 0; i < n; i++) judge(view, summed, &samples[i], variants, VARIANTS, across, side, best[i]);
+    for (int i = 0; i < n; i++) {
+        for (int k = 0; k < VARIANTS; k++) sums[k] += best[i][k];
+    }
+    ffp_free(samples);
+    ffp_free(best);
+    return n;
+}
+
+// The shift across that explains a view best, 0: none does clearly better, and what it leaves of the error.
+static double shift_of(const Variant *variants, const double sums[VARIANTS], double *left) {
+    int best = 0;
+    for (int k = MIRRORS; k < MIRRORS + SHIFTS; k++) best = sums[k] < sums[best] ? k : best;
+    *left = sums[0] > 0 ? sqrt(sums[best] / sums[0]) : 1;
+    return *left < ODD ? variants[best].across : 0;
+}
+
+// The view that is explained worse than most, when it is far worse.
+static int worst_view(const double *errors, int n) {
+    double *sorted = ffp_alloc((size_t)n, sizeof *sorted);
+    int worst = 0;
+    for (int v = 0; v < n; v++) {
+        sorted[v] = errors[v];
+        worst = errors[v] > errors[worst] ? v : worst;
+    }
+    const double usual = ffp_median(sorted, (size_t)n);
+    ffp_free(sorted);
+    return errors[worst] > WORSE * usual ? worst : -1;
+}
+
+// The views one by one: their sum, and the one that a shift mends most, if few need one; otherwise the one
+// that nothing mends.
+static void look_at_views(FfpExplanation *out, const FfpCapture *capture, int pattern,
+                          const FfpSummed *summed, const Variant *variants, double sums[VARIANTS]) {
+    double least = 1, left;
+    int odd = 0;
+    double *errors = ffp_alloc((size_t)capture->n_views, sizeof *errors);
+    for (int v = 0; v < capture->n_views; v++) {
+        double own[VARIANTS] = {0};
+        if (!capture->views[v].images[pattern].data) continue;
+        const int n = look_at_view(capture, &capture->views[v], summed, pattern, variants, own);
+        for (int k = 0; k < VARIANTS; k++) sums[k] += own[k];
+        out->pixels += n;
+        errors[v] = n >= PIXELS_LEAST ? sqrt(own[0] / n) : 0;
+        const double across = n >= PIXELS_LEAST ? shift_of(variants, own, &left) : 0;
+        odd += across != 0;
+        if (across == 0 || left >= least) continue;
+        least = left, out->odd = v, out->odd_across = across;
+    }
+    if (odd * ODD_MOST > capture->n_views) {
+        out->odd = -1;
+        out->odd_across = 0;
+    }
+    if (odd == 0) out->odd = worst_view(errors, capture->n_views);
+    ffp_free(errors);
+}
+
+FfpExplanation ffp_rig_explain(const FfpCapture *capture, int pattern) {
+    Variant variants[VARIANTS];
+    double sums[VARIANTS] = {0};
+    FfpExplanation out = {.odd = -1};
+    FfpSummed summed = ffp_summed_new(&capture->patterns[pattern].image);
+    make_variants(summed.width, variants);
+    look_at_views(&out, capture, pattern, &summed, variants, sums);
+    ffp_summed_free(&summed);
+    if (out.pixels == 0) return out;
+    double errors[VARIANTS];
+    for (int k = 0; k < VARIANTS; k++) errors[k] = sqrt(sums[k] / out.pixels);
+    out.error = out.best = errors[0];
+    for (int k = 0; k < 3; k++) out.mirrored[k] = errors[1 + k];
+    for (int k = MIRRORS; k < MIRRORS + SHIFTS; k++) {
+        if (errors[k] < out.best) out.best = errors[k], out.across = variants[k].across;
+    }
+    out.chance = errors[MIRRORS + SHIFTS];
+    for (int k = 1; k < FAR; k++) out.chance = fmin(out.chance, errors[MIRRORS + SHIFTS + k]);
+    across_line(capture, &capture->views[0], out.direction);
+    return out;
+}
+
+static void reverse_channels(Sample *sample) {
+    const real red = sample->colour[0];
+    sample->colour[0] = sample->colour[2];
+    sample->colour[2] = red;
+}
+
+double ffp_rig_guess(const FfpCapture *capture, const FfpView *view, const FfpGuess *guess) {
+    static const double across[2] = {0, 0};
+    const Variant variant = {.mirror = guess->mirror, .far = guess->third};
+    const real side = footprint(capture, view);
+    Sample *samples = ffp_alloc(PIXELS_A_GUESS, sizeof *samples);
+    const int n = collect(capture, view, guess->photograph, PIXELS_A_GUESS, samples);
+    double sum = 0;
+    for (int i = 0; i < n; i++) {
+        double best;
+        if (guess->reversed) reverse_channels(&samples[i]);
+        judge(view, guess->pattern, &samples[i], &variant, 1, across, side, &best);
+        sum += best;
+    }
+    ffp_free(samples);
+    return n >= PIXELS_LEAST ? sqrt(sum / n) : NAN;
+}

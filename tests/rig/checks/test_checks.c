@@ -1,0 +1,267 @@
+// The page of checks: a good capture passes, and each thing that people get wrong is found under its name.
+// Labels: slow
+#include <math.h>
+#include <string.h>
+#include "core/base/alloc.h"
+#include "core/base/vec.h"
+#include "rig/checks/checks.h"
+#include "rig/masks/chord.h"
+#include "support.h"
+
+static FfpCapture capture;
+static char *page;
+
+static int setup(void **state) {
+    (void)state;
+    return !ffp_capture_read(&capture, FFP_SOURCE_DIR "/data/sample", NULL);
+}
+
+static int teardown(void **state) {
+    (void)state;
+    ffp_capture_free(&capture);
+    free(page);
+    page = NULL;
+    return 0;
+}
+
+static int check(void) {
+    size_t size = 0;
+    free(page);
+    FILE *out = open_memstream(&page, &size);
+    assert_non_null(out);
+    const int doubts = ffp_rig_checks(&capture, out);
+    fclose(out);
+    return doubts;
+}
+
+// The subject is doubted, and advice with these words stands below.
+static void must_doubt(const char *subject, const char *advice) {
+    char line[64];
+    check();
+    snprintf(line, sizeof line, "LOOK %-12s ", subject);
+    const char *at = strstr(page, line), *below = at ? strstr(at, "->") : NULL;
+    if (!below || strncmp(strchr(at, '\n') + 1, "       ->", 9) != 0 || !strstr(below, advice))
+        printf("expected %s, %s:\n%s", subject, advice, page);
+    assert_non_null(below);
+    assert_non_null(strstr(below, advice));
+}
+
+static void test_good(void **state) {
+    (void)state;
+    // Spot's glaze clips under white; nothing else is to be said.
+    assert_int_equal(check(), 1);
+    assert_non_null(strstr(page, "LOOK clipping"));
+    assert_true(ffp_rig_silhouette_misfit(&capture) < 0.005);
+    const FfpExplanation found = ffp_rig_explain(&capture, ffp_capture_active_pattern(&capture, NULL, NULL));
+    assert_true(found.pixels > 1500);
+    assert_true(found.error < 0.04 && found.chance > 0.08);
+    assert_true(found.best == found.error && found.across == 0);
+    assert_true(fabs(found.direction[0] - 1) < 1e-3); // the projector stands above the camera
+}
+
+static void test_swapped(void **state) {
+    (void)state;
+    const int black = capture.black;
+    capture.black = capture.white, capture.white = black;
+    must_doubt("black level", "black and white are swapped");
+}
+
+// A rotation about z, the turntable's axis, of both devices.
+static void turn(FfpView *view, double angle) {
+    real *const poses[2] = {view->camera.pose, view->projector.pose};
+    for (int k = 0; k < 2; k++)
+        for (int j = 0; j < 4; j++) {
+            const double x = (double)poses[k][j], y = (double)poses[k][4 + j];
+            poses[k][j] = (real)(cos(angle) * x - sin(angle) * y);
+            poses[k][4 + j] = (real)(sin(angle) * x + cos(angle) * y);
+        }
+}
+
+static void test_angles_reversed(void **state) {
+    (void)state;
+    SAME_WAY_AGAIN();
+    for (int v = 0; v < capture.n_views; v++) turn(&capture.views[v], -2 * v * acos(-1.0) / 4);
+    must_doubt("silhouettes", "angles and their sign");
+}
+
+static void test_axis_moved(void **state) {
+    (void)state;
+    SAME_WAY_AGAIN();
+    for (int v = 0; v < capture.n_views; v++) {
+        real *const poses[2] = {capture.views[v].camera.pose, capture.views[v].projector.pose};
+        for (int k = 0; k < 2; k++) // both go aside by a tenth of the object, as seen from the camera
+            for (int i = 0; i < 3; i++) poses[k][4 * i + 3] += 0.1F * poses[0][4 * i];
+    }
+    must_doubt("silhouettes", "turntable's axis");
+}
+
+static void test_pattern_mirrored(void **state) {
+    (void)state;
+    FfpImage *image = &capture.patterns[ffp_capture_active_pattern(&capture, NULL, NULL)].image;
+    for (int y = 0; y < image->height; y++)
+        for (int x = 0; x < image->width / 2; x++)
+            for (int c = 0; c < 3; c++) {
+                real *a = &image->data[3 * (y * image->width + x) + c];
+                real *b = &image->data[3 * (y * image->width + image->width - 1 - x) + c], kept = *a;
+                *a = *b, *b = kept;
+            }
+    must_doubt("pattern", "mirrored left to right");
+}
+
+// A view whose camera was bumped by two pixels, and one with something in front of it under the pattern.
+static void test_one_view(void **state) {
+    (void)state;
+    const int active = ffp_capture_active_pattern(&capture, NULL, NULL);
+    const int shown[3] = {capture.black, capture.white, active};
+    FfpView *view = &capture.views[3];
+    for (int k = 0; k < 4; k++) {
+        FfpImage *image = k < 3 ? &view->images[shown[k]] : &view->coverage;
+        const ptrdiff_t step = 2 * (image->width + 1) * image->channels,
+                        count = (ptrdiff_t)image->width * image->height * image->channels;
+        memmove(image->data + step, image->data, (size_t)(count - step) * sizeof *image->data);
+    }
+    must_doubt("pattern", "theta135 fits better when its pattern is moved by");
+    teardown(NULL);
+    assert_int_equal(setup(NULL), 0);
+    FfpImage *seen = &capture.views[2].images[active];
+    const FfpImage *white = &capture.views[2].images[capture.white];
+    for (int i = 0; i < 3 * seen->width * seen->height / 2; i++) seen->data[i] = 0.7F * white->data[i];
+    must_doubt("pattern", "theta090 fits far worse than the others");
+}
+
+// A mask in which a hand is left.
+static void test_hand_in_a_mask(void **state) {
+    (void)state;
+    FfpImage *mask = &capture.views[1].coverage;
+    for (int i = 0; i < mask->width * mask->height; i++)
+        if (i % mask->width < 30 && i / mask->width > 80) mask->data[i] = 1;
+    must_doubt("silhouettes", "without view path_0_theta045 it is 0.");
+    double without;
+    assert_int_equal(ffp_rig_odd_view(&capture, ffp_rig_silhouette_misfit(&capture), &without), 1);
+    assert_true(ffp_rig_view_misfit(&capture, 1) > 0.03);
+}
+
+static void test_projector_off(void **state) {
+    (void)state;
+    SAME_WAY_AGAIN();
+    for (int v = 0; v < capture.n_views; v++) capture.views[v].projector.cx += 20;
+    must_doubt("pattern", "moved by 20, 0 of its pixels");
+}
+
+static void test_another_pattern(void **state) {
+    (void)state;
+    SAME_WAY_AGAIN();
+    const int active = ffp_capture_active_pattern(&capture, NULL, NULL);
+    const int other = ffp_capture_find_pattern(&capture, "lollipop_3");
+    assert_true(other >= 0 && other != active);
+    const FfpImage kept = capture.patterns[active].image;
+    capture.patterns[active].image = capture.patterns[other].image;
+    capture.patterns[other].image = kept;
+    must_doubt("pattern", "no better than chance");
+}
+
+static void test_projector_turned_away(void **state) {
+    (void)state;
+    for (int v = 0; v < capture.n_views; v++)
+        for (int i = 0; i < 3; i++) {
+            real *row = capture.views[v].projector.pose + 4 * i;
+            row[0] = -row[0], row[2] = -row[2];
+        }
+    must_doubt("frusta", "behind a device");
+    must_doubt("lit pixels", "poses do not fit");
+}
+
+// A calibration whose tool counts the projector's pixels otherwise than the pattern's file.
+static void test_projector_counted_otherwise(void **state) {
+    (void)state;
+    SAME_WAY_AGAIN();
+    static const real factors[2] = {2, 0.25F}; // twice as many, then half
+    static const char *const advice[2] = {"calibrated at 1600 x 1600", "calibrated at 400 x 400"};
+    for (int k = 0; k < 2; k++) {
+        for (int v = 0; v < capture.n_views; v++) {
+            FfpCamera *projector = &capture.views[v].projector;
+            projector->fx *= factors[k], projector->fy *= factors[k];
+            projector->cx *= factors[k], projector->cy *= factors[k];
+        }
+        must_doubt("pattern", advice[k]);
+    }
+}
+
+static void test_unit(void **state) {
+    (void)state;
+    SAME_WAY_AGAIN();
+    capture.radius *= 3;
+    must_doubt("camera", "not trained at this distance");
+}
+
+static void test_upside_down(void **state) {
+    (void)state;
+    SAME_WAY_AGAIN();
+    for (int v = 0; v < capture.n_views; v++)
+        for (int i = 0; i < 3; i++) {
+            real *row = capture.views[v].camera.pose + 4 * i;
+            row[0] = -row[0], row[1] = -row[1];
+        }
+    must_doubt("roll", "upright");
+}
+
+static void test_light(void **state) {
+    (void)state;
+    for (int v = 0; v < capture.n_views; v++) {
+        const FfpView *view = &capture.views[v];
+        for (int i = 0; i < 3 * view->camera.width * view->camera.height; i++) {
+            const real white = view->images[capture.white].data[i];
+            view->images[capture.black].data[i] += 0.95F * (white - view->images[capture.black].data[i]);
+        }
+    }
+    must_doubt("ambient", "darken");
+    must_doubt("lit share", "unlit");
+}
+
+static void test_few_views(void **state) {
+    (void)state;
+    const int all = capture.n_views;
+    capture.n_views = 3;
+    must_doubt("views", "photograph all around");
+    capture.n_views = all;
+}
+
+// What is lit in a scene may lie beyond its sphere: rays that pass just beside that are looked along too.
+static void test_a_scene_reaches_beyond_its_sphere(void **state) {
+    (void)state;
+    const FfpCamera *camera = &capture.views[0].camera;
+    const size_t pixels = (size_t)camera->width * (size_t)camera->height;
+    size_t objects = 0, scenes = 0;
+    FfpChord narrow, wide;
+    for (size_t i = 0; i < pixels; i++) {
+        capture.scene = false;
+        const bool in = ffp_chord(&capture, camera, i, &narrow);
+        capture.scene = true;
+        const bool also = ffp_chord(&capture, camera, i, &wide);
+        objects += in, scenes += also;
+        assert_true(!in || (also && wide.near < narrow.near && wide.far > narrow.far));
+    }
+    assert_true(objects > 0 && scenes > objects);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test_setup_teardown(test_good, setup, teardown),
+        cmocka_unit_test_setup_teardown(test_swapped, setup, teardown),
+        cmocka_unit_test_setup_teardown(test_angles_reversed, setup, teardown),
+        cmocka_unit_test_setup_teardown(test_axis_moved, setup, teardown),
+        cmocka_unit_test_setup_teardown(test_pattern_mirrored, setup, teardown),
+        cmocka_unit_test_setup_teardown(test_one_view, setup, teardown),
+        cmocka_unit_test_setup_teardown(test_hand_in_a_mask, setup, teardown),
+        cmocka_unit_test_setup_teardown(test_projector_off, setup, teardown),
+        cmocka_unit_test_setup_teardown(test_another_pattern, setup, teardown),
+        cmocka_unit_test_setup_teardown(test_projector_counted_otherwise, setup, teardown),
+        cmocka_unit_test_setup_teardown(test_projector_turned_away, setup, teardown),
+        cmocka_unit_test_setup_teardown(test_unit, setup, teardown),
+        cmocka_unit_test_setup_teardown(test_upside_down, setup, teardown),
+        cmocka_unit_test_setup_teardown(test_light, setup, teardown),
+        cmocka_unit_test_setup_teardown(test_few_views, setup, teardown),
+        cmocka_unit_test_setup_teardown(test_a_scene_reaches_beyond_its_sphere, setup, teardown),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

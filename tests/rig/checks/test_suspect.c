@@ -1,0 +1,205 @@
+// What people get wrong: each mistake is named with its view, and nothing is said of captures without one.
+#include <math.h>
+#include "core/base/alloc.h"
+#include "rig/checks/suspect.h"
+#include "support.h"
+
+enum { VIEW = 3, OTHER = 5 };
+
+static FfpCapture capture;
+
+static int setup(void **state) {
+    (void)state;
+    return !ffp_capture_read(&capture, FFP_SOURCE_DIR "/data/sample", NULL);
+}
+
+static int teardown(void **state) {
+    (void)state;
+    ffp_capture_free(&capture);
+    return 0;
+}
+
+static void must_name(const char *view, const char *fault) {
+    FfpError err = {0};
+    const bool sound = ffp_rig_suspect(&capture, &err);
+    if (sound || !strstr(err.text, fault) || !strstr(err.text, view)) printf("%d: %s\n", sound, err.text);
+    assert_false(sound);
+    assert_int_equal(err.code, FFP_ERROR_ARGUMENT);
+    assert_non_null(strstr(err.text, fault));
+    assert_non_null(strstr(err.text, view));
+}
+
+static void nothing_is_wrong(void **state) {
+    (void)state;
+    FfpError err = {0};
+    assert_true(ffp_rig_suspect(&capture, &err));
+    for (int n = 1; n < 8; n++) { // of fewer views too
+        capture.n_views = n;
+        assert_true(ffp_rig_suspect(&capture, &err));
+    }
+    capture.n_views = 8;
+}
+
+typedef enum Move { HALF_TURN, TO_THE_LEFT, TO_THE_RIGHT, MIRROR, FLIP, MOVES } Move;
+
+// A square picture as a careless hand leaves it.
+static void move_picture(FfpImage *image, Move move) {
+    if (!image->data) return;
+    const int side = image->width, last = side - 1, n = image->channels;
+    FfpImage out = ffp_image_new(side, side, n);
+    assert_int_equal(image->height, side);
+    for (int y = 0; y < side; y++)
+        for (int x = 0; x < side; x++) {
+            const int from[MOVES][2] = {
+                [HALF_TURN] = {last - x, last - y},
+                [TO_THE_LEFT] = {last - y, x}, // the right upper corner comes to the left
+                [TO_THE_RIGHT] = {y, last - x},
+                [MIRROR] = {last - x, y},
+                [FLIP] = {x, last - y}};
+            const real *pixel = image->data + (ptrdiff_t)n * (from[move][1] * side + from[move][0]);
+            memcpy(out.data + (ptrdiff_t)n * (y * side + x), pixel, (size_t)n * sizeof *pixel);
+        }
+    ffp_image_free(image);
+    *image = out;
+}
+
+static void one_view_turned_or_mirrored(void **state) {
+    static const char *const faults[MOVES] = {[HALF_TURN] = "turned by 180 degrees",
+                                              [TO_THE_LEFT] = "turned by 90 degrees to the left",
+                                              [TO_THE_RIGHT] = "turned by 90 degrees to the right",
+                                              [MIRROR] = "mirrored left to right",
+                                              [FLIP] = "mirrored upside down"};
+    for (int move = 0; move < MOVES; move++) {
+        teardown(state);
+        assert_int_equal(setup(state), 0);
+        FfpView *view = &capture.views[VIEW];
+        for (int p = 0; p < capture.n_patterns; p++) move_picture(&view->images[p], (Move)move);
+        move_picture(&view->coverage, (Move)move);
+        must_name(view->id, faults[move]);
+    }
+}
+
+static void exchange_photographs(FfpView *a, FfpView *b) {
+    const FfpView kept = *a;
+    a->images = b->images;
+    a->coverage = b->coverage;
+    b->images = kept.images;
+    b->coverage = kept.coverage;
+}
+
+static void two_views_exchanged(void **state) {
+    (void)state;
+    exchange_photographs(&capture.views[VIEW], &capture.views[OTHER]);
+    must_name(capture.views[VIEW].id, "are exchanged");
+    must_name(capture.views[OTHER].id, "are exchanged");
+}
+
+static void a_turntable_that_turned_the_other_way(void **state) {
+    (void)state;
+    for (int v = 1; v < 4; v++) exchange_photographs(&capture.views[v], &capture.views[8 - v]);
+    must_name(capture.folder, "change the sign of its angles");
+}
+
+static void exchange_black_and_white(FfpView *view) {
+    const FfpImage black = view->images[capture.black];
+    view->images[capture.black] = view->images[capture.white];
+    view->images[capture.white] = black;
+}
+
+static void black_and_white_exchanged(void **state) {
+    (void)state;
+    exchange_black_and_white(&capture.views[VIEW]);
+    must_name(capture.views[VIEW].id, "all_black and all_white are exchanged");
+    for (int v = 0; v < capture.n_views; v++)
+        if (v != VIEW) exchange_black_and_white(&capture.views[v]);
+    must_name(capture.folder, "all_black and all_white are exchanged");
+}
+
+static void devices_where_they_cannot_be(void **state) {
+    (void)state;
+    FfpCamera *projector = &capture.views[VIEW].projector;
+    const FfpCamera kept = *projector;
+    for (int i = 0; i < 3; i++)
+        projector->pose[4 * i + 3] = capture.centre[i] - 0.1F * capture.radius * kept.pose[4 * i + 2];
+    must_name(capture.views[VIEW].id, "projector is inside the object");
+    *projector = kept;
+    FfpCamera *camera = &capture.views[OTHER].camera;
+    for (int i = 0; i < 3; i++) { // turned round
+        camera->pose[4 * i] = -camera->pose[4 * i];
+        camera->pose[4 * i + 2] = -camera->pose[4 * i + 2];
+    }
+    must_name(capture.views[OTHER].id, "behind the camera");
+}
+
+// --- Photographs of another pattern, of another view, or of nothing. ---
+
+static void exchange_pictures(FfpImage *a, FfpImage *b) {
+    const FfpImage kept = *a;
+    *a = *b;
+    *b = kept;
+}
+
+static void photographs_of_something_else(void **state) {
+    (void)state;
+    FfpView *view = &capture.views[VIEW], *other = &capture.views[OTHER];
+    const int active = ffp_capture_active_pattern(&capture, NULL, NULL);
+    exchange_pictures(&view->images[active], &other->images[active]);
+    must_name(view->id, other->id);
+    exchange_pictures(&view->images[active], &other->images[active]);
+    exchange_pictures(&view->images[active], &view->images[capture.white]);
+    must_name(view->id, "lollipop_0 and all_white are exchanged");
+    exchange_pictures(&view->images[active], &view->images[capture.white]);
+    const FfpImage kept = view->images[active];
+    view->images[active] = ffp_image_copy(&view->images[capture.white]);
+    must_name(view->id, "one and the same");
+    ffp_image_free(&view->images[active]);
+    view->images[active] = kept;
+    exchange_pictures(&capture.patterns[active].image, &capture.patterns[active + 1].image);
+    must_name(capture.folder, "show lollipop_1");
+    exchange_pictures(&capture.patterns[active].image, &capture.patterns[active + 1].image);
+    move_picture(&capture.patterns[active].image, MIRROR);
+    must_name(capture.folder, "mirrored left to right");
+}
+
+static void calibrations_of_another_size(void **state) {
+    (void)state;
+    for (int v = 0; v < capture.n_views; v++) {
+        FfpCamera *p = &capture.views[v].projector;
+        p->fx *= 0.5F, p->fy *= 0.5F;
+        p->cx *= 0.5F, p->cy *= 0.5F;
+    }
+    must_name(capture.folder, "calibrated at 400 x 400 pixels");
+    teardown(state);
+    assert_int_equal(setup(state), 0);
+    for (int v = 0; v < capture.n_views; v++) {
+        FfpCamera *c = &capture.views[v].camera;
+        c->fx *= 2, c->fy *= 2;
+        c->cx *= 2, c->cy *= 2;
+    }
+    must_name(capture.folder, "fit with half the camera's");
+}
+
+static void masks_that_are_none(void **state) {
+    (void)state;
+    FfpImage *mask = &capture.views[VIEW].coverage;
+    const ptrdiff_t pixels = (ptrdiff_t)mask->width * mask->height;
+    for (ptrdiff_t i = 0; i < pixels; i++) mask->data[i] = 1 - mask->data[i];
+    must_name(capture.views[VIEW].id, "inverted");
+    for (ptrdiff_t i = 0; i < pixels; i++) mask->data[i] = 0;
+    must_name(capture.views[VIEW].id, "mask is empty");
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test_setup_teardown(nothing_is_wrong, setup, teardown),
+        cmocka_unit_test_setup_teardown(one_view_turned_or_mirrored, setup, teardown),
+        cmocka_unit_test_setup_teardown(two_views_exchanged, setup, teardown),
+        cmocka_unit_test_setup_teardown(a_turntable_that_turned_the_other_way, setup, teardown),
+        cmocka_unit_test_setup_teardown(black_and_white_exchanged, setup, teardown),
+        cmocka_unit_test_setup_teardown(photographs_of_something_else, setup, teardown),
+        cmocka_unit_test_setup_teardown(calibrations_of_another_size, setup, teardown),
+        cmocka_unit_test_setup_teardown(masks_that_are_none, setup, teardown),
+        cmocka_unit_test_setup_teardown(devices_where_they_cannot_be, setup, teardown),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
