@@ -64,15 +64,15 @@ static double covered_share(const FfpView *view) {
     return covered / ((double)ffp_frame_width(view) * ffp_frame_height(view));
 }
 
-typedef struct Doubts { // views, -1: none
-    int shape, light;
+typedef struct Doubts {
+    FfpSilhouettes shapes; // of a whole scene: {0}
+    int light;             // a view, -1: none
 } Doubts;
 
 static Doubts find_doubts(const FfpCapture *capture) {
     const int active = ffp_capture_active_pattern(capture, NULL, NULL);
-    double without;
     return (Doubts){
-        capture->scene ? -1 : ffp_rig_odd_view(capture, ffp_rig_silhouette_misfit(capture), &without),
+        capture->scene ? (FfpSilhouettes){.odd = -1} : ffp_rig_silhouettes(capture),
         active >= 0 ? ffp_rig_explain(capture, active).odd : -1,
     };
 }
@@ -81,15 +81,15 @@ static bool put_view(FILE *out, const FfpCapture *capture, int v, const Doubts *
     const FfpView *view = &capture->views[v];
     FfpImage thumb = ffp_contact_thumb(&view->images[capture->white]);
     FfpImage picture = ffp_contact_picture(&thumb, &view->coverage);
-    const double misfit = capture->scene ? 0 : ffp_rig_view_misfit(capture, v);
-    const bool look = misfit >= FFP_RIG_MISFIT_MAX || v == doubts->shape || v == doubts->light;
+    const double misfit = doubts->shapes.own ? doubts->shapes.own[v] : 0;
+    const bool look = misfit >= FFP_RIG_MISFIT_MAX || v == doubts->shapes.odd || v == doubts->light;
     fputs("<figure>", out);
     const bool ok = put_image(out, &picture, view->id, err);
     fprintf(out, "<figcaption>%s", look ? "<span class=look>LOOK</span> " : "");
     ffp_put_html(out, view->id);
     fprintf(out, ": %.1f %% of the picture", 100 * covered_share(view));
     if (misfit > 0) fprintf(out, "; %.1f %% of it contradicts the other views", 100 * misfit);
-    if (v == doubts->shape) fputs("; without it the others agree", out);
+    if (v == doubts->shapes.odd) fputs("; without it the others agree", out);
     if (v == doubts->light) fputs("; the pattern fits it worse than the others", out);
     fputs("</figcaption></figure>\n", out);
     ffp_image_free(&thumb);
@@ -98,7 +98,6 @@ static bool put_view(FILE *out, const FfpCapture *capture, int v, const Doubts *
 }
 
 static bool put_page(FILE *out, const FfpCapture *capture, FfpError *err) {
-    const Doubts doubts = find_doubts(capture);
     fputs("<!DOCTYPE html>\n<html lang=en><meta charset=utf-8><meta name=viewport "
           "content=\"width=device-width,initial-scale=1\"><title>",
           out);
@@ -109,10 +108,12 @@ static bool put_page(FILE *out, const FfpCapture *capture, FfpError *err) {
     put_checks(out, capture);
     if (!put_sheet(out, capture, err)) return false;
     fputs("<h2>Views</h2><p>What is reconstructed, under white; a red line goes round each mask.</p>\n", out);
-    for (int v = 0; v < capture->n_views; v++)
-        if (!put_view(out, capture, v, &doubts, err)) return false;
+    Doubts doubts = find_doubts(capture);
+    bool ok = true;
+    for (int v = 0; v < capture->n_views && ok; v++) ok = put_view(out, capture, v, &doubts, err);
     fputs("</html>\n", out);
-    return true;
+    ffp_rig_silhouettes_free(&doubts.shapes);
+    return ok;
 }
 
 bool ffp_describe_report(const char *path, const char *html, FfpError *err) {

@@ -203,9 +203,10 @@ static void check_frusta(Page *page, const FfpCapture *capture, const Light *lig
 }
 
 static void check_silhouettes(Page *page, const FfpCapture *capture) {
-    const double misfit = ffp_rig_silhouette_misfit(capture);
-    double without;
-    const int odd = ffp_rig_odd_view(capture, misfit, &without);
+    FfpSilhouettes found = ffp_rig_silhouettes(capture);
+    const double misfit = found.misfit, without = found.without;
+    const int odd = found.odd;
+    ffp_rig_silhouettes_free(&found);
     line(page, misfit < FFP_RIG_MISFIT_MAX && odd < 0, "silhouettes",
          "%.1f %% of the object's pixels contradict the other views' silhouettes", 100 * misfit);
     if (odd >= 0) {

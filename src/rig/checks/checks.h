@@ -25,14 +25,22 @@ bool ffp_rig_frusta_hold(FfpFrusta frusta);
 // Share of the object's pixels through which no point of its sphere lies in all views' silhouettes (a pixel's
 // width is forgiven; what a view does not show contradicts nothing). 0 with poses and masks that fit.
 double ffp_rig_silhouette_misfit(const FfpCapture *capture);
-// The same of one view's pixels.
-double ffp_rig_view_misfit(const FfpCapture *capture, int view);
+// The same, or INFINITY as soon as it is known not to be below `enough`, which takes less time.
+double ffp_rig_misfit_below(const FfpCapture *capture, double enough);
 // Fewer views than these cannot outvote one, and what leaves so much of the misfit explains it.
 #define FFP_RIG_VIEWS_TO_ACCUSE 4
 #define FFP_RIG_EXPLAINED 0.25
-// The view without which the others agree, with their misfit; -1: there is none. `misfit` is that of all, of
-// which less than 1 % accuses nobody.
-int ffp_rig_odd_view(const FfpCapture *capture, double misfit, double *without);
+// The same view by view. A misfit below 1 % accuses nobody: `blame` is 0 then.
+typedef struct FfpSilhouettes {
+    double misfit;  // of all views
+    double without; // of the others, without the odd view
+    int odd;        // the view without which the others agree; -1: there is none
+    double *own;    // [n_views] share of each view's pixels
+    double *blame;  // [n_views] share of all pixels that have no point: its own, and those that it alone
+                    // denies one
+} FfpSilhouettes;
+FfpSilhouettes ffp_rig_silhouettes(const FfpCapture *capture);
+void ffp_rig_silhouettes_free(FfpSilhouettes *silhouettes);
 
 // How the pattern explains the active pictures of a capture. Errors are root mean squares of
 // (C - B) / (W - B) - pattern, per channel in linear values, with each pixel's best depth in the object's

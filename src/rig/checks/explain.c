@@ -2,7 +2,8 @@
 // a point of the colour that the camera saw; along a wrong one only by chance.
 #include <math.h>
 #include <stdlib.h>
-#include "core/base/arena.h"
+#include "core/base/alloc.h"
+#include "core/base/call.h"
 #include "core/image/lookup.h"
 #include "core/numerics/rank.h"
 #include "rig/checks/checks.h"
@@ -146,6 +147,7 @@ static int look_at_view(const FfpCapture *capture, const FfpView *view, const Ff
     }
     ffp_free(samples);
     ffp_free(best);
+    ffp_cancel_point();
     return n;
 }
 
@@ -239,5 +241,6 @@ double ffp_rig_guess(const FfpCapture *capture, const FfpView *view, const FfpGu
         sum += best;
     }
     ffp_free(samples);
+    ffp_cancel_point();
     return n >= PIXELS_LEAST ? sqrt(sum / n) : NAN;
 }

@@ -7,6 +7,7 @@
 #include "rig/checks/suspect_parts.h"
 
 #define FAR_RADII 100 // from the object to a device, in its radii: more is another unit
+#define SUSPECTS 8 // views of which two may be exchanged: the time to try them does not grow with the views
 
 // --- Devices. ---
 
@@ -62,7 +63,7 @@ static bool check_devices(const FfpCapture *capture, FfpError *err) {
     return true;
 }
 
-// --- Silhouettes under a hypothesis. ---
+// --- Silhouettes under a hypothesis: their misfit, or INFINITY as soon as it is not below `enough`. ---
 
 // Mishaps of one view's photographs.
 typedef enum Mishap { TURNED_HALF, TURNED_LEFT, TURNED_RIGHT, MIRRORED, FLIPPED, MISHAPS } Mishap;
@@ -90,12 +91,12 @@ static FfpImage undone(const FfpImage *image, Mishap mishap) {
     return out;
 }
 
-static double misfit_undone(const FfpCapture *capture, int view, Mishap mishap) {
+static double misfit_undone(const FfpCapture *capture, int view, Mishap mishap, double enough) {
     const FfpImage *mask = &capture->views[view].coverage;
     if ((mishap == TURNED_LEFT || mishap == TURNED_RIGHT) && mask->width != mask->height) return INFINITY;
     FfpCapture alias = ffp_rig_alias(capture);
     alias.views[view].coverage = undone(mask, mishap);
-    const double misfit = ffp_rig_silhouette_misfit(&alias);
+    const double misfit = ffp_rig_misfit_below(&alias, enough);
     ffp_image_free(&alias.views[view].coverage);
     ffp_free(alias.views);
     return misfit;
@@ -105,19 +106,19 @@ static bool same_size(const FfpImage *a, const FfpImage *b) {
     return a->width == b->width && a->height == b->height;
 }
 
-static double misfit_exchanged(const FfpCapture *capture, int a, int b) {
+static double misfit_exchanged(const FfpCapture *capture, int a, int b, double enough) {
     const FfpView *views = capture->views;
     if (!same_size(&views[a].coverage, &views[b].coverage)) return INFINITY;
     FfpCapture alias = ffp_rig_alias(capture);
     alias.views[a].coverage = views[b].coverage;
     alias.views[b].coverage = views[a].coverage;
-    const double misfit = ffp_rig_silhouette_misfit(&alias);
+    const double misfit = ffp_rig_misfit_below(&alias, enough);
     ffp_free(alias.views);
     return misfit;
 }
 
 // With the photographs in the other direction round the object, the first staying where it is.
-static double misfit_reversed(const FfpCapture *capture) {
+static double misfit_reversed(const FfpCapture *capture, double enough) {
     const int n = capture->n_views;
     FfpCapture alias = ffp_rig_alias(capture);
     bool fits = true;
@@ -125,20 +126,20 @@ static double misfit_reversed(const FfpCapture *capture) {
         fits = fits && same_size(&capture->views[v].coverage, &capture->views[n - v].coverage);
         alias.views[v].coverage = capture->views[n - v].coverage;
     }
-    const double misfit = fits ? ffp_rig_silhouette_misfit(&alias) : INFINITY;
+    const double misfit = fits ? ffp_rig_misfit_below(&alias, enough) : INFINITY;
     ffp_free(alias.views);
     return misfit;
 }
 
 // With the cameras' intrinsics as of a picture `factor` times as large.
-static double misfit_of_size(const FfpCapture *capture, real factor) {
+static double misfit_of_size(const FfpCapture *capture, real factor, double enough) {
     FfpCapture alias = ffp_rig_alias(capture);
     for (int v = 0; v < alias.n_views; v++) {
         FfpCamera *c = &alias.views[v].camera;
         c->fx *= factor, c->fy *= factor;
         c->cx *= factor, c->cy *= factor;
     }
-    const double misfit = ffp_rig_silhouette_misfit(&alias);
+    const double misfit = ffp_rig_misfit_below(&alias, enough);
     ffp_free(alias.views);
     return misfit;
 }
@@ -173,7 +174,7 @@ static bool try_mishaps(const FfpCapture *capture, int view, double enough, FfpE
     double least = INFINITY;
     Mishap best = TURNED_HALF;
     for (Mishap m = TURNED_HALF; m < MISHAPS; m++) {
-        const double misfit = misfit_undone(capture, view, m);
+        const double misfit = misfit_undone(capture, view, m, enough);
         if (misfit < least) {
             least = misfit;
             best = m;
@@ -185,17 +186,31 @@ static bool try_mishaps(const FfpCapture *capture, int view, double enough, FfpE
                     mishaps[best]);
 }
 
-// Fails if exchanging two views explains it.
-static bool try_exchanges(const FfpCapture *capture, double enough, FfpError *err) {
+// The views that silhouettes blame most, SUSPECTS at most; returns their number.
+static int most_blamed(const FfpSilhouettes *found, int n_views, int suspects[SUSPECTS]) {
+    int n = 0;
+    for (int v = 0; v < n_views; v++) {
+        int at = n < SUSPECTS ? n++ : SUSPECTS;
+        for (; at > 0 && found->blame[suspects[at - 1]] < found->blame[v]; at--)
+            if (at < SUSPECTS) suspects[at] = suspects[at - 1];
+        if (at < SUSPECTS) suspects[at] = v;
+    }
+    return n;
+}
+
+// Fails if exchanging two of the views that are blamed most explains it.
+static bool try_exchanges(const FfpCapture *capture, const FfpSilhouettes *found, double enough,
+                          FfpError *err) {
+    int suspects[SUSPECTS], a = 0, b = 0;
+    const int n = most_blamed(found, capture->n_views, suspects);
     double least = INFINITY;
-    int a = 0, b = 0;
-    for (int i = 0; i < capture->n_views; i++)
-        for (int j = i + 1; j < capture->n_views; j++) {
-            const double misfit = misfit_exchanged(capture, i, j);
+    for (int i = 0; i < n; i++)
+        for (int j = i + 1; j < n; j++) {
+            const double misfit = misfit_exchanged(capture, suspects[i], suspects[j], enough);
             if (!(misfit < least)) continue;
             least = misfit;
-            a = i;
-            b = j;
+            a = suspects[i] < suspects[j] ? suspects[i] : suspects[j];
+            b = suspects[i] + suspects[j] - a;
         }
     if (!(least < enough)) return true;
     return ffp_fail(
@@ -205,7 +220,7 @@ static bool try_exchanges(const FfpCapture *capture, double enough, FfpError *er
 }
 
 static bool try_reversal(const FfpCapture *capture, double enough, FfpError *err) {
-    return !(misfit_reversed(capture) < enough) ||
+    return !(misfit_reversed(capture, enough) < enough) ||
            ffp_fail(err, FFP_ERROR_ARGUMENT, capture->folder,
                     "the views fit in the opposite order: the turntable turned the other way, change the "
                     "sign of its "
@@ -236,7 +251,7 @@ static bool light_prefers_size(const FfpCapture *capture, real factor) {
 
 static bool try_sizes(const FfpCapture *capture, double enough, FfpError *err) {
     for (int twice = 0; twice < 2; twice++)
-        if (misfit_of_size(capture, twice ? 2 : 0.5F) < enough &&
+        if (misfit_of_size(capture, twice ? 2 : 0.5F, enough) < enough &&
             light_prefers_size(capture, twice ? 2 : 0.5F))
             return ffp_fail(
                 err, FFP_ERROR_ARGUMENT, capture->folder,
@@ -246,23 +261,28 @@ static bool try_sizes(const FfpCapture *capture, double enough, FfpError *err) {
     return true;
 }
 
+// Fails if what people do explains the contradictions.
+static bool explain_silhouettes(const FfpCapture *capture, const FfpSilhouettes *found, FfpError *err) {
+    const double enough = FFP_RIG_EXPLAINED * found->misfit;
+    const bool much = found->misfit >= FFP_RIG_MISFIT_MAX && capture->n_views >= FFP_RIG_VIEWS_TO_ACCUSE;
+    if (found->odd >= 0 && !try_mishaps(capture, found->odd, enough, err)) return false;
+    return !much || (try_reversal(capture, enough, err) && try_sizes(capture, enough, err) &&
+                     try_exchanges(capture, found, enough, err));
+}
+
 static bool check_silhouettes(const FfpCapture *capture, FfpError *err) {
-    const double misfit = ffp_rig_silhouette_misfit(capture), enough = FFP_RIG_EXPLAINED * misfit;
-    double without;
-    const int odd = ffp_rig_odd_view(capture, misfit, &without);
-    const bool much = misfit >= FFP_RIG_MISFIT_MAX && capture->n_views >= FFP_RIG_VIEWS_TO_ACCUSE;
-    if (much && odd >= 0 && !try_mishaps(capture, odd, enough, err)) return false;
-    if (much && (!try_reversal(capture, enough, err) || !try_sizes(capture, enough, err) ||
-                 !try_exchanges(capture, enough, err)))
-        return false;
-    if (odd >= 0)
+    FfpSilhouettes found = ffp_rig_silhouettes(capture);
+    const bool ok = explain_silhouettes(capture, &found, err),
+               much = found.misfit >= FFP_RIG_MISFIT_MAX && capture->n_views >= FFP_RIG_VIEWS_TO_ACCUSE;
+    if (ok && found.odd >= 0)
         ffp_note("view %s contradicts the others' silhouettes: look at its mask and pose",
-                 capture->views[odd].id);
-    else if (much)
+                 capture->views[found.odd].id);
+    else if (ok && much)
         ffp_note("%.0f %% of the object's pixels contradict the other views' silhouettes: `info` says what "
                  "to look at",
-                 100 * misfit);
-    return true;
+                 100 * found.misfit);
+    ffp_rig_silhouettes_free(&found);
+    return ok;
 }
 
 bool ffp_rig_suspect(const FfpCapture *capture, FfpError *err) {

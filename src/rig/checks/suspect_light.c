@@ -1,6 +1,7 @@
 #include <math.h>
 #include <string.h>
 #include "core/base/alloc.h"
+#include "core/base/call.h"
 #include "core/base/log.h"
 #include "core/numerics/rank.h"
 #include "rig/checks/suspect_parts.h"
@@ -56,6 +57,31 @@ static bool same_picture(const FfpImage *a, const FfpImage *b) {
            memcmp(a->data, b->data, 3 * (size_t)a->width * (size_t)a->height * sizeof *a->data) == 0;
 }
 
+static double sum_of(const FfpImage *image) {
+    const ptrdiff_t count = (ptrdiff_t)3 * image->width * image->height;
+    double sum = 0;
+    for (ptrdiff_t i = 0; i < count; i++) sum += (double)image->data[i];
+    return sum;
+}
+
+// A view that has another's photograph; drawn objects may look the same from two sides. Pictures are compared
+// where their sums are equal.
+static void note_repeated_views(const FfpCapture *capture) {
+    const int white = capture->white;
+    double *sums = ffp_alloc((size_t)capture->n_views, sizeof *sums);
+    for (int v = 0; v < capture->n_views; v++) {
+        const FfpView *view = &capture->views[v];
+        sums[v] = sum_of(&view->images[white]);
+        for (int w = 0; w < v; w++)
+            if (sums[v] == sums[w] && !ffp_same_device(&view->camera, &capture->views[w].camera) &&
+                same_picture(&view->images[white], &capture->views[w].images[white]))
+                ffp_note("view %s has the photograph under white of view %s: take it again", view->id,
+                         capture->views[w].id);
+        ffp_cancel_point();
+    }
+    ffp_free(sums);
+}
+
 // A file that was copied, or a photograph taken before the projector had changed.
 static bool check_repeated(const FfpCapture *capture, int active, FfpError *err) {
     for (int v = 0; v < capture->n_views; v++) {
@@ -68,12 +94,8 @@ static bool check_repeated(const FfpCapture *capture, int active, FfpError *err)
                                 "the photographs under %s and %s are one and the same: take it again",
                                 capture->patterns[a].name, capture->patterns[b].name);
         }
-        for (int w = 0; w < v; w++) // drawn objects may look the same from two sides
-            if (!ffp_same_device(&view->camera, &capture->views[w].camera) &&
-                same_picture(&view->images[capture->white], &capture->views[w].images[capture->white]))
-                ffp_note("view %s has the photograph under white of view %s: take it again", view->id,
-                         capture->views[w].id);
     }
+    note_repeated_views(capture);
     return true;
 }
 
@@ -103,6 +125,7 @@ static Brightness measure(const FfpCapture *capture, const FfpView *view) {
     b.object = (double)n;
     b.bright = ffp_quantile(values, n, 0.95);
     ffp_free(values);
+    ffp_cancel_point();
     return b;
 }
 

@@ -136,9 +136,10 @@ static void test_hand_in_a_mask(void **state) {
     for (int i = 0; i < mask->width * mask->height; i++)
         if (i % mask->width < 30 && i / mask->width > 80) mask->data[i] = 1;
     must_doubt("silhouettes", "without view path_0_theta045 it is 0.");
-    double without;
-    assert_int_equal(ffp_rig_odd_view(&capture, ffp_rig_silhouette_misfit(&capture), &without), 1);
-    assert_true(ffp_rig_view_misfit(&capture, 1) > 0.03);
+    FfpSilhouettes found = ffp_rig_silhouettes(&capture);
+    assert_int_equal(found.odd, 1);
+    assert_true(found.own[1] > 0.03);
+    ffp_rig_silhouettes_free(&found);
 }
 
 static void test_projector_off(void **state) {

@@ -1,6 +1,7 @@
 // What people get wrong: each mistake is named with its view, and nothing is said of captures without one.
 #include <math.h>
 #include "core/base/alloc.h"
+#include "core/base/call.h"
 #include "rig/checks/suspect.h"
 #include "support.h"
 
@@ -189,6 +190,61 @@ static void masks_that_are_none(void **state) {
     must_name(capture.views[VIEW].id, "mask is empty");
 }
 
+// Nine stops at each of the sample's eight places, of which one is upside down: a share of the pixels that is
+// nine times smaller.
+static void one_of_seventy_two_views(void **state) {
+    (void)state;
+    enum { TIMES = 9, ODD = 40 };
+    FfpView *own = capture.views, *many = ffp_alloc((size_t)TIMES * 8, sizeof *many);
+    for (int v = 0; v < TIMES * 8; v++) {
+        many[v] = own[v % 8];
+        snprintf(many[v].id, sizeof many[v].id, "stop_%d", v);
+    }
+    FfpView *odd = &many[ODD];
+    odd->coverage = ffp_image_copy(&odd->coverage);
+    odd->images = ffp_alloc((size_t)capture.n_patterns, sizeof *odd->images);
+    for (int p = 0; p < capture.n_patterns; p++)
+        if (own[ODD % 8].images[p].data) odd->images[p] = ffp_image_copy(&own[ODD % 8].images[p]);
+    capture.views = many;
+    capture.n_views = TIMES * 8;
+    FfpError err = {0};
+    assert_true(ffp_rig_suspect(&capture, &err));
+    move_picture(&odd->coverage, HALF_TURN);
+    for (int p = 0; p < capture.n_patterns; p++) move_picture(&odd->images[p], HALF_TURN);
+    must_name("stop_40", "turned by 180 degrees");
+    ffp_image_free(&odd->coverage);
+    for (int p = 0; p < capture.n_patterns; p++) ffp_image_free(&odd->images[p]);
+    ffp_free(odd->images);
+    ffp_free(many);
+    capture.views = own;
+    capture.n_views = 8;
+}
+
+static bool check(void *argument, FfpError *err) {
+    (void)argument;
+    return ffp_rig_suspect(&capture, err);
+}
+
+// By its caller, at any of its points.
+static int points_left;
+
+static bool stop_later(void *user, const FfpProgress *progress) {
+    (void)user, (void)progress;
+    return points_left-- > 0;
+}
+
+static void checks_can_be_cancelled(void **state) {
+    (void)state;
+    FfpContext context = {.settings = {.progress = stop_later}};
+    for (points_left = 0; points_left < 40; points_left += 10) {
+        const int points = points_left;
+        FfpError err = {0};
+        assert_false(ffp_call_run(&context, check, NULL, &err));
+        assert_int_equal(err.code, FFP_ERROR_CANCELLED);
+        points_left = points;
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(nothing_is_wrong, setup, teardown),
@@ -200,6 +256,8 @@ int main(void) {
         cmocka_unit_test_setup_teardown(calibrations_of_another_size, setup, teardown),
         cmocka_unit_test_setup_teardown(masks_that_are_none, setup, teardown),
         cmocka_unit_test_setup_teardown(devices_where_they_cannot_be, setup, teardown),
+        cmocka_unit_test_setup_teardown(one_of_seventy_two_views, setup, teardown),
+        cmocka_unit_test_setup_teardown(checks_can_be_cancelled, setup, teardown),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
