@@ -84,6 +84,9 @@ typedef struct FfpCapture {
 bool ffp_capture_read(FfpCapture *capture, const char *path, FfpError *err);
 // The same as a block of its own: ffp_capture_free, then ffp_free.
 FfpCapture *ffp_capture_load(const char *path, FfpError *err);
+// The same, but photographs of more than `values` numbers are left in their files, as by
+// ffp_capture_load_devices, if the file says intensity and sphere.
+FfpCapture *ffp_capture_load_most(const char *path, double values, FfpError *err);
 // Devices and patterns, for work that looks at few photographs or none: they stay in their files, and views
 // have neither pictures nor coverage (photographs.h reads a view's). What the file does not say (the
 // intensity, a pattern's picture, and with `sphere` the object's) takes reading it all, as ffp_capture_load

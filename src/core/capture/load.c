@@ -234,13 +234,25 @@ static double channels_of(const FfpViewFiles *files, int n_patterns) {
     return channels;
 }
 
-// Refuses what would not fit into memory before any of it is taken.
-static bool check_memory(const FfpManifest *manifest, FfpError *err) {
+static double values_of_views(const FfpManifest *manifest) {
     const FfpCapture *capture = manifest->capture;
-    double values = 3.0 * manifest->pattern_width * manifest->pattern_height * capture->n_patterns;
+    double values = 0;
     for (int v = 0; v < capture->n_views; v++)
         values += channels_of(&manifest->views[v], capture->n_patterns) * capture->views[v].camera.width *
                   capture->views[v].camera.height;
+    return values;
+}
+
+static bool is_to_be_left(const FfpManifest *manifest) {
+    return manifest->values_most > 0 && manifest->has_bounds && manifest->capture->intensity_known &&
+           values_of_views(manifest) > manifest->values_most;
+}
+
+// Refuses what would not fit into memory before any of it is taken.
+static bool check_memory(const FfpManifest *manifest, FfpError *err) {
+    const double values =
+        3.0 * manifest->pattern_width * manifest->pattern_height * manifest->capture->n_patterns +
+        values_of_views(manifest);
     return ffp_memory_suffices(values * sizeof(real), "the images", "import them smaller (import --width)",
                                manifest->file, err);
 }
@@ -331,8 +343,10 @@ static bool load_poses(FfpManifest *manifest, FfpError *err) {
 bool ffp_manifest_load(FfpManifest *manifest, FfpError *err) {
     FfpCapture *capture = manifest->capture;
     if (manifest->poses) return load_poses(manifest, err);
-    if (!settle_pattern_size(manifest, err) || !check_memory(manifest, err) || !check_pictures(manifest, err))
-        return false;
+    if (!settle_pattern_size(manifest, err) || !check_pictures(manifest, err)) return false;
+    manifest->keep = is_to_be_left(manifest);
+    if (manifest->keep) return load_poses(manifest, err);
+    if (!check_memory(manifest, err)) return false;
     FfpCoverageSource *sources = ffp_arena_alloc(manifest->arena, (size_t)capture->n_views, sizeof *sources);
     if (!load_pixels(manifest, sources, err)) return false;
     if (manifest->targets) return true; // bounds and intensity are the reference's

@@ -27,3 +27,14 @@ bool ffp_photographs_has(const FfpCapture *capture, int view, int pattern) {
     return (images && images[pattern].data) ||
            (capture->files && capture->files->views[view].images[pattern].path);
 }
+
+bool ffp_photographs_truth(const FfpCapture *capture, int view, int kind) {
+    const FfpView *v = &capture->views[view];
+    const FfpImage *const images[FFP_TRUTHS] = {&v->depth, &v->normal, &v->albedo, &v->roughness,
+                                                &v->direct_white};
+    if (images[kind]->data || !capture->files) return images[kind]->data != NULL;
+    const FfpViewFiles *f = &capture->files->views[view];
+    const FfpSource *const sources[FFP_TRUTHS] = {&f->depth, &f->normal, &f->albedo, &f->roughness,
+                                                  &f->direct_white};
+    return sources[kind]->path != NULL;
+}

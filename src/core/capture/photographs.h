@@ -16,6 +16,11 @@ bool ffp_photographs_read(FfpView *out, const FfpCapture *capture, int view, con
 // Whether the view has a photograph under the pattern, in memory or in a file.
 bool ffp_photographs_has(const FfpCapture *capture, int view, int pattern);
 
+// Whether the view has truth of a kind, in memory or in a file: depth, normal, albedo, roughness, direct
+// light.
+enum { FFP_TRUTHS = 5 };
+bool ffp_photographs_truth(const FfpCapture *capture, int view, int kind);
+
 // --- Inside the room. ---
 
 // Reads one view's pictures, coverage and maps, with their checks. *source tells where the coverage is from.

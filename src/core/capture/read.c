@@ -69,25 +69,28 @@ static bool read_file(FfpManifest *manifest, const char *json, FfpError *err) {
     return ok;
 }
 
-// Reads `json` into *capture, which holds the reference's patterns already when `targets`.
-static bool read_capture(FfpCapture *capture, const char *json, bool targets, FfpError *err) {
-    FfpManifest manifest = {.capture = capture, .targets = targets, .known_patterns = capture->n_patterns};
-    return read_file(&manifest, json, err);
-}
-
 static const char *const capture_names[2] = {"scene.json", "render_poses.json"};
 
-bool ffp_capture_read(FfpCapture *capture, const char *path, FfpError *err) {
+static bool read_most(FfpCapture *capture, const char *path, double values, FfpError *err) {
     char json[FFP_PATH_MAX];
+    FfpManifest manifest = {.capture = capture, .values_most = values};
     *capture = (FfpCapture){.black = -1, .white = -1};
     if (!find_json(json, path, capture_names, 2, err)) return false;
     capture->patterns = ffp_alloc(FFP_PATTERNS_MAX, sizeof(FfpPattern));
-    return read_capture(capture, json, false, err);
+    return read_file(&manifest, json, err);
+}
+
+bool ffp_capture_read(FfpCapture *capture, const char *path, FfpError *err) {
+    return read_most(capture, path, 0, err);
 }
 
 FfpCapture *ffp_capture_load(const char *path, FfpError *err) {
+    return ffp_capture_load_most(path, 0, err);
+}
+
+FfpCapture *ffp_capture_load_most(const char *path, double values, FfpError *err) {
     FfpCapture *capture = ffp_alloc(1, sizeof *capture);
-    if (ffp_capture_read(capture, path, err)) return capture;
+    if (read_most(capture, path, values, err)) return capture;
     ffp_free(capture);
     return NULL;
 }
@@ -104,7 +107,8 @@ bool ffp_capture_read_targets(FfpCapture *targets, const char *path, const FfpCa
         targets->patterns[i] = reference->patterns[i];
         targets->patterns[i].image = ffp_image_copy(&reference->patterns[i].image);
     }
-    if (!read_capture(targets, json, true, err)) return false;
+    FfpManifest manifest = {.capture = targets, .targets = true, .known_patterns = targets->n_patterns};
+    if (!read_file(&manifest, json, err)) return false;
     memcpy(targets->centre, reference->centre, sizeof targets->centre);
     memcpy(targets->intensity, reference->intensity, sizeof targets->intensity);
     targets->radius = reference->radius;

@@ -28,9 +28,9 @@ static bool put_image(FILE *out, const FfpImage *encoded, const char *text, FfpE
     return true;
 }
 
-static void put_checks(FILE *out, const FfpCapture *capture) {
+static void put_checks(FILE *out, const FfpLooked *looked) {
     FfpText *text = ffp_text_new();
-    ffp_print_capture(ffp_text_stream(text), capture);
+    ffp_print_capture(ffp_text_stream(text), looked);
     char *said = ffp_text_end(text);
     fputs("<pre>", out);
     ffp_put_html(out, said);
@@ -97,7 +97,8 @@ static bool put_view(FILE *out, const FfpCapture *capture, int v, const Doubts *
     return ok;
 }
 
-static bool put_page(FILE *out, const FfpCapture *capture, FfpError *err) {
+static bool put_page(FILE *out, const FfpLooked *looked, FfpError *err) {
+    const FfpCapture *capture = &looked->seen;
     fputs("<!DOCTYPE html>\n<html lang=en><meta charset=utf-8><meta name=viewport "
           "content=\"width=device-width,initial-scale=1\"><title>",
           out);
@@ -105,7 +106,7 @@ static bool put_page(FILE *out, const FfpCapture *capture, FfpError *err) {
     fprintf(out, "</title>\n<style>%s</style>\n<h1>", style);
     ffp_put_html(out, capture->name);
     fputs("</h1>\n", out);
-    put_checks(out, capture);
+    put_checks(out, looked);
     if (!put_sheet(out, capture, err)) return false;
     fputs("<h2>Views</h2><p>What is reconstructed, under white; a red line goes round each mask.</p>\n", out);
     Doubts doubts = find_doubts(capture);
@@ -118,16 +119,16 @@ static bool put_page(FILE *out, const FfpCapture *capture, FfpError *err) {
 
 bool ffp_describe_report(const char *path, const char *html, FfpError *err) {
     const FfpKind kind = ffp_file_kind(path);
-    FfpCapture capture;
+    FfpLooked looked;
     FfpOutput out;
     if (kind == FFP_KIND_PLY || kind == FFP_KIND_WEIGHTS || kind == FFP_KIND_FIELD)
         return ffp_fail(err, FFP_ERROR_ARGUMENT, path, "only captures have a report");
-    if (!ffp_capture_read(&capture, path, err)) return false;
+    if (!ffp_looked_open(&looked, path, FFP_LOOKED_VALUES, err)) return false;
     bool ok = ffp_output_open(&out, html, err);
-    if (ok && !put_page(out.stream, &capture, err)) {
+    if (ok && !put_page(out.stream, &looked, err)) {
         ffp_output_abort(&out);
         ok = false;
     }
-    ffp_capture_free(&capture);
+    ffp_looked_free(&looked);
     return ok && ffp_output_commit(&out, err);
 }

@@ -345,9 +345,8 @@ static double widest_gap(const FfpCapture *capture) {
     return gap;
 }
 
-static void check_rig(Page *page, const FfpCapture *capture, Light *light) {
+static void check_rig(Page *page, const FfpCapture *capture, const FfpCamera *taken, Light *light) {
     Range ranges[AMBIENT];
-    const FfpCamera *camera = &capture->views[0].camera;
     const double gap = widest_gap(capture), share = (double)ffp_quantile(light->share, light->lit, 0.5);
     measure_rig(capture, ranges);
     for (int i = 0; i < AMBIENT; i++) compare(page, i, ranges[i]);
@@ -356,9 +355,9 @@ static void check_rig(Page *page, const FfpCapture *capture, Light *light) {
          "%d, with a widest gap of %.0f degrees (trained: 8 and 45)", capture->n_views, gap);
     if (capture->n_views < 6 || gap >= 75)
         advise(page, "sides that no view sees are guessed: photograph all around");
-    const double side = sqrt((double)camera->width * camera->height);
-    line(page, side >= 90 && side <= 260, "size", "%d x %d pixels (trained: 128 x 128)", camera->width,
-         camera->height);
+    const double side = sqrt((double)taken->width * taken->height);
+    line(page, side >= 90 && side <= 260, "size", "%d x %d pixels (trained: 128 x 128)", taken->width,
+         taken->height);
     if (side > 260)
         advise(page, "import narrower pictures, about 128 pixels wide, or reconstruct without the network: "
                      "time and memory grow fast");
@@ -526,7 +525,7 @@ static void check_walk(Page *page, const FfpCapture *capture, const Light *light
         advise(page, "most of the pictures show what the projector does not reach: move closer");
 }
 
-int ffp_rig_checks(const FfpCapture *capture, FILE *out) {
+int ffp_rig_checks(const FfpCapture *capture, const FfpCamera *taken, FILE *out) {
     Page page = {out, 0};
     Light light = measure(capture);
     fputs("checks\n", out);
@@ -540,7 +539,7 @@ int ffp_rig_checks(const FfpCapture *capture, FILE *out) {
     check_black(&page, &light);
     if (!capture->scene) {
         check_lit_share(&page, &light);
-        check_rig(&page, capture, &light);
+        check_rig(&page, capture, taken, &light);
     }
     check_pattern(&page, capture, &light);
     ffp_free(light.white);

@@ -8,8 +8,9 @@
 
 // Where the projector's frustum lies, exposure and clipping, ambient light, how far the rig is from what the
 // shipped model was trained on, and how well looking up the pattern explains the pictures. A line each, "ok"
-// or "LOOK", and what to do below the latter. Returns the number of the latter.
-int ffp_rig_checks(const FfpCapture *capture, FILE *out);
+// or "LOOK", and what to do below the latter. Returns the number of the latter. `taken` has the size of the
+// photographs, of which the capture may hold reduced ones.
+int ffp_rig_checks(const FfpCapture *capture, const FfpCamera *taken, FILE *out);
 
 // What the devices see of the object's sphere.
 typedef struct FfpFrusta {

@@ -29,7 +29,7 @@ static int check(void) {
     free(page);
     FILE *out = open_memstream(&page, &size);
     assert_non_null(out);
-    const int doubts = ffp_rig_checks(&capture, out);
+    const int doubts = ffp_rig_checks(&capture, &capture.views[0].camera, out);
     fclose(out);
     return doubts;
 }

@@ -196,7 +196,7 @@ static void real_projector_counted_twice(void **state) {
     FfpCapture capture;
     if (!import_board("../calibration_result.xml", "twice", shown, &capture)) skip();
     FILE *out = open_memstream(&page, &size);
-    ffp_rig_checks(&capture, out);
+    ffp_rig_checks(&capture, &capture.views[0].camera, out);
     fclose(out);
     assert_non_null(strstr(page, "calibrated at 2048 x 1536 pixels"));
     free(page);
