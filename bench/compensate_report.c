@@ -215,7 +215,7 @@ static void run_case(const Bench *bench, int v, const FfpImage *image, Figures *
     show(bench, view, "unwarped", unwarped, &picture);
     ffp_image_free(&picture);
     const FfpGamut gamut = ffp_stage_gamut(&stage);
-    ffp_stage_closed_form(&stage);
+    ffp_stage_closed_form(&stage, 1);
     const double own_closed = ffp_stage_psnr(&stage);
     const double closed_psnr = judged(bench, &place, &stage, &target, "closed form");
     const double started = ffp_seconds();

@@ -78,8 +78,7 @@ static void grow(FfpImage *image) {
     ffp_image_free(&before);
 }
 
-// The mean footprint of the lit camera pixels in a projector, in its pixels.
-static int typical_footprint(const FfpStage *stage, int k) {
+int ffp_stage_footprint(const FfpStage *stage, int k) {
     double sum = 0, count = 0;
     for (int s = 0; s < stage->n_camera_views; s++) {
         const FfpMapping *mapping = &ffp_stage_link(stage, s, k)->mapping;
@@ -92,7 +91,7 @@ static int typical_footprint(const FfpStage *stage, int k) {
     return count > 0 ? (int)ceil(sum / count) : 1;
 }
 
-void ffp_stage_closed_form(FfpStage *stage) {
+void ffp_stage_closed_form(FfpStage *stage, int margin) {
     FfpImage *wishes = ffp_alloc((size_t)stage->n_camera_views, sizeof *wishes);
     for (int s = 0; s < stage->n_camera_views; s++) wishes[s] = levels(stage, s);
     for (int k = 0; k < stage->n_projections; k++) {
@@ -100,7 +99,7 @@ void ffp_stage_closed_form(FfpStage *stage) {
         const int width = projection->pattern.width, height = projection->pattern.height;
         FfpImage sum = ffp_image_new(width, height, 4);
         for (int s = 0; s < stage->n_camera_views; s++) gather(stage, s, k, &wishes[s], &sum);
-        for (int pass = typical_footprint(stage, k); pass > 0; pass--) grow(&sum);
+        for (int pass = margin * ffp_stage_footprint(stage, k); pass > 0; pass--) grow(&sum);
         for (int p = 0; p < width * height; p++)
             for (int c = 0; c < 3; c++) {
                 const real level = sum.data[4 * p + 3] > 0 ? sum.data[4 * p + c] / sum.data[4 * p + 3] : 0;

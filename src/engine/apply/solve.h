@@ -28,8 +28,11 @@ FfpImage ffp_stage_lit(const FfpStage *stage, int camera_view);
 // Patterns in closed form. A camera pixel requests the level (target - ambient) / sum of feather * response;
 // a projector pixel shows its feather times the mean level of the camera positions that see it (by the
 // inverse correspondence, weighted by weight and cosine), clipped to [0,1]. Positions that no camera
-// constrains stay dark, except for a margin of one footprint around the others.
-void ffp_stage_closed_form(FfpStage *stage);
+// constrains stay dark, except for a margin of so many footprints around the others.
+void ffp_stage_closed_form(FfpStage *stage, int margin);
+
+// The mean footprint of a lit camera pixel in a projector, in its pixels, rounded up; 1 if nothing is lit.
+int ffp_stage_footprint(const FfpStage *stage, int projection);
 
 // Improves the patterns by `steps` steps of Adam (Kingma and Ba 2015) on the weighted squared difference of
 // encoded pictures and targets, each step clipped to [0,1]. The result is reproducible to the bit.

@@ -27,6 +27,9 @@ typedef struct Job {
     FfpView *reduced;           // [n_views] that stand in for larger ones; NULL: there are none
     FfpImage *targets, *alphas; // [n_targets]; an alpha is empty where the file has none
     FfpStage stage;
+    int times;         // as many pixels a side have
+    FfpView *enlarged; // [n_views], the views of
+    FfpStage finer;    // the stage for the closed form; times 1: there is none
 } Job;
 
 static bool check_options(const FfpCompensation *options, const FfpCapture *capture, FfpError *err) {
@@ -62,16 +65,14 @@ static void reduced_size(const FfpView *view, int *width, int *height) {
                  view->id, view->camera.width, view->camera.height, *width, *height);
 }
 
-static FfpView reduced_view(const Job *job, const FfpView *view) {
+static FfpView resized_view(const Job *job, const FfpView *view, int width, int height) {
     const FfpCapture *capture = job->capture;
     const int plain[2] = {capture->black, capture->white};
-    int width, height;
     const bool pictures = !job->options->gaussians_only && view->images && view->coverage.data;
     FfpView bare = *view;
     bare.correspondence = (FfpImage){0};
     if (!pictures) bare.images = NULL;
     if (!pictures) bare.coverage = (FfpImage){0};
-    reduced_size(view, &width, &height);
     return ffp_view_reduced(&bare, capture->n_patterns, plain, pictures ? 2 : 0, width, height);
 }
 
@@ -86,7 +87,9 @@ static void reduce_views(Job *job) {
     job->reduced = ffp_alloc((size_t)job->chosen.n_views, sizeof *job->reduced);
     for (int v = 0; v < job->chosen.n_views; v++) {
         const FfpView *view = job->chosen.views[v];
-        job->reduced[v] = reduced_view(job, view);
+        int width, height;
+        reduced_size(view, &width, &height);
+        job->reduced[v] = resized_view(job, view, width, height);
         job->chosen.views[v] = &job->reduced[v];
     }
 }
@@ -162,19 +165,69 @@ static bool read_targets(Job *job, FfpError *err) {
     return true;
 }
 
-static void aim(Job *job) {
+static void aim(const Job *job, FfpStage *stage, bool note) {
     const FfpCompensation *options = job->options;
-    for (int v = 0; v < job->chosen.n_views; v++) {
-        const FfpCamera *camera = &job->chosen.views[v]->camera;
+    for (int v = 0; v < stage->n_camera_views; v++) {
+        const FfpCamera *camera = &stage->camera_views[v].view->camera;
         const int t = target_of(job, v), width = camera->width, height = camera->height;
-        if (!job->pictures)
+        if (!job->pictures && note)
             ffp_framing_note(options->targets[t], &job->targets[t], width, height, options->framing);
         FfpImage target = ffp_image_framed(&job->targets[t], width, height, options->framing), alpha = {0};
         if (options->transparent_free && job->alphas[t].data)
             alpha = ffp_image_framed(&job->alphas[t], width, height, options->framing);
-        ffp_stage_aim(&job->stage, v, &target, alpha.data ? &alpha : NULL);
+        ffp_stage_aim(stage, v, &target, alpha.data ? &alpha : NULL);
         ffp_image_free(&target);
         ffp_image_free(&alpha);
+    }
+}
+
+// --- Edges finer than a camera's pixels. ---
+
+#define TIMES_MOST 4
+#define FINER_PIXELS 4e6 // of all views together, at most
+
+// A projector with many pixels for one of the camera's would show that one's outline at every edge: so
+// targets are asked for at up to TIMES_MOST as many pixels a side, where the Gaussians say where they lie.
+static void begin_finer(Job *job, const FfpGaussians *gaussians, const FfpRenderSettings *settings) {
+    const int n = job->chosen.n_views;
+    double pixels = 0;
+    for (int k = 0; k < job->stage.n_projections; k++) {
+        const int footprint = ffp_stage_footprint(&job->stage, k);
+        job->times = footprint > job->times ? footprint : job->times;
+    }
+    for (int v = 0; v < n; v++)
+        pixels += (double)job->chosen.views[v]->camera.width * job->chosen.views[v]->camera.height;
+    job->times = job->times > TIMES_MOST ? TIMES_MOST : job->times;
+    while (job->times > 1 && pixels * job->times * job->times > FINER_PIXELS) job->times--;
+    if (job->times == 1) return;
+    const FfpView **views = ffp_alloc((size_t)n, sizeof *views);
+    job->enlarged = ffp_alloc((size_t)n, sizeof *job->enlarged);
+    for (int v = 0; v < n; v++) {
+        const FfpView *view = job->chosen.views[v];
+        job->enlarged[v] =
+            resized_view(job, view, job->times * view->camera.width, job->times * view->camera.height);
+        views[v] = &job->enlarged[v];
+    }
+    job->finer = ffp_stage_new(gaussians, job->capture, views, n, settings, !job->options->gaussians_only);
+    ffp_free(views);
+    aim(job, &job->finer, false);
+}
+
+// The closed form, of which the descent then starts at the camera's own pixels.
+static void solve_finely(Job *job, real gain) {
+    if (job->times == 1) {
+        ffp_stage_closed_form(&job->stage, 1);
+        return;
+    }
+    if (job->options->paint)
+        ffp_stage_paint(&job->finer);
+    else
+        ffp_stage_scale(&job->finer, gain);
+    ffp_stage_closed_form(&job->finer, job->times);
+    for (int k = 0; k < job->stage.n_projections; k++) {
+        const FfpImage kept = job->stage.projections[k].pattern;
+        job->stage.projections[k].pattern = job->finer.projections[k].pattern;
+        job->finer.projections[k].pattern = kept;
     }
 }
 
@@ -214,7 +267,7 @@ static void solve(Job *job, FfpCompensationStats *stats) {
     stats->too_dark = gamut.too_dark;
     stats->too_bright = gamut.too_bright;
     stats->psnr_dark = ffp_stage_psnr(stage);
-    ffp_stage_closed_form(stage);
+    solve_finely(job, (real)stats->gain);
     stats->psnr_closed = ffp_stage_psnr(stage);
     ffp_stage_descend(stage, options->steps);
     ffp_stage_quantise(stage);
@@ -255,6 +308,10 @@ static void free_job(Job *job) {
     ffp_free(job->targets);
     ffp_free(job->alphas);
     ffp_stage_free(&job->stage);
+    ffp_stage_free(&job->finer);
+    for (int v = 0; job->enlarged && v < job->chosen.n_views; v++)
+        ffp_view_reduced_free(&job->enlarged[v], job->capture->n_patterns);
+    ffp_free(job->enlarged);
     for (int v = 0; job->reduced && v < job->chosen.n_views; v++)
         ffp_view_reduced_free(&job->reduced[v], job->capture->n_patterns);
     ffp_free(job->reduced);
@@ -264,7 +321,7 @@ static void free_job(Job *job) {
 static FfpImages *run(const FfpGaussians *gaussians, const FfpCapture *capture,
                       const FfpCompensation *options, const FfpRaw *pictures, FfpCompensationStats *stats,
                       FfpError *err) {
-    Job job = {.options = options, .pictures = pictures, .capture = capture};
+    Job job = {.options = options, .pictures = pictures, .capture = capture, .times = 1};
     FfpCompensationStats found = {0};
     FfpImages *images = NULL;
     const double begin = ffp_seconds();
@@ -276,10 +333,11 @@ static FfpImages *run(const FfpGaussians *gaussians, const FfpCapture *capture,
     if (ok) {
         job.stage = ffp_stage_new(gaussians, capture, job.chosen.views, job.chosen.n_views, &settings,
                                   !options->gaussians_only);
-        aim(&job);
+        aim(&job, &job.stage, true);
         ok = check_light(&job, err);
     }
     if (ok) {
+        begin_finer(&job, gaussians, &settings);
         solve(&job, &found);
         images = ffp_images_new();
         ok = collect(&job, images, err);

@@ -206,7 +206,7 @@ static void compensation_comes_near_and_descent_nearer(void **state) {
     assert_true(gamut.too_dark == 0 && gamut.too_bright == 0);
     assert_true(gamut.unlit > 0.005 && gamut.unlit < 0.5); // the ball's shadow
     const double unwarped = unwarped_psnr(&stage, &target);
-    ffp_stage_closed_form(&stage);
+    ffp_stage_closed_form(&stage, 1);
     const double closed = ffp_stage_psnr(&stage);
     ffp_stage_descend(&stage, 40);
     ffp_stage_quantise(&stage);
@@ -229,7 +229,7 @@ static void two_runs_give_the_same_bits(void **state) {
     for (int run = 0; run < 2; run++) {
         FfpStage stage = stage_of(&w, 1);
         ffp_stage_aim(&stage, 0, &target, NULL);
-        ffp_stage_closed_form(&stage);
+        ffp_stage_closed_form(&stage, 1);
         ffp_stage_descend(&stage, 3);
         if (run == 0)
             first = ffp_image_copy(&stage.projections[0].pattern);
@@ -303,7 +303,7 @@ static void projectors_share_where_they_overlap(void **state) {
     assert_int_equal(stage.n_projections, 2);
     FfpImage target = grey(SIDE, SIDE, 0.14F);
     for (int s = 0; s < 2; s++) ffp_stage_aim(&stage, s, &target, NULL);
-    ffp_stage_closed_form(&stage);
+    ffp_stage_closed_form(&stage, 1);
     const double closed = ffp_stage_psnr(&stage);
     ffp_stage_descend(&stage, 40);
     const double descended = ffp_stage_psnr(&stage);
@@ -341,7 +341,7 @@ static void views_of_one_projector_share_its_pattern(void **state) {
     assert_int_equal(stage.n_projections, 1);
     FfpImage target = grey(SIDE, SIDE, 0.12F);
     for (int s = 0; s < 2; s++) ffp_stage_aim(&stage, s, &target, NULL);
-    ffp_stage_closed_form(&stage);
+    ffp_stage_closed_form(&stage, 1);
     assert_true(ffp_stage_psnr(&stage) > 25);
     ffp_image_free(&target);
     ffp_stage_free(&stage);
