@@ -1005,7 +1005,8 @@ FFP_API bool ffp_can_save_capture(const char *folder, FfpError *err);
 // ffp_free), or NULL on failure, and writes JSON to a file unless `json` is NULL. Takes about a minute.
 FFP_API char *ffp_benchmark(FfpContext *context, const char *json, FfpError *err);
 
-// Describes a capture, a weights file or a PLY in readable text (release with ffp_free); NULL on failure.
+// Describes a capture, a weights file or Gaussians (PLY, SPZ, glTF) in readable text (release with ffp_free);
+// NULL on failure.
 FFP_API char *ffp_info(FfpContext *context, const char *path, FfpError *err);
 // Writes the same of a capture as an HTML page, with a contact sheet of its masks in which doubtful views are
 // marked. Errors: `path` is not a capture.

@@ -32,17 +32,18 @@ static const FfpOption options[] = {
 const FfpCommand ffp_cli_info = {
     .name = "info",
     .group = FFP_CLI_CAPTURE,
-    .purpose = "describes and checks a capture, a model, a PLY or a field",
+    .purpose = "describes and checks a capture, a model, Gaussians or a field",
     .prose = "For a capture: views, patterns, sizes, bounds, intensity and whether it was given or "
              "estimated, and advice on anything doubtful. For a model: configuration, parameters, training. "
              "For Gaussians: count, bounds, opacity. For a neural field: parameters, bounds, occupancy. The "
              "file is checked as by every other command.",
-    .positional =
-        {.name = "FILE",
-         .least = 1,
-         .most = 1,
-         .offset = offsetof(Arguments, file),
-         .help = "a capture's folder or JSON file, a safetensors model, a PLY, or a field from `refine`"},
+    .positional = {.name = "FILE",
+                   .least = 1,
+                   .most = 1,
+                   .offset = offsetof(Arguments, file),
+                   .help = "a capture's folder or JSON file, a safetensors model, Gaussians (PLY, SPZ, glTF "
+                           "or GLB), or a field "
+                           "from `refine`"},
     .options = options,
     .examples = (const FfpExample[]){{.command = "ffprocams info data/sample --report sample.html"}, {0}},
     .size = sizeof(Arguments),

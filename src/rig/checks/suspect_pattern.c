@@ -125,8 +125,17 @@ static bool try_all_views(const FfpCapture *capture, int active, const FfpSummed
 
 // --- One view. ---
 
-static bool try_one_view(const FfpCapture *capture, int active, const FfpSummed *pattern, int odd,
-                         double enough, FfpError *err) {
+typedef struct Odd {
+    int view;     // explained much worse than the others; -1: none
+    bool sure;    // and no better than by chance
+    double usual; // error of the views
+} Odd;
+
+// Fails if another photograph is what belongs there, or if what is there certainly does not.
+static bool try_one_view(const FfpCapture *capture, int active, const FfpSummed *pattern, const Odd *found,
+                         FfpError *err) {
+    const int odd = found->view;
+    const double enough = 1.5 * found->usual;
     const FfpView *view = &capture->views[odd];
     const char *name = capture->patterns[active].name;
     double least = INFINITY;
@@ -156,16 +165,17 @@ static bool try_one_view(const FfpCapture *capture, int active, const FfpSummed 
             return ffp_fail(err, FFP_ERROR_ARGUMENT, view->id, "its photograph under %s shows %s", name,
                             capture->patterns[p].name);
     }
-    return ffp_fail(err, FFP_ERROR_ARGUMENT, view->id,
+    return !found->sure ||
+           ffp_fail(err, FFP_ERROR_ARGUMENT, view->id,
                     "its photograph under %s does not show that pattern where this view's projector is: its "
                     "pose, or one of its photographs, is another's",
                     name);
 }
 
-// The view whose photograph is explained much worse than the others', and no better than by chance; -1: none.
-static int odd_view(const FfpCapture *capture, int active, const FfpSummed *pattern, double *usual) {
+static Odd odd_view(const FfpCapture *capture, int active, const FfpSummed *pattern) {
     double *errors = ffp_alloc(2 * (size_t)capture->n_views, sizeof *errors),
            *sorted = errors + capture->n_views;
+    Odd found = {.view = -1};
     int n = 0, odd = -1;
     for (int v = 0; v < capture->n_views; v++) {
         const FfpGuess guess = {.photograph = &capture->views[v].images[active], .pattern = pattern};
@@ -174,25 +184,26 @@ static int odd_view(const FfpCapture *capture, int active, const FfpSummed *patt
         sorted[n++] = errors[v];
         if (odd < 0 || errors[v] > errors[odd]) odd = v;
     }
-    *usual = ffp_median(sorted, (size_t)n);
+    found.usual = ffp_median(sorted, (size_t)n);
     const double worst = odd >= 0 ? errors[odd] : 0;
     ffp_free(errors);
-    if (n < 3 || !(worst > ODD * *usual) || worst < WELL) return -1;
+    if (n < 3 || !(worst > ODD * found.usual) || worst < WELL) return found;
     double chance = INFINITY;
     for (int k = 1; k <= THIRDS; k++) {
         const FfpGuess guess = {
             .photograph = &capture->views[odd].images[active], .pattern = pattern, .third = k};
         chance = fmin(chance, ffp_rig_guess(capture, &capture->views[odd], &guess));
     }
-    return worst > EXPLAINED * chance ? odd : -1;
+    found.view = odd;
+    found.sure = worst > EXPLAINED * chance;
+    return found;
 }
 
 bool ffp_rig_suspect_pattern(const FfpCapture *capture, int active, FfpError *err) {
     FfpSummed pattern = ffp_summed_new(&capture->patterns[active].image);
-    double usual;
     bool ok = true;
-    const int odd = odd_view(capture, active, &pattern, &usual);
-    if (usual >= WELL) {
+    const Odd odd = odd_view(capture, active, &pattern);
+    if (odd.usual >= WELL) {
         const double error = error_of(capture, active, (FfpGuess){.pattern = &pattern}),
                      chance = chance_of(capture, active, &pattern),
                      enough = fmin(BETTER * error, EXPLAINED * chance);
@@ -203,8 +214,8 @@ bool ffp_rig_suspect_pattern(const FfpCapture *capture, int active, FfpError *er
                          "poses are wrong; `info` says what to look at",
                          capture->patterns[active].name);
         }
-    } else if (odd >= 0) {
-        ok = try_one_view(capture, active, &pattern, odd, 1.5 * usual, err);
+    } else if (odd.view >= 0) {
+        ok = try_one_view(capture, active, &pattern, &odd, err);
     }
     ffp_summed_free(&pattern);
     return ok;

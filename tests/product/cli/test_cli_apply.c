@@ -84,6 +84,72 @@ static void targets_of_any_shape_with_transparent_parts(void **state) {
     ffp_image_free(&black);
 }
 
+// Three slanted strokes with soft edges, as a word is; transparent parts are white, as many programs leave
+// them.
+static void write_letters(const char *name, int side) {
+    FfpError err = {0};
+    FfpImage letters = ffp_image_new(side, side, 4);
+    for (int p = 0; p < side * side; p++) {
+        const double x = (p % side + 0.25 * (p / side)) * 48 / side; // in 48ths
+        const double beside = fabs(x - 12 * floor(x / 12) - 6) - 1.5, edge = 24.0 / side;
+        for (int c = 0; c < 3; c++) letters.data[4 * p + c] = 1;
+        letters.data[4 * p + 3] = (real)fmin(fmax(0.5 - beside / edge, 0), 1);
+    }
+    if (!ffp_image_write_png(&letters, in_scratch(name), &err)) fail_msg("%s", err.text);
+    ffp_image_free(&letters);
+}
+
+// The light on the object that nobody asked for: the greatest of what is seen above the target, at pixels
+// whose neighbours are all transparent, too.
+static double halo(const char *seen_name, const char *target_name) {
+    FfpImage seen, target, letters;
+    double most = 0;
+    read_encoded(&seen, seen_name);
+    read_encoded(&target, target_name);
+    read_encoded(&letters, "letters.png");
+    for (int y = 1; y < SIDE - 1; y++)
+        for (int x = 1; x < SIDE - 1; x++) {
+            double alpha = 0;
+            for (int k = 0; k < 9; k++)
+                alpha += (double)letters.data[4 * ((y + k / 3 - 1) * SIDE + x + k % 3 - 1) + 3];
+            const int p = 4 * (y * SIDE + x);
+            if (alpha == 0) most = fmax(most, (double)(seen.data[p] - target.data[p]));
+        }
+    ffp_image_free(&seen);
+    ffp_image_free(&target);
+    ffp_image_free(&letters);
+    return most;
+}
+
+static void letters_have_no_halos(void **state) {
+    (void)state;
+    write_letters("letters.png", SIDE);
+    run_format(&run, "compensate %s/tiny.ply -c %s/tiny -v view_1 -t %s/letters.png --paint -o %s/word.png",
+               scratch, scratch, scratch, scratch);
+    must_run();
+    const double black = halo("word_seen_view_1.png", "word_target_view_1.png");
+    run_format(&run,
+               "compensate %s/tiny.ply -c %s/tiny -v view_1 -t %s/letters.png --paint --transparent free -o "
+               "%s/free.png",
+               scratch, scratch, scratch, scratch);
+    must_run();
+    const double free = halo("free_seen_view_1.png", "word_target_view_1.png");
+    print_message("beside letters at most %.1f steps of 255, free %.1f\n", 255 * black, 255 * free);
+    assert_true(255 * black < 8);
+    assert_true(255 * free > 12);
+}
+
+// The closed form takes a target's edges from its own pixels, not from the camera's, which are coarser.
+static void edges_are_finer_than_the_cameras_pixels(void **state) {
+    (void)state;
+    write_letters("fine.png", 8 * SIDE);
+    run_format(&run,
+               "compensate %s/tiny.ply -c %s/tiny -v view_1 -t %s/fine.png --paint -s 0 -o %s/fine_p.png",
+               scratch, scratch, scratch, scratch);
+    must_run();
+    assert_true(number_after("dB dark, ") > 34.5); // 32.9 from the camera's pixels
+}
+
 static void compensate_writes_pattern_prediction_and_target(void **state) {
     (void)state;
     run_format(
@@ -465,6 +531,8 @@ static void help_teaches(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(targets_of_any_shape_with_transparent_parts),
+        cmocka_unit_test(letters_have_no_halos),
+        cmocka_unit_test(edges_are_finer_than_the_cameras_pixels),
         cmocka_unit_test(compensate_writes_pattern_prediction_and_target),
         cmocka_unit_test(compensate_writes_what_the_device_is_sent),
         cmocka_unit_test(several_projectors_get_a_pattern_each),
