@@ -12,6 +12,7 @@
 #include "core/image/framing.h"
 #include "engine/apply/choose.h"
 #include "engine/apply/solve.h"
+#include "engine/pipeline/elsewhere.h"
 #include "engine/pipeline/need.h"
 #include "engine/pipeline/relight.h"
 
@@ -328,7 +329,10 @@ static FfpImages *run(const FfpGaussians *gaussians, const FfpCapture *capture,
     const FfpRenderSettings settings = ffp_drawing_settings(options->drawing, NULL);
     bool ok = check_options(options, capture, err) &&
               ffp_choose_views(&job.chosen, capture, options->poses, options->views, options->n_views, err);
-    if (ok) reduce_views(&job);
+    if (ok) {
+        ffp_note_elsewhere(gaussians, capture);
+        reduce_views(&job);
+    }
     ok = ok && check_memory(&job, gaussians, settings.samples, err) && read_targets(&job, err);
     if (ok) {
         job.stage = ffp_stage_new(gaussians, capture, job.chosen.views, job.chosen.n_views, &settings,

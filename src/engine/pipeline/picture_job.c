@@ -9,6 +9,7 @@
 #include "core/image/frames.h"
 #include "core/image/framing.h"
 #include "engine/apply/choose.h"
+#include "engine/pipeline/elsewhere.h"
 #include "engine/pipeline/orbit.h"
 
 #define ORBIT_FRAMES_MAX 9999 // as many as a name's four digits count
@@ -275,6 +276,7 @@ bool ffp_picture_job_new(FfpPictureJob *job, const FfpGaussians *gaussians, cons
     if (!check_sequence(options, err) || !open_sources(job, capture, err) || !settle_intensity(job, err) ||
         !choose_views(job, err) || !choose_patterns(job, err))
         return false;
+    ffp_note_elsewhere(gaussians, job->capture);
     make_orbit(job, gaussians);
     return resize_views(job, err) && check_projectors(job, err);
 }

@@ -1,6 +1,8 @@
 // Pictures as files hold them, and devices that go round.
 #include <math.h>
 #include "core/base/alloc.h"
+#include "core/base/call.h"
+#include "engine/pipeline/elsewhere.h"
 #include "engine/pipeline/orbit.h"
 #include "engine/pipeline/relight.h"
 #include "support.h"
@@ -49,10 +51,47 @@ static void test_an_orbit_goes_once_round_the_centre(void **state) {
     ffp_free(views);
 }
 
+static char said[512];
+
+static void keep_text(void *user, FfpLogLevel level, const char *text) {
+    (void)user, (void)level;
+    snprintf(said, sizeof said, "%s", text);
+}
+
+typedef struct Placed {
+    FfpGaussians gaussians;
+    FfpCapture capture;
+} Placed;
+
+static bool note(void *argument, FfpError *err) {
+    const Placed *placed = argument;
+    (void)err;
+    ffp_note_elsewhere(&placed->gaussians, &placed->capture);
+    return true;
+}
+
+static void test_gaussians_of_another_place_are_noted(void **state) {
+    (void)state;
+    real centre[9] = {5, 0, 0, 5.2F, 0, 0, 0, 0, 0}, opacity[3] = {1, 1, 1};
+    FfpContext context = {.settings = {.log = keep_text}};
+    Placed placed = {.gaussians = {.count = 3, .centre = centre, .opacity = opacity},
+                     .capture = {.name = "cow", .centre = {5, 0, 0}, .radius = 1}};
+    assert_true(ffp_call_run(&context, note, &placed, NULL)); // one of three is elsewhere
+    assert_string_equal(said, "");
+    placed.capture.centre[0] = 0;
+    placed.capture.scene = true;
+    assert_true(ffp_call_run(&context, note, &placed, NULL));
+    assert_string_equal(said, "");
+    placed.capture.scene = false;
+    assert_true(ffp_call_run(&context, note, &placed, NULL));
+    assert_non_null(strstr(said, "67 % of the Gaussians lie outside the sphere of cow"));
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_quantised_values_are_those_of_a_byte),
         cmocka_unit_test(test_an_orbit_goes_once_round_the_centre),
+        cmocka_unit_test(test_gaussians_of_another_place_are_noted),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
