@@ -199,7 +199,12 @@ static void begin_finer(Job *job, const FfpGaussians *gaussians, const FfpRender
     for (int v = 0; v < n; v++)
         pixels += (double)job->chosen.views[v]->camera.width * job->chosen.views[v]->camera.height;
     job->times = job->times > TIMES_MOST ? TIMES_MOST : job->times;
-    while (job->times > 1 && pixels * job->times * job->times > FINER_PIXELS) job->times--;
+    const double bytes =
+        ffp_compensation_bytes((double)gaussians->count, job->chosen.views, n, settings->samples);
+    FfpError none; // where it does not fit, fewer pixels will do
+    while (job->times > 1 && (pixels * job->times * job->times > FINER_PIXELS ||
+                              !ffp_memory_suffices(bytes * job->times * job->times, "", "", "", &none)))
+        job->times--;
     if (job->times == 1) return;
     const FfpView **views = ffp_alloc((size_t)n, sizeof *views);
     job->enlarged = ffp_alloc((size_t)n, sizeof *job->enlarged);
