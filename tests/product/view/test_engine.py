@@ -50,21 +50,35 @@ def serve(folder):
     return server
 
 
-def seconds_of(pid):
-    """Processor seconds of a process and all below it, from /proc."""
-    parents, spent = {}, {}
-    for name in filter(str.isdigit, os.listdir("/proc")):
-        try:
-            fields = open(f"/proc/{name}/stat").read().rpartition(")")[2].split()
-        except OSError:
-            continue
-        parents[int(name)] = int(fields[1])
-        spent[int(name)] = int(fields[11]) + int(fields[12])
+def stat_of(folder):
+    """Name, parent and processor seconds of a process or thread, from /proc; None: it has ended."""
+    try:
+        with open(f"{folder}/stat") as file:
+            before, _, behind = file.read().rpartition(")")
+    except OSError:
+        return None
+    fields = behind.split()
+    return before.partition("(")[2], int(fields[1]), (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
+
+
+def family_of(pid):
+    """A process and all below it: processor seconds of each."""
+    all_of_them = {int(name): stat for name in filter(str.isdigit, os.listdir("/proc")) if (stat := stat_of(f"/proc/{name}"))}
     family, more = {pid}, True
     while more:
-        below = {child for child, parent in parents.items() if parent in family} - family
+        below = {child for child, (_, parent, _) in all_of_them.items() if parent in family} - family
         family, more = family | below, bool(below)
-    return sum(spent.get(one, 0) for one in family) / os.sysconf("SC_CLK_TCK")
+    return {one: all_of_them[one][2] for one in family if one in all_of_them}
+
+
+def seconds_of(pid):
+    return sum(family_of(pid).values())
+
+
+def worker_seconds(pid):
+    """Processor seconds of each worker of the browser's pages, most first: threads of that name."""
+    stats = [stat_of(f"/proc/{one}/task/{thread}") for one in family_of(pid) for thread in os.listdir(f"/proc/{one}/task")]
+    return sorted((seconds for name, _, seconds in filter(None, stats) if name.startswith("DedicatedWorker")), reverse=True)
 
 
 class Page(browser.Browser):
@@ -80,7 +94,8 @@ class Page(browser.Browser):
 
     def reconstruct(self, path, seconds):
         self.drop(path)
-        self.wait("!document.getElementById('result').hidden || !document.getElementById('problem').hidden", seconds)
+        # Each look costs the browser some, and its seconds are measured.
+        self.wait("!document.getElementById('result').hidden || !document.getElementById('problem').hidden", seconds, every=0.5)
         assert self.run("document.getElementById('problem').hidden"), self.run("document.getElementById('why').textContent")
         return json.loads(self.run("document.body.dataset.stats"))
 
@@ -140,7 +155,8 @@ def check_refusals(page, folder):
     os.makedirs(empty, exist_ok=True)
     with open(os.path.join(empty, "a.txt"), "w") as file:
         file.write("nothing")
-    page.refuses(empty, "There is no scene.json")
+    page.refuses(empty, "\"no-scene\" is not a capture: there is no scene.json")
+    page.refuses(os.path.join(empty, "a.txt"), "\"a.txt\" is one file")
     with open(os.path.join(folder, "bad.zip"), "wb") as file:
         file.write(b"PK\3\4" + bytes(100))
     page.refuses(os.path.join(folder, "bad.zip"), "not a ZIP file")
