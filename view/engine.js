@@ -29,7 +29,8 @@ class Engine {
       const { done, fail } = this.waiting;
       this.waiting = null;
       // Paths as they were dropped.
-      if (data.error) fail(new Message(data.error.replaceAll(/\/(dropped|made)\//g, ''))); else done(data);
+      if (data.error) fail(new Message(data.error.replaceAll(/\/(dropped|made)\//g, '')));
+      else done(data);
     };
     this.worker.onerror = (event) => {
       if (this.waiting) this.waiting.fail(new Message(`The engine stopped: ${event.message}`));
