@@ -30,10 +30,12 @@ if(TARGET ffp_network)
   target_link_libraries(encoder_times PRIVATE ffp_network)
 endif()
 
-# The rasteriser alone, for the same.
+# The rasteriser alone, for the same. And the instructions of all kernels (script/test-arm --count).
 if(TARGET ffp_bench)
   add_executable(splat_times EXCLUDE_FROM_ALL bench/splat_times.c)
   target_link_libraries(splat_times PRIVATE ffp_bench)
+  add_executable(kernel_counts EXCLUDE_FROM_ALL bench/kernel_counts.c)
+  target_link_libraries(kernel_counts PRIVATE ffp_bench)
 endif()
 
 # What a compensated projection gains on captures with true depth.

@@ -28,7 +28,9 @@ class Engine {
       if (data.kind !== 'answer') { this.tell(data); return; }
       const { done, fail } = this.waiting;
       this.waiting = null;
-      if (data.error) fail(new Message(data.error)); else done(data);
+      // Paths as they were dropped.
+      if (data.error) fail(new Message(data.error.replaceAll(/\/(dropped|made)\//g, '')));
+      else done(data);
     };
     this.worker.onerror = (event) => {
       if (this.waiting) this.waiting.fail(new Message(`The engine stopped: ${event.message}`));
@@ -67,10 +69,11 @@ function note(text) {
   $('notes').append(line);
 }
 
+// A bar of unknown length would be drawn sixty times a second, which costs as much as the engine where no GPU draws: it is an empty one.
 engine.tell = (data) => {
   if (data.kind === 'log') { note(data.text); return; }
   $('stage').textContent = data.stage ? data.stage[0].toUpperCase() + data.stage.slice(1) : 'Working';
-  if (data.total > 0) $('bar').value = data.done / data.total; else $('bar').removeAttribute('value');
+  $('bar').value = data.total > 0 ? data.done / data.total : 0;
   $('detail').textContent = (data.total > 0 ? `${data.done} of ${data.total}` : '') + (data.left > 1 ? `, about ${Math.ceil(data.left)} s left` : '');
 };
 
@@ -79,13 +82,14 @@ function showWork(text) {
   $('work').hidden = false;
   $('stage').textContent = text;
   $('detail').textContent = '';
-  $('bar').removeAttribute('value');
+  $('bar').value = 0;
 }
 
 function showProblem(error) {
   $('work').hidden = true;
   $('problem').hidden = false;
   $('why').textContent = error instanceof Message ? error.message : `That did not work: ${error.message}`;
+  $('problem').scrollIntoView({ block: 'nearest' });
   if (!(error instanceof Message)) console.warn(error);
 }
 

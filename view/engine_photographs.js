@@ -29,11 +29,19 @@ function viewFolders(paths) {
   return { files, angles };
 }
 
+// Of files that are neither a capture nor photographs from which one is made.
+function whyNothing(paths, calibrations) {
+  if (!paths.length) return 'There are no files in it.';
+  if (paths.length === 1 && !paths[0].includes('/')) return `"${paths[0]}" is one file: drop the folder of a capture, or a ZIP file of it.`;
+  const what = paths[0].includes('/') ? `"${paths[0].split('/')[0]}"` : 'This';
+  const photographs = paths.filter((path) => PHOTOGRAPH.test(path)).length;
+  return `${what} is not a capture: there is no scene.json (or render_poses.json) in it. To make one, the page needs photographs as PNG or JPEG files (found: ${photographs}) and a calibration as an .xml, .yml or .json file (found: ${calibrations}).`;
+}
+
 function askAboutPhotographs(files) {
   const paths = files.map(({ path }) => path);
   const texts = paths.filter((path) => /\.(xml|ya?ml|json)$/i.test(path) && !/\/patterns\//.test(path));
-  if (!texts.length)
-    throw new Message('There is no scene.json or render_poses.json among these files, by which a capture is known, and no calibration (.xml, .yml, .json) either, by which photographs become one.');
+  if (!texts.length || !paths.some((path) => PHOTOGRAPH.test(path))) throw new Message(whyNothing(paths, texts.length));
   const { files: images, angles } = viewFolders(paths);
   fillSelect($('calibration'), texts, /calib|param|transforms|cameras/i);
   fillSelect($('turntable'), texts, /axis|turntable/i, 'none: the object did not turn');
@@ -41,6 +49,7 @@ function askAboutPhotographs(files) {
   $('images').value = images;
   $('angles').value = angles.join(',');
   $('photographs').hidden = false;
+  $('photographs').scrollIntoView({ block: 'nearest' });
 }
 
 // "0,45,90" or "8x45" as numbers.

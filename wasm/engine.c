@@ -49,7 +49,7 @@ static bool start(FfpError *err) {
     FfpContextSettings settings = ffp_context_defaults();
     settings.log = log_line;
     settings.progress = show_progress;
-    settings.interval = 0.2;
+    settings.interval = 0.5; // seconds: each is drawn, by a processor where no GPU draws
     if (!context) context = ffp_context_new(&settings, err);
     if (context && !model) model = ffp_model_open(context, "/models/small.safetensors", err);
     return model != NULL;

@@ -1,6 +1,6 @@
 // Rows of the result, and the time of what runs again and again.
-#include <omp.h>
 #include "core/base/alloc.h"
+#include "core/base/log.h"
 #include "lab/bench/bench.h"
 
 void ffp_bench_add(FfpBenchTable *table, const FfpBenchRow *row) {
@@ -11,14 +11,17 @@ void ffp_bench_add(FfpBenchTable *table, const FfpBenchRow *row) {
     table->rows[table->count++] = *row;
 }
 
+FfpBenchClock ffp_bench_clock = {ffp_seconds, false};
+
 double ffp_bench_time(void (*run)(void *), void *data, int least, double seconds) {
     double best = 1e30;
-    run(data);
-    const double start = omp_get_wtime();
-    for (int i = 0; i < least || omp_get_wtime() - start < seconds; i++) {
-        const double begin = omp_get_wtime();
+    const FfpBenchClock clock = ffp_bench_clock;
+    if (!clock.exact) run(data);
+    const double start = clock.now();
+    for (int i = 0; clock.exact ? i < 1 : i < least || clock.now() - start < seconds; i++) {
+        const double begin = clock.now();
         run(data);
-        const double took = omp_get_wtime() - begin;
+        const double took = clock.now() - begin;
         if (took < best) best = took;
     }
     return 1e3 * best;

@@ -1,10 +1,10 @@
 #include "lab/bench/raster_times.h"
 #include <stdlib.h>
-#include "core/base/log.h"
 #include "core/base/real.h"
 #include "core/base/rng.h"
 #include "core/base/vec.h"
 #include "engine/render/raster.h"
+#include "lab/bench/bench.h"
 
 #define BALL 0.6F // radius; the ground touches it from below
 #define VIEWS 8
@@ -147,14 +147,14 @@ static void bench_free(Bench *b) {
 
 // Adds a lap to the least time so far.
 static void lap(double *least, double *clock) {
-    const double now = ffp_seconds(), ms = 1e3 * (now - *clock);
+    const double now = ffp_bench_clock.now(), ms = 1e3 * (now - *clock);
     if (!(*least <= ms)) *least = ms;
     *clock = now;
 }
 
 static void time_whole(Bench *b, FfpRasterTimes *t) {
     const real intensity[3] = {8, 8, 8};
-    double clock = ffp_seconds();
+    double clock = ffp_bench_clock.now();
     ffp_rasterise(b->raster, b->gaussians, b->camera, &b->settings, &b->out);
     lap(&t->rasterise, &clock);
     ffp_map_to_projector(b->shadows, b->gaussians, &b->out, b->camera, &b->projector, &b->settings,
@@ -174,7 +174,7 @@ static void time_whole(Bench *b, FfpRasterTimes *t) {
 // The same work as ffp_rasterise and its backward pass, in parts.
 static void time_parts(Bench *b, FfpRasterTimes *t) {
     FfpRaster *r = b->raster;
-    double clock = ffp_seconds();
+    double clock = ffp_bench_clock.now();
     ffp_project_splats(r, b->gaussians, b->camera, &b->settings);
     lap(&t->project, &clock);
     ffp_bin_splats(r);

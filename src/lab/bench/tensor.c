@@ -7,9 +7,21 @@
 #include "core/base/rng.h"
 #include "lab/bench/bench.h"
 
-enum { ROWS = 2048, DIM = 256, HEADS = 4, HEAD_DIM = 64, STATE = 64, CHUNK = 64, TAPS = 4 };
+enum {
+    ROWS = 2048,
+    COUNTED_ROWS = 256,
+    DIM = 256,
+    HEADS = 4,
+    HEAD_DIM = 64,
+    STATE = 64,
+    CHUNK = 64,
+    TAPS = 4
+};
 enum { INNER = 2 * DIM, SCAN_HEADS = INNER / HEAD_DIM, CHANNELS = INNER + 2 * STATE, WIDE = 4 * DIM };
 enum { LARGE_IN = 384, LARGE_OUT = 1536, MOST = ROWS * LARGE_OUT };
+
+// Tokens: fewer where instructions are counted, which an emulator executes.
+static int rows = ROWS;
 
 // Arrays that are large enough for every kernel.
 typedef struct Data {
@@ -17,32 +29,32 @@ typedef struct Data {
     float *small, *dsmall, *row, *row2, *scratch; // [4096], [4096], [ROWS * 16], [ROWS * 16]
 } Data;
 
-static const FfpScanShape scan_shape = {
+static FfpScanShape scan_shape = {
     .rows = ROWS, .heads = SCAN_HEADS, .head_dim = HEAD_DIM, .state = STATE, .chunk = CHUNK};
 
-static const FfpAttentionShape attention_shape = {.rows = ROWS, .heads = HEADS, .head_dim = HEAD_DIM};
+static FfpAttentionShape attention_shape = {.rows = ROWS, .heads = HEADS, .head_dim = HEAD_DIM};
 
 static void gemm(void *data) {
     const Data *x = data;
-    ffp_linear_forward(x->c, x->a, x->w, NULL, ROWS, LARGE_IN, LARGE_OUT);
+    ffp_linear_forward(x->c, x->a, x->w, NULL, rows, LARGE_IN, LARGE_OUT);
 }
 static void gemm_dx(void *data) {
     const Data *x = data;
-    ffp_gemm_mixed(1, ffp_factor(x->b, ROWS, LARGE_OUT, LARGE_OUT),
+    ffp_gemm_mixed(1, ffp_factor(x->b, rows, LARGE_OUT, LARGE_OUT),
                    ffp_factor(x->w, LARGE_OUT, LARGE_IN, LARGE_IN), 0, x->c, LARGE_IN);
 }
 static void gemm_dw(void *data) {
     const Data *x = data;
-    ffp_gemm_mixed(1, ffp_transposed(ffp_factor(x->b, ROWS, LARGE_OUT, LARGE_OUT)),
-                   ffp_factor(x->a, ROWS, LARGE_IN, LARGE_IN), 1, x->dw, LARGE_IN);
+    ffp_gemm_mixed(1, ffp_transposed(ffp_factor(x->b, rows, LARGE_OUT, LARGE_OUT)),
+                   ffp_factor(x->a, rows, LARGE_IN, LARGE_IN), 1, x->dw, LARGE_IN);
 }
 static void linear_forward(void *data) {
     const Data *x = data;
-    ffp_linear_forward(x->c, x->a, x->w, NULL, ROWS, DIM, WIDE);
+    ffp_linear_forward(x->c, x->a, x->w, NULL, rows, DIM, WIDE);
 }
 static void linear_backward(void *data) {
     const Data *x = data;
-    ffp_linear_backward(x->c, x->dw, NULL, x->b, x->a, x->w, ROWS, DIM, WIDE);
+    ffp_linear_backward(x->c, x->dw, NULL, x->b, x->a, x->w, rows, DIM, WIDE);
 }
 static void attention_forward(void *data) {
     const Data *x = data;
@@ -88,7 +100,7 @@ static FfpDepthwise conv_input(const Data *x) {
                           .w = x->w,
                           .bias = x->small,
                           .ldx = CHANNELS,
-                          .rows = ROWS,
+                          .rows = rows,
                           .channels = CHANNELS,
                           .taps = TAPS};
 }
@@ -105,22 +117,22 @@ static void conv_backward(void *data) {
 }
 static void gelu_forward(void *data) {
     const Data *x = data;
-    ffp_gelu_forward(x->c, x->a, (size_t)ROWS * WIDE);
+    ffp_gelu_forward(x->c, x->a, (size_t)rows * WIDE);
 }
 static void gelu_backward(void *data) {
     const Data *x = data;
-    ffp_gelu_backward(x->c, x->b, x->a, (size_t)ROWS * WIDE);
+    ffp_gelu_backward(x->c, x->b, x->a, (size_t)rows * WIDE);
 }
 static void layernorm_forward(void *data) {
     const Data *x = data;
-    ffp_layernorm_forward(x->c, x->row, x->row2, x->a, x->small, ROWS, DIM);
+    ffp_layernorm_forward(x->c, x->row, x->row2, x->a, x->small, rows, DIM);
 }
 static void layernorm_backward(void *data) {
     const Data *x = data;
-    ffp_layernorm_backward(x->c, x->dsmall, x->b, x->a, x->row, x->row2, x->small, ROWS, DIM);
+    ffp_layernorm_backward(x->c, x->dsmall, x->b, x->a, x->row, x->row2, x->small, rows, DIM);
 }
 static FfpGatedNorm gated_norm_input(const Data *x) {
-    return (FfpGatedNorm){.x = x->a, .z = x->b, .ldz = INNER, .gain = x->small, .rows = ROWS, .dim = INNER};
+    return (FfpGatedNorm){.x = x->a, .z = x->b, .ldz = INNER, .gain = x->small, .rows = rows, .dim = INNER};
 }
 static void gated_norm_forward(void *data) {
     const Data *x = data;
@@ -146,25 +158,25 @@ static const struct {
     FfpBound bound;
     double work;
 } cases[] = {
-    {"gemm", "2048x384x1536, y = x w^T", gemm, FFP_BOUND_PRODUCTS, LARGE},
-    {"gemm_dx", "2048x1536x384, dx = dy w", gemm_dx, FFP_BOUND_PRODUCTS, LARGE},
-    {"gemm_dw", "1536x2048x384, dw += dy^T x", gemm_dw, FFP_BOUND_PRODUCTS, LARGE},
-    {"linear_forward", "2048x256x1024", linear_forward, FFP_BOUND_PRODUCTS, LINEAR},
-    {"linear_backward", "2048x256x1024", linear_backward, FFP_BOUND_PRODUCTS, 2 * LINEAR},
-    {"attention_forward", "2048 tokens, 4 heads of 64", attention_forward, FFP_BOUND_PRODUCTS, 2 * PAIRS},
-    {"attention_backward", "2048 tokens, 4 heads of 64", attention_backward, FFP_BOUND_PRODUCTS, 5 * PAIRS},
-    {"scan_forward", "2048 tokens, 8 heads of 64, state 64", scan_forward, FFP_BOUND_PRODUCTS,
+    {"gemm", "%dx384x1536, y = x w^T", gemm, FFP_BOUND_PRODUCTS, LARGE},
+    {"gemm_dx", "%dx1536x384, dx = dy w", gemm_dx, FFP_BOUND_PRODUCTS, LARGE},
+    {"gemm_dw", "1536x%dx384, dw += dy^T x", gemm_dw, FFP_BOUND_PRODUCTS, LARGE},
+    {"linear_forward", "%dx256x1024", linear_forward, FFP_BOUND_PRODUCTS, LINEAR},
+    {"linear_backward", "%dx256x1024", linear_backward, FFP_BOUND_PRODUCTS, 2 * LINEAR},
+    {"attention_forward", "%d tokens, 4 heads of 64", attention_forward, FFP_BOUND_PRODUCTS, 2 * PAIRS},
+    {"attention_backward", "%d tokens, 4 heads of 64", attention_backward, FFP_BOUND_PRODUCTS, 5 * PAIRS},
+    {"scan_forward", "%d tokens, 8 heads of 64, state 64", scan_forward, FFP_BOUND_PRODUCTS,
      2 * SCAN_STATE + SCAN_SQUARE},
-    {"scan_backward", "2048 tokens, 8 heads of 64, state 64", scan_backward, FFP_BOUND_PRODUCTS,
+    {"scan_backward", "%d tokens, 8 heads of 64, state 64", scan_backward, FFP_BOUND_PRODUCTS,
      5 * SCAN_STATE + 2 * SCAN_SQUARE},
-    {"conv_forward", "2048x640, 4 taps", conv_forward, FFP_BOUND_COPY, 8.0 * ROWS *CHANNELS},
-    {"conv_backward", "2048x640, 4 taps", conv_backward, FFP_BOUND_COPY, 16.0 * ROWS *CHANNELS},
-    {"gelu_forward", "2048x1024", gelu_forward, FFP_BOUND_COPY, 8.0 * ROWS *WIDE},
-    {"gelu_backward", "2048x1024", gelu_backward, FFP_BOUND_COPY, 12.0 * ROWS *WIDE},
-    {"layernorm_forward", "2048x256", layernorm_forward, FFP_BOUND_COPY, 8.0 * ROWS *DIM},
-    {"layernorm_backward", "2048x256", layernorm_backward, FFP_BOUND_COPY, 12.0 * ROWS *DIM},
-    {"gated_norm_forward", "2048x512", gated_norm_forward, FFP_BOUND_COPY, 12.0 * ROWS *INNER},
-    {"gated_norm_backward", "2048x512", gated_norm_backward, FFP_BOUND_COPY, 24.0 * ROWS *INNER},
+    {"conv_forward", "%dx640, 4 taps", conv_forward, FFP_BOUND_COPY, 8.0 * ROWS *CHANNELS},
+    {"conv_backward", "%dx640, 4 taps", conv_backward, FFP_BOUND_COPY, 16.0 * ROWS *CHANNELS},
+    {"gelu_forward", "%dx1024", gelu_forward, FFP_BOUND_COPY, 8.0 * ROWS *WIDE},
+    {"gelu_backward", "%dx1024", gelu_backward, FFP_BOUND_COPY, 12.0 * ROWS *WIDE},
+    {"layernorm_forward", "%dx256", layernorm_forward, FFP_BOUND_COPY, 8.0 * ROWS *DIM},
+    {"layernorm_backward", "%dx256", layernorm_backward, FFP_BOUND_COPY, 12.0 * ROWS *DIM},
+    {"gated_norm_forward", "%dx512", gated_norm_forward, FFP_BOUND_COPY, 12.0 * ROWS *INNER},
+    {"gated_norm_backward", "%dx512", gated_norm_backward, FFP_BOUND_COPY, 24.0 * ROWS *INNER},
 };
 
 static float *numbers(FfpRng *rng, size_t count, float spread, float centre) {
@@ -188,9 +200,11 @@ void ffp_bench_kernels(FfpBenchTable *table) {
               .row = numbers(&rng, (size_t)ROWS * 16, 1, 0),
               .row2 = numbers(&rng, (size_t)ROWS * 16, 0, 1),
               .scratch = ffp_alloc(scan > attention ? scan : attention, sizeof(float))};
+    rows = scan_shape.rows = attention_shape.rows = ffp_bench_clock.exact ? COUNTED_ROWS : ROWS;
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-        FfpBenchRow row = {.name = cases[i].name, .bound = cases[i].bound, .work = cases[i].work};
-        snprintf(row.shape, sizeof row.shape, "%s", cases[i].shape);
+        FfpBenchRow row = {
+            .name = cases[i].name, .bound = cases[i].bound, .work = rows == ROWS ? cases[i].work : 0};
+        snprintf(row.shape, sizeof row.shape, cases[i].shape, rows);
         row.ms = ffp_bench_time(cases[i].run, &x, 5, 0.3);
         ffp_bench_add(table, &row);
     }

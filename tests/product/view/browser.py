@@ -129,12 +129,12 @@ class Browser:
             raise Failure(details.get("exception", {}).get("description", details["text"]))
         return answer["result"].get("value")
 
-    def wait(self, condition, timeout=60):
+    def wait(self, condition, timeout=60, every=0.05):
         end = time.monotonic() + timeout
         while not self.run(condition):
             if time.monotonic() > end:
                 raise Failure("in vain waited for " + condition)
-            time.sleep(0.05)
+            time.sleep(every)
 
     def screenshot(self, path):
         data = self.call("Page.captureScreenshot", {"format": "png"})["data"]

@@ -41,9 +41,9 @@ enum { FFP_PACK_DEPTH = 32, FFP_PACK_LINES = 16 };
 enum { FFP_PRODUCT_ROWS = 32 };
 #elif defined(__AVX512F__)
 enum { FFP_PRODUCT_ROWS = 14 };
-#elif defined(__AVX2__) || defined(__ARM_NEON)
+#elif defined(__AVX2__) || (defined(__ARM_NEON) && defined(FFP_BF16))
 enum { FFP_PRODUCT_ROWS = 6 };
-#elif defined(__wasm_simd128__)
+#elif defined(__ARM_NEON) || defined(__wasm_simd128__)
 enum { FFP_PRODUCT_ROWS = 5 };
 #else
 enum { FFP_PRODUCT_ROWS = 3 };

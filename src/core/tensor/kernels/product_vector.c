@@ -7,7 +7,8 @@
 
 // Rows and panels of a block: as many sums as leave registers for a panel of B and one number of A. Each sum
 // is a chain of additions; there must be more of them than the latency of a multiplication times its
-// throughput. 28 sums of 32 registers with AVX-512, 12 of 16 with AVX2 and SSE2, 24 of 32 with NEON.
+// throughput. 28 sums of 32 registers with AVX-512, 12 of 16 with AVX2 and SSE2; 20 of 32 with
+// NEON, where five numbers of A stay in them, too.
 // Compilers of WebAssembly load all that they multiply into registers, of which x86 has 15 for them: 10 sums
 // there, of half a panel.
 enum { VECTORS = FFP_PACK_LINES / FFP_LANES }; // of one panel
@@ -207,17 +208,55 @@ static inline __attribute__((always_inline)) void add_up_pairs(const Block *bloc
 }
 #endif
 
+#if defined(__ARM_NEON) && !defined(FFP_BF16) && !defined(FFP_REAL_DOUBLE)
+#define FFP_LANE_PRODUCTS
+// The same sums in the same order: fmla takes one lane of a vector, so a row's next four numbers are loaded
+// at once. Zeros are packed after the last one.
+static inline __attribute__((always_inline)) void add_up_lanes(const Block *block, int rows,
+                                                               FfpVector sum[ROWS][WIDTH]) {
+    const FfpPacked *a = block->a, *b = block->b;
+    FFP_UNROLL(16)
+    for (int r = 0; r < rows; r++) {
+        FFP_UNROLL(4)
+        for (int v = 0; v < WIDTH; v++) sum[r][v] = (FfpVector){0};
+    }
+#define ADD_LANE(i)                                                                                          \
+    FFP_UNROLL(4)                                                                                            \
+    for (int v = 0; v < WIDTH; v++) {                                                                        \
+        const float32x4_t columns = vld1q_f32(b + ((i)*WIDTH + v) * FFP_LANES);                              \
+        FFP_UNROLL(16)                                                                                       \
+        for (int r = 0; r < rows; r++)                                                                       \
+            sum[r][v] = (FfpVector)vfmaq_laneq_f32((float32x4_t)sum[r][v], columns, numbers[r], i);          \
+    }
+    for (int l = 0; l < block->groups; l += FFP_LANES) {
+        float32x4_t numbers[ROWS];
+        FFP_UNROLL(16)
+        for (int r = 0; r < rows; r++) numbers[r] = vld1q_f32(a + r * block->a_depth);
+        ADD_LANE(0)
+        ADD_LANE(1)
+        ADD_LANE(2)
+        ADD_LANE(3)
+        a += FFP_LANES;
+        b += FFP_LANES * FFP_PACK_LINES;
+    }
+}
+#endif
+
 // Returns `rows`.
 static inline __attribute__((always_inline)) int multiply(const Block *block, int rows, int panels,
                                                           bool weigh) {
     FfpVector sum[ROWS][WIDTH];
     const int width = panels < PANELS ? panels * VECTORS : WIDTH;
+#ifdef FFP_LANE_PRODUCTS
+    add_up_lanes(block, rows, sum);
+#else
 #if defined(FFP_BF16) && defined(__ARM_FEATURE_BF16_VECTOR_ARITHMETIC)
     if (rows % 2 == 0)
         add_up_pairs(block, rows, sum);
     else
 #endif
         add_up(block, rows, width, sum);
+#endif
     if (weigh) {
         FFP_UNROLL(16)
         for (int r = 0; r < rows; r++) weigh_row(block, r, sum[r], width);
