@@ -17,7 +17,7 @@ typedef struct FfpPictureFolder {
 bool ffp_picture_folder_open(FfpPictureFolder *pictures, const char *folder, bool maps, FfpError *err);
 void ffp_picture_folder_close(FfpPictureFolder *pictures); // {0} is allowed
 
-// Reads the material that `seed` draws, a picture being its base colour, and lays it on objects as the seed
+// Reads the material that `seed` draws (a picture is its base colour) and lays it on objects as the seed
 // says: turned at random, repeated every 0.6 to 2 world units, with linear albedos of 0.02 + 0.9 times the
 // picture's and, without a map of it, a roughness in [0.25, 0.9]. *name, which may be NULL, receives its
 // name, which lives as long as `pictures`. NULL with an error.

@@ -47,7 +47,7 @@ static void share(void **state) {
 
 // A scene with the configuration's folders of pictures.
 static FfpScene open_with_pictures(const FfpTrainConfig *config, const char *split, int64_t number) {
-    FfpScene scene;
+    FfpScene scene = {0};
     FfpStock stock;
     FfpError err = {0};
     if (!ffp_stock_open(&stock, config->materials, config->patterns, &err) ||
@@ -102,7 +102,7 @@ static void materials(void **state) {
     ffp_remove_tree(root);
 }
 
-// Whether every pattern behind the first lollipop is the green picture, and shown as that; none may be, or
+// Whether every pattern after the first lollipop is the green picture, and shown as that; none may be, or
 // all.
 static bool shows_green(const FfpTrainConfig *config, const char *split, int64_t number) {
     FfpScene scene = open_with_pictures(config, split, number);

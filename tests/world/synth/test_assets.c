@@ -546,8 +546,8 @@ static void folders_of_no_pictures_are_refused(void **state) {
 }
 
 // Red grows to the right and green downwards, so a pattern says which square of the picture it shows: its
-// sides are as long in both directions, half to all of the shorter one, and lie inside. Folders are no
-// pictures here. The seed alone decides.
+// sides are as long in both directions, half to all of the shorter one, and lie inside. A folder of maps
+// is not a picture. The seed alone decides.
 static void seeds_draw_patterns_from_pictures(void **state) {
     (void)state;
     enum { WIDTH = 96, HEIGHT = 64, SIDE = 32, COUNT = 3 };
