@@ -109,7 +109,7 @@ static bool read_pattern(const FfpPictureFolder *pictures, int number, int side,
     if (!path_of(pictures, drawn, path, err) || !ffp_image_read_over_black(&picture, NULL, path, err))
         return false;
     ffp_asset_name(drawn, name);
-    snprintf(pattern->name, sizeof pattern->name, "%.40s_%d", name, number);
+    snprintf(pattern->name, sizeof pattern->name, "picture_%d_%.40s", number, name);
     pattern->image = cut_square(&picture, side, rng);
     ffp_image_free(&picture);
     return true;

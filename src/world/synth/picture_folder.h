@@ -25,8 +25,8 @@ FfpTextures *ffp_picture_folder_material(const FfpPictureFolder *pictures, uint6
                                          FfpError *err);
 
 // Reads the pictures that `seed` draws as patterns 1 .. count of a projector: of each a square at a random
-// place, half to all of its shorter side long, as side x side values of 8 bits, decoded to linear. Their
-// names are the pictures', without ending, and their numbers. [count], to be given back to
+// place, half to all of its shorter side long, as side x side values of 8 bits, decoded to linear. They
+// are called picture_1_NAME and so on, NAME being the picture's without ending. [count], to be given back to
 // ffp_picture_patterns_free with as many. NULL with an error.
 FfpPattern *ffp_picture_folder_patterns(const FfpPictureFolder *pictures, uint64_t seed, int count, int side,
                                         FfpError *err);

@@ -119,7 +119,7 @@ static bool shows_green(const FfpTrainConfig *config, const char *split, int64_t
             light += fabs((double)seen[3 * i + 1] - (double)black[3 * i + 1]);
         }
         assert_true(light > 0.1);
-        assert_true(!strncmp(capture->patterns[p].name, "green_", 6) == (red < 1e-6));
+        assert_true(!strncmp(capture->patterns[p].name, "picture_", 8) == (red < 1e-6));
         green += red < 1e-6;
     }
     ffp_scene_close(&scene);

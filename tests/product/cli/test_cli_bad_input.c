@@ -538,7 +538,7 @@ static void test_pictures_that_are_no_materials(void **state) {
     assert_int_equal(run_format(&run, "%s", arguments), 0);
     if (!ffp_capture_read(&made, in_scratch("shown/all_00000"), &err)) fail_msg("%s", err.text);
     assert_int_equal(ffp_capture_find_pattern(&made, "lollipop_0"), 2);
-    assert_int_equal(ffp_capture_find_pattern(&made, "r___k__1"), 3);
+    assert_int_equal(ffp_capture_find_pattern(&made, "picture_1_r___k_"), 3);
     assert_int_equal(made.n_patterns, 4);
     ffp_capture_free(&made);
     assert_int_equal(remove(in_scratch("stock/r\xff \"k\n.png")), 0);

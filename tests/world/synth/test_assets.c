@@ -571,8 +571,8 @@ static void seeds_draw_patterns_from_pictures(void **state) {
         FfpPattern *again = ffp_picture_folder_patterns(&folder, seed, COUNT, SIDE, &err);
         assert_true(drawn && again);
         for (int p = 0; p < COUNT; p++) {
-            char name[16];
-            snprintf(name, sizeof name, "a_b_%d", p + 1);
+            char name[32];
+            snprintf(name, sizeof name, "picture_%d_a_b", p + 1);
             assert_string_equal(drawn[p].name, name);
             assert_false(drawn[p].novel);
             assert_memory_equal(drawn[p].image.data, again[p].image.data, SIDE * SIDE * 3 * sizeof(real));
