@@ -100,8 +100,8 @@ typedef struct FfpScene {
 struct FfpStock; // world/synth/picture_folder.h
 // The scene of a number: mesh, material and jitter follow from (config->seed, split, number), and with them
 // in the training split the number of views, the rig and whether it is large: then it is made at
-// config->large_resolution, or with pictures of the stock, which holds the configuration's folders (NULL:
-// there are none). Errors name the scene.
+// config->large_resolution; and whether it has a material or patterns from the stock, which holds the
+// configuration's folders of pictures (NULL: it has none). Errors name the scene.
 bool ffp_scene_open(FfpScene *scene, const FfpTrainConfig *config, const struct FfpStock *stock,
                     const char *split, int64_t number, FfpError *err);
 // The validation scene of a number with a free rig: the same object, light and new poses.
@@ -149,8 +149,8 @@ typedef struct FfpSceneOrigin {
     const struct FfpStock *stock;         // of the pictures of generated ones; NULL: none
 } FfpSceneOrigin;
 // For the draws of a rank in the steps first..end-1, which must be asked for in turn. Nothing is begun any
-// more once *stop is true. All arguments must outlive the stream, also where the call at work is left: they
-// lie on no stack then. NULL with an error when threads cannot be started.
+// more once *stop is true. All that is passed but `origin` itself must outlive the stream, also where the
+// call at work is left: it lies on no stack then. NULL with an error when threads cannot be started.
 FfpStream *ffp_stream_new(const FfpTrainConfig *config, const FfpSceneOrigin *origin, FfpRank turn,
                           int64_t first, int64_t end, atomic_bool *stop, FfpError *err);
 // The draw's scene, the stream's own, good until the next call; *scene is NULL when *stop came before it was
