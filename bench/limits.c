@@ -167,7 +167,7 @@ static bool run_scenes(const FfpModel *model, int count, int first, Score scores
     bool ok = true;
     for (int i = first; i < first + count && ok; i++) {
         FfpScene scene;
-        if (!(ok = ffp_scene_open(&scene, &config, "validation", i, err))) break;
+        if (!(ok = ffp_scene_open(&scene, &config, NULL, "validation", i, err))) break;
         ok = ffp_model_forward(model, run, &scene.inputs, &scene.start, &scene.context, scene.active, err);
         if (ok) ok = score_scene(&viewer, &scene, &config, run, scores, err);
         ffp_scene_close(&scene);

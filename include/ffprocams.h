@@ -760,6 +760,9 @@ typedef struct FfpGeneration {
     // it. A scene's seed draws one and lays it on the object in its own way (docs/design/data.md, "Materials
     // from pictures"). NULL: none.
     const char *materials;
+    // Folder of pictures that the projector shows in place of all lollipops but the first: a scene's seed
+    // draws them, and which part of each (docs/design/data.md, "Patterns from pictures"). NULL: none.
+    const char *patterns;
     FfpSensorFaults sensor;
     // Folder of patterns (ffp_write_patterns): instead of captures, write photographs of one object on a
     // turntable under all of them, and of a chessboard, taken by a rig with lenses, to `folder`, which must

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Makes a folder of pictures for `ffprocams generate --materials` and for training (`materials`, `material_share`) out of
-photographs that Debian's packages ship under free licences.
+"""Makes a folder of pictures for `ffprocams generate --materials` and `--patterns`, and for training (`materials`,
+`material_share`, `patterns`, `pattern_share`), out of photographs that Debian's packages ship under free licences.
 
     script/fetch_materials.py OUT [--packages FOLDER] [--side 768] [--each 6]
 

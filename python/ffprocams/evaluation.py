@@ -158,6 +158,7 @@ def generate(
     mesh: PathLike | None = None,
     material: PathLike | None = None,
     materials: PathLike | None = None,
+    patterns: PathLike | None = None,
     sensor: SensorFaults | None = None,
     photographs: PathLike | None = None,
     attitudes: int | None = None,
@@ -182,6 +183,7 @@ def generate(
         mesh: OBJ, PLY, STL or glTF file to use instead of the generated meshes.
         material: folder of basecolor, roughness and normal maps to use.
         materials: folder of pictures, each of which is a material, and of folders of maps; each scene draws one.
+        patterns: folder of pictures that the projector shows in place of all lollipops but the first.
         sensor: imperfections of the devices.
         photographs: folder of patterns (write_patterns): instead of captures, write photographs of one object on a
             turntable under all of them, and of a chessboard, by a rig with lenses (docs/design/data.md, "Photographs").
@@ -199,7 +201,7 @@ def generate(
     """
     keep, options = Keep(), ffi.new("FfpGeneration *", lib.ffp_generation_defaults())
     options.folder, options.mesh, options.material = keep.path(folder), keep.path(mesh), keep.path(material)
-    options.materials = keep.path(materials)
+    options.materials, options.patterns = keep.path(materials), keep.path(patterns)
     options.split, options.preset = one_of(_SPLITS, split, "split"), one_of(_PRESETS, preset, "preset")
     options.rig, options.first, options.count = one_of(_RIGS, rig, "rig"), first, count
     options.resolution, options.views = resolution, views

@@ -180,7 +180,7 @@ bool ffp_bench_steps(FfpBenchTable *table, FfpError *err) {
     s.config.resolution = 128;
     s.config.polish_steps = FFP_POLISH_DEFAULT_STEPS;
     ffp_model_preset(&s.config.model, "small");
-    if (!ffp_scene_open(&s.scene, &s.config, "train", 0, err)) return false;
+    if (!ffp_scene_open(&s.scene, &s.config, NULL, "train", 0, err)) return false;
     s.model = ffp_model_new(&s.config.model, 1, err);
     bool ok = s.model != NULL;
     if (ok) {

@@ -35,6 +35,8 @@ static const Field train_fields[] = {
     {"sensor_share", DOUBLE, AT(sensor_share), 0, 1},
     {"material_share", DOUBLE, AT(material_share), 0, 1},
     {"materials", TEXT, AT(materials), 0, sizeof(((FfpTrainConfig *)0)->materials)},
+    {"pattern_share", DOUBLE, AT(pattern_share), 0, 1},
+    {"patterns", TEXT, AT(patterns), 0, sizeof(((FfpTrainConfig *)0)->patterns)},
     {"views_least", INT, AT(views_least), 0, FFP_TRAIN_VIEWS_MAX},
     {"free_share", DOUBLE, AT(free_share), 0, 1},
     {"large_share", DOUBLE, AT(large_share), 0, 1},
@@ -116,6 +118,7 @@ FfpTrainConfig ffp_train_defaults(void) {
         .ambient_rays = 2,
         .sensor_share = 0,
         .material_share = 0,
+        .pattern_share = 0,
         .views_least = 0,
         .free_share = 0,
         .large_share = 0,
@@ -261,6 +264,14 @@ static bool read_model(FfpModelConfig *model, const json_t *value, const char *w
     return ffp_model_config_check(model, where, err);
 }
 
+// A share of the scenes is made with pictures of a folder: both are given, or neither is.
+static bool check_stock(const char *where, const char *share_name, double share, const char *folder_name,
+                        const char *folder, FfpError *err) {
+    return (share > 0) == (folder[0] != 0) ||
+           ffp_fail(err, FFP_ERROR_FILE, ffp_place(where, folder_name).text,
+                    folder[0] ? "is given, but %s is 0" : "names no folder, but %s is above 0", share_name);
+}
+
 // The fields that make scenes differ from each other.
 static bool check_mixture(const FfpTrainConfig *c, const char *where, FfpError *err) {
     if (c->views_least > c->views)
@@ -268,15 +279,18 @@ static bool check_mixture(const FfpTrainConfig *c, const char *where, FfpError *
     if (c->large_share > 0 && c->large_resolution % c->model.patch)
         return ffp_fail(err, FFP_ERROR_FILE, ffp_place(where, "large_resolution").text,
                         "must be a multiple of the patch, %d", c->model.patch);
-    if ((c->material_share > 0) != (c->materials[0] != 0))
-        return ffp_fail(err, FFP_ERROR_FILE, ffp_place(where, "materials").text,
-                        c->materials[0] ? "is given, but material_share is 0"
-                                        : "names no folder, but material_share is above 0");
+    if (!check_stock(where, "material_share", c->material_share, "materials", c->materials, err) ||
+        !check_stock(where, "pattern_share", c->pattern_share, "patterns", c->patterns, err))
+        return false;
+    if (c->pattern_share > 0 && c->lollipops < 2)
+        return ffp_fail(err, FFP_ERROR_FILE, ffp_place(where, "pattern_share").text,
+                        "pictures take the place of all lollipops but the first, and there is no other");
     const char *mixed = c->views_least > 0      ? "views_least"
                         : c->free_share > 0     ? "free_share"
                         : c->large_share > 0    ? "large_share"
                         : c->sensor_share > 0   ? "sensor_share"
                         : c->material_share > 0 ? "material_share"
+                        : c->pattern_share > 0  ? "pattern_share"
                                                 : NULL;
     if (mixed && (c->scenes[0] || c->captures[0]))
         return ffp_fail(

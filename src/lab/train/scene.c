@@ -7,8 +7,7 @@
 #include "core/base/rng.h"
 #include "lab/train/prepare.h"
 #include "world/shapes/mesh.h"
-#include "world/synth/material_folder.h"
-#include "world/synth/synth.h"
+#include "world/synth/picture_folder.h"
 
 // The devices of a careful rig that is not ideal: each strength anywhere up to the given.
 #define NOISE_MAX 0.015F // deviation at a value of 1, and of reading
@@ -36,24 +35,20 @@ static void mix(FfpSceneSpec *spec, const FfpTrainConfig *config, int64_t number
                       (int)ffp_rng_below(&rng, (uint32_t)(config->views - config->views_least + 1));
 }
 
-// Whether training scene `number` has a material from a picture.
-static bool has_picture(const FfpTrainConfig *config, const char *split, int64_t number) {
+// What of the stock scene `number` is made with: a material, patterns, both or nothing.
+static FfpStock pick_stock(const FfpStock *stock, const FfpTrainConfig *config, const char *split,
+                           int64_t number) {
+    FfpStock picked = {0};
     FfpRng rng = ffp_rng((uint64_t)config->seed * 3 + 2, (uint64_t)number ^ (1ULL << 62));
-    return split[0] == 't' && ffp_rng_uniform(&rng) < config->material_share;
+    if (!stock || split[0] != 't') return picked;
+    if (ffp_rng_uniform(&rng) < config->material_share) picked.materials = stock->materials;
+    if (ffp_rng_uniform(&rng) < config->pattern_share) picked.patterns = stock->patterns;
+    return picked;
 }
 
-// The scene of `spec`, under a material from the configuration's folder if `picture`.
-static bool make_scene(FfpCapture *capture, FfpSceneSpec *spec, const char *picture, FfpError *err) {
-    if (!picture) return ffp_scene_make(capture, spec, err);
-    FfpMaterialFolder materials;
-    if (!ffp_material_folder_open(&materials, picture, err)) return false;
-    FfpTextures *drawn = ffp_material_folder_draw(&materials, spec->seed, &spec->own_material, err);
-    spec->own_textures = drawn;
-    const bool ok = drawn && ffp_scene_make(capture, spec, err);
-    ffp_textures_free(drawn);
-    ffp_material_folder_close(&materials);
-    spec->own_textures = NULL;
-    spec->own_material = NULL;
+static bool make_scene(FfpCapture *capture, FfpSceneSpec *spec, const FfpStock *stock, FfpError *err) {
+    const bool ok = ffp_stock_dress(stock, spec, err) && ffp_scene_make(capture, spec, err);
+    ffp_stock_undress(stock, spec);
     return ok;
 }
 
@@ -133,28 +128,28 @@ static bool prepare(FfpScene *scene, const FfpTrainConfig *config, int views, Ff
     return ffp_scene_match(scene, config, err);
 }
 
-static bool open_rig(FfpScene *scene, const FfpTrainConfig *config, const char *split, int64_t number,
-                     bool free_rig, FfpError *err) {
+static bool open_rig(FfpScene *scene, const FfpTrainConfig *config, const FfpStock *stock, const char *split,
+                     int64_t number, bool free_rig, FfpError *err) {
     FfpSceneSpec spec = {0};
     FfpError why = {0};
     *scene = (FfpScene){0};
     const bool ok = scene_spec(&spec, config, split, number, &why);
     if (ok && free_rig) spec.rig = FFP_SCENE_FREE;
-    const char *picture = has_picture(config, split, number) ? config->materials : NULL;
-    if (ok && make_scene(&scene->capture, &spec, picture, &why) && prepare(scene, config, spec.views, &why))
+    const FfpStock picked = pick_stock(stock, config, split, number);
+    if (ok && make_scene(&scene->capture, &spec, &picked, &why) && prepare(scene, config, spec.views, &why))
         return true;
     char where[64];
     snprintf(where, sizeof where, "scene %lld of the %.16s split", (long long)number, split);
     return ffp_fail(err, why.code, where, "%s", why.text);
 }
 
-bool ffp_scene_open(FfpScene *scene, const FfpTrainConfig *config, const char *split, int64_t number,
-                    FfpError *err) {
-    return open_rig(scene, config, split, number, false, err);
+bool ffp_scene_open(FfpScene *scene, const FfpTrainConfig *config, const FfpStock *stock, const char *split,
+                    int64_t number, FfpError *err) {
+    return open_rig(scene, config, stock, split, number, false, err);
 }
 
 bool ffp_scene_open_free(FfpScene *scene, const FfpTrainConfig *config, int64_t number, FfpError *err) {
-    return open_rig(scene, config, "validation", number, true, err);
+    return open_rig(scene, config, NULL, "validation", number, true, err);
 }
 
 bool ffp_scene_read(FfpScene *scene, const FfpTrainConfig *config, const FfpSceneFolder *folder,

@@ -8,8 +8,7 @@
 
 struct FfpStream {
     const FfpTrainConfig *config;
-    const FfpSceneFolder *folder;
-    const FfpCaptureSet *captures;
+    FfpSceneOrigin origin;
     FfpRank turn;
     int64_t first, end; // draws of this run: first <= draw < end
     FfpQueue *queue;    // NULL: scenes are made by the caller
@@ -61,9 +60,10 @@ static bool make_scene(const void *context, int64_t draw, FfpScene *scene, FfpEr
     const FfpStream *stream = context;
     const FfpTrainConfig *config = stream->config;
     const int64_t number = ffp_scene_number(config, draw);
-    if (stream->captures) return ffp_captures_scene(scene, config, stream->captures, number, err);
-    return stream->folder ? ffp_scene_read(scene, config, stream->folder, number, err)
-                          : ffp_scene_open(scene, config, "train", number, err);
+    const FfpSceneOrigin *from = &stream->origin;
+    if (from->captures) return ffp_captures_scene(scene, config, from->captures, number, err);
+    return from->folder ? ffp_scene_read(scene, config, from->folder, number, err)
+                        : ffp_scene_open(scene, config, from->stock, "train", number, err);
 }
 
 // The scenes in the slots may come from threads of the queue, whose calls have ended: nobody else gives them
@@ -78,13 +78,11 @@ static void free_stream(void *thing) {
     ffp_free(stream);
 }
 
-FfpStream *ffp_stream_new(const FfpTrainConfig *config, const FfpSceneFolder *folder,
-                          const FfpCaptureSet *captures, FfpRank turn, int64_t first, int64_t end,
-                          atomic_bool *stop, FfpError *err) {
+FfpStream *ffp_stream_new(const FfpTrainConfig *config, const FfpSceneOrigin *origin, FfpRank turn,
+                          int64_t first, int64_t end, atomic_bool *stop, FfpError *err) {
     FfpStream *stream = ffp_alloc(1, sizeof *stream);
     *stream = (FfpStream){.config = config,
-                          .folder = folder,
-                          .captures = captures,
+                          .origin = *origin,
                           .turn = turn,
                           .first = first * config->batch,
                           .end = end * config->batch};

@@ -31,10 +31,11 @@ typedef struct FfpTrainConfig {
     int resolution, pattern_side, samples, ambient_rays;
     double sensor_share;   // of the training scenes: seen through a sensor model of random strength
     double material_share; // of the training scenes: their material is a picture of the folder `materials`
-    char materials[FFP_PATH_MAX]; // world/synth/material_folder.h; empty: none
-    int views_least;              // a training scene has views_least..views input views; 0: all have views
-    double free_share;            // of the training scenes: with a free rig
-    double large_share;           // of the training scenes: at large_resolution instead
+    double pattern_share; // likewise: all their lollipops but the first are pictures of the folder `patterns`
+    char materials[FFP_PATH_MAX], patterns[FFP_PATH_MAX]; // world/synth/picture_folder.h; empty: none
+    int views_least;    // a training scene has views_least..views input views; 0: all have views
+    double free_share;  // of the training scenes: with a free rig
+    double large_share; // of the training scenes: at large_resolution instead
     int large_resolution;
     char captures[FFP_PATH_MAX]; // folder of your own captures to learn from instead (captures.h); empty:
                                  // none
@@ -96,11 +97,13 @@ typedef struct FfpScene {
     FfpPrepared *prepared; // the network's inputs from the scene
     real *true_t;          // [its Gaussians] true distances (ffp_scene_distances)
 } FfpScene;
+struct FfpStock; // world/synth/picture_folder.h
 // The scene of a number: mesh, material and jitter follow from (config->seed, split, number), and with them
 // in the training split the number of views, the rig and whether it is large: then it is made at
-// config->large_resolution. Errors name the scene.
-bool ffp_scene_open(FfpScene *scene, const FfpTrainConfig *config, const char *split, int64_t number,
-                    FfpError *err);
+// config->large_resolution; and whether it has a material or patterns from the stock, which holds the
+// configuration's folders of pictures (NULL: it has none). Errors name the scene.
+bool ffp_scene_open(FfpScene *scene, const FfpTrainConfig *config, const struct FfpStock *stock,
+                    const char *split, int64_t number, FfpError *err);
 // The validation scene of a number with a free rig: the same object, light and new poses.
 bool ffp_scene_open_free(FfpScene *scene, const FfpTrainConfig *config, int64_t number, FfpError *err);
 void ffp_scene_close(FfpScene *scene);
@@ -139,13 +142,17 @@ typedef struct FfpRank {                                              // one ran
 } FfpRank;
 typedef struct FfpStream FfpStream;
 struct FfpCaptureSet; // captures.h
-// For the draws of a rank in the steps first..end-1, which must be asked for in turn. `captures` NULL: scenes
-// are read from `folder`; both NULL: generated. Nothing is begun any more once *stop is true. All arguments
-// must outlive the stream, also where the call at work is left: they lie on no stack then. NULL with an error
-// when threads cannot be started.
-FfpStream *ffp_stream_new(const FfpTrainConfig *config, const FfpSceneFolder *folder,
-                          const struct FfpCaptureSet *captures, FfpRank turn, int64_t first, int64_t end,
-                          atomic_bool *stop, FfpError *err);
+// Where scenes come from.
+typedef struct FfpSceneOrigin {
+    const FfpSceneFolder *folder;         // read; NULL: generated
+    const struct FfpCaptureSet *captures; // or photographs of the user's; NULL: none
+    const struct FfpStock *stock;         // of the pictures of generated ones; NULL: none
+} FfpSceneOrigin;
+// For the draws of a rank in the steps first..end-1, which must be asked for in turn. Nothing is begun any
+// more once *stop is true. All that is passed but `origin` itself must outlive the stream, also where the
+// call at work is left: it lies on no stack then. NULL with an error when threads cannot be started.
+FfpStream *ffp_stream_new(const FfpTrainConfig *config, const FfpSceneOrigin *origin, FfpRank turn,
+                          int64_t first, int64_t end, atomic_bool *stop, FfpError *err);
 // The draw's scene, the stream's own, good until the next call; *scene is NULL when *stop came before it was
 // ready. *fresh: the slot has changed with this draw.
 bool ffp_stream_scene(FfpStream *stream, int64_t draw, const FfpScene **scene, bool *fresh, FfpError *err);

@@ -92,8 +92,9 @@ static bool open_scenes(Trainer *trainer, int64_t stop_at, FfpError *err) {
     const FfpTrainConfig *config = &trainer->config;
     const int64_t first = trainer->adam.step;
     const int64_t end = stop_at > first && stop_at < config->steps ? stop_at : config->steps;
-    trainer->scenes = ffp_stream_new(config, config->scenes[0] ? &trainer->folder : NULL, trainer->captures,
-                                     trainer->share.turn, first, end, &trainer->stop, err);
+    const FfpSceneOrigin origin = {config->scenes[0] ? &trainer->folder : NULL, trainer->captures,
+                                   &trainer->stock};
+    trainer->scenes = ffp_stream_new(config, &origin, trainer->share.turn, first, end, &trainer->stop, err);
     return trainer->scenes != NULL;
 }
 

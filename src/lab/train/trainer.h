@@ -8,6 +8,7 @@
 #include "lab/train/mirror.h"
 #include "lab/train/shard.h"
 #include "lab/train/train.h"
+#include "world/synth/picture_folder.h"
 
 typedef struct Trainer {
     FfpTrainConfig config;
@@ -18,6 +19,7 @@ typedef struct Trainer {
     FfpPerceptual *perceptual;
     FfpTrainStep *stepper;
     FfpSceneFolder folder;
+    FfpStock stock; // of the pictures of generated scenes
     FfpStream *scenes;
     FfpShard share;            // among ranks
     FfpCaptureSet *captures;   // NULL: scenes are generated or read

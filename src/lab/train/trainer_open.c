@@ -7,7 +7,6 @@
 #include "core/base/log.h"
 #include "core/capture/node.h"
 #include "lab/train/trainer.h"
-#include "world/synth/material_folder.h"
 #include "world/synth/trace.h"
 
 // How many of the first `most` bytes are whole characters of UTF-8.
@@ -127,15 +126,6 @@ static bool open_share(Trainer *trainer, FfpError *err) {
     return true;
 }
 
-// Before any scene is made.
-static bool check_materials(const FfpTrainConfig *config, FfpError *err) {
-    FfpMaterialFolder materials;
-    if (!config->materials[0]) return true;
-    if (!ffp_material_folder_open(&materials, config->materials, err)) return false;
-    ffp_material_folder_close(&materials);
-    return true;
-}
-
 // The metrics file is opened after all that can be wrong: a folder that holds one counts as a run.
 bool ffp_trainer_open(Trainer *trainer, const FfpTrainRun *options, FfpError *err) {
     trainer->out = options->out;
@@ -148,7 +138,9 @@ bool ffp_trainer_open(Trainer *trainer, const FfpTrainRun *options, FfpError *er
     if (scenes[0] && !ffp_scene_folder_open(&trainer->folder, scenes, err)) return false;
     // Other runs validate on generated scenes, wherever those come from that they learn from.
     if (!trainer->config.captures[0] && !ffp_tracer_available(err)) return false;
-    if (!check_materials(&trainer->config, err) || !open_share(trainer, err)) return false;
+    if (!ffp_stock_open(&trainer->stock, trainer->config.materials, trainer->config.patterns, err) ||
+        !open_share(trainer, err))
+        return false;
     if (trainer->config.captures[0] && !ffp_held_out_open(trainer, err)) return false;
     if (ffp_trainer_is_first(trainer) && !open_metrics(trainer, options->resume, err)) return false;
     open_device(trainer);
@@ -167,6 +159,7 @@ static void close_device(Trainer *trainer) {
 void ffp_trainer_close(Trainer *trainer) {
     ffp_stream_free(trainer->scenes);
     ffp_scene_folder_close(&trainer->folder);
+    ffp_stock_close(&trainer->stock);
     ffp_captures_close(trainer->captures);
     close_device(trainer);
     ffp_shard_close(&trainer->share);

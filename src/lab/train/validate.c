@@ -135,7 +135,7 @@ static bool score_both(Validation *v, const FfpScene *scene, int number, Scores 
 
 static bool validate_turntable(Validation *v, int number, FfpError *err) {
     FfpScene scene;
-    if (!ffp_scene_open(&scene, v->config, "validation", number, err)) return false;
+    if (!ffp_scene_open(&scene, v->config, NULL, "validation", number, err)) return false;
     bool ok =
         ffp_model_forward(v->model, v->run, &scene.inputs, &scene.start, &scene.context, scene.active, err);
     if (ok) {

@@ -59,6 +59,7 @@ static bool generate(void *argument, FfpError *err) {
                                          .mesh = options->mesh,
                                          .material = options->material,
                                          .materials = options->materials,
+                                         .patterns = options->patterns,
                                          .photographs = options->photographs,
                                          .attitudes = options->attitudes,
                                          .only = options->only,

@@ -127,6 +127,14 @@ static const FfpOption options[] = {
      .offset = offsetof(Arguments, generation.materials),
      .help = "folder of pictures, each of which is a material, and of folders as of --material; each scene "
              "draws one of them by its seed, with its own size, direction and (for pictures) roughness"},
+    {.name = "patterns",
+     .argument = "FOLDER",
+     .type = FFP_OPTION_FOLDER,
+     .excludes = "photographs",
+     .offset = offsetof(Arguments, generation.patterns),
+     .help =
+         "folder of pictures that the projector shows in place of all lollipops but the first; each scene "
+         "draws them, and a square of each, by its seed"},
     {.name = "resolution",
      .letter = 'r',
      .argument = "R",

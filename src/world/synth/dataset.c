@@ -10,9 +10,9 @@
 #include "core/base/file.h"
 #include "core/base/log.h"
 #include "world/shapes/mesh.h"
-#include "world/synth/material_folder.h"
 #include "world/synth/natural.h"
 #include "world/synth/photographs.h"
+#include "world/synth/picture_folder.h"
 #include "world/synth/room_photographs.h"
 #include "world/synth/sensor.h"
 #include "world/synth/texture.h"
@@ -27,7 +27,7 @@ typedef struct Job {
     FfpSceneSpec spec; // what all scenes have in common
     FfpMesh mesh;      // the user's, where one is given
     FfpTextures *textures;
-    FfpMaterialFolder materials;
+    FfpStock stock;
     char asset[FFP_NAME_MAX]; // the user's mesh's name; empty: none
     int rank, ranks;          // this rank makes every `ranks`-th scene, from its own number on
     int64_t done, kept;
@@ -160,15 +160,6 @@ static void scene_name(const Job *job, int64_t number, char name[FFP_NAME_MAX + 
     snprintf(name, FFP_NAME_MAX + 32, "%s_%05lld", kind, (long long)number);
 }
 
-// The material that a scene's seed draws from the user's pictures; NULL without an error if there are none.
-static bool dress(const Job *job, FfpSceneSpec *spec, FfpTextures **drawn, FfpError *err) {
-    *drawn = NULL;
-    if (!job->options->materials) return true;
-    *drawn = ffp_material_folder_draw(&job->materials, spec->seed, &spec->own_material, err);
-    spec->own_textures = *drawn;
-    return *drawn != NULL;
-}
-
 // Scene `number` under `name` in the job's folder; *made tells whether it was not there yet.
 static bool generate_scene(const Job *job, int64_t number, const char *name, bool *made, FfpError *err) {
     char folder[FFP_PATH_MAX], part[FFP_PATH_MAX], hidden[FFP_NAME_MAX + 64];
@@ -179,11 +170,9 @@ static bool generate_scene(const Job *job, int64_t number, const char *name, boo
     FfpSceneSpec spec = spec_of(job, number);
     *made = !is_complete(folder, spec.targets > 0);
     if (!*made) return true;
-    FfpTextures *drawn;
-    if (!dress(job, &spec, &drawn, err)) return false;
     FfpCapture capture;
-    const bool made_it = ffp_scene_make(&capture, &spec, err);
-    ffp_textures_free(drawn);
+    const bool made_it = ffp_stock_dress(&job->stock, &spec, err) && ffp_scene_make(&capture, &spec, err);
+    ffp_stock_undress(&job->stock, &spec);
     if (!made_it) return false;
     const bool ok = write_scene(&capture, &spec, part, folder, err);
     ffp_capture_free(&capture);
@@ -271,7 +260,7 @@ static bool open_assets(Job *job, FfpError *err) {
     }
     if (options->material && options->materials)
         return ffp_fail(err, FFP_ERROR_ARGUMENT, "materials", "`material` is given as well");
-    if (options->materials) return ffp_material_folder_open(&job->materials, options->materials, err);
+    if (!ffp_stock_open(&job->stock, options->materials, options->patterns, err)) return false;
     if (!options->material) return true;
     job->textures = ffp_textures_read(options->material, err);
     job->spec.own_textures = job->textures;
@@ -303,10 +292,8 @@ static bool photograph_object(const Job *job, FfpError *err) {
     else
         ffp_dataset_scene(options->split, options->first, options->seed, &spec);
     spec.resolution = options->resolution > 0 ? options->resolution : 480;
-    FfpTextures *drawn;
-    if (!dress(job, &spec, &drawn, err)) return false;
-    const bool ok = photograph_dressed(job, &spec, err);
-    ffp_textures_free(drawn);
+    const bool ok = ffp_stock_dress(&job->stock, &spec, err) && photograph_dressed(job, &spec, err);
+    ffp_stock_undress(&job->stock, &spec);
     return ok;
 }
 
@@ -322,6 +309,8 @@ static bool open_job(Job *job, int64_t *count, FfpError *err) {
         return ffp_fail(err, FFP_ERROR_ARGUMENT, "room", "requires the patterns of `photographs`");
     if (job->options->only && (!job->options->photographs || job->options->room))
         return ffp_fail(err, FFP_ERROR_ARGUMENT, "only", "requires `photographs`, and no room");
+    if (job->options->patterns && job->options->photographs)
+        return ffp_fail(err, FFP_ERROR_ARGUMENT, "patterns", "photographs show those of `photographs`");
     return preset_spec(job->options, &job->spec, err) && choose_scenes(job->options, count, err) &&
            open_assets(job, err);
 }
@@ -329,7 +318,7 @@ static bool open_job(Job *job, int64_t *count, FfpError *err) {
 static void close_job(Job *job) {
     ffp_mesh_free(&job->mesh);
     ffp_textures_free(job->textures);
-    ffp_material_folder_close(&job->materials);
+    ffp_stock_close(&job->stock);
 }
 
 bool ffp_dataset_write(const FfpDatasetSettings *options, FfpError *err) {

@@ -31,7 +31,9 @@ typedef struct FfpDatasetSettings {
     uint64_t seed;
     const char *mesh;      // a user's file instead of the generated meshes; NULL: none
     const char *material;  // a user's folder instead of the generated materials; NULL: none
-    const char *materials; // or a folder of pictures, each of them a material (material_folder.h)
+    const char *materials; // or a folder of pictures, each of them a material (picture_folder.h)
+    const char *
+        patterns; // folder of pictures in place of all lollipops but the first (picture_folder.h); NULL: none
     FfpSensor sensor;
     const char *photographs; // folder of patterns: one object before a bare rig (photographs.h); NULL: scenes
     int attitudes;           // of its chessboard

@@ -57,7 +57,7 @@ static FfpImage flat_pattern(int side, real value) {
     return image;
 }
 
-// Black, white, the lollipops, the natural ones.
+// Black, white, the lollipops or pictures, the natural ones.
 static void make_patterns(FfpCapture *capture, const FfpSceneSpec *spec) {
     const int side = spec->pattern_side;
     capture->n_patterns = 2 + spec->lollipops + spec->naturals;
@@ -71,6 +71,9 @@ static void make_patterns(FfpCapture *capture, const FfpSceneSpec *spec) {
         if (p < 2) {
             snprintf(pattern->name, sizeof pattern->name, p == 0 ? "all_black" : "all_white");
             pattern->image = flat_pattern(side, (real)p);
+        } else if (natural < 0 && p > 2 && spec->own_patterns) {
+            memcpy(pattern->name, spec->own_patterns[p - 3].name, sizeof pattern->name);
+            pattern->image = ffp_image_copy(&spec->own_patterns[p - 3].image);
         } else if (natural < 0) {
             snprintf(pattern->name, sizeof pattern->name, "lollipop_%d", p - 2);
             pattern->image = ffp_lollipop_paint(map, side, side, spec->seed * 1000003ULL + (uint64_t)p);

@@ -46,6 +46,8 @@ typedef struct FfpSceneSpec {
     const struct FfpTextures *own_textures;
     const char *own_name;     // of the capture, with a mesh of the user's
     const char *own_material; // the file that own_textures are of, for the capture's name; NULL: "own"
+    const struct FfpPattern
+        *own_patterns; // [lollipops - 1] in place of all lollipops but the first; NULL: none
 } FfpSceneSpec;
 FfpSceneSpec ffp_scene_defaults(void);
 // A file's name without folder and ending, with nothing in it that a folder's name had better not have.

@@ -37,7 +37,7 @@ typedef struct Opening {
 
 static bool open_scene(void *argument, FfpError *err) {
     const Opening *o = argument;
-    return ffp_scene_open(o->scene, o->config, "train", 0, err);
+    return ffp_scene_open(o->scene, o->config, NULL, "train", 0, err);
 }
 
 static void check_step(double polish_share) {

@@ -43,6 +43,11 @@ static void test_bad_fields(void **state) {
     refused("{\"sensor_share\": 0.2, \"scenes\": \"made\"}", "c.json: sensor_share", "of a folder");
     refused("{\"material_share\": 0.2}", "c.json: materials", "names no folder");
     refused("{\"materials\": \"stock\"}", "c.json: materials", "material_share is 0");
+    refused("{\"pattern_share\": 0.2}", "c.json: patterns", "names no folder");
+    refused("{\"pattern_share\": 0.2, \"patterns\": \"stock\", \"lollipops\": 1}", "c.json: pattern_share",
+            "no other");
+    refused("{\"pattern_share\": 0.2, \"patterns\": \"stock\", \"scenes\": \"made\"}",
+            "c.json: pattern_share", "of a folder");
     refused("{\"material_share\": 0.2, \"materials\": \"stock\", \"scenes\": \"made\"}",
             "c.json: material_share", "of a folder");
     refused("{\"sensor_share\": 0.2, \"captures\": \"mine\"}", "c.json: sensor_share", "of a folder");

@@ -19,7 +19,7 @@ static FfpTrainConfig configuration(const char *fields) {
 static FfpScene open_scene(const FfpTrainConfig *config, const char *split, int64_t number) {
     FfpScene scene;
     FfpError err = {0};
-    if (!ffp_scene_open(&scene, config, split, number, &err)) fail_msg("%s", err.text);
+    if (!ffp_scene_open(&scene, config, NULL, split, number, &err)) fail_msg("%s", err.text);
     return scene;
 }
 

@@ -276,7 +276,8 @@ static void draws_are_disjoint(void **state) {
     memset(owner, -1, sizeof owner);
     for (int rank = 0; rank < 4; rank++) {
         atomic_bool stop = false;
-        FfpStream *stream = ffp_stream_new(&config, NULL, NULL, (FfpRank){rank, 4}, 1, STEPS, &stop, &err);
+        const FfpSceneOrigin generated = {0};
+        FfpStream *stream = ffp_stream_new(&config, &generated, (FfpRank){rank, 4}, 1, STEPS, &stop, &err);
         for (int64_t draw = 4 + rank; draw < 4 * STEPS; draw += 4) {
             const FfpScene *scene = NULL;
             bool fresh;

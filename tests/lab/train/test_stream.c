@@ -5,6 +5,7 @@
 #include "scratch.h"
 
 enum { STEPS = 12 };
+static const FfpSceneOrigin generated = {0};
 static atomic_bool stop;
 
 static FfpTrainConfig configuration(const char *fields) {
@@ -55,7 +56,7 @@ static uint64_t hash_scene(const FfpScene *scene) {
 static void walk(const FfpTrainConfig *config, int first, uint64_t sums[STEPS]) {
     FfpError err = {0};
     stop = false;
-    FfpStream *stream = ffp_stream_new(config, NULL, NULL, (FfpRank){0, 1}, first, STEPS, &stop, &err);
+    FfpStream *stream = ffp_stream_new(config, &generated, (FfpRank){0, 1}, first, STEPS, &stop, &err);
     if (!stream) fail_msg("%s", err.text);
     for (int step = first; step < STEPS; step++) {
         const FfpScene *scene;
@@ -82,7 +83,7 @@ static void walk_plainly(const FfpTrainConfig *config, uint64_t sums[STEPS]) {
             continue;
         }
         FfpScene scene;
-        if (!ffp_scene_open(&scene, config, "train", number, &err)) fail_msg("%s", err.text);
+        if (!ffp_scene_open(&scene, config, NULL, "train", number, &err)) fail_msg("%s", err.text);
         sums[step] = hash_scene(&scene);
         ffp_scene_close(&scene);
     }
@@ -119,7 +120,7 @@ static void an_error_names_the_scene(void **state) {
         FfpError err = {0};
         const FfpScene *scene;
         bool fresh;
-        FfpStream *stream = ffp_stream_new(&config, NULL, NULL, (FfpRank){0, 1}, 1, STEPS, &stop, &err);
+        FfpStream *stream = ffp_stream_new(&config, &generated, (FfpRank){0, 1}, 1, STEPS, &stop, &err);
         assert_false(ffp_stream_scene(stream, 1, &scene, &fresh, &err));
         assert_null(scene);
         if (!strstr(err.text, "scene 1 of the train split") || !strstr(err.text, "0 samples"))
@@ -132,7 +133,7 @@ static bool take_and_leave(void *argument, FfpError *err) {
     const FfpTrainConfig *config = argument;
     const FfpScene *scene;
     bool fresh;
-    FfpStream *stream = ffp_stream_new(config, NULL, NULL, (FfpRank){0, 1}, 0, STEPS, &stop, err);
+    FfpStream *stream = ffp_stream_new(config, &generated, (FfpRank){0, 1}, 0, STEPS, &stop, err);
     if (!stream || !ffp_stream_scene(stream, 0, &scene, &fresh, err) || !scene) return false;
     ffp_no_memory(1);
     return true;

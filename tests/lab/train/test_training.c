@@ -84,7 +84,7 @@ static void test_training_looks_through_the_polish(void **state) {
     FfpError err = {0};
     assert_true(ffp_train_config_parse(&config, tiny_run, "tiny_run", &err));
     FfpScene scene;
-    assert_true(ffp_scene_open(&scene, &config, "train", 0, &err));
+    assert_true(ffp_scene_open(&scene, &config, NULL, "train", 0, &err));
     FfpModel *model = ffp_model_new(&config.model, 1, &err);
     const size_t size = (size_t)model->count * sizeof(real);
     FfpTrainStep *stepper = ffp_train_step_new(&config, NULL);
@@ -266,7 +266,7 @@ static void test_overfit(void **state) {
     FfpError err = {0};
     assert_true(ffp_train_config_parse(&config, text, "overfit", &err));
     FfpScene scene;
-    assert_true(ffp_scene_open(&scene, &config, "train", 0, &err));
+    assert_true(ffp_scene_open(&scene, &config, NULL, "train", 0, &err));
     FfpModel *model = ffp_model_new(&config.model, 1, &err);
     FfpAdam adam = ffp_adam_new(model);
     FfpTrainStep *stepper = ffp_train_step_new(&config, NULL);

@@ -533,6 +533,16 @@ static void test_pictures_that_are_no_materials(void **state) {
     assert_non_null(name);
     assert_string_equal(name, "r___k_");
     ffp_capture_free(&made);
+    snprintf(arguments, sizeof arguments, "generate %s/shown --preset smoke -r 16 --count 1 --patterns %s",
+             scratch, stock);
+    assert_int_equal(run_format(&run, "%s", arguments), 0);
+    if (!ffp_capture_read(&made, in_scratch("shown/all_00000"), &err)) fail_msg("%s", err.text);
+    assert_int_equal(ffp_capture_find_pattern(&made, "lollipop_0"), 2);
+    assert_int_equal(ffp_capture_find_pattern(&made, "picture_1_r___k_"), 3);
+    assert_int_equal(made.n_patterns, 4);
+    ffp_capture_free(&made);
+    assert_int_equal(remove(in_scratch("stock/r\xff \"k\n.png")), 0);
+    must_fail("a folder without patterns", "stock", arguments);
 }
 
 static void test_checkpoints_that_are_broken(void **state) {

@@ -206,6 +206,7 @@ static void test_mistakes_are_told_as_what_they_are(void **state) {
         {"render a -c b -o c --samples=", "--samples needs a value: N"},
         {"render a -c b -o c --rate 3", "--rate requires --video"},
         {"generate a --attitudes 4", "--attitudes requires --photographs"},
+        {"generate a --patterns b --photographs c", "--patterns cannot be combined with --photographs"},
         {"generate a --material b --materials c", "--materials cannot be combined with --material"},
         {"export a -o b --resolution 64", "--resolution requires --mesh"},
         {"export a -o b --camera-view c", "--camera-view requires --light"},

@@ -13,7 +13,7 @@
 #include "core/image/image.h"
 #include "support.h"
 #include "world/shapes/mesh.h"
-#include "world/synth/material_folder.h"
+#include "world/synth/picture_folder.h"
 #include "world/synth/synth.h"
 #include "world/synth/texture.h"
 
@@ -429,11 +429,11 @@ static void folders_that_are_no_material_are_refused(void **state) {
 }
 
 // Albedo and roughness of the material that a seed draws, at one place; its name.
-static const char *drawn_look(const FfpMaterialFolder *folder, uint64_t seed, float albedo[3],
+static const char *drawn_look(const FfpPictureFolder *folder, uint64_t seed, float albedo[3],
                               float *roughness) {
     FfpError err = {0};
     const char *name = NULL;
-    FfpTextures *textures = ffp_material_folder_draw(folder, seed, &name, &err);
+    FfpTextures *textures = ffp_picture_folder_material(folder, seed, &name, &err);
     if (!textures) fail_msg("%s", err.text);
     const FfpMesh mesh = {0};
     const FfpHit hit = hit_at(0, 0, 1);
@@ -454,8 +454,8 @@ static void seeds_draw_materials_from_pictures(void **state) {
     write_words("stock/licences.txt", "free");
     write_words("stock/.hidden.png", "no picture");
     FfpError err = {0};
-    FfpMaterialFolder folder;
-    if (!ffp_material_folder_open(&folder, path_of("stock"), &err)) fail_msg("%s", err.text);
+    FfpPictureFolder folder;
+    if (!ffp_picture_folder_open(&folder, path_of("stock"), true, &err)) fail_msg("%s", err.text);
     int seen[3] = {0};
     float least = 1, most = 0;
     for (uint64_t seed = 0; seed < 60; seed++) {
@@ -476,7 +476,7 @@ static void seeds_draw_materials_from_pictures(void **state) {
     }
     assert_true(seen[0] > 8 && seen[1] > 8 && seen[2] > 8);
     assert_true(least >= 0.25F && least < 0.4F && most <= 0.9F && most > 0.75F);
-    ffp_material_folder_close(&folder);
+    ffp_picture_folder_close(&folder);
 }
 
 // Half as high as it is wide, left half white: a seed's picture repeats at its own width in both directions
@@ -523,26 +523,78 @@ static void pictures_keep_their_shape(void **state) {
 static void folders_of_no_pictures_are_refused(void **state) {
     (void)state;
     FfpError err = {0};
-    FfpMaterialFolder folder;
-    assert_false(ffp_material_folder_open(&folder, path_of("not_there"), &err));
+    FfpPictureFolder folder;
+    assert_false(ffp_picture_folder_open(&folder, path_of("not_there"), true, &err));
     assert_int_equal(mkdir(path_of("empty"), 0777), 0);
     write_words("empty/notes.txt", "nothing");
-    assert_false(ffp_material_folder_open(&folder, path_of("empty"), &err));
+    assert_false(ffp_picture_folder_open(&folder, path_of("empty"), true, &err));
     assert_non_null(strstr(err.text, "pictures"));
     write_map("empty/good.png", 1, 1, 1);
     write_words("empty/torn.png", "\x89PNG\r\n\x1a\n and no more");
-    assert_false(ffp_material_folder_open(&folder, path_of("empty"), &err));
+    assert_false(ffp_picture_folder_open(&folder, path_of("empty"), true, &err));
     assert_non_null(strstr(err.text, "torn.png"));
     assert_int_equal(unlink(path_of("empty/torn.png")), 0);
     assert_int_equal(mkdir(path_of("empty/maps"), 0777), 0);
-    assert_false(ffp_material_folder_open(&folder, path_of("empty"), &err));
+    assert_false(ffp_picture_folder_open(&folder, path_of("empty"), true, &err));
     assert_non_null(strstr(err.text, "maps"));
     assert_int_equal(rmdir(path_of("empty/maps")), 0);
-    if (!ffp_material_folder_open(&folder, path_of("empty"), &err)) fail_msg("%s", err.text);
+    if (!ffp_picture_folder_open(&folder, path_of("empty"), true, &err)) fail_msg("%s", err.text);
     write_words("empty/good.png", "gone bad since");
-    assert_null(ffp_material_folder_draw(&folder, 1, NULL, &err));
+    assert_null(ffp_picture_folder_material(&folder, 1, NULL, &err));
     assert_non_null(strstr(err.text, "good.png"));
-    ffp_material_folder_close(&folder);
+    ffp_picture_folder_close(&folder);
+}
+
+// Red grows to the right and green downwards, so a pattern says which square of the picture it shows: its
+// sides are as long in both directions, half to all of the shorter one, and lie inside. A folder of maps
+// is not a picture. The seed alone decides.
+static void seeds_draw_patterns_from_pictures(void **state) {
+    (void)state;
+    enum { WIDTH = 96, HEIGHT = 64, SIDE = 32, COUNT = 3 };
+    FfpError err = {0};
+    FfpImage image = ffp_image_new(WIDTH, HEIGHT, 3);
+    for (int i = 0; i < WIDTH * HEIGHT; i++) {
+        image.data[3 * i] = ((real)(i % WIDTH) + 0.5F) / WIDTH;
+        image.data[3 * i + 1] = ((real)(i / WIDTH) + 0.5F) / HEIGHT;
+    }
+    assert_int_equal(mkdir(path_of("shows"), 0777), 0);
+    FfpPictureFolder folder;
+    assert_int_equal(mkdir(path_of("shows/maps"), 0777), 0);
+    assert_false(ffp_picture_folder_open(&folder, path_of("shows"), false, &err));
+    assert_non_null(strstr(err.text, "patterns"));
+    assert_true(ffp_image_write_png(&image, path_of("shows/a b.png"), &err));
+    ffp_image_free(&image);
+    if (!ffp_picture_folder_open(&folder, path_of("shows"), false, &err)) fail_msg("%s", err.text);
+    double least = 1, most = 0, left = 1, right = 0;
+    for (uint64_t seed = 0; seed < 20; seed++) {
+        FfpPattern *drawn = ffp_picture_folder_patterns(&folder, seed, COUNT, SIDE, &err);
+        FfpPattern *again = ffp_picture_folder_patterns(&folder, seed, COUNT, SIDE, &err);
+        assert_true(drawn && again);
+        for (int p = 0; p < COUNT; p++) {
+            char name[32];
+            snprintf(name, sizeof name, "picture_%d_a_b", p + 1);
+            assert_string_equal(drawn[p].name, name);
+            assert_false(drawn[p].novel);
+            assert_memory_equal(drawn[p].image.data, again[p].image.data, SIDE * SIDE * 3 * sizeof(real));
+            ffp_image_to_srgb(&drawn[p].image);
+            const real *first = drawn[p].image.data, *last = first + 3 * (SIDE * SIDE - 1);
+            const double part = (double)SIDE / (SIDE - 1); // from pixel centres to edges
+            const double wide = ((double)last[0] - (double)first[0]) * part * WIDTH / HEIGHT,
+                         high = ((double)last[1] - (double)first[1]) * part;
+            assert_float_equal(wide, high, 0.04);
+            assert_float_equal(255 * first[0], round(255 * (double)first[0]), 1e-3);
+            least = fmin(least, high), most = fmax(most, high);
+            left = fmin(left, (double)first[0]), right = fmax(right, (double)last[0]);
+        }
+        ffp_picture_patterns_free(drawn, COUNT);
+        ffp_picture_patterns_free(again, COUNT);
+    }
+    assert_true(least > 0.48 && least < 0.6 && most > 0.9 && most < 1.03);
+    assert_true(left < 0.1 && right > 0.9);
+    write_words("shows/a b.png", "gone bad since");
+    assert_null(ffp_picture_folder_patterns(&folder, 1, COUNT, SIDE, &err));
+    assert_non_null(strstr(err.text, "a b.png"));
+    ffp_picture_folder_close(&folder);
 }
 
 // A whole scene of a user's mesh and material: seen, lit and with the albedo of the map.
@@ -589,6 +641,7 @@ int main(void) {
         cmocka_unit_test(seeds_draw_materials_from_pictures),
         cmocka_unit_test(pictures_keep_their_shape),
         cmocka_unit_test(folders_of_no_pictures_are_refused),
+        cmocka_unit_test(seeds_draw_patterns_from_pictures),
         cmocka_unit_test(a_scene_of_users_assets),
     };
     return cmocka_run_group_tests(tests, make_root, remove_root);
