@@ -74,8 +74,9 @@ bool ffp_importing_read_picture(FfpImporting *import, const char *path, int stop
 // The empty stage, where there are photographs of it; and its memory (5).
 bool ffp_importing_load_stage(FfpImporting *import, FfpError *err);
 // A warning each where the stage, or a view, was photographed from another place, and where the room's light
-// changed in between; of views whose masks are made. Part of the above.
-void ffp_importing_compare_stage(const FfpImporting *import);
+// changed in between; of views whose masks are made. Error: the stage's black and white are exchanged. Part
+// of the above.
+bool ffp_importing_compare_stage(const FfpImporting *import, FfpError *err);
 void ffp_importing_free_stage(FfpImporting *import);
 
 #endif
