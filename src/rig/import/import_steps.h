@@ -65,6 +65,9 @@ void ffp_importing_cover_scene(FfpImporting *import, int stop);
 // Coverage made of light: completed by what other views see, and applied to the images (5).
 bool ffp_importing_complete_masks(FfpImporting *import, FfpError *err);
 bool ffp_importing_write_sheet(const char *folder, const FfpImporting *import, FfpError *err);
+// Replaces the mask of a view in the dark (dark.h) by means of one with twice as many pixels a side, for
+// which its photographs are read once more. False: they have not as many, or are not dark.
+bool ffp_importing_refine_mask(FfpImporting *import, int v);
 // masks/VIEW.png, if masks were made.
 bool ffp_importing_write_masks(const char *folder, const FfpImporting *import, FfpError *err);
 // A photograph as linear light without lens distortion, as the settings have it (5); *alpha (or NULL) stays
