@@ -320,7 +320,7 @@ static bool mask_in_the_dark(FfpImporting *import, bool completed) {
     const bool found = ffp_dark_masks(masks, capture) && is_better(import, masks, completed);
     if (found) exchange_masks(capture, masks);
     for (int v = 0; v < capture->n_views; v++) {
-        if (found) ffp_dark_soften(capture, &capture->views[v]);
+        if (found && !ffp_importing_refine_mask(import, v)) ffp_dark_soften(capture, &capture->views[v]);
         ffp_image_free(&masks[v]);
     }
     ffp_free(masks);

@@ -108,9 +108,31 @@ static void warn_of_other_room_light(const FfpImporting *import) {
             import->capture.views[odd].id, here, there);
 }
 
-void ffp_importing_compare_stage(const FfpImporting *import) {
+static double mean_of(const FfpImage *image) {
+    const size_t numbers = 3 * (size_t)image->width * (size_t)image->height;
+    double sum = 0;
+    for (size_t i = 0; i < numbers; i++) sum += (double)image->data[i];
+    return sum / (double)numbers;
+}
+
+static bool check_order(const FfpImporting *import, FfpError *err) {
+    for (int v = 0; v < import->capture.n_views; v++) {
+        const FfpImage *black = &import->stages[v].images[import->shots.black],
+                       *white = &import->stages[v].images[import->shots.white];
+        if (!black->data || !white->data || mean_of(black) <= mean_of(white) + LIGHT_LEAST) continue;
+        return ffp_fail(err, FFP_ERROR_ARGUMENT, "empty",
+                        "the stage is brighter under black (%.4f of full scale) than under white (%.4f): the "
+                        "two pictures are exchanged",
+                        mean_of(black), mean_of(white));
+    }
+    return true;
+}
+
+bool ffp_importing_compare_stage(const FfpImporting *import, FfpError *err) {
+    if (!check_order(import, err)) return false;
     warn_of_displacement(import);
     warn_of_other_room_light(import);
+    return true;
 }
 
 bool ffp_importing_load_stage(FfpImporting *import, FfpError *err) {
@@ -124,8 +146,7 @@ bool ffp_importing_load_stage(FfpImporting *import, FfpError *err) {
         else if (!load(import, v, err))
             return false;
     }
-    ffp_importing_compare_stage(import);
-    return true;
+    return ffp_importing_compare_stage(import, err);
 }
 
 void ffp_importing_free_stage(FfpImporting *import) {

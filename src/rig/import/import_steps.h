@@ -65,6 +65,9 @@ void ffp_importing_cover_scene(FfpImporting *import, int stop);
 // Coverage made of light: completed by what other views see, and applied to the images (5).
 bool ffp_importing_complete_masks(FfpImporting *import, FfpError *err);
 bool ffp_importing_write_sheet(const char *folder, const FfpImporting *import, FfpError *err);
+// Replaces the mask of a view in the dark (dark.h) by means of one with twice as many pixels a side, for
+// which its photographs are read once more. False: they have not as many, or are not dark.
+bool ffp_importing_refine_mask(FfpImporting *import, int v);
 // masks/VIEW.png, if masks were made.
 bool ffp_importing_write_masks(const char *folder, const FfpImporting *import, FfpError *err);
 // A photograph as linear light without lens distortion, as the settings have it (5); *alpha (or NULL) stays
@@ -74,8 +77,9 @@ bool ffp_importing_read_picture(FfpImporting *import, const char *path, int stop
 // The empty stage, where there are photographs of it; and its memory (5).
 bool ffp_importing_load_stage(FfpImporting *import, FfpError *err);
 // A warning each where the stage, or a view, was photographed from another place, and where the room's light
-// changed in between; of views whose masks are made. Part of the above.
-void ffp_importing_compare_stage(const FfpImporting *import);
+// changed in between; of views whose masks are made. Error: the stage's black and white are exchanged. Part
+// of the above.
+bool ffp_importing_compare_stage(const FfpImporting *import, FfpError *err);
 void ffp_importing_free_stage(FfpImporting *import);
 
 #endif

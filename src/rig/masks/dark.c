@@ -137,7 +137,7 @@ void ffp_dark_soften(const FfpCapture *capture, FfpView *view) {
     const Level level = level_of(values, (size_t)view->camera.width * (size_t)view->camera.height);
     for (int p = 0; p < capture->n_patterns; p++)
         if (view->images[p].data) stage.images[p] = even_image(&view->images[p]);
-    ffp_soften_edges(capture, view, &stage, level.deviation);
+    ffp_soften_mask(capture, view, &stage, level.deviation);
     for (int p = 0; p < capture->n_patterns; p++) ffp_image_free(&stage.images[p]);
     ffp_free(stage.images), ffp_free(values);
 }

@@ -14,7 +14,8 @@ bool ffp_dark_masks(FfpImage *masks, const FfpCapture *capture);
 // Whether pictures of the empty stage show nothing either.
 bool ffp_dark_stage(const FfpCapture *capture, int view, const FfpEmptyStage *stage);
 
-// Edges of coverage that ffp_dark_masks found, as soft as the camera's (soft_edges.h).
+// Edges of coverage that ffp_dark_masks found, as soft as the camera's (soft_edges.h). Pictures stay as they
+// are.
 void ffp_dark_soften(const FfpCapture *capture, FfpView *view);
 
 #endif

@@ -126,17 +126,26 @@ static void take_out(const Edge *e, const Sample *samples, const FfpImage *mask,
     }
 }
 
-void ffp_soften_edges(const FfpCapture *capture, FfpView *view, const FfpEmptyStage *stage, double noise) {
-    FfpImage *mask = &view->coverage;
-    Edge e = edge_of(capture, view, stage);
-    for (size_t k = 0; k < e.count; k++) {
-        real *at = &mask->data[e.pixels[k]];
+static void set_shares(const Edge *e, FfpView *view, double noise) {
+    for (size_t k = 0; k < e->count; k++) {
+        real *at = &view->coverage.data[e->pixels[k]];
         double sure;
-        const double share = share_of(&e, view, noise, k, &sure),
+        const double share = share_of(e, view, noise, k, &sure),
                      mixed = sure * share + (1 - sure) * (double)*at;
         *at = (real)(mixed < SHARE_LEAST ? 0 : mixed > 1 - SHARE_LEAST ? 1 : mixed);
     }
+}
+
+void ffp_soften_mask(const FfpCapture *capture, FfpView *view, const FfpEmptyStage *stage, double noise) {
+    Edge e = edge_of(capture, view, stage);
+    set_shares(&e, view, noise);
+    free_edge(&e);
+}
+
+void ffp_soften_edges(const FfpCapture *capture, FfpView *view, const FfpEmptyStage *stage, double noise) {
+    Edge e = edge_of(capture, view, stage);
+    set_shares(&e, view, noise);
     for (int p = 0; p < e.n; p++)
-        if (e.samples[p]) take_out(&e, e.samples[p], mask, &view->images[p]);
+        if (e.samples[p]) take_out(&e, e.samples[p], &view->coverage, &view->images[p]);
     free_edge(&e);
 }

@@ -9,5 +9,7 @@
 // inside and of the stage there, which is known and as bright here as it is outside; its share is that which
 // explains all pictures best. Where both are alike, the mask stays as it is.
 void ffp_soften_edges(const FfpCapture *capture, FfpView *view, const FfpEmptyStage *stage, double noise);
+// The mask alone: pictures stay as they are.
+void ffp_soften_mask(const FfpCapture *capture, FfpView *view, const FfpEmptyStage *stage, double noise);
 
 #endif

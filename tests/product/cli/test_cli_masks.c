@@ -1,5 +1,6 @@
 // Masks made of the light against true ones, by commands alone: a watering can on a turntable, whose handle
 // is a ring, photographed by the generator. Its side in shadow is object, and one sees through the handle.
+#include <tgmath.h>
 #include <unistd.h>
 #include "core/base/file.h"
 #include "core/capture/capture.h"
@@ -89,6 +90,30 @@ static void the_dark_shows_the_object(void **state) {
     const Agreement same = compare(&made, &again);
     assert_true(same.common > 0.97 * same.either);
     ffp_capture_free(&truth), ffp_capture_free(&made), ffp_capture_free(&few), ffp_capture_free(&again);
+}
+
+// The sum of the differences of two captures' shares, over the object's area.
+static double share_errors(const FfpCapture *truth, const FfpCapture *made) {
+    double sum = 0, area = 0;
+    for (int v = 0; v < made->n_views; v++)
+        for (int i = 0; i < made->views[v].coverage.width * made->views[v].coverage.height; i++) {
+            const double share = (double)truth->views[v].coverage.data[i];
+            sum += fabs(share - (double)made->views[v].coverage.data[i]), area += share;
+        }
+    printf("shares differ by %.4f of the object\n", sum / area);
+    return sum / area;
+}
+
+// Where the photographs have twice the capture's pixels, shares are means of theirs.
+static void finer_photographs_tell_the_shares(void **state) {
+    (void)state;
+    FfpCapture truth, made;
+    read_import(&truth, "small-truth", "-w 64 -m '@/shots/masks/view-*.png'");
+    read_import(&made, "small", "-w 64");
+    assert_non_null(strstr(run.err, "8 masks were made from all light"));
+    assert_true(share_errors(&truth, &made) < 0.09);
+    masked_pictures_are_black(&made);
+    ffp_capture_free(&truth), ffp_capture_free(&made);
 }
 
 static void the_report_shows_the_masks(void **state) {
@@ -220,6 +245,7 @@ static void wrong_pictures_of_the_stage_are_refused(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(the_dark_shows_the_object),
+                                       cmocka_unit_test(finer_photographs_tell_the_shares),
                                        cmocka_unit_test(the_report_shows_the_masks),
                                        cmocka_unit_test(shadows_are_object_and_holes_are_none),
                                        cmocka_unit_test(a_lamp_between_views_is_named),

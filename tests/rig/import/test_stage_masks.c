@@ -271,14 +271,12 @@ static void keep_warning(void *user, FfpLogLevel level, const char *text) {
 }
 
 static bool compare_with_stage(void *room, FfpError *e) {
-    (void)e;
     Room *r = room;
     bool made[VIEWS];
     FfpEmptyStage stages[VIEWS];
     for (int v = 0; v < VIEWS; v++) made[v] = true, stages[v] = r->stage;
-    ffp_importing_compare_stage(
-        &(FfpImporting){.capture = r->capture, .shots = {.white = 1}, .made = made, .stages = stages});
-    return true;
+    return ffp_importing_compare_stage(
+        &(FfpImporting){.capture = r->capture, .shots = {.white = 1}, .made = made, .stages = stages}, e);
 }
 
 // What is said of the room's stage.
@@ -318,6 +316,18 @@ static void what_changed_since_the_stage_is_named(void **state) {
         for (int i = 0; i < 3 * WIDTH * HEIGHT; i++) images[p].data[i] += 0.01F;
     assert_non_null(strstr(warning_of(room), "was a lamp switched since, or did daylight change?"));
     assert_null(strstr(warned, "another place"));
+    free_room(room);
+}
+
+static void an_exchanged_stage_is_refused(void **state) {
+    (void)state;
+    FfpContext context = {.settings = {.log = keep_warning}};
+    Room *room = new_room(true);
+    FfpImage *images = room->stage.images, black = images[0];
+    images[0] = images[1], images[1] = black;
+    assert_false(ffp_call_run(&context, compare_with_stage, room, &err));
+    assert_non_null(strstr(err.text, "than under white"));
+    assert_non_null(strstr(err.text, "the two pictures are exchanged"));
     free_room(room);
 }
 
@@ -382,6 +392,7 @@ int main(void) {
         cmocka_unit_test(a_view_like_the_stage_is_refused),
         cmocka_unit_test(other_light_is_told),
         cmocka_unit_test(what_changed_since_the_stage_is_named),
+        cmocka_unit_test(an_exchanged_stage_is_refused),
         cmocka_unit_test(what_stays_the_same_is_the_stage),
         cmocka_unit_test(the_contact_sheet_shows_the_masks),
     };

@@ -1,0 +1,56 @@
+// Import: outlines from photographs at more pixels than the capture has.
+#include "core/base/alloc.h"
+#include "rig/import/import_steps.h"
+#include "rig/masks/dark.h"
+
+#define WIDER 1.5 // photographs than the capture, from which on it pays
+
+enum { TIMES = 2 }; // pixels a side for one of the capture's
+
+static FfpCamera finer_camera(const FfpCamera *camera) {
+    FfpCamera out = *camera;
+    out.width *= TIMES, out.height *= TIMES;
+    out.fx *= TIMES, out.fy *= TIMES, out.cx *= TIMES, out.cy *= TIMES;
+    return out;
+}
+
+static bool read_view(FfpImporting *finer, int v, FfpError *err) {
+    FfpView *view = &finer->capture.views[v];
+    for (int p = 0; p < finer->capture.n_patterns; p++) {
+        const char *path = finer->shots.pictures[v * FFP_PATTERNS_MAX + p];
+        if (path && !ffp_importing_read_picture(finer, path, v, &view->images[p], NULL, err)) return false;
+    }
+    return true;
+}
+
+static FfpImage means_of(const FfpImage *finer) {
+    FfpImage out = ffp_image_new(finer->width / TIMES, finer->height / TIMES, 1);
+    for (int y = 0; y < finer->height; y++)
+        for (int x = 0; x < finer->width; x++)
+            out.data[(ptrdiff_t)(y / TIMES) * out.width + x / TIMES] +=
+                finer->data[(ptrdiff_t)y * finer->width + x] / (TIMES * TIMES);
+    return out;
+}
+
+bool ffp_importing_refine_mask(FfpImporting *import, int v) {
+    FfpView *coarse = &import->capture.views[v];
+    FfpError none = {0};
+    if (import->calibration.stops[v].camera.width < WIDER * coarse->camera.width) return false;
+    FfpImporting finer = *import; // whose counts nobody reads
+    finer.capture.views = ffp_alloc((size_t)import->capture.n_views, sizeof *finer.capture.views);
+    FfpView *view = &finer.capture.views[v];
+    view->camera = finer_camera(&coarse->camera);
+    view->images = ffp_alloc((size_t)import->capture.n_patterns, sizeof *view->images);
+    FfpCapture alone = finer.capture;
+    alone.n_views = 1, alone.views = view;
+    const bool ok = read_view(&finer, v, &none) && ffp_dark_masks(&view->coverage, &alone);
+    if (ok) {
+        ffp_dark_soften(&alone, view);
+        ffp_image_free(&coarse->coverage);
+        coarse->coverage = means_of(&view->coverage);
+    }
+    for (int p = 0; p < import->capture.n_patterns; p++) ffp_image_free(&view->images[p]);
+    ffp_image_free(&view->coverage);
+    ffp_free(view->images), ffp_free(finer.capture.views);
+    return ok;
+}
