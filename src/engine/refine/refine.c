@@ -61,8 +61,10 @@ FfpRefineSettings ffp_polish_defaults(int64_t steps) {
     s.smooth = 0;
     s.decay = s.centre_decay = 0.2;
     s.mean = 0.3;
-    s.beta1 = 0.8F; // for so few steps
+    s.mean_late = 3;
+    s.beta1 = 0.5F; // for so few steps
     s.beta2 = 0.95F;
+    s.coupled = true;
     s.distortion = 0.3F;
     s.pairs = true;
     s.shadow_looks = 4;
@@ -143,7 +145,8 @@ static bool over(const Fit *fit) {
 static void average(Fit *fit, double share) {
     if (!fit->mean.count || share < 1 - fit->settings->mean) return;
     fit->averaged++;
-    ffp_parameters_average(&fit->parameters, (real)(1 / (double)fit->averaged), &fit->mean);
+    const double late = fit->settings->mean_late;
+    ffp_parameters_average(&fit->parameters, (real)((late + 1) / (late + (double)fit->averaged)), &fit->mean);
 }
 
 // The gradients of one or two views, and as many steps behind each other: the second one's is then that of a
@@ -273,7 +276,8 @@ static void fit_free(Fit *fit) {
 }
 
 // The mean of the last steps' numbers is nearer to what they wander about than any of them is (Polyak and
-// Juditsky 1992), unless the fit has gone astray by then.
+// Juditsky 1992), with more weight on later ones, as the fit is still under way (Shamir and Zhang 2013),
+// unless it has gone astray by then.
 static void take_mean(Fit *fit) {
     if (fit->averaged < 1 || fit->rounds < 1 || fit->best_round + 1 < fit->rounds) return;
     const FfpParameters mean = {fit->mean, fit->parameters.origin, fit->parameters.frame,

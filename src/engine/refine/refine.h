@@ -29,10 +29,12 @@ typedef struct FfpRefineSettings {
     double centre_decay;        // the centre's rate falls by this factor over `centre_decay_steps`
     int64_t centre_decay_steps; // 0: over the budget
     real beta1, beta2, epsilon; // Adam's
+    bool coupled;               // of centres by ffp_adam_coupled (adam.h); not with growth
     real l1, ssim, mask, roughness_smooth, normal_smooth, distortion; // weights of the loss terms
     int64_t distortion_from;                                          // step
     real smooth; // share by which a step draws displacements along the normal towards the neighbours' mean
     double mean; // share of the budget, its end, over which the numbers are averaged: that is then the result
+    double mean_late; // their weights grow nearly as the step's number in that share to this power; 0: equal
     int shadow_looks; // steps at a view that share a shadow map; up to 1: each draws its own
     bool pairs;       // steps come in twos, both by gradients of the same state: of two views at a time
     bool one_picture; // a step looks at one of the view's pictures, in turn, instead of all
