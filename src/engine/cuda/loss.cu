@@ -12,6 +12,7 @@ extern "C" const struct FfpImageTable ffp_cuda_image = {
 
 extern "C" const struct FfpLossTable ffp_cuda_loss = {
     .l1 = ffp_cuda_l1,
+    .square = ffp_cuda_square,
     .ssim = ffp_cuda_ssim,
     .mask = ffp_cuda_mask,
     .depth = ffp_cuda_depth,

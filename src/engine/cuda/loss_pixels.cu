@@ -24,6 +24,21 @@ real ffp_cuda_l1(const FfpImage *prediction, const FfpImage *target, real weight
     return (real)ffp_cuda_mean(&sums, true, weight, (double)count);
 }
 
+static __global__ void square_values(size_t count, FfpPartials sums, const float *prediction,
+                                     const float *target, float step, float *grad) {
+    const size_t i = ffp_thread();
+    const float difference = i < count ? prediction[i] - target[i] : 0;
+    if (grad && i < count) grad[i] += step * difference;
+    ffp_store_partial(sums, 0, difference * difference);
+}
+
+real ffp_cuda_square(const FfpImage *prediction, const FfpImage *target, real weight, FfpImage *grad) {
+    const size_t count = values_of(prediction);
+    const FfpPartials sums = ffp_launch_sums(1, count, square_values, prediction->data, target->data,
+                                             2 * weight / (real)count, grad ? grad->data : NULL);
+    return (real)ffp_cuda_mean(&sums, true, weight, (double)count);
+}
+
 static __global__ void squared_values(size_t count, FfpPartials sums, const float *a, const float *b,
                                       const float *mask, int channels) {
     const size_t i = ffp_thread();

@@ -9,6 +9,7 @@ extern "C" {
 
 // loss_pixels.cu
 real ffp_cuda_l1(const FfpImage *prediction, const FfpImage *target, real weight, FfpImage *grad);
+real ffp_cuda_square(const FfpImage *prediction, const FfpImage *target, real weight, FfpImage *grad);
 double ffp_cuda_squared_error(const FfpImage *a, const FfpImage *b, const FfpImage *mask, size_t *count);
 void ffp_cuda_to_srgb(FfpImage *image);
 void ffp_cuda_to_linear(FfpImage *image);

@@ -19,6 +19,7 @@ struct Moved {
     FfpGaussianAdamStep move;
     Flat x, mean, square, start, grad; // start: of no elements where nothing pulls
     const real *shared;
+    real *cross; // NULL: centres are not coupled
 };
 
 } // namespace
@@ -121,10 +122,24 @@ static void move_shared(const FfpGaussianAdamStep *move, const FfpGaussians *gra
     ffp_launch_blocks(shared_kernel, dim3(1), dim3(SUM_THREADS), 0, blocks, move->shared, shared);
 }
 
+// The centre whose first number is i.
+static __device__ void move_centre(const Moved *m, size_t i) {
+    const FfpAdamStep *step = &m->move.of[FFP_CENTRE];
+    real *x = m->x.data[FFP_CENTRE] + i;
+    ffp_adam_coupled(step, m->grad.data[FFP_CENTRE] + i, x, m->mean.data[FFP_CENTRE] + i,
+                     m->square.data[FFP_CENTRE] + i, m->cross + i);
+    for (int k = 0; k < 3 && m->start.count[FFP_CENTRE]; k++)
+        x[k] = ffp_adam_pulled(step, x[k], m->start.data[FFP_CENTRE][i + k]);
+}
+
 static __global__ void move_kernel(Moved m) {
     const size_t i = ffp_thread();
     const unsigned a = blockIdx.y;
     if (i >= m.x.count[a]) return;
+    if (a == FFP_CENTRE && m.cross) {
+        if (i % 3 == 0) move_centre(&m, i);
+        return;
+    }
     const FfpAdamStep *step = &m.move.of[a];
     real *x = m.x.data[a] + i, *start = m.start.count[a] ? m.start.data[a] + i : NULL;
     ffp_adam_move(step, m.grad.data[a][i], x, m.mean.data[a] + i, m.square.data[a] + i);
@@ -138,7 +153,7 @@ static void move(const FfpGaussianAdamStep *move, const FfpGaussians *grad, cons
                  const FfpGaussianAdam *mover) {
     if (move->shares) move_shared(move, grad, mover->shared);
     const Moved m = {*move,      flat(numbers), flat(&mover->mean), flat(&mover->square), flat(&mover->start),
-                     flat(grad), mover->shared};
+                     flat(grad), mover->shared, mover->cross};
     ffp_launch(move_kernel, flat_grid(numbers), dim3(256), m);
 }
 

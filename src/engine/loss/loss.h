@@ -12,6 +12,8 @@
 
 // mean |prediction - target| over all values; images of equal shape.
 real ffp_l1_loss(const FfpImage *prediction, const FfpImage *target, real weight, FfpImage *grad);
+// mean (prediction - target)^2, likewise.
+real ffp_square_loss(const FfpImage *prediction, const FfpImage *target, real weight, FfpImage *grad);
 // 1 - mean SSIM: 11x11 Gaussian, sigma 1.5, C1 = 1e-4, C2 = 9e-4, zero padding (as GS-ProCams), mean over
 // pixels, channels.
 real ffp_ssim_loss(const FfpImage *prediction, const FfpImage *target, real weight, FfpImage *grad);

@@ -12,6 +12,7 @@ enum { FFP_DEFERRED_MAX = 1024 };
 
 struct FfpLossTable {
     real (*l1)(const FfpImage *prediction, const FfpImage *target, real weight, FfpImage *grad);
+    real (*square)(const FfpImage *prediction, const FfpImage *target, real weight, FfpImage *grad);
     // The mean of the index; ADDS scale * gradient of the SUM of the index by a to grad unless that is NULL.
     double (*ssim)(const FfpImage *a, const FfpImage *b, real scale, FfpImage *grad);
     real (*mask)(const real *opacity, const real *mask, int pixels, real weight, real *grad_opacity);

@@ -124,7 +124,7 @@ static double polish_bytes(const FfpProblemSize *s) {
     const double view = gradients + draw_bytes(s, s->samples) + PULLED * splats_of(s);
     const bool levels = fmax(s->width, s->height) > FFP_PYRAMID_SIDE;
     const double level = levels ? photograph_bytes(s) + REAL * pixels_of(s) + SPLAT * splats_of(s) : 0;
-    return (10 * SPLAT + 8 * REAL) * splats_of(s) + photograph_bytes(s) + (pairs ? 2 : 1) * view + level +
+    return (10 * SPLAT + 11 * REAL) * splats_of(s) + photograph_bytes(s) + (pairs ? 2 : 1) * view + level +
            SUMMED * s->photographs * s->pattern;
 }
 

@@ -6,6 +6,7 @@
 #include "core/base/device.h"
 #include "core/base/vec.h"
 #include "engine/refine/fit.h"
+#include "engine/refine/kernels/kernels.h"
 #include "engine/refine/neighbours.h"
 #include "engine/refine/table.h"
 
@@ -19,6 +20,7 @@ FfpGaussianAdam ffp_gaussian_adam_new(const FfpParameters *parameters, const Ffp
                                   .square = ffp_gaussians_new(count),
                                   .shared = ffp_memory_new(FFP_SHARED_NUMBERS, sizeof(real))};
     adam_state.start = ffp_gaussians_new(pulls ? count : 0);
+    if (settings->coupled) adam_state.cross = ffp_memory_new((size_t)count + 1, 3 * sizeof(real));
     for (int a = 0; pulls && a < FFP_ATTRIBUTES; a++) {
         const FfpAttribute from = ffp_attribute(&parameters->numbers, a);
         ffp_memory_copy(ffp_attribute(&adam_state.start, a).data, from.data,
@@ -35,6 +37,7 @@ void ffp_gaussian_adam_free(FfpGaussianAdam *adam_state) {
     ffp_gaussians_free(&adam_state->mean);
     ffp_gaussians_free(&adam_state->square);
     ffp_gaussians_free(&adam_state->start);
+    ffp_memory_free(adam_state->cross);
     ffp_memory_free(adam_state->shared);
     ffp_free(adam_state->neighbour);
     *adam_state = (FfpGaussianAdam){0};
@@ -109,6 +112,15 @@ static void move_shared_roughness(FfpGaussianAdam *adam_state, FfpParameters *pa
     for (int64_t i = 0; i < adam_state->start.count; i++) adam_state->start.roughness[i] += moved;
 }
 
+static void move_centres(const FfpGaussianAdam *adam_state, const FfpAdamArray *centres) {
+    enum { PART = 512 }; // splats
+    FfpMoveCoupled *move = ffp_refine_kernels()->move_coupled;
+    const int64_t count = centres->count / 3;
+#pragma omp parallel for schedule(static)
+    for (int64_t i = 0; i < count; i += PART)
+        move(centres, adam_state->cross, i, count - i < PART ? count - i : PART);
+}
+
 static void move_all(FfpGaussianAdam *adam_state, FfpParameters *parameters, const FfpGaussians *grad,
                      const FfpGaussianAdamStep *move) {
     FfpAdamArray arrays[FFP_ATTRIBUTES];
@@ -122,6 +134,10 @@ static void move_all(FfpGaussianAdam *adam_state, FfpParameters *parameters, con
             .square = ffp_attribute(&adam_state->square, a).data,
             .grad = ffp_attribute(grad, a).data,
             .start = adam_state->start.count ? ffp_attribute(&adam_state->start, a).data : NULL};
+    }
+    if (adam_state->cross) {
+        move_centres(adam_state, &arrays[FFP_CENTRE]);
+        arrays[FFP_CENTRE].count = 0;
     }
     ffp_adam(arrays, FFP_ATTRIBUTES);
     if (move->shares) move_shared_roughness(adam_state, parameters, grad, &move->shared);

@@ -109,6 +109,9 @@ static void compare(const FfpPhotoLoss *v, Hand *hand, int p, const FfpImage *ta
     ffp_view_pass_shade(hand->pass, intensity, light, &hand->picture);
     ffp_memory_zero(hand->grad.data, sizeof(real) * (size_t)hand->grad.width * hand->grad.height * 3);
     ffp_loss_add(&loss->pictures, 1, ffp_l1_loss(&hand->picture, target, share * s->l1, &hand->grad));
+    if (s->square > 0)
+        ffp_loss_add(&loss->pictures, 1,
+                     ffp_square_loss(&hand->picture, target, share * s->square, &hand->grad));
     ffp_loss_add(&loss->pictures, 1, ffp_ssim_loss(&hand->picture, target, share * s->ssim, &hand->grad));
     ffp_loss_add(&loss->psnr, (double)share, ffp_psnr(&hand->picture, target));
     ffp_view_pass_shade_backward(hand->pass, intensity, light, &hand->grad, NULL, NULL);

@@ -50,19 +50,22 @@ FfpRefineSettings ffp_refine_defaults(void) {
 FfpRefineSettings ffp_polish_defaults(int64_t steps) {
     FfpRefineSettings s = ffp_refine_defaults();
     const real faster[FFP_ATTRIBUTES] = {
-        [FFP_CENTRE] = 6, [FFP_SCALE] = 8,     [FFP_ROTATION] = 1.5F, [FFP_OPACITY] = 16,
-        [FFP_ALBEDO] = 2, [FFP_ROUGHNESS] = 4, [FFP_AMBIENT] = 4};
+        [FFP_CENTRE] = 7.2F, [FFP_SCALE] = 9.6F,     [FFP_ROTATION] = 1.8F, [FFP_OPACITY] = 19.2F,
+        [FFP_ALBEDO] = 2.4F, [FFP_ROUGHNESS] = 4.8F, [FFP_AMBIENT] = 4.8F};
     for (int a = 0; a < FFP_ATTRIBUTES; a++) {
         s.rates.rate[a] *= faster[a];
         s.rates.pull[a] /= 20; // so few steps do not stray far
     }
     s.rates.shared_roughness *= 4;
+    s.square = 10;
     s.mask = 0.3F;
     s.smooth = 0;
     s.decay = s.centre_decay = 0.2;
     s.mean = 0.3;
-    s.beta1 = 0.8F; // for so few steps
-    s.beta2 = 0.95F;
+    s.mean_late = 3;
+    s.beta1 = 0.5F; // for so few steps
+    s.beta2 = 0.9F;
+    s.coupled = true;
     s.distortion = 0.3F;
     s.pairs = true;
     s.shadow_looks = 4;
@@ -143,7 +146,8 @@ static bool over(const Fit *fit) {
 static void average(Fit *fit, double share) {
     if (!fit->mean.count || share < 1 - fit->settings->mean) return;
     fit->averaged++;
-    ffp_parameters_average(&fit->parameters, (real)(1 / (double)fit->averaged), &fit->mean);
+    const double late = fit->settings->mean_late;
+    ffp_parameters_average(&fit->parameters, (real)((late + 1) / (late + (double)fit->averaged)), &fit->mean);
 }
 
 // The gradients of one or two views, and as many steps behind each other: the second one's is then that of a
@@ -197,13 +201,20 @@ static bool tell(Fit *fit, const Round *round) {
     return fflush(fit->settings->metrics) == 0;
 }
 
+// Pairs keep one order in all rounds, so that a view's looks are the same number of steps apart: a random one
+// looks at some views twice in short order and leaves others for long.
+static void put_in_order(Fit *fit) {
+    if (fit->settings->pairs && fit->step > 0) return;
+    shuffle(fit);
+    if (fit->settings->pairs) ffp_pair_opposites(fit->capture, fit->order);
+}
+
 // All views once, or until the end; returns how many. On a device no step waits for its loss.
 static int step_through(Fit *fit) {
     const int n = fit->capture->n_views;
     int done = 0;
     memset(fit->losses, 0, (size_t)n * sizeof *fit->losses);
-    shuffle(fit);
-    if (fit->settings->pairs) ffp_pair_opposites(fit->capture, fit->order);
+    put_in_order(fit);
     ffp_losses_defer();
     while (done < n && !over(fit)) {
         const int at_once = fit->grad[1].count && done + 1 < n && steps_left(fit) > 1 ? 2 : 1;
@@ -273,7 +284,8 @@ static void fit_free(Fit *fit) {
 }
 
 // The mean of the last steps' numbers is nearer to what they wander about than any of them is (Polyak and
-// Juditsky 1992), unless the fit has gone astray by then.
+// Juditsky 1992), with more weight on later ones, as the fit is still under way (Shamir and Zhang 2013),
+// unless it has gone astray by then.
 static void take_mean(Fit *fit) {
     if (fit->averaged < 1 || fit->rounds < 1 || fit->best_round + 1 < fit->rounds) return;
     const FfpParameters mean = {fit->mean, fit->parameters.origin, fit->parameters.frame,

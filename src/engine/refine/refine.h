@@ -29,10 +29,12 @@ typedef struct FfpRefineSettings {
     double centre_decay;        // the centre's rate falls by this factor over `centre_decay_steps`
     int64_t centre_decay_steps; // 0: over the budget
     real beta1, beta2, epsilon; // Adam's
-    real l1, ssim, mask, roughness_smooth, normal_smooth, distortion; // weights of the loss terms
-    int64_t distortion_from;                                          // step
+    bool coupled;               // of centres by ffp_adam_coupled (adam.h); not with growth
+    real l1, square, ssim, mask, roughness_smooth, normal_smooth, distortion; // weights of the loss terms
+    int64_t distortion_from;                                                  // step
     real smooth; // share by which a step draws displacements along the normal towards the neighbours' mean
     double mean; // share of the budget, its end, over which the numbers are averaged: that is then the result
+    double mean_late; // their weights grow nearly as the step's number in that share to this power; 0: equal
     int shadow_looks; // steps at a view that share a shadow map; up to 1: each draws its own
     bool pairs;       // steps come in twos, both by gradients of the same state: of two views at a time
     bool one_picture; // a step looks at one of the view's pictures, in turn, instead of all
@@ -47,7 +49,7 @@ typedef struct FfpRefineSettings {
     const char *label; // of the progress; NULL: "refining"
 } FfpRefineSettings;
 FfpRefineSettings ffp_refine_defaults(void); // from a prediction
-#define FFP_POLISH_DEFAULT_STEPS 88          // of eight views
+#define FFP_POLISH_DEFAULT_STEPS 80          // of eight views
 // A short fit directly after a prediction: faster rates, nothing smoothed or measured.
 FfpRefineSettings ffp_polish_defaults(int64_t steps);
 
@@ -66,12 +68,12 @@ typedef struct FfpRefineResult {
 
 // Fits to the given patterns of all views (indices into the capture's), as far as a view has photographs
 // under them; it must have at least one, and all of a view's have the same weight. Views come in rounds, each
-// in an order drawn from the seed. The result is the state after the round with the lowest loss; or the mean,
-// if it is asked for and that round was the last complete one or the one before it; or the initial state if
-// that has the better PSNR on the same pictures. With a limit in steps, the same seed and thread count give
-// the same bits. Errors: no Gaussians, no limit, a loss that is not finite. On a device, the arrays of the
-// Gaussians, pictures, coverage and patterns are in that device's memory, and growth and smoothing are
-// errors.
+// in an order drawn from the seed, or with pairs all in one such order. The result is the state after the
+// round with the lowest loss; or the mean, if it is asked for and that round was the last complete one or the
+// one before it; or the initial state if that has the better PSNR on the same pictures. With a limit in
+// steps, the same seed and thread count give the same bits. Errors: no Gaussians, no limit, a loss that is
+// not finite. On a device, the arrays of the Gaussians, pictures, coverage and patterns are in that device's
+// memory, and growth and smoothing are errors.
 bool ffp_refine(FfpGaussians *gaussians, const FfpCapture *capture, const int *patterns, int n_patterns,
                 const FfpRefineSettings *settings, FfpRefineResult *result, FfpError *err);
 

@@ -157,6 +157,12 @@ static double l1(const Problem *p, real *const *input, real *const *grad) {
     return ffp_l1_loss(&a, &b, p->weight, g.data ? &g : NULL);
 }
 
+static double square(const Problem *p, real *const *input, real *const *grad) {
+    const FfpImage a = picture(p, input[0]), b = picture(p, input[1]);
+    FfpImage g = picture(p, grad[0]);
+    return ffp_square_loss(&a, &b, p->weight, g.data ? &g : NULL);
+}
+
 static double ssim_loss(const Problem *p, real *const *input, real *const *grad) {
     const FfpImage a = picture(p, input[0]), b = picture(p, input[1]);
     FfpImage g = picture(p, grad[0]);
@@ -207,6 +213,7 @@ static void check_pictures(int width, int height, int channels) {
     p.weight *= (real)channels;
     p.grads[0] = values;
     check("l1", l1, &p);
+    check("squares", square, &p);
     check("SSIM loss", ssim_loss, &p);
     check("to sRGB", to_srgb, &p);
     check("to linear", to_linear, &p);

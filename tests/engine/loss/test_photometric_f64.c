@@ -29,6 +29,11 @@ static double l1(void *context) {
     return ffp_l1_loss(&c->a, &c->b, c->weight, NULL);
 }
 
+static double square(void *context) {
+    const Case *c = context;
+    return ffp_square_loss(&c->a, &c->b, c->weight, NULL);
+}
+
 static double ssim(void *context) {
     const Case *c = context;
     return ffp_ssim_loss(&c->a, &c->b, c->weight, NULL);
@@ -49,6 +54,19 @@ static void test_l1_gradient(void **state) {
     FfpImage grad = {WIDTH, HEIGHT, 3, new_gradient(VALUES)};
     ffp_l1_loss(&c.a, &c.b, c.weight, &grad);
     check_gradient("l1", l1, &c, c.a.data, grad.data, VALUES, 1, 1e-6, 1e-6);
+    ffp_free(grad.data);
+    free_case(&c);
+}
+
+static void test_square(void **state) {
+    (void)state;
+    Case c = new_case();
+    double sum = 0;
+    for (int i = 0; i < VALUES; i++) sum += (c.a.data[i] - c.b.data[i]) * (c.a.data[i] - c.b.data[i]);
+    assert_true(fabs(square(&c) - 0.7 * sum / VALUES) < 1e-12);
+    FfpImage grad = {WIDTH, HEIGHT, 3, new_gradient(VALUES)};
+    ffp_square_loss(&c.a, &c.b, c.weight, &grad);
+    check_gradient("square", square, &c, c.a.data, grad.data, VALUES, 1, 1e-6, 1e-6);
     ffp_free(grad.data);
     free_case(&c);
 }
@@ -114,7 +132,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_l1_value),   cmocka_unit_test(test_l1_gradient),
         cmocka_unit_test(test_ssim_value), cmocka_unit_test(test_ssim_gradient),
-        cmocka_unit_test(test_srgb_slope),
+        cmocka_unit_test(test_square),     cmocka_unit_test(test_srgb_slope),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -200,13 +200,14 @@ static FfpGaussians polished(const FfpCapture *c, const FfpRefineSettings *setti
 }
 
 // At rates that do not fall, shorter fits are the beginnings of longer ones: the mean over four steps is that
-// of what four fits end with.
+// of what four fits end with, and later ones count for more.
 static void test_a_polish_returns_the_mean_of_its_last_steps(void **state) {
     (void)state;
     enum { STEPS = 16, LAST = 4 };
+    const double weight[LAST] = {20 / 35.0, 10 / 35.0, 4 / 35.0, 1 / 35.0}; // the last one's first; cubic
     FfpCapture c = ball_capture();
     FfpRefineSettings s = ffp_polish_defaults(STEPS);
-    assert_true(s.mean > 0);
+    assert_true(s.mean > 0 && s.mean_late == 3);
     s.decay = s.centre_decay = 1;
     s.mean = (LAST + 0.5) / STEPS;
     FfpGaussians mean = polished(&c, &s), last[LAST];
@@ -218,7 +219,8 @@ static void test_a_polish_returns_the_mean_of_its_last_steps(void **state) {
     for (int64_t i = 0; i < 3 * mean.count; i++) {
         double centre = 0, log_scale = 0;
         for (int k = 0; k < LAST; k++)
-            centre += (double)last[k].centre[i] / LAST, log_scale += log((double)last[k].scale[i]) / LAST;
+            centre += weight[k] * (double)last[k].centre[i],
+                log_scale += weight[k] * log((double)last[k].scale[i]);
         assert_float_equal(mean.centre[i], centre, 1e-5);
         assert_float_equal(log((double)mean.scale[i]), log_scale, 1e-4);
         moved = worse(moved, fabs((double)last[0].scale[i] / (double)last[LAST - 1].scale[i] - 1));
@@ -227,6 +229,72 @@ static void test_a_polish_returns_the_mean_of_its_last_steps(void **state) {
     for (int i = 0; i < LAST; i++) ffp_gaussians_free(&last[i]);
     ffp_gaussians_free(&mean);
     free_capture(&c);
+}
+
+// (1 + R) / 2 solved for u, by Gauss.
+static void solve_coupled(double r[3][3], double u[3]) {
+    for (int i = 0; i < 3; i++) {
+        for (int j = 0; j < 3; j++) r[i][j] = (r[i][j] + (i == j)) / 2;
+    }
+    for (int i = 0; i < 3; i++) {
+        for (int k = i + 1; k < 3; k++) {
+            const double f = r[k][i] / r[i][i];
+            for (int j = i; j < 3; j++) r[k][j] -= f * r[i][j];
+            u[k] -= f * u[i];
+        }
+    }
+    for (int i = 2; i >= 0; i--) {
+        for (int j = i + 1; j < 3; j++) u[i] -= r[i][j] * u[j];
+        u[i] /= r[i][i];
+    }
+}
+
+// What the step takes from the centre's numbers; all moments are the caller's.
+static void coupled_step(const FfpRefineSettings *s, int step, const real *g, double mean[3],
+                         double second[3][3], double out[3]) {
+    const double b1 = (double)s->beta1, b2 = (double)s->beta2;
+    const double c1 = 1 - pow(b1, step), c2 = 1 - pow(b2, step);
+    double r[3][3];
+    for (int i = 0; i < 3; i++) {
+        mean[i] = b1 * mean[i] + (1 - b1) * (double)g[i];
+        for (int j = 0; j < 3; j++) second[i][j] = b2 * second[i][j] + (1 - b2) * (double)(g[i] * g[j]);
+    }
+    for (int i = 0; i < 3; i++) {
+        out[i] = mean[i] / c1 / sqrt(second[i][i] / c2);
+        for (int j = 0; j < 3; j++) r[i][j] = second[i][j] / sqrt(second[i][i] * second[j][j]);
+    }
+    solve_coupled(r, out);
+    for (int i = 0; i < 3; i++) out[i] *= (double)s->rates.rate[FFP_CENTRE];
+}
+
+static void test_centres_are_coupled(void **state) {
+    (void)state;
+    enum { STEPS = 6 };
+    FfpRefineSettings s = ffp_polish_defaults(STEPS);
+    assert_true(s.coupled);
+    s.decay = s.centre_decay = 1;
+    s.rates.pull[FFP_CENTRE] = 0;
+    FfpGaussians g = ball(), grad = ffp_gaussians_new(g.count);
+    FfpParameters p = ffp_parameters_new(&g, true, false);
+    FfpGaussianAdam adam_state = ffp_gaussian_adam_new(&p, &s);
+    double mean[SPLATS][3] = {{0}}, second[SPLATS][3][3] = {{{0}}}, x[SPLATS][3] = {{0}};
+    FfpRng rng = ffp_rng(5, 1);
+    for (int step = 1; step <= STEPS; step++) {
+        for (int64_t i = 0; i < g.count; i++) {
+            const real shared = ffp_rng_range(&rng, -1, 1);
+            double move[3];
+            for (int k = 0; k < 3; k++) grad.centre[3 * i + k] = (real)(k + 1) * shared;
+            grad.centre[3 * i + i % 3] += ffp_rng_range(&rng, -1, 1);
+            coupled_step(&s, step, grad.centre + 3 * i, mean[i], second[i], move);
+            for (int k = 0; k < 3; k++) x[i][k] -= move[k];
+        }
+        ffp_gaussian_adam_step(&adam_state, &p, &grad, &s, 0);
+    }
+    for (int64_t i = 0; i < 3 * g.count; i++) assert_float_equal(p.numbers.centre[i], x[i / 3][i % 3], 1e-4);
+    ffp_gaussian_adam_free(&adam_state);
+    ffp_parameters_free(&p);
+    ffp_gaussians_free(&grad);
+    ffp_gaussians_free(&g);
 }
 
 // Of a fit that goes astray at its end nothing of that end is kept.
@@ -451,6 +519,7 @@ int main(void) {
         cmocka_unit_test(test_a_polish_gains_in_few_steps),
         cmocka_unit_test(test_numbers_are_averaged),
         cmocka_unit_test(test_a_polish_returns_the_mean_of_its_last_steps),
+        cmocka_unit_test(test_centres_are_coupled),
         cmocka_unit_test(test_the_mean_is_left_where_the_fit_goes_astray),
         cmocka_unit_test(test_a_polish_finds_the_roughness),
         cmocka_unit_test(test_the_same_seed_gives_the_same_bits),
