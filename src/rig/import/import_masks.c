@@ -14,6 +14,7 @@
 #include "rig/masks/grow_masks.h"
 #include "rig/masks/local_mean.h"
 #include "rig/masks/mask.h"
+#include "rig/masks/soft_edges.h"
 #include "rig/masks/stage_masks.h"
 
 #define MISFIT_LEAST 0.12 // of the pixels, which contradict the other views' masks: those show a wall
@@ -101,6 +102,12 @@ static bool mask_by_stage(FfpImporting *import, const FfpEmptyStage *shared, Ffp
     return ok;
 }
 
+static void soften_edges(FfpImporting *import, const FfpEmptyStage *shared, const FfpStageMasks *report) {
+    for (int v = 0; v < import->capture.n_views; v++)
+        ffp_soften_edges(&import->capture, &import->capture.views[v], shared ? shared : &import->stages[v],
+                         report->noise[v]);
+}
+
 // --- A lit background that nobody photographed alone. ---
 
 static bool has_one_camera(const FfpImporting *import) {
@@ -152,7 +159,9 @@ static bool mask_by_common_stage(FfpImporting *import) {
     for (int v = 0; v < capture->n_views; v++)
         before[v] = capture->views[v].coverage, capture->views[v].coverage = (FfpImage){0};
     ok = ok && mask_by_stage(import, &stage, &report, &none);
+    if (ok && ffp_common_stage_again(&stage, capture)) ok = mask_by_stage(import, &stage, &report, &none);
     if (ok) {
+        soften_edges(import, &stage, &report);
         ffp_warning("lit background: white lights %.0f %% of the picture that stay the same at all stops. "
                     "Photograph the stage without the object (empty) for better masks",
                     100 * found.lit);
@@ -343,6 +352,7 @@ bool ffp_importing_complete_masks(FfpImporting *import, FfpError *err) {
         FfpStageMasks report;
         if (!mask_in_the_dark(import, false)) {
             if (!mask_by_stage(import, NULL, &report, err)) return false;
+            soften_edges(import, NULL, &report);
             note_stage(import, &report, "the empty stage");
         }
     } else if (made < capture->n_views || !mask_by_common_stage(import)) {

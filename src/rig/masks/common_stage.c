@@ -1,4 +1,5 @@
 #include "rig/masks/common_stage.h"
+#include <string.h>
 #include <tgmath.h>
 #include "core/base/alloc.h"
 #include "core/base/call.h"
@@ -10,6 +11,8 @@
 #define SHARE_LEAST 0.3 // of the views, which must share a look
 #define BRIGHTER 2.0    // times as much of white: the other look is a shadow
 #define LIT 10          // times the noise that white adds
+#define GAP 0.03        // of the longer side, half the width of gaps in masks that are closed
+#define GAPS_LEAST 0.01 // of what all masks share
 #define SURE 0.02       // share of a Gaussian that must be known
 static const double near_and_far[3] = {0.05, 0.02, 0.008}; // Gaussians, of the picture's longer side
 #define GOES_ON 0.12 // of the light, by which a look may differ from the stage beside it
@@ -20,6 +23,7 @@ typedef struct Common {
     const FfpCapture *capture;
     int n, views[VIEWS_MOST]; // compared
     FfpLayers *layers[VIEWS_MOST];
+    const unsigned char *object; // [height*width] pixels that do not show the stage; NULL: not known
     double noise;
 } Common;
 
@@ -100,7 +104,7 @@ static void grow(const Common *c, FfpEmptyStage *stage) {
     unsigned char *found = ffp_alloc((size_t)pixels, 1);
 #pragma omp parallel for schedule(static)
     for (ptrdiff_t i = 0; i < pixels; i++)
-        likes[i] = stage->known.data[i] > 0 ? -1 : choose(c, i, 2, &shared[i]);
+        likes[i] = stage->known.data[i] > 0 || (c->object && c->object[i]) ? -1 : choose(c, i, 2, &shared[i]);
     for (int added = 1, round = 0; added > 0 && round < ROUNDS; round++) {
         added = 0;
         ffp_cancel_point();
@@ -163,17 +167,17 @@ static Common new_common(const FfpCapture *capture, const FfpEmptyStage *stage) 
     return c;
 }
 
-bool ffp_common_stage(FfpEmptyStage *stage, FfpCommon *found, const FfpCapture *capture) {
-    *found = (FfpCommon){0};
-    if (capture->n_views < VIEWS_LEAST) return false;
+static FfpCommon find(FfpEmptyStage *stage, const FfpCapture *capture, const unsigned char *object) {
     *stage = new_stage(capture);
     Common c = new_common(capture, stage);
+    c.object = object;
     const ptrdiff_t pixels = (ptrdiff_t)stage->known.width * stage->known.height;
     int64_t known = 0, lit = 0;
     ffp_cancel_point();
 #pragma omp parallel for schedule(static) reduction(+ : known, lit)
     for (ptrdiff_t i = 0; i < pixels; i++) {
         int shared;
+        if (object && object[i]) continue;
         const int like = choose(&c, i, (int)fmax(SHARED_LEAST, ceil(SHARE_LEAST * c.n)), &shared);
         if (like < 0) continue;
         take_mean(&c, stage, like, shared, i);
@@ -184,9 +188,66 @@ bool ffp_common_stage(FfpEmptyStage *stage, FfpCommon *found, const FfpCapture *
     grow(&c, stage);
     for (int a = 0; a < c.n; a++) ffp_layers_free(c.layers[a]);
     complete(stage, capture->n_patterns);
-    found->known = (double)known / (double)pixels;
-    found->lit = (double)lit / (double)pixels;
+    return (FfpCommon){.known = (double)known / (double)pixels, .lit = (double)lit / (double)pixels};
+}
+
+bool ffp_common_stage(FfpEmptyStage *stage, FfpCommon *found, const FfpCapture *capture) {
+    *found = (FfpCommon){0};
+    if (capture->n_views < VIEWS_LEAST) return false;
+    *found = find(stage, capture, NULL);
     return true;
+}
+
+// --- Once more, without the object. ---
+
+enum { NOTHING, A_GAP, A_MASK };
+
+// What a mask says of its pixels; gaps are its holes, and what closing it fills.
+static void mark_gaps(unsigned char *marks, const FfpImage *mask) {
+    const size_t pixels = (size_t)mask->width * (size_t)mask->height;
+    const int gap = (int)lrint(GAP * fmax(mask->width, mask->height));
+    FfpImage filled = ffp_image_new(mask->width, mask->height, 1);
+    for (size_t i = 0; i < pixels; i++) marks[i] = mask->data[i] > 0;
+    ffp_marks_grow(marks, mask->width, mask->height, gap);
+    ffp_marks_shrink(marks, mask->width, mask->height, gap);
+    for (size_t i = 0; i < pixels; i++) filled.data[i] = marks[i];
+    ffp_mask_fill_holes(&filled);
+    for (size_t i = 0; i < pixels; i++)
+        marks[i] = mask->data[i] > 0 ? A_MASK : filled.data[i] > 0 ? A_GAP : NOTHING;
+    ffp_image_free(&filled);
+}
+
+// Marks the pixels where all views have their masks or gaps in them; returns in what share of these pixels
+// half of the views have gaps.
+static double find_gaps(unsigned char *found, const FfpCapture *capture) {
+    const size_t pixels =
+        (size_t)capture->views[0].coverage.width * (size_t)capture->views[0].coverage.height;
+    unsigned char *marks = ffp_alloc(pixels, 1);
+    int *gaps = ffp_alloc(pixels, sizeof *gaps);
+    double shared = 0, most = 0;
+    memset(found, 1, pixels);
+    for (int v = 0; v < capture->n_views; v++) {
+        mark_gaps(marks, &capture->views[v].coverage);
+        for (size_t i = 0; i < pixels; i++) found[i] &= marks[i] != NOTHING, gaps[i] += marks[i] == A_GAP;
+    }
+    for (size_t i = 0; i < pixels; i++) {
+        shared += found[i];
+        most += found[i] && 2 * gaps[i] >= capture->n_views;
+    }
+    ffp_free(marks), ffp_free(gaps);
+    return most / fmax(shared, 1);
+}
+
+bool ffp_common_stage_again(FfpEmptyStage *stage, const FfpCapture *capture) {
+    unsigned char *object =
+        ffp_alloc((size_t)capture->views[0].coverage.width * (size_t)capture->views[0].coverage.height, 1);
+    const bool again = find_gaps(object, capture) >= GAPS_LEAST;
+    if (again) {
+        ffp_common_stage_free(stage, capture->n_patterns);
+        find(stage, capture, object);
+    }
+    ffp_free(object);
+    return again;
 }
 
 void ffp_common_stage_free(FfpEmptyStage *stage, int n_patterns) {

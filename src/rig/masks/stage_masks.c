@@ -6,7 +6,6 @@
 #include "rig/masks/chord.h"
 #include "rig/masks/mask.h"
 #include "rig/masks/shade.h"
-#include "rig/masks/soft_edges.h"
 
 #define VIEWS_LEAST 3   // that carve
 #define RUN_LEAST 0.045 // of the sphere's radius that a ray must run through the hull
@@ -114,6 +113,7 @@ static FfpStageMasks report_of(const Work *w) {
         const FfpView *view = &w->capture->views[v];
         const double pixel = 1 / ((double)pixels_of(view) * n);
         out.stage += w->compared[v].stage / n;
+        out.noise[v] = w->compared[v].noise;
         out.gain_least = fmin(out.gain_least, w->compared[v].gain);
         out.gain_most = fmax(out.gain_most, w->compared[v].gain);
         for (size_t i = 0; i < pixels_of(view); i++) {
@@ -151,10 +151,7 @@ bool ffp_stage_masks(FfpStageMasks *report, FfpCapture *capture, const FfpEmptyS
     for (int v = 0; v < n; v++) w.shaded[v] = ffp_alloc(pixels_of(&capture->views[v]), 1);
     const bool ok = run(&w, posed, paths, err);
     if (ok) *report = report_of(&w);
-    for (int v = 0; v < n; v++) {
-        if (ok) ffp_soften_edges(capture, &capture->views[v], stages[v], w.compared[v].noise);
-        ffp_free(w.compared[v].kinds), ffp_free(w.shaded[v]);
-    }
+    for (int v = 0; v < n; v++) ffp_free(w.compared[v].kinds), ffp_free(w.shaded[v]);
     ffp_free(w.compared), ffp_free(w.shaded);
     ffp_free_space_free(&w.space);
     return ok;

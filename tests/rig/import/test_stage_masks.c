@@ -7,6 +7,7 @@
 #include "rig/masks/common_stage.h"
 #include "rig/masks/contact_sheet.h"
 #include "rig/masks/free_space.h"
+#include "rig/masks/soft_edges.h"
 #include "rig/masks/stage_masks.h"
 #include "support.h"
 
@@ -167,13 +168,21 @@ static Agreement compare(const Room *room) {
     return out;
 }
 
+// Masks as `import` makes them.
+static bool make_masks(Room *room, FfpStageMasks *report, bool posed) {
+    FfpCapture *capture = &room->capture;
+    if (!ffp_stage_masks(report, capture, room->stages, posed, room->paths, &err)) return false;
+    for (int v = 0; v < VIEWS; v++)
+        ffp_soften_edges(capture, &capture->views[v], room->stages[v], report->noise[v]);
+    return true;
+}
+
 // The ball's dark side and its shadow are told apart, and its outline is soft.
 static void the_ball_is_found_in_its_room(void **state) {
     (void)state;
     Room *room = new_room(true);
     FfpStageMasks report;
-    if (!ffp_stage_masks(&report, &room->capture, room->stages, true, room->paths, &err))
-        fail_msg("%s", err.text);
+    if (!make_masks(room, &report, true)) fail_msg("%s", err.text);
     const Agreement found = compare(room);
     assert_true(found.overlap > 0.95);
     assert_true(found.missing < 0.02);
@@ -219,7 +228,7 @@ static void without_poses_light_alone_decides(void **state) {
     (void)state;
     Room *room = new_room(true);
     FfpStageMasks report;
-    assert_true(ffp_stage_masks(&report, &room->capture, room->stages, false, room->paths, &err));
+    assert_true(make_masks(room, &report, false));
     const Agreement found = compare(room);
     assert_true(found.extra < 0.03);
     assert_true(found.missing < 0.3);
@@ -230,7 +239,7 @@ static void a_view_like_the_stage_is_refused(void **state) {
     (void)state;
     Room *room = new_room(false);
     FfpStageMasks report;
-    assert_false(ffp_stage_masks(&report, &room->capture, room->stages, true, room->paths, &err));
+    assert_false(make_masks(room, &report, true));
     assert_non_null(strstr(err.text, "is the object missing"));
     free_room(room);
 }
@@ -250,14 +259,14 @@ static void other_light_is_told(void **state) {
     FfpStageMasks report;
     for (int p = 0; p < PATTERNS; p++)
         for (int i = 0; i < 3 * WIDTH * HEIGHT; i++) room->stage.images[p].data[i] *= 1.25F;
-    assert_true(ffp_stage_masks(&report, &room->capture, room->stages, true, room->paths, &err));
+    assert_true(make_masks(room, &report, true));
     assert_float_equal(report.gain_least, 0.8, 0.03);
     for (int p = 1; p < PATTERNS; p++) turn_over(&room->stage.images[p]);
-    assert_false(ffp_stage_masks(&report, &room->capture, room->stages, true, room->paths, &err));
+    assert_false(make_masks(room, &report, true));
     assert_non_null(strstr(err.text, "white.png"));
     assert_non_null(strstr(err.text, "of this view looks like the empty stage"));
     for (int i = 0; i < 3 * WIDTH * HEIGHT; i++) room->stage.images[0].data[i] = 0.5F;
-    assert_false(ffp_stage_masks(&report, &room->capture, room->stages, true, room->paths, &err));
+    assert_false(make_masks(room, &report, true));
     assert_non_null(strstr(err.text, "room's light"));
     free_room(room);
 }
@@ -331,6 +340,44 @@ static void an_exchanged_stage_is_refused(void **state) {
     free_room(room);
 }
 
+// Masks of all views: a square, of whose middle a square of `hole` pixels a side is left out.
+static void mask_squares(Room *room, int hole) {
+    for (int v = 0; v < VIEWS; v++) {
+        FfpImage *mask = &room->capture.views[v].coverage;
+        ffp_image_free(mask);
+        *mask = ffp_image_new(WIDTH, HEIGHT, 1);
+        for (int i = 0; i < WIDTH * HEIGHT; i++) {
+            const int x = 2 * (i % WIDTH) - WIDTH, y = 2 * (i / WIDTH) - HEIGHT;
+            const bool inside = abs(x) < HEIGHT / 2 && abs(y) < HEIGHT / 2;
+            mask->data[i] = inside && !(abs(x) < hole && abs(y) < hole);
+        }
+    }
+}
+
+// What looks the same from all sides inside the masks is the object, unless it is a speck, or one view shows
+// it outside.
+static void a_gap_in_all_masks_is_no_stage(void **state) {
+    (void)state;
+    Room *room = new_room(true);
+    FfpEmptyStage stage;
+    FfpCommon found;
+    const int middle = HEIGHT / 2 * WIDTH + WIDTH / 2, edge = WIDTH + 1;
+    assert_true(ffp_common_stage(&stage, &found, &room->capture));
+    stage.known.data[middle] = 1;
+    mask_squares(room, HEIGHT / 24);
+    assert_false(ffp_common_stage_again(&stage, &room->capture));
+    mask_squares(room, HEIGHT / 4);
+    memset(room->capture.views[2].coverage.data, 0, WIDTH * HEIGHT * sizeof(real));
+    assert_false(ffp_common_stage_again(&stage, &room->capture));
+    assert_true(stage.known.data[middle] > 0);
+    mask_squares(room, HEIGHT / 4);
+    assert_true(ffp_common_stage_again(&stage, &room->capture));
+    assert_false(stage.known.data[middle] > 0);
+    assert_true(stage.known.data[edge] > 0);
+    ffp_common_stage_free(&stage, PATTERNS);
+    free_room(room);
+}
+
 // What the views share is the stage as it is alone, and makes nearly as good masks.
 static void what_stays_the_same_is_the_stage(void **state) {
     (void)state;
@@ -347,7 +394,7 @@ static void what_stays_the_same_is_the_stage(void **state) {
     }
     assert_true(off / n < 0.005);
     for (int v = 0; v < VIEWS; v++) room->stages[v] = &stage;
-    assert_true(ffp_stage_masks(&report, &room->capture, room->stages, true, room->paths, &err));
+    assert_true(make_masks(room, &report, true));
     const Agreement agreement = compare(room);
     assert_true(agreement.overlap > 0.85);
     assert_true(agreement.missing < 0.04);
@@ -394,6 +441,7 @@ int main(void) {
         cmocka_unit_test(what_changed_since_the_stage_is_named),
         cmocka_unit_test(an_exchanged_stage_is_refused),
         cmocka_unit_test(what_stays_the_same_is_the_stage),
+        cmocka_unit_test(a_gap_in_all_masks_is_no_stage),
         cmocka_unit_test(the_contact_sheet_shows_the_masks),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
