@@ -179,8 +179,8 @@ typedef struct FfpReconstruction {
     // view and fault.
     bool force;
 } FfpReconstruction;
-#define FFP_POLISH_STEPS 80
-#define FFP_POLISH_AUTO (-1) // FFP_POLISH_STEPS, or 10 steps per view with more than 8; scenes: twice that
+#define FFP_POLISH_STEPS 72
+#define FFP_POLISH_AUTO (-1) // FFP_POLISH_STEPS, or 9 steps per view with more than 8; scenes: twice that
 #define FFP_NOISE_ESTIMATED (-1.0)
 #define FFP_LAYERS_AUTO (-1.0) // all for up to 200,000 splats, otherwise two layers
 

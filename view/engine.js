@@ -69,7 +69,7 @@ function note(text) {
   $('notes').append(line);
 }
 
-// A bar of unknown length would be drawn sixty times a second, which costs as much as the engine where no GPU draws: it is an empty one.
+// A bar of unknown length would be drawn sixty times a second, in software where there is no GPU: it is an empty one.
 engine.tell = (data) => {
   if (data.kind === 'log') { note(data.text); return; }
   $('stage').textContent = data.stage ? data.stage[0].toUpperCase() + data.stage.slice(1) : 'Working';

@@ -99,7 +99,7 @@ def reconstruct(
         pattern: name or names of the structured-light patterns to use. Every view must have the first, which the
             network sees; matching and the polish use all that a view has photographs under. None: the first that every
             view has.
-        polish: gradient steps, one view each; 0: the forward pass alone; None: 80, or 10 per view with more than 8
+        polish: gradient steps, one view each; 0: the forward pass alone; None: 72, or 9 per view with more than 8
             views; for scenes twice that.
         noise: standard deviation of the noise to be filtered from the photographs first, in linear values from 0 to 1;
             0: no filtering; None: estimated.

@@ -32,8 +32,7 @@ static int coarsest_side(const FfpCapture *capture) {
 static int64_t steps_of(const Pyramid *p, int side) {
     const double half = (double)side / p->coarsest, share = half > LEAST_SHARE ? half : LEAST_SHARE;
     const int64_t views = p->capture->n_views;
-    const int64_t rounds = llround(share * (double)p->settings->steps / (double)views);
-    return views * (rounds > 0 ? rounds : 1);
+    return views * (int64_t)ceil(share * (double)p->settings->steps / (double)views);
 }
 
 static bool fit_coarse(const Pyramid *p, FfpGaussians *gaussians, const FfpCapture *small, int side,

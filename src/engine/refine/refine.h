@@ -49,7 +49,7 @@ typedef struct FfpRefineSettings {
     const char *label; // of the progress; NULL: "refining"
 } FfpRefineSettings;
 FfpRefineSettings ffp_refine_defaults(void); // from a prediction
-#define FFP_POLISH_DEFAULT_STEPS 80          // of eight views
+#define FFP_POLISH_DEFAULT_STEPS 72          // of eight views
 // A short fit directly after a prediction: faster rates, nothing smoothed or measured.
 FfpRefineSettings ffp_polish_defaults(int64_t steps);
 

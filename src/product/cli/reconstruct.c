@@ -77,7 +77,7 @@ static const FfpOption options[] = {
     FFP_CLI_POLISH(offsetof(Arguments, how.polish),
                    "steps of the fit, one view per step; for pictures above 192 pixels, steps at the "
                    "smallest of several sizes, with fewer at larger ones. 0: the forward pass only. Default: "
-                   "auto, which is 80, or 10 per view with more than 8 views; for scenes twice that"),
+                   "auto, which is 72, or 9 per view with more than 8 views; for scenes twice that"),
     FFP_CLI_NOISE(
         offsetof(Arguments, how.noise),
         "standard deviation of the noise that is first filtered from the photographs, in linear values from "

@@ -26,7 +26,7 @@ import browser
 # result by as much as 0.14 at any level (docs/design/portability.md), and their means over eight such moves by 0.02.
 PSNR_MOST = 0.2
 
-# Processor seconds of the page with all that the browser does, in those of the program on one thread at avx2. Measured: 2.9 to 3.6
+# Processor seconds of the page with all that the browser does, in those of the program on one thread at avx2. Measured: 2.6 to 3.4
 # (docs/design/portability.md); a browser that draws all the time while the engine works had 6.
 SECONDS_MOST = 5
 
