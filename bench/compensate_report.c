@@ -173,11 +173,11 @@ static void show_pattern(const Bench *bench, const FfpView *view, const FfpImage
     ffp_image_free(&encoded);
 }
 
-static double judged(const Bench *bench, const Place *place, const FfpStage *stage, const FfpImage *target,
-                     const char *what) {
+static double judged(const Bench *bench, const Place *place, const FfpProCams *procams,
+                     const FfpImage *target, const char *what) {
     FfpImage picture, patterns[PROJECTORS_MAX];
     for (int k = 0; k < place->count; k++) {
-        patterns[k] = ffp_image_copy(&stage->projections[k].pattern);
+        patterns[k] = ffp_image_copy(&procams->projections[k].pattern);
         ffp_image_to_srgb(&patterns[k]);
         ffp_quantise(&patterns[k]);
         for (int i = 0; i < 3 * patterns[k].width * patterns[k].height; i++)
@@ -191,13 +191,13 @@ static double judged(const Bench *bench, const Place *place, const FfpStage *sta
 }
 
 // Every camera of the place is aimed at the target; returns the gain.
-static real aim(const Bench *bench, FfpStage *stage, const FfpImage *fitted) {
-    for (int c = 0; c < stage->n_camera_views; c++) ffp_stage_aim(stage, c, fitted, NULL);
-    const real gain = bench->paint ? 1 : ffp_stage_brightest(stage);
+static real aim(const Bench *bench, FfpProCams *procams, const FfpImage *fitted) {
+    for (int c = 0; c < procams->n_camera_views; c++) ffp_procams_aim(procams, c, fitted, NULL);
+    const real gain = bench->paint ? 1 : ffp_procams_brightest(procams);
     if (bench->paint)
-        ffp_stage_paint(stage);
+        ffp_procams_paint(procams);
     else
-        ffp_stage_scale(stage, gain);
+        ffp_procams_scale(procams, gain);
     return gain;
 }
 
@@ -205,27 +205,27 @@ static void run_case(const Bench *bench, int v, const FfpImage *image, Figures *
     const FfpView *view = &bench->capture->views[v], *views[PROJECTORS_MAX];
     const Place place = place_of(bench, v);
     for (int k = 0; k < place.count; k++) views[k] = &bench->capture->views[place.view[k]];
-    FfpStage stage = ffp_stage_new(bench->gaussians, bench->capture, views, place.count, &bench->settings,
-                                   bench->photographs);
+    FfpProCams procams = ffp_procams_new(bench->gaussians, bench->capture, views, place.count,
+                                         &bench->settings, bench->photographs);
     FfpImage fitted = ffp_image_resize(image, view->camera.width, view->camera.height);
-    const real gain = aim(bench, &stage, &fitted);
+    const real gain = aim(bench, &procams, &fitted);
     FfpImage target = encoded_target(bench, &place, &fitted, gain), picture;
     show(bench, view, "target", NAN, &target);
     const double unwarped = unwarped_psnr(bench, &place, image, &target, &picture);
     show(bench, view, "unwarped", unwarped, &picture);
     ffp_image_free(&picture);
-    const FfpGamut gamut = ffp_stage_gamut(&stage);
-    ffp_stage_closed_form(&stage, 1);
-    const double own_closed = ffp_stage_psnr(&stage);
-    const double closed_psnr = judged(bench, &place, &stage, &target, "closed form");
+    const FfpGamut gamut = ffp_procams_gamut(&procams);
+    ffp_procams_closed_form(&procams, 1);
+    const double own_closed = ffp_procams_psnr(&procams);
+    const double closed_psnr = judged(bench, &place, &procams, &target, "closed form");
     const double started = ffp_seconds();
-    ffp_stage_descend(&stage, bench->steps);
-    const double ended = ffp_seconds(), descended = judged(bench, &place, &stage, &target, "descended");
-    for (int k = 0; k < place.count; k++) show_pattern(bench, views[k], &stage.projections[k].pattern);
+    ffp_procams_descend(&procams, bench->steps);
+    const double ended = ffp_seconds(), descended = judged(bench, &place, &procams, &target, "descended");
+    for (int k = 0; k < place.count; k++) show_pattern(bench, views[k], &procams.projections[k].pattern);
     printf("%-8s %-18s %6.2f %6.2f %6.2f | predicted %6.2f %6.2f | gain %.3f unlit %.1f dark %.1f bright "
            "%.1f %% | %.1f s\n",
            bench->capture->name, view->id, unwarped, closed_psnr, descended, own_closed,
-           ffp_stage_psnr(&stage), (double)gain, 100 * gamut.unlit, 100 * gamut.too_dark,
+           ffp_procams_psnr(&procams), (double)gain, 100 * gamut.unlit, 100 * gamut.too_dark,
            100 * gamut.too_bright, ended - started);
     fflush(stdout);
     sum->unwarped += unwarped;
@@ -234,7 +234,7 @@ static void run_case(const Bench *bench, int v, const FfpImage *image, Figures *
     sum->cases++;
     ffp_image_free(&target);
     ffp_image_free(&fitted);
-    ffp_stage_free(&stage);
+    ffp_procams_free(&procams);
 }
 
 static void add_row(const char *name, const Figures *f) {

@@ -7,18 +7,18 @@
 
 // What a camera asks for at each of its pixels: level times certainty in three channels, and the certainty.
 // Levels are cut at what full feather could show, so that one impossible wish does not spoil its neighbours.
-static FfpImage levels(const FfpStage *stage, int s) {
-    const FfpCameraView *camera_view = &stage->camera_views[s];
+static FfpImage levels(const FfpProCams *procams, int s) {
+    const FfpCameraView *camera_view = &procams->camera_views[s];
     const int width = camera_view->weight.width, height = camera_view->weight.height;
-    FfpImage out = ffp_image_new(width, height, 4), lit = ffp_stage_lit(stage, s);
+    FfpImage out = ffp_image_new(width, height, 4), lit = ffp_procams_lit(procams, s);
     for (int p = 0; p < width * height; p++) {
         real sum[3] = {0, 0, 0}, greatest = 0;
         const real certainty = lit.data[p] * camera_view->weight.data[p] * camera_view->facing.data[p];
         if (!(certainty > 0)) continue;
-        for (int k = 0; k < stage->n_projections; k++) {
-            const FfpLink *link = ffp_stage_link(stage, s, k);
+        for (int k = 0; k < procams->n_projections; k++) {
+            const FfpLink *link = ffp_procams_link(procams, s, k);
             real feather;
-            ffp_image_sample(&stage->projections[k].feather, link->mapping.uv[2 * p],
+            ffp_image_sample(&procams->projections[k].feather, link->mapping.uv[2 * p],
                              link->mapping.uv[2 * p + 1], &feather);
             for (int c = 0; c < 3; c++) sum[c] += feather * link->response.data[3 * p + c];
             if (link->mapping.visibility[p] > 0) greatest = fmax(greatest, feather);
@@ -36,8 +36,8 @@ static FfpImage levels(const FfpStage *stage, int s) {
 }
 
 // Adds a camera's wishes to a projector's: [projector's size, 4], as levels() has them.
-static void gather(const FfpStage *stage, int s, int k, const FfpImage *wishes, FfpImage *out) {
-    FfpImage inverse = ffp_stage_inverse(stage, s, k);
+static void gather(const FfpProCams *procams, int s, int k, const FfpImage *wishes, FfpImage *out) {
+    FfpImage inverse = ffp_procams_inverse(procams, s, k);
     const int pixels = inverse.width * inverse.height;
 #pragma omp parallel for schedule(static)
     for (int p = 0; p < pixels; p++) {
@@ -78,10 +78,10 @@ static void grow(FfpImage *image) {
     ffp_image_free(&before);
 }
 
-int ffp_stage_footprint(const FfpStage *stage, int k) {
+int ffp_procams_footprint(const FfpProCams *procams, int k) {
     double sum = 0, count = 0;
-    for (int s = 0; s < stage->n_camera_views; s++) {
-        const FfpMapping *mapping = &ffp_stage_link(stage, s, k)->mapping;
+    for (int s = 0; s < procams->n_camera_views; s++) {
+        const FfpMapping *mapping = &ffp_procams_link(procams, s, k)->mapping;
         for (int p = 0; p < mapping->width * mapping->height; p++)
             if (mapping->visibility[p] > 0) {
                 sum += (double)fmax(mapping->extent[2 * p], mapping->extent[2 * p + 1]);
@@ -91,15 +91,15 @@ int ffp_stage_footprint(const FfpStage *stage, int k) {
     return count > 0 ? (int)ceil(sum / count) : 1;
 }
 
-void ffp_stage_closed_form(FfpStage *stage, int margin) {
-    FfpImage *wishes = ffp_alloc((size_t)stage->n_camera_views, sizeof *wishes);
-    for (int s = 0; s < stage->n_camera_views; s++) wishes[s] = levels(stage, s);
-    for (int k = 0; k < stage->n_projections; k++) {
-        FfpProjection *projection = &stage->projections[k];
+void ffp_procams_closed_form(FfpProCams *procams, int margin) {
+    FfpImage *wishes = ffp_alloc((size_t)procams->n_camera_views, sizeof *wishes);
+    for (int s = 0; s < procams->n_camera_views; s++) wishes[s] = levels(procams, s);
+    for (int k = 0; k < procams->n_projections; k++) {
+        FfpProjection *projection = &procams->projections[k];
         const int width = projection->pattern.width, height = projection->pattern.height;
         FfpImage sum = ffp_image_new(width, height, 4);
-        for (int s = 0; s < stage->n_camera_views; s++) gather(stage, s, k, &wishes[s], &sum);
-        for (int pass = margin * ffp_stage_footprint(stage, k); pass > 0; pass--) grow(&sum);
+        for (int s = 0; s < procams->n_camera_views; s++) gather(procams, s, k, &wishes[s], &sum);
+        for (int pass = margin * ffp_procams_footprint(procams, k); pass > 0; pass--) grow(&sum);
         for (int p = 0; p < width * height; p++)
             for (int c = 0; c < 3; c++) {
                 const real level = sum.data[4 * p + 3] > 0 ? sum.data[4 * p + c] / sum.data[4 * p + 3] : 0;
@@ -107,6 +107,6 @@ void ffp_stage_closed_form(FfpStage *stage, int margin) {
             }
         ffp_image_free(&sum);
     }
-    for (int s = 0; s < stage->n_camera_views; s++) ffp_image_free(&wishes[s]);
+    for (int s = 0; s < procams->n_camera_views; s++) ffp_image_free(&wishes[s]);
     ffp_free(wishes);
 }

@@ -13,10 +13,10 @@
 #define BETA1 0.9
 #define BETA2 0.99
 
-static double total_weight(const FfpStage *stage) {
+static double total_weight(const FfpProCams *procams) {
     double sum = 0;
-    for (int s = 0; s < stage->n_camera_views; s++) {
-        const FfpImage *weight = &stage->camera_views[s].weight;
+    for (int s = 0; s < procams->n_camera_views; s++) {
+        const FfpImage *weight = &procams->camera_views[s].weight;
         for (int p = 0; p < weight->width * weight->height; p++) sum += (double)weight->data[p];
     }
     return sum > 0 ? sum : 1;
@@ -55,15 +55,15 @@ static void scatter(const FfpLink *link, const FfpImage *difference, FfpImage *g
     ffp_summed_free(&adjoint);
 }
 
-double ffp_stage_loss(const FfpStage *stage, FfpImage *gradients) {
-    const double scale = 1 / (3 * total_weight(stage));
+double ffp_procams_loss(const FfpProCams *procams, FfpImage *gradients) {
+    const double scale = 1 / (3 * total_weight(procams));
     double loss = 0;
-    for (int s = 0; s < stage->n_camera_views; s++) {
-        FfpImage picture = ffp_stage_picture(stage, s);
+    for (int s = 0; s < procams->n_camera_views; s++) {
+        FfpImage picture = ffp_procams_picture(procams, s);
         FfpImage difference = ffp_image_new(picture.width, picture.height, 3);
-        loss += compare(&stage->camera_views[s], &picture, scale, &difference);
-        for (int k = 0; gradients && k < stage->n_projections; k++)
-            scatter(ffp_stage_link(stage, s, k), &difference, &gradients[k]);
+        loss += compare(&procams->camera_views[s], &picture, scale, &difference);
+        for (int k = 0; gradients && k < procams->n_projections; k++)
+            scatter(ffp_procams_link(procams, s, k), &difference, &gradients[k]);
         ffp_image_free(&picture);
         ffp_image_free(&difference);
     }
@@ -76,12 +76,12 @@ typedef struct Adam {
     size_t *count;
 } Adam;
 
-static Adam adam_new(const FfpStage *stage) {
-    const size_t n = (size_t)stage->n_projections;
+static Adam adam_new(const FfpProCams *procams) {
+    const size_t n = (size_t)procams->n_projections;
     Adam adam = {ffp_alloc(n, sizeof *adam.gradients), ffp_alloc(n, sizeof *adam.mean),
                  ffp_alloc(n, sizeof *adam.square), ffp_alloc(n, sizeof *adam.count)};
     for (size_t k = 0; k < n; k++) {
-        const FfpImage *pattern = &stage->projections[k].pattern;
+        const FfpImage *pattern = &procams->projections[k].pattern;
         adam.count[k] = (size_t)pattern->width * (size_t)pattern->height * 3;
         adam.gradients[k] = ffp_image_new(pattern->width, pattern->height, 3);
         adam.mean[k] = ffp_alloc(adam.count[k], sizeof(real));
@@ -125,23 +125,23 @@ static real root_mean_square(const FfpImage *image) {
     return count > 0 ? (real)sqrt(sum / count) : 1;
 }
 
-void ffp_stage_descend(FfpStage *stage, int steps) {
-    Adam adam = adam_new(stage);
-    real *small = ffp_alloc((size_t)stage->n_projections, sizeof *small);
+void ffp_procams_descend(FfpProCams *procams, int steps) {
+    Adam adam = adam_new(procams);
+    real *small = ffp_alloc((size_t)procams->n_projections, sizeof *small);
     for (int step = 1; step <= steps; step++) {
         ffp_cancel_point();
-        for (int k = 0; k < stage->n_projections; k++)
+        for (int k = 0; k < procams->n_projections; k++)
             memset(adam.gradients[k].data, 0, adam.count[k] * sizeof(real));
-        ffp_stage_loss(stage, adam.gradients);
+        ffp_procams_loss(procams, adam.gradients);
         const real turn = (real)(step - 1) / (real)steps;
         const real rate = RATE * (0.55F + 0.45F * cos(FFP_PI * turn));
-        for (int k = 0; k < stage->n_projections; k++) {
+        for (int k = 0; k < procams->n_projections; k++) {
             // keeps places that hardly matter from moving as fast as the others
             if (step == 1) small[k] = root_mean_square(&adam.gradients[k]);
             const FfpAdamStep move = ffp_adam_step((double)rate, BETA1, BETA2, (double)small[k], step);
-            adam_step(&adam, k, &move, stage->projections[k].pattern.data);
+            adam_step(&adam, k, &move, procams->projections[k].pattern.data);
         }
     }
     ffp_free(small);
-    adam_free(&adam, stage->n_projections);
+    adam_free(&adam, procams->n_projections);
 }

@@ -2,7 +2,7 @@
 #include <stdlib.h>
 #include <tgmath.h>
 #include "core/base/arena.h"
-#include "engine/apply/stage.h"
+#include "engine/apply/procams.h"
 #include "engine/apply/surface.h"
 
 typedef struct Corner {
@@ -68,9 +68,9 @@ static bool is_whole(const FfpImage *lit, const FfpCamera *camera, int x, int y,
     return far - near <= ffp_depth_jump(camera, far);
 }
 
-FfpImage ffp_stage_lit_depth(const FfpStage *stage, int camera_view, int projection) {
-    const FfpImage *depth = &stage->camera_views[camera_view].depth;
-    const FfpLink *link = ffp_stage_link(stage, camera_view, projection);
+FfpImage ffp_procams_lit_depth(const FfpProCams *procams, int camera_view, int projection) {
+    const FfpImage *depth = &procams->camera_views[camera_view].depth;
+    const FfpLink *link = ffp_procams_link(procams, camera_view, projection);
     const size_t pixels = (size_t)depth->width * (size_t)depth->height;
     FfpImage lit = ffp_image_new(depth->width, depth->height, 1);
 #pragma omp parallel for schedule(static)
@@ -119,10 +119,10 @@ void ffp_inverse_draw(FfpImage *inverse, const FfpImage *lit, const FfpCamera *c
     ffp_free(corners);
 }
 
-FfpImage ffp_stage_inverse(const FfpStage *stage, int camera_view, int projection) {
-    const FfpCamera *projector = &stage->projections[projection].view->projector;
-    FfpImage lit = ffp_stage_lit_depth(stage, camera_view, projection), out = ffp_inverse_new(projector);
-    ffp_inverse_draw(&out, &lit, &stage->camera_views[camera_view].view->camera, projector, 0);
+FfpImage ffp_procams_inverse(const FfpProCams *procams, int camera_view, int projection) {
+    const FfpCamera *projector = &procams->projections[projection].view->projector;
+    FfpImage lit = ffp_procams_lit_depth(procams, camera_view, projection), out = ffp_inverse_new(projector);
+    ffp_inverse_draw(&out, &lit, &procams->camera_views[camera_view].view->camera, projector, 0);
     ffp_image_free(&lit);
     return out;
 }

@@ -2,7 +2,7 @@
 #include <tgmath.h>
 #include "core/base/arena.h"
 #include "core/numerics/rank.h"
-#include "engine/apply/stage.h"
+#include "engine/apply/procams.h"
 
 #define STEEPEST                                                                                             \
     4 // depth steps of more pixel widths between neighbours are not surface (a tilt of 76 degrees)

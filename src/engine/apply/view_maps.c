@@ -6,11 +6,11 @@
 #include "engine/render/strip.h"
 
 // u, v and the share of the light that comes through; -1 -1 0 without a surface inside the pattern. Of the
-// stage's first rows, into `map` [rows, width, 3].
-static void forward_map(const FfpStage *stage, int rows, real *map) {
-    const FfpCameraView *camera_view = &stage->camera_views[0];
-    const FfpMapping *mapping = &stage->links[0].mapping;
-    const FfpCamera *projector = &stage->projections[0].view->projector;
+// pair's first rows, into `map` [rows, width, 3].
+static void forward_map(const FfpProCams *procams, int rows, real *map) {
+    const FfpCameraView *camera_view = &procams->camera_views[0];
+    const FfpMapping *mapping = &procams->links[0].mapping;
+    const FfpCamera *projector = &procams->projections[0].view->projector;
     const size_t pixels = (size_t)mapping->width * (size_t)rows;
     for (size_t p = 0; p < pixels; p++) {
         const real *uv = mapping->uv + 2 * p;
@@ -33,13 +33,13 @@ static void add_strip(Correspondences *maps, const FfpGaussians *gaussians, cons
     const int rows = ffp_strip_of(camera, top, ffp_strip_rows(camera)).height;
     FfpView part = {.camera = ffp_strip_of(camera, top, rows + 1), .projector = view->projector};
     const FfpView *parts = &part;
-    FfpStage stage = ffp_stage_new(gaussians, capture, &parts, 1, settings, false);
-    FfpImage lit = ffp_stage_lit_depth(&stage, 0, 0);
-    forward_map(&stage, rows, maps->forward.data + 3 * first);
+    FfpProCams procams = ffp_procams_new(gaussians, capture, &parts, 1, settings, false);
+    FfpImage lit = ffp_procams_lit_depth(&procams, 0, 0);
+    forward_map(&procams, rows, maps->forward.data + 3 * first);
     ffp_inverse_draw(&maps->inverse, &lit, &part.camera, &part.projector, top);
     memcpy(maps->lit.data + first, lit.data, (size_t)rows * width * sizeof *lit.data);
     ffp_image_free(&lit);
-    ffp_stage_free(&stage);
+    ffp_procams_free(&procams);
 }
 
 static void add_correspondences(FfpImages *images, const FfpGaussians *gaussians, const FfpCapture *capture,

@@ -3,7 +3,7 @@
 #define FFP_APPLY_VIEW_MAPS_H
 
 #include "core/image/named.h"
-#include "engine/apply/stage.h"
+#include "engine/apply/procams.h"
 
 typedef struct FfpViewMapStats {
     FfpRoundTrip trip; // from the camera to the projector and back

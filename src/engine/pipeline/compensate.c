@@ -27,10 +27,10 @@ typedef struct Job {
     FfpChosen chosen;
     FfpView *reduced;           // [n_views] that stand in for larger ones; NULL: there are none
     FfpImage *targets, *alphas; // [n_targets]; an alpha is empty where the file has none
-    FfpStage stage;
+    FfpProCams procams;
     int times;         // as many pixels a side have
     FfpView *enlarged; // [n_views], the views of
-    FfpStage finer;    // the stage for the closed form; times 1: there is none
+    FfpProCams finer;  // for the closed form; times 1: there is none
 } Job;
 
 static bool check_options(const FfpCompensation *options, const FfpCapture *capture, FfpError *err) {
@@ -166,17 +166,17 @@ static bool read_targets(Job *job, FfpError *err) {
     return true;
 }
 
-static void aim(const Job *job, FfpStage *stage, bool note) {
+static void aim(const Job *job, FfpProCams *procams, bool note) {
     const FfpCompensation *options = job->options;
-    for (int v = 0; v < stage->n_camera_views; v++) {
-        const FfpCamera *camera = &stage->camera_views[v].view->camera;
+    for (int v = 0; v < procams->n_camera_views; v++) {
+        const FfpCamera *camera = &procams->camera_views[v].view->camera;
         const int t = target_of(job, v), width = camera->width, height = camera->height;
         if (!job->pictures && note)
             ffp_framing_note(options->targets[t], &job->targets[t], width, height, options->framing);
         FfpImage target = ffp_image_framed(&job->targets[t], width, height, options->framing), alpha = {0};
         if (options->transparent_free && job->alphas[t].data)
             alpha = ffp_image_framed(&job->alphas[t], width, height, options->framing);
-        ffp_stage_aim(stage, v, &target, alpha.data ? &alpha : NULL);
+        ffp_procams_aim(procams, v, &target, alpha.data ? &alpha : NULL);
         ffp_image_free(&target);
         ffp_image_free(&alpha);
     }
@@ -192,8 +192,8 @@ static void aim(const Job *job, FfpStage *stage, bool note) {
 static void begin_finer(Job *job, const FfpGaussians *gaussians, const FfpRenderSettings *settings) {
     const int n = job->chosen.n_views;
     double pixels = 0;
-    for (int k = 0; k < job->stage.n_projections; k++) {
-        const int footprint = ffp_stage_footprint(&job->stage, k);
+    for (int k = 0; k < job->procams.n_projections; k++) {
+        const int footprint = ffp_procams_footprint(&job->procams, k);
         job->times = footprint > job->times ? footprint : job->times;
     }
     for (int v = 0; v < n; v++)
@@ -214,7 +214,7 @@ static void begin_finer(Job *job, const FfpGaussians *gaussians, const FfpRender
             resized_view(job, view, job->times * view->camera.width, job->times * view->camera.height);
         views[v] = &job->enlarged[v];
     }
-    job->finer = ffp_stage_new(gaussians, job->capture, views, n, settings, !job->options->gaussians_only);
+    job->finer = ffp_procams_new(gaussians, job->capture, views, n, settings, !job->options->gaussians_only);
     ffp_free(views);
     aim(job, &job->finer, false);
 }
@@ -222,17 +222,17 @@ static void begin_finer(Job *job, const FfpGaussians *gaussians, const FfpRender
 // The closed form, of which the descent then starts at the camera's own pixels.
 static void solve_finely(Job *job, real gain) {
     if (job->times == 1) {
-        ffp_stage_closed_form(&job->stage, 1);
+        ffp_procams_closed_form(&job->procams, 1);
         return;
     }
     if (job->options->paint)
-        ffp_stage_paint(&job->finer);
+        ffp_procams_paint(&job->finer);
     else
-        ffp_stage_scale(&job->finer, gain);
-    ffp_stage_closed_form(&job->finer, job->times);
-    for (int k = 0; k < job->stage.n_projections; k++) {
-        const FfpImage kept = job->stage.projections[k].pattern;
-        job->stage.projections[k].pattern = job->finer.projections[k].pattern;
+        ffp_procams_scale(&job->finer, gain);
+    ffp_procams_closed_form(&job->finer, job->times);
+    for (int k = 0; k < job->procams.n_projections; k++) {
+        const FfpImage kept = job->procams.projections[k].pattern;
+        job->procams.projections[k].pattern = job->finer.projections[k].pattern;
         job->finer.projections[k].pattern = kept;
     }
 }
@@ -247,14 +247,14 @@ static bool check_memory(const Job *job, const FfpGaussians *gaussians, int samp
 
 // A view without a lit pixel cannot be helped by any pattern.
 static bool check_light(const Job *job, FfpError *err) {
-    for (int s = 0; s < job->stage.n_camera_views; s++) {
-        FfpImage lit = ffp_stage_lit(&job->stage, s);
+    for (int s = 0; s < job->procams.n_camera_views; s++) {
+        FfpImage lit = ffp_procams_lit(&job->procams, s);
         bool any = false;
         for (int p = 0; p < lit.width * lit.height; p++) any |= lit.data[p] > 0;
         ffp_image_free(&lit);
         if (!any)
             return ffp_fail(
-                err, FFP_ERROR_ARGUMENT, job->stage.camera_views[s].view->id,
+                err, FFP_ERROR_ARGUMENT, job->procams.camera_views[s].view->id,
                 "no projector lights anything that this view's camera sees and the target asks for");
     }
     return true;
@@ -262,28 +262,30 @@ static bool check_light(const Job *job, FfpError *err) {
 
 static void solve(Job *job, FfpCompensationStats *stats) {
     const FfpCompensation *options = job->options;
-    FfpStage *stage = &job->stage;
-    stats->gain = options->paint ? 1 : options->gain > 0 ? options->gain : (double)ffp_stage_brightest(stage);
+    FfpProCams *procams = &job->procams;
+    stats->gain = options->paint      ? 1
+                  : options->gain > 0 ? options->gain
+                                      : (double)ffp_procams_brightest(procams);
     if (options->paint)
-        ffp_stage_paint(stage);
+        ffp_procams_paint(procams);
     else
-        ffp_stage_scale(stage, (real)stats->gain);
-    const FfpGamut gamut = ffp_stage_gamut(stage);
+        ffp_procams_scale(procams, (real)stats->gain);
+    const FfpGamut gamut = ffp_procams_gamut(procams);
     stats->unlit = gamut.unlit;
     stats->too_dark = gamut.too_dark;
     stats->too_bright = gamut.too_bright;
-    stats->psnr_dark = ffp_stage_psnr(stage);
+    stats->psnr_dark = ffp_procams_psnr(procams);
     solve_finely(job, (real)stats->gain);
-    stats->psnr_closed = ffp_stage_psnr(stage);
-    ffp_stage_descend(stage, options->steps);
-    ffp_stage_quantise(stage);
-    stats->psnr = ffp_stage_psnr(stage);
-    stats->patterns = stage->n_projections;
+    stats->psnr_closed = ffp_procams_psnr(procams);
+    ffp_procams_descend(procams, options->steps);
+    ffp_procams_quantise(procams);
+    stats->psnr = ffp_procams_psnr(procams);
+    stats->patterns = procams->n_projections;
 }
 
 // The pattern of a projection as it is to be sent: to the ideal projector, or to the real one.
 static bool sent(const Job *job, int k, FfpImage *out, FfpError *err) {
-    const FfpProjection *projection = &job->stage.projections[k];
+    const FfpProjection *projection = &job->procams.projections[k];
     if (job->options->for_device)
         return ffp_panel_picture(out, &job->capture->panel, &projection->view->projector,
                                  &projection->pattern, DEVICE, err);
@@ -292,16 +294,16 @@ static bool sent(const Job *job, int k, FfpImage *out, FfpError *err) {
 }
 
 static bool collect(const Job *job, FfpImages *images, FfpError *err) {
-    const FfpStage *stage = &job->stage;
-    for (int k = 0; k < stage->n_projections; k++) {
+    const FfpProCams *procams = &job->procams;
+    for (int k = 0; k < procams->n_projections; k++) {
         FfpImage pattern;
         if (!sent(job, k, &pattern, err)) return false;
-        ffp_images_add(images, pattern, "pattern", stage->projections[k].view->id);
+        ffp_images_add(images, pattern, "pattern", procams->projections[k].view->id);
     }
-    for (int s = 0; s < stage->n_camera_views; s++) {
-        const char *id = stage->camera_views[s].view->id;
-        ffp_images_add(images, ffp_stage_picture(stage, s), "seen", id);
-        ffp_images_add(images, ffp_image_copy(&stage->camera_views[s].target), "target", id);
+    for (int s = 0; s < procams->n_camera_views; s++) {
+        const char *id = procams->camera_views[s].view->id;
+        ffp_images_add(images, ffp_procams_picture(procams, s), "seen", id);
+        ffp_images_add(images, ffp_image_copy(&procams->camera_views[s].target), "target", id);
     }
     return true;
 }
@@ -313,8 +315,8 @@ static void free_job(Job *job) {
     }
     ffp_free(job->targets);
     ffp_free(job->alphas);
-    ffp_stage_free(&job->stage);
-    ffp_stage_free(&job->finer);
+    ffp_procams_free(&job->procams);
+    ffp_procams_free(&job->finer);
     for (int v = 0; job->enlarged && v < job->chosen.n_views; v++)
         ffp_view_reduced_free(&job->enlarged[v], job->capture->n_patterns);
     ffp_free(job->enlarged);
@@ -340,9 +342,9 @@ static FfpImages *run(const FfpGaussians *gaussians, const FfpCapture *capture,
     }
     ok = ok && check_memory(&job, gaussians, settings.samples, err) && read_targets(&job, err);
     if (ok) {
-        job.stage = ffp_stage_new(gaussians, capture, job.chosen.views, job.chosen.n_views, &settings,
-                                  !options->gaussians_only);
-        aim(&job, &job.stage, true);
+        job.procams = ffp_procams_new(gaussians, capture, job.chosen.views, job.chosen.n_views, &settings,
+                                      !options->gaussians_only);
+        aim(&job, &job.procams, true);
         ok = check_light(&job, err);
     }
     if (ok) {

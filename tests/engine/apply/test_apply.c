@@ -88,11 +88,11 @@ static void world_free(World *w) {
     ffp_image_free(&w->patterns[1].image);
 }
 
-static FfpStage drawn_stage_of(World *w, int views, const FfpRenderSettings *settings) {
-    return ffp_stage_new(&w->gaussians, &w->capture, w->chosen, views, settings, false);
+static FfpProCams drawn_stage_of(World *w, int views, const FfpRenderSettings *settings) {
+    return ffp_procams_new(&w->gaussians, &w->capture, w->chosen, views, settings, false);
 }
 
-static FfpStage stage_of(World *w, int views) {
+static FfpProCams procams_of(World *w, int views) {
     const FfpRenderSettings settings = ffp_render_defaults();
     return drawn_stage_of(w, views, &settings);
 }
@@ -114,15 +114,15 @@ static FfpImage waves(int side) {
     return image;
 }
 
-// Largest difference, and the PSNR, of a stage's picture and the renderer's.
+// Largest difference, and the PSNR, of FfpProCams' picture and the renderer's.
 static double picture_difference(const FfpRenderSettings *settings, double *psnr) {
     World w;
     world_new(&w, true);
-    FfpStage stage = drawn_stage_of(&w, 1, settings);
-    randomise(&stage.projections[0].pattern, 5, 0, 1);
-    FfpImage ours = ffp_stage_picture(&stage, 0);
+    FfpProCams procams = drawn_stage_of(&w, 1, settings);
+    randomise(&procams.projections[0].pattern, 5, 0, 1);
+    FfpImage ours = ffp_procams_picture(&procams, 0);
     ffp_image_to_srgb(&ours);
-    FfpSummed summed = ffp_summed_new(&stage.projections[0].pattern);
+    FfpSummed summed = ffp_summed_new(&procams.projections[0].pattern);
     FfpImage theirs = ffp_render_view(&w.gaussians, &w.views[0].camera, &w.views[0].projector,
                                       w.capture.intensity, &summed, settings);
     double most = 0, brightest = 0;
@@ -135,13 +135,13 @@ static double picture_difference(const FfpRenderSettings *settings, double *psnr
     ffp_summed_free(&summed);
     ffp_image_free(&ours);
     ffp_image_free(&theirs);
-    ffp_stage_free(&stage);
+    ffp_procams_free(&procams);
     world_free(&w);
     return most;
 }
 
-// With one sample a pixel they are the same. With more, the stage shades each pixel's means, and the renderer
-// takes means of what it shaded: at outlines they differ.
+// With one sample a pixel they are the same. With more, FfpProCams shades each pixel's means, and the
+// renderer takes means of what it shaded: at outlines they differ.
 static void the_picture_is_the_renderers(void **state) {
     (void)state;
     double psnr;
@@ -158,22 +158,22 @@ static void the_gradient_is_that_of_the_loss(void **state) {
     (void)state;
     World w;
     world_new(&w, false);
-    FfpStage stage = stage_of(&w, 2);
-    assert_int_equal(stage.n_projections, 2);
+    FfpProCams procams = procams_of(&w, 2);
+    assert_int_equal(procams.n_projections, 2);
     FfpImage target = waves(SIDE), gradients[2], way[2];
     for (int k = 0; k < 2; k++) {
-        ffp_stage_aim(&stage, k, &target, NULL);
-        randomise(&stage.projections[k].pattern, 7 + (uint64_t)k, 0.2, 0.5);
+        ffp_procams_aim(&procams, k, &target, NULL);
+        randomise(&procams.projections[k].pattern, 7 + (uint64_t)k, 0.2, 0.5);
         gradients[k] = ffp_image_new(PATTERN, PATTERN, 3), way[k] = ffp_image_new(PATTERN, PATTERN, 3);
         randomise(&way[k], 9 + (uint64_t)k, -1, 1);
     }
-    ffp_stage_loss(&stage, gradients);
+    ffp_procams_loss(&procams, gradients);
     double along = 0, loss[2];
     for (int side = 0; side < 2; side++) {
         for (int k = 0; k < 2; k++)
             for (int i = 0; i < 3 * PATTERN * PATTERN; i++)
-                stage.projections[k].pattern.data[i] += (side ? -0.04F : 0.02F) * way[k].data[i];
-        loss[side] = ffp_stage_loss(&stage, NULL);
+                procams.projections[k].pattern.data[i] += (side ? -0.04F : 0.02F) * way[k].data[i];
+        loss[side] = ffp_procams_loss(&procams, NULL);
     }
     for (int k = 0; k < 2; k++)
         for (int i = 0; i < 3 * PATTERN * PATTERN; i++)
@@ -183,41 +183,42 @@ static void the_gradient_is_that_of_the_loss(void **state) {
     assert_true(fabs(measured - along) < 0.01 * fabs(along));
     for (int k = 0; k < 2; k++) ffp_image_free(&gradients[k]), ffp_image_free(&way[k]);
     ffp_image_free(&target);
-    ffp_stage_free(&stage);
+    ffp_procams_free(&procams);
     world_free(&w);
 }
 
-static double unwarped_psnr(FfpStage *stage, const FfpImage *target) {
+static double unwarped_psnr(FfpProCams *procams, const FfpImage *target) {
     FfpImage pattern = ffp_image_resize(target, PATTERN, PATTERN);
-    memcpy(stage->projections[0].pattern.data, pattern.data, (size_t)PATTERN * PATTERN * 3 * sizeof(real));
+    memcpy(procams->projections[0].pattern.data, pattern.data, (size_t)PATTERN * PATTERN * 3 * sizeof(real));
     ffp_image_free(&pattern);
-    return ffp_stage_psnr(stage);
+    return ffp_procams_psnr(procams);
 }
 
 static void compensation_comes_near_and_descent_nearer(void **state) {
     (void)state;
     World w;
     world_new(&w, true);
-    FfpStage stage = stage_of(&w, 1);
+    FfpProCams procams = procams_of(&w, 1);
     FfpImage target = waves(SIDE);
-    ffp_stage_aim(&stage, 0, &target, NULL);
-    ffp_stage_paint(&stage);
-    const FfpGamut gamut = ffp_stage_gamut(&stage);
+    ffp_procams_aim(&procams, 0, &target, NULL);
+    ffp_procams_paint(&procams);
+    const FfpGamut gamut = ffp_procams_gamut(&procams);
     assert_true(gamut.too_dark == 0 && gamut.too_bright == 0);
     assert_true(gamut.unlit > 0.005 && gamut.unlit < 0.5); // the ball's shadow
-    const double unwarped = unwarped_psnr(&stage, &target);
-    ffp_stage_closed_form(&stage, 1);
-    const double closed = ffp_stage_psnr(&stage);
-    ffp_stage_descend(&stage, 40);
-    ffp_stage_quantise(&stage);
-    const double descended = ffp_stage_psnr(&stage);
+    const double unwarped = unwarped_psnr(&procams, &target);
+    ffp_procams_closed_form(&procams, 1);
+    const double closed = ffp_procams_psnr(&procams);
+    ffp_procams_descend(&procams, 40);
+    ffp_procams_quantise(&procams);
+    const double descended = ffp_procams_psnr(&procams);
     print_message("unwarped %.2f, closed form %.2f, descended %.2f dB\n", unwarped, closed, descended);
     assert_true(closed > unwarped + 6);
     assert_true(descended > closed + 1);
     for (int i = 0; i < 3 * PATTERN * PATTERN; i++)
-        assert_true(stage.projections[0].pattern.data[i] >= 0 && stage.projections[0].pattern.data[i] <= 1);
+        assert_true(procams.projections[0].pattern.data[i] >= 0 &&
+                    procams.projections[0].pattern.data[i] <= 1);
     ffp_image_free(&target);
-    ffp_stage_free(&stage);
+    ffp_procams_free(&procams);
     world_free(&w);
 }
 
@@ -227,16 +228,16 @@ static void two_runs_give_the_same_bits(void **state) {
     world_new(&w, true);
     FfpImage target = waves(SIDE), first = {0};
     for (int run = 0; run < 2; run++) {
-        FfpStage stage = stage_of(&w, 1);
-        ffp_stage_aim(&stage, 0, &target, NULL);
-        ffp_stage_closed_form(&stage, 1);
-        ffp_stage_descend(&stage, 3);
+        FfpProCams procams = procams_of(&w, 1);
+        ffp_procams_aim(&procams, 0, &target, NULL);
+        ffp_procams_closed_form(&procams, 1);
+        ffp_procams_descend(&procams, 3);
         if (run == 0)
-            first = ffp_image_copy(&stage.projections[0].pattern);
+            first = ffp_image_copy(&procams.projections[0].pattern);
         else
-            assert_memory_equal(first.data, stage.projections[0].pattern.data,
+            assert_memory_equal(first.data, procams.projections[0].pattern.data,
                                 PATTERN * PATTERN * 3 * sizeof(real));
-        ffp_stage_free(&stage);
+        ffp_procams_free(&procams);
     }
     ffp_image_free(&first);
     ffp_image_free(&target);
@@ -247,26 +248,26 @@ static void what_cannot_be_reached_is_counted(void **state) {
     (void)state;
     World w;
     world_new(&w, true);
-    FfpStage stage = stage_of(&w, 1);
+    FfpProCams procams = procams_of(&w, 1);
     FfpImage black = grey(SIDE, SIDE, 0), blinding = grey(SIDE, SIDE, 1),
              alpha = ffp_image_new(SIDE, SIDE, 1);
-    ffp_stage_aim(&stage, 0, &black, NULL);
-    FfpGamut gamut = ffp_stage_gamut(&stage);
+    ffp_procams_aim(&procams, 0, &black, NULL);
+    FfpGamut gamut = ffp_procams_gamut(&procams);
     const int whole = gamut.pixels;
     assert_true(whole > SIDE * SIDE / 4);
     assert_true(fabs(gamut.too_dark + gamut.unlit - 1) < 1e-9 && gamut.too_bright == 0);
-    assert_true(ffp_stage_brightest(&stage) == 1); // black is black with any gain
-    ffp_stage_aim(&stage, 0, &blinding, NULL);
-    gamut = ffp_stage_gamut(&stage);
+    assert_true(ffp_procams_brightest(&procams) == 1); // black is black with any gain
+    ffp_procams_aim(&procams, 0, &blinding, NULL);
+    gamut = ffp_procams_gamut(&procams);
     assert_true(fabs(gamut.too_bright + gamut.unlit - 1) < 1e-9 && gamut.too_dark == 0);
     for (int p = 0; p < SIDE * SIDE; p++) alpha.data[p] = p % SIDE < SIDE / 2;
-    ffp_stage_aim(&stage, 0, &blinding, &alpha);
-    gamut = ffp_stage_gamut(&stage);
+    ffp_procams_aim(&procams, 0, &blinding, &alpha);
+    gamut = ffp_procams_gamut(&procams);
     assert_true(gamut.pixels > 0 && gamut.pixels < whole * 3 / 4);
     ffp_image_free(&black);
     ffp_image_free(&blinding);
     ffp_image_free(&alpha);
-    ffp_stage_free(&stage);
+    ffp_procams_free(&procams);
     world_free(&w);
 }
 
@@ -277,18 +278,18 @@ static void the_gain_that_light_allows_is_found(void **state) {
     world_new(&w, false);
     static const real factors[2] = {0.125F, 8};
     for (int k = 0; k < 2; k++) {
-        FfpStage stage = stage_of(&w, 1);
+        FfpProCams procams = procams_of(&w, 1);
         FfpImage target = waves(SIDE);
-        ffp_stage_aim(&stage, 0, &target, NULL);
-        ffp_stage_paint(&stage);
-        ffp_stage_scale(&stage, factors[k]);
-        const real gain = ffp_stage_brightest(&stage);
+        ffp_procams_aim(&procams, 0, &target, NULL);
+        ffp_procams_paint(&procams);
+        ffp_procams_scale(&procams, factors[k]);
+        const real gain = ffp_procams_brightest(&procams);
         assert_true(gain * factors[k] >= 1 && gain * factors[k] < 1.5F);
-        ffp_stage_scale(&stage, gain);
-        const FfpGamut gamut = ffp_stage_gamut(&stage);
+        ffp_procams_scale(&procams, gain);
+        const FfpGamut gamut = ffp_procams_gamut(&procams);
         assert_true(gamut.too_bright + gamut.too_dark < 0.2);
         ffp_image_free(&target);
-        ffp_stage_free(&stage);
+        ffp_procams_free(&procams);
     }
     world_free(&w);
 }
@@ -299,19 +300,19 @@ static void projectors_share_where_they_overlap(void **state) {
     World w;
     world_new(&w, false);
     w.views[1].camera = w.views[0].camera; // one camera twice, two projectors
-    FfpStage stage = stage_of(&w, 2);
-    assert_int_equal(stage.n_projections, 2);
+    FfpProCams procams = procams_of(&w, 2);
+    assert_int_equal(procams.n_projections, 2);
     FfpImage target = grey(SIDE, SIDE, 0.14F);
-    for (int s = 0; s < 2; s++) ffp_stage_aim(&stage, s, &target, NULL);
-    ffp_stage_closed_form(&stage, 1);
-    const double closed = ffp_stage_psnr(&stage);
-    ffp_stage_descend(&stage, 40);
-    const double descended = ffp_stage_psnr(&stage);
+    for (int s = 0; s < 2; s++) ffp_procams_aim(&procams, s, &target, NULL);
+    ffp_procams_closed_form(&procams, 1);
+    const double closed = ffp_procams_psnr(&procams);
+    ffp_procams_descend(&procams, 40);
+    const double descended = ffp_procams_psnr(&procams);
     print_message("two projectors: closed form %.2f, descended %.2f dB\n", closed, descended);
     assert_true(closed > 25);
     assert_true(descended > closed);
     for (int k = 0; k < 2; k++) { // each does a part in the middle, and less at the edge of its light
-        const FfpProjection *projection = &stage.projections[k];
+        const FfpProjection *projection = &procams.projections[k];
         const int middle = PATTERN / 2 * PATTERN + PATTERN / 2;
         assert_true(projection->pattern.data[3 * middle] > 0.02F &&
                     projection->pattern.data[3 * middle] < 0.9F);
@@ -319,7 +320,7 @@ static void projectors_share_where_they_overlap(void **state) {
         assert_true(projection->feather.data[0] < 0.05F);
     }
     ffp_image_free(&target);
-    ffp_stage_free(&stage);
+    ffp_procams_free(&procams);
     world_free(&w);
 }
 
@@ -332,19 +333,19 @@ static void views_of_one_projector_share_its_pattern(void **state) {
         w.views[1].projector.pose[i] = nextafterf(w.views[1].projector.pose[i], 9);
     w.capture.radius = 1e-3F; // in the unit of a small object's capture these are places apart
     w.views[1].projector.pose[3] += 5e-5F;
-    FfpStage stage = stage_of(&w, 2);
-    assert_int_equal(stage.n_projections, 2);
-    ffp_stage_free(&stage);
+    FfpProCams procams = procams_of(&w, 2);
+    assert_int_equal(procams.n_projections, 2);
+    ffp_procams_free(&procams);
     w.views[1].projector.pose[3] -= 5e-5F;
     w.capture.radius = 1;
-    stage = stage_of(&w, 2);
-    assert_int_equal(stage.n_projections, 1);
+    procams = procams_of(&w, 2);
+    assert_int_equal(procams.n_projections, 1);
     FfpImage target = grey(SIDE, SIDE, 0.12F);
-    for (int s = 0; s < 2; s++) ffp_stage_aim(&stage, s, &target, NULL);
-    ffp_stage_closed_form(&stage, 1);
-    assert_true(ffp_stage_psnr(&stage) > 25);
+    for (int s = 0; s < 2; s++) ffp_procams_aim(&procams, s, &target, NULL);
+    ffp_procams_closed_form(&procams, 1);
+    assert_true(ffp_procams_psnr(&procams) > 25);
     ffp_image_free(&target);
-    ffp_stage_free(&stage);
+    ffp_procams_free(&procams);
     world_free(&w);
 }
 
@@ -363,8 +364,8 @@ static void the_inverse_is_where_geometry_says(void **state) {
     (void)state;
     World w;
     world_new(&w, false);
-    FfpStage stage = stage_of(&w, 1);
-    FfpImage inverse = ffp_stage_inverse(&stage, 0, 0);
+    FfpProCams procams = procams_of(&w, 1);
+    FfpImage inverse = ffp_procams_inverse(&procams, 0, 0);
     double most = 0;
     int count = 0;
     for (int p = 0; p < PATTERN * PATTERN; p++) {
@@ -378,7 +379,7 @@ static void the_inverse_is_where_geometry_says(void **state) {
     assert_true(count > PATTERN * PATTERN / 4);
     assert_true(most < 0.3);
     ffp_image_free(&inverse);
-    ffp_stage_free(&stage);
+    ffp_procams_free(&procams);
     world_free(&w);
 }
 
@@ -422,9 +423,9 @@ static void pixels_come_back_from_the_projector(void **state) {
     (void)state;
     World w;
     world_new(&w, true);
-    FfpStage stage = stage_of(&w, 1);
+    FfpProCams procams = procams_of(&w, 1);
     const FfpCamera *camera = &w.views[0].camera, *projector = &w.views[0].projector;
-    FfpImage inverse = ffp_stage_inverse(&stage, 0, 0), lit = ffp_stage_lit_depth(&stage, 0, 0);
+    FfpImage inverse = ffp_procams_inverse(&procams, 0, 0), lit = ffp_procams_lit_depth(&procams, 0, 0);
     const FfpRoundTrip trip = ffp_round_trip(camera, projector, &lit, &inverse);
     print_message("round trip: %d pixels, %d lost, median %.3f, most %.3f\n", trip.pixels, trip.lost,
                   trip.median, trip.most);
@@ -434,11 +435,11 @@ static void pixels_come_back_from_the_projector(void **state) {
     assert_true(trip.lost < trip.pixels / 10);
     for (int p = 0; p < PATTERN * PATTERN; p++) inverse.data[3 * p] += 0.6F; // a wrong map is found out
     ffp_image_free(&lit);
-    lit = ffp_stage_lit_depth(&stage, 0, 0);
+    lit = ffp_procams_lit_depth(&procams, 0, 0);
     assert_true(ffp_round_trip(camera, projector, &lit, &inverse).within_half < 0.1);
     ffp_image_free(&lit);
     ffp_image_free(&inverse);
-    ffp_stage_free(&stage);
+    ffp_procams_free(&procams);
     world_free(&w);
 }
 

@@ -1,5 +1,6 @@
-// Building a stage: rasterise each camera once, map it to every projector, and take the response to white.
-#include "engine/apply/stage.h"
+// Cameras, projectors and light: rasterises each camera once, maps it to every projector, and takes the
+// response to white.
+#include "engine/apply/procams.h"
 #include <stdlib.h>
 #include <string.h>
 #include <tgmath.h>
@@ -12,7 +13,7 @@
 #define WHITE_MIN 0.05F // a white pattern that is darker than this over a footprint tells no response
 
 typedef struct Builder {
-    FfpStage *stage;
+    FfpProCams *procams;
     const FfpGaussians *gaussians;
     const FfpCapture *capture;
     const FfpRenderSettings *settings;
@@ -21,8 +22,8 @@ typedef struct Builder {
     bool photographs;
 } Builder;
 
-FfpLink *ffp_stage_link(const FfpStage *stage, int camera_view, int projection) {
-    return &stage->links[camera_view * stage->n_projections + projection];
+FfpLink *ffp_procams_link(const FfpProCams *procams, int camera_view, int projection) {
+    return &procams->links[camera_view * procams->n_projections + projection];
 }
 
 // ffp_same_device is of captures in which the object's radius is 1.
@@ -37,13 +38,13 @@ static bool same_projector(const FfpCapture *capture, const FfpCamera *a, const 
     return ffp_same_device(&one, &other);
 }
 
-static void find_projections(FfpStage *stage, const FfpCapture *capture, const FfpView *const *views) {
-    for (int v = 0; v < stage->n_camera_views; v++) {
+static void find_projections(FfpProCams *procams, const FfpCapture *capture, const FfpView *const *views) {
+    for (int v = 0; v < procams->n_camera_views; v++) {
         int known = 0;
-        while (known < stage->n_projections &&
-               !same_projector(capture, &stage->projections[known].view->projector, &views[v]->projector))
+        while (known < procams->n_projections &&
+               !same_projector(capture, &procams->projections[known].view->projector, &views[v]->projector))
             known++;
-        if (known == stage->n_projections) stage->projections[stage->n_projections++].view = views[v];
+        if (known == procams->n_projections) procams->projections[procams->n_projections++].view = views[v];
     }
 }
 
@@ -143,22 +144,23 @@ static void fill_link(const Builder *b, const FfpView *view, const FfpProjection
 }
 
 static void fill_strip(const Builder *b, int s, const Strip *strip) {
-    FfpCameraView *camera_view = &b->stage->camera_views[s];
+    FfpCameraView *camera_view = &b->procams->camera_views[s];
     const bool has_pictures = photographed(b, camera_view->view);
 #pragma omp parallel for schedule(static)
     for (int y = 0; y < strip->g->height; y++) fill_row(camera_view, strip, has_pictures, y);
-    for (int k = 0; k < b->stage->n_projections; k++)
-        fill_link(b, camera_view->view, &b->stage->projections[k], strip, ffp_stage_link(b->stage, s, k));
+    for (int k = 0; k < b->procams->n_projections; k++)
+        fill_link(b, camera_view->view, &b->procams->projections[k], strip,
+                  ffp_procams_link(b->procams, s, k));
 }
 
 static void fill_view(const Builder *b, FfpViewPass *pass, int s) {
-    FfpCameraView *camera_view = &b->stage->camera_views[s];
+    FfpCameraView *camera_view = &b->procams->camera_views[s];
     const FfpCamera *camera = &camera_view->view->camera;
     const int rows = ffp_strip_rows(camera);
     FfpGbuffer shadow = {0};
     new_camera_view(b, camera_view);
-    for (int k = 0; k < b->stage->n_projections; k++)
-        *ffp_stage_link(b->stage, s, k) =
+    for (int k = 0; k < b->procams->n_projections; k++)
+        *ffp_procams_link(b->procams, s, k) =
             (FfpLink){.mapping = ffp_mapping_new(camera->width, camera->height),
                       .response = ffp_image_new(camera->width, camera->height, 3)};
     ffp_view_pass_keep_shadow(pass, &shadow);
@@ -175,34 +177,35 @@ static void fill_view(const Builder *b, FfpViewPass *pass, int s) {
 
 static void fill_views(const Builder *b) {
     FfpViewPass *pass = ffp_view_pass_new(b->settings);
-    for (int s = 0; s < b->stage->n_camera_views; s++) fill_view(b, pass, s);
+    for (int s = 0; s < b->procams->n_camera_views; s++) fill_view(b, pass, s);
     ffp_view_pass_free(pass);
 }
 
 static void fill_projections(const Builder *b) {
-    for (int k = 0; k < b->stage->n_projections; k++) {
-        FfpProjection *projection = &b->stage->projections[k];
+    for (int k = 0; k < b->procams->n_projections; k++) {
+        FfpProjection *projection = &b->procams->projections[k];
         const FfpCamera *projector = &projection->view->projector;
         projection->pattern = ffp_image_new(projector->width, projector->height, 3);
         projection->feather = ffp_image_new(projector->width, projector->height, 1);
         const int pixels = projector->width * projector->height;
         for (int p = 0; p < pixels; p++) projection->feather.data[p] = 1;
-        if (b->stage->n_projections == 1) continue;
+        if (b->procams->n_projections == 1) continue;
         FfpLitSurface surface = ffp_lit_surface_new(b->gaussians, projector, b->settings);
         ffp_lit_surface_feather(&surface, projector, &projection->feather);
         ffp_lit_surface_free(&surface);
     }
 }
 
-FfpStage ffp_stage_new(const FfpGaussians *gaussians, const FfpCapture *capture, const FfpView *const *views,
-                       int n_views, const FfpRenderSettings *settings, bool photographs) {
-    FfpStage stage = {.n_camera_views = n_views};
-    stage.camera_views = ffp_alloc((size_t)n_views, sizeof *stage.camera_views);
-    stage.projections = ffp_alloc((size_t)n_views, sizeof *stage.projections);
-    for (int v = 0; v < n_views; v++) stage.camera_views[v].view = views[v];
-    find_projections(&stage, capture, views);
-    stage.links = ffp_alloc((size_t)n_views * (size_t)stage.n_projections, sizeof *stage.links);
-    Builder builder = {.stage = &stage,
+FfpProCams ffp_procams_new(const FfpGaussians *gaussians, const FfpCapture *capture,
+                           const FfpView *const *views, int n_views, const FfpRenderSettings *settings,
+                           bool photographs) {
+    FfpProCams procams = {.n_camera_views = n_views};
+    procams.camera_views = ffp_alloc((size_t)n_views, sizeof *procams.camera_views);
+    procams.projections = ffp_alloc((size_t)n_views, sizeof *procams.projections);
+    for (int v = 0; v < n_views; v++) procams.camera_views[v].view = views[v];
+    find_projections(&procams, capture, views);
+    procams.links = ffp_alloc((size_t)n_views * (size_t)procams.n_projections, sizeof *procams.links);
+    Builder builder = {.procams = &procams,
                        .gaussians = gaussians,
                        .capture = capture,
                        .settings = settings,
@@ -213,66 +216,66 @@ FfpStage ffp_stage_new(const FfpGaussians *gaussians, const FfpCapture *capture,
     fill_projections(&builder);
     ffp_summed_free(&builder.white);
     ffp_raster_free(builder.raster);
-    return stage;
+    return procams;
 }
 
-void ffp_stage_free(FfpStage *stage) {
-    for (int s = 0; s < stage->n_camera_views; s++) {
-        FfpCameraView *camera_view = &stage->camera_views[s];
+void ffp_procams_free(FfpProCams *procams) {
+    for (int s = 0; s < procams->n_camera_views; s++) {
+        FfpCameraView *camera_view = &procams->camera_views[s];
         FfpImage *images[] = {&camera_view->depth, &camera_view->facing, &camera_view->ambient,
                               &camera_view->target, &camera_view->weight};
         for (size_t i = 0; i < sizeof images / sizeof *images; i++) ffp_image_free(images[i]);
     }
-    for (int k = 0; k < stage->n_projections; k++) {
-        ffp_image_free(&stage->projections[k].feather);
-        ffp_image_free(&stage->projections[k].pattern);
+    for (int k = 0; k < procams->n_projections; k++) {
+        ffp_image_free(&procams->projections[k].feather);
+        ffp_image_free(&procams->projections[k].pattern);
     }
-    for (int l = 0; l < stage->n_camera_views * stage->n_projections; l++) {
-        ffp_mapping_free(&stage->links[l].mapping);
-        ffp_image_free(&stage->links[l].response);
+    for (int l = 0; l < procams->n_camera_views * procams->n_projections; l++) {
+        ffp_mapping_free(&procams->links[l].mapping);
+        ffp_image_free(&procams->links[l].response);
     }
-    ffp_free(stage->camera_views);
-    ffp_free(stage->projections);
-    ffp_free(stage->links);
-    *stage = (FfpStage){0};
+    ffp_free(procams->camera_views);
+    ffp_free(procams->projections);
+    ffp_free(procams->links);
+    *procams = (FfpProCams){0};
 }
 
-void ffp_stage_aim(FfpStage *stage, int camera_view, const FfpImage *target, const FfpImage *alpha) {
-    FfpCameraView *s = &stage->camera_views[camera_view];
+void ffp_procams_aim(FfpProCams *procams, int camera_view, const FfpImage *target, const FfpImage *alpha) {
+    FfpCameraView *s = &procams->camera_views[camera_view];
     ffp_image_free(&s->target);
     s->target = ffp_image_copy(target);
     const ptrdiff_t pixels = (ptrdiff_t)target->width * target->height;
     for (ptrdiff_t p = 0; alpha && p < pixels; p++) s->weight.data[p] *= alpha->data[p];
 }
 
-void ffp_stage_scale(FfpStage *stage, real gain) {
-    for (int s = 0; s < stage->n_camera_views; s++) {
-        FfpImage *target = &stage->camera_views[s].target;
+void ffp_procams_scale(FfpProCams *procams, real gain) {
+    for (int s = 0; s < procams->n_camera_views; s++) {
+        FfpImage *target = &procams->camera_views[s].target;
         const ptrdiff_t count = (ptrdiff_t)target->width * target->height * 3;
         for (ptrdiff_t i = 0; i < count; i++) target->data[i] *= gain;
     }
 }
 
-void ffp_stage_paint(FfpStage *stage) {
-    for (int s = 0; s < stage->n_camera_views; s++) {
-        FfpCameraView *camera_view = &stage->camera_views[s];
+void ffp_procams_paint(FfpProCams *procams) {
+    for (int s = 0; s < procams->n_camera_views; s++) {
+        FfpCameraView *camera_view = &procams->camera_views[s];
         const ptrdiff_t count = (ptrdiff_t)camera_view->target.width * camera_view->target.height * 3;
         for (ptrdiff_t i = 0; i < count; i++) {
             real sum = 0;
-            for (int k = 0; k < stage->n_projections; k++)
-                sum += ffp_stage_link(stage, s, k)->response.data[i];
+            for (int k = 0; k < procams->n_projections; k++)
+                sum += ffp_procams_link(procams, s, k)->response.data[i];
             camera_view->target.data[i] =
                 camera_view->ambient.data[i] + sum * fmin(camera_view->target.data[i], (real)1);
         }
     }
 }
 
-FfpImage ffp_stage_picture(const FfpStage *stage, int camera_view) {
-    FfpImage picture = ffp_image_copy(&stage->camera_views[camera_view].ambient);
+FfpImage ffp_procams_picture(const FfpProCams *procams, int camera_view) {
+    FfpImage picture = ffp_image_copy(&procams->camera_views[camera_view].ambient);
     const ptrdiff_t pixels = (ptrdiff_t)picture.width * picture.height;
-    for (int k = 0; k < stage->n_projections; k++) {
-        const FfpLink *link = ffp_stage_link(stage, camera_view, k);
-        FfpSummed summed = ffp_summed_new(&stage->projections[k].pattern);
+    for (int k = 0; k < procams->n_projections; k++) {
+        const FfpLink *link = ffp_procams_link(procams, camera_view, k);
+        FfpSummed summed = ffp_summed_new(&procams->projections[k].pattern);
 #pragma omp parallel for schedule(static)
         for (ptrdiff_t p = 0; p < pixels; p++) {
             const real *uv = link->mapping.uv + 2 * p, *extent = link->mapping.extent + 2 * p;

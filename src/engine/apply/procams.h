@@ -2,8 +2,8 @@
 // For fixed Gaussians a camera's picture is linear in the patterns: with M the projectors that reach a pixel,
 //     C = ambient + sum over M of response * lookup(pattern, position, footprint),
 // which is the light model of docs/design/architecture.md with everything but the pattern in `response`.
-#ifndef FFP_APPLY_STAGE_H
-#define FFP_APPLY_STAGE_H
+#ifndef FFP_APPLY_PROCAMS_H
+#define FFP_APPLY_PROCAMS_H
 
 #include <stdbool.h>
 #include "core/capture/capture.h"
@@ -33,42 +33,43 @@ typedef struct FfpLink {
     FfpImage response;  // 3: radiance for a pattern of 1, 0 where no light comes
 } FfpLink;
 
-typedef struct FfpStage {
+typedef struct FfpProCams {
     int n_camera_views, n_projections;
     FfpCameraView *camera_views;
     FfpProjection *projections;
     FfpLink *links; // [n_camera_views, n_projections]
-} FfpStage;
+} FfpProCams;
 
 // Borrows the views. Projectors with the same pose and lens (ffp_same_device) are one projection. With
 // `photographs`, a view that has pictures under black and white takes its ambient light and its own
 // projector's response from them, which is what the camera really saw: the Gaussians then only determine
 // where the light goes. Views are drawn in strips of ffp_strip_rows.
-FfpStage ffp_stage_new(const FfpGaussians *gaussians, const FfpCapture *capture, const FfpView *const *views,
-                       int n_views, const FfpRenderSettings *settings, bool photographs);
-void ffp_stage_free(FfpStage *stage);
-FfpLink *ffp_stage_link(const FfpStage *stage, int camera_view, int projection);
+FfpProCams ffp_procams_new(const FfpGaussians *gaussians, const FfpCapture *capture,
+                           const FfpView *const *views, int n_views, const FfpRenderSettings *settings,
+                           bool photographs);
+void ffp_procams_free(FfpProCams *procams);
+FfpLink *ffp_procams_link(const FfpProCams *procams, int camera_view, int projection);
 
 // Gives a camera its target: linear RGB of the camera's size; alpha (1 channel) may be NULL.
-void ffp_stage_aim(FfpStage *stage, int camera_view, const FfpImage *target, const FfpImage *alpha);
+void ffp_procams_aim(FfpProCams *procams, int camera_view, const FfpImage *target, const FfpImage *alpha);
 // Multiplies all targets.
-void ffp_stage_scale(FfpStage *stage, real gain);
+void ffp_procams_scale(FfpProCams *procams, real gain);
 
 // Turns targets into light painted on the object: a target of 0 becomes what the camera sees under dark
 // projectors, 1 what it sees with all of them at white, pixel by pixel. All of these values can be reached.
-void ffp_stage_paint(FfpStage *stage);
+void ffp_procams_paint(FfpProCams *procams);
 
 // The camera's picture under the projections' patterns: linear, unclamped.
-FfpImage ffp_stage_picture(const FfpStage *stage, int camera_view);
+FfpImage ffp_procams_picture(const FfpProCams *procams, int camera_view);
 
 // The depth of a camera's pixels that a projector lights, 0 elsewhere: the camera's size, 1 channel.
-FfpImage ffp_stage_lit_depth(const FfpStage *stage, int camera_view, int projection);
+FfpImage ffp_procams_lit_depth(const FfpProCams *procams, int camera_view, int projection);
 
 // Where a camera's pixels lie in a projector, the other way round: [projector's size, 3] camera x, y and the
 // depth from the projector; -1 -1 0 where the camera sees nothing that the projector lights. Cells between
 // four neighbouring pixels are laid into the projector with a depth buffer, so that going there and back
 // ends where it began; cells across a depth jump are left out.
-FfpImage ffp_stage_inverse(const FfpStage *stage, int camera_view, int projection);
+FfpImage ffp_procams_inverse(const FfpProCams *procams, int camera_view, int projection);
 // The same in parts: an inverse in which nothing is seen yet, and the cells of a strip's lit pixels. `camera`
 // is the strip's (ffp_strip_of), and row 0 is row `top` of the picture; strips share a row with the next.
 FfpImage ffp_inverse_new(const FfpCamera *projector);
