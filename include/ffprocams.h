@@ -761,7 +761,8 @@ typedef struct FfpGeneration {
     // from pictures"). NULL: none.
     const char *materials;
     // Folder of pictures that the projector shows in place of all lollipops but the first: a scene's seed
-    // draws them, and which part of each (docs/design/data.md, "Patterns from pictures"). NULL: none.
+    // draws them, and which part of each (docs/design/data.md, "Patterns from pictures"). With one lollipop
+    // there is none to replace; with `photographs` it is an error. NULL: none.
     const char *patterns;
     FfpSensorFaults sensor;
     // Folder of patterns (ffp_write_patterns): instead of captures, write photographs of one object on a

@@ -81,7 +81,7 @@ class Compensator {
     return this.paint.texture;
   }
 
-  // ffp_stage_closed_form: fills the projector's pattern.
+  // ffp_procams_closed_form: fills the projector's pattern.
   solve(projector, camera) {
     const {renderer, view} = this, {graphics} = renderer, {gl} = graphics;
     this.drawResponse(projector, camera);

@@ -29,7 +29,7 @@ class Engine {
       const { done, fail } = this.waiting;
       this.waiting = null;
       // Paths as they were dropped.
-      if (data.error) fail(new Message(data.error.replaceAll(/\/(dropped|made)\//g, '')));
+      if (data.error) fail(new Message(data.error.replaceAll(/(?<![\w.-])\/(dropped|made)\//g, '')));
       else done(data);
     };
     this.worker.onerror = (event) => {

@@ -1,4 +1,4 @@
-// For each camera pixel, the effect of a projector there (engine/apply/stage.c, fill_link): the radiance that a pattern
+// For each camera pixel, the effect of a projector there (engine/apply/procams.c, fill_link): the radiance that a pattern
 // of 1 adds; the position in the pattern that it comes from, and its depth; the depth from the camera.
 layout(location = 0) out vec4 o_response; // rgb, visibility
 layout(location = 1) out vec4 o_place;    // u, v, depth from the projector, depth from the camera

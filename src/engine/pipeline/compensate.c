@@ -202,9 +202,13 @@ static void begin_finer(Job *job, const FfpGaussians *gaussians, const FfpRender
     const double bytes =
         ffp_compensation_bytes((double)gaussians->count, job->chosen.views, n, settings->samples);
     FfpError none; // where it does not fit, fewer pixels will do
-    while (job->times > 1 && (pixels * job->times * job->times > FINER_PIXELS ||
-                              !ffp_memory_suffices(bytes * job->times * job->times, "", "", "", &none)))
+    while (job->times > 1 && pixels * job->times * job->times > FINER_PIXELS) job->times--;
+    const int asked = job->times;
+    while (job->times > 1 && !ffp_memory_suffices(bytes * job->times * job->times, "", "", "", &none))
         job->times--;
+    if (job->times < asked)
+        ffp_note("memory is short: edges are made at %d instead of %d times the camera's pixels a side",
+                 job->times, asked);
     if (job->times == 1) return;
     const FfpView **views = ffp_alloc((size_t)n, sizeof *views);
     job->enlarged = ffp_alloc((size_t)n, sizeof *job->enlarged);
@@ -235,6 +239,7 @@ static void solve_finely(Job *job, real gain) {
         job->procams.projections[k].pattern = job->finer.projections[k].pattern;
         job->finer.projections[k].pattern = kept;
     }
+    ffp_procams_free(&job->finer);
 }
 
 // Before the work: that all views fit into memory.

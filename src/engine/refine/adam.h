@@ -35,7 +35,8 @@ FFP_FORMULA void ffp_adam_shared(const FfpAdamStep *step, double sum, real *shar
 // A step of three numbers whose gradients g agree in part, as those of a centre do: cross[k] is the second
 // moment between the other two. With u Adam's step and R the correlations, the numbers take ((1 + R) / 2)^-1
 // u: to first order in R that is R^-1/2 u, as Adam with the full matrix would go (Duchi et al. 2011, section
-// 1.1), and what the looks agree on moves by a half less at most, what none of them tells up to twice as far.
+// 1.1): a direction that the looks agree on moves at least half as far, one that none of them tells up to
+// twice as far.
 FFP_FORMULA void ffp_adam_coupled(const FfpAdamStep *s, const real g[3], real x[3], real mean[3],
                                   real square[3], real cross[3]) {
     real u[3], per[3], r[3];

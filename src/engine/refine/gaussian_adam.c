@@ -20,7 +20,8 @@ FfpGaussianAdam ffp_gaussian_adam_new(const FfpParameters *parameters, const Ffp
                                   .square = ffp_gaussians_new(count),
                                   .shared = ffp_memory_new(FFP_SHARED_NUMBERS, sizeof(real))};
     adam_state.start = ffp_gaussians_new(pulls ? count : 0);
-    if (settings->coupled) adam_state.cross = ffp_memory_new((size_t)count + 1, 3 * sizeof(real));
+    if (settings->coupled && !settings->growth)
+        adam_state.cross = ffp_memory_new((size_t)count + 1, 3 * sizeof(real));
     for (int a = 0; pulls && a < FFP_ATTRIBUTES; a++) {
         const FfpAttribute from = ffp_attribute(&parameters->numbers, a);
         ffp_memory_copy(ffp_attribute(&adam_state.start, a).data, from.data,

@@ -30,9 +30,9 @@ static int coarsest_side(const FfpCapture *capture) {
 
 // Whole rounds, one at least: a fit keeps the state after a round.
 static int64_t steps_of(const Pyramid *p, int side) {
-    const double half = (double)side / p->coarsest, share = half > LEAST_SHARE ? half : LEAST_SHARE;
+    const double part = (double)side / p->coarsest, share = part > LEAST_SHARE ? part : LEAST_SHARE;
     const int64_t views = p->capture->n_views;
-    return views * (int64_t)ceil(share * (double)p->settings->steps / (double)views);
+    return views * (int64_t)ceil(share * (double)p->settings->steps / (double)views - 1e-9);
 }
 
 static bool fit_coarse(const Pyramid *p, FfpGaussians *gaussians, const FfpCapture *small, int side,

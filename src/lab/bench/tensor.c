@@ -20,52 +20,47 @@ enum {
 enum { INNER = 2 * DIM, SCAN_HEADS = INNER / HEAD_DIM, CHANNELS = INNER + 2 * STATE, WIDE = 4 * DIM };
 enum { LARGE_IN = 384, LARGE_OUT = 1536, MOST = ROWS * LARGE_OUT };
 
-// Tokens: fewer where instructions are counted, which an emulator executes.
-static int rows = ROWS;
-
 // Arrays that are large enough for every kernel.
 typedef struct Data {
+    int rows; // tokens: fewer where instructions are counted, which an emulator executes
+    FfpScanShape scan;
+    FfpAttentionShape attention;
     float *a, *b, *c, *d, *w, *dw;                // [MOST]
     float *small, *dsmall, *row, *row2, *scratch; // [4096], [4096], [ROWS * 16], [ROWS * 16]
 } Data;
 
-static FfpScanShape scan_shape = {
-    .rows = ROWS, .heads = SCAN_HEADS, .head_dim = HEAD_DIM, .state = STATE, .chunk = CHUNK};
-
-static FfpAttentionShape attention_shape = {.rows = ROWS, .heads = HEADS, .head_dim = HEAD_DIM};
-
 static void gemm(void *data) {
     const Data *x = data;
-    ffp_linear_forward(x->c, x->a, x->w, NULL, rows, LARGE_IN, LARGE_OUT);
+    ffp_linear_forward(x->c, x->a, x->w, NULL, x->rows, LARGE_IN, LARGE_OUT);
 }
 static void gemm_dx(void *data) {
     const Data *x = data;
-    ffp_gemm_mixed(1, ffp_factor(x->b, rows, LARGE_OUT, LARGE_OUT),
+    ffp_gemm_mixed(1, ffp_factor(x->b, x->rows, LARGE_OUT, LARGE_OUT),
                    ffp_factor(x->w, LARGE_OUT, LARGE_IN, LARGE_IN), 0, x->c, LARGE_IN);
 }
 static void gemm_dw(void *data) {
     const Data *x = data;
-    ffp_gemm_mixed(1, ffp_transposed(ffp_factor(x->b, rows, LARGE_OUT, LARGE_OUT)),
-                   ffp_factor(x->a, rows, LARGE_IN, LARGE_IN), 1, x->dw, LARGE_IN);
+    ffp_gemm_mixed(1, ffp_transposed(ffp_factor(x->b, x->rows, LARGE_OUT, LARGE_OUT)),
+                   ffp_factor(x->a, x->rows, LARGE_IN, LARGE_IN), 1, x->dw, LARGE_IN);
 }
 static void linear_forward(void *data) {
     const Data *x = data;
-    ffp_linear_forward(x->c, x->a, x->w, NULL, rows, DIM, WIDE);
+    ffp_linear_forward(x->c, x->a, x->w, NULL, x->rows, DIM, WIDE);
 }
 static void linear_backward(void *data) {
     const Data *x = data;
-    ffp_linear_backward(x->c, x->dw, NULL, x->b, x->a, x->w, rows, DIM, WIDE);
+    ffp_linear_backward(x->c, x->dw, NULL, x->b, x->a, x->w, x->rows, DIM, WIDE);
 }
 static void attention_forward(void *data) {
     const Data *x = data;
     const FfpAttentionInput in = {x->a, x->small, x->small};
-    ffp_attention_forward(x->c, x->row, &attention_shape, &in, x->scratch);
+    ffp_attention_forward(x->c, x->row, &x->attention, &in, x->scratch);
 }
 static void attention_backward(void *data) {
     const Data *x = data;
     const FfpAttentionInput in = {x->a, x->small, x->small};
     const FfpAttentionGradient grad = {x->d, x->dsmall, x->dsmall + HEAD_DIM};
-    ffp_attention_backward(&grad, &attention_shape, &in, x->c, x->row, x->b, x->scratch);
+    ffp_attention_backward(&grad, &x->attention, &in, x->c, x->row, x->b, x->scratch);
 }
 static FfpScanInput scan_input(const Data *x) {
     return (FfpScanInput){.x = x->a,
@@ -81,7 +76,7 @@ static FfpScanInput scan_input(const Data *x) {
 static void scan_forward(void *data) {
     const Data *x = data;
     const FfpScanInput in = scan_input(x);
-    ffp_scan_forward(x->c, &scan_shape, &in, x->scratch);
+    ffp_scan_forward(x->c, &x->scan, &in, x->scratch);
 }
 static void scan_backward(void *data) {
     const Data *x = data;
@@ -93,14 +88,14 @@ static void scan_backward(void *data) {
                                   .dt_bias = x->dsmall,
                                   .a_log = x->dsmall + SCAN_HEADS,
                                   .d = x->dsmall + 2 * SCAN_HEADS};
-    ffp_scan_backward(&grad, &scan_shape, &in, x->b, x->scratch);
+    ffp_scan_backward(&grad, &x->scan, &in, x->b, x->scratch);
 }
 static FfpDepthwise conv_input(const Data *x) {
     return (FfpDepthwise){.x = x->a,
                           .w = x->w,
                           .bias = x->small,
                           .ldx = CHANNELS,
-                          .rows = rows,
+                          .rows = x->rows,
                           .channels = CHANNELS,
                           .taps = TAPS};
 }
@@ -117,22 +112,23 @@ static void conv_backward(void *data) {
 }
 static void gelu_forward(void *data) {
     const Data *x = data;
-    ffp_gelu_forward(x->c, x->a, (size_t)rows * WIDE);
+    ffp_gelu_forward(x->c, x->a, (size_t)x->rows * WIDE);
 }
 static void gelu_backward(void *data) {
     const Data *x = data;
-    ffp_gelu_backward(x->c, x->b, x->a, (size_t)rows * WIDE);
+    ffp_gelu_backward(x->c, x->b, x->a, (size_t)x->rows * WIDE);
 }
 static void layernorm_forward(void *data) {
     const Data *x = data;
-    ffp_layernorm_forward(x->c, x->row, x->row2, x->a, x->small, rows, DIM);
+    ffp_layernorm_forward(x->c, x->row, x->row2, x->a, x->small, x->rows, DIM);
 }
 static void layernorm_backward(void *data) {
     const Data *x = data;
-    ffp_layernorm_backward(x->c, x->dsmall, x->b, x->a, x->row, x->row2, x->small, rows, DIM);
+    ffp_layernorm_backward(x->c, x->dsmall, x->b, x->a, x->row, x->row2, x->small, x->rows, DIM);
 }
 static FfpGatedNorm gated_norm_input(const Data *x) {
-    return (FfpGatedNorm){.x = x->a, .z = x->b, .ldz = INNER, .gain = x->small, .rows = rows, .dim = INNER};
+    return (FfpGatedNorm){
+        .x = x->a, .z = x->b, .ldz = INNER, .gain = x->small, .rows = x->rows, .dim = INNER};
 }
 static void gated_norm_forward(void *data) {
     const Data *x = data;
@@ -153,30 +149,30 @@ static void gated_norm_backward(void *data) {
 #define SCAN_STATE (2.0 * ROWS * INNER * STATE)
 #define SCAN_SQUARE (2.0 * ROWS * CHUNK * (INNER + STATE))
 static const struct {
-    const char *name, *shape;
+    const char *name, *before, *after; // of the rows in the shape
     void (*run)(void *);
     FfpBound bound;
     double work;
 } cases[] = {
-    {"gemm", "%dx384x1536, y = x w^T", gemm, FFP_BOUND_PRODUCTS, LARGE},
-    {"gemm_dx", "%dx1536x384, dx = dy w", gemm_dx, FFP_BOUND_PRODUCTS, LARGE},
-    {"gemm_dw", "1536x%dx384, dw += dy^T x", gemm_dw, FFP_BOUND_PRODUCTS, LARGE},
-    {"linear_forward", "%dx256x1024", linear_forward, FFP_BOUND_PRODUCTS, LINEAR},
-    {"linear_backward", "%dx256x1024", linear_backward, FFP_BOUND_PRODUCTS, 2 * LINEAR},
-    {"attention_forward", "%d tokens, 4 heads of 64", attention_forward, FFP_BOUND_PRODUCTS, 2 * PAIRS},
-    {"attention_backward", "%d tokens, 4 heads of 64", attention_backward, FFP_BOUND_PRODUCTS, 5 * PAIRS},
-    {"scan_forward", "%d tokens, 8 heads of 64, state 64", scan_forward, FFP_BOUND_PRODUCTS,
+    {"gemm", "", "x384x1536, y = x w^T", gemm, FFP_BOUND_PRODUCTS, LARGE},
+    {"gemm_dx", "", "x1536x384, dx = dy w", gemm_dx, FFP_BOUND_PRODUCTS, LARGE},
+    {"gemm_dw", "1536x", "x384, dw += dy^T x", gemm_dw, FFP_BOUND_PRODUCTS, LARGE},
+    {"linear_forward", "", "x256x1024", linear_forward, FFP_BOUND_PRODUCTS, LINEAR},
+    {"linear_backward", "", "x256x1024", linear_backward, FFP_BOUND_PRODUCTS, 2 * LINEAR},
+    {"attention_forward", "", " tokens, 4 heads of 64", attention_forward, FFP_BOUND_PRODUCTS, 2 * PAIRS},
+    {"attention_backward", "", " tokens, 4 heads of 64", attention_backward, FFP_BOUND_PRODUCTS, 5 * PAIRS},
+    {"scan_forward", "", " tokens, 8 heads of 64, state 64", scan_forward, FFP_BOUND_PRODUCTS,
      2 * SCAN_STATE + SCAN_SQUARE},
-    {"scan_backward", "%d tokens, 8 heads of 64, state 64", scan_backward, FFP_BOUND_PRODUCTS,
+    {"scan_backward", "", " tokens, 8 heads of 64, state 64", scan_backward, FFP_BOUND_PRODUCTS,
      5 * SCAN_STATE + 2 * SCAN_SQUARE},
-    {"conv_forward", "%dx640, 4 taps", conv_forward, FFP_BOUND_COPY, 8.0 * ROWS *CHANNELS},
-    {"conv_backward", "%dx640, 4 taps", conv_backward, FFP_BOUND_COPY, 16.0 * ROWS *CHANNELS},
-    {"gelu_forward", "%dx1024", gelu_forward, FFP_BOUND_COPY, 8.0 * ROWS *WIDE},
-    {"gelu_backward", "%dx1024", gelu_backward, FFP_BOUND_COPY, 12.0 * ROWS *WIDE},
-    {"layernorm_forward", "%dx256", layernorm_forward, FFP_BOUND_COPY, 8.0 * ROWS *DIM},
-    {"layernorm_backward", "%dx256", layernorm_backward, FFP_BOUND_COPY, 12.0 * ROWS *DIM},
-    {"gated_norm_forward", "%dx512", gated_norm_forward, FFP_BOUND_COPY, 12.0 * ROWS *INNER},
-    {"gated_norm_backward", "%dx512", gated_norm_backward, FFP_BOUND_COPY, 24.0 * ROWS *INNER},
+    {"conv_forward", "", "x640, 4 taps", conv_forward, FFP_BOUND_COPY, 8.0 * ROWS *CHANNELS},
+    {"conv_backward", "", "x640, 4 taps", conv_backward, FFP_BOUND_COPY, 16.0 * ROWS *CHANNELS},
+    {"gelu_forward", "", "x1024", gelu_forward, FFP_BOUND_COPY, 8.0 * ROWS *WIDE},
+    {"gelu_backward", "", "x1024", gelu_backward, FFP_BOUND_COPY, 12.0 * ROWS *WIDE},
+    {"layernorm_forward", "", "x256", layernorm_forward, FFP_BOUND_COPY, 8.0 * ROWS *DIM},
+    {"layernorm_backward", "", "x256", layernorm_backward, FFP_BOUND_COPY, 12.0 * ROWS *DIM},
+    {"gated_norm_forward", "", "x512", gated_norm_forward, FFP_BOUND_COPY, 12.0 * ROWS *INNER},
+    {"gated_norm_backward", "", "x512", gated_norm_backward, FFP_BOUND_COPY, 24.0 * ROWS *INNER},
 };
 
 static float *numbers(FfpRng *rng, size_t count, float spread, float centre) {
@@ -187,9 +183,15 @@ static float *numbers(FfpRng *rng, size_t count, float spread, float centre) {
 
 void ffp_bench_kernels(FfpBenchTable *table) {
     FfpRng rng = ffp_rng(1, 0);
-    const size_t scan = ffp_scan_scratch(&scan_shape);
-    const size_t attention = ffp_attention_scratch(&attention_shape);
-    Data x = {.a = numbers(&rng, MOST, 1, 0),
+    const int rows = ffp_bench_clock.exact ? COUNTED_ROWS : ROWS;
+    const FfpScanShape scan = {
+        .rows = rows, .heads = SCAN_HEADS, .head_dim = HEAD_DIM, .state = STATE, .chunk = CHUNK};
+    const FfpAttentionShape attention = {.rows = rows, .heads = HEADS, .head_dim = HEAD_DIM};
+    const size_t scratch[2] = {ffp_scan_scratch(&scan), ffp_attention_scratch(&attention)};
+    Data x = {.rows = rows,
+              .scan = scan,
+              .attention = attention,
+              .a = numbers(&rng, MOST, 1, 0),
               .b = numbers(&rng, MOST, 1, 0),
               .c = numbers(&rng, MOST, 1, 0),
               .d = numbers(&rng, MOST, 1, 0),
@@ -199,12 +201,11 @@ void ffp_bench_kernels(FfpBenchTable *table) {
               .dsmall = numbers(&rng, 4096, 0, 0),
               .row = numbers(&rng, (size_t)ROWS * 16, 1, 0),
               .row2 = numbers(&rng, (size_t)ROWS * 16, 0, 1),
-              .scratch = ffp_alloc(scan > attention ? scan : attention, sizeof(float))};
-    rows = scan_shape.rows = attention_shape.rows = ffp_bench_clock.exact ? COUNTED_ROWS : ROWS;
+              .scratch = ffp_alloc(scratch[0] > scratch[1] ? scratch[0] : scratch[1], sizeof(float))};
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         FfpBenchRow row = {
             .name = cases[i].name, .bound = cases[i].bound, .work = rows == ROWS ? cases[i].work : 0};
-        snprintf(row.shape, sizeof row.shape, cases[i].shape, rows);
+        snprintf(row.shape, sizeof row.shape, "%s%d%s", cases[i].before, rows, cases[i].after);
         row.ms = ffp_bench_time(cases[i].run, &x, 5, 0.3);
         ffp_bench_add(table, &row);
     }

@@ -1,9 +1,11 @@
 // Import: outlines from photographs at more pixels than the capture has.
+#include <math.h>
 #include "core/base/alloc.h"
 #include "rig/import/import_steps.h"
 #include "rig/masks/dark.h"
 
-#define WIDER 1.5 // photographs than the capture, from which on it pays
+#define WIDER 1.5      // photographs than the capture, from which on it pays
+#define OTHER_MOST 0.4 // of the mask's area, by which a finer one of the same thing may differ
 
 enum { TIMES = 2 }; // pixels a side for one of the capture's
 
@@ -32,6 +34,13 @@ static FfpImage means_of(const FfpImage *finer) {
     return out;
 }
 
+static bool is_alike(const FfpImage *mask, const FfpImage *shares) {
+    double off = 0, area = 0;
+    for (ptrdiff_t i = 0; i < (ptrdiff_t)mask->width * mask->height; i++)
+        off += fabs((double)(shares->data[i] - mask->data[i])), area += (double)mask->data[i];
+    return off <= OTHER_MOST * area;
+}
+
 bool ffp_importing_refine_mask(FfpImporting *import, int v) {
     FfpView *coarse = &import->capture.views[v];
     FfpError none = {0};
@@ -43,11 +52,13 @@ bool ffp_importing_refine_mask(FfpImporting *import, int v) {
     view->images = ffp_alloc((size_t)import->capture.n_patterns, sizeof *view->images);
     FfpCapture alone = finer.capture;
     alone.n_views = 1, alone.views = view;
-    const bool ok = read_view(&finer, v, &none) && ffp_dark_masks(&view->coverage, &alone);
+    bool ok = read_view(&finer, v, &none) && ffp_dark_masks(&view->coverage, &alone);
     if (ok) {
         ffp_dark_soften(&alone, view);
-        ffp_image_free(&coarse->coverage);
-        coarse->coverage = means_of(&view->coverage);
+        FfpImage shares = means_of(&view->coverage);
+        ok = is_alike(&coarse->coverage, &shares);
+        ffp_image_free(ok ? &coarse->coverage : &shares);
+        if (ok) coarse->coverage = shares;
     }
     for (int p = 0; p < import->capture.n_patterns; p++) ffp_image_free(&view->images[p]);
     ffp_image_free(&view->coverage);

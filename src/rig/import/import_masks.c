@@ -143,32 +143,17 @@ static bool may_show_background(const FfpCapture *capture) {
            ffp_rig_silhouette_misfit(capture) >= MISFIT_LEAST;
 }
 
-// Whether the light's masks show a background, and what stays the same over the stops tells the object
-// better: they are replaced then.
-static bool mask_by_common_stage(FfpImporting *import) {
+// Replaces the masks by those from the one stage of all views; false, and they stay, when that fails.
+static bool replace_masks(FfpImporting *import, const FfpEmptyStage *stage, FfpStageMasks *report) {
     FfpCapture *capture = &import->capture;
-    FfpEmptyStage stage = {0};
-    FfpCommon found;
-    FfpStageMasks report;
+    FfpStageMasks made;
     FfpError none = {0};
-    if (!has_one_camera(import) || capture->n_views < VIEWS_TURNED) return false;
-    ffp_capture_estimate_bounds(capture);
-    if (!may_show_background(capture) || !ffp_common_stage(&stage, &found, capture)) return false;
-    bool ok = found.lit > LIT_LEAST * masked_share(capture);
     FfpImage *before = ffp_alloc((size_t)capture->n_views, sizeof *before);
     for (int v = 0; v < capture->n_views; v++)
         before[v] = capture->views[v].coverage, capture->views[v].coverage = (FfpImage){0};
-    ok = ok && mask_by_stage(import, &stage, &report, &none);
-    if (ok && ffp_common_stage_again(&stage, capture)) ok = mask_by_stage(import, &stage, &report, &none);
-    if (ok) {
-        soften_edges(import, &stage, &report);
-        ffp_warning("lit background: white lights %.0f %% of the picture that stay the same at all stops. "
-                    "Photograph the stage without the object (empty) for better masks",
-                    100 * found.lit);
-        note_stage(import, &report, "what stays the same over the stops");
-    } else {
-        free_coverages(capture);
-    }
+    const bool ok = mask_by_stage(import, stage, &made, &none);
+    if (ok) *report = made;
+    if (!ok) free_coverages(capture);
     for (int v = 0; v < capture->n_views; v++) {
         if (ok)
             ffp_image_free(&before[v]);
@@ -176,6 +161,28 @@ static bool mask_by_common_stage(FfpImporting *import) {
             capture->views[v].coverage = before[v];
     }
     ffp_free(before);
+    return ok;
+}
+
+// Whether the light's masks show a background, and what stays the same over the stops tells the object
+// better: they are replaced then.
+static bool mask_by_common_stage(FfpImporting *import) {
+    FfpCapture *capture = &import->capture;
+    FfpEmptyStage stage = {0};
+    FfpCommon found;
+    FfpStageMasks report;
+    if (!has_one_camera(import) || capture->n_views < VIEWS_TURNED) return false;
+    ffp_capture_estimate_bounds(capture);
+    if (!may_show_background(capture) || !ffp_common_stage(&stage, &found, capture)) return false;
+    const bool ok = found.lit > LIT_LEAST * masked_share(capture) && replace_masks(import, &stage, &report);
+    if (ok) {
+        if (ffp_common_stage_again(&stage, capture)) replace_masks(import, &stage, &report);
+        soften_edges(import, &stage, &report);
+        ffp_warning("lit background: white lights %.0f %% of the picture that stay the same at all stops. "
+                    "Photograph the stage without the object (empty) for better masks",
+                    100 * found.lit);
+        note_stage(import, &report, "what stays the same over the stops");
+    }
     ffp_common_stage_free(&stage, capture->n_patterns);
     return ok;
 }

@@ -66,7 +66,8 @@ void ffp_importing_cover_scene(FfpImporting *import, int stop);
 bool ffp_importing_complete_masks(FfpImporting *import, FfpError *err);
 bool ffp_importing_write_sheet(const char *folder, const FfpImporting *import, FfpError *err);
 // Replaces the mask of a view in the dark (dark.h) by means of one with twice as many pixels a side, for
-// which its photographs are read once more. False: they have not as many, or are not dark.
+// which its photographs are read once more. False, and the mask stays: they are less than 1.5 times as wide,
+// cannot be read or are not dark, or the two masks differ by two fifths.
 bool ffp_importing_refine_mask(FfpImporting *import, int v);
 // masks/VIEW.png, if masks were made.
 bool ffp_importing_write_masks(const char *folder, const FfpImporting *import, FfpError *err);

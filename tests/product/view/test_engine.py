@@ -8,6 +8,7 @@ Then the same page from a server that isolates it, with threads.
 Exits with 77 and a line where there is no browser."""
 import base64
 import functools
+import glob
 import gzip
 import http.server
 import json
@@ -79,7 +80,7 @@ def seconds_of(pid):
 
 def worker_seconds(pid):
     """Processor seconds of each worker of the browser's pages, most first: threads of that name."""
-    stats = [stat_of(f"/proc/{one}/task/{thread}") for one in family_of(pid) for thread in os.listdir(f"/proc/{one}/task")]
+    stats = [stat_of(task) for one in family_of(pid) for task in glob.glob(f"/proc/{one}/task/*")]
     return sorted((seconds for name, _, seconds in filter(None, stats) if name.startswith("DedicatedWorker")), reverse=True)
 
 

@@ -8,7 +8,7 @@
 // Rows and panels of a block: as many sums as leave registers for a panel of B and one number of A. Each sum
 // is a chain of additions; there must be more of them than the latency of a multiplication times its
 // throughput. 28 sums of 32 registers with AVX-512, 12 of 16 with AVX2 and SSE2; 20 of 32 with
-// NEON, where five numbers of A stay in them, too.
+// NEON, where five numbers of A stay in them, too (24 with bf16).
 // Compilers of WebAssembly load all that they multiply into registers, of which x86 has 15 for them: 10 sums
 // there, of half a panel.
 enum { VECTORS = FFP_PACK_LINES / FFP_LANES }; // of one panel
