@@ -529,7 +529,9 @@ typedef struct FfpCompensation {
     int rate;
     double gain; // factor on the linear targets; 0: the brightest that light allows
     bool paint;  // targets are light on the object: 0 its look under black, 1 its look under white (no gain)
-    int steps;   // of gradient descent after the closed form; 0: none
+    // Of gradient descent after the closed form, which then is at up to four times the camera's pixels a
+    // side; 0: none, and the closed form is that of the live page.
+    int steps;
     // Take ambient light and response from the Gaussians even if the view has photographs under black and
     // white.
     bool gaussians_only;

@@ -189,6 +189,7 @@ static void aim(const Job *job, FfpProCams *procams, bool note) {
 
 // A projector with many pixels for one of the camera's would show that one's outline at every edge: so
 // targets are asked for at up to TIMES_MOST as many pixels a side, where the Gaussians say where they lie.
+// The descent goes on from there; without one the closed form is the live page's, at the camera's pixels.
 static void begin_finer(Job *job, const FfpGaussians *gaussians, const FfpRenderSettings *settings) {
     const int n = job->chosen.n_views;
     double pixels = 0;
@@ -353,7 +354,7 @@ static FfpImages *run(const FfpGaussians *gaussians, const FfpCapture *capture,
         ok = check_light(&job, err);
     }
     if (ok) {
-        begin_finer(&job, gaussians, &settings);
+        if (options->steps > 0) begin_finer(&job, gaussians, &settings);
         solve(&job, &found);
         images = ffp_images_new();
         ok = collect(&job, images, err);

@@ -88,13 +88,13 @@ static void world_free(World *w) {
     ffp_image_free(&w->patterns[1].image);
 }
 
-static FfpProCams drawn_stage_of(World *w, int views, const FfpRenderSettings *settings) {
+static FfpProCams drawn_procams_of(World *w, int views, const FfpRenderSettings *settings) {
     return ffp_procams_new(&w->gaussians, &w->capture, w->chosen, views, settings, false);
 }
 
 static FfpProCams procams_of(World *w, int views) {
     const FfpRenderSettings settings = ffp_render_defaults();
-    return drawn_stage_of(w, views, &settings);
+    return drawn_procams_of(w, views, &settings);
 }
 
 static void randomise(FfpImage *image, uint64_t seed, double low, double high) {
@@ -118,7 +118,7 @@ static FfpImage waves(int side) {
 static double picture_difference(const FfpRenderSettings *settings, double *psnr) {
     World w;
     world_new(&w, true);
-    FfpProCams procams = drawn_stage_of(&w, 1, settings);
+    FfpProCams procams = drawn_procams_of(&w, 1, settings);
     randomise(&procams.projections[0].pattern, 5, 0, 1);
     FfpImage ours = ffp_procams_picture(&procams, 0);
     ffp_image_to_srgb(&ours);

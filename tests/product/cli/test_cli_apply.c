@@ -139,12 +139,13 @@ static void letters_have_no_halos(void **state) {
     assert_true(255 * free > 12);
 }
 
-// The closed form takes a target's edges from its own pixels, not from the camera's, which are coarser.
+// Before the descent the closed form takes a target's edges from its own pixels, not from the camera's, which
+// are coarser.
 static void edges_are_finer_than_the_cameras_pixels(void **state) {
     (void)state;
     write_letters("fine.png", 8 * SIDE);
     run_format(&run,
-               "compensate %s/tiny.ply -c %s/tiny -v view_1 -t %s/fine.png --paint -s 0 -o %s/fine_p.png",
+               "compensate %s/tiny.ply -c %s/tiny -v view_1 -t %s/fine.png --paint -s 1 -o %s/fine_p.png",
                scratch, scratch, scratch, scratch);
     must_run();
     assert_true(number_after("dB dark, ") > 34.5); // 32.9 from the camera's pixels
