@@ -78,10 +78,10 @@ static void grow(FfpImage *image) {
     ffp_image_free(&before);
 }
 
-int ffp_procams_footprint(const FfpProCams *procams, int k) {
+int ffp_procams_footprint(const FfpProCams *procams, int projection) {
     double sum = 0, count = 0;
     for (int s = 0; s < procams->n_camera_views; s++) {
-        const FfpMapping *mapping = &ffp_procams_link(procams, s, k)->mapping;
+        const FfpMapping *mapping = &ffp_procams_link(procams, s, projection)->mapping;
         for (int p = 0; p < mapping->width * mapping->height; p++)
             if (mapping->visibility[p] > 0) {
                 sum += (double)fmax(mapping->extent[2 * p], mapping->extent[2 * p + 1]);
