@@ -31,8 +31,8 @@ double ffp_drawing_bytes(double splats, double pixels, int samples);
 
 // The bytes that the maps of a view take: the picture that is kept, and a strip while it is drawn.
 double ffp_maps_bytes(double splats, const FfpView *view, int samples);
-// The bytes that compensation takes (engine/apply/procams.h): all that is kept of all cameras' and projectors'
-// pixels, and the largest strip while it is drawn.
+// The bytes that compensation takes (engine/apply/procams.h): all that is kept of all cameras' and
+// projectors' pixels, and the largest strip while it is drawn.
 double ffp_compensation_bytes(double splats, const FfpView *const *views, int n_views, int samples);
 
 // Checks that a reconstruction needs at most `available` bytes (negative: not known, and the check passes).
