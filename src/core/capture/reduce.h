@@ -4,12 +4,11 @@
 
 #include "core/capture/capture.h"
 
-// The view with pictures of width x height: coverage and the photographs under the
-// `n` given of n_patterns patterns, averaged over each pixel's area as the object's own linear radiance times
-// its coverage, or where that is smaller than theirs, between theirs; positions in the projector averaged
-// likewise where they are known; a camera that sees the same with fewer pixels; the frame, rounded up. Of its
-// own size: a copy. Truth maps and other pictures are left out (.data NULL); a photograph that the view lacks
-// stays missing.
+// The view with pictures of width x height: coverage and the photographs under the `n` given of n_patterns
+// patterns, as the object's own linear radiance times its coverage, averaged over each pixel's area, or
+// interpolated along a side that grows; positions in the projector averaged likewise where they are known; a
+// camera that sees the same with so many pixels; the frame, rounded up. Of its own size: a copy. Truth maps
+// and other pictures are left out (.data NULL); a photograph that the view lacks stays missing.
 FfpView ffp_view_reduced(const FfpView *view, int n_patterns, const int *patterns, int n, int width,
                          int height);
 void ffp_view_reduced_free(FfpView *view, int n_patterns);

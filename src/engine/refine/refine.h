@@ -29,7 +29,7 @@ typedef struct FfpRefineSettings {
     double centre_decay;        // the centre's rate falls by this factor over `centre_decay_steps`
     int64_t centre_decay_steps; // 0: over the budget
     real beta1, beta2, epsilon; // Adam's
-    bool coupled;               // of centres by ffp_adam_coupled (adam.h); without growth alone
+    bool coupled;               // centres move by ffp_adam_coupled (adam.h); with growth they do not
     real l1, square, ssim, mask, roughness_smooth, normal_smooth, distortion; // weights of the loss terms
     int64_t distortion_from;                                                  // step
     real smooth; // share by which a step draws displacements along the normal towards the neighbours' mean

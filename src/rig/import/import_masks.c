@@ -152,8 +152,10 @@ static bool replace_masks(FfpImporting *import, const FfpEmptyStage *stage, FfpS
     for (int v = 0; v < capture->n_views; v++)
         before[v] = capture->views[v].coverage, capture->views[v].coverage = (FfpImage){0};
     const bool ok = mask_by_stage(import, stage, &made, &none);
-    if (ok) *report = made;
-    if (!ok) free_coverages(capture);
+    if (ok)
+        *report = made;
+    else
+        free_coverages(capture);
     for (int v = 0; v < capture->n_views; v++) {
         if (ok)
             ffp_image_free(&before[v]);
