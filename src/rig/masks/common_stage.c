@@ -6,14 +6,14 @@
 #include "rig/masks/layers.h"
 #include "rig/masks/local_mean.h"
 #include "rig/masks/mask.h"
+#include "rig/masks/place.h"
 
-#define SAME 2.0        // mean squared error of looks that are alike
-#define SHARE_LEAST 0.3 // of the views, which must share a look
-#define BRIGHTER 2.0    // times as much of white: the other look is a shadow
-#define LIT 10          // times the noise that white adds
-#define GAP 0.03        // of the longer side, half the width of gaps in masks that are closed
-#define GAPS_LEAST 0.01 // of what all masks share
-#define SURE 0.02       // share of a Gaussian that must be known
+#define SAME 2.0         // mean squared error of looks that are alike
+#define SHARE_LEAST 0.3  // of the views, which must share a look
+#define BRIGHTER 2.0     // times as much of white: the other look is a shadow
+#define LIT 10           // times the noise that white adds
+#define ABOVE_LEAST 0.02 // of the mean mask, which must stand above the platter
+#define SURE 0.02        // share of a Gaussian that must be known
 static const double near_and_far[3] = {0.05, 0.02, 0.008}; // Gaussians, of the picture's longer side
 #define GOES_ON 0.12 // of the light, by which a look may differ from the stage beside it
 enum { SIDE = 5, AROUND_LEAST = 4, ROUNDS = 200 }; // pixels around one; which must be known
@@ -200,48 +200,9 @@ bool ffp_common_stage(FfpEmptyStage *stage, FfpCommon *found, const FfpCapture *
 
 // --- Once more, without the object. ---
 
-enum { NOTHING, A_GAP, A_MASK };
-
-// What a mask says of its pixels; gaps are its holes, and what closing it fills.
-static void mark_gaps(unsigned char *marks, const FfpImage *mask) {
-    const size_t pixels = (size_t)mask->width * (size_t)mask->height;
-    const int gap = (int)lrint(GAP * fmax(mask->width, mask->height));
-    FfpImage filled = ffp_image_new(mask->width, mask->height, 1);
-    for (size_t i = 0; i < pixels; i++) marks[i] = mask->data[i] > 0;
-    ffp_marks_grow(marks, mask->width, mask->height, gap);
-    ffp_marks_shrink(marks, mask->width, mask->height, gap);
-    for (size_t i = 0; i < pixels; i++) filled.data[i] = marks[i];
-    ffp_mask_fill_holes(&filled);
-    for (size_t i = 0; i < pixels; i++)
-        marks[i] = mask->data[i] > 0 ? A_MASK : filled.data[i] > 0 ? A_GAP : NOTHING;
-    ffp_image_free(&filled);
-}
-
-// Marks the pixels where all views have their masks or gaps in them; returns in what share of these pixels
-// half of the views have gaps.
-static double find_gaps(unsigned char *found, const FfpCapture *capture) {
-    const size_t pixels =
-        (size_t)capture->views[0].coverage.width * (size_t)capture->views[0].coverage.height;
-    unsigned char *marks = ffp_alloc(pixels, 1);
-    int *gaps = ffp_alloc(pixels, sizeof *gaps);
-    double shared = 0, most = 0;
-    memset(found, 1, pixels);
-    for (int v = 0; v < capture->n_views; v++) {
-        mark_gaps(marks, &capture->views[v].coverage);
-        for (size_t i = 0; i < pixels; i++) found[i] &= marks[i] != NOTHING, gaps[i] += marks[i] == A_GAP;
-    }
-    for (size_t i = 0; i < pixels; i++) {
-        shared += found[i];
-        most += found[i] && 2 * gaps[i] >= capture->n_views;
-    }
-    ffp_free(marks), ffp_free(gaps);
-    return most / fmax(shared, 1);
-}
-
 bool ffp_common_stage_again(FfpEmptyStage *stage, const FfpCapture *capture) {
-    unsigned char *object =
-        ffp_alloc((size_t)capture->views[0].coverage.width * (size_t)capture->views[0].coverage.height, 1);
-    const bool again = find_gaps(object, capture) >= GAPS_LEAST;
+    unsigned char *object = ffp_alloc((size_t)stage->known.width * (size_t)stage->known.height, 1);
+    const bool again = ffp_place_above(object, capture, stage) >= ABOVE_LEAST;
     if (again) {
         ffp_common_stage_free(stage, capture->n_patterns);
         find(stage, capture, object);

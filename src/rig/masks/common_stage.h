@@ -14,10 +14,9 @@ typedef struct FfpCommon {
 // common, or nearly, and twice as bright is taken before a darker one, which then is a shadow. *stage (to be
 // freed by ffp_common_stage_free) knows only such pixels. False when there are fewer than five views.
 bool ffp_common_stage(FfpEmptyStage *stage, FfpCommon *found, const FfpCapture *capture);
-// Finds *stage again, once there are masks made with it (coverage, 0 and 1), if these have gaps where no view
-// shows anything outside its mask: there the object looks the same from all sides and was taken for the
-// stage, which then is unknown wherever all masks, their gaps closed, are object. False, and nothing is done,
-// if half of the views have gaps in less than 1 % of these pixels.
+// Finds *stage again, once there are masks made with it (coverage, 0 and 1), if part of what was taken for
+// the stage stands above the platter (ffp_place_above), 2 % of the mean mask at least: there the object looks
+// the same from all sides. The stage then is unknown there. False, and nothing is done, if there is less.
 bool ffp_common_stage_again(FfpEmptyStage *stage, const FfpCapture *capture);
 void ffp_common_stage_free(FfpEmptyStage *stage, int n_patterns);
 

@@ -59,11 +59,11 @@ class Page(browser.Browser):
         self.wait("document.readyState === 'complete' && !!window.ready")
 
     def click(self, selector):
-        """The middle of an element, by the mouse, where a person would press it."""
-        x, y = self.run(f"""(() => {{ const e = document.querySelector({json.dumps(selector)}); e.scrollIntoView({{block: 'center'}});
-            const r = e.getBoundingClientRect(); return [r.left + r.width / 2, r.top + r.height / 2]; }})()""")
-        assert self.run(f"(() => {{ const e = document.querySelector({json.dumps(selector)}); return !e.disabled && "
-                        f"e.contains(document.elementFromPoint({x}, {y})); }})()"), f"{selector} cannot be pressed"
+        """The middle of an element, by the mouse, where a person would press it, as soon as it can be pressed."""
+        self.wait(f"""(window.middle = (() => {{ const e = document.querySelector({json.dumps(selector)}); e.scrollIntoView({{block: 'center'}});
+            const r = e.getBoundingClientRect(), x = r.left + r.width / 2, y = r.top + r.height / 2;
+            return !e.disabled && e.contains(document.elementFromPoint(x, y)) ? [x, y] : null; }})()) !== null""")
+        x, y = self.run("window.middle")
         self.mouse("mousePressed", x, y)
         self.mouse("mouseReleased", x, y, buttons=0)
 

@@ -340,44 +340,6 @@ static void an_exchanged_stage_is_refused(void **state) {
     free_room(room);
 }
 
-// Masks of all views: a square, of whose middle a square of `hole` pixels a side is left out.
-static void mask_squares(Room *room, int hole) {
-    for (int v = 0; v < VIEWS; v++) {
-        FfpImage *mask = &room->capture.views[v].coverage;
-        ffp_image_free(mask);
-        *mask = ffp_image_new(WIDTH, HEIGHT, 1);
-        for (int i = 0; i < WIDTH * HEIGHT; i++) {
-            const int x = 2 * (i % WIDTH) - WIDTH, y = 2 * (i / WIDTH) - HEIGHT;
-            const bool inside = abs(x) < HEIGHT / 2 && abs(y) < HEIGHT / 2;
-            mask->data[i] = inside && !(abs(x) < hole && abs(y) < hole);
-        }
-    }
-}
-
-// What looks the same from all sides inside the masks is the object, unless it is a speck, or one view shows
-// it outside.
-static void a_gap_in_all_masks_is_no_stage(void **state) {
-    (void)state;
-    Room *room = new_room(true);
-    FfpEmptyStage stage;
-    FfpCommon found;
-    const int middle = HEIGHT / 2 * WIDTH + WIDTH / 2, edge = WIDTH + 1;
-    assert_true(ffp_common_stage(&stage, &found, &room->capture));
-    stage.known.data[middle] = 1;
-    mask_squares(room, HEIGHT / 24);
-    assert_false(ffp_common_stage_again(&stage, &room->capture));
-    mask_squares(room, HEIGHT / 4);
-    memset(room->capture.views[2].coverage.data, 0, WIDTH * HEIGHT * sizeof(real));
-    assert_false(ffp_common_stage_again(&stage, &room->capture));
-    assert_true(stage.known.data[middle] > 0);
-    mask_squares(room, HEIGHT / 4);
-    assert_true(ffp_common_stage_again(&stage, &room->capture));
-    assert_false(stage.known.data[middle] > 0);
-    assert_true(stage.known.data[edge] > 0);
-    ffp_common_stage_free(&stage, PATTERNS);
-    free_room(room);
-}
-
 // What the views share is the stage as it is alone, and makes nearly as good masks.
 static void what_stays_the_same_is_the_stage(void **state) {
     (void)state;
@@ -441,7 +403,6 @@ int main(void) {
         cmocka_unit_test(what_changed_since_the_stage_is_named),
         cmocka_unit_test(an_exchanged_stage_is_refused),
         cmocka_unit_test(what_stays_the_same_is_the_stage),
-        cmocka_unit_test(a_gap_in_all_masks_is_no_stage),
         cmocka_unit_test(the_contact_sheet_shows_the_masks),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
