@@ -4,7 +4,7 @@
 
 #include "rig/masks/stage.h"
 
-// Marks [height*width] the pixels whose look in *stage, which ffp_common_stage found, is no stage but an
+// Marks [height*width] the pixels whose look in *stage, which ffp_common_stage found, is not the stage but an
 // object that looks the same from all sides. Depth is where the patterns explain the stage's pictures best: a
 // plane sweep along the rays of the first view's camera, squared differences being means over some 5 x 5
 // pixels. The platter is the height along the turntable's axis (the world's z) at which most of that lies
