@@ -19,6 +19,7 @@
 #define COLOUR_SURE 0.08  // the same, and
 #define BLACK_SURE 2.0    // times the noise that black must have, where
 #define KEPT_LEAST 0.75   // less of the stage's black is left: the room's lamp has its shadows, too
+#define KEPT_EVER 0.22    // of it that every shadow keeps: below, the object is darker than the stage
 #define KEPT_MOST 1.2     // of the stage's black: the object is brighter
 #define DIRECT 1.5        // squared error, in variances, of light that cannot be bounced
 #define DIRECT_NOISE 0.3  // of the noise: what is left of it in a local mean
@@ -133,6 +134,7 @@ static bool keeps_black(const Shade *s, ptrdiff_t pixel, double colour) {
     const double here = sum_of(&s->black, pixel), there = sum_of(&s->stage_black, pixel);
     if (there <= 3 * s->noise) return true;
     if (here > KEPT_MOST * there) return false;
+    if (here < KEPT_EVER * there) return false;
     return here >= KEPT_LEAST * there || (here > BLACK_SURE * s->noise && colour > COLOUR_SURE);
 }
 
