@@ -54,7 +54,7 @@ ffp_room(axis DEPS calibration match capture image numerics base)
 # the object told from what it stands on
 ffp_room(masks DEPS match graycode capture image numerics base)
 # what is wrong with a capture
-ffp_room(checks DEPS masks capture image numerics base READERS explain)
+ffp_room(checks DEPS masks match capture image numerics base READERS explain)
 # photographs into captures
 ffp_room(import DEPS checks masks axis calibration match graycode patterns capture image numerics base READERS file_names)
 # chessboards and Gray codes into calibrations; a turntable's axis

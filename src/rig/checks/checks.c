@@ -6,6 +6,7 @@
 #include "core/base/arena.h"
 #include "core/base/text.h"
 #include "core/numerics/rank.h"
+#include "rig/checks/slip.h"
 #include "rig/masks/chord.h"
 
 #define LIT 0.02F
@@ -452,7 +453,8 @@ static void check_pattern(Page *page, const FfpCapture *capture, const Light *li
     for (int k = 1; k < 3; k++) mirror = found.mirrored[k] < found.mirrored[mirror] ? k : mirror;
     const bool mirrored = found.mirrored[mirror] < FITS * found.error;
     const bool moved = !mirrored && found.best < 0.85 * found.error;
-    const bool nothing = !mirrored && !moved && found.error > CHANCE_MAX * found.chance;
+    const bool spoilt = found.odd >= 0 && found.odd_across == 0; // the others fit
+    const bool nothing = !mirrored && !moved && !spoilt && found.error > CHANCE_MAX * found.chance;
     const bool odd = !mirrored && !moved && !nothing && found.odd >= 0;
     line(page, !mirrored && !moved && !nothing && !odd, "pattern",
          "'%s' explains the pictures with error %.3f; chance gives %.3f (%d pixels)",
@@ -474,6 +476,41 @@ static void check_pattern(Page *page, const FfpCapture *capture, const Light *li
         advise(page, "no better than chance: another pattern was shown, views are mixed up, or poses are "
                      "wrong (angles' "
                      "sign, R and T from camera to projector)");
+}
+
+// --- What moved. ---
+
+static void put_views(const Page *page, const FfpCapture *capture, int a, const char *between, int b) {
+    ffp_put_plain(page->out, capture->views[a].id);
+    if (a == b) return;
+    fputs(between, page->out);
+    ffp_put_plain(page->out, capture->views[b].id);
+}
+
+static void check_surfaces(Page *page, const FfpCapture *capture) {
+    const int active = ffp_capture_active_pattern(capture, NULL, NULL);
+    const FfpSlip found = active >= 0 ? ffp_rig_slip(capture, active) : (FfpSlip){0};
+    if (found.compared == 0) return;
+    line(page, found.pairs == 0, "surfaces", "those of %d of %d pairs of neighbouring views lie apart",
+         found.pairs, found.compared);
+    if (found.pairs == 0) return;
+    const bool one = found.first == found.last;
+    fputs(found.first >= 0 && one ? "       -> view " : "       -> views ", page->out);
+    if (found.first < 0) {
+        put_views(page, capture, found.pair, " and ", (found.pair + 1) % capture->n_views);
+        fputs(" most clearly: the object or a device moved in between, or the turntable's axis or angles are "
+              "wrong\n",
+              page->out);
+        return;
+    }
+    put_views(page, capture, found.first, " to ", found.last);
+    fprintf(page->out, " %s the object %.2g units from where the others show it", one ? "shows" : "show",
+            found.shift);
+    if (found.turn > 0) fprintf(page->out, ", turned by %.0f degrees", found.turn);
+    fputs(
+        one ? ": did it slip, was a device bumped, or the turntable not where its angle says? Take it again\n"
+            : ": did it slip, or was a device moved? Take them again\n",
+        page->out);
 }
 
 // --- Whole scenes. ---
@@ -542,6 +579,7 @@ int ffp_rig_checks(const FfpCapture *capture, const FfpCamera *taken, FILE *out)
         check_rig(&page, capture, taken, &light);
     }
     check_pattern(&page, capture, &light);
+    if (!capture->scene) check_surfaces(&page, capture);
     ffp_free(light.white);
     ffp_free(light.share);
     return page.doubts;

@@ -20,7 +20,7 @@
 #define FAR 4          // shifts by a third of the pattern and round its edges: what chance explains
 #define ODD 0.93       // of a view's own error: a shift that leaves less explains it
 #define WORSE 2.5      // times the median error of the views
-#define ODD_MOST 3     // one view in so many may be odd
+#define ODD_MOST 3     // one of so many views that are lit may be odd
 enum { VARIANTS = MIRRORS + SHIFTS + FAR };
 
 typedef struct Variant {
@@ -159,15 +159,15 @@ static double shift_of(const Variant *variants, const double sums[VARIANTS], dou
     return *left < ODD ? variants[best].across : 0;
 }
 
-// The view that is explained worse than most, when it is far worse.
+// The view that is explained worse than most, when it is far worse; error 0: not asked.
 static int worst_view(const double *errors, int n) {
     double *sorted = ffp_alloc((size_t)n, sizeof *sorted);
-    int worst = 0;
+    int worst = 0, asked = 0;
     for (int v = 0; v < n; v++) {
-        sorted[v] = errors[v];
+        if (errors[v] > 0) sorted[asked++] = errors[v];
         worst = errors[v] > errors[worst] ? v : worst;
     }
-    const double usual = ffp_median(sorted, (size_t)n);
+    const double usual = ffp_median(sorted, (size_t)asked);
     ffp_free(sorted);
     return errors[worst] > WORSE * usual ? worst : -1;
 }
@@ -177,7 +177,7 @@ static int worst_view(const double *errors, int n) {
 static void look_at_views(FfpExplanation *out, const FfpCapture *capture, int pattern,
                           const FfpSummed *summed, const Variant *variants, double sums[VARIANTS]) {
     double least = 1, left;
-    int odd = 0;
+    int odd = 0, judged = 0;
     double *errors = ffp_alloc((size_t)capture->n_views, sizeof *errors);
     for (int v = 0; v < capture->n_views; v++) {
         double own[VARIANTS] = {0};
@@ -187,11 +187,12 @@ static void look_at_views(FfpExplanation *out, const FfpCapture *capture, int pa
         out->pixels += n;
         errors[v] = n >= PIXELS_LEAST ? sqrt(own[0] / n) : 0;
         const double across = n >= PIXELS_LEAST ? shift_of(variants, own, &left) : 0;
+        judged += n >= PIXELS_LEAST;
         odd += across != 0;
         if (across == 0 || left >= least) continue;
         least = left, out->odd = v, out->odd_across = across;
     }
-    if (odd * ODD_MOST > capture->n_views) {
+    if (odd * ODD_MOST > judged) { // also where the others are too dark to be asked
         out->odd = -1;
         out->odd_across = 0;
     }

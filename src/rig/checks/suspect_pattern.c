@@ -131,6 +131,15 @@ typedef struct Odd {
     double usual; // error of the views
 } Odd;
 
+// Whether the photograph of view `odd` fits view `other`, as it does where the two are exchanged: of an
+// object that looks alike from both, the other's may fit here by its shape alone, whatever is wrong with the
+// odd one.
+static bool fits_there(const FfpCapture *capture, int active, const FfpSummed *pattern, int odd, int other,
+                       double enough) {
+    const FfpGuess guess = {.photograph = &capture->views[odd].images[active], .pattern = pattern};
+    return ffp_rig_guess(capture, &capture->views[other], &guess) < enough;
+}
+
 // Fails if another photograph is what belongs there, or if what is there certainly does not.
 static bool try_one_view(const FfpCapture *capture, int active, const FfpSummed *pattern, const Odd *found,
                          FfpError *err) {
@@ -150,7 +159,7 @@ static bool try_one_view(const FfpCapture *capture, int active, const FfpSummed 
         least = error;
         best = v;
     }
-    if (least < enough)
+    if (least < enough && fits_there(capture, active, pattern, odd, best, enough))
         return ffp_fail(err, FFP_ERROR_ARGUMENT, view->id,
                         "its photograph under %s does not fit the others of this view; that of view %s does: "
                         "they are exchanged",
@@ -167,8 +176,8 @@ static bool try_one_view(const FfpCapture *capture, int active, const FfpSummed 
     }
     return !found->sure ||
            ffp_fail(err, FFP_ERROR_ARGUMENT, view->id,
-                    "its photograph under %s does not show that pattern where this view's projector is: its "
-                    "pose, or one of its photographs, is another's",
+                    "its photograph under %s does not show that pattern where this view's projector is: "
+                    "something was in front of it, or its pose or one of its photographs is another's",
                     name);
 }
 

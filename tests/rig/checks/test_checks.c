@@ -5,6 +5,7 @@
 #include "core/base/alloc.h"
 #include "core/base/vec.h"
 #include "rig/checks/checks.h"
+#include "rig/checks/slip.h"
 #include "rig/masks/chord.h"
 #include "support.h"
 
@@ -127,6 +128,49 @@ static void test_one_view(void **state) {
     const FfpImage *white = &capture.views[2].images[capture.white];
     for (int i = 0; i < 3 * seen->width * seen->height / 2; i++) seen->data[i] = 0.7F * white->data[i];
     must_doubt("pattern", "theta090 fits far worse than the others");
+}
+
+// Where the others are too dark to be asked, nobody can say that a view is unlike them.
+static void test_one_view_in_the_light(void **state) {
+    (void)state;
+    const int active = ffp_capture_active_pattern(&capture, NULL, NULL);
+    for (int v = 0; v < capture.n_views; v++) {
+        FfpView *view = &capture.views[v];
+        const int shown[2] = {capture.white, active};
+        if (v == 3) view->projector.cx += 20;
+        for (int i = 0; i < 3 * view->camera.width * view->camera.height && v != 3; i++)
+            for (int k = 0; k < 2; k++) view->images[shown[k]].data[i] = view->images[capture.black].data[i];
+    }
+    const FfpExplanation found = ffp_rig_explain(&capture, active);
+    assert_true(found.pixels > 100);
+    assert_int_equal(found.odd, -1);
+}
+
+// The platter turns about z: the object stays where it is put, and the devices go round it.
+static void shift(FfpView *view, double x, double y) {
+    real *const poses[2] = {view->camera.pose, view->projector.pose};
+    for (int k = 0; k < 2; k++) poses[k][3] += (real)x, poses[k][7] += (real)y;
+}
+
+static void test_slipped(void **state) {
+    (void)state;
+    SAME_WAY_AGAIN();
+    const int active = ffp_capture_active_pattern(&capture, NULL, NULL);
+    const double far = 0.05 * (double)capture.radius;
+    for (int v = 4; v < 8; v++) shift(&capture.views[v], 0.6 * far, 0.8 * far);
+    must_doubt("surfaces", "views path_0_theta180 to path_0_theta315 show the object");
+    FfpSlip found = ffp_rig_slip(&capture, active);
+    assert_int_equal(found.compared, 8);
+    assert_true(found.first == 4 && found.last == 7);
+    assert_true(fabs(found.shift - far) < 0.2 * far);
+    for (int v = 4; v < 8; v++) shift(&capture.views[v], -0.6 * far, -0.8 * far);
+    turn(&capture.views[2], acos(-1.0) / 15);
+    must_doubt("surfaces", "view path_0_theta090 shows the object");
+    turn(&capture.views[2], -acos(-1.0) / 15);
+    shift(&capture.views[2], 0, far), shift(&capture.views[4], far, 0);
+    must_doubt("surfaces", "most clearly: the object or a device moved in between");
+    found = ffp_rig_slip(&capture, active);
+    assert_true(found.pairs > 2 && found.pair >= 1 && found.pair <= 4 && found.first == -1);
 }
 
 // A mask in which a hand is left.
@@ -253,6 +297,8 @@ int main(void) {
         cmocka_unit_test_setup_teardown(test_axis_moved, setup, teardown),
         cmocka_unit_test_setup_teardown(test_pattern_mirrored, setup, teardown),
         cmocka_unit_test_setup_teardown(test_one_view, setup, teardown),
+        cmocka_unit_test_setup_teardown(test_one_view_in_the_light, setup, teardown),
+        cmocka_unit_test_setup_teardown(test_slipped, setup, teardown),
         cmocka_unit_test_setup_teardown(test_hand_in_a_mask, setup, teardown),
         cmocka_unit_test_setup_teardown(test_projector_off, setup, teardown),
         cmocka_unit_test_setup_teardown(test_another_pattern, setup, teardown),

@@ -162,6 +162,27 @@ static void photographs_of_something_else(void **state) {
     must_name(capture.folder, "mirrored left to right");
 }
 
+// A sheet of paper. Another view looks just the same, and its photograph fits: but they are not exchanged.
+static void something_in_front_of_one_view(void **state) {
+    (void)state;
+    const int active = ffp_capture_active_pattern(&capture, NULL, NULL);
+    const int shown[3] = {capture.black, capture.white, active};
+    FfpView *view = &capture.views[VIEW], *other = &capture.views[OTHER];
+    other->camera = view->camera;
+    other->projector = view->projector;
+    ffp_image_free(&other->coverage);
+    other->coverage = ffp_image_copy(&view->coverage);
+    for (int k = 0; k < 3; k++) {
+        ffp_image_free(&other->images[shown[k]]);
+        other->images[shown[k]] = ffp_image_copy(&view->images[shown[k]]);
+    }
+    const real *black = view->images[capture.black].data, *white = view->images[capture.white].data;
+    FfpImage *seen = &view->images[active];
+    for (int i = 0; i < 3 * seen->width * seen->height; i++)
+        seen->data[i] = black[i] + 0.7F * (white[i] - black[i]);
+    must_name(view->id, "something was in front of it");
+}
+
 static void calibrations_of_another_size(void **state) {
     (void)state;
     for (int v = 0; v < capture.n_views; v++) {
@@ -253,6 +274,7 @@ int main(void) {
         cmocka_unit_test_setup_teardown(a_turntable_that_turned_the_other_way, setup, teardown),
         cmocka_unit_test_setup_teardown(black_and_white_exchanged, setup, teardown),
         cmocka_unit_test_setup_teardown(photographs_of_something_else, setup, teardown),
+        cmocka_unit_test_setup_teardown(something_in_front_of_one_view, setup, teardown),
         cmocka_unit_test_setup_teardown(calibrations_of_another_size, setup, teardown),
         cmocka_unit_test_setup_teardown(masks_that_are_none, setup, teardown),
         cmocka_unit_test_setup_teardown(devices_where_they_cannot_be, setup, teardown),
