@@ -14,19 +14,27 @@ typedef struct Pictures {
     size_t *counts;               // [height] of values, with a mask
 } Pictures;
 
+static double squared_numbers(const real *a, const real *b, size_t count) {
+    double sum = 0;
+#pragma omp simd reduction(+ : sum)
+    for (size_t i = 0; i < count; i++) {
+        const double difference = (double)a[i] - (double)b[i];
+        sum += difference * difference;
+    }
+    return sum;
+}
+
 static double squared_row(const void *argument, int y) {
     const Pictures *p = argument;
-    const size_t width = (size_t)p->a->width, channels = (size_t)p->a->channels;
-    const real *a = p->a->data + (size_t)y * width * channels, *b = p->b->data + (size_t)y * width * channels;
+    const size_t width = (size_t)p->a->width, channels = (size_t)p->a->channels, first = (size_t)y * width;
+    const real *a = p->a->data + first * channels, *b = p->b->data + first * channels;
     double sum = 0;
-    if (p->counts) p->counts[y] = 0;
+    if (!p->mask) return squared_numbers(a, b, width * channels);
+    p->counts[y] = 0;
     for (size_t i = 0; i < width; i++) {
-        if (p->mask && !(p->mask->data[(size_t)y * width + i] > 0.5F)) continue;
-        for (size_t k = i * channels; k < (i + 1) * channels; k++) {
-            const double difference = (double)a[k] - b[k];
-            sum += difference * difference;
-        }
-        if (p->counts) p->counts[y] += channels;
+        if (!(p->mask->data[first + i] > 0.5F)) continue;
+        sum += squared_numbers(a + i * channels, b + i * channels, channels);
+        p->counts[y] += channels;
     }
     return sum;
 }
