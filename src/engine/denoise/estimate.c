@@ -44,7 +44,7 @@ static bool inside(const FfpImage *coverage, int x, int y) {
     return true;
 }
 
-// Samples of row y, from `at` on; returns the place behind the last. stack NULL: only counts.
+// Samples of row y, from `at` on; returns the place after the last one. stack NULL: only counts.
 static int64_t sample_row(const Samples *s, const FfpView *view, const real *stack, int y, int64_t at) {
     const int width = view->camera.width;
     for (int x = 1; x + 1 < width; x += s->step) {
@@ -145,8 +145,7 @@ static int64_t covariance(const Samples *s, int n, const double *direction, doub
     int64_t count = 0;
 #pragma omp parallel for schedule(static)
     for (int k = 0; k < PARTS; k++)
-        parts[k] =
-            products_of(s, k * s->count / PARTS, (k + 1) * s->count / PARTS, n, direction, most);
+        parts[k] = products_of(s, k * s->count / PARTS, (k + 1) * s->count / PARTS, n, direction, most);
     memset(a, 0, (size_t)(n * n) * sizeof *a);
     for (int k = 0; k < PARTS; k++) {
         count += parts[k].count;

@@ -26,6 +26,7 @@ real *ffp_stack_new(const FfpView *view, const int photographs[FFP_PHOTOGRAPHS])
 #pragma omp parallel for schedule(static)
     for (size_t i = 0; i < pixels; i++)
         for (size_t p = 0; p < FFP_PHOTOGRAPHS; p++)
-            memcpy(stack + i * FFP_VALUES + 3 * p, view->images[photographs[p]].data + 3 * i, 3 * sizeof *stack);
+            memcpy(stack + i * FFP_VALUES + 3 * p, view->images[photographs[p]].data + 3 * i,
+                   3 * sizeof *stack);
     return stack;
 }

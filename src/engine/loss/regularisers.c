@@ -113,10 +113,10 @@ double ffp_distance_loss(const real *t, const real *truth, int64_t count, real w
 typedef struct Pairs { // of neighbours that both count
     int width, height, channels;
     bool *used;         // [pixels]
-    real *right, *down; // [pixels,channels] what the pair of a pixel with its right one, or with the one below,
-                        // adds to that one's slope and takes from its own; 0: no pair
-    int *counts;        // [height] of pairs
-    const real *values; // [pixels,channels] unit normals, or sums of roughness,
+    real *right, *down; // [pixels,channels] what the pair of a pixel with its right one, or with the one
+                        // below, adds to that one's slope and takes from its own; 0: no pair
+    int *counts;                  // [height] of pairs
+    const real *values;           // [pixels,channels] unit normals, or sums of roughness,
     const real *albedo, *opacity; // with these
 } Pairs;
 

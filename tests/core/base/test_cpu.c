@@ -1,6 +1,6 @@
 // Which kernels run: names, order, and what cannot run here.
-#include "core/base/cpu.h"
 #include <stdlib.h>
+#include "core/base/cpu.h"
 #include "support.h"
 
 static void levels(void **state) {
