@@ -115,8 +115,8 @@ typedef struct Pairs { // of neighbours that both count
     bool *used;         // [pixels]
     real *right, *down; // [pixels,channels] what the pair of a pixel with its right one, or with the one
                         // below, adds to that one's slope and takes from its own; 0: no pair
-    int *counts;                  // [height] of pairs
-    const real *values;           // [pixels,channels] unit normals, or sums of roughness,
+    int *counts;        // [height] of pairs
+    const real *values; // [pixels,channels] unit normals, or sums of roughness,
     const real *albedo, *opacity; // with these
 } Pairs;
 
